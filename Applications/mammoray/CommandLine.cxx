@@ -1,0 +1,254 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "CommandLine.h"
+
+#include <nlohmann/json.hpp>
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <csignal>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+
+namespace mammoray
+{
+namespace
+{
+volatile std::sig_atomic_t interruptCount = 0;
+
+void OnInterrupt(int)
+{
+  interruptCount = interruptCount + 1;
+  if (interruptCount > 1)
+  {
+    // The second Ctrl-C does what the user is used to.
+    std::signal(SIGINT, SIG_DFL);
+    std::raise(SIGINT);
+  }
+}
+
+std::string JsonScalar(const nlohmann::json& value, const std::string& key)
+{
+  if (value.is_string())
+  {
+    return value.get<std::string>();
+  }
+  if (value.is_boolean())
+  {
+    return value.get<bool>() ? "true" : "false";
+  }
+  if (value.is_number())
+  {
+    return value.dump();
+  }
+  throw CLI::ConversionError("configuration: '" + key + "' is neither a value nor a list of values");
+}
+
+/// CLI11 reads and prints configuration through this; see AddConfigurationOptions for the format.
+class JsonConfiguration : public CLI::Config
+{
+public:
+  std::string to_config(
+    const CLI::App* command, bool withDefaults, bool /*descriptions*/, std::string) const override
+  {
+    nlohmann::ordered_json values = nlohmann::ordered_json::object();
+    for (const CLI::Option* option : command->get_options({}))
+    {
+      if (option->get_lnames().empty() || !option->get_configurable())
+      {
+        continue;
+      }
+      const std::string name = option->get_lnames().front();
+      if (option->get_type_size() == 0)
+      {
+        values[name] = option->count() > 0;
+      }
+      else if (option->count() == 1)
+      {
+        values[name] = AsJson(option->results().front());
+      }
+      else if (option->count() > 1)
+      {
+        for (const std::string& result : option->results())
+        {
+          values[name].push_back(AsJson(result));
+        }
+      }
+      else if (withDefaults && !option->get_default_str().empty())
+      {
+        values[name] = AsJson(option->get_default_str());
+      }
+    }
+    return values.dump(2) + "\n";
+  }
+
+  std::vector<CLI::ConfigItem> from_config(std::istream& input) const override
+  {
+    nlohmann::json values;
+    try
+    {
+      values = nlohmann::json::parse(input);
+    }
+    catch (const nlohmann::json::parse_error& error)
+    {
+      throw CLI::ConversionError(std::string("configuration: not JSON: ") + error.what());
+    }
+    if (!values.is_object())
+    {
+      throw CLI::ConversionError("configuration: expected a JSON object of options");
+    }
+    std::vector<CLI::ConfigItem> entries;
+    for (const auto& [key, value] : values.items())
+    {
+      CLI::ConfigItem item;
+      item.name = key;
+      if (value.is_array())
+      {
+        for (const auto& element : value)
+        {
+          item.inputs.push_back(JsonScalar(element, key));
+        }
+      }
+      else
+      {
+        item.inputs.push_back(JsonScalar(value, key));
+      }
+      entries.push_back(item);
+    }
+    return entries;
+  }
+
+private:
+  static nlohmann::ordered_json AsJson(const std::string& text)
+  {
+    if (nlohmann::ordered_json::accept(text))
+    {
+      auto value = nlohmann::ordered_json::parse(text);
+      if (value.is_number() || value.is_boolean())
+      {
+        return value;
+      }
+    }
+    return text;
+  }
+};
+}
+
+void AddConfigurationOptions(CLI::App& command)
+{
+  command.config_formatter(std::make_shared<JsonConfiguration>());
+  command.set_config("--config", "", "read options from a JSON file")->check(CLI::ExistingFile);
+  command.allow_config_extras(CLI::config_extras_mode::error);
+  command
+    .add_flag_callback(
+      "--print-config",
+      [&command]()
+      {
+        std::fputs(command.config_to_str(true, false).c_str(), stdout);
+        throw CLI::Success();
+      },
+      "print the options as JSON for --config, and stop")
+    ->configurable(false)
+    ->trigger_on_parse(false);
+}
+
+bool InterruptRequested()
+{
+  static const bool installed = []
+  {
+    std::signal(SIGINT, OnInterrupt);
+    return true;
+  }();
+  return installed && interruptCount > 0;
+}
+
+ProgressCallback MakeProgressBar()
+{
+  const bool terminal = isatty(STDERR_FILENO) != 0;
+  auto lastPercent = std::make_shared<int>(-1);
+  auto lastStage = std::make_shared<std::string>();
+  return [=](double fraction, const char* stage)
+  {
+    const int percent = std::clamp(static_cast<int>(100 * fraction), 0, 100);
+    if (terminal && (percent != *lastPercent || *lastStage != stage))
+    {
+      const std::string bar(percent / 4, '#');
+      std::fprintf(stderr, "\r\033[K%-32s [%-25s] %3d %%", stage, bar.c_str(), percent);
+      if (percent == 100)
+      {
+        std::fputs("\r\033[K", stderr);
+      }
+      std::fflush(stderr);
+      *lastPercent = percent;
+      *lastStage = stage;
+    }
+    return !InterruptRequested();
+  };
+}
+
+void CheckOutputFile(const std::string& path, bool overwrite)
+{
+  namespace fs = std::filesystem;
+  if (path.empty())
+  {
+    throw InputError("output: expected a file name, found an empty one");
+  }
+  const fs::path folder = fs::absolute(fs::path(path)).parent_path();
+  if (!fs::is_directory(folder))
+  {
+    throw InputError("output " + path + ": there is no folder " + folder.string());
+  }
+  if (access(folder.c_str(), W_OK) != 0)
+  {
+    throw InputError("output " + path + ": the folder " + folder.string() + " is not writable");
+  }
+  if (fs::is_directory(path))
+  {
+    throw InputError("output " + path + ": expected a file name, found a folder");
+  }
+  if (fs::exists(path) && !overwrite)
+  {
+    throw InputError("output " + path + ": exists already; --overwrite replaces it");
+  }
+}
+
+void WriteComplete(
+  const std::string& path, const std::function<void(const std::string& temporary)>& write)
+{
+  namespace fs = std::filesystem;
+  const fs::path target(path);
+  const fs::path temporary = fs::absolute(target).parent_path() /
+    (target.stem().string() + ".partial-" + std::to_string(getpid()) + target.extension().string());
+  try
+  {
+    write(temporary.string());
+    fs::rename(temporary, target);
+  }
+  catch (...)
+  {
+    std::error_code ignored;
+    fs::remove(temporary, ignored);
+    throw;
+  }
+}
+
+const std::string& CheckInputFile(const std::string& path)
+{
+  namespace fs = std::filesystem;
+  if (!fs::exists(path))
+  {
+    throw InputError(path + ": no such file");
+  }
+  if (fs::is_directory(path))
+  {
+    throw InputError(path + ": expected a file, found a folder");
+  }
+  if (!std::ifstream(path))
+  {
+    throw InputError(path + ": cannot be opened for reading");
+  }
+  return path;
+}
+}

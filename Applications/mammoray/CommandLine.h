@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the sub-commands share: configuration files, progress, output files. No algorithms here.
+#ifndef mammoray_CommandLine_h
+#define mammoray_CommandLine_h
+
+#include "Progress.h"
+
+#include <CLI/CLI.hpp>
+
+#include <functional>
+#include <string>
+
+namespace mammoray
+{
+/**
+ * Adds --config FILE.json and --print-config to a sub-command. Keys of the file are the long option names
+ * without dashes; an option on the command line wins over the file. Call it after the options are added.
+ */
+void AddConfigurationOptions(CLI::App& command);
+
+/**
+ * A callback that draws a progress bar on stderr when that is a terminal, and asks to stop once Ctrl-C was
+ * pressed.
+ */
+ProgressCallback MakeProgressBar();
+
+/// True once Ctrl-C was pressed; installs the handler at the first call.
+bool InterruptRequested();
+
+/**
+ * Throws InputError unless `path` can become an output file: its folder exists and is writable, and nothing
+ * is there yet unless `overwrite`. Call it before the work begins.
+ */
+void CheckOutputFile(const std::string& path, bool overwrite);
+
+/**
+ * Calls `write` with a temporary name of the same extension in the same folder and renames the file to
+ * `path` when it returns; removes it when it throws. An existing file is replaced.
+ */
+void WriteComplete(
+  const std::string& path, const std::function<void(const std::string& temporary)>& write);
+
+/// The path itself when the file exists and can be read; throws InputError otherwise.
+const std::string& CheckInputFile(const std::string& path);
+
+// One per sub-command, each in its own file.
+}
+
+#endif

@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: Apache-2.0
+#ifndef mammoray_CompressionSimulation_h
+#define mammoray_CompressionSimulation_h
+
+#include "Progress.h"
+#include "TetrahedralMesh.h"
+#include "Vector3.h"
+#include "mammorayBiomechanicsModule.h"
+
+#include <functional>
+#include <memory>
+#include <vector>
+
+namespace mammoray
+{
+/// Isotropic, nearly incompressible neo-Hookean material by its small-strain constants.
+struct ElasticMaterial
+{
+  /// kPa, positive.
+  double YoungsModulusKPa = 5.0;
+  /// [0, 0.5)
+  double PoissonRatio = 0.49;
+};
+
+/**
+ * A rigid plate: a slab that fills Dot(x - Edge, Normal) <= 0 and Dot(x - Edge, Inward) >= 0, its
+ * chest-wall edge rounded; unlimited in every other direction. In the frame of the mesh.
+ */
+struct Plate
+{
+  /// A point on the (unrounded) chest-wall edge of the contact face, mm.
+  Vector3 Edge{ 0, 0, 0 };
+  /// Unit normal of the contact face, out of the plate, towards the breast.
+  Vector3 Normal{ 0, 0, 1 };
+  /// Unit vector in the contact face from the chest-wall edge into the plate; orthogonal to Normal.
+  Vector3 Inward{ 0, 1, 0 };
+  /// Radius of the chest-wall edge, mm; not negative.
+  double EdgeRadiusMm = 3.0;
+};
+
+/// Rate of change of a plate with a parameter: x' = Linear + Angular x (x - Edge), per unit of it.
+struct PlateVelocity
+{
+  Vector3 Linear{ 0, 0, 0 };
+  Vector3 Angular{ 0, 0, 0 };
+};
+
+struct PlatePair
+{
+  Plate Support;
+  Plate Paddle;
+};
+
+struct PlatePairVelocity
+{
+  PlateVelocity Support;
+  PlateVelocity Paddle;
+};
+
+struct CompressionOptions
+{
+  /// Contact: pressure = ContactStiffness * penetration^2, kPa / mm^2.
+  double ContactStiffness = 2000.0;
+  /// Newton stops when the residual force falls below this fraction of the contact force (or of the
+  /// stiffness scale while there is no contact).
+  double RelativeTolerance = 1e-8;
+  int MaximumNewtonSteps = 60;
+  /// Largest closing of the plates in one load step of a cold start, as a fraction of the open gap.
+  double LargestLoadStep = 0.1;
+};
+
+/// A converged state of equilibrium.
+struct CompressionState
+{
+  /// Positions of the simulation nodes, 3 x nodeCount, mm.
+  std::vector<double> Positions;
+  /// Plates of this state.
+  PlatePair Plates;
+  /// Force of the paddle on the breast along its normal, N (kPa mm^2 = 1e-3 N).
+  double PaddleForceN = 0;
+  double SupportForceN = 0;
+  /// Deepest penetration of a contact point, mm.
+  double LargestPenetrationMm = 0;
+  /// Smallest and largest det F over the quadrature points.
+  double SmallestJ = 1;
+  double LargestJ = 1;
+  /// Deformed / undeformed volume.
+  double VolumeRatio = 1;
+  /// Norm of the residual force over that of the contact force.
+  double RelativeResidual = 0;
+  int NewtonSteps = 0;
+  int LoadSteps = 0;
+  double Seconds = 0;
+};
+
+/**
+ * Quasi-static compression of a nearly incompressible neo-Hookean body between two plates as a minimum of
+ * energy (DESIGN.md section 6): psi = mu/2 (J^(-2/3) tr F^T F - 3) + kappa/2 (J - 1)^2 on quadratic tetrahedra made
+ * from the given linear ones; frictionless contact by a C2 penalty; held nodes do not move.
+ */
+class MAMMORAYBIOMECHANICS_EXPORT CompressionSimulation
+{
+public:
+  /// Material index at a position of the undeformed body (mm, frame of the mesh); 0 = outside.
+  using MaterialField = std::function<int(const Vector3&)>;
+
+  /**
+   * `mesh`: linear tetrahedra; its cell materials index `materials`. With a `field` the mesh need not follow the
+   * anatomy: stiffness is averaged around each quadrature point from it (positions where it answers 0 or
+   * a held material fall back on the cell's material). `held[m]` tells whether material m does not
+   * move: every node of a cell of such a material is fixed. Throws InputError.
+   */
+  CompressionSimulation(const TetrahedralMesh& mesh, const std::vector<ElasticMaterial>& materials,
+    const std::vector<bool>& held, const MaterialField& field = {},
+    const CompressionOptions& options = {});
+  ~CompressionSimulation();
+  CompressionSimulation(CompressionSimulation&&) noexcept;
+  CompressionSimulation& operator=(CompressionSimulation&&) noexcept;
+
+  /**
+   * Equilibrium between the plates. Cold: the plates are first opened along their normals until they
+   * touch nothing, then closed in load steps. Warm: starts at `start` (a state of this
+   * simulation) and goes straight to the new plates, in steps where that fails. Deterministic. Throws
+   * ConvergenceError that names the last gap reached, or Interrupted.
+   */
+  CompressionState Compress(const PlatePair& plates, const CompressionState* start = nullptr,
+    const ProgressCallback& progress = {}) const;
+
+  /**
+   * dx/dp at a converged state for parameters that move the plates, by the implicit function theorem:
+   * one back-substitution each. Returns one vector of 3 x nodeCount (mm per unit of p) for each.
+   */
+  std::vector<std::vector<double>> Sensitivities(
+    const CompressionState& state, const std::vector<PlatePairVelocity>& velocities) const;
+
+  std::size_t NumberOfNodes() const;
+  std::size_t NumberOfUnknowns() const;
+  /// Undeformed node positions, 3 x nodeCount, mm. The first nodes are the mesh's points.
+  const std::vector<double>& RestPositions() const;
+
+private:
+  friend class Embedding;
+  struct Internals;
+  std::unique_ptr<Internals> Internal;
+};
+
+/**
+ * Points that move with a simulation: x = sum_i N_i(xi) x_i of the cell that holds (or is nearest to)
+ * each of them at rest.
+ */
+class MAMMORAYBIOMECHANICS_EXPORT Embedding
+{
+public:
+  /// `points`: 3 x pointCount at rest, mm, frame of the simulation's mesh.
+  Embedding(const CompressionSimulation& simulation, const std::vector<double>& points);
+  /// Moves the points with node positions (or velocities) of the simulation; 3 x pointCount.
+  std::vector<double> Map(const std::vector<double>& nodeValues) const;
+  /// Largest distance of a point outside its cell, mm.
+  double LargestDistanceMm() const { return this->Distance; }
+
+private:
+  /// Ten node indices and weights per point.
+  std::vector<std::int32_t> Nodes;
+  std::vector<double> Weights;
+  double Distance = 0;
+};
+}
+
+#endif

@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "MammographyGeometry.h"
+
+#include "Error.h"
+
+#include <limits>
+#include <numbers>
+
+namespace mammoray
+{
+AnatomicalAxes AnatomicalAxes::FromCode(const std::string& code)
+{
+  AnatomicalAxes axes;
+  bool seen[3] = { false, false, false };
+  for (std::size_t a = 0; a < code.size() && code.size() == 3; ++a)
+  {
+    Vector3 unit{ 0, 0, 0 };
+    unit[a] = 1.0;
+    switch (code[a])
+    {
+      case 'L':
+      case 'R':
+        axes.Left = (code[a] == 'L' ? 1.0 : -1.0) * unit;
+        seen[0] = true;
+        break;
+      case 'A':
+      case 'P':
+        axes.Anterior = (code[a] == 'A' ? 1.0 : -1.0) * unit;
+        seen[1] = true;
+        break;
+      case 'S':
+      case 'I':
+        axes.Superior = (code[a] == 'S' ? 1.0 : -1.0) * unit;
+        seen[2] = true;
+        break;
+      default:
+        break;
+    }
+  }
+  if (!(seen[0] && seen[1] && seen[2]))
+  {
+    throw InputError("orientation '" + code +
+      "': expected three letters, one each of L/R, A/P and S/I, for example LPS");
+  }
+  return axes;
+}
+
+Vector3 FindPoseAnchor(
+  const LabelVolume& materials, const std::vector<bool>& held, const AnatomicalAxes& axes)
+{
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  double low[3] = { infinity, infinity, infinity };
+  double high[3] = { -infinity, -infinity, -infinity };
+  double heldFront = -infinity;
+  const Vector3 directions[3] = { axes.Left, axes.Anterior, axes.Superior };
+  // A voxel's extent along a direction: half of its projected edges.
+  double half[3];
+  for (int d = 0; d < 3; ++d)
+  {
+    half[d] = 0;
+    for (int a = 0; a < 3; ++a)
+    {
+      half[d] += 0.5 * materials.Spacing[a] * std::abs(Dot(materials.Direction[a], directions[d]));
+    }
+  }
+  for (int k = 0; k < materials.Size[2]; ++k)
+  {
+    for (int j = 0; j < materials.Size[1]; ++j)
+    {
+      for (int i = 0; i < materials.Size[0]; ++i)
+      {
+        const int material = materials.Voxels[materials.Index(i, j, k)];
+        if (material == 0)
+        {
+          continue;
+        }
+        const Vector3 point = materials.PointAt(i, j, k);
+        for (int d = 0; d < 3; ++d)
+        {
+          const double coordinate = Dot(point, directions[d]);
+          low[d] = std::min(low[d], coordinate - half[d]);
+          high[d] = std::max(high[d], coordinate + half[d]);
+        }
+        if (static_cast<std::size_t>(material) < held.size() && held[material])
+        {
+          heldFront = std::max(heldFront, Dot(point, axes.Anterior) + half[1]);
+        }
+      }
+    }
+  }
+  if (low[0] > high[0])
+  {
+    throw InputError("pose: expected tissue in the volume, found only air");
+  }
+  const double chestWall = std::isfinite(heldFront) ? heldFront : low[1];
+  return 0.5 * (low[0] + high[0]) * axes.Left + chestWall * axes.Anterior +
+    0.5 * (low[2] + high[2]) * axes.Superior;
+}
+
+VolumeFromGantry PlaceUnit(const AnatomicalAxes& axes, const Vector3& anchor,
+  const MammographyUnit& unit, const BreastPose& pose)
+{
+  const double roll = pose.RollDeg * std::numbers::pi / 180.0;
+  VolumeFromGantry placed;
+  placed.X = std::cos(roll) * axes.Left - std::sin(roll) * axes.Superior;
+  placed.Y = axes.Anterior;
+  placed.Z = std::sin(roll) * axes.Left + std::cos(roll) * axes.Superior;
+  placed.Origin = anchor + pose.ShiftLateralMm * placed.X + pose.ShiftAnteriorMm * placed.Y +
+    (pose.ShiftVerticalMm - 0.5 * pose.ThicknessMm - unit.SupportHeightMm) * placed.Z;
+  return placed;
+}
+}

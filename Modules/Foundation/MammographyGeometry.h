@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: Apache-2.0
+#ifndef mammoray_MammographyGeometry_h
+#define mammoray_MammographyGeometry_h
+
+#include "LabelVolume.h"
+#include "Vector3.h"
+#include "mammorayFoundationModule.h"
+
+#include <string>
+
+namespace mammoray
+{
+/**
+ * Anatomical directions of a volume frame: unit vectors towards the patient's left, front and head.
+ *
+ * The *gantry frame* has its origin where the chest-wall edge of the image receptor meets its midline;
+ * +x along that edge (patient left in CC), +y from chest wall to nipple, +z from receptor to source.
+ * (left, anterior, superior) is a left-handed triple, so meshes are never stored in the gantry frame:
+ * they stay in the volume frame and the mammography unit is placed around them.
+ */
+struct MAMMORAYFOUNDATION_EXPORT AnatomicalAxes
+{
+  Vector3 Left{ 1, 0, 0 };
+  Vector3 Anterior{ 0, -1, 0 };
+  Vector3 Superior{ 0, 0, 1 };
+
+  /**
+   * From the directions of +x, +y and +z as three letters of L/R, A/P, S/I: "LPS" (DICOM, the
+   * default), "RAS", or "ALS" for the FDA phantoms. Throws InputError on anything else.
+   */
+  static AnatomicalAxes FromCode(const std::string& code);
+};
+
+/// The mammography unit: what the DICOM header says and what is fixed by its construction; mm.
+struct MammographyUnit
+{
+  /// Source to image receptor plane; positive.
+  double SourceToDetectorMm = 650.0;
+  /// Height of the breast support's upper face above the image receptor plane; not negative.
+  double SupportHeightMm = 2.0;
+  /// y of the plates' chest-wall edges in the gantry frame.
+  double SupportEdgeMm = 0.0;
+  double PaddleEdgeMm = 0.0;
+  /// Radius of the plates' chest-wall edges.
+  double EdgeRadiusMm = 3.0;
+};
+
+/**
+ * Where the unit stands relative to the breast, and how far it is closed. All zero but the thickness:
+ * a CC view with the plates' middle on the breast's middle and the receptor's edge at the chest wall.
+ */
+struct BreastPose
+{
+  /// Distance between the faces of support and paddle, mm; positive.
+  double ThicknessMm = 50.0;
+  /**
+   * Rotation of the unit about the anterior axis through the anchor, degrees, right-handed about
+   * +anterior seen from the front: 0 is CC. A positive angle turns the source from superior towards
+   * the patient's left.
+   */
+  double RollDeg = 0.0;
+  /// Shift of the receptor along gantry +x relative to the anchor, mm.
+  double ShiftLateralMm = 0.0;
+  /// Shift of the receptor along gantry +y (away from the chest wall) relative to the anchor, mm.
+  double ShiftAnteriorMm = 0.0;
+  /// Shift of the plates' mid-plane along gantry +z relative to the anchor, mm.
+  double ShiftVerticalMm = 0.0;
+};
+
+/// volumePoint = Origin + x * X + y * Y + z * Z for a gantry point (x, y, z); X, Y, Z orthonormal.
+struct MAMMORAYFOUNDATION_EXPORT VolumeFromGantry
+{
+  Vector3 Origin{ 0, 0, 0 };
+  Vector3 X{ 1, 0, 0 };
+  Vector3 Y{ 0, 1, 0 };
+  Vector3 Z{ 0, 0, 1 };
+
+  Vector3 Point(const Vector3& gantry) const
+  {
+    return this->Origin + gantry[0] * this->X + gantry[1] * this->Y + gantry[2] * this->Z;
+  }
+  Vector3 Direction(const Vector3& gantry) const
+  {
+    return gantry[0] * this->X + gantry[1] * this->Y + gantry[2] * this->Z;
+  }
+  /// The inverse: a point of the volume frame in the gantry frame.
+  Vector3 ToGantry(const Vector3& volumePoint) const
+  {
+    const Vector3 offset = volumePoint - this->Origin;
+    return { Dot(offset, this->X), Dot(offset, this->Y), Dot(offset, this->Z) };
+  }
+};
+
+/**
+ * The point of the volume frame the pose refers to: the middle of the tissue's bounding box across and
+ * along the body, at the front of the held tissue (chest wall), or at the tissue's posterior end where
+ * no material is held. `materials` is a volume of material indices, `held[m]` tells whether m is held.
+ */
+MAMMORAYFOUNDATION_EXPORT Vector3 FindPoseAnchor(
+  const LabelVolume& materials, const std::vector<bool>& held, const AnatomicalAxes& axes);
+
+/// Places the unit: support face at z = SupportHeightMm, paddle face ThicknessMm above it.
+MAMMORAYFOUNDATION_EXPORT VolumeFromGantry PlaceUnit(const AnatomicalAxes& axes,
+  const Vector3& anchor, const MammographyUnit& unit, const BreastPose& pose);
+}
+
+#endif

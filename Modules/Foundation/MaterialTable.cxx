@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "MaterialTable.h"
+
+#include "Error.h"
+
+namespace mammoray
+{
+LabelVolume MaterialTable::ToMaterials(
+  const LabelVolume& labels, const std::string& volumeName) const
+{
+  std::string unknown;
+  std::vector<std::uint16_t> materialOf(65536, 0);
+  std::size_t tissueVoxels = 0;
+  for (const auto& [label, count] : labels.CountLabels())
+  {
+    const auto found = this->MaterialOfLabel.find(label);
+    if (found == this->MaterialOfLabel.end())
+    {
+      unknown += (unknown.empty() ? "" : ", ") + std::to_string(label) + " (" +
+        std::to_string(count) + " voxels)";
+      continue;
+    }
+    materialOf[label] = static_cast<std::uint16_t>(found->second);
+    tissueVoxels += found->second != 0 ? count : 0;
+  }
+  if (!unknown.empty())
+  {
+    throw InputError(
+      volumeName + ": label " + unknown + " is not in the material table '" + this->Name + "'");
+  }
+  if (tissueVoxels == 0)
+  {
+    throw InputError(volumeName + ": expected tissue, found only air by the material table '" +
+      this->Name + "'");
+  }
+  LabelVolume result = labels;
+  for (std::uint16_t& voxel : result.Voxels)
+  {
+    voxel = materialOf[voxel];
+  }
+  return result;
+}
+
+int MaterialTable::IndexOf(const std::string& name) const
+{
+  std::string known;
+  for (std::size_t index = 0; index < this->Materials.size(); ++index)
+  {
+    if (this->Materials[index].Name == name)
+    {
+      return static_cast<int>(index);
+    }
+    known += (known.empty() ? "" : ", ") + this->Materials[index].Name;
+  }
+  throw InputError("unknown material '" + name + "'; the table '" + this->Name + "' has " + known);
+}
+}

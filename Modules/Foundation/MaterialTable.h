@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+#ifndef mammoray_MaterialTable_h
+#define mammoray_MaterialTable_h
+
+#include "LabelVolume.h"
+#include "mammorayFoundationModule.h"
+
+#include <map>
+#include <string>
+#include <vector>
+
+namespace mammoray
+{
+/// What one material is to X-rays and to mechanics.
+struct Material
+{
+  /// Unique, not empty.
+  std::string Name;
+  /// Name of the attenuation table (see XRay's AttenuationTable); empty for air.
+  std::string Attenuation;
+  /// Mass density, g/cm^3; scales the attenuation table from its nominal density. Positive.
+  double DensityGPerCm3 = 1.0;
+  /// Young's modulus at small strain, kPa. Positive.
+  double YoungsModulusKPa = 5.0;
+  /// Poisson's ratio, [0, 0.5).
+  double PoissonRatio = 0.49;
+  /// True where the tissue is fixed to the body (chest wall, pectoral muscle): it does not move.
+  bool Held = false;
+};
+
+/**
+ * Which material each label of a volume is made of. Material 0 is always air; several labels may share
+ * a material.
+ */
+struct MAMMORAYFOUNDATION_EXPORT MaterialTable
+{
+  /// Name of the table, for messages and reports.
+  std::string Name;
+  /// Materials[0] is air.
+  std::vector<Material> Materials;
+  /// Label -> index into Materials.
+  std::map<int, int> MaterialOfLabel;
+
+  /**
+   * The volume with every label replaced by its material's index. Throws InputError that names each
+   * unknown label and its voxel count, and when no voxel is anything but air.
+   */
+  LabelVolume ToMaterials(const LabelVolume& labels, const std::string& volumeName) const;
+  /// Index of the material of that name; throws InputError with the known names otherwise.
+  int IndexOf(const std::string& name) const;
+};
+}
+
+#endif

@@ -1,0 +1,22 @@
+# Warnings and language level for a MammoRay module, set on our targets only.
+#
+#   mammoray_configure_module(<target>)
+#
+# Included from the top file: files under Modules/ run with VTK's older CMake policies.
+set(MAMMORAY_WARNING_FLAGS -Wall -Wextra -Wshadow -Wnon-virtual-dtor -Woverloaded-virtual
+  # Designated initialisers leave members at their stated defaults on purpose.
+  -Wno-missing-field-initializers)
+if (MAMMORAY_WARNINGS_AS_ERRORS)
+  list(APPEND MAMMORAY_WARNING_FLAGS -Werror)
+endif ()
+
+# For executables and tests.
+function (mammoray_configure_target target)
+  target_compile_features(${target} PRIVATE cxx_std_20)
+  target_compile_options(${target} PRIVATE $<$<COMPILE_LANGUAGE:CXX>:${MAMMORAY_WARNING_FLAGS}>)
+endfunction ()
+
+function (mammoray_configure_module module)
+  vtk_module_compile_features(${module} PUBLIC cxx_std_20)
+  vtk_module_compile_options(${module} PRIVATE $<$<COMPILE_LANGUAGE:CXX>:${MAMMORAY_WARNING_FLAGS}>)
+endfunction ()

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: Apache-2.0
+#ifndef mammoray_Mammogram_h
+#define mammoray_Mammogram_h
+
+#include "mammorayRegistrationModule.h"
+
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace mammoray
+{
+/// What a mammogram's header says and its pixels, free of the file format.
+struct MAMMORAYREGISTRATION_EXPORT Mammogram
+{
+  enum class Intent
+  {
+    ForProcessing,
+    ForPresentation
+  };
+
+  int Columns = 0;
+  int Rows = 0;
+  /**
+   * Rows * Columns values, row by row from the top. Modality LUT (rescale) applied; as stored otherwise.
+   */
+  std::vector<float> Pixels;
+  /// True for MONOCHROME1: small values are shown bright.
+  bool InvertedForDisplay = false;
+  Intent PresentationIntent = Intent::ForPresentation;
+  /// Distance of neighbouring columns and rows at the image receptor, mm.
+  double ColumnSpacingMm = 0.1;
+  double RowSpacingMm = 0.1;
+  /// "CC", "MLO", "ML", ...; empty where the header does not say.
+  std::string View;
+  /// 'L', 'R' or '?'.
+  char Laterality = '?';
+  /// Patient directions of a row (increasing column) and of a column (increasing row), as in the header
+  /// ("A", "P", "R", ...); empty where it does not say.
+  std::string RowDirection;
+  std::string ColumnDirection;
+  std::optional<double> BodyPartThicknessMm;
+  std::optional<double> PositionerPrimaryAngleDeg;
+  std::optional<double> SourceToDetectorMm;
+  std::optional<double> SourceToPatientMm;
+  std::optional<double> PeakKilovoltage;
+  std::string AnodeMaterial;
+  std::string FilterMaterial;
+};
+
+/**
+ * A mammogram made ready for registration: log attenuation on a pixel grid in the receptor plane (z = 0)
+ * of the gantry frame, with the breast outlined.
+ */
+struct MAMMORAYREGISTRATION_EXPORT RegistrationTarget
+{
+  int Columns = 0;
+  int Rows = 0;
+  /// Gantry x, y of the centre of pixel (0, 0), and of the steps to the next column and row, mm.
+  std::array<double, 2> Origin{ 0, 0 };
+  std::array<double, 2> ColumnStep{ 0.1, 0 };
+  std::array<double, 2> RowStep{ 0, 0.1 };
+  /**
+   * -ln(I / I0) up to scale and offset, bright where more is absorbed. Exact in scale and offset (I0
+   * taken from the unattenuated background) for For Processing images.
+   */
+  std::vector<float> LogAttenuation;
+  /// 1 inside the breast.
+  std::vector<unsigned char> BreastMask;
+  /// Distance to the breast's outline in the receptor plane, mm; negative inside. The image border that
+  /// cuts the breast (chest wall) is not outline.
+  std::vector<float> SignedDistanceMm;
+  /// What had to be assumed because the header did not say, a sentence each.
+  std::vector<std::string> Warnings;
+};
+}
+
+#endif

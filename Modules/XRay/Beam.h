@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: Apache-2.0
+#ifndef mammoray_Beam_h
+#define mammoray_Beam_h
+
+#include "PathLengthProjector.h"
+#include "mammorayXRayModule.h"
+
+#include <string>
+#include <vector>
+
+namespace mammoray
+{
+/// Photons by energy.
+struct MAMMORAYXRAY_EXPORT Spectrum
+{
+  std::string Name;
+  /// Ascending, keV.
+  std::vector<double> EnergiesKeV;
+  /// Photons per bin, any common factor; not negative, not all zero.
+  std::vector<double> Weights;
+
+  static Spectrum Monochromatic(double energyKeV);
+  /// Mean photon energy, keV.
+  double MeanEnergyKeV() const;
+  void Validate() const;
+};
+
+/// Linear attenuation of a material at its nominal density.
+struct MAMMORAYXRAY_EXPORT AttenuationTable
+{
+  std::string Name;
+  double NominalDensityGPerCm3 = 1.0;
+  /// Ascending, keV.
+  std::vector<double> EnergiesKeV;
+  /// Linear attenuation coefficient at each energy and the nominal density, 1/mm.
+  std::vector<double> MuPerMm;
+
+  /// Log-log interpolation, scaled by density / nominal density, 1/mm. Throws InputError outside the
+  /// table's energies.
+  double MuAt(double energyKeV, double densityGPerCm3) const;
+  void Validate() const;
+};
+
+/// What the detector counts.
+enum class DetectorResponse
+{
+  EnergyIntegrating, ///< D(E) = E
+  PhotonCounting     ///< D(E) = 1
+};
+
+/**
+ * The polychromatic Beer-Lambert law of a beam and a set of materials:
+ * I / I0 = sum_E w_E D(E) exp(-sum_m mu_m(E) L_m) / sum_E w_E D(E).
+ */
+class MAMMORAYXRAY_EXPORT Beam
+{
+public:
+  /**
+   * `tables[m]` is the attenuation of material m (null for material 0, air, whose attenuation is
+   * neglected) and `densities[m]` its density, g/cm^3.
+   */
+  Beam(const Spectrum& spectrum, DetectorResponse response,
+    const std::vector<const AttenuationTable*>& tables, const std::vector<double>& densities);
+
+  /// Transmission I / I0 in (0, 1] of each pixel; Rows * Columns values, row by row.
+  std::vector<float> Transmission(const PathLengthImage& image) const;
+  /// -ln of it, computed without loss where little is absorbed.
+  std::vector<float> LogAttenuation(const PathLengthImage& image) const;
+  /// Transmission of one ray; `lengthsMm[m]` for each material.
+  double Transmission(const double* lengthsMm) const;
+  int NumberOfMaterials() const { return this->MaterialCount; }
+
+private:
+  int MaterialCount = 0;
+  /// Normalised w_E D(E) per energy.
+  std::vector<double> Weights;
+  /// mu of material m at energy e, 1/mm: Mu[e * MaterialCount + m].
+  std::vector<double> Mu;
+};
+}
+
+#endif

@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: Apache-2.0
+#ifndef mammoray_PathLengthProjector_h
+#define mammoray_PathLengthProjector_h
+
+#include "SurfaceMesh.h"
+#include "Vector3.h"
+#include "mammorayXRayModule.h"
+
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace mammoray
+{
+/// Where the X-rays come from; in the frame of the mesh.
+struct XRaySource
+{
+  enum class Kind
+  {
+    Point,
+    Parallel
+  };
+  Kind Type = Kind::Point;
+  /// Point source: its position, mm.
+  Vector3 Position{ 0, 0, 650 };
+  /// Parallel beam: direction in which the X-rays travel; any length but zero.
+  Vector3 Direction{ 0, 0, -1 };
+};
+
+/// A flat pixel grid in any pose; in the frame of the mesh.
+struct XRayDetector
+{
+  /// Centre of pixel (column 0, row 0), mm.
+  Vector3 Origin{ 0, 0, 0 };
+  /// From a pixel's centre to that of the next column, and of the next row, mm.
+  Vector3 ColumnStep{ 0.1, 0, 0 };
+  Vector3 RowStep{ 0, 0.1, 0 };
+  int Columns = 1;
+  int Rows = 1;
+  /// Rays per pixel: a centred Samples x Samples grid whose path lengths' transmissions are averaged by
+  /// the caller, or whose path lengths are averaged (see PathLengthImage). 1 to 16.
+  int Samples = 1;
+};
+
+/// Path lengths along the ray of each pixel.
+struct PathLengthImage
+{
+  int Columns = 0;
+  int Rows = 0;
+  int Materials = 0;
+  /**
+   * mm; value[(material * Rows + row) * Columns + column]. Material 0 (air) is left 0. With several
+   * samples per pixel: their mean.
+   */
+  std::vector<float> Lengths;
+  /// 0 where the ray's crossings of every material cancel, else 1; Rows * Columns values.
+  std::vector<unsigned char> Inconsistent;
+
+  std::size_t NumberOfPixels() const { return static_cast<std::size_t>(this->Columns) * this->Rows; }
+  const float* Material(int material) const
+  {
+    return this->Lengths.data() + material * this->NumberOfPixels();
+  }
+  std::size_t NumberOfInconsistentRays() const;
+};
+
+/**
+ * Sums the length of each source-to-pixel ray in every material of a surface mesh,
+ * L_m = sum over hits (t - t_ref) ([back = m] - [front = m]), facing the source (DESIGN.md section 4):
+ * order-free, without a hit list. Only the part of a ray between source and pixel counts.
+ *
+ * Not thread-safe: one projector per thread. Every method may throw DeviceError.
+ */
+class MAMMORAYXRAY_EXPORT PathLengthProjector
+{
+public:
+  virtual ~PathLengthProjector() = default;
+  /// Replaces the mesh; builds what the device needs. Throws InputError on an unusable mesh.
+  virtual void SetSurface(const SurfaceMesh& surface) = 0;
+  /// New positions (3 x pointCount, mm) for the same triangles; refits.
+  virtual void UpdatePoints(const std::vector<double>& points) = 0;
+  /// Throws InputError on a degenerate detector or source.
+  virtual PathLengthImage Project(const XRaySource& source, const XRayDetector& detector) = 0;
+  /// Name of the device that does the work, for reports.
+  virtual std::string DeviceName() const = 0;
+};
+
+struct DeviceDescription
+{
+  /// As the driver reports it.
+  std::string Name;
+  std::string Driver;
+  /// "discrete GPU", "integrated GPU", "virtual GPU", "CPU" or "other".
+  std::string Type;
+  bool RayTracing = false;
+};
+
+struct ProjectorOptions
+{
+  /// Part of the wanted device's name (case-insensitive); empty takes the most capable one. The
+  /// environment variable MAMMORAY_DEVICE stands in for an empty name.
+  std::string Device;
+  /// Turns the Khronos validation layer on and its messages into DeviceError.
+  bool Validation = false;
+};
+
+/// Vulkan devices of this machine, best first; empty, with a reason, where there is no Vulkan.
+MAMMORAYXRAY_EXPORT std::vector<DeviceDescription> ListDevices(std::string* reason = nullptr);
+
+/// A projector that traces rays with VK_KHR_ray_tracing_pipeline. Throws DeviceError, in one line with
+/// the reason, when no device can.
+MAMMORAYXRAY_EXPORT std::unique_ptr<PathLengthProjector> MakeRayTracingProjector(
+  const ProjectorOptions& options = {});
+}
+
+#endif

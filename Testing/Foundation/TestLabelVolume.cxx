@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "Error.h"
+#include "LabelVolume.h"
+#include "MaterialTable.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <limits>
+
+using namespace mammoray;
+
+namespace
+{
+LabelVolume ObliqueVolume()
+{
+  LabelVolume volume;
+  volume.Size = { 3, 4, 5 };
+  volume.Origin = { 10, -20, 30 };
+  volume.Spacing = { 0.5, 1.5, 2.0 };
+  volume.Direction = { { { 0.6, 0.8, 0 }, { -0.8, 0.6, 0 }, { 0, 0, 1 } } };
+  volume.Voxels.resize(60);
+  for (std::size_t index = 0; index < volume.Voxels.size(); ++index)
+  {
+    volume.Voxels[index] = static_cast<std::uint16_t>(index % 7);
+  }
+  return volume;
+}
+
+MaterialTable TwoTissues()
+{
+  MaterialTable table;
+  table.Name = "two tissues";
+  table.Materials = { Material{ .Name = "air" }, Material{ .Name = "fat" },
+    Material{ .Name = "gland" } };
+  table.MaterialOfLabel = { { 0, 0 }, { 1, 1 }, { 2, 1 }, { 29, 2 } };
+  return table;
+}
+
+std::string MessageOf(const std::function<void()>& action)
+{
+  try
+  {
+    action();
+  }
+  catch (const InputError& error)
+  {
+    return error.what();
+  }
+  return "no InputError";
+}
+}
+
+TEST(LabelVolume, ObliqueIndexAndPointAreInverse)
+{
+  const LabelVolume volume = ObliqueVolume();
+  for (int k = 0; k < 5; ++k)
+  {
+    for (int j = 0; j < 4; ++j)
+    {
+      for (int i = 0; i < 3; ++i)
+      {
+        const Vector3 point = volume.PointAt(i, j, k);
+        const Vector3 index = volume.ContinuousIndex(point);
+        // 1e-12: a few double operations on numbers of size 40.
+        EXPECT_NEAR(index[0], i, 1e-12);
+        EXPECT_NEAR(index[1], j, 1e-12);
+        EXPECT_NEAR(index[2], k, 1e-12);
+        EXPECT_EQ(volume.LabelAt(point), volume.Voxels[volume.Index(i, j, k)]);
+      }
+    }
+  }
+  EXPECT_EQ(volume.LabelAt({ 1000, 0, 0 }), 0);
+  EXPECT_EQ(volume.LabelAt({ std::numeric_limits<double>::quiet_NaN(), 0, 0 }), 0);
+}
+
+TEST(LabelVolume, ValidateNamesWhatIsWrong)
+{
+  LabelVolume volume = ObliqueVolume();
+  EXPECT_NO_THROW(volume.Validate("volume"));
+  volume.Spacing[1] = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THAT(MessageOf([&] { volume.Validate("v.nrrd"); }),
+    testing::AllOf(testing::HasSubstr("v.nrrd"), testing::HasSubstr("spacing along axis 1")));
+  volume = ObliqueVolume();
+  volume.Direction[0] = { 1, 0, 0 };
+  EXPECT_THAT(MessageOf([&] { volume.Validate("v"); }), testing::HasSubstr("orthonormal"));
+  volume = ObliqueVolume();
+  volume.Voxels.pop_back();
+  EXPECT_THAT(MessageOf([&] { volume.Validate("v"); }),
+    testing::HasSubstr("expected 60 voxels, found 59"));
+}
+
+TEST(MaterialTable, MergesLabelsAndRefusesUnknownOnes)
+{
+  LabelVolume volume;
+  volume.Size = { 4, 1, 1 };
+  volume.Voxels = { 0, 1, 2, 29 };
+  EXPECT_THAT(TwoTissues().ToMaterials(volume, "v").Voxels, testing::ElementsAre(0, 1, 1, 2));
+  volume.Voxels = { 7, 1, 7, 29 };
+  EXPECT_THAT(MessageOf([&] { TwoTissues().ToMaterials(volume, "v"); }),
+    testing::HasSubstr("label 7 (2 voxels)"));
+  volume.Voxels = { 0, 0, 0, 0 };
+  EXPECT_THAT(
+    MessageOf([&] { TwoTissues().ToMaterials(volume, "v"); }), testing::HasSubstr("only air"));
+}
+
+TEST(MaterialTable, UnknownMaterialIsRefusedWithTheKnownOnes)
+{
+  EXPECT_EQ(TwoTissues().IndexOf("gland"), 2);
+  EXPECT_THAT(MessageOf([&] { TwoTissues().IndexOf("bone"); }),
+    testing::AllOf(testing::HasSubstr("'bone'"), testing::HasSubstr("air, fat, gland")));
+}
