@@ -54,9 +54,8 @@ struct BreastPose
   /// Distance between the faces of support and paddle, mm; positive.
   double ThicknessMm = 50.0;
   /**
-   * Rotation of the unit about the anterior axis through the anchor, degrees, right-handed about
-   * +anterior seen from the front: 0 is CC. A positive angle turns the source from superior towards
-   * the patient's left.
+   * Rotation of the unit about the anterior axis through the anchor, degrees: 0 is CC, a positive
+   * angle turns the source from above the patient towards the patient's left.
    */
   double RollDeg = 0.0;
   /// Shift of the receptor along gantry +x relative to the anchor, mm.
