@@ -50,12 +50,12 @@ void Evaluate(const EvaluateOptions& options)
   {
     const nlohmann::json result = nlohmann::json::parse(file);
     const nlohmann::json& placement = result.at("placement");
-    placed.Origin = ToVector(placement.at("origin_mm"));
+    placed.Origin = ToVector(placement.at("originMm"));
     placed.X = ToVector(placement.at("x"));
     placed.Y = ToVector(placement.at("y"));
     placed.Z = ToVector(placement.at("z"));
-    sid = result.at("unit").at("source_to_detector_mm").get<double>();
-    outline = result.at("agreement").at("mean_outline_distance_mm").get<double>();
+    sid = result.at("unit").at("sourceToDetectorMm").get<double>();
+    outline = result.at("meanOutlineDistanceMm").get<double>();
   }
   catch (const nlohmann::json::exception& error)
   {

@@ -100,8 +100,8 @@ void RunRegister(const RegisterOptions& options)
     }
   }
   std::printf("outline distance %.2f mm mean, %.2f mm largest; correlation %.3f\n",
-    result.Final.MeanOutlineDistanceMm, result.Final.LargestOutlineDistanceMm,
-    result.Final.Correlation);
+    registration.After.MeanOutlineDistanceMm, registration.After.LargestOutlineDistanceMm,
+    registration.After.Correlation);
   std::printf("%zu iterations, %d equilibria, %.0f s; %s\n", registration.Iterations.size(),
     registration.Evaluations, registration.Seconds, registration.StopReason.c_str());
   for (const std::string& warning : result.Warnings)

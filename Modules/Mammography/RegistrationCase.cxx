@@ -307,7 +307,7 @@ RegistrationCaseResult RunRegistrationCase(
   const BreastPose& pose = result.Registration.Pose;
   result.Placed = PlaceUnit(result.Axes, result.Anchor, result.Unit, pose);
   result.Synthetic = Synthesize(model, pose, result.Registration.State, result.Target, 1);
-  result.Final = Compare(result.Synthetic, result.Target);
+  result.Registration.After = Compare(result.Synthetic, result.Target);
   if (result.Synthetic.InconsistentRays > 0)
   {
     result.Warnings.push_back(std::to_string(result.Synthetic.InconsistentRays) +

@@ -68,10 +68,10 @@ struct RegistrationCaseResult
   /// Anatomy at rest and its points after compression, 3 x pointCount, mm; volume frame.
   TetrahedralMesh Anatomy;
   std::vector<double> CompressedPoints;
+  /// Its After is measured on the target's own grid.
   RegistrationResult Registration;
   /// On the target's grid.
   SyntheticMammogram Synthetic;
-  Agreement Final;
   /// Where the search put the unit.
   AnatomicalAxes Axes;
   Vector3 Anchor{ 0, 0, 0 };
