@@ -19,16 +19,29 @@ struct MAMMORAYREGISTRATION_EXPORT Mammogram
     ForProcessing,
     ForPresentation
   };
+  /// How stored values follow X-ray intensity (DICOM Pixel Intensity Relationship).
+  enum class Relationship
+  {
+    Unknown, ///< not said, or made for display
+    Linear,
+    Logarithmic
+  };
 
   int Columns = 0;
   int Rows = 0;
   /**
    * Rows * Columns values, row by row from the top. Modality LUT (rescale) applied; as stored otherwise.
+   * NaN where the header declares padding (no X-ray was measured there).
    */
   std::vector<float> Pixels;
   /// True for MONOCHROME1: small values are shown bright.
   bool InvertedForDisplay = false;
   Intent PresentationIntent = Intent::ForPresentation;
+  Relationship IntensityRelationship = Relationship::Unknown;
+  /// +1: larger values mean more X-ray intensity behind the breast; -1: less; 0: not said.
+  int IntensitySign = 0;
+  /// Bits per stored value, 1 to 16 (32 in rare files).
+  int BitsStored = 16;
   /// Distance of neighbouring columns and rows at the image receptor, mm.
   double ColumnSpacingMm = 0.1;
   double RowSpacingMm = 0.1;
@@ -48,6 +61,14 @@ struct MAMMORAYREGISTRATION_EXPORT Mammogram
   std::string AnodeMaterial;
   std::string FilterMaterial;
 };
+
+/**
+ * Rotation of the unit for a view, degrees, in the sense of BreastPose::RollDeg: 0 for CC, the source
+ * medial and above for MLO and ML, lateral for LM and LMO, below for FB. Oblique views take the size of
+ * PositionerPrimaryAngleDeg, 45 where it is absent or 0. Nothing when the view is not one of these, or
+ * needs a laterality that is not known.
+ */
+MAMMORAYREGISTRATION_EXPORT std::optional<double> NominalRollDeg(const Mammogram& mammogram);
 
 /**
  * A mammogram made ready for registration: log attenuation on a pixel grid in the receptor plane (z = 0)
