@@ -134,7 +134,7 @@ std::string ShortNumber(double value)
 {
   std::ostringstream stream;
   stream.imbue(std::locale::classic());
-  stream.precision(3);
+  stream.precision(6);
   stream << value;
   return stream.str();
 }
@@ -143,7 +143,7 @@ std::string ShortNumber(double value)
 /// of 20.
 std::string ConvergencePlot(const std::vector<RegistrationIteration>& iterations)
 {
-  constexpr double Width = 760;
+  constexpr double Width = 960;
   constexpr double Height = 320;
   constexpr double Left = 74;
   constexpr double Right = 150;
@@ -359,7 +359,7 @@ constexpr const char* Style = R"css(
 * { box-sizing: border-box; }
 body { margin: 0; background: #f3f4f6; color: var(--ink);
   font: 15px/1.55 system-ui, "Segoe UI", "Helvetica Neue", Arial, sans-serif; }
-main { max-width: 1080px; margin: 0 auto; padding: 32px 24px 48px; }
+main { max-width: 1240px; margin: 0 auto; padding: 32px 24px 48px; }
 header p { color: var(--quiet); margin: 4px 0 0; }
 h1 { font-size: 26px; line-height: 1.25; margin: 0; letter-spacing: -.01em; }
 h2 { font-size: 17px; margin: 0 0 12px; }
@@ -388,12 +388,13 @@ table { border-collapse: collapse; width: 100%; font-variant-numeric: tabular-nu
 th, td { text-align: left; padding: 7px 12px 7px 0; border-bottom: 1px solid var(--line); vertical-align: top; }
 tr:last-child td { border-bottom: 0; }
 th { font-weight: 600; font-size: 13px; color: var(--quiet); }
+td.value { text-align: right; padding-right: 0; }
 td.number, th.number { text-align: right; white-space: nowrap; }
 .columns { display: grid; grid-template-columns: 1fr 1fr; gap: 18px; }
 .columns section { min-width: 0; }
 code { font: 12px ui-monospace, Menlo, Consolas, monospace; color: var(--quiet); overflow-wrap: anywhere; }
 .flag { background: #fef3c7; border-radius: 4px; padding: 1px 6px; font-size: 12px; }
-section > svg { max-width: 100%; height: auto; display: block; }
+section > svg { width: 100%; height: auto; display: block; }
 footer { color: var(--quiet); font-size: 13px; margin-top: 22px; }
 @media (max-width: 820px) { .pictures, .figures { grid-template-columns: 1fr 1fr; }
   .columns { grid-template-columns: 1fr; } }
@@ -406,7 +407,7 @@ std::string Rows(const Lines& lines)
   for (const auto& [name, value] : lines)
   {
     html +=
-      "<tr><td>" + Escape(name) + "</td><td class=\"number\">" + Escape(value) + "</td></tr>\n";
+      "<tr><td>" + Escape(name) + "</td><td class=\"value\">" + Escape(value) + "</td></tr>\n";
   }
   return html + "</table>\n";
 }
@@ -450,7 +451,7 @@ std::string FiguresHtml(const RegistrationResult& result)
     figure(Format(result.Pose.ThicknessMm, 1), "mm", "compressed thickness") + "</div>\n";
 }
 
-std::string PicturesHtml(const RegistrationReport& report, const ReportPictures& pictures)
+std::string PicturesHtml(const ReportPictures& pictures)
 {
   const auto picture = [](const std::string& png, const std::string& name, const std::string& text)
   {
@@ -459,13 +460,8 @@ std::string PicturesHtml(const RegistrationReport& report, const ReportPictures&
   };
   const auto key = [](const char* color)
   { return std::string("<span class=\"key\" style=\"background:") + color + "\"></span>"; };
-  const RegistrationTarget& target = *report.Target;
-  const double along =
-    target.Columns * std::abs(target.ColumnStep[0]) + target.Rows * std::abs(target.RowStep[0]);
-  const double away =
-    target.Columns * std::abs(target.ColumnStep[1]) + target.Rows * std::abs(target.RowStep[1]);
   return std::string("<section>\n<h2>Pictures</h2>\n<div class=\"pictures") +
-    (away > 0.95 * along ? " wide" : "") + "\">\n" +
+    (pictures.Wide ? " wide" : "") + "\">\n" +
     picture(pictures.Real, "Real mammogram",
       "Log attenuation; the breast's outline " + key("#ff8c1a") + "as found in it.") +
     picture(pictures.Synthetic, "Synthetic mammogram",
@@ -565,7 +561,7 @@ std::string ReportHtml(const RegistrationReport& report, const Assessment& asses
     " · MammoRay " MAMMORAY_VERSION "</p>\n</header>\n";
   html += VerdictHtml(assessment);
   html += FiguresHtml(result);
-  html += PicturesHtml(report, pictures);
+  html += PicturesHtml(pictures);
   html += ParametersHtml(result);
   html += "<section>\n<h2>Course of the search</h2>\n" + plot + "</section>\n";
   html += "<div class=\"columns\">\n<section>\n<h2>Search and compression</h2>\n" +
