@@ -2,61 +2,19 @@
 #ifndef mammoray_CompressionSimulation_h
 #define mammoray_CompressionSimulation_h
 
+#include "ElasticBody.h"
+#include "PlateContact.h"
 #include "Progress.h"
 #include "TetrahedralMesh.h"
 #include "Vector3.h"
 #include "mammorayBiomechanicsModule.h"
 
-#include <functional>
+#include <cstdint>
 #include <memory>
 #include <vector>
 
 namespace mammoray
 {
-/// Isotropic, nearly incompressible neo-Hookean material by its small-strain constants.
-struct ElasticMaterial
-{
-  /// kPa, positive.
-  double YoungsModulusKPa = 5.0;
-  /// [0, 0.5)
-  double PoissonRatio = 0.49;
-};
-
-/**
- * A rigid plate: a slab that fills Dot(x - Edge, Normal) <= 0 and Dot(x - Edge, Inward) >= 0, its
- * chest-wall edge rounded; unlimited in every other direction. In the frame of the mesh.
- */
-struct Plate
-{
-  /// A point on the (unrounded) chest-wall edge of the contact face, mm.
-  Vector3 Edge{ 0, 0, 0 };
-  /// Unit normal of the contact face, out of the plate, towards the breast.
-  Vector3 Normal{ 0, 0, 1 };
-  /// Unit vector in the contact face from the chest-wall edge into the plate; orthogonal to Normal.
-  Vector3 Inward{ 0, 1, 0 };
-  /// Radius of the chest-wall edge, mm; not negative.
-  double EdgeRadiusMm = 3.0;
-};
-
-/// Rate of change of a plate with a parameter: x' = Linear + Angular x (x - Edge), per unit of it.
-struct PlateVelocity
-{
-  Vector3 Linear{ 0, 0, 0 };
-  Vector3 Angular{ 0, 0, 0 };
-};
-
-struct PlatePair
-{
-  Plate Support;
-  Plate Paddle;
-};
-
-struct PlatePairVelocity
-{
-  PlateVelocity Support;
-  PlateVelocity Paddle;
-};
-
 struct CompressionOptions
 {
   /// Contact: pressure = ContactStiffness * penetration^2, kPa / mm^2.
@@ -101,9 +59,6 @@ struct CompressionState
 class MAMMORAYBIOMECHANICS_EXPORT CompressionSimulation
 {
 public:
-  /// Material index at a position of the undeformed body (mm, frame of the mesh); 0 = outside.
-  using MaterialField = std::function<int(const Vector3&)>;
-
   /**
    * `mesh`: linear tetrahedra; its cell materials index `materials`. With a `field` the mesh need not follow the
    * anatomy: stiffness is averaged around each quadrature point from it (positions where it answers 0 or

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "DicomStructure.h"
 
-#include "vtk_zlib.h"
+#include <zlib.h>
 
 #include <cstdint>
 #include <cstring>

@@ -7,6 +7,7 @@
 #include "Mammogram.h"
 #include "MammographyGeometry.h"
 #include "PathLengthProjector.h"
+#include "PlacedPlates.h"
 #include "Progress.h"
 #include "mammorayRegistrationModule.h"
 
@@ -85,10 +86,6 @@ struct RegistrationResult
   int Evaluations = 0;
   double Seconds = 0;
 };
-
-/// The plates of a unit that stands at `placed` and is closed to `thicknessMm`; volume frame.
-MAMMORAYREGISTRATION_EXPORT PlatePair PlatesOf(
-  const VolumeFromGantry& placed, const MammographyUnit& unit, double thicknessMm);
 
 /// Source and a detector grid of the unit, volume frame; the grid is given in the receptor plane.
 MAMMORAYREGISTRATION_EXPORT XRaySource SourceOf(

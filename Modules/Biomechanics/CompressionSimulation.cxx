@@ -1,0 +1,232 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "CompressionSimulation.h"
+
+#include "EquilibriumSolver.h"
+#include "Error.h"
+#include "Private/CompressionInternals.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+
+namespace mammoray
+{
+namespace
+{
+/// Equilibrium between load steps is only a start for the next one.
+constexpr double IntermediateTolerance = 1e-3;
+constexpr int IntermediateNewtonSteps = 25;
+/// A cold start closes the plates with contact softer by this factor, then hardens it in these steps.
+constexpr double Softening = 1e-2;
+constexpr double Hardening = 10;
+
+std::vector<bool> FixedCoordinates(const ElasticBody& body, const TetrahedralMesh& mesh,
+  const std::vector<bool>& held)
+{
+  std::vector<bool> fixed(3 * body.NumberOfNodes(), false);
+  bool any = false;
+  for (std::size_t cell = 0; cell < mesh.NumberOfCells(); ++cell)
+  {
+    const auto material = static_cast<std::size_t>(mesh.Materials[cell]);
+    if (material < held.size() && held[material])
+    {
+      any = true;
+      for (int a = 0; a < ElasticBody::NodesPerCell; ++a)
+      {
+        const std::int32_t node = body.Cells()[ElasticBody::NodesPerCell * cell + a];
+        fixed[3 * node] = fixed[3 * node + 1] = fixed[3 * node + 2] = true;
+      }
+    }
+  }
+  if (!any)
+  {
+    throw InputError("simulation mesh: expected cells of a held material (chest wall), found none: "
+                     "the body could float away");
+  }
+  return fixed;
+}
+
+void CheckPlate(const Plate& plate, const char* name)
+{
+  const bool good = std::abs(Norm(plate.Normal) - 1) < 1e-6 &&
+    std::abs(Norm(plate.Inward) - 1) < 1e-6 && std::abs(Dot(plate.Normal, plate.Inward)) < 1e-6 &&
+    plate.EdgeRadiusMm >= 0 && std::isfinite(Norm(plate.Edge));
+  if (!good)
+  {
+    throw InputError(std::string(name) +
+      ": expected orthogonal unit vectors Normal and Inward and an edge radius of at least 0");
+  }
+}
+
+/// Distance of the faces, mm: of the paddle's edge from the face of the support.
+double Gap(const PlatePair& plates)
+{
+  return Dot(plates.Paddle.Edge - plates.Support.Edge, plates.Support.Normal);
+}
+
+std::string InMm(double value)
+{
+  char text[32];
+  std::snprintf(text, sizeof text, "%.2f mm", value);
+  return text;
+}
+
+/// Largest part of `motion` in one load step, given how far a plate may travel.
+double Travel(const PlatePairVelocity& motion)
+{
+  // Turning counts as the travel of a point 100 mm from the edge's reference point.
+  const auto travel = [](const PlateVelocity& v) { return Norm(v.Linear) + 100 * Norm(v.Angular); };
+  return std::max(travel(motion.Support), travel(motion.Paddle));
+}
+}
+
+CompressionSimulation::CompressionSimulation(const TetrahedralMesh& mesh,
+  const std::vector<ElasticMaterial>& materials, const std::vector<bool>& held,
+  const MaterialField& field, const CompressionOptions& options)
+{
+  if (!(options.ContactStiffness > 0) || !(options.RelativeTolerance > 0) ||
+    options.MaximumNewtonSteps < 1 || !(options.LargestLoadStep > 0))
+  {
+    throw InputError("compression options: expected positive values");
+  }
+  ElasticBody body(mesh, materials, field, held);
+  std::vector<bool> fixed = FixedCoordinates(body, mesh, held);
+  this->Internal = std::make_unique<Internals>(std::move(body), fixed, options);
+}
+
+CompressionSimulation::~CompressionSimulation() = default;
+CompressionSimulation::CompressionSimulation(CompressionSimulation&&) noexcept = default;
+CompressionSimulation& CompressionSimulation::operator=(CompressionSimulation&&) noexcept = default;
+
+CompressionState CompressionSimulation::Compress(const PlatePair& plates,
+  const CompressionState* start, const ProgressCallback& progress) const
+{
+  const auto begin = std::chrono::steady_clock::now();
+  CheckPlate(plates.Support, "support");
+  CheckPlate(plates.Paddle, "paddle");
+  EquilibriumSolver& solver = this->Internal->Solver;
+  const CompressionOptions& options = this->Internal->Options;
+
+  CompressionState state;
+  double largestStep = 1;
+  if (start)
+  {
+    if (start->Positions.size() != this->RestPositions().size())
+    {
+      throw InputError("compression: the start is not a state of this simulation: expected " +
+        std::to_string(this->RestPositions().size()) + " coordinates, found " +
+        std::to_string(start->Positions.size()));
+    }
+    state.Positions = start->Positions;
+    state.Plates = start->Plates;
+    // The edges are rounded as asked from the first step on.
+    state.Plates.Support.EdgeRadiusMm = plates.Support.EdgeRadiusMm;
+    state.Plates.Paddle.EdgeRadiusMm = plates.Paddle.EdgeRadiusMm;
+  }
+  else
+  {
+    state.Positions = this->RestPositions();
+    const std::array<double, 2> opening = solver.Opening(state.Positions, plates);
+    state.Plates = plates;
+    state.Plates.Support.Edge = plates.Support.Edge - opening[0] * plates.Support.Normal;
+    state.Plates.Paddle.Edge = plates.Paddle.Edge - opening[1] * plates.Paddle.Normal;
+    const double allowed = options.LargestLoadStep * std::abs(Gap(state.Plates));
+    largestStep = std::min(1.0, allowed / std::max(opening[0] + opening[1], 1e-12));
+  }
+
+  const PlatePair first = state.Plates;
+  const PlatePairVelocity motion = PlateMotion(first, plates);
+  const double smallestStep = 1e-3 * std::min(1.0, largestStep);
+  // Equal steps in a cold start: the last one should not be a sliver.
+  double step = 1 / std::ceil(1 / largestStep - 1e-9);
+  double done = 0;
+  double hardening = Hardening;
+  double softness = start ? 1 : Softening;
+  std::string reason;
+  while (done < 1 || softness < 1)
+  {
+    ReportProgress(progress, done, "compression");
+    const double next = done + step > 1 - 1e-9 ? 1 : done + step;
+    const double nextSoftness = done < 1 ? softness : std::min(1.0, softness * hardening);
+    solver.SetContactStiffness(options.ContactStiffness * nextSoftness);
+    const PlatePair target = next == 1 ? plates : MovedPlates(first, motion, next);
+    const bool last = next == 1 && nextSoftness > 0.999;
+
+    std::vector<double> positions = state.Positions;
+    const PlatePairVelocity advance = PlateMotion(state.Plates, target);
+    if (Travel(advance) > 0)
+    {
+      const std::vector<double> guess = solver.Predict(state.Positions, state.Plates, advance);
+      for (std::size_t c = 0; c < positions.size(); ++c)
+      {
+        positions[c] += guess[c];
+      }
+      if (!solver.Admissible(positions))
+      {
+        positions = state.Positions;
+      }
+    }
+    const auto continued = [&](double, const char*)
+    { return !progress || progress(done, "compression"); };
+    const EquilibriumReport report = solver.Solve(positions, &target,
+      last ? options.RelativeTolerance : std::max(IntermediateTolerance, options.RelativeTolerance),
+      last ? options.MaximumNewtonSteps : std::min(IntermediateNewtonSteps, options.MaximumNewtonSteps),
+      continued);
+    state.NewtonSteps += report.NewtonSteps;
+    if (!report.Converged)
+    {
+      reason = report.Reason;
+      (done < 1 ? step : hardening) = done < 1 ? 0.5 * step : std::sqrt(hardening);
+      if (step < smallestStep || hardening < 1.01)
+      {
+        throw ConvergenceError("compression: expected equilibrium at a gap of " +
+          InMm(Gap(plates)) + ", the last one reached is at " + InMm(Gap(state.Plates)) + " (" +
+          reason + ")");
+      }
+      continue;
+    }
+    done = next;
+    softness = nextSoftness;
+    ++state.LoadSteps;
+    state.Positions.swap(positions);
+    state.Plates = target;
+    state.PaddleForceN = report.PaddleForceN;
+    state.SupportForceN = report.SupportForceN;
+    state.LargestPenetrationMm = report.LargestPenetrationMm;
+    state.SmallestJ = report.SmallestJ;
+    state.LargestJ = report.LargestJ;
+    state.VolumeRatio = report.VolumeRatio;
+    state.RelativeResidual = report.RelativeResidual;
+  }
+  ReportProgress(progress, 1, "compression");
+  state.Seconds =
+    std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  return state;
+}
+
+std::vector<std::vector<double>> CompressionSimulation::Sensitivities(
+  const CompressionState& state, const std::vector<PlatePairVelocity>& velocities) const
+{
+  if (state.Positions.size() != this->RestPositions().size())
+  {
+    throw InputError("sensitivities: expected a state of this simulation");
+  }
+  return this->Internal->Solver.Sensitivities(state.Positions, state.Plates, velocities);
+}
+
+std::size_t CompressionSimulation::NumberOfNodes() const
+{
+  return this->Internal->Body.NumberOfNodes();
+}
+
+std::size_t CompressionSimulation::NumberOfUnknowns() const
+{
+  return this->Internal->Solver.NumberOfUnknowns();
+}
+
+const std::vector<double>& CompressionSimulation::RestPositions() const
+{
+  return this->Internal->Body.RestPositions();
+}
+}

@@ -1,0 +1,353 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ElasticBody.h"
+
+#include "Error.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Core>
+#include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <map>
+#include <string>
+#include <cstdlib>
+#include <unordered_map>
+
+namespace mammoray
+{
+namespace
+{
+constexpr int Edges[6][2] = { { 0, 1 }, { 1, 2 }, { 0, 2 }, { 0, 3 }, { 1, 3 }, { 2, 3 } };
+/// Corners of the face opposite to each corner, then the local nodes between them.
+constexpr int FaceNodes[4][6] = { { 1, 2, 3, 5, 9, 8 }, { 0, 3, 2, 7, 9, 6 }, { 0, 1, 3, 4, 8, 7 },
+  { 0, 2, 1, 6, 5, 4 } };
+/// Barycentric coordinates of the 4-point rule: (5 + 3 sqrt 5) / 20 and (5 - sqrt 5) / 20.
+constexpr double NearCoordinate = 0.58541019662496845446;
+constexpr double FarCoordinate = 0.13819660112501051518;
+/// Subdivisions of the lattice on which the material field is sampled: 220 points in a cell.
+constexpr int LatticeOrder = 9;
+
+using Matrix9 = Eigen::Matrix<double, 9, 9>;
+using Vector9 = Eigen::Matrix<double, 9, 1>;
+using Gradients = Eigen::Matrix<double, 3, 10>;
+
+/// Gradients of the ten shape functions at the quadrature point near corner `q`, one column each.
+Gradients ShapeGradients(const double* barycentric, int q)
+{
+  const Eigen::Map<const Eigen::Matrix<double, 3, 4>> g(barycentric);
+  double lambda[4] = { FarCoordinate, FarCoordinate, FarCoordinate, FarCoordinate };
+  lambda[q] = NearCoordinate;
+  Gradients result;
+  for (int i = 0; i < 4; ++i)
+  {
+    result.col(i) = (4 * lambda[i] - 1) * g.col(i);
+  }
+  for (int e = 0; e < 6; ++e)
+  {
+    const int i = Edges[e][0];
+    const int j = Edges[e][1];
+    result.col(4 + e) = 4 * (lambda[i] * g.col(j) + lambda[j] * g.col(i));
+  }
+  return result;
+}
+
+Eigen::Matrix3d Cofactor(const Eigen::Matrix3d& f)
+{
+  Eigen::Matrix3d c;
+  c.col(0) = f.col(1).cross(f.col(2));
+  c.col(1) = f.col(2).cross(f.col(0));
+  c.col(2) = f.col(0).cross(f.col(1));
+  return c;
+}
+
+/// Adds s * d^2 det F / dF^2; index 3 * column + row of F.
+void AddDeterminantHessian(const Eigen::Matrix3d& f, double s, Matrix9& a)
+{
+  for (int j = 0; j < 3; ++j)
+  {
+    // d cof.col(j) / d F.col(l) = -+ [F.col(m)]x, m the third column.
+    for (int step = 1; step < 3; ++step)
+    {
+      const int l = (j + step) % 3;
+      const int m = 3 - j - l;
+      const double sign = step == 1 ? -s : s;
+      const Eigen::Vector3d v = f.col(m);
+      a(3 * j + 0, 3 * l + 1) += -sign * v[2];
+      a(3 * j + 0, 3 * l + 2) += sign * v[1];
+      a(3 * j + 1, 3 * l + 0) += sign * v[2];
+      a(3 * j + 1, 3 * l + 2) += -sign * v[0];
+      a(3 * j + 2, 3 * l + 0) += -sign * v[1];
+      a(3 * j + 2, 3 * l + 1) += sign * v[0];
+    }
+  }
+}
+}
+
+ElasticBody::ElasticBody(const TetrahedralMesh& mesh, const std::vector<ElasticMaterial>& materials,
+  const MaterialField& field, const std::vector<bool>& ignored)
+{
+  mesh.Validate("simulation mesh");
+  for (std::size_t m = 0; m < materials.size(); ++m)
+  {
+    // Where a material is used decides nothing: a table with a bad entry is refused as a whole.
+    if (!(materials[m].YoungsModulusKPa > 0) ||
+      !(materials[m].PoissonRatio >= 0 && materials[m].PoissonRatio < 0.5))
+    {
+      throw InputError("material " + std::to_string(m) +
+        ": expected a positive Young's modulus and a Poisson's ratio in [0, 0.5), found " +
+        std::to_string(materials[m].YoungsModulusKPa) + " kPa and " +
+        std::to_string(materials[m].PoissonRatio));
+    }
+  }
+  const std::size_t cellCount = mesh.NumberOfCells();
+  this->Rest = mesh.Points;
+  this->CellNodes.resize(NodesPerCell * cellCount);
+  this->Volumes.resize(cellCount);
+  this->BarycentricGradients.resize(12 * cellCount);
+  this->Mu.resize(PointsPerCell * cellCount);
+  this->Kappa.resize(cellCount);
+
+  std::unordered_map<std::uint64_t, std::int32_t> middles;
+  middles.reserve(2 * cellCount);
+  for (std::size_t cell = 0; cell < cellCount; ++cell)
+  {
+    const std::int32_t* corners = &mesh.Cells[4 * cell];
+    std::int32_t* nodes = &this->CellNodes[NodesPerCell * cell];
+    std::copy(corners, corners + 4, nodes);
+    for (int e = 0; e < 6; ++e)
+    {
+      const auto [low, high] = std::minmax(corners[Edges[e][0]], corners[Edges[e][1]]);
+      const std::uint64_t key = (static_cast<std::uint64_t>(low) << 32) | std::uint32_t(high);
+      const auto [found, added] =
+        middles.try_emplace(key, static_cast<std::int32_t>(this->Rest.size() / 3));
+      nodes[4 + e] = found->second;
+      if (added)
+      {
+        const Vector3 middle = 0.5 * (mesh.Point(low) + mesh.Point(high));
+        this->Rest.insert(this->Rest.end(), middle.begin(), middle.end());
+      }
+    }
+
+    const double volume = mesh.CellVolume(cell);
+    this->Volumes[cell] = volume;
+    for (int i = 0; i < 4; ++i)
+    {
+      // Half the area vector of the opposite face, inwards, over the volume.
+      const Vector3 p = mesh.Point(corners[FaceNodes[i][0]]);
+      const Vector3 inwards = Cross(
+        mesh.Point(corners[FaceNodes[i][2]]) - p, mesh.Point(corners[FaceNodes[i][1]]) - p);
+      for (int axis = 0; axis < 3; ++axis)
+      {
+        this->BarycentricGradients[12 * cell + 3 * i + axis] = inwards[axis] / (6 * volume);
+      }
+    }
+  }
+
+  const int materialCount = static_cast<int>(materials.size());
+  for (std::size_t cell = 0; cell < cellCount; ++cell)
+  {
+    const int own = mesh.Materials[cell];
+    if (own < 0 || own >= materialCount)
+    {
+      throw InputError("simulation mesh: cell " + std::to_string(cell) + " is of material " +
+        std::to_string(own) + ", expected 0 to " + std::to_string(materialCount - 1));
+    }
+    double mu[4] = { 0, 0, 0, 0 };
+    double kappa = 0;
+    double count[4] = { 0, 0, 0, 0 };
+    double total = 0;
+    const auto add = [&](int material, const double* lambda)
+    {
+      // A point as near to several quadrature points as to one counts for each of them in parts.
+      const double largest = *std::max_element(lambda, lambda + 4) - 1e-9;
+      const auto ties = static_cast<double>(
+        std::count_if(lambda, lambda + 4, [=](double l) { return l > largest; }));
+      for (int q = 0; q < 4; ++q)
+      {
+        if (lambda[q] > largest)
+        {
+          mu[q] += materials[material].ShearModulusKPa() / ties;
+          count[q] += 1 / ties;
+        }
+      }
+      kappa += materials[material].BulkModulusKPa();
+      total += 1;
+    };
+    if (!field)
+    {
+      const double centre[4] = { 0.25, 0.25, 0.25, 0.25 };
+      add(own, centre);
+    }
+    for (int i = 0; field && i <= LatticeOrder; ++i)
+    {
+      for (int j = 0; i + j <= LatticeOrder; ++j)
+      {
+        for (int k = 0; i + j + k <= LatticeOrder; ++k)
+        {
+          const int index[4] = { i, j, k, LatticeOrder - i - j - k };
+          double lambda[4];
+          Vector3 point{ 0, 0, 0 };
+          for (int c = 0; c < 4; ++c)
+          {
+            lambda[c] = (index[c] + 0.25) / (LatticeOrder + 1);
+            point = point + lambda[c] * mesh.Point(mesh.Cells[4 * cell + c]);
+          }
+          int material = field(point);
+          if (material < 0 || material >= materialCount)
+          {
+            throw InputError("material field: found material " + std::to_string(material) +
+              ", expected 0 to " + std::to_string(materialCount - 1));
+          }
+          if (material == 0 ||
+            (static_cast<std::size_t>(material) < ignored.size() && ignored[material]))
+          {
+            material = own;
+          }
+          add(material, lambda);
+        }
+      }
+    }
+    for (int q = 0; q < 4; ++q)
+    {
+      this->Mu[4 * cell + q] = mu[q] / count[q];
+    }
+    this->Kappa[cell] = kappa / total;
+  }
+
+  // A face met once is on the boundary. The map is ordered, so the order of faces is reproducible.
+  std::map<std::array<std::int32_t, 3>, std::pair<int, std::int32_t>> faces;
+  for (std::size_t cell = 0; cell < cellCount; ++cell)
+  {
+    for (int face = 0; face < 4; ++face)
+    {
+      std::array<std::int32_t, 3> key;
+      for (int c = 0; c < 3; ++c)
+      {
+        key[c] = mesh.Cells[4 * cell + FaceNodes[face][c]];
+      }
+      std::sort(key.begin(), key.end());
+      const auto [found, added] = faces.try_emplace(key, face, static_cast<std::int32_t>(cell));
+      if (!added)
+      {
+        faces.erase(found);
+      }
+    }
+  }
+  for (const auto& [key, face] : faces)
+  {
+    BoundaryFace boundary;
+    boundary.Cell = face.second;
+    std::copy_n(FaceNodes[face.first], 6, boundary.LocalNodes.begin());
+    const Vector3 p = mesh.Point(key[0]);
+    boundary.Area = 0.5 * Norm(Cross(mesh.Point(key[1]) - p, mesh.Point(key[2]) - p));
+    this->Boundary.push_back(boundary);
+  }
+}
+
+double ElasticBody::CellShearModulus(std::size_t cell) const
+{
+  const double* mu = &this->Mu[4 * cell];
+  return 0.25 * (mu[0] + mu[1] + mu[2] + mu[3]);
+}
+
+bool ElasticBody::CellTerms(
+  std::size_t cell, const std::vector<double>& x, Order order, Terms& terms) const
+{
+  Eigen::Matrix<double, 3, 10> positions;
+  const std::int32_t* nodes = &this->CellNodes[NodesPerCell * cell];
+  for (int a = 0; a < NodesPerCell; ++a)
+  {
+    positions.col(a) = Eigen::Map<const Eigen::Vector3d>(&x[3 * nodes[a]]);
+  }
+  const double volume = this->Volumes[cell];
+  const double weight = 0.25 * volume;
+  static const double share = getenv("BETA") ? atof(getenv("BETA")) : 1e9;
+  const double pointKappa = std::min(this->Kappa[cell], share * this->CellShearModulus(cell));
+  const double kappa = this->Kappa[cell] - pointKappa;
+
+  Gradients shape[4];
+  Eigen::Matrix3d f[4];
+  Eigen::Matrix3d cofactor[4];
+  double j[4];
+  double meanJ = 0;
+  for (int q = 0; q < 4; ++q)
+  {
+    shape[q] = ShapeGradients(&this->BarycentricGradients[12 * cell], q);
+    f[q] = positions * shape[q].transpose();
+    cofactor[q] = Cofactor(f[q]);
+    j[q] = cofactor[q].col(0).dot(f[q].col(0));
+    if (!(j[q] > 0))
+    {
+      return false;
+    }
+    meanJ += 0.25 * j[q];
+  }
+  terms.SmallestJ = *std::min_element(j, j + 4);
+  terms.LargestJ = *std::max_element(j, j + 4);
+  terms.Volume = meanJ * volume;
+  terms.Energy = 0.5 * kappa * volume * (meanJ - 1) * (meanJ - 1);
+  const double pressure = kappa * (meanJ - 1);
+
+  Eigen::Map<Eigen::Matrix<double, 3, 10>> gradient(terms.Gradient.data());
+  Eigen::Map<Eigen::Matrix<double, 30, 30>> hessian(terms.Hessian.data());
+  Eigen::Matrix<double, 3, 10> volumeGradient = Eigen::Matrix<double, 3, 10>::Zero();
+  gradient.setZero();
+  if (order >= Order::Hessian)
+  {
+    hessian.setZero();
+  }
+  for (int q = 0; q < 4; ++q)
+  {
+    const double mu = this->Mu[4 * cell + q];
+    const double trace = f[q].squaredNorm();
+    const double scale = mu / std::cbrt(j[q] * j[q]);
+    const double pointPressure = pressure + pointKappa * (j[q] - 1);
+    terms.Energy += weight * 0.5 * (scale * trace - 3 * mu + pointKappa * (j[q] - 1) * (j[q] - 1));
+    if (order == Order::Energy)
+    {
+      continue;
+    }
+    const double ratio = trace / (3 * j[q]);
+    const Eigen::Matrix3d stress = scale * (f[q] - ratio * cofactor[q]) + pointPressure * cofactor[q];
+    gradient += weight * stress * shape[q];
+    if (order == Order::Gradient)
+    {
+      continue;
+    }
+    volumeGradient += weight * cofactor[q] * shape[q];
+    const Eigen::Map<const Vector9> fVector(f[q].data());
+    const Eigen::Map<const Vector9> cVector(cofactor[q].data());
+    Matrix9 a = Matrix9::Identity();
+    a -= (2 / (3 * j[q])) * (fVector * cVector.transpose() + cVector * fVector.transpose());
+    a += (5 * ratio / (3 * j[q])) * cVector * cVector.transpose();
+    a *= scale;
+    a += pointKappa * cVector * cVector.transpose();
+    AddDeterminantHessian(f[q], pointPressure - scale * ratio, a);
+    if (order == Order::ProjectedHessian && Eigen::LLT<Matrix9>(a).info() != Eigen::Success)
+    {
+      const Eigen::SelfAdjointEigenSolver<Matrix9> eigen(a);
+      a = eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0.0).asDiagonal() *
+        eigen.eigenvectors().transpose();
+    }
+    a *= weight;
+    for (int m = 0; m < NodesPerCell; ++m)
+    {
+      const Eigen::Matrix<double, 3, 9> row = shape[q](0, m) * a.middleRows<3>(0) +
+        shape[q](1, m) * a.middleRows<3>(3) + shape[q](2, m) * a.middleRows<3>(6);
+      for (int n = 0; n <= m; ++n)
+      {
+        hessian.block<3, 3>(3 * m, 3 * n) += shape[q](0, n) * row.middleCols<3>(0) +
+          shape[q](1, n) * row.middleCols<3>(3) + shape[q](2, n) * row.middleCols<3>(6);
+      }
+    }
+  }
+  if (order >= Order::Hessian)
+  {
+    const Eigen::Map<const Eigen::Matrix<double, 30, 1>> v(volumeGradient.data());
+    hessian.triangularView<Eigen::Lower>() += (kappa / volume) * v * v.transpose();
+    hessian.triangularView<Eigen::StrictlyUpper>() = hessian.transpose();
+  }
+  return true;
+}
+}

@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: Apache-2.0
+#ifndef mammoray_ElasticBody_h
+#define mammoray_ElasticBody_h
+
+#include "TetrahedralMesh.h"
+#include "Vector3.h"
+#include "mammorayBiomechanicsModule.h"
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+namespace mammoray
+{
+/// Isotropic, nearly incompressible neo-Hookean material by its small-strain constants.
+struct ElasticMaterial
+{
+  /// kPa, positive.
+  double YoungsModulusKPa = 5.0;
+  /// [0, 0.5)
+  double PoissonRatio = 0.49;
+
+  /// Shear modulus mu = E / (2 (1 + nu)), kPa.
+  double ShearModulusKPa() const
+  {
+    return this->YoungsModulusKPa / (2 * (1 + this->PoissonRatio));
+  }
+  /// Bulk modulus kappa = E / (3 (1 - 2 nu)), kPa.
+  double BulkModulusKPa() const
+  {
+    return this->YoungsModulusKPa / (3 * (1 - 2 * this->PoissonRatio));
+  }
+};
+
+/// Material index at a position of the undeformed body (mm, frame of the mesh); 0 = outside.
+using MaterialField = std::function<int(const Vector3&)>;
+
+/**
+ * Quadratic tetrahedra with straight sides at rest, made from linear ones, and their elastic energy
+ *
+ *   E = sum over cells of [ sum_q w_q mu_q / 2 (J_q^(-2/3) tr F_q^T F_q - 3) + V kappa / 2 (Jbar - 1)^2 ],
+ *
+ * q: the 4-point rule of degree 2, w_q its weights in the undeformed cell of volume V, Jbar the mean of
+ * J_q = det F_q over the cell, kappa the mean of kappa_q. One volume change per cell keeps nearly incompressible
+ * bodies from locking (the P2/P0 element; Boffi, Brezzi & Fortin 2013, section 8.6).
+ *
+ * Node order of a cell: the four corners, then the middles of (0,1) (1,2) (0,2) (0,3) (1,3) (2,3), as in VTK.
+ * Energies are in kPa mm^3 = 1e-6 J, forces in kPa mm^2 = 1e-3 N.
+ */
+class MAMMORAYBIOMECHANICS_EXPORT ElasticBody
+{
+public:
+  static constexpr int NodesPerCell = 10;
+  static constexpr int PointsPerCell = 4;
+  static constexpr int UnknownsPerCell = 3 * NodesPerCell;
+
+  /// A triangle of the boundary: its cell, the cell's local nodes (3 corners, 3 middles), its area in mm^2.
+  struct BoundaryFace
+  {
+    std::int32_t Cell = 0;
+    std::array<int, 6> LocalNodes{};
+    double Area = 0;
+  };
+
+  /// What CellTerms computes of one cell; rows and columns are 3 * local node + axis.
+  struct Terms
+  {
+    double Energy = 0;
+    std::array<double, UnknownsPerCell> Gradient{};
+    /// Symmetric, both halves filled.
+    std::array<double, UnknownsPerCell * UnknownsPerCell> Hessian{};
+    /// Smallest and largest det F, and Jbar * V, mm^3.
+    double SmallestJ = 1;
+    double LargestJ = 1;
+    double Volume = 0;
+  };
+  enum class Order
+  {
+    Energy,
+    Gradient,
+    Hessian,
+    /// Hessian whose negative curvatures are replaced by zero, quadrature point by quadrature point.
+    ProjectedHessian
+  };
+
+  /**
+   * `materials` is indexed by the materials of the cells. With a `field`, mu and kappa of a quadrature point
+   * are the arithmetic means over the points of a regular lattice in the cell that lie nearest to it
+   * (by largest barycentric coordinate); where the field answers 0 or a material m with `ignored[m]` the
+   * cell's own material counts. Throws InputError on a bad mesh or material.
+   */
+  ElasticBody(const TetrahedralMesh& mesh, const std::vector<ElasticMaterial>& materials,
+    const MaterialField& field = {}, const std::vector<bool>& ignored = {});
+
+  std::size_t NumberOfNodes() const { return this->Rest.size() / 3; }
+  std::size_t NumberOfCells() const { return this->CellNodes.size() / NodesPerCell; }
+  /// Undeformed positions, 3 x nodeCount, mm. The first nodes are the points of the linear mesh.
+  const std::vector<double>& RestPositions() const { return this->Rest; }
+  /// 10 x cellCount node indices.
+  const std::vector<std::int32_t>& Cells() const { return this->CellNodes; }
+  const std::vector<BoundaryFace>& Faces() const { return this->Boundary; }
+  /// Undeformed volume of a cell, mm^3.
+  double CellVolume(std::size_t cell) const { return this->Volumes[cell]; }
+  /// Mean shear and bulk modulus of a cell, kPa.
+  double CellShearModulus(std::size_t cell) const;
+  double CellBulkModulus(std::size_t cell) const { return this->Kappa[cell]; }
+
+  /**
+   * Terms of one cell at node positions `x` (3 x nodeCount, mm), up to `order`. Answers false, and leaves
+   * the terms unspecified, where a quadrature point or the cell as a whole is inverted (J <= 0).
+   */
+  bool CellTerms(std::size_t cell, const std::vector<double>& x, Order order, Terms& terms) const;
+
+private:
+  std::vector<double> Rest;
+  std::vector<std::int32_t> CellNodes;
+  std::vector<BoundaryFace> Boundary;
+  std::vector<double> Volumes;
+  /// Gradients of the barycentric coordinates, 12 per cell, 1/mm.
+  std::vector<double> BarycentricGradients;
+  /// 4 per cell.
+  std::vector<double> Mu;
+  /// 1 per cell.
+  std::vector<double> Kappa;
+};
+}
+
+#endif

@@ -1,0 +1,275 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "CompressionSimulation.h"
+
+#include "Error.h"
+#include "Private/CompressionInternals.h"
+#include "Private/Parallel.h"
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+
+namespace mammoray
+{
+namespace
+{
+constexpr int Edges[6][2] = { { 0, 1 }, { 1, 2 }, { 0, 2 }, { 0, 3 }, { 1, 3 }, { 2, 3 } };
+
+/// Corners of the straight-sided cells at rest, found by a regular grid of the cells' bounding boxes.
+class CellLocator
+{
+public:
+  explicit CellLocator(const ElasticBody& body)
+    : Body(body)
+  {
+    const std::size_t cellCount = body.NumberOfCells();
+    this->Low.setConstant(std::numeric_limits<double>::infinity());
+    this->High = -this->Low;
+    for (std::size_t cell = 0; cell < cellCount; ++cell)
+    {
+      const auto corners = this->Corners(cell);
+      this->Low = this->Low.cwiseMin(corners.rowwise().minCoeff());
+      this->High = this->High.cwiseMax(corners.rowwise().maxCoeff());
+    }
+    const Eigen::Vector3d extent = (this->High - this->Low).cwiseMax(1e-9);
+    // About one cell in a bin.
+    this->Width = std::cbrt(extent.prod() / static_cast<double>(cellCount));
+    for (int axis = 0; axis < 3; ++axis)
+    {
+      this->Size[axis] = std::clamp(static_cast<int>(std::ceil(extent[axis] / this->Width)), 1, 256);
+      this->BinWidth[axis] = extent[axis] / this->Size[axis];
+    }
+    this->Bins.resize(static_cast<std::size_t>(this->Size[0]) * this->Size[1] * this->Size[2]);
+    for (std::size_t cell = 0; cell < cellCount; ++cell)
+    {
+      const auto corners = this->Corners(cell);
+      const Eigen::Vector3i from = this->BinOf(corners.rowwise().minCoeff());
+      const Eigen::Vector3i to = this->BinOf(corners.rowwise().maxCoeff());
+      for (int k = from[2]; k <= to[2]; ++k)
+      {
+        for (int j = from[1]; j <= to[1]; ++j)
+        {
+          for (int i = from[0]; i <= to[0]; ++i)
+          {
+            this->Bins[this->Index(i, j, k)].push_back(static_cast<std::int32_t>(cell));
+          }
+        }
+      }
+    }
+  }
+
+  Eigen::Matrix<double, 3, 4> Corners(std::size_t cell) const
+  {
+    Eigen::Matrix<double, 3, 4> corners;
+    for (int c = 0; c < 4; ++c)
+    {
+      const std::int32_t node = this->Body.Cells()[ElasticBody::NodesPerCell * cell + c];
+      corners.col(c) = Eigen::Map<const Eigen::Vector3d>(&this->Body.RestPositions()[3 * node]);
+    }
+    return corners;
+  }
+
+  Eigen::Vector4d Barycentric(std::size_t cell, const Eigen::Vector3d& point) const
+  {
+    const auto corners = this->Corners(cell);
+    Eigen::Matrix3d edges;
+    edges << corners.col(1) - corners.col(0), corners.col(2) - corners.col(0),
+      corners.col(3) - corners.col(0);
+    const Eigen::Vector3d l = edges.inverse() * (point - corners.col(0));
+    return { 1 - l.sum(), l[0], l[1], l[2] };
+  }
+
+  /// The cell that holds or is nearest to the point, and the point of the cell next to it.
+  std::int32_t Find(const Eigen::Vector3d& point, Eigen::Vector3d& nearest) const
+  {
+    const Eigen::Vector3i home = this->BinOf(point);
+    for (const std::int32_t cell : this->Bins[this->Index(home[0], home[1], home[2])])
+    {
+      if (this->Barycentric(cell, point).minCoeff() >= -1e-10)
+      {
+        nearest = point;
+        return cell;
+      }
+    }
+    std::int32_t best = -1;
+    double bestDistance = std::numeric_limits<double>::infinity();
+    const int rings = std::max({ this->Size[0], this->Size[1], this->Size[2] });
+    for (int ring = 0; ring <= rings; ++ring)
+    {
+      // Whatever lies in a farther ring is at least this far from the point's place in the grid's box.
+      const double reach =
+        (ring - 1) * std::min({ this->BinWidth[0], this->BinWidth[1], this->BinWidth[2] });
+      if (reach > 0 && bestDistance < reach)
+      {
+        break;
+      }
+      for (int k = std::max(home[2] - ring, 0); k <= std::min(home[2] + ring, this->Size[2] - 1); ++k)
+      {
+        for (int j = std::max(home[1] - ring, 0); j <= std::min(home[1] + ring, this->Size[1] - 1);
+             ++j)
+        {
+          for (int i = std::max(home[0] - ring, 0);
+               i <= std::min(home[0] + ring, this->Size[0] - 1); ++i)
+          {
+            const int far =
+              std::max({ std::abs(i - home[0]), std::abs(j - home[1]), std::abs(k - home[2]) });
+            if (far != ring)
+            {
+              continue;
+            }
+            for (const std::int32_t cell : this->Bins[this->Index(i, j, k)])
+            {
+              const Eigen::Vector3d candidate = this->NearestInCell(cell, point);
+              const double distance = (candidate - point).norm();
+              if (distance < bestDistance)
+              {
+                bestDistance = distance;
+                best = cell;
+                nearest = candidate;
+              }
+            }
+          }
+        }
+      }
+    }
+    return best;
+  }
+
+private:
+  Eigen::Vector3i BinOf(const Eigen::Vector3d& point) const
+  {
+    Eigen::Vector3i bin;
+    for (int axis = 0; axis < 3; ++axis)
+    {
+      const double position = (point[axis] - this->Low[axis]) / this->BinWidth[axis];
+      bin[axis] = static_cast<int>(std::clamp(position, 0.0, this->Size[axis] - 1.0));
+    }
+    return bin;
+  }
+  std::size_t Index(int i, int j, int k) const
+  {
+    return (static_cast<std::size_t>(k) * this->Size[1] + j) * this->Size[0] + i;
+  }
+
+  Eigen::Vector3d NearestInCell(std::size_t cell, const Eigen::Vector3d& point) const
+  {
+    if (this->Barycentric(cell, point).minCoeff() >= 0)
+    {
+      return point;
+    }
+    const auto corners = this->Corners(cell);
+    Eigen::Vector3d best = corners.col(0);
+    for (int face = 0; face < 4; ++face)
+    {
+      const Eigen::Vector3d candidate = NearestInTriangle(corners.col((face + 1) % 4),
+        corners.col((face + 2) % 4), corners.col((face + 3) % 4), point);
+      if ((candidate - point).squaredNorm() < (best - point).squaredNorm())
+      {
+        best = candidate;
+      }
+    }
+    return best;
+  }
+
+  static Eigen::Vector3d NearestInTriangle(const Eigen::Vector3d& a, const Eigen::Vector3d& b,
+    const Eigen::Vector3d& c, const Eigen::Vector3d& point)
+  {
+    const Eigen::Vector3d normal = (b - a).cross(c - a);
+    const double area = normal.squaredNorm();
+    const double u = normal.dot((c - b).cross(point - b)) / area;
+    const double v = normal.dot((a - c).cross(point - c)) / area;
+    if (u >= 0 && v >= 0 && u + v <= 1)
+    {
+      return u * a + v * b + (1 - u - v) * c;
+    }
+    Eigen::Vector3d best = a;
+    const Eigen::Vector3d ends[3][2] = { { a, b }, { b, c }, { c, a } };
+    for (const auto& end : ends)
+    {
+      const Eigen::Vector3d along = end[1] - end[0];
+      const double t = std::clamp(along.dot(point - end[0]) / along.squaredNorm(), 0.0, 1.0);
+      const Eigen::Vector3d candidate = end[0] + t * along;
+      if ((candidate - point).squaredNorm() < (best - point).squaredNorm())
+      {
+        best = candidate;
+      }
+    }
+    return best;
+  }
+
+  const ElasticBody& Body;
+  Eigen::Vector3d Low;
+  Eigen::Vector3d High;
+  double Width = 1;
+  int Size[3];
+  double BinWidth[3];
+  std::vector<std::vector<std::int32_t>> Bins;
+};
+}
+
+Embedding::Embedding(const CompressionSimulation& simulation, const std::vector<double>& points)
+{
+  const ElasticBody& body = simulation.Internal->Body;
+  if (points.size() % 3 != 0 ||
+    !std::all_of(points.begin(), points.end(), [](double c) { return std::isfinite(c); }))
+  {
+    throw InputError("embedding: expected three finite coordinates for each point");
+  }
+  const CellLocator locator(body);
+  const std::size_t count = points.size() / 3;
+  constexpr int perPoint = ElasticBody::NodesPerCell;
+  this->Nodes.resize(perPoint * count);
+  this->Weights.resize(perPoint * count);
+  std::vector<double> distances(count);
+  ParallelFor(count,
+    [&](std::size_t p)
+    {
+      const Eigen::Vector3d point(points[3 * p], points[3 * p + 1], points[3 * p + 2]);
+      Eigen::Vector3d nearest;
+      const std::int32_t cell = locator.Find(point, nearest);
+      distances[p] = (point - nearest).norm();
+      // Inside: the shape functions. Outside: their tangent at the nearest point of the cell, which
+      // carries linear fields on exactly and others without the parabola's runaway.
+      const Eigen::Vector4d l = locator.Barycentric(cell, nearest);
+      const Eigen::Vector4d away = locator.Barycentric(cell, point) - l;
+      double* weights = &this->Weights[perPoint * p];
+      for (int c = 0; c < 4; ++c)
+      {
+        weights[c] = l[c] * (2 * l[c] - 1) + (4 * l[c] - 1) * away[c];
+      }
+      for (int e = 0; e < 6; ++e)
+      {
+        const int i = Edges[e][0];
+        const int j = Edges[e][1];
+        weights[4 + e] = 4 * (l[i] * l[j] + l[i] * away[j] + l[j] * away[i]);
+      }
+      std::copy_n(&body.Cells()[perPoint * cell], perPoint, &this->Nodes[perPoint * p]);
+    });
+  this->Distance = count ? *std::max_element(distances.begin(), distances.end()) : 0;
+}
+
+std::vector<double> Embedding::Map(const std::vector<double>& nodeValues) const
+{
+  constexpr std::size_t perPoint = ElasticBody::NodesPerCell;
+  const std::size_t count = this->Nodes.size() / perPoint;
+  std::vector<double> result(3 * count, 0.0);
+  for (std::size_t p = 0; p < count; ++p)
+  {
+    for (std::size_t a = 0; a < perPoint; ++a)
+    {
+      const double weight = this->Weights[perPoint * p + a];
+      const double* value = &nodeValues[3 * static_cast<std::size_t>(this->Nodes[perPoint * p + a])];
+      for (int axis = 0; axis < 3; ++axis)
+      {
+        result[3 * p + axis] += weight * value[axis];
+      }
+    }
+  }
+  return result;
+}
+}

@@ -1,0 +1,863 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "EquilibriumSolver.h"
+
+#include "Error.h"
+#include "Private/Parallel.h"
+#include "Private/SparseCholesky.h"
+
+#include <Eigen/Core>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <limits>
+
+namespace mammoray
+{
+namespace
+{
+constexpr int CellUnknowns = ElasticBody::UnknownsPerCell;
+constexpr int CellEntries = CellUnknowns * (CellUnknowns + 1) / 2;
+
+/// 7-point rule of degree 5 on a triangle (Strang & Fix 1973): barycentric coordinates and weight.
+struct TrianglePoint
+{
+  double Lambda[3];
+  double Weight;
+};
+const std::vector<TrianglePoint>& TriangleRule()
+{
+  static const std::vector<TrianglePoint> rule = []
+  {
+    const char* env = std::getenv("NSUB");
+    const int n = env ? std::atoi(env) : 4;
+    std::vector<TrianglePoint> points;
+    for (int i = 0; i < n; ++i)
+    {
+      for (int j = 0; i + j < n; ++j)
+      {
+        // Small triangles that point up and down.
+        for (int down = 0; down < (i + j + 1 < n ? 2 : 1); ++down)
+        {
+          const double shift = down ? 2 / 3.0 : 1 / 3.0;
+          const double a = (i + shift) / n;
+          const double b = (j + shift) / n;
+          points.push_back({ { a, b, 1 - a - b }, 1.0 / (n * n) });
+        }
+      }
+    }
+    return points;
+  }();
+  return rule;
+}
+
+/// Shape functions of the six-node triangle.
+std::array<double, 6> TriangleShape(const double* l)
+{
+  return { l[0] * (2 * l[0] - 1), l[1] * (2 * l[1] - 1), l[2] * (2 * l[2] - 1), 4 * l[0] * l[1],
+    4 * l[1] * l[2], 4 * l[2] * l[0] };
+}
+
+/// Least share of the projected matrix worth mixing in.
+constexpr double SmallestShare = 1.0 / 64;
+
+struct ContactTotals
+{
+  double Energy = 0;
+  double Penetration = 0;
+  /// Force along the normals of support and paddle, kPa mm^2.
+  double NormalForce[2] = { 0, 0 };
+};
+
+double SquaredNorm(const std::vector<double>& v)
+{
+  return Eigen::Map<const Eigen::VectorXd>(v.data(), static_cast<Eigen::Index>(v.size()))
+    .squaredNorm();
+}
+}
+
+struct EquilibriumSolver::Internals
+{
+  const ElasticBody& Body;
+  double ContactStiffness;
+  /// Cells with a free node, and for each of them the boundary faces with a free node.
+  std::vector<std::int32_t> ActiveCells;
+  std::vector<std::vector<std::int32_t>> FacesOfCell;
+  /// Number of the unknown of each coordinate; -1 where fixed.
+  std::vector<std::int32_t> Unknown;
+  std::vector<std::int32_t> CoordinateOfUnknown;
+  /// Lower triangle by columns.
+  std::vector<int> Starts;
+  std::vector<int> Rows;
+  /// Where each entry of the lower half of a cell's matrix goes; -1: nowhere. CellEntries per cell.
+  std::vector<std::int32_t> Scatter;
+  std::unique_ptr<SparseCholesky> Factor;
+
+  /// A force no result depends on: convergence is measured against it while nothing touches.
+  double SmallestForce = 0;
+  double RestVolume = 0;
+  /// Volume of the cells that do not move.
+  double FixedVolume = 0;
+  /// Roundoff of the energy, kPa mm^3.
+  double EnergyNoise = 0;
+
+  struct Assembly
+  {
+    bool Valid = false;
+    ContactTotals Contact;
+    double Energy = 0;
+    double SmallestJ = 1;
+    double LargestJ = 1;
+    double Volume = 0;
+    /// All coordinates.
+    std::vector<double> Gradient;
+    double ContactNorm = 0;
+    double ReactionNorm = 0;
+    double ResidualNorm = 0;
+    std::vector<double> Values;
+  };
+  mutable Assembly Current;
+  /// Positions of the factor at hand; empty when there is none or not of the true second derivative.
+  mutable std::vector<double> FactorPositions;
+
+  /// Share of the projected matrix in the last factor.
+  mutable double Share = 0;
+
+  mutable std::vector<ElasticBody::Terms> CellResults;
+  mutable std::vector<ContactTotals> CellContacts;
+  mutable std::vector<std::array<double, CellUnknowns>> CellContactGradients;
+  mutable std::vector<char> CellValid;
+
+  Internals(const ElasticBody& body, const std::vector<bool>& fixed, double contactStiffness);
+  void MakePattern();
+  /// Adds the contact of the faces of an active cell to its terms.
+  void AddContact(std::size_t active, const std::vector<double>& x, const PlatePair& plates,
+    ElasticBody::Order order, ElasticBody::Terms& terms, ContactTotals& totals,
+    std::array<double, CellUnknowns>& contactGradient) const;
+  void Assemble(const std::vector<double>& x, const PlatePair* plates, ElasticBody::Order order,
+    Assembly& result) const;
+  bool FactorizeWithFallback(const std::vector<double>& x, const PlatePair* plates) const;
+  /// - d Gradient / dp at the free coordinates, one column per velocity.
+  std::vector<double> PlateForces(const std::vector<double>& x, const PlatePair& plates,
+    const std::vector<PlatePairVelocity>& velocities) const;
+  EquilibriumReport Report(const Assembly& assembly) const;
+  /// Largest difference of a coordinate from the positions of the factor at hand, mm.
+  double DistanceOfFactor(const std::vector<double>& x) const;
+  double ForceScale(const Assembly& assembly) const
+  {
+    return std::max({ assembly.ContactNorm, assembly.ReactionNorm, this->SmallestForce });
+  }
+};
+
+EquilibriumSolver::Internals::Internals(
+  const ElasticBody& body, const std::vector<bool>& fixed, double contactStiffness)
+  : Body(body)
+  , ContactStiffness(contactStiffness)
+{
+  if (fixed.size() != body.RestPositions().size())
+  {
+    throw InputError("equilibrium: expected 3 flags per node, found " +
+      std::to_string(fixed.size()) + " for " + std::to_string(body.NumberOfNodes()) + " nodes");
+  }
+  const std::vector<std::int32_t>& cells = body.Cells();
+  std::vector<std::int32_t> activeOfCell(body.NumberOfCells(), -1);
+  std::vector<bool> used(body.NumberOfNodes(), false);
+  const auto isFree = [&](std::int32_t node)
+  { return !(fixed[3 * node] && fixed[3 * node + 1] && fixed[3 * node + 2]); };
+  for (std::size_t cell = 0; cell < body.NumberOfCells(); ++cell)
+  {
+    const std::int32_t* nodes = &cells[ElasticBody::NodesPerCell * cell];
+    const double volume = body.CellVolume(cell);
+    this->RestVolume += volume;
+    if (std::any_of(nodes, nodes + ElasticBody::NodesPerCell, isFree))
+    {
+      activeOfCell[cell] = static_cast<std::int32_t>(this->ActiveCells.size());
+      this->ActiveCells.push_back(static_cast<std::int32_t>(cell));
+      this->EnergyNoise += 1e-13 * 1.5 * body.CellShearModulus(cell) * volume;
+      this->SmallestForce += 1e-6 * body.CellShearModulus(cell) * volume;
+      for (int a = 0; a < ElasticBody::NodesPerCell; ++a)
+      {
+        used[nodes[a]] = true;
+      }
+    }
+    else
+    {
+      this->FixedVolume += volume;
+    }
+  }
+  if (this->ActiveCells.empty())
+  {
+    throw InputError("equilibrium: expected cells that can move, found all of them held");
+  }
+  this->SmallestForce /= std::cbrt(this->RestVolume);
+
+  this->Unknown.assign(fixed.size(), -1);
+  for (std::size_t c = 0; c < fixed.size(); ++c)
+  {
+    if (!fixed[c] && used[c / 3])
+    {
+      this->Unknown[c] = static_cast<std::int32_t>(this->CoordinateOfUnknown.size());
+      this->CoordinateOfUnknown.push_back(static_cast<std::int32_t>(c));
+    }
+  }
+  this->FacesOfCell.resize(this->ActiveCells.size());
+  for (std::size_t f = 0; f < body.Faces().size(); ++f)
+  {
+    const ElasticBody::BoundaryFace& face = body.Faces()[f];
+    const std::int32_t* nodes = &cells[ElasticBody::NodesPerCell * face.Cell];
+    if (std::any_of(face.LocalNodes.begin(), face.LocalNodes.end(),
+          [&](int local) { return isFree(nodes[local]); }))
+    {
+      this->FacesOfCell[activeOfCell[face.Cell]].push_back(static_cast<std::int32_t>(f));
+    }
+  }
+  this->MakePattern();
+  this->Factor = std::make_unique<SparseCholesky>(this->Starts, this->Rows);
+  this->CellResults.resize(this->ActiveCells.size());
+  this->CellContacts.resize(this->ActiveCells.size());
+  this->CellContactGradients.resize(this->ActiveCells.size());
+  this->CellValid.resize(this->ActiveCells.size());
+}
+
+void EquilibriumSolver::Internals::MakePattern()
+{
+  const std::vector<std::int32_t>& cells = this->Body.Cells();
+  const std::size_t n = this->CoordinateOfUnknown.size();
+  const auto unknownsOf = [&](std::size_t active)
+  {
+    std::array<std::int32_t, CellUnknowns> result;
+    const std::int32_t* nodes = &cells[ElasticBody::NodesPerCell * this->ActiveCells[active]];
+    for (int r = 0; r < CellUnknowns; ++r)
+    {
+      result[r] = this->Unknown[3 * nodes[r / 3] + r % 3];
+    }
+    return result;
+  };
+  std::vector<std::vector<int>> columns(n);
+  for (std::size_t active = 0; active < this->ActiveCells.size(); ++active)
+  {
+    const auto unknowns = unknownsOf(active);
+    for (const std::int32_t column : unknowns)
+    {
+      for (const std::int32_t row : unknowns)
+      {
+        if (column >= 0 && row >= column)
+        {
+          columns[column].push_back(row);
+        }
+      }
+    }
+  }
+  this->Starts.assign(1, 0);
+  for (std::vector<int>& column : columns)
+  {
+    std::sort(column.begin(), column.end());
+    column.erase(std::unique(column.begin(), column.end()), column.end());
+    this->Rows.insert(this->Rows.end(), column.begin(), column.end());
+    this->Starts.push_back(static_cast<int>(this->Rows.size()));
+    std::vector<int>().swap(column);
+  }
+  this->Scatter.resize(CellEntries * this->ActiveCells.size());
+  ParallelFor(this->ActiveCells.size(),
+    [&](std::size_t active)
+    {
+      const auto unknowns = unknownsOf(active);
+      std::int32_t* scatter = &this->Scatter[CellEntries * active];
+      for (int c = 0; c < CellUnknowns; ++c)
+      {
+        for (int r = c; r < CellUnknowns; ++r)
+        {
+          const auto [column, row] = std::minmax(unknowns[c], unknowns[r]);
+          *scatter = -1;
+          if (column >= 0)
+          {
+            const auto begin = this->Rows.begin() + this->Starts[column];
+            const auto end = this->Rows.begin() + this->Starts[column + 1];
+            *scatter =
+              static_cast<std::int32_t>(std::lower_bound(begin, end, row) - this->Rows.begin());
+          }
+          ++scatter;
+        }
+      }
+    });
+}
+
+void EquilibriumSolver::Internals::AddContact(std::size_t active, const std::vector<double>& x,
+  const PlatePair& plates, ElasticBody::Order order, ElasticBody::Terms& terms,
+  ContactTotals& totals, std::array<double, CellUnknowns>& contactGradient) const
+{
+  const std::int32_t* nodes =
+    &this->Body.Cells()[ElasticBody::NodesPerCell * this->ActiveCells[active]];
+  for (const std::int32_t f : this->FacesOfCell[active])
+  {
+    const ElasticBody::BoundaryFace& face = this->Body.Faces()[f];
+    for (const TrianglePoint& point : TriangleRule())
+    {
+      const std::array<double, 6> shape = TriangleShape(point.Lambda);
+      Vector3 position{ 0, 0, 0 };
+      for (int a = 0; a < 6; ++a)
+      {
+        const double* node = &x[3 * nodes[face.LocalNodes[a]]];
+        position = position + shape[a] * Vector3{ node[0], node[1], node[2] };
+      }
+      for (int side = 0; side < 2; ++side)
+      {
+        const Plate& plate = side == 0 ? plates.Support : plates.Paddle;
+        const PlateDistance distance = DistanceToPlate(plate, position);
+        const double penetration = -distance.Distance;
+        if (!(penetration > 0))
+        {
+          continue;
+        }
+        const double weight = point.Weight * face.Area * this->ContactStiffness;
+        const double force = weight * penetration * penetration;
+        totals.Energy += force * penetration / 3;
+        totals.Penetration = std::max(totals.Penetration, penetration);
+        totals.NormalForce[side] += force * Dot(distance.Gradient, plate.Normal);
+        if (order == ElasticBody::Order::Energy)
+        {
+          continue;
+        }
+        for (int a = 0; a < 6; ++a)
+        {
+          for (int i = 0; i < 3; ++i)
+          {
+            contactGradient[3 * face.LocalNodes[a] + i] -= force * shape[a] * distance.Gradient[i];
+          }
+        }
+        if (order == ElasticBody::Order::Gradient)
+        {
+          continue;
+        }
+        const double along = 2 * weight * penetration;
+        const double across =
+          order == ElasticBody::Order::ProjectedHessian ? 0.0 : -force * distance.Curvature;
+        double block[3][3];
+        for (int i = 0; i < 3; ++i)
+        {
+          for (int j = 0; j < 3; ++j)
+          {
+            block[i][j] = along * distance.Gradient[i] * distance.Gradient[j] +
+              across * distance.Tangent[i] * distance.Tangent[j];
+          }
+        }
+        for (int a = 0; a < 6; ++a)
+        {
+          for (int b = 0; b < 6; ++b)
+          {
+            for (int i = 0; i < 3; ++i)
+            {
+              for (int j = 0; j < 3; ++j)
+              {
+                terms.Hessian[CellUnknowns * (3 * face.LocalNodes[b] + j) +
+                  3 * face.LocalNodes[a] + i] += shape[a] * shape[b] * block[i][j];
+              }
+            }
+          }
+        }
+      }
+    }
+  }
+}
+
+void EquilibriumSolver::Internals::Assemble(const std::vector<double>& x, const PlatePair* plates,
+  ElasticBody::Order order, Assembly& result) const
+{
+  ParallelFor(this->ActiveCells.size(),
+    [&](std::size_t active)
+    {
+      ElasticBody::Terms& terms = this->CellResults[active];
+      this->CellContacts[active] = {};
+      this->CellContactGradients[active].fill(0.0);
+      this->CellValid[active] = this->Body.CellTerms(this->ActiveCells[active], x, order, terms);
+      if (this->CellValid[active] && plates)
+      {
+        this->AddContact(active, x, *plates, order, terms, this->CellContacts[active],
+          this->CellContactGradients[active]);
+      }
+    });
+  result.Valid =
+    std::all_of(this->CellValid.begin(), this->CellValid.end(), [](char valid) { return valid; });
+  if (!result.Valid)
+  {
+    return;
+  }
+  // Sums in the order of the cells, whatever the number of threads.
+  result.Contact = {};
+  result.Energy = 0;
+  result.SmallestJ = result.LargestJ = this->CellResults.front().SmallestJ;
+  result.Volume = this->FixedVolume;
+  for (std::size_t active = 0; active < this->ActiveCells.size(); ++active)
+  {
+    const ElasticBody::Terms& terms = this->CellResults[active];
+    const ContactTotals& contact = this->CellContacts[active];
+    result.Energy += terms.Energy + contact.Energy;
+    result.SmallestJ = std::min(result.SmallestJ, terms.SmallestJ);
+    result.LargestJ = std::max(result.LargestJ, terms.LargestJ);
+    result.Volume += terms.Volume;
+    result.Contact.Energy += contact.Energy;
+    result.Contact.Penetration = std::max(result.Contact.Penetration, contact.Penetration);
+    result.Contact.NormalForce[0] += contact.NormalForce[0];
+    result.Contact.NormalForce[1] += contact.NormalForce[1];
+  }
+  if (order == ElasticBody::Order::Energy)
+  {
+    return;
+  }
+  result.Gradient.assign(x.size(), 0.0);
+  std::vector<double> contactGradient(x.size(), 0.0);
+  for (std::size_t active = 0; active < this->ActiveCells.size(); ++active)
+  {
+    const std::int32_t* nodes =
+      &this->Body.Cells()[ElasticBody::NodesPerCell * this->ActiveCells[active]];
+    for (int r = 0; r < CellUnknowns; ++r)
+    {
+      const std::size_t coordinate = 3 * nodes[r / 3] + r % 3;
+      result.Gradient[coordinate] +=
+        this->CellResults[active].Gradient[r] + this->CellContactGradients[active][r];
+      contactGradient[coordinate] += this->CellContactGradients[active][r];
+    }
+  }
+  result.ContactNorm = std::sqrt(SquaredNorm(contactGradient));
+  double residual = 0;
+  double reaction = 0;
+  for (std::size_t c = 0; c < x.size(); ++c)
+  {
+    (this->Unknown[c] >= 0 ? residual : reaction) += result.Gradient[c] * result.Gradient[c];
+  }
+  result.ResidualNorm = std::sqrt(residual);
+  result.ReactionNorm = std::sqrt(reaction);
+  if (order == ElasticBody::Order::Gradient)
+  {
+    return;
+  }
+  result.Values.assign(this->Rows.size(), 0.0);
+  for (std::size_t active = 0; active < this->ActiveCells.size(); ++active)
+  {
+    const std::int32_t* scatter = &this->Scatter[CellEntries * active];
+    const double* hessian = this->CellResults[active].Hessian.data();
+    for (int c = 0; c < CellUnknowns; ++c)
+    {
+      for (int r = c; r < CellUnknowns; ++r, ++scatter)
+      {
+        if (*scatter >= 0)
+        {
+          result.Values[*scatter] += hessian[CellUnknowns * c + r];
+        }
+      }
+    }
+  }
+}
+
+bool EquilibriumSolver::Internals::FactorizeWithFallback(
+  const std::vector<double>& x, const PlatePair* plates) const
+{
+  // Where the matrix is indefinite, mix in as little as needed of the one that cannot be: all of it would
+  // be far too stiff and Newton's method would crawl. What was needed last is a good guess.
+  this->FactorPositions.clear();
+  this->Share *= 0.25;
+  if (this->Share < SmallestShare)
+  {
+    this->Share = 0;
+    if (this->Factor->Factorize(this->Current.Values))
+    {
+      this->FactorPositions = x;
+      return true;
+    }
+    this->Share = SmallestShare;
+  }
+  const std::vector<double> exact = this->Current.Values;
+  this->Assemble(x, plates, ElasticBody::Order::ProjectedHessian, this->Current);
+  std::vector<double> mixed(exact.size());
+  for (;; this->Share *= 4)
+  {
+    this->Share = std::min(this->Share, 1.0);
+    for (std::size_t k = 0; k < mixed.size(); ++k)
+    {
+      mixed[k] = exact[k] + this->Share * (this->Current.Values[k] - exact[k]);
+    }
+    if (this->Factor->Factorize(mixed))
+    {
+      return true;
+    }
+    if (this->Share == 1)
+    {
+      return false;
+    }
+  }
+}
+
+double EquilibriumSolver::Internals::DistanceOfFactor(const std::vector<double>& x) const
+{
+  if (this->FactorPositions.size() != x.size())
+  {
+    return std::numeric_limits<double>::infinity();
+  }
+  double farthest = 0;
+  for (std::size_t c = 0; c < x.size(); ++c)
+  {
+    farthest = std::max(farthest, std::abs(x[c] - this->FactorPositions[c]));
+  }
+  return farthest;
+}
+
+EquilibriumReport EquilibriumSolver::Internals::Report(const Assembly& assembly) const
+{
+  EquilibriumReport report;
+  report.Energy = assembly.Energy;
+  report.RelativeResidual = assembly.ResidualNorm / this->ForceScale(assembly);
+  report.SupportForceN = 1e-3 * assembly.Contact.NormalForce[0];
+  report.PaddleForceN = 1e-3 * assembly.Contact.NormalForce[1];
+  report.LargestPenetrationMm = assembly.Contact.Penetration;
+  report.SmallestJ = assembly.SmallestJ;
+  report.LargestJ = assembly.LargestJ;
+  report.VolumeRatio = assembly.Volume / this->RestVolume;
+  return report;
+}
+
+std::vector<double> EquilibriumSolver::Internals::PlateForces(const std::vector<double>& x,
+  const PlatePair& plates, const std::vector<PlatePairVelocity>& velocities) const
+{
+  // With b(d) the energy of a contact point per area, d its distance to the plate moved by v = L + w x r:
+  // d(grad b)/dp = b' w x grad d - hess(b) v, since grad d turns with the plate.
+  const std::size_t n = this->CoordinateOfUnknown.size();
+  std::vector<double> columns(n * velocities.size(), 0.0);
+  for (std::size_t active = 0; active < this->ActiveCells.size(); ++active)
+  {
+    const std::int32_t* nodes =
+      &this->Body.Cells()[ElasticBody::NodesPerCell * this->ActiveCells[active]];
+    for (const std::int32_t f : this->FacesOfCell[active])
+    {
+      const ElasticBody::BoundaryFace& face = this->Body.Faces()[f];
+      for (const TrianglePoint& point : TriangleRule())
+      {
+        const std::array<double, 6> shape = TriangleShape(point.Lambda);
+        Vector3 position{ 0, 0, 0 };
+        for (int a = 0; a < 6; ++a)
+        {
+          const double* node = &x[3 * nodes[face.LocalNodes[a]]];
+          position = position + shape[a] * Vector3{ node[0], node[1], node[2] };
+        }
+        for (int side = 0; side < 2; ++side)
+        {
+          const Plate& plate = side == 0 ? plates.Support : plates.Paddle;
+          const PlateDistance distance = DistanceToPlate(plate, position);
+          const double penetration = -distance.Distance;
+          if (!(penetration > 0))
+          {
+            continue;
+          }
+          const double weight = point.Weight * face.Area * this->ContactStiffness;
+          const double slope = -weight * penetration * penetration;
+          const double along = 2 * weight * penetration;
+          for (std::size_t p = 0; p < velocities.size(); ++p)
+          {
+            const PlateVelocity& velocity =
+              side == 0 ? velocities[p].Support : velocities[p].Paddle;
+            const Vector3 v = velocity.At(plate, position);
+            const Vector3 force = (along * Dot(distance.Gradient, v)) * distance.Gradient +
+              (slope * distance.Curvature * Dot(distance.Tangent, v)) * distance.Tangent -
+              slope * Cross(velocity.Angular, distance.Gradient);
+            for (int a = 0; a < 6; ++a)
+            {
+              for (int i = 0; i < 3; ++i)
+              {
+                const std::int32_t unknown = this->Unknown[3 * nodes[face.LocalNodes[a]] + i];
+                if (unknown >= 0)
+                {
+                  columns[n * p + unknown] += shape[a] * force[i];
+                }
+              }
+            }
+          }
+        }
+      }
+    }
+  }
+  return columns;
+}
+
+EquilibriumSolver::EquilibriumSolver(
+  const ElasticBody& body, const std::vector<bool>& fixed, double contactStiffness)
+  : Internal(std::make_unique<Internals>(body, fixed, contactStiffness))
+{
+}
+
+EquilibriumSolver::~EquilibriumSolver() = default;
+
+std::size_t EquilibriumSolver::NumberOfUnknowns() const
+{
+  return this->Internal->CoordinateOfUnknown.size();
+}
+
+void EquilibriumSolver::SetContactStiffness(double stiffness)
+{
+  this->Internal->ContactStiffness = stiffness;
+}
+
+EquilibriumReport EquilibriumSolver::Solve(std::vector<double>& x, const PlatePair* plates,
+  double tolerance, int maximumSteps, const ProgressCallback& progress) const
+{
+  const Internals& internal = *this->Internal;
+  Internals::Assembly& current = internal.Current;
+  internal.Assemble(x, plates, ElasticBody::Order::Hessian, current);
+  if (!current.Valid)
+  {
+    EquilibriumReport report;
+    report.Reason = "a cell is inverted at the start";
+    return report;
+  }
+  std::vector<double> step;
+  std::vector<double> trial;
+  Internals::Assembly probe;
+  for (int newton = 0;; ++newton)
+  {
+    EquilibriumReport report = internal.Report(current);
+    report.NewtonSteps = newton;
+    static const bool trace = std::getenv("MAMMORAY_TRACE_NEWTON") != nullptr;
+    if (trace)
+    {
+      std::fprintf(stderr, "  newton %d E %.10g res %.2e pen %.4f J %.3f %.3f F %.3f\n", newton,
+        current.Energy, report.RelativeResidual, report.LargestPenetrationMm, report.SmallestJ,
+        report.LargestJ, report.PaddleForceN);
+    }
+    if (report.RelativeResidual <= tolerance)
+    {
+      report.Converged = true;
+      return report;
+    }
+    if (newton == maximumSteps)
+    {
+      report.Reason = "no equilibrium after " + std::to_string(newton) + " Newton steps";
+      return report;
+    }
+    ReportProgress(progress, 0, "equilibrium");
+    if (!internal.FactorizeWithFallback(x, plates))
+    {
+      report.Reason = "the stiffness matrix is singular";
+      return report;
+    }
+    step.resize(internal.CoordinateOfUnknown.size());
+    for (std::size_t u = 0; u < step.size(); ++u)
+    {
+      step[u] = -current.Gradient[internal.CoordinateOfUnknown[u]];
+    }
+    internal.Factor->Solve(step);
+    double slope = 0;
+    for (std::size_t u = 0; u < step.size(); ++u)
+    {
+      slope += step[u] * current.Gradient[internal.CoordinateOfUnknown[u]];
+    }
+    double length = 1;
+    bool accepted = false;
+    for (int halving = 0; halving < 30 && !accepted; ++halving, length *= 0.5)
+    {
+      trial = x;
+      for (std::size_t u = 0; u < step.size(); ++u)
+      {
+        trial[internal.CoordinateOfUnknown[u]] += length * step[u];
+      }
+      internal.Assemble(trial, plates, ElasticBody::Order::Energy, probe);
+      accepted = probe.Valid &&
+        probe.Energy <= current.Energy + 1e-4 * length * slope +
+            std::max(internal.EnergyNoise, 1e-13 * std::abs(current.Energy));
+    }
+    if (!accepted)
+    {
+      report.Reason = "no step lowers the energy";
+      return report;
+    }
+    if (trace)
+    {
+      std::fprintf(stderr, "     length %g share %g\n", 2 * length, internal.Share);
+    }
+    x.swap(trial);
+    internal.Assemble(x, plates, ElasticBody::Order::Hessian, current);
+  }
+}
+
+bool EquilibriumSolver::Admissible(const std::vector<double>& x) const
+{
+  Internals::Assembly probe;
+  this->Internal->Assemble(x, nullptr, ElasticBody::Order::Energy, probe);
+  return probe.Valid;
+}
+
+EquilibriumReport EquilibriumSolver::Evaluate(
+  const std::vector<double>& x, const PlatePair* plates) const
+{
+  Internals::Assembly assembly;
+  this->Internal->Assemble(x, plates, ElasticBody::Order::Gradient, assembly);
+  if (!assembly.Valid)
+  {
+    throw ConvergenceError("equilibrium: expected no inverted cell, found one");
+  }
+  return this->Internal->Report(assembly);
+}
+
+std::vector<double> EquilibriumSolver::Gradient(
+  const std::vector<double>& x, const PlatePair* plates) const
+{
+  Internals::Assembly assembly;
+  this->Internal->Assemble(x, plates, ElasticBody::Order::Gradient, assembly);
+  if (!assembly.Valid)
+  {
+    throw ConvergenceError("equilibrium: expected no inverted cell, found one");
+  }
+  return assembly.Gradient;
+}
+
+std::vector<double> EquilibriumSolver::HessianProduct(const std::vector<double>& x,
+  const PlatePair* plates, const std::vector<double>& direction) const
+{
+  const Internals& internal = *this->Internal;
+  Internals::Assembly assembly;
+  internal.Assemble(x, plates, ElasticBody::Order::Hessian, assembly);
+  if (!assembly.Valid)
+  {
+    throw ConvergenceError("equilibrium: expected no inverted cell, found one");
+  }
+  const std::size_t n = internal.CoordinateOfUnknown.size();
+  std::vector<double> in(n);
+  std::vector<double> out(n);
+  for (std::size_t u = 0; u < n; ++u)
+  {
+    in[u] = direction[internal.CoordinateOfUnknown[u]];
+  }
+  internal.Factor->Multiply(assembly.Values, in.data(), out.data());
+  std::vector<double> result(x.size(), 0.0);
+  for (std::size_t u = 0; u < n; ++u)
+  {
+    result[internal.CoordinateOfUnknown[u]] = out[u];
+  }
+  return result;
+}
+
+std::vector<std::vector<double>> EquilibriumSolver::Sensitivities(const std::vector<double>& x,
+  const PlatePair& plates, const std::vector<PlatePairVelocity>& velocities) const
+{
+  const Internals& internal = *this->Internal;
+  std::vector<std::vector<double>> result(velocities.size(), std::vector<double>(x.size(), 0.0));
+  if (velocities.empty())
+  {
+    return result;
+  }
+  internal.Assemble(x, &plates, ElasticBody::Order::Hessian, internal.Current);
+  if (!internal.Current.Valid)
+  {
+    throw ConvergenceError("sensitivities: expected no inverted cell, found one");
+  }
+  const std::size_t n = internal.CoordinateOfUnknown.size();
+  const std::vector<double> right = internal.PlateForces(x, plates, velocities);
+  const double scale = std::sqrt(SquaredNorm(right));
+
+  // The factor at hand is that of the last Newton step, a hair away: refine with this state's matrix.
+  // Far from it the refinement would not converge, so a factor of another state is not tried.
+  const double farthest = internal.DistanceOfFactor(x);
+  bool refined = false;
+  std::vector<double> solution(right.size(), 0.0);
+  std::vector<double> residual = right;
+  for (int pass = 0; pass < 8 && farthest < 0.05 && !refined; ++pass)
+  {
+    internal.Factor->Solve(residual);
+    for (std::size_t k = 0; k < solution.size(); ++k)
+    {
+      solution[k] += residual[k];
+    }
+    for (std::size_t p = 0; p < velocities.size(); ++p)
+    {
+      internal.Factor->Multiply(internal.Current.Values, &solution[n * p], &residual[n * p]);
+    }
+    for (std::size_t k = 0; k < solution.size(); ++k)
+    {
+      residual[k] = right[k] - residual[k];
+    }
+    refined = std::sqrt(SquaredNorm(residual)) <= 1e-9 * scale;
+  }
+  if (!refined)
+  {
+    internal.FactorPositions.clear();
+    if (!internal.Factor->Factorize(internal.Current.Values))
+    {
+      throw ConvergenceError(
+        "sensitivities: expected a stable equilibrium, found a stiffness matrix that is not positive definite");
+    }
+    internal.FactorPositions = x;
+    solution = right;
+    internal.Factor->Solve(solution);
+  }
+  for (std::size_t p = 0; p < velocities.size(); ++p)
+  {
+    for (std::size_t u = 0; u < n; ++u)
+    {
+      result[p][internal.CoordinateOfUnknown[u]] = solution[n * p + u];
+    }
+  }
+  return result;
+}
+
+std::vector<double> EquilibriumSolver::Predict(const std::vector<double>& x,
+  const PlatePair& plates, const PlatePairVelocity& motion) const
+{
+  const Internals& internal = *this->Internal;
+  std::vector<double> result(x.size(), 0.0);
+  if (internal.DistanceOfFactor(x) > 2.0)
+  {
+    internal.Assemble(x, &plates, ElasticBody::Order::Hessian, internal.Current);
+    if (!internal.Current.Valid || !internal.FactorizeWithFallback(x, &plates))
+    {
+      return result;
+    }
+  }
+  std::vector<double> solution = internal.PlateForces(x, plates, { motion });
+  internal.Factor->Solve(solution);
+  for (std::size_t u = 0; u < solution.size(); ++u)
+  {
+    result[internal.CoordinateOfUnknown[u]] = solution[u];
+  }
+  return result;
+}
+
+std::array<double, 2> EquilibriumSolver::Opening(
+  const std::vector<double>& x, const PlatePair& plates) const
+{
+  std::array<double, 2> opening{ 0, 0 };
+  for (const std::vector<std::int32_t>& faces : this->Internal->FacesOfCell)
+  {
+    for (const std::int32_t f : faces)
+    {
+      const ElasticBody::BoundaryFace& face = this->Internal->Body.Faces()[f];
+      const std::int32_t* nodes =
+        &this->Internal->Body.Cells()[ElasticBody::NodesPerCell * face.Cell];
+      for (const TrianglePoint& point : TriangleRule())
+      {
+        const std::array<double, 6> shape = TriangleShape(point.Lambda);
+        Vector3 position{ 0, 0, 0 };
+        for (int a = 0; a < 6; ++a)
+        {
+          const double* node = &x[3 * nodes[face.LocalNodes[a]]];
+          position = position + shape[a] * Vector3{ node[0], node[1], node[2] };
+        }
+        for (int side = 0; side < 2; ++side)
+        {
+          const Plate& plate = side == 0 ? plates.Support : plates.Paddle;
+          const Vector3 offset = position - plate.Edge;
+          const double behind = plate.EdgeRadiusMm - Dot(offset, plate.Inward);
+          if (behind >= plate.EdgeRadiusMm)
+          {
+            continue;
+          }
+          // How far the rounded edge lies below the face at this distance from it.
+          const double drop = behind > 0
+            ? plate.EdgeRadiusMm -
+              std::sqrt(plate.EdgeRadiusMm * plate.EdgeRadiusMm - behind * behind)
+            : 0;
+          opening[side] = std::max(opening[side], -drop - Dot(offset, plate.Normal));
+        }
+      }
+    }
+  }
+  return opening;
+}
+}

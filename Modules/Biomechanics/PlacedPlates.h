@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: Apache-2.0
+#ifndef mammoray_PlacedPlates_h
+#define mammoray_PlacedPlates_h
+
+#include "MammographyGeometry.h"
+#include "PlateContact.h"
+#include "mammorayBiomechanicsModule.h"
+
+namespace mammoray
+{
+/**
+ * The plates of a unit that stands at `placed` and is closed to `thicknessMm`; volume frame. The support
+ * faces the source at z = SupportHeightMm of the gantry frame, the paddle faces it `thicknessMm` above.
+ */
+MAMMORAYBIOMECHANICS_EXPORT PlatePair PlatesOf(
+  const VolumeFromGantry& placed, const MammographyUnit& unit, double thicknessMm);
+}
+
+#endif

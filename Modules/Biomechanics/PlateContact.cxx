@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "PlateContact.h"
+
+#include <algorithm>
+
+namespace mammoray
+{
+namespace
+{
+/// Rodrigues' formula; `rotation` is axis times angle in radians.
+Vector3 Rotated(const Vector3& v, const Vector3& rotation)
+{
+  const double angle = Norm(rotation);
+  if (angle == 0)
+  {
+    return v;
+  }
+  const Vector3 axis = (1 / angle) * rotation;
+  return std::cos(angle) * v + std::sin(angle) * Cross(axis, v) +
+    ((1 - std::cos(angle)) * Dot(axis, v)) * axis;
+}
+}
+
+PlateDistance DistanceToPlate(const Plate& plate, const Vector3& x)
+{
+  // In the plane of Inward and Normal the plate is a quarter-plane whose corner is rounded about the
+  // point `radius` below the face and `radius` behind the edge; u and v are measured from there,
+  // towards the chest wall and out of the face.
+  const Vector3 offset = x - plate.Edge;
+  const double radius = plate.EdgeRadiusMm;
+  const double u = radius - Dot(offset, plate.Inward);
+  const double v = radius + Dot(offset, plate.Normal);
+  PlateDistance result;
+  if (u > 0 && v > 0)
+  {
+    const double length = std::hypot(u, v);
+    result.Distance = length - radius;
+    result.Gradient = (-u / length) * plate.Inward + (v / length) * plate.Normal;
+    result.Curvature = 1 / length;
+    result.Tangent = (v / length) * plate.Inward + (u / length) * plate.Normal;
+  }
+  else if (v >= u)
+  {
+    result.Distance = v - radius;
+    result.Gradient = plate.Normal;
+  }
+  else
+  {
+    result.Distance = u - radius;
+    result.Gradient = -1.0 * plate.Inward;
+  }
+  return result;
+}
+
+Plate MovedPlate(const Plate& plate, const PlateVelocity& velocity, double amount)
+{
+  Plate moved = plate;
+  const Vector3 rotation = amount * velocity.Angular;
+  moved.Edge = plate.Edge + amount * velocity.Linear;
+  moved.Normal = Rotated(plate.Normal, rotation);
+  moved.Inward = Rotated(plate.Inward, rotation);
+  return moved;
+}
+
+PlatePair MovedPlates(const PlatePair& plates, const PlatePairVelocity& velocity, double amount)
+{
+  return { MovedPlate(plates.Support, velocity.Support, amount),
+    MovedPlate(plates.Paddle, velocity.Paddle, amount) };
+}
+
+PlateVelocity PlateMotion(const Plate& from, const Plate& to)
+{
+  PlateVelocity motion;
+  motion.Linear = to.Edge - from.Edge;
+  // R = sum of to_i from_i^T. Its skew part is sin(angle) * axis, its trace 1 + 2 cos(angle).
+  const Vector3 a[3] = { from.Inward, from.Normal, Cross(from.Inward, from.Normal) };
+  const Vector3 b[3] = { to.Inward, to.Normal, Cross(to.Inward, to.Normal) };
+  Vector3 sine{ 0, 0, 0 };
+  double trace = 0;
+  for (int i = 0; i < 3; ++i)
+  {
+    sine = sine + 0.5 * Cross(a[i], b[i]);
+    trace += Dot(a[i], b[i]);
+  }
+  const double length = Norm(sine);
+  if (length > 0)
+  {
+    motion.Angular = (std::atan2(length, 0.5 * (trace - 1)) / length) * sine;
+  }
+  return motion;
+}
+
+PlatePairVelocity PlateMotion(const PlatePair& from, const PlatePair& to)
+{
+  return { PlateMotion(from.Support, to.Support), PlateMotion(from.Paddle, to.Paddle) };
+}
+}

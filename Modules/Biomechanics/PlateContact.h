@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: Apache-2.0
+#ifndef mammoray_PlateContact_h
+#define mammoray_PlateContact_h
+
+#include "Vector3.h"
+#include "mammorayBiomechanicsModule.h"
+
+namespace mammoray
+{
+/**
+ * A rigid plate: a slab that fills Dot(x - Edge, Normal) <= 0 and Dot(x - Edge, Inward) >= 0, its
+ * chest-wall edge rounded; unlimited in every other direction. In the frame of the mesh.
+ */
+struct Plate
+{
+  /// A point on the (unrounded) chest-wall edge of the contact face, mm.
+  Vector3 Edge{ 0, 0, 0 };
+  /// Unit normal of the contact face, out of the plate, towards the breast.
+  Vector3 Normal{ 0, 0, 1 };
+  /// Unit vector in the contact face from the chest-wall edge into the plate; orthogonal to Normal.
+  Vector3 Inward{ 0, 1, 0 };
+  /// Radius of the chest-wall edge, mm; not negative.
+  double EdgeRadiusMm = 3.0;
+};
+
+/// Rate of change of a plate with a parameter: x' = Linear + Angular x (x - Edge), per unit of it.
+struct PlateVelocity
+{
+  Vector3 Linear{ 0, 0, 0 };
+  Vector3 Angular{ 0, 0, 0 };
+
+  /// Velocity of the plate's material point at x.
+  Vector3 At(const Plate& plate, const Vector3& x) const
+  {
+    return this->Linear + Cross(this->Angular, x - plate.Edge);
+  }
+};
+
+struct PlatePair
+{
+  Plate Support;
+  Plate Paddle;
+};
+
+struct PlatePairVelocity
+{
+  PlateVelocity Support;
+  PlateVelocity Paddle;
+};
+
+/// Signed distance to a plate with its first and second derivatives.
+struct PlateDistance
+{
+  /// mm; negative inside the plate.
+  double Distance = 0;
+  /// Unit vector out of the plate.
+  Vector3 Gradient{ 0, 0, 0 };
+  /// The second derivative is Curvature * Tangent Tangent^T; 1/mm, 0 beside flat faces.
+  double Curvature = 0;
+  Vector3 Tangent{ 0, 0, 0 };
+};
+
+/**
+ * Exact outside the plate and inside to the depth of the edge radius; deeper, the distance to the nearer of
+ * the two faces.
+ */
+MAMMORAYBIOMECHANICS_EXPORT PlateDistance DistanceToPlate(const Plate& plate, const Vector3& x);
+
+/// The plate after moving for `amount` of the parameter: turned about its Edge, then shifted.
+MAMMORAYBIOMECHANICS_EXPORT Plate MovedPlate(
+  const Plate& plate, const PlateVelocity& velocity, double amount);
+MAMMORAYBIOMECHANICS_EXPORT PlatePair MovedPlates(
+  const PlatePair& plates, const PlatePairVelocity& velocity, double amount);
+
+/// The rigid motion that takes `from` to `to` in one unit: MovedPlate(from, Motion(from, to), 1) == to.
+MAMMORAYBIOMECHANICS_EXPORT PlateVelocity PlateMotion(const Plate& from, const Plate& to);
+MAMMORAYBIOMECHANICS_EXPORT PlatePairVelocity PlateMotion(const PlatePair& from, const PlatePair& to);
+}
+
+#endif

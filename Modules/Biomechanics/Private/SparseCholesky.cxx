@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "SparseCholesky.h"
+
+#include "Error.h"
+
+#include <cholmod.h>
+
+#include <algorithm>
+#include <string>
+
+namespace mammoray
+{
+struct SparseCholesky::Internals
+{
+  cholmod_common Common{};
+  cholmod_factor* Factor = nullptr;
+  cholmod_dense* Solution = nullptr;
+  cholmod_dense* Work = nullptr;
+  cholmod_dense* MoreWork = nullptr;
+
+  Internals() { cholmod_start(&this->Common); }
+  ~Internals()
+  {
+    cholmod_free_dense(&this->Solution, &this->Common);
+    cholmod_free_dense(&this->Work, &this->Common);
+    cholmod_free_dense(&this->MoreWork, &this->Common);
+    cholmod_free_factor(&this->Factor, &this->Common);
+    cholmod_finish(&this->Common);
+  }
+  Internals(const Internals&) = delete;
+  Internals& operator=(const Internals&) = delete;
+
+  void Check(const char* what) const
+  {
+    if (this->Common.status < CHOLMOD_OK)
+    {
+      throw ConvergenceError(std::string("CHOLMOD: ") + what + " ended with status " +
+        std::to_string(this->Common.status) +
+        (this->Common.status == CHOLMOD_OUT_OF_MEMORY ? " (out of memory)" : ""));
+    }
+  }
+};
+
+namespace
+{
+/// CHOLMOD's view of our arrays; it does not write to them.
+cholmod_sparse View(const std::vector<int>& starts, const std::vector<int>& rows, const double* values)
+{
+  cholmod_sparse matrix{};
+  matrix.nrow = matrix.ncol = starts.size() - 1;
+  matrix.nzmax = rows.size();
+  matrix.p = const_cast<int*>(starts.data());
+  matrix.i = const_cast<int*>(rows.data());
+  matrix.x = const_cast<double*>(values);
+  matrix.stype = -1;
+  matrix.itype = CHOLMOD_INT;
+  matrix.xtype = values ? CHOLMOD_REAL : CHOLMOD_PATTERN;
+  matrix.dtype = CHOLMOD_DOUBLE;
+  matrix.sorted = 1;
+  matrix.packed = 1;
+  return matrix;
+}
+}
+
+SparseCholesky::SparseCholesky(const std::vector<int>& starts, const std::vector<int>& rows)
+  : Internal(std::make_unique<Internals>())
+  , Starts(starts)
+  , Rows(rows)
+{
+  cholmod_common& common = this->Internal->Common;
+  common.supernodal = CHOLMOD_SUPERNODAL;
+  common.print = 0;
+  common.nmethods = 1;
+  common.method[0].ordering = CHOLMOD_METIS;
+  common.postorder = 1;
+  cholmod_sparse matrix = View(starts, rows, nullptr);
+  this->Internal->Factor = cholmod_analyze(&matrix, &common);
+  this->Internal->Check("the ordering");
+}
+
+SparseCholesky::~SparseCholesky() = default;
+
+bool SparseCholesky::Factorize(const std::vector<double>& values)
+{
+  cholmod_sparse matrix = View(this->Starts, this->Rows, values.data());
+  cholmod_common& common = this->Internal->Common;
+  cholmod_factorize(&matrix, this->Internal->Factor, &common);
+  this->Internal->Check("the factorisation");
+  this->Valid = common.status != CHOLMOD_NOT_POSDEF &&
+    this->Internal->Factor->minor == this->Internal->Factor->n;
+  return this->Valid;
+}
+
+void SparseCholesky::Solve(std::vector<double>& columns) const
+{
+  const std::size_t n = this->Starts.size() - 1;
+  cholmod_dense right{};
+  right.nrow = n;
+  right.ncol = n ? columns.size() / n : 0;
+  right.nzmax = columns.size();
+  right.d = n;
+  right.x = columns.data();
+  right.xtype = CHOLMOD_REAL;
+  right.dtype = CHOLMOD_DOUBLE;
+  Internals& internal = *this->Internal;
+  cholmod_solve2(CHOLMOD_A, internal.Factor, &right, nullptr, &internal.Solution, nullptr,
+    &internal.Work, &internal.MoreWork, &internal.Common);
+  internal.Check("the back-substitution");
+  const auto* solution = static_cast<const double*>(internal.Solution->x);
+  std::copy(solution, solution + columns.size(), columns.begin());
+}
+
+void SparseCholesky::Multiply(
+  const std::vector<double>& values, const double* x, double* y) const
+{
+  const std::size_t n = this->Starts.size() - 1;
+  std::fill(y, y + n, 0.0);
+  for (std::size_t c = 0; c < n; ++c)
+  {
+    double sum = 0;
+    for (int k = this->Starts[c]; k < this->Starts[c + 1]; ++k)
+    {
+      const auto r = static_cast<std::size_t>(this->Rows[k]);
+      sum += values[k] * x[r];
+      if (r != c)
+      {
+        y[r] += values[k] * x[c];
+      }
+    }
+    y[c] += sum;
+  }
+}
+
+double SparseCholesky::FactorNonZeros() const
+{
+  return this->Internal->Common.lnz;
+}
+}

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+#ifndef mammoray_SparseCholesky_h
+#define mammoray_SparseCholesky_h
+
+#include <memory>
+#include <vector>
+
+namespace mammoray
+{
+/**
+ * L L^T of symmetric positive definite matrices that share one pattern, by CHOLMOD's supernodal method:
+ * ordered and analysed once, factorised as often as wanted.
+ */
+class SparseCholesky
+{
+public:
+  /**
+   * Lower triangle by columns: rows of column c are rows[starts[c]] .. rows[starts[c + 1] - 1],
+   * ascending. The arrays must outlive the object.
+   */
+  SparseCholesky(const std::vector<int>& starts, const std::vector<int>& rows);
+  ~SparseCholesky();
+
+  /// Answers false where the matrix is not positive definite; the factor is unusable then.
+  bool Factorize(const std::vector<double>& values);
+  /// Solves for `columns` right-hand sides stored one after the other, in place.
+  void Solve(std::vector<double>& columns) const;
+  /// y = A x of the symmetric matrix with these values.
+  void Multiply(
+    const std::vector<double>& values, const double* x, double* y) const;
+  bool Usable() const { return this->Valid; }
+  double FactorNonZeros() const;
+
+private:
+  struct Internals;
+  std::unique_ptr<Internals> Internal;
+  const std::vector<int>& Starts;
+  const std::vector<int>& Rows;
+  bool Valid = false;
+};
+}
+
+#endif

@@ -1,0 +1,172 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "LabelResampling.h"
+
+#include "Error.h"
+
+#include <algorithm>
+#include <limits>
+
+namespace mammoray
+{
+namespace
+{
+/// Old voxels under one new voxel, along one axis, with their shares of it.
+struct Footprint
+{
+  int First = 0;
+  std::vector<double> Shares;
+};
+
+std::vector<Footprint> FootprintsAlong(int oldSize, double oldSpacing, double newSpacing)
+{
+  const double ratio = newSpacing / oldSpacing;
+  // 1e-6 of a voxel: 449 * 0.2 / 0.5 shall not become one voxel more by rounding.
+  const double newSize = std::max(1.0, std::ceil(oldSize / ratio - 1e-6));
+  if (!(newSize <= std::numeric_limits<int>::max()))
+  {
+    throw InputError("spacing " + std::to_string(newSpacing) + " mm: expected a coarser one");
+  }
+  std::vector<Footprint> footprints(static_cast<std::size_t>(newSize));
+  for (std::size_t voxel = 0; voxel < footprints.size(); ++voxel)
+  {
+    const double low = static_cast<double>(voxel) * ratio;
+    const double high = low + ratio;
+    Footprint& footprint = footprints[voxel];
+    footprint.First = std::min(static_cast<int>(low), oldSize - 1);
+    for (int old = footprint.First; old < oldSize && old < high; ++old)
+    {
+      footprint.Shares.push_back(
+        std::max(0.0, std::min<double>(high, old + 1) - std::max<double>(low, old)) / ratio);
+    }
+  }
+  return footprints;
+}
+}
+
+LabelVolume ResampleLabels(const LabelVolume& labels, double spacingMm)
+{
+  labels.Validate("volume to resample");
+  if (!(spacingMm > 0) || !std::isfinite(spacingMm))
+  {
+    throw InputError(
+      "spacing: expected a positive number of mm, found " + std::to_string(spacingMm));
+  }
+  LabelVolume result = labels;
+  std::array<std::vector<Footprint>, 3> footprints;
+  double voxelCount = 1;
+  for (int a = 0; a < 3; ++a)
+  {
+    footprints[a] = FootprintsAlong(labels.Size[a], labels.Spacing[a], spacingMm);
+    result.Size[a] = static_cast<int>(footprints[a].size());
+    result.Spacing[a] = spacingMm;
+    result.Origin = result.Origin + (0.5 * (spacingMm - labels.Spacing[a])) * labels.Direction[a];
+    voxelCount *= result.Size[a];
+  }
+  if (voxelCount > 4e9)
+  {
+    throw InputError("spacing " + std::to_string(spacingMm) +
+      " mm: expected a coarser one, this makes " + std::to_string(voxelCount) + " voxels");
+  }
+  result.Voxels.assign(static_cast<std::size_t>(voxelCount), 0);
+  std::vector<double> votes(65536, 0.0);
+  std::vector<std::uint16_t> candidates;
+  std::size_t voxel = 0;
+  for (const Footprint& fz : footprints[2])
+  {
+    for (const Footprint& fy : footprints[1])
+    {
+      for (const Footprint& fx : footprints[0])
+      {
+        double inside = 0;
+        candidates.clear();
+        for (std::size_t k = 0; k < fz.Shares.size(); ++k)
+        {
+          for (std::size_t j = 0; j < fy.Shares.size(); ++j)
+          {
+            const double shareJK = fy.Shares[j] * fz.Shares[k];
+            const std::uint16_t* row = &labels.Voxels[labels.Index(fx.First,
+              fy.First + static_cast<int>(j), fz.First + static_cast<int>(k))];
+            for (std::size_t i = 0; i < fx.Shares.size(); ++i)
+            {
+              const double share = fx.Shares[i] * shareJK;
+              if (share > 0 && votes[row[i]] == 0)
+              {
+                candidates.push_back(row[i]);
+              }
+              votes[row[i]] += share;
+              inside += share;
+            }
+          }
+        }
+        if (inside < 1 - 1e-9)
+        {
+          candidates.push_back(0);
+          votes[0] += 1 - inside;
+        }
+        std::sort(candidates.begin(), candidates.end());
+        double most = 0;
+        for (const std::uint16_t label : candidates)
+        {
+          // 1e-9: equal shares summed in another order differ by rounding.
+          if (votes[label] > most + 1e-9)
+          {
+            most = votes[label];
+            result.Voxels[voxel] = label;
+          }
+          votes[label] = 0;
+        }
+        ++voxel;
+      }
+    }
+  }
+  return result;
+}
+
+LabelVolume CropToTissue(const LabelVolume& labels, int marginVoxels)
+{
+  labels.Validate("volume to crop");
+  std::array<int, 3> low = labels.Size;
+  std::array<int, 3> high{ -1, -1, -1 };
+  for (int k = 0; k < labels.Size[2]; ++k)
+  {
+    for (int j = 0; j < labels.Size[1]; ++j)
+    {
+      for (int i = 0; i < labels.Size[0]; ++i)
+      {
+        if (labels.Voxels[labels.Index(i, j, k)] != 0)
+        {
+          const int index[3] = { i, j, k };
+          for (int a = 0; a < 3; ++a)
+          {
+            low[a] = std::min(low[a], index[a]);
+            high[a] = std::max(high[a], index[a]);
+          }
+        }
+      }
+    }
+  }
+  if (high[0] < 0)
+  {
+    throw InputError("volume to crop: expected labels other than 0, found none");
+  }
+  LabelVolume result = labels;
+  for (int a = 0; a < 3; ++a)
+  {
+    low[a] = std::max(0, low[a] - std::max(0, marginVoxels));
+    high[a] = std::min(labels.Size[a] - 1, high[a] + std::max(0, marginVoxels));
+    result.Size[a] = high[a] - low[a] + 1;
+  }
+  result.Origin = labels.PointAt(low[0], low[1], low[2]);
+  result.Voxels.clear();
+  for (int k = low[2]; k <= high[2]; ++k)
+  {
+    for (int j = low[1]; j <= high[1]; ++j)
+    {
+      const auto row =
+        labels.Voxels.begin() + static_cast<std::ptrdiff_t>(labels.Index(low[0], j, k));
+      result.Voxels.insert(result.Voxels.end(), row, row + result.Size[0]);
+    }
+  }
+  return result;
+}
+}

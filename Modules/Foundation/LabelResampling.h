@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+#ifndef mammoray_LabelResampling_h
+#define mammoray_LabelResampling_h
+
+#include "LabelVolume.h"
+#include "mammorayFoundationModule.h"
+
+namespace mammoray
+{
+/**
+ * The volume on a grid of another spacing (mm, positive, the same along all axes), same axes and
+ * same first corner. A new voxel takes the label that fills most of it, what lies outside the
+ * volume counting as 0; of equals the smallest label. The last voxels may reach past the old grid
+ * by less than one spacing. Replace labels by materials (MaterialTable::ToMaterials) first where
+ * thin structures of several labels belong together. Throws InputError on an unusable spacing.
+ */
+MAMMORAYFOUNDATION_EXPORT LabelVolume ResampleLabels(const LabelVolume& labels, double spacingMm);
+
+/**
+ * The smallest box of the volume that holds every voxel that is not 0, with `marginVoxels` (not
+ * negative) around it where the volume reaches that far. Throws InputError when all voxels are 0.
+ */
+MAMMORAYFOUNDATION_EXPORT LabelVolume CropToTissue(const LabelVolume& labels, int marginVoxels);
+}
+
+#endif

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+#ifndef mammoray_LabelVolumeIO_h
+#define mammoray_LabelVolumeIO_h
+
+#include "LabelVolume.h"
+#include "mammorayMammographyModule.h"
+
+#include <string>
+
+namespace mammoray
+{
+/// How the axes of a file become those of the volume frame.
+enum class VolumeAxes
+{
+  /**
+   * What the file says is turned into DICOM LPS: NRRD by its `space` (LPS kept, RAS and LAS
+   * converted, none or an anonymous one taken as given), MetaImage as LPS, NIfTI as RAS when its
+   * sform or qform code is not 0.
+   */
+  Patient,
+  /// The numbers of the header, whatever they say about the patient.
+  AsGiven
+};
+
+/**
+ * Reads a label volume with its whole geometry, oblique axes included: NRRD (.nrrd; .nhdr with one
+ * data file; raw or gzip), MetaImage (.mha; .mhd with one data file; raw or compressed) and NIfTI-1
+ * (.nii, .nii.gz; sform before qform).
+ *
+ * Three dimensions (further ones of size 1 are allowed in NIfTI), any scalar type of whole values
+ * in [0, 65535]. Throws InputError, one line with the file, on a missing, short or damaged file, on
+ * other dimensions, types, encodings or sheared axes, and on a value that is no label, with its
+ * place. Memory grows with the data that is there, not with what the header promises.
+ */
+MAMMORAYMAMMOGRAPHY_EXPORT LabelVolume ReadLabelVolume(const std::string& path,
+  VolumeAxes axes = VolumeAxes::Patient);
+
+/**
+ * Writes .nrrd (gzip) or .mha (compressed), 8 bits per voxel when that is enough, 16 otherwise; the
+ * frame is called LPS. Throws InputError on another extension or when the file cannot be written.
+ */
+MAMMORAYMAMMOGRAPHY_EXPORT void WriteLabelVolume(const LabelVolume& volume,
+  const std::string& path);
+}
+
+#endif
