@@ -134,7 +134,7 @@ std::string ShortNumber(double value)
 {
   std::ostringstream stream;
   stream.imbue(std::locale::classic());
-  stream.precision(3);
+  stream.precision(6);
   stream << value;
   return stream.str();
 }
@@ -143,7 +143,7 @@ std::string ShortNumber(double value)
 /// of 20.
 std::string ConvergencePlot(const std::vector<RegistrationIteration>& iterations)
 {
-  constexpr double Width = 760;
+  constexpr double Width = 960;
   constexpr double Height = 320;
   constexpr double Left = 74;
   constexpr double Right = 150;
@@ -313,18 +313,31 @@ std::string ResultJson(const RegistrationReport& report, const Assessment& asses
       { "start", parameter.Start }, { "lower", parameter.Lower }, { "upper", parameter.Upper },
       { "fixed", parameter.Fixed }, { "atBound", AtBound(parameter, result.Values[i]) } });
   }
-  json["correlation"] = result.Correlation;
-  json["meanOutlineDistanceMm"] = result.MeanOutlineDistanceMm;
-  json["largestOutlineDistanceMm"] = result.LargestOutlineDistanceMm;
+  json["placement"] = { { "originMm", report.Placed.Origin }, { "x", report.Placed.X },
+    { "y", report.Placed.Y }, { "z", report.Placed.Z } };
+  json["unit"] = { { "sourceToDetectorMm", report.Unit.SourceToDetectorMm },
+    { "supportHeightMm", report.Unit.SupportHeightMm },
+    { "supportEdgeMm", report.Unit.SupportEdgeMm }, { "paddleEdgeMm", report.Unit.PaddleEdgeMm },
+    { "edgeRadiusMm", report.Unit.EdgeRadiusMm } };
+  json["correlation"] = result.After.Correlation;
+  json["meanOutlineDistanceMm"] = result.After.MeanOutlineDistanceMm;
+  json["largestOutlineDistanceMm"] = result.After.LargestOutlineDistanceMm;
   json["converged"] = result.Converged;
   json["stopReason"] = result.StopReason;
   json["evaluations"] = result.Evaluations;
   json["seconds"] = result.Seconds;
+  json["timings"] = Json::array();
+  for (const auto& [stage, seconds] : report.Timings)
+  {
+    json["timings"].push_back({ { "stage", stage }, { "seconds", seconds } });
+  }
   json["iterations"] = Json::array();
   for (const RegistrationIteration& iteration : result.Iterations)
   {
-    json["iterations"].push_back({ { "number", iteration.Number }, { "cost", iteration.Cost },
+    json["iterations"].push_back({ { "number", iteration.Number },
+      { "pixelSizeMm", iteration.PixelSizeMm }, { "cost", iteration.Cost },
       { "outlineCost", iteration.OutlineCost }, { "intensityCost", iteration.IntensityCost },
+      { "priorCost", iteration.PriorCost },
       { "parameters", iteration.Parameters }, { "seconds", iteration.Seconds } });
   }
   json["compression"] = { { "paddleForceN", result.State.PaddleForceN },
@@ -359,7 +372,7 @@ constexpr const char* Style = R"css(
 * { box-sizing: border-box; }
 body { margin: 0; background: #f3f4f6; color: var(--ink);
   font: 15px/1.55 system-ui, "Segoe UI", "Helvetica Neue", Arial, sans-serif; }
-main { max-width: 1080px; margin: 0 auto; padding: 32px 24px 48px; }
+main { max-width: 1240px; margin: 0 auto; padding: 32px 24px 48px; }
 header p { color: var(--quiet); margin: 4px 0 0; }
 h1 { font-size: 26px; line-height: 1.25; margin: 0; letter-spacing: -.01em; }
 h2 { font-size: 17px; margin: 0 0 12px; }
@@ -388,12 +401,13 @@ table { border-collapse: collapse; width: 100%; font-variant-numeric: tabular-nu
 th, td { text-align: left; padding: 7px 12px 7px 0; border-bottom: 1px solid var(--line); vertical-align: top; }
 tr:last-child td { border-bottom: 0; }
 th { font-weight: 600; font-size: 13px; color: var(--quiet); }
+td.value { text-align: right; padding-right: 0; }
 td.number, th.number { text-align: right; white-space: nowrap; }
 .columns { display: grid; grid-template-columns: 1fr 1fr; gap: 18px; }
 .columns section { min-width: 0; }
 code { font: 12px ui-monospace, Menlo, Consolas, monospace; color: var(--quiet); overflow-wrap: anywhere; }
 .flag { background: #fef3c7; border-radius: 4px; padding: 1px 6px; font-size: 12px; }
-section > svg { max-width: 100%; height: auto; display: block; }
+section > svg { width: 100%; height: auto; display: block; }
 footer { color: var(--quiet); font-size: 13px; margin-top: 22px; }
 @media (max-width: 820px) { .pictures, .figures { grid-template-columns: 1fr 1fr; }
   .columns { grid-template-columns: 1fr; } }
@@ -406,7 +420,7 @@ std::string Rows(const Lines& lines)
   for (const auto& [name, value] : lines)
   {
     html +=
-      "<tr><td>" + Escape(name) + "</td><td class=\"number\">" + Escape(value) + "</td></tr>\n";
+      "<tr><td>" + Escape(name) + "</td><td class=\"value\">" + Escape(value) + "</td></tr>\n";
   }
   return html + "</table>\n";
 }
@@ -444,13 +458,13 @@ std::string FiguresHtml(const RegistrationResult& result)
       "</span></div>\n";
   };
   return "<div class=\"figures\">\n" +
-    figure(Format(result.Correlation, 3), "", "correlation inside the breast (1 is best)") +
-    figure(Format(result.MeanOutlineDistanceMm, 2), "mm", "mean distance of the outlines") +
-    figure(Format(result.LargestOutlineDistanceMm, 2), "mm", "largest distance of the outlines") +
+    figure(Format(result.After.Correlation, 3), "", "correlation inside the breast (1 is best)") +
+    figure(Format(result.After.MeanOutlineDistanceMm, 2), "mm", "mean distance of the outlines") +
+    figure(Format(result.After.LargestOutlineDistanceMm, 2), "mm", "largest distance of the outlines") +
     figure(Format(result.Pose.ThicknessMm, 1), "mm", "compressed thickness") + "</div>\n";
 }
 
-std::string PicturesHtml(const RegistrationReport& report, const ReportPictures& pictures)
+std::string PicturesHtml(const ReportPictures& pictures)
 {
   const auto picture = [](const std::string& png, const std::string& name, const std::string& text)
   {
@@ -459,13 +473,8 @@ std::string PicturesHtml(const RegistrationReport& report, const ReportPictures&
   };
   const auto key = [](const char* color)
   { return std::string("<span class=\"key\" style=\"background:") + color + "\"></span>"; };
-  const RegistrationTarget& target = *report.Target;
-  const double along =
-    target.Columns * std::abs(target.ColumnStep[0]) + target.Rows * std::abs(target.RowStep[0]);
-  const double away =
-    target.Columns * std::abs(target.ColumnStep[1]) + target.Rows * std::abs(target.RowStep[1]);
   return std::string("<section>\n<h2>Pictures</h2>\n<div class=\"pictures") +
-    (away > 0.95 * along ? " wide" : "") + "\">\n" +
+    (pictures.Wide ? " wide" : "") + "\">\n" +
     picture(pictures.Real, "Real mammogram",
       "Log attenuation; the breast's outline " + key("#ff8c1a") + "as found in it.") +
     picture(pictures.Synthetic, "Synthetic mammogram",
@@ -565,7 +574,7 @@ std::string ReportHtml(const RegistrationReport& report, const Assessment& asses
     " · MammoRay " MAMMORAY_VERSION "</p>\n</header>\n";
   html += VerdictHtml(assessment);
   html += FiguresHtml(result);
-  html += PicturesHtml(report, pictures);
+  html += PicturesHtml(pictures);
   html += ParametersHtml(result);
   html += "<section>\n<h2>Course of the search</h2>\n" + plot + "</section>\n";
   html += "<div class=\"columns\">\n<section>\n<h2>Search and compression</h2>\n" +
@@ -622,27 +631,27 @@ Assessment Assess(const RegistrationResult& result)
     assessment.Level = std::max(assessment.Level, level);
     assessment.Reasons.push_back(reason);
   };
-  if (!std::isfinite(result.Correlation) || !std::isfinite(result.MeanOutlineDistanceMm) ||
-    !std::isfinite(result.LargestOutlineDistanceMm))
+  if (!std::isfinite(result.After.Correlation) || !std::isfinite(result.After.MeanOutlineDistanceMm) ||
+    !std::isfinite(result.After.LargestOutlineDistanceMm))
   {
     add(Trust::None, "The agreement of the pictures could not be computed.");
   }
-  if (result.Correlation < 0.7)
+  if (result.After.Correlation < 0.7)
   {
-    add(result.Correlation < 0.5 ? Trust::None : Trust::Doubtful,
+    add(result.After.Correlation < 0.5 ? Trust::None : Trust::Doubtful,
       "The pictures look little alike inside the breast: their correlation is " +
-        Format(result.Correlation, 2) + ", 0.7 or more is wanted.");
+        Format(result.After.Correlation, 2) + ", 0.7 or more is wanted.");
   }
-  if (result.MeanOutlineDistanceMm > 1.5)
+  if (result.After.MeanOutlineDistanceMm > 1.5)
   {
-    add(result.MeanOutlineDistanceMm > 3 ? Trust::None : Trust::Doubtful,
-      "The outlines of the breast lie " + Format(result.MeanOutlineDistanceMm, 1) +
+    add(result.After.MeanOutlineDistanceMm > 3 ? Trust::None : Trust::Doubtful,
+      "The outlines of the breast lie " + Format(result.After.MeanOutlineDistanceMm, 1) +
         " mm apart on average, 1.5 mm or less is wanted.");
   }
-  if (result.LargestOutlineDistanceMm > 5)
+  if (result.After.LargestOutlineDistanceMm > 5)
   {
-    add(result.LargestOutlineDistanceMm > 10 ? Trust::None : Trust::Doubtful,
-      "At one place the outlines lie " + Format(result.LargestOutlineDistanceMm, 1) +
+    add(result.After.LargestOutlineDistanceMm > 10 ? Trust::None : Trust::Doubtful,
+      "At one place the outlines lie " + Format(result.After.LargestOutlineDistanceMm, 1) +
         " mm apart, 5 mm or less is wanted.");
   }
   if (!result.Converged)

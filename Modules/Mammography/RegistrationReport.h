@@ -20,6 +20,11 @@ struct RegistrationReport
   const Mammogram* RealMammogram = nullptr;
   const RegistrationTarget* Target = nullptr;
   const RegistrationResult* Result = nullptr;
+  /// Where the search put the unit, and the unit.
+  VolumeFromGantry Placed;
+  MammographyUnit Unit;
+  /// Stage of the work -> wall time, s.
+  std::vector<std::pair<std::string, double>> Timings;
   /// Log attenuation of the synthetic mammogram on the target's grid; 0 beside the breast.
   std::vector<float> Synthetic;
   /// Outline of the synthetic breast: lines of gantry x, y in the receptor plane, mm. Closed lines

@@ -81,7 +81,17 @@ public:
     }
   }
 
-  /// Text with its upper left corner at x, y; characters are 6 by 7 times `size` pixels.
+  /// Text with its upper left corner at x, y; characters are 6 by 7 times `size` pixels. A halo
+  /// keeps it readable on any ground.
+  void HaloedText(int x, int y, const std::string& text, const Color& color, const Color& halo,
+    int size)
+  {
+    for (int offset = 0; offset < 9; ++offset)
+    {
+      this->Text(x + 2 * (offset % 3 - 1), y + 2 * (offset / 3 - 1), text, halo, size);
+    }
+    this->Text(x, y, text, color, size);
+  }
   void Text(int x, int y, const std::string& text, const Color& color, int size = 3)
   {
     for (const char character : text)
@@ -196,7 +206,8 @@ struct View
   }
 };
 
-View MakeView(const Mammogram& mammogram, const RegistrationTarget& target)
+View MakeView(const Mammogram& mammogram, const RegistrationTarget& target,
+  const std::vector<unsigned char>& shown)
 {
   View view;
   // Patient directions: chest wall to nipple leads forward. Where the side is not known it is taken
@@ -225,23 +236,49 @@ View MakeView(const Mammogram& mammogram, const RegistrationTarget& target)
   view.Letters = { view.Right > 0 ? "P" : "A", view.Right > 0 ? "A" : "P", letters(view.Up),
     letters(-view.Up) };
 
-  const double lastColumn = target.Columns - 1;
-  const double lastRow = target.Rows - 1;
-  const auto middle = [&](int axis)
+  // Both breasts with a margin, within the picture.
+  constexpr double MarginMm = 8;
+  std::array<std::array<double, 2>, 2> all{ { { 1e9, 1e9 }, { -1e9, -1e9 } } };
+  std::array<double, 2> least{ 1e9, 1e9 };
+  std::array<double, 2> most{ -1e9, -1e9 };
+  for (int row = 0; row < target.Rows; ++row)
   {
-    return target.Origin[axis] + 0.5 * lastColumn * target.ColumnStep[axis] +
-      0.5 * lastRow * target.RowStep[axis];
-  };
-  const auto extent = [&](int axis)
+    for (int column = 0; column < target.Columns; ++column)
+    {
+      const bool corner =
+        (row == 0 || row == target.Rows - 1) && (column == 0 || column == target.Columns - 1);
+      const std::size_t i = static_cast<std::size_t>(row) * target.Columns + column;
+      for (int axis = 0; axis < 2; ++axis)
+      {
+        const double place =
+          target.Origin[axis] + column * target.ColumnStep[axis] + row * target.RowStep[axis];
+        const double half =
+          0.5 * (std::abs(target.ColumnStep[axis]) + std::abs(target.RowStep[axis]));
+        if (corner)
+        {
+          all[0][axis] = std::min(all[0][axis], place - half);
+          all[1][axis] = std::max(all[1][axis], place + half);
+        }
+        if (shown[i])
+        {
+          least[axis] = std::min(least[axis], place - half - MarginMm);
+          most[axis] = std::max(most[axis], place + half + MarginMm);
+        }
+      }
+    }
+  }
+  for (int axis = 0; axis < 2; ++axis)
   {
-    return target.Columns * std::abs(target.ColumnStep[axis]) +
-      target.Rows * std::abs(target.RowStep[axis]);
-  };
-  view.CenterX = middle(0);
-  view.CenterY = middle(1);
-  view.PixelMm = std::max(extent(0), extent(1)) / LongerSidePixels;
-  view.Width = std::max(1, static_cast<int>(std::lround(extent(1) / view.PixelMm)));
-  view.Height = std::max(1, static_cast<int>(std::lround(extent(0) / view.PixelMm)));
+    const bool any = least[axis] < most[axis];
+    least[axis] = any ? std::max(least[axis], all[0][axis]) : all[0][axis];
+    most[axis] = any ? std::min(most[axis], all[1][axis]) : all[1][axis];
+  }
+  const double extent[2] = { most[0] - least[0], most[1] - least[1] };
+  view.CenterX = 0.5 * (least[0] + most[0]);
+  view.CenterY = 0.5 * (least[1] + most[1]);
+  view.PixelMm = std::max(extent[0], extent[1]) / LongerSidePixels;
+  view.Width = std::max(1, static_cast<int>(std::lround(extent[1] / view.PixelMm)));
+  view.Height = std::max(1, static_cast<int>(std::lround(extent[0] / view.PixelMm)));
   return view;
 }
 
@@ -294,8 +331,9 @@ std::vector<float> Resample(const RegistrationTarget& target, const std::vector<
   return result;
 }
 
-/// Mean 0 and standard deviation 1 over the pixels of both breasts.
-void Standardise(std::vector<float>& image, const std::vector<unsigned char>& both)
+/// To mean 0 and standard deviation 1 over the pixels of both breasts; returns what 0 (air)
+/// becomes.
+double Standardise(std::vector<float>& image, const std::vector<unsigned char>& both)
 {
   double count = 0;
   double mean = 0;
@@ -316,21 +354,23 @@ void Standardise(std::vector<float>& image, const std::vector<unsigned char>& bo
   {
     value = static_cast<float>((value - mean) / deviation);
   }
+  return -mean / deviation;
 }
 
 /// Patient directions at the middles of the sides, and a scale bar.
-void Annotate(Canvas& canvas, const View& view, const Color& color)
+void Annotate(Canvas& canvas, const View& view, const Color& color, const Color& halo)
 {
   constexpr int Margin = 12;
   constexpr int Size = 3;
   const int middleX = canvas.Width / 2;
   const int middleY = canvas.Height / 2;
   const auto width = [&](int i) { return Canvas::TextWidth(view.Letters[i], Size); };
-  canvas.Text(Margin, middleY - 10, view.Letters[0], color, Size);
-  canvas.Text(canvas.Width - Margin - width(1), middleY - 10, view.Letters[1], color, Size);
-  canvas.Text(middleX - width(2) / 2, Margin, view.Letters[2], color, Size);
-  canvas.Text(middleX - width(3) / 2, canvas.Height - Margin - 7 * Size, view.Letters[3], color,
+  canvas.HaloedText(Margin, middleY - 10, view.Letters[0], color, halo, Size);
+  canvas.HaloedText(canvas.Width - Margin - width(1), middleY - 10, view.Letters[1], color, halo,
     Size);
+  canvas.HaloedText(middleX - width(2) / 2, Margin, view.Letters[2], color, halo, Size);
+  canvas.HaloedText(middleX - width(3) / 2, canvas.Height - Margin - 7 * Size, view.Letters[3],
+    color, halo, Size);
 
   // On the nipple's side, where the picture is empty.
   const double lengthMm = canvas.Width * view.PixelMm > 60 ? 20 : 10;
@@ -341,7 +381,8 @@ void Annotate(Canvas& canvas, const View& view, const Color& color)
   canvas.Box(right - length, bottom - 10, right - length + 3, bottom, color);
   canvas.Box(right - 3, bottom - 10, right, bottom, color);
   const std::string text = lengthMm == 20 ? "20 mm" : "10 mm";
-  canvas.Text(right - length / 2 - Canvas::TextWidth(text, 2) / 2, bottom - 28, text, color, 2);
+  canvas.HaloedText(right - length / 2 - Canvas::TextWidth(text, 2) / 2, bottom - 28, text, color,
+    halo, 2);
 }
 
 /// Blue, white, red for -1, 0, +1.
@@ -414,15 +455,17 @@ ReportPictures DrawPictures(const RegistrationReport& report)
   std::vector<float> real = target.LogAttenuation;
   std::vector<float> synthetic = report.Synthetic;
   std::vector<unsigned char> both(count);
+  std::vector<unsigned char> either(count);
   std::vector<float> inSynthetic(count);
   for (std::size_t i = 0; i < count; ++i)
   {
     synthetic[i] = std::isfinite(synthetic[i]) ? synthetic[i] : 0;
     inSynthetic[i] = synthetic[i] > 1e-6F ? 1 : 0; // float noise of rays that meet nothing
     both[i] = target.BreastMask[i] && inSynthetic[i] > 0 ? 1 : 0;
+    either[i] = target.BreastMask[i] || inSynthetic[i] > 0 ? 1 : 0;
   }
-  Standardise(real, both);
-  Standardise(synthetic, both);
+  const double realAir = Standardise(real, both);
+  const double syntheticAir = Standardise(synthetic, both);
   std::vector<float> inside;
   for (std::size_t i = 0; i < count; ++i)
   {
@@ -431,19 +474,21 @@ ReportPictures DrawPictures(const RegistrationReport& report)
       inside.push_back(real[i]);
     }
   }
-  double low = -2;
+  // From below the thinner parts to the densest, air black in both.
+  double low = -3;
   double high = 2;
   if (inside.size() > 100)
   {
     std::sort(inside.begin(), inside.end());
-    low = inside[inside.size() / 50];
+    const double tenth = inside[inside.size() / 10];
     high = inside[inside.size() - 1 - inside.size() / 500];
-    low = std::min(low, high - 1);
+    low = tenth - (high - tenth);
+    low = std::min(std::max({ low, realAir, syntheticAir }), high - 0.5);
   }
   const auto grey = [low, high](float value)
   { return std::clamp((value - low) / (high - low), 0.0, 1.0); };
 
-  const View view = MakeView(*report.RealMammogram, target);
+  const View view = MakeView(*report.RealMammogram, target, either);
   const std::vector<float> realView = Resample(target, real, view);
   const std::vector<float> syntheticView = Resample(target, synthetic, view);
   const std::vector<float> distance = Resample(target, target.SignedDistanceMm, view);
@@ -490,10 +535,11 @@ ReportPictures DrawPictures(const RegistrationReport& report)
     DrawOutline(*canvas, report, view);
   }
   DrawDifferenceScale(difference, view);
-  Annotate(realCanvas, view, Light);
-  Annotate(syntheticCanvas, view, Light);
-  Annotate(overlay, view, Light);
-  Annotate(difference, view, Ink);
-  return { realCanvas.Png(), syntheticCanvas.Png(), overlay.Png(), difference.Png() };
+  Annotate(realCanvas, view, Light, Black);
+  Annotate(syntheticCanvas, view, Light, Black);
+  Annotate(overlay, view, Light, Black);
+  Annotate(difference, view, Ink, Paper);
+  return { realCanvas.Png(), syntheticCanvas.Png(), overlay.Png(), difference.Png(),
+    view.Width > 0.95 * view.Height };
 }
 }

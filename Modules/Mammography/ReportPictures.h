@@ -15,6 +15,8 @@ struct ReportPictures
   std::string Synthetic;
   std::string Overlay;
   std::string Difference;
+  /// As wide as high or wider, so that two stand side by side better than four.
+  bool Wide = false;
 };
 
 ReportPictures DrawPictures(const RegistrationReport& report);

@@ -3,7 +3,7 @@
 #include "MammogramIO.h"
 #include "MammogramTarget.h"
 
-#include "vtk_zlib.h"
+#include <zlib.h>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

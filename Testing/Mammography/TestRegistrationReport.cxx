@@ -121,9 +121,9 @@ struct MadeUp
     }
     this->Result.State.PaddleForceN = 87;
     this->Result.State.VolumeRatio = 0.9987;
-    this->Result.Correlation = 0.93;
-    this->Result.MeanOutlineDistanceMm = 0.62;
-    this->Result.LargestOutlineDistanceMm = 2.1;
+    this->Result.After.Correlation = 0.93;
+    this->Result.After.MeanOutlineDistanceMm = 0.62;
+    this->Result.After.LargestOutlineDistanceMm = 2.1;
     this->Result.Converged = true;
     this->Result.StopReason = "the cost changes by less than 1e-4 of itself";
     this->Result.Evaluations = 43;
@@ -227,12 +227,13 @@ TEST(RegistrationReport, PicturesShowWhatDiffersWhereItDoes)
     WriteRegistrationReport(made.Report, folder.Path);
     const auto difference = ReadPng(folder.Path + "/difference.png");
     EXPECT_EQ(difference->GetDimensions()[1], 900);
-    EXPECT_EQ(difference->GetDimensions()[0], 500); // 60 mm x 108 mm
+    // x from -41 to 40 mm and y from 0 to 40 mm with a margin of 8 mm: 97 x 48 mm on 0.3 mm pixels.
+    EXPECT_NEAR(difference->GetDimensions()[0], 900 * 48 / 97.0, 900 * 0.6 / 97);
     // The left breast is hung with its chest wall at the left and patient left up, the right one
     // the other way round in both. 1.5 mm inside the real outline towards +x, beyond the synthetic
     // one:
     const double chestWall = laterality == 'L' ? 0.02 : 0.98;
-    const double plusX = laterality == 'L' ? 0.5 - 38.5 / 108 : 0.5 + 38.5 / 108;
+    const double plusX = laterality == 'L' ? (48 - 38.5) / 97 : (38.5 + 49) / 97;
     const std::array<int, 3> realOnly = Pixel(difference, chestWall, plusX);
     EXPECT_GT(realOnly[0], 200);
     EXPECT_LT(realOnly[2], 60); // orange
@@ -240,7 +241,7 @@ TEST(RegistrationReport, PicturesShowWhatDiffersWhereItDoes)
     EXPECT_GT(beside[0], 230); // paper
     EXPECT_GT(beside[2], 230);
     const auto real = ReadPng(folder.Path + "/real.png");
-    EXPECT_GT(Pixel(real, chestWall, 0.5)[1], 150);
+    EXPECT_GT(Pixel(real, laterality == 'L' ? 0.1 : 0.9, 0.5)[1], 150);
     EXPECT_LT(Pixel(real, 1 - chestWall, 0.3)[1], 10);
   }
 }
@@ -253,12 +254,12 @@ TEST(RegistrationReport, SaysWhenTheMatchIsNotToBeTrusted)
   made.Result.Values[1] = 15; // its upper bound
   EXPECT_EQ(Assess(made.Result).Level, Trust::Doubtful);
   made.Result.Values[1] = 0;
-  made.Result.MeanOutlineDistanceMm = 2;
+  made.Result.After.MeanOutlineDistanceMm = 2;
   EXPECT_EQ(Assess(made.Result).Level, Trust::Doubtful);
-  made.Result.MeanOutlineDistanceMm = std::numeric_limits<double>::quiet_NaN();
+  made.Result.After.MeanOutlineDistanceMm = std::numeric_limits<double>::quiet_NaN();
   EXPECT_EQ(Assess(made.Result).Level, Trust::None);
-  made.Result.MeanOutlineDistanceMm = 0.5;
-  made.Result.Correlation = 0.4;
+  made.Result.After.MeanOutlineDistanceMm = 0.5;
+  made.Result.After.Correlation = 0.4;
   made.Result.Converged = false;
   made.Result.StopReason = "stopped by the user";
   EXPECT_EQ(Assess(made.Result).Level, Trust::None);
