@@ -58,9 +58,9 @@ AttenuationTable Constant(const char* name, double mu20, double mu30)
 }
 
 /// Everything a registration needs, kept together.
-struct Setup
+struct Twin
 {
-  Setup(int simulationCount, int anatomyCount, double energyKeV)
+  Twin(int simulationCount, int anatomyCount, double energyKeV)
     : Fat(Constant("fat", 0.0512, 0.028))
     , Gland(Constant("gland", 0.0793, 0.0376))
     , XRays(Spectrum::Monochromatic(energyKeV), DetectorResponse::EnergyIntegrating,
@@ -105,7 +105,7 @@ BreastPose Truth()
 }
 
 /// The mammogram of the true pose: 0.5 mm pixels, mask and exact distances to the true outline.
-RegistrationTarget MakeTarget(const Setup& setup, const BreastPose& pose)
+RegistrationTarget MakeTarget(const Twin& setup, const BreastPose& pose)
 {
   RegistrationTarget target;
   target.Columns = 130;
@@ -169,8 +169,8 @@ protected:
       NoDevice = reason;
       return;
     }
-    Model = std::make_unique<Setup>(8, 24, 20.0);
-    const Setup other(10, 32, 30.0);
+    Model = std::make_unique<Twin>(8, 24, 20.0);
+    const Twin other(10, 32, 30.0);
     Target = std::make_unique<RegistrationTarget>(MakeTarget(other, Truth()));
   }
   static void TearDownTestSuite()
@@ -187,7 +187,7 @@ protected:
   }
 
   static inline std::string NoDevice;
-  static inline std::unique_ptr<Setup> Model;
+  static inline std::unique_ptr<Twin> Model;
   static inline std::unique_ptr<RegistrationTarget> Target;
 };
 }
