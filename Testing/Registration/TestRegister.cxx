@@ -161,16 +161,19 @@ RegistrationOptions OptionsFrom(const BreastPose& start)
 class Registration : public testing::Test
 {
 protected:
-  static void SetUpTestSuite()
+  void SetUp() override
   {
     std::string reason;
     if (ListDevices(&reason).empty())
     {
-      NoDevice = reason;
+      GTEST_SKIP() << reason;
+    }
+    if (Target)
+    {
       return;
     }
-    Model = std::make_unique<Twin>(8, 24, 20.0);
-    const Twin other(10, 32, 30.0);
+    Model = std::make_unique<Twin>(8, 12, 20.0);
+    const Twin other(10, 16, 30.0);
     Target = std::make_unique<RegistrationTarget>(MakeTarget(other, Truth()));
   }
   static void TearDownTestSuite()
@@ -178,15 +181,7 @@ protected:
     Model.reset();
     Target.reset();
   }
-  void SetUp() override
-  {
-    if (!NoDevice.empty())
-    {
-      GTEST_SKIP() << NoDevice;
-    }
-  }
 
-  static inline std::string NoDevice;
   static inline std::unique_ptr<Twin> Model;
   static inline std::unique_ptr<RegistrationTarget> Target;
 };
