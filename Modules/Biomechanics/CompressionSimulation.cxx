@@ -17,8 +17,9 @@ namespace
 /// Equilibrium between load steps is only a start for the next one.
 constexpr double IntermediateTolerance = 1e-3;
 constexpr int IntermediateNewtonSteps = 25;
-/// A cold start closes the plates with contact softer by this factor, then hardens it in these steps.
-constexpr double Softening = 1e-2;
+/// A cold start closes the plates with contact softer by this factor, then hardens it in these
+/// steps.
+constexpr double Softening = 0.1;
 constexpr double Hardening = 10;
 
 std::vector<bool> FixedCoordinates(const ElasticBody& body, const TetrahedralMesh& mesh,
@@ -171,7 +172,8 @@ CompressionState CompressionSimulation::Compress(const PlatePair& plates,
     { return !progress || progress(done, "compression"); };
     const EquilibriumReport report = solver.Solve(positions, &target,
       last ? options.RelativeTolerance : std::max(IntermediateTolerance, options.RelativeTolerance),
-      last ? options.MaximumNewtonSteps : std::min(IntermediateNewtonSteps, options.MaximumNewtonSteps),
+      last ? options.MaximumNewtonSteps
+           : std::min(IntermediateNewtonSteps, options.MaximumNewtonSteps),
       continued);
     state.NewtonSteps += report.NewtonSteps;
     if (!report.Converged)
@@ -200,13 +202,12 @@ CompressionState CompressionSimulation::Compress(const PlatePair& plates,
     state.RelativeResidual = report.RelativeResidual;
   }
   ReportProgress(progress, 1, "compression");
-  state.Seconds =
-    std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  state.Seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   return state;
 }
 
-std::vector<std::vector<double>> CompressionSimulation::Sensitivities(
-  const CompressionState& state, const std::vector<PlatePairVelocity>& velocities) const
+std::vector<std::vector<double>> CompressionSimulation::Sensitivities(const CompressionState& state,
+  const std::vector<PlatePairVelocity>& velocities) const
 {
   if (state.Positions.size() != this->RestPositions().size())
   {

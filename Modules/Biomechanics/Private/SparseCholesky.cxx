@@ -44,7 +44,8 @@ struct SparseCholesky::Internals
 namespace
 {
 /// CHOLMOD's view of our arrays; it does not write to them.
-cholmod_sparse View(const std::vector<int>& starts, const std::vector<int>& rows, const double* values)
+cholmod_sparse View(const std::vector<int>& starts, const std::vector<int>& rows,
+  const double* values)
 {
   cholmod_sparse matrix{};
   matrix.nrow = matrix.ncol = starts.size() - 1;
@@ -110,8 +111,7 @@ void SparseCholesky::Solve(std::vector<double>& columns) const
   std::copy(solution, solution + columns.size(), columns.begin());
 }
 
-void SparseCholesky::Multiply(
-  const std::vector<double>& values, const double* x, double* y) const
+void SparseCholesky::Multiply(const std::vector<double>& values, const double* x, double* y) const
 {
   const std::size_t n = this->Starts.size() - 1;
   std::fill(y, y + n, 0.0);
