@@ -52,8 +52,7 @@ void RunRegister(const RegisterOptions& options)
 {
   CheckOutputFolder(options.Output, options.Overwrite);
   for (const std::string& path : { options.Case.Labels, options.Case.Materials,
-         options.Case.Mammogram, options.Case.Spectrum, options.Case.AnatomyMesh,
-         options.Case.SimulationMesh })
+         options.Case.Mammogram, options.Case.AnatomyMesh, options.Case.SimulationMesh })
   {
     if (!path.empty())
     {
@@ -131,7 +130,8 @@ void AddRegisterCommand(CLI::App& application)
   command->add_flag("--overwrite", options->Overwrite, "replace an earlier result folder");
   command
     ->add_option("--spectrum", input.Spectrum,
-      "X-ray spectrum (.spc); default: the shipped 28 kVp W / 50 um Rh")
+      "X-ray spectrum: a file (.spc) or the name of a shipped one")
+    ->capture_default_str()
     ->group("X-rays");
   command->add_option("--device", input.Device, "part of the name of the Vulkan device to use")
     ->group("X-rays");

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "RegistrationCase.h"
 
+#include "LabelResampling.h"
 #include "LabelVolumeIO.h"
 #include "MammogramIO.h"
 #include "MammogramTarget.h"
@@ -10,7 +11,7 @@
 #include "PhysicsData.h"
 #include "PlacedPlates.h"
 
-#if VTK_MODULE_ENABLE_MammoRay_Meshing
+#ifdef MAMMORAY_HAS_MESHING
 #include "LabelMesher.h"
 #endif
 
@@ -52,6 +53,19 @@ std::vector<bool> HeldMaterials(const MaterialTable& table)
     held.push_back(material.Held);
   }
   return held;
+}
+
+std::vector<int> ThinMaterials(const MaterialTable& table)
+{
+  std::vector<int> thin;
+  for (std::size_t index = 0; index < table.Materials.size(); ++index)
+  {
+    if (table.Materials[index].Thin)
+    {
+      thin.push_back(static_cast<int>(index));
+    }
+  }
+  return thin;
 }
 
 /**
@@ -96,11 +110,11 @@ TetrahedralMesh ReadTetrahedra(const std::string& path, const MaterialTable& tab
   return mesh;
 }
 
-#if VTK_MODULE_ENABLE_MammoRay_Meshing
-TetrahedralMesh MeshAnatomy(
-  const LabelVolume& materials, double cellSizeMm, const ProgressCallback& progress)
+#ifdef MAMMORAY_HAS_MESHING
+TetrahedralMesh MeshAnatomy(const LabelVolume& materials, const std::vector<int>& thin,
+  double cellSizeMm, const ProgressCallback& progress)
 {
-  MeshingOptions options = MeshingOptions::Anatomy();
+  MeshingOptions options = MeshingOptions::Anatomy(thin);
   options.CellSizeMm = cellSizeMm;
   return MeshMaterials(materials, options, progress).Mesh;
 }
@@ -108,12 +122,17 @@ TetrahedralMesh MeshAnatomy(
 TetrahedralMesh MeshForSimulation(
   const LabelVolume& merged, double cellSizeMm, const ProgressCallback& progress)
 {
+  // At 1 mm the mesher's sliver removal reaches its bound more often than on finer stairs.
+  constexpr double spacingMm = 1.0;
+  const bool finer =
+    *std::max_element(merged.Spacing.begin(), merged.Spacing.end()) < spacingMm;
   MeshingOptions options = MeshingOptions::Simulation();
   options.CellSizeMm = cellSizeMm;
-  return MeshMaterials(merged, options, progress).Mesh;
+  return MeshMaterials(finer ? ResampleLabels(merged, spacingMm) : merged, options, progress).Mesh;
 }
 #else
-TetrahedralMesh MeshAnatomy(const LabelVolume&, double, const ProgressCallback&)
+TetrahedralMesh MeshAnatomy(
+  const LabelVolume&, const std::vector<int>&, double, const ProgressCallback&)
 {
   throw InputError("registration: this build has no Meshing module; expected an anatomy mesh and a "
                    "simulation mesh made elsewhere");
@@ -122,7 +141,7 @@ TetrahedralMesh MeshAnatomy(const LabelVolume&, double, const ProgressCallback&)
 TetrahedralMesh MeshForSimulation(
   const LabelVolume& merged, double cellSizeMm, const ProgressCallback& progress)
 {
-  return MeshAnatomy(merged, cellSizeMm, progress);
+  return MeshAnatomy(merged, {}, cellSizeMm, progress);
 }
 #endif
 
@@ -252,9 +271,7 @@ RegistrationCaseResult RunRegistrationCase(
   RegistrationOptions options = input.Options;
   options.Parameters = DefaultParameters(start);
   FixParameters(input.Fixed, options.Parameters);
-  const Spectrum spectrum = ReadSpectrum(input.Spectrum.empty()
-      ? DataDirectory() + "/spectra/W28kVp_Rh50um_Be1mm.spc"
-      : input.Spectrum);
+  const Spectrum spectrum = FindSpectrum(input.Spectrum);
   const Beam beam = MakeBeam(result.Materials, spectrum, DetectorResponse::EnergyIntegrating);
   ProjectorOptions projectorOptions;
   projectorOptions.Device = input.Device;
@@ -264,13 +281,13 @@ RegistrationCaseResult RunRegistrationCase(
     result.Materials.ToMaterials(ReadLabelVolume(input.Labels), input.Labels);
   if (input.LabelSpacingMm > *std::max_element(materials.Spacing.begin(), materials.Spacing.end()))
   {
-    materials = Resample(materials, input.LabelSpacingMm);
+    materials = ResampleLabels(materials, input.LabelSpacingMm);
   }
   result.Anchor = FindPoseAnchor(materials, held, result.Axes);
   stopwatch.Stage("read");
 
   result.Anatomy = input.AnatomyMesh.empty()
-    ? MeshAnatomy(materials, input.AnatomyCellSizeMm, progress)
+    ? MeshAnatomy(materials, ThinMaterials(result.Materials), input.AnatomyCellSizeMm, progress)
     : ReadTetrahedra(input.AnatomyMesh, result.Materials);
   stopwatch.Stage("mesh the anatomy");
   const TetrahedralMesh coarse = input.SimulationMesh.empty()

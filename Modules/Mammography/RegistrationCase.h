@@ -25,8 +25,8 @@ struct RegistrationCase
   std::string Materials;
   /// DICOM MG.
   std::string Mammogram;
-  /// Spectrum (.spc); empty: the shipped 28 kVp tungsten / 50 um rhodium one.
-  std::string Spectrum;
+  /// Spectrum: a path (.spc) or the name of a shipped one.
+  std::string Spectrum = "W28kVp_Rh50um_Be1mm";
   /// Directions of the volume's axes (AnatomicalAxes::FromCode).
   std::string Orientation = "LPS";
   /// Finer label volumes are resampled to this spacing before meshing, mm; 0 keeps them.

@@ -88,10 +88,6 @@ void WriteRegistrationCase(
   report.Timings = result.Timings;
   report.Inputs = { { "Label volume", input.Labels }, { "Material table", input.Materials },
     { "Mammogram", input.Mammogram } };
-  if (!input.Spectrum.empty())
-  {
-    report.Inputs.emplace_back("Spectrum", input.Spectrum);
-  }
   if (!input.AnatomyMesh.empty())
   {
     report.Inputs.emplace_back("Anatomy mesh", input.AnatomyMesh);
@@ -100,7 +96,7 @@ void WriteRegistrationCase(
   {
     report.Inputs.emplace_back("Simulation mesh", input.SimulationMesh);
   }
-  report.Versions = { { "Vulkan device", result.Device },
+  report.Versions = { { "Vulkan device", result.Device }, { "Spectrum", input.Spectrum },
     { "Anatomy", std::to_string(result.Anatomy.NumberOfCells()) + " tetrahedra, " +
         std::to_string(result.SurfaceTriangles) + " interface triangles" },
     { "Mechanics", std::to_string(result.SimulationCells) + " quadratic tetrahedra" } };
