@@ -4,6 +4,7 @@
 #include "Error.h"
 
 #include <algorithm>
+#include <charconv>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -36,10 +37,9 @@ std::ifstream Open(const std::string& path)
 /// The whole text as a number, in any locale.
 bool ToNumber(const std::string& text, double& value)
 {
-  std::istringstream stream(text);
-  stream.imbue(std::locale::classic());
-  stream >> value >> std::ws;
-  return !stream.fail() && stream.eof();
+  const char* end = text.data() + text.size();
+  const auto [rest, error] = std::from_chars(text.data(), end, value);
+  return error == std::errc() && rest == end;
 }
 
 /// Names of the files with that extension in a sub-folder of the data directory, for messages.
