@@ -80,7 +80,17 @@ TEST_F(CompressCommand, WritesTheCompressedMesh)
   }
   EXPECT_GT(largest, 5);
   ASSERT_TRUE(grid->GetCellData()->GetArray("J"));
-  EXPECT_GT(grid->GetCellData()->GetArray("J")->GetRange()[0], 0);
+  std::size_t inverted = 0;
+  for (std::size_t cell = 0; cell < rest.NumberOfCells(); ++cell)
+  {
+    const double ratio =
+      grid->GetCellData()->GetArray("J")->GetTuple1(static_cast<vtkIdType>(cell));
+    EXPECT_NEAR(ratio, deformed.CellVolume(cell) / rest.CellVolume(cell), 1e-9);
+    inverted += ratio > 0 ? 0 : 1;
+  }
+  EXPECT_EQ(grid->GetFieldData()->GetArray("InvertedCells")->GetTuple1(0), inverted);
+  // Flat bricks at the rim of the chest wall, squeezed most; the rest must be sound.
+  EXPECT_LT(inverted, rest.NumberOfCells() / 100);
   for (const char* name : { "PaddleForceN", "SupportForceN", "LargestPenetrationMm", "SmallestJ" })
   {
     ASSERT_TRUE(grid->GetFieldData()->GetArray(name)) << name;
@@ -119,7 +129,10 @@ TEST_F(CompressCommand, RefusesInOneLine)
       this->Result + " --mesh " + this->Folder.File("breast.vtu") + " --thickness 50",
     "held");
   // Thinner than any equilibrium this mesh can show.
-  expectRefused(this->Coarse + " --thickness 0.2", "last one reached is at");
+  WriteMesh(ToGrid(test::MakeHalfEllipsoidMesh(40, 45, 38, 4), { "air", "fat", "muscle" }),
+    this->Folder.File("coarser.vtu"));
+  expectRefused(this->Common + this->Folder.File("coarser.vtu") + " --thickness 0.2",
+    "last one reached is at");
   EXPECT_EQ(this->Run(this->Coarse + " --thickness -3"), 2);
   EXPECT_EQ(this->Run(this->Coarse), 2);
 }
