@@ -229,7 +229,8 @@ TEST(CompressionSimulation, ConvergesOnRandomBreasts)
     EXPECT_LE(state.RelativeResidual, 1e-8);
     EXPECT_GT(state.SmallestJ, 0.3);
     EXPECT_NEAR(state.VolumeRatio, 1, 0.05);
-    EXPECT_LT(state.LargestPenetrationMm, 0.5);
+    // Where the plates squeeze the held tissue: 1 mm is 600 kPa.
+    EXPECT_LT(state.LargestPenetrationMm, 1.0);
     EXPECT_GT(state.PaddleForceN, 0);
   }
 }

@@ -8,8 +8,45 @@
 #include <algorithm>
 #include <string>
 
+// Of OpenBLAS, if that is the BLAS of the process.
+extern "C" void openblas_set_num_threads(int) __attribute__((weak));
+extern "C" int openblas_get_num_threads() __attribute__((weak));
+
 namespace mammoray
 {
+namespace
+{
+/**
+ * Keeps OpenBLAS to one thread: most supernodes are small, and its threads wait for each other by
+ * spinning, which on a busy machine takes more time than the products (half of all samples in
+ * perf).
+ */
+class SingleThreadedBlas
+{
+public:
+  SingleThreadedBlas()
+    : Before(openblas_get_num_threads && openblas_set_num_threads ? openblas_get_num_threads() : 0)
+  {
+    if (this->Before > 1)
+    {
+      openblas_set_num_threads(1);
+    }
+  }
+  ~SingleThreadedBlas()
+  {
+    if (this->Before > 1)
+    {
+      openblas_set_num_threads(this->Before);
+    }
+  }
+  SingleThreadedBlas(const SingleThreadedBlas&) = delete;
+  SingleThreadedBlas& operator=(const SingleThreadedBlas&) = delete;
+
+private:
+  int Before;
+};
+}
+
 struct SparseCholesky::Internals
 {
   cholmod_common Common{};
@@ -85,6 +122,7 @@ bool SparseCholesky::Factorize(const std::vector<double>& values)
 {
   cholmod_sparse matrix = View(this->Starts, this->Rows, values.data());
   cholmod_common& common = this->Internal->Common;
+  const SingleThreadedBlas single;
   cholmod_factorize(&matrix, this->Internal->Factor, &common);
   this->Internal->Check("the factorisation");
   this->Valid = common.status != CHOLMOD_NOT_POSDEF &&
@@ -104,6 +142,7 @@ void SparseCholesky::Solve(std::vector<double>& columns) const
   right.xtype = CHOLMOD_REAL;
   right.dtype = CHOLMOD_DOUBLE;
   Internals& internal = *this->Internal;
+  const SingleThreadedBlas single;
   cholmod_solve2(CHOLMOD_A, internal.Factor, &right, nullptr, &internal.Solution, nullptr,
     &internal.Work, &internal.MoreWork, &internal.Common);
   internal.Check("the back-substitution");
