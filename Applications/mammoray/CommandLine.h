@@ -44,7 +44,9 @@ void WriteComplete(
 const std::string& CheckInputFile(const std::string& path);
 
 // One per sub-command, each in its own file.
+void AddDevicesCommand(CLI::App& application);
 void AddMeshCommand(CLI::App& application);
+void AddProjectCommand(CLI::App& application);
 }
 
 #endif

@@ -11,7 +11,9 @@ int main(int argc, char* argv[])
                         "degrees." };
   application.set_version_flag("--version", "mammoray " MAMMORAY_VERSION);
   application.require_subcommand(1);
+  mammoray::AddDevicesCommand(application);
   mammoray::AddMeshCommand(application);
+  mammoray::AddProjectCommand(application);
   mammoray::InterruptRequested();
 
   try

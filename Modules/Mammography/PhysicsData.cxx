@@ -38,8 +38,7 @@ bool ToNumber(const std::string& text, double& value)
 {
   std::istringstream stream(text);
   stream.imbue(std::locale::classic());
-  stream >> value >> std::ws;
-  return !stream.fail() && stream.eof();
+  return (stream >> value) && (stream >> std::ws).eof();
 }
 
 /// Names of the files with that extension in a sub-folder of the data directory, for messages.
