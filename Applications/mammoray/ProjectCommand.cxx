@@ -208,13 +208,11 @@ void AddProjectCommand(CLI::App& application)
     ->required();
   command->add_option("--path-lengths", arguments->PathLengths,
     "write path lengths there, mm, one channel per material but air (.mha .nrrd .vti)");
-  auto* spectrum =
-    add("--spectrum", arguments->Spectrum, "spectrum file (.spc), or a shipped one's name");
+  add("--spectrum", arguments->Spectrum, "spectrum file (.spc), or a shipped one's name");
   command
     ->add_option("--kev", arguments->EnergyKeV,
       "a single photon energy, keV, instead of a spectrum")
-    ->check(CLI::PositiveNumber)
-    ->excludes(spectrum);
+    ->check(CLI::PositiveNumber);
   add("--response", arguments->Response,
     "what the detector adds up: energy, or photons by counting")
     ->check(CLI::IsMember({ "energy", "counting" }));
