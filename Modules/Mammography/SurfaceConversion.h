@@ -2,6 +2,7 @@
 #ifndef mammoray_SurfaceConversion_h
 #define mammoray_SurfaceConversion_h
 
+#include "MammographyGeometry.h"
 #include "SurfaceMesh.h"
 #include "mammorayMammographyModule.h"
 
@@ -25,6 +26,14 @@ inline constexpr const char* BackMaterialArrayName = "BackMaterial";
  */
 MAMMORAYMAMMOGRAPHY_EXPORT SurfaceMesh FromPolyData(vtkPolyData* surface,
   std::vector<std::string>* materialNames = nullptr);
+
+/**
+ * FindPoseAnchor for a mesh: the middle of its bounding box across and along the body, at the front
+ * of the held tissue, or at the posterior end where no material is held. `held[m]` tells whether m
+ * is held.
+ */
+MAMMORAYMAMMOGRAPHY_EXPORT Vector3 FindPoseAnchor(const SurfaceMesh& surface,
+  const std::vector<bool>& held, const AnatomicalAxes& axes);
 }
 
 #endif

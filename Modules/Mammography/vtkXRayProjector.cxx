@@ -4,25 +4,21 @@
 #include "Error.h"
 #include "MeshConversion.h"
 #include "PhysicsData.h"
+#include "ProjectionImage.h"
 #include "SurfaceConversion.h"
 
 #include "vtkCellArray.h"
 #include "vtkCellData.h"
 #include "vtkDataObject.h"
-#include "vtkFloatArray.h"
 #include "vtkImageData.h"
 #include "vtkInformation.h"
 #include "vtkInformationVector.h"
-#include "vtkNew.h"
 #include "vtkObjectFactory.h"
-#include "vtkPointData.h"
 #include "vtkPolyData.h"
 #include "vtkSmartPointer.h"
 #include "vtkStreamingDemandDrivenPipeline.h"
-#include "vtkUnsignedCharArray.h"
 #include "vtkUnstructuredGrid.h"
 
-#include <algorithm>
 #include <cmath>
 #include <map>
 
@@ -45,16 +41,6 @@ struct TopologyStamp
   vtkIdType Points = 0;
   bool operator==(const TopologyStamp&) const = default;
 };
-
-vtkSmartPointer<vtkFloatArray> FloatArray(const std::string& name, const float* values,
-  std::size_t count)
-{
-  auto array = vtkSmartPointer<vtkFloatArray>::New();
-  array->SetName(name.c_str());
-  array->SetNumberOfValues(static_cast<vtkIdType>(count));
-  std::copy(values, values + count, array->GetPointer(0));
-  return array;
-}
 }
 
 struct vtkXRayProjector::Internals
@@ -319,26 +305,7 @@ int vtkXRayProjector::RequestData(vtkInformation*, vtkInformationVector** inputs
     const PathLengthImage image = internal.Projector->Project(source, detector);
     this->UpdateProgress(0.8);
 
-    const Vector3 n = Cross(u, v);
-    output->SetExtent(0, image.Columns - 1, 0, image.Rows - 1, 0, 0);
-    output->SetSpacing(this->PixelSpacing[0], this->PixelSpacing[1], 1.0);
-    output->SetOrigin(this->DetectorOrigin);
-    output->SetDirectionMatrix(u[0], v[0], n[0], u[1], v[1], n[1], u[2], v[2], n[2]);
-    vtkPointData* data = output->GetPointData();
-    const std::size_t pixelCount = image.NumberOfPixels();
-    data->SetScalars(FloatArray("Transmission", beam.Transmission(image).data(), pixelCount));
-    data->AddArray(FloatArray("LogAttenuation", beam.LogAttenuation(image).data(), pixelCount));
-    for (int material = 1; material < image.Materials; ++material)
-    {
-      data->AddArray(FloatArray("PathLength_" + internal.NameOf(material), image.Material(material),
-        pixelCount));
-    }
-    vtkNew<vtkUnsignedCharArray> consistency;
-    consistency->SetName("Consistency");
-    consistency->SetNumberOfValues(static_cast<vtkIdType>(pixelCount));
-    std::transform(image.Inconsistent.begin(), image.Inconsistent.end(), consistency->GetPointer(0),
-      [](unsigned char inconsistent) { return static_cast<unsigned char>(1 - inconsistent); });
-    data->AddArray(consistency);
+    output->ShallowCopy(ToImage(image, beam, detector, internal.MaterialNames));
     this->NumberOfInconsistentPixels = static_cast<vtkIdType>(image.NumberOfInconsistentRays());
     return 1;
   }
