@@ -101,8 +101,10 @@ void RunRegister(const RegisterOptions& options)
   std::printf("outline distance %.2f mm mean, %.2f mm largest; correlation %.3f\n",
     registration.After.MeanOutlineDistanceMm, registration.After.LargestOutlineDistanceMm,
     registration.After.Correlation);
-  std::printf("%zu iterations, %d equilibria, %.0f s; %s\n", registration.Iterations.size(),
-    registration.Evaluations, registration.Seconds, registration.StopReason.c_str());
+  std::printf("%zu iterations, %d equilibria in %.0f s, %d projections in %.0f s, %.0f s in all\n%s\n",
+    registration.Iterations.size(), registration.Evaluations, registration.MechanicsSeconds,
+    registration.Projections, registration.ProjectionSeconds, registration.Seconds,
+    registration.StopReason.c_str());
   for (const std::string& warning : result.Warnings)
   {
     std::fprintf(stderr, "mammoray: note: %s\n", warning.c_str());

@@ -20,6 +20,13 @@ namespace
 {
 constexpr int ParameterCount = 5;
 
+using Clock = std::chrono::steady_clock;
+
+double SecondsSince(Clock::time_point begin)
+{
+  return std::chrono::duration<double>(Clock::now() - begin).count();
+}
+
 BreastPose PoseOf(const std::vector<double>& values)
 {
   BreastPose pose;
@@ -180,6 +187,9 @@ public:
   bool Valid = false;
   bool Stopped = false;
   int Evaluations = 0;
+  int Projections = 0;
+  double MechanicsSeconds = 0;
+  double ProjectionSeconds = 0;
   /// Directions that hit an outline inside the image.
   std::vector<ReceptorPoint> Directions;
   ReceptorPoint Centre{ 0, 0 };
@@ -254,7 +264,7 @@ private:
   }
 
   /// Outline and intensity residuals of moved surface points.
-  void Compare(const BreastPose& pose, const std::vector<double>& points, double* residuals) const
+  void Compare(const BreastPose& pose, const std::vector<double>& points, double* residuals)
   {
     const VolumeFromGantry placed = Place(this->Model, pose);
     const std::vector<double> radii =
@@ -265,9 +275,12 @@ private:
         this->Centre[1] + radii[index] * this->Directions[index][1] };
       *residuals++ = this->OutlineWeight * SignedDistanceAt(this->Target, end);
     }
+    const auto begin = Clock::now();
     this->Model.Projector->UpdatePoints(points);
     const PathLengthImage lengths = this->Model.Projector->Project(
       SourceOf(placed, this->Model.Unit), DetectorOf(placed, this->Target, this->Options.Samples));
+    this->ProjectionSeconds += SecondsSince(begin);
+    ++this->Projections;
     const std::vector<double> scores =
       ZScores(this->Model.XRays->LogAttenuation(lengths), this->Pixels);
     for (std::size_t index = 0; index < scores.size(); ++index)
@@ -297,12 +310,14 @@ private:
         this->Unknowns[f] * this->Options.Parameters[this->Free[f]].Scale;
     }
     const BreastPose pose = PoseOf(this->Values);
+    const auto begin = Clock::now();
     try
     {
       this->ReportStage("compress");
       this->State =
         this->Model.Simulation->Compress(PlatesAt(this->Model, pose), &this->State, {});
       ++this->Evaluations;
+      this->MechanicsSeconds += SecondsSince(begin);
       this->ReportStage("project");
     }
     catch (const Interrupted&)
@@ -335,7 +350,9 @@ private:
     {
       wanted.push_back(all[parameter]);
     }
+    const auto begin = Clock::now();
     const auto nodeVelocities = this->Model.Simulation->Sensitivities(this->State, wanted);
+    this->MechanicsSeconds += SecondsSince(begin);
     this->Jacobian.assign(this->Free.size(), std::vector<double>(this->NumberOfResiduals(), 0.0));
     std::vector<double> moved(this->Points.size());
     std::vector<double> sides[2];
@@ -428,7 +445,7 @@ class IterationRecorder : public ceres::IterationCallback
 {
 public:
   IterationRecorder(const Evaluator& evaluator, RegistrationResult& result, double pixelSizeMm,
-    std::chrono::steady_clock::time_point begin)
+    Clock::time_point begin)
     : Source(evaluator)
     , Result(result)
     , PixelSizeMm(pixelSizeMm)
@@ -454,8 +471,7 @@ public:
       row.IntensityCost = costs.Intensity;
       row.PriorCost = costs.Prior;
       row.Cost = costs.Outline + costs.Intensity + costs.Prior;
-      row.Seconds =
-        std::chrono::duration<double>(std::chrono::steady_clock::now() - this->Begin).count();
+      row.Seconds = SecondsSince(this->Begin);
       this->Result.Iterations.push_back(row);
       this->Result.Values = this->Source.Values;
       this->Result.State = this->Source.State;
@@ -467,7 +483,7 @@ private:
   const Evaluator& Source;
   RegistrationResult& Result;
   double PixelSizeMm;
-  std::chrono::steady_clock::time_point Begin;
+  Clock::time_point Begin;
 };
 
 void ValidateModel(const RegistrationModel& model, const RegistrationOptions& options)
@@ -709,7 +725,7 @@ RegistrationResult Register(const RegistrationModel& model, const RegistrationTa
 {
   ValidateModel(model, options);
   ValidateTarget(target);
-  const auto begin = std::chrono::steady_clock::now();
+  const auto begin = Clock::now();
   RegistrationResult result;
   result.Parameters = options.Parameters;
   std::vector<int> freeParameters;
@@ -733,6 +749,7 @@ RegistrationResult Register(const RegistrationModel& model, const RegistrationTa
   result.State =
     model.Simulation->Compress(PlatesAt(model, PoseOf(result.Values)), nullptr, progress);
   result.Evaluations = 1;
+  result.MechanicsSeconds = SecondsSince(begin);
   const RegistrationTarget finest = coarsened(options.PixelSizesMm.back());
   result.Before = Compare(
     Synthesize(model, PoseOf(result.Values), result.State, finest, options.Samples), finest);
@@ -803,6 +820,9 @@ RegistrationResult Register(const RegistrationModel& model, const RegistrationTa
     ceres::Solver::Summary summary;
     ceres::Solve(solverOptions, &problem, &summary);
     result.Evaluations += evaluator.Evaluations;
+    result.Projections += evaluator.Projections;
+    result.MechanicsSeconds += evaluator.MechanicsSeconds;
+    result.ProjectionSeconds += evaluator.ProjectionSeconds;
     ++level;
     if (evaluator.Stopped)
     {
@@ -837,8 +857,7 @@ RegistrationResult Register(const RegistrationModel& model, const RegistrationTa
   result.Pose = PoseOf(result.Values);
   result.After =
     Compare(Synthesize(model, result.Pose, result.State, finest, options.Samples), finest);
-  result.Seconds =
-    std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  result.Seconds = SecondsSince(begin);
   return result;
 }
 }

@@ -115,8 +115,12 @@ struct RegistrationResult
   Agreement After;
   bool Converged = false;
   std::string StopReason;
-  /// Equilibria solved.
+  /// Equilibria solved and pictures projected, and the time each took, s.
   int Evaluations = 0;
+  int Projections = 0;
+  double MechanicsSeconds = 0;
+  double ProjectionSeconds = 0;
+  /// All of the search, s.
   double Seconds = 0;
 };
 
