@@ -482,7 +482,6 @@ MeshingOptions MeshingOptions::Simulation()
   options.FacetDistanceMm = 1.0;
   options.CellRadiusEdgeRatio = 2.0;
   options.SmallestComponentMm3 = 500.0;
-  options.SmoothingVoxels = 2.0;
   return options;
 }
 

@@ -79,7 +79,8 @@ protected:
 TEST_F(MeshCommand, WritesMeshReportAndTable)
 {
   const std::string report = this->Folder.File("report.json");
-  ASSERT_EQ(this->Run(this->Inputs + " -o " + this->Mesh + " --report " + report), 0)
+  ASSERT_EQ(
+    this->Run(this->Inputs + " --facet-distance 0.1 -o " + this->Mesh + " --report " + report), 0)
     << this->Errors;
   EXPECT_EQ(this->Errors, "");
   EXPECT_THAT(this->Output, testing::AllOf(testing::HasSubstr("fat"), testing::HasSubstr("gland")));
