@@ -13,6 +13,11 @@
 #define MAMMORAY_BINDING_FAILURES 6
 #define MAMMORAY_BINDING_COUNT 7
 
+// Eight invocations next to each other trace a tile of pixels, so that rays which run together on a CPU's
+// vector units lie close together.
+#define MAMMORAY_TILE_COLUMNS 4
+#define MAMMORAY_TILE_ROWS 2
+
 #ifdef __cplusplus
 #include <cstdint>
 namespace mammoray

@@ -25,6 +25,11 @@ using Usage = vk::BufferUsageFlagBits;
 /// A ray is traced once, and again at most four times where its first result cannot be trusted.
 constexpr std::uint32_t MostAttempts = 5;
 
+std::uint32_t TileCount(int pixels, int tile)
+{
+  return static_cast<std::uint32_t>((pixels + tile - 1) / tile);
+}
+
 vk::raii::ShaderModule Module(const VulkanDevice& device, const uint32_t* words, std::size_t bytes)
 {
   return vk::raii::ShaderModule(device.Device(), vk::ShaderModuleCreateInfo({}, bytes, words));
@@ -527,7 +532,8 @@ PathLengthImage RayTracingProjector::Project(const XRaySource& source, const XRa
   const std::size_t pixelCount = image.NumberOfPixels();
   const std::size_t valueCount = pixelCount * this->MaterialCount;
   if (valueCount * sizeof(float) > this->Device.Limits().maxStorageBufferRange ||
-    pixelCount > this->Device.RayTracingProperties().maxRayDispatchInvocationCount)
+    (image.Columns + 8ull) * (image.Rows + 8ull) >
+      this->Device.RayTracingProperties().maxRayDispatchInvocationCount)
   {
     throw InputError("detector: " + std::to_string(pixelCount) + " pixels of " +
       std::to_string(this->MaterialCount) + " materials are more than " + this->Device.Name() +
@@ -566,8 +572,8 @@ PathLengthImage RayTracingProjector::Project(const XRaySource& source, const XRa
           commands.bindDescriptorSets(vk::PipelineBindPoint::eRayTracingKHR, **this->Layout, 0,
             **this->Set, nullptr);
           commands.traceRaysKHR(program.Regions[0], program.Regions[1], program.Regions[2], {},
-            static_cast<std::uint32_t>(detector.Columns), static_cast<std::uint32_t>(detector.Rows),
-            1);
+            8 * TileCount(detector.Columns, MAMMORAY_TILE_COLUMNS),
+            TileCount(detector.Rows, MAMMORAY_TILE_ROWS), 1);
           const vk::MemoryBarrier written(vk::AccessFlagBits::eShaderWrite,
             vk::AccessFlagBits::eHostRead);
           commands.pipelineBarrier(vk::PipelineStageFlagBits::eRayTracingShaderKHR,
