@@ -322,7 +322,8 @@ private:
     }
     catch (const Interrupted&)
     {
-      return false;
+      // Stale residuals: Ceres must not take the stop for a failure; the recorder ends the search.
+      return this->Residuals.size() == this->NumberOfResiduals();
     }
     catch (const ConvergenceError&)
     {
@@ -364,7 +365,7 @@ private:
       }
       catch (const Interrupted&)
       {
-        return false;
+        return true; // the columns left are zero; see EvaluateResiduals
       }
       const RegistrationParameter& parameter = this->Options.Parameters[this->Free[f]];
       const std::vector<double> velocities =
@@ -811,7 +812,7 @@ RegistrationResult Register(const RegistrationModel& model, const RegistrationTa
     solverOptions.linear_solver_type = ceres::DENSE_QR;
     solverOptions.logging_type = ceres::SILENT;
     // Below these the pose moves by less than a hundredth of a millimetre or degree.
-    solverOptions.function_tolerance = 1e-4;
+    solverOptions.function_tolerance = 1e-6;
     solverOptions.parameter_tolerance = 1e-3;
     solverOptions.update_state_every_iteration = true;
     solverOptions.initial_trust_region_radius = 1e2;

@@ -65,8 +65,8 @@ struct Twin
     , Gland(Constant("gland", 0.0793, 0.0376))
     , XRays(Spectrum::Monochromatic(energyKeV), DetectorResponse::EnergyIntegrating,
         { nullptr, &this->Fat, &this->Fat, &this->Gland }, { 1, 1, 1, 1 })
-    , Simulation(test::MakeHalfEllipsoidMesh(
-                   HalfAxes[0], HalfAxes[1], HalfAxes[2], simulationCount),
+    , Simulation(test::MakeHalfEllipsoidMesh(HalfAxes[0], HalfAxes[1], HalfAxes[2],
+                   std::array{ simulationCount, 4, simulationCount }),
         { {}, { 5, 0.49 }, { 5, 0.49 }, { 15, 0.49 } }, { false, false, true, false }, AnatomyAt)
     , Surface(ExtractInterfaces(MakeAnatomy(anatomyCount)))
     , SurfaceEmbedding(this->Simulation, this->Surface.Points)
@@ -153,7 +153,7 @@ RegistrationOptions OptionsFrom(const BreastPose& start)
 {
   RegistrationOptions options;
   options.Parameters = DefaultParameters(start);
-  options.PixelSizesMm = { 3.0, 2.0 };
+  options.PixelSizesMm = { 3.0 };
   return options;
 }
 
@@ -172,8 +172,8 @@ protected:
     {
       return;
     }
-    Model = std::make_unique<Twin>(8, 12, 20.0);
-    const Twin other(10, 16, 30.0);
+    Model = std::make_unique<Twin>(6, 12, 20.0);
+    const Twin other(8, 16, 30.0);
     Target = std::make_unique<RegistrationTarget>(MakeTarget(other, Truth()));
   }
   static void TearDownTestSuite()
@@ -199,21 +199,24 @@ TEST_F(Registration, RecoversATwinMadeWithAnotherMeshSpectrumAndNoise)
     const RegistrationResult result =
       Register(Model->Model, *Target, OptionsFrom(start), {});
     EXPECT_TRUE(result.Converged) << result.StopReason;
-    // What the picture determines; the tolerances are about a third of its pixels and twice what the two meshes
-    // differ by. Thickness hardly shows in a z-scored picture: its prior is 5 mm wide.
-    EXPECT_NEAR(result.Pose.RollDeg, Truth().RollDeg, 2.0);
-    EXPECT_NEAR(result.Pose.ShiftLateralMm, Truth().ShiftLateralMm, 1.0);
-    EXPECT_NEAR(result.Pose.ShiftAnteriorMm, Truth().ShiftAnteriorMm, 1.0);
-    EXPECT_NEAR(result.Pose.ThicknessMm, Truth().ThicknessMm, 4.0);
+    // The result's own standard deviations must be useful, and the errors no larger than what is called
+    // useful: the ball is all that shows the angle, and thickness has little effect on a z-scored picture.
+    const double truth[] = { Truth().ThicknessMm, Truth().RollDeg, Truth().ShiftLateralMm,
+      Truth().ShiftAnteriorMm };
+    const double useful[] = { 3.0, 5.0, 1.0, 1.0 };
+    for (int parameter = 0; parameter < 4; ++parameter)
+    {
+      const double error = std::abs(result.Values[parameter] - truth[parameter]);
+      const double deviation = result.StandardDeviations[parameter];
+      EXPECT_GT(deviation, 0) << parameter;
+      EXPECT_LT(deviation, useful[parameter]) << parameter;
+      EXPECT_LT(error, useful[parameter]) << parameter;
+    }
     EXPECT_LT(result.After.MeanOutlineDistanceMm, 0.7);
     EXPECT_GT(result.After.Correlation, 0.95);
     EXPECT_GT(result.After.Correlation, result.Before.Correlation);
     ASSERT_GE(result.Iterations.size(), 2u);
     EXPECT_LT(result.Iterations.back().Cost, result.Iterations.front().Cost);
-    for (int parameter = 0; parameter < 4; ++parameter)
-    {
-      EXPECT_GT(result.StandardDeviations[parameter], 0) << parameter;
-    }
     EXPECT_TRUE(std::isnan(result.StandardDeviations[4])); // fixed
     EXPECT_EQ(result.Pose.ShiftVerticalMm, 0);
   }
