@@ -65,11 +65,29 @@ std::string Base64(const std::string& bytes)
   return { encoded.begin(), encoded.begin() + static_cast<std::ptrdiff_t>(length) };
 }
 
+/// From which iteration on which pixels were compared: costs at different sizes cannot be compared.
+std::string ResolutionNote(const RegistrationResult& result)
+{
+  std::string note;
+  double previous = 0;
+  for (const RegistrationIteration& iteration : result.Iterations)
+  {
+    if (iteration.PixelSizeMm != previous)
+    {
+      note += (note.empty() ? "Compared in pixels of " : "; ") + Format(iteration.PixelSizeMm, 1) +
+        " mm from iteration " + std::to_string(iteration.Number);
+      previous = iteration.PixelSizeMm;
+    }
+  }
+  return note.empty() ? note : note + ". Costs of different pixels are different quantities.";
+}
+
 std::string ParameterTitle(const std::string& name)
 {
   static const std::pair<const char*, const char*> Titles[] = {
     { "thickness", "Compressed thickness" }, { "roll", "Rotation about the chest–nipple axis" },
-    { "lateral", "Shift along the chest wall" }, { "anterior", "Shift away from the chest wall" }
+    { "lateral", "Shift along the chest wall" }, { "anterior", "Shift away from the chest wall" },
+    { "vertical", "Shift along the beam" }
   };
   for (const auto& title : Titles)
   {
@@ -576,7 +594,8 @@ std::string ReportHtml(const RegistrationReport& report, const Assessment& asses
   html += FiguresHtml(result);
   html += PicturesHtml(pictures);
   html += ParametersHtml(result);
-  html += "<section>\n<h2>Course of the search</h2>\n" + plot + "</section>\n";
+  html += "<section>\n<h2>Course of the search</h2>\n" + plot + "<p class=\"hint\">" +
+    ResolutionNote(result) + "</p></section>\n";
   html += "<div class=\"columns\">\n<section>\n<h2>Search and compression</h2>\n" +
     Rows(SearchLines(result)) + "</section>\n<section>\n<h2>Mammogram</h2>\n" +
     Rows(MammogramLines(mammogram)) + "</section>\n</div>\n";
