@@ -138,7 +138,8 @@ CompressionState CompressionSimulation::Compress(const PlatePair& plates,
 
   const PlatePair first = state.Plates;
   const PlatePairVelocity motion = PlateMotion(first, plates);
-  const double smallestStep = 1e-3 * std::min(1.0, largestStep);
+  // A warm start has little to lose: its caller takes a smaller step.
+  const double smallestStep = start ? 0.1 : 5e-3;
   // Equal steps in a cold start: the last one should not be a sliver.
   double step = 1 / std::ceil(1 / largestStep - 1e-9);
   double done = 0;
@@ -182,9 +183,10 @@ CompressionState CompressionSimulation::Compress(const PlatePair& plates,
       (done < 1 ? step : hardening) = done < 1 ? 0.5 * step : std::sqrt(hardening);
       if (step < smallestStep || hardening < 1.01)
       {
-        throw ConvergenceError("compression: expected equilibrium at a gap of " +
-          InMm(Gap(plates)) + ", the last one reached is at " + InMm(Gap(state.Plates)) + " (" +
-          reason + ")");
+        throw CompressionError("compression: expected equilibrium at a gap of " +
+            InMm(Gap(plates)) + ", the last one reached is at " + InMm(Gap(state.Plates)) + " (" +
+            reason + ")",
+          Gap(state.Plates));
       }
       continue;
     }

@@ -28,6 +28,22 @@ struct CompressionOptions
   double LargestLoadStep = 0.1;
 };
 
+/// There is no equilibrium between the plates asked for, or it could not be reached.
+class CompressionError : public ConvergenceError
+{
+public:
+  CompressionError(const std::string& message, double lastGapMm)
+    : ConvergenceError(message)
+    , GapMm(lastGapMm)
+  {
+  }
+  /// The last distance of the plates that had an equilibrium on the way, mm.
+  double LastGapMm() const { return this->GapMm; }
+
+private:
+  double GapMm;
+};
+
 /// A converged state of equilibrium.
 struct CompressionState
 {

@@ -127,7 +127,14 @@ TetrahedralMesh MeshForSimulation(
   const bool finer =
     *std::max_element(merged.Spacing.begin(), merged.Spacing.end()) < spacingMm;
   MeshingOptions options = MeshingOptions::Simulation();
-  options.CellSizeMm = cellSizeMm;
+  std::size_t tissueVoxels = 0;
+  for (const std::uint16_t material : merged.Voxels)
+  {
+    tissueVoxels += material != 0 ? 1 : 0;
+  }
+  options.CellSizeMm =
+    cellSizeMm > 0 ? cellSizeMm : std::cbrt(tissueVoxels * merged.VoxelVolume()) / 7;
+  options.FacetSizeMm = std::max(options.FacetSizeMm, options.CellSizeMm);
   return MeshMaterials(finer ? ResampleLabels(merged, spacingMm) : merged, options, progress).Mesh;
 }
 #else
@@ -319,6 +326,8 @@ RegistrationCaseResult RunRegistrationCase(
   model.Anchor = result.Anchor;
   model.Unit = result.Unit;
   result.Registration = Register(model, result.Target, options, progress);
+  result.Warnings.insert(result.Warnings.end(), result.Registration.Warnings.begin(),
+    result.Registration.Warnings.end());
   stopwatch.Stage("register");
 
   const BreastPose& pose = result.Registration.Pose;

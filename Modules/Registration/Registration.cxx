@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <cstdio>
 #include <limits>
 #include <memory>
 #include <numbers>
@@ -518,6 +519,67 @@ void ValidateModel(const RegistrationModel& model, const RegistrationOptions& op
   }
 }
 
+/// Extent of the body at rest along the beam's axis, mm.
+double UncompressedHeight(const RegistrationModel& model, const BreastPose& pose)
+{
+  const Vector3 axis = Place(model, pose).Z;
+  const std::vector<double>& points = model.Simulation->RestPositions();
+  double low = std::numeric_limits<double>::infinity();
+  double high = -low;
+  for (std::size_t index = 0; index < points.size(); index += 3)
+  {
+    const double height = Dot({ points[index], points[index + 1], points[index + 2] }, axis);
+    low = std::min(low, height);
+    high = std::max(high, height);
+  }
+  return high - low;
+}
+
+/**
+ * The equilibrium at the start. A breast is compressed to about half its height (40 to 70 %); a start far below that belongs to
+ * another breast and costs minutes to fail, so it is opened, with a warning, and again where even that has no equilibrium.
+ */
+CompressionState CompressStart(
+  const RegistrationModel& model, RegistrationResult& result, const ProgressCallback& progress)
+{
+  RegistrationParameter& thickness = result.Parameters[0];
+  const auto open = [&](double thicknessMm)
+  {
+    char sentence[240];
+    std::snprintf(sentence, sizeof sentence,
+      "The breast of the volume is %.0f mm high and cannot well be compressed to the %.1f mm the search should start "
+      "from; it starts from %.1f mm.",
+      UncompressedHeight(model, PoseOf(result.Values)), thickness.Start, thicknessMm);
+    result.Warnings.assign(1, sentence);
+    result.Values[0] = thicknessMm;
+    thickness.Upper = std::max(thickness.Upper, 1.5 * thicknessMm);
+  };
+  const double least = 0.4 * UncompressedHeight(model, PoseOf(result.Values));
+  if (!thickness.Fixed && result.Values[0] < least)
+  {
+    open(least);
+  }
+  constexpr int attempts = 3;
+  for (int attempt = 1;; ++attempt)
+  {
+    try
+    {
+      ++result.Evaluations;
+      return model.Simulation->Compress(
+        PlatesAt(model, PoseOf(result.Values)), nullptr, progress);
+    }
+    catch (const CompressionError& error)
+    {
+      const double opened = 1.1 * error.LastGapMm();
+      if (thickness.Fixed || attempt == attempts || !(opened > result.Values[0]))
+      {
+        throw;
+      }
+      open(opened);
+    }
+  }
+}
+
 /**
  * Shifts the unit so that the start's silhouette has its middle and its tip where the mammogram's outline has them:
  * cheap, and it spares the optimiser the long way from a wrong position.
@@ -747,9 +809,7 @@ RegistrationResult Register(const RegistrationModel& model, const RegistrationTa
   const SilhouetteFinder silhouette(*model.Surface);
 
   // The start: a cold compression, then the unit moved to where the outlines roughly meet.
-  result.State =
-    model.Simulation->Compress(PlatesAt(model, PoseOf(result.Values)), nullptr, progress);
-  result.Evaluations = 1;
+  result.State = CompressStart(model, result, progress);
   result.MechanicsSeconds = SecondsSince(begin);
   const RegistrationTarget finest = coarsened(options.PixelSizesMm.back());
   result.Before = Compare(
@@ -759,7 +819,7 @@ RegistrationResult Register(const RegistrationModel& model, const RegistrationTa
   if (!freeParameters.empty())
   {
     std::vector<double> aligned = result.Values;
-    AlignStart(model, silhouette, finest, result.State, options.Parameters, aligned);
+    AlignStart(model, silhouette, finest, result.State, result.Parameters, aligned);
     try
     {
       result.State =
@@ -773,6 +833,8 @@ RegistrationResult Register(const RegistrationModel& model, const RegistrationTa
     }
   }
 
+  RegistrationOptions search = options;
+  search.Parameters = result.Parameters;
   int level = 0;
   for (const double pixelSizeMm : options.PixelSizesMm)
   {
@@ -787,7 +849,7 @@ RegistrationResult Register(const RegistrationModel& model, const RegistrationTa
       const double expected = 6.0 * options.PixelSizesMm.size(); // a typical number
       return !progress || progress(iterations / (iterations + expected), stage);
     };
-    Evaluator evaluator(model, coarse, options, silhouette, freeParameters, result.Values,
+    Evaluator evaluator(model, coarse, search, silhouette, freeParameters, result.Values,
       result.State, levelProgress);
     ceres::Problem::Options problemOptions;
     problemOptions.evaluation_callback = &evaluator;
@@ -801,7 +863,7 @@ RegistrationResult Register(const RegistrationModel& model, const RegistrationTa
     }
     for (std::size_t f = 0; f < freeParameters.size(); ++f)
     {
-      const RegistrationParameter& parameter = options.Parameters[freeParameters[f]];
+      const RegistrationParameter& parameter = result.Parameters[freeParameters[f]];
       problem.SetParameterLowerBound(
         evaluator.Unknowns.data(), static_cast<int>(f), parameter.Lower / parameter.Scale);
       problem.SetParameterUpperBound(
@@ -850,7 +912,7 @@ RegistrationResult Register(const RegistrationModel& model, const RegistrationTa
         for (std::size_t f = 0; f < n; ++f)
         {
           result.StandardDeviations[freeParameters[f]] =
-            std::sqrt(matrix[f * n + f]) * options.Parameters[freeParameters[f]].Scale;
+            std::sqrt(matrix[f * n + f]) * result.Parameters[freeParameters[f]].Scale;
         }
       }
     }

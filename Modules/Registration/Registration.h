@@ -104,6 +104,7 @@ struct RegistrationIteration
 struct RegistrationResult
 {
   BreastPose Pose;
+  /// As given, but for what Warnings tell.
   std::vector<RegistrationParameter> Parameters;
   std::vector<double> Values;
   /// Standard deviation of each parameter by the covariance at the solution; NaN where fixed.
@@ -115,6 +116,8 @@ struct RegistrationResult
   Agreement After;
   bool Converged = false;
   std::string StopReason;
+  /// What the user should know of the search, a sentence each.
+  std::vector<std::string> Warnings;
   /// Equilibria solved and pictures projected, and the time each took, s.
   int Evaluations = 0;
   int Projections = 0;
@@ -166,8 +169,9 @@ MAMMORAYREGISTRATION_EXPORT Agreement Compare(
 
 /**
  * Finds the pose and compression whose synthetic mammogram matches the target, by Ceres
- * (Levenberg-Marquardt). Ends with a result in every case but bad input (InputError) and a stop by the
- * progress callback, which ends the search with the best pose so far (StopReason says so).
+ * (Levenberg-Marquardt). A start thinner than the model can be compressed to is opened until there is an equilibrium, with a
+ * warning. Throws InputError on bad input, ConvergenceError when no start has an equilibrium, and Interrupted when
+ * stopped before the search; a stop during the search ends it with the best pose so far (StopReason says so).
  */
 MAMMORAYREGISTRATION_EXPORT RegistrationResult Register(const RegistrationModel& model,
   const RegistrationTarget& target, const RegistrationOptions& options,
