@@ -43,15 +43,16 @@ std::string JsonScalar(const nlohmann::json& value, const std::string& key)
   {
     return value.dump();
   }
-  throw CLI::ConversionError("configuration: '" + key + "' is neither a value nor a list of values");
+  throw CLI::ConversionError(
+    "configuration: '" + key + "' is neither a value nor a list of values");
 }
 
 /// CLI11 reads and prints configuration through this; see AddConfigurationOptions for the format.
 class JsonConfiguration : public CLI::Config
 {
 public:
-  std::string to_config(
-    const CLI::App* command, bool withDefaults, bool /*descriptions*/, std::string) const override
+  std::string to_config(const CLI::App* command, bool withDefaults, bool /*descriptions*/,
+    std::string) const override
   {
     nlohmann::ordered_json values = nlohmann::ordered_json::object();
     for (const CLI::Option* option : command->get_options({}))
@@ -136,11 +137,50 @@ private:
 };
 }
 
+namespace
+{
+/// Gives the options that the command line left out their values from the file.
+void ReadConfiguration(CLI::App& command, const std::string& path)
+{
+  for (const CLI::ConfigItem& item : JsonConfiguration().from_file(path))
+  {
+    CLI::Option* option = command.get_option_no_throw("--" + item.name);
+    if (!option)
+    {
+      throw CLI::ConfigError::Extras(item.name);
+    }
+    if (!option->get_configurable())
+    {
+      throw CLI::ConfigError::NotConfigurable(item.name);
+    }
+    if (option->count() > 0)
+    {
+      continue;
+    }
+    if (option->get_type_size() > 0)
+    {
+      option->add_result(item.inputs);
+      option->run_callback();
+    }
+    else if (item.inputs != std::vector<std::string>{ "false" })
+    {
+      option->add_result(option->get_flag_value(item.name, JsonConfiguration().to_flag(item)));
+      option->run_callback();
+    }
+  }
+}
+}
+
 void AddConfigurationOptions(CLI::App& command)
 {
   command.config_formatter(std::make_shared<JsonConfiguration>());
-  command.set_config("--config", "", "read options from a JSON file")->check(CLI::ExistingFile);
-  command.allow_config_extras(CLI::config_extras_mode::error);
+  // Not set_config: CLI11 reads configuration for the application only, never for a sub-command.
+  command
+    .add_option_function<std::string>(
+      "--config", [&command](const std::string& path) { ReadConfiguration(command, path); },
+      "read options from a JSON file")
+    ->check(CLI::ExistingFile)
+    ->configurable(false);
   command
     .add_flag_callback(
       "--print-config",
@@ -214,8 +254,8 @@ void CheckOutputFile(const std::string& path, bool overwrite)
   }
 }
 
-void WriteComplete(
-  const std::string& path, const std::function<void(const std::string& temporary)>& write)
+void WriteComplete(const std::string& path,
+  const std::function<void(const std::string& temporary)>& write)
 {
   namespace fs = std::filesystem;
   const fs::path target(path);

@@ -44,6 +44,12 @@ void WriteComplete(
 const std::string& CheckInputFile(const std::string& path);
 
 // One per sub-command, each in its own file.
+void AddCompressCommand(CLI::App& application);
+void AddDevicesCommand(CLI::App& application);
+void AddEvaluateCommand(CLI::App& application);
+void AddMeshCommand(CLI::App& application);
+void AddProjectCommand(CLI::App& application);
+void AddRegisterCommand(CLI::App& application);
 }
 
 #endif

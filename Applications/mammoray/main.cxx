@@ -11,6 +11,12 @@ int main(int argc, char* argv[])
                         "degrees." };
   application.set_version_flag("--version", "mammoray " MAMMORAY_VERSION);
   application.require_subcommand(1);
+  mammoray::AddCompressCommand(application);
+  mammoray::AddDevicesCommand(application);
+  mammoray::AddEvaluateCommand(application);
+  mammoray::AddMeshCommand(application);
+  mammoray::AddProjectCommand(application);
+  mammoray::AddRegisterCommand(application);
   mammoray::InterruptRequested();
 
   try

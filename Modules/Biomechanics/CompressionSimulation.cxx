@@ -17,8 +17,9 @@ namespace
 /// Equilibrium between load steps is only a start for the next one.
 constexpr double IntermediateTolerance = 1e-3;
 constexpr int IntermediateNewtonSteps = 25;
-/// A cold start closes the plates with contact softer by this factor, then hardens it in these steps.
-constexpr double Softening = 1e-2;
+/// A cold start closes the plates with contact softer by this factor, then hardens it in these
+/// steps.
+constexpr double Softening = 0.1;
 constexpr double Hardening = 10;
 
 std::vector<bool> FixedCoordinates(const ElasticBody& body, const TetrahedralMesh& mesh,
@@ -137,7 +138,8 @@ CompressionState CompressionSimulation::Compress(const PlatePair& plates,
 
   const PlatePair first = state.Plates;
   const PlatePairVelocity motion = PlateMotion(first, plates);
-  const double smallestStep = 1e-3 * std::min(1.0, largestStep);
+  // A warm start has little to lose: its caller takes a smaller step.
+  const double smallestStep = start ? 0.1 : 5e-3;
   // Equal steps in a cold start: the last one should not be a sliver.
   double step = 1 / std::ceil(1 / largestStep - 1e-9);
   double done = 0;
@@ -171,7 +173,8 @@ CompressionState CompressionSimulation::Compress(const PlatePair& plates,
     { return !progress || progress(done, "compression"); };
     const EquilibriumReport report = solver.Solve(positions, &target,
       last ? options.RelativeTolerance : std::max(IntermediateTolerance, options.RelativeTolerance),
-      last ? options.MaximumNewtonSteps : std::min(IntermediateNewtonSteps, options.MaximumNewtonSteps),
+      last ? options.MaximumNewtonSteps
+           : std::min(IntermediateNewtonSteps, options.MaximumNewtonSteps),
       continued);
     state.NewtonSteps += report.NewtonSteps;
     if (!report.Converged)
@@ -180,9 +183,10 @@ CompressionState CompressionSimulation::Compress(const PlatePair& plates,
       (done < 1 ? step : hardening) = done < 1 ? 0.5 * step : std::sqrt(hardening);
       if (step < smallestStep || hardening < 1.01)
       {
-        throw ConvergenceError("compression: expected equilibrium at a gap of " +
-          InMm(Gap(plates)) + ", the last one reached is at " + InMm(Gap(state.Plates)) + " (" +
-          reason + ")");
+        throw CompressionError("compression: expected equilibrium at a gap of " +
+            InMm(Gap(plates)) + ", the last one reached is at " + InMm(Gap(state.Plates)) + " (" +
+            reason + ")",
+          Gap(state.Plates));
       }
       continue;
     }
@@ -200,13 +204,12 @@ CompressionState CompressionSimulation::Compress(const PlatePair& plates,
     state.RelativeResidual = report.RelativeResidual;
   }
   ReportProgress(progress, 1, "compression");
-  state.Seconds =
-    std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  state.Seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   return state;
 }
 
-std::vector<std::vector<double>> CompressionSimulation::Sensitivities(
-  const CompressionState& state, const std::vector<PlatePairVelocity>& velocities) const
+std::vector<std::vector<double>> CompressionSimulation::Sensitivities(const CompressionState& state,
+  const std::vector<PlatePairVelocity>& velocities) const
 {
   if (state.Positions.size() != this->RestPositions().size())
   {

@@ -17,14 +17,31 @@ namespace mammoray
 {
 struct CompressionOptions
 {
-  /// Contact: pressure = ContactStiffness * penetration^2, kPa / mm^2.
-  double ContactStiffness = 2000.0;
+  /// Contact: pressure = ContactStiffness * penetration^2 up to 0.03 mm, beyond along the tangent;
+  /// kPa / mm^2.
+  double ContactStiffness = 10000.0;
   /// Newton stops when the residual force falls below this fraction of the contact force (or of the
   /// stiffness scale while there is no contact).
   double RelativeTolerance = 1e-8;
   int MaximumNewtonSteps = 60;
   /// Largest closing of the plates in one load step of a cold start, as a fraction of the open gap.
   double LargestLoadStep = 0.1;
+};
+
+/// There is no equilibrium between the plates asked for, or it could not be reached.
+class CompressionError : public ConvergenceError
+{
+public:
+  CompressionError(const std::string& message, double lastGapMm)
+    : ConvergenceError(message)
+    , GapMm(lastGapMm)
+  {
+  }
+  /// The last distance of the plates that had an equilibrium on the way, mm.
+  double LastGapMm() const { return this->GapMm; }
+
+private:
+  double GapMm;
 };
 
 /// A converged state of equilibrium.
@@ -52,18 +69,20 @@ struct CompressionState
 };
 
 /**
- * Quasi-static compression of a nearly incompressible neo-Hookean body between two plates as a minimum of
- * energy (DESIGN.md section 6): psi = mu/2 (J^(-2/3) tr F^T F - 3) + kappa/2 (J - 1)^2 on quadratic tetrahedra made
- * from the given linear ones; frictionless contact by a C2 penalty; held nodes do not move.
+ * Quasi-static compression of a nearly incompressible neo-Hookean body between two plates as a
+ * minimum of energy (DESIGN.md section 6): psi = mu/2 (J^(-2/3) tr F^T F - 3) + kappa/2 (J - 1)^2
+ * on quadratic tetrahedra made from the given linear ones; frictionless contact by a C2 penalty;
+ * held nodes do not move.
  */
 class MAMMORAYBIOMECHANICS_EXPORT CompressionSimulation
 {
 public:
   /**
-   * `mesh`: linear tetrahedra; its cell materials index `materials`. With a `field` the mesh need not follow the
-   * anatomy: stiffness is averaged around each quadrature point from it (positions where it answers 0 or
-   * a held material fall back on the cell's material). `held[m]` tells whether material m does not
-   * move: every node of a cell of such a material is fixed. Throws InputError.
+   * `mesh`: linear tetrahedra; its cell materials index `materials`. With a `field` the mesh need
+   * not follow the anatomy: stiffness is averaged around each quadrature point from it (positions
+   * where it answers 0 or a held material fall back on the cell's material). `held[m]` tells
+   * whether material m does not move: every node of a cell of such a material is fixed. Throws
+   * InputError.
    */
   CompressionSimulation(const TetrahedralMesh& mesh, const std::vector<ElasticMaterial>& materials,
     const std::vector<bool>& held, const MaterialField& field = {},
@@ -73,20 +92,21 @@ public:
   CompressionSimulation& operator=(CompressionSimulation&&) noexcept;
 
   /**
-   * Equilibrium between the plates. Cold: the plates are first opened along their normals until they
-   * touch nothing, then closed in load steps. Warm: starts at `start` (a state of this
-   * simulation) and goes straight to the new plates, in steps where that fails. Deterministic. Throws
-   * ConvergenceError that names the last gap reached, or Interrupted.
+   * Equilibrium between the plates. Cold: the plates are first opened along their normals until
+   * they touch nothing, then closed in load steps. Warm: starts at `start` (a state of this
+   * simulation) and goes straight to the new plates, in steps where that fails. Deterministic.
+   * Throws ConvergenceError that names the last gap reached, or Interrupted.
    */
   CompressionState Compress(const PlatePair& plates, const CompressionState* start = nullptr,
     const ProgressCallback& progress = {}) const;
 
   /**
-   * dx/dp at a converged state for parameters that move the plates, by the implicit function theorem:
-   * one back-substitution each. Returns one vector of 3 x nodeCount (mm per unit of p) for each.
+   * dx/dp at a converged state for parameters that move the plates, by the implicit function
+   * theorem: one back-substitution each. Returns one vector of 3 x nodeCount (mm per unit of p) for
+   * each.
    */
-  std::vector<std::vector<double>> Sensitivities(
-    const CompressionState& state, const std::vector<PlatePairVelocity>& velocities) const;
+  std::vector<std::vector<double>> Sensitivities(const CompressionState& state,
+    const std::vector<PlatePairVelocity>& velocities) const;
 
   std::size_t NumberOfNodes() const;
   std::size_t NumberOfUnknowns() const;
@@ -100,8 +120,8 @@ private:
 };
 
 /**
- * Points that move with a simulation: x = sum_i N_i(xi) x_i of the cell that holds (or is nearest to)
- * each of them at rest.
+ * Points that move with a simulation: x = sum_i N_i(xi) x_i of the cell that holds (or is nearest
+ * to) each of them at rest.
  */
 class MAMMORAYBIOMECHANICS_EXPORT Embedding
 {

@@ -11,7 +11,6 @@
 #include <algorithm>
 #include <map>
 #include <string>
-#include <cstdlib>
 #include <unordered_map>
 
 namespace mammoray
@@ -27,6 +26,9 @@ constexpr double NearCoordinate = 0.58541019662496845446;
 constexpr double FarCoordinate = 0.13819660112501051518;
 /// Subdivisions of the lattice on which the material field is sampled: 220 points in a cell.
 constexpr int LatticeOrder = 9;
+
+/// kappa / mu up to which the volume change counts at each quadrature point: that of nu = 0.49.
+constexpr double LargestPointwiseRatio = 50;
 
 using Matrix9 = Eigen::Matrix<double, 9, 9>;
 using Vector9 = Eigen::Matrix<double, 9, 1>;
@@ -135,8 +137,8 @@ ElasticBody::ElasticBody(const TetrahedralMesh& mesh, const std::vector<ElasticM
     {
       // Half the area vector of the opposite face, inwards, over the volume.
       const Vector3 p = mesh.Point(corners[FaceNodes[i][0]]);
-      const Vector3 inwards = Cross(
-        mesh.Point(corners[FaceNodes[i][2]]) - p, mesh.Point(corners[FaceNodes[i][1]]) - p);
+      const Vector3 inwards =
+        Cross(mesh.Point(corners[FaceNodes[i][2]]) - p, mesh.Point(corners[FaceNodes[i][1]]) - p);
       for (int axis = 0; axis < 3; ++axis)
       {
         this->BarycentricGradients[12 * cell + 3 * i + axis] = inwards[axis] / (6 * volume);
@@ -251,8 +253,8 @@ double ElasticBody::CellShearModulus(std::size_t cell) const
   return 0.25 * (mu[0] + mu[1] + mu[2] + mu[3]);
 }
 
-bool ElasticBody::CellTerms(
-  std::size_t cell, const std::vector<double>& x, Order order, Terms& terms) const
+bool ElasticBody::CellTerms(std::size_t cell, const std::vector<double>& x, Order order,
+  Terms& terms) const
 {
   Eigen::Matrix<double, 3, 10> positions;
   const std::int32_t* nodes = &this->CellNodes[NodesPerCell * cell];
@@ -262,8 +264,8 @@ bool ElasticBody::CellTerms(
   }
   const double volume = this->Volumes[cell];
   const double weight = 0.25 * volume;
-  static const double share = getenv("BETA") ? atof(getenv("BETA")) : 1e9;
-  const double pointKappa = std::min(this->Kappa[cell], share * this->CellShearModulus(cell));
+  const double pointKappa =
+    std::min(this->Kappa[cell], LargestPointwiseRatio * this->CellShearModulus(cell));
   const double kappa = this->Kappa[cell] - pointKappa;
 
   Gradients shape[4];
@@ -309,7 +311,8 @@ bool ElasticBody::CellTerms(
       continue;
     }
     const double ratio = trace / (3 * j[q]);
-    const Eigen::Matrix3d stress = scale * (f[q] - ratio * cofactor[q]) + pointPressure * cofactor[q];
+    const Eigen::Matrix3d stress =
+      scale * (f[q] - ratio * cofactor[q]) + pointPressure * cofactor[q];
     gradient += weight * stress * shape[q];
     if (order == Order::Gradient)
     {

@@ -22,10 +22,7 @@ struct ElasticMaterial
   double PoissonRatio = 0.49;
 
   /// Shear modulus mu = E / (2 (1 + nu)), kPa.
-  double ShearModulusKPa() const
-  {
-    return this->YoungsModulusKPa / (2 * (1 + this->PoissonRatio));
-  }
+  double ShearModulusKPa() const { return this->YoungsModulusKPa / (2 * (1 + this->PoissonRatio)); }
   /// Bulk modulus kappa = E / (3 (1 - 2 nu)), kPa.
   double BulkModulusKPa() const
   {
@@ -39,14 +36,17 @@ using MaterialField = std::function<int(const Vector3&)>;
 /**
  * Quadratic tetrahedra with straight sides at rest, made from linear ones, and their elastic energy
  *
- *   E = sum over cells of [ sum_q w_q mu_q / 2 (J_q^(-2/3) tr F_q^T F_q - 3) + V kappa / 2 (Jbar - 1)^2 ],
+ *   E = sum over cells of [ sum_q w_q (mu_q / 2 (J_q^(-2/3) tr F_q^T F_q - 3) + kappa / 2 (J_q -
+ * 1)^2) ],
  *
- * q: the 4-point rule of degree 2, w_q its weights in the undeformed cell of volume V, Jbar the mean of
- * J_q = det F_q over the cell, kappa the mean of kappa_q. One volume change per cell keeps nearly incompressible
- * bodies from locking (the P2/P0 element; Boffi, Brezzi & Fortin 2013, section 8.6).
+ * q: the 4-point rule of degree 2, w_q its weights in the undeformed cell, J_q = det F_q, kappa the
+ * mean of kappa_q. Of kappa, no more than 50 mu is used so; the rest acts on the mean of J_q - 1
+ * over the cell: four constraints in every cell would be too many for the nodes there are, one is
+ * not (the P2/P0 element; Boffi, Brezzi & Fortin 2013, section 8.6). The mean alone would let the
+ * quadrature points of one cell swell and shrink against each other.
  *
- * Node order of a cell: the four corners, then the middles of (0,1) (1,2) (0,2) (0,3) (1,3) (2,3), as in VTK.
- * Energies are in kPa mm^3 = 1e-6 J, forces in kPa mm^2 = 1e-3 N.
+ * Node order of a cell: the four corners, then the middles of (0,1) (1,2) (0,2) (0,3) (1,3) (2,3),
+ * as in VTK. Energies are in kPa mm^3 = 1e-6 J, forces in kPa mm^2 = 1e-3 N.
  */
 class MAMMORAYBIOMECHANICS_EXPORT ElasticBody
 {
@@ -55,7 +55,8 @@ public:
   static constexpr int PointsPerCell = 4;
   static constexpr int UnknownsPerCell = 3 * NodesPerCell;
 
-  /// A triangle of the boundary: its cell, the cell's local nodes (3 corners, 3 middles), its area in mm^2.
+  /// A triangle of the boundary: its cell, the cell's local nodes (3 corners, 3 middles), its area
+  /// in mm^2.
   struct BoundaryFace
   {
     std::int32_t Cell = 0;
@@ -80,15 +81,17 @@ public:
     Energy,
     Gradient,
     Hessian,
-    /// Hessian whose negative curvatures are replaced by zero, quadrature point by quadrature point.
+    /// Hessian whose negative curvatures are replaced by zero, quadrature point by quadrature
+    /// point.
     ProjectedHessian
   };
 
   /**
-   * `materials` is indexed by the materials of the cells. With a `field`, mu and kappa of a quadrature point
-   * are the arithmetic means over the points of a regular lattice in the cell that lie nearest to it
-   * (by largest barycentric coordinate); where the field answers 0 or a material m with `ignored[m]` the
-   * cell's own material counts. Throws InputError on a bad mesh or material.
+   * `materials` is indexed by the materials of the cells. With a `field`, mu and kappa of a
+   * quadrature point are the arithmetic means over the points of a regular lattice in the cell that
+   * lie nearest to it (by largest barycentric coordinate); where the field answers 0 or a material
+   * m with `ignored[m]` the cell's own material counts. Throws InputError on a bad mesh or
+   * material.
    */
   ElasticBody(const TetrahedralMesh& mesh, const std::vector<ElasticMaterial>& materials,
     const MaterialField& field = {}, const std::vector<bool>& ignored = {});
@@ -107,8 +110,9 @@ public:
   double CellBulkModulus(std::size_t cell) const { return this->Kappa[cell]; }
 
   /**
-   * Terms of one cell at node positions `x` (3 x nodeCount, mm), up to `order`. Answers false, and leaves
-   * the terms unspecified, where a quadrature point or the cell as a whole is inverted (J <= 0).
+   * Terms of one cell at node positions `x` (3 x nodeCount, mm), up to `order`. Answers false, and
+   * leaves the terms unspecified, where a quadrature point or the cell as a whole is inverted (J <=
+   * 0).
    */
   bool CellTerms(std::size_t cell, const std::vector<double>& x, Order order, Terms& terms) const;
 

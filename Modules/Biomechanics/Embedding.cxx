@@ -20,7 +20,8 @@ namespace
 {
 constexpr int Edges[6][2] = { { 0, 1 }, { 1, 2 }, { 0, 2 }, { 0, 3 }, { 1, 3 }, { 2, 3 } };
 
-/// Corners of the straight-sided cells at rest, found by a regular grid of the cells' bounding boxes.
+/// Corners of the straight-sided cells at rest, found by a regular grid of the cells' bounding
+/// boxes.
 class CellLocator
 {
 public:
@@ -41,7 +42,8 @@ public:
     this->Width = std::cbrt(extent.prod() / static_cast<double>(cellCount));
     for (int axis = 0; axis < 3; ++axis)
     {
-      this->Size[axis] = std::clamp(static_cast<int>(std::ceil(extent[axis] / this->Width)), 1, 256);
+      this->Size[axis] =
+        std::clamp(static_cast<int>(std::ceil(extent[axis] / this->Width)), 1, 256);
       this->BinWidth[axis] = extent[axis] / this->Size[axis];
     }
     this->Bins.resize(static_cast<std::size_t>(this->Size[0]) * this->Size[1] * this->Size[2]);
@@ -101,14 +103,16 @@ public:
     const int rings = std::max({ this->Size[0], this->Size[1], this->Size[2] });
     for (int ring = 0; ring <= rings; ++ring)
     {
-      // Whatever lies in a farther ring is at least this far from the point's place in the grid's box.
+      // Whatever lies in a farther ring is at least this far from the point's place in the grid's
+      // box.
       const double reach =
         (ring - 1) * std::min({ this->BinWidth[0], this->BinWidth[1], this->BinWidth[2] });
       if (reach > 0 && bestDistance < reach)
       {
         break;
       }
-      for (int k = std::max(home[2] - ring, 0); k <= std::min(home[2] + ring, this->Size[2] - 1); ++k)
+      for (int k = std::max(home[2] - ring, 0); k <= std::min(home[2] + ring, this->Size[2] - 1);
+           ++k)
       {
         for (int j = std::max(home[1] - ring, 0); j <= std::min(home[1] + ring, this->Size[1] - 1);
              ++j)
@@ -263,7 +267,8 @@ std::vector<double> Embedding::Map(const std::vector<double>& nodeValues) const
     for (std::size_t a = 0; a < perPoint; ++a)
     {
       const double weight = this->Weights[perPoint * p + a];
-      const double* value = &nodeValues[3 * static_cast<std::size_t>(this->Nodes[perPoint * p + a])];
+      const double* value =
+        &nodeValues[3 * static_cast<std::size_t>(this->Nodes[perPoint * p + a])];
       for (int axis = 0; axis < 3; ++axis)
       {
         result[3 * p + axis] += weight * value[axis];

@@ -9,8 +9,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
-#include <cstdlib>
 #include <limits>
 
 namespace mammoray
@@ -20,7 +18,8 @@ namespace
 constexpr int CellUnknowns = ElasticBody::UnknownsPerCell;
 constexpr int CellEntries = CellUnknowns * (CellUnknowns + 1) / 2;
 
-/// 7-point rule of degree 5 on a triangle (Strang & Fix 1973): barycentric coordinates and weight.
+/// Middles of equal small triangles: where a plate's edge cuts through a face, many points beat a
+/// high degree.
 struct TrianglePoint
 {
   double Lambda[3];
@@ -30,8 +29,7 @@ const std::vector<TrianglePoint>& TriangleRule()
 {
   static const std::vector<TrianglePoint> rule = []
   {
-    const char* env = std::getenv("NSUB");
-    const int n = env ? std::atoi(env) : 4;
+    constexpr int n = 4;
     std::vector<TrianglePoint> points;
     for (int i = 0; i < n; ++i)
     {
@@ -61,6 +59,24 @@ std::array<double, 6> TriangleShape(const double* l)
 
 /// Least share of the projected matrix worth mixing in.
 constexpr double SmallestShare = 1.0 / 64;
+
+/// Energy per area of a penetration, its first and its second derivative.
+struct ContactLaw
+{
+  double Energy;
+  double Pressure;
+  double Slope;
+
+  ContactLaw(double stiffness, double penetration)
+  {
+    constexpr double TransitionMm = 0.03;
+    const double inner = std::min(penetration, TransitionMm);
+    const double outer = penetration - inner;
+    this->Slope = 2 * stiffness * inner;
+    this->Pressure = stiffness * inner * inner + this->Slope * outer;
+    this->Energy = stiffness * inner * (inner * inner / 3 + inner * outer + outer * outer);
+  }
+};
 
 struct ContactTotals
 {
@@ -118,7 +134,8 @@ struct EquilibriumSolver::Internals
     std::vector<double> Values;
   };
   mutable Assembly Current;
-  /// Positions of the factor at hand; empty when there is none or not of the true second derivative.
+  /// Positions of the factor at hand; empty when there is none or not of the true second
+  /// derivative.
   mutable std::vector<double> FactorPositions;
 
   /// Share of the projected matrix in the last factor.
@@ -150,8 +167,8 @@ struct EquilibriumSolver::Internals
   }
 };
 
-EquilibriumSolver::Internals::Internals(
-  const ElasticBody& body, const std::vector<bool>& fixed, double contactStiffness)
+EquilibriumSolver::Internals::Internals(const ElasticBody& body, const std::vector<bool>& fixed,
+  double contactStiffness)
   : Body(body)
   , ContactStiffness(contactStiffness)
 {
@@ -175,7 +192,7 @@ EquilibriumSolver::Internals::Internals(
       activeOfCell[cell] = static_cast<std::int32_t>(this->ActiveCells.size());
       this->ActiveCells.push_back(static_cast<std::int32_t>(cell));
       this->EnergyNoise += 1e-13 * 1.5 * body.CellShearModulus(cell) * volume;
-      this->SmallestForce += 1e-6 * body.CellShearModulus(cell) * volume;
+      this->SmallestForce += 1e-4 * body.CellShearModulus(cell) * volume;
       for (int a = 0; a < ElasticBody::NodesPerCell; ++a)
       {
         used[nodes[a]] = true;
@@ -310,9 +327,10 @@ void EquilibriumSolver::Internals::AddContact(std::size_t active, const std::vec
         {
           continue;
         }
-        const double weight = point.Weight * face.Area * this->ContactStiffness;
-        const double force = weight * penetration * penetration;
-        totals.Energy += force * penetration / 3;
+        const ContactLaw law(this->ContactStiffness, penetration);
+        const double weight = point.Weight * face.Area;
+        const double force = weight * law.Pressure;
+        totals.Energy += weight * law.Energy;
         totals.Penetration = std::max(totals.Penetration, penetration);
         totals.NormalForce[side] += force * Dot(distance.Gradient, plate.Normal);
         if (order == ElasticBody::Order::Energy)
@@ -330,7 +348,7 @@ void EquilibriumSolver::Internals::AddContact(std::size_t active, const std::vec
         {
           continue;
         }
-        const double along = 2 * weight * penetration;
+        const double along = weight * law.Slope;
         const double across =
           order == ElasticBody::Order::ProjectedHessian ? 0.0 : -force * distance.Curvature;
         double block[3][3];
@@ -350,8 +368,8 @@ void EquilibriumSolver::Internals::AddContact(std::size_t active, const std::vec
             {
               for (int j = 0; j < 3; ++j)
               {
-                terms.Hessian[CellUnknowns * (3 * face.LocalNodes[b] + j) +
-                  3 * face.LocalNodes[a] + i] += shape[a] * shape[b] * block[i][j];
+                terms.Hessian[CellUnknowns * (3 * face.LocalNodes[b] + j) + 3 * face.LocalNodes[a] +
+                  i] += shape[a] * shape[b] * block[i][j];
               }
             }
           }
@@ -450,11 +468,11 @@ void EquilibriumSolver::Internals::Assemble(const std::vector<double>& x, const 
   }
 }
 
-bool EquilibriumSolver::Internals::FactorizeWithFallback(
-  const std::vector<double>& x, const PlatePair* plates) const
+bool EquilibriumSolver::Internals::FactorizeWithFallback(const std::vector<double>& x,
+  const PlatePair* plates) const
 {
-  // Where the matrix is indefinite, mix in as little as needed of the one that cannot be: all of it would
-  // be far too stiff and Newton's method would crawl. What was needed last is a good guess.
+  // Where the matrix is indefinite, mix in as little as needed of the one that cannot be: all of it
+  // would be far too stiff and Newton's method would crawl. What was needed last is a good guess.
   this->FactorPositions.clear();
   this->Share *= 0.25;
   if (this->Share < SmallestShare)
@@ -470,7 +488,7 @@ bool EquilibriumSolver::Internals::FactorizeWithFallback(
   const std::vector<double> exact = this->Current.Values;
   this->Assemble(x, plates, ElasticBody::Order::ProjectedHessian, this->Current);
   std::vector<double> mixed(exact.size());
-  for (;; this->Share *= 4)
+  for (;; this->Share *= 8)
   {
     this->Share = std::min(this->Share, 1.0);
     for (std::size_t k = 0; k < mixed.size(); ++k)
@@ -519,8 +537,8 @@ EquilibriumReport EquilibriumSolver::Internals::Report(const Assembly& assembly)
 std::vector<double> EquilibriumSolver::Internals::PlateForces(const std::vector<double>& x,
   const PlatePair& plates, const std::vector<PlatePairVelocity>& velocities) const
 {
-  // With b(d) the energy of a contact point per area, d its distance to the plate moved by v = L + w x r:
-  // d(grad b)/dp = b' w x grad d - hess(b) v, since grad d turns with the plate.
+  // With b(d) the energy of a contact point per area, d its distance to the plate moved by v = L +
+  // w x r: d(grad b)/dp = b' w x grad d - hess(b) v, since grad d turns with the plate.
   const std::size_t n = this->CoordinateOfUnknown.size();
   std::vector<double> columns(n * velocities.size(), 0.0);
   for (std::size_t active = 0; active < this->ActiveCells.size(); ++active)
@@ -548,9 +566,10 @@ std::vector<double> EquilibriumSolver::Internals::PlateForces(const std::vector<
           {
             continue;
           }
-          const double weight = point.Weight * face.Area * this->ContactStiffness;
-          const double slope = -weight * penetration * penetration;
-          const double along = 2 * weight * penetration;
+          const ContactLaw law(this->ContactStiffness, penetration);
+          const double weight = point.Weight * face.Area;
+          const double slope = -weight * law.Pressure;
+          const double along = weight * law.Slope;
           for (std::size_t p = 0; p < velocities.size(); ++p)
           {
             const PlateVelocity& velocity =
@@ -578,8 +597,8 @@ std::vector<double> EquilibriumSolver::Internals::PlateForces(const std::vector<
   return columns;
 }
 
-EquilibriumSolver::EquilibriumSolver(
-  const ElasticBody& body, const std::vector<bool>& fixed, double contactStiffness)
+EquilibriumSolver::EquilibriumSolver(const ElasticBody& body, const std::vector<bool>& fixed,
+  double contactStiffness)
   : Internal(std::make_unique<Internals>(body, fixed, contactStiffness))
 {
 }
@@ -615,13 +634,6 @@ EquilibriumReport EquilibriumSolver::Solve(std::vector<double>& x, const PlatePa
   {
     EquilibriumReport report = internal.Report(current);
     report.NewtonSteps = newton;
-    static const bool trace = std::getenv("MAMMORAY_TRACE_NEWTON") != nullptr;
-    if (trace)
-    {
-      std::fprintf(stderr, "  newton %d E %.10g res %.2e pen %.4f J %.3f %.3f F %.3f\n", newton,
-        current.Energy, report.RelativeResidual, report.LargestPenetrationMm, report.SmallestJ,
-        report.LargestJ, report.PaddleForceN);
-    }
     if (report.RelativeResidual <= tolerance)
     {
       report.Converged = true;
@@ -668,10 +680,6 @@ EquilibriumReport EquilibriumSolver::Solve(std::vector<double>& x, const PlatePa
       report.Reason = "no step lowers the energy";
       return report;
     }
-    if (trace)
-    {
-      std::fprintf(stderr, "     length %g share %g\n", 2 * length, internal.Share);
-    }
     x.swap(trial);
     internal.Assemble(x, plates, ElasticBody::Order::Hessian, current);
   }
@@ -684,8 +692,8 @@ bool EquilibriumSolver::Admissible(const std::vector<double>& x) const
   return probe.Valid;
 }
 
-EquilibriumReport EquilibriumSolver::Evaluate(
-  const std::vector<double>& x, const PlatePair* plates) const
+EquilibriumReport EquilibriumSolver::Evaluate(const std::vector<double>& x,
+  const PlatePair* plates) const
 {
   Internals::Assembly assembly;
   this->Internal->Assemble(x, plates, ElasticBody::Order::Gradient, assembly);
@@ -696,8 +704,8 @@ EquilibriumReport EquilibriumSolver::Evaluate(
   return this->Internal->Report(assembly);
 }
 
-std::vector<double> EquilibriumSolver::Gradient(
-  const std::vector<double>& x, const PlatePair* plates) const
+std::vector<double> EquilibriumSolver::Gradient(const std::vector<double>& x,
+  const PlatePair* plates) const
 {
   Internals::Assembly assembly;
   this->Internal->Assemble(x, plates, ElasticBody::Order::Gradient, assembly);
@@ -752,8 +760,9 @@ std::vector<std::vector<double>> EquilibriumSolver::Sensitivities(const std::vec
   const std::vector<double> right = internal.PlateForces(x, plates, velocities);
   const double scale = std::sqrt(SquaredNorm(right));
 
-  // The factor at hand is that of the last Newton step, a hair away: refine with this state's matrix.
-  // Far from it the refinement would not converge, so a factor of another state is not tried.
+  // The factor at hand is that of the last Newton step, a hair away: refine with this state's
+  // matrix. Far from it the refinement would not converge, so a factor of another state is not
+  // tried.
   const double farthest = internal.DistanceOfFactor(x);
   bool refined = false;
   std::vector<double> solution(right.size(), 0.0);
@@ -780,8 +789,8 @@ std::vector<std::vector<double>> EquilibriumSolver::Sensitivities(const std::vec
     internal.FactorPositions.clear();
     if (!internal.Factor->Factorize(internal.Current.Values))
     {
-      throw ConvergenceError(
-        "sensitivities: expected a stable equilibrium, found a stiffness matrix that is not positive definite");
+      throw ConvergenceError("sensitivities: expected a stable equilibrium, found a stiffness "
+                             "matrix that is not positive definite");
     }
     internal.FactorPositions = x;
     solution = right;
@@ -819,8 +828,8 @@ std::vector<double> EquilibriumSolver::Predict(const std::vector<double>& x,
   return result;
 }
 
-std::array<double, 2> EquilibriumSolver::Opening(
-  const std::vector<double>& x, const PlatePair& plates) const
+std::array<double, 2> EquilibriumSolver::Opening(const std::vector<double>& x,
+  const PlatePair& plates) const
 {
   std::array<double, 2> opening{ 0, 0 };
   for (const std::vector<std::int32_t>& faces : this->Internal->FacesOfCell)
@@ -849,10 +858,9 @@ std::array<double, 2> EquilibriumSolver::Opening(
             continue;
           }
           // How far the rounded edge lies below the face at this distance from it.
-          const double drop = behind > 0
-            ? plate.EdgeRadiusMm -
+          const double drop = behind > 0 ? plate.EdgeRadiusMm -
               std::sqrt(plate.EdgeRadiusMm * plate.EdgeRadiusMm - behind * behind)
-            : 0;
+                                         : 0;
           opening[side] = std::max(opening[side], -drop - Dot(offset, plate.Normal));
         }
       }

@@ -36,18 +36,20 @@ struct EquilibriumReport
  * Minimises the elastic energy of a body plus that of frictionless contact with two plates over the
  * coordinates that are not fixed, by Newton's method with a sparse Cholesky factorisation.
  *
- * Contact: the energy of a boundary point that penetrates a plate by g > 0 is stiffness / 3 * g^3 per
- * undeformed area, so pressure = stiffness * g^2. Points are those of a 7-point rule on every boundary triangle
- * that has a free node.
+ * Contact: a boundary point that penetrates a plate by g > 0 feels the pressure stiffness * g^2 as
+ * far as 0.03 mm and deeper the tangent of that parabola, on which Newton's method does not creep;
+ * the energy is C2. Points are the middles of 16 equal parts of every boundary triangle that has a
+ * free node.
  *
  * One solver is not to be used by two threads at a time; it uses all cores itself.
  */
 class MAMMORAYBIOMECHANICS_EXPORT EquilibriumSolver
 {
 public:
-  /// `fixed`: 3 x nodeCount flags. The body must outlive the solver. `contactStiffness`: kPa / mm^2.
-  EquilibriumSolver(
-    const ElasticBody& body, const std::vector<bool>& fixed, double contactStiffness);
+  /// `fixed`: 3 x nodeCount flags. The body must outlive the solver. `contactStiffness`: kPa /
+  /// mm^2.
+  EquilibriumSolver(const ElasticBody& body, const std::vector<bool>& fixed,
+    double contactStiffness);
   ~EquilibriumSolver();
 
   std::size_t NumberOfUnknowns() const;
@@ -55,22 +57,23 @@ public:
   void SetContactStiffness(double stiffness);
 
   /**
-   * From the positions `x` (3 x nodeCount, mm; no cell inverted; fixed coordinates keep their values) to
-   * equilibrium between the plates (none: null). Stops when the norm of the residual forces falls below
-   * `tolerance` times the larger of the norms of the contact forces and of the forces at fixed coordinates.
-   * `x` holds the last positions with all J > 0 when it fails.
+   * From the positions `x` (3 x nodeCount, mm; no cell inverted; fixed coordinates keep their
+   * values) to equilibrium between the plates (none: null). Stops when the norm of the residual
+   * forces falls below `tolerance` times the larger of the norms of the contact forces and of the
+   * forces at fixed coordinates. `x` holds the last positions with all J > 0 when it fails.
    */
   EquilibriumReport Solve(std::vector<double>& x, const PlatePair* plates, double tolerance,
     int maximumSteps, const ProgressCallback& progress = {}) const;
 
   /// True where no cell is inverted.
   bool Admissible(const std::vector<double>& x) const;
-  /// Energy, forces and limits of positions as they stand. Throws ConvergenceError when a cell is inverted.
+  /// Energy, forces and limits of positions as they stand. Throws ConvergenceError when a cell is
+  /// inverted.
   EquilibriumReport Evaluate(const std::vector<double>& x, const PlatePair* plates) const;
 
   /**
-   * Forces of the residual, 3 x nodeCount, kPa mm^2: the gradient of the energy, fixed coordinates too
-   * (there minus the force that holds the body).
+   * Forces of the residual, 3 x nodeCount, kPa mm^2: the gradient of the energy, fixed coordinates
+   * too (there minus the force that holds the body).
    */
   std::vector<double> Gradient(const std::vector<double>& x, const PlatePair* plates) const;
   /// The derivative of Gradient along `direction` (3 x nodeCount), zero at fixed coordinates.
@@ -79,20 +82,21 @@ public:
 
   /**
    * dx/dp of an equilibrium for parameters that move the plates; 3 x nodeCount each, zero at fixed
-   * coordinates. The factor of the last Newton step is refined to this state's own matrix when that is
-   * near, or made anew. Throws ConvergenceError where that matrix is not positive definite.
+   * coordinates. The factor of the last Newton step is refined to this state's own matrix when that
+   * is near, or made anew. Throws ConvergenceError where that matrix is not positive definite.
    */
   std::vector<std::vector<double>> Sensitivities(const std::vector<double>& x,
     const PlatePair& plates, const std::vector<PlatePairVelocity>& velocities) const;
 
   /**
-   * The same for one motion of the plates, to first order only and at the price of one back-substitution:
-   * by the factor at hand as it is, when it belongs to positions within 2 mm.
+   * The same for one motion of the plates, to first order only and at the price of one
+   * back-substitution: by the factor at hand as it is, when it belongs to positions within 2 mm.
    */
   std::vector<double> Predict(const std::vector<double>& x, const PlatePair& plates,
     const PlatePairVelocity& motion) const;
 
-  /// Smallest distance each plate must move against its normal to touch nothing, mm; support, paddle.
+  /// Smallest distance each plate must move against its normal to touch nothing, mm; support,
+  /// paddle.
   std::array<double, 2> Opening(const std::vector<double>& x, const PlatePair& plates) const;
 
 private:

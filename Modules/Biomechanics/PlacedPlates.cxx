@@ -3,8 +3,7 @@
 
 namespace mammoray
 {
-PlatePair PlatesOf(
-  const VolumeFromGantry& placed, const MammographyUnit& unit, double thicknessMm)
+PlatePair PlatesOf(const VolumeFromGantry& placed, const MammographyUnit& unit, double thicknessMm)
 {
   PlatePair plates;
   plates.Support.Edge = placed.Point({ 0, unit.SupportEdgeMm, unit.SupportHeightMm });

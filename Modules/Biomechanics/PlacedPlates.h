@@ -9,11 +9,12 @@
 namespace mammoray
 {
 /**
- * The plates of a unit that stands at `placed` and is closed to `thicknessMm`; volume frame. The support
- * faces the source at z = SupportHeightMm of the gantry frame, the paddle faces it `thicknessMm` above.
+ * The plates of a unit that stands at `placed` and is closed to `thicknessMm`; volume frame. The
+ * support faces the source at z = SupportHeightMm of the gantry frame, the paddle faces it
+ * `thicknessMm` above.
  */
-MAMMORAYBIOMECHANICS_EXPORT PlatePair PlatesOf(
-  const VolumeFromGantry& placed, const MammographyUnit& unit, double thicknessMm);
+MAMMORAYBIOMECHANICS_EXPORT PlatePair PlatesOf(const VolumeFromGantry& placed,
+  const MammographyUnit& unit, double thicknessMm);
 }
 
 #endif

@@ -23,9 +23,9 @@ Vector3 Rotated(const Vector3& v, const Vector3& rotation)
 
 PlateDistance DistanceToPlate(const Plate& plate, const Vector3& x)
 {
-  // In the plane of Inward and Normal the plate is a quarter-plane whose corner is rounded about the
-  // point `radius` below the face and `radius` behind the edge; u and v are measured from there,
-  // towards the chest wall and out of the face.
+  // In the plane of Inward and Normal the plate is a quarter-plane whose corner is rounded about
+  // the point `radius` below the face and `radius` behind the edge; u and v are measured from
+  // there, towards the chest wall and out of the face.
   const Vector3 offset = x - plate.Edge;
   const double radius = plate.EdgeRadiusMm;
   const double u = radius - Dot(offset, plate.Inward);

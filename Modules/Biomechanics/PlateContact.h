@@ -61,20 +61,22 @@ struct PlateDistance
 };
 
 /**
- * Exact outside the plate and inside to the depth of the edge radius; deeper, the distance to the nearer of
- * the two faces.
+ * Exact outside the plate and inside to the depth of the edge radius; deeper, the distance to the
+ * nearer of the two faces.
  */
 MAMMORAYBIOMECHANICS_EXPORT PlateDistance DistanceToPlate(const Plate& plate, const Vector3& x);
 
 /// The plate after moving for `amount` of the parameter: turned about its Edge, then shifted.
-MAMMORAYBIOMECHANICS_EXPORT Plate MovedPlate(
-  const Plate& plate, const PlateVelocity& velocity, double amount);
-MAMMORAYBIOMECHANICS_EXPORT PlatePair MovedPlates(
-  const PlatePair& plates, const PlatePairVelocity& velocity, double amount);
+MAMMORAYBIOMECHANICS_EXPORT Plate MovedPlate(const Plate& plate, const PlateVelocity& velocity,
+  double amount);
+MAMMORAYBIOMECHANICS_EXPORT PlatePair MovedPlates(const PlatePair& plates,
+  const PlatePairVelocity& velocity, double amount);
 
-/// The rigid motion that takes `from` to `to` in one unit: MovedPlate(from, Motion(from, to), 1) == to.
+/// The rigid motion that takes `from` to `to` in one unit: MovedPlate(from, Motion(from, to), 1) ==
+/// to.
 MAMMORAYBIOMECHANICS_EXPORT PlateVelocity PlateMotion(const Plate& from, const Plate& to);
-MAMMORAYBIOMECHANICS_EXPORT PlatePairVelocity PlateMotion(const PlatePair& from, const PlatePair& to);
+MAMMORAYBIOMECHANICS_EXPORT PlatePairVelocity PlateMotion(const PlatePair& from,
+  const PlatePair& to);
 }
 
 #endif

@@ -45,8 +45,8 @@ AnatomicalAxes AnatomicalAxes::FromCode(const std::string& code)
   return axes;
 }
 
-Vector3 FindPoseAnchor(
-  const LabelVolume& materials, const std::vector<bool>& held, const AnatomicalAxes& axes)
+Vector3 FindPoseAnchor(const LabelVolume& materials, const std::vector<bool>& held,
+  const AnatomicalAxes& axes)
 {
   constexpr double infinity = std::numeric_limits<double>::infinity();
   double low[3] = { infinity, infinity, infinity };
@@ -91,6 +91,37 @@ Vector3 FindPoseAnchor(
   if (low[0] > high[0])
   {
     throw InputError("pose: expected tissue in the volume, found only air");
+  }
+  const double chestWall = std::isfinite(heldFront) ? heldFront : low[1];
+  return 0.5 * (low[0] + high[0]) * axes.Left + chestWall * axes.Anterior +
+    0.5 * (low[2] + high[2]) * axes.Superior;
+}
+
+Vector3 FindPoseAnchor(const TetrahedralMesh& mesh, const std::vector<bool>& held,
+  const AnatomicalAxes& axes)
+{
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  double low[3] = { infinity, infinity, infinity };
+  double high[3] = { -infinity, -infinity, -infinity };
+  double heldFront = -infinity;
+  const Vector3 directions[3] = { axes.Left, axes.Anterior, axes.Superior };
+  for (std::size_t index = 0; index < mesh.Cells.size(); ++index)
+  {
+    const Vector3 point = mesh.Point(mesh.Cells[index]);
+    for (int d = 0; d < 3; ++d)
+    {
+      low[d] = std::min(low[d], Dot(point, directions[d]));
+      high[d] = std::max(high[d], Dot(point, directions[d]));
+    }
+    const auto material = static_cast<std::size_t>(mesh.Materials[index / 4]);
+    if (material < held.size() && held[material])
+    {
+      heldFront = std::max(heldFront, Dot(point, axes.Anterior));
+    }
+  }
+  if (low[0] > high[0])
+  {
+    throw InputError("pose: expected tissue in the mesh, found no cells");
   }
   const double chestWall = std::isfinite(heldFront) ? heldFront : low[1];
   return 0.5 * (low[0] + high[0]) * axes.Left + chestWall * axes.Anterior +

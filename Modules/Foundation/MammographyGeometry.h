@@ -3,6 +3,7 @@
 #define mammoray_MammographyGeometry_h
 
 #include "LabelVolume.h"
+#include "TetrahedralMesh.h"
 #include "Vector3.h"
 #include "mammorayFoundationModule.h"
 
@@ -13,10 +14,10 @@ namespace mammoray
 /**
  * Anatomical directions of a volume frame: unit vectors towards the patient's left, front and head.
  *
- * The *gantry frame* has its origin where the chest-wall edge of the image receptor meets its midline;
- * +x along that edge (patient left in CC), +y from chest wall to nipple, +z from receptor to source.
- * (left, anterior, superior) is a left-handed triple, so meshes are never stored in the gantry frame:
- * they stay in the volume frame and the mammography unit is placed around them.
+ * The *gantry frame* has its origin where the chest-wall edge of the image receptor meets its
+ * midline; +x along that edge (patient left in CC), +y from chest wall to nipple, +z from receptor
+ * to source. (left, anterior, superior) is a left-handed triple, so meshes are never stored in the
+ * gantry frame: they stay in the volume frame and the mammography unit is placed around them.
  */
 struct MAMMORAYFOUNDATION_EXPORT AnatomicalAxes
 {
@@ -46,17 +47,17 @@ struct MammographyUnit
 };
 
 /**
- * Where the unit stands relative to the breast, and how far it is closed. All zero but the thickness:
- * a CC view with the plates' middle on the breast's middle and the receptor's edge at the chest wall.
+ * Where the unit stands relative to the breast, and how far it is closed. All zero but the
+ * thickness: a CC view with the plates' middle on the breast's middle and the receptor's edge at
+ * the chest wall.
  */
 struct BreastPose
 {
   /// Distance between the faces of support and paddle, mm; positive.
   double ThicknessMm = 50.0;
   /**
-   * Rotation of the unit about the anterior axis through the anchor, degrees, right-handed about
-   * +anterior seen from the front: 0 is CC. A positive angle turns the source from superior towards
-   * the patient's left.
+   * Rotation of the unit about the anterior axis through the anchor, degrees: 0 is CC, a positive
+   * angle turns the source from above the patient towards the patient's left.
    */
   double RollDeg = 0.0;
   /// Shift of the receptor along gantry +x relative to the anchor, mm.
@@ -92,12 +93,17 @@ struct MAMMORAYFOUNDATION_EXPORT VolumeFromGantry
 };
 
 /**
- * The point of the volume frame the pose refers to: the middle of the tissue's bounding box across and
- * along the body, at the front of the held tissue (chest wall), or at the tissue's posterior end where
- * no material is held. `materials` is a volume of material indices, `held[m]` tells whether m is held.
+ * The point of the volume frame the pose refers to: the middle of the tissue's bounding box across
+ * and along the body, at the front of the held tissue (chest wall), or at the tissue's posterior
+ * end where no material is held. `materials` is a volume of material indices, `held[m]` tells
+ * whether m is held.
  */
-MAMMORAYFOUNDATION_EXPORT Vector3 FindPoseAnchor(
-  const LabelVolume& materials, const std::vector<bool>& held, const AnatomicalAxes& axes);
+MAMMORAYFOUNDATION_EXPORT Vector3 FindPoseAnchor(const LabelVolume& materials,
+  const std::vector<bool>& held, const AnatomicalAxes& axes);
+
+/// The same of a mesh, by the corners of its cells: as exact as the mesh follows the volume.
+MAMMORAYFOUNDATION_EXPORT Vector3 FindPoseAnchor(const TetrahedralMesh& mesh,
+  const std::vector<bool>& held, const AnatomicalAxes& axes);
 
 /// Places the unit: support face at z = SupportHeightMm, paddle face ThicknessMm above it.
 MAMMORAYFOUNDATION_EXPORT VolumeFromGantry PlaceUnit(const AnatomicalAxes& axes,

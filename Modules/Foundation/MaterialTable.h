@@ -26,6 +26,8 @@ struct Material
   double PoissonRatio = 0.49;
   /// True where the tissue is fixed to the body (chest wall, pectoral muscle): it does not move.
   bool Held = false;
+  /// True for a layer of about a millimetre (skin), which meshes must resolve to keep closed.
+  bool Thin = false;
 };
 
 /**

@@ -205,6 +205,9 @@ public:
     return count - this->Stream.avail_out;
   }
 
+  /// False while compressed data has not come to its end.
+  bool Complete() const { return !this->Compressed || this->Ended; }
+
   void Skip(std::uint64_t count)
   {
     unsigned char sink[4096];
@@ -348,7 +351,11 @@ void ReadVoxels(const std::string& path, const VolumeHeader& header, LabelVolume
     }
   }
   // One byte further makes zlib compare its checksum.
-  source.Read(bytes.data(), 1);
+  if (source.Read(bytes.data(), 1) == 0 && !source.Complete())
+  {
+    throw InputError(
+      path + ": expected the end of the compressed voxels, found the end of the file");
+  }
 }
 
 // -- NRRD (teem's "Definition of NRRD File Format") --

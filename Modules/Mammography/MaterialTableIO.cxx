@@ -186,7 +186,7 @@ MaterialTable ReadMaterialTable(const std::string& path)
     Material material;
     const Entry entry((*materials)[index], place,
       { "name", "labels", "attenuation", "density_g_per_cm3", "youngs_modulus_kpa", "poisson_ratio",
-        "held" });
+        "held", "thin" });
     material.Name = entry.Text("name");
     if (index == 0)
     {
@@ -213,13 +213,17 @@ MaterialTable ReadMaterialTable(const std::string& path)
     entry.Number(
       "poisson_ratio", "a number of at least 0 and below 0.5",
       [](double value) { return value >= 0 && value < 0.5; }, material.PoissonRatio);
-    if (const Json* held = entry.Find("held"))
+    for (const auto& [key, flag] :
+      { std::pair{ "held", &material.Held }, std::pair{ "thin", &material.Thin } })
     {
-      if (!held->is_boolean())
+      if (const Json* value = entry.Find(key))
       {
-        entry.Refuse("held", "true or false");
+        if (!value->is_boolean())
+        {
+          entry.Refuse(key, "true or false");
+        }
+        *flag = value->get<bool>();
       }
-      material.Held = held->get<bool>();
     }
     table.Materials.push_back(material);
     ReadLabels(entry, static_cast<int>(index), table);

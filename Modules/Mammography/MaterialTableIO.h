@@ -15,11 +15,11 @@ namespace mammoray
  *     { "name": "...", "description": "...", "materials": [
  *         { "name": "air", "labels": [0] },
  *         { "name": "fat", "labels": [1], "attenuation": "adipose", "density_g_per_cm3": 0.92,
- *           "youngs_modulus_kpa": 5, "poisson_ratio": 0.49, "held": false }, ... ] }
+ *           "youngs_modulus_kpa": 5, "poisson_ratio": 0.49, "held": false, "thin": false }, ... ] }
  *
  * The first material is air and takes a name and labels only. The others need name, labels (whole
- * numbers in [0, 65535], at least one) and attenuation; density, elastic constants and "held"
- * default to those of Material. "name" of the table defaults to the file's name. Throws InputError,
+ * numbers in [0, 65535], at least one) and attenuation; density, elastic constants, "held" and
+ * "thin" default to those of Material. "name" of the table defaults to the file's name. Throws InputError,
  * with file and key, on anything else: a wrong type or range, an unknown or repeated key, a label
  * or name used twice.
  */

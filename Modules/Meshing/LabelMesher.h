@@ -13,7 +13,8 @@
 
 namespace mammoray
 {
-struct MeshingOptions
+/// What is asked of the mesh. Sizes are upper bounds that refinement keeps.
+struct MAMMORAYMESHING_EXPORT MeshingOptions
 {
   /// Upper bound of the circumradius of tetrahedra, mm.
   double CellSizeMm = 4.0;
@@ -21,23 +22,55 @@ struct MeshingOptions
   std::map<int, double> CellSizeOfMaterialMm;
   /// Upper bound of the circumradius of surface Delaunay balls, mm.
   double FacetSizeMm = 3.0;
+  /// The same for facets that bound single materials (index -> mm); the smaller of the two sides
+  /// counts.
+  std::map<int, double> FacetSizeOfMaterialMm;
+  /**
+   * Facets that step over a layer of a third material (fat to air through thin skin) are refined
+   * until the layer is closed or their size falls below this, mm. 0 leaves such gaps.
+   */
+  double LayerFacetSizeMm = 0.0;
   /// Upper bound of the distance between interface and mesh facet, mm.
   double FacetDistanceMm = 0.4;
+  /// The same for interfaces of single materials (index -> mm), as with facet sizes.
+  std::map<int, double> FacetDistanceOfMaterialMm;
   /// Lower bound of facet angles, degrees, at most 30.
   double FacetAngleDeg = 25.0;
   /// Upper bound of circumradius / shortest edge.
   double CellRadiusEdgeRatio = 3.0;
-  /// Connected components of a material smaller than this are merged into what surrounds them, mm^3.
+  /// Connected components of a material smaller than this are merged into what surrounds them,
+  /// mm^3.
   double SmallestComponentMm3 = 5.0;
-  /// Time limit of each optimisation step (perturb, exude), s; 0 leaves it out.
-  double OptimisationSeconds = 10.0;
+  /**
+   * Width (standard deviation) of the smoothing of the voxels' stairs, in voxels; 0 leaves them.
+   * The smoothed interfaces keep every voxel's centre in its own material.
+   */
+  double SmoothingVoxels = 1.0;
+  /// Slivers are removed until no dihedral angle is below this, degrees, where that can be reached.
+  double SmallestDihedralDeg = 12.0;
+  /**
+   * Time limit of each optimisation step (perturb, exude), s; 0 leaves both out. A step that meets
+   * its limit makes the result depend on the machine: MeshingResult::TimeLimitReached tells.
+   */
+  double OptimisationSeconds = 60.0;
+
+  /// For pictures: fine at the skin, no optimisation. `thinMaterials` are layers of about a
+  /// millimetre.
+  static MeshingOptions Anatomy(const std::vector<int>& thinMaterials);
+  /// For quadratic finite elements: few thousand well-shaped cells per 250 cm^3.
+  static MeshingOptions Simulation();
+
+  /// Throws InputError that names the first value out of range.
+  void Validate() const;
 };
 
 /// What became of one material.
 struct MaterialReport
 {
   int Material = 0;
+  /// Of the voxels, before small components were merged.
   double VolumeInMm3 = 0;
+  /// Of the cells.
   double VolumeOutMm3 = 0;
   std::size_t Cells = 0;
   /// Smallest dihedral angle, degrees.
@@ -52,14 +85,18 @@ struct MeshingResult
   std::vector<MaterialReport> Reports;
   /// Voxels whose component was below SmallestComponentMm3 and was merged.
   std::size_t MergedVoxels = 0;
+  /// Number of connected components (face neighbours) that were seeded, and are all in the mesh.
+  std::size_t Components = 0;
+  /// True when perturb or exude met OptimisationSeconds.
+  bool TimeLimitReached = false;
   double Seconds = 0;
 };
 
 /**
- * Meshes a volume of material indices (0 = air) with CGAL Mesh_3: one conforming mesh, the material of
- * every cell kept. Every connected component of a material of at least SmallestComponentMm3 is seeded
- * and must be in the result. Deterministic. Throws InputError on an empty volume or unusable options and
- * ConvergenceError, naming the material, place and volume, when one was lost.
+ * Meshes a volume of material indices (0 = air) with CGAL Mesh_3: one conforming mesh, the material
+ * of every cell kept. Every connected component of a material of at least SmallestComponentMm3 is
+ * seeded and must be in the result. Deterministic. Throws InputError on an empty volume or unusable
+ * options and ConvergenceError, naming the material, place and volume, when one was lost.
  */
 MAMMORAYMESHING_EXPORT MeshingResult MeshMaterials(const LabelVolume& materials,
   const MeshingOptions& options, const ProgressCallback& progress = {});

@@ -35,8 +35,8 @@ struct MAMMORAYXRAY_EXPORT AttenuationTable
   /// Linear attenuation coefficient at each energy and the nominal density, 1/mm.
   std::vector<double> MuPerMm;
 
-  /// Log-log interpolation, scaled by density / nominal density, 1/mm. Throws InputError outside the
-  /// table's energies.
+  /// Log-log interpolation, scaled by density / nominal density, 1/mm. Throws InputError outside
+  /// the table's energies.
   double MuAt(double energyKeV, double densityGPerCm3) const;
   void Validate() const;
 };
@@ -68,9 +68,16 @@ public:
   std::vector<float> LogAttenuation(const PathLengthImage& image) const;
   /// Transmission of one ray; `lengthsMm[m]` for each material.
   double Transmission(const double* lengthsMm) const;
+  /// -ln of it.
+  double LogAttenuation(const double* lengthsMm) const;
   int NumberOfMaterials() const { return this->MaterialCount; }
 
 private:
+  /// function(lengths) of every pixel, `outside` where all lengths are 0.
+  template <typename Function>
+  std::vector<float> PerPixel(const PathLengthImage& image, float outside,
+    const Function& function) const;
+
   int MaterialCount = 0;
   /// Normalised w_E D(E) per energy.
   std::vector<double> Weights;

@@ -37,8 +37,8 @@ struct XRayDetector
   Vector3 RowStep{ 0, 0.1, 0 };
   int Columns = 1;
   int Rows = 1;
-  /// Rays per pixel: a centred Samples x Samples grid whose path lengths' transmissions are averaged by
-  /// the caller, or whose path lengths are averaged (see PathLengthImage). 1 to 16.
+  /// Rays per pixel: a centred Samples x Samples grid whose path lengths' transmissions are
+  /// averaged by the caller, or whose path lengths are averaged (see PathLengthImage). 1 to 16.
   int Samples = 1;
 };
 
@@ -56,7 +56,10 @@ struct PathLengthImage
   /// 0 where the ray's crossings of every material cancel, else 1; Rows * Columns values.
   std::vector<unsigned char> Inconsistent;
 
-  std::size_t NumberOfPixels() const { return static_cast<std::size_t>(this->Columns) * this->Rows; }
+  std::size_t NumberOfPixels() const
+  {
+    return static_cast<std::size_t>(this->Columns) * this->Rows;
+  }
   const float* Material(int material) const
   {
     return this->Lengths.data() + material * this->NumberOfPixels();
@@ -66,8 +69,15 @@ struct PathLengthImage
 
 /**
  * Sums the length of each source-to-pixel ray in every material of a surface mesh,
- * L_m = sum over hits (t - t_ref) ([back = m] - [front = m]), facing the source (DESIGN.md section 4):
- * order-free, without a hit list. Only the part of a ray between source and pixel counts.
+ * L_m = sum over hits (t - t_ref) ([front = m] - [back = m]), facing the source: order-free,
+ * without a hit list. Only the part of a ray between source and pixel counts; either may lie inside
+ * the body.
+ *
+ * A ray whose crossings do not cancel, or which touches an edge, is traced again up to four times
+ * at most a tenth of a pixel beside. Where that fails (a hole, sides exchanged) the pixel is marked
+ * in PathLengthImage::Inconsistent and takes the mean of its other samples, or, if it has none, of
+ * its nearest consistent neighbours: never a bright streak. Bodies with holes wide enough to leave
+ * no consistent pixel at all give zeros.
  *
  * Not thread-safe: one projector per thread. Every method may throw DeviceError.
  */
@@ -100,6 +110,9 @@ struct ProjectorOptions
   /// Part of the wanted device's name (case-insensitive); empty takes the most capable one. The
   /// environment variable MAMMORAY_DEVICE stands in for an empty name.
   std::string Device;
+  /// Computes in double precision where the device can; single precision keeps about 6 digits of a
+  /// path length and is what devices without 64-bit floats use.
+  bool DoublePrecision = true;
   /// Turns the Khronos validation layer on and its messages into DeviceError.
   bool Validation = false;
 };
@@ -107,8 +120,8 @@ struct ProjectorOptions
 /// Vulkan devices of this machine, best first; empty, with a reason, where there is no Vulkan.
 MAMMORAYXRAY_EXPORT std::vector<DeviceDescription> ListDevices(std::string* reason = nullptr);
 
-/// A projector that traces rays with VK_KHR_ray_tracing_pipeline. Throws DeviceError, in one line with
-/// the reason, when no device can.
+/// A projector that traces rays with VK_KHR_ray_tracing_pipeline. Throws DeviceError, in one line
+/// with the reason, when no device can.
 MAMMORAYXRAY_EXPORT std::unique_ptr<PathLengthProjector> MakeRayTracingProjector(
   const ProjectorOptions& options = {});
 }

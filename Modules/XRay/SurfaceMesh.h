@@ -34,11 +34,11 @@ struct MAMMORAYXRAY_EXPORT SurfaceMesh
 
 /**
  * The interfaces of a tetrahedral body: every face with different materials on its two sides (air
- * outside), once. `pointIds`, if given, receives for each point of the result the point of the mesh it
- * came from, so that moved positions can be copied without extracting again.
+ * outside), once. `pointIds`, if given, receives for each point of the result the point of the mesh
+ * it came from, so that moved positions can be copied without extracting again.
  */
-MAMMORAYXRAY_EXPORT SurfaceMesh ExtractInterfaces(
-  const TetrahedralMesh& mesh, std::vector<std::int32_t>* pointIds = nullptr);
+MAMMORAYXRAY_EXPORT SurfaceMesh ExtractInterfaces(const TetrahedralMesh& mesh,
+  std::vector<std::int32_t>* pointIds = nullptr);
 }
 
 #endif

@@ -2,4 +2,4 @@
 
 The classes here are VTK algorithms and work with everything in `vtkmodules`.
 """
-from .Mammography import *  # noqa: F401,F403
+from .mammorayMammography import *  # noqa: F401,F403

@@ -100,8 +100,8 @@ TEST(MaterialTable, MergesLabelsAndRefusesUnknownOnes)
   EXPECT_THAT(MessageOf([&] { TwoTissues().ToMaterials(volume, "v"); }),
     testing::HasSubstr("label 7 (2 voxels)"));
   volume.Voxels = { 0, 0, 0, 0 };
-  EXPECT_THAT(
-    MessageOf([&] { TwoTissues().ToMaterials(volume, "v"); }), testing::HasSubstr("only air"));
+  EXPECT_THAT(MessageOf([&] { TwoTissues().ToMaterials(volume, "v"); }),
+    testing::HasSubstr("only air"));
 }
 
 TEST(MaterialTable, UnknownMaterialIsRefusedWithTheKnownOnes)

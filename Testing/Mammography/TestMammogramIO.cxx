@@ -5,6 +5,7 @@
 
 #include "vtkCommand.h"
 #include "vtkDataArray.h"
+#include "vtkExecutive.h"
 #include "vtkFieldData.h"
 #include "vtkImageData.h"
 #include "vtkNew.h"
@@ -297,4 +298,31 @@ TEST(NominalRoll, TurnsTheSourceToTheSideOfTheView)
   EXPECT_EQ(NominalRollDeg(mammogram), 90.0);
   mammogram.View = "spot";
   EXPECT_FALSE(NominalRollDeg(mammogram));
+}
+
+TEST(MammogramReader, ReportsABadFileOnceAndLeavesNoPicture)
+{
+  struct Observer : vtkCommand
+  {
+    void Execute(vtkObject*, unsigned long, void* text) override
+    {
+      ++this->Count;
+      this->Message = static_cast<const char*>(text);
+    }
+    int Count = 0;
+    std::string Message;
+  };
+  vtkNew<vtkMammogramReader> reader;
+  Observer* observer = new Observer;
+  reader->AddObserver(vtkCommand::ErrorEvent, observer);
+  // The executive repeats that the algorithm failed; that is VTK's, not ours to count.
+  Observer* executive = new Observer;
+  reader->GetExecutive()->AddObserver(vtkCommand::ErrorEvent, executive);
+  reader->SetFileName("/nonexistent/mammogram.dcm");
+  reader->Update();
+  EXPECT_EQ(observer->Count, 1);
+  EXPECT_THAT(observer->Message, HasSubstr("no file that can be read"));
+  EXPECT_EQ(reader->GetOutput()->GetNumberOfPoints(), 0);
+  observer->Delete();
+  executive->Delete();
 }

@@ -13,11 +13,11 @@
 namespace mammoray::test
 {
 /**
- * The box from `low` to `high`, cut into count[0] x count[1] x count[2] bricks of six tetrahedra each (Kuhn's
- * subdivision: all share the brick's diagonal, neighbours fit). Material 1.
+ * The box from `low` to `high`, cut into count[0] x count[1] x count[2] bricks of six tetrahedra
+ * each (Kuhn's subdivision: all share the brick's diagonal, neighbours fit). Material 1.
  */
-inline TetrahedralMesh MakeBoxMesh(
-  const Vector3& low, const Vector3& high, const std::array<int, 3>& count)
+inline TetrahedralMesh MakeBoxMesh(const Vector3& low, const Vector3& high,
+  const std::array<int, 3>& count)
 {
   TetrahedralMesh mesh;
   const auto index = [&](int i, int j, int k)
@@ -31,8 +31,7 @@ inline TetrahedralMesh MakeBoxMesh(
         const int ijk[3] = { i, j, k };
         for (int axis = 0; axis < 3; ++axis)
         {
-          mesh.Points.push_back(
-            low[axis] + (high[axis] - low[axis]) * ijk[axis] / count[axis]);
+          mesh.Points.push_back(low[axis] + (high[axis] - low[axis]) * ijk[axis] / count[axis]);
         }
       }
     }
@@ -69,14 +68,14 @@ inline TetrahedralMesh MakeBoxMesh(
 }
 
 /**
- * A breast in the frame x lateral, y anterior, z up: half an ellipsoid with the half axes (a, b, c), its flat side on
- * y = 0, `count` bricks across (x, z; even) and count / 2 along y. Material 1; the layer of bricks at the flat side
- * is of material 2 (for the chest wall) when `chestWall`.
+ * A breast in the frame x lateral, y anterior, z up: half an ellipsoid with the half axes (a, b,
+ * c), its flat side on y = 0, of count[0] x count[1] x count[2] bricks. Material 1; the layer of
+ * bricks at the flat side is of material 2 (for the chest wall) when `chestWall`.
  */
-inline TetrahedralMesh MakeHalfEllipsoidMesh(double a, double b, double c, int count, bool chestWall = true)
+inline TetrahedralMesh MakeHalfEllipsoidMesh(double a, double b, double c,
+  const std::array<int, 3>& count, bool chestWall = true)
 {
-  TetrahedralMesh mesh =
-    MakeBoxMesh({ -1, 0, -1 }, { 1, 1, 1 }, { count, count / 2, count });
+  TetrahedralMesh mesh = MakeBoxMesh({ -1, 0, -1 }, { 1, 1, 1 }, count);
   for (std::size_t cell = 0; chestWall && cell < mesh.NumberOfCells(); ++cell)
   {
     double centre = 0;
@@ -84,11 +83,12 @@ inline TetrahedralMesh MakeHalfEllipsoidMesh(double a, double b, double c, int c
     {
       centre += 0.25 * mesh.Points[3 * mesh.Cells[4 * cell + corner] + 1];
     }
-    mesh.Materials[cell] = centre < 2.0 / count ? 2 : 1;
+    mesh.Materials[cell] = centre < 1.0 / count[1] ? 2 : 1;
   }
   for (std::size_t p = 0; p < mesh.NumberOfPoints(); ++p)
   {
-    // Cube to ball, volume by volume as even as a closed form can be: x sqrt(1 - y^2/2 - z^2/2 + y^2 z^2/3).
+    // Cube to ball, volume by volume as even as a closed form can be: x sqrt(1 - y^2/2 - z^2/2 +
+    // y^2 z^2/3).
     double* point = &mesh.Points[3 * p];
     const double x = point[0], y = point[1], z = point[2];
     point[0] = a * x * std::sqrt(1 - y * y / 2 - z * z / 2 + y * y * z * z / 3);
@@ -96,6 +96,13 @@ inline TetrahedralMesh MakeHalfEllipsoidMesh(double a, double b, double c, int c
     point[2] = c * z * std::sqrt(1 - x * x / 2 - y * y / 2 + x * x * y * y / 3);
   }
   return mesh;
+}
+
+/// The same with `count` bricks across (x, z; even) and count / 2 along y.
+inline TetrahedralMesh MakeHalfEllipsoidMesh(double a, double b, double c, int count,
+  bool chestWall = true)
+{
+  return MakeHalfEllipsoidMesh(a, b, c, { count, count / 2, count }, chestWall);
 }
 }
 

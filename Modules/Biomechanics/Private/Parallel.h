@@ -10,9 +10,9 @@
 namespace mammoray
 {
 /**
- * Calls body(i) for i in [0, count) on all cores, in contiguous ranges. The body must not throw and must
- * write to places of its own; sums are then formed in a fixed order, so results do not depend on the
- * number of cores.
+ * Calls body(i) for i in [0, count) on all cores, in contiguous ranges. The body must not throw and
+ * must write to places of its own; sums are then formed in a fixed order, so results do not depend
+ * on the number of cores.
  */
 template <typename Body>
 void ParallelFor(std::size_t count, const Body& body)

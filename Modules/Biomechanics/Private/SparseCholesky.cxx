@@ -8,8 +8,45 @@
 #include <algorithm>
 #include <string>
 
+// Of OpenBLAS, if that is the BLAS of the process.
+extern "C" void openblas_set_num_threads(int) __attribute__((weak));
+extern "C" int openblas_get_num_threads() __attribute__((weak));
+
 namespace mammoray
 {
+namespace
+{
+/**
+ * Keeps OpenBLAS to one thread: most supernodes are small, and its threads wait for each other by
+ * spinning, which on a busy machine takes more time than the products (half of all samples in
+ * perf).
+ */
+class SingleThreadedBlas
+{
+public:
+  SingleThreadedBlas()
+    : Before(openblas_get_num_threads && openblas_set_num_threads ? openblas_get_num_threads() : 0)
+  {
+    if (this->Before > 1)
+    {
+      openblas_set_num_threads(1);
+    }
+  }
+  ~SingleThreadedBlas()
+  {
+    if (this->Before > 1)
+    {
+      openblas_set_num_threads(this->Before);
+    }
+  }
+  SingleThreadedBlas(const SingleThreadedBlas&) = delete;
+  SingleThreadedBlas& operator=(const SingleThreadedBlas&) = delete;
+
+private:
+  int Before;
+};
+}
+
 struct SparseCholesky::Internals
 {
   cholmod_common Common{};
@@ -44,7 +81,8 @@ struct SparseCholesky::Internals
 namespace
 {
 /// CHOLMOD's view of our arrays; it does not write to them.
-cholmod_sparse View(const std::vector<int>& starts, const std::vector<int>& rows, const double* values)
+cholmod_sparse View(const std::vector<int>& starts, const std::vector<int>& rows,
+  const double* values)
 {
   cholmod_sparse matrix{};
   matrix.nrow = matrix.ncol = starts.size() - 1;
@@ -84,6 +122,7 @@ bool SparseCholesky::Factorize(const std::vector<double>& values)
 {
   cholmod_sparse matrix = View(this->Starts, this->Rows, values.data());
   cholmod_common& common = this->Internal->Common;
+  const SingleThreadedBlas single;
   cholmod_factorize(&matrix, this->Internal->Factor, &common);
   this->Internal->Check("the factorisation");
   this->Valid = common.status != CHOLMOD_NOT_POSDEF &&
@@ -103,6 +142,7 @@ void SparseCholesky::Solve(std::vector<double>& columns) const
   right.xtype = CHOLMOD_REAL;
   right.dtype = CHOLMOD_DOUBLE;
   Internals& internal = *this->Internal;
+  const SingleThreadedBlas single;
   cholmod_solve2(CHOLMOD_A, internal.Factor, &right, nullptr, &internal.Solution, nullptr,
     &internal.Work, &internal.MoreWork, &internal.Common);
   internal.Check("the back-substitution");
@@ -110,8 +150,7 @@ void SparseCholesky::Solve(std::vector<double>& columns) const
   std::copy(solution, solution + columns.size(), columns.begin());
 }
 
-void SparseCholesky::Multiply(
-  const std::vector<double>& values, const double* x, double* y) const
+void SparseCholesky::Multiply(const std::vector<double>& values, const double* x, double* y) const
 {
   const std::size_t n = this->Starts.size() - 1;
   std::fill(y, y + n, 0.0);

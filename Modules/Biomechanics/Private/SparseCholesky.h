@@ -8,8 +8,8 @@
 namespace mammoray
 {
 /**
- * L L^T of symmetric positive definite matrices that share one pattern, by CHOLMOD's supernodal method:
- * ordered and analysed once, factorised as often as wanted.
+ * L L^T of symmetric positive definite matrices that share one pattern, by CHOLMOD's supernodal
+ * method: ordered and analysed once, factorised as often as wanted.
  */
 class SparseCholesky
 {
@@ -26,8 +26,7 @@ public:
   /// Solves for `columns` right-hand sides stored one after the other, in place.
   void Solve(std::vector<double>& columns) const;
   /// y = A x of the symmetric matrix with these values.
-  void Multiply(
-    const std::vector<double>& values, const double* x, double* y) const;
+  void Multiply(const std::vector<double>& values, const double* x, double* y) const;
   bool Usable() const { return this->Valid; }
   double FactorNonZeros() const;
 

@@ -1,0 +1,246 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "CommandLine.h"
+
+#include "CompressionSimulation.h"
+#include "LabelVolumeIO.h"
+#include "MaterialTableIO.h"
+#include "MeshConversion.h"
+#include "MeshIO.h"
+#include "PlacedPlates.h"
+
+#ifdef MAMMORAY_HAS_MESHING
+#include "SimulationMesh.h"
+#endif
+
+#include "vtkCellData.h"
+#include "vtkDoubleArray.h"
+#include "vtkFieldData.h"
+#include "vtkNew.h"
+#include "vtkPointData.h"
+#include "vtkPoints.h"
+#include "vtkUnstructuredGrid.h"
+
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <optional>
+
+namespace mammoray
+{
+namespace
+{
+/// Quadratic cells beyond this take minutes and gigabytes.
+constexpr std::size_t MostSimulationCells = 20000;
+
+struct CompressArguments
+{
+  std::string Mesh;
+  std::string Materials;
+  std::string Orientation = "LPS";
+  std::string SimulationMesh;
+  double SimulationSizeMm = 6;
+  std::string Labels;
+  bool AxesAsGiven = false;
+  BreastPose Pose;
+  MammographyUnit Unit;
+  std::string Output;
+  bool Overwrite = false;
+};
+
+void AddValue(vtkFieldData* data, const char* name, double value)
+{
+  vtkNew<vtkDoubleArray> array;
+  array->SetName(name);
+  array->InsertNextValue(value);
+  data->AddArray(array);
+}
+
+/// The mesh to simulate on: the one named, the input when it is coarse enough, or one made of the
+/// labels.
+TetrahedralMesh FindSimulationMesh(const CompressArguments& arguments, const TetrahedralMesh& mesh,
+  const std::optional<LabelVolume>& volume, const std::vector<bool>& held)
+{
+  if (!arguments.SimulationMesh.empty())
+  {
+    return FromGrid(ReadMesh(arguments.SimulationMesh));
+  }
+  if (mesh.NumberOfCells() <= MostSimulationCells)
+  {
+    return mesh;
+  }
+#ifdef MAMMORAY_HAS_MESHING
+  if (volume)
+  {
+    return MeshForSimulation(*volume, held, arguments.SimulationSizeMm, MakeProgressBar()).Mesh;
+  }
+#else
+  (void)volume;
+  (void)held;
+#endif
+  throw InputError(arguments.Mesh + ": expected at most " + std::to_string(MostSimulationCells) +
+    " cells to simulate on, found " + std::to_string(mesh.NumberOfCells()) +
+    "; name a coarse --simulation-mesh" +
+#ifdef MAMMORAY_HAS_MESHING
+    " or the --labels it can be made of"
+#else
+    ""
+#endif
+  );
+}
+
+void RunCompress(const CompressArguments& arguments)
+{
+  for (const std::string* input : { &arguments.Mesh, &arguments.Materials })
+  {
+    CheckInputFile(*input);
+  }
+  for (const std::string* input : { &arguments.SimulationMesh, &arguments.Labels })
+  {
+    if (!input->empty())
+    {
+      CheckInputFile(*input);
+    }
+  }
+  CheckOutputFile(arguments.Output, arguments.Overwrite);
+  if (std::filesystem::path(arguments.Output).extension() != ".vtu")
+  {
+    throw InputError(arguments.Output + ": expected the extension .vtu for a volume mesh");
+  }
+  const AnatomicalAxes axes = AnatomicalAxes::FromCode(arguments.Orientation);
+  const MaterialTable table = ReadMaterialTable(arguments.Materials);
+  std::vector<ElasticMaterial> elastic;
+  std::vector<bool> held;
+  for (const Material& material : table.Materials)
+  {
+    elastic.push_back({ material.YoungsModulusKPa, material.PoissonRatio });
+    held.push_back(material.Held);
+  }
+  const vtkSmartPointer<vtkUnstructuredGrid> grid = ReadMesh(arguments.Mesh);
+  const TetrahedralMesh mesh = FromGrid(grid);
+  mesh.Validate(arguments.Mesh);
+  std::optional<LabelVolume> volume;
+  if (!arguments.Labels.empty())
+  {
+    volume = table.ToMaterials(ReadLabelVolume(arguments.Labels,
+                                 arguments.AxesAsGiven ? VolumeAxes::AsGiven : VolumeAxes::Patient),
+      arguments.Labels);
+  }
+  const TetrahedralMesh simulationMesh = FindSimulationMesh(arguments, mesh, volume, held);
+  MaterialField field;
+  if (volume)
+  {
+    field = [&volume](const Vector3& point) { return static_cast<int>(volume->LabelAt(point)); };
+  }
+  const CompressionSimulation simulation(simulationMesh, elastic, held, field);
+  const Vector3 anchor =
+    volume ? FindPoseAnchor(*volume, held, axes) : FindPoseAnchor(mesh, held, axes);
+  const VolumeFromGantry placed = PlaceUnit(axes, anchor, arguments.Unit, arguments.Pose);
+  const CompressionState state = simulation.Compress(
+    PlatesOf(placed, arguments.Unit, arguments.Pose.ThicknessMm), nullptr, MakeProgressBar());
+  const Embedding embedding(simulation, mesh.Points);
+
+  TetrahedralMesh deformed = mesh;
+  deformed.Points = embedding.Map(state.Positions);
+  const auto pointCount = static_cast<vtkIdType>(mesh.NumberOfPoints());
+  vtkNew<vtkPoints> points;
+  points->SetDataTypeToDouble();
+  points->SetNumberOfPoints(pointCount);
+  vtkNew<vtkDoubleArray> displacement;
+  displacement->SetName("Displacement");
+  displacement->SetNumberOfComponents(3);
+  displacement->SetNumberOfTuples(pointCount);
+  for (vtkIdType p = 0; p < pointCount; ++p)
+  {
+    const Vector3 to = deformed.Point(p);
+    const Vector3 by = to - mesh.Point(p);
+    points->SetPoint(p, to.data());
+    displacement->SetTuple(p, by.data());
+  }
+  vtkNew<vtkDoubleArray> volumeRatio;
+  volumeRatio->SetName("J");
+  // Corners alone can turn over in a quadratic cell that has not: at the border of the held tissue
+  // mostly.
+  std::size_t inverted = 0;
+  for (std::size_t cell = 0; cell < mesh.NumberOfCells(); ++cell)
+  {
+    const double ratio = deformed.CellVolume(cell) / mesh.CellVolume(cell);
+    inverted += ratio > 0 ? 0 : 1;
+    volumeRatio->InsertNextValue(ratio);
+  }
+  grid->SetPoints(points);
+  grid->GetPointData()->AddArray(displacement);
+  grid->GetCellData()->AddArray(volumeRatio);
+  vtkFieldData* data = grid->GetFieldData();
+  AddValue(data, "ThicknessMm", arguments.Pose.ThicknessMm);
+  AddValue(data, "PaddleForceN", state.PaddleForceN);
+  AddValue(data, "SupportForceN", state.SupportForceN);
+  AddValue(data, "LargestPenetrationMm", state.LargestPenetrationMm);
+  AddValue(data, "SmallestJ", state.SmallestJ);
+  AddValue(data, "LargestJ", state.LargestJ);
+  AddValue(data, "VolumeRatio", state.VolumeRatio);
+  AddValue(data, "RelativeResidual", state.RelativeResidual);
+  AddValue(data, "InvertedCells", static_cast<double>(inverted));
+  WriteComplete(arguments.Output,
+    [&](const std::string& temporary) { WriteMesh(grid, temporary); });
+  std::printf("%zu simulation cells, %zu unknowns, %d load steps, %d Newton steps, %.1f s\n",
+    simulationMesh.NumberOfCells(), simulation.NumberOfUnknowns(), state.LoadSteps,
+    state.NewtonSteps, state.Seconds);
+  std::printf("paddle %.2f N, support %.2f N, penetration at most %.3f mm, volume x %.4f, "
+              "J %.3f to %.3f\n",
+    state.PaddleForceN, state.SupportForceN, state.LargestPenetrationMm, state.VolumeRatio,
+    state.SmallestJ, state.LargestJ);
+  if (inverted > 0)
+  {
+    std::printf("%zu of %zu cells of the mesh are turned inside out (array J <= 0)\n", inverted,
+      mesh.NumberOfCells());
+  }
+}
+}
+
+void AddCompressCommand(CLI::App& application)
+{
+  CLI::App* command = application.add_subcommand("compress",
+    "Squeezes a breast between the plates of a mammography unit.\nIn and out in the frame of the "
+    "mesh, mm; "
+    "the chest wall (held materials) does not move.");
+  auto arguments = std::make_shared<CompressArguments>();
+  BreastPose& pose = arguments->Pose;
+  MammographyUnit& unit = arguments->Unit;
+  command->add_option("--mesh", arguments->Mesh, "linear tetrahedra with materials (.vtu)")
+    ->required();
+  command->add_option("--materials", arguments->Materials, "material table (.json)")->required();
+  command
+    ->add_option("--orientation", arguments->Orientation,
+      "directions of +x, +y, +z: one letter each of L/R, A/P, S/I")
+    ->capture_default_str();
+  command->add_option("--thickness", pose.ThicknessMm, "distance of the plates' faces, mm")
+    ->check(CLI::PositiveNumber)
+    ->required();
+  command->add_option("-o,--output", arguments->Output, "compressed mesh to write (.vtu)")
+    ->required();
+  const auto add = [&](const char* name, double& value, const char* help)
+  { return command->add_option(name, value, help)->capture_default_str(); };
+  add("--roll", pose.RollDeg, "turn of the unit about the anterior axis, degrees; 0 is CC");
+  add("--lateral", pose.ShiftLateralMm, "shift of the receptor along its chest-wall edge, mm");
+  add("--anterior", pose.ShiftAnteriorMm, "shift of the receptor away from the chest wall, mm");
+  add("--vertical", pose.ShiftVerticalMm, "shift of the plates' mid-plane towards the source, mm");
+  add("--support-edge", unit.SupportEdgeMm,
+    "chest-wall edge of the support, mm in front of the receptor's");
+  add("--paddle-edge", unit.PaddleEdgeMm,
+    "chest-wall edge of the paddle, mm in front of the receptor's");
+  add("--edge-radius", unit.EdgeRadiusMm, "radius of the plates' chest-wall edges, mm")
+    ->check(CLI::NonNegativeNumber);
+  command->add_option("--labels", arguments->Labels,
+    "label volume of the mesh: stiffness is sampled from it");
+  command->add_flag("--axes-as-given", arguments->AxesAsGiven,
+    "take the header's axes of --labels as they are, with no conversion to LPS");
+  command->add_option("--simulation-mesh", arguments->SimulationMesh,
+    "coarse mesh (.vtu) to simulate on; the points of --mesh move with it");
+  add("--simulation-size", arguments->SimulationSizeMm,
+    "edge length of the simulation mesh made of --labels for large meshes, mm")
+    ->check(CLI::PositiveNumber);
+  command->add_flag("--overwrite", arguments->Overwrite, "replace the output file");
+  AddConfigurationOptions(*command);
+  command->callback([arguments] { RunCompress(*arguments); });
+}
+}

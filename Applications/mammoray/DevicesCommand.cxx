@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "CommandLine.h"
+
+#include "DeviceError.h"
+#include "PathLengthProjector.h"
+
+#include <cstdio>
+#include <memory>
+
+namespace mammoray
+{
+namespace
+{
+void RunDevices(const std::string& wanted)
+{
+  std::string reason;
+  const std::vector<DeviceDescription> devices = ListDevices(&reason);
+  if (devices.empty())
+  {
+    throw DeviceError(reason);
+  }
+  for (const DeviceDescription& device : devices)
+  {
+    std::printf("%s\n  driver       %s\n  type         %s\n  ray tracing  %s\n",
+      device.Name.c_str(), device.Driver.c_str(), device.Type.c_str(),
+      device.RayTracing ? "yes" : "no");
+  }
+  // Making the projector is the proof that the device can be used.
+  std::printf("chosen: %s\n", MakeRayTracingProjector({ .Device = wanted })->DeviceName().c_str());
+}
+}
+
+void AddDevicesCommand(CLI::App& application)
+{
+  CLI::App* command = application.add_subcommand("devices",
+    "Vulkan devices of this machine, and the one that would be used.");
+  auto wanted = std::make_shared<std::string>();
+  command->add_option("--device", *wanted,
+    "part of the wanted device's name; empty takes MAMMORAY_DEVICE, else the most capable one");
+  AddConfigurationOptions(*command);
+  command->callback([wanted] { RunDevices(*wanted); });
+}
+}

@@ -1,0 +1,258 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "CommandLine.h"
+
+#include "MaterialTableIO.h"
+#include "MeshConversion.h"
+#include "MeshIO.h"
+#include "PhysicsData.h"
+#include "ProjectionImage.h"
+#include "SurfaceConversion.h"
+
+#include "vtkImageData.h"
+#include "vtkPolyData.h"
+#include "vtkUnstructuredGrid.h"
+
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+
+namespace mammoray
+{
+namespace
+{
+struct ProjectArguments
+{
+  std::string Mesh;
+  std::string Materials;
+  std::string Spectrum = "W28kVp_Rh50um_Be1mm";
+  double EnergyKeV = 0;
+  std::string Response = "energy";
+  std::string Orientation = "LPS";
+  MammographyUnit Unit;
+  BreastPose Pose;
+  std::vector<double> Anchor;
+  std::vector<double> Source;
+  std::vector<double> BeamDirection;
+  std::vector<double> DetectorOrigin;
+  std::vector<double> ColumnDirection;
+  std::vector<double> RowDirection;
+  int Columns = 720;
+  int Rows = 1080;
+  double PixelSpacingMm = 0.1;
+  int Samples = 1;
+  std::string Device;
+  std::string Output;
+  std::string PathLengths;
+  bool Overwrite = false;
+};
+
+Vector3 ToVector(const std::vector<double>& values)
+{
+  return { values[0], values[1], values[2] };
+}
+
+Vector3 ToUnitVector(const std::vector<double>& values, const char* option)
+{
+  const Vector3 vector = ToVector(values);
+  const double length = Norm(vector);
+  if (!(length > 0) || !std::isfinite(length))
+  {
+    throw InputError(std::string(option) + ": expected a direction, found a vector without length");
+  }
+  return (1 / length) * vector;
+}
+
+SurfaceMesh ReadInterfaces(const std::string& path, std::vector<std::string>& names)
+{
+  if (std::filesystem::path(path).extension() == ".vtu")
+  {
+    return ExtractInterfaces(FromGrid(ReadMesh(path), &names));
+  }
+  return FromPolyData(ReadSurface(path), &names);
+}
+
+/// The mesh's materials must be the table's: by name where the mesh has names, else by index.
+void CheckMaterials(const SurfaceMesh& surface, const std::vector<std::string>& names,
+  const MaterialTable& table, const std::string& path)
+{
+  const std::size_t count = static_cast<std::size_t>(surface.NumberOfMaterials());
+  if (count > table.Materials.size())
+  {
+    throw InputError(path + ": expected materials 0 to " +
+      std::to_string(table.Materials.size() - 1) + " of the table '" + table.Name + "', found " +
+      std::to_string(count - 1));
+  }
+  for (std::size_t material = 1; material < std::min(count, names.size()); ++material)
+  {
+    if (names[material] != table.Materials[material].Name)
+    {
+      throw InputError(path + ": material " + std::to_string(material) + " is '" + names[material] +
+        "', but '" + table.Materials[material].Name + "' in the table '" + table.Name + "'");
+    }
+  }
+}
+
+/// Detector and source as a mammography unit has them, or as the explicit options say; mesh frame.
+void PlaceBeam(const ProjectArguments& arguments, const SurfaceMesh& surface,
+  const MaterialTable& table, XRaySource& source, XRayDetector& detector)
+{
+  const AnatomicalAxes axes = AnatomicalAxes::FromCode(arguments.Orientation);
+  std::vector<bool> held;
+  for (const Material& material : table.Materials)
+  {
+    held.push_back(material.Held);
+  }
+  const Vector3 anchor =
+    arguments.Anchor.empty() ? FindPoseAnchor(surface, held, axes) : ToVector(arguments.Anchor);
+  const VolumeFromGantry gantry = PlaceUnit(axes, anchor, arguments.Unit, arguments.Pose);
+  const double spacing = arguments.PixelSpacingMm;
+  const Vector3 columnDirection = arguments.ColumnDirection.empty()
+    ? gantry.Y
+    : ToUnitVector(arguments.ColumnDirection, "--column-direction");
+  const Vector3 rowDirection = arguments.RowDirection.empty()
+    ? -1.0 * gantry.X
+    : ToUnitVector(arguments.RowDirection, "--row-direction");
+  detector.Columns = arguments.Columns;
+  detector.Rows = arguments.Rows;
+  detector.Samples = arguments.Samples;
+  detector.ColumnStep = spacing * columnDirection;
+  detector.RowStep = spacing * rowDirection;
+  detector.Origin = arguments.DetectorOrigin.empty()
+    ? gantry.Point({ 0.5 * (arguments.Rows - 1) * spacing, 0.5 * spacing, 0 })
+    : ToVector(arguments.DetectorOrigin);
+  source.Position = arguments.Source.empty()
+    ? gantry.Point({ 0, 0, arguments.Unit.SourceToDetectorMm })
+    : ToVector(arguments.Source);
+  if (!arguments.BeamDirection.empty())
+  {
+    source.Type = XRaySource::Kind::Parallel;
+    source.Direction = ToVector(arguments.BeamDirection);
+  }
+}
+
+void RunProject(const ProjectArguments& arguments)
+{
+  CheckInputFile(arguments.Mesh);
+  CheckInputFile(arguments.Materials);
+  CheckOutputFile(arguments.Output, arguments.Overwrite);
+  if (!arguments.PathLengths.empty())
+  {
+    CheckOutputFile(arguments.PathLengths, arguments.Overwrite);
+  }
+  const ProgressCallback progress = MakeProgressBar();
+  const MaterialTable table = ReadMaterialTable(arguments.Materials);
+  const Spectrum spectrum = arguments.EnergyKeV > 0 ? Spectrum::Monochromatic(arguments.EnergyKeV)
+                                                    : FindSpectrum(arguments.Spectrum);
+  const Beam beam = MakeBeam(table, spectrum,
+    arguments.Response == "counting" ? DetectorResponse::PhotonCounting
+                                     : DetectorResponse::EnergyIntegrating);
+  ReportProgress(progress, 0.0, "reading the mesh");
+  std::vector<std::string> names;
+  const SurfaceMesh surface = ReadInterfaces(arguments.Mesh, names);
+  CheckMaterials(surface, names, table, arguments.Mesh);
+  XRaySource source;
+  XRayDetector detector;
+  PlaceBeam(arguments, surface, table, source, detector);
+
+  ReportProgress(progress, 0.2, "tracing rays");
+  const auto projector = MakeRayTracingProjector({ .Device = arguments.Device });
+  projector->SetSurface(surface);
+  const PathLengthImage lengths = projector->Project(source, detector);
+  ReportProgress(progress, 0.8, "writing");
+  names.clear();
+  for (const Material& material : table.Materials)
+  {
+    names.push_back(material.Name);
+  }
+  const auto image = ToImage(lengths, beam, detector, names);
+  WriteComplete(arguments.Output,
+    [&](const std::string& temporary) { WriteProjection(image, temporary); });
+  if (!arguments.PathLengths.empty())
+  {
+    WriteComplete(arguments.PathLengths,
+      [&](const std::string& temporary) { WriteProjection(image, temporary, true); });
+  }
+  ReportProgress(progress, 1.0, "done");
+  std::printf("%d x %d pixels, %zu triangles, %s, mean %.1f keV, on %s\n", lengths.Columns,
+    lengths.Rows, surface.NumberOfTriangles(), spectrum.Name.c_str(), spectrum.MeanEnergyKeV(),
+    projector->DeviceName().c_str());
+  if (const std::size_t count = lengths.NumberOfInconsistentRays(); count > 0)
+  {
+    std::printf("%zu pixels see holes in the mesh; they are marked in Consistency\n", count);
+  }
+}
+}
+
+void AddProjectCommand(CLI::App& application)
+{
+  CLI::App* command = application.add_subcommand("project",
+    "Synthetic X-ray of a mesh.\nAll positions are mm in the mesh's frame. The mammography unit is "
+    "placed "
+    "by --orientation and the pose options: the gantry frame has its origin at the middle of the "
+    "receptor's chest-wall edge, +x along it (patient left in CC), +y to the nipple, +z to the "
+    "source; "
+    "columns run along +y, rows along -x. Explicit positions replace that.");
+  auto arguments = std::make_shared<ProjectArguments>();
+  const auto add = [&](const char* name, auto& value, const char* help)
+  { return command->add_option(name, value, help)->capture_default_str(); };
+  const auto addVector = [&](const char* name, std::vector<double>& value, const char* help)
+  { return command->add_option(name, value, help)->expected(3)->type_name("X Y Z"); };
+  command
+    ->add_option("--mesh", arguments->Mesh,
+      "tetrahedra (.vtu, cell array Material) or triangles (.vtp, .stl, .ply, .obj)")
+    ->required();
+  command->add_option("--materials", arguments->Materials, "material table (.json)")->required();
+  command
+    ->add_option("-o,--output", arguments->Output,
+      "transmission, 0 to 1 (.mha .nrrd .png); .vti holds path lengths and consistency too")
+    ->required();
+  command->add_option("--path-lengths", arguments->PathLengths,
+    "write path lengths there, mm, one channel per material but air (.mha .nrrd .vti)");
+  add("--spectrum", arguments->Spectrum, "spectrum file (.spc), or a shipped one's name");
+  command
+    ->add_option("--kev", arguments->EnergyKeV,
+      "a single photon energy, keV, instead of a spectrum")
+    ->check(CLI::PositiveNumber);
+  add("--response", arguments->Response,
+    "what the detector adds up: energy, or photons by counting")
+    ->check(CLI::IsMember({ "energy", "counting" }));
+  add("--orientation", arguments->Orientation,
+    "patient directions of the mesh's +x +y +z: LPS, RAS, ALS, ...");
+  add("--source-to-detector", arguments->Unit.SourceToDetectorMm, "source to receptor plane, mm")
+    ->check(CLI::PositiveNumber);
+  add("--support-height", arguments->Unit.SupportHeightMm, "breast support above the receptor, mm")
+    ->check(CLI::NonNegativeNumber);
+  add("--thickness", arguments->Pose.ThicknessMm,
+    "between support and paddle, mm; the anchor lies in the middle")
+    ->check(CLI::PositiveNumber);
+  add("--roll", arguments->Pose.RollDeg,
+    "unit about the anterior axis, degrees; 0 is CC, positive turns the source to the patient's "
+    "left");
+  add("--shift-lateral", arguments->Pose.ShiftLateralMm,
+    "shift of the receptor along gantry +x, mm");
+  add("--shift-anterior", arguments->Pose.ShiftAnteriorMm,
+    "shift of the receptor along gantry +y, mm");
+  add("--shift-vertical", arguments->Pose.ShiftVerticalMm, "shift of the unit along gantry +z, mm");
+  addVector("--anchor", arguments->Anchor,
+    "point the pose refers to; default: middle of the mesh at the chest wall");
+  addVector("--source", arguments->Source, "position of the source, instead of the unit's");
+  addVector("--beam-direction", arguments->BeamDirection,
+    "parallel X-rays that travel in this direction, instead of a point source");
+  addVector("--detector-origin", arguments->DetectorOrigin,
+    "centre of the pixel in column 0 and row 0, instead of the unit's");
+  addVector("--column-direction", arguments->ColumnDirection,
+    "from a pixel to that of the next column");
+  addVector("--row-direction", arguments->RowDirection, "from a pixel to that of the next row");
+  add("--columns", arguments->Columns, "pixels per row")->check(CLI::Range(1, 65535));
+  add("--rows", arguments->Rows, "pixels per column")->check(CLI::Range(1, 65535));
+  add("--pixel-spacing", arguments->PixelSpacingMm, "distance of pixel centres, mm")
+    ->check(CLI::PositiveNumber);
+  add("--samples", arguments->Samples, "samples x samples rays per pixel")
+    ->check(CLI::Range(1, 16));
+  command->add_option("--device", arguments->Device,
+    "part of the wanted Vulkan device's name; see mammoray devices");
+  command->add_flag("--overwrite", arguments->Overwrite, "replace output files");
+  AddConfigurationOptions(*command);
+  command->callback([arguments] { RunProject(*arguments); });
+}
+}

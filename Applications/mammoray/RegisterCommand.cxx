@@ -1,0 +1,246 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "CommandLine.h"
+#include "RegistrationCase.h"
+#include "RegistrationCaseWriter.h"
+
+#include <unistd.h>
+
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+
+namespace mammoray
+{
+namespace
+{
+namespace fs = std::filesystem;
+
+struct RegisterOptions
+{
+  RegistrationCase Case;
+  std::string Output;
+  bool Overwrite = false;
+};
+
+/// A result folder appears complete or not at all; only an earlier result is ever replaced.
+void CheckOutputFolder(const std::string& path, bool overwrite)
+{
+  const fs::path folder = fs::absolute(path).lexically_normal();
+  const fs::path parent =
+    folder.has_filename() ? folder.parent_path() : folder.parent_path().parent_path();
+  if (!fs::is_directory(parent) || access(parent.c_str(), W_OK) != 0)
+  {
+    throw InputError("output " + path + ": expected a writable folder " + parent.string());
+  }
+  if (!fs::exists(folder))
+  {
+    return;
+  }
+  if (!overwrite)
+  {
+    throw InputError("output " + path + ": exists already; --overwrite replaces it");
+  }
+  if (!fs::is_directory(folder) ||
+    (!fs::is_empty(folder) && !fs::exists(folder / "result.json")))
+  {
+    throw InputError("output " + path +
+      ": expected an earlier result (a folder with result.json) to overwrite, found something else");
+  }
+}
+
+void RunRegister(const RegisterOptions& options)
+{
+  CheckOutputFolder(options.Output, options.Overwrite);
+  for (const std::string& path : { options.Case.Labels, options.Case.Materials,
+         options.Case.Mammogram, options.Case.AnatomyMesh, options.Case.SimulationMesh })
+  {
+    if (!path.empty())
+    {
+      CheckInputFile(path);
+    }
+  }
+  const RegistrationCaseResult result = RunRegistrationCase(options.Case, MakeProgressBar());
+
+  const fs::path target = fs::absolute(options.Output).lexically_normal();
+  const fs::path temporary =
+    (target.has_filename() ? target : target.parent_path()).string() + ".partial-" +
+    std::to_string(getpid());
+  fs::create_directory(temporary);
+  try
+  {
+    WriteRegistrationCase(options.Case, result, temporary.string());
+    if (options.Overwrite)
+    {
+      fs::remove_all(target);
+    }
+    fs::rename(temporary, target);
+  }
+  catch (...)
+  {
+    std::error_code ignored;
+    fs::remove_all(temporary, ignored);
+    throw;
+  }
+
+  const RegistrationResult& registration = result.Registration;
+  for (std::size_t index = 0; index < registration.Parameters.size(); ++index)
+  {
+    const RegistrationParameter& parameter = registration.Parameters[index];
+    if (parameter.Fixed)
+    {
+      std::printf("%-10s %8.2f %-4s (fixed)\n", parameter.Name.c_str(),
+        registration.Values[index], parameter.Unit.c_str());
+    }
+    else
+    {
+      std::printf("%-10s %8.2f %-4s +- %.2f\n", parameter.Name.c_str(),
+        registration.Values[index], parameter.Unit.c_str(),
+        registration.StandardDeviations[index]);
+    }
+  }
+  std::printf("outline distance %.2f mm mean, %.2f mm largest; correlation %.3f\n",
+    registration.After.MeanOutlineDistanceMm, registration.After.LargestOutlineDistanceMm,
+    registration.After.Correlation);
+  std::printf("%zu iterations, %d equilibria in %.0f s, %d projections in %.0f s, %.0f s in all\n%s\n",
+    registration.Iterations.size(), registration.Evaluations, registration.MechanicsSeconds,
+    registration.Projections, registration.ProjectionSeconds, registration.Seconds,
+    registration.StopReason.c_str());
+  for (const std::string& warning : result.Warnings)
+  {
+    std::fprintf(stderr, "mammoray: note: %s\n", warning.c_str());
+  }
+  std::printf("wrote %s\n", options.Output.c_str());
+}
+}
+
+void AddRegisterCommand(CLI::App& application)
+{
+  auto options = std::make_shared<RegisterOptions>();
+  RegistrationCase& input = options->Case;
+  CLI::App* command = application.add_subcommand("register",
+    "Find the compression and pose whose synthetic mammogram matches a mammogram");
+  command
+    ->add_option("--labels", input.Labels,
+      "label volume of the breast: .nrrd, .nhdr, .mha, .mhd, .nii, .nii.gz")
+    ->required();
+  command->add_option("--materials", input.Materials, "material table, JSON")->required();
+  command->add_option("--mammogram", input.Mammogram, "mammogram, DICOM MG")->required();
+  command
+    ->add_option("-o,--output", options->Output,
+      "folder for meshes, pictures, result.json and report.html")
+    ->required();
+  command->add_flag("--overwrite", options->Overwrite, "replace an earlier result folder");
+  command
+    ->add_option("--spectrum", input.Spectrum,
+      "X-ray spectrum: a file (.spc) or the name of a shipped one")
+    ->capture_default_str()
+    ->group("X-rays");
+  command->add_option("--device", input.Device, "part of the name of the Vulkan device to use")
+    ->group("X-rays");
+  command
+    ->add_option("--orientation", input.Orientation,
+      "directions of the volume's axes: L/R, A/P, S/I, e.g. LPS (DICOM) or ALS (FDA phantoms)")
+    ->capture_default_str();
+  command
+    ->add_option("--label-spacing", input.LabelSpacingMm,
+      "finer label volumes are resampled to this spacing, mm; 0 keeps them")
+    ->check(CLI::NonNegativeNumber)
+    ->capture_default_str()
+    ->group("Meshes");
+  command->add_option("--anatomy-cell-size", input.AnatomyCellSizeMm, "largest cells X-rayed, mm")
+    ->check(CLI::PositiveNumber)
+    ->capture_default_str()
+    ->group("Meshes");
+  command
+    ->add_option("--simulation-cell-size", input.SimulationCellSizeMm,
+      "largest cells of the mechanics, mm; 0: by the size of the breast, 3000 to 4000 cells")
+    ->check(CLI::NonNegativeNumber)
+    ->capture_default_str()
+    ->group("Meshes");
+  command
+    ->add_option("--anatomy-mesh", input.AnatomyMesh,
+      "mesh of 'mammoray mesh' to X-ray (.vtu); default: made from the labels")
+    ->group("Meshes");
+  command
+    ->add_option("--simulation-mesh", input.SimulationMesh,
+      "coarse mesh for the mechanics (.vtu); default: made from the labels")
+    ->group("Meshes");
+  command
+    ->add_option("--source-to-detector", input.SourceToDetectorMm,
+      "source to detector distance, mm; default: from the header")
+    ->group("Unit");
+  command
+    ->add_option("--support-height", input.SupportHeightMm,
+      "height of the breast support's face above the receptor plane, mm; default 2")
+    ->group("Unit");
+  command
+    ->add_option("--support-edge", input.SupportEdgeMm,
+      "chest-wall edge of the support, gantry y, mm")
+    ->capture_default_str()
+    ->group("Unit");
+  command
+    ->add_option("--paddle-edge", input.PaddleEdgeMm, "chest-wall edge of the paddle, gantry y, mm")
+    ->capture_default_str()
+    ->group("Unit");
+  command
+    ->add_option("--edge-radius", input.EdgeRadiusMm, "radius of the plates' chest-wall edges, mm")
+    ->check(CLI::NonNegativeNumber)
+    ->capture_default_str()
+    ->group("Unit");
+  command
+    ->add_option("--start-thickness", input.StartThicknessMm,
+      "compressed thickness to start from, mm; default: from the header")
+    ->group("Start");
+  command
+    ->add_option("--start-roll", input.StartRollDeg,
+      "rotation about the anterior axis to start from, degrees, towards the patient's left; default: "
+      "from the header's view")
+    ->group("Start");
+  command
+    ->add_option("--start-lateral", input.StartLateralMm,
+      "shift of the receptor towards the patient's left (CC), mm")
+    ->capture_default_str()
+    ->group("Start");
+  command
+    ->add_option("--start-anterior", input.StartAnteriorMm,
+      "distance of the receptor's edge from the chest wall, mm")
+    ->capture_default_str()
+    ->group("Start");
+  command
+    ->add_option("--start-vertical", input.StartVerticalMm,
+      "height of the plates' middle over the breast's middle, mm")
+    ->capture_default_str()
+    ->group("Start");
+  command
+    ->add_option("--fixed", input.Fixed,
+      "parameters kept at their start: thickness, roll, lateral, anterior, vertical")
+    ->capture_default_str()
+    ->group("Search");
+  command
+    ->add_option("--pixel-sizes", input.Options.PixelSizesMm,
+      "pixels in which the pictures are compared, coarse to fine, mm")
+    ->check(CLI::PositiveNumber)
+    ->capture_default_str()
+    ->group("Search");
+  command
+    ->add_option("--iterations", input.Options.MaximumIterations,
+      "most iterations at each pixel size")
+    ->check(CLI::PositiveNumber)
+    ->capture_default_str()
+    ->group("Search");
+  command
+    ->add_option("--outline-sigma", input.Options.OutlineSigmaMm,
+      "expected error of the model's outline, mm")
+    ->check(CLI::PositiveNumber)
+    ->capture_default_str()
+    ->group("Search");
+  command
+    ->add_option("--intensity-sigma", input.Options.IntensitySigma,
+      "expected error of the model's picture, in its standard deviations")
+    ->check(CLI::PositiveNumber)
+    ->capture_default_str()
+    ->group("Search");
+  AddConfigurationOptions(*command);
+  command->callback([options]() { RunRegister(*options); });
+}
+}

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+#ifndef mammoray_ProjectionImage_h
+#define mammoray_ProjectionImage_h
+
+#include "Beam.h"
+#include "mammorayMammographyModule.h"
+
+#include "vtkSmartPointer.h"
+
+#include <string>
+#include <vector>
+
+class vtkImageData;
+
+namespace mammoray
+{
+/**
+ * The image of a projection, lying where the detector is: point arrays "Transmission" (scalars,
+ * float), "LogAttenuation" (float), "PathLength_<name>" (float, mm) per material but air,
+ * "Consistency" (unsigned char, 1 = trusted). Materials without a name are called by their index.
+ * The detector's steps must be at right angles (InputError).
+ */
+MAMMORAYMAMMOGRAPHY_EXPORT vtkSmartPointer<vtkImageData> ToImage(const PathLengthImage& lengths,
+  const Beam& beam, const XRayDetector& detector, const std::vector<std::string>& materialNames);
+
+/**
+ * Writes by extension, row 0 first. .vti: all arrays, with the detector's pose. .mha, .nrrd: the
+ * scalars as floats with the pose, or, with `pathLengths`, one channel per path length. .png: the
+ * scalars, [0, 1] to 16-bit grey; row 0 on top. Throws InputError on another extension and when the
+ * file cannot be written.
+ */
+MAMMORAYMAMMOGRAPHY_EXPORT void WriteProjection(vtkImageData* image, const std::string& path,
+  bool pathLengths = false);
+}
+
+#endif

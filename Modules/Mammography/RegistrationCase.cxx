@@ -1,0 +1,347 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "RegistrationCase.h"
+
+#include "LabelResampling.h"
+#include "LabelVolumeIO.h"
+#include "MammogramIO.h"
+#include "MammogramTarget.h"
+#include "MaterialTableIO.h"
+#include "MeshConversion.h"
+#include "MeshIO.h"
+#include "PhysicsData.h"
+#include "PlacedPlates.h"
+
+#ifdef MAMMORAY_HAS_MESHING
+#include "LabelMesher.h"
+#endif
+
+#include "vtkUnstructuredGrid.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+namespace mammoray
+{
+namespace
+{
+/// Appends the time since it was made, or since the last call, to a list of stages.
+class Stopwatch
+{
+public:
+  explicit Stopwatch(std::vector<std::pair<std::string, double>>& stages)
+    : Stages(stages)
+  {
+  }
+  void Stage(const std::string& name)
+  {
+    const auto now = std::chrono::steady_clock::now();
+    this->Stages.emplace_back(name, std::chrono::duration<double>(now - this->Last).count());
+    this->Last = now;
+  }
+
+private:
+  std::vector<std::pair<std::string, double>>& Stages;
+  std::chrono::steady_clock::time_point Last = std::chrono::steady_clock::now();
+};
+
+std::vector<bool> HeldMaterials(const MaterialTable& table)
+{
+  std::vector<bool> held;
+  for (const Material& material : table.Materials)
+  {
+    held.push_back(material.Held);
+  }
+  return held;
+}
+
+std::vector<int> ThinMaterials(const MaterialTable& table)
+{
+  std::vector<int> thin;
+  for (std::size_t index = 0; index < table.Materials.size(); ++index)
+  {
+    if (table.Materials[index].Thin)
+    {
+      thin.push_back(static_cast<int>(index));
+    }
+  }
+  return thin;
+}
+
+/**
+ * The volume as the mechanics' coarse mesh sees it: held tissue and all other tissue, each under the
+ * index of its most frequent material.
+ */
+LabelVolume TissueAndHeld(const LabelVolume& materials, const std::vector<bool>& held)
+{
+  int frequent[2] = { 0, 0 };
+  std::size_t counts[2] = { 0, 0 };
+  for (const auto& [material, count] : materials.CountLabels())
+  {
+    const int side = held[material] ? 1 : 0;
+    if (material != 0 && count > counts[side])
+    {
+      frequent[side] = material;
+      counts[side] = count;
+    }
+  }
+  LabelVolume merged = materials;
+  for (std::uint16_t& voxel : merged.Voxels)
+  {
+    voxel = voxel == 0 ? 0 : static_cast<std::uint16_t>(frequent[held[voxel] ? 1 : 0]);
+  }
+  return merged;
+}
+
+TetrahedralMesh ReadTetrahedra(const std::string& path, const MaterialTable& table)
+{
+  TetrahedralMesh mesh = FromGrid(ReadMesh(path));
+  mesh.Validate(path);
+  for (std::size_t cell = 0; cell < mesh.NumberOfCells(); ++cell)
+  {
+    const int material = mesh.Materials[cell];
+    if (material < 1 || material >= static_cast<int>(table.Materials.size()))
+    {
+      throw InputError(path + ": cell " + std::to_string(cell) + " has material " +
+        std::to_string(material) + ", expected 1 to " +
+        std::to_string(table.Materials.size() - 1) + " of the table '" + table.Name + "'");
+    }
+  }
+  return mesh;
+}
+
+#ifdef MAMMORAY_HAS_MESHING
+TetrahedralMesh MeshAnatomy(const LabelVolume& materials, const std::vector<int>& thin,
+  double cellSizeMm, const ProgressCallback& progress)
+{
+  MeshingOptions options = MeshingOptions::Anatomy(thin);
+  options.CellSizeMm = cellSizeMm;
+  return MeshMaterials(materials, options, progress).Mesh;
+}
+
+TetrahedralMesh MeshForSimulation(
+  const LabelVolume& merged, double cellSizeMm, const ProgressCallback& progress)
+{
+  // At 1 mm the mesher's sliver removal reaches its bound more often than on finer stairs.
+  constexpr double spacingMm = 1.0;
+  const bool finer =
+    *std::max_element(merged.Spacing.begin(), merged.Spacing.end()) < spacingMm;
+  MeshingOptions options = MeshingOptions::Simulation();
+  std::size_t tissueVoxels = 0;
+  for (const std::uint16_t material : merged.Voxels)
+  {
+    tissueVoxels += material != 0 ? 1 : 0;
+  }
+  options.CellSizeMm =
+    cellSizeMm > 0 ? cellSizeMm : std::cbrt(tissueVoxels * merged.VoxelVolume()) / 7;
+  options.FacetSizeMm = std::max(options.FacetSizeMm, options.CellSizeMm);
+  return MeshMaterials(finer ? ResampleLabels(merged, spacingMm) : merged, options, progress).Mesh;
+}
+#else
+TetrahedralMesh MeshAnatomy(
+  const LabelVolume&, const std::vector<int>&, double, const ProgressCallback&)
+{
+  throw InputError("registration: this build has no Meshing module; expected an anatomy mesh and a "
+                   "simulation mesh made elsewhere");
+}
+
+TetrahedralMesh MeshForSimulation(
+  const LabelVolume& merged, double cellSizeMm, const ProgressCallback& progress)
+{
+  return MeshAnatomy(merged, {}, cellSizeMm, progress);
+}
+#endif
+
+MammographyUnit UnitOf(const RegistrationCase& input, const Mammogram& mammogram,
+  std::vector<std::string>& warnings)
+{
+  MammographyUnit unit;
+  if (input.SourceToDetectorMm)
+  {
+    unit.SourceToDetectorMm = *input.SourceToDetectorMm;
+  }
+  else if (mammogram.SourceToDetectorMm)
+  {
+    unit.SourceToDetectorMm = *mammogram.SourceToDetectorMm;
+  }
+  else
+  {
+    warnings.push_back("The header does not say the source to detector distance; " +
+      std::to_string(static_cast<int>(unit.SourceToDetectorMm)) + " mm is assumed.");
+  }
+  if (input.SupportHeightMm)
+  {
+    unit.SupportHeightMm = *input.SupportHeightMm;
+  }
+  if (!(unit.SourceToDetectorMm > 0) || !(unit.SupportHeightMm >= 0))
+  {
+    throw InputError("unit: expected a positive source to detector distance and a support height of at "
+                     "least 0, found " +
+      std::to_string(unit.SourceToDetectorMm) + " and " + std::to_string(unit.SupportHeightMm) +
+      " mm");
+  }
+  unit.SupportEdgeMm = input.SupportEdgeMm;
+  unit.PaddleEdgeMm = input.PaddleEdgeMm;
+  unit.EdgeRadiusMm = input.EdgeRadiusMm;
+  return unit;
+}
+
+BreastPose StartOf(const RegistrationCase& input, const Mammogram& mammogram,
+  std::vector<std::string>& warnings)
+{
+  BreastPose start;
+  if (input.StartThicknessMm)
+  {
+    start.ThicknessMm = *input.StartThicknessMm;
+  }
+  else if (mammogram.BodyPartThicknessMm)
+  {
+    start.ThicknessMm = *mammogram.BodyPartThicknessMm;
+  }
+  else
+  {
+    warnings.push_back("The header does not say the compressed thickness; " +
+      std::to_string(static_cast<int>(start.ThicknessMm)) + " mm is where the search starts.");
+  }
+  if (!(start.ThicknessMm > 0))
+  {
+    throw InputError("start: expected a positive compressed thickness, found " +
+      std::to_string(start.ThicknessMm) + " mm");
+  }
+  if (input.StartRollDeg)
+  {
+    start.RollDeg = *input.StartRollDeg;
+  }
+  else if (const std::optional<double> nominal = NominalRollDeg(mammogram))
+  {
+    start.RollDeg = *nominal;
+  }
+  else
+  {
+    warnings.push_back("The header does not say the view and side; the search starts from a "
+                       "cranio-caudal view.");
+  }
+  start.ShiftLateralMm = input.StartLateralMm;
+  start.ShiftAnteriorMm = input.StartAnteriorMm;
+  start.ShiftVerticalMm = input.StartVerticalMm;
+  return start;
+}
+
+void FixParameters(
+  const std::vector<std::string>& names, std::vector<RegistrationParameter>& parameters)
+{
+  for (RegistrationParameter& parameter : parameters)
+  {
+    parameter.Fixed = false;
+  }
+  for (const std::string& name : names)
+  {
+    std::string known;
+    bool found = false;
+    for (RegistrationParameter& parameter : parameters)
+    {
+      known += (known.empty() ? "" : ", ") + parameter.Name;
+      if (parameter.Name == name)
+      {
+        parameter.Fixed = true;
+        found = true;
+      }
+    }
+    if (!found)
+    {
+      throw InputError("fixed parameter '" + name + "': expected one of " + known);
+    }
+  }
+}
+}
+
+RegistrationCaseResult RunRegistrationCase(
+  const RegistrationCase& input, const ProgressCallback& progress)
+{
+  RegistrationCaseResult result;
+  Stopwatch stopwatch(result.Timings);
+
+  // Everything that can be refused is read before anything is computed.
+  result.Axes = AnatomicalAxes::FromCode(input.Orientation);
+  result.Materials = ReadMaterialTable(input.Materials);
+  const std::vector<bool> held = HeldMaterials(result.Materials);
+  if (std::find(held.begin(), held.end(), true) == held.end())
+  {
+    throw InputError(input.Materials + ": expected a material with \"held\": true (the chest wall), "
+                                       "found none");
+  }
+  result.Mammogram = ReadMammogram(input.Mammogram);
+  result.Target = PrepareTarget(result.Mammogram);
+  result.Warnings = result.Target.Warnings;
+  result.Unit = UnitOf(input, result.Mammogram, result.Warnings);
+  const BreastPose start = StartOf(input, result.Mammogram, result.Warnings);
+  RegistrationOptions options = input.Options;
+  options.Parameters = DefaultParameters(start);
+  FixParameters(input.Fixed, options.Parameters);
+  const Spectrum spectrum = FindSpectrum(input.Spectrum);
+  const Beam beam = MakeBeam(result.Materials, spectrum, DetectorResponse::EnergyIntegrating);
+  ProjectorOptions projectorOptions;
+  projectorOptions.Device = input.Device;
+  const auto projector = MakeRayTracingProjector(projectorOptions);
+  result.Device = projector->DeviceName();
+  LabelVolume materials =
+    result.Materials.ToMaterials(ReadLabelVolume(input.Labels), input.Labels);
+  if (input.LabelSpacingMm > *std::max_element(materials.Spacing.begin(), materials.Spacing.end()))
+  {
+    materials = ResampleLabels(materials, input.LabelSpacingMm);
+  }
+  result.Anchor = FindPoseAnchor(materials, held, result.Axes);
+  stopwatch.Stage("read");
+
+  result.Anatomy = input.AnatomyMesh.empty()
+    ? MeshAnatomy(materials, ThinMaterials(result.Materials), input.AnatomyCellSizeMm, progress)
+    : ReadTetrahedra(input.AnatomyMesh, result.Materials);
+  stopwatch.Stage("mesh the anatomy");
+  const TetrahedralMesh coarse = input.SimulationMesh.empty()
+    ? MeshForSimulation(TissueAndHeld(materials, held), input.SimulationCellSizeMm, progress)
+    : ReadTetrahedra(input.SimulationMesh, result.Materials);
+  result.SimulationCells = coarse.NumberOfCells();
+  stopwatch.Stage("mesh for the mechanics");
+
+  std::vector<ElasticMaterial> elastic;
+  for (const Material& material : result.Materials.Materials)
+  {
+    elastic.push_back({ material.YoungsModulusKPa, material.PoissonRatio });
+  }
+  const CompressionSimulation simulation(coarse, elastic, held,
+    [&materials](const Vector3& point) { return static_cast<int>(materials.LabelAt(point)); });
+  const SurfaceMesh surface = ExtractInterfaces(result.Anatomy);
+  result.SurfaceTriangles = surface.NumberOfTriangles();
+  projector->SetSurface(surface);
+  const Embedding surfaceEmbedding(simulation, surface.Points);
+  stopwatch.Stage("prepare");
+
+  RegistrationModel model;
+  model.Simulation = &simulation;
+  model.Surface = &surface;
+  model.SurfaceEmbedding = &surfaceEmbedding;
+  model.Projector = projector.get();
+  model.XRays = &beam;
+  model.Axes = result.Axes;
+  model.Anchor = result.Anchor;
+  model.Unit = result.Unit;
+  result.Registration = Register(model, result.Target, options, progress);
+  result.Warnings.insert(result.Warnings.end(), result.Registration.Warnings.begin(),
+    result.Registration.Warnings.end());
+  stopwatch.Stage("register");
+
+  const BreastPose& pose = result.Registration.Pose;
+  result.Placed = PlaceUnit(result.Axes, result.Anchor, result.Unit, pose);
+  result.Synthetic = Synthesize(model, pose, result.Registration.State, result.Target, 1);
+  result.Registration.After = Compare(result.Synthetic, result.Target);
+  if (result.Synthetic.InconsistentRays > 0)
+  {
+    result.Warnings.push_back(std::to_string(result.Synthetic.InconsistentRays) +
+      " rays of the synthetic mammogram crossed a surface that does not close.");
+  }
+  result.CompressedPoints = Embedding(simulation, result.Anatomy.Points)
+                              .Map(result.Registration.State.Positions);
+  stopwatch.Stage("synthetic mammogram");
+  return result;
+}
+}

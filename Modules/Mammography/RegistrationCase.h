@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: Apache-2.0
+#ifndef mammoray_RegistrationCase_h
+#define mammoray_RegistrationCase_h
+
+#include "Mammogram.h"
+#include "MaterialTable.h"
+#include "Progress.h"
+#include "Registration.h"
+#include "TetrahedralMesh.h"
+#include "mammorayMammographyModule.h"
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace mammoray
+{
+/// Everything that says what is registered to what, by files; the members carry the defaults.
+struct RegistrationCase
+{
+  /// Label volume: .nrrd, .nhdr, .mha, .mhd, .nii, .nii.gz.
+  std::string Labels;
+  /// Material table, JSON.
+  std::string Materials;
+  /// DICOM MG.
+  std::string Mammogram;
+  /// Spectrum: a path (.spc) or the name of a shipped one.
+  std::string Spectrum = "W28kVp_Rh50um_Be1mm";
+  /// Directions of the volume's axes (AnatomicalAxes::FromCode).
+  std::string Orientation = "LPS";
+  /// Finer label volumes are resampled to this spacing before meshing, mm; 0 keeps them.
+  double LabelSpacingMm = 0.5;
+  /// Meshes made before (mammoray mesh), used instead of meshing; empty: mesh.
+  std::string AnatomyMesh;
+  std::string SimulationMesh;
+  /// Seconds and cells are spent here: upper bounds of cell sizes, mm. 0 for the mechanics takes a
+  /// seventh of the edge of a cube as large as the breast: 3000 to 4000 cells.
+  double AnatomyCellSizeMm = 4.0;
+  double SimulationCellSizeMm = 0.0;
+  /// Part of a Vulkan device's name; empty: the most capable one.
+  std::string Device;
+
+  /// The unit; what the header says about it wins unless given here.
+  std::optional<double> SourceToDetectorMm;
+  std::optional<double> SupportHeightMm;
+  double SupportEdgeMm = 0.0;
+  double PaddleEdgeMm = 0.0;
+  double EdgeRadiusMm = 3.0;
+
+  /// Start of the search; thickness and view come from the header unless given here.
+  std::optional<double> StartThicknessMm;
+  std::optional<double> StartRollDeg;
+  double StartLateralMm = 0.0;
+  double StartAnteriorMm = 5.0;
+  double StartVerticalMm = 0.0;
+  /// Names of parameters kept at their start.
+  std::vector<std::string> Fixed{ "vertical" };
+  /// The search itself; its Parameters are filled from the above.
+  RegistrationOptions Options;
+};
+
+/// What a run made of it.
+struct RegistrationCaseResult
+{
+  mammoray::Mammogram Mammogram;
+  RegistrationTarget Target;
+  MaterialTable Materials;
+  /// Anatomy at rest and its points after compression, 3 x pointCount, mm; volume frame.
+  TetrahedralMesh Anatomy;
+  std::vector<double> CompressedPoints;
+  /// Its After is measured on the target's own grid.
+  RegistrationResult Registration;
+  /// On the target's grid.
+  SyntheticMammogram Synthetic;
+  /// Where the search put the unit.
+  AnatomicalAxes Axes;
+  Vector3 Anchor{ 0, 0, 0 };
+  MammographyUnit Unit;
+  VolumeFromGantry Placed;
+  /// Name of the projecting device.
+  std::string Device;
+  std::size_t SimulationCells = 0;
+  std::size_t SurfaceTriangles = 0;
+  /// What had to be assumed, a sentence each.
+  std::vector<std::string> Warnings;
+  /// Stage -> wall time, s, in the order they ran.
+  std::vector<std::pair<std::string, double>> Timings;
+};
+
+/**
+ * Reads, meshes, compresses, projects and registers. Throws InputError on unusable input, DeviceError without a device,
+ * ConvergenceError where not even the start has an equilibrium, Interrupted when stopped before the search began.
+ */
+MAMMORAYMAMMOGRAPHY_EXPORT RegistrationCaseResult RunRegistrationCase(
+  const RegistrationCase& input, const ProgressCallback& progress = {});
+}
+
+#endif

@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "RegistrationCaseWriter.h"
+
+#include "Error.h"
+#include "MeshConversion.h"
+#include "MeshIO.h"
+#include "RegistrationReport.h"
+
+#include "vtkDoubleArray.h"
+#include "vtkImageData.h"
+#include "vtkMetaImageWriter.h"
+#include "vtkNew.h"
+#include "vtkPointData.h"
+#include "vtkPoints.h"
+#include "vtkUnstructuredGrid.h"
+
+#include <algorithm>
+
+namespace mammoray
+{
+namespace
+{
+void WriteMeshes(const RegistrationCaseResult& result, const std::string& folder)
+{
+  std::vector<std::string> names;
+  for (const Material& material : result.Materials.Materials)
+  {
+    names.push_back(material.Name);
+  }
+  const auto grid = ToGrid(result.Anatomy, names);
+  vtkNew<vtkDoubleArray> displacement;
+  displacement->SetName("Displacement");
+  displacement->SetNumberOfComponents(3);
+  displacement->SetNumberOfTuples(grid->GetNumberOfPoints());
+  double* values = displacement->GetPointer(0);
+  for (std::size_t index = 0; index < result.CompressedPoints.size(); ++index)
+  {
+    values[index] = result.CompressedPoints[index] - result.Anatomy.Points[index];
+  }
+  grid->GetPointData()->SetVectors(displacement);
+  WriteMesh(grid, folder + "/uncompressed.vtu");
+
+  vtkNew<vtkDoubleArray> compressed;
+  compressed->SetNumberOfComponents(3);
+  compressed->SetNumberOfTuples(grid->GetNumberOfPoints());
+  std::copy(
+    result.CompressedPoints.begin(), result.CompressedPoints.end(), compressed->GetPointer(0));
+  grid->GetPoints()->SetData(compressed);
+  grid->Modified();
+  WriteMesh(grid, folder + "/compressed.vtu");
+}
+
+void WriteSynthetic(const RegistrationCaseResult& result, const std::string& path)
+{
+  vtkNew<vtkImageData> image;
+  image->SetDimensions(result.Target.Columns, result.Target.Rows, 1);
+  image->SetSpacing(
+    result.Mammogram.ColumnSpacingMm, result.Mammogram.RowSpacingMm, 1.0);
+  image->AllocateScalars(VTK_FLOAT, 1);
+  std::copy(result.Synthetic.LogAttenuation.begin(), result.Synthetic.LogAttenuation.end(),
+    static_cast<float*>(image->GetScalarPointer()));
+  vtkNew<vtkMetaImageWriter> writer;
+  writer->SetInputData(image);
+  writer->SetFileName(path.c_str());
+  writer->SetCompression(true);
+  writer->Write();
+  if (writer->GetErrorCode() != 0)
+  {
+    throw InputError(path + ": cannot be written");
+  }
+}
+}
+
+void WriteRegistrationCase(
+  const RegistrationCase& input, const RegistrationCaseResult& result, const std::string& folder)
+{
+  WriteMeshes(result, folder);
+  WriteSynthetic(result, folder + "/synthetic.mha");
+
+  RegistrationReport report;
+  report.RealMammogram = &result.Mammogram;
+  report.Target = &result.Target;
+  report.Result = &result.Registration;
+  report.Synthetic = result.Synthetic.LogAttenuation;
+  report.SyntheticOutline = { result.Synthetic.Outline };
+  report.Placed = result.Placed;
+  report.Unit = result.Unit;
+  report.Timings = result.Timings;
+  report.Inputs = { { "Label volume", input.Labels }, { "Material table", input.Materials },
+    { "Mammogram", input.Mammogram } };
+  if (!input.AnatomyMesh.empty())
+  {
+    report.Inputs.emplace_back("Anatomy mesh", input.AnatomyMesh);
+  }
+  if (!input.SimulationMesh.empty())
+  {
+    report.Inputs.emplace_back("Simulation mesh", input.SimulationMesh);
+  }
+  report.Versions = { { "Vulkan device", result.Device }, { "Spectrum", input.Spectrum },
+    { "Anatomy", std::to_string(result.Anatomy.NumberOfCells()) + " tetrahedra, " +
+        std::to_string(result.SurfaceTriangles) + " interface triangles" },
+    { "Mechanics", std::to_string(result.SimulationCells) + " quadratic tetrahedra" } };
+  report.Warnings = result.Warnings;
+  WriteRegistrationReport(report, folder);
+}
+}

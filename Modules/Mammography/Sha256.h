@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: Apache-2.0
+#ifndef mammoray_Sha256_h
+#define mammoray_Sha256_h
+
+#include "mammorayMammographyModule.h"
+
+#include <string>
+
+namespace mammoray
+{
+/// SHA-256 (FIPS 180-4) of a file's bytes, 64 lower-case hexadecimal digits. Throws InputError when
+/// it cannot be read.
+MAMMORAYMAMMOGRAPHY_EXPORT std::string Sha256OfFile(const std::string& path);
+}
+
+#endif

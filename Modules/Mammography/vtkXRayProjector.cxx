@@ -1,0 +1,346 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "vtkXRayProjector.h"
+
+#include "Error.h"
+#include "MeshConversion.h"
+#include "PhysicsData.h"
+#include "ProjectionImage.h"
+#include "SurfaceConversion.h"
+
+#include "vtkCellArray.h"
+#include "vtkCellData.h"
+#include "vtkDataObject.h"
+#include "vtkImageData.h"
+#include "vtkInformation.h"
+#include "vtkInformationVector.h"
+#include "vtkObjectFactory.h"
+#include "vtkPolyData.h"
+#include "vtkSmartPointer.h"
+#include "vtkStreamingDemandDrivenPipeline.h"
+#include "vtkUnstructuredGrid.h"
+
+#include <cmath>
+#include <map>
+
+namespace
+{
+using namespace mammoray;
+
+mammoray::Vector3 ToVector(const double (&values)[3])
+{
+  return { values[0], values[1], values[2] };
+}
+
+/// What the interfaces of a grid depend on besides its points.
+struct TopologyStamp
+{
+  const void* Cells = nullptr;
+  const void* Materials = nullptr;
+  vtkMTimeType CellsTime = 0;
+  vtkMTimeType MaterialsTime = 0;
+  vtkIdType Points = 0;
+  bool operator==(const TopologyStamp&) const = default;
+};
+}
+
+struct vtkXRayProjector::Internals
+{
+  struct Attenuation
+  {
+    std::string Table; ///< empty: the constant coefficient counts
+    double DensityGPerCm3 = 1.0;
+    double MuPerMm = 0.0;
+  };
+
+  Spectrum Photons = Spectrum::Monochromatic(20);
+  std::map<int, Attenuation> Attenuations;
+  std::unique_ptr<PathLengthProjector> Projector;
+  std::string ProjectorDevice;
+  /// What is on the device.
+  SurfaceMesh Surface;
+  std::vector<std::string> MaterialNames;
+  std::vector<std::int32_t> PointIds;
+  TopologyStamp Topology;
+
+  void Upload(SurfaceMesh surface);
+  void UploadGrid(vtkUnstructuredGrid* grid);
+  std::string NameOf(int material) const;
+  Beam MakeBeamFor(int materialCount, DetectorResponse response) const;
+};
+
+void vtkXRayProjector::Internals::Upload(SurfaceMesh surface)
+{
+  const bool sameTriangles = this->Surface.Triangles == surface.Triangles &&
+    this->Surface.FrontMaterials == surface.FrontMaterials &&
+    this->Surface.BackMaterials == surface.BackMaterials &&
+    this->Surface.Points.size() == surface.Points.size();
+  if (sameTriangles && !surface.Triangles.empty())
+  {
+    if (this->Surface.Points != surface.Points)
+    {
+      this->Projector->UpdatePoints(surface.Points);
+    }
+  }
+  else
+  {
+    this->Surface = {}; // should this throw, nothing on the device is taken for current
+    this->Projector->SetSurface(surface);
+  }
+  this->Surface = std::move(surface);
+}
+
+void vtkXRayProjector::Internals::UploadGrid(vtkUnstructuredGrid* grid)
+{
+  vtkDataArray* materials = grid->GetCellData()->GetArray(MaterialArrayName);
+  const TopologyStamp topology{ grid->GetCells(), materials,
+    grid->GetCells() ? grid->GetCells()->GetMTime() : 0, materials ? materials->GetMTime() : 0,
+    grid->GetNumberOfPoints() };
+  if (topology == this->Topology && !this->Surface.Triangles.empty())
+  {
+    std::vector<double> points(this->Surface.Points.size());
+    for (std::size_t point = 0; point < this->PointIds.size(); ++point)
+    {
+      grid->GetPoint(this->PointIds[point], &points[3 * point]);
+    }
+    if (points != this->Surface.Points)
+    {
+      this->Projector->UpdatePoints(points);
+      this->Surface.Points = std::move(points);
+    }
+    return;
+  }
+  this->Topology = {};
+  this->Upload(ExtractInterfaces(FromGrid(grid, &this->MaterialNames), &this->PointIds));
+  this->Topology = topology;
+}
+
+std::string vtkXRayProjector::Internals::NameOf(int material) const
+{
+  const auto index = static_cast<std::size_t>(material);
+  return index < this->MaterialNames.size() && !this->MaterialNames[index].empty()
+    ? this->MaterialNames[index]
+    : std::to_string(material);
+}
+
+Beam vtkXRayProjector::Internals::MakeBeamFor(int materialCount, DetectorResponse response) const
+{
+  std::vector<AttenuationTable> tables(static_cast<std::size_t>(materialCount));
+  std::vector<const AttenuationTable*> pointers(tables.size(), nullptr);
+  std::vector<double> densities(tables.size(), 1.0);
+  std::vector<bool> used(tables.size(), false);
+  for (const auto* side : { &this->Surface.FrontMaterials, &this->Surface.BackMaterials })
+  {
+    for (const std::uint16_t material : *side)
+    {
+      used[material] = true;
+    }
+  }
+  for (int material = 1; material < materialCount; ++material)
+  {
+    const auto index = static_cast<std::size_t>(material);
+    const auto found = this->Attenuations.find(material);
+    if (found == this->Attenuations.end() && used[index])
+    {
+      throw InputError("material '" + this->NameOf(material) + "' (" + std::to_string(material) +
+        ") has no attenuation; set it by SetAttenuationTable or SetLinearAttenuation");
+    }
+    if (found != this->Attenuations.end() && !found->second.Table.empty())
+    {
+      tables[index] = FindAttenuationTable(found->second.Table);
+      densities[index] = found->second.DensityGPerCm3;
+    }
+    else
+    {
+      // A material that no triangle has has length 0, whatever its attenuation.
+      const double mu = used[index] ? found->second.MuPerMm : 1.0;
+      const auto& energies = this->Photons.EnergiesKeV;
+      tables[index] = { this->NameOf(material), 1.0, energies,
+        std::vector<double>(energies.size(), mu) };
+    }
+    pointers[index] = &tables[index];
+  }
+  return Beam(this->Photons, response, pointers, densities);
+}
+
+vtkStandardNewMacro(vtkXRayProjector);
+
+vtkXRayProjector::vtkXRayProjector()
+  : Internal(new Internals)
+{
+  this->SetNumberOfInputPorts(1);
+}
+
+vtkXRayProjector::~vtkXRayProjector()
+{
+  delete this->Internal;
+}
+
+void vtkXRayProjector::SetMonochromatic(double energyKeV)
+{
+  this->ClearSpectrum();
+  this->AddSpectrumLine(energyKeV, 1.0);
+}
+
+void vtkXRayProjector::ClearSpectrum()
+{
+  this->Internal->Photons = {};
+  this->Modified();
+}
+
+void vtkXRayProjector::AddSpectrumLine(double energyKeV, double photons)
+{
+  this->Internal->Photons.EnergiesKeV.push_back(energyKeV);
+  this->Internal->Photons.Weights.push_back(photons);
+  this->Modified();
+}
+
+void vtkXRayProjector::SetAttenuationTable(int material, const std::string& table,
+  double densityGPerCm3)
+{
+  this->Internal->Attenuations[material] = { table, densityGPerCm3, 0.0 };
+  this->Modified();
+}
+
+void vtkXRayProjector::SetLinearAttenuation(int material, double muPerMm)
+{
+  this->Internal->Attenuations[material] = { "", 1.0, muPerMm };
+  this->Modified();
+}
+
+void vtkXRayProjector::ClearAttenuation()
+{
+  this->Internal->Attenuations.clear();
+  this->Modified();
+}
+
+int vtkXRayProjector::FillInputPortInformation(int, vtkInformation* info)
+{
+  info->Set(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkUnstructuredGrid");
+  info->Append(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkPolyData");
+  return 1;
+}
+
+int vtkXRayProjector::RequestInformation(vtkInformation*, vtkInformationVector**,
+  vtkInformationVector* outputs)
+{
+  vtkInformation* info = outputs->GetInformationObject(0);
+  const int extent[6] = { 0, this->DetectorSize[0] - 1, 0, this->DetectorSize[1] - 1, 0, 0 };
+  const double spacing[3] = { this->PixelSpacing[0], this->PixelSpacing[1], 1.0 };
+  const Vector3 u = ToVector(this->ColumnDirection);
+  const Vector3 v = ToVector(this->RowDirection);
+  const Vector3 n = Cross(u, v);
+  const double direction[9] = { u[0], v[0], n[0], u[1], v[1], n[1], u[2], v[2], n[2] };
+  info->Set(vtkStreamingDemandDrivenPipeline::WHOLE_EXTENT(), extent, 6);
+  info->Set(vtkDataObject::SPACING(), spacing, 3);
+  info->Set(vtkDataObject::ORIGIN(), this->DetectorOrigin, 3);
+  info->Set(vtkDataObject::DIRECTION(), direction, 9);
+  vtkDataObject::SetPointDataActiveScalarInfo(info, VTK_FLOAT, 1);
+  return 1;
+}
+
+int vtkXRayProjector::RequestUpdateExtent(vtkInformation*, vtkInformationVector**,
+  vtkInformationVector*)
+{
+  return 1; // the whole mesh, which has no extent
+}
+
+int vtkXRayProjector::RequestData(vtkInformation*, vtkInformationVector** inputs,
+  vtkInformationVector* outputs)
+{
+  vtkImageData* output = vtkImageData::GetData(outputs);
+  try
+  {
+    const Vector3 u = ToVector(this->ColumnDirection);
+    const Vector3 v = ToVector(this->RowDirection);
+    // 1e-6: directions computed in float.
+    if (!(std::abs(Norm(u) - 1) < 1e-6 && std::abs(Norm(v) - 1) < 1e-6 &&
+          std::abs(Dot(u, v)) < 1e-6))
+    {
+      throw InputError(
+        "detector: expected ColumnDirection and RowDirection to be unit vectors at right "
+        "angles");
+    }
+    if (!(this->PixelSpacing[0] > 0 && this->PixelSpacing[1] > 0))
+    {
+      throw InputError("detector: expected a positive PixelSpacing");
+    }
+    Internals& internal = *this->Internal;
+    if (!internal.Projector || internal.ProjectorDevice != this->DeviceName)
+    {
+      internal.Surface = {};
+      internal.Projector = MakeRayTracingProjector({ .Device = this->DeviceName });
+      internal.ProjectorDevice = this->DeviceName;
+    }
+    this->UpdateProgress(0.1);
+    if (vtkPolyData* polyData = vtkPolyData::GetData(inputs[0]))
+    {
+      internal.Topology = {};
+      internal.Upload(FromPolyData(polyData, &internal.MaterialNames));
+    }
+    else
+    {
+      internal.UploadGrid(vtkUnstructuredGrid::GetData(inputs[0]));
+    }
+    this->UpdateProgress(0.4);
+    if (this->GetAbortExecute())
+    {
+      output->Initialize();
+      return 1;
+    }
+
+    XRaySource source;
+    source.Type = this->ParallelBeam ? XRaySource::Kind::Parallel : XRaySource::Kind::Point;
+    source.Position = ToVector(this->SourcePosition);
+    source.Direction = ToVector(this->BeamDirection);
+    XRayDetector detector;
+    detector.Origin = ToVector(this->DetectorOrigin);
+    detector.ColumnStep = this->PixelSpacing[0] * u;
+    detector.RowStep = this->PixelSpacing[1] * v;
+    detector.Columns = this->DetectorSize[0];
+    detector.Rows = this->DetectorSize[1];
+    detector.Samples = this->Samples;
+    const Beam beam = internal.MakeBeamFor(internal.Surface.NumberOfMaterials(),
+      this->PhotonCounting ? DetectorResponse::PhotonCounting
+                           : DetectorResponse::EnergyIntegrating);
+    const PathLengthImage image = internal.Projector->Project(source, detector);
+    this->UpdateProgress(0.8);
+
+    output->ShallowCopy(ToImage(image, beam, detector, internal.MaterialNames));
+    this->NumberOfInconsistentPixels = static_cast<vtkIdType>(image.NumberOfInconsistentRays());
+    return 1;
+  }
+  catch (const std::exception& error) // bad_alloc must not cross the pipeline either
+  {
+    output->Initialize();
+    this->NumberOfInconsistentPixels = 0;
+    vtkErrorMacro(<< error.what());
+    return 0;
+  }
+}
+
+void vtkXRayProjector::PrintSelf(ostream& os, vtkIndent indent)
+{
+  this->Superclass::PrintSelf(os, indent);
+  const auto print = [&](const char* name, const auto& values)
+  {
+    os << indent << name << ":";
+    for (const auto value : values)
+    {
+      os << " " << value;
+    }
+    os << "\n";
+  };
+  print("SourcePosition", this->SourcePosition);
+  os << indent << "ParallelBeam: " << this->ParallelBeam << "\n";
+  print("BeamDirection", this->BeamDirection);
+  print("DetectorOrigin", this->DetectorOrigin);
+  print("ColumnDirection", this->ColumnDirection);
+  print("RowDirection", this->RowDirection);
+  print("PixelSpacing", this->PixelSpacing);
+  print("DetectorSize", this->DetectorSize);
+  os << indent << "Samples: " << this->Samples << "\n";
+  os << indent << "PhotonCounting: " << this->PhotonCounting << "\n";
+  os << indent << "DeviceName: " << this->DeviceName << "\n";
+  print("Energies", this->Internal->Photons.EnergiesKeV);
+  os << indent << "NumberOfInconsistentPixels: " << this->NumberOfInconsistentPixels << "\n";
+}

@@ -1,0 +1,618 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "LabelMesher.h"
+
+#include "Error.h"
+#include "LabelResampling.h"
+#include "MeshQuality.h"
+#include "Private/LabelComponents.h"
+#include "Private/LabelField.h"
+
+#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
+#include <CGAL/Labeled_mesh_domain_3.h>
+#include <CGAL/Mesh_complex_3_in_triangulation_3.h>
+#include <CGAL/Mesh_criteria_3.h>
+#include <CGAL/Mesh_triangulation_3.h>
+#include <CGAL/Random.h>
+#include <CGAL/assertions_behaviour.h>
+#include <CGAL/exude_mesh_3.h>
+#include <CGAL/perturb_mesh_3.h>
+#include <CGAL/refine_mesh_3.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <numbers>
+#include <numeric>
+#include <unordered_map>
+
+namespace mammoray
+{
+namespace
+{
+using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
+using Domain = CGAL::Labeled_mesh_domain_3<Kernel>;
+using Triangulation = CGAL::Mesh_triangulation_3<Domain>::type;
+using Complex = CGAL::Mesh_complex_3_in_triangulation_3<Triangulation>;
+using Criteria = CGAL::Mesh_criteria_3<Triangulation>;
+using Point = Kernel::Point_3;
+namespace parameters = CGAL::parameters;
+
+std::string Text(const char* format, double a, double b = 0, double c = 0)
+{
+  char text[160];
+  std::snprintf(text, sizeof(text), format, a, b, c);
+  return text;
+}
+
+/// The volume's tissue with a margin of air, without small components.
+LabelVolume PrepareVolume(const LabelVolume& materials, int margin)
+{
+  LabelVolume tissue = CropToTissue(materials, 0);
+  LabelVolume padded = tissue;
+  for (int a = 0; a < 3; ++a)
+  {
+    padded.Size[a] += 2 * margin;
+  }
+  padded.Origin = tissue.PointAt(-margin, -margin, -margin);
+  padded.Voxels.assign(static_cast<std::size_t>(padded.Size[0]) * padded.Size[1] * padded.Size[2],
+    0);
+  for (int k = 0; k < tissue.Size[2]; ++k)
+  {
+    for (int j = 0; j < tissue.Size[1]; ++j)
+    {
+      std::copy_n(&tissue.Voxels[tissue.Index(0, j, k)], tissue.Size[0],
+        &padded.Voxels[padded.Index(margin, j + margin, k + margin)]);
+    }
+  }
+  return padded;
+}
+
+/// Material at a point for CGAL; tells the progress and stops the work from within.
+struct Labeller
+{
+  const LabelField& Field;
+  const ProgressCallback& Progress;
+  double ExpectedCalls;
+  double Begin = 0.1;
+  double End = 0.9;
+  const char* Stage = "meshing";
+  std::size_t Calls = 0;
+
+  int operator()(const Point& point)
+  {
+    if (++this->Calls % 65536 == 0)
+    {
+      const double done = static_cast<double>(this->Calls) / this->ExpectedCalls;
+      ReportProgress(this->Progress,
+        this->Begin + (this->End - this->Begin) * (1 - std::exp(-done)), this->Stage);
+    }
+    return this->Field.MaterialAt(point.x(), point.y(), point.z());
+  }
+};
+
+/// Size bound by what a point of the mesh belongs to.
+struct SizingField
+{
+  using FT = double;
+  using Point_3 = Point;
+  using Index = Domain::Index;
+
+  double Size;
+  const std::map<int, double>& OfMaterial;
+
+  double Of(int material) const
+  {
+    const auto found = this->OfMaterial.find(material);
+    return found == this->OfMaterial.end() ? this->Size : found->second;
+  }
+  double operator()(const Point&, int dimension, const Index& index) const
+  {
+    if (const auto* patch =
+          dimension == 2 ? boost::get<Domain::Surface_patch_index>(&index) : nullptr)
+    {
+      return std::min(this->Of(patch->first), this->Of(patch->second));
+    }
+    const auto* subdomain = boost::get<Domain::Subdomain_index>(&index);
+    return subdomain ? this->Of(*subdomain) : this->Size;
+  }
+};
+
+/// Calls a facet bad whose two cells lie in other materials than those that meet at the facet.
+class LayerCriterion
+  : public CGAL::Mesh_3::Abstract_criterion<Triangulation, Criteria::Facet_criteria::Visitor>
+{
+public:
+  using Visitor = Criteria::Facet_criteria::Visitor;
+
+  LayerCriterion(Labeller& labeller, double smallestMm)
+    : Label(labeller)
+    , SmallestMm2(smallestMm * smallestMm)
+  {
+  }
+
+protected:
+  void do_accept(Visitor& visitor) const override { visitor.visit(*this); }
+  LayerCriterion* do_clone() const override { return new LayerCriterion(*this); }
+  Is_bad do_is_bad(const Triangulation& triangulation,
+    const Triangulation::Facet& facet) const override
+  {
+    const Point& centre = facet.first->get_facet_surface_center(facet.second);
+    const double radiusMm2 = CGAL::squared_distance(
+      triangulation.point(facet.first, (facet.second + 1) & 3).point(), centre);
+    if (radiusMm2 <= this->SmallestMm2)
+    {
+      return Is_bad();
+    }
+    const auto materialOf = [&](const Triangulation::Cell_handle& cell)
+    { return triangulation.is_infinite(cell) ? 0 : this->Label(triangulation.dual(cell)); };
+    const int a = materialOf(facet.first);
+    const int b = materialOf(facet.first->neighbor(facet.second));
+    const auto& patch = boost::get<Domain::Surface_patch_index>(
+      facet.first->get_facet_surface_center_index(facet.second));
+    return patch.first == std::min(a, b) && patch.second == std::max(a, b)
+      ? Is_bad()
+      : Is_bad(Quality(this->SmallestMm2 / radiusMm2));
+  }
+
+private:
+  Labeller& Label;
+  double SmallestMm2;
+};
+
+/**
+ * Puts points on the interfaces around every component: CGAL looks for interfaces along Voronoi
+ * edges only, and would miss what lies between them.
+ */
+class Seeder
+{
+public:
+  Seeder(const LabelVolume& volume, const Domain& domain, Labeller& labeller, Complex& complex)
+    : Volume(volume)
+    , MeshDomain(domain)
+    , Label(labeller)
+    , Mesh(complex)
+  {
+  }
+
+  void Shoot(const std::array<int, 3>& voxel, double depthMm, double facetSizeMm)
+  {
+    const Point centre(voxel[0] * this->Volume.Spacing[0], voxel[1] * this->Volume.Spacing[1],
+      voxel[2] * this->Volume.Spacing[2]);
+    const int material = this->Label(centre);
+    const Vector3& spacing = this->Volume.Spacing;
+    const double step = 0.5 * std::min({ spacing[0], spacing[1], spacing[2] });
+    // Close points would make bad cells for good: refinement never takes a point away.
+    const double apart = 0.5 * std::min(facetSizeMm, depthMm);
+    const int rays = 24;
+    for (int ray = 0; ray < rays; ++ray)
+    {
+      // Points evenly over a sphere along a spiral of the golden angle.
+      const double height = 1 - (2.0 * ray + 1) / rays;
+      const double angle = ray * std::numbers::pi * (3 - std::sqrt(5.0));
+      const double radius = std::sqrt(1 - height * height);
+      const Kernel::Vector_3 direction(radius * std::cos(angle), radius * std::sin(angle), height);
+      Point inside = centre;
+      Point outside = centre + step * direction;
+      while (this->Label(outside) == material)
+      {
+        inside = outside;
+        outside = outside + step * direction;
+        if (!this->Contains(outside))
+        {
+          break; // only outer air reaches so far
+        }
+      }
+      const auto hit =
+        this->MeshDomain.construct_intersection_object()(Kernel::Segment_3(inside, outside));
+      if (std::get<2>(hit) != 0 && this->IsFree(std::get<0>(hit), apart))
+      {
+        this->Insert(std::get<0>(hit), std::get<1>(hit));
+      }
+    }
+  }
+
+private:
+  bool Contains(const Point& point) const
+  {
+    for (int a = 0; a < 3; ++a)
+    {
+      if (point[a] < 0 || point[a] > (this->Volume.Size[a] - 1) * this->Volume.Spacing[a])
+      {
+        return false;
+      }
+    }
+    return true;
+  }
+
+  bool IsFree(const Point& point, double apart) const
+  {
+    auto& triangulation = this->Mesh.triangulation();
+    if (triangulation.number_of_vertices() == 0)
+    {
+      return true;
+    }
+    const auto nearest = triangulation.dimension() == 3 ? triangulation.nearest_power_vertex(point)
+                                                        : Triangulation::Vertex_handle();
+    if (nearest != Triangulation::Vertex_handle())
+    {
+      return CGAL::squared_distance(triangulation.point(nearest).point(), point) >= apart * apart;
+    }
+    for (auto vertex = triangulation.finite_vertices_begin();
+         vertex != triangulation.finite_vertices_end(); ++vertex)
+    {
+      if (CGAL::squared_distance(vertex->point().point(), point) < apart * apart)
+      {
+        return false;
+      }
+    }
+    return true;
+  }
+
+  void Insert(const Point& point, const Domain::Index& index)
+  {
+    const auto vertex = this->Mesh.triangulation().insert(Triangulation::Weighted_point(point));
+    if (vertex != Triangulation::Vertex_handle())
+    {
+      this->Mesh.set_dimension(vertex, 2);
+      this->Mesh.set_index(vertex, index);
+    }
+  }
+
+  const LabelVolume& Volume;
+  const Domain& MeshDomain;
+  Labeller& Label;
+  Complex& Mesh;
+};
+
+/// Components of tissue and enclosed air, each with the places to seed it from, deepest first.
+struct SeedPlan
+{
+  LabelComponents Found;
+  std::vector<std::vector<std::size_t>> SeedVoxels;
+  std::vector<float> Distance;
+};
+
+SeedPlan PlanSeeds(const LabelVolume& volume, const MeshingOptions& options)
+{
+  SeedPlan plan;
+  plan.Found = FindComponents(volume);
+  plan.Distance = InterfaceDistance(volume);
+  const std::size_t count = plan.Found.Components.size();
+  plan.SeedVoxels.resize(count);
+  // A small component may be long and thin, so that one place would not do; big ones CGAL follows.
+  const double smallMm3 = 8 * std::pow(options.FacetSizeMm, 3);
+  std::vector<std::vector<std::size_t>> members(count);
+  std::vector<std::size_t> deepest(count, 0);
+  std::vector<float> depth(count, -1);
+  for (std::size_t voxel = 0; voxel < volume.NumberOfVoxels(); ++voxel)
+  {
+    const std::uint32_t id = plan.Found.OfVoxel[voxel];
+    const double volumeMm3 =
+      static_cast<double>(plan.Found.Components[id].Voxels) * volume.VoxelVolume();
+    if (volumeMm3 < smallMm3)
+    {
+      members[id].push_back(voxel);
+    }
+    if (plan.Distance[voxel] > depth[id])
+    {
+      depth[id] = plan.Distance[voxel];
+      deepest[id] = voxel;
+    }
+  }
+  const auto indexOf = [&](std::size_t voxel)
+  {
+    const std::size_t row = volume.Size[0];
+    const std::size_t slice = row * volume.Size[1];
+    return std::array<int, 3>{ static_cast<int>(voxel % row),
+      static_cast<int>(voxel / row % volume.Size[1]), static_cast<int>(voxel / slice) };
+  };
+  for (std::size_t id = 0; id < count; ++id)
+  {
+    plan.Found.Components[id].Deepest = indexOf(deepest[id]);
+    plan.Found.Components[id].DepthMm = depth[id];
+    plan.SeedVoxels[id].push_back(deepest[id]);
+    std::stable_sort(members[id].begin(), members[id].end(),
+      [&](std::size_t a, std::size_t b) { return plan.Distance[a] > plan.Distance[b]; });
+    for (const std::size_t voxel : members[id])
+    {
+      const std::array<int, 3> index = indexOf(voxel);
+      const double apart = std::max<double>(options.FacetSizeMm, 2 * plan.Distance[voxel]);
+      const bool isNew = std::all_of(plan.SeedVoxels[id].begin(), plan.SeedVoxels[id].end(),
+        [&](std::size_t other)
+        {
+          const std::array<int, 3> otherIndex = indexOf(other);
+          return Norm({ (index[0] - otherIndex[0]) * volume.Spacing[0],
+                   (index[1] - otherIndex[1]) * volume.Spacing[1],
+                   (index[2] - otherIndex[2]) * volume.Spacing[2] }) >= apart;
+        });
+      if (isNew)
+      {
+        plan.SeedVoxels[id].push_back(voxel);
+      }
+    }
+  }
+  return plan;
+}
+
+/// Cells of the complex as a mesh, in the frame CGAL worked in.
+TetrahedralMesh Extract(const Complex& complex)
+{
+  TetrahedralMesh mesh;
+  std::unordered_map<const void*, std::int32_t> numberOf;
+  for (auto cell = complex.cells_in_complex_begin(); cell != complex.cells_in_complex_end(); ++cell)
+  {
+    for (int corner = 0; corner < 4; ++corner)
+    {
+      const auto vertex = cell->vertex(corner);
+      const auto [place, fresh] =
+        numberOf.emplace(&*vertex, static_cast<std::int32_t>(numberOf.size()));
+      if (fresh)
+      {
+        const auto& point = vertex->point();
+        mesh.Points.insert(mesh.Points.end(), { point.x(), point.y(), point.z() });
+      }
+      mesh.Cells.push_back(place->second);
+    }
+    mesh.Materials.push_back(complex.subdomain_index(cell));
+  }
+  return mesh;
+}
+
+/// Throws unless every component of tissue holds a cell of its material.
+void CheckComponents(const TetrahedralMesh& mesh, const LabelVolume& volume, const SeedPlan& plan)
+{
+  const auto& components = plan.Found.Components;
+  std::vector<char> present(components.size(), 0);
+  for (std::size_t cell = 0; cell < mesh.NumberOfCells(); ++cell)
+  {
+    // Samples: the centre, and points towards the corners for cells that reach past a small
+    // component.
+    Vector3 centre{ 0, 0, 0 };
+    for (int corner = 0; corner < 4; ++corner)
+    {
+      centre = centre + 0.25 * mesh.Point(mesh.Cells[4 * cell + corner]);
+    }
+    for (int sample = 0; sample < 5; ++sample)
+    {
+      const Vector3 point =
+        sample == 4 ? centre : 0.5 * (centre + mesh.Point(mesh.Cells[4 * cell + sample]));
+      int index[3];
+      bool inside = true;
+      for (int a = 0; a < 3; ++a)
+      {
+        index[a] = static_cast<int>(std::floor(point[a] / volume.Spacing[a] + 0.5));
+        inside = inside && index[a] >= 0 && index[a] < volume.Size[a];
+      }
+      if (inside)
+      {
+        const std::uint32_t id = plan.Found.OfVoxel[volume.Index(index[0], index[1], index[2])];
+        present[id] = present[id] || components[id].Material == mesh.Materials[cell];
+      }
+    }
+  }
+  for (std::size_t id = 0; id < components.size(); ++id)
+  {
+    const LabelComponent& lost = components[id];
+    if (lost.Material != 0 && !present[id])
+    {
+      const Vector3 place = volume.PointAt(lost.Deepest[0], lost.Deepest[1], lost.Deepest[2]);
+      throw ConvergenceError("mesh: material " + std::to_string(lost.Material) +
+        Text(": the component at (%.1f, %.1f, %.1f) mm", place[0], place[1], place[2]) +
+        Text(" of %.3g mm3 is not in the mesh; expected facets finer than its thickness of about "
+             "%.2g mm, or a larger smallest component",
+          static_cast<double>(lost.Voxels) * volume.VoxelVolume(), 2 * lost.DepthMm));
+    }
+  }
+}
+
+/// From the grid frame to the volume frame.
+void Place(const LabelVolume& volume, TetrahedralMesh& mesh)
+{
+  for (std::size_t point = 0; point < mesh.NumberOfPoints(); ++point)
+  {
+    const Vector3 at = mesh.Point(point);
+    const Vector3 placed = volume.PointAt(at[0] / volume.Spacing[0], at[1] / volume.Spacing[1],
+      at[2] / volume.Spacing[2]);
+    std::copy(placed.begin(), placed.end(), &mesh.Points[3 * point]);
+  }
+  if (Dot(volume.Direction[0], Cross(volume.Direction[1], volume.Direction[2])) < 0)
+  {
+    for (std::size_t cell = 0; cell < mesh.NumberOfCells(); ++cell)
+    {
+      std::swap(mesh.Cells[4 * cell + 2], mesh.Cells[4 * cell + 3]);
+    }
+  }
+}
+
+std::vector<MaterialReport> Report(const LabelVolume& materials, const TetrahedralMesh& mesh)
+{
+  std::map<int, MaterialReport> reports;
+  for (const auto& [material, count] : materials.CountLabels())
+  {
+    if (material != 0)
+    {
+      MaterialReport& report = reports[material];
+      report.Material = material;
+      report.VolumeInMm3 = static_cast<double>(count) * materials.VoxelVolume();
+      report.SmallestDihedralDeg = 180;
+    }
+  }
+  for (std::size_t cell = 0; cell < mesh.NumberOfCells(); ++cell)
+  {
+    MaterialReport& report = reports[mesh.Materials[cell]];
+    ++report.Cells;
+    report.VolumeOutMm3 += mesh.CellVolume(cell);
+    report.SmallestDihedralDeg =
+      std::min(report.SmallestDihedralDeg, SmallestDihedralDeg(mesh, cell));
+    report.LargestRadiusEdgeRatio =
+      std::max(report.LargestRadiusEdgeRatio, RadiusEdgeRatio(mesh, cell));
+  }
+  std::vector<MaterialReport> result;
+  for (auto& [material, report] : reports)
+  {
+    report.SmallestDihedralDeg = report.Cells > 0 ? report.SmallestDihedralDeg : 0;
+    result.push_back(report);
+  }
+  return result;
+}
+}
+
+MeshingOptions MeshingOptions::Anatomy(const std::vector<int>& thinMaterials)
+{
+  MeshingOptions options;
+  options.CellSizeMm = 5.0;
+  options.FacetSizeMm = 3.0;
+  options.FacetDistanceMm = 0.5;
+  for (const int material : thinMaterials)
+  {
+    options.FacetSizeOfMaterialMm[material] = 1.2;
+    options.FacetDistanceOfMaterialMm[material] = 0.25;
+    options.CellSizeOfMaterialMm[material] = 2.0;
+  }
+  options.LayerFacetSizeMm = 0.5;
+  options.OptimisationSeconds = 0;
+  return options;
+}
+
+MeshingOptions MeshingOptions::Simulation()
+{
+  MeshingOptions options;
+  options.CellSizeMm = 9.0;
+  options.FacetSizeMm = 8.0;
+  options.FacetDistanceMm = 1.0;
+  options.CellRadiusEdgeRatio = 2.0;
+  options.SmallestComponentMm3 = 500.0;
+  return options;
+}
+
+void MeshingOptions::Validate() const
+{
+  const auto need = [](bool good, const char* name, const char* expected, double found)
+  {
+    if (!good || !std::isfinite(found))
+    {
+      throw InputError(
+        std::string("meshing: ") + name + ": expected " + expected + Text(", found %g", found));
+    }
+  };
+  need(this->CellSizeMm > 0, "cell size", "a positive number of mm", this->CellSizeMm);
+  need(this->FacetSizeMm > 0, "facet size", "a positive number of mm", this->FacetSizeMm);
+  for (const auto* sizes :
+    { &this->CellSizeOfMaterialMm, &this->FacetSizeOfMaterialMm, &this->FacetDistanceOfMaterialMm })
+  {
+    for (const auto& [material, size] : *sizes)
+    {
+      need(size > 0, "size or distance of a material", "a positive number of mm", size);
+    }
+  }
+  need(this->LayerFacetSizeMm >= 0, "layer facet size", "a number of mm of at least 0",
+    this->LayerFacetSizeMm);
+  need(this->FacetDistanceMm > 0, "facet distance", "a positive number of mm",
+    this->FacetDistanceMm);
+  need(this->FacetAngleDeg >= 0 && this->FacetAngleDeg <= 30, "facet angle",
+    "0 to 30 degrees (refinement need not end above)", this->FacetAngleDeg);
+  need(this->CellRadiusEdgeRatio >= 2 || this->CellRadiusEdgeRatio == 0, "cell radius-edge ratio",
+    "at least 2 (refinement need not end below), or 0 for none", this->CellRadiusEdgeRatio);
+  need(this->SmallestComponentMm3 >= 0, "smallest component", "a number of mm3 of at least 0",
+    this->SmallestComponentMm3);
+  need(this->SmoothingVoxels >= 0 && this->SmoothingVoxels <= 5, "smoothing", "0 to 5 voxels",
+    this->SmoothingVoxels);
+  need(this->SmallestDihedralDeg >= 0 && this->SmallestDihedralDeg <= 40, "smallest dihedral angle",
+    "0 to 40 degrees", this->SmallestDihedralDeg);
+  need(this->OptimisationSeconds >= 0, "optimisation time", "a number of s of at least 0",
+    this->OptimisationSeconds);
+}
+
+MeshingResult MeshMaterials(const LabelVolume& materials, const MeshingOptions& options,
+  const ProgressCallback& progress)
+{
+  const auto start = std::chrono::steady_clock::now();
+  options.Validate();
+  materials.Validate("volume to mesh");
+  ReportProgress(progress, 0.0, "finding components");
+  MeshingResult result;
+  LabelVolume volume = PrepareVolume(materials, 2);
+  result.MergedVoxels = MergeSmallComponents(volume, options.SmallestComponentMm3);
+  if (std::all_of(volume.Voxels.begin(), volume.Voxels.end(), [](int m) { return m == 0; }))
+  {
+    throw InputError(Text("volume to mesh: expected a component of at least %g mm3, found smaller "
+                          "ones only",
+      options.SmallestComponentMm3));
+  }
+  ReportProgress(progress, 0.02, "finding components");
+  const SeedPlan plan = PlanSeeds(volume, options);
+  ReportProgress(progress, 0.05, "smoothing interfaces");
+  const LabelField field(volume, options.SmoothingVoxels);
+
+  const double tissueMm3 =
+    std::count_if(volume.Voxels.begin(), volume.Voxels.end(), [](int m) { return m != 0; }) *
+    volume.VoxelVolume();
+  Labeller labeller{ field, progress, 1e5 + 2000 * tissueMm3 / std::pow(options.CellSizeMm, 3) };
+  const Vector3 extent{ (volume.Size[0] - 1) * volume.Spacing[0],
+    (volume.Size[1] - 1) * volume.Spacing[1], (volume.Size[2] - 1) * volume.Spacing[2] };
+  const double finest = std::min({ volume.Spacing[0], volume.Spacing[1], volume.Spacing[2] });
+  CGAL::set_warning_handler([](const char*, const char*, const char*, int, const char*) {});
+  CGAL::get_default_random() = CGAL::Random(0);
+  const Domain domain(
+    parameters::function = [&labeller](const Point& point) { return labeller(point); },
+    parameters::bounding_object =
+      Kernel::Iso_cuboid_3(Point(0, 0, 0), Point(extent[0], extent[1], extent[2])),
+    // CGAL counts in halves of the box's diagonal.
+    parameters::relative_error_bound = 2 * 0.02 * finest / Norm(extent));
+
+  Complex complex;
+  Seeder seeder(volume, domain, labeller, complex);
+  for (std::size_t id = 0; id < plan.SeedVoxels.size(); ++id)
+  {
+    const LabelComponent& component = plan.Found.Components[id];
+    for (const std::size_t voxel : plan.SeedVoxels[id])
+    {
+      const auto row = static_cast<std::size_t>(volume.Size[0]);
+      seeder.Shoot({ static_cast<int>(voxel % row), static_cast<int>(voxel / row % volume.Size[1]),
+                     static_cast<int>(voxel / row / volume.Size[1]) },
+        plan.Distance[voxel], options.FacetSizeMm);
+    }
+    result.Components += component.Material != 0;
+  }
+
+  ReportProgress(progress, 0.1, "meshing");
+  const SizingField facetSize{ options.FacetSizeMm, options.FacetSizeOfMaterialMm };
+  const SizingField facetDistance{ options.FacetDistanceMm, options.FacetDistanceOfMaterialMm };
+  const SizingField cellSize{ options.CellSizeMm, options.CellSizeOfMaterialMm };
+  Criteria criteria(parameters::facet_angle = options.FacetAngleDeg,
+    parameters::facet_size = facetSize, parameters::facet_distance = facetDistance,
+    parameters::cell_radius_edge_ratio = options.CellRadiusEdgeRatio,
+    parameters::cell_size = cellSize);
+  if (options.LayerFacetSizeMm > 0)
+  {
+    criteria.add_facet_criterion(new LayerCriterion(labeller, options.LayerFacetSizeMm));
+  }
+  CGAL::refine_mesh_3(complex, domain, criteria, parameters::no_perturb(), parameters::no_exude(),
+    parameters::no_lloyd(), parameters::no_odt());
+  if (options.OptimisationSeconds > 0 && options.SmallestDihedralDeg > 0)
+  {
+    labeller.Begin = labeller.End;
+    labeller.End = 0.95;
+    labeller.Stage = "removing slivers";
+    labeller.Calls = 0;
+    const auto perturbed =
+      CGAL::perturb_mesh_3(complex, domain, parameters::time_limit = options.OptimisationSeconds,
+        parameters::sliver_bound = options.SmallestDihedralDeg);
+    ReportProgress(progress, labeller.End, labeller.Stage);
+    const auto exuded =
+      CGAL::exude_mesh_3(complex, parameters::time_limit = options.OptimisationSeconds,
+        parameters::sliver_bound = options.SmallestDihedralDeg);
+    result.TimeLimitReached =
+      perturbed == CGAL::TIME_LIMIT_REACHED || exuded == CGAL::TIME_LIMIT_REACHED;
+  }
+  ReportProgress(progress, 0.96, "checking");
+  result.Mesh = Extract(complex);
+  CheckComponents(result.Mesh, volume, plan);
+  Place(volume, result.Mesh);
+  result.Mesh.Validate("mesh");
+  result.Reports = Report(materials, result.Mesh);
+  result.Seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  ReportProgress(progress, 1.0, "meshing");
+  return result;
+}
+}

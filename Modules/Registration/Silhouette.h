@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+#ifndef mammoray_Silhouette_h
+#define mammoray_Silhouette_h
+
+#include "MammographyGeometry.h"
+#include "SurfaceMesh.h"
+#include "mammorayRegistrationModule.h"
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+namespace mammoray
+{
+/// A point of the receptor plane (z = 0) in the gantry frame: x, y; mm.
+using ReceptorPoint = std::array<double, 2>;
+
+/**
+ * Projects points from the focal spot (0, 0, SourceToDetectorMm) onto the receptor plane.
+ * `points`: 3 x pointCount, volume frame, mm. Points at or above the focal spot become NaN.
+ */
+MAMMORAYREGISTRATION_EXPORT std::vector<ReceptorPoint> ProjectToReceptor(
+  const std::vector<double>& points, const VolumeFromGantry& placed, const MammographyUnit& unit);
+
+/// The edges between skin and air of a surface, each once, as pairs of its points.
+MAMMORAYREGISTRATION_EXPORT std::vector<std::array<std::uint32_t, 2>> OuterEdges(
+  const SurfaceMesh& surface);
+
+/**
+ * The outer silhouette seen from `centre`: for each unit direction the distance, mm, of the farthest
+ * crossing of a projected edge with the ray from `centre`; 0 where none crosses. Exact for the polygons
+ * the edges draw, hence continuous when their points move.
+ */
+MAMMORAYREGISTRATION_EXPORT std::vector<double> SilhouetteRadii(
+  const std::vector<ReceptorPoint>& projected,
+  const std::vector<std::array<std::uint32_t, 2>>& edges, const ReceptorPoint& centre,
+  const std::vector<ReceptorPoint>& directions);
+
+/// `count` unit directions, equally spaced in angle strictly between +x and -x through +y.
+MAMMORAYREGISTRATION_EXPORT std::vector<ReceptorPoint> HalfCircleDirections(int count);
+}
+
+#endif

@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "TargetImage.h"
+
+#include "Error.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+
+namespace mammoray
+{
+namespace
+{
+/// Continuous column and row of a receptor point.
+std::array<double, 2> PixelOf(const RegistrationTarget& target, const ReceptorPoint& point)
+{
+  const double dx = point[0] - target.Origin[0];
+  const double dy = point[1] - target.Origin[1];
+  const auto& c = target.ColumnStep;
+  const auto& r = target.RowStep;
+  const double determinant = c[0] * r[1] - c[1] * r[0];
+  return { (dx * r[1] - dy * r[0]) / determinant, (c[0] * dy - c[1] * dx) / determinant };
+}
+}
+
+void ValidateTarget(const RegistrationTarget& target)
+{
+  const auto pixels = static_cast<std::size_t>(std::max(target.Columns, 0)) * std::max(target.Rows, 0);
+  if (pixels == 0 || target.LogAttenuation.size() != pixels ||
+    target.BreastMask.size() != pixels || target.SignedDistanceMm.size() != pixels)
+  {
+    throw InputError("mammogram: expected " + std::to_string(target.Columns) + " x " +
+      std::to_string(target.Rows) + " pixels of attenuation, mask and distance, found " +
+      std::to_string(target.LogAttenuation.size()) + ", " +
+      std::to_string(target.BreastMask.size()) + " and " +
+      std::to_string(target.SignedDistanceMm.size()));
+  }
+  const double area =
+    target.ColumnStep[0] * target.RowStep[1] - target.ColumnStep[1] * target.RowStep[0];
+  if (!(std::abs(area) > 1e-12))
+  {
+    throw InputError("mammogram: expected independent column and row steps on the receptor");
+  }
+  if (std::count(target.BreastMask.begin(), target.BreastMask.end(), 1) == 0)
+  {
+    throw InputError("mammogram: expected a breast, found an empty mask");
+  }
+}
+
+RegistrationTarget Coarsen(const RegistrationTarget& target, int factor)
+{
+  RegistrationTarget coarse;
+  coarse.Columns = target.Columns / factor;
+  coarse.Rows = target.Rows / factor;
+  coarse.Origin = PixelPosition(target, 0.5 * (factor - 1), 0.5 * (factor - 1));
+  for (int axis = 0; axis < 2; ++axis)
+  {
+    coarse.ColumnStep[axis] = factor * target.ColumnStep[axis];
+    coarse.RowStep[axis] = factor * target.RowStep[axis];
+  }
+  coarse.Warnings = target.Warnings;
+  const std::size_t pixels = static_cast<std::size_t>(coarse.Columns) * coarse.Rows;
+  coarse.LogAttenuation.resize(pixels);
+  coarse.BreastMask.resize(pixels);
+  coarse.SignedDistanceMm.resize(pixels);
+  for (int row = 0; row < coarse.Rows; ++row)
+  {
+    for (int column = 0; column < coarse.Columns; ++column)
+    {
+      double attenuation = 0;
+      double distance = 0;
+      bool breast = true;
+      for (int y = 0; y < factor; ++y)
+      {
+        for (int x = 0; x < factor; ++x)
+        {
+          const std::size_t fine =
+            static_cast<std::size_t>(row * factor + y) * target.Columns + column * factor + x;
+          attenuation += target.LogAttenuation[fine];
+          distance += target.SignedDistanceMm[fine];
+          breast = breast && target.BreastMask[fine] != 0;
+        }
+      }
+      const std::size_t index = static_cast<std::size_t>(row) * coarse.Columns + column;
+      coarse.LogAttenuation[index] = static_cast<float>(attenuation / (factor * factor));
+      coarse.SignedDistanceMm[index] = static_cast<float>(distance / (factor * factor));
+      coarse.BreastMask[index] = breast ? 1 : 0;
+    }
+  }
+  return coarse;
+}
+
+ReceptorPoint PixelPosition(const RegistrationTarget& target, double column, double row)
+{
+  return { target.Origin[0] + column * target.ColumnStep[0] + row * target.RowStep[0],
+    target.Origin[1] + column * target.ColumnStep[1] + row * target.RowStep[1] };
+}
+
+double SignedDistanceAt(const RegistrationTarget& target, const ReceptorPoint& point)
+{
+  const auto [column, row] = PixelOf(target, point);
+  const double insideColumn = std::clamp(column, 0.0, target.Columns - 1.0);
+  const double insideRow = std::clamp(row, 0.0, target.Rows - 1.0);
+  const int c0 = std::min(static_cast<int>(insideColumn), std::max(target.Columns - 2, 0));
+  const int r0 = std::min(static_cast<int>(insideRow), std::max(target.Rows - 2, 0));
+  const int c1 = std::min(c0 + 1, target.Columns - 1);
+  const int r1 = std::min(r0 + 1, target.Rows - 1);
+  const double fc = insideColumn - c0;
+  const double fr = insideRow - r0;
+  const auto at = [&](int c, int r)
+  { return static_cast<double>(target.SignedDistanceMm[static_cast<std::size_t>(r) * target.Columns + c]); };
+  const double value = (1 - fr) * ((1 - fc) * at(c0, r0) + fc * at(c1, r0)) +
+    fr * ((1 - fc) * at(c0, r1) + fc * at(c1, r1));
+  const ReceptorPoint border = PixelPosition(target, insideColumn, insideRow);
+  return value + std::hypot(point[0] - border[0], point[1] - border[1]);
+}
+
+bool Contains(const RegistrationTarget& target, const ReceptorPoint& point, double marginMm)
+{
+  const auto [column, row] = PixelOf(target, point);
+  const double columnMargin = marginMm / std::hypot(target.ColumnStep[0], target.ColumnStep[1]) - 0.5;
+  const double rowMargin = marginMm / std::hypot(target.RowStep[0], target.RowStep[1]) - 0.5;
+  return column >= columnMargin && column <= target.Columns - 1 - columnMargin &&
+    row >= rowMargin && row <= target.Rows - 1 - rowMargin;
+}
+
+ReceptorPoint ChestWallCentre(const RegistrationTarget& target)
+{
+  double low = std::numeric_limits<double>::infinity();
+  double high = -low;
+  for (int row = 0; row < target.Rows; ++row)
+  {
+    for (int column = 0; column < target.Columns; ++column)
+    {
+      if (target.BreastMask[static_cast<std::size_t>(row) * target.Columns + column])
+      {
+        const double x = PixelPosition(target, column, row)[0];
+        low = std::min(low, x);
+        high = std::max(high, x);
+      }
+    }
+  }
+  return { 0.5 * (low + high), 0.0 };
+}
+}

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+#ifndef mammoray_TargetImage_h
+#define mammoray_TargetImage_h
+
+#include "Mammogram.h"
+#include "Silhouette.h"
+#include "mammorayRegistrationModule.h"
+
+#include <vector>
+
+namespace mammoray
+{
+/// Throws InputError unless the target's arrays fit its size, it holds a breast and its grid is regular.
+MAMMORAYREGISTRATION_EXPORT void ValidateTarget(const RegistrationTarget& target);
+
+/**
+ * The target with factor x factor pixels averaged into one (rest at the far borders dropped). A coarse pixel is
+ * breast when all of its pixels are. Signed distances are averaged.
+ */
+MAMMORAYREGISTRATION_EXPORT RegistrationTarget Coarsen(const RegistrationTarget& target, int factor);
+
+/// Gantry x, y of a continuous pixel position (pixel centres at whole numbers).
+MAMMORAYREGISTRATION_EXPORT ReceptorPoint PixelPosition(
+  const RegistrationTarget& target, double column, double row);
+
+/**
+ * Signed distance, mm, at a receptor point: bilinear between pixels; outside the image the value at the
+ * nearest border pixel plus the distance to it.
+ */
+MAMMORAYREGISTRATION_EXPORT double SignedDistanceAt(
+  const RegistrationTarget& target, const ReceptorPoint& point);
+
+/// True inside the image, at least `marginMm` away from its borders.
+MAMMORAYREGISTRATION_EXPORT bool Contains(
+  const RegistrationTarget& target, const ReceptorPoint& point, double marginMm);
+
+/// Middle of the breast mask across, on the receptor's chest-wall edge: (x, 0).
+MAMMORAYREGISTRATION_EXPORT ReceptorPoint ChestWallCentre(const RegistrationTarget& target);
+}
+
+#endif

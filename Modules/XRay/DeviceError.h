@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+#ifndef mammoray_DeviceError_h
+#define mammoray_DeviceError_h
+
+#include "Error.h"
+
+#include <string>
+
+namespace mammoray
+{
+/// There is no usable Vulkan device, or it failed. The message is one line with the reason.
+class DeviceError : public Error
+{
+public:
+  explicit DeviceError(const std::string& message, const std::string& resultName = {})
+    : Error(message)
+    , Result(resultName)
+  {
+  }
+  /// Name of the VkResult, "VK_ERROR_OUT_OF_DEVICE_MEMORY" for example; empty where there is none.
+  const std::string& ResultName() const { return this->Result; }
+
+private:
+  std::string Result;
+};
+}
+
+#endif

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: Apache-2.0
+#ifndef mammoray_RayTracingProjector_h
+#define mammoray_RayTracingProjector_h
+
+#include "AccelerationStructure.h"
+
+#include <array>
+#include <map>
+
+namespace mammoray
+{
+/// See PathLengthProjector and shaders/pathLength.rgen. Everything but the mesh's own buffers
+/// outlives frames.
+class RayTracingProjector : public PathLengthProjector
+{
+public:
+  explicit RayTracingProjector(const ProjectorOptions& options);
+
+  void SetSurface(const SurfaceMesh& surface) override;
+  void UpdatePoints(const std::vector<double>& points) override;
+  PathLengthImage Project(const XRaySource& source, const XRayDetector& detector) override;
+  std::string DeviceName() const override { return this->Device.Name(); }
+
+private:
+  /// Pipeline for a number of materials, with its shader binding table.
+  struct Program
+  {
+    std::optional<vk::raii::Pipeline> Pipeline;
+    Buffer Table;
+    std::array<vk::StridedDeviceAddressRegionKHR, 3> Regions; ///< ray generation, miss, hit
+  };
+
+  void MakeLayout();
+  const Program& ProgramFor(std::uint32_t capacity);
+  template <typename Real>
+  void WriteParameters(const XRaySource& source, const XRayDetector& detector,
+    std::uint32_t attempts);
+  /// Copies positions, relative to the local origin, to the device and finds their box.
+  void WritePoints(const std::vector<double>& points);
+  void BuildScene(bool refit);
+  void UpdateDescriptors();
+
+  VulkanDevice Device;
+  bool Doubles = false;
+  std::optional<vk::raii::DescriptorSetLayout> SetLayout;
+  std::optional<vk::raii::PipelineLayout> Layout;
+  std::optional<vk::raii::DescriptorPool> DescriptorPool;
+  std::optional<vk::raii::DescriptorSet> Set;
+  std::map<std::uint32_t, Program> Programs;
+
+  std::size_t PointCount = 0;
+  std::uint32_t TriangleCount = 0;
+  std::uint32_t MaterialCount = 0;
+  /// Origin of the local frame, and the box of the mesh in it, mm.
+  Vector3 Center{ 0, 0, 0 };
+  Vector3 BoxLow{ 0, 0, 0 };
+  Vector3 BoxHigh{ 0, 0, 0 };
+
+  Buffer Parameters;
+  Buffer HitPositions;   ///< floats, for the driver's hit test
+  Buffer ExactPositions; ///< doubles, for distances; unused in single precision
+  Buffer Triangles;
+  Buffer Materials;
+  Buffer Instances;
+  Buffer Lengths;
+  Buffer Failures;
+  bool DescriptorsStale = true;
+  std::optional<AccelerationStructure> Surface;
+  std::optional<AccelerationStructure> Scene;
+};
+}
+
+#endif

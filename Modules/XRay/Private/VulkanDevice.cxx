@@ -1,0 +1,366 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "VulkanDevice.h"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cstdlib>
+#include <cstring>
+
+namespace mammoray
+{
+namespace
+{
+constexpr std::array<const char*, 3> RequiredExtensions{
+  VK_KHR_ACCELERATION_STRUCTURE_EXTENSION_NAME,
+  VK_KHR_RAY_TRACING_PIPELINE_EXTENSION_NAME,
+  VK_KHR_DEFERRED_HOST_OPERATIONS_EXTENSION_NAME,
+};
+constexpr const char* ValidationLayer = "VK_LAYER_KHRONOS_validation";
+
+constexpr const char* NoDevice =
+  "no Vulkan: the loader found no driver for any device (Debian: mesa-vulkan-drivers)";
+
+VKAPI_ATTR VkBool32 VKAPI_CALL OnValidationMessage(VkDebugUtilsMessageSeverityFlagBitsEXT,
+  VkDebugUtilsMessageTypeFlagsEXT, const VkDebugUtilsMessengerCallbackDataEXT* data, void* messages)
+{
+  try
+  {
+    static_cast<std::vector<std::string>*>(messages)->emplace_back(data->pMessage);
+  }
+  catch (...) // must not cross the driver; the message is lost, the call goes on
+  {
+  }
+  return VK_FALSE;
+}
+
+vk::raii::Context OpenLoader()
+{
+  try
+  {
+    return vk::raii::Context();
+  }
+  catch (const std::exception&)
+  {
+    throw DeviceError("no Vulkan: the loader (libvulkan.so.1) cannot be opened");
+  }
+}
+
+vk::raii::Instance MakeInstance(const vk::raii::Context& context, bool validation)
+{
+  const vk::ApplicationInfo application("mammoray", 1, "mammoray", 1, VK_API_VERSION_1_2);
+  std::vector<const char*> layers;
+  std::vector<const char*> extensions;
+  if (validation)
+  {
+    const auto available = context.enumerateInstanceLayerProperties();
+    if (std::none_of(available.begin(), available.end(),
+          [](const vk::LayerProperties& layer)
+          { return std::strcmp(layer.layerName, ValidationLayer) == 0; }))
+    {
+      throw DeviceError(std::string("Vulkan: validation was asked for, but there is no layer ") +
+        ValidationLayer + " (Debian: vulkan-validationlayers)");
+    }
+    layers.push_back(ValidationLayer);
+    extensions.push_back(VK_EXT_DEBUG_UTILS_EXTENSION_NAME);
+    extensions.push_back(VK_EXT_VALIDATION_FEATURES_EXTENSION_NAME);
+  }
+  const vk::ValidationFeatureEnableEXT synchronization =
+    vk::ValidationFeatureEnableEXT::eSynchronizationValidation;
+  const vk::ValidationFeaturesEXT features(synchronization);
+  vk::InstanceCreateInfo info({}, &application, layers, extensions);
+  info.pNext = validation ? &features : nullptr;
+  try
+  {
+    return vk::raii::Instance(context, info);
+  }
+  catch (const vk::IncompatibleDriverError&)
+  {
+    throw DeviceError(NoDevice, "VK_ERROR_INCOMPATIBLE_DRIVER");
+  }
+}
+
+std::vector<vk::raii::PhysicalDevice> Devices(const vk::raii::Instance& instance)
+{
+  try
+  {
+    return vk::raii::PhysicalDevices(instance);
+  }
+  catch (const vk::InitializationFailedError&) // what the loader answers without a usable driver
+  {
+    return {};
+  }
+}
+
+bool TracesRays(const vk::raii::PhysicalDevice& device)
+{
+  if (device.getProperties().apiVersion < VK_API_VERSION_1_2)
+  {
+    return false;
+  }
+  const auto extensions = device.enumerateDeviceExtensionProperties();
+  for (const char* required : RequiredExtensions)
+  {
+    if (std::none_of(extensions.begin(), extensions.end(),
+          [&](const vk::ExtensionProperties& extension)
+          { return std::strcmp(extension.extensionName, required) == 0; }))
+    {
+      return false;
+    }
+  }
+  const auto features = device.getFeatures2<vk::PhysicalDeviceFeatures2,
+    vk::PhysicalDeviceVulkan12Features, vk::PhysicalDeviceAccelerationStructureFeaturesKHR,
+    vk::PhysicalDeviceRayTracingPipelineFeaturesKHR>();
+  return features.get<vk::PhysicalDeviceVulkan12Features>().bufferDeviceAddress &&
+    features.get<vk::PhysicalDeviceAccelerationStructureFeaturesKHR>().accelerationStructure &&
+    features.get<vk::PhysicalDeviceRayTracingPipelineFeaturesKHR>().rayTracingPipeline;
+}
+
+/// Most capable first: ray tracing, then the kind of device.
+int Rank(const vk::raii::PhysicalDevice& device)
+{
+  int kind = 0;
+  switch (device.getProperties().deviceType)
+  {
+    case vk::PhysicalDeviceType::eDiscreteGpu:
+      kind = 4;
+      break;
+    case vk::PhysicalDeviceType::eIntegratedGpu:
+      kind = 3;
+      break;
+    case vk::PhysicalDeviceType::eVirtualGpu:
+      kind = 2;
+      break;
+    case vk::PhysicalDeviceType::eCpu:
+      kind = 1;
+      break;
+    default:
+      break;
+  }
+  return (TracesRays(device) ? 10 : 0) + kind;
+}
+
+std::string TypeName(vk::PhysicalDeviceType type)
+{
+  switch (type)
+  {
+    case vk::PhysicalDeviceType::eDiscreteGpu:
+      return "discrete GPU";
+    case vk::PhysicalDeviceType::eIntegratedGpu:
+      return "integrated GPU";
+    case vk::PhysicalDeviceType::eVirtualGpu:
+      return "virtual GPU";
+    case vk::PhysicalDeviceType::eCpu:
+      return "CPU";
+    default:
+      return "other";
+  }
+}
+
+std::string LowerCase(std::string text)
+{
+  for (char& letter : text)
+  {
+    letter = static_cast<char>(std::tolower(static_cast<unsigned char>(letter)));
+  }
+  return text;
+}
+
+std::vector<vk::raii::PhysicalDevice> RankedDevices(const vk::raii::Instance& instance)
+{
+  std::vector<vk::raii::PhysicalDevice> devices = Devices(instance);
+  std::vector<std::pair<int, std::size_t>> order;
+  for (std::size_t index = 0; index < devices.size(); ++index)
+  {
+    order.emplace_back(-Rank(devices[index]), index);
+  }
+  std::sort(order.begin(), order.end());
+  std::vector<vk::raii::PhysicalDevice> ranked;
+  for (const auto& [rank, index] : order)
+  {
+    ranked.push_back(std::move(devices[index]));
+  }
+  return ranked;
+}
+
+std::string WantedDevice(const ProjectorOptions& options)
+{
+  const char* variable = std::getenv("MAMMORAY_DEVICE");
+  return options.Device.empty() && variable ? variable : options.Device;
+}
+}
+
+std::vector<DeviceDescription> ListDevices(std::string* reason)
+{
+  std::vector<DeviceDescription> descriptions;
+  try
+  {
+    WithDeviceErrors(
+      [&]
+      {
+        const vk::raii::Context context = OpenLoader();
+        const vk::raii::Instance instance = MakeInstance(context, false);
+        for (const vk::raii::PhysicalDevice& device : RankedDevices(instance))
+        {
+          const auto properties =
+            device
+              .getProperties2<vk::PhysicalDeviceProperties2, vk::PhysicalDeviceDriverProperties>();
+          const auto& general = properties.get<vk::PhysicalDeviceProperties2>().properties;
+          const auto& driver = properties.get<vk::PhysicalDeviceDriverProperties>();
+          DeviceDescription description;
+          description.Name = general.deviceName.data();
+          description.Driver =
+            std::string(driver.driverName.data()) + " " + driver.driverInfo.data();
+          description.Type = TypeName(general.deviceType);
+          description.RayTracing = TracesRays(device);
+          descriptions.push_back(description);
+        }
+      });
+    if (descriptions.empty() && reason)
+    {
+      *reason = NoDevice;
+    }
+  }
+  catch (const DeviceError& error)
+  {
+    descriptions.clear();
+    if (reason)
+    {
+      *reason = error.what();
+    }
+  }
+  return descriptions;
+}
+
+VulkanDevice::VulkanDevice(const ProjectorOptions& options)
+  : Context(OpenLoader())
+{
+#ifdef MAMMORAY_VULKAN_VALIDATION
+  const bool validation = true;
+#else
+  const bool validation = options.Validation;
+#endif
+  this->Instance = MakeInstance(this->Context, validation);
+  if (validation)
+  {
+    const vk::DebugUtilsMessengerCreateInfoEXT info({},
+      vk::DebugUtilsMessageSeverityFlagBitsEXT::eError |
+        vk::DebugUtilsMessageSeverityFlagBitsEXT::eWarning,
+      vk::DebugUtilsMessageTypeFlagBitsEXT::eValidation |
+        vk::DebugUtilsMessageTypeFlagBitsEXT::ePerformance,
+      OnValidationMessage, &this->Messages);
+    this->Messenger.emplace(*this->Instance, info);
+  }
+  this->ChooseDevice(WantedDevice(options));
+  this->MakeDevice();
+  this->CheckValidation();
+}
+
+void VulkanDevice::ChooseDevice(const std::string& wanted)
+{
+  std::string found;
+  for (vk::raii::PhysicalDevice& device : RankedDevices(*this->Instance))
+  {
+    const std::string name = device.getProperties().deviceName.data();
+    found += (found.empty() ? "" : ", ") + name + (TracesRays(device) ? "" : " (no ray tracing)");
+    if (LowerCase(name).find(LowerCase(wanted)) != std::string::npos && TracesRays(device))
+    {
+      this->PhysicalDevice = std::move(device);
+      this->DeviceName = name;
+      return;
+    }
+  }
+  if (found.empty())
+  {
+    throw DeviceError(NoDevice);
+  }
+  throw DeviceError("Vulkan: expected a device that traces rays (VK_KHR_ray_tracing_pipeline)" +
+    (wanted.empty() ? "" : " with '" + wanted + "' in its name") + ", found " + found);
+}
+
+void VulkanDevice::MakeDevice()
+{
+  const auto properties = this->PhysicalDevice->getProperties2<vk::PhysicalDeviceProperties2,
+    vk::PhysicalDeviceRayTracingPipelinePropertiesKHR,
+    vk::PhysicalDeviceAccelerationStructurePropertiesKHR>();
+  this->DeviceLimits = properties.get<vk::PhysicalDeviceProperties2>().properties.limits;
+  this->RayTracing = properties.get<vk::PhysicalDeviceRayTracingPipelinePropertiesKHR>();
+  this->Structure = properties.get<vk::PhysicalDeviceAccelerationStructurePropertiesKHR>();
+  this->Memory = this->PhysicalDevice->getMemoryProperties();
+  this->Doubles = this->PhysicalDevice->getFeatures().shaderFloat64;
+
+  const auto families = this->PhysicalDevice->getQueueFamilyProperties();
+  const auto family = std::find_if(families.begin(), families.end(),
+    [](const vk::QueueFamilyProperties& candidate)
+    { return static_cast<bool>(candidate.queueFlags & vk::QueueFlagBits::eCompute); });
+  if (family == families.end())
+  {
+    throw DeviceError("Vulkan: " + this->DeviceName + " has no queue that computes");
+  }
+  this->QueueFamily = static_cast<std::uint32_t>(family - families.begin());
+
+  const float priority = 1.0f;
+  const vk::DeviceQueueCreateInfo queue({}, this->QueueFamily, 1, &priority);
+  vk::StructureChain<vk::DeviceCreateInfo, vk::PhysicalDeviceFeatures2,
+    vk::PhysicalDeviceVulkan12Features, vk::PhysicalDeviceAccelerationStructureFeaturesKHR,
+    vk::PhysicalDeviceRayTracingPipelineFeaturesKHR>
+    info;
+  info.get<vk::DeviceCreateInfo>().setQueueCreateInfos(queue).setPEnabledExtensionNames(
+    RequiredExtensions);
+  info.get<vk::PhysicalDeviceFeatures2>().features.shaderFloat64 = this->Doubles;
+  info.get<vk::PhysicalDeviceVulkan12Features>().bufferDeviceAddress = true;
+  info.get<vk::PhysicalDeviceAccelerationStructureFeaturesKHR>().accelerationStructure = true;
+  info.get<vk::PhysicalDeviceRayTracingPipelineFeaturesKHR>().rayTracingPipeline = true;
+  this->LogicalDevice.emplace(*this->PhysicalDevice, info.get<vk::DeviceCreateInfo>());
+  this->Queue.emplace(*this->LogicalDevice, this->QueueFamily, 0);
+  this->Pool.emplace(*this->LogicalDevice,
+    vk::CommandPoolCreateInfo(vk::CommandPoolCreateFlagBits::eResetCommandBuffer,
+      this->QueueFamily));
+  vk::raii::CommandBuffers buffers(*this->LogicalDevice,
+    vk::CommandBufferAllocateInfo(**this->Pool, vk::CommandBufferLevel::ePrimary, 1));
+  this->Commands.emplace(std::move(buffers.front()));
+  this->Done.emplace(*this->LogicalDevice, vk::FenceCreateInfo());
+}
+
+std::optional<std::uint32_t> VulkanDevice::FindMemoryType(std::uint32_t typeBits,
+  vk::MemoryPropertyFlags properties) const
+{
+  for (std::uint32_t type = 0; type < this->Memory.memoryTypeCount; ++type)
+  {
+    if ((typeBits >> type & 1u) != 0 &&
+      (this->Memory.memoryTypes[type].propertyFlags & properties) == properties)
+    {
+      return type;
+    }
+  }
+  return std::nullopt;
+}
+
+void VulkanDevice::Run(const std::function<void(const vk::raii::CommandBuffer&)>& record)
+{
+  this->Commands->begin({ vk::CommandBufferUsageFlagBits::eOneTimeSubmit });
+  record(*this->Commands);
+  this->Commands->end();
+  const vk::CommandBuffer commands = **this->Commands;
+  this->Queue->submit(vk::SubmitInfo({}, {}, commands), **this->Done);
+  const vk::Result result = this->LogicalDevice->waitForFences(**this->Done, true, UINT64_MAX);
+  if (result != vk::Result::eSuccess)
+  {
+    throw DeviceError(
+      "Vulkan: waiting for " + this->DeviceName + " failed: " + vk::to_string(result));
+  }
+  this->LogicalDevice->resetFences(**this->Done);
+  this->CheckValidation();
+}
+
+void VulkanDevice::CheckValidation()
+{
+  if (!this->Messages.empty())
+  {
+    std::string message = this->Messages.front();
+    this->Messages.clear();
+    std::replace(message.begin(), message.end(), '\n', ' ');
+    throw DeviceError("Vulkan validation: " + message);
+  }
+}
+}

@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: Apache-2.0
+#ifndef mammoray_VulkanDevice_h
+#define mammoray_VulkanDevice_h
+
+#include "DeviceError.h"
+#include "PathLengthProjector.h"
+
+#define VULKAN_HPP_NO_SPACESHIP_OPERATOR
+#include <vulkan/vulkan_raii.hpp>
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace mammoray
+{
+/// Calls a function and turns what Vulkan-Hpp throws into a DeviceError with the VkResult's name.
+template <typename Function>
+auto WithDeviceErrors(const Function& function)
+{
+  try
+  {
+    return function();
+  }
+  catch (const vk::SystemError& error)
+  {
+    const auto result = static_cast<vk::Result>(error.code().value());
+    const std::string name = "VK_" +
+      [&]
+    {
+      // "ErrorOutOfDeviceMemory" -> "ERROR_OUT_OF_DEVICE_MEMORY"
+      std::string text;
+      for (const char letter : vk::to_string(result))
+      {
+        if (letter >= 'A' && letter <= 'Z' && !text.empty())
+        {
+          text += '_';
+        }
+        text += static_cast<char>(letter >= 'a' && letter <= 'z' ? letter - 'a' + 'A' : letter);
+      }
+      return text;
+    }();
+    throw DeviceError("Vulkan: " + std::string(error.what()) + " (" + name + ")", name);
+  }
+}
+
+/**
+ * A Vulkan instance, one device of it that traces rays, and one queue. Members are declared in
+ * creation order. Not copied, not moved: the other types keep references to it.
+ */
+class VulkanDevice
+{
+public:
+  explicit VulkanDevice(const ProjectorOptions& options);
+  VulkanDevice(const VulkanDevice&) = delete;
+  VulkanDevice& operator=(const VulkanDevice&) = delete;
+
+  const vk::raii::Device& Device() const { return *this->LogicalDevice; }
+  const std::string& Name() const { return this->DeviceName; }
+  /// True when shaders may use 64-bit floats.
+  bool HasDoubles() const { return this->Doubles; }
+  const vk::PhysicalDeviceRayTracingPipelinePropertiesKHR& RayTracingProperties() const
+  {
+    return this->RayTracing;
+  }
+  const vk::PhysicalDeviceAccelerationStructurePropertiesKHR& StructureProperties() const
+  {
+    return this->Structure;
+  }
+  const vk::PhysicalDeviceLimits& Limits() const { return this->DeviceLimits; }
+
+  /// Index of the first memory type among `typeBits` with all of the properties; empty if none has.
+  std::optional<std::uint32_t> FindMemoryType(std::uint32_t typeBits,
+    vk::MemoryPropertyFlags properties) const;
+
+  /// Records commands, submits them and waits. Throws DeviceError, also for validation messages.
+  void Run(const std::function<void(const vk::raii::CommandBuffer&)>& record);
+  /// Throws DeviceError with the first message of the validation layer, if there was one.
+  void CheckValidation();
+
+private:
+  void ChooseDevice(const std::string& wanted);
+  void MakeDevice();
+
+  vk::raii::Context Context;
+  /// Messages of the validation layer, written by the messenger's callback; outlives the instance.
+  std::vector<std::string> Messages;
+  std::optional<vk::raii::Instance> Instance;
+  std::optional<vk::raii::DebugUtilsMessengerEXT> Messenger;
+  std::optional<vk::raii::PhysicalDevice> PhysicalDevice;
+  std::string DeviceName;
+  bool Doubles = false;
+  std::uint32_t QueueFamily = 0;
+  vk::PhysicalDeviceLimits DeviceLimits;
+  vk::PhysicalDeviceMemoryProperties Memory;
+  vk::PhysicalDeviceRayTracingPipelinePropertiesKHR RayTracing;
+  vk::PhysicalDeviceAccelerationStructurePropertiesKHR Structure;
+  std::optional<vk::raii::Device> LogicalDevice;
+  std::optional<vk::raii::Queue> Queue;
+  std::optional<vk::raii::CommandPool> Pool;
+  std::optional<vk::raii::CommandBuffer> Commands;
+  std::optional<vk::raii::Fence> Done;
+};
+}
+
+#endif

@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "Files.h"
+#include "MeshConversion.h"
+#include "MeshIO.h"
+#include "TestMeshes.h"
+
+#include "vtkCellData.h"
+#include "vtkDataArray.h"
+#include "vtkFieldData.h"
+#include "vtkPointData.h"
+#include "vtkUnstructuredGrid.h"
+
+#include <sys/wait.h>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+
+using namespace mammoray;
+using testing_support::ReadFile;
+using testing_support::TemporaryFolder;
+
+namespace
+{
+class CompressCommand : public testing::Test
+{
+protected:
+  void SetUp() override
+  {
+    // x left, y anterior, z superior; a chest wall of 15 mm.
+    WriteMesh(ToGrid(test::MakeHalfEllipsoidMesh(40, 45, 38, 6), { "air", "fat", "muscle" }),
+      this->Folder.File("breast.vtu"));
+    WriteMesh(ToGrid(test::MakeHalfEllipsoidMesh(40, 45, 38, 16), { "air", "fat", "muscle" }),
+      this->Folder.File("fine.vtu"));
+    this->Folder.Write("table.json", R"({"materials": [{"name": "air", "labels": [0]},
+      {"name": "fat", "labels": [1], "attenuation": "adipose"},
+      {"name": "muscle", "labels": [2], "attenuation": "muscle", "held": true}]})");
+  }
+
+  int Run(const std::string& arguments)
+  {
+    const std::string command = std::string(MAMMORAY_EXECUTABLE) + " compress " + arguments + " >" +
+      this->Folder.File("out") + " 2>" + this->Folder.File("err");
+    const int status = std::system(command.c_str());
+    this->Errors = ReadFile(this->Folder.File("err"));
+    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+  }
+
+  TemporaryFolder Folder;
+  std::string Result = this->Folder.File("compressed.vtu");
+  std::string Common = "--orientation LAS --materials " + this->Folder.File("table.json") + " -o " +
+    this->Result + " --mesh ";
+  std::string Coarse = this->Common + this->Folder.File("breast.vtu");
+  std::string Errors;
+};
+}
+
+TEST_F(CompressCommand, WritesTheCompressedMesh)
+{
+  ASSERT_EQ(this->Run(this->Coarse + " --thickness 46 --anterior 5 --roll 10"), 0) << this->Errors;
+  EXPECT_EQ(this->Errors, "");
+  const vtkSmartPointer<vtkUnstructuredGrid> grid = ReadMesh(this->Result);
+  const TetrahedralMesh rest = test::MakeHalfEllipsoidMesh(40, 45, 38, 6);
+  const TetrahedralMesh deformed = FromGrid(grid);
+  vtkDataArray* displacement = grid->GetPointData()->GetArray("Displacement");
+  ASSERT_TRUE(displacement);
+  ASSERT_EQ(displacement->GetNumberOfComponents(), 3);
+  double largest = 0;
+  for (std::size_t p = 0; p < rest.NumberOfPoints(); ++p)
+  {
+    for (int axis = 0; axis < 3; ++axis)
+    {
+      const double by = displacement->GetComponent(static_cast<vtkIdType>(p), axis);
+      EXPECT_NEAR(rest.Point(p)[axis] + by, deformed.Point(p)[axis], 1e-9);
+      largest = std::max(largest, std::abs(by));
+    }
+  }
+  EXPECT_GT(largest, 5);
+  ASSERT_TRUE(grid->GetCellData()->GetArray("J"));
+  std::size_t inverted = 0;
+  for (std::size_t cell = 0; cell < rest.NumberOfCells(); ++cell)
+  {
+    const double ratio =
+      grid->GetCellData()->GetArray("J")->GetTuple1(static_cast<vtkIdType>(cell));
+    EXPECT_NEAR(ratio, deformed.CellVolume(cell) / rest.CellVolume(cell), 1e-9);
+    inverted += ratio > 0 ? 0 : 1;
+  }
+  EXPECT_EQ(grid->GetFieldData()->GetArray("InvertedCells")->GetTuple1(0), inverted);
+  // Flat bricks at the rim of the chest wall, squeezed most; the rest must be sound.
+  EXPECT_LT(inverted, rest.NumberOfCells() / 100);
+  for (const char* name : { "PaddleForceN", "SupportForceN", "LargestPenetrationMm", "SmallestJ" })
+  {
+    ASSERT_TRUE(grid->GetFieldData()->GetArray(name)) << name;
+    EXPECT_GT(grid->GetFieldData()->GetArray(name)->GetTuple1(0), 0) << name;
+  }
+  EXPECT_EQ(grid->GetFieldData()->GetArray("ThicknessMm")->GetTuple1(0), 46);
+}
+
+TEST_F(CompressCommand, MovesAFineMeshWithACoarseOne)
+{
+  const std::string fine = this->Common + this->Folder.File("fine.vtu") + " --thickness 60";
+  EXPECT_EQ(this->Run(fine + " --simulation-mesh " + this->Folder.File("breast.vtu")), 0)
+    << this->Errors;
+  const TetrahedralMesh deformed = FromGrid(ReadMesh(this->Result));
+  EXPECT_EQ(deformed.NumberOfCells(), test::MakeHalfEllipsoidMesh(1, 1, 1, 16).NumberOfCells());
+}
+
+TEST_F(CompressCommand, RefusesInOneLine)
+{
+  const auto expectRefused = [this](const std::string& arguments, const std::string& text)
+  {
+    EXPECT_EQ(this->Run(arguments), 1) << arguments;
+    EXPECT_THAT(this->Errors, testing::StartsWith("mammoray: "));
+    EXPECT_THAT(this->Errors, testing::HasSubstr(text));
+    EXPECT_EQ(std::count(this->Errors.begin(), this->Errors.end(), '\n'), 1) << this->Errors;
+    EXPECT_FALSE(std::filesystem::exists(this->Result));
+  };
+  expectRefused("--orientation LLS" + this->Coarse.substr(std::string("--orientation LAS").size()) +
+      " --thickness 50",
+    "orientation 'LLS'");
+  expectRefused(this->Common + this->Folder.File("none.vtu") + " --thickness 50", "no such file");
+  this->Folder.Write("loose.json", R"({"materials": [{"name": "air", "labels": [0]},
+    {"name": "fat", "labels": [1], "attenuation": "adipose"},
+    {"name": "muscle", "labels": [2], "attenuation": "muscle"}]})");
+  expectRefused("--orientation LAS --materials " + this->Folder.File("loose.json") + " -o " +
+      this->Result + " --mesh " + this->Folder.File("breast.vtu") + " --thickness 50",
+    "held");
+  // Thinner than any equilibrium this mesh can show.
+  WriteMesh(ToGrid(test::MakeHalfEllipsoidMesh(40, 45, 38, 4), { "air", "fat", "muscle" }),
+    this->Folder.File("coarser.vtu"));
+  expectRefused(this->Common + this->Folder.File("coarser.vtu") + " --thickness 0.2",
+    "last one reached is at");
+  EXPECT_EQ(this->Run(this->Coarse + " --thickness -3"), 2);
+  EXPECT_EQ(this->Run(this->Coarse), 2);
+}
+
+TEST_F(CompressCommand, ReadsBackItsConfiguration)
+{
+  ASSERT_EQ(this->Run(this->Coarse + " --thickness 61 --roll -12.5 --print-config"), 0)
+    << this->Errors;
+  std::filesystem::copy_file(this->Folder.File("out"), this->Folder.File("config.json"));
+  EXPECT_THAT(ReadFile(this->Folder.File("config.json")), testing::HasSubstr("\"roll\": -12.5"));
+  ASSERT_EQ(this->Run("--config " + this->Folder.File("config.json") + " --print-config"), 0)
+    << this->Errors;
+  EXPECT_EQ(ReadFile(this->Folder.File("out")), ReadFile(this->Folder.File("config.json")));
+}

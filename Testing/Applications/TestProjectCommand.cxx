@@ -1,0 +1,167 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "Files.h"
+#include "MeshConversion.h"
+#include "MeshIO.h"
+#include "PathLengthProjector.h"
+
+#include "vtkUnstructuredGrid.h"
+
+#include <sys/wait.h>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <cstring>
+
+using namespace mammoray;
+using testing_support::ReadFile;
+using testing_support::TemporaryFolder;
+
+namespace
+{
+bool HasDevice()
+{
+  const auto devices = ListDevices();
+  return !devices.empty() && devices.front().RayTracing;
+}
+
+class ProjectCommand : public testing::Test
+{
+protected:
+  void SetUp() override
+  {
+    // A brick of 40 x 60 x 20 mm (x, y, z) of fat, LPS.
+    TetrahedralMesh mesh;
+    for (int corner = 0; corner < 8; ++corner)
+    {
+      mesh.Points.insert(mesh.Points.end(),
+        { (corner & 1) != 0 ? 40.0 : 0.0, (corner & 2) != 0 ? 60.0 : 0.0,
+          (corner & 4) != 0 ? 20.0 : 0.0 });
+    }
+    mesh.Cells = { 0, 1, 2, 4, 3, 2, 1, 7, 5, 4, 7, 1, 6, 7, 4, 2, 1, 2, 4, 7 };
+    mesh.Materials.assign(5, 1);
+    WriteMesh(ToGrid(mesh, { "air", "fat" }), this->Mesh);
+    this->Folder.Write("table.json", R"({"materials": [{"name": "air", "labels": [0]},
+      {"name": "fat", "labels": [1], "attenuation": "adipose", "density_g_per_cm3": 0.92}]})");
+  }
+
+  int Run(const std::string& arguments)
+  {
+    const std::string command = std::string(MAMMORAY_EXECUTABLE) + " " + arguments + " >" +
+      this->Folder.File("out") + " 2>" + this->Folder.File("err");
+    const int status = std::system(command.c_str());
+    this->Output = ReadFile(this->Folder.File("out"));
+    this->Errors = ReadFile(this->Folder.File("err"));
+    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+  }
+
+  void ExpectRefused(const std::string& arguments, const std::string& text)
+  {
+    EXPECT_EQ(this->Run(arguments), 1) << arguments;
+    EXPECT_THAT(this->Errors, testing::StartsWith("mammoray: "));
+    EXPECT_THAT(this->Errors, testing::HasSubstr(text));
+    EXPECT_EQ(std::count(this->Errors.begin(), this->Errors.end(), '\n'), 1) << this->Errors;
+  }
+
+  /// The floats behind the header of a raw .mha.
+  static std::vector<float> MhaValues(const std::string& path)
+  {
+    const std::string bytes = ReadFile(path);
+    const std::string key = "ElementDataFile = LOCAL\n";
+    const std::size_t start = bytes.find(key) + key.size();
+    std::vector<float> values((bytes.size() - start) / sizeof(float));
+    std::memcpy(values.data(), bytes.data() + start, values.size() * sizeof(float));
+    return values;
+  }
+
+  TemporaryFolder Folder;
+  std::string Mesh = this->Folder.File("mesh.vtu");
+  std::string Image = this->Folder.File("image.mha");
+  std::string Inputs =
+    "project --mesh " + this->Mesh + " --materials " + this->Folder.File("table.json");
+  std::string Output;
+  std::string Errors;
+};
+}
+
+TEST_F(ProjectCommand, UnitAroundABrickMatchesClosedForm)
+{
+  if (!HasDevice())
+  {
+    GTEST_SKIP() << "no device that traces rays";
+  }
+  // CC: the source is superior (+z), columns run to anterior (-y), rows to the patient's right
+  // (-x). The receptor's edge is at y = 60, its plane 12 mm (half of 20, and 2) below the middle, z
+  // = -2.
+  const std::string geometry = " --kev 20 --thickness 20 --columns 5 --rows 3 --pixel-spacing 2";
+  ASSERT_EQ(this->Run(this->Inputs + geometry + " -o " + this->Image + " --path-lengths " +
+              this->Folder.File("lengths.mha")),
+    0)
+    << this->Errors;
+  EXPECT_EQ(this->Errors, "");
+  const std::vector<float> transmission = MhaValues(this->Image);
+  const std::vector<float> lengths = MhaValues(this->Folder.File("lengths.mha"));
+  ASSERT_EQ(transmission.size(), 15u);
+  ASSERT_EQ(lengths.size(), 15u);
+  for (int row = 0; row < 3; ++row)
+  {
+    for (int column = 0; column < 5; ++column)
+    {
+      const double x = 2.0 * (1 - row);
+      const double y = 2.0 * (column + 0.5);
+      const double expected = 20 * std::sqrt(x * x + y * y + 650 * 650) / 650;
+      const auto pixel = static_cast<std::size_t>(5 * row + column);
+      ASSERT_NEAR(lengths[pixel], expected, 1e-5);                             // a float of 20 mm
+      ASSERT_NEAR(transmission[pixel], std::exp(-0.0512551 * expected), 1e-5); // six digits of mu
+    }
+  }
+  EXPECT_THAT(ReadFile(this->Image), testing::HasSubstr("Offset = 22 59 -2"));
+
+  // The configuration that the same options print gives the same image.
+  ASSERT_EQ(this->Run(this->Inputs + geometry + " -o " + this->Image + " --print-config"), 0);
+  const std::string config = this->Folder.Write("config.json", this->Output);
+  const std::string before = ReadFile(this->Image);
+  std::filesystem::remove(this->Image);
+  ASSERT_EQ(this->Run("project --config " + config), 0) << this->Errors;
+  EXPECT_EQ(ReadFile(this->Image), before);
+  for (const char* name : { "image.png", "image.vti", "image.nrrd" })
+  {
+    EXPECT_EQ(this->Run(this->Inputs + geometry + " -o " + this->Folder.File(name)), 0)
+      << this->Errors;
+    EXPECT_GT(std::filesystem::file_size(this->Folder.File(name)), 60u);
+  }
+}
+
+TEST_F(ProjectCommand, RefusesInOneLine)
+{
+  const std::string output = " -o " + this->Image;
+  this->ExpectRefused("project --mesh /nowhere.vtu --materials " + this->Folder.File("table.json") +
+      output,
+    "no such file");
+  this->ExpectRefused(this->Inputs + " -o " + this->Folder.File("image.jpg"), ".png");
+  this->ExpectRefused(this->Inputs + output + " --spectrum W99", "W28kVp");
+  this->ExpectRefused(this->Inputs + output + " --orientation XYZ", "orientation");
+  this->ExpectRefused(this->Inputs + output + " --kev 3", "keV");
+  this->Folder.Write("table.json", R"({"materials": [{"name": "air", "labels": [0]},
+      {"name": "fat", "labels": [1], "attenuation": "butter"}]})");
+  this->ExpectRefused(this->Inputs + output, "unknown attenuation table 'butter'");
+  EXPECT_EQ(this->Run(this->Inputs + output + " --rows 0"), 2);
+  EXPECT_FALSE(std::filesystem::exists(this->Image));
+}
+
+TEST_F(ProjectCommand, DevicesWithoutVulkanAreOneLine)
+{
+  setenv("VK_DRIVER_FILES", "/nonexistent", 1);
+  setenv("VK_ICD_FILENAMES", "/nonexistent", 1);
+  this->ExpectRefused("devices", "no Vulkan");
+  unsetenv("VK_DRIVER_FILES");
+  unsetenv("VK_ICD_FILENAMES");
+  if (HasDevice())
+  {
+    EXPECT_EQ(this->Run("devices"), 0);
+    EXPECT_THAT(this->Output, testing::HasSubstr("chosen: "));
+  }
+}

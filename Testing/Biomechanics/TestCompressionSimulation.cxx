@@ -1,0 +1,279 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "CompressionSimulation.h"
+#include "EquilibriumSolver.h"
+#include "Error.h"
+#include "PlacedPlates.h"
+#include "TestMeshes.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+namespace
+{
+using namespace mammoray;
+
+/// Half axes 40, 45, 38 mm: 5.6 mm of chest wall, then the breast; x lateral, y anterior, z up.
+CompressionSimulation MakeBreast(const CompressionOptions& options = {}, double nu = 0.49,
+  int count = 6)
+{
+  return CompressionSimulation(test::MakeHalfEllipsoidMesh(40, 45, 38, count),
+    { {}, { 6, nu }, { 5, nu } }, { false, false, true }, {}, options);
+}
+
+/// Closed to `thicknessMm` about z = 0, the edges 15 mm in front of y = 0.
+PlatePair MakePlates(double thicknessMm, double rollDeg = 0)
+{
+  VolumeFromGantry placed;
+  const double c = std::cos(rollDeg * M_PI / 180), s = std::sin(rollDeg * M_PI / 180);
+  placed.X = { c, 0, -s };
+  placed.Z = { s, 0, c };
+  placed.Origin = Vector3{ 0, 20, 0 } - (0.5 * thicknessMm) * placed.Z;
+  MammographyUnit unit;
+  unit.SupportHeightMm = 0;
+  return PlatesOf(placed, unit, thicknessMm);
+}
+
+TEST(CompressionSimulation, BlockBetweenPlatesMatchesUniaxialCompression)
+{
+  // A block whose top and bottom touch frictionless plates that reach over it: uniaxial
+  // compression. Held against floating by the symmetry planes x = 0 and y = 0 alone.
+  const ElasticMaterial material{ 5, 0.45 };
+  const ElasticBody body(test::MakeBoxMesh({ 0, 0, 0 }, { 20, 20, 20 }, { 3, 3, 3 }),
+    { {}, material });
+  std::vector<double> x = body.RestPositions();
+  std::vector<bool> fixed(x.size(), false);
+  for (std::size_t n = 0; n < x.size(); n += 3)
+  {
+    fixed[n] = x[n] < 1e-9;
+    fixed[n + 1] = x[n + 1] < 1e-9;
+    x[n + 2] = 2 + 0.8 * x[n + 2];
+    x[n] *= 1.1;
+    x[n + 1] *= 1.1;
+  }
+  PlatePair plates;
+  plates.Support.Edge = { 0, -50, 2 };
+  plates.Paddle.Edge = { 0, -50, 18 };
+  plates.Paddle.Normal = { 0, 0, -1 };
+  EquilibriumSolver solver(body, fixed, 1e5);
+  const EquilibriumReport report = solver.Solve(x, &plates, 1e-10, 60);
+  ASSERT_TRUE(report.Converged) << report.Reason << " " << report.RelativeResidual;
+  EXPECT_NEAR(report.PaddleForceN / report.SupportForceN, 1, 1e-8);
+
+  // The stretch along the axis as found, by the mean of the faces; then the closed form.
+  double height = 0;
+  int count = 0;
+  for (std::size_t n = 0; n < x.size(); n += 3)
+  {
+    const double z = body.RestPositions()[n + 2];
+    if (z < 1e-9 || z > 20 - 1e-9)
+    {
+      height += z > 1 ? x[n + 2] : -x[n + 2];
+      ++count;
+    }
+  }
+  const double axial = height / (count / 2) / 20;
+  EXPECT_NEAR(axial, 0.8, 0.001); // penetrations of some 0.01 mm in 20 mm
+  const double mu = material.ShearModulusKPa(), kappa = material.BulkModulusKPa();
+  double low = 0.5, high = 2;
+  for (int i = 0; i < 200; ++i)
+  {
+    const double l = 0.5 * (low + high), j = axial * l * l, trace = axial * axial + 2 * l * l;
+    const double stress =
+      mu * std::pow(j, -2 / 3.0) * (l - trace / (3 * l)) + kappa * (j - 1) * axial * l;
+    (stress > 0 ? high : low) = l;
+  }
+  const double lateral = low;
+  const double j = axial * lateral * lateral, trace = axial * axial + 2 * lateral * lateral;
+  const double stress = mu * std::pow(j, -2 / 3.0) * (axial - trace / (3 * axial)) +
+    kappa * (j - 1) * lateral * lateral;
+  // 0.2 %: the penalty lets the faces wave by a few micrometres between contact points.
+  EXPECT_NEAR(report.PaddleForceN / (-1e-3 * 400 * stress), 1, 2e-3);
+  EXPECT_NEAR(report.VolumeRatio / j, 1, 2e-3);
+}
+
+TEST(CompressionSimulation, ForcesBalance)
+{
+  CompressionOptions options;
+  options.RelativeTolerance = 1e-10;
+  const CompressionSimulation simulation = MakeBreast(options);
+  const PlatePair plates = MakePlates(48);
+  const CompressionState state = simulation.Compress(plates);
+  EXPECT_GT(state.PaddleForceN, 1);
+  EXPECT_LE(state.RelativeResidual, 1e-10);
+  EXPECT_GT(state.SmallestJ, 0.3);
+  EXPECT_NEAR(state.VolumeRatio, 1, 0.02);
+  // 0.03 mm between the faces; more where straight-sided faces meet the 3 mm round of the plates'
+  // edges.
+  EXPECT_LT(state.LargestPenetrationMm, 0.3);
+
+  // The same body by hand: the gradient at held nodes is the force that holds them; with the
+  // plates' forces it must vanish in all three directions, since no part of the energy sees a
+  // translation.
+  const TetrahedralMesh mesh = test::MakeHalfEllipsoidMesh(40, 45, 38, 6);
+  const ElasticBody body(mesh, { {}, { 6, 0.49 }, { 5, 0.49 } });
+  std::vector<bool> fixed(3 * body.NumberOfNodes(), false);
+  for (std::size_t cell = 0; cell < mesh.NumberOfCells(); ++cell)
+  {
+    for (int a = 0; a < 10 && mesh.Materials[cell] == 2; ++a)
+    {
+      const std::int32_t node = body.Cells()[10 * cell + a];
+      fixed[3 * node] = fixed[3 * node + 1] = fixed[3 * node + 2] = true;
+    }
+  }
+  const EquilibriumSolver solver(body, fixed, options.ContactStiffness);
+  const std::vector<double> with = solver.Gradient(state.Positions, &plates);
+  const std::vector<double> without = solver.Gradient(state.Positions, nullptr);
+  Vector3 sum{ 0, 0, 0 }, contact{ 0, 0, 0 }, reaction{ 0, 0, 0 };
+  for (std::size_t n = 0; n < with.size(); n += 3)
+  {
+    for (int axis = 0; axis < 3; ++axis)
+    {
+      sum[axis] += without[n + axis];
+      contact[axis] -= with[n + axis] - without[n + axis];
+      reaction[axis] += fixed[n] ? with[n + axis] : 0;
+    }
+  }
+  // Elastic forces of the whole body cancel; what the plates push the chest wall takes up.
+  const double scale = 1e3 * (state.PaddleForceN + state.SupportForceN);
+  EXPECT_LT(Norm(sum), 1e-9 * scale);
+  EXPECT_LT(Norm(contact + reaction), 1e-7 * scale);
+  EXPECT_NEAR(contact[2], 1e3 * (state.SupportForceN - state.PaddleForceN), 1e-9 * scale);
+}
+
+TEST(CompressionSimulation, WarmAndColdStartsAgree)
+{
+  CompressionOptions options;
+  options.RelativeTolerance = 1e-10;
+  const CompressionSimulation simulation = MakeBreast(options);
+  const CompressionState first = simulation.Compress(MakePlates(54));
+  const CompressionState warm = simulation.Compress(MakePlates(52, 2), &first);
+  const CompressionState cold = simulation.Compress(MakePlates(52, 2));
+  EXPECT_EQ(warm.LoadSteps, 1);
+  double largest = 0;
+  for (std::size_t c = 0; c < warm.Positions.size(); ++c)
+  {
+    largest = std::max(largest, std::abs(warm.Positions[c] - cold.Positions[c]));
+  }
+  // A residual of 1e-10 over a stiffness ratio contact : tissue of 1e4.
+  EXPECT_LT(largest, 1e-5);
+  EXPECT_NEAR(warm.PaddleForceN, cold.PaddleForceN, 1e-6 * cold.PaddleForceN);
+}
+
+TEST(CompressionSimulation, IsDeterministic)
+{
+  const CompressionState a = MakeBreast().Compress(MakePlates(56));
+  const CompressionState b = MakeBreast().Compress(MakePlates(56));
+  EXPECT_EQ(a.Positions, b.Positions);
+}
+
+TEST(CompressionSimulation, SensitivitiesMatchCentralDifferences)
+{
+  CompressionOptions options;
+  options.RelativeTolerance = 1e-12;
+  const CompressionSimulation simulation = MakeBreast(options);
+  const PlatePair plates = MakePlates(54, 3);
+  const CompressionState state = simulation.Compress(plates);
+  std::vector<PlatePairVelocity> velocities(3);
+  velocities[0].Paddle.Linear = plates.Support.Normal;  // thickness
+  velocities[1].Support.Angular = { 0, M_PI / 180, 0 }; // roll, 1/deg
+  velocities[1].Paddle.Angular = velocities[1].Support.Angular;
+  velocities[2].Support.Linear = velocities[2].Paddle.Linear = { 0, 1, 0 }; // depth
+  const std::vector<std::vector<double>> exact = simulation.Sensitivities(state, velocities);
+  for (std::size_t p = 0; p < velocities.size(); ++p)
+  {
+    double best = 1;
+    for (const double h : { 1e-4, 1e-5, 1e-6 })
+    {
+      const CompressionState low =
+        simulation.Compress(MovedPlates(plates, velocities[p], -h), &state);
+      const CompressionState high =
+        simulation.Compress(MovedPlates(plates, velocities[p], h), &state);
+      double error = 0, size = 0;
+      for (std::size_t c = 0; c < state.Positions.size(); ++c)
+      {
+        const double difference = (high.Positions[c] - low.Positions[c]) / (2 * h);
+        error += std::pow(difference - exact[p][c], 2);
+        size += difference * difference;
+      }
+      best = std::min(best, std::sqrt(error / size));
+    }
+    // Contact points that come and go and slide round the plates' edges bend the curve: small h is
+    // best until the solver's 1e-12 / h takes over.
+    EXPECT_LT(best, 1e-6) << "parameter " << p;
+  }
+}
+
+TEST(CompressionSimulation, ConvergesOnRandomBreasts)
+{
+  std::mt19937 generator(20240611);
+  const auto draw = [&](double low, double high)
+  { return std::uniform_real_distribution<double>(low, high)(generator); };
+  for (int trial = 0; trial < 6; ++trial)
+  {
+    const double a = draw(35, 60), b = draw(40, 65), c = draw(35, 55);
+    const double nu = draw(0.45, 0.499), part = draw(0.45, 0.7), roll = draw(-40, 40);
+    SCOPED_TRACE(testing::Message() << "half axes " << a << " " << b << " " << c << ", nu " << nu
+                                    << ", to " << part << ", roll " << roll);
+    const CompressionSimulation simulation(test::MakeHalfEllipsoidMesh(a, b, c, 6),
+      { {}, { draw(3, 12), nu }, { 5, nu } }, { false, false, true });
+    // Part of the breast's extent along the plates' normal.
+    const double extent =
+      2 * std::hypot(a * std::sin(roll * M_PI / 180), c * std::cos(roll * M_PI / 180));
+    PlatePair plates = MakePlates(part * extent, roll);
+    const Vector3 deeper{ 0, b / 8, 0 };
+    plates.Support.Edge = plates.Support.Edge + deeper;
+    plates.Paddle.Edge = plates.Paddle.Edge + deeper;
+    const CompressionState state = simulation.Compress(plates);
+    EXPECT_LE(state.RelativeResidual, 1e-8);
+    EXPECT_GT(state.SmallestJ, 0.3);
+    EXPECT_NEAR(state.VolumeRatio, 1, 0.05);
+    // Where the plates squeeze the held tissue: 1 mm is 600 kPa.
+    EXPECT_LT(state.LargestPenetrationMm, 1.0);
+    EXPECT_GT(state.PaddleForceN, 0);
+  }
+}
+
+TEST(CompressionSimulation, SaysHowFarItGot)
+{
+  CompressionOptions options;
+  options.MaximumNewtonSteps = 12;
+  const CompressionSimulation simulation = MakeBreast(options, 0.49, 4);
+  try
+  {
+    simulation.Compress(MakePlates(0.5));
+    FAIL() << "half a millimetre was reached";
+  }
+  catch (const ConvergenceError& error)
+  {
+    const std::string message = error.what();
+    EXPECT_NE(message.find("gap of 0.50 mm"), std::string::npos) << message;
+    EXPECT_NE(message.find("last one reached is at"), std::string::npos) << message;
+  }
+}
+
+TEST(CompressionSimulation, StopsWhenAsked)
+{
+  const CompressionSimulation simulation = MakeBreast();
+  EXPECT_THROW(simulation.Compress(MakePlates(50), nullptr,
+                 [](double fraction, const char*) { return fraction < 0.3; }),
+    Interrupted);
+}
+
+TEST(CompressionSimulation, RefusesBadInput)
+{
+  const std::vector<ElasticMaterial> materials(3);
+  EXPECT_THROW(CompressionSimulation(test::MakeHalfEllipsoidMesh(40, 45, 38, 4, false), materials,
+                 { false, false, true }),
+    InputError)
+    << "nothing is held";
+  const CompressionSimulation simulation = MakeBreast({}, 0.49, 4);
+  PlatePair plates = MakePlates(50);
+  plates.Support.Normal = { 0, 0, 2 };
+  EXPECT_THROW(simulation.Compress(plates), InputError);
+  CompressionState foreign;
+  foreign.Positions.resize(9);
+  EXPECT_THROW(simulation.Compress(MakePlates(50), &foreign), InputError);
+}
+}

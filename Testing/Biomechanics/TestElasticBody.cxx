@@ -1,0 +1,343 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ElasticBody.h"
+#include "EquilibriumSolver.h"
+#include "Error.h"
+#include "TestMeshes.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+namespace
+{
+using namespace mammoray;
+
+/// A material with the given shear and bulk modulus.
+ElasticMaterial FromModuli(double mu, double kappa)
+{
+  ElasticMaterial material;
+  material.PoissonRatio = (3 * kappa - 2 * mu) / (2 * (3 * kappa + mu));
+  material.YoungsModulusKPa = 2 * mu * (1 + material.PoissonRatio);
+  return material;
+}
+
+std::vector<double> Shaken(std::vector<double> x, double size, unsigned seed)
+{
+  std::mt19937 generator(seed);
+  std::uniform_real_distribution<double> shake(-size, size);
+  for (double& coordinate : x)
+  {
+    coordinate += shake(generator);
+  }
+  return x;
+}
+
+double NormOf(const std::vector<double>& v)
+{
+  double sum = 0;
+  for (const double value : v)
+  {
+    sum += value * value;
+  }
+  return std::sqrt(sum);
+}
+
+std::vector<double> Difference(const std::vector<double>& a, const std::vector<double>& b)
+{
+  std::vector<double> result(a.size());
+  for (std::size_t i = 0; i < a.size(); ++i)
+  {
+    result[i] = a[i] - b[i];
+  }
+  return result;
+}
+
+double Energy(const ElasticBody& body, const std::vector<double>& x)
+{
+  double energy = 0;
+  ElasticBody::Terms terms;
+  for (std::size_t cell = 0; cell < body.NumberOfCells(); ++cell)
+  {
+    EXPECT_TRUE(body.CellTerms(cell, x, ElasticBody::Order::Energy, terms));
+    energy += terms.Energy;
+  }
+  return energy;
+}
+
+TEST(ElasticBody, EnergyOfAnAffineMapIsItsClosedForm)
+{
+  const ElasticBody body(test::MakeBoxMesh({ 0, 0, 0 }, { 2, 3, 4 }, { 2, 2, 2 }),
+    { {}, FromModuli(2, 300) });
+  // F = diag(1.2, 0.9, 1.1) plus a shear, which changes tr F^T F but not det F.
+  std::vector<double> x = body.RestPositions();
+  for (std::size_t n = 0; n < x.size(); n += 3)
+  {
+    const double z = x[n + 2];
+    x[n] = 1.2 * x[n] + 0.3 * z;
+    x[n + 1] *= 0.9;
+    x[n + 2] = 1.1 * z;
+  }
+  const double j = 1.2 * 0.9 * 1.1;
+  const double trace = 1.2 * 1.2 + 0.9 * 0.9 + 1.1 * 1.1 + 0.3 * 0.3;
+  const double density =
+    2 / 2.0 * (std::pow(j, -2 / 3.0) * trace - 3) + 300 / 2.0 * (j - 1) * (j - 1);
+  // 1e-12: roundoff of sums over 48 cells.
+  EXPECT_NEAR(Energy(body, x) / (24 * density), 1, 1e-12);
+}
+
+TEST(ElasticBody, GradientAndHessianMatchCentralDifferences)
+{
+  // kappa / mu below and above the ratio up to which volume counts point by point.
+  for (const double kappa : { 30.0, 4000.0 })
+  {
+    const ElasticBody body(test::MakeBoxMesh({ 0, 0, 0 }, { 2, 2, 2 }, { 1, 1, 1 }),
+      { {}, FromModuli(3, kappa) });
+    const std::vector<double> x = Shaken(body.RestPositions(), 0.06, 7);
+    ElasticBody::Terms terms;
+    for (std::size_t cell = 0; cell < body.NumberOfCells(); ++cell)
+    {
+      ASSERT_TRUE(body.CellTerms(cell, x, ElasticBody::Order::Hessian, terms));
+      double gradientError = 0, gradientSize = 0, hessianError = 0, hessianSize = 0;
+      for (int c = 0; c < 30; ++c)
+      {
+        const double h = 1e-5;
+        ElasticBody::Terms sides[2];
+        for (int side = 0; side < 2; ++side)
+        {
+          std::vector<double> moved = x;
+          moved[3 * body.Cells()[10 * cell + c / 3] + c % 3] += side ? h : -h;
+          ASSERT_TRUE(body.CellTerms(cell, moved, ElasticBody::Order::Gradient, sides[side]));
+        }
+        const double slope = (sides[1].Energy - sides[0].Energy) / (2 * h);
+        gradientError = std::max(gradientError, std::abs(slope - terms.Gradient[c]));
+        gradientSize = std::max(gradientSize, std::abs(slope));
+        for (int r = 0; r < 30; ++r)
+        {
+          const double curvature = (sides[1].Gradient[r] - sides[0].Gradient[r]) / (2 * h);
+          hessianError = std::max(hessianError, std::abs(curvature - terms.Hessian[30 * c + r]));
+          hessianSize = std::max(hessianSize, std::abs(curvature));
+          EXPECT_DOUBLE_EQ(terms.Hessian[30 * c + r], terms.Hessian[30 * r + c]);
+        }
+      }
+      // h^2 = 1e-10 for truncation, eps / h = 2e-11 for roundoff, times factors of order 10.
+      EXPECT_LT(gradientError, 1e-8 * gradientSize);
+      EXPECT_LT(hessianError, 1e-8 * hessianSize);
+    }
+  }
+}
+
+TEST(ElasticBody, ProjectedHessianHasNoNegativeCurvature)
+{
+  const ElasticBody body(test::MakeBoxMesh({ 0, 0, 0 }, { 1, 1, 1 }, { 1, 1, 1 }),
+    { {}, FromModuli(1, 40) });
+  // Squeezed flat: the true matrix is indefinite.
+  std::vector<double> x = body.RestPositions();
+  for (std::size_t n = 2; n < x.size(); n += 3)
+  {
+    x[n] *= 0.5;
+  }
+  x = Shaken(x, 0.02, 3);
+  std::mt19937 generator(11);
+  std::normal_distribution<double> normal;
+  bool sawNegative = false;
+  for (std::size_t cell = 0; cell < body.NumberOfCells(); ++cell)
+  {
+    ElasticBody::Terms exact, projected;
+    ASSERT_TRUE(body.CellTerms(cell, x, ElasticBody::Order::Hessian, exact));
+    ASSERT_TRUE(body.CellTerms(cell, x, ElasticBody::Order::ProjectedHessian, projected));
+    for (int trial = 0; trial < 500; ++trial)
+    {
+      // Powers of (s - H) pull the direction towards the lowest curvature.
+      double v[30];
+      for (double& value : v)
+      {
+        value = normal(generator);
+      }
+      double curvature[2] = { 0, 0 };
+      double size = 0;
+      for (int r = 0; r < 30; ++r)
+      {
+        for (int c = 0; c < 30; ++c)
+        {
+          curvature[0] += v[r] * v[c] * exact.Hessian[30 * c + r];
+          curvature[1] += v[r] * v[c] * projected.Hessian[30 * c + r];
+          size += std::abs(v[r] * v[c] * projected.Hessian[30 * c + r]);
+        }
+      }
+      EXPECT_GE(curvature[1], -1e-12 * size);
+      // Projection only adds.
+      EXPECT_GE(curvature[1], curvature[0] - 1e-12 * size);
+      sawNegative = sawNegative || curvature[1] > curvature[0] + 1e-6 * size;
+    }
+  }
+  EXPECT_TRUE(sawNegative) << "the state was meant to need projecting";
+}
+
+TEST(ElasticBody, EnergyDoesNotSeeRotations)
+{
+  const ElasticBody body(test::MakeBoxMesh({ 0, 0, 0 }, { 2, 2, 2 }, { 2, 2, 2 }),
+    { {}, FromModuli(3, 900) });
+  const std::vector<double> x = Shaken(body.RestPositions(), 0.03, 5);
+  std::vector<double> turned = x;
+  const double c = std::cos(0.7), s = std::sin(0.7);
+  for (std::size_t n = 0; n < x.size(); n += 3)
+  {
+    turned[n] = c * x[n] - s * x[n + 2] + 5;
+    turned[n + 2] = s * x[n] + c * x[n + 2] - 3;
+  }
+  // 1e-11: det F near 1 loses digits in (J - 1)^2 * kappa.
+  EXPECT_NEAR(Energy(body, turned) / Energy(body, x), 1, 1e-11);
+}
+
+TEST(ElasticBody, RefusesInvertedCells)
+{
+  const ElasticBody body(test::MakeBoxMesh({ 0, 0, 0 }, { 1, 1, 1 }, { 1, 1, 1 }), { {}, {} });
+  std::vector<double> x = body.RestPositions();
+  for (std::size_t n = 2; n < x.size(); n += 3)
+  {
+    x[n] *= -1;
+  }
+  ElasticBody::Terms terms;
+  EXPECT_FALSE(body.CellTerms(0, x, ElasticBody::Order::Energy, terms));
+}
+
+TEST(ElasticBody, AveragesTheFieldAroundQuadraturePoints)
+{
+  const TetrahedralMesh mesh = test::MakeBoxMesh({ 0, 0, 0 }, { 4, 4, 4 }, { 1, 1, 1 });
+  const std::vector<ElasticMaterial> materials{ {}, FromModuli(1, 20), FromModuli(3, 60),
+    FromModuli(100, 2000) };
+  // Material 2 where z < 2, air elsewhere: there the cell's own material 1 counts.
+  const ElasticBody half(mesh, materials, [](const Vector3& p) { return p[2] < 2 ? 2 : 0; });
+  double mu = 0;
+  for (std::size_t cell = 0; cell < half.NumberOfCells(); ++cell)
+  {
+    mu += half.CellShearModulus(cell) / static_cast<double>(half.NumberOfCells());
+  }
+  // 2 % of the difference of 2: the lattice has 220 points in a cell, quadrature points a quarter
+  // each.
+  EXPECT_NEAR(mu, 2, 0.04);
+  // An ignored material counts as the cell's own.
+  const ElasticBody ignoring(mesh, materials, [](const Vector3&) { return 3; },
+    { false, false, false, true });
+  EXPECT_DOUBLE_EQ(ignoring.CellShearModulus(0), materials[1].ShearModulusKPa());
+  EXPECT_THROW(ElasticBody(mesh, materials, [](const Vector3&) { return 9; }), InputError);
+}
+
+TEST(ElasticBody, RefusesBadMaterials)
+{
+  const TetrahedralMesh mesh = test::MakeBoxMesh({ 0, 0, 0 }, { 1, 1, 1 }, { 1, 1, 1 });
+  EXPECT_THROW(ElasticBody(mesh, { {}, { 5, 0.5 } }), InputError);
+  EXPECT_THROW(ElasticBody(mesh, { {}, { -1, 0.4 } }), InputError);
+  EXPECT_THROW(ElasticBody(mesh, { {} }), InputError) << "material 1 is not in the table";
+}
+
+TEST(EquilibriumSolver, PatchTestReproducesAffineMaps)
+{
+  const ElasticBody body(test::MakeBoxMesh({ 0, 0, 0 }, { 3, 3, 3 }, { 3, 3, 3 }),
+    { {}, FromModuli(2, 2000) });
+  std::vector<double> affine = body.RestPositions();
+  std::vector<bool> fixed(affine.size(), false);
+  for (std::size_t n = 0; n < affine.size(); n += 3)
+  {
+    const double x = affine[n], y = affine[n + 1], z = affine[n + 2];
+    for (int axis = 0; axis < 3; ++axis)
+    {
+      const double c = affine[n + axis];
+      if (c < 1e-9 || c > 3 - 1e-9)
+      {
+        fixed[n] = fixed[n + 1] = fixed[n + 2] = true;
+      }
+    }
+    affine[n] = 1.1 * x + 0.2 * y;
+    affine[n + 1] = 0.95 * y - 0.1 * z;
+    affine[n + 2] = 0.05 * x + 0.97 * z;
+  }
+  std::vector<double> start = Shaken(affine, 0.03, 2);
+  for (std::size_t c = 0; c < affine.size(); ++c)
+  {
+    start[c] = fixed[c] ? affine[c] : start[c];
+  }
+  EquilibriumSolver solver(body, fixed, 1);
+  const EquilibriumReport report = solver.Solve(start, nullptr, 1e-13, 30);
+  EXPECT_TRUE(report.Converged) << report.Reason << " " << report.RelativeResidual;
+  // 1e-11 of 3 mm: roundoff through a matrix of condition 1e5 at most.
+  EXPECT_LT(NormOf(Difference(start, affine)), 3e-11);
+}
+
+/// Stress across a free side of a bar stretched by `axial` along and `lateral` across.
+double LateralStress(double mu, double kappa, double axial, double lateral)
+{
+  const double j = axial * lateral * lateral;
+  const double trace = axial * axial + 2 * lateral * lateral;
+  return mu * std::pow(j, -2 / 3.0) * (lateral - trace / (3 * lateral)) +
+    kappa * (j - 1) * axial * lateral;
+}
+
+double SolveLateralStretch(double mu, double kappa, double axial)
+{
+  double low = 0.5, high = 3;
+  for (int i = 0; i < 200; ++i)
+  {
+    const double middle = 0.5 * (low + high);
+    (LateralStress(mu, kappa, axial, middle) > 0 ? high : low) = middle;
+  }
+  return 0.5 * (low + high);
+}
+
+TEST(EquilibriumSolver, UniaxialCompressionMatchesTheClosedForm)
+{
+  constexpr double mu = 2;
+  for (const double ratio : { 10.0, 100.0, 1e3, 1e4 })
+  {
+    const double kappa = ratio * mu;
+    const ElasticBody body(test::MakeBoxMesh({ 0, 0, 0 }, { 4, 4, 4 }, { 2, 2, 2 }),
+      { {}, FromModuli(mu, kappa) });
+    // Symmetry planes at 0, the top pushed down to 0.6 of the height, four sides free.
+    std::vector<double> x = body.RestPositions();
+    std::vector<bool> fixed(x.size(), false);
+    for (std::size_t n = 0; n < x.size(); n += 3)
+    {
+      for (int axis = 0; axis < 3; ++axis)
+      {
+        fixed[n + axis] = x[n + axis] < 1e-9 || (axis == 2 && x[n + axis] > 4 - 1e-9);
+      }
+      x[n] *= 1.2;
+      x[n + 1] *= 1.2;
+      x[n + 2] *= 0.6;
+    }
+    EquilibriumSolver solver(body, fixed, 1);
+    // From a start far from the solution in the interior as well.
+    std::vector<double> start = x;
+    const std::vector<double> shaken = Shaken(x, 0.05, 4);
+    for (std::size_t c = 0; c < x.size(); ++c)
+    {
+      start[c] = fixed[c] ? x[c] : shaken[c];
+    }
+    const EquilibriumReport report = solver.Solve(start, nullptr, 2e-11, 60);
+    ASSERT_TRUE(report.Converged) << report.Reason << " " << report.RelativeResidual;
+    const double lateral = SolveLateralStretch(mu, kappa, 0.6);
+    double largest = 0;
+    for (std::size_t n = 0; n < start.size(); n += 3)
+    {
+      const double* rest = &body.RestPositions()[n];
+      largest = std::max({ largest, std::abs(start[n] - lateral * rest[0]),
+        std::abs(start[n + 1] - lateral * rest[1]), std::abs(start[n + 2] - 0.6 * rest[2]) });
+    }
+    EXPECT_LT(largest, 4e-9) << "kappa / mu = " << ratio; // 1e-9 of the block's 4 mm
+
+    // The force: first Piola-Kirchhoff stress along the axis times the undeformed area.
+    const double j = 0.6 * lateral * lateral;
+    const double trace = 0.36 + 2 * lateral * lateral;
+    const double stress =
+      mu * std::pow(j, -2 / 3.0) * (0.6 - trace / 1.8) + kappa * (j - 1) * lateral * lateral;
+    double force = 0;
+    const std::vector<double> gradient = solver.Gradient(start, nullptr);
+    for (std::size_t n = 2; n < start.size(); n += 3)
+    {
+      force += body.RestPositions()[n] > 4 - 1e-9 ? gradient[n] : 0;
+    }
+    EXPECT_NEAR(force / (16 * stress), 1, 1e-9) << "kappa / mu = " << ratio;
+  }
+}
+}

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "CompressionSimulation.h"
+#include "Error.h"
+#include "TestMeshes.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <random>
+
+namespace
+{
+using namespace mammoray;
+
+CompressionSimulation MakeSimulation()
+{
+  return CompressionSimulation(test::MakeHalfEllipsoidMesh(30, 35, 28, 6), { {}, {}, {} },
+    { false, false, true });
+}
+
+TEST(Embedding, CarriesQuadraticFieldsInside)
+{
+  const CompressionSimulation simulation = MakeSimulation();
+  const auto field = [](const double* x, int axis)
+  { return axis + x[0] * 2 - x[1] + 0.01 * (x[axis] * x[(axis + 1) % 3] + x[2] * x[2]); };
+  std::vector<double> values = simulation.RestPositions();
+  for (std::size_t n = 0; n < values.size(); n += 3)
+  {
+    for (int axis = 0; axis < 3; ++axis)
+    {
+      values[n + axis] = field(&simulation.RestPositions()[n], axis);
+    }
+  }
+  std::mt19937 generator(9);
+  std::uniform_real_distribution<double> coordinate(-12, 12);
+  std::vector<double> points;
+  for (int p = 0; p < 200; ++p)
+  {
+    points.insert(points.end(),
+      { coordinate(generator), 13 + coordinate(generator), coordinate(generator) });
+  }
+  const Embedding embedding(simulation, points);
+  EXPECT_EQ(embedding.LargestDistanceMm(), 0);
+  const std::vector<double> mapped = embedding.Map(values);
+  for (std::size_t n = 0; n < points.size(); ++n)
+  {
+    // Ten shape functions span all quadratic polynomials: roundoff only.
+    EXPECT_NEAR(mapped[n], field(&points[n - n % 3], static_cast<int>(n % 3)), 1e-10);
+  }
+}
+
+TEST(Embedding, ExtendsLinearFieldsOutside)
+{
+  const CompressionSimulation simulation = MakeSimulation();
+  // 2 mm in front of the nipple, where the mesh has a node at y = 35; one far off; one behind the
+  // wall.
+  const std::vector<double> points{ 0, 37, 0, 60, 60, 0, 3, -1, 2 };
+  const Embedding embedding(simulation, points);
+  const std::vector<double> mapped = embedding.Map(simulation.RestPositions());
+  for (std::size_t n = 0; n < points.size(); ++n)
+  {
+    EXPECT_NEAR(mapped[n], points[n], 1e-9);
+  }
+  const Embedding nipple(simulation, { 0, 37, 0 });
+  EXPECT_NEAR(nipple.LargestDistanceMm(), 2, 1e-9);
+  const Embedding wall(simulation, { 3, -1, 2 });
+  EXPECT_NEAR(wall.LargestDistanceMm(), 1, 1e-9);
+}
+
+TEST(Embedding, RefusesWhatIsNoPoint)
+{
+  const CompressionSimulation simulation = MakeSimulation();
+  EXPECT_THROW(Embedding(simulation, { 1, 2 }), InputError);
+  EXPECT_THROW(Embedding(simulation, { 1, 2, std::numeric_limits<double>::quiet_NaN() }),
+    InputError);
+  EXPECT_TRUE(Embedding(simulation, {}).Map(simulation.RestPositions()).empty());
+}
+}

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "Error.h"
+#include "LabelResampling.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+using namespace mammoray;
+
+namespace
+{
+LabelVolume Row(std::vector<std::uint16_t> labels, double spacing)
+{
+  LabelVolume volume;
+  volume.Size = { static_cast<int>(labels.size()), 1, 1 };
+  volume.Spacing = { spacing, spacing, spacing };
+  volume.Origin = { 5, 6, 7 };
+  volume.Direction = { { { 0, 1, 0 }, { -1, 0, 0 }, { 0, 0, 1 } } };
+  volume.Voxels = std::move(labels);
+  return volume;
+}
+}
+
+TEST(LabelResampling, TheLabelThatFillsMostWins)
+{
+  LabelVolume row = Row({ 1, 1, 2, 2, 2, 3, 3, 1, 0, 0 }, 0.2);
+  row.Spacing = { 0.2, 0.5, 0.5 };
+  // 2.5 voxels each: {1, 1, half 2}, {half 2, 2, 2}, {3, 3, half 1}, {half 1, 0, 0}.
+  const LabelVolume coarse = ResampleLabels(row, 0.5);
+  EXPECT_EQ(coarse.Size, (std::array<int, 3>{ 4, 1, 1 }));
+  EXPECT_THAT(coarse.Voxels, testing::ElementsAre(1, 2, 3, 0));
+  // The first corner stays: half a voxel before the centre, along i (the y axis).
+  EXPECT_NEAR(coarse.Origin[1] - 0.25, row.Origin[1] - 0.1, 1e-12);
+  EXPECT_NEAR(coarse.Origin[0], row.Origin[0], 1e-12);
+}
+
+TEST(LabelResampling, TiesGoToTheSmallestLabelAndOutsideIsAir)
+{
+  LabelVolume row = Row({ 2, 1, 3, 4, 5 }, 1.0);
+  row.Spacing = { 1, 2, 2 };
+  // {2, 1}, {3, 4}, {5, outside}.
+  EXPECT_THAT(ResampleLabels(row, 2.0).Voxels, testing::ElementsAre(1, 3, 0));
+}
+
+TEST(LabelResampling, SameSpacingAndFinerOnesKeepTheVoxels)
+{
+  const LabelVolume row = Row({ 7, 0, 9 }, 1.0);
+  EXPECT_EQ(ResampleLabels(row, 1.0).Voxels, row.Voxels);
+  const LabelVolume fine = ResampleLabels(row, 0.5);
+  EXPECT_EQ(fine.Size, (std::array<int, 3>{ 6, 2, 2 }));
+  for (int k = 0; k < 2; ++k)
+  {
+    for (int i = 0; i < 6; ++i)
+    {
+      EXPECT_EQ(fine.Voxels[fine.Index(i, 1, k)], row.LabelAt(fine.PointAt(i, 1, k)));
+    }
+  }
+  EXPECT_THROW(ResampleLabels(row, 0), InputError);
+  EXPECT_THROW(ResampleLabels(row, 1e-9), InputError);
+}
+
+TEST(LabelResampling, CropKeepsEveryVoxelsPlace)
+{
+  const LabelVolume row = Row({ 0, 0, 0, 4, 0, 5, 0, 0 }, 1.0);
+  const LabelVolume cropped = CropToTissue(row, 1);
+  EXPECT_THAT(cropped.Voxels, testing::ElementsAre(0, 4, 0, 5, 0));
+  for (int i = 0; i < 5; ++i)
+  {
+    EXPECT_EQ(row.LabelAt(cropped.PointAt(i, 0, 0)), cropped.Voxels[i]);
+  }
+  EXPECT_THROW(CropToTissue(Row({ 0, 0 }, 1.0), 1), InputError);
+}

@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "PlacedPlates.h"
+#include "Registration.h"
+
+#include <gtest/gtest.h>
+
+using namespace mammoray;
+
+namespace
+{
+void ExpectVelocity(
+  const Plate& minus, const Plate& plus, double step, const Plate& at, const PlateVelocity& velocity)
+{
+  // Points of the plate move with Linear + Angular x (x - Edge); 1e-7: central differences with
+  // step 1e-4 of numbers of size 100.
+  const auto difference = [&](const Vector3& a, const Vector3& b)
+  { return (0.5 / step) * (b - a); };
+  const Vector3 edge = difference(minus.Edge, plus.Edge);
+  const Vector3 normal = difference(minus.Normal, plus.Normal);
+  const Vector3 inward = difference(minus.Inward, plus.Inward);
+  const Vector3 normalExpected = Cross(velocity.Angular, at.Normal);
+  const Vector3 inwardExpected = Cross(velocity.Angular, at.Inward);
+  for (int d = 0; d < 3; ++d)
+  {
+    EXPECT_NEAR(edge[d], velocity.Linear[d], 1e-7);
+    EXPECT_NEAR(normal[d], normalExpected[d], 1e-7);
+    EXPECT_NEAR(inward[d], inwardExpected[d], 1e-7);
+  }
+}
+}
+
+TEST(PlateVelocities, AgreeWithDifferencesOfThePlates)
+{
+  for (const char* orientation : { "LPS", "ALS", "RAS", "LAS" }) // the last is left-handed
+  {
+    RegistrationModel model;
+    model.Axes = AnatomicalAxes::FromCode(orientation);
+    model.Anchor = { 3, -7, 11 };
+    model.Unit.SupportEdgeMm = -0.4;
+    model.Unit.PaddleEdgeMm = 0.6;
+    BreastPose pose;
+    pose.ThicknessMm = 47;
+    pose.RollDeg = 12;
+    pose.ShiftLateralMm = -4;
+    pose.ShiftAnteriorMm = 9;
+    pose.ShiftVerticalMm = 2;
+    const auto velocities = PlateVelocities(model, pose);
+    const auto platesAt = [&](const BreastPose& at)
+    { return PlatesOf(PlaceUnit(model.Axes, model.Anchor, model.Unit, at), model.Unit, at.ThicknessMm); };
+    double BreastPose::*const members[] = { &BreastPose::ThicknessMm, &BreastPose::RollDeg,
+      &BreastPose::ShiftLateralMm, &BreastPose::ShiftAnteriorMm, &BreastPose::ShiftVerticalMm };
+    const PlatePair here = platesAt(pose);
+    ASSERT_EQ(velocities.size(), 5u);
+    for (int parameter = 0; parameter < 5; ++parameter)
+    {
+      SCOPED_TRACE(std::string(orientation) + " parameter " + std::to_string(parameter));
+      constexpr double step = 1e-4;
+      BreastPose minus = pose;
+      BreastPose plus = pose;
+      minus.*members[parameter] -= step;
+      plus.*members[parameter] += step;
+      const PlatePair a = platesAt(minus);
+      const PlatePair b = platesAt(plus);
+      ExpectVelocity(
+        a.Support, b.Support, step, here.Support, velocities[parameter].Support);
+      ExpectVelocity(a.Paddle, b.Paddle, step, here.Paddle, velocities[parameter].Paddle);
+    }
+  }
+}
+
+TEST(DefaultParameters, StartWithinTheirBounds)
+{
+  BreastPose start;
+  start.ThicknessMm = 62;
+  start.RollDeg = 45;
+  start.ShiftAnteriorMm = 5;
+  const auto parameters = DefaultParameters(start);
+  ASSERT_EQ(parameters.size(), 5u);
+  for (const RegistrationParameter& parameter : parameters)
+  {
+    EXPECT_LT(parameter.Lower, parameter.Start) << parameter.Name;
+    EXPECT_LT(parameter.Start, parameter.Upper) << parameter.Name;
+    EXPECT_GT(parameter.Scale, 0) << parameter.Name;
+  }
+  EXPECT_EQ(parameters[0].Start, 62);
+  EXPECT_EQ(parameters[1].Start, 45);
+  EXPECT_TRUE(parameters[4].Fixed);
+}

@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "Error.h"
+#include "TargetImage.h"
+
+#include <gtest/gtest.h>
+
+using namespace mammoray;
+
+namespace
+{
+/// 12 columns towards +y, 8 rows towards -x as a left CC mammogram; distance = 0.5 x + 0.25 y.
+RegistrationTarget LinearTarget()
+{
+  RegistrationTarget target;
+  target.Columns = 12;
+  target.Rows = 8;
+  target.Origin = { 7, 1 };
+  target.ColumnStep = { 0, 2 };
+  target.RowStep = { -2, 0 };
+  for (int row = 0; row < 8; ++row)
+  {
+    for (int column = 0; column < 12; ++column)
+    {
+      const ReceptorPoint point = PixelPosition(target, column, row);
+      target.SignedDistanceMm.push_back(static_cast<float>(0.5 * point[0] + 0.25 * point[1]));
+      target.LogAttenuation.push_back(static_cast<float>(point[0] - point[1]));
+      target.BreastMask.push_back(column < 5 ? 1 : 0);
+    }
+  }
+  return target;
+}
+}
+
+TEST(TargetImage, DistanceIsExactForALinearField)
+{
+  const RegistrationTarget target = LinearTarget();
+  for (const ReceptorPoint point : { ReceptorPoint{ 0.3, 5.7 }, ReceptorPoint{ 6.9, 1.1 },
+         ReceptorPoint{ -6.99, 22.9 }, ReceptorPoint{ 7, 1 }, ReceptorPoint{ -7, 23 } })
+  {
+    // 1e-6: the stored distances are floats of size 10.
+    EXPECT_NEAR(SignedDistanceAt(target, point), 0.5 * point[0] + 0.25 * point[1], 1e-6);
+  }
+  // Outside: the border's value and the distance to it.
+  EXPECT_NEAR(SignedDistanceAt(target, { 0, 33 }), 0.25 * 23 + 10, 1e-6);
+  EXPECT_NEAR(SignedDistanceAt(target, { 10, 5 }), 3.5 + 1.25 + 3, 1e-6);
+}
+
+TEST(TargetImage, ContainsCountsWholePixels)
+{
+  const RegistrationTarget target = LinearTarget();
+  EXPECT_TRUE(Contains(target, { 7.9, 0.1 }, 0));
+  EXPECT_FALSE(Contains(target, { 8.1, 0.1 }, 0));
+  EXPECT_FALSE(Contains(target, { 0, 0.9 }, 1));
+  EXPECT_TRUE(Contains(target, { 0, 1.1 }, 1));
+}
+
+TEST(TargetImage, CoarseningKeepsPositionsAndMeans)
+{
+  const RegistrationTarget target = LinearTarget();
+  const RegistrationTarget coarse = Coarsen(target, 3);
+  ASSERT_EQ(coarse.Columns, 4);
+  ASSERT_EQ(coarse.Rows, 2);
+  for (int row = 0; row < 2; ++row)
+  {
+    for (int column = 0; column < 4; ++column)
+    {
+      const ReceptorPoint point = PixelPosition(coarse, column, row);
+      const std::size_t index = row * 4 + column;
+      // The mean of a linear field is its value in the middle.
+      EXPECT_NEAR(coarse.LogAttenuation[index], point[0] - point[1], 1e-5);
+      EXPECT_NEAR(coarse.SignedDistanceMm[index], 0.5 * point[0] + 0.25 * point[1], 1e-5);
+      EXPECT_EQ(coarse.BreastMask[index], column < 1 ? 1 : 0);
+    }
+  }
+}
+
+TEST(TargetImage, UnusableTargetsAreRefused)
+{
+  EXPECT_NO_THROW(ValidateTarget(LinearTarget()));
+  EXPECT_THROW(ValidateTarget(RegistrationTarget{}), InputError);
+  RegistrationTarget target = LinearTarget();
+  target.BreastMask.assign(target.BreastMask.size(), 0);
+  EXPECT_THROW(ValidateTarget(target), InputError);
+  target = LinearTarget();
+  target.RowStep = { 0, 4 };
+  EXPECT_THROW(ValidateTarget(target), InputError);
+  target = LinearTarget();
+  target.SignedDistanceMm.pop_back();
+  EXPECT_THROW(ValidateTarget(target), InputError);
+}
+
+TEST(TargetImage, ChestWallCentreIsTheMaskMiddle)
+{
+  RegistrationTarget target = LinearTarget();
+  EXPECT_NEAR(ChestWallCentre(target)[0], 0, 1e-12);
+  for (int column = 0; column < 12; ++column)
+  {
+    target.BreastMask[column] = 0;               // x = 7
+    target.BreastMask[12 + column] = 0;          // x = 5
+  }
+  EXPECT_NEAR(ChestWallCentre(target)[0], -2, 1e-12);
+}

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+// The payload of a path length ray.
+#ifndef pathLengthRay_glsl
+#define pathLengthRay_glsl
+
+#ifdef MAMMORAY_DOUBLE
+#extension GL_EXT_shader_explicit_arithmetic_types_float64 : require
+#endif
+#include "PathLengthParameters.h"
+
+// Number of materials there is room for, air included.
+layout(constant_id = 0) const uint Capacity = 4;
+
+struct PathLengthRay
+{
+  // Local frame, mm; Direction has unit length and Origin is the ray's point nearest to the local
+  // origin, so the parameters t of hits, measured from it, are small (DESIGN.md's t_ref).
+  Real3 Origin;
+  Real3 Direction;
+  // Parameters of source and pixel: hits beyond them count as if they lay there, so that a body which
+  // holds the source or the pixel contributes what lies between the two.
+  Real Begin;
+  Real End;
+  // Zero when the crossings of every material cancel, up to one chance in 2^32.
+  uint Balance;
+  // Not zero when a hit lay too near to a triangle's edge to be sure that it is seen exactly once.
+  uint Doubtful;
+  // Sum of t (front - back) per material, facing the source; mm.
+  Real Lengths[Capacity];
+};
+
+#endif
