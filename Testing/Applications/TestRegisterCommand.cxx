@@ -1,0 +1,165 @@
+// SPDX-License-Identifier: Apache-2.0
+// The whole way on the shipped phantom, coarse enough for a minute; and every refusal in one line, with nothing written.
+#include "Files.h"
+#include "LabelVolumeIO.h"
+#include "LandmarkEvaluation.h"
+#include "PathLengthProjector.h"
+
+#include <nlohmann/json.hpp>
+
+#include <sys/wait.h>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <sstream>
+
+using namespace mammoray;
+using testing_support::ReadFile;
+using testing_support::TemporaryFolder;
+namespace fs = std::filesystem;
+
+namespace
+{
+const std::string Data = MAMMORAY_DATA_DIR;
+const std::string Labels = Data + "/victre-phantom-1/labels.nrrd";
+const std::string Materials = Data + "/materials/victre.json";
+const std::string MammogramFile = Data + "/victre-phantom-1/victre1_lcc_processing.dcm";
+
+class RegisterCommand : public testing::Test
+{
+protected:
+  int Run(const std::string& arguments, const std::string& environment = "")
+  {
+    const std::string command = environment + " " MAMMORAY_EXECUTABLE " " + arguments + " >" +
+      this->Folder.File("out") + " 2>" + this->Folder.File("err");
+    const int status = std::system(command.c_str());
+    this->Output = ReadFile(this->Folder.File("out"));
+    this->Errors = ReadFile(this->Folder.File("err"));
+    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+  }
+
+  std::string Register(const std::string& labels, const std::string& materials,
+    const std::string& mammogram, const std::string& rest = "") const
+  {
+    return "register --labels " + labels + " --materials " + materials + " --mammogram " +
+      mammogram + " --orientation ALS --output " + this->Folder.File("result") + " " + rest;
+  }
+
+  void ExpectRefused(
+    const std::string& arguments, const std::string& text, const std::string& environment = "")
+  {
+    EXPECT_EQ(this->Run(arguments, environment), 1) << arguments;
+    EXPECT_THAT(this->Errors, testing::StartsWith("mammoray: "));
+    EXPECT_THAT(this->Errors, testing::HasSubstr(text));
+    EXPECT_EQ(std::count(this->Errors.begin(), this->Errors.end(), '\n'), 1) << this->Errors;
+    for (const auto& entry : fs::directory_iterator(this->Folder.File("")))
+    {
+      EXPECT_THAT(entry.path().filename().string(), testing::Not(testing::HasSubstr("result")));
+    }
+  }
+
+  TemporaryFolder Folder;
+  std::string Output;
+  std::string Errors;
+};
+}
+
+TEST_F(RegisterCommand, RefusesUnusableInputInOneLine)
+{
+  this->ExpectRefused(
+    this->Register("missing.nrrd", Materials, MammogramFile), "missing.nrrd: no such file");
+  this->ExpectRefused(
+    this->Register(Labels, Materials, "missing.dcm"), "missing.dcm: no such file");
+  this->ExpectRefused(this->Register(Labels, Materials, Materials), "victre.json");
+  this->ExpectRefused(this->Register(Labels, Labels, MammogramFile), "labels.nrrd");
+  const std::string mr = MAMMORAY_SHARED_DATA_DIR
+    "/duke-breast-mri-153-CC-BY-NC-4.0/t1_tse/1-01.dcm";
+  if (fs::exists(mr))
+  {
+    this->ExpectRefused(this->Register(Labels, Materials, mr), "MG");
+  }
+
+  LabelVolume volume;
+  volume.Size = { 3, 3, 3 };
+  volume.Voxels.assign(27, 0);
+  WriteLabelVolume(volume, this->Folder.File("air.nrrd"));
+  volume.Voxels.assign(27, 77);
+  WriteLabelVolume(volume, this->Folder.File("unknown.nrrd"));
+  if (!ListDevices().empty())
+  {
+    this->ExpectRefused(
+      this->Register(this->Folder.File("air.nrrd"), Materials, MammogramFile), "only air");
+    this->ExpectRefused(this->Register(this->Folder.File("unknown.nrrd"), Materials, MammogramFile),
+      "label 77 (27 voxels)");
+  }
+  this->ExpectRefused(
+    this->Register(Labels, Materials, MammogramFile, "--fixed thickness,everything"),
+    "everything");
+  this->ExpectRefused(this->Register(Labels, Materials, MammogramFile), "Vulkan",
+    "VK_DRIVER_FILES=/nonexistent VK_ICD_FILENAMES=/nonexistent");
+}
+
+TEST_F(RegisterCommand, NeverReplacesWhatIsNotAnEarlierResult)
+{
+  fs::create_directory(this->Folder.File("result"));
+  this->Folder.Write("result/thesis.txt", "mine");
+  EXPECT_EQ(this->Run(this->Register(Labels, Materials, MammogramFile)), 1);
+  EXPECT_THAT(this->Errors, testing::HasSubstr("exists already"));
+  EXPECT_EQ(this->Run(this->Register(Labels, Materials, MammogramFile, "--overwrite")), 1);
+  EXPECT_THAT(this->Errors, testing::HasSubstr("earlier result"));
+  EXPECT_EQ(ReadFile(this->Folder.File("result/thesis.txt")), "mine");
+}
+
+TEST_F(RegisterCommand, WrongUsageExitsWithTwo)
+{
+  EXPECT_EQ(this->Run("register --labels x"), 2);
+  EXPECT_EQ(this->Run(this->Register(Labels, Materials, MammogramFile, "--iterations zero")), 2);
+}
+
+TEST_F(RegisterCommand, RegistersTheShippedPhantom)
+{
+  const auto devices = ListDevices();
+  if (devices.empty())
+  {
+    GTEST_SKIP() << "no Vulkan device";
+  }
+  ASSERT_EQ(this->Run(this->Register(Labels, Materials, MammogramFile,
+              "--label-spacing 1 --anatomy-cell-size 6 --simulation-cell-size 13 "
+              "--pixel-sizes 3 --iterations 6")),
+    0)
+    << this->Errors;
+  const std::string folder = this->Folder.File("result");
+  for (const char* name : { "uncompressed.vtu", "compressed.vtu", "synthetic.mha", "synthetic.png",
+         "real.png", "overlay.png", "difference.png", "convergence.svg", "result.json",
+         "report.html" })
+  {
+    EXPECT_GT(fs::file_size(folder + "/" + name), 0u) << name;
+  }
+  const nlohmann::json result = nlohmann::json::parse(ReadFile(folder + "/result.json"));
+  // The acceptance limits of the full-size demo; the coarse one meets them too.
+  EXPECT_LT(result.at("meanOutlineDistanceMm").get<double>(), 1.5);
+  EXPECT_GT(result.at("correlation").get<double>(), 0.9);
+
+  ASSERT_EQ(this->Run("evaluate --result " + folder + " --landmarks " + Data +
+              "/victre-phantom-1/landmarks.csv --truth-orientation ALS --truth-origin 8.4 7.4466 "
+              "-27.3184"),
+    0)
+    << this->Errors;
+  const std::size_t line = this->Output.find("registered");
+  ASSERT_NE(line, std::string::npos);
+  std::istringstream row(this->Output.substr(line));
+  std::string method;
+  std::string group;
+  int count = 0;
+  double median = 0;
+  row >> method >> group >> count >> median;
+  EXPECT_EQ(group, "imaged");
+  EXPECT_EQ(count, 12);
+  // Identity 9.2 mm, best rigid motion 2.7 mm.
+  EXPECT_LT(median, 3.0);
+  EXPECT_GT(median, 0.0);
+}
