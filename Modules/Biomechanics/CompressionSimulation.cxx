@@ -242,6 +242,21 @@ std::vector<std::vector<double>> CompressionSimulation::Sensitivities(const Comp
   return this->Internal->Solver.Sensitivities(state.Positions, state.Plates, velocities);
 }
 
+std::vector<CellMeasures> CompressionSimulation::MeasuresOf(const CompressionState& state) const
+{
+  const ElasticBody& body = this->Internal->Body;
+  if (state.Positions.size() != body.RestPositions().size())
+  {
+    throw InputError("cell measures: expected a state of this simulation");
+  }
+  std::vector<CellMeasures> measures;
+  for (std::size_t cell = 0; cell < body.NumberOfCells(); ++cell)
+  {
+    measures.push_back(body.MeasuresOf(cell, state.Positions));
+  }
+  return measures;
+}
+
 std::size_t CompressionSimulation::NumberOfNodes() const
 {
   return this->Internal->Body.NumberOfNodes();

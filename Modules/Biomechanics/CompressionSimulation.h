@@ -104,6 +104,9 @@ public:
   std::vector<std::vector<double>> Sensitivities(const CompressionState& state,
     const std::vector<PlatePairVelocity>& velocities) const;
 
+  /// Volume change and stress of every cell of the mesh in a state.
+  std::vector<CellMeasures> MeasuresOf(const CompressionState& state) const;
+
   std::size_t NumberOfNodes() const;
   std::size_t NumberOfUnknowns() const;
   /// Undeformed node positions, 3 x nodeCount, mm. The first nodes are the mesh's points.
