@@ -101,6 +101,8 @@ struct EquilibriumSolver::Internals
 {
   const ElasticBody& Body;
   double ContactStiffness;
+  /// Dead loads; empty or one per coordinate.
+  std::vector<double> Loads;
   /// Cells with a free node, and for each of them the boundary faces with a free node.
   std::vector<std::int32_t> ActiveCells;
   std::vector<std::vector<std::int32_t>> FacesOfCell;
@@ -423,6 +425,10 @@ void EquilibriumSolver::Internals::Assemble(const std::vector<double>& x, const 
     result.Contact.NormalForce[0] += contact.NormalForce[0];
     result.Contact.NormalForce[1] += contact.NormalForce[1];
   }
+  for (std::size_t c = 0; c < this->Loads.size(); ++c)
+  {
+    result.Energy -= this->Loads[c] * (x[c] - this->Body.RestPositions()[c]);
+  }
   if (order == ElasticBody::Order::Energy)
   {
     return;
@@ -440,6 +446,10 @@ void EquilibriumSolver::Internals::Assemble(const std::vector<double>& x, const 
         this->CellResults[active].Gradient[r] + this->CellContactGradients[active][r];
       contactGradient[coordinate] += this->CellContactGradients[active][r];
     }
+  }
+  for (std::size_t c = 0; c < this->Loads.size(); ++c)
+  {
+    result.Gradient[c] -= this->Loads[c];
   }
   result.ContactNorm = std::sqrt(SquaredNorm(contactGradient));
   double residual = 0;
@@ -617,6 +627,16 @@ std::size_t EquilibriumSolver::NumberOfUnknowns() const
 void EquilibriumSolver::SetContactStiffness(double stiffness)
 {
   this->Internal->ContactStiffness = stiffness;
+}
+
+void EquilibriumSolver::SetLoads(std::vector<double> loads)
+{
+  if (!loads.empty() && loads.size() != this->Internal->Body.RestPositions().size())
+  {
+    throw InputError("loads: expected 3 forces per node, found " + std::to_string(loads.size()) +
+      " for " + std::to_string(this->Internal->Body.NumberOfNodes()) + " nodes");
+  }
+  this->Internal->Loads = std::move(loads);
 }
 
 EquilibriumReport EquilibriumSolver::Solve(std::vector<double>& x, const PlatePair* plates,

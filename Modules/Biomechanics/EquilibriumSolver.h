@@ -57,6 +57,8 @@ public:
   std::size_t NumberOfUnknowns() const;
   /// kPa / mm^2, positive; counts from the next call on.
   void SetContactStiffness(double stiffness);
+  /// Forces that act whatever the deformation (dead loads), 3 x nodeCount, kPa mm^2; empty: none.
+  void SetLoads(std::vector<double> loads);
 
   /**
    * From the positions `x` (3 x nodeCount, mm; no cell inverted; fixed coordinates keep their
