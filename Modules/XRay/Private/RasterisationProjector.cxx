@@ -235,14 +235,15 @@ void RasterisationProjector::WriteParameters(const XRaySource& source, const XRa
   const auto rowOf = coordinate((1 / determinant) * Cross(w, u), 1);
   const auto weightOf = isPoint ? coordinate((1 / determinant) * Cross(u, v), extent)
                                 : std::array<double, 4>{ 0, 0, 0, 1 };
-  // Rays are tested beside by about the rounding, so that those of a symmetric set-up which are
-  // meant to run through a corner do not see its triangles as rounding would have them. Their
-  // distances stay exact.
+  // Rays are tested a little beside, so that those of a symmetric set-up which are meant to run
+  // through a corner do not see its triangles as rounding would have them. Their distances stay
+  // exact. In single precision there is no room for more than the rounding itself.
   const double rounding = std::numeric_limits<Real>::epsilon() * largest;
+  const double beside = (sizeof(Real) == sizeof(double) ? 1000 : 1) * rounding;
   for (std::size_t axis = 0; axis < 4; ++axis)
   {
-    parameters.ColumnOf[axis] = static_cast<Real>(columnOf[axis] - rounding * weightOf[axis]);
-    parameters.RowOf[axis] = static_cast<Real>(rowOf[axis] - 0.57 * rounding * weightOf[axis]);
+    parameters.ColumnOf[axis] = static_cast<Real>(columnOf[axis] - beside * weightOf[axis]);
+    parameters.RowOf[axis] = static_cast<Real>(rowOf[axis] - 0.57 * beside * weightOf[axis]);
     parameters.WeightOf[axis] = static_cast<Real>(weightOf[axis]);
   }
 
@@ -250,7 +251,7 @@ void RasterisationProjector::WriteParameters(const XRaySource& source, const XRa
   parameters.Scales[1] = static_cast<Real>(this->Reach);
   // The longest path, twice the reach, is just below 2^31.
   parameters.Scales[2] = static_cast<Real>(1073741824.0 / (1.001 * this->Reach));
-  parameters.Scales[3] = static_cast<Real>(1e-3 + 16 * rounding);
+  parameters.Scales[3] = static_cast<Real>(1e-3 + beside + 16 * rounding);
   parameters.Columns = static_cast<std::uint32_t>(samples * detector.Columns);
   parameters.FirstRow = static_cast<std::uint32_t>(samples * firstRow);
   parameters.RowCount = static_cast<std::uint32_t>(samples * rowCount);
