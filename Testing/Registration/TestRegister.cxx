@@ -70,7 +70,7 @@ struct Twin
         { {}, { 5, 0.49 }, { 5, 0.49 }, { 15, 0.49 } }, { false, false, true, false }, AnatomyAt)
     , Surface(ExtractInterfaces(MakeAnatomy(anatomyCount)))
     , SurfaceEmbedding(this->Simulation, this->Surface.Points)
-    , Projector(MakeProjector())
+    , Projector(MakeRayTracingProjector())
   {
     this->Projector->SetSurface(this->Surface);
     this->Model.Simulation = &this->Simulation;
