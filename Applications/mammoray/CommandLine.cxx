@@ -254,6 +254,15 @@ void CheckOutputFile(const std::string& path, bool overwrite)
   }
 }
 
+CLI::Option* AddProjectorOption(CLI::App& command, std::string& method)
+{
+  return command
+    .add_option("--projector", method,
+      "how path lengths are found; auto traces rays on hardware that can and rasterises elsewhere")
+    ->check(CLI::IsMember({ "auto", "ray-tracing", "rasterisation" }))
+    ->capture_default_str();
+}
+
 void WriteComplete(const std::string& path,
   const std::function<void(const std::string& temporary)>& write)
 {

@@ -18,6 +18,9 @@ namespace mammoray
  */
 void AddConfigurationOptions(CLI::App& command);
 
+/// Adds --projector auto|ray-tracing|rasterisation (see ProjectorOptions::Method); gives the option.
+CLI::Option* AddProjectorOption(CLI::App& command, std::string& method);
+
 /**
  * A callback that draws a progress bar on stderr when that is a terminal, and asks to stop once Ctrl-C was
  * pressed.

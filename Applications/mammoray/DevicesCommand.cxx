@@ -11,7 +11,7 @@ namespace mammoray
 {
 namespace
 {
-void RunDevices(const std::string& wanted)
+void RunDevices(const std::string& wanted, const std::string& projection)
 {
   std::string reason;
   const std::vector<DeviceDescription> devices = ListDevices(&reason);
@@ -26,7 +26,12 @@ void RunDevices(const std::string& wanted)
       device.RayTracing ? "yes" : "no");
   }
   // Making the projector is the proof that the device can be used.
-  std::printf("chosen: %s\n", MakeRayTracingProjector({ .Device = wanted })->DeviceName().c_str());
+  ProjectorOptions options;
+  options.Projection = MethodFromName(projection);
+  options.Device = wanted;
+  const auto projector = MakeProjector(options);
+  std::printf("chosen: %s, %s\n", projector->DeviceName().c_str(),
+    MethodName(projector->Method()).c_str());
 }
 }
 
@@ -37,7 +42,9 @@ void AddDevicesCommand(CLI::App& application)
   auto wanted = std::make_shared<std::string>();
   command->add_option("--device", *wanted,
     "part of the wanted device's name; empty takes MAMMORAY_DEVICE, else the most capable one");
+  auto projection = std::make_shared<std::string>("auto");
+  AddProjectorOption(*command, *projection);
   AddConfigurationOptions(*command);
-  command->callback([wanted] { RunDevices(*wanted); });
+  command->callback([wanted, projection] { RunDevices(*wanted, *projection); });
 }
 }

@@ -41,6 +41,7 @@ struct ProjectArguments
   double PixelSpacingMm = 0.1;
   int Samples = 1;
   std::string Device;
+  std::string Projector = "auto";
   std::string Output;
   std::string PathLengths;
   bool Overwrite = false;
@@ -155,7 +156,10 @@ void RunProject(const ProjectArguments& arguments)
   PlaceBeam(arguments, surface, table, source, detector);
 
   ReportProgress(progress, 0.2, "tracing rays");
-  const auto projector = MakeRayTracingProjector({ .Device = arguments.Device });
+  ProjectorOptions projectorOptions;
+  projectorOptions.Projection = MethodFromName(arguments.Projector);
+  projectorOptions.Device = arguments.Device;
+  const auto projector = MakeProjector(projectorOptions);
   projector->SetSurface(surface);
   const PathLengthImage lengths = projector->Project(source, detector);
   ReportProgress(progress, 0.8, "writing");
@@ -173,9 +177,9 @@ void RunProject(const ProjectArguments& arguments)
       [&](const std::string& temporary) { WriteProjection(image, temporary, true); });
   }
   ReportProgress(progress, 1.0, "done");
-  std::printf("%d x %d pixels, %zu triangles, %s, mean %.1f keV, on %s\n", lengths.Columns,
+  std::printf("%d x %d pixels, %zu triangles, %s, mean %.1f keV, on %s, %s\n", lengths.Columns,
     lengths.Rows, surface.NumberOfTriangles(), spectrum.Name.c_str(), spectrum.MeanEnergyKeV(),
-    projector->DeviceName().c_str());
+    projector->DeviceName().c_str(), MethodName(projector->Method()).c_str());
   if (const std::size_t count = lengths.NumberOfInconsistentRays(); count > 0)
   {
     std::printf("%zu pixels see holes in the mesh; they are marked in Consistency\n", count);
@@ -251,6 +255,7 @@ void AddProjectCommand(CLI::App& application)
     ->check(CLI::Range(1, 16));
   command->add_option("--device", arguments->Device,
     "part of the wanted Vulkan device's name; see mammoray devices");
+  AddProjectorOption(*command, arguments->Projector);
   command->add_flag("--overwrite", arguments->Overwrite, "replace output files");
   AddConfigurationOptions(*command);
   command->callback([arguments] { RunProject(*arguments); });

@@ -137,6 +137,7 @@ void AddRegisterCommand(CLI::App& application)
     ->group("X-rays");
   command->add_option("--device", input.Device, "part of the name of the Vulkan device to use")
     ->group("X-rays");
+  AddProjectorOption(*command, input.Projector)->group("X-rays");
   command
     ->add_option("--orientation", input.Orientation,
       "directions of the volume's axes: L/R, A/P, S/I, e.g. LPS (DICOM) or ALS (FDA phantoms)")

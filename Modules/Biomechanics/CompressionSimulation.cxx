@@ -21,6 +21,9 @@ constexpr int IntermediateNewtonSteps = 25;
 /// steps.
 constexpr double Softening = 0.1;
 constexpr double Hardening = 10;
+/// Contact of a state that misses its penetration limit is made stiffer by this factor, so often.
+constexpr double Stiffening = 2;
+constexpr double LargestStiffening = 256;
 
 std::vector<bool> FixedCoordinates(const ElasticBody& body, const TetrahedralMesh& mesh,
   const std::vector<bool>& held)
@@ -80,6 +83,11 @@ double Travel(const PlatePairVelocity& motion)
   const auto travel = [](const PlateVelocity& v) { return Norm(v.Linear) + 100 * Norm(v.Angular); };
   return std::max(travel(motion.Support), travel(motion.Paddle));
 }
+}
+
+double PenetrationLimitMm(const PlatePair& plates)
+{
+  return std::max(0.05, 1e-3 * Gap(plates));
 }
 
 CompressionSimulation::CompressionSimulation(const TetrahedralMesh& mesh,
@@ -145,15 +153,16 @@ CompressionState CompressionSimulation::Compress(const PlatePair& plates,
   double done = 0;
   double hardening = Hardening;
   double softness = start ? 1 : Softening;
+  double wanted = 1;
   std::string reason;
-  while (done < 1 || softness < 1)
+  while (done < 1 || softness < wanted)
   {
     ReportProgress(progress, done, "compression");
     const double next = done + step > 1 - 1e-9 ? 1 : done + step;
-    const double nextSoftness = done < 1 ? softness : std::min(1.0, softness * hardening);
+    const double nextSoftness = done < 1 ? softness : std::min(wanted, softness * hardening);
     solver.SetContactStiffness(options.ContactStiffness * nextSoftness);
     const PlatePair target = next == 1 ? plates : MovedPlates(first, motion, next);
-    const bool last = next == 1 && nextSoftness > 0.999;
+    const bool last = next == 1 && nextSoftness > 0.999 * wanted;
 
     std::vector<double> positions = state.Positions;
     const PlatePairVelocity advance = PlateMotion(state.Plates, target);
@@ -202,6 +211,21 @@ CompressionState CompressionSimulation::Compress(const PlatePair& plates,
     state.LargestJ = report.LargestJ;
     state.VolumeRatio = report.VolumeRatio;
     state.RelativeResidual = report.RelativeResidual;
+    state.ContactStiffness = options.ContactStiffness * softness;
+    if (last && state.LargestPenetrationMm > PenetrationLimitMm(plates))
+    {
+      if (wanted >= LargestStiffening)
+      {
+        char text[160];
+        std::snprintf(text, sizeof text,
+          "compression: expected a penetration of at most %.3f mm at a gap of %.2f mm, found %.3f "
+          "mm",
+          PenetrationLimitMm(plates), Gap(plates), state.LargestPenetrationMm);
+        throw ConvergenceError(text);
+      }
+      wanted *= Stiffening;
+      hardening = Stiffening;
+    }
   }
   ReportProgress(progress, 1, "compression");
   state.Seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
@@ -215,7 +239,24 @@ std::vector<std::vector<double>> CompressionSimulation::Sensitivities(const Comp
   {
     throw InputError("sensitivities: expected a state of this simulation");
   }
+  this->Internal->Solver.SetContactStiffness(
+    state.ContactStiffness > 0 ? state.ContactStiffness : this->Internal->Options.ContactStiffness);
   return this->Internal->Solver.Sensitivities(state.Positions, state.Plates, velocities);
+}
+
+std::vector<CellMeasures> CompressionSimulation::MeasuresOf(const CompressionState& state) const
+{
+  const ElasticBody& body = this->Internal->Body;
+  if (state.Positions.size() != body.RestPositions().size())
+  {
+    throw InputError("cell measures: expected a state of this simulation");
+  }
+  std::vector<CellMeasures> measures;
+  for (std::size_t cell = 0; cell < body.NumberOfCells(); ++cell)
+  {
+    measures.push_back(body.MeasuresOf(cell, state.Positions));
+  }
+  return measures;
 }
 
 std::size_t CompressionSimulation::NumberOfNodes() const

@@ -17,9 +17,11 @@ namespace mammoray
 {
 struct CompressionOptions
 {
-  /// Contact: pressure = ContactStiffness * penetration^2 up to 0.03 mm, beyond along the tangent;
-  /// kPa / mm^2.
-  double ContactStiffness = 10000.0;
+  /// Contact: pressure = ContactStiffness * g^2, g the depth in a layer of 0.05 mm in front of each
+  /// plate; in the plate along the tangent of that, from 150 kPa on. kPa / mm^2. At a breast's mean
+  /// pressure of 1 to 10 kPa it rests 0.04 mm in front of the plates; where the plates' edges cut
+  /// into it more than 200 kPa were met.
+  double ContactStiffness = 60000.0;
   /// Newton stops when the residual force falls below this fraction of the contact force (or of the
   /// stiffness scale while there is no contact).
   double RelativeTolerance = 1e-8;
@@ -54,8 +56,10 @@ struct CompressionState
   /// Force of the paddle on the breast along its normal, N (kPa mm^2 = 1e-3 N).
   double PaddleForceN = 0;
   double SupportForceN = 0;
-  /// Deepest penetration of a contact point, mm.
+  /// Deepest penetration of a contact point, mm; at most PenetrationLimitMm(Plates).
   double LargestPenetrationMm = 0;
+  /// That of the options, or stiffer where that was needed to keep the limit; kPa / mm^2.
+  double ContactStiffness = 0;
   /// Smallest and largest det F over the quadrature points.
   double SmallestJ = 1;
   double LargestJ = 1;
@@ -68,11 +72,16 @@ struct CompressionState
   double Seconds = 0;
 };
 
+/// Deepest penetration that a state may have: 0.05 mm or 0.1 % of the plates' distance, whichever
+/// is larger.
+MAMMORAYBIOMECHANICS_EXPORT double PenetrationLimitMm(const PlatePair& plates);
+
 /**
  * Quasi-static compression of a nearly incompressible neo-Hookean body between two plates as a
  * minimum of energy (DESIGN.md section 6): psi = mu/2 (J^(-2/3) tr F^T F - 3) + kappa/2 (J - 1)^2
- * on quadratic tetrahedra made from the given linear ones; frictionless contact by a C2 penalty;
- * held nodes do not move.
+ * on quadratic tetrahedra made from the given linear ones, where of kappa no more than 50 mu acts
+ * point by point and the rest on the mean of J over a cell (ElasticBody); frictionless contact by a
+ * C2 penalty; held nodes do not move.
  */
 class MAMMORAYBIOMECHANICS_EXPORT CompressionSimulation
 {
@@ -95,7 +104,10 @@ public:
    * Equilibrium between the plates. Cold: the plates are first opened along their normals until
    * they touch nothing, then closed in load steps. Warm: starts at `start` (a state of this
    * simulation) and goes straight to the new plates, in steps where that fails. Deterministic.
-   * Throws ConvergenceError that names the last gap reached, or Interrupted.
+   * Contact is made stiffer until the penetration is within its limit. Throws ConvergenceError that
+   * names the last gap reached or the limit that was missed and the value found, or Interrupted.
+   * What is answered has J > 0 at every quadrature point; corners of cells may still be turned
+   * over.
    */
   CompressionState Compress(const PlatePair& plates, const CompressionState* start = nullptr,
     const ProgressCallback& progress = {}) const;
@@ -107,6 +119,9 @@ public:
    */
   std::vector<std::vector<double>> Sensitivities(const CompressionState& state,
     const std::vector<PlatePairVelocity>& velocities) const;
+
+  /// Volume change and stress of every cell of the mesh in a state.
+  std::vector<CellMeasures> MeasuresOf(const CompressionState& state) const;
 
   std::size_t NumberOfNodes() const;
   std::size_t NumberOfUnknowns() const;

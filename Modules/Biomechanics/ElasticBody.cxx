@@ -9,6 +9,7 @@
 #include <Eigen/Geometry>
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <string>
 #include <unordered_map>
@@ -251,6 +252,30 @@ double ElasticBody::CellShearModulus(std::size_t cell) const
 {
   const double* mu = &this->Mu[4 * cell];
   return 0.25 * (mu[0] + mu[1] + mu[2] + mu[3]);
+}
+
+CellMeasures ElasticBody::MeasuresOf(std::size_t cell, const std::vector<double>& x) const
+{
+  Eigen::Matrix<double, 3, 10> positions;
+  for (int a = 0; a < NodesPerCell; ++a)
+  {
+    const std::int32_t node = this->CellNodes[NodesPerCell * cell + a];
+    positions.col(a) = Eigen::Map<const Eigen::Vector3d>(&x[3 * node]);
+  }
+  CellMeasures measures{ 0, 0 };
+  for (int q = 0; q < PointsPerCell; ++q)
+  {
+    const Eigen::Matrix3d f =
+      positions * ShapeGradients(&this->BarycentricGradients[12 * cell], q).transpose();
+    const double j = f.determinant();
+    // The part of the Cauchy stress that is no pressure: mu J^(-5/3) dev(F F^T).
+    Eigen::Matrix3d stress = f * f.transpose();
+    stress -= stress.trace() / 3 * Eigen::Matrix3d::Identity();
+    stress *= this->Mu[PointsPerCell * cell + q] / std::pow(j, 5 / 3.0);
+    measures.J += 0.25 * j;
+    measures.VonMisesKPa += 0.25 * std::sqrt(1.5) * stress.norm();
+  }
+  return measures;
 }
 
 bool ElasticBody::CellTerms(std::size_t cell, const std::vector<double>& x, Order order,

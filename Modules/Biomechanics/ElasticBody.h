@@ -30,6 +30,15 @@ struct ElasticMaterial
   }
 };
 
+/// Means over the quadrature points of a deformed cell.
+struct CellMeasures
+{
+  /// det F: deformed over undeformed volume.
+  double J = 1;
+  /// Von Mises' measure of the Cauchy stress, kPa.
+  double VonMisesKPa = 0;
+};
+
 /// Material index at a position of the undeformed body (mm, frame of the mesh); 0 = outside.
 using MaterialField = std::function<int(const Vector3&)>;
 
@@ -115,6 +124,8 @@ public:
    * 0).
    */
   bool CellTerms(std::size_t cell, const std::vector<double>& x, Order order, Terms& terms) const;
+  /// Measures of one cell at node positions `x` where no quadrature point is inverted.
+  CellMeasures MeasuresOf(std::size_t cell, const std::vector<double>& x) const;
 
 private:
   std::vector<double> Rest;

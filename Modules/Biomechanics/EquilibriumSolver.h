@@ -36,16 +36,18 @@ struct EquilibriumReport
  * Minimises the elastic energy of a body plus that of frictionless contact with two plates over the
  * coordinates that are not fixed, by Newton's method with a sparse Cholesky factorisation.
  *
- * Contact: a boundary point that penetrates a plate by g > 0 feels the pressure stiffness * g^2 as
- * far as 0.03 mm and deeper the tangent of that parabola, on which Newton's method does not creep;
- * the energy is C2. Points are the middles of 16 equal parts of every boundary triangle that has a
- * free node.
+ * Contact: in front of each plate lies a layer of ContactLayerMm. A boundary point g > 0 deep in it
+ * feels the pressure stiffness * g^2 as far as the plate and in the plate the tangent of that
+ * parabola, on which Newton's method does not creep; the energy is C2. Points are the middles of 64
+ * equal parts of every boundary triangle that has a free node.
  *
  * One solver is not to be used by two threads at a time; it uses all cores itself.
  */
 class MAMMORAYBIOMECHANICS_EXPORT EquilibriumSolver
 {
 public:
+  static constexpr double ContactLayerMm = 0.05;
+
   /// `fixed`: 3 x nodeCount flags. The body must outlive the solver. `contactStiffness`: kPa /
   /// mm^2.
   EquilibriumSolver(const ElasticBody& body, const std::vector<bool>& fixed,
@@ -55,6 +57,8 @@ public:
   std::size_t NumberOfUnknowns() const;
   /// kPa / mm^2, positive; counts from the next call on.
   void SetContactStiffness(double stiffness);
+  /// Forces that act whatever the deformation (dead loads), 3 x nodeCount, kPa mm^2; empty: none.
+  void SetLoads(std::vector<double> loads);
 
   /**
    * From the positions `x` (3 x nodeCount, mm; no cell inverted; fixed coordinates keep their
@@ -95,8 +99,8 @@ public:
   std::vector<double> Predict(const std::vector<double>& x, const PlatePair& plates,
     const PlatePairVelocity& motion) const;
 
-  /// Smallest distance each plate must move against its normal to touch nothing, mm; support,
-  /// paddle.
+  /// Smallest distance each plate must move against its normal for its layer to touch nothing, mm;
+  /// support, paddle.
   std::array<double, 2> Opening(const std::vector<double>& x, const PlatePair& plates) const;
 
 private:

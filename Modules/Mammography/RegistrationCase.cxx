@@ -282,8 +282,9 @@ RegistrationCaseResult RunRegistrationCase(
   const Beam beam = MakeBeam(result.Materials, spectrum, DetectorResponse::EnergyIntegrating);
   ProjectorOptions projectorOptions;
   projectorOptions.Device = input.Device;
-  const auto projector = MakeRayTracingProjector(projectorOptions);
-  result.Device = projector->DeviceName();
+  projectorOptions.Projection = MethodFromName(input.Projector);
+  const auto projector = MakeProjector(projectorOptions);
+  result.Device = projector->DeviceName() + ", " + MethodName(projector->Method());
   LabelVolume materials =
     result.Materials.ToMaterials(ReadLabelVolume(input.Labels), input.Labels);
   if (input.LabelSpacingMm > *std::max_element(materials.Spacing.begin(), materials.Spacing.end()))

@@ -40,6 +40,8 @@ struct RegistrationCase
   double SimulationCellSizeMm = 0.0;
   /// Part of a Vulkan device's name; empty: the most capable one.
   std::string Device;
+  /// "auto", "ray-tracing" or "rasterisation"; see ProjectorOptions::Method.
+  std::string Projector = "auto";
 
   /// The unit; what the header says about it wins unless given here.
   std::optional<double> SourceToDetectorMm;
@@ -78,7 +80,7 @@ struct RegistrationCaseResult
   Vector3 Anchor{ 0, 0, 0 };
   MammographyUnit Unit;
   VolumeFromGantry Placed;
-  /// Name of the projecting device.
+  /// Name of the projecting device, and the method.
   std::string Device;
   std::size_t SimulationCells = 0;
   std::size_t SurfaceTriangles = 0;

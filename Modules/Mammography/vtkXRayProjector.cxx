@@ -56,6 +56,7 @@ struct vtkXRayProjector::Internals
   std::map<int, Attenuation> Attenuations;
   std::unique_ptr<PathLengthProjector> Projector;
   std::string ProjectorDevice;
+  ProjectorOptions::Method ProjectorMethod = ProjectorOptions::Method::Auto;
   /// What is on the device.
   SurfaceMesh Surface;
   std::vector<std::string> MaterialNames;
@@ -265,11 +266,14 @@ int vtkXRayProjector::RequestData(vtkInformation*, vtkInformationVector** inputs
       throw InputError("detector: expected a positive PixelSpacing");
     }
     Internals& internal = *this->Internal;
-    if (!internal.Projector || internal.ProjectorDevice != this->DeviceName)
+    const auto method = static_cast<ProjectorOptions::Method>(this->ProjectionMethod);
+    if (!internal.Projector || internal.ProjectorDevice != this->DeviceName ||
+      internal.ProjectorMethod != method)
     {
       internal.Surface = {};
-      internal.Projector = MakeRayTracingProjector({ .Device = this->DeviceName });
+      internal.Projector = MakeProjector({ .Projection = method, .Device = this->DeviceName });
       internal.ProjectorDevice = this->DeviceName;
+      internal.ProjectorMethod = method;
     }
     this->UpdateProgress(0.1);
     if (vtkPolyData* polyData = vtkPolyData::GetData(inputs[0]))
@@ -341,6 +345,7 @@ void vtkXRayProjector::PrintSelf(ostream& os, vtkIndent indent)
   os << indent << "Samples: " << this->Samples << "\n";
   os << indent << "PhotonCounting: " << this->PhotonCounting << "\n";
   os << indent << "DeviceName: " << this->DeviceName << "\n";
+  os << indent << "ProjectionMethod: " << this->ProjectionMethod << "\n";
   print("Energies", this->Internal->Photons.EnergiesKeV);
   os << indent << "NumberOfInconsistentPixels: " << this->NumberOfInconsistentPixels << "\n";
 }

@@ -125,6 +125,21 @@ public:
   vtkGetCharFromStdStringMacro(DeviceName);
   ///@}
 
+  enum ProjectionMethodType
+  {
+    AUTO = 0,
+    RAY_TRACING = 1,
+    RASTERISATION = 2
+  };
+  ///@{
+  /**
+   * How path lengths are found. AUTO, the default, traces rays on hardware that can and rasterises
+   * on CPU devices and on all others.
+   */
+  vtkSetClampMacro(ProjectionMethod, int, AUTO, RASTERISATION);
+  vtkGetMacro(ProjectionMethod, int);
+  ///@}
+
   /**
    * All photons have this energy, keV. The default beam has 20 keV.
    */
@@ -188,6 +203,7 @@ private:
   int Samples = 1;
   bool PhotonCounting = false;
   std::string DeviceName;
+  int ProjectionMethod = AUTO;
   vtkIdType NumberOfInconsistentPixels = 0;
 
   struct Internals;

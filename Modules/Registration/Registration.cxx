@@ -536,25 +536,29 @@ double UncompressedHeight(const RegistrationModel& model, const BreastPose& pose
 }
 
 /**
- * The equilibrium at the start. A breast is compressed to about half its height (40 to 70 %); a start far below that belongs to
- * another breast and costs minutes to fail, so it is opened, with a warning, and again where even that has no equilibrium.
+ * The equilibrium at the start. A breast is compressed to about half its height; a start below that belongs to another breast
+ * and costs minutes to fail, so thickness is opened and bounded there, with a warning, and again where even that has no
+ * equilibrium.
  */
 CompressionState CompressStart(
   const RegistrationModel& model, RegistrationResult& result, const ProgressCallback& progress)
 {
   RegistrationParameter& thickness = result.Parameters[0];
+  const double height = UncompressedHeight(model, PoseOf(result.Values));
   const auto open = [&](double thicknessMm)
   {
     char sentence[240];
     std::snprintf(sentence, sizeof sentence,
-      "The breast of the volume is %.0f mm high and cannot well be compressed to the %.1f mm the search should start "
-      "from; it starts from %.1f mm.",
-      UncompressedHeight(model, PoseOf(result.Values)), thickness.Start, thicknessMm);
-    result.Warnings.assign(1, sentence);
+      "The breast of the volume is %.0f mm high; it is not compressed to the %.1f mm the search should start from, but "
+      "to no less than %.1f mm.",
+      height, result.Values[0], thicknessMm);
+    result.Warnings.push_back(sentence);
     result.Values[0] = thicknessMm;
+    thickness.Start = thicknessMm;
+    thickness.Lower = thicknessMm;
     thickness.Upper = std::max(thickness.Upper, 1.5 * thicknessMm);
   };
-  const double least = 0.4 * UncompressedHeight(model, PoseOf(result.Values));
+  const double least = 0.5 * height;
   if (!thickness.Fixed && result.Values[0] < least)
   {
     open(least);
@@ -873,8 +877,8 @@ RegistrationResult Register(const RegistrationModel& model, const RegistrationTa
     solverOptions.max_num_iterations = options.MaximumIterations;
     solverOptions.linear_solver_type = ceres::DENSE_QR;
     solverOptions.logging_type = ceres::SILENT;
-    // Below these the pose moves by less than a hundredth of a millimetre or degree.
-    solverOptions.function_tolerance = 1e-6;
+    // A cost that falls by a thousandth tells nothing more: residuals are in standard deviations.
+    solverOptions.function_tolerance = 1e-3;
     solverOptions.parameter_tolerance = 1e-3;
     solverOptions.update_state_every_iteration = true;
     solverOptions.initial_trust_region_radius = 1e2;

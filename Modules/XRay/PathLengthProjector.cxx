@@ -1,13 +1,81 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "PathLengthProjector.h"
 
+#include "Private/RasterisationProjector.h"
+#include "Private/RayTracingProjector.h"
+
 #include <algorithm>
+#include <array>
+#include <utility>
 
 namespace mammoray
 {
+namespace
+{
+using Method = ProjectorOptions::Method;
+
+constexpr std::array<std::pair<Method, const char*>, 3> MethodNames{ {
+  { Method::Auto, "auto" },
+  { Method::RayTracing, "ray-tracing" },
+  { Method::Rasterisation, "rasterisation" },
+} };
+}
+
 std::size_t PathLengthImage::NumberOfInconsistentRays() const
 {
   return static_cast<std::size_t>(std::count(this->Inconsistent.begin(), this->Inconsistent.end(),
     static_cast<unsigned char>(1)));
+}
+
+std::string MethodName(Method method)
+{
+  for (const auto& [known, name] : MethodNames)
+  {
+    if (known == method)
+    {
+      return name;
+    }
+  }
+  return "unknown";
+}
+
+Method MethodFromName(const std::string& name)
+{
+  for (const auto& [method, known] : MethodNames)
+  {
+    if (known == name)
+    {
+      return method;
+    }
+  }
+  throw InputError("projector: expected auto, ray-tracing or rasterisation, found '" + name + "'");
+}
+
+std::unique_ptr<PathLengthProjector> MakeProjector(const ProjectorOptions& options)
+{
+  return WithDeviceErrors(
+    [&]() -> std::unique_ptr<PathLengthProjector>
+    {
+      auto device = std::make_unique<VulkanDevice>(options);
+      if (device->TracesRays())
+      {
+        return std::make_unique<RayTracingProjector>(std::move(device), options);
+      }
+      return std::make_unique<RasterisationProjector>(std::move(device), options);
+    });
+}
+
+std::unique_ptr<PathLengthProjector> MakeRayTracingProjector(const ProjectorOptions& options)
+{
+  ProjectorOptions tracing = options;
+  tracing.Projection = Method::RayTracing;
+  return MakeProjector(tracing);
+}
+
+std::unique_ptr<PathLengthProjector> MakeRasterisationProjector(const ProjectorOptions& options)
+{
+  ProjectorOptions rasterising = options;
+  rasterising.Projection = Method::Rasterisation;
+  return MakeProjector(rasterising);
 }
 }

@@ -46,6 +46,7 @@ TEST(PhantomCompression, MovesLandmarksAsTheFdasSimulationDid)
   const CompressionState state = simulation.Compress(plates);
   EXPECT_GT(state.SmallestJ, 0.1);
   EXPECT_NEAR(state.VolumeRatio, 1, 0.01);
+  EXPECT_LT(state.LargestPenetrationMm, 0.05);
 
   std::ifstream file(folder / "landmarks.csv");
   std::string line;
@@ -84,8 +85,7 @@ TEST(PhantomCompression, MovesLandmarksAsTheFdasSimulationDid)
     median, errors.back(), all[all.size() / 2], all.back(), state.PaddleForceN,
     mesh.Mesh.NumberOfCells(), state.NewtonSteps, state.Seconds);
   RecordProperty("MedianErrorMm", std::to_string(median));
-  // No motion at all leaves 8.9 mm, the best rigid motion 3.0, the best affine map 1.0; 0.9 was
-  // measured.
+  // No motion at all leaves 9.2 mm at these points; 0.9 was measured.
   EXPECT_LT(median, 1.5);
   EXPECT_LT(errors.back(), 3.0);
 }

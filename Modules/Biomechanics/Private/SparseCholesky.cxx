@@ -11,39 +11,53 @@
 // Of OpenBLAS, if that is the BLAS of the process.
 extern "C" void openblas_set_num_threads(int) __attribute__((weak));
 extern "C" int openblas_get_num_threads() __attribute__((weak));
+// Of the OpenMP runtime that CHOLMOD was built with, if it was.
+extern "C" void omp_set_max_active_levels(int) __attribute__((weak));
+extern "C" int omp_get_max_active_levels() __attribute__((weak));
 
 namespace mammoray
 {
 namespace
 {
 /**
- * Keeps OpenBLAS to one thread: most supernodes are small, and its threads wait for each other by
- * spinning, which on a busy machine takes more time than the products (half of all samples in
- * perf).
+ * Keeps OpenBLAS and the loops of CHOLMOD to one thread: most supernodes are small, and the threads
+ * wait for each other by spinning, which on a busy machine takes more time than the products (half
+ * of all samples in perf).
  */
-class SingleThreadedBlas
+class SingleThreaded
 {
 public:
-  SingleThreadedBlas()
+  SingleThreaded()
     : Before(openblas_get_num_threads && openblas_set_num_threads ? openblas_get_num_threads() : 0)
+    , Levels(
+        omp_get_max_active_levels && omp_set_max_active_levels ? omp_get_max_active_levels() : 0)
   {
     if (this->Before > 1)
     {
       openblas_set_num_threads(1);
     }
+    if (this->Levels > 0)
+    {
+      omp_set_max_active_levels(0);
+    }
   }
-  ~SingleThreadedBlas()
+  ~SingleThreaded()
   {
     if (this->Before > 1)
     {
       openblas_set_num_threads(this->Before);
     }
+    if (this->Levels > 0)
+    {
+      omp_set_max_active_levels(this->Levels);
+    }
   }
-  SingleThreadedBlas(const SingleThreadedBlas&) = delete;
-  SingleThreadedBlas& operator=(const SingleThreadedBlas&) = delete;
+  SingleThreaded(const SingleThreaded&) = delete;
+  SingleThreaded& operator=(const SingleThreaded&) = delete;
 
 private:
   int Before;
+  int Levels;
 };
 }
 
@@ -122,7 +136,7 @@ bool SparseCholesky::Factorize(const std::vector<double>& values)
 {
   cholmod_sparse matrix = View(this->Starts, this->Rows, values.data());
   cholmod_common& common = this->Internal->Common;
-  const SingleThreadedBlas single;
+  const SingleThreaded single;
   cholmod_factorize(&matrix, this->Internal->Factor, &common);
   this->Internal->Check("the factorisation");
   this->Valid = common.status != CHOLMOD_NOT_POSDEF &&
@@ -142,7 +156,7 @@ void SparseCholesky::Solve(std::vector<double>& columns) const
   right.xtype = CHOLMOD_REAL;
   right.dtype = CHOLMOD_DOUBLE;
   Internals& internal = *this->Internal;
-  const SingleThreadedBlas single;
+  const SingleThreaded single;
   cholmod_solve2(CHOLMOD_A, internal.Factor, &right, nullptr, &internal.Solution, nullptr,
     &internal.Work, &internal.MoreWork, &internal.Common);
   internal.Check("the back-substitution");

@@ -14,12 +14,13 @@ namespace mammoray
 class RayTracingProjector : public PathLengthProjector
 {
 public:
-  explicit RayTracingProjector(const ProjectorOptions& options);
+  RayTracingProjector(std::unique_ptr<VulkanDevice> device, const ProjectorOptions& options);
 
   void SetSurface(const SurfaceMesh& surface) override;
   void UpdatePoints(const std::vector<double>& points) override;
   PathLengthImage Project(const XRaySource& source, const XRayDetector& detector) override;
   std::string DeviceName() const override { return this->Device.Name(); }
+  ProjectorOptions::Method Method() const override { return ProjectorOptions::Method::RayTracing; }
 
 private:
   /// Pipeline for a number of materials, with its shader binding table.
@@ -40,7 +41,8 @@ private:
   void BuildScene(bool refit);
   void UpdateDescriptors();
 
-  VulkanDevice Device;
+  std::unique_ptr<VulkanDevice> OwnedDevice;
+  VulkanDevice& Device;
   bool Doubles = false;
   std::optional<vk::raii::DescriptorSetLayout> SetLayout;
   std::optional<vk::raii::PipelineLayout> Layout;

@@ -92,7 +92,7 @@ std::vector<vk::raii::PhysicalDevice> Devices(const vk::raii::Instance& instance
   }
 }
 
-bool TracesRays(const vk::raii::PhysicalDevice& device)
+bool CanTraceRays(const vk::raii::PhysicalDevice& device)
 {
   if (device.getProperties().apiVersion < VK_API_VERSION_1_2)
   {
@@ -116,7 +116,7 @@ bool TracesRays(const vk::raii::PhysicalDevice& device)
     features.get<vk::PhysicalDeviceRayTracingPipelineFeaturesKHR>().rayTracingPipeline;
 }
 
-/// Most capable first: ray tracing, then the kind of device.
+/// Most capable first: the kind of device, then ray tracing.
 int Rank(const vk::raii::PhysicalDevice& device)
 {
   int kind = 0;
@@ -137,7 +137,7 @@ int Rank(const vk::raii::PhysicalDevice& device)
     default:
       break;
   }
-  return (TracesRays(device) ? 10 : 0) + kind;
+  return 2 * kind + (CanTraceRays(device) ? 1 : 0);
 }
 
 std::string TypeName(vk::PhysicalDeviceType type)
@@ -212,7 +212,7 @@ std::vector<DeviceDescription> ListDevices(std::string* reason)
           description.Driver =
             std::string(driver.driverName.data()) + " " + driver.driverInfo.data();
           description.Type = TypeName(general.deviceType);
-          description.RayTracing = TracesRays(device);
+          description.RayTracing = CanTraceRays(device);
           descriptions.push_back(description);
         }
       });
@@ -251,20 +251,31 @@ VulkanDevice::VulkanDevice(const ProjectorOptions& options)
       OnValidationMessage, &this->Messages);
     this->Messenger.emplace(*this->Instance, info);
   }
-  this->ChooseDevice(WantedDevice(options));
+  this->ChooseDevice(WantedDevice(options), options.Projection);
   this->MakeDevice();
   this->CheckValidation();
 }
 
-void VulkanDevice::ChooseDevice(const std::string& wanted)
+void VulkanDevice::ChooseDevice(const std::string& wanted, ProjectorOptions::Method method)
 {
+  using Method = ProjectorOptions::Method;
   std::string found;
   for (vk::raii::PhysicalDevice& device : RankedDevices(*this->Instance))
   {
-    const std::string name = device.getProperties().deviceName.data();
-    found += (found.empty() ? "" : ", ") + name + (TracesRays(device) ? "" : " (no ray tracing)");
-    if (LowerCase(name).find(LowerCase(wanted)) != std::string::npos && TracesRays(device))
+    const vk::PhysicalDeviceProperties properties = device.getProperties();
+    const std::string name = properties.deviceName.data();
+    const bool recent = properties.apiVersion >= VK_API_VERSION_1_2;
+    const bool tracesRays = CanTraceRays(device);
+    found += (found.empty() ? "" : ", ") + name +
+      (!recent         ? " (older than Vulkan 1.2)"
+          : tracesRays ? ""
+                       : " (no ray tracing)");
+    if (LowerCase(name).find(LowerCase(wanted)) != std::string::npos && recent &&
+      (tracesRays || method != Method::RayTracing))
     {
+      const bool isHardware = properties.deviceType != vk::PhysicalDeviceType::eCpu;
+      this->ForRayTracing =
+        tracesRays && (method == Method::RayTracing || (method == Method::Auto && isHardware));
       this->PhysicalDevice = std::move(device);
       this->DeviceName = name;
       return;
@@ -274,18 +285,23 @@ void VulkanDevice::ChooseDevice(const std::string& wanted)
   {
     throw DeviceError(NoDevice);
   }
-  throw DeviceError("Vulkan: expected a device that traces rays (VK_KHR_ray_tracing_pipeline)" +
+  throw DeviceError(std::string("Vulkan: expected a device ") +
+    (method == Method::RayTracing ? "that traces rays (VK_KHR_ray_tracing_pipeline)"
+                                  : "of Vulkan 1.2") +
     (wanted.empty() ? "" : " with '" + wanted + "' in its name") + ", found " + found);
 }
 
 void VulkanDevice::MakeDevice()
 {
-  const auto properties = this->PhysicalDevice->getProperties2<vk::PhysicalDeviceProperties2,
-    vk::PhysicalDeviceRayTracingPipelinePropertiesKHR,
-    vk::PhysicalDeviceAccelerationStructurePropertiesKHR>();
-  this->DeviceLimits = properties.get<vk::PhysicalDeviceProperties2>().properties.limits;
-  this->RayTracing = properties.get<vk::PhysicalDeviceRayTracingPipelinePropertiesKHR>();
-  this->Structure = properties.get<vk::PhysicalDeviceAccelerationStructurePropertiesKHR>();
+  this->DeviceLimits = this->PhysicalDevice->getProperties().limits;
+  if (this->ForRayTracing)
+  {
+    const auto properties = this->PhysicalDevice->getProperties2<vk::PhysicalDeviceProperties2,
+      vk::PhysicalDeviceRayTracingPipelinePropertiesKHR,
+      vk::PhysicalDeviceAccelerationStructurePropertiesKHR>();
+    this->RayTracing = properties.get<vk::PhysicalDeviceRayTracingPipelinePropertiesKHR>();
+    this->Structure = properties.get<vk::PhysicalDeviceAccelerationStructurePropertiesKHR>();
+  }
   this->Memory = this->PhysicalDevice->getMemoryProperties();
   this->Doubles = this->PhysicalDevice->getFeatures().shaderFloat64;
 
@@ -305,12 +321,20 @@ void VulkanDevice::MakeDevice()
     vk::PhysicalDeviceVulkan12Features, vk::PhysicalDeviceAccelerationStructureFeaturesKHR,
     vk::PhysicalDeviceRayTracingPipelineFeaturesKHR>
     info;
-  info.get<vk::DeviceCreateInfo>().setQueueCreateInfos(queue).setPEnabledExtensionNames(
-    RequiredExtensions);
+  info.get<vk::DeviceCreateInfo>().setQueueCreateInfos(queue);
   info.get<vk::PhysicalDeviceFeatures2>().features.shaderFloat64 = this->Doubles;
-  info.get<vk::PhysicalDeviceVulkan12Features>().bufferDeviceAddress = true;
-  info.get<vk::PhysicalDeviceAccelerationStructureFeaturesKHR>().accelerationStructure = true;
-  info.get<vk::PhysicalDeviceRayTracingPipelineFeaturesKHR>().rayTracingPipeline = true;
+  if (this->ForRayTracing)
+  {
+    info.get<vk::DeviceCreateInfo>().setPEnabledExtensionNames(RequiredExtensions);
+    info.get<vk::PhysicalDeviceVulkan12Features>().bufferDeviceAddress = true;
+    info.get<vk::PhysicalDeviceAccelerationStructureFeaturesKHR>().accelerationStructure = true;
+    info.get<vk::PhysicalDeviceRayTracingPipelineFeaturesKHR>().rayTracingPipeline = true;
+  }
+  else
+  {
+    info.unlink<vk::PhysicalDeviceAccelerationStructureFeaturesKHR>();
+    info.unlink<vk::PhysicalDeviceRayTracingPipelineFeaturesKHR>();
+  }
   this->LogicalDevice.emplace(*this->PhysicalDevice, info.get<vk::DeviceCreateInfo>());
   this->Queue.emplace(*this->LogicalDevice, this->QueueFamily, 0);
   this->Pool.emplace(*this->LogicalDevice,

@@ -46,8 +46,8 @@ auto WithDeviceErrors(const Function& function)
 }
 
 /**
- * A Vulkan instance, one device of it that traces rays, and one queue. Members are declared in
- * creation order. Not copied, not moved: the other types keep references to it.
+ * A Vulkan instance, one device of it, able to do what the options ask for, and one queue. Members
+ * are declared in creation order. Not copied, not moved: the other types keep references to it.
  */
 class VulkanDevice
 {
@@ -60,6 +60,8 @@ public:
   const std::string& Name() const { return this->DeviceName; }
   /// True when shaders may use 64-bit floats.
   bool HasDoubles() const { return this->Doubles; }
+  /// True when the device was made for ray tracing: it can, and the options want it.
+  bool TracesRays() const { return this->ForRayTracing; }
   const vk::PhysicalDeviceRayTracingPipelinePropertiesKHR& RayTracingProperties() const
   {
     return this->RayTracing;
@@ -80,7 +82,7 @@ public:
   void CheckValidation();
 
 private:
-  void ChooseDevice(const std::string& wanted);
+  void ChooseDevice(const std::string& wanted, ProjectorOptions::Method method);
   void MakeDevice();
 
   vk::raii::Context Context;
@@ -91,6 +93,7 @@ private:
   std::optional<vk::raii::PhysicalDevice> PhysicalDevice;
   std::string DeviceName;
   bool Doubles = false;
+  bool ForRayTracing = false;
   std::uint32_t QueueFamily = 0;
   vk::PhysicalDeviceLimits DeviceLimits;
   vk::PhysicalDeviceMemoryProperties Memory;

@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: Apache-2.0
+/**
+ * @class   vtkBreastCompression
+ * @brief   Squeezes a breast between the plates of a mammography unit.
+ *
+ * Input 0: vtkUnstructuredGrid of linear tetrahedra (mm) with the cell array "Material"; the
+ * simulation runs on these cells made quadratic, so some thousand of them are meant. Elastic
+ * constants come from MaterialTable or SetMaterial; cells of held materials (the chest wall) do not
+ * move.
+ *
+ * Output 0: the grid deformed, with the input's arrays and the point array "Displacement" (mm), the
+ * cell arrays "J" (deformed over undeformed volume) and "VonMisesStressKPa" (of the Cauchy stress),
+ * both means over the cell's quadrature points, and the field arrays "PaddleForceN",
+ * "SupportForceN", "ThicknessMm", "LargestPenetrationMm", "SmallestJ" and "VolumeRatio".
+ *
+ * The simulation and its last state live across updates: while only the plates change, a
+ * compression starts from the last one. Unusable input or plates without an equilibrium raise
+ * ErrorEvent once and leave the output empty.
+ */
+#ifndef vtkBreastCompression_h
+#define vtkBreastCompression_h
+
+#include "mammorayMammographyModule.h" // export macro
+#include "vtkUnstructuredGridAlgorithm.h"
+#include <string> // file name and axes
+
+class MAMMORAYMAMMOGRAPHY_EXPORT vtkBreastCompression : public vtkUnstructuredGridAlgorithm
+{
+public:
+  static vtkBreastCompression* New();
+  vtkTypeMacro(vtkBreastCompression, vtkUnstructuredGridAlgorithm);
+  void PrintSelf(ostream& os, vtkIndent indent) override;
+
+  ///@{
+  /**
+   * Path of a material table (JSON) with the elastic constants of materials 1, 2, ... and which are
+   * held. Empty: only what SetMaterial says. Default empty.
+   */
+  vtkSetStdStringFromCharMacro(MaterialTable);
+  vtkGetCharFromStdStringMacro(MaterialTable);
+  ///@}
+
+  ///@{
+  /**
+   * Directions of the input's +x, +y, +z: one letter each of L/R, A/P, S/I. Default "LPS".
+   */
+  vtkSetStdStringFromCharMacro(Orientation);
+  vtkGetCharFromStdStringMacro(Orientation);
+  ///@}
+
+  /**
+   * Elastic constants of a material (1, 2, ...): Young's modulus, kPa, positive; Poisson's ratio in
+   * [0, 0.5); whether its cells are held. Goes before the table.
+   */
+  void SetMaterial(int material, double youngsModulusKPa, double poissonRatio, bool held);
+
+  /**
+   * Forgets what SetMaterial said.
+   */
+  void ClearMaterials();
+
+  ///@{
+  /**
+   * Distance between the faces of support and paddle, mm. Positive; default 50.
+   */
+  vtkSetMacro(ThicknessMm, double);
+  vtkGetMacro(ThicknessMm, double);
+  ///@}
+
+  ///@{
+  /**
+   * Turn of the unit about the anterior axis, degrees; 0 is CC, positive towards the left. Default
+   * 0.
+   */
+  vtkSetMacro(RollDeg, double);
+  vtkGetMacro(RollDeg, double);
+  ///@}
+
+  ///@{
+  /**
+   * Shift of the receptor along its chest-wall edge, mm. Default 0.
+   */
+  vtkSetMacro(ShiftLateralMm, double);
+  vtkGetMacro(ShiftLateralMm, double);
+  ///@}
+
+  ///@{
+  /**
+   * Shift of the receptor away from the chest wall, mm. Default 0.
+   */
+  vtkSetMacro(ShiftAnteriorMm, double);
+  vtkGetMacro(ShiftAnteriorMm, double);
+  ///@}
+
+  ///@{
+  /**
+   * Shift of the plates' mid-plane towards the source, mm. Default 0.
+   */
+  vtkSetMacro(ShiftVerticalMm, double);
+  vtkGetMacro(ShiftVerticalMm, double);
+  ///@}
+
+  ///@{
+  /**
+   * Chest-wall edge of the support, mm in front of the receptor's. Default 0.
+   */
+  vtkSetMacro(SupportEdgeMm, double);
+  vtkGetMacro(SupportEdgeMm, double);
+  ///@}
+
+  ///@{
+  /**
+   * Chest-wall edge of the paddle, mm in front of the receptor's. Default 0.
+   */
+  vtkSetMacro(PaddleEdgeMm, double);
+  vtkGetMacro(PaddleEdgeMm, double);
+  ///@}
+
+  ///@{
+  /**
+   * Radius of the plates' chest-wall edges, mm, not negative. Default 3.
+   */
+  vtkSetMacro(EdgeRadiusMm, double);
+  vtkGetMacro(EdgeRadiusMm, double);
+  ///@}
+
+protected:
+  vtkBreastCompression();
+  ~vtkBreastCompression() override;
+  int RequestData(vtkInformation* request, vtkInformationVector** inputs,
+    vtkInformationVector* outputs) override;
+
+private:
+  vtkBreastCompression(const vtkBreastCompression&) = delete;
+  void operator=(const vtkBreastCompression&) = delete;
+
+  std::string MaterialTable;
+  std::string Orientation = "LPS";
+  double ThicknessMm = 50;
+  double RollDeg = 0;
+  double ShiftLateralMm = 0;
+  double ShiftAnteriorMm = 0;
+  double ShiftVerticalMm = 0;
+  double SupportEdgeMm = 0;
+  double PaddleEdgeMm = 0;
+  double EdgeRadiusMm = 3;
+
+  struct Internals;
+  Internals* Internal;
+};
+
+#endif

@@ -1,0 +1,406 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "RasterisationProjector.h"
+
+#include "ProjectionHelpers.h"
+#include "RasterParameters.h"
+#include "rasterResolve_double.h"
+#include "rasterResolve_float.h"
+#include "rasterTiles_double.h"
+#include "rasterTiles_float.h"
+#include "rasterTriangles_double.h"
+#include "rasterTriangles_float.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+namespace mammoray
+{
+namespace
+{
+using Usage = vk::BufferUsageFlagBits;
+
+/// Sums of the rows in work; more rows are done in bands.
+constexpr std::uint64_t MostSumBytes = 256u << 20;
+/// Entries of the list of tiles at first; it grows with need.
+constexpr std::uint32_t FirstTileCapacity = 1u << 16;
+/// Workgroups that share the list of tiles: plenty for large devices, few for a CPU.
+constexpr std::uint32_t TileGroups = 1024;
+constexpr std::uint32_t GroupsPerRow = 32768;
+/// Columns or rows of samples: tiles are numbered with 16 bits.
+constexpr int MostSamples = 65535 * MAMMORAY_RASTER_TILE;
+
+void Dispatch(const vk::raii::CommandBuffer& commands, std::uint64_t invocations)
+{
+  const std::uint64_t groups = (invocations + MAMMORAY_RASTER_GROUP - 1) / MAMMORAY_RASTER_GROUP;
+  const std::uint64_t rows = (groups + GroupsPerRow - 1) / GroupsPerRow;
+  commands.dispatch(static_cast<std::uint32_t>(std::min<std::uint64_t>(groups, GroupsPerRow)),
+    static_cast<std::uint32_t>(rows), 1);
+}
+}
+
+RasterisationProjector::RasterisationProjector(std::unique_ptr<VulkanDevice> device,
+  const ProjectorOptions& options)
+  : OwnedDevice(std::move(device))
+  , Device(*this->OwnedDevice)
+  , Doubles(options.DoublePrecision && this->Device.HasDoubles())
+{
+  this->MakePipelines();
+  Reserve(this->Parameters, this->Device, sizeof(RasterParameters<double>), Usage::eStorageBuffer,
+    MemoryUse::Upload);
+  Reserve(this->TileCount, this->Device, sizeof(std::uint32_t), Usage::eTransferDst,
+    MemoryUse::Download);
+}
+
+void RasterisationProjector::MakePipelines()
+{
+  std::array<vk::DescriptorSetLayoutBinding, MAMMORAY_RASTER_BINDING_COUNT> bindings;
+  for (std::uint32_t binding = 0; binding < bindings.size(); ++binding)
+  {
+    bindings[binding] = vk::DescriptorSetLayoutBinding(binding, vk::DescriptorType::eStorageBuffer,
+      1, vk::ShaderStageFlagBits::eCompute);
+  }
+  const vk::raii::Device& device = this->Device.Device();
+  this->SetLayout.emplace(device, vk::DescriptorSetLayoutCreateInfo({}, bindings));
+  const vk::DescriptorSetLayout setLayout = **this->SetLayout;
+  this->Layout.emplace(device, vk::PipelineLayoutCreateInfo({}, setLayout));
+  const vk::DescriptorPoolSize size(vk::DescriptorType::eStorageBuffer,
+    MAMMORAY_RASTER_BINDING_COUNT);
+  this->DescriptorPool.emplace(device,
+    vk::DescriptorPoolCreateInfo(vk::DescriptorPoolCreateFlagBits::eFreeDescriptorSet, 1, size));
+  vk::raii::DescriptorSets sets(device,
+    vk::DescriptorSetAllocateInfo(**this->DescriptorPool, setLayout));
+  this->Set.emplace(std::move(sets.front()));
+
+  const auto make =
+    [&](std::optional<vk::raii::Pipeline>& pipeline, const auto& single, const auto& twice)
+  {
+    const vk::raii::ShaderModule module = this->Doubles
+      ? Module(this->Device, twice, sizeof(twice))
+      : Module(this->Device, single, sizeof(single));
+    const vk::PipelineShaderStageCreateInfo stage({}, vk::ShaderStageFlagBits::eCompute, *module,
+      "main");
+    pipeline.emplace(device, nullptr, vk::ComputePipelineCreateInfo({}, stage, **this->Layout));
+  };
+  make(this->Pipelines[0], rasterTriangles_float, rasterTriangles_double);
+  make(this->Pipelines[1], rasterTiles_float, rasterTiles_double);
+  make(this->Pipelines[2], rasterResolve_float, rasterResolve_double);
+}
+
+void RasterisationProjector::SetSurface(const SurfaceMesh& surface)
+{
+  surface.Validate("surface");
+  const std::uint64_t positionBytes =
+    surface.Points.size() * (this->Doubles ? sizeof(double) : sizeof(float));
+  const std::uint64_t triangleBytes = surface.Triangles.size() * sizeof(std::uint32_t);
+  if (std::max(positionBytes, triangleBytes) > this->Device.Limits().maxStorageBufferRange)
+  {
+    throw DeviceError("Vulkan: " + std::to_string(surface.NumberOfTriangles()) + " triangles and " +
+      std::to_string(surface.NumberOfPoints()) + " points are more than " + this->Device.Name() +
+      " takes in one buffer");
+  }
+  WithDeviceErrors(
+    [&]
+    {
+      this->TriangleCount = 0; // until all is written
+      this->PointCount = surface.NumberOfPoints();
+      this->MaterialCount = static_cast<std::uint32_t>(surface.NumberOfMaterials());
+      Reserve(this->Positions, this->Device, positionBytes, Usage::eStorageBuffer,
+        MemoryUse::Upload);
+      Reserve(this->Triangles, this->Device, triangleBytes, Usage::eStorageBuffer,
+        MemoryUse::Upload);
+      Reserve(this->Materials, this->Device, triangleBytes / 3, Usage::eStorageBuffer,
+        MemoryUse::Upload);
+      this->WritePoints(surface.Points);
+      std::copy(surface.Triangles.begin(), surface.Triangles.end(),
+        this->Triangles.Data<std::uint32_t>());
+      std::transform(surface.FrontMaterials.begin(), surface.FrontMaterials.end(),
+        surface.BackMaterials.begin(), this->Materials.Data<std::uint32_t>(),
+        [](std::uint32_t front, std::uint32_t back) { return front | back << 16; });
+      this->TriangleCount = static_cast<std::uint32_t>(surface.NumberOfTriangles());
+      this->DescriptorsStale = true;
+    });
+}
+
+void RasterisationProjector::UpdatePoints(const std::vector<double>& points)
+{
+  if (this->TriangleCount == 0)
+  {
+    throw InputError("projector: expected a surface before its points are moved, found none");
+  }
+  CheckMovedPoints(points, this->PointCount);
+  this->WritePoints(points);
+}
+
+void RasterisationProjector::WritePoints(const std::vector<double>& points)
+{
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  Vector3 low{ infinity, infinity, infinity };
+  Vector3 high{ -infinity, -infinity, -infinity };
+  for (std::size_t index = 0; index < points.size(); index += 3)
+  {
+    for (std::size_t axis = 0; axis < 3; ++axis)
+    {
+      low[axis] = std::min(low[axis], points[index + axis]);
+      high[axis] = std::max(high[axis], points[index + axis]);
+    }
+  }
+  this->Center = 0.5 * (low + high);
+  // Room for the rounding of positions in single precision.
+  this->Reach = 1e-6 + (1 + 1e-6) * 0.5 * Norm(high - low);
+  const auto write = [&](auto* positions)
+  {
+    for (std::size_t index = 0; index < points.size(); index += 3)
+    {
+      for (std::size_t axis = 0; axis < 3; ++axis)
+      {
+        positions[index + axis] = static_cast<std::decay_t<decltype(*positions)>>(
+          points[index + axis] - this->Center[axis]);
+      }
+    }
+  };
+  if (this->Doubles)
+  {
+    write(this->Positions.Data<double>());
+  }
+  else
+  {
+    write(this->Positions.Data<float>());
+  }
+}
+
+void RasterisationProjector::UpdateDescriptors()
+{
+  const Buffer* buffers[MAMMORAY_RASTER_BINDING_COUNT] = {};
+  buffers[MAMMORAY_RASTER_PARAMETERS] = &this->Parameters;
+  buffers[MAMMORAY_RASTER_POSITIONS] = &this->Positions;
+  buffers[MAMMORAY_RASTER_TRIANGLES] = &this->Triangles;
+  buffers[MAMMORAY_RASTER_MATERIALS] = &this->Materials;
+  buffers[MAMMORAY_RASTER_SUMS] = &this->Sums;
+  buffers[MAMMORAY_RASTER_TILES] = &this->Tiles;
+  buffers[MAMMORAY_RASTER_LENGTHS] = &this->Lengths;
+  buffers[MAMMORAY_RASTER_FAILURES] = &this->Failures;
+  std::array<vk::DescriptorBufferInfo, MAMMORAY_RASTER_BINDING_COUNT> infos;
+  std::vector<vk::WriteDescriptorSet> writes;
+  for (std::uint32_t binding = 0; binding < MAMMORAY_RASTER_BINDING_COUNT; ++binding)
+  {
+    infos[binding] = vk::DescriptorBufferInfo(buffers[binding]->Handle(), 0, VK_WHOLE_SIZE);
+    writes.emplace_back(**this->Set, binding, 0, 1, vk::DescriptorType::eStorageBuffer, nullptr,
+      &infos[binding]);
+  }
+  this->Device.Device().updateDescriptorSets(writes, nullptr);
+  this->DescriptorsStale = false;
+}
+
+template <typename Real>
+void RasterisationProjector::WriteParameters(const XRaySource& source, const XRayDetector& detector,
+  int firstRow, int rowCount)
+{
+  RasterParameters<Real> parameters{};
+  const auto set = [](Real(&target)[4], const Vector3& value, double fourth = 0)
+  {
+    for (std::size_t axis = 0; axis < 3; ++axis)
+    {
+      target[axis] = static_cast<Real>(value[axis]);
+    }
+    target[3] = static_cast<Real>(fourth);
+  };
+  // The grid of samples.
+  const int samples = detector.Samples;
+  const Vector3 u = (1.0 / samples) * detector.ColumnStep;
+  const Vector3 v = (1.0 / samples) * detector.RowStep;
+  const Vector3 origin = detector.Origin - this->Center +
+    (0.5 / samples - 0.5) * (detector.ColumnStep + detector.RowStep);
+  set(parameters.DetectorOrigin, origin);
+  set(parameters.ColumnStep, u);
+  set(parameters.RowStep, v);
+
+  // A point is p = base + column u + row v + depth w; for a point source, a ray's points are
+  // multiples of one another.
+  const bool isPoint = source.Type == XRaySource::Kind::Point;
+  const Vector3 base = isPoint ? source.Position - this->Center : origin;
+  const Vector3 w = isPoint ? origin - base : (1.0 / Norm(source.Direction)) * source.Direction;
+  set(parameters.Source, isPoint ? base : w, isPoint ? 1 : 0);
+  const double determinant = Dot(w, Cross(u, v));
+  double largest = 0; // of the terms of a coordinate
+  const auto coordinate = [&](const Vector3& factor, double magnitude)
+  {
+    const double constant = -Dot(factor, base);
+    largest = std::max(largest, magnitude * (Norm(factor) * this->Reach + std::abs(constant)));
+    return std::array<double, 4>{ factor[0], factor[1], factor[2], constant };
+  };
+  const int extent = samples * std::max(detector.Columns, detector.Rows);
+  const auto columnOf = coordinate((1 / determinant) * Cross(v, w), 1);
+  const auto rowOf = coordinate((1 / determinant) * Cross(w, u), 1);
+  const auto weightOf = isPoint ? coordinate((1 / determinant) * Cross(u, v), extent)
+                                : std::array<double, 4>{ 0, 0, 0, 1 };
+  // Rays are tested a little beside, so that those of a symmetric set-up which are meant to run
+  // through a corner do not see its triangles as rounding would have them. Their distances stay
+  // exact. In single precision there is no room for more than the rounding itself.
+  const double rounding = std::numeric_limits<Real>::epsilon() * largest;
+  const double beside = (sizeof(Real) == sizeof(double) ? 1000 : 1) * rounding;
+  for (std::size_t axis = 0; axis < 4; ++axis)
+  {
+    parameters.ColumnOf[axis] = static_cast<Real>(columnOf[axis] - beside * weightOf[axis]);
+    parameters.RowOf[axis] = static_cast<Real>(rowOf[axis] - 0.57 * beside * weightOf[axis]);
+    parameters.WeightOf[axis] = static_cast<Real>(weightOf[axis]);
+  }
+
+  parameters.Scales[0] = determinant > 0 ? Real(1) : Real(-1);
+  parameters.Scales[1] = static_cast<Real>(this->Reach);
+  // The longest path, twice the reach, is just below 2^31.
+  parameters.Scales[2] = static_cast<Real>(1073741824.0 / (1.001 * this->Reach));
+  parameters.Scales[3] = static_cast<Real>(1e-3 + beside + 16 * rounding);
+  parameters.Columns = static_cast<std::uint32_t>(samples * detector.Columns);
+  parameters.FirstRow = static_cast<std::uint32_t>(samples * firstRow);
+  parameters.RowCount = static_cast<std::uint32_t>(samples * rowCount);
+  parameters.Samples = static_cast<std::uint32_t>(samples);
+  parameters.PixelCount =
+    static_cast<std::uint32_t>(detector.Columns) * static_cast<std::uint32_t>(detector.Rows);
+  parameters.Materials = this->MaterialCount;
+  parameters.Triangles = this->TriangleCount;
+  parameters.TileCapacity =
+    static_cast<std::uint32_t>(this->Tiles.Bytes() / (2 * sizeof(std::uint32_t)) - 1);
+  *this->Parameters.Data<RasterParameters<Real>>() = parameters;
+}
+
+std::uint32_t RasterisationProjector::RunBand(const XRayDetector& detector, int rowCount)
+{
+  using Stage = vk::PipelineStageFlagBits;
+  using Access = vk::AccessFlagBits;
+  const std::uint64_t pixels = std::uint64_t(detector.Columns) * std::uint64_t(rowCount);
+  const std::uint64_t samples = std::uint64_t(detector.Samples) * std::uint64_t(detector.Samples);
+  this->Device.Run(
+    [&](const vk::raii::CommandBuffer& commands)
+    {
+      const auto wait =
+        [&](Stage from, vk::AccessFlags written, vk::PipelineStageFlags to, vk::AccessFlags used)
+      {
+        const vk::MemoryBarrier barrier(written, used);
+        commands.pipelineBarrier(from, to, {}, barrier, nullptr, nullptr);
+      };
+      const vk::AccessFlags both = Access::eShaderRead | Access::eShaderWrite;
+      commands.bindDescriptorSets(vk::PipelineBindPoint::eCompute, **this->Layout, 0, **this->Set,
+        nullptr);
+      commands.fillBuffer(this->Sums.Handle(), 0,
+        pixels * samples * this->MaterialCount * sizeof(std::uint32_t), 0);
+      commands.fillBuffer(this->Tiles.Handle(), 0, sizeof(std::uint32_t), 0);
+      wait(Stage::eTransfer, Access::eTransferWrite, Stage::eComputeShader, both);
+      commands.bindPipeline(vk::PipelineBindPoint::eCompute, **this->Pipelines[0]);
+      Dispatch(commands, this->TriangleCount);
+      wait(Stage::eComputeShader, Access::eShaderWrite, Stage::eComputeShader | Stage::eTransfer,
+        both | Access::eTransferRead);
+      commands.copyBuffer(this->Tiles.Handle(), this->TileCount.Handle(),
+        vk::BufferCopy(0, 0, sizeof(std::uint32_t)));
+      commands.bindPipeline(vk::PipelineBindPoint::eCompute, **this->Pipelines[1]);
+      commands.dispatch(TileGroups, 1, 1);
+      wait(Stage::eComputeShader, Access::eShaderWrite, Stage::eComputeShader, both);
+      commands.bindPipeline(vk::PipelineBindPoint::eCompute, **this->Pipelines[2]);
+      Dispatch(commands, pixels);
+      wait(Stage::eComputeShader, Access::eShaderWrite, Stage::eHost, Access::eHostRead);
+      wait(Stage::eTransfer, Access::eTransferWrite, Stage::eHost, Access::eHostRead);
+    });
+  return *this->TileCount.Data<std::uint32_t>();
+}
+
+PathLengthImage RasterisationProjector::Project(const XRaySource& source,
+  const XRayDetector& detector)
+{
+  CheckGeometry(source, detector);
+  if (this->TriangleCount == 0)
+  {
+    throw InputError("projector: expected a surface before the projection, found none");
+  }
+  PathLengthImage image;
+  image.Columns = detector.Columns;
+  image.Rows = detector.Rows;
+  image.Materials = static_cast<int>(this->MaterialCount);
+  const std::size_t pixelCount = image.NumberOfPixels();
+  const std::size_t valueCount = pixelCount * this->MaterialCount;
+  const std::uint64_t mostBytes =
+    std::min<std::uint64_t>(MostSumBytes, this->Device.Limits().maxStorageBufferRange);
+  const std::uint64_t rowBytes = std::uint64_t(detector.Columns) *
+    static_cast<std::uint64_t>(detector.Samples * detector.Samples) * this->MaterialCount *
+    sizeof(std::uint32_t);
+  if (valueCount * sizeof(float) > this->Device.Limits().maxStorageBufferRange ||
+    rowBytes > mostBytes ||
+    detector.Samples * std::max(detector.Columns, detector.Rows) > MostSamples)
+  {
+    throw InputError("detector: " + std::to_string(pixelCount) + " pixels of " +
+      std::to_string(this->MaterialCount) + " materials are more than " + this->Device.Name() +
+      " takes in one image");
+  }
+  const std::uint32_t* failures = nullptr;
+  WithDeviceErrors(
+    [&]
+    {
+      int band = static_cast<int>(
+        std::min<std::uint64_t>(mostBytes / rowBytes, static_cast<std::uint64_t>(detector.Rows)));
+      std::uint64_t tileCapacity = FirstTileCapacity;
+      for (int firstRow = 0; firstRow < detector.Rows;)
+      {
+        const int rowCount = std::min(band, detector.Rows - firstRow);
+        bool grown = Reserve(this->Sums, this->Device, rowCount * rowBytes,
+          Usage::eStorageBuffer | Usage::eTransferDst, MemoryUse::Device);
+        grown |= Reserve(this->Tiles, this->Device, 2 * sizeof(std::uint32_t) * (tileCapacity + 1),
+          Usage::eStorageBuffer | Usage::eTransferDst | Usage::eTransferSrc, MemoryUse::Device);
+        grown |= Reserve(this->Lengths, this->Device, valueCount * sizeof(float),
+          Usage::eStorageBuffer, MemoryUse::Download);
+        grown |= Reserve(this->Failures, this->Device, pixelCount * sizeof(std::uint32_t),
+          Usage::eStorageBuffer, MemoryUse::Download);
+        if (this->DescriptorsStale || grown)
+        {
+          this->UpdateDescriptors();
+        }
+        if (this->Doubles)
+        {
+          this->WriteParameters<double>(source, detector, firstRow, rowCount);
+        }
+        else
+        {
+          this->WriteParameters<float>(source, detector, firstRow, rowCount);
+        }
+        const std::uint64_t tiles = this->RunBand(detector, rowCount);
+        const std::uint64_t held = this->Tiles.Bytes() / (2 * sizeof(std::uint32_t)) - 1;
+        if (tiles <= held)
+        {
+          firstRow += rowCount;
+        }
+        else if (const std::uint64_t most = mostBytes / (2 * sizeof(std::uint32_t)) - 1;
+                 tiles <= most)
+        {
+          tileCapacity = std::min(most, tiles + tiles / 4);
+        }
+        else if (band > 1)
+        {
+          band = std::max(1, static_cast<int>(rowCount * (most / 2) / tiles));
+          tileCapacity = most;
+        }
+        else
+        {
+          throw DeviceError("Vulkan: one row of the detector is crossed by more triangles than " +
+            this->Device.Name() + " has room for");
+        }
+      }
+      failures = this->Failures.Data<std::uint32_t>();
+    });
+
+  image.Lengths.resize(valueCount);
+  std::copy_n(this->Lengths.Data<float>() + pixelCount, valueCount - pixelCount,
+    image.Lengths.begin() + static_cast<std::ptrdiff_t>(pixelCount));
+  image.Inconsistent.resize(pixelCount);
+  const auto samples = static_cast<std::uint32_t>(detector.Samples * detector.Samples);
+  std::vector<std::size_t> holes;
+  for (std::size_t pixel = 0; pixel < pixelCount; ++pixel)
+  {
+    image.Inconsistent[pixel] = failures[pixel] > 0 ? 1 : 0;
+    if (failures[pixel] == samples)
+    {
+      holes.push_back(pixel);
+    }
+  }
+  FillFromNeighbours(image, std::move(holes));
+  return image;
+}
+}

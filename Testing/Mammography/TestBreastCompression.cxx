@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "MeshConversion.h"
+#include "TestMeshes.h"
+#include "vtkBreastCompression.h"
+
+#include "vtkCallbackCommand.h"
+#include "vtkCellData.h"
+#include "vtkCommand.h"
+#include "vtkDoubleArray.h"
+#include "vtkFieldData.h"
+#include "vtkNew.h"
+#include "vtkPointData.h"
+#include "vtkUnstructuredGrid.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace
+{
+using namespace mammoray;
+
+/// Counts and keeps errors instead of printing them.
+class ErrorKeeper : public vtkCommand
+{
+public:
+  static ErrorKeeper* New() { return new ErrorKeeper; }
+  void Execute(vtkObject*, unsigned long, void* text) override
+  {
+    ++this->Count;
+    this->Text = static_cast<const char*>(text);
+  }
+  int Count = 0;
+  std::string Text;
+};
+
+class BreastCompression : public testing::Test
+{
+protected:
+  void SetUp() override
+  {
+    // x lateral, y anterior, z up.
+    this->Grid =
+      ToGrid(test::MakeHalfEllipsoidMesh(40, 45, 38, 6), { "air", "breast", "chest wall" });
+    this->Filter->SetInputData(this->Grid);
+    this->Filter->SetOrientation("LAS");
+    this->Filter->SetMaterial(1, 6, 0.49, false);
+    this->Filter->SetMaterial(2, 6, 0.49, true);
+    this->Filter->SetThicknessMm(54);
+    this->Filter->AddObserver(vtkCommand::ErrorEvent, this->Errors);
+  }
+  double FieldValue(const char* name)
+  {
+    vtkDataArray* array = this->Filter->GetOutput()->GetFieldData()->GetArray(name);
+    EXPECT_NE(array, nullptr) << name;
+    return array ? array->GetTuple1(0) : std::nan("");
+  }
+  vtkSmartPointer<vtkUnstructuredGrid> Grid;
+  vtkNew<vtkBreastCompression> Filter;
+  vtkNew<ErrorKeeper> Errors;
+};
+
+TEST_F(BreastCompression, SqueezesTheGridBetweenThePlates)
+{
+  this->Filter->Update();
+  ASSERT_EQ(this->Errors->Count, 0) << this->Errors->Text;
+  vtkUnstructuredGrid* output = this->Filter->GetOutput();
+  ASSERT_EQ(output->GetNumberOfPoints(), this->Grid->GetNumberOfPoints());
+  vtkDataArray* displacement = output->GetPointData()->GetArray("Displacement");
+  vtkDataArray* j = output->GetCellData()->GetArray("J");
+  vtkDataArray* stress = output->GetCellData()->GetArray("VonMisesStressKPa");
+  vtkDataArray* material = output->GetCellData()->GetArray("Material");
+  ASSERT_TRUE(displacement && j && stress && material);
+  double low = 0, high = 0;
+  for (vtkIdType p = 0; p < output->GetNumberOfPoints(); ++p)
+  {
+    const double* rest = this->Grid->GetPoint(p);
+    const Vector3 from{ rest[0], rest[1], rest[2] };
+    const double* to = output->GetPoint(p);
+    for (int axis = 0; axis < 3; ++axis)
+    {
+      EXPECT_NEAR(to[axis] - from[axis], displacement->GetComponent(p, axis), 1e-12);
+    }
+    if (from[1] > 20) // in front of the plates' edges
+    {
+      low = std::min(low, to[2]);
+      high = std::max(high, to[2]);
+    }
+  }
+  // Between the plates; where they touch a coarse mesh there need not be a corner.
+  EXPECT_LT(high - low, 54);
+  EXPECT_GT(high - low, 50);
+  for (vtkIdType c = 0; c < output->GetNumberOfCells(); ++c)
+  {
+    EXPECT_GT(j->GetTuple1(c), 0.3);
+    if (material->GetTuple1(c) == 2)
+    {
+      EXPECT_NEAR(stress->GetTuple1(c), 0, 1e-9); // held: no strain, no stress
+    }
+    else
+    {
+      EXPECT_GT(stress->GetTuple1(c), 0);
+    }
+  }
+  EXPECT_GT(this->FieldValue("PaddleForceN"), 0.5);
+  EXPECT_LE(this->FieldValue("LargestPenetrationMm"), 0.054);
+  EXPECT_EQ(this->FieldValue("ThicknessMm"), 54);
+}
+
+TEST_F(BreastCompression, GoesOnFromTheLastState)
+{
+  this->Filter->Update();
+  this->Filter->SetThicknessMm(52);
+  this->Filter->Update();
+  vtkNew<vtkUnstructuredGrid> warm;
+  warm->DeepCopy(this->Filter->GetOutput());
+  vtkNew<vtkBreastCompression> fresh;
+  fresh->SetInputData(this->Grid);
+  fresh->SetOrientation("LAS");
+  fresh->SetMaterial(1, 6, 0.49, false);
+  fresh->SetMaterial(2, 6, 0.49, true);
+  fresh->SetThicknessMm(52);
+  fresh->Update();
+  for (vtkIdType p = 0; p < warm->GetNumberOfPoints(); ++p)
+  {
+    const double* point = warm->GetPoint(p);
+    const Vector3 a{ point[0], point[1], point[2] };
+    point = fresh->GetOutput()->GetPoint(p);
+    // A residual of 1e-8 of the plates' forces.
+    EXPECT_LT(Norm(a - Vector3{ point[0], point[1], point[2] }), 1e-3);
+  }
+}
+
+TEST_F(BreastCompression, RefusesOnceAndEmptiesTheOutput)
+{
+  this->Filter->ClearMaterials();
+  this->Filter->SetMaterial(1, 6, 0.49, false);
+  this->Filter->Update();
+  EXPECT_EQ(this->Errors->Count, 1);
+  EXPECT_NE(this->Errors->Text.find("material 2 has no elastic constants"), std::string::npos)
+    << this->Errors->Text;
+  EXPECT_EQ(this->Filter->GetOutput()->GetNumberOfCells(), 0);
+  this->Filter->SetMaterial(2, 6, 0.49, true);
+  this->Filter->Update();
+  EXPECT_EQ(this->Errors->Count, 1);
+  EXPECT_GT(this->Filter->GetOutput()->GetNumberOfCells(), 0);
+}
+
+TEST_F(BreastCompression, StopsWhenAsked)
+{
+  vtkNew<vtkCallbackCommand> stop;
+  stop->SetCallback([](vtkObject* caller, unsigned long, void*, void*)
+    { vtkAlgorithm::SafeDownCast(caller)->SetAbortExecute(1); });
+  this->Filter->AddObserver(vtkCommand::ProgressEvent, stop);
+  this->Filter->Update();
+  EXPECT_EQ(this->Errors->Count, 0);
+  EXPECT_EQ(this->Filter->GetOutput()->GetNumberOfCells(), 0);
+}
+}

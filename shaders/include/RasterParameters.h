@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the host hands to the rasterisation shaders; read by GLSL and by C++. Lengths in mm, in the local
+// frame: the mesh's axes, the origin at the middle of the mesh. Pixels are those of the fine grid, Samples x
+// Samples for each pixel of the detector.
+#ifndef RasterParameters_h
+#define RasterParameters_h
+
+#define MAMMORAY_RASTER_PARAMETERS 0
+#define MAMMORAY_RASTER_POSITIONS 1
+#define MAMMORAY_RASTER_TRIANGLES 2
+#define MAMMORAY_RASTER_MATERIALS 3
+#define MAMMORAY_RASTER_SUMS 4
+#define MAMMORAY_RASTER_TILES 5
+#define MAMMORAY_RASTER_LENGTHS 6
+#define MAMMORAY_RASTER_FAILURES 7
+#define MAMMORAY_RASTER_BINDING_COUNT 8
+
+// Invocations per workgroup of each of the shaders.
+#define MAMMORAY_RASTER_GROUP 64
+// Side of a tile of pixels; that many invocations share one, a column of pixels each.
+#define MAMMORAY_RASTER_TILE 8
+// Triangles whose bounding box holds at most so many pixels are not handed on to tiles.
+#define MAMMORAY_RASTER_SMALL 24
+
+#ifdef __cplusplus
+#include <cstdint>
+namespace mammoray
+{
+#define MAMMORAY_RASTER_REAL4(name) Real name[4]
+#define MAMMORAY_RASTER_UINT(name) std::uint32_t name
+template <typename Real>
+struct RasterParameters
+#else
+#ifdef MAMMORAY_DOUBLE
+#define Real double
+#define Real3 dvec3
+#define Real4 dvec4
+#else
+#define Real float
+#define Real3 vec3
+#define Real4 vec4
+#endif
+#define MAMMORAY_RASTER_REAL4(name) Real4 name
+#define MAMMORAY_RASTER_UINT(name) uint name
+struct RasterParameters
+#endif
+{
+  // Homogeneous pixel coordinates of a point p: (column w, row w, w) = rows . (p, 1).
+  MAMMORAY_RASTER_REAL4(ColumnOf);
+  MAMMORAY_RASTER_REAL4(RowOf);
+  MAMMORAY_RASTER_REAL4(WeightOf);
+  // Point source: its position, 1. Parallel beam: the direction of travel, 0.
+  MAMMORAY_RASTER_REAL4(Source);
+  // Centre of pixel (0, 0); steps to the next column and the next row; fourth components unused.
+  MAMMORAY_RASTER_REAL4(DetectorOrigin);
+  MAMMORAY_RASTER_REAL4(ColumnStep);
+  MAMMORAY_RASTER_REAL4(RowStep);
+  // x: sign of the pixel coordinates' determinant, +1 or -1. y: no part of the mesh is farther from the
+  // local origin, mm. z: units of the sums per mm. w: room around a bounding box for rounding, pixels.
+  MAMMORAY_RASTER_REAL4(Scales);
+  MAMMORAY_RASTER_UINT(Columns);
+  // The rows of the fine grid in work: those from FirstRow on, as many as RowCount.
+  MAMMORAY_RASTER_UINT(FirstRow);
+  MAMMORAY_RASTER_UINT(RowCount);
+  MAMMORAY_RASTER_UINT(Samples);
+  // Pixels of the whole detector, not of the fine grid.
+  MAMMORAY_RASTER_UINT(PixelCount);
+  // Number of materials, air included.
+  MAMMORAY_RASTER_UINT(Materials);
+  MAMMORAY_RASTER_UINT(Triangles);
+  // Entries there is room for in the list of tiles.
+  MAMMORAY_RASTER_UINT(TileCapacity);
+};
+
+#ifdef __cplusplus
+static_assert(sizeof(RasterParameters<float>) == 8 * 16 + 32);
+static_assert(sizeof(RasterParameters<double>) == 8 * 32 + 32);
+}
+#endif
+#endif

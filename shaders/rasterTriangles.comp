@@ -1,0 +1,109 @@
+#version 460
+// SPDX-License-Identifier: Apache-2.0
+// One invocation per triangle. One that covers few pixels is done here; the tiles of a larger one go to a
+// list for rasterTiles.comp.
+#extension GL_GOOGLE_include_directive : require
+#include "raster.glsl"
+
+// Least and largest value of an edge function in a tile.
+void edgeRange(Real3 edge, Real column, Real row, out Real low, out Real high)
+{
+  const Real last = Real(MAMMORAY_RASTER_TILE - 1);
+  const Real value = edgeValue(edge, column, row);
+  low = value + min(edge.x, Real(0)) * last + min(edge.y, Real(0)) * last;
+  high = value + max(edge.x, Real(0)) * last + max(edge.y, Real(0)) * last;
+}
+
+void main()
+{
+  const uint index = gl_GlobalInvocationID.y * gl_NumWorkGroups.x * MAMMORAY_RASTER_GROUP +
+    gl_GlobalInvocationID.x;
+  if (index >= parameters.Triangles)
+  {
+    return;
+  }
+  Real3 corners[3];
+  const Triangle triangle = loadTriangle(index, corners);
+
+  // Pixels that may be covered. A triangle through the source's plane may cover any.
+  const Real firstRow = Real(parameters.FirstRow);
+  Real left = 0;
+  Real right = Real(parameters.Columns - 1u);
+  Real top = firstRow;
+  Real bottom = firstRow + Real(parameters.RowCount - 1u);
+  const Real leastWeight = min(corners[0].z, min(corners[1].z, corners[2].z));
+  const Real mostWeight = max(corners[0].z, max(corners[1].z, corners[2].z));
+  const Real limit = Real(1e-3);
+  if (leastWeight > limit || mostWeight < -limit)
+  {
+    const Real3 columns = Real3(corners[0].x / corners[0].z, corners[1].x / corners[1].z,
+      corners[2].x / corners[2].z);
+    const Real3 rows = Real3(corners[0].y / corners[0].z, corners[1].y / corners[1].z,
+      corners[2].y / corners[2].z);
+    // The nearer to the source's plane, the more rounding is magnified.
+    const Real room = parameters.Scales.w *
+      (1 + 1 / min(abs(leastWeight), abs(mostWeight)));
+    left = max(left, ceil(min(columns.x, min(columns.y, columns.z)) - room));
+    right = min(right, floor(max(columns.x, max(columns.y, columns.z)) + room));
+    top = max(top, ceil(min(rows.x, min(rows.y, rows.z)) - room));
+    bottom = min(bottom, floor(max(rows.x, max(rows.y, rows.z)) + room));
+  }
+  if (left > right || top > bottom)
+  {
+    return;
+  }
+  const ivec2 low = ivec2(int(left), int(top));
+  const ivec2 high = ivec2(int(right), int(bottom));
+  const ivec2 extent = high - low + 1;
+
+  if (extent.x <= MAMMORAY_RASTER_SMALL && extent.y <= MAMMORAY_RASTER_SMALL &&
+    extent.x * extent.y <= MAMMORAY_RASTER_SMALL)
+  {
+    ivec2 pixel = low;
+    while (pixel.y <= high.y)
+    {
+      addCrossing(triangle, pixel.x, pixel.y);
+      ++pixel.x;
+      if (pixel.x > high.x)
+      {
+        pixel = ivec2(low.x, pixel.y + 1);
+      }
+    }
+    return;
+  }
+
+  const ivec2 firstTile = low / MAMMORAY_RASTER_TILE;
+  const ivec2 lastTile = high / MAMMORAY_RASTER_TILE;
+  // A tile is left out only where all its pixels lie clearly outside of one edge, for either orientation.
+  const Real3 slack = Real(MAMMORAY_RASTER_SLACK) *
+    Real3(dot(abs(triangle.Edges[0]), Real3(right, bottom, 1)),
+      dot(abs(triangle.Edges[1]), Real3(right, bottom, 1)),
+      dot(abs(triangle.Edges[2]), Real3(right, bottom, 1)));
+  for (int tileRow = firstTile.y; tileRow <= lastTile.y; ++tileRow)
+  {
+    for (int tileColumn = firstTile.x; tileColumn <= lastTile.x; ++tileColumn)
+    {
+      const Real column = Real(tileColumn * MAMMORAY_RASTER_TILE);
+      const Real row = Real(tileRow * MAMMORAY_RASTER_TILE);
+      bool mayBePositive = true;
+      bool mayBeNegative = true;
+      for (int edge = 0; edge < 3; ++edge)
+      {
+        Real least;
+        Real most;
+        edgeRange(triangle.Edges[edge], column, row, least, most);
+        mayBePositive = mayBePositive && most >= -slack[edge];
+        mayBeNegative = mayBeNegative && least <= slack[edge];
+      }
+      if (mayBePositive || mayBeNegative)
+      {
+        const uint entry = atomicAdd(tiles[0], 1u);
+        if (entry < parameters.TileCapacity)
+        {
+          tiles[2u * entry + 2u] = index;
+          tiles[2u * entry + 3u] = uint(tileColumn) | uint(tileRow) << 16u;
+        }
+      }
+    }
+  }
+}
