@@ -16,14 +16,23 @@ namespace
 {
 /// Equilibrium between load steps is only a start for the next one.
 constexpr double IntermediateTolerance = 1e-3;
-constexpr int IntermediateNewtonSteps = 25;
+constexpr int IntermediateNewtonSteps = 40;
+/// A warm start has little to lose, since its caller can take a smaller step: where it needs
+/// halvings, it gives up after this many Newton steps in all.
+constexpr int WarmNewtonSteps = 100;
 /// A cold start closes the plates with contact softer by this factor, then hardens it in these
 /// steps.
 constexpr double Softening = 0.1;
 constexpr double Hardening = 10;
-/// Contact of a state that misses its penetration limit is made stiffer by this factor, so often.
-constexpr double Stiffening = 2;
+/// Contact of a state that misses its penetration limit is made stiffer, by no more than this.
 constexpr double LargestStiffening = 256;
+/// Tissue hardly changes its volume. Where a quadrature point of a converged state has lost nine
+/// tenths of it, a cell is squeezed flat between a plate's edge and the held body.
+constexpr double SmallestAllowedJ = 0.1;
+/// A plate's travel up to which a warm start goes straight to the new plates, and the travel of one
+/// load step of a longer way, mm.
+constexpr double ShortTravelMm = 3;
+constexpr double LongTravelMm = 6;
 
 std::vector<bool> FixedCoordinates(const ElasticBody& body, const TetrahedralMesh& mesh,
   const std::vector<bool>& held)
@@ -75,14 +84,6 @@ std::string InMm(double value)
   std::snprintf(text, sizeof text, "%.2f mm", value);
   return text;
 }
-
-/// Largest part of `motion` in one load step, given how far a plate may travel.
-double Travel(const PlatePairVelocity& motion)
-{
-  // Turning counts as the travel of a point 100 mm from the edge's reference point.
-  const auto travel = [](const PlateVelocity& v) { return Norm(v.Linear) + 100 * Norm(v.Angular); };
-  return std::max(travel(motion.Support), travel(motion.Paddle));
-}
 }
 
 double PenetrationLimitMm(const PlatePair& plates)
@@ -118,6 +119,7 @@ CompressionState CompressionSimulation::Compress(const PlatePair& plates,
   const CompressionOptions& options = this->Internal->Options;
 
   CompressionState state;
+  double wanted = 1;
   double largestStep = 1;
   if (start)
   {
@@ -132,6 +134,7 @@ CompressionState CompressionSimulation::Compress(const PlatePair& plates,
     // The edges are rounded as asked from the first step on.
     state.Plates.Support.EdgeRadiusMm = plates.Support.EdgeRadiusMm;
     state.Plates.Paddle.EdgeRadiusMm = plates.Paddle.EdgeRadiusMm;
+    wanted = std::max(1.0, start->ContactStiffness / options.ContactStiffness);
   }
   else
   {
@@ -146,29 +149,51 @@ CompressionState CompressionSimulation::Compress(const PlatePair& plates,
 
   const PlatePair first = state.Plates;
   const PlatePairVelocity motion = PlateMotion(first, plates);
-  // A warm start has little to lose: its caller takes a smaller step.
+  // The way is gone with soft contact, on which Newton's method finds its way in a few steps; only
+  // a short one from a state of hard contact is tried as it is.
+  double softness = start && TravelMm(motion) <= ShortTravelMm ? wanted : Softening * wanted;
+  if (start && softness < wanted)
+  {
+    largestStep = std::min(1.0, LongTravelMm / TravelMm(motion));
+  }
   const double smallestStep = start ? 0.1 : 5e-3;
-  // Equal steps in a cold start: the last one should not be a sliver.
+  // Equal steps: the last one should not be a sliver.
   double step = 1 / std::ceil(1 / largestStep - 1e-9);
   double done = 0;
   double hardening = Hardening;
-  double softness = start ? 1 : Softening;
-  double wanted = 1;
-  std::string reason;
-  while (done < 1 || softness < wanted)
+  const auto continued = [&](double, const char*)
+  { return !progress || progress(done, "compression"); };
+  const auto fail = [&](const std::string& reason)
+  {
+    throw CompressionError("compression: expected equilibrium at a gap of " + InMm(Gap(plates)) +
+        ", the last one reached is at " + InMm(Gap(state.Plates)) + " (" + reason + ")",
+      Gap(state.Plates));
+  };
+  const auto keep = [&](const EquilibriumReport& report, std::vector<double>& positions)
+  {
+    state.Positions.swap(positions);
+    state.PaddleForceN = report.PaddleForceN;
+    state.SupportForceN = report.SupportForceN;
+    state.LargestPenetrationMm = report.LargestPenetrationMm;
+    state.SmallestJ = report.SmallestJ;
+    state.LargestJ = report.LargestJ;
+    state.VolumeRatio = report.VolumeRatio;
+    state.RelativeResidual = report.RelativeResidual;
+  };
+  for (bool polished = false; !polished;)
   {
     ReportProgress(progress, done, "compression");
     const double next = done + step > 1 - 1e-9 ? 1 : done + step;
     const double nextSoftness = done < 1 ? softness : std::min(wanted, softness * hardening);
+    // A state where nothing is left to move or to harden is solved to the end.
+    const bool last = done == 1 && softness == wanted;
     solver.SetContactStiffness(options.ContactStiffness * nextSoftness);
     const PlatePair target = next == 1 ? plates : MovedPlates(first, motion, next);
-    const bool last = next == 1 && nextSoftness > 0.999 * wanted;
-
     std::vector<double> positions = state.Positions;
-    const PlatePairVelocity advance = PlateMotion(state.Plates, target);
-    if (Travel(advance) > 0)
+    if (done < 1)
     {
-      const std::vector<double> guess = solver.Predict(state.Positions, state.Plates, advance);
+      const std::vector<double> guess =
+        solver.Predict(state.Positions, state.Plates, PlateMotion(state.Plates, target));
       for (std::size_t c = 0; c < positions.size(); ++c)
       {
         positions[c] += guess[c];
@@ -178,8 +203,6 @@ CompressionState CompressionSimulation::Compress(const PlatePair& plates,
         positions = state.Positions;
       }
     }
-    const auto continued = [&](double, const char*)
-    { return !progress || progress(done, "compression"); };
     const EquilibriumReport report = solver.Solve(positions, &target,
       last ? options.RelativeTolerance : std::max(IntermediateTolerance, options.RelativeTolerance),
       last ? options.MaximumNewtonSteps
@@ -188,33 +211,38 @@ CompressionState CompressionSimulation::Compress(const PlatePair& plates,
     state.NewtonSteps += report.NewtonSteps;
     if (!report.Converged)
     {
-      reason = report.Reason;
-      (done < 1 ? step : hardening) = done < 1 ? 0.5 * step : std::sqrt(hardening);
-      if (step < smallestStep || hardening < 1.01)
+      if (done < 1 && softness == wanted)
       {
-        throw CompressionError("compression: expected equilibrium at a gap of " +
-            InMm(Gap(plates)) + ", the last one reached is at " + InMm(Gap(state.Plates)) + " (" +
-            reason + ")",
-          Gap(state.Plates));
+        softness *= Softening;
+      }
+      else if (done < 1)
+      {
+        step *= 0.5;
+      }
+      else
+      {
+        hardening = std::sqrt(hardening);
+      }
+      if (last || step < smallestStep || hardening < 1.01 ||
+        (start && state.NewtonSteps >= WarmNewtonSteps))
+      {
+        fail(report.Reason);
       }
       continue;
     }
+    keep(report, positions);
+    state.Plates = target;
+    state.LoadSteps += done < 1;
     done = next;
     softness = nextSoftness;
-    ++state.LoadSteps;
-    state.Positions.swap(positions);
-    state.Plates = target;
-    state.PaddleForceN = report.PaddleForceN;
-    state.SupportForceN = report.SupportForceN;
-    state.LargestPenetrationMm = report.LargestPenetrationMm;
-    state.SmallestJ = report.SmallestJ;
-    state.LargestJ = report.LargestJ;
-    state.VolumeRatio = report.VolumeRatio;
-    state.RelativeResidual = report.RelativeResidual;
-    state.ContactStiffness = options.ContactStiffness * softness;
-    if (last && state.LargestPenetrationMm > PenetrationLimitMm(plates))
+    polished = last;
+    // Penetration is inverse to the stiffness; a thousandth is left for the last digits.
+    const double excess = state.LargestPenetrationMm / (0.999 * PenetrationLimitMm(plates));
+    if (done == 1 && softness == wanted && excess > 1)
     {
-      if (wanted >= LargestStiffening)
+      polished = false;
+      wanted *= std::exp2(std::ceil(std::log2(excess)));
+      if (wanted > LargestStiffening)
       {
         char text[160];
         std::snprintf(text, sizeof text,
@@ -223,10 +251,17 @@ CompressionState CompressionSimulation::Compress(const PlatePair& plates,
           PenetrationLimitMm(plates), Gap(plates), state.LargestPenetrationMm);
         throw ConvergenceError(text);
       }
-      wanted *= Stiffening;
-      hardening = Stiffening;
     }
   }
+  if (state.SmallestJ < SmallestAllowedJ)
+  {
+    char text[160];
+    std::snprintf(text, sizeof text,
+      "compression: expected every part to keep %.2f of its volume at a gap of %.2f mm, found %.3f",
+      SmallestAllowedJ, Gap(plates), state.SmallestJ);
+    throw ConvergenceError(text);
+  }
+  state.ContactStiffness = options.ContactStiffness * softness;
   ReportProgress(progress, 1, "compression");
   state.Seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   return state;

@@ -62,6 +62,10 @@ std::array<double, 6> TriangleShape(const double* l)
     4 * l[1] * l[2], 4 * l[2] * l[0] };
 }
 
+/// Longest coordinate of a Newton step that is taken without trying a stiffer matrix, mm: about
+/// half a cell.
+constexpr double LargestNewtonStepMm = 5;
+
 /// Least share of the projected matrix worth mixing in.
 constexpr double SmallestShare = 1.0 / 64;
 
@@ -89,6 +93,12 @@ struct ContactTotals
   /// Force along the normals of support and paddle, kPa mm^2.
   double NormalForce[2] = { 0, 0 };
 };
+
+double LargestMagnitude(const std::vector<double>& v)
+{
+  return Eigen::Map<const Eigen::VectorXd>(v.data(), static_cast<Eigen::Index>(v.size()))
+    .lpNorm<Eigen::Infinity>();
+}
 
 double SquaredNorm(const std::vector<double>& v)
 {
@@ -144,8 +154,9 @@ struct EquilibriumSolver::Internals
   /// derivative.
   mutable std::vector<double> FactorPositions;
 
-  /// Share of the projected matrix in the last factor.
+  /// Share of the projected matrix in the last factor, and that matrix where it was needed.
   mutable double Share = 0;
+  mutable std::vector<double> ProjectedValues;
 
   mutable std::vector<ElasticBody::Terms> CellResults;
   mutable std::vector<ContactTotals> CellContacts;
@@ -160,7 +171,10 @@ struct EquilibriumSolver::Internals
     std::array<double, CellUnknowns>& contactGradient) const;
   void Assemble(const std::vector<double>& x, const PlatePair* plates, ElasticBody::Order order,
     Assembly& result) const;
-  bool FactorizeWithFallback(const std::vector<double>& x, const PlatePair* plates) const;
+  /// Factor of Current's matrix, or of a stiffer one where that is indefinite; `stiffer`: than the
+  /// last one, which was of the same positions.
+  bool FactorizeWithFallback(const std::vector<double>& x, const PlatePair* plates,
+    bool stiffer = false) const;
   /// - d Gradient / dp at the free coordinates, one column per velocity.
   std::vector<double> PlateForces(const std::vector<double>& x, const PlatePair& plates,
     const std::vector<PlatePairVelocity>& velocities) const;
@@ -483,31 +497,42 @@ void EquilibriumSolver::Internals::Assemble(const std::vector<double>& x, const 
 }
 
 bool EquilibriumSolver::Internals::FactorizeWithFallback(const std::vector<double>& x,
-  const PlatePair* plates) const
+  const PlatePair* plates, bool stiffer) const
 {
   // Where the matrix is indefinite, mix in as little as needed of the one that cannot be: all of it
   // would be far too stiff and Newton's method would crawl. What was needed last is a good guess.
   this->FactorPositions.clear();
-  this->Share *= 0.25;
-  if (this->Share < SmallestShare)
+  if (stiffer)
   {
-    this->Share = 0;
-    if (this->Factor->Factorize(this->Current.Values))
-    {
-      this->FactorPositions = x;
-      return true;
-    }
-    this->Share = SmallestShare;
+    this->Share = std::clamp(8 * this->Share, SmallestShare, 1.0);
   }
-  const std::vector<double> exact = this->Current.Values;
-  this->Assemble(x, plates, ElasticBody::Order::ProjectedHessian, this->Current);
-  std::vector<double> mixed(exact.size());
-  for (;; this->Share *= 8)
+  else
   {
-    this->Share = std::min(this->Share, 1.0);
+    this->Share = this->Share < 4 * SmallestShare ? 0 : 0.25 * this->Share;
+    this->ProjectedValues.clear();
+  }
+  std::vector<double> mixed;
+  for (;; this->Share = std::clamp(8 * this->Share, SmallestShare, 1.0))
+  {
+    if (this->Share == 0)
+    {
+      if (this->Factor->Factorize(this->Current.Values))
+      {
+        this->FactorPositions = x;
+        return true;
+      }
+      continue;
+    }
+    if (this->ProjectedValues.empty())
+    {
+      Assembly projected;
+      this->Assemble(x, plates, ElasticBody::Order::ProjectedHessian, projected);
+      this->ProjectedValues.swap(projected.Values);
+    }
+    mixed = this->Current.Values;
     for (std::size_t k = 0; k < mixed.size(); ++k)
     {
-      mixed[k] = exact[k] + this->Share * (this->Current.Values[k] - exact[k]);
+      mixed[k] += this->Share * (this->ProjectedValues[k] - mixed[k]);
     }
     if (this->Factor->Factorize(mixed))
     {
@@ -673,17 +698,26 @@ EquilibriumReport EquilibriumSolver::Solve(std::vector<double>& x, const PlatePa
       return report;
     }
     ReportProgress(progress, 0, "equilibrium");
-    if (!internal.FactorizeWithFallback(x, plates))
+    // A huge step comes from a matrix that is nearly singular; a stiffer one leads farther than a
+    // small part of it.
+    for (bool stiffer = false;; stiffer = true)
     {
-      report.Reason = "the stiffness matrix is singular";
-      return report;
+      if (!internal.FactorizeWithFallback(x, plates, stiffer))
+      {
+        report.Reason = "the stiffness matrix is singular";
+        return report;
+      }
+      step.resize(internal.CoordinateOfUnknown.size());
+      for (std::size_t u = 0; u < step.size(); ++u)
+      {
+        step[u] = -current.Gradient[internal.CoordinateOfUnknown[u]];
+      }
+      internal.Factor->Solve(step);
+      if (internal.Share == 1 || LargestMagnitude(step) <= LargestNewtonStepMm)
+      {
+        break;
+      }
     }
-    step.resize(internal.CoordinateOfUnknown.size());
-    for (std::size_t u = 0; u < step.size(); ++u)
-    {
-      step[u] = -current.Gradient[internal.CoordinateOfUnknown[u]];
-    }
-    internal.Factor->Solve(step);
     double slope = 0;
     for (std::size_t u = 0; u < step.size(); ++u)
     {

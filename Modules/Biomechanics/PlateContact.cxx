@@ -94,4 +94,10 @@ PlatePairVelocity PlateMotion(const PlatePair& from, const PlatePair& to)
 {
   return { PlateMotion(from.Support, to.Support), PlateMotion(from.Paddle, to.Paddle) };
 }
+
+double TravelMm(const PlatePairVelocity& motion)
+{
+  const auto travel = [](const PlateVelocity& v) { return Norm(v.Linear) + 100 * Norm(v.Angular); };
+  return std::max(travel(motion.Support), travel(motion.Paddle));
+}
 }

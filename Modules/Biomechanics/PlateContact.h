@@ -77,6 +77,10 @@ MAMMORAYBIOMECHANICS_EXPORT PlatePair MovedPlates(const PlatePair& plates,
 MAMMORAYBIOMECHANICS_EXPORT PlateVelocity PlateMotion(const Plate& from, const Plate& to);
 MAMMORAYBIOMECHANICS_EXPORT PlatePairVelocity PlateMotion(const PlatePair& from,
   const PlatePair& to);
+
+/// How far a motion takes the points of the plates within 100 mm of the reference point of their
+/// edges at most, mm.
+MAMMORAYBIOMECHANICS_EXPORT double TravelMm(const PlatePairVelocity& motion);
 }
 
 #endif

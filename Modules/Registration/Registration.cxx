@@ -200,20 +200,27 @@ private:
   {
     this->Centre = ChestWallCentre(this->Target);
     const double pixel = std::hypot(this->Target.ColumnStep[0], this->Target.ColumnStep[1]);
+    const double diagonal =
+      std::hypot(this->Target.ColumnStep[0], this->Target.ColumnStep[1]) * this->Target.Columns +
+      std::hypot(this->Target.RowStep[0], this->Target.RowStep[1]) * this->Target.Rows;
     double length = 0;
     std::optional<ReceptorPoint> previous;
     for (const ReceptorPoint& direction : HalfCircleDirections(this->Options.OutlineDirections))
     {
-      // The farthest place inside the breast along the direction, where the image still shows both sides of it.
+      // The farthest place inside the breast along the direction, where the image still shows both sides of it. The
+      // image may begin a little in front of the chest wall.
       double radius = 0;
-      for (double r = 0;; r += 0.5 * pixel)
+      bool entered = false;
+      for (double r = 0; r <= diagonal; r += 0.5 * pixel)
       {
         const ReceptorPoint point{ this->Centre[0] + r * direction[0],
           this->Centre[1] + r * direction[1] };
-        if (r > 0 && !Contains(this->Target, point, 0))
+        const bool contained = Contains(this->Target, point, 0);
+        if (entered && !contained)
         {
           break;
         }
+        entered = entered || contained;
         if (SignedDistanceAt(this->Target, point) < 0)
         {
           radius = r;
@@ -311,23 +318,33 @@ private:
         this->Unknowns[f] * this->Options.Parameters[this->Free[f]].Scale;
     }
     const BreastPose pose = PoseOf(this->Values);
+    const PlatePair plates = PlatesAt(this->Model, pose);
+    const double travelMm = TravelMm(PlateMotion(this->State.Plates, plates));
+    if (travelMm > this->LongestTravelMm)
+    {
+      return false; // costs nothing, and Ceres shortens its step
+    }
     const auto begin = Clock::now();
     try
     {
       this->ReportStage("compress");
-      this->State =
-        this->Model.Simulation->Compress(PlatesAt(this->Model, pose), &this->State, {});
+      this->State = this->Model.Simulation->Compress(plates, &this->State, this->Progress);
       ++this->Evaluations;
+      this->LongestTravelMm = std::max(this->LongestTravelMm, 2 * travelMm);
       this->MechanicsSeconds += SecondsSince(begin);
       this->ReportStage("project");
     }
     catch (const Interrupted&)
     {
+      this->Stopped = true;
       // Stale residuals: Ceres must not take the stop for a failure; the recorder ends the search.
       return this->Residuals.size() == this->NumberOfResiduals();
     }
     catch (const ConvergenceError&)
     {
+      ++this->Evaluations;
+      this->MechanicsSeconds += SecondsSince(begin);
+      this->LongestTravelMm = 0.5 * travelMm;
       return false; // no equilibrium there: Ceres shortens its step
     }
     this->Residuals.assign(this->NumberOfResiduals(), 0.0);
@@ -402,6 +419,9 @@ private:
   std::vector<double> TargetScores;
   double OutlineWeight = 1;
   double IntensityWeight = 1;
+  /// A longer way of the plates from State is refused unseen: half of what failed last, twice of what
+  /// succeeded. The first is a step that a phantom's compression still follows.
+  double LongestTravelMm = 20;
   std::vector<double> Points;
   std::vector<double> EvaluatedAt;
   bool Evaluated = false;
@@ -882,6 +902,7 @@ RegistrationResult Register(const RegistrationModel& model, const RegistrationTa
     solverOptions.parameter_tolerance = 1e-3;
     solverOptions.update_state_every_iteration = true;
     solverOptions.initial_trust_region_radius = 1e2;
+    solverOptions.max_num_consecutive_invalid_steps = 10;
     IterationRecorder recorder(evaluator, result, pixelSizeMm, begin);
     solverOptions.callbacks.push_back(&recorder);
     ceres::Solver::Summary summary;
