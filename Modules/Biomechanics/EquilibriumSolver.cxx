@@ -62,6 +62,23 @@ std::array<double, 6> TriangleShape(const double* l)
     4 * l[1] * l[2], 4 * l[2] * l[0] };
 }
 
+Vector3 NodeOf(const std::vector<double>& x, std::int32_t node)
+{
+  return { x[3 * node], x[3 * node + 1], x[3 * node + 2] };
+}
+
+/// A point of a boundary face; `nodes`: those of its cell.
+Vector3 FacePosition(const ElasticBody::BoundaryFace& face, const std::int32_t* nodes,
+  const std::array<double, 6>& shape, const std::vector<double>& x)
+{
+  Vector3 position{ 0, 0, 0 };
+  for (int a = 0; a < 6; ++a)
+  {
+    position = position + shape[a] * NodeOf(x, nodes[face.LocalNodes[a]]);
+  }
+  return position;
+}
+
 /// Longest coordinate of a Newton step that is taken without trying a stiffer matrix, mm: about
 /// half a cell.
 constexpr double LargestNewtonStepMm = 5;
@@ -84,6 +101,22 @@ struct ContactLaw
     this->Pressure = stiffness * inner * inner + this->Slope * outer;
     this->Energy = stiffness * inner * (inner * inner / 3 + inner * outer + outer * outer);
   }
+};
+
+/// A point of a boundary face in the layer of a plate.
+struct ContactPoint
+{
+  const ElasticBody::BoundaryFace& Face;
+  /// Of the six nodes of the face.
+  std::array<double, 6> Shape;
+  Vector3 Position;
+  /// 0: support, 1: paddle.
+  int Side;
+  const Plate& Touched;
+  PlateDistance Distance;
+  ContactLaw Law;
+  /// Undeformed area it stands for, mm^2.
+  double Weight;
 };
 
 struct ContactTotals
@@ -165,6 +198,10 @@ struct EquilibriumSolver::Internals
 
   Internals(const ElasticBody& body, const std::vector<bool>& fixed, double contactStiffness);
   void MakePattern();
+  /// Calls function(ContactPoint) for every point of an active cell that lies in a plate's layer.
+  template <typename Function>
+  void ForEachContact(std::size_t active, const std::vector<double>& x, const PlatePair& plates,
+    const Function& function) const;
   /// Adds the contact of the faces of an active cell to its terms.
   void AddContact(std::size_t active, const std::vector<double>& x, const PlatePair& plates,
     ElasticBody::Order order, ElasticBody::Terms& terms, ContactTotals& totals,
@@ -320,83 +357,108 @@ void EquilibriumSolver::Internals::MakePattern()
     });
 }
 
-void EquilibriumSolver::Internals::AddContact(std::size_t active, const std::vector<double>& x,
-  const PlatePair& plates, ElasticBody::Order order, ElasticBody::Terms& terms,
-  ContactTotals& totals, std::array<double, CellUnknowns>& contactGradient) const
+template <typename Function>
+void EquilibriumSolver::Internals::ForEachContact(std::size_t active, const std::vector<double>& x,
+  const PlatePair& plates, const Function& function) const
 {
   const std::int32_t* nodes =
     &this->Body.Cells()[ElasticBody::NodesPerCell * this->ActiveCells[active]];
+  const Plate* sides[2] = { &plates.Support, &plates.Paddle };
   for (const std::int32_t f : this->FacesOfCell[active])
   {
     const ElasticBody::BoundaryFace& face = this->Body.Faces()[f];
-    for (const TrianglePoint& point : TriangleRule())
+    Vector3 centre{ 0, 0, 0 };
+    for (const int local : face.LocalNodes)
     {
-      const std::array<double, 6> shape = TriangleShape(point.Lambda);
-      Vector3 position{ 0, 0, 0 };
-      for (int a = 0; a < 6; ++a)
-      {
-        const double* node = &x[3 * nodes[face.LocalNodes[a]]];
-        position = position + shape[a] * Vector3{ node[0], node[1], node[2] };
-      }
+      centre = centre + (1 / 6.0) * NodeOf(x, nodes[local]);
+    }
+    double radius = 0;
+    for (const int local : face.LocalNodes)
+    {
+      radius = std::max(radius, Norm(NodeOf(x, nodes[local]) - centre));
+    }
+    // The shape functions' magnitudes sum to 5/3 at most, and a distance grows no faster than the
+    // way.
+    const double near = ContactLayerMm + 5 / 3.0 * radius;
+    const bool mayTouch[2] = { DistanceToPlate(plates.Support, centre).Distance < near,
+      DistanceToPlate(plates.Paddle, centre).Distance < near };
+    if (!mayTouch[0] && !mayTouch[1])
+    {
+      continue;
+    }
+    for (const TrianglePoint& rulePoint : TriangleRule())
+    {
+      const std::array<double, 6> shape = TriangleShape(rulePoint.Lambda);
+      const Vector3 position = FacePosition(face, nodes, shape, x);
       for (int side = 0; side < 2; ++side)
       {
-        const Plate& plate = side == 0 ? plates.Support : plates.Paddle;
-        const PlateDistance distance = DistanceToPlate(plate, position);
+        const PlateDistance distance = DistanceToPlate(*sides[side], position);
         const double depth = ContactLayerMm - distance.Distance;
-        if (!(depth > 0))
+        if (mayTouch[side] && depth > 0)
         {
-          continue;
-        }
-        const ContactLaw law(this->ContactStiffness, depth);
-        const double weight = point.Weight * face.Area;
-        const double force = weight * law.Pressure;
-        totals.Energy += weight * law.Energy;
-        totals.Penetration = std::max(totals.Penetration, -distance.Distance);
-        totals.NormalForce[side] += force * Dot(distance.Gradient, plate.Normal);
-        if (order == ElasticBody::Order::Energy)
-        {
-          continue;
-        }
-        for (int a = 0; a < 6; ++a)
-        {
-          for (int i = 0; i < 3; ++i)
-          {
-            contactGradient[3 * face.LocalNodes[a] + i] -= force * shape[a] * distance.Gradient[i];
-          }
-        }
-        if (order == ElasticBody::Order::Gradient)
-        {
-          continue;
-        }
-        const double along = weight * law.Slope;
-        const double across =
-          order == ElasticBody::Order::ProjectedHessian ? 0.0 : -force * distance.Curvature;
-        double block[3][3];
-        for (int i = 0; i < 3; ++i)
-        {
-          for (int j = 0; j < 3; ++j)
-          {
-            block[i][j] = along * distance.Gradient[i] * distance.Gradient[j] +
-              across * distance.Tangent[i] * distance.Tangent[j];
-          }
-        }
-        for (int a = 0; a < 6; ++a)
-        {
-          for (int b = 0; b < 6; ++b)
-          {
-            for (int i = 0; i < 3; ++i)
-            {
-              for (int j = 0; j < 3; ++j)
-              {
-                terms.Hessian[CellUnknowns * (3 * face.LocalNodes[b] + j) + 3 * face.LocalNodes[a] +
-                  i] += shape[a] * shape[b] * block[i][j];
-              }
-            }
-          }
+          function(ContactPoint{ face, shape, position, side, *sides[side], distance,
+            ContactLaw(this->ContactStiffness, depth), rulePoint.Weight * face.Area });
         }
       }
     }
   }
+}
+
+void EquilibriumSolver::Internals::AddContact(std::size_t active, const std::vector<double>& x,
+  const PlatePair& plates, ElasticBody::Order order, ElasticBody::Terms& terms,
+  ContactTotals& totals, std::array<double, CellUnknowns>& contactGradient) const
+{
+  this->ForEachContact(active, x, plates,
+    [&](const ContactPoint& point)
+    {
+      const double force = point.Weight * point.Law.Pressure;
+      totals.Energy += point.Weight * point.Law.Energy;
+      totals.Penetration = std::max(totals.Penetration, -point.Distance.Distance);
+      totals.NormalForce[point.Side] += force * Dot(point.Distance.Gradient, point.Touched.Normal);
+      if (order == ElasticBody::Order::Energy)
+      {
+        return;
+      }
+      const std::array<int, 6>& local = point.Face.LocalNodes;
+      for (int a = 0; a < 6; ++a)
+      {
+        for (int i = 0; i < 3; ++i)
+        {
+          contactGradient[3 * local[a] + i] -= force * point.Shape[a] * point.Distance.Gradient[i];
+        }
+      }
+      if (order == ElasticBody::Order::Gradient)
+      {
+        return;
+      }
+      const double along = point.Weight * point.Law.Slope;
+      const double across =
+        order == ElasticBody::Order::ProjectedHessian ? 0.0 : -force * point.Distance.Curvature;
+      double block[3][3];
+      for (int i = 0; i < 3; ++i)
+      {
+        for (int j = 0; j < 3; ++j)
+        {
+          block[i][j] = along * point.Distance.Gradient[i] * point.Distance.Gradient[j] +
+            across * point.Distance.Tangent[i] * point.Distance.Tangent[j];
+        }
+      }
+      for (int a = 0; a < 6; ++a)
+      {
+        for (int b = 0; b < 6; ++b)
+        {
+          const double shapes = point.Shape[a] * point.Shape[b];
+          for (int i = 0; i < 3; ++i)
+          {
+            for (int j = 0; j < 3; ++j)
+            {
+              terms.Hessian[CellUnknowns * (3 * local[b] + j) + 3 * local[a] + i] +=
+                shapes * block[i][j];
+            }
+          }
+        }
+      }
+    });
 }
 
 void EquilibriumSolver::Internals::Assemble(const std::vector<double>& x, const PlatePair* plates,
@@ -584,54 +646,33 @@ std::vector<double> EquilibriumSolver::Internals::PlateForces(const std::vector<
   {
     const std::int32_t* nodes =
       &this->Body.Cells()[ElasticBody::NodesPerCell * this->ActiveCells[active]];
-    for (const std::int32_t f : this->FacesOfCell[active])
-    {
-      const ElasticBody::BoundaryFace& face = this->Body.Faces()[f];
-      for (const TrianglePoint& point : TriangleRule())
+    this->ForEachContact(active, x, plates,
+      [&](const ContactPoint& point)
       {
-        const std::array<double, 6> shape = TriangleShape(point.Lambda);
-        Vector3 position{ 0, 0, 0 };
-        for (int a = 0; a < 6; ++a)
+        const double slope = -point.Weight * point.Law.Pressure;
+        const double along = point.Weight * point.Law.Slope;
+        const PlateDistance& distance = point.Distance;
+        for (std::size_t p = 0; p < velocities.size(); ++p)
         {
-          const double* node = &x[3 * nodes[face.LocalNodes[a]]];
-          position = position + shape[a] * Vector3{ node[0], node[1], node[2] };
-        }
-        for (int side = 0; side < 2; ++side)
-        {
-          const Plate& plate = side == 0 ? plates.Support : plates.Paddle;
-          const PlateDistance distance = DistanceToPlate(plate, position);
-          const double depth = ContactLayerMm - distance.Distance;
-          if (!(depth > 0))
+          const PlateVelocity& velocity =
+            point.Side == 0 ? velocities[p].Support : velocities[p].Paddle;
+          const Vector3 v = velocity.At(point.Touched, point.Position);
+          const Vector3 force = (along * Dot(distance.Gradient, v)) * distance.Gradient +
+            (slope * distance.Curvature * Dot(distance.Tangent, v)) * distance.Tangent -
+            slope * Cross(velocity.Angular, distance.Gradient);
+          for (int a = 0; a < 6; ++a)
           {
-            continue;
-          }
-          const ContactLaw law(this->ContactStiffness, depth);
-          const double weight = point.Weight * face.Area;
-          const double slope = -weight * law.Pressure;
-          const double along = weight * law.Slope;
-          for (std::size_t p = 0; p < velocities.size(); ++p)
-          {
-            const PlateVelocity& velocity =
-              side == 0 ? velocities[p].Support : velocities[p].Paddle;
-            const Vector3 v = velocity.At(plate, position);
-            const Vector3 force = (along * Dot(distance.Gradient, v)) * distance.Gradient +
-              (slope * distance.Curvature * Dot(distance.Tangent, v)) * distance.Tangent -
-              slope * Cross(velocity.Angular, distance.Gradient);
-            for (int a = 0; a < 6; ++a)
+            for (int i = 0; i < 3; ++i)
             {
-              for (int i = 0; i < 3; ++i)
+              const std::int32_t unknown = this->Unknown[3 * nodes[point.Face.LocalNodes[a]] + i];
+              if (unknown >= 0)
               {
-                const std::int32_t unknown = this->Unknown[3 * nodes[face.LocalNodes[a]] + i];
-                if (unknown >= 0)
-                {
-                  columns[n * p + unknown] += shape[a] * force[i];
-                }
+                columns[n * p + unknown] += point.Shape[a] * force[i];
               }
             }
           }
         }
-      }
-    }
+      });
   }
   return columns;
 }
@@ -903,13 +944,7 @@ std::array<double, 2> EquilibriumSolver::Opening(const std::vector<double>& x,
         &this->Internal->Body.Cells()[ElasticBody::NodesPerCell * face.Cell];
       for (const TrianglePoint& point : TriangleRule())
       {
-        const std::array<double, 6> shape = TriangleShape(point.Lambda);
-        Vector3 position{ 0, 0, 0 };
-        for (int a = 0; a < 6; ++a)
-        {
-          const double* node = &x[3 * nodes[face.LocalNodes[a]]];
-          position = position + shape[a] * Vector3{ node[0], node[1], node[2] };
-        }
+        const Vector3 position = FacePosition(face, nodes, TriangleShape(point.Lambda), x);
         for (int side = 0; side < 2; ++side)
         {
           const Plate& plate = side == 0 ? plates.Support : plates.Paddle;
