@@ -22,6 +22,8 @@ public:
   void SetSurface(const SurfaceMesh& surface) override;
   void UpdatePoints(const std::vector<double>& points) override;
   PathLengthImage Project(const XRaySource& source, const XRayDetector& detector) override;
+  PathLengthImage Project(const XRaySource& source, const XRayDetector& detector,
+    const std::vector<double>& velocities, int fields, PathLengthDerivatives& derivatives) override;
   std::string DeviceName() const override { return this->Device.Name(); }
   ProjectorOptions::Method Method() const override
   {
@@ -29,14 +31,26 @@ public:
   }
 
 private:
-  void MakePipelines();
+  /// For triangles, tiles, and the result.
+  using Programs = std::array<std::optional<vk::raii::Pipeline>, 3>;
+
+  void MakeLayout();
+  const Programs& ProgramsFor(bool withRates);
   void WritePoints(const std::vector<double>& points);
   template <typename Real>
   void WriteParameters(const XRaySource& source, const XRayDetector& detector, int firstRow,
-    int rowCount);
+    int rowCount, int fields);
   void UpdateDescriptors();
+  /// An image of the right size; throws InputError where none can be made.
+  PathLengthImage MakeImage(const XRaySource& source, const XRayDetector& detector) const;
+  /// Bytes of the sums of one row of the detector.
+  std::uint64_t RowBytes(const XRayDetector& detector, int fields) const;
+  /// Most fields that are done at once; throws InputError when there is no room for one.
+  int MostFields(const XRayDetector& detector, int fields) const;
+  /// Fills Lengths, Failures and, for the fields of Velocities, Rates.
+  void Render(const XRaySource& source, const XRayDetector& detector, int fields);
   /// Rasterises rows of the detector; gives the number of tiles that the list should have held.
-  std::uint32_t RunBand(const XRayDetector& detector, int rowCount);
+  std::uint32_t RunBand(const XRayDetector& detector, int rowCount, int fields);
 
   std::unique_ptr<VulkanDevice> OwnedDevice;
   VulkanDevice& Device;
@@ -45,8 +59,8 @@ private:
   std::optional<vk::raii::PipelineLayout> Layout;
   std::optional<vk::raii::DescriptorPool> DescriptorPool;
   std::optional<vk::raii::DescriptorSet> Set;
-  /// For triangles, tiles, and the result.
-  std::array<std::optional<vk::raii::Pipeline>, 3> Pipelines;
+  /// Without and with derivatives; the latter made when first used.
+  std::array<std::optional<Programs>, 2> Pipelines;
 
   std::size_t PointCount = 0;
   std::uint32_t TriangleCount = 0;
@@ -64,6 +78,8 @@ private:
   Buffer TileCount;
   Buffer Lengths;
   Buffer Failures;
+  Buffer Velocities;
+  Buffer Rates;
   bool DescriptorsStale = true;
 };
 }
