@@ -31,19 +31,6 @@ uint sumsOf(uint corner, uint sampleIndex)
   return place * (parameters.Materials - 1u) * pairsPerMaterial();
 }
 
-// Negative lengths come from a surface whose labels are inside out; the tolerance (mm) is far above the
-// rounding of hits that cancel.
-bool isSound(uint base)
-{
-  bool sound = true;
-  for (uint material = 1u; material < parameters.Materials; ++material)
-  {
-    const ivec2 pair = loadPair(base + (material - 1u) * pairsPerMaterial());
-    sound = sound && pair.y == 0 && Real(pair.x) > Real(-1e-3) * parameters.Scales.z;
-  }
-  return sound;
-}
-
 void main()
 {
   const uint samples = parameters.Samples;

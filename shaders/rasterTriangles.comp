@@ -58,11 +58,10 @@ void main()
   const Triangle triangle = loadTriangle(index, corners);
 
   // Pixels that may be covered. A triangle through the source's plane may cover any.
-  const Real firstRow = Real(parameters.FirstRow);
-  Real left = 0;
-  Real right = Real(parameters.Columns - 1u);
-  Real top = firstRow;
-  Real bottom = firstRow + Real(parameters.RowCount - 1u);
+  Real left = Real(parameters.Left);
+  Real right = Real(parameters.Right);
+  Real top = Real(parameters.Top);
+  Real bottom = Real(parameters.Bottom);
   const Real leastWeight = min(corners[0].z, min(corners[1].z, corners[2].z));
   const Real mostWeight = max(corners[0].z, max(corners[1].z, corners[2].z));
   const Real limit = Real(1e-3);

@@ -15,7 +15,8 @@
 #define MAMMORAY_RASTER_FAILURES 7
 #define MAMMORAY_RASTER_VELOCITIES 8
 #define MAMMORAY_RASTER_RATES 9
-#define MAMMORAY_RASTER_BINDING_COUNT 10
+#define MAMMORAY_RASTER_MARKS 10
+#define MAMMORAY_RASTER_BINDING_COUNT 11
 
 // Invocations per workgroup of each of the shaders.
 #define MAMMORAY_RASTER_GROUP 64
@@ -77,13 +78,15 @@ struct RasterParameters
   MAMMORAY_RASTER_UINT(TileCapacity);
   // Velocity fields whose derivatives are summed; unused without derivatives.
   MAMMORAY_RASTER_UINT(Fields);
+  // First and last column and row that triangles are looked for in.
+  MAMMORAY_RASTER_UINT(Left);
+  MAMMORAY_RASTER_UINT(Right);
+  MAMMORAY_RASTER_UINT(Top);
+  MAMMORAY_RASTER_UINT(Bottom);
+  // Not 0 when only marked rays are traced, a little beside.
+  MAMMORAY_RASTER_UINT(Again);
   MAMMORAY_RASTER_UINT(Padding0);
   MAMMORAY_RASTER_UINT(Padding1);
-  MAMMORAY_RASTER_UINT(Padding2);
-  MAMMORAY_RASTER_UINT(Padding3);
-  MAMMORAY_RASTER_UINT(Padding4);
-  MAMMORAY_RASTER_UINT(Padding5);
-  MAMMORAY_RASTER_UINT(Padding6);
 };
 
 #ifdef __cplusplus

@@ -76,6 +76,12 @@ uint pairsPerMaterial()
   return WithRates ? 1u + (parameters.Fields + 1u) / 2u : 1u;
 }
 
+// Not 0 for pixels of the rows in work whose rays are traced again.
+layout(set = 0, binding = MAMMORAY_RASTER_MARKS, std430) buffer MarkBuffer
+{
+  uint marks[];
+};
+
 struct Triangle
 {
   Real3 Points[3];
@@ -102,6 +108,19 @@ ivec2 loadPair(uint index)
 #else
   return ivec2(sums[index]);
 #endif
+}
+
+// Negative lengths come from a surface whose labels are inside out; the tolerance (mm) is far above the
+// rounding of hits that cancel.
+bool isSound(uint base)
+{
+  bool sound = true;
+  for (uint material = 1u; material < parameters.Materials; ++material)
+  {
+    const ivec2 pair = loadPair(base + (material - 1u) * pairsPerMaterial());
+    sound = sound && pair.y == 0 && Real(pair.x) > Real(-1e-3) * parameters.Scales.z;
+  }
+  return sound;
 }
 
 Real3 pixelCoordinates(Real3 p)
@@ -191,6 +210,11 @@ void addCrossing(uint triangleIndex, in Triangle triangle, uint columnIndex, uin
   const Real column = Real(columnIndex);
   const Real row = Real(rowIndex);
   const Real3 values = edgeValues(triangle, column, row);
+  const uint place = (rowIndex - parameters.FirstRow) * parameters.Columns + columnIndex;
+  if (parameters.Again != 0u && marks[place] == 0u)
+  {
+    return;
+  }
 
   const Real3 pixel = parameters.DetectorOrigin.xyz + column * parameters.ColumnStep.xyz +
     row * parameters.RowStep.xyz;
@@ -216,9 +240,7 @@ void addCrossing(uint triangleIndex, in Triangle triangle, uint columnIndex, uin
   const bool facesSource = isPositive == (parameters.Scales.x < 0);
   const uint left = facesSource ? triangle.Front : triangle.Back;
   const uint entered = facesSource ? triangle.Back : triangle.Front;
-  const uint first =
-    ((rowIndex - parameters.FirstRow) * parameters.Columns + columnIndex) *
-    (parameters.Materials - 1u);
+  const uint first = place * (parameters.Materials - 1u);
   const uint leftSums = (first + left - 1u) * pairsPerMaterial();
   const uint enteredSums = (first + entered - 1u) * pairsPerMaterial();
   if (left != 0u)

@@ -3,6 +3,10 @@
 
 #include "ProjectionHelpers.h"
 #include "RasterParameters.h"
+#include "rasterMark_double.h"
+#include "rasterMark_double_long.h"
+#include "rasterMark_float.h"
+#include "rasterMark_float_long.h"
 #include "rasterResolve_double.h"
 #include "rasterResolve_double_long.h"
 #include "rasterResolve_float.h"
@@ -38,6 +42,20 @@ constexpr std::uint32_t GroupsPerRow = 32768;
 constexpr int MostSamples = 65535 * MAMMORAY_RASTER_TILE;
 /// Velocity fields done at once.
 constexpr int MostFieldsAtOnce = 8;
+/// A ray is traced once, and again at most four times where its crossings do not cancel.
+constexpr int MostAttempts = 5;
+
+/// Where an attempt tests for hits, pixels: at first in place, then up to a tenth beside, each
+/// time in another direction (by the golden angle, so that none is along rows or columns).
+std::pair<double, double> AttemptOffset(int attempt)
+{
+  if (attempt == 0)
+  {
+    return { 0, 0 };
+  }
+  const double size = 1e-5 * std::pow(10, attempt);
+  return { size * std::cos(2.399963 * attempt), size * std::sin(2.399963 * attempt) };
+}
 
 void Dispatch(const vk::raii::CommandBuffer& commands, std::uint64_t invocations)
 {
@@ -57,6 +75,8 @@ RasterisationProjector::RasterisationProjector(std::unique_ptr<VulkanDevice> dev
   this->MakeLayout();
   Reserve(this->Velocities, this->Device, 1, Usage::eStorageBuffer, MemoryUse::Upload);
   Reserve(this->Rates, this->Device, 1, Usage::eStorageBuffer, MemoryUse::Download);
+  Reserve(this->Marks, this->Device, 1, Usage::eStorageBuffer | Usage::eTransferDst,
+    MemoryUse::Device);
   this->ProgramsFor(false);
   Reserve(this->Parameters, this->Device, sizeof(RasterParameters<double>), Usage::eStorageBuffer,
     MemoryUse::Upload);
@@ -116,6 +136,8 @@ const RasterisationProjector::Programs& RasterisationProjector::ProgramsFor(bool
     rasterTiles_double_long);
   make(programs[2], rasterResolve_float, rasterResolve_float_long, rasterResolve_double,
     rasterResolve_double_long);
+  make(programs[3], rasterMark_float, rasterMark_float_long, rasterMark_double,
+    rasterMark_double_long);
   return known.emplace(std::move(programs));
 }
 
@@ -214,6 +236,7 @@ void RasterisationProjector::UpdateDescriptors()
   buffers[MAMMORAY_RASTER_FAILURES] = &this->Failures;
   buffers[MAMMORAY_RASTER_VELOCITIES] = &this->Velocities;
   buffers[MAMMORAY_RASTER_RATES] = &this->Rates;
+  buffers[MAMMORAY_RASTER_MARKS] = &this->Marks;
   std::array<vk::DescriptorBufferInfo, MAMMORAY_RASTER_BINDING_COUNT> infos;
   std::vector<vk::WriteDescriptorSet> writes;
   for (std::uint32_t binding = 0; binding < MAMMORAY_RASTER_BINDING_COUNT; ++binding)
@@ -228,7 +251,7 @@ void RasterisationProjector::UpdateDescriptors()
 
 template <typename Real>
 void RasterisationProjector::WriteParameters(const XRaySource& source, const XRayDetector& detector,
-  int firstRow, int rowCount, int fields)
+  const Work& work)
 {
   RasterParameters<Real> parameters{};
   const auto set = [](Real(&target)[4], const Vector3& value, double fourth = 0)
@@ -273,10 +296,13 @@ void RasterisationProjector::WriteParameters(const XRaySource& source, const XRa
   // exact. In single precision there is no room for more than the rounding itself.
   const double rounding = std::numeric_limits<Real>::epsilon() * largest;
   const double beside = (sizeof(Real) == sizeof(double) ? 1000 : 1) * rounding;
+  const auto [columnOffset, rowOffset] = AttemptOffset(work.Attempt);
   for (std::size_t axis = 0; axis < 4; ++axis)
   {
-    parameters.ColumnOf[axis] = static_cast<Real>(columnOf[axis] - beside * weightOf[axis]);
-    parameters.RowOf[axis] = static_cast<Real>(rowOf[axis] - 0.57 * beside * weightOf[axis]);
+    parameters.ColumnOf[axis] =
+      static_cast<Real>(columnOf[axis] - (beside + samples * columnOffset) * weightOf[axis]);
+    parameters.RowOf[axis] =
+      static_cast<Real>(rowOf[axis] - (0.57 * beside + samples * rowOffset) * weightOf[axis]);
     parameters.WeightOf[axis] = static_cast<Real>(weightOf[axis]);
   }
 
@@ -286,8 +312,8 @@ void RasterisationProjector::WriteParameters(const XRaySource& source, const XRa
   parameters.Scales[2] = static_cast<Real>(1073741824.0 / (1.001 * this->Reach));
   parameters.Scales[3] = static_cast<Real>(1e-3 + beside + 16 * rounding);
   parameters.Columns = static_cast<std::uint32_t>(samples * detector.Columns);
-  parameters.FirstRow = static_cast<std::uint32_t>(samples * firstRow);
-  parameters.RowCount = static_cast<std::uint32_t>(samples * rowCount);
+  parameters.FirstRow = static_cast<std::uint32_t>(samples * work.FirstRow);
+  parameters.RowCount = static_cast<std::uint32_t>(samples * work.RowCount);
   parameters.Samples = static_cast<std::uint32_t>(samples);
   parameters.PixelCount =
     static_cast<std::uint32_t>(detector.Columns) * static_cast<std::uint32_t>(detector.Rows);
@@ -295,17 +321,23 @@ void RasterisationProjector::WriteParameters(const XRaySource& source, const XRa
   parameters.Triangles = this->TriangleCount;
   parameters.TileCapacity =
     static_cast<std::uint32_t>(this->Tiles.Bytes() / (2 * sizeof(std::uint32_t)) - 1);
-  parameters.Fields = static_cast<std::uint32_t>(fields);
+  parameters.Fields = static_cast<std::uint32_t>(work.Fields);
+  parameters.Left = static_cast<std::uint32_t>(samples * work.Left);
+  parameters.Right = static_cast<std::uint32_t>(samples * work.Right + samples - 1);
+  parameters.Top = static_cast<std::uint32_t>(samples * work.Top);
+  parameters.Bottom = static_cast<std::uint32_t>(samples * work.Bottom + samples - 1);
+  parameters.Again = work.Attempt > 0 ? 1 : 0;
   *this->Parameters.Data<RasterParameters<Real>>() = parameters;
 }
 
-std::uint32_t RasterisationProjector::RunBand(const XRayDetector& detector, int rowCount,
-  int fields)
+std::uint32_t RasterisationProjector::Submit(const XRayDetector& detector, const Work& work)
 {
   using Stage = vk::PipelineStageFlagBits;
   using Access = vk::AccessFlagBits;
-  const std::uint64_t pixels = std::uint64_t(detector.Columns) * std::uint64_t(rowCount);
-  const Programs& programs = this->ProgramsFor(fields > 0);
+  const std::uint64_t pixels = std::uint64_t(detector.Columns) * std::uint64_t(work.RowCount);
+  const std::uint64_t rays =
+    pixels * static_cast<std::uint64_t>(detector.Samples * detector.Samples);
+  const Programs& programs = this->ProgramsFor(work.Fields > 0);
   this->Device.Run(
     [&](const vk::raii::CommandBuffer& commands)
     {
@@ -318,10 +350,25 @@ std::uint32_t RasterisationProjector::RunBand(const XRayDetector& detector, int 
       const vk::AccessFlags both = Access::eShaderRead | Access::eShaderWrite;
       commands.bindDescriptorSets(vk::PipelineBindPoint::eCompute, **this->Layout, 0, **this->Set,
         nullptr);
-      commands.fillBuffer(this->Sums.Handle(), 0,
-        std::max<std::uint64_t>(8, rowCount * this->RowBytes(detector, fields)), 0);
       commands.fillBuffer(this->Tiles.Handle(), 0, sizeof(std::uint32_t), 0);
+      if (work.Attempt == 0)
+      {
+        commands.fillBuffer(this->Sums.Handle(), 0,
+          std::max<std::uint64_t>(8,
+            std::uint64_t(work.RowCount) * this->RowBytes(detector, work.Fields)),
+          0);
+      }
+      else if (!work.KeepsMarks)
+      {
+        commands.fillBuffer(this->Marks.Handle(), 0, rays * sizeof(std::uint32_t), 0);
+      }
       wait(Stage::eTransfer, Access::eTransferWrite, Stage::eComputeShader, both);
+      if (work.Attempt > 0)
+      {
+        commands.bindPipeline(vk::PipelineBindPoint::eCompute, **programs[3]);
+        Dispatch(commands, rays);
+        wait(Stage::eComputeShader, Access::eShaderWrite, Stage::eComputeShader, both);
+      }
       commands.bindPipeline(vk::PipelineBindPoint::eCompute, **programs[0]);
       Dispatch(commands, this->TriangleCount);
       wait(Stage::eComputeShader, Access::eShaderWrite, Stage::eComputeShader | Stage::eTransfer,
@@ -373,8 +420,7 @@ PathLengthImage RasterisationProjector::MakeImage(const XRaySource& source,
 
 int RasterisationProjector::MostFields(const XRayDetector& detector, int fields) const
 {
-  const std::uint64_t most =
-    std::min<std::uint64_t>(MostSumBytes, this->Device.Limits().maxStorageBufferRange);
+  const std::uint64_t most = this->MostBytes();
   const std::uint64_t rates = std::uint64_t(detector.Columns) * std::uint64_t(detector.Rows) *
     this->MaterialCount * sizeof(float);
   const std::uint64_t velocities = 3 * this->PointCount * sizeof(float);
@@ -393,61 +439,131 @@ int RasterisationProjector::MostFields(const XRayDetector& detector, int fields)
   return count;
 }
 
+std::uint64_t RasterisationProjector::MostBytes() const
+{
+  return std::min<std::uint64_t>(MostSumBytes, this->Device.Limits().maxStorageBufferRange);
+}
+
 void RasterisationProjector::Render(const XRaySource& source, const XRayDetector& detector,
   int fields)
 {
-  const std::uint64_t pixelCount =
-    std::uint64_t(detector.Columns) * static_cast<std::uint64_t>(detector.Rows);
-  const std::uint64_t lengthBytes = pixelCount * this->MaterialCount * sizeof(float);
-  const std::uint64_t mostBytes =
-    std::min<std::uint64_t>(MostSumBytes, this->Device.Limits().maxStorageBufferRange);
   const std::uint64_t rowBytes = std::max<std::uint64_t>(8, this->RowBytes(detector, fields));
-  int band = static_cast<int>(
-    std::min<std::uint64_t>(mostBytes / rowBytes, static_cast<std::uint64_t>(detector.Rows)));
-  std::uint64_t tileCapacity = FirstTileCapacity;
+  int band = static_cast<int>(std::min<std::uint64_t>(this->MostBytes() / rowBytes,
+    static_cast<std::uint64_t>(detector.Rows)));
   for (int firstRow = 0; firstRow < detector.Rows;)
   {
     const int rowCount = std::min(band, detector.Rows - firstRow);
-    bool grown = Reserve(this->Sums, this->Device, rowCount * rowBytes,
+    const Work work{ fields, firstRow, rowCount, 0, detector.Columns - 1, firstRow,
+      firstRow + rowCount - 1 };
+    std::uint64_t tiles = 0;
+    if (this->Run(source, detector, work, tiles))
+    {
+      this->RunAgain(source, detector, work);
+      firstRow += rowCount;
+    }
+    else if (band > 1)
+    {
+      const std::uint64_t half = this->MostBytes() / (4 * sizeof(std::uint32_t));
+      band = std::max(1, static_cast<int>(static_cast<std::uint64_t>(rowCount) * half / tiles));
+    }
+    else
+    {
+      throw DeviceError("Vulkan: one row of the detector is crossed by more triangles than " +
+        this->Device.Name() + " has room for");
+    }
+  }
+}
+
+bool RasterisationProjector::Run(const XRaySource& source, const XRayDetector& detector, Work work,
+  std::uint64_t& tiles)
+{
+  const std::uint64_t pixels =
+    std::uint64_t(detector.Columns) * static_cast<std::uint64_t>(detector.Rows);
+  const std::uint64_t lengthBytes = pixels * this->MaterialCount * sizeof(float);
+  const std::uint64_t sumBytes =
+    static_cast<std::uint64_t>(work.RowCount) * this->RowBytes(detector, work.Fields);
+  const std::uint64_t mostTiles = this->MostBytes() / (2 * sizeof(std::uint32_t)) - 1;
+  std::uint64_t capacity = FirstTileCapacity;
+  while (true)
+  {
+    bool grown = Reserve(this->Sums, this->Device, sumBytes,
       Usage::eStorageBuffer | Usage::eTransferDst, MemoryUse::Device);
-    grown |= Reserve(this->Tiles, this->Device, 2 * sizeof(std::uint32_t) * (tileCapacity + 1),
+    grown |= Reserve(this->Tiles, this->Device, 2 * sizeof(std::uint32_t) * (capacity + 1),
       Usage::eStorageBuffer | Usage::eTransferDst | Usage::eTransferSrc, MemoryUse::Device);
     grown |=
       Reserve(this->Lengths, this->Device, lengthBytes, Usage::eStorageBuffer, MemoryUse::Download);
-    grown |= Reserve(this->Failures, this->Device, pixelCount * sizeof(std::uint32_t),
+    grown |= Reserve(this->Failures, this->Device, pixels * sizeof(std::uint32_t),
       Usage::eStorageBuffer, MemoryUse::Download);
-    grown |= Reserve(this->Rates, this->Device, lengthBytes * static_cast<std::uint64_t>(fields),
-      Usage::eStorageBuffer, MemoryUse::Download);
+    grown |=
+      Reserve(this->Rates, this->Device, lengthBytes * static_cast<std::uint64_t>(work.Fields),
+        Usage::eStorageBuffer, MemoryUse::Download);
     if (this->DescriptorsStale || grown)
     {
       this->UpdateDescriptors();
     }
     if (this->Doubles)
     {
-      this->WriteParameters<double>(source, detector, firstRow, rowCount, fields);
+      this->WriteParameters<double>(source, detector, work);
     }
     else
     {
-      this->WriteParameters<float>(source, detector, firstRow, rowCount, fields);
+      this->WriteParameters<float>(source, detector, work);
     }
-    const std::uint64_t tiles = this->RunBand(detector, rowCount, fields);
-    const std::uint64_t held = this->Tiles.Bytes() / (2 * sizeof(std::uint32_t)) - 1;
-    if (tiles <= held)
+    tiles = this->Submit(detector, work);
+    if (tiles <= this->Tiles.Bytes() / (2 * sizeof(std::uint32_t)) - 1)
     {
-      firstRow += rowCount;
+      return true;
     }
-    else if (const std::uint64_t most = mostBytes / (2 * sizeof(std::uint32_t)) - 1; tiles <= most)
+    if (tiles > mostTiles)
     {
-      tileCapacity = std::min(most, tiles + tiles / 4);
+      return false;
     }
-    else if (band > 1)
+    capacity = std::min(mostTiles, tiles + tiles / 4);
+    work.KeepsMarks = true;
+  }
+}
+
+void RasterisationProjector::RunAgain(const XRaySource& source, const XRayDetector& detector,
+  Work work)
+{
+  const std::uint32_t* failures = this->Failures.Data<std::uint32_t>();
+  const int last = work.FirstRow + work.RowCount - 1;
+  for (work.Attempt = 1; work.Attempt < MostAttempts; ++work.Attempt)
+  {
+    work.Left = detector.Columns;
+    work.Right = -1;
+    work.Top = last + 1;
+    work.Bottom = -1;
+    for (int row = work.FirstRow; row <= last; ++row)
     {
-      band = std::max(1, static_cast<int>(rowCount * (most / 2) / tiles));
-      tileCapacity = most;
+      const std::uint32_t* failed = failures + static_cast<std::size_t>(row) * detector.Columns;
+      for (int column = 0; column < detector.Columns; ++column)
+      {
+        if (failed[column] > 0)
+        {
+          work.Left = std::min(work.Left, column);
+          work.Right = std::max(work.Right, column);
+          work.Top = std::min(work.Top, row);
+          work.Bottom = row;
+        }
+      }
     }
-    else
+    if (work.Right < 0)
     {
-      throw DeviceError("Vulkan: one row of the detector is crossed by more triangles than " +
+      return;
+    }
+    if (Reserve(this->Marks, this->Device,
+          sizeof(std::uint32_t) * static_cast<std::uint64_t>(work.RowCount) *
+            static_cast<std::uint64_t>(detector.Columns) *
+            static_cast<std::uint64_t>(detector.Samples * detector.Samples),
+          Usage::eStorageBuffer | Usage::eTransferDst, MemoryUse::Device))
+    {
+      this->DescriptorsStale = true;
+    }
+    std::uint64_t tiles = 0;
+    if (!this->Run(source, detector, work, tiles))
+    {
+      throw DeviceError("Vulkan: rays that failed are crossed by more triangles than " +
         this->Device.Name() + " has room for");
     }
   }
