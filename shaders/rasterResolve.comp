@@ -16,16 +16,19 @@ layout(set = 0, binding = MAMMORAY_RASTER_FAILURES, std430) writeonly buffer Fai
   uint failures[];
 };
 
-// Negative lengths come from a surface whose labels are inside out; the tolerance (mm) is far above the
-// rounding of hits that cancel.
-bool isSound(uint base)
+// Rates per pixel, in units of their sums; [(field * Materials + material) * PixelCount + pixel].
+layout(set = 0, binding = MAMMORAY_RASTER_RATES, std430) writeonly buffer RateBuffer
 {
-  bool sound = sums[base] == 0u;
-  for (uint material = 1u; material < parameters.Materials; ++material)
-  {
-    sound = sound && Real(int(sums[base + material])) > Real(-1e-3) * parameters.Scales.z;
-  }
-  return sound;
+  float rates[];
+};
+
+// The first pair of a sample's first material.
+uint sumsOf(uint corner, uint sampleIndex)
+{
+  const uint samples = parameters.Samples;
+  const uint sampleRow = sampleIndex / samples;
+  const uint place = corner + sampleRow * parameters.Columns + sampleIndex - sampleRow * samples;
+  return place * (parameters.Materials - 1u) * pairsPerMaterial();
 }
 
 void main()
@@ -43,30 +46,47 @@ void main()
   const uint column = index - row * columns;
   const uint pixel = (parameters.FirstRow / samples) * columns + index;
   const uint corner = row * samples * parameters.Columns + column * samples;
+  const uint count = samples * samples;
 
   uint failed = 0u;
-  for (uint sampleIndex = 0u; sampleIndex < samples * samples; ++sampleIndex)
+  for (uint sampleIndex = 0u; sampleIndex < count; ++sampleIndex)
   {
-    const uint place =
-      corner + sampleIndex / samples * parameters.Columns + sampleIndex % samples;
-    failed += isSound(place * parameters.Materials) ? 0u : 1u;
+    failed += isSound(sumsOf(corner, sampleIndex)) ? 0u : 1u;
   }
   failures[pixel] = failed;
-  const uint good = samples * samples - failed;
+  const Real share = failed < count ? 1 / Real(count - failed) : Real(0);
   for (uint material = 1u; material < parameters.Materials; ++material)
   {
+    const uint offset = (material - 1u) * pairsPerMaterial();
     Real sum = 0;
-    for (uint sampleIndex = 0u; sampleIndex < samples * samples; ++sampleIndex)
+    for (uint sampleIndex = 0u; sampleIndex < count; ++sampleIndex)
     {
-      const uint base =
-        (corner + sampleIndex / samples * parameters.Columns + sampleIndex % samples) *
-        parameters.Materials;
+      const uint base = sumsOf(corner, sampleIndex);
       if (failed == 0u || isSound(base))
       {
-        sum += Real(max(int(sums[base + material]), 0));
+        sum += Real(max(loadPair(base + offset).x, 0));
       }
     }
-    lengths[material * parameters.PixelCount + pixel] =
-      good > 0u ? float(sum / (Real(good) * parameters.Scales.z)) : 0.0;
+    lengths[material * parameters.PixelCount + pixel] = float(sum * share / parameters.Scales.z);
+    const uint fields = WithRates ? parameters.Fields : 0u;
+    [[dont_unroll]] for (uint field = 0u; field < fields; field += 2u)
+    {
+      vec2 rate = vec2(0);
+      for (uint sampleIndex = 0u; sampleIndex < count; ++sampleIndex)
+      {
+        const uint base = sumsOf(corner, sampleIndex);
+        if (failed == 0u || isSound(base))
+        {
+          rate += vec2(loadPair(base + offset + 1u + field / 2u));
+        }
+      }
+      rate *= float(share);
+      const uint place = (field * parameters.Materials + material) * parameters.PixelCount + pixel;
+      rates[place] = rate.x;
+      if (field + 1u < fields)
+      {
+        rates[place + parameters.Materials * parameters.PixelCount] = rate.y;
+      }
+    }
   }
 }

@@ -12,7 +12,8 @@ void main()
   for (uint entry = gl_GlobalInvocationID.x / MAMMORAY_RASTER_TILE; entry < count; entry += step)
   {
     Real3 corners[3];
-    const Triangle triangle = loadTriangle(tiles[2u * entry + 2u], corners);
+    const uint index = tiles[2u * entry + 2u];
+    const Triangle triangle = loadTriangle(index, corners);
     const uint tile = tiles[2u * entry + 3u];
     const uint column = (tile & 0xffffu) * MAMMORAY_RASTER_TILE + lane;
     const uint tileRow = (tile >> 16u) * MAMMORAY_RASTER_TILE;
@@ -21,9 +22,18 @@ void main()
       min(tileRow + MAMMORAY_RASTER_TILE, parameters.FirstRow + parameters.RowCount);
     if (column < parameters.Columns)
     {
+      uint crossed = 0u;
       for (uint row = firstRow; row < endRow; ++row)
       {
-        addCrossing(triangle, int(column), int(row));
+        if (crossing(triangle, Real(column), Real(row)) != 0)
+        {
+          crossed |= 1u << (row - firstRow);
+        }
+      }
+      while (crossed != 0u)
+      {
+        addCrossing(index, triangle, column, firstRow + uint(findLSB(crossed)));
+        crossed &= crossed - 1u;
       }
     }
   }

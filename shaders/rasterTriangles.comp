@@ -14,6 +14,38 @@ void edgeRange(Real3 edge, Real column, Real row, out Real low, out Real high)
   high = value + max(edge.x, Real(0)) * last + max(edge.y, Real(0)) * last;
 }
 
+// index / width; exact for boxes of few pixels, and cheaper than integers' division.
+uint rowOf(uint index, uint width)
+{
+  return uint((float(index) + 0.5) / float(width));
+}
+
+// First the cheap search, up to 32 pixels in a row, then the work where there is a crossing: invocations that
+// run together wait for the one with most crossings, not for the one with most pixels.
+void addCrossings(uint triangleIndex, in Triangle triangle, uvec2 low, uvec2 extent)
+{
+  const uint count = extent.x * extent.y;
+  for (uint first = 0u; first < count; first += 32u)
+  {
+    uint crossed = 0u;
+    for (uint index = first; index < min(first + 32u, count); ++index)
+    {
+      const uint row = rowOf(index, extent.x);
+      if (crossing(triangle, Real(low.x + index - row * extent.x), Real(low.y + row)) != 0)
+      {
+        crossed |= 1u << (index - first);
+      }
+    }
+    while (crossed != 0u)
+    {
+      const uint index = first + uint(findLSB(crossed));
+      crossed &= crossed - 1u;
+      const uint row = rowOf(index, extent.x);
+      addCrossing(triangleIndex, triangle, low.x + index - row * extent.x, low.y + row);
+    }
+  }
+}
+
 void main()
 {
   const uint index = gl_GlobalInvocationID.y * gl_NumWorkGroups.x * MAMMORAY_RASTER_GROUP +
@@ -26,11 +58,10 @@ void main()
   const Triangle triangle = loadTriangle(index, corners);
 
   // Pixels that may be covered. A triangle through the source's plane may cover any.
-  const Real firstRow = Real(parameters.FirstRow);
-  Real left = 0;
-  Real right = Real(parameters.Columns - 1u);
-  Real top = firstRow;
-  Real bottom = firstRow + Real(parameters.RowCount - 1u);
+  Real left = Real(parameters.Left);
+  Real right = Real(parameters.Right);
+  Real top = Real(parameters.Top);
+  Real bottom = Real(parameters.Bottom);
   const Real leastWeight = min(corners[0].z, min(corners[1].z, corners[2].z));
   const Real mostWeight = max(corners[0].z, max(corners[1].z, corners[2].z));
   const Real limit = Real(1e-3);
@@ -59,16 +90,7 @@ void main()
   if (extent.x <= MAMMORAY_RASTER_SMALL && extent.y <= MAMMORAY_RASTER_SMALL &&
     extent.x * extent.y <= MAMMORAY_RASTER_SMALL)
   {
-    ivec2 pixel = low;
-    while (pixel.y <= high.y)
-    {
-      addCrossing(triangle, pixel.x, pixel.y);
-      ++pixel.x;
-      if (pixel.x > high.x)
-      {
-        pixel = ivec2(low.x, pixel.y + 1);
-      }
-    }
+    addCrossings(index, triangle, uvec2(low), uvec2(extent));
     return;
   }
 

@@ -1,17 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Path lengths against closed forms, against a slow reference, and identities. The Khronos
-// validation layer, synchronisation included, is on throughout: any message of it is a DeviceError
-// and fails the test.
+// Path lengths against closed forms, against a slow reference, and identities.
 #include "DeviceError.h"
-#include "PathLengthProjector.h"
-#include "SurfaceShapes.h"
+#include "ProjectorTesting.h"
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cstdlib>
-#include <memory>
 #include <numeric>
 #include <random>
 
@@ -20,63 +14,9 @@ namespace
 using namespace mammoray;
 using namespace mammoray::shapes;
 
-using Method = ProjectorOptions::Method;
-
-struct Variant
-{
-  Method Projection;
-  bool Double;
-};
-
-/// One projector per method and precision for the whole run; skips without a device for it.
-class PathLengthTest : public testing::TestWithParam<Variant>
+class PathLengthTest : public ProjectorTest
 {
 protected:
-  void SetUp() override
-  {
-    std::string reason;
-    const auto devices = ListDevices(&reason);
-    if (devices.empty())
-    {
-      GTEST_SKIP() << reason;
-    }
-    if (this->GetParam().Projection == Method::RayTracing &&
-      std::none_of(devices.begin(), devices.end(),
-        [](const DeviceDescription& device) { return device.RayTracing; }))
-    {
-      GTEST_SKIP() << "no device that traces rays";
-    }
-    std::unique_ptr<PathLengthProjector>& shared = Shared(this->GetParam());
-    if (!shared)
-    {
-      shared = MakeProjector({ .Projection = this->GetParam().Projection,
-        .DoublePrecision = this->GetParam().Double,
-        .Validation = true });
-    }
-    this->Projector = shared.get();
-  }
-  static void TearDownTestSuite()
-  {
-    for (const Method method : { Method::RayTracing, Method::Rasterisation })
-    {
-      Shared({ method, true }).reset();
-      Shared({ method, false }).reset();
-    }
-  }
-  static std::unique_ptr<PathLengthProjector>& Shared(const Variant& variant)
-  {
-    static std::unique_ptr<PathLengthProjector> projectors[4];
-    return projectors[(variant.Projection == Method::RayTracing ? 2 : 0) +
-      (variant.Double ? 1 : 0)];
-  }
-
-  PathLengthImage Project(const SurfaceMesh& mesh, const XRaySource& source,
-    const XRayDetector& detector)
-  {
-    this->Projector->SetSurface(mesh);
-    return this->Projector->Project(source, detector);
-  }
-
   /// mm over the paths here, which are shorter than 300 mm. Double: results are stored as floats,
   /// 6e-8 relative of at most 100 mm, and the hit test moves edges by 1e-5 mm. Single: rays and
   /// positions are off by up to 1e-4 mm (6e-8 of the source's 600 mm), and steep faces make some 20
@@ -96,43 +36,7 @@ protected:
   {
     return this->GetParam().Projection == Method::RayTracing ? 6.1e-8 : 1e-7;
   }
-
-  PathLengthProjector* Projector = nullptr;
 };
-
-XRaySource PointSource(const Vector3& position)
-{
-  XRaySource source;
-  source.Position = position;
-  return source;
-}
-
-XRaySource ParallelBeam(const Vector3& direction)
-{
-  XRaySource source;
-  source.Type = XRaySource::Kind::Parallel;
-  source.Direction = direction;
-  return source;
-}
-
-/// A detector of columns x rows pixels centred on `center` with unit axes u, v.
-XRayDetector CentredDetector(const Vector3& center, const Vector3& u, const Vector3& v,
-  double width, double height, int columns, int rows)
-{
-  XRayDetector detector;
-  detector.Columns = columns;
-  detector.Rows = rows;
-  detector.ColumnStep = (width / columns) * u;
-  detector.RowStep = (height / rows) * v;
-  detector.Origin =
-    center - (0.5 * (columns - 1)) * detector.ColumnStep - (0.5 * (rows - 1)) * detector.RowStep;
-  return detector;
-}
-
-Vector3 Pixel(const XRayDetector& detector, double column, double row)
-{
-  return detector.Origin + column * detector.ColumnStep + row * detector.RowStep;
-}
 
 Vector3 RayStart(const XRaySource& source, const Vector3& pixel)
 {
@@ -322,19 +226,6 @@ TEST_P(PathLengthTest, SphereMatchesReferenceAndChord)
       ASSERT_GT(found, chord(inner) - 1e-3);
     }
   }
-}
-
-/// A sphere (material 2) and a box (3) inside a big sphere (1); a box (4) that touches the outside.
-SurfaceMesh NestedBodies()
-{
-  SurfaceMesh mesh;
-  AddSphere(mesh, { 0, 0, 0 }, 40, 3, 1);
-  AddSphere(mesh, { 10, 5, -8 }, 12, 2, 2, 1);
-  AddBox(mesh, { -20, -10, -5 }, { -6, 4, 11 }, 3, 1, Rotation(0.1, 0.2, 0.3));
-  AddSphere(mesh, { 12, 6, -8 }, 5, 2, 5, 2);
-  AddBox(mesh, { 41, -10, -10 }, { 60, 10, 10 }, 4);
-  AddBox(mesh, { 60, -10, -10 }, { 70, 10, 10 }, 6);
-  return mesh;
 }
 
 TEST_P(PathLengthTest, NestedAndTouchingBodies)
@@ -604,6 +495,36 @@ TEST_P(PathLengthTest, AHoleIsMarkedAndNotBright)
   EXPECT_LT(largest, 1.5);
 }
 
+TEST_P(PathLengthTest, HairlineCracksAreTracedAgain)
+{
+  // The top's halves meet along y = 0, but for a corner of one that stands 4 um off: a crack, in
+  // which a row of rays lies. A little beside, the mesh is whole.
+  SurfaceMesh mesh = Layers({ 0, 10 }, 20);
+  mesh.Triangles.resize(mesh.Triangles.size() - 6);
+  mesh.FrontMaterials.resize(mesh.NumberOfTriangles());
+  mesh.BackMaterials.resize(mesh.NumberOfTriangles());
+  const std::uint32_t west = AddPoint(mesh, { -20, 0, 10 });
+  const std::uint32_t east = AddPoint(mesh, { 20, 0, 10 });
+  const std::uint32_t middle = AddPoint(mesh, { 0, 0.004, 10 });
+  AddTriangle(mesh, 4, 5, east, 1, 0);
+  AddTriangle(mesh, 4, east, west, 1, 0);
+  AddTriangle(mesh, west, middle, 7, 1, 0);
+  AddTriangle(mesh, middle, 6, 7, 1, 0);
+  AddTriangle(mesh, middle, east, 6, 1, 0);
+  XRayDetector detector =
+    CentredDetector({ 0.2, 0.001, -5 }, { 1, 0, 0 }, { 0, 1, 0 }, 29, 9, 29, 9);
+  for (const int samples : { 1, 3 })
+  {
+    detector.Samples = samples;
+    const PathLengthImage image = this->Project(mesh, ParallelBeam({ 0, 0, -1 }), detector);
+    EXPECT_EQ(image.NumberOfInconsistentRays(), 0u) << samples << " samples";
+    for (std::size_t pixel = 0; pixel < image.NumberOfPixels(); ++pixel)
+    {
+      ASSERT_NEAR(image.Material(1)[pixel], 10, 1e-5) << "pixel " << pixel;
+    }
+  }
+}
+
 TEST_P(PathLengthTest, InsideOutLabelsAreMarked)
 {
   SurfaceMesh mesh;
@@ -700,15 +621,7 @@ TEST(RasterisationProjector, BandsOfRowsMatchOneBand)
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Methods, PathLengthTest,
-  testing::Values(Variant{ Method::RayTracing, true }, Variant{ Method::RayTracing, false },
-    Variant{ Method::Rasterisation, true }, Variant{ Method::Rasterisation, false }),
-  [](const testing::TestParamInfo<Variant>& instance)
-  {
-    return std::string(
-             instance.param.Projection == Method::RayTracing ? "RayTracing" : "Rasterisation") +
-      (instance.param.Double ? "Double" : "Single");
-  });
+INSTANTIATE_TEST_SUITE_P(Methods, PathLengthTest, AllVariants(), VariantName);
 
 TEST(ProjectorDevice, AbsentDriverIsOneLine)
 {

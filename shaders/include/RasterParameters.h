@@ -13,7 +13,10 @@
 #define MAMMORAY_RASTER_TILES 5
 #define MAMMORAY_RASTER_LENGTHS 6
 #define MAMMORAY_RASTER_FAILURES 7
-#define MAMMORAY_RASTER_BINDING_COUNT 8
+#define MAMMORAY_RASTER_VELOCITIES 8
+#define MAMMORAY_RASTER_RATES 9
+#define MAMMORAY_RASTER_MARKS 10
+#define MAMMORAY_RASTER_BINDING_COUNT 11
 
 // Invocations per workgroup of each of the shaders.
 #define MAMMORAY_RASTER_GROUP 64
@@ -21,6 +24,9 @@
 #define MAMMORAY_RASTER_TILE 8
 // Triangles whose bounding box holds at most so many pixels are not handed on to tiles.
 #define MAMMORAY_RASTER_SMALL 24
+
+// Units of a rate's sum per largest speed of its field; sums of the rates of 16 hits at the guard's angle fit.
+#define MAMMORAY_RASTER_RATE_UNITS 524288
 
 #ifdef __cplusplus
 #include <cstdint>
@@ -70,11 +76,22 @@ struct RasterParameters
   MAMMORAY_RASTER_UINT(Triangles);
   // Entries there is room for in the list of tiles.
   MAMMORAY_RASTER_UINT(TileCapacity);
+  // Velocity fields whose derivatives are summed; unused without derivatives.
+  MAMMORAY_RASTER_UINT(Fields);
+  // First and last column and row that triangles are looked for in.
+  MAMMORAY_RASTER_UINT(Left);
+  MAMMORAY_RASTER_UINT(Right);
+  MAMMORAY_RASTER_UINT(Top);
+  MAMMORAY_RASTER_UINT(Bottom);
+  // Not 0 when only marked rays are traced, a little beside.
+  MAMMORAY_RASTER_UINT(Again);
+  MAMMORAY_RASTER_UINT(Padding0);
+  MAMMORAY_RASTER_UINT(Padding1);
 };
 
 #ifdef __cplusplus
-static_assert(sizeof(RasterParameters<float>) == 8 * 16 + 32);
-static_assert(sizeof(RasterParameters<double>) == 8 * 32 + 32);
+static_assert(sizeof(RasterParameters<float>) == 8 * 16 + 64);
+static_assert(sizeof(RasterParameters<double>) == 8 * 32 + 64);
 }
 #endif
 #endif

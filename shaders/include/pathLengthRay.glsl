@@ -10,6 +10,9 @@
 
 // Number of materials there is room for, air included.
 layout(constant_id = 0) const uint Capacity = 4;
+// Velocity fields whose derivatives are summed.
+layout(constant_id = 1) const uint Fields = 0;
+const uint RateRoom = Fields == 0u ? 1u : Capacity * Fields;
 
 struct PathLengthRay
 {
@@ -27,6 +30,8 @@ struct PathLengthRay
   uint Doubtful;
   // Sum of t (front - back) per material, facing the source; mm.
   Real Lengths[Capacity];
+  // Sums of dt/dp in the same way; [material * Fields + field].
+  float Rates[RateRoom];
 };
 
 #endif

@@ -8,7 +8,8 @@
 // less so in rows; so each ray meets a closed surface consistently. The line reaches behind the source, where w < 0.
 //
 // Sums are integers, exact and independent of the order of triangles: they may overflow on the way, since
-// only the total has to fit.
+// only the total has to fit. They come in pairs, which devices with 64-bit atomics add at once: the lower number
+// may carry into the upper, which is undone when the pair is read.
 #ifndef raster_glsl
 #define raster_glsl
 
@@ -19,7 +20,16 @@
 #else
 #define MAMMORAY_RASTER_SLACK 1e-6
 #endif
+#ifdef MAMMORAY_INT64
+#extension GL_EXT_shader_explicit_arithmetic_types_int64 : require
+#extension GL_EXT_shader_atomic_int64 : require
+#endif
+#extension GL_EXT_control_flow_attributes : require
+#include "Grazing.h"
 #include "RasterParameters.h"
+
+// Whether derivatives are summed.
+layout(constant_id = 0) const bool WithRates = false;
 
 layout(local_size_x = MAMMORAY_RASTER_GROUP) in;
 
@@ -39,15 +49,37 @@ layout(set = 0, binding = MAMMORAY_RASTER_MATERIALS, std430) readonly buffer Mat
 {
   uint materials[]; // front in the lower, back in the upper 16 bits
 };
-// Per pixel of the rows in work: the balance of crossings, then the length in each material but air.
+// [(pixel of the rows in work * (Materials - 1) + material - 1) * pairsPerMaterial() + pair]
 layout(set = 0, binding = MAMMORAY_RASTER_SUMS, std430) buffer SumBuffer
 {
-  uint sums[];
+#ifdef MAMMORAY_INT64
+  uint64_t sums[];
+#else
+  uvec2 sums[];
+#endif
 };
 // Count, unused, then triangle and tile (column in the lower, row in the upper 16 bits) of each entry.
 layout(set = 0, binding = MAMMORAY_RASTER_TILES, std430) buffer TileBuffer
 {
   uint tiles[];
+};
+
+// value[(point * parameters.Fields + field) * 3 + axis], in units of MAMMORAY_RASTER_RATE_UNITS.
+layout(set = 0, binding = MAMMORAY_RASTER_VELOCITIES, std430) readonly buffer VelocityBuffer
+{
+  float velocities[];
+};
+
+// Pairs per material: its length and its count of crossings, then the rates of two fields each.
+uint pairsPerMaterial()
+{
+  return WithRates ? 1u + (parameters.Fields + 1u) / 2u : 1u;
+}
+
+// Not 0 for pixels of the rows in work whose rays are traced again.
+layout(set = 0, binding = MAMMORAY_RASTER_MARKS, std430) buffer MarkBuffer
+{
+  uint marks[];
 };
 
 struct Triangle
@@ -58,6 +90,38 @@ struct Triangle
   uint Front;
   uint Back;
 };
+void addPair(uint index, int low, int high)
+{
+#ifdef MAMMORAY_INT64
+  atomicAdd(sums[index], packUint2x32(uvec2(uint(low), uint(high + (low >> 31)))));
+#else
+  atomicAdd(sums[index].x, uint(low));
+  atomicAdd(sums[index].y, uint(high));
+#endif
+}
+
+ivec2 loadPair(uint index)
+{
+#ifdef MAMMORAY_INT64
+  const ivec2 pair = ivec2(unpackUint2x32(sums[index]));
+  return ivec2(pair.x, pair.y - (pair.x >> 31));
+#else
+  return ivec2(sums[index]);
+#endif
+}
+
+// Negative lengths come from a surface whose labels are inside out; the tolerance (mm) is far above the
+// rounding of hits that cancel.
+bool isSound(uint base)
+{
+  bool sound = true;
+  for (uint material = 1u; material < parameters.Materials; ++material)
+  {
+    const ivec2 pair = loadPair(base + (material - 1u) * pairsPerMaterial());
+    sound = sound && pair.y == 0 && Real(pair.x) > Real(-1e-3) * parameters.Scales.z;
+  }
+  return sound;
+}
 
 Real3 pixelCoordinates(Real3 p)
 {
@@ -105,31 +169,49 @@ Real edgeValue(Real3 edge, Real column, Real row)
   return value;
 }
 
-// Which side of an edge a pixel lies on: 1, -1, or 0 for an edge that is seen as a point.
-int side(Real value, Real3 edge)
+Real3 edgeValues(in Triangle triangle, Real column, Real row)
 {
-  const Real decisive = value != 0 ? value : edge.x != 0 ? edge.x : edge.y;
-  return decisive > 0 ? 1 : decisive < 0 ? -1 : 0;
+  return Real3(edgeValue(triangle.Edges[0], column, row), edgeValue(triangle.Edges[1], column, row),
+    edgeValue(triangle.Edges[2], column, row));
 }
 
-// Weights whose signed sums do not vanish unless every material's count does (Weyl sequence, mixed).
-uint weight(uint material)
+// An edge's value, or what has its sign an infinitesimal step beside; 0 for an edge that is seen as a point.
+Real decisive(Real value, Real3 edge)
 {
-  uint word = material * 2654435769u + 1013904223u;
-  word = (word ^ (word >> 16u)) * 2246822519u;
-  return word ^ (word >> 13u);
+  return value != 0 ? value : edge.x != 0 ? edge.x : edge.y;
 }
 
-// Adds the crossing of a triangle by the ray of a pixel, if there is one, to the pixel's sums.
-void addCrossing(in Triangle triangle, int columnIndex, int rowIndex)
+// 1 or -1, the orientation of the triangle, where the ray of a pixel crosses it, else 0.
+int crossing(in Triangle triangle, Real column, Real row)
+{
+  const Real3 values = edgeValues(triangle, column, row);
+  const Real3 sides = Real3(decisive(values.x, triangle.Edges[0]),
+    decisive(values.y, triangle.Edges[1]), decisive(values.z, triangle.Edges[2]));
+  return min(sides.x, min(sides.y, sides.z)) > 0 ? 1
+                                                 : max(sides.x, max(sides.y, sides.z)) < 0 ? -1 : 0;
+}
+
+// How fast the point with these barycentric coordinates moves along a direction, by field.
+float speedAlong(vec3 direction, vec3 weights, uvec3 places)
+{
+  float speed = 0;
+  for (uint corner = 0u; corner < 3u; ++corner)
+  {
+    const uint place = places[corner];
+    speed += weights[corner] *
+      dot(direction, vec3(velocities[place], velocities[place + 1u], velocities[place + 2u]));
+  }
+  return speed;
+}
+
+// Adds the crossing of a triangle by the ray of a pixel to the pixel's sums; there must be one.
+void addCrossing(uint triangleIndex, in Triangle triangle, uint columnIndex, uint rowIndex)
 {
   const Real column = Real(columnIndex);
   const Real row = Real(rowIndex);
-  const Real3 values = Real3(edgeValue(triangle.Edges[0], column, row),
-    edgeValue(triangle.Edges[1], column, row), edgeValue(triangle.Edges[2], column, row));
-  const int total = side(values.x, triangle.Edges[0]) + side(values.y, triangle.Edges[1]) +
-    side(values.z, triangle.Edges[2]);
-  if (abs(total) != 3)
+  const Real3 values = edgeValues(triangle, column, row);
+  const uint place = (rowIndex - parameters.FirstRow) * parameters.Columns + columnIndex;
+  if (parameters.Again != 0u && marks[place] == 0u)
   {
     return;
   }
@@ -146,27 +228,59 @@ void addCrossing(in Triangle triangle, int columnIndex, int rowIndex)
   const Real3 t3 = Real3(dot(triangle.Points[0], direction), dot(triangle.Points[1], direction),
     dot(triangle.Points[2], direction));
   const Real whole = values.x + values.y + values.z;
-  Real t = whole != 0 ? dot(values, t3) / whole : t3.x;
+  const Real free = whole != 0 ? dot(values, t3) / whole : t3.x;
   // Beyond source and pixel nothing counts; hits there must still cancel.
-  t = min(t, dot(pixel, direction));
+  Real t = min(free, dot(pixel, direction));
   t = isPoint ? max(t, min(dot(parameters.Source.xyz, direction), dot(pixel, direction))) : t;
+  const bool isFree = t == free;
   t = clamp(t, -parameters.Scales.y, parameters.Scales.y);
-  const uint units = uint(int(floor(t * parameters.Scales.z + Real(0.5))));
+  const int units = int(floor(t * parameters.Scales.z + Real(0.5)));
 
-  const bool facesSource = (total > 0) == (parameters.Scales.x < 0);
+  const bool isPositive = decisive(values.x, triangle.Edges[0]) > 0;
+  const bool facesSource = isPositive == (parameters.Scales.x < 0);
   const uint left = facesSource ? triangle.Front : triangle.Back;
   const uint entered = facesSource ? triangle.Back : triangle.Front;
-  const uint first =
-    (uint(rowIndex) - parameters.FirstRow) * parameters.Columns + uint(columnIndex);
-  const uint base = first * parameters.Materials;
-  atomicAdd(sums[base], weight(entered) - weight(left));
+  const uint first = place * (parameters.Materials - 1u);
+  const uint leftSums = (first + left - 1u) * pairsPerMaterial();
+  const uint enteredSums = (first + entered - 1u) * pairsPerMaterial();
   if (left != 0u)
   {
-    atomicAdd(sums[base + left], units);
+    addPair(leftSums, units, 1);
   }
   if (entered != 0u)
   {
-    atomicAdd(sums[base + entered], 0u - units);
+    addPair(enteredSums, -units, -1);
+  }
+  if (!WithRates || !isFree)
+  {
+    return;
+  }
+
+  // dt/dp = n . v / (n . d), v being the velocity where the ray hits.
+  const vec3 weights = whole != 0 ? vec3(values / whole) : vec3(1, 0, 0);
+  const Real3 normal =
+    cross(triangle.Points[1] - triangle.Points[0], triangle.Points[2] - triangle.Points[0]);
+  const Real size = sqrt(dot(normal, normal));
+  const vec3 unitNormal = size > 0 ? vec3(normal / size) : vec3(0);
+  const float cosine = max(abs(dot(unitNormal, vec3(direction))), MAMMORAY_GRAZING_COSINE);
+  const vec3 factors = (facesSource ? -1.0 : 1.0) / cosine * weights;
+  const uvec3 places = 3u * parameters.Fields *
+    uvec3(triangles[3u * triangleIndex], triangles[3u * triangleIndex + 1u],
+      triangles[3u * triangleIndex + 2u]);
+  [[dont_unroll]] for (uint field = 0u; field < parameters.Fields; field += 2u)
+  {
+    const int low = int(roundEven(speedAlong(unitNormal, factors, places + 3u * field)));
+    const int high = field + 1u < parameters.Fields
+      ? int(roundEven(speedAlong(unitNormal, factors, places + 3u * field + 3u)))
+      : 0;
+    if (left != 0u)
+    {
+      addPair(leftSums + 1u + field / 2u, low, high);
+    }
+    if (entered != 0u)
+    {
+      addPair(enteredSums + 1u + field / 2u, -low, -high);
+    }
   }
 }
 

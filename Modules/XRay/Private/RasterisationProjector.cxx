@@ -3,12 +3,22 @@
 
 #include "ProjectionHelpers.h"
 #include "RasterParameters.h"
+#include "rasterMark_double.h"
+#include "rasterMark_double_long.h"
+#include "rasterMark_float.h"
+#include "rasterMark_float_long.h"
 #include "rasterResolve_double.h"
+#include "rasterResolve_double_long.h"
 #include "rasterResolve_float.h"
+#include "rasterResolve_float_long.h"
 #include "rasterTiles_double.h"
+#include "rasterTiles_double_long.h"
 #include "rasterTiles_float.h"
+#include "rasterTiles_float_long.h"
 #include "rasterTriangles_double.h"
+#include "rasterTriangles_double_long.h"
 #include "rasterTriangles_float.h"
+#include "rasterTriangles_float_long.h"
 
 #include <algorithm>
 #include <cmath>
@@ -30,6 +40,22 @@ constexpr std::uint32_t TileGroups = 1024;
 constexpr std::uint32_t GroupsPerRow = 32768;
 /// Columns or rows of samples: tiles are numbered with 16 bits.
 constexpr int MostSamples = 65535 * MAMMORAY_RASTER_TILE;
+/// Velocity fields done at once.
+constexpr int MostFieldsAtOnce = 8;
+/// A ray is traced once, and again at most four times where its crossings do not cancel.
+constexpr int MostAttempts = 5;
+
+/// Where an attempt tests for hits, pixels: at first in place, then up to a tenth beside, each
+/// time in another direction (by the golden angle, so that none is along rows or columns).
+std::pair<double, double> AttemptOffset(int attempt)
+{
+  if (attempt == 0)
+  {
+    return { 0, 0 };
+  }
+  const double size = 1e-5 * std::pow(10, attempt);
+  return { size * std::cos(2.399963 * attempt), size * std::sin(2.399963 * attempt) };
+}
 
 void Dispatch(const vk::raii::CommandBuffer& commands, std::uint64_t invocations)
 {
@@ -46,14 +72,19 @@ RasterisationProjector::RasterisationProjector(std::unique_ptr<VulkanDevice> dev
   , Device(*this->OwnedDevice)
   , Doubles(options.DoublePrecision && this->Device.HasDoubles())
 {
-  this->MakePipelines();
+  this->MakeLayout();
+  Reserve(this->Velocities, this->Device, 1, Usage::eStorageBuffer, MemoryUse::Upload);
+  Reserve(this->Rates, this->Device, 1, Usage::eStorageBuffer, MemoryUse::Download);
+  Reserve(this->Marks, this->Device, 1, Usage::eStorageBuffer | Usage::eTransferDst,
+    MemoryUse::Device);
+  this->ProgramsFor(false);
   Reserve(this->Parameters, this->Device, sizeof(RasterParameters<double>), Usage::eStorageBuffer,
     MemoryUse::Upload);
   Reserve(this->TileCount, this->Device, sizeof(std::uint32_t), Usage::eTransferDst,
     MemoryUse::Download);
 }
 
-void RasterisationProjector::MakePipelines()
+void RasterisationProjector::MakeLayout()
 {
   std::array<vk::DescriptorSetLayoutBinding, MAMMORAY_RASTER_BINDING_COUNT> bindings;
   for (std::uint32_t binding = 0; binding < bindings.size(); ++binding)
@@ -72,20 +103,42 @@ void RasterisationProjector::MakePipelines()
   vk::raii::DescriptorSets sets(device,
     vk::DescriptorSetAllocateInfo(**this->DescriptorPool, setLayout));
   this->Set.emplace(std::move(sets.front()));
+}
 
-  const auto make =
-    [&](std::optional<vk::raii::Pipeline>& pipeline, const auto& single, const auto& twice)
+const RasterisationProjector::Programs& RasterisationProjector::ProgramsFor(bool withRates)
+{
+  std::optional<Programs>& known = this->Pipelines[withRates ? 1 : 0];
+  if (known)
+  {
+    return *known;
+  }
+  const vk::Bool32 constant = withRates;
+  const vk::SpecializationMapEntry entry(0, 0, sizeof(constant));
+  const vk::SpecializationInfo constants(1, &entry, sizeof(constant), &constant);
+  const bool longs = this->Device.HasLongAtomics();
+  const auto make = [&](std::optional<vk::raii::Pipeline>& pipeline, const auto& single,
+                      const auto& singleLong, const auto& twice, const auto& twiceLong)
   {
     const vk::raii::ShaderModule module = this->Doubles
-      ? Module(this->Device, twice, sizeof(twice))
-      : Module(this->Device, single, sizeof(single));
+      ? (longs ? Module(this->Device, twiceLong, sizeof(twiceLong))
+               : Module(this->Device, twice, sizeof(twice)))
+      : (longs ? Module(this->Device, singleLong, sizeof(singleLong))
+               : Module(this->Device, single, sizeof(single)));
     const vk::PipelineShaderStageCreateInfo stage({}, vk::ShaderStageFlagBits::eCompute, *module,
-      "main");
-    pipeline.emplace(device, nullptr, vk::ComputePipelineCreateInfo({}, stage, **this->Layout));
+      "main", &constants);
+    pipeline.emplace(this->Device.Device(), nullptr,
+      vk::ComputePipelineCreateInfo({}, stage, **this->Layout));
   };
-  make(this->Pipelines[0], rasterTriangles_float, rasterTriangles_double);
-  make(this->Pipelines[1], rasterTiles_float, rasterTiles_double);
-  make(this->Pipelines[2], rasterResolve_float, rasterResolve_double);
+  Programs programs;
+  make(programs[0], rasterTriangles_float, rasterTriangles_float_long, rasterTriangles_double,
+    rasterTriangles_double_long);
+  make(programs[1], rasterTiles_float, rasterTiles_float_long, rasterTiles_double,
+    rasterTiles_double_long);
+  make(programs[2], rasterResolve_float, rasterResolve_float_long, rasterResolve_double,
+    rasterResolve_double_long);
+  make(programs[3], rasterMark_float, rasterMark_float_long, rasterMark_double,
+    rasterMark_double_long);
+  return known.emplace(std::move(programs));
 }
 
 void RasterisationProjector::SetSurface(const SurfaceMesh& surface)
@@ -181,6 +234,9 @@ void RasterisationProjector::UpdateDescriptors()
   buffers[MAMMORAY_RASTER_TILES] = &this->Tiles;
   buffers[MAMMORAY_RASTER_LENGTHS] = &this->Lengths;
   buffers[MAMMORAY_RASTER_FAILURES] = &this->Failures;
+  buffers[MAMMORAY_RASTER_VELOCITIES] = &this->Velocities;
+  buffers[MAMMORAY_RASTER_RATES] = &this->Rates;
+  buffers[MAMMORAY_RASTER_MARKS] = &this->Marks;
   std::array<vk::DescriptorBufferInfo, MAMMORAY_RASTER_BINDING_COUNT> infos;
   std::vector<vk::WriteDescriptorSet> writes;
   for (std::uint32_t binding = 0; binding < MAMMORAY_RASTER_BINDING_COUNT; ++binding)
@@ -195,7 +251,7 @@ void RasterisationProjector::UpdateDescriptors()
 
 template <typename Real>
 void RasterisationProjector::WriteParameters(const XRaySource& source, const XRayDetector& detector,
-  int firstRow, int rowCount)
+  const Work& work)
 {
   RasterParameters<Real> parameters{};
   const auto set = [](Real(&target)[4], const Vector3& value, double fourth = 0)
@@ -240,10 +296,13 @@ void RasterisationProjector::WriteParameters(const XRaySource& source, const XRa
   // exact. In single precision there is no room for more than the rounding itself.
   const double rounding = std::numeric_limits<Real>::epsilon() * largest;
   const double beside = (sizeof(Real) == sizeof(double) ? 1000 : 1) * rounding;
+  const auto [columnOffset, rowOffset] = AttemptOffset(work.Attempt);
   for (std::size_t axis = 0; axis < 4; ++axis)
   {
-    parameters.ColumnOf[axis] = static_cast<Real>(columnOf[axis] - beside * weightOf[axis]);
-    parameters.RowOf[axis] = static_cast<Real>(rowOf[axis] - 0.57 * beside * weightOf[axis]);
+    parameters.ColumnOf[axis] =
+      static_cast<Real>(columnOf[axis] - (beside + samples * columnOffset) * weightOf[axis]);
+    parameters.RowOf[axis] =
+      static_cast<Real>(rowOf[axis] - (0.57 * beside + samples * rowOffset) * weightOf[axis]);
     parameters.WeightOf[axis] = static_cast<Real>(weightOf[axis]);
   }
 
@@ -253,8 +312,8 @@ void RasterisationProjector::WriteParameters(const XRaySource& source, const XRa
   parameters.Scales[2] = static_cast<Real>(1073741824.0 / (1.001 * this->Reach));
   parameters.Scales[3] = static_cast<Real>(1e-3 + beside + 16 * rounding);
   parameters.Columns = static_cast<std::uint32_t>(samples * detector.Columns);
-  parameters.FirstRow = static_cast<std::uint32_t>(samples * firstRow);
-  parameters.RowCount = static_cast<std::uint32_t>(samples * rowCount);
+  parameters.FirstRow = static_cast<std::uint32_t>(samples * work.FirstRow);
+  parameters.RowCount = static_cast<std::uint32_t>(samples * work.RowCount);
   parameters.Samples = static_cast<std::uint32_t>(samples);
   parameters.PixelCount =
     static_cast<std::uint32_t>(detector.Columns) * static_cast<std::uint32_t>(detector.Rows);
@@ -262,15 +321,23 @@ void RasterisationProjector::WriteParameters(const XRaySource& source, const XRa
   parameters.Triangles = this->TriangleCount;
   parameters.TileCapacity =
     static_cast<std::uint32_t>(this->Tiles.Bytes() / (2 * sizeof(std::uint32_t)) - 1);
+  parameters.Fields = static_cast<std::uint32_t>(work.Fields);
+  parameters.Left = static_cast<std::uint32_t>(samples * work.Left);
+  parameters.Right = static_cast<std::uint32_t>(samples * work.Right + samples - 1);
+  parameters.Top = static_cast<std::uint32_t>(samples * work.Top);
+  parameters.Bottom = static_cast<std::uint32_t>(samples * work.Bottom + samples - 1);
+  parameters.Again = work.Attempt > 0 ? 1 : 0;
   *this->Parameters.Data<RasterParameters<Real>>() = parameters;
 }
 
-std::uint32_t RasterisationProjector::RunBand(const XRayDetector& detector, int rowCount)
+std::uint32_t RasterisationProjector::Submit(const XRayDetector& detector, const Work& work)
 {
   using Stage = vk::PipelineStageFlagBits;
   using Access = vk::AccessFlagBits;
-  const std::uint64_t pixels = std::uint64_t(detector.Columns) * std::uint64_t(rowCount);
-  const std::uint64_t samples = std::uint64_t(detector.Samples) * std::uint64_t(detector.Samples);
+  const std::uint64_t pixels = std::uint64_t(detector.Columns) * std::uint64_t(work.RowCount);
+  const std::uint64_t rays =
+    pixels * static_cast<std::uint64_t>(detector.Samples * detector.Samples);
+  const Programs& programs = this->ProgramsFor(work.Fields > 0);
   this->Device.Run(
     [&](const vk::raii::CommandBuffer& commands)
     {
@@ -283,20 +350,35 @@ std::uint32_t RasterisationProjector::RunBand(const XRayDetector& detector, int 
       const vk::AccessFlags both = Access::eShaderRead | Access::eShaderWrite;
       commands.bindDescriptorSets(vk::PipelineBindPoint::eCompute, **this->Layout, 0, **this->Set,
         nullptr);
-      commands.fillBuffer(this->Sums.Handle(), 0,
-        pixels * samples * this->MaterialCount * sizeof(std::uint32_t), 0);
       commands.fillBuffer(this->Tiles.Handle(), 0, sizeof(std::uint32_t), 0);
+      if (work.Attempt == 0)
+      {
+        commands.fillBuffer(this->Sums.Handle(), 0,
+          std::max<std::uint64_t>(8,
+            std::uint64_t(work.RowCount) * this->RowBytes(detector, work.Fields)),
+          0);
+      }
+      else if (!work.KeepsMarks)
+      {
+        commands.fillBuffer(this->Marks.Handle(), 0, rays * sizeof(std::uint32_t), 0);
+      }
       wait(Stage::eTransfer, Access::eTransferWrite, Stage::eComputeShader, both);
-      commands.bindPipeline(vk::PipelineBindPoint::eCompute, **this->Pipelines[0]);
+      if (work.Attempt > 0)
+      {
+        commands.bindPipeline(vk::PipelineBindPoint::eCompute, **programs[3]);
+        Dispatch(commands, rays);
+        wait(Stage::eComputeShader, Access::eShaderWrite, Stage::eComputeShader, both);
+      }
+      commands.bindPipeline(vk::PipelineBindPoint::eCompute, **programs[0]);
       Dispatch(commands, this->TriangleCount);
       wait(Stage::eComputeShader, Access::eShaderWrite, Stage::eComputeShader | Stage::eTransfer,
         both | Access::eTransferRead);
       commands.copyBuffer(this->Tiles.Handle(), this->TileCount.Handle(),
         vk::BufferCopy(0, 0, sizeof(std::uint32_t)));
-      commands.bindPipeline(vk::PipelineBindPoint::eCompute, **this->Pipelines[1]);
+      commands.bindPipeline(vk::PipelineBindPoint::eCompute, **programs[1]);
       commands.dispatch(TileGroups, 1, 1);
       wait(Stage::eComputeShader, Access::eShaderWrite, Stage::eComputeShader, both);
-      commands.bindPipeline(vk::PipelineBindPoint::eCompute, **this->Pipelines[2]);
+      commands.bindPipeline(vk::PipelineBindPoint::eCompute, **programs[2]);
       Dispatch(commands, pixels);
       wait(Stage::eComputeShader, Access::eShaderWrite, Stage::eHost, Access::eHostRead);
       wait(Stage::eTransfer, Access::eTransferWrite, Stage::eHost, Access::eHostRead);
@@ -304,8 +386,16 @@ std::uint32_t RasterisationProjector::RunBand(const XRayDetector& detector, int 
   return *this->TileCount.Data<std::uint32_t>();
 }
 
-PathLengthImage RasterisationProjector::Project(const XRaySource& source,
-  const XRayDetector& detector)
+std::uint64_t RasterisationProjector::RowBytes(const XRayDetector& detector, int fields) const
+{
+  const std::uint64_t samples = std::uint64_t(detector.Samples) * std::uint64_t(detector.Samples);
+  const std::uint64_t pairs = 1 + (static_cast<std::uint64_t>(fields) + 1) / 2;
+  return std::uint64_t(detector.Columns) * samples * (this->MaterialCount - 1) * pairs *
+    sizeof(std::uint64_t);
+}
+
+PathLengthImage RasterisationProjector::MakeImage(const XRaySource& source,
+  const XRayDetector& detector) const
 {
   CheckGeometry(source, detector);
   if (this->TriangleCount == 0)
@@ -316,91 +406,218 @@ PathLengthImage RasterisationProjector::Project(const XRaySource& source,
   image.Columns = detector.Columns;
   image.Rows = detector.Rows;
   image.Materials = static_cast<int>(this->MaterialCount);
-  const std::size_t pixelCount = image.NumberOfPixels();
-  const std::size_t valueCount = pixelCount * this->MaterialCount;
-  const std::uint64_t mostBytes =
-    std::min<std::uint64_t>(MostSumBytes, this->Device.Limits().maxStorageBufferRange);
-  const std::uint64_t rowBytes = std::uint64_t(detector.Columns) *
-    static_cast<std::uint64_t>(detector.Samples * detector.Samples) * this->MaterialCount *
-    sizeof(std::uint32_t);
-  if (valueCount * sizeof(float) > this->Device.Limits().maxStorageBufferRange ||
-    rowBytes > mostBytes ||
+  const std::uint64_t range = this->Device.Limits().maxStorageBufferRange;
+  if (image.NumberOfPixels() * this->MaterialCount * sizeof(float) > range ||
+    this->RowBytes(detector, 0) > std::min(MostSumBytes, range) ||
     detector.Samples * std::max(detector.Columns, detector.Rows) > MostSamples)
   {
-    throw InputError("detector: " + std::to_string(pixelCount) + " pixels of " +
+    throw InputError("detector: " + std::to_string(image.NumberOfPixels()) + " pixels of " +
       std::to_string(this->MaterialCount) + " materials are more than " + this->Device.Name() +
       " takes in one image");
   }
-  const std::uint32_t* failures = nullptr;
-  WithDeviceErrors(
-    [&]
-    {
-      int band = static_cast<int>(
-        std::min<std::uint64_t>(mostBytes / rowBytes, static_cast<std::uint64_t>(detector.Rows)));
-      std::uint64_t tileCapacity = FirstTileCapacity;
-      for (int firstRow = 0; firstRow < detector.Rows;)
-      {
-        const int rowCount = std::min(band, detector.Rows - firstRow);
-        bool grown = Reserve(this->Sums, this->Device, rowCount * rowBytes,
-          Usage::eStorageBuffer | Usage::eTransferDst, MemoryUse::Device);
-        grown |= Reserve(this->Tiles, this->Device, 2 * sizeof(std::uint32_t) * (tileCapacity + 1),
-          Usage::eStorageBuffer | Usage::eTransferDst | Usage::eTransferSrc, MemoryUse::Device);
-        grown |= Reserve(this->Lengths, this->Device, valueCount * sizeof(float),
-          Usage::eStorageBuffer, MemoryUse::Download);
-        grown |= Reserve(this->Failures, this->Device, pixelCount * sizeof(std::uint32_t),
-          Usage::eStorageBuffer, MemoryUse::Download);
-        if (this->DescriptorsStale || grown)
-        {
-          this->UpdateDescriptors();
-        }
-        if (this->Doubles)
-        {
-          this->WriteParameters<double>(source, detector, firstRow, rowCount);
-        }
-        else
-        {
-          this->WriteParameters<float>(source, detector, firstRow, rowCount);
-        }
-        const std::uint64_t tiles = this->RunBand(detector, rowCount);
-        const std::uint64_t held = this->Tiles.Bytes() / (2 * sizeof(std::uint32_t)) - 1;
-        if (tiles <= held)
-        {
-          firstRow += rowCount;
-        }
-        else if (const std::uint64_t most = mostBytes / (2 * sizeof(std::uint32_t)) - 1;
-                 tiles <= most)
-        {
-          tileCapacity = std::min(most, tiles + tiles / 4);
-        }
-        else if (band > 1)
-        {
-          band = std::max(1, static_cast<int>(rowCount * (most / 2) / tiles));
-          tileCapacity = most;
-        }
-        else
-        {
-          throw DeviceError("Vulkan: one row of the detector is crossed by more triangles than " +
-            this->Device.Name() + " has room for");
-        }
-      }
-      failures = this->Failures.Data<std::uint32_t>();
-    });
+  return image;
+}
 
-  image.Lengths.resize(valueCount);
-  std::copy_n(this->Lengths.Data<float>() + pixelCount, valueCount - pixelCount,
-    image.Lengths.begin() + static_cast<std::ptrdiff_t>(pixelCount));
-  image.Inconsistent.resize(pixelCount);
-  const auto samples = static_cast<std::uint32_t>(detector.Samples * detector.Samples);
-  std::vector<std::size_t> holes;
-  for (std::size_t pixel = 0; pixel < pixelCount; ++pixel)
+int RasterisationProjector::MostFields(const XRayDetector& detector, int fields) const
+{
+  const std::uint64_t most = this->MostBytes();
+  const std::uint64_t rates = std::uint64_t(detector.Columns) * std::uint64_t(detector.Rows) *
+    this->MaterialCount * sizeof(float);
+  const std::uint64_t velocities = 3 * this->PointCount * sizeof(float);
+  int count = FieldsAtOnce(fields,
+    static_cast<int>(
+      std::min<std::uint64_t>(MostFieldsAtOnce, std::min(most / rates, most / velocities))));
+  while (count > 0 && this->RowBytes(detector, count) > most)
   {
-    image.Inconsistent[pixel] = failures[pixel] > 0 ? 1 : 0;
-    if (failures[pixel] == samples)
+    --count;
+  }
+  if (count < 1)
+  {
+    throw InputError("detector: derivatives of " + std::to_string(this->PointCount) +
+      " points' images are more than " + this->Device.Name() + " takes");
+  }
+  return count;
+}
+
+std::uint64_t RasterisationProjector::MostBytes() const
+{
+  return std::min<std::uint64_t>(MostSumBytes, this->Device.Limits().maxStorageBufferRange);
+}
+
+void RasterisationProjector::Render(const XRaySource& source, const XRayDetector& detector,
+  int fields)
+{
+  const std::uint64_t rowBytes = std::max<std::uint64_t>(8, this->RowBytes(detector, fields));
+  int band = static_cast<int>(std::min<std::uint64_t>(this->MostBytes() / rowBytes,
+    static_cast<std::uint64_t>(detector.Rows)));
+  for (int firstRow = 0; firstRow < detector.Rows;)
+  {
+    const int rowCount = std::min(band, detector.Rows - firstRow);
+    const Work work{ fields, firstRow, rowCount, 0, detector.Columns - 1, firstRow,
+      firstRow + rowCount - 1 };
+    std::uint64_t tiles = 0;
+    if (this->Run(source, detector, work, tiles))
     {
-      holes.push_back(pixel);
+      this->RunAgain(source, detector, work);
+      firstRow += rowCount;
+    }
+    else if (band > 1)
+    {
+      const std::uint64_t half = this->MostBytes() / (4 * sizeof(std::uint32_t));
+      band = std::max(1, static_cast<int>(static_cast<std::uint64_t>(rowCount) * half / tiles));
+    }
+    else
+    {
+      throw DeviceError("Vulkan: one row of the detector is crossed by more triangles than " +
+        this->Device.Name() + " has room for");
     }
   }
-  FillFromNeighbours(image, std::move(holes));
+}
+
+bool RasterisationProjector::Run(const XRaySource& source, const XRayDetector& detector, Work work,
+  std::uint64_t& tiles)
+{
+  const std::uint64_t pixels =
+    std::uint64_t(detector.Columns) * static_cast<std::uint64_t>(detector.Rows);
+  const std::uint64_t lengthBytes = pixels * this->MaterialCount * sizeof(float);
+  const std::uint64_t sumBytes =
+    static_cast<std::uint64_t>(work.RowCount) * this->RowBytes(detector, work.Fields);
+  const std::uint64_t mostTiles = this->MostBytes() / (2 * sizeof(std::uint32_t)) - 1;
+  std::uint64_t capacity = FirstTileCapacity;
+  while (true)
+  {
+    bool grown = Reserve(this->Sums, this->Device, sumBytes,
+      Usage::eStorageBuffer | Usage::eTransferDst, MemoryUse::Device);
+    grown |= Reserve(this->Tiles, this->Device, 2 * sizeof(std::uint32_t) * (capacity + 1),
+      Usage::eStorageBuffer | Usage::eTransferDst | Usage::eTransferSrc, MemoryUse::Device);
+    grown |=
+      Reserve(this->Lengths, this->Device, lengthBytes, Usage::eStorageBuffer, MemoryUse::Download);
+    grown |= Reserve(this->Failures, this->Device, pixels * sizeof(std::uint32_t),
+      Usage::eStorageBuffer, MemoryUse::Download);
+    grown |=
+      Reserve(this->Rates, this->Device, lengthBytes * static_cast<std::uint64_t>(work.Fields),
+        Usage::eStorageBuffer, MemoryUse::Download);
+    if (this->DescriptorsStale || grown)
+    {
+      this->UpdateDescriptors();
+    }
+    if (this->Doubles)
+    {
+      this->WriteParameters<double>(source, detector, work);
+    }
+    else
+    {
+      this->WriteParameters<float>(source, detector, work);
+    }
+    tiles = this->Submit(detector, work);
+    if (tiles <= this->Tiles.Bytes() / (2 * sizeof(std::uint32_t)) - 1)
+    {
+      return true;
+    }
+    if (tiles > mostTiles)
+    {
+      return false;
+    }
+    capacity = std::min(mostTiles, tiles + tiles / 4);
+    work.KeepsMarks = true;
+  }
+}
+
+void RasterisationProjector::RunAgain(const XRaySource& source, const XRayDetector& detector,
+  Work work)
+{
+  const std::uint32_t* failures = this->Failures.Data<std::uint32_t>();
+  const int last = work.FirstRow + work.RowCount - 1;
+  for (work.Attempt = 1; work.Attempt < MostAttempts; ++work.Attempt)
+  {
+    work.Left = detector.Columns;
+    work.Right = -1;
+    work.Top = last + 1;
+    work.Bottom = -1;
+    for (int row = work.FirstRow; row <= last; ++row)
+    {
+      const std::uint32_t* failed = failures + static_cast<std::size_t>(row) * detector.Columns;
+      for (int column = 0; column < detector.Columns; ++column)
+      {
+        if (failed[column] > 0)
+        {
+          work.Left = std::min(work.Left, column);
+          work.Right = std::max(work.Right, column);
+          work.Top = std::min(work.Top, row);
+          work.Bottom = row;
+        }
+      }
+    }
+    if (work.Right < 0)
+    {
+      return;
+    }
+    if (Reserve(this->Marks, this->Device,
+          sizeof(std::uint32_t) * static_cast<std::uint64_t>(work.RowCount) *
+            static_cast<std::uint64_t>(detector.Columns) *
+            static_cast<std::uint64_t>(detector.Samples * detector.Samples),
+          Usage::eStorageBuffer | Usage::eTransferDst, MemoryUse::Device))
+    {
+      this->DescriptorsStale = true;
+    }
+    std::uint64_t tiles = 0;
+    if (!this->Run(source, detector, work, tiles))
+    {
+      throw DeviceError("Vulkan: rays that failed are crossed by more triangles than " +
+        this->Device.Name() + " has room for");
+    }
+  }
+}
+
+PathLengthImage RasterisationProjector::Project(const XRaySource& source,
+  const XRayDetector& detector)
+{
+  PathLengthImage image = this->MakeImage(source, detector);
+  WithDeviceErrors([&] { this->Render(source, detector, 0); });
+  FillFromNeighbours(image.Lengths, image.Columns, image.Rows,
+    ReadImage({ this->Lengths.Data<float>(), this->Failures.Data<std::uint32_t>() }, detector,
+      image));
+  return image;
+}
+
+PathLengthImage RasterisationProjector::Project(const XRaySource& source,
+  const XRayDetector& detector, const std::vector<double>& velocities, int fields,
+  PathLengthDerivatives& derivatives)
+{
+  PathLengthImage image = this->MakeImage(source, detector);
+  CheckVelocities(velocities, fields, this->PointCount);
+  const int atOnce = this->MostFields(detector, fields);
+  PrepareDerivatives(image, fields, derivatives);
+  for (int first = 0; first < fields; first += atOnce)
+  {
+    std::vector<double> toUnits(static_cast<std::size_t>(std::min(atOnce, fields - first)));
+    std::vector<double> fromUnits(toUnits.size());
+    for (std::size_t field = 0; field < toUnits.size(); ++field)
+    {
+      const double speed =
+        LargestSpeed(velocities, this->PointCount, first + static_cast<int>(field));
+      toUnits[field] = speed > 0 ? MAMMORAY_RASTER_RATE_UNITS / speed : 0;
+      fromUnits[field] = speed / MAMMORAY_RASTER_RATE_UNITS;
+    }
+    WithDeviceErrors(
+      [&]
+      {
+        if (Reserve(this->Velocities, this->Device,
+              3 * sizeof(float) * this->PointCount * toUnits.size(), Usage::eStorageBuffer,
+              MemoryUse::Upload))
+        {
+          this->DescriptorsStale = true;
+        }
+        WriteVelocities(velocities, this->PointCount, first, toUnits,
+          this->Velocities.Data<float>());
+        this->Render(source, detector, static_cast<int>(toUnits.size()));
+      });
+    ReadRates(this->Rates.Data<float>(), first, fromUnits, derivatives);
+  }
+  const std::vector<std::size_t> holes = ReadImage(
+    { this->Lengths.Data<float>(), this->Failures.Data<std::uint32_t>() }, detector, image);
+  FillFromNeighbours(image.Lengths, image.Columns, image.Rows, holes);
+  FillFromNeighbours(derivatives.Lengths, image.Columns, image.Rows, holes);
   return image;
 }
 }

@@ -22,6 +22,8 @@ public:
   void SetSurface(const SurfaceMesh& surface) override;
   void UpdatePoints(const std::vector<double>& points) override;
   PathLengthImage Project(const XRaySource& source, const XRayDetector& detector) override;
+  PathLengthImage Project(const XRaySource& source, const XRayDetector& detector,
+    const std::vector<double>& velocities, int fields, PathLengthDerivatives& derivatives) override;
   std::string DeviceName() const override { return this->Device.Name(); }
   ProjectorOptions::Method Method() const override
   {
@@ -29,14 +31,47 @@ public:
   }
 
 private:
-  void MakePipelines();
+  /// For triangles, tiles, the result, and marks.
+  using Programs = std::array<std::optional<vk::raii::Pipeline>, 4>;
+  /// What one run of the shaders works on; columns and rows of the detector.
+  struct Work
+  {
+    int Fields = 0;
+    int FirstRow = 0;
+    int RowCount = 0;
+    /// Columns and rows that triangles are looked for in, first and last.
+    int Left = 0;
+    int Right = 0;
+    int Top = 0;
+    int Bottom = 0;
+    /// 0 at first; then how often rays that failed have been traced again, this time included.
+    int Attempt = 0;
+    /// The attempt is done once more: marks stay as they are.
+    bool KeepsMarks = false;
+  };
+
+  void MakeLayout();
+  const Programs& ProgramsFor(bool withRates);
   void WritePoints(const std::vector<double>& points);
   template <typename Real>
-  void WriteParameters(const XRaySource& source, const XRayDetector& detector, int firstRow,
-    int rowCount);
+  void WriteParameters(const XRaySource& source, const XRayDetector& detector, const Work& work);
   void UpdateDescriptors();
-  /// Rasterises rows of the detector; gives the number of tiles that the list should have held.
-  std::uint32_t RunBand(const XRayDetector& detector, int rowCount);
+  /// An image of the right size; throws InputError where none can be made.
+  PathLengthImage MakeImage(const XRaySource& source, const XRayDetector& detector) const;
+  /// Bytes of the sums of one row of the detector.
+  std::uint64_t RowBytes(const XRayDetector& detector, int fields) const;
+  /// Most fields that are done at once; throws InputError when there is no room for one.
+  int MostFields(const XRayDetector& detector, int fields) const;
+  /// Fills Lengths, Failures and, for the fields of Velocities, Rates.
+  void Render(const XRaySource& source, const XRayDetector& detector, int fields);
+  /// Makes buffers large enough, runs the shaders and, where the list of tiles was too short, runs
+  /// them again; false, with `tiles` the number needed, when there is no room for so many.
+  bool Run(const XRaySource& source, const XRayDetector& detector, Work work, std::uint64_t& tiles);
+  /// Gives the number of tiles that the list should have held.
+  std::uint32_t Submit(const XRayDetector& detector, const Work& work);
+  /// Traces rays of the rows that failed again, a little beside, a few times.
+  void RunAgain(const XRaySource& source, const XRayDetector& detector, Work work);
+  std::uint64_t MostBytes() const;
 
   std::unique_ptr<VulkanDevice> OwnedDevice;
   VulkanDevice& Device;
@@ -45,8 +80,8 @@ private:
   std::optional<vk::raii::PipelineLayout> Layout;
   std::optional<vk::raii::DescriptorPool> DescriptorPool;
   std::optional<vk::raii::DescriptorSet> Set;
-  /// For triangles, tiles, and the result.
-  std::array<std::optional<vk::raii::Pipeline>, 3> Pipelines;
+  /// Without and with derivatives; the latter made when first used.
+  std::array<std::optional<Programs>, 2> Pipelines;
 
   std::size_t PointCount = 0;
   std::uint32_t TriangleCount = 0;
@@ -64,6 +99,9 @@ private:
   Buffer TileCount;
   Buffer Lengths;
   Buffer Failures;
+  Buffer Velocities;
+  Buffer Rates;
+  Buffer Marks;
   bool DescriptorsStale = true;
 };
 }

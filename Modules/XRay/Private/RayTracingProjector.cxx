@@ -25,6 +25,11 @@ using Usage = vk::BufferUsageFlagBits;
 
 /// A ray is traced once, and again at most four times where its first result cannot be trusted.
 constexpr std::uint32_t MostAttempts = 5;
+/// Velocity fields done at once, and rates (fields by materials) that a ray carries.
+constexpr int MostFieldsAtOnce = 8;
+constexpr std::uint32_t MostRates = 128;
+/// Bytes of a pass's rates and velocities.
+constexpr std::uint64_t MostFieldBytes = 256u << 20;
 
 std::uint32_t TileCount(int pixels, int tile)
 {
@@ -101,6 +106,8 @@ RayTracingProjector::RayTracingProjector(std::unique_ptr<VulkanDevice> device,
   this->MakeLayout();
   Reserve(this->Parameters, this->Device, sizeof(PathLengthParameters<double>),
     Usage::eStorageBuffer, MemoryUse::Upload);
+  Reserve(this->Velocities, this->Device, 1, Usage::eStorageBuffer, MemoryUse::Upload);
+  Reserve(this->Rates, this->Device, 1, Usage::eStorageBuffer, MemoryUse::Download);
 }
 
 void RayTracingProjector::MakeLayout()
@@ -128,9 +135,10 @@ void RayTracingProjector::MakeLayout()
   this->Set.emplace(std::move(sets.front()));
 }
 
-const RayTracingProjector::Program& RayTracingProjector::ProgramFor(std::uint32_t capacity)
+const RayTracingProjector::Program& RayTracingProjector::ProgramFor(std::uint32_t capacity,
+  std::uint32_t fields)
 {
-  const auto known = this->Programs.find(capacity);
+  const auto known = this->Programs.find({ capacity, fields });
   if (known != this->Programs.end())
   {
     return known->second;
@@ -145,8 +153,12 @@ const RayTracingProjector::Program& RayTracingProjector::ProgramFor(std::uint32_
     module(pathLength_rgen_float, pathLength_rgen_double);
   const vk::raii::ShaderModule miss = module(pathLength_rmiss_float, pathLength_rmiss_double);
   const vk::raii::ShaderModule anyHit = module(pathLength_rahit_float, pathLength_rahit_double);
-  const vk::SpecializationMapEntry entry(0, 0, sizeof(capacity));
-  const vk::SpecializationInfo constants(1, &entry, sizeof(capacity), &capacity);
+  const std::array<std::uint32_t, 2> values{ capacity, fields };
+  const std::array<vk::SpecializationMapEntry, 2> entries{
+    vk::SpecializationMapEntry(0, 0, sizeof(std::uint32_t)),
+    vk::SpecializationMapEntry(1, sizeof(std::uint32_t), sizeof(std::uint32_t)),
+  };
+  const vk::SpecializationInfo constants(2, entries.data(), sizeof(values), values.data());
   using Stage = vk::ShaderStageFlagBits;
   const std::array<vk::PipelineShaderStageCreateInfo, 3> stages{
     vk::PipelineShaderStageCreateInfo({}, Stage::eRaygenKHR, *rayGeneration, "main", &constants),
@@ -183,7 +195,7 @@ const RayTracingProjector::Program& RayTracingProjector::ProgramFor(std::uint32_
     program.Regions[group] =
       vk::StridedDeviceAddressRegionKHR(start + group * stride, stride, stride);
   }
-  return this->Programs.emplace(capacity, std::move(program)).first->second;
+  return this->Programs.emplace(std::pair(capacity, fields), std::move(program)).first->second;
 }
 
 void RayTracingProjector::SetSurface(const SurfaceMesh& surface)
@@ -335,6 +347,8 @@ void RayTracingProjector::UpdateDescriptors()
   buffers[MAMMORAY_BINDING_MATERIALS] = &this->Materials;
   buffers[MAMMORAY_BINDING_LENGTHS] = &this->Lengths;
   buffers[MAMMORAY_BINDING_FAILURES] = &this->Failures;
+  buffers[MAMMORAY_BINDING_VELOCITIES] = &this->Velocities;
+  buffers[MAMMORAY_BINDING_RATES] = &this->Rates;
   std::array<vk::DescriptorBufferInfo, MAMMORAY_BINDING_COUNT> infos;
   for (std::uint32_t binding = 0; binding < MAMMORAY_BINDING_COUNT; ++binding)
   {
@@ -383,7 +397,8 @@ void RayTracingProjector::WriteParameters(const XRaySource& source, const XRayDe
   *this->Parameters.Data<PathLengthParameters<Real>>() = parameters;
 }
 
-PathLengthImage RayTracingProjector::Project(const XRaySource& source, const XRayDetector& detector)
+PathLengthImage RayTracingProjector::MakeImage(const XRaySource& source,
+  const XRayDetector& detector) const
 {
   CheckGeometry(source, detector);
   if (!this->Scene)
@@ -394,74 +409,126 @@ PathLengthImage RayTracingProjector::Project(const XRaySource& source, const XRa
   image.Columns = detector.Columns;
   image.Rows = detector.Rows;
   image.Materials = static_cast<int>(this->MaterialCount);
-  const std::size_t pixelCount = image.NumberOfPixels();
-  const std::size_t valueCount = pixelCount * this->MaterialCount;
-  if (valueCount * sizeof(float) > this->Device.Limits().maxStorageBufferRange ||
+  if (image.NumberOfPixels() * this->MaterialCount * sizeof(float) >
+      this->Device.Limits().maxStorageBufferRange ||
     (image.Columns + 8ull) * (image.Rows + 8ull) >
       this->Device.RayTracingProperties().maxRayDispatchInvocationCount)
   {
-    throw InputError("detector: " + std::to_string(pixelCount) + " pixels of " +
+    throw InputError("detector: " + std::to_string(image.NumberOfPixels()) + " pixels of " +
       std::to_string(this->MaterialCount) + " materials are more than " + this->Device.Name() +
       " takes in one image");
   }
-  WithDeviceErrors(
-    [&]
-    {
-      const bool grownLengths = Reserve(this->Lengths, this->Device, valueCount * sizeof(float),
-        Usage::eStorageBuffer, MemoryUse::Download);
-      const bool grownFailures = Reserve(this->Failures, this->Device,
-        pixelCount * sizeof(std::uint32_t), Usage::eStorageBuffer, MemoryUse::Download);
-      if (this->DescriptorsStale || grownLengths || grownFailures)
-      {
-        this->UpdateDescriptors();
-      }
-      if (this->Doubles)
-      {
-        this->WriteParameters<double>(source, detector, MostAttempts);
-      }
-      else
-      {
-        this->WriteParameters<float>(source, detector, MostAttempts);
-      }
-      // Few capacities, so that few pipelines are ever compiled.
-      std::uint32_t capacity = 4;
-      while (capacity < this->MaterialCount)
-      {
-        capacity *= 2;
-      }
-      const Program& program = this->ProgramFor(capacity);
-      this->Device.Run(
-        [&](const vk::raii::CommandBuffer& commands)
-        {
-          commands.bindPipeline(vk::PipelineBindPoint::eRayTracingKHR, **program.Pipeline);
-          commands.bindDescriptorSets(vk::PipelineBindPoint::eRayTracingKHR, **this->Layout, 0,
-            **this->Set, nullptr);
-          commands.traceRaysKHR(program.Regions[0], program.Regions[1], program.Regions[2], {},
-            8 * TileCount(detector.Columns, MAMMORAY_TILE_COLUMNS),
-            TileCount(detector.Rows, MAMMORAY_TILE_ROWS), 1);
-          const vk::MemoryBarrier written(vk::AccessFlagBits::eShaderWrite,
-            vk::AccessFlagBits::eHostRead);
-          commands.pipelineBarrier(vk::PipelineStageFlagBits::eRayTracingShaderKHR,
-            vk::PipelineStageFlagBits::eHost, {}, written, nullptr, nullptr);
-        });
-    });
+  return image;
+}
 
-  image.Lengths.resize(valueCount);
-  std::copy_n(this->Lengths.Data<float>() + pixelCount, valueCount - pixelCount,
-    image.Lengths.begin() + static_cast<std::ptrdiff_t>(pixelCount));
-  image.Inconsistent.resize(pixelCount);
-  const std::uint32_t* failures = this->Failures.Data<std::uint32_t>();
-  const auto samples = static_cast<std::uint32_t>(detector.Samples * detector.Samples);
-  std::vector<std::size_t> holes;
-  for (std::size_t pixel = 0; pixel < pixelCount; ++pixel)
+std::uint32_t RayTracingProjector::Capacity() const
+{
+  std::uint32_t capacity = 4;
+  while (capacity < this->MaterialCount)
   {
-    image.Inconsistent[pixel] = failures[pixel] > 0 ? 1 : 0;
-    if (failures[pixel] == samples)
-    {
-      holes.push_back(pixel);
-    }
+    capacity *= 2;
   }
-  FillFromNeighbours(image, std::move(holes));
+  return capacity;
+}
+
+int RayTracingProjector::MostFields(const PathLengthImage& image, int fields) const
+{
+  const std::uint64_t most =
+    std::min<std::uint64_t>(MostFieldBytes, this->Device.Limits().maxStorageBufferRange);
+  const std::uint64_t rates = image.NumberOfPixels() * this->MaterialCount * sizeof(float);
+  const std::uint64_t velocities = 3 * this->PointCount * sizeof(float);
+  if (velocities > most)
+  {
+    throw InputError("projector: velocities of " + std::to_string(this->PointCount) +
+      " points are more than " + this->Device.Name() + " takes in one buffer");
+  }
+  const std::uint64_t carried = std::max(1u, MostRates / this->Capacity());
+  return FieldsAtOnce(fields,
+    static_cast<int>(std::min({ std::uint64_t{ MostFieldsAtOnce }, carried, most / velocities,
+      std::max<std::uint64_t>(1, most / rates) })));
+}
+
+void RayTracingProjector::Render(const XRaySource& source, const XRayDetector& detector, int fields)
+{
+  const std::uint64_t pixelCount =
+    std::uint64_t(detector.Columns) * static_cast<std::uint64_t>(detector.Rows);
+  const std::uint64_t lengthBytes = pixelCount * this->MaterialCount * sizeof(float);
+  bool grown =
+    Reserve(this->Lengths, this->Device, lengthBytes, Usage::eStorageBuffer, MemoryUse::Download);
+  grown |= Reserve(this->Failures, this->Device, pixelCount * sizeof(std::uint32_t),
+    Usage::eStorageBuffer, MemoryUse::Download);
+  grown |= Reserve(this->Rates, this->Device, lengthBytes * static_cast<std::uint64_t>(fields),
+    Usage::eStorageBuffer, MemoryUse::Download);
+  if (this->DescriptorsStale || grown)
+  {
+    this->UpdateDescriptors();
+  }
+  if (this->Doubles)
+  {
+    this->WriteParameters<double>(source, detector, MostAttempts);
+  }
+  else
+  {
+    this->WriteParameters<float>(source, detector, MostAttempts);
+  }
+  const Program& program = this->ProgramFor(this->Capacity(), static_cast<std::uint32_t>(fields));
+  this->Device.Run(
+    [&](const vk::raii::CommandBuffer& commands)
+    {
+      commands.bindPipeline(vk::PipelineBindPoint::eRayTracingKHR, **program.Pipeline);
+      commands.bindDescriptorSets(vk::PipelineBindPoint::eRayTracingKHR, **this->Layout, 0,
+        **this->Set, nullptr);
+      commands.traceRaysKHR(program.Regions[0], program.Regions[1], program.Regions[2], {},
+        8 * TileCount(detector.Columns, MAMMORAY_TILE_COLUMNS),
+        TileCount(detector.Rows, MAMMORAY_TILE_ROWS), 1);
+      const vk::MemoryBarrier written(vk::AccessFlagBits::eShaderWrite,
+        vk::AccessFlagBits::eHostRead);
+      commands.pipelineBarrier(vk::PipelineStageFlagBits::eRayTracingShaderKHR,
+        vk::PipelineStageFlagBits::eHost, {}, written, nullptr, nullptr);
+    });
+}
+
+PathLengthImage RayTracingProjector::Project(const XRaySource& source, const XRayDetector& detector)
+{
+  PathLengthImage image = this->MakeImage(source, detector);
+  WithDeviceErrors([&] { this->Render(source, detector, 0); });
+  FillFromNeighbours(image.Lengths, image.Columns, image.Rows,
+    ReadImage({ this->Lengths.Data<float>(), this->Failures.Data<std::uint32_t>() }, detector,
+      image));
+  return image;
+}
+
+PathLengthImage RayTracingProjector::Project(const XRaySource& source, const XRayDetector& detector,
+  const std::vector<double>& velocities, int fields, PathLengthDerivatives& derivatives)
+{
+  PathLengthImage image = this->MakeImage(source, detector);
+  CheckVelocities(velocities, fields, this->PointCount);
+  const int atOnce = this->MostFields(image, fields);
+  PrepareDerivatives(image, fields, derivatives);
+  const std::vector<double> factors(static_cast<std::size_t>(atOnce), 1.0);
+  for (int next = 0; next < fields; next += atOnce)
+  {
+    // The last batch repeats some fields of the one before, so that one pipeline does for all.
+    const int first = std::min(next, fields - atOnce);
+    WithDeviceErrors(
+      [&]
+      {
+        if (Reserve(this->Velocities, this->Device,
+              3 * sizeof(float) * this->PointCount * factors.size(), Usage::eStorageBuffer,
+              MemoryUse::Upload))
+        {
+          this->DescriptorsStale = true;
+        }
+        WriteVelocities(velocities, this->PointCount, first, factors,
+          this->Velocities.Data<float>());
+        this->Render(source, detector, atOnce);
+      });
+    ReadRates(this->Rates.Data<float>(), first, factors, derivatives);
+  }
+  const std::vector<std::size_t> holes = ReadImage(
+    { this->Lengths.Data<float>(), this->Failures.Data<std::uint32_t>() }, detector, image);
+  FillFromNeighbours(image.Lengths, image.Columns, image.Rows, holes);
+  FillFromNeighbours(derivatives.Lengths, image.Columns, image.Rows, holes);
   return image;
 }
 }

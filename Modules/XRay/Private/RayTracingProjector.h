@@ -19,11 +19,13 @@ public:
   void SetSurface(const SurfaceMesh& surface) override;
   void UpdatePoints(const std::vector<double>& points) override;
   PathLengthImage Project(const XRaySource& source, const XRayDetector& detector) override;
+  PathLengthImage Project(const XRaySource& source, const XRayDetector& detector,
+    const std::vector<double>& velocities, int fields, PathLengthDerivatives& derivatives) override;
   std::string DeviceName() const override { return this->Device.Name(); }
   ProjectorOptions::Method Method() const override { return ProjectorOptions::Method::RayTracing; }
 
 private:
-  /// Pipeline for a number of materials, with its shader binding table.
+  /// Pipeline for a number of materials and of velocity fields, with its shader binding table.
   struct Program
   {
     std::optional<vk::raii::Pipeline> Pipeline;
@@ -32,7 +34,7 @@ private:
   };
 
   void MakeLayout();
-  const Program& ProgramFor(std::uint32_t capacity);
+  const Program& ProgramFor(std::uint32_t capacity, std::uint32_t fields);
   template <typename Real>
   void WriteParameters(const XRaySource& source, const XRayDetector& detector,
     std::uint32_t attempts);
@@ -40,6 +42,14 @@ private:
   void WritePoints(const std::vector<double>& points);
   void BuildScene(bool refit);
   void UpdateDescriptors();
+  /// An image of the right size; throws InputError where none can be made.
+  PathLengthImage MakeImage(const XRaySource& source, const XRayDetector& detector) const;
+  /// Materials that the shaders have room for: few capacities, so that few pipelines are compiled.
+  std::uint32_t Capacity() const;
+  /// Most fields that are done at once; throws InputError when there is no room for one.
+  int MostFields(const PathLengthImage& image, int fields) const;
+  /// Fills Lengths, Failures and, for the fields of Velocities, Rates.
+  void Render(const XRaySource& source, const XRayDetector& detector, int fields);
 
   std::unique_ptr<VulkanDevice> OwnedDevice;
   VulkanDevice& Device;
@@ -48,7 +58,7 @@ private:
   std::optional<vk::raii::PipelineLayout> Layout;
   std::optional<vk::raii::DescriptorPool> DescriptorPool;
   std::optional<vk::raii::DescriptorSet> Set;
-  std::map<std::uint32_t, Program> Programs;
+  std::map<std::pair<std::uint32_t, std::uint32_t>, Program> Programs;
 
   std::size_t PointCount = 0;
   std::uint32_t TriangleCount = 0;
@@ -66,6 +76,8 @@ private:
   Buffer Instances;
   Buffer Lengths;
   Buffer Failures;
+  Buffer Velocities;
+  Buffer Rates;
   bool DescriptorsStale = true;
   std::optional<AccelerationStructure> Surface;
   std::optional<AccelerationStructure> Scene;

@@ -303,7 +303,13 @@ void VulkanDevice::MakeDevice()
     this->Structure = properties.get<vk::PhysicalDeviceAccelerationStructurePropertiesKHR>();
   }
   this->Memory = this->PhysicalDevice->getMemoryProperties();
-  this->Doubles = this->PhysicalDevice->getFeatures().shaderFloat64;
+  const auto features =
+    this->PhysicalDevice
+      ->getFeatures2<vk::PhysicalDeviceFeatures2, vk::PhysicalDeviceVulkan12Features>();
+  const vk::PhysicalDeviceFeatures& general = features.get<vk::PhysicalDeviceFeatures2>().features;
+  this->Doubles = general.shaderFloat64;
+  this->LongAtomics = general.shaderInt64 &&
+    features.get<vk::PhysicalDeviceVulkan12Features>().shaderBufferInt64Atomics;
 
   const auto families = this->PhysicalDevice->getQueueFamilyProperties();
   const auto family = std::find_if(families.begin(), families.end(),
@@ -323,6 +329,8 @@ void VulkanDevice::MakeDevice()
     info;
   info.get<vk::DeviceCreateInfo>().setQueueCreateInfos(queue);
   info.get<vk::PhysicalDeviceFeatures2>().features.shaderFloat64 = this->Doubles;
+  info.get<vk::PhysicalDeviceFeatures2>().features.shaderInt64 = this->LongAtomics;
+  info.get<vk::PhysicalDeviceVulkan12Features>().shaderBufferInt64Atomics = this->LongAtomics;
   if (this->ForRayTracing)
   {
     info.get<vk::DeviceCreateInfo>().setPEnabledExtensionNames(RequiredExtensions);

@@ -60,6 +60,8 @@ public:
   const std::string& Name() const { return this->DeviceName; }
   /// True when shaders may use 64-bit floats.
   bool HasDoubles() const { return this->Doubles; }
+  /// True when shaders may add 64-bit integers in buffers atomically.
+  bool HasLongAtomics() const { return this->LongAtomics; }
   /// True when the device was made for ray tracing: it can, and the options want it.
   bool TracesRays() const { return this->ForRayTracing; }
   const vk::PhysicalDeviceRayTracingPipelinePropertiesKHR& RayTracingProperties() const
@@ -93,6 +95,7 @@ private:
   std::optional<vk::raii::PhysicalDevice> PhysicalDevice;
   std::string DeviceName;
   bool Doubles = false;
+  bool LongAtomics = false;
   bool ForRayTracing = false;
   std::uint32_t QueueFamily = 0;
   vk::PhysicalDeviceLimits DeviceLimits;

@@ -1,0 +1,30 @@
+#version 460
+// SPDX-License-Identifier: Apache-2.0
+// One invocation per pixel of the fine grid: marks a ray whose crossings do not cancel and clears its sums, such
+// that it can be traced again. Marks that are set stay.
+#extension GL_GOOGLE_include_directive : require
+#include "raster.glsl"
+
+void main()
+{
+  const uint index = gl_GlobalInvocationID.y * gl_NumWorkGroups.x * MAMMORAY_RASTER_GROUP +
+    gl_GlobalInvocationID.x;
+  if (index >= parameters.Columns * parameters.RowCount)
+  {
+    return;
+  }
+  const uint pairs = (parameters.Materials - 1u) * pairsPerMaterial();
+  if (marks[index] == 0u && isSound(index * pairs))
+  {
+    return;
+  }
+  marks[index] = 1u;
+  for (uint pair = 0u; pair < pairs; ++pair)
+  {
+#ifdef MAMMORAY_INT64
+    sums[index * pairs + pair] = 0ul;
+#else
+    sums[index * pairs + pair] = uvec2(0u);
+#endif
+  }
+}
