@@ -5,6 +5,7 @@
 
 #include <unistd.h>
 
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -40,11 +41,11 @@ void CheckOutputFolder(const std::string& path, bool overwrite)
   {
     throw InputError("output " + path + ": exists already; --overwrite replaces it");
   }
-  if (!fs::is_directory(folder) ||
-    (!fs::is_empty(folder) && !fs::exists(folder / "result.json")))
+  if (!fs::is_directory(folder) || (!fs::is_empty(folder) && !fs::exists(folder / "result.json")))
   {
     throw InputError("output " + path +
-      ": expected an earlier result (a folder with result.json) to overwrite, found something else");
+      ": expected an earlier result (a folder with result.json) to overwrite, found something "
+      "else");
   }
 }
 
@@ -62,9 +63,8 @@ void RunRegister(const RegisterOptions& options)
   const RegistrationCaseResult result = RunRegistrationCase(options.Case, MakeProgressBar());
 
   const fs::path target = fs::absolute(options.Output).lexically_normal();
-  const fs::path temporary =
-    (target.has_filename() ? target : target.parent_path()).string() + ".partial-" +
-    std::to_string(getpid());
+  const fs::path temporary = (target.has_filename() ? target : target.parent_path()).string() +
+    ".partial-" + std::to_string(getpid());
   fs::create_directory(temporary);
   try
   {
@@ -86,25 +86,25 @@ void RunRegister(const RegisterOptions& options)
   for (std::size_t index = 0; index < registration.Parameters.size(); ++index)
   {
     const RegistrationParameter& parameter = registration.Parameters[index];
-    if (parameter.Fixed)
+    char deviation[32] = "(fixed)";
+    if (!parameter.Fixed)
     {
-      std::printf("%-10s %8.2f %-4s (fixed)\n", parameter.Name.c_str(),
-        registration.Values[index], parameter.Unit.c_str());
+      const double value = registration.StandardDeviations[index];
+      std::snprintf(deviation, sizeof deviation, std::isfinite(value) ? "+- %.2f" : "+- unknown",
+        value);
     }
-    else
-    {
-      std::printf("%-10s %8.2f %-4s +- %.2f\n", parameter.Name.c_str(),
-        registration.Values[index], parameter.Unit.c_str(),
-        registration.StandardDeviations[index]);
-    }
+    std::printf("%-10s %8.2f %-4s %s\n", parameter.Name.c_str(), registration.Values[index],
+      parameter.Unit.c_str(), deviation);
   }
   std::printf("outline distance %.2f mm mean, %.2f mm largest; correlation %.3f\n",
     registration.After.MeanOutlineDistanceMm, registration.After.LargestOutlineDistanceMm,
     registration.After.Correlation);
-  std::printf("%zu iterations, %d equilibria in %.0f s, %d projections in %.0f s, %.0f s in all\n%s\n",
+  std::printf(
+    "%zu iterations, %d equilibria in %.1f s, %d pictures in %.1f s, derivatives in %.1f s, "
+    "%.1f s in all\n%s\n",
     registration.Iterations.size(), registration.Evaluations, registration.MechanicsSeconds,
-    registration.Projections, registration.ProjectionSeconds, registration.Seconds,
-    registration.StopReason.c_str());
+    registration.Projections, registration.ProjectionSeconds, registration.JacobianSeconds,
+    registration.Seconds, registration.StopReason.c_str());
   for (const std::string& warning : result.Warnings)
   {
     std::fprintf(stderr, "mammoray: note: %s\n", warning.c_str());
@@ -194,7 +194,8 @@ void AddRegisterCommand(CLI::App& application)
     ->group("Start");
   command
     ->add_option("--start-roll", input.StartRollDeg,
-      "rotation about the anterior axis to start from, degrees, towards the patient's left; default: "
+      "rotation about the anterior axis to start from, degrees, towards the patient's left; "
+      "default: "
       "from the header's view")
     ->group("Start");
   command

@@ -30,8 +30,8 @@ struct MAMMORAYREGISTRATION_EXPORT Mammogram
   int Columns = 0;
   int Rows = 0;
   /**
-   * Rows * Columns values, row by row from the top. Modality LUT (rescale) applied; as stored otherwise.
-   * NaN where the header declares padding (no X-ray was measured there).
+   * Rows * Columns values, row by row from the top. Modality LUT (rescale) applied; as stored
+   * otherwise. NaN where the header declares padding (no X-ray was measured there).
    */
   std::vector<float> Pixels;
   /// True for MONOCHROME1: small values are shown bright.
@@ -49,7 +49,8 @@ struct MAMMORAYREGISTRATION_EXPORT Mammogram
   std::string View;
   /// 'L', 'R' or '?'.
   char Laterality = '?';
-  /// Patient directions of a row (increasing column) and of a column (increasing row), as in the header
+  /// Patient directions of a row (increasing column) and of a column (increasing row), as in the
+  /// header
   /// ("A", "P", "R", ...); empty where it does not say.
   std::string RowDirection;
   std::string ColumnDirection;
@@ -63,16 +64,16 @@ struct MAMMORAYREGISTRATION_EXPORT Mammogram
 };
 
 /**
- * Rotation of the unit for a view, degrees, in the sense of BreastPose::RollDeg: 0 for CC, the source
- * medial and above for MLO and ML, lateral for LM and LMO, below for FB. Oblique views take the size of
- * PositionerPrimaryAngleDeg, 45 where it is absent or 0. Nothing when the view is not one of these, or
- * needs a laterality that is not known.
+ * Rotation of the unit for a view, degrees, in the sense of BreastPose::RollDeg: 0 for CC, the
+ * source medial and above for MLO and ML, lateral for LM and LMO, below for FB. Oblique views take
+ * the size of PositionerPrimaryAngleDeg, 45 where it is absent or 0. Nothing when the view is not
+ * one of these, or needs a laterality that is not known.
  */
 MAMMORAYREGISTRATION_EXPORT std::optional<double> NominalRollDeg(const Mammogram& mammogram);
 
 /**
- * A mammogram made ready for registration: log attenuation on a pixel grid in the receptor plane (z = 0)
- * of the gantry frame, with the breast outlined.
+ * A mammogram made ready for registration: log attenuation on a pixel grid in the receptor plane (z
+ * = 0) of the gantry frame, with the breast outlined.
  */
 struct MAMMORAYREGISTRATION_EXPORT RegistrationTarget
 {
@@ -83,14 +84,14 @@ struct MAMMORAYREGISTRATION_EXPORT RegistrationTarget
   std::array<double, 2> ColumnStep{ 0.1, 0 };
   std::array<double, 2> RowStep{ 0, 0.1 };
   /**
-   * -ln(I / I0) up to scale and offset, bright where more is absorbed. Exact in scale and offset (I0
-   * taken from the unattenuated background) for For Processing images.
+   * -ln(I / I0) up to scale and offset, bright where more is absorbed. Exact in scale and offset
+   * (I0 taken from the unattenuated background) for For Processing images.
    */
   std::vector<float> LogAttenuation;
   /// 1 inside the breast.
   std::vector<unsigned char> BreastMask;
-  /// Distance to the breast's outline in the receptor plane, mm; negative inside. The image border that
-  /// cuts the breast (chest wall) is not outline.
+  /// Distance to the breast's outline in the receptor plane, mm; negative inside. The image border
+  /// that cuts the breast (chest wall) is not outline.
   std::vector<float> SignedDistanceMm;
   /// What had to be assumed because the header did not say, a sentence each.
   std::vector<std::string> Warnings;

@@ -12,31 +12,21 @@
 #include <cstdio>
 #include <limits>
 #include <memory>
-#include <numbers>
-#include <optional>
 
 namespace mammoray
 {
 namespace
 {
 constexpr int ParameterCount = 5;
+/// Poses without an equilibrium, of one resolution, after which a search ends: each costs many
+/// times what a good one does, and the best match lies where the breast cannot be compressed to.
+constexpr int LargestNumberOfFailures = 5;
 
 using Clock = std::chrono::steady_clock;
 
 double SecondsSince(Clock::time_point begin)
 {
   return std::chrono::duration<double>(Clock::now() - begin).count();
-}
-
-BreastPose PoseOf(const std::vector<double>& values)
-{
-  BreastPose pose;
-  pose.ThicknessMm = values[0];
-  pose.RollDeg = values[1];
-  pose.ShiftLateralMm = values[2];
-  pose.ShiftAnteriorMm = values[3];
-  pose.ShiftVerticalMm = values[4];
-  return pose;
 }
 
 VolumeFromGantry Place(const RegistrationModel& model, const BreastPose& pose)
@@ -49,80 +39,26 @@ PlatePair PlatesAt(const RegistrationModel& model, const BreastPose& pose)
   return PlatesOf(Place(model, pose), model.Unit, pose.ThicknessMm);
 }
 
-/// Silhouette of moved surface points, and what it needs of the surface.
-class SilhouetteFinder
-{
-public:
-  explicit SilhouetteFinder(const SurfaceMesh& surface)
-    : Edges(OuterEdges(surface))
-  {
-  }
-
-  std::vector<double> Radii(const RegistrationModel& model, const VolumeFromGantry& placed,
-    const std::vector<double>& points, const ReceptorPoint& centre,
-    const std::vector<ReceptorPoint>& directions) const
-  {
-    return SilhouetteRadii(
-      ProjectToReceptor(points, placed, model.Unit), this->Edges, centre, directions);
-  }
-
-private:
-  std::vector<std::array<std::uint32_t, 2>> Edges;
-};
-
-/// The mean and standard deviation over the listed pixels taken away and divided by.
-std::vector<double> ZScores(
-  const std::vector<float>& image, const std::vector<std::size_t>& pixels)
-{
-  double sum = 0;
-  double squares = 0;
-  for (const std::size_t pixel : pixels)
-  {
-    sum += image[pixel];
-    squares += static_cast<double>(image[pixel]) * image[pixel];
-  }
-  const double mean = sum / pixels.size();
-  // 1e-6 keeps an empty picture (all air) from dividing by zero; real pictures deviate by about 0.3.
-  const double deviation = std::sqrt(std::max(squares / pixels.size() - mean * mean, 0.0)) + 1e-6;
-  std::vector<double> scores(pixels.size());
-  for (std::size_t index = 0; index < pixels.size(); ++index)
-  {
-    scores[index] = (image[pixels[index]] - mean) / deviation;
-  }
-  return scores;
-}
-
-/**
- * Residuals and their Jacobian at one resolution. The mechanics' derivative is exact (implicit function theorem), the
- * projection's is a central difference along it: points x +- h dx/dp seen from the unit at p +- h.
- */
+/// The residuals of a level for Ceres, with the equilibrium they belong to.
 class Evaluator : public ceres::EvaluationCallback
 {
 public:
   Evaluator(const RegistrationModel& model, const RegistrationTarget& target,
-    const RegistrationOptions& options, const SilhouetteFinder& silhouette,
-    const std::vector<int>& freeParameters, const std::vector<double>& start,
-    const CompressionState& startState, const ProgressCallback& progress)
-    : Model(model)
-    , Target(target)
-    , Options(options)
-    , Silhouette(silhouette)
+    const RegistrationOptions& options, const std::vector<int>& freeParameters,
+    const std::vector<double>& start, const CompressionState& startState,
+    const ProgressCallback& progress)
+    : Compared(model, target, options)
     , Free(freeParameters)
     , Values(start)
     , State(startState)
+    , Model(model)
+    , Options(options)
     , Progress(progress)
   {
-    this->ChooseOutlineSamples();
-    this->ChoosePixels();
     for (const int parameter : this->Free)
     {
       this->Unknowns.push_back(start[parameter] / options.Parameters[parameter].Scale);
     }
-  }
-
-  std::size_t NumberOfResiduals() const
-  {
-    return this->Directions.size() + this->Pixels.size() + this->Free.size();
   }
 
   void PrepareForEvaluation(bool evaluateJacobians, bool /*newPoint*/) override
@@ -136,8 +72,8 @@ public:
     }
     if (evaluateJacobians && this->Valid && !this->HasJacobian)
     {
-      this->Valid = this->EvaluateJacobian();
-      this->HasJacobian = this->Valid;
+      this->EvaluateJacobian();
+      this->HasJacobian = true;
     }
   }
 
@@ -151,15 +87,17 @@ public:
   {
     Costs costs;
     const double width = this->Options.RobustWidth;
+    const std::size_t outline = this->Compared.NumberOfOutlineResiduals();
+    const std::size_t compared = outline + this->Compared.NumberOfIntensityResiduals();
     for (std::size_t index = 0; index < this->Residuals.size(); ++index)
     {
       const double r = std::abs(this->Residuals[index]);
       const double robust = r <= width ? 0.5 * r * r : width * r - 0.5 * width * width;
-      if (index < this->Directions.size())
+      if (index < outline)
       {
         costs.Outline += robust;
       }
-      else if (index < this->Directions.size() + this->Pixels.size())
+      else if (index < compared)
       {
         costs.Intensity += robust;
       }
@@ -171,10 +109,7 @@ public:
     return costs;
   }
 
-  const RegistrationModel& Model;
-  const RegistrationTarget& Target;
-  const RegistrationOptions& Options;
-  const SilhouetteFinder& Silhouette;
+  const RegistrationResiduals Compared;
   const std::vector<int> Free;
   /// Ceres' parameter block: the free values over their scales.
   std::vector<double> Unknowns;
@@ -187,129 +122,15 @@ public:
   std::vector<std::vector<double>> Jacobian;
   bool Valid = false;
   bool Stopped = false;
+  /// Poses without an equilibrium that were tried.
+  int Failures = 0;
   int Evaluations = 0;
   int Projections = 0;
   double MechanicsSeconds = 0;
   double ProjectionSeconds = 0;
-  /// Directions that hit an outline inside the image.
-  std::vector<ReceptorPoint> Directions;
-  ReceptorPoint Centre{ 0, 0 };
+  double JacobianSeconds = 0;
 
 private:
-  void ChooseOutlineSamples()
-  {
-    this->Centre = ChestWallCentre(this->Target);
-    const double pixel = std::hypot(this->Target.ColumnStep[0], this->Target.ColumnStep[1]);
-    const double diagonal =
-      std::hypot(this->Target.ColumnStep[0], this->Target.ColumnStep[1]) * this->Target.Columns +
-      std::hypot(this->Target.RowStep[0], this->Target.RowStep[1]) * this->Target.Rows;
-    double length = 0;
-    std::optional<ReceptorPoint> previous;
-    for (const ReceptorPoint& direction : HalfCircleDirections(this->Options.OutlineDirections))
-    {
-      // The farthest place inside the breast along the direction, where the image still shows both sides of it. The
-      // image may begin a little in front of the chest wall.
-      double radius = 0;
-      bool entered = false;
-      for (double r = 0; r <= diagonal; r += 0.5 * pixel)
-      {
-        const ReceptorPoint point{ this->Centre[0] + r * direction[0],
-          this->Centre[1] + r * direction[1] };
-        const bool contained = Contains(this->Target, point, 0);
-        if (entered && !contained)
-        {
-          break;
-        }
-        entered = entered || contained;
-        if (SignedDistanceAt(this->Target, point) < 0)
-        {
-          radius = r;
-        }
-      }
-      const ReceptorPoint end{ this->Centre[0] + radius * direction[0],
-        this->Centre[1] + radius * direction[1] };
-      if (radius > 0 && Contains(this->Target, end, 2.0 + pixel))
-      {
-        this->Directions.push_back(direction);
-        if (previous)
-        {
-          length += std::hypot(end[0] - (*previous)[0], end[1] - (*previous)[1]);
-        }
-        previous = end;
-      }
-    }
-    if (this->Directions.size() < 5)
-    {
-      throw InputError("mammogram: the breast's outline lies outside the image in all but " +
-        std::to_string(this->Directions.size()) + " of " +
-        std::to_string(this->Options.OutlineDirections) + " directions");
-    }
-    const double spacing = length / this->Directions.size();
-    this->OutlineWeight = std::sqrt(std::min(1.0, spacing / this->Options.CorrelationLengthMm)) /
-      this->Options.OutlineSigmaMm;
-  }
-
-  void ChoosePixels()
-  {
-    for (std::size_t pixel = 0; pixel < this->Target.BreastMask.size(); ++pixel)
-    {
-      if (this->Target.BreastMask[pixel] != 0 &&
-        this->Target.SignedDistanceMm[pixel] < -this->Options.IntensityMarginMm)
-      {
-        this->Pixels.push_back(pixel);
-      }
-    }
-    if (this->Pixels.size() < 10)
-    {
-      throw InputError("mammogram: only " + std::to_string(this->Pixels.size()) +
-        " pixels of the compared size lie inside the breast, expected at least 10");
-    }
-    this->TargetScores = ZScores(this->Target.LogAttenuation, this->Pixels);
-    const double area = std::abs(this->Target.ColumnStep[0] * this->Target.RowStep[1] -
-      this->Target.ColumnStep[1] * this->Target.RowStep[0]);
-    const double alike = this->Options.CorrelationLengthMm * this->Options.CorrelationLengthMm;
-    this->IntensityWeight = std::sqrt(std::min(1.0, area / alike)) / this->Options.IntensitySigma;
-  }
-
-  /// Outline and intensity residuals of moved surface points.
-  void Compare(const BreastPose& pose, const std::vector<double>& points, double* residuals)
-  {
-    const VolumeFromGantry placed = Place(this->Model, pose);
-    const std::vector<double> radii =
-      this->Silhouette.Radii(this->Model, placed, points, this->Centre, this->Directions);
-    for (std::size_t index = 0; index < radii.size(); ++index)
-    {
-      const ReceptorPoint end{ this->Centre[0] + radii[index] * this->Directions[index][0],
-        this->Centre[1] + radii[index] * this->Directions[index][1] };
-      *residuals++ = this->OutlineWeight * SignedDistanceAt(this->Target, end);
-    }
-    const auto begin = Clock::now();
-    this->Model.Projector->UpdatePoints(points);
-    const PathLengthImage lengths = this->Model.Projector->Project(
-      SourceOf(placed, this->Model.Unit), DetectorOf(placed, this->Target, this->Options.Samples));
-    this->ProjectionSeconds += SecondsSince(begin);
-    ++this->Projections;
-    const std::vector<double> scores =
-      ZScores(this->Model.XRays->LogAttenuation(lengths), this->Pixels);
-    for (std::size_t index = 0; index < scores.size(); ++index)
-    {
-      *residuals++ = this->IntensityWeight * (scores[index] - this->TargetScores[index]);
-    }
-  }
-
-  void ReportStage(const char* stage)
-  {
-    try
-    {
-      ReportProgress(this->Progress, 0, stage);
-    }
-    catch (const Interrupted&)
-    {
-      this->Stopped = true;
-      throw;
-    }
-  }
-
   bool EvaluateResiduals()
   {
     for (std::size_t f = 0; f < this->Free.size(); ++f)
@@ -317,8 +138,7 @@ private:
       this->Values[this->Free[f]] =
         this->Unknowns[f] * this->Options.Parameters[this->Free[f]].Scale;
     }
-    const BreastPose pose = PoseOf(this->Values);
-    const PlatePair plates = PlatesAt(this->Model, pose);
+    const PlatePair plates = PlatesAt(this->Model, PoseOf(this->Values));
     const double travelMm = TravelMm(PlateMotion(this->State.Plates, plates));
     if (travelMm > this->LongestTravelMm)
     {
@@ -327,102 +147,61 @@ private:
     const auto begin = Clock::now();
     try
     {
-      this->ReportStage("compress");
       this->State = this->Model.Simulation->Compress(plates, &this->State, this->Progress);
       ++this->Evaluations;
-      this->LongestTravelMm = std::max(this->LongestTravelMm, 2 * travelMm);
       this->MechanicsSeconds += SecondsSince(begin);
-      this->ReportStage("project");
+      this->LongestTravelMm = std::max(this->LongestTravelMm, 2 * travelMm);
+      ReportProgress(this->Progress, 0, "project");
     }
     catch (const Interrupted&)
     {
       this->Stopped = true;
       // Stale residuals: Ceres must not take the stop for a failure; the recorder ends the search.
-      return this->Residuals.size() == this->NumberOfResiduals();
+      return !this->Residuals.empty();
     }
     catch (const ConvergenceError&)
     {
+      ++this->Failures;
       ++this->Evaluations;
       this->MechanicsSeconds += SecondsSince(begin);
       this->LongestTravelMm = 0.5 * travelMm;
       return false; // no equilibrium there: Ceres shortens its step
     }
-    this->Residuals.assign(this->NumberOfResiduals(), 0.0);
-    this->Points = this->Model.SurfaceEmbedding->Map(this->State.Positions);
-    this->Compare(pose, this->Points, this->Residuals.data());
-    for (std::size_t f = 0; f < this->Free.size(); ++f)
-    {
-      const RegistrationParameter& parameter = this->Options.Parameters[this->Free[f]];
-      this->Residuals[this->NumberOfResiduals() - this->Free.size() + f] = parameter.PriorSigma > 0
-        ? (this->Values[this->Free[f]] - parameter.Start) / parameter.PriorSigma
-        : 0.0;
-    }
+    const auto projecting = Clock::now();
+    this->Residuals = this->Compared.Evaluate(this->Values, this->State);
+    this->ProjectionSeconds += SecondsSince(projecting);
+    ++this->Projections;
     return true;
   }
 
-  bool EvaluateJacobian()
+  void EvaluateJacobian()
   {
-    const std::vector<PlatePairVelocity> all =
-      PlateVelocities(this->Model, PoseOf(this->Values));
-    std::vector<PlatePairVelocity> wanted;
-    for (const int parameter : this->Free)
+    this->Jacobian.assign(this->Free.size(),
+      std::vector<double>(this->Compared.NumberOfResiduals(), 0.0));
+    if (this->Stopped)
     {
-      wanted.push_back(all[parameter]);
+      return; // zeros; see EvaluateResiduals
     }
     const auto begin = Clock::now();
-    const auto nodeVelocities = this->Model.Simulation->Sensitivities(this->State, wanted);
-    this->MechanicsSeconds += SecondsSince(begin);
-    this->Jacobian.assign(this->Free.size(), std::vector<double>(this->NumberOfResiduals(), 0.0));
-    std::vector<double> moved(this->Points.size());
-    std::vector<double> sides[2];
+    RegistrationResiduals::Jacobian jacobian =
+      this->Compared.Differentiate(this->Values, this->State, this->Free);
     for (std::size_t f = 0; f < this->Free.size(); ++f)
     {
-      try
+      this->Jacobian[f] = std::move(jacobian.Columns[this->Free[f]]);
+      for (double& entry : this->Jacobian[f])
       {
-        this->ReportStage("differentiate");
+        entry *= this->Options.Parameters[this->Free[f]].Scale;
       }
-      catch (const Interrupted&)
-      {
-        return true; // the columns left are zero; see EvaluateResiduals
-      }
-      const RegistrationParameter& parameter = this->Options.Parameters[this->Free[f]];
-      const std::vector<double> velocities =
-        this->Model.SurfaceEmbedding->Map(nodeVelocities[f]);
-      const double step = 0.1 * parameter.Scale;
-      for (int side = 0; side < 2; ++side)
-      {
-        const double signedStep = side == 0 ? -step : step;
-        std::vector<double> values = this->Values;
-        values[this->Free[f]] += signedStep;
-        for (std::size_t index = 0; index < moved.size(); ++index)
-        {
-          moved[index] = this->Points[index] + signedStep * velocities[index];
-        }
-        sides[side].assign(this->NumberOfResiduals(), 0.0);
-        this->Compare(PoseOf(values), moved, sides[side].data());
-      }
-      std::vector<double>& column = this->Jacobian[f];
-      const std::size_t compared = this->NumberOfResiduals() - this->Free.size();
-      for (std::size_t index = 0; index < compared; ++index)
-      {
-        column[index] =
-          (sides[1][index] - sides[0][index]) / (2 * step) * parameter.Scale;
-      }
-      column[compared + f] =
-        parameter.PriorSigma > 0 ? parameter.Scale / parameter.PriorSigma : 0.0;
     }
-    return true;
+    this->JacobianSeconds += SecondsSince(begin);
   }
 
+  const RegistrationModel& Model;
+  const RegistrationOptions& Options;
   const ProgressCallback& Progress;
-  std::vector<std::size_t> Pixels;
-  std::vector<double> TargetScores;
-  double OutlineWeight = 1;
-  double IntensityWeight = 1;
-  /// A longer way of the plates from State is refused unseen: half of what failed last, twice of what
-  /// succeeded. The first is a step that a phantom's compression still follows.
+  /// A longer way of the plates from State is refused unseen: half of what failed last, twice of
+  /// what succeeded. The first is a step that a phantom's compression still follows.
   double LongestTravelMm = 20;
-  std::vector<double> Points;
   std::vector<double> EvaluatedAt;
   bool Evaluated = false;
   bool HasJacobian = false;
@@ -477,7 +256,7 @@ public:
 
   ceres::CallbackReturnType operator()(const ceres::IterationSummary& summary) override
   {
-    if (this->Source.Stopped)
+    if (this->Source.Stopped || this->Source.Failures >= LargestNumberOfFailures)
     {
       return ceres::SOLVER_ABORT;
     }
@@ -526,10 +305,11 @@ void ValidateModel(const RegistrationModel& model, const RegistrationOptions& op
     if (!(parameter.Lower <= parameter.Start && parameter.Start <= parameter.Upper) ||
       !(parameter.Scale > 0))
     {
-      throw InputError("registration: parameter " + parameter.Name + ": expected lower <= start <= "
-        "upper and a positive scale, found " + std::to_string(parameter.Lower) + ", " +
-        std::to_string(parameter.Start) + ", " + std::to_string(parameter.Upper) + ", " +
-        std::to_string(parameter.Scale));
+      throw InputError("registration: parameter " + parameter.Name +
+        ": expected lower <= start <= "
+        "upper and a positive scale, found " +
+        std::to_string(parameter.Lower) + ", " + std::to_string(parameter.Start) + ", " +
+        std::to_string(parameter.Upper) + ", " + std::to_string(parameter.Scale));
     }
   }
   if (options.PixelSizesMm.empty() || options.Samples < 1 || options.OutlineDirections < 10)
@@ -556,12 +336,12 @@ double UncompressedHeight(const RegistrationModel& model, const BreastPose& pose
 }
 
 /**
- * The equilibrium at the start. A breast is compressed to about half its height; a start below that belongs to another breast
- * and costs minutes to fail, so thickness is opened and bounded there, with a warning, and again where even that has no
- * equilibrium.
+ * The equilibrium at the start. A breast is compressed to about half its height; a start below that
+ * belongs to another breast and costs minutes to fail, so thickness is opened and bounded there,
+ * with a warning, and again where even that has no equilibrium.
  */
-CompressionState CompressStart(
-  const RegistrationModel& model, RegistrationResult& result, const ProgressCallback& progress)
+CompressionState CompressStart(const RegistrationModel& model, RegistrationResult& result,
+  const ProgressCallback& progress)
 {
   RegistrationParameter& thickness = result.Parameters[0];
   const double height = UncompressedHeight(model, PoseOf(result.Values));
@@ -569,7 +349,8 @@ CompressionState CompressStart(
   {
     char sentence[240];
     std::snprintf(sentence, sizeof sentence,
-      "The breast of the volume is %.0f mm high; it is not compressed to the %.1f mm the search should start from, but "
+      "The breast of the volume is %.0f mm high; it is not compressed to the %.1f mm the search "
+      "should start from, but "
       "to no less than %.1f mm.",
       height, result.Values[0], thicknessMm);
     result.Warnings.push_back(sentence);
@@ -589,8 +370,7 @@ CompressionState CompressStart(
     try
     {
       ++result.Evaluations;
-      return model.Simulation->Compress(
-        PlatesAt(model, PoseOf(result.Values)), nullptr, progress);
+      return model.Simulation->Compress(PlatesAt(model, PoseOf(result.Values)), nullptr, progress);
     }
     catch (const CompressionError& error)
     {
@@ -605,18 +385,19 @@ CompressionState CompressStart(
 }
 
 /**
- * Shifts the unit so that the start's silhouette has its middle and its tip where the mammogram's outline has them:
- * cheap, and it spares the optimiser the long way from a wrong position.
+ * Shifts the unit so that the start's silhouette has its middle and its tip where the mammogram's
+ * outline has them: cheap, and it spares the optimiser the long way from a wrong position.
  */
-void AlignStart(const RegistrationModel& model, const SilhouetteFinder& silhouette,
-  const RegistrationTarget& target, const CompressionState& state,
-  const std::vector<RegistrationParameter>& parameters, std::vector<double>& values)
+void AlignStart(const RegistrationModel& model, const RegistrationTarget& target,
+  const CompressionState& state, const std::vector<RegistrationParameter>& parameters,
+  std::vector<double>& values)
 {
   const auto directions = HalfCircleDirections(180);
   const ReceptorPoint centre = ChestWallCentre(target);
   const BreastPose pose = PoseOf(values);
-  const std::vector<double> radii = silhouette.Radii(model, Place(model, pose),
-    model.SurfaceEmbedding->Map(state.Positions), centre, directions);
+  const std::vector<double> radii = SilhouetteRadii(
+    ProjectToReceptor(model.SurfaceEmbedding->Map(state.Positions), Place(model, pose), model.Unit),
+    OuterEdges(*model.Surface), centre, directions);
   double low = std::numeric_limits<double>::infinity();
   double high = -low;
   double tip = 0;
@@ -638,8 +419,7 @@ void AlignStart(const RegistrationModel& model, const SilhouetteFinder& silhouet
     }
   }
   const double sid = model.Unit.SourceToDetectorMm;
-  const double magnification =
-    sid / (sid - model.Unit.SupportHeightMm - 0.5 * pose.ThicknessMm);
+  const double magnification = sid / (sid - model.Unit.SupportHeightMm - 0.5 * pose.ThicknessMm);
   const auto shift = [&](int index, double by)
   {
     const RegistrationParameter& parameter = parameters[index];
@@ -651,160 +431,6 @@ void AlignStart(const RegistrationModel& model, const SilhouetteFinder& silhouet
   shift(2, (0.5 * (low + high) - centre[0]) / magnification);
   shift(3, (tip - targetTip) / magnification);
 }
-}
-
-std::vector<RegistrationParameter> DefaultParameters(const BreastPose& start)
-{
-  return {
-    { .Name = "thickness",
-      .Unit = "mm",
-      .Start = start.ThicknessMm,
-      .Lower = 0.5 * start.ThicknessMm,
-      .Upper = 1.5 * start.ThicknessMm,
-      .Scale = 5.0,
-      .PriorSigma = 5.0 },
-    { .Name = "roll",
-      .Unit = "deg",
-      .Start = start.RollDeg,
-      .Lower = start.RollDeg - 30,
-      .Upper = start.RollDeg + 30,
-      .Scale = 5.0 },
-    { .Name = "lateral",
-      .Unit = "mm",
-      .Start = start.ShiftLateralMm,
-      .Lower = start.ShiftLateralMm - 50,
-      .Upper = start.ShiftLateralMm + 50,
-      .Scale = 5.0 },
-    { .Name = "anterior",
-      .Unit = "mm",
-      .Start = start.ShiftAnteriorMm,
-      // The plates cannot stand behind the front of the chest wall.
-      .Lower = std::min(0.0, start.ShiftAnteriorMm),
-      .Upper = start.ShiftAnteriorMm + 50,
-      .Scale = 5.0 },
-    { .Name = "vertical",
-      .Unit = "mm",
-      .Start = start.ShiftVerticalMm,
-      .Lower = start.ShiftVerticalMm - 30,
-      .Upper = start.ShiftVerticalMm + 30,
-      .Scale = 5.0,
-      .Fixed = true },
-  };
-}
-
-std::vector<PlatePairVelocity> PlateVelocities(
-  const RegistrationModel& model, const BreastPose& pose)
-{
-  const VolumeFromGantry placed = Place(model, pose);
-  const PlatePair plates = PlatesOf(placed, model.Unit, pose.ThicknessMm);
-  const auto both = [](const Vector3& linear)
-  { return PlatePairVelocity{ { linear, {} }, { linear, {} } }; };
-
-  PlatePairVelocity thickness;
-  thickness.Support.Linear = -0.5 * placed.Z;
-  thickness.Paddle.Linear = 0.5 * placed.Z;
-  // With omega = Z x X per radian: omega x X = -Z and omega x Z = X, as PlaceUnit turns them.
-  const Vector3 omega = (std::numbers::pi / 180.0) * Cross(placed.Z, placed.X);
-  // The shifts turn with the unit; only the anchor stays.
-  const auto turning = [&](const Plate& plate)
-  { return PlateVelocity{ Cross(omega, plate.Edge - model.Anchor), omega }; };
-  const PlatePairVelocity roll{ turning(plates.Support), turning(plates.Paddle) };
-  return { thickness, roll, both(placed.X), both(placed.Y), both(placed.Z) };
-}
-
-XRaySource SourceOf(const VolumeFromGantry& placed, const MammographyUnit& unit)
-{
-  XRaySource source;
-  source.Position = placed.Point({ 0, 0, unit.SourceToDetectorMm });
-  return source;
-}
-
-XRayDetector DetectorOf(
-  const VolumeFromGantry& placed, const RegistrationTarget& grid, int samples)
-{
-  XRayDetector detector;
-  detector.Origin = placed.Point({ grid.Origin[0], grid.Origin[1], 0 });
-  detector.ColumnStep = placed.Direction({ grid.ColumnStep[0], grid.ColumnStep[1], 0 });
-  detector.RowStep = placed.Direction({ grid.RowStep[0], grid.RowStep[1], 0 });
-  detector.Columns = grid.Columns;
-  detector.Rows = grid.Rows;
-  detector.Samples = samples;
-  return detector;
-}
-
-SyntheticMammogram Synthesize(const RegistrationModel& model, const BreastPose& pose,
-  const CompressionState& state, const RegistrationTarget& grid, int samples)
-{
-  SyntheticMammogram synthetic;
-  const VolumeFromGantry placed = Place(model, pose);
-  const std::vector<double> points = model.SurfaceEmbedding->Map(state.Positions);
-  model.Projector->UpdatePoints(points);
-  const PathLengthImage lengths = model.Projector->Project(
-    SourceOf(placed, model.Unit), DetectorOf(placed, grid, samples));
-  synthetic.LogAttenuation = model.XRays->LogAttenuation(lengths);
-  synthetic.InconsistentRays = lengths.NumberOfInconsistentRays();
-
-  const ReceptorPoint centre = ChestWallCentre(grid);
-  const auto directions = HalfCircleDirections(360);
-  const std::vector<double> radii =
-    SilhouetteFinder(*model.Surface).Radii(model, placed, points, centre, directions);
-  for (std::size_t index = 0; index < directions.size(); ++index)
-  {
-    if (radii[index] > 0)
-    {
-      synthetic.Outline.push_back({ centre[0] + radii[index] * directions[index][0],
-        centre[1] + radii[index] * directions[index][1] });
-    }
-  }
-  return synthetic;
-}
-
-Agreement Compare(const SyntheticMammogram& synthetic, const RegistrationTarget& target)
-{
-  Agreement agreement;
-  double distances = 0;
-  double length = 0;
-  // Weighted by arc length, so that dense directions near the centre do not count more.
-  for (std::size_t index = 0; index + 1 < synthetic.Outline.size(); ++index)
-  {
-    const ReceptorPoint& a = synthetic.Outline[index];
-    const ReceptorPoint& b = synthetic.Outline[index + 1];
-    const ReceptorPoint middle{ 0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1]) };
-    if (!Contains(target, middle, 0))
-    {
-      continue;
-    }
-    const double arc = std::hypot(b[0] - a[0], b[1] - a[1]);
-    const double distance = std::abs(SignedDistanceAt(target, middle));
-    distances += arc * distance;
-    length += arc;
-    agreement.LargestOutlineDistanceMm = std::max(agreement.LargestOutlineDistanceMm, distance);
-  }
-  const double nan = std::numeric_limits<double>::quiet_NaN();
-  agreement.MeanOutlineDistanceMm = length > 0 ? distances / length : nan;
-  if (!(length > 0))
-  {
-    agreement.LargestOutlineDistanceMm = nan;
-  }
-
-  std::vector<std::size_t> pixels;
-  for (std::size_t pixel = 0; pixel < target.BreastMask.size(); ++pixel)
-  {
-    if (target.BreastMask[pixel] != 0 && synthetic.LogAttenuation[pixel] > 0)
-    {
-      pixels.push_back(pixel);
-    }
-  }
-  if (!pixels.empty())
-  {
-    const std::vector<double> a = ZScores(synthetic.LogAttenuation, pixels);
-    const std::vector<double> b = ZScores(target.LogAttenuation, pixels);
-    for (std::size_t index = 0; index < pixels.size(); ++index)
-    {
-      agreement.Correlation += a[index] * b[index] / pixels.size();
-    }
-  }
-  return agreement;
 }
 
 RegistrationResult Register(const RegistrationModel& model, const RegistrationTarget& target,
@@ -824,13 +450,11 @@ RegistrationResult Register(const RegistrationModel& model, const RegistrationTa
       freeParameters.push_back(index);
     }
   }
-  result.StandardDeviations.assign(
-    ParameterCount, std::numeric_limits<double>::quiet_NaN());
+  result.StandardDeviations.assign(ParameterCount, std::numeric_limits<double>::quiet_NaN());
 
   const double pixel = std::hypot(target.ColumnStep[0], target.ColumnStep[1]);
   const auto coarsened = [&](double pixelSizeMm)
   { return Coarsen(target, std::max(1, static_cast<int>(std::lround(pixelSizeMm / pixel)))); };
-  const SilhouetteFinder silhouette(*model.Surface);
 
   // The start: a cold compression, then the unit moved to where the outlines roughly meet.
   result.State = CompressStart(model, result, progress);
@@ -843,7 +467,7 @@ RegistrationResult Register(const RegistrationModel& model, const RegistrationTa
   if (!freeParameters.empty())
   {
     std::vector<double> aligned = result.Values;
-    AlignStart(model, silhouette, finest, result.State, result.Parameters, aligned);
+    AlignStart(model, finest, result.State, result.Parameters, aligned);
     try
     {
       result.State =
@@ -873,13 +497,14 @@ RegistrationResult Register(const RegistrationModel& model, const RegistrationTa
       const double expected = 6.0 * options.PixelSizesMm.size(); // a typical number
       return !progress || progress(iterations / (iterations + expected), stage);
     };
-    Evaluator evaluator(model, coarse, search, silhouette, freeParameters, result.Values,
-      result.State, levelProgress);
+    Evaluator evaluator(model, coarse, search, freeParameters, result.Values, result.State,
+      levelProgress);
     ceres::Problem::Options problemOptions;
     problemOptions.evaluation_callback = &evaluator;
     ceres::Problem problem(problemOptions);
-    const std::size_t robustCount = evaluator.NumberOfResiduals() - freeParameters.size();
-    for (std::size_t index = 0; index < evaluator.NumberOfResiduals(); ++index)
+    const std::size_t robustCount = evaluator.Compared.NumberOfOutlineResiduals() +
+      evaluator.Compared.NumberOfIntensityResiduals();
+    for (std::size_t index = 0; index < evaluator.Compared.NumberOfResiduals(); ++index)
     {
       problem.AddResidualBlock(new ResidualCost(evaluator, index),
         index < robustCount ? new ceres::HuberLoss(options.RobustWidth) : nullptr,
@@ -888,10 +513,10 @@ RegistrationResult Register(const RegistrationModel& model, const RegistrationTa
     for (std::size_t f = 0; f < freeParameters.size(); ++f)
     {
       const RegistrationParameter& parameter = result.Parameters[freeParameters[f]];
-      problem.SetParameterLowerBound(
-        evaluator.Unknowns.data(), static_cast<int>(f), parameter.Lower / parameter.Scale);
-      problem.SetParameterUpperBound(
-        evaluator.Unknowns.data(), static_cast<int>(f), parameter.Upper / parameter.Scale);
+      problem.SetParameterLowerBound(evaluator.Unknowns.data(), static_cast<int>(f),
+        parameter.Lower / parameter.Scale);
+      problem.SetParameterUpperBound(evaluator.Unknowns.data(), static_cast<int>(f),
+        parameter.Upper / parameter.Scale);
     }
     ceres::Solver::Options solverOptions;
     solverOptions.max_num_iterations = options.MaximumIterations;
@@ -911,10 +536,19 @@ RegistrationResult Register(const RegistrationModel& model, const RegistrationTa
     result.Projections += evaluator.Projections;
     result.MechanicsSeconds += evaluator.MechanicsSeconds;
     result.ProjectionSeconds += evaluator.ProjectionSeconds;
+    result.JacobianSeconds += evaluator.JacobianSeconds;
     ++level;
     if (evaluator.Stopped)
     {
       result.StopReason = "interrupted; this is the best pose so far";
+      result.Converged = false;
+      break;
+    }
+    if (evaluator.Failures >= LargestNumberOfFailures)
+    {
+      result.StopReason = std::to_string(evaluator.Failures) +
+        " poses on the way to a better match had no equilibrium; this is the best pose that has "
+        "one";
       result.Converged = false;
       break;
     }
@@ -932,8 +566,8 @@ RegistrationResult Register(const RegistrationModel& model, const RegistrationTa
       {
         const std::size_t n = freeParameters.size();
         std::vector<double> matrix(n * n);
-        covariance.GetCovarianceBlock(
-          evaluator.Unknowns.data(), evaluator.Unknowns.data(), matrix.data());
+        covariance.GetCovarianceBlock(evaluator.Unknowns.data(), evaluator.Unknowns.data(),
+          matrix.data());
         for (std::size_t f = 0; f < n; ++f)
         {
           result.StandardDeviations[freeParameters[f]] =

@@ -8,8 +8,19 @@
 
 namespace mammoray
 {
-std::vector<ReceptorPoint> ProjectToReceptor(
-  const std::vector<double>& points, const VolumeFromGantry& placed, const MammographyUnit& unit)
+namespace
+{
+/// An edge whose cross product with the direction is smaller, mm, lies along the ray.
+constexpr double AlongTheRay = 1e-12;
+
+double Cross(const ReceptorPoint& a, const ReceptorPoint& b)
+{
+  return a[0] * b[1] - a[1] * b[0];
+}
+}
+
+std::vector<ReceptorPoint> ProjectToReceptor(const std::vector<double>& points,
+  const VolumeFromGantry& placed, const MammographyUnit& unit)
 {
   std::vector<ReceptorPoint> projected(points.size() / 3);
   const double sid = unit.SourceToDetectorMm;
@@ -17,11 +28,31 @@ std::vector<ReceptorPoint> ProjectToReceptor(
   {
     const Vector3 gantry =
       placed.ToGantry({ points[3 * index], points[3 * index + 1], points[3 * index + 2] });
-    const double magnification = gantry[2] < sid ? sid / (sid - gantry[2])
-                                                 : std::numeric_limits<double>::quiet_NaN();
+    const double magnification =
+      gantry[2] < sid ? sid / (sid - gantry[2]) : std::numeric_limits<double>::quiet_NaN();
     projected[index] = { magnification * gantry[0], magnification * gantry[1] };
   }
   return projected;
+}
+
+std::vector<ReceptorPoint> ReceptorVelocities(const std::vector<double>& points,
+  const double* velocities, const VolumeFromGantry& placed, const MammographyUnit& unit)
+{
+  std::vector<ReceptorPoint> moved(points.size() / 3);
+  const double sid = unit.SourceToDetectorMm;
+  for (std::size_t index = 0; index < moved.size(); ++index)
+  {
+    const Vector3 gantry =
+      placed.ToGantry({ points[3 * index], points[3 * index + 1], points[3 * index + 2] });
+    const Vector3 velocity{ velocities[3 * index], velocities[3 * index + 1],
+      velocities[3 * index + 2] };
+    const double magnification = sid / (sid - gantry[2]);
+    // d magnification = magnification^2 / sid dz
+    const double growth = magnification * magnification / sid * Dot(velocity, placed.Z);
+    moved[index] = { magnification * Dot(velocity, placed.X) + growth * gantry[0],
+      magnification * Dot(velocity, placed.Y) + growth * gantry[1] };
+  }
+  return moved;
 }
 
 std::vector<std::array<std::uint32_t, 2>> OuterEdges(const SurfaceMesh& surface)
@@ -58,8 +89,12 @@ std::vector<ReceptorPoint> HalfCircleDirections(int count)
 
 std::vector<double> SilhouetteRadii(const std::vector<ReceptorPoint>& projected,
   const std::vector<std::array<std::uint32_t, 2>>& edges, const ReceptorPoint& centre,
-  const std::vector<ReceptorPoint>& directions)
+  const std::vector<ReceptorPoint>& directions, std::vector<std::int32_t>* crossed)
 {
+  if (crossed)
+  {
+    crossed->assign(directions.size(), -1);
+  }
   // HalfCircleDirections come sorted by angle; any order works through this index.
   std::vector<std::pair<double, std::size_t>> angles(directions.size());
   for (std::size_t index = 0; index < directions.size(); ++index)
@@ -69,25 +104,33 @@ std::vector<double> SilhouetteRadii(const std::vector<ReceptorPoint>& projected,
   std::sort(angles.begin(), angles.end());
 
   std::vector<double> radii(directions.size(), 0.0);
-  const auto cross = [](const ReceptorPoint& a, const ReceptorPoint& b)
-  { return a[0] * b[1] - a[1] * b[0]; };
+  std::int32_t number = -1;
   const auto visit = [&](double low, double high, const ReceptorPoint& a, const ReceptorPoint& b)
   {
     const ReceptorPoint along{ b[0] - a[0], b[1] - a[1] };
-    for (auto at = std::lower_bound(angles.begin(), angles.end(), std::make_pair(low, std::size_t(0)));
+    for (auto at =
+           std::lower_bound(angles.begin(), angles.end(), std::make_pair(low, std::size_t(0)));
          at != angles.end() && at->first <= high; ++at)
     {
       // centre + r d = a + s (b - a)  =>  r = (a x along) / (d x along), with a relative to centre.
       const ReceptorPoint& direction = directions[at->second];
-      const double denominator = cross(direction, along);
-      const double radius = std::abs(denominator) > 1e-12
-        ? cross(a, along) / denominator
+      const double denominator = Cross(direction, along);
+      const double radius = std::abs(denominator) > AlongTheRay
+        ? Cross(a, along) / denominator
         : std::max(std::hypot(a[0], a[1]), std::hypot(b[0], b[1]));
-      radii[at->second] = std::max(radii[at->second], radius);
+      if (radius > radii[at->second])
+      {
+        radii[at->second] = radius;
+        if (crossed)
+        {
+          (*crossed)[at->second] = number;
+        }
+      }
     }
   };
   for (const auto& edge : edges)
   {
+    ++number;
     const ReceptorPoint a{ projected[edge[0]][0] - centre[0], projected[edge[0]][1] - centre[1] };
     const ReceptorPoint b{ projected[edge[1]][0] - centre[0], projected[edge[1]][1] - centre[1] };
     double low = std::atan2(a[1], a[0]);
@@ -111,5 +154,44 @@ std::vector<double> SilhouetteRadii(const std::vector<ReceptorPoint>& projected,
     }
   }
   return radii;
+}
+
+std::vector<double> SilhouetteDerivatives(const std::vector<ReceptorPoint>& projected,
+  const std::vector<ReceptorPoint>& velocities,
+  const std::vector<std::array<std::uint32_t, 2>>& edges, const ReceptorPoint& centre,
+  const std::vector<ReceptorPoint>& directions, const std::vector<std::int32_t>& crossed)
+{
+  std::vector<double> rates(directions.size(), 0.0);
+  for (std::size_t index = 0; index < directions.size(); ++index)
+  {
+    if (crossed[index] < 0)
+    {
+      continue;
+    }
+    const auto [first, second] = edges[crossed[index]];
+    const auto relative = [&](std::uint32_t point) {
+      return ReceptorPoint{ projected[point][0] - centre[0], projected[point][1] - centre[1] };
+    };
+    const ReceptorPoint a = relative(first);
+    const ReceptorPoint b = relative(second);
+    const ReceptorPoint& da = velocities[first];
+    const ReceptorPoint& db = velocities[second];
+    // radius = (a x b) / (d x (b - a))
+    const double denominator = Cross(directions[index], { b[0] - a[0], b[1] - a[1] });
+    if (std::abs(denominator) > AlongTheRay)
+    {
+      const double radius = Cross(a, b) / denominator;
+      rates[index] = (Cross(da, b) + Cross(a, db) -
+                       radius * Cross(directions[index], { db[0] - da[0], db[1] - da[1] })) /
+        denominator;
+    }
+    else
+    {
+      const bool far = std::hypot(b[0], b[1]) > std::hypot(a[0], a[1]);
+      const ReceptorPoint& v = far ? db : da;
+      rates[index] = v[0] * directions[index][0] + v[1] * directions[index][1];
+    }
+  }
+  return rates;
 }
 }

@@ -22,19 +22,37 @@ using ReceptorPoint = std::array<double, 2>;
 MAMMORAYREGISTRATION_EXPORT std::vector<ReceptorPoint> ProjectToReceptor(
   const std::vector<double>& points, const VolumeFromGantry& placed, const MammographyUnit& unit);
 
+/**
+ * How the projections of points move. `velocities`: 3 x pointCount, mm per unit of a parameter,
+ * relative to the unit, volume frame. mm per unit.
+ */
+MAMMORAYREGISTRATION_EXPORT std::vector<ReceptorPoint> ReceptorVelocities(
+  const std::vector<double>& points, const double* velocities, const VolumeFromGantry& placed,
+  const MammographyUnit& unit);
+
 /// The edges between skin and air of a surface, each once, as pairs of its points.
 MAMMORAYREGISTRATION_EXPORT std::vector<std::array<std::uint32_t, 2>> OuterEdges(
   const SurfaceMesh& surface);
 
 /**
- * The outer silhouette seen from `centre`: for each unit direction the distance, mm, of the farthest
- * crossing of a projected edge with the ray from `centre`; 0 where none crosses. Exact for the polygons
- * the edges draw, hence continuous when their points move.
+ * The outer silhouette seen from `centre`: for each unit direction the distance, mm, of the
+ * farthest crossing of a projected edge with the ray from `centre`; 0 where none crosses. Exact for
+ * the polygons the edges draw, hence continuous when their points move. `crossed`, if given,
+ * receives the number of the edge of each crossing; -1 where there is none.
  */
 MAMMORAYREGISTRATION_EXPORT std::vector<double> SilhouetteRadii(
   const std::vector<ReceptorPoint>& projected,
   const std::vector<std::array<std::uint32_t, 2>>& edges, const ReceptorPoint& centre,
-  const std::vector<ReceptorPoint>& directions);
+  const std::vector<ReceptorPoint>& directions, std::vector<std::int32_t>* crossed = nullptr);
+
+/**
+ * How those distances change when the projected points move (`velocities`, mm per unit of a
+ * parameter) as long as the same edges are crossed; mm per unit.
+ */
+MAMMORAYREGISTRATION_EXPORT std::vector<double> SilhouetteDerivatives(
+  const std::vector<ReceptorPoint>& projected, const std::vector<ReceptorPoint>& velocities,
+  const std::vector<std::array<std::uint32_t, 2>>& edges, const ReceptorPoint& centre,
+  const std::vector<ReceptorPoint>& directions, const std::vector<std::int32_t>& crossed);
 
 /// `count` unit directions, equally spaced in angle strictly between +x and -x through +y.
 MAMMORAYREGISTRATION_EXPORT std::vector<ReceptorPoint> HalfCircleDirections(int count);

@@ -22,13 +22,57 @@ std::array<double, 2> PixelOf(const RegistrationTarget& target, const ReceptorPo
   const double determinant = c[0] * r[1] - c[1] * r[0];
   return { (dx * r[1] - dy * r[0]) / determinant, (c[0] * dy - c[1] * dx) / determinant };
 }
+
+/// Four neighbouring pixels and a place between them.
+struct Cell
+{
+  /// Signed distances at (column, row), the next column, the next row, and both.
+  double At[4];
+  /// Place in the cell, [0, 1].
+  double Column;
+  double Row;
+  bool InColumns;
+  bool InRows;
+  /// From the nearest point of the image to the given one, mm; 0 inside.
+  ReceptorPoint Outside{ 0, 0 };
+
+  Cell(const RegistrationTarget& target, const ReceptorPoint& point)
+  {
+    const auto [column, row] = PixelOf(target, point);
+    const double insideColumn = std::clamp(column, 0.0, target.Columns - 1.0);
+    const double insideRow = std::clamp(row, 0.0, target.Rows - 1.0);
+    this->InColumns = insideColumn == column;
+    this->InRows = insideRow == row;
+    const int c0 = std::min(static_cast<int>(insideColumn), std::max(target.Columns - 2, 0));
+    const int r0 = std::min(static_cast<int>(insideRow), std::max(target.Rows - 2, 0));
+    const int c1 = std::min(c0 + 1, target.Columns - 1);
+    const int r1 = std::min(r0 + 1, target.Rows - 1);
+    this->Column = insideColumn - c0;
+    this->Row = insideRow - r0;
+    const auto at = [&](int c, int r)
+    {
+      return static_cast<double>(
+        target.SignedDistanceMm[static_cast<std::size_t>(r) * target.Columns + c]);
+    };
+    this->At[0] = at(c0, r0);
+    this->At[1] = at(c1, r0);
+    this->At[2] = at(c0, r1);
+    this->At[3] = at(c1, r1);
+    if (!this->InColumns || !this->InRows)
+    {
+      const ReceptorPoint border = PixelPosition(target, insideColumn, insideRow);
+      this->Outside = { point[0] - border[0], point[1] - border[1] };
+    }
+  }
+};
 }
 
 void ValidateTarget(const RegistrationTarget& target)
 {
-  const auto pixels = static_cast<std::size_t>(std::max(target.Columns, 0)) * std::max(target.Rows, 0);
-  if (pixels == 0 || target.LogAttenuation.size() != pixels ||
-    target.BreastMask.size() != pixels || target.SignedDistanceMm.size() != pixels)
+  const auto pixels =
+    static_cast<std::size_t>(std::max(target.Columns, 0)) * std::max(target.Rows, 0);
+  if (pixels == 0 || target.LogAttenuation.size() != pixels || target.BreastMask.size() != pixels ||
+    target.SignedDistanceMm.size() != pixels)
   {
     throw InputError("mammogram: expected " + std::to_string(target.Columns) + " x " +
       std::to_string(target.Rows) + " pixels of attenuation, mask and distance, found " +
@@ -99,27 +143,42 @@ ReceptorPoint PixelPosition(const RegistrationTarget& target, double column, dou
 
 double SignedDistanceAt(const RegistrationTarget& target, const ReceptorPoint& point)
 {
-  const auto [column, row] = PixelOf(target, point);
-  const double insideColumn = std::clamp(column, 0.0, target.Columns - 1.0);
-  const double insideRow = std::clamp(row, 0.0, target.Rows - 1.0);
-  const int c0 = std::min(static_cast<int>(insideColumn), std::max(target.Columns - 2, 0));
-  const int r0 = std::min(static_cast<int>(insideRow), std::max(target.Rows - 2, 0));
-  const int c1 = std::min(c0 + 1, target.Columns - 1);
-  const int r1 = std::min(r0 + 1, target.Rows - 1);
-  const double fc = insideColumn - c0;
-  const double fr = insideRow - r0;
-  const auto at = [&](int c, int r)
-  { return static_cast<double>(target.SignedDistanceMm[static_cast<std::size_t>(r) * target.Columns + c]); };
-  const double value = (1 - fr) * ((1 - fc) * at(c0, r0) + fc * at(c1, r0)) +
-    fr * ((1 - fc) * at(c0, r1) + fc * at(c1, r1));
-  const ReceptorPoint border = PixelPosition(target, insideColumn, insideRow);
-  return value + std::hypot(point[0] - border[0], point[1] - border[1]);
+  const Cell cell(target, point);
+  const double value =
+    (1 - cell.Row) * ((1 - cell.Column) * cell.At[0] + cell.Column * cell.At[1]) +
+    cell.Row * ((1 - cell.Column) * cell.At[2] + cell.Column * cell.At[3]);
+  return value + std::hypot(cell.Outside[0], cell.Outside[1]);
+}
+
+ReceptorPoint SignedDistanceGradient(const RegistrationTarget& target, const ReceptorPoint& point)
+{
+  const Cell cell(target, point);
+  // Per column and per row; nothing along what is clamped.
+  const double byColumn = cell.InColumns
+    ? (1 - cell.Row) * (cell.At[1] - cell.At[0]) + cell.Row * (cell.At[3] - cell.At[2])
+    : 0.0;
+  const double byRow = cell.InRows
+    ? (1 - cell.Column) * (cell.At[2] - cell.At[0]) + cell.Column * (cell.At[3] - cell.At[1])
+    : 0.0;
+  const auto& c = target.ColumnStep;
+  const auto& r = target.RowStep;
+  const double determinant = c[0] * r[1] - c[1] * r[0];
+  ReceptorPoint gradient{ (byColumn * r[1] - byRow * c[1]) / determinant,
+    (byRow * c[0] - byColumn * r[0]) / determinant };
+  const double outside = std::hypot(cell.Outside[0], cell.Outside[1]);
+  if (outside > 0)
+  {
+    gradient[0] += cell.Outside[0] / outside;
+    gradient[1] += cell.Outside[1] / outside;
+  }
+  return gradient;
 }
 
 bool Contains(const RegistrationTarget& target, const ReceptorPoint& point, double marginMm)
 {
   const auto [column, row] = PixelOf(target, point);
-  const double columnMargin = marginMm / std::hypot(target.ColumnStep[0], target.ColumnStep[1]) - 0.5;
+  const double columnMargin =
+    marginMm / std::hypot(target.ColumnStep[0], target.ColumnStep[1]) - 0.5;
   const double rowMargin = marginMm / std::hypot(target.RowStep[0], target.RowStep[1]) - 0.5;
   return column >= columnMargin && column <= target.Columns - 1 - columnMargin &&
     row >= rowMargin && row <= target.Rows - 1 - rowMargin;

@@ -10,29 +10,35 @@
 
 namespace mammoray
 {
-/// Throws InputError unless the target's arrays fit its size, it holds a breast and its grid is regular.
+/// Throws InputError unless the target's arrays fit its size, it holds a breast and its grid is
+/// regular.
 MAMMORAYREGISTRATION_EXPORT void ValidateTarget(const RegistrationTarget& target);
 
 /**
- * The target with factor x factor pixels averaged into one (rest at the far borders dropped). A coarse pixel is
- * breast when all of its pixels are. Signed distances are averaged.
+ * The target with factor x factor pixels averaged into one (rest at the far borders dropped). A
+ * coarse pixel is breast when all of its pixels are. Signed distances are averaged.
  */
-MAMMORAYREGISTRATION_EXPORT RegistrationTarget Coarsen(const RegistrationTarget& target, int factor);
+MAMMORAYREGISTRATION_EXPORT RegistrationTarget Coarsen(const RegistrationTarget& target,
+  int factor);
 
 /// Gantry x, y of a continuous pixel position (pixel centres at whole numbers).
-MAMMORAYREGISTRATION_EXPORT ReceptorPoint PixelPosition(
-  const RegistrationTarget& target, double column, double row);
+MAMMORAYREGISTRATION_EXPORT ReceptorPoint PixelPosition(const RegistrationTarget& target,
+  double column, double row);
 
 /**
- * Signed distance, mm, at a receptor point: bilinear between pixels; outside the image the value at the
- * nearest border pixel plus the distance to it.
+ * Signed distance, mm, at a receptor point: bilinear between pixels; outside the image the value at
+ * the nearest border pixel plus the distance to it.
  */
-MAMMORAYREGISTRATION_EXPORT double SignedDistanceAt(
-  const RegistrationTarget& target, const ReceptorPoint& point);
+MAMMORAYREGISTRATION_EXPORT double SignedDistanceAt(const RegistrationTarget& target,
+  const ReceptorPoint& point);
+
+/// Its gradient, without unit, where it has one (not on the lines between pixels).
+MAMMORAYREGISTRATION_EXPORT ReceptorPoint SignedDistanceGradient(const RegistrationTarget& target,
+  const ReceptorPoint& point);
 
 /// True inside the image, at least `marginMm` away from its borders.
-MAMMORAYREGISTRATION_EXPORT bool Contains(
-  const RegistrationTarget& target, const ReceptorPoint& point, double marginMm);
+MAMMORAYREGISTRATION_EXPORT bool Contains(const RegistrationTarget& target,
+  const ReceptorPoint& point, double marginMm);
 
 /// Middle of the breast mask across, on the receptor's chest-wall edge: (x, 0).
 MAMMORAYREGISTRATION_EXPORT ReceptorPoint ChestWallCentre(const RegistrationTarget& target);

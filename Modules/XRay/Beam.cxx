@@ -271,4 +271,53 @@ std::vector<float> Beam::LogAttenuation(const PathLengthImage& image) const
   return this->PerPixel(image, 0.0f,
     [this](const double* lengths) { return this->LogAttenuation(lengths); });
 }
+
+std::vector<float> Beam::MeanAttenuation(const PathLengthImage& image) const
+{
+  if (image.Materials > this->MaterialCount)
+  {
+    throw InputError("beam: expected path lengths of at most " +
+      std::to_string(this->MaterialCount) + " materials, found " + std::to_string(image.Materials));
+  }
+  const std::size_t pixelCount = image.NumberOfPixels();
+  std::vector<float> values(pixelCount * static_cast<std::size_t>(image.Materials), 0.0f);
+  InParallel(pixelCount,
+    [&](std::size_t begin, std::size_t end)
+    {
+      std::vector<double> exponents(this->Weights.size());
+      std::vector<double> sums(static_cast<std::size_t>(image.Materials));
+      for (std::size_t pixel = begin; pixel < end; ++pixel)
+      {
+        for (std::size_t energy = 0; energy < this->Weights.size(); ++energy)
+        {
+          const double* mu = &this->Mu[energy * static_cast<std::size_t>(this->MaterialCount)];
+          exponents[energy] = 0;
+          for (int material = 1; material < image.Materials; ++material)
+          {
+            exponents[energy] -= mu[material] * image.Material(material)[pixel];
+          }
+        }
+        // A common factor cancels; taking out the largest keeps dense pixels from underflow.
+        const double largest = *std::max_element(exponents.begin(), exponents.end());
+        double total = 0;
+        std::fill(sums.begin(), sums.end(), 0.0);
+        for (std::size_t energy = 0; energy < this->Weights.size(); ++energy)
+        {
+          const double* mu = &this->Mu[energy * static_cast<std::size_t>(this->MaterialCount)];
+          const double photons = this->Weights[energy] * std::exp(exponents[energy] - largest);
+          total += photons;
+          for (int material = 1; material < image.Materials; ++material)
+          {
+            sums[static_cast<std::size_t>(material)] += photons * mu[material];
+          }
+        }
+        for (int material = 1; material < image.Materials; ++material)
+        {
+          values[static_cast<std::size_t>(material) * pixelCount + pixel] =
+            static_cast<float>(sums[static_cast<std::size_t>(material)] / total);
+        }
+      }
+    });
+  return values;
+}
 }

@@ -66,6 +66,12 @@ public:
   std::vector<float> Transmission(const PathLengthImage& image) const;
   /// -ln of it, computed without loss where little is absorbed.
   std::vector<float> LogAttenuation(const PathLengthImage& image) const;
+  /**
+   * The derivative of LogAttenuation with respect to each path length, 1/mm: the attenuation
+   * averaged over the photons detected in the pixel; value[(material * Rows + row) * Columns +
+   * column], 0 for air.
+   */
+  std::vector<float> MeanAttenuation(const PathLengthImage& image) const;
   /// Transmission of one ray; `lengthsMm[m]` for each material.
   double Transmission(const double* lengthsMm) const;
   /// -ln of it.

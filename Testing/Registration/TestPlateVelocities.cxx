@@ -8,8 +8,8 @@ using namespace mammoray;
 
 namespace
 {
-void ExpectVelocity(
-  const Plate& minus, const Plate& plus, double step, const Plate& at, const PlateVelocity& velocity)
+void ExpectVelocity(const Plate& minus, const Plate& plus, double step, const Plate& at,
+  const PlateVelocity& velocity)
 {
   // Points of the plate move with Linear + Angular x (x - Edge); 1e-7: central differences with
   // step 1e-4 of numbers of size 100.
@@ -46,7 +46,10 @@ TEST(PlateVelocities, AgreeWithDifferencesOfThePlates)
     pose.ShiftVerticalMm = 2;
     const auto velocities = PlateVelocities(model, pose);
     const auto platesAt = [&](const BreastPose& at)
-    { return PlatesOf(PlaceUnit(model.Axes, model.Anchor, model.Unit, at), model.Unit, at.ThicknessMm); };
+    {
+      return PlatesOf(PlaceUnit(model.Axes, model.Anchor, model.Unit, at), model.Unit,
+        at.ThicknessMm);
+    };
     double BreastPose::*const members[] = { &BreastPose::ThicknessMm, &BreastPose::RollDeg,
       &BreastPose::ShiftLateralMm, &BreastPose::ShiftAnteriorMm, &BreastPose::ShiftVerticalMm };
     const PlatePair here = platesAt(pose);
@@ -61,8 +64,7 @@ TEST(PlateVelocities, AgreeWithDifferencesOfThePlates)
       plus.*members[parameter] += step;
       const PlatePair a = platesAt(minus);
       const PlatePair b = platesAt(plus);
-      ExpectVelocity(
-        a.Support, b.Support, step, here.Support, velocities[parameter].Support);
+      ExpectVelocity(a.Support, b.Support, step, here.Support, velocities[parameter].Support);
       ExpectVelocity(a.Paddle, b.Paddle, step, here.Paddle, velocities[parameter].Paddle);
     }
   }

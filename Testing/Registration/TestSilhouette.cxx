@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Silhouette.h"
+#include "SurfaceShapes.h"
 
 #include <gtest/gtest.h>
 
@@ -81,4 +82,47 @@ TEST(Silhouette, OnlyEdgesBetweenTissueAndAirAreOuter)
   EXPECT_EQ(OuterEdges(surface).size(), 3u);
   surface.FrontMaterials[1] = 0;
   EXPECT_EQ(OuterEdges(surface).size(), 5u); // the shared edge once
+}
+
+TEST(Silhouette, DerivativesAgreeWithDifferences)
+{
+  // A box in a cone beam, every corner moving its own way.
+  SurfaceMesh box;
+  shapes::AddBox(box, { -30, -20, 20 }, { 34, 62, 70 }, 1, 0);
+  const auto edges = OuterEdges(box);
+  const auto directions = HalfCircleDirections(40);
+  const ReceptorPoint centre{ 1, 0 };
+  VolumeFromGantry placed;
+  placed.Origin = { 2, -3, 5 };
+  MammographyUnit unit;
+  std::vector<double> velocities(box.Points.size());
+  for (std::size_t index = 0; index < velocities.size(); ++index)
+  {
+    velocities[index] = std::sin(1.0 + 2.7 * static_cast<double>(index));
+  }
+  const auto project = [&](double step)
+  {
+    std::vector<double> points = box.Points;
+    for (std::size_t index = 0; index < points.size(); ++index)
+    {
+      points[index] += step * velocities[index];
+    }
+    return ProjectToReceptor(points, placed, unit);
+  };
+  const auto here = project(0);
+  std::vector<std::int32_t> crossed;
+  const std::vector<double> radii = SilhouetteRadii(here, edges, centre, directions, &crossed);
+  const std::vector<double> rates =
+    SilhouetteDerivatives(here, ReceptorVelocities(box.Points, velocities.data(), placed, unit),
+      edges, centre, directions, crossed);
+  constexpr double step = 1e-5;
+  const std::vector<double> plus = SilhouetteRadii(project(step), edges, centre, directions);
+  const std::vector<double> minus = SilhouetteRadii(project(-step), edges, centre, directions);
+  for (std::size_t index = 0; index < directions.size(); ++index)
+  {
+    ASSERT_GE(crossed[index], 0);
+    ASSERT_GT(radii[index], 0);
+    // Central differences of numbers near 100 with this step: 1e-14 * 100 / 1e-5 and step^2.
+    EXPECT_NEAR(rates[index], (plus[index] - minus[index]) / (2 * step), 1e-6) << index;
+  }
 }

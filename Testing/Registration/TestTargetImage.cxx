@@ -95,8 +95,42 @@ TEST(TargetImage, ChestWallCentreIsTheMaskMiddle)
   EXPECT_NEAR(ChestWallCentre(target)[0], 0, 1e-12);
   for (int column = 0; column < 12; ++column)
   {
-    target.BreastMask[column] = 0;               // x = 7
-    target.BreastMask[12 + column] = 0;          // x = 5
+    target.BreastMask[column] = 0;      // x = 7
+    target.BreastMask[12 + column] = 0; // x = 5
   }
   EXPECT_NEAR(ChestWallCentre(target)[0], -2, 1e-12);
+}
+
+TEST(TargetImage, GradientAgreesWithDifferencesInsideAndOutside)
+{
+  RegistrationTarget target;
+  target.Columns = 7;
+  target.Rows = 9;
+  target.Origin = { -4, 3 };
+  // Turned and mirrored, as mammograms lie on the receptor.
+  target.ColumnStep = { 0.6, 0.8 };
+  target.RowStep = { -1.2, 0.9 };
+  for (int pixel = 0; pixel < 63; ++pixel)
+  {
+    target.SignedDistanceMm.push_back(static_cast<float>(std::sin(0.37 * pixel * pixel)));
+  }
+  constexpr double step = 1e-6;
+  for (const double column : { -2.3, 0.4, 3.7, 5.9, 8.2 })
+  {
+    for (const double row : { -1.6, 0.3, 4.8, 7.7, 9.1 })
+    {
+      const ReceptorPoint point = PixelPosition(target, column, row);
+      const ReceptorPoint gradient = SignedDistanceGradient(target, point);
+      for (int axis = 0; axis < 2; ++axis)
+      {
+        ReceptorPoint plus = point;
+        ReceptorPoint minus = point;
+        plus[axis] += step;
+        minus[axis] -= step;
+        const double difference =
+          (SignedDistanceAt(target, plus) - SignedDistanceAt(target, minus)) / (2 * step);
+        EXPECT_NEAR(gradient[axis], difference, 1e-8) << column << ' ' << row << ' ' << axis;
+      }
+    }
+  }
 }

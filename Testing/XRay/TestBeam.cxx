@@ -91,6 +91,37 @@ TEST(Beam, SpectrumIsWeightedByTheDetector)
   EXPECT_NEAR(counting.Transmission(lengths), expected([](double) { return 1.0; }), 1e-14);
 }
 
+TEST(Beam, MeanAttenuationIsTheDerivativeOfLogAttenuation)
+{
+  const AttenuationTable soft = PowerLaw(0.05);
+  const AttenuationTable hard = PowerLaw(0.5);
+  Spectrum spectrum;
+  spectrum.EnergiesKeV = { 15, 20, 30 };
+  spectrum.Weights = { 1, 3, 2 };
+  const Beam beam(spectrum, DetectorResponse::EnergyIntegrating, { nullptr, &soft, &hard },
+    { 0, 1, 1.2 });
+  // Air, little, much, and so much that no photon is left in a double.
+  const PathLengthImage image = Image({ { 0, 0, 0, 0 }, { 0, 10, 60, 400 }, { 0, 2, 7, 5000 } });
+  const std::vector<float> mean = beam.MeanAttenuation(image);
+  for (std::size_t pixel = 0; pixel < 3; ++pixel)
+  {
+    EXPECT_EQ(mean[pixel], 0);
+    for (int material = 1; material < 3; ++material)
+    {
+      double plus[3] = { 0, image.Material(1)[pixel], image.Material(2)[pixel] };
+      double minus[3] = { plus[0], plus[1], plus[2] };
+      plus[material] += 1e-4;
+      minus[material] -= 1e-4;
+      const double difference = (beam.LogAttenuation(plus) - beam.LogAttenuation(minus)) / 2e-4;
+      // Float result.
+      EXPECT_NEAR(mean[static_cast<std::size_t>(material) * 4 + pixel], difference,
+        2e-7 * difference);
+    }
+  }
+  // The hardest photons are the last.
+  EXPECT_FLOAT_EQ(mean[2 * 4 + 3], static_cast<float>(hard.MuAt(30, 1.2)));
+}
+
 TEST(Beam, RefusesUnusableInput)
 {
   const AttenuationTable table = PowerLaw(0.08);

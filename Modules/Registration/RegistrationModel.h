@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: Apache-2.0
+#ifndef mammoray_RegistrationModel_h
+#define mammoray_RegistrationModel_h
+
+#include "Beam.h"
+#include "CompressionSimulation.h"
+#include "Mammogram.h"
+#include "MammographyGeometry.h"
+#include "PathLengthProjector.h"
+#include "PlacedPlates.h"
+#include "Silhouette.h"
+#include "mammorayRegistrationModule.h"
+
+#include <vector>
+
+namespace mammoray
+{
+/// What stays the same while the registration runs. The referenced objects must outlive it.
+struct RegistrationModel
+{
+  const CompressionSimulation* Simulation = nullptr;
+  /// Interfaces of the anatomy at rest; their points are moved by the simulation.
+  const SurfaceMesh* Surface = nullptr;
+  /// Moves the surface's points with the simulation.
+  const Embedding* SurfaceEmbedding = nullptr;
+  /// Has been given the surface with SetSurface.
+  PathLengthProjector* Projector = nullptr;
+  const Beam* XRays = nullptr;
+  AnatomicalAxes Axes;
+  /// See FindPoseAnchor.
+  Vector3 Anchor{ 0, 0, 0 };
+  MammographyUnit Unit;
+};
+
+/// The unit's focal spot and a target's pixel grid, in the volume frame.
+MAMMORAYREGISTRATION_EXPORT XRaySource SourceOf(const VolumeFromGantry& placed,
+  const MammographyUnit& unit);
+MAMMORAYREGISTRATION_EXPORT XRayDetector DetectorOf(const VolumeFromGantry& placed,
+  const RegistrationTarget& grid, int samples);
+
+/// Rate of change of the plates with each member of a pose, in their order of declaration (per mm
+/// or degree).
+MAMMORAYREGISTRATION_EXPORT std::vector<PlatePairVelocity> PlateVelocities(
+  const RegistrationModel& model, const BreastPose& pose);
+
+/// A synthetic mammogram on a target's pixel grid.
+struct SyntheticMammogram
+{
+  /// -ln(I / I0) of each pixel.
+  std::vector<float> LogAttenuation;
+  /// Outer silhouette on the receptor, gantry x, y, mm; from +x to -x around the nipple.
+  std::vector<ReceptorPoint> Outline;
+  /// Rays whose crossings did not cancel.
+  std::size_t InconsistentRays = 0;
+};
+
+/**
+ * X-rays a compressed state. Only the grid of `grid` is used. `samples` rays along each side of a
+ * pixel.
+ */
+MAMMORAYREGISTRATION_EXPORT SyntheticMammogram Synthesize(const RegistrationModel& model,
+  const BreastPose& pose, const CompressionState& state, const RegistrationTarget& grid,
+  int samples);
+
+/// How two pictures of the breast agree.
+struct Agreement
+{
+  /// Normalised cross-correlation of log attenuation inside both outlines, [-1, 1].
+  double Correlation = 0;
+  /// Distances from the synthetic outline to the real one where it lies in the image, mm.
+  double MeanOutlineDistanceMm = 0;
+  double LargestOutlineDistanceMm = 0;
+};
+
+MAMMORAYREGISTRATION_EXPORT Agreement Compare(const SyntheticMammogram& synthetic,
+  const RegistrationTarget& target);
+}
+
+#endif

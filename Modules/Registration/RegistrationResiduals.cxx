@@ -1,0 +1,285 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "RegistrationResiduals.h"
+
+#include "Error.h"
+#include "Private/ZScores.h"
+#include "TargetImage.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+namespace mammoray
+{
+std::vector<RegistrationParameter> DefaultParameters(const BreastPose& start)
+{
+  return {
+    { .Name = "thickness",
+      .Unit = "mm",
+      .Start = start.ThicknessMm,
+      .Lower = 0.5 * start.ThicknessMm,
+      .Upper = 1.5 * start.ThicknessMm,
+      .Scale = 5.0,
+      .PriorSigma = 5.0 },
+    { .Name = "roll",
+      .Unit = "deg",
+      .Start = start.RollDeg,
+      .Lower = start.RollDeg - 30,
+      .Upper = start.RollDeg + 30,
+      .Scale = 5.0 },
+    { .Name = "lateral",
+      .Unit = "mm",
+      .Start = start.ShiftLateralMm,
+      .Lower = start.ShiftLateralMm - 50,
+      .Upper = start.ShiftLateralMm + 50,
+      .Scale = 5.0 },
+    { .Name = "anterior",
+      .Unit = "mm",
+      .Start = start.ShiftAnteriorMm,
+      // The plates cannot stand behind the front of the chest wall.
+      .Lower = std::min(0.0, start.ShiftAnteriorMm),
+      .Upper = start.ShiftAnteriorMm + 50,
+      .Scale = 5.0 },
+    { .Name = "vertical",
+      .Unit = "mm",
+      .Start = start.ShiftVerticalMm,
+      .Lower = start.ShiftVerticalMm - 30,
+      .Upper = start.ShiftVerticalMm + 30,
+      .Scale = 5.0,
+      .Fixed = true },
+  };
+}
+
+BreastPose PoseOf(const std::vector<double>& values)
+{
+  BreastPose pose;
+  pose.ThicknessMm = values[0];
+  pose.RollDeg = values[1];
+  pose.ShiftLateralMm = values[2];
+  pose.ShiftAnteriorMm = values[3];
+  pose.ShiftVerticalMm = values[4];
+  return pose;
+}
+
+RegistrationResiduals::RegistrationResiduals(const RegistrationModel& model,
+  const RegistrationTarget& target, const RegistrationOptions& options)
+  : Model(model)
+  , Target(target)
+  , Options(options)
+  , Edges(OuterEdges(*model.Surface))
+{
+  this->ChooseOutlineSamples();
+  this->ChoosePixels();
+}
+
+std::size_t RegistrationResiduals::NumberOfResiduals() const
+{
+  return this->Directions.size() + this->Pixels.size() + this->Options.Parameters.size();
+}
+
+void RegistrationResiduals::ChooseOutlineSamples()
+{
+  this->Centre = ChestWallCentre(this->Target);
+  const double pixel = std::hypot(this->Target.ColumnStep[0], this->Target.ColumnStep[1]);
+  const double diagonal =
+    std::hypot(this->Target.ColumnStep[0], this->Target.ColumnStep[1]) * this->Target.Columns +
+    std::hypot(this->Target.RowStep[0], this->Target.RowStep[1]) * this->Target.Rows;
+  double length = 0;
+  std::optional<ReceptorPoint> previous;
+  for (const ReceptorPoint& direction : HalfCircleDirections(this->Options.OutlineDirections))
+  {
+    // The farthest place inside the breast along the direction, where the image still shows both
+    // sides of it. The image may begin a little in front of the chest wall.
+    double radius = 0;
+    bool entered = false;
+    for (double r = 0; r <= diagonal; r += 0.5 * pixel)
+    {
+      const ReceptorPoint point{ this->Centre[0] + r * direction[0],
+        this->Centre[1] + r * direction[1] };
+      const bool contained = Contains(this->Target, point, 0);
+      if (entered && !contained)
+      {
+        break;
+      }
+      entered = entered || contained;
+      if (SignedDistanceAt(this->Target, point) < 0)
+      {
+        radius = r;
+      }
+    }
+    const ReceptorPoint end{ this->Centre[0] + radius * direction[0],
+      this->Centre[1] + radius * direction[1] };
+    if (radius > 0 && Contains(this->Target, end, 2.0 + pixel))
+    {
+      this->Directions.push_back(direction);
+      if (previous)
+      {
+        length += std::hypot(end[0] - (*previous)[0], end[1] - (*previous)[1]);
+      }
+      previous = end;
+    }
+  }
+  if (this->Directions.size() < 5)
+  {
+    throw InputError("mammogram: the breast's outline lies outside the image in all but " +
+      std::to_string(this->Directions.size()) + " of " +
+      std::to_string(this->Options.OutlineDirections) + " directions");
+  }
+  const double spacing = length / this->Directions.size();
+  this->OutlineWeight = std::sqrt(std::min(1.0, spacing / this->Options.CorrelationLengthMm)) /
+    this->Options.OutlineSigmaMm;
+}
+
+void RegistrationResiduals::ChoosePixels()
+{
+  for (std::size_t pixel = 0; pixel < this->Target.BreastMask.size(); ++pixel)
+  {
+    if (this->Target.BreastMask[pixel] != 0 &&
+      this->Target.SignedDistanceMm[pixel] < -this->Options.IntensityMarginMm)
+    {
+      this->Pixels.push_back(pixel);
+    }
+  }
+  if (this->Pixels.size() < 10)
+  {
+    throw InputError("mammogram: only " + std::to_string(this->Pixels.size()) +
+      " pixels of the compared size lie inside the breast, expected at least 10");
+  }
+  this->TargetScores = ZScores(this->Target.LogAttenuation, this->Pixels).Scores;
+  const double area = std::abs(this->Target.ColumnStep[0] * this->Target.RowStep[1] -
+    this->Target.ColumnStep[1] * this->Target.RowStep[0]);
+  const double alike = this->Options.CorrelationLengthMm * this->Options.CorrelationLengthMm;
+  this->IntensityWeight = std::sqrt(std::min(1.0, area / alike)) / this->Options.IntensitySigma;
+}
+
+ReceptorPoint RegistrationResiduals::OnOutline(std::size_t direction, double radius) const
+{
+  return { this->Centre[0] + radius * this->Directions[direction][0],
+    this->Centre[1] + radius * this->Directions[direction][1] };
+}
+
+std::vector<double> RegistrationResiduals::Evaluate(const std::vector<double>& values,
+  const CompressionState& state) const
+{
+  const VolumeFromGantry placed =
+    PlaceUnit(this->Model.Axes, this->Model.Anchor, this->Model.Unit, PoseOf(values));
+  const std::vector<double> points = this->Model.SurfaceEmbedding->Map(state.Positions);
+  std::vector<double> residuals;
+  residuals.reserve(this->NumberOfResiduals());
+  const std::vector<double> radii =
+    SilhouetteRadii(ProjectToReceptor(points, placed, this->Model.Unit), this->Edges, this->Centre,
+      this->Directions);
+  for (std::size_t index = 0; index < radii.size(); ++index)
+  {
+    residuals.push_back(
+      this->OutlineWeight * SignedDistanceAt(this->Target, this->OnOutline(index, radii[index])));
+  }
+
+  this->Model.Projector->UpdatePoints(points);
+  const PathLengthImage lengths = this->Model.Projector->Project(SourceOf(placed, this->Model.Unit),
+    DetectorOf(placed, this->Target, this->Options.Samples));
+  const ZScores scores(this->Model.XRays->LogAttenuation(lengths), this->Pixels);
+  for (std::size_t index = 0; index < this->Pixels.size(); ++index)
+  {
+    residuals.push_back(this->IntensityWeight * (scores.Scores[index] - this->TargetScores[index]));
+  }
+
+  for (std::size_t index = 0; index < this->Options.Parameters.size(); ++index)
+  {
+    const RegistrationParameter& parameter = this->Options.Parameters[index];
+    residuals.push_back(
+      parameter.PriorSigma > 0 ? (values[index] - parameter.Start) / parameter.PriorSigma : 0.0);
+  }
+  return residuals;
+}
+
+RegistrationResiduals::Jacobian RegistrationResiduals::Differentiate(
+  const std::vector<double>& values, const CompressionState& state,
+  const std::vector<int>& wanted) const
+{
+  const BreastPose pose = PoseOf(values);
+  const VolumeFromGantry placed =
+    PlaceUnit(this->Model.Axes, this->Model.Anchor, this->Model.Unit, pose);
+  const PlatePair plates = PlatesOf(placed, this->Model.Unit, pose.ThicknessMm);
+  const std::vector<PlatePairVelocity> all = PlateVelocities(this->Model, pose);
+  std::vector<PlatePairVelocity> motions;
+  for (const int parameter : wanted)
+  {
+    motions.push_back(all[parameter]);
+  }
+  const auto nodeVelocities = this->Model.Simulation->Sensitivities(state, motions);
+  const std::vector<double> points = this->Model.SurfaceEmbedding->Map(state.Positions);
+
+  // Rays and pixels move with the unit, and the unit with its support: seen from there, points move
+  // by the difference.
+  const int fields = static_cast<int>(wanted.size());
+  std::vector<double> velocities;
+  velocities.reserve(points.size() * wanted.size());
+  for (int field = 0; field < fields; ++field)
+  {
+    const std::vector<double> moved = this->Model.SurfaceEmbedding->Map(nodeVelocities[field]);
+    for (std::size_t index = 0; index < points.size(); index += 3)
+    {
+      const Vector3 unit = motions[field].Support.At(plates.Support,
+        { points[index], points[index + 1], points[index + 2] });
+      for (int axis = 0; axis < 3; ++axis)
+      {
+        velocities.push_back(moved[index + axis] - unit[axis]);
+      }
+    }
+  }
+
+  Jacobian jacobian;
+  jacobian.Columns.resize(this->Options.Parameters.size());
+  const std::vector<ReceptorPoint> projected = ProjectToReceptor(points, placed, this->Model.Unit);
+  std::vector<std::int32_t> crossed;
+  const std::vector<double> radii =
+    SilhouetteRadii(projected, this->Edges, this->Centre, this->Directions, &crossed);
+
+  this->Model.Projector->UpdatePoints(points);
+  PathLengthDerivatives derivatives;
+  const PathLengthImage lengths = this->Model.Projector->Project(SourceOf(placed, this->Model.Unit),
+    DetectorOf(placed, this->Target, this->Options.Samples), velocities, fields, derivatives);
+  const ZScores scores(this->Model.XRays->LogAttenuation(lengths), this->Pixels);
+  const std::vector<float> attenuation = this->Model.XRays->MeanAttenuation(lengths);
+
+  for (int field = 0; field < fields; ++field)
+  {
+    std::vector<double>& column = jacobian.Columns[wanted[field]];
+    column.reserve(this->NumberOfResiduals());
+    const std::vector<double> radiusRates = SilhouetteDerivatives(projected,
+      ReceptorVelocities(points, &velocities[field * points.size()], placed, this->Model.Unit),
+      this->Edges, this->Centre, this->Directions, crossed);
+    for (std::size_t index = 0; index < radii.size(); ++index)
+    {
+      const ReceptorPoint gradient =
+        SignedDistanceGradient(this->Target, this->OnOutline(index, radii[index]));
+      column.push_back(this->OutlineWeight * radiusRates[index] *
+        (gradient[0] * this->Directions[index][0] + gradient[1] * this->Directions[index][1]));
+    }
+
+    std::vector<double> rates(this->Pixels.size(), 0.0);
+    for (int material = 1; material < lengths.Materials; ++material)
+    {
+      const float* mu = attenuation.data() + material * lengths.NumberOfPixels();
+      const float* rate = derivatives.Of(field, material);
+      for (std::size_t index = 0; index < rates.size(); ++index)
+      {
+        rates[index] += static_cast<double>(mu[this->Pixels[index]]) * rate[this->Pixels[index]];
+      }
+    }
+    scores.Differentiate(rates);
+    for (const double rate : rates)
+    {
+      column.push_back(this->IntensityWeight * rate);
+    }
+
+    for (std::size_t index = 0; index < this->Options.Parameters.size(); ++index)
+    {
+      const double sigma = this->Options.Parameters[index].PriorSigma;
+      column.push_back(static_cast<int>(index) == wanted[field] && sigma > 0 ? 1 / sigma : 0.0);
+    }
+  }
+  return jacobian;
+}
+}

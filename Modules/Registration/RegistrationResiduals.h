@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: Apache-2.0
+#ifndef mammoray_RegistrationResiduals_h
+#define mammoray_RegistrationResiduals_h
+
+#include "RegistrationModel.h"
+#include "mammorayRegistrationModule.h"
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace mammoray
+{
+/// One parameter of the registration: a member of BreastPose.
+struct RegistrationParameter
+{
+  /// "thickness", "roll", "lateral", "anterior" or "vertical".
+  std::string Name;
+  /// "mm" or "deg".
+  std::string Unit;
+  double Start = 0;
+  double Lower = 0;
+  double Upper = 0;
+  /// Makes the optimiser's unknowns comparable. Positive.
+  double Scale = 1;
+  /// Standard deviation of the prior around Start; 0 = none.
+  double PriorSigma = 0;
+  /// Not optimised: stays at Start.
+  bool Fixed = false;
+};
+
+struct RegistrationOptions
+{
+  /// In the order of DefaultParameters.
+  std::vector<RegistrationParameter> Parameters;
+  /// Edge lengths of the pixels in which the images are compared, coarse to fine, mm.
+  std::vector<double> PixelSizesMm{ 3.0, 1.5 };
+  /// Rays per coarse pixel along each of its sides.
+  int Samples = 6;
+  /// Directions in which the outlines are compared, spread over the half circle.
+  int OutlineDirections = 120;
+  /**
+   * Standard deviation of the model's error on the outline, mm, and of the z-scored picture, and
+   * the distance over which these errors are alike, mm: neighbouring samples share their weight.
+   */
+  double OutlineSigmaMm = 1.0;
+  double IntensitySigma = 0.5;
+  double CorrelationLengthMm = 5.0;
+  /// Pixels nearer than this to the outline take no part in the comparison of intensities, mm.
+  double IntensityMarginMm = 3.0;
+  /// Residuals beyond this many standard deviations count linearly (Huber).
+  double RobustWidth = 2.0;
+  int MaximumIterations = 15;
+};
+
+/**
+ * The parameters thickness, roll, lateral, anterior and vertical around a start. Thickness is
+ * bounded to 0.5 to 1.5 times the start with a prior of 5 mm (the header's thickness is the
+ * paddle's, which bends and is calibrated to some mm), the angle to 30 degrees and the shifts to 50
+ * mm around it; vertical, along the beam and almost without effect on the picture, is fixed.
+ */
+MAMMORAYREGISTRATION_EXPORT std::vector<RegistrationParameter> DefaultParameters(
+  const BreastPose& start);
+
+/// The pose of values in the order of DefaultParameters.
+MAMMORAYREGISTRATION_EXPORT BreastPose PoseOf(const std::vector<double>& values);
+
+/**
+ * What the registration minimises: outline, intensity and prior residuals of a pose against a
+ * target at one resolution, in standard deviations, with exact derivatives through mechanics
+ * (implicit function theorem), projection (derivative images) and silhouette (the crossed edges).
+ * Uses the projector of the model. The referenced objects must outlive it.
+ */
+class MAMMORAYREGISTRATION_EXPORT RegistrationResiduals
+{
+public:
+  /// Throws InputError where the target's breast is too small or its outline outside the image.
+  RegistrationResiduals(const RegistrationModel& model, const RegistrationTarget& target,
+    const RegistrationOptions& options);
+
+  /// One parameter at a time, in the order of the options; fixed ones too.
+  struct Jacobian
+  {
+    /// Columns[parameter][residual], per mm or degree; empty for parameters that were not asked
+    /// for.
+    std::vector<std::vector<double>> Columns;
+  };
+
+  /// Outline, then intensity, then one prior per parameter (0 where it has none).
+  std::size_t NumberOfResiduals() const;
+  std::size_t NumberOfOutlineResiduals() const { return this->Directions.size(); }
+  std::size_t NumberOfIntensityResiduals() const { return this->Pixels.size(); }
+
+  /**
+   * Residuals at `values` (in the order of the options' parameters), whose equilibrium `state` must
+   * be. Leaves the projector with the state's surface.
+   */
+  std::vector<double> Evaluate(const std::vector<double>& values,
+    const CompressionState& state) const;
+
+  /**
+   * Their derivatives with respect to the parameters numbered in `wanted`. Exact where the
+   * residuals are smooth: the outline has kinks where its silhouette goes over to another edge.
+   */
+  Jacobian Differentiate(const std::vector<double>& values, const CompressionState& state,
+    const std::vector<int>& wanted) const;
+
+private:
+  void ChooseOutlineSamples();
+  void ChoosePixels();
+  ReceptorPoint OnOutline(std::size_t direction, double radius) const;
+
+  const RegistrationModel& Model;
+  const RegistrationTarget& Target;
+  const RegistrationOptions& Options;
+  /// Between skin and air, each once.
+  std::vector<std::array<std::uint32_t, 2>> Edges;
+  /// Directions from Centre that hit an outline inside the image.
+  std::vector<ReceptorPoint> Directions;
+  ReceptorPoint Centre{ 0, 0 };
+  std::vector<std::size_t> Pixels;
+  std::vector<double> TargetScores;
+  double OutlineWeight = 1;
+  double IntensityWeight = 1;
+};
+}
+
+#endif
