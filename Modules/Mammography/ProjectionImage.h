@@ -24,6 +24,13 @@ MAMMORAYMAMMOGRAPHY_EXPORT vtkSmartPointer<vtkImageData> ToImage(const PathLengt
   const Beam& beam, const XRayDetector& detector, const std::vector<std::string>& materialNames);
 
 /**
+ * A picture to look at, as a radiograph is read: logarithmic attenuation, dense is bright, 16-bit
+ * grey, row 0 on top. Black is nothing in the beam, white the value that one pixel in a thousand
+ * exceeds. Throws InputError unless the extension is .png and the file can be written.
+ */
+MAMMORAYMAMMOGRAPHY_EXPORT void WriteRadiograph(vtkImageData* image, const std::string& path);
+
+/**
  * Writes by extension, row 0 first. .vti: all arrays, with the detector's pose. .mha, .nrrd: the
  * scalars as floats with the pose, or, with `pathLengths`, one channel per path length. .png: the
  * scalars, [0, 1] to 16-bit grey; row 0 on top. Throws InputError on another extension and when the
