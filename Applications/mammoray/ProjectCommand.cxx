@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "CommandLine.h"
 
+#include "Exposure.h"
 #include "MaterialTableIO.h"
 #include "MeshConversion.h"
 #include "MeshIO.h"
@@ -40,6 +41,8 @@ struct ProjectArguments
   int Rows = 1080;
   double PixelSpacingMm = 0.1;
   int Samples = 1;
+  std::vector<double> FocalSpot;
+  ExposureOptions Exposure;
   std::string Device;
   std::string Projector = "auto";
   std::string Output;
@@ -61,6 +64,18 @@ Vector3 ToUnitVector(const std::vector<double>& values, const char* option)
     throw InputError(std::string(option) + ": expected a direction, found a vector without length");
   }
   return (1 / length) * vector;
+}
+
+ExposureOptions ToExposure(const ProjectArguments& arguments)
+{
+  ExposureOptions options = arguments.Exposure;
+  if (!arguments.FocalSpot.empty())
+  {
+    options.FocalSpotColumnMm = arguments.FocalSpot[0];
+    options.FocalSpotRowMm = arguments.FocalSpot[1];
+  }
+  options.Validate();
+  return options;
 }
 
 SurfaceMesh ReadInterfaces(const std::string& path, std::vector<std::string>& names)
@@ -161,14 +176,17 @@ void RunProject(const ProjectArguments& arguments)
   projectorOptions.Device = arguments.Device;
   const auto projector = MakeProjector(projectorOptions);
   projector->SetSurface(surface);
-  const PathLengthImage lengths = projector->Project(source, detector);
+  const Exposure exposure = Expose(*projector, source, detector, beam, ToExposure(arguments),
+    [&](double fraction, const char* stage)
+    { return !progress || progress(0.2 + 0.6 * fraction, stage); });
+  const PathLengthImage& lengths = exposure.Lengths;
   ReportProgress(progress, 0.8, "writing");
   names.clear();
   for (const Material& material : table.Materials)
   {
     names.push_back(material.Name);
   }
-  const auto image = ToImage(lengths, beam, detector, names);
+  const auto image = ToImage(exposure, detector, names);
   WriteComplete(arguments.Output,
     [&](const std::string& temporary) { WriteProjection(image, temporary); });
   if (!arguments.PathLengths.empty())
@@ -251,8 +269,22 @@ void AddProjectCommand(CLI::App& application)
   add("--rows", arguments->Rows, "pixels per column")->check(CLI::Range(1, 65535));
   add("--pixel-spacing", arguments->PixelSpacingMm, "distance of pixel centres, mm")
     ->check(CLI::PositiveNumber);
-  add("--samples", arguments->Samples, "samples x samples rays per pixel")
+  add("--samples", arguments->Samples,
+    "samples x samples rays per pixel; their transmissions are averaged")
     ->check(CLI::Range(1, 16));
+  command
+    ->add_option("--focal-spot", arguments->FocalSpot,
+      "edges of the focal spot along columns and rows, mm; default: a point")
+    ->expected(2)
+    ->type_name("W H")
+    ->check(CLI::Range(0.0, 100.0));
+  add("--focal-spot-samples", arguments->Exposure.FocalSpotSamples,
+    "n x n source points for the focal spot; each costs a projection")
+    ->check(CLI::Range(1, 32));
+  add("--photons", arguments->Exposure.PhotonsPerPixel,
+    "photons that meet a pixel without the object, on average; adds quantum noise, 0 adds none")
+    ->check(CLI::Range(0.0, 1e12));
+  add("--seed", arguments->Exposure.Seed, "of the noise: the same seed, the same image");
   command->add_option("--device", arguments->Device,
     "part of the wanted Vulkan device's name; see mammoray devices");
   AddProjectorOption(*command, arguments->Projector);

@@ -160,6 +160,14 @@ void WritePng(vtkImageData* image, vtkFloatArray* values, float white, const std
 vtkSmartPointer<vtkImageData> ToImage(const PathLengthImage& lengths, const Beam& beam,
   const XRayDetector& detector, const std::vector<std::string>& materialNames)
 {
+  return ToImage(Exposure{ lengths, beam.Transmission(lengths), beam.LogAttenuation(lengths) },
+    detector, materialNames);
+}
+
+vtkSmartPointer<vtkImageData> ToImage(const Exposure& exposure, const XRayDetector& detector,
+  const std::vector<std::string>& materialNames)
+{
+  const PathLengthImage& lengths = exposure.Lengths;
   const double width = Norm(detector.ColumnStep);
   const double height = Norm(detector.RowStep);
   // 1e-6: directions computed in float.
@@ -179,9 +187,8 @@ vtkSmartPointer<vtkImageData> ToImage(const PathLengthImage& lengths, const Beam
 
   vtkPointData* data = image->GetPointData();
   const std::size_t pixelCount = lengths.NumberOfPixels();
-  data->SetScalars(FloatArray("Transmission", beam.Transmission(lengths).data(), pixelCount));
-  data->AddArray(
-    FloatArray(LogAttenuationArrayName, beam.LogAttenuation(lengths).data(), pixelCount));
+  data->SetScalars(FloatArray("Transmission", exposure.Transmission.data(), pixelCount));
+  data->AddArray(FloatArray(LogAttenuationArrayName, exposure.LogAttenuation.data(), pixelCount));
   for (int material = 1; material < lengths.Materials; ++material)
   {
     const auto index = static_cast<std::size_t>(material);

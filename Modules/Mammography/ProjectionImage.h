@@ -3,6 +3,7 @@
 #define mammoray_ProjectionImage_h
 
 #include "Beam.h"
+#include "Exposure.h"
 #include "mammorayMammographyModule.h"
 
 #include "vtkSmartPointer.h"
@@ -22,6 +23,10 @@ namespace mammoray
  */
 MAMMORAYMAMMOGRAPHY_EXPORT vtkSmartPointer<vtkImageData> ToImage(const PathLengthImage& lengths,
   const Beam& beam, const XRayDetector& detector, const std::vector<std::string>& materialNames);
+
+/// The same of an exposure.
+MAMMORAYMAMMOGRAPHY_EXPORT vtkSmartPointer<vtkImageData> ToImage(const Exposure& exposure,
+  const XRayDetector& detector, const std::vector<std::string>& materialNames);
 
 /**
  * A picture to look at, as a radiograph is read: logarithmic attenuation, dense is bright, 16-bit

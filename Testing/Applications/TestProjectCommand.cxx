@@ -135,6 +135,43 @@ TEST_F(ProjectCommand, UnitAroundABrickMatchesClosedForm)
   }
 }
 
+TEST_F(ProjectCommand, NoiseAndFocalSpot)
+{
+  if (!HasDevice())
+  {
+    GTEST_SKIP() << "no Vulkan device";
+  }
+  // All of the 60 x 25 pixels of 0.5 mm see the brick, 20 mm of fat.
+  const std::string options = this->Inputs +
+    " --kev 20 --thickness 20 --columns 60 --rows 25 --pixel-spacing 0.5 --response counting"
+    " --focal-spot 0.3 0.3 --focal-spot-samples 2 --photons 2000 --seed 5 --overwrite -o " +
+    this->Image;
+  ASSERT_EQ(this->Run(options), 0) << this->Errors;
+  const std::vector<float> values = MhaValues(this->Image);
+  ASSERT_EQ(values.size(), 1500u);
+  const double expected = std::exp(-0.0512551 * 20);
+  double mean = 0;
+  double variance = 0;
+  for (const float value : values)
+  {
+    mean += value / 1500.0;
+  }
+  for (const float value : values)
+  {
+    variance += (value - mean) * (value - mean) / 1499;
+  }
+  // Four standard deviations of each; oblique rays are up to 0.2 % longer, which is 0.2 % of the
+  // mean.
+  EXPECT_NEAR(mean, expected, 4 * std::sqrt(expected / 2000 / 1500) + 0.002 * expected);
+  EXPECT_NEAR(variance, expected / 2000, 4 * expected / 2000 * std::sqrt(2.0 / 1500));
+  const std::string before = ReadFile(this->Image);
+  ASSERT_EQ(this->Run(options), 0);
+  EXPECT_EQ(ReadFile(this->Image), before);
+
+  this->ExpectRefused(options + " --beam-direction 0 0 -1", "point source");
+  EXPECT_EQ(this->Run(options + " --photons -1"), 2);
+}
+
 TEST_F(ProjectCommand, RefusesInOneLine)
 {
   const std::string output = " -o " + this->Image;
