@@ -13,6 +13,7 @@
 #include "vtkPolyData.h"
 #include "vtkUnstructuredGrid.h"
 
+#include <charconv>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -41,6 +42,7 @@ struct ProjectArguments
   int Rows = 1080;
   double PixelSpacingMm = 0.1;
   int Samples = 1;
+  std::vector<std::string> Attenuations;
   std::vector<double> FocalSpot;
   ExposureOptions Exposure;
   std::string Device;
@@ -64,6 +66,33 @@ Vector3 ToUnitVector(const std::vector<double>& values, const char* option)
     throw InputError(std::string(option) + ": expected a direction, found a vector without length");
   }
   return (1 / length) * vector;
+}
+
+/// Each of them "material=attenuation" or "material=attenuation@density".
+void ReplaceAttenuations(const std::vector<std::string>& texts, MaterialTable& table)
+{
+  for (const std::string& text : texts)
+  {
+    const std::size_t equals = text.find('=');
+    const std::size_t at = std::min(text.rfind('@'), text.size());
+    double density = 1;
+    bool usable = equals != std::string::npos && equals > 0 && at > equals + 1;
+    if (usable && at < text.size())
+    {
+      const char* const end = text.data() + text.size();
+      const auto parsed = std::from_chars(text.data() + at + 1, end, density);
+      usable = parsed.ec == std::errc() && parsed.ptr == end && density > 0;
+    }
+    if (!usable)
+    {
+      throw InputError(
+        "--attenuation: expected MATERIAL=ATTENUATION[@DENSITY], found '" + text + "'");
+    }
+    Material& material =
+      table.Materials[static_cast<std::size_t>(table.IndexOf(text.substr(0, equals)))];
+    material.Attenuation = text.substr(equals + 1, at - equals - 1);
+    material.DensityGPerCm3 = at < text.size() ? density : material.DensityGPerCm3;
+  }
 }
 
 ExposureOptions ToExposure(const ProjectArguments& arguments)
@@ -156,7 +185,8 @@ void RunProject(const ProjectArguments& arguments)
     CheckOutputFile(arguments.PathLengths, arguments.Overwrite);
   }
   const ProgressCallback progress = MakeProgressBar();
-  const MaterialTable table = ReadMaterialTable(arguments.Materials);
+  MaterialTable table = ReadMaterialTable(arguments.Materials);
+  ReplaceAttenuations(arguments.Attenuations, table);
   const Spectrum spectrum = arguments.EnergyKeV > 0 ? Spectrum::Monochromatic(arguments.EnergyKeV)
                                                     : FindSpectrum(arguments.Spectrum);
   const Beam beam = MakeBeam(table, spectrum,
@@ -224,6 +254,13 @@ void AddProjectCommand(CLI::App& application)
       "tetrahedra (.vtu, cell array Material) or triangles (.vtp, .stl, .ply, .obj)")
     ->required();
   command->add_option("--materials", arguments->Materials, "material table (.json)")->required();
+  command
+    ->add_option("--attenuation", arguments->Attenuations,
+      "another attenuation of a material of the table, and density, g/cm3: a shipped table's name, "
+      "a "
+      "NIST compound, a formula, or mass fractions ('gland=H:0.102 C:0.184 N:0.032 O:0.682@1.04')")
+    ->type_name("MATERIAL=ATTENUATION[@DENSITY]")
+    ->allow_extra_args(false);
   command
     ->add_option("-o,--output", arguments->Output,
       "transmission, 0 to 1 (.mha .nrrd .png); .vti holds path lengths and consistency too")
