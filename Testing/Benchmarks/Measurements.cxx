@@ -149,6 +149,33 @@ void MeasureMaterials(const ExampleScene& scene, ProjectorOptions::Method method
   result["threeMaterialsRatio"] = MedianRatio(times[1], times[0]);
 }
 
+/// Eight fields of derivatives in the same pass against none.
+void MeasureDerivatives(const ExampleScene& scene, PathLengthProjector& projector, double budget,
+  Json& result)
+{
+  constexpr std::size_t fields = 8;
+  const std::vector<double>& points = scene.Surface.Points;
+  std::vector<double> velocities(fields * points.size());
+  for (std::size_t field = 0; field < fields; ++field)
+  {
+    for (std::size_t index = 0; index < points.size(); ++index)
+    {
+      velocities[field * points.size() + index] =
+        std::sin(0.01 * static_cast<double>(field + 1) * points[index]);
+    }
+  }
+  PathLengthDerivatives derivatives;
+  const auto times = InTurn(budget,
+    { [&] { projector.Project(scene.Source, scene.Detector); },
+      [&]
+      {
+        projector.Project(scene.Source, scene.Detector, velocities, static_cast<int>(fields),
+          derivatives);
+      } });
+  result["eightDerivatives"] = Summary(times[1]);
+  result["eightDerivativesRatio"] = MedianRatio(times[1], times[0]);
+}
+
 #ifdef MAMMORAY_HAS_EMBREE
 /// The yardstick, in turn with the projector; and how far the two images are apart.
 void MeasureEmbree(const ExampleScene& scene, PathLengthProjector& projector, double budget,
@@ -250,6 +277,7 @@ Json MeasureScene(const std::string& sceneFile, ProjectorOptions::Method method,
   result["frame"] = Summary(InTurn(budget, { frame }).front());
 #endif
   MeasureEnergies(scene, *projector, budget, result);
+  MeasureDerivatives(scene, *projector, budget, result);
   const auto times = InTurn(budget,
     { [&] { projector->SetSurface(scene.Surface); },
       [&] { projector->UpdatePoints(scene.Surface.Points); } });
