@@ -75,8 +75,8 @@ void RunExample(const ExampleArguments& arguments)
   options.Device = arguments.Device;
   const auto projector = MakeProjector(options);
   projector->SetSurface(scene.Surface);
-  const PathLengthImage lengths = projector->Project(scene.Source, scene.Detector);
-  const auto image = ToImage(lengths, beam, scene.Detector, names);
+  const Exposure exposure = Expose(*projector, scene.Source, scene.Detector, beam);
+  const auto image = ToImage(exposure, scene.Detector, names);
 
   // One within the other: none takes its final name before all of them are written.
   ReportProgress(progress, 0.4, "writing");
@@ -96,7 +96,7 @@ void RunExample(const ExampleArguments& arguments)
   ReportProgress(progress, 1.0, "done");
   std::printf("%s: %zu triangles, %zu materials, %d x %d pixels, on %s, %s\n%s\n%s\n%s\n",
     scene.Name.c_str(), scene.Surface.NumberOfTriangles(), scene.Materials.Materials.size() - 1,
-    lengths.Columns, lengths.Rows, projector->DeviceName().c_str(),
+    scene.Detector.Columns, scene.Detector.Rows, projector->DeviceName().c_str(),
     MethodName(projector->Method()).c_str(), meshPath.c_str(), imagePath.c_str(),
     picturePath.c_str());
 }

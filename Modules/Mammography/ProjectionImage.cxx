@@ -157,13 +157,6 @@ void WritePng(vtkImageData* image, vtkFloatArray* values, float white, const std
 }
 }
 
-vtkSmartPointer<vtkImageData> ToImage(const PathLengthImage& lengths, const Beam& beam,
-  const XRayDetector& detector, const std::vector<std::string>& materialNames)
-{
-  return ToImage(Exposure{ lengths, beam.Transmission(lengths), beam.LogAttenuation(lengths) },
-    detector, materialNames);
-}
-
 vtkSmartPointer<vtkImageData> ToImage(const Exposure& exposure, const XRayDetector& detector,
   const std::vector<std::string>& materialNames)
 {

@@ -2,7 +2,6 @@
 #ifndef mammoray_ProjectionImage_h
 #define mammoray_ProjectionImage_h
 
-#include "Beam.h"
 #include "Exposure.h"
 #include "mammorayMammographyModule.h"
 
@@ -16,15 +15,11 @@ class vtkImageData;
 namespace mammoray
 {
 /**
- * The image of a projection, lying where the detector is: point arrays "Transmission" (scalars,
+ * The image of an exposure, lying where the detector is: point arrays "Transmission" (scalars,
  * float), "LogAttenuation" (float), "PathLength_<name>" (float, mm) per material but air,
  * "Consistency" (unsigned char, 1 = trusted). Materials without a name are called by their index.
  * The detector's steps must be at right angles (InputError).
  */
-MAMMORAYMAMMOGRAPHY_EXPORT vtkSmartPointer<vtkImageData> ToImage(const PathLengthImage& lengths,
-  const Beam& beam, const XRayDetector& detector, const std::vector<std::string>& materialNames);
-
-/// The same of an exposure.
 MAMMORAYMAMMOGRAPHY_EXPORT vtkSmartPointer<vtkImageData> ToImage(const Exposure& exposure,
   const XRayDetector& detector, const std::vector<std::string>& materialNames);
 

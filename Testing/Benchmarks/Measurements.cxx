@@ -298,7 +298,7 @@ void MakeImageOnce(const std::string& sceneFile, ProjectorOptions::Method method
   const auto projector = MakeProjector({ .Projection = method });
   projector->SetSurface(scene.Surface);
   const auto image =
-    ToImage(projector->Project(scene.Source, scene.Detector), beam, scene.Detector, {});
+    ToImage(Expose(*projector, scene.Source, scene.Detector, beam), scene.Detector, {});
   WriteProjection(image, imageFile);
 }
 
