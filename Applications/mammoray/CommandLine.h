@@ -13,17 +13,19 @@
 namespace mammoray
 {
 /**
- * Adds --config FILE.json and --print-config to a sub-command. Keys of the file are the long option names
- * without dashes; an option on the command line wins over the file. Call it after the options are added.
+ * Adds --config FILE.json and --print-config to a sub-command. Keys of the file are the long option
+ * names without dashes; an option on the command line wins over the file. Call it after the options
+ * are added.
  */
 void AddConfigurationOptions(CLI::App& command);
 
-/// Adds --projector auto|ray-tracing|rasterisation (see ProjectorOptions::Method); gives the option.
+/// Adds --projector auto|ray-tracing|rasterisation (see ProjectorOptions::Method); gives the
+/// option.
 CLI::Option* AddProjectorOption(CLI::App& command, std::string& method);
 
 /**
- * A callback that draws a progress bar on stderr when that is a terminal, and asks to stop once Ctrl-C was
- * pressed.
+ * A callback that draws a progress bar on stderr when that is a terminal, and asks to stop once
+ * Ctrl-C was pressed.
  */
 ProgressCallback MakeProgressBar();
 
@@ -31,17 +33,17 @@ ProgressCallback MakeProgressBar();
 bool InterruptRequested();
 
 /**
- * Throws InputError unless `path` can become an output file: its folder exists and is writable, and nothing
- * is there yet unless `overwrite`. Call it before the work begins.
+ * Throws InputError unless `path` can become an output file: its folder exists and is writable, and
+ * nothing is there yet unless `overwrite`. Call it before the work begins.
  */
 void CheckOutputFile(const std::string& path, bool overwrite);
 
 /**
- * Calls `write` with a temporary name of the same extension in the same folder and renames the file to
- * `path` when it returns; removes it when it throws. An existing file is replaced.
+ * Calls `write` with a temporary name of the same extension in the same folder and renames the file
+ * to `path` when it returns; removes it when it throws. An existing file is replaced.
  */
-void WriteComplete(
-  const std::string& path, const std::function<void(const std::string& temporary)>& write);
+void WriteComplete(const std::string& path,
+  const std::function<void(const std::string& temporary)>& write);
 
 /// The path itself when the file exists and can be read; throws InputError otherwise.
 const std::string& CheckInputFile(const std::string& path);
@@ -50,6 +52,7 @@ const std::string& CheckInputFile(const std::string& path);
 void AddCompressCommand(CLI::App& application);
 void AddDevicesCommand(CLI::App& application);
 void AddEvaluateCommand(CLI::App& application);
+void AddExampleCommand(CLI::App& application);
 void AddMeshCommand(CLI::App& application);
 void AddProjectCommand(CLI::App& application);
 void AddRegisterCommand(CLI::App& application);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "CommandLine.h"
 
+#include "Exposure.h"
 #include "MaterialTableIO.h"
 #include "MeshConversion.h"
 #include "MeshIO.h"
@@ -12,6 +13,7 @@
 #include "vtkPolyData.h"
 #include "vtkUnstructuredGrid.h"
 
+#include <charconv>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -40,6 +42,9 @@ struct ProjectArguments
   int Rows = 1080;
   double PixelSpacingMm = 0.1;
   int Samples = 1;
+  std::vector<std::string> Attenuations;
+  std::vector<double> FocalSpot;
+  ExposureOptions Exposure;
   std::string Device;
   std::string Projector = "auto";
   std::string Output;
@@ -61,6 +66,45 @@ Vector3 ToUnitVector(const std::vector<double>& values, const char* option)
     throw InputError(std::string(option) + ": expected a direction, found a vector without length");
   }
   return (1 / length) * vector;
+}
+
+/// Each of them "material=attenuation" or "material=attenuation@density".
+void ReplaceAttenuations(const std::vector<std::string>& texts, MaterialTable& table)
+{
+  for (const std::string& text : texts)
+  {
+    const std::size_t equals = text.find('=');
+    const std::size_t at = std::min(text.rfind('@'), text.size());
+    double density = 1;
+    bool usable = equals != std::string::npos && equals > 0 && at > equals + 1;
+    if (usable && at < text.size())
+    {
+      const char* const end = text.data() + text.size();
+      const auto parsed = std::from_chars(text.data() + at + 1, end, density);
+      usable = parsed.ec == std::errc() && parsed.ptr == end && density > 0;
+    }
+    if (!usable)
+    {
+      throw InputError(
+        "--attenuation: expected MATERIAL=ATTENUATION[@DENSITY], found '" + text + "'");
+    }
+    Material& material =
+      table.Materials[static_cast<std::size_t>(table.IndexOf(text.substr(0, equals)))];
+    material.Attenuation = text.substr(equals + 1, at - equals - 1);
+    material.DensityGPerCm3 = at < text.size() ? density : material.DensityGPerCm3;
+  }
+}
+
+ExposureOptions ToExposure(const ProjectArguments& arguments)
+{
+  ExposureOptions options = arguments.Exposure;
+  if (!arguments.FocalSpot.empty())
+  {
+    options.FocalSpotColumnMm = arguments.FocalSpot[0];
+    options.FocalSpotRowMm = arguments.FocalSpot[1];
+  }
+  options.Validate();
+  return options;
 }
 
 SurfaceMesh ReadInterfaces(const std::string& path, std::vector<std::string>& names)
@@ -141,7 +185,8 @@ void RunProject(const ProjectArguments& arguments)
     CheckOutputFile(arguments.PathLengths, arguments.Overwrite);
   }
   const ProgressCallback progress = MakeProgressBar();
-  const MaterialTable table = ReadMaterialTable(arguments.Materials);
+  MaterialTable table = ReadMaterialTable(arguments.Materials);
+  ReplaceAttenuations(arguments.Attenuations, table);
   const Spectrum spectrum = arguments.EnergyKeV > 0 ? Spectrum::Monochromatic(arguments.EnergyKeV)
                                                     : FindSpectrum(arguments.Spectrum);
   const Beam beam = MakeBeam(table, spectrum,
@@ -161,14 +206,17 @@ void RunProject(const ProjectArguments& arguments)
   projectorOptions.Device = arguments.Device;
   const auto projector = MakeProjector(projectorOptions);
   projector->SetSurface(surface);
-  const PathLengthImage lengths = projector->Project(source, detector);
+  const Exposure exposure = Expose(*projector, source, detector, beam, ToExposure(arguments),
+    [&](double fraction, const char* stage)
+    { return !progress || progress(0.2 + 0.6 * fraction, stage); });
+  const PathLengthImage& lengths = exposure.Lengths;
   ReportProgress(progress, 0.8, "writing");
   names.clear();
   for (const Material& material : table.Materials)
   {
     names.push_back(material.Name);
   }
-  const auto image = ToImage(lengths, beam, detector, names);
+  const auto image = ToImage(exposure, detector, names);
   WriteComplete(arguments.Output,
     [&](const std::string& temporary) { WriteProjection(image, temporary); });
   if (!arguments.PathLengths.empty())
@@ -206,6 +254,13 @@ void AddProjectCommand(CLI::App& application)
       "tetrahedra (.vtu, cell array Material) or triangles (.vtp, .stl, .ply, .obj)")
     ->required();
   command->add_option("--materials", arguments->Materials, "material table (.json)")->required();
+  command
+    ->add_option("--attenuation", arguments->Attenuations,
+      "another attenuation of a material of the table, and density, g/cm3: a shipped table's name, "
+      "a "
+      "NIST compound, a formula, or mass fractions ('gland=H:0.102 C:0.184 N:0.032 O:0.682@1.04')")
+    ->type_name("MATERIAL=ATTENUATION[@DENSITY]")
+    ->allow_extra_args(false);
   command
     ->add_option("-o,--output", arguments->Output,
       "transmission, 0 to 1 (.mha .nrrd .png); .vti holds path lengths and consistency too")
@@ -251,8 +306,22 @@ void AddProjectCommand(CLI::App& application)
   add("--rows", arguments->Rows, "pixels per column")->check(CLI::Range(1, 65535));
   add("--pixel-spacing", arguments->PixelSpacingMm, "distance of pixel centres, mm")
     ->check(CLI::PositiveNumber);
-  add("--samples", arguments->Samples, "samples x samples rays per pixel")
+  add("--samples", arguments->Samples,
+    "samples x samples rays per pixel; their transmissions are averaged")
     ->check(CLI::Range(1, 16));
+  command
+    ->add_option("--focal-spot", arguments->FocalSpot,
+      "edges of the focal spot along columns and rows, mm; default: a point")
+    ->expected(2)
+    ->type_name("W H")
+    ->check(CLI::Range(0.0, 100.0));
+  add("--focal-spot-samples", arguments->Exposure.FocalSpotSamples,
+    "n x n source points for the focal spot; each costs a projection")
+    ->check(CLI::Range(1, 32));
+  add("--photons", arguments->Exposure.PhotonsPerPixel,
+    "photons that meet a pixel without the object, on average; adds quantum noise, 0 adds none")
+    ->check(CLI::Range(0.0, 1e12));
+  add("--seed", arguments->Exposure.Seed, "of the noise: the same seed, the same image");
   command->add_option("--device", arguments->Device,
     "part of the wanted Vulkan device's name; see mammoray devices");
   AddProjectorOption(*command, arguments->Projector);

@@ -14,6 +14,7 @@ int main(int argc, char* argv[])
   mammoray::AddCompressCommand(application);
   mammoray::AddDevicesCommand(application);
   mammoray::AddEvaluateCommand(application);
+  mammoray::AddExampleCommand(application);
   mammoray::AddMeshCommand(application);
   mammoray::AddProjectCommand(application);
   mammoray::AddRegisterCommand(application);

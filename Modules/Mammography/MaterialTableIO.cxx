@@ -139,6 +139,30 @@ Json ParseFile(const std::string& path)
   return parsed;
 }
 
+/// The name or composition, mass fractions as the text that FindComposition reads.
+std::string ReadAttenuation(const Entry& entry)
+{
+  const Json* value = entry.Find("attenuation");
+  if (!value || !value->is_object())
+  {
+    return entry.Text("attenuation");
+  }
+  std::string text;
+  for (const auto& [name, fraction] : value->items())
+  {
+    if (!fraction.is_number() || name.find_first_of(" :") != std::string::npos)
+    {
+      entry.Refuse("attenuation", "mass fractions by element or formula");
+    }
+    text += (text.empty() ? "" : " ") + name + ":" + fraction.dump();
+  }
+  if (text.empty())
+  {
+    entry.Refuse("attenuation", "at least one mass fraction");
+  }
+  return text;
+}
+
 void ReadLabels(const Entry& entry, int material, MaterialTable& table)
 {
   const char* const expected = "a list of whole numbers from 0 to 65535, at least one";
@@ -205,7 +229,7 @@ MaterialTable ReadMaterialTable(const std::string& path)
           entry.Refuse("name", "a name that no other material has");
         }
       }
-      material.Attenuation = entry.Text("attenuation");
+      material.Attenuation = ReadAttenuation(entry);
     }
     const auto positive = [](double value) { return value > 0; };
     entry.Number("density_g_per_cm3", "a positive number", positive, material.DensityGPerCm3);

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "PhysicsData.h"
 
+#include "Composition.h"
 #include "Error.h"
+#include "NearNames.h"
 
 #include <algorithm>
 #include <charconv>
@@ -42,8 +44,8 @@ bool ToNumber(const std::string& text, double& value)
   return error == std::errc() && rest == end;
 }
 
-/// Names of the files with that extension in a sub-folder of the data directory, for messages.
-std::string KnownNames(const fs::path& folder, const std::string& extension)
+/// Names of the files with that extension in a folder, sorted.
+std::vector<std::string> KnownNames(const fs::path& folder, const std::string& extension)
 {
   std::vector<std::string> names;
   std::error_code ignored;
@@ -55,12 +57,7 @@ std::string KnownNames(const fs::path& folder, const std::string& extension)
     }
   }
   std::sort(names.begin(), names.end());
-  std::string list;
-  for (const std::string& name : names)
-  {
-    list += (list.empty() ? "" : ", ") + name;
-  }
-  return list.empty() ? "none" : list;
+  return names;
 }
 
 /// share/mammoray of the installation this library belongs to.
@@ -234,12 +231,24 @@ AttenuationTable FindAttenuationTable(const std::string& name)
 {
   const fs::path folder = fs::path(DataDirectory()) / "attenuation";
   const fs::path path = folder / (name + ".csv");
-  if (name.empty() || name.find('/') != std::string::npos || !fs::exists(path))
+  if (!name.empty() && name.find('/') == std::string::npos && fs::exists(path))
   {
-    throw InputError(
-      "unknown attenuation table '" + name + "'; known are " + KnownNames(folder, ".csv"));
+    return ReadAttenuationTable(path.string());
   }
-  return ReadAttenuationTable(path.string());
+  AttenuationTable table;
+  if (FindComposition(name, table))
+  {
+    return table;
+  }
+  const std::vector<std::string> tables = KnownNames(folder, ".csv");
+  std::vector<std::string> known = tables;
+  const std::vector<std::string> compounds = NistCompoundNames();
+  known.insert(known.end(), compounds.begin(), compounds.end());
+  throw InputError("unknown attenuation '" + name + "'; " +
+    (NearNames(name, known).empty() ? SuggestNames(name, tables) +
+          ", NIST's compounds ('Water, Liquid'), formulas ('H2O'), mass fractions ('H:0.112 "
+          "O:0.888')"
+                                    : SuggestNames(name, known)));
 }
 
 Spectrum FindSpectrum(const std::string& pathOrName)
@@ -252,8 +261,8 @@ Spectrum FindSpectrum(const std::string& pathOrName)
   const fs::path path = folder / (pathOrName + ".spc");
   if (pathOrName.empty() || pathOrName.find('/') != std::string::npos || !fs::exists(path))
   {
-    throw InputError("spectrum " + pathOrName +
-      ": no such file, and no spectrum of that name; known are " + KnownNames(folder, ".spc"));
+    throw InputError("spectrum " + pathOrName + ": no such file, and no spectrum of that name; " +
+      SuggestNames(pathOrName, KnownNames(folder, ".spc")));
   }
   return ReadSpectrum(path.string());
 }

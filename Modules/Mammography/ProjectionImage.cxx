@@ -25,6 +25,7 @@ namespace mammoray
 namespace
 {
 constexpr const char* PathLengthPrefix = "PathLength_";
+constexpr const char* LogAttenuationArrayName = "LogAttenuation";
 
 vtkSmartPointer<vtkFloatArray> FloatArray(const std::string& name, const float* values,
   std::size_t count)
@@ -123,11 +124,11 @@ void WriteRaw(vtkImageData* image, const std::string& path, bool pathLengths, bo
   }
 }
 
-void WritePng(vtkImageData* image, const std::string& path)
+/// `values` from 0 to `white` as 16-bit grey, row 0 on top.
+void WritePng(vtkImageData* image, vtkFloatArray* values, float white, const std::string& path)
 {
   int size[3];
   image->GetDimensions(size);
-  vtkFloatArray* values = Channels(image, false).front();
   vtkNew<vtkUnsignedShortArray> grey;
   grey->SetName(values->GetName());
   grey->SetNumberOfValues(values->GetNumberOfValues());
@@ -137,7 +138,7 @@ void WritePng(vtkImageData* image, const std::string& path)
     {
       // VTK's writer puts the last row on top.
       const float value =
-        values->GetValue(static_cast<vtkIdType>(size[1] - 1 - row) * size[0] + column);
+        values->GetValue(static_cast<vtkIdType>(size[1] - 1 - row) * size[0] + column) / white;
       grey->SetValue(static_cast<vtkIdType>(row) * size[0] + column,
         static_cast<unsigned short>(std::lround(65535 * std::clamp(value, 0.0f, 1.0f))));
     }
@@ -156,9 +157,10 @@ void WritePng(vtkImageData* image, const std::string& path)
 }
 }
 
-vtkSmartPointer<vtkImageData> ToImage(const PathLengthImage& lengths, const Beam& beam,
-  const XRayDetector& detector, const std::vector<std::string>& materialNames)
+vtkSmartPointer<vtkImageData> ToImage(const Exposure& exposure, const XRayDetector& detector,
+  const std::vector<std::string>& materialNames)
 {
+  const PathLengthImage& lengths = exposure.Lengths;
   const double width = Norm(detector.ColumnStep);
   const double height = Norm(detector.RowStep);
   // 1e-6: directions computed in float.
@@ -178,8 +180,8 @@ vtkSmartPointer<vtkImageData> ToImage(const PathLengthImage& lengths, const Beam
 
   vtkPointData* data = image->GetPointData();
   const std::size_t pixelCount = lengths.NumberOfPixels();
-  data->SetScalars(FloatArray("Transmission", beam.Transmission(lengths).data(), pixelCount));
-  data->AddArray(FloatArray("LogAttenuation", beam.LogAttenuation(lengths).data(), pixelCount));
+  data->SetScalars(FloatArray("Transmission", exposure.Transmission.data(), pixelCount));
+  data->AddArray(FloatArray(LogAttenuationArrayName, exposure.LogAttenuation.data(), pixelCount));
   for (int material = 1; material < lengths.Materials; ++material)
   {
     const auto index = static_cast<std::size_t>(material);
@@ -196,6 +198,25 @@ vtkSmartPointer<vtkImageData> ToImage(const PathLengthImage& lengths, const Beam
     [](unsigned char inconsistent) { return static_cast<unsigned char>(1 - inconsistent); });
   data->AddArray(consistency);
   return image;
+}
+
+void WriteRadiograph(vtkImageData* image, const std::string& path)
+{
+  auto* array =
+    vtkFloatArray::SafeDownCast(image->GetPointData()->GetArray(LogAttenuationArrayName));
+  if (!array || array->GetNumberOfValues() == 0)
+  {
+    throw InputError("projection: expected the array LogAttenuation, found none");
+  }
+  if (std::filesystem::path(path).extension() != ".png")
+  {
+    throw InputError(path + ": expected the extension .png");
+  }
+  const float* values = array->GetPointer(0);
+  std::vector<float> sorted(values, values + array->GetNumberOfValues());
+  const auto white = sorted.begin() + static_cast<std::ptrdiff_t>(0.999 * (sorted.size() - 1));
+  std::nth_element(sorted.begin(), white, sorted.end());
+  WritePng(image, array, *white > 0 ? *white : 1.0f, path);
 }
 
 void WriteProjection(vtkImageData* image, const std::string& path, bool pathLengths)
@@ -217,7 +238,7 @@ void WriteProjection(vtkImageData* image, const std::string& path, bool pathLeng
   }
   else if (extension == ".png" && !pathLengths)
   {
-    WritePng(image, path);
+    WritePng(image, Channels(image, false).front(), 1.0f, path);
   }
   else
   {

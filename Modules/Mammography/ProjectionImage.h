@@ -2,7 +2,7 @@
 #ifndef mammoray_ProjectionImage_h
 #define mammoray_ProjectionImage_h
 
-#include "Beam.h"
+#include "Exposure.h"
 #include "mammorayMammographyModule.h"
 
 #include "vtkSmartPointer.h"
@@ -15,13 +15,20 @@ class vtkImageData;
 namespace mammoray
 {
 /**
- * The image of a projection, lying where the detector is: point arrays "Transmission" (scalars,
+ * The image of an exposure, lying where the detector is: point arrays "Transmission" (scalars,
  * float), "LogAttenuation" (float), "PathLength_<name>" (float, mm) per material but air,
  * "Consistency" (unsigned char, 1 = trusted). Materials without a name are called by their index.
  * The detector's steps must be at right angles (InputError).
  */
-MAMMORAYMAMMOGRAPHY_EXPORT vtkSmartPointer<vtkImageData> ToImage(const PathLengthImage& lengths,
-  const Beam& beam, const XRayDetector& detector, const std::vector<std::string>& materialNames);
+MAMMORAYMAMMOGRAPHY_EXPORT vtkSmartPointer<vtkImageData> ToImage(const Exposure& exposure,
+  const XRayDetector& detector, const std::vector<std::string>& materialNames);
+
+/**
+ * A picture to look at, as a radiograph is read: logarithmic attenuation, dense is bright, 16-bit
+ * grey, row 0 on top. Black is nothing in the beam, white the value that one pixel in a thousand
+ * exceeds. Throws InputError unless the extension is .png and the file can be written.
+ */
+MAMMORAYMAMMOGRAPHY_EXPORT void WriteRadiograph(vtkImageData* image, const std::string& path);
 
 /**
  * Writes by extension, row 0 first. .vti: all arrays, with the detector's pose. .mha, .nrrd: the

@@ -8,13 +8,18 @@
 #include "vtkCellData.h"
 #include "vtkDataArray.h"
 #include "vtkFieldData.h"
+#include "vtkNew.h"
+#include "vtkPoints.h"
 #include "vtkPolyData.h"
 #include "vtkStringArray.h"
+#include "vtkTypeInt32Array.h"
+#include "vtkUnsignedShortArray.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <map>
+#include <utility>
 
 namespace mammoray
 {
@@ -119,6 +124,53 @@ SurfaceMesh FromPolyData(vtkPolyData* surface, std::vector<std::string>* materia
     }
   }
   return mesh;
+}
+
+vtkSmartPointer<vtkPolyData> ToPolyData(const SurfaceMesh& surface,
+  const std::vector<std::string>& materialNames)
+{
+  surface.Validate("surface");
+  vtkNew<vtkPoints> points;
+  points->SetDataTypeToFloat();
+  points->SetNumberOfPoints(static_cast<vtkIdType>(surface.NumberOfPoints()));
+  for (std::size_t point = 0; point < surface.NumberOfPoints(); ++point)
+  {
+    points->SetPoint(static_cast<vtkIdType>(point), &surface.Points[3 * point]);
+  }
+  const std::size_t triangleCount = surface.NumberOfTriangles();
+  vtkNew<vtkTypeInt32Array> connectivity;
+  connectivity->SetNumberOfValues(static_cast<vtkIdType>(surface.Triangles.size()));
+  std::copy(surface.Triangles.begin(), surface.Triangles.end(), connectivity->GetPointer(0));
+  vtkNew<vtkTypeInt32Array> offsets;
+  offsets->SetNumberOfValues(static_cast<vtkIdType>(triangleCount + 1));
+  for (std::size_t triangle = 0; triangle <= triangleCount; ++triangle)
+  {
+    offsets->SetValue(static_cast<vtkIdType>(triangle), static_cast<int>(3 * triangle));
+  }
+  vtkNew<vtkCellArray> triangles;
+  triangles->SetData(offsets, connectivity);
+
+  auto result = vtkSmartPointer<vtkPolyData>::New();
+  result->SetPoints(points);
+  result->SetPolys(triangles);
+  for (const auto& [name, materials] :
+    { std::pair{ FrontMaterialArrayName, &surface.FrontMaterials },
+      std::pair{ BackMaterialArrayName, &surface.BackMaterials } })
+  {
+    vtkNew<vtkUnsignedShortArray> array;
+    array->SetName(name);
+    array->SetNumberOfValues(static_cast<vtkIdType>(triangleCount));
+    std::copy(materials->begin(), materials->end(), array->GetPointer(0));
+    result->GetCellData()->AddArray(array);
+  }
+  vtkNew<vtkStringArray> names;
+  names->SetName(MaterialNamesArrayName);
+  for (const std::string& name : materialNames)
+  {
+    names->InsertNextValue(name);
+  }
+  result->GetFieldData()->AddArray(names);
+  return result;
 }
 
 Vector3 FindPoseAnchor(const SurfaceMesh& surface, const std::vector<bool>& held,

@@ -6,6 +6,8 @@
 #include "SurfaceMesh.h"
 #include "mammorayMammographyModule.h"
 
+#include "vtkSmartPointer.h"
+
 #include <string>
 #include <vector>
 
@@ -26,6 +28,11 @@ inline constexpr const char* BackMaterialArrayName = "BackMaterial";
  */
 MAMMORAYMAMMOGRAPHY_EXPORT SurfaceMesh FromPolyData(vtkPolyData* surface,
   std::vector<std::string>* materialNames = nullptr);
+
+/// Triangles with the cell arrays "FrontMaterial" and "BackMaterial" (unsigned short) and the field
+/// array "MaterialNames"; positions in single precision, 1e-5 mm of 100 mm.
+MAMMORAYMAMMOGRAPHY_EXPORT vtkSmartPointer<vtkPolyData> ToPolyData(const SurfaceMesh& surface,
+  const std::vector<std::string>& materialNames);
 
 /**
  * FindPoseAnchor for a mesh: the middle of its bounding box across and along the body, at the front

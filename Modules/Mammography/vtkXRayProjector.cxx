@@ -306,11 +306,12 @@ int vtkXRayProjector::RequestData(vtkInformation*, vtkInformationVector** inputs
     const Beam beam = internal.MakeBeamFor(internal.Surface.NumberOfMaterials(),
       this->PhotonCounting ? DetectorResponse::PhotonCounting
                            : DetectorResponse::EnergyIntegrating);
-    const PathLengthImage image = internal.Projector->Project(source, detector);
+    const Exposure exposure = Expose(*internal.Projector, source, detector, beam);
     this->UpdateProgress(0.8);
 
-    output->ShallowCopy(ToImage(image, beam, detector, internal.MaterialNames));
-    this->NumberOfInconsistentPixels = static_cast<vtkIdType>(image.NumberOfInconsistentRays());
+    output->ShallowCopy(ToImage(exposure, detector, internal.MaterialNames));
+    this->NumberOfInconsistentPixels =
+      static_cast<vtkIdType>(exposure.Lengths.NumberOfInconsistentRays());
     return 1;
   }
   catch (const std::exception& error) // bad_alloc must not cross the pipeline either

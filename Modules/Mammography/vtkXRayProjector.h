@@ -102,7 +102,8 @@ public:
 
   ///@{
   /**
-   * Samples x Samples rays per pixel, whose path lengths are averaged. 1 to 16; default 1.
+   * Samples x Samples rays per pixel; transmissions are averaged, and path lengths. 1 to 16;
+   * default 1.
    */
   vtkSetMacro(Samples, int);
   vtkGetMacro(Samples, int);

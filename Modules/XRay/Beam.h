@@ -62,7 +62,10 @@ public:
   Beam(const Spectrum& spectrum, DetectorResponse response,
     const std::vector<const AttenuationTable*>& tables, const std::vector<double>& densities);
 
-  /// Transmission I / I0 in (0, 1] of each pixel; Rows * Columns values, row by row.
+  /**
+   * Transmission I / I0 in [0, 1] of each pixel; Rows * Columns values, row by row. Relative error
+   * at most 1e-7 besides that of the path lengths; 0 below the smallest float.
+   */
   std::vector<float> Transmission(const PathLengthImage& image) const;
   /// -ln of it, computed without loss where little is absorbed.
   std::vector<float> LogAttenuation(const PathLengthImage& image) const;
@@ -76,17 +79,29 @@ public:
   double Transmission(const double* lengthsMm) const;
   /// -ln of it.
   double LogAttenuation(const double* lengthsMm) const;
+  /**
+   * Adds weight * I / I0 of every pixel to `transmission`, and, where `variance` is given, weight
+   * times its variance per incident photon: of N photons that meet a pixel without the object, on
+   * average, the signal's variance is N times it, in units of one photon's mean signal,
+   * sum_E w_E D(E)^2 exp(..) sum_E w_E / (sum_E w_E D(E))^2. Rows * Columns values each.
+   */
+  void AddTransmission(const PathLengthImage& image, double weight,
+    std::vector<double>& transmission, std::vector<double>* variance = nullptr) const;
   int NumberOfMaterials() const { return this->MaterialCount; }
 
 private:
-  /// function(lengths) of every pixel, `outside` where all lengths are 0.
-  template <typename Function>
-  std::vector<float> PerPixel(const PathLengthImage& image, float outside,
-    const Function& function) const;
+  /**
+   * store(pixel, transmission, variance) for every pixel that sees material, on several
+   * threads; the variance is 0 unless wanted.
+   */
+  template <typename Store>
+  void ForEachPixel(const PathLengthImage& image, bool wantVariance, const Store& store) const;
 
   int MaterialCount = 0;
   /// Normalised w_E D(E) per energy.
   std::vector<double> Weights;
+  /// What each energy adds to the variance per incident photon.
+  std::vector<double> VarianceWeights;
   /// mu of material m at energy e, 1/mm: Mu[e * MaterialCount + m].
   std::vector<double> Mu;
 };

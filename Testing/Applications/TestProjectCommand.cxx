@@ -135,6 +135,63 @@ TEST_F(ProjectCommand, UnitAroundABrickMatchesClosedForm)
   }
 }
 
+TEST_F(ProjectCommand, CompositionsReplaceTables)
+{
+  if (!HasDevice())
+  {
+    GTEST_SKIP() << "no Vulkan device";
+  }
+  const std::string geometry = this->Inputs +
+    " --kev 20 --thickness 20 --columns 1 --rows 1 --pixel-spacing 0.01 --overwrite -o " +
+    this->Image;
+  // 20 mm of water, 0.810 / cm at 20 keV (NIST), three digits; twice as dense.
+  ASSERT_EQ(this->Run(geometry + " --attenuation fat=H2O@1"), 0) << this->Errors;
+  const float water = MhaValues(this->Image).front();
+  EXPECT_NEAR(-std::log(water), 1.62, 0.002);
+  ASSERT_EQ(this->Run(geometry + " --attenuation 'fat=H:0.1119 O:0.8881@2'"), 0) << this->Errors;
+  EXPECT_NEAR(-std::log(MhaValues(this->Image).front()), -2 * std::log(water), 1e-3);
+  this->ExpectRefused(geometry + " --attenuation fat=Watr", "unknown attenuation 'Watr'");
+  this->ExpectRefused(geometry + " --attenuation fat", "MATERIAL=ATTENUATION");
+  this->ExpectRefused(geometry + " --attenuation bone=Ca@2", "bone");
+}
+
+TEST_F(ProjectCommand, NoiseAndFocalSpot)
+{
+  if (!HasDevice())
+  {
+    GTEST_SKIP() << "no Vulkan device";
+  }
+  // All of the 60 x 25 pixels of 0.5 mm see the brick, 20 mm of fat.
+  const std::string options = this->Inputs +
+    " --kev 20 --thickness 20 --columns 60 --rows 25 --pixel-spacing 0.5 --response counting"
+    " --focal-spot 0.3 0.3 --focal-spot-samples 2 --photons 2000 --seed 5 --overwrite -o " +
+    this->Image;
+  ASSERT_EQ(this->Run(options), 0) << this->Errors;
+  const std::vector<float> values = MhaValues(this->Image);
+  ASSERT_EQ(values.size(), 1500u);
+  const double expected = std::exp(-0.0512551 * 20);
+  double mean = 0;
+  double variance = 0;
+  for (const float value : values)
+  {
+    mean += value / 1500.0;
+  }
+  for (const float value : values)
+  {
+    variance += (value - mean) * (value - mean) / 1499;
+  }
+  // Four standard deviations of each; oblique rays are up to 0.2 % longer, which is 0.2 % of the
+  // mean.
+  EXPECT_NEAR(mean, expected, 4 * std::sqrt(expected / 2000 / 1500) + 0.002 * expected);
+  EXPECT_NEAR(variance, expected / 2000, 4 * expected / 2000 * std::sqrt(2.0 / 1500));
+  const std::string before = ReadFile(this->Image);
+  ASSERT_EQ(this->Run(options), 0);
+  EXPECT_EQ(ReadFile(this->Image), before);
+
+  this->ExpectRefused(options + " --beam-direction 0 0 -1", "point source");
+  EXPECT_EQ(this->Run(options + " --photons -1"), 2);
+}
+
 TEST_F(ProjectCommand, RefusesInOneLine)
 {
   const std::string output = " -o " + this->Image;
@@ -147,7 +204,7 @@ TEST_F(ProjectCommand, RefusesInOneLine)
   this->ExpectRefused(this->Inputs + output + " --kev 3", "keV");
   this->Folder.Write("table.json", R"({"materials": [{"name": "air", "labels": [0]},
       {"name": "fat", "labels": [1], "attenuation": "butter"}]})");
-  this->ExpectRefused(this->Inputs + output, "unknown attenuation table 'butter'");
+  this->ExpectRefused(this->Inputs + output, "unknown attenuation 'butter'");
   EXPECT_EQ(this->Run(this->Inputs + output + " --rows 0"), 2);
   EXPECT_FALSE(std::filesystem::exists(this->Image));
 }

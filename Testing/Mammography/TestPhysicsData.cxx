@@ -59,10 +59,10 @@ TEST(PhysicsData, UnknownNamesListTheKnown)
   ExpectRefused([] { FindAttenuationTable("unobtainium"); }, "adipose, air, blood");
   ExpectRefused([] { FindSpectrum("W99"); }, "W28kVp_Rh50um_Be1mm");
   MaterialTable table;
-  table.Materials = { { "air" }, { .Name = "cyst", .Attenuation = "water" } };
+  table.Materials = { { "air" }, { .Name = "cyst", .Attenuation = "wader" } };
   ExpectRefused([&]
     { MakeBeam(table, Spectrum::Monochromatic(20), DetectorResponse::PhotonCounting); },
-    "material 'cyst': unknown attenuation table 'water'");
+    "material 'cyst': unknown attenuation 'wader'");
 }
 
 TEST(PhysicsData, DamagedFilesAreRefusedByLine)

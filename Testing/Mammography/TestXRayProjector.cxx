@@ -91,6 +91,19 @@ protected:
   vtkNew<ErrorCounter> Errors;
 };
 
+TEST_F(XRayProjectorFilter, SamplesAverageTransmissions)
+{
+  // The face x = 0 goes through the middle of the first column: half of its samples see 12 mm.
+  const auto grid = Brick(10, 20, 12);
+  this->Filter->SetInputData(grid);
+  this->Filter->SetDetectorOrigin(0, 1.5, -5);
+  this->Filter->SetSamples(4);
+  this->Filter->Update();
+  EXPECT_EQ(this->Errors->Count, 0) << this->Errors->Text;
+  EXPECT_NEAR(this->Value("Transmission", 0), 0.5 * (1 + std::exp(-0.6)), 1e-6);
+  EXPECT_NEAR(this->Value("PathLength_1", 0), 6, 1e-5);
+}
+
 TEST_F(XRayProjectorFilter, BrickMatchesClosedFormAndLiesAtTheDetector)
 {
   const auto grid = Brick(10, 20, 12);

@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "CommandLine.h"
+
+#include "ExampleData.h"
+#include "MeshIO.h"
+#include "PhysicsData.h"
+#include "ProjectionImage.h"
+#include "SurfaceConversion.h"
+
+#include "vtkImageData.h"
+#include "vtkPolyData.h"
+
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+
+namespace mammoray
+{
+namespace
+{
+namespace fs = std::filesystem;
+
+struct ExampleArguments
+{
+  std::string Name;
+  std::string Output;
+  std::string Spectrum = "W28kVp_Rh50um_Be1mm";
+  std::string Device;
+  std::string Projector = "auto";
+  bool Overwrite = false;
+};
+
+std::vector<std::string> MaterialNames(const MaterialTable& table)
+{
+  std::vector<std::string> names;
+  for (const Material& material : table.Materials)
+  {
+    names.push_back(material.Name);
+  }
+  return names;
+}
+
+/// Makes the folder, if its parent is there; throws InputError where it or a file in it cannot be.
+void PrepareFolder(const std::string& folder, const std::vector<std::string>& files, bool overwrite)
+{
+  std::error_code failure;
+  if (!fs::is_directory(folder) && (!fs::create_directory(folder, failure) || failure))
+  {
+    throw InputError(
+      "output " + folder + ": expected a folder, or a name for one in a folder that exists");
+  }
+  for (const std::string& file : files)
+  {
+    CheckOutputFile(file, overwrite);
+  }
+}
+
+void RunExample(const ExampleArguments& arguments)
+{
+  const ProgressCallback progress = MakeProgressBar();
+  const Spectrum spectrum = FindSpectrum(arguments.Spectrum);
+  ReportProgress(progress, 0.0, "making the mesh");
+  const ExampleScene scene = MakeExampleScene(arguments.Name);
+  const std::vector<std::string> names = MaterialNames(scene.Materials);
+  const Beam beam = MakeBeam(scene.Materials, spectrum, DetectorResponse::EnergyIntegrating);
+  const std::string stem = (fs::path(arguments.Output) / scene.Name).string();
+  const std::string meshPath = stem + ".vtp";
+  const std::string imagePath = stem + ".mha";
+  const std::string picturePath = stem + ".png";
+  PrepareFolder(arguments.Output, { meshPath, imagePath, picturePath }, arguments.Overwrite);
+
+  ReportProgress(progress, 0.3, "projecting");
+  ProjectorOptions options;
+  options.Projection = MethodFromName(arguments.Projector);
+  options.Device = arguments.Device;
+  const auto projector = MakeProjector(options);
+  projector->SetSurface(scene.Surface);
+  const Exposure exposure = Expose(*projector, scene.Source, scene.Detector, beam);
+  const auto image = ToImage(exposure, scene.Detector, names);
+
+  // One within the other: none takes its final name before all of them are written.
+  ReportProgress(progress, 0.4, "writing");
+  WriteComplete(meshPath,
+    [&](const std::string& temporaryMesh)
+    {
+      WriteMesh(ToPolyData(scene.Surface, names), temporaryMesh);
+      ReportProgress(progress, 0.9, "writing");
+      WriteComplete(imagePath,
+        [&](const std::string& temporaryImage)
+        {
+          WriteProjection(image, temporaryImage);
+          WriteComplete(picturePath,
+            [&](const std::string& temporaryPicture) { WriteRadiograph(image, temporaryPicture); });
+        });
+    });
+  ReportProgress(progress, 1.0, "done");
+  std::printf("%s: %zu triangles, %zu materials, %d x %d pixels, on %s, %s\n%s\n%s\n%s\n",
+    scene.Name.c_str(), scene.Surface.NumberOfTriangles(), scene.Materials.Materials.size() - 1,
+    scene.Detector.Columns, scene.Detector.Rows, projector->DeviceName().c_str(),
+    MethodName(projector->Method()).c_str(), meshPath.c_str(), imagePath.c_str(),
+    picturePath.c_str());
+}
+}
+
+void AddExampleCommand(CLI::App& application)
+{
+  CLI::App* command = application.add_subcommand("example",
+    "Makes an example: a mesh and its synthetic X-ray.\n"
+    "  test    a plate, 15,626 triangles, 150 x 200 pixels\n"
+    "  boxes   3965 boxes of three materials, 47,580 triangles, 250 x 200 pixels\n"
+    "  veins   97 tubes, 215,728 triangles, 1681 x 2071 pixels\n"
+    "  breast  the FDA's phantom 1, stretched to 50 mm thickness, 5,185,458 triangles, 1080 x 1080 "
+    "pixels\n"
+    "Writes NAME.vtp (mm, material on each triangle's front and back), NAME.mha (transmission, 0 "
+    "to "
+    "1) and\nNAME.png (logarithmic attenuation, dense is bright).");
+  auto arguments = std::make_shared<ExampleArguments>();
+  command->add_option("name", arguments->Name, "test, boxes, veins or breast")->required();
+  command
+    ->add_option("-o,--output", arguments->Output, "folder for the three files; made if need be")
+    ->required();
+  command
+    ->add_option("--spectrum", arguments->Spectrum, "spectrum file (.spc), or a shipped one's name")
+    ->capture_default_str();
+  command->add_option("--device", arguments->Device,
+    "part of the wanted Vulkan device's name; see mammoray devices");
+  AddProjectorOption(*command, arguments->Projector);
+  command->add_flag("--overwrite", arguments->Overwrite, "replace output files");
+  AddConfigurationOptions(*command);
+  command->callback([arguments] { RunExample(*arguments); });
+}
+}

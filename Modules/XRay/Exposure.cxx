@@ -1,0 +1,241 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "Exposure.h"
+
+#include "Error.h"
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+
+namespace mammoray
+{
+namespace
+{
+/// Random numbers of one pixel: splitmix64 (Steele, Lea, Flood 2014) from seed and pixel.
+class PixelRandom
+{
+public:
+  PixelRandom(std::uint64_t seed, std::uint64_t pixel)
+    : State(Mix(seed + 0x9e3779b97f4a7c15) ^ Mix(pixel * 0x9e3779b97f4a7c15 + 1))
+  {
+  }
+  /// In (0, 1), 53 bits.
+  double Uniform()
+  {
+    this->State += 0x9e3779b97f4a7c15;
+    return (static_cast<double>(Mix(this->State) >> 11) + 0.5) * 0x1p-53;
+  }
+
+private:
+  static std::uint64_t Mix(std::uint64_t value)
+  {
+    value = (value ^ (value >> 30)) * 0xbf58476d1ce4e5b9;
+    value = (value ^ (value >> 27)) * 0x94d049bb133111eb;
+    return value ^ (value >> 31);
+  }
+  std::uint64_t State;
+};
+
+/// ln k!
+double LogFactorial(double k)
+{
+  int sign = 0;
+  return lgamma_r(k + 1, &sign); // std::lgamma writes a global
+}
+
+/// By multiplication of uniform numbers below 10, by Hormann's transformed rejection PTRS
+/// (Insurance: Mathematics and Economics 12, 1993) above.
+double PoissonNumber(double mean, PixelRandom& random)
+{
+  if (mean < 10)
+  {
+    const double limit = std::exp(-mean);
+    double k = 0;
+    for (double product = random.Uniform(); product > limit; product *= random.Uniform())
+    {
+      ++k;
+    }
+    return k;
+  }
+  const double b = 0.931 + 2.53 * std::sqrt(mean);
+  const double a = -0.059 + 0.02483 * b;
+  const double inverseAlpha = 1.1239 + 1.1328 / (b - 3.4);
+  const double accept = 0.9277 - 3.6224 / (b - 2);
+  for (;;)
+  {
+    const double u = random.Uniform() - 0.5;
+    const double v = random.Uniform();
+    const double us = 0.5 - std::abs(u);
+    const double k = std::floor((2 * a / us + b) * u + mean + 0.43);
+    if (us >= 0.07 && v <= accept)
+    {
+      return k;
+    }
+    if (k >= 0 && (us >= 0.013 || v <= us) &&
+      std::log(v * inverseAlpha / (a / (us * us) + b)) <=
+        k * std::log(mean) - mean - LogFactorial(k))
+    {
+      return k;
+    }
+  }
+}
+
+void CheckRange(const char* name, double value, double low, double high)
+{
+  if (!(value >= low && value <= high))
+  {
+    std::ostringstream text;
+    text << "exposure: expected " << name << " from " << low << " to " << high << ", found "
+         << value;
+    throw InputError(text.str());
+  }
+}
+
+/// Offsets of a centred grid of n points on an edge.
+std::vector<double> GridOffsets(int n, double edge)
+{
+  std::vector<double> offsets;
+  for (int index = 0; index < n; ++index)
+  {
+    offsets.push_back(((index + 0.5) / n - 0.5) * edge);
+  }
+  return offsets;
+}
+
+std::vector<XRaySource> SpotSources(const XRaySource& source, const XRayDetector& detector,
+  const ExposureOptions& options)
+{
+  if (options.FocalSpotColumnMm == 0 && options.FocalSpotRowMm == 0)
+  {
+    return { source };
+  }
+  if (source.Type == XRaySource::Kind::Parallel)
+  {
+    throw InputError("exposure: expected a point source for a focal spot, found a parallel beam");
+  }
+  const Vector3 u = (1 / Norm(detector.ColumnStep)) * detector.ColumnStep;
+  const Vector3 v = (1 / Norm(detector.RowStep)) * detector.RowStep;
+  const int columns = options.FocalSpotColumnMm > 0 ? options.FocalSpotSamples : 1;
+  const int rows = options.FocalSpotRowMm > 0 ? options.FocalSpotSamples : 1;
+  std::vector<XRaySource> sources;
+  for (const double row : GridOffsets(rows, options.FocalSpotRowMm))
+  {
+    for (const double column : GridOffsets(columns, options.FocalSpotColumnMm))
+    {
+      sources.push_back(source);
+      sources.back().Position = source.Position + column * u + row * v;
+    }
+  }
+  return sources;
+}
+
+/// One detector per sample within the pixels.
+std::vector<XRayDetector> SampleDetectors(const XRayDetector& detector)
+{
+  CheckRange("samples", detector.Samples, 1, 16);
+  std::vector<XRayDetector> detectors;
+  for (const double row : GridOffsets(detector.Samples, 1))
+  {
+    for (const double column : GridOffsets(detector.Samples, 1))
+    {
+      detectors.push_back(detector);
+      detectors.back().Samples = 1;
+      detectors.back().Origin =
+        detector.Origin + column * detector.ColumnStep + row * detector.RowStep;
+    }
+  }
+  return detectors;
+}
+
+void AddLengths(const PathLengthImage& image, float weight, PathLengthImage& mean)
+{
+  if (mean.Lengths.empty())
+  {
+    mean = image;
+    for (float& length : mean.Lengths)
+    {
+      length *= weight;
+    }
+    return;
+  }
+  for (std::size_t index = 0; index < mean.Lengths.size(); ++index)
+  {
+    mean.Lengths[index] += weight * image.Lengths[index];
+  }
+  for (std::size_t pixel = 0; pixel < mean.Inconsistent.size(); ++pixel)
+  {
+    mean.Inconsistent[pixel] |= image.Inconsistent[pixel];
+  }
+}
+
+/// `mean` photons' worth of signal with `variance`, both per incident photon.
+double NoisyTransmission(double mean, double variance, double photons, PixelRandom& random)
+{
+  if (!(mean > 0 && variance > 0))
+  {
+    return 0;
+  }
+  // c Poisson(m / c) has mean m and variance c m.
+  const double scale = variance / mean;
+  return scale / photons * PoissonNumber(photons * mean / scale, random);
+}
+}
+
+void ExposureOptions::Validate() const
+{
+  CheckRange("a focal spot (mm)", this->FocalSpotColumnMm, 0, 1e3);
+  CheckRange("a focal spot (mm)", this->FocalSpotRowMm, 0, 1e3);
+  CheckRange("focal spot samples", this->FocalSpotSamples, 1, 32);
+  CheckRange("photons per pixel", this->PhotonsPerPixel, 0, 1e12);
+}
+
+Exposure Expose(PathLengthProjector& projector, const XRaySource& source,
+  const XRayDetector& detector, const Beam& beam, const ExposureOptions& options,
+  const ProgressCallback& progress)
+{
+  options.Validate();
+  const std::vector<XRaySource> sources = SpotSources(source, detector, options);
+  const std::vector<XRayDetector> detectors = SampleDetectors(detector);
+  const bool noise = options.PhotonsPerPixel > 0;
+  Exposure exposure;
+  if (sources.size() * detectors.size() == 1 && !noise)
+  {
+    exposure.Lengths = projector.Project(sources.front(), detectors.front());
+    exposure.Transmission = beam.Transmission(exposure.Lengths);
+    exposure.LogAttenuation = beam.LogAttenuation(exposure.Lengths);
+    return exposure;
+  }
+  const std::size_t pixelCount = static_cast<std::size_t>(detector.Columns) * detector.Rows;
+  std::vector<double> transmission(pixelCount, 0.0);
+  std::vector<double> variance(noise ? pixelCount : 0, 0.0);
+  const double weight = 1.0 / static_cast<double>(sources.size() * detectors.size());
+  double done = 0;
+  for (const XRaySource& point : sources)
+  {
+    for (const XRayDetector& sample : detectors)
+    {
+      ReportProgress(progress, done, "projecting");
+      const PathLengthImage image = projector.Project(point, sample);
+      AddLengths(image, static_cast<float>(weight), exposure.Lengths);
+      beam.AddTransmission(image, weight, transmission, noise ? &variance : nullptr);
+      done += weight;
+    }
+  }
+  exposure.Transmission.resize(pixelCount);
+  exposure.LogAttenuation.resize(pixelCount);
+  for (std::size_t pixel = 0; pixel < pixelCount; ++pixel)
+  {
+    double value = transmission[pixel];
+    double least = 1e-300;
+    if (noise)
+    {
+      PixelRandom random(options.Seed, pixel);
+      least = 0.5 / options.PhotonsPerPixel;
+      value = NoisyTransmission(value, variance[pixel], options.PhotonsPerPixel, random);
+    }
+    exposure.Transmission[pixel] = static_cast<float>(value);
+    exposure.LogAttenuation[pixel] = static_cast<float>(-std::log(std::max(value, least)));
+  }
+  return exposure;
+}
+}

@@ -1,0 +1,311 @@
+// SPDX-License-Identifier: Apache-2.0
+// Expose is tested with a projector of closed forms, so that nothing but it is under test.
+#include "Error.h"
+#include "Exposure.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <random>
+
+namespace
+{
+using namespace mammoray;
+
+/// Path lengths of material 1 from a function of source and pixel position.
+class AnalyticProjector : public PathLengthProjector
+{
+public:
+  explicit AnalyticProjector(std::function<double(const Vector3&, const Vector3&)> length)
+    : Length(std::move(length))
+  {
+  }
+  void SetSurface(const SurfaceMesh&) override {}
+  void UpdatePoints(const std::vector<double>&) override {}
+  PathLengthImage Project(const XRaySource& source, const XRayDetector& detector) override
+  {
+    EXPECT_EQ(detector.Samples, 1);
+    PathLengthImage image;
+    image.Columns = detector.Columns;
+    image.Rows = detector.Rows;
+    image.Materials = 2;
+    image.Lengths.assign(2 * image.NumberOfPixels(), 0.0f);
+    image.Inconsistent.assign(image.NumberOfPixels(), 0);
+    for (std::size_t pixel = 0; pixel < image.NumberOfPixels(); ++pixel)
+    {
+      const Vector3 place = detector.Origin +
+        static_cast<double>(pixel % detector.Columns) * detector.ColumnStep +
+        static_cast<double>(pixel / detector.Columns) * detector.RowStep;
+      image.Lengths[image.NumberOfPixels() + pixel] =
+        static_cast<float>(this->Length(source.Position, place));
+    }
+    return image;
+  }
+  PathLengthImage Project(const XRaySource&, const XRayDetector&, const std::vector<double>&, int,
+    PathLengthDerivatives&) override
+  {
+    throw Error("analytic projector: no derivatives");
+  }
+  std::string DeviceName() const override { return "analytic"; }
+  ProjectorOptions::Method Method() const override
+  {
+    return ProjectorOptions::Method::Rasterisation;
+  }
+
+private:
+  std::function<double(const Vector3&, const Vector3&)> Length;
+};
+
+/// 0.05 / mm at 20 keV, falling with the cube of the energy.
+AttenuationTable Tissue()
+{
+  AttenuationTable table;
+  table.Name = "tissue";
+  for (double energy = 10; energy <= 60; energy += 1)
+  {
+    table.EnergiesKeV.push_back(energy);
+    table.MuPerMm.push_back(0.05 * std::pow(energy / 20, -3));
+  }
+  return table;
+}
+
+Beam MakeBeam(const Spectrum& spectrum, DetectorResponse response)
+{
+  static const AttenuationTable table = Tissue();
+  return Beam(spectrum, response, { nullptr, &table }, { 0, 1 });
+}
+
+XRayDetector Row(int columns, double spacing)
+{
+  XRayDetector detector;
+  detector.Columns = columns;
+  detector.ColumnStep = { spacing, 0, 0 };
+  detector.RowStep = { 0, spacing, 0 };
+  detector.Origin = { -0.5 * (columns - 1) * spacing, 0, 0 };
+  return detector;
+}
+
+struct Moments
+{
+  double Mean = 0;
+  double Variance = 0;
+};
+
+Moments MomentsOf(const std::vector<float>& values)
+{
+  Moments moments;
+  for (const float value : values)
+  {
+    moments.Mean += value / static_cast<double>(values.size());
+  }
+  for (const float value : values)
+  {
+    moments.Variance += std::pow(value - moments.Mean, 2) / static_cast<double>(values.size() - 1);
+  }
+  return moments;
+}
+
+/// 40,000 pixels behind 20 mm.
+Moments NoiseBehindTissue(const Beam& beam, double photons)
+{
+  AnalyticProjector projector([](const Vector3&, const Vector3&) { return 20.0; });
+  XRayDetector detector = Row(200, 0.1);
+  detector.Rows = 200;
+  ExposureOptions options;
+  options.PhotonsPerPixel = photons;
+  options.Seed = 7;
+  return MomentsOf(Expose(projector, {}, detector, beam, options).Transmission);
+}
+}
+
+TEST(Exposure, AveragesTransmissionsNotPathLengths)
+{
+  // Half of the middle pixel is behind 60 mm, as half of its 4 x 4 samples are.
+  AnalyticProjector projector(
+    [](const Vector3&, const Vector3& pixel) { return pixel[0] > 0 ? 60.0 : 0.0; });
+  XRayDetector detector = Row(3, 1);
+  detector.Samples = 4;
+  const Beam beam = MakeBeam(Spectrum::Monochromatic(20), DetectorResponse::PhotonCounting);
+  const Exposure exposure = Expose(projector, {}, detector, beam);
+  const double through = std::exp(-3.0);
+  EXPECT_FLOAT_EQ(exposure.Transmission[0], 1);
+  EXPECT_FLOAT_EQ(exposure.Transmission[1], static_cast<float>(0.5 * (1 + through)));
+  EXPECT_FLOAT_EQ(exposure.Transmission[2], static_cast<float>(through));
+  EXPECT_FLOAT_EQ(exposure.LogAttenuation[1], static_cast<float>(-std::log(0.5 * (1 + through))));
+  EXPECT_FLOAT_EQ(exposure.Lengths.Material(1)[1], 30); // whose transmission is 0.22, not 0.52
+}
+
+TEST(Exposure, FocalSpotBlursAnEdgeByItsMagnification)
+{
+  // An opaque half plane at half of the way: a spot of 0.8 mm casts a penumbra of 0.8 mm.
+  AnalyticProjector projector([](const Vector3& source, const Vector3& pixel)
+    { return 0.5 * (source[0] + pixel[0]) > 0 ? 1e4 : 0.0; });
+  const XRayDetector detector = Row(41, 0.05);
+  const Beam beam = MakeBeam(Spectrum::Monochromatic(20), DetectorResponse::PhotonCounting);
+  ExposureOptions options;
+  options.FocalSpotColumnMm = 0.8;
+  options.FocalSpotSamples = 16;
+  const Exposure exposure = Expose(projector, {}, detector, beam, options);
+  for (int column = 0; column < 41; ++column)
+  {
+    const double x = detector.Origin[0] + 0.05 * column;
+    // A ramp over the penumbra, in 16 steps.
+    const double expected = std::clamp(0.5 - x / 0.8, 0.0, 1.0);
+    EXPECT_NEAR(exposure.Transmission[column], expected, 0.5 / 16 + 1e-6) << x;
+  }
+  // Along rows nothing changes, and without a spot the edge is sharp.
+  options.FocalSpotColumnMm = 0;
+  options.FocalSpotRowMm = 0.8;
+  const Exposure sharp = Expose(projector, {}, detector, beam, options);
+  EXPECT_FLOAT_EQ(sharp.Transmission[19], 1);
+  EXPECT_FLOAT_EQ(sharp.Transmission[21], 0);
+}
+
+TEST(Exposure, CountingNoiseIsPoisson)
+{
+  const Beam beam = MakeBeam(Spectrum::Monochromatic(20), DetectorResponse::PhotonCounting);
+  for (const double photons : { 0.5, 8.0, 60.0, 5000.0 })
+  {
+    const double mean = std::exp(-1.0);
+    const Moments moments = NoiseBehindTissue(beam, photons);
+    // Of 40,000 samples the mean is known to sqrt(variance / n), the variance to
+    // variance sqrt((2 + 1 / lambda) / n); four of those.
+    const double variance = mean / photons;
+    EXPECT_NEAR(moments.Mean, mean, 4 * std::sqrt(variance / 40000)) << photons;
+    EXPECT_NEAR(moments.Variance, variance,
+      4 * variance * std::sqrt((2 + 1 / (mean * photons)) / 40000))
+      << photons;
+  }
+}
+
+TEST(Exposure, FewPhotonsHavePoissonsProbabilities)
+{
+  const double lambda = 0.7;
+  AnalyticProjector projector([](const Vector3&, const Vector3&) { return 0.0; });
+  XRayDetector detector = Row(200, 0.1);
+  detector.Rows = 200;
+  ExposureOptions options;
+  options.PhotonsPerPixel = lambda;
+  const Exposure exposure = Expose(projector, {}, detector,
+    MakeBeam(Spectrum::Monochromatic(20), DetectorResponse::PhotonCounting), options);
+  double counts[4] = {};
+  for (const float value : exposure.Transmission)
+  {
+    const long k = std::lround(value * lambda);
+    ASSERT_NEAR(value * lambda, static_cast<double>(k), 1e-5);
+    counts[std::min(k, 3L)] += 1;
+  }
+  double probability = std::exp(-lambda);
+  for (int k = 0; k < 3; ++k)
+  {
+    // Four standard deviations of a binomial count.
+    EXPECT_NEAR(counts[k], 40000 * probability,
+      4 * std::sqrt(40000 * probability * (1 - probability)))
+      << k;
+    probability *= lambda / (k + 1);
+  }
+  // Nothing detected reads as half a photon.
+  EXPECT_FLOAT_EQ(*std::max_element(exposure.LogAttenuation.begin(), exposure.LogAttenuation.end()),
+    static_cast<float>(-std::log(0.5 / lambda)));
+}
+
+TEST(Exposure, IntegratedNoiseWeighsEnergies)
+{
+  Spectrum spectrum;
+  spectrum.EnergiesKeV = { 15, 20, 50 };
+  spectrum.Weights = { 3, 2, 1 };
+  const Beam beam = MakeBeam(spectrum, DetectorResponse::EnergyIntegrating);
+  const double photons = 900;
+  double open = 0;
+  double mean = 0;
+  double square = 0;
+  for (std::size_t bin = 0; bin < 3; ++bin)
+  {
+    const double energy = spectrum.EnergiesKeV[bin];
+    const double incident = photons * spectrum.Weights[bin] / 6;
+    const double detected = incident * std::exp(-20 * 0.05 * std::pow(energy / 20, -3));
+    open += energy * incident;
+    mean += energy * detected;
+    square += energy * energy * detected; // variance of a sum of energies times Poisson numbers
+  }
+  const Moments moments = NoiseBehindTissue(beam, photons);
+  const double variance = square / (open * open);
+  EXPECT_NEAR(moments.Mean, mean / open, 4 * std::sqrt(variance / 40000));
+  EXPECT_NEAR(moments.Variance, variance, 4 * variance * std::sqrt(2.01 / 40000));
+}
+
+TEST(Exposure, NoiseIsRepeatedBySeed)
+{
+  AnalyticProjector projector([](const Vector3&, const Vector3& pixel) { return 5 + pixel[0]; });
+  const XRayDetector detector = Row(100, 0.05);
+  const Beam beam = MakeBeam(Spectrum::Monochromatic(20), DetectorResponse::PhotonCounting);
+  ExposureOptions options;
+  options.PhotonsPerPixel = 1000;
+  options.Seed = 1;
+  const auto first = Expose(projector, {}, detector, beam, options).Transmission;
+  EXPECT_EQ(first, Expose(projector, {}, detector, beam, options).Transmission);
+  options.Seed = 2;
+  const auto second = Expose(projector, {}, detector, beam, options).Transmission;
+  int equal = 0;
+  for (std::size_t pixel = 0; pixel < first.size(); ++pixel)
+  {
+    equal += first[pixel] == second[pixel] ? 1 : 0;
+  }
+  EXPECT_LT(equal, 20); // of 100; two Poisson numbers of 800 are equal in one of 100 cases
+}
+
+TEST(Exposure, RefusesUnusableOptions)
+{
+  AnalyticProjector projector([](const Vector3&, const Vector3&) { return 0.0; });
+  const Beam beam = MakeBeam(Spectrum::Monochromatic(20), DetectorResponse::PhotonCounting);
+  const auto refused = [&](const ExposureOptions& options, const XRaySource& source = {})
+  { EXPECT_THROW(Expose(projector, source, Row(3, 1), beam, options), InputError); };
+  refused({ .FocalSpotColumnMm = -1 });
+  refused({ .FocalSpotRowMm = NAN });
+  refused({ .FocalSpotSamples = 0 });
+  refused({ .PhotonsPerPixel = -5 });
+  refused({ .PhotonsPerPixel = INFINITY });
+  XRaySource parallel;
+  parallel.Type = XRaySource::Kind::Parallel;
+  refused({ .FocalSpotColumnMm = 0.3 }, parallel);
+}
+
+TEST(Exposure, VectorisedLawMatchesRayByRay)
+{
+  std::mt19937 random(3);
+  const AttenuationTable table = Tissue();
+  Spectrum spectrum;
+  for (int bin = 0; bin < 100; ++bin)
+  {
+    spectrum.EnergiesKeV.push_back(10 + 0.5 * bin);
+    spectrum.Weights.push_back(std::uniform_real_distribution<double>(0, 1)(random));
+  }
+  const Beam beam(spectrum, DetectorResponse::EnergyIntegrating,
+    { nullptr, &table, &table, &table }, { 0, 1, 2.5, 7 });
+  PathLengthImage image;
+  image.Columns = 1001; // not a multiple of any block
+  image.Rows = 3;
+  image.Materials = 4;
+  image.Lengths.assign(4 * image.NumberOfPixels(), 0.0f);
+  for (std::size_t value = image.NumberOfPixels(); value < image.Lengths.size(); ++value)
+  {
+    const double exponent = std::uniform_real_distribution<double>(-8, 3)(random);
+    image.Lengths[value] = random() % 3 == 0 ? 0.0f : static_cast<float>(std::pow(10, exponent));
+  }
+  const auto transmission = beam.Transmission(image);
+  const auto logarithm = beam.LogAttenuation(image);
+  for (std::size_t pixel = 0; pixel < image.NumberOfPixels(); ++pixel)
+  {
+    double lengths[4] = {};
+    for (int material = 1; material < 4; ++material)
+    {
+      lengths[material] = image.Material(material)[pixel];
+    }
+    const double expected = beam.Transmission(lengths);
+    // Rounding to float, and to its smallest number.
+    ASSERT_NEAR(transmission[pixel], expected, 1e-7 * expected + 1e-45) << pixel;
+    const double expectedLog = beam.LogAttenuation(lengths);
+    ASSERT_NEAR(logarithm[pixel], expectedLog, 1e-7 * expectedLog) << pixel;
+  }
+}
