@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "Files.h"
+#include "CommandTest.h"
 #include "MeshConversion.h"
 #include "MeshIO.h"
 #include "TestMeshes.h"
@@ -10,8 +10,6 @@
 #include "vtkPointData.h"
 #include "vtkUnstructuredGrid.h"
 
-#include <sys/wait.h>
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -21,11 +19,10 @@
 
 using namespace mammoray;
 using testing_support::ReadFile;
-using testing_support::TemporaryFolder;
 
 namespace
 {
-class CompressCommand : public testing::Test
+class CompressCommand : public testing_support::CommandTest
 {
 protected:
   void SetUp() override
@@ -40,27 +37,17 @@ protected:
       {"name": "muscle", "labels": [2], "attenuation": "muscle", "held": true}]})");
   }
 
-  int Run(const std::string& arguments)
-  {
-    const std::string command = std::string(MAMMORAY_EXECUTABLE) + " compress " + arguments + " >" +
-      this->Folder.File("out") + " 2>" + this->Folder.File("err");
-    const int status = std::system(command.c_str());
-    this->Errors = ReadFile(this->Folder.File("err"));
-    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-  }
-
-  TemporaryFolder Folder;
   std::string Result = this->Folder.File("compressed.vtu");
   std::string Common = "--orientation LAS --materials " + this->Folder.File("table.json") + " -o " +
     this->Result + " --mesh ";
   std::string Coarse = this->Common + this->Folder.File("breast.vtu");
-  std::string Errors;
 };
 }
 
 TEST_F(CompressCommand, WritesTheCompressedMesh)
 {
-  ASSERT_EQ(this->Run(this->Coarse + " --thickness 46 --anterior 5 --roll 10"), 0) << this->Errors;
+  ASSERT_EQ(this->Run("compress " + this->Coarse + " --thickness 46 --anterior 5 --roll 10"), 0)
+    << this->Errors;
   EXPECT_EQ(this->Errors, "");
   const vtkSmartPointer<vtkUnstructuredGrid> grid = ReadMesh(this->Result);
   const TetrahedralMesh rest = test::MakeHalfEllipsoidMesh(40, 45, 38, 6);
@@ -102,7 +89,8 @@ TEST_F(CompressCommand, WritesTheCompressedMesh)
 TEST_F(CompressCommand, MovesAFineMeshWithACoarseOne)
 {
   const std::string fine = this->Common + this->Folder.File("fine.vtu") + " --thickness 60";
-  EXPECT_EQ(this->Run(fine + " --simulation-mesh " + this->Folder.File("breast.vtu")), 0)
+  EXPECT_EQ(this->Run("compress " + fine + " --simulation-mesh " + this->Folder.File("breast.vtu")),
+    0)
     << this->Errors;
   const TetrahedralMesh deformed = FromGrid(ReadMesh(this->Result));
   EXPECT_EQ(deformed.NumberOfCells(), test::MakeHalfEllipsoidMesh(1, 1, 1, 16).NumberOfCells());
@@ -112,7 +100,7 @@ TEST_F(CompressCommand, RefusesInOneLine)
 {
   const auto expectRefused = [this](const std::string& arguments, const std::string& text)
   {
-    EXPECT_EQ(this->Run(arguments), 1) << arguments;
+    EXPECT_EQ(this->Run("compress " + arguments), 1) << arguments;
     EXPECT_THAT(this->Errors, testing::StartsWith("mammoray: "));
     EXPECT_THAT(this->Errors, testing::HasSubstr(text));
     EXPECT_EQ(std::count(this->Errors.begin(), this->Errors.end(), '\n'), 1) << this->Errors;
@@ -133,17 +121,19 @@ TEST_F(CompressCommand, RefusesInOneLine)
     this->Folder.File("coarser.vtu"));
   expectRefused(this->Common + this->Folder.File("coarser.vtu") + " --thickness 0.2",
     "last one reached is at");
-  EXPECT_EQ(this->Run(this->Coarse + " --thickness -3"), 2);
-  EXPECT_EQ(this->Run(this->Coarse), 2);
+  EXPECT_EQ(this->Run("compress " + this->Coarse + " --thickness -3"), 2);
+  EXPECT_EQ(this->Run("compress " + this->Coarse), 2);
 }
 
 TEST_F(CompressCommand, ReadsBackItsConfiguration)
 {
-  ASSERT_EQ(this->Run(this->Coarse + " --thickness 61 --roll -12.5 --print-config"), 0)
+  ASSERT_EQ(this->Run("compress " + this->Coarse + " --thickness 61 --roll -12.5 --print-config"),
+    0)
     << this->Errors;
   std::filesystem::copy_file(this->Folder.File("out"), this->Folder.File("config.json"));
   EXPECT_THAT(ReadFile(this->Folder.File("config.json")), testing::HasSubstr("\"roll\": -12.5"));
-  ASSERT_EQ(this->Run("--config " + this->Folder.File("config.json") + " --print-config"), 0)
+  ASSERT_EQ(this->Run("compress --config " + this->Folder.File("config.json") + " --print-config"),
+    0)
     << this->Errors;
   EXPECT_EQ(ReadFile(this->Folder.File("out")), ReadFile(this->Folder.File("config.json")));
 }

@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "Files.h"
+#include "CommandTest.h"
 #include "MeshIO.h"
 #include "PathLengthProjector.h"
 #include "SurfaceConversion.h"
 
 #include "vtkPolyData.h"
-
-#include <sys/wait.h>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -15,27 +13,13 @@
 
 using namespace mammoray;
 using testing_support::ReadFile;
-using testing_support::TemporaryFolder;
 
 namespace
 {
-class ExampleCommand : public testing::Test
+class ExampleCommand : public testing_support::CommandTest
 {
 protected:
-  int Run(const std::string& arguments)
-  {
-    const std::string command = std::string(MAMMORAY_EXECUTABLE) + " example " + arguments + " >" +
-      this->Folder.File("out") + " 2>" + this->Folder.File("err");
-    const int status = std::system(command.c_str());
-    this->Output = ReadFile(this->Folder.File("out"));
-    this->Errors = ReadFile(this->Folder.File("err"));
-    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-  }
-
-  TemporaryFolder Folder;
   std::string Target = this->Folder.File("result");
-  std::string Output;
-  std::string Errors;
 };
 }
 
@@ -45,7 +29,7 @@ TEST_F(ExampleCommand, WritesMeshImageAndPicture)
   {
     GTEST_SKIP() << "no Vulkan device";
   }
-  ASSERT_EQ(this->Run("boxes -o " + this->Target), 0) << this->Errors;
+  ASSERT_EQ(this->Run("example boxes -o " + this->Target), 0) << this->Errors;
   EXPECT_EQ(this->Errors, "");
   EXPECT_THAT(this->Output, testing::HasSubstr("47580 triangles"));
   const auto surface = ReadSurface(this->Target + "/boxes.vtp");
@@ -56,9 +40,9 @@ TEST_F(ExampleCommand, WritesMeshImageAndPicture)
   EXPECT_THAT(ReadFile(this->Target + "/boxes.png"), testing::StartsWith("\x89PNG"));
 
   // Nothing is replaced without being told, and nothing else is left there.
-  EXPECT_EQ(this->Run("boxes -o " + this->Target), 1);
+  EXPECT_EQ(this->Run("example boxes -o " + this->Target), 1);
   EXPECT_THAT(this->Errors, testing::HasSubstr("--overwrite"));
-  EXPECT_EQ(this->Run("boxes --overwrite -o " + this->Target), 0) << this->Errors;
+  EXPECT_EQ(this->Run("example boxes --overwrite -o " + this->Target), 0) << this->Errors;
   EXPECT_EQ(ReadFile(this->Target + "/boxes.mha"), image);
   std::size_t count = 0;
   for (const auto& entry : std::filesystem::directory_iterator(this->Target))
@@ -72,7 +56,7 @@ TEST_F(ExampleCommand, RefusesInOneLine)
 {
   const auto refused = [&](const std::string& arguments, const std::string& text)
   {
-    EXPECT_EQ(this->Run(arguments), 1) << arguments;
+    EXPECT_EQ(this->Run("example " + arguments), 1) << arguments;
     EXPECT_THAT(this->Errors, testing::StartsWith("mammoray: "));
     EXPECT_THAT(this->Errors, testing::HasSubstr(text));
     EXPECT_EQ(std::count(this->Errors.begin(), this->Errors.end(), '\n'), 1) << this->Errors;
@@ -82,6 +66,6 @@ TEST_F(ExampleCommand, RefusesInOneLine)
   refused("test -o /nowhere/at/all", "/nowhere/at/all");
   refused("test --spectrum W99 -o " + this->Target, "W28kVp");
   EXPECT_FALSE(std::filesystem::exists(this->Target));
-  EXPECT_EQ(this->Run("-o " + this->Target), 2);
-  EXPECT_EQ(this->Run("test"), 2);
+  EXPECT_EQ(this->Run("example -o " + this->Target), 2);
+  EXPECT_EQ(this->Run("example test"), 2);
 }

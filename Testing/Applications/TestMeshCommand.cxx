@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "Files.h"
+#include "CommandTest.h"
 #include "LabelVolumeIO.h"
 #include "MeshConversion.h"
 #include "MeshIO.h"
 
 #include "vtkUnstructuredGrid.h"
-
-#include <sys/wait.h>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -16,11 +14,10 @@
 
 using namespace mammoray;
 using testing_support::ReadFile;
-using testing_support::TemporaryFolder;
 
 namespace
 {
-class MeshCommand : public testing::Test
+class MeshCommand : public testing_support::CommandTest
 {
 protected:
   void SetUp() override
@@ -45,42 +42,26 @@ protected:
       {"name": "gland", "labels": [2], "attenuation": "glandular"}]})");
   }
 
-  /// The exit status; output and errors are kept.
-  int Run(const std::string& arguments)
-  {
-    const std::string command = std::string(MAMMORAY_EXECUTABLE) + " mesh " + arguments + " >" +
-      this->Folder.File("out") + " 2>" + this->Folder.File("err");
-    const int status = std::system(command.c_str());
-    this->Output = ReadFile(this->Folder.File("out"));
-    this->Errors = ReadFile(this->Folder.File("err"));
-    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-  }
-
   void ExpectRefused(const std::string& arguments, const std::string& text)
   {
-    EXPECT_EQ(this->Run(arguments), 1) << arguments;
-    EXPECT_THAT(this->Errors, testing::StartsWith("mammoray: "));
-    EXPECT_THAT(this->Errors, testing::HasSubstr(text));
-    EXPECT_EQ(std::count(this->Errors.begin(), this->Errors.end(), '\n'), 1) << this->Errors;
+    this->CommandTest::ExpectRefused(arguments, text);
     EXPECT_FALSE(std::filesystem::exists(this->Mesh));
   }
 
-  TemporaryFolder Folder;
   std::string Labels = this->Folder.File("labels.nrrd");
   std::string Mesh = this->Folder.File("mesh.vtu");
   std::string Inputs =
     "--labels " + this->Labels + " --materials " + this->Folder.File("table.json");
   LabelVolume Volume;
-  std::string Output;
-  std::string Errors;
 };
 }
 
 TEST_F(MeshCommand, WritesMeshReportAndTable)
 {
   const std::string report = this->Folder.File("report.json");
-  ASSERT_EQ(
-    this->Run(this->Inputs + " --facet-distance 0.1 -o " + this->Mesh + " --report " + report), 0)
+  ASSERT_EQ(this->Run("mesh " + this->Inputs + " --facet-distance 0.1 -o " + this->Mesh +
+              " --report " + report),
+    0)
     << this->Errors;
   EXPECT_EQ(this->Errors, "");
   EXPECT_THAT(this->Output, testing::AllOf(testing::HasSubstr("fat"), testing::HasSubstr("gland")));
@@ -96,9 +77,9 @@ TEST_F(MeshCommand, WritesMeshReportAndTable)
   // 5 %: the cube's edges are rounded.
   EXPECT_NEAR(volume, 1000, 50);
   EXPECT_THAT(ReadFile(report), testing::HasSubstr("\"volume_in_mm3\": 500.0"));
-  EXPECT_EQ(this->Run(this->Inputs + " -o " + this->Mesh), 1);
+  EXPECT_EQ(this->Run("mesh " + this->Inputs + " -o " + this->Mesh), 1);
   EXPECT_THAT(this->Errors, testing::HasSubstr("--overwrite"));
-  EXPECT_EQ(this->Run(this->Inputs +
+  EXPECT_EQ(this->Run("mesh " + this->Inputs +
               " --overwrite --spacing 2 --thin fat --cell-size-of gland=2 -o " + this->Mesh),
     0)
     << this->Errors;
@@ -108,37 +89,38 @@ TEST_F(MeshCommand, RefusesInOneLine)
 {
   const std::string output = " -o " + this->Mesh;
   const std::string table = " --materials " + this->Folder.File("table.json");
-  this->ExpectRefused("--labels " + this->Folder.File("absent.nrrd") + table + output,
+  this->ExpectRefused("mesh --labels " + this->Folder.File("absent.nrrd") + table + output,
     "no such file");
-  this->ExpectRefused("--labels " + this->Labels + " --materials /nowhere.json" + output,
+  this->ExpectRefused("mesh --labels " + this->Labels + " --materials /nowhere.json" + output,
     "no such file");
-  this->ExpectRefused(this->Inputs + " -o " + this->Folder.File("mesh.stl"), ".vtu");
-  this->ExpectRefused(this->Inputs + " -o /nowhere/mesh.vtu", "no folder");
-  this->ExpectRefused(this->Inputs + output + " --facet-angle 60", "facet angle");
-  this->ExpectRefused(this->Inputs + output + " --cell-size-of bone=2", "unknown material 'bone'");
-  this->ExpectRefused(this->Inputs + output + " --cell-size-of gland", "MATERIAL=MM");
+  this->ExpectRefused("mesh " + this->Inputs + " -o " + this->Folder.File("mesh.stl"), ".vtu");
+  this->ExpectRefused("mesh " + this->Inputs + " -o /nowhere/mesh.vtu", "no folder");
+  this->ExpectRefused("mesh " + this->Inputs + output + " --facet-angle 60", "facet angle");
+  this->ExpectRefused("mesh " + this->Inputs + output + " --cell-size-of bone=2",
+    "unknown material 'bone'");
+  this->ExpectRefused("mesh " + this->Inputs + output + " --cell-size-of gland", "MATERIAL=MM");
   this->Volume.Voxels[0] = 77;
   WriteLabelVolume(this->Volume, this->Labels);
-  this->ExpectRefused(this->Inputs + output, "label 77 (1 voxels)");
+  this->ExpectRefused("mesh " + this->Inputs + output, "label 77 (1 voxels)");
   std::fill(this->Volume.Voxels.begin(), this->Volume.Voxels.end(), 0);
   WriteLabelVolume(this->Volume, this->Labels);
-  this->ExpectRefused(this->Inputs + output, "only air");
-  EXPECT_EQ(this->Run("--labels"), 2);
+  this->ExpectRefused("mesh " + this->Inputs + output, "only air");
+  EXPECT_EQ(this->Run("mesh --labels"), 2);
 }
 
 TEST_F(MeshCommand, ConfigurationRoundTrips)
 {
   const std::string arguments =
     this->Inputs + " -o " + this->Mesh + " --cell-size 3.5 --thin fat --thin gland --overwrite";
-  ASSERT_EQ(this->Run(arguments + " --print-config"), 0) << this->Errors;
+  ASSERT_EQ(this->Run("mesh " + arguments + " --print-config"), 0) << this->Errors;
   EXPECT_FALSE(std::filesystem::exists(this->Mesh));
   const std::string printed = this->Output;
   EXPECT_THAT(printed, testing::HasSubstr("\"cell-size\": 3.5"));
   const std::string config = this->Folder.Write("config.json", printed);
-  ASSERT_EQ(this->Run("--config " + config + " --print-config"), 0) << this->Errors;
+  ASSERT_EQ(this->Run("mesh --config " + config + " --print-config"), 0) << this->Errors;
   EXPECT_EQ(this->Output, printed);
-  ASSERT_EQ(this->Run("--config " + config), 0) << this->Errors;
+  ASSERT_EQ(this->Run("mesh --config " + config), 0) << this->Errors;
   EXPECT_TRUE(std::filesystem::exists(this->Mesh));
   this->Folder.Write("config.json", R"({"cel-size": 3})");
-  EXPECT_EQ(this->Run("--config " + config + " " + arguments), 2) << this->Errors;
+  EXPECT_EQ(this->Run("mesh --config " + config + " " + arguments), 2) << this->Errors;
 }

@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "Files.h"
+#include "CommandTest.h"
 #include "MeshConversion.h"
 #include "MeshIO.h"
 #include "PathLengthProjector.h"
 
 #include "vtkUnstructuredGrid.h"
-
-#include <sys/wait.h>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -18,7 +16,6 @@
 
 using namespace mammoray;
 using testing_support::ReadFile;
-using testing_support::TemporaryFolder;
 
 namespace
 {
@@ -28,7 +25,7 @@ bool HasDevice()
   return !devices.empty();
 }
 
-class ProjectCommand : public testing::Test
+class ProjectCommand : public testing_support::CommandTest
 {
 protected:
   void SetUp() override
@@ -48,24 +45,6 @@ protected:
       {"name": "fat", "labels": [1], "attenuation": "adipose", "density_g_per_cm3": 0.92}]})");
   }
 
-  int Run(const std::string& arguments)
-  {
-    const std::string command = std::string(MAMMORAY_EXECUTABLE) + " " + arguments + " >" +
-      this->Folder.File("out") + " 2>" + this->Folder.File("err");
-    const int status = std::system(command.c_str());
-    this->Output = ReadFile(this->Folder.File("out"));
-    this->Errors = ReadFile(this->Folder.File("err"));
-    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-  }
-
-  void ExpectRefused(const std::string& arguments, const std::string& text)
-  {
-    EXPECT_EQ(this->Run(arguments), 1) << arguments;
-    EXPECT_THAT(this->Errors, testing::StartsWith("mammoray: "));
-    EXPECT_THAT(this->Errors, testing::HasSubstr(text));
-    EXPECT_EQ(std::count(this->Errors.begin(), this->Errors.end(), '\n'), 1) << this->Errors;
-  }
-
   /// The floats behind the header of a raw .mha.
   static std::vector<float> MhaValues(const std::string& path)
   {
@@ -77,13 +56,10 @@ protected:
     return values;
   }
 
-  TemporaryFolder Folder;
   std::string Mesh = this->Folder.File("mesh.vtu");
   std::string Image = this->Folder.File("image.mha");
   std::string Inputs =
     "project --mesh " + this->Mesh + " --materials " + this->Folder.File("table.json");
-  std::string Output;
-  std::string Errors;
 };
 }
 

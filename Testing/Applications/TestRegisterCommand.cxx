@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// The whole way on the shipped phantom, coarse enough for a minute; and every refusal in one line, with nothing written.
-#include "Files.h"
+// The whole way on the shipped phantom, coarse enough for a minute; and every refusal in one line,
+// with nothing written.
+#include "CommandTest.h"
 #include "LabelVolumeIO.h"
 #include "LandmarkEvaluation.h"
 #include "PathLengthProjector.h"
 
 #include <nlohmann/json.hpp>
-
-#include <sys/wait.h>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -19,7 +18,6 @@
 
 using namespace mammoray;
 using testing_support::ReadFile;
-using testing_support::TemporaryFolder;
 namespace fs = std::filesystem;
 
 namespace
@@ -29,19 +27,9 @@ const std::string Labels = Data + "/victre-phantom-1/labels.nrrd";
 const std::string Materials = Data + "/materials/victre.json";
 const std::string MammogramFile = Data + "/victre-phantom-1/victre1_lcc_processing.dcm";
 
-class RegisterCommand : public testing::Test
+class RegisterCommand : public testing_support::CommandTest
 {
 protected:
-  int Run(const std::string& arguments, const std::string& environment = "")
-  {
-    const std::string command = environment + " " MAMMORAY_EXECUTABLE " " + arguments + " >" +
-      this->Folder.File("out") + " 2>" + this->Folder.File("err");
-    const int status = std::system(command.c_str());
-    this->Output = ReadFile(this->Folder.File("out"));
-    this->Errors = ReadFile(this->Folder.File("err"));
-    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-  }
-
   std::string Register(const std::string& labels, const std::string& materials,
     const std::string& mammogram, const std::string& rest = "") const
   {
@@ -49,35 +37,28 @@ protected:
       mammogram + " --orientation ALS --output " + this->Folder.File("result") + " " + rest;
   }
 
-  void ExpectRefused(
-    const std::string& arguments, const std::string& text, const std::string& environment = "")
+  void ExpectRefused(const std::string& arguments, const std::string& text,
+    const std::string& environment = "")
   {
-    EXPECT_EQ(this->Run(arguments, environment), 1) << arguments;
-    EXPECT_THAT(this->Errors, testing::StartsWith("mammoray: "));
-    EXPECT_THAT(this->Errors, testing::HasSubstr(text));
-    EXPECT_EQ(std::count(this->Errors.begin(), this->Errors.end(), '\n'), 1) << this->Errors;
+    this->CommandTest::ExpectRefused(arguments, text, environment);
     for (const auto& entry : fs::directory_iterator(this->Folder.File("")))
     {
       EXPECT_THAT(entry.path().filename().string(), testing::Not(testing::HasSubstr("result")));
     }
   }
-
-  TemporaryFolder Folder;
-  std::string Output;
-  std::string Errors;
 };
 }
 
 TEST_F(RegisterCommand, RefusesUnusableInputInOneLine)
 {
-  this->ExpectRefused(
-    this->Register("missing.nrrd", Materials, MammogramFile), "missing.nrrd: no such file");
-  this->ExpectRefused(
-    this->Register(Labels, Materials, "missing.dcm"), "missing.dcm: no such file");
+  this->ExpectRefused(this->Register("missing.nrrd", Materials, MammogramFile),
+    "missing.nrrd: no such file");
+  this->ExpectRefused(this->Register(Labels, Materials, "missing.dcm"),
+    "missing.dcm: no such file");
   this->ExpectRefused(this->Register(Labels, Materials, Materials), "victre.json");
   this->ExpectRefused(this->Register(Labels, Labels, MammogramFile), "labels.nrrd");
-  const std::string mr = MAMMORAY_SHARED_DATA_DIR
-    "/duke-breast-mri-153-CC-BY-NC-4.0/t1_tse/1-01.dcm";
+  const std::string mr =
+    MAMMORAY_SHARED_DATA_DIR "/duke-breast-mri-153-CC-BY-NC-4.0/t1_tse/1-01.dcm";
   if (fs::exists(mr))
   {
     this->ExpectRefused(this->Register(Labels, Materials, mr), "MG");
@@ -91,14 +72,13 @@ TEST_F(RegisterCommand, RefusesUnusableInputInOneLine)
   WriteLabelVolume(volume, this->Folder.File("unknown.nrrd"));
   if (!ListDevices().empty())
   {
-    this->ExpectRefused(
-      this->Register(this->Folder.File("air.nrrd"), Materials, MammogramFile), "only air");
+    this->ExpectRefused(this->Register(this->Folder.File("air.nrrd"), Materials, MammogramFile),
+      "only air");
     this->ExpectRefused(this->Register(this->Folder.File("unknown.nrrd"), Materials, MammogramFile),
       "label 77 (27 voxels)");
   }
   this->ExpectRefused(
-    this->Register(Labels, Materials, MammogramFile, "--fixed thickness,everything"),
-    "everything");
+    this->Register(Labels, Materials, MammogramFile, "--fixed thickness,everything"), "everything");
   this->ExpectRefused(this->Register(Labels, Materials, MammogramFile), "Vulkan",
     "VK_DRIVER_FILES=/nonexistent VK_ICD_FILENAMES=/nonexistent");
 }
@@ -133,9 +113,9 @@ TEST_F(RegisterCommand, RegistersTheShippedPhantom)
     0)
     << this->Errors;
   const std::string folder = this->Folder.File("result");
-  for (const char* name : { "uncompressed.vtu", "compressed.vtu", "synthetic.mha", "synthetic.png",
-         "real.png", "overlay.png", "difference.png", "convergence.svg", "result.json",
-         "report.html" })
+  for (const char* name :
+    { "uncompressed.vtu", "compressed.vtu", "synthetic.mha", "synthetic.png", "real.png",
+      "overlay.png", "difference.png", "convergence.svg", "result.json", "report.html" })
   {
     EXPECT_GT(fs::file_size(folder + "/" + name), 0u) << name;
   }

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+#ifndef mammoray_Testing_CommandTest_h
+#define mammoray_Testing_CommandTest_h
+
+#include "Files.h"
+
+#include <sys/wait.h>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <string>
+
+namespace mammoray::testing_support
+{
+/// Runs the program MAMMORAY_EXECUTABLE in a folder of the test's own.
+class CommandTest : public testing::Test
+{
+protected:
+  /// The exit status, -1 when killed; Output and Errors are kept. `environment`: NAME=value, as for
+  /// a shell.
+  int Run(const std::string& arguments, const std::string& environment = "")
+  {
+    const std::string command = environment + " " MAMMORAY_EXECUTABLE " " + arguments + " >" +
+      this->Folder.File("out") + " 2>" + this->Folder.File("err");
+    const int status = std::system(command.c_str());
+    this->Output = ReadFile(this->Folder.File("out"));
+    this->Errors = ReadFile(this->Folder.File("err"));
+    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+  }
+
+  /// One line that holds `text`, and exit status 1.
+  void ExpectRefused(const std::string& arguments, const std::string& text,
+    const std::string& environment = "")
+  {
+    EXPECT_EQ(this->Run(arguments, environment), 1) << arguments;
+    EXPECT_THAT(this->Errors, testing::StartsWith("mammoray: "));
+    EXPECT_THAT(this->Errors, testing::HasSubstr(text));
+    EXPECT_EQ(std::count(this->Errors.begin(), this->Errors.end(), '\n'), 1) << this->Errors;
+  }
+
+  TemporaryFolder Folder;
+  std::string Output;
+  std::string Errors;
+};
+}
+
+#endif
