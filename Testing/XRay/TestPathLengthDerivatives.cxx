@@ -229,24 +229,6 @@ TEST_P(DerivativeTest, GrowingSphereMatchesClosedForm)
   EXPECT_NEAR(sum * 0.4 * 0.4 / (3 * volume / 30), 1, 0.01);
 }
 
-/// Chord of the segment from `a` to `b` in a box, by its three pairs of planes.
-double BoxChord(const Vector3& low, const Vector3& high, const std::array<Vector3, 3>& axes,
-  const Vector3& a, const Vector3& b)
-{
-  double enter = 0;
-  double leave = 1;
-  for (std::size_t axis = 0; axis < 3; ++axis)
-  {
-    const double start = Dot(axes[axis], a);
-    const double run = Dot(axes[axis], b - a);
-    const double t0 = (low[axis] - start) / run;
-    const double t1 = (high[axis] - start) / run;
-    enter = std::max(enter, std::min(t0, t1));
-    leave = std::min(leave, std::max(t0, t1));
-  }
-  return std::max(0.0, leave - enter) * Norm(b - a);
-}
-
 TEST_P(DerivativeTest, RigidMotionOfABoxMatchesMovedSourceAndDetector)
 {
   // Moving the box by +h is moving source and detector by -h; the chord is known in closed form.
