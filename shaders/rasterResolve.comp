@@ -1,6 +1,6 @@
 #version 460
 // SPDX-License-Identifier: Apache-2.0
-// One invocation per pixel of the detector: mm from the sums, and the mean of the samples that can be
+// One invocation per pixel of the detector, columns by rows: mm from the sums, and the mean of the samples that can be
 // trusted.
 #extension GL_GOOGLE_include_directive : require
 #include "raster.glsl"
@@ -22,62 +22,64 @@ layout(set = 0, binding = MAMMORAY_RASTER_RATES, std430) writeonly buffer RateBu
   float rates[];
 };
 
-// The first pair of a sample's first material.
-uint sumsOf(uint corner, uint sampleIndex)
+// The first pair of a pixel of the fine grid, counted from the first row in work.
+uint sumsOf(uint column, uint row)
 {
-  const uint samples = parameters.Samples;
-  const uint sampleRow = sampleIndex / samples;
-  const uint place = corner + sampleRow * parameters.Columns + sampleIndex - sampleRow * samples;
-  return place * (parameters.Materials - 1u) * pairsPerMaterial();
+  return (row * parameters.Columns + column) * (parameters.Materials - 1u) * pairsPerMaterial();
 }
 
 void main()
 {
   const uint samples = parameters.Samples;
-  const uint columns = parameters.Columns / samples;
-  const uint rows = parameters.RowCount / samples;
-  const uint index = gl_GlobalInvocationID.y * gl_NumWorkGroups.x * MAMMORAY_RASTER_GROUP +
-    gl_GlobalInvocationID.x;
-  if (index >= columns * rows)
+  const uint left = gl_GlobalInvocationID.x * samples;
+  const uint top = gl_GlobalInvocationID.y * samples;
+  if (left >= parameters.Columns)
   {
     return;
   }
-  const uint row = index / columns;
-  const uint column = index - row * columns;
-  const uint pixel = (parameters.FirstRow / samples) * columns + index;
-  const uint corner = row * samples * parameters.Columns + column * samples;
-  const uint count = samples * samples;
-
+  const uint pixel = parameters.FirstPixel + gl_GlobalInvocationID.y * parameters.PixelColumns +
+    gl_GlobalInvocationID.x;
   uint failed = 0u;
-  for (uint sampleIndex = 0u; sampleIndex < count; ++sampleIndex)
+  for (uint row = top; row < top + samples; ++row)
   {
-    failed += isSound(sumsOf(corner, sampleIndex)) ? 0u : 1u;
+    for (uint column = left; column < left + samples; ++column)
+    {
+      failed += isSound(sumsOf(column, row)) ? 0u : 1u;
+    }
   }
   failures[pixel] = failed;
-  const Real share = failed < count ? 1 / Real(count - failed) : Real(0);
+  const uint good = samples * samples - failed;
+  const Real share = good > 0u ? 1 / Real(good) : Real(0);
+  const Real mmShare = share / parameters.Scales.z;
+  const uint fields = WithRates ? parameters.Fields : 0u;
   for (uint material = 1u; material < parameters.Materials; ++material)
   {
     const uint offset = (material - 1u) * pairsPerMaterial();
     Real sum = 0;
-    for (uint sampleIndex = 0u; sampleIndex < count; ++sampleIndex)
+    for (uint row = top; row < top + samples; ++row)
     {
-      const uint base = sumsOf(corner, sampleIndex);
-      if (failed == 0u || isSound(base))
+      for (uint column = left; column < left + samples; ++column)
       {
-        sum += Real(max(loadPair(base + offset).x, 0));
+        const uint base = sumsOf(column, row);
+        if (failed == 0u || isSound(base))
+        {
+          sum += Real(max(loadPair(base + offset).x, 0));
+        }
       }
     }
-    lengths[material * parameters.PixelCount + pixel] = float(sum * share / parameters.Scales.z);
-    const uint fields = WithRates ? parameters.Fields : 0u;
+    lengths[material * parameters.PixelCount + pixel] = float(sum * mmShare);
     [[dont_unroll]] for (uint field = 0u; field < fields; field += 2u)
     {
       vec2 rate = vec2(0);
-      for (uint sampleIndex = 0u; sampleIndex < count; ++sampleIndex)
+      for (uint row = top; row < top + samples; ++row)
       {
-        const uint base = sumsOf(corner, sampleIndex);
-        if (failed == 0u || isSound(base))
+        for (uint column = left; column < left + samples; ++column)
         {
-          rate += vec2(loadPair(base + offset + 1u + field / 2u));
+          const uint base = sumsOf(column, row);
+          if (failed == 0u || isSound(base))
+          {
+            rate += vec2(loadPair(base + offset + 1u + field / 2u));
+          }
         }
       }
       rate *= float(share);

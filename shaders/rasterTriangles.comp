@@ -14,23 +14,19 @@ void edgeRange(Real3 edge, Real column, Real row, out Real low, out Real high)
   high = value + max(edge.x, Real(0)) * last + max(edge.y, Real(0)) * last;
 }
 
-// index / width; exact for boxes of few pixels, and cheaper than integers' division.
-uint rowOf(uint index, uint width)
-{
-  return uint((float(index) + 0.5) / float(width));
-}
-
 // First the cheap search, up to 32 pixels in a row, then the work where there is a crossing: invocations that
 // run together wait for the one with most crossings, not for the one with most pixels.
 void addCrossings(uint triangleIndex, in Triangle triangle, uvec2 low, uvec2 extent)
 {
   const uint count = extent.x * extent.y;
+  // index * inverse >> 16 is index / extent.x for boxes of so few pixels: CPUs divide one by one.
+  const uint inverse = 65535u / extent.x + 1u;
   for (uint first = 0u; first < count; first += 32u)
   {
     uint crossed = 0u;
     for (uint index = first; index < min(first + 32u, count); ++index)
     {
-      const uint row = rowOf(index, extent.x);
+      const uint row = index * inverse >> 16u;
       if (crossing(triangle, Real(low.x + index - row * extent.x), Real(low.y + row)) != 0)
       {
         crossed |= 1u << (index - first);
@@ -40,7 +36,7 @@ void addCrossings(uint triangleIndex, in Triangle triangle, uvec2 low, uvec2 ext
     {
       const uint index = first + uint(findLSB(crossed));
       crossed &= crossed - 1u;
-      const uint row = rowOf(index, extent.x);
+      const uint row = index * inverse >> 16u;
       addCrossing(triangleIndex, triangle, low.x + index - row * extent.x, low.y + row);
     }
   }

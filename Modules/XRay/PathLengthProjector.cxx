@@ -27,6 +27,12 @@ std::size_t PathLengthImage::NumberOfInconsistentRays() const
     static_cast<unsigned char>(1)));
 }
 
+PathLengthImage PathLengthProjector::ProjectRays(const std::vector<XRayLine>&)
+{
+  throw InputError(
+    "projector: expected ray tracing for a list of rays, found " + MethodName(this->Method()));
+}
+
 std::string MethodName(Method method)
 {
   for (const auto& [known, name] : MethodNames)

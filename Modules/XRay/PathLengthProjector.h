@@ -42,6 +42,13 @@ struct XRayDetector
   int Samples = 1;
 };
 
+/// A straight ray between two points, in the frame of the mesh, mm.
+struct XRayLine
+{
+  Vector3 Begin{ 0, 0, 0 };
+  Vector3 End{ 0, 0, 0 };
+};
+
 /// Path lengths along the ray of each pixel.
 struct PathLengthImage
 {
@@ -161,6 +168,13 @@ public:
    */
   virtual PathLengthImage Project(const XRaySource& source, const XRayDetector& detector,
     const std::vector<double>& velocities, int fields, PathLengthDerivatives& derivatives) = 0;
+  /**
+   * Path lengths along any rays, from Begin to End; an image of one row with a column for each ray.
+   * A ray that fails is traced again at most 0.01 mm beside; one that still fails is marked and its
+   * lengths are 0. Ray tracing only: rasterisation throws InputError, as do no rays at all and a
+   * ray that is not finite or has no length.
+   */
+  virtual PathLengthImage ProjectRays(const std::vector<XRayLine>& rays);
   /// Name of the device that does the work, for reports.
   virtual std::string DeviceName() const = 0;
   /// How it is done; never Auto.

@@ -66,6 +66,24 @@ inline void AddBox(SurfaceMesh& mesh, const Vector3& low, const Vector3& high, i
   }
 }
 
+/// Chord of the segment from `a` to `b` in a box of AddBox, by its three pairs of planes.
+inline double BoxChord(const Vector3& low, const Vector3& high, const std::array<Vector3, 3>& axes,
+  const Vector3& a, const Vector3& b)
+{
+  double enter = 0;
+  double leave = 1;
+  for (std::size_t axis = 0; axis < 3; ++axis)
+  {
+    const double start = Dot(axes[axis], a);
+    const double run = Dot(axes[axis], b - a);
+    const double t0 = (low[axis] - start) / run;
+    const double t1 = (high[axis] - start) / run;
+    enter = std::max(enter, std::min(t0, t1));
+    leave = std::min(leave, std::max(t0, t1));
+  }
+  return std::max(0.0, leave - enter) * Norm(b - a);
+}
+
 /// Slabs stacked along z that share their interfaces: material m + 1 between heights[m] and
 /// heights[m + 1].
 inline SurfaceMesh Layers(const std::vector<double>& heights, double halfWidth)

@@ -23,7 +23,7 @@
 // Side of a tile of pixels; that many invocations share one, a column of pixels each.
 #define MAMMORAY_RASTER_TILE 8
 // Triangles whose bounding box holds at most so many pixels are not handed on to tiles.
-#define MAMMORAY_RASTER_SMALL 24
+#define MAMMORAY_RASTER_SMALL 128
 
 // Units of a rate's sum per largest speed of its field; sums of the rates of 16 hits at the guard's angle fit.
 #define MAMMORAY_RASTER_RATE_UNITS 524288
@@ -85,8 +85,9 @@ struct RasterParameters
   MAMMORAY_RASTER_UINT(Bottom);
   // Not 0 when only marked rays are traced, a little beside.
   MAMMORAY_RASTER_UINT(Again);
-  MAMMORAY_RASTER_UINT(Padding0);
-  MAMMORAY_RASTER_UINT(Padding1);
+  // Columns of the detector, and its first pixel in work.
+  MAMMORAY_RASTER_UINT(PixelColumns);
+  MAMMORAY_RASTER_UINT(FirstPixel);
 };
 
 #ifdef __cplusplus

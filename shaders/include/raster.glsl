@@ -118,7 +118,7 @@ bool isSound(uint base)
   for (uint material = 1u; material < parameters.Materials; ++material)
   {
     const ivec2 pair = loadPair(base + (material - 1u) * pairsPerMaterial());
-    sound = sound && pair.y == 0 && Real(pair.x) > Real(-1e-3) * parameters.Scales.z;
+    sound = sound && pair.y == 0 && float(pair.x) > -1e-3 * float(parameters.Scales.z);
   }
   return sound;
 }
@@ -204,6 +204,18 @@ float speedAlong(vec3 direction, vec3 weights, uvec3 places)
   return speed;
 }
 
+// To the nearest; for absolute values below 2^31.
+int roundToInt(Real value)
+{
+#ifdef MAMMORAY_DOUBLE
+  // At 1.5 x 2^52 a double's last bit is worth 1; on CPUs faster than a conversion, which is done one by one.
+  precise double shifted = value + 6755399441055744.0;
+  return int(unpackDouble2x32(shifted).x);
+#else
+  return int(floor(value + 0.5));
+#endif
+}
+
 // Adds the crossing of a triangle by the ray of a pixel to the pixel's sums; there must be one.
 void addCrossing(uint triangleIndex, in Triangle triangle, uint columnIndex, uint rowIndex)
 {
@@ -234,7 +246,7 @@ void addCrossing(uint triangleIndex, in Triangle triangle, uint columnIndex, uin
   t = isPoint ? max(t, min(dot(parameters.Source.xyz, direction), dot(pixel, direction))) : t;
   const bool isFree = t == free;
   t = clamp(t, -parameters.Scales.y, parameters.Scales.y);
-  const int units = int(floor(t * parameters.Scales.z + Real(0.5)));
+  const int units = roundToInt(t * parameters.Scales.z);
 
   const bool isPositive = decisive(values.x, triangle.Edges[0]) > 0;
   const bool facesSource = isPositive == (parameters.Scales.x < 0);

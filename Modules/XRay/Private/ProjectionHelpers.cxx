@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 namespace mammoray
@@ -61,6 +62,25 @@ void CheckGeometry(const XRaySource& source, const XRayDetector& detector)
     {
       throw InputError("source: expected a direction that crosses the detector's plane, found " +
         Text(source.Direction));
+    }
+  }
+}
+
+void CheckRays(const std::vector<XRayLine>& rays)
+{
+  if (rays.empty() || rays.size() > static_cast<std::size_t>(std::numeric_limits<int>::max()))
+  {
+    throw InputError(
+      "projector: expected 1 to 2^31 - 1 rays, found " + std::to_string(rays.size()));
+  }
+  for (std::size_t ray = 0; ray < rays.size(); ++ray)
+  {
+    const auto& [begin, end] = rays[ray];
+    if (!IsFinite(begin) || !IsFinite(end) || !(Norm(end - begin) > 0))
+    {
+      throw InputError("projector: ray " + std::to_string(ray) +
+        ": expected two different finite points, found " + Text(begin) + " and " + Text(end) +
+        " mm");
     }
   }
 }

@@ -13,6 +13,9 @@ namespace mammoray
 /// Throws InputError on a degenerate detector, or a source from which it cannot be seen.
 void CheckGeometry(const XRaySource& source, const XRayDetector& detector);
 
+/// Throws InputError unless there are 1 to 2^31 - 1 rays, all finite and longer than nothing.
+void CheckRays(const std::vector<XRayLine>& rays);
+
 /// Throws InputError unless there are finite coordinates for `pointCount` points.
 void CheckMovedPoints(const std::vector<double>& points, std::size_t pointCount);
 

@@ -326,6 +326,8 @@ void RasterisationProjector::WriteParameters(const XRaySource& source, const XRa
   parameters.Right = static_cast<std::uint32_t>(samples * work.Right + samples - 1);
   parameters.Top = static_cast<std::uint32_t>(samples * work.Top);
   parameters.Bottom = static_cast<std::uint32_t>(samples * work.Bottom + samples - 1);
+  parameters.PixelColumns = static_cast<std::uint32_t>(detector.Columns);
+  parameters.FirstPixel = static_cast<std::uint32_t>(work.FirstRow) * parameters.PixelColumns;
   parameters.Again = work.Attempt > 0 ? 1 : 0;
   *this->Parameters.Data<RasterParameters<Real>>() = parameters;
 }
@@ -334,9 +336,8 @@ std::uint32_t RasterisationProjector::Submit(const XRayDetector& detector, const
 {
   using Stage = vk::PipelineStageFlagBits;
   using Access = vk::AccessFlagBits;
-  const std::uint64_t pixels = std::uint64_t(detector.Columns) * std::uint64_t(work.RowCount);
-  const std::uint64_t rays =
-    pixels * static_cast<std::uint64_t>(detector.Samples * detector.Samples);
+  const std::uint64_t rays = std::uint64_t(detector.Columns) *
+    static_cast<std::uint64_t>(work.RowCount * detector.Samples * detector.Samples);
   const Programs& programs = this->ProgramsFor(work.Fields > 0);
   this->Device.Run(
     [&](const vk::raii::CommandBuffer& commands)
@@ -379,7 +380,9 @@ std::uint32_t RasterisationProjector::Submit(const XRayDetector& detector, const
       commands.dispatch(TileGroups, 1, 1);
       wait(Stage::eComputeShader, Access::eShaderWrite, Stage::eComputeShader, both);
       commands.bindPipeline(vk::PipelineBindPoint::eCompute, **programs[2]);
-      Dispatch(commands, pixels);
+      commands.dispatch((static_cast<std::uint32_t>(detector.Columns) + MAMMORAY_RASTER_GROUP - 1) /
+          MAMMORAY_RASTER_GROUP,
+        static_cast<std::uint32_t>(work.RowCount), 1);
       wait(Stage::eComputeShader, Access::eShaderWrite, Stage::eHost, Access::eHostRead);
       wait(Stage::eTransfer, Access::eTransferWrite, Stage::eHost, Access::eHostRead);
     });

@@ -3,6 +3,8 @@
 
 #include "PathLengthParameters.h"
 #include "ProjectionHelpers.h"
+#include "pathLengthRays_rgen_double.h"
+#include "pathLengthRays_rgen_float.h"
 #include "pathLength_rahit_double.h"
 #include "pathLength_rahit_float.h"
 #include "pathLength_rgen_double.h"
@@ -30,6 +32,9 @@ constexpr int MostFieldsAtOnce = 8;
 constexpr std::uint32_t MostRates = 128;
 /// Bytes of a pass's rates and velocities.
 constexpr std::uint64_t MostFieldBytes = 256u << 20;
+/// Rays of a list done at once, and in a row of the launch.
+constexpr std::uint64_t MostRaysAtOnce = 1u << 20;
+constexpr std::size_t RaysPerRow = 8192;
 
 std::uint32_t TileCount(int pixels, int tile)
 {
@@ -108,6 +113,7 @@ RayTracingProjector::RayTracingProjector(std::unique_ptr<VulkanDevice> device,
     Usage::eStorageBuffer, MemoryUse::Upload);
   Reserve(this->Velocities, this->Device, 1, Usage::eStorageBuffer, MemoryUse::Upload);
   Reserve(this->Rates, this->Device, 1, Usage::eStorageBuffer, MemoryUse::Download);
+  Reserve(this->Rays, this->Device, 1, Usage::eStorageBuffer, MemoryUse::Upload);
 }
 
 void RayTracingProjector::MakeLayout()
@@ -135,10 +141,9 @@ void RayTracingProjector::MakeLayout()
   this->Set.emplace(std::move(sets.front()));
 }
 
-const RayTracingProjector::Program& RayTracingProjector::ProgramFor(std::uint32_t capacity,
-  std::uint32_t fields)
+const RayTracingProjector::Program& RayTracingProjector::ProgramFor(const Kind& kind)
 {
-  const auto known = this->Programs.find({ capacity, fields });
+  const auto known = this->Programs.find(kind);
   if (known != this->Programs.end())
   {
     return known->second;
@@ -149,11 +154,12 @@ const RayTracingProjector::Program& RayTracingProjector::ProgramFor(std::uint32_
     return this->Doubles ? Module(this->Device, twice, sizeof(twice))
                          : Module(this->Device, single, sizeof(single));
   };
-  const vk::raii::ShaderModule rayGeneration =
-    module(pathLength_rgen_float, pathLength_rgen_double);
+  const vk::raii::ShaderModule rayGeneration = kind.IsList
+    ? module(pathLengthRays_rgen_float, pathLengthRays_rgen_double)
+    : module(pathLength_rgen_float, pathLength_rgen_double);
   const vk::raii::ShaderModule miss = module(pathLength_rmiss_float, pathLength_rmiss_double);
   const vk::raii::ShaderModule anyHit = module(pathLength_rahit_float, pathLength_rahit_double);
-  const std::array<std::uint32_t, 2> values{ capacity, fields };
+  const std::array<std::uint32_t, 2> values{ kind.Capacity, kind.Fields };
   const std::array<vk::SpecializationMapEntry, 2> entries{
     vk::SpecializationMapEntry(0, 0, sizeof(std::uint32_t)),
     vk::SpecializationMapEntry(1, sizeof(std::uint32_t), sizeof(std::uint32_t)),
@@ -195,7 +201,7 @@ const RayTracingProjector::Program& RayTracingProjector::ProgramFor(std::uint32_
     program.Regions[group] =
       vk::StridedDeviceAddressRegionKHR(start + group * stride, stride, stride);
   }
-  return this->Programs.emplace(std::pair(capacity, fields), std::move(program)).first->second;
+  return this->Programs.emplace(kind, std::move(program)).first->second;
 }
 
 void RayTracingProjector::SetSurface(const SurfaceMesh& surface)
@@ -349,6 +355,7 @@ void RayTracingProjector::UpdateDescriptors()
   buffers[MAMMORAY_BINDING_FAILURES] = &this->Failures;
   buffers[MAMMORAY_BINDING_VELOCITIES] = &this->Velocities;
   buffers[MAMMORAY_BINDING_RATES] = &this->Rates;
+  buffers[MAMMORAY_BINDING_RAYS] = &this->Rays;
   std::array<vk::DescriptorBufferInfo, MAMMORAY_BINDING_COUNT> infos;
   for (std::uint32_t binding = 0; binding < MAMMORAY_BINDING_COUNT; ++binding)
   {
@@ -471,21 +478,106 @@ void RayTracingProjector::Render(const XRaySource& source, const XRayDetector& d
   {
     this->WriteParameters<float>(source, detector, MostAttempts);
   }
-  const Program& program = this->ProgramFor(this->Capacity(), static_cast<std::uint32_t>(fields));
+  this->Submit({ this->Capacity(), static_cast<std::uint32_t>(fields), false },
+    8 * TileCount(detector.Columns, MAMMORAY_TILE_COLUMNS),
+    TileCount(detector.Rows, MAMMORAY_TILE_ROWS));
+}
+
+void RayTracingProjector::Submit(const Kind& kind, std::uint32_t width, std::uint32_t height)
+{
+  const Program& program = this->ProgramFor(kind);
   this->Device.Run(
     [&](const vk::raii::CommandBuffer& commands)
     {
       commands.bindPipeline(vk::PipelineBindPoint::eRayTracingKHR, **program.Pipeline);
       commands.bindDescriptorSets(vk::PipelineBindPoint::eRayTracingKHR, **this->Layout, 0,
         **this->Set, nullptr);
-      commands.traceRaysKHR(program.Regions[0], program.Regions[1], program.Regions[2], {},
-        8 * TileCount(detector.Columns, MAMMORAY_TILE_COLUMNS),
-        TileCount(detector.Rows, MAMMORAY_TILE_ROWS), 1);
+      commands.traceRaysKHR(program.Regions[0], program.Regions[1], program.Regions[2], {}, width,
+        height, 1);
       const vk::MemoryBarrier written(vk::AccessFlagBits::eShaderWrite,
         vk::AccessFlagBits::eHostRead);
       commands.pipelineBarrier(vk::PipelineStageFlagBits::eRayTracingShaderKHR,
         vk::PipelineStageFlagBits::eHost, {}, written, nullptr, nullptr);
     });
+}
+
+template <typename Real>
+void RayTracingProjector::WriteRays(const XRayLine* rays, std::size_t count)
+{
+  Real* target = this->Rays.Data<Real>();
+  for (const XRayLine* line = rays; line != rays + count; ++line)
+  {
+    for (const Vector3& point : { line->Begin, line->End })
+    {
+      for (std::size_t axis = 0; axis < 3; ++axis)
+      {
+        *target++ = static_cast<Real>(point[axis] - this->Center[axis]);
+      }
+    }
+  }
+  // Source and detector stay unread.
+  XRayDetector detector;
+  detector.Columns = static_cast<int>(count);
+  this->WriteParameters<Real>({}, detector, MostAttempts);
+}
+
+void RayTracingProjector::RenderRays(const XRayLine* rays, std::size_t count)
+{
+  bool grown = Reserve(this->Lengths, this->Device, count * this->MaterialCount * sizeof(float),
+    Usage::eStorageBuffer, MemoryUse::Download);
+  grown |= Reserve(this->Failures, this->Device, count * sizeof(std::uint32_t),
+    Usage::eStorageBuffer, MemoryUse::Download);
+  grown |=
+    Reserve(this->Rays, this->Device, 6 * count * (this->Doubles ? sizeof(double) : sizeof(float)),
+      Usage::eStorageBuffer, MemoryUse::Upload);
+  if (this->DescriptorsStale || grown)
+  {
+    this->UpdateDescriptors();
+  }
+  if (this->Doubles)
+  {
+    this->WriteRays<double>(rays, count);
+  }
+  else
+  {
+    this->WriteRays<float>(rays, count);
+  }
+  const auto width = static_cast<std::uint32_t>(std::min(count, RaysPerRow));
+  this->Submit({ this->Capacity(), 0, true }, width,
+    static_cast<std::uint32_t>((count + width - 1) / width));
+}
+
+PathLengthImage RayTracingProjector::ProjectRays(const std::vector<XRayLine>& rays)
+{
+  if (!this->Scene)
+  {
+    throw InputError("projector: expected a surface before the projection, found none");
+  }
+  CheckRays(rays);
+  PathLengthImage image;
+  image.Columns = static_cast<int>(rays.size());
+  image.Rows = 1;
+  image.Materials = static_cast<int>(this->MaterialCount);
+  image.Lengths.assign(rays.size() * this->MaterialCount, 0.0f);
+  image.Inconsistent.resize(rays.size());
+  const std::uint64_t mostValues = this->Device.Limits().maxStorageBufferRange / sizeof(float);
+  const auto atOnce = static_cast<std::size_t>(
+    std::clamp<std::uint64_t>(mostValues / this->MaterialCount, 1, MostRaysAtOnce));
+  for (std::size_t first = 0; first < rays.size(); first += atOnce)
+  {
+    const std::size_t count = std::min(atOnce, rays.size() - first);
+    WithDeviceErrors([&] { this->RenderRays(rays.data() + first, count); });
+    for (std::size_t material = 1; material < this->MaterialCount; ++material)
+    {
+      std::copy_n(this->Lengths.Data<float>() + material * count, count,
+        image.Lengths.begin() + static_cast<std::ptrdiff_t>(material * rays.size() + first));
+    }
+    std::transform(this->Failures.Data<std::uint32_t>(),
+      this->Failures.Data<std::uint32_t>() + count,
+      image.Inconsistent.begin() + static_cast<std::ptrdiff_t>(first),
+      [](std::uint32_t failed) { return static_cast<unsigned char>(failed); });
+  }
+  return image;
 }
 
 PathLengthImage RayTracingProjector::Project(const XRaySource& source, const XRayDetector& detector)

@@ -5,6 +5,7 @@
 #include "AccelerationStructure.h"
 
 #include <array>
+#include <compare>
 #include <map>
 
 namespace mammoray
@@ -21,11 +22,20 @@ public:
   PathLengthImage Project(const XRaySource& source, const XRayDetector& detector) override;
   PathLengthImage Project(const XRaySource& source, const XRayDetector& detector,
     const std::vector<double>& velocities, int fields, PathLengthDerivatives& derivatives) override;
+  PathLengthImage ProjectRays(const std::vector<XRayLine>& rays) override;
   std::string DeviceName() const override { return this->Device.Name(); }
   ProjectorOptions::Method Method() const override { return ProjectorOptions::Method::RayTracing; }
 
 private:
-  /// Pipeline for a number of materials and of velocity fields, with its shader binding table.
+  /// What a pipeline is for: room for materials, velocity fields, and rays of pixels or of a list.
+  struct Kind
+  {
+    std::uint32_t Capacity = 4;
+    std::uint32_t Fields = 0;
+    bool IsList = false;
+    auto operator<=>(const Kind&) const = default;
+  };
+  /// Pipeline of a kind, with its shader binding table.
   struct Program
   {
     std::optional<vk::raii::Pipeline> Pipeline;
@@ -34,7 +44,7 @@ private:
   };
 
   void MakeLayout();
-  const Program& ProgramFor(std::uint32_t capacity, std::uint32_t fields);
+  const Program& ProgramFor(const Kind& kind);
   template <typename Real>
   void WriteParameters(const XRaySource& source, const XRayDetector& detector,
     std::uint32_t attempts);
@@ -50,6 +60,12 @@ private:
   int MostFields(const PathLengthImage& image, int fields) const;
   /// Fills Lengths, Failures and, for the fields of Velocities, Rates.
   void Render(const XRaySource& source, const XRayDetector& detector, int fields);
+  /// Fills Lengths and Failures for `count` rays.
+  void RenderRays(const XRayLine* rays, std::size_t count);
+  template <typename Real>
+  void WriteRays(const XRayLine* rays, std::size_t count);
+  /// Traces width x height rays.
+  void Submit(const Kind& kind, std::uint32_t width, std::uint32_t height);
 
   std::unique_ptr<VulkanDevice> OwnedDevice;
   VulkanDevice& Device;
@@ -58,7 +74,7 @@ private:
   std::optional<vk::raii::PipelineLayout> Layout;
   std::optional<vk::raii::DescriptorPool> DescriptorPool;
   std::optional<vk::raii::DescriptorSet> Set;
-  std::map<std::pair<std::uint32_t, std::uint32_t>, Program> Programs;
+  std::map<Kind, Program> Programs;
 
   std::size_t PointCount = 0;
   std::uint32_t TriangleCount = 0;
@@ -78,6 +94,7 @@ private:
   Buffer Failures;
   Buffer Velocities;
   Buffer Rates;
+  Buffer Rays;
   bool DescriptorsStale = true;
   std::optional<AccelerationStructure> Surface;
   std::optional<AccelerationStructure> Scene;
