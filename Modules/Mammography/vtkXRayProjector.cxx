@@ -2,6 +2,7 @@
 #include "vtkXRayProjector.h"
 
 #include "Error.h"
+#include "Exposure.h"
 #include "MeshConversion.h"
 #include "PhysicsData.h"
 #include "ProjectionImage.h"
@@ -41,6 +42,78 @@ struct TopologyStamp
   vtkIdType Points = 0;
   bool operator==(const TopologyStamp&) const = default;
 };
+
+/**
+ * A projector that remembers the path lengths of its last views as long as the surface stands, so
+ * that another beam or material does not trace again. Views beyond MostBytes are not kept.
+ */
+class RememberingProjector : public PathLengthProjector
+{
+public:
+  static constexpr std::size_t MostBytes = std::size_t{ 512 } << 20;
+
+  RememberingProjector(std::unique_ptr<PathLengthProjector> projector, vtkIdType& traces)
+    : Projector(std::move(projector))
+    , Traces(traces)
+  {
+  }
+
+  void SetSurface(const SurfaceMesh& surface) override
+  {
+    this->Forget();
+    this->Projector->SetSurface(surface);
+  }
+  void UpdatePoints(const std::vector<double>& points) override
+  {
+    this->Forget();
+    this->Projector->UpdatePoints(points);
+  }
+  PathLengthImage Project(const XRaySource& source, const XRayDetector& detector) override
+  {
+    for (const View& view : this->Views)
+    {
+      if (view.Source == source && view.Detector == detector)
+      {
+        return view.Image;
+      }
+    }
+    PathLengthImage image = this->Projector->Project(source, detector);
+    ++this->Traces;
+    const std::size_t bytes = image.Lengths.size() * sizeof(float) + image.Inconsistent.size();
+    if (this->Bytes + bytes <= MostBytes)
+    {
+      this->Bytes += bytes;
+      this->Views.push_back({ source, detector, image });
+    }
+    return image;
+  }
+  PathLengthImage Project(const XRaySource& source, const XRayDetector& detector,
+    const std::vector<double>& velocities, int fields, PathLengthDerivatives& derivatives) override
+  {
+    return this->Projector->Project(source, detector, velocities, fields, derivatives);
+  }
+  std::string DeviceName() const override { return this->Projector->DeviceName(); }
+  ProjectorOptions::Method Method() const override { return this->Projector->Method(); }
+
+  /// To be called when views of another source or detector are wanted.
+  void Forget()
+  {
+    this->Views.clear();
+    this->Bytes = 0;
+  }
+
+private:
+  struct View
+  {
+    XRaySource Source;
+    XRayDetector Detector;
+    PathLengthImage Image;
+  };
+  std::unique_ptr<PathLengthProjector> Projector;
+  vtkIdType& Traces;
+  std::vector<View> Views;
+  std::size_t Bytes = 0;
+};
 }
 
 struct vtkXRayProjector::Internals
@@ -54,7 +127,10 @@ struct vtkXRayProjector::Internals
 
   Spectrum Photons = Spectrum::Monochromatic(20);
   std::map<int, Attenuation> Attenuations;
-  std::unique_ptr<PathLengthProjector> Projector;
+  std::unique_ptr<RememberingProjector> Projector;
+  /// Of the last update.
+  XRaySource Source;
+  XRayDetector Detector;
   std::string ProjectorDevice;
   ProjectorOptions::Method ProjectorMethod = ProjectorOptions::Method::Auto;
   /// What is on the device.
@@ -271,7 +347,8 @@ int vtkXRayProjector::RequestData(vtkInformation*, vtkInformationVector** inputs
       internal.ProjectorMethod != method)
     {
       internal.Surface = {};
-      internal.Projector = MakeProjector({ .Projection = method, .Device = this->DeviceName });
+      internal.Projector = std::make_unique<RememberingProjector>(
+        MakeProjector({ .Projection = method, .Device = this->DeviceName }), this->NumberOfTraces);
       internal.ProjectorDevice = this->DeviceName;
       internal.ProjectorMethod = method;
     }
@@ -303,15 +380,31 @@ int vtkXRayProjector::RequestData(vtkInformation*, vtkInformationVector** inputs
     detector.Columns = this->DetectorSize[0];
     detector.Rows = this->DetectorSize[1];
     detector.Samples = this->Samples;
+    if (!(source == internal.Source && detector == internal.Detector))
+    {
+      internal.Projector->Forget();
+      internal.Source = source;
+      internal.Detector = detector;
+    }
     const Beam beam = internal.MakeBeamFor(internal.Surface.NumberOfMaterials(),
       this->PhotonCounting ? DetectorResponse::PhotonCounting
                            : DetectorResponse::EnergyIntegrating);
-    const Exposure exposure = Expose(*internal.Projector, source, detector, beam);
+    const Exposure exposure = Expose(*internal.Projector, source, detector, beam, {},
+      [this](double fraction, const char*)
+      {
+        this->UpdateProgress(0.4 + 0.4 * fraction);
+        return this->GetAbortExecute() == 0;
+      });
     this->UpdateProgress(0.8);
 
     output->ShallowCopy(ToImage(exposure, detector, internal.MaterialNames));
     this->NumberOfInconsistentPixels =
       static_cast<vtkIdType>(exposure.Lengths.NumberOfInconsistentRays());
+    return 1;
+  }
+  catch (const Interrupted&)
+  {
+    output->Initialize();
     return 1;
   }
   catch (const std::exception& error) // bad_alloc must not cross the pipeline either
@@ -349,4 +442,5 @@ void vtkXRayProjector::PrintSelf(ostream& os, vtkIndent indent)
   os << indent << "ProjectionMethod: " << this->ProjectionMethod << "\n";
   print("Energies", this->Internal->Photons.EnergiesKeV);
   os << indent << "NumberOfInconsistentPixels: " << this->NumberOfInconsistentPixels << "\n";
+  os << indent << "NumberOfTraces: " << this->NumberOfTraces << "\n";
 }

@@ -16,7 +16,8 @@
  * the mesh leaks there and the value is estimated from neighbours).
  *
  * The Vulkan device and the mesh on it live across updates: moved points refit the structure, a
- * moved source or detector only traces again. Unusable input, a material without attenuation or a
+ * moved source or detector only traces again, and another beam or attenuation does not even that
+ * (as long as the path lengths of all samples fit into 512 MiB). Unusable input, a material without attenuation or a
  * missing device raises ErrorEvent once and leaves the output empty.
  */
 #ifndef vtkXRayProjector_h
@@ -178,6 +179,11 @@ public:
    */
   vtkGetMacro(NumberOfInconsistentPixels, vtkIdType);
 
+  /**
+   * How often rays have been traced (once per image and sample) since the filter was made.
+   */
+  vtkGetMacro(NumberOfTraces, vtkIdType);
+
 protected:
   vtkXRayProjector();
   ~vtkXRayProjector() override;
@@ -206,6 +212,7 @@ private:
   std::string DeviceName;
   int ProjectionMethod = AUTO;
   vtkIdType NumberOfInconsistentPixels = 0;
+  vtkIdType NumberOfTraces = 0;
 
   struct Internals;
   Internals* Internal;

@@ -25,6 +25,8 @@ struct XRaySource
   Vector3 Position{ 0, 0, 650 };
   /// Parallel beam: direction in which the X-rays travel; any length but zero.
   Vector3 Direction{ 0, 0, -1 };
+
+  bool operator==(const XRaySource&) const = default;
 };
 
 /// A flat pixel grid in any pose; in the frame of the mesh.
@@ -37,9 +39,11 @@ struct XRayDetector
   Vector3 RowStep{ 0, 0.1, 0 };
   int Columns = 1;
   int Rows = 1;
-  /// Rays per pixel: a centred Samples x Samples grid whose path lengths' transmissions are
-  /// averaged by the caller, or whose path lengths are averaged (see PathLengthImage). 1 to 16.
+  /// Rays per pixel: a centred Samples x Samples grid. Projectors average their path lengths,
+  /// Expose their transmissions. 1 to 16.
   int Samples = 1;
+
+  bool operator==(const XRayDetector&) const = default;
 };
 
 /// A straight ray between two points, in the frame of the mesh, mm.

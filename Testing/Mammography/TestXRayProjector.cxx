@@ -127,6 +127,31 @@ TEST_F(XRayProjectorFilter, BrickMatchesClosedFormAndLiesAtTheDetector)
   EXPECT_DOUBLE_EQ(corner[2], -5);
 }
 
+TEST_F(XRayProjectorFilter, AnotherBeamDoesNotTraceAgain)
+{
+  this->Filter->SetInputData(Brick(10, 20, 12));
+  this->Filter->SetSamples(2);
+  this->Filter->Update();
+  EXPECT_EQ(this->Filter->GetNumberOfTraces(), 4);
+  EXPECT_NEAR(this->Value("LogAttenuation", 0), 0.6, 1e-6);
+  this->Filter->SetLinearAttenuation(1, 0.1);
+  this->Filter->SetMonochromatic(30);
+  this->Filter->PhotonCountingOn();
+  this->Filter->Update();
+  EXPECT_EQ(this->Filter->GetNumberOfTraces(), 4);
+  EXPECT_NEAR(this->Value("LogAttenuation", 0), 1.2, 1e-6);
+  // A moved beam traces again, and so do moved points.
+  this->Filter->SetBeamDirection(0, 0.5, -1);
+  this->Filter->Update();
+  EXPECT_EQ(this->Filter->GetNumberOfTraces(), 8);
+  this->Filter->SetBeamDirection(0, 0, -1);
+  this->Filter->SetInputData(Brick(10, 20, 18));
+  this->Filter->Update();
+  EXPECT_EQ(this->Filter->GetNumberOfTraces(), 12);
+  EXPECT_NEAR(this->Value("LogAttenuation", 0), 1.8, 1e-6);
+  EXPECT_EQ(this->Errors->Count, 0) << this->Errors->Text;
+}
+
 TEST_F(XRayProjectorFilter, MethodsAgree)
 {
   if (!mammoray::ListDevices().front().RayTracing)
