@@ -92,6 +92,10 @@ public:
   {
     return this->Projector->Project(source, detector, velocities, fields, derivatives);
   }
+  std::vector<float> Transmission(const Beam& beam) override
+  {
+    return this->Projector->Transmission(beam);
+  }
   std::string DeviceName() const override { return this->Projector->DeviceName(); }
   ProjectorOptions::Method Method() const override { return this->Projector->Method(); }
 

@@ -88,6 +88,14 @@ public:
   void AddTransmission(const PathLengthImage& image, double weight,
     std::vector<double>& transmission, std::vector<double>* variance = nullptr) const;
   int NumberOfMaterials() const { return this->MaterialCount; }
+  /// w_E D(E) of each energy with photons, in shares of their sum.
+  const std::vector<double>& EnergyWeights() const { return this->Weights; }
+  /// Attenuation of a material at the energy of EnergyWeights()[energy], 1/mm; 0 for air.
+  double MuPerMm(std::size_t energy, int material) const
+  {
+    return this->Mu[energy * static_cast<std::size_t>(this->MaterialCount) +
+      static_cast<std::size_t>(material)];
+  }
 
 private:
   /**

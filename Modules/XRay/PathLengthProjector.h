@@ -12,6 +12,8 @@
 
 namespace mammoray
 {
+class Beam;
+
 /// Where the X-rays come from; in the frame of the mesh.
 struct XRaySource
 {
@@ -179,6 +181,15 @@ public:
    * ray that is not finite or has no length.
    */
   virtual PathLengthImage ProjectRays(const std::vector<XRayLine>& rays);
+  /**
+   * Transmission I / I0 of each pixel of the last Project by the Beer-Lambert law, computed on the
+   * device from the path lengths that are still there: another spectrum or material traces no ray,
+   * and one image is read back whatever the number of materials. Rows * Columns values. Single
+   * precision: relative error 1e-6 times 1 + the log attenuation, or so. Throws InputError before
+   * the first Project, after another mesh, moved points or a list of rays, and when the beam lacks
+   * a material of the surface.
+   */
+  virtual std::vector<float> Transmission(const Beam& beam) = 0;
   /// Name of the device that does the work, for reports.
   virtual std::string DeviceName() const = 0;
   /// How it is done; never Auto.

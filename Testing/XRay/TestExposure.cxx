@@ -47,6 +47,10 @@ public:
   {
     throw Error("analytic projector: no derivatives");
   }
+  std::vector<float> Transmission(const Beam&) override
+  {
+    throw Error("analytic projector: no device");
+  }
   std::string DeviceName() const override { return "analytic"; }
   ProjectorOptions::Method Method() const override
   {

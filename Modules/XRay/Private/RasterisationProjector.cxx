@@ -144,6 +144,7 @@ const RasterisationProjector::Programs& RasterisationProjector::ProgramsFor(bool
 void RasterisationProjector::SetSurface(const SurfaceMesh& surface)
 {
   surface.Validate("surface");
+  this->LastView.reset();
   const std::uint64_t positionBytes =
     surface.Points.size() * (this->Doubles ? sizeof(double) : sizeof(float));
   const std::uint64_t triangleBytes = surface.Triangles.size() * sizeof(std::uint32_t);
@@ -183,6 +184,7 @@ void RasterisationProjector::UpdatePoints(const std::vector<double>& points)
     throw InputError("projector: expected a surface before its points are moved, found none");
   }
   CheckMovedPoints(points, this->PointCount);
+  this->LastView.reset();
   this->WritePoints(points);
 }
 
@@ -576,10 +578,12 @@ PathLengthImage RasterisationProjector::Project(const XRaySource& source,
   const XRayDetector& detector)
 {
   PathLengthImage image = this->MakeImage(source, detector);
+  this->LastView.reset();
   WithDeviceErrors([&] { this->Render(source, detector, 0); });
-  FillFromNeighbours(image.Lengths, image.Columns, image.Rows,
+  this->LastView = ProjectedView{ image.Columns, image.Rows, image.Materials,
     ReadImage({ this->Lengths.Data<float>(), this->Failures.Data<std::uint32_t>() }, detector,
-      image));
+      image) };
+  FillFromNeighbours(image.Lengths, image.Columns, image.Rows, this->LastView->Holes);
   return image;
 }
 
@@ -588,6 +592,7 @@ PathLengthImage RasterisationProjector::Project(const XRaySource& source,
   PathLengthDerivatives& derivatives)
 {
   PathLengthImage image = this->MakeImage(source, detector);
+  this->LastView.reset();
   CheckVelocities(velocities, fields, this->PointCount);
   const int atOnce = this->MostFields(detector, fields);
   PrepareDerivatives(image, fields, derivatives);
@@ -621,6 +626,20 @@ PathLengthImage RasterisationProjector::Project(const XRaySource& source,
     { this->Lengths.Data<float>(), this->Failures.Data<std::uint32_t>() }, detector, image);
   FillFromNeighbours(image.Lengths, image.Columns, image.Rows, holes);
   FillFromNeighbours(derivatives.Lengths, image.Columns, image.Rows, holes);
+  this->LastView = ProjectedView{ image.Columns, image.Rows, image.Materials, holes };
   return image;
+}
+
+std::vector<float> RasterisationProjector::Transmission(const Beam& beam)
+{
+  return WithDeviceErrors(
+    [&]
+    {
+      if (!this->BeamOnDevice)
+      {
+        this->BeamOnDevice.emplace(this->Device);
+      }
+      return this->BeamOnDevice->Transmission(this->Lengths, this->LastView, beam);
+    });
 }
 }

@@ -3,6 +3,7 @@
 #define mammoray_RasterisationProjector_h
 
 #include "Buffer.h"
+#include "DeviceBeam.h"
 
 #include <array>
 
@@ -24,6 +25,7 @@ public:
   PathLengthImage Project(const XRaySource& source, const XRayDetector& detector) override;
   PathLengthImage Project(const XRaySource& source, const XRayDetector& detector,
     const std::vector<double>& velocities, int fields, PathLengthDerivatives& derivatives) override;
+  std::vector<float> Transmission(const Beam& beam) override;
   std::string DeviceName() const override { return this->Device.Name(); }
   ProjectorOptions::Method Method() const override
   {
@@ -103,6 +105,10 @@ private:
   Buffer Rates;
   Buffer Marks;
   bool DescriptorsStale = true;
+  /// Made when first used.
+  std::optional<DeviceBeam> BeamOnDevice;
+  /// What Lengths holds; empty when it is of no image.
+  std::optional<ProjectedView> LastView;
 };
 }
 

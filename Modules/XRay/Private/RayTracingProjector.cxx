@@ -207,6 +207,7 @@ const RayTracingProjector::Program& RayTracingProjector::ProgramFor(const Kind& 
 void RayTracingProjector::SetSurface(const SurfaceMesh& surface)
 {
   surface.Validate("surface");
+  this->LastView.reset();
   WithDeviceErrors(
     [&]
     {
@@ -253,6 +254,7 @@ void RayTracingProjector::UpdatePoints(const std::vector<double>& points)
     throw InputError("projector: expected a surface before its points are moved, found none");
   }
   CheckMovedPoints(points, this->PointCount);
+  this->LastView.reset();
   WithDeviceErrors(
     [&]
     {
@@ -554,6 +556,7 @@ PathLengthImage RayTracingProjector::ProjectRays(const std::vector<XRayLine>& ra
     throw InputError("projector: expected a surface before the projection, found none");
   }
   CheckRays(rays);
+  this->LastView.reset();
   PathLengthImage image;
   image.Columns = static_cast<int>(rays.size());
   image.Rows = 1;
@@ -583,10 +586,12 @@ PathLengthImage RayTracingProjector::ProjectRays(const std::vector<XRayLine>& ra
 PathLengthImage RayTracingProjector::Project(const XRaySource& source, const XRayDetector& detector)
 {
   PathLengthImage image = this->MakeImage(source, detector);
+  this->LastView.reset();
   WithDeviceErrors([&] { this->Render(source, detector, 0); });
-  FillFromNeighbours(image.Lengths, image.Columns, image.Rows,
+  this->LastView = ProjectedView{ image.Columns, image.Rows, image.Materials,
     ReadImage({ this->Lengths.Data<float>(), this->Failures.Data<std::uint32_t>() }, detector,
-      image));
+      image) };
+  FillFromNeighbours(image.Lengths, image.Columns, image.Rows, this->LastView->Holes);
   return image;
 }
 
@@ -594,6 +599,7 @@ PathLengthImage RayTracingProjector::Project(const XRaySource& source, const XRa
   const std::vector<double>& velocities, int fields, PathLengthDerivatives& derivatives)
 {
   PathLengthImage image = this->MakeImage(source, detector);
+  this->LastView.reset();
   CheckVelocities(velocities, fields, this->PointCount);
   const int atOnce = this->MostFields(image, fields);
   PrepareDerivatives(image, fields, derivatives);
@@ -621,6 +627,20 @@ PathLengthImage RayTracingProjector::Project(const XRaySource& source, const XRa
     { this->Lengths.Data<float>(), this->Failures.Data<std::uint32_t>() }, detector, image);
   FillFromNeighbours(image.Lengths, image.Columns, image.Rows, holes);
   FillFromNeighbours(derivatives.Lengths, image.Columns, image.Rows, holes);
+  this->LastView = ProjectedView{ image.Columns, image.Rows, image.Materials, holes };
   return image;
+}
+
+std::vector<float> RayTracingProjector::Transmission(const Beam& beam)
+{
+  return WithDeviceErrors(
+    [&]
+    {
+      if (!this->BeamOnDevice)
+      {
+        this->BeamOnDevice.emplace(this->Device);
+      }
+      return this->BeamOnDevice->Transmission(this->Lengths, this->LastView, beam);
+    });
 }
 }

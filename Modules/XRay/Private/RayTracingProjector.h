@@ -3,6 +3,7 @@
 #define mammoray_RayTracingProjector_h
 
 #include "AccelerationStructure.h"
+#include "DeviceBeam.h"
 
 #include <array>
 #include <compare>
@@ -23,6 +24,7 @@ public:
   PathLengthImage Project(const XRaySource& source, const XRayDetector& detector,
     const std::vector<double>& velocities, int fields, PathLengthDerivatives& derivatives) override;
   PathLengthImage ProjectRays(const std::vector<XRayLine>& rays) override;
+  std::vector<float> Transmission(const Beam& beam) override;
   std::string DeviceName() const override { return this->Device.Name(); }
   ProjectorOptions::Method Method() const override { return ProjectorOptions::Method::RayTracing; }
 
@@ -96,6 +98,10 @@ private:
   Buffer Rates;
   Buffer Rays;
   bool DescriptorsStale = true;
+  /// Made when first used.
+  std::optional<DeviceBeam> BeamOnDevice;
+  /// What Lengths holds; empty when it is of no image.
+  std::optional<ProjectedView> LastView;
   std::optional<AccelerationStructure> Surface;
   std::optional<AccelerationStructure> Scene;
 };

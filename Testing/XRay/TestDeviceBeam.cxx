@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: Apache-2.0
+// The Beer-Lambert law on the device against the one on the host, on the same path lengths.
+#include "Beam.h"
+#include "Error.h"
+#include "ProjectorTesting.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace
+{
+using namespace mammoray;
+using namespace mammoray::shapes;
+
+class DeviceBeamTest : public ProjectorTest
+{
+protected:
+  DeviceBeamTest()
+  {
+    for (double energy = 10; energy <= 50; energy += 1)
+    {
+      this->Table.EnergiesKeV.push_back(energy);
+      this->Table.MuPerMm.push_back(0.08 * std::pow(energy / 20, -3));
+    }
+    for (int energy = 12; energy <= 49; ++energy)
+    {
+      this->Photons.EnergiesKeV.push_back(energy);
+      this->Photons.Weights.push_back(energy * (50 - energy));
+    }
+  }
+  Beam MakeBeam(int materials, DetectorResponse response) const
+  {
+    std::vector<const AttenuationTable*> tables{ nullptr };
+    std::vector<double> densities{ 0 };
+    for (int material = 1; material < materials; ++material)
+    {
+      tables.push_back(&this->Table);
+      densities.push_back(0.5 + 0.3 * material);
+    }
+    return Beam(this->Photons, response, tables, densities);
+  }
+
+  AttenuationTable Table;
+  Spectrum Photons;
+  XRaySource Source = PointSource({ 20, 10, 400 });
+  XRayDetector Detector =
+    CentredDetector({ 10, 0, -80 }, { 1, 0, 0 }, { 0, 1, 0 }, 150, 110, 47, 37);
+};
+
+TEST_P(DeviceBeamTest, AgreesWithTheHostForEveryBeamOfOneProjection)
+{
+  const SurfaceMesh mesh = NestedBodies();
+  this->Projector->SetSurface(mesh);
+  this->Detector.Samples = 2;
+  const PathLengthImage lengths = this->Projector->Project(this->Source, this->Detector);
+  for (const DetectorResponse response :
+    { DetectorResponse::EnergyIntegrating, DetectorResponse::PhotonCounting })
+  {
+    const Beam beam = this->MakeBeam(mesh.NumberOfMaterials() + 1, response);
+    const std::vector<float> expected = beam.Transmission(lengths);
+    const std::vector<float> found = this->Projector->Transmission(beam);
+    ASSERT_EQ(found.size(), expected.size());
+    for (std::size_t pixel = 0; pixel < found.size(); ++pixel)
+    {
+      // Exponents and sums in single precision, and an exponential good to 3 + 2 |x| units.
+      const double tolerance = 1e-6 * (1 - std::log(expected[pixel]));
+      ASSERT_NEAR(found[pixel], expected[pixel], tolerance * expected[pixel]) << pixel;
+    }
+  }
+}
+
+TEST_P(DeviceBeamTest, DerivativesLeaveTheSamePathLengths)
+{
+  const SurfaceMesh mesh = NestedBodies();
+  this->Projector->SetSurface(mesh);
+  const Beam beam = this->MakeBeam(mesh.NumberOfMaterials(), DetectorResponse::PhotonCounting);
+  this->Projector->Project(this->Source, this->Detector);
+  const std::vector<float> expected = this->Projector->Transmission(beam);
+  PathLengthDerivatives derivatives;
+  this->Projector->Project(this->Source, this->Detector,
+    std::vector<double>(mesh.Points.size(), 1.0), 1, derivatives);
+  const std::vector<float> found = this->Projector->Transmission(beam);
+  ASSERT_EQ(found.size(), expected.size());
+  for (std::size_t pixel = 0; pixel < found.size(); ++pixel)
+  {
+    ASSERT_NEAR(found[pixel], expected[pixel], 1e-5 * expected[pixel]) << pixel;
+  }
+}
+
+TEST_P(DeviceBeamTest, AHoleIsNotBright)
+{
+  SurfaceMesh closed;
+  AddSphere(closed, { 0, 0, 0 }, 30, 3, 1);
+  // Without the triangles that touch the highest point.
+  std::uint32_t top = 0;
+  for (std::uint32_t point = 1; point < closed.NumberOfPoints(); ++point)
+  {
+    top = closed.Points[3 * point + 2] > closed.Points[3 * top + 2] ? point : top;
+  }
+  SurfaceMesh mesh;
+  mesh.Points = closed.Points;
+  for (std::size_t triangle = 0; triangle < closed.NumberOfTriangles(); ++triangle)
+  {
+    const std::uint32_t* ids = &closed.Triangles[3 * triangle];
+    if (std::find(ids, ids + 3, top) == ids + 3)
+    {
+      AddTriangle(mesh, ids[0], ids[1], ids[2], 1, 0);
+    }
+  }
+  this->Projector->SetSurface(mesh);
+  this->Detector = CentredDetector({ 0, 0, -80 }, { 1, 0, 0 }, { 0, 1, 0 }, 60, 60, 61, 61);
+  this->Source = ParallelBeam({ 0, 0, -1 });
+  const PathLengthImage lengths = this->Projector->Project(this->Source, this->Detector);
+  ASSERT_GT(lengths.NumberOfInconsistentRays(), 0u);
+  const Beam beam = this->MakeBeam(2, DetectorResponse::PhotonCounting);
+  const std::vector<float> expected = beam.Transmission(lengths);
+  const std::vector<float> found = this->Projector->Transmission(beam);
+  for (std::size_t pixel = 0; pixel < found.size(); ++pixel)
+  {
+    // In holes the mean of the neighbours' transmissions, not that of their mean path.
+    const double tolerance = lengths.Inconsistent[pixel] ? 0.05 : 1e-5;
+    ASSERT_NEAR(found[pixel], expected[pixel], tolerance) << pixel;
+  }
+}
+
+TEST_P(DeviceBeamTest, RefusesWhatIsNotThere)
+{
+  const SurfaceMesh mesh = NestedBodies();
+  const Beam beam = this->MakeBeam(mesh.NumberOfMaterials(), DetectorResponse::PhotonCounting);
+  this->Projector->SetSurface(mesh);
+  EXPECT_THROW(this->Projector->Transmission(beam), InputError);
+  this->Projector->Project(this->Source, this->Detector);
+  EXPECT_THROW(this->Projector->Transmission(
+                 this->MakeBeam(mesh.NumberOfMaterials() - 1, DetectorResponse::PhotonCounting)),
+    InputError);
+  EXPECT_EQ(this->Projector->Transmission(beam).size(), 47u * 37u);
+  this->Projector->UpdatePoints(mesh.Points);
+  EXPECT_THROW(this->Projector->Transmission(beam), InputError);
+}
+
+INSTANTIATE_TEST_SUITE_P(Methods, DeviceBeamTest, AllVariants(), VariantName);
+}
