@@ -15,6 +15,7 @@ int main(int argc, char* argv[])
   mammoray::AddDevicesCommand(application);
   mammoray::AddEvaluateCommand(application);
   mammoray::AddExampleCommand(application);
+  mammoray::AddLocateCommand(application);
   mammoray::AddMeshCommand(application);
   mammoray::AddProjectCommand(application);
   mammoray::AddRegisterCommand(application);

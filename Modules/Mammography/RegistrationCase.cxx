@@ -69,8 +69,8 @@ std::vector<int> ThinMaterials(const MaterialTable& table)
 }
 
 /**
- * The volume as the mechanics' coarse mesh sees it: held tissue and all other tissue, each under the
- * index of its most frequent material.
+ * The volume as the mechanics' coarse mesh sees it: held tissue and all other tissue, each under
+ * the index of its most frequent material.
  */
 LabelVolume TissueAndHeld(const LabelVolume& materials, const std::vector<bool>& held)
 {
@@ -103,8 +103,8 @@ TetrahedralMesh ReadTetrahedra(const std::string& path, const MaterialTable& tab
     if (material < 1 || material >= static_cast<int>(table.Materials.size()))
     {
       throw InputError(path + ": cell " + std::to_string(cell) + " has material " +
-        std::to_string(material) + ", expected 1 to " +
-        std::to_string(table.Materials.size() - 1) + " of the table '" + table.Name + "'");
+        std::to_string(material) + ", expected 1 to " + std::to_string(table.Materials.size() - 1) +
+        " of the table '" + table.Name + "'");
     }
   }
   return mesh;
@@ -119,13 +119,12 @@ TetrahedralMesh MeshAnatomy(const LabelVolume& materials, const std::vector<int>
   return MeshMaterials(materials, options, progress).Mesh;
 }
 
-TetrahedralMesh MeshForSimulation(
-  const LabelVolume& merged, double cellSizeMm, const ProgressCallback& progress)
+TetrahedralMesh MeshForSimulation(const LabelVolume& merged, double cellSizeMm,
+  const ProgressCallback& progress)
 {
   // At 1 mm the mesher's sliver removal reaches its bound more often than on finer stairs.
   constexpr double spacingMm = 1.0;
-  const bool finer =
-    *std::max_element(merged.Spacing.begin(), merged.Spacing.end()) < spacingMm;
+  const bool finer = *std::max_element(merged.Spacing.begin(), merged.Spacing.end()) < spacingMm;
   MeshingOptions options = MeshingOptions::Simulation();
   std::size_t tissueVoxels = 0;
   for (const std::uint16_t material : merged.Voxels)
@@ -138,15 +137,15 @@ TetrahedralMesh MeshForSimulation(
   return MeshMaterials(finer ? ResampleLabels(merged, spacingMm) : merged, options, progress).Mesh;
 }
 #else
-TetrahedralMesh MeshAnatomy(
-  const LabelVolume&, const std::vector<int>&, double, const ProgressCallback&)
+TetrahedralMesh MeshAnatomy(const LabelVolume&, const std::vector<int>&, double,
+  const ProgressCallback&)
 {
   throw InputError("registration: this build has no Meshing module; expected an anatomy mesh and a "
                    "simulation mesh made elsewhere");
 }
 
-TetrahedralMesh MeshForSimulation(
-  const LabelVolume& merged, double cellSizeMm, const ProgressCallback& progress)
+TetrahedralMesh MeshForSimulation(const LabelVolume& merged, double cellSizeMm,
+  const ProgressCallback& progress)
 {
   return MeshAnatomy(merged, {}, cellSizeMm, progress);
 }
@@ -175,8 +174,9 @@ MammographyUnit UnitOf(const RegistrationCase& input, const Mammogram& mammogram
   }
   if (!(unit.SourceToDetectorMm > 0) || !(unit.SupportHeightMm >= 0))
   {
-    throw InputError("unit: expected a positive source to detector distance and a support height of at "
-                     "least 0, found " +
+    throw InputError(
+      "unit: expected a positive source to detector distance and a support height of at "
+      "least 0, found " +
       std::to_string(unit.SourceToDetectorMm) + " and " + std::to_string(unit.SupportHeightMm) +
       " mm");
   }
@@ -227,8 +227,8 @@ BreastPose StartOf(const RegistrationCase& input, const Mammogram& mammogram,
   return start;
 }
 
-void FixParameters(
-  const std::vector<std::string>& names, std::vector<RegistrationParameter>& parameters)
+void FixParameters(const std::vector<std::string>& names,
+  std::vector<RegistrationParameter>& parameters)
 {
   for (RegistrationParameter& parameter : parameters)
   {
@@ -255,8 +255,8 @@ void FixParameters(
 }
 }
 
-RegistrationCaseResult RunRegistrationCase(
-  const RegistrationCase& input, const ProgressCallback& progress)
+RegistrationCaseResult RunRegistrationCase(const RegistrationCase& input,
+  const ProgressCallback& progress)
 {
   RegistrationCaseResult result;
   Stopwatch stopwatch(result.Timings);
@@ -267,8 +267,9 @@ RegistrationCaseResult RunRegistrationCase(
   const std::vector<bool> held = HeldMaterials(result.Materials);
   if (std::find(held.begin(), held.end(), true) == held.end())
   {
-    throw InputError(input.Materials + ": expected a material with \"held\": true (the chest wall), "
-                                       "found none");
+    throw InputError(input.Materials +
+      ": expected a material with \"held\": true (the chest wall), "
+      "found none");
   }
   result.Mammogram = ReadMammogram(input.Mammogram);
   result.Target = PrepareTarget(result.Mammogram);
@@ -285,8 +286,7 @@ RegistrationCaseResult RunRegistrationCase(
   projectorOptions.Projection = MethodFromName(input.Projector);
   const auto projector = MakeProjector(projectorOptions);
   result.Device = projector->DeviceName() + ", " + MethodName(projector->Method());
-  LabelVolume materials =
-    result.Materials.ToMaterials(ReadLabelVolume(input.Labels), input.Labels);
+  LabelVolume materials = result.Materials.ToMaterials(ReadLabelVolume(input.Labels), input.Labels);
   if (input.LabelSpacingMm > *std::max_element(materials.Spacing.begin(), materials.Spacing.end()))
   {
     materials = ResampleLabels(materials, input.LabelSpacingMm);
@@ -340,8 +340,23 @@ RegistrationCaseResult RunRegistrationCase(
     result.Warnings.push_back(std::to_string(result.Synthetic.InconsistentRays) +
       " rays of the synthetic mammogram crossed a surface that does not close.");
   }
-  result.CompressedPoints = Embedding(simulation, result.Anatomy.Points)
-                              .Map(result.Registration.State.Positions);
+  const Embedding anatomy(simulation, result.Anatomy.Points);
+  result.CompressedPoints = anatomy.Map(result.Registration.State.Positions);
+  std::vector<int> free;
+  for (std::size_t index = 0; index < result.Registration.Parameters.size(); ++index)
+  {
+    if (!result.Registration.Parameters[index].Fixed)
+    {
+      free.push_back(static_cast<int>(index));
+    }
+  }
+  std::vector<std::vector<double>> velocities =
+    VelocitiesSeenFromUnit(model, pose, result.Registration.State, anatomy, free);
+  result.Sensitivities.resize(result.Registration.Parameters.size());
+  for (std::size_t index = 0; index < free.size(); ++index)
+  {
+    result.Sensitivities[free[index]] = std::move(velocities[index]);
+  }
   stopwatch.Stage("synthetic mammogram");
   return result;
 }

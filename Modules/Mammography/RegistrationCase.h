@@ -71,6 +71,9 @@ struct RegistrationCaseResult
   /// Anatomy at rest and its points after compression, 3 x pointCount, mm; volume frame.
   TetrahedralMesh Anatomy;
   std::vector<double> CompressedPoints;
+  /// How they change with each parameter of Registration, seen from the unit; mm per mm or degree;
+  /// empty for fixed parameters.
+  std::vector<std::vector<double>> Sensitivities;
   /// Its After is measured on the target's own grid.
   RegistrationResult Registration;
   /// On the target's grid.
@@ -91,11 +94,12 @@ struct RegistrationCaseResult
 };
 
 /**
- * Reads, meshes, compresses, projects and registers. Throws InputError on unusable input, DeviceError without a device,
- * ConvergenceError where not even the start has an equilibrium, Interrupted when stopped before the search began.
+ * Reads, meshes, compresses, projects and registers. Throws InputError on unusable input,
+ * DeviceError without a device, ConvergenceError where not even the start has an equilibrium,
+ * Interrupted when stopped before the search began.
  */
-MAMMORAYMAMMOGRAPHY_EXPORT RegistrationCaseResult RunRegistrationCase(
-  const RegistrationCase& input, const ProgressCallback& progress = {});
+MAMMORAYMAMMOGRAPHY_EXPORT RegistrationCaseResult RunRegistrationCase(const RegistrationCase& input,
+  const ProgressCallback& progress = {});
 }
 
 #endif

@@ -4,9 +4,11 @@
 #include "Error.h"
 #include "MeshConversion.h"
 #include "MeshIO.h"
+#include "RegisteredBreast.h"
 #include "RegistrationReport.h"
 
 #include "vtkDoubleArray.h"
+#include "vtkFloatArray.h"
 #include "vtkImageData.h"
 #include "vtkMetaImageWriter.h"
 #include "vtkNew.h"
@@ -38,13 +40,29 @@ void WriteMeshes(const RegistrationCaseResult& result, const std::string& folder
     values[index] = result.CompressedPoints[index] - result.Anatomy.Points[index];
   }
   grid->GetPointData()->SetVectors(displacement);
+  for (std::size_t parameter = 0; parameter < result.Sensitivities.size(); ++parameter)
+  {
+    const std::vector<double>& velocities = result.Sensitivities[parameter];
+    if (velocities.empty())
+    {
+      continue;
+    }
+    // Floats: six digits of a derivative are plenty, and files stay half as large.
+    vtkNew<vtkFloatArray> sensitivity;
+    sensitivity->SetName(
+      (SensitivityArrayPrefix + result.Registration.Parameters[parameter].Name).c_str());
+    sensitivity->SetNumberOfComponents(3);
+    sensitivity->SetNumberOfTuples(grid->GetNumberOfPoints());
+    std::copy(velocities.begin(), velocities.end(), sensitivity->GetPointer(0));
+    grid->GetPointData()->AddArray(sensitivity);
+  }
   WriteMesh(grid, folder + "/uncompressed.vtu");
 
   vtkNew<vtkDoubleArray> compressed;
   compressed->SetNumberOfComponents(3);
   compressed->SetNumberOfTuples(grid->GetNumberOfPoints());
-  std::copy(
-    result.CompressedPoints.begin(), result.CompressedPoints.end(), compressed->GetPointer(0));
+  std::copy(result.CompressedPoints.begin(), result.CompressedPoints.end(),
+    compressed->GetPointer(0));
   grid->GetPoints()->SetData(compressed);
   grid->Modified();
   WriteMesh(grid, folder + "/compressed.vtu");
@@ -54,8 +72,7 @@ void WriteSynthetic(const RegistrationCaseResult& result, const std::string& pat
 {
   vtkNew<vtkImageData> image;
   image->SetDimensions(result.Target.Columns, result.Target.Rows, 1);
-  image->SetSpacing(
-    result.Mammogram.ColumnSpacingMm, result.Mammogram.RowSpacingMm, 1.0);
+  image->SetSpacing(result.Mammogram.ColumnSpacingMm, result.Mammogram.RowSpacingMm, 1.0);
   image->AllocateScalars(VTK_FLOAT, 1);
   std::copy(result.Synthetic.LogAttenuation.begin(), result.Synthetic.LogAttenuation.end(),
     static_cast<float*>(image->GetScalarPointer()));
@@ -71,8 +88,8 @@ void WriteSynthetic(const RegistrationCaseResult& result, const std::string& pat
 }
 }
 
-void WriteRegistrationCase(
-  const RegistrationCase& input, const RegistrationCaseResult& result, const std::string& folder)
+void WriteRegistrationCase(const RegistrationCase& input, const RegistrationCaseResult& result,
+  const std::string& folder)
 {
   WriteMeshes(result, folder);
   WriteSynthetic(result, folder + "/synthetic.mha");
@@ -97,7 +114,8 @@ void WriteRegistrationCase(
     report.Inputs.emplace_back("Simulation mesh", input.SimulationMesh);
   }
   report.Versions = { { "Vulkan device", result.Device }, { "Spectrum", input.Spectrum },
-    { "Anatomy", std::to_string(result.Anatomy.NumberOfCells()) + " tetrahedra, " +
+    { "Anatomy",
+      std::to_string(result.Anatomy.NumberOfCells()) + " tetrahedra, " +
         std::to_string(result.SurfaceTriangles) + " interface triangles" },
     { "Mechanics", std::to_string(result.SimulationCells) + " quadratic tetrahedra" } };
   report.Warnings = result.Warnings;

@@ -84,11 +84,10 @@ std::string ResolutionNote(const RegistrationResult& result)
 
 std::string ParameterTitle(const std::string& name)
 {
-  static const std::pair<const char*, const char*> Titles[] = {
-    { "thickness", "Compressed thickness" }, { "roll", "Rotation about the chest–nipple axis" },
-    { "lateral", "Shift along the chest wall" }, { "anterior", "Shift away from the chest wall" },
-    { "vertical", "Shift along the beam" }
-  };
+  static const std::pair<const char*, const char*> Titles[] = { { "thickness",
+                                                                  "Compressed thickness" },
+    { "roll", "Rotation about the chest–nipple axis" }, { "lateral", "Shift along the chest wall" },
+    { "anterior", "Shift away from the chest wall" }, { "vertical", "Shift along the beam" } };
   for (const auto& title : Titles)
   {
     if (name == title.first)
@@ -331,6 +330,11 @@ std::string ResultJson(const RegistrationReport& report, const Assessment& asses
       { "start", parameter.Start }, { "lower", parameter.Lower }, { "upper", parameter.Upper },
       { "fixed", parameter.Fixed }, { "atBound", AtBound(parameter, result.Values[i]) } });
   }
+  json["covariance"] = result.Covariance.empty() ? Json(nullptr) : Json(result.Covariance);
+  const RegistrationTarget& target = *report.Target;
+  json["grid"] = { { "columns", target.Columns }, { "rows", target.Rows },
+    { "originMm", target.Origin }, { "columnStepMm", target.ColumnStep },
+    { "rowStepMm", target.RowStep } };
   json["placement"] = { { "originMm", report.Placed.Origin }, { "x", report.Placed.X },
     { "y", report.Placed.Y }, { "z", report.Placed.Z } };
   json["unit"] = { { "sourceToDetectorMm", report.Unit.SourceToDetectorMm },
@@ -352,11 +356,11 @@ std::string ResultJson(const RegistrationReport& report, const Assessment& asses
   json["iterations"] = Json::array();
   for (const RegistrationIteration& iteration : result.Iterations)
   {
-    json["iterations"].push_back({ { "number", iteration.Number },
-      { "pixelSizeMm", iteration.PixelSizeMm }, { "cost", iteration.Cost },
-      { "outlineCost", iteration.OutlineCost }, { "intensityCost", iteration.IntensityCost },
-      { "priorCost", iteration.PriorCost },
-      { "parameters", iteration.Parameters }, { "seconds", iteration.Seconds } });
+    json["iterations"].push_back(
+      { { "number", iteration.Number }, { "pixelSizeMm", iteration.PixelSizeMm },
+        { "cost", iteration.Cost }, { "outlineCost", iteration.OutlineCost },
+        { "intensityCost", iteration.IntensityCost }, { "priorCost", iteration.PriorCost },
+        { "parameters", iteration.Parameters }, { "seconds", iteration.Seconds } });
   }
   json["compression"] = { { "paddleForceN", result.State.PaddleForceN },
     { "volumeRatio", result.State.VolumeRatio }, { "smallestJ", result.State.SmallestJ },
@@ -478,7 +482,8 @@ std::string FiguresHtml(const RegistrationResult& result)
   return "<div class=\"figures\">\n" +
     figure(Format(result.After.Correlation, 3), "", "correlation inside the breast (1 is best)") +
     figure(Format(result.After.MeanOutlineDistanceMm, 2), "mm", "mean distance of the outlines") +
-    figure(Format(result.After.LargestOutlineDistanceMm, 2), "mm", "largest distance of the outlines") +
+    figure(Format(result.After.LargestOutlineDistanceMm, 2), "mm",
+      "largest distance of the outlines") +
     figure(Format(result.Pose.ThicknessMm, 1), "mm", "compressed thickness") + "</div>\n";
 }
 
@@ -650,7 +655,8 @@ Assessment Assess(const RegistrationResult& result)
     assessment.Level = std::max(assessment.Level, level);
     assessment.Reasons.push_back(reason);
   };
-  if (!std::isfinite(result.After.Correlation) || !std::isfinite(result.After.MeanOutlineDistanceMm) ||
+  if (!std::isfinite(result.After.Correlation) ||
+    !std::isfinite(result.After.MeanOutlineDistanceMm) ||
     !std::isfinite(result.After.LargestOutlineDistanceMm))
   {
     add(Trust::None, "The agreement of the pictures could not be computed.");

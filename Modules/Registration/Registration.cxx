@@ -568,10 +568,17 @@ RegistrationResult Register(const RegistrationModel& model, const RegistrationTa
         std::vector<double> matrix(n * n);
         covariance.GetCovarianceBlock(evaluator.Unknowns.data(), evaluator.Unknowns.data(),
           matrix.data());
+        result.Covariance.assign(std::size_t{ ParameterCount } * ParameterCount, 0.0);
         for (std::size_t f = 0; f < n; ++f)
         {
-          result.StandardDeviations[freeParameters[f]] =
-            std::sqrt(matrix[f * n + f]) * result.Parameters[freeParameters[f]].Scale;
+          for (std::size_t g = 0; g < n; ++g)
+          {
+            result.Covariance[freeParameters[f] * ParameterCount + freeParameters[g]] =
+              matrix[f * n + g] * result.Parameters[freeParameters[f]].Scale *
+              result.Parameters[freeParameters[g]].Scale;
+          }
+          const int diagonal = freeParameters[f] * (ParameterCount + 1);
+          result.StandardDeviations[freeParameters[f]] = std::sqrt(result.Covariance[diagonal]);
         }
       }
     }

@@ -33,6 +33,9 @@ struct RegistrationResult
   std::vector<double> Values;
   /// Standard deviation of each parameter by the covariance at the solution; NaN where fixed.
   std::vector<double> StandardDeviations;
+  /// Covariance of all parameters at the solution, Covariance[i * parameterCount + j], in their
+  /// units; 0 for fixed ones. Empty where it is not known.
+  std::vector<double> Covariance;
   std::vector<RegistrationIteration> Iterations;
   CompressionState State;
   /// Agreement at the start and at the end.

@@ -33,6 +33,39 @@ std::vector<PlatePairVelocity> PlateVelocities(const RegistrationModel& model,
   return { thickness, roll, both(placed.X), both(placed.Y), both(placed.Z) };
 }
 
+std::vector<std::vector<double>> VelocitiesSeenFromUnit(const RegistrationModel& model,
+  const BreastPose& pose, const CompressionState& state, const Embedding& points,
+  const std::vector<int>& wanted)
+{
+  const PlatePair plates =
+    PlatesOf(PlaceUnit(model.Axes, model.Anchor, model.Unit, pose), model.Unit, pose.ThicknessMm);
+  const std::vector<PlatePairVelocity> all = PlateVelocities(model, pose);
+  std::vector<PlatePairVelocity> motions;
+  for (const int parameter : wanted)
+  {
+    motions.push_back(all[parameter]);
+  }
+  const std::vector<double> positions = points.Map(state.Positions);
+  std::vector<std::vector<double>> velocities;
+  for (const std::vector<double>& nodes : model.Simulation->Sensitivities(state, motions))
+  {
+    // Rays and pixels move with the unit, and the unit with its support.
+    const PlateVelocity& unit = motions[velocities.size()].Support;
+    std::vector<double> moved = points.Map(nodes);
+    for (std::size_t index = 0; index < moved.size(); index += 3)
+    {
+      const Vector3 carried =
+        unit.At(plates.Support, { positions[index], positions[index + 1], positions[index + 2] });
+      for (int axis = 0; axis < 3; ++axis)
+      {
+        moved[index + axis] -= carried[axis];
+      }
+    }
+    velocities.push_back(std::move(moved));
+  }
+  return velocities;
+}
+
 XRaySource SourceOf(const VolumeFromGantry& placed, const MammographyUnit& unit)
 {
   XRaySource source;

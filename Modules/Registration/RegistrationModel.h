@@ -43,6 +43,16 @@ MAMMORAYREGISTRATION_EXPORT XRayDetector DetectorOf(const VolumeFromGantry& plac
 MAMMORAYREGISTRATION_EXPORT std::vector<PlatePairVelocity> PlateVelocities(
   const RegistrationModel& model, const BreastPose& pose);
 
+/**
+ * How points that move with the simulation change with the parameters numbered in `wanted` (in the
+ * order of PlateVelocities), seen from the unit: exact derivatives of their equilibrium minus the
+ * motion of the unit's own points. One vector of 3 x pointCount each, volume frame, mm per mm or
+ * degree.
+ */
+MAMMORAYREGISTRATION_EXPORT std::vector<std::vector<double>> VelocitiesSeenFromUnit(
+  const RegistrationModel& model, const BreastPose& pose, const CompressionState& state,
+  const Embedding& points, const std::vector<int>& wanted);
+
 /// A synthetic mammogram on a target's pixel grid.
 struct SyntheticMammogram
 {

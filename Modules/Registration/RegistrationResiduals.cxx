@@ -200,34 +200,14 @@ RegistrationResiduals::Jacobian RegistrationResiduals::Differentiate(
   const BreastPose pose = PoseOf(values);
   const VolumeFromGantry placed =
     PlaceUnit(this->Model.Axes, this->Model.Anchor, this->Model.Unit, pose);
-  const PlatePair plates = PlatesOf(placed, this->Model.Unit, pose.ThicknessMm);
-  const std::vector<PlatePairVelocity> all = PlateVelocities(this->Model, pose);
-  std::vector<PlatePairVelocity> motions;
-  for (const int parameter : wanted)
-  {
-    motions.push_back(all[parameter]);
-  }
-  const auto nodeVelocities = this->Model.Simulation->Sensitivities(state, motions);
   const std::vector<double> points = this->Model.SurfaceEmbedding->Map(state.Positions);
-
-  // Rays and pixels move with the unit, and the unit with its support: seen from there, points move
-  // by the difference.
-  const int fields = static_cast<int>(wanted.size());
   std::vector<double> velocities;
-  velocities.reserve(points.size() * wanted.size());
-  for (int field = 0; field < fields; ++field)
+  for (const std::vector<double>& field :
+    VelocitiesSeenFromUnit(this->Model, pose, state, *this->Model.SurfaceEmbedding, wanted))
   {
-    const std::vector<double> moved = this->Model.SurfaceEmbedding->Map(nodeVelocities[field]);
-    for (std::size_t index = 0; index < points.size(); index += 3)
-    {
-      const Vector3 unit = motions[field].Support.At(plates.Support,
-        { points[index], points[index + 1], points[index + 2] });
-      for (int axis = 0; axis < 3; ++axis)
-      {
-        velocities.push_back(moved[index + axis] - unit[axis]);
-      }
-    }
+    velocities.insert(velocities.end(), field.begin(), field.end());
   }
+  const int fields = static_cast<int>(wanted.size());
 
   Jacobian jacobian;
   jacobian.Columns.resize(this->Options.Parameters.size());

@@ -5,6 +5,7 @@
 #include "LabelVolumeIO.h"
 #include "LandmarkEvaluation.h"
 #include "PathLengthProjector.h"
+#include "RegisteredBreast.h"
 
 #include <nlohmann/json.hpp>
 
@@ -142,4 +143,51 @@ TEST_F(RegisterCommand, RegistersTheShippedPhantom)
   // Identity 9.2 mm, best rigid motion 2.7 mm.
   EXPECT_LT(median, 3.0);
   EXPECT_GT(median, 0.0);
+
+  // A landmark's pixel, and back: the curve behind that pixel passes through the landmark.
+  const std::vector<Landmark> landmarks = ReadLandmarks(Data + "/victre-phantom-1/landmarks.csv");
+  const RegisteredBreast breast(folder);
+  int imagedCount = 0;
+  for (const Landmark& landmark : landmarks)
+  {
+    const ImagedPoint imaged = breast.ToMammogram(landmark.Uncompressed);
+    if (!landmark.Imaged || !imaged.InImage)
+    {
+      continue;
+    }
+    ++imagedCount;
+    ASSERT_TRUE(imaged.Uncertainty.has_value());
+    EXPECT_GT(imaged.Uncertainty->MinorMm, 0);
+    EXPECT_LT(imaged.Uncertainty->MajorMm, 10);
+    double nearest = 1e9;
+    double length = 0;
+    for (const TissueStretch& stretch : breast.ToVolume(imaged.Column, imaged.Row))
+    {
+      length += stretch.LengthMm;
+      EXPECT_GE(stretch.EntryHeightMm, stretch.ExitHeightMm);
+      for (const Vector3& point : stretch.Uncompressed)
+      {
+        nearest = std::min(nearest, Norm(point - landmark.Uncompressed));
+      }
+    }
+    // Half a step of 0.25 mm, stretched back by up to the compression's 2.
+    EXPECT_LT(nearest, 0.3);
+    EXPECT_GT(length, 20);
+    EXPECT_LT(length, 60);
+  }
+  EXPECT_GE(imagedCount, 10);
+
+  ASSERT_EQ(this->Run("locate --result " + folder + " --pixel 200 500 -o " +
+              this->Folder.File("curve.csv")),
+    0)
+    << this->Errors;
+  EXPECT_THAT(this->Output, testing::HasSubstr("gland"));
+  EXPECT_THAT(ReadFile(this->Folder.File("curve.csv")), testing::StartsWith("x_mm,y_mm,z_mm"));
+  ASSERT_EQ(this->Run("locate --result " + folder + " --pixel 719 5"), 0);
+  EXPECT_THAT(this->Output, testing::HasSubstr("misses the breast"));
+  EXPECT_EQ(this->Run("locate --result " + folder + " --point 1000 0 0"), 1);
+  EXPECT_THAT(this->Errors, testing::HasSubstr("expected a place in the breast"));
+  EXPECT_EQ(this->Run("locate --result " + folder + " --pixel 720 5"), 1);
+  EXPECT_THAT(this->Errors, testing::HasSubstr("columns 0 to 719"));
+  EXPECT_EQ(this->Run("locate --result " + folder), 2);
 }

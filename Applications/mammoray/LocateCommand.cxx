@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "CommandLine.h"
+#include "Error.h"
+#include "RegisteredBreast.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <fstream>
+#include <memory>
+#include <vector>
+
+namespace mammoray
+{
+namespace
+{
+struct LocateOptions
+{
+  std::string Result;
+  std::vector<double> Point;
+  std::vector<double> Pixel;
+  double StepMm = 0.25;
+  std::string Output;
+  bool Overwrite = false;
+};
+
+void PrintPoint(const RegisteredBreast& breast, const Vector3& point)
+{
+  const ImagedPoint imaged = breast.ToMammogram(point);
+  std::printf("point       %9.2f %9.2f %9.2f mm, in %s\n", point[0], point[1], point[2],
+    imaged.Material.c_str());
+  std::printf("compressed  %9.2f %9.2f %9.2f mm\n", imaged.Compressed[0], imaged.Compressed[1],
+    imaged.Compressed[2]);
+  std::printf("receptor    %9.2f %9.2f mm (gantry x, y)\n", imaged.ReceptorMm[0],
+    imaged.ReceptorMm[1]);
+  std::printf("pixel       %9.1f %9.1f (column, row, from 0)%s\n", imaged.Column, imaged.Row,
+    imaged.InImage ? "" : "; outside the mammogram");
+  if (imaged.Uncertainty)
+  {
+    std::printf("uncertainty %9.2f x %.2f mm (1 sd), %.0f degrees from columns towards rows; of "
+                "the parameters only, the model's own error is not in it\n",
+      imaged.Uncertainty->MajorMm, imaged.Uncertainty->MinorMm, imaged.Uncertainty->AngleDeg);
+  }
+  else
+  {
+    std::printf("uncertainty   unknown: the registration has no covariance\n");
+  }
+}
+
+void WriteCurve(const std::vector<TissueStretch>& stretches, const std::string& path)
+{
+  WriteComplete(path,
+    [&](const std::string& temporary)
+    {
+      std::ofstream file(temporary);
+      file << "x_mm,y_mm,z_mm,material\n";
+      for (const TissueStretch& stretch : stretches)
+      {
+        for (const Vector3& point : stretch.Uncompressed)
+        {
+          file << point[0] << ',' << point[1] << ',' << point[2] << ',' << stretch.Material << '\n';
+        }
+      }
+      if (!file.flush())
+      {
+        throw InputError(path + ": cannot be written");
+      }
+    });
+}
+
+void PrintPixel(const RegisteredBreast& breast, const LocateOptions& options)
+{
+  const std::vector<TissueStretch> stretches =
+    breast.ToVolume(options.Pixel[0], options.Pixel[1], options.StepMm);
+  if (stretches.empty())
+  {
+    std::printf("pixel %.1f %.1f: the X-ray misses the breast\n", options.Pixel[0],
+      options.Pixel[1]);
+  }
+  else
+  {
+    std::printf("%-10s %8s  %-20s  %s\n", "tissue", "length", "height (receptor 0)",
+      "uncompressed, from ... to (mm)");
+  }
+  for (const TissueStretch& stretch : stretches)
+  {
+    const Vector3& first = stretch.Uncompressed.front();
+    const Vector3& last = stretch.Uncompressed.back();
+    std::printf("%-10s %5.2f mm  %6.2f to %6.2f mm   %7.2f %7.2f %7.2f to %7.2f %7.2f %7.2f\n",
+      stretch.Material.c_str(), stretch.LengthMm, stretch.EntryHeightMm, stretch.ExitHeightMm,
+      first[0], first[1], first[2], last[0], last[1], last[2]);
+  }
+  if (!options.Output.empty())
+  {
+    WriteCurve(stretches, options.Output);
+    std::printf("wrote %s\n", options.Output.c_str());
+  }
+}
+
+void Locate(const LocateOptions& options)
+{
+  if (!options.Output.empty())
+  {
+    CheckOutputFile(options.Output, options.Overwrite);
+  }
+  const RegisteredBreast breast(options.Result);
+  if (!options.Point.empty())
+  {
+    PrintPoint(breast, { options.Point[0], options.Point[1], options.Point[2] });
+  }
+  else
+  {
+    PrintPixel(breast, options);
+  }
+}
+}
+
+void AddLocateCommand(CLI::App& application)
+{
+  auto options = std::make_shared<LocateOptions>();
+  CLI::App* command = application.add_subcommand("locate",
+    "Find a point of the volume in the mammogram, or what lies behind a pixel of it");
+  command->add_option("--result", options->Result, "folder written by 'mammoray register'")
+    ->required();
+  CLI::Option_group* place = command->add_option_group("place", "what to find; one of");
+  place
+    ->add_option("--point", options->Point,
+      "a place in the frame of the label volume, mm: gives its pixel with an uncertainty ellipse")
+    ->expected(3)
+    ->type_name("X Y Z");
+  place
+    ->add_option("--pixel", options->Pixel,
+      "column and row of the mammogram, from 0 at the centre of the first pixel: gives the tissues "
+      "along its X-ray and the curve through the uncompressed volume")
+    ->expected(2)
+    ->type_name("COLUMN ROW");
+  place->require_option(1);
+  command
+    ->add_option("--step", options->StepMm,
+      "distance of the curve's points in the compressed breast, mm")
+    ->check(CLI::PositiveNumber)
+    ->capture_default_str();
+  command->add_option("-o,--output", options->Output,
+    "write the curve of --pixel there (.csv: x_mm,y_mm,z_mm,material)");
+  command->add_flag("--overwrite", options->Overwrite, "replace the output file");
+  AddConfigurationOptions(*command);
+  command->callback([options]() { Locate(*options); });
+}
+}

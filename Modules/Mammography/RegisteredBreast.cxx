@@ -1,0 +1,391 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "RegisteredBreast.h"
+
+#include "Error.h"
+#include "MeshConversion.h"
+#include "MeshIO.h"
+#include "Silhouette.h"
+
+#include "vtkCellData.h"
+#include "vtkDataArray.h"
+#include "vtkGenericCell.h"
+#include "vtkIdList.h"
+#include "vtkNew.h"
+#include "vtkPointData.h"
+#include "vtkSmartPointer.h"
+#include "vtkStaticCellLocator.h"
+#include "vtkUnstructuredGrid.h"
+
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <fstream>
+#include <numbers>
+
+namespace mammoray
+{
+namespace
+{
+/// A point this far outside the mesh still belongs to it, mm: meshes follow voxels no better.
+constexpr double OutsideMm = 1.0;
+
+/// A cell of a tetrahedral grid and the weights of its corners at a place.
+struct Place
+{
+  vtkIdType Cell = -1;
+  std::array<vtkIdType, 4> Corners{};
+  std::array<double, 4> Weights{};
+
+  Vector3 Interpolate(vtkDataArray* values) const
+  {
+    Vector3 sum{ 0, 0, 0 };
+    for (std::size_t corner = 0; corner < 4; ++corner)
+    {
+      double value[3];
+      values->GetTuple(this->Corners[corner], value);
+      sum = sum + this->Weights[corner] * Vector3{ value[0], value[1], value[2] };
+    }
+    return sum;
+  }
+};
+
+/// Finds cells of a grid.
+class CellFinder
+{
+public:
+  explicit CellFinder(vtkUnstructuredGrid* grid)
+    : Grid(grid)
+  {
+    this->Locator->SetDataSet(grid);
+    this->Locator->BuildLocator();
+  }
+
+  /// The cell that holds the point, or, within `toleranceMm`, lies nearest to it; Cell -1 if none.
+  Place Find(Vector3 point, double toleranceMm)
+  {
+    Place place;
+    double parametric[3];
+    place.Cell =
+      this->Locator->FindCell(point.data(), 0.0, this->Cell, parametric, place.Weights.data());
+    if (place.Cell < 0 && toleranceMm > 0)
+    {
+      double closest[3];
+      double distance2 = 0;
+      int subId = 0;
+      vtkIdType cell = -1;
+      this->Locator->FindClosestPoint(point.data(), closest, this->Cell, cell, subId, distance2);
+      if (cell >= 0 && distance2 <= toleranceMm * toleranceMm)
+      {
+        place.Cell = cell;
+        this->Grid->GetCell(cell, this->Cell);
+        double ignored = 0;
+        this->Cell->EvaluatePosition(closest, nullptr, subId, parametric, ignored,
+          place.Weights.data());
+      }
+    }
+    if (place.Cell >= 0)
+    {
+      this->Grid->GetCellPoints(place.Cell, this->Ids);
+      std::copy_n(this->Ids->GetPointer(0), 4, place.Corners.begin());
+    }
+    return place;
+  }
+
+private:
+  vtkUnstructuredGrid* Grid;
+  vtkNew<vtkStaticCellLocator> Locator;
+  vtkNew<vtkGenericCell> Cell;
+  vtkNew<vtkIdList> Ids;
+};
+
+template <typename Values>
+Values Numbers(const nlohmann::json& json)
+{
+  Values values{};
+  if (json.size() != values.size())
+  {
+    throw InputError("expected " + std::to_string(values.size()) + " numbers, found " +
+      std::to_string(json.size()));
+  }
+  for (std::size_t index = 0; index < values.size(); ++index)
+  {
+    values[index] = json.at(index).get<double>();
+  }
+  return values;
+}
+
+/// Axes of one standard deviation of the covariance [[a, b], [b, c]].
+UncertaintyEllipse EllipseOf(double a, double b, double c)
+{
+  const double middle = 0.5 * (a + c);
+  const double spread = std::hypot(0.5 * (a - c), b);
+  UncertaintyEllipse ellipse;
+  ellipse.MajorMm = std::sqrt(std::max(middle + spread, 0.0));
+  ellipse.MinorMm = std::sqrt(std::max(middle - spread, 0.0));
+  ellipse.AngleDeg = 0.5 * std::atan2(2 * b, a - c) * 180 / std::numbers::pi;
+  return ellipse;
+}
+}
+
+struct RegisteredBreast::Internals
+{
+  vtkSmartPointer<vtkUnstructuredGrid> Uncompressed;
+  vtkSmartPointer<vtkUnstructuredGrid> Compressed;
+  vtkDataArray* Displacement = nullptr;
+  vtkDataArray* Materials = nullptr;
+  std::vector<std::string> MaterialNames;
+  std::unique_ptr<CellFinder> AtRest;
+  std::unique_ptr<CellFinder> Squeezed;
+  VolumeFromGantry Placed;
+  MammographyUnit Unit;
+  int Columns = 0;
+  int Rows = 0;
+  std::array<double, 2> Origin{};
+  std::array<double, 2> ColumnStep{};
+  std::array<double, 2> RowStep{};
+  /// Of the parameters that have sensitivities, in the order of those.
+  std::vector<vtkDataArray*> Sensitivities;
+  std::vector<double> Covariance;
+
+  void ReadJson(const std::string& path);
+  std::string NameOf(vtkIdType cell) const
+  {
+    const auto material = static_cast<std::size_t>(this->Materials->GetComponent(cell, 0));
+    return material < this->MaterialNames.size() ? this->MaterialNames[material]
+                                                 : std::to_string(material);
+  }
+  std::array<double, 2> PixelOf(double x, double y) const
+  {
+    const double dx = x - this->Origin[0];
+    const double dy = y - this->Origin[1];
+    const double determinant =
+      this->ColumnStep[0] * this->RowStep[1] - this->ColumnStep[1] * this->RowStep[0];
+    return { (dx * this->RowStep[1] - dy * this->RowStep[0]) / determinant,
+      (this->ColumnStep[0] * dy - this->ColumnStep[1] * dx) / determinant };
+  }
+  bool Contains(double column, double row) const
+  {
+    return column >= -0.5 && row >= -0.5 && column <= this->Columns - 0.5 &&
+      row <= this->Rows - 0.5;
+  }
+  std::optional<UncertaintyEllipse> UncertaintyAt(const Place& place,
+    const Vector3& compressed) const;
+};
+
+void RegisteredBreast::Internals::ReadJson(const std::string& path)
+{
+  std::ifstream file(path);
+  if (!file)
+  {
+    throw InputError(path + ": no such file");
+  }
+  try
+  {
+    const nlohmann::json result = nlohmann::json::parse(file);
+    const nlohmann::json& placement = result.at("placement");
+    this->Placed = { Numbers<Vector3>(placement.at("originMm")),
+      Numbers<Vector3>(placement.at("x")), Numbers<Vector3>(placement.at("y")),
+      Numbers<Vector3>(placement.at("z")) };
+    this->Unit.SourceToDetectorMm = result.at("unit").at("sourceToDetectorMm").get<double>();
+    const nlohmann::json& grid = result.at("grid");
+    this->Columns = grid.at("columns").get<int>();
+    this->Rows = grid.at("rows").get<int>();
+    this->Origin = Numbers<std::array<double, 2>>(grid.at("originMm"));
+    this->ColumnStep = Numbers<std::array<double, 2>>(grid.at("columnStepMm"));
+    this->RowStep = Numbers<std::array<double, 2>>(grid.at("rowStepMm"));
+    if (result.at("covariance").is_null())
+    {
+      return;
+    }
+    const nlohmann::json& parameters = result.at("parameters");
+    const nlohmann::json& covariance = result.at("covariance");
+    std::vector<std::size_t> free;
+    for (std::size_t index = 0; index < parameters.size(); ++index)
+    {
+      const std::string name =
+        SensitivityArrayPrefix + parameters.at(index).at("name").get<std::string>();
+      if (vtkDataArray* array = this->Uncompressed->GetPointData()->GetArray(name.c_str()))
+      {
+        free.push_back(index);
+        this->Sensitivities.push_back(array);
+      }
+    }
+    for (const std::size_t i : free)
+    {
+      for (const std::size_t j : free)
+      {
+        this->Covariance.push_back(covariance.at(i * parameters.size() + j).get<double>());
+      }
+    }
+  }
+  catch (const nlohmann::json::exception& error)
+  {
+    throw InputError(path + ": expected the result of 'mammoray register': " + error.what());
+  }
+  catch (const InputError& error)
+  {
+    throw InputError(path + ": " + error.what());
+  }
+}
+
+std::optional<UncertaintyEllipse> RegisteredBreast::Internals::UncertaintyAt(const Place& place,
+  const Vector3& compressed) const
+{
+  if (this->Covariance.empty())
+  {
+    return std::nullopt;
+  }
+  const std::vector<double> point(compressed.begin(), compressed.end());
+  // Velocities on the receptor along the image's columns and rows.
+  std::vector<std::array<double, 2>> rates;
+  const double columnLength = std::hypot(this->ColumnStep[0], this->ColumnStep[1]);
+  const double rowLength = std::hypot(this->RowStep[0], this->RowStep[1]);
+  for (vtkDataArray* sensitivity : this->Sensitivities)
+  {
+    const Vector3 velocity = place.Interpolate(sensitivity);
+    const ReceptorPoint rate =
+      ReceptorVelocities(point, velocity.data(), this->Placed, this->Unit).front();
+    rates.push_back(
+      { (rate[0] * this->ColumnStep[0] + rate[1] * this->ColumnStep[1]) / columnLength,
+        (rate[0] * this->RowStep[0] + rate[1] * this->RowStep[1]) / rowLength });
+  }
+  double a = 0;
+  double b = 0;
+  double c = 0;
+  for (std::size_t i = 0; i < rates.size(); ++i)
+  {
+    for (std::size_t j = 0; j < rates.size(); ++j)
+    {
+      const double shared = this->Covariance[i * rates.size() + j];
+      a += rates[i][0] * shared * rates[j][0];
+      b += rates[i][0] * shared * rates[j][1];
+      c += rates[i][1] * shared * rates[j][1];
+    }
+  }
+  return EllipseOf(a, b, c);
+}
+
+RegisteredBreast::RegisteredBreast(const std::string& folder)
+  : Internal(std::make_unique<Internals>())
+{
+  Internals& internal = *this->Internal;
+  internal.Uncompressed = ReadMesh(folder + "/uncompressed.vtu");
+  internal.Compressed = ReadMesh(folder + "/compressed.vtu");
+  FromGrid(internal.Uncompressed, &internal.MaterialNames); // refuses what is not tetrahedra
+  internal.Displacement = internal.Uncompressed->GetPointData()->GetArray("Displacement");
+  internal.Materials = internal.Uncompressed->GetCellData()->GetArray(MaterialArrayName);
+  if (!internal.Displacement || internal.Displacement->GetNumberOfComponents() != 3)
+  {
+    throw InputError(
+      folder + "/uncompressed.vtu: expected the point array 'Displacement' with 3 components");
+  }
+  if (internal.Compressed->GetNumberOfPoints() != internal.Uncompressed->GetNumberOfPoints() ||
+    internal.Compressed->GetNumberOfCells() != internal.Uncompressed->GetNumberOfCells())
+  {
+    throw InputError(folder + ": expected compressed.vtu and uncompressed.vtu of the same mesh");
+  }
+  internal.ReadJson(folder + "/result.json");
+  internal.AtRest = std::make_unique<CellFinder>(internal.Uncompressed);
+  internal.Squeezed = std::make_unique<CellFinder>(internal.Compressed);
+}
+
+RegisteredBreast::~RegisteredBreast() = default;
+
+ImagedPoint RegisteredBreast::ToMammogram(const Vector3& point) const
+{
+  const Internals& internal = *this->Internal;
+  const Place place = internal.AtRest->Find(point, OutsideMm);
+  if (place.Cell < 0)
+  {
+    double bounds[6];
+    internal.Uncompressed->GetBounds(bounds);
+    char text[240];
+    std::snprintf(text, sizeof text,
+      "point (%.2f, %.2f, %.2f): expected a place in the breast, found none within %.0f mm (the "
+      "mesh is in %.1f to %.1f, %.1f to %.1f, %.1f to %.1f mm)",
+      point[0], point[1], point[2], OutsideMm, bounds[0], bounds[1], bounds[2], bounds[3],
+      bounds[4], bounds[5]);
+    throw InputError(text);
+  }
+  ImagedPoint imaged;
+  imaged.Material = internal.NameOf(place.Cell);
+  imaged.Compressed = point + place.Interpolate(internal.Displacement);
+  const std::vector<double> compressed(imaged.Compressed.begin(), imaged.Compressed.end());
+  imaged.ReceptorMm = ProjectToReceptor(compressed, internal.Placed, internal.Unit).front();
+  const std::array<double, 2> pixel = internal.PixelOf(imaged.ReceptorMm[0], imaged.ReceptorMm[1]);
+  imaged.Column = pixel[0];
+  imaged.Row = pixel[1];
+  imaged.InImage = internal.Contains(pixel[0], pixel[1]);
+  imaged.Uncertainty = internal.UncertaintyAt(place, imaged.Compressed);
+  return imaged;
+}
+
+std::vector<TissueStretch> RegisteredBreast::ToVolume(double column, double row,
+  double stepMm) const
+{
+  const Internals& internal = *this->Internal;
+  if (!internal.Contains(column, row))
+  {
+    char text[160];
+    std::snprintf(text, sizeof text,
+      "pixel (%.1f, %.1f): expected columns 0 to %d and rows 0 to %d", column, row,
+      internal.Columns - 1, internal.Rows - 1);
+    throw InputError(text);
+  }
+  if (!(stepMm > 0))
+  {
+    throw InputError("step: expected a positive length, found " + std::to_string(stepMm) + " mm");
+  }
+  const double x = internal.Origin[0] + column * internal.ColumnStep[0] + row * internal.RowStep[0];
+  const double y = internal.Origin[1] + column * internal.ColumnStep[1] + row * internal.RowStep[1];
+  const Vector3 foot = internal.Placed.Point({ x, y, 0 });
+  const Vector3 source = internal.Placed.Point({ 0, 0, internal.Unit.SourceToDetectorMm });
+  const Vector3 up = (1 / Norm(source - foot)) * (source - foot);
+  // How far up the ray the breast reaches.
+  double highest = 0;
+  for (vtkIdType id = 0; id < internal.Compressed->GetNumberOfPoints(); ++id)
+  {
+    double point[3];
+    internal.Compressed->GetPoint(id, point);
+    highest = std::max(highest, Dot(Vector3{ point[0], point[1], point[2] } - foot, up));
+  }
+  const double slope = Dot(up, internal.Placed.Z);
+  const auto count = static_cast<long>(std::ceil(highest / stepMm));
+  const double step = highest / static_cast<double>(std::max(count, 1L));
+  std::vector<TissueStretch> stretches;
+  std::string before;
+  bool inside = false;
+  for (long index = 0; index < count; ++index)
+  {
+    // Middles of equal steps, from the source's side.
+    const double distance = highest - (static_cast<double>(index) + 0.5) * step;
+    const Place place = internal.Squeezed->Find(foot + distance * up, 0);
+    if (place.Cell < 0)
+    {
+      inside = false;
+      continue;
+    }
+    Vector3 rest{ 0, 0, 0 };
+    for (std::size_t corner = 0; corner < 4; ++corner)
+    {
+      double point[3];
+      internal.Uncompressed->GetPoint(place.Corners[corner], point);
+      rest = rest + place.Weights[corner] * Vector3{ point[0], point[1], point[2] };
+    }
+    const std::string material = internal.NameOf(place.Cell);
+    if (!inside || material != before)
+    {
+      stretches.push_back({ material, slope * (distance + 0.5 * step), 0, 0, {} });
+    }
+    inside = true;
+    before = material;
+    TissueStretch& stretch = stretches.back();
+    stretch.ExitHeightMm = slope * (distance - 0.5 * step);
+    stretch.LengthMm += step;
+    stretch.Uncompressed.push_back(rest);
+  }
+  return stretches;
+}
+}

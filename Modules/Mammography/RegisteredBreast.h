@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: Apache-2.0
+#ifndef mammoray_RegisteredBreast_h
+#define mammoray_RegisteredBreast_h
+
+#include "MammographyGeometry.h"
+#include "mammorayMammographyModule.h"
+
+#include <array>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace mammoray
+{
+/// The point arrays of uncompressed.vtu that hold the derivatives of the compressed positions, seen
+/// from the unit, are called this and the parameter's name; mm per mm or degree.
+inline constexpr const char* SensitivityArrayPrefix = "Sensitivity_";
+
+/// An ellipse of one standard deviation.
+struct UncertaintyEllipse
+{
+  double MajorMm = 0;
+  double MinorMm = 0;
+  /// Of the major axis, from the direction of increasing columns towards increasing rows; degrees,
+  /// (-90, 90].
+  double AngleDeg = 0;
+};
+
+/// Where a point of the volume lies in the mammogram.
+struct ImagedPoint
+{
+  std::string Material;
+  /// In the compressed breast, volume frame, mm.
+  Vector3 Compressed{ 0, 0, 0 };
+  /// Gantry x and y on the receptor, mm.
+  std::array<double, 2> ReceptorMm{ 0, 0 };
+  /// Continuous position in the mammogram; pixel centres at whole numbers, from 0.
+  double Column = 0;
+  double Row = 0;
+  bool InImage = false;
+  /// By the covariance of the registration's parameters, which knows nothing of what the model
+  /// leaves out; empty where the registration has none.
+  std::optional<UncertaintyEllipse> Uncertainty;
+};
+
+/// A stretch of an X-ray in one material; points of the line of sight carried back into the
+/// uncompressed breast.
+struct TissueStretch
+{
+  std::string Material;
+  /// Along the ray in the compressed breast, mm above the receptor plane.
+  double EntryHeightMm = 0;
+  double ExitHeightMm = 0;
+  /// Length of the ray in it, mm.
+  double LengthMm = 0;
+  /// One point for each step, in the volume frame, from the source towards the receptor, mm.
+  std::vector<Vector3> Uncompressed;
+};
+
+/**
+ * The result of a registration, read from the folder that 'mammoray register' wrote, to find points
+ * of the one image in the other.
+ */
+class MAMMORAYMAMMOGRAPHY_EXPORT RegisteredBreast
+{
+public:
+  /// Throws InputError that names the file.
+  explicit RegisteredBreast(const std::string& folder);
+  ~RegisteredBreast();
+
+  /// Where a point of the label volume's frame (mm) is seen. Throws InputError when it lies more
+  /// than a millimetre outside the breast.
+  ImagedPoint ToMammogram(const Vector3& point) const;
+
+  /**
+   * What lies behind a pixel (continuous position): the tissues that the X-ray crosses, from the
+   * source towards the receptor, in steps of at most `stepMm` (positive). Empty where it misses the
+   * breast. Throws InputError outside the image.
+   */
+  std::vector<TissueStretch> ToVolume(double column, double row, double stepMm = 0.25) const;
+
+private:
+  struct Internals;
+  std::unique_ptr<Internals> Internal;
+};
+}
+
+#endif
