@@ -19,7 +19,7 @@ constexpr double IntermediateTolerance = 1e-3;
 constexpr int IntermediateNewtonSteps = 40;
 /// A warm start has little to lose, since its caller can take a smaller step: where it needs
 /// halvings, it gives up after this many Newton steps in all.
-constexpr int WarmNewtonSteps = 100;
+constexpr int WarmNewtonSteps = 60;
 /// A cold start closes the plates with contact softer by this factor, then hardens it in these
 /// steps.
 constexpr double Softening = 0.1;

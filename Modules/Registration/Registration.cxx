@@ -140,9 +140,9 @@ private:
     }
     const PlatePair plates = PlatesAt(this->Model, PoseOf(this->Values));
     const double travelMm = TravelMm(PlateMotion(this->State.Plates, plates));
-    if (travelMm > this->LongestTravelMm)
+    if (travelMm > this->LongestTravelMm || this->Failures >= LargestNumberOfFailures)
     {
-      return false; // costs nothing, and Ceres shortens its step
+      return false; // costs nothing, and Ceres shortens its step or gives up
     }
     const auto begin = Clock::now();
     try
