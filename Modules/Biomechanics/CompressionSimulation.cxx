@@ -163,11 +163,12 @@ CompressionState CompressionSimulation::Compress(const PlatePair& plates,
   double hardening = Hardening;
   const auto continued = [&](double, const char*)
   { return !progress || progress(done, "compression"); };
+  double lastGap = Gap(state.Plates);
   const auto fail = [&](const std::string& reason)
   {
     throw CompressionError("compression: expected equilibrium at a gap of " + InMm(Gap(plates)) +
-        ", the last one reached is at " + InMm(Gap(state.Plates)) + " (" + reason + ")",
-      Gap(state.Plates));
+        ", the last one reached is at " + InMm(lastGap) + " (" + reason + ")",
+      lastGap);
   };
   const auto keep = [&](const EquilibriumReport& report, std::vector<double>& positions)
   {
@@ -232,6 +233,10 @@ CompressionState CompressionSimulation::Compress(const PlatePair& plates,
     }
     keep(report, positions);
     state.Plates = target;
+    if (done < 1 && next < 1 && report.SmallestJ >= SmallestAllowedJ)
+    {
+      lastGap = Gap(target);
+    }
     state.LoadSteps += done < 1;
     done = next;
     softness = nextSoftness;
@@ -244,22 +249,21 @@ CompressionState CompressionSimulation::Compress(const PlatePair& plates,
       wanted *= std::exp2(std::ceil(std::log2(excess)));
       if (wanted > LargestStiffening)
       {
-        char text[160];
-        std::snprintf(text, sizeof text,
-          "compression: expected a penetration of at most %.3f mm at a gap of %.2f mm, found %.3f "
-          "mm",
-          PenetrationLimitMm(plates), Gap(plates), state.LargestPenetrationMm);
-        throw ConvergenceError(text);
+        char reason[96];
+        std::snprintf(reason, sizeof reason,
+          "there a penetration of %.3f mm is left, expected at most %.3f mm",
+          state.LargestPenetrationMm, PenetrationLimitMm(plates));
+        fail(reason);
       }
     }
   }
   if (state.SmallestJ < SmallestAllowedJ)
   {
-    char text[160];
-    std::snprintf(text, sizeof text,
-      "compression: expected every part to keep %.2f of its volume at a gap of %.2f mm, found %.3f",
-      SmallestAllowedJ, Gap(plates), state.SmallestJ);
-    throw ConvergenceError(text);
+    char reason[96];
+    std::snprintf(reason, sizeof reason,
+      "there a part keeps %.3f of its volume, expected at least %.2f", state.SmallestJ,
+      SmallestAllowedJ);
+    fail(reason);
   }
   state.ContactStiffness = options.ContactStiffness * softness;
   ReportProgress(progress, 1, "compression");

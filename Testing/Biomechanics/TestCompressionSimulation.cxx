@@ -93,6 +93,49 @@ TEST(CompressionSimulation, BlockBetweenPlatesMatchesUniaxialCompression)
   EXPECT_NEAR(report.VolumeRatio / j, 1, 2e-3);
 }
 
+TEST(CompressionSimulation, SphereBetweenPlatesMatchesHertz)
+{
+  // An eighth of a ball of 10 m, so large that the contact layer of 0.05 mm is thin beside the
+  // indentation; bricks crowd where the plate touches.
+  constexpr double radius = 1e4;
+  const double across[] = { 0, 0.025, 0.05, 0.075, 0.1, 0.15, 0.27, 0.5, 1 };
+  const double deep[] = { 0, 0.03, 0.07, 0.14, 0.27, 0.5, 1 };
+  TetrahedralMesh mesh = test::MakeBoxMesh({ 0, 0, 0 }, { 8, 8, 6 }, { 8, 8, 6 });
+  for (std::size_t p = 0; p < mesh.Points.size(); p += 3)
+  {
+    mesh.Points[p] = across[std::lround(mesh.Points[p])];
+    mesh.Points[p + 1] = across[std::lround(mesh.Points[p + 1])];
+    mesh.Points[p + 2] = 1 - deep[6 - std::lround(mesh.Points[p + 2])];
+  }
+  test::MapCubeToBall(mesh, radius, radius, radius);
+  const ElasticMaterial material{ 10, 0.3 };
+  const ElasticBody body(mesh, { {}, material });
+  std::vector<double> x = body.RestPositions();
+  std::vector<bool> fixed(x.size(), false);
+  for (std::size_t c = 0; c < x.size(); ++c)
+  {
+    fixed[c] = x[c] < 1e-6; // the planes of symmetry
+  }
+  constexpr double contactRadius = 0.1 * radius;
+  // Tatara (1991): Hertz's approach less what the force on the far side pushes this pole back.
+  const double e = material.YoungsModulusKPa, nu = material.PoissonRatio;
+  const double hertz = 4 / 3.0 * e / (1 - nu * nu) * std::pow(contactRadius, 3) / radius;
+  const double diagonal = std::hypot(contactRadius, 2 * radius);
+  const double far =
+    2 * (1 + nu) * radius * radius / std::pow(diagonal, 3) + (1 - nu * nu) / diagonal;
+  const double approach = contactRadius * contactRadius / radius - far * hertz / (M_PI * e);
+  PlatePair plates;
+  plates.Support.Edge = { 0, -1e6, -1e6 };
+  plates.Paddle.Edge = { 0, -1e6, radius - approach };
+  plates.Paddle.Normal = { 0, 0, -1 };
+  EquilibriumSolver solver(body, fixed, 100);
+  const EquilibriumReport report = solver.Solve(x, &plates, 1e-6, 100);
+  ASSERT_TRUE(report.Converged) << report.Reason << " " << report.RelativeResidual;
+  // 3 %: flat faces of a quarter of the contact's radius on a round body leave 1 %, the closed form
+  // is one of small contacts (second order in a / R = 0.1).
+  EXPECT_NEAR(4 * 1e3 * report.PaddleForceN / hertz, 1, 0.03);
+}
+
 TEST(CompressionSimulation, ForcesBalance)
 {
   CompressionOptions options;
@@ -271,6 +314,29 @@ TEST(CompressionSimulation, SaysHowFarItGot)
     EXPECT_NE(message.find("gap of 0.50 mm"), std::string::npos) << message;
     EXPECT_NE(message.find("last one reached is at"), std::string::npos) << message;
   }
+}
+
+TEST(CompressionSimulation, RefusesTwoMillimetresWithTheLastGoodThickness)
+{
+  const CompressionSimulation simulation = MakeBreast();
+  double last = 0;
+  try
+  {
+    simulation.Compress(MakePlates(2));
+    FAIL() << "2 mm was reached";
+  }
+  catch (const CompressionError& error)
+  {
+    EXPECT_NE(std::string(error.what()).find("at a gap of 2.00 mm"), std::string::npos)
+      << error.what();
+    last = error.LastGapMm();
+  }
+  ASSERT_GT(last, 2);
+  ASSERT_LT(last, 40);
+  // A little more open than said there is an equilibrium indeed, contact hard and all limits kept.
+  const CompressionState state = simulation.Compress(MakePlates(1.1 * last));
+  EXPECT_GE(state.SmallestJ, 0.1);
+  EXPECT_LE(state.LargestPenetrationMm, PenetrationLimitMm(state.Plates));
 }
 
 TEST(CompressionSimulation, StopsWhenAsked)
