@@ -67,7 +67,9 @@ void vtkBreastCompression::Internals::Prepare(vtkUnstructuredGrid* grid, const s
     materials.clear();
     for (const Material& material : ReadMaterialTable(table).Materials)
     {
-      materials.push_back({ { material.YoungsModulusKPa, material.PoissonRatio }, material.Held });
+      materials.push_back(
+        { { material.YoungsModulusKPa, material.PoissonRatio, material.FungExponent },
+          material.Held });
     }
     known.assign(materials.size(), true);
   }
@@ -95,7 +97,10 @@ void vtkBreastCompression::Internals::Prepare(vtkUnstructuredGrid* grid, const s
     held.push_back(material.Held);
   }
   const auto sameElastic = [](const ElasticMaterial& a, const ElasticMaterial& b)
-  { return a.YoungsModulusKPa == b.YoungsModulusKPa && a.PoissonRatio == b.PoissonRatio; };
+  {
+    return a.YoungsModulusKPa == b.YoungsModulusKPa && a.PoissonRatio == b.PoissonRatio &&
+      a.FungExponent == b.FungExponent;
+  };
   if (this->Simulation && mesh.Points == this->Mesh.Points && mesh.Cells == this->Mesh.Cells &&
     mesh.Materials == this->Mesh.Materials && held == this->Held &&
     std::equal(elastic.begin(), elastic.end(), this->Elastic.begin(), this->Elastic.end(),
@@ -143,14 +148,14 @@ vtkBreastCompression::~vtkBreastCompression()
 }
 
 void vtkBreastCompression::SetMaterial(int material, double youngsModulusKPa, double poissonRatio,
-  bool held)
+  bool held, double fungExponent)
 {
   if (material < 1 || material > 65535)
   {
     vtkErrorMacro(<< "SetMaterial: expected a material in [1, 65535], found " << material);
     return;
   }
-  this->Internal->Given[material] = { { youngsModulusKPa, poissonRatio }, held };
+  this->Internal->Given[material] = { { youngsModulusKPa, poissonRatio, fungExponent }, held };
   this->Modified();
 }
 

@@ -50,9 +50,11 @@ public:
 
   /**
    * Elastic constants of a material (1, 2, ...): Young's modulus, kPa, positive; Poisson's ratio in
-   * [0, 0.5); whether its cells are held. Goes before the table.
+   * [0, 0.5); whether its cells are held; how fast it stiffens (Fung's exponent in [0, 50]; 0:
+   * neo-Hookean). Goes before the table.
    */
-  void SetMaterial(int material, double youngsModulusKPa, double poissonRatio, bool held);
+  void SetMaterial(int material, double youngsModulusKPa, double poissonRatio, bool held,
+    double fungExponent = 0);
 
   /**
    * Forgets what SetMaterial said.

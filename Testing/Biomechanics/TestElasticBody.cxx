@@ -16,11 +16,12 @@ namespace
 using namespace mammoray;
 
 /// A material with the given shear and bulk modulus.
-ElasticMaterial FromModuli(double mu, double kappa)
+ElasticMaterial FromModuli(double mu, double kappa, double fungExponent = 0)
 {
   ElasticMaterial material;
   material.PoissonRatio = (3 * kappa - 2 * mu) / (2 * (3 * kappa + mu));
   material.YoungsModulusKPa = 2 * mu * (1 + material.PoissonRatio);
+  material.FungExponent = fungExponent;
   return material;
 }
 
@@ -90,11 +91,12 @@ TEST(ElasticBody, EnergyOfAnAffineMapIsItsClosedForm)
 
 TEST(ElasticBody, GradientAndHessianMatchCentralDifferences)
 {
-  // kappa / mu below and above the ratio up to which volume counts point by point.
-  for (const double kappa : { 30.0, 4000.0 })
+  // kappa / mu below and above the ratio up to which volume counts point by point; both laws.
+  for (const auto& [kappa, exponent] :
+    { std::pair{ 30.0, 0.0 }, { 4000.0, 0.0 }, { 30.0, 5.0 }, { 4000.0, 5.0 } })
   {
     const ElasticBody body(test::MakeBoxMesh({ 0, 0, 0 }, { 2, 2, 2 }, { 1, 1, 1 }),
-      { {}, FromModuli(3, kappa) });
+      { {}, FromModuli(3, kappa, exponent) });
     const std::vector<double> x = Shaken(body.RestPositions(), 0.06, 7);
     ElasticBody::Terms terms;
     for (std::size_t cell = 0; cell < body.NumberOfCells(); ++cell)
@@ -226,11 +228,61 @@ TEST(ElasticBody, AveragesTheFieldAroundQuadraturePoints)
   EXPECT_THROW(ElasticBody(mesh, materials, [](const Vector3&) { return 9; }), InputError);
 }
 
+TEST(ElasticBody, GradientRateMatchesCentralDifferencesInTheMaterials)
+{
+  const TetrahedralMesh mesh = test::MakeBoxMesh({ 0, 0, 0 }, { 4, 4, 4 }, { 1, 1, 1 });
+  // Mixed cells: two materials by the field, one of them so little compressible that part of its
+  // kappa acts on the mean alone.
+  const std::vector<ElasticMaterial> materials{ {}, FromModuli(1, 20, 2), FromModuli(4, 3000, 6) };
+  ElasticBody body(mesh, materials, [](const Vector3& p) { return p[2] < 1.5 ? 2 : 1; });
+  const std::vector<double> x = Shaken(body.RestPositions(), 0.15, 9);
+  const MaterialVelocity velocities[] = { { {}, { 1, 0, 0 }, {} }, { {}, {}, { 1, 0, 0 } },
+    { {}, { 0, 1, 0 }, {} }, { {}, {}, { 0, 0.01, 0 } }, { {}, { 0, 0, 1 }, {} },
+    { {}, { 2, 0.05, 1 }, { -1, 0.001, 2 } } };
+  for (const MaterialVelocity& velocity : velocities)
+  {
+    for (std::size_t cell = 0; cell < body.NumberOfCells(); ++cell)
+    {
+      body.SetMaterials(materials);
+      const auto exact = body.GradientRate(cell, x, velocity);
+      const double h = 1e-5;
+      ElasticBody::Terms sides[2];
+      for (int side = 0; side < 2; ++side)
+      {
+        std::vector<ElasticMaterial> moved = materials;
+        for (std::size_t m = 0; m < moved.size(); ++m)
+        {
+          const double by = side ? h : -h;
+          moved[m].YoungsModulusKPa += by * velocity[m].YoungsModulusKPa;
+          moved[m].PoissonRatio += by * velocity[m].PoissonRatio;
+          moved[m].FungExponent += by * velocity[m].FungExponent;
+        }
+        body.SetMaterials(moved);
+        ASSERT_TRUE(body.CellTerms(cell, x, ElasticBody::Order::Gradient, sides[side]));
+      }
+      double error = 0, size = 0;
+      for (int c = 0; c < 30; ++c)
+      {
+        const double slope = (sides[1].Gradient[c] - sides[0].Gradient[c]) / (2 * h);
+        error = std::max(error, std::abs(slope - exact[c]));
+        size = std::max(size, std::abs(slope));
+      }
+      // h^2 = 1e-10 for truncation, times 1 / (1 - 2 nu)^2 = 6e5 of kappa's curvature in nu times
+      // the rate squared; eps / h = 2e-11 for roundoff, times force over rate.
+      EXPECT_LT(error, 1e-6 * size);
+    }
+  }
+}
+
 TEST(ElasticBody, RefusesBadMaterials)
 {
   const TetrahedralMesh mesh = test::MakeBoxMesh({ 0, 0, 0 }, { 1, 1, 1 }, { 1, 1, 1 });
   EXPECT_THROW(ElasticBody(mesh, { {}, { 5, 0.5 } }), InputError);
   EXPECT_THROW(ElasticBody(mesh, { {}, { -1, 0.4 } }), InputError);
+  EXPECT_THROW(ElasticBody(mesh, { {}, { 5, 0.4, -1 } }), InputError);
+  EXPECT_THROW(ElasticBody(mesh, { {}, { 5, 0.4, 51 } }), InputError);
+  ElasticBody body(mesh, { {}, { 5, 0.4 } });
+  EXPECT_THROW(body.SetMaterials({ {} }), InputError);
   EXPECT_THROW(ElasticBody(mesh, { {} }), InputError) << "material 1 is not in the table";
 }
 
@@ -267,22 +319,24 @@ TEST(EquilibriumSolver, PatchTestReproducesAffineMaps)
   EXPECT_LT(NormOf(Difference(start, affine)), 3e-11);
 }
 
-/// Stress across a free side of a bar stretched by `axial` along and `lateral` across.
-double LateralStress(double mu, double kappa, double axial, double lateral)
+/// Nominal stress of a bar along the first of the stretches (a, b, b) or along one of the others.
+double BarStress(const ElasticMaterial& material, double a, double b, bool alongFirst)
 {
-  const double j = axial * lateral * lateral;
-  const double trace = axial * axial + 2 * lateral * lateral;
-  return mu * std::pow(j, -2 / 3.0) * (lateral - trace / (3 * lateral)) +
-    kappa * (j - 1) * axial * lateral;
+  const double mu = material.ShearModulusKPa(), kappa = material.BulkModulusKPa();
+  const double j = a * b * b, trace = a * a + 2 * b * b;
+  const double stretch = alongFirst ? a : b;
+  const double growth = std::exp(material.FungExponent * (std::pow(j, -2 / 3.0) * trace - 3));
+  return mu * growth * std::pow(j, -2 / 3.0) * (stretch - trace / (3 * stretch)) +
+    kappa * (j - 1) * j / stretch;
 }
 
-double SolveLateralStretch(double mu, double kappa, double axial)
+double SolveLateralStretch(const ElasticMaterial& material, double axial)
 {
   double low = 0.5, high = 3;
   for (int i = 0; i < 200; ++i)
   {
     const double middle = 0.5 * (low + high);
-    (LateralStress(mu, kappa, axial, middle) > 0 ? high : low) = middle;
+    (BarStress(material, axial, middle, false) > 0 ? high : low) = middle;
   }
   return 0.5 * (low + high);
 }
@@ -290,11 +344,12 @@ double SolveLateralStretch(double mu, double kappa, double axial)
 TEST(EquilibriumSolver, UniaxialCompressionMatchesTheClosedForm)
 {
   constexpr double mu = 2;
-  for (const double ratio : { 10.0, 100.0, 1e3, 1e4 })
+  for (const auto& [ratio, exponent] : { std::pair{ 10.0, 0.0 }, { 100.0, 0.0 }, { 1e3, 0.0 },
+         { 1e4, 0.0 }, { 100.0, 3.0 }, { 1e3, 1e-9 } })
   {
-    const double kappa = ratio * mu;
+    const ElasticMaterial material = FromModuli(mu, ratio * mu, exponent);
     const ElasticBody body(test::MakeBoxMesh({ 0, 0, 0 }, { 4, 4, 4 }, { 2, 2, 2 }),
-      { {}, FromModuli(mu, kappa) });
+      { {}, material });
     // Symmetry planes at 0, the top pushed down to 0.6 of the height, four sides free.
     std::vector<double> x = body.RestPositions();
     std::vector<bool> fixed(x.size(), false);
@@ -318,7 +373,7 @@ TEST(EquilibriumSolver, UniaxialCompressionMatchesTheClosedForm)
     }
     const EquilibriumReport report = solver.Solve(start, nullptr, 2e-11, 60);
     ASSERT_TRUE(report.Converged) << report.Reason << " " << report.RelativeResidual;
-    const double lateral = SolveLateralStretch(mu, kappa, 0.6);
+    const double lateral = SolveLateralStretch(material, 0.6);
     double largest = 0;
     for (std::size_t n = 0; n < start.size(); n += 3)
     {
@@ -329,10 +384,7 @@ TEST(EquilibriumSolver, UniaxialCompressionMatchesTheClosedForm)
     EXPECT_LT(largest, 4e-9) << "kappa / mu = " << ratio; // 1e-9 of the block's 4 mm
 
     // The force: first Piola-Kirchhoff stress along the axis times the undeformed area.
-    const double j = 0.6 * lateral * lateral;
-    const double trace = 0.36 + 2 * lateral * lateral;
-    const double stress =
-      mu * std::pow(j, -2 / 3.0) * (0.6 - trace / 1.8) + kappa * (j - 1) * lateral * lateral;
+    const double stress = BarStress(material, 0.6, lateral, true);
     double force = 0;
     const std::vector<double> gradient = solver.Gradient(start, nullptr);
     for (std::size_t n = 2; n < start.size(); n += 3)

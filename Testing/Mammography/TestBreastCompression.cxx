@@ -107,6 +107,18 @@ TEST_F(BreastCompression, SqueezesTheGridBetweenThePlates)
   EXPECT_EQ(this->FieldValue("ThicknessMm"), 54);
 }
 
+TEST_F(BreastCompression, StiffensByFungsLaw)
+{
+  this->Filter->Update();
+  const double force = this->FieldValue("PaddleForceN");
+  this->Filter->SetMaterial(1, 6, 0.49, false, 3);
+  this->Filter->Update();
+  ASSERT_EQ(this->Errors->Count, 0) << this->Errors->Text;
+  // A bar at 30 % compression: exp(3 (0.7^2 + 2 / 0.7 - 3)) = 2.8 times the stress; where the
+  // plates' edges cut in the strains are larger.
+  EXPECT_GT(this->FieldValue("PaddleForceN"), 2 * force);
+}
+
 TEST_F(BreastCompression, GoesOnFromTheLastState)
 {
   this->Filter->Update();
