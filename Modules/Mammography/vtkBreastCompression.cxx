@@ -173,9 +173,10 @@ int vtkBreastCompression::RequestData(vtkInformation*, vtkInformationVector** in
   Internals& internal = *this->Internal;
   try
   {
-    if (!(this->ThicknessMm > 0) || !(this->EdgeRadiusMm >= 0))
+    if (!(this->ThicknessMm > 0) || !(this->EdgeRadiusMm >= 0) || !(this->ForceN >= 0))
     {
-      throw InputError("expected a positive ThicknessMm and an EdgeRadiusMm of at least 0");
+      throw InputError(
+        "expected a positive ThicknessMm, and an EdgeRadiusMm and a ForceN of at least 0");
     }
     const AnatomicalAxes axes = AnatomicalAxes::FromCode(this->Orientation);
     internal.Prepare(input, this->MaterialTable);
@@ -189,14 +190,29 @@ int vtkBreastCompression::RequestData(vtkInformation*, vtkInformationVector** in
     unit.SupportEdgeMm = this->SupportEdgeMm;
     unit.PaddleEdgeMm = this->PaddleEdgeMm;
     unit.EdgeRadiusMm = this->EdgeRadiusMm;
-    const VolumeFromGantry placed =
-      PlaceUnit(axes, FindPoseAnchor(internal.Mesh, internal.Held, axes), unit, pose);
-    internal.Compress(PlatesOf(placed, unit, pose.ThicknessMm),
-      [this](double fraction, const char*)
-      {
-        this->UpdateProgress(fraction);
-        return this->GetAbortExecute() == 0;
-      });
+    const Vector3 anchor = FindPoseAnchor(internal.Mesh, internal.Held, axes);
+    const auto platesAt = [&](double thicknessMm)
+    {
+      pose.ThicknessMm = thicknessMm;
+      return PlatesOf(PlaceUnit(axes, anchor, unit, pose), unit, thicknessMm, this->PaddleTiltDeg);
+    };
+    const ProgressCallback progress = [this](double fraction, const char*)
+    {
+      this->UpdateProgress(fraction);
+      return this->GetAbortExecute() == 0;
+    };
+    if (this->ForceN > 0)
+    {
+      const PlatePair plates = platesAt(this->ThicknessMm);
+      const PlatePairVelocity closing = PlateMotion(plates, platesAt(0.9 * this->ThicknessMm));
+      internal.State.reset();
+      internal.State =
+        internal.Simulation->CompressToForce(plates, closing, this->ForceN, progress);
+    }
+    else
+    {
+      internal.Compress(platesAt(this->ThicknessMm), progress);
+    }
     const CompressionState& state = *internal.State;
 
     const vtkIdType pointCount = input->GetNumberOfPoints();
@@ -231,7 +247,7 @@ int vtkBreastCompression::RequestData(vtkInformation*, vtkInformationVector** in
     vtkFieldData* data = output->GetFieldData();
     AddValue(data, "PaddleForceN", state.PaddleForceN);
     AddValue(data, "SupportForceN", state.SupportForceN);
-    AddValue(data, "ThicknessMm", this->ThicknessMm);
+    AddValue(data, "ThicknessMm", this->ForceN > 0 ? GapMm(state.Plates) : this->ThicknessMm);
     AddValue(data, "LargestPenetrationMm", state.LargestPenetrationMm);
     AddValue(data, "SmallestJ", state.SmallestJ);
     AddValue(data, "VolumeRatio", state.VolumeRatio);
@@ -256,6 +272,8 @@ void vtkBreastCompression::PrintSelf(ostream& os, vtkIndent indent)
   os << indent << "MaterialTable: " << this->MaterialTable << "\n";
   os << indent << "Orientation: " << this->Orientation << "\n";
   os << indent << "ThicknessMm: " << this->ThicknessMm << "\n";
+  os << indent << "ForceN: " << this->ForceN << "\n";
+  os << indent << "PaddleTiltDeg: " << this->PaddleTiltDeg << "\n";
   os << indent << "RollDeg: " << this->RollDeg << "\n";
   os << indent << "ShiftLateralMm: " << this->ShiftLateralMm << "\n";
   os << indent << "ShiftAnteriorMm: " << this->ShiftAnteriorMm << "\n";

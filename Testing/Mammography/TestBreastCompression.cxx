@@ -119,6 +119,24 @@ TEST_F(BreastCompression, StiffensByFungsLaw)
   EXPECT_GT(this->FieldValue("PaddleForceN"), 2 * force);
 }
 
+TEST_F(BreastCompression, FindsTheThicknessOfAForce)
+{
+  this->Filter->SetForceN(3);
+  this->Filter->SetPaddleTiltDeg(2);
+  this->Filter->Update();
+  ASSERT_EQ(this->Errors->Count, 0) << this->Errors->Text;
+  EXPECT_NEAR(this->FieldValue("PaddleForceN"), 3, 3e-4);
+  const double thickness = this->FieldValue("ThicknessMm");
+  this->Filter->SetForceN(0);
+  this->Filter->SetThicknessMm(thickness);
+  this->Filter->Update();
+  EXPECT_EQ(this->FieldValue("ThicknessMm"), thickness);
+  EXPECT_NEAR(this->FieldValue("PaddleForceN"), 3, 1e-3); // warm, by Newton's tolerance
+  this->Filter->SetForceN(-1);
+  this->Filter->Update();
+  EXPECT_EQ(this->Errors->Count, 1);
+}
+
 TEST_F(BreastCompression, GoesOnFromTheLastState)
 {
   this->Filter->Update();
