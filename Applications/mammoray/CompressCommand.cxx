@@ -3,6 +3,7 @@
 
 #include "CompressionSimulation.h"
 #include "LabelVolumeIO.h"
+#include "Mammogram.h"
 #include "MaterialTableIO.h"
 #include "MeshConversion.h"
 #include "MeshIO.h"
@@ -42,6 +43,12 @@ struct CompressArguments
   std::string Labels;
   bool AxesAsGiven = false;
   BreastPose Pose;
+  /// Standard view, whose roll is added; empty: none.
+  std::string View;
+  std::string Side;
+  /// In place of the thickness; 0: not given.
+  double ForceN = 0;
+  double PaddleTiltDeg = 0;
   MammographyUnit Unit;
   std::string Output;
   bool Overwrite = false;
@@ -88,6 +95,44 @@ TetrahedralMesh FindSimulationMesh(const CompressArguments& arguments, const Tet
   );
 }
 
+/// Roll of a standard view, degrees; 0 where none is given.
+double RollOfView(const CompressArguments& arguments)
+{
+  if (arguments.View.empty())
+  {
+    return 0;
+  }
+  Mammogram mammogram;
+  mammogram.View = arguments.View;
+  mammogram.Laterality = arguments.Side.empty() ? '?' : arguments.Side.front();
+  const std::optional<double> roll = NominalRollDeg(mammogram);
+  if (!roll)
+  {
+    throw InputError("--view " + arguments.View + ": expected --side L or R beside it");
+  }
+  return *roll;
+}
+
+CompressionState Compress(const CompressArguments& arguments,
+  const CompressionSimulation& simulation, const AnatomicalAxes& axes, const Vector3& anchor)
+{
+  BreastPose pose = arguments.Pose;
+  pose.RollDeg += RollOfView(arguments);
+  const auto plates = [&](double thicknessMm)
+  {
+    pose.ThicknessMm = thicknessMm;
+    return PlatesOf(PlaceUnit(axes, anchor, arguments.Unit, pose), arguments.Unit, thicknessMm,
+      arguments.PaddleTiltDeg);
+  };
+  if (arguments.ForceN > 0)
+  {
+    // 50: any two thicknesses show how the plates close.
+    return simulation.CompressToForce(plates(50), PlateMotion(plates(50), plates(49)),
+      arguments.ForceN, MakeProgressBar());
+  }
+  return simulation.Compress(plates(pose.ThicknessMm), nullptr, MakeProgressBar());
+}
+
 void RunCompress(const CompressArguments& arguments)
 {
   for (const std::string* input : { &arguments.Mesh, &arguments.Materials })
@@ -112,7 +157,7 @@ void RunCompress(const CompressArguments& arguments)
   std::vector<bool> held;
   for (const Material& material : table.Materials)
   {
-    elastic.push_back({ material.YoungsModulusKPa, material.PoissonRatio });
+    elastic.push_back({ material.YoungsModulusKPa, material.PoissonRatio, material.FungExponent });
     held.push_back(material.Held);
   }
   const vtkSmartPointer<vtkUnstructuredGrid> grid = ReadMesh(arguments.Mesh);
@@ -134,9 +179,9 @@ void RunCompress(const CompressArguments& arguments)
   const CompressionSimulation simulation(simulationMesh, elastic, held, field);
   const Vector3 anchor =
     volume ? FindPoseAnchor(*volume, held, axes) : FindPoseAnchor(mesh, held, axes);
-  const VolumeFromGantry placed = PlaceUnit(axes, anchor, arguments.Unit, arguments.Pose);
-  const CompressionState state = simulation.Compress(
-    PlatesOf(placed, arguments.Unit, arguments.Pose.ThicknessMm), nullptr, MakeProgressBar());
+  const CompressionState state = Compress(arguments, simulation, axes, anchor);
+  const double thicknessMm =
+    arguments.ForceN > 0 ? GapMm(state.Plates) : arguments.Pose.ThicknessMm;
   const Embedding embedding(simulation, mesh.Points);
 
   TetrahedralMesh deformed = mesh;
@@ -171,7 +216,7 @@ void RunCompress(const CompressArguments& arguments)
   grid->GetPointData()->AddArray(displacement);
   grid->GetCellData()->AddArray(volumeRatio);
   vtkFieldData* data = grid->GetFieldData();
-  AddValue(data, "ThicknessMm", arguments.Pose.ThicknessMm);
+  AddValue(data, "ThicknessMm", thicknessMm);
   AddValue(data, "PaddleForceN", state.PaddleForceN);
   AddValue(data, "SupportForceN", state.SupportForceN);
   AddValue(data, "LargestPenetrationMm", state.LargestPenetrationMm);
@@ -185,10 +230,11 @@ void RunCompress(const CompressArguments& arguments)
   std::printf("%zu simulation cells, %zu unknowns, %d load steps, %d Newton steps, %.1f s\n",
     simulationMesh.NumberOfCells(), simulation.NumberOfUnknowns(), state.LoadSteps,
     state.NewtonSteps, state.Seconds);
-  std::printf("paddle %.2f N, support %.2f N, penetration at most %.3f mm, volume x %.4f, "
-              "J %.3f to %.3f\n",
-    state.PaddleForceN, state.SupportForceN, state.LargestPenetrationMm, state.VolumeRatio,
-    state.SmallestJ, state.LargestJ);
+  std::printf(
+    "thickness %.2f mm, paddle %.2f N, support %.2f N, penetration at most %.3f mm, volume x %.4f, "
+    "J %.3f to %.3f\n",
+    thicknessMm, state.PaddleForceN, state.SupportForceN, state.LargestPenetrationMm,
+    state.VolumeRatio, state.SmallestJ, state.LargestJ);
   if (inverted > 0)
   {
     std::printf("%zu of %zu cells of the mesh are turned inside out (array J <= 0)\n", inverted,
@@ -213,14 +259,30 @@ void AddCompressCommand(CLI::App& application)
     ->add_option("--orientation", arguments->Orientation,
       "directions of +x, +y, +z: one letter each of L/R, A/P, S/I")
     ->capture_default_str();
-  command->add_option("--thickness", pose.ThicknessMm, "distance of the plates' faces, mm")
-    ->check(CLI::PositiveNumber)
-    ->required();
+  CLI::Option* thickness =
+    command->add_option("--thickness", pose.ThicknessMm, "distance of the plates' faces, mm")
+      ->check(CLI::PositiveNumber);
+  CLI::Option* force = command
+                         ->add_option("--force", arguments->ForceN,
+                           "force of the paddle, N, in place of the thickness; 50 to 150 are usual")
+                         ->check(CLI::PositiveNumber)
+                         ->excludes(thickness);
   command->add_option("-o,--output", arguments->Output, "compressed mesh to write (.vtu)")
     ->required();
   const auto add = [&](const char* name, double& value, const char* help)
   { return command->add_option(name, value, help)->capture_default_str(); };
-  add("--roll", pose.RollDeg, "turn of the unit about the anterior axis, degrees; 0 is CC");
+  add("--roll", pose.RollDeg,
+    "turn of the unit about the anterior axis from --view or CC, degrees; positive to the left");
+  CLI::Option* view = command
+                        ->add_option("--view", arguments->View,
+                          "CC, or turned by 45 (MLO, LMO) or 90 degrees (ML, LM)")
+                        ->check(CLI::IsMember({ "CC", "MLO", "LMO", "ML", "LM" }));
+  command->add_option("--side", arguments->Side, "the breast, L or R: which way --view turns")
+    ->check(CLI::IsMember({ "L", "R" }))
+    ->needs(view);
+  add("--tilt", arguments->PaddleTiltDeg,
+    "turn of the paddle about its chest-wall edge, degrees; positive opens it towards the nipple")
+    ->check(CLI::Range(-30.0, 30.0));
   add("--lateral", pose.ShiftLateralMm, "shift of the receptor along its chest-wall edge, mm");
   add("--anterior", pose.ShiftAnteriorMm, "shift of the receptor away from the chest wall, mm");
   add("--vertical", pose.ShiftVerticalMm, "shift of the plates' mid-plane towards the source, mm");
@@ -241,6 +303,14 @@ void AddCompressCommand(CLI::App& application)
     ->check(CLI::PositiveNumber);
   command->add_flag("--overwrite", arguments->Overwrite, "replace the output file");
   AddConfigurationOptions(*command);
-  command->callback([arguments] { RunCompress(*arguments); });
+  command->callback(
+    [arguments, thickness, force]
+    {
+      if (thickness->count() + force->count() == 0)
+      {
+        throw CLI::RequiredError("--thickness or --force");
+      }
+      RunCompress(*arguments);
+    });
 }
 }

@@ -9,6 +9,7 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <limits>
 
 namespace mammoray
 {
@@ -72,11 +73,14 @@ void CheckPlate(const Plate& plate, const char* name)
   }
 }
 
-/// Distance of the faces, mm: of the paddle's edge from the face of the support.
-double Gap(const PlatePair& plates)
-{
-  return Dot(plates.Paddle.Edge - plates.Support.Edge, plates.Support.Normal);
-}
+/// The search for a force: how near is near enough, how far the plates go in one step, mm, and the
+/// least step towards more force before the search gives up.
+constexpr double ForceTolerance = 1e-4;
+constexpr double LargestForceStepMm = 5;
+constexpr double SmallestForceStepMm = 0.1;
+constexpr int MostForceSteps = 60;
+/// Part of the gap without contact at which that search begins.
+constexpr double FirstGap = 0.85;
 
 std::string InMm(double value)
 {
@@ -86,9 +90,14 @@ std::string InMm(double value)
 }
 }
 
+double GapMm(const PlatePair& plates)
+{
+  return Dot(plates.Paddle.Edge - plates.Support.Edge, plates.Support.Normal);
+}
+
 double PenetrationLimitMm(const PlatePair& plates)
 {
-  return std::max(0.05, 1e-3 * Gap(plates));
+  return std::max(0.05, 1e-3 * GapMm(plates));
 }
 
 CompressionSimulation::CompressionSimulation(const TetrahedralMesh& mesh,
@@ -143,7 +152,7 @@ CompressionState CompressionSimulation::Compress(const PlatePair& plates,
     state.Plates = plates;
     state.Plates.Support.Edge = plates.Support.Edge - opening[0] * plates.Support.Normal;
     state.Plates.Paddle.Edge = plates.Paddle.Edge - opening[1] * plates.Paddle.Normal;
-    const double allowed = options.LargestLoadStep * std::abs(Gap(state.Plates));
+    const double allowed = options.LargestLoadStep * std::abs(GapMm(state.Plates));
     largestStep = std::min(1.0, allowed / std::max(opening[0] + opening[1], 1e-12));
   }
 
@@ -163,11 +172,12 @@ CompressionState CompressionSimulation::Compress(const PlatePair& plates,
   double hardening = Hardening;
   const auto continued = [&](double, const char*)
   { return !progress || progress(done, "compression"); };
+  double lastGap = GapMm(state.Plates);
   const auto fail = [&](const std::string& reason)
   {
-    throw CompressionError("compression: expected equilibrium at a gap of " + InMm(Gap(plates)) +
-        ", the last one reached is at " + InMm(Gap(state.Plates)) + " (" + reason + ")",
-      Gap(state.Plates));
+    throw CompressionError("compression: expected equilibrium at a gap of " + InMm(GapMm(plates)) +
+        ", the last one reached is at " + InMm(lastGap) + " (" + reason + ")",
+      lastGap);
   };
   const auto keep = [&](const EquilibriumReport& report, std::vector<double>& positions)
   {
@@ -188,6 +198,9 @@ CompressionState CompressionSimulation::Compress(const PlatePair& plates,
     // A state where nothing is left to move or to harden is solved to the end.
     const bool last = done == 1 && softness == wanted;
     solver.SetContactStiffness(options.ContactStiffness * nextSoftness);
+    // Contact that hardens by a little and still resists has a snap to go through, which takes
+    // Newton's method its time; smaller steps do not shorten it.
+    const bool patient = !start && done == 1 && hardening < 2;
     const PlatePair target = next == 1 ? plates : MovedPlates(first, motion, next);
     std::vector<double> positions = state.Positions;
     if (done < 1)
@@ -205,8 +218,9 @@ CompressionState CompressionSimulation::Compress(const PlatePair& plates,
     }
     const EquilibriumReport report = solver.Solve(positions, &target,
       last ? options.RelativeTolerance : std::max(IntermediateTolerance, options.RelativeTolerance),
-      last ? options.MaximumNewtonSteps
-           : std::min(IntermediateNewtonSteps, options.MaximumNewtonSteps),
+      last        ? options.MaximumNewtonSteps
+        : patient ? 2 * options.MaximumNewtonSteps
+                  : std::min(IntermediateNewtonSteps, options.MaximumNewtonSteps),
       continued);
     state.NewtonSteps += report.NewtonSteps;
     if (!report.Converged)
@@ -232,6 +246,10 @@ CompressionState CompressionSimulation::Compress(const PlatePair& plates,
     }
     keep(report, positions);
     state.Plates = target;
+    if (done < 1 && next < 1 && report.SmallestJ >= SmallestAllowedJ)
+    {
+      lastGap = GapMm(target);
+    }
     state.LoadSteps += done < 1;
     done = next;
     softness = nextSoftness;
@@ -244,22 +262,21 @@ CompressionState CompressionSimulation::Compress(const PlatePair& plates,
       wanted *= std::exp2(std::ceil(std::log2(excess)));
       if (wanted > LargestStiffening)
       {
-        char text[160];
-        std::snprintf(text, sizeof text,
-          "compression: expected a penetration of at most %.3f mm at a gap of %.2f mm, found %.3f "
-          "mm",
-          PenetrationLimitMm(plates), Gap(plates), state.LargestPenetrationMm);
-        throw ConvergenceError(text);
+        char reason[96];
+        std::snprintf(reason, sizeof reason,
+          "there a penetration of %.3f mm is left, expected at most %.3f mm",
+          state.LargestPenetrationMm, PenetrationLimitMm(plates));
+        fail(reason);
       }
     }
   }
   if (state.SmallestJ < SmallestAllowedJ)
   {
-    char text[160];
-    std::snprintf(text, sizeof text,
-      "compression: expected every part to keep %.2f of its volume at a gap of %.2f mm, found %.3f",
-      SmallestAllowedJ, Gap(plates), state.SmallestJ);
-    throw ConvergenceError(text);
+    char reason[96];
+    std::snprintf(reason, sizeof reason,
+      "there a part keeps %.3f of its volume, expected at least %.2f", state.SmallestJ,
+      SmallestAllowedJ);
+    fail(reason);
   }
   state.ContactStiffness = options.ContactStiffness * softness;
   ReportProgress(progress, 1, "compression");
@@ -268,7 +285,8 @@ CompressionState CompressionSimulation::Compress(const PlatePair& plates,
 }
 
 std::vector<std::vector<double>> CompressionSimulation::Sensitivities(const CompressionState& state,
-  const std::vector<PlatePairVelocity>& velocities) const
+  const std::vector<PlatePairVelocity>& velocities,
+  const std::vector<MaterialVelocity>& materialVelocities) const
 {
   if (state.Positions.size() != this->RestPositions().size())
   {
@@ -276,7 +294,101 @@ std::vector<std::vector<double>> CompressionSimulation::Sensitivities(const Comp
   }
   this->Internal->Solver.SetContactStiffness(
     state.ContactStiffness > 0 ? state.ContactStiffness : this->Internal->Options.ContactStiffness);
-  return this->Internal->Solver.Sensitivities(state.Positions, state.Plates, velocities);
+  return this->Internal->Solver.Sensitivities(state.Positions, state.Plates, velocities,
+    materialVelocities);
+}
+
+double CompressionSimulation::PaddleForceRate(const CompressionState& state,
+  const PlatePairVelocity& velocity) const
+{
+  const std::vector<double> rates = this->Sensitivities(state, { velocity }).front();
+  return this->Internal->Solver.PaddleForceRate(state.Positions, state.Plates, velocity, rates);
+}
+
+CompressionState CompressionSimulation::CompressToForce(const PlatePair& plates,
+  const PlatePairVelocity& closing, double forceN, const ProgressCallback& progress) const
+{
+  const auto begin = std::chrono::steady_clock::now();
+  CheckPlate(plates.Support, "support");
+  CheckPlate(plates.Paddle, "paddle");
+  const double speed = GapMm(plates) - GapMm(MovedPlates(plates, closing, 1));
+  if (!(forceN > 0) || !std::isfinite(forceN) || !(speed > 0))
+  {
+    throw InputError("compression: expected a positive force and a motion that closes the plates");
+  }
+  const std::array<double, 2> opening =
+    this->Internal->Solver.Opening(this->RestPositions(), plates);
+  // `at` and the bracket count mm that the gap was closed by, from the plates given.
+  const double open = GapMm(plates) + opening[0] + opening[1];
+  double at = GapMm(plates) - FirstGap * open;
+  const auto platesAt = [&](double closed) { return MovedPlates(plates, closing, closed / speed); };
+  CompressionState state = this->Compress(platesAt(at), nullptr, progress);
+  double tooLittle = -std::numeric_limits<double>::infinity();
+  double tooMuch = std::numeric_limits<double>::infinity();
+  int newtonSteps = state.NewtonSteps;
+  int loadSteps = state.LoadSteps;
+  double allowed = LargestForceStepMm;
+  for (int step = 0; std::abs(state.PaddleForceN / forceN - 1) > ForceTolerance; ++step)
+  {
+    (state.PaddleForceN < forceN ? tooLittle : tooMuch) = at;
+    // The force grows faster than in proportion to the way: its logarithm is nearer to a line.
+    double by = state.PaddleForceN < forceN ? allowed : -allowed;
+    if (state.PaddleForceN > 0)
+    {
+      const double rate = this->PaddleForceRate(state, closing) / speed;
+      const double wanted = std::log(forceN / state.PaddleForceN) * state.PaddleForceN / rate;
+      by = rate > 0 ? std::clamp(wanted, -allowed, allowed) : by;
+    }
+    if (!(at + by > tooLittle && at + by < tooMuch))
+    {
+      by = 0.5 * (tooLittle + tooMuch) - at;
+    }
+    std::string reason;
+    if (step == MostForceSteps)
+    {
+      reason = "not reached in " + std::to_string(step) + " steps";
+    }
+    else
+    {
+      try
+      {
+        state = this->Compress(platesAt(at + by), &state, progress);
+        at += by;
+        newtonSteps += state.NewtonSteps;
+        loadSteps += state.LoadSteps;
+        continue;
+      }
+      catch (const CompressionError& error)
+      {
+        allowed = 0.5 * std::min(allowed, std::abs(by));
+        if (allowed > SmallestForceStepMm)
+        {
+          continue;
+        }
+        reason = "the plates cannot be closed farther";
+      }
+    }
+    char text[160];
+    std::snprintf(text, sizeof text,
+      "compression: expected a force of %.2f N, found %.2f N at the last gap, %.2f mm (%s)", forceN,
+      state.PaddleForceN, GapMm(state.Plates), reason.c_str());
+    throw CompressionError(text, GapMm(state.Plates));
+  }
+  state.NewtonSteps = newtonSteps;
+  state.LoadSteps = loadSteps;
+  state.Seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  return state;
+}
+
+void CompressionSimulation::SetMaterials(const std::vector<ElasticMaterial>& materials)
+{
+  this->Internal->Body.SetMaterials(materials);
+  this->Internal->Solver.MaterialsChanged();
+}
+
+const std::vector<ElasticMaterial>& CompressionSimulation::Materials() const
+{
+  return this->Internal->Body.Materials();
 }
 
 std::vector<CellMeasures> CompressionSimulation::MeasuresOf(const CompressionState& state) const

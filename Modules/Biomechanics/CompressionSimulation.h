@@ -25,6 +25,7 @@ struct CompressionOptions
   /// Newton stops when the residual force falls below this fraction of the contact force (or of the
   /// stiffness scale while there is no contact).
   double RelativeTolerance = 1e-8;
+  /// Of one solution; twice as many where contact has to be hardened in small steps.
   int MaximumNewtonSteps = 60;
   /// Largest closing of the plates in one load step of a cold start, as a fraction of the open gap.
   double LargestLoadStep = 0.1;
@@ -45,6 +46,9 @@ public:
 private:
   double GapMm;
 };
+
+/// Distance of the faces, mm: of the paddle's edge from the face of the support.
+MAMMORAYBIOMECHANICS_EXPORT double GapMm(const PlatePair& plates);
 
 /// A converged state of equilibrium.
 struct CompressionState
@@ -77,11 +81,11 @@ struct CompressionState
 MAMMORAYBIOMECHANICS_EXPORT double PenetrationLimitMm(const PlatePair& plates);
 
 /**
- * Quasi-static compression of a nearly incompressible neo-Hookean body between two plates as a
- * minimum of energy (DESIGN.md section 6): psi = mu/2 (J^(-2/3) tr F^T F - 3) + kappa/2 (J - 1)^2
- * on quadratic tetrahedra made from the given linear ones, where of kappa no more than 50 mu acts
- * point by point and the rest on the mean of J over a cell (ElasticBody); frictionless contact by a
- * C2 penalty; held nodes do not move.
+ * Quasi-static compression of a nearly incompressible elastic body between two plates as a
+ * minimum of energy (DESIGN.md section 6): psi = w(J^(-2/3) tr F^T F - 3) + kappa/2 (J - 1)^2, w
+ * neo-Hookean or Fung's exponential (ElasticMaterial.h), on quadratic tetrahedra made from the
+ * given linear ones, where of kappa no more than 50 mu acts point by point and the rest on the mean
+ * of J over a cell (ElasticBody); frictionless contact by a C2 penalty; held nodes do not move.
  */
 class MAMMORAYBIOMECHANICS_EXPORT CompressionSimulation
 {
@@ -113,12 +117,35 @@ public:
     const ProgressCallback& progress = {}) const;
 
   /**
-   * dx/dp at a converged state for parameters that move the plates, by the implicit function
-   * theorem: one back-substitution each. Returns one vector of 3 x nodeCount (mm per unit of p) for
-   * each.
+   * dx/dp at a converged state for parameters that move the plates, then for those that change the
+   * materials (one rate per material: with { {}, {}, { fat's modulus } } p is the ratio of material
+   * 2's stiffness to fat's), by the implicit function theorem: one back-substitution each. Returns
+   * one vector of 3 x nodeCount (mm per unit of p) for each.
    */
   std::vector<std::vector<double>> Sensitivities(const CompressionState& state,
-    const std::vector<PlatePairVelocity>& velocities) const;
+    const std::vector<PlatePairVelocity>& velocities,
+    const std::vector<MaterialVelocity>& materialVelocities = {}) const;
+
+  /// Rate of PaddleForceN with a parameter that moves the plates, N per unit; exact.
+  double PaddleForceRate(const CompressionState& state, const PlatePairVelocity& velocity) const;
+
+  /**
+   * The state in which the paddle presses with `forceN` (positive), to a ten-thousandth of it, by
+   * Newton's method on the exact rate of the force, bracketed. `plates` stand anywhere on their
+   * way; `closing` is how they move with a parameter that brings them together. Throws
+   * CompressionError that names the last gap and its force where the plates cannot be closed so
+   * far, else as Compress.
+   */
+  CompressionState CompressToForce(const PlatePair& plates, const PlatePairVelocity& closing,
+    double forceN, const ProgressCallback& progress = {}) const;
+
+  /**
+   * Other constants for the materials, as many as at construction, with the mesh, the field and the
+   * order of the unknowns kept: states from before are starts for Compress, no longer equilibria.
+   * Throws InputError and then leaves things as they were.
+   */
+  void SetMaterials(const std::vector<ElasticMaterial>& materials);
+  const std::vector<ElasticMaterial>& Materials() const;
 
   /// Volume change and stress of every cell of the mesh in a state.
   std::vector<CellMeasures> MeasuresOf(const CompressionState& state) const;

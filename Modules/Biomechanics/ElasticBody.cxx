@@ -91,25 +91,11 @@ ElasticBody::ElasticBody(const TetrahedralMesh& mesh, const std::vector<ElasticM
   const MaterialField& field, const std::vector<bool>& ignored)
 {
   mesh.Validate("simulation mesh");
-  for (std::size_t m = 0; m < materials.size(); ++m)
-  {
-    // Where a material is used decides nothing: a table with a bad entry is refused as a whole.
-    if (!(materials[m].YoungsModulusKPa > 0) ||
-      !(materials[m].PoissonRatio >= 0 && materials[m].PoissonRatio < 0.5))
-    {
-      throw InputError("material " + std::to_string(m) +
-        ": expected a positive Young's modulus and a Poisson's ratio in [0, 0.5), found " +
-        std::to_string(materials[m].YoungsModulusKPa) + " kPa and " +
-        std::to_string(materials[m].PoissonRatio));
-    }
-  }
   const std::size_t cellCount = mesh.NumberOfCells();
   this->Rest = mesh.Points;
   this->CellNodes.resize(NodesPerCell * cellCount);
   this->Volumes.resize(cellCount);
   this->BarycentricGradients.resize(12 * cellCount);
-  this->Mu.resize(PointsPerCell * cellCount);
-  this->Kappa.resize(cellCount);
 
   std::unordered_map<std::uint64_t, std::int32_t> middles;
   middles.reserve(2 * cellCount);
@@ -156,12 +142,12 @@ ElasticBody::ElasticBody(const TetrahedralMesh& mesh, const std::vector<ElasticM
       throw InputError("simulation mesh: cell " + std::to_string(cell) + " is of material " +
         std::to_string(own) + ", expected 0 to " + std::to_string(materialCount - 1));
     }
-    double mu[4] = { 0, 0, 0, 0 };
-    double kappa = 0;
-    double count[4] = { 0, 0, 0, 0 };
+    std::map<int, Part> parts;
+    std::array<double, PointsPerCell> count{};
     double total = 0;
     const auto add = [&](int material, const double* lambda)
     {
+      Part& part = parts.try_emplace(material, Part{ material, {}, 0 }).first->second;
       // A point as near to several quadrature points as to one counts for each of them in parts.
       const double largest = *std::max_element(lambda, lambda + 4) - 1e-9;
       const auto ties = static_cast<double>(
@@ -170,11 +156,11 @@ ElasticBody::ElasticBody(const TetrahedralMesh& mesh, const std::vector<ElasticM
       {
         if (lambda[q] > largest)
         {
-          mu[q] += materials[material].ShearModulusKPa() / ties;
+          part.Around[q] += 1 / ties;
           count[q] += 1 / ties;
         }
       }
-      kappa += materials[material].BulkModulusKPa();
+      part.Whole += 1;
       total += 1;
     };
     if (!field)
@@ -211,12 +197,20 @@ ElasticBody::ElasticBody(const TetrahedralMesh& mesh, const std::vector<ElasticM
         }
       }
     }
-    for (int q = 0; q < 4; ++q)
+    this->PartStarts.push_back(this->Parts.size());
+    for (auto& [material, part] : parts)
     {
-      this->Mu[4 * cell + q] = mu[q] / count[q];
+      for (int q = 0; q < 4; ++q)
+      {
+        part.Around[q] /= count[q];
+      }
+      part.Whole /= total;
+      this->Parts.push_back(part);
     }
-    this->Kappa[cell] = kappa / total;
   }
+  this->PartStarts.push_back(this->Parts.size());
+  this->Table.resize(materials.size());
+  this->SetMaterials(materials);
 
   // A face met once is on the boundary. The map is ordered, so the order of faces is reproducible.
   std::map<std::array<std::int32_t, 3>, std::pair<int, std::int32_t>> faces;
@@ -248,10 +242,124 @@ ElasticBody::ElasticBody(const TetrahedralMesh& mesh, const std::vector<ElasticM
   }
 }
 
+void ElasticBody::SetMaterials(const std::vector<ElasticMaterial>& materials)
+{
+  if (materials.size() != this->Table.size())
+  {
+    throw InputError("materials: expected " + std::to_string(this->Table.size()) + ", found " +
+      std::to_string(materials.size()));
+  }
+  for (std::size_t m = 0; m < materials.size(); ++m)
+  {
+    // Where a material is used decides nothing: a table with a bad entry is refused as a whole.
+    const ElasticMaterial& material = materials[m];
+    if (!(material.YoungsModulusKPa > 0) ||
+      !(material.PoissonRatio >= 0 && material.PoissonRatio < 0.5))
+    {
+      throw InputError("material " + std::to_string(m) +
+        ": expected a positive Young's modulus and a Poisson's ratio in [0, 0.5), found " +
+        std::to_string(material.YoungsModulusKPa) + " kPa and " +
+        std::to_string(material.PoissonRatio));
+    }
+    if (!(material.FungExponent >= 0 &&
+          material.FungExponent <= ElasticMaterial::LargestFungExponent))
+    {
+      throw InputError("material " + std::to_string(m) +
+        ": expected a Fung exponent in [0, 50], found " + std::to_string(material.FungExponent));
+    }
+  }
+  this->Table = materials;
+  this->Shape.assign(PointsPerCell * this->NumberOfCells(), { 0, 0 });
+  this->Kappa.assign(this->NumberOfCells(), 0.0);
+  for (std::size_t cell = 0; cell < this->NumberOfCells(); ++cell)
+  {
+    ShapeEnergy* shape = &this->Shape[PointsPerCell * cell];
+    for (std::size_t p = this->PartStarts[cell]; p < this->PartStarts[cell + 1]; ++p)
+    {
+      const Part& part = this->Parts[p];
+      const ElasticMaterial& material = materials[part.Material];
+      const double mu = material.ShearModulusKPa();
+      for (int q = 0; q < PointsPerCell; ++q)
+      {
+        shape[q].Mu += part.Around[q] * mu;
+        shape[q].Exponent += part.Around[q] * mu * material.FungExponent;
+      }
+      this->Kappa[cell] += part.Whole * material.BulkModulusKPa();
+    }
+    for (int q = 0; q < PointsPerCell; ++q)
+    {
+      shape[q].Exponent /= shape[q].Mu;
+    }
+  }
+}
+
 double ElasticBody::CellShearModulus(std::size_t cell) const
 {
-  const double* mu = &this->Mu[4 * cell];
-  return 0.25 * (mu[0] + mu[1] + mu[2] + mu[3]);
+  const ShapeEnergy* shape = &this->Shape[PointsPerCell * cell];
+  return 0.25 * (shape[0].Mu + shape[1].Mu + shape[2].Mu + shape[3].Mu);
+}
+
+std::array<double, ElasticBody::UnknownsPerCell> ElasticBody::GradientRate(std::size_t cell,
+  const std::vector<double>& x, const MaterialVelocity& velocity) const
+{
+  const ShapeEnergy* law = &this->Shape[PointsPerCell * cell];
+  // Rates of mu and mu b around each quadrature point, and of kappa.
+  double muRate[PointsPerCell] = { 0, 0, 0, 0 };
+  double productRate[PointsPerCell] = { 0, 0, 0, 0 };
+  double kappaRate = 0;
+  for (std::size_t p = this->PartStarts[cell]; p < this->PartStarts[cell + 1]; ++p)
+  {
+    const Part& part = this->Parts[p];
+    const ElasticMaterial& material = this->Table[part.Material];
+    const ElasticMaterialRate& rate = velocity[part.Material];
+    const double relative = rate.YoungsModulusKPa / material.YoungsModulusKPa;
+    const double mu = material.ShearModulusKPa();
+    const double ownRate = mu * (relative - rate.PoissonRatio / (1 + material.PoissonRatio));
+    for (int q = 0; q < PointsPerCell; ++q)
+    {
+      muRate[q] += part.Around[q] * ownRate;
+      productRate[q] += part.Around[q] * (ownRate * material.FungExponent + mu * rate.FungExponent);
+    }
+    kappaRate += part.Whole * material.BulkModulusKPa() *
+      (relative + 2 * rate.PoissonRatio / (1 - 2 * material.PoissonRatio));
+  }
+  const double pointKappaRate =
+    this->Kappa[cell] <= LargestPointwiseRatio * this->CellShearModulus(cell)
+    ? kappaRate
+    : LargestPointwiseRatio * 0.25 * (muRate[0] + muRate[1] + muRate[2] + muRate[3]);
+
+  Eigen::Matrix<double, 3, 10> positions;
+  const std::int32_t* nodes = &this->CellNodes[NodesPerCell * cell];
+  for (int a = 0; a < NodesPerCell; ++a)
+  {
+    positions.col(a) = Eigen::Map<const Eigen::Vector3d>(&x[3 * nodes[a]]);
+  }
+  Gradients shape[PointsPerCell];
+  Eigen::Matrix3d f[PointsPerCell];
+  double meanJ = 0;
+  for (int q = 0; q < PointsPerCell; ++q)
+  {
+    shape[q] = ShapeGradients(&this->BarycentricGradients[12 * cell], q);
+    f[q] = positions * shape[q].transpose();
+    meanJ += 0.25 * f[q].determinant();
+  }
+  std::array<double, UnknownsPerCell> result;
+  Eigen::Map<Eigen::Matrix<double, 3, 10>> rate(result.data());
+  rate.setZero();
+  for (int q = 0; q < PointsPerCell; ++q)
+  {
+    const Eigen::Matrix3d cofactor = Cofactor(f[q]);
+    const double j = f[q].determinant();
+    const double power = 1 / std::cbrt(j * j);
+    const double trace = f[q].squaredNorm();
+    const double exponentRate = (productRate[q] - law[q].Exponent * muRate[q]) / law[q].Mu;
+    const double scale = 2 * power * law[q].SlopeRate(power * trace - 3, muRate[q], exponentRate);
+    const double pressure = (kappaRate - pointKappaRate) * (meanJ - 1) + pointKappaRate * (j - 1);
+    const Eigen::Matrix3d stress =
+      scale * (f[q] - trace / (3 * j) * cofactor) + pressure * cofactor;
+    rate += 0.25 * this->Volumes[cell] * stress * shape[q];
+  }
+  return result;
 }
 
 CellMeasures ElasticBody::MeasuresOf(std::size_t cell, const std::vector<double>& x) const
@@ -268,10 +376,11 @@ CellMeasures ElasticBody::MeasuresOf(std::size_t cell, const std::vector<double>
     const Eigen::Matrix3d f =
       positions * ShapeGradients(&this->BarycentricGradients[12 * cell], q).transpose();
     const double j = f.determinant();
-    // The part of the Cauchy stress that is no pressure: mu J^(-5/3) dev(F F^T).
+    // The part of the Cauchy stress that is no pressure: 2 w' J^(-5/3) dev(F F^T).
     Eigen::Matrix3d stress = f * f.transpose();
+    const double invariant = stress.trace() / std::cbrt(j * j) - 3;
     stress -= stress.trace() / 3 * Eigen::Matrix3d::Identity();
-    stress *= this->Mu[PointsPerCell * cell + q] / std::pow(j, 5 / 3.0);
+    stress *= 2 * this->Shape[PointsPerCell * cell + q].Slope(invariant) / std::pow(j, 5 / 3.0);
     measures.J += 0.25 * j;
     measures.VonMisesKPa += 0.25 * std::sqrt(1.5) * stress.norm();
   }
@@ -326,18 +435,21 @@ bool ElasticBody::CellTerms(std::size_t cell, const std::vector<double>& x, Orde
   }
   for (int q = 0; q < 4; ++q)
   {
-    const double mu = this->Mu[4 * cell + q];
+    const ShapeEnergy& law = this->Shape[PointsPerCell * cell + q];
     const double trace = f[q].squaredNorm();
-    const double scale = mu / std::cbrt(j[q] * j[q]);
+    const double power = 1 / std::cbrt(j[q] * j[q]);
+    const double invariant = power * trace - 3;
     const double pointPressure = pressure + pointKappa * (j[q] - 1);
-    terms.Energy += weight * 0.5 * (scale * trace - 3 * mu + pointKappa * (j[q] - 1) * (j[q] - 1));
+    terms.Energy += weight * (law.Value(invariant) + 0.5 * pointKappa * (j[q] - 1) * (j[q] - 1));
     if (order == Order::Energy)
     {
       continue;
     }
     const double ratio = trace / (3 * j[q]);
-    const Eigen::Matrix3d stress =
-      scale * (f[q] - ratio * cofactor[q]) + pointPressure * cofactor[q];
+    const double scale = 2 * power * law.Slope(invariant);
+    // Half the derivative of the invariant by F, over J^(-2/3).
+    const Eigen::Matrix3d direction = f[q] - ratio * cofactor[q];
+    const Eigen::Matrix3d stress = scale * direction + pointPressure * cofactor[q];
     gradient += weight * stress * shape[q];
     if (order == Order::Gradient)
     {
@@ -352,6 +464,11 @@ bool ElasticBody::CellTerms(std::size_t cell, const std::vector<double>& x, Orde
     a *= scale;
     a += pointKappa * cVector * cVector.transpose();
     AddDeterminantHessian(f[q], pointPressure - scale * ratio, a);
+    if (law.Exponent > 0)
+    {
+      const Eigen::Map<const Vector9> d(direction.data());
+      a += 4 * power * power * law.Curvature(invariant) * d * d.transpose();
+    }
     if (order == Order::ProjectedHessian && Eigen::LLT<Matrix9>(a).info() != Eigen::Success)
     {
       const Eigen::SelfAdjointEigenSolver<Matrix9> eigen(a);

@@ -2,6 +2,7 @@
 #ifndef mammoray_ElasticBody_h
 #define mammoray_ElasticBody_h
 
+#include "ElasticMaterial.h"
 #include "TetrahedralMesh.h"
 #include "Vector3.h"
 #include "mammorayBiomechanicsModule.h"
@@ -13,23 +14,6 @@
 
 namespace mammoray
 {
-/// Isotropic, nearly incompressible neo-Hookean material by its small-strain constants.
-struct ElasticMaterial
-{
-  /// kPa, positive.
-  double YoungsModulusKPa = 5.0;
-  /// [0, 0.5)
-  double PoissonRatio = 0.49;
-
-  /// Shear modulus mu = E / (2 (1 + nu)), kPa.
-  double ShearModulusKPa() const { return this->YoungsModulusKPa / (2 * (1 + this->PoissonRatio)); }
-  /// Bulk modulus kappa = E / (3 (1 - 2 nu)), kPa.
-  double BulkModulusKPa() const
-  {
-    return this->YoungsModulusKPa / (3 * (1 - 2 * this->PoissonRatio));
-  }
-};
-
 /// Means over the quadrature points of a deformed cell.
 struct CellMeasures
 {
@@ -45,14 +29,14 @@ using MaterialField = std::function<int(const Vector3&)>;
 /**
  * Quadratic tetrahedra with straight sides at rest, made from linear ones, and their elastic energy
  *
- *   E = sum over cells of [ sum_q w_q (mu_q / 2 (J_q^(-2/3) tr F_q^T F_q - 3) + kappa / 2 (J_q -
+ *   E = sum over cells of [ sum_q w_q (w(J_q^(-2/3) tr F_q^T F_q - 3; mu_q, b_q) + kappa / 2 (J_q -
  * 1)^2) ],
  *
- * q: the 4-point rule of degree 2, w_q its weights in the undeformed cell, J_q = det F_q, kappa the
- * mean of kappa_q. Of kappa, no more than 50 mu is used so; the rest acts on the mean of J_q - 1
- * over the cell: four constraints in every cell would be too many for the nodes there are, one is
- * not (the P2/P0 element; Boffi, Brezzi & Fortin 2013, section 8.6). The mean alone would let the
- * quadrature points of one cell swell and shrink against each other.
+ * w: ShapeEnergy, q: the 4-point rule of degree 2, w_q its weights in the undeformed cell, J_q =
+ * det F_q, kappa the mean of kappa_q. Of kappa, no more than 50 mu is used so; the rest acts on the
+ * mean of J_q - 1 over the cell: four constraints in every cell would be too many for the nodes
+ * there are, one is not (the P2/P0 element; Boffi, Brezzi & Fortin 2013, section 8.6). The mean
+ * alone would let the quadrature points of one cell swell and shrink against each other.
  *
  * Node order of a cell: the four corners, then the middles of (0,1) (1,2) (0,2) (0,3) (1,3) (2,3),
  * as in VTK. Energies are in kPa mm^3 = 1e-6 J, forces in kPa mm^2 = 1e-3 N.
@@ -96,14 +80,19 @@ public:
   };
 
   /**
-   * `materials` is indexed by the materials of the cells. With a `field`, mu and kappa of a
-   * quadrature point are the arithmetic means over the points of a regular lattice in the cell that
-   * lie nearest to it (by largest barycentric coordinate); where the field answers 0 or a material
+   * `materials` is indexed by the materials of the cells. With a `field`, mu, kappa and mu b of a
+   * quadrature point (the energy to second order in the strain's square) are the arithmetic means
+   * over the points of a regular lattice in the cell that lie nearest to it (by largest barycentric
+   * coordinate); where the field answers 0 or a material
    * m with `ignored[m]` the cell's own material counts. Throws InputError on a bad mesh or
    * material.
    */
   ElasticBody(const TetrahedralMesh& mesh, const std::vector<ElasticMaterial>& materials,
     const MaterialField& field = {}, const std::vector<bool>& ignored = {});
+
+  /// Other constants for the materials, as many as at construction. Throws InputError.
+  void SetMaterials(const std::vector<ElasticMaterial>& materials);
+  const std::vector<ElasticMaterial>& Materials() const { return this->Table; }
 
   std::size_t NumberOfNodes() const { return this->Rest.size() / 3; }
   std::size_t NumberOfCells() const { return this->CellNodes.size() / NodesPerCell; }
@@ -124,6 +113,10 @@ public:
    * 0).
    */
   bool CellTerms(std::size_t cell, const std::vector<double>& x, Order order, Terms& terms) const;
+  /// Rate of change of Terms::Gradient with the materials, at positions where no quadrature point
+  /// is inverted; `velocity`: one rate per material.
+  std::array<double, UnknownsPerCell> GradientRate(std::size_t cell, const std::vector<double>& x,
+    const MaterialVelocity& velocity) const;
   /// Measures of one cell at node positions `x` where no quadrature point is inverted.
   CellMeasures MeasuresOf(std::size_t cell, const std::vector<double>& x) const;
 
@@ -134,8 +127,19 @@ private:
   std::vector<double> Volumes;
   /// Gradients of the barycentric coordinates, 12 per cell, 1/mm.
   std::vector<double> BarycentricGradients;
+  std::vector<ElasticMaterial> Table;
+  /// How much of a cell is of a material: around each quadrature point and of the whole.
+  struct Part
+  {
+    int Material = 0;
+    std::array<double, PointsPerCell> Around{ 1, 1, 1, 1 };
+    double Whole = 1;
+  };
+  /// Those of cell c are PartStarts[c] to PartStarts[c + 1].
+  std::vector<Part> Parts;
+  std::vector<std::size_t> PartStarts;
   /// 4 per cell.
-  std::vector<double> Mu;
+  std::vector<ShapeEnergy> Shape;
   /// 1 per cell.
   std::vector<double> Kappa;
 };

@@ -262,19 +262,22 @@ std::vector<double> Embedding::Map(const std::vector<double>& nodeValues) const
   constexpr std::size_t perPoint = ElasticBody::NodesPerCell;
   const std::size_t count = this->Nodes.size() / perPoint;
   std::vector<double> result(3 * count, 0.0);
-  for (std::size_t p = 0; p < count; ++p)
-  {
-    for (std::size_t a = 0; a < perPoint; ++a)
+  ParallelFor(count,
+    [&](std::size_t p)
     {
-      const double weight = this->Weights[perPoint * p + a];
-      const double* value =
-        &nodeValues[3 * static_cast<std::size_t>(this->Nodes[perPoint * p + a])];
-      for (int axis = 0; axis < 3; ++axis)
+      double sum[3] = { 0, 0, 0 };
+      for (std::size_t a = 0; a < perPoint; ++a)
       {
-        result[3 * p + axis] += weight * value[axis];
+        const double weight = this->Weights[perPoint * p + a];
+        const double* value =
+          &nodeValues[3 * static_cast<std::size_t>(this->Nodes[perPoint * p + a])];
+        for (int axis = 0; axis < 3; ++axis)
+        {
+          sum[axis] += weight * value[axis];
+        }
       }
-    }
-  }
+      std::copy_n(sum, 3, &result[3 * p]);
+    });
   return result;
 }
 }

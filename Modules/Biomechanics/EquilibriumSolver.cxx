@@ -198,6 +198,7 @@ struct EquilibriumSolver::Internals
 
   Internals(const ElasticBody& body, const std::vector<bool>& fixed, double contactStiffness);
   void MakePattern();
+  void MeasureScales();
   /// Calls function(ContactPoint) for every point of an active cell that lies in a plate's layer.
   template <typename Function>
   void ForEachContact(std::size_t active, const std::vector<double>& x, const PlatePair& plates,
@@ -215,6 +216,9 @@ struct EquilibriumSolver::Internals
   /// - d Gradient / dp at the free coordinates, one column per velocity.
   std::vector<double> PlateForces(const std::vector<double>& x, const PlatePair& plates,
     const std::vector<PlatePairVelocity>& velocities) const;
+  /// - d Gradient / dp at the free coordinates, one column per velocity.
+  std::vector<double> MaterialForces(const std::vector<double>& x,
+    const std::vector<MaterialVelocity>& velocities) const;
   EquilibriumReport Report(const Assembly& assembly) const;
   /// Largest difference of a coordinate from the positions of the factor at hand, mm.
   double DistanceOfFactor(const std::vector<double>& x) const;
@@ -248,8 +252,6 @@ EquilibriumSolver::Internals::Internals(const ElasticBody& body, const std::vect
     {
       activeOfCell[cell] = static_cast<std::int32_t>(this->ActiveCells.size());
       this->ActiveCells.push_back(static_cast<std::int32_t>(cell));
-      this->EnergyNoise += 1e-13 * 1.5 * body.CellShearModulus(cell) * volume;
-      this->SmallestForce += 1e-4 * body.CellShearModulus(cell) * volume;
       for (int a = 0; a < ElasticBody::NodesPerCell; ++a)
       {
         used[nodes[a]] = true;
@@ -264,7 +266,7 @@ EquilibriumSolver::Internals::Internals(const ElasticBody& body, const std::vect
   {
     throw InputError("equilibrium: expected cells that can move, found all of them held");
   }
-  this->SmallestForce /= std::cbrt(this->RestVolume);
+  this->MeasureScales();
 
   this->Unknown.assign(fixed.size(), -1);
   for (std::size_t c = 0; c < fixed.size(); ++c)
@@ -292,6 +294,17 @@ EquilibriumSolver::Internals::Internals(const ElasticBody& body, const std::vect
   this->CellContacts.resize(this->ActiveCells.size());
   this->CellContactGradients.resize(this->ActiveCells.size());
   this->CellValid.resize(this->ActiveCells.size());
+}
+
+void EquilibriumSolver::Internals::MeasureScales()
+{
+  double stiffness = 0;
+  for (const std::int32_t cell : this->ActiveCells)
+  {
+    stiffness += this->Body.CellShearModulus(cell) * this->Body.CellVolume(cell);
+  }
+  this->EnergyNoise = 1e-13 * 1.5 * stiffness;
+  this->SmallestForce = 1e-4 * stiffness / std::cbrt(this->RestVolume);
 }
 
 void EquilibriumSolver::Internals::MakePattern()
@@ -677,6 +690,30 @@ std::vector<double> EquilibriumSolver::Internals::PlateForces(const std::vector<
   return columns;
 }
 
+std::vector<double> EquilibriumSolver::Internals::MaterialForces(const std::vector<double>& x,
+  const std::vector<MaterialVelocity>& velocities) const
+{
+  const std::size_t n = this->CoordinateOfUnknown.size();
+  std::vector<double> columns(n * velocities.size(), 0.0);
+  for (std::size_t p = 0; p < velocities.size(); ++p)
+  {
+    for (const std::int32_t cell : this->ActiveCells)
+    {
+      const std::int32_t* nodes = &this->Body.Cells()[ElasticBody::NodesPerCell * cell];
+      const auto rate = this->Body.GradientRate(cell, x, velocities[p]);
+      for (int r = 0; r < CellUnknowns; ++r)
+      {
+        const std::int32_t unknown = this->Unknown[3 * nodes[r / 3] + r % 3];
+        if (unknown >= 0)
+        {
+          columns[n * p + unknown] -= rate[r];
+        }
+      }
+    }
+  }
+  return columns;
+}
+
 EquilibriumSolver::EquilibriumSolver(const ElasticBody& body, const std::vector<bool>& fixed,
   double contactStiffness)
   : Internal(std::make_unique<Internals>(body, fixed, contactStiffness))
@@ -688,6 +725,12 @@ EquilibriumSolver::~EquilibriumSolver() = default;
 std::size_t EquilibriumSolver::NumberOfUnknowns() const
 {
   return this->Internal->CoordinateOfUnknown.size();
+}
+
+void EquilibriumSolver::MaterialsChanged()
+{
+  this->Internal->MeasureScales();
+  this->Internal->FactorPositions.clear();
 }
 
 void EquilibriumSolver::SetContactStiffness(double stiffness)
@@ -846,11 +889,22 @@ std::vector<double> EquilibriumSolver::HessianProduct(const std::vector<double>&
 }
 
 std::vector<std::vector<double>> EquilibriumSolver::Sensitivities(const std::vector<double>& x,
-  const PlatePair& plates, const std::vector<PlatePairVelocity>& velocities) const
+  const PlatePair& plates, const std::vector<PlatePairVelocity>& velocities,
+  const std::vector<MaterialVelocity>& materialVelocities) const
 {
   const Internals& internal = *this->Internal;
-  std::vector<std::vector<double>> result(velocities.size(), std::vector<double>(x.size(), 0.0));
-  if (velocities.empty())
+  for (const MaterialVelocity& velocity : materialVelocities)
+  {
+    if (velocity.size() != internal.Body.Materials().size())
+    {
+      throw InputError("sensitivities: expected a rate for each of " +
+        std::to_string(internal.Body.Materials().size()) + " materials, found " +
+        std::to_string(velocity.size()));
+    }
+  }
+  const std::size_t count = velocities.size() + materialVelocities.size();
+  std::vector<std::vector<double>> result(count, std::vector<double>(x.size(), 0.0));
+  if (count == 0)
   {
     return result;
   }
@@ -860,8 +914,13 @@ std::vector<std::vector<double>> EquilibriumSolver::Sensitivities(const std::vec
     throw ConvergenceError("sensitivities: expected no inverted cell, found one");
   }
   const std::size_t n = internal.CoordinateOfUnknown.size();
-  const std::vector<double> right = internal.PlateForces(x, plates, velocities);
-  const double scale = std::sqrt(SquaredNorm(right));
+  std::vector<double> right = internal.PlateForces(x, plates, velocities);
+  const std::vector<double> more = internal.MaterialForces(x, materialVelocities);
+  right.insert(right.end(), more.begin(), more.end());
+  // Parameters have units of their own: each is refined to its own size.
+  const auto norm = [n](const std::vector<double>& columns, std::size_t p) {
+    return Eigen::Map<const Eigen::VectorXd>(&columns[n * p], static_cast<Eigen::Index>(n)).norm();
+  };
 
   // The factor at hand is that of the last Newton step, a hair away: refine with this state's
   // matrix. Far from it the refinement would not converge, so a factor of another state is not
@@ -877,7 +936,7 @@ std::vector<std::vector<double>> EquilibriumSolver::Sensitivities(const std::vec
     {
       solution[k] += residual[k];
     }
-    for (std::size_t p = 0; p < velocities.size(); ++p)
+    for (std::size_t p = 0; p < count; ++p)
     {
       internal.Factor->Multiply(internal.Current.Values, &solution[n * p], &residual[n * p]);
     }
@@ -885,7 +944,11 @@ std::vector<std::vector<double>> EquilibriumSolver::Sensitivities(const std::vec
     {
       residual[k] = right[k] - residual[k];
     }
-    refined = std::sqrt(SquaredNorm(residual)) <= 1e-9 * scale;
+    refined = true;
+    for (std::size_t p = 0; p < count; ++p)
+    {
+      refined = refined && norm(residual, p) <= 1e-9 * norm(right, p);
+    }
   }
   if (!refined)
   {
@@ -899,7 +962,7 @@ std::vector<std::vector<double>> EquilibriumSolver::Sensitivities(const std::vec
     solution = right;
     internal.Factor->Solve(solution);
   }
-  for (std::size_t p = 0; p < velocities.size(); ++p)
+  for (std::size_t p = 0; p < count; ++p)
   {
     for (std::size_t u = 0; u < n; ++u)
     {
@@ -907,6 +970,37 @@ std::vector<std::vector<double>> EquilibriumSolver::Sensitivities(const std::vec
     }
   }
   return result;
+}
+
+double EquilibriumSolver::PaddleForceRate(const std::vector<double>& x, const PlatePair& plates,
+  const PlatePairVelocity& velocity, const std::vector<double>& nodeVelocities) const
+{
+  // F = sum of A p(depth) grad d . n. Seen from the paddle only the relative velocity counts; what
+  // turns both grad d and n leaves their product as it is.
+  const Internals& internal = *this->Internal;
+  double rate = 0;
+  for (std::size_t active = 0; active < internal.ActiveCells.size(); ++active)
+  {
+    const std::int32_t* nodes =
+      &internal.Body.Cells()[ElasticBody::NodesPerCell * internal.ActiveCells[active]];
+    internal.ForEachContact(active, x, plates,
+      [&](const ContactPoint& point)
+      {
+        if (point.Side == 0)
+        {
+          return;
+        }
+        const PlateDistance& distance = point.Distance;
+        const Vector3& normal = point.Touched.Normal;
+        const Vector3 relative = FacePosition(point.Face, nodes, point.Shape, nodeVelocities) -
+          velocity.Paddle.At(point.Touched, point.Position);
+        rate += point.Weight *
+          (point.Law.Pressure * distance.Curvature * Dot(distance.Tangent, relative) *
+              Dot(distance.Tangent, normal) -
+            point.Law.Slope * Dot(distance.Gradient, relative) * Dot(distance.Gradient, normal));
+      });
+  }
+  return 1e-3 * rate;
 }
 
 std::vector<double> EquilibriumSolver::Predict(const std::vector<double>& x,

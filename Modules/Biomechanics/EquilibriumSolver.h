@@ -55,6 +55,8 @@ public:
   ~EquilibriumSolver();
 
   std::size_t NumberOfUnknowns() const;
+  /// To be called when the body's materials were changed.
+  void MaterialsChanged();
   /// kPa / mm^2, positive; counts from the next call on.
   void SetContactStiffness(double stiffness);
   /// Forces that act whatever the deformation (dead loads), 3 x nodeCount, kPa mm^2; empty: none.
@@ -85,16 +87,24 @@ public:
     const std::vector<double>& direction) const;
 
   /**
-   * dx/dp of an equilibrium for parameters that move the plates; 3 x nodeCount each, zero at fixed
-   * coordinates. The factor of the last Newton step is refined to this state's own matrix when that
-   * is near, or made anew. Throws ConvergenceError where that matrix is not positive definite.
+   * dx/dp of an equilibrium for parameters that move the plates, then for those that change the
+   * materials; 3 x nodeCount each, zero at fixed coordinates. The factor of the last Newton step is
+   * refined to this state's own matrix when that is near, or made anew. Throws ConvergenceError
+   * where that matrix is not positive definite.
    */
   std::vector<std::vector<double>> Sensitivities(const std::vector<double>& x,
-    const PlatePair& plates, const std::vector<PlatePairVelocity>& velocities) const;
+    const PlatePair& plates, const std::vector<PlatePairVelocity>& velocities,
+    const std::vector<MaterialVelocity>& materialVelocities = {}) const;
+
+  /// Rate of the paddle's force with a parameter that moves the plates by `velocity` and the nodes
+  /// by `nodeVelocities` (of Sensitivities), N per unit.
+  double PaddleForceRate(const std::vector<double>& x, const PlatePair& plates,
+    const PlatePairVelocity& velocity, const std::vector<double>& nodeVelocities) const;
 
   /**
-   * The same for one motion of the plates, to first order only and at the price of one
-   * back-substitution: by the factor at hand as it is, when it belongs to positions within 2 mm.
+   * The same as Sensitivities for one motion of the plates, to first order only and at the price of
+   * one back-substitution: by the factor at hand as it is, when it belongs to positions within 2
+   * mm.
    */
   std::vector<double> Predict(const std::vector<double>& x, const PlatePair& plates,
     const PlatePairVelocity& motion) const;

@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "PlacedPlates.h"
 
+#include <cmath>
+#include <numbers>
+
 namespace mammoray
 {
-PlatePair PlatesOf(const VolumeFromGantry& placed, const MammographyUnit& unit, double thicknessMm)
+PlatePair PlatesOf(const VolumeFromGantry& placed, const MammographyUnit& unit, double thicknessMm,
+  double paddleTiltDeg)
 {
   PlatePair plates;
   plates.Support.Edge = placed.Point({ 0, unit.SupportEdgeMm, unit.SupportHeightMm });
@@ -11,8 +15,9 @@ PlatePair PlatesOf(const VolumeFromGantry& placed, const MammographyUnit& unit, 
   plates.Support.Inward = placed.Y;
   plates.Support.EdgeRadiusMm = unit.EdgeRadiusMm;
   plates.Paddle.Edge = placed.Point({ 0, unit.PaddleEdgeMm, unit.SupportHeightMm + thicknessMm });
-  plates.Paddle.Normal = -1.0 * placed.Z;
-  plates.Paddle.Inward = placed.Y;
+  const double tilt = paddleTiltDeg * std::numbers::pi / 180;
+  plates.Paddle.Normal = std::sin(tilt) * placed.Y - std::cos(tilt) * placed.Z;
+  plates.Paddle.Inward = std::cos(tilt) * placed.Y + std::sin(tilt) * placed.Z;
   plates.Paddle.EdgeRadiusMm = unit.EdgeRadiusMm;
   return plates;
 }

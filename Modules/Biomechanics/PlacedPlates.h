@@ -11,10 +11,11 @@ namespace mammoray
 /**
  * The plates of a unit that stands at `placed` and is closed to `thicknessMm`; volume frame. The
  * support faces the source at z = SupportHeightMm of the gantry frame, the paddle faces it
- * `thicknessMm` above.
+ * `thicknessMm` above. With a tilt, degrees, the paddle is turned about its (unrounded) chest-wall
+ * edge, where the thickness then counts; positive opens it towards the nipple.
  */
 MAMMORAYBIOMECHANICS_EXPORT PlatePair PlatesOf(const VolumeFromGantry& placed,
-  const MammographyUnit& unit, double thicknessMm);
+  const MammographyUnit& unit, double thicknessMm, double paddleTiltDeg = 0);
 }
 
 #endif

@@ -24,6 +24,8 @@ struct Material
   double YoungsModulusKPa = 5.0;
   /// Poisson's ratio, [0, 0.5).
   double PoissonRatio = 0.49;
+  /// How fast it stiffens, [0, 50]; 0: neo-Hookean (see Biomechanics' ElasticMaterial).
+  double FungExponent = 0.0;
   /// True where the tissue is fixed to the body (chest wall, pectoral muscle): it does not move.
   bool Held = false;
   /// True for a layer of about a millimetre (skin), which meshes must resolve to keep closed.

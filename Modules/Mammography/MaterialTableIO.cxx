@@ -210,7 +210,7 @@ MaterialTable ReadMaterialTable(const std::string& path)
     Material material;
     const Entry entry((*materials)[index], place,
       { "name", "labels", "attenuation", "density_g_per_cm3", "youngs_modulus_kpa", "poisson_ratio",
-        "held", "thin" });
+        "fung_exponent", "held", "thin" });
     material.Name = entry.Text("name");
     if (index == 0)
     {
@@ -237,6 +237,9 @@ MaterialTable ReadMaterialTable(const std::string& path)
     entry.Number(
       "poisson_ratio", "a number of at least 0 and below 0.5",
       [](double value) { return value >= 0 && value < 0.5; }, material.PoissonRatio);
+    entry.Number(
+      "fung_exponent", "a number from 0 (neo-Hookean) to 50",
+      [](double value) { return value >= 0 && value <= 50; }, material.FungExponent);
     for (const auto& [key, flag] :
       { std::pair{ "held", &material.Held }, std::pair{ "thin", &material.Thin } })
     {

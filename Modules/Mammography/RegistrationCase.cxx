@@ -307,7 +307,8 @@ RegistrationCaseResult RunRegistrationCase(const RegistrationCase& input,
   std::vector<ElasticMaterial> elastic;
   for (const Material& material : result.Materials.Materials)
   {
-    elastic.push_back({ material.YoungsModulusKPa, material.PoissonRatio });
+    elastic.push_back(
+      { material.YoungsModulusKPa, material.PoissonRatio, material.FungExponent });
   }
   const CompressionSimulation simulation(coarse, elastic, held,
     [&materials](const Vector3& point) { return static_cast<int>(materials.LabelAt(point)); });

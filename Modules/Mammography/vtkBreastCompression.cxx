@@ -67,7 +67,9 @@ void vtkBreastCompression::Internals::Prepare(vtkUnstructuredGrid* grid, const s
     materials.clear();
     for (const Material& material : ReadMaterialTable(table).Materials)
     {
-      materials.push_back({ { material.YoungsModulusKPa, material.PoissonRatio }, material.Held });
+      materials.push_back(
+        { { material.YoungsModulusKPa, material.PoissonRatio, material.FungExponent },
+          material.Held });
     }
     known.assign(materials.size(), true);
   }
@@ -95,7 +97,10 @@ void vtkBreastCompression::Internals::Prepare(vtkUnstructuredGrid* grid, const s
     held.push_back(material.Held);
   }
   const auto sameElastic = [](const ElasticMaterial& a, const ElasticMaterial& b)
-  { return a.YoungsModulusKPa == b.YoungsModulusKPa && a.PoissonRatio == b.PoissonRatio; };
+  {
+    return a.YoungsModulusKPa == b.YoungsModulusKPa && a.PoissonRatio == b.PoissonRatio &&
+      a.FungExponent == b.FungExponent;
+  };
   if (this->Simulation && mesh.Points == this->Mesh.Points && mesh.Cells == this->Mesh.Cells &&
     mesh.Materials == this->Mesh.Materials && held == this->Held &&
     std::equal(elastic.begin(), elastic.end(), this->Elastic.begin(), this->Elastic.end(),
@@ -143,14 +148,14 @@ vtkBreastCompression::~vtkBreastCompression()
 }
 
 void vtkBreastCompression::SetMaterial(int material, double youngsModulusKPa, double poissonRatio,
-  bool held)
+  bool held, double fungExponent)
 {
   if (material < 1 || material > 65535)
   {
     vtkErrorMacro(<< "SetMaterial: expected a material in [1, 65535], found " << material);
     return;
   }
-  this->Internal->Given[material] = { { youngsModulusKPa, poissonRatio }, held };
+  this->Internal->Given[material] = { { youngsModulusKPa, poissonRatio, fungExponent }, held };
   this->Modified();
 }
 
@@ -168,9 +173,10 @@ int vtkBreastCompression::RequestData(vtkInformation*, vtkInformationVector** in
   Internals& internal = *this->Internal;
   try
   {
-    if (!(this->ThicknessMm > 0) || !(this->EdgeRadiusMm >= 0))
+    if (!(this->ThicknessMm > 0) || !(this->EdgeRadiusMm >= 0) || !(this->ForceN >= 0))
     {
-      throw InputError("expected a positive ThicknessMm and an EdgeRadiusMm of at least 0");
+      throw InputError(
+        "expected a positive ThicknessMm, and an EdgeRadiusMm and a ForceN of at least 0");
     }
     const AnatomicalAxes axes = AnatomicalAxes::FromCode(this->Orientation);
     internal.Prepare(input, this->MaterialTable);
@@ -184,14 +190,29 @@ int vtkBreastCompression::RequestData(vtkInformation*, vtkInformationVector** in
     unit.SupportEdgeMm = this->SupportEdgeMm;
     unit.PaddleEdgeMm = this->PaddleEdgeMm;
     unit.EdgeRadiusMm = this->EdgeRadiusMm;
-    const VolumeFromGantry placed =
-      PlaceUnit(axes, FindPoseAnchor(internal.Mesh, internal.Held, axes), unit, pose);
-    internal.Compress(PlatesOf(placed, unit, pose.ThicknessMm),
-      [this](double fraction, const char*)
-      {
-        this->UpdateProgress(fraction);
-        return this->GetAbortExecute() == 0;
-      });
+    const Vector3 anchor = FindPoseAnchor(internal.Mesh, internal.Held, axes);
+    const auto platesAt = [&](double thicknessMm)
+    {
+      pose.ThicknessMm = thicknessMm;
+      return PlatesOf(PlaceUnit(axes, anchor, unit, pose), unit, thicknessMm, this->PaddleTiltDeg);
+    };
+    const ProgressCallback progress = [this](double fraction, const char*)
+    {
+      this->UpdateProgress(fraction);
+      return this->GetAbortExecute() == 0;
+    };
+    if (this->ForceN > 0)
+    {
+      const PlatePair plates = platesAt(this->ThicknessMm);
+      const PlatePairVelocity closing = PlateMotion(plates, platesAt(0.9 * this->ThicknessMm));
+      internal.State.reset();
+      internal.State =
+        internal.Simulation->CompressToForce(plates, closing, this->ForceN, progress);
+    }
+    else
+    {
+      internal.Compress(platesAt(this->ThicknessMm), progress);
+    }
     const CompressionState& state = *internal.State;
 
     const vtkIdType pointCount = input->GetNumberOfPoints();
@@ -226,7 +247,7 @@ int vtkBreastCompression::RequestData(vtkInformation*, vtkInformationVector** in
     vtkFieldData* data = output->GetFieldData();
     AddValue(data, "PaddleForceN", state.PaddleForceN);
     AddValue(data, "SupportForceN", state.SupportForceN);
-    AddValue(data, "ThicknessMm", this->ThicknessMm);
+    AddValue(data, "ThicknessMm", this->ForceN > 0 ? GapMm(state.Plates) : this->ThicknessMm);
     AddValue(data, "LargestPenetrationMm", state.LargestPenetrationMm);
     AddValue(data, "SmallestJ", state.SmallestJ);
     AddValue(data, "VolumeRatio", state.VolumeRatio);
@@ -251,6 +272,8 @@ void vtkBreastCompression::PrintSelf(ostream& os, vtkIndent indent)
   os << indent << "MaterialTable: " << this->MaterialTable << "\n";
   os << indent << "Orientation: " << this->Orientation << "\n";
   os << indent << "ThicknessMm: " << this->ThicknessMm << "\n";
+  os << indent << "ForceN: " << this->ForceN << "\n";
+  os << indent << "PaddleTiltDeg: " << this->PaddleTiltDeg << "\n";
   os << indent << "RollDeg: " << this->RollDeg << "\n";
   os << indent << "ShiftLateralMm: " << this->ShiftLateralMm << "\n";
   os << indent << "ShiftAnteriorMm: " << this->ShiftAnteriorMm << "\n";

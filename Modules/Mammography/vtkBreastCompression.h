@@ -14,7 +14,7 @@
  * "SupportForceN", "ThicknessMm", "LargestPenetrationMm", "SmallestJ" and "VolumeRatio".
  *
  * The simulation and its last state live across updates: while only the plates change, a
- * compression starts from the last one. Unusable input or plates without an equilibrium raise
+ * compression to a thickness starts from the last one. Unusable input or plates without an equilibrium raise
  * ErrorEvent once and leave the output empty.
  */
 #ifndef vtkBreastCompression_h
@@ -50,9 +50,11 @@ public:
 
   /**
    * Elastic constants of a material (1, 2, ...): Young's modulus, kPa, positive; Poisson's ratio in
-   * [0, 0.5); whether its cells are held. Goes before the table.
+   * [0, 0.5); whether its cells are held; how fast it stiffens (Fung's exponent in [0, 50]; 0:
+   * neo-Hookean). Goes before the table.
    */
-  void SetMaterial(int material, double youngsModulusKPa, double poissonRatio, bool held);
+  void SetMaterial(int material, double youngsModulusKPa, double poissonRatio, bool held,
+    double fungExponent = 0);
 
   /**
    * Forgets what SetMaterial said.
@@ -65,6 +67,24 @@ public:
    */
   vtkSetMacro(ThicknessMm, double);
   vtkGetMacro(ThicknessMm, double);
+  ///@}
+
+  ///@{
+  /**
+   * Force of the paddle, N, whose thickness is found in place of ThicknessMm; 0: ThicknessMm
+   * counts. Not negative; default 0.
+   */
+  vtkSetMacro(ForceN, double);
+  vtkGetMacro(ForceN, double);
+  ///@}
+
+  ///@{
+  /**
+   * Turn of the paddle about its chest-wall edge, where the thickness then counts; degrees,
+   * positive opens it towards the nipple. Default 0.
+   */
+  vtkSetMacro(PaddleTiltDeg, double);
+  vtkGetMacro(PaddleTiltDeg, double);
   ///@}
 
   ///@{
@@ -137,6 +157,8 @@ private:
   std::string MaterialTable;
   std::string Orientation = "LPS";
   double ThicknessMm = 50;
+  double ForceN = 0;
+  double PaddleTiltDeg = 0;
   double RollDeg = 0;
   double ShiftLateralMm = 0;
   double ShiftAnteriorMm = 0;

@@ -96,6 +96,32 @@ TEST_F(CompressCommand, MovesAFineMeshWithACoarseOne)
   EXPECT_EQ(deformed.NumberOfCells(), test::MakeHalfEllipsoidMesh(1, 1, 1, 16).NumberOfCells());
 }
 
+TEST_F(CompressCommand, FindsTheThicknessOfAForceInAnObliqueView)
+{
+  const std::string oblique = "compress " + this->Coarse + " --view MLO --anterior 5 --tilt 3";
+  ASSERT_EQ(this->Run(oblique + " --side L --force 6"), 0) << this->Errors;
+  vtkSmartPointer<vtkUnstructuredGrid> grid = ReadMesh(this->Result);
+  const auto value = [&](const char* name)
+  { return grid->GetFieldData()->GetArray(name)->GetTuple1(0); };
+  EXPECT_NEAR(value("PaddleForceN"), 6, 6e-4);
+  const double thickness = value("ThicknessMm");
+  EXPECT_GT(thickness, 30);
+  EXPECT_LT(thickness, 79);
+  // The source of a left MLO view is turned to the patient's right, 45 degrees.
+  ASSERT_EQ(this->Run("compress " + this->Coarse +
+              " --roll -45 --anterior 5 --tilt 3 --overwrite --thickness " +
+              std::to_string(thickness)),
+    0)
+    << this->Errors;
+  grid = ReadMesh(this->Result);
+  // On either way contact may have been made stiffer to keep its penetration: up to 0.04 mm of the
+  // thickness, a tenth of the force for a millimetre.
+  EXPECT_NEAR(value("PaddleForceN"), 6, 0.03);
+  EXPECT_EQ(this->Run(oblique + " --overwrite --thickness 60"), 1);
+  EXPECT_THAT(this->Errors, testing::HasSubstr("--side"));
+  EXPECT_EQ(this->Run("compress " + this->Coarse + " --force 5 --thickness 60"), 2);
+}
+
 TEST_F(CompressCommand, RefusesInOneLine)
 {
   const auto expectRefused = [this](const std::string& arguments, const std::string& text)
@@ -119,7 +145,7 @@ TEST_F(CompressCommand, RefusesInOneLine)
   // Thinner than any equilibrium this mesh can show.
   WriteMesh(ToGrid(test::MakeHalfEllipsoidMesh(40, 45, 38, 4), { "air", "fat", "muscle" }),
     this->Folder.File("coarser.vtu"));
-  expectRefused(this->Common + this->Folder.File("coarser.vtu") + " --thickness 0.2",
+  expectRefused(this->Common + this->Folder.File("coarser.vtu") + " --thickness 2",
     "last one reached is at");
   EXPECT_EQ(this->Run("compress " + this->Coarse + " --thickness -3"), 2);
   EXPECT_EQ(this->Run("compress " + this->Coarse), 2);
@@ -127,7 +153,8 @@ TEST_F(CompressCommand, RefusesInOneLine)
 
 TEST_F(CompressCommand, ReadsBackItsConfiguration)
 {
-  ASSERT_EQ(this->Run("compress " + this->Coarse + " --thickness 61 --roll -12.5 --print-config"),
+  ASSERT_EQ(this->Run("compress " + this->Coarse +
+              " --force 61 --view MLO --side R --roll -12.5 --print-config"),
     0)
     << this->Errors;
   std::filesystem::copy_file(this->Folder.File("out"), this->Folder.File("config.json"));

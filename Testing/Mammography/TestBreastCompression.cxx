@@ -107,6 +107,36 @@ TEST_F(BreastCompression, SqueezesTheGridBetweenThePlates)
   EXPECT_EQ(this->FieldValue("ThicknessMm"), 54);
 }
 
+TEST_F(BreastCompression, StiffensByFungsLaw)
+{
+  this->Filter->Update();
+  const double force = this->FieldValue("PaddleForceN");
+  this->Filter->SetMaterial(1, 6, 0.49, false, 3);
+  this->Filter->Update();
+  ASSERT_EQ(this->Errors->Count, 0) << this->Errors->Text;
+  // A bar at 30 % compression: exp(3 (0.7^2 + 2 / 0.7 - 3)) = 2.8 times the stress; where the
+  // plates' edges cut in the strains are larger.
+  EXPECT_GT(this->FieldValue("PaddleForceN"), 2 * force);
+}
+
+TEST_F(BreastCompression, FindsTheThicknessOfAForce)
+{
+  this->Filter->SetForceN(3);
+  this->Filter->SetPaddleTiltDeg(2);
+  this->Filter->Update();
+  ASSERT_EQ(this->Errors->Count, 0) << this->Errors->Text;
+  EXPECT_NEAR(this->FieldValue("PaddleForceN"), 3, 3e-4);
+  const double thickness = this->FieldValue("ThicknessMm");
+  this->Filter->SetForceN(0);
+  this->Filter->SetThicknessMm(thickness);
+  this->Filter->Update();
+  EXPECT_EQ(this->FieldValue("ThicknessMm"), thickness);
+  EXPECT_NEAR(this->FieldValue("PaddleForceN"), 3, 1e-3); // warm, by Newton's tolerance
+  this->Filter->SetForceN(-1);
+  this->Filter->Update();
+  EXPECT_EQ(this->Errors->Count, 1);
+}
+
 TEST_F(BreastCompression, GoesOnFromTheLastState)
 {
   this->Filter->Update();

@@ -63,7 +63,11 @@ TEST(MaterialTableIO, AbsentKeysTakeTheDefaults)
   EXPECT_EQ(table.Materials[1].DensityGPerCm3, defaults.DensityGPerCm3);
   EXPECT_EQ(table.Materials[1].YoungsModulusKPa, defaults.YoungsModulusKPa);
   EXPECT_EQ(table.Materials[1].PoissonRatio, defaults.PoissonRatio);
+  EXPECT_EQ(table.Materials[1].FungExponent, 0);
   EXPECT_EQ(table.MaterialOfLabel.at(65535), 1);
+  const MaterialTable stiffening = ReadMaterialTable(folder.Write("fung.json",
+    WithFat(R"("labels": [1], "attenuation": "adipose", "fung_exponent": 2.6)")));
+  EXPECT_EQ(stiffening.Materials[1].FungExponent, 2.6);
 }
 
 TEST(MaterialTableIO, RefusesWhatIsWrongByKey)
@@ -90,6 +94,7 @@ TEST(MaterialTableIO, RefusesWhatIsWrongByKey)
   EXPECT_THAT(MessageOf(WithFat(good + R"(, "youngs_modulus_kpa": "5")")),
     HasSubstr("'youngs_modulus_kpa'"));
   EXPECT_THAT(MessageOf(WithFat(good + R"(, "poisson_ratio": 0.5)")), HasSubstr("below 0.5"));
+  EXPECT_THAT(MessageOf(WithFat(good + R"(, "fung_exponent": -1)")), HasSubstr("from 0"));
   EXPECT_THAT(MessageOf(WithFat(good + R"(, "held": 1)")), HasSubstr("true or false"));
   EXPECT_THAT(MessageOf(WithFat(good + R"(, "colour": "red")")), HasSubstr("unknown key 'colour'"));
   EXPECT_THAT(MessageOf(WithFat(good + R"(, "labels": [2])")), HasSubstr("expected once"));

@@ -68,6 +68,22 @@ inline TetrahedralMesh MakeBoxMesh(const Vector3& low, const Vector3& high,
 }
 
 /**
+ * Carries a mesh in the cube [-1, 1]^3 over to the ellipsoid with the half axes (a, b, c): volume
+ * by volume as even as a closed form can be, x sqrt(1 - y^2/2 - z^2/2 + y^2 z^2/3).
+ */
+inline void MapCubeToBall(TetrahedralMesh& mesh, double a, double b, double c)
+{
+  for (std::size_t p = 0; p < mesh.NumberOfPoints(); ++p)
+  {
+    double* point = &mesh.Points[3 * p];
+    const double x = point[0], y = point[1], z = point[2];
+    point[0] = a * x * std::sqrt(1 - y * y / 2 - z * z / 2 + y * y * z * z / 3);
+    point[1] = b * y * std::sqrt(1 - z * z / 2 - x * x / 2 + z * z * x * x / 3);
+    point[2] = c * z * std::sqrt(1 - x * x / 2 - y * y / 2 + x * x * y * y / 3);
+  }
+}
+
+/**
  * A breast in the frame x lateral, y anterior, z up: half an ellipsoid with the half axes (a, b,
  * c), its flat side on y = 0, of count[0] x count[1] x count[2] bricks. Material 1; the layer of
  * bricks at the flat side is of material 2 (for the chest wall) when `chestWall`.
@@ -85,16 +101,7 @@ inline TetrahedralMesh MakeHalfEllipsoidMesh(double a, double b, double c,
     }
     mesh.Materials[cell] = centre < 1.0 / count[1] ? 2 : 1;
   }
-  for (std::size_t p = 0; p < mesh.NumberOfPoints(); ++p)
-  {
-    // Cube to ball, volume by volume as even as a closed form can be: x sqrt(1 - y^2/2 - z^2/2 +
-    // y^2 z^2/3).
-    double* point = &mesh.Points[3 * p];
-    const double x = point[0], y = point[1], z = point[2];
-    point[0] = a * x * std::sqrt(1 - y * y / 2 - z * z / 2 + y * y * z * z / 3);
-    point[1] = b * y * std::sqrt(1 - z * z / 2 - x * x / 2 + z * z * x * x / 3);
-    point[2] = c * z * std::sqrt(1 - x * x / 2 - y * y / 2 + x * x * y * y / 3);
-  }
+  MapCubeToBall(mesh, a, b, c);
   return mesh;
 }
 
