@@ -1,16 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "CommandLine.h"
 
+#include "HistogramPicture.h"
 #include "LabelResampling.h"
 #include "LabelVolumeIO.h"
 #include "MaterialTableIO.h"
 #include "MeshConversion.h"
 #include "MeshIO.h"
+#include "SurfaceConversion.h"
 
 #ifdef MAMMORAY_HAS_MESHING
 #include "LabelMesher.h"
+#include "MeshCheck.h"
 #endif
 
+#include "vtkPolyData.h"
 #include "vtkUnstructuredGrid.h"
 
 #include <nlohmann/json.hpp>
@@ -37,7 +41,9 @@ struct MeshArguments
   std::vector<std::string> FacetSizeOf;
   std::vector<std::string> FacetDistanceOf;
   std::string Output;
+  std::string Check;
   std::string Report;
+  std::string Picture;
   bool Overwrite = false;
 };
 
@@ -60,26 +66,182 @@ void AddSizes(const std::vector<std::string>& texts, const char* option, const M
   }
 }
 
-nlohmann::ordered_json ReportJson(const MeshArguments& arguments, const MaterialTable& table,
+using Json = nlohmann::ordered_json;
+
+std::string NameOf(int material, const std::vector<std::string>& names)
+{
+  const auto index = static_cast<std::size_t>(material);
+  return index < names.size() ? names[index] : "material " + std::to_string(material);
+}
+
+Json CheckJson(const MeshCheck& check, const std::vector<std::string>& names)
+{
+  Json json;
+  json["sound"] = check.Sound();
+  json["points"] = check.Points;
+  json["cells"] = check.Cells;
+  json["interface_triangles"] = check.Triangles;
+  json["troubles"] = Json::array();
+  for (const MeshTrouble& trouble : check.Troubles)
+  {
+    Json entry{ { "text", trouble.Text(names) }, { "count", trouble.Count } };
+    for (const MeshTrouble::Place& place : trouble.Places)
+    {
+      entry["places"].push_back({ { "point_mm", place.Point },
+        { "material", place.Material < 0 ? Json() : Json(NameOf(place.Material, names)) },
+        { "border_mm", place.LengthMm } });
+    }
+    json["troubles"].push_back(entry);
+  }
+  json["dihedral_step_deg"] = MeshCheck::DihedralStepDeg;
+  json["radius_edge_step"] = MeshCheck::RadiusEdgeStep;
+  for (const MaterialQuality& entry : check.Materials)
+  {
+    json["per_material"].push_back({ { "material", NameOf(entry.Material, names) },
+      { "volume_mm3", entry.VolumeMm3 }, { "boundary_triangles", entry.BoundaryTriangles },
+      { "cells", entry.Cells }, { "smallest_dihedral_deg", entry.SmallestDihedralDeg },
+      { "smallest_dihedral_place_mm", entry.SmallestDihedralPlace },
+      { "largest_radius_edge_ratio", entry.LargestRadiusEdgeRatio },
+      { "largest_radius_edge_place_mm", entry.LargestRadiusEdgePlace },
+      { "dihedral_histogram", entry.DihedralHistogram },
+      { "radius_edge_histogram", entry.RadiusEdgeHistogram } });
+  }
+  return json;
+}
+
+Json ReportJson(const MeshArguments& arguments, const std::vector<std::string>& names,
   const MeshingResult& result)
 {
-  nlohmann::ordered_json report;
+  Json report;
   report["labels"] = arguments.Labels;
   report["materials"] = arguments.Materials;
-  report["points"] = result.Mesh.NumberOfPoints();
-  report["cells"] = result.Mesh.NumberOfCells();
   report["components"] = result.Components;
   report["merged_voxels"] = result.MergedVoxels;
   report["time_limit_reached"] = result.TimeLimitReached;
   report["seconds"] = result.Seconds;
   for (const MaterialReport& entry : result.Reports)
   {
-    report["per_material"].push_back({ { "material", table.Materials[entry.Material].Name },
-      { "volume_in_mm3", entry.VolumeInMm3 }, { "volume_out_mm3", entry.VolumeOutMm3 },
-      { "cells", entry.Cells }, { "smallest_dihedral_deg", entry.SmallestDihedralDeg },
-      { "largest_radius_edge_ratio", entry.LargestRadiusEdgeRatio } });
+    report["volumes"].push_back({ { "material", NameOf(entry.Material, names) },
+      { "volume_in_mm3", entry.VolumeInMm3 }, { "volume_out_mm3", entry.VolumeOutMm3 } });
   }
   return report;
+}
+
+void WriteJson(const std::string& path, const Json& json)
+{
+  WriteComplete(path,
+    [&](const std::string& temporary)
+    {
+      std::ofstream file(temporary);
+      file << json.dump(2) << '\n';
+      file.close();
+      if (!file)
+      {
+        throw InputError(path + ": cannot be written");
+      }
+    });
+}
+
+/// Worst dihedral angles and radius-edge ratios of the cells.
+void WriteQualityPicture(const std::string& path, const MeshCheck& check,
+  const std::vector<std::string>& names)
+{
+  HistogramPanel dihedral{ "smallest dihedral angle of a cell [deg]", MeshCheck::DihedralStepDeg,
+    {} };
+  HistogramPanel ratio{ "circumradius / shortest edge", MeshCheck::RadiusEdgeStep, {} };
+  for (const MaterialQuality& entry : check.Materials)
+  {
+    if (entry.Cells > 0)
+    {
+      const std::string name = NameOf(entry.Material, names);
+      dihedral.Groups.push_back({ name, entry.DihedralHistogram });
+      ratio.Groups.push_back({ name, entry.RadiusEdgeHistogram });
+    }
+  }
+  WriteComplete(path,
+    [&](const std::string& temporary) {
+      WriteHistogramPicture({ dihedral, ratio }, temporary);
+    });
+}
+
+void PrintCheck(const MeshCheck& check, const std::vector<std::string>& names)
+{
+  std::printf("%-16s %12s %10s %10s %12s %12s\n", "material", "volume [cm3]", "triangles", "cells",
+    "dihedral", "radius/edge");
+  for (const MaterialQuality& entry : check.Materials)
+  {
+    std::printf("%-16s %12.3f %10zu", NameOf(entry.Material, names).c_str(), entry.VolumeMm3 / 1000,
+      entry.BoundaryTriangles);
+    if (entry.Cells > 0)
+    {
+      std::printf(" %10zu %8.2f deg %12.2f", entry.Cells, entry.SmallestDihedralDeg,
+        entry.LargestRadiusEdgeRatio);
+    }
+    std::printf("\n");
+  }
+  std::printf("%zu points, %zu tetrahedra, %zu interface triangles\n", check.Points, check.Cells,
+    check.Triangles);
+}
+
+void CheckReportFiles(const MeshArguments& arguments)
+{
+  for (const std::string& path : { arguments.Report, arguments.Picture })
+  {
+    if (!path.empty())
+    {
+      CheckOutputFile(path, arguments.Overwrite);
+    }
+  }
+  if (!arguments.Picture.empty() && std::filesystem::path(arguments.Picture).extension() != ".png")
+  {
+    throw InputError(arguments.Picture + ": expected the extension .png for a picture");
+  }
+}
+
+/// Every trouble on a line of its own; those of a mesh that is not sound end in exit code 1.
+void RunCheck(const MeshArguments& arguments)
+{
+  CheckInputFile(arguments.Check);
+  CheckReportFiles(arguments);
+  std::vector<std::string> names;
+  MeshCheck check;
+  if (std::filesystem::path(arguments.Check).extension() == ".vtu")
+  {
+    check = CheckMesh(FromGrid(ReadMesh(arguments.Check), &names), MakeProgressBar());
+  }
+  else
+  {
+    check = CheckSurface(FromPolyData(ReadSurface(arguments.Check), &names), MakeProgressBar());
+  }
+  if (!arguments.Report.empty())
+  {
+    Json report = CheckJson(check, names);
+    WriteJson(arguments.Report, report);
+  }
+  if (!arguments.Picture.empty())
+  {
+    WriteQualityPicture(arguments.Picture, check, names);
+  }
+  PrintCheck(check, names);
+  std::string message;
+  for (const MeshTrouble& trouble : check.Troubles)
+  {
+    const bool note = trouble.What == MeshTrouble::Kind::Pinches;
+    const std::string line = arguments.Check + ": " + trouble.Text(names);
+    if (note)
+    {
+      std::printf("note: %s\n", line.c_str());
+    }
+    else
+    {
+      message += (message.empty() ? "" : "\nmammoray: ") + line;
+    }
+  }
+  if (!message.empty())
+  {
+    throw ConvergenceError(message);
+  }
+  std::printf("sound: every cell is upright, every boundary closed\n");
 }
 
 void PrintReport(const MaterialTable& table, const MeshingResult& result)
@@ -106,8 +268,17 @@ void PrintReport(const MaterialTable& table, const MeshingResult& result)
   }
 }
 
-void RunMesh(const MeshArguments& arguments)
+void CheckArguments(const MeshArguments& arguments)
 {
+  for (const auto& [value, name] :
+    { std::pair{ &arguments.Labels, "--labels" }, std::pair{ &arguments.Materials, "--materials" },
+      std::pair{ &arguments.Output, "--output" } })
+  {
+    if (value->empty())
+    {
+      throw CLI::RequiredError(name);
+    }
+  }
   CheckInputFile(arguments.Labels);
   CheckInputFile(arguments.Materials);
   CheckOutputFile(arguments.Output, arguments.Overwrite);
@@ -115,10 +286,17 @@ void RunMesh(const MeshArguments& arguments)
   {
     throw InputError(arguments.Output + ": expected the extension .vtu for a volume mesh");
   }
-  if (!arguments.Report.empty())
+  CheckReportFiles(arguments);
+}
+
+void RunMesh(const MeshArguments& arguments)
+{
+  if (!arguments.Check.empty())
   {
-    CheckOutputFile(arguments.Report, arguments.Overwrite);
+    RunCheck(arguments);
+    return;
   }
+  CheckArguments(arguments);
   const MaterialTable table = ReadMaterialTable(arguments.Materials);
   MeshingOptions options = arguments.Options;
   std::vector<int> thin;
@@ -152,19 +330,19 @@ void RunMesh(const MeshArguments& arguments)
   }
   WriteComplete(arguments.Output,
     [&](const std::string& temporary) { WriteMesh(ToGrid(result.Mesh, names), temporary); });
-  if (!arguments.Report.empty())
+  if (!arguments.Report.empty() || !arguments.Picture.empty())
   {
-    WriteComplete(arguments.Report,
-      [&](const std::string& temporary)
-      {
-        std::ofstream file(temporary);
-        file << ReportJson(arguments, table, result).dump(2) << '\n';
-        file.close();
-        if (!file)
-        {
-          throw InputError(arguments.Report + ": cannot be written");
-        }
-      });
+    const MeshCheck check = CheckMesh(result.Mesh);
+    if (!arguments.Report.empty())
+    {
+      Json report = ReportJson(arguments, names, result);
+      report.update(CheckJson(check, names));
+      WriteJson(arguments.Report, report);
+    }
+    if (!arguments.Picture.empty())
+    {
+      WriteQualityPicture(arguments.Picture, check, names);
+    }
   }
   PrintReport(table, result);
 }
@@ -178,13 +356,17 @@ void AddMeshCommand(CLI::App& application)
   auto arguments = std::make_shared<MeshArguments>();
   arguments->Options = MeshingOptions::Anatomy({});
   MeshingOptions& options = arguments->Options;
-  command
-    ->add_option("--labels", arguments->Labels, "label volume: .nrrd .nhdr .mha .mhd .nii .nii.gz")
-    ->required();
-  command->add_option("--materials", arguments->Materials, "material table (.json)")->required();
-  command->add_option("-o,--output", arguments->Output, "volume mesh to write (.vtu)")->required();
+  command->add_option("--labels", arguments->Labels,
+    "label volume: .nrrd .nhdr .mha .mhd .nii .nii.gz");
+  command->add_option("--materials", arguments->Materials, "material table (.json)");
+  command->add_option("-o,--output", arguments->Output, "volume mesh to write (.vtu)");
+  command->add_option("--check", arguments->Check,
+    "check this mesh (.vtu) or surface (.vtp .stl .ply .obj) instead of making one: cells upright "
+    "and joined, boundaries closed; exit code 1 and a line for each kind of trouble");
   command->add_option("--report", arguments->Report,
-    "write volumes and cell quality there (.json)");
+    "write volumes, cell quality and troubles with their places there (.json)");
+  command->add_option("--picture", arguments->Picture,
+    "draw histograms of the cells' quality there (.png)");
   command
     ->add_option("--spacing", arguments->SpacingMm,
       "resample to cubic voxels of this size first, mm")

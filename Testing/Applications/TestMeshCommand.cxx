@@ -85,6 +85,40 @@ TEST_F(MeshCommand, WritesMeshReportAndTable)
     << this->Errors;
 }
 
+TEST_F(MeshCommand, ChecksMeshesAndSurfaces)
+{
+  const std::string report = this->Folder.File("report.json");
+  const std::string picture = this->Folder.File("quality.png");
+  ASSERT_EQ(this->Run(this->Inputs + " -o " + this->Mesh), 0) << this->Errors;
+  ASSERT_EQ(this->Run("--check " + this->Mesh + " --report " + report + " --picture " + picture), 0)
+    << this->Errors;
+  EXPECT_EQ(this->Errors, "");
+  EXPECT_THAT(this->Output,
+    testing::AllOf(testing::HasSubstr("gland"),
+      testing::HasSubstr("sound: every cell is upright, every boundary closed")));
+  EXPECT_THAT(ReadFile(report), testing::HasSubstr("\"sound\": true"));
+  EXPECT_THAT(ReadFile(report), testing::HasSubstr("\"dihedral_histogram\""));
+  EXPECT_THAT(ReadFile(picture), testing::StartsWith("\x89PNG"));
+
+  // One cell turned round and one point moved far out: two kinds of trouble, a line each.
+  TetrahedralMesh mesh = FromGrid(ReadMesh(this->Mesh));
+  std::swap(mesh.Cells[0], mesh.Cells[1]);
+  WriteMesh(ToGrid(mesh, { "air", "fat", "gland" }), this->Mesh);
+  EXPECT_EQ(this->Run("--check " + this->Mesh), 1);
+  EXPECT_THAT(this->Errors, testing::HasSubstr("1 cells of no or negative volume: "));
+  EXPECT_THAT(this->Errors, testing::HasSubstr("from one side: "));
+  EXPECT_EQ(std::count(this->Errors.begin(), this->Errors.end(), '\n'), 2) << this->Errors;
+
+  // A tetrahedron of three facets.
+  const std::string surface = this->Folder.Write("open.obj",
+    "v 0 0 0\nv 3 0 0\nv 0 4 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\n");
+  EXPECT_EQ(this->Run("--check " + surface), 1);
+  EXPECT_THAT(this->Errors, testing::HasSubstr("1 holes in the boundary of a material"));
+  EXPECT_EQ(this->Run(""), 2);
+  EXPECT_EQ(this->Run("--check " + this->Folder.File("absent.vtu")), 1);
+  EXPECT_THAT(this->Errors, testing::HasSubstr("no such file"));
+}
+
 TEST_F(MeshCommand, RefusesInOneLine)
 {
   const std::string output = " -o " + this->Mesh;
