@@ -12,6 +12,7 @@
 #ifdef MAMMORAY_HAS_MESHING
 #include "LabelMesher.h"
 #include "MeshCheck.h"
+#include "SurfaceMesher.h"
 #endif
 
 #include "vtkPolyData.h"
@@ -40,6 +41,9 @@ struct MeshArguments
   std::vector<std::string> CellSizeOf;
   std::vector<std::string> FacetSizeOf;
   std::vector<std::string> FacetDistanceOf;
+  /// MATERIAL=FILE each.
+  std::vector<std::string> Surfaces;
+  std::string Method = "cgal";
   std::string Output;
   std::string Check;
   std::string Report;
@@ -114,7 +118,9 @@ Json ReportJson(const MeshArguments& arguments, const std::vector<std::string>& 
 {
   Json report;
   report["labels"] = arguments.Labels;
+  report["surfaces"] = arguments.Surfaces;
   report["materials"] = arguments.Materials;
+  report["method"] = arguments.Surfaces.empty() ? arguments.Method : "tetgen";
   report["components"] = result.Components;
   report["merged_voxels"] = result.MergedVoxels;
   report["time_limit_reached"] = result.TimeLimitReached;
@@ -244,16 +250,16 @@ void RunCheck(const MeshArguments& arguments)
   std::printf("sound: every cell is upright, every boundary closed\n");
 }
 
-void PrintReport(const MaterialTable& table, const MeshingResult& result)
+void PrintReport(const std::vector<std::string>& names, const MeshingResult& result)
 {
   std::printf("%-16s %12s %12s %8s %10s %12s %12s\n", "material", "in [cm3]", "out [cm3]", "out/in",
     "cells", "dihedral", "radius/edge");
   for (const MaterialReport& entry : result.Reports)
   {
     std::printf("%-16s %12.3f %12.3f %7.1f%% %10zu %8.2f deg %12.2f\n",
-      table.Materials[entry.Material].Name.c_str(), entry.VolumeInMm3 / 1000,
-      entry.VolumeOutMm3 / 1000, 100 * entry.VolumeOutMm3 / entry.VolumeInMm3, entry.Cells,
-      entry.SmallestDihedralDeg, entry.LargestRadiusEdgeRatio);
+      NameOf(entry.Material, names).c_str(), entry.VolumeInMm3 / 1000, entry.VolumeOutMm3 / 1000,
+      100 * entry.VolumeOutMm3 / entry.VolumeInMm3, entry.Cells, entry.SmallestDihedralDeg,
+      entry.LargestRadiusEdgeRatio);
   }
   std::printf("%zu points, %zu tetrahedra, %zu components, %.1f s\n", result.Mesh.NumberOfPoints(),
     result.Mesh.NumberOfCells(), result.Components, result.Seconds);
@@ -270,17 +276,23 @@ void PrintReport(const MaterialTable& table, const MeshingResult& result)
 
 void CheckArguments(const MeshArguments& arguments)
 {
-  for (const auto& [value, name] :
-    { std::pair{ &arguments.Labels, "--labels" }, std::pair{ &arguments.Materials, "--materials" },
-      std::pair{ &arguments.Output, "--output" } })
+  const bool fromSurfaces = !arguments.Surfaces.empty();
+  if (fromSurfaces == !arguments.Labels.empty())
   {
-    if (value->empty())
-    {
-      throw CLI::RequiredError(name);
-    }
+    throw CLI::RequiredError("one of --labels, --surface and --check");
   }
-  CheckInputFile(arguments.Labels);
-  CheckInputFile(arguments.Materials);
+  if (!fromSurfaces)
+  {
+    CheckInputFile(arguments.Labels);
+  }
+  if ((arguments.Materials.empty() && !fromSurfaces) || arguments.Output.empty())
+  {
+    throw CLI::RequiredError(arguments.Output.empty() ? "--output" : "--materials");
+  }
+  if (!arguments.Materials.empty())
+  {
+    CheckInputFile(arguments.Materials);
+  }
   CheckOutputFile(arguments.Output, arguments.Overwrite);
   if (std::filesystem::path(arguments.Output).extension() != ".vtu")
   {
@@ -289,15 +301,29 @@ void CheckArguments(const MeshArguments& arguments)
   CheckReportFiles(arguments);
 }
 
-void RunMesh(const MeshArguments& arguments)
+/// The table of the file, or one that names the materials of the surfaces in their order.
+MaterialTable FindTable(const MeshArguments& arguments)
 {
-  if (!arguments.Check.empty())
+  if (!arguments.Materials.empty())
   {
-    RunCheck(arguments);
-    return;
+    return ReadMaterialTable(arguments.Materials);
   }
-  CheckArguments(arguments);
-  const MaterialTable table = ReadMaterialTable(arguments.Materials);
+  MaterialTable table;
+  table.Materials.push_back({ "air" });
+  for (const std::string& text : arguments.Surfaces)
+  {
+    const std::string name = text.substr(0, text.find('='));
+    if (std::none_of(table.Materials.begin(), table.Materials.end(),
+          [&](const Material& known) { return known.Name == name; }))
+    {
+      table.Materials.push_back({ name });
+    }
+  }
+  return table;
+}
+
+MeshingOptions FindOptions(const MeshArguments& arguments, const MaterialTable& table)
+{
   MeshingOptions options = arguments.Options;
   std::vector<int> thin;
   for (const std::string& name : arguments.Thin)
@@ -313,15 +339,65 @@ void RunMesh(const MeshArguments& arguments)
   AddSizes(arguments.FacetDistanceOf, "--facet-distance-of", table,
     options.FacetDistanceOfMaterialMm);
   options.Validate();
+  return options;
+}
+
+LabelVolume ReadMaterials(const MeshArguments& arguments, const MaterialTable& table)
+{
   LabelVolume volume =
     table.ToMaterials(ReadLabelVolume(arguments.Labels,
                         arguments.AxesAsGiven ? VolumeAxes::AsGiven : VolumeAxes::Patient),
       arguments.Labels);
-  if (arguments.SpacingMm > 0)
+  return arguments.SpacingMm > 0 ? ResampleLabels(volume, arguments.SpacingMm) : volume;
+}
+
+/// All files of --surface as one, each the closed boundary of its material.
+SurfaceMesh ReadSurfaces(const MeshArguments& arguments, const MaterialTable& table)
+{
+  SurfaceMesh all;
+  for (const std::string& text : arguments.Surfaces)
   {
-    volume = ResampleLabels(volume, arguments.SpacingMm);
+    const auto equals = text.find('=');
+    if (equals == std::string::npos || equals == 0 || equals + 1 == text.size())
+    {
+      throw InputError(
+        "--surface: expected MATERIAL=FILE, for example fat=fat.stl, found '" + text + "'");
+    }
+    const int material = table.IndexOf(text.substr(0, equals));
+    const std::string path = CheckInputFile(text.substr(equals + 1));
+    const SurfaceMesh surface = FromPolyData(ReadSurface(path));
+    const auto base = static_cast<std::uint32_t>(all.NumberOfPoints());
+    all.Points.insert(all.Points.end(), surface.Points.begin(), surface.Points.end());
+    for (const std::uint32_t id : surface.Triangles)
+    {
+      all.Triangles.push_back(base + id);
+    }
+    for (std::size_t triangle = 0; triangle < surface.NumberOfTriangles(); ++triangle)
+    {
+      const auto side = [&](std::uint16_t other)
+      { return static_cast<std::uint16_t>(other == 0 ? 0 : material); };
+      all.FrontMaterials.push_back(side(surface.FrontMaterials[triangle]));
+      all.BackMaterials.push_back(side(surface.BackMaterials[triangle]));
+    }
   }
-  const MeshingResult result = MeshMaterials(volume, options, MakeProgressBar());
+  return all;
+}
+
+void RunMesh(const MeshArguments& arguments)
+{
+  if (!arguments.Check.empty())
+  {
+    RunCheck(arguments);
+    return;
+  }
+  CheckArguments(arguments);
+  const MaterialTable table = FindTable(arguments);
+  const MeshingOptions options = FindOptions(arguments, table);
+  const MeshingResult result = !arguments.Surfaces.empty()
+    ? MeshSurfaces(ReadSurfaces(arguments, table), options, MakeProgressBar())
+    : arguments.Method == "tetgen"
+    ? MeshMaterialSurfaces(ReadMaterials(arguments, table), options, MakeProgressBar())
+    : MeshMaterials(ReadMaterials(arguments, table), options, MakeProgressBar());
 
   std::vector<std::string> names;
   for (const Material& material : table.Materials)
@@ -344,21 +420,32 @@ void RunMesh(const MeshArguments& arguments)
       WriteQualityPicture(arguments.Picture, check, names);
     }
   }
-  PrintReport(table, result);
+  PrintReport(names, result);
 }
 }
 
 void AddMeshCommand(CLI::App& application)
 {
   CLI::App* command = application.add_subcommand("mesh",
-    "Tetrahedra with a material each from a segmented volume.\nPoints are mm in the volume's frame "
+    "Tetrahedra with a material each from a segmented volume or from closed surfaces.\nPoints are "
+    "mm in the volume's frame "
     "(DICOM LPS where the file says so).");
   auto arguments = std::make_shared<MeshArguments>();
   arguments->Options = MeshingOptions::Anatomy({});
   MeshingOptions& options = arguments->Options;
   command->add_option("--labels", arguments->Labels,
     "label volume: .nrrd .nhdr .mha .mhd .nii .nii.gz");
-  command->add_option("--materials", arguments->Materials, "material table (.json)");
+  command->add_option("--surface", arguments->Surfaces,
+    "MATERIAL=FILE: closed surface of a material (.vtp .stl .ply .obj) instead of labels; may be "
+    "given for several, nested or touching at common triangles; filled by TetGen");
+  command->add_option("--materials", arguments->Materials,
+    "material table (.json); with --surface only where other commands need its numbers");
+  command
+    ->add_option("--method", arguments->Method,
+      "cgal: Mesh_3 straight from the labels; tetgen: closed surfaces of the voxels' size, then "
+      "TetGen")
+    ->check(CLI::IsMember({ "cgal", "tetgen" }))
+    ->capture_default_str();
   command->add_option("-o,--output", arguments->Output, "volume mesh to write (.vtu)");
   command->add_option("--check", arguments->Check,
     "check this mesh (.vtu) or surface (.vtp .stl .ply .obj) instead of making one: cells upright "

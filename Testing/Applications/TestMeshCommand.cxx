@@ -119,6 +119,41 @@ TEST_F(MeshCommand, ChecksMeshesAndSurfaces)
   EXPECT_THAT(this->Errors, testing::HasSubstr("no such file"));
 }
 
+TEST_F(MeshCommand, FillsSurfacesAndLabelsByTetGen)
+{
+  // Two tetrahedra with a face in common, of 3 x 4 x 1 / 6 and 3 x 4 x 2 / 6 mm3.
+  const std::string above = this->Folder.Write("above.obj",
+    "v 0 0 0\nv 3 0 0\nv 0 4 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n");
+  const std::string below = this->Folder.Write("below.obj",
+    "v 0 0 0\nv 3 0 0\nv 0 4 0\nv 0 0 -2\nf 1 2 3\nf 1 4 2\nf 1 3 4\nf 2 4 3\n");
+  const std::string surfaces = "--surface fat=" + above + " --surface gland=" + below;
+  const int status = this->Run(surfaces + " -o " + this->Mesh);
+  if (status == 1 && this->Errors.find("no TetGen") != std::string::npos)
+  {
+    GTEST_SKIP() << this->Errors;
+  }
+  ASSERT_EQ(status, 0) << this->Errors;
+  std::vector<std::string> names;
+  const TetrahedralMesh mesh = FromGrid(ReadMesh(this->Mesh), &names);
+  EXPECT_THAT(names, testing::ElementsAre("air", "fat", "gland"));
+  double volumes[3] = { 0, 0, 0 };
+  for (std::size_t cell = 0; cell < mesh.NumberOfCells(); ++cell)
+  {
+    volumes[mesh.Materials[cell]] += mesh.CellVolume(cell);
+  }
+  // Closed forms, to rounding.
+  EXPECT_NEAR(volumes[1], 2, 1e-12);
+  EXPECT_NEAR(volumes[2], 4, 1e-12);
+  EXPECT_EQ(this->Run("--check " + this->Mesh), 0) << this->Errors;
+
+  ASSERT_EQ(this->Run(this->Inputs + " --method tetgen --overwrite -o " + this->Mesh), 0)
+    << this->Errors;
+  EXPECT_EQ(this->Run("--check " + this->Mesh), 0) << this->Errors;
+  EXPECT_EQ(this->Run(surfaces + " " + this->Inputs + " --overwrite -o " + this->Mesh), 2);
+  EXPECT_EQ(this->Run("--surface fat --overwrite -o " + this->Mesh), 1);
+  EXPECT_THAT(this->Errors, testing::HasSubstr("expected MATERIAL=FILE"));
+}
+
 TEST_F(MeshCommand, RefusesInOneLine)
 {
   const std::string output = " -o " + this->Mesh;

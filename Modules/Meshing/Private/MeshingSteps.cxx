@@ -146,19 +146,26 @@ std::vector<MaterialReport> ReportMaterials(const LabelVolume& materials,
   const TetrahedralMesh& mesh)
 {
   std::map<int, MaterialReport> reports;
+  const auto of = [&reports](int material) -> MaterialReport&
+  {
+    const auto [entry, isNew] = reports.try_emplace(material);
+    if (isNew)
+    {
+      entry->second.Material = material;
+      entry->second.SmallestDihedralDeg = 180;
+    }
+    return entry->second;
+  };
   for (const auto& [material, count] : materials.CountLabels())
   {
     if (material != 0)
     {
-      MaterialReport& report = reports[material];
-      report.Material = material;
-      report.VolumeInMm3 = static_cast<double>(count) * materials.VoxelVolume();
-      report.SmallestDihedralDeg = 180;
+      of(material).VolumeInMm3 = static_cast<double>(count) * materials.VoxelVolume();
     }
   }
   for (std::size_t cell = 0; cell < mesh.NumberOfCells(); ++cell)
   {
-    MaterialReport& report = reports[mesh.Materials[cell]];
+    MaterialReport& report = of(mesh.Materials[cell]);
     ++report.Cells;
     report.VolumeOutMm3 += mesh.CellVolume(cell);
     report.SmallestDihedralDeg =
