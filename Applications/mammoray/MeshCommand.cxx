@@ -281,7 +281,7 @@ void CheckArguments(const MeshArguments& arguments)
   {
     throw CLI::RequiredError("one of --labels, --surface and --check");
   }
-  if (!fromSurfaces)
+  if (!fromSurfaces && !std::filesystem::is_directory(arguments.Labels))
   {
     CheckInputFile(arguments.Labels);
   }
@@ -434,7 +434,8 @@ void AddMeshCommand(CLI::App& application)
   arguments->Options = MeshingOptions::Anatomy({});
   MeshingOptions& options = arguments->Options;
   command->add_option("--labels", arguments->Labels,
-    "label volume: .nrrd .nhdr .mha .mhd .nii .nii.gz");
+    "label volume: .nrrd .nhdr .mha .mhd .nii .nii.gz, a DICOM segmentation (.dcm; labels are its "
+    "segment numbers) or a folder with a DICOM series");
   command->add_option("--surface", arguments->Surfaces,
     "MATERIAL=FILE: closed surface of a material (.vtp .stl .ply .obj) instead of labels; may be "
     "given for several, nested or touching at common triangles; filled by TetGen");
