@@ -1,16 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "CommandLine.h"
 
+#include "HistogramPicture.h"
 #include "LabelResampling.h"
 #include "LabelVolumeIO.h"
 #include "MaterialTableIO.h"
 #include "MeshConversion.h"
 #include "MeshIO.h"
+#include "SurfaceConversion.h"
 
 #ifdef MAMMORAY_HAS_MESHING
 #include "LabelMesher.h"
+#include "MeshCheck.h"
+#include "SurfaceMesher.h"
 #endif
 
+#include "vtkPolyData.h"
 #include "vtkUnstructuredGrid.h"
 
 #include <nlohmann/json.hpp>
@@ -36,8 +41,13 @@ struct MeshArguments
   std::vector<std::string> CellSizeOf;
   std::vector<std::string> FacetSizeOf;
   std::vector<std::string> FacetDistanceOf;
+  /// MATERIAL=FILE each.
+  std::vector<std::string> Surfaces;
+  std::string Method = "cgal";
   std::string Output;
+  std::string Check;
   std::string Report;
+  std::string Picture;
   bool Overwrite = false;
 };
 
@@ -60,38 +70,196 @@ void AddSizes(const std::vector<std::string>& texts, const char* option, const M
   }
 }
 
-nlohmann::ordered_json ReportJson(const MeshArguments& arguments, const MaterialTable& table,
+using Json = nlohmann::ordered_json;
+
+std::string NameOf(int material, const std::vector<std::string>& names)
+{
+  const auto index = static_cast<std::size_t>(material);
+  return index < names.size() ? names[index] : "material " + std::to_string(material);
+}
+
+Json CheckJson(const MeshCheck& check, const std::vector<std::string>& names)
+{
+  Json json;
+  json["sound"] = check.Sound();
+  json["points"] = check.Points;
+  json["cells"] = check.Cells;
+  json["interface_triangles"] = check.Triangles;
+  json["troubles"] = Json::array();
+  for (const MeshTrouble& trouble : check.Troubles)
+  {
+    Json entry{ { "text", trouble.Text(names) }, { "count", trouble.Count } };
+    for (const MeshTrouble::Place& place : trouble.Places)
+    {
+      entry["places"].push_back({ { "point_mm", place.Point },
+        { "material", place.Material < 0 ? Json() : Json(NameOf(place.Material, names)) },
+        { "border_mm", place.LengthMm } });
+    }
+    json["troubles"].push_back(entry);
+  }
+  json["dihedral_step_deg"] = MeshCheck::DihedralStepDeg;
+  json["radius_edge_step"] = MeshCheck::RadiusEdgeStep;
+  for (const MaterialQuality& entry : check.Materials)
+  {
+    json["per_material"].push_back({ { "material", NameOf(entry.Material, names) },
+      { "volume_mm3", entry.VolumeMm3 }, { "boundary_triangles", entry.BoundaryTriangles },
+      { "cells", entry.Cells }, { "smallest_dihedral_deg", entry.SmallestDihedralDeg },
+      { "smallest_dihedral_place_mm", entry.SmallestDihedralPlace },
+      { "largest_radius_edge_ratio", entry.LargestRadiusEdgeRatio },
+      { "largest_radius_edge_place_mm", entry.LargestRadiusEdgePlace },
+      { "dihedral_histogram", entry.DihedralHistogram },
+      { "radius_edge_histogram", entry.RadiusEdgeHistogram } });
+  }
+  return json;
+}
+
+Json ReportJson(const MeshArguments& arguments, const std::vector<std::string>& names,
   const MeshingResult& result)
 {
-  nlohmann::ordered_json report;
+  Json report;
   report["labels"] = arguments.Labels;
+  report["surfaces"] = arguments.Surfaces;
   report["materials"] = arguments.Materials;
-  report["points"] = result.Mesh.NumberOfPoints();
-  report["cells"] = result.Mesh.NumberOfCells();
+  report["method"] = arguments.Surfaces.empty() ? arguments.Method : "tetgen";
   report["components"] = result.Components;
   report["merged_voxels"] = result.MergedVoxels;
   report["time_limit_reached"] = result.TimeLimitReached;
   report["seconds"] = result.Seconds;
   for (const MaterialReport& entry : result.Reports)
   {
-    report["per_material"].push_back({ { "material", table.Materials[entry.Material].Name },
-      { "volume_in_mm3", entry.VolumeInMm3 }, { "volume_out_mm3", entry.VolumeOutMm3 },
-      { "cells", entry.Cells }, { "smallest_dihedral_deg", entry.SmallestDihedralDeg },
-      { "largest_radius_edge_ratio", entry.LargestRadiusEdgeRatio } });
+    report["volumes"].push_back({ { "material", NameOf(entry.Material, names) },
+      { "volume_in_mm3", entry.VolumeInMm3 }, { "volume_out_mm3", entry.VolumeOutMm3 } });
   }
   return report;
 }
 
-void PrintReport(const MaterialTable& table, const MeshingResult& result)
+void WriteJson(const std::string& path, const Json& json)
+{
+  WriteComplete(path,
+    [&](const std::string& temporary)
+    {
+      std::ofstream file(temporary);
+      file << json.dump(2) << '\n';
+      file.close();
+      if (!file)
+      {
+        throw InputError(path + ": cannot be written");
+      }
+    });
+}
+
+/// Worst dihedral angles and radius-edge ratios of the cells.
+void WriteQualityPicture(const std::string& path, const MeshCheck& check,
+  const std::vector<std::string>& names)
+{
+  HistogramPanel dihedral{ "smallest dihedral angle of a cell [deg]", MeshCheck::DihedralStepDeg,
+    {} };
+  HistogramPanel ratio{ "circumradius / shortest edge", MeshCheck::RadiusEdgeStep, {} };
+  for (const MaterialQuality& entry : check.Materials)
+  {
+    if (entry.Cells > 0)
+    {
+      const std::string name = NameOf(entry.Material, names);
+      dihedral.Groups.push_back({ name, entry.DihedralHistogram });
+      ratio.Groups.push_back({ name, entry.RadiusEdgeHistogram });
+    }
+  }
+  WriteComplete(path,
+    [&](const std::string& temporary) {
+      WriteHistogramPicture({ dihedral, ratio }, temporary);
+    });
+}
+
+void PrintCheck(const MeshCheck& check, const std::vector<std::string>& names)
+{
+  std::printf("%-16s %12s %10s %10s %12s %12s\n", "material", "volume [cm3]", "triangles", "cells",
+    "dihedral", "radius/edge");
+  for (const MaterialQuality& entry : check.Materials)
+  {
+    std::printf("%-16s %12.3f %10zu", NameOf(entry.Material, names).c_str(), entry.VolumeMm3 / 1000,
+      entry.BoundaryTriangles);
+    if (entry.Cells > 0)
+    {
+      std::printf(" %10zu %8.2f deg %12.2f", entry.Cells, entry.SmallestDihedralDeg,
+        entry.LargestRadiusEdgeRatio);
+    }
+    std::printf("\n");
+  }
+  std::printf("%zu points, %zu tetrahedra, %zu interface triangles\n", check.Points, check.Cells,
+    check.Triangles);
+}
+
+void CheckReportFiles(const MeshArguments& arguments)
+{
+  for (const std::string& path : { arguments.Report, arguments.Picture })
+  {
+    if (!path.empty())
+    {
+      CheckOutputFile(path, arguments.Overwrite);
+    }
+  }
+  if (!arguments.Picture.empty() && std::filesystem::path(arguments.Picture).extension() != ".png")
+  {
+    throw InputError(arguments.Picture + ": expected the extension .png for a picture");
+  }
+}
+
+/// Every trouble on a line of its own; those of a mesh that is not sound end in exit code 1.
+void RunCheck(const MeshArguments& arguments)
+{
+  CheckInputFile(arguments.Check);
+  CheckReportFiles(arguments);
+  std::vector<std::string> names;
+  MeshCheck check;
+  if (std::filesystem::path(arguments.Check).extension() == ".vtu")
+  {
+    check = CheckMesh(FromGrid(ReadMesh(arguments.Check), &names), MakeProgressBar());
+  }
+  else
+  {
+    check = CheckSurface(FromPolyData(ReadSurface(arguments.Check), &names), MakeProgressBar());
+  }
+  if (!arguments.Report.empty())
+  {
+    Json report = CheckJson(check, names);
+    WriteJson(arguments.Report, report);
+  }
+  if (!arguments.Picture.empty())
+  {
+    WriteQualityPicture(arguments.Picture, check, names);
+  }
+  PrintCheck(check, names);
+  std::string message;
+  for (const MeshTrouble& trouble : check.Troubles)
+  {
+    const bool note = trouble.What == MeshTrouble::Kind::Pinches;
+    const std::string line = arguments.Check + ": " + trouble.Text(names);
+    if (note)
+    {
+      std::printf("note: %s\n", line.c_str());
+    }
+    else
+    {
+      message += (message.empty() ? "" : "\nmammoray: ") + line;
+    }
+  }
+  if (!message.empty())
+  {
+    throw ConvergenceError(message);
+  }
+  std::printf("sound: every cell is upright, every boundary closed\n");
+}
+
+void PrintReport(const std::vector<std::string>& names, const MeshingResult& result)
 {
   std::printf("%-16s %12s %12s %8s %10s %12s %12s\n", "material", "in [cm3]", "out [cm3]", "out/in",
     "cells", "dihedral", "radius/edge");
   for (const MaterialReport& entry : result.Reports)
   {
     std::printf("%-16s %12.3f %12.3f %7.1f%% %10zu %8.2f deg %12.2f\n",
-      table.Materials[entry.Material].Name.c_str(), entry.VolumeInMm3 / 1000,
-      entry.VolumeOutMm3 / 1000, 100 * entry.VolumeOutMm3 / entry.VolumeInMm3, entry.Cells,
-      entry.SmallestDihedralDeg, entry.LargestRadiusEdgeRatio);
+      NameOf(entry.Material, names).c_str(), entry.VolumeInMm3 / 1000, entry.VolumeOutMm3 / 1000,
+      100 * entry.VolumeOutMm3 / entry.VolumeInMm3, entry.Cells, entry.SmallestDihedralDeg,
+      entry.LargestRadiusEdgeRatio);
   }
   std::printf("%zu points, %zu tetrahedra, %zu components, %.1f s\n", result.Mesh.NumberOfPoints(),
     result.Mesh.NumberOfCells(), result.Components, result.Seconds);
@@ -106,20 +274,56 @@ void PrintReport(const MaterialTable& table, const MeshingResult& result)
   }
 }
 
-void RunMesh(const MeshArguments& arguments)
+void CheckArguments(const MeshArguments& arguments)
 {
-  CheckInputFile(arguments.Labels);
-  CheckInputFile(arguments.Materials);
+  const bool fromSurfaces = !arguments.Surfaces.empty();
+  if (fromSurfaces == !arguments.Labels.empty())
+  {
+    throw CLI::RequiredError("one of --labels, --surface and --check");
+  }
+  if (!fromSurfaces && !std::filesystem::is_directory(arguments.Labels))
+  {
+    CheckInputFile(arguments.Labels);
+  }
+  if ((arguments.Materials.empty() && !fromSurfaces) || arguments.Output.empty())
+  {
+    throw CLI::RequiredError(arguments.Output.empty() ? "--output" : "--materials");
+  }
+  if (!arguments.Materials.empty())
+  {
+    CheckInputFile(arguments.Materials);
+  }
   CheckOutputFile(arguments.Output, arguments.Overwrite);
   if (std::filesystem::path(arguments.Output).extension() != ".vtu")
   {
     throw InputError(arguments.Output + ": expected the extension .vtu for a volume mesh");
   }
-  if (!arguments.Report.empty())
+  CheckReportFiles(arguments);
+}
+
+/// The table of the file, or one that names the materials of the surfaces in their order.
+MaterialTable FindTable(const MeshArguments& arguments)
+{
+  if (!arguments.Materials.empty())
   {
-    CheckOutputFile(arguments.Report, arguments.Overwrite);
+    return ReadMaterialTable(arguments.Materials);
   }
-  const MaterialTable table = ReadMaterialTable(arguments.Materials);
+  MaterialTable table;
+  table.Materials.push_back({ "air" });
+  for (const std::string& text : arguments.Surfaces)
+  {
+    const std::string name = text.substr(0, text.find('='));
+    if (std::none_of(table.Materials.begin(), table.Materials.end(),
+          [&](const Material& known) { return known.Name == name; }))
+    {
+      table.Materials.push_back({ name });
+    }
+  }
+  return table;
+}
+
+MeshingOptions FindOptions(const MeshArguments& arguments, const MaterialTable& table)
+{
   MeshingOptions options = arguments.Options;
   std::vector<int> thin;
   for (const std::string& name : arguments.Thin)
@@ -135,15 +339,65 @@ void RunMesh(const MeshArguments& arguments)
   AddSizes(arguments.FacetDistanceOf, "--facet-distance-of", table,
     options.FacetDistanceOfMaterialMm);
   options.Validate();
+  return options;
+}
+
+LabelVolume ReadMaterials(const MeshArguments& arguments, const MaterialTable& table)
+{
   LabelVolume volume =
     table.ToMaterials(ReadLabelVolume(arguments.Labels,
                         arguments.AxesAsGiven ? VolumeAxes::AsGiven : VolumeAxes::Patient),
       arguments.Labels);
-  if (arguments.SpacingMm > 0)
+  return arguments.SpacingMm > 0 ? ResampleLabels(volume, arguments.SpacingMm) : volume;
+}
+
+/// All files of --surface as one, each the closed boundary of its material.
+SurfaceMesh ReadSurfaces(const MeshArguments& arguments, const MaterialTable& table)
+{
+  SurfaceMesh all;
+  for (const std::string& text : arguments.Surfaces)
   {
-    volume = ResampleLabels(volume, arguments.SpacingMm);
+    const auto equals = text.find('=');
+    if (equals == std::string::npos || equals == 0 || equals + 1 == text.size())
+    {
+      throw InputError(
+        "--surface: expected MATERIAL=FILE, for example fat=fat.stl, found '" + text + "'");
+    }
+    const int material = table.IndexOf(text.substr(0, equals));
+    const std::string path = CheckInputFile(text.substr(equals + 1));
+    const SurfaceMesh surface = FromPolyData(ReadSurface(path));
+    const auto base = static_cast<std::uint32_t>(all.NumberOfPoints());
+    all.Points.insert(all.Points.end(), surface.Points.begin(), surface.Points.end());
+    for (const std::uint32_t id : surface.Triangles)
+    {
+      all.Triangles.push_back(base + id);
+    }
+    for (std::size_t triangle = 0; triangle < surface.NumberOfTriangles(); ++triangle)
+    {
+      const auto side = [&](std::uint16_t other)
+      { return static_cast<std::uint16_t>(other == 0 ? 0 : material); };
+      all.FrontMaterials.push_back(side(surface.FrontMaterials[triangle]));
+      all.BackMaterials.push_back(side(surface.BackMaterials[triangle]));
+    }
   }
-  const MeshingResult result = MeshMaterials(volume, options, MakeProgressBar());
+  return all;
+}
+
+void RunMesh(const MeshArguments& arguments)
+{
+  if (!arguments.Check.empty())
+  {
+    RunCheck(arguments);
+    return;
+  }
+  CheckArguments(arguments);
+  const MaterialTable table = FindTable(arguments);
+  const MeshingOptions options = FindOptions(arguments, table);
+  const MeshingResult result = !arguments.Surfaces.empty()
+    ? MeshSurfaces(ReadSurfaces(arguments, table), options, MakeProgressBar())
+    : arguments.Method == "tetgen"
+    ? MeshMaterialSurfaces(ReadMaterials(arguments, table), options, MakeProgressBar())
+    : MeshMaterials(ReadMaterials(arguments, table), options, MakeProgressBar());
 
   std::vector<std::string> names;
   for (const Material& material : table.Materials)
@@ -152,39 +406,55 @@ void RunMesh(const MeshArguments& arguments)
   }
   WriteComplete(arguments.Output,
     [&](const std::string& temporary) { WriteMesh(ToGrid(result.Mesh, names), temporary); });
-  if (!arguments.Report.empty())
+  if (!arguments.Report.empty() || !arguments.Picture.empty())
   {
-    WriteComplete(arguments.Report,
-      [&](const std::string& temporary)
-      {
-        std::ofstream file(temporary);
-        file << ReportJson(arguments, table, result).dump(2) << '\n';
-        file.close();
-        if (!file)
-        {
-          throw InputError(arguments.Report + ": cannot be written");
-        }
-      });
+    const MeshCheck check = CheckMesh(result.Mesh);
+    if (!arguments.Report.empty())
+    {
+      Json report = ReportJson(arguments, names, result);
+      report.update(CheckJson(check, names));
+      WriteJson(arguments.Report, report);
+    }
+    if (!arguments.Picture.empty())
+    {
+      WriteQualityPicture(arguments.Picture, check, names);
+    }
   }
-  PrintReport(table, result);
+  PrintReport(names, result);
 }
 }
 
 void AddMeshCommand(CLI::App& application)
 {
   CLI::App* command = application.add_subcommand("mesh",
-    "Tetrahedra with a material each from a segmented volume.\nPoints are mm in the volume's frame "
+    "Tetrahedra with a material each from a segmented volume or from closed surfaces.\nPoints are "
+    "mm in the volume's frame "
     "(DICOM LPS where the file says so).");
   auto arguments = std::make_shared<MeshArguments>();
   arguments->Options = MeshingOptions::Anatomy({});
   MeshingOptions& options = arguments->Options;
+  command->add_option("--labels", arguments->Labels,
+    "label volume: .nrrd .nhdr .mha .mhd .nii .nii.gz, a DICOM segmentation (.dcm; labels are its "
+    "segment numbers) or a folder with a DICOM series");
+  command->add_option("--surface", arguments->Surfaces,
+    "MATERIAL=FILE: closed surface of a material (.vtp .stl .ply .obj) instead of labels; may be "
+    "given for several, nested or touching at common triangles; filled by TetGen");
+  command->add_option("--materials", arguments->Materials,
+    "material table (.json); with --surface only where other commands need its numbers");
   command
-    ->add_option("--labels", arguments->Labels, "label volume: .nrrd .nhdr .mha .mhd .nii .nii.gz")
-    ->required();
-  command->add_option("--materials", arguments->Materials, "material table (.json)")->required();
-  command->add_option("-o,--output", arguments->Output, "volume mesh to write (.vtu)")->required();
+    ->add_option("--method", arguments->Method,
+      "cgal: Mesh_3 straight from the labels; tetgen: closed surfaces of the voxels' size, then "
+      "TetGen")
+    ->check(CLI::IsMember({ "cgal", "tetgen" }))
+    ->capture_default_str();
+  command->add_option("-o,--output", arguments->Output, "volume mesh to write (.vtu)");
+  command->add_option("--check", arguments->Check,
+    "check this mesh (.vtu) or surface (.vtp .stl .ply .obj) instead of making one: cells upright "
+    "and joined, boundaries closed; exit code 1 and a line for each kind of trouble");
   command->add_option("--report", arguments->Report,
-    "write volumes and cell quality there (.json)");
+    "write volumes, cell quality and troubles with their places there (.json)");
+  command->add_option("--picture", arguments->Picture,
+    "draw histograms of the cells' quality there (.png)");
   command
     ->add_option("--spacing", arguments->SpacingMm,
       "resample to cubic voxels of this size first, mm")

@@ -3,6 +3,7 @@
 // three headers are read here, and one decoder serves them all.
 #include "LabelVolumeIO.h"
 
+#include "DicomLabels.h"
 #include "Error.h"
 
 #include <zlib.h>
@@ -896,6 +897,10 @@ LabelVolume ReadLabelVolume(const std::string& path, VolumeAxes axes)
   {
     throw InputError(path + ": no such file");
   }
+  if (fs::is_directory(path))
+  {
+    return ReadDicomLabels(path);
+  }
   if (!fs::is_regular_file(path) || !std::ifstream(path))
   {
     throw InputError(path + ": expected a label volume, found something that cannot be read");
@@ -905,6 +910,10 @@ LabelVolume ReadLabelVolume(const std::string& path, VolumeAxes axes)
     throw InputError(path + ": expected a label volume, found an empty file");
   }
   const std::string extension = Extension(path);
+  if (extension == ".dcm")
+  {
+    return ReadDicomLabels(path);
+  }
   VolumeHeader header;
   if (extension == ".nrrd" || extension == ".nhdr")
   {
@@ -921,7 +930,7 @@ LabelVolume ReadLabelVolume(const std::string& path, VolumeAxes axes)
   else
   {
     throw InputError(path +
-      ": expected a label volume (.nrrd, .nhdr, .mha, .mhd, .nii, .nii.gz), "
+      ": expected a label volume (.nrrd, .nhdr, .mha, .mhd, .nii, .nii.gz, .dcm), "
       "found the extension '" +
       extension + "'");
   }

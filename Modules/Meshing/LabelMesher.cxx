@@ -2,10 +2,9 @@
 #include "LabelMesher.h"
 
 #include "Error.h"
-#include "LabelResampling.h"
-#include "MeshQuality.h"
 #include "Private/LabelComponents.h"
 #include "Private/LabelField.h"
+#include "Private/MeshingSteps.h"
 
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Labeled_mesh_domain_3.h>
@@ -42,29 +41,6 @@ std::string Text(const char* format, double a, double b = 0, double c = 0)
   char text[160];
   std::snprintf(text, sizeof(text), format, a, b, c);
   return text;
-}
-
-/// The volume's tissue with a margin of air, without small components.
-LabelVolume PrepareVolume(const LabelVolume& materials, int margin)
-{
-  LabelVolume tissue = CropToTissue(materials, 0);
-  LabelVolume padded = tissue;
-  for (int a = 0; a < 3; ++a)
-  {
-    padded.Size[a] += 2 * margin;
-  }
-  padded.Origin = tissue.PointAt(-margin, -margin, -margin);
-  padded.Voxels.assign(static_cast<std::size_t>(padded.Size[0]) * padded.Size[1] * padded.Size[2],
-    0);
-  for (int k = 0; k < tissue.Size[2]; ++k)
-  {
-    for (int j = 0; j < tissue.Size[1]; ++j)
-    {
-      std::copy_n(&tissue.Voxels[tissue.Index(0, j, k)], tissue.Size[0],
-        &padded.Voxels[padded.Index(margin, j + margin, k + margin)]);
-    }
-  }
-  return padded;
 }
 
 /// Material at a point for CGAL; tells the progress and stops the work from within.
@@ -358,103 +334,6 @@ TetrahedralMesh Extract(const Complex& complex)
   return mesh;
 }
 
-/// Throws unless every component of tissue holds a cell of its material.
-void CheckComponents(const TetrahedralMesh& mesh, const LabelVolume& volume, const SeedPlan& plan)
-{
-  const auto& components = plan.Found.Components;
-  std::vector<char> present(components.size(), 0);
-  for (std::size_t cell = 0; cell < mesh.NumberOfCells(); ++cell)
-  {
-    // Samples: the centre, and points towards the corners for cells that reach past a small
-    // component.
-    Vector3 centre{ 0, 0, 0 };
-    for (int corner = 0; corner < 4; ++corner)
-    {
-      centre = centre + 0.25 * mesh.Point(mesh.Cells[4 * cell + corner]);
-    }
-    for (int sample = 0; sample < 5; ++sample)
-    {
-      const Vector3 point =
-        sample == 4 ? centre : 0.5 * (centre + mesh.Point(mesh.Cells[4 * cell + sample]));
-      int index[3];
-      bool inside = true;
-      for (int a = 0; a < 3; ++a)
-      {
-        index[a] = static_cast<int>(std::floor(point[a] / volume.Spacing[a] + 0.5));
-        inside = inside && index[a] >= 0 && index[a] < volume.Size[a];
-      }
-      if (inside)
-      {
-        const std::uint32_t id = plan.Found.OfVoxel[volume.Index(index[0], index[1], index[2])];
-        present[id] = present[id] || components[id].Material == mesh.Materials[cell];
-      }
-    }
-  }
-  for (std::size_t id = 0; id < components.size(); ++id)
-  {
-    const LabelComponent& lost = components[id];
-    if (lost.Material != 0 && !present[id])
-    {
-      const Vector3 place = volume.PointAt(lost.Deepest[0], lost.Deepest[1], lost.Deepest[2]);
-      throw ConvergenceError("mesh: material " + std::to_string(lost.Material) +
-        Text(": the component at (%.1f, %.1f, %.1f) mm", place[0], place[1], place[2]) +
-        Text(" of %.3g mm3 is not in the mesh; expected facets finer than its thickness of about "
-             "%.2g mm, or a larger smallest component",
-          static_cast<double>(lost.Voxels) * volume.VoxelVolume(), 2 * lost.DepthMm));
-    }
-  }
-}
-
-/// From the grid frame to the volume frame.
-void Place(const LabelVolume& volume, TetrahedralMesh& mesh)
-{
-  for (std::size_t point = 0; point < mesh.NumberOfPoints(); ++point)
-  {
-    const Vector3 at = mesh.Point(point);
-    const Vector3 placed = volume.PointAt(at[0] / volume.Spacing[0], at[1] / volume.Spacing[1],
-      at[2] / volume.Spacing[2]);
-    std::copy(placed.begin(), placed.end(), &mesh.Points[3 * point]);
-  }
-  if (Dot(volume.Direction[0], Cross(volume.Direction[1], volume.Direction[2])) < 0)
-  {
-    for (std::size_t cell = 0; cell < mesh.NumberOfCells(); ++cell)
-    {
-      std::swap(mesh.Cells[4 * cell + 2], mesh.Cells[4 * cell + 3]);
-    }
-  }
-}
-
-std::vector<MaterialReport> Report(const LabelVolume& materials, const TetrahedralMesh& mesh)
-{
-  std::map<int, MaterialReport> reports;
-  for (const auto& [material, count] : materials.CountLabels())
-  {
-    if (material != 0)
-    {
-      MaterialReport& report = reports[material];
-      report.Material = material;
-      report.VolumeInMm3 = static_cast<double>(count) * materials.VoxelVolume();
-      report.SmallestDihedralDeg = 180;
-    }
-  }
-  for (std::size_t cell = 0; cell < mesh.NumberOfCells(); ++cell)
-  {
-    MaterialReport& report = reports[mesh.Materials[cell]];
-    ++report.Cells;
-    report.VolumeOutMm3 += mesh.CellVolume(cell);
-    report.SmallestDihedralDeg =
-      std::min(report.SmallestDihedralDeg, SmallestDihedralDeg(mesh, cell));
-    report.LargestRadiusEdgeRatio =
-      std::max(report.LargestRadiusEdgeRatio, RadiusEdgeRatio(mesh, cell));
-  }
-  std::vector<MaterialReport> result;
-  for (auto& [material, report] : reports)
-  {
-    report.SmallestDihedralDeg = report.Cells > 0 ? report.SmallestDihedralDeg : 0;
-    result.push_back(report);
-  }
-  return result;
-}
 }
 
 MeshingOptions MeshingOptions::Anatomy(const std::vector<int>& thinMaterials)
@@ -532,13 +411,7 @@ MeshingResult MeshMaterials(const LabelVolume& materials, const MeshingOptions& 
   ReportProgress(progress, 0.0, "finding components");
   MeshingResult result;
   LabelVolume volume = PrepareVolume(materials, 2);
-  result.MergedVoxels = MergeSmallComponents(volume, options.SmallestComponentMm3);
-  if (std::all_of(volume.Voxels.begin(), volume.Voxels.end(), [](int m) { return m == 0; }))
-  {
-    throw InputError(Text("volume to mesh: expected a component of at least %g mm3, found smaller "
-                          "ones only",
-      options.SmallestComponentMm3));
-  }
+  result.MergedVoxels = MergeTissue(volume, options.SmallestComponentMm3);
   ReportProgress(progress, 0.02, "finding components");
   const SeedPlan plan = PlanSeeds(volume, options);
   ReportProgress(progress, 0.05, "smoothing interfaces");
@@ -607,10 +480,10 @@ MeshingResult MeshMaterials(const LabelVolume& materials, const MeshingOptions& 
   }
   ReportProgress(progress, 0.96, "checking");
   result.Mesh = Extract(complex);
-  CheckComponents(result.Mesh, volume, plan);
-  Place(volume, result.Mesh);
+  CheckComponents(result.Mesh, volume, plan.Found);
+  PlaceInVolumeFrame(volume, result.Mesh);
   result.Mesh.Validate("mesh");
-  result.Reports = Report(materials, result.Mesh);
+  result.Reports = ReportMaterials(materials, result.Mesh);
   result.Seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   ReportProgress(progress, 1.0, "meshing");
   return result;

@@ -85,6 +85,75 @@ TEST_F(MeshCommand, WritesMeshReportAndTable)
     << this->Errors;
 }
 
+TEST_F(MeshCommand, ChecksMeshesAndSurfaces)
+{
+  const std::string report = this->Folder.File("report.json");
+  const std::string picture = this->Folder.File("quality.png");
+  ASSERT_EQ(this->Run(this->Inputs + " -o " + this->Mesh), 0) << this->Errors;
+  ASSERT_EQ(this->Run("--check " + this->Mesh + " --report " + report + " --picture " + picture), 0)
+    << this->Errors;
+  EXPECT_EQ(this->Errors, "");
+  EXPECT_THAT(this->Output,
+    testing::AllOf(testing::HasSubstr("gland"),
+      testing::HasSubstr("sound: every cell is upright, every boundary closed")));
+  EXPECT_THAT(ReadFile(report), testing::HasSubstr("\"sound\": true"));
+  EXPECT_THAT(ReadFile(report), testing::HasSubstr("\"dihedral_histogram\""));
+  EXPECT_THAT(ReadFile(picture), testing::StartsWith("\x89PNG"));
+
+  // One cell turned round and one point moved far out: two kinds of trouble, a line each.
+  TetrahedralMesh mesh = FromGrid(ReadMesh(this->Mesh));
+  std::swap(mesh.Cells[0], mesh.Cells[1]);
+  WriteMesh(ToGrid(mesh, { "air", "fat", "gland" }), this->Mesh);
+  EXPECT_EQ(this->Run("--check " + this->Mesh), 1);
+  EXPECT_THAT(this->Errors, testing::HasSubstr("1 cells of no or negative volume: "));
+  EXPECT_THAT(this->Errors, testing::HasSubstr("from one side: "));
+  EXPECT_EQ(std::count(this->Errors.begin(), this->Errors.end(), '\n'), 2) << this->Errors;
+
+  // A tetrahedron of three facets.
+  const std::string surface = this->Folder.Write("open.obj",
+    "v 0 0 0\nv 3 0 0\nv 0 4 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\n");
+  EXPECT_EQ(this->Run("--check " + surface), 1);
+  EXPECT_THAT(this->Errors, testing::HasSubstr("1 holes in the boundary of a material"));
+  EXPECT_EQ(this->Run(""), 2);
+  EXPECT_EQ(this->Run("--check " + this->Folder.File("absent.vtu")), 1);
+  EXPECT_THAT(this->Errors, testing::HasSubstr("no such file"));
+}
+
+TEST_F(MeshCommand, FillsSurfacesAndLabelsByTetGen)
+{
+  // Two tetrahedra with a face in common, of 3 x 4 x 1 / 6 and 3 x 4 x 2 / 6 mm3.
+  const std::string above = this->Folder.Write("above.obj",
+    "v 0 0 0\nv 3 0 0\nv 0 4 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n");
+  const std::string below = this->Folder.Write("below.obj",
+    "v 0 0 0\nv 3 0 0\nv 0 4 0\nv 0 0 -2\nf 1 2 3\nf 1 4 2\nf 1 3 4\nf 2 4 3\n");
+  const std::string surfaces = "--surface fat=" + above + " --surface gland=" + below;
+  const int status = this->Run(surfaces + " -o " + this->Mesh);
+  if (status == 1 && this->Errors.find("no TetGen") != std::string::npos)
+  {
+    GTEST_SKIP() << this->Errors;
+  }
+  ASSERT_EQ(status, 0) << this->Errors;
+  std::vector<std::string> names;
+  const TetrahedralMesh mesh = FromGrid(ReadMesh(this->Mesh), &names);
+  EXPECT_THAT(names, testing::ElementsAre("air", "fat", "gland"));
+  double volumes[3] = { 0, 0, 0 };
+  for (std::size_t cell = 0; cell < mesh.NumberOfCells(); ++cell)
+  {
+    volumes[mesh.Materials[cell]] += mesh.CellVolume(cell);
+  }
+  // Closed forms, to rounding.
+  EXPECT_NEAR(volumes[1], 2, 1e-12);
+  EXPECT_NEAR(volumes[2], 4, 1e-12);
+  EXPECT_EQ(this->Run("--check " + this->Mesh), 0) << this->Errors;
+
+  ASSERT_EQ(this->Run(this->Inputs + " --method tetgen --overwrite -o " + this->Mesh), 0)
+    << this->Errors;
+  EXPECT_EQ(this->Run("--check " + this->Mesh), 0) << this->Errors;
+  EXPECT_EQ(this->Run(surfaces + " " + this->Inputs + " --overwrite -o " + this->Mesh), 2);
+  EXPECT_EQ(this->Run("--surface fat --overwrite -o " + this->Mesh), 1);
+  EXPECT_THAT(this->Errors, testing::HasSubstr("expected MATERIAL=FILE"));
+}
+
 TEST_F(MeshCommand, RefusesInOneLine)
 {
   const std::string output = " -o " + this->Mesh;

@@ -3,7 +3,7 @@
 #define mammoray_SurfaceMesh_h
 
 #include "TetrahedralMesh.h"
-#include "mammorayXRayModule.h"
+#include "mammorayFoundationModule.h"
 
 #include <cstdint>
 #include <vector>
@@ -14,7 +14,7 @@ namespace mammoray
  * Triangles with a material on each side. The front of a triangle is the side its normal
  * (p1-p0) x (p2-p0) points to. Material 0 is air.
  */
-struct MAMMORAYXRAY_EXPORT SurfaceMesh
+struct MAMMORAYFOUNDATION_EXPORT SurfaceMesh
 {
   /// 3 x pointCount, x y z interleaved, mm.
   std::vector<double> Points;
@@ -37,7 +37,7 @@ struct MAMMORAYXRAY_EXPORT SurfaceMesh
  * outside), once. `pointIds`, if given, receives for each point of the result the point of the mesh
  * it came from, so that moved positions can be copied without extracting again.
  */
-MAMMORAYXRAY_EXPORT SurfaceMesh ExtractInterfaces(const TetrahedralMesh& mesh,
+MAMMORAYFOUNDATION_EXPORT SurfaceMesh ExtractInterfaces(const TetrahedralMesh& mesh,
   std::vector<std::int32_t>* pointIds = nullptr);
 }
 

@@ -4,7 +4,7 @@
 
 #include "LabelVolume.h"
 #include "SurfaceMesh.h"
-#include "mammorayXRayModule.h"
+#include "mammorayFoundationModule.h"
 
 #include <array>
 #include <cstdint>
@@ -16,7 +16,7 @@ namespace mammoray
  * Quadrilaterals with a material on each side. The front of a quad is the side that its corners
  * turn counter-clockwise on.
  */
-struct MAMMORAYXRAY_EXPORT QuadMesh
+struct MAMMORAYFOUNDATION_EXPORT QuadMesh
 {
   /// mm.
   std::vector<Vector3> Points;
@@ -42,7 +42,7 @@ struct MAMMORAYXRAY_EXPORT QuadMesh
  * nets: Gibson, MERL TR99-24, 1999). Materials that touch keep sharing their interface, and every
  * material stays closed. Throws InputError where nothing but air is found.
  */
-MAMMORAYXRAY_EXPORT QuadMesh ExtractInterfaces(const LabelVolume& materials, int smoothingSteps);
+MAMMORAYFOUNDATION_EXPORT QuadMesh ExtractInterfaces(const LabelVolume& materials, int smoothingSteps);
 }
 
 #endif

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
+#ifndef mammoray_DicomLabels_h
+#define mammoray_DicomLabels_h
+
+#include "LabelVolume.h"
+
+#include <string>
+
+namespace mammoray
+{
+/**
+ * Labels from DICOM, in LPS, oblique and anisotropic grids kept. A folder is a series of slices
+ * whose values are the labels, evenly spaced and of one series. A file is a segmentation (DICOM
+ * SEG, binary or fractional, not compressed): labels are the segment numbers, of overlapping
+ * segments the smaller one, fractions count from a half; slices that the file leaves out are empty.
+ * Throws InputError, one line with the file, on anything else.
+ */
+LabelVolume ReadDicomLabels(const std::string& path);
+}
+
+#endif

@@ -1,0 +1,571 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "MeshCheck.h"
+
+#include "MeshQuality.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <map>
+#include <numeric>
+#include <set>
+#include <unordered_map>
+
+namespace mammoray
+{
+namespace
+{
+using Kind = MeshTrouble::Kind;
+
+/// Collects what is found, one entry per kind.
+class TroubleList
+{
+public:
+  void Add(Kind kind, const MeshTrouble::Place& place)
+  {
+    MeshTrouble& trouble = this->ByKind[kind];
+    trouble.What = kind;
+    ++trouble.Count;
+    if (kind == Kind::Holes || trouble.Places.size() < MeshTrouble::MostPlaces)
+    {
+      trouble.Places.push_back(place);
+    }
+  }
+  std::vector<MeshTrouble> Finish()
+  {
+    std::vector<MeshTrouble> list;
+    for (auto& [kind, trouble] : this->ByKind)
+    {
+      std::stable_sort(trouble.Places.begin(), trouble.Places.end(),
+        [](const auto& a, const auto& b) { return a.LengthMm > b.LengthMm; });
+      trouble.Places.resize(std::min(trouble.Places.size(), MeshTrouble::MostPlaces));
+      list.push_back(trouble);
+    }
+    return list;
+  }
+
+private:
+  std::map<Kind, MeshTrouble> ByKind;
+};
+
+/// Sets of numbers that are joined pair by pair.
+class DisjointSets
+{
+public:
+  explicit DisjointSets(std::size_t count)
+    : Parent(count)
+  {
+    std::iota(this->Parent.begin(), this->Parent.end(), std::uint32_t{ 0 });
+  }
+  std::uint32_t Root(std::uint32_t member)
+  {
+    while (this->Parent[member] != member)
+    {
+      this->Parent[member] = this->Parent[this->Parent[member]];
+      member = this->Parent[member];
+    }
+    return member;
+  }
+  void Join(std::uint32_t a, std::uint32_t b) { this->Parent[this->Root(a)] = this->Root(b); }
+
+private:
+  std::vector<std::uint32_t> Parent;
+};
+
+/// The boundary of one material, turned outwards: closed, and without pinches?
+class BoundaryCheck
+{
+public:
+  BoundaryCheck(const SurfaceMesh& surface, int material, TroubleList& troubles)
+    : Surface(surface)
+    , Material(material)
+    , Troubles(troubles)
+  {
+    for (std::size_t triangle = 0; triangle < surface.NumberOfTriangles(); ++triangle)
+    {
+      const bool back = surface.BackMaterials[triangle] == material;
+      const bool front = surface.FrontMaterials[triangle] == material;
+      if (back != front)
+      {
+        const std::uint32_t* ids = &surface.Triangles[3 * triangle];
+        this->Corners.insert(this->Corners.end(), { ids[0], ids[back ? 1 : 2], ids[back ? 2 : 1] });
+      }
+    }
+  }
+
+  std::size_t NumberOfTriangles() const { return this->Corners.size() / 3; }
+
+  double Volume() const
+  {
+    if (this->Corners.empty())
+    {
+      return 0;
+    }
+    const Vector3 origin = this->Point(0);
+    double sixfold = 0;
+    for (std::size_t corner = 0; corner < this->Corners.size(); corner += 3)
+    {
+      sixfold += Dot(this->Point(corner) - origin,
+        Cross(this->Point(corner + 1) - origin, this->Point(corner + 2) - origin));
+    }
+    return sixfold / 6;
+  }
+
+  void Run()
+  {
+    this->CollectEdges();
+    DisjointSets fans(this->Corners.size());
+    std::vector<HalfEdge> open;
+    std::set<std::uint32_t> pinchedPoints;
+    for (std::size_t begin = 0; begin < this->Edges.size();)
+    {
+      std::size_t end = begin;
+      int balance = 0;
+      while (end < this->Edges.size() && this->Edges[end].Key == this->Edges[begin].Key)
+      {
+        balance += this->Edges[end].Forward ? 1 : -1;
+        ++end;
+      }
+      if (balance != 0)
+      {
+        open.push_back(this->Edges[begin]);
+      }
+      else if (end - begin == 2)
+      {
+        this->JoinAcross(this->Edges[begin].Corner, this->Edges[begin + 1].Corner, fans);
+      }
+      else
+      {
+        this->AddPinch(this->Edges[begin], pinchedPoints);
+      }
+      begin = end;
+    }
+    if (open.empty())
+    {
+      this->FindPinchedPoints(fans, pinchedPoints);
+    }
+    this->AddHoles(open);
+  }
+
+private:
+  struct HalfEdge
+  {
+    std::uint64_t Key = 0;
+    /// Where it begins; the edge leads to the next corner of the triangle.
+    std::uint32_t Corner = 0;
+    bool Forward = true;
+  };
+
+  Vector3 PointOf(std::uint32_t id) const
+  {
+    const double* at = &this->Surface.Points[3 * static_cast<std::size_t>(id)];
+    return { at[0], at[1], at[2] };
+  }
+  Vector3 Point(std::size_t corner) const { return this->PointOf(this->Corners[corner]); }
+  static std::uint32_t Next(std::uint32_t corner)
+  {
+    return corner % 3 == 2 ? corner - 2 : corner + 1;
+  }
+
+  void CollectEdges()
+  {
+    this->Edges.reserve(this->Corners.size());
+    for (std::uint32_t corner = 0; corner < this->Corners.size(); ++corner)
+    {
+      const std::uint64_t a = this->Corners[corner];
+      const std::uint64_t b = this->Corners[Next(corner)];
+      this->Edges.push_back({ a < b ? (a << 32) | b : (b << 32) | a, corner, a < b });
+    }
+    std::sort(this->Edges.begin(), this->Edges.end(),
+      [](const HalfEdge& a, const HalfEdge& b)
+      { return a.Key != b.Key ? a.Key < b.Key : a.Corner < b.Corner; });
+  }
+
+  /// The two ends of an edge between two triangles, which run through it in opposite senses.
+  void JoinAcross(std::uint32_t one, std::uint32_t other, DisjointSets& fans) const
+  {
+    fans.Join(one, Next(other));
+    fans.Join(Next(one), other);
+  }
+
+  void AddPinch(const HalfEdge& edge, std::set<std::uint32_t>& pinchedPoints)
+  {
+    const std::uint32_t next = Next(edge.Corner);
+    this->Troubles.Add(Kind::Pinches,
+      { 0.5 * (this->Point(edge.Corner) + this->Point(next)), this->Material, 0 });
+    pinchedPoints.insert({ this->Corners[edge.Corner], this->Corners[next] });
+  }
+
+  /// Points whose triangles make more than one fan, other than those on pinched edges.
+  void FindPinchedPoints(DisjointSets& fans, std::set<std::uint32_t>& pinchedPoints)
+  {
+    std::unordered_map<std::uint32_t, std::uint32_t> fanOf;
+    fanOf.reserve(this->Corners.size() / 5);
+    for (std::uint32_t corner = 0; corner < this->Corners.size(); ++corner)
+    {
+      const std::uint32_t id = this->Corners[corner];
+      const std::uint32_t fan = fans.Root(corner);
+      const auto [entry, first] = fanOf.emplace(id, fan);
+      if (!first && entry->second != fan && pinchedPoints.insert(id).second)
+      {
+        this->Troubles.Add(Kind::Pinches, { this->PointOf(id), this->Material, 0 });
+      }
+    }
+  }
+
+  /// Open edges that hang together make a hole.
+  void AddHoles(const std::vector<HalfEdge>& open)
+  {
+    std::map<std::uint32_t, std::uint32_t> places;
+    const auto placeOf = [&](std::uint64_t id)
+    {
+      return places
+        .emplace(static_cast<std::uint32_t>(id), static_cast<std::uint32_t>(places.size()))
+        .first->second;
+    };
+    DisjointSets joined(2 * open.size());
+    for (const HalfEdge& edge : open)
+    {
+      joined.Join(placeOf(edge.Key >> 32), placeOf(edge.Key & 0xffffffff));
+    }
+    std::map<std::uint32_t, MeshTrouble::Place> holes;
+    for (const HalfEdge& edge : open)
+    {
+      const Vector3 a = this->PointOf(static_cast<std::uint32_t>(edge.Key >> 32));
+      const Vector3 b = this->PointOf(static_cast<std::uint32_t>(edge.Key));
+      MeshTrouble::Place& hole = holes[joined.Root(placeOf(edge.Key >> 32))];
+      const double length = Norm(b - a);
+      hole.Material = this->Material;
+      hole.LengthMm += length;
+      hole.Point = hole.Point + 0.5 * length * (a + b);
+    }
+    for (auto& [root, hole] : holes)
+    {
+      hole.Point = hole.LengthMm > 0 ? (1 / hole.LengthMm) * hole.Point : hole.Point;
+      this->Troubles.Add(Kind::Holes, hole);
+    }
+  }
+
+  const SurfaceMesh& Surface;
+  int Material;
+  TroubleList& Troubles;
+  /// Point of every corner of the triangles that bound the material.
+  std::vector<std::uint32_t> Corners;
+  std::vector<HalfEdge> Edges;
+};
+
+void FindCoincidentPoints(const std::vector<double>& points, TroubleList& troubles)
+{
+  const auto at = [&points](std::uint32_t id)
+  {
+    const double* point = &points[3 * static_cast<std::size_t>(id)];
+    return Vector3{ point[0], point[1], point[2] };
+  };
+  std::vector<std::uint32_t> order(points.size() / 3);
+  std::iota(order.begin(), order.end(), std::uint32_t{ 0 });
+  std::sort(order.begin(), order.end(),
+    [&](std::uint32_t a, std::uint32_t b) { return at(a) < at(b); });
+  for (std::size_t n = 1; n < order.size(); ++n)
+  {
+    if (at(order[n - 1]) == at(order[n]))
+    {
+      troubles.Add(Kind::CoincidentPoints, { at(order[n]), -1, 0 });
+    }
+  }
+}
+
+void FindUnusedPoints(const TetrahedralMesh& mesh, TroubleList& troubles)
+{
+  std::vector<char> used(mesh.NumberOfPoints(), 0);
+  for (const std::int32_t id : mesh.Cells)
+  {
+    used[static_cast<std::size_t>(id)] = 1;
+  }
+  for (std::size_t point = 0; point < used.size(); ++point)
+  {
+    if (!used[point])
+    {
+      troubles.Add(Kind::UnusedPoints, { mesh.Point(point), -1, 0 });
+    }
+  }
+}
+
+Vector3 CentreOf(const TetrahedralMesh& mesh, std::size_t cell)
+{
+  Vector3 sum{ 0, 0, 0 };
+  for (int corner = 0; corner < 4; ++corner)
+  {
+    sum = sum + mesh.Point(static_cast<std::size_t>(mesh.Cells[4 * cell + corner]));
+  }
+  return 0.25 * sum;
+}
+
+/// Faces of more than two cells, and of two on the same side. True when there are none.
+bool CheckFaces(const TetrahedralMesh& mesh, TroubleList& troubles)
+{
+  struct Face
+  {
+    std::array<std::int32_t, 3> Ids;
+    std::uint32_t Cell;
+    bool Even;
+  };
+  constexpr int outward[4][3] = { { 1, 2, 3 }, { 0, 3, 2 }, { 0, 1, 3 }, { 0, 2, 1 } };
+  std::vector<Face> faces;
+  faces.reserve(4 * mesh.NumberOfCells());
+  for (std::size_t cell = 0; cell < mesh.NumberOfCells(); ++cell)
+  {
+    for (const auto& corners : outward)
+    {
+      Face face{ {}, static_cast<std::uint32_t>(cell), true };
+      for (int c = 0; c < 3; ++c)
+      {
+        face.Ids[c] = mesh.Cells[4 * cell + corners[c]];
+      }
+      for (const auto& [a, b] : { std::pair{ 0, 1 }, std::pair{ 1, 2 }, std::pair{ 0, 1 } })
+      {
+        if (face.Ids[a] > face.Ids[b])
+        {
+          std::swap(face.Ids[a], face.Ids[b]);
+          face.Even = !face.Even;
+        }
+      }
+      faces.push_back(face);
+    }
+  }
+  std::sort(faces.begin(), faces.end(),
+    [](const Face& a, const Face& b) { return a.Ids != b.Ids ? a.Ids < b.Ids : a.Cell < b.Cell; });
+  bool good = true;
+  for (std::size_t begin = 0, end = 0; begin < faces.size(); begin = end)
+  {
+    for (end = begin; end < faces.size() && faces[end].Ids == faces[begin].Ids;)
+    {
+      ++end;
+    }
+    if (end - begin > 2 || (end - begin == 2 && faces[begin].Even == faces[begin + 1].Even))
+    {
+      const std::size_t cell = faces[end - 1].Cell;
+      troubles.Add(Kind::OverlappingCells, { CentreOf(mesh, cell), mesh.Materials[cell], 0 });
+      good = false;
+    }
+  }
+  return good;
+}
+
+void CheckIndices(const TetrahedralMesh& mesh)
+{
+  if (mesh.NumberOfCells() == 0 || mesh.Materials.size() != mesh.NumberOfCells())
+  {
+    throw InputError("mesh: expected cells with a material each, found " +
+      std::to_string(mesh.NumberOfCells()) + " cells and " + std::to_string(mesh.Materials.size()) +
+      " materials");
+  }
+  for (std::size_t corner = 0; corner < mesh.Cells.size(); ++corner)
+  {
+    const std::int32_t id = mesh.Cells[corner];
+    if (id < 0 || static_cast<std::size_t>(id) >= mesh.NumberOfPoints())
+    {
+      throw InputError("mesh: cell " + std::to_string(corner / 4) + ": expected points below " +
+        std::to_string(mesh.NumberOfPoints()) + ", found " + std::to_string(id));
+    }
+  }
+  for (std::size_t value = 0; value < mesh.Points.size(); ++value)
+  {
+    if (!std::isfinite(mesh.Points[value]))
+    {
+      throw InputError("mesh: point " + std::to_string(value / 3) +
+        ": expected finite coordinates, found " + std::to_string(mesh.Points[value]));
+    }
+  }
+  for (std::size_t cell = 0; cell < mesh.NumberOfCells(); ++cell)
+  {
+    if (mesh.Materials[cell] < 1 || mesh.Materials[cell] > 65535)
+    {
+      throw InputError("mesh: cell " + std::to_string(cell) +
+        ": expected a material from 1 to 65535, found " + std::to_string(mesh.Materials[cell]));
+    }
+  }
+}
+
+/// Volume and quality by material; inverted cells are troubles.
+std::map<int, MaterialQuality> MeasureCells(const TetrahedralMesh& mesh, TroubleList& troubles)
+{
+  std::map<int, MaterialQuality> qualities;
+  const auto count = [](std::vector<std::size_t>& histogram, double place, std::size_t bins)
+  {
+    histogram.resize(bins, 0);
+    ++histogram[static_cast<std::size_t>(std::clamp(place, 0.0, static_cast<double>(bins - 1)))];
+  };
+  for (std::size_t cell = 0; cell < mesh.NumberOfCells(); ++cell)
+  {
+    MaterialQuality& quality = qualities[mesh.Materials[cell]];
+    quality.Material = mesh.Materials[cell];
+    const double volume = mesh.CellVolume(cell);
+    quality.VolumeMm3 += volume;
+    if (!(volume > 0))
+    {
+      troubles.Add(Kind::InvertedCells, { CentreOf(mesh, cell), quality.Material, 0 });
+    }
+    const double dihedral = SmallestDihedralDeg(mesh, cell);
+    const double ratio = RadiusEdgeRatio(mesh, cell);
+    if (quality.Cells == 0 || dihedral < quality.SmallestDihedralDeg)
+    {
+      quality.SmallestDihedralDeg = dihedral;
+      quality.SmallestDihedralPlace = CentreOf(mesh, cell);
+    }
+    if (!(ratio <= quality.LargestRadiusEdgeRatio))
+    {
+      quality.LargestRadiusEdgeRatio = ratio;
+      quality.LargestRadiusEdgePlace = CentreOf(mesh, cell);
+    }
+    count(quality.DihedralHistogram, dihedral / MeshCheck::DihedralStepDeg, 24);
+    count(quality.RadiusEdgeHistogram,
+      std::isfinite(ratio) ? ratio / MeshCheck::RadiusEdgeStep : 1e9, 25);
+    ++quality.Cells;
+  }
+  return qualities;
+}
+
+/// Boundaries of all materials but air, whose boundary is closed when all others are.
+void CheckBoundaries(const SurfaceMesh& surface, std::map<int, MaterialQuality>& qualities,
+  bool measureVolumes, TroubleList& troubles, const ProgressCallback& progress)
+{
+  std::set<int> materials(surface.BackMaterials.begin(), surface.BackMaterials.end());
+  materials.insert(surface.FrontMaterials.begin(), surface.FrontMaterials.end());
+  materials.erase(0);
+  std::size_t done = 0;
+  for (const int material : materials)
+  {
+    ReportProgress(progress, 0.4 + 0.6 * static_cast<double>(done++) / materials.size(),
+      "checking boundaries");
+    BoundaryCheck check(surface, material, troubles);
+    check.Run();
+    MaterialQuality& quality = qualities[material];
+    quality.Material = material;
+    quality.BoundaryTriangles = check.NumberOfTriangles();
+    if (measureVolumes)
+    {
+      quality.VolumeMm3 = check.Volume();
+    }
+  }
+}
+
+MeshCheck Finish(MeshCheck&& check, const std::map<int, MaterialQuality>& qualities,
+  TroubleList& troubles, const ProgressCallback& progress)
+{
+  for (const auto& [material, quality] : qualities)
+  {
+    check.Materials.push_back(quality);
+  }
+  check.Troubles = troubles.Finish();
+  ReportProgress(progress, 1.0, "checking boundaries");
+  return std::move(check);
+}
+
+const char* Describe(Kind kind)
+{
+  switch (kind)
+  {
+    case Kind::InvertedCells:
+      return "cells of no or negative volume";
+    case Kind::OverlappingCells:
+      return "faces shared by more than two cells or from one side";
+    case Kind::CoincidentPoints:
+      return "points at the place of another";
+    case Kind::UnusedPoints:
+      return "points without a cell";
+    case Kind::FlatTriangles:
+      return "triangles of no area";
+    case Kind::Holes:
+      return "holes in the boundary of a material";
+    default:
+      return "edges or points where the boundary of a material touches itself";
+  }
+}
+}
+
+std::string MeshTrouble::Text(const std::vector<std::string>& names) const
+{
+  std::string text = std::to_string(this->Count) + " " + Describe(this->What) + ": ";
+  constexpr std::size_t shown = 3;
+  for (std::size_t n = 0; n < std::min(shown, this->Places.size()); ++n)
+  {
+    const Place& place = this->Places[n];
+    char at[120];
+    std::snprintf(at, sizeof(at), "(%.2f, %.2f, %.2f) mm", place.Point[0], place.Point[1],
+      place.Point[2]);
+    text += n > 0 ? "; " : "";
+    if (place.Material >= 0)
+    {
+      const auto m = static_cast<std::size_t>(place.Material);
+      text += (m < names.size() ? names[m] : "material " + std::to_string(m)) + " at ";
+    }
+    text += at;
+    if (place.LengthMm > 0)
+    {
+      std::snprintf(at, sizeof(at), ", border %.3g mm", place.LengthMm);
+      text += at;
+    }
+  }
+  return text + (this->Count > shown ? "; and more" : "");
+}
+
+bool MeshCheck::Sound() const
+{
+  return std::all_of(this->Troubles.begin(), this->Troubles.end(),
+    [](const MeshTrouble& trouble) { return trouble.What == Kind::Pinches; });
+}
+
+const MeshTrouble* MeshCheck::Find(MeshTrouble::Kind kind) const
+{
+  const auto found = std::find_if(this->Troubles.begin(), this->Troubles.end(),
+    [kind](const MeshTrouble& trouble) { return trouble.What == kind; });
+  return found == this->Troubles.end() ? nullptr : &*found;
+}
+
+MeshCheck CheckMesh(const TetrahedralMesh& mesh, const ProgressCallback& progress)
+{
+  ReportProgress(progress, 0.0, "checking cells");
+  CheckIndices(mesh);
+  MeshCheck check;
+  check.Points = mesh.NumberOfPoints();
+  check.Cells = mesh.NumberOfCells();
+  TroubleList troubles;
+  FindCoincidentPoints(mesh.Points, troubles);
+  FindUnusedPoints(mesh, troubles);
+  auto qualities = MeasureCells(mesh, troubles);
+  ReportProgress(progress, 0.2, "checking cells");
+  if (CheckFaces(mesh, troubles))
+  {
+    ReportProgress(progress, 0.3, "checking boundaries");
+    const SurfaceMesh surface = ExtractInterfaces(mesh);
+    check.Triangles = surface.NumberOfTriangles();
+    CheckBoundaries(surface, qualities, false, troubles, progress);
+  }
+  return Finish(std::move(check), qualities, troubles, progress);
+}
+
+MeshCheck CheckSurface(const SurfaceMesh& surface, const ProgressCallback& progress)
+{
+  ReportProgress(progress, 0.0, "checking triangles");
+  surface.Validate("surface");
+  MeshCheck check;
+  check.Points = surface.NumberOfPoints();
+  check.Triangles = surface.NumberOfTriangles();
+  TroubleList troubles;
+  for (std::size_t triangle = 0; triangle < surface.NumberOfTriangles(); ++triangle)
+  {
+    Vector3 corner[3];
+    for (int c = 0; c < 3; ++c)
+    {
+      const double* at = &surface.Points[3 * std::size_t{ surface.Triangles[3 * triangle + c] }];
+      corner[c] = { at[0], at[1], at[2] };
+    }
+    if (Norm(Cross(corner[1] - corner[0], corner[2] - corner[0])) == 0)
+    {
+      troubles.Add(Kind::FlatTriangles, { corner[0], surface.BackMaterials[triangle], 0 });
+    }
+  }
+  std::map<int, MaterialQuality> qualities;
+  CheckBoundaries(surface, qualities, true, troubles, progress);
+  return Finish(std::move(check), qualities, troubles, progress);
+}
+}

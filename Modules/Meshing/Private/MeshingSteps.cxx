@@ -1,0 +1,184 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "MeshingSteps.h"
+
+#include "Error.h"
+#include "LabelResampling.h"
+#include "MeshQuality.h"
+
+#include <algorithm>
+#include <cstdio>
+
+namespace mammoray
+{
+namespace
+{
+std::string Text(const char* format, double a, double b = 0, double c = 0)
+{
+  char text[160];
+  std::snprintf(text, sizeof(text), format, a, b, c);
+  return text;
+}
+}
+
+LabelVolume PrepareVolume(const LabelVolume& materials, int margin)
+{
+  LabelVolume tissue = CropToTissue(materials, 0);
+  LabelVolume padded = tissue;
+  for (int a = 0; a < 3; ++a)
+  {
+    padded.Size[a] += 2 * margin;
+  }
+  padded.Origin = tissue.PointAt(-margin, -margin, -margin);
+  padded.Voxels.assign(static_cast<std::size_t>(padded.Size[0]) * padded.Size[1] * padded.Size[2],
+    0);
+  for (int k = 0; k < tissue.Size[2]; ++k)
+  {
+    for (int j = 0; j < tissue.Size[1]; ++j)
+    {
+      std::copy_n(&tissue.Voxels[tissue.Index(0, j, k)], tissue.Size[0],
+        &padded.Voxels[padded.Index(margin, j + margin, k + margin)]);
+    }
+  }
+  return padded;
+}
+
+std::size_t MergeTissue(LabelVolume& volume, double smallestMm3)
+{
+  const std::size_t merged = MergeSmallComponents(volume, smallestMm3);
+  if (std::all_of(volume.Voxels.begin(), volume.Voxels.end(), [](int m) { return m == 0; }))
+  {
+    throw InputError(Text("volume to mesh: expected a component of at least %g mm3, found smaller "
+                          "ones only",
+      smallestMm3));
+  }
+  return merged;
+}
+
+LabelComponents FindLocatedComponents(const LabelVolume& volume)
+{
+  LabelComponents found = FindComponents(volume);
+  const std::vector<float> distance = InterfaceDistance(volume);
+  std::size_t voxel = 0;
+  for (int k = 0; k < volume.Size[2]; ++k)
+  {
+    for (int j = 0; j < volume.Size[1]; ++j)
+    {
+      for (int i = 0; i < volume.Size[0]; ++i, ++voxel)
+      {
+        LabelComponent& component = found.Components[found.OfVoxel[voxel]];
+        if (distance[voxel] > component.DepthMm)
+        {
+          component.DepthMm = distance[voxel];
+          component.Deepest = { i, j, k };
+        }
+      }
+    }
+  }
+  return found;
+}
+
+void CheckComponents(const TetrahedralMesh& mesh, const LabelVolume& volume,
+  const LabelComponents& found)
+{
+  const auto& components = found.Components;
+  std::vector<char> present(components.size(), 0);
+  for (std::size_t cell = 0; cell < mesh.NumberOfCells(); ++cell)
+  {
+    // Samples: the centre, and points towards the corners for cells that reach past a small
+    // component.
+    Vector3 centre{ 0, 0, 0 };
+    for (int corner = 0; corner < 4; ++corner)
+    {
+      centre = centre + 0.25 * mesh.Point(mesh.Cells[4 * cell + corner]);
+    }
+    for (int sample = 0; sample < 5; ++sample)
+    {
+      const Vector3 point =
+        sample == 4 ? centre : 0.5 * (centre + mesh.Point(mesh.Cells[4 * cell + sample]));
+      int index[3];
+      bool inside = true;
+      for (int a = 0; a < 3; ++a)
+      {
+        index[a] = static_cast<int>(std::floor(point[a] / volume.Spacing[a] + 0.5));
+        inside = inside && index[a] >= 0 && index[a] < volume.Size[a];
+      }
+      if (inside)
+      {
+        const std::uint32_t id = found.OfVoxel[volume.Index(index[0], index[1], index[2])];
+        present[id] = present[id] || components[id].Material == mesh.Materials[cell];
+      }
+    }
+  }
+  for (std::size_t id = 0; id < components.size(); ++id)
+  {
+    const LabelComponent& lost = components[id];
+    if (lost.Material != 0 && !present[id])
+    {
+      const Vector3 place = volume.PointAt(lost.Deepest[0], lost.Deepest[1], lost.Deepest[2]);
+      throw ConvergenceError("mesh: material " + std::to_string(lost.Material) +
+        Text(": the component at (%.1f, %.1f, %.1f) mm", place[0], place[1], place[2]) +
+        Text(" of %.3g mm3 is not in the mesh; expected facets finer than its thickness of about "
+             "%.2g mm, or a larger smallest component",
+          static_cast<double>(lost.Voxels) * volume.VoxelVolume(), 2 * lost.DepthMm));
+    }
+  }
+}
+
+void PlaceInVolumeFrame(const LabelVolume& volume, TetrahedralMesh& mesh)
+{
+  for (std::size_t point = 0; point < mesh.NumberOfPoints(); ++point)
+  {
+    const Vector3 at = mesh.Point(point);
+    const Vector3 placed = volume.PointAt(at[0] / volume.Spacing[0], at[1] / volume.Spacing[1],
+      at[2] / volume.Spacing[2]);
+    std::copy(placed.begin(), placed.end(), &mesh.Points[3 * point]);
+  }
+  if (Dot(volume.Direction[0], Cross(volume.Direction[1], volume.Direction[2])) < 0)
+  {
+    for (std::size_t cell = 0; cell < mesh.NumberOfCells(); ++cell)
+    {
+      std::swap(mesh.Cells[4 * cell + 2], mesh.Cells[4 * cell + 3]);
+    }
+  }
+}
+
+std::vector<MaterialReport> ReportMaterials(const LabelVolume& materials,
+  const TetrahedralMesh& mesh)
+{
+  std::map<int, MaterialReport> reports;
+  const auto of = [&reports](int material) -> MaterialReport&
+  {
+    const auto [entry, isNew] = reports.try_emplace(material);
+    if (isNew)
+    {
+      entry->second.Material = material;
+      entry->second.SmallestDihedralDeg = 180;
+    }
+    return entry->second;
+  };
+  for (const auto& [material, count] : materials.CountLabels())
+  {
+    if (material != 0)
+    {
+      of(material).VolumeInMm3 = static_cast<double>(count) * materials.VoxelVolume();
+    }
+  }
+  for (std::size_t cell = 0; cell < mesh.NumberOfCells(); ++cell)
+  {
+    MaterialReport& report = of(mesh.Materials[cell]);
+    ++report.Cells;
+    report.VolumeOutMm3 += mesh.CellVolume(cell);
+    report.SmallestDihedralDeg =
+      std::min(report.SmallestDihedralDeg, SmallestDihedralDeg(mesh, cell));
+    report.LargestRadiusEdgeRatio =
+      std::max(report.LargestRadiusEdgeRatio, RadiusEdgeRatio(mesh, cell));
+  }
+  std::vector<MaterialReport> result;
+  for (auto& [material, report] : reports)
+  {
+    report.SmallestDihedralDeg = report.Cells > 0 ? report.SmallestDihedralDeg : 0;
+    result.push_back(report);
+  }
+  return result;
+}
+}

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the ways from a label volume to tetrahedra share.
+#ifndef mammoray_MeshingSteps_h
+#define mammoray_MeshingSteps_h
+
+#include "LabelComponents.h"
+#include "LabelMesher.h"
+
+namespace mammoray
+{
+/// The volume's tissue with a margin of air around it, in voxels.
+LabelVolume PrepareVolume(const LabelVolume& materials, int margin);
+
+/**
+ * MergeSmallComponents; throws InputError where nothing but air is left. Returns the number of
+ * voxels that changed.
+ */
+std::size_t MergeTissue(LabelVolume& volume, double smallestMm3);
+
+/// FindComponents with the deepest voxel of each component and its distance to the interfaces.
+LabelComponents FindLocatedComponents(const LabelVolume& volume);
+
+/**
+ * Throws ConvergenceError, naming material, place and volume, unless every component of tissue
+ * holds a cell of its material. The mesh is in the grid frame (LabelField); depths and deepest
+ * voxels of the components are for the message.
+ */
+void CheckComponents(const TetrahedralMesh& mesh, const LabelVolume& volume,
+  const LabelComponents& found);
+
+/// From the grid frame to the volume frame.
+void PlaceInVolumeFrame(const LabelVolume& volume, TetrahedralMesh& mesh);
+
+/// Volumes of the voxels and of the cells, and the cells' quality.
+std::vector<MaterialReport> ReportMaterials(const LabelVolume& materials,
+  const TetrahedralMesh& mesh);
+}
+
+#endif

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+#ifndef mammoray_TetGen_h
+#define mammoray_TetGen_h
+
+#include "Progress.h"
+#include "TetrahedralMesh.h"
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+namespace mammoray
+{
+/// Triangles that meet at common points and edges only: what TetGen fills.
+struct TriangleComplex
+{
+  std::vector<double> Points;
+  std::vector<std::array<std::uint32_t, 3>> Triangles;
+};
+
+/// A connected space between the triangles.
+struct TetGenRegion
+{
+  /// A point well within.
+  Vector3 Inside{ 0, 0, 0 };
+  double VolumeMm3 = 0;
+  /// 0 leaves the region empty.
+  int Material = 0;
+  /// Upper bound of its cells, mm^3.
+  double CellVolumeMm3 = 0;
+};
+
+/// Triangles that cut others, as indices; empty when there are none.
+std::vector<std::size_t> FindCuttingTriangles(const TriangleComplex& complex);
+
+/// The spaces that the triangles enclose, materials left at 0.
+std::vector<TetGenRegion> FindRegions(const TriangleComplex& complex);
+
+/**
+ * Tetrahedra of the regions that have a material. `ratio` and `dihedralDeg` as in TetGen's -q;
+ * `dihedralDeg` of 0 leaves that goal out. `progress` is asked while cells are refined.
+ */
+TetrahedralMesh FillRegions(const TriangleComplex& complex,
+  const std::vector<TetGenRegion>& regions, double ratio, double dihedralDeg,
+  const ProgressCallback& progress);
+}
+
+#endif

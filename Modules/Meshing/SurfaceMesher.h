@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+#ifndef mammoray_SurfaceMesher_h
+#define mammoray_SurfaceMesher_h
+
+#include "LabelMesher.h"
+#include "SurfaceMesh.h"
+
+namespace mammoray
+{
+/// Whether this build has TetGen (CMake's MAMMORAY_USE_TETGEN); without it the functions below
+/// throw InputError.
+MAMMORAYMESHING_EXPORT bool HasTetGen();
+
+/**
+ * Fills closed surfaces with tetrahedra that keep them, by TetGen. The boundary of every material
+ * is closed; materials may be nested as shells of their own (the inside of a shell within another
+ * belongs to the one that encloses less), share interfaces with a material on each side, or touch
+ * where their triangles have the same corners (points at the same place are one).
+ * What lies in no material stays empty.
+ *
+ * Of the options the cell sizes (as the volume of a regular tetrahedron of that circumradius, which
+ * the last optimisation may exceed by a fraction), CellRadiusEdgeRatio (at least 2 is kept where
+ * the surface allows) and SmallestDihedralDeg (at most 18, a goal; left out with
+ * OptimisationSeconds 0) count; facets are those of the surface, divided further. VolumeInMm3 of
+ * the reports is what the surfaces enclose.
+ *
+ * Throws InputError on open surfaces (with places), on ones that cut each other, and on unusable
+ * options. The callback can stop the refinement, not the steps before it.
+ */
+MAMMORAYMESHING_EXPORT MeshingResult MeshSurfaces(const SurfaceMesh& surfaces,
+  const MeshingOptions& options, const ProgressCallback& progress = {});
+
+/**
+ * The second way from a volume of materials (0 = air) to tetrahedra: its interfaces as closed
+ * surfaces that share their points, smoothed within half a voxel (LabelSurface.h, without
+ * shrinking), then MeshSurfaces. Where smoothed interfaces would cut each other they are drawn back
+ * towards the voxels' faces. Facets have the size of voxels, so resample first (ResampleLabels)
+ * where that is too fine. Components are merged, reported and guarded as by MeshMaterials.
+ */
+MAMMORAYMESHING_EXPORT MeshingResult MeshMaterialSurfaces(const LabelVolume& materials,
+  const MeshingOptions& options, const ProgressCallback& progress = {});
+}
+
+#endif

@@ -1,0 +1,208 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "MeshCheck.h"
+#include "SurfaceShapes.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+using namespace mammoray;
+using namespace shapes;
+using Kind = MeshTrouble::Kind;
+
+namespace
+{
+/// A cube of `mm` in six tetrahedra around its diagonal (Kuhn's division).
+TetrahedralMesh Cube(double mm, const Vector3& low = { 0, 0, 0 }, int material = 1)
+{
+  TetrahedralMesh mesh;
+  for (int corner = 0; corner < 8; ++corner)
+  {
+    for (int a = 0; a < 3; ++a)
+    {
+      mesh.Points.push_back(low[a] + ((corner >> a & 1) != 0 ? mm : 0));
+    }
+  }
+  for (const auto& [first, second] : { std::pair{ 1, 3 }, std::pair{ 3, 2 }, std::pair{ 2, 6 },
+         std::pair{ 6, 4 }, std::pair{ 4, 5 }, std::pair{ 5, 1 } })
+  {
+    mesh.Cells.insert(mesh.Cells.end(), { 0, first, second, 7 });
+    mesh.Materials.push_back(material);
+  }
+  return mesh;
+}
+
+void Append(TetrahedralMesh& mesh, const TetrahedralMesh& other)
+{
+  const auto base = static_cast<std::int32_t>(mesh.NumberOfPoints());
+  mesh.Points.insert(mesh.Points.end(), other.Points.begin(), other.Points.end());
+  for (const std::int32_t id : other.Cells)
+  {
+    mesh.Cells.push_back(base + id);
+  }
+  mesh.Materials.insert(mesh.Materials.end(), other.Materials.begin(), other.Materials.end());
+}
+}
+
+TEST(MeshCheck, CubeIsSoundWithKnownMeasures)
+{
+  TetrahedralMesh mesh = Cube(2);
+  mesh.Materials[0] = 2;
+  const MeshCheck check = CheckMesh(mesh);
+  EXPECT_TRUE(check.Sound());
+  EXPECT_TRUE(check.Troubles.empty());
+  EXPECT_EQ(check.Points, 8u);
+  // Twelve on the cube, and the two faces between the first cell and its neighbours.
+  EXPECT_EQ(check.Triangles, 14u);
+  ASSERT_EQ(check.Materials.size(), 2u);
+  // Closed forms: a sixth of the cube each; dihedral angles 45, 60 and 90 degrees; half the cube's
+  // diagonal over its edge. A dozen double operations.
+  EXPECT_NEAR(check.Materials[0].VolumeMm3, 8.0 * 5 / 6, 1e-12);
+  EXPECT_NEAR(check.Materials[1].VolumeMm3, 8.0 / 6, 1e-12);
+  EXPECT_NEAR(check.Materials[1].SmallestDihedralDeg, 45, 1e-12);
+  EXPECT_NEAR(check.Materials[1].LargestRadiusEdgeRatio, std::sqrt(3.0) / 2, 1e-12);
+  EXPECT_EQ(check.Materials[1].BoundaryTriangles, 4u);
+  EXPECT_EQ(check.Materials[0].DihedralHistogram[15] + check.Materials[0].DihedralHistogram[14],
+    5u);
+  EXPECT_EQ(check.Materials[0].RadiusEdgeHistogram[4], 5u);
+}
+
+TEST(MeshCheck, FindsInvertedCells)
+{
+  TetrahedralMesh mesh = Cube(2);
+  std::swap(mesh.Cells[4 * 3], mesh.Cells[4 * 3 + 1]);
+  const MeshCheck check = CheckMesh(mesh);
+  EXPECT_FALSE(check.Sound());
+  const MeshTrouble* trouble = check.Find(Kind::InvertedCells);
+  ASSERT_TRUE(trouble);
+  EXPECT_EQ(trouble->Count, 1u);
+  // The fourth cell, of corners 0, 6, 4 and 7: (0, 0, 0), (0, 2, 2), (0, 0, 2), (2, 2, 2).
+  EXPECT_THAT(trouble->Text({ "air", "fat" }),
+    testing::AllOf(testing::HasSubstr("1 cells of no or negative volume"),
+      testing::HasSubstr("fat at (0.50, 1.00, 1.50) mm")));
+  // Its faces are seen from the wrong side.
+  EXPECT_TRUE(check.Find(Kind::OverlappingCells));
+}
+
+TEST(MeshCheck, FindsCellsThatAreNotJoined)
+{
+  TetrahedralMesh mesh = Cube(1);
+  Append(mesh, Cube(1, { 1, 0, 0 }, 2));
+  const MeshCheck check = CheckMesh(mesh);
+  ASSERT_TRUE(check.Find(Kind::CoincidentPoints));
+  EXPECT_EQ(check.Find(Kind::CoincidentPoints)->Count, 4u);
+  EXPECT_FALSE(check.Sound());
+}
+
+TEST(MeshCheck, FindsFacesOfThreeCellsAndUnusedPoints)
+{
+  TetrahedralMesh mesh = Cube(1);
+  const auto id = static_cast<std::int32_t>(mesh.NumberOfPoints());
+  mesh.Points.insert(mesh.Points.end(), { 0.9, 0.1, 0.8, 5, 5, 5 });
+  mesh.Cells.insert(mesh.Cells.end(), { 0, 1, 7, id }); // shares the face 0 1 7 of two cells
+  mesh.Materials.push_back(1);
+  const MeshCheck check = CheckMesh(mesh);
+  ASSERT_TRUE(check.Find(Kind::OverlappingCells));
+  EXPECT_EQ(check.Find(Kind::OverlappingCells)->Count, 1u);
+  ASSERT_TRUE(check.Find(Kind::UnusedPoints));
+  EXPECT_EQ(check.Find(Kind::UnusedPoints)->Places[0].Point, (Vector3{ 5, 5, 5 }));
+}
+
+TEST(MeshCheck, CubesThatTouchAtAnEdgeOrCornerArePinchedButSound)
+{
+  for (const bool edge : { true, false })
+  {
+    TetrahedralMesh mesh = Cube(1);
+    TetrahedralMesh other = Cube(1, { 1, 1, edge ? 0.0 : 1.0 });
+    // Joined: points at the same place become one.
+    std::vector<std::int32_t> ids;
+    for (std::size_t point = 0; point < other.NumberOfPoints(); ++point)
+    {
+      std::size_t same = 0;
+      while (same < 8 && mesh.Point(same) != other.Point(point))
+      {
+        ++same;
+      }
+      if (same == 8)
+      {
+        same = mesh.NumberOfPoints();
+        const Vector3 at = other.Point(point);
+        mesh.Points.insert(mesh.Points.end(), at.begin(), at.end());
+      }
+      ids.push_back(static_cast<std::int32_t>(same));
+    }
+    for (const std::int32_t id : other.Cells)
+    {
+      mesh.Cells.push_back(ids[static_cast<std::size_t>(id)]);
+    }
+    mesh.Materials.resize(12, 1);
+    const MeshCheck check = CheckMesh(mesh);
+    EXPECT_TRUE(check.Sound());
+    ASSERT_TRUE(check.Find(Kind::Pinches)) << edge;
+    EXPECT_EQ(check.Find(Kind::Pinches)->Count, 1u) << edge;
+    EXPECT_EQ(check.Find(Kind::Pinches)->Places[0].Point, (Vector3{ 1, 1, edge ? 0.5 : 1.0 }));
+  }
+}
+
+TEST(MeshCheck, SphereSurfaceAndItsHoles)
+{
+  SurfaceMesh surface;
+  AddSphere(surface, { 10, 20, 30 }, 5, 3, 3);
+  MeshCheck check = CheckSurface(surface);
+  EXPECT_TRUE(check.Sound());
+  EXPECT_TRUE(check.Troubles.empty());
+  ASSERT_EQ(check.Materials.size(), 1u);
+  // 1 %: 1280 facets inscribed in the sphere; the deficit of three divisions is about 0.9 %.
+  EXPECT_NEAR(check.Materials[0].VolumeMm3, 523.6, 6);
+
+  // Two triangles far from each other taken away: two holes, each as long as its triangle.
+  for (const std::size_t triangle : { std::size_t{ 900 }, std::size_t{ 10 } })
+  {
+    surface.Triangles.erase(surface.Triangles.begin() + 3 * triangle,
+      surface.Triangles.begin() + 3 * triangle + 3);
+    surface.FrontMaterials.pop_back();
+    surface.BackMaterials.pop_back();
+  }
+  check = CheckSurface(surface);
+  EXPECT_FALSE(check.Sound());
+  const MeshTrouble* holes = check.Find(Kind::Holes);
+  ASSERT_TRUE(holes);
+  EXPECT_EQ(holes->Count, 2u);
+  for (const MeshTrouble::Place& hole : holes->Places)
+  {
+    // The centre of a facet of about 0.7 mm lies 0.02 mm within the sphere.
+    EXPECT_NEAR(Norm(hole.Point - Vector3{ 10, 20, 30 }), 5, 0.1);
+    EXPECT_GT(hole.LengthMm, 1);
+    EXPECT_LT(hole.LengthMm, 3);
+    EXPECT_EQ(hole.Material, 3);
+  }
+  EXPECT_GE(holes->Places[0].LengthMm, holes->Places[1].LengthMm);
+}
+
+TEST(MeshCheck, TouchingSurfacesThatShareTheirInterface)
+{
+  const SurfaceMesh layers = Layers({ 0, 1, 3 }, 2);
+  MeshCheck check = CheckSurface(layers);
+  EXPECT_TRUE(check.Sound());
+  ASSERT_EQ(check.Materials.size(), 2u);
+  // Closed form, to rounding.
+  EXPECT_NEAR(check.Materials[0].VolumeMm3, 16, 1e-12);
+  EXPECT_NEAR(check.Materials[1].VolumeMm3, 32, 1e-12);
+  SurfaceMesh turned = layers;
+  std::swap(turned.FrontMaterials[0], turned.BackMaterials[0]);
+  EXPECT_FALSE(CheckSurface(turned).Sound()) << "a triangle that is turned round";
+}
+
+TEST(MeshCheck, RefusesWhatIsNoMesh)
+{
+  EXPECT_THROW(CheckMesh({}), InputError);
+  TetrahedralMesh mesh = Cube(1);
+  mesh.Cells[5] = 77;
+  EXPECT_THROW(CheckMesh(mesh), InputError);
+  mesh = Cube(1);
+  mesh.Points[4] = std::nan("");
+  EXPECT_THROW(CheckMesh(mesh), InputError);
+  mesh = Cube(1);
+  mesh.Materials[2] = 0;
+  EXPECT_THROW(CheckMesh(mesh), InputError);
+  EXPECT_THROW(CheckMesh(Cube(1), [](double, const char*) { return false; }), Interrupted);
+}
