@@ -139,7 +139,7 @@ CompressionState CompressionSimulation::Compress(const PlatePair& plates,
         std::to_string(start->Positions.size()));
     }
     state.Positions = start->Positions;
-    state.Plates = start->Plates;
+    state.Plates = SlidTowards(start->Plates, plates);
     // The edges are rounded as asked from the first step on.
     state.Plates.Support.EdgeRadiusMm = plates.Support.EdgeRadiusMm;
     state.Plates.Paddle.EdgeRadiusMm = plates.Paddle.EdgeRadiusMm;

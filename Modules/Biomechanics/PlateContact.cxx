@@ -95,6 +95,17 @@ PlatePairVelocity PlateMotion(const PlatePair& from, const PlatePair& to)
   return { PlateMotion(from.Support, to.Support), PlateMotion(from.Paddle, to.Paddle) };
 }
 
+PlatePair SlidTowards(const PlatePair& from, const PlatePair& to)
+{
+  const auto slid = [](Plate plate, const Plate& target)
+  {
+    const Vector3 along = Cross(plate.Normal, plate.Inward);
+    plate.Edge = plate.Edge + Dot(target.Edge - plate.Edge, along) * along;
+    return plate;
+  };
+  return { slid(from.Support, to.Support), slid(from.Paddle, to.Paddle) };
+}
+
 double TravelMm(const PlatePairVelocity& motion)
 {
   const auto travel = [](const PlateVelocity& v) { return Norm(v.Linear) + 100 * Norm(v.Angular); };

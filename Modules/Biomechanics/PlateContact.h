@@ -78,6 +78,13 @@ MAMMORAYBIOMECHANICS_EXPORT PlateVelocity PlateMotion(const Plate& from, const P
 MAMMORAYBIOMECHANICS_EXPORT PlatePairVelocity PlateMotion(const PlatePair& from,
   const PlatePair& to);
 
+/**
+ * The plates `from`, which have no end along their chest-wall edges: with the reference points
+ * moved along these as near as can be to those of `to`. The same plates; but a motion from there to
+ * `to` does not go a way that nothing feels.
+ */
+MAMMORAYBIOMECHANICS_EXPORT PlatePair SlidTowards(const PlatePair& from, const PlatePair& to);
+
 /// How far a motion takes the points of the plates within 100 mm of the reference point of their
 /// edges at most, mm.
 MAMMORAYBIOMECHANICS_EXPORT double TravelMm(const PlatePairVelocity& motion);

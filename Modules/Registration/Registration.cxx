@@ -139,7 +139,7 @@ private:
         this->Unknowns[f] * this->Options.Parameters[this->Free[f]].Scale;
     }
     const PlatePair plates = PlatesAt(this->Model, PoseOf(this->Values));
-    const double travelMm = TravelMm(PlateMotion(this->State.Plates, plates));
+    const double travelMm = TravelMm(PlateMotion(SlidTowards(this->State.Plates, plates), plates));
     if (travelMm > this->LongestTravelMm || this->Failures >= LargestNumberOfFailures)
     {
       return false; // costs nothing, and Ceres shortens its step or gives up

@@ -203,6 +203,20 @@ TEST(CompressionSimulation, WarmAndColdStartsAgree)
   EXPECT_NEAR(warm.PaddleForceN, cold.PaddleForceN, 1e-6 * cold.PaddleForceN);
 }
 
+TEST(CompressionSimulation, PlatesThatSlideAlongTheirEdgesChangeNothing)
+{
+  const CompressionSimulation simulation = MakeBreast();
+  const PlatePair plates = MakePlates(54);
+  const CompressionState first = simulation.Compress(plates);
+  PlatePair beside = plates;
+  beside.Support.Edge = beside.Support.Edge + Vector3{ 35, 0, 0 };
+  beside.Paddle.Edge = beside.Paddle.Edge + Vector3{ 35, 0, 0 };
+  const CompressionState second = simulation.Compress(beside, &first);
+  EXPECT_EQ(second.NewtonSteps, 0);
+  EXPECT_EQ(second.Positions, first.Positions);
+  EXPECT_EQ(second.Plates.Paddle.Edge, beside.Paddle.Edge);
+}
+
 TEST(CompressionSimulation, IsDeterministic)
 {
   const CompressionState a = MakeBreast().Compress(MakePlates(56));

@@ -90,6 +90,28 @@ TEST(PlateContact, VelocityIsTheDerivativeOfTheMotion)
   EXPECT_NEAR(Norm(expected - velocity.At(plate, plate.Edge + 10.0 * plate.Inward)), 0, 1e-8);
 }
 
+TEST(PlateContact, SlidPlatesAreTheSameNearestToTheTarget)
+{
+  const PlatePair from{ MakeTiltedPlate(), Plate{ .Edge = { 0, 0, 50 }, .Normal = { 0, 0, -1 } } };
+  PlatePair to = from;
+  to.Support.Edge = to.Support.Edge + Vector3{ 7, -3, 2 };
+  to.Paddle.Edge = to.Paddle.Edge + Vector3{ 20, 0, 0 };
+  const PlatePair slid = SlidTowards(from, to);
+  std::mt19937 generator(5);
+  std::uniform_real_distribution<double> anywhere(-30, 30);
+  for (int count = 0; count < 200; ++count)
+  {
+    const Vector3 point{ anywhere(generator), anywhere(generator), anywhere(generator) };
+    EXPECT_NEAR(DistanceToPlate(slid.Support, point).Distance,
+      DistanceToPlate(from.Support, point).Distance, 1e-12);
+    EXPECT_NEAR(DistanceToPlate(slid.Paddle, point).Distance,
+      DistanceToPlate(from.Paddle, point).Distance, 1e-12);
+  }
+  // The paddle's edge runs along x: nothing of its way is left.
+  EXPECT_NEAR(Norm(slid.Paddle.Edge - to.Paddle.Edge), 0, 1e-12);
+  EXPECT_LE(TravelMm(PlateMotion(slid, to)), TravelMm(PlateMotion(from, to)));
+}
+
 TEST(PlacedPlates, FaceEachOtherAcrossTheThickness)
 {
   MammographyUnit unit;
