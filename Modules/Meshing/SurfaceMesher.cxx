@@ -249,7 +249,7 @@ SurfaceMesh SmoothInterfaces(const LabelVolume& volume, const MeshingOptions& op
       complex.Triangles.push_back({ ids[0], ids[1], ids[2] });
     }
     const std::vector<std::size_t> cutting = FindCuttingTriangles(complex);
-    if (cutting.empty())
+    if (cutting.empty() || round > mostRounds)
     {
       return surface;
     }

@@ -6,6 +6,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cstdlib>
 #include <functional>
 #include <numbers>
 #include <random>
@@ -265,5 +266,74 @@ TEST_F(SurfaceMesher, VoxelsThatTouchAtEdgesAndCorners)
     voxel = static_cast<std::uint16_t>(generator() % 4);
   }
   result = MeshMaterialSurfaces(noise, options);
+  EXPECT_TRUE(CheckMesh(result.Mesh).Sound());
+}
+
+TEST_F(SurfaceMesher, BothWaysKeepRandomVolumes)
+{
+  // Mosaics of three materials and air on anisotropic oblique grids.
+  const unsigned seeds = std::getenv("MAMMORAY_LONG_TESTS") ? 300 : 24;
+  for (unsigned seed = 1; seed <= seeds; ++seed)
+  {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    std::mt19937 generator(seed);
+    std::uniform_real_distribution<double> coordinate(-7, 7);
+    std::vector<std::pair<Vector3, int>> centres;
+    for (int n = 0; n < 12; ++n)
+    {
+      const double x = coordinate(generator);
+      const double y = coordinate(generator);
+      centres.push_back({ { x, y, coordinate(generator) }, n % 4 });
+    }
+    LabelVolume volume = LabelledCube(14, 1,
+      [&](const Vector3& p)
+      {
+        return std::min_element(centres.begin(), centres.end(),
+          [&](const auto& a, const auto& b) { return Norm(a.first - p) < Norm(b.first - p); })
+          ->second;
+      });
+    volume.Spacing = { 1, 0.8, 1.3 };
+    volume.Direction = { { { 0.6, 0.8, 0 }, { -0.8, 0.6, 0 },
+      { 0, 0, seed % 2 == 0 ? 1.0 : -1.0 } } };
+    MeshingOptions options = Coarse();
+    options.FacetDistanceMm = 0.15;
+    options.FacetSizeMm = 2;
+    options.SmallestComponentMm3 = 3;
+    for (const bool byTetGen : { false, true })
+    {
+      const MeshingResult result =
+        byTetGen ? MeshMaterialSurfaces(volume, options) : MeshMaterials(volume, options);
+      const MeshCheck check = CheckMesh(result.Mesh);
+      EXPECT_TRUE(check.Sound());
+      EXPECT_GE(check.Materials.size(), 1u);
+      for (const MaterialReport& report : result.Reports)
+      {
+        // Facets may lie FacetDistanceMm off, over the surface of a cube of that volume; and what
+        // was merged.
+        const double surface = 6 * std::pow(report.VolumeInMm3, 2.0 / 3);
+        EXPECT_NEAR(report.VolumeOutMm3, report.VolumeInMm3,
+          options.FacetDistanceMm * surface +
+            static_cast<double>(result.MergedVoxels) * volume.VoxelVolume())
+          << report.Material << (byTetGen ? " by TetGen" : " by CGAL");
+      }
+    }
+  }
+}
+
+TEST_F(SurfaceMesher, CheckerboardByCgal)
+{
+  // Nothing but cubes that touch at edges: as a body of one material with cavities of air.
+  const LabelVolume board = LabelledCube(8, 1,
+    [](const Vector3& p)
+    {
+      const long sum =
+        std::lround(p[0] + 10.5) / 2 + std::lround(p[1] + 10.5) / 2 + std::lround(p[2] + 10.5) / 2;
+      return sum % 2;
+    });
+  MeshingOptions options = Coarse();
+  options.FacetDistanceMm = 0.1;
+  options.FacetSizeMm = 1;
+  options.SmallestComponentMm3 = 0;
+  const MeshingResult result = MeshMaterials(board, options);
   EXPECT_TRUE(CheckMesh(result.Mesh).Sound());
 }
