@@ -18,6 +18,8 @@ namespace mammoray
 namespace
 {
 constexpr int ParameterCount = 5;
+constexpr int LateralParameter = 2;
+constexpr int AnteriorParameter = 3;
 /// Poses without an equilibrium, of one resolution, after which a search ends: each costs many
 /// times what a good one does, and the best match lies where the breast cannot be compressed to.
 constexpr int LargestNumberOfFailures = 5;
@@ -428,8 +430,8 @@ void AlignStart(const RegistrationModel& model, const RegistrationTarget& target
       values[index] = std::clamp(values[index] + by, parameter.Lower, parameter.Upper);
     }
   };
-  shift(2, (0.5 * (low + high) - centre[0]) / magnification);
-  shift(3, (tip - targetTip) / magnification);
+  shift(LateralParameter, (0.5 * (low + high) - centre[0]) / magnification);
+  shift(AnteriorParameter, (tip - targetTip) / magnification);
 }
 }
 
@@ -468,16 +470,23 @@ RegistrationResult Register(const RegistrationModel& model, const RegistrationTa
   {
     std::vector<double> aligned = result.Values;
     AlignStart(model, finest, result.State, result.Parameters, aligned);
-    try
+    // Lateral first, which the plates do not feel; without an equilibrium on the way to the chest
+    // wall it is kept alone.
+    for (const int parameter : { LateralParameter, AnteriorParameter })
     {
-      result.State =
-        model.Simulation->Compress(PlatesAt(model, PoseOf(aligned)), &result.State, progress);
-      result.Values = aligned;
-      ++result.Evaluations;
-    }
-    catch (const ConvergenceError&)
-    {
-      // The unaligned start is as good as any other: it has its equilibrium already.
+      std::vector<double> shifted = result.Values;
+      shifted[parameter] = aligned[parameter];
+      try
+      {
+        result.State =
+          model.Simulation->Compress(PlatesAt(model, PoseOf(shifted)), &result.State, progress);
+        result.Values = shifted;
+        ++result.Evaluations;
+      }
+      catch (const ConvergenceError&)
+      {
+        break;
+      }
     }
   }
 
