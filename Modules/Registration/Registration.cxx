@@ -79,6 +79,14 @@ public:
     }
   }
 
+  /// The next evaluation starts at this state and is not refused.
+  void ReturnTo(const CompressionState& state)
+  {
+    this->State = state;
+    this->LongestTravelMm = std::numeric_limits<double>::infinity();
+    this->Failures = 0;
+  }
+
   struct Costs
   {
     double Outline = 0;
@@ -569,6 +577,7 @@ RegistrationResult Register(const RegistrationModel& model, const RegistrationTa
     }
     if (level == static_cast<int>(options.PixelSizesMm.size()))
     {
+      evaluator.ReturnTo(result.State);
       ceres::Covariance covariance{ ceres::Covariance::Options() };
       const std::vector<const double*> blocks{ evaluator.Unknowns.data() };
       if (covariance.Compute(blocks, &problem))
