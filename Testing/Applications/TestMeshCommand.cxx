@@ -89,8 +89,9 @@ TEST_F(MeshCommand, ChecksMeshesAndSurfaces)
 {
   const std::string report = this->Folder.File("report.json");
   const std::string picture = this->Folder.File("quality.png");
-  ASSERT_EQ(this->Run(this->Inputs + " -o " + this->Mesh), 0) << this->Errors;
-  ASSERT_EQ(this->Run("--check " + this->Mesh + " --report " + report + " --picture " + picture), 0)
+  ASSERT_EQ(this->Run("mesh " + this->Inputs + " -o " + this->Mesh), 0) << this->Errors;
+  ASSERT_EQ(
+    this->Run("mesh --check " + this->Mesh + " --report " + report + " --picture " + picture), 0)
     << this->Errors;
   EXPECT_EQ(this->Errors, "");
   EXPECT_THAT(this->Output,
@@ -104,7 +105,7 @@ TEST_F(MeshCommand, ChecksMeshesAndSurfaces)
   TetrahedralMesh mesh = FromGrid(ReadMesh(this->Mesh));
   std::swap(mesh.Cells[0], mesh.Cells[1]);
   WriteMesh(ToGrid(mesh, { "air", "fat", "gland" }), this->Mesh);
-  EXPECT_EQ(this->Run("--check " + this->Mesh), 1);
+  EXPECT_EQ(this->Run("mesh --check " + this->Mesh), 1);
   EXPECT_THAT(this->Errors, testing::HasSubstr("1 cells of no or negative volume: "));
   EXPECT_THAT(this->Errors, testing::HasSubstr("from one side: "));
   EXPECT_EQ(std::count(this->Errors.begin(), this->Errors.end(), '\n'), 2) << this->Errors;
@@ -112,10 +113,10 @@ TEST_F(MeshCommand, ChecksMeshesAndSurfaces)
   // A tetrahedron of three facets.
   const std::string surface = this->Folder.Write("open.obj",
     "v 0 0 0\nv 3 0 0\nv 0 4 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\n");
-  EXPECT_EQ(this->Run("--check " + surface), 1);
+  EXPECT_EQ(this->Run("mesh --check " + surface), 1);
   EXPECT_THAT(this->Errors, testing::HasSubstr("1 holes in the boundary of a material"));
-  EXPECT_EQ(this->Run(""), 2);
-  EXPECT_EQ(this->Run("--check " + this->Folder.File("absent.vtu")), 1);
+  EXPECT_EQ(this->Run("mesh "), 2);
+  EXPECT_EQ(this->Run("mesh --check " + this->Folder.File("absent.vtu")), 1);
   EXPECT_THAT(this->Errors, testing::HasSubstr("no such file"));
 }
 
@@ -127,7 +128,7 @@ TEST_F(MeshCommand, FillsSurfacesAndLabelsByTetGen)
   const std::string below = this->Folder.Write("below.obj",
     "v 0 0 0\nv 3 0 0\nv 0 4 0\nv 0 0 -2\nf 1 2 3\nf 1 4 2\nf 1 3 4\nf 2 4 3\n");
   const std::string surfaces = "--surface fat=" + above + " --surface gland=" + below;
-  const int status = this->Run(surfaces + " -o " + this->Mesh);
+  const int status = this->Run("mesh " + surfaces + " -o " + this->Mesh);
   if (status == 1 && this->Errors.find("no TetGen") != std::string::npos)
   {
     GTEST_SKIP() << this->Errors;
@@ -144,13 +145,14 @@ TEST_F(MeshCommand, FillsSurfacesAndLabelsByTetGen)
   // Closed forms, to rounding.
   EXPECT_NEAR(volumes[1], 2, 1e-12);
   EXPECT_NEAR(volumes[2], 4, 1e-12);
-  EXPECT_EQ(this->Run("--check " + this->Mesh), 0) << this->Errors;
+  EXPECT_EQ(this->Run("mesh --check " + this->Mesh), 0) << this->Errors;
 
-  ASSERT_EQ(this->Run(this->Inputs + " --method tetgen --overwrite -o " + this->Mesh), 0)
+  ASSERT_EQ(this->Run("mesh " + this->Inputs + " --method tetgen --overwrite -o " + this->Mesh), 0)
     << this->Errors;
-  EXPECT_EQ(this->Run("--check " + this->Mesh), 0) << this->Errors;
-  EXPECT_EQ(this->Run(surfaces + " " + this->Inputs + " --overwrite -o " + this->Mesh), 2);
-  EXPECT_EQ(this->Run("--surface fat --overwrite -o " + this->Mesh), 1);
+  EXPECT_EQ(this->Run("mesh --check " + this->Mesh), 0) << this->Errors;
+  EXPECT_EQ(this->Run("mesh " + surfaces + " " + this->Inputs + " --overwrite -o " + this->Mesh),
+    2);
+  EXPECT_EQ(this->Run("mesh --surface fat --overwrite -o " + this->Mesh), 1);
   EXPECT_THAT(this->Errors, testing::HasSubstr("expected MATERIAL=FILE"));
 }
 
