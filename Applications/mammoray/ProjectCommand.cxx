@@ -228,9 +228,9 @@ void RunProject(const ProjectArguments& arguments)
   std::printf("%d x %d pixels, %zu triangles, %s, mean %.1f keV, on %s, %s\n", lengths.Columns,
     lengths.Rows, surface.NumberOfTriangles(), spectrum.Name.c_str(), spectrum.MeanEnergyKeV(),
     projector->DeviceName().c_str(), MethodName(projector->Method()).c_str());
-  if (const std::size_t count = lengths.NumberOfInconsistentRays(); count > 0)
+  if (const std::string warning = lengths.InconsistencyWarning(); !warning.empty())
   {
-    std::printf("%zu pixels see holes in the mesh; they are marked in Consistency\n", count);
+    std::fprintf(stderr, "mammoray: warning: %s\n", warning.c_str());
   }
 }
 }

@@ -404,6 +404,10 @@ int vtkXRayProjector::RequestData(vtkInformation*, vtkInformationVector** inputs
     output->ShallowCopy(ToImage(exposure, detector, internal.MaterialNames));
     this->NumberOfInconsistentPixels =
       static_cast<vtkIdType>(exposure.Lengths.NumberOfInconsistentRays());
+    if (this->NumberOfInconsistentPixels > 0)
+    {
+      vtkWarningMacro(<< exposure.Lengths.InconsistencyWarning());
+    }
     return 1;
   }
   catch (const Interrupted&)

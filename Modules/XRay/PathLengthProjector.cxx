@@ -27,6 +27,35 @@ std::size_t PathLengthImage::NumberOfInconsistentRays() const
     static_cast<unsigned char>(1)));
 }
 
+std::string PathLengthImage::InconsistencyWarning() const
+{
+  const std::size_t count = this->NumberOfInconsistentRays();
+  if (count == 0)
+  {
+    return {};
+  }
+  int left = this->Columns;
+  int right = -1;
+  int top = this->Rows;
+  int bottom = -1;
+  for (int row = 0; row < this->Rows; ++row)
+  {
+    for (int column = 0; column < this->Columns; ++column)
+    {
+      if (this->Inconsistent[static_cast<std::size_t>(row) * this->Columns + column] != 0)
+      {
+        left = std::min(left, column);
+        right = std::max(right, column);
+        top = std::min(top, row);
+        bottom = row;
+      }
+    }
+  }
+  return std::to_string(count) + " pixels in columns " + std::to_string(left) + " to " +
+    std::to_string(right) + " and rows " + std::to_string(top) + " to " + std::to_string(bottom) +
+    " see holes in the mesh; they are estimated from their neighbours and marked in Consistency";
+}
+
 PathLengthImage PathLengthProjector::ProjectRays(const std::vector<XRayLine>&)
 {
   throw InputError(

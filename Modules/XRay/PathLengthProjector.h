@@ -78,6 +78,9 @@ struct PathLengthImage
     return this->Lengths.data() + material * this->NumberOfPixels();
   }
   std::size_t NumberOfInconsistentRays() const;
+  /// A sentence with the number of pixels whose rays crossed surfaces that do not close, and the
+  /// columns and rows where they lie; empty when there are none.
+  std::string InconsistencyWarning() const;
 };
 
 /**

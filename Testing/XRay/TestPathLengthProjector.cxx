@@ -478,6 +478,10 @@ TEST_P(PathLengthTest, AHoleIsMarkedAndNotBright)
   // The triangle has edges of about 4.5 mm: some ten pixels.
   EXPECT_GT(leaky.NumberOfInconsistentRays(), 3u);
   EXPECT_LT(leaky.NumberOfInconsistentRays(), 30u);
+  EXPECT_EQ(whole.InconsistencyWarning(), "");
+  EXPECT_EQ(leaky.InconsistencyWarning().find(std::to_string(leaky.NumberOfInconsistentRays()) +
+              " pixels in columns "),
+    0u);
   double largest = 0;
   for (std::size_t pixel = 0; pixel < whole.NumberOfPixels(); ++pixel)
   {
