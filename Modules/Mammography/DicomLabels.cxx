@@ -3,11 +3,11 @@
 
 #include "DicomStructure.h"
 #include "Error.h"
+#include "QuietGdcm.h"
 
 #include <gdcmImageReader.h>
 #include <gdcmReader.h>
 #include <gdcmSequenceOfItems.h>
-#include <gdcmTrace.h>
 
 #include <algorithm>
 #include <cmath>
@@ -22,28 +22,6 @@ namespace
 {
 namespace fs = std::filesystem;
 using gdcm::Tag;
-
-/// GDCM writes to the console what the exceptions say.
-class QuietGdcm
-{
-public:
-  QuietGdcm()
-    : Warning(gdcm::Trace::GetWarningFlag())
-    , Error(gdcm::Trace::GetErrorFlag())
-  {
-    gdcm::Trace::WarningOff();
-    gdcm::Trace::ErrorOff();
-  }
-  ~QuietGdcm()
-  {
-    gdcm::Trace::SetWarning(this->Warning);
-    gdcm::Trace::SetError(this->Error);
-  }
-
-private:
-  bool Warning;
-  bool Error;
-};
 
 /// One slice of labels, or of one segment.
 struct Slice

@@ -3,10 +3,10 @@
 
 #include "DicomStructure.h"
 #include "Error.h"
+#include "QuietGdcm.h"
 
 #include <gdcmAttribute.h>
 #include <gdcmImageReader.h>
-#include <gdcmTrace.h>
 
 #include <algorithm>
 #include <cctype>
@@ -22,30 +22,6 @@ namespace mammoray
 {
 namespace
 {
-/// GDCM reports on its own streams; what the user needs is in our exceptions.
-class QuietGdcm
-{
-public:
-  QuietGdcm()
-    : Warning(gdcm::Trace::GetWarningFlag())
-    , Error(gdcm::Trace::GetErrorFlag())
-  {
-    gdcm::Trace::WarningOff();
-    gdcm::Trace::ErrorOff();
-  }
-  ~QuietGdcm()
-  {
-    gdcm::Trace::SetWarning(this->Warning);
-    gdcm::Trace::SetError(this->Error);
-  }
-  QuietGdcm(const QuietGdcm&) = delete;
-  QuietGdcm& operator=(const QuietGdcm&) = delete;
-
-private:
-  const bool Warning;
-  const bool Error;
-};
-
 [[noreturn]] void Refuse(const std::string& path, const std::string& why)
 {
   throw InputError(path + ": " + why);
