@@ -68,9 +68,7 @@ void Dispatch(const vk::raii::CommandBuffer& commands, std::uint64_t invocations
 
 RasterisationProjector::RasterisationProjector(std::unique_ptr<VulkanDevice> device,
   const ProjectorOptions& options)
-  : OwnedDevice(std::move(device))
-  , Device(*this->OwnedDevice)
-  , Doubles(options.DoublePrecision && this->Device.HasDoubles())
+  : DeviceProjector(std::move(device), options)
 {
   this->MakeLayout();
   Reserve(this->Velocities, this->Device, 1, Usage::eStorageBuffer, MemoryUse::Upload);
@@ -144,7 +142,7 @@ const RasterisationProjector::Programs& RasterisationProjector::ProgramsFor(bool
 void RasterisationProjector::SetSurface(const SurfaceMesh& surface)
 {
   surface.Validate("surface");
-  this->LastView.reset();
+  this->Forget();
   const std::uint64_t positionBytes =
     surface.Points.size() * (this->Doubles ? sizeof(double) : sizeof(float));
   const std::uint64_t triangleBytes = surface.Triangles.size() * sizeof(std::uint32_t);
@@ -184,7 +182,7 @@ void RasterisationProjector::UpdatePoints(const std::vector<double>& points)
     throw InputError("projector: expected a surface before its points are moved, found none");
   }
   CheckMovedPoints(points, this->PointCount);
-  this->LastView.reset();
+  this->Forget();
   this->WritePoints(points);
 }
 
@@ -574,28 +572,9 @@ void RasterisationProjector::RunAgain(const XRaySource& source, const XRayDetect
   }
 }
 
-PathLengthImage RasterisationProjector::Project(const XRaySource& source,
-  const XRayDetector& detector)
+void RasterisationProjector::RenderFields(const XRaySource& source, const XRayDetector& detector,
+  const std::vector<double>& velocities, int fields, int atOnce, PathLengthDerivatives& derivatives)
 {
-  PathLengthImage image = this->MakeImage(source, detector);
-  this->LastView.reset();
-  WithDeviceErrors([&] { this->Render(source, detector, 0); });
-  this->LastView = ProjectedView{ image.Columns, image.Rows, image.Materials,
-    ReadImage({ this->Lengths.Data<float>(), this->Failures.Data<std::uint32_t>() }, detector,
-      image) };
-  FillFromNeighbours(image.Lengths, image.Columns, image.Rows, this->LastView->Holes);
-  return image;
-}
-
-PathLengthImage RasterisationProjector::Project(const XRaySource& source,
-  const XRayDetector& detector, const std::vector<double>& velocities, int fields,
-  PathLengthDerivatives& derivatives)
-{
-  PathLengthImage image = this->MakeImage(source, detector);
-  this->LastView.reset();
-  CheckVelocities(velocities, fields, this->PointCount);
-  const int atOnce = this->MostFields(detector, fields);
-  PrepareDerivatives(image, fields, derivatives);
   for (int first = 0; first < fields; first += atOnce)
   {
     std::vector<double> toUnits(static_cast<std::size_t>(std::min(atOnce, fields - first)));
@@ -607,39 +586,8 @@ PathLengthImage RasterisationProjector::Project(const XRaySource& source,
       toUnits[field] = speed > 0 ? MAMMORAY_RASTER_RATE_UNITS / speed : 0;
       fromUnits[field] = speed / MAMMORAY_RASTER_RATE_UNITS;
     }
-    WithDeviceErrors(
-      [&]
-      {
-        if (Reserve(this->Velocities, this->Device,
-              3 * sizeof(float) * this->PointCount * toUnits.size(), Usage::eStorageBuffer,
-              MemoryUse::Upload))
-        {
-          this->DescriptorsStale = true;
-        }
-        WriteVelocities(velocities, this->PointCount, first, toUnits,
-          this->Velocities.Data<float>());
-        this->Render(source, detector, static_cast<int>(toUnits.size()));
-      });
+    this->RenderBatch(source, detector, velocities, first, toUnits);
     ReadRates(this->Rates.Data<float>(), first, fromUnits, derivatives);
   }
-  const std::vector<std::size_t> holes = ReadImage(
-    { this->Lengths.Data<float>(), this->Failures.Data<std::uint32_t>() }, detector, image);
-  FillFromNeighbours(image.Lengths, image.Columns, image.Rows, holes);
-  FillFromNeighbours(derivatives.Lengths, image.Columns, image.Rows, holes);
-  this->LastView = ProjectedView{ image.Columns, image.Rows, image.Materials, holes };
-  return image;
-}
-
-std::vector<float> RasterisationProjector::Transmission(const Beam& beam)
-{
-  return WithDeviceErrors(
-    [&]
-    {
-      if (!this->BeamOnDevice)
-      {
-        this->BeamOnDevice.emplace(this->Device);
-      }
-      return this->BeamOnDevice->Transmission(this->Lengths, this->LastView, beam);
-    });
 }
 }

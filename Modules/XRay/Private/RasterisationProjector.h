@@ -2,8 +2,7 @@
 #ifndef mammoray_RasterisationProjector_h
 #define mammoray_RasterisationProjector_h
 
-#include "Buffer.h"
-#include "DeviceBeam.h"
+#include "DeviceProjector.h"
 
 #include <array>
 
@@ -15,18 +14,13 @@ namespace mammoray
  * moves corners to 1/256 of a pixel, its sums are floats, and it needs a pass over the image for
  * every few materials. Everything but the mesh's own buffers outlives frames.
  */
-class RasterisationProjector : public PathLengthProjector
+class RasterisationProjector : public DeviceProjector
 {
 public:
   RasterisationProjector(std::unique_ptr<VulkanDevice> device, const ProjectorOptions& options);
 
   void SetSurface(const SurfaceMesh& surface) override;
   void UpdatePoints(const std::vector<double>& points) override;
-  PathLengthImage Project(const XRaySource& source, const XRayDetector& detector) override;
-  PathLengthImage Project(const XRaySource& source, const XRayDetector& detector,
-    const std::vector<double>& velocities, int fields, PathLengthDerivatives& derivatives) override;
-  std::vector<float> Transmission(const Beam& beam) override;
-  std::string DeviceName() const override { return this->Device.Name(); }
   ProjectorOptions::Method Method() const override
   {
     return ProjectorOptions::Method::Rasterisation;
@@ -58,14 +52,14 @@ private:
   template <typename Real>
   void WriteParameters(const XRaySource& source, const XRayDetector& detector, const Work& work);
   void UpdateDescriptors();
-  /// An image of the right size; throws InputError where none can be made.
-  PathLengthImage MakeImage(const XRaySource& source, const XRayDetector& detector) const;
+  PathLengthImage MakeImage(const XRaySource& source, const XRayDetector& detector) const override;
   /// Bytes of the sums of one row of the detector.
   std::uint64_t RowBytes(const XRayDetector& detector, int fields) const;
-  /// Most fields that are done at once; throws InputError when there is no room for one.
-  int MostFields(const XRayDetector& detector, int fields) const;
-  /// Fills Lengths, Failures and, for the fields of Velocities, Rates.
-  void Render(const XRaySource& source, const XRayDetector& detector, int fields);
+  int MostFields(const XRayDetector& detector, int fields) const override;
+  void Render(const XRaySource& source, const XRayDetector& detector, int fields) override;
+  void RenderFields(const XRaySource& source, const XRayDetector& detector,
+    const std::vector<double>& velocities, int fields, int atOnce,
+    PathLengthDerivatives& derivatives) override;
   /// Makes buffers large enough, runs the shaders and, where the list of tiles was too short, runs
   /// them again; false, with `tiles` the number needed, when there is no room for so many.
   bool Run(const XRaySource& source, const XRayDetector& detector, Work work, std::uint64_t& tiles);
@@ -75,9 +69,6 @@ private:
   void RunAgain(const XRaySource& source, const XRayDetector& detector, Work work);
   std::uint64_t MostBytes() const;
 
-  std::unique_ptr<VulkanDevice> OwnedDevice;
-  VulkanDevice& Device;
-  bool Doubles = false;
   std::optional<vk::raii::DescriptorSetLayout> SetLayout;
   std::optional<vk::raii::PipelineLayout> Layout;
   std::optional<vk::raii::DescriptorPool> DescriptorPool;
@@ -85,9 +76,6 @@ private:
   /// Without and with derivatives; the latter made when first used.
   std::array<std::optional<Programs>, 2> Pipelines;
 
-  std::size_t PointCount = 0;
-  std::uint32_t TriangleCount = 0;
-  std::uint32_t MaterialCount = 0;
   /// Origin of the local frame, and the largest distance from it, mm.
   Vector3 Center{ 0, 0, 0 };
   double Reach = 0;
@@ -99,16 +87,7 @@ private:
   Buffer Sums;
   Buffer Tiles;
   Buffer TileCount;
-  Buffer Lengths;
-  Buffer Failures;
-  Buffer Velocities;
-  Buffer Rates;
   Buffer Marks;
-  bool DescriptorsStale = true;
-  /// Made when first used.
-  std::optional<DeviceBeam> BeamOnDevice;
-  /// What Lengths holds; empty when it is of no image.
-  std::optional<ProjectedView> LastView;
 };
 }
 

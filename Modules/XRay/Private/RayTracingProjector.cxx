@@ -104,9 +104,7 @@ std::vector<std::uint32_t> SpatialOrder(const SurfaceMesh& surface)
 
 RayTracingProjector::RayTracingProjector(std::unique_ptr<VulkanDevice> device,
   const ProjectorOptions& options)
-  : OwnedDevice(std::move(device))
-  , Device(*this->OwnedDevice)
-  , Doubles(options.DoublePrecision && this->Device.HasDoubles())
+  : DeviceProjector(std::move(device), options)
 {
   this->MakeLayout();
   Reserve(this->Parameters, this->Device, sizeof(PathLengthParameters<double>),
@@ -207,7 +205,7 @@ const RayTracingProjector::Program& RayTracingProjector::ProgramFor(const Kind& 
 void RayTracingProjector::SetSurface(const SurfaceMesh& surface)
 {
   surface.Validate("surface");
-  this->LastView.reset();
+  this->Forget();
   WithDeviceErrors(
     [&]
     {
@@ -254,7 +252,7 @@ void RayTracingProjector::UpdatePoints(const std::vector<double>& points)
     throw InputError("projector: expected a surface before its points are moved, found none");
   }
   CheckMovedPoints(points, this->PointCount);
-  this->LastView.reset();
+  this->Forget();
   WithDeviceErrors(
     [&]
     {
@@ -440,11 +438,12 @@ std::uint32_t RayTracingProjector::Capacity() const
   return capacity;
 }
 
-int RayTracingProjector::MostFields(const PathLengthImage& image, int fields) const
+int RayTracingProjector::MostFields(const XRayDetector& detector, int fields) const
 {
   const std::uint64_t most =
     std::min<std::uint64_t>(MostFieldBytes, this->Device.Limits().maxStorageBufferRange);
-  const std::uint64_t rates = image.NumberOfPixels() * this->MaterialCount * sizeof(float);
+  const std::uint64_t rates = std::uint64_t(detector.Columns) * std::uint64_t(detector.Rows) *
+    this->MaterialCount * sizeof(float);
   const std::uint64_t velocities = 3 * this->PointCount * sizeof(float);
   if (velocities > most)
   {
@@ -556,7 +555,7 @@ PathLengthImage RayTracingProjector::ProjectRays(const std::vector<XRayLine>& ra
     throw InputError("projector: expected a surface before the projection, found none");
   }
   CheckRays(rays);
-  this->LastView.reset();
+  this->Forget();
   PathLengthImage image;
   image.Columns = static_cast<int>(rays.size());
   image.Rows = 1;
@@ -583,64 +582,16 @@ PathLengthImage RayTracingProjector::ProjectRays(const std::vector<XRayLine>& ra
   return image;
 }
 
-PathLengthImage RayTracingProjector::Project(const XRaySource& source, const XRayDetector& detector)
+void RayTracingProjector::RenderFields(const XRaySource& source, const XRayDetector& detector,
+  const std::vector<double>& velocities, int fields, int atOnce, PathLengthDerivatives& derivatives)
 {
-  PathLengthImage image = this->MakeImage(source, detector);
-  this->LastView.reset();
-  WithDeviceErrors([&] { this->Render(source, detector, 0); });
-  this->LastView = ProjectedView{ image.Columns, image.Rows, image.Materials,
-    ReadImage({ this->Lengths.Data<float>(), this->Failures.Data<std::uint32_t>() }, detector,
-      image) };
-  FillFromNeighbours(image.Lengths, image.Columns, image.Rows, this->LastView->Holes);
-  return image;
-}
-
-PathLengthImage RayTracingProjector::Project(const XRaySource& source, const XRayDetector& detector,
-  const std::vector<double>& velocities, int fields, PathLengthDerivatives& derivatives)
-{
-  PathLengthImage image = this->MakeImage(source, detector);
-  this->LastView.reset();
-  CheckVelocities(velocities, fields, this->PointCount);
-  const int atOnce = this->MostFields(image, fields);
-  PrepareDerivatives(image, fields, derivatives);
   const std::vector<double> factors(static_cast<std::size_t>(atOnce), 1.0);
   for (int next = 0; next < fields; next += atOnce)
   {
     // The last batch repeats some fields of the one before, so that one pipeline does for all.
     const int first = std::min(next, fields - atOnce);
-    WithDeviceErrors(
-      [&]
-      {
-        if (Reserve(this->Velocities, this->Device,
-              3 * sizeof(float) * this->PointCount * factors.size(), Usage::eStorageBuffer,
-              MemoryUse::Upload))
-        {
-          this->DescriptorsStale = true;
-        }
-        WriteVelocities(velocities, this->PointCount, first, factors,
-          this->Velocities.Data<float>());
-        this->Render(source, detector, atOnce);
-      });
+    this->RenderBatch(source, detector, velocities, first, factors);
     ReadRates(this->Rates.Data<float>(), first, factors, derivatives);
   }
-  const std::vector<std::size_t> holes = ReadImage(
-    { this->Lengths.Data<float>(), this->Failures.Data<std::uint32_t>() }, detector, image);
-  FillFromNeighbours(image.Lengths, image.Columns, image.Rows, holes);
-  FillFromNeighbours(derivatives.Lengths, image.Columns, image.Rows, holes);
-  this->LastView = ProjectedView{ image.Columns, image.Rows, image.Materials, holes };
-  return image;
-}
-
-std::vector<float> RayTracingProjector::Transmission(const Beam& beam)
-{
-  return WithDeviceErrors(
-    [&]
-    {
-      if (!this->BeamOnDevice)
-      {
-        this->BeamOnDevice.emplace(this->Device);
-      }
-      return this->BeamOnDevice->Transmission(this->Lengths, this->LastView, beam);
-    });
 }
 }

@@ -3,7 +3,7 @@
 #define mammoray_RayTracingProjector_h
 
 #include "AccelerationStructure.h"
-#include "DeviceBeam.h"
+#include "DeviceProjector.h"
 
 #include <array>
 #include <compare>
@@ -13,19 +13,14 @@ namespace mammoray
 {
 /// See PathLengthProjector and shaders/pathLength.rgen. Everything but the mesh's own buffers
 /// outlives frames.
-class RayTracingProjector : public PathLengthProjector
+class RayTracingProjector : public DeviceProjector
 {
 public:
   RayTracingProjector(std::unique_ptr<VulkanDevice> device, const ProjectorOptions& options);
 
   void SetSurface(const SurfaceMesh& surface) override;
   void UpdatePoints(const std::vector<double>& points) override;
-  PathLengthImage Project(const XRaySource& source, const XRayDetector& detector) override;
-  PathLengthImage Project(const XRaySource& source, const XRayDetector& detector,
-    const std::vector<double>& velocities, int fields, PathLengthDerivatives& derivatives) override;
   PathLengthImage ProjectRays(const std::vector<XRayLine>& rays) override;
-  std::vector<float> Transmission(const Beam& beam) override;
-  std::string DeviceName() const override { return this->Device.Name(); }
   ProjectorOptions::Method Method() const override { return ProjectorOptions::Method::RayTracing; }
 
 private:
@@ -54,14 +49,14 @@ private:
   void WritePoints(const std::vector<double>& points);
   void BuildScene(bool refit);
   void UpdateDescriptors();
-  /// An image of the right size; throws InputError where none can be made.
-  PathLengthImage MakeImage(const XRaySource& source, const XRayDetector& detector) const;
+  PathLengthImage MakeImage(const XRaySource& source, const XRayDetector& detector) const override;
   /// Materials that the shaders have room for: few capacities, so that few pipelines are compiled.
   std::uint32_t Capacity() const;
-  /// Most fields that are done at once; throws InputError when there is no room for one.
-  int MostFields(const PathLengthImage& image, int fields) const;
-  /// Fills Lengths, Failures and, for the fields of Velocities, Rates.
-  void Render(const XRaySource& source, const XRayDetector& detector, int fields);
+  int MostFields(const XRayDetector& detector, int fields) const override;
+  void Render(const XRaySource& source, const XRayDetector& detector, int fields) override;
+  void RenderFields(const XRaySource& source, const XRayDetector& detector,
+    const std::vector<double>& velocities, int fields, int atOnce,
+    PathLengthDerivatives& derivatives) override;
   /// Fills Lengths and Failures for `count` rays.
   void RenderRays(const XRayLine* rays, std::size_t count);
   template <typename Real>
@@ -69,18 +64,12 @@ private:
   /// Traces width x height rays.
   void Submit(const Kind& kind, std::uint32_t width, std::uint32_t height);
 
-  std::unique_ptr<VulkanDevice> OwnedDevice;
-  VulkanDevice& Device;
-  bool Doubles = false;
   std::optional<vk::raii::DescriptorSetLayout> SetLayout;
   std::optional<vk::raii::PipelineLayout> Layout;
   std::optional<vk::raii::DescriptorPool> DescriptorPool;
   std::optional<vk::raii::DescriptorSet> Set;
   std::map<Kind, Program> Programs;
 
-  std::size_t PointCount = 0;
-  std::uint32_t TriangleCount = 0;
-  std::uint32_t MaterialCount = 0;
   /// Origin of the local frame, and the box of the mesh in it, mm.
   Vector3 Center{ 0, 0, 0 };
   Vector3 BoxLow{ 0, 0, 0 };
@@ -92,16 +81,7 @@ private:
   Buffer Triangles;
   Buffer Materials;
   Buffer Instances;
-  Buffer Lengths;
-  Buffer Failures;
-  Buffer Velocities;
-  Buffer Rates;
   Buffer Rays;
-  bool DescriptorsStale = true;
-  /// Made when first used.
-  std::optional<DeviceBeam> BeamOnDevice;
-  /// What Lengths holds; empty when it is of no image.
-  std::optional<ProjectedView> LastView;
   std::optional<AccelerationStructure> Surface;
   std::optional<AccelerationStructure> Scene;
 };
