@@ -12,6 +12,7 @@
 #ifdef MAMMORAY_HAS_MESHING
 #include "LabelMesher.h"
 #include "MeshCheck.h"
+#include "SimulationMesh.h"
 #include "SurfaceMesher.h"
 #endif
 
@@ -44,6 +45,9 @@ struct MeshArguments
   /// MATERIAL=FILE each.
   std::vector<std::string> Surfaces;
   std::string Method = "cgal";
+  bool ForMechanics = false;
+  /// Of the mesh for the mechanics; 0: by the size of the breast.
+  double MechanicsCellSizeMm = 0;
   std::string Output;
   std::string Check;
   std::string Report;
@@ -383,6 +387,27 @@ SurfaceMesh ReadSurfaces(const MeshArguments& arguments, const MaterialTable& ta
   return all;
 }
 
+MeshingResult MakeMesh(const MeshArguments& arguments, const MaterialTable& table,
+  const MeshingOptions& options)
+{
+  if (!arguments.Surfaces.empty())
+  {
+    return MeshSurfaces(ReadSurfaces(arguments, table), options, MakeProgressBar());
+  }
+  const LabelVolume materials = ReadMaterials(arguments, table);
+  if (arguments.ForMechanics)
+  {
+    std::vector<bool> held;
+    for (const Material& material : table.Materials)
+    {
+      held.push_back(material.Held);
+    }
+    return MeshForSimulation(materials, held, arguments.MechanicsCellSizeMm, MakeProgressBar());
+  }
+  return arguments.Method == "tetgen" ? MeshMaterialSurfaces(materials, options, MakeProgressBar())
+                                      : MeshMaterials(materials, options, MakeProgressBar());
+}
+
 void RunMesh(const MeshArguments& arguments)
 {
   if (!arguments.Check.empty())
@@ -393,11 +418,7 @@ void RunMesh(const MeshArguments& arguments)
   CheckArguments(arguments);
   const MaterialTable table = FindTable(arguments);
   const MeshingOptions options = FindOptions(arguments, table);
-  const MeshingResult result = !arguments.Surfaces.empty()
-    ? MeshSurfaces(ReadSurfaces(arguments, table), options, MakeProgressBar())
-    : arguments.Method == "tetgen"
-    ? MeshMaterialSurfaces(ReadMaterials(arguments, table), options, MakeProgressBar())
-    : MeshMaterials(ReadMaterials(arguments, table), options, MakeProgressBar());
+  const MeshingResult result = MakeMesh(arguments, table, options);
 
   std::vector<std::string> names;
   for (const Material& material : table.Materials)
@@ -436,7 +457,7 @@ void AddMeshCommand(CLI::App& application)
   command->add_option("--labels", arguments->Labels,
     "label volume: .nrrd .nhdr .mha .mhd .nii .nii.gz, a DICOM segmentation (.dcm; labels are its "
     "segment numbers) or a folder with a DICOM series");
-  command->add_option("--surface", arguments->Surfaces,
+  CLI::Option* surface = command->add_option("--surface", arguments->Surfaces,
     "MATERIAL=FILE: closed surface of a material (.vtp .stl .ply .obj) instead of labels; may be "
     "given for several, nested or touching at common triangles; filled by TetGen");
   command->add_option("--materials", arguments->Materials,
@@ -447,6 +468,11 @@ void AddMeshCommand(CLI::App& application)
       "TetGen")
     ->check(CLI::IsMember({ "cgal", "tetgen" }))
     ->capture_default_str();
+  command
+    ->add_flag("--for-mechanics", arguments->ForMechanics,
+      "a coarse mesh of all tissue, held and free, for --simulation-mesh of compress and register; "
+      "of the sizes only --cell-size counts, by default one that gives 3000 to 4000 cells")
+    ->excludes(surface);
   command->add_option("-o,--output", arguments->Output, "volume mesh to write (.vtu)");
   command->add_option("--check", arguments->Check,
     "check this mesh (.vtu) or surface (.vtp .stl .ply .obj) instead of making one: cells upright "
@@ -462,8 +488,8 @@ void AddMeshCommand(CLI::App& application)
   command->add_flag("--axes-as-given", arguments->AxesAsGiven,
     "take the header's axes as they are, with no conversion to LPS");
   const auto add = [&](const char* name, double& value, const char* help)
-  { command->add_option(name, value, help)->capture_default_str(); };
-  add("--cell-size", options.CellSizeMm, "largest circumradius of tetrahedra, mm");
+  { return command->add_option(name, value, help)->capture_default_str(); };
+  CLI::Option* cellSize = add("--cell-size", options.CellSizeMm, "largest circumradius of tetrahedra, mm");
   add("--facet-size", options.FacetSizeMm, "largest surface ball of facets, mm");
   add("--facet-distance", options.FacetDistanceMm, "largest distance of facet and interface, mm");
   add("--facet-angle", options.FacetAngleDeg, "smallest angle of facets, degrees, up to 30");
@@ -488,7 +514,12 @@ void AddMeshCommand(CLI::App& application)
     "time limit of each step of sliver removal, s; 0 leaves it out");
   command->add_flag("--overwrite", arguments->Overwrite, "replace output files");
   AddConfigurationOptions(*command);
-  command->callback([arguments] { RunMesh(*arguments); });
+  command->callback(
+    [arguments, cellSize]
+    {
+      arguments->MechanicsCellSizeMm = cellSize->count() > 0 ? arguments->Options.CellSizeMm : 0;
+      RunMesh(*arguments);
+    });
 }
 #else
 void AddMeshCommand(CLI::App& application)

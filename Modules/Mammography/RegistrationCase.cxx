@@ -12,7 +12,7 @@
 #include "PlacedPlates.h"
 
 #ifdef MAMMORAY_HAS_MESHING
-#include "LabelMesher.h"
+#include "SimulationMesh.h"
 #endif
 
 #include "vtkUnstructuredGrid.h"
@@ -68,31 +68,6 @@ std::vector<int> ThinMaterials(const MaterialTable& table)
   return thin;
 }
 
-/**
- * The volume as the mechanics' coarse mesh sees it: held tissue and all other tissue, each under
- * the index of its most frequent material.
- */
-LabelVolume TissueAndHeld(const LabelVolume& materials, const std::vector<bool>& held)
-{
-  int frequent[2] = { 0, 0 };
-  std::size_t counts[2] = { 0, 0 };
-  for (const auto& [material, count] : materials.CountLabels())
-  {
-    const int side = held[material] ? 1 : 0;
-    if (material != 0 && count > counts[side])
-    {
-      frequent[side] = material;
-      counts[side] = count;
-    }
-  }
-  LabelVolume merged = materials;
-  for (std::uint16_t& voxel : merged.Voxels)
-  {
-    voxel = voxel == 0 ? 0 : static_cast<std::uint16_t>(frequent[held[voxel] ? 1 : 0]);
-  }
-  return merged;
-}
-
 TetrahedralMesh ReadTetrahedra(const std::string& path, const MaterialTable& table)
 {
   TetrahedralMesh mesh = FromGrid(ReadMesh(path));
@@ -119,22 +94,10 @@ TetrahedralMesh MeshAnatomy(const LabelVolume& materials, const std::vector<int>
   return MeshMaterials(materials, options, progress).Mesh;
 }
 
-TetrahedralMesh MeshForSimulation(const LabelVolume& merged, double cellSizeMm,
-  const ProgressCallback& progress)
+TetrahedralMesh MeshTissue(const LabelVolume& materials, const std::vector<bool>& held,
+  double cellSizeMm, const ProgressCallback& progress)
 {
-  // At 1 mm the mesher's sliver removal reaches its bound more often than on finer stairs.
-  constexpr double spacingMm = 1.0;
-  const bool finer = *std::max_element(merged.Spacing.begin(), merged.Spacing.end()) < spacingMm;
-  MeshingOptions options = MeshingOptions::Simulation();
-  std::size_t tissueVoxels = 0;
-  for (const std::uint16_t material : merged.Voxels)
-  {
-    tissueVoxels += material != 0 ? 1 : 0;
-  }
-  options.CellSizeMm =
-    cellSizeMm > 0 ? cellSizeMm : std::cbrt(tissueVoxels * merged.VoxelVolume()) / 7;
-  options.FacetSizeMm = std::max(options.FacetSizeMm, options.CellSizeMm);
-  return MeshMaterials(finer ? ResampleLabels(merged, spacingMm) : merged, options, progress).Mesh;
+  return MeshForSimulation(materials, held, cellSizeMm, progress).Mesh;
 }
 #else
 TetrahedralMesh MeshAnatomy(const LabelVolume&, const std::vector<int>&, double,
@@ -144,10 +107,10 @@ TetrahedralMesh MeshAnatomy(const LabelVolume&, const std::vector<int>&, double,
                    "simulation mesh made elsewhere");
 }
 
-TetrahedralMesh MeshForSimulation(const LabelVolume& merged, double cellSizeMm,
+TetrahedralMesh MeshTissue(const LabelVolume& materials, const std::vector<bool>&, double cellSizeMm,
   const ProgressCallback& progress)
 {
-  return MeshAnatomy(merged, {}, cellSizeMm, progress);
+  return MeshAnatomy(materials, {}, cellSizeMm, progress);
 }
 #endif
 
@@ -299,7 +262,7 @@ RegistrationCaseResult RunRegistrationCase(const RegistrationCase& input,
     : ReadTetrahedra(input.AnatomyMesh, result.Materials);
   stopwatch.Stage("mesh the anatomy");
   const TetrahedralMesh coarse = input.SimulationMesh.empty()
-    ? MeshForSimulation(TissueAndHeld(materials, held), input.SimulationCellSizeMm, progress)
+    ? MeshTissue(materials, held, input.SimulationCellSizeMm, progress)
     : ReadTetrahedra(input.SimulationMesh, result.Materials);
   result.SimulationCells = coarse.NumberOfCells();
   stopwatch.Stage("mesh for the mechanics");
