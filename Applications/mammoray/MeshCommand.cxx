@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "CommandLine.h"
 
+#include "CutPicture.h"
 #include "HistogramPicture.h"
 #include "LabelResampling.h"
 #include "LabelVolumeIO.h"
@@ -52,6 +53,9 @@ struct MeshArguments
   std::string Check;
   std::string Report;
   std::string Picture;
+  std::string CutPicture;
+  /// Point of the cuts, mm; empty: the middle of the mesh.
+  std::vector<double> CutAt;
   bool Overwrite = false;
 };
 
@@ -174,6 +178,18 @@ void WriteQualityPicture(const std::string& path, const MeshCheck& check,
     });
 }
 
+/// Planes through the point asked for, or the middle of the mesh.
+void WriteCuts(const MeshArguments& arguments, vtkUnstructuredGrid* grid,
+  const std::vector<std::string>& names)
+{
+  Vector3 point;
+  grid->GetCenter(point.data());
+  std::copy(arguments.CutAt.begin(), arguments.CutAt.end(), point.begin());
+  WriteComplete(arguments.CutPicture,
+    [&](const std::string& temporary)
+    { WriteCutPicture(CutsThrough(grid, point), names, temporary); });
+}
+
 void PrintCheck(const MeshCheck& check, const std::vector<std::string>& names)
 {
   std::printf("%-16s %12s %10s %10s %12s %12s\n", "material", "volume [cm3]", "triangles", "cells",
@@ -195,16 +211,19 @@ void PrintCheck(const MeshCheck& check, const std::vector<std::string>& names)
 
 void CheckReportFiles(const MeshArguments& arguments)
 {
-  for (const std::string& path : { arguments.Report, arguments.Picture })
+  for (const std::string& path : { arguments.Report, arguments.Picture, arguments.CutPicture })
   {
     if (!path.empty())
     {
       CheckOutputFile(path, arguments.Overwrite);
     }
   }
-  if (!arguments.Picture.empty() && std::filesystem::path(arguments.Picture).extension() != ".png")
+  for (const std::string& path : { arguments.Picture, arguments.CutPicture })
   {
-    throw InputError(arguments.Picture + ": expected the extension .png for a picture");
+    if (!path.empty() && std::filesystem::path(path).extension() != ".png")
+    {
+      throw InputError(path + ": expected the extension .png for a picture");
+    }
   }
 }
 
@@ -217,10 +236,20 @@ void RunCheck(const MeshArguments& arguments)
   MeshCheck check;
   if (std::filesystem::path(arguments.Check).extension() == ".vtu")
   {
-    check = CheckMesh(FromGrid(ReadMesh(arguments.Check), &names), MakeProgressBar());
+    const vtkSmartPointer<vtkUnstructuredGrid> grid = ReadMesh(arguments.Check);
+    check = CheckMesh(FromGrid(grid, &names), MakeProgressBar());
+    if (!arguments.CutPicture.empty())
+    {
+      WriteCuts(arguments, grid, names);
+    }
   }
   else
   {
+    if (!arguments.CutPicture.empty())
+    {
+      throw InputError(
+        "--cut-picture: expected a mesh (.vtu) to cut, found the surface " + arguments.Check);
+    }
     check = CheckSurface(FromPolyData(ReadSurface(arguments.Check), &names), MakeProgressBar());
   }
   if (!arguments.Report.empty())
@@ -425,8 +454,13 @@ void RunMesh(const MeshArguments& arguments)
   {
     names.push_back(material.Name);
   }
+  const vtkSmartPointer<vtkUnstructuredGrid> grid = ToGrid(result.Mesh, names);
   WriteComplete(arguments.Output,
-    [&](const std::string& temporary) { WriteMesh(ToGrid(result.Mesh, names), temporary); });
+    [&](const std::string& temporary) { WriteMesh(grid, temporary); });
+  if (!arguments.CutPicture.empty())
+  {
+    WriteCuts(arguments, grid, names);
+  }
   if (!arguments.Report.empty() || !arguments.Picture.empty())
   {
     const MeshCheck check = CheckMesh(result.Mesh);
@@ -481,6 +515,14 @@ void AddMeshCommand(CLI::App& application)
     "write volumes, cell quality and troubles with their places there (.json)");
   command->add_option("--picture", arguments->Picture,
     "draw histograms of the cells' quality there (.png)");
+  CLI::Option* cut = command->add_option("--cut-picture", arguments->CutPicture,
+    "draw three plane cuts through the mesh there, coloured by material (.png)");
+  command
+    ->add_option("--cut-at", arguments->CutAt,
+      "point of the cuts, mm; default: the middle of the mesh")
+    ->expected(3)
+    ->type_name("X Y Z")
+    ->needs(cut);
   command
     ->add_option("--spacing", arguments->SpacingMm,
       "resample to cubic voxels of this size first, mm")
@@ -489,7 +531,8 @@ void AddMeshCommand(CLI::App& application)
     "take the header's axes as they are, with no conversion to LPS");
   const auto add = [&](const char* name, double& value, const char* help)
   { return command->add_option(name, value, help)->capture_default_str(); };
-  CLI::Option* cellSize = add("--cell-size", options.CellSizeMm, "largest circumradius of tetrahedra, mm");
+  CLI::Option* cellSize =
+    add("--cell-size", options.CellSizeMm, "largest circumradius of tetrahedra, mm");
   add("--facet-size", options.FacetSizeMm, "largest surface ball of facets, mm");
   add("--facet-distance", options.FacetDistanceMm, "largest distance of facet and interface, mm");
   add("--facet-angle", options.FacetAngleDeg, "smallest angle of facets, degrees, up to 30");

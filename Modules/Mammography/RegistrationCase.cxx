@@ -107,8 +107,8 @@ TetrahedralMesh MeshAnatomy(const LabelVolume&, const std::vector<int>&, double,
                    "simulation mesh made elsewhere");
 }
 
-TetrahedralMesh MeshTissue(const LabelVolume& materials, const std::vector<bool>&, double cellSizeMm,
-  const ProgressCallback& progress)
+TetrahedralMesh MeshTissue(const LabelVolume& materials, const std::vector<bool>&,
+  double cellSizeMm, const ProgressCallback& progress)
 {
   return MeshAnatomy(materials, {}, cellSizeMm, progress);
 }
@@ -270,8 +270,7 @@ RegistrationCaseResult RunRegistrationCase(const RegistrationCase& input,
   std::vector<ElasticMaterial> elastic;
   for (const Material& material : result.Materials.Materials)
   {
-    elastic.push_back(
-      { material.YoungsModulusKPa, material.PoissonRatio, material.FungExponent });
+    elastic.push_back({ material.YoungsModulusKPa, material.PoissonRatio, material.FungExponent });
   }
   const CompressionSimulation simulation(coarse, elastic, held,
     [&materials](const Vector3& point) { return static_cast<int>(materials.LabelAt(point)); });

@@ -2,6 +2,7 @@
 #include "RegistrationReport.h"
 
 #include "Error.h"
+#include "Private/PlotPicture.h"
 #include "ReportPictures.h"
 #include "Sha256.h"
 
@@ -136,15 +137,6 @@ void Validate(const RegistrationReport& report)
       std::to_string(result.Values.size()) + " and " +
       std::to_string(result.StandardDeviations.size()));
   }
-}
-
-/// Ticks at 1, 2 or 5 times a power of ten, about `wanted` of them.
-double TickStep(double range, int wanted)
-{
-  const double rough = range / wanted;
-  const double power = std::pow(10.0, std::floor(std::log10(rough)));
-  const double part = rough / power;
-  return power * (part < 1.5 ? 1 : part < 3.5 ? 2 : part < 7.5 ? 5 : 10);
 }
 
 std::string ShortNumber(double value)
