@@ -176,8 +176,8 @@ void WriteCutPicture(const std::vector<CutPanel>& panels,
     Cut& cut = cuts.back();
     if (cut.Cells.empty())
     {
-      throw InputError(
-        path + ": expected a plane that meets the mesh, found none of it in '" + panel.Title + "'");
+      throw InputError("cut picture: expected a plane that meets the mesh, found none of it in '" +
+        panel.Title + "'");
     }
     longestMm = std::max({ longestMm, cut.Width(), cut.Height() });
     for (const CutCell& cell : cut.Cells)
