@@ -187,34 +187,43 @@ BreastPose StartOf(const RegistrationCase& input, const Mammogram& mammogram,
   start.ShiftLateralMm = input.StartLateralMm;
   start.ShiftAnteriorMm = input.StartAnteriorMm;
   start.ShiftVerticalMm = input.StartVerticalMm;
+  start.PitchDeg = input.StartPitchDeg;
+  start.YawDeg = input.StartYawDeg;
+  start.PaddleTiltDeg = input.StartTiltDeg;
   return start;
 }
 
-void FixParameters(const std::vector<std::string>& names,
+void FreeParameters(const std::vector<std::string>& names,
   std::vector<RegistrationParameter>& parameters)
 {
+  std::string known;
   for (RegistrationParameter& parameter : parameters)
   {
-    parameter.Fixed = false;
+    parameter.Fixed = std::find(names.begin(), names.end(), parameter.Name) == names.end();
+    known += (known.empty() ? "" : ", ") + parameter.Name;
   }
   for (const std::string& name : names)
   {
-    std::string known;
-    bool found = false;
-    for (RegistrationParameter& parameter : parameters)
+    if (std::none_of(parameters.begin(), parameters.end(),
+          [&](const RegistrationParameter& parameter) { return parameter.Name == name; }))
     {
-      known += (known.empty() ? "" : ", ") + parameter.Name;
-      if (parameter.Name == name)
-      {
-        parameter.Fixed = true;
-        found = true;
-      }
-    }
-    if (!found)
-    {
-      throw InputError("fixed parameter '" + name + "': expected one of " + known);
+      throw InputError("parameter '" + name + "': expected one of " + known);
     }
   }
+}
+
+/// Gland: what the ratio of stiffness is about.
+std::vector<int> GlandularMaterials(const MaterialTable& table)
+{
+  std::vector<int> gland;
+  for (std::size_t index = 1; index < table.Materials.size(); ++index)
+  {
+    if (table.Materials[index].Attenuation == "glandular" && !table.Materials[index].Held)
+    {
+      gland.push_back(static_cast<int>(index));
+    }
+  }
+  return gland;
 }
 }
 
@@ -241,7 +250,7 @@ RegistrationCaseResult RunRegistrationCase(const RegistrationCase& input,
   const BreastPose start = StartOf(input, result.Mammogram, result.Warnings);
   RegistrationOptions options = input.Options;
   options.Parameters = DefaultParameters(start);
-  FixParameters(input.Fixed, options.Parameters);
+  FreeParameters(input.Free, options.Parameters);
   const Spectrum spectrum = FindSpectrum(input.Spectrum);
   const Beam beam = MakeBeam(result.Materials, spectrum, DetectorResponse::EnergyIntegrating);
   ProjectorOptions projectorOptions;
@@ -272,7 +281,7 @@ RegistrationCaseResult RunRegistrationCase(const RegistrationCase& input,
   {
     elastic.push_back({ material.YoungsModulusKPa, material.PoissonRatio, material.FungExponent });
   }
-  const CompressionSimulation simulation(coarse, elastic, held,
+  CompressionSimulation simulation(coarse, elastic, held,
     [&materials](const Vector3& point) { return static_cast<int>(materials.LabelAt(point)); });
   const SurfaceMesh surface = ExtractInterfaces(result.Anatomy);
   result.SurfaceTriangles = surface.NumberOfTriangles();
@@ -282,6 +291,8 @@ RegistrationCaseResult RunRegistrationCase(const RegistrationCase& input,
 
   RegistrationModel model;
   model.Simulation = &simulation;
+  model.Elastic = elastic;
+  model.ScaledMaterials = GlandularMaterials(result.Materials);
   model.Surface = &surface;
   model.SurfaceEmbedding = &surfaceEmbedding;
   model.Projector = projector.get();

@@ -85,10 +85,13 @@ std::string ResolutionNote(const RegistrationResult& result)
 
 std::string ParameterTitle(const std::string& name)
 {
-  static const std::pair<const char*, const char*> Titles[] = { { "thickness",
-                                                                  "Compressed thickness" },
-    { "roll", "Rotation about the chest–nipple axis" }, { "lateral", "Shift along the chest wall" },
-    { "anterior", "Shift away from the chest wall" }, { "vertical", "Shift along the beam" } };
+  static const std::pair<const char*, const char*> Titles[] = {
+    { "thickness", "Compressed thickness" }, { "roll", "Rotation about the chest–nipple axis" },
+    { "pitch", "Rotation about the chest wall's edge" }, { "yaw", "Rotation about the beam" },
+    { "lateral", "Shift along the chest wall" }, { "anterior", "Shift away from the chest wall" },
+    { "vertical", "Shift along the beam" }, { "tilt", "Tilt of the paddle" },
+    { "stiffness", "Stiffness of gland, times the table's" }
+  };
   for (const auto& title : Titles)
   {
     if (name == title.first)
@@ -310,6 +313,8 @@ std::string ResultJson(const RegistrationReport& report, const Assessment& asses
   json["formatVersion"] = 1;
   json["trust"] = { { "level", NameOf(assessment.Level) }, { "reasons", assessment.Reasons } };
   json["pose"] = { { "thicknessMm", result.Pose.ThicknessMm }, { "rollDeg", result.Pose.RollDeg },
+    { "pitchDeg", result.Pose.PitchDeg }, { "yawDeg", result.Pose.YawDeg },
+    { "paddleTiltDeg", result.Pose.PaddleTiltDeg },
     { "shiftLateralMm", result.Pose.ShiftLateralMm },
     { "shiftAnteriorMm", result.Pose.ShiftAnteriorMm },
     { "shiftVerticalMm", result.Pose.ShiftVerticalMm } };

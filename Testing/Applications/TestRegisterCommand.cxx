@@ -79,7 +79,7 @@ TEST_F(RegisterCommand, RefusesUnusableInputInOneLine)
       "label 77 (27 voxels)");
   }
   this->ExpectRefused(
-    this->Register(Labels, Materials, MammogramFile, "--fixed thickness,everything"), "everything");
+    this->Register(Labels, Materials, MammogramFile, "--free thickness,everything"), "everything");
   this->ExpectRefused(this->Register(Labels, Materials, MammogramFile), "Vulkan",
     "VK_DRIVER_FILES=/nonexistent VK_ICD_FILENAMES=/nonexistent");
 }
