@@ -23,6 +23,7 @@
 
 #include <cstdio>
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <optional>
 
@@ -30,8 +31,14 @@ namespace mammoray
 {
 namespace
 {
-/// Quadratic cells beyond this take minutes and gigabytes.
-constexpr std::size_t MostSimulationCells = 20000;
+/// Cells beyond this take minutes and gigabytes.
+std::size_t MostSimulationCells(ElementType element)
+{
+  return element == ElementType::Quadratic ? 20000 : 150000;
+}
+
+const std::map<std::string, ElementType> Elements{ { "quadratic", ElementType::Quadratic },
+  { "linear", ElementType::PatchAveragedLinear } };
 
 struct CompressArguments
 {
@@ -40,6 +47,8 @@ struct CompressArguments
   std::string Orientation = "LPS";
   std::string SimulationMesh;
   double SimulationCellSizeMm = 0;
+  /// One of Elements.
+  std::string Element = "quadratic";
   std::string Labels;
   bool AxesAsGiven = false;
   BreastPose Pose;
@@ -71,7 +80,8 @@ TetrahedralMesh FindSimulationMesh(const CompressArguments& arguments, const Tet
   {
     return FromGrid(ReadMesh(arguments.SimulationMesh));
   }
-  if (mesh.NumberOfCells() <= MostSimulationCells)
+  const std::size_t mostCells = MostSimulationCells(Elements.at(arguments.Element));
+  if (mesh.NumberOfCells() <= mostCells)
   {
     return mesh;
   }
@@ -84,7 +94,7 @@ TetrahedralMesh FindSimulationMesh(const CompressArguments& arguments, const Tet
   (void)volume;
   (void)held;
 #endif
-  throw InputError(arguments.Mesh + ": expected at most " + std::to_string(MostSimulationCells) +
+  throw InputError(arguments.Mesh + ": expected at most " + std::to_string(mostCells) +
     " cells to simulate on, found " + std::to_string(mesh.NumberOfCells()) +
     "; name a coarse --simulation-mesh" +
 #ifdef MAMMORAY_HAS_MESHING
@@ -176,7 +186,9 @@ void RunCompress(const CompressArguments& arguments)
   {
     field = [&volume](const Vector3& point) { return static_cast<int>(volume->LabelAt(point)); };
   }
-  const CompressionSimulation simulation(simulationMesh, elastic, held, field);
+  CompressionOptions options;
+  options.Element = Elements.at(arguments.Element);
+  const CompressionSimulation simulation(simulationMesh, elastic, held, field, options);
   const Vector3 anchor =
     volume ? FindPoseAnchor(*volume, held, axes) : FindPoseAnchor(mesh, held, axes);
   const CompressionState state = Compress(arguments, simulation, axes, anchor);
@@ -302,6 +314,12 @@ void AddCompressCommand(CLI::App& application)
     "largest cells of the simulation mesh made of --labels for large meshes, mm; 0: by the size of "
     "the breast, 3000 to 4000 cells")
     ->check(CLI::NonNegativeNumber);
+  command
+    ->add_option("--element", arguments->Element,
+      "of the simulation: quadratic tetrahedra, or linear ones that share their volume in patches; "
+      "linear takes a tenth of the time and needs three times as many cells a side")
+    ->check(CLI::IsMember({ "quadratic", "linear" }))
+    ->capture_default_str();
   command->add_flag("--overwrite", arguments->Overwrite, "replace the output file");
   AddConfigurationOptions(*command);
   command->callback(

@@ -28,8 +28,12 @@ constexpr double Hardening = 10;
 /// Contact of a state that misses its penetration limit is made stiffer, by no more than this.
 constexpr double LargestStiffening = 256;
 /// Tissue hardly changes its volume. Where a quadrature point of a converged state has lost nine
-/// tenths of it, a cell is squeezed flat between a plate's edge and the held body.
-constexpr double SmallestAllowedJ = 0.1;
+/// tenths of it, a cell is squeezed flat between a plate's edge and the held body. A linear cell is
+/// one of a patch that keeps its volume: at such edges some lose 95 % to their neighbours.
+double SmallestAllowedJ(ElementType type)
+{
+  return type == ElementType::Quadratic ? 0.1 : 0.01;
+}
 /// A plate's travel up to which a warm start goes straight to the new plates, and the travel of one
 /// load step of a longer way, mm.
 constexpr double ShortTravelMm = 3;
@@ -46,9 +50,9 @@ std::vector<bool> FixedCoordinates(const ElasticBody& body, const TetrahedralMes
     if (material < held.size() && held[material])
     {
       any = true;
-      for (int a = 0; a < ElasticBody::NodesPerCell; ++a)
+      for (int a = 0; a < body.NodesPerCell(); ++a)
       {
-        const std::int32_t node = body.Cells()[ElasticBody::NodesPerCell * cell + a];
+        const std::int32_t node = body.Cells()[body.NodesPerCell() * cell + a];
         fixed[3 * node] = fixed[3 * node + 1] = fixed[3 * node + 2] = true;
       }
     }
@@ -109,7 +113,7 @@ CompressionSimulation::CompressionSimulation(const TetrahedralMesh& mesh,
   {
     throw InputError("compression options: expected positive values");
   }
-  ElasticBody body(mesh, materials, field, held);
+  ElasticBody body(mesh, materials, field, held, options.Element);
   std::vector<bool> fixed = FixedCoordinates(body, mesh, held);
   this->Internal = std::make_unique<Internals>(std::move(body), fixed, options);
 }
@@ -126,6 +130,7 @@ CompressionState CompressionSimulation::Compress(const PlatePair& plates,
   CheckPlate(plates.Paddle, "paddle");
   EquilibriumSolver& solver = this->Internal->Solver;
   const CompressionOptions& options = this->Internal->Options;
+  const double smallestAllowedJ = SmallestAllowedJ(options.Element);
 
   CompressionState state;
   double wanted = 1;
@@ -246,7 +251,7 @@ CompressionState CompressionSimulation::Compress(const PlatePair& plates,
     }
     keep(report, positions);
     state.Plates = target;
-    if (done < 1 && next < 1 && report.SmallestJ >= SmallestAllowedJ)
+    if (done < 1 && next < 1 && report.SmallestJ >= smallestAllowedJ)
     {
       lastGap = GapMm(target);
     }
@@ -270,12 +275,12 @@ CompressionState CompressionSimulation::Compress(const PlatePair& plates,
       }
     }
   }
-  if (state.SmallestJ < SmallestAllowedJ)
+  if (state.SmallestJ < smallestAllowedJ)
   {
     char reason[96];
     std::snprintf(reason, sizeof reason,
       "there a part keeps %.3f of its volume, expected at least %.2f", state.SmallestJ,
-      SmallestAllowedJ);
+      smallestAllowedJ);
     fail(reason);
   }
   state.ContactStiffness = options.ContactStiffness * softness;

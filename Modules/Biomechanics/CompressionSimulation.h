@@ -17,6 +17,9 @@ namespace mammoray
 {
 struct CompressionOptions
 {
+  /// Quadratic cells for accuracy on some thousand cells, patch-averaged linear ones where there are
+  /// tens of thousands.
+  ElementType Element = ElementType::Quadratic;
   /// Contact: pressure = ContactStiffness * g^2, g the depth in a layer of 0.05 mm in front of each
   /// plate; in the plate along the tangent of that, from 150 kPa on. kPa / mm^2. At a breast's mean
   /// pressure of 1 to 10 kPa it rests 0.04 mm in front of the plates; where the plates' edges cut
@@ -84,8 +87,8 @@ MAMMORAYBIOMECHANICS_EXPORT double PenetrationLimitMm(const PlatePair& plates);
  * Quasi-static compression of a nearly incompressible elastic body between two plates as a
  * minimum of energy (DESIGN.md section 6): psi = w(J^(-2/3) tr F^T F - 3) + kappa/2 (J - 1)^2, w
  * neo-Hookean or Fung's exponential (ElasticMaterial.h), on quadratic tetrahedra made from the
- * given linear ones, where of kappa no more than 50 mu acts point by point and the rest on the mean
- * of J over a cell (ElasticBody); frictionless contact by a C2 penalty; held nodes do not move.
+ * given linear ones or on these, most of kappa acting on the mean of J over a cell or a patch of
+ * cells (ElasticBody); frictionless contact by a C2 penalty; held nodes do not move.
  */
 class MAMMORAYBIOMECHANICS_EXPORT CompressionSimulation
 {
@@ -176,7 +179,8 @@ public:
   double LargestDistanceMm() const { return this->Distance; }
 
 private:
-  /// Ten node indices and weights per point.
+  int NodesPerPoint;
+  /// Node indices and weights, NodesPerPoint for each point.
   std::vector<std::int32_t> Nodes;
   std::vector<double> Weights;
   double Distance = 0;

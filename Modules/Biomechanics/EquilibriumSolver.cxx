@@ -11,14 +11,12 @@
 #include <cmath>
 #include <cstdio>
 #include <limits>
+#include <span>
 
 namespace mammoray
 {
 namespace
 {
-constexpr int CellUnknowns = ElasticBody::UnknownsPerCell;
-constexpr int CellEntries = CellUnknowns * (CellUnknowns + 1) / 2;
-
 /**
  * Middles of equal small triangles: where a plate's edge cuts through a face, many points beat a
  * high degree. On a round of 3 mm that is pressed 0.05 mm deep the contact is 1.1 mm wide: points
@@ -55,9 +53,13 @@ const std::vector<TrianglePoint>& TriangleRule()
   return rule;
 }
 
-/// Shape functions of the six-node triangle.
-std::array<double, 6> TriangleShape(const double* l)
+/// Shape functions of the triangle with six nodes or three.
+std::array<double, 6> TriangleShape(const double* l, int nodes)
 {
+  if (nodes == 3)
+  {
+    return { l[0], l[1], l[2], 0, 0, 0 };
+  }
   return { l[0] * (2 * l[0] - 1), l[1] * (2 * l[1] - 1), l[2] * (2 * l[2] - 1), 4 * l[0] * l[1],
     4 * l[1] * l[2], 4 * l[2] * l[0] };
 }
@@ -67,12 +69,13 @@ Vector3 NodeOf(const std::vector<double>& x, std::int32_t node)
   return { x[3 * node], x[3 * node + 1], x[3 * node + 2] };
 }
 
-/// A point of a boundary face; `nodes`: those of its cell.
-Vector3 FacePosition(const ElasticBody::BoundaryFace& face, const std::int32_t* nodes,
+/// A point of a boundary face.
+Vector3 FacePosition(const ElasticBody& body, const ElasticBody::BoundaryFace& face,
   const std::array<double, 6>& shape, const std::vector<double>& x)
 {
+  const std::span<const std::int32_t> nodes = body.NodesOf(face.Element);
   Vector3 position{ 0, 0, 0 };
-  for (int a = 0; a < 6; ++a)
+  for (int a = 0; a < body.NodesPerFace(); ++a)
   {
     position = position + shape[a] * NodeOf(x, nodes[face.LocalNodes[a]]);
   }
@@ -107,7 +110,7 @@ struct ContactLaw
 struct ContactPoint
 {
   const ElasticBody::BoundaryFace& Face;
-  /// Of the six nodes of the face.
+  /// Of the nodes of the face.
   std::array<double, 6> Shape;
   Vector3 Position;
   /// 0: support, 1: paddle.
@@ -146,23 +149,25 @@ struct EquilibriumSolver::Internals
   double ContactStiffness;
   /// Dead loads; empty or one per coordinate.
   std::vector<double> Loads;
-  /// Cells with a free node, and for each of them the boundary faces with a free node.
-  std::vector<std::int32_t> ActiveCells;
-  std::vector<std::vector<std::int32_t>> FacesOfCell;
+  /// Elements with a free node, and for each of them the boundary faces with a free node.
+  std::vector<std::int32_t> ActiveElements;
+  std::vector<std::vector<std::int32_t>> FacesOfElement;
   /// Number of the unknown of each coordinate; -1 where fixed.
   std::vector<std::int32_t> Unknown;
   std::vector<std::int32_t> CoordinateOfUnknown;
   /// Lower triangle by columns.
   std::vector<int> Starts;
   std::vector<int> Rows;
-  /// Where each entry of the lower half of a cell's matrix goes; -1: nowhere. CellEntries per cell.
+  /// Where each entry of the lower half of an element's matrix goes; -1: nowhere. Those of active
+  /// element a begin at ScatterStarts[a].
   std::vector<std::int32_t> Scatter;
+  std::vector<std::size_t> ScatterStarts;
   std::unique_ptr<SparseCholesky> Factor;
 
   /// A force no result depends on: convergence is measured against it while nothing touches.
   double SmallestForce = 0;
   double RestVolume = 0;
-  /// Volume of the cells that do not move.
+  /// Volume of the elements that do not move.
   double FixedVolume = 0;
   /// Roundoff of the energy, kPa mm^3.
   double EnergyNoise = 0;
@@ -191,22 +196,32 @@ struct EquilibriumSolver::Internals
   mutable double Share = 0;
   mutable std::vector<double> ProjectedValues;
 
-  mutable std::vector<ElasticBody::Terms> CellResults;
-  mutable std::vector<ContactTotals> CellContacts;
-  mutable std::vector<std::array<double, CellUnknowns>> CellContactGradients;
-  mutable std::vector<char> CellValid;
+  mutable std::vector<ElasticBody::Terms> ElementResults;
+  mutable std::vector<ContactTotals> ElementContacts;
+  mutable std::vector<std::vector<double>> ElementContactGradients;
+  mutable std::vector<char> ElementValid;
 
   Internals(const ElasticBody& body, const std::vector<bool>& fixed, double contactStiffness);
   void MakePattern();
+  std::span<const std::int32_t> NodesOf(std::size_t active) const
+  {
+    return this->Body.NodesOf(this->ActiveElements[active]);
+  }
+  /// Coordinate of a row of an active element's matrix.
+  std::size_t CoordinateOf(std::size_t active, std::size_t row) const
+  {
+    return 3 * static_cast<std::size_t>(this->NodesOf(active)[row / 3]) + row % 3;
+  }
   void MeasureScales();
-  /// Calls function(ContactPoint) for every point of an active cell that lies in a plate's layer.
+  /// Calls function(ContactPoint) for every point of an active element that lies in a plate's
+  /// layer.
   template <typename Function>
   void ForEachContact(std::size_t active, const std::vector<double>& x, const PlatePair& plates,
     const Function& function) const;
-  /// Adds the contact of the faces of an active cell to its terms.
+  /// Adds the contact of the faces of an active element to its terms.
   void AddContact(std::size_t active, const std::vector<double>& x, const PlatePair& plates,
     ElasticBody::Order order, ElasticBody::Terms& terms, ContactTotals& totals,
-    std::array<double, CellUnknowns>& contactGradient) const;
+    std::vector<double>& contactGradient) const;
   void Assemble(const std::vector<double>& x, const PlatePair* plates, ElasticBody::Order order,
     Assembly& result) const;
   /// Factor of Current's matrix, or of a stiffer one where that is indefinite; `stiffer`: than the
@@ -238,23 +253,22 @@ EquilibriumSolver::Internals::Internals(const ElasticBody& body, const std::vect
     throw InputError("equilibrium: expected 3 flags per node, found " +
       std::to_string(fixed.size()) + " for " + std::to_string(body.NumberOfNodes()) + " nodes");
   }
-  const std::vector<std::int32_t>& cells = body.Cells();
-  std::vector<std::int32_t> activeOfCell(body.NumberOfCells(), -1);
+  std::vector<std::int32_t> activeOfElement(body.NumberOfElements(), -1);
   std::vector<bool> used(body.NumberOfNodes(), false);
   const auto isFree = [&](std::int32_t node)
   { return !(fixed[3 * node] && fixed[3 * node + 1] && fixed[3 * node + 2]); };
-  for (std::size_t cell = 0; cell < body.NumberOfCells(); ++cell)
+  for (std::size_t element = 0; element < body.NumberOfElements(); ++element)
   {
-    const std::int32_t* nodes = &cells[ElasticBody::NodesPerCell * cell];
-    const double volume = body.CellVolume(cell);
+    const std::span<const std::int32_t> nodes = body.NodesOf(element);
+    const double volume = body.ElementVolume(element);
     this->RestVolume += volume;
-    if (std::any_of(nodes, nodes + ElasticBody::NodesPerCell, isFree))
+    if (std::any_of(nodes.begin(), nodes.end(), isFree))
     {
-      activeOfCell[cell] = static_cast<std::int32_t>(this->ActiveCells.size());
-      this->ActiveCells.push_back(static_cast<std::int32_t>(cell));
-      for (int a = 0; a < ElasticBody::NodesPerCell; ++a)
+      activeOfElement[element] = static_cast<std::int32_t>(this->ActiveElements.size());
+      this->ActiveElements.push_back(static_cast<std::int32_t>(element));
+      for (const std::int32_t node : nodes)
       {
-        used[nodes[a]] = true;
+        used[node] = true;
       }
     }
     else
@@ -262,7 +276,7 @@ EquilibriumSolver::Internals::Internals(const ElasticBody& body, const std::vect
       this->FixedVolume += volume;
     }
   }
-  if (this->ActiveCells.empty())
+  if (this->ActiveElements.empty())
   {
     throw InputError("equilibrium: expected cells that can move, found all of them held");
   }
@@ -277,31 +291,31 @@ EquilibriumSolver::Internals::Internals(const ElasticBody& body, const std::vect
       this->CoordinateOfUnknown.push_back(static_cast<std::int32_t>(c));
     }
   }
-  this->FacesOfCell.resize(this->ActiveCells.size());
+  this->FacesOfElement.resize(this->ActiveElements.size());
   for (std::size_t f = 0; f < body.Faces().size(); ++f)
   {
     const ElasticBody::BoundaryFace& face = body.Faces()[f];
-    const std::int32_t* nodes = &cells[ElasticBody::NodesPerCell * face.Cell];
-    if (std::any_of(face.LocalNodes.begin(), face.LocalNodes.end(),
+    const std::span<const std::int32_t> nodes = body.NodesOf(face.Element);
+    if (std::any_of(face.LocalNodes.begin(), face.LocalNodes.begin() + body.NodesPerFace(),
           [&](int local) { return isFree(nodes[local]); }))
     {
-      this->FacesOfCell[activeOfCell[face.Cell]].push_back(static_cast<std::int32_t>(f));
+      this->FacesOfElement[activeOfElement[face.Element]].push_back(static_cast<std::int32_t>(f));
     }
   }
   this->MakePattern();
   this->Factor = std::make_unique<SparseCholesky>(this->Starts, this->Rows);
-  this->CellResults.resize(this->ActiveCells.size());
-  this->CellContacts.resize(this->ActiveCells.size());
-  this->CellContactGradients.resize(this->ActiveCells.size());
-  this->CellValid.resize(this->ActiveCells.size());
+  this->ElementResults.resize(this->ActiveElements.size());
+  this->ElementContacts.resize(this->ActiveElements.size());
+  this->ElementContactGradients.resize(this->ActiveElements.size());
+  this->ElementValid.resize(this->ActiveElements.size());
 }
 
 void EquilibriumSolver::Internals::MeasureScales()
 {
   double stiffness = 0;
-  for (const std::int32_t cell : this->ActiveCells)
+  for (const std::int32_t element : this->ActiveElements)
   {
-    stiffness += this->Body.CellShearModulus(cell) * this->Body.CellVolume(cell);
+    stiffness += this->Body.ElementShearModulus(element) * this->Body.ElementVolume(element);
   }
   this->EnergyNoise = 1e-13 * 1.5 * stiffness;
   this->SmallestForce = 1e-4 * stiffness / std::cbrt(this->RestVolume);
@@ -309,53 +323,66 @@ void EquilibriumSolver::Internals::MeasureScales()
 
 void EquilibriumSolver::Internals::MakePattern()
 {
-  const std::vector<std::int32_t>& cells = this->Body.Cells();
-  const std::size_t n = this->CoordinateOfUnknown.size();
-  const auto unknownsOf = [&](std::size_t active)
+  // Elements of every node, then for each node those it shares an element with.
+  std::vector<std::vector<std::int32_t>> activeOfNode(this->Body.NumberOfNodes());
+  this->ScatterStarts.assign(1, 0);
+  for (std::size_t active = 0; active < this->ActiveElements.size(); ++active)
   {
-    std::array<std::int32_t, CellUnknowns> result;
-    const std::int32_t* nodes = &cells[ElasticBody::NodesPerCell * this->ActiveCells[active]];
-    for (int r = 0; r < CellUnknowns; ++r)
+    for (const std::int32_t node : this->NodesOf(active))
     {
-      result[r] = this->Unknown[3 * nodes[r / 3] + r % 3];
+      activeOfNode[node].push_back(static_cast<std::int32_t>(active));
     }
-    return result;
-  };
-  std::vector<std::vector<int>> columns(n);
-  for (std::size_t active = 0; active < this->ActiveCells.size(); ++active)
-  {
-    const auto unknowns = unknownsOf(active);
-    for (const std::int32_t column : unknowns)
-    {
-      for (const std::int32_t row : unknowns)
-      {
-        if (column >= 0 && row >= column)
-        {
-          columns[column].push_back(row);
-        }
-      }
-    }
+    const std::size_t rows = 3 * this->NodesOf(active).size();
+    this->ScatterStarts.push_back(this->ScatterStarts.back() + rows * (rows + 1) / 2);
   }
   this->Starts.assign(1, 0);
-  for (std::vector<int>& column : columns)
+  std::vector<std::int32_t> near;
+  std::vector<int> unknowns;
+  std::int32_t nodeOfLast = -1;
+  for (std::size_t u = 0; u < this->CoordinateOfUnknown.size(); ++u)
   {
-    std::sort(column.begin(), column.end());
-    column.erase(std::unique(column.begin(), column.end()), column.end());
-    this->Rows.insert(this->Rows.end(), column.begin(), column.end());
+    const std::int32_t node = this->CoordinateOfUnknown[u] / 3;
+    if (node != nodeOfLast)
+    {
+      near.clear();
+      for (const std::int32_t active : activeOfNode[node])
+      {
+        const std::span<const std::int32_t> nodes = this->NodesOf(active);
+        near.insert(near.end(), nodes.begin(), nodes.end());
+      }
+      std::sort(near.begin(), near.end());
+      near.erase(std::unique(near.begin(), near.end()), near.end());
+      unknowns.clear();
+      for (const std::int32_t other : near)
+      {
+        for (int axis = 0; axis < 3; ++axis)
+        {
+          if (this->Unknown[3 * other + axis] >= 0)
+          {
+            unknowns.push_back(this->Unknown[3 * other + axis]);
+          }
+        }
+      }
+      nodeOfLast = node;
+    }
+    // Unknowns are numbered as the coordinates are, so these ascend.
+    this->Rows.insert(this->Rows.end(),
+      std::lower_bound(unknowns.begin(), unknowns.end(), static_cast<int>(u)), unknowns.end());
     this->Starts.push_back(static_cast<int>(this->Rows.size()));
-    std::vector<int>().swap(column);
   }
-  this->Scatter.resize(CellEntries * this->ActiveCells.size());
-  ParallelFor(this->ActiveCells.size(),
+  this->Scatter.resize(this->ScatterStarts.back());
+  ParallelFor(this->ActiveElements.size(),
     [&](std::size_t active)
     {
-      const auto unknowns = unknownsOf(active);
-      std::int32_t* scatter = &this->Scatter[CellEntries * active];
-      for (int c = 0; c < CellUnknowns; ++c)
+      std::int32_t* scatter = &this->Scatter[this->ScatterStarts[active]];
+      const std::size_t rows = 3 * this->NodesOf(active).size();
+      for (std::size_t c = 0; c < rows; ++c)
       {
-        for (int r = c; r < CellUnknowns; ++r)
+        for (std::size_t r = c; r < rows; ++r)
         {
-          const auto [column, row] = std::minmax(unknowns[c], unknowns[r]);
+          const auto [column, row] = std::minmax(
+            this->Unknown[this->CoordinateOf(active, c)],
+            this->Unknown[this->CoordinateOf(active, r)]);
           *scatter = -1;
           if (column >= 0)
           {
@@ -374,21 +401,21 @@ template <typename Function>
 void EquilibriumSolver::Internals::ForEachContact(std::size_t active, const std::vector<double>& x,
   const PlatePair& plates, const Function& function) const
 {
-  const std::int32_t* nodes =
-    &this->Body.Cells()[ElasticBody::NodesPerCell * this->ActiveCells[active]];
+  const std::span<const std::int32_t> nodes = this->NodesOf(active);
+  const int faceNodes = this->Body.NodesPerFace();
   const Plate* sides[2] = { &plates.Support, &plates.Paddle };
-  for (const std::int32_t f : this->FacesOfCell[active])
+  for (const std::int32_t f : this->FacesOfElement[active])
   {
     const ElasticBody::BoundaryFace& face = this->Body.Faces()[f];
     Vector3 centre{ 0, 0, 0 };
-    for (const int local : face.LocalNodes)
+    for (int a = 0; a < faceNodes; ++a)
     {
-      centre = centre + (1 / 6.0) * NodeOf(x, nodes[local]);
+      centre = centre + (1.0 / faceNodes) * NodeOf(x, nodes[face.LocalNodes[a]]);
     }
     double radius = 0;
-    for (const int local : face.LocalNodes)
+    for (int a = 0; a < faceNodes; ++a)
     {
-      radius = std::max(radius, Norm(NodeOf(x, nodes[local]) - centre));
+      radius = std::max(radius, Norm(NodeOf(x, nodes[face.LocalNodes[a]]) - centre));
     }
     // The shape functions' magnitudes sum to 5/3 at most, and a distance grows no faster than the
     // way.
@@ -401,8 +428,8 @@ void EquilibriumSolver::Internals::ForEachContact(std::size_t active, const std:
     }
     for (const TrianglePoint& rulePoint : TriangleRule())
     {
-      const std::array<double, 6> shape = TriangleShape(rulePoint.Lambda);
-      const Vector3 position = FacePosition(face, nodes, shape, x);
+      const std::array<double, 6> shape = TriangleShape(rulePoint.Lambda, faceNodes);
+      const Vector3 position = FacePosition(this->Body, face, shape, x);
       for (int side = 0; side < 2; ++side)
       {
         const PlateDistance distance = DistanceToPlate(*sides[side], position);
@@ -419,8 +446,10 @@ void EquilibriumSolver::Internals::ForEachContact(std::size_t active, const std:
 
 void EquilibriumSolver::Internals::AddContact(std::size_t active, const std::vector<double>& x,
   const PlatePair& plates, ElasticBody::Order order, ElasticBody::Terms& terms,
-  ContactTotals& totals, std::array<double, CellUnknowns>& contactGradient) const
+  ContactTotals& totals, std::vector<double>& contactGradient) const
 {
+  const int faceNodes = this->Body.NodesPerFace();
+  const std::size_t rows = 3 * this->NodesOf(active).size();
   this->ForEachContact(active, x, plates,
     [&](const ContactPoint& point)
     {
@@ -433,7 +462,7 @@ void EquilibriumSolver::Internals::AddContact(std::size_t active, const std::vec
         return;
       }
       const std::array<int, 6>& local = point.Face.LocalNodes;
-      for (int a = 0; a < 6; ++a)
+      for (int a = 0; a < faceNodes; ++a)
       {
         for (int i = 0; i < 3; ++i)
         {
@@ -456,16 +485,16 @@ void EquilibriumSolver::Internals::AddContact(std::size_t active, const std::vec
             across * point.Distance.Tangent[i] * point.Distance.Tangent[j];
         }
       }
-      for (int a = 0; a < 6; ++a)
+      for (int a = 0; a < faceNodes; ++a)
       {
-        for (int b = 0; b < 6; ++b)
+        for (int b = 0; b < faceNodes; ++b)
         {
           const double shapes = point.Shape[a] * point.Shape[b];
           for (int i = 0; i < 3; ++i)
           {
             for (int j = 0; j < 3; ++j)
             {
-              terms.Hessian[CellUnknowns * (3 * local[b] + j) + 3 * local[a] + i] +=
+              terms.Hessian[rows * (3 * local[b] + j) + 3 * local[a] + i] +=
                 shapes * block[i][j];
             }
           }
@@ -477,34 +506,35 @@ void EquilibriumSolver::Internals::AddContact(std::size_t active, const std::vec
 void EquilibriumSolver::Internals::Assemble(const std::vector<double>& x, const PlatePair* plates,
   ElasticBody::Order order, Assembly& result) const
 {
-  ParallelFor(this->ActiveCells.size(),
+  ParallelFor(this->ActiveElements.size(),
     [&](std::size_t active)
     {
-      ElasticBody::Terms& terms = this->CellResults[active];
-      this->CellContacts[active] = {};
-      this->CellContactGradients[active].fill(0.0);
-      this->CellValid[active] = this->Body.CellTerms(this->ActiveCells[active], x, order, terms);
-      if (this->CellValid[active] && plates)
+      ElasticBody::Terms& terms = this->ElementResults[active];
+      this->ElementContacts[active] = {};
+      this->ElementContactGradients[active].assign(3 * this->NodesOf(active).size(), 0.0);
+      this->ElementValid[active] =
+        this->Body.ElementTerms(this->ActiveElements[active], x, order, terms);
+      if (this->ElementValid[active] && plates)
       {
-        this->AddContact(active, x, *plates, order, terms, this->CellContacts[active],
-          this->CellContactGradients[active]);
+        this->AddContact(active, x, *plates, order, terms, this->ElementContacts[active],
+          this->ElementContactGradients[active]);
       }
     });
-  result.Valid =
-    std::all_of(this->CellValid.begin(), this->CellValid.end(), [](char valid) { return valid; });
+  result.Valid = std::all_of(this->ElementValid.begin(), this->ElementValid.end(),
+    [](char valid) { return valid; });
   if (!result.Valid)
   {
     return;
   }
-  // Sums in the order of the cells, whatever the number of threads.
+  // Sums in the order of the elements, whatever the number of threads.
   result.Contact = {};
   result.Energy = 0;
-  result.SmallestJ = result.LargestJ = this->CellResults.front().SmallestJ;
+  result.SmallestJ = result.LargestJ = this->ElementResults.front().SmallestJ;
   result.Volume = this->FixedVolume;
-  for (std::size_t active = 0; active < this->ActiveCells.size(); ++active)
+  for (std::size_t active = 0; active < this->ActiveElements.size(); ++active)
   {
-    const ElasticBody::Terms& terms = this->CellResults[active];
-    const ContactTotals& contact = this->CellContacts[active];
+    const ElasticBody::Terms& terms = this->ElementResults[active];
+    const ContactTotals& contact = this->ElementContacts[active];
     result.Energy += terms.Energy + contact.Energy;
     result.SmallestJ = std::min(result.SmallestJ, terms.SmallestJ);
     result.LargestJ = std::max(result.LargestJ, terms.LargestJ);
@@ -524,16 +554,14 @@ void EquilibriumSolver::Internals::Assemble(const std::vector<double>& x, const 
   }
   result.Gradient.assign(x.size(), 0.0);
   std::vector<double> contactGradient(x.size(), 0.0);
-  for (std::size_t active = 0; active < this->ActiveCells.size(); ++active)
+  for (std::size_t active = 0; active < this->ActiveElements.size(); ++active)
   {
-    const std::int32_t* nodes =
-      &this->Body.Cells()[ElasticBody::NodesPerCell * this->ActiveCells[active]];
-    for (int r = 0; r < CellUnknowns; ++r)
+    const std::vector<double>& contact = this->ElementContactGradients[active];
+    for (std::size_t r = 0; r < contact.size(); ++r)
     {
-      const std::size_t coordinate = 3 * nodes[r / 3] + r % 3;
-      result.Gradient[coordinate] +=
-        this->CellResults[active].Gradient[r] + this->CellContactGradients[active][r];
-      contactGradient[coordinate] += this->CellContactGradients[active][r];
+      const std::size_t coordinate = this->CoordinateOf(active, r);
+      result.Gradient[coordinate] += this->ElementResults[active].Gradient[r] + contact[r];
+      contactGradient[coordinate] += contact[r];
     }
   }
   for (std::size_t c = 0; c < this->Loads.size(); ++c)
@@ -554,17 +582,18 @@ void EquilibriumSolver::Internals::Assemble(const std::vector<double>& x, const 
     return;
   }
   result.Values.assign(this->Rows.size(), 0.0);
-  for (std::size_t active = 0; active < this->ActiveCells.size(); ++active)
+  for (std::size_t active = 0; active < this->ActiveElements.size(); ++active)
   {
-    const std::int32_t* scatter = &this->Scatter[CellEntries * active];
-    const double* hessian = this->CellResults[active].Hessian.data();
-    for (int c = 0; c < CellUnknowns; ++c)
+    const std::int32_t* scatter = &this->Scatter[this->ScatterStarts[active]];
+    const double* hessian = this->ElementResults[active].Hessian.data();
+    const std::size_t rows = 3 * this->NodesOf(active).size();
+    for (std::size_t c = 0; c < rows; ++c)
     {
-      for (int r = c; r < CellUnknowns; ++r, ++scatter)
+      for (std::size_t r = c; r < rows; ++r, ++scatter)
       {
         if (*scatter >= 0)
         {
-          result.Values[*scatter] += hessian[CellUnknowns * c + r];
+          result.Values[*scatter] += hessian[rows * c + r];
         }
       }
     }
@@ -655,10 +684,9 @@ std::vector<double> EquilibriumSolver::Internals::PlateForces(const std::vector<
   // w x r: d(grad b)/dp = b' w x grad d - hess(b) v, since grad d turns with the plate.
   const std::size_t n = this->CoordinateOfUnknown.size();
   std::vector<double> columns(n * velocities.size(), 0.0);
-  for (std::size_t active = 0; active < this->ActiveCells.size(); ++active)
+  for (std::size_t active = 0; active < this->ActiveElements.size(); ++active)
   {
-    const std::int32_t* nodes =
-      &this->Body.Cells()[ElasticBody::NodesPerCell * this->ActiveCells[active]];
+    const std::span<const std::int32_t> nodes = this->NodesOf(active);
     this->ForEachContact(active, x, plates,
       [&](const ContactPoint& point)
       {
@@ -673,7 +701,7 @@ std::vector<double> EquilibriumSolver::Internals::PlateForces(const std::vector<
           const Vector3 force = (along * Dot(distance.Gradient, v)) * distance.Gradient +
             (slope * distance.Curvature * Dot(distance.Tangent, v)) * distance.Tangent -
             slope * Cross(velocity.Angular, distance.Gradient);
-          for (int a = 0; a < 6; ++a)
+          for (int a = 0; a < this->Body.NodesPerFace(); ++a)
           {
             for (int i = 0; i < 3; ++i)
             {
@@ -697,13 +725,13 @@ std::vector<double> EquilibriumSolver::Internals::MaterialForces(const std::vect
   std::vector<double> columns(n * velocities.size(), 0.0);
   for (std::size_t p = 0; p < velocities.size(); ++p)
   {
-    for (const std::int32_t cell : this->ActiveCells)
+    for (std::size_t active = 0; active < this->ActiveElements.size(); ++active)
     {
-      const std::int32_t* nodes = &this->Body.Cells()[ElasticBody::NodesPerCell * cell];
-      const auto rate = this->Body.GradientRate(cell, x, velocities[p]);
-      for (int r = 0; r < CellUnknowns; ++r)
+      const std::vector<double> rate =
+        this->Body.GradientRate(this->ActiveElements[active], x, velocities[p]);
+      for (std::size_t r = 0; r < rate.size(); ++r)
       {
-        const std::int32_t unknown = this->Unknown[3 * nodes[r / 3] + r % 3];
+        const std::int32_t unknown = this->Unknown[this->CoordinateOf(active, r)];
         if (unknown >= 0)
         {
           columns[n * p + unknown] -= rate[r];
@@ -979,10 +1007,8 @@ double EquilibriumSolver::PaddleForceRate(const std::vector<double>& x, const Pl
   // turns both grad d and n leaves their product as it is.
   const Internals& internal = *this->Internal;
   double rate = 0;
-  for (std::size_t active = 0; active < internal.ActiveCells.size(); ++active)
+  for (std::size_t active = 0; active < internal.ActiveElements.size(); ++active)
   {
-    const std::int32_t* nodes =
-      &internal.Body.Cells()[ElasticBody::NodesPerCell * internal.ActiveCells[active]];
     internal.ForEachContact(active, x, plates,
       [&](const ContactPoint& point)
       {
@@ -992,7 +1018,7 @@ double EquilibriumSolver::PaddleForceRate(const std::vector<double>& x, const Pl
         }
         const PlateDistance& distance = point.Distance;
         const Vector3& normal = point.Touched.Normal;
-        const Vector3 relative = FacePosition(point.Face, nodes, point.Shape, nodeVelocities) -
+        const Vector3 relative = FacePosition(internal.Body, point.Face, point.Shape, nodeVelocities) -
           velocity.Paddle.At(point.Touched, point.Position);
         rate += point.Weight *
           (point.Law.Pressure * distance.Curvature * Dot(distance.Tangent, relative) *
@@ -1029,16 +1055,16 @@ std::array<double, 2> EquilibriumSolver::Opening(const std::vector<double>& x,
   const PlatePair& plates) const
 {
   std::array<double, 2> opening{ 0, 0 };
-  for (const std::vector<std::int32_t>& faces : this->Internal->FacesOfCell)
+  const ElasticBody& body = this->Internal->Body;
+  for (const std::vector<std::int32_t>& faces : this->Internal->FacesOfElement)
   {
     for (const std::int32_t f : faces)
     {
-      const ElasticBody::BoundaryFace& face = this->Internal->Body.Faces()[f];
-      const std::int32_t* nodes =
-        &this->Internal->Body.Cells()[ElasticBody::NodesPerCell * face.Cell];
+      const ElasticBody::BoundaryFace& face = body.Faces()[f];
       for (const TrianglePoint& point : TriangleRule())
       {
-        const Vector3 position = FacePosition(face, nodes, TriangleShape(point.Lambda), x);
+        const Vector3 position =
+          FacePosition(body, face, TriangleShape(point.Lambda, body.NodesPerFace()), x);
         for (int side = 0; side < 2; ++side)
         {
           const Plate& plate = side == 0 ? plates.Support : plates.Paddle;

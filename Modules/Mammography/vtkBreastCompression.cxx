@@ -49,14 +49,16 @@ struct vtkBreastCompression::Internals
   TetrahedralMesh Mesh;
   std::vector<ElasticMaterial> Elastic;
   std::vector<bool> Held;
+  ElementType Element = ElementType::Quadratic;
   std::unique_ptr<CompressionSimulation> Simulation;
   std::optional<CompressionState> State;
 
-  void Prepare(vtkUnstructuredGrid* grid, const std::string& table);
+  void Prepare(vtkUnstructuredGrid* grid, const std::string& table, ElementType element);
   void Compress(const PlatePair& plates, const ProgressCallback& progress);
 };
 
-void vtkBreastCompression::Internals::Prepare(vtkUnstructuredGrid* grid, const std::string& table)
+void vtkBreastCompression::Internals::Prepare(vtkUnstructuredGrid* grid, const std::string& table,
+  ElementType element)
 {
   TetrahedralMesh mesh = FromGrid(grid);
   mesh.Validate("vtkBreastCompression's input");
@@ -103,6 +105,7 @@ void vtkBreastCompression::Internals::Prepare(vtkUnstructuredGrid* grid, const s
   };
   if (this->Simulation && mesh.Points == this->Mesh.Points && mesh.Cells == this->Mesh.Cells &&
     mesh.Materials == this->Mesh.Materials && held == this->Held &&
+    element == this->Element &&
     std::equal(elastic.begin(), elastic.end(), this->Elastic.begin(), this->Elastic.end(),
       sameElastic))
   {
@@ -110,7 +113,11 @@ void vtkBreastCompression::Internals::Prepare(vtkUnstructuredGrid* grid, const s
   }
   this->State.reset();
   this->Simulation.reset(); // should this throw, nothing is taken for current
-  this->Simulation = std::make_unique<CompressionSimulation>(mesh, elastic, held);
+  CompressionOptions options;
+  options.Element = element;
+  this->Simulation =
+    std::make_unique<CompressionSimulation>(mesh, elastic, held, MaterialField(), options);
+  this->Element = element;
   this->Mesh = std::move(mesh);
   this->Elastic = std::move(elastic);
   this->Held = std::move(held);
@@ -179,7 +186,8 @@ int vtkBreastCompression::RequestData(vtkInformation*, vtkInformationVector** in
         "expected a positive ThicknessMm, and an EdgeRadiusMm and a ForceN of at least 0");
     }
     const AnatomicalAxes axes = AnatomicalAxes::FromCode(this->Orientation);
-    internal.Prepare(input, this->MaterialTable);
+    internal.Prepare(input, this->MaterialTable,
+      this->Element == LINEAR ? ElementType::PatchAveragedLinear : ElementType::Quadratic);
     BreastPose pose;
     pose.ThicknessMm = this->ThicknessMm;
     pose.RollDeg = this->RollDeg;
@@ -271,6 +279,7 @@ void vtkBreastCompression::PrintSelf(ostream& os, vtkIndent indent)
   this->Superclass::PrintSelf(os, indent);
   os << indent << "MaterialTable: " << this->MaterialTable << "\n";
   os << indent << "Orientation: " << this->Orientation << "\n";
+  os << indent << "Element: " << (this->Element == LINEAR ? "linear" : "quadratic") << "\n";
   os << indent << "ThicknessMm: " << this->ThicknessMm << "\n";
   os << indent << "ForceN: " << this->ForceN << "\n";
   os << indent << "PaddleTiltDeg: " << this->PaddleTiltDeg << "\n";
