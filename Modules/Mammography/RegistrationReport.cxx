@@ -424,6 +424,15 @@ td.value { text-align: right; padding-right: 0; }
 td.number, th.number { text-align: right; white-space: nowrap; }
 .columns { display: grid; grid-template-columns: 1fr 1fr; gap: 18px; }
 .columns section { min-width: 0; }
+.stage { position: relative; max-width: 560px; margin-top: 12px; --blend: 50%; }
+.stage img { display: block; width: 100%; border-radius: 6px; }
+.stage img + img { position: absolute; inset: 0; opacity: var(--blend); }
+.stage.checkerboard img + img { opacity: 1; -webkit-mask: repeating-conic-gradient(#000 0 25%, #0000 0 50%)
+  0 0 / 90px 90px; mask: repeating-conic-gradient(#000 0 25%, #0000 0 50%) 0 0 / 90px 90px; }
+.stage.flicker img + img { opacity: 1; animation: flicker 1.2s step-end infinite; }
+@keyframes flicker { 50% { opacity: 0; } }
+.controls label { margin-right: 18px; }
+.controls input[type=range] { width: 240px; vertical-align: middle; }
 code { font: 12px ui-monospace, Menlo, Consolas, monospace; color: var(--quiet); overflow-wrap: anywhere; }
 .flag { background: #fef3c7; border-radius: 4px; padding: 1px 6px; font-size: 12px; }
 section > svg { width: 100%; height: auto; display: block; }
@@ -508,6 +517,32 @@ std::string PicturesHtml(const ReportPictures& pictures)
     "</div>\n<p style=\"color:var(--quiet);font-size:13px;margin:12px 0 0\">Letters are patient "
     "directions: A anterior, P posterior, L left, R right, H head, F feet.</p>\n</section>\n";
 }
+
+/// Both pictures in one place; the script takes them from the figures above, so that each is in the
+/// file once.
+constexpr const char* Comparison = R"html(<section id="comparison" hidden>
+<h2>Compare</h2>
+<div class="controls">
+<label><input type="radio" name="mode" value="blend" checked> blend, real
+<input type="range" min="0" max="100" value="50" aria-label="share of the synthetic mammogram"> synthetic</label>
+<label><input type="radio" name="mode" value="checkerboard"> checkerboard</label>
+<label><input type="radio" name="mode" value="flicker"> flicker</label>
+</div>
+<div class="stage"><img alt="Real mammogram"><img alt="Synthetic mammogram"></div>
+<script>
+const section = document.getElementById("comparison");
+const stage = section.querySelector(".stage");
+const range = section.querySelector("[type=range]");
+const blend = () => stage.style.setProperty("--blend", range.value + "%");
+stage.querySelectorAll("img").forEach(image => {
+  image.src = document.querySelector(`.pictures img[alt="${image.alt}"]`).src; });
+section.querySelectorAll("[name=mode]").forEach(button => {
+  button.onchange = () => { stage.className = "stage " + button.value; }; });
+range.oninput = () => { section.querySelector("[value=blend]").click(); blend(); };
+section.hidden = false;
+</script>
+</section>
+)html";
 
 std::string ParametersHtml(const RegistrationResult& result)
 {
@@ -595,6 +630,7 @@ std::string ReportHtml(const RegistrationReport& report, const Assessment& asses
   html += VerdictHtml(assessment);
   html += FiguresHtml(result);
   html += PicturesHtml(pictures);
+  html += Comparison;
   html += ParametersHtml(result);
   html += "<section>\n<h2>Course of the search</h2>\n" + plot + "<p class=\"hint\">" +
     ResolutionNote(result) + "</p></section>\n";

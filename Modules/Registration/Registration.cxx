@@ -572,7 +572,8 @@ RegistrationResult Register(const RegistrationModel& model, const RegistrationTa
       break;
     }
     result.Converged = summary.termination_type == ceres::CONVERGENCE;
-    result.StopReason = summary.message;
+    // Like our own reasons, without a full stop.
+    result.StopReason = summary.message.substr(0, summary.message.find_last_not_of(". ") + 1);
     if (summary.termination_type == ceres::FAILURE)
     {
       break;

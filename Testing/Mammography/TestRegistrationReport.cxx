@@ -178,6 +178,9 @@ TEST(RegistrationReport, WritesEverythingTheResultHolds)
   EXPECT_THAT(html, HasSubstr("The two mammograms match"));
   EXPECT_THAT(html, HasSubstr("The header does not say &lt;this&gt; &amp; that."));
   EXPECT_THAT(html, HasSubstr("input &lt;1&gt;.txt"));
+  // What the script of the comparison looks for.
+  EXPECT_THAT(html, HasSubstr("<img alt=\"Real mammogram\" src=\"data:"));
+  EXPECT_THAT(html, HasSubstr("<img alt=\"Synthetic mammogram\" src=\"data:"));
   EXPECT_THAT(html, Not(HasSubstr(folder.File("")))); // self-contained, and no path of this machine
   EXPECT_THAT(html, Not(HasSubstr("http://127")));
   EXPECT_THAT(testing_support::ReadFile(report + "/convergence.svg"), HasSubstr("Iteration"));
