@@ -232,22 +232,14 @@ void RunCheck(const MeshArguments& arguments)
   std::string message;
   for (const MeshTrouble& trouble : check.Troubles)
   {
-    const bool note = trouble.What == MeshTrouble::Kind::Pinches;
-    const std::string line = arguments.Check + ": " + trouble.Text(names);
-    if (note)
-    {
-      std::printf("note: %s\n", line.c_str());
-    }
-    else
-    {
-      message += (message.empty() ? "" : "\nmammoray: ") + line;
-    }
+    message +=
+      (message.empty() ? "" : "\nmammoray: ") + arguments.Check + ": " + trouble.Text(names);
   }
   if (!message.empty())
   {
     throw ConvergenceError(message);
   }
-  std::printf("sound: every cell is upright, every boundary closed\n");
+  std::printf("sound: every cell is upright, every boundary a closed surface\n");
 }
 
 void PrintReport(const std::vector<std::string>& names, const MeshingResult& result)

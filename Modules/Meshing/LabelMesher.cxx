@@ -478,8 +478,9 @@ MeshingResult MeshMaterials(const LabelVolume& materials, const MeshingOptions& 
     result.TimeLimitReached =
       perturbed == CGAL::TIME_LIMIT_REACHED || exuded == CGAL::TIME_LIMIT_REACHED;
   }
-  ReportProgress(progress, 0.96, "checking");
   result.Mesh = Extract(complex);
+  FinishMesh(materials, options, result.Mesh, Within(progress, 0.95, 0.99));
+  ReportProgress(progress, 0.99, "checking");
   CheckComponents(result.Mesh, volume, plan.Found);
   PlaceInVolumeFrame(volume, result.Mesh);
   result.Mesh.Validate("mesh");

@@ -4,6 +4,7 @@
 #include "Error.h"
 #include "LabelSurface.h"
 #include "MeshCheck.h"
+#include "MeshRepair.h"
 #include "Private/MeshingSteps.h"
 #include "Private/TetGen.h"
 
@@ -294,6 +295,7 @@ MeshingResult MeshSurfaces(const SurfaceMesh& surfaces, const MeshingOptions& op
   MeshingResult result;
   std::vector<TetGenRegion> regions;
   result.Mesh = Fill(surfaces, complex, check, options, progress, regions);
+  MendInterfaces(result.Mesh, options.SmallestDihedralDeg, Within(progress, 0.95, 1.0));
   result.Reports = ReportMaterials({}, result.Mesh);
   for (MaterialReport& report : result.Reports)
   {
@@ -328,6 +330,7 @@ MeshingResult MeshMaterialSurfaces(const LabelVolume& materials, const MeshingOp
   const SurfaceMesh surface = SmoothInterfaces(grid, options, progress);
   std::vector<TetGenRegion> regions;
   result.Mesh = Fill(surface, Weld(surface), CheckSurface(surface), options, progress, regions);
+  FinishMesh(materials, options, result.Mesh, Within(progress, 0.95, 1.0));
   CheckComponents(result.Mesh, volume, found);
   PlaceInVolumeFrame(volume, result.Mesh);
   result.Reports = ReportMaterials(materials, result.Mesh);

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "MeshingSteps.h"
 
+#include "CellImprovement.h"
 #include "Error.h"
 #include "LabelResampling.h"
 #include "MeshQuality.h"
+#include "PinchRepair.h"
+#include "VolumeFit.h"
 
 #include <algorithm>
 #include <cstdio>
@@ -122,6 +125,41 @@ void CheckComponents(const TetrahedralMesh& mesh, const LabelVolume& volume,
           static_cast<double>(lost.Voxels) * volume.VoxelVolume(), 2 * lost.DepthMm));
     }
   }
+}
+
+ProgressCallback Within(const ProgressCallback& progress, double begin, double end)
+{
+  return [=, &progress](double fraction, const char* stage)
+  { return !progress || progress(begin + fraction * (end - begin), stage); };
+}
+
+void FinishMesh(const LabelVolume& materials, const MeshingOptions& options,
+  TetrahedralMesh& mesh, const ProgressCallback& progress)
+{
+  double distanceMm = options.FacetDistanceMm;
+  for (const auto& [material, own] : options.FacetDistanceOfMaterialMm)
+  {
+    distanceMm = std::min(distanceMm, own);
+  }
+  const Vector3& spacing = materials.Spacing;
+  const double shiftMm =
+    0.5 * std::max(distanceMm, std::min({ spacing[0], spacing[1], spacing[2] }));
+  std::map<std::int32_t, double> volumesMm3;
+  for (const auto& [material, count] : materials.CountLabels())
+  {
+    if (material != 0)
+    {
+      volumesMm3[material] = static_cast<double>(count) * materials.VoxelVolume();
+    }
+  }
+  EditableMesh edited(mesh);
+  const double goalDeg = options.SmallestDihedralDeg;
+  ImproveCells(edited, goalDeg, shiftMm, Within(progress, 0.0, 0.4));
+  RepairPinches(edited, Within(progress, 0.4, 0.6));
+  ImproveCells(edited, goalDeg, shiftMm, Within(progress, 0.6, 0.8));
+  FitVolumes(edited, volumesMm3, shiftMm, goalDeg);
+  ImproveCells(edited, goalDeg, 0, Within(progress, 0.8, 1.0));
+  mesh = edited.Finish();
 }
 
 void PlaceInVolumeFrame(const LabelVolume& volume, TetrahedralMesh& mesh)

@@ -28,6 +28,18 @@ LabelComponents FindLocatedComponents(const LabelVolume& volume);
 void CheckComponents(const TetrahedralMesh& mesh, const LabelVolume& volume,
   const LabelComponents& found);
 
+/**
+ * What both ways from labels end with, in the grid frame: slivers are taken away down to
+ * SmallestDihedralDeg where that can be reached, boundaries that touch themselves are mended, and
+ * interfaces move within half a voxel (or half the facet distance, where that is more) until every
+ * material has the volume of its voxels in `materials`, those of merged components included.
+ */
+void FinishMesh(const LabelVolume& materials, const MeshingOptions& options,
+  TetrahedralMesh& mesh, const ProgressCallback& progress);
+
+/// The part of a progress from `begin` to `end`.
+ProgressCallback Within(const ProgressCallback& progress, double begin, double end);
+
 /// From the grid frame to the volume frame.
 void PlaceInVolumeFrame(const LabelVolume& volume, TetrahedralMesh& mesh);
 
