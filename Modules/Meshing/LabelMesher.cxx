@@ -202,26 +202,8 @@ private:
 
   bool IsFree(const Point& point, double apart) const
   {
-    auto& triangulation = this->Mesh.triangulation();
-    if (triangulation.number_of_vertices() == 0)
-    {
-      return true;
-    }
-    const auto nearest = triangulation.dimension() == 3 ? triangulation.nearest_power_vertex(point)
-                                                        : Triangulation::Vertex_handle();
-    if (nearest != Triangulation::Vertex_handle())
-    {
-      return CGAL::squared_distance(triangulation.point(nearest).point(), point) >= apart * apart;
-    }
-    for (auto vertex = triangulation.finite_vertices_begin();
-         vertex != triangulation.finite_vertices_end(); ++vertex)
-    {
-      if (CGAL::squared_distance(vertex->point().point(), point) < apart * apart)
-      {
-        return false;
-      }
-    }
-    return true;
+    const auto nearest = this->Mesh.triangulation().nearest_power_vertex(point);
+    return CGAL::squared_distance(nearest->point().point(), point) >= apart * apart;
   }
 
   void Insert(const Point& point, const Domain::Index& index)
@@ -310,12 +292,25 @@ SeedPlan PlanSeeds(const LabelVolume& volume, const MeshingOptions& options)
   return plan;
 }
 
-/// Cells of the complex as a mesh, in the frame CGAL worked in.
+/// Points far outside: cells of air then lie on all sides of the tissue, for FinishMesh.
+void Surround(const Vector3& extent, Complex& complex)
+{
+  for (int corner = 0; corner < 8; ++corner)
+  {
+    const auto at = [&](int axis) { return (corner >> axis & 1) != 0 ? 2 * extent[axis] : -extent[axis]; };
+    const auto vertex = complex.triangulation().insert(
+      Triangulation::Weighted_point(Point(at(0), at(1), at(2))));
+    complex.set_dimension(vertex, 3);
+    complex.set_index(vertex, Domain::Index(Domain::Subdomain_index(0)));
+  }
+}
+
+/// All cells as a mesh in the frame CGAL worked in, those of air with material 0.
 TetrahedralMesh Extract(const Complex& complex)
 {
   TetrahedralMesh mesh;
   std::unordered_map<const void*, std::int32_t> numberOf;
-  for (auto cell = complex.cells_in_complex_begin(); cell != complex.cells_in_complex_end(); ++cell)
+  for (const auto& cell : complex.triangulation().finite_cell_handles())
   {
     for (int corner = 0; corner < 4; ++corner)
     {
@@ -329,7 +324,7 @@ TetrahedralMesh Extract(const Complex& complex)
       }
       mesh.Cells.push_back(place->second);
     }
-    mesh.Materials.push_back(complex.subdomain_index(cell));
+    mesh.Materials.push_back(complex.is_in_complex(cell) ? complex.subdomain_index(cell) : 0);
   }
   return mesh;
 }
@@ -434,6 +429,7 @@ MeshingResult MeshMaterials(const LabelVolume& materials, const MeshingOptions& 
     parameters::relative_error_bound = 2 * 0.02 * finest / Norm(extent));
 
   Complex complex;
+  Surround(extent, complex);
   Seeder seeder(volume, domain, labeller, complex);
   for (std::size_t id = 0; id < plan.SeedVoxels.size(); ++id)
   {

@@ -76,8 +76,8 @@ TEST_F(SurfaceMesher, NestedShellsGiveTheInnerMaterialItsSpace)
   for (const MaterialReport& report : result.Reports)
   {
     EXPECT_NEAR(report.VolumeInMm3, report.VolumeOutMm3, 1e-9 * enclosed[1]);
-    // TetGen keeps the ratio where no angle of the surface is sharp.
-    EXPECT_LT(report.LargestRadiusEdgeRatio, 2.05) << report.Material;
+    // TetGen keeps 2 where no angle of the surface is sharp; taking slivers away gives up a part.
+    EXPECT_LT(report.LargestRadiusEdgeRatio, 2.6) << report.Material;
   }
 }
 

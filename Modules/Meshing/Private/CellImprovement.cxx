@@ -22,9 +22,10 @@ class PolygonFill
 public:
   /// `polygon` turns counter-clockwise around the axis from `below` to `above`.
   PolygonFill(const EditableMesh& mesh, const std::vector<std::int32_t>& polygon,
-    std::int32_t below, std::int32_t above)
+    std::int32_t material, std::int32_t below, std::int32_t above)
     : Mesh(mesh)
     , Polygon(polygon)
+    , Material(material)
     , Below(below)
     , Above(above)
     , Count(polygon.size())
@@ -56,8 +57,8 @@ private:
       {
         continue;
       }
-      const double own = std::min(this->Mesh.Quality(this->Upper(i, k, j)),
-        this->Mesh.Quality(this->Lower(i, k, j)));
+      const double own = std::min(this->Mesh.Quality(this->Upper(i, k, j), this->Material),
+        this->Mesh.Quality(this->Lower(i, k, j), this->Material));
       if (std::min(own, sides) > best)
       {
         best = std::min(own, sides);
@@ -87,6 +88,7 @@ private:
 
   const EditableMesh& Mesh;
   const std::vector<std::int32_t>& Polygon;
+  std::int32_t Material;
   std::int32_t Below;
   std::int32_t Above;
   std::size_t Count;
@@ -100,10 +102,9 @@ struct EdgeRing
   std::vector<std::int32_t> Points;
   std::vector<std::int32_t> Materials;
   std::vector<std::int32_t> Cells;
-  bool Closed = false;
 };
 
-/// The ring turns counter-clockwise around the axis from a to b.
+/// The ring turns counter-clockwise around the axis from a to b; none unless it closes.
 std::optional<EdgeRing> FindRing(const EditableMesh& mesh, std::int32_t a, std::int32_t b,
   std::size_t most)
 {
@@ -139,33 +140,20 @@ std::optional<EdgeRing> FindRing(const EditableMesh& mesh, std::int32_t a, std::
     }
     steps.push_back({ turned[2], turned[3], mesh[cell].Material });
   }
-  std::int32_t start = steps[0].From;
-  for (const Step& step : steps)
-  {
-    if (std::none_of(steps.begin(), steps.end(), [&](const Step& s) { return s.To == step.From; }))
-    {
-      start = step.From; // where an open ring begins
-    }
-  }
-  std::int32_t at = start;
+  std::int32_t at = steps[0].From;
   for (std::size_t n = 0; n < steps.size(); ++n)
   {
     const auto next =
       std::find_if(steps.begin(), steps.end(), [&](const Step& s) { return s.From == at; });
     if (next == steps.end())
     {
-      return std::nullopt; // more than one piece: a pinched edge
+      return std::nullopt;
     }
     ring.Points.push_back(at);
     ring.Materials.push_back(next->Material);
     at = next->To;
   }
-  ring.Closed = at == start;
-  if (!ring.Closed)
-  {
-    ring.Points.push_back(at);
-  }
-  return ring;
+  return at == steps[0].From ? std::optional(ring) : std::nullopt;
 }
 
 /// Changes one mesh, step by step.
@@ -268,16 +256,6 @@ private:
     return better;
   }
 
-  double WorstOf(const std::vector<std::int32_t>& cells) const
-  {
-    double worst = 1;
-    for (const std::int32_t cell : cells)
-    {
-      worst = std::min(worst, this->Mesh.Quality(this->Mesh[cell].Ids));
-    }
-    return worst;
-  }
-
   /// Replaces cells; material[n] of the n-th new one.
   void Replace(const std::vector<std::int32_t>& old, const std::vector<Ids>& cells,
     const std::vector<std::int32_t>& materials)
@@ -308,9 +286,9 @@ private:
    */
   bool RemoveEdge(std::int32_t a, std::int32_t b)
   {
-    constexpr std::size_t most = 7;
+    constexpr std::size_t most = 8;
     const std::optional<EdgeRing> ring = FindRing(this->Mesh, a, b, most);
-    if (!ring || (ring->Closed && ring->Points.size() < 3))
+    if (!ring)
     {
       return false;
     }
@@ -319,15 +297,14 @@ private:
     std::vector<std::size_t> changes;
     for (std::size_t n = 0; n < count; ++n)
     {
-      const bool first = n == 0 && !ring->Closed;
-      if (!first && ring->Materials[n] != ring->Materials[(n + count - 1) % count])
+      if (ring->Materials[n] != ring->Materials[(n + count - 1) % count])
       {
         changes.push_back(n);
       }
     }
     std::vector<Ids> cells;
     std::vector<std::int32_t> materials;
-    const double before = this->WorstOf(ring->Cells);
+    const double before = this->Mesh.WorstOf(ring->Cells);
     double after = 1;
     const auto fill = [&](std::size_t begin, std::size_t length, bool whole)
     {
@@ -336,7 +313,7 @@ private:
       {
         polygon.push_back(ring->Points[(begin + n) % ring->Points.size()]);
       }
-      const PolygonFill filling(this->Mesh, polygon, a, b);
+      const PolygonFill filling(this->Mesh, polygon, ring->Materials[begin], a, b);
       after = std::min(after, filling.Best());
       if (after > before)
       {
@@ -344,8 +321,7 @@ private:
       }
       materials.resize(cells.size(), ring->Materials[begin]);
     };
-    std::int32_t ends[2] = { ring->Points.front(), ring->Points.back() };
-    if (ring->Closed && changes.empty())
+    if (changes.empty())
     {
       fill(0, count, true);
       if (after <= before + LeastGain)
@@ -355,27 +331,16 @@ private:
       this->Replace(ring->Cells, cells, materials);
       return true;
     }
-    if (ring->Closed && changes.size() == 2)
-    {
-      fill(changes[0], changes[1] - changes[0], false);
-      fill(changes[1], count - (changes[1] - changes[0]), false);
-      ends[0] = ring->Points[changes[0]];
-      ends[1] = ring->Points[changes[1]];
-    }
-    else if (!ring->Closed && changes.empty())
-    {
-      fill(0, count, false);
-    }
-    else
+    if (changes.size() != 2)
     {
       return false;
     }
-    if (after <= before + LeastGain || !this->IsFlat(a, b, ends[0], ends[1]) ||
-      (!ring->Closed && count > 1 && !this->Mesh.Ring(ends[0], ends[1]).empty()))
-    {
-      return false;
-    }
-    return this->ReplaceInterface(ring->Cells, cells, materials, { a, b, ends[0], ends[1] });
+    fill(changes[0], changes[1] - changes[0], false);
+    fill(changes[1], count - (changes[1] - changes[0]), false);
+    const std::int32_t c = ring->Points[changes[0]];
+    const std::int32_t d = ring->Points[changes[1]];
+    return after > before + LeastGain && this->IsFlat(a, b, c, d) &&
+      this->ReplaceInterface(ring->Cells, cells, materials, { a, b, c, d });
   }
 
   /// True when swapping the triangles abc, abd for acd, bcd moves the interface within the limit.
@@ -440,12 +405,12 @@ private:
       }
       const std::int32_t opposite = *std::find_if(neighbour.Ids.begin(), neighbour.Ids.end(),
         [&](std::int32_t id) { return std::find(face.begin(), face.end(), id) == face.end(); });
-      const double before = this->WorstOf({ cell, other });
+      const double before = this->Mesh.WorstOf({ cell, other });
       std::vector<Ids> cells;
       for (const std::int32_t gone : face)
       {
         cells.push_back(Replaced(ids, gone, opposite));
-        if (this->Mesh.Quality(cells.back()) <= before + LeastGain)
+        if (this->Mesh.Quality(cells.back(), neighbour.Material) <= before + LeastGain)
         {
           return false;
         }
@@ -461,9 +426,13 @@ private:
   bool Move(std::int32_t point)
   {
     const std::vector<EditableMesh::Arc> arcs = this->Mesh.Arcs(point);
+    if (!arcs.empty() && !this->Mesh.IsSurrounded(point))
+    {
+      return false; // nothing would keep the surface from cutting itself
+    }
     const Vector3 normal = this->InterfaceNormal(point, arcs);
     const std::vector<std::int32_t>& star = this->Mesh.Star(point);
-    const double start = this->WorstOf(star);
+    const double start = this->Mesh.WorstOf(star);
     double best = start;
     double step = 0;
     Vector3 middle{ 0, 0, 0 };
@@ -535,7 +504,8 @@ private:
     double worst = 1;
     for (const std::int32_t cell : this->Mesh.Star(point))
     {
-      worst = std::min(worst, this->Mesh.Quality(this->Mesh[cell].Ids));
+      worst =
+        std::min(worst, this->Mesh.Quality(this->Mesh[cell].Ids, this->Mesh[cell].Material));
       if (worst <= best)
       {
         place = old;
@@ -551,9 +521,9 @@ private:
   }
 
   /**
-   * Moves `from` into `to`. Around a point within a material the new cells fill the same space, so
-   * that upright cells are enough. On an interface the same material pairs must meet at both, and
-   * the volumes may change by what a shift of the interface would.
+   * Moves `from` into `to`. The new cells fill the same space, so that upright cells are enough. On
+   * an interface the same material pairs must meet at both, and the volumes may change by what a
+   * shift of the interface would.
    */
   bool Collapse(std::int32_t from, std::int32_t to)
   {
@@ -563,7 +533,7 @@ private:
       return false;
     }
     const std::vector<std::int32_t> old = this->Mesh.Star(from);
-    const double before = this->WorstOf(old);
+    const double before = this->Mesh.WorstOf(old);
     std::vector<Ids> cells;
     std::vector<std::int32_t> materials;
     std::map<std::int32_t, double> volumes;
@@ -576,7 +546,7 @@ private:
         cells.push_back(Replaced(around.Ids, from, to));
         materials.push_back(around.Material);
         volumes[around.Material] += this->Mesh.Volume(cells.back());
-        if (this->Mesh.Quality(cells.back()) <= before + LeastGain)
+        if (this->Mesh.Quality(cells.back(), around.Material) <= before + LeastGain)
         {
           return false;
         }
@@ -604,10 +574,10 @@ private:
     return this->ReplaceInterface(old, cells, materials, touched);
   }
 
+  /// True when `to` lies on every interface that `from` lies on, and they are joined along it.
   bool MayCollapse(std::int32_t from, std::int32_t to,
     const std::vector<EditableMesh::Arc>& arcs) const
   {
-    // `to` lies on every interface that `from` lies on, and they are joined along it.
     std::set<std::array<std::int32_t, 2>> pairs;
     std::set<std::array<std::int32_t, 2>> joined;
     for (const EditableMesh::Arc& arc : arcs)
@@ -618,97 +588,7 @@ private:
         joined.insert(arc.Materials);
       }
     }
-    if (pairs != joined)
-    {
-      return false;
-    }
-    return this->MeetsLinkCondition(from, to, arcs);
-  }
-
-  /**
-   * Collapsing an edge keeps the complex what it is when what both ends' links have in common is the
-   * link of the edge (Dey, Edelsbrunner, Guha and Nekhayev, Publ Inst Math 66, 1999). Inside the
-   * body upright cells tell as much; at its surface the outside counts as one more point.
-   */
-  bool MeetsLinkCondition(std::int32_t from, std::int32_t to,
-    const std::vector<EditableMesh::Arc>& arcs) const
-  {
-    const auto common = [](auto one, auto other)
-    {
-      std::sort(one.begin(), one.end());
-      std::sort(other.begin(), other.end());
-      std::vector<typename decltype(one)::value_type> both;
-      std::set_intersection(
-        one.begin(), one.end(), other.begin(), other.end(), std::back_inserter(both));
-      both.erase(std::unique(both.begin(), both.end()), both.end());
-      return both;
-    };
-    using Pair = std::array<std::int32_t, 2>;
-    const auto linkEdges = [&](const std::vector<std::int32_t>& cells, std::int32_t without)
-    {
-      std::vector<Pair> pairs;
-      for (const std::int32_t cell : cells)
-      {
-        Ids ids = this->Mesh[cell].Ids;
-        std::sort(ids.begin(), ids.end());
-        for (std::size_t i = 0; i < 4; ++i)
-        {
-          for (std::size_t j = i + 1; j < 4; ++j)
-          {
-            if (ids[i] != without && ids[j] != without)
-            {
-              pairs.push_back({ ids[i], ids[j] });
-            }
-          }
-        }
-      }
-      return pairs;
-    };
-    const auto rim = [](const std::vector<EditableMesh::Arc>& around)
-    {
-      std::vector<std::int32_t> points;
-      for (const EditableMesh::Arc& arc : around)
-      {
-        if (arc.Materials[0] == 0)
-        {
-          points.insert(points.end(), { arc.A, arc.B });
-        }
-      }
-      return points;
-    };
-    std::set<std::int32_t> ring;
-    std::set<Pair> ringEdges;
-    for (const std::int32_t cell : this->Mesh.Ring(from, to))
-    {
-      Pair pair{};
-      std::size_t count = 0;
-      for (const std::int32_t id : this->Mesh[cell].Ids)
-      {
-        if (id != from && id != to)
-        {
-          ring.insert(id);
-          pair[count++] = id;
-        }
-      }
-      ringEdges.insert({ std::min(pair[0], pair[1]), std::max(pair[0], pair[1]) });
-    }
-    std::set<std::int32_t> ringRim;
-    for (const EditableMesh::Arc& arc : arcs)
-    {
-      if (arc.Materials[0] == 0 && (arc.A == to || arc.B == to))
-      {
-        ringRim.insert(arc.A == to ? arc.B : arc.A);
-      }
-    }
-    const auto within = [](const auto& found, const auto& allowed)
-    {
-      return std::all_of(found.begin(), found.end(),
-        [&allowed](const auto& item) { return allowed.count(item) > 0; });
-    };
-    return within(common(this->Mesh.Neighbours(from), this->Mesh.Neighbours(to)), ring) &&
-      within(common(linkEdges(this->Mesh.Star(from), from), linkEdges(this->Mesh.Star(to), to)),
-        ringEdges) &&
-      within(common(rim(arcs), rim(this->Mesh.Arcs(to))), ringRim);
+    return pairs == joined && this->Mesh.IsSurrounded(from);
   }
 
   double InterfaceArea(std::int32_t point, const std::vector<EditableMesh::Arc>& arcs) const

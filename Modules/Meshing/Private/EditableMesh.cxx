@@ -78,7 +78,7 @@ std::vector<std::int32_t> EditableMesh::Neighbours(std::int32_t point) const
   return neighbours;
 }
 
-std::vector<EditableMesh::Arc> EditableMesh::Arcs(std::int32_t point) const
+std::vector<EditableMesh::Arc> EditableMesh::LinkEdges(std::int32_t point) const
 {
   static thread_local std::vector<Arc> sides; // one material each; kept for speed
   sides.clear();
@@ -97,7 +97,7 @@ std::vector<EditableMesh::Arc> EditableMesh::Arcs(std::int32_t point) const
     for (std::size_t n = 0; n < 3; ++n)
     {
       const auto [low, high] = std::minmax(link[n], link[(n + 1) % 3]);
-      sides.push_back({ low, high, { around.Material, 0 } });
+      sides.push_back({ low, high, { around.Material, Nothing } });
     }
   }
   std::sort(sides.begin(), sides.end(),
@@ -107,21 +107,39 @@ std::vector<EditableMesh::Arc> EditableMesh::Arcs(std::int32_t point) const
         : a.B != b.B    ? a.B < b.B
                         : a.Materials < b.Materials;
     });
-  std::vector<Arc> arcs;
+  std::vector<Arc> edges;
   for (std::size_t n = 0; n < sides.size();)
   {
-    Arc arc = sides[n++];
-    if (n < sides.size() && sides[n].A == arc.A && sides[n].B == arc.B)
+    Arc edge = sides[n++];
+    if (n < sides.size() && sides[n].A == edge.A && sides[n].B == edge.B)
     {
-      arc.Materials[1] = sides[n++].Materials[0];
+      edge.Materials[1] = sides[n++].Materials[0];
     }
-    if (arc.Materials[0] != arc.Materials[1])
+    edges.push_back(edge);
+  }
+  return edges;
+}
+
+std::vector<EditableMesh::Arc> EditableMesh::Arcs(std::int32_t point) const
+{
+  std::vector<Arc> arcs;
+  for (Arc edge : this->LinkEdges(point))
+  {
+    edge.Materials[1] = std::max(edge.Materials[1], 0);
+    if (edge.Materials[0] != edge.Materials[1])
     {
-      std::sort(arc.Materials.begin(), arc.Materials.end());
-      arcs.push_back(arc);
+      std::sort(edge.Materials.begin(), edge.Materials.end());
+      arcs.push_back(edge);
     }
   }
   return arcs;
+}
+
+bool EditableMesh::IsSurrounded(std::int32_t point) const
+{
+  const std::vector<Arc> edges = this->LinkEdges(point);
+  return std::none_of(
+    edges.begin(), edges.end(), [](const Arc& edge) { return edge.Materials[1] == Nothing; });
 }
 
 double EditableMesh::Volume(const std::array<std::int32_t, 4>& ids) const
@@ -161,6 +179,16 @@ double EditableMesh::Quality(const std::array<std::int32_t, 4>& ids) const
   const double sixfold = 6 * this->Volume(ids);
   return sixfold > 0 ? std::min(sixfold * smallest, 2 * shortest / longest)
                      : std::min(sixfold, -1e-300);
+}
+
+double EditableMesh::WorstOf(const std::vector<std::int32_t>& cells) const
+{
+  double worst = 1;
+  for (const std::int32_t cell : cells)
+  {
+    worst = std::min(worst, this->Quality((*this)[cell].Ids, (*this)[cell].Material));
+  }
+  return worst;
 }
 
 std::int32_t EditableMesh::Add(const std::array<std::int32_t, 4>& ids, std::int32_t material)

@@ -11,7 +11,8 @@ namespace mammoray
 {
 /**
  * Tetrahedra while points move and cells come, go and change their material. Material 0 is air: such
- * cells are there as long as the mesh is edited, and are left out of the result.
+ * cells may be there while the mesh is edited, so that its surface does not come to cut itself, and
+ * are left out of the result.
  */
 class EditableMesh
 {
@@ -55,6 +56,8 @@ public:
   };
   /// Where materials meet around a point; none when it lies within one.
   std::vector<Arc> Arcs(std::int32_t point) const;
+  /// True when there are cells, of air if need be, on all sides of a point.
+  bool IsSurrounded(std::int32_t point) const;
   const Vector3& Point(std::int32_t point) const
   {
     return this->Points[static_cast<std::size_t>(point)];
@@ -67,6 +70,13 @@ public:
    * positive where the volume is not.
    */
   double Quality(const std::array<std::int32_t, 4>& ids) const;
+  /// The same of a cell that is to have a material; 1 for upright cells of air.
+  double Quality(const std::array<std::int32_t, 4>& ids, std::int32_t material) const
+  {
+    return material == 0 && this->Volume(ids) > 0 ? 1.0 : this->Quality(ids);
+  }
+  /// The worst of some cells; 1 where there are none.
+  double WorstOf(const std::vector<std::int32_t>& cells) const;
 
   std::int32_t Add(const std::array<std::int32_t, 4>& ids, std::int32_t material);
   void Remove(std::int32_t cell);
@@ -80,6 +90,10 @@ public:
   std::int32_t SplitEdge(std::int32_t a, std::int32_t b, double share);
 
 private:
+  static constexpr std::int32_t Nothing = -1;
+  /// All edges of a point's link, with Nothing in place of a second material where cells end.
+  std::vector<Arc> LinkEdges(std::int32_t point) const;
+
   std::vector<Cell> Cells;
   std::vector<std::vector<std::int32_t>> Stars;
 };

@@ -57,29 +57,6 @@ std::size_t MergeTissue(LabelVolume& volume, double smallestMm3)
   return merged;
 }
 
-LabelComponents FindLocatedComponents(const LabelVolume& volume)
-{
-  LabelComponents found = FindComponents(volume);
-  const std::vector<float> distance = InterfaceDistance(volume);
-  std::size_t voxel = 0;
-  for (int k = 0; k < volume.Size[2]; ++k)
-  {
-    for (int j = 0; j < volume.Size[1]; ++j)
-    {
-      for (int i = 0; i < volume.Size[0]; ++i, ++voxel)
-      {
-        LabelComponent& component = found.Components[found.OfVoxel[voxel]];
-        if (distance[voxel] > component.DepthMm)
-        {
-          component.DepthMm = distance[voxel];
-          component.Deepest = { i, j, k };
-        }
-      }
-    }
-  }
-  return found;
-}
-
 void CheckComponents(const TetrahedralMesh& mesh, const LabelVolume& volume,
   const LabelComponents& found)
 {
@@ -133,8 +110,7 @@ ProgressCallback Within(const ProgressCallback& progress, double begin, double e
   { return !progress || progress(begin + fraction * (end - begin), stage); };
 }
 
-void FinishMesh(const LabelVolume& materials, const MeshingOptions& options,
-  TetrahedralMesh& mesh, const ProgressCallback& progress)
+double LargestShift(const LabelVolume& materials, const MeshingOptions& options)
 {
   double distanceMm = options.FacetDistanceMm;
   for (const auto& [material, own] : options.FacetDistanceOfMaterialMm)
@@ -142,8 +118,13 @@ void FinishMesh(const LabelVolume& materials, const MeshingOptions& options,
     distanceMm = std::min(distanceMm, own);
   }
   const Vector3& spacing = materials.Spacing;
-  const double shiftMm =
-    0.5 * std::max(distanceMm, std::min({ spacing[0], spacing[1], spacing[2] }));
+  return 0.5 * std::max(distanceMm, std::min({ spacing[0], spacing[1], spacing[2] }));
+}
+
+void FinishMesh(const LabelVolume& materials, const MeshingOptions& options,
+  TetrahedralMesh& mesh, const ProgressCallback& progress)
+{
+  const double shiftMm = LargestShift(materials, options);
   std::map<std::int32_t, double> volumesMm3;
   for (const auto& [material, count] : materials.CountLabels())
   {

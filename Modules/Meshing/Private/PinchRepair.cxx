@@ -123,26 +123,6 @@ bool IsAirPinched(const EditableMesh& mesh, std::int32_t point)
   return Curves(mesh.Arcs(point), 0).Excess() > 0;
 }
 
-/// True when cells surround the point.
-bool IsSurrounded(const EditableMesh& mesh, std::int32_t point)
-{
-  std::map<std::pair<std::int32_t, std::int32_t>, int> sides;
-  for (const std::int32_t cell : mesh.Star(point))
-  {
-    for (const std::int32_t a : mesh[cell].Ids)
-    {
-      for (const std::int32_t b : mesh[cell].Ids)
-      {
-        if (a < b && a != point && b != point)
-        {
-          ++sides[{ a, b }];
-        }
-      }
-    }
-  }
-  return std::all_of(sides.begin(), sides.end(), [](const auto& side) { return side.second == 2; });
-}
-
 /// Changes the material of cells near pinches.
 class Relabeller
 {
@@ -339,7 +319,7 @@ void CutOut(EditableMesh& mesh, const std::vector<std::int32_t>& points)
   {
     contacts.merge(FindContacts(mesh, point));
     airPinched = airPinched || IsAirPinched(mesh, point);
-    surrounded = surrounded && IsSurrounded(mesh, point);
+    surrounded = surrounded && mesh.IsSurrounded(point);
     for (const std::int32_t neighbour : mesh.Neighbours(point))
     {
       if (!isOwn(neighbour))

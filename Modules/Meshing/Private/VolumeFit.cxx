@@ -189,15 +189,7 @@ private:
     place = old;
   }
 
-  double WorstAround(std::int32_t point) const
-  {
-    double worst = 1;
-    for (const std::int32_t cell : this->Mesh.Star(point))
-    {
-      worst = std::min(worst, this->Mesh.Quality(this->Mesh[cell].Ids));
-    }
-    return worst;
-  }
+  double WorstAround(std::int32_t point) const { return this->Mesh.WorstOf(this->Mesh.Star(point)); }
 
   EditableMesh& Mesh;
   double ShiftMm;
