@@ -82,8 +82,8 @@ struct PinchedPlaces
 class BoundaryCheck
 {
 public:
-  BoundaryCheck(
-    const SurfaceMesh& surface, int material, PinchedPlaces& pinched, TroubleList& troubles)
+  BoundaryCheck(const SurfaceMesh& surface, int material, PinchedPlaces& pinched,
+    TroubleList& troubles)
     : Surface(surface)
     , Material(material)
     , Pinched(pinched)

@@ -29,8 +29,8 @@ struct MAMMORAYMESHING_EXPORT MeshTrouble
     FlatTriangles,
     /// Edges at which the boundary of a material ends; one place per hole.
     Holes,
-    /// Edges or points at which the boundary of a material, or of air, touches itself: X-rays do not
-    /// mind, but tissue hangs together by a hinge there, and the boundary is no surface.
+    /// Edges or points at which the boundary of a material, or of air, touches itself: X-rays do
+    /// not mind, but tissue hangs together by a hinge there, and the boundary is no surface.
     Pinches
   };
   struct Place

@@ -7,8 +7,8 @@
 
 namespace mammoray
 {
-std::size_t MendInterfaces(
-  TetrahedralMesh& mesh, double smallestDihedralDeg, const ProgressCallback& progress)
+std::size_t MendInterfaces(TetrahedralMesh& mesh, double smallestDihedralDeg,
+  const ProgressCallback& progress)
 {
   mesh.Validate("mesh");
   EditableMesh edited(mesh);

@@ -31,8 +31,8 @@ MAMMORAYMESHING_EXPORT MeshingResult MeshSurfaces(const SurfaceMesh& surfaces,
   const MeshingOptions& options, const ProgressCallback& progress = {});
 
 /**
- * The second way from a volume of materials (0 = air) to tetrahedra, that of iso2mesh (Fang and Boas,
- * ISBI 2009): the interfaces as closed surfaces of the sizes asked for, which are those of
+ * The second way from a volume of materials (0 = air) to tetrahedra, that of iso2mesh (Fang and
+ * Boas, ISBI 2009): the interfaces as closed surfaces of the sizes asked for, which are those of
  * MeshMaterials, then MeshSurfaces. Components are merged, reported and guarded as there.
  */
 MAMMORAYMESHING_EXPORT MeshingResult MeshMaterialSurfaces(const LabelVolume& materials,

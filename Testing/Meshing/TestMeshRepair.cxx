@@ -15,8 +15,8 @@ namespace
 /// Bricks of 1 mm whose material is a function of their indices; bricks of material 0 are left out.
 TetrahedralMesh Bricks(int count, const std::function<int(int, int, int)>& material)
 {
-  const TetrahedralMesh box =
-    test::MakeBoxMesh({ 0, 0, 0 }, { 1.0 * count, 1.0 * count, 1.0 * count }, { count, count, count });
+  const TetrahedralMesh box = test::MakeBoxMesh({ 0, 0, 0 },
+    { 1.0 * count, 1.0 * count, 1.0 * count }, { count, count, count });
   TetrahedralMesh mesh;
   std::vector<std::int32_t> newId(box.NumberOfPoints(), -1);
   for (std::size_t cell = 0; cell < box.NumberOfCells(); ++cell)
@@ -104,8 +104,8 @@ TEST(MeshRepair, Checkerboards)
 {
   for (const int other : { 0, 2 })
   {
-    TetrahedralMesh mesh = Bricks(4, [other](int i, int j, int k)
-      { return (i + j + k) % 2 == 0 ? 1 : other; });
+    TetrahedralMesh mesh =
+      Bricks(4, [other](int i, int j, int k) { return (i + j + k) % 2 == 0 ? 1 : other; });
     // All points but those on the edges of the whole: 27 within and 9 on each side.
     EXPECT_EQ(MendInterfaces(mesh, 0), 27u + 6 * 9);
     EXPECT_TRUE(CheckMesh(mesh).Sound());

@@ -211,7 +211,8 @@ TEST_F(SurfaceMesher, BothWaysFromLabelsAgree)
 
 TEST_F(SurfaceMesher, VoxelsThatTouchAtEdgesAndCorners)
 {
-  // A checkerboard, which touches itself everywhere; and a random volume, where smoothing could cut.
+  // A checkerboard, which touches itself everywhere; and a random volume, where smoothing could
+  // cut.
   const LabelVolume board = LabelledCube(6, 1,
     [](const Vector3& p) {
       return (std::lround(p[0] + 10.5) + std::lround(p[1] + 10.5) + std::lround(p[2] + 10.5)) % 2;

@@ -16,8 +16,8 @@
 namespace mammoray::test
 {
 /// n^3 voxels whose label is a function of the position (mm) relative to the middle.
-inline LabelVolume LabelledCube(
-  int n, double spacing, const std::function<int(const Vector3&)>& label)
+inline LabelVolume LabelledCube(int n, double spacing,
+  const std::function<int(const Vector3&)>& label)
 {
   LabelVolume volume;
   volume.Size = { n, n, n };
@@ -38,8 +38,8 @@ inline LabelVolume LabelledCube(
 }
 
 /// Each voxel takes the label of the nearest of `count` random places, labels 0 to labels - 1.
-inline LabelVolume Mosaic(
-  int n, double spacing, double halfWidth, int count, int labels, unsigned seed)
+inline LabelVolume Mosaic(int n, double spacing, double halfWidth, int count, int labels,
+  unsigned seed)
 {
   std::mt19937 generator(seed);
   std::uniform_real_distribution<double> coordinate(-halfWidth, halfWidth);

@@ -394,7 +394,8 @@ private:
   {
     const Ids ids = this->Mesh[cell].Ids;
     std::array<std::int32_t, 3> face{};
-    std::copy_if(ids.begin(), ids.end(), face.begin(), [apex](std::int32_t id) { return id != apex; });
+    std::copy_if(ids.begin(), ids.end(), face.begin(),
+      [apex](std::int32_t id) { return id != apex; });
     for (const std::int32_t other : this->Mesh.Star(face[0]))
     {
       const Cell neighbour = this->Mesh[other];
@@ -415,8 +416,7 @@ private:
           return false;
         }
       }
-      this->Replace({ cell, other }, cells,
-        std::vector<std::int32_t>(3, neighbour.Material));
+      this->Replace({ cell, other }, cells, std::vector<std::int32_t>(3, neighbour.Material));
       return true;
     }
     return false;
@@ -483,14 +483,16 @@ private:
       }
       Vector3 normal = Cross(this->Mesh.Point(arc.A) - this->Mesh.Point(point),
         this->Mesh.Point(arc.B) - this->Mesh.Point(point));
-      // Arcs run either way round; the interface turns by less than 90 degrees from one to the next.
+      // Arcs run either way round; the interface turns by less than 90 degrees from one to the
+      // next.
       sum = sum + (Dot(normal, sum) < 0 ? -1.0 : 1.0) * normal;
     }
     const double length = Norm(sum);
     return length > 0 ? (1 / length) * sum : sum;
   }
 
-  /// The worst quality around the point after the move if that is above `best`, else -1 and no move.
+  /// The worst quality around the point after the move if that is above `best`, else -1 and no
+  /// move.
   double TryPlace(std::int32_t point, const Vector3& shift, bool onInterface, double best)
   {
     Vector3& place = this->Mesh.Points[static_cast<std::size_t>(point)];
@@ -504,8 +506,7 @@ private:
     double worst = 1;
     for (const std::int32_t cell : this->Mesh.Star(point))
     {
-      worst =
-        std::min(worst, this->Mesh.Quality(this->Mesh[cell].Ids, this->Mesh[cell].Material));
+      worst = std::min(worst, this->Mesh.Quality(this->Mesh[cell].Ids, this->Mesh[cell].Material));
       if (worst <= best)
       {
         place = old;

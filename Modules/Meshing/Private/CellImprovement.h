@@ -8,12 +8,12 @@
 namespace mammoray
 {
 /**
- * Local changes that take away cells whose dihedral angles come within `goalDeg` of 0 or 180 degrees,
- * worst cells first, as long as the worst angle of the cells concerned becomes better: edges and
- * faces are swapped (2-3, and all ways of filling rings of up to eight), points moved, edges collapsed (Freitag and Ollivier-Gooch,
- * Int J Numer Meth Eng 40, 1997; Klincsek's triangulation for the best swap). Interfaces may move by
- * up to `shiftMm` and keep their topology: no pinches arise. Where cells end the surface stays.
- * Deterministic.
+ * Local changes that take away cells whose dihedral angles come within `goalDeg` of 0 or 180
+ * degrees, worst cells first, as long as the worst angle of the cells concerned becomes better:
+ * edges and faces are swapped (2-3, and all ways of filling rings of up to eight), points moved,
+ * edges collapsed (Freitag and Ollivier-Gooch, Int J Numer Meth Eng 40, 1997; Klincsek's
+ * triangulation for the best swap). Interfaces may move by up to `shiftMm` and keep their topology:
+ * no pinches arise. Where cells end the surface stays. Deterministic.
  *
  * CGAL has such steps inside its tetrahedral remeshing only, which changes the sizes of all cells.
  */

@@ -101,11 +101,8 @@ std::vector<EditableMesh::Arc> EditableMesh::LinkEdges(std::int32_t point) const
     }
   }
   std::sort(sides.begin(), sides.end(),
-    [](const Arc& a, const Arc& b)
-    {
-      return a.A != b.A ? a.A < b.A
-        : a.B != b.B    ? a.B < b.B
-                        : a.Materials < b.Materials;
+    [](const Arc& a, const Arc& b) {
+      return a.A != b.A ? a.A < b.A : a.B != b.B ? a.B < b.B : a.Materials < b.Materials;
     });
   std::vector<Arc> edges;
   for (std::size_t n = 0; n < sides.size();)
@@ -138,8 +135,8 @@ std::vector<EditableMesh::Arc> EditableMesh::Arcs(std::int32_t point) const
 bool EditableMesh::IsSurrounded(std::int32_t point) const
 {
   const std::vector<Arc> edges = this->LinkEdges(point);
-  return std::none_of(
-    edges.begin(), edges.end(), [](const Arc& edge) { return edge.Materials[1] == Nothing; });
+  return std::none_of(edges.begin(), edges.end(),
+    [](const Arc& edge) { return edge.Materials[1] == Nothing; });
 }
 
 double EditableMesh::Volume(const std::array<std::int32_t, 4>& ids) const

@@ -10,9 +10,9 @@
 namespace mammoray
 {
 /**
- * Tetrahedra while points move and cells come, go and change their material. Material 0 is air: such
- * cells may be there while the mesh is edited, so that its surface does not come to cut itself, and
- * are left out of the result.
+ * Tetrahedra while points move and cells come, go and change their material. Material 0 is air:
+ * such cells may be there while the mesh is edited, so that its surface does not come to cut
+ * itself, and are left out of the result.
  */
 class EditableMesh
 {
@@ -65,9 +65,9 @@ public:
   /// Signed volume, mm^3.
   double Volume(const std::array<std::int32_t, 4>& ids) const;
   /**
-   * The smallest sine of the six dihedral angles: 0.94 at best, small for angles near 0 and near 180
-   * degrees. For needles, whose angles can be good, twice the shortest edge over the longest. Not
-   * positive where the volume is not.
+   * The smallest sine of the six dihedral angles: 0.94 at best, small for angles near 0 and near
+   * 180 degrees. For needles, whose angles can be good, twice the shortest edge over the longest.
+   * Not positive where the volume is not.
    */
   double Quality(const std::array<std::int32_t, 4>& ids) const;
   /// The same of a cell that is to have a material; 1 for upright cells of air.

@@ -121,8 +121,8 @@ double LargestShift(const LabelVolume& materials, const MeshingOptions& options)
   return 0.5 * std::max(distanceMm, std::min({ spacing[0], spacing[1], spacing[2] }));
 }
 
-void FinishMesh(const LabelVolume& materials, const MeshingOptions& options,
-  TetrahedralMesh& mesh, const ProgressCallback& progress)
+void FinishMesh(const LabelVolume& materials, const MeshingOptions& options, TetrahedralMesh& mesh,
+  const ProgressCallback& progress)
 {
   const double shiftMm = LargestShift(materials, options);
   std::map<std::int32_t, double> volumesMm3;

@@ -31,11 +31,12 @@ double LargestShift(const LabelVolume& materials, const MeshingOptions& options)
 /**
  * What both ways from labels end with, in the grid frame: slivers are taken away down to
  * SmallestDihedralDeg where that can be reached, boundaries that touch themselves are mended, and
- * interfaces move within LargestShift until every material has the volume of its voxels in `materials`, those of merged components included. The
- * mesh may come with cells of air (material 0), which keep its surface from cutting itself.
+ * interfaces move within LargestShift until every material has the volume of its voxels in
+ * `materials`, those of merged components included. The mesh may come with cells of air (material
+ * 0), which keep its surface from cutting itself.
  */
-void FinishMesh(const LabelVolume& materials, const MeshingOptions& options,
-  TetrahedralMesh& mesh, const ProgressCallback& progress);
+void FinishMesh(const LabelVolume& materials, const MeshingOptions& options, TetrahedralMesh& mesh,
+  const ProgressCallback& progress);
 
 /// The part of a progress from `begin` to `end`.
 ProgressCallback Within(const ProgressCallback& progress, double begin, double end);

@@ -256,8 +256,8 @@ private:
     {
       const double volume = this->Mesh.Volume(this->Mesh[cell].Ids);
       if ((best >= 0 && volume >= least) ||
-        volume > this->Spare[static_cast<std::size_t>(
-                   this->Component[static_cast<std::size_t>(cell)])])
+        volume >
+          this->Spare[static_cast<std::size_t>(this->Component[static_cast<std::size_t>(cell)])])
       {
         continue;
       }
@@ -356,7 +356,8 @@ void CutOut(EditableMesh& mesh, const std::vector<std::int32_t>& points)
   {
     volumes = { { 0, 0.0 } };
   }
-  // Of those that met all others there before, the one that changes least: a thin layer stays closed.
+  // Of those that met all others there before, the one that changes least: a thin layer stays
+  // closed.
   const auto meetsAll = [&](std::int32_t material)
   {
     return std::all_of(materials.begin(), materials.end(),
@@ -364,8 +365,7 @@ void CutOut(EditableMesh& mesh, const std::vector<std::int32_t>& points)
       { return other == material || contacts.count(std::minmax(material, other)) > 0; });
   };
   const std::int32_t material = std::max_element(volumes.begin(), volumes.end(),
-    [&](const auto& a, const auto& b)
-    {
+    [&](const auto& a, const auto& b) {
       return std::pair(meetsAll(a.first), a.second) < std::pair(meetsAll(b.first), b.second);
     })->first;
   for (const std::int32_t cell : cells)
@@ -433,14 +433,14 @@ std::size_t RepairPinches(EditableMesh& mesh, const ProgressCallback& progress)
     for (const std::int32_t point : pinched)
     {
       const std::set<std::int32_t> ends = PinchedEdges(mesh, point);
-      const bool alone =
-        ends.size() == 1 && PinchedEdges(mesh, *ends.begin()).size() == 1;
+      const bool alone = ends.size() == 1 && PinchedEdges(mesh, *ends.begin()).size() == 1;
       if (PinchExcess(mesh, point) == 0 || (ends.size() == 1 && !alone))
       {
         continue; // mended with another one, or to be done once its neighbour is
       }
-      CutOut(mesh, alone ? std::vector<std::int32_t>{ point, *ends.begin() }
-                         : std::vector<std::int32_t>{ point });
+      CutOut(mesh,
+        alone ? std::vector<std::int32_t>{ point, *ends.begin() }
+              : std::vector<std::int32_t>{ point });
     }
     pinched = FindPinchedPoints(mesh);
   }

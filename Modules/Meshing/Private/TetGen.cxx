@@ -235,9 +235,8 @@ TetrahedralMesh FillRegions(const TriangleComplex& complex,
   input.tetunsuitable = NeverUnsuitable;
   watch = { &progress, 0, 10.0 * static_cast<double>(complex.Triangles.size()) };
   char switches[64];
-  std::snprintf(switches, sizeof(switches), "p%sq%.6g/%.6gAaQ",
-    quality.DividesTriangles ? "" : "Y", quality.Ratio > 0 ? quality.Ratio : 1e6,
-    quality.DihedralDeg);
+  std::snprintf(switches, sizeof(switches), "p%sq%.6g/%.6gAaQ", quality.DividesTriangles ? "" : "Y",
+    quality.Ratio > 0 ? quality.Ratio : 1e6, quality.DihedralDeg);
   Run(switches, input, output);
   return Unload(output);
 }

@@ -91,8 +91,7 @@ private:
       const auto place = this->Place.find(this->Mesh[cell].Material);
       if (this->Mesh.IsAlive(cell) && place != this->Place.end())
       {
-        wanted[static_cast<Eigen::Index>(place->second)] -=
-          this->Mesh.Volume(this->Mesh[cell].Ids);
+        wanted[static_cast<Eigen::Index>(place->second)] -= this->Mesh.Volume(this->Mesh[cell].Ids);
       }
     }
     // A thousandth is near enough; small materials with few cells may never be met.
@@ -189,7 +188,10 @@ private:
     place = old;
   }
 
-  double WorstAround(std::int32_t point) const { return this->Mesh.WorstOf(this->Mesh.Star(point)); }
+  double WorstAround(std::int32_t point) const
+  {
+    return this->Mesh.WorstOf(this->Mesh.Star(point));
+  }
 
   EditableMesh& Mesh;
   double ShiftMm;
