@@ -18,10 +18,6 @@ namespace mammoray
 {
 namespace
 {
-constexpr int Edges[6][2] = { { 0, 1 }, { 1, 2 }, { 0, 2 }, { 0, 3 }, { 1, 3 }, { 2, 3 } };
-/// Corners of the face opposite to each corner, then the local nodes between them.
-constexpr int FaceNodes[4][6] = { { 1, 2, 3, 5, 9, 8 }, { 0, 3, 2, 7, 9, 6 }, { 0, 1, 3, 4, 8, 7 },
-  { 0, 2, 1, 6, 5, 4 } };
 /// Barycentric coordinates of the 4-point rule: (5 + 3 sqrt 5) / 20 and (5 - sqrt 5) / 20.
 constexpr double NearCoordinate = 0.58541019662496845446;
 constexpr double FarCoordinate = 0.13819660112501051518;
@@ -48,8 +44,8 @@ Gradients ShapeGradients(const double* barycentric, int q)
   }
   for (int e = 0; e < 6; ++e)
   {
-    const int i = Edges[e][0];
-    const int j = Edges[e][1];
+    const int i = ElasticBody::Edges[e][0];
+    const int j = ElasticBody::Edges[e][1];
     result.col(4 + e) = 4 * (lambda[i] * g.col(j) + lambda[j] * g.col(i));
   }
   return result;
@@ -113,22 +109,7 @@ ElasticBody::ElasticBody(const TetrahedralMesh& mesh, const std::vector<ElasticM
       nodes[4 + e] = found->second;
       if (added)
       {
-        const Vector3 middle = 0.5 * (mesh.Point(low) + mesh.Point(high));
-        this->Rest.insert(this->Rest.end(), middle.begin(), middle.end());
-      }
-    }
-
-    const double volume = mesh.CellVolume(cell);
-    this->Volumes[cell] = volume;
-    for (int i = 0; i < 4; ++i)
-    {
-      // Half the area vector of the opposite face, inwards, over the volume.
-      const Vector3 p = mesh.Point(corners[FaceNodes[i][0]]);
-      const Vector3 inwards =
-        Cross(mesh.Point(corners[FaceNodes[i][2]]) - p, mesh.Point(corners[FaceNodes[i][1]]) - p);
-      for (int axis = 0; axis < 3; ++axis)
-      {
-        this->BarycentricGradients[12 * cell + 3 * i + axis] = inwards[axis] / (6 * volume);
+        this->Rest.resize(this->Rest.size() + 3);
       }
     }
   }
@@ -236,10 +217,78 @@ ElasticBody::ElasticBody(const TetrahedralMesh& mesh, const std::vector<ElasticM
     BoundaryFace boundary;
     boundary.Cell = face.second;
     std::copy_n(FaceNodes[face.first], 6, boundary.LocalNodes.begin());
-    const Vector3 p = mesh.Point(key[0]);
-    boundary.Area = 0.5 * Norm(Cross(mesh.Point(key[1]) - p, mesh.Point(key[2]) - p));
     this->Boundary.push_back(boundary);
   }
+  this->MeasureRest();
+}
+
+void ElasticBody::MeasureRest()
+{
+  const auto at = [this](std::int32_t node)
+  { return Vector3{ this->Rest[3 * node], this->Rest[3 * node + 1], this->Rest[3 * node + 2] }; };
+  for (std::size_t cell = 0; cell < this->NumberOfCells(); ++cell)
+  {
+    const std::int32_t* nodes = &this->CellNodes[NodesPerCell * cell];
+    for (int e = 0; e < 6; ++e)
+    {
+      const Vector3 middle = 0.5 * (at(nodes[Edges[e][0]]) + at(nodes[Edges[e][1]]));
+      std::copy(middle.begin(), middle.end(), &this->Rest[3 * nodes[4 + e]]);
+    }
+    const Vector3 p = at(nodes[0]);
+    const double volume =
+      Dot(at(nodes[1]) - p, Cross(at(nodes[2]) - p, at(nodes[3]) - p)) / 6;
+    this->Volumes[cell] = volume;
+    for (int i = 0; i < 4; ++i)
+    {
+      // Half the area vector of the opposite face, inwards, over the volume.
+      const Vector3 q = at(nodes[FaceNodes[i][0]]);
+      const Vector3 inwards =
+        Cross(at(nodes[FaceNodes[i][2]]) - q, at(nodes[FaceNodes[i][1]]) - q);
+      for (int axis = 0; axis < 3; ++axis)
+      {
+        this->BarycentricGradients[12 * cell + 3 * i + axis] = inwards[axis] / (6 * volume);
+      }
+    }
+  }
+  for (BoundaryFace& face : this->Boundary)
+  {
+    const std::int32_t* nodes = &this->CellNodes[NodesPerCell * face.Cell];
+    const Vector3 p = at(nodes[face.LocalNodes[0]]);
+    face.Area = 0.5 *
+      Norm(Cross(at(nodes[face.LocalNodes[1]]) - p, at(nodes[face.LocalNodes[2]]) - p));
+  }
+}
+
+void ElasticBody::SetRestCorners(const std::vector<double>& corners)
+{
+  // The middles' places are made anew from the corners.
+  std::copy_n(corners.begin(), std::min(corners.size(), this->Rest.size()), this->Rest.begin());
+  this->MeasureRest();
+}
+
+double ElasticBody::CellDensity(std::size_t cell) const
+{
+  double density = 0;
+  for (std::size_t p = this->PartStarts[cell]; p < this->PartStarts[cell + 1]; ++p)
+  {
+    density += this->Parts[p].Whole * this->Table[this->Parts[p].Material].DensityGPerCm3;
+  }
+  return density;
+}
+
+std::vector<double> ElasticBody::NodeIntegrals(const std::vector<double>& cellValues) const
+{
+  std::vector<double> result(this->NumberOfNodes(), 0.0);
+  for (std::size_t cell = 0; cell < this->NumberOfCells(); ++cell)
+  {
+    const double whole = cellValues[cell] * this->Volumes[cell];
+    for (int a = 0; a < NodesPerCell; ++a)
+    {
+      // Integrals of the shape functions of corners and middles over a tetrahedron of volume 1.
+      result[this->CellNodes[NodesPerCell * cell + a]] += (a < 4 ? -1 / 20.0 : 1 / 5.0) * whole;
+    }
+  }
+  return result;
 }
 
 void ElasticBody::SetMaterials(const std::vector<ElasticMaterial>& materials)
@@ -260,6 +309,12 @@ void ElasticBody::SetMaterials(const std::vector<ElasticMaterial>& materials)
         ": expected a positive Young's modulus and a Poisson's ratio in [0, 0.5), found " +
         std::to_string(material.YoungsModulusKPa) + " kPa and " +
         std::to_string(material.PoissonRatio));
+    }
+    if (!(material.DensityGPerCm3 > 0))
+    {
+      throw InputError("material " + std::to_string(m) +
+        ": expected a positive density, found " + std::to_string(material.DensityGPerCm3) +
+        " g/cm^3");
     }
     if (!(material.FungExponent >= 0 &&
           material.FungExponent <= ElasticMaterial::LargestFungExponent))

@@ -47,6 +47,12 @@ public:
   static constexpr int NodesPerCell = 10;
   static constexpr int PointsPerCell = 4;
   static constexpr int UnknownsPerCell = 3 * NodesPerCell;
+  /// Corners at the ends of the side that the fifth to the tenth node are the middles of.
+  static constexpr int Edges[6][2] = { { 0, 1 }, { 1, 2 }, { 0, 2 }, { 0, 3 }, { 1, 3 }, { 2, 3 } };
+  /// Local nodes of the face opposite to each corner: its corners, anticlockwise from outside, then
+  /// the middles of its first, second and third side.
+  static constexpr int FaceNodes[4][6] = { { 1, 2, 3, 5, 9, 8 }, { 0, 3, 2, 7, 9, 6 },
+    { 0, 1, 3, 4, 8, 7 }, { 0, 2, 1, 6, 5, 4 } };
 
   /// A triangle of the boundary: its cell, the cell's local nodes (3 corners, 3 middles), its area
   /// in mm^2.
@@ -93,6 +99,12 @@ public:
   /// Other constants for the materials, as many as at construction. Throws InputError.
   void SetMaterials(const std::vector<ElasticMaterial>& materials);
   const std::vector<ElasticMaterial>& Materials() const { return this->Table; }
+  /**
+   * Another undeformed shape of the same cells, whose materials they keep: the first coordinates of
+   * `corners` are those of the points of the linear mesh, mm; sides stay straight. The caller sees
+   * to it that no cell is turned inside out (CellVolume).
+   */
+  void SetRestCorners(const std::vector<double>& corners);
 
   std::size_t NumberOfNodes() const { return this->Rest.size() / 3; }
   std::size_t NumberOfCells() const { return this->CellNodes.size() / NodesPerCell; }
@@ -106,6 +118,11 @@ public:
   /// Mean shear and bulk modulus of a cell, kPa.
   double CellShearModulus(std::size_t cell) const;
   double CellBulkModulus(std::size_t cell) const { return this->Kappa[cell]; }
+  /// Mean density of a cell, g/cm^3.
+  double CellDensity(std::size_t cell) const;
+  /// The integrals over the undeformed body of each node's shape function times a value that is
+  /// constant in each cell; mm^3 times the unit of `cellValues`.
+  std::vector<double> NodeIntegrals(const std::vector<double>& cellValues) const;
 
   /**
    * Terms of one cell at node positions `x` (3 x nodeCount, mm), up to `order`. Answers false, and
@@ -121,6 +138,9 @@ public:
   CellMeasures MeasuresOf(std::size_t cell, const std::vector<double>& x) const;
 
 private:
+  /// Middles, volumes, gradients and areas from the corners' rest positions.
+  void MeasureRest();
+
   std::vector<double> Rest;
   std::vector<std::int32_t> CellNodes;
   std::vector<BoundaryFace> Boundary;

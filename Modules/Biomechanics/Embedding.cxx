@@ -18,15 +18,14 @@ namespace mammoray
 {
 namespace
 {
-constexpr int Edges[6][2] = { { 0, 1 }, { 1, 2 }, { 0, 2 }, { 0, 3 }, { 1, 3 }, { 2, 3 } };
-
-/// Corners of the straight-sided cells at rest, found by a regular grid of the cells' bounding
+/// Corners of the cells, taken for straight-sided, found by a regular grid of the cells' bounding
 /// boxes.
 class CellLocator
 {
 public:
-  explicit CellLocator(const ElasticBody& body)
+  CellLocator(const ElasticBody& body, const std::vector<double>& positions)
     : Body(body)
+    , Positions(positions)
   {
     const std::size_t cellCount = body.NumberOfCells();
     this->Low.setConstant(std::numeric_limits<double>::infinity());
@@ -71,7 +70,7 @@ public:
     for (int c = 0; c < 4; ++c)
     {
       const std::int32_t node = this->Body.Cells()[ElasticBody::NodesPerCell * cell + c];
-      corners.col(c) = Eigen::Map<const Eigen::Vector3d>(&this->Body.RestPositions()[3 * node]);
+      corners.col(c) = Eigen::Map<const Eigen::Vector3d>(&this->Positions[3 * node]);
     }
     return corners;
   }
@@ -207,6 +206,7 @@ private:
   }
 
   const ElasticBody& Body;
+  const std::vector<double>& Positions;
   Eigen::Vector3d Low;
   Eigen::Vector3d High;
   double Width = 1;
@@ -224,7 +224,7 @@ Embedding::Embedding(const CompressionSimulation& simulation, const std::vector<
   {
     throw InputError("embedding: expected three finite coordinates for each point");
   }
-  const CellLocator locator(body);
+  const CellLocator locator(body, simulation.ImagePositions());
   const std::size_t count = points.size() / 3;
   constexpr int perPoint = ElasticBody::NodesPerCell;
   this->Nodes.resize(perPoint * count);
@@ -248,8 +248,8 @@ Embedding::Embedding(const CompressionSimulation& simulation, const std::vector<
       }
       for (int e = 0; e < 6; ++e)
       {
-        const int i = Edges[e][0];
-        const int j = Edges[e][1];
+        const int i = ElasticBody::Edges[e][0];
+        const int j = ElasticBody::Edges[e][1];
         weights[4 + e] = 4 * (l[i] * l[j] + l[i] * away[j] + l[j] * away[i]);
       }
       std::copy_n(&body.Cells()[perPoint * cell], perPoint, &this->Nodes[perPoint * p]);
