@@ -20,6 +20,8 @@ struct WallStiffness
   double Normal = 0;
   /// Along the wall; not negative.
   double Tangential = 0;
+
+  bool operator==(const WallStiffness&) const = default;
 };
 
 /// Height over a surface with its first and second derivatives.

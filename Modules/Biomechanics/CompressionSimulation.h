@@ -59,10 +59,9 @@ struct CompressionOptions
   int MaximumNewtonSteps = 60;
   /// Largest closing of the plates in one load step of a cold start, as a fraction of the open gap.
   double LargestLoadStep = 0.1;
-};
 
-/// Standard gravity, m/s^2.
-inline constexpr double StandardGravityMPerS2 = 9.80665;
+  bool operator==(const CompressionOptions&) const = default;
+};
 
 /// Rate of change of the loading in CompressionOptions with a parameter, per unit of it.
 struct LoadingVelocity
@@ -249,11 +248,14 @@ public:
   std::vector<double> Map(const std::vector<double>& nodeValues) const;
   /// Largest distance of a point outside its cell, mm.
   double LargestDistanceMm() const { return this->Distance; }
+  /// The cell that holds or is nearest to each point.
+  const std::vector<std::int32_t>& Cells() const { return this->CellIndices; }
 
 private:
   /// Ten node indices and weights per point.
   std::vector<std::int32_t> Nodes;
   std::vector<double> Weights;
+  std::vector<std::int32_t> CellIndices;
   double Distance = 0;
 };
 }

@@ -35,6 +35,8 @@ struct ElasticMaterial
   {
     return this->YoungsModulusKPa / (3 * (1 - 2 * this->PoissonRatio));
   }
+
+  bool operator==(const ElasticMaterial&) const = default;
 };
 
 /// Rate of change of a material with a parameter, per unit of it.

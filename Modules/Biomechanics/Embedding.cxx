@@ -229,6 +229,7 @@ Embedding::Embedding(const CompressionSimulation& simulation, const std::vector<
   constexpr int perPoint = ElasticBody::NodesPerCell;
   this->Nodes.resize(perPoint * count);
   this->Weights.resize(perPoint * count);
+  this->CellIndices.resize(count);
   std::vector<double> distances(count);
   ParallelFor(count,
     [&](std::size_t p)
@@ -236,6 +237,7 @@ Embedding::Embedding(const CompressionSimulation& simulation, const std::vector<
       const Eigen::Vector3d point(points[3 * p], points[3 * p + 1], points[3 * p + 2]);
       Eigen::Vector3d nearest;
       const std::int32_t cell = locator.Find(point, nearest);
+      this->CellIndices[p] = cell;
       distances[p] = (point - nearest).norm();
       // Inside: the shape functions. Outside: their tangent at the nearest point of the cell, which
       // carries linear fields on exactly and others without the parabola's runaway.

@@ -558,8 +558,8 @@ TEST(CompressionSimulation, RefusesTwoMillimetresWithTheLastGoodThickness)
     ASSERT_GT(last, 2);
     ASSERT_LT(last, 40);
     // A little more open than said there is an equilibrium indeed, contact hard and all limits
-    // kept.
-    const CompressionState state = simulation.Compress(MakePlates(1.1 * last));
+    // kept; the way there is gone in other steps.
+    const CompressionState state = simulation.Compress(MakePlates(1.2 * last));
     EXPECT_GE(state.SmallestJ, 0.1);
     EXPECT_LE(state.LargestPenetrationMm, PenetrationLimitMm(state.Plates));
   }

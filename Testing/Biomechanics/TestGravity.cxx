@@ -2,6 +2,7 @@
 #include "CompressionSimulation.h"
 #include "EquilibriumChecks.h"
 #include "Error.h"
+#include "PlacedPlates.h"
 #include "TestMeshes.h"
 
 #include <gtest/gtest.h>
@@ -75,7 +76,15 @@ struct SoftBreast
   TetrahedralMesh Mesh = test::MakeHalfEllipsoidMesh(40, 45, 38, 6);
   std::vector<ElasticMaterial> Materials{ {}, { 1, 0.49, 0, 0.95 }, { 5, 0.49 } };
 };
-const Vector3 Prone{ 0, StandardGravityMPerS2, 0 };
+const AnatomicalAxes Axes = AnatomicalAxes::FromCode("LAS");
+const Vector3 Prone = GravityIn(PatientPosition::Prone, Axes);
+
+TEST(Gravity, PointsDownwards)
+{
+  EXPECT_EQ(Prone, (Vector3{ 0, StandardGravityMPerS2, 0 }));
+  EXPECT_EQ(GravityIn(PatientPosition::Supine, Axes), (Vector3{ 0, -StandardGravityMPerS2, 0 }));
+  EXPECT_EQ(GravityIn(PatientPosition::Upright, Axes), (Vector3{ 0, 0, -StandardGravityMPerS2 }));
+}
 
 TEST(Gravity, UnloadingAndLoadingGiveTheImageBack)
 {
@@ -120,7 +129,7 @@ TEST(Gravity, PointsFollowFromTheImageToTheCompressedBreast)
 {
   const SoftBreast breast;
   CompressionOptions options;
-  options.GravityMPerS2 = { 0, 0, -StandardGravityMPerS2 };
+  options.GravityMPerS2 = GravityIn(PatientPosition::Upright, Axes);
   CompressionSimulation simulation(breast.Mesh, breast.Materials, Held, {}, options);
   simulation.Unload(Prone);
   const Embedding embedding(simulation, breast.Mesh.Points);
