@@ -17,7 +17,6 @@
 
 #include "vtkUnstructuredGrid.h"
 
-#include <array>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -49,8 +48,7 @@ struct CompressArguments
   MammographyUnit Unit;
   /// held, sliding or elastic
   std::string ChestWall = "held";
-  std::array<double, 2> WallStiffness{ CompressionOptions().Wall.Normal,
-    CompressionOptions().Wall.Tangential };
+  WallStiffness Wall = CompressionOptions().Wall;
   double PullN = 0;
   double Friction = 0;
   /// none, prone or supine
@@ -120,7 +118,7 @@ CompressionOptions LoadingOf(const CompressArguments& arguments, const Anatomica
   options.ChestWall = arguments.ChestWall == "held" ? ChestWallMode::Held
     : arguments.ChestWall == "sliding"              ? ChestWallMode::Sliding
                                                     : ChestWallMode::Elastic;
-  options.Wall = { arguments.WallStiffness[0], arguments.WallStiffness[1] };
+  options.Wall = arguments.Wall;
   options.PullN = arguments.PullN * axes.Anterior;
   options.Friction = arguments.Friction;
   if (arguments.Gravity || arguments.ImagePosition != "none")
@@ -342,11 +340,12 @@ void AddCompressCommand(CLI::App& application)
       "elastic")
     ->check(CLI::IsMember({ "held", "sliding", "elastic" }))
     ->capture_default_str();
-  command
-    ->add_option("--wall-stiffness", arguments->WallStiffness,
-      "of the elastic chest wall, across and along it, kPa/mm; the sliding one takes the first")
-    ->check(CLI::NonNegativeNumber)
-    ->capture_default_str();
+  add("--wall-normal-stiffness", arguments->Wall.Normal,
+    "of the sliding or elastic chest wall against being left, kPa/mm")
+    ->check(CLI::PositiveNumber);
+  add("--wall-tangential-stiffness", arguments->Wall.Tangential,
+    "of the elastic chest wall against gliding, kPa/mm")
+    ->check(CLI::NonNegativeNumber);
   add("--pull", arguments->PullN,
     "force that draws the breast forwards onto the receptor, spread over its volume, N");
   add("--friction", arguments->Friction, "coefficient of friction between breast and plates")

