@@ -2,6 +2,7 @@
 #include "ChestWall.h"
 
 #include "Error.h"
+#include "Private/CellPatches.h"
 
 #include <algorithm>
 #include <cmath>
@@ -60,10 +61,10 @@ std::vector<Interface> FindInterface(const ElasticBody& body, const std::vector<
   std::map<std::array<std::int32_t, 3>, Sides> faces;
   for (std::size_t cell = 0; cell < body.NumberOfCells(); ++cell)
   {
-    const std::int32_t* nodes = &body.Cells()[ElasticBody::NodesPerCell * cell];
+    const std::int32_t* nodes = &body.Cells()[body.NodesPerCell() * cell];
     for (int face = 0; face < 4; ++face)
     {
-      const int* local = ElasticBody::FaceNodes[face];
+      const int* local = FaceCorners[face];
       std::array<std::int32_t, 3> key{ nodes[local[0]], nodes[local[1]], nodes[local[2]] };
       std::sort(key.begin(), key.end());
       Sides& sides = faces[key];
@@ -96,8 +97,8 @@ ChestWall::ChestWall(const ElasticBody& body, const std::vector<bool>& heldCells
   double sides = 0;
   for (const Interface& face : FindInterface(body, heldCells))
   {
-    const std::int32_t* nodes = &body.Cells()[ElasticBody::NodesPerCell * face.Cell];
-    const int* local = ElasticBody::FaceNodes[face.Face];
+    const std::int32_t* nodes = &body.Cells()[body.NodesPerCell() * face.Cell];
+    const int* local = FaceCorners[face.Face];
     Vector3 corners[3];
     for (int c = 0; c < 3; ++c)
     {
@@ -109,9 +110,14 @@ ChestWall::ChestWall(const ElasticBody& body, const std::vector<bool>& heldCells
       (-1 / area) * outwards, area });
     // The four triangles between corners and middles: every node's share is positive, which the
     // integrals of the quadratic shape functions are not.
-    for (int c = 0; c < 6; ++c)
+    const bool quadratic = body.Type() == ElementType::Quadratic;
+    for (int c = 0; c < 3; ++c)
     {
-      areas[nodes[local[c]]] += (c < 3 ? 1 / 12.0 : 1 / 4.0) * area;
+      areas[nodes[local[c]]] += (quadratic ? 1 / 12.0 : 1 / 3.0) * area;
+      if (quadratic)
+      {
+        areas[nodes[FaceMiddles[face.Face][c]]] += 0.25 * area;
+      }
     }
     sides += Norm(corners[1] - corners[0]) + Norm(corners[2] - corners[1]) +
       Norm(corners[0] - corners[2]);

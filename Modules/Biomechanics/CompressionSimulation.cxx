@@ -3,6 +3,7 @@
 
 #include "EquilibriumSolver.h"
 #include "Error.h"
+#include "Private/CellPatches.h"
 #include "Private/CompressionInternals.h"
 
 #include <algorithm>
@@ -29,13 +30,21 @@ constexpr double Hardening = 10;
 /// Contact of a state that misses its penetration limit is made stiffer, by no more than this.
 constexpr double LargestStiffening = 256;
 /// Tissue hardly changes its volume. Where a quadrature point of a converged state has lost nine
-/// tenths of it, a cell is squeezed flat between a plate's edge and the held body.
-constexpr double SmallestAllowedJ = 0.1;
+/// tenths of it, a cell is squeezed flat between a plate's edge and the held body. A linear cell is
+/// one of a patch that keeps its volume: at such edges some lose 95 % to their neighbours.
+double SmallestAllowedJ(ElementType type)
+{
+  return type == ElementType::Quadratic ? 0.1 : 0.01;
+}
 /// Of the residual with the normal forces of friction brought up to date, and how often they are.
 /// Friction is a part of the forces, known to some per cent at best.
 constexpr double FrictionTolerance = 1e-4;
 constexpr double IntermediateFrictionTolerance = 5e-2;
-constexpr int MostFrictionUpdates = 30;
+constexpr int MostFrictionUpdates = 60;
+/// A residual that does not fall below this part of the last one calls for smaller updates, down to
+/// that.
+constexpr double StalledFriction = 0.95;
+constexpr double SmallestFrictionPart = 1.0 / 16;
 /// Least part of the loads that is added at a time while a breast settles.
 constexpr double SmallestSettlingStep = 1.0 / 64;
 constexpr int MostUnloadingSteps = 200;
@@ -69,9 +78,9 @@ std::vector<bool> FixedCoordinates(const ElasticBody& body, const std::vector<bo
   std::vector<bool> fixed(3 * body.NumberOfNodes(), false);
   for (std::size_t cell = 0; cell < heldCells.size() && mode == ChestWallMode::Held; ++cell)
   {
-    for (int a = 0; a < ElasticBody::NodesPerCell && heldCells[cell]; ++a)
+    for (int a = 0; a < body.NodesPerCell() && heldCells[cell]; ++a)
     {
-      const std::int32_t node = body.Cells()[ElasticBody::NodesPerCell * cell + a];
+      const std::int32_t node = body.Cells()[body.NodesPerCell() * cell + a];
       fixed[3 * node] = fixed[3 * node + 1] = fixed[3 * node + 2] = true;
     }
   }
@@ -166,21 +175,24 @@ CompressionSimulation::Internals::Internals(ElasticBody body, std::vector<bool> 
 
 void CompressionSimulation::Internals::FindFollowers()
 {
+  if (this->Body.Type() != ElementType::Quadratic)
+  {
+    return;
+  }
   std::vector<bool> free(this->Body.NumberOfNodes(), false);
   for (std::size_t index = 0; index < this->Body.Cells().size(); ++index)
   {
-    if (!this->HeldCells[index / ElasticBody::NodesPerCell])
+    if (!this->HeldCells[index / this->Body.NodesPerCell()])
     {
       free[this->Body.Cells()[index]] = true;
     }
   }
   for (std::size_t cell = 0; cell < this->HeldCells.size(); ++cell)
   {
-    const std::int32_t* nodes = &this->Body.Cells()[ElasticBody::NodesPerCell * cell];
+    const std::int32_t* nodes = &this->Body.Cells()[10 * cell];
     for (int e = 0; e < 6 && this->HeldCells[cell]; ++e)
     {
-      const std::int32_t ends[2] = { nodes[ElasticBody::Edges[e][0]],
-        nodes[ElasticBody::Edges[e][1]] };
+      const std::int32_t ends[2] = { nodes[CellEdges[e][0]], nodes[CellEdges[e][1]] };
       if (!free[nodes[4 + e]] && (free[ends[0]] || free[ends[1]]))
       {
         this->Followers.push_back({ nodes[4 + e], ends[0], ends[1] });
@@ -322,6 +334,8 @@ EquilibriumReport CompressionSimulation::Internals::Solve(std::vector<double>& x
   const double wanted =
     tolerance < IntermediateTolerance ? FrictionTolerance : IntermediateFrictionTolerance;
   int newtonSteps = 0;
+  double part = 0.5;
+  double residualBefore = std::numeric_limits<double>::infinity();
   for (int update = 0;; ++update)
   {
     EquilibriumReport report = this->Solver.Solve(x, &plates, tolerance, maximumSteps, progress);
@@ -351,7 +365,9 @@ EquilibriumReport CompressionSimulation::Internals::Solve(std::vector<double>& x
       return report;
     }
     // All of the change overshoots: friction that grows unloads its own contact.
-    this->Solver.SetFriction(MeanFriction(used, found));
+    part = residual > StalledFriction * residualBefore ? std::max(0.5 * part, SmallestFrictionPart) : part;
+    residualBefore = residual;
+    this->Solver.SetFriction(BlendedFriction(std::move(used), found, part));
   }
 }
 
@@ -360,7 +376,7 @@ CompressionSimulation::CompressionSimulation(const TetrahedralMesh& mesh,
   const MaterialField& field, const CompressionOptions& options)
 {
   CheckOptions(options);
-  ElasticBody body(mesh, materials, field, held);
+  ElasticBody body(mesh, materials, field, held, options.Element);
   this->Internal = std::make_unique<Internals>(std::move(body), CellsOf(mesh, held),
     mesh.NumberOfPoints(), options);
 }
@@ -434,6 +450,7 @@ CompressionState CompressionSimulation::Compress(const PlatePair& plates,
   CheckPlate(plates.Paddle, "paddle");
   EquilibriumSolver& solver = this->Internal->Solver;
   const CompressionOptions& options = this->Internal->Options;
+  const double smallestAllowedJ = SmallestAllowedJ(options.Element);
 
   CompressionState state;
   double wanted = 1;
@@ -568,7 +585,7 @@ CompressionState CompressionSimulation::Compress(const PlatePair& plates,
     }
     keep(report, positions);
     state.Plates = target;
-    if (done < 1 && next < 1 && report.SmallestJ >= SmallestAllowedJ)
+    if (done < 1 && next < 1 && report.SmallestJ >= smallestAllowedJ)
     {
       lastGap = GapMm(target);
     }
@@ -596,12 +613,12 @@ CompressionState CompressionSimulation::Compress(const PlatePair& plates,
       }
     }
   }
-  if (state.SmallestJ < SmallestAllowedJ)
+  if (state.SmallestJ < smallestAllowedJ)
   {
     char reason[96];
     std::snprintf(reason, sizeof reason,
       "there a part keeps %.3f of its volume, expected at least %.2f", state.SmallestJ,
-      SmallestAllowedJ);
+      smallestAllowedJ);
     fail(reason);
   }
   this->Internal->DrawAlong(state.Positions);

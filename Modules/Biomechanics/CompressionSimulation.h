@@ -30,6 +30,9 @@ enum class ChestWallMode
 
 struct CompressionOptions
 {
+  /// Quadratic cells for accuracy on some thousand cells, patch-averaged linear ones where there are
+  /// tens of thousands.
+  ElementType Element = ElementType::Quadratic;
   ChestWallMode ChestWall = ChestWallMode::Held;
   /// Of the elastic chest wall; of the sliding one Normal counts, and along the wall SlidingStiffness.
   WallStiffness Wall{ 1000.0, 1.0 };
@@ -132,10 +135,10 @@ MAMMORAYBIOMECHANICS_EXPORT double PenetrationLimitMm(const PlatePair& plates);
  * Quasi-static compression of a nearly incompressible elastic body between two plates as a
  * minimum of energy (DESIGN.md section 6): psi = w(J^(-2/3) tr F^T F - 3) + kappa/2 (J - 1)^2, w
  * neo-Hookean or Fung's exponential (ElasticMaterial.h), on quadratic tetrahedra made from the
- * given linear ones, where of kappa no more than 50 mu acts point by point and the rest on the mean
- * of J over a cell (ElasticBody); contact by a C2 penalty, with smoothed Coulomb friction if wanted;
- * the breast is held by, glides along or is elastically attached to the chest wall (ChestWall).
- * With friction a state depends on the way to it: on the load steps and on the start.
+ * given linear ones or on these, most of kappa acting on the mean of J over a cell or a patch of
+ * cells (ElasticBody); contact by a C2 penalty, with smoothed Coulomb friction if wanted; the
+ * breast is held by, glides along or is elastically attached to the chest wall (ChestWall). With
+ * friction a state depends on the way to it: on the load steps and on the start.
  */
 class MAMMORAYBIOMECHANICS_EXPORT CompressionSimulation
 {
@@ -252,7 +255,8 @@ public:
   const std::vector<std::int32_t>& Cells() const { return this->CellIndices; }
 
 private:
-  /// Ten node indices and weights per point.
+  int NodesPerPoint;
+  /// Node indices and weights, NodesPerPoint for each point.
   std::vector<std::int32_t> Nodes;
   std::vector<double> Weights;
   std::vector<std::int32_t> CellIndices;

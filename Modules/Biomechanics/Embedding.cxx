@@ -2,6 +2,7 @@
 #include "CompressionSimulation.h"
 
 #include "Error.h"
+#include "Private/CellPatches.h"
 #include "Private/CompressionInternals.h"
 #include "Private/Parallel.h"
 
@@ -18,6 +19,22 @@ namespace mammoray
 {
 namespace
 {
+/// Weights of the ten nodes at the point with barycentric coordinates `l`, continued by the tangent
+/// to `l` + `away`.
+void QuadraticWeights(const Eigen::Vector4d& l, const Eigen::Vector4d& away, double* weights)
+{
+  for (int c = 0; c < 4; ++c)
+  {
+    weights[c] = l[c] * (2 * l[c] - 1) + (4 * l[c] - 1) * away[c];
+  }
+  for (int e = 0; e < 6; ++e)
+  {
+    const int i = CellEdges[e][0];
+    const int j = CellEdges[e][1];
+    weights[4 + e] = 4 * (l[i] * l[j] + l[i] * away[j] + l[j] * away[i]);
+  }
+}
+
 /// Corners of the cells, taken for straight-sided, found by a regular grid of the cells' bounding
 /// boxes.
 class CellLocator
@@ -69,7 +86,7 @@ public:
     Eigen::Matrix<double, 3, 4> corners;
     for (int c = 0; c < 4; ++c)
     {
-      const std::int32_t node = this->Body.Cells()[ElasticBody::NodesPerCell * cell + c];
+      const std::int32_t node = this->Body.Cells()[this->Body.NodesPerCell() * cell + c];
       corners.col(c) = Eigen::Map<const Eigen::Vector3d>(&this->Positions[3 * node]);
     }
     return corners;
@@ -217,6 +234,7 @@ private:
 }
 
 Embedding::Embedding(const CompressionSimulation& simulation, const std::vector<double>& points)
+  : NodesPerPoint(simulation.Internal->Body.NodesPerCell())
 {
   const ElasticBody& body = simulation.Internal->Body;
   if (points.size() % 3 != 0 ||
@@ -226,7 +244,7 @@ Embedding::Embedding(const CompressionSimulation& simulation, const std::vector<
   }
   const CellLocator locator(body, simulation.ImagePositions());
   const std::size_t count = points.size() / 3;
-  constexpr int perPoint = ElasticBody::NodesPerCell;
+  const int perPoint = this->NodesPerPoint;
   this->Nodes.resize(perPoint * count);
   this->Weights.resize(perPoint * count);
   this->CellIndices.resize(count);
@@ -244,15 +262,13 @@ Embedding::Embedding(const CompressionSimulation& simulation, const std::vector<
       const Eigen::Vector4d l = locator.Barycentric(cell, nearest);
       const Eigen::Vector4d away = locator.Barycentric(cell, point) - l;
       double* weights = &this->Weights[perPoint * p];
-      for (int c = 0; c < 4; ++c)
+      if (body.Type() == ElementType::Quadratic)
       {
-        weights[c] = l[c] * (2 * l[c] - 1) + (4 * l[c] - 1) * away[c];
+        QuadraticWeights(l, away, weights);
       }
-      for (int e = 0; e < 6; ++e)
+      else
       {
-        const int i = ElasticBody::Edges[e][0];
-        const int j = ElasticBody::Edges[e][1];
-        weights[4 + e] = 4 * (l[i] * l[j] + l[i] * away[j] + l[j] * away[i]);
+        Eigen::Map<Eigen::Vector4d>{ weights } = l + away;
       }
       std::copy_n(&body.Cells()[perPoint * cell], perPoint, &this->Nodes[perPoint * p]);
     });
@@ -261,7 +277,7 @@ Embedding::Embedding(const CompressionSimulation& simulation, const std::vector<
 
 std::vector<double> Embedding::Map(const std::vector<double>& nodeValues) const
 {
-  constexpr std::size_t perPoint = ElasticBody::NodesPerCell;
+  const auto perPoint = static_cast<std::size_t>(this->NodesPerPoint);
   const std::size_t count = this->Nodes.size() / perPoint;
   std::vector<double> result(3 * count, 0.0);
   ParallelFor(count,

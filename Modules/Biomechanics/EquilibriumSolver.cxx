@@ -12,14 +12,12 @@
 #include <cstdio>
 #include <limits>
 #include <numeric>
+#include <span>
 
 namespace mammoray
 {
 namespace
 {
-constexpr int CellUnknowns = ElasticBody::UnknownsPerCell;
-constexpr int CellEntries = CellUnknowns * (CellUnknowns + 1) / 2;
-
 /**
  * Middles of equal small triangles: where a plate's edge cuts through a face, many points beat a
  * high degree. On a round of 3 mm that is pressed 0.05 mm deep the contact is 1.1 mm wide: points
@@ -56,9 +54,13 @@ const std::vector<TrianglePoint>& TriangleRule()
   return rule;
 }
 
-/// Shape functions of the six-node triangle.
-std::array<double, 6> TriangleShape(const double* l)
+/// Shape functions of the triangle with six nodes or three.
+std::array<double, 6> TriangleShape(const double* l, int nodes)
 {
+  if (nodes == 3)
+  {
+    return { l[0], l[1], l[2], 0, 0, 0 };
+  }
   return { l[0] * (2 * l[0] - 1), l[1] * (2 * l[1] - 1), l[2] * (2 * l[2] - 1), 4 * l[0] * l[1],
     4 * l[1] * l[2], 4 * l[2] * l[0] };
 }
@@ -68,12 +70,13 @@ Vector3 NodeOf(const std::vector<double>& x, std::int32_t node)
   return { x[3 * node], x[3 * node + 1], x[3 * node + 2] };
 }
 
-/// A point of a boundary face; `nodes`: those of its cell.
-Vector3 FacePosition(const ElasticBody::BoundaryFace& face, const std::int32_t* nodes,
+/// A point of a boundary face.
+Vector3 FacePosition(const ElasticBody& body, const ElasticBody::BoundaryFace& face,
   const std::array<double, 6>& shape, const std::vector<double>& x)
 {
+  const std::span<const std::int32_t> nodes = body.NodesOf(face.Element);
   Vector3 position{ 0, 0, 0 };
-  for (int a = 0; a < 6; ++a)
+  for (int a = 0; a < body.NodesPerFace(); ++a)
   {
     position = position + shape[a] * NodeOf(x, nodes[face.LocalNodes[a]]);
   }
@@ -110,7 +113,7 @@ struct ContactPoint
   const ElasticBody::BoundaryFace& Face;
   std::int32_t FaceIndex;
   std::int16_t RulePoint;
-  /// Of the six nodes of the face.
+  /// Of the nodes of the face.
   std::array<double, 6> Shape;
   Vector3 Position;
   /// 0: support, 1: paddle.
@@ -159,27 +162,30 @@ struct EquilibriumSolver::Internals
   const ChestWall* Wall = nullptr;
   WallStiffness Stiffness;
   FrictionPoints Friction;
-  /// Those of active cell a are FrictionStarts[a] to FrictionStarts[a + 1]; empty without friction.
+  /// Those of active element a are FrictionStarts[a] to FrictionStarts[a + 1]; empty without
+  /// friction.
   std::vector<std::size_t> FrictionStarts;
-  /// Active cell of each boundary face; -1 where it cannot touch.
+  /// Active element of each boundary face; -1 where it cannot touch.
   std::vector<std::int32_t> ActiveOfFace;
-  /// Cells with a free node, and for each of them the boundary faces with a free node.
-  std::vector<std::int32_t> ActiveCells;
-  std::vector<std::vector<std::int32_t>> FacesOfCell;
+  /// Elements with a free node, and for each of them the boundary faces with a free node.
+  std::vector<std::int32_t> ActiveElements;
+  std::vector<std::vector<std::int32_t>> FacesOfElement;
   /// Number of the unknown of each coordinate; -1 where fixed.
   std::vector<std::int32_t> Unknown;
   std::vector<std::int32_t> CoordinateOfUnknown;
   /// Lower triangle by columns.
   std::vector<int> Starts;
   std::vector<int> Rows;
-  /// Where each entry of the lower half of a cell's matrix goes; -1: nowhere. CellEntries per cell.
+  /// Where each entry of the lower half of an element's matrix goes; -1: nowhere. Those of active
+  /// element a begin at ScatterStarts[a].
   std::vector<std::int32_t> Scatter;
+  std::vector<std::size_t> ScatterStarts;
   std::unique_ptr<SparseCholesky> Factor;
 
   /// A force no result depends on: convergence is measured against it while nothing touches.
   double SmallestForce = 0;
   double RestVolume = 0;
-  /// Volume of the cells that do not move.
+  /// Volume of the elements that do not move.
   double FixedVolume = 0;
   /// Roundoff of the energy, kPa mm^3.
   double EnergyNoise = 0;
@@ -212,29 +218,39 @@ struct EquilibriumSolver::Internals
   mutable double Share = 0;
   mutable std::vector<double> ProjectedValues;
 
-  mutable std::vector<ElasticBody::Terms> CellResults;
-  mutable std::vector<ContactTotals> CellContacts;
-  mutable std::vector<std::array<double, CellUnknowns>> CellContactGradients;
-  mutable std::vector<char> CellValid;
+  mutable std::vector<ElasticBody::Terms> ElementResults;
+  mutable std::vector<ContactTotals> ElementContacts;
+  mutable std::vector<std::vector<double>> ElementContactGradients;
+  mutable std::vector<char> ElementValid;
   mutable std::vector<ChestWall::Terms> WallResults;
 
   Internals(const ElasticBody& body, const std::vector<bool>& fixed, double contactStiffness,
     const std::vector<bool>& leftOut);
   void MakePattern();
+  std::span<const std::int32_t> NodesOf(std::size_t active) const
+  {
+    return this->Body.NodesOf(this->ActiveElements[active]);
+  }
+  /// Coordinate of a row of an active element's matrix.
+  std::size_t CoordinateOf(std::size_t active, std::size_t row) const
+  {
+    return 3 * static_cast<std::size_t>(this->NodesOf(active)[row / 3]) + row % 3;
+  }
   void MeasureScales();
-  /// Calls function(ContactPoint) for every point of an active cell that lies in a plate's layer.
+  /// Calls function(ContactPoint) for every point of an active element that lies in a plate's
+  /// layer.
   template <typename Function>
   void ForEachContact(std::size_t active, const std::vector<double>& x, const PlatePair& plates,
     const Function& function) const;
-  /// Adds the contact of the faces of an active cell to its terms.
+  /// Adds the contact of the faces of an active element to its terms.
   void AddContact(std::size_t active, const std::vector<double>& x, const PlatePair& plates,
     ElasticBody::Order order, ElasticBody::Terms& terms, ContactTotals& totals,
-    std::array<double, CellUnknowns>& contactGradient) const;
-  /// The same of the friction of an active cell.
+    std::vector<double>& contactGradient) const;
+  /// The same of the friction of an active element.
   void AddFriction(std::size_t active, const std::vector<double>& x, const PlatePair& plates,
     ElasticBody::Order order, ElasticBody::Terms& terms, ContactTotals& totals,
-    std::array<double, CellUnknowns>& contactGradient) const;
-  /// Calls function(FrictionPoint, face, shape functions, position) for those of an active cell.
+    std::vector<double>& contactGradient) const;
+  /// Calls function(FrictionPoint, face, shape functions, position) for those of an active element.
   template <typename Function>
   void ForEachFriction(std::size_t active, const std::vector<double>& x,
     const Function& function) const;
@@ -277,30 +293,31 @@ EquilibriumSolver::Internals::Internals(const ElasticBody& body, const std::vect
     throw InputError("equilibrium: expected 3 flags per node, found " +
       std::to_string(fixed.size()) + " for " + std::to_string(body.NumberOfNodes()) + " nodes");
   }
-  const std::vector<std::int32_t>& cells = body.Cells();
-  std::vector<std::int32_t> activeOfCell(body.NumberOfCells(), -1);
+  std::vector<std::int32_t> activeOfElement(body.NumberOfElements(), -1);
   std::vector<bool> used(body.NumberOfNodes(), false);
   const auto isFree = [&](std::int32_t node)
   { return !(fixed[3 * node] && fixed[3 * node + 1] && fixed[3 * node + 2]); };
-  for (std::size_t cell = 0; cell < body.NumberOfCells(); ++cell)
+  for (std::size_t element = 0; element < body.NumberOfElements(); ++element)
   {
-    const std::int32_t* nodes = &cells[ElasticBody::NodesPerCell * cell];
-    const bool rigid = cell < leftOut.size() && leftOut[cell];
-    if (!rigid && std::any_of(nodes, nodes + ElasticBody::NodesPerCell, isFree))
+    const std::span<const std::int32_t> nodes = body.NodesOf(element);
+    // Patches hold no cells of both kinds.
+    const auto first = static_cast<std::size_t>(body.CellsOf(element).front());
+    const bool rigid = first < leftOut.size() && leftOut[first];
+    if (!rigid && std::any_of(nodes.begin(), nodes.end(), isFree))
     {
-      activeOfCell[cell] = static_cast<std::int32_t>(this->ActiveCells.size());
-      this->ActiveCells.push_back(static_cast<std::int32_t>(cell));
-      for (int a = 0; a < ElasticBody::NodesPerCell; ++a)
+      activeOfElement[element] = static_cast<std::int32_t>(this->ActiveElements.size());
+      this->ActiveElements.push_back(static_cast<std::int32_t>(element));
+      for (const std::int32_t node : nodes)
       {
-        used[nodes[a]] = true;
+        used[node] = true;
       }
     }
     else
     {
-      this->FixedVolume += body.CellVolume(cell);
+      this->FixedVolume += body.ElementVolume(element);
     }
   }
-  if (this->ActiveCells.empty())
+  if (this->ActiveElements.empty())
   {
     throw InputError("equilibrium: expected cells that can move, found all of them held");
   }
@@ -315,37 +332,37 @@ EquilibriumSolver::Internals::Internals(const ElasticBody& body, const std::vect
       this->CoordinateOfUnknown.push_back(static_cast<std::int32_t>(c));
     }
   }
-  this->FacesOfCell.resize(this->ActiveCells.size());
+  this->FacesOfElement.resize(this->ActiveElements.size());
   this->ActiveOfFace.assign(body.Faces().size(), -1);
   for (std::size_t f = 0; f < body.Faces().size(); ++f)
   {
     const ElasticBody::BoundaryFace& face = body.Faces()[f];
-    const std::int32_t* nodes = &cells[ElasticBody::NodesPerCell * face.Cell];
-    const std::int32_t active = activeOfCell[face.Cell];
+    const std::span<const std::int32_t> nodes = body.NodesOf(face.Element);
+    const std::int32_t active = activeOfElement[face.Element];
     if (active >= 0 &&
-      std::any_of(face.LocalNodes.begin(), face.LocalNodes.end(),
+      std::any_of(face.LocalNodes.begin(), face.LocalNodes.begin() + body.NodesPerFace(),
         [&](int local) { return isFree(nodes[local]); }))
     {
-      this->FacesOfCell[active].push_back(static_cast<std::int32_t>(f));
+      this->FacesOfElement[active].push_back(static_cast<std::int32_t>(f));
       this->ActiveOfFace[f] = active;
     }
   }
   this->MakePattern();
   this->Factor = std::make_unique<SparseCholesky>(this->Starts, this->Rows);
-  this->CellResults.resize(this->ActiveCells.size());
-  this->CellContacts.resize(this->ActiveCells.size());
-  this->CellContactGradients.resize(this->ActiveCells.size());
-  this->CellValid.resize(this->ActiveCells.size());
+  this->ElementResults.resize(this->ActiveElements.size());
+  this->ElementContacts.resize(this->ActiveElements.size());
+  this->ElementContactGradients.resize(this->ActiveElements.size());
+  this->ElementValid.resize(this->ActiveElements.size());
 }
 
 void EquilibriumSolver::Internals::MeasureScales()
 {
   double stiffness = 0;
   this->RestVolume = this->FixedVolume;
-  for (const std::int32_t cell : this->ActiveCells)
+  for (const std::int32_t element : this->ActiveElements)
   {
-    stiffness += this->Body.CellShearModulus(cell) * this->Body.CellVolume(cell);
-    this->RestVolume += this->Body.CellVolume(cell);
+    stiffness += this->Body.ElementShearModulus(element) * this->Body.ElementVolume(element);
+    this->RestVolume += this->Body.ElementVolume(element);
   }
   this->EnergyNoise = 1e-13 * 1.5 * stiffness;
   this->SmallestForce = 1e-4 * stiffness / std::cbrt(this->RestVolume);
@@ -353,53 +370,66 @@ void EquilibriumSolver::Internals::MeasureScales()
 
 void EquilibriumSolver::Internals::MakePattern()
 {
-  const std::vector<std::int32_t>& cells = this->Body.Cells();
-  const std::size_t n = this->CoordinateOfUnknown.size();
-  const auto unknownsOf = [&](std::size_t active)
+  // Elements of every node, then for each node those it shares an element with.
+  std::vector<std::vector<std::int32_t>> activeOfNode(this->Body.NumberOfNodes());
+  this->ScatterStarts.assign(1, 0);
+  for (std::size_t active = 0; active < this->ActiveElements.size(); ++active)
   {
-    std::array<std::int32_t, CellUnknowns> result;
-    const std::int32_t* nodes = &cells[ElasticBody::NodesPerCell * this->ActiveCells[active]];
-    for (int r = 0; r < CellUnknowns; ++r)
+    for (const std::int32_t node : this->NodesOf(active))
     {
-      result[r] = this->Unknown[3 * nodes[r / 3] + r % 3];
+      activeOfNode[node].push_back(static_cast<std::int32_t>(active));
     }
-    return result;
-  };
-  std::vector<std::vector<int>> columns(n);
-  for (std::size_t active = 0; active < this->ActiveCells.size(); ++active)
-  {
-    const auto unknowns = unknownsOf(active);
-    for (const std::int32_t column : unknowns)
-    {
-      for (const std::int32_t row : unknowns)
-      {
-        if (column >= 0 && row >= column)
-        {
-          columns[column].push_back(row);
-        }
-      }
-    }
+    const std::size_t rows = 3 * this->NodesOf(active).size();
+    this->ScatterStarts.push_back(this->ScatterStarts.back() + rows * (rows + 1) / 2);
   }
   this->Starts.assign(1, 0);
-  for (std::vector<int>& column : columns)
+  std::vector<std::int32_t> near;
+  std::vector<int> unknowns;
+  std::int32_t nodeOfLast = -1;
+  for (std::size_t u = 0; u < this->CoordinateOfUnknown.size(); ++u)
   {
-    std::sort(column.begin(), column.end());
-    column.erase(std::unique(column.begin(), column.end()), column.end());
-    this->Rows.insert(this->Rows.end(), column.begin(), column.end());
+    const std::int32_t node = this->CoordinateOfUnknown[u] / 3;
+    if (node != nodeOfLast)
+    {
+      near.clear();
+      for (const std::int32_t active : activeOfNode[node])
+      {
+        const std::span<const std::int32_t> nodes = this->NodesOf(active);
+        near.insert(near.end(), nodes.begin(), nodes.end());
+      }
+      std::sort(near.begin(), near.end());
+      near.erase(std::unique(near.begin(), near.end()), near.end());
+      unknowns.clear();
+      for (const std::int32_t other : near)
+      {
+        for (int axis = 0; axis < 3; ++axis)
+        {
+          if (this->Unknown[3 * other + axis] >= 0)
+          {
+            unknowns.push_back(this->Unknown[3 * other + axis]);
+          }
+        }
+      }
+      nodeOfLast = node;
+    }
+    // Unknowns are numbered as the coordinates are, so these ascend.
+    this->Rows.insert(this->Rows.end(),
+      std::lower_bound(unknowns.begin(), unknowns.end(), static_cast<int>(u)), unknowns.end());
     this->Starts.push_back(static_cast<int>(this->Rows.size()));
-    std::vector<int>().swap(column);
   }
-  this->Scatter.resize(CellEntries * this->ActiveCells.size());
-  ParallelFor(this->ActiveCells.size(),
+  this->Scatter.resize(this->ScatterStarts.back());
+  ParallelFor(this->ActiveElements.size(),
     [&](std::size_t active)
     {
-      const auto unknowns = unknownsOf(active);
-      std::int32_t* scatter = &this->Scatter[CellEntries * active];
-      for (int c = 0; c < CellUnknowns; ++c)
+      std::int32_t* scatter = &this->Scatter[this->ScatterStarts[active]];
+      const std::size_t rows = 3 * this->NodesOf(active).size();
+      for (std::size_t c = 0; c < rows; ++c)
       {
-        for (int r = c; r < CellUnknowns; ++r)
+        for (std::size_t r = c; r < rows; ++r)
         {
-          const auto [column, row] = std::minmax(unknowns[c], unknowns[r]);
+          const auto [column, row] = std::minmax(
+            this->Unknown[this->CoordinateOf(active, c)],
+            this->Unknown[this->CoordinateOf(active, r)]);
           *scatter = -1;
           if (column >= 0)
           {
@@ -418,21 +448,21 @@ template <typename Function>
 void EquilibriumSolver::Internals::ForEachContact(std::size_t active, const std::vector<double>& x,
   const PlatePair& plates, const Function& function) const
 {
-  const std::int32_t* nodes =
-    &this->Body.Cells()[ElasticBody::NodesPerCell * this->ActiveCells[active]];
+  const std::span<const std::int32_t> nodes = this->NodesOf(active);
+  const int faceNodes = this->Body.NodesPerFace();
   const Plate* sides[2] = { &plates.Support, &plates.Paddle };
-  for (const std::int32_t f : this->FacesOfCell[active])
+  for (const std::int32_t f : this->FacesOfElement[active])
   {
     const ElasticBody::BoundaryFace& face = this->Body.Faces()[f];
     Vector3 centre{ 0, 0, 0 };
-    for (const int local : face.LocalNodes)
+    for (int a = 0; a < faceNodes; ++a)
     {
-      centre = centre + (1 / 6.0) * NodeOf(x, nodes[local]);
+      centre = centre + (1.0 / faceNodes) * NodeOf(x, nodes[face.LocalNodes[a]]);
     }
     double radius = 0;
-    for (const int local : face.LocalNodes)
+    for (int a = 0; a < faceNodes; ++a)
     {
-      radius = std::max(radius, Norm(NodeOf(x, nodes[local]) - centre));
+      radius = std::max(radius, Norm(NodeOf(x, nodes[face.LocalNodes[a]]) - centre));
     }
     // The shape functions' magnitudes sum to 5/3 at most, and a distance grows no faster than the
     // way.
@@ -446,8 +476,8 @@ void EquilibriumSolver::Internals::ForEachContact(std::size_t active, const std:
     for (std::size_t k = 0; k < TriangleRule().size(); ++k)
     {
       const TrianglePoint& rulePoint = TriangleRule()[k];
-      const std::array<double, 6> shape = TriangleShape(rulePoint.Lambda);
-      const Vector3 position = FacePosition(face, nodes, shape, x);
+      const std::array<double, 6> shape = TriangleShape(rulePoint.Lambda, faceNodes);
+      const Vector3 position = FacePosition(this->Body, face, shape, x);
       for (std::int16_t side = 0; side < 2; ++side)
       {
         const PlateDistance distance = DistanceToPlate(*sides[side], position);
@@ -464,8 +494,10 @@ void EquilibriumSolver::Internals::ForEachContact(std::size_t active, const std:
 
 void EquilibriumSolver::Internals::AddContact(std::size_t active, const std::vector<double>& x,
   const PlatePair& plates, ElasticBody::Order order, ElasticBody::Terms& terms,
-  ContactTotals& totals, std::array<double, CellUnknowns>& contactGradient) const
+  ContactTotals& totals, std::vector<double>& contactGradient) const
 {
+  const int faceNodes = this->Body.NodesPerFace();
+  const std::size_t rows = 3 * this->NodesOf(active).size();
   this->ForEachContact(active, x, plates,
     [&](const ContactPoint& point)
     {
@@ -478,7 +510,7 @@ void EquilibriumSolver::Internals::AddContact(std::size_t active, const std::vec
         return;
       }
       const std::array<int, 6>& local = point.Face.LocalNodes;
-      for (int a = 0; a < 6; ++a)
+      for (int a = 0; a < faceNodes; ++a)
       {
         for (int i = 0; i < 3; ++i)
         {
@@ -501,16 +533,16 @@ void EquilibriumSolver::Internals::AddContact(std::size_t active, const std::vec
             across * point.Distance.Tangent[i] * point.Distance.Tangent[j];
         }
       }
-      for (int a = 0; a < 6; ++a)
+      for (int a = 0; a < faceNodes; ++a)
       {
-        for (int b = 0; b < 6; ++b)
+        for (int b = 0; b < faceNodes; ++b)
         {
           const double shapes = point.Shape[a] * point.Shape[b];
           for (int i = 0; i < 3; ++i)
           {
             for (int j = 0; j < 3; ++j)
             {
-              terms.Hessian[CellUnknowns * (3 * local[b] + j) + 3 * local[a] + i] +=
+              terms.Hessian[rows * (3 * local[b] + j) + 3 * local[a] + i] +=
                 shapes * block[i][j];
             }
           }
@@ -527,21 +559,22 @@ void EquilibriumSolver::Internals::ForEachFriction(std::size_t active, const std
   {
     return;
   }
-  const std::int32_t* nodes =
-    &this->Body.Cells()[ElasticBody::NodesPerCell * this->ActiveCells[active]];
   for (std::size_t p = this->FrictionStarts[active]; p < this->FrictionStarts[active + 1]; ++p)
   {
     const FrictionPoint& point = this->Friction[p];
     const ElasticBody::BoundaryFace& face = this->Body.Faces()[point.Face];
-    const std::array<double, 6> shape = TriangleShape(TriangleRule()[point.RulePoint].Lambda);
-    function(point, face, shape, FacePosition(face, nodes, shape, x));
+    const std::array<double, 6> shape =
+      TriangleShape(TriangleRule()[point.RulePoint].Lambda, this->Body.NodesPerFace());
+    function(point, face, shape, FacePosition(this->Body, face, shape, x));
   }
 }
 
 void EquilibriumSolver::Internals::AddFriction(std::size_t active, const std::vector<double>& x,
   const PlatePair& plates, ElasticBody::Order order, ElasticBody::Terms& terms,
-  ContactTotals& totals, std::array<double, CellUnknowns>& contactGradient) const
+  ContactTotals& totals, std::vector<double>& contactGradient) const
 {
+  const int faceNodes = this->Body.NodesPerFace();
+  const std::size_t rows = contactGradient.size();
   this->ForEachFriction(active, x,
     [&](const FrictionPoint& point, const ElasticBody::BoundaryFace& face,
       const std::array<double, 6>& shape, const Vector3& position)
@@ -557,7 +590,7 @@ void EquilibriumSolver::Internals::AddFriction(std::size_t active, const std::ve
         return;
       }
       const std::array<int, 6>& local = face.LocalNodes;
-      for (int a = 0; a < 6; ++a)
+      for (int a = 0; a < faceNodes; ++a)
       {
         for (int i = 0; i < 3; ++i)
         {
@@ -573,13 +606,13 @@ void EquilibriumSolver::Internals::AddFriction(std::size_t active, const std::ve
         Vector3 axis{ 0, 0, 0 };
         axis[j] = 1;
         const Vector3 column = point.SlidingForce * friction.HessianTimes(axis);
-        for (int a = 0; a < 6; ++a)
+        for (int a = 0; a < faceNodes; ++a)
         {
-          for (int b = 0; b < 6; ++b)
+          for (int b = 0; b < faceNodes; ++b)
           {
             for (int i = 0; i < 3; ++i)
             {
-              terms.Hessian[CellUnknowns * (3 * local[b] + j) + 3 * local[a] + i] +=
+              terms.Hessian[rows * (3 * local[b] + j) + 3 * local[a] + i] +=
                 shape[a] * shape[b] * column[i];
             }
           }
@@ -635,36 +668,37 @@ void EquilibriumSolver::Internals::AddWall(const std::vector<double>& x, Elastic
 void EquilibriumSolver::Internals::Assemble(const std::vector<double>& x, const PlatePair* plates,
   ElasticBody::Order order, Assembly& result) const
 {
-  ParallelFor(this->ActiveCells.size(),
+  ParallelFor(this->ActiveElements.size(),
     [&](std::size_t active)
     {
-      ElasticBody::Terms& terms = this->CellResults[active];
-      this->CellContacts[active] = {};
-      this->CellContactGradients[active].fill(0.0);
-      this->CellValid[active] = this->Body.CellTerms(this->ActiveCells[active], x, order, terms);
-      if (this->CellValid[active] && plates)
+      ElasticBody::Terms& terms = this->ElementResults[active];
+      this->ElementContacts[active] = {};
+      this->ElementContactGradients[active].assign(3 * this->NodesOf(active).size(), 0.0);
+      this->ElementValid[active] =
+        this->Body.ElementTerms(this->ActiveElements[active], x, order, terms);
+      if (this->ElementValid[active] && plates)
       {
-        this->AddContact(active, x, *plates, order, terms, this->CellContacts[active],
-          this->CellContactGradients[active]);
-        this->AddFriction(active, x, *plates, order, terms, this->CellContacts[active],
-          this->CellContactGradients[active]);
+        this->AddContact(active, x, *plates, order, terms, this->ElementContacts[active],
+          this->ElementContactGradients[active]);
+        this->AddFriction(active, x, *plates, order, terms, this->ElementContacts[active],
+          this->ElementContactGradients[active]);
       }
     });
-  result.Valid =
-    std::all_of(this->CellValid.begin(), this->CellValid.end(), [](char valid) { return valid; });
+  result.Valid = std::all_of(this->ElementValid.begin(), this->ElementValid.end(),
+    [](char valid) { return valid; });
   if (!result.Valid)
   {
     return;
   }
-  // Sums in the order of the cells, whatever the number of threads.
+  // Sums in the order of the elements, whatever the number of threads.
   result.Contact = {};
   result.Energy = 0;
-  result.SmallestJ = result.LargestJ = this->CellResults.front().SmallestJ;
+  result.SmallestJ = result.LargestJ = this->ElementResults.front().SmallestJ;
   result.Volume = this->FixedVolume;
-  for (std::size_t active = 0; active < this->ActiveCells.size(); ++active)
+  for (std::size_t active = 0; active < this->ActiveElements.size(); ++active)
   {
-    const ElasticBody::Terms& terms = this->CellResults[active];
-    const ContactTotals& contact = this->CellContacts[active];
+    const ElasticBody::Terms& terms = this->ElementResults[active];
+    const ContactTotals& contact = this->ElementContacts[active];
     result.Energy += terms.Energy + contact.Energy;
     result.SmallestJ = std::min(result.SmallestJ, terms.SmallestJ);
     result.LargestJ = std::max(result.LargestJ, terms.LargestJ);
@@ -695,16 +729,14 @@ void EquilibriumSolver::Internals::Assemble(const std::vector<double>& x, const 
   }
   result.Gradient.assign(x.size(), 0.0);
   std::vector<double> contactGradient(x.size(), 0.0);
-  for (std::size_t active = 0; active < this->ActiveCells.size(); ++active)
+  for (std::size_t active = 0; active < this->ActiveElements.size(); ++active)
   {
-    const std::int32_t* nodes =
-      &this->Body.Cells()[ElasticBody::NodesPerCell * this->ActiveCells[active]];
-    for (int r = 0; r < CellUnknowns; ++r)
+    const std::vector<double>& contact = this->ElementContactGradients[active];
+    for (std::size_t r = 0; r < contact.size(); ++r)
     {
-      const std::size_t coordinate = 3 * nodes[r / 3] + r % 3;
-      result.Gradient[coordinate] +=
-        this->CellResults[active].Gradient[r] + this->CellContactGradients[active][r];
-      contactGradient[coordinate] += this->CellContactGradients[active][r];
+      const std::size_t coordinate = this->CoordinateOf(active, r);
+      result.Gradient[coordinate] += this->ElementResults[active].Gradient[r] + contact[r];
+      contactGradient[coordinate] += contact[r];
     }
   }
   for (std::size_t c = 0; c < this->Loads.size(); ++c)
@@ -729,17 +761,18 @@ void EquilibriumSolver::Internals::Assemble(const std::vector<double>& x, const 
   {
     return;
   }
-  for (std::size_t active = 0; active < this->ActiveCells.size(); ++active)
+  for (std::size_t active = 0; active < this->ActiveElements.size(); ++active)
   {
-    const std::int32_t* scatter = &this->Scatter[CellEntries * active];
-    const double* hessian = this->CellResults[active].Hessian.data();
-    for (int c = 0; c < CellUnknowns; ++c)
+    const std::int32_t* scatter = &this->Scatter[this->ScatterStarts[active]];
+    const double* hessian = this->ElementResults[active].Hessian.data();
+    const std::size_t rows = 3 * this->NodesOf(active).size();
+    for (std::size_t c = 0; c < rows; ++c)
     {
-      for (int r = c; r < CellUnknowns; ++r, ++scatter)
+      for (std::size_t r = c; r < rows; ++r, ++scatter)
       {
         if (*scatter >= 0)
         {
-          result.Values[*scatter] += hessian[CellUnknowns * c + r];
+          result.Values[*scatter] += hessian[rows * c + r];
         }
       }
     }
@@ -832,8 +865,8 @@ EquilibriumReport EquilibriumSolver::Internals::Report(const Assembly& assembly)
 void EquilibriumSolver::Internals::AddAtFace(const ElasticBody::BoundaryFace& face,
   const std::array<double, 6>& shape, const Vector3& force, double* column) const
 {
-  const std::int32_t* nodes = &this->Body.Cells()[ElasticBody::NodesPerCell * face.Cell];
-  for (int a = 0; a < 6; ++a)
+  const std::span<const std::int32_t> nodes = this->Body.NodesOf(face.Element);
+  for (int a = 0; a < this->Body.NodesPerFace(); ++a)
   {
     for (int i = 0; i < 3; ++i)
     {
@@ -853,7 +886,7 @@ std::vector<double> EquilibriumSolver::Internals::PlateForces(const std::vector<
   // w x r: d(grad b)/dp = b' w x grad d - hess(b) v, since grad d turns with the plate.
   const std::size_t n = this->CoordinateOfUnknown.size();
   std::vector<double> columns(n * velocities.size(), 0.0);
-  for (std::size_t active = 0; active < this->ActiveCells.size(); ++active)
+  for (std::size_t active = 0; active < this->ActiveElements.size(); ++active)
   {
     this->ForEachContact(active, x, plates,
       [&](const ContactPoint& point)
@@ -917,7 +950,7 @@ std::vector<double> EquilibriumSolver::Internals::HoldingForces(const std::vecto
         }
       }
     }
-    for (std::size_t active = 0; active < this->ActiveCells.size() && velocity.Friction != 0;
+    for (std::size_t active = 0; active < this->ActiveElements.size() && velocity.Friction != 0;
          ++active)
     {
       this->ForEachFriction(active, x,
@@ -940,13 +973,13 @@ std::vector<double> EquilibriumSolver::Internals::MaterialForces(const std::vect
   std::vector<double> columns(n * velocities.size(), 0.0);
   for (std::size_t p = 0; p < velocities.size(); ++p)
   {
-    for (const std::int32_t cell : this->ActiveCells)
+    for (std::size_t active = 0; active < this->ActiveElements.size(); ++active)
     {
-      const std::int32_t* nodes = &this->Body.Cells()[ElasticBody::NodesPerCell * cell];
-      const auto rate = this->Body.GradientRate(cell, x, velocities[p]);
-      for (int r = 0; r < CellUnknowns; ++r)
+      const std::vector<double> rate =
+        this->Body.GradientRate(this->ActiveElements[active], x, velocities[p]);
+      for (std::size_t r = 0; r < rate.size(); ++r)
       {
-        const std::int32_t unknown = this->Unknown[3 * nodes[r / 3] + r % 3];
+        const std::int32_t unknown = this->Unknown[this->CoordinateOf(active, r)];
         if (unknown >= 0)
         {
           columns[n * p + unknown] -= rate[r];
@@ -1010,7 +1043,7 @@ void EquilibriumSolver::SetFriction(FrictionPoints points)
   {
     return;
   }
-  internal.FrictionStarts.assign(internal.ActiveCells.size() + 1, 0);
+  internal.FrictionStarts.assign(internal.ActiveElements.size() + 1, 0);
   for (const FrictionPoint& point : internal.Friction)
   {
     ++internal.FrictionStarts[internal.ActiveOfFace[point.Face] + 1];
@@ -1031,10 +1064,8 @@ FrictionPoints EquilibriumSolver::FrictionAt(const std::vector<double>& x, const
   FrictionPoints ordered = before.Dragged;
   std::sort(ordered.begin(), ordered.end(), Before);
   FrictionPoints result;
-  for (std::size_t active = 0; active < internal.ActiveCells.size(); ++active)
+  for (std::size_t active = 0; active < internal.ActiveElements.size(); ++active)
   {
-    const std::int32_t* nodes =
-      &internal.Body.Cells()[ElasticBody::NodesPerCell * internal.ActiveCells[active]];
     internal.ForEachContact(active, x, plates,
       [&](const ContactPoint& contact)
       {
@@ -1049,7 +1080,7 @@ FrictionPoints EquilibriumSolver::FrictionAt(const std::vector<double>& x, const
         point.Anchor = found != ordered.end() && !Before(point, *found)
           ? found->Anchor
           : PointInPlate(SideOf(before.Plates, point.Side),
-              FacePosition(contact.Face, nodes, contact.Shape, before.Positions));
+              FacePosition(internal.Body, contact.Face, contact.Shape, before.Positions));
         result.push_back(point);
       });
   }
@@ -1059,13 +1090,13 @@ FrictionPoints EquilibriumSolver::FrictionAt(const std::vector<double>& x, const
 FrictionPoints EquilibriumSolver::DraggedTo(const std::vector<double>& x, const PlatePair& plates,
   FrictionPoints points) const
 {
+  const ElasticBody& body = this->Internal->Body;
   for (FrictionPoint& point : points)
   {
-    const ElasticBody::BoundaryFace& face = this->Internal->Body.Faces()[point.Face];
-    const std::int32_t* nodes =
-      &this->Internal->Body.Cells()[ElasticBody::NodesPerCell * face.Cell];
-    const std::array<double, 6> shape = TriangleShape(TriangleRule()[point.RulePoint].Lambda);
-    point = Dragged(point, SideOf(plates, point.Side), FacePosition(face, nodes, shape, x));
+    const std::array<double, 6> shape =
+      TriangleShape(TriangleRule()[point.RulePoint].Lambda, body.NodesPerFace());
+    point = Dragged(point, SideOf(plates, point.Side),
+      FacePosition(body, body.Faces()[point.Face], shape, x));
   }
   return points;
 }
@@ -1217,15 +1248,14 @@ std::vector<double> EquilibriumSolver::ContactPressures(const std::vector<double
   const ElasticBody& body = internal.Body;
   std::vector<double> force(body.NumberOfNodes(), 0.0);
   std::vector<double> area(body.NumberOfNodes(), 0.0);
-  for (std::size_t active = 0; active < internal.ActiveCells.size(); ++active)
+  for (std::size_t active = 0; active < internal.ActiveElements.size(); ++active)
   {
-    for (const std::int32_t f : internal.FacesOfCell[active])
+    for (const std::int32_t f : internal.FacesOfElement[active])
     {
       const ElasticBody::BoundaryFace& face = body.Faces()[f];
       for (int c = 0; c < 3; ++c)
       {
-        area[body.Cells()[ElasticBody::NodesPerCell * face.Cell + face.LocalNodes[c]]] +=
-          face.Area / 3;
+        area[body.NodesOf(face.Element)[face.LocalNodes[c]]] += face.Area / 3;
       }
     }
     internal.ForEachContact(active, x, plates,
@@ -1234,8 +1264,8 @@ std::vector<double> EquilibriumSolver::ContactPressures(const std::vector<double
         const double* lambda = TriangleRule()[point.RulePoint].Lambda;
         for (int c = 0; c < 3; ++c)
         {
-          force[body.Cells()[ElasticBody::NodesPerCell * point.Face.Cell +
-            point.Face.LocalNodes[c]]] += lambda[c] * point.Weight * point.Law.Pressure;
+          force[body.NodesOf(point.Face.Element)[point.Face.LocalNodes[c]]] +=
+            lambda[c] * point.Weight * point.Law.Pressure;
         }
       });
   }
@@ -1245,8 +1275,8 @@ std::vector<double> EquilibriumSolver::ContactPressures(const std::vector<double
   }
   for (const ElasticBody::BoundaryFace& face : body.Faces())
   {
-    const std::int32_t* nodes = &body.Cells()[ElasticBody::NodesPerCell * face.Cell];
-    for (int side = 0; side < 3; ++side)
+    const std::span<const std::int32_t> nodes = body.NodesOf(face.Element);
+    for (int side = 0; side < 3 && body.Type() == ElementType::Quadratic; ++side)
     {
       force[nodes[face.LocalNodes[3 + side]]] = 0.5 *
         (force[nodes[face.LocalNodes[side]]] + force[nodes[face.LocalNodes[(side + 1) % 3]]]);
@@ -1361,10 +1391,8 @@ double EquilibriumSolver::PaddleForceRate(const std::vector<double>& x, const Pl
   // turns both grad d and n leaves their product as it is.
   const Internals& internal = *this->Internal;
   double rate = 0;
-  for (std::size_t active = 0; active < internal.ActiveCells.size(); ++active)
+  for (std::size_t active = 0; active < internal.ActiveElements.size(); ++active)
   {
-    const std::int32_t* nodes =
-      &internal.Body.Cells()[ElasticBody::NodesPerCell * internal.ActiveCells[active]];
     internal.ForEachContact(active, x, plates,
       [&](const ContactPoint& point)
       {
@@ -1374,7 +1402,7 @@ double EquilibriumSolver::PaddleForceRate(const std::vector<double>& x, const Pl
         }
         const PlateDistance& distance = point.Distance;
         const Vector3& normal = point.Touched.Normal;
-        const Vector3 relative = FacePosition(point.Face, nodes, point.Shape, nodeVelocities) -
+        const Vector3 relative = FacePosition(internal.Body, point.Face, point.Shape, nodeVelocities) -
           velocity.Paddle.At(point.Touched, point.Position);
         rate += point.Weight *
           (point.Law.Pressure * distance.Curvature * Dot(distance.Tangent, relative) *
@@ -1388,7 +1416,7 @@ double EquilibriumSolver::PaddleForceRate(const std::vector<double>& x, const Pl
         if (point.Side == 1)
         {
           const FrictionTerms friction(point, plates.Paddle, position);
-          const Vector3 relative = FacePosition(face, nodes, shape, nodeVelocities) -
+          const Vector3 relative = FacePosition(internal.Body, face, shape, nodeVelocities) -
             velocity.Paddle.At(plates.Paddle, position);
           rate -= point.SlidingForce *
             Dot(friction.HessianTimes(relative), plates.Paddle.Normal);
@@ -1429,16 +1457,16 @@ std::array<double, 2> EquilibriumSolver::Opening(const std::vector<double>& x,
   const PlatePair& plates) const
 {
   std::array<double, 2> opening{ 0, 0 };
-  for (const std::vector<std::int32_t>& faces : this->Internal->FacesOfCell)
+  const ElasticBody& body = this->Internal->Body;
+  for (const std::vector<std::int32_t>& faces : this->Internal->FacesOfElement)
   {
     for (const std::int32_t f : faces)
     {
-      const ElasticBody::BoundaryFace& face = this->Internal->Body.Faces()[f];
-      const std::int32_t* nodes =
-        &this->Internal->Body.Cells()[ElasticBody::NodesPerCell * face.Cell];
+      const ElasticBody::BoundaryFace& face = body.Faces()[f];
       for (const TrianglePoint& point : TriangleRule())
       {
-        const Vector3 position = FacePosition(face, nodes, TriangleShape(point.Lambda), x);
+        const Vector3 position =
+          FacePosition(body, face, TriangleShape(point.Lambda, body.NodesPerFace()), x);
         for (int side = 0; side < 2; ++side)
         {
           const Plate& plate = side == 0 ? plates.Support : plates.Paddle;

@@ -83,43 +83,47 @@ bool Before(const FrictionPoint& a, const FrictionPoint& b)
   return std::tie(a.Face, a.RulePoint, a.Side) < std::tie(b.Face, b.RulePoint, b.Side);
 }
 
-FrictionPoints MeanFriction(FrictionPoints a, FrictionPoints b)
+FrictionPoints BlendedFriction(FrictionPoints a, FrictionPoints b, double part)
 {
   // Of the largest force; below it a point only costs time.
   constexpr double negligible = 1e-9;
   std::sort(a.begin(), a.end(), Before);
   std::sort(b.begin(), b.end(), Before);
-  FrictionPoints mean;
-  const auto add = [&mean](FrictionPoint point, double otherForce)
+  FrictionPoints blend;
+  const auto add = [&blend](FrictionPoint point, double force)
   {
-    const double part = 0.5 * (1 + otherForce / point.NormalForce);
-    point.NormalForce *= part;
-    point.SlidingForce *= part;
-    mean.push_back(point);
+    const double factor = force / point.NormalForce;
+    point.NormalForce *= factor;
+    point.SlidingForce *= factor;
+    blend.push_back(point);
   };
   for (std::size_t i = 0, j = 0; i < a.size() || j < b.size();)
   {
     if (j == b.size() || (i < a.size() && Before(a[i], b[j])))
     {
-      add(a[i++], 0);
+      add(a[i], (1 - part) * a[i].NormalForce);
+      ++i;
     }
     else if (i == a.size() || Before(b[j], a[i]))
     {
-      add(b[j++], 0);
+      add(b[j], part * b[j].NormalForce);
+      ++j;
     }
     else
     {
-      add(b[j++], a[i++].NormalForce);
+      add(b[j], (1 - part) * a[i].NormalForce + part * b[j].NormalForce);
+      ++i;
+      ++j;
     }
   }
   double largest = 0;
-  for (const FrictionPoint& point : mean)
+  for (const FrictionPoint& point : blend)
   {
     largest = std::max(largest, point.NormalForce);
   }
-  std::erase_if(mean,
+  std::erase_if(blend,
     [=](const FrictionPoint& point) { return point.NormalForce <= negligible * largest; });
-  return mean;
+  return blend;
 }
 
 FrictionPoint Dragged(const FrictionPoint& point, const Plate& plate, const Vector3& x)

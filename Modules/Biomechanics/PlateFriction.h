@@ -73,9 +73,10 @@ struct FrictionTerms
   Vector3 GradientRate(const Plate& plate, const PlateVelocity& velocity, const Vector3& x) const;
 };
 
-/// The points of both, with the means of their forces (where a list lacks a point: 0) and otherwise
-/// as in `b`; without those whose force fades away. Ordered.
-MAMMORAYBIOMECHANICS_EXPORT FrictionPoints MeanFriction(FrictionPoints a, FrictionPoints b);
+/// The points of both lists, their forces `part` of the way from `a` to `b` (where a list lacks a
+/// point: 0) and otherwise as in `b`; without those whose force fades away. Ordered.
+MAMMORAYBIOMECHANICS_EXPORT FrictionPoints BlendedFriction(FrictionPoints a, FrictionPoints b,
+  double part);
 
 /// `point` with its anchor dragged so that the slip at x is no longer than SlipMm.
 MAMMORAYBIOMECHANICS_EXPORT FrictionPoint Dragged(const FrictionPoint& point, const Plate& plate,

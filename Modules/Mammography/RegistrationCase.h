@@ -56,8 +56,11 @@ struct RegistrationCase
   double StartLateralMm = 0.0;
   double StartAnteriorMm = 5.0;
   double StartVerticalMm = 0.0;
-  /// Names of parameters kept at their start.
-  std::vector<std::string> Fixed{ "vertical" };
+  double StartPitchDeg = 0.0;
+  double StartYawDeg = 0.0;
+  double StartTiltDeg = 0.0;
+  /// Names of the parameters that are found; the others keep their start.
+  std::vector<std::string> Free{ "thickness", "roll", "lateral", "anterior" };
   /// The search itself; its Parameters are filled from the above.
   RegistrationOptions Options;
 };

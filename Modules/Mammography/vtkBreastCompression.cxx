@@ -233,6 +233,8 @@ int vtkBreastCompression::RequestData(vtkInformation*, vtkInformationVector** in
     setup.Mesh = FromGrid(input);
     setup.Mesh.Validate("vtkBreastCompression's input");
     setup.Materials = internal.MaterialsOf(setup.Mesh, this->MaterialTable);
+    setup.Options.Element =
+      this->Element == LINEAR ? ElementType::PatchAveragedLinear : ElementType::Quadratic;
     setup.Options.ChestWall = static_cast<ChestWallMode>(this->ChestWall);
     setup.Options.Wall = { this->WallStiffness[0], this->WallStiffness[1] };
     setup.Options.Friction = this->Friction;
@@ -316,6 +318,7 @@ void vtkBreastCompression::PrintSelf(ostream& os, vtkIndent indent)
   this->Superclass::PrintSelf(os, indent);
   os << indent << "MaterialTable: " << this->MaterialTable << "\n";
   os << indent << "Orientation: " << this->Orientation << "\n";
+  os << indent << "Element: " << (this->Element == LINEAR ? "linear" : "quadratic") << "\n";
   os << indent << "ThicknessMm: " << this->ThicknessMm << "\n";
   os << indent << "ForceN: " << this->ForceN << "\n";
   os << indent << "PaddleTiltDeg: " << this->PaddleTiltDeg << "\n";

@@ -17,9 +17,6 @@ namespace mammoray
 {
 namespace
 {
-constexpr int ParameterCount = 5;
-constexpr int LateralParameter = 2;
-constexpr int AnteriorParameter = 3;
 /// Poses without an equilibrium, of one resolution, after which a search ends: each costs many
 /// times what a good one does, and the best match lies where the breast cannot be compressed to.
 constexpr int LargestNumberOfFailures = 5;
@@ -29,16 +26,6 @@ using Clock = std::chrono::steady_clock;
 double SecondsSince(Clock::time_point begin)
 {
   return std::chrono::duration<double>(Clock::now() - begin).count();
-}
-
-VolumeFromGantry Place(const RegistrationModel& model, const BreastPose& pose)
-{
-  return PlaceUnit(model.Axes, model.Anchor, model.Unit, pose);
-}
-
-PlatePair PlatesAt(const RegistrationModel& model, const BreastPose& pose)
-{
-  return PlatesOf(Place(model, pose), model.Unit, pose.ThicknessMm);
 }
 
 /// The residuals of a level for Ceres, with the equilibrium they belong to.
@@ -157,7 +144,7 @@ private:
     const auto begin = Clock::now();
     try
     {
-      this->State = this->Model.Simulation->Compress(plates, &this->State, this->Progress);
+      this->State = CompressAt(this->Model, this->Values, &this->State, this->Progress);
       ++this->Evaluations;
       this->MechanicsSeconds += SecondsSince(begin);
       this->LongestTravelMm = std::max(this->LongestTravelMm, 2 * travelMm);
@@ -174,7 +161,7 @@ private:
       ++this->Failures;
       ++this->Evaluations;
       this->MechanicsSeconds += SecondsSince(begin);
-      this->LongestTravelMm = 0.5 * travelMm;
+      this->LongestTravelMm = travelMm > 0 ? 0.5 * travelMm : this->LongestTravelMm;
       return false; // no equilibrium there: Ceres shortens its step
     }
     const auto projecting = Clock::now();
@@ -322,6 +309,20 @@ void ValidateModel(const RegistrationModel& model, const RegistrationOptions& op
         std::to_string(parameter.Upper) + ", " + std::to_string(parameter.Scale));
     }
   }
+  if (!options.Parameters[StiffnessParameter].Fixed && model.ScaledMaterials.empty())
+  {
+    throw InputError("registration: expected a material whose stiffness is to be found, such as "
+                     "gland, found none");
+  }
+  for (const int index : model.ScaledMaterials)
+  {
+    if (index < 0 || static_cast<std::size_t>(index) >= model.Elastic.size())
+    {
+      throw InputError("registration: expected a material of the " +
+        std::to_string(model.Elastic.size()) + " known to scale, found number " +
+        std::to_string(index));
+    }
+  }
   if (options.PixelSizesMm.empty() || options.Samples < 1 || options.OutlineDirections < 10)
   {
     throw InputError("registration: expected at least one pixel size, one sample and ten outline "
@@ -332,7 +333,7 @@ void ValidateModel(const RegistrationModel& model, const RegistrationOptions& op
 /// Extent of the body at rest along the beam's axis, mm.
 double UncompressedHeight(const RegistrationModel& model, const BreastPose& pose)
 {
-  const Vector3 axis = Place(model, pose).Z;
+  const Vector3 axis = PlaceUnit(model.Axes, model.Anchor, model.Unit, pose).Z;
   const std::vector<double>& points = model.Simulation->RestPositions();
   double low = std::numeric_limits<double>::infinity();
   double high = -low;
@@ -353,7 +354,8 @@ double UncompressedHeight(const RegistrationModel& model, const BreastPose& pose
 CompressionState CompressStart(const RegistrationModel& model, RegistrationResult& result,
   const ProgressCallback& progress)
 {
-  RegistrationParameter& thickness = result.Parameters[0];
+  RegistrationParameter& thickness = result.Parameters[ThicknessParameter];
+  double& value = result.Values[ThicknessParameter];
   const double height = UncompressedHeight(model, PoseOf(result.Values));
   const auto open = [&](double thicknessMm)
   {
@@ -362,15 +364,15 @@ CompressionState CompressStart(const RegistrationModel& model, RegistrationResul
       "The breast of the volume is %.0f mm high; it is not compressed to the %.1f mm the search "
       "should start from, but "
       "to no less than %.1f mm.",
-      height, result.Values[0], thicknessMm);
+      height, value, thicknessMm);
     result.Warnings.push_back(sentence);
-    result.Values[0] = thicknessMm;
+    value = thicknessMm;
     thickness.Start = thicknessMm;
     thickness.Lower = thicknessMm;
     thickness.Upper = std::max(thickness.Upper, 1.5 * thicknessMm);
   };
   const double least = 0.5 * height;
-  if (!thickness.Fixed && result.Values[0] < least)
+  if (!thickness.Fixed && value < least)
   {
     open(least);
   }
@@ -380,12 +382,12 @@ CompressionState CompressStart(const RegistrationModel& model, RegistrationResul
     try
     {
       ++result.Evaluations;
-      return model.Simulation->Compress(PlatesAt(model, PoseOf(result.Values)), nullptr, progress);
+      return CompressAt(model, result.Values, nullptr, progress);
     }
     catch (const CompressionError& error)
     {
       const double opened = 1.1 * error.LastGapMm();
-      if (thickness.Fixed || attempt == attempts || !(opened > result.Values[0]))
+      if (thickness.Fixed || attempt == attempts || !(opened > value))
       {
         throw;
       }
@@ -405,9 +407,10 @@ void AlignStart(const RegistrationModel& model, const RegistrationTarget& target
   const auto directions = HalfCircleDirections(180);
   const ReceptorPoint centre = ChestWallCentre(target);
   const BreastPose pose = PoseOf(values);
-  const std::vector<double> radii = SilhouetteRadii(
-    ProjectToReceptor(model.SurfaceEmbedding->Map(state.Positions), Place(model, pose), model.Unit),
-    OuterEdges(*model.Surface), centre, directions);
+  const std::vector<double> radii =
+    SilhouetteRadii(ProjectToReceptor(model.SurfaceEmbedding->Map(state.Positions),
+                      PlaceUnit(model.Axes, model.Anchor, model.Unit, pose), model.Unit),
+      OuterEdges(*model.Surface), centre, directions);
   double low = std::numeric_limits<double>::infinity();
   double high = -low;
   double tip = 0;
@@ -486,8 +489,7 @@ RegistrationResult Register(const RegistrationModel& model, const RegistrationTa
       shifted[parameter] = aligned[parameter];
       try
       {
-        result.State =
-          model.Simulation->Compress(PlatesAt(model, PoseOf(shifted)), &result.State, progress);
+        result.State = CompressAt(model, shifted, &result.State, progress);
         result.Values = shifted;
         ++result.Evaluations;
       }
@@ -570,7 +572,8 @@ RegistrationResult Register(const RegistrationModel& model, const RegistrationTa
       break;
     }
     result.Converged = summary.termination_type == ceres::CONVERGENCE;
-    result.StopReason = summary.message;
+    // Like our own reasons, without a full stop.
+    result.StopReason = summary.message.substr(0, summary.message.find_last_not_of(". ") + 1);
     if (summary.termination_type == ceres::FAILURE)
     {
       break;
@@ -602,6 +605,7 @@ RegistrationResult Register(const RegistrationModel& model, const RegistrationTa
     }
   }
   result.Pose = PoseOf(result.Values);
+  result.Stiffness = result.Values[StiffnessParameter];
   result.After =
     Compare(Synthesize(model, result.Pose, result.State, finest, options.Samples), finest);
   result.Seconds = SecondsSince(begin);

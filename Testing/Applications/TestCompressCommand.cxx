@@ -96,6 +96,18 @@ TEST_F(CompressCommand, MovesAFineMeshWithACoarseOne)
   EXPECT_EQ(deformed.NumberOfCells(), test::MakeHalfEllipsoidMesh(1, 1, 1, 16).NumberOfCells());
 }
 
+TEST_F(CompressCommand, TakesLinearElements)
+{
+  const std::string fine = "compress " + this->Common + this->Folder.File("fine.vtu") +
+    " --thickness 60 --element ";
+  ASSERT_EQ(this->Run(fine + "linear"), 0) << this->Errors;
+  // 17 x 17 x 9 nodes, the first two of nine layers held.
+  EXPECT_THAT(ReadFile(this->Folder.File("out")),
+    testing::StartsWith("12288 simulation cells, 6069 unknowns"));
+  EXPECT_EQ(this->Run(fine + "cubic"), 2);
+  EXPECT_THAT(this->Errors, testing::HasSubstr("--element"));
+}
+
 TEST_F(CompressCommand, FindsTheThicknessOfAForceInAnObliqueView)
 {
   const std::string oblique = "compress " + this->Coarse + " --view MLO --anterior 5 --tilt 3";

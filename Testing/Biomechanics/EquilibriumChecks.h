@@ -58,11 +58,12 @@ inline ElasticMaterial FromModuli(double mu, double kappa, double fungExponent =
 /// lowest layer in y is of material 2.
 struct PressedBlock
 {
-  ElasticBody Body{ Mesh(), { {}, FromModuli(3, 100), FromModuli(3, 100) } };
+  ElasticBody Body;
   PlatePair Plates;
   std::vector<double> Positions = Shaken(Body.RestPositions(), 0.3, 17);
 
-  PressedBlock()
+  explicit PressedBlock(ElementType type)
+    : Body(Mesh(), { {}, FromModuli(3, 100), FromModuli(3, 100) }, {}, { false, false, true }, type)
   {
     this->Plates.Support.Edge = { 0, 9, 0.3 };
     this->Plates.Paddle.Edge = { 0, 11, 19.7 };

@@ -4,6 +4,7 @@
 #include "EquilibriumChecks.h"
 #include "EquilibriumSolver.h"
 #include "Error.h"
+#include "EveryElement.h"
 #include "TestMeshes.h"
 
 #include <gtest/gtest.h>
@@ -39,7 +40,7 @@ struct Breast
 
 TEST(ChestWall, HeightOverAPlaneIsItsDistance)
 {
-  const PressedBlock block;
+  const PressedBlock block(ElementType::Quadratic);
   const ChestWall wall(block.Body, CellsOfMaterial(PressedBlock::Mesh(), 2));
   EXPECT_NEAR(wall.AreaMm2(), 400, 1e-10);
   EXPECT_EQ(wall.Nodes().size(), 25u); // 2 x 2 squares of two quadratic triangles
@@ -137,9 +138,14 @@ TEST(ChestWall, ANodeThatGlidesRoundACurvedWallKeepsItsHeight)
   EXPECT_LT(largest, 0.35);
 }
 
-TEST(EquilibriumSolver, DerivativesOnAnElasticWallWithFrictionMatchCentralDifferences)
+class LoadedElement : public test::EveryElement
 {
-  const PressedBlock block;
+};
+MAMMORAY_FOR_EVERY_ELEMENT(LoadedElement);
+
+TEST_P(LoadedElement, DerivativesOnAnElasticWallWithFrictionMatchCentralDifferences)
+{
+  const PressedBlock block(GetParam());
   const TetrahedralMesh mesh = PressedBlock::Mesh();
   const std::vector<bool> held = CellsOfMaterial(mesh, 2);
   const ChestWall wall(block.Body, held);
@@ -157,7 +163,7 @@ TEST(EquilibriumSolver, DerivativesOnAnElasticWallWithFrictionMatchCentralDiffer
   test::ExpectExactDerivatives(solver, block.Positions, block.Plates);
 }
 
-TEST(EquilibriumSolver, WallAndFrictionTurnWithBodyAndPlates)
+TEST_P(LoadedElement, WallAndFrictionTurnWithBodyAndPlates)
 {
   // The same body made in two frames; the plates' friction turned along.
   PlatePairVelocity turn;
@@ -178,7 +184,7 @@ TEST(EquilibriumSolver, WallAndFrictionTurnWithBodyAndPlates)
     }
     return values;
   };
-  const PressedBlock block;
+  const PressedBlock block(GetParam());
   TetrahedralMesh mesh = PressedBlock::Mesh();
   const std::vector<bool> held = CellsOfMaterial(mesh, 2);
   const auto gradientOf =
@@ -195,7 +201,7 @@ TEST(EquilibriumSolver, WallAndFrictionTurnWithBodyAndPlates)
   const std::vector<double> expected =
     turnedAll(gradientOf(block.Body, block.Positions, block.Plates, xBefore));
   mesh.Points = turnedAll(mesh.Points);
-  const ElasticBody body(mesh, block.Body.Materials());
+  const ElasticBody body(mesh, block.Body.Materials(), {}, { false, false, true }, GetParam());
   PlatePair plates = MovedPlates(block.Plates, turn, 1);
   plates.Support.Edge = turned(block.Plates.Support.Edge);
   plates.Paddle.Edge = turned(block.Plates.Paddle.Edge);
@@ -345,12 +351,13 @@ TEST(CompressionSimulation, AStiffElasticWallHolds)
   }
 }
 
-TEST(CompressionSimulation, SensitivitiesToTheLoadingMatchCentralDifferences)
+TEST_P(LoadedElement, SensitivitiesToTheLoadingMatchCentralDifferences)
 {
   const TetrahedralMesh mesh = test::MakeHalfEllipsoidMesh(40, 45, 38, 4);
   const std::vector<ElasticMaterial> materials{ {}, { 6, 0.49, 0, 1.1 }, { 5, 0.49 } };
   CompressionOptions options;
   options.RelativeTolerance = 1e-12;
+  options.Element = GetParam();
   options.ChestWall = ChestWallMode::Elastic;
   options.Wall = { 20, 2 };
   options.GravityMPerS2 = { 0, 0, -9.81 };

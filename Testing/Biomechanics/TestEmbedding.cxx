@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "CompressionSimulation.h"
 #include "Error.h"
+#include "EveryElement.h"
 #include "TestMeshes.h"
 
 #include <gtest/gtest.h>
@@ -13,17 +14,23 @@ namespace
 {
 using namespace mammoray;
 
-CompressionSimulation MakeSimulation()
+CompressionSimulation MakeSimulation(ElementType type = ElementType::Quadratic)
 {
+  CompressionOptions options;
+  options.Element = type;
   return CompressionSimulation(test::MakeHalfEllipsoidMesh(30, 35, 28, 6), { {}, {}, {} },
-    { false, false, true });
+    { false, false, true }, {}, options);
 }
 
-TEST(Embedding, CarriesQuadraticFieldsInside)
+using ElementEmbedding = test::EveryElement;
+MAMMORAY_FOR_EVERY_ELEMENT(ElementEmbedding);
+
+TEST_P(ElementEmbedding, CarriesItsPolynomialsInside)
 {
-  const CompressionSimulation simulation = MakeSimulation();
-  const auto field = [](const double* x, int axis)
-  { return axis + x[0] * 2 - x[1] + 0.01 * (x[axis] * x[(axis + 1) % 3] + x[2] * x[2]); };
+  const CompressionSimulation simulation = MakeSimulation(GetParam());
+  const double square = GetParam() == ElementType::Quadratic ? 0.01 : 0;
+  const auto field = [square](const double* x, int axis)
+  { return axis + x[0] * 2 - x[1] + square * (x[axis] * x[(axis + 1) % 3] + x[2] * x[2]); };
   std::vector<double> values = simulation.RestPositions();
   for (std::size_t n = 0; n < values.size(); n += 3)
   {
@@ -45,14 +52,14 @@ TEST(Embedding, CarriesQuadraticFieldsInside)
   const std::vector<double> mapped = embedding.Map(values);
   for (std::size_t n = 0; n < points.size(); ++n)
   {
-    // Ten shape functions span all quadratic polynomials: roundoff only.
+    // Ten shape functions span all quadratic polynomials, four all linear ones: roundoff only.
     EXPECT_NEAR(mapped[n], field(&points[n - n % 3], static_cast<int>(n % 3)), 1e-10);
   }
 }
 
-TEST(Embedding, ExtendsLinearFieldsOutside)
+TEST_P(ElementEmbedding, ExtendsLinearFieldsOutside)
 {
-  const CompressionSimulation simulation = MakeSimulation();
+  const CompressionSimulation simulation = MakeSimulation(GetParam());
   // 2 mm in front of the nipple, where the mesh has a node at y = 35; one far off; one behind the
   // wall.
   const std::vector<double> points{ 0, 37, 0, 60, 60, 0, 3, -1, 2 };

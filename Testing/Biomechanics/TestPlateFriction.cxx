@@ -223,7 +223,7 @@ TEST(PlateFriction, AStuckBlockDoesNotCreep)
 
 TEST(PlateFriction, SensitivitiesAreThoseOfTheLastStepWithFrozenNormalForces)
 {
-  test::PressedBlock block;
+  test::PressedBlock block(ElementType::Quadratic);
   std::vector<bool> fixed(block.Positions.size(), false);
   for (std::size_t c = 0; c < fixed.size(); ++c)
   {

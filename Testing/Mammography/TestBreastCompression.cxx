@@ -203,6 +203,21 @@ TEST_F(BreastCompression, StiffensByFungsLaw)
   EXPECT_GT(this->FieldValue("PaddleForceN"), 2 * force);
 }
 
+TEST_F(BreastCompression, TakesLinearElements)
+{
+  this->Filter->Update();
+  const double quadratic = this->FieldValue("PaddleForceN");
+  this->Filter->SetElementToLinear();
+  this->Filter->Update();
+  ASSERT_EQ(this->Errors->Count, 0) << this->Errors->Text;
+  // Far stiffer on so few cells, which cannot bend round the plates' edges.
+  EXPECT_GT(this->FieldValue("PaddleForceN"), 1.2 * quadratic);
+  EXPECT_EQ(this->Filter->GetOutput()->GetNumberOfCells(), this->Grid->GetNumberOfCells());
+  this->Filter->SetElementToQuadratic();
+  this->Filter->Update();
+  EXPECT_NEAR(this->FieldValue("PaddleForceN"), quadratic, 1e-9 * quadratic);
+}
+
 TEST_F(BreastCompression, FindsTheThicknessOfAForce)
 {
   this->Filter->SetForceN(3);
