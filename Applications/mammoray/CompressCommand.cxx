@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "CommandLine.h"
 
+#include "CompressedBreast.h"
 #include "CompressionSimulation.h"
+#include "ElasticTable.h"
 #include "LabelVolumeIO.h"
 #include "Mammogram.h"
 #include "MaterialTableIO.h"
@@ -13,12 +15,6 @@
 #include "SimulationMesh.h"
 #endif
 
-#include "vtkCellData.h"
-#include "vtkDoubleArray.h"
-#include "vtkFieldData.h"
-#include "vtkNew.h"
-#include "vtkPointData.h"
-#include "vtkPoints.h"
 #include "vtkUnstructuredGrid.h"
 
 #include <cstdio>
@@ -59,17 +55,20 @@ struct CompressArguments
   double ForceN = 0;
   double PaddleTiltDeg = 0;
   MammographyUnit Unit;
+  /// held, sliding or elastic
+  std::string ChestWall = "held";
+  WallStiffness Wall = CompressionOptions().Wall;
+  double PullN = 0;
+  double Friction = 0;
+  /// none, prone or supine
+  std::string ImagePosition = "none";
+  bool Gravity = false;
   std::string Output;
+  /// Time series; empty: none.
+  std::string Series;
+  int SeriesSteps = 11;
   bool Overwrite = false;
 };
-
-void AddValue(vtkFieldData* data, const char* name, double value)
-{
-  vtkNew<vtkDoubleArray> array;
-  array->SetName(name);
-  array->InsertNextValue(value);
-  data->AddArray(array);
-}
 
 /// The mesh to simulate on: the one named, the input when it is coarse enough, or one made of the
 /// labels.
@@ -123,6 +122,23 @@ double RollOfView(const CompressArguments& arguments)
   return *roll;
 }
 
+CompressionOptions LoadingOf(const CompressArguments& arguments, const AnatomicalAxes& axes)
+{
+  CompressionOptions options;
+  options.Element = Elements.at(arguments.Element);
+  options.ChestWall = arguments.ChestWall == "held" ? ChestWallMode::Held
+    : arguments.ChestWall == "sliding"              ? ChestWallMode::Sliding
+                                                    : ChestWallMode::Elastic;
+  options.Wall = arguments.Wall;
+  options.PullN = arguments.PullN * axes.Anterior;
+  options.Friction = arguments.Friction;
+  if (arguments.Gravity || arguments.ImagePosition != "none")
+  {
+    options.GravityMPerS2 = GravityIn(PatientPosition::Upright, axes);
+  }
+  return options;
+}
+
 CompressionState Compress(const CompressArguments& arguments,
   const CompressionSimulation& simulation, const AnatomicalAxes& axes, const Vector3& anchor)
 {
@@ -143,6 +159,76 @@ CompressionState Compress(const CompressArguments& arguments,
   return simulation.Compress(plates(pose.ThicknessMm), nullptr, MakeProgressBar());
 }
 
+/// The breast from open plates to those of `closed`, which it ends with.
+std::vector<vtkSmartPointer<vtkUnstructuredGrid>> SeriesOf(const CompressionState& closed,
+  const CompressionSimulation& simulation, const CompressedBreast& breast, int stepCount)
+{
+  const PlatePair open = simulation.OpenedPlates(closed.Plates);
+  const PlatePairVelocity closing = PlateMotion(open, closed.Plates);
+  const ProgressCallback bar = MakeProgressBar();
+  std::vector<vtkSmartPointer<vtkUnstructuredGrid>> grids;
+  CompressionState state;
+  for (int step = 0; step + 1 < stepCount; ++step)
+  {
+    const double time = TimeOf(step, stepCount);
+    const ProgressCallback progress = [&](double fraction, const char*)
+    { return bar((step + fraction) / stepCount, "series"); };
+    state = simulation.Compress(MovedPlates(open, closing, time), step > 0 ? &state : nullptr,
+      progress);
+    grids.push_back(breast.At(state));
+  }
+  grids.push_back(breast.At(closed));
+  return grids;
+}
+
+void CheckOutputs(const CompressArguments& arguments)
+{
+  CheckOutputFile(arguments.Output, arguments.Overwrite);
+  if (std::filesystem::path(arguments.Output).extension() != ".vtu")
+  {
+    throw InputError(arguments.Output + ": expected the extension .vtu for a volume mesh");
+  }
+  if (arguments.Series.empty())
+  {
+    return;
+  }
+  CheckOutputFile(arguments.Series, arguments.Overwrite);
+  if (std::filesystem::path(arguments.Series).extension() != ".pvd")
+  {
+    throw InputError(arguments.Series + ": expected the extension .pvd for a time series");
+  }
+  for (const std::string& file :
+    SeriesFiles(arguments.Series, static_cast<std::size_t>(arguments.SeriesSteps)))
+  {
+    CheckOutputFile(file, arguments.Overwrite);
+    if (std::filesystem::weakly_canonical(file) ==
+      std::filesystem::weakly_canonical(arguments.Output))
+    {
+      throw InputError("--series " + arguments.Series + ": its file " + file +
+        " is the output file too");
+    }
+  }
+}
+
+void PrintSummary(const CompressionState& state, const CompressionSimulation& simulation,
+  std::size_t simulationCells, double thicknessMm)
+{
+  std::printf("%zu simulation cells, %zu unknowns, %d load steps, %d Newton steps, %.1f s, at most "
+              "%.0f MiB to factorise\n",
+    simulationCells, simulation.NumberOfUnknowns(), state.LoadSteps, state.NewtonSteps,
+    state.Seconds, state.FactorMiB);
+  std::printf(
+    "thickness %.2f mm, paddle %.2f N, support %.2f N, penetration at most %.3f mm, volume x %.4f, "
+    "J %.3f to %.3f\n",
+    thicknessMm, state.PaddleForceN, state.SupportForceN, state.LargestPenetrationMm,
+    state.VolumeRatio, state.SmallestJ, state.LargestJ);
+  if (state.LargestWallGlideMm > 0)
+  {
+    std::printf("chest wall: glided along it by at most %.1f mm, left it by at most %.2f mm\n",
+      state.LargestWallGlideMm, state.LargestWallLiftMm);
+  }
+}
+
 void RunCompress(const CompressArguments& arguments)
 {
   for (const std::string* input : { &arguments.Mesh, &arguments.Materials })
@@ -156,20 +242,11 @@ void RunCompress(const CompressArguments& arguments)
       CheckInputFile(*input);
     }
   }
-  CheckOutputFile(arguments.Output, arguments.Overwrite);
-  if (std::filesystem::path(arguments.Output).extension() != ".vtu")
-  {
-    throw InputError(arguments.Output + ": expected the extension .vtu for a volume mesh");
-  }
+  CheckOutputs(arguments);
   const AnatomicalAxes axes = AnatomicalAxes::FromCode(arguments.Orientation);
   const MaterialTable table = ReadMaterialTable(arguments.Materials);
-  std::vector<ElasticMaterial> elastic;
-  std::vector<bool> held;
-  for (const Material& material : table.Materials)
-  {
-    elastic.push_back({ material.YoungsModulusKPa, material.PoissonRatio, material.FungExponent });
-    held.push_back(material.Held);
-  }
+  const ElasticTable mechanics(table);
+  const std::vector<bool>& held = mechanics.Held;
   const vtkSmartPointer<vtkUnstructuredGrid> grid = ReadMesh(arguments.Mesh);
   const TetrahedralMesh mesh = FromGrid(grid);
   mesh.Validate(arguments.Mesh);
@@ -186,67 +263,31 @@ void RunCompress(const CompressArguments& arguments)
   {
     field = [&volume](const Vector3& point) { return static_cast<int>(volume->LabelAt(point)); };
   }
-  CompressionOptions options;
-  options.Element = Elements.at(arguments.Element);
-  const CompressionSimulation simulation(simulationMesh, elastic, held, field, options);
+  CompressionSimulation simulation(simulationMesh, mechanics.Elastic, held, field,
+    LoadingOf(arguments, axes));
+  if (arguments.ImagePosition != "none")
+  {
+    simulation.Unload(GravityIn(arguments.ImagePosition == "prone" ? PatientPosition::Prone
+                                                                   : PatientPosition::Supine,
+                        axes),
+      MakeProgressBar());
+  }
   const Vector3 anchor =
     volume ? FindPoseAnchor(*volume, held, axes) : FindPoseAnchor(mesh, held, axes);
   const CompressionState state = Compress(arguments, simulation, axes, anchor);
   const double thicknessMm =
     arguments.ForceN > 0 ? GapMm(state.Plates) : arguments.Pose.ThicknessMm;
-  const Embedding embedding(simulation, mesh.Points);
-
-  TetrahedralMesh deformed = mesh;
-  deformed.Points = embedding.Map(state.Positions);
-  const auto pointCount = static_cast<vtkIdType>(mesh.NumberOfPoints());
-  vtkNew<vtkPoints> points;
-  points->SetDataTypeToDouble();
-  points->SetNumberOfPoints(pointCount);
-  vtkNew<vtkDoubleArray> displacement;
-  displacement->SetName("Displacement");
-  displacement->SetNumberOfComponents(3);
-  displacement->SetNumberOfTuples(pointCount);
-  for (vtkIdType p = 0; p < pointCount; ++p)
+  const CompressedBreast breast(grid, mesh, simulation);
+  const auto compressed = breast.At(state, thicknessMm);
+  if (!arguments.Series.empty())
   {
-    const Vector3 to = deformed.Point(p);
-    const Vector3 by = to - mesh.Point(p);
-    points->SetPoint(p, to.data());
-    displacement->SetTuple(p, by.data());
+    const auto series = SeriesOf(state, simulation, breast, arguments.SeriesSteps);
+    WriteSeries(arguments.Series, series);
   }
-  vtkNew<vtkDoubleArray> volumeRatio;
-  volumeRatio->SetName("J");
-  // Corners alone can turn over in a quadratic cell that has not: at the border of the held tissue
-  // mostly.
-  std::size_t inverted = 0;
-  for (std::size_t cell = 0; cell < mesh.NumberOfCells(); ++cell)
-  {
-    const double ratio = deformed.CellVolume(cell) / mesh.CellVolume(cell);
-    inverted += ratio > 0 ? 0 : 1;
-    volumeRatio->InsertNextValue(ratio);
-  }
-  grid->SetPoints(points);
-  grid->GetPointData()->AddArray(displacement);
-  grid->GetCellData()->AddArray(volumeRatio);
-  vtkFieldData* data = grid->GetFieldData();
-  AddValue(data, "ThicknessMm", thicknessMm);
-  AddValue(data, "PaddleForceN", state.PaddleForceN);
-  AddValue(data, "SupportForceN", state.SupportForceN);
-  AddValue(data, "LargestPenetrationMm", state.LargestPenetrationMm);
-  AddValue(data, "SmallestJ", state.SmallestJ);
-  AddValue(data, "LargestJ", state.LargestJ);
-  AddValue(data, "VolumeRatio", state.VolumeRatio);
-  AddValue(data, "RelativeResidual", state.RelativeResidual);
-  AddValue(data, "InvertedCells", static_cast<double>(inverted));
   WriteComplete(arguments.Output,
-    [&](const std::string& temporary) { WriteMesh(grid, temporary); });
-  std::printf("%zu simulation cells, %zu unknowns, %d load steps, %d Newton steps, %.1f s\n",
-    simulationMesh.NumberOfCells(), simulation.NumberOfUnknowns(), state.LoadSteps,
-    state.NewtonSteps, state.Seconds);
-  std::printf(
-    "thickness %.2f mm, paddle %.2f N, support %.2f N, penetration at most %.3f mm, volume x %.4f, "
-    "J %.3f to %.3f\n",
-    thicknessMm, state.PaddleForceN, state.SupportForceN, state.LargestPenetrationMm,
-    state.VolumeRatio, state.SmallestJ, state.LargestJ);
+    [&](const std::string& temporary) { WriteMesh(compressed, temporary); });
+  PrintSummary(state, simulation, simulationMesh.NumberOfCells(), thicknessMm);
+  const std::size_t inverted = CompressedBreast::NumberOfInvertedCells(compressed);
   if (inverted > 0)
   {
     std::printf("%zu of %zu cells of the mesh are turned inside out (array J <= 0)\n", inverted,
@@ -260,7 +301,7 @@ void AddCompressCommand(CLI::App& application)
   CLI::App* command = application.add_subcommand("compress",
     "Squeezes a breast between the plates of a mammography unit.\nIn and out in the frame of the "
     "mesh, mm; "
-    "the chest wall (held materials) does not move.");
+    "the chest wall (held materials) does not move, unless the breast may glide along it.");
   auto arguments = std::make_shared<CompressArguments>();
   BreastPose& pose = arguments->Pose;
   MammographyUnit& unit = arguments->Unit;
@@ -304,6 +345,37 @@ void AddCompressCommand(CLI::App& application)
     "chest-wall edge of the paddle, mm in front of the receptor's");
   add("--edge-radius", unit.EdgeRadiusMm, "radius of the plates' chest-wall edges, mm")
     ->check(CLI::NonNegativeNumber);
+  command
+    ->add_option("--chest-wall", arguments->ChestWall,
+      "how the breast is attached to the held materials: held, sliding along their surface, or "
+      "elastic")
+    ->check(CLI::IsMember({ "held", "sliding", "elastic" }))
+    ->capture_default_str();
+  add("--wall-normal-stiffness", arguments->Wall.Normal,
+    "of the sliding or elastic chest wall against being left, kPa/mm")
+    ->check(CLI::PositiveNumber);
+  add("--wall-tangential-stiffness", arguments->Wall.Tangential,
+    "of the elastic chest wall against gliding, kPa/mm")
+    ->check(CLI::NonNegativeNumber);
+  add("--pull", arguments->PullN,
+    "force that draws the breast forwards onto the receptor, spread over its volume, N");
+  add("--friction", arguments->Friction, "coefficient of friction between breast and plates")
+    ->check(CLI::NonNegativeNumber);
+  command
+    ->add_option("--mri-position", arguments->ImagePosition,
+      "how the patient lay in the image of the mesh: from prone or supine the breast is unloaded "
+      "of its weight and compressed under that of the standing patient; none: no weight")
+    ->check(CLI::IsMember({ "none", "prone", "supine" }))
+    ->capture_default_str();
+  command->add_flag("--gravity", arguments->Gravity,
+    "the weight of the standing patient counts, though the mesh is taken for free of load");
+  command->add_option("--series", arguments->Series,
+    "time series of the compression, for ParaView: a .pvd file, with its .vtu files beside it");
+  command
+    ->add_option("--series-steps", arguments->SeriesSteps,
+      "of the series, from plates that touch nothing to the compressed breast")
+    ->check(CLI::Range(2, 1000))
+    ->capture_default_str();
   command->add_option("--labels", arguments->Labels,
     "label volume of the mesh: stiffness is sampled from it");
   command->add_flag("--axes-as-given", arguments->AxesAsGiven,
@@ -320,7 +392,7 @@ void AddCompressCommand(CLI::App& application)
       "linear takes a tenth of the time and needs three times as many cells a side")
     ->check(CLI::IsMember({ "quadratic", "linear" }))
     ->capture_default_str();
-  command->add_flag("--overwrite", arguments->Overwrite, "replace the output file");
+  command->add_flag("--overwrite", arguments->Overwrite, "replace the output files");
   AddConfigurationOptions(*command);
   command->callback(
     [arguments, thickness, force]

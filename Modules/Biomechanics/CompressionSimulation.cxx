@@ -3,6 +3,7 @@
 
 #include "EquilibriumSolver.h"
 #include "Error.h"
+#include "Private/CellPatches.h"
 #include "Private/CompressionInternals.h"
 
 #include <algorithm>
@@ -10,6 +11,7 @@
 #include <cmath>
 #include <cstdio>
 #include <limits>
+#include <optional>
 
 namespace mammoray
 {
@@ -34,35 +36,81 @@ double SmallestAllowedJ(ElementType type)
 {
   return type == ElementType::Quadratic ? 0.1 : 0.01;
 }
+/// Of the residual with the normal forces of friction brought up to date, and how often they are.
+/// Friction is a part of the forces, known to some per cent at best.
+constexpr double FrictionTolerance = 1e-4;
+constexpr double IntermediateFrictionTolerance = 5e-2;
+constexpr int MostFrictionUpdates = 60;
+/// A residual that does not fall below this part of the last one calls for smaller updates, down to
+/// that.
+constexpr double StalledFriction = 0.95;
+constexpr double SmallestFrictionPart = 1.0 / 16;
+/// Least part of the loads that is added at a time while a breast settles.
+constexpr double SmallestSettlingStep = 1.0 / 64;
+constexpr int MostUnloadingSteps = 200;
+/// Weight of 1 g/cm^3 at 1 m/s^2 in kPa mm^2 per mm^3.
+constexpr double WeightDensity = 1e-3;
 /// A plate's travel up to which a warm start goes straight to the new plates, and the travel of one
 /// load step of a longer way, mm.
 constexpr double ShortTravelMm = 3;
 constexpr double LongTravelMm = 6;
 
-std::vector<bool> FixedCoordinates(const ElasticBody& body, const TetrahedralMesh& mesh,
-  const std::vector<bool>& held)
+std::vector<bool> CellsOf(const TetrahedralMesh& mesh, const std::vector<bool>& held)
 {
-  std::vector<bool> fixed(3 * body.NumberOfNodes(), false);
-  bool any = false;
-  for (std::size_t cell = 0; cell < mesh.NumberOfCells(); ++cell)
+  std::vector<bool> cells(mesh.NumberOfCells(), false);
+  for (std::size_t cell = 0; cell < cells.size(); ++cell)
   {
     const auto material = static_cast<std::size_t>(mesh.Materials[cell]);
-    if (material < held.size() && held[material])
-    {
-      any = true;
-      for (int a = 0; a < body.NodesPerCell(); ++a)
-      {
-        const std::int32_t node = body.Cells()[body.NodesPerCell() * cell + a];
-        fixed[3 * node] = fixed[3 * node + 1] = fixed[3 * node + 2] = true;
-      }
-    }
+    cells[cell] = material < held.size() && held[material];
   }
-  if (!any)
+  if (std::find(cells.begin(), cells.end(), true) == cells.end())
   {
     throw InputError("simulation mesh: expected cells of a held material (chest wall), found none: "
                      "the body could float away");
   }
+  return cells;
+}
+
+/// Every coordinate of a node of a held cell, unless the breast can move along the chest wall.
+std::vector<bool> FixedCoordinates(const ElasticBody& body, const std::vector<bool>& heldCells,
+  ChestWallMode mode)
+{
+  std::vector<bool> fixed(3 * body.NumberOfNodes(), false);
+  for (std::size_t cell = 0; cell < heldCells.size() && mode == ChestWallMode::Held; ++cell)
+  {
+    for (int a = 0; a < body.NodesPerCell() && heldCells[cell]; ++a)
+    {
+      const std::int32_t node = body.Cells()[body.NodesPerCell() * cell + a];
+      fixed[3 * node] = fixed[3 * node + 1] = fixed[3 * node + 2] = true;
+    }
+  }
   return fixed;
+}
+
+void CheckOptions(const CompressionOptions& options)
+{
+  if (!(options.ContactStiffness > 0) || !(options.RelativeTolerance > 0) ||
+    options.MaximumNewtonSteps < 1 || !(options.LargestLoadStep > 0))
+  {
+    throw InputError("compression options: expected positive values");
+  }
+  if (!(options.Wall.Normal > 0) || !std::isfinite(options.Wall.Normal) ||
+    !(options.Wall.Tangential >= 0) || !std::isfinite(options.Wall.Tangential))
+  {
+    throw InputError("compression options: expected a positive stiffness across the chest wall and "
+                     "one of at least 0 along it, found " +
+      std::to_string(options.Wall.Normal) + " and " + std::to_string(options.Wall.Tangential) +
+      " kPa/mm");
+  }
+  if (!(options.Friction >= 0) || !std::isfinite(options.Friction))
+  {
+    throw InputError("compression options: expected a coefficient of friction of at least 0, found " +
+      std::to_string(options.Friction));
+  }
+  if (!std::isfinite(Norm(options.GravityMPerS2)) || !std::isfinite(Norm(options.PullN)))
+  {
+    throw InputError("compression options: expected finite gravity and pull");
+  }
 }
 
 void CheckPlate(const Plate& plate, const char* name)
@@ -104,23 +152,295 @@ double PenetrationLimitMm(const PlatePair& plates)
   return std::max(0.05, 1e-3 * GapMm(plates));
 }
 
+CompressionSimulation::Internals::Internals(ElasticBody body, std::vector<bool> heldCells,
+  std::size_t pointCount, const CompressionOptions& options)
+  : Body(std::move(body))
+  , Options(options)
+  , HeldCells(std::move(heldCells))
+  , Solver(Body, FixedCoordinates(Body, HeldCells, options.ChestWall), options.ContactStiffness,
+      HeldCells)
+  , Image(Body.RestPositions())
+  , NumberOfPoints(pointCount)
+{
+  if (options.ChestWall != ChestWallMode::Held)
+  {
+    this->Wall.emplace(this->Body, this->HeldCells);
+    const bool slides = options.ChestWall == ChestWallMode::Sliding;
+    this->Solver.SetWall(&*this->Wall,
+      { options.Wall.Normal,
+        slides ? CompressionOptions::SlidingStiffness : options.Wall.Tangential });
+    this->FindFollowers();
+  }
+}
+
+void CompressionSimulation::Internals::FindFollowers()
+{
+  if (this->Body.Type() != ElementType::Quadratic)
+  {
+    return;
+  }
+  std::vector<bool> free(this->Body.NumberOfNodes(), false);
+  for (std::size_t index = 0; index < this->Body.Cells().size(); ++index)
+  {
+    if (!this->HeldCells[index / this->Body.NodesPerCell()])
+    {
+      free[this->Body.Cells()[index]] = true;
+    }
+  }
+  for (std::size_t cell = 0; cell < this->HeldCells.size(); ++cell)
+  {
+    const std::int32_t* nodes = &this->Body.Cells()[10 * cell];
+    for (int e = 0; e < 6 && this->HeldCells[cell]; ++e)
+    {
+      const std::int32_t ends[2] = { nodes[CellEdges[e][0]], nodes[CellEdges[e][1]] };
+      if (!free[nodes[4 + e]] && (free[ends[0]] || free[ends[1]]))
+      {
+        this->Followers.push_back({ nodes[4 + e], ends[0], ends[1] });
+      }
+    }
+  }
+}
+
+void CompressionSimulation::Internals::DrawAlong(std::vector<double>& values) const
+{
+  for (const auto& [middle, a, b] : this->Followers)
+  {
+    for (int axis = 0; axis < 3; ++axis)
+    {
+      values[3 * middle + axis] = 0.5 * (values[3 * a + axis] + values[3 * b + axis]);
+    }
+  }
+}
+
+std::vector<double> CompressionSimulation::Internals::Loads(const Vector3& gravityMPerS2,
+  const Vector3& pullN) const
+{
+  if (Norm(gravityMPerS2) == 0 && Norm(pullN) == 0)
+  {
+    return {};
+  }
+  std::vector<double> density(this->Body.NumberOfCells(), 0.0);
+  std::vector<double> tissue(this->Body.NumberOfCells(), 0.0);
+  double volume = 0;
+  for (std::size_t cell = 0; cell < density.size(); ++cell)
+  {
+    if (!this->HeldCells[cell])
+    {
+      density[cell] = WeightDensity * this->Body.CellDensity(cell);
+      tissue[cell] = 1;
+      volume += this->Body.CellVolume(cell);
+    }
+  }
+  const std::vector<double> weight = this->Body.NodeIntegrals(density);
+  const std::vector<double> part = this->Body.NodeIntegrals(tissue);
+  std::vector<double> loads(3 * this->Body.NumberOfNodes());
+  for (std::size_t c = 0; c < loads.size(); ++c)
+  {
+    loads[c] = weight[c / 3] * gravityMPerS2[c % 3] + 1e3 * part[c / 3] / volume * pullN[c % 3];
+  }
+  return loads;
+}
+
+void CompressionSimulation::Internals::SettleUnder(std::vector<double> loads,
+  std::vector<double>& x, const ProgressCallback& progress)
+{
+  this->Solver.SetFriction({});
+  std::vector<double> part(loads.size());
+  double step = 1;
+  for (double done = 0; done < 1;)
+  {
+    const double next = std::min(1.0, done + step);
+    std::transform(loads.begin(), loads.end(), part.begin(),
+      [=](double load) { return next * load; });
+    this->Solver.SetLoads(part);
+    std::vector<double> positions = x;
+    const EquilibriumReport report = this->Solver.Solve(positions, nullptr,
+      next < 1 ? IntermediateTolerance : this->Options.RelativeTolerance,
+      this->Options.MaximumNewtonSteps, progress);
+    if (report.Converged)
+    {
+      x.swap(positions);
+      done = next;
+      continue;
+    }
+    step *= 0.5;
+    if (step < SmallestSettlingStep)
+    {
+      char reason[160];
+      std::snprintf(reason, sizeof reason,
+        "compression: expected equilibrium under gravity and pull, found none beyond %.2f of them (",
+        done);
+      throw ConvergenceError(reason + report.Reason + ")");
+    }
+  }
+  this->DrawAlong(x);
+}
+
+const std::vector<double>& CompressionSimulation::Internals::SettledPositions(
+  const ProgressCallback& progress)
+{
+  if (this->Settled.empty())
+  {
+    std::vector<double> positions = this->Body.RestPositions();
+    std::vector<double> loads = this->Loads(this->Options.GravityMPerS2, this->Options.PullN);
+    if (!loads.empty())
+    {
+      this->SettleUnder(std::move(loads), positions, progress);
+    }
+    this->Settled.swap(positions);
+  }
+  return this->Settled;
+}
+
+void CompressionSimulation::Internals::SetRestCorners(const std::vector<double>& corners)
+{
+  this->Body.SetRestCorners(corners);
+  if (this->Wall)
+  {
+    this->Wall->SetRestPositions(this->Body.RestPositions());
+  }
+  this->Solver.BodyChanged();
+  this->Settled.clear();
+  for (std::size_t cell = 0; cell < this->HeldCells.size(); ++cell)
+  {
+    if (!this->HeldCells[cell] && !(this->Body.CellVolume(cell) > 0))
+    {
+      throw ConvergenceError("unloading: expected a shape without load, found cell " +
+        std::to_string(cell) + " turned inside out on the way: the tissue is too soft for this "
+        "gravity");
+    }
+  }
+}
+
+void CompressionSimulation::Internals::Recall(const CompressionState& state)
+{
+  this->Solver.SetContactStiffness(
+    state.ContactStiffness > 0 ? state.ContactStiffness : this->Options.ContactStiffness);
+  this->Solver.SetFriction(state.Friction ? *state.Friction : FrictionPoints());
+  this->Solver.SetLoads(this->Loads(this->Options.GravityMPerS2, this->Options.PullN));
+}
+
+EquilibriumReport CompressionSimulation::Internals::Solve(std::vector<double>& x,
+  const PlatePair& plates, const CompressionState& last,
+  const EquilibriumSolver::FrictionStart& before, double tolerance, int maximumSteps,
+  const ProgressCallback& progress)
+{
+  const double mu = this->Options.Friction;
+  if (mu == 0)
+  {
+    return this->Solver.Solve(x, &plates, tolerance, maximumSteps, progress);
+  }
+  this->Solver.SetFriction(this->Solver.FrictionAt(last.Positions, last.Plates, mu, before));
+  const double wanted =
+    tolerance < IntermediateTolerance ? FrictionTolerance : IntermediateFrictionTolerance;
+  int newtonSteps = 0;
+  double part = 0.5;
+  double residualBefore = std::numeric_limits<double>::infinity();
+  for (int update = 0;; ++update)
+  {
+    EquilibriumReport report = this->Solver.Solve(x, &plates, tolerance, maximumSteps, progress);
+    newtonSteps += report.NewtonSteps;
+    report.NewtonSteps = newtonSteps;
+    if (!report.Converged)
+    {
+      return report;
+    }
+    FrictionPoints used = this->Solver.Friction();
+    const FrictionPoints found = this->Solver.FrictionAt(x, plates, mu, before);
+    this->Solver.SetFriction(found);
+    const double residual = this->Solver.Evaluate(x, &plates).RelativeResidual;
+    if (residual <= wanted)
+    {
+      this->Solver.SetFriction(std::move(used));
+      return report;
+    }
+    if (update == MostFrictionUpdates)
+    {
+      char reason[128];
+      std::snprintf(reason, sizeof reason,
+        "relative residual %.2g after %d updates of friction, expected at most %.2g", residual,
+        update, wanted);
+      report.Converged = false;
+      report.Reason = reason;
+      return report;
+    }
+    // All of the change overshoots: friction that grows unloads its own contact.
+    part = residual > StalledFriction * residualBefore ? std::max(0.5 * part, SmallestFrictionPart) : part;
+    residualBefore = residual;
+    this->Solver.SetFriction(BlendedFriction(std::move(used), found, part));
+  }
+}
+
 CompressionSimulation::CompressionSimulation(const TetrahedralMesh& mesh,
   const std::vector<ElasticMaterial>& materials, const std::vector<bool>& held,
   const MaterialField& field, const CompressionOptions& options)
 {
-  if (!(options.ContactStiffness > 0) || !(options.RelativeTolerance > 0) ||
-    options.MaximumNewtonSteps < 1 || !(options.LargestLoadStep > 0))
-  {
-    throw InputError("compression options: expected positive values");
-  }
+  CheckOptions(options);
   ElasticBody body(mesh, materials, field, held, options.Element);
-  std::vector<bool> fixed = FixedCoordinates(body, mesh, held);
-  this->Internal = std::make_unique<Internals>(std::move(body), fixed, options);
+  this->Internal = std::make_unique<Internals>(std::move(body), CellsOf(mesh, held),
+    mesh.NumberOfPoints(), options);
 }
 
 CompressionSimulation::~CompressionSimulation() = default;
 CompressionSimulation::CompressionSimulation(CompressionSimulation&&) noexcept = default;
 CompressionSimulation& CompressionSimulation::operator=(CompressionSimulation&&) noexcept = default;
+
+void CompressionSimulation::Unload(const Vector3& gravityMPerS2, const ProgressCallback& progress)
+{
+  Internals& internal = *this->Internal;
+  if (!std::isfinite(Norm(gravityMPerS2)))
+  {
+    throw InputError("unloading: expected a finite gravity");
+  }
+  const std::vector<double> given = internal.Body.RestPositions();
+  const std::vector<double> image(internal.Image.begin(),
+    internal.Image.begin() + 3 * static_cast<std::ptrdiff_t>(internal.NumberOfPoints));
+  std::vector<double> corners = image;
+  std::vector<double> loaded = internal.Image;
+  try
+  {
+    for (int step = 0;; ++step)
+    {
+      ReportProgress(progress, static_cast<double>(step) / MostUnloadingSteps, "unloading");
+      internal.SetRestCorners(corners);
+      internal.SettleUnder(internal.Loads(gravityMPerS2, { 0, 0, 0 }), loaded, progress);
+      double farthest = 0;
+      for (std::size_t c = 0; c < corners.size(); ++c)
+      {
+        const double off = image[c] - loaded[c];
+        farthest = std::max(farthest, std::abs(off));
+        corners[c] += off;
+      }
+      if (farthest <= UnloadToleranceMm)
+      {
+        break;
+      }
+      if (step == MostUnloadingSteps)
+      {
+        throw ConvergenceError("unloading: expected the image's shape to " +
+          InMm(UnloadToleranceMm) + ", found it off by " + InMm(farthest) + " after " +
+          std::to_string(step) + " steps");
+      }
+    }
+  }
+  catch (...)
+  {
+    internal.SetRestCorners(given);
+    throw;
+  }
+  internal.Image = std::move(loaded);
+}
+
+PlatePair CompressionSimulation::OpenedPlates(const PlatePair& plates,
+  const ProgressCallback& progress) const
+{
+  const std::array<double, 2> opening =
+    this->Internal->Solver.Opening(this->Internal->SettledPositions(progress), plates);
+  PlatePair opened = plates;
+  opened.Support.Edge = plates.Support.Edge - opening[0] * plates.Support.Normal;
+  opened.Paddle.Edge = plates.Paddle.Edge - opening[1] * plates.Paddle.Normal;
+  return opened;
+}
 
 CompressionState CompressionSimulation::Compress(const PlatePair& plates,
   const CompressionState* start, const ProgressCallback& progress) const
@@ -144,7 +464,8 @@ CompressionState CompressionSimulation::Compress(const PlatePair& plates,
         std::to_string(start->Positions.size()));
     }
     state.Positions = start->Positions;
-    state.Plates = SlidTowards(start->Plates, plates);
+    // Plates that rub do not slide along their edges unfelt.
+    state.Plates = options.Friction > 0 ? start->Plates : SlidTowards(start->Plates, plates);
     // The edges are rounded as asked from the first step on.
     state.Plates.Support.EdgeRadiusMm = plates.Support.EdgeRadiusMm;
     state.Plates.Paddle.EdgeRadiusMm = plates.Paddle.EdgeRadiusMm;
@@ -152,13 +473,19 @@ CompressionState CompressionSimulation::Compress(const PlatePair& plates,
   }
   else
   {
-    state.Positions = this->RestPositions();
-    const std::array<double, 2> opening = solver.Opening(state.Positions, plates);
-    state.Plates = plates;
-    state.Plates.Support.Edge = plates.Support.Edge - opening[0] * plates.Support.Normal;
-    state.Plates.Paddle.Edge = plates.Paddle.Edge - opening[1] * plates.Paddle.Normal;
+    state.Positions = this->Internal->SettledPositions(progress);
+    state.Plates = this->OpenedPlates(plates, progress);
     const double allowed = options.LargestLoadStep * std::abs(GapMm(state.Plates));
-    largestStep = std::min(1.0, allowed / std::max(opening[0] + opening[1], 1e-12));
+    const double way = Norm(state.Plates.Support.Edge - plates.Support.Edge) +
+      Norm(state.Plates.Paddle.Edge - plates.Paddle.Edge);
+    largestStep = std::min(1.0, allowed / std::max(way, 1e-12));
+  }
+  solver.SetLoads(this->Internal->Loads(options.GravityMPerS2, options.PullN));
+  // Anchors of friction are those of the state at which the load step began.
+  EquilibriumSolver::FrictionStart before{ {}, state.Positions, state.Plates };
+  if (start && start->Friction)
+  {
+    before.Dragged = solver.DraggedTo(state.Positions, state.Plates, *start->Friction);
   }
 
   const PlatePair first = state.Plates;
@@ -194,6 +521,8 @@ CompressionState CompressionSimulation::Compress(const PlatePair& plates,
     state.LargestJ = report.LargestJ;
     state.VolumeRatio = report.VolumeRatio;
     state.RelativeResidual = report.RelativeResidual;
+    state.LargestWallLiftMm = report.LargestWallLiftMm;
+    state.LargestWallGlideMm = report.LargestWallGlideMm;
   };
   for (bool polished = false; !polished;)
   {
@@ -210,6 +539,11 @@ CompressionState CompressionSimulation::Compress(const PlatePair& plates,
     std::vector<double> positions = state.Positions;
     if (done < 1)
     {
+      before.Positions = state.Positions;
+      before.Plates = state.Plates;
+      solver.SetFriction(options.Friction > 0
+          ? solver.FrictionAt(state.Positions, state.Plates, options.Friction, before)
+          : FrictionPoints());
       const std::vector<double> guess =
         solver.Predict(state.Positions, state.Plates, PlateMotion(state.Plates, target));
       for (std::size_t c = 0; c < positions.size(); ++c)
@@ -221,7 +555,7 @@ CompressionState CompressionSimulation::Compress(const PlatePair& plates,
         positions = state.Positions;
       }
     }
-    const EquilibriumReport report = solver.Solve(positions, &target,
+    const EquilibriumReport report = this->Internal->Solve(positions, target, state, before,
       last ? options.RelativeTolerance : std::max(IntermediateTolerance, options.RelativeTolerance),
       last        ? options.MaximumNewtonSteps
         : patient ? 2 * options.MaximumNewtonSteps
@@ -255,6 +589,10 @@ CompressionState CompressionSimulation::Compress(const PlatePair& plates,
     {
       lastGap = GapMm(target);
     }
+    if (next < 1)
+    {
+      before.Dragged = solver.DraggedTo(state.Positions, target, solver.Friction());
+    }
     state.LoadSteps += done < 1;
     done = next;
     softness = nextSoftness;
@@ -283,7 +621,13 @@ CompressionState CompressionSimulation::Compress(const PlatePair& plates,
       smallestAllowedJ);
     fail(reason);
   }
+  this->Internal->DrawAlong(state.Positions);
   state.ContactStiffness = options.ContactStiffness * softness;
+  if (options.Friction > 0)
+  {
+    state.Friction = std::make_shared<const FrictionPoints>(solver.Friction());
+  }
+  state.FactorMiB = solver.PeakFactorBytes() / (1 << 20);
   ReportProgress(progress, 1, "compression");
   state.Seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   return state;
@@ -291,16 +635,27 @@ CompressionState CompressionSimulation::Compress(const PlatePair& plates,
 
 std::vector<std::vector<double>> CompressionSimulation::Sensitivities(const CompressionState& state,
   const std::vector<PlatePairVelocity>& velocities,
-  const std::vector<MaterialVelocity>& materialVelocities) const
+  const std::vector<MaterialVelocity>& materialVelocities,
+  const std::vector<LoadingVelocity>& loadingVelocities) const
 {
   if (state.Positions.size() != this->RestPositions().size())
   {
     throw InputError("sensitivities: expected a state of this simulation");
   }
-  this->Internal->Solver.SetContactStiffness(
-    state.ContactStiffness > 0 ? state.ContactStiffness : this->Internal->Options.ContactStiffness);
-  return this->Internal->Solver.Sensitivities(state.Positions, state.Plates, velocities,
-    materialVelocities);
+  std::vector<HoldingVelocity> holding;
+  for (const LoadingVelocity& velocity : loadingVelocities)
+  {
+    holding.push_back({ velocity.Wall, velocity.Friction,
+      this->Internal->Loads(velocity.GravityMPerS2, velocity.PullN) });
+  }
+  this->Internal->Recall(state);
+  std::vector<std::vector<double>> rates = this->Internal->Solver.Sensitivities(state.Positions,
+    state.Plates, velocities, materialVelocities, holding);
+  for (std::vector<double>& rate : rates)
+  {
+    this->Internal->DrawAlong(rate);
+  }
+  return rates;
 }
 
 double CompressionSimulation::PaddleForceRate(const CompressionState& state,
@@ -308,6 +663,16 @@ double CompressionSimulation::PaddleForceRate(const CompressionState& state,
 {
   const std::vector<double> rates = this->Sensitivities(state, { velocity }).front();
   return this->Internal->Solver.PaddleForceRate(state.Positions, state.Plates, velocity, rates);
+}
+
+std::vector<double> CompressionSimulation::ContactPressuresKPa(const CompressionState& state) const
+{
+  if (state.Positions.size() != this->RestPositions().size())
+  {
+    throw InputError("contact pressures: expected a state of this simulation");
+  }
+  this->Internal->Recall(state);
+  return this->Internal->Solver.ContactPressures(state.Positions, state.Plates);
 }
 
 CompressionState CompressionSimulation::CompressToForce(const PlatePair& plates,
@@ -321,10 +686,8 @@ CompressionState CompressionSimulation::CompressToForce(const PlatePair& plates,
   {
     throw InputError("compression: expected a positive force and a motion that closes the plates");
   }
-  const std::array<double, 2> opening =
-    this->Internal->Solver.Opening(this->RestPositions(), plates);
   // `at` and the bracket count mm that the gap was closed by, from the plates given.
-  const double open = GapMm(plates) + opening[0] + opening[1];
+  const double open = GapMm(this->OpenedPlates(plates, progress));
   double at = GapMm(plates) - FirstGap * open;
   const auto platesAt = [&](double closed) { return MovedPlates(plates, closing, closed / speed); };
   CompressionState state = this->Compress(platesAt(at), nullptr, progress);
@@ -333,9 +696,17 @@ CompressionState CompressionSimulation::CompressToForce(const PlatePair& plates,
   int newtonSteps = state.NewtonSteps;
   int loadSteps = state.LoadSteps;
   double allowed = LargestForceStepMm;
+  // With friction no state is reached from a farther closed one, where it points the other way.
+  const bool rubs = this->Internal->Options.Friction > 0;
+  std::optional<CompressionState> below;
   for (int step = 0; std::abs(state.PaddleForceN / forceN - 1) > ForceTolerance; ++step)
   {
     (state.PaddleForceN < forceN ? tooLittle : tooMuch) = at;
+    if (rubs && state.PaddleForceN < forceN)
+    {
+      below = state;
+      tooMuch = std::numeric_limits<double>::infinity(); // on the way from another state
+    }
     // The force grows faster than in proportion to the way: its logarithm is nearer to a line.
     double by = state.PaddleForceN < forceN ? allowed : -allowed;
     if (state.PaddleForceN > 0)
@@ -357,7 +728,8 @@ CompressionState CompressionSimulation::CompressToForce(const PlatePair& plates,
     {
       try
       {
-        state = this->Compress(platesAt(at + by), &state, progress);
+        const CompressionState* from = rubs ? (below ? &*below : nullptr) : &state;
+        state = this->Compress(platesAt(at + by), from, progress);
         at += by;
         newtonSteps += state.NewtonSteps;
         loadSteps += state.LoadSteps;
@@ -388,7 +760,8 @@ CompressionState CompressionSimulation::CompressToForce(const PlatePair& plates,
 void CompressionSimulation::SetMaterials(const std::vector<ElasticMaterial>& materials)
 {
   this->Internal->Body.SetMaterials(materials);
-  this->Internal->Solver.MaterialsChanged();
+  this->Internal->Solver.BodyChanged();
+  this->Internal->Settled.clear();
 }
 
 const std::vector<ElasticMaterial>& CompressionSimulation::Materials() const
@@ -424,5 +797,10 @@ std::size_t CompressionSimulation::NumberOfUnknowns() const
 const std::vector<double>& CompressionSimulation::RestPositions() const
 {
   return this->Internal->Body.RestPositions();
+}
+
+const std::vector<double>& CompressionSimulation::ImagePositions() const
+{
+  return this->Internal->Image;
 }
 }

@@ -2,8 +2,10 @@
 #ifndef mammoray_CompressionSimulation_h
 #define mammoray_CompressionSimulation_h
 
+#include "ChestWall.h"
 #include "ElasticBody.h"
 #include "PlateContact.h"
+#include "PlateFriction.h"
 #include "Progress.h"
 #include "TetrahedralMesh.h"
 #include "Vector3.h"
@@ -15,11 +17,39 @@
 
 namespace mammoray
 {
+/// How the breast is attached to the held materials.
+enum class ChestWallMode
+{
+  /// Its nodes there do not move.
+  Held,
+  /// They glide along the held body's surface and hardly leave it.
+  Sliding,
+  /// An elastic layer lies between.
+  Elastic
+};
+
 struct CompressionOptions
 {
   /// Quadratic cells for accuracy on some thousand cells, patch-averaged linear ones where there are
   /// tens of thousands.
   ElementType Element = ElementType::Quadratic;
+  ChestWallMode ChestWall = ChestWallMode::Held;
+  /// Of the elastic chest wall; of the sliding one Normal counts, and along the wall SlidingStiffness.
+  WallStiffness Wall{ 1000.0, 1.0 };
+  /// kPa / mm. Not quite 0: between plates without friction nothing else would hold the breast
+  /// sideways. After gliding by 10 mm a hundredth of the usual pressures of compression.
+  static constexpr double SlidingStiffness = 0.01;
+  /// Coefficient of friction between breast and plates, not negative (see FrictionPoint).
+  double Friction = 0.0;
+  /// Acceleration of the patient's weight during compression, m/s^2, in the frame of the mesh.
+  Vector3 GravityMPerS2{ 0, 0, 0 };
+  /**
+   * Force with which the technologist draws the breast onto the receptor, N, in the frame of the
+   * mesh (the gantry's anterior direction): spread over the volume of what is not held, while the
+   * plates close and after. A displacement of the chest wall instead would be the same as a shift
+   * of the plates (BreastPose::ShiftAnteriorMm).
+   */
+  Vector3 PullN{ 0, 0, 0 };
   /// Contact: pressure = ContactStiffness * g^2, g the depth in a layer of 0.05 mm in front of each
   /// plate; in the plate along the tangent of that, from 150 kPa on. kPa / mm^2. At a breast's mean
   /// pressure of 1 to 10 kPa it rests 0.04 mm in front of the plates; where the plates' edges cut
@@ -32,6 +62,17 @@ struct CompressionOptions
   int MaximumNewtonSteps = 60;
   /// Largest closing of the plates in one load step of a cold start, as a fraction of the open gap.
   double LargestLoadStep = 0.1;
+
+  bool operator==(const CompressionOptions&) const = default;
+};
+
+/// Rate of change of the loading in CompressionOptions with a parameter, per unit of it.
+struct LoadingVelocity
+{
+  WallStiffness Wall;
+  double Friction = 0.0;
+  Vector3 GravityMPerS2{ 0, 0, 0 };
+  Vector3 PullN{ 0, 0, 0 };
 };
 
 /// There is no equilibrium between the plates asked for, or it could not be reached.
@@ -72,11 +113,18 @@ struct CompressionState
   double LargestJ = 1;
   /// Deformed / undeformed volume.
   double VolumeRatio = 1;
-  /// Norm of the residual force over that of the contact force.
+  /// Norm of the residual force over that of the largest kind of force (EquilibriumSolver::Solve).
   double RelativeResidual = 0;
+  /// How far nodes have left or entered the chest wall and have glided along it at most, mm.
+  double LargestWallLiftMm = 0;
+  double LargestWallGlideMm = 0;
+  /// Normal forces and anchors of friction that the state was found with; null without friction.
+  std::shared_ptr<const FrictionPoints> Friction;
   int NewtonSteps = 0;
   int LoadSteps = 0;
   double Seconds = 0;
+  /// Most memory that the sparse factorisation took, MiB.
+  double FactorMiB = 0;
 };
 
 /// Deepest penetration that a state may have: 0.05 mm or 0.1 % of the plates' distance, whichever
@@ -88,7 +136,9 @@ MAMMORAYBIOMECHANICS_EXPORT double PenetrationLimitMm(const PlatePair& plates);
  * minimum of energy (DESIGN.md section 6): psi = w(J^(-2/3) tr F^T F - 3) + kappa/2 (J - 1)^2, w
  * neo-Hookean or Fung's exponential (ElasticMaterial.h), on quadratic tetrahedra made from the
  * given linear ones or on these, most of kappa acting on the mean of J over a cell or a patch of
- * cells (ElasticBody); frictionless contact by a C2 penalty; held nodes do not move.
+ * cells (ElasticBody); contact by a C2 penalty, with smoothed Coulomb friction if wanted; the
+ * breast is held by, glides along or is elastically attached to the chest wall (ChestWall). With
+ * friction a state depends on the way to it: on the load steps and on the start.
  */
 class MAMMORAYBIOMECHANICS_EXPORT CompressionSimulation
 {
@@ -97,8 +147,9 @@ public:
    * `mesh`: linear tetrahedra; its cell materials index `materials`. With a `field` the mesh need
    * not follow the anatomy: stiffness is averaged around each quadrature point from it (positions
    * where it answers 0 or a held material fall back on the cell's material). `held[m]` tells
-   * whether material m does not move: every node of a cell of such a material is fixed. Throws
-   * InputError.
+   * whether material m does not move: every node of a cell of such a material is fixed. Unless the
+   * chest wall is Held, nodes that other cells share belong to those and move along with them: the
+   * held cells at the wall are then only drawn along. Throws InputError.
    */
   CompressionSimulation(const TetrahedralMesh& mesh, const std::vector<ElasticMaterial>& materials,
     const std::vector<bool>& held, const MaterialField& field = {},
@@ -108,8 +159,21 @@ public:
   CompressionSimulation& operator=(CompressionSimulation&&) noexcept;
 
   /**
-   * Equilibrium between the plates. Cold: the plates are first opened along their normals until
-   * they touch nothing, then closed in load steps. Warm: starts at `start` (a state of this
+   * Takes the mesh for the shape of a breast that hangs or lies under this gravity (m/s^2, frame of
+   * the mesh), as in an image, with the chest wall of the options, and finds the shape without load
+   * that gives it, by Sellier's fixed-point iteration (2011) on the points of the mesh, to
+   * UnloadToleranceMm. Materials keep their cells. The stress-free shape stays when the materials
+   * change later. Throws ConvergenceError, Interrupted; things are then as before.
+   */
+  void Unload(const Vector3& gravityMPerS2, const ProgressCallback& progress = {});
+  static constexpr double UnloadToleranceMm = 1e-3;
+
+  /// The plates opened along their normals until they touch nothing of the breast as it hangs free.
+  PlatePair OpenedPlates(const PlatePair& plates, const ProgressCallback& progress = {}) const;
+
+  /**
+   * Equilibrium between the plates. Cold: the breast first settles under gravity and pull, the
+   * plates opened along their normals until they touch nothing, then closed in load steps. Warm: starts at `start` (a state of this
    * simulation) and goes straight to the new plates, in steps where that fails. Deterministic.
    * Contact is made stiffer until the penetration is within its limit. Throws ConvergenceError that
    * names the last gap reached or the limit that was missed and the value found, or Interrupted.
@@ -122,14 +186,17 @@ public:
   /**
    * dx/dp at a converged state for parameters that move the plates, then for those that change the
    * materials (one rate per material: with { {}, {}, { fat's modulus } } p is the ratio of material
-   * 2's stiffness to fat's), by the implicit function theorem: one back-substitution each. Returns
-   * one vector of 3 x nodeCount (mm per unit of p) for each.
+   * 2's stiffness to fat's), then for those that change the loading, by the implicit function
+   * theorem: one back-substitution each. Returns one vector of 3 x nodeCount (mm per unit of p) for
+   * each. With friction they are exact for the last load step with its normal forces frozen; the
+   * stress-free shape counts as given.
    */
   std::vector<std::vector<double>> Sensitivities(const CompressionState& state,
     const std::vector<PlatePairVelocity>& velocities,
-    const std::vector<MaterialVelocity>& materialVelocities = {}) const;
+    const std::vector<MaterialVelocity>& materialVelocities = {},
+    const std::vector<LoadingVelocity>& loadingVelocities = {}) const;
 
-  /// Rate of PaddleForceN with a parameter that moves the plates, N per unit; exact.
+  /// Rate of PaddleForceN with a parameter that moves the plates, N per unit; as exact.
   double PaddleForceRate(const CompressionState& state, const PlatePairVelocity& velocity) const;
 
   /**
@@ -152,11 +219,16 @@ public:
 
   /// Volume change and stress of every cell of the mesh in a state.
   std::vector<CellMeasures> MeasuresOf(const CompressionState& state) const;
+  /// Pressure of the plates at every node, kPa: 0 inside the body and where nothing touches.
+  std::vector<double> ContactPressuresKPa(const CompressionState& state) const;
 
   std::size_t NumberOfNodes() const;
   std::size_t NumberOfUnknowns() const;
   /// Undeformed node positions, 3 x nodeCount, mm. The first nodes are the mesh's points.
   const std::vector<double>& RestPositions() const;
+  /// Node positions in the mesh as it was given: RestPositions, or, after Unload, the equilibrium
+  /// under that gravity, at the mesh's points to UnloadToleranceMm.
+  const std::vector<double>& ImagePositions() const;
 
 private:
   friend class Embedding;
@@ -171,18 +243,23 @@ private:
 class MAMMORAYBIOMECHANICS_EXPORT Embedding
 {
 public:
-  /// `points`: 3 x pointCount at rest, mm, frame of the simulation's mesh.
+  /// `points`: 3 x pointCount in the simulation's mesh as it was given, mm, its frame.
   Embedding(const CompressionSimulation& simulation, const std::vector<double>& points);
-  /// Moves the points with node positions (or velocities) of the simulation; 3 x pointCount.
+  /// Moves the points with node positions (or velocities) of the simulation; 3 x pointCount. After
+  /// Unload, where cells of the given mesh are curved a little, displacements from ImagePositions
+  /// are exacter.
   std::vector<double> Map(const std::vector<double>& nodeValues) const;
   /// Largest distance of a point outside its cell, mm.
   double LargestDistanceMm() const { return this->Distance; }
+  /// The cell that holds or is nearest to each point.
+  const std::vector<std::int32_t>& Cells() const { return this->CellIndices; }
 
 private:
   int NodesPerPoint;
   /// Node indices and weights, NodesPerPoint for each point.
   std::vector<std::int32_t> Nodes;
   std::vector<double> Weights;
+  std::vector<std::int32_t> CellIndices;
   double Distance = 0;
 };
 }

@@ -20,9 +20,6 @@ namespace mammoray
 {
 namespace
 {
-constexpr int Edges[6][2] = { { 0, 1 }, { 1, 2 }, { 0, 2 }, { 0, 3 }, { 1, 3 }, { 2, 3 } };
-/// The edge middles of each face, in the order of FaceCorners.
-constexpr int FaceMiddles[4][3] = { { 5, 9, 8 }, { 7, 9, 6 }, { 4, 8, 7 }, { 6, 5, 4 } };
 /// Barycentric coordinates of the 4-point rule: (5 + 3 sqrt 5) / 20 and (5 - sqrt 5) / 20.
 constexpr double NearCoordinate = 0.58541019662496845446;
 constexpr double FarCoordinate = 0.13819660112501051518;
@@ -56,8 +53,8 @@ struct QuadraticCell
     }
     for (int e = 0; e < 6; ++e)
     {
-      const int i = Edges[e][0];
-      const int j = Edges[e][1];
+      const int i = CellEdges[e][0];
+      const int j = CellEdges[e][1];
       result.col(4 + e) = 4 * (lambda[i] * g.col(j) + lambda[j] * g.col(i));
     }
     return result;
@@ -190,26 +187,10 @@ void ElasticBody::AddNodesAndCells(const TetrahedralMesh& mesh)
   this->Rest = mesh.Points;
   this->Volumes.resize(cellCount);
   this->BarycentricGradients.resize(12 * cellCount);
-  for (std::size_t cell = 0; cell < cellCount; ++cell)
-  {
-    const std::int32_t* corners = &mesh.Cells[4 * cell];
-    const double volume = mesh.CellVolume(cell);
-    this->Volumes[cell] = volume;
-    for (int i = 0; i < 4; ++i)
-    {
-      // Half the area vector of the opposite face, inwards, over the volume.
-      const Vector3 p = mesh.Point(corners[FaceCorners[i][0]]);
-      const Vector3 inwards = Cross(mesh.Point(corners[FaceCorners[i][2]]) - p,
-        mesh.Point(corners[FaceCorners[i][1]]) - p);
-      for (int axis = 0; axis < 3; ++axis)
-      {
-        this->BarycentricGradients[12 * cell + 3 * i + axis] = inwards[axis] / (6 * volume);
-      }
-    }
-  }
   if (this->Kind == ElementType::PatchAveragedLinear)
   {
     this->CellNodes = mesh.Cells;
+    this->MeasureRest();
     return;
   }
   this->CellNodes.resize(10 * cellCount);
@@ -222,18 +203,104 @@ void ElasticBody::AddNodesAndCells(const TetrahedralMesh& mesh)
     std::copy(corners, corners + 4, nodes);
     for (int e = 0; e < 6; ++e)
     {
-      const auto [low, high] = std::minmax(corners[Edges[e][0]], corners[Edges[e][1]]);
+      const auto [low, high] = std::minmax(corners[CellEdges[e][0]], corners[CellEdges[e][1]]);
       const std::uint64_t key = (static_cast<std::uint64_t>(low) << 32) | std::uint32_t(high);
       const auto [found, added] =
         middles.try_emplace(key, static_cast<std::int32_t>(this->Rest.size() / 3));
       nodes[4 + e] = found->second;
       if (added)
       {
-        const Vector3 middle = 0.5 * (mesh.Point(low) + mesh.Point(high));
-        this->Rest.insert(this->Rest.end(), middle.begin(), middle.end());
+        this->Rest.resize(this->Rest.size() + 3);
       }
     }
   }
+  this->MeasureRest();
+}
+
+void ElasticBody::MeasureRest()
+{
+  const auto at = [this](std::int32_t node)
+  { return Vector3{ this->Rest[3 * node], this->Rest[3 * node + 1], this->Rest[3 * node + 2] }; };
+  for (std::size_t cell = 0; cell < this->NumberOfCells(); ++cell)
+  {
+    const std::int32_t* nodes = &this->CellNodes[this->NodesPerCell() * cell];
+    for (int a = 4; a < this->NodesPerCell(); ++a)
+    {
+      const int* ends = CellEdges[a - 4];
+      const Vector3 middle = 0.5 * (at(nodes[ends[0]]) + at(nodes[ends[1]]));
+      std::copy(middle.begin(), middle.end(), &this->Rest[3 * nodes[a]]);
+    }
+    const Vector3 p = at(nodes[0]);
+    const double volume = Dot(at(nodes[1]) - p, Cross(at(nodes[2]) - p, at(nodes[3]) - p)) / 6;
+    this->Volumes[cell] = volume;
+    for (int i = 0; i < 4; ++i)
+    {
+      // Half the area vector of the opposite face, inwards, over the volume.
+      const Vector3 q = at(nodes[FaceCorners[i][0]]);
+      const Vector3 inwards =
+        Cross(at(nodes[FaceCorners[i][2]]) - q, at(nodes[FaceCorners[i][1]]) - q);
+      for (int axis = 0; axis < 3; ++axis)
+      {
+        this->BarycentricGradients[12 * cell + 3 * i + axis] = inwards[axis] / (6 * volume);
+      }
+    }
+  }
+}
+
+void ElasticBody::SetRestCorners(const std::vector<double>& corners)
+{
+  // The middles' places are made anew from the corners.
+  std::copy_n(corners.begin(), std::min(corners.size(), this->Rest.size()), this->Rest.begin());
+  this->MeasureRest();
+  for (std::size_t element = 0; element < this->NumberOfElements(); ++element)
+  {
+    this->ElementVolumes[element] = 0;
+    for (const std::int32_t cell : this->CellsOf(element))
+    {
+      this->ElementVolumes[element] += this->Volumes[cell];
+    }
+  }
+  for (BoundaryFace& face : this->Boundary)
+  {
+    const std::span<const std::int32_t> nodes = this->NodesOf(face.Element);
+    Vector3 ends[3];
+    for (int c = 0; c < 3; ++c)
+    {
+      std::copy_n(&this->Rest[3 * nodes[face.LocalNodes[c]]], 3, ends[c].begin());
+    }
+    face.Area = 0.5 * Norm(Cross(ends[1] - ends[0], ends[2] - ends[0]));
+  }
+  // An element's moduli are means over its volume.
+  this->SetMaterials(std::vector<ElasticMaterial>(this->Table));
+}
+
+double ElasticBody::CellDensity(std::size_t cell) const
+{
+  double density = 0;
+  for (std::size_t p = this->PartStarts[cell]; p < this->PartStarts[cell + 1]; ++p)
+  {
+    density += this->Parts[p].Whole * this->Table[this->Parts[p].Material].DensityGPerCm3;
+  }
+  return density;
+}
+
+std::vector<double> ElasticBody::NodeIntegrals(const std::vector<double>& cellValues) const
+{
+  // Integrals of the shape functions of corners and middles over a tetrahedron of volume 1.
+  const bool quadratic = this->Kind == ElementType::Quadratic;
+  const double ofCorner = quadratic ? -1 / 20.0 : 1 / 4.0;
+  const double ofMiddle = 1 / 5.0;
+  std::vector<double> result(this->NumberOfNodes(), 0.0);
+  for (std::size_t cell = 0; cell < this->NumberOfCells(); ++cell)
+  {
+    const double whole = cellValues[cell] * this->Volumes[cell];
+    for (int a = 0; a < this->NodesPerCell(); ++a)
+    {
+      result[this->CellNodes[this->NodesPerCell() * cell + a]] +=
+        (a < 4 ? ofCorner : ofMiddle) * whole;
+    }
+  }
+  return result;
 }
 
 void ElasticBody::MakeElements(const TetrahedralMesh& mesh, const std::vector<bool>& ignored)
@@ -411,6 +478,12 @@ void ElasticBody::SetMaterials(const std::vector<ElasticMaterial>& materials)
         ": expected a positive Young's modulus and a Poisson's ratio in [0, 0.5), found " +
         std::to_string(material.YoungsModulusKPa) + " kPa and " +
         std::to_string(material.PoissonRatio));
+    }
+    if (!(material.DensityGPerCm3 > 0))
+    {
+      throw InputError("material " + std::to_string(m) +
+        ": expected a positive density, found " + std::to_string(material.DensityGPerCm3) +
+        " g/cm^3");
     }
     if (!(material.FungExponent >= 0 &&
           material.FungExponent <= ElasticMaterial::LargestFungExponent))

@@ -111,6 +111,12 @@ public:
   /// Other constants for the materials, as many as at construction. Throws InputError.
   void SetMaterials(const std::vector<ElasticMaterial>& materials);
   const std::vector<ElasticMaterial>& Materials() const { return this->Table; }
+  /**
+   * Another undeformed shape of the same cells, whose materials they keep: `corners` are the
+   * coordinates of the points of the linear mesh, mm; sides stay straight. The caller sees to it
+   * that no cell is turned inside out (CellVolume).
+   */
+  void SetRestCorners(const std::vector<double>& corners);
 
   ElementType Type() const { return this->Kind; }
   /// 10 or 4.
@@ -137,6 +143,12 @@ public:
       this->ElementNodes.data() + this->NodeStarts[element + 1] };
   }
   const std::vector<BoundaryFace>& Faces() const { return this->Boundary; }
+  /// Undeformed volume of a cell, mm^3, and its mean density, g/cm^3.
+  double CellVolume(std::size_t cell) const { return this->Volumes[cell]; }
+  double CellDensity(std::size_t cell) const;
+  /// The integrals over the undeformed body of each node's shape function times a value that is
+  /// constant in each cell; mm^3 times the unit of `cellValues`.
+  std::vector<double> NodeIntegrals(const std::vector<double>& cellValues) const;
   /// Undeformed volume, mm^3.
   double ElementVolume(std::size_t element) const { return this->ElementVolumes[element]; }
   /// Mean shear modulus, kPa.
@@ -168,6 +180,8 @@ private:
   /// r
   double LargestPointwiseRatio() const { return this->Kind == ElementType::Quadratic ? 50 : 0; }
   void AddNodesAndCells(const TetrahedralMesh& mesh);
+  /// Middles, volumes and gradients of the cells from their corners at rest.
+  void MeasureRest();
   void MakeElements(const TetrahedralMesh& mesh, const std::vector<bool>& ignored);
   void FindBoundary(const TetrahedralMesh& mesh);
   void SampleMaterials(const TetrahedralMesh& mesh, int materialCount, const MaterialField& field,

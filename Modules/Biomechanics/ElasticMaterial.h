@@ -23,6 +23,8 @@ struct ElasticMaterial
    * % compression of a bar 2.6 for fat and 4.2 for gland give the same stress, at 20 % 4.2 and 6.6.
    */
   double FungExponent = 0.0;
+  /// g/cm^3, positive; what gravity acts on.
+  double DensityGPerCm3 = 1.0;
 
   static constexpr double LargestFungExponent = 50.0;
 
@@ -33,6 +35,8 @@ struct ElasticMaterial
   {
     return this->YoungsModulusKPa / (3 * (1 - 2 * this->PoissonRatio));
   }
+
+  bool operator==(const ElasticMaterial&) const = default;
 };
 
 /// Rate of change of a material with a parameter, per unit of it.

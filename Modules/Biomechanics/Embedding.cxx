@@ -2,6 +2,7 @@
 #include "CompressionSimulation.h"
 
 #include "Error.h"
+#include "Private/CellPatches.h"
 #include "Private/CompressionInternals.h"
 #include "Private/Parallel.h"
 
@@ -18,8 +19,6 @@ namespace mammoray
 {
 namespace
 {
-constexpr int Edges[6][2] = { { 0, 1 }, { 1, 2 }, { 0, 2 }, { 0, 3 }, { 1, 3 }, { 2, 3 } };
-
 /// Weights of the ten nodes at the point with barycentric coordinates `l`, continued by the tangent
 /// to `l` + `away`.
 void QuadraticWeights(const Eigen::Vector4d& l, const Eigen::Vector4d& away, double* weights)
@@ -30,19 +29,20 @@ void QuadraticWeights(const Eigen::Vector4d& l, const Eigen::Vector4d& away, dou
   }
   for (int e = 0; e < 6; ++e)
   {
-    const int i = Edges[e][0];
-    const int j = Edges[e][1];
+    const int i = CellEdges[e][0];
+    const int j = CellEdges[e][1];
     weights[4 + e] = 4 * (l[i] * l[j] + l[i] * away[j] + l[j] * away[i]);
   }
 }
 
-/// Corners of the straight-sided cells at rest, found by a regular grid of the cells' bounding
+/// Corners of the cells, taken for straight-sided, found by a regular grid of the cells' bounding
 /// boxes.
 class CellLocator
 {
 public:
-  explicit CellLocator(const ElasticBody& body)
+  CellLocator(const ElasticBody& body, const std::vector<double>& positions)
     : Body(body)
+    , Positions(positions)
   {
     const std::size_t cellCount = body.NumberOfCells();
     this->Low.setConstant(std::numeric_limits<double>::infinity());
@@ -87,7 +87,7 @@ public:
     for (int c = 0; c < 4; ++c)
     {
       const std::int32_t node = this->Body.Cells()[this->Body.NodesPerCell() * cell + c];
-      corners.col(c) = Eigen::Map<const Eigen::Vector3d>(&this->Body.RestPositions()[3 * node]);
+      corners.col(c) = Eigen::Map<const Eigen::Vector3d>(&this->Positions[3 * node]);
     }
     return corners;
   }
@@ -223,6 +223,7 @@ private:
   }
 
   const ElasticBody& Body;
+  const std::vector<double>& Positions;
   Eigen::Vector3d Low;
   Eigen::Vector3d High;
   double Width = 1;
@@ -241,11 +242,12 @@ Embedding::Embedding(const CompressionSimulation& simulation, const std::vector<
   {
     throw InputError("embedding: expected three finite coordinates for each point");
   }
-  const CellLocator locator(body);
+  const CellLocator locator(body, simulation.ImagePositions());
   const std::size_t count = points.size() / 3;
   const int perPoint = this->NodesPerPoint;
   this->Nodes.resize(perPoint * count);
   this->Weights.resize(perPoint * count);
+  this->CellIndices.resize(count);
   std::vector<double> distances(count);
   ParallelFor(count,
     [&](std::size_t p)
@@ -253,6 +255,7 @@ Embedding::Embedding(const CompressionSimulation& simulation, const std::vector<
       const Eigen::Vector3d point(points[3 * p], points[3 * p + 1], points[3 * p + 2]);
       Eigen::Vector3d nearest;
       const std::int32_t cell = locator.Find(point, nearest);
+      this->CellIndices[p] = cell;
       distances[p] = (point - nearest).norm();
       // Inside: the shape functions. Outside: their tangent at the nearest point of the cell, which
       // carries linear fields on exactly and others without the parabola's runaway.

@@ -11,6 +11,7 @@
 #include <cmath>
 #include <cstdio>
 #include <limits>
+#include <numeric>
 #include <span>
 
 namespace mammoray
@@ -110,11 +111,13 @@ struct ContactLaw
 struct ContactPoint
 {
   const ElasticBody::BoundaryFace& Face;
+  std::int32_t FaceIndex;
+  std::int16_t RulePoint;
   /// Of the nodes of the face.
   std::array<double, 6> Shape;
   Vector3 Position;
   /// 0: support, 1: paddle.
-  int Side;
+  std::int16_t Side;
   const Plate& Touched;
   PlateDistance Distance;
   ContactLaw Law;
@@ -128,7 +131,14 @@ struct ContactTotals
   double Penetration = 0;
   /// Force along the normals of support and paddle, kPa mm^2.
   double NormalForce[2] = { 0, 0 };
+  /// Of friction, kPa mm^2.
+  std::array<Vector3, 2> Friction{};
 };
+
+const Plate& SideOf(const PlatePair& plates, int side)
+{
+  return side == 0 ? plates.Support : plates.Paddle;
+}
 
 double LargestMagnitude(const std::vector<double>& v)
 {
@@ -149,6 +159,14 @@ struct EquilibriumSolver::Internals
   double ContactStiffness;
   /// Dead loads; empty or one per coordinate.
   std::vector<double> Loads;
+  const ChestWall* Wall = nullptr;
+  WallStiffness Stiffness;
+  FrictionPoints Friction;
+  /// Those of active element a are FrictionStarts[a] to FrictionStarts[a + 1]; empty without
+  /// friction.
+  std::vector<std::size_t> FrictionStarts;
+  /// Active element of each boundary face; -1 where it cannot touch.
+  std::vector<std::int32_t> ActiveOfFace;
   /// Elements with a free node, and for each of them the boundary faces with a free node.
   std::vector<std::int32_t> ActiveElements;
   std::vector<std::vector<std::int32_t>> FacesOfElement;
@@ -183,7 +201,11 @@ struct EquilibriumSolver::Internals
     /// All coordinates.
     std::vector<double> Gradient;
     double ContactNorm = 0;
+    double WallNorm = 0;
+    double LoadNorm = 0;
     double ReactionNorm = 0;
+    double WallLift = 0;
+    double WallGlide = 0;
     double ResidualNorm = 0;
     std::vector<double> Values;
   };
@@ -200,8 +222,10 @@ struct EquilibriumSolver::Internals
   mutable std::vector<ContactTotals> ElementContacts;
   mutable std::vector<std::vector<double>> ElementContactGradients;
   mutable std::vector<char> ElementValid;
+  mutable std::vector<ChestWall::Terms> WallResults;
 
-  Internals(const ElasticBody& body, const std::vector<bool>& fixed, double contactStiffness);
+  Internals(const ElasticBody& body, const std::vector<bool>& fixed, double contactStiffness,
+    const std::vector<bool>& leftOut);
   void MakePattern();
   std::span<const std::int32_t> NodesOf(std::size_t active) const
   {
@@ -222,6 +246,18 @@ struct EquilibriumSolver::Internals
   void AddContact(std::size_t active, const std::vector<double>& x, const PlatePair& plates,
     ElasticBody::Order order, ElasticBody::Terms& terms, ContactTotals& totals,
     std::vector<double>& contactGradient) const;
+  /// The same of the friction of an active element.
+  void AddFriction(std::size_t active, const std::vector<double>& x, const PlatePair& plates,
+    ElasticBody::Order order, ElasticBody::Terms& terms, ContactTotals& totals,
+    std::vector<double>& contactGradient) const;
+  /// Calls function(FrictionPoint, face, shape functions, position) for those of an active element.
+  template <typename Function>
+  void ForEachFriction(std::size_t active, const std::vector<double>& x,
+    const Function& function) const;
+  void AddWall(const std::vector<double>& x, ElasticBody::Order order, Assembly& result) const;
+  /// Adds a force at a point of a boundary face to a column of unknowns.
+  void AddAtFace(const ElasticBody::BoundaryFace& face, const std::array<double, 6>& shape,
+    const Vector3& force, double* column) const;
   void Assemble(const std::vector<double>& x, const PlatePair* plates, ElasticBody::Order order,
     Assembly& result) const;
   /// Factor of Current's matrix, or of a stiffer one where that is indefinite; `stiffer`: than the
@@ -234,17 +270,21 @@ struct EquilibriumSolver::Internals
   /// - d Gradient / dp at the free coordinates, one column per velocity.
   std::vector<double> MaterialForces(const std::vector<double>& x,
     const std::vector<MaterialVelocity>& velocities) const;
+  /// - d Gradient / dp at the free coordinates, one column per velocity.
+  std::vector<double> HoldingForces(const std::vector<double>& x, const PlatePair& plates,
+    const std::vector<HoldingVelocity>& velocities) const;
   EquilibriumReport Report(const Assembly& assembly) const;
   /// Largest difference of a coordinate from the positions of the factor at hand, mm.
   double DistanceOfFactor(const std::vector<double>& x) const;
   double ForceScale(const Assembly& assembly) const
   {
-    return std::max({ assembly.ContactNorm, assembly.ReactionNorm, this->SmallestForce });
+    return std::max({ assembly.ContactNorm, assembly.WallNorm, assembly.LoadNorm,
+      assembly.ReactionNorm, this->SmallestForce });
   }
 };
 
 EquilibriumSolver::Internals::Internals(const ElasticBody& body, const std::vector<bool>& fixed,
-  double contactStiffness)
+  double contactStiffness, const std::vector<bool>& leftOut)
   : Body(body)
   , ContactStiffness(contactStiffness)
 {
@@ -260,9 +300,10 @@ EquilibriumSolver::Internals::Internals(const ElasticBody& body, const std::vect
   for (std::size_t element = 0; element < body.NumberOfElements(); ++element)
   {
     const std::span<const std::int32_t> nodes = body.NodesOf(element);
-    const double volume = body.ElementVolume(element);
-    this->RestVolume += volume;
-    if (std::any_of(nodes.begin(), nodes.end(), isFree))
+    // Patches hold no cells of both kinds.
+    const auto first = static_cast<std::size_t>(body.CellsOf(element).front());
+    const bool rigid = first < leftOut.size() && leftOut[first];
+    if (!rigid && std::any_of(nodes.begin(), nodes.end(), isFree))
     {
       activeOfElement[element] = static_cast<std::int32_t>(this->ActiveElements.size());
       this->ActiveElements.push_back(static_cast<std::int32_t>(element));
@@ -273,7 +314,7 @@ EquilibriumSolver::Internals::Internals(const ElasticBody& body, const std::vect
     }
     else
     {
-      this->FixedVolume += volume;
+      this->FixedVolume += body.ElementVolume(element);
     }
   }
   if (this->ActiveElements.empty())
@@ -292,14 +333,18 @@ EquilibriumSolver::Internals::Internals(const ElasticBody& body, const std::vect
     }
   }
   this->FacesOfElement.resize(this->ActiveElements.size());
+  this->ActiveOfFace.assign(body.Faces().size(), -1);
   for (std::size_t f = 0; f < body.Faces().size(); ++f)
   {
     const ElasticBody::BoundaryFace& face = body.Faces()[f];
     const std::span<const std::int32_t> nodes = body.NodesOf(face.Element);
-    if (std::any_of(face.LocalNodes.begin(), face.LocalNodes.begin() + body.NodesPerFace(),
-          [&](int local) { return isFree(nodes[local]); }))
+    const std::int32_t active = activeOfElement[face.Element];
+    if (active >= 0 &&
+      std::any_of(face.LocalNodes.begin(), face.LocalNodes.begin() + body.NodesPerFace(),
+        [&](int local) { return isFree(nodes[local]); }))
     {
-      this->FacesOfElement[activeOfElement[face.Element]].push_back(static_cast<std::int32_t>(f));
+      this->FacesOfElement[active].push_back(static_cast<std::int32_t>(f));
+      this->ActiveOfFace[f] = active;
     }
   }
   this->MakePattern();
@@ -313,9 +358,11 @@ EquilibriumSolver::Internals::Internals(const ElasticBody& body, const std::vect
 void EquilibriumSolver::Internals::MeasureScales()
 {
   double stiffness = 0;
+  this->RestVolume = this->FixedVolume;
   for (const std::int32_t element : this->ActiveElements)
   {
     stiffness += this->Body.ElementShearModulus(element) * this->Body.ElementVolume(element);
+    this->RestVolume += this->Body.ElementVolume(element);
   }
   this->EnergyNoise = 1e-13 * 1.5 * stiffness;
   this->SmallestForce = 1e-4 * stiffness / std::cbrt(this->RestVolume);
@@ -426,18 +473,19 @@ void EquilibriumSolver::Internals::ForEachContact(std::size_t active, const std:
     {
       continue;
     }
-    for (const TrianglePoint& rulePoint : TriangleRule())
+    for (std::size_t k = 0; k < TriangleRule().size(); ++k)
     {
+      const TrianglePoint& rulePoint = TriangleRule()[k];
       const std::array<double, 6> shape = TriangleShape(rulePoint.Lambda, faceNodes);
       const Vector3 position = FacePosition(this->Body, face, shape, x);
-      for (int side = 0; side < 2; ++side)
+      for (std::int16_t side = 0; side < 2; ++side)
       {
         const PlateDistance distance = DistanceToPlate(*sides[side], position);
         const double depth = ContactLayerMm - distance.Distance;
         if (mayTouch[side] && depth > 0)
         {
-          function(ContactPoint{ face, shape, position, side, *sides[side], distance,
-            ContactLaw(this->ContactStiffness, depth), rulePoint.Weight * face.Area });
+          function(ContactPoint{ face, f, static_cast<std::int16_t>(k), shape, position, side,
+            *sides[side], distance, ContactLaw(this->ContactStiffness, depth), rulePoint.Weight * face.Area });
         }
       }
     }
@@ -503,6 +551,120 @@ void EquilibriumSolver::Internals::AddContact(std::size_t active, const std::vec
     });
 }
 
+template <typename Function>
+void EquilibriumSolver::Internals::ForEachFriction(std::size_t active, const std::vector<double>& x,
+  const Function& function) const
+{
+  if (this->FrictionStarts.empty())
+  {
+    return;
+  }
+  for (std::size_t p = this->FrictionStarts[active]; p < this->FrictionStarts[active + 1]; ++p)
+  {
+    const FrictionPoint& point = this->Friction[p];
+    const ElasticBody::BoundaryFace& face = this->Body.Faces()[point.Face];
+    const std::array<double, 6> shape =
+      TriangleShape(TriangleRule()[point.RulePoint].Lambda, this->Body.NodesPerFace());
+    function(point, face, shape, FacePosition(this->Body, face, shape, x));
+  }
+}
+
+void EquilibriumSolver::Internals::AddFriction(std::size_t active, const std::vector<double>& x,
+  const PlatePair& plates, ElasticBody::Order order, ElasticBody::Terms& terms,
+  ContactTotals& totals, std::vector<double>& contactGradient) const
+{
+  const int faceNodes = this->Body.NodesPerFace();
+  const std::size_t rows = contactGradient.size();
+  this->ForEachFriction(active, x,
+    [&](const FrictionPoint& point, const ElasticBody::BoundaryFace& face,
+      const std::array<double, 6>& shape, const Vector3& position)
+    {
+      const Plate& plate = SideOf(plates, point.Side);
+      const FrictionTerms friction(point, plate, position);
+      const Vector3 force = -point.SlidingForce * friction.Gradient();
+      totals.Energy += point.SlidingForce * friction.Energy;
+      totals.NormalForce[point.Side] += Dot(force, plate.Normal);
+      totals.Friction[point.Side] = totals.Friction[point.Side] + force;
+      if (order == ElasticBody::Order::Energy)
+      {
+        return;
+      }
+      const std::array<int, 6>& local = face.LocalNodes;
+      for (int a = 0; a < faceNodes; ++a)
+      {
+        for (int i = 0; i < 3; ++i)
+        {
+          contactGradient[3 * local[a] + i] -= shape[a] * force[i];
+        }
+      }
+      if (order == ElasticBody::Order::Gradient)
+      {
+        return;
+      }
+      for (int j = 0; j < 3; ++j)
+      {
+        Vector3 axis{ 0, 0, 0 };
+        axis[j] = 1;
+        const Vector3 column = point.SlidingForce * friction.HessianTimes(axis);
+        for (int a = 0; a < faceNodes; ++a)
+        {
+          for (int b = 0; b < faceNodes; ++b)
+          {
+            for (int i = 0; i < 3; ++i)
+            {
+              terms.Hessian[rows * (3 * local[b] + j) + 3 * local[a] + i] +=
+                shape[a] * shape[b] * column[i];
+            }
+          }
+        }
+      }
+    });
+}
+
+void EquilibriumSolver::Internals::AddWall(const std::vector<double>& x, ElasticBody::Order order,
+  Assembly& result) const
+{
+  const std::vector<std::int32_t>& nodes = this->Wall->Nodes();
+  result.WallLift = result.WallGlide = 0;
+  this->WallResults.resize(nodes.size());
+  ParallelFor(nodes.size(),
+    [&](std::size_t n)
+    {
+      this->WallResults[n] = this->Wall->NodeTerms(n, NodeOf(x, nodes[n]), this->Stiffness,
+        order == ElasticBody::Order::ProjectedHessian);
+    });
+  double square = 0;
+  for (std::size_t n = 0; n < nodes.size(); ++n)
+  {
+    const ChestWall::Terms& terms = this->WallResults[n];
+    result.Energy += terms.Energy;
+    result.WallLift = std::max(result.WallLift, std::abs(terms.LiftMm));
+    result.WallGlide = std::max(result.WallGlide, terms.GlideMm);
+    if (order == ElasticBody::Order::Energy)
+    {
+      continue;
+    }
+    square += Dot(terms.Gradient, terms.Gradient);
+    for (int i = 0; i < 3; ++i)
+    {
+      const std::int32_t column = this->Unknown[3 * nodes[n] + i];
+      result.Gradient[3 * nodes[n] + i] += terms.Gradient[i];
+      for (int j = i; j < 3 && column >= 0 && order >= ElasticBody::Order::Hessian; ++j)
+      {
+        const std::int32_t row = this->Unknown[3 * nodes[n] + j];
+        const auto begin = this->Rows.begin() + this->Starts[column];
+        const auto end = this->Rows.begin() + this->Starts[column + 1];
+        if (row >= 0)
+        {
+          result.Values[std::lower_bound(begin, end, row) - this->Rows.begin()] +=
+            terms.Hessian[i][j];
+        }
+      }
+    }
+  }
+  result.WallNorm = std::sqrt(square);
+}
+
 void EquilibriumSolver::Internals::Assemble(const std::vector<double>& x, const PlatePair* plates,
   ElasticBody::Order order, Assembly& result) const
 {
@@ -517,6 +679,8 @@ void EquilibriumSolver::Internals::Assemble(const std::vector<double>& x, const 
       if (this->ElementValid[active] && plates)
       {
         this->AddContact(active, x, *plates, order, terms, this->ElementContacts[active],
+          this->ElementContactGradients[active]);
+        this->AddFriction(active, x, *plates, order, terms, this->ElementContacts[active],
           this->ElementContactGradients[active]);
       }
     });
@@ -541,8 +705,11 @@ void EquilibriumSolver::Internals::Assemble(const std::vector<double>& x, const 
     result.Volume += terms.Volume;
     result.Contact.Energy += contact.Energy;
     result.Contact.Penetration = std::max(result.Contact.Penetration, contact.Penetration);
-    result.Contact.NormalForce[0] += contact.NormalForce[0];
-    result.Contact.NormalForce[1] += contact.NormalForce[1];
+    for (int side = 0; side < 2; ++side)
+    {
+      result.Contact.NormalForce[side] += contact.NormalForce[side];
+      result.Contact.Friction[side] = result.Contact.Friction[side] + contact.Friction[side];
+    }
   }
   for (std::size_t c = 0; c < this->Loads.size(); ++c)
   {
@@ -550,7 +717,15 @@ void EquilibriumSolver::Internals::Assemble(const std::vector<double>& x, const 
   }
   if (order == ElasticBody::Order::Energy)
   {
+    if (this->Wall)
+    {
+      this->AddWall(x, order, result);
+    }
     return;
+  }
+  if (order >= ElasticBody::Order::Hessian)
+  {
+    result.Values.assign(this->Rows.size(), 0.0);
   }
   result.Gradient.assign(x.size(), 0.0);
   std::vector<double> contactGradient(x.size(), 0.0);
@@ -569,6 +744,11 @@ void EquilibriumSolver::Internals::Assemble(const std::vector<double>& x, const 
     result.Gradient[c] -= this->Loads[c];
   }
   result.ContactNorm = std::sqrt(SquaredNorm(contactGradient));
+  result.LoadNorm = std::sqrt(SquaredNorm(this->Loads));
+  if (this->Wall)
+  {
+    this->AddWall(x, order, result);
+  }
   double residual = 0;
   double reaction = 0;
   for (std::size_t c = 0; c < x.size(); ++c)
@@ -581,7 +761,6 @@ void EquilibriumSolver::Internals::Assemble(const std::vector<double>& x, const 
   {
     return;
   }
-  result.Values.assign(this->Rows.size(), 0.0);
   for (std::size_t active = 0; active < this->ActiveElements.size(); ++active)
   {
     const std::int32_t* scatter = &this->Scatter[this->ScatterStarts[active]];
@@ -670,11 +849,34 @@ EquilibriumReport EquilibriumSolver::Internals::Report(const Assembly& assembly)
   report.RelativeResidual = assembly.ResidualNorm / this->ForceScale(assembly);
   report.SupportForceN = 1e-3 * assembly.Contact.NormalForce[0];
   report.PaddleForceN = 1e-3 * assembly.Contact.NormalForce[1];
+  for (int side = 0; side < 2; ++side)
+  {
+    report.FrictionN[side] = 1e-3 * assembly.Contact.Friction[side];
+  }
   report.LargestPenetrationMm = assembly.Contact.Penetration;
+  report.LargestWallLiftMm = assembly.WallLift;
+  report.LargestWallGlideMm = assembly.WallGlide;
   report.SmallestJ = assembly.SmallestJ;
   report.LargestJ = assembly.LargestJ;
   report.VolumeRatio = assembly.Volume / this->RestVolume;
   return report;
+}
+
+void EquilibriumSolver::Internals::AddAtFace(const ElasticBody::BoundaryFace& face,
+  const std::array<double, 6>& shape, const Vector3& force, double* column) const
+{
+  const std::span<const std::int32_t> nodes = this->Body.NodesOf(face.Element);
+  for (int a = 0; a < this->Body.NodesPerFace(); ++a)
+  {
+    for (int i = 0; i < 3; ++i)
+    {
+      const std::int32_t unknown = this->Unknown[3 * nodes[face.LocalNodes[a]] + i];
+      if (unknown >= 0)
+      {
+        column[unknown] += shape[a] * force[i];
+      }
+    }
+  }
 }
 
 std::vector<double> EquilibriumSolver::Internals::PlateForces(const std::vector<double>& x,
@@ -686,7 +888,6 @@ std::vector<double> EquilibriumSolver::Internals::PlateForces(const std::vector<
   std::vector<double> columns(n * velocities.size(), 0.0);
   for (std::size_t active = 0; active < this->ActiveElements.size(); ++active)
   {
-    const std::span<const std::int32_t> nodes = this->NodesOf(active);
     this->ForEachContact(active, x, plates,
       [&](const ContactPoint& point)
       {
@@ -701,19 +902,66 @@ std::vector<double> EquilibriumSolver::Internals::PlateForces(const std::vector<
           const Vector3 force = (along * Dot(distance.Gradient, v)) * distance.Gradient +
             (slope * distance.Curvature * Dot(distance.Tangent, v)) * distance.Tangent -
             slope * Cross(velocity.Angular, distance.Gradient);
-          for (int a = 0; a < this->Body.NodesPerFace(); ++a)
-          {
-            for (int i = 0; i < 3; ++i)
-            {
-              const std::int32_t unknown = this->Unknown[3 * nodes[point.Face.LocalNodes[a]] + i];
-              if (unknown >= 0)
-              {
-                columns[n * p + unknown] += point.Shape[a] * force[i];
-              }
-            }
-          }
+          this->AddAtFace(point.Face, point.Shape, force, &columns[n * p]);
         }
       });
+    this->ForEachFriction(active, x,
+      [&](const FrictionPoint& point, const ElasticBody::BoundaryFace& face,
+        const std::array<double, 6>& shape, const Vector3& position)
+      {
+        const Plate& plate = SideOf(plates, point.Side);
+        const FrictionTerms friction(point, plate, position);
+        for (std::size_t p = 0; p < velocities.size(); ++p)
+        {
+          const PlateVelocity& velocity =
+            point.Side == 0 ? velocities[p].Support : velocities[p].Paddle;
+          this->AddAtFace(face, shape,
+            -point.SlidingForce * friction.GradientRate(plate, velocity, position),
+            &columns[n * p]);
+        }
+      });
+  }
+  return columns;
+}
+
+std::vector<double> EquilibriumSolver::Internals::HoldingForces(const std::vector<double>& x,
+  const PlatePair& plates, const std::vector<HoldingVelocity>& velocities) const
+{
+  const std::size_t n = this->CoordinateOfUnknown.size();
+  std::vector<double> columns(n * velocities.size(), 0.0);
+  for (std::size_t p = 0; p < velocities.size(); ++p)
+  {
+    const HoldingVelocity& velocity = velocities[p];
+    double* column = &columns[n * p];
+    for (std::size_t u = 0; u < n && !velocity.Loads.empty(); ++u)
+    {
+      column[u] = velocity.Loads[this->CoordinateOfUnknown[u]];
+    }
+    for (std::size_t w = 0; this->Wall && w < this->Wall->Nodes().size(); ++w)
+    {
+      const std::int32_t node = this->Wall->Nodes()[w];
+      const Vector3 rate = this->Wall->NodeTerms(w, NodeOf(x, node), velocity.Wall).Gradient;
+      for (int i = 0; i < 3; ++i)
+      {
+        const std::int32_t unknown = this->Unknown[3 * node + i];
+        if (unknown >= 0)
+        {
+          column[unknown] -= rate[i];
+        }
+      }
+    }
+    for (std::size_t active = 0; active < this->ActiveElements.size() && velocity.Friction != 0;
+         ++active)
+    {
+      this->ForEachFriction(active, x,
+        [&](const FrictionPoint& point, const ElasticBody::BoundaryFace& face,
+          const std::array<double, 6>& shape, const Vector3& position)
+        {
+          const FrictionTerms friction(point, SideOf(plates, point.Side), position);
+          this->AddAtFace(face, shape,
+            -velocity.Friction * point.NormalForce * friction.Gradient(), column);
+        });
+    }
   }
   return columns;
 }
@@ -743,8 +991,8 @@ std::vector<double> EquilibriumSolver::Internals::MaterialForces(const std::vect
 }
 
 EquilibriumSolver::EquilibriumSolver(const ElasticBody& body, const std::vector<bool>& fixed,
-  double contactStiffness)
-  : Internal(std::make_unique<Internals>(body, fixed, contactStiffness))
+  double contactStiffness, const std::vector<bool>& leftOut)
+  : Internal(std::make_unique<Internals>(body, fixed, contactStiffness, leftOut))
 {
 }
 
@@ -755,7 +1003,7 @@ std::size_t EquilibriumSolver::NumberOfUnknowns() const
   return this->Internal->CoordinateOfUnknown.size();
 }
 
-void EquilibriumSolver::MaterialsChanged()
+void EquilibriumSolver::BodyChanged()
 {
   this->Internal->MeasureScales();
   this->Internal->FactorPositions.clear();
@@ -774,6 +1022,83 @@ void EquilibriumSolver::SetLoads(std::vector<double> loads)
       " for " + std::to_string(this->Internal->Body.NumberOfNodes()) + " nodes");
   }
   this->Internal->Loads = std::move(loads);
+}
+
+void EquilibriumSolver::SetWall(const ChestWall* wall, const WallStiffness& stiffness)
+{
+  this->Internal->Wall = wall;
+  this->Internal->Stiffness = stiffness;
+  this->Internal->FactorPositions.clear();
+}
+
+void EquilibriumSolver::SetFriction(FrictionPoints points)
+{
+  Internals& internal = *this->Internal;
+  std::stable_sort(points.begin(), points.end(),
+    [&](const FrictionPoint& a, const FrictionPoint& b)
+    { return internal.ActiveOfFace[a.Face] < internal.ActiveOfFace[b.Face]; });
+  internal.Friction = std::move(points);
+  internal.FrictionStarts.clear();
+  if (internal.Friction.empty())
+  {
+    return;
+  }
+  internal.FrictionStarts.assign(internal.ActiveElements.size() + 1, 0);
+  for (const FrictionPoint& point : internal.Friction)
+  {
+    ++internal.FrictionStarts[internal.ActiveOfFace[point.Face] + 1];
+  }
+  std::partial_sum(internal.FrictionStarts.begin(), internal.FrictionStarts.end(),
+    internal.FrictionStarts.begin());
+}
+
+const FrictionPoints& EquilibriumSolver::Friction() const
+{
+  return this->Internal->Friction;
+}
+
+FrictionPoints EquilibriumSolver::FrictionAt(const std::vector<double>& x, const PlatePair& plates,
+  double coefficient, const FrictionStart& before) const
+{
+  const Internals& internal = *this->Internal;
+  FrictionPoints ordered = before.Dragged;
+  std::sort(ordered.begin(), ordered.end(), Before);
+  FrictionPoints result;
+  for (std::size_t active = 0; active < internal.ActiveElements.size(); ++active)
+  {
+    internal.ForEachContact(active, x, plates,
+      [&](const ContactPoint& contact)
+      {
+        FrictionPoint point;
+        point.Face = contact.FaceIndex;
+        point.RulePoint = contact.RulePoint;
+        point.Side = contact.Side;
+        point.NormalForce = contact.Weight * contact.Law.Pressure;
+        point.SlidingForce = coefficient * point.NormalForce;
+        point.Normal = DirectionInPlate(contact.Touched, contact.Distance.Gradient);
+        const auto found = std::lower_bound(ordered.begin(), ordered.end(), point, Before);
+        point.Anchor = found != ordered.end() && !Before(point, *found)
+          ? found->Anchor
+          : PointInPlate(SideOf(before.Plates, point.Side),
+              FacePosition(internal.Body, contact.Face, contact.Shape, before.Positions));
+        result.push_back(point);
+      });
+  }
+  return result;
+}
+
+FrictionPoints EquilibriumSolver::DraggedTo(const std::vector<double>& x, const PlatePair& plates,
+  FrictionPoints points) const
+{
+  const ElasticBody& body = this->Internal->Body;
+  for (FrictionPoint& point : points)
+  {
+    const std::array<double, 6> shape =
+      TriangleShape(TriangleRule()[point.RulePoint].Lambda, body.NodesPerFace());
+    point = Dragged(point, SideOf(plates, point.Side),
+      FacePosition(body, body.Faces()[point.Face], shape, x));
+  }
+  return points;
 }
 
 EquilibriumReport EquilibriumSolver::Solve(std::vector<double>& x, const PlatePair* plates,
@@ -916,9 +1241,54 @@ std::vector<double> EquilibriumSolver::HessianProduct(const std::vector<double>&
   return result;
 }
 
+std::vector<double> EquilibriumSolver::ContactPressures(const std::vector<double>& x,
+  const PlatePair& plates) const
+{
+  const Internals& internal = *this->Internal;
+  const ElasticBody& body = internal.Body;
+  std::vector<double> force(body.NumberOfNodes(), 0.0);
+  std::vector<double> area(body.NumberOfNodes(), 0.0);
+  for (std::size_t active = 0; active < internal.ActiveElements.size(); ++active)
+  {
+    for (const std::int32_t f : internal.FacesOfElement[active])
+    {
+      const ElasticBody::BoundaryFace& face = body.Faces()[f];
+      for (int c = 0; c < 3; ++c)
+      {
+        area[body.NodesOf(face.Element)[face.LocalNodes[c]]] += face.Area / 3;
+      }
+    }
+    internal.ForEachContact(active, x, plates,
+      [&](const ContactPoint& point)
+      {
+        const double* lambda = TriangleRule()[point.RulePoint].Lambda;
+        for (int c = 0; c < 3; ++c)
+        {
+          force[body.NodesOf(point.Face.Element)[point.Face.LocalNodes[c]]] +=
+            lambda[c] * point.Weight * point.Law.Pressure;
+        }
+      });
+  }
+  for (std::size_t node = 0; node < force.size(); ++node)
+  {
+    force[node] = area[node] > 0 ? force[node] / area[node] : 0;
+  }
+  for (const ElasticBody::BoundaryFace& face : body.Faces())
+  {
+    const std::span<const std::int32_t> nodes = body.NodesOf(face.Element);
+    for (int side = 0; side < 3 && body.Type() == ElementType::Quadratic; ++side)
+    {
+      force[nodes[face.LocalNodes[3 + side]]] = 0.5 *
+        (force[nodes[face.LocalNodes[side]]] + force[nodes[face.LocalNodes[(side + 1) % 3]]]);
+    }
+  }
+  return force;
+}
+
 std::vector<std::vector<double>> EquilibriumSolver::Sensitivities(const std::vector<double>& x,
   const PlatePair& plates, const std::vector<PlatePairVelocity>& velocities,
-  const std::vector<MaterialVelocity>& materialVelocities) const
+  const std::vector<MaterialVelocity>& materialVelocities,
+  const std::vector<HoldingVelocity>& holdingVelocities) const
 {
   const Internals& internal = *this->Internal;
   for (const MaterialVelocity& velocity : materialVelocities)
@@ -930,8 +1300,17 @@ std::vector<std::vector<double>> EquilibriumSolver::Sensitivities(const std::vec
         std::to_string(velocity.size()));
     }
   }
-  const std::size_t count = velocities.size() + materialVelocities.size();
-  std::vector<std::vector<double>> result(count, std::vector<double>(x.size(), 0.0));
+  for (const HoldingVelocity& velocity : holdingVelocities)
+  {
+    if (!velocity.Loads.empty() && velocity.Loads.size() != x.size())
+    {
+      throw InputError("sensitivities: expected a rate for each of " + std::to_string(x.size()) +
+        " loads, found " + std::to_string(velocity.Loads.size()));
+    }
+  }
+  const std::size_t count =
+    velocities.size() + materialVelocities.size() + holdingVelocities.size();
+  std::vector<std::vector<double>> result;
   if (count == 0)
   {
     return result;
@@ -942,9 +1321,13 @@ std::vector<std::vector<double>> EquilibriumSolver::Sensitivities(const std::vec
     throw ConvergenceError("sensitivities: expected no inverted cell, found one");
   }
   const std::size_t n = internal.CoordinateOfUnknown.size();
-  std::vector<double> right = internal.PlateForces(x, plates, velocities);
-  const std::vector<double> more = internal.MaterialForces(x, materialVelocities);
-  right.insert(right.end(), more.begin(), more.end());
+  std::vector<double> right;
+  for (const std::vector<double>& columns :
+    { internal.PlateForces(x, plates, velocities), internal.MaterialForces(x, materialVelocities),
+      internal.HoldingForces(x, plates, holdingVelocities) })
+  {
+    right.insert(right.end(), columns.begin(), columns.end());
+  }
   // Parameters have units of their own: each is refined to its own size.
   const auto norm = [n](const std::vector<double>& columns, std::size_t p) {
     return Eigen::Map<const Eigen::VectorXd>(&columns[n * p], static_cast<Eigen::Index>(n)).norm();
@@ -992,6 +1375,7 @@ std::vector<std::vector<double>> EquilibriumSolver::Sensitivities(const std::vec
   }
   for (std::size_t p = 0; p < count; ++p)
   {
+    result.emplace_back(x.size(), 0.0);
     for (std::size_t u = 0; u < n; ++u)
     {
       result[p][internal.CoordinateOfUnknown[u]] = solution[n * p + u];
@@ -1025,6 +1409,19 @@ double EquilibriumSolver::PaddleForceRate(const std::vector<double>& x, const Pl
               Dot(distance.Tangent, normal) -
             point.Law.Slope * Dot(distance.Gradient, relative) * Dot(distance.Gradient, normal));
       });
+    internal.ForEachFriction(active, x,
+      [&](const FrictionPoint& point, const ElasticBody::BoundaryFace& face,
+        const std::array<double, 6>& shape, const Vector3& position)
+      {
+        if (point.Side == 1)
+        {
+          const FrictionTerms friction(point, plates.Paddle, position);
+          const Vector3 relative = FacePosition(internal.Body, face, shape, nodeVelocities) -
+            velocity.Paddle.At(plates.Paddle, position);
+          rate -= point.SlidingForce *
+            Dot(friction.HessianTimes(relative), plates.Paddle.Normal);
+        }
+      });
   }
   return 1e-3 * rate;
 }
@@ -1051,6 +1448,11 @@ std::vector<double> EquilibriumSolver::Predict(const std::vector<double>& x,
   return result;
 }
 
+double EquilibriumSolver::PeakFactorBytes() const
+{
+  return this->Internal->Factor->PeakBytes();
+}
+
 std::array<double, 2> EquilibriumSolver::Opening(const std::vector<double>& x,
   const PlatePair& plates) const
 {
@@ -1070,16 +1472,15 @@ std::array<double, 2> EquilibriumSolver::Opening(const std::vector<double>& x,
           const Plate& plate = side == 0 ? plates.Support : plates.Paddle;
           const Vector3 offset = position - plate.Edge;
           const double behind = plate.EdgeRadiusMm - Dot(offset, plate.Inward);
-          if (behind >= plate.EdgeRadiusMm)
+          const double reach = plate.EdgeRadiusMm + ContactLayerMm;
+          if (behind >= reach)
           {
             continue;
           }
-          // How far the rounded edge lies below the face at this distance from it.
-          const double drop = behind > 0 ? plate.EdgeRadiusMm -
-              std::sqrt(plate.EdgeRadiusMm * plate.EdgeRadiusMm - behind * behind)
-                                         : 0;
-          opening[side] =
-            std::max(opening[side], ContactLayerMm - drop - Dot(offset, plate.Normal));
+          // Height of the layer over the plate's face, less where it goes round the edge.
+          const double layer =
+            (behind > 0 ? std::sqrt(reach * reach - behind * behind) : reach) - plate.EdgeRadiusMm;
+          opening[side] = std::max(opening[side], layer - Dot(offset, plate.Normal));
         }
       }
     }

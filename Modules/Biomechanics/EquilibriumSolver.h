@@ -2,8 +2,10 @@
 #ifndef mammoray_EquilibriumSolver_h
 #define mammoray_EquilibriumSolver_h
 
+#include "ChestWall.h"
 #include "ElasticBody.h"
 #include "PlateContact.h"
+#include "PlateFriction.h"
 #include "Progress.h"
 #include "mammorayBiomechanicsModule.h"
 
@@ -26,15 +28,30 @@ struct EquilibriumReport
   double RelativeResidual = 0;
   double SupportForceN = 0;
   double PaddleForceN = 0;
+  /// Tangential force of support and paddle on the body, N.
+  std::array<Vector3, 2> FrictionN{};
   double LargestPenetrationMm = 0;
+  double LargestWallLiftMm = 0;
+  double LargestWallGlideMm = 0;
   double SmallestJ = 1;
   double LargestJ = 1;
   double VolumeRatio = 1;
 };
 
+/// Rate of change of what the body is held and loaded by with a parameter, per unit of it.
+struct HoldingVelocity
+{
+  WallStiffness Wall;
+  /// Of the coefficient of friction.
+  double Friction = 0;
+  /// Of the dead loads, 3 x nodeCount, kPa mm^2; empty: none.
+  std::vector<double> Loads;
+};
+
 /**
- * Minimises the elastic energy of a body plus that of frictionless contact with two plates over the
- * coordinates that are not fixed, by Newton's method with a sparse Cholesky factorisation.
+ * Minimises the elastic energy of a body plus that of contact and friction with two plates, of the
+ * chest wall's elastic layer and of dead loads over the coordinates that are not fixed, by Newton's
+ * method with a sparse Cholesky factorisation.
  *
  * Contact: in front of each plate lies a layer of ContactLayerMm. A boundary point g > 0 deep in it
  * feels the pressure stiffness * g^2 as far as the plate and in the plate the tangent of that
@@ -49,24 +66,46 @@ public:
   static constexpr double ContactLayerMm = 0.05;
 
   /// `fixed`: 3 x nodeCount flags. The body must outlive the solver. `contactStiffness`: kPa /
-  /// mm^2.
+  /// mm^2. Cells flagged in `leftOut` (empty: none) are rigid and take no part.
   EquilibriumSolver(const ElasticBody& body, const std::vector<bool>& fixed,
-    double contactStiffness);
+    double contactStiffness, const std::vector<bool>& leftOut = {});
   ~EquilibriumSolver();
 
   std::size_t NumberOfUnknowns() const;
-  /// To be called when the body's materials were changed.
-  void MaterialsChanged();
+  /// To be called when the body's materials or its undeformed shape were changed.
+  void BodyChanged();
   /// kPa / mm^2, positive; counts from the next call on.
   void SetContactStiffness(double stiffness);
   /// Forces that act whatever the deformation (dead loads), 3 x nodeCount, kPa mm^2; empty: none.
   void SetLoads(std::vector<double> loads);
+  /// The body is held by this wall (null: by none), which must outlive its use; of this body.
+  void SetWall(const ChestWall* wall, const WallStiffness& stiffness);
+  /// Friction with the plates, its normal forces and anchors frozen; empty: none.
+  void SetFriction(FrictionPoints points);
+  const FrictionPoints& Friction() const;
+
+  /// Where friction comes from: a state before, its anchors dragged to it.
+  struct FrictionStart
+  {
+    FrictionPoints Dragged;
+    std::vector<double> Positions;
+    PlatePair Plates;
+  };
+  /**
+   * Friction of this coefficient for the contact at `x`: points that touched in the state before
+   * keep their anchors, others have theirs where they were then.
+   */
+  FrictionPoints FrictionAt(const std::vector<double>& x, const PlatePair& plates,
+    double coefficient, const FrictionStart& before) const;
+  /// `points` with their anchors dragged to the positions `x`.
+  FrictionPoints DraggedTo(const std::vector<double>& x, const PlatePair& plates,
+    FrictionPoints points) const;
 
   /**
    * From the positions `x` (3 x nodeCount, mm; no cell inverted; fixed coordinates keep their
    * values) to equilibrium between the plates (none: null). Stops when the norm of the residual
-   * forces falls below `tolerance` times the larger of the norms of the contact forces and of the
-   * forces at fixed coordinates. `x` holds the last positions with all J > 0 when it fails.
+   * forces falls below `tolerance` times the largest of the norms of the forces of contact, of the
+   * chest wall, of the dead loads and at fixed coordinates. `x` holds the last positions with all J > 0 when it fails.
    */
   EquilibriumReport Solve(std::vector<double>& x, const PlatePair* plates, double tolerance,
     int maximumSteps, const ProgressCallback& progress = {}) const;
@@ -85,16 +124,21 @@ public:
   /// The derivative of Gradient along `direction` (3 x nodeCount), zero at fixed coordinates.
   std::vector<double> HessianProduct(const std::vector<double>& x, const PlatePair* plates,
     const std::vector<double>& direction) const;
+  /// Pressure of the plates at each node, kPa: means around corners of the boundary, between them
+  /// at the middles of sides, 0 inside the body.
+  std::vector<double> ContactPressures(const std::vector<double>& x, const PlatePair& plates) const;
 
   /**
    * dx/dp of an equilibrium for parameters that move the plates, then for those that change the
-   * materials; 3 x nodeCount each, zero at fixed coordinates. The factor of the last Newton step is
+   * materials, then what holds and loads the body; 3 x nodeCount each, zero at fixed coordinates. Friction's normal
+   * forces and anchors stay as they are; its anchors move with the plates. The factor of the last Newton step is
    * refined to this state's own matrix when that is near, or made anew. Throws ConvergenceError
    * where that matrix is not positive definite.
    */
   std::vector<std::vector<double>> Sensitivities(const std::vector<double>& x,
     const PlatePair& plates, const std::vector<PlatePairVelocity>& velocities,
-    const std::vector<MaterialVelocity>& materialVelocities = {}) const;
+    const std::vector<MaterialVelocity>& materialVelocities = {},
+    const std::vector<HoldingVelocity>& holdingVelocities = {}) const;
 
   /// Rate of the paddle's force with a parameter that moves the plates by `velocity` and the nodes
   /// by `nodeVelocities` (of Sensitivities), N per unit.
@@ -112,6 +156,9 @@ public:
   /// Smallest distance each plate must move against its normal for its layer to touch nothing, mm;
   /// support, paddle.
   std::array<double, 2> Opening(const std::vector<double>& x, const PlatePair& plates) const;
+
+  /// Most memory that the factorisation has taken so far, bytes.
+  double PeakFactorBytes() const;
 
 private:
   struct Internals;

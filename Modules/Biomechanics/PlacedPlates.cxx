@@ -21,4 +21,18 @@ PlatePair PlatesOf(const VolumeFromGantry& placed, const MammographyUnit& unit, 
   plates.Paddle.EdgeRadiusMm = unit.EdgeRadiusMm;
   return plates;
 }
+
+Vector3 GravityIn(PatientPosition position, const AnatomicalAxes& axes)
+{
+  constexpr double g = StandardGravityMPerS2;
+  switch (position)
+  {
+    case PatientPosition::Prone:
+      return g * axes.Anterior;
+    case PatientPosition::Supine:
+      return -g * axes.Anterior;
+    default:
+      return -g * axes.Superior;
+  }
+}
 }

@@ -16,6 +16,22 @@ namespace mammoray
  */
 MAMMORAYBIOMECHANICS_EXPORT PlatePair PlatesOf(const VolumeFromGantry& placed,
   const MammographyUnit& unit, double thicknessMm, double paddleTiltDeg = 0);
+
+/// m/s^2
+inline constexpr double StandardGravityMPerS2 = 9.80665;
+
+enum class PatientPosition
+{
+  /// Or sitting: as for a mammogram.
+  Upright,
+  /// Face down: the breast hangs forwards, as in most MRI.
+  Prone,
+  /// On the back.
+  Supine
+};
+
+/// Standard gravity in the volume frame, m/s^2: downwards in that position.
+MAMMORAYBIOMECHANICS_EXPORT Vector3 GravityIn(PatientPosition position, const AnatomicalAxes& axes);
 }
 
 #endif

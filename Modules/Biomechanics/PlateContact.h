@@ -21,6 +21,8 @@ struct Plate
   Vector3 Inward{ 0, 1, 0 };
   /// Radius of the chest-wall edge, mm; not negative.
   double EdgeRadiusMm = 3.0;
+
+  bool operator==(const Plate&) const = default;
 };
 
 /// Rate of change of a plate with a parameter: x' = Linear + Angular x (x - Edge), per unit of it.
@@ -40,6 +42,8 @@ struct PlatePair
 {
   Plate Support;
   Plate Paddle;
+
+  bool operator==(const PlatePair&) const = default;
 };
 
 struct PlatePairVelocity

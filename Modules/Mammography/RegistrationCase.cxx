@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "RegistrationCase.h"
 
+#include "ElasticTable.h"
 #include "LabelResampling.h"
 #include "LabelVolumeIO.h"
 #include "MammogramIO.h"
@@ -47,16 +48,6 @@ private:
   std::vector<std::pair<std::string, double>>& Stages;
   std::chrono::steady_clock::time_point Last = std::chrono::steady_clock::now();
 };
-
-std::vector<bool> HeldMaterials(const MaterialTable& table)
-{
-  std::vector<bool> held;
-  for (const Material& material : table.Materials)
-  {
-    held.push_back(material.Held);
-  }
-  return held;
-}
 
 std::vector<int> ThinMaterials(const MaterialTable& table)
 {
@@ -300,7 +291,8 @@ RegistrationCaseResult RunRegistrationCase(const RegistrationCase& input,
   // Everything that can be refused is read before anything is computed.
   result.Axes = AnatomicalAxes::FromCode(input.Orientation);
   result.Materials = ReadMaterialTable(input.Materials);
-  const std::vector<bool> held = HeldMaterials(result.Materials);
+  const ElasticTable mechanics(result.Materials);
+  const std::vector<bool>& held = mechanics.Held;
   if (std::find(held.begin(), held.end(), true) == held.end())
   {
     throw InputError(input.Materials +
@@ -344,12 +336,7 @@ RegistrationCaseResult RunRegistrationCase(const RegistrationCase& input,
   result.SimulationCells = coarse.NumberOfCells();
   stopwatch.Stage("mesh for the mechanics");
 
-  std::vector<ElasticMaterial> elastic;
-  for (const Material& material : result.Materials.Materials)
-  {
-    elastic.push_back({ material.YoungsModulusKPa, material.PoissonRatio, material.FungExponent });
-  }
-  CompressionSimulation simulation(coarse, elastic, held,
+  CompressionSimulation simulation(coarse, mechanics.Elastic, held,
     [&materials](const Vector3& point) { return static_cast<int>(materials.LabelAt(point)); });
   const SurfaceMesh surface = ExtractInterfaces(result.Anatomy);
   result.SurfaceTriangles = surface.NumberOfTriangles();
@@ -359,7 +346,7 @@ RegistrationCaseResult RunRegistrationCase(const RegistrationCase& input,
 
   RegistrationModel model;
   model.Simulation = &simulation;
-  model.Elastic = elastic;
+  model.Elastic = mechanics.Elastic;
   model.ScaledMaterials = GlandularMaterials(result.Materials);
   model.Surface = &surface;
   model.SurfaceEmbedding = &surfaceEmbedding;

@@ -1,27 +1,27 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vtkBreastCompression.h"
 
+#include "CompressedBreast.h"
 #include "CompressionSimulation.h"
+#include "ElasticTable.h"
 #include "MammographyGeometry.h"
 #include "MaterialTableIO.h"
 #include "MeshConversion.h"
 #include "PlacedPlates.h"
 
-#include "vtkCellData.h"
-#include "vtkDoubleArray.h"
-#include "vtkFieldData.h"
+#include "vtkDataObject.h"
 #include "vtkInformation.h"
 #include "vtkInformationVector.h"
-#include "vtkNew.h"
 #include "vtkObjectFactory.h"
-#include "vtkPointData.h"
-#include "vtkPoints.h"
+#include "vtkStreamingDemandDrivenPipeline.h"
 #include "vtkUnstructuredGrid.h"
 
 #include <algorithm>
 #include <map>
 #include <memory>
 #include <optional>
+#include <utility>
+#include <vector>
 
 namespace
 {
@@ -33,54 +33,66 @@ struct HeldMaterial
   bool Held = false;
 };
 
-void AddValue(vtkFieldData* data, const char* name, double value)
+/// What the simulation is made of.
+struct Setup
 {
-  vtkNew<vtkDoubleArray> array;
-  array->SetName(name);
-  array->InsertNextValue(value);
-  data->AddArray(array);
-}
+  TetrahedralMesh Mesh;
+  ElasticTable Materials;
+  CompressionOptions Options;
+  /// Of the image; 0: not to be unloaded of.
+  Vector3 ImageGravity{ 0, 0, 0 };
+
+  bool operator==(const Setup& other) const
+  {
+    return this->Mesh.Points == other.Mesh.Points && this->Mesh.Cells == other.Mesh.Cells &&
+      this->Mesh.Materials == other.Mesh.Materials &&
+      this->Materials.Elastic == other.Materials.Elastic &&
+      this->Materials.Held == other.Materials.Held && this->Options == other.Options &&
+      this->ImageGravity == other.ImageGravity;
+  }
+};
 }
 
 struct vtkBreastCompression::Internals
 {
   std::map<int, HeldMaterial> Given;
-  /// What the simulation was made of.
-  TetrahedralMesh Mesh;
-  std::vector<ElasticMaterial> Elastic;
-  std::vector<bool> Held;
-  ElementType Element = ElementType::Quadratic;
+  Setup Made;
   std::unique_ptr<CompressionSimulation> Simulation;
   std::optional<CompressionState> State;
+  /// The state found last for a force, and the force with the plates it began with.
+  std::optional<CompressionState> Pressed;
+  std::pair<double, PlatePair> PressedFor;
 
-  void Prepare(vtkUnstructuredGrid* grid, const std::string& table, ElementType element);
+  ElasticTable MaterialsOf(const TetrahedralMesh& mesh, const std::string& table) const;
+  void Prepare(Setup setup, const ProgressCallback& progress);
   void Compress(const PlatePair& plates, const ProgressCallback& progress);
+  void CompressToForce(const PlatePair& plates, const PlatePair& closer, double forceN,
+    const ProgressCallback& progress);
 };
 
-void vtkBreastCompression::Internals::Prepare(vtkUnstructuredGrid* grid, const std::string& table,
-  ElementType element)
+/// The table's materials, and before them what SetMaterial said.
+ElasticTable vtkBreastCompression::Internals::MaterialsOf(const TetrahedralMesh& mesh,
+  const std::string& table) const
 {
-  TetrahedralMesh mesh = FromGrid(grid);
-  mesh.Validate("vtkBreastCompression's input");
-  std::vector<HeldMaterial> materials(1);
-  std::vector<bool> known(1, true);
-  if (!table.empty())
+  ElasticTable materials;
+  if (table.empty())
   {
-    materials.clear();
-    for (const Material& material : ReadMaterialTable(table).Materials)
-    {
-      materials.push_back(
-        { { material.YoungsModulusKPa, material.PoissonRatio, material.FungExponent },
-          material.Held });
-    }
-    known.assign(materials.size(), true);
+    materials.Elastic.resize(1); // air
+    materials.Held.resize(1);
   }
+  else
+  {
+    materials = ElasticTable(ReadMaterialTable(table));
+  }
+  std::vector<bool> known(materials.Held.size(), true);
   for (const auto& [index, material] : this->Given)
   {
-    const auto size = std::max(materials.size(), static_cast<std::size_t>(index) + 1);
-    materials.resize(size);
+    const auto size = std::max(known.size(), static_cast<std::size_t>(index) + 1);
+    materials.Elastic.resize(size);
+    materials.Held.resize(size);
     known.resize(size, false);
-    materials[index] = material;
+    materials.Elastic[index] = material.Elastic;
+    materials.Held[index] = material.Held;
     known[index] = true;
   }
   for (const int material : mesh.Materials)
@@ -91,42 +103,32 @@ void vtkBreastCompression::Internals::Prepare(vtkUnstructuredGrid* grid, const s
         " has no elastic constants; set them by MaterialTable or SetMaterial");
     }
   }
-  std::vector<ElasticMaterial> elastic;
-  std::vector<bool> held;
-  for (const HeldMaterial& material : materials)
-  {
-    elastic.push_back(material.Elastic);
-    held.push_back(material.Held);
-  }
-  const auto sameElastic = [](const ElasticMaterial& a, const ElasticMaterial& b)
-  {
-    return a.YoungsModulusKPa == b.YoungsModulusKPa && a.PoissonRatio == b.PoissonRatio &&
-      a.FungExponent == b.FungExponent;
-  };
-  if (this->Simulation && mesh.Points == this->Mesh.Points && mesh.Cells == this->Mesh.Cells &&
-    mesh.Materials == this->Mesh.Materials && held == this->Held &&
-    element == this->Element &&
-    std::equal(elastic.begin(), elastic.end(), this->Elastic.begin(), this->Elastic.end(),
-      sameElastic))
+  return materials;
+}
+
+void vtkBreastCompression::Internals::Prepare(Setup setup, const ProgressCallback& progress)
+{
+  if (this->Simulation && setup == this->Made)
   {
     return;
   }
   this->State.reset();
+  this->Pressed.reset();
   this->Simulation.reset(); // should this throw, nothing is taken for current
-  CompressionOptions options;
-  options.Element = element;
-  this->Simulation =
-    std::make_unique<CompressionSimulation>(mesh, elastic, held, MaterialField(), options);
-  this->Element = element;
-  this->Mesh = std::move(mesh);
-  this->Elastic = std::move(elastic);
-  this->Held = std::move(held);
+  auto simulation = std::make_unique<CompressionSimulation>(setup.Mesh, setup.Materials.Elastic,
+    setup.Materials.Held, MaterialField(), setup.Options);
+  if (Norm(setup.ImageGravity) > 0)
+  {
+    simulation->Unload(setup.ImageGravity, progress);
+  }
+  this->Simulation = std::move(simulation);
+  this->Made = std::move(setup);
 }
 
 void vtkBreastCompression::Internals::Compress(const PlatePair& plates,
   const ProgressCallback& progress)
 {
-  if (this->State)
+  if (this->State && this->Made.Options.Friction == 0)
   {
     try
     {
@@ -142,6 +144,19 @@ void vtkBreastCompression::Internals::Compress(const PlatePair& plates,
   this->State = this->Simulation->Compress(plates, nullptr, progress);
 }
 
+void vtkBreastCompression::Internals::CompressToForce(const PlatePair& plates,
+  const PlatePair& closer, double forceN, const ProgressCallback& progress)
+{
+  if (!this->Pressed || this->PressedFor != std::pair(forceN, plates))
+  {
+    this->Pressed.reset();
+    this->Pressed = this->Simulation->CompressToForce(plates, PlateMotion(plates, closer), forceN,
+      progress);
+    this->PressedFor = { forceN, plates };
+  }
+  this->State = this->Pressed;
+}
+
 vtkStandardNewMacro(vtkBreastCompression);
 
 vtkBreastCompression::vtkBreastCompression()
@@ -155,14 +170,15 @@ vtkBreastCompression::~vtkBreastCompression()
 }
 
 void vtkBreastCompression::SetMaterial(int material, double youngsModulusKPa, double poissonRatio,
-  bool held, double fungExponent)
+  bool held, double fungExponent, double densityGPerCm3)
 {
   if (material < 1 || material > 65535)
   {
     vtkErrorMacro(<< "SetMaterial: expected a material in [1, 65535], found " << material);
     return;
   }
-  this->Internal->Given[material] = { { youngsModulusKPa, poissonRatio, fungExponent }, held };
+  this->Internal->Given[material] = {
+    { youngsModulusKPa, poissonRatio, fungExponent, densityGPerCm3 }, held };
   this->Modified();
 }
 
@@ -172,11 +188,33 @@ void vtkBreastCompression::ClearMaterials()
   this->Modified();
 }
 
+int vtkBreastCompression::RequestInformation(vtkInformation*, vtkInformationVector**,
+  vtkInformationVector* outputs)
+{
+  vtkInformation* information = outputs->GetInformationObject(0);
+  information->Remove(vtkStreamingDemandDrivenPipeline::TIME_STEPS());
+  information->Remove(vtkStreamingDemandDrivenPipeline::TIME_RANGE());
+  if (this->NumberOfTimeSteps > 1)
+  {
+    std::vector<double> times;
+    for (int step = 0; step < this->NumberOfTimeSteps; ++step)
+    {
+      times.push_back(TimeOf(step, this->NumberOfTimeSteps));
+    }
+    const double range[2] = { 0, 1 };
+    information->Set(vtkStreamingDemandDrivenPipeline::TIME_STEPS(), times.data(),
+      this->NumberOfTimeSteps);
+    information->Set(vtkStreamingDemandDrivenPipeline::TIME_RANGE(), range, 2);
+  }
+  return 1;
+}
+
 int vtkBreastCompression::RequestData(vtkInformation*, vtkInformationVector** inputs,
   vtkInformationVector* outputs)
 {
   vtkUnstructuredGrid* input = vtkUnstructuredGrid::GetData(inputs[0]);
   vtkUnstructuredGrid* output = vtkUnstructuredGrid::GetData(outputs);
+  vtkInformation* information = outputs->GetInformationObject(0);
   Internals& internal = *this->Internal;
   try
   {
@@ -185,11 +223,34 @@ int vtkBreastCompression::RequestData(vtkInformation*, vtkInformationVector** in
       throw InputError(
         "expected a positive ThicknessMm, and an EdgeRadiusMm and a ForceN of at least 0");
     }
+    const ProgressCallback progress = [this](double fraction, const char*)
+    {
+      this->UpdateProgress(fraction);
+      return this->GetAbortExecute() == 0;
+    };
     const AnatomicalAxes axes = AnatomicalAxes::FromCode(this->Orientation);
-    internal.Prepare(input, this->MaterialTable,
-      this->Element == LINEAR ? ElementType::PatchAveragedLinear : ElementType::Quadratic);
+    Setup setup;
+    setup.Mesh = FromGrid(input);
+    setup.Mesh.Validate("vtkBreastCompression's input");
+    setup.Materials = internal.MaterialsOf(setup.Mesh, this->MaterialTable);
+    setup.Options.Element =
+      this->Element == LINEAR ? ElementType::PatchAveragedLinear : ElementType::Quadratic;
+    setup.Options.ChestWall = static_cast<ChestWallMode>(this->ChestWall);
+    setup.Options.Wall = { this->WallStiffness[0], this->WallStiffness[1] };
+    setup.Options.Friction = this->Friction;
+    setup.Options.PullN = this->PullN * axes.Anterior;
+    if (this->ImagePosition != NONE)
+    {
+      setup.ImageGravity = GravityIn(
+        this->ImagePosition == PRONE ? PatientPosition::Prone : PatientPosition::Supine, axes);
+    }
+    if (this->Gravity || this->ImagePosition != NONE)
+    {
+      setup.Options.GravityMPerS2 = GravityIn(PatientPosition::Upright, axes);
+    }
+    internal.Prepare(std::move(setup), progress);
+
     BreastPose pose;
-    pose.ThicknessMm = this->ThicknessMm;
     pose.RollDeg = this->RollDeg;
     pose.ShiftLateralMm = this->ShiftLateralMm;
     pose.ShiftAnteriorMm = this->ShiftAnteriorMm;
@@ -198,67 +259,45 @@ int vtkBreastCompression::RequestData(vtkInformation*, vtkInformationVector** in
     unit.SupportEdgeMm = this->SupportEdgeMm;
     unit.PaddleEdgeMm = this->PaddleEdgeMm;
     unit.EdgeRadiusMm = this->EdgeRadiusMm;
-    const Vector3 anchor = FindPoseAnchor(internal.Mesh, internal.Held, axes);
+    const Vector3 anchor =
+      FindPoseAnchor(internal.Made.Mesh, internal.Made.Materials.Held, axes);
     const auto platesAt = [&](double thicknessMm)
     {
       pose.ThicknessMm = thicknessMm;
       return PlatesOf(PlaceUnit(axes, anchor, unit, pose), unit, thicknessMm, this->PaddleTiltDeg);
     };
-    const ProgressCallback progress = [this](double fraction, const char*)
+    double time = 1;
+    if (this->NumberOfTimeSteps > 1)
     {
-      this->UpdateProgress(fraction);
-      return this->GetAbortExecute() == 0;
-    };
+      if (information->Has(vtkStreamingDemandDrivenPipeline::UPDATE_TIME_STEP()))
+      {
+        time = std::clamp(
+          information->Get(vtkStreamingDemandDrivenPipeline::UPDATE_TIME_STEP()), 0.0, 1.0);
+      }
+    }
+    PlatePair closed = platesAt(this->ThicknessMm);
     if (this->ForceN > 0)
     {
-      const PlatePair plates = platesAt(this->ThicknessMm);
-      const PlatePairVelocity closing = PlateMotion(plates, platesAt(0.9 * this->ThicknessMm));
-      internal.State.reset();
-      internal.State =
-        internal.Simulation->CompressToForce(plates, closing, this->ForceN, progress);
+      internal.CompressToForce(closed, platesAt(0.9 * this->ThicknessMm), this->ForceN, progress);
+      closed = internal.State->Plates;
     }
-    else
+    if (time < 1)
     {
-      internal.Compress(platesAt(this->ThicknessMm), progress);
+      const PlatePair open = internal.Simulation->OpenedPlates(closed, progress);
+      internal.Compress(MovedPlates(open, PlateMotion(open, closed), time), progress);
     }
-    const CompressionState& state = *internal.State;
-
-    const vtkIdType pointCount = input->GetNumberOfPoints();
-    vtkNew<vtkPoints> points;
-    points->SetDataTypeToDouble();
-    points->SetNumberOfPoints(pointCount);
-    vtkNew<vtkDoubleArray> displacement;
-    displacement->SetName("Displacement");
-    displacement->SetNumberOfComponents(3);
-    displacement->SetNumberOfTuples(pointCount);
-    for (vtkIdType p = 0; p < pointCount; ++p)
+    else if (!(this->ForceN > 0))
     {
-      const double* to = &state.Positions[3 * p];
-      const Vector3 from = internal.Mesh.Point(p);
-      points->SetPoint(p, to);
-      displacement->SetTuple3(p, to[0] - from[0], to[1] - from[1], to[2] - from[2]);
+      internal.Compress(closed, progress);
     }
-    vtkNew<vtkDoubleArray> volumeRatio;
-    volumeRatio->SetName("J");
-    vtkNew<vtkDoubleArray> stress;
-    stress->SetName("VonMisesStressKPa");
-    for (const CellMeasures& measures : internal.Simulation->MeasuresOf(state))
+    const bool given = time == 1 && !(this->ForceN > 0);
+    output->ShallowCopy(CompressedBreast(input, *internal.Simulation)
+                          .At(*internal.State,
+                            given ? std::optional<double>(this->ThicknessMm) : std::nullopt));
+    if (this->NumberOfTimeSteps > 1)
     {
-      volumeRatio->InsertNextValue(measures.J);
-      stress->InsertNextValue(measures.VonMisesKPa);
+      output->GetInformation()->Set(vtkDataObject::DATA_TIME_STEP(), time);
     }
-    output->ShallowCopy(input);
-    output->SetPoints(points);
-    output->GetPointData()->AddArray(displacement);
-    output->GetCellData()->AddArray(volumeRatio);
-    output->GetCellData()->AddArray(stress);
-    vtkFieldData* data = output->GetFieldData();
-    AddValue(data, "PaddleForceN", state.PaddleForceN);
-    AddValue(data, "SupportForceN", state.SupportForceN);
-    AddValue(data, "ThicknessMm", this->ForceN > 0 ? GapMm(state.Plates) : this->ThicknessMm);
-    AddValue(data, "LargestPenetrationMm", state.LargestPenetrationMm);
-    AddValue(data, "SmallestJ", state.SmallestJ);
-    AddValue(data, "VolumeRatio", state.VolumeRatio);
     return 1;
   }
   catch (const Interrupted&)
@@ -290,4 +329,12 @@ void vtkBreastCompression::PrintSelf(ostream& os, vtkIndent indent)
   os << indent << "SupportEdgeMm: " << this->SupportEdgeMm << "\n";
   os << indent << "PaddleEdgeMm: " << this->PaddleEdgeMm << "\n";
   os << indent << "EdgeRadiusMm: " << this->EdgeRadiusMm << "\n";
+  os << indent << "ChestWall: " << this->ChestWall << "\n";
+  os << indent << "WallStiffness: " << this->WallStiffness[0] << " " << this->WallStiffness[1]
+     << "\n";
+  os << indent << "PullN: " << this->PullN << "\n";
+  os << indent << "Friction: " << this->Friction << "\n";
+  os << indent << "ImagePosition: " << this->ImagePosition << "\n";
+  os << indent << "Gravity: " << this->Gravity << "\n";
+  os << indent << "NumberOfTimeSteps: " << this->NumberOfTimeSteps << "\n";
 }

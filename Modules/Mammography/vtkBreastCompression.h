@@ -6,16 +6,21 @@
  * Input 0: vtkUnstructuredGrid of linear tetrahedra (mm) with the cell array "Material"; the
  * simulation runs on these cells made quadratic, so some thousand of them are meant, or tens of
  * thousands with SetElementToLinear. Elastic constants come from MaterialTable or SetMaterial; cells of held materials (the chest wall) do not
- * move.
+ * move, but where the breast glides along them (ChestWall) those beside it are drawn along.
  *
- * Output 0: the grid deformed, with the input's arrays and the point array "Displacement" (mm), the
- * cell arrays "J" (deformed over undeformed volume) and "VonMisesStressKPa" (of the Cauchy stress),
- * both means over the cell's quadrature points (a linear cell has one, and keeps its volume together
- * with its patch only), and the field arrays "PaddleForceN",
- * "SupportForceN", "ThicknessMm", "LargestPenetrationMm", "SmallestJ" and "VolumeRatio".
+ * Output 0: the grid deformed, with the input's arrays and the point arrays "Displacement" (mm) and
+ * "ContactPressureKPa" (of the plates; 0 where nothing touches), the cell arrays "J" (deformed over
+ * undeformed volume) and "VonMisesStressKPa" (of the Cauchy stress), both means over the cell's
+ * quadrature points (a linear cell has one, and keeps its volume together with its patch only), and the field arrays "PaddleForceN", "SupportForceN", "ThicknessMm",
+ * "LargestPenetrationMm", "LargestWallLiftMm", "LargestWallGlideMm", "SmallestJ", "LargestJ",
+ * "VolumeRatio" and "RelativeResidual".
  *
- * The simulation and its last state live across updates: while only the plates change, a
- * compression to a thickness starts from the last one. Unusable input or plates without an equilibrium raise
+ * With NumberOfTimeSteps above 1 the output is a time series of the compression: at time 0 the
+ * plates just touch nothing, at 1 they are closed. Without a time asked for they are closed.
+ *
+ * The simulation and its last state live across updates: while only plates or time change, a
+ * compression to a thickness starts from the last one (not with friction, whose result would depend
+ * on the order of requests). Unusable input or plates without an equilibrium raise
  * ErrorEvent once and leave the output empty.
  */
 #ifndef vtkBreastCompression_h
@@ -52,10 +57,10 @@ public:
   /**
    * Elastic constants of a material (1, 2, ...): Young's modulus, kPa, positive; Poisson's ratio in
    * [0, 0.5); whether its cells are held; how fast it stiffens (Fung's exponent in [0, 50]; 0:
-   * neo-Hookean). Goes before the table.
+   * neo-Hookean); density, g/cm^3, positive. Goes before the table.
    */
   void SetMaterial(int material, double youngsModulusKPa, double poissonRatio, bool held,
-    double fungExponent = 0);
+    double fungExponent = 0, double densityGPerCm3 = 1);
 
   /**
    * Forgets what SetMaterial said.
@@ -162,9 +167,91 @@ public:
   vtkGetMacro(EdgeRadiusMm, double);
   ///@}
 
+  ///@{
+  /**
+   * How the breast is attached to the held materials: HELD, SLIDING along their surface, or by an
+   * ELASTIC layer of WallStiffness. Default HELD.
+   */
+  enum ChestWallType
+  {
+    HELD,
+    SLIDING,
+    ELASTIC
+  };
+  vtkSetClampMacro(ChestWall, int, HELD, ELASTIC);
+  vtkGetMacro(ChestWall, int);
+  void SetChestWallToHeld() { this->SetChestWall(HELD); }
+  void SetChestWallToSliding() { this->SetChestWall(SLIDING); }
+  void SetChestWallToElastic() { this->SetChestWall(ELASTIC); }
+  ///@}
+
+  ///@{
+  /**
+   * Stiffness of the chest wall's layer across the wall (positive) and along it (not negative; of
+   * ELASTIC), kPa/mm. Default (1000, 1).
+   */
+  vtkSetVector2Macro(WallStiffness, double);
+  vtkGetVector2Macro(WallStiffness, double);
+  ///@}
+
+  ///@{
+  /**
+   * Force that draws the breast forwards onto the receptor, N, spread over its volume. Default 0.
+   */
+  vtkSetMacro(PullN, double);
+  vtkGetMacro(PullN, double);
+  ///@}
+
+  ///@{
+  /**
+   * Coefficient of friction between breast and plates, not negative. Default 0.
+   */
+  vtkSetMacro(Friction, double);
+  vtkGetMacro(Friction, double);
+  ///@}
+
+  ///@{
+  /**
+   * How the patient lay when the input was imaged: PRONE or SUPINE breasts are first unloaded of
+   * their weight, then compressed under that of the standing patient. With NONE the input is free
+   * of load. Default NONE.
+   */
+  enum ImagePositionType
+  {
+    NONE,
+    PRONE,
+    SUPINE
+  };
+  vtkSetClampMacro(ImagePosition, int, NONE, SUPINE);
+  vtkGetMacro(ImagePosition, int);
+  void SetImagePositionToNone() { this->SetImagePosition(NONE); }
+  void SetImagePositionToProne() { this->SetImagePosition(PRONE); }
+  void SetImagePositionToSupine() { this->SetImagePosition(SUPINE); }
+  ///@}
+
+  ///@{
+  /**
+   * Whether the weight of the standing patient counts during the compression even if ImagePosition
+   * is NONE. Default off.
+   */
+  vtkSetMacro(Gravity, bool);
+  vtkGetMacro(Gravity, bool);
+  vtkBooleanMacro(Gravity, bool);
+  ///@}
+
+  ///@{
+  /**
+   * Steps of the time series, evenly spaced from 0 to 1; 1: none. Default 1.
+   */
+  vtkSetClampMacro(NumberOfTimeSteps, int, 1, 1000);
+  vtkGetMacro(NumberOfTimeSteps, int);
+  ///@}
+
 protected:
   vtkBreastCompression();
   ~vtkBreastCompression() override;
+  int RequestInformation(vtkInformation* request, vtkInformationVector** inputs,
+    vtkInformationVector* outputs) override;
   int RequestData(vtkInformation* request, vtkInformationVector** inputs,
     vtkInformationVector* outputs) override;
 
@@ -185,6 +272,13 @@ private:
   double SupportEdgeMm = 0;
   double PaddleEdgeMm = 0;
   double EdgeRadiusMm = 3;
+  int ChestWall = HELD;
+  double WallStiffness[2] = { 1000, 1 };
+  double PullN = 0;
+  double Friction = 0;
+  int ImagePosition = NONE;
+  bool Gravity = false;
+  int NumberOfTimeSteps = 1;
 
   struct Internals;
   Internals* Internal;

@@ -134,6 +134,61 @@ TEST_F(CompressCommand, FindsTheThicknessOfAForceInAnObliqueView)
   EXPECT_EQ(this->Run("compress " + this->Coarse + " --force 5 --thickness 60"), 2);
 }
 
+TEST_F(CompressCommand, WritesATimeSeriesOfABreastUnloadedFromProne)
+{
+  this->Folder.Write("soft.json", R"({"materials": [{"name": "air", "labels": [0]},
+    {"name": "fat", "labels": [1], "attenuation": "adipose", "youngs_modulus_kpa": 3},
+    {"name": "muscle", "labels": [2], "attenuation": "muscle", "held": true}]})");
+  const std::string pvd = this->Folder.File("series.pvd");
+  const std::string run = "compress --orientation LAS --materials " +
+    this->Folder.File("soft.json") + " -o " + this->Result + " --mesh " +
+    this->Folder.File("breast.vtu") +
+    " --thickness 54 --anterior 5 --mri-position prone --chest-wall elastic --wall-normal-stiffness 50"
+    " --wall-tangential-stiffness 5 --pull 0.5 --friction 0.2 --series " +
+    pvd;
+  ASSERT_EQ(this->Run(run + " --series-steps 3"), 0) << this->Errors;
+  EXPECT_EQ(this->Errors, "");
+  EXPECT_THAT(this->Output, testing::HasSubstr("MiB to factorise"));
+  EXPECT_THAT(this->Output, testing::HasSubstr("chest wall: glided"));
+  const std::string collection = ReadFile(pvd);
+  for (const char* entry : { "timestep=\"0\"", "timestep=\"0.5\"", "timestep=\"1\"",
+         "file=\"series_000.vtu\"", "file=\"series_002.vtu\"" })
+  {
+    EXPECT_THAT(collection, testing::HasSubstr(entry));
+  }
+  double last = 1e9;
+  for (const char* file : { "series_000.vtu", "series_001.vtu", "series_002.vtu" })
+  {
+    const auto grid = ReadMesh(this->Folder.File(file));
+    const double thickness = grid->GetFieldData()->GetArray("ThicknessMm")->GetTuple1(0);
+    EXPECT_LT(thickness, last - 3);
+    last = thickness;
+    for (const char* name : { "Displacement", "ContactPressureKPa" })
+    {
+      EXPECT_TRUE(grid->GetPointData()->GetArray(name)) << name;
+    }
+    EXPECT_TRUE(grid->GetCellData()->GetArray("VonMisesStressKPa"));
+    const double force = grid->GetFieldData()->GetArray("PaddleForceN")->GetTuple1(0);
+    if (file == std::string("series_000.vtu"))
+    {
+      EXPECT_NEAR(force, 0, 1e-12); // roundoff of the plates' places
+    }
+    else
+    {
+      EXPECT_GT(force, 0);
+    }
+  }
+  EXPECT_NEAR(last, 54, 1e-9);
+  // Nothing is replaced unasked, and no file twice.
+  EXPECT_EQ(this->Run(run), 1);
+  std::filesystem::remove(this->Result);
+  EXPECT_EQ(this->Run(run), 1);
+  EXPECT_THAT(this->Errors, testing::HasSubstr("series.pvd: exists already"));
+  std::filesystem::remove(pvd);
+  EXPECT_EQ(this->Run(run), 1);
+  EXPECT_THAT(this->Errors, testing::HasSubstr("series_000.vtu: exists already"));
+}
+
 TEST_F(CompressCommand, RefusesInOneLine)
 {
   const auto expectRefused = [this](const std::string& arguments, const std::string& text)
@@ -154,6 +209,8 @@ TEST_F(CompressCommand, RefusesInOneLine)
   expectRefused("--orientation LAS --materials " + this->Folder.File("loose.json") + " -o " +
       this->Result + " --mesh " + this->Folder.File("breast.vtu") + " --thickness 50",
     "held");
+  expectRefused(this->Coarse + " --thickness 50 --series " + this->Folder.File("series.vtu"),
+    "expected the extension .pvd");
   // Thinner than any equilibrium this mesh can show.
   WriteMesh(ToGrid(test::MakeHalfEllipsoidMesh(40, 45, 38, 4), { "air", "fat", "muscle" }),
     this->Folder.File("coarser.vtu"));
@@ -161,6 +218,11 @@ TEST_F(CompressCommand, RefusesInOneLine)
     "last one reached is at");
   EXPECT_EQ(this->Run("compress " + this->Coarse + " --thickness -3"), 2);
   EXPECT_EQ(this->Run("compress " + this->Coarse), 2);
+  EXPECT_EQ(this->Run("compress " + this->Coarse + " --thickness 50 --chest-wall loose"), 2);
+  EXPECT_EQ(this->Run("compress " + this->Coarse + " --thickness 50 --friction -1"), 2);
+  EXPECT_EQ(this->Run("compress " + this->Coarse + " --thickness 50 --wall-normal-stiffness 0"),
+    2);
+  EXPECT_EQ(this->Run("compress " + this->Coarse + " --thickness 50 --mri-position left"), 2);
 }
 
 TEST_F(CompressCommand, ReadsBackItsConfiguration)

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ElasticBody.h"
+#include "EquilibriumChecks.h"
 #include "EquilibriumSolver.h"
 #include "Error.h"
 #include "EveryElement.h"
@@ -9,7 +10,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <random>
 #include <span>
 
@@ -17,46 +17,11 @@ namespace
 {
 using namespace mammoray;
 
-/// A material with the given shear and bulk modulus.
-ElasticMaterial FromModuli(double mu, double kappa, double fungExponent = 0)
-{
-  ElasticMaterial material;
-  material.PoissonRatio = (3 * kappa - 2 * mu) / (2 * (3 * kappa + mu));
-  material.YoungsModulusKPa = 2 * mu * (1 + material.PoissonRatio);
-  material.FungExponent = fungExponent;
-  return material;
-}
-
-std::vector<double> Shaken(std::vector<double> x, double size, unsigned seed)
-{
-  std::mt19937 generator(seed);
-  std::uniform_real_distribution<double> shake(-size, size);
-  for (double& coordinate : x)
-  {
-    coordinate += shake(generator);
-  }
-  return x;
-}
-
-double NormOf(const std::vector<double>& v)
-{
-  double sum = 0;
-  for (const double value : v)
-  {
-    sum += value * value;
-  }
-  return std::sqrt(sum);
-}
-
-std::vector<double> Difference(const std::vector<double>& a, const std::vector<double>& b)
-{
-  std::vector<double> result(a.size());
-  for (std::size_t i = 0; i < a.size(); ++i)
-  {
-    result[i] = a[i] - b[i];
-  }
-  return result;
-}
+using test::Difference;
+using test::FromModuli;
+using test::NormOf;
+using test::PressedBlock;
+using test::Shaken;
 
 double Energy(const ElasticBody& body, const std::vector<double>& x)
 {
@@ -509,28 +474,6 @@ TEST_P(ElementEquilibrium, CooksMembraneCompressible)
     GetParam() == ElementType::Quadratic ? 0.005 : 0.04);
 }
 
-/// A block between plates whose edges end over its middle: faces, flat and round, all touch.
-struct PressedBlock
-{
-  ElasticBody Body;
-  PlatePair Plates;
-  std::vector<double> Positions = Shaken(Body.RestPositions(), 0.3, 17);
-
-  explicit PressedBlock(ElementType type)
-    : Body(test::MakeBoxMesh({ 0, 0, 0 }, { 20, 20, 20 }, { 2, 2, 2 }),
-        { {}, FromModuli(3, 100) }, {}, {}, type)
-  {
-    this->Plates.Support.Edge = { 0, 9, 0.3 };
-    this->Plates.Paddle.Edge = { 0, 11, 19.7 };
-    this->Plates.Paddle.Normal = { 0, 0, -1 };
-  }
-};
-
-double DotOf(const std::vector<double>& a, const std::vector<double>& b)
-{
-  return std::inner_product(a.begin(), a.end(), b.begin(), 0.0);
-}
-
 TEST_P(ElementEquilibrium, ForceAndStiffnessWithContactMatchCentralDifferences)
 {
   const PressedBlock block(GetParam());
@@ -539,46 +482,7 @@ TEST_P(ElementEquilibrium, ForceAndStiffnessWithContactMatchCentralDifferences)
   const EquilibriumReport report = solver.Evaluate(block.Positions, &block.Plates);
   ASSERT_GT(report.PaddleForceN, 0.01);
   ASSERT_GT(report.SupportForceN, 0.01);
-  const std::vector<double> gradient = solver.Gradient(block.Positions, &block.Plates);
-  for (unsigned seed = 1; seed <= 5; ++seed)
-  {
-    const std::vector<double> direction = Shaken(std::vector<double>(size, 0.0), 1, seed);
-    const std::vector<double> product =
-      solver.HessianProduct(block.Positions, &block.Plates, direction);
-    double slopeError = 1, curvatureError = 1;
-    for (const double h : { 1e-4, 1e-5, 1e-6 })
-    {
-      std::vector<double> low = block.Positions, high = block.Positions;
-      for (std::size_t c = 0; c < size; ++c)
-      {
-        low[c] -= h * direction[c];
-        high[c] += h * direction[c];
-      }
-      const double slope =
-        (solver.Evaluate(high, &block.Plates).Energy - solver.Evaluate(low, &block.Plates).Energy) /
-        (2 * h);
-      slopeError =
-        std::min(slopeError, std::abs(slope - DotOf(gradient, direction)) / NormOf(gradient));
-      std::vector<double> difference =
-        Difference(solver.Gradient(high, &block.Plates), solver.Gradient(low, &block.Plates));
-      for (double& value : difference)
-      {
-        value /= 2 * h;
-      }
-      curvatureError =
-        std::min(curvatureError, NormOf(Difference(difference, product)) / NormOf(product));
-    }
-    // h^2 for truncation and eps / h for roundoff: 1e-9 at the best step, times the contact's
-    // stiffness over the tissue's, 100.
-    EXPECT_LT(slopeError, 1e-7);
-    EXPECT_LT(curvatureError, 1e-7);
-    // Symmetry.
-    const std::vector<double> other = Shaken(std::vector<double>(size, 0.0), 1, 100 + seed);
-    const double forth = DotOf(other, product);
-    const double back =
-      DotOf(direction, solver.HessianProduct(block.Positions, &block.Plates, other));
-    EXPECT_NEAR(forth, back, 1e-12 * NormOf(product) * NormOf(other));
-  }
+  test::ExpectExactDerivatives(solver, block.Positions, block.Plates);
 }
 
 TEST_P(ElementEquilibrium, ForcesTurnWithBodyAndPlates)

@@ -6,10 +6,13 @@
 #include "vtkCallbackCommand.h"
 #include "vtkCellData.h"
 #include "vtkCommand.h"
+#include "vtkDataObject.h"
 #include "vtkDoubleArray.h"
 #include "vtkFieldData.h"
+#include "vtkInformation.h"
 #include "vtkNew.h"
 #include "vtkPointData.h"
+#include "vtkStreamingDemandDrivenPipeline.h"
 #include "vtkUnstructuredGrid.h"
 
 #include <gtest/gtest.h>
@@ -105,6 +108,87 @@ TEST_F(BreastCompression, SqueezesTheGridBetweenThePlates)
   EXPECT_GT(this->FieldValue("PaddleForceN"), 0.5);
   EXPECT_LE(this->FieldValue("LargestPenetrationMm"), 0.054);
   EXPECT_EQ(this->FieldValue("ThicknessMm"), 54);
+}
+
+TEST_F(BreastCompression, TellsThePressureOfThePlates)
+{
+  this->Filter->Update();
+  vtkUnstructuredGrid* output = this->Filter->GetOutput();
+  vtkDataArray* pressure = output->GetPointData()->GetArray("ContactPressureKPa");
+  ASSERT_TRUE(pressure);
+  double largest = 0;
+  for (vtkIdType p = 0; p < output->GetNumberOfPoints(); ++p)
+  {
+    const double* point = output->GetPoint(p);
+    const double value = pressure->GetTuple1(p);
+    EXPECT_GE(value, 0);
+    largest = std::max(largest, value);
+    if (std::abs(point[2]) < 15)
+    {
+      EXPECT_EQ(value, 0); // far from either plate
+    }
+  }
+  // The force over half to twice the area that two flat caps of this breast would have.
+  const double mean = 1e3 * this->FieldValue("PaddleForceN") / 2000;
+  EXPECT_GT(largest, mean);
+  EXPECT_LT(largest, 100 * mean);
+}
+
+TEST_F(BreastCompression, IsATimeSeriesFromOpenToClosed)
+{
+  this->Filter->SetNumberOfTimeSteps(3);
+  this->Filter->UpdateInformation();
+  vtkInformation* information = this->Filter->GetOutputInformation(0);
+  ASSERT_EQ(information->Length(vtkStreamingDemandDrivenPipeline::TIME_STEPS()), 3);
+  EXPECT_EQ(information->Get(vtkStreamingDemandDrivenPipeline::TIME_STEPS())[1], 0.5);
+  std::vector<double> thickness, force;
+  for (const double time : { 0.0, 0.5, 1.0, 0.5 })
+  {
+    this->Filter->UpdateTimeStep(time);
+    ASSERT_EQ(this->Errors->Count, 0) << this->Errors->Text;
+    EXPECT_EQ(
+      this->Filter->GetOutput()->GetInformation()->Get(vtkDataObject::DATA_TIME_STEP()), time);
+    thickness.push_back(this->FieldValue("ThicknessMm"));
+    force.push_back(this->FieldValue("PaddleForceN"));
+  }
+  EXPECT_NEAR(force[0], 0, 1e-12); // roundoff of the plates' places
+  EXPECT_GT(force[2], force[1]);
+  EXPECT_EQ(thickness[2], 54);
+  EXPECT_NEAR(thickness[1], 0.5 * (thickness[0] + 54), 1e-9);
+  // Back to the same state from the other side, where contact may have been made stiffer to keep
+  // its penetration: up to 0.04 mm of the thickness, a tenth of the force for a millimetre.
+  EXPECT_NEAR(force[3], force[1], 0.02 * force[1]);
+  // Without a series there is no time, and the plates are closed.
+  this->Filter->SetNumberOfTimeSteps(1);
+  this->Filter->UpdateInformation();
+  EXPECT_FALSE(information->Has(vtkStreamingDemandDrivenPipeline::TIME_STEPS()));
+  this->Filter->Update();
+  EXPECT_EQ(this->FieldValue("ThicknessMm"), 54);
+}
+
+TEST_F(BreastCompression, GlidesAlongTheChestWallUnderGravityAndPull)
+{
+  this->Filter->Update();
+  const double held = this->FieldValue("PaddleForceN");
+  EXPECT_EQ(this->FieldValue("LargestWallGlideMm"), 0);
+  this->Filter->SetChestWallToSliding();
+  this->Filter->Update();
+  ASSERT_EQ(this->Errors->Count, 0) << this->Errors->Text;
+  EXPECT_GT(this->FieldValue("LargestWallGlideMm"), 1);
+  EXPECT_LT(this->FieldValue("LargestWallLiftMm"), 0.5);
+  EXPECT_LT(this->FieldValue("PaddleForceN"), held);
+  this->Filter->SetChestWallToElastic();
+  this->Filter->SetWallStiffness(20, 5);
+  this->Filter->SetImagePositionToProne();
+  this->Filter->SetPullN(1);
+  this->Filter->Update();
+  ASSERT_EQ(this->Errors->Count, 0) << this->Errors->Text;
+  EXPECT_GT(this->FieldValue("LargestWallLiftMm"), 0.005);
+  this->Filter->SetWallStiffness(-1, 5);
+  this->Filter->Update();
+  EXPECT_EQ(this->Errors->Count, 1);
+  EXPECT_NE(this->Errors->Text.find("positive stiffness"), std::string::npos);
+  EXPECT_EQ(this->Filter->GetOutput()->GetNumberOfCells(), 0);
 }
 
 TEST_F(BreastCompression, StiffensByFungsLaw)

@@ -5,20 +5,56 @@
 #include "CompressionSimulation.h"
 #include "EquilibriumSolver.h"
 
+#include <optional>
+
 namespace mammoray
 {
 struct CompressionSimulation::Internals
 {
   ElasticBody Body;
   CompressionOptions Options;
+  /// One flag per cell: of a held material.
+  std::vector<bool> HeldCells;
+  /// Where the breast is not held but slides or hangs elastically.
+  std::optional<ChestWall> Wall;
   EquilibriumSolver Solver;
+  /// See ImagePositions.
+  std::vector<double> Image;
+  std::size_t NumberOfPoints;
+  /// Nodes that no cell of tissue has: a middle, and the ends of its side.
+  std::vector<std::array<std::int32_t, 3>> Followers;
+  /// Equilibrium under gravity and pull without plates; empty: not known.
+  std::vector<double> Settled;
 
-  Internals(ElasticBody body, const std::vector<bool>& fixed, const CompressionOptions& options)
-    : Body(std::move(body))
-    , Options(options)
-    , Solver(Body, fixed, options.ContactStiffness)
-  {
-  }
+  Internals(ElasticBody body, std::vector<bool> heldCells, std::size_t pointCount,
+    const CompressionOptions& options);
+
+  /// Finds the middles in held cells, of sides that end on a wall that is not held.
+  void FindFollowers();
+  /// Puts them between the ends of their sides; positions or velocities, 3 x nodeCount.
+  void DrawAlong(std::vector<double>& values) const;
+  /// Dead loads of every node, kPa mm^2; empty where there are none.
+  std::vector<double> Loads(const Vector3& gravityMPerS2, const Vector3& pullN) const;
+  /**
+   * From the positions `x` to equilibrium under the loads, without plates and friction; in steps
+   * where it fails at once. Throws ConvergenceError.
+   */
+  void SettleUnder(std::vector<double> loads, std::vector<double>& x,
+    const ProgressCallback& progress);
+  /// The breast under the options' loads, plates open.
+  const std::vector<double>& SettledPositions(const ProgressCallback& progress);
+  /// Moves the undeformed corners; throws ConvergenceError where a cell is turned inside out.
+  void SetRestCorners(const std::vector<double>& corners);
+  /// Makes the solver's contact, friction and loads those of the state.
+  void Recall(const CompressionState& state);
+
+  /**
+   * As EquilibriumSolver::Solve; with friction, whose normal forces are frozen there, again until
+   * they fit. `last`: the state reached before, for a first guess of the normal forces.
+   */
+  EquilibriumReport Solve(std::vector<double>& x, const PlatePair& plates,
+    const CompressionState& last, const EquilibriumSolver::FrictionStart& before, double tolerance,
+    int maximumSteps, const ProgressCallback& progress);
 };
 }
 

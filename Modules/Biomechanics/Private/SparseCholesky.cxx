@@ -184,8 +184,8 @@ void SparseCholesky::Multiply(const std::vector<double>& values, const double* x
   }
 }
 
-double SparseCholesky::FactorNonZeros() const
+double SparseCholesky::PeakBytes() const
 {
-  return this->Internal->Common.lnz;
+  return static_cast<double>(this->Internal->Common.memory_usage);
 }
 }

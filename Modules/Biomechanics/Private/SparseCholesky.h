@@ -28,7 +28,8 @@ public:
   /// y = A x of the symmetric matrix with these values.
   void Multiply(const std::vector<double>& values, const double* x, double* y) const;
   bool Usable() const { return this->Valid; }
-  double FactorNonZeros() const;
+  /// Most memory taken so far for factor and working space, bytes.
+  double PeakBytes() const;
 
 private:
   struct Internals;
