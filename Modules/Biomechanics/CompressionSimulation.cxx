@@ -116,6 +116,15 @@ CompressionSimulation::CompressionSimulation(const TetrahedralMesh& mesh,
   ElasticBody body(mesh, materials, field, held, options.Element);
   std::vector<bool> fixed = FixedCoordinates(body, mesh, held);
   this->Internal = std::make_unique<Internals>(std::move(body), fixed, options);
+  if (options.Element == ElementType::Quadratic)
+  {
+    CompressionOptions coarse = options;
+    coarse.Element = ElementType::PatchAveragedLinear;
+    this->Internal->Coarse =
+      std::make_unique<CompressionSimulation>(mesh, materials, held, field, coarse);
+    this->Internal->InCoarse =
+      std::make_unique<Embedding>(*this->Internal->Coarse, this->RestPositions());
+  }
 }
 
 CompressionSimulation::~CompressionSimulation() = default;
@@ -124,6 +133,37 @@ CompressionSimulation& CompressionSimulation::operator=(CompressionSimulation&&)
 
 CompressionState CompressionSimulation::Compress(const PlatePair& plates,
   const CompressionState* start, const ProgressCallback& progress) const
+{
+  return this->Run(plates, start, Finish::Complete, progress);
+}
+
+std::vector<double> CompressionSimulation::CoarsePositions(const PlatePair& plates,
+  const ProgressCallback& progress) const
+{
+  const Internals& internal = *this->Internal;
+  std::vector<double> positions;
+  if (internal.Coarse)
+  {
+    try
+    {
+      const CompressionState coarse =
+        internal.Coarse->Run(plates, nullptr, Finish::Rough, progress);
+      positions = internal.InCoarse->Map(coarse.Positions);
+      for (std::size_t c = 0; c < positions.size(); ++c)
+      {
+        positions[c] = internal.Fixed[c] ? this->RestPositions()[c] : positions[c];
+      }
+    }
+    catch (const CompressionError&)
+    {
+      // What stops linear elements need not stop these.
+    }
+  }
+  return positions;
+}
+
+CompressionState CompressionSimulation::Run(const PlatePair& plates,
+  const CompressionState* start, Finish finish, const ProgressCallback& progress) const
 {
   const auto begin = std::chrono::steady_clock::now();
   CheckPlate(plates.Support, "support");
@@ -195,7 +235,25 @@ CompressionState CompressionSimulation::Compress(const PlatePair& plates,
     state.VolumeRatio = report.VolumeRatio;
     state.RelativeResidual = report.RelativeResidual;
   };
-  for (bool polished = false; !polished;)
+  if (!start)
+  {
+    std::vector<double> positions = this->CoarsePositions(plates, progress);
+    if (!positions.empty() && solver.Admissible(positions))
+    {
+      solver.SetContactStiffness(options.ContactStiffness * softness);
+      const EquilibriumReport report = solver.Solve(positions, &plates, IntermediateTolerance,
+        std::min(IntermediateNewtonSteps, options.MaximumNewtonSteps), continued);
+      state.NewtonSteps += report.NewtonSteps;
+      if (report.Converged)
+      {
+        keep(report, positions);
+        state.Plates = plates;
+        state.LoadSteps = 1;
+        done = 1;
+      }
+    }
+  }
+  for (bool polished = finish == Finish::Rough && done == 1; !polished;)
   {
     ReportProgress(progress, done, "compression");
     const double next = done + step > 1 - 1e-9 ? 1 : done + step;
@@ -258,10 +316,10 @@ CompressionState CompressionSimulation::Compress(const PlatePair& plates,
     state.LoadSteps += done < 1;
     done = next;
     softness = nextSoftness;
-    polished = last;
+    polished = last || (finish == Finish::Rough && done == 1);
     // Penetration is inverse to the stiffness; a thousandth is left for the last digits.
     const double excess = state.LargestPenetrationMm / (0.999 * PenetrationLimitMm(plates));
-    if (done == 1 && softness == wanted && excess > 1)
+    if (finish == Finish::Complete && done == 1 && softness == wanted && excess > 1)
     {
       polished = false;
       wanted *= std::exp2(std::ceil(std::log2(excess)));
@@ -275,7 +333,7 @@ CompressionState CompressionSimulation::Compress(const PlatePair& plates,
       }
     }
   }
-  if (state.SmallestJ < smallestAllowedJ)
+  if (finish == Finish::Complete && state.SmallestJ < smallestAllowedJ)
   {
     char reason[96];
     std::snprintf(reason, sizeof reason,
@@ -388,6 +446,10 @@ CompressionState CompressionSimulation::CompressToForce(const PlatePair& plates,
 void CompressionSimulation::SetMaterials(const std::vector<ElasticMaterial>& materials)
 {
   this->Internal->Body.SetMaterials(materials);
+  if (this->Internal->Coarse)
+  {
+    this->Internal->Coarse->SetMaterials(materials);
+  }
   this->Internal->Solver.MaterialsChanged();
 }
 

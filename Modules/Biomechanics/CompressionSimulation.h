@@ -109,7 +109,8 @@ public:
 
   /**
    * Equilibrium between the plates. Cold: the plates are first opened along their normals until
-   * they touch nothing, then closed in load steps. Warm: starts at `start` (a state of this
+   * they touch nothing, then closed in load steps; quadratic elements let linear ones on the same
+   * cells go this way and start from where these arrive, or go it themselves if that fails. Warm: starts at `start` (a state of this
    * simulation) and goes straight to the new plates, in steps where that fails. Deterministic.
    * Contact is made stiffer until the penetration is within its limit. Throws ConvergenceError that
    * names the last gap reached or the limit that was missed and the value found, or Interrupted.
@@ -160,6 +161,19 @@ public:
 
 private:
   friend class Embedding;
+  /// As far as Compress goes: contact hard and all limits kept; or only a start for another
+  /// simulation, soft contact and a rough tolerance.
+  enum class Finish
+  {
+    Complete,
+    Rough
+  };
+  CompressionState Run(const PlatePair& plates, const CompressionState* start, Finish finish,
+    const ProgressCallback& progress) const;
+  /// Where the coarse simulation moves the nodes to; empty where it cannot.
+  std::vector<double> CoarsePositions(const PlatePair& plates,
+    const ProgressCallback& progress) const;
+
   struct Internals;
   std::unique_ptr<Internals> Internal;
 };

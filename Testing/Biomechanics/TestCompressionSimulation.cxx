@@ -178,7 +178,7 @@ TEST_P(ElementCompression, ForcesBalance)
       fixed[3 * node] = fixed[3 * node + 1] = fixed[3 * node + 2] = true;
     }
   }
-  const EquilibriumSolver solver(body, fixed, options.ContactStiffness);
+  const EquilibriumSolver solver(body, fixed, state.ContactStiffness);
   const std::vector<double> with = solver.Gradient(state.Positions, &plates);
   const std::vector<double> without = solver.Gradient(state.Positions, nullptr);
   Vector3 sum{ 0, 0, 0 }, contact{ 0, 0, 0 }, reaction{ 0, 0, 0 };
