@@ -106,7 +106,7 @@ double PenetrationLimitMm(const PlatePair& plates)
 
 CompressionSimulation::CompressionSimulation(const TetrahedralMesh& mesh,
   const std::vector<ElasticMaterial>& materials, const std::vector<bool>& held,
-  const MaterialField& field, const CompressionOptions& options)
+  const MaterialField& field, const CompressionOptions& options, const TetrahedralMesh* coarse)
 {
   if (!(options.ContactStiffness > 0) || !(options.RelativeTolerance > 0) ||
     options.MaximumNewtonSteps < 1 || !(options.LargestLoadStep > 0))
@@ -116,12 +116,12 @@ CompressionSimulation::CompressionSimulation(const TetrahedralMesh& mesh,
   ElasticBody body(mesh, materials, field, held, options.Element);
   std::vector<bool> fixed = FixedCoordinates(body, mesh, held);
   this->Internal = std::make_unique<Internals>(std::move(body), fixed, options);
-  if (options.Element == ElementType::Quadratic)
+  if (coarse || options.Element == ElementType::Quadratic)
   {
-    CompressionOptions coarse = options;
-    coarse.Element = ElementType::PatchAveragedLinear;
-    this->Internal->Coarse =
-      std::make_unique<CompressionSimulation>(mesh, materials, held, field, coarse);
+    CompressionOptions leading = options;
+    leading.Element = ElementType::PatchAveragedLinear;
+    this->Internal->Coarse = std::make_unique<CompressionSimulation>(coarse ? *coarse : mesh,
+      materials, held, field, leading);
     this->Internal->InCoarse =
       std::make_unique<Embedding>(*this->Internal->Coarse, this->RestPositions());
   }
@@ -156,7 +156,7 @@ std::vector<double> CompressionSimulation::CoarsePositions(const PlatePair& plat
     }
     catch (const CompressionError&)
     {
-      // What stops linear elements need not stop these.
+      // What stops coarse elements need not stop these.
     }
   }
   return positions;
