@@ -46,7 +46,7 @@ struct CompressArguments
   std::string Materials;
   std::string Orientation = "LPS";
   std::string SimulationMesh;
-  double SimulationSizeMm = 6;
+  double SimulationCellSizeMm = 0;
   /// One of Elements.
   std::string Element = "quadratic";
   std::string Labels;
@@ -88,7 +88,7 @@ TetrahedralMesh FindSimulationMesh(const CompressArguments& arguments, const Tet
 #ifdef MAMMORAY_HAS_MESHING
   if (volume)
   {
-    return MeshForSimulation(*volume, held, arguments.SimulationSizeMm, MakeProgressBar()).Mesh;
+    return MeshForSimulation(*volume, held, arguments.SimulationCellSizeMm, MakeProgressBar()).Mesh;
   }
 #else
   (void)volume;
@@ -320,9 +320,10 @@ void AddCompressCommand(CLI::App& application)
     "take the header's axes of --labels as they are, with no conversion to LPS");
   command->add_option("--simulation-mesh", arguments->SimulationMesh,
     "coarse mesh (.vtu) to simulate on; the points of --mesh move with it");
-  add("--simulation-size", arguments->SimulationSizeMm,
-    "edge length of the simulation mesh made of --labels for large meshes, mm")
-    ->check(CLI::PositiveNumber);
+  add("--simulation-cell-size", arguments->SimulationCellSizeMm,
+    "largest cells of the simulation mesh made of --labels for large meshes, mm; 0: by the size of "
+    "the breast, 3000 to 4000 cells")
+    ->check(CLI::NonNegativeNumber);
   command
     ->add_option("--element", arguments->Element,
       "of the simulation: quadratic tetrahedra, or linear ones that share their volume in patches; "

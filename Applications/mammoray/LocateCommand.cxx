@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "CommandLine.h"
 #include "Error.h"
+#include "LabelVolumeIO.h"
 #include "RegisteredBreast.h"
 
 #include <algorithm>
@@ -18,14 +19,16 @@ struct LocateOptions
   std::string Result;
   std::vector<double> Point;
   std::vector<double> Pixel;
+  std::string Lesion;
+  bool AxesAsGiven = false;
+  std::string Device;
   double StepMm = 0.25;
   std::string Output;
   bool Overwrite = false;
 };
 
-void PrintPoint(const RegisteredBreast& breast, const Vector3& point)
+void PrintImaged(const Vector3& point, const ImagedPoint& imaged)
 {
-  const ImagedPoint imaged = breast.ToMammogram(point);
   std::printf("point       %9.2f %9.2f %9.2f mm, in %s\n", point[0], point[1], point[2],
     imaged.Material.c_str());
   std::printf("compressed  %9.2f %9.2f %9.2f mm\n", imaged.Compressed[0], imaged.Compressed[1],
@@ -96,6 +99,69 @@ void PrintPixel(const RegisteredBreast& breast, const LocateOptions& options)
   }
 }
 
+/// Closed polygons, one after the other.
+void WriteOutlines(const std::vector<std::pair<int, ImagedLesion>>& lesions,
+  const std::string& path)
+{
+  WriteComplete(path,
+    [&](const std::string& temporary)
+    {
+      std::ofstream file(temporary);
+      file << "label,polygon,column,row\n";
+      for (const auto& [label, lesion] : lesions)
+      {
+        for (std::size_t polygon = 0; polygon < lesion.Outlines.size(); ++polygon)
+        {
+          for (const auto& [column, row] : lesion.Outlines[polygon])
+          {
+            file << label << ',' << polygon << ',' << column << ',' << row << '\n';
+          }
+        }
+      }
+      if (!file.flush())
+      {
+        throw InputError(path + ": cannot be written");
+      }
+    });
+}
+
+/// Every label of the volume is a lesion.
+void PrintLesions(const RegisteredBreast& breast, const LocateOptions& options)
+{
+  const LabelVolume volume = ReadLabelVolume(options.Lesion,
+    options.AxesAsGiven ? VolumeAxes::AsGiven : VolumeAxes::Patient);
+  const auto projector = MakeProjector({ .Device = options.Device });
+  std::vector<std::pair<int, ImagedLesion>> lesions;
+  for (const auto& [label, count] : volume.CountLabels())
+  {
+    if (label != 0)
+    {
+      lesions.emplace_back(label, breast.ToMammogram(volume, label, *projector));
+    }
+  }
+  if (lesions.empty())
+  {
+    throw InputError(options.Lesion + ": expected voxels that are not 0, found none");
+  }
+  for (const auto& [label, lesion] : lesions)
+  {
+    std::printf(
+      "lesion %d: %.1f mm3, at most %.1f mm thick along an X-ray; shadow %.1f mm2, outlines: "
+      "%zu\n",
+      label, lesion.VolumeMm3, lesion.LargestThicknessMm, lesion.AreaMm2, lesion.Outlines.size());
+    if (lesion.ShareOutside > 0)
+    {
+      std::printf("%.0f %% of its surface lies outside the breast\n", 100 * lesion.ShareOutside);
+    }
+    PrintImaged(lesion.Centre, lesion.ImagedCentre);
+  }
+  if (!options.Output.empty())
+  {
+    WriteOutlines(lesions, options.Output);
+    std::printf("wrote %s\n", options.Output.c_str());
+  }
+}
+
 void Locate(const LocateOptions& options)
 {
   if (!options.Output.empty())
@@ -105,7 +171,12 @@ void Locate(const LocateOptions& options)
   const RegisteredBreast breast(options.Result);
   if (!options.Point.empty())
   {
-    PrintPoint(breast, { options.Point[0], options.Point[1], options.Point[2] });
+    const Vector3 point{ options.Point[0], options.Point[1], options.Point[2] };
+    PrintImaged(point, breast.ToMammogram(point));
+  }
+  else if (!options.Lesion.empty())
+  {
+    PrintLesions(breast, options);
   }
   else
   {
@@ -118,7 +189,7 @@ void AddLocateCommand(CLI::App& application)
 {
   auto options = std::make_shared<LocateOptions>();
   CLI::App* command = application.add_subcommand("locate",
-    "Find a point of the volume in the mammogram, or what lies behind a pixel of it");
+    "Find a point or a lesion of the volume in the mammogram, or what lies behind a pixel of it");
   command->add_option("--result", options->Result, "folder written by 'mammoray register'")
     ->required();
   CLI::Option_group* place = command->add_option_group("place", "what to find; one of");
@@ -133,14 +204,23 @@ void AddLocateCommand(CLI::App& application)
       "along its X-ray and the curve through the uncompressed volume")
     ->expected(2)
     ->type_name("COLUMN ROW");
+  place->add_option("--lesion", options->Lesion,
+    "label volume in the same frame (.nrrd .mha .nii .nii.gz, DICOM SEG): gives the outline of "
+    "each "
+    "label's shadow, its size, and where its centre is");
   place->require_option(1);
+  command->add_flag("--axes-as-given", options->AxesAsGiven,
+    "take the header's axes of --lesion as they are, with no conversion to LPS");
+  command->add_option("--device", options->Device,
+    "part of the name of the Vulkan device that projects --lesion");
   command
     ->add_option("--step", options->StepMm,
       "distance of the curve's points in the compressed breast, mm")
     ->check(CLI::PositiveNumber)
     ->capture_default_str();
   command->add_option("-o,--output", options->Output,
-    "write the curve of --pixel there (.csv: x_mm,y_mm,z_mm,material)");
+    "write the curve of --pixel there (.csv: x_mm,y_mm,z_mm,material), or the outlines of --lesion "
+    "(.csv: label,polygon,column,row)");
   command->add_flag("--overwrite", options->Overwrite, "replace the output file");
   AddConfigurationOptions(*command);
   command->callback([options]() { Locate(*options); });

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "CommandLine.h"
 
+#include "CutPicture.h"
 #include "HistogramPicture.h"
 #include "LabelResampling.h"
 #include "LabelVolumeIO.h"
@@ -12,6 +13,7 @@
 #ifdef MAMMORAY_HAS_MESHING
 #include "LabelMesher.h"
 #include "MeshCheck.h"
+#include "SimulationMesh.h"
 #include "SurfaceMesher.h"
 #endif
 
@@ -44,10 +46,16 @@ struct MeshArguments
   /// MATERIAL=FILE each.
   std::vector<std::string> Surfaces;
   std::string Method = "cgal";
+  bool ForMechanics = false;
+  /// Of the mesh for the mechanics; 0: by the size of the breast.
+  double MechanicsCellSizeMm = 0;
   std::string Output;
   std::string Check;
   std::string Report;
   std::string Picture;
+  std::string CutPicture;
+  /// Point of the cuts, mm; empty: the middle of the mesh.
+  std::vector<double> CutAt;
   bool Overwrite = false;
 };
 
@@ -170,6 +178,18 @@ void WriteQualityPicture(const std::string& path, const MeshCheck& check,
     });
 }
 
+/// Planes through the point asked for, or the middle of the mesh.
+void WriteCuts(const MeshArguments& arguments, vtkUnstructuredGrid* grid,
+  const std::vector<std::string>& names)
+{
+  Vector3 point;
+  grid->GetCenter(point.data());
+  std::copy(arguments.CutAt.begin(), arguments.CutAt.end(), point.begin());
+  WriteComplete(arguments.CutPicture,
+    [&](const std::string& temporary)
+    { WriteCutPicture(CutsThrough(grid, point), names, temporary); });
+}
+
 void PrintCheck(const MeshCheck& check, const std::vector<std::string>& names)
 {
   std::printf("%-16s %12s %10s %10s %12s %12s\n", "material", "volume [cm3]", "triangles", "cells",
@@ -191,16 +211,19 @@ void PrintCheck(const MeshCheck& check, const std::vector<std::string>& names)
 
 void CheckReportFiles(const MeshArguments& arguments)
 {
-  for (const std::string& path : { arguments.Report, arguments.Picture })
+  for (const std::string& path : { arguments.Report, arguments.Picture, arguments.CutPicture })
   {
     if (!path.empty())
     {
       CheckOutputFile(path, arguments.Overwrite);
     }
   }
-  if (!arguments.Picture.empty() && std::filesystem::path(arguments.Picture).extension() != ".png")
+  for (const std::string& path : { arguments.Picture, arguments.CutPicture })
   {
-    throw InputError(arguments.Picture + ": expected the extension .png for a picture");
+    if (!path.empty() && std::filesystem::path(path).extension() != ".png")
+    {
+      throw InputError(path + ": expected the extension .png for a picture");
+    }
   }
 }
 
@@ -213,10 +236,20 @@ void RunCheck(const MeshArguments& arguments)
   MeshCheck check;
   if (std::filesystem::path(arguments.Check).extension() == ".vtu")
   {
-    check = CheckMesh(FromGrid(ReadMesh(arguments.Check), &names), MakeProgressBar());
+    const vtkSmartPointer<vtkUnstructuredGrid> grid = ReadMesh(arguments.Check);
+    check = CheckMesh(FromGrid(grid, &names), MakeProgressBar());
+    if (!arguments.CutPicture.empty())
+    {
+      WriteCuts(arguments, grid, names);
+    }
   }
   else
   {
+    if (!arguments.CutPicture.empty())
+    {
+      throw InputError(
+        "--cut-picture: expected a mesh (.vtu) to cut, found the surface " + arguments.Check);
+    }
     check = CheckSurface(FromPolyData(ReadSurface(arguments.Check), &names), MakeProgressBar());
   }
   if (!arguments.Report.empty())
@@ -383,6 +416,27 @@ SurfaceMesh ReadSurfaces(const MeshArguments& arguments, const MaterialTable& ta
   return all;
 }
 
+MeshingResult MakeMesh(const MeshArguments& arguments, const MaterialTable& table,
+  const MeshingOptions& options)
+{
+  if (!arguments.Surfaces.empty())
+  {
+    return MeshSurfaces(ReadSurfaces(arguments, table), options, MakeProgressBar());
+  }
+  const LabelVolume materials = ReadMaterials(arguments, table);
+  if (arguments.ForMechanics)
+  {
+    std::vector<bool> held;
+    for (const Material& material : table.Materials)
+    {
+      held.push_back(material.Held);
+    }
+    return MeshForSimulation(materials, held, arguments.MechanicsCellSizeMm, MakeProgressBar());
+  }
+  return arguments.Method == "tetgen" ? MeshMaterialSurfaces(materials, options, MakeProgressBar())
+                                      : MeshMaterials(materials, options, MakeProgressBar());
+}
+
 void RunMesh(const MeshArguments& arguments)
 {
   if (!arguments.Check.empty())
@@ -393,19 +447,20 @@ void RunMesh(const MeshArguments& arguments)
   CheckArguments(arguments);
   const MaterialTable table = FindTable(arguments);
   const MeshingOptions options = FindOptions(arguments, table);
-  const MeshingResult result = !arguments.Surfaces.empty()
-    ? MeshSurfaces(ReadSurfaces(arguments, table), options, MakeProgressBar())
-    : arguments.Method == "tetgen"
-    ? MeshMaterialSurfaces(ReadMaterials(arguments, table), options, MakeProgressBar())
-    : MeshMaterials(ReadMaterials(arguments, table), options, MakeProgressBar());
+  const MeshingResult result = MakeMesh(arguments, table, options);
 
   std::vector<std::string> names;
   for (const Material& material : table.Materials)
   {
     names.push_back(material.Name);
   }
+  const vtkSmartPointer<vtkUnstructuredGrid> grid = ToGrid(result.Mesh, names);
   WriteComplete(arguments.Output,
-    [&](const std::string& temporary) { WriteMesh(ToGrid(result.Mesh, names), temporary); });
+    [&](const std::string& temporary) { WriteMesh(grid, temporary); });
+  if (!arguments.CutPicture.empty())
+  {
+    WriteCuts(arguments, grid, names);
+  }
   if (!arguments.Report.empty() || !arguments.Picture.empty())
   {
     const MeshCheck check = CheckMesh(result.Mesh);
@@ -436,7 +491,7 @@ void AddMeshCommand(CLI::App& application)
   command->add_option("--labels", arguments->Labels,
     "label volume: .nrrd .nhdr .mha .mhd .nii .nii.gz, a DICOM segmentation (.dcm; labels are its "
     "segment numbers) or a folder with a DICOM series");
-  command->add_option("--surface", arguments->Surfaces,
+  CLI::Option* surface = command->add_option("--surface", arguments->Surfaces,
     "MATERIAL=FILE: closed surface of a material (.vtp .stl .ply .obj) instead of labels; may be "
     "given for several, nested or touching at common triangles; filled by TetGen");
   command->add_option("--materials", arguments->Materials,
@@ -447,6 +502,11 @@ void AddMeshCommand(CLI::App& application)
       "TetGen")
     ->check(CLI::IsMember({ "cgal", "tetgen" }))
     ->capture_default_str();
+  command
+    ->add_flag("--for-mechanics", arguments->ForMechanics,
+      "a coarse mesh of all tissue, held and free, for --simulation-mesh of compress and register; "
+      "of the sizes only --cell-size counts, by default one that gives 3000 to 4000 cells")
+    ->excludes(surface);
   command->add_option("-o,--output", arguments->Output, "volume mesh to write (.vtu)");
   command->add_option("--check", arguments->Check,
     "check this mesh (.vtu) or surface (.vtp .stl .ply .obj) instead of making one: cells upright "
@@ -455,6 +515,14 @@ void AddMeshCommand(CLI::App& application)
     "write volumes, cell quality and troubles with their places there (.json)");
   command->add_option("--picture", arguments->Picture,
     "draw histograms of the cells' quality there (.png)");
+  CLI::Option* cut = command->add_option("--cut-picture", arguments->CutPicture,
+    "draw three plane cuts through the mesh there, coloured by material (.png)");
+  command
+    ->add_option("--cut-at", arguments->CutAt,
+      "point of the cuts, mm; default: the middle of the mesh")
+    ->expected(3)
+    ->type_name("X Y Z")
+    ->needs(cut);
   command
     ->add_option("--spacing", arguments->SpacingMm,
       "resample to cubic voxels of this size first, mm")
@@ -462,8 +530,9 @@ void AddMeshCommand(CLI::App& application)
   command->add_flag("--axes-as-given", arguments->AxesAsGiven,
     "take the header's axes as they are, with no conversion to LPS");
   const auto add = [&](const char* name, double& value, const char* help)
-  { command->add_option(name, value, help)->capture_default_str(); };
-  add("--cell-size", options.CellSizeMm, "largest circumradius of tetrahedra, mm");
+  { return command->add_option(name, value, help)->capture_default_str(); };
+  CLI::Option* cellSize =
+    add("--cell-size", options.CellSizeMm, "largest circumradius of tetrahedra, mm");
   add("--facet-size", options.FacetSizeMm, "largest surface ball of facets, mm");
   add("--facet-distance", options.FacetDistanceMm, "largest distance of facet and interface, mm");
   add("--facet-angle", options.FacetAngleDeg, "smallest angle of facets, degrees, up to 30");
@@ -488,7 +557,12 @@ void AddMeshCommand(CLI::App& application)
     "time limit of each step of sliver removal, s; 0 leaves it out");
   command->add_flag("--overwrite", arguments->Overwrite, "replace output files");
   AddConfigurationOptions(*command);
-  command->callback([arguments] { RunMesh(*arguments); });
+  command->callback(
+    [arguments, cellSize]
+    {
+      arguments->MechanicsCellSizeMm = cellSize->count() > 0 ? arguments->Options.CellSizeMm : 0;
+      RunMesh(*arguments);
+    });
 }
 #else
 void AddMeshCommand(CLI::App& application)

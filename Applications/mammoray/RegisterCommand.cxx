@@ -214,9 +214,30 @@ void AddRegisterCommand(CLI::App& application)
     ->capture_default_str()
     ->group("Start");
   command
-    ->add_option("--fixed", input.Fixed,
-      "parameters kept at their start: thickness, roll, lateral, anterior, vertical")
+    ->add_option("--start-pitch", input.StartPitchDeg,
+      "rotation of the unit about its lateral axis, degrees, source to the front")
     ->capture_default_str()
+    ->group("Start");
+  command
+    ->add_option("--start-yaw", input.StartYawDeg,
+      "rotation of the unit about its vertical axis, degrees, towards the patient's left (CC)")
+    ->capture_default_str()
+    ->group("Start");
+  command
+    ->add_option("--start-tilt", input.StartTiltDeg,
+      "turn of the paddle about its chest-wall edge, degrees, open towards the nipple")
+    ->capture_default_str()
+    ->group("Start");
+  command
+    ->add_option("--free", input.Free,
+      "parameters that are found; the others keep their start: thickness, roll, pitch, yaw, "
+      "lateral, "
+      "anterior, vertical, tilt (of the paddle), stiffness (of gland, times the table's)")
+    ->capture_default_str()
+    ->group("Search");
+  command
+    ->add_option("--resume", input.Resume,
+      "go on from the pose in this earlier result folder of the same inputs")
     ->group("Search");
   command
     ->add_option("--pixel-sizes", input.Options.PixelSizesMm,

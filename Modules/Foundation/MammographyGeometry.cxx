@@ -131,11 +131,21 @@ Vector3 FindPoseAnchor(const TetrahedralMesh& mesh, const std::vector<bool>& hel
 VolumeFromGantry PlaceUnit(const AnatomicalAxes& axes, const Vector3& anchor,
   const MammographyUnit& unit, const BreastPose& pose)
 {
-  const double roll = pose.RollDeg * std::numbers::pi / 180.0;
   VolumeFromGantry placed;
-  placed.X = std::cos(roll) * axes.Left - std::sin(roll) * axes.Superior;
+  placed.X = axes.Left;
   placed.Y = axes.Anterior;
-  placed.Z = std::sin(roll) * axes.Left + std::cos(roll) * axes.Superior;
+  placed.Z = axes.Superior;
+  /// Turns `from` towards `to`.
+  const auto turn = [](Vector3& from, Vector3& to, double degrees)
+  {
+    const double angle = degrees * std::numbers::pi / 180.0;
+    const Vector3 before = from;
+    from = std::cos(angle) * before + std::sin(angle) * to;
+    to = std::cos(angle) * to - std::sin(angle) * before;
+  };
+  turn(placed.Z, placed.X, pose.RollDeg);
+  turn(placed.Z, placed.Y, pose.PitchDeg);
+  turn(placed.Y, placed.X, pose.YawDeg);
   placed.Origin = anchor + pose.ShiftLateralMm * placed.X + pose.ShiftAnteriorMm * placed.Y +
     (pose.ShiftVerticalMm - 0.5 * pose.ThicknessMm - unit.SupportHeightMm) * placed.Z;
   return placed;

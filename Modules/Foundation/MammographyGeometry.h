@@ -60,12 +60,20 @@ struct BreastPose
    * angle turns the source from above the patient towards the patient's left.
    */
   double RollDeg = 0.0;
+  /// Rotation of the rolled unit about its lateral axis (gantry x) through the anchor, degrees:
+  /// positive turns the source to the front.
+  double PitchDeg = 0.0;
+  /// Rotation of the rolled and pitched unit about its vertical axis (gantry z) through the anchor,
+  /// degrees: positive turns its anterior direction towards the patient's left (CC).
+  double YawDeg = 0.0;
   /// Shift of the receptor along gantry +x relative to the anchor, mm.
   double ShiftLateralMm = 0.0;
   /// Shift of the receptor along gantry +y (away from the chest wall) relative to the anchor, mm.
   double ShiftAnteriorMm = 0.0;
   /// Shift of the plates' mid-plane along gantry +z relative to the anchor, mm.
   double ShiftVerticalMm = 0.0;
+  /// Turn of the paddle about its chest-wall edge, degrees; positive opens it towards the nipple.
+  double PaddleTiltDeg = 0.0;
 };
 
 /// volumePoint = Origin + x * X + y * Y + z * Z for a gantry point (x, y, z); X, Y, Z orthonormal.

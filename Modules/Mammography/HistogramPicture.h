@@ -26,9 +26,9 @@ struct HistogramPanel
 };
 
 /**
- * Draws panels side by side, groups stacked in colours, counts on a square-root scale so that a few
- * bad cells among many are seen, and writes .png. No display is needed. Throws InputError when
- * there is nothing to draw or the file cannot be written.
+ * Draws panels side by side, the height of a bar on a square-root scale, so that a few bad cells
+ * among many are seen, and divided in colours by the shares of the groups, and writes .png. No
+ * display is needed. Throws InputError when there is nothing to draw or the file cannot be written.
  */
 MAMMORAYMAMMOGRAPHY_EXPORT void WriteHistogramPicture(const std::vector<HistogramPanel>& panels,
   const std::string& path);

@@ -2,18 +2,24 @@
 #include "RegisteredBreast.h"
 
 #include "Error.h"
+#include "LabelSurface.h"
 #include "MeshConversion.h"
 #include "MeshIO.h"
 #include "Silhouette.h"
 
+#include "vtkCellArray.h"
 #include "vtkCellData.h"
+#include "vtkContourFilter.h"
 #include "vtkDataArray.h"
 #include "vtkGenericCell.h"
 #include "vtkIdList.h"
+#include "vtkImageData.h"
 #include "vtkNew.h"
 #include "vtkPointData.h"
+#include "vtkPolyData.h"
 #include "vtkSmartPointer.h"
 #include "vtkStaticCellLocator.h"
+#include "vtkStripper.h"
 #include "vtkUnstructuredGrid.h"
 
 #include <nlohmann/json.hpp>
@@ -22,6 +28,7 @@
 #include <cmath>
 #include <cstdio>
 #include <fstream>
+#include <limits>
 #include <numbers>
 
 namespace mammoray
@@ -30,6 +37,10 @@ namespace
 {
 /// A point this far outside the mesh still belongs to it, mm: meshes follow voxels no better.
 constexpr double OutsideMm = 1.0;
+/// A lesion may touch the skin or the chest wall, no more.
+constexpr double LargestShareOutside = 0.5;
+/// Of a lesion's voxel surface: takes the stairs off.
+constexpr int SmoothingSteps = 5;
 
 /// A cell of a tetrahedral grid and the weights of its corners at a place.
 struct Place
@@ -127,6 +138,82 @@ UncertaintyEllipse EllipseOf(double a, double b, double c)
   ellipse.AngleDeg = 0.5 * std::atan2(2 * b, a - c) * 180 / std::numbers::pi;
   return ellipse;
 }
+
+/// The closed outlines of the pixels where `values` is positive, continuous column and row.
+std::vector<std::vector<std::array<double, 2>>> OutlinesOf(const float* values, int columns,
+  int rows)
+{
+  // With a border of nothing, so that outlines close at the image's edges.
+  vtkNew<vtkImageData> mask;
+  mask->SetExtent(-1, columns, -1, rows, 0, 0);
+  mask->AllocateScalars(VTK_FLOAT, 1);
+  auto* inside = static_cast<float*>(mask->GetScalarPointer());
+  std::fill_n(inside, mask->GetNumberOfPoints(), 0.0F);
+  for (int row = 0; row < rows; ++row)
+  {
+    for (int column = 0; column < columns; ++column)
+    {
+      const std::size_t pixel = static_cast<std::size_t>(row) * columns + column;
+      inside[static_cast<std::size_t>(row + 1) * (columns + 2) + column + 1] =
+        values[pixel] > 0 ? 1.0F : 0.0F;
+    }
+  }
+  vtkNew<vtkContourFilter> contour;
+  contour->SetInputData(mask);
+  contour->SetValue(0, 0.5);
+  vtkNew<vtkStripper> loops;
+  loops->SetInputConnection(contour->GetOutputPort());
+  loops->JoinContiguousSegmentsOn();
+  loops->SetMaximumLength(VTK_INT_MAX);
+  loops->Update();
+  std::vector<std::vector<std::array<double, 2>>> outlines;
+  vtkCellArray* lines = loops->GetOutput()->GetLines();
+  vtkNew<vtkIdList> ids;
+  for (lines->InitTraversal(); lines->GetNextCell(ids) != 0;)
+  {
+    std::vector<std::array<double, 2>>& outline = outlines.emplace_back();
+    for (vtkIdType index = 0; index < ids->GetNumberOfIds(); ++index)
+    {
+      double point[3];
+      loops->GetOutput()->GetPoint(ids->GetId(index), point);
+      outline.push_back({ point[0], point[1] });
+    }
+  }
+  return outlines;
+}
+
+/// The voxels of one label as material 1.
+LabelVolume OnlyLabel(const LabelVolume& labels, int label)
+{
+  LabelVolume only = labels;
+  for (std::uint16_t& voxel : only.Voxels)
+  {
+    voxel = voxel == label ? 1 : 0;
+  }
+  return only;
+}
+
+/// Middle of the voxels that are not 0, volume frame, mm.
+Vector3 CentreOf(const LabelVolume& volume)
+{
+  Vector3 sum{ 0, 0, 0 };
+  double count = 0;
+  for (int k = 0; k < volume.Size[2]; ++k)
+  {
+    for (int j = 0; j < volume.Size[1]; ++j)
+    {
+      for (int i = 0; i < volume.Size[0]; ++i)
+      {
+        if (volume.Voxels[volume.Index(i, j, k)] != 0)
+        {
+          sum = sum + volume.PointAt(i, j, k);
+          count += 1;
+        }
+      }
+    }
+  }
+  return (1 / count) * sum;
+}
 }
 
 struct RegisteredBreast::Internals
@@ -164,6 +251,16 @@ struct RegisteredBreast::Internals
       this->ColumnStep[0] * this->RowStep[1] - this->ColumnStep[1] * this->RowStep[0];
     return { (dx * this->RowStep[1] - dy * this->RowStep[0]) / determinant,
       (this->ColumnStep[0] * dy - this->ColumnStep[1] * dx) / determinant };
+  }
+  XRayDetector Detector() const
+  {
+    XRayDetector detector;
+    detector.Origin = this->Placed.Point({ this->Origin[0], this->Origin[1], 0 });
+    detector.ColumnStep = this->Placed.Direction({ this->ColumnStep[0], this->ColumnStep[1], 0 });
+    detector.RowStep = this->Placed.Direction({ this->RowStep[0], this->RowStep[1], 0 });
+    detector.Columns = this->Columns;
+    detector.Rows = this->Rows;
+    return detector;
   }
   bool Contains(double column, double row) const
   {
@@ -319,6 +416,65 @@ ImagedPoint RegisteredBreast::ToMammogram(const Vector3& point) const
   imaged.Row = pixel[1];
   imaged.InImage = internal.Contains(pixel[0], pixel[1]);
   imaged.Uncertainty = internal.UncertaintyAt(place, imaged.Compressed);
+  return imaged;
+}
+
+ImagedLesion RegisteredBreast::ToMammogram(const LabelVolume& lesions, int label,
+  PathLengthProjector& projector) const
+{
+  const Internals& internal = *this->Internal;
+  const LabelVolume lesion = OnlyLabel(lesions, label);
+  const auto voxels = std::count(lesion.Voxels.begin(), lesion.Voxels.end(), 1);
+  if (voxels == 0)
+  {
+    throw InputError("lesion: expected voxels of label " + std::to_string(label) + ", found none");
+  }
+  ImagedLesion imaged;
+  imaged.VolumeMm3 = static_cast<double>(voxels) * lesion.VoxelVolume();
+  imaged.Centre = CentreOf(lesion);
+  const QuadMesh quads = ExtractInterfaces(lesion, SmoothingSteps);
+  SurfaceMesh surface = quads.Triangulate(2 * quads.Quads.size());
+  std::size_t outside = 0;
+  for (std::size_t id = 0; id < surface.NumberOfPoints(); ++id)
+  {
+    const Vector3 point{ surface.Points[3 * id], surface.Points[3 * id + 1],
+      surface.Points[3 * id + 2] };
+    Place place = internal.AtRest->Find(point, OutsideMm);
+    if (place.Cell < 0)
+    {
+      ++outside;
+      place = internal.AtRest->Find(point, std::numeric_limits<double>::max());
+    }
+    const Vector3 by = place.Interpolate(internal.Displacement);
+    for (int axis = 0; axis < 3; ++axis)
+    {
+      surface.Points[3 * id + axis] += by[axis];
+    }
+  }
+  imaged.ShareOutside =
+    static_cast<double>(outside) / static_cast<double>(surface.NumberOfPoints());
+  if (imaged.ShareOutside > LargestShareOutside)
+  {
+    char text[200];
+    std::snprintf(text, sizeof text,
+      "lesion: expected label %d in the breast, found %.0f %% of its surface outside; is it in the "
+      "frame of the registered volume?",
+      label, 100 * imaged.ShareOutside);
+    throw InputError(text);
+  }
+  imaged.ImagedCentre = this->ToMammogram(imaged.Centre);
+  projector.SetSurface(surface);
+  XRaySource source;
+  source.Position = internal.Placed.Point({ 0, 0, internal.Unit.SourceToDetectorMm });
+  const PathLengthImage lengths = projector.Project(source, internal.Detector());
+  const float* lesionMm = lengths.Material(1);
+  const auto shadow = std::count_if(lesionMm, lesionMm + lengths.NumberOfPixels(),
+    [](float length) { return length > 0; });
+  imaged.AreaMm2 = static_cast<double>(shadow) *
+    std::abs(
+      internal.ColumnStep[0] * internal.RowStep[1] - internal.ColumnStep[1] * internal.RowStep[0]);
+  imaged.LargestThicknessMm = *std::max_element(lesionMm, lesionMm + lengths.NumberOfPixels());
+  imaged.Outlines = OutlinesOf(lesionMm, internal.Columns, internal.Rows);
   return imaged;
 }
 

@@ -2,7 +2,9 @@
 #ifndef mammoray_RegisteredBreast_h
 #define mammoray_RegisteredBreast_h
 
+#include "LabelVolume.h"
 #include "MammographyGeometry.h"
+#include "PathLengthProjector.h"
 #include "mammorayMammographyModule.h"
 
 #include <array>
@@ -44,6 +46,25 @@ struct ImagedPoint
   std::optional<UncertaintyEllipse> Uncertainty;
 };
 
+/// A lesion's shadow on the mammogram.
+struct ImagedLesion
+{
+  /// Of its voxels, and their centre in the volume frame, mm^3 and mm.
+  double VolumeMm3 = 0;
+  Vector3 Centre{ 0, 0, 0 };
+  ImagedPoint ImagedCentre;
+  /// Shadow on the receptor, the part in the image.
+  double AreaMm2 = 0;
+  /// Longest way of an X-ray in the lesion, mm.
+  double LargestThicknessMm = 0;
+  /// Share of its surface's points that lie outside the breast, and were moved with the nearest
+  /// tissue.
+  double ShareOutside = 0;
+  /// Closed polygons around the shadow, continuous column and row; first and last point are the
+  /// same.
+  std::vector<std::vector<std::array<double, 2>>> Outlines;
+};
+
 /// A stretch of an X-ray in one material; points of the line of sight carried back into the
 /// uncompressed breast.
 struct TissueStretch
@@ -72,6 +93,15 @@ public:
   /// Where a point of the label volume's frame (mm) is seen. Throws InputError when it lies more
   /// than a millimetre outside the breast.
   ImagedPoint ToMammogram(const Vector3& point) const;
+
+  /**
+   * Where a lesion is seen: the voxels of `lesions` (frame of the registered label volume) with the
+   * label `label`, as a closed surface that is compressed with the breast and projected on the
+   * mammogram's pixels. The projector is given that surface. Throws InputError when there is no
+   * such voxel or the lesion lies outside the breast, and DeviceError.
+   */
+  ImagedLesion ToMammogram(const LabelVolume& lesions, int label,
+    PathLengthProjector& projector) const;
 
   /**
    * What lies behind a pixel (continuous position): the tissues that the X-ray crosses, from the

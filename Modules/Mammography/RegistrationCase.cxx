@@ -9,17 +9,20 @@
 #include "MeshConversion.h"
 #include "MeshIO.h"
 #include "PhysicsData.h"
-#include "PlacedPlates.h"
+#include "Sha256.h"
 
 #ifdef MAMMORAY_HAS_MESHING
-#include "LabelMesher.h"
+#include "SimulationMesh.h"
 #endif
 
 #include "vtkUnstructuredGrid.h"
 
+#include <nlohmann/json.hpp>
+
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <fstream>
 
 namespace mammoray
 {
@@ -68,31 +71,6 @@ std::vector<int> ThinMaterials(const MaterialTable& table)
   return thin;
 }
 
-/**
- * The volume as the mechanics' coarse mesh sees it: held tissue and all other tissue, each under
- * the index of its most frequent material.
- */
-LabelVolume TissueAndHeld(const LabelVolume& materials, const std::vector<bool>& held)
-{
-  int frequent[2] = { 0, 0 };
-  std::size_t counts[2] = { 0, 0 };
-  for (const auto& [material, count] : materials.CountLabels())
-  {
-    const int side = held[material] ? 1 : 0;
-    if (material != 0 && count > counts[side])
-    {
-      frequent[side] = material;
-      counts[side] = count;
-    }
-  }
-  LabelVolume merged = materials;
-  for (std::uint16_t& voxel : merged.Voxels)
-  {
-    voxel = voxel == 0 ? 0 : static_cast<std::uint16_t>(frequent[held[voxel] ? 1 : 0]);
-  }
-  return merged;
-}
-
 TetrahedralMesh ReadTetrahedra(const std::string& path, const MaterialTable& table)
 {
   TetrahedralMesh mesh = FromGrid(ReadMesh(path));
@@ -119,22 +97,10 @@ TetrahedralMesh MeshAnatomy(const LabelVolume& materials, const std::vector<int>
   return MeshMaterials(materials, options, progress).Mesh;
 }
 
-TetrahedralMesh MeshForSimulation(const LabelVolume& merged, double cellSizeMm,
-  const ProgressCallback& progress)
+TetrahedralMesh MeshTissue(const LabelVolume& materials, const std::vector<bool>& held,
+  double cellSizeMm, const ProgressCallback& progress)
 {
-  // At 1 mm the mesher's sliver removal reaches its bound more often than on finer stairs.
-  constexpr double spacingMm = 1.0;
-  const bool finer = *std::max_element(merged.Spacing.begin(), merged.Spacing.end()) < spacingMm;
-  MeshingOptions options = MeshingOptions::Simulation();
-  std::size_t tissueVoxels = 0;
-  for (const std::uint16_t material : merged.Voxels)
-  {
-    tissueVoxels += material != 0 ? 1 : 0;
-  }
-  options.CellSizeMm =
-    cellSizeMm > 0 ? cellSizeMm : std::cbrt(tissueVoxels * merged.VoxelVolume()) / 7;
-  options.FacetSizeMm = std::max(options.FacetSizeMm, options.CellSizeMm);
-  return MeshMaterials(finer ? ResampleLabels(merged, spacingMm) : merged, options, progress).Mesh;
+  return MeshForSimulation(materials, held, cellSizeMm, progress).Mesh;
 }
 #else
 TetrahedralMesh MeshAnatomy(const LabelVolume&, const std::vector<int>&, double,
@@ -144,10 +110,10 @@ TetrahedralMesh MeshAnatomy(const LabelVolume&, const std::vector<int>&, double,
                    "simulation mesh made elsewhere");
 }
 
-TetrahedralMesh MeshForSimulation(const LabelVolume& merged, double cellSizeMm,
-  const ProgressCallback& progress)
+TetrahedralMesh MeshTissue(const LabelVolume& materials, const std::vector<bool>&,
+  double cellSizeMm, const ProgressCallback& progress)
 {
-  return MeshAnatomy(merged, {}, cellSizeMm, progress);
+  return MeshAnatomy(materials, {}, cellSizeMm, progress);
 }
 #endif
 
@@ -224,35 +190,105 @@ BreastPose StartOf(const RegistrationCase& input, const Mammogram& mammogram,
   start.ShiftLateralMm = input.StartLateralMm;
   start.ShiftAnteriorMm = input.StartAnteriorMm;
   start.ShiftVerticalMm = input.StartVerticalMm;
+  start.PitchDeg = input.StartPitchDeg;
+  start.YawDeg = input.StartYawDeg;
+  start.PaddleTiltDeg = input.StartTiltDeg;
   return start;
 }
 
-void FixParameters(const std::vector<std::string>& names,
+void FreeParameters(const std::vector<std::string>& names,
   std::vector<RegistrationParameter>& parameters)
 {
+  std::string known;
   for (RegistrationParameter& parameter : parameters)
   {
-    parameter.Fixed = false;
+    parameter.Fixed = std::find(names.begin(), names.end(), parameter.Name) == names.end();
+    known += (known.empty() ? "" : ", ") + parameter.Name;
   }
   for (const std::string& name : names)
   {
-    std::string known;
-    bool found = false;
-    for (RegistrationParameter& parameter : parameters)
+    if (std::none_of(parameters.begin(), parameters.end(),
+          [&](const RegistrationParameter& parameter) { return parameter.Name == name; }))
     {
-      known += (known.empty() ? "" : ", ") + parameter.Name;
-      if (parameter.Name == name)
-      {
-        parameter.Fixed = true;
-        found = true;
-      }
-    }
-    if (!found)
-    {
-      throw InputError("fixed parameter '" + name + "': expected one of " + known);
+      throw InputError("parameter '" + name + "': expected one of " + known);
     }
   }
 }
+
+/**
+ * The parameters' values in an earlier result. Throws InputError that names the file when it is
+ * none, or one of other inputs.
+ */
+std::vector<double> ResumeFrom(const RegistrationCase& input,
+  const std::vector<RegistrationParameter>& parameters)
+{
+  const std::string path = input.Resume + "/result.json";
+  std::ifstream file(path);
+  if (!file)
+  {
+    throw InputError(path + ": no such file");
+  }
+  std::vector<double> values;
+  try
+  {
+    const nlohmann::json result = nlohmann::json::parse(file);
+    for (const auto& [role, name] : CaseInputs(input))
+    {
+      for (const nlohmann::json& entry : result.at("inputs"))
+      {
+        if (entry.at("role") == role && entry.at("sha256") != Sha256OfFile(name))
+        {
+          throw InputError(path + ": expected a result of " + name + ", found one of another file");
+        }
+      }
+    }
+    for (const RegistrationParameter& parameter : parameters)
+    {
+      values.push_back(parameter.Start);
+      for (const nlohmann::json& entry : result.at("parameters"))
+      {
+        if (entry.at("name") == parameter.Name)
+        {
+          values.back() = entry.at("value").get<double>();
+        }
+      }
+    }
+  }
+  catch (const nlohmann::json::exception& error)
+  {
+    throw InputError(path + ": expected the result of 'mammoray register': " + error.what());
+  }
+  return values;
+}
+
+/// Gland: what the ratio of stiffness is about.
+std::vector<int> GlandularMaterials(const MaterialTable& table)
+{
+  std::vector<int> gland;
+  for (std::size_t index = 1; index < table.Materials.size(); ++index)
+  {
+    if (table.Materials[index].Attenuation == "glandular" && !table.Materials[index].Held)
+    {
+      gland.push_back(static_cast<int>(index));
+    }
+  }
+  return gland;
+}
+}
+
+std::vector<std::pair<std::string, std::string>> CaseInputs(const RegistrationCase& input)
+{
+  std::vector<std::pair<std::string, std::string>> inputs{ { "Label volume", input.Labels },
+    { "Material table", input.Materials }, { "Mammogram", input.Mammogram } };
+  if (!input.AnatomyMesh.empty())
+  {
+    inputs.emplace_back("Anatomy mesh", input.AnatomyMesh);
+  }
+  if (!input.SimulationMesh.empty())
+  {
+    inputs.emplace_back("Simulation mesh", input.SimulationMesh);
+  }
+  return inputs;
 }
 
 RegistrationCaseResult RunRegistrationCase(const RegistrationCase& input,
@@ -278,7 +314,11 @@ RegistrationCaseResult RunRegistrationCase(const RegistrationCase& input,
   const BreastPose start = StartOf(input, result.Mammogram, result.Warnings);
   RegistrationOptions options = input.Options;
   options.Parameters = DefaultParameters(start);
-  FixParameters(input.Fixed, options.Parameters);
+  FreeParameters(input.Free, options.Parameters);
+  if (!input.Resume.empty())
+  {
+    options.From = ResumeFrom(input, options.Parameters);
+  }
   const Spectrum spectrum = FindSpectrum(input.Spectrum);
   const Beam beam = MakeBeam(result.Materials, spectrum, DetectorResponse::EnergyIntegrating);
   ProjectorOptions projectorOptions;
@@ -299,7 +339,7 @@ RegistrationCaseResult RunRegistrationCase(const RegistrationCase& input,
     : ReadTetrahedra(input.AnatomyMesh, result.Materials);
   stopwatch.Stage("mesh the anatomy");
   const TetrahedralMesh coarse = input.SimulationMesh.empty()
-    ? MeshForSimulation(TissueAndHeld(materials, held), input.SimulationCellSizeMm, progress)
+    ? MeshTissue(materials, held, input.SimulationCellSizeMm, progress)
     : ReadTetrahedra(input.SimulationMesh, result.Materials);
   result.SimulationCells = coarse.NumberOfCells();
   stopwatch.Stage("mesh for the mechanics");
@@ -307,10 +347,9 @@ RegistrationCaseResult RunRegistrationCase(const RegistrationCase& input,
   std::vector<ElasticMaterial> elastic;
   for (const Material& material : result.Materials.Materials)
   {
-    elastic.push_back(
-      { material.YoungsModulusKPa, material.PoissonRatio, material.FungExponent });
+    elastic.push_back({ material.YoungsModulusKPa, material.PoissonRatio, material.FungExponent });
   }
-  const CompressionSimulation simulation(coarse, elastic, held,
+  CompressionSimulation simulation(coarse, elastic, held,
     [&materials](const Vector3& point) { return static_cast<int>(materials.LabelAt(point)); });
   const SurfaceMesh surface = ExtractInterfaces(result.Anatomy);
   result.SurfaceTriangles = surface.NumberOfTriangles();
@@ -320,6 +359,8 @@ RegistrationCaseResult RunRegistrationCase(const RegistrationCase& input,
 
   RegistrationModel model;
   model.Simulation = &simulation;
+  model.Elastic = elastic;
+  model.ScaledMaterials = GlandularMaterials(result.Materials);
   model.Surface = &surface;
   model.SurfaceEmbedding = &surfaceEmbedding;
   model.Projector = projector.get();

@@ -103,16 +103,7 @@ void WriteRegistrationCase(const RegistrationCase& input, const RegistrationCase
   report.Placed = result.Placed;
   report.Unit = result.Unit;
   report.Timings = result.Timings;
-  report.Inputs = { { "Label volume", input.Labels }, { "Material table", input.Materials },
-    { "Mammogram", input.Mammogram } };
-  if (!input.AnatomyMesh.empty())
-  {
-    report.Inputs.emplace_back("Anatomy mesh", input.AnatomyMesh);
-  }
-  if (!input.SimulationMesh.empty())
-  {
-    report.Inputs.emplace_back("Simulation mesh", input.SimulationMesh);
-  }
+  report.Inputs = CaseInputs(input);
   report.Versions = { { "Vulkan device", result.Device }, { "Spectrum", input.Spectrum },
     { "Anatomy",
       std::to_string(result.Anatomy.NumberOfCells()) + " tetrahedra, " +

@@ -2,6 +2,7 @@
 #include "RegistrationReport.h"
 
 #include "Error.h"
+#include "Private/PlotPicture.h"
 #include "ReportPictures.h"
 #include "Sha256.h"
 
@@ -84,10 +85,13 @@ std::string ResolutionNote(const RegistrationResult& result)
 
 std::string ParameterTitle(const std::string& name)
 {
-  static const std::pair<const char*, const char*> Titles[] = { { "thickness",
-                                                                  "Compressed thickness" },
-    { "roll", "Rotation about the chest–nipple axis" }, { "lateral", "Shift along the chest wall" },
-    { "anterior", "Shift away from the chest wall" }, { "vertical", "Shift along the beam" } };
+  static const std::pair<const char*, const char*> Titles[] = {
+    { "thickness", "Compressed thickness" }, { "roll", "Rotation about the chest–nipple axis" },
+    { "pitch", "Rotation about the chest wall's edge" }, { "yaw", "Rotation about the beam" },
+    { "lateral", "Shift along the chest wall" }, { "anterior", "Shift away from the chest wall" },
+    { "vertical", "Shift along the beam" }, { "tilt", "Tilt of the paddle" },
+    { "stiffness", "Stiffness of gland, times the table's" }
+  };
   for (const auto& title : Titles)
   {
     if (name == title.first)
@@ -136,15 +140,6 @@ void Validate(const RegistrationReport& report)
       std::to_string(result.Values.size()) + " and " +
       std::to_string(result.StandardDeviations.size()));
   }
-}
-
-/// Ticks at 1, 2 or 5 times a power of ten, about `wanted` of them.
-double TickStep(double range, int wanted)
-{
-  const double rough = range / wanted;
-  const double power = std::pow(10.0, std::floor(std::log10(rough)));
-  const double part = rough / power;
-  return power * (part < 1.5 ? 1 : part < 3.5 ? 2 : part < 7.5 ? 5 : 10);
 }
 
 std::string ShortNumber(double value)
@@ -318,6 +313,8 @@ std::string ResultJson(const RegistrationReport& report, const Assessment& asses
   json["formatVersion"] = 1;
   json["trust"] = { { "level", NameOf(assessment.Level) }, { "reasons", assessment.Reasons } };
   json["pose"] = { { "thicknessMm", result.Pose.ThicknessMm }, { "rollDeg", result.Pose.RollDeg },
+    { "pitchDeg", result.Pose.PitchDeg }, { "yawDeg", result.Pose.YawDeg },
+    { "paddleTiltDeg", result.Pose.PaddleTiltDeg },
     { "shiftLateralMm", result.Pose.ShiftLateralMm },
     { "shiftAnteriorMm", result.Pose.ShiftAnteriorMm },
     { "shiftVerticalMm", result.Pose.ShiftVerticalMm } };
@@ -427,6 +424,15 @@ td.value { text-align: right; padding-right: 0; }
 td.number, th.number { text-align: right; white-space: nowrap; }
 .columns { display: grid; grid-template-columns: 1fr 1fr; gap: 18px; }
 .columns section { min-width: 0; }
+.stage { position: relative; max-width: 560px; margin-top: 12px; --blend: 50%; }
+.stage img { display: block; width: 100%; border-radius: 6px; }
+.stage img + img { position: absolute; inset: 0; opacity: var(--blend); }
+.stage.checkerboard img + img { opacity: 1; -webkit-mask: repeating-conic-gradient(#000 0 25%, #0000 0 50%)
+  0 0 / 90px 90px; mask: repeating-conic-gradient(#000 0 25%, #0000 0 50%) 0 0 / 90px 90px; }
+.stage.flicker img + img { opacity: 1; animation: flicker 1.2s step-end infinite; }
+@keyframes flicker { 50% { opacity: 0; } }
+.controls label { margin-right: 18px; }
+.controls input[type=range] { width: 240px; vertical-align: middle; }
 code { font: 12px ui-monospace, Menlo, Consolas, monospace; color: var(--quiet); overflow-wrap: anywhere; }
 .flag { background: #fef3c7; border-radius: 4px; padding: 1px 6px; font-size: 12px; }
 section > svg { width: 100%; height: auto; display: block; }
@@ -511,6 +517,32 @@ std::string PicturesHtml(const ReportPictures& pictures)
     "</div>\n<p style=\"color:var(--quiet);font-size:13px;margin:12px 0 0\">Letters are patient "
     "directions: A anterior, P posterior, L left, R right, H head, F feet.</p>\n</section>\n";
 }
+
+/// Both pictures in one place; the script takes them from the figures above, so that each is in the
+/// file once.
+constexpr const char* Comparison = R"html(<section id="comparison" hidden>
+<h2>Compare</h2>
+<div class="controls">
+<label><input type="radio" name="mode" value="blend" checked> blend, real
+<input type="range" min="0" max="100" value="50" aria-label="share of the synthetic mammogram"> synthetic</label>
+<label><input type="radio" name="mode" value="checkerboard"> checkerboard</label>
+<label><input type="radio" name="mode" value="flicker"> flicker</label>
+</div>
+<div class="stage"><img alt="Real mammogram"><img alt="Synthetic mammogram"></div>
+<script>
+const section = document.getElementById("comparison");
+const stage = section.querySelector(".stage");
+const range = section.querySelector("[type=range]");
+const blend = () => stage.style.setProperty("--blend", range.value + "%");
+stage.querySelectorAll("img").forEach(image => {
+  image.src = document.querySelector(`.pictures img[alt="${image.alt}"]`).src; });
+section.querySelectorAll("[name=mode]").forEach(button => {
+  button.onchange = () => { stage.className = "stage " + button.value; }; });
+range.oninput = () => { section.querySelector("[value=blend]").click(); blend(); };
+section.hidden = false;
+</script>
+</section>
+)html";
 
 std::string ParametersHtml(const RegistrationResult& result)
 {
@@ -598,6 +630,7 @@ std::string ReportHtml(const RegistrationReport& report, const Assessment& asses
   html += VerdictHtml(assessment);
   html += FiguresHtml(result);
   html += PicturesHtml(pictures);
+  html += Comparison;
   html += ParametersHtml(result);
   html += "<section>\n<h2>Course of the search</h2>\n" + plot + "<p class=\"hint\">" +
     ResolutionNote(result) + "</p></section>\n";

@@ -353,17 +353,6 @@ MeshingOptions MeshingOptions::Anatomy(const std::vector<int>& thinMaterials)
   return options;
 }
 
-MeshingOptions MeshingOptions::Simulation()
-{
-  MeshingOptions options;
-  options.CellSizeMm = 9.0;
-  options.FacetSizeMm = 8.0;
-  options.FacetDistanceMm = 1.0;
-  options.CellRadiusEdgeRatio = 2.0;
-  options.SmallestComponentMm3 = 500.0;
-  return options;
-}
-
 void MeshingOptions::Validate() const
 {
   const auto need = [](bool good, const char* name, const char* expected, double found)

@@ -57,8 +57,6 @@ struct MAMMORAYMESHING_EXPORT MeshingOptions
   /// For pictures: fine at the skin, no optimisation. `thinMaterials` are layers of about a
   /// millimetre.
   static MeshingOptions Anatomy(const std::vector<int>& thinMaterials);
-  /// For quadratic finite elements: few thousand well-shaped cells per 250 cm^3.
-  static MeshingOptions Simulation();
 
   /// Throws InputError that names the first value out of range.
   void Validate() const;

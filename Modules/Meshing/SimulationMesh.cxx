@@ -5,55 +5,64 @@
 #include "LabelResampling.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace mammoray
 {
-MeshingResult MeshForSimulation(const LabelVolume& materials, const std::vector<bool>& held,
-  double sizeMm, const ProgressCallback& progress)
+namespace
 {
-  if (!(sizeMm > 0))
-  {
-    throw InputError("simulation mesh: expected a positive size");
-  }
-  const auto isHeld = [&](int material)
-  { return static_cast<std::size_t>(material) < held.size() && held[material]; };
-  int heldMaterial = 0;
-  int softMaterial = 0;
-  std::size_t largest = 0;
+// At 1 mm the mesher's sliver removal reaches its bound more often than on finer stairs.
+constexpr double FinestSpacingMm = 1.0;
+
+/// Held tissue and all other tissue, each under the index of its commonest material.
+LabelVolume TissueAndHeld(const LabelVolume& materials, const std::vector<bool>& held)
+{
+  int commonest[2] = { 0, 0 };
+  std::size_t counts[2] = { 0, 0 };
   for (const auto& [material, count] : materials.CountLabels())
   {
-    if (material == 0)
+    if (static_cast<std::size_t>(material) >= held.size())
     {
-      continue;
+      throw InputError("simulation mesh: expected materials 0 to " +
+        std::to_string(held.size() - 1) + ", found " + std::to_string(material));
     }
-    if (isHeld(material))
+    const int side = held[material] ? 1 : 0;
+    if (material != 0 && count > counts[side])
     {
-      heldMaterial = heldMaterial ? heldMaterial : material;
-    }
-    else if (count > largest)
-    {
-      largest = count;
-      softMaterial = material;
+      commonest[side] = material;
+      counts[side] = count;
     }
   }
-  LabelVolume two = materials;
-  for (std::uint16_t& voxel : two.Voxels)
+  LabelVolume merged = materials;
+  for (std::uint16_t& voxel : merged.Voxels)
   {
-    voxel = static_cast<std::uint16_t>(voxel == 0 ? 0
-        : isHeld(voxel)                           ? heldMaterial
-                                                  : softMaterial);
+    voxel = voxel == 0 ? 0 : static_cast<std::uint16_t>(commonest[held[voxel] ? 1 : 0]);
   }
-  // A tenth of the size is as fine as the mesh can see.
-  const double finest = std::min({ two.Spacing[0], two.Spacing[1], two.Spacing[2] });
-  if (finest < 0.1 * sizeMm)
+  return merged;
+}
+}
+
+MeshingResult MeshForSimulation(const LabelVolume& materials, const std::vector<bool>& held,
+  double cellSizeMm, const ProgressCallback& progress)
+{
+  if (!(cellSizeMm >= 0))
   {
-    two = ResampleLabels(two, 0.1 * sizeMm);
+    throw InputError("simulation mesh: expected a cell size of at least 0 mm, found " +
+      std::to_string(cellSizeMm));
   }
+  LabelVolume tissue = TissueAndHeld(materials, held);
+  const auto voxels = static_cast<double>(tissue.Voxels.size() -
+    static_cast<std::size_t>(std::count(tissue.Voxels.begin(), tissue.Voxels.end(), 0)));
   MeshingOptions options;
-  options.FacetSizeMm = 0.95 * sizeMm;
-  options.CellSizeMm = 1.1 * sizeMm;
-  options.FacetDistanceMm = 0.1 * sizeMm;
-  options.SmallestComponentMm3 = 0.25 * sizeMm * sizeMm * sizeMm;
-  return MeshMaterials(two, options, progress);
+  options.CellSizeMm = cellSizeMm > 0 ? cellSizeMm : std::cbrt(voxels * tissue.VoxelVolume()) / 7;
+  options.FacetSizeMm = std::max(8.0, options.CellSizeMm);
+  options.FacetDistanceMm = 1.0;
+  options.CellRadiusEdgeRatio = 2.0;
+  options.SmallestComponentMm3 = 500.0;
+  if (*std::max_element(tissue.Spacing.begin(), tissue.Spacing.end()) < FinestSpacingMm)
+  {
+    tissue = ResampleLabels(tissue, FinestSpacingMm);
+  }
+  return MeshMaterials(tissue, options, progress);
 }
 }

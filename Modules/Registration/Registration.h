@@ -28,6 +28,8 @@ struct RegistrationIteration
 struct RegistrationResult
 {
   BreastPose Pose;
+  /// Factor on the stiffness of the model's ScaledMaterials.
+  double Stiffness = 1;
   /// As given, but for what Warnings tell.
   std::vector<RegistrationParameter> Parameters;
   std::vector<double> Values;

@@ -11,51 +11,138 @@
 
 namespace mammoray
 {
+namespace
+{
+VolumeFromGantry Place(const RegistrationModel& model, const BreastPose& pose)
+{
+  return PlaceUnit(model.Axes, model.Anchor, model.Unit, pose);
+}
+
+/// Leaves a simulation alone that has this stiffness.
+void SetStiffness(const RegistrationModel& model, double factor)
+{
+  std::vector<ElasticMaterial> materials = model.Elastic;
+  bool differs = false;
+  for (const int index : model.ScaledMaterials)
+  {
+    materials[index].YoungsModulusKPa *= factor;
+    differs = differs ||
+      materials[index].YoungsModulusKPa != model.Simulation->Materials()[index].YoungsModulusKPa;
+  }
+  if (differs)
+  {
+    model.Simulation->SetMaterials(materials);
+  }
+}
+
+MaterialVelocity StiffnessVelocity(const RegistrationModel& model)
+{
+  MaterialVelocity velocity(model.Elastic.size());
+  for (const int index : model.ScaledMaterials)
+  {
+    velocity[index].YoungsModulusKPa = model.Elastic[index].YoungsModulusKPa;
+  }
+  return velocity;
+}
+}
+
+BreastPose PoseOf(const std::vector<double>& values)
+{
+  BreastPose pose;
+  pose.ThicknessMm = values[ThicknessParameter];
+  pose.RollDeg = values[RollParameter];
+  pose.PitchDeg = values[PitchParameter];
+  pose.YawDeg = values[YawParameter];
+  pose.ShiftLateralMm = values[LateralParameter];
+  pose.ShiftAnteriorMm = values[AnteriorParameter];
+  pose.ShiftVerticalMm = values[VerticalParameter];
+  pose.PaddleTiltDeg = values[TiltParameter];
+  return pose;
+}
+
+PlatePair PlatesAt(const RegistrationModel& model, const BreastPose& pose)
+{
+  return PlatesOf(Place(model, pose), model.Unit, pose.ThicknessMm, pose.PaddleTiltDeg);
+}
+
+CompressionState CompressAt(const RegistrationModel& model, const std::vector<double>& values,
+  const CompressionState* start, const ProgressCallback& progress)
+{
+  SetStiffness(model, values[StiffnessParameter]);
+  return model.Simulation->Compress(PlatesAt(model, PoseOf(values)), start, progress);
+}
+
 std::vector<PlatePairVelocity> PlateVelocities(const RegistrationModel& model,
   const BreastPose& pose)
 {
-  const VolumeFromGantry placed = PlaceUnit(model.Axes, model.Anchor, model.Unit, pose);
-  const PlatePair plates = PlatesOf(placed, model.Unit, pose.ThicknessMm);
-  const auto both = [](const Vector3& linear) {
+  constexpr double radians = std::numbers::pi / 180.0;
+  const VolumeFromGantry placed = Place(model, pose);
+  const PlatePair plates = PlatesAt(model, pose);
+  const auto shifting = [](const Vector3& linear) {
     return PlatePairVelocity{ { linear, {} }, { linear, {} } };
   };
-
+  // The shifts turn with the unit; only the anchor stays.
+  const auto turningPlate = [&](const Plate& plate, const Vector3& omega) {
+    return PlateVelocity{ Cross(omega, plate.Edge - model.Anchor), omega };
+  };
+  const auto turning = [&](const Vector3& omega)
+  {
+    return PlatePairVelocity{ turningPlate(plates.Support, omega),
+      turningPlate(plates.Paddle, omega) };
+  };
   PlatePairVelocity thickness;
   thickness.Support.Linear = -0.5 * placed.Z;
   thickness.Paddle.Linear = 0.5 * placed.Z;
-  // With omega = Z x X per radian: omega x X = -Z and omega x Z = X, as PlaceUnit turns them.
-  const Vector3 omega = (std::numbers::pi / 180.0) * Cross(placed.Z, placed.X);
-  // The shifts turn with the unit; only the anchor stays.
-  const auto turning = [&](const Plate& plate) {
-    return PlateVelocity{ Cross(omega, plate.Edge - model.Anchor), omega };
-  };
-  const PlatePairVelocity roll{ turning(plates.Support), turning(plates.Paddle) };
-  return { thickness, roll, both(placed.X), both(placed.Y), both(placed.Z) };
+  // omega = from x to turns `from` towards `to`, each as they were when PlaceUnit turned them.
+  const double yaw = radians * pose.YawDeg;
+  const Vector3 anteriorBeforeYaw = std::cos(yaw) * placed.Y - std::sin(yaw) * placed.X;
+  PlatePairVelocity tilt;
+  tilt.Paddle.Angular = radians * Cross(placed.Y, placed.Z);
+  return { thickness, turning(radians * Cross(model.Axes.Superior, model.Axes.Left)),
+    turning(radians * Cross(placed.Z, anteriorBeforeYaw)),
+    turning(radians * Cross(placed.Y, placed.X)), shifting(placed.X), shifting(placed.Y),
+    shifting(placed.Z), tilt };
 }
 
 std::vector<std::vector<double>> VelocitiesSeenFromUnit(const RegistrationModel& model,
   const BreastPose& pose, const CompressionState& state, const Embedding& points,
   const std::vector<int>& wanted)
 {
-  const PlatePair plates =
-    PlatesOf(PlaceUnit(model.Axes, model.Anchor, model.Unit, pose), model.Unit, pose.ThicknessMm);
+  const Plate support = PlatesAt(model, pose).Support;
   const std::vector<PlatePairVelocity> all = PlateVelocities(model, pose);
   std::vector<PlatePairVelocity> motions;
+  std::vector<MaterialVelocity> stiffening;
   for (const int parameter : wanted)
   {
-    motions.push_back(all[parameter]);
+    if (parameter == StiffnessParameter)
+    {
+      stiffening.push_back(StiffnessVelocity(model));
+    }
+    else
+    {
+      motions.push_back(all[parameter]);
+    }
   }
   const std::vector<double> positions = points.Map(state.Positions);
+  const std::vector<std::vector<double>> nodes =
+    model.Simulation->Sensitivities(state, motions, stiffening);
   std::vector<std::vector<double>> velocities;
-  for (const std::vector<double>& nodes : model.Simulation->Sensitivities(state, motions))
+  std::size_t motion = 0;
+  for (const int parameter : wanted)
   {
+    if (parameter == StiffnessParameter)
+    {
+      velocities.push_back(points.Map(nodes.back()));
+      continue;
+    }
     // Rays and pixels move with the unit, and the unit with its support.
-    const PlateVelocity& unit = motions[velocities.size()].Support;
-    std::vector<double> moved = points.Map(nodes);
+    const PlateVelocity& unit = motions[motion].Support;
+    std::vector<double> moved = points.Map(nodes[motion]);
+    ++motion;
     for (std::size_t index = 0; index < moved.size(); index += 3)
     {
       const Vector3 carried =
-        unit.At(plates.Support, { positions[index], positions[index + 1], positions[index + 2] });
+        unit.At(support, { positions[index], positions[index + 1], positions[index + 2] });
       for (int axis = 0; axis < 3; ++axis)
       {
         moved[index + axis] -= carried[axis];
@@ -89,7 +176,7 @@ SyntheticMammogram Synthesize(const RegistrationModel& model, const BreastPose& 
   const CompressionState& state, const RegistrationTarget& grid, int samples)
 {
   SyntheticMammogram synthetic;
-  const VolumeFromGantry placed = PlaceUnit(model.Axes, model.Anchor, model.Unit, pose);
+  const VolumeFromGantry placed = Place(model, pose);
   const std::vector<double> points = model.SurfaceEmbedding->Map(state.Positions);
   model.Projector->UpdatePoints(points);
   const PathLengthImage lengths =

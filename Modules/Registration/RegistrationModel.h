@@ -15,10 +15,34 @@
 
 namespace mammoray
 {
-/// What stays the same while the registration runs. The referenced objects must outlive it.
+/// The parameters of a registration, in the order in which their values are kept.
+enum RegistrationParameterIndex : int
+{
+  ThicknessParameter,
+  RollParameter,
+  PitchParameter,
+  YawParameter,
+  LateralParameter,
+  AnteriorParameter,
+  VerticalParameter,
+  TiltParameter,
+  /// Factor on Young's modulus of RegistrationModel::ScaledMaterials.
+  StiffnessParameter,
+  ParameterCount
+};
+
+/// The pose of values in that order.
+MAMMORAYREGISTRATION_EXPORT BreastPose PoseOf(const std::vector<double>& values);
+
+/// What stays the same while the registration runs, but for the stiffness of the simulation's
+/// materials. The referenced objects must outlive it.
 struct RegistrationModel
 {
-  const CompressionSimulation* Simulation = nullptr;
+  CompressionSimulation* Simulation = nullptr;
+  /// The simulation's materials where the stiffness parameter is 1, and which of them it scales
+  /// (gland, so that it changes the ratio to fat). None: the parameter must be fixed.
+  std::vector<ElasticMaterial> Elastic;
+  std::vector<int> ScaledMaterials;
   /// Interfaces of the anatomy at rest; their points are moved by the simulation.
   const SurfaceMesh* Surface = nullptr;
   /// Moves the surface's points with the simulation.
@@ -38,16 +62,25 @@ MAMMORAYREGISTRATION_EXPORT XRaySource SourceOf(const VolumeFromGantry& placed,
 MAMMORAYREGISTRATION_EXPORT XRayDetector DetectorOf(const VolumeFromGantry& placed,
   const RegistrationTarget& grid, int samples);
 
-/// Rate of change of the plates with each member of a pose, in their order of declaration (per mm
-/// or degree).
+/// The plates at a pose, volume frame.
+MAMMORAYREGISTRATION_EXPORT PlatePair PlatesAt(const RegistrationModel& model,
+  const BreastPose& pose);
+
+/// Equilibrium at `values`: sets the simulation's stiffness, then compresses it. Throws as
+/// CompressionSimulation::Compress.
+MAMMORAYREGISTRATION_EXPORT CompressionState CompressAt(const RegistrationModel& model,
+  const std::vector<double>& values, const CompressionState* start = nullptr,
+  const ProgressCallback& progress = {});
+
+/// Rate of change of the plates with each parameter before the stiffness, in their order (per mm or
+/// degree).
 MAMMORAYREGISTRATION_EXPORT std::vector<PlatePairVelocity> PlateVelocities(
   const RegistrationModel& model, const BreastPose& pose);
 
 /**
- * How points that move with the simulation change with the parameters numbered in `wanted` (in the
- * order of PlateVelocities), seen from the unit: exact derivatives of their equilibrium minus the
- * motion of the unit's own points. One vector of 3 x pointCount each, volume frame, mm per mm or
- * degree.
+ * How points that move with the simulation change with the parameters numbered in `wanted`, seen
+ * from the unit: exact derivatives of their equilibrium minus the motion of the unit's own points.
+ * One vector of 3 x pointCount each, volume frame, mm per unit of the parameter.
  */
 MAMMORAYREGISTRATION_EXPORT std::vector<std::vector<double>> VelocitiesSeenFromUnit(
   const RegistrationModel& model, const BreastPose& pose, const CompressionState& state,

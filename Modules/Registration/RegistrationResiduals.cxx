@@ -13,52 +13,46 @@ namespace mammoray
 {
 std::vector<RegistrationParameter> DefaultParameters(const BreastPose& start)
 {
-  return {
-    { .Name = "thickness",
-      .Unit = "mm",
-      .Start = start.ThicknessMm,
-      .Lower = 0.5 * start.ThicknessMm,
-      .Upper = 1.5 * start.ThicknessMm,
-      .Scale = 5.0,
-      .PriorSigma = 5.0 },
-    { .Name = "roll",
-      .Unit = "deg",
-      .Start = start.RollDeg,
-      .Lower = start.RollDeg - 30,
-      .Upper = start.RollDeg + 30,
-      .Scale = 5.0 },
-    { .Name = "lateral",
-      .Unit = "mm",
-      .Start = start.ShiftLateralMm,
-      .Lower = start.ShiftLateralMm - 50,
-      .Upper = start.ShiftLateralMm + 50,
-      .Scale = 5.0 },
-    { .Name = "anterior",
-      .Unit = "mm",
-      .Start = start.ShiftAnteriorMm,
-      // The plates cannot stand behind the front of the chest wall.
-      .Lower = std::min(0.0, start.ShiftAnteriorMm),
-      .Upper = start.ShiftAnteriorMm + 50,
-      .Scale = 5.0 },
-    { .Name = "vertical",
-      .Unit = "mm",
-      .Start = start.ShiftVerticalMm,
-      .Lower = start.ShiftVerticalMm - 30,
-      .Upper = start.ShiftVerticalMm + 30,
-      .Scale = 5.0,
-      .Fixed = true },
+  const auto around = [](const char* name, const char* unit, double at, double reach)
+  {
+    return RegistrationParameter{ .Name = name,
+      .Unit = unit,
+      .Start = at,
+      .Lower = at - reach,
+      .Upper = at + reach,
+      .Scale = 5.0 };
   };
-}
-
-BreastPose PoseOf(const std::vector<double>& values)
-{
-  BreastPose pose;
-  pose.ThicknessMm = values[0];
-  pose.RollDeg = values[1];
-  pose.ShiftLateralMm = values[2];
-  pose.ShiftAnteriorMm = values[3];
-  pose.ShiftVerticalMm = values[4];
-  return pose;
+  const auto withheld = [](RegistrationParameter parameter, double priorSigma)
+  {
+    parameter.PriorSigma = priorSigma;
+    parameter.Fixed = true;
+    return parameter;
+  };
+  std::vector<RegistrationParameter> parameters(ParameterCount);
+  RegistrationParameter& thickness = parameters[ThicknessParameter];
+  thickness = around("thickness", "mm", start.ThicknessMm, 0.5 * start.ThicknessMm);
+  thickness.PriorSigma = 5.0;
+  parameters[RollParameter] = around("roll", "deg", start.RollDeg, 30);
+  parameters[PitchParameter] = withheld(around("pitch", "deg", start.PitchDeg, 20), 5);
+  parameters[YawParameter] = withheld(around("yaw", "deg", start.YawDeg, 20), 5);
+  parameters[LateralParameter] = around("lateral", "mm", start.ShiftLateralMm, 50);
+  RegistrationParameter& anterior = parameters[AnteriorParameter];
+  anterior = around("anterior", "mm", start.ShiftAnteriorMm, 50);
+  // The plates cannot stand behind the front of the chest wall.
+  anterior.Lower = std::min(0.0, start.ShiftAnteriorMm);
+  parameters[VerticalParameter] = withheld(around("vertical", "mm", start.ShiftVerticalMm, 30), 0);
+  RegistrationParameter& tilt = parameters[TiltParameter];
+  tilt = withheld(around("tilt", "deg", start.PaddleTiltDeg, 10), 2);
+  tilt.Scale = 2.0;
+  parameters[StiffnessParameter] = { .Name = "stiffness",
+    .Unit = "",
+    .Start = 1,
+    .Lower = 0.25,
+    .Upper = 4,
+    .Scale = 0.5,
+    .PriorSigma = 1,
+    .Fixed = true };
+  return parameters;
 }
 
 RegistrationResiduals::RegistrationResiduals(const RegistrationModel& model,

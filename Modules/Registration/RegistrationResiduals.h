@@ -12,12 +12,11 @@
 
 namespace mammoray
 {
-/// One parameter of the registration: a member of BreastPose.
 struct RegistrationParameter
 {
-  /// "thickness", "roll", "lateral", "anterior" or "vertical".
+  /// "thickness", "roll", "pitch", "yaw", "lateral", "anterior", "vertical", "tilt" or "stiffness".
   std::string Name;
-  /// "mm" or "deg".
+  /// "mm", "deg" or "" (a factor).
   std::string Unit;
   double Start = 0;
   double Lower = 0;
@@ -32,8 +31,13 @@ struct RegistrationParameter
 
 struct RegistrationOptions
 {
-  /// In the order of DefaultParameters.
+  /// All ParameterCount, in their order.
   std::vector<RegistrationParameter> Parameters;
+  /// Where the search begins: one value per parameter, free ones within their bounds. Empty: at
+  /// their Start and, with the roll beside it, at these others, whichever matches best once the
+  /// outlines meet; those outside the bounds are left out, degrees.
+  std::vector<double> From;
+  std::vector<double> RollOffsetsDeg{ -15.0, 15.0 };
   /// Edge lengths of the pixels in which the images are compared, coarse to fine, mm.
   std::vector<double> PixelSizesMm{ 3.0, 1.5 };
   /// Rays per coarse pixel along each of its sides.
@@ -55,16 +59,16 @@ struct RegistrationOptions
 };
 
 /**
- * The parameters thickness, roll, lateral, anterior and vertical around a start. Thickness is
- * bounded to 0.5 to 1.5 times the start with a prior of 5 mm (the header's thickness is the
- * paddle's, which bends and is calibrated to some mm), the angle to 30 degrees and the shifts to 50
- * mm around it; vertical, along the beam and almost without effect on the picture, is fixed.
+ * The parameters around a start, in their order. Thickness is bounded to 0.5 to 1.5 times the start
+ * with a prior of 5 mm (the header's thickness is the paddle's, which bends and is calibrated to
+ * some mm), roll to 30 degrees and the shifts to 50 mm around it. Fixed unless asked for: vertical,
+ * along the beam and almost without effect on the picture; pitch and yaw, bounded to 20 degrees
+ * with a prior of 5; tilt, to 10 with a prior of 2; and the stiffness of gland, 0.25 to 4 times the
+ * table's with a prior of 1 (the published ratios to fat span as much): one picture hardly tells
+ * them from the others.
  */
 MAMMORAYREGISTRATION_EXPORT std::vector<RegistrationParameter> DefaultParameters(
   const BreastPose& start);
-
-/// The pose of values in the order of DefaultParameters.
-MAMMORAYREGISTRATION_EXPORT BreastPose PoseOf(const std::vector<double>& values);
 
 /**
  * What the registration minimises: outline, intensity and prior residuals of a pose against a
@@ -82,8 +86,8 @@ public:
   /// One parameter at a time, in the order of the options; fixed ones too.
   struct Jacobian
   {
-    /// Columns[parameter][residual], per mm or degree; empty for parameters that were not asked
-    /// for.
+    /// Columns[parameter][residual], per unit of the parameter; empty for those that were not
+    /// asked for.
     std::vector<std::vector<double>> Columns;
   };
 

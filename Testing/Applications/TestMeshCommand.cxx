@@ -195,3 +195,21 @@ TEST_F(MeshCommand, ConfigurationRoundTrips)
   this->Folder.Write("config.json", R"({"cel-size": 3})");
   EXPECT_EQ(this->Run("mesh --config " + config + " " + arguments), 2) << this->Errors;
 }
+
+TEST_F(MeshCommand, MakesOneCoarseBodyOfAllFreeTissueForTheMechanics)
+{
+  ASSERT_EQ(
+    this->Run("mesh " + this->Inputs + " --for-mechanics --cell-size 4 -o " + this->Mesh), 0)
+    << this->Errors;
+  const TetrahedralMesh mesh = FromGrid(ReadMesh(this->Mesh));
+  double volume = 0;
+  for (std::size_t cell = 0; cell < mesh.NumberOfCells(); ++cell)
+  {
+    EXPECT_EQ(mesh.Materials[cell], mesh.Materials[0]); // nothing is held
+    volume += mesh.CellVolume(cell);
+  }
+  // Facets may lie 1 mm from the surface, but do on average a tenth of that at the most.
+  EXPECT_NEAR(volume, 1000, 60);
+  EXPECT_EQ(this->Run("mesh --for-mechanics --surface fat=fat.stl -o " + this->Mesh), 2);
+  EXPECT_THAT(this->Errors, testing::HasSubstr("--surface"));
+}

@@ -15,6 +15,7 @@
 #include <algorithm>
 #include <cstdlib>
 #include <filesystem>
+#include <fstream>
 #include <sstream>
 
 using namespace mammoray;
@@ -27,6 +28,30 @@ const std::string Data = MAMMORAY_DATA_DIR;
 const std::string Labels = Data + "/victre-phantom-1/labels.nrrd";
 const std::string Materials = Data + "/materials/victre.json";
 const std::string MammogramFile = Data + "/victre-phantom-1/victre1_lcc_processing.dcm";
+
+/// Label 3 in voxels of 0.4 mm.
+LabelVolume Ball(const Vector3& centre, double radius)
+{
+  LabelVolume volume;
+  const int count = static_cast<int>(2 * radius / 0.4) + 5;
+  volume.Size = { count, count, count };
+  volume.Spacing = { 0.4, 0.4, 0.4 };
+  const double half = 0.2 * (count - 1);
+  volume.Origin = centre - Vector3{ half, half, half };
+  volume.Voxels.assign(static_cast<std::size_t>(count) * count * count, 0);
+  for (int k = 0; k < count; ++k)
+  {
+    for (int j = 0; j < count; ++j)
+    {
+      for (int i = 0; i < count; ++i)
+      {
+        volume.Voxels[volume.Index(i, j, k)] =
+          Norm(volume.PointAt(i, j, k) - centre) < radius ? 3 : 0;
+      }
+    }
+  }
+  return volume;
+}
 
 class RegisterCommand : public testing_support::CommandTest
 {
@@ -79,7 +104,7 @@ TEST_F(RegisterCommand, RefusesUnusableInputInOneLine)
       "label 77 (27 voxels)");
   }
   this->ExpectRefused(
-    this->Register(Labels, Materials, MammogramFile, "--fixed thickness,everything"), "everything");
+    this->Register(Labels, Materials, MammogramFile, "--free thickness,everything"), "everything");
   this->ExpectRefused(this->Register(Labels, Materials, MammogramFile), "Vulkan",
     "VK_DRIVER_FILES=/nonexistent VK_ICD_FILENAMES=/nonexistent");
 }
@@ -124,6 +149,24 @@ TEST_F(RegisterCommand, RegistersTheShippedPhantom)
   // The acceptance limits of the full-size demo; the coarse one meets them too.
   EXPECT_LT(result.at("meanOutlineDistanceMm").get<double>(), 1.5);
   EXPECT_GT(result.at("correlation").get<double>(), 0.9);
+
+  // Gone on from, it has little left to do; another volume's result is refused.
+  const std::string again = Register(Labels, Materials, MammogramFile,
+    "--label-spacing 1 --anatomy-cell-size 6 --simulation-cell-size 13 --pixel-sizes 3 "
+    "--iterations 6 --overwrite --resume " +
+      folder);
+  ASSERT_EQ(this->Run(again), 0) << this->Errors;
+  const nlohmann::json resumed = nlohmann::json::parse(ReadFile(folder + "/result.json"));
+  EXPECT_EQ(resumed.at("iterations").at(0).at("parameters"),
+    result.at("iterations").back().at("parameters"));
+  EXPECT_LE(resumed.at("iterations").back().at("cost").get<double>(),
+    1.001 * result.at("iterations").back().at("cost").get<double>());
+  fs::copy_file(Materials, this->Folder.File("table.json"));
+  std::ofstream(this->Folder.File("table.json"), std::ios::app) << "\n";
+  this->CommandTest::ExpectRefused("register --labels " + Labels + " --materials " +
+      this->Folder.File("table.json") + " --mammogram " + MammogramFile +
+      " --orientation ALS --output " + this->Folder.File("other") + " --resume " + folder,
+    "found one of another file");
 
   ASSERT_EQ(this->Run("evaluate --result " + folder + " --landmarks " + Data +
               "/victre-phantom-1/landmarks.csv --truth-orientation ALS --truth-origin 8.4 7.4466 "
@@ -190,4 +233,43 @@ TEST_F(RegisterCommand, RegistersTheShippedPhantom)
   EXPECT_EQ(this->Run("locate --result " + folder + " --pixel 720 5"), 1);
   EXPECT_THAT(this->Errors, testing::HasSubstr("columns 0 to 719"));
   EXPECT_EQ(this->Run("locate --result " + folder), 2);
+
+  // A ball of 5 mm and its shadow. The compressed volume is the ball's, 524 mm3, as thick as the
+  // rays say: sum of thickness times pixel, without the magnification (650 / 625)^2.
+  const Vector3 centre{ 30, 10, -5 };
+  const std::string lesionFile = this->Folder.File("lesion.nrrd");
+  WriteLabelVolume(Ball(centre, 5), lesionFile);
+  const LabelVolume lesionVolume = ReadLabelVolume(lesionFile);
+  const auto projector = MakeProjector();
+  const ImagedLesion lesion = breast.ToMammogram(lesionVolume, 3, *projector);
+  EXPECT_NEAR(lesion.VolumeMm3, 524, 10); // the voxels' stairs
+  EXPECT_LT(Norm(lesion.Centre - centre), 0.1);
+  EXPECT_EQ(lesion.ShareOutside, 0);
+  ASSERT_EQ(lesion.Outlines.size(), 1u);
+  const auto& outline = lesion.Outlines.front();
+  EXPECT_EQ(outline.front(), outline.back());
+  double middle[2] = { 0, 0 };
+  for (std::size_t index = 1; index < outline.size(); ++index)
+  {
+    middle[0] += outline[index][0] / (outline.size() - 1);
+    middle[1] += outline[index][1] / (outline.size() - 1);
+  }
+  // The shadow's middle is the centre's pixel up to how unevenly a ball of that size is squeezed.
+  EXPECT_NEAR(middle[0], lesion.ImagedCentre.Column, 10);
+  EXPECT_NEAR(middle[1], lesion.ImagedCentre.Row, 10);
+  // A ball squeezed along the beam: wider than its section, 78.5 mm2, and flatter than 10 mm; an
+  // ellipsoid of its volume has 2/3 of the box around it.
+  EXPECT_GT(lesion.AreaMm2, 80);
+  EXPECT_LT(lesion.AreaMm2, 140);
+  EXPECT_NEAR(2.0 / 3.0 * lesion.AreaMm2 * lesion.LargestThicknessMm / (1.04 * 1.04), 524, 40);
+  const std::string outlines = this->Folder.File("outlines.csv");
+  ASSERT_EQ(this->Run("locate --result " + folder + " --lesion " + lesionFile + " -o " + outlines),
+    0)
+    << this->Errors;
+  EXPECT_THAT(this->Output, testing::HasSubstr("lesion 3"));
+  EXPECT_THAT(ReadFile(outlines), testing::StartsWith("label,polygon,column,row\n3,0,"));
+  WriteLabelVolume(Ball({ 300, 10, -5 }, 5), this->Folder.File("elsewhere.nrrd"));
+  this->CommandTest::ExpectRefused("locate --result " + folder + " --lesion " +
+      this->Folder.File("elsewhere.nrrd"),
+    "expected label 3 in the breast");
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Error.h"
+#include "Files.h"
 #include "RegistrationReport.h"
 #include "Sha256.h"
 
@@ -13,13 +14,10 @@
 #include <nlohmann/json.hpp>
 
 #include <cmath>
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <limits>
 #include <numbers>
-#include <sstream>
-#include <unistd.h>
 
 using namespace mammoray;
 using ::testing::HasSubstr;
@@ -27,33 +25,6 @@ using ::testing::Not;
 
 namespace
 {
-/// A folder of this test alone, removed at the end unless MAMMORAY_KEEP_OUTPUT is set.
-class TemporaryFolder
-{
-public:
-  TemporaryFolder()
-    : Path(::testing::TempDir() + "mammoray-report-" + std::to_string(::getpid()) + "-" +
-        ::testing::UnitTest::GetInstance()->current_test_info()->name())
-  {
-  }
-  ~TemporaryFolder()
-  {
-    if (!std::getenv("MAMMORAY_KEEP_OUTPUT"))
-    {
-      std::filesystem::remove_all(this->Path);
-    }
-  }
-  const std::string Path;
-};
-
-std::string Content(const std::string& path)
-{
-  std::ifstream file(path, std::ios::binary);
-  std::ostringstream content;
-  content << file.rdbuf();
-  return content.str();
-}
-
 /// A half ball of radius 40 mm with a gland in it and its twin, 2 mm lower and 1 mm smaller.
 struct MadeUp
 {
@@ -161,9 +132,8 @@ vtkSmartPointer<vtkImageData> ReadPng(const std::string& path)
 
 TEST(Sha256, MatchesThePublishedExamples)
 {
-  const TemporaryFolder folder;
-  std::filesystem::create_directories(folder.Path);
-  const std::string path = folder.Path + "/message";
+  const testing_support::TemporaryFolder folder;
+  const std::string path = folder.File("message");
   const auto hash = [&](const std::string& message)
   {
     std::ofstream(path, std::ios::binary) << message;
@@ -179,20 +149,20 @@ TEST(Sha256, MatchesThePublishedExamples)
   // The buffer's own size, a mebibyte, is a boundary too (sha256sum of coreutils).
   EXPECT_EQ(hash(std::string(1 << 20, '\0')),
     "30e14955ebf1352266dc2ff8067e68104607e750abb9d3b36582b8af909fcb58");
-  EXPECT_THROW(Sha256OfFile(folder.Path + "/absent"), InputError);
+  EXPECT_THROW(Sha256OfFile(folder.File("absent")), InputError);
 }
 
 TEST(RegistrationReport, WritesEverythingTheResultHolds)
 {
-  const TemporaryFolder folder;
+  const testing_support::TemporaryFolder folder;
+  const std::string report = folder.File("report");
   MadeUp made;
-  std::filesystem::create_directories(folder.Path);
-  const std::string input = folder.Path + "/input <1>.txt";
+  const std::string input = folder.File("input <1>.txt");
   std::ofstream(input) << "abc";
   made.Report.Inputs = { { "Mammogram", input } };
-  WriteRegistrationReport(made.Report, folder.Path);
+  WriteRegistrationReport(made.Report, report);
 
-  const auto json = nlohmann::json::parse(Content(folder.Path + "/result.json"));
+  const auto json = nlohmann::json::parse(testing_support::ReadFile(report + "/result.json"));
   EXPECT_EQ(json["trust"]["level"], "good");
   EXPECT_EQ(json["pose"]["thicknessMm"], 50.4);
   EXPECT_EQ(json["parameters"][1]["value"], -1.25);
@@ -204,14 +174,17 @@ TEST(RegistrationReport, WritesEverythingTheResultHolds)
     "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
   EXPECT_EQ(json["versions"]["Vulkan device"], "none, made up");
 
-  const std::string html = Content(folder.Path + "/report.html");
+  const std::string html = testing_support::ReadFile(report + "/report.html");
   EXPECT_THAT(html, HasSubstr("The two mammograms match"));
   EXPECT_THAT(html, HasSubstr("The header does not say &lt;this&gt; &amp; that."));
   EXPECT_THAT(html, HasSubstr("input &lt;1&gt;.txt"));
-  EXPECT_THAT(html, Not(HasSubstr(folder.Path))); // self-contained, and no path of this machine
+  // What the script of the comparison looks for.
+  EXPECT_THAT(html, HasSubstr("<img alt=\"Real mammogram\" src=\"data:"));
+  EXPECT_THAT(html, HasSubstr("<img alt=\"Synthetic mammogram\" src=\"data:"));
+  EXPECT_THAT(html, Not(HasSubstr(folder.File("")))); // self-contained, and no path of this machine
   EXPECT_THAT(html, Not(HasSubstr("http://127")));
-  EXPECT_THAT(Content(folder.Path + "/convergence.svg"), HasSubstr("Iteration"));
-  for (const auto& entry : std::filesystem::directory_iterator(folder.Path))
+  EXPECT_THAT(testing_support::ReadFile(report + "/convergence.svg"), HasSubstr("Iteration"));
+  for (const auto& entry : std::filesystem::directory_iterator(report))
   {
     EXPECT_NE(entry.path().extension(), ".part");
   }
@@ -222,10 +195,11 @@ TEST(RegistrationReport, PicturesShowWhatDiffersWhereItDoes)
   for (const char laterality : { 'L', 'R' })
   {
     SCOPED_TRACE(laterality);
-    const TemporaryFolder folder;
+    const testing_support::TemporaryFolder folder;
+    const std::string report = folder.File("report");
     const MadeUp made(laterality);
-    WriteRegistrationReport(made.Report, folder.Path);
-    const auto difference = ReadPng(folder.Path + "/difference.png");
+    WriteRegistrationReport(made.Report, report);
+    const auto difference = ReadPng(report + "/difference.png");
     EXPECT_EQ(difference->GetDimensions()[1], 900);
     // x from -41 to 40 mm and y from 0 to 40 mm with a margin of 8 mm: 97 x 48 mm on 0.3 mm pixels.
     EXPECT_NEAR(difference->GetDimensions()[0], 900 * 48 / 97.0, 900 * 0.6 / 97);
@@ -240,7 +214,7 @@ TEST(RegistrationReport, PicturesShowWhatDiffersWhereItDoes)
     const std::array<int, 3> beside = Pixel(difference, 1 - chestWall, 0.3);
     EXPECT_GT(beside[0], 230); // paper
     EXPECT_GT(beside[2], 230);
-    const auto real = ReadPng(folder.Path + "/real.png");
+    const auto real = ReadPng(report + "/real.png");
     EXPECT_GT(Pixel(real, laterality == 'L' ? 0.1 : 0.9, 0.5)[1], 150);
     EXPECT_LT(Pixel(real, 1 - chestWall, 0.3)[1], 10);
   }
@@ -248,7 +222,8 @@ TEST(RegistrationReport, PicturesShowWhatDiffersWhereItDoes)
 
 TEST(RegistrationReport, SaysWhenTheMatchIsNotToBeTrusted)
 {
-  const TemporaryFolder folder;
+  const testing_support::TemporaryFolder folder;
+  const std::string report = folder.File("report");
   MadeUp made;
   EXPECT_EQ(Assess(made.Result).Level, Trust::Good);
   made.Result.Values[1] = 15; // its upper bound
@@ -264,25 +239,26 @@ TEST(RegistrationReport, SaysWhenTheMatchIsNotToBeTrusted)
   made.Result.StopReason = "stopped by the user";
   EXPECT_EQ(Assess(made.Result).Level, Trust::None);
   EXPECT_EQ(Assess(made.Result).Reasons.size(), 2U);
-  WriteRegistrationReport(made.Report, folder.Path);
-  const std::string html = Content(folder.Path + "/report.html");
+  WriteRegistrationReport(made.Report, report);
+  const std::string html = testing_support::ReadFile(report + "/report.html");
   EXPECT_THAT(html, HasSubstr("The match is not to be trusted"));
   EXPECT_THAT(html, HasSubstr("stopped by the user"));
 }
 
 TEST(RegistrationReport, RefusesPartsThatDoNotFit)
 {
-  const TemporaryFolder folder;
+  const testing_support::TemporaryFolder folder;
+  const std::string report = folder.File("report");
   MadeUp made;
   made.Report.Inputs = { { "Mammogram", "/nonexistent/file" } };
-  EXPECT_THROW(WriteRegistrationReport(made.Report, folder.Path), InputError);
+  EXPECT_THROW(WriteRegistrationReport(made.Report, report), InputError);
   made.Report.Inputs.clear();
   made.Report.Synthetic.pop_back();
-  EXPECT_THROW(WriteRegistrationReport(made.Report, folder.Path), InputError);
+  EXPECT_THROW(WriteRegistrationReport(made.Report, report), InputError);
   made.Report.Synthetic.push_back(0);
   made.Result.Values.pop_back();
-  EXPECT_THROW(WriteRegistrationReport(made.Report, folder.Path), InputError);
-  EXPECT_FALSE(std::filesystem::exists(folder.Path)); // nothing was begun
+  EXPECT_THROW(WriteRegistrationReport(made.Report, report), InputError);
+  EXPECT_FALSE(std::filesystem::exists(report)); // nothing was begun
   made.Result.Values.push_back(0);
   EXPECT_THROW(WriteRegistrationReport(made.Report, "/dev/null/folder"), InputError);
 }

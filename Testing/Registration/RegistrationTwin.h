@@ -70,6 +70,8 @@ struct Twin
   {
     this->Projector->SetSurface(this->Surface);
     this->Model.Simulation = &this->Simulation;
+    this->Model.Elastic = this->Simulation.Materials();
+    this->Model.ScaledMaterials = { 3 };
     this->Model.Surface = &this->Surface;
     this->Model.SurfaceEmbedding = &this->SurfaceEmbedding;
     this->Model.Projector = this->Projector.get();
@@ -114,9 +116,7 @@ inline RegistrationTarget MakeTarget(const Twin& setup, const BreastPose& pose)
   target.BreastMask.assign(pixels, 0);
   target.SignedDistanceMm.assign(pixels, 0);
   target.BreastMask[120 * 130] = 1; // the centre of the silhouette that Synthesize looks for
-  const CompressionState state = setup.Simulation.Compress(
-    PlatesOf(PlaceUnit(setup.Model.Axes, setup.Model.Anchor, setup.Model.Unit, pose),
-      setup.Model.Unit, pose.ThicknessMm));
+  const CompressionState state = setup.Simulation.Compress(PlatesAt(setup.Model, pose));
   const SyntheticMammogram synthetic = Synthesize(setup.Model, pose, state, target, 1);
   EXPECT_EQ(synthetic.InconsistentRays, 0u);
 

@@ -41,20 +41,20 @@ TEST(PlateVelocities, AgreeWithDifferencesOfThePlates)
     BreastPose pose;
     pose.ThicknessMm = 47;
     pose.RollDeg = 12;
+    pose.PitchDeg = -7;
+    pose.YawDeg = 15;
+    pose.PaddleTiltDeg = 4;
     pose.ShiftLateralMm = -4;
     pose.ShiftAnteriorMm = 9;
     pose.ShiftVerticalMm = 2;
     const auto velocities = PlateVelocities(model, pose);
-    const auto platesAt = [&](const BreastPose& at)
-    {
-      return PlatesOf(PlaceUnit(model.Axes, model.Anchor, model.Unit, at), model.Unit,
-        at.ThicknessMm);
-    };
+    const auto platesAt = [&](const BreastPose& at) { return PlatesAt(model, at); };
     double BreastPose::*const members[] = { &BreastPose::ThicknessMm, &BreastPose::RollDeg,
-      &BreastPose::ShiftLateralMm, &BreastPose::ShiftAnteriorMm, &BreastPose::ShiftVerticalMm };
+      &BreastPose::PitchDeg, &BreastPose::YawDeg, &BreastPose::ShiftLateralMm,
+      &BreastPose::ShiftAnteriorMm, &BreastPose::ShiftVerticalMm, &BreastPose::PaddleTiltDeg };
     const PlatePair here = platesAt(pose);
-    ASSERT_EQ(velocities.size(), 5u);
-    for (int parameter = 0; parameter < 5; ++parameter)
+    ASSERT_EQ(velocities.size(), std::size(members));
+    for (int parameter = 0; parameter < static_cast<int>(std::size(members)); ++parameter)
     {
       SCOPED_TRACE(std::string(orientation) + " parameter " + std::to_string(parameter));
       constexpr double step = 1e-4;
@@ -77,14 +77,14 @@ TEST(DefaultParameters, StartWithinTheirBounds)
   start.RollDeg = 45;
   start.ShiftAnteriorMm = 5;
   const auto parameters = DefaultParameters(start);
-  ASSERT_EQ(parameters.size(), 5u);
+  ASSERT_EQ(parameters.size(), std::size_t{ ParameterCount });
   for (const RegistrationParameter& parameter : parameters)
   {
     EXPECT_LT(parameter.Lower, parameter.Start) << parameter.Name;
     EXPECT_LT(parameter.Start, parameter.Upper) << parameter.Name;
     EXPECT_GT(parameter.Scale, 0) << parameter.Name;
   }
-  EXPECT_EQ(parameters[0].Start, 62);
-  EXPECT_EQ(parameters[1].Start, 45);
-  EXPECT_TRUE(parameters[4].Fixed);
+  EXPECT_EQ(parameters[ThicknessParameter].Start, 62);
+  EXPECT_EQ(parameters[RollParameter].Start, 45);
+  EXPECT_TRUE(parameters[VerticalParameter].Fixed);
 }

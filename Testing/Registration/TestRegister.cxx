@@ -61,32 +61,38 @@ TEST_F(Registration, RecoversATwinMadeWithAnotherMeshSpectrumAndNoise)
   {
     BreastPose start;
     start.ThicknessMm = 50;
-    start.RollDeg = Truth().RollDeg + sense * 8;
-    start.ShiftLateralMm = -sense * 6;
+    start.RollDeg = Truth().RollDeg + sense * 20;
+    start.ShiftLateralMm = Truth().ShiftLateralMm - sense * 15;
     start.ShiftAnteriorMm = 3;
     const RegistrationResult result = Register(Model->Model, *Target, OptionsFrom(start), {});
     EXPECT_TRUE(result.Converged) << result.StopReason;
     // The result's own standard deviations must be useful, and the errors no larger than what is
     // called useful: the ball is all that shows the angle, and thickness has little effect on a
     // z-scored picture.
-    const double truth[] = { Truth().ThicknessMm, Truth().RollDeg, Truth().ShiftLateralMm,
-      Truth().ShiftAnteriorMm };
-    // Half of the 3 mm pixels for the shifts.
-    const double useful[] = { 3.0, 5.0, 1.5, 1.5 };
-    for (int parameter = 0; parameter < 4; ++parameter)
+    struct Expected
     {
-      const double error = std::abs(result.Values[parameter] - truth[parameter]);
-      const double deviation = result.StandardDeviations[parameter];
-      EXPECT_GT(deviation, 0) << parameter;
-      EXPECT_LT(deviation, useful[parameter]) << parameter;
-      EXPECT_LT(error, useful[parameter]) << parameter;
+      int Parameter;
+      double Truth;
+      double Useful;
+    };
+    // Half of the 3 mm pixels for the shifts.
+    for (const Expected& expected : { Expected{ ThicknessParameter, Truth().ThicknessMm, 3.0 },
+           Expected{ RollParameter, Truth().RollDeg, 5.0 },
+           Expected{ LateralParameter, Truth().ShiftLateralMm, 1.5 },
+           Expected{ AnteriorParameter, Truth().ShiftAnteriorMm, 1.5 } })
+    {
+      const double deviation = result.StandardDeviations[expected.Parameter];
+      SCOPED_TRACE(result.Parameters[expected.Parameter].Name);
+      EXPECT_GT(deviation, 0);
+      EXPECT_LT(deviation, expected.Useful);
+      EXPECT_NEAR(result.Values[expected.Parameter], expected.Truth, expected.Useful);
     }
     EXPECT_LT(result.After.MeanOutlineDistanceMm, 0.7);
     EXPECT_GT(result.After.Correlation, 0.95);
     EXPECT_GT(result.After.Correlation, result.Before.Correlation);
     ASSERT_GE(result.Iterations.size(), 2u);
     EXPECT_LT(result.Iterations.back().Cost, result.Iterations.front().Cost);
-    EXPECT_TRUE(std::isnan(result.StandardDeviations[4])); // fixed
+    EXPECT_TRUE(std::isnan(result.StandardDeviations[VerticalParameter])); // fixed
     EXPECT_EQ(result.Pose.ShiftVerticalMm, 0);
   }
 }
@@ -121,7 +127,7 @@ TEST_F(Registration, StopsWhenAskedWithTheBestSoFar)
 TEST_F(Registration, UnusableInputIsRefused)
 {
   RegistrationOptions options = OptionsFrom(Truth());
-  options.Parameters[1].Start = 1000;
+  options.Parameters[RollParameter].Start = 1000;
   EXPECT_THROW(Register(Model->Model, *Target, options, {}), InputError);
   options = OptionsFrom(Truth());
   options.Parameters.pop_back();
