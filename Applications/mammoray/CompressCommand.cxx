@@ -188,17 +188,7 @@ void RunCompress(const CompressArguments& arguments)
   }
   CompressionOptions options;
   options.Element = Elements.at(arguments.Element);
-  std::optional<TetrahedralMesh> coarse;
-#ifdef MAMMORAY_HAS_MESHING
-  if (volume && options.Element == ElementType::PatchAveragedLinear &&
-    simulationMesh.NumberOfCells() > MostSimulationCells(ElementType::Quadratic))
-  {
-    coarse =
-      MeshForSimulation(*volume, held, arguments.SimulationSizeMm, MakeProgressBar()).Mesh;
-  }
-#endif
-  const CompressionSimulation simulation(
-    simulationMesh, elastic, held, field, options, coarse ? &*coarse : nullptr);
+  const CompressionSimulation simulation(simulationMesh, elastic, held, field, options);
   const Vector3 anchor =
     volume ? FindPoseAnchor(*volume, held, axes) : FindPoseAnchor(mesh, held, axes);
   const CompressionState state = Compress(arguments, simulation, axes, anchor);

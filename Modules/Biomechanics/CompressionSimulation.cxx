@@ -106,7 +106,7 @@ double PenetrationLimitMm(const PlatePair& plates)
 
 CompressionSimulation::CompressionSimulation(const TetrahedralMesh& mesh,
   const std::vector<ElasticMaterial>& materials, const std::vector<bool>& held,
-  const MaterialField& field, const CompressionOptions& options, const TetrahedralMesh* coarse)
+  const MaterialField& field, const CompressionOptions& options)
 {
   if (!(options.ContactStiffness > 0) || !(options.RelativeTolerance > 0) ||
     options.MaximumNewtonSteps < 1 || !(options.LargestLoadStep > 0))
@@ -116,12 +116,12 @@ CompressionSimulation::CompressionSimulation(const TetrahedralMesh& mesh,
   ElasticBody body(mesh, materials, field, held, options.Element);
   std::vector<bool> fixed = FixedCoordinates(body, mesh, held);
   this->Internal = std::make_unique<Internals>(std::move(body), fixed, options);
-  if (coarse || options.Element == ElementType::Quadratic)
+  if (options.Element == ElementType::Quadratic)
   {
     CompressionOptions leading = options;
     leading.Element = ElementType::PatchAveragedLinear;
-    this->Internal->Coarse = std::make_unique<CompressionSimulation>(coarse ? *coarse : mesh,
-      materials, held, field, leading);
+    this->Internal->Coarse =
+      std::make_unique<CompressionSimulation>(mesh, materials, held, field, leading);
     this->Internal->InCoarse =
       std::make_unique<Embedding>(*this->Internal->Coarse, this->RestPositions());
   }
@@ -146,8 +146,10 @@ std::vector<double> CompressionSimulation::CoarsePositions(const PlatePair& plat
   {
     try
     {
+      const auto firstHalf = [&](double fraction, const char* stage)
+      { return !progress || progress(0.5 * fraction, stage); };
       const CompressionState coarse =
-        internal.Coarse->Run(plates, nullptr, Finish::Rough, progress);
+        internal.Coarse->Run(plates, nullptr, Finish::Rough, firstHalf);
       positions = internal.InCoarse->Map(coarse.Positions);
       for (std::size_t c = 0; c < positions.size(); ++c)
       {
@@ -156,7 +158,7 @@ std::vector<double> CompressionSimulation::CoarsePositions(const PlatePair& plat
     }
     catch (const CompressionError&)
     {
-      // What stops coarse elements need not stop these.
+      // What stops linear elements need not stop these.
     }
   }
   return positions;

@@ -74,6 +74,7 @@ struct CompressionState
   double VolumeRatio = 1;
   /// Norm of the residual force over that of the contact force.
   double RelativeResidual = 0;
+  /// Without those of the linear elements that led a cold start.
   int NewtonSteps = 0;
   int LoadSteps = 0;
   double Seconds = 0;
@@ -97,21 +98,20 @@ public:
    * `mesh`: linear tetrahedra; its cell materials index `materials`. With a `field` the mesh need
    * not follow the anatomy: stiffness is averaged around each quadrature point from it (positions
    * where it answers 0 or a held material fall back on the cell's material). `held[m]` tells
-   * whether material m does not move: every node of a cell of such a material is fixed. `coarse`: a
-   * mesh of the same body with far fewer cells, on which linear elements lead cold starts; null: for
-   * quadratic elements `mesh` itself, for linear ones none. Throws InputError.
+   * whether material m does not move: every node of a cell of such a material is fixed. Throws
+   * InputError.
    */
   CompressionSimulation(const TetrahedralMesh& mesh, const std::vector<ElasticMaterial>& materials,
     const std::vector<bool>& held, const MaterialField& field = {},
-    const CompressionOptions& options = {}, const TetrahedralMesh* coarse = nullptr);
+    const CompressionOptions& options = {});
   ~CompressionSimulation();
   CompressionSimulation(CompressionSimulation&&) noexcept;
   CompressionSimulation& operator=(CompressionSimulation&&) noexcept;
 
   /**
    * Equilibrium between the plates. Cold: the plates are first opened along their normals until
-   * they touch nothing, then closed in load steps; where there is a coarse mesh its elements go this
-   * way and these start from where they arrive, or go it themselves if that fails. Warm: starts at `start` (a state of this
+   * they touch nothing, then closed in load steps; quadratic elements let linear ones on the same
+   * cells go this way and start from where these arrive, or go it themselves if that fails. Warm: starts at `start` (a state of this
    * simulation) and goes straight to the new plates, in steps where that fails. Deterministic.
    * Contact is made stiffer until the penetration is within its limit. Throws ConvergenceError that
    * names the last gap reached or the limit that was missed and the value found, or Interrupted.

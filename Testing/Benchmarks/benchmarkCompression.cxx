@@ -107,14 +107,11 @@ CompressionSimulation MakeSimulation(ElementType element, const std::array<int, 
 {
   CompressionOptions options;
   options.Element = element;
-  // A fine mesh of linear cells is led by a coarse one, as a user's would be.
-  const TetrahedralMesh coarse = MakeMesh({ 12, Layers, 12 });
-  const bool led = element == ElementType::PatchAveragedLinear && bricks[0] > 24;
   return CompressionSimulation(
     MakeMesh(bricks), { {}, { 5, 0.49 }, { 5, 0.49 }, { 15, 0.49 } }, { false, false, true, false },
     [](const Vector3& x)
     { return std::hypot(x[0] / 25, (x[1] - 25) / 18, x[2] / 20) < 1 ? 3 : 1; },
-    options, led ? &coarse : nullptr);
+    options);
 }
 
 PlatePair MakePlates(double thicknessMm)

@@ -216,26 +216,6 @@ TEST_P(ElementCompression, WarmAndColdStartsAgree)
   EXPECT_NEAR(warm.PaddleForceN, cold.PaddleForceN, 1e-6 * cold.PaddleForceN);
 }
 
-TEST(CompressionSimulation, ACoarseMeshLeadsToTheSameState)
-{
-  const CompressionOptions options = WithElement(ElementType::PatchAveragedLinear, 1e-10);
-  const TetrahedralMesh fine = test::MakeHalfEllipsoidMesh(40, 45, 38, 12);
-  const TetrahedralMesh coarse = test::MakeHalfEllipsoidMesh(40, 45, 38, 6);
-  const std::vector<ElasticMaterial> materials{ {}, { 6, 0.49 }, { 5, 0.49 } };
-  const std::vector<bool> held{ false, false, true };
-  const CompressionState led =
-    CompressionSimulation(fine, materials, held, {}, options, &coarse).Compress(MakePlates(60));
-  const CompressionState alone =
-    CompressionSimulation(fine, materials, held, {}, options).Compress(MakePlates(60));
-  EXPECT_EQ(led.LoadSteps, 1);
-  EXPECT_GT(alone.LoadSteps, 1);
-  ASSERT_EQ(led.Positions.size(), alone.Positions.size());
-  for (std::size_t c = 0; c < led.Positions.size(); ++c)
-  {
-    EXPECT_NEAR(led.Positions[c], alone.Positions[c], 1e-5); // as of warm and cold starts
-  }
-}
-
 TEST(CompressionSimulation, PlatesThatSlideAlongTheirEdgesChangeNothing)
 {
   const CompressionSimulation simulation = MakeBreast();
