@@ -135,8 +135,9 @@ Json ReportJson(const MeshArguments& arguments, const std::vector<std::string>& 
   report["seconds"] = result.Seconds;
   for (const MaterialReport& entry : result.Reports)
   {
-    report["volumes"].push_back({ { "material", NameOf(entry.Material, names) },
-      { "volume_in_mm3", entry.VolumeInMm3 }, { "volume_out_mm3", entry.VolumeOutMm3 } });
+    report["volumes"].push_back(
+      { { "material", NameOf(entry.Material, names) }, { "volume_in_mm3", entry.VolumeInMm3 },
+        { "volume_out_mm3", entry.VolumeOutMm3 }, { "volume_kept", entry.KeepsVolume() } });
   }
   return report;
 }
@@ -265,22 +266,14 @@ void RunCheck(const MeshArguments& arguments)
   std::string message;
   for (const MeshTrouble& trouble : check.Troubles)
   {
-    const bool note = trouble.What == MeshTrouble::Kind::Pinches;
-    const std::string line = arguments.Check + ": " + trouble.Text(names);
-    if (note)
-    {
-      std::printf("note: %s\n", line.c_str());
-    }
-    else
-    {
-      message += (message.empty() ? "" : "\nmammoray: ") + line;
-    }
+    message +=
+      (message.empty() ? "" : "\nmammoray: ") + arguments.Check + ": " + trouble.Text(names);
   }
   if (!message.empty())
   {
     throw ConvergenceError(message);
   }
-  std::printf("sound: every cell is upright, every boundary closed\n");
+  std::printf("sound: every cell is upright, every boundary a closed surface\n");
 }
 
 void PrintReport(const std::vector<std::string>& names, const MeshingResult& result)
@@ -294,12 +287,24 @@ void PrintReport(const std::vector<std::string>& names, const MeshingResult& res
       100 * entry.VolumeOutMm3 / entry.VolumeInMm3, entry.Cells, entry.SmallestDihedralDeg,
       entry.LargestRadiusEdgeRatio);
   }
-  std::printf("%zu points, %zu tetrahedra, %zu components, %.1f s\n", result.Mesh.NumberOfPoints(),
-    result.Mesh.NumberOfCells(), result.Components, result.Seconds);
+  std::printf("%zu points, %zu tetrahedra, %zu interface triangles, %zu components, %.1f s\n",
+    result.Mesh.NumberOfPoints(), result.Mesh.NumberOfCells(),
+    ExtractInterfaces(result.Mesh).NumberOfTriangles(), result.Components, result.Seconds);
   if (result.MergedVoxels > 0)
   {
     std::printf("%zu voxels in components below the smallest size went to their surroundings\n",
       result.MergedVoxels);
+  }
+  for (const MaterialReport& entry : result.Reports)
+  {
+    if (!entry.KeepsVolume())
+    {
+      std::fprintf(stderr,
+        "mammoray: warning: %s: expected its voxels' %.3f cm3, reached %.3f; smaller "
+        "--facet-size-of "
+        "and --smallest-component, or finer voxels, keep more\n",
+        NameOf(entry.Material, names).c_str(), entry.VolumeInMm3 / 1000, entry.VolumeOutMm3 / 1000);
+    }
   }
   if (result.TimeLimitReached)
   {
@@ -498,7 +503,7 @@ void AddMeshCommand(CLI::App& application)
     "material table (.json); with --surface only where other commands need its numbers");
   command
     ->add_option("--method", arguments->Method,
-      "cgal: Mesh_3 straight from the labels; tetgen: closed surfaces of the voxels' size, then "
+      "cgal: Mesh_3 straight from the labels; tetgen: closed surfaces of the same sizes, filled by "
       "TetGen")
     ->check(CLI::IsMember({ "cgal", "tetgen" }))
     ->capture_default_str();
@@ -551,10 +556,15 @@ void AddMeshCommand(CLI::App& application)
   add("--smallest-component", options.SmallestComponentMm3,
     "smaller parts go to their surroundings, mm3");
   add("--smoothing", options.SmoothingVoxels, "smoothing of the voxels' stairs, voxels");
+  command
+    ->add_option("--triangles", options.Triangles,
+      "scale all sizes until there are so many interface triangles, within 10 %; 0 does not")
+    ->capture_default_str();
   add("--smallest-dihedral", options.SmallestDihedralDeg,
-    "dihedral angle below which slivers are removed, degrees");
+    "slivers are mended to this dihedral angle where that can be reached, degrees; 0 leaves them");
   add("--optimisation-seconds", options.OptimisationSeconds,
-    "time limit of each step of sliver removal, s; 0 leaves it out");
+    "time limit of each step of CGAL's own optimisation before that (perturb, exude), s; 0 leaves "
+    "it out");
   command->add_flag("--overwrite", arguments->Overwrite, "replace output files");
   AddConfigurationOptions(*command);
   command->callback(

@@ -5,6 +5,7 @@
 #include "Private/LabelComponents.h"
 #include "Private/LabelField.h"
 #include "Private/MeshingSteps.h"
+#include "SurfaceMesh.h"
 
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Labeled_mesh_domain_3.h>
@@ -23,6 +24,8 @@
 #include <numbers>
 #include <numeric>
 #include <unordered_map>
+
+#include <unistd.h>
 
 namespace mammoray
 {
@@ -49,9 +52,9 @@ struct Labeller
   const LabelField& Field;
   const ProgressCallback& Progress;
   double ExpectedCalls;
-  double Begin = 0.1;
-  double End = 0.9;
-  const char* Stage = "meshing";
+  static constexpr double Begin = 0.1;
+  static constexpr double End = 0.85;
+  static constexpr const char* Stage = "meshing";
   std::size_t Calls = 0;
 
   int operator()(const Point& point)
@@ -59,8 +62,7 @@ struct Labeller
     if (++this->Calls % 65536 == 0)
     {
       const double done = static_cast<double>(this->Calls) / this->ExpectedCalls;
-      ReportProgress(this->Progress,
-        this->Begin + (this->End - this->Begin) * (1 - std::exp(-done)), this->Stage);
+      ReportProgress(this->Progress, Begin + (End - Begin) * (1 - std::exp(-done)), Stage);
     }
     return this->Field.MaterialAt(point.x(), point.y(), point.z());
   }
@@ -202,26 +204,8 @@ private:
 
   bool IsFree(const Point& point, double apart) const
   {
-    auto& triangulation = this->Mesh.triangulation();
-    if (triangulation.number_of_vertices() == 0)
-    {
-      return true;
-    }
-    const auto nearest = triangulation.dimension() == 3 ? triangulation.nearest_power_vertex(point)
-                                                        : Triangulation::Vertex_handle();
-    if (nearest != Triangulation::Vertex_handle())
-    {
-      return CGAL::squared_distance(triangulation.point(nearest).point(), point) >= apart * apart;
-    }
-    for (auto vertex = triangulation.finite_vertices_begin();
-         vertex != triangulation.finite_vertices_end(); ++vertex)
-    {
-      if (CGAL::squared_distance(vertex->point().point(), point) < apart * apart)
-      {
-        return false;
-      }
-    }
-    return true;
+    const auto nearest = this->Mesh.triangulation().nearest_power_vertex(point);
+    return CGAL::squared_distance(nearest->point().point(), point) >= apart * apart;
   }
 
   void Insert(const Point& point, const Domain::Index& index)
@@ -310,12 +294,26 @@ SeedPlan PlanSeeds(const LabelVolume& volume, const MeshingOptions& options)
   return plan;
 }
 
-/// Cells of the complex as a mesh, in the frame CGAL worked in.
+/// Points far outside: cells of air then lie on all sides of the tissue, for FinishMesh.
+void Surround(const Vector3& extent, Complex& complex)
+{
+  for (int corner = 0; corner < 8; ++corner)
+  {
+    const auto at = [&](int axis)
+    { return (corner >> axis & 1) != 0 ? 2 * extent[axis] : -extent[axis]; };
+    const auto vertex =
+      complex.triangulation().insert(Triangulation::Weighted_point(Point(at(0), at(1), at(2))));
+    complex.set_dimension(vertex, 3);
+    complex.set_index(vertex, Domain::Index(Domain::Subdomain_index(0)));
+  }
+}
+
+/// All cells as a mesh in the frame CGAL worked in, those of air with material 0.
 TetrahedralMesh Extract(const Complex& complex)
 {
   TetrahedralMesh mesh;
   std::unordered_map<const void*, std::int32_t> numberOf;
-  for (auto cell = complex.cells_in_complex_begin(); cell != complex.cells_in_complex_end(); ++cell)
+  for (const auto& cell : complex.triangulation().finite_cell_handles())
   {
     for (int corner = 0; corner < 4; ++corner)
     {
@@ -329,7 +327,7 @@ TetrahedralMesh Extract(const Complex& complex)
       }
       mesh.Cells.push_back(place->second);
     }
-    mesh.Materials.push_back(complex.subdomain_index(cell));
+    mesh.Materials.push_back(complex.is_in_complex(cell) ? complex.subdomain_index(cell) : 0);
   }
   return mesh;
 }
@@ -391,6 +389,157 @@ void MeshingOptions::Validate() const
     this->OptimisationSeconds);
 }
 
+namespace
+{
+void Seed(const LabelVolume& volume, const Domain& domain, const SeedPlan& plan,
+  const MeshingOptions& options, Labeller& labeller, Complex& complex)
+{
+  Seeder seeder(volume, domain, labeller, complex);
+  const auto row = static_cast<std::size_t>(volume.Size[0]);
+  for (const std::vector<std::size_t>& voxels : plan.SeedVoxels)
+  {
+    for (const std::size_t voxel : voxels)
+    {
+      seeder.Shoot({ static_cast<int>(voxel % row), static_cast<int>(voxel / row % volume.Size[1]),
+                     static_cast<int>(voxel / row / volume.Size[1]) },
+        plan.Distance[voxel], options.FacetSizeMm);
+    }
+  }
+}
+
+/// True when a step of optimisation met its time limit.
+bool Refine(const Domain& domain, const MeshingOptions& options, Labeller& labeller,
+  Complex& complex)
+{
+  const SizingField facetSize{ options.FacetSizeMm, options.FacetSizeOfMaterialMm };
+  const SizingField facetDistance{ options.FacetDistanceMm, options.FacetDistanceOfMaterialMm };
+  const SizingField cellSize{ options.CellSizeMm, options.CellSizeOfMaterialMm };
+  Criteria criteria(parameters::facet_angle = options.FacetAngleDeg,
+    parameters::facet_size = facetSize, parameters::facet_distance = facetDistance,
+    parameters::cell_radius_edge_ratio = options.CellRadiusEdgeRatio,
+    parameters::cell_size = cellSize);
+  if (options.LayerFacetSizeMm > 0)
+  {
+    criteria.add_facet_criterion(new LayerCriterion(labeller, options.LayerFacetSizeMm));
+  }
+  CGAL::refine_mesh_3(complex, domain, criteria, parameters::no_perturb(), parameters::no_exude(),
+    parameters::no_lloyd(), parameters::no_odt());
+  if (options.OptimisationSeconds == 0 || options.SmallestDihedralDeg == 0)
+  {
+    return false;
+  }
+  const auto perturbed =
+    CGAL::perturb_mesh_3(complex, domain, parameters::time_limit = options.OptimisationSeconds,
+      parameters::sliver_bound = options.SmallestDihedralDeg);
+  const auto exuded =
+    CGAL::exude_mesh_3(complex, parameters::time_limit = options.OptimisationSeconds,
+      parameters::sliver_bound = options.SmallestDihedralDeg);
+  return perturbed == CGAL::TIME_LIMIT_REACHED || exuded == CGAL::TIME_LIMIT_REACHED;
+}
+
+/// Scales sizes until a mesh has the number of triangles asked for.
+class TriangleAim
+{
+public:
+  TriangleAim(const LabelVolume& volume, std::size_t wanted)
+    : Wanted(static_cast<double>(wanted))
+  {
+    if (wanted > 0)
+    {
+      this->CheckVoxels(volume);
+      this->CheckMemory();
+    }
+  }
+
+  /// True when the mesh is to be made again, with new sizes.
+  bool Scales(std::size_t triangles, MeshingOptions& options)
+  {
+    const auto found = static_cast<double>(triangles);
+    if (this->Wanted == 0 || std::abs(found - this->Wanted) < 0.08 * this->Wanted)
+    {
+      return false;
+    }
+    const int most = 8;
+    if (++this->Attempts == most)
+    {
+      throw ConvergenceError(
+        Text("meshing: expected %.0f triangles, reached %.0f; the facet angle, "
+             "layers and small components ask for others",
+          this->Wanted, found));
+    }
+    // Triangles go with the square of the size, on rough interfaces with a little more: by the last
+    // two attempts. From far off the first aims at a fifth, which costs little.
+    double power = 2;
+    if (this->LastTriangles > 0 && this->LastScale != 1 && found != this->LastTriangles)
+    {
+      power =
+        std::clamp(-std::log(found / this->LastTriangles) / std::log(this->LastScale), 1.2, 3.0);
+    }
+    const double aim =
+      this->Attempts == 1 && this->Wanted > 8 * found ? 0.2 * this->Wanted : this->Wanted;
+    const double scale = std::pow(found / aim, 1 / power);
+    options.CellSizeMm *= scale;
+    options.FacetSizeMm *= scale;
+    options.FacetDistanceMm *= scale;
+    options.LayerFacetSizeMm *= scale;
+    for (auto* sizes : { &options.CellSizeOfMaterialMm, &options.FacetSizeOfMaterialMm,
+           &options.FacetDistanceOfMaterialMm })
+    {
+      for (auto& [material, size] : *sizes)
+      {
+        size *= scale;
+      }
+    }
+    this->LastTriangles = found;
+    this->LastScale = scale;
+    return true;
+  }
+
+private:
+  void CheckVoxels(const LabelVolume& volume) const
+  {
+    std::size_t faces = 0;
+    const std::size_t steps[3] = { 1, static_cast<std::size_t>(volume.Size[0]),
+      static_cast<std::size_t>(volume.Size[0]) * volume.Size[1] };
+    for (const std::size_t step : steps)
+    {
+      for (std::size_t voxel = step; voxel < volume.NumberOfVoxels(); ++voxel)
+      {
+        faces += volume.Voxels[voxel] != volume.Voxels[voxel - step];
+      }
+    }
+    const double most = 16.0 * static_cast<double>(faces);
+    if (this->Wanted > most)
+    {
+      throw InputError(Text("triangles: expected at most %.0f, sixteen for each voxel face between "
+                            "materials, found %.0f",
+        most, this->Wanted));
+    }
+  }
+
+  void CheckMemory() const
+  {
+    const double memory = static_cast<double>(sysconf(_SC_PHYS_PAGES)) * sysconf(_SC_PAGESIZE);
+    const double needed = BytesPerTriangle * this->Wanted;
+    if (needed > memory)
+    {
+      throw InputError(
+        Text("triangles: %.0f of them take about %.0f GB, expected at most the %.0f GB "
+             "of this machine",
+          this->Wanted, needed / 1e9, memory / 1e9));
+    }
+  }
+
+  /// Measured: CGAL's triangulation, then the mesh to be mended beside it.
+  static constexpr double BytesPerTriangle = 2500;
+
+  double Wanted;
+  int Attempts = 0;
+  double LastTriangles = 0;
+  double LastScale = 1;
+};
+}
+
 MeshingResult MeshMaterials(const LabelVolume& materials, const MeshingOptions& options,
   const ProgressCallback& progress)
 {
@@ -422,53 +571,28 @@ MeshingResult MeshMaterials(const LabelVolume& materials, const MeshingOptions& 
     // CGAL counts in halves of the box's diagonal.
     parameters::relative_error_bound = 2 * 0.02 * finest / Norm(extent));
 
-  Complex complex;
-  Seeder seeder(volume, domain, labeller, complex);
-  for (std::size_t id = 0; id < plan.SeedVoxels.size(); ++id)
+  for (const auto& component : plan.Found.Components)
   {
-    const LabelComponent& component = plan.Found.Components[id];
-    for (const std::size_t voxel : plan.SeedVoxels[id])
-    {
-      const auto row = static_cast<std::size_t>(volume.Size[0]);
-      seeder.Shoot({ static_cast<int>(voxel % row), static_cast<int>(voxel / row % volume.Size[1]),
-                     static_cast<int>(voxel / row / volume.Size[1]) },
-        plan.Distance[voxel], options.FacetSizeMm);
-    }
     result.Components += component.Material != 0;
   }
-
-  ReportProgress(progress, 0.1, "meshing");
-  const SizingField facetSize{ options.FacetSizeMm, options.FacetSizeOfMaterialMm };
-  const SizingField facetDistance{ options.FacetDistanceMm, options.FacetDistanceOfMaterialMm };
-  const SizingField cellSize{ options.CellSizeMm, options.CellSizeOfMaterialMm };
-  Criteria criteria(parameters::facet_angle = options.FacetAngleDeg,
-    parameters::facet_size = facetSize, parameters::facet_distance = facetDistance,
-    parameters::cell_radius_edge_ratio = options.CellRadiusEdgeRatio,
-    parameters::cell_size = cellSize);
-  if (options.LayerFacetSizeMm > 0)
+  ReportProgress(progress, labeller.Begin, labeller.Stage);
+  MeshingOptions sized = options;
+  TriangleAim aim(volume, options.Triangles);
+  // With several attempts the progress stands while one is finished, rather than go back.
+  const double finished = options.Triangles > 0 ? labeller.End : 0.99;
+  for (bool again = true; again;)
   {
-    criteria.add_facet_criterion(new LayerCriterion(labeller, options.LayerFacetSizeMm));
+    {
+      Complex complex;
+      Surround(extent, complex);
+      Seed(volume, domain, plan, sized, labeller, complex);
+      result.TimeLimitReached = Refine(domain, sized, labeller, complex);
+      result.Mesh = Extract(complex);
+    }
+    FinishMesh(materials, sized, result.Mesh, Within(progress, labeller.End, finished));
+    again = aim.Scales(ExtractInterfaces(result.Mesh).NumberOfTriangles(), sized);
   }
-  CGAL::refine_mesh_3(complex, domain, criteria, parameters::no_perturb(), parameters::no_exude(),
-    parameters::no_lloyd(), parameters::no_odt());
-  if (options.OptimisationSeconds > 0 && options.SmallestDihedralDeg > 0)
-  {
-    labeller.Begin = labeller.End;
-    labeller.End = 0.95;
-    labeller.Stage = "removing slivers";
-    labeller.Calls = 0;
-    const auto perturbed =
-      CGAL::perturb_mesh_3(complex, domain, parameters::time_limit = options.OptimisationSeconds,
-        parameters::sliver_bound = options.SmallestDihedralDeg);
-    ReportProgress(progress, labeller.End, labeller.Stage);
-    const auto exuded =
-      CGAL::exude_mesh_3(complex, parameters::time_limit = options.OptimisationSeconds,
-        parameters::sliver_bound = options.SmallestDihedralDeg);
-    result.TimeLimitReached =
-      perturbed == CGAL::TIME_LIMIT_REACHED || exuded == CGAL::TIME_LIMIT_REACHED;
-  }
-  ReportProgress(progress, 0.96, "checking");
-  result.Mesh = Extract(complex);
+  ReportProgress(progress, 0.99, "checking");
   CheckComponents(result.Mesh, volume, plan.Found);
   PlaceInVolumeFrame(volume, result.Mesh);
   result.Mesh.Validate("mesh");

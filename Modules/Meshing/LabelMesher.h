@@ -7,6 +7,7 @@
 #include "TetrahedralMesh.h"
 #include "mammorayMeshingModule.h"
 
+#include <cmath>
 #include <map>
 #include <string>
 #include <vector>
@@ -46,13 +47,23 @@ struct MAMMORAYMESHING_EXPORT MeshingOptions
    * The smoothed interfaces keep every voxel's centre in its own material.
    */
   double SmoothingVoxels = 1.0;
-  /// Slivers are removed until no dihedral angle is below this, degrees, where that can be reached.
+  /**
+   * Slivers are mended until no dihedral angle is within this of 0 or 180 degrees, where that can
+   * be reached; 0 leaves them.
+   */
   double SmallestDihedralDeg = 12.0;
   /**
-   * Time limit of each optimisation step (perturb, exude), s; 0 leaves both out. A step that meets
-   * its limit makes the result depend on the machine: MeshingResult::TimeLimitReached tells.
+   * Time limit of each step of CGAL's own optimisation (perturb, exude) before that, s; 0 leaves
+   * both out. A step that meets its limit makes the result depend on the machine:
+   * MeshingResult::TimeLimitReached tells.
    */
   double OptimisationSeconds = 60.0;
+  /**
+   * Number of interface triangles to end with, within 10 %: all sizes and distances of facets, and
+   * cell sizes, are scaled alike until that is reached. 0 takes the sizes as they are. Refused
+   * where triangles would be smaller than a sixteenth of a voxel's face, or not fit in the memory.
+   */
+  std::size_t Triangles = 0;
 
   /// For pictures: fine at the skin, no optimisation. `thinMaterials` are layers of about a
   /// millimetre.
@@ -75,6 +86,13 @@ struct MaterialReport
   double SmallestDihedralDeg = 0;
   /// Largest circumradius / shortest edge.
   double LargestRadiusEdgeRatio = 0;
+
+  /// True when the volume is within 2 % of the voxels', or within 5 % where that is below 1 cm^3.
+  bool KeepsVolume() const
+  {
+    const double share = this->VolumeInMm3 < 1000 ? 0.05 : 0.02;
+    return std::abs(this->VolumeOutMm3 - this->VolumeInMm3) <= share * this->VolumeInMm3;
+  }
 };
 
 struct MeshingResult
@@ -93,8 +111,11 @@ struct MeshingResult
 /**
  * Meshes a volume of material indices (0 = air) with CGAL Mesh_3: one conforming mesh, the material
  * of every cell kept. Every connected component of a material of at least SmallestComponentMm3 is
- * seeded and must be in the result. Deterministic. Throws InputError on an empty volume or unusable
- * options and ConvergenceError, naming the material, place and volume, when one was lost.
+ * seeded and must be in the result. The boundary of every material, and of all together, is a
+ * closed surface that nowhere touches itself, and every material has the volume of its voxels where
+ * that takes moving interfaces by no more than half a voxel or half the facet distance.
+ * Deterministic. Throws InputError on an empty volume or unusable options and ConvergenceError,
+ * naming the material, place and volume, when one was lost.
  */
 MAMMORAYMESHING_EXPORT MeshingResult MeshMaterials(const LabelVolume& materials,
   const MeshingOptions& options, const ProgressCallback& progress = {});

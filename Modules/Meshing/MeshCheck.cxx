@@ -71,13 +71,22 @@ private:
   std::vector<std::uint32_t> Parent;
 };
 
+/// Edges and points that were told, each once though several materials may be pinched there.
+struct PinchedPlaces
+{
+  std::set<std::uint64_t> Edges;
+  std::set<std::uint32_t> Points;
+};
+
 /// The boundary of one material, turned outwards: closed, and without pinches?
 class BoundaryCheck
 {
 public:
-  BoundaryCheck(const SurfaceMesh& surface, int material, TroubleList& troubles)
+  BoundaryCheck(const SurfaceMesh& surface, int material, PinchedPlaces& pinched,
+    TroubleList& troubles)
     : Surface(surface)
     , Material(material)
+    , Pinched(pinched)
     , Troubles(troubles)
   {
     for (std::size_t triangle = 0; triangle < surface.NumberOfTriangles(); ++triangle)
@@ -115,7 +124,6 @@ public:
     this->CollectEdges();
     DisjointSets fans(this->Corners.size());
     std::vector<HalfEdge> open;
-    std::set<std::uint32_t> pinchedPoints;
     for (std::size_t begin = 0; begin < this->Edges.size();)
     {
       std::size_t end = begin;
@@ -135,15 +143,18 @@ public:
       }
       else
       {
-        this->AddPinch(this->Edges[begin], pinchedPoints);
+        this->AddPinch(this->Edges[begin]);
       }
       begin = end;
     }
     if (open.empty())
     {
-      this->FindPinchedPoints(fans, pinchedPoints);
+      this->FindPinchedPoints(fans);
     }
-    this->AddHoles(open);
+    if (this->Material != 0) // air ends where a material does
+    {
+      this->AddHoles(open);
+    }
   }
 
 private:
@@ -187,16 +198,19 @@ private:
     fans.Join(Next(one), other);
   }
 
-  void AddPinch(const HalfEdge& edge, std::set<std::uint32_t>& pinchedPoints)
+  void AddPinch(const HalfEdge& edge)
   {
     const std::uint32_t next = Next(edge.Corner);
-    this->Troubles.Add(Kind::Pinches,
-      { 0.5 * (this->Point(edge.Corner) + this->Point(next)), this->Material, 0 });
-    pinchedPoints.insert({ this->Corners[edge.Corner], this->Corners[next] });
+    if (this->Pinched.Edges.insert(edge.Key).second)
+    {
+      this->Troubles.Add(Kind::Pinches,
+        { 0.5 * (this->Point(edge.Corner) + this->Point(next)), this->Material, 0 });
+    }
+    this->Pinched.Points.insert({ this->Corners[edge.Corner], this->Corners[next] });
   }
 
   /// Points whose triangles make more than one fan, other than those on pinched edges.
-  void FindPinchedPoints(DisjointSets& fans, std::set<std::uint32_t>& pinchedPoints)
+  void FindPinchedPoints(DisjointSets& fans)
   {
     std::unordered_map<std::uint32_t, std::uint32_t> fanOf;
     fanOf.reserve(this->Corners.size() / 5);
@@ -205,7 +219,7 @@ private:
       const std::uint32_t id = this->Corners[corner];
       const std::uint32_t fan = fans.Root(corner);
       const auto [entry, first] = fanOf.emplace(id, fan);
-      if (!first && entry->second != fan && pinchedPoints.insert(id).second)
+      if (!first && entry->second != fan && this->Pinched.Points.insert(id).second)
       {
         this->Troubles.Add(Kind::Pinches, { this->PointOf(id), this->Material, 0 });
       }
@@ -247,6 +261,7 @@ private:
 
   const SurfaceMesh& Surface;
   int Material;
+  PinchedPlaces& Pinched;
   TroubleList& Troubles;
   /// Point of every corner of the triangles that bound the material.
   std::vector<std::uint32_t> Corners;
@@ -424,20 +439,26 @@ std::map<int, MaterialQuality> MeasureCells(const TetrahedralMesh& mesh, Trouble
   return qualities;
 }
 
-/// Boundaries of all materials but air, whose boundary is closed when all others are.
+/// Boundaries of all materials; that of air last, which is closed when all others are.
 void CheckBoundaries(const SurfaceMesh& surface, std::map<int, MaterialQuality>& qualities,
   bool measureVolumes, TroubleList& troubles, const ProgressCallback& progress)
 {
   std::set<int> materials(surface.BackMaterials.begin(), surface.BackMaterials.end());
   materials.insert(surface.FrontMaterials.begin(), surface.FrontMaterials.end());
-  materials.erase(0);
+  std::vector<int> order(materials.upper_bound(0), materials.end());
+  order.push_back(0);
+  PinchedPlaces pinched;
   std::size_t done = 0;
-  for (const int material : materials)
+  for (const int material : order)
   {
-    ReportProgress(progress, 0.4 + 0.6 * static_cast<double>(done++) / materials.size(),
+    ReportProgress(progress, 0.4 + 0.6 * static_cast<double>(done++) / order.size(),
       "checking boundaries");
-    BoundaryCheck check(surface, material, troubles);
+    BoundaryCheck check(surface, material, pinched, troubles);
     check.Run();
+    if (material == 0)
+    {
+      break;
+    }
     MaterialQuality& quality = qualities[material];
     quality.Material = material;
     quality.BoundaryTriangles = check.NumberOfTriangles();
@@ -510,8 +531,7 @@ std::string MeshTrouble::Text(const std::vector<std::string>& names) const
 
 bool MeshCheck::Sound() const
 {
-  return std::all_of(this->Troubles.begin(), this->Troubles.end(),
-    [](const MeshTrouble& trouble) { return trouble.What == Kind::Pinches; });
+  return this->Troubles.empty();
 }
 
 const MeshTrouble* MeshCheck::Find(MeshTrouble::Kind kind) const

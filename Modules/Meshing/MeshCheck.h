@@ -29,8 +29,8 @@ struct MAMMORAYMESHING_EXPORT MeshTrouble
     FlatTriangles,
     /// Edges at which the boundary of a material ends; one place per hole.
     Holes,
-    /// Edges or points at which the boundary of a material touches itself. X-rays and the mechanics
-    /// do not mind, so that these alone leave a mesh sound.
+    /// Edges or points at which the boundary of a material, or of air, touches itself: X-rays do
+    /// not mind, but tissue hangs together by a hinge there, and the boundary is no surface.
     Pinches
   };
   struct Place
@@ -88,7 +88,7 @@ struct MAMMORAYMESHING_EXPORT MeshCheck
   /// One entry for each kind that was found, in the order of the enumeration.
   std::vector<MeshTrouble> Troubles;
 
-  /// True when no trouble but pinches was found.
+  /// True when no trouble was found.
   bool Sound() const;
   /// The entry of that kind, or nothing.
   const MeshTrouble* Find(MeshTrouble::Kind kind) const;

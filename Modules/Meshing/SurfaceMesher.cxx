@@ -2,9 +2,10 @@
 #include "SurfaceMesher.h"
 
 #include "Error.h"
-#include "LabelSurface.h"
 #include "MeshCheck.h"
+#include "Private/CellImprovement.h"
 #include "Private/MeshingSteps.h"
+#include "Private/PinchRepair.h"
 #include "Private/TetGen.h"
 
 #include <algorithm>
@@ -156,115 +157,26 @@ void RefuseCuts(const TriangleComplex& complex)
 }
 
 TetrahedralMesh Fill(const SurfaceMesh& surface, const TriangleComplex& complex,
-  const MeshCheck& check, const MeshingOptions& options, const ProgressCallback& progress,
+  bool dividesTriangles, const MeshingOptions& options, const ProgressCallback& progress,
   std::vector<TetGenRegion>& regions)
 {
+  const MeshCheck check = CheckSurface(surface);
+  RefuseCuts(complex);
   ReportProgress(progress, 0.2, "finding regions");
   regions = FindRegions(complex);
   NameRegions(surface, check, options, regions, progress);
-  const double dihedral =
-    options.OptimisationSeconds > 0 ? std::min(options.SmallestDihedralDeg, 18.0) : 0.0;
+  const TetGenQuality quality{ options.CellRadiusEdgeRatio,
+    options.OptimisationSeconds > 0 ? std::min(options.SmallestDihedralDeg, 18.0) : 0.0,
+    dividesTriangles };
   ReportProgress(progress, 0.4, "filling surfaces");
-  TetrahedralMesh mesh =
-    FillRegions(complex, regions, options.CellRadiusEdgeRatio, dihedral, progress);
-  ReportProgress(progress, 0.95, "checking");
+  TetrahedralMesh mesh = FillRegions(complex, regions, quality, progress);
+  EditableMesh edited(mesh);
+  RepairPinches(edited, Within(progress, 0.9, 0.93));
+  ImproveCells(edited, options.SmallestDihedralDeg, 0, Within(progress, 0.93, 0.99));
+  mesh = edited.Finish();
+  ReportProgress(progress, 0.99, "checking");
   mesh.Validate("mesh of TetGen");
   return mesh;
-}
-
-/**
- * Where the corners of a net of quads move to when its stairs are smoothed without shrinking it:
- * steps towards the mean of the neighbours and back by turns (Taubin, SIGGRAPH 1995, with a pass
- * band of 1 / 0.5 - 1 / 0.53), never farther than half a voxel along an axis.
- */
-std::vector<double> SmoothPlaces(const QuadMesh& net, const Vector3& spacing, int rounds)
-{
-  std::vector<Vector3> places = net.Points;
-  std::vector<Vector3> sums(places.size());
-  std::vector<int> counts(places.size(), 0);
-  for (const auto& quad : net.Quads)
-  {
-    for (const std::uint32_t id : quad)
-    {
-      counts[id] += 2;
-    }
-  }
-  for (int step = 0; step < 2 * rounds; ++step)
-  {
-    std::fill(sums.begin(), sums.end(), Vector3{ 0, 0, 0 });
-    for (const auto& quad : net.Quads)
-    {
-      for (std::size_t corner = 0; corner < 4; ++corner)
-      {
-        sums[quad[corner]] =
-          sums[quad[corner]] + places[quad[(corner + 1) % 4]] + places[quad[(corner + 3) % 4]];
-      }
-    }
-    const double factor = step % 2 == 0 ? 0.5 : -0.53;
-    for (std::size_t point = 0; point < places.size(); ++point)
-    {
-      for (std::size_t a = 0; a < 3; ++a)
-      {
-        const double mean = sums[point][a] / counts[point];
-        const double start = net.Points[point][a];
-        places[point][a] = std::clamp(places[point][a] + factor * (mean - places[point][a]),
-          start - 0.5 * spacing[a], start + 0.5 * spacing[a]);
-      }
-    }
-  }
-  std::vector<double> values;
-  for (const Vector3& place : places)
-  {
-    values.insert(values.end(), place.begin(), place.end());
-  }
-  return values;
-}
-
-/**
- * Interfaces of the volume, smoothed as far as they do not cut each other. The smoothing keeps
- * points within their voxel; a tenth less keeps them apart.
- */
-SurfaceMesh SmoothInterfaces(const LabelVolume& volume, const MeshingOptions& options,
-  const ProgressCallback& progress)
-{
-  const QuadMesh net = ExtractInterfaces(volume, 0);
-  const SurfaceMesh stairs = net.Triangulate(2 * net.Quads.size());
-  const std::vector<double> smooth =
-    SmoothPlaces(net, volume.Spacing, static_cast<int>(std::lround(10 * options.SmoothingVoxels)));
-  SurfaceMesh surface = stairs;
-  std::vector<double> share(surface.NumberOfPoints(), 0.9);
-  const int mostRounds = 6;
-  for (int round = 0;; ++round)
-  {
-    ReportProgress(progress, 0.05 + 0.02 * round, "smoothing interfaces");
-    for (std::size_t value = 0; value < smooth.size(); ++value)
-    {
-      surface.Points[value] =
-        stairs.Points[value] + share[value / 3] * (smooth[value] - stairs.Points[value]);
-    }
-    TriangleComplex complex{ surface.Points, {} };
-    for (std::size_t triangle = 0; triangle < surface.NumberOfTriangles(); ++triangle)
-    {
-      const std::uint32_t* ids = &surface.Triangles[3 * triangle];
-      complex.Triangles.push_back({ ids[0], ids[1], ids[2] });
-    }
-    const std::vector<std::size_t> cutting = FindCuttingTriangles(complex);
-    if (cutting.empty() || round > mostRounds)
-    {
-      return surface;
-    }
-    for (const std::size_t triangle : cutting)
-    {
-      for (const std::uint32_t id : complex.Triangles[triangle])
-      {
-        share[id] = round + 2 < mostRounds ? 0.5 * share[id] : 0;
-      }
-    }
-    if (round >= mostRounds)
-    {
-      std::fill(share.begin(), share.end(), 0.0); // the voxels' faces cannot cut each other
-    }
-  }
 }
 
 double Since(Clock::time_point start)
@@ -290,10 +202,9 @@ MeshingResult MeshSurfaces(const SurfaceMesh& surfaces, const MeshingOptions& op
   }
   ReportProgress(progress, 0.1, "looking for cuts");
   const TriangleComplex complex = Weld(surfaces);
-  RefuseCuts(complex);
   MeshingResult result;
   std::vector<TetGenRegion> regions;
-  result.Mesh = Fill(surfaces, complex, check, options, progress, regions);
+  result.Mesh = Fill(surfaces, complex, true, options, progress, regions);
   result.Reports = ReportMaterials({}, result.Mesh);
   for (MaterialReport& report : result.Reports)
   {
@@ -313,26 +224,15 @@ MeshingResult MeshMaterialSurfaces(const LabelVolume& materials, const MeshingOp
   const ProgressCallback& progress)
 {
   const auto start = Clock::now();
-  options.Validate();
-  materials.Validate("volume to mesh");
-  ReportProgress(progress, 0.0, "finding components");
-  MeshingResult result;
-  LabelVolume volume = PrepareVolume(materials, 1);
-  result.MergedVoxels = MergeTissue(volume, options.SmallestComponentMm3);
-  const LabelComponents found = FindLocatedComponents(volume);
-  result.Components = static_cast<std::size_t>(std::count_if(found.Components.begin(),
-    found.Components.end(), [](const LabelComponent& c) { return c.Material != 0; }));
-  LabelVolume grid = volume; // in the grid frame
-  grid.Origin = { 0, 0, 0 };
-  grid.Direction = LabelVolume().Direction;
-  const SurfaceMesh surface = SmoothInterfaces(grid, options, progress);
+  MeshingOptions forSurfaces = options;
+  forSurfaces.OptimisationSeconds = 0;
+  MeshingResult result = MeshMaterials(materials, forSurfaces, Within(progress, 0.0, 0.4));
+  const SurfaceMesh surface = ExtractInterfaces(result.Mesh);
   std::vector<TetGenRegion> regions;
-  result.Mesh = Fill(surface, Weld(surface), CheckSurface(surface), options, progress, regions);
-  CheckComponents(result.Mesh, volume, found);
-  PlaceInVolumeFrame(volume, result.Mesh);
+  result.Mesh = Fill(surface, Weld(surface), false, options, Within(progress, 0.4, 0.9), regions);
+  FinishMesh(materials, options, result.Mesh, Within(progress, 0.9, 1.0));
   result.Reports = ReportMaterials(materials, result.Mesh);
   result.Seconds = Since(start);
-  ReportProgress(progress, 1.0, "filling surfaces");
   return result;
 }
 #else

@@ -31,11 +31,9 @@ MAMMORAYMESHING_EXPORT MeshingResult MeshSurfaces(const SurfaceMesh& surfaces,
   const MeshingOptions& options, const ProgressCallback& progress = {});
 
 /**
- * The second way from a volume of materials (0 = air) to tetrahedra: its interfaces as closed
- * surfaces that share their points, smoothed within half a voxel (LabelSurface.h, without
- * shrinking), then MeshSurfaces. Where smoothed interfaces would cut each other they are drawn back
- * towards the voxels' faces. Facets have the size of voxels, so resample first (ResampleLabels)
- * where that is too fine. Components are merged, reported and guarded as by MeshMaterials.
+ * The second way from a volume of materials (0 = air) to tetrahedra, that of iso2mesh (Fang and
+ * Boas, ISBI 2009): the interfaces as closed surfaces of the sizes asked for, which are those of
+ * MeshMaterials, then MeshSurfaces. Components are merged, reported and guarded as there.
  */
 MAMMORAYMESHING_EXPORT MeshingResult MeshMaterialSurfaces(const LabelVolume& materials,
   const MeshingOptions& options, const ProgressCallback& progress = {});

@@ -96,7 +96,7 @@ TEST_F(MeshCommand, ChecksMeshesAndSurfaces)
   EXPECT_EQ(this->Errors, "");
   EXPECT_THAT(this->Output,
     testing::AllOf(testing::HasSubstr("gland"),
-      testing::HasSubstr("sound: every cell is upright, every boundary closed")));
+      testing::HasSubstr("sound: every cell is upright, every boundary a closed surface")));
   EXPECT_THAT(ReadFile(report), testing::HasSubstr("\"sound\": true"));
   EXPECT_THAT(ReadFile(report), testing::HasSubstr("\"dihedral_histogram\""));
   EXPECT_THAT(ReadFile(picture), testing::StartsWith("\x89PNG"));

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "LabelMesher.h"
+#include "LabelShapes.h"
+#include "MeshCheck.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -11,35 +13,13 @@
 #include <set>
 
 using namespace mammoray;
+using namespace mammoray::test;
 
 namespace
 {
-/// A volume of n^3 voxels whose label is a function of the position (mm) relative to its middle.
-LabelVolume MakeVolume(int n, double spacing, const std::function<int(const Vector3&)>& label)
-{
-  LabelVolume volume;
-  volume.Size = { n, n, n };
-  volume.Spacing = { spacing, spacing, spacing };
-  const double start = -0.5 * (n - 1) * spacing;
-  volume.Origin = { start, start, start };
-  volume.Voxels.resize(static_cast<std::size_t>(n) * n * n);
-  for (int k = 0; k < n; ++k)
-  {
-    for (int j = 0; j < n; ++j)
-    {
-      for (int i = 0; i < n; ++i)
-      {
-        volume.Voxels[volume.Index(i, j, k)] =
-          static_cast<std::uint16_t>(label(volume.PointAt(i, j, k)));
-      }
-    }
-  }
-  return volume;
-}
-
 LabelVolume SphereInSphere()
 {
-  return MakeVolume(44, 0.5,
+  return LabelledCube(44, 0.5,
     [](const Vector3& p)
     {
       const double r = Norm(p);
@@ -60,99 +40,13 @@ MeshingOptions Fine()
 
 double VolumeOf(const MeshingResult& result, int material)
 {
-  for (const MaterialReport& report : result.Reports)
-  {
-    if (report.Material == material)
-    {
-      return report.VolumeOutMm3;
-    }
-  }
-  return -1;
+  return VolumeIn(result.Reports, material, &MaterialReport::VolumeOutMm3);
 }
 
-/**
- * Conforming: an inner face is shared by two cells at most. Closed: the oriented faces around each
- * material add up to no area, and each edge of that boundary is used as often in one direction as
- * in the other.
- */
 void ExpectSoundMesh(const TetrahedralMesh& mesh)
 {
-  ASSERT_NO_THROW(mesh.Validate("mesh"));
-  struct Side
-  {
-    int Material;
-    std::array<std::int32_t, 3> Face;
-  };
-  std::map<std::array<std::int32_t, 3>, std::vector<Side>> faces;
-  std::set<std::int32_t> used;
-  // Outward faces of a positively oriented tetrahedron.
-  constexpr int corners[4][3] = { { 1, 2, 3 }, { 0, 3, 2 }, { 0, 1, 3 }, { 0, 2, 1 } };
-  for (std::size_t cell = 0; cell < mesh.NumberOfCells(); ++cell)
-  {
-    EXPECT_GT(mesh.Materials[cell], 0);
-    for (const auto& face : corners)
-    {
-      Side side{ mesh.Materials[cell], {} };
-      for (int c = 0; c < 3; ++c)
-      {
-        side.Face[c] = mesh.Cells[4 * cell + face[c]];
-        used.insert(side.Face[c]);
-      }
-      std::array<std::int32_t, 3> key = side.Face;
-      std::sort(key.begin(), key.end());
-      faces[key].push_back(side);
-    }
-  }
-  EXPECT_EQ(used.size(), mesh.NumberOfPoints()) << "points without a cell";
-  std::map<int, Vector3> area;
-  std::map<int, double> scale;
-  std::map<int, std::map<std::pair<int, int>, int>> edges;
-  for (const auto& [key, sides] : faces)
-  {
-    ASSERT_LE(sides.size(), 2u);
-    if (sides.size() == 2 && sides[0].Material == sides[1].Material)
-    {
-      continue;
-    }
-    for (const Side& side : sides)
-    {
-      const Vector3 a = mesh.Point(side.Face[0]);
-      const Vector3 oriented =
-        0.5 * Cross(mesh.Point(side.Face[1]) - a, mesh.Point(side.Face[2]) - a);
-      area.try_emplace(side.Material, Vector3{ 0, 0, 0 });
-      area[side.Material] = area[side.Material] + oriented;
-      scale[side.Material] += Norm(oriented);
-      for (int c = 0; c < 3; ++c)
-      {
-        const int from = side.Face[c];
-        const int to = side.Face[(c + 1) % 3];
-        edges[side.Material][{ std::min(from, to), std::max(from, to) }] += from < to ? 1 : -1;
-      }
-    }
-  }
-  for (const auto& [material, sum] : area)
-  {
-    // 1e-12: rounding of some thousand double sums.
-    EXPECT_LT(Norm(sum), 1e-12 * scale[material]) << "material " << material;
-    for (const auto& [edge, balance] : edges[material])
-    {
-      ASSERT_EQ(balance, 0) << "material " << material << ", edge " << edge.first << "-"
-                            << edge.second;
-    }
-  }
-}
-
-std::string MessageOf(const std::function<void()>& action)
-{
-  try
-  {
-    action();
-  }
-  catch (const Error& error)
-  {
-    return error.what();
-  }
-  return "no error";
+  const MeshCheck check = CheckMesh(mesh);
+  EXPECT_TRUE(check.Sound()) << check.Troubles[0].Text({});
 }
 }
 
@@ -227,7 +121,7 @@ TEST(LabelMesher, IsolatedInclusionsSurviveACoarseMesh)
   options.FacetSizeMm = 6;
   options.FacetDistanceMm = 0.5;
   options.SmallestComponentMm3 = 5;
-  const LabelVolume volume = MakeVolume(72, 0.5, label);
+  const LabelVolume volume = LabelledCube(72, 0.5, label);
   const MeshingResult result = MeshMaterials(volume, options);
   EXPECT_EQ(result.Components, 28u);
   ExpectSoundMesh(result.Mesh);
@@ -265,7 +159,8 @@ TEST(LabelMesher, SmallComponentsGoToTheirSurroundings)
 
 TEST(LabelMesher, TissueAtTheBorderIsClosedThere)
 {
-  const LabelVolume volume = MakeVolume(20, 1.0, [](const Vector3& p) { return p[0] < 0 ? 1 : 2; });
+  const LabelVolume volume =
+    LabelledCube(20, 1.0, [](const Vector3& p) { return p[0] < 0 ? 1 : 2; });
   const MeshingResult result = MeshMaterials(volume, Fine());
   ExpectSoundMesh(result.Mesh);
   // The cube of 20 mm loses rounded edges: 12 edges of 20 mm, about (1 - pi/4) (0.5 mm)^2 each, and
@@ -322,7 +217,7 @@ TEST(LabelMesher, ObliqueAnisotropicAndLeftHandedGrids)
 TEST(LabelMesher, ThinLayerIsClosedAtCoarseSizes)
 {
   // A skin of 1 mm around a ball, with facets of 4 mm.
-  const LabelVolume volume = MakeVolume(64, 0.5,
+  const LabelVolume volume = LabelledCube(64, 0.5,
     [](const Vector3& p)
     {
       const double r = Norm(p);
@@ -370,24 +265,8 @@ TEST(LabelMesher, RandomVolumesMakeSoundMeshes)
 {
   for (unsigned seed = 1; seed <= 4; ++seed)
   {
-    // Nearest of random centres: a mosaic of four materials and air, with kinks and triple lines.
-    std::mt19937 generator(seed);
-    std::uniform_real_distribution<double> coordinate(-8, 8);
-    std::vector<std::pair<Vector3, int>> centres;
-    for (int n = 0; n < 25; ++n)
-    {
-      const double x = coordinate(generator);
-      const double y = coordinate(generator);
-      const double z = coordinate(generator);
-      centres.push_back({ { x, y, z }, n % 5 });
-    }
-    const LabelVolume volume = MakeVolume(20, 0.8,
-      [&](const Vector3& p)
-      {
-        return std::min_element(centres.begin(), centres.end(),
-          [&](const auto& a, const auto& b) { return Norm(a.first - p) < Norm(b.first - p); })
-          ->second;
-      });
+    // Four materials and air, with kinks and triple lines.
+    const LabelVolume volume = Mosaic(20, 0.8, 8, 25, 5, seed);
     MeshingOptions options = Fine();
     options.OptimisationSeconds = seed == 1 ? 60 : 0;
     options.SmallestDihedralDeg = 5;
@@ -403,9 +282,86 @@ TEST(LabelMesher, RandomVolumesMakeSoundMeshes)
   }
 }
 
+TEST(LabelMesher, AsManyTrianglesAsAskedFor)
+{
+  for (const std::size_t wanted : { 1500, 20000 })
+  {
+    MeshingOptions options;
+    options.OptimisationSeconds = 0;
+    options.Triangles = wanted;
+    const MeshingResult result = MeshMaterials(SphereInSphere(), options);
+    const MeshCheck check = CheckMesh(result.Mesh);
+    EXPECT_TRUE(check.Sound());
+    // What is promised.
+    EXPECT_NEAR(static_cast<double>(check.Triangles), wanted, 0.1 * wanted);
+    for (const MaterialReport& report : result.Reports)
+    {
+      EXPECT_TRUE(report.KeepsVolume()) << report.Material;
+    }
+  }
+  MeshingOptions options;
+  options.Triangles = 100'000'000;
+  EXPECT_THAT(MessageOf([&] { MeshMaterials(SphereInSphere(), options); }),
+    testing::HasSubstr("sixteen for each voxel face between materials"));
+}
+
+TEST(LabelMesher, ThinLayersKeepTheirVolume)
+{
+  // A skin one voxel thin around a ball of fat with a ball of gland.
+  const LabelVolume volume = LabelledCube(48, 0.5,
+    [](const Vector3& p)
+    {
+      const double r = Norm(p);
+      return r < 5 ? 2 : r < 10 ? 1 : r < 10.5 ? 3 : 0;
+    });
+  MeshingOptions options = MeshingOptions::Anatomy({ 3 });
+  const MeshingResult result = MeshMaterials(volume, options);
+  ExpectSoundMesh(result.Mesh);
+  ASSERT_EQ(result.Reports.size(), 3u);
+  for (const MaterialReport& report : result.Reports)
+  {
+    // 2 %: what is asked of any material above 1 cm^3, here of smaller ones too.
+    EXPECT_NEAR(report.VolumeOutMm3, report.VolumeInMm3, 0.02 * report.VolumeInMm3)
+      << report.Material;
+    EXPECT_GT(report.SmallestDihedralDeg, 8) << report.Material;
+  }
+}
+
+TEST(LabelMesher, EdgesOfTheLabelWorldMeshOrAreRefused)
+{
+  MeshingOptions options = Fine();
+  options.SmallestComponentMm3 = 0;
+  // All one label, to the border on all sides.
+  const MeshingResult full =
+    MeshMaterials(LabelledCube(8, 1, [](const Vector3&) { return 1; }), options);
+  ExpectSoundMesh(full.Mesh);
+  // Rounded edges: 12 of 8 mm, and corners.
+  EXPECT_NEAR(VolumeOf(full, 1), 512, 0.02 * 512);
+  // A checkerboard of two materials without air.
+  const MeshingResult board = MeshMaterials(
+    LabelledCube(6, 1,
+      [](const Vector3& p)
+      {
+        return 1 +
+          (std::lround(p[0] + 10.5) + std::lround(p[1] + 10.5) + std::lround(p[2] + 10.5)) % 2;
+      }),
+    options);
+  ExpectSoundMesh(board.Mesh);
+  LabelVolume volume = SphereInSphere();
+  volume.Spacing[1] = std::nan("");
+  EXPECT_THROW(MeshMaterials(volume, options), InputError);
+  volume.Spacing[1] = -0.5;
+  EXPECT_THROW(MeshMaterials(volume, options), InputError);
+  volume.Spacing[1] = 0.5;
+  volume.Direction[2] = volume.Direction[1];
+  EXPECT_THROW(MeshMaterials(volume, options), InputError);
+  volume = {};
+  EXPECT_THROW(MeshMaterials(volume, options), InputError);
+}
+
 TEST(LabelMesher, RefusesWhatCannotBeMeshed)
 {
-  LabelVolume volume = MakeVolume(6, 1.0, [](const Vector3&) { return 0; });
+  LabelVolume volume = LabelledCube(6, 1.0, [](const Vector3&) { return 0; });
   EXPECT_THAT(MessageOf([&] { MeshMaterials(volume, Fine()); }), testing::HasSubstr("found none"));
   volume.Voxels[volume.Index(3, 3, 3)] = 1;
   MeshingOptions options = Fine();

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "MeshCheck.h"
 #include "SurfaceShapes.h"
+#include "TestMeshes.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -107,7 +108,7 @@ TEST(MeshCheck, FindsFacesOfThreeCellsAndUnusedPoints)
   EXPECT_EQ(check.Find(Kind::UnusedPoints)->Places[0].Point, (Vector3{ 5, 5, 5 }));
 }
 
-TEST(MeshCheck, CubesThatTouchAtAnEdgeOrCornerArePinchedButSound)
+TEST(MeshCheck, CubesThatTouchAtAnEdgeOrCornerArePinched)
 {
   for (const bool edge : { true, false })
   {
@@ -136,11 +137,31 @@ TEST(MeshCheck, CubesThatTouchAtAnEdgeOrCornerArePinchedButSound)
     }
     mesh.Materials.resize(12, 1);
     const MeshCheck check = CheckMesh(mesh);
-    EXPECT_TRUE(check.Sound());
+    EXPECT_FALSE(check.Sound());
     ASSERT_TRUE(check.Find(Kind::Pinches)) << edge;
     EXPECT_EQ(check.Find(Kind::Pinches)->Count, 1u) << edge;
     EXPECT_EQ(check.Find(Kind::Pinches)->Places[0].Point, (Vector3{ 1, 1, edge ? 0.5 : 1.0 }));
   }
+}
+
+TEST(MeshCheck, ABodyOfTwoMaterialsThatHangsByAnEdgeIsPinched)
+{
+  // Either material is a box of its own; the air around them touches itself at their edge.
+  TetrahedralMesh mesh = test::MakeBoxMesh({ 0, 0, 0 }, { 2, 2, 1 }, { 2, 2, 1 });
+  TetrahedralMesh diagonal;
+  diagonal.Points = mesh.Points;
+  for (const std::size_t brick : { std::size_t{ 0 }, std::size_t{ 3 } })
+  {
+    const auto begin = mesh.Cells.begin() + static_cast<std::ptrdiff_t>(24 * brick);
+    diagonal.Cells.insert(diagonal.Cells.end(), begin, begin + 24);
+    diagonal.Materials.insert(diagonal.Materials.end(), 6, brick == 0 ? 1 : 2);
+  }
+  const MeshCheck check = CheckMesh(diagonal);
+  const MeshTrouble* pinches = check.Find(Kind::Pinches);
+  ASSERT_TRUE(pinches);
+  EXPECT_EQ(pinches->Count, 1u);
+  EXPECT_EQ(pinches->Places[0].Material, 0);
+  EXPECT_EQ(pinches->Places[0].Point, (Vector3{ 1, 1, 0.5 }));
 }
 
 TEST(MeshCheck, SphereSurfaceAndItsHoles)

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "LabelShapes.h"
 #include "MeshCheck.h"
 #include "SurfaceMesher.h"
 #include "SurfaceShapes.h"
@@ -13,6 +14,7 @@
 
 using namespace mammoray;
 using namespace shapes;
+using namespace mammoray::test;
 
 namespace
 {
@@ -39,47 +41,7 @@ MeshingOptions Coarse()
 
 double VolumeOf(const MeshCheck& check, int material)
 {
-  for (const MaterialQuality& entry : check.Materials)
-  {
-    if (entry.Material == material)
-    {
-      return entry.VolumeMm3;
-    }
-  }
-  return 0;
-}
-
-std::string MessageOf(const std::function<void()>& action)
-{
-  try
-  {
-    action();
-  }
-  catch (const Error& error)
-  {
-    return error.what();
-  }
-  return "no error";
-}
-
-LabelVolume LabelledCube(int n, double spacing, const std::function<int(const Vector3&)>& label)
-{
-  LabelVolume volume;
-  volume.Size = { n, n, n };
-  volume.Spacing = { spacing, spacing, spacing };
-  const double start = -0.5 * (n - 1) * spacing;
-  volume.Origin = { start, start, start };
-  for (int k = 0; k < n; ++k)
-  {
-    for (int j = 0; j < n; ++j)
-    {
-      for (int i = 0; i < n; ++i)
-      {
-        volume.Voxels.push_back(static_cast<std::uint16_t>(label(volume.PointAt(i, j, k))));
-      }
-    }
-  }
-  return volume;
+  return VolumeIn(check.Materials, material, &MaterialQuality::VolumeMm3);
 }
 
 LabelVolume NestedBalls()
@@ -114,8 +76,8 @@ TEST_F(SurfaceMesher, NestedShellsGiveTheInnerMaterialItsSpace)
   for (const MaterialReport& report : result.Reports)
   {
     EXPECT_NEAR(report.VolumeInMm3, report.VolumeOutMm3, 1e-9 * enclosed[1]);
-    // TetGen keeps the ratio where no angle of the surface is sharp.
-    EXPECT_LT(report.LargestRadiusEdgeRatio, 2.05) << report.Material;
+    // TetGen keeps 2 where no angle of the surface is sharp; taking slivers away gives up a part.
+    EXPECT_LT(report.LargestRadiusEdgeRatio, 2.6) << report.Material;
   }
 }
 
@@ -249,7 +211,8 @@ TEST_F(SurfaceMesher, BothWaysFromLabelsAgree)
 
 TEST_F(SurfaceMesher, VoxelsThatTouchAtEdgesAndCorners)
 {
-  // A checkerboard: nothing but pinches; and a random volume, where smoothing could cut.
+  // A checkerboard, which touches itself everywhere; and a random volume, where smoothing could
+  // cut.
   const LabelVolume board = LabelledCube(6, 1,
     [](const Vector3& p) {
       return (std::lround(p[0] + 10.5) + std::lround(p[1] + 10.5) + std::lround(p[2] + 10.5)) % 2;
@@ -276,22 +239,7 @@ TEST_F(SurfaceMesher, BothWaysKeepRandomVolumes)
   for (unsigned seed = 1; seed <= seeds; ++seed)
   {
     SCOPED_TRACE("seed " + std::to_string(seed));
-    std::mt19937 generator(seed);
-    std::uniform_real_distribution<double> coordinate(-7, 7);
-    std::vector<std::pair<Vector3, int>> centres;
-    for (int n = 0; n < 12; ++n)
-    {
-      const double x = coordinate(generator);
-      const double y = coordinate(generator);
-      centres.push_back({ { x, y, coordinate(generator) }, n % 4 });
-    }
-    LabelVolume volume = LabelledCube(14, 1,
-      [&](const Vector3& p)
-      {
-        return std::min_element(centres.begin(), centres.end(),
-          [&](const auto& a, const auto& b) { return Norm(a.first - p) < Norm(b.first - p); })
-          ->second;
-      });
+    LabelVolume volume = Mosaic(14, 1, 7, 12, 4, seed);
     volume.Spacing = { 1, 0.8, 1.3 };
     volume.Direction = { { { 0.6, 0.8, 0 }, { -0.8, 0.6, 0 },
       { 0, 0, seed % 2 == 0 ? 1.0 : -1.0 } } };

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "MeshingSteps.h"
 
+#include "CellImprovement.h"
 #include "Error.h"
 #include "LabelResampling.h"
 #include "MeshQuality.h"
+#include "PinchRepair.h"
+#include "VolumeFit.h"
 
 #include <algorithm>
 #include <cstdio>
@@ -54,29 +57,6 @@ std::size_t MergeTissue(LabelVolume& volume, double smallestMm3)
   return merged;
 }
 
-LabelComponents FindLocatedComponents(const LabelVolume& volume)
-{
-  LabelComponents found = FindComponents(volume);
-  const std::vector<float> distance = InterfaceDistance(volume);
-  std::size_t voxel = 0;
-  for (int k = 0; k < volume.Size[2]; ++k)
-  {
-    for (int j = 0; j < volume.Size[1]; ++j)
-    {
-      for (int i = 0; i < volume.Size[0]; ++i, ++voxel)
-      {
-        LabelComponent& component = found.Components[found.OfVoxel[voxel]];
-        if (distance[voxel] > component.DepthMm)
-        {
-          component.DepthMm = distance[voxel];
-          component.Deepest = { i, j, k };
-        }
-      }
-    }
-  }
-  return found;
-}
-
 void CheckComponents(const TetrahedralMesh& mesh, const LabelVolume& volume,
   const LabelComponents& found)
 {
@@ -122,6 +102,45 @@ void CheckComponents(const TetrahedralMesh& mesh, const LabelVolume& volume,
           static_cast<double>(lost.Voxels) * volume.VoxelVolume(), 2 * lost.DepthMm));
     }
   }
+}
+
+ProgressCallback Within(const ProgressCallback& progress, double begin, double end)
+{
+  return [=, &progress](double fraction, const char* stage)
+  { return !progress || progress(begin + fraction * (end - begin), stage); };
+}
+
+double LargestShift(const LabelVolume& materials, const MeshingOptions& options)
+{
+  double distanceMm = options.FacetDistanceMm;
+  for (const auto& [material, own] : options.FacetDistanceOfMaterialMm)
+  {
+    distanceMm = std::min(distanceMm, own);
+  }
+  const Vector3& spacing = materials.Spacing;
+  return 0.5 * std::max(distanceMm, std::min({ spacing[0], spacing[1], spacing[2] }));
+}
+
+void FinishMesh(const LabelVolume& materials, const MeshingOptions& options, TetrahedralMesh& mesh,
+  const ProgressCallback& progress)
+{
+  const double shiftMm = LargestShift(materials, options);
+  std::map<std::int32_t, double> volumesMm3;
+  for (const auto& [material, count] : materials.CountLabels())
+  {
+    if (material != 0)
+    {
+      volumesMm3[material] = static_cast<double>(count) * materials.VoxelVolume();
+    }
+  }
+  EditableMesh edited(mesh);
+  const double goalDeg = options.SmallestDihedralDeg;
+  ImproveCells(edited, goalDeg, shiftMm, Within(progress, 0.0, 0.4));
+  RepairPinches(edited, Within(progress, 0.4, 0.6));
+  ImproveCells(edited, goalDeg, shiftMm, Within(progress, 0.6, 0.8));
+  FitVolumes(edited, volumesMm3, shiftMm, goalDeg);
+  ImproveCells(edited, goalDeg, 0, Within(progress, 0.8, 1.0));
+  mesh = edited.Finish();
 }
 
 void PlaceInVolumeFrame(const LabelVolume& volume, TetrahedralMesh& mesh)

@@ -17,9 +17,6 @@ LabelVolume PrepareVolume(const LabelVolume& materials, int margin);
  */
 std::size_t MergeTissue(LabelVolume& volume, double smallestMm3);
 
-/// FindComponents with the deepest voxel of each component and its distance to the interfaces.
-LabelComponents FindLocatedComponents(const LabelVolume& volume);
-
 /**
  * Throws ConvergenceError, naming material, place and volume, unless every component of tissue
  * holds a cell of its material. The mesh is in the grid frame (LabelField); depths and deepest
@@ -27,6 +24,22 @@ LabelComponents FindLocatedComponents(const LabelVolume& volume);
  */
 void CheckComponents(const TetrahedralMesh& mesh, const LabelVolume& volume,
   const LabelComponents& found);
+
+/// How far interfaces may move: half a voxel, or half the facet distance where that is more, mm.
+double LargestShift(const LabelVolume& materials, const MeshingOptions& options);
+
+/**
+ * What both ways from labels end with, in the grid frame: slivers are taken away down to
+ * SmallestDihedralDeg where that can be reached, boundaries that touch themselves are mended, and
+ * interfaces move within LargestShift until every material has the volume of its voxels in
+ * `materials`, those of merged components included. The mesh may come with cells of air (material
+ * 0), which keep its surface from cutting itself.
+ */
+void FinishMesh(const LabelVolume& materials, const MeshingOptions& options, TetrahedralMesh& mesh,
+  const ProgressCallback& progress);
+
+/// The part of a progress from `begin` to `end`.
+ProgressCallback Within(const ProgressCallback& progress, double begin, double end);
 
 /// From the grid frame to the volume frame.
 void PlaceInVolumeFrame(const LabelVolume& volume, TetrahedralMesh& mesh);

@@ -209,7 +209,7 @@ std::vector<TetGenRegion> FindRegions(const TriangleComplex& complex)
 }
 
 TetrahedralMesh FillRegions(const TriangleComplex& complex,
-  const std::vector<TetGenRegion>& regions, double ratio, double dihedralDeg,
+  const std::vector<TetGenRegion>& regions, const TetGenQuality& quality,
   const ProgressCallback& progress)
 {
   tetgenio input;
@@ -234,9 +234,10 @@ TetrahedralMesh FillRegions(const TriangleComplex& complex,
   std::copy(seeds.begin(), seeds.end(), input.regionlist);
   input.tetunsuitable = NeverUnsuitable;
   watch = { &progress, 0, 10.0 * static_cast<double>(complex.Triangles.size()) };
-  char quality[64];
-  std::snprintf(quality, sizeof(quality), "pq%.6g/%.6gAaQ", ratio > 0 ? ratio : 1e6, dihedralDeg);
-  Run(quality, input, output);
+  char switches[64];
+  std::snprintf(switches, sizeof(switches), "p%sq%.6g/%.6gAaQ", quality.DividesTriangles ? "" : "Y",
+    quality.Ratio > 0 ? quality.Ratio : 1e6, quality.DihedralDeg);
+  Run(switches, input, output);
   return Unload(output);
 }
 }

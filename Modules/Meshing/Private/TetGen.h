@@ -36,12 +36,20 @@ std::vector<std::size_t> FindCuttingTriangles(const TriangleComplex& complex);
 /// The spaces that the triangles enclose, materials left at 0.
 std::vector<TetGenRegion> FindRegions(const TriangleComplex& complex);
 
-/**
- * Tetrahedra of the regions that have a material. `ratio` and `dihedralDeg` as in TetGen's -q;
- * `dihedralDeg` of 0 leaves that goal out. `progress` is asked while cells are refined.
- */
+/// What is asked of the cells; TetGen's -q and -Y.
+struct TetGenQuality
+{
+  /// Largest circumradius / shortest edge.
+  double Ratio = 2;
+  /// A goal; 0 leaves it out.
+  double DihedralDeg = 0;
+  /// Triangles may be divided.
+  bool DividesTriangles = true;
+};
+
+/// Tetrahedra of the regions that have a material. `progress` is asked while cells are refined.
 TetrahedralMesh FillRegions(const TriangleComplex& complex,
-  const std::vector<TetGenRegion>& regions, double ratio, double dihedralDeg,
+  const std::vector<TetGenRegion>& regions, const TetGenQuality& quality,
   const ProgressCallback& progress);
 }
 

@@ -1,0 +1,449 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "PinchRepair.h"
+
+#include "Error.h"
+
+#include <algorithm>
+#include <map>
+#include <set>
+
+namespace mammoray
+{
+namespace
+{
+/// The arcs around one material: closed curves and the points where they touch.
+class Curves
+{
+public:
+  Curves(const std::vector<EditableMesh::Arc>& arcs, std::int32_t material)
+  {
+    for (const EditableMesh::Arc& arc : arcs)
+    {
+      if (arc.Materials[0] == material || arc.Materials[1] == material)
+      {
+        const std::size_t a = this->NodeOf(arc.A);
+        const std::size_t b = this->NodeOf(arc.B);
+        ++this->Nodes[a].Degree;
+        ++this->Nodes[b].Degree;
+        this->Nodes[this->Root(a)].Parent = this->Root(b);
+      }
+    }
+  }
+  int Excess()
+  {
+    int curves = 0;
+    int touches = 0;
+    for (std::size_t n = 0; n < this->Nodes.size(); ++n)
+    {
+      curves += this->Root(n) == n;
+      touches += this->Nodes[n].Degree / 2 - 1;
+    }
+    return std::max(0, curves - 1) + touches;
+  }
+  void AddTouches(std::set<std::int32_t>& points) const
+  {
+    for (const Node& node : this->Nodes)
+    {
+      if (node.Degree > 2)
+      {
+        points.insert(node.Id);
+      }
+    }
+  }
+
+private:
+  struct Node
+  {
+    std::int32_t Id;
+    int Degree;
+    std::size_t Parent;
+  };
+  std::size_t NodeOf(std::int32_t id)
+  {
+    for (std::size_t n = 0; n < this->Nodes.size(); ++n)
+    {
+      if (this->Nodes[n].Id == id)
+      {
+        return n;
+      }
+    }
+    this->Nodes.push_back({ id, 0, this->Nodes.size() });
+    return this->Nodes.size() - 1;
+  }
+  std::size_t Root(std::size_t n) const
+  {
+    while (this->Nodes[n].Parent != n)
+    {
+      n = this->Nodes[n].Parent;
+    }
+    return n;
+  }
+  std::vector<Node> Nodes;
+};
+
+std::vector<std::int32_t> MaterialsOf(const std::vector<EditableMesh::Arc>& arcs)
+{
+  std::vector<std::int32_t> materials;
+  for (const EditableMesh::Arc& arc : arcs)
+  {
+    materials.insert(materials.end(), { arc.Materials[0], arc.Materials[1] });
+  }
+  std::sort(materials.begin(), materials.end());
+  materials.erase(std::unique(materials.begin(), materials.end()), materials.end());
+  return materials;
+}
+
+/// Pairs of materials that meet around a point, the lower one first.
+using Contacts = std::set<std::pair<std::int32_t, std::int32_t>>;
+
+Contacts FindContacts(const EditableMesh& mesh, std::int32_t point)
+{
+  Contacts contacts;
+  for (const EditableMesh::Arc& arc : mesh.Arcs(point))
+  {
+    contacts.emplace(arc.Materials[0], arc.Materials[1]);
+  }
+  return contacts;
+}
+
+/// Other ends of the pinched edges of a point.
+std::set<std::int32_t> PinchedEdges(const EditableMesh& mesh, std::int32_t point)
+{
+  const std::vector<EditableMesh::Arc> arcs = mesh.Arcs(point);
+  std::set<std::int32_t> ends;
+  for (const std::int32_t material : MaterialsOf(arcs))
+  {
+    Curves(arcs, material).AddTouches(ends);
+  }
+  return ends;
+}
+
+bool IsAirPinched(const EditableMesh& mesh, std::int32_t point)
+{
+  return Curves(mesh.Arcs(point), 0).Excess() > 0;
+}
+
+/// Changes the material of cells near pinches.
+class Relabeller
+{
+public:
+  explicit Relabeller(EditableMesh& mesh)
+    : Mesh(mesh)
+  {
+    this->FindComponents();
+  }
+
+  /// Cells changed around one pinched point.
+  std::size_t Mend(std::int32_t point)
+  {
+    std::size_t changed = 0;
+    while (PinchExcess(this->Mesh, point) > 0 && this->ChangeBest(point))
+    {
+      ++changed;
+    }
+    return changed;
+  }
+
+private:
+  void FindComponents()
+  {
+    const std::size_t count = this->Mesh.NumberOfCells();
+    this->Component.assign(count, -1);
+    std::vector<std::int32_t> stack;
+    for (std::size_t start = 0; start < count; ++start)
+    {
+      if (this->Component[start] >= 0 || !this->Mesh.IsAlive(static_cast<std::int32_t>(start)))
+      {
+        continue;
+      }
+      const auto id = static_cast<std::int32_t>(this->Spare.size());
+      double volume = 0;
+      this->Component[start] = id;
+      stack.push_back(static_cast<std::int32_t>(start));
+      while (!stack.empty())
+      {
+        const std::int32_t cell = stack.back();
+        stack.pop_back();
+        volume += this->Mesh.Volume(this->Mesh[cell].Ids);
+        for (const std::int32_t other : this->FaceNeighbours(cell))
+        {
+          std::int32_t& place = this->Component[static_cast<std::size_t>(other)];
+          if (place < 0 && this->Mesh[other].Material == this->Mesh[cell].Material)
+          {
+            place = id;
+            stack.push_back(other);
+          }
+        }
+      }
+      this->Spare.push_back(volume / 50);
+    }
+  }
+
+  std::vector<std::int32_t> FaceNeighbours(std::int32_t cell) const
+  {
+    std::vector<std::int32_t> neighbours;
+    const std::array<std::int32_t, 4>& ids = this->Mesh[cell].Ids;
+    for (int left = 0; left < 4; ++left)
+    {
+      const std::int32_t a = ids[(left + 1) % 4];
+      const std::int32_t b = ids[(left + 2) % 4];
+      const std::int32_t c = ids[(left + 3) % 4];
+      for (const std::int32_t other : this->Mesh.Star(a))
+      {
+        if (other != cell && Contains(this->Mesh[other].Ids, b) &&
+          Contains(this->Mesh[other].Ids, c))
+        {
+          neighbours.push_back(other);
+        }
+      }
+    }
+    return neighbours;
+  }
+
+  int ExcessAround(std::int32_t cell) const
+  {
+    int excess = 0;
+    for (const std::int32_t id : this->Mesh[cell].Ids)
+    {
+      excess += PinchExcess(this->Mesh, id);
+    }
+    return excess;
+  }
+
+  std::vector<Contacts> ContactsAround(std::int32_t cell) const
+  {
+    std::vector<Contacts> contacts;
+    for (const std::int32_t id : this->Mesh[cell].Ids)
+    {
+      contacts.push_back(FindContacts(this->Mesh, id));
+    }
+    return contacts;
+  }
+
+  /**
+   * True when the cell as `material` has fewer pinches at its corners, and no materials meet at one
+   * that did not before, as where a thin layer opens. The cell stays as it is.
+   */
+  bool Helps(std::int32_t cell, std::int32_t material, std::int32_t point)
+  {
+    const std::int32_t own = this->Mesh[cell].Material;
+    const int before = PinchExcess(this->Mesh, point);
+    this->Mesh.SetMaterial(cell, material);
+    bool helps = PinchExcess(this->Mesh, point) < before;
+    if (helps)
+    {
+      const int excessAfter = this->ExcessAround(cell);
+      const std::vector<Contacts> contactsAfter = this->ContactsAround(cell);
+      this->Mesh.SetMaterial(cell, own);
+      const std::vector<Contacts> contacts = this->ContactsAround(cell);
+      helps = excessAfter < this->ExcessAround(cell);
+      for (std::size_t corner = 0; corner < 4 && helps; ++corner)
+      {
+        helps = std::includes(contacts[corner].begin(), contacts[corner].end(),
+          contactsAfter[corner].begin(), contactsAfter[corner].end());
+      }
+    }
+    this->Mesh.SetMaterial(cell, own);
+    return helps;
+  }
+
+  bool ChangeBest(std::int32_t point)
+  {
+    double least = 0;
+    std::int32_t best = -1;
+    std::int32_t bestMaterial = 0;
+    for (const std::int32_t cell : this->Mesh.Star(point))
+    {
+      const double volume = this->Mesh.Volume(this->Mesh[cell].Ids);
+      if ((best >= 0 && volume >= least) ||
+        volume >
+          this->Spare[static_cast<std::size_t>(this->Component[static_cast<std::size_t>(cell)])])
+      {
+        continue;
+      }
+      for (const std::int32_t material : this->MaterialsBeside(cell))
+      {
+        if (this->Helps(cell, material, point))
+        {
+          least = volume;
+          best = cell;
+          bestMaterial = material;
+          break;
+        }
+      }
+    }
+    if (best >= 0)
+    {
+      this->Spare[static_cast<std::size_t>(this->Component[static_cast<std::size_t>(best)])] -=
+        least;
+      this->Mesh.SetMaterial(best, bestMaterial);
+    }
+    return best >= 0;
+  }
+
+  /// Materials of the neighbours, other than the cell's own, ascending.
+  std::set<std::int32_t> MaterialsBeside(std::int32_t cell) const
+  {
+    std::set<std::int32_t> materials;
+    const std::vector<std::int32_t> neighbours = this->FaceNeighbours(cell);
+    for (const std::int32_t other : neighbours)
+    {
+      materials.insert(this->Mesh[other].Material);
+    }
+    if (neighbours.size() < 4)
+    {
+      materials.insert(0);
+    }
+    materials.erase(this->Mesh[cell].Material);
+    return materials;
+  }
+
+  EditableMesh& Mesh;
+  /// Connected piece of every cell at the start, and the volume it may still lose.
+  std::vector<std::int32_t> Component;
+  std::vector<double> Spare;
+};
+
+/// Divides the edges that leave `points` (one, or the two of an edge) and gives the cells around
+/// them to one material.
+void CutOut(EditableMesh& mesh, const std::vector<std::int32_t>& points)
+{
+  const auto isOwn = [&points](std::int32_t id)
+  { return std::find(points.begin(), points.end(), id) != points.end(); };
+  bool airPinched = false;
+  bool surrounded = true;
+  Contacts contacts;
+  std::set<std::int32_t> materials;
+  std::vector<std::pair<std::int32_t, std::int32_t>> leaving;
+  for (const std::int32_t point : points)
+  {
+    contacts.merge(FindContacts(mesh, point));
+    airPinched = airPinched || IsAirPinched(mesh, point);
+    surrounded = surrounded && mesh.IsSurrounded(point);
+    for (const std::int32_t neighbour : mesh.Neighbours(point))
+    {
+      if (!isOwn(neighbour))
+      {
+        leaving.emplace_back(point, neighbour);
+      }
+    }
+  }
+  for (const auto& [one, other] : contacts)
+  {
+    materials.insert({ one, other });
+  }
+  for (const auto& [point, neighbour] : leaving)
+  {
+    mesh.SplitEdge(point, neighbour, 1.0 / 3); // a small change, yet cells of a usable size
+  }
+  std::set<std::int32_t> cells;
+  std::map<std::int32_t, double> volumes;
+  for (const std::int32_t point : points)
+  {
+    for (const std::int32_t cell : mesh.Star(point))
+    {
+      if (cells.insert(cell).second)
+      {
+        volumes[mesh[cell].Material] += mesh.Volume(mesh[cell].Ids);
+      }
+    }
+  }
+  if (!airPinched)
+  {
+    volumes.erase(0);
+  }
+  else if (!surrounded)
+  {
+    volumes = { { 0, 0.0 } };
+  }
+  // Of those that met all others there before, the one that changes least: a thin layer stays
+  // closed.
+  const auto meetsAll = [&](std::int32_t material)
+  {
+    return std::all_of(materials.begin(), materials.end(),
+      [&](std::int32_t other)
+      { return other == material || contacts.count(std::minmax(material, other)) > 0; });
+  };
+  const std::int32_t material = std::max_element(volumes.begin(), volumes.end(),
+    [&](const auto& a, const auto& b) {
+      return std::pair(meetsAll(a.first), a.second) < std::pair(meetsAll(b.first), b.second);
+    })->first;
+  for (const std::int32_t cell : cells)
+  {
+    if (airPinched || mesh[cell].Material != 0)
+    {
+      mesh.SetMaterial(cell, material);
+    }
+  }
+}
+
+std::vector<std::int32_t> FindPinchedPoints(const EditableMesh& mesh)
+{
+  std::vector<std::int32_t> pinched;
+  for (std::size_t point = 0; point < mesh.Points.size(); ++point)
+  {
+    const auto id = static_cast<std::int32_t>(point);
+    if (PinchExcess(mesh, id) > 0)
+    {
+      pinched.push_back(id);
+    }
+  }
+  return pinched;
+}
+}
+
+int PinchExcess(const EditableMesh& mesh, std::int32_t point)
+{
+  const std::vector<EditableMesh::Arc> arcs = mesh.Arcs(point);
+  int excess = 0;
+  for (const std::int32_t material : MaterialsOf(arcs))
+  {
+    excess += Curves(arcs, material).Excess();
+  }
+  return excess;
+}
+
+std::size_t RepairPinches(EditableMesh& mesh, const ProgressCallback& progress)
+{
+  std::vector<std::int32_t> pinched = FindPinchedPoints(mesh);
+  const std::size_t found = pinched.size();
+  const int relabellings = 3;
+  for (int round = 0; round < relabellings && !pinched.empty(); ++round)
+  {
+    ReportProgress(progress, 0.1 + 0.2 * round, "mending interfaces");
+    Relabeller relabeller(mesh);
+    std::size_t changed = 0;
+    for (const std::int32_t point : pinched)
+    {
+      changed += relabeller.Mend(point);
+    }
+    pinched = FindPinchedPoints(mesh);
+    if (changed == 0)
+    {
+      break;
+    }
+  }
+  ReportProgress(progress, 0.7, "mending interfaces");
+  for (int round = 0; !pinched.empty(); ++round)
+  {
+    if (round > 2)
+    {
+      throw ConvergenceError("mesh: boundaries that touch themselves were left after the repair");
+    }
+    for (const std::int32_t point : pinched)
+    {
+      const std::set<std::int32_t> ends = PinchedEdges(mesh, point);
+      const bool alone = ends.size() == 1 && PinchedEdges(mesh, *ends.begin()).size() == 1;
+      if (PinchExcess(mesh, point) == 0 || (ends.size() == 1 && !alone))
+      {
+        continue; // mended with another one, or to be done once its neighbour is
+      }
+      CutOut(mesh,
+        alone ? std::vector<std::int32_t>{ point, *ends.begin() }
+              : std::vector<std::int32_t>{ point });
+    }
+    pinched = FindPinchedPoints(mesh);
+  }
+  return found;
+}
+}

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: Apache-2.0
+#ifndef mammoray_VolumeFit_h
+#define mammoray_VolumeFit_h
+
+#include "EditableMesh.h"
+
+#include <map>
+
+namespace mammoray
+{
+/**
+ * Moves the interfaces so that every material gets its volume (mm^3, by material; air takes the
+ * rest): the interface of materials a and b along its normal by o_a - o_b, one offset o per
+ * material, found by Newton steps on the volumes (their gradient by a point is a third of the area
+ * normals around it). No point moves by more than `shiftMm` in all, nor so far that a cell around
+ * it gets a dihedral angle below `leastDeg` that it did not have.
+ */
+void FitVolumes(EditableMesh& mesh, const std::map<std::int32_t, double>& volumesMm3,
+  double shiftMm, double leastDeg);
+}
+
+#endif

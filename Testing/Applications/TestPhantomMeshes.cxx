@@ -1,0 +1,195 @@
+// SPDX-License-Identifier: Apache-2.0
+// Every label volume and closed surface at hand, by both ways. All but one of them run only with
+// MAMMORAY_LONG_TESTS=1, and each only where its file is.
+#include "CommandTest.h"
+#include "MeshConversion.h"
+#include "MeshIO.h"
+#include "SurfaceShapes.h"
+
+#include "vtkUnstructuredGrid.h"
+
+#include <nlohmann/json.hpp>
+
+#include <cstdlib>
+#include <random>
+
+using namespace mammoray;
+using testing_support::ReadFile;
+
+namespace
+{
+const std::string Shared = MAMMORAY_SHARED_DATA_DIR;
+const std::string Victre = MAMMORAY_DATA_DIR "/materials/victre.json";
+
+struct Phantom
+{
+  const char* Name;
+  std::string Labels;
+  /// A file, or "" for the table below.
+  std::string Materials;
+  const char* Table;
+  const char* Options;
+  double VoxelMm;
+};
+
+std::ostream& operator<<(std::ostream& stream, const Phantom& phantom)
+{
+  return stream << phantom.Name;
+}
+
+class PhantomMeshes
+  : public testing_support::CommandTest
+  , public testing::WithParamInterface<Phantom>
+{
+protected:
+  void SetUp() override
+  {
+    const Phantom& phantom = GetParam();
+    if (!std::filesystem::exists(phantom.Labels))
+    {
+      GTEST_SKIP() << "absent: " << phantom.Labels;
+    }
+    if (std::string(phantom.Name) != "example" && !std::getenv("MAMMORAY_LONG_TESTS"))
+    {
+      GTEST_SKIP() << "only with MAMMORAY_LONG_TESTS=1";
+    }
+  }
+
+  /// Meshes and checks; every volume within its bound.
+  void Mesh(const std::string& method)
+  {
+    const Phantom& phantom = GetParam();
+    std::string table = phantom.Materials;
+    if (table.empty())
+    {
+      table = this->Folder.File("table.json");
+      this->Folder.Write("table.json", phantom.Table);
+    }
+    const std::string mesh = this->Folder.File(method + ".vtu");
+    const std::string report = this->Folder.File(method + ".json");
+    ASSERT_EQ(this->Run("mesh --labels " + phantom.Labels + " --materials " + table + " " +
+                phantom.Options + " --method " + method + " -o " + mesh + " --report " + report),
+      0)
+      << this->Errors;
+    EXPECT_THAT(this->Errors, testing::Not(testing::HasSubstr("warning")));
+    const auto json = nlohmann::json::parse(ReadFile(report));
+    EXPECT_TRUE(json["sound"]);
+    for (const auto& entry : json["volumes"])
+    {
+      EXPECT_TRUE(entry["volume_kept"]) << entry;
+    }
+    for (const auto& entry : json["per_material"])
+    {
+      // The goal is 12; measured: 2.4 at worst (TetGen), 4.4 by CGAL.
+      EXPECT_GT(entry["smallest_dihedral_deg"], method == "cgal" ? 2 : 0.5) << entry["material"];
+    }
+    EXPECT_EQ(this->Run("mesh --check " + mesh), 0) << this->Errors;
+  }
+
+  SurfaceMesh Interfaces(const std::string& method)
+  {
+    return ExtractInterfaces(FromGrid(ReadMesh(this->Folder.File(method + ".vtu"))));
+  }
+};
+
+std::string SegmentTable(const char* fat, const char* gland)
+{
+  return std::string(R"({"materials": [{"name": "air", "labels": [0]},
+    {"name": "fat", "labels": )") +
+    fat + R"(, "attenuation": "adipose"},
+    {"name": "gland", "labels": )" +
+    gland + R"(, "attenuation": "glandular"}]})";
+}
+const std::string OneSegment = SegmentTable("[1]", "[2]");
+const std::string FiveSegments = SegmentTable("[3, 4, 5]", "[1, 2]");
+const std::string WithPaddles = R"({"materials": [{"name": "air", "labels": [0]},
+  {"name": "fat", "labels": [1], "attenuation": "adipose"},
+  {"name": "gland", "labels": [29, 88, 95, 125, 150, 225], "attenuation": "glandular"},
+  {"name": "skin", "labels": [2, 33], "attenuation": "skin"},
+  {"name": "paddle", "labels": [50], "attenuation": "polystyrene"}]})";
+}
+
+TEST_P(PhantomMeshes, BothWaysAreSoundKeepVolumesAndAgree)
+{
+  this->Mesh("cgal");
+  this->Mesh("tetgen");
+  if (this->HasFatalFailure())
+  {
+    return;
+  }
+  const SurfaceMesh one = this->Interfaces("cgal");
+  const SurfaceMesh other = this->Interfaces("tetgen");
+  Vector3 low{ 1e9, 1e9, 1e9 };
+  Vector3 high{ -1e9, -1e9, -1e9 };
+  for (std::size_t value = 0; value < one.Points.size(); ++value)
+  {
+    low[value % 3] = std::min(low[value % 3], one.Points[value]);
+    high[value % 3] = std::max(high[value % 3], one.Points[value]);
+  }
+  std::mt19937 generator(1);
+  std::uniform_real_distribution<double> share(0.2, 0.8);
+  std::vector<double> differences;
+  for (int ray = 0; ray < 60; ++ray)
+  {
+    const auto at = [&](double z)
+    {
+      const double x = share(generator);
+      const double y = share(generator);
+      return Vector3{ low[0] + x * (high[0] - low[0]), low[1] + y * (high[1] - low[1]), z };
+    };
+    const Vector3 from = at(low[2] - 50);
+    const Vector3 to = at(high[2] + 50);
+    const std::vector<double> a = shapes::ReferenceLengths(one, from, to);
+    const std::vector<double> b = shapes::ReferenceLengths(other, from, to);
+    ASSERT_FALSE(a.empty() || b.empty()) << "a ray met a leak";
+    for (std::size_t material = 1; material < std::min(a.size(), b.size()); ++material)
+    {
+      differences.push_back(std::abs(a[material] - b[material]));
+    }
+  }
+  std::sort(differences.begin(), differences.end());
+  // The voxel's size, for all but one in twenty: rays that graze an interface have no bound.
+  EXPECT_LT(differences[differences.size() * 95 / 100], GetParam().VoxelMm);
+}
+
+INSTANTIATE_TEST_SUITE_P(All, PhantomMeshes,
+  testing::Values(Phantom{ "example", MAMMORAY_DATA_DIR "/victre-phantom-1/labels.nrrd", Victre, "",
+                    "--spacing 2 --facet-size 5 --cell-size 8 --smallest-component 60", 2 },
+    Phantom{ "scattered", Shared + "/breastphantom-scattered-1001/labels.nrrd", Victre, "",
+      "--thin skin", 0.5 },
+    Phantom{ "hetero", Shared + "/breastphantom-hetero-2002/labels.nrrd", Victre, "", "--thin skin",
+      0.5 },
+    Phantom{ "p_1", Shared + "/victre-pipeline-phantom-1/p_1.nhdr", Victre, "", "--thin skin",
+      0.2 },
+    Phantom{ "pc_1_crop", Shared + "/victre-pipeline-phantom-1/pc_1_crop.nhdr", "",
+      WithPaddles.c_str(), "--thin skin", 0.2 },
+    Phantom{ "ispy1", Shared + "/ispy1-breast-voi-seg/ispy1_1001_breast_voi_seg.dcm", "",
+      OneSegment.c_str(), "", 0.78 },
+    Phantom{ "duke", Shared + "/duke-breast-mri-153-CC-BY-NC-4.0/seg_fgt_fat.dcm", "",
+      FiveSegments.c_str(), "", 0.76 }),
+  [](const auto& instance) { return std::string(instance.param.Name); });
+
+class SurfaceFiles : public testing_support::CommandTest
+{
+};
+
+TEST_F(SurfaceFiles, ClosedSurfacesAreFilledAndMeshesChecked)
+{
+  if (!std::getenv("MAMMORAY_LONG_TESTS") || !std::filesystem::exists(Shared))
+  {
+    GTEST_SKIP() << "only with MAMMORAY_LONG_TESTS=1 and " << Shared;
+  }
+  for (const std::string shape : { "cubes", "spheres", "gVXR" })
+  {
+    const std::string mesh = this->Folder.File(shape + ".vtu");
+    ASSERT_EQ(
+      this->Run("mesh --surface body=" + Shared + "/gvxr-shapes/" + shape + "-bin.stl -o " + mesh),
+      0)
+      << this->Errors;
+    EXPECT_EQ(this->Run("mesh --check " + mesh), 0) << this->Errors;
+  }
+  // Vessels overlap where they join, and one is turned the wrong way round in places.
+  this->ExpectRefused("mesh --surface vessel=" + Shared +
+      "/hra-vasculature-mesh/VH_F_vasculature_mm_capped.stl -o " + this->Folder.File("v.vtu"),
+    "surfaces: expected ");
+}
