@@ -106,8 +106,8 @@ ChestWall::ChestWall(const ElasticBody& body, const std::vector<bool>& heldCells
     }
     const Vector3 outwards = 0.5 * Cross(corners[1] - corners[0], corners[2] - corners[0]);
     const double area = Norm(outwards);
-    this->Triangles.push_back({ (1 / 3.0) * (corners[0] + corners[1] + corners[2]),
-      (-1 / area) * outwards, area });
+    this->Triangles.push_back(
+      { (1 / 3.0) * (corners[0] + corners[1] + corners[2]), (-1 / area) * outwards, area });
     // The four triangles between corners and middles: every node's share is positive, which the
     // integrals of the quadratic shape functions are not.
     const bool quadratic = body.Type() == ElementType::Quadratic;
@@ -119,8 +119,8 @@ ChestWall::ChestWall(const ElasticBody& body, const std::vector<bool>& heldCells
         areas[nodes[FaceMiddles[face.Face][c]]] += 0.25 * area;
       }
     }
-    sides += Norm(corners[1] - corners[0]) + Norm(corners[2] - corners[1]) +
-      Norm(corners[0] - corners[2]);
+    sides +=
+      Norm(corners[1] - corners[0]) + Norm(corners[2] - corners[1]) + Norm(corners[0] - corners[2]);
   }
   if (this->Triangles.empty())
   {
@@ -203,8 +203,8 @@ SurfaceHeight ChestWall::HeightAt(const Vector3& x) const
   AddSymmetric(result.Hessian, -1 / weightSum, result.Gradient, weightGradient);
   for (int i = 0; i < 3; ++i)
   {
-    result.Hessian[i] = result.Hessian[i] +
-      (1 / weightSum) * (heightHessian[i] - result.Value * weightHessian[i]);
+    result.Hessian[i] =
+      result.Hessian[i] + (1 / weightSum) * (heightHessian[i] - result.Value * weightHessian[i]);
   }
   return result;
 }

@@ -104,13 +104,21 @@ void CheckOptions(const CompressionOptions& options)
   }
   if (!(options.Friction >= 0) || !std::isfinite(options.Friction))
   {
-    throw InputError("compression options: expected a coefficient of friction of at least 0, found " +
+    throw InputError(
+      "compression options: expected a coefficient of friction of at least 0, found " +
       std::to_string(options.Friction));
   }
   if (!std::isfinite(Norm(options.GravityMPerS2)) || !std::isfinite(Norm(options.PullN)))
   {
     throw InputError("compression options: expected finite gravity and pull");
   }
+}
+
+/// Linear elements lead where the way is simple: their breast hangs and rubs otherwise.
+bool IsLedByLinearElements(const CompressionOptions& options)
+{
+  return options.Element == ElementType::Quadratic && options.ChestWall == ChestWallMode::Held &&
+    options.Friction == 0 && Norm(options.GravityMPerS2) == 0 && Norm(options.PullN) == 0;
 }
 
 void CheckPlate(const Plate& plate, const char* name)
@@ -157,8 +165,8 @@ CompressionSimulation::Internals::Internals(ElasticBody body, std::vector<bool> 
   : Body(std::move(body))
   , Options(options)
   , HeldCells(std::move(heldCells))
-  , Solver(Body, FixedCoordinates(Body, HeldCells, options.ChestWall), options.ContactStiffness,
-      HeldCells)
+  , Fixed(FixedCoordinates(Body, HeldCells, options.ChestWall))
+  , Solver(Body, Fixed, options.ContactStiffness, HeldCells)
   , Image(Body.RestPositions())
   , NumberOfPoints(pointCount)
 {
@@ -268,7 +276,8 @@ void CompressionSimulation::Internals::SettleUnder(std::vector<double> loads,
     {
       char reason[160];
       std::snprintf(reason, sizeof reason,
-        "compression: expected equilibrium under gravity and pull, found none beyond %.2f of them (",
+        "compression: expected equilibrium under gravity and pull, found none beyond %.2f of them "
+        "(",
         done);
       throw ConvergenceError(reason + report.Reason + ")");
     }
@@ -306,7 +315,8 @@ void CompressionSimulation::Internals::SetRestCorners(const std::vector<double>&
     if (!this->HeldCells[cell] && !(this->Body.CellVolume(cell) > 0))
     {
       throw ConvergenceError("unloading: expected a shape without load, found cell " +
-        std::to_string(cell) + " turned inside out on the way: the tissue is too soft for this "
+        std::to_string(cell) +
+        " turned inside out on the way: the tissue is too soft for this "
         "gravity");
     }
   }
@@ -365,7 +375,8 @@ EquilibriumReport CompressionSimulation::Internals::Solve(std::vector<double>& x
       return report;
     }
     // All of the change overshoots: friction that grows unloads its own contact.
-    part = residual > StalledFriction * residualBefore ? std::max(0.5 * part, SmallestFrictionPart) : part;
+    part = residual > StalledFriction * residualBefore ? std::max(0.5 * part, SmallestFrictionPart)
+                                                       : part;
     residualBefore = residual;
     this->Solver.SetFriction(BlendedFriction(std::move(used), found, part));
   }
@@ -379,6 +390,15 @@ CompressionSimulation::CompressionSimulation(const TetrahedralMesh& mesh,
   ElasticBody body(mesh, materials, field, held, options.Element);
   this->Internal = std::make_unique<Internals>(std::move(body), CellsOf(mesh, held),
     mesh.NumberOfPoints(), options);
+  if (IsLedByLinearElements(options))
+  {
+    CompressionOptions leading = options;
+    leading.Element = ElementType::PatchAveragedLinear;
+    this->Internal->Coarse =
+      std::make_unique<CompressionSimulation>(mesh, materials, held, field, leading);
+    this->Internal->InCoarse =
+      std::make_unique<Embedding>(*this->Internal->Coarse, this->RestPositions());
+  }
 }
 
 CompressionSimulation::~CompressionSimulation() = default;
@@ -429,6 +449,7 @@ void CompressionSimulation::Unload(const Vector3& gravityMPerS2, const ProgressC
     throw;
   }
   internal.Image = std::move(loaded);
+  internal.Coarse.reset(); // which knows nothing of the new shape
 }
 
 PlatePair CompressionSimulation::OpenedPlates(const PlatePair& plates,
@@ -444,6 +465,39 @@ PlatePair CompressionSimulation::OpenedPlates(const PlatePair& plates,
 
 CompressionState CompressionSimulation::Compress(const PlatePair& plates,
   const CompressionState* start, const ProgressCallback& progress) const
+{
+  return this->Run(plates, start, Finish::Complete, progress);
+}
+
+std::vector<double> CompressionSimulation::CoarsePositions(const PlatePair& plates,
+  const ProgressCallback& progress) const
+{
+  const Internals& internal = *this->Internal;
+  std::vector<double> positions;
+  if (internal.Coarse)
+  {
+    try
+    {
+      const auto firstHalf = [&](double fraction, const char* stage)
+      { return !progress || progress(0.5 * fraction, stage); };
+      const CompressionState coarse =
+        internal.Coarse->Run(plates, nullptr, Finish::Rough, firstHalf);
+      positions = internal.InCoarse->Map(coarse.Positions);
+      for (std::size_t c = 0; c < positions.size(); ++c)
+      {
+        positions[c] = internal.Fixed[c] ? this->RestPositions()[c] : positions[c];
+      }
+    }
+    catch (const CompressionError&)
+    {
+      // What stops linear elements need not stop these.
+    }
+  }
+  return positions;
+}
+
+CompressionState CompressionSimulation::Run(const PlatePair& plates, const CompressionState* start,
+  Finish finish, const ProgressCallback& progress) const
 {
   const auto begin = std::chrono::steady_clock::now();
   CheckPlate(plates.Support, "support");
@@ -524,7 +578,25 @@ CompressionState CompressionSimulation::Compress(const PlatePair& plates,
     state.LargestWallLiftMm = report.LargestWallLiftMm;
     state.LargestWallGlideMm = report.LargestWallGlideMm;
   };
-  for (bool polished = false; !polished;)
+  if (!start)
+  {
+    std::vector<double> positions = this->CoarsePositions(plates, progress);
+    if (!positions.empty() && solver.Admissible(positions))
+    {
+      solver.SetContactStiffness(options.ContactStiffness * softness);
+      const EquilibriumReport report = solver.Solve(positions, &plates, IntermediateTolerance,
+        std::min(IntermediateNewtonSteps, options.MaximumNewtonSteps), continued);
+      state.NewtonSteps += report.NewtonSteps;
+      if (report.Converged)
+      {
+        keep(report, positions);
+        state.Plates = plates;
+        state.LoadSteps = 1;
+        done = 1;
+      }
+    }
+  }
+  for (bool polished = finish == Finish::Rough && done == 1; !polished;)
   {
     ReportProgress(progress, done, "compression");
     const double next = done + step > 1 - 1e-9 ? 1 : done + step;
@@ -596,10 +668,10 @@ CompressionState CompressionSimulation::Compress(const PlatePair& plates,
     state.LoadSteps += done < 1;
     done = next;
     softness = nextSoftness;
-    polished = last;
+    polished = last || (finish == Finish::Rough && done == 1);
     // Penetration is inverse to the stiffness; a thousandth is left for the last digits.
     const double excess = state.LargestPenetrationMm / (0.999 * PenetrationLimitMm(plates));
-    if (done == 1 && softness == wanted && excess > 1)
+    if (finish == Finish::Complete && done == 1 && softness == wanted && excess > 1)
     {
       polished = false;
       wanted *= std::exp2(std::ceil(std::log2(excess)));
@@ -613,7 +685,7 @@ CompressionState CompressionSimulation::Compress(const PlatePair& plates,
       }
     }
   }
-  if (state.SmallestJ < smallestAllowedJ)
+  if (finish == Finish::Complete && state.SmallestJ < smallestAllowedJ)
   {
     char reason[96];
     std::snprintf(reason, sizeof reason,
@@ -760,6 +832,10 @@ CompressionState CompressionSimulation::CompressToForce(const PlatePair& plates,
 void CompressionSimulation::SetMaterials(const std::vector<ElasticMaterial>& materials)
 {
   this->Internal->Body.SetMaterials(materials);
+  if (this->Internal->Coarse)
+  {
+    this->Internal->Coarse->SetMaterials(materials);
+  }
   this->Internal->Solver.BodyChanged();
   this->Internal->Settled.clear();
 }

@@ -30,11 +30,12 @@ enum class ChestWallMode
 
 struct CompressionOptions
 {
-  /// Quadratic cells for accuracy on some thousand cells, patch-averaged linear ones where there are
-  /// tens of thousands.
+  /// Quadratic cells for accuracy on some thousand cells, patch-averaged linear ones where there
+  /// are tens of thousands.
   ElementType Element = ElementType::Quadratic;
   ChestWallMode ChestWall = ChestWallMode::Held;
-  /// Of the elastic chest wall; of the sliding one Normal counts, and along the wall SlidingStiffness.
+  /// Of the elastic chest wall; of the sliding one Normal counts, and along the wall
+  /// SlidingStiffness.
   WallStiffness Wall{ 1000.0, 1.0 };
   /// kPa / mm. Not quite 0: between plates without friction nothing else would hold the breast
   /// sideways. After gliding by 10 mm a hundredth of the usual pressures of compression.
@@ -120,6 +121,7 @@ struct CompressionState
   double LargestWallGlideMm = 0;
   /// Normal forces and anchors of friction that the state was found with; null without friction.
   std::shared_ptr<const FrictionPoints> Friction;
+  /// Without those of the linear elements that led a cold start.
   int NewtonSteps = 0;
   int LoadSteps = 0;
   double Seconds = 0;
@@ -173,7 +175,10 @@ public:
 
   /**
    * Equilibrium between the plates. Cold: the breast first settles under gravity and pull, the
-   * plates opened along their normals until they touch nothing, then closed in load steps. Warm: starts at `start` (a state of this
+   * plates opened along their normals until they touch nothing, then closed in load steps; where
+   * the chest wall is held and there are no such loads and no friction, quadratic elements let
+   * linear ones on the same cells go this way and start from where these arrive, or go it
+   * themselves if that fails. Warm: starts at `start` (a state of this
    * simulation) and goes straight to the new plates, in steps where that fails. Deterministic.
    * Contact is made stiffer until the penetration is within its limit. Throws ConvergenceError that
    * names the last gap reached or the limit that was missed and the value found, or Interrupted.
@@ -232,6 +237,19 @@ public:
 
 private:
   friend class Embedding;
+  /// As far as Compress goes: contact hard and all limits kept; or only a start for another
+  /// simulation, soft contact and a rough tolerance.
+  enum class Finish
+  {
+    Complete,
+    Rough
+  };
+  CompressionState Run(const PlatePair& plates, const CompressionState* start, Finish finish,
+    const ProgressCallback& progress) const;
+  /// Where the coarse simulation moves the nodes to; empty where it cannot.
+  std::vector<double> CoarsePositions(const PlatePair& plates,
+    const ProgressCallback& progress) const;
+
   struct Internals;
   std::unique_ptr<Internals> Internal;
 };

@@ -72,8 +72,8 @@ struct LinearCell
   static constexpr int LatticeOrder = 4;
   using Gradients = Eigen::Matrix<double, 3, 4>;
   // Every cell of a patch but the first brings one node or none.
-  using NodeVectors = Eigen::Matrix<double, 3, Eigen::Dynamic, Eigen::ColMajor, 3,
-    MostPointsPerElement + 3>;
+  using NodeVectors =
+    Eigen::Matrix<double, 3, Eigen::Dynamic, Eigen::ColMajor, 3, MostPointsPerElement + 3>;
   using Stiffness = Eigen::MatrixXd;
 
   static Gradients ShapeGradients(const double* barycentric, int)
@@ -111,6 +111,48 @@ void AddDeterminantHessian(const Eigen::Matrix3d& f, double s, Matrix9& a)
       a(3 * j + 2, 3 * l + 0) += -sign * v[1];
       a(3 * j + 2, 3 * l + 1) += sign * v[0];
     }
+  }
+}
+
+/// Adds to `a` what makes it positive semidefinite on the space spanned by `basis`, orthonormal,
+/// that it maps into itself.
+template <int Size>
+void ProjectOn(const Eigen::Matrix<double, 9, Size>& basis, Matrix9& a)
+{
+  const Eigen::Matrix<double, Size, Size> block = basis.transpose() * a * basis;
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, Size, Size>> eigen(block);
+  for (int k = 0; k < Size && eigen.eigenvalues()[k] < 0; ++k)
+  {
+    const Vector9 direction = basis * eigen.eigenvectors().col(k);
+    a -= eigen.eigenvalues()[k] * direction * direction.transpose();
+  }
+}
+
+/**
+ * Replaces the negative eigenvalues of `a`, the second derivative of an isotropic energy at F, by
+ * zero. With the singular vectors u_i and v_j of F, it maps the span of u_0 v_0^T, u_1 v_1^T and
+ * u_2 v_2^T into itself, and those of u_i v_j^T and u_j v_i^T (Smith, de Goes and Kim 2019); that
+ * is ten times as fast as all nine dimensions at once.
+ */
+void ProjectIsotropic(const Eigen::Matrix3d& f, Matrix9& a)
+{
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> right(f.transpose() * f);
+  const Eigen::Matrix3d v = right.eigenvectors();
+  const Eigen::Matrix3d u = (f * v).colwise().normalized();
+  const auto product = [&](int i, int j) -> Vector9
+  {
+    const Eigen::Matrix3d outer = u.col(i) * v.col(j).transpose();
+    return Eigen::Map<const Vector9>(outer.data());
+  };
+  Eigen::Matrix<double, 9, 3> scaling;
+  scaling << product(0, 0), product(1, 1), product(2, 2);
+  ProjectOn(scaling, a);
+  for (int i = 0; i < 3; ++i)
+  {
+    const int j = (i + 1) % 3;
+    Eigen::Matrix<double, 9, 2> shearing;
+    shearing << product(i, j), product(j, i);
+    ProjectOn(shearing, a);
   }
 }
 
@@ -219,8 +261,9 @@ void ElasticBody::AddNodesAndCells(const TetrahedralMesh& mesh)
 
 void ElasticBody::MeasureRest()
 {
-  const auto at = [this](std::int32_t node)
-  { return Vector3{ this->Rest[3 * node], this->Rest[3 * node + 1], this->Rest[3 * node + 2] }; };
+  const auto at = [this](std::int32_t node) {
+    return Vector3{ this->Rest[3 * node], this->Rest[3 * node + 1], this->Rest[3 * node + 2] };
+  };
   for (std::size_t cell = 0; cell < this->NumberOfCells(); ++cell)
   {
     const std::int32_t* nodes = &this->CellNodes[this->NodesPerCell() * cell];
@@ -381,8 +424,8 @@ void ElasticBody::SampleMaterials(const TetrahedralMesh& mesh, int materialCount
   const MaterialField& field, const std::vector<bool>& ignored)
 {
   const int points = this->PointsPerCell();
-  const int order = this->Kind == ElementType::Quadratic ? QuadraticCell::LatticeOrder
-                                                         : LinearCell::LatticeOrder;
+  const int order =
+    this->Kind == ElementType::Quadratic ? QuadraticCell::LatticeOrder : LinearCell::LatticeOrder;
   for (std::size_t cell = 0; cell < this->NumberOfCells(); ++cell)
   {
     const int own = mesh.Materials[cell];
@@ -481,9 +524,8 @@ void ElasticBody::SetMaterials(const std::vector<ElasticMaterial>& materials)
     }
     if (!(material.DensityGPerCm3 > 0))
     {
-      throw InputError("material " + std::to_string(m) +
-        ": expected a positive density, found " + std::to_string(material.DensityGPerCm3) +
-        " g/cm^3");
+      throw InputError("material " + std::to_string(m) + ": expected a positive density, found " +
+        std::to_string(material.DensityGPerCm3) + " g/cm^3");
     }
     if (!(material.FungExponent >= 0 &&
           material.FungExponent <= ElasticMaterial::LargestFungExponent))
@@ -686,8 +728,7 @@ bool ElasticBody::TermsOf(std::size_t element, const std::vector<double>& x, Ord
     const double power = 1 / std::cbrt(j * j);
     const double invariant = power * trace - 3;
     const double pointPressure = pressure + pointKappa * (j - 1);
-    terms.Energy +=
-      state.Weight * (law.Value(invariant) + 0.5 * pointKappa * (j - 1) * (j - 1));
+    terms.Energy += state.Weight * (law.Value(invariant) + 0.5 * pointKappa * (j - 1) * (j - 1));
     if (order == Order::Energy)
     {
       continue;
@@ -718,9 +759,7 @@ bool ElasticBody::TermsOf(std::size_t element, const std::vector<double>& x, Ord
     }
     if (order == Order::ProjectedHessian && Eigen::LLT<Matrix9>(a).info() != Eigen::Success)
     {
-      const Eigen::SelfAdjointEigenSolver<Matrix9> eigen(a);
-      a = eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0.0).asDiagonal() *
-        eigen.eigenvectors().transpose();
+      ProjectIsotropic(f, a);
     }
     a *= state.Weight;
     state.AddStiffnessTo(hessian, a);
@@ -746,9 +785,8 @@ bool ElasticBody::ElementTerms(std::size_t element, const std::vector<double>& x
 std::vector<double> ElasticBody::GradientRate(std::size_t element, const std::vector<double>& x,
   const MaterialVelocity& velocity) const
 {
-  return this->Kind == ElementType::Quadratic
-    ? this->RateOf<QuadraticCell>(element, x, velocity)
-    : this->RateOf<LinearCell>(element, x, velocity);
+  return this->Kind == ElementType::Quadratic ? this->RateOf<QuadraticCell>(element, x, velocity)
+                                              : this->RateOf<LinearCell>(element, x, velocity);
 }
 
 CellMeasures ElasticBody::MeasuresOf(std::size_t cell, const std::vector<double>& x) const

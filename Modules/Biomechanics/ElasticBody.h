@@ -48,8 +48,8 @@ enum class ElementType
  * - Quadratic: ten nodes, the 4-point rule of degree 2; the element is the cell (P2/P0; Boffi,
  *   Brezzi & Fortin 2013, section 8.6); r = 50: the mean alone would let the points of a cell swell
  *   and shrink against each other.
- * - PatchAveragedLinear: four nodes, one point; the element is a patch of about 8 cells (the patches
- *   of de Souza Neto, Andrade Pires & Owen 2005, put as an energy, so that forces have a
+ * - PatchAveragedLinear: four nodes, one point; the element is a patch of about 8 cells (the
+ * patches of de Souza Neto, Andrade Pires & Owen 2005, put as an energy, so that forces have a
  *   potential and the stiffness is symmetric); r = 0: cells whose neighbours swell against them are
  *   sheared, which costs enough. Patches depend on the mesh alone, so that states outlive a change
  *   of materials. They may hold cells of several materials: strands of gland one cell thick would

@@ -427,8 +427,7 @@ void EquilibriumSolver::Internals::MakePattern()
       {
         for (std::size_t r = c; r < rows; ++r)
         {
-          const auto [column, row] = std::minmax(
-            this->Unknown[this->CoordinateOf(active, c)],
+          const auto [column, row] = std::minmax(this->Unknown[this->CoordinateOf(active, c)],
             this->Unknown[this->CoordinateOf(active, r)]);
           *scatter = -1;
           if (column >= 0)
@@ -485,7 +484,8 @@ void EquilibriumSolver::Internals::ForEachContact(std::size_t active, const std:
         if (mayTouch[side] && depth > 0)
         {
           function(ContactPoint{ face, f, static_cast<std::int16_t>(k), shape, position, side,
-            *sides[side], distance, ContactLaw(this->ContactStiffness, depth), rulePoint.Weight * face.Area });
+            *sides[side], distance, ContactLaw(this->ContactStiffness, depth),
+            rulePoint.Weight * face.Area });
         }
       }
     }
@@ -542,8 +542,7 @@ void EquilibriumSolver::Internals::AddContact(std::size_t active, const std::vec
           {
             for (int j = 0; j < 3; ++j)
             {
-              terms.Hessian[rows * (3 * local[b] + j) + 3 * local[a] + i] +=
-                shapes * block[i][j];
+              terms.Hessian[rows * (3 * local[b] + j) + 3 * local[a] + i] += shapes * block[i][j];
             }
           }
         }
@@ -958,8 +957,8 @@ std::vector<double> EquilibriumSolver::Internals::HoldingForces(const std::vecto
           const std::array<double, 6>& shape, const Vector3& position)
         {
           const FrictionTerms friction(point, SideOf(plates, point.Side), position);
-          this->AddAtFace(face, shape,
-            -velocity.Friction * point.NormalForce * friction.Gradient(), column);
+          this->AddAtFace(face, shape, -velocity.Friction * point.NormalForce * friction.Gradient(),
+            column);
         });
     }
   }
@@ -1278,8 +1277,8 @@ std::vector<double> EquilibriumSolver::ContactPressures(const std::vector<double
     const std::span<const std::int32_t> nodes = body.NodesOf(face.Element);
     for (int side = 0; side < 3 && body.Type() == ElementType::Quadratic; ++side)
     {
-      force[nodes[face.LocalNodes[3 + side]]] = 0.5 *
-        (force[nodes[face.LocalNodes[side]]] + force[nodes[face.LocalNodes[(side + 1) % 3]]]);
+      force[nodes[face.LocalNodes[3 + side]]] =
+        0.5 * (force[nodes[face.LocalNodes[side]]] + force[nodes[face.LocalNodes[(side + 1) % 3]]]);
     }
   }
   return force;
@@ -1402,7 +1401,8 @@ double EquilibriumSolver::PaddleForceRate(const std::vector<double>& x, const Pl
         }
         const PlateDistance& distance = point.Distance;
         const Vector3& normal = point.Touched.Normal;
-        const Vector3 relative = FacePosition(internal.Body, point.Face, point.Shape, nodeVelocities) -
+        const Vector3 relative =
+          FacePosition(internal.Body, point.Face, point.Shape, nodeVelocities) -
           velocity.Paddle.At(point.Touched, point.Position);
         rate += point.Weight *
           (point.Law.Pressure * distance.Curvature * Dot(distance.Tangent, relative) *
@@ -1418,8 +1418,7 @@ double EquilibriumSolver::PaddleForceRate(const std::vector<double>& x, const Pl
           const FrictionTerms friction(point, plates.Paddle, position);
           const Vector3 relative = FacePosition(internal.Body, face, shape, nodeVelocities) -
             velocity.Paddle.At(plates.Paddle, position);
-          rate -= point.SlidingForce *
-            Dot(friction.HessianTimes(relative), plates.Paddle.Normal);
+          rate -= point.SlidingForce * Dot(friction.HessianTimes(relative), plates.Paddle.Normal);
         }
       });
   }

@@ -105,7 +105,8 @@ public:
    * From the positions `x` (3 x nodeCount, mm; no cell inverted; fixed coordinates keep their
    * values) to equilibrium between the plates (none: null). Stops when the norm of the residual
    * forces falls below `tolerance` times the largest of the norms of the forces of contact, of the
-   * chest wall, of the dead loads and at fixed coordinates. `x` holds the last positions with all J > 0 when it fails.
+   * chest wall, of the dead loads and at fixed coordinates. `x` holds the last positions with all J
+   * > 0 when it fails.
    */
   EquilibriumReport Solve(std::vector<double>& x, const PlatePair* plates, double tolerance,
     int maximumSteps, const ProgressCallback& progress = {}) const;
@@ -130,10 +131,10 @@ public:
 
   /**
    * dx/dp of an equilibrium for parameters that move the plates, then for those that change the
-   * materials, then what holds and loads the body; 3 x nodeCount each, zero at fixed coordinates. Friction's normal
-   * forces and anchors stay as they are; its anchors move with the plates. The factor of the last Newton step is
-   * refined to this state's own matrix when that is near, or made anew. Throws ConvergenceError
-   * where that matrix is not positive definite.
+   * materials, then what holds and loads the body; 3 x nodeCount each, zero at fixed coordinates.
+   * Friction's normal forces and anchors stay as they are; its anchors move with the plates. The
+   * factor of the last Newton step is refined to this state's own matrix when that is near, or made
+   * anew. Throws ConvergenceError where that matrix is not positive definite.
    */
   std::vector<std::vector<double>> Sensitivities(const std::vector<double>& x,
     const PlatePair& plates, const std::vector<PlatePairVelocity>& velocities,

@@ -135,8 +135,7 @@ FrictionPoint Dragged(const FrictionPoint& point, const Plate& plate, const Vect
     return point;
   }
   FrictionPoint dragged = point;
-  dragged.Anchor =
-    PointInPlate(plate, x - (FrictionPoint::SlipMm / slip) * terms.Slip);
+  dragged.Anchor = PointInPlate(plate, x - (FrictionPoint::SlipMm / slip) * terms.Slip);
   return dragged;
 }
 }

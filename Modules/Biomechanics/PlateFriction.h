@@ -58,7 +58,8 @@ struct FrictionTerms
   /// The slip u, mm.
   Vector3 Slip{ 0, 0, 0 };
   double Energy = 0;
-  /// f' / |u|, and f'' where the slip's direction is: Hessian = Ratio (P - t t^T) + Curvature t t^T.
+  /// f' / |u|, and f'' where the slip's direction is: Hessian = Ratio (P - t t^T) + Curvature t
+  /// t^T.
   double Ratio = 0;
   double Curvature = 0;
   Vector3 Normal{ 0, 0, 1 };

@@ -84,8 +84,8 @@ private:
           {
             if (this->PatchOf[candidate] < 0)
             {
-              best = std::min(best, { this->NewNodes(candidate, nodes), this->FreeNeighbours(candidate),
-                                      candidate });
+              best = std::min(best,
+                { this->NewNodes(candidate, nodes), this->FreeNeighbours(candidate), candidate });
             }
           });
       }
@@ -111,7 +111,8 @@ private:
   int NewNodes(std::int32_t cell, const std::vector<std::int32_t>& nodes) const
   {
     const std::int32_t* corners = &this->Mesh.Cells[4 * cell];
-    return static_cast<int>(std::count_if(corners, corners + 4, [&](std::int32_t node)
+    return static_cast<int>(std::count_if(corners, corners + 4,
+      [&](std::int32_t node)
       { return std::find(nodes.begin(), nodes.end(), node) == nodes.end(); }));
   }
 

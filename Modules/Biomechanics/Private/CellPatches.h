@@ -11,7 +11,8 @@ namespace mammoray
 {
 /// Corners of the face opposite to each corner of a tetrahedron, counter-clockwise from outside.
 constexpr int FaceCorners[4][3] = { { 1, 2, 3 }, { 0, 3, 2 }, { 0, 1, 3 }, { 0, 2, 1 } };
-/// Corners at the ends of the edges, in whose order quadratic cells number their middles, from 4 on.
+/// Corners at the ends of the edges, in whose order quadratic cells number their middles, from 4
+/// on.
 constexpr int CellEdges[6][2] = { { 0, 1 }, { 1, 2 }, { 0, 2 }, { 0, 3 }, { 1, 3 }, { 2, 3 } };
 /// The edge middles of each face, in the order of FaceCorners.
 constexpr int FaceMiddles[4][3] = { { 5, 9, 8 }, { 7, 9, 6 }, { 4, 8, 7 }, { 6, 5, 4 } };

@@ -15,6 +15,8 @@ struct CompressionSimulation::Internals
   CompressionOptions Options;
   /// One flag per cell: of a held material.
   std::vector<bool> HeldCells;
+  /// Coordinates that do not move, 3 x nodeCount.
+  std::vector<bool> Fixed;
   /// Where the breast is not held but slides or hangs elastically.
   std::optional<ChestWall> Wall;
   EquilibriumSolver Solver;
@@ -25,6 +27,10 @@ struct CompressionSimulation::Internals
   std::vector<std::array<std::int32_t, 3>> Followers;
   /// Equilibrium under gravity and pull without plates; empty: not known.
   std::vector<double> Settled;
+  /// Goes most of the way for a cold start at a small part of the price; empty: none.
+  std::unique_ptr<CompressionSimulation> Coarse;
+  /// The nodes of the body in `Coarse`.
+  std::unique_ptr<Embedding> InCoarse;
 
   Internals(ElasticBody body, std::vector<bool> heldCells, std::size_t pointCount,
     const CompressionOptions& options);
