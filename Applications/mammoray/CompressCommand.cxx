@@ -2,11 +2,10 @@
 #include "CommandLine.h"
 
 #include "CompressionSimulation.h"
-#include "LabelVolumeIO.h"
 #include "Mammogram.h"
-#include "MaterialTableIO.h"
 #include "MeshConversion.h"
 #include "MeshIO.h"
+#include "PhysicsData.h"
 #include "PlacedPlates.h"
 
 #ifdef MAMMORAY_HAS_MESHING
@@ -49,8 +48,7 @@ struct CompressArguments
   double SimulationCellSizeMm = 0;
   /// One of Elements.
   std::string Element = "quadratic";
-  std::string Labels;
-  bool AxesAsGiven = false;
+  LabelSource Labels;
   BreastPose Pose;
   /// Standard view, whose roll is added; empty: none.
   std::string View;
@@ -145,16 +143,10 @@ CompressionState Compress(const CompressArguments& arguments,
 
 void RunCompress(const CompressArguments& arguments)
 {
-  for (const std::string* input : { &arguments.Mesh, &arguments.Materials })
+  CheckInputFile(arguments.Mesh);
+  if (!arguments.SimulationMesh.empty())
   {
-    CheckInputFile(*input);
-  }
-  for (const std::string* input : { &arguments.SimulationMesh, &arguments.Labels })
-  {
-    if (!input->empty())
-    {
-      CheckInputFile(*input);
-    }
+    CheckInputFile(arguments.SimulationMesh);
   }
   CheckOutputFile(arguments.Output, arguments.Overwrite);
   if (std::filesystem::path(arguments.Output).extension() != ".vtu")
@@ -162,7 +154,7 @@ void RunCompress(const CompressArguments& arguments)
     throw InputError(arguments.Output + ": expected the extension .vtu for a volume mesh");
   }
   const AnatomicalAxes axes = AnatomicalAxes::FromCode(arguments.Orientation);
-  const MaterialTable table = ReadMaterialTable(arguments.Materials);
+  const MaterialTable table = FindMaterialTable(arguments.Materials);
   std::vector<ElasticMaterial> elastic;
   std::vector<bool> held;
   for (const Material& material : table.Materials)
@@ -174,11 +166,9 @@ void RunCompress(const CompressArguments& arguments)
   const TetrahedralMesh mesh = FromGrid(grid);
   mesh.Validate(arguments.Mesh);
   std::optional<LabelVolume> volume;
-  if (!arguments.Labels.empty())
+  if (!arguments.Labels.Path.empty())
   {
-    volume = table.ToMaterials(ReadLabelVolume(arguments.Labels,
-                                 arguments.AxesAsGiven ? VolumeAxes::AsGiven : VolumeAxes::Patient),
-      arguments.Labels);
+    volume = ReadMaterials(arguments.Labels, table);
   }
   const TetrahedralMesh simulationMesh = FindSimulationMesh(arguments, mesh, volume, held);
   MaterialField field;
@@ -266,7 +256,7 @@ void AddCompressCommand(CLI::App& application)
   MammographyUnit& unit = arguments->Unit;
   command->add_option("--mesh", arguments->Mesh, "linear tetrahedra with materials (.vtu)")
     ->required();
-  command->add_option("--materials", arguments->Materials, "material table (.json)")->required();
+  AddMaterialsOption(*command, arguments->Materials)->required();
   command
     ->add_option("--orientation", arguments->Orientation,
       "directions of +x, +y, +z: one letter each of L/R, A/P, S/I")
@@ -304,10 +294,8 @@ void AddCompressCommand(CLI::App& application)
     "chest-wall edge of the paddle, mm in front of the receptor's");
   add("--edge-radius", unit.EdgeRadiusMm, "radius of the plates' chest-wall edges, mm")
     ->check(CLI::NonNegativeNumber);
-  command->add_option("--labels", arguments->Labels,
-    "label volume of the mesh: stiffness is sampled from it");
-  command->add_flag("--axes-as-given", arguments->AxesAsGiven,
-    "take the header's axes of --labels as they are, with no conversion to LPS");
+  CLI::Option* labels = AddLabelOptions(*command, arguments->Labels);
+  labels->description("stiffness is sampled from it; the " + labels->get_description());
   command->add_option("--simulation-mesh", arguments->SimulationMesh,
     "coarse mesh (.vtu) to simulate on; the points of --mesh move with it");
   add("--simulation-cell-size", arguments->SimulationCellSizeMm,

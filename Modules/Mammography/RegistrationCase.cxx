@@ -1,11 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "RegistrationCase.h"
 
-#include "LabelResampling.h"
-#include "LabelVolumeIO.h"
 #include "MammogramIO.h"
 #include "MammogramTarget.h"
-#include "MaterialTableIO.h"
 #include "MeshConversion.h"
 #include "MeshIO.h"
 #include "PhysicsData.h"
@@ -235,7 +232,7 @@ RegistrationCaseResult RunRegistrationCase(const RegistrationCase& input,
 
   // Everything that can be refused is read before anything is computed.
   result.Axes = AnatomicalAxes::FromCode(input.Orientation);
-  result.Materials = ReadMaterialTable(input.Materials);
+  result.Materials = FindMaterialTable(input.Materials);
   const std::vector<bool> held = HeldMaterials(result.Materials);
   if (std::find(held.begin(), held.end(), true) == held.end())
   {
@@ -258,11 +255,7 @@ RegistrationCaseResult RunRegistrationCase(const RegistrationCase& input,
   projectorOptions.Projection = MethodFromName(input.Projector);
   const auto projector = MakeProjector(projectorOptions);
   result.Device = projector->DeviceName() + ", " + MethodName(projector->Method());
-  LabelVolume materials = result.Materials.ToMaterials(ReadLabelVolume(input.Labels), input.Labels);
-  if (input.LabelSpacingMm > *std::max_element(materials.Spacing.begin(), materials.Spacing.end()))
-  {
-    materials = ResampleLabels(materials, input.LabelSpacingMm);
-  }
+  const LabelVolume materials = ReadMaterials(input.Labels, result.Materials);
   result.Anchor = FindPoseAnchor(materials, held, result.Axes);
   stopwatch.Stage("read");
 

@@ -4,6 +4,7 @@
 #include "Error.h"
 #include "MeshConversion.h"
 #include "MeshIO.h"
+#include "PhysicsData.h"
 #include "RegisteredBreast.h"
 #include "RegistrationReport.h"
 
@@ -103,7 +104,8 @@ void WriteRegistrationCase(const RegistrationCase& input, const RegistrationCase
   report.Placed = result.Placed;
   report.Unit = result.Unit;
   report.Timings = result.Timings;
-  report.Inputs = { { "Label volume", input.Labels }, { "Material table", input.Materials },
+  report.Inputs = { { "Label volume", input.Labels.Path },
+    { "Material table", FindMaterialTablePath(input.Materials) },
     { "Mammogram", input.Mammogram } };
   if (!input.AnatomyMesh.empty())
   {

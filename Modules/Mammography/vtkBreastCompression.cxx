@@ -3,8 +3,8 @@
 
 #include "CompressionSimulation.h"
 #include "MammographyGeometry.h"
-#include "MaterialTableIO.h"
 #include "MeshConversion.h"
+#include "PhysicsData.h"
 #include "PlacedPlates.h"
 
 #include "vtkCellData.h"
@@ -67,7 +67,7 @@ void vtkBreastCompression::Internals::Prepare(vtkUnstructuredGrid* grid, const s
   if (!table.empty())
   {
     materials.clear();
-    for (const Material& material : ReadMaterialTable(table).Materials)
+    for (const Material& material : FindMaterialTable(table).Materials)
     {
       materials.push_back(
         { { material.YoungsModulusKPa, material.PoissonRatio, material.FungExponent },
