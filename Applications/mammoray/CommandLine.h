@@ -64,6 +64,7 @@ void AddLocateCommand(CLI::App& application);
 void AddMeshCommand(CLI::App& application);
 void AddProjectCommand(CLI::App& application);
 void AddRegisterCommand(CLI::App& application);
+void AddSegmentCommand(CLI::App& application);
 }
 
 #endif
