@@ -237,6 +237,10 @@ void AddRegisterCommand(CLI::App& application)
     ->capture_default_str()
     ->group("Search");
   command
+    ->add_option("--resume", input.Resume,
+      "go on from the pose in this earlier result folder of the same inputs")
+    ->group("Search");
+  command
     ->add_option("--pixel-sizes", input.Options.PixelSizesMm,
       "pixels in which the pictures are compared, coarse to fine, mm")
     ->check(CLI::PositiveNumber)

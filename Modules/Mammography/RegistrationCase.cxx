@@ -6,7 +6,7 @@
 #include "MeshConversion.h"
 #include "MeshIO.h"
 #include "PhysicsData.h"
-#include "PlacedPlates.h"
+#include "Sha256.h"
 
 #ifdef MAMMORAY_HAS_MESHING
 #include "SimulationMesh.h"
@@ -14,9 +14,12 @@
 
 #include "vtkUnstructuredGrid.h"
 
+#include <nlohmann/json.hpp>
+
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <fstream>
 
 namespace mammoray
 {
@@ -209,6 +212,52 @@ void FreeParameters(const std::vector<std::string>& names,
   }
 }
 
+/**
+ * The parameters' values in an earlier result. Throws InputError that names the file when it is
+ * none, or one of other inputs.
+ */
+std::vector<double> ResumeFrom(const RegistrationCase& input,
+  const std::vector<RegistrationParameter>& parameters)
+{
+  const std::string path = input.Resume + "/result.json";
+  std::ifstream file(path);
+  if (!file)
+  {
+    throw InputError(path + ": no such file");
+  }
+  std::vector<double> values;
+  try
+  {
+    const nlohmann::json result = nlohmann::json::parse(file);
+    for (const auto& [role, name] : CaseInputs(input))
+    {
+      for (const nlohmann::json& entry : result.at("inputs"))
+      {
+        if (entry.at("role") == role && entry.at("sha256") != Sha256OfFile(name))
+        {
+          throw InputError(path + ": expected a result of " + name + ", found one of another file");
+        }
+      }
+    }
+    for (const RegistrationParameter& parameter : parameters)
+    {
+      values.push_back(parameter.Start);
+      for (const nlohmann::json& entry : result.at("parameters"))
+      {
+        if (entry.at("name") == parameter.Name)
+        {
+          values.back() = entry.at("value").get<double>();
+        }
+      }
+    }
+  }
+  catch (const nlohmann::json::exception& error)
+  {
+    throw InputError(path + ": expected the result of 'mammoray register': " + error.what());
+  }
+  return values;
+}
+
 /// Gland: what the ratio of stiffness is about.
 std::vector<int> GlandularMaterials(const MaterialTable& table)
 {
@@ -222,6 +271,22 @@ std::vector<int> GlandularMaterials(const MaterialTable& table)
   }
   return gland;
 }
+}
+
+std::vector<std::pair<std::string, std::string>> CaseInputs(const RegistrationCase& input)
+{
+  std::vector<std::pair<std::string, std::string>> inputs{ { "Label volume", input.Labels.Path },
+    { "Material table", FindMaterialTablePath(input.Materials) },
+    { "Mammogram", input.Mammogram } };
+  if (!input.AnatomyMesh.empty())
+  {
+    inputs.emplace_back("Anatomy mesh", input.AnatomyMesh);
+  }
+  if (!input.SimulationMesh.empty())
+  {
+    inputs.emplace_back("Simulation mesh", input.SimulationMesh);
+  }
+  return inputs;
 }
 
 RegistrationCaseResult RunRegistrationCase(const RegistrationCase& input,
@@ -248,6 +313,10 @@ RegistrationCaseResult RunRegistrationCase(const RegistrationCase& input,
   RegistrationOptions options = input.Options;
   options.Parameters = DefaultParameters(start);
   FreeParameters(input.Free, options.Parameters);
+  if (!input.Resume.empty())
+  {
+    options.From = ResumeFrom(input, options.Parameters);
+  }
   const Spectrum spectrum = FindSpectrum(input.Spectrum);
   const Beam beam = MakeBeam(result.Materials, spectrum, DetectorResponse::EnergyIntegrating);
   ProjectorOptions projectorOptions;

@@ -60,6 +60,9 @@ struct RegistrationCase
   double StartTiltDeg = 0.0;
   /// Names of the parameters that are found; the others keep their start.
   std::vector<std::string> Free{ "thickness", "roll", "lateral", "anterior" };
+  /// Folder of an earlier result of the same volume, materials and mammogram, whose pose the search
+  /// goes on from; empty: none.
+  std::string Resume;
   /// The search itself; its Parameters are filled from the above.
   RegistrationOptions Options;
 };
@@ -94,6 +97,10 @@ struct RegistrationCaseResult
   /// Stage -> wall time, s, in the order they ran.
   std::vector<std::pair<std::string, double>> Timings;
 };
+
+/// Role and path of each input file that was given.
+MAMMORAYMAMMOGRAPHY_EXPORT std::vector<std::pair<std::string, std::string>> CaseInputs(
+  const RegistrationCase& input);
 
 /**
  * Reads, meshes, compresses, projects and registers. Throws InputError on unusable input,

@@ -4,7 +4,6 @@
 #include "Error.h"
 #include "MeshConversion.h"
 #include "MeshIO.h"
-#include "PhysicsData.h"
 #include "RegisteredBreast.h"
 #include "RegistrationReport.h"
 
@@ -104,17 +103,7 @@ void WriteRegistrationCase(const RegistrationCase& input, const RegistrationCase
   report.Placed = result.Placed;
   report.Unit = result.Unit;
   report.Timings = result.Timings;
-  report.Inputs = { { "Label volume", input.Labels.Path },
-    { "Material table", FindMaterialTablePath(input.Materials) },
-    { "Mammogram", input.Mammogram } };
-  if (!input.AnatomyMesh.empty())
-  {
-    report.Inputs.emplace_back("Anatomy mesh", input.AnatomyMesh);
-  }
-  if (!input.SimulationMesh.empty())
-  {
-    report.Inputs.emplace_back("Simulation mesh", input.SimulationMesh);
-  }
+  report.Inputs = CaseInputs(input);
   report.Versions = { { "Vulkan device", result.Device }, { "Spectrum", input.Spectrum },
     { "Anatomy",
       std::to_string(result.Anatomy.NumberOfCells()) + " tetrahedra, " +

@@ -28,6 +28,43 @@ double SecondsSince(Clock::time_point begin)
   return std::chrono::duration<double>(Clock::now() - begin).count();
 }
 
+/// Half the sums of squares of residuals as Ceres' robust loss counts them.
+struct TermCosts
+{
+  double Outline = 0;
+  double Intensity = 0;
+  double Prior = 0;
+
+  double Sum() const { return this->Outline + this->Intensity + this->Prior; }
+};
+
+TermCosts CostsOf(const RegistrationResiduals& compared, const RegistrationOptions& options,
+  const std::vector<double>& residuals)
+{
+  TermCosts costs;
+  const double width = options.RobustWidth;
+  const std::size_t outline = compared.NumberOfOutlineResiduals();
+  const std::size_t pictures = outline + compared.NumberOfIntensityResiduals();
+  for (std::size_t index = 0; index < residuals.size(); ++index)
+  {
+    const double r = std::abs(residuals[index]);
+    const double robust = r <= width ? 0.5 * r * r : width * r - 0.5 * width * width;
+    if (index < outline)
+    {
+      costs.Outline += robust;
+    }
+    else if (index < pictures)
+    {
+      costs.Intensity += robust;
+    }
+    else
+    {
+      costs.Prior += 0.5 * r * r;
+    }
+  }
+  return costs;
+}
+
 /// The residuals of a level for Ceres, with the equilibrium they belong to.
 class Evaluator : public ceres::EvaluationCallback
 {
@@ -74,37 +111,7 @@ public:
     this->Failures = 0;
   }
 
-  struct Costs
-  {
-    double Outline = 0;
-    double Intensity = 0;
-    double Prior = 0;
-  };
-  Costs TermCosts() const
-  {
-    Costs costs;
-    const double width = this->Options.RobustWidth;
-    const std::size_t outline = this->Compared.NumberOfOutlineResiduals();
-    const std::size_t compared = outline + this->Compared.NumberOfIntensityResiduals();
-    for (std::size_t index = 0; index < this->Residuals.size(); ++index)
-    {
-      const double r = std::abs(this->Residuals[index]);
-      const double robust = r <= width ? 0.5 * r * r : width * r - 0.5 * width * width;
-      if (index < outline)
-      {
-        costs.Outline += robust;
-      }
-      else if (index < compared)
-      {
-        costs.Intensity += robust;
-      }
-      else
-      {
-        costs.Prior += 0.5 * r * r;
-      }
-    }
-    return costs;
-  }
+  TermCosts Costs() const { return CostsOf(this->Compared, this->Options, this->Residuals); }
 
   const RegistrationResiduals Compared;
   const std::vector<int> Free;
@@ -260,7 +267,7 @@ public:
     if (summary.iteration == 0 || summary.step_is_successful)
     {
       // Ceres has just evaluated the Jacobian at the accepted point, so the evaluator stands there.
-      const Evaluator::Costs costs = this->Source.TermCosts();
+      const TermCosts costs = this->Source.Costs();
       RegistrationIteration row;
       row.Number = static_cast<int>(this->Result.Iterations.size());
       row.Parameters = this->Source.Values;
@@ -268,7 +275,7 @@ public:
       row.OutlineCost = costs.Outline;
       row.IntensityCost = costs.Intensity;
       row.PriorCost = costs.Prior;
-      row.Cost = costs.Outline + costs.Intensity + costs.Prior;
+      row.Cost = costs.Sum();
       row.Seconds = SecondsSince(this->Begin);
       this->Result.Iterations.push_back(row);
       this->Result.Values = this->Source.Values;
@@ -323,11 +330,53 @@ void ValidateModel(const RegistrationModel& model, const RegistrationOptions& op
         std::to_string(index));
     }
   }
+  if (!options.From.empty())
+  {
+    if (options.From.size() != ParameterCount)
+    {
+      throw InputError("registration: expected " + std::to_string(ParameterCount) +
+        " values to begin at, found " + std::to_string(options.From.size()));
+    }
+    for (int index = 0; index < ParameterCount; ++index)
+    {
+      const RegistrationParameter& parameter = options.Parameters[index];
+      if (!parameter.Fixed &&
+        !(parameter.Lower <= options.From[index] && options.From[index] <= parameter.Upper))
+      {
+        throw InputError("registration: parameter " + parameter.Name +
+          ": expected a beginning from " + std::to_string(parameter.Lower) + " to " +
+          std::to_string(parameter.Upper) + ", found " + std::to_string(options.From[index]));
+      }
+    }
+  }
   if (options.PixelSizesMm.empty() || options.Samples < 1 || options.OutlineDirections < 10)
   {
     throw InputError("registration: expected at least one pixel size, one sample and ten outline "
                      "directions");
   }
+}
+
+/// CompressAt before the search, counted and timed; cold where it fails from `start`.
+CompressionState CompressForStart(const RegistrationModel& model, const std::vector<double>& values,
+  const CompressionState* start, RegistrationResult& result, const ProgressCallback& progress)
+{
+  ++result.Evaluations;
+  const auto begin = Clock::now();
+  try
+  {
+    CompressionState state = CompressAt(model, values, start, progress);
+    result.MechanicsSeconds += SecondsSince(begin);
+    return state;
+  }
+  catch (const ConvergenceError&)
+  {
+    result.MechanicsSeconds += SecondsSince(begin);
+    if (!start)
+    {
+      throw;
+    }
+  }
+  return CompressForStart(model, values, nullptr, result, progress);
 }
 
 /// Extent of the body at rest along the beam's axis, mm.
@@ -381,8 +430,7 @@ CompressionState CompressStart(const RegistrationModel& model, RegistrationResul
   {
     try
     {
-      ++result.Evaluations;
-      return CompressAt(model, result.Values, nullptr, progress);
+      return CompressForStart(model, result.Values, nullptr, result, progress);
     }
     catch (const CompressionError& error)
     {
@@ -444,6 +492,187 @@ void AlignStart(const RegistrationModel& model, const RegistrationTarget& target
   shift(LateralParameter, (0.5 * (low + high) - centre[0]) / magnification);
   shift(AnteriorParameter, (tip - targetTip) / magnification);
 }
+
+/// The target in pixels of about `pixelSizeMm`.
+RegistrationTarget CoarsenTo(const RegistrationTarget& target, double pixelSizeMm)
+{
+  const double pixel = std::hypot(target.ColumnStep[0], target.ColumnStep[1]);
+  return Coarsen(target, std::max(1, static_cast<int>(std::lround(pixelSizeMm / pixel))));
+}
+
+/**
+ * Moves values to where the outlines meet, with their equilibrium `state`. Lateral first, which the
+ * plates do not feel; without an equilibrium on the way to the chest wall it is kept alone.
+ */
+void MoveToOutline(const RegistrationModel& model, const RegistrationTarget& target,
+  RegistrationResult& result, std::vector<double>& values, CompressionState& state,
+  const ProgressCallback& progress)
+{
+  std::vector<double> aligned = values;
+  AlignStart(model, target, state, result.Parameters, aligned);
+  for (const int parameter : { LateralParameter, AnteriorParameter })
+  {
+    std::vector<double> shifted = values;
+    shifted[parameter] = aligned[parameter];
+    try
+    {
+      state = CompressForStart(model, shifted, &state, result, progress);
+      values = shifted;
+    }
+    catch (const ConvergenceError&)
+    {
+      break;
+    }
+  }
+}
+
+/**
+ * Of the start and others with the roll beside it, each moved to where the outlines meet, the one
+ * whose picture matches best: a picture changes little with the roll and has more than one valley.
+ */
+void ChooseStart(const RegistrationModel& model, const RegistrationTarget& target,
+  const RegistrationOptions& options, RegistrationResult& result, const ProgressCallback& progress)
+{
+  const RegistrationResiduals compared(model, target, options);
+  const std::vector<double> from = result.Values;
+  const CompressionState fromState = result.State;
+  double best = std::numeric_limits<double>::infinity();
+  std::vector<double> offsets{ 0 };
+  if (!result.Parameters[RollParameter].Fixed)
+  {
+    offsets.insert(offsets.end(), options.RollOffsetsDeg.begin(), options.RollOffsetsDeg.end());
+  }
+  for (const double offset : offsets)
+  {
+    const RegistrationParameter& roll = result.Parameters[RollParameter];
+    std::vector<double> values = from;
+    values[RollParameter] += offset;
+    if (values[RollParameter] < roll.Lower || values[RollParameter] > roll.Upper)
+    {
+      continue;
+    }
+    try
+    {
+      CompressionState state = fromState;
+      if (offset != 0)
+      {
+        state = CompressForStart(model, values, &fromState, result, progress);
+      }
+      MoveToOutline(model, target, result, values, state, progress);
+      const double cost = CostsOf(compared, options, compared.Evaluate(values, state)).Sum();
+      ++result.Projections;
+      if (cost < best)
+      {
+        best = cost;
+        result.Values = values;
+        result.State = state;
+      }
+    }
+    catch (const ConvergenceError&)
+    {
+      // No equilibrium there: one of the others.
+    }
+  }
+}
+
+/// Standard deviations and covariance of the free parameters at the evaluator's solution.
+void KeepCovariance(ceres::Problem& problem, Evaluator& evaluator, RegistrationResult& result)
+{
+  evaluator.ReturnTo(result.State);
+  ceres::Covariance covariance{ ceres::Covariance::Options() };
+  const std::vector<const double*> blocks{ evaluator.Unknowns.data() };
+  if (!covariance.Compute(blocks, &problem))
+  {
+    return;
+  }
+  const std::size_t n = evaluator.Free.size();
+  std::vector<double> matrix(n * n);
+  covariance.GetCovarianceBlock(evaluator.Unknowns.data(), evaluator.Unknowns.data(),
+    matrix.data());
+  result.Covariance.assign(std::size_t{ ParameterCount } * ParameterCount, 0.0);
+  for (std::size_t f = 0; f < n; ++f)
+  {
+    const int row = evaluator.Free[f];
+    for (std::size_t g = 0; g < n; ++g)
+    {
+      const int column = evaluator.Free[g];
+      result.Covariance[row * ParameterCount + column] =
+        matrix[f * n + g] * result.Parameters[row].Scale * result.Parameters[column].Scale;
+    }
+    result.StandardDeviations[row] = std::sqrt(result.Covariance[row * (ParameterCount + 1)]);
+  }
+}
+
+/// Searches at one resolution; false where that ends the search.
+bool SearchLevel(const RegistrationModel& model, const RegistrationTarget& coarse,
+  const RegistrationOptions& options, double pixelSizeMm, const std::vector<int>& freeParameters,
+  Clock::time_point begin, RegistrationResult& result, const ProgressCallback& progress)
+{
+  Evaluator evaluator(model, coarse, options, freeParameters, result.Values, result.State,
+    progress);
+  ceres::Problem::Options problemOptions;
+  problemOptions.evaluation_callback = &evaluator;
+  ceres::Problem problem(problemOptions);
+  const std::size_t robustCount =
+    evaluator.Compared.NumberOfOutlineResiduals() + evaluator.Compared.NumberOfIntensityResiduals();
+  for (std::size_t index = 0; index < evaluator.Compared.NumberOfResiduals(); ++index)
+  {
+    problem.AddResidualBlock(new ResidualCost(evaluator, index),
+      index < robustCount ? new ceres::HuberLoss(options.RobustWidth) : nullptr,
+      evaluator.Unknowns.data());
+  }
+  for (std::size_t f = 0; f < freeParameters.size(); ++f)
+  {
+    const RegistrationParameter& parameter = result.Parameters[freeParameters[f]];
+    problem.SetParameterLowerBound(evaluator.Unknowns.data(), static_cast<int>(f),
+      parameter.Lower / parameter.Scale);
+    problem.SetParameterUpperBound(evaluator.Unknowns.data(), static_cast<int>(f),
+      parameter.Upper / parameter.Scale);
+  }
+  ceres::Solver::Options solverOptions;
+  solverOptions.max_num_iterations = options.MaximumIterations;
+  solverOptions.linear_solver_type = ceres::DENSE_QR;
+  solverOptions.logging_type = ceres::SILENT;
+  // A cost that falls by a thousandth tells nothing more: residuals are in standard deviations.
+  solverOptions.function_tolerance = 1e-3;
+  solverOptions.parameter_tolerance = 1e-3;
+  solverOptions.update_state_every_iteration = true;
+  solverOptions.initial_trust_region_radius = 1e2;
+  solverOptions.max_num_consecutive_invalid_steps = 10;
+  IterationRecorder recorder(evaluator, result, pixelSizeMm, begin);
+  solverOptions.callbacks.push_back(&recorder);
+  ceres::Solver::Summary summary;
+  ceres::Solve(solverOptions, &problem, &summary);
+  result.Evaluations += evaluator.Evaluations;
+  result.Projections += evaluator.Projections;
+  result.MechanicsSeconds += evaluator.MechanicsSeconds;
+  result.ProjectionSeconds += evaluator.ProjectionSeconds;
+  result.JacobianSeconds += evaluator.JacobianSeconds;
+  result.Converged = false;
+  if (evaluator.Stopped)
+  {
+    result.StopReason = "interrupted; this is the best pose so far";
+    return false;
+  }
+  if (evaluator.Failures >= LargestNumberOfFailures)
+  {
+    result.StopReason = std::to_string(evaluator.Failures) +
+      " poses on the way to a better match had no equilibrium; this is the best pose that has one";
+    return false;
+  }
+  result.Converged = summary.termination_type == ceres::CONVERGENCE;
+  // Like our own reasons, without a full stop.
+  result.StopReason = summary.message.substr(0, summary.message.find_last_not_of(". ") + 1);
+  if (summary.termination_type == ceres::FAILURE)
+  {
+    return false;
+  }
+  if (pixelSizeMm == options.PixelSizesMm.back())
+  {
+    KeepCovariance(problem, evaluator, result);
+  }
+  return true;
+}
 }
 
 RegistrationResult Register(const RegistrationModel& model, const RegistrationTarget& target,
@@ -463,145 +692,39 @@ RegistrationResult Register(const RegistrationModel& model, const RegistrationTa
       freeParameters.push_back(index);
     }
   }
+  if (!options.From.empty())
+  {
+    result.Values = options.From;
+  }
   result.StandardDeviations.assign(ParameterCount, std::numeric_limits<double>::quiet_NaN());
 
-  const double pixel = std::hypot(target.ColumnStep[0], target.ColumnStep[1]);
-  const auto coarsened = [&](double pixelSizeMm)
-  { return Coarsen(target, std::max(1, static_cast<int>(std::lround(pixelSizeMm / pixel)))); };
-
-  // The start: a cold compression, then the unit moved to where the outlines roughly meet.
   result.State = CompressStart(model, result, progress);
-  result.MechanicsSeconds = SecondsSince(begin);
-  const RegistrationTarget finest = coarsened(options.PixelSizesMm.back());
+  const RegistrationTarget finest = CoarsenTo(target, options.PixelSizesMm.back());
   result.Before = Compare(
     Synthesize(model, PoseOf(result.Values), result.State, finest, options.Samples), finest);
-  result.StopReason = "nothing to optimise: every parameter is fixed";
-  result.Converged = freeParameters.empty();
-  if (!freeParameters.empty())
-  {
-    std::vector<double> aligned = result.Values;
-    AlignStart(model, finest, result.State, result.Parameters, aligned);
-    // Lateral first, which the plates do not feel; without an equilibrium on the way to the chest
-    // wall it is kept alone.
-    for (const int parameter : { LateralParameter, AnteriorParameter })
-    {
-      std::vector<double> shifted = result.Values;
-      shifted[parameter] = aligned[parameter];
-      try
-      {
-        result.State = CompressAt(model, shifted, &result.State, progress);
-        result.Values = shifted;
-        ++result.Evaluations;
-      }
-      catch (const ConvergenceError&)
-      {
-        break;
-      }
-    }
-  }
-
   RegistrationOptions search = options;
   search.Parameters = result.Parameters;
-  int level = 0;
+  result.StopReason = "nothing to optimise: every parameter is fixed";
+  result.Converged = freeParameters.empty();
+  if (!freeParameters.empty() && options.From.empty())
+  {
+    ChooseStart(model, CoarsenTo(target, options.PixelSizesMm.front()), search, result, progress);
+  }
+
+  const ProgressCallback searchProgress = [&](double, const char* stage)
+  {
+    const auto iterations = static_cast<double>(result.Iterations.size());
+    // A typical number.
+    const double expected = 6.0 * static_cast<double>(options.PixelSizesMm.size());
+    return !progress || progress(iterations / (iterations + expected), stage);
+  };
   for (const double pixelSizeMm : options.PixelSizesMm)
   {
-    if (freeParameters.empty())
+    if (freeParameters.empty() ||
+      !SearchLevel(model, CoarsenTo(target, pixelSizeMm), search, pixelSizeMm, freeParameters,
+        begin, result, searchProgress))
     {
       break;
-    }
-    const RegistrationTarget coarse = coarsened(pixelSizeMm);
-    const ProgressCallback levelProgress = [&](double, const char* stage)
-    {
-      const double iterations = static_cast<double>(result.Iterations.size());
-      const double expected = 6.0 * options.PixelSizesMm.size(); // a typical number
-      return !progress || progress(iterations / (iterations + expected), stage);
-    };
-    Evaluator evaluator(model, coarse, search, freeParameters, result.Values, result.State,
-      levelProgress);
-    ceres::Problem::Options problemOptions;
-    problemOptions.evaluation_callback = &evaluator;
-    ceres::Problem problem(problemOptions);
-    const std::size_t robustCount = evaluator.Compared.NumberOfOutlineResiduals() +
-      evaluator.Compared.NumberOfIntensityResiduals();
-    for (std::size_t index = 0; index < evaluator.Compared.NumberOfResiduals(); ++index)
-    {
-      problem.AddResidualBlock(new ResidualCost(evaluator, index),
-        index < robustCount ? new ceres::HuberLoss(options.RobustWidth) : nullptr,
-        evaluator.Unknowns.data());
-    }
-    for (std::size_t f = 0; f < freeParameters.size(); ++f)
-    {
-      const RegistrationParameter& parameter = result.Parameters[freeParameters[f]];
-      problem.SetParameterLowerBound(evaluator.Unknowns.data(), static_cast<int>(f),
-        parameter.Lower / parameter.Scale);
-      problem.SetParameterUpperBound(evaluator.Unknowns.data(), static_cast<int>(f),
-        parameter.Upper / parameter.Scale);
-    }
-    ceres::Solver::Options solverOptions;
-    solverOptions.max_num_iterations = options.MaximumIterations;
-    solverOptions.linear_solver_type = ceres::DENSE_QR;
-    solverOptions.logging_type = ceres::SILENT;
-    // A cost that falls by a thousandth tells nothing more: residuals are in standard deviations.
-    solverOptions.function_tolerance = 1e-3;
-    solverOptions.parameter_tolerance = 1e-3;
-    solverOptions.update_state_every_iteration = true;
-    solverOptions.initial_trust_region_radius = 1e2;
-    solverOptions.max_num_consecutive_invalid_steps = 10;
-    IterationRecorder recorder(evaluator, result, pixelSizeMm, begin);
-    solverOptions.callbacks.push_back(&recorder);
-    ceres::Solver::Summary summary;
-    ceres::Solve(solverOptions, &problem, &summary);
-    result.Evaluations += evaluator.Evaluations;
-    result.Projections += evaluator.Projections;
-    result.MechanicsSeconds += evaluator.MechanicsSeconds;
-    result.ProjectionSeconds += evaluator.ProjectionSeconds;
-    result.JacobianSeconds += evaluator.JacobianSeconds;
-    ++level;
-    if (evaluator.Stopped)
-    {
-      result.StopReason = "interrupted; this is the best pose so far";
-      result.Converged = false;
-      break;
-    }
-    if (evaluator.Failures >= LargestNumberOfFailures)
-    {
-      result.StopReason = std::to_string(evaluator.Failures) +
-        " poses on the way to a better match had no equilibrium; this is the best pose that has "
-        "one";
-      result.Converged = false;
-      break;
-    }
-    result.Converged = summary.termination_type == ceres::CONVERGENCE;
-    // Like our own reasons, without a full stop.
-    result.StopReason = summary.message.substr(0, summary.message.find_last_not_of(". ") + 1);
-    if (summary.termination_type == ceres::FAILURE)
-    {
-      break;
-    }
-    if (level == static_cast<int>(options.PixelSizesMm.size()))
-    {
-      evaluator.ReturnTo(result.State);
-      ceres::Covariance covariance{ ceres::Covariance::Options() };
-      const std::vector<const double*> blocks{ evaluator.Unknowns.data() };
-      if (covariance.Compute(blocks, &problem))
-      {
-        const std::size_t n = freeParameters.size();
-        std::vector<double> matrix(n * n);
-        covariance.GetCovarianceBlock(evaluator.Unknowns.data(), evaluator.Unknowns.data(),
-          matrix.data());
-        result.Covariance.assign(std::size_t{ ParameterCount } * ParameterCount, 0.0);
-        for (std::size_t f = 0; f < n; ++f)
-        {
-          for (std::size_t g = 0; g < n; ++g)
-          {
-            result.Covariance[freeParameters[f] * ParameterCount + freeParameters[g]] =
-              matrix[f * n + g] * result.Parameters[freeParameters[f]].Scale *
-              result.Parameters[freeParameters[g]].Scale;
-          }
-          const int diagonal = freeParameters[f] * (ParameterCount + 1);
-          result.StandardDeviations[freeParameters[f]] = std::sqrt(result.Covariance[diagonal]);
-        }
-      }
     }
   }
   result.Pose = PoseOf(result.Values);

@@ -33,6 +33,11 @@ struct RegistrationOptions
 {
   /// All ParameterCount, in their order.
   std::vector<RegistrationParameter> Parameters;
+  /// Where the search begins: one value per parameter, free ones within their bounds. Empty: at
+  /// their Start and, with the roll beside it, at these others, whichever matches best once the
+  /// outlines meet; those outside the bounds are left out, degrees.
+  std::vector<double> From;
+  std::vector<double> RollOffsetsDeg{ -15.0, 15.0 };
   /// Edge lengths of the pixels in which the images are compared, coarse to fine, mm.
   std::vector<double> PixelSizesMm{ 3.0, 1.5 };
   /// Rays per coarse pixel along each of its sides.

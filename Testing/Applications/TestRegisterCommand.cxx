@@ -15,6 +15,7 @@
 #include <algorithm>
 #include <cstdlib>
 #include <filesystem>
+#include <fstream>
 #include <sstream>
 
 using namespace mammoray;
@@ -154,6 +155,24 @@ TEST_F(RegisterCommand, RegistersTheShippedPhantom)
   // The acceptance limits of the full-size demo; the coarse one meets them too.
   EXPECT_LT(result.at("meanOutlineDistanceMm").get<double>(), 1.5);
   EXPECT_GT(result.at("correlation").get<double>(), 0.9);
+
+  // Gone on from, it has little left to do; another volume's result is refused.
+  const std::string again = Register(Labels, Materials, MammogramFile,
+    "--label-spacing 1 --anatomy-cell-size 6 --simulation-cell-size 13 --pixel-sizes 3 "
+    "--iterations 6 --overwrite --resume " +
+      folder);
+  ASSERT_EQ(this->Run(again), 0) << this->Errors;
+  const nlohmann::json resumed = nlohmann::json::parse(ReadFile(folder + "/result.json"));
+  EXPECT_EQ(resumed.at("iterations").at(0).at("parameters"),
+    result.at("iterations").back().at("parameters"));
+  EXPECT_LE(resumed.at("iterations").back().at("cost").get<double>(),
+    1.001 * result.at("iterations").back().at("cost").get<double>());
+  fs::copy_file(Materials, this->Folder.File("table.json"));
+  std::ofstream(this->Folder.File("table.json"), std::ios::app) << "\n";
+  this->CommandTest::ExpectRefused("register --labels " + Labels + " --materials " +
+      this->Folder.File("table.json") + " --mammogram " + MammogramFile +
+      " --orientation ALS --output " + this->Folder.File("other") + " --resume " + folder,
+    "found one of another file");
 
   ASSERT_EQ(this->Run("evaluate --result " + folder + " --landmarks " + Data +
               "/victre-phantom-1/landmarks.csv --truth-orientation ALS --truth-origin 8.4 7.4466 "

@@ -61,8 +61,8 @@ TEST_F(Registration, RecoversATwinMadeWithAnotherMeshSpectrumAndNoise)
   {
     BreastPose start;
     start.ThicknessMm = 50;
-    start.RollDeg = Truth().RollDeg + sense * 8;
-    start.ShiftLateralMm = -sense * 6;
+    start.RollDeg = Truth().RollDeg + sense * 20;
+    start.ShiftLateralMm = Truth().ShiftLateralMm - sense * 15;
     start.ShiftAnteriorMm = 3;
     const RegistrationResult result = Register(Model->Model, *Target, OptionsFrom(start), {});
     EXPECT_TRUE(result.Converged) << result.StopReason;
