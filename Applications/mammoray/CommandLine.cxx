@@ -254,6 +254,35 @@ void CheckOutputFile(const std::string& path, bool overwrite)
   }
 }
 
+CLI::Option* AddLabelOptions(CLI::App& command, LabelSource& source)
+{
+  CLI::Option* labels = command.add_option("--labels", source.Path,
+    "label volume: .nrrd .nhdr .mha .mhd .nii .nii.gz, a DICOM segmentation (.dcm; labels are its "
+    "segment numbers) or a folder with a DICOM series");
+  command
+    .add_option("--crop", source.Crop,
+      "voxels of --labels to keep along i, j and k: three times FIRST:LAST, counted from 0, both "
+      "included, : for all; e.g. --crop 0:199 : 12:")
+    ->expected(3)
+    ->needs(labels);
+  command
+    .add_option("--skin", source.Skin,
+      "THICKNESS[=MATERIAL]: a layer of that many mm below the air becomes skin (default: the "
+      "table's thin material), not at held tissue nor at the volume's border")
+    ->needs(labels);
+  command
+    .add_flag("--axes-as-given", source.AxesAsGiven,
+      "take the axes of the header of --labels as they are, with no conversion to LPS")
+    ->needs(labels);
+  return labels;
+}
+
+CLI::Option* AddMaterialsOption(CLI::App& command, std::string& pathOrName)
+{
+  return command.add_option("--materials", pathOrName,
+    "material table: a file (.json) or the name of a shipped one (victre, segment, ...)");
+}
+
 CLI::Option* AddProjectorOption(CLI::App& command, std::string& method)
 {
   return command
@@ -268,8 +297,16 @@ void WriteComplete(const std::string& path,
 {
   namespace fs = std::filesystem;
   const fs::path target(path);
+  // The writer goes by the extension, .nii.gz as one.
+  std::string stem = target.stem().string();
+  std::string extension = target.extension().string();
+  if (extension == ".gz")
+  {
+    extension = fs::path(stem).extension().string() + extension;
+    stem = fs::path(stem).stem().string();
+  }
   const fs::path temporary = fs::absolute(target).parent_path() /
-    (target.stem().string() + ".partial-" + std::to_string(getpid()) + target.extension().string());
+    (stem + ".partial-" + std::to_string(getpid()) + extension);
   try
   {
     write(temporary.string());

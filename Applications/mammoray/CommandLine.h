@@ -3,6 +3,7 @@
 #ifndef mammoray_CommandLine_h
 #define mammoray_CommandLine_h
 
+#include "LabelSource.h"
 #include "Progress.h"
 
 #include <CLI/CLI.hpp>
@@ -18,6 +19,12 @@ namespace mammoray
  * are added.
  */
 void AddConfigurationOptions(CLI::App& command);
+
+/// Adds --labels, --crop, --skin and --axes-as-given; gives the option --labels.
+CLI::Option* AddLabelOptions(CLI::App& command, LabelSource& source);
+
+/// Adds --materials: a file or a shipped table's name (see FindMaterialTable); gives the option.
+CLI::Option* AddMaterialsOption(CLI::App& command, std::string& pathOrName);
 
 /// Adds --projector auto|ray-tracing|rasterisation (see ProjectorOptions::Method); gives the
 /// option.
@@ -57,6 +64,7 @@ void AddLocateCommand(CLI::App& application);
 void AddMeshCommand(CLI::App& application);
 void AddProjectCommand(CLI::App& application);
 void AddRegisterCommand(CLI::App& application);
+void AddSegmentCommand(CLI::App& application);
 }
 
 #endif

@@ -4,11 +4,10 @@
 #include "CompressedBreast.h"
 #include "CompressionSimulation.h"
 #include "ElasticTable.h"
-#include "LabelVolumeIO.h"
 #include "Mammogram.h"
-#include "MaterialTableIO.h"
 #include "MeshConversion.h"
 #include "MeshIO.h"
+#include "PhysicsData.h"
 #include "PlacedPlates.h"
 
 #ifdef MAMMORAY_HAS_MESHING
@@ -45,8 +44,7 @@ struct CompressArguments
   double SimulationCellSizeMm = 0;
   /// One of Elements.
   std::string Element = "quadratic";
-  std::string Labels;
-  bool AxesAsGiven = false;
+  LabelSource Labels;
   BreastPose Pose;
   /// Standard view, whose roll is added; empty: none.
   std::string View;
@@ -231,31 +229,23 @@ void PrintSummary(const CompressionState& state, const CompressionSimulation& si
 
 void RunCompress(const CompressArguments& arguments)
 {
-  for (const std::string* input : { &arguments.Mesh, &arguments.Materials })
+  CheckInputFile(arguments.Mesh);
+  if (!arguments.SimulationMesh.empty())
   {
-    CheckInputFile(*input);
-  }
-  for (const std::string* input : { &arguments.SimulationMesh, &arguments.Labels })
-  {
-    if (!input->empty())
-    {
-      CheckInputFile(*input);
-    }
+    CheckInputFile(arguments.SimulationMesh);
   }
   CheckOutputs(arguments);
   const AnatomicalAxes axes = AnatomicalAxes::FromCode(arguments.Orientation);
-  const MaterialTable table = ReadMaterialTable(arguments.Materials);
+  const MaterialTable table = FindMaterialTable(arguments.Materials);
   const ElasticTable mechanics(table);
   const std::vector<bool>& held = mechanics.Held;
   const vtkSmartPointer<vtkUnstructuredGrid> grid = ReadMesh(arguments.Mesh);
   const TetrahedralMesh mesh = FromGrid(grid);
   mesh.Validate(arguments.Mesh);
   std::optional<LabelVolume> volume;
-  if (!arguments.Labels.empty())
+  if (!arguments.Labels.Path.empty())
   {
-    volume = table.ToMaterials(ReadLabelVolume(arguments.Labels,
-                                 arguments.AxesAsGiven ? VolumeAxes::AsGiven : VolumeAxes::Patient),
-      arguments.Labels);
+    volume = ReadMaterials(arguments.Labels, table);
   }
   const TetrahedralMesh simulationMesh = FindSimulationMesh(arguments, mesh, volume, held);
   MaterialField field;
@@ -307,7 +297,7 @@ void AddCompressCommand(CLI::App& application)
   MammographyUnit& unit = arguments->Unit;
   command->add_option("--mesh", arguments->Mesh, "linear tetrahedra with materials (.vtu)")
     ->required();
-  command->add_option("--materials", arguments->Materials, "material table (.json)")->required();
+  AddMaterialsOption(*command, arguments->Materials)->required();
   command
     ->add_option("--orientation", arguments->Orientation,
       "directions of +x, +y, +z: one letter each of L/R, A/P, S/I")
@@ -376,10 +366,8 @@ void AddCompressCommand(CLI::App& application)
       "of the series, from plates that touch nothing to the compressed breast")
     ->check(CLI::Range(2, 1000))
     ->capture_default_str();
-  command->add_option("--labels", arguments->Labels,
-    "label volume of the mesh: stiffness is sampled from it");
-  command->add_flag("--axes-as-given", arguments->AxesAsGiven,
-    "take the header's axes of --labels as they are, with no conversion to LPS");
+  CLI::Option* labels = AddLabelOptions(*command, arguments->Labels);
+  labels->description("stiffness is sampled from it; the " + labels->get_description());
   command->add_option("--simulation-mesh", arguments->SimulationMesh,
     "coarse mesh (.vtu) to simulate on; the points of --mesh move with it");
   add("--simulation-cell-size", arguments->SimulationCellSizeMm,

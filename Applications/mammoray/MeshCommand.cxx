@@ -3,11 +3,9 @@
 
 #include "CutPicture.h"
 #include "HistogramPicture.h"
-#include "LabelResampling.h"
-#include "LabelVolumeIO.h"
-#include "MaterialTableIO.h"
 #include "MeshConversion.h"
 #include "MeshIO.h"
+#include "PhysicsData.h"
 #include "SurfaceConversion.h"
 
 #ifdef MAMMORAY_HAS_MESHING
@@ -34,10 +32,8 @@ namespace
 {
 struct MeshArguments
 {
-  std::string Labels;
+  LabelSource Labels;
   std::string Materials;
-  double SpacingMm = 0;
-  bool AxesAsGiven = false;
   MeshingOptions Options;
   std::vector<std::string> Thin;
   std::vector<std::string> CellSizeOf;
@@ -125,7 +121,7 @@ Json ReportJson(const MeshArguments& arguments, const std::vector<std::string>& 
   const MeshingResult& result)
 {
   Json report;
-  report["labels"] = arguments.Labels;
+  report["labels"] = arguments.Labels.Path;
   report["surfaces"] = arguments.Surfaces;
   report["materials"] = arguments.Materials;
   report["method"] = arguments.Surfaces.empty() ? arguments.Method : "tetgen";
@@ -315,21 +311,13 @@ void PrintReport(const std::vector<std::string>& names, const MeshingResult& res
 void CheckArguments(const MeshArguments& arguments)
 {
   const bool fromSurfaces = !arguments.Surfaces.empty();
-  if (fromSurfaces == !arguments.Labels.empty())
+  if (fromSurfaces == !arguments.Labels.Path.empty())
   {
     throw CLI::RequiredError("one of --labels, --surface and --check");
-  }
-  if (!fromSurfaces && !std::filesystem::is_directory(arguments.Labels))
-  {
-    CheckInputFile(arguments.Labels);
   }
   if ((arguments.Materials.empty() && !fromSurfaces) || arguments.Output.empty())
   {
     throw CLI::RequiredError(arguments.Output.empty() ? "--output" : "--materials");
-  }
-  if (!arguments.Materials.empty())
-  {
-    CheckInputFile(arguments.Materials);
   }
   CheckOutputFile(arguments.Output, arguments.Overwrite);
   if (std::filesystem::path(arguments.Output).extension() != ".vtu")
@@ -344,7 +332,7 @@ MaterialTable FindTable(const MeshArguments& arguments)
 {
   if (!arguments.Materials.empty())
   {
-    return ReadMaterialTable(arguments.Materials);
+    return FindMaterialTable(arguments.Materials);
   }
   MaterialTable table;
   table.Materials.push_back({ "air" });
@@ -378,15 +366,6 @@ MeshingOptions FindOptions(const MeshArguments& arguments, const MaterialTable& 
     options.FacetDistanceOfMaterialMm);
   options.Validate();
   return options;
-}
-
-LabelVolume ReadMaterials(const MeshArguments& arguments, const MaterialTable& table)
-{
-  LabelVolume volume =
-    table.ToMaterials(ReadLabelVolume(arguments.Labels,
-                        arguments.AxesAsGiven ? VolumeAxes::AsGiven : VolumeAxes::Patient),
-      arguments.Labels);
-  return arguments.SpacingMm > 0 ? ResampleLabels(volume, arguments.SpacingMm) : volume;
 }
 
 /// All files of --surface as one, each the closed boundary of its material.
@@ -428,7 +407,7 @@ MeshingResult MakeMesh(const MeshArguments& arguments, const MaterialTable& tabl
   {
     return MeshSurfaces(ReadSurfaces(arguments, table), options, MakeProgressBar());
   }
-  const LabelVolume materials = ReadMaterials(arguments, table);
+  const LabelVolume materials = ReadMaterials(arguments.Labels, table);
   if (arguments.ForMechanics)
   {
     std::vector<bool> held;
@@ -493,14 +472,11 @@ void AddMeshCommand(CLI::App& application)
   auto arguments = std::make_shared<MeshArguments>();
   arguments->Options = MeshingOptions::Anatomy({});
   MeshingOptions& options = arguments->Options;
-  command->add_option("--labels", arguments->Labels,
-    "label volume: .nrrd .nhdr .mha .mhd .nii .nii.gz, a DICOM segmentation (.dcm; labels are its "
-    "segment numbers) or a folder with a DICOM series");
+  AddLabelOptions(*command, arguments->Labels);
   CLI::Option* surface = command->add_option("--surface", arguments->Surfaces,
     "MATERIAL=FILE: closed surface of a material (.vtp .stl .ply .obj) instead of labels; may be "
     "given for several, nested or touching at common triangles; filled by TetGen");
-  command->add_option("--materials", arguments->Materials,
-    "material table (.json); with --surface only where other commands need its numbers");
+  AddMaterialsOption(*command, arguments->Materials);
   command
     ->add_option("--method", arguments->Method,
       "cgal: Mesh_3 straight from the labels; tetgen: closed surfaces of the same sizes, filled by "
@@ -529,11 +505,9 @@ void AddMeshCommand(CLI::App& application)
     ->type_name("X Y Z")
     ->needs(cut);
   command
-    ->add_option("--spacing", arguments->SpacingMm,
+    ->add_option("--spacing", arguments->Labels.SpacingMm,
       "resample to cubic voxels of this size first, mm")
     ->check(CLI::PositiveNumber);
-  command->add_flag("--axes-as-given", arguments->AxesAsGiven,
-    "take the header's axes as they are, with no conversion to LPS");
   const auto add = [&](const char* name, double& value, const char* help)
   { return command->add_option(name, value, help)->capture_default_str(); };
   CLI::Option* cellSize =

@@ -2,7 +2,6 @@
 #include "CommandLine.h"
 
 #include "Exposure.h"
-#include "MaterialTableIO.h"
 #include "MeshConversion.h"
 #include "MeshIO.h"
 #include "PhysicsData.h"
@@ -178,14 +177,13 @@ void PlaceBeam(const ProjectArguments& arguments, const SurfaceMesh& surface,
 void RunProject(const ProjectArguments& arguments)
 {
   CheckInputFile(arguments.Mesh);
-  CheckInputFile(arguments.Materials);
   CheckOutputFile(arguments.Output, arguments.Overwrite);
   if (!arguments.PathLengths.empty())
   {
     CheckOutputFile(arguments.PathLengths, arguments.Overwrite);
   }
   const ProgressCallback progress = MakeProgressBar();
-  MaterialTable table = ReadMaterialTable(arguments.Materials);
+  MaterialTable table = FindMaterialTable(arguments.Materials);
   ReplaceAttenuations(arguments.Attenuations, table);
   const Spectrum spectrum = arguments.EnergyKeV > 0 ? Spectrum::Monochromatic(arguments.EnergyKeV)
                                                     : FindSpectrum(arguments.Spectrum);
@@ -253,7 +251,7 @@ void AddProjectCommand(CLI::App& application)
     ->add_option("--mesh", arguments->Mesh,
       "tetrahedra (.vtu, cell array Material) or triangles (.vtp, .stl, .ply, .obj)")
     ->required();
-  command->add_option("--materials", arguments->Materials, "material table (.json)")->required();
+  AddMaterialsOption(*command, arguments->Materials)->required();
   command
     ->add_option("--attenuation", arguments->Attenuations,
       "another attenuation of a material of the table, and density, g/cm3: a shipped table's name, "

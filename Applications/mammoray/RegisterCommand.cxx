@@ -52,13 +52,17 @@ void CheckOutputFolder(const std::string& path, bool overwrite)
 void RunRegister(const RegisterOptions& options)
 {
   CheckOutputFolder(options.Output, options.Overwrite);
-  for (const std::string& path : { options.Case.Labels, options.Case.Materials,
-         options.Case.Mammogram, options.Case.AnatomyMesh, options.Case.SimulationMesh })
+  for (const std::string& path :
+    { options.Case.Mammogram, options.Case.AnatomyMesh, options.Case.SimulationMesh })
   {
     if (!path.empty())
     {
       CheckInputFile(path);
     }
+  }
+  if (!fs::is_directory(options.Case.Labels.Path))
+  {
+    CheckInputFile(options.Case.Labels.Path);
   }
   const RegistrationCaseResult result = RunRegistrationCase(options.Case, MakeProgressBar());
 
@@ -119,11 +123,8 @@ void AddRegisterCommand(CLI::App& application)
   RegistrationCase& input = options->Case;
   CLI::App* command = application.add_subcommand("register",
     "Find the compression and pose whose synthetic mammogram matches a mammogram");
-  command
-    ->add_option("--labels", input.Labels,
-      "label volume of the breast: .nrrd, .nhdr, .mha, .mhd, .nii, .nii.gz")
-    ->required();
-  command->add_option("--materials", input.Materials, "material table, JSON")->required();
+  AddLabelOptions(*command, input.Labels)->required();
+  AddMaterialsOption(*command, input.Materials)->required();
   command->add_option("--mammogram", input.Mammogram, "mammogram, DICOM MG")->required();
   command
     ->add_option("-o,--output", options->Output,
@@ -143,7 +144,7 @@ void AddRegisterCommand(CLI::App& application)
       "directions of the volume's axes: L/R, A/P, S/I, e.g. LPS (DICOM) or ALS (FDA phantoms)")
     ->capture_default_str();
   command
-    ->add_option("--label-spacing", input.LabelSpacingMm,
+    ->add_option("--label-spacing", input.Labels.SpacingMm,
       "finer label volumes are resampled to this spacing, mm; 0 keeps them")
     ->check(CLI::NonNegativeNumber)
     ->capture_default_str()

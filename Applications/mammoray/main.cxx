@@ -19,6 +19,7 @@ int main(int argc, char* argv[])
   mammoray::AddMeshCommand(application);
   mammoray::AddProjectCommand(application);
   mammoray::AddRegisterCommand(application);
+  mammoray::AddSegmentCommand(application);
   mammoray::InterruptRequested();
 
   try

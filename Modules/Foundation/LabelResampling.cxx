@@ -41,6 +41,16 @@ std::vector<Footprint> FootprintsAlong(int oldSize, double oldSpacing, double ne
   }
   return footprints;
 }
+
+std::string BoxText(const VoxelBox& box)
+{
+  std::string text;
+  for (int a = 0; a < 3; ++a)
+  {
+    text += (a > 0 ? " " : "") + std::to_string(box.First[a]) + ":" + std::to_string(box.Last[a]);
+  }
+  return text;
+}
 }
 
 LabelVolume ResampleLabels(const LabelVolume& labels, double spacingMm)
@@ -149,21 +159,36 @@ LabelVolume CropToTissue(const LabelVolume& labels, int marginVoxels)
   {
     throw InputError("volume to crop: expected labels other than 0, found none");
   }
-  LabelVolume result = labels;
+  VoxelBox box;
   for (int a = 0; a < 3; ++a)
   {
-    low[a] = std::max(0, low[a] - std::max(0, marginVoxels));
-    high[a] = std::min(labels.Size[a] - 1, high[a] + std::max(0, marginVoxels));
-    result.Size[a] = high[a] - low[a] + 1;
+    box.First[a] = std::max(0, low[a] - std::max(0, marginVoxels));
+    box.Last[a] = std::min(labels.Size[a] - 1, high[a] + std::max(0, marginVoxels));
   }
-  result.Origin = labels.PointAt(low[0], low[1], low[2]);
-  result.Voxels.clear();
-  for (int k = low[2]; k <= high[2]; ++k)
+  return CropToBox(labels, box);
+}
+
+LabelVolume CropToBox(const LabelVolume& labels, const VoxelBox& box)
+{
+  labels.Validate("volume to crop");
+  LabelVolume result;
+  static_cast<VolumeGrid&>(result) = labels;
+  for (int a = 0; a < 3; ++a)
   {
-    for (int j = low[1]; j <= high[1]; ++j)
+    if (box.First[a] < 0 || box.First[a] > box.Last[a] || box.Last[a] >= labels.Size[a])
+    {
+      throw InputError("crop " + BoxText(box) + ": expected a box within the volume's voxels " +
+        BoxText({ { 0, 0, 0 }, { labels.Size[0] - 1, labels.Size[1] - 1, labels.Size[2] - 1 } }));
+    }
+    result.Size[a] = box.Last[a] - box.First[a] + 1;
+  }
+  result.Origin = labels.PointAt(box.First[0], box.First[1], box.First[2]);
+  for (int k = box.First[2]; k <= box.Last[2]; ++k)
+  {
+    for (int j = box.First[1]; j <= box.Last[1]; ++j)
     {
       const auto row =
-        labels.Voxels.begin() + static_cast<std::ptrdiff_t>(labels.Index(low[0], j, k));
+        labels.Voxels.begin() + static_cast<std::ptrdiff_t>(labels.Index(box.First[0], j, k));
       result.Voxels.insert(result.Voxels.end(), row, row + result.Size[0]);
     }
   }

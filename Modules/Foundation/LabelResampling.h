@@ -21,6 +21,19 @@ MAMMORAYFOUNDATION_EXPORT LabelVolume ResampleLabels(const LabelVolume& labels, 
  * negative) around it where the volume reaches that far. Throws InputError when all voxels are 0.
  */
 MAMMORAYFOUNDATION_EXPORT LabelVolume CropToTissue(const LabelVolume& labels, int marginVoxels);
+
+/// A box of voxels; First and Last belong to it.
+struct VoxelBox
+{
+  std::array<int, 3> First{ 0, 0, 0 };
+  std::array<int, 3> Last{ 0, 0, 0 };
+};
+
+/**
+ * The voxels of a box, each at its place in the volume frame. Throws InputError, naming both,
+ * unless the box holds a voxel and lies in the volume.
+ */
+MAMMORAYFOUNDATION_EXPORT LabelVolume CropToBox(const LabelVolume& labels, const VoxelBox& box);
 }
 
 #endif

@@ -5,10 +5,12 @@
 
 namespace mammoray
 {
-LabelVolume MaterialTable::ToMaterials(
-  const LabelVolume& labels, const std::string& volumeName) const
+LabelVolume MaterialTable::ToMaterials(const LabelVolume& labels,
+  const std::string& volumeName) const
 {
+  constexpr int mostNamed = 10; // an MRI in place of labels has thousands
   std::string unknown;
+  int unknownLabels = 0;
   std::vector<std::uint16_t> materialOf(65536, 0);
   std::size_t tissueVoxels = 0;
   for (const auto& [label, count] : labels.CountLabels())
@@ -16,8 +18,11 @@ LabelVolume MaterialTable::ToMaterials(
     const auto found = this->MaterialOfLabel.find(label);
     if (found == this->MaterialOfLabel.end())
     {
-      unknown += (unknown.empty() ? "" : ", ") + std::to_string(label) + " (" +
-        std::to_string(count) + " voxels)";
+      if (++unknownLabels <= mostNamed)
+      {
+        unknown += (unknown.empty() ? "" : ", ") + std::to_string(label) + " (" +
+          std::to_string(count) + " voxels)";
+      }
       continue;
     }
     materialOf[label] = static_cast<std::uint16_t>(found->second);
@@ -25,13 +30,16 @@ LabelVolume MaterialTable::ToMaterials(
   }
   if (!unknown.empty())
   {
-    throw InputError(
-      volumeName + ": label " + unknown + " is not in the material table '" + this->Name + "'");
+    const std::string more = unknownLabels > mostNamed
+      ? " and " + std::to_string(unknownLabels - mostNamed) + " more"
+      : "";
+    throw InputError(volumeName + ": label " + unknown + more + " is not in the material table '" +
+      this->Name + "'");
   }
   if (tissueVoxels == 0)
   {
-    throw InputError(volumeName + ": expected tissue, found only air by the material table '" +
-      this->Name + "'");
+    throw InputError(
+      volumeName + ": expected tissue, found only air by the material table '" + this->Name + "'");
   }
   LabelVolume result = labels;
   for (std::uint16_t& voxel : result.Voxels)

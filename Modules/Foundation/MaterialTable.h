@@ -33,8 +33,8 @@ struct Material
 };
 
 /**
- * Which material each label of a volume is made of. Material 0 is always air; several labels may share
- * a material.
+ * Which material each label of a volume is made of. Material 0 is always air; several labels may
+ * share a material.
  */
 struct MAMMORAYFOUNDATION_EXPORT MaterialTable
 {
@@ -47,7 +47,8 @@ struct MAMMORAYFOUNDATION_EXPORT MaterialTable
 
   /**
    * The volume with every label replaced by its material's index. Throws InputError that names each
-   * unknown label and its voxel count, and when no voxel is anything but air.
+   * unknown label and its voxel count (the first ten of many), and when no voxel is anything but
+   * air.
    */
   LabelVolume ToMaterials(const LabelVolume& labels, const std::string& volumeName) const;
   /// Index of the material of that name; throws InputError with the known names otherwise.

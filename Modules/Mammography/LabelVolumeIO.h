@@ -2,6 +2,7 @@
 #ifndef mammoray_LabelVolumeIO_h
 #define mammoray_LabelVolumeIO_h
 
+#include "IntensityVolume.h"
 #include "LabelVolume.h"
 #include "mammorayMammographyModule.h"
 
@@ -38,8 +39,19 @@ MAMMORAYMAMMOGRAPHY_EXPORT LabelVolume ReadLabelVolume(const std::string& path,
   VolumeAxes axes = VolumeAxes::Patient);
 
 /**
- * Writes .nrrd (gzip) or .mha (compressed), 8 bits per voxel when that is enough, 16 otherwise; the
- * frame is called LPS. Throws InputError on another extension or when the file cannot be written.
+ * Reads an MRI or the like from the same formats but DICOM SEG: any finite values. Throws
+ * InputError as above.
+ */
+MAMMORAYMAMMOGRAPHY_EXPORT IntensityVolume ReadIntensityVolume(const std::string& path,
+  VolumeAxes axes = VolumeAxes::Patient);
+
+/// Throws InputError unless WriteLabelVolume knows the path's extension.
+MAMMORAYMAMMOGRAPHY_EXPORT void CheckLabelVolumeExtension(const std::string& path);
+
+/**
+ * Writes .nrrd (gzip), .mha (compressed) or .nii.gz (NIfTI-1), 8 bits per voxel when that is
+ * enough, 16 otherwise; the frame is called LPS. Throws InputError on another extension or when the
+ * file cannot be written.
  */
 MAMMORAYMAMMOGRAPHY_EXPORT void WriteLabelVolume(const LabelVolume& volume,
   const std::string& path);

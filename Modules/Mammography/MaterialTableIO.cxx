@@ -167,6 +167,10 @@ void ReadLabels(const Entry& entry, int material, MaterialTable& table)
 {
   const char* const expected = "a list of whole numbers from 0 to 65535, at least one";
   const Json* labels = entry.Find("labels");
+  if (!labels && table.Materials[static_cast<std::size_t>(material)].Thin)
+  {
+    return;
+  }
   if (!labels || !labels->is_array() || labels->empty())
   {
     entry.Refuse("labels", expected);

@@ -3,6 +3,7 @@
 
 #include "Composition.h"
 #include "Error.h"
+#include "MaterialTableIO.h"
 #include "NearNames.h"
 
 #include <algorithm>
@@ -80,6 +81,25 @@ fs::path InstalledData()
     }
   }
   return {};
+}
+
+/// The path itself, or that of a shipped file by its name without extension.
+std::string FindDataFile(const std::string& pathOrName, const std::string& what,
+  const std::string& folderName, const std::string& extension)
+{
+  std::error_code ignored;
+  if (fs::is_regular_file(pathOrName, ignored))
+  {
+    return pathOrName;
+  }
+  const fs::path folder = fs::path(DataDirectory()) / folderName;
+  const fs::path path = folder / (pathOrName + extension);
+  if (pathOrName.empty() || pathOrName.find('/') != std::string::npos || !fs::exists(path))
+  {
+    throw InputError(what + " " + pathOrName + ": no such file, and no " + what +
+      " of that name; " + SuggestNames(pathOrName, KnownNames(folder, extension)));
+  }
+  return path.string();
 }
 }
 
@@ -253,18 +273,17 @@ AttenuationTable FindAttenuationTable(const std::string& name)
 
 Spectrum FindSpectrum(const std::string& pathOrName)
 {
-  if (fs::exists(pathOrName))
-  {
-    return ReadSpectrum(pathOrName);
-  }
-  const fs::path folder = fs::path(DataDirectory()) / "spectra";
-  const fs::path path = folder / (pathOrName + ".spc");
-  if (pathOrName.empty() || pathOrName.find('/') != std::string::npos || !fs::exists(path))
-  {
-    throw InputError("spectrum " + pathOrName + ": no such file, and no spectrum of that name; " +
-      SuggestNames(pathOrName, KnownNames(folder, ".spc")));
-  }
-  return ReadSpectrum(path.string());
+  return ReadSpectrum(FindDataFile(pathOrName, "spectrum", "spectra", ".spc"));
+}
+
+std::string FindMaterialTablePath(const std::string& pathOrName)
+{
+  return FindDataFile(pathOrName, "material table", "materials", ".json");
+}
+
+MaterialTable FindMaterialTable(const std::string& pathOrName)
+{
+  return ReadMaterialTable(FindMaterialTablePath(pathOrName));
 }
 
 Beam MakeBeam(const MaterialTable& materials, const Spectrum& spectrum, DetectorResponse response)

@@ -44,6 +44,16 @@ MAMMORAYMAMMOGRAPHY_EXPORT AttenuationTable FindAttenuationTable(const std::stri
  */
 MAMMORAYMAMMOGRAPHY_EXPORT Spectrum FindSpectrum(const std::string& pathOrName);
 
+/**
+ * A material table from a path, or by its name in materials/ of the data directory ("victre",
+ * "segment"; see Data/README.md); throws InputError with near or all known names when neither
+ * exists.
+ */
+MAMMORAYMAMMOGRAPHY_EXPORT MaterialTable FindMaterialTable(const std::string& pathOrName);
+
+/// The path of that table's file.
+MAMMORAYMAMMOGRAPHY_EXPORT std::string FindMaterialTablePath(const std::string& pathOrName);
+
 /// The beam for path lengths in the table's materials. Throws InputError on an unknown attenuation
 /// table.
 MAMMORAYMAMMOGRAPHY_EXPORT Beam MakeBeam(const MaterialTable& materials, const Spectrum& spectrum,

@@ -2,11 +2,8 @@
 #include "RegistrationCase.h"
 
 #include "ElasticTable.h"
-#include "LabelResampling.h"
-#include "LabelVolumeIO.h"
 #include "MammogramIO.h"
 #include "MammogramTarget.h"
-#include "MaterialTableIO.h"
 #include "MeshConversion.h"
 #include "MeshIO.h"
 #include "PhysicsData.h"
@@ -269,8 +266,9 @@ std::vector<int> GlandularMaterials(const MaterialTable& table)
 
 std::vector<std::pair<std::string, std::string>> CaseInputs(const RegistrationCase& input)
 {
-  std::vector<std::pair<std::string, std::string>> inputs{ { "Label volume", input.Labels },
-    { "Material table", input.Materials }, { "Mammogram", input.Mammogram } };
+  std::vector<std::pair<std::string, std::string>> inputs{ { "Label volume", input.Labels.Path },
+    { "Material table", FindMaterialTablePath(input.Materials) },
+    { "Mammogram", input.Mammogram } };
   if (!input.AnatomyMesh.empty())
   {
     inputs.emplace_back("Anatomy mesh", input.AnatomyMesh);
@@ -290,7 +288,7 @@ RegistrationCaseResult RunRegistrationCase(const RegistrationCase& input,
 
   // Everything that can be refused is read before anything is computed.
   result.Axes = AnatomicalAxes::FromCode(input.Orientation);
-  result.Materials = ReadMaterialTable(input.Materials);
+  result.Materials = FindMaterialTable(input.Materials);
   const ElasticTable mechanics(result.Materials);
   const std::vector<bool>& held = mechanics.Held;
   if (std::find(held.begin(), held.end(), true) == held.end())
@@ -318,11 +316,7 @@ RegistrationCaseResult RunRegistrationCase(const RegistrationCase& input,
   projectorOptions.Projection = MethodFromName(input.Projector);
   const auto projector = MakeProjector(projectorOptions);
   result.Device = projector->DeviceName() + ", " + MethodName(projector->Method());
-  LabelVolume materials = result.Materials.ToMaterials(ReadLabelVolume(input.Labels), input.Labels);
-  if (input.LabelSpacingMm > *std::max_element(materials.Spacing.begin(), materials.Spacing.end()))
-  {
-    materials = ResampleLabels(materials, input.LabelSpacingMm);
-  }
+  const LabelVolume materials = ReadMaterials(input.Labels, result.Materials);
   result.Anchor = FindPoseAnchor(materials, held, result.Axes);
   stopwatch.Stage("read");
 

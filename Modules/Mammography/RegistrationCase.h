@@ -2,6 +2,7 @@
 #ifndef mammoray_RegistrationCase_h
 #define mammoray_RegistrationCase_h
 
+#include "LabelSource.h"
 #include "Mammogram.h"
 #include "MaterialTable.h"
 #include "Progress.h"
@@ -19,9 +20,9 @@ namespace mammoray
 /// Everything that says what is registered to what, by files; the members carry the defaults.
 struct RegistrationCase
 {
-  /// Label volume: .nrrd, .nhdr, .mha, .mhd, .nii, .nii.gz.
-  std::string Labels;
-  /// Material table, JSON.
+  /// Finer label volumes are resampled to 0.5 mm unless told otherwise.
+  LabelSource Labels{ .SpacingMm = 0.5, .OnlyCoarsen = true };
+  /// Material table: a path (.json) or the name of a shipped one.
   std::string Materials;
   /// DICOM MG.
   std::string Mammogram;
@@ -29,8 +30,6 @@ struct RegistrationCase
   std::string Spectrum = "W28kVp_Rh50um_Be1mm";
   /// Directions of the volume's axes (AnatomicalAxes::FromCode).
   std::string Orientation = "LPS";
-  /// Finer label volumes are resampled to this spacing before meshing, mm; 0 keeps them.
-  double LabelSpacingMm = 0.5;
   /// Meshes made before (mammoray mesh), used instead of meshing; empty: mesh.
   std::string AnatomyMesh;
   std::string SimulationMesh;

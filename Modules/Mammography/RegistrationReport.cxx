@@ -294,7 +294,10 @@ std::vector<InputFile> HashInputs(const RegistrationReport& report)
   std::vector<InputFile> files;
   for (const auto& [role, path] : report.Inputs)
   {
-    files.push_back({ role, std::filesystem::path(path).filename().string(), Sha256OfFile(path) });
+    // A folder may be named with a slash at its end.
+    const std::filesystem::path file(path);
+    const std::string name = (file.has_filename() ? file : file.parent_path()).filename().string();
+    files.push_back({ role, name, Sha256OfFile(path) });
   }
   return files;
 }

@@ -8,8 +8,9 @@
 
 namespace mammoray
 {
-/// SHA-256 (FIPS 180-4) of a file's bytes, 64 lower-case hexadecimal digits. Throws InputError when
-/// it cannot be read.
+/// SHA-256 (FIPS 180-4) of a file's bytes, of a folder that of its files one after the other by
+/// name (cat folder/* | sha256sum), 64 lower-case hexadecimal digits. Throws InputError when it
+/// cannot be read.
 MAMMORAYMAMMOGRAPHY_EXPORT std::string Sha256OfFile(const std::string& path);
 }
 

@@ -5,8 +5,8 @@
 #include "CompressionSimulation.h"
 #include "ElasticTable.h"
 #include "MammographyGeometry.h"
-#include "MaterialTableIO.h"
 #include "MeshConversion.h"
+#include "PhysicsData.h"
 #include "PlacedPlates.h"
 
 #include "vtkDataObject.h"
@@ -82,7 +82,7 @@ ElasticTable vtkBreastCompression::Internals::MaterialsOf(const TetrahedralMesh&
   }
   else
   {
-    materials = ElasticTable(ReadMaterialTable(table));
+    materials = ElasticTable(FindMaterialTable(table));
   }
   std::vector<bool> known(materials.Held.size(), true);
   for (const auto& [index, material] : this->Given)

@@ -39,7 +39,7 @@ public:
 
   ///@{
   /**
-   * Path of a material table (JSON) with the elastic constants of materials 1, 2, ... and which are
+   * Path of a material table (JSON), or the name of a shipped one, with the elastic constants of materials 1, 2, ... and which are
    * held. Empty: only what SetMaterial says. Default empty.
    */
   vtkSetStdStringFromCharMacro(MaterialTable);

@@ -156,6 +156,37 @@ TEST_F(MeshCommand, FillsSurfacesAndLabelsByTetGen)
   EXPECT_THAT(this->Errors, testing::HasSubstr("expected MATERIAL=FILE"));
 }
 
+TEST_F(MeshCommand, CropsAddsSkinAndKnowsTables)
+{
+  // Fat and gland as the segmentation's labels, cropped at the back, with skin on all other sides.
+  ASSERT_EQ(this->Run("mesh --labels " + this->Labels +
+              " --materials segment --crop : : 5: --skin 1 --facet-distance 0.1 -o " + this->Mesh),
+    0)
+    << this->Errors;
+  std::vector<std::string> names;
+  const TetrahedralMesh mesh = FromGrid(ReadMesh(this->Mesh), &names);
+  EXPECT_EQ(names[3], "skin");
+  double volumes[5] = { 0, 0, 0, 0, 0 };
+  for (std::size_t cell = 0; cell < mesh.NumberOfCells(); ++cell)
+  {
+    volumes[mesh.Materials[cell]] += mesh.CellVolume(cell);
+  }
+  // 10 x 10 x 8 without a layer on five sides, 5 %: edges are rounded.
+  EXPECT_NEAR(volumes[3], 800 - 8 * 8 * 7, 0.05 * 800);
+  EXPECT_NEAR(volumes[1] + volumes[2], 8 * 8 * 7, 0.05 * 800);
+  EXPECT_EQ(this->Run("mesh --check " + this->Mesh), 0) << this->Errors;
+
+  const std::string output = " --overwrite -o " + this->Mesh;
+  const auto refused = [&](const std::string& arguments, const std::string& text)
+  { this->CommandTest::ExpectRefused("mesh " + arguments + output, text); };
+  refused("--labels " + this->Labels + " --materials segmant", "did you mean segment?");
+  refused(this->Inputs + " --crop : : 5:16", "within the volume's voxels 0:15 0:15 0:15");
+  refused(this->Inputs + " --crop 3 4 5", "FIRST:LAST");
+  refused(this->Inputs + " --skin 1=hide", "unknown material 'hide'");
+  refused(this->Inputs + " --skin 1", "0 thin materials");
+  EXPECT_EQ(this->Run("mesh " + this->Inputs + " --crop 3:4" + output), 2);
+}
+
 TEST_F(MeshCommand, RefusesInOneLine)
 {
   const std::string output = " -o " + this->Mesh;
@@ -198,8 +229,8 @@ TEST_F(MeshCommand, ConfigurationRoundTrips)
 
 TEST_F(MeshCommand, MakesOneCoarseBodyOfAllFreeTissueForTheMechanics)
 {
-  ASSERT_EQ(
-    this->Run("mesh " + this->Inputs + " --for-mechanics --cell-size 4 -o " + this->Mesh), 0)
+  ASSERT_EQ(this->Run("mesh " + this->Inputs + " --for-mechanics --cell-size 4 -o " + this->Mesh),
+    0)
     << this->Errors;
   const TetrahedralMesh mesh = FromGrid(ReadMesh(this->Mesh));
   double volume = 0;

@@ -83,6 +83,12 @@ TEST_F(RegisterCommand, RefusesUnusableInputInOneLine)
     "missing.dcm: no such file");
   this->ExpectRefused(this->Register(Labels, Materials, Materials), "victre.json");
   this->ExpectRefused(this->Register(Labels, Labels, MammogramFile), "labels.nrrd");
+  this->ExpectRefused(this->Register(Labels, "victer", MammogramFile), "did you mean victre?");
+  fs::create_directory(this->Folder.File("empty"));
+  this->ExpectRefused(this->Register(this->Folder.File("empty"), Materials, MammogramFile),
+    "expected a folder of DICOM slices, found none");
+  this->ExpectRefused(this->Register(Labels, Materials, MammogramFile, "--crop 0:500 : :"),
+    "within the volume's voxels 0:186 0:223 0:224");
   const std::string mr =
     MAMMORAY_SHARED_DATA_DIR "/duke-breast-mri-153-CC-BY-NC-4.0/t1_tse/1-01.dcm";
   if (fs::exists(mr))

@@ -59,6 +59,39 @@ TEST(LabelResampling, SameSpacingAndFinerOnesKeepTheVoxels)
   EXPECT_THROW(ResampleLabels(row, 1e-9), InputError);
 }
 
+TEST(LabelResampling, ABoxKeepsItsVoxelsAtTheirPlaces)
+{
+  LabelVolume volume = Row({}, 0.5);
+  volume.Size = { 4, 3, 2 };
+  for (std::uint16_t voxel = 0; voxel < 24; ++voxel)
+  {
+    volume.Voxels.push_back(voxel);
+  }
+  const LabelVolume box = CropToBox(volume, { { 1, 1, 0 }, { 2, 2, 1 } });
+  EXPECT_EQ(box.Size, (std::array<int, 3>{ 2, 2, 2 }));
+  EXPECT_THAT(box.Voxels, testing::ElementsAre(5, 6, 9, 10, 17, 18, 21, 22));
+  for (int i = 0; i < 2; ++i)
+  {
+    EXPECT_EQ(volume.LabelAt(box.PointAt(i, 1, 1)), box.Voxels[box.Index(i, 1, 1)]);
+  }
+  EXPECT_EQ(CropToBox(volume, { { 0, 0, 0 }, { 3, 2, 1 } }).Voxels, volume.Voxels);
+  for (const VoxelBox& bad : { VoxelBox{ { 2, 0, 0 }, { 1, 2, 1 } },
+         VoxelBox{ { 0, 0, 0 }, { 4, 2, 1 } }, VoxelBox{ { 0, -1, 0 }, { 3, 2, 1 } } })
+  {
+    try
+    {
+      CropToBox(volume, bad);
+      ADD_FAILURE() << "expected an InputError";
+    }
+    catch (const InputError& error)
+    {
+      EXPECT_THAT(error.what(),
+        testing::AllOf(testing::StartsWith("crop " + std::to_string(bad.First[0]) + ":"),
+          testing::HasSubstr("within the volume's voxels 0:3 0:2 0:1")));
+    }
+  }
+}
+
 TEST(LabelResampling, CropKeepsEveryVoxelsPlace)
 {
   const LabelVolume row = Row({ 0, 0, 0, 4, 0, 5, 0, 0 }, 1.0);

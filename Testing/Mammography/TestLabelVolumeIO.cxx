@@ -8,6 +8,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <cstring>
 #include <functional>
 
@@ -152,20 +153,50 @@ TEST(LabelVolumeIO, WrittenVolumesComeBack)
   for (const double handedness : { 1.0, -1.0 })
   {
     LabelVolume volume = Oblique(handedness);
-    for (const char* name : { "v.nrrd", "v.mha" })
+    for (const char* name : { "v.nrrd", "v.mha", "v.nii.gz" })
     {
       WriteLabelVolume(volume, folder.File(name));
       ExpectSame(ReadLabelVolume(folder.File(name)), volume);
     }
     volume.Voxels[7] = 60000; // 16 bits
-    for (const char* name : { "v.nrrd", "v.mha" })
+    for (const char* name : { "v.nrrd", "v.mha", "v.nii.gz" })
     {
       WriteLabelVolume(volume, folder.File(name));
       ExpectSame(ReadLabelVolume(folder.File(name)), volume);
     }
   }
   EXPECT_THAT(MessageOf([&] { WriteLabelVolume(Oblique(), folder.File("v.nii")); }),
-    testing::HasSubstr(".nrrd or .mha"));
+    testing::HasSubstr(".nrrd, .mha or .nii.gz"));
+  LabelVolume longer;
+  longer.Size = { 40000, 1, 1 };
+  longer.Voxels.assign(40000, 1);
+  EXPECT_THAT(MessageOf([&] { WriteLabelVolume(longer, folder.File("v.nii.gz")); }),
+    testing::HasSubstr("at most 32767 voxels"));
+}
+
+TEST(LabelVolumeIO, IntensitiesKeepSignFractionAndScale)
+{
+  const TemporaryFolder folder;
+  const std::string header = "NRRD0004\ntype: float\ndimension: 3\nsizes: 2 1 2\nencoding: raw\n"
+                             "endian: little\nspacings: 1 2 3\n\n";
+  const IntensityVolume volume = ReadIntensityVolume(
+    folder.Write("v.nrrd", header + Bytes<float>({ -1.5f, 0.25f, 70000.0f, 3.0f })));
+  EXPECT_THAT(volume.Voxels, testing::ElementsAre(-1.5f, 0.25f, 70000.0f, 3.0f));
+  EXPECT_EQ(volume.Spacing, (Vector3{ 1, 2, 3 }));
+  EXPECT_THAT(MessageOf(
+                [&]
+                {
+                  ReadIntensityVolume(
+                    folder.Write("n.nrrd", header + Bytes<float>({ 1, 2, 3, std::nanf("") })));
+                }),
+    testing::HasSubstr("voxel (1, 0, 1) holds nan"));
+  // One grid for both readers, whatever the format.
+  WriteLabelVolume(Oblique(), folder.File("v.nii.gz"));
+  const IntensityVolume oblique = ReadIntensityVolume(folder.File("v.nii.gz"));
+  const LabelVolume labels = ReadLabelVolume(folder.File("v.nii.gz"));
+  EXPECT_EQ(oblique.Origin, labels.Origin);
+  EXPECT_EQ(oblique.Direction, labels.Direction);
+  EXPECT_TRUE(std::equal(labels.Voxels.begin(), labels.Voxels.end(), oblique.Voxels.begin()));
 }
 
 TEST(LabelVolumeIO, NiftiTurnsRasIntoLps)

@@ -50,7 +50,17 @@ TEST(MaterialTableIO, ReadsTheShippedTable)
   EXPECT_EQ(table.Materials[2].YoungsModulusKPa, 15);
   EXPECT_FALSE(table.Materials[2].Held);
   EXPECT_EQ(table.MaterialOfLabel.at(33), 3);
-  EXPECT_EQ(table.MaterialOfLabel.size(), 11u);
+  EXPECT_EQ(table.MaterialOfLabel.size(), 12u);
+  EXPECT_EQ(table.MaterialOfLabel.at(50), 0); // paddles
+}
+
+TEST(MaterialTableIO, AThinMaterialNeedsNoLabels)
+{
+  const TemporaryFolder folder;
+  const MaterialTable table =
+    ReadMaterialTable(folder.Write("thin.json", WithFat(R"("attenuation": "skin", "thin": true)")));
+  EXPECT_TRUE(table.Materials.at(1).Thin);
+  EXPECT_EQ(table.MaterialOfLabel.size(), 1u);
 }
 
 TEST(MaterialTableIO, AbsentKeysTakeTheDefaults)

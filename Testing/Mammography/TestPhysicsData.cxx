@@ -7,6 +7,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <filesystem>
+
 namespace
 {
 using namespace mammoray;
@@ -54,8 +56,33 @@ TEST(PhysicsData, BeamOfTheShippedTable)
     1e-4); // the six digits of the source
 }
 
+TEST(PhysicsData, ShippedTablesAreFoundByName)
+{
+  const Spectrum spectrum = Spectrum::Monochromatic(20);
+  for (const auto& entry : std::filesystem::directory_iterator(DataDirectory() + "/materials"))
+  {
+    const std::string name = entry.path().stem().string();
+    const MaterialTable table = FindMaterialTable(name);
+    EXPECT_EQ(table.Name, FindMaterialTable(entry.path().string()).Name);
+    // Every attenuation is known, and between fat's and skin's at 20 keV, 1/mm.
+    const Beam beam = MakeBeam(table, spectrum, DetectorResponse::PhotonCounting);
+    for (std::size_t material = 1; material < table.Materials.size(); ++material)
+    {
+      std::vector<double> lengths(table.Materials.size(), 0.0);
+      lengths[material] = 1;
+      EXPECT_GT(beam.LogAttenuation(lengths.data()), 0.05) << name << ", " << material;
+      EXPECT_LT(beam.LogAttenuation(lengths.data()), 0.1) << name << ", " << material;
+    }
+  }
+  EXPECT_EQ(FindMaterialTable("victre").MaterialOfLabel.at(88), 2);
+}
+
 TEST(PhysicsData, UnknownNamesListTheKnown)
 {
+  ExpectRefused([] { FindMaterialTable("victor"); },
+    "material table victor: no such file, and no material table of that name; did you mean "
+    "victre?");
+  ExpectRefused([] { FindMaterialTable("/nowhere.json"); }, "no such file");
   ExpectRefused([] { FindAttenuationTable("unobtainium"); }, "adipose, air, blood");
   ExpectRefused([] { FindSpectrum("W99"); }, "W28kVp_Rh50um_Be1mm");
   MaterialTable table;

@@ -150,6 +150,13 @@ TEST(Sha256, MatchesThePublishedExamples)
   EXPECT_EQ(hash(std::string(1 << 20, '\0')),
     "30e14955ebf1352266dc2ff8067e68104607e750abb9d3b36582b8af909fcb58");
   EXPECT_THROW(Sha256OfFile(folder.File("absent")), InputError);
+  // A folder: its files one after the other, here "ab" and "c".
+  const std::string series = folder.File("series");
+  std::filesystem::create_directory(series);
+  std::ofstream(series + "/2.dcm") << "c";
+  std::ofstream(series + "/1.dcm") << "ab";
+  EXPECT_EQ(Sha256OfFile(series),
+    "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
 }
 
 TEST(RegistrationReport, WritesEverythingTheResultHolds)

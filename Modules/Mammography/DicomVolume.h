@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#ifndef mammoray_DicomLabels_h
-#define mammoray_DicomLabels_h
+#ifndef mammoray_DicomVolume_h
+#define mammoray_DicomVolume_h
 
+#include "IntensityVolume.h"
 #include "LabelVolume.h"
 
 #include <string>
@@ -16,6 +17,12 @@ namespace mammoray
  * Throws InputError, one line with the file, on anything else.
  */
 LabelVolume ReadDicomLabels(const std::string& path);
+
+/**
+ * A series of slices in a folder, with their intensities after rescaling, otherwise as above.
+ * Throws InputError on a single file too.
+ */
+IntensityVolume ReadDicomIntensities(const std::string& path);
 }
 
 #endif

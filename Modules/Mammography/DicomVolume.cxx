@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "DicomLabels.h"
+#include "DicomVolume.h"
 
 #include "DicomStructure.h"
 #include "Error.h"
 #include "QuietGdcm.h"
+#include "VolumeFile.h"
 
 #include <gdcmImageReader.h>
 #include <gdcmReader.h>
@@ -23,7 +24,7 @@ namespace
 namespace fs = std::filesystem;
 using gdcm::Tag;
 
-/// One slice of labels, or of one segment.
+/// One slice of a series, or of one segment.
 struct Slice
 {
   std::string Name; // for messages
@@ -37,7 +38,8 @@ struct Slice
   double ColumnSpacing = 0;
   /// Distance of slices that the file tells, mm; 0 where it does not.
   double SliceSpacing = 0;
-  std::vector<std::uint16_t> Labels;
+  /// Labels or intensities, along rows first.
+  std::vector<float> Values;
 };
 
 std::string Text(const gdcm::DataSet& data, const Tag& tag)
@@ -153,7 +155,7 @@ void CheckStructure(const std::string& path)
   const std::string damage = FindDicomDamage(path);
   if (!damage.empty())
   {
-    throw InputError(path + ": expected DICOM labels, " + damage);
+    throw InputError(path + ": expected DICOM, " + damage);
   }
 }
 
@@ -231,27 +233,27 @@ std::vector<Slice> ReadSegmentation(const std::string& path)
         "some of them missing");
     }
     SetGeometry(slice, *position, *orientation, *measures);
-    slice.Labels.resize(framePixels);
+    slice.Values.resize(framePixels);
     for (std::size_t pixel = 0; pixel < framePixels; ++pixel)
     {
       // PS3.5 section 8.1.1: bits fill bytes from the lowest, frames follow without a gap.
       const std::size_t at = frame * framePixels + pixel;
       const int value = bits == 1 ? stored[at / 8] >> (at % 8) & 1 : stored[at];
-      slice.Labels[pixel] = static_cast<std::uint16_t>(value >= half ? number : 0);
+      slice.Values[pixel] = static_cast<float>(value >= half ? number : 0);
     }
     slices.push_back(std::move(slice));
   }
   return slices;
 }
 
-/// The labels of one image, after its rescaling.
+/// The values of one image, after its rescaling.
 Slice ReadSlice(const std::string& path, std::string& series)
 {
   gdcm::ImageReader reader;
   reader.SetFileName(path.c_str());
   if (!reader.Read())
   {
-    throw InputError(path + ": expected a slice of labels, found an image that cannot be read");
+    throw InputError(path + ": expected a slice, found an image that cannot be read");
   }
   const gdcm::Image& image = reader.GetImage();
   const gdcm::DataSet& data = reader.GetFile().GetDataSet();
@@ -276,7 +278,7 @@ Slice ReadSlice(const std::string& path, std::string& series)
   std::vector<char> buffer(image.GetBufferLength());
   if (buffer.size() < pixelCount * (wide ? 2 : 1) || !image.GetBuffer(buffer.data()))
   {
-    throw InputError(path + ": expected a slice of labels, found pixels that cannot be decoded");
+    throw InputError(path + ": expected a slice, found pixels that cannot be decoded");
   }
   const bool isSigned = format.GetPixelRepresentation() == 1;
   for (std::size_t pixel = 0; pixel < pixelCount; ++pixel)
@@ -290,13 +292,7 @@ Slice ReadSlice(const std::string& path, std::string& series)
       : wide                        ? static_cast<std::int16_t>(raw)
                                     : static_cast<std::int8_t>(raw);
     const double value = image.GetSlope() * stored + image.GetIntercept();
-    if (!(value >= 0 && value <= 65535 && value == std::floor(value)))
-    {
-      throw InputError(path + ": pixel (" + std::to_string(pixel % slice.Columns) + ", " +
-        std::to_string(pixel / slice.Columns) + ") holds " + std::to_string(value) +
-        ", expected a label, a whole number from 0 to 65535");
-    }
-    slice.Labels.push_back(static_cast<std::uint16_t>(value));
+    slice.Values.push_back(static_cast<float>(value));
   }
   return slice;
 }
@@ -331,6 +327,22 @@ std::vector<Slice> ReadSeries(const std::string& folder)
     }
   }
   return slices;
+}
+
+/// Throws where a value is no label.
+void CheckLabels(const std::vector<Slice>& slices)
+{
+  for (const Slice& slice : slices)
+  {
+    const auto bad = std::find_if_not(slice.Values.begin(), slice.Values.end(), IsLabel);
+    if (bad != slice.Values.end())
+    {
+      const auto pixel = bad - slice.Values.begin();
+      throw NoLabel(slice.Name + ": pixel (" + std::to_string(pixel % slice.Columns) + ", " +
+          std::to_string(pixel / slice.Columns) + ")",
+        *bad);
+    }
+  }
 }
 
 /// Throws unless the slices lie in parallel on one grid.
@@ -408,14 +420,14 @@ double FindSliceSpacing(const std::vector<Slice>& slices, const std::vector<doub
 std::vector<const Slice*> PaintingOrder(const std::vector<Slice>& slices)
 {
   const auto labelOf = [](const Slice& slice)
-  { return *std::max_element(slice.Labels.begin(), slice.Labels.end()); };
-  std::map<std::uint16_t, std::size_t> sizes;
-  std::vector<std::pair<const Slice*, std::uint16_t>> order;
+  { return *std::max_element(slice.Values.begin(), slice.Values.end()); };
+  std::map<float, std::size_t> sizes;
+  std::vector<std::pair<const Slice*, float>> order;
   for (const Slice& slice : slices)
   {
     order.push_back({ &slice, labelOf(slice) });
-    sizes[order.back().second] += static_cast<std::size_t>(std::count_if(slice.Labels.begin(),
-      slice.Labels.end(), [](std::uint16_t label) { return label != 0; }));
+    sizes[order.back().second] += static_cast<std::size_t>(std::count_if(slice.Values.begin(),
+      slice.Values.end(), [](float label) { return label != 0; }));
   }
   std::stable_sort(order.begin(), order.end(),
     [&sizes](const auto& a, const auto& b) { return sizes[a.second] > sizes[b.second]; });
@@ -427,7 +439,8 @@ std::vector<const Slice*> PaintingOrder(const std::vector<Slice>& slices)
   return sorted;
 }
 
-LabelVolume Assemble(const std::vector<Slice>& slices, bool gapsAllowed)
+/// The slices on their grid, 0 where there is none.
+IntensityVolume Assemble(const std::vector<Slice>& slices, bool gapsAllowed)
 {
   const Slice& first = slices.front();
   const Vector3 normal = Cross(first.AlongRow, first.AlongColumn);
@@ -454,7 +467,7 @@ LabelVolume Assemble(const std::vector<Slice>& slices, bool gapsAllowed)
     throw InputError(
       first.Name + ": expected slices near each other, found a stack of " + std::to_string(depth));
   }
-  LabelVolume volume;
+  IntensityVolume volume;
   volume.Size = { first.Columns, first.Rows, static_cast<int>(depth) };
   volume.Spacing = { first.ColumnSpacing, first.RowSpacing, spacing };
   volume.Origin = first.Position + heights.front() * normal;
@@ -463,7 +476,7 @@ LabelVolume Assemble(const std::vector<Slice>& slices, bool gapsAllowed)
   {
     axis = (1 / Norm(axis)) * axis;
   }
-  const std::size_t area = first.Labels.size();
+  const std::size_t area = first.Values.size();
   volume.Voxels.assign(area * static_cast<std::size_t>(depth), 0);
   for (const Slice* slice : PaintingOrder(slices))
   {
@@ -471,8 +484,8 @@ LabelVolume Assemble(const std::vector<Slice>& slices, bool gapsAllowed)
     const auto layer = static_cast<std::size_t>(std::lround(height / spacing));
     for (std::size_t pixel = 0; pixel < area; ++pixel)
     {
-      std::uint16_t& voxel = volume.Voxels[layer * area + pixel];
-      voxel = slice->Labels[pixel] != 0 ? slice->Labels[pixel] : voxel;
+      float& voxel = volume.Voxels[layer * area + pixel];
+      voxel = slice->Values[pixel] != 0 ? slice->Values[pixel] : voxel;
     }
   }
   volume.Validate(first.Name);
@@ -484,6 +497,22 @@ LabelVolume ReadDicomLabels(const std::string& path)
 {
   const QuietGdcm quiet;
   const bool isFolder = fs::is_directory(path);
-  return Assemble(isFolder ? ReadSeries(path) : ReadSegmentation(path), !isFolder);
+  const std::vector<Slice> slices = isFolder ? ReadSeries(path) : ReadSegmentation(path);
+  CheckLabels(slices);
+  const IntensityVolume values = Assemble(slices, !isFolder);
+  LabelVolume labels;
+  static_cast<VolumeGrid&>(labels) = values;
+  labels.Voxels.assign(values.Voxels.begin(), values.Voxels.end());
+  return labels;
+}
+
+IntensityVolume ReadDicomIntensities(const std::string& path)
+{
+  const QuietGdcm quiet;
+  if (!fs::is_directory(path))
+  {
+    throw InputError(path + ": expected the folder of a DICOM series, found a single file");
+  }
+  return Assemble(ReadSeries(path), false);
 }
 }

@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "LabelSource.h"
+
+#include "Error.h"
+#include "LabelResampling.h"
+#include "LabelSkin.h"
+#include "LabelVolumeIO.h"
+
+#include <algorithm>
+#include <charconv>
+
+namespace mammoray
+{
+namespace
+{
+/// False unless the whole text is a number.
+template <typename T>
+bool ToNumber(const std::string& text, T& value)
+{
+  const char* const end = text.data() + text.size();
+  const auto [rest, error] = std::from_chars(text.data(), end, value);
+  return error == std::errc() && rest == end;
+}
+
+VoxelBox ParseBox(const std::vector<std::string>& texts, const std::array<int, 3>& size)
+{
+  VoxelBox box;
+  for (std::size_t a = 0; a < 3; ++a)
+  {
+    const std::string text = a < texts.size() ? texts[a] : "";
+    const auto colon = text.find(':');
+    box.Last[a] = size[a] - 1;
+    if (texts.size() != 3 || colon == std::string::npos ||
+      (colon > 0 && !ToNumber(text.substr(0, colon), box.First[a])) ||
+      (colon + 1 < text.size() && !ToNumber(text.substr(colon + 1), box.Last[a])))
+    {
+      std::string found;
+      for (const std::string& word : texts)
+      {
+        found += (found.empty() ? "" : " ") + word;
+      }
+      throw InputError("crop: expected FIRST:LAST voxels along i, j and k, for example "
+                       "0:199 : 12:, found '" +
+        found + "'");
+    }
+  }
+  return box;
+}
+
+LabelVolume WithSkin(const LabelVolume& materials, const std::string& text,
+  const MaterialTable& table)
+{
+  const auto equals = text.find('=');
+  double thicknessMm = 0;
+  if (!ToNumber(text.substr(0, equals), thicknessMm))
+  {
+    throw InputError(
+      "skin: expected THICKNESS or THICKNESS=MATERIAL in mm, for example 1.5=skin, found '" + text +
+      "'");
+  }
+  std::vector<bool> held;
+  std::vector<int> thin;
+  for (std::size_t index = 0; index < table.Materials.size(); ++index)
+  {
+    held.push_back(table.Materials[index].Held);
+    if (table.Materials[index].Thin)
+    {
+      thin.push_back(static_cast<int>(index));
+    }
+  }
+  if (equals == std::string::npos && thin.size() != 1)
+  {
+    throw InputError("skin: expected THICKNESS=MATERIAL, since the table '" + table.Name +
+      "' has " + std::to_string(thin.size()) + " thin materials, found '" + text + "'");
+  }
+  const int skin =
+    equals == std::string::npos ? thin.front() : table.IndexOf(text.substr(equals + 1));
+  return AddSkin(materials, thicknessMm, skin, held);
+}
+}
+
+LabelVolume ReadMaterials(const LabelSource& source, const MaterialTable& table)
+{
+  LabelVolume volume =
+    ReadLabelVolume(source.Path, source.AxesAsGiven ? VolumeAxes::AsGiven : VolumeAxes::Patient);
+  if (!source.Crop.empty())
+  {
+    volume = CropToBox(volume, ParseBox(source.Crop, volume.Size));
+  }
+  volume = table.ToMaterials(volume, source.Path);
+  const double coarsest = *std::max_element(volume.Spacing.begin(), volume.Spacing.end());
+  if (source.SpacingMm > 0 && !(source.OnlyCoarsen && source.SpacingMm <= coarsest))
+  {
+    volume = ResampleLabels(volume, source.SpacingMm);
+  }
+  return source.Skin.empty() ? volume : WithSkin(volume, source.Skin, table);
+}
+}

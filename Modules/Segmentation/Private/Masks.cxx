@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "Masks.h"
+
+#include <itkBinaryMorphologicalOpeningImageFilter.h>
+#include <itkConnectedComponentImageFilter.h>
+#include <itkFlatStructuringElement.h>
+#include <itkRelabelComponentImageFilter.h>
+
+#include <cmath>
+#include <set>
+
+namespace mammoray
+{
+ComponentImage::Pointer FindComponents(const MaskImage* mask, std::size_t smallestVoxels)
+{
+  auto components = itk::ConnectedComponentImageFilter<MaskImage, ComponentImage>::New();
+  components->SetInput(mask);
+  auto relabel = itk::RelabelComponentImageFilter<ComponentImage, ComponentImage>::New();
+  relabel->SetInput(components->GetOutput());
+  relabel->SetMinimumObjectSize(smallestVoxels);
+  relabel->Update();
+  return relabel->GetOutput();
+}
+
+namespace
+{
+/// The voxels whose component `accept`s.
+template <typename Accept>
+MaskImage::Pointer KeepComponents(const ComponentImage* components, Accept accept)
+{
+  auto kept = MakeLike<MaskImage>(*components, 0);
+  const std::size_t count = components->GetBufferedRegion().GetNumberOfPixels();
+  for (std::size_t voxel = 0; voxel < count; ++voxel)
+  {
+    const unsigned component = components->GetBufferPointer()[voxel];
+    kept->GetBufferPointer()[voxel] = component != 0 && accept(component) ? 1 : 0;
+  }
+  return kept;
+}
+}
+
+MaskImage::Pointer LargestComponent(const MaskImage* mask)
+{
+  return KeepComponents(FindComponents(mask, 0), [](unsigned component) { return component == 1; });
+}
+
+MaskImage::Pointer AirInFront(const FloatImage* image, double threshold)
+{
+  auto dark = MakeLike<MaskImage>(*image, 0);
+  const std::size_t count = image->GetBufferedRegion().GetNumberOfPixels();
+  for (std::size_t voxel = 0; voxel < count; ++voxel)
+  {
+    dark->GetBufferPointer()[voxel] = image->GetBufferPointer()[voxel] < threshold ? 1 : 0;
+  }
+  const ComponentImage::Pointer components = FindComponents(dark, 0);
+  const std::array<int, 3> size = SizeOf(*image);
+  std::set<unsigned> atFront;
+  for (int z = 0; z < size[2]; ++z)
+  {
+    for (int x = 0; x < size[0]; ++x)
+    {
+      atFront.insert(components->GetPixel({ { x, size[1] - 1, z } }));
+    }
+  }
+  return KeepComponents(components,
+    [&](unsigned component) { return atFront.count(component) > 0; });
+}
+
+MaskImage::Pointer Complement(const MaskImage* mask)
+{
+  auto other = MakeLike<MaskImage>(*mask, 0);
+  const std::size_t count = mask->GetBufferedRegion().GetNumberOfPixels();
+  for (std::size_t voxel = 0; voxel < count; ++voxel)
+  {
+    other->GetBufferPointer()[voxel] = mask->GetBufferPointer()[voxel] ? 0 : 1;
+  }
+  return other;
+}
+
+MaskImage::Pointer Open(const MaskImage* mask, double radiusMm)
+{
+  using Element = itk::FlatStructuringElement<3>;
+  Element::RadiusType radius;
+  for (unsigned c = 0; c < 3; ++c)
+  {
+    radius[c] = static_cast<itk::SizeValueType>(std::lround(radiusMm / mask->GetSpacing()[c]));
+  }
+  auto opening = itk::BinaryMorphologicalOpeningImageFilter<MaskImage, MaskImage, Element>::New();
+  opening->SetInput(mask);
+  opening->SetKernel(Element::Ball(radius));
+  opening->SetForegroundValue(1);
+  opening->Update();
+  return opening->GetOutput();
+}
+
+std::vector<float> ValuesIn(const FloatImage* image, const MaskImage* mask)
+{
+  std::vector<float> values;
+  const std::size_t count = image->GetBufferedRegion().GetNumberOfPixels();
+  for (std::size_t voxel = 0; voxel < count; ++voxel)
+  {
+    if (mask->GetBufferPointer()[voxel])
+    {
+      values.push_back(image->GetBufferPointer()[voxel]);
+    }
+  }
+  return values;
+}
+}

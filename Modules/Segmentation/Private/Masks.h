@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+#ifndef mammoray_Masks_h
+#define mammoray_Masks_h
+
+#include "ItkImages.h"
+
+#include <vector>
+
+namespace mammoray
+{
+/// Components of a mask (voxels that share a face), numbered from 1 by falling size; 0 elsewhere.
+using ComponentImage = itk::Image<unsigned, 3>;
+ComponentImage::Pointer FindComponents(const MaskImage* mask, std::size_t smallestVoxels);
+
+/// The largest component of a mask.
+MaskImage::Pointer LargestComponent(const MaskImage* mask);
+
+/**
+ * The air before the body: of the voxels below `threshold` those from which the volume's front (the
+ * last voxels along y) is reached without leaving them.
+ */
+MaskImage::Pointer AirInFront(const FloatImage* image, double threshold);
+
+/// Everything that is not set.
+MaskImage::Pointer Complement(const MaskImage* mask);
+
+/// The mask without what a ball of that radius, mm, does not fit into.
+MaskImage::Pointer Open(const MaskImage* mask, double radiusMm);
+
+/// The values of the image in the mask.
+std::vector<float> ValuesIn(const FloatImage* image, const MaskImage* mask);
+}
+
+#endif

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "Thresholds.h"
+
+#include <itkHistogram.h>
+#include <itkOtsuMultipleThresholdsCalculator.h>
+
+#include <algorithm>
+
+namespace mammoray
+{
+double Quantile(std::vector<float> values, double fraction)
+{
+  const auto at =
+    values.begin() + static_cast<std::ptrdiff_t>(fraction * static_cast<double>(values.size() - 1));
+  std::nth_element(values.begin(), at, values.end());
+  return *at;
+}
+
+std::vector<double> OtsuThresholds(std::vector<float> values, int classes)
+{
+  const double lowest = Quantile(values, 0.001);
+  const double highest = Quantile(values, 0.999);
+  if (!(lowest < highest))
+  {
+    return std::vector<double>(static_cast<std::size_t>(classes - 1), lowest);
+  }
+  // Search time grows with the bins to the power of the thresholds.
+  const itk::SizeValueType bins = classes <= 3 ? 256 : 64;
+  using Histogram = itk::Statistics::Histogram<double>;
+  auto histogram = Histogram::New();
+  histogram->SetMeasurementVectorSize(1);
+  Histogram::SizeType size(1);
+  size.Fill(bins);
+  Histogram::MeasurementVectorType low(1);
+  Histogram::MeasurementVectorType high(1);
+  low.Fill(lowest);
+  high.Fill(highest);
+  histogram->Initialize(size, low, high);
+  histogram->SetClipBinsAtEnds(false);
+  Histogram::MeasurementVectorType measurement(1);
+  Histogram::IndexType index(1);
+  for (const float value : values)
+  {
+    measurement[0] = value;
+    histogram->GetIndex(measurement, index);
+    histogram->IncreaseFrequencyOfIndex(index, 1);
+  }
+  auto calculator = itk::OtsuMultipleThresholdsCalculator<Histogram>::New();
+  calculator->SetInputHistogram(histogram);
+  calculator->SetNumberOfThresholds(static_cast<itk::SizeValueType>(classes - 1));
+  calculator->Compute();
+  return calculator->GetOutput();
+}
+}

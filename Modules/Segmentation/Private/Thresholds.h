@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+#ifndef mammoray_Thresholds_h
+#define mammoray_Thresholds_h
+
+#include <vector>
+
+namespace mammoray
+{
+/**
+ * Otsu's thresholds between `classes` classes of the values (at least two of them), ascending. The
+ * histogram spans all but the outermost thousandth at each end; where that is one value, it is
+ * every threshold.
+ */
+std::vector<double> OtsuThresholds(std::vector<float> values, int classes);
+
+/// The value below which a fraction [0, 1] of the values lies; there must be one at least.
+double Quantile(std::vector<float> values, double fraction);
+}
+
+#endif
