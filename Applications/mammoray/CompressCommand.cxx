@@ -3,6 +3,7 @@
 
 #include "CompressedBreast.h"
 #include "CompressionSimulation.h"
+#include "CutPicture.h"
 #include "ElasticTable.h"
 #include "Mammogram.h"
 #include "MeshConversion.h"
@@ -16,10 +17,12 @@
 
 #include "vtkUnstructuredGrid.h"
 
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <map>
 #include <memory>
+#include <numbers>
 #include <optional>
 
 namespace mammoray
@@ -51,7 +54,6 @@ struct CompressArguments
   std::string Side;
   /// In place of the thickness; 0: not given.
   double ForceN = 0;
-  double PaddleTiltDeg = 0;
   MammographyUnit Unit;
   /// held, sliding or elastic
   std::string ChestWall = "held";
@@ -62,6 +64,7 @@ struct CompressArguments
   std::string ImagePosition = "none";
   bool Gravity = false;
   std::string Output;
+  std::string Picture;
   /// Time series; empty: none.
   std::string Series;
   int SeriesSteps = 11;
@@ -137,16 +140,22 @@ CompressionOptions LoadingOf(const CompressArguments& arguments, const Anatomica
   return options;
 }
 
-CompressionState Compress(const CompressArguments& arguments,
-  const CompressionSimulation& simulation, const AnatomicalAxes& axes, const Vector3& anchor)
+BreastPose PoseAt(const CompressArguments& arguments, double thicknessMm)
 {
   BreastPose pose = arguments.Pose;
   pose.RollDeg += RollOfView(arguments);
+  pose.ThicknessMm = thicknessMm;
+  return pose;
+}
+
+CompressionState Compress(const CompressArguments& arguments,
+  const CompressionSimulation& simulation, const AnatomicalAxes& axes, const Vector3& anchor)
+{
   const auto plates = [&](double thicknessMm)
   {
-    pose.ThicknessMm = thicknessMm;
+    const BreastPose pose = PoseAt(arguments, thicknessMm);
     return PlatesOf(PlaceUnit(axes, anchor, arguments.Unit, pose), arguments.Unit, thicknessMm,
-      arguments.PaddleTiltDeg);
+      pose.PaddleTiltDeg);
   };
   if (arguments.ForceN > 0)
   {
@@ -154,7 +163,7 @@ CompressionState Compress(const CompressArguments& arguments,
     return simulation.CompressToForce(plates(50), PlateMotion(plates(50), plates(49)),
       arguments.ForceN, MakeProgressBar());
   }
-  return simulation.Compress(plates(pose.ThicknessMm), nullptr, MakeProgressBar());
+  return simulation.Compress(plates(arguments.Pose.ThicknessMm), nullptr, MakeProgressBar());
 }
 
 /// The breast from open plates to those of `closed`, which it ends with.
@@ -171,17 +180,69 @@ std::vector<vtkSmartPointer<vtkUnstructuredGrid>> SeriesOf(const CompressionStat
     const double time = TimeOf(step, stepCount);
     const ProgressCallback progress = [&](double fraction, const char*)
     { return bar((step + fraction) / stepCount, "series"); };
-    state = simulation.Compress(MovedPlates(open, closing, time), step > 0 ? &state : nullptr,
-      progress);
+    state =
+      simulation.Compress(MovedPlates(open, closing, time), step > 0 ? &state : nullptr, progress);
     grids.push_back(breast.At(state));
   }
   grids.push_back(breast.At(closed));
   return grids;
 }
 
+/// The plate in the plane through its edge's reference point and normal to that edge.
+std::vector<Vector3> OutlineOf(const Plate& plate)
+{
+  constexpr double DepthMm = 300;
+  constexpr double BackMm = 30;
+  constexpr int ArcSteps = 12;
+  const double radius = plate.EdgeRadiusMm;
+  const Vector3 centre = plate.Edge + radius * plate.Inward - radius * plate.Normal;
+  std::vector<Vector3> line{ plate.Edge + DepthMm * plate.Inward };
+  for (int step = 0; step <= ArcSteps; ++step)
+  {
+    const double angle = 0.5 * std::numbers::pi * step / ArcSteps;
+    line.push_back(
+      centre + radius * (std::cos(angle) * plate.Normal - std::sin(angle) * plate.Inward));
+  }
+  line.push_back(plate.Edge - BackMm * plate.Normal);
+  return line;
+}
+
+/// From the side before and after, with the plates, and after from the front.
+void WritePicture(const std::string& path, vtkUnstructuredGrid* before, vtkUnstructuredGrid* after,
+  const PlatePair& plates, const Vector3& lateral, const MaterialTable& table)
+{
+  Vector3 middle;
+  after->GetCenter(middle.data());
+  const Vector3& up = plates.Support.Normal;
+  const Vector3& forward = plates.Support.Inward;
+  Vector3 restMiddle;
+  before->GetCenter(restMiddle.data());
+  char thickness[64];
+  std::snprintf(thickness, sizeof thickness, "compressed to %.1f mm", GapMm(plates));
+  const std::vector<CutPanel> panels{ { before, restMiddle, forward, up, "uncompressed", {} },
+    { after, middle, forward, up, thickness,
+      { OutlineOf(plates.Support), OutlineOf(plates.Paddle) } },
+    { after, middle, lateral, up, "from the front", {} } };
+  std::vector<std::string> names;
+  for (const Material& material : table.Materials)
+  {
+    names.push_back(material.Name);
+  }
+  WriteComplete(path,
+    [&](const std::string& temporary) { WriteCutPicture(panels, names, temporary); });
+}
+
 void CheckOutputs(const CompressArguments& arguments)
 {
   CheckOutputFile(arguments.Output, arguments.Overwrite);
+  if (!arguments.Picture.empty())
+  {
+    CheckOutputFile(arguments.Picture, arguments.Overwrite);
+    if (std::filesystem::path(arguments.Picture).extension() != ".png")
+    {
+      throw InputError(arguments.Picture + ": expected the extension .png for a picture");
+    }
+  }
   if (std::filesystem::path(arguments.Output).extension() != ".vtu")
   {
     throw InputError(arguments.Output + ": expected the extension .vtu for a volume mesh");
@@ -202,8 +263,8 @@ void CheckOutputs(const CompressArguments& arguments)
     if (std::filesystem::weakly_canonical(file) ==
       std::filesystem::weakly_canonical(arguments.Output))
     {
-      throw InputError("--series " + arguments.Series + ": its file " + file +
-        " is the output file too");
+      throw InputError(
+        "--series " + arguments.Series + ": its file " + file + " is the output file too");
     }
   }
 }
@@ -276,6 +337,11 @@ void RunCompress(const CompressArguments& arguments)
   }
   WriteComplete(arguments.Output,
     [&](const std::string& temporary) { WriteMesh(compressed, temporary); });
+  if (!arguments.Picture.empty())
+  {
+    WritePicture(arguments.Picture, grid, compressed, state.Plates,
+      PlaceUnit(axes, anchor, arguments.Unit, PoseAt(arguments, thicknessMm)).X, table);
+  }
   PrintSummary(state, simulation, simulationMesh.NumberOfCells(), thicknessMm);
   const std::size_t inverted = CompressedBreast::NumberOfInvertedCells(compressed);
   if (inverted > 0)
@@ -323,7 +389,11 @@ void AddCompressCommand(CLI::App& application)
   command->add_option("--side", arguments->Side, "the breast, L or R: which way --view turns")
     ->check(CLI::IsMember({ "L", "R" }))
     ->needs(view);
-  add("--tilt", arguments->PaddleTiltDeg,
+  add("--pitch", pose.PitchDeg,
+    "turn of the rolled unit about its lateral axis, degrees; positive takes the source forwards");
+  add("--yaw", pose.YawDeg,
+    "turn of the unit about its vertical axis, degrees; positive to the left (CC)");
+  add("--tilt", pose.PaddleTiltDeg,
     "turn of the paddle about its chest-wall edge, degrees; positive opens it towards the nipple")
     ->check(CLI::Range(-30.0, 30.0));
   add("--lateral", pose.ShiftLateralMm, "shift of the receptor along its chest-wall edge, mm");
@@ -359,6 +429,8 @@ void AddCompressCommand(CLI::App& application)
     ->capture_default_str();
   command->add_flag("--gravity", arguments->Gravity,
     "the weight of the standing patient counts, though the mesh is taken for free of load");
+  command->add_option("--picture", arguments->Picture,
+    "draw cuts through the breast before and after, with the plates (.png)");
   command->add_option("--series", arguments->Series,
     "time series of the compression, for ParaView: a .pvd file, with its .vtu files beside it");
   command

@@ -148,6 +148,13 @@ std::string InMm(double value)
   std::snprintf(text, sizeof text, "%.2f mm", value);
   return text;
 }
+
+CompressionError NoEquilibrium(double gapMm, double lastGapMm, const std::string& reason)
+{
+  return { "compression: expected equilibrium at a gap of " + InMm(gapMm) +
+      ", the last one reached is at " + InMm(lastGapMm) + " (" + reason + ")",
+    lastGapMm, reason };
+}
 }
 
 double GapMm(const PlatePair& plates)
@@ -466,7 +473,42 @@ PlatePair CompressionSimulation::OpenedPlates(const PlatePair& plates,
 CompressionState CompressionSimulation::Compress(const PlatePair& plates,
   const CompressionState* start, const ProgressCallback& progress) const
 {
-  return this->Run(plates, start, Finish::Complete, progress);
+  try
+  {
+    return this->Run(plates, start, Finish::Complete, progress);
+  }
+  catch (const CompressionError& error)
+  {
+    if (start)
+    {
+      throw;
+    }
+    // The way is gone with soft contact; what was reached there need not be an equilibrium.
+    throw NoEquilibrium(GapMm(plates), this->LeastGapMm(plates, error.LastGapMm(), progress),
+      error.Reason());
+  }
+}
+
+double CompressionSimulation::LeastGapMm(const PlatePair& plates, double fromMm,
+  const ProgressCallback& progress) const
+{
+  const PlatePair open = this->OpenedPlates(plates, progress);
+  const PlatePairVelocity closing = PlateMotion(open, plates);
+  const double way = GapMm(open) - GapMm(plates);
+  for (double gap = fromMm; gap < GapMm(open); gap *= 1.15)
+  {
+    try
+    {
+      this->Run(MovedPlates(open, closing, (GapMm(open) - gap) / way), nullptr, Finish::Complete,
+        progress);
+      return gap;
+    }
+    catch (const CompressionError&)
+    {
+      // Not here; more open.
+    }
+  }
+  return GapMm(open);
 }
 
 std::vector<double> CompressionSimulation::CoarsePositions(const PlatePair& plates,
@@ -560,11 +602,7 @@ CompressionState CompressionSimulation::Run(const PlatePair& plates, const Compr
   { return !progress || progress(done, "compression"); };
   double lastGap = GapMm(state.Plates);
   const auto fail = [&](const std::string& reason)
-  {
-    throw CompressionError("compression: expected equilibrium at a gap of " + InMm(GapMm(plates)) +
-        ", the last one reached is at " + InMm(lastGap) + " (" + reason + ")",
-      lastGap);
-  };
+  { throw NoEquilibrium(GapMm(plates), lastGap, reason); };
   const auto keep = [&](const EquilibriumReport& report, std::vector<double>& positions)
   {
     state.Positions.swap(positions);
@@ -821,7 +859,7 @@ CompressionState CompressionSimulation::CompressToForce(const PlatePair& plates,
     std::snprintf(text, sizeof text,
       "compression: expected a force of %.2f N, found %.2f N at the last gap, %.2f mm (%s)", forceN,
       state.PaddleForceN, GapMm(state.Plates), reason.c_str());
-    throw CompressionError(text, GapMm(state.Plates));
+    throw CompressionError(text, GapMm(state.Plates), reason);
   }
   state.NewtonSteps = newtonSteps;
   state.LoadSteps = loadSteps;

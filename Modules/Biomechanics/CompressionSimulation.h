@@ -80,16 +80,20 @@ struct LoadingVelocity
 class CompressionError : public ConvergenceError
 {
 public:
-  CompressionError(const std::string& message, double lastGapMm)
+  CompressionError(const std::string& message, double lastGapMm, const std::string& reason)
     : ConvergenceError(message)
-    , GapMm(lastGapMm)
+    , LastGap(lastGapMm)
+    , Why(reason)
   {
   }
-  /// The last distance of the plates that had an equilibrium on the way, mm.
-  double LastGapMm() const { return this->GapMm; }
+  /// The last distance of the plates on the way that has an equilibrium, mm.
+  double LastGapMm() const { return this->LastGap; }
+  /// What went wrong beyond it; part of the message.
+  const std::string& Reason() const { return this->Why; }
 
 private:
-  double GapMm;
+  double LastGap;
+  std::string Why;
 };
 
 /// Distance of the faces, mm: of the paddle's edge from the face of the support.
@@ -246,6 +250,8 @@ private:
   };
   CompressionState Run(const PlatePair& plates, const CompressionState* start, Finish finish,
     const ProgressCallback& progress) const;
+  /// The least gap from `fromMm` on, in steps of 15 %, that has an equilibrium, mm.
+  double LeastGapMm(const PlatePair& plates, double fromMm, const ProgressCallback& progress) const;
   /// Where the coarse simulation moves the nodes to; empty where it cannot.
   std::vector<double> CoarsePositions(const PlatePair& plates,
     const ProgressCallback& progress) const;

@@ -25,6 +25,7 @@ namespace
 {
 constexpr int LongestSidePixels = 460;
 constexpr int Margin = 20;
+constexpr double LineMarginMm = 4;
 constexpr int TitleHeight = 46;
 constexpr int LegendWidth = 190;
 constexpr int Supersampling = 4;
@@ -84,6 +85,14 @@ Cut MakeCut(const CutPanel& panel)
       cut.Least = { std::min(cut.Least.X, at.X), std::min(cut.Least.Y, at.Y) };
       cut.Most = { std::max(cut.Most.X, at.X), std::max(cut.Most.Y, at.Y) };
     }
+  }
+  for (int side = 0; side < 2 && !panel.Lines.empty(); ++side)
+  {
+    // Lines that the cells touch would else be halved.
+    double& least = side == 0 ? cut.Least.X : cut.Least.Y;
+    double& most = side == 0 ? cut.Most.X : cut.Most.Y;
+    least -= LineMarginMm;
+    most += LineMarginMm;
   }
   for (const std::vector<Vector3>& line : panel.Lines)
   {

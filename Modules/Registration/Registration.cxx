@@ -20,6 +20,9 @@ namespace
 /// Poses without an equilibrium, of one resolution, after which a search ends: each costs many
 /// times what a good one does, and the best match lies where the breast cannot be compressed to.
 constexpr int LargestNumberOfFailures = 5;
+/// Of the cost in an iteration. Residuals are in standard deviations: parameters that are half of
+/// their own from the best cost this much more.
+constexpr double NegligibleFall = 0.125;
 
 using Clock = std::chrono::steady_clock;
 
@@ -277,11 +280,12 @@ public:
       row.PriorCost = costs.Prior;
       row.Cost = costs.Sum();
       row.Seconds = SecondsSince(this->Begin);
+      this->Settled = summary.iteration > 0 && summary.cost_change < NegligibleFall;
       this->Result.Iterations.push_back(row);
       this->Result.Values = this->Source.Values;
       this->Result.State = this->Source.State;
     }
-    return ceres::SOLVER_CONTINUE;
+    return this->Settled ? ceres::SOLVER_TERMINATE_SUCCESSFULLY : ceres::SOLVER_CONTINUE;
   }
 
 private:
@@ -289,6 +293,7 @@ private:
   RegistrationResult& Result;
   double PixelSizeMm;
   Clock::time_point Begin;
+  bool Settled = false;
 };
 
 void ValidateModel(const RegistrationModel& model, const RegistrationOptions& options)
@@ -660,9 +665,13 @@ bool SearchLevel(const RegistrationModel& model, const RegistrationTarget& coars
       " poses on the way to a better match had no equilibrium; this is the best pose that has one";
     return false;
   }
-  result.Converged = summary.termination_type == ceres::CONVERGENCE;
+  result.Converged = summary.IsSolutionUsable() &&
+    (summary.termination_type == ceres::CONVERGENCE ||
+      summary.termination_type == ceres::USER_SUCCESS);
   // Like our own reasons, without a full stop.
-  result.StopReason = summary.message.substr(0, summary.message.find_last_not_of(". ") + 1);
+  result.StopReason = summary.termination_type == ceres::USER_SUCCESS
+    ? "the cost falls by less than half a standard deviation of the parameters makes"
+    : summary.message.substr(0, summary.message.find_last_not_of(". ") + 1);
   if (summary.termination_type == ceres::FAILURE)
   {
     return false;

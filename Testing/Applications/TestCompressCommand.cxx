@@ -98,8 +98,8 @@ TEST_F(CompressCommand, MovesAFineMeshWithACoarseOne)
 
 TEST_F(CompressCommand, TakesLinearElements)
 {
-  const std::string fine = "compress " + this->Common + this->Folder.File("fine.vtu") +
-    " --thickness 60 --element ";
+  const std::string fine =
+    "compress " + this->Common + this->Folder.File("fine.vtu") + " --thickness 60 --element ";
   ASSERT_EQ(this->Run(fine + "linear"), 0) << this->Errors;
   // 17 x 17 x 9 nodes, the first two of nine layers held.
   EXPECT_THAT(ReadFile(this->Folder.File("out")),
@@ -143,7 +143,8 @@ TEST_F(CompressCommand, WritesATimeSeriesOfABreastUnloadedFromProne)
   const std::string run = "compress --orientation LAS --materials " +
     this->Folder.File("soft.json") + " -o " + this->Result + " --mesh " +
     this->Folder.File("breast.vtu") +
-    " --thickness 54 --anterior 5 --mri-position prone --chest-wall elastic --wall-normal-stiffness 50"
+    " --thickness 54 --anterior 5 --mri-position prone --chest-wall elastic "
+    "--wall-normal-stiffness 50"
     " --wall-tangential-stiffness 5 --pull 0.5 --friction 0.2 --series " +
     pvd;
   ASSERT_EQ(this->Run(run + " --series-steps 3"), 0) << this->Errors;
@@ -220,8 +221,7 @@ TEST_F(CompressCommand, RefusesInOneLine)
   EXPECT_EQ(this->Run("compress " + this->Coarse), 2);
   EXPECT_EQ(this->Run("compress " + this->Coarse + " --thickness 50 --chest-wall loose"), 2);
   EXPECT_EQ(this->Run("compress " + this->Coarse + " --thickness 50 --friction -1"), 2);
-  EXPECT_EQ(this->Run("compress " + this->Coarse + " --thickness 50 --wall-normal-stiffness 0"),
-    2);
+  EXPECT_EQ(this->Run("compress " + this->Coarse + " --thickness 50 --wall-normal-stiffness 0"), 2);
   EXPECT_EQ(this->Run("compress " + this->Coarse + " --thickness 50 --mri-position left"), 2);
 }
 

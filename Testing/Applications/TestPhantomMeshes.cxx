@@ -154,7 +154,7 @@ TEST_P(PhantomMeshes, BothWaysAreSoundKeepVolumesAndAgree)
 
 INSTANTIATE_TEST_SUITE_P(All, PhantomMeshes,
   testing::Values(Phantom{ "example", MAMMORAY_DATA_DIR "/victre-phantom-1/labels.nrrd", Victre, "",
-                    "--spacing 2 --facet-size 5 --cell-size 8 --smallest-component 60", 2 },
+                    "--spacing 0.8 --crop 90: 80:150 80:150 --thin skin", 0.8 },
     Phantom{ "scattered", Shared + "/breastphantom-scattered-1001/labels.nrrd", Victre, "",
       "--thin skin", 0.5 },
     Phantom{ "hetero", Shared + "/breastphantom-hetero-2002/labels.nrrd", Victre, "", "--thin skin",

@@ -221,7 +221,8 @@ TEST_F(RegisterCommand, RegistersTheShippedPhantom)
     }
     // Half a step of 0.25 mm, stretched back by up to the compression's 2.
     EXPECT_LT(nearest, 0.3);
-    EXPECT_GT(length, 20);
+    // Landmarks near the skin have less tissue along their ray than the breast is thick.
+    EXPECT_GT(length, 10);
     EXPECT_LT(length, 60);
   }
   EXPECT_GE(imagedCount, 10);
