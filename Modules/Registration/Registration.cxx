@@ -376,7 +376,7 @@ CompressionState CompressForStart(const RegistrationModel& model, const std::vec
   catch (const ConvergenceError&)
   {
     result.MechanicsSeconds += SecondsSince(begin);
-    if (!start)
+    if (!start || !result.Warnings.empty())
     {
       throw;
     }
@@ -543,7 +543,8 @@ void ChooseStart(const RegistrationModel& model, const RegistrationTarget& targe
   const CompressionState fromState = result.State;
   double best = std::numeric_limits<double>::infinity();
   std::vector<double> offsets{ 0 };
-  if (!result.Parameters[RollParameter].Fixed)
+  // A start that had to be opened is another breast's: every equilibrium costs much there.
+  if (!result.Parameters[RollParameter].Fixed && result.Warnings.empty())
   {
     offsets.insert(offsets.end(), options.RollOffsetsDeg.begin(), options.RollOffsetsDeg.end());
   }
