@@ -223,13 +223,8 @@ void WritePicture(const std::string& path, vtkUnstructuredGrid* before, vtkUnstr
     { after, middle, forward, up, thickness,
       { OutlineOf(plates.Support), OutlineOf(plates.Paddle) } },
     { after, middle, lateral, up, "from the front", {} } };
-  std::vector<std::string> names;
-  for (const Material& material : table.Materials)
-  {
-    names.push_back(material.Name);
-  }
   WriteComplete(path,
-    [&](const std::string& temporary) { WriteCutPicture(panels, names, temporary); });
+    [&](const std::string& temporary) { WriteCutPicture(panels, table.Names(), temporary); });
 }
 
 void CheckOutputs(const CompressArguments& arguments)

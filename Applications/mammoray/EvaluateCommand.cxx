@@ -73,8 +73,7 @@ void Evaluate(const EvaluateOptions& options)
   std::printf("%-36s %-10s %3s  %23s   %23s\n", "", "", "", "in 3D", "on the receptor");
   std::printf("%-36s %-10s %3s  %7s %7s %7s   %7s %7s %7s\n", "method", "landmarks", "n", "median",
     "mean", "max", "median", "mean", "max");
-  for (const LandmarkErrors& errors :
-    EvaluateLandmarks(landmarks, truth, grid, placed, sid))
+  for (const LandmarkErrors& errors : EvaluateLandmarks(landmarks, truth, grid, placed, sid))
   {
     std::vector<double> imagedSpace;
     std::vector<double> imagedReceptor;

@@ -30,16 +30,6 @@ struct ExampleArguments
   bool Overwrite = false;
 };
 
-std::vector<std::string> MaterialNames(const MaterialTable& table)
-{
-  std::vector<std::string> names;
-  for (const Material& material : table.Materials)
-  {
-    names.push_back(material.Name);
-  }
-  return names;
-}
-
 /// Makes the folder, if its parent is there; throws InputError where it or a file in it cannot be.
 void PrepareFolder(const std::string& folder, const std::vector<std::string>& files, bool overwrite)
 {
@@ -61,7 +51,7 @@ void RunExample(const ExampleArguments& arguments)
   const Spectrum spectrum = FindSpectrum(arguments.Spectrum);
   ReportProgress(progress, 0.0, "making the mesh");
   const ExampleScene scene = MakeExampleScene(arguments.Name);
-  const std::vector<std::string> names = MaterialNames(scene.Materials);
+  const std::vector<std::string> names = scene.Materials.Names();
   const Beam beam = MakeBeam(scene.Materials, spectrum, DetectorResponse::EnergyIntegrating);
   const std::string stem = (fs::path(arguments.Output) / scene.Name).string();
   const std::string meshPath = stem + ".vtp";

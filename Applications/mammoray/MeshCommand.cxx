@@ -410,12 +410,8 @@ MeshingResult MakeMesh(const MeshArguments& arguments, const MaterialTable& tabl
   const LabelVolume materials = ReadMaterials(arguments.Labels, table);
   if (arguments.ForMechanics)
   {
-    std::vector<bool> held;
-    for (const Material& material : table.Materials)
-    {
-      held.push_back(material.Held);
-    }
-    return MeshForSimulation(materials, held, arguments.MechanicsCellSizeMm, MakeProgressBar());
+    return MeshForSimulation(materials, table.Held(), arguments.MechanicsCellSizeMm,
+      MakeProgressBar());
   }
   return arguments.Method == "tetgen" ? MeshMaterialSurfaces(materials, options, MakeProgressBar())
                                       : MeshMaterials(materials, options, MakeProgressBar());
@@ -433,11 +429,7 @@ void RunMesh(const MeshArguments& arguments)
   const MeshingOptions options = FindOptions(arguments, table);
   const MeshingResult result = MakeMesh(arguments, table, options);
 
-  std::vector<std::string> names;
-  for (const Material& material : table.Materials)
-  {
-    names.push_back(material.Name);
-  }
+  const std::vector<std::string> names = table.Names();
   const vtkSmartPointer<vtkUnstructuredGrid> grid = ToGrid(result.Mesh, names);
   WriteComplete(arguments.Output,
     [&](const std::string& temporary) { WriteMesh(grid, temporary); });

@@ -141,11 +141,7 @@ void PlaceBeam(const ProjectArguments& arguments, const SurfaceMesh& surface,
   const MaterialTable& table, XRaySource& source, XRayDetector& detector)
 {
   const AnatomicalAxes axes = AnatomicalAxes::FromCode(arguments.Orientation);
-  std::vector<bool> held;
-  for (const Material& material : table.Materials)
-  {
-    held.push_back(material.Held);
-  }
+  const std::vector<bool> held = table.Held();
   const Vector3 anchor =
     arguments.Anchor.empty() ? FindPoseAnchor(surface, held, axes) : ToVector(arguments.Anchor);
   const VolumeFromGantry gantry = PlaceUnit(axes, anchor, arguments.Unit, arguments.Pose);
@@ -209,12 +205,7 @@ void RunProject(const ProjectArguments& arguments)
     { return !progress || progress(0.2 + 0.6 * fraction, stage); });
   const PathLengthImage& lengths = exposure.Lengths;
   ReportProgress(progress, 0.8, "writing");
-  names.clear();
-  for (const Material& material : table.Materials)
-  {
-    names.push_back(material.Name);
-  }
-  const auto image = ToImage(exposure, detector, names);
+  const auto image = ToImage(exposure, detector, table.Names());
   WriteComplete(arguments.Output,
     [&](const std::string& temporary) { WriteProjection(image, temporary); });
   if (!arguments.PathLengths.empty())

@@ -81,14 +81,10 @@ void RunSegment(SegmentArguments arguments)
     [&](const std::string& temporary) { WriteLabelVolume(result.Labels, temporary); });
   if (!arguments.Picture.empty())
   {
-    std::vector<std::string> names;
-    for (const Material& material : table.Materials)
-    {
-      names.push_back(material.Name);
-    }
     WriteComplete(arguments.Picture,
-      [&](const std::string& temporary) {
-        WriteSlicePicture(result.Corrected, result.Labels, arguments.Options.Axes, names,
+      [&](const std::string& temporary)
+      {
+        WriteSlicePicture(result.Corrected, result.Labels, arguments.Options.Axes, table.Names(),
           temporary);
       });
   }

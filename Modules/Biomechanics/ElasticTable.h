@@ -18,12 +18,12 @@ struct ElasticTable
 
   ElasticTable() = default;
   explicit ElasticTable(const MaterialTable& table)
+    : Held(table.Held())
   {
     for (const Material& material : table.Materials)
     {
       this->Elastic.push_back({ material.YoungsModulusKPa, material.PoissonRatio,
         material.FungExponent, material.DensityGPerCm3 });
-      this->Held.push_back(material.Held);
     }
   }
 };

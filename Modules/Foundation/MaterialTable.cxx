@@ -62,4 +62,37 @@ int MaterialTable::IndexOf(const std::string& name) const
   }
   throw InputError("unknown material '" + name + "'; the table '" + this->Name + "' has " + known);
 }
+
+std::vector<std::string> MaterialTable::Names() const
+{
+  std::vector<std::string> names;
+  for (const Material& material : this->Materials)
+  {
+    names.push_back(material.Name);
+  }
+  return names;
+}
+
+std::vector<bool> MaterialTable::Held() const
+{
+  std::vector<bool> held;
+  for (const Material& material : this->Materials)
+  {
+    held.push_back(material.Held);
+  }
+  return held;
+}
+
+std::vector<int> MaterialTable::Thin() const
+{
+  std::vector<int> thin;
+  for (std::size_t index = 0; index < this->Materials.size(); ++index)
+  {
+    if (this->Materials[index].Thin)
+    {
+      thin.push_back(static_cast<int>(index));
+    }
+  }
+  return thin;
+}
 }

@@ -53,6 +53,11 @@ struct MAMMORAYFOUNDATION_EXPORT MaterialTable
   LabelVolume ToMaterials(const LabelVolume& labels, const std::string& volumeName) const;
   /// Index of the material of that name; throws InputError with the known names otherwise.
   int IndexOf(const std::string& name) const;
+  /// One entry for each material, in their order.
+  std::vector<std::string> Names() const;
+  std::vector<bool> Held() const;
+  /// Indices of those that are Thin.
+  std::vector<int> Thin() const;
 };
 }
 

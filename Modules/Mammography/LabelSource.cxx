@@ -58,16 +58,8 @@ LabelVolume WithSkin(const LabelVolume& materials, const std::string& text,
       "skin: expected THICKNESS or THICKNESS=MATERIAL in mm, for example 1.5=skin, found '" + text +
       "'");
   }
-  std::vector<bool> held;
-  std::vector<int> thin;
-  for (std::size_t index = 0; index < table.Materials.size(); ++index)
-  {
-    held.push_back(table.Materials[index].Held);
-    if (table.Materials[index].Thin)
-    {
-      thin.push_back(static_cast<int>(index));
-    }
-  }
+  const std::vector<bool> held = table.Held();
+  const std::vector<int> thin = table.Thin();
   if (equals == std::string::npos && thin.size() != 1)
   {
     throw InputError("skin: expected THICKNESS=MATERIAL, since the table '" + table.Name +

@@ -46,19 +46,6 @@ private:
   std::chrono::steady_clock::time_point Last = std::chrono::steady_clock::now();
 };
 
-std::vector<int> ThinMaterials(const MaterialTable& table)
-{
-  std::vector<int> thin;
-  for (std::size_t index = 0; index < table.Materials.size(); ++index)
-  {
-    if (table.Materials[index].Thin)
-    {
-      thin.push_back(static_cast<int>(index));
-    }
-  }
-  return thin;
-}
-
 TetrahedralMesh ReadTetrahedra(const std::string& path, const MaterialTable& table)
 {
   TetrahedralMesh mesh = FromGrid(ReadMesh(path));
@@ -321,7 +308,7 @@ RegistrationCaseResult RunRegistrationCase(const RegistrationCase& input,
   stopwatch.Stage("read");
 
   result.Anatomy = input.AnatomyMesh.empty()
-    ? MeshAnatomy(materials, ThinMaterials(result.Materials), input.AnatomyCellSizeMm, progress)
+    ? MeshAnatomy(materials, result.Materials.Thin(), input.AnatomyCellSizeMm, progress)
     : ReadTetrahedra(input.AnatomyMesh, result.Materials);
   stopwatch.Stage("mesh the anatomy");
   const TetrahedralMesh coarse = input.SimulationMesh.empty()

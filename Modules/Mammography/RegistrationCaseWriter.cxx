@@ -24,12 +24,7 @@ namespace
 {
 void WriteMeshes(const RegistrationCaseResult& result, const std::string& folder)
 {
-  std::vector<std::string> names;
-  for (const Material& material : result.Materials.Materials)
-  {
-    names.push_back(material.Name);
-  }
-  const auto grid = ToGrid(result.Anatomy, names);
+  const auto grid = ToGrid(result.Anatomy, result.Materials.Names());
   vtkNew<vtkDoubleArray> displacement;
   displacement->SetName("Displacement");
   displacement->SetNumberOfComponents(3);
