@@ -3,6 +3,7 @@
 
 #include "DicomStructure.h"
 #include "Error.h"
+#include "Private/DicomElements.h"
 #include "QuietGdcm.h"
 #include "VolumeFile.h"
 
@@ -42,25 +43,10 @@ struct Slice
   std::vector<float> Values;
 };
 
-std::string Text(const gdcm::DataSet& data, const Tag& tag)
-{
-  if (!data.FindDataElement(tag))
-  {
-    return {};
-  }
-  const gdcm::ByteValue* bytes = data.GetDataElement(tag).GetByteValue();
-  std::string text = bytes ? std::string(bytes->GetPointer(), bytes->GetLength()) : std::string();
-  while (!text.empty() && (text.back() == ' ' || text.back() == '\0'))
-  {
-    text.pop_back();
-  }
-  return text;
-}
-
 /// Decimal strings; empty unless there are `count` finite ones.
 std::vector<double> Numbers(const gdcm::DataSet& data, const Tag& tag, std::size_t count)
 {
-  std::istringstream stream(Text(data, tag));
+  std::istringstream stream(DicomText(data, tag));
   std::vector<double> numbers;
   std::string word;
   while (std::getline(stream, word, '\\'))
@@ -137,7 +123,7 @@ void SetGeometry(Slice& slice, const gdcm::DataSet& position, const gdcm::DataSe
   {
     throw InputError(slice.Name +
       ": image orientation: expected two unit vectors at right angles, found '" +
-      Text(orientation, Tag(0x0020, 0x0037)) + "'");
+      DicomText(orientation, Tag(0x0020, 0x0037)) + "'");
   }
   for (const Tag& tag : { Tag(0x0018, 0x0088), Tag(0x0018, 0x0050) })
   {
@@ -175,10 +161,11 @@ std::vector<Slice> ReadSegmentation(const std::string& path)
     RefuseSegmentation(path, "a DICOM segmentation, found data that cannot be read");
   }
   const gdcm::DataSet& data = reader.GetFile().GetDataSet();
-  if (Text(data, Tag(0x0008, 0x0060)) != "SEG")
+  if (DicomText(data, Tag(0x0008, 0x0060)) != "SEG")
   {
     RefuseSegmentation(path,
-      "a DICOM segmentation (modality SEG), found modality '" + Text(data, Tag(0x0008, 0x0060)) +
+      "a DICOM segmentation (modality SEG), found modality '" +
+        DicomText(data, Tag(0x0008, 0x0060)) +
         "'; a series of label slices is read from its folder");
   }
   const int rows = Short(data, Tag(0x0028, 0x0010));
@@ -272,7 +259,7 @@ Slice ReadSlice(const std::string& path, std::string& series)
   slice.Columns = static_cast<int>(image.GetDimension(0));
   slice.Rows = static_cast<int>(image.GetDimension(1));
   SetGeometry(slice, data, data, data);
-  series = Text(data, Tag(0x0020, 0x000e));
+  series = DicomText(data, Tag(0x0020, 0x000e));
   const std::size_t pixelCount =
     static_cast<std::size_t>(slice.Columns) * static_cast<std::size_t>(slice.Rows);
   std::vector<char> buffer(image.GetBufferLength());

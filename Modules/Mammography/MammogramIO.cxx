@@ -3,6 +3,7 @@
 
 #include "DicomStructure.h"
 #include "Error.h"
+#include "Private/MammogramViews.h"
 #include "QuietGdcm.h"
 
 #include <gdcmAttribute.h>
@@ -110,15 +111,11 @@ std::string ViewOf(const gdcm::DataSet& data)
   }
   const gdcm::DataSet& item = sequence->GetItem(1).GetNestedDataSet();
   const std::string code = Text(item, gdcm::Tag(0x0008, 0x0100));
-  static constexpr const char* Views[][3] = { { "399162004", "R-10242", "CC" },
-    { "399368009", "R-10226", "MLO" }, { "399260004", "R-10224", "ML" },
-    { "399352003", "R-10228", "LM" }, { "399099002", "R-10230", "LMO" },
-    { "399196006", "R-10244", "FB" } };
-  for (const auto& view : Views)
+  for (const MammogramView& view : MammogramViews)
   {
-    if (code == view[0] || code == view[1])
+    if (code == view.SnomedCt || code == view.SnomedRt)
     {
-      return view[2];
+      return view.Name;
     }
   }
   return Text(item, gdcm::Tag(0x0008, 0x0104));

@@ -204,6 +204,14 @@ vtkSmartPointer<vtkImageData> ToImage(const Exposure& exposure, const XRayDetect
   return image;
 }
 
+float FindWhite(const float* values, std::size_t count)
+{
+  std::vector<float> sorted(values, values + count);
+  const auto white = sorted.begin() + static_cast<std::ptrdiff_t>(0.999 * (sorted.size() - 1));
+  std::nth_element(sorted.begin(), white, sorted.end());
+  return *white > 0 ? *white : 1.0f;
+}
+
 void WriteRadiograph(vtkImageData* image, const std::string& path, const std::string& arrayName)
 {
   auto* array = vtkFloatArray::SafeDownCast(image->GetPointData()->GetArray(arrayName.c_str()));
@@ -215,11 +223,8 @@ void WriteRadiograph(vtkImageData* image, const std::string& path, const std::st
   {
     throw InputError(path + ": expected the extension .png");
   }
-  const float* values = array->GetPointer(0);
-  std::vector<float> sorted(values, values + array->GetNumberOfValues());
-  const auto white = sorted.begin() + static_cast<std::ptrdiff_t>(0.999 * (sorted.size() - 1));
-  std::nth_element(sorted.begin(), white, sorted.end());
-  WritePng(image, array, *white > 0 ? *white : 1.0f, path);
+  const auto count = static_cast<std::size_t>(array->GetNumberOfValues());
+  WritePng(image, array, FindWhite(array->GetPointer(0), count), path);
 }
 
 void CheckProjectionExtension(const std::string& path, bool pathLengths)

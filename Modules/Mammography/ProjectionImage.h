@@ -30,10 +30,14 @@ MAMMORAYMAMMOGRAPHY_EXPORT vtkSmartPointer<vtkImageData> MakeDetectorImage(
 MAMMORAYMAMMOGRAPHY_EXPORT vtkSmartPointer<vtkImageData> ToImage(const Exposure& exposure,
   const XRayDetector& detector, const std::vector<std::string>& materialNames);
 
+/// What a picture shows white: the value that one pixel in a thousand exceeds, 1 where that is not
+/// positive. `count` finite values, at least one.
+MAMMORAYMAMMOGRAPHY_EXPORT float FindWhite(const float* values, std::size_t count);
+
 /**
  * A picture to look at, as a radiograph is read: the float array of that name, large is bright,
- * 16-bit grey, row 0 on top. Black is nothing in the beam, white the value that one pixel in a
- * thousand exceeds. Throws InputError unless the extension is .png and the file can be written.
+ * 16-bit grey, row 0 on top. Black is nothing in the beam, white FindWhite's value. Throws
+ * InputError unless the extension is .png and the file can be written.
  */
 MAMMORAYMAMMOGRAPHY_EXPORT void WriteRadiograph(vtkImageData* image, const std::string& path,
   const std::string& arrayName = LogAttenuationArrayName);

@@ -28,6 +28,7 @@
 #include <cmath>
 #include <cstdio>
 #include <fstream>
+#include <iterator>
 #include <limits>
 #include <numbers>
 
@@ -488,9 +489,9 @@ ImagedLesion RegisteredBreast::ToMammogram(const LabelVolume& lesions, int label
   projector.SetSurface(surface);
   const PathLengthImage lengths = projector.Project(this->Source(), internal.Detector());
   const float* lesionMm = lengths.Material(1);
-  const auto shadow = std::count_if(lesionMm, lesionMm + lengths.NumberOfPixels(),
-    [](float length) { return length > 0; });
-  imaged.AreaMm2 = static_cast<double>(shadow) *
+  std::transform(lesionMm, lesionMm + lengths.NumberOfPixels(), std::back_inserter(imaged.Shadow),
+    [](float length) { return static_cast<unsigned char>(length > 0); });
+  imaged.AreaMm2 = static_cast<double>(std::count(imaged.Shadow.begin(), imaged.Shadow.end(), 1)) *
     std::abs(
       internal.ColumnStep[0] * internal.RowStep[1] - internal.ColumnStep[1] * internal.RowStep[0]);
   imaged.LargestThicknessMm = *std::max_element(lesionMm, lesionMm + lengths.NumberOfPixels());

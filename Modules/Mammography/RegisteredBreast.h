@@ -57,6 +57,8 @@ struct ImagedLesion
   ImagedPoint ImagedCentre;
   /// Shadow on the receptor, the part in the image.
   double AreaMm2 = 0;
+  /// 1 in the shadow; Rows * Columns values of the mammogram, row by row.
+  std::vector<unsigned char> Shadow;
   /// Longest way of an X-ray in the lesion, mm.
   double LargestThicknessMm = 0;
   /// Share of its surface's points that lie outside the breast, and were moved with the nearest

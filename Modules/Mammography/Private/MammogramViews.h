@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+#ifndef mammoray_Private_MammogramViews_h
+#define mammoray_Private_MammogramViews_h
+
+namespace mammoray
+{
+/// A view of DICOM context group 4014: codes of SNOMED CT and, in older files, SNOMED RT, View
+/// Position and the code's meaning.
+struct MammogramView
+{
+  const char* SnomedCt;
+  const char* SnomedRt;
+  const char* Name;
+  const char* Meaning;
+};
+
+inline constexpr MammogramView MammogramViews[] = {
+  { "399162004", "R-10242", "CC", "cranio-caudal" },
+  { "399368009", "R-10226", "MLO", "medio-lateral oblique" },
+  { "399260004", "R-10224", "ML", "medio-lateral" },
+  { "399352003", "R-10228", "LM", "latero-medial" },
+  { "399099002", "R-10230", "LMO", "latero-medial oblique" },
+  { "399196006", "R-10244", "FB", "caudo-cranial (from below)" },
+};
+}
+
+#endif

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+#ifndef mammoray_RegisteredMammogram_h
+#define mammoray_RegisteredMammogram_h
+
+#include "Mammogram.h"
+#include "mammorayMammographyModule.h"
+
+#include <string>
+
+namespace mammoray
+{
+/**
+ * The synthetic mammogram in a folder that 'mammoray register' wrote, with SetPixels' pixels and
+ * with what the header of `real`, the mammogram that was registered, says about view, sides and
+ * pixels; thickness, angle and distance to the source are those that were found. The beam's voltage
+ * and materials are left out: the spectrum was another. Throws InputError that names the file, and
+ * where the picture has other rows and columns than `real`.
+ */
+MAMMORAYMAMMOGRAPHY_EXPORT Mammogram ReadSyntheticMammogram(const std::string& folder,
+  const Mammogram& real, Mammogram::Intent intent);
+
+/// Whether the file is the very mammogram that was registered, by its checksum. Throws InputError
+/// that names the file where the folder is no result.
+MAMMORAYMAMMOGRAPHY_EXPORT bool IsRegisteredMammogram(const std::string& folder,
+  const std::string& mammogramPath);
+}
+
+#endif
