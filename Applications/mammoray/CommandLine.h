@@ -58,6 +58,7 @@ const std::string& CheckInputFile(const std::string& path);
 // One per sub-command, each in its own file.
 void AddCompressCommand(CLI::App& application);
 void AddDevicesCommand(CLI::App& application);
+void AddDicomCommand(CLI::App& application);
 void AddEvaluateCommand(CLI::App& application);
 void AddExampleCommand(CLI::App& application);
 void AddFuseCommand(CLI::App& application);

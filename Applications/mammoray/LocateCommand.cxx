@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "CommandLine.h"
+#include "DicomOptions.h"
+#include "DicomSegmentationWriter.h"
 #include "Error.h"
 #include "LabelVolumeIO.h"
 #include "RegisteredBreast.h"
@@ -8,6 +10,7 @@
 #include <cstdio>
 #include <fstream>
 #include <memory>
+#include <optional>
 #include <vector>
 
 namespace mammoray
@@ -23,6 +26,8 @@ struct LocateOptions
   bool AxesAsGiven = false;
   std::string Device;
   double StepMm = 0.25;
+  std::string Mammogram;
+  DicomPatient Patient;
   std::string Output;
   bool Overwrite = false;
 };
@@ -125,9 +130,49 @@ void WriteOutlines(const std::vector<std::pair<int, ImagedLesion>>& lesions,
     });
 }
 
+/// The image that a segmentation lies over; it must have the registered pixels.
+DicomReference ReadSegmentedImage(const RegisteredBreast& breast, const LocateOptions& options)
+{
+  const DicomReference image = ReadDicomReference(CheckInputFile(options.Mammogram));
+  const XRayDetector detector = breast.Detector();
+  if (image.Columns != detector.Columns || image.Rows != detector.Rows)
+  {
+    throw InputError(options.Mammogram + ": expected the registered mammogram of " +
+      std::to_string(detector.Columns) + " x " + std::to_string(detector.Rows) + " pixels, found " +
+      std::to_string(image.Columns) + " x " + std::to_string(image.Rows));
+  }
+  NoteOtherMammogram(options.Result, options.Mammogram);
+  return image;
+}
+
+/// One segment for each lesion.
+void WriteShadows(std::vector<std::pair<int, ImagedLesion>>& lesions, const DicomReference& image,
+  const LocateOptions& options)
+{
+  // The study tells viewers what belongs together; it names nobody.
+  DicomIdentity identity = options.Patient.Identity();
+  identity.StudyInstanceUid = image.Identity.StudyInstanceUid;
+  std::vector<DicomSegment> segments;
+  for (auto& [label, lesion] : lesions)
+  {
+    segments.push_back({ "Lesion " + std::to_string(label), std::move(lesion.Shadow) });
+  }
+  WriteComplete(options.Output,
+    [&](const std::string& temporary)
+    {
+      WriteSegmentation(segments, image, options.Patient.Same ? image.Identity : identity,
+        temporary);
+    });
+}
+
 /// Every label of the volume is a lesion.
 void PrintLesions(const RegisteredBreast& breast, const LocateOptions& options)
 {
+  std::optional<DicomReference> image;
+  if (IsDicomPath(options.Output))
+  {
+    image = ReadSegmentedImage(breast, options);
+  }
   const LabelVolume volume = ReadLabelVolume(options.Lesion,
     options.AxesAsGiven ? VolumeAxes::AsGiven : VolumeAxes::Patient);
   const auto projector = MakeProjector({ .Device = options.Device });
@@ -157,9 +202,32 @@ void PrintLesions(const RegisteredBreast& breast, const LocateOptions& options)
   }
   if (!options.Output.empty())
   {
-    WriteOutlines(lesions, options.Output);
+    if (image)
+    {
+      WriteShadows(lesions, *image, options);
+    }
+    else
+    {
+      WriteOutlines(lesions, options.Output);
+    }
     std::printf("wrote %s\n", options.Output.c_str());
   }
+}
+
+/// What a DICOM file needs, and that the options can be written.
+void CheckDicomOptions(const LocateOptions& options)
+{
+  if (!IsDicomPath(options.Output))
+  {
+    return;
+  }
+  if (options.Lesion.empty() || options.Mammogram.empty())
+  {
+    throw InputError("output " + options.Output +
+      ": expected --lesion and --mammogram for a DICOM segmentation, found " +
+      (options.Lesion.empty() ? "no --lesion" : "no --mammogram"));
+  }
+  options.Patient.Identity();
 }
 
 void Locate(const LocateOptions& options)
@@ -167,6 +235,7 @@ void Locate(const LocateOptions& options)
   if (!options.Output.empty())
   {
     CheckOutputFile(options.Output, options.Overwrite);
+    CheckDicomOptions(options);
   }
   const RegisteredBreast breast(options.Result);
   if (!options.Point.empty())
@@ -220,7 +289,13 @@ void AddLocateCommand(CLI::App& application)
     ->capture_default_str();
   command->add_option("-o,--output", options->Output,
     "write the curve of --pixel there (.csv: x_mm,y_mm,z_mm,material), or the outlines of --lesion "
-    "(.csv: label,polygon,column,row)");
+    "(.csv: label,polygon,column,row), or its shadow as a DICOM segmentation (.dcm)");
+  command
+    ->add_option("--mammogram", options->Mammogram,
+      "the mammogram that was registered, DICOM: a segmentation lies on its pixels and refers to "
+      "it by the UIDs of instance, series and study")
+    ->group("DICOM");
+  AddDicomPatientOptions(*command, options->Patient, true);
   command->add_flag("--overwrite", options->Overwrite, "replace the output file");
   AddConfigurationOptions(*command);
   command->callback([options]() { Locate(*options); });

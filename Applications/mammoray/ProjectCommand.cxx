@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "CommandLine.h"
 
+#include "DicomMammogramWriter.h"
+#include "DicomOptions.h"
 #include "Exposure.h"
+#include "MammogramSynthesis.h"
 #include "MeshConversion.h"
 #include "MeshIO.h"
 #include "PhysicsData.h"
@@ -16,6 +19,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <memory>
+#include <optional>
 
 namespace mammoray
 {
@@ -46,6 +50,10 @@ struct ProjectArguments
   ExposureOptions Exposure;
   std::string Device;
   std::string Projector = "auto";
+  std::string Laterality;
+  std::string View;
+  bool ForProcessing = false;
+  DicomPatient Patient;
   std::string Output;
   std::string PathLengths;
   bool Overwrite = false;
@@ -170,16 +178,70 @@ void PlaceBeam(const ProjectArguments& arguments, const SurfaceMesh& surface,
   }
 }
 
-void RunProject(const ProjectArguments& arguments)
+/// Detector and patient as a mammogram's header says them; throws where it could not.
+Mammogram DescribeMammogram(const ProjectArguments& arguments, const XRaySource& source,
+  const XRayDetector& detector)
 {
-  CheckInputFile(arguments.Mesh);
-  CheckProjectionExtension(arguments.Output);
+  Mammogram mammogram = DescribeProjection(source, detector,
+    AnatomicalAxes::FromCode(arguments.Orientation), arguments.Laterality.front());
+  mammogram.View = arguments.View.empty() ? mammogram.View : arguments.View;
+  if (mammogram.View.empty())
+  {
+    throw InputError("output " + arguments.Output +
+      ": expected --view for a DICOM mammogram of this roll, found none");
+  }
+  const bool placedByUnit = arguments.Source.empty() && arguments.BeamDirection.empty() &&
+    arguments.DetectorOrigin.empty() && arguments.ColumnDirection.empty() &&
+    arguments.RowDirection.empty();
+  if (placedByUnit)
+  {
+    mammogram.BodyPartThicknessMm = arguments.Pose.ThicknessMm;
+    mammogram.SourceToPatientMm =
+      arguments.Unit.SourceToDetectorMm - arguments.Unit.SupportHeightMm;
+  }
+  return mammogram;
+}
+
+void CheckOutputs(const ProjectArguments& arguments)
+{
+  if (IsDicomPath(arguments.Output))
+  {
+    if (arguments.Laterality.empty())
+    {
+      throw InputError("output " + arguments.Output +
+        ": expected --laterality L or R for a DICOM mammogram, found none");
+    }
+    arguments.Patient.Identity();
+  }
+  else
+  {
+    CheckProjectionExtension(arguments.Output);
+  }
   CheckOutputFile(arguments.Output, arguments.Overwrite);
   if (!arguments.PathLengths.empty())
   {
     CheckProjectionExtension(arguments.PathLengths, true);
     CheckOutputFile(arguments.PathLengths, arguments.Overwrite);
   }
+}
+
+void WriteMammogramFile(const ProjectArguments& arguments, Mammogram mammogram,
+  const Exposure& exposure)
+{
+  SetPixels(mammogram, exposure.LogAttenuation,
+    arguments.ForProcessing ? Mammogram::Intent::ForProcessing
+                            : Mammogram::Intent::ForPresentation);
+  DicomMammogramOptions options;
+  options.Identity = arguments.Patient.Identity();
+  options.Derivation = SyntheticDerivation(arguments.ForProcessing, "a breast");
+  WriteComplete(arguments.Output,
+    [&](const std::string& temporary) { WriteMammogram(mammogram, options, temporary); });
+}
+
+void RunProject(const ProjectArguments& arguments)
+{
+  CheckInputFile(arguments.Mesh);
+  CheckOutputs(arguments);
   const ProgressCallback progress = MakeProgressBar();
   MaterialTable table = FindMaterialTable(arguments.Materials);
   ReplaceAttenuations(arguments.Attenuations, table);
@@ -195,6 +257,11 @@ void RunProject(const ProjectArguments& arguments)
   XRaySource source;
   XRayDetector detector;
   PlaceBeam(arguments, surface, table, source, detector);
+  std::optional<Mammogram> mammogram;
+  if (IsDicomPath(arguments.Output))
+  {
+    mammogram = DescribeMammogram(arguments, source, detector);
+  }
 
   ReportProgress(progress, 0.2, "tracing rays");
   ProjectorOptions projectorOptions;
@@ -208,8 +275,15 @@ void RunProject(const ProjectArguments& arguments)
   const PathLengthImage& lengths = exposure.Lengths;
   ReportProgress(progress, 0.8, "writing");
   const auto image = ToImage(exposure, detector, table.Names());
-  WriteComplete(arguments.Output,
-    [&](const std::string& temporary) { WriteProjection(image, temporary); });
+  if (mammogram)
+  {
+    WriteMammogramFile(arguments, std::move(*mammogram), exposure);
+  }
+  else
+  {
+    WriteComplete(arguments.Output,
+      [&](const std::string& temporary) { WriteProjection(image, temporary); });
+  }
   if (!arguments.PathLengths.empty())
   {
     WriteComplete(arguments.PathLengths,
@@ -254,7 +328,9 @@ void AddProjectCommand(CLI::App& application)
     ->allow_extra_args(false);
   command
     ->add_option("-o,--output", arguments->Output,
-      "transmission, 0 to 1 (.mha .nrrd .png); .vti holds path lengths and consistency too")
+      "transmission, 0 to 1 (.mha .nrrd .png); .vti holds path lengths and consistency too; .dcm: "
+      "a "
+      "DICOM mammogram")
     ->required();
   command->add_option("--path-lengths", arguments->PathLengths,
     "write path lengths there, mm, one channel per material but air (.mha .nrrd .vti)");
@@ -316,6 +392,19 @@ void AddProjectCommand(CLI::App& application)
   command->add_option("--device", arguments->Device,
     "part of the wanted Vulkan device's name; see mammoray devices");
   AddProjectorOption(*command, arguments->Projector);
+  command
+    ->add_option("--laterality", arguments->Laterality, "the breast's side; needed for a mammogram")
+    ->check(CLI::IsMember({ "L", "R" }))
+    ->group("DICOM");
+  command
+    ->add_option("--view", arguments->View, "the mammogram's view; default: the one of the roll")
+    ->check(CLI::IsMember({ "CC", "MLO", "ML", "LM", "LMO", "FB" }))
+    ->group("DICOM");
+  command
+    ->add_flag("--for-processing", arguments->ForProcessing,
+      "store the transmission, linear, instead of a picture For Presentation")
+    ->group("DICOM");
+  AddDicomPatientOptions(*command, arguments->Patient, false);
   command->add_flag("--overwrite", arguments->Overwrite, "replace output files");
   AddConfigurationOptions(*command);
   command->callback([arguments] { RunProject(*arguments); });

@@ -45,6 +45,7 @@ int main(int argc, char* argv[])
   application.require_subcommand(1);
   mammoray::AddCompressCommand(application);
   mammoray::AddDevicesCommand(application);
+  mammoray::AddDicomCommand(application);
   mammoray::AddEvaluateCommand(application);
   mammoray::AddExampleCommand(application);
   mammoray::AddFuseCommand(application);

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "CommandTest.h"
+#include "DicomTesting.h"
+#include "MammogramIO.h"
 #include "MeshConversion.h"
 #include "MeshIO.h"
 #include "PathLengthProjector.h"
@@ -109,6 +111,38 @@ TEST_F(ProjectCommand, UnitAroundABrickMatchesClosedForm)
       << this->Errors;
     EXPECT_GT(std::filesystem::file_size(this->Folder.File(name)), 60u);
   }
+}
+
+TEST_F(ProjectCommand, WritesADicomMammogram)
+{
+  const std::string path = this->Folder.File("image.dcm");
+  const std::string options = this->Inputs +
+    " --kev 20 --thickness 21 --columns 5 --rows 3 --pixel-spacing 2 --overwrite -o " + path;
+  this->ExpectRefused(options, "expected --laterality L or R");
+  this->ExpectRefused(options + " --laterality L --patient-id 'a\\b'", "--patient-id");
+  EXPECT_EQ(this->Run(options + " --laterality B"), 2);
+  EXPECT_FALSE(std::filesystem::exists(path));
+  if (!HasDevice())
+  {
+    GTEST_SKIP() << "no Vulkan device";
+  }
+  this->ExpectRefused(options + " --laterality L --roll 135", "expected --view");
+  ASSERT_EQ(this->Run(options + " --laterality L --patient-name Phantom^Brick"), 0) << this->Errors;
+  testing_support::ExpectValidDicom(path);
+  EXPECT_EQ(testing_support::DicomTextOf(path, 0x0010, 0x0010), "Phantom^Brick");
+  const Mammogram mammogram = ReadMammogram(path);
+  EXPECT_EQ(mammogram.View, "CC");
+  EXPECT_EQ(mammogram.RowDirection, "A");
+  EXPECT_EQ(mammogram.ColumnDirection, "R");
+  EXPECT_EQ(mammogram.BodyPartThicknessMm, 21);
+  EXPECT_EQ(mammogram.SourceToPatientMm, 648);
+  EXPECT_NEAR(*mammogram.SourceToDetectorMm, 650, 1e-6); // ten digits
+  EXPECT_EQ(mammogram.ColumnSpacingMm, 2);
+  // Straight below the source but for 1 mm: 20 mm of fat, times 4000, rounded.
+  EXPECT_NEAR(mammogram.Pixels[5], 4000 * 0.0512551 * 20, 1);
+  ASSERT_EQ(this->Run(options + " --laterality R --roll 50 --for-processing"), 0) << this->Errors;
+  testing_support::ExpectValidDicom(path);
+  EXPECT_EQ(ReadMammogram(path).View, "MLO");
 }
 
 TEST_F(ProjectCommand, CompositionsReplaceTables)

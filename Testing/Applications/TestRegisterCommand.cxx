@@ -2,8 +2,10 @@
 // The whole way on the shipped phantom, coarse enough for a minute; and every refusal in one line,
 // with nothing written.
 #include "CommandTest.h"
+#include "DicomTesting.h"
 #include "LabelVolumeIO.h"
 #include "LandmarkEvaluation.h"
+#include "MammogramIO.h"
 #include "PathLengthProjector.h"
 #include "RegisteredBreast.h"
 
@@ -13,9 +15,11 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <bit>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <numeric>
 #include <sstream>
 
 using namespace mammoray;
@@ -275,6 +279,38 @@ TEST_F(RegisterCommand, RegistersTheShippedPhantom)
     << this->Errors;
   EXPECT_THAT(this->Output, testing::HasSubstr("lesion 3"));
   EXPECT_THAT(ReadFile(outlines), testing::StartsWith("label,polygon,column,row\n3,0,"));
+  // The shadow as a segmentation of the mammogram, as many pixels as the area has.
+  const std::string shadow = this->Folder.File("lesion.dcm");
+  const std::string segmentation =
+    "locate --result " + folder + " --lesion " + lesionFile + " -o " + shadow;
+  this->CommandTest::ExpectRefused(segmentation, "found no --mammogram");
+  ASSERT_EQ(this->Run(segmentation + " --mammogram " + MammogramFile), 0) << this->Errors;
+  EXPECT_EQ(this->Errors, "");
+  testing_support::ExpectValidDicom(shadow);
+  EXPECT_EQ(testing_support::DicomTextOf(shadow, 0x0020, 0x000d),
+    testing_support::DicomTextOf(MammogramFile, 0x0020, 0x000d));
+  EXPECT_EQ(testing_support::DicomTextOf(shadow, 0x0010, 0x0020), "");
+  const std::string bits = testing_support::DicomTextOf(shadow, 0x7fe0, 0x0010);
+  const auto setBits = std::accumulate(bits.begin(), bits.end(), 0,
+    [](int sum, char byte) { return sum + std::popcount(static_cast<unsigned char>(byte)); });
+  EXPECT_NEAR(setBits * 0.01, lesion.AreaMm2, 0.005); // 0.1 mm pixels
+
+  // The synthetic mammogram as DICOM.
+  const std::string synthetic = this->Folder.File("synthetic.dcm");
+  const std::string dicom = "dicom --result " + folder + " --mammogram " + MammogramFile;
+  this->CommandTest::ExpectRefused(dicom + " -o " + this->Folder.File("synthetic.png"),
+    "expected the extension .dcm");
+  ASSERT_EQ(this->Run(dicom + " --same-patient -o " + synthetic), 0) << this->Errors;
+  testing_support::ExpectValidDicom(synthetic);
+  EXPECT_EQ(testing_support::DicomTextOf(synthetic, 0x0010, 0x0020), "VICTRE-1");
+  const Mammogram written = ReadMammogram(synthetic);
+  const Mammogram real = ReadMammogram(MammogramFile);
+  EXPECT_EQ(written.View, real.View);
+  EXPECT_EQ(written.Laterality, real.Laterality);
+  EXPECT_EQ(written.ColumnDirection, real.ColumnDirection);
+  EXPECT_EQ(written.ColumnSpacingMm, real.ColumnSpacingMm);
+  EXPECT_NEAR(*written.BodyPartThicknessMm, resumed.at("pose").at("thicknessMm").get<double>(),
+    1e-7); // ten digits
   WriteLabelVolume(Ball({ 300, 10, -5 }, 5), this->Folder.File("elsewhere.nrrd"));
   this->CommandTest::ExpectRefused("locate --result " + folder + " --lesion " +
       this->Folder.File("elsewhere.nrrd"),
