@@ -1,0 +1,40 @@
+% SPDX-License-Identifier: Apache-2.0
+% What mammoray_project refuses, in one line that says what was expected.
+vertices = [0 0 0; 1 0 0; 0 1 0; 0 0 1];
+faces = [1 3 2; 1 2 4; 1 4 3; 2 3 4];
+regions = ones (4, 1);
+detector = struct ('origin', [0 0 -5], 'column_step', [1 0 0], 'row_step', [0 1 0], 'columns', 2, ...
+                   'rows', 2);
+source = [0 0 500];
+
+function refuses (text, varargin)
+  try
+    mammoray_project (varargin{:});
+  catch failure
+    assert (failure.identifier, 'mammoray:input');
+    assert (! isempty (strfind (failure.message, text)), '%s', failure.message);
+    assert (isempty (strfind (failure.message, "\n")));
+    return;
+  end
+  error ('not refused: %s', text);
+end
+
+refuses ('6 or 7 arguments', vertices, faces);
+refuses ('n x 3 vertices', vertices(:, 1:2), faces, regions, 0.1, source, detector);
+refuses ('found single', single (vertices), faces, regions, 0.1, source, detector);
+refuses ('faces(2, :): expected a whole number from 1 to 4, found 9', vertices, ...
+         [1 3 2; 1 2 9; 1 4 3; 2 3 4], regions, 0.1, source, detector);
+refuses ('found 0', vertices, faces - 1, regions, 0.1, source, detector);
+refuses ('regions(1, :)', vertices, faces, 2 * regions, 0.1, source, detector);
+refuses ('regions: expected 4 x 2', vertices, faces, ones (3, 1), 0.1, source, detector);
+refuses ('positive coefficients', vertices, faces, regions, 0, source, detector);
+refuses ('source: expected three numbers', vertices, faces, regions, 0.1, [0 0], detector);
+refuses ('source.direction', vertices, faces, regions, 0.1, struct ('way', 1), detector);
+refuses ('detector: expected a struct', vertices, faces, regions, 0.1, source, 5);
+refuses ('detector.row_step', vertices, faces, regions, 0.1, source, rmfield (detector, 'row_step'));
+refuses ('detector.rows: expected a whole number', vertices, faces, regions, 0.1, source, ...
+         setfield (detector, 'rows', 2.5));
+refuses ('weights: expected one', vertices, faces, regions, 0.1, source, detector, [1 2]);
+vertices(2, 1) = NaN;
+refuses ('finite', vertices, faces, regions, 0.1, source, detector);
+assert (! isempty (strfind (help ('mammoray_project'), 'LENGTHS')));
