@@ -18,15 +18,20 @@ DicomReference ReadDicomReference(const std::string& path)
   const QuietGdcm quiet;
   if (const std::string damage = FindDicomDamage(path); !damage.empty())
   {
-    throw InputError(path + ": expected a DICOM image, " + damage);
+    throw InputError(path + ": expected a DICOM mammogram, " + damage);
   }
   gdcm::Reader reader;
   reader.SetFileName(path.c_str());
   if (!reader.Read())
   {
-    throw InputError(path + ": expected a DICOM image, found a header that cannot be read");
+    throw InputError(path + ": expected a DICOM mammogram, found a header that cannot be read");
   }
   const gdcm::DataSet& data = reader.GetFile().GetDataSet();
+  if (const std::string modality = DicomText(data, { 0x0008, 0x0060 }); modality != "MG")
+  {
+    throw InputError(
+      path + ": expected a mammogram (modality MG), found modality '" + modality + "'");
+  }
   const auto text = [&](std::uint16_t group, std::uint16_t element) {
     return DicomText(data, { group, element });
   };
@@ -58,7 +63,8 @@ DicomReference ReadDicomReference(const std::string& path)
     reference.Rows == 0 || reference.Columns == 0)
   {
     throw InputError(path +
-      ": expected an image with UIDs of its class, instance, series and study, rows and columns, "
+      ": expected a mammogram with UIDs of its class, instance, series and study, rows and "
+      "columns, "
       "found some of them missing");
   }
   return reference;

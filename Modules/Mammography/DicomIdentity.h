@@ -27,7 +27,7 @@ struct DicomIdentity
   std::string CharacterSet = "ISO_IR 192"; // UTF-8
 };
 
-/// An image in a DICOM file that another object refers to.
+/// A mammogram in a DICOM file that another object refers to.
 struct DicomReference
 {
   std::string SopClassUid;
@@ -41,7 +41,8 @@ struct DicomReference
   int Rows = 0;
 };
 
-/// Throws InputError, one line with the file, unless it is a DICOM image with its UIDs and size.
+/// Throws InputError, one line with the file, unless it is a DICOM mammogram with its UIDs and
+/// size.
 MAMMORAYMAMMOGRAPHY_EXPORT DicomReference ReadDicomReference(const std::string& path);
 
 /// Throws InputError that names `what` unless the text can be a DICOM name or identifier: at most

@@ -7,6 +7,8 @@
 #include "Files.h"
 #include "MammogramIO.h"
 #include "MammogramSynthesis.h"
+#include "MammogramTarget.h"
+#include "QuietGdcm.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -25,8 +27,8 @@ namespace
 {
 const std::string Victre = MAMMORAY_DATA_DIR "/victre-phantom-1/victre1_lcc_processing.dcm";
 
-/// A unit at this roll around a breast in LPS; 7 columns of 0.2 mm and 5 rows of 0.3 mm.
-Mammogram Describe(double rollDeg, char laterality)
+/// A unit at this roll around a breast in LPS; columns of 0.2 mm and rows of 0.3 mm.
+Mammogram Describe(double rollDeg, char laterality, int columns = 7, int rows = 5)
 {
   const AnatomicalAxes axes;
   const VolumeFromGantry gantry =
@@ -34,8 +36,8 @@ Mammogram Describe(double rollDeg, char laterality)
   XRaySource source;
   source.Position = gantry.Point({ 0, 0, 660 });
   XRayDetector detector;
-  detector.Columns = 7;
-  detector.Rows = 5;
+  detector.Columns = columns;
+  detector.Rows = rows;
   detector.Origin = gantry.Point({ 40, 1, 0 });
   detector.ColumnStep = 0.2 * gantry.Y;
   detector.RowStep = -0.3 * gantry.X;
@@ -162,6 +164,39 @@ TEST(DicomMammogramWriter, ProcessingIsLinearAndInverse)
   EXPECT_THROW(SetPixels(mammogram, values, Mammogram::Intent::ForProcessing), InputError);
 }
 
+TEST(DicomMammogramWriter, RegistrationFindsTheGantryAgain)
+{
+  // Half a disc at the chest wall, 20 mm in radius, in air.
+  const TemporaryFolder folder;
+  constexpr int Columns = 150;
+  constexpr int Rows = 200;
+  std::vector<float> values;
+  for (int row = 0; row < Rows; ++row)
+  {
+    for (int column = 0; column < Columns; ++column)
+    {
+      values.push_back(std::hypot(0.2 * column, 0.3 * (row - 100)) < 20 ? 2.0f : 0.0f);
+    }
+  }
+  for (const auto& [roll, side] :
+    { std::pair{ 0.0, 'L' }, { 0.0, 'R' }, { -50.0, 'L' }, { 50.0, 'R' }, { 90.0, 'R' } })
+  {
+    for (const auto intent :
+      { Mammogram::Intent::ForPresentation, Mammogram::Intent::ForProcessing })
+    {
+      Mammogram mammogram = Describe(roll, side, Columns, Rows);
+      SetPixels(mammogram, values, intent);
+      const RegistrationTarget target = PrepareTarget(Written(mammogram, folder.File("image.dcm")));
+      // The columns run along the gantry's y, the rows against its x, as Describe has them.
+      EXPECT_THAT(target.ColumnStep, testing::Pointwise(testing::DoubleNear(1e-9), { 0.0, 0.2 }))
+        << roll << side;
+      EXPECT_THAT(target.RowStep, testing::Pointwise(testing::DoubleNear(1e-9), { -0.3, 0.0 }))
+        << roll << side;
+      EXPECT_EQ(target.Warnings, std::vector<std::string>{}) << roll << side;
+    }
+  }
+}
+
 TEST(DicomMammogramWriter, CopiesNothingOfThePatientUnlessTold)
 {
   const TemporaryFolder folder;
@@ -239,6 +274,7 @@ TEST(DicomSegmentationWriter, LiesOnTheImageItRefersTo)
   EXPECT_THAT(bytes, HasSubstr(image.SopInstanceUid));
   EXPECT_THAT(bytes, HasSubstr(image.SeriesInstanceUid));
 
+  const QuietGdcm quiet; // it misses the place in space, which a projection has not
   gdcm::ImageReader reader;
   reader.SetFileName(path.c_str());
   ASSERT_TRUE(reader.Read());
@@ -254,6 +290,8 @@ TEST(DicomSegmentationWriter, LiesOnTheImageItRefersTo)
     const std::size_t within = pixel % (720 * 1080);
     ASSERT_EQ(set, segments[pixel / (720 * 1080)].Mask[within] != 0) << pixel;
   }
+
+  EXPECT_THROW(ReadDicomReference(path), InputError); // no mammogram
 
   // In another study the reference names the image's study.
   WriteSegmentation(segments, image, {}, path);

@@ -46,6 +46,11 @@ void AddTexts(gdcm::DataSet& data, const std::vector<DicomTextElement>& elements
 void AddBytes(gdcm::DataSet& data, const gdcm::Tag& tag, gdcm::VR::VRType representation,
   const void* bytes, std::size_t count)
 {
+  if (count > 0xfffffffe)
+  {
+    throw InputError("DICOM: expected at most 4294967294 bytes in a value, found " +
+      std::to_string(count));
+  }
   std::vector<char> value(count + count % 2, '\0');
   if (count > 0)
   {

@@ -26,7 +26,8 @@ struct DicomTextElement
 };
 void AddTexts(gdcm::DataSet& data, const std::vector<DicomTextElement>& elements);
 
-/// Adds an element of binary values (US, SS, OB, OW), padded to an even length.
+/// Adds an element of binary values (US, SS, OB, OW), padded to an even length. Throws
+/// InputError on more than a file can hold.
 void AddBytes(gdcm::DataSet& data, const gdcm::Tag& tag, gdcm::VR::VRType representation,
   const void* bytes, std::size_t count);
 
