@@ -254,6 +254,19 @@ void CheckOutputFile(const std::string& path, bool overwrite)
   }
 }
 
+void CheckPictureFile(const std::string& path, bool overwrite)
+{
+  if (path.empty())
+  {
+    return;
+  }
+  CheckOutputFile(path, overwrite);
+  if (std::filesystem::path(path).extension() != ".png")
+  {
+    throw InputError(path + ": expected the extension .png for a picture");
+  }
+}
+
 CLI::Option* AddLabelOptions(CLI::App& command, LabelSource& source)
 {
   CLI::Option* labels = command.add_option("--labels", source.Path,
