@@ -227,7 +227,8 @@ void RunCheck(const MeshArguments& arguments)
   CheckReportFiles(arguments);
   std::vector<std::string> names;
   MeshCheck check;
-  if (std::filesystem::path(arguments.Check).extension() == ".vtu")
+  const std::filesystem::path extension = std::filesystem::path(arguments.Check).extension();
+  if (extension == ".vtu" || extension == ".vtk")
   {
     const vtkSmartPointer<vtkUnstructuredGrid> grid = ReadMesh(arguments.Check);
     check = CheckMesh(FromGrid(grid, &names), MakeProgressBar());
@@ -493,7 +494,7 @@ void AddMeshCommand(CLI::App& application)
     ->excludes(surface);
   command->add_option("-o,--output", arguments->Output, "volume mesh to write (.vtu)");
   command->add_option("--check", arguments->Check,
-    "check this mesh (.vtu) or surface (.vtp .stl .ply .obj) instead of making one: cells upright "
+    "check this mesh (.vtu, or legacy .vtk) or surface (.vtp .stl .ply .obj) instead of making one: cells upright "
     "and joined, boundaries closed; exit code 1 and a line for each kind of trouble");
   command->add_option("--report", arguments->Report,
     "write volumes, cell quality and troubles with their places there (.json)");
