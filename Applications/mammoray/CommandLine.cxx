@@ -281,8 +281,8 @@ CLI::Option* AddLabelOptions(CLI::App& command, LabelSource& source)
   command
     .add_option("--skin", source.Skin,
       "THICKNESS[=MATERIAL]: a layer of that many mm below the air becomes skin (default: the "
-      "table's thin material), not at held tissue nor at the volume's border: --crop to a flat back "
-      "that has air behind it")
+      "table's thin material), not at held tissue nor at the volume's border; --crop to a "
+      "flat back that has air behind it")
     ->needs(labels);
   command
     .add_flag("--axes-as-given", source.AxesAsGiven,

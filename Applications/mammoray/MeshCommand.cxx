@@ -494,8 +494,9 @@ void AddMeshCommand(CLI::App& application)
     ->excludes(surface);
   command->add_option("-o,--output", arguments->Output, "volume mesh to write (.vtu)");
   command->add_option("--check", arguments->Check,
-    "check this mesh (.vtu, or legacy .vtk) or surface (.vtp .stl .ply .obj) instead of making one: cells upright "
-    "and joined, boundaries closed; exit code 1 and a line for each kind of trouble");
+    "check this mesh (.vtu, or legacy .vtk) or surface (.vtp .stl .ply .obj) instead of making "
+    "one: "
+    "cells upright and joined, boundaries closed; exit code 1 and a line for each kind of trouble");
   command->add_option("--report", arguments->Report,
     "write volumes, cell quality and troubles with their places there (.json)");
   command->add_option("--picture", arguments->Picture,

@@ -239,7 +239,8 @@ bool HasTetGen()
 
 MeshingResult MeshSurfaces(const SurfaceMesh&, const MeshingOptions&, const ProgressCallback&)
 {
-  throw InputError("surfaces: this build has no TetGen (MAMMORAY_USE_TETGEN was OFF)");
+  throw InputError("surfaces: this build has no TetGen (MAMMORAY_USE_TETGEN was OFF); labelling "
+                   "voxels by them (--surface-voxels) needs none");
 }
 
 MeshingResult MeshMaterialSurfaces(const LabelVolume&, const MeshingOptions&,

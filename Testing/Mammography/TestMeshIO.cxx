@@ -73,14 +73,13 @@ TEST(MeshIO, ReadsLegacyFiles)
   EXPECT_DOUBLE_EQ(mesh.CellVolume(0), 1.0 / 3);
   EXPECT_THAT(MessageOf([&] { ReadMesh(folder.Write("bad.vtk", "not a mesh at all")); }),
     testing::HasSubstr("bad.vtk: expected a mesh"));
-  EXPECT_THAT(
-    MessageOf(
-      [&]
-      {
-        ReadMesh(folder.Write("surface.vtk",
-          "# vtk DataFile Version 3.0\nby hand\nASCII\nDATASET POLYDATA\nPOINTS 3 float\n"
-          "0 0 0 1 0 0 0 1 0\nPOLYGONS 1 4\n3 0 1 2\n"));
-      }),
+  EXPECT_THAT(MessageOf(
+                [&]
+                {
+                  ReadMesh(folder.Write("surface.vtk",
+                    "# vtk DataFile Version 3.0\nby hand\nASCII\nDATASET POLYDATA\nPOINTS 3 float\n"
+                    "0 0 0 1 0 0 0 1 0\nPOLYGONS 1 4\n3 0 1 2\n"));
+                }),
     testing::HasSubstr("surface.vtk: expected a mesh"));
 }
 
