@@ -45,6 +45,9 @@ bool InterruptRequested();
  */
 void CheckOutputFile(const std::string& path, bool overwrite);
 
+/// CheckOutputFile for a picture, where one is asked for: a path that is not empty ends in .png.
+void CheckPictureFile(const std::string& path, bool overwrite);
+
 /**
  * Calls `write` with a temporary name of the same extension in the same folder and renames the file
  * to `path` when it returns; removes it when it throws. An existing file is replaced.
