@@ -447,7 +447,8 @@ CompressionState CompressForStart(const RegistrationModel& model, const std::vec
   }
 }
 
-/// Extent of the body at rest along the beam's axis, mm.
+/// Extent of the breast at rest along the beam's axis, mm: of what is clearly in front of the chest
+/// wall, which may be taller.
 double UncompressedHeight(const RegistrationModel& model, const BreastPose& pose)
 {
   const Vector3 axis = PlaceUnit(model.Axes, model.Anchor, model.Unit, pose).Z;
@@ -456,9 +457,14 @@ double UncompressedHeight(const RegistrationModel& model, const BreastPose& pose
   double high = -low;
   for (std::size_t index = 0; index < points.size(); index += 3)
   {
-    const double height = Dot({ points[index], points[index + 1], points[index + 2] }, axis);
-    low = std::min(low, height);
-    high = std::max(high, height);
+    const Vector3 point{ points[index], points[index + 1], points[index + 2] };
+    constexpr double clearlyMm = 5;
+    if (Dot(point - model.Anchor, model.Axes.Anterior) > clearlyMm)
+    {
+      const double height = Dot(point, axis);
+      low = std::min(low, height);
+      high = std::max(high, height);
+    }
   }
   return high - low;
 }
@@ -728,8 +734,9 @@ LevelEnd SearchLevel(const RegistrationModel& model, const RegistrationTarget& c
   solverOptions.update_state_every_iteration = true;
   solverOptions.initial_trust_region_radius = 1e2;
   solverOptions.max_num_consecutive_invalid_steps = 10;
-  // Cubic interpolation would want the derivatives wherever a step along the bounds is tried.
-  solverOptions.line_search_interpolation_type = ceres::QUADRATIC;
+  // Of a step that does not help a shorter one is tried: Ceres' own search along it, meant for
+  // bounds, spends an equilibrium on each of many dents of the cost.
+  solverOptions.max_num_line_search_step_size_iterations = 0;
   IterationRecorder recorder(evaluator, result, pixelSizeMm, negligibleFall, begin);
   solverOptions.callbacks.push_back(&recorder);
   ceres::Solver::Summary summary;
