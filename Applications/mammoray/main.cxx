@@ -50,6 +50,7 @@ int main(int argc, char* argv[])
   mammoray::AddEvidenceCommand(application);
 #endif
   mammoray::AddExampleCommand(application);
+  mammoray::AddFuseCommand(application);
   mammoray::AddLocateCommand(application);
   mammoray::AddMeshCommand(application);
   mammoray::AddProjectCommand(application);

@@ -390,6 +390,28 @@ RegisteredBreast::RegisteredBreast(const std::string& folder)
 
 RegisteredBreast::~RegisteredBreast() = default;
 
+vtkUnstructuredGrid* RegisteredBreast::Uncompressed() const
+{
+  return this->Internal->Uncompressed;
+}
+
+vtkUnstructuredGrid* RegisteredBreast::Compressed() const
+{
+  return this->Internal->Compressed;
+}
+
+XRaySource RegisteredBreast::Source() const
+{
+  XRaySource source;
+  source.Position = this->Internal->Placed.Point({ 0, 0, this->Internal->Unit.SourceToDetectorMm });
+  return source;
+}
+
+XRayDetector RegisteredBreast::Detector() const
+{
+  return this->Internal->Detector();
+}
+
 ImagedPoint RegisteredBreast::ToMammogram(const Vector3& point) const
 {
   const Internals& internal = *this->Internal;
@@ -464,9 +486,7 @@ ImagedLesion RegisteredBreast::ToMammogram(const LabelVolume& lesions, int label
   }
   imaged.ImagedCentre = this->ToMammogram(imaged.Centre);
   projector.SetSurface(surface);
-  XRaySource source;
-  source.Position = internal.Placed.Point({ 0, 0, internal.Unit.SourceToDetectorMm });
-  const PathLengthImage lengths = projector.Project(source, internal.Detector());
+  const PathLengthImage lengths = projector.Project(this->Source(), internal.Detector());
   const float* lesionMm = lengths.Material(1);
   const auto shadow = std::count_if(lesionMm, lesionMm + lengths.NumberOfPixels(),
     [](float length) { return length > 0; });
@@ -497,7 +517,7 @@ std::vector<TissueStretch> RegisteredBreast::ToVolume(double column, double row,
   const double x = internal.Origin[0] + column * internal.ColumnStep[0] + row * internal.RowStep[0];
   const double y = internal.Origin[1] + column * internal.ColumnStep[1] + row * internal.RowStep[1];
   const Vector3 foot = internal.Placed.Point({ x, y, 0 });
-  const Vector3 source = internal.Placed.Point({ 0, 0, internal.Unit.SourceToDetectorMm });
+  const Vector3 source = this->Source().Position;
   const Vector3 up = (1 / Norm(source - foot)) * (source - foot);
   // How far up the ray the breast reaches.
   double highest = 0;

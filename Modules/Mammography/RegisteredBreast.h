@@ -13,6 +13,8 @@
 #include <string>
 #include <vector>
 
+class vtkUnstructuredGrid;
+
 namespace mammoray
 {
 /// The point arrays of uncompressed.vtu that hold the derivatives of the compressed positions, seen
@@ -109,6 +111,13 @@ public:
    * breast. Throws InputError outside the image.
    */
   std::vector<TissueStretch> ToVolume(double column, double row, double stepMm = 0.25) const;
+
+  /// The tetrahedra before and between the plates, of the same points and cells, volume frame.
+  vtkUnstructuredGrid* Uncompressed() const;
+  vtkUnstructuredGrid* Compressed() const;
+  /// Of the mammogram, volume frame: the focus and the pixels that were registered.
+  XRaySource Source() const;
+  XRayDetector Detector() const;
 
 private:
   struct Internals;
