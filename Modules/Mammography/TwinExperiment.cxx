@@ -385,16 +385,6 @@ TwinExperiment::TwinExperiment(const std::string& phantom, const LabelVolume& ma
 
 TwinExperiment::~TwinExperiment() = default;
 
-std::size_t TwinExperiment::ModelCells() const
-{
-  return this->Internal->Model.Tissue.NumberOfCells();
-}
-
-std::size_t TwinExperiment::TargetCells() const
-{
-  return this->Internal->Target.Tissue.NumberOfCells();
-}
-
 TwinProblem TwinExperiment::Draw(TwinKind kind, int number, const ProgressCallback& progress)
 {
   Internals& self = *this->Internal;
@@ -460,6 +450,8 @@ TwinRun TwinExperiment::Run(const TwinProblem& problem, TwinSearch search, int b
   run.Search = NameOf(search);
   run.Number = problem.Number;
   run.Redrawn = problem.Redrawn;
+  run.ModelCells = self.Model.Tissue.NumberOfCells();
+  run.TargetCells = self.Target.Tissue.NumberOfCells();
   run.Truth = problem.Truth;
   for (const RegistrationParameter& parameter : problem.Parameters)
   {

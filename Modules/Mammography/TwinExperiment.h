@@ -73,6 +73,9 @@ struct TwinRun
   std::string Search;
   int Number = 0;
   int Redrawn = 0;
+  /// Of the meshes for the mechanics.
+  std::size_t ModelCells = 0;
+  std::size_t TargetCells = 0;
   std::vector<std::string> Names;
   std::vector<double> Truth;
   std::vector<double> Start;
@@ -141,9 +144,6 @@ public:
   /// `budget`: equilibria, for annealing. Throws as Register; Interrupted also during the search.
   TwinRun Run(const TwinProblem& problem, TwinSearch search, int budget = 0,
     const ProgressCallback& progress = {});
-
-  std::size_t ModelCells() const;
-  std::size_t TargetCells() const;
 
 private:
   struct Internals;

