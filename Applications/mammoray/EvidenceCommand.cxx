@@ -120,12 +120,13 @@ std::string SettingsOf(const EvidenceOptions& options)
       { "spacingMm", phantom.Labels.SpacingMm } };
   }
   const TwinOptions& twin = options.Twin;
-  return nlohmann::json{ { "phantoms", phantoms }, { "materials", options.Materials },
+  return nlohmann::json{
+    { "phantoms", phantoms }, { "materials", options.Materials },
     { "orientation", options.Orientation }, { "seed", twin.Seed },
     { "modelFineness", twin.ModelFineness }, { "targetFineness", twin.TargetFineness },
     { "modelAnatomyMm", twin.ModelAnatomyMm }, { "targetAnatomyMm", twin.TargetAnatomyMm },
-    { "noise", twin.Noise }, { "pixelSizesMm", twin.Registration.PixelSizesMm } }
-    .dump();
+    { "noise", twin.Noise }, { "pixelSizesMm", twin.Registration.PixelSizesMm }
+  }.dump();
 }
 
 void RunEvidence(EvidenceCommandOptions& options)

@@ -29,7 +29,7 @@ constexpr double ConvergedMm = 3;
 /// One line of text.
 __attribute__((format(printf, 1, 2))) std::string Line(const char* format, ...)
 {
-  char text[400];
+  char text[1000];
   std::va_list arguments;
   va_start(arguments, format);
   std::vsnprintf(text, sizeof text, format, arguments);
@@ -124,8 +124,8 @@ private:
     int budget = 1;
     for (const TwinSearch search : searches)
     {
-      if (const TwinRun* done = Find(this->Evidence.Twins, phantom.Name, NameOf(kind),
-            NameOf(search), number))
+      if (const TwinRun* done =
+            Find(this->Evidence.Twins, phantom.Name, NameOf(kind), NameOf(search), number))
       {
         budget = std::max(done->Equilibria, 1);
         continue;
@@ -178,10 +178,9 @@ nlohmann::json ToJson(const TwinRun& run)
 {
   // What is not a number becomes null.
   return { { "phantom", run.Phantom }, { "kind", run.Kind }, { "search", run.Search },
-    { "number", run.Number }, { "redrawn", run.Redrawn },
-    { "modelCells", run.ModelCells }, { "targetCells", run.TargetCells },
-    { "parameters", run.Names },
-    { "truth", run.Truth }, { "start", run.Start }, { "found", run.Found }, { "sigma", run.Sigma },
+    { "number", run.Number }, { "redrawn", run.Redrawn }, { "modelCells", run.ModelCells },
+    { "targetCells", run.TargetCells }, { "parameters", run.Names }, { "truth", run.Truth },
+    { "start", run.Start }, { "found", run.Found }, { "sigma", run.Sigma },
     { "medianErrorMm", run.MedianErrorMm }, { "largestErrorMm", run.LargestErrorMm },
     { "meanOutlineDistanceMm", run.MeanOutlineMm }, { "correlation", run.Correlation },
     { "iterations", run.Iterations }, { "equilibria", run.Equilibria }, { "seconds", run.Seconds },
@@ -404,8 +403,8 @@ LandmarkEvidence MeasureLandmarks(const EvidenceLandmarks& input, const Progress
   found.Equilibria = result.Registration.Evaluations;
   found.Seconds = result.Registration.Seconds;
   const auto grid = UncompressedGrid(result);
-  for (const LandmarkErrors& errors : EvaluateLandmarks(landmarks, input.Truth, grid,
-         result.Placed, result.Unit.SourceToDetectorMm))
+  for (const LandmarkErrors& errors :
+    EvaluateLandmarks(landmarks, input.Truth, grid, result.Placed, result.Unit.SourceToDetectorMm))
   {
     std::vector<double> space;
     std::vector<double> receptor;
@@ -508,18 +507,19 @@ constexpr TwinKind AllKinds[] = { TwinKind::Plain, TwinKind::WrongMaterial, Twin
 
 std::string RunTable(const TwinSummaries& summaries)
 {
-  std::string text =
-    "| twins | phantom | cells | runs | 3D error: median (largest), mm | below 3 mm | iterations, median "
-    "(most) | equilibria | time, s | true values within 2 sigma |\n"
-    "|---|---|---|---|---|---|---|---|---|---|\n";
+  std::string text = "| twins | phantom | cells | runs | 3D error: median (largest), mm | below 3 "
+                     "mm | iterations, median "
+                     "(most) | equilibria | time, s | true values within 2 sigma |\n"
+                     "|---|---|---|---|---|---|---|---|---|---|\n";
   const auto row = [&](const std::string& kind, const std::string& phantom, const TwinSummary& of)
   {
-    text += Line(
-      "| %s | %s | %s | %d | %.2f (%.2f) | %d %% | %.0f (%.0f) | %.0f | %.0f | %d %% |\n",
-      kind.c_str(), phantom.c_str(),
-      phantom == AllPhantoms ? "" : Line("%zu", of.ModelCells).c_str(), of.Count, Median(of.Errors), Largest(of.Errors),
-      Percent(of.Converged, of.Count), Median(of.Iterations), Largest(of.Iterations),
-      Median(of.Equilibria), Median(of.Seconds), Percent(of.WithinAll, of.ParametersAll));
+    text +=
+      Line("| %s | %s | %s | %d | %.2f (%.2f) | %d %% | %.0f (%.0f) | %.0f | %.0f | %d %% |\n",
+        kind.c_str(), phantom.c_str(),
+        phantom == AllPhantoms ? "" : Line("%zu", of.ModelCells).c_str(), of.Count,
+        Median(of.Errors), Largest(of.Errors), Percent(of.Converged, of.Count),
+        Median(of.Iterations), Largest(of.Iterations), Median(of.Equilibria), Median(of.Seconds),
+        Percent(of.WithinAll, of.ParametersAll));
   };
   for (const TwinKind kind : AllKinds)
   {
@@ -574,8 +574,8 @@ std::string ParameterTable(const TwinSummaries& summaries)
     }
     if (any)
     {
-      text += "| " + parameter.Name + (parameter.Unit.empty() ? "" : ", " + parameter.Unit) +
-        " |" + row + "\n";
+      text += "| " + parameter.Name + (parameter.Unit.empty() ? "" : ", " + parameter.Unit) + " |" +
+        row + "\n";
     }
   }
   return text + "\n";
@@ -629,8 +629,7 @@ std::string SearchTable(const std::vector<TwinRun>& runs)
     for (const TwinSearch search :
       { TwinSearch::Exact, TwinSearch::CentralDifferences, TwinSearch::Annealing })
     {
-      if (const TwinRun* run =
-            Find(runs, exact.Phantom, exact.Kind, NameOf(search), exact.Number))
+      if (const TwinRun* run = Find(runs, exact.Phantom, exact.Kind, NameOf(search), exact.Number))
       {
         const double seconds = SecondsTo(*run, reached, begin);
         text += Line("| %s | %s, %d | %d | %.1f | %.2f | %s | %.2f |\n", NameOf(search),
@@ -665,8 +664,8 @@ std::string LandmarkTable(const LandmarkEvidence& found)
   }
   if (std::isfinite(found.GlandDice))
   {
-    text += Line("\nGland overlap (Dice) %.2f, at rest %.2f. ", found.GlandDice,
-      found.GlandDiceAtRest);
+    text +=
+      Line("\nGland overlap (Dice) %.2f, at rest %.2f. ", found.GlandDice, found.GlandDiceAtRest);
   }
   return text +
     Line("%d iterations, %d equilibria, %.0f s.\n\n", found.Iterations, found.Equilibria,
@@ -675,8 +674,9 @@ std::string LandmarkTable(const LandmarkEvidence& found)
 
 std::string MammogramTable(const std::vector<MammogramEvidence>& found)
 {
-  std::string text = "| real mammogram | outline: mean (largest), mm | correlation | trust that the "
-                     "report claims | time, s |\n|---|---|---|---|---|\n";
+  std::string text =
+    "| real mammogram | outline: mean (largest), mm | correlation | trust that the "
+    "report claims | time, s |\n|---|---|---|---|---|\n";
   for (const MammogramEvidence& row : found)
   {
     text += row.Failure.empty()

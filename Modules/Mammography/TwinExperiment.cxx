@@ -217,8 +217,8 @@ Mammogram Develop(const std::vector<float>& logAttenuation, const RegistrationTa
   mammogram.Rows = grid.Rows;
   for (const double attenuation : seen)
   {
-    mammogram.Pixels.push_back(static_cast<float>(
-      std::round(4095 / (1 + std::exp(-4 * (attenuation - centre) / width)))));
+    mammogram.Pixels.push_back(
+      static_cast<float>(std::round(4095 / (1 + std::exp(-4 * (attenuation - centre) / width)))));
   }
   mammogram.BitsStored = 12;
   mammogram.ColumnSpacingMm = std::hypot(grid.ColumnStep[0], grid.ColumnStep[1]);
@@ -332,9 +332,8 @@ struct TwinExperiment::Internals
     const std::vector<bool> held = this->Table.Held();
     while (static_cast<int>(problem.TruePositions.size()) < this->Options.NumberOfPoints)
     {
-      const auto along = [&](int axis) {
-        return static_cast<int>(draws.Between(0, this->Volume.Size[axis]));
-      };
+      const auto along = [&](int axis)
+      { return static_cast<int>(draws.Between(0, this->Volume.Size[axis])); };
       const int i = along(0);
       const int j = along(1);
       const int k = along(2);

@@ -130,8 +130,7 @@ void Search(Walk& walk, Place here, const RegistrationOptions& options,
     const double step = annealing.FirstStep * std::sqrt(temperature / hottest);
     try
     {
-      Place beside =
-        walk.At(Beside(here.Values, options.Parameters, step, generator), &here.State);
+      Place beside = walk.At(Beside(here.Values, options.Parameters, step, generator), &here.State);
       const double rise = beside.Costs.Sum() - here.Costs.Sum();
       if (rise <= 0 || uniform(generator) < std::exp(-rise / temperature))
       {
@@ -179,9 +178,8 @@ RegistrationResult Anneal(const RegistrationModel& model, const RegistrationTarg
   Walk walk(model, finest, options, result, progress);
   const Place first = walk.At(start, nullptr);
   walk.Keep(first);
-  result.Before = Compare(Synthesize(model, PoseOf(first.Values), first.State, finest,
-                            options.Samples),
-    finest);
+  result.Before =
+    Compare(Synthesize(model, PoseOf(first.Values), first.State, finest, options.Samples), finest);
   result.StopReason = "the equilibria are spent";
   try
   {

@@ -266,8 +266,7 @@ public:
     for (std::size_t f = 0; f < this->Free.size(); ++f)
     {
       moved = moved || offsets[0][f] != 1;
-      beside[this->Free[f]] +=
-        (offsets[0][f] - 1) * this->Options.Parameters[this->Free[f]].Scale;
+      beside[this->Free[f]] += (offsets[0][f] - 1) * this->Options.Parameters[this->Free[f]].Scale;
     }
     std::vector<double> found = this->Residuals;
     if (moved)
@@ -293,8 +292,8 @@ private:
   {
     ceres::NumericDiffOptions steps;
     steps.relative_step_size = this->Options.DifferenceStep;
-    ceres::DynamicNumericDiffCostFunction<Evaluator, ceres::CENTRAL> differences(
-      this, ceres::DO_NOT_TAKE_OWNERSHIP, steps);
+    ceres::DynamicNumericDiffCostFunction<Evaluator, ceres::CENTRAL> differences(this,
+      ceres::DO_NOT_TAKE_OWNERSHIP, steps);
     const auto unknowns = static_cast<int>(this->Free.size());
     const std::size_t count = this->Residuals.size();
     differences.AddParameterBlock(unknowns);
@@ -830,14 +829,13 @@ private:
     const std::size_t finest = this->Options.PixelSizesMm.size() - 1;
     try
     {
-      this->Result.State =
-        CompressForStart(scout, start, nullptr, this->Result, this->Progress);
+      this->Result.State = CompressForStart(scout, start, nullptr, this->Result, this->Progress);
       this->KeepBefore(scout);
       this->Choose(scout);
       const bool goesOn = this->Levels(scout, 0, finest);
       // A stop takes effect once the real simulation has been where the cheap one got to.
-      this->Result.State = CompressForStart(this->Model, this->Result.Values, nullptr,
-        this->Result, goesOn ? this->Progress : ProgressCallback());
+      this->Result.State = CompressForStart(this->Model, this->Result.Values, nullptr, this->Result,
+        goesOn ? this->Progress : ProgressCallback());
       if (goesOn)
       {
         this->Levels(this->Model, finest, finest + 1);
@@ -862,15 +860,15 @@ private:
   void KeepBefore(const RegistrationModel& model)
   {
     const RegistrationTarget finest = CoarsenTo(this->Target, this->Options.PixelSizesMm.back());
-    this->Result.Before = Compare(Synthesize(model, PoseOf(this->Result.Values),
-                                    this->Result.State, finest, this->Options.Samples),
+    this->Result.Before = Compare(Synthesize(model, PoseOf(this->Result.Values), this->Result.State,
+                                    finest, this->Options.Samples),
       finest);
   }
 
   void Choose(const RegistrationModel& model)
   {
-    ChooseStart(model, CoarsenTo(this->Target, this->Options.PixelSizesMm.front()),
-      this->Bounded(), this->Result, this->Progress);
+    ChooseStart(model, CoarsenTo(this->Target, this->Options.PixelSizesMm.front()), this->Bounded(),
+      this->Result, this->Progress);
   }
 
   /// Searches resolutions from `first` to before `last`; false when stopped by the user.

@@ -28,8 +28,7 @@ int BreastLabel(const Vector3& point)
     return 40;
   }
   const double depth = (16 - point[1]) / 45;
-  if (depth < 0 ||
-    std::hypot(point[0] / 40, depth, point[2] / 36) > 1)
+  if (depth < 0 || std::hypot(point[0] / 40, depth, point[2] / 36) > 1)
   {
     return 0;
   }
@@ -48,8 +47,8 @@ protected:
   std::string Twins(const std::string& rest) const
   {
     return "evidence --phantom ball=" + this->Folder.File("breast.nrrd") +
-      " --orientation LPS --model-fineness 3 --target-fineness 8 --pixel-sizes 3 -o " +
-      this->Json + " " + rest;
+      " --orientation LPS --model-fineness 3 --target-fineness 8 --pixel-sizes 3 -o " + this->Json +
+      " " + rest;
   }
 
   std::string Json = this->Folder.File("evidence.json");

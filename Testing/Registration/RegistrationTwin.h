@@ -86,8 +86,8 @@ struct Twin
 
   static CompressionSimulation MakeSimulation(int count, ElementType element)
   {
-    return CompressionSimulation(MakeHalfEllipsoidMesh(HalfAxes[0], HalfAxes[1], HalfAxes[2],
-                                   std::array{ count, 4, count }),
+    return CompressionSimulation(
+      MakeHalfEllipsoidMesh(HalfAxes[0], HalfAxes[1], HalfAxes[2], std::array{ count, 4, count }),
       { {}, { 5, 0.49 }, { 5, 0.49 }, { 15, 0.49 } }, { false, false, true, false }, AnatomyAt,
       { .Element = element });
   }

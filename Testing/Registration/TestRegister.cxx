@@ -228,8 +228,7 @@ TEST_F(Registration, AnnealingSpendsItsEquilibriaAndKeepsTheBest)
   int calls = 0;
   const auto stopAtThird = [&](double, const char* stage)
   { return std::string(stage) != "anneal" || ++calls < 3; };
-  const RegistrationResult stopped =
-    Anneal(Model->Model, *Target, options, annealing, stopAtThird);
+  const RegistrationResult stopped = Anneal(Model->Model, *Target, options, annealing, stopAtThird);
   EXPECT_EQ(stopped.Evaluations, 3);
   EXPECT_NE(stopped.StopReason.find("interrupted"), std::string::npos);
   EXPECT_LE(stopped.Iterations.back().Cost, stopped.Iterations.front().Cost);
