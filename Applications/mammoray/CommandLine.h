@@ -58,10 +58,11 @@ void WriteComplete(const std::string& path,
 /// The path itself when the file exists and can be read; throws InputError otherwise.
 const std::string& CheckInputFile(const std::string& path);
 
-// One per sub-command, each in its own file.
+// One per sub-command, each in its own file; evidence only with the Meshing module.
 void AddCompressCommand(CLI::App& application);
 void AddDevicesCommand(CLI::App& application);
 void AddEvaluateCommand(CLI::App& application);
+void AddEvidenceCommand(CLI::App& application);
 void AddExampleCommand(CLI::App& application);
 void AddFuseCommand(CLI::App& application);
 void AddLocateCommand(CLI::App& application);

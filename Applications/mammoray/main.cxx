@@ -46,6 +46,9 @@ int main(int argc, char* argv[])
   mammoray::AddCompressCommand(application);
   mammoray::AddDevicesCommand(application);
   mammoray::AddEvaluateCommand(application);
+#ifdef MAMMORAY_HAS_MESHING
+  mammoray::AddEvidenceCommand(application);
+#endif
   mammoray::AddExampleCommand(application);
   mammoray::AddFuseCommand(application);
   mammoray::AddLocateCommand(application);
