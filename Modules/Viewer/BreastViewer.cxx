@@ -50,6 +50,11 @@ constexpr double NearSource = 0.3;
 /// How far the slider goes to either side of the spectrum's own voltage, kV.
 constexpr double KilovoltageRange = 6;
 
+// Borders of the window's parts, of 1.
+constexpr double PaneLeft = 0.55;
+constexpr double ControlsTop = 0.34;
+constexpr double RestRight = 0.22;
+
 double SecondsSince(Clock::time_point begin)
 {
   return std::chrono::duration<double>(Clock::now() - begin).count();
@@ -225,7 +230,7 @@ std::string FreeName(const std::string& folder, const std::string& name)
 struct BreastViewer::Internals : MouseTarget
 {
   Internals(BreastViewer& viewer, const ViewedBreast& viewed, const ViewerOptions& options);
-  ~Internals() override = default;
+  ~Internals() override;
 
   bool OnPress(int x, int y) override;
   void OnDrag(int x, int y) override;
@@ -266,7 +271,6 @@ struct BreastViewer::Internals : MouseTarget
   BreastScene Squeezed;
   BreastScene AtRest;
   ControlPane Controls;
-  bool HasRest;
   vtkNew<vtkRenderWindow> Window;
   vtkSmartPointer<vtkRenderWindowInteractor> Interactor;
   vtkNew<ViewerStyle> Style;
@@ -300,7 +304,7 @@ BreastViewer::Internals::Internals(BreastViewer& viewer, const ViewedBreast& vie
   , Pane(viewed, this->Live)
   , Squeezed(this->Live, viewed)
   , AtRest(this->Live, viewed)
-  , HasRest(this->Live.Points() != viewed.Anatomy.Points)
+  , Controls({ RestRight, 0, PaneLeft, ControlsTop })
 {
   this->Live.SetSourceOffset(options.SourceOffset);
   if (options.Kilovoltage)
@@ -340,24 +344,36 @@ BreastViewer::Internals::Internals(BreastViewer& viewer, const ViewedBreast& vie
   }
 }
 
+/// Window and interactor hold each other, and VTK's event loop knows every interactor that is left.
+BreastViewer::Internals::~Internals()
+{
+  this->Controls.Attach(nullptr);
+  this->Interactor->RemoveAllObservers();
+  this->Interactor->SetInteractorStyle(nullptr);
+  this->Interactor->SetRenderWindow(nullptr);
+  this->Window->SetInteractor(nullptr);
+  this->Window->Finalize();
+}
+
 /// Divides the window among the renderers.
 void BreastViewer::Internals::Lay()
 {
-  constexpr double Middle = 0.55;
-  constexpr double Low = 0.34;
-  const double controls = this->HasRest ? 0.24 : 0.0;
-  this->Squeezed.Renderer()->SetViewport(0, Low, Middle, 1);
-  this->Controls.Renderer()->SetViewport(controls, 0, Middle, Low);
-  this->Pane.Renderer()->SetViewport(Middle, 0, 1, 1);
-  this->Window->AddRenderer(this->Squeezed.Renderer());
-  this->Window->AddRenderer(this->Controls.Renderer());
-  this->Window->AddRenderer(this->Pane.Renderer());
-  if (this->HasRest)
+  this->Window->SetNumberOfLayers(2);
+  this->Pane.Renderer()->SetViewport(PaneLeft, 0, 1, 1);
+  for (vtkRenderer* renderer : { this->Squeezed.Renderer(), this->Squeezed.MarkRenderer() })
   {
-    this->AtRest.Renderer()->SetViewport(0, 0, controls, Low);
-    this->Window->AddRenderer(this->AtRest.Renderer());
-    AddText(this->AtRest.Renderer(), "uncompressed", 0.03, 0.97, 14);
+    renderer->SetViewport(0, ControlsTop, PaneLeft, 1);
+    this->Window->AddRenderer(renderer);
   }
+  this->Window->AddRenderer(this->Controls.Renderer());
+  this->Window->AddRenderer(this->Controls.SliderRenderer());
+  this->Window->AddRenderer(this->Pane.Renderer());
+  for (vtkRenderer* renderer : { this->AtRest.Renderer(), this->AtRest.MarkRenderer() })
+  {
+    renderer->SetViewport(0, 0, RestRight, ControlsTop);
+    this->Window->AddRenderer(renderer);
+  }
+  AddText(this->AtRest.Renderer(), "uncompressed", 0.03, 0.97, 14);
   AddText(this->Squeezed.Renderer(), "between the plates      h: help", 0.012, 0.985, 14);
   this->UnitText = AddText(this->Squeezed.Renderer(), "", 0.012, 0.935, 12);
   AddText(this->Pane.Renderer(), this->Viewed.Real ? "synthetic and real" : "synthetic", 0.02,
@@ -943,6 +959,11 @@ std::string BreastViewer::Status() const
 const std::string& BreastViewer::Message() const
 {
   return this->Internal->Message;
+}
+
+vtkRenderWindow* BreastViewer::Window()
+{
+  return this->Internal->Window;
 }
 
 const BreastPose& BreastViewer::Pose() const

@@ -10,6 +10,8 @@
 #include <memory>
 #include <string>
 
+class vtkRenderWindow;
+
 namespace mammoray
 {
 struct ViewerOptions
@@ -35,7 +37,7 @@ struct ViewerOptions
 
 /**
  * An interactive window: the breast with plates and source, the breast at rest, and the mammogram,
- * synthetic and real. What each key and button does is in HelpText.
+ * synthetic and real. What each key and button does is in ViewerHelpText.
  *
  * While something moves the mammogram is projected at half resolution, at rest at the full one; a
  * moved thickness or roll asks for a new equilibrium beside the window's thread.
@@ -76,7 +78,9 @@ public:
   std::string Status() const;
   /// The last thing that went wrong or was done, a line; empty: nothing yet.
   const std::string& Message() const;
-  /// The tube's pose and the anatomy's points as shown.
+  /// It and its interactor, which live as long as this.
+  vtkRenderWindow* Window();
+  /// The unit's pose and the anatomy's points as shown.
   const BreastPose& Pose() const;
   const std::vector<double>& Points() const;
 

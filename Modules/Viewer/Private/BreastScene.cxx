@@ -156,6 +156,9 @@ BreastScene::BreastScene(const LiveMammogram& live, const ViewedBreast& viewed)
   , PointIds(live.SurfacePoints())
 {
   this->View->SetBackground(0.09, 0.10, 0.13);
+  this->Front->SetLayer(1);
+  this->Front->InteractiveOff();
+  this->Front->SetActiveCamera(this->View->GetActiveCamera());
   this->Points->SetDataTypeToFloat();
   this->Points->SetNumberOfPoints(static_cast<vtkIdType>(this->PointIds.size()));
   std::map<int, double> volumes;
@@ -193,17 +196,18 @@ BreastScene::BreastScene(const LiveMammogram& live, const ViewedBreast& viewed)
   ball->SetThetaResolution(16);
   ball->SetPhiResolution(16);
   ball->Update();
-  this->MarkedPoint = this->AddActor(ball->GetOutput(), MarkColor, 1);
+  this->MarkedPoint = AddActor(this->Front, ball->GetOutput(), MarkColor, 1);
   this->MarkedPoint->VisibilityOff();
   for (vtkPolyData* lines : { this->MarkedLine.Get(), this->MarkedLoops.Get() })
   {
-    vtkActor* actor = this->AddActor(lines, MarkColor, 1);
+    const auto actor = AddActor(this->Front, lines, MarkColor, 1);
     actor->GetProperty()->LightingOff();
     actor->GetProperty()->SetLineWidth(2);
   }
 }
 
-vtkActor* BreastScene::AddActor(vtkPolyData* data, const Color& color, double opacity)
+vtkSmartPointer<vtkActor> BreastScene::AddActor(vtkRenderer* view, vtkPolyData* data,
+  const Color& color, double opacity)
 {
   vtkNew<vtkPolyDataMapper> mapper;
   mapper->SetInputData(data);
@@ -212,8 +216,8 @@ vtkActor* BreastScene::AddActor(vtkPolyData* data, const Color& color, double op
   actor->SetMapper(mapper);
   actor->GetProperty()->SetColor(color[0], color[1], color[2]);
   actor->GetProperty()->SetOpacity(opacity);
-  this->View->AddActor(actor);
-  return actor;
+  view->AddActor(actor);
+  return actor.Get();
 }
 
 /// Fewer triangles over some of the same points, for software OpenGL: Lindstrom's quadric clustering.
@@ -274,7 +278,7 @@ void BreastScene::AddPart(const std::vector<std::size_t>& triangles, double cell
   vtkNew<vtkPolyData> data;
   data->SetPoints(this->Points);
   data->SetPolys(cells);
-  this->Parts.push_back({ this->AddActor(data, color, opacity), corners });
+  this->Parts.push_back({ AddActor(this->View, data, color, opacity), corners });
 }
 
 void BreastScene::SetPoints(const std::vector<double>& points)
@@ -299,20 +303,20 @@ void BreastScene::SetUnit(const LiveMammogram& live, vtkTexture* picture, double
     this->Paddle = NewBox();
     for (vtkPolyData* plate : { this->Support.Get(), this->Paddle.Get() })
     {
-      this->AddActor(plate, PlateColor, PlateOpacity)->GetProperty()->LightingOff();
+      AddActor(this->View, plate, PlateColor, PlateOpacity)->GetProperty()->LightingOff();
     }
     this->Receptor = NewPictureRectangle();
-    this->ReceptorActor = this->AddActor(this->Receptor, { 1, 1, 1 }, 1);
+    this->ReceptorActor = AddActor(this->View, this->Receptor, { 1, 1, 1 }, 1);
     this->ReceptorActor->GetProperty()->LightingOff();
     this->ReceptorActor->SetTexture(picture);
     this->BeamEdges = NewLines();
-    this->AddActor(this->BeamEdges, BeamColor, 1)->GetProperty()->LightingOff();
+    AddActor(this->View, this->BeamEdges, BeamColor, 1)->GetProperty()->LightingOff();
     vtkNew<vtkSphereSource> ball;
     ball->SetRadius(6);
     ball->SetThetaResolution(24);
     ball->SetPhiResolution(24);
     ball->Update();
-    this->Source = this->AddActor(ball->GetOutput(), BeamColor, 1);
+    this->Source = AddActor(this->View, ball->GetOutput(), BeamColor, 1);
   }
   const VolumeFromGantry placed = live.Placed();
   const RegistrationTarget& grid = live.Grid(1);

@@ -33,6 +33,8 @@ public:
   BreastScene(const LiveMammogram& live, const ViewedBreast& viewed);
 
   vtkRenderer* Renderer() { return this->View; }
+  /// Lies over the other, in layer 1, with the marks, which nothing hides.
+  vtkRenderer* MarkRenderer() { return this->Front; }
   /// New places of the anatomy's points, 3 x pointCount.
   void SetPoints(const std::vector<double>& points);
   /// Plates, receptor with `picture` on it, beam and source; the source is drawn on the beam's axis
@@ -66,11 +68,13 @@ private:
   void AddPart(const std::vector<std::size_t>& triangles, double cellMm,
     const std::array<double, 3>& color, double opacity);
   std::vector<vtkIdType> Thinned(const std::vector<std::size_t>& triangles, double cellMm) const;
-  vtkActor* AddActor(vtkPolyData* data, const std::array<double, 3>& color, double opacity);
+  static vtkSmartPointer<vtkActor> AddActor(vtkRenderer* view, vtkPolyData* data,
+    const std::array<double, 3>& color, double opacity);
 
   const SurfaceMesh& Surface;
   const std::vector<std::int32_t>& PointIds;
   vtkNew<vtkRenderer> View;
+  vtkNew<vtkRenderer> Front;
   vtkNew<vtkPoints> Points;
   /// The skin is the last one.
   std::vector<Part> Parts;

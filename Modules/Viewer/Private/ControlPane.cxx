@@ -30,7 +30,7 @@ public:
 };
 
 // Heights in the pane, of 1.
-constexpr double FirstSlider = 0.90;
+constexpr double FirstSlider = 0.88;
 constexpr double SliderStep = 0.165;
 constexpr double ButtonHeight = 0.20;
 constexpr double StatusHeight = 0.03;
@@ -42,9 +42,13 @@ void Place(vtkCoordinate* coordinate, double x, double y)
 }
 }
 
-ControlPane::ControlPane()
-  : Status(vtkSmartPointer<vtkTextActor>::New())
+ControlPane::ControlPane(const std::array<double, 4>& viewport)
+  : Viewport(viewport)
+  , Status(vtkSmartPointer<vtkTextActor>::New())
 {
+  this->View->SetViewport(viewport[0], viewport[1], viewport[2], viewport[3]);
+  this->Front->SetLayer(1);
+  this->Front->InteractiveOff();
   this->View->SetBackground(0.16, 0.17, 0.20);
   Place(this->Status->GetPositionCoordinate(), 0.03, StatusHeight);
   this->Status->GetTextProperty()->SetFontSize(12);
@@ -69,13 +73,18 @@ int ControlPane::AddSlider(const std::string& title, const char* format, double 
   slider->SetMaximumValue(high);
   slider->SetValue(value);
   slider->SetLabelFormat(format);
-  Place(slider->GetPoint1Coordinate(), 0.36, y);
-  Place(slider->GetPoint2Coordinate(), 0.97, y);
-  slider->SetSliderLength(0.03);
-  slider->SetSliderWidth(0.035);
-  slider->SetTubeWidth(0.008);
-  slider->SetEndCapLength(0.004);
-  slider->SetLabelHeight(0.034);
+  const auto inWindow = [this](double share, int axis)
+  {
+    return this->Viewport[axis] + share * (this->Viewport[axis + 2] - this->Viewport[axis]);
+  };
+  Place(slider->GetPoint1Coordinate(), inWindow(0.36, 0), inWindow(y, 1));
+  Place(slider->GetPoint2Coordinate(), inWindow(0.97, 0), inWindow(y, 1));
+  slider->SetSliderLength(0.012);
+  slider->SetSliderWidth(0.018);
+  slider->SetTubeWidth(0.004);
+  slider->SetEndCapLength(0.002);
+  slider->SetEndCapWidth(0.012);
+  slider->SetLabelHeight(0.014);
   slider->GetLabelProperty()->SetShadow(0);
   slider->GetLabelProperty()->BoldOff();
   slider->GetTubeProperty()->SetColor(0.45, 0.48, 0.55);
@@ -113,9 +122,15 @@ void ControlPane::Attach(vtkRenderWindowInteractor* interactor)
 {
   for (vtkSliderWidget* slider : this->Sliders)
   {
+    if (!interactor)
+    {
+      slider->EnabledOff();
+      slider->SetInteractor(nullptr);
+      continue;
+    }
     slider->SetInteractor(interactor);
-    slider->SetDefaultRenderer(this->View);
-    slider->SetCurrentRenderer(this->View);
+    slider->SetDefaultRenderer(this->Front);
+    slider->SetCurrentRenderer(this->Front);
     slider->EnabledOn();
   }
 }
