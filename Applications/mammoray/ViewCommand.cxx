@@ -68,9 +68,9 @@ void RunView(const ViewArguments& arguments)
     options.SourceOffset = { arguments.Source[0], arguments.Source[1], arguments.Source[2] };
   }
   BreastViewer viewer(viewed, options);
-  const bool marked = (arguments.Point.empty() ||
-                        viewer.MarkPoint({ arguments.Point[0], arguments.Point[1],
-                          arguments.Point[2] })) &&
+  const bool marked =
+    (arguments.Point.empty() ||
+      viewer.MarkPoint({ arguments.Point[0], arguments.Point[1], arguments.Point[2] })) &&
     (arguments.Pixel.empty() || viewer.MarkPixel(arguments.Pixel[0], arguments.Pixel[1]));
   if (!marked)
   {
@@ -158,8 +158,7 @@ void AddViewCommand(CLI::App& application)
     ->add_option("--pixel", arguments->Pixel, "mark what lies behind this pixel of the mammogram")
     ->expected(2)
     ->type_name("COLUMN ROW");
-  command
-    ->add_option("--size", arguments->Size, "width and height of the window, pixels")
+  command->add_option("--size", arguments->Size, "width and height of the window, pixels")
     ->expected(2)
     ->type_name("W H")
     ->check(CLI::Range(200, 8192))

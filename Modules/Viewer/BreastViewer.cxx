@@ -176,7 +176,8 @@ vtkSmartPointer<vtkTextActor> AddText(vtkRenderer* renderer, const std::string& 
   return actor.Get();
 }
 
-/// Points of the ellipse on the receptor, `deviations` of its standard deviations large; gantry x, y.
+/// Points of the ellipse on the receptor, `deviations` of its standard deviations large; gantry x,
+/// y.
 std::vector<ReceptorPoint> LoopOf(const UncertaintyEllipse& ellipse, const ReceptorPoint& middle,
   const RegistrationTarget& grid, double deviations)
 {
@@ -334,7 +335,6 @@ BreastViewer::Internals::Internals(BreastViewer& viewer, const ViewedBreast& vie
   this->Interactor->AddObserver(vtkCommand::RenderEvent, wantsFrame);
   this->Interactor->AddObserver(vtkCommand::ConfigureEvent, wantsFrame);
   this->Interactor->AddObserver(vtkCommand::ExposeEvent, wantsFrame);
-  this->Interactor->Initialize();
   this->Controls.Attach(this->Interactor);
   this->Squeezed.SetUnit(this->Live, this->Pane.Picture(), this->ShownSource);
   this->LookAt();
@@ -344,7 +344,7 @@ BreastViewer::Internals::Internals(BreastViewer& viewer, const ViewedBreast& vie
   }
 }
 
-/// Window and interactor hold each other, and VTK's event loop knows every interactor that is left.
+/// Window and interactor hold each other.
 BreastViewer::Internals::~Internals()
 {
   this->Controls.Attach(nullptr);
@@ -480,11 +480,9 @@ void BreastViewer::Internals::Draw(int divisor)
   this->Squeezed.SetUnit(this->Live, this->Pane.Picture(), this->ShownSource);
   const Vector3& offset = this->Live.SourceOffset();
   char text[160];
-  std::snprintf(text, sizeof text,
-    "%.1f mm, roll %.1f deg, %.1f kV, source %+.0f %+.0f %+.0f mm%s",
+  std::snprintf(text, sizeof text, "%.1f mm, roll %.1f deg, %.1f kV, source %+.0f %+.0f %+.0f mm%s",
     this->Live.Pose().ThicknessMm, this->Live.Pose().RollDeg, this->Live.Kilovoltage(), offset[0],
-    offset[1], offset[2],
-    this->ShownSource < 1 ? ", drawn at 0.3 of its distance" : "");
+    offset[1], offset[2], this->ShownSource < 1 ? ", drawn at 0.3 of its distance" : "");
   this->UnitText->SetInput(text);
   for (BreastScene* scene : { &this->Squeezed, &this->AtRest })
   {
@@ -515,8 +513,7 @@ bool BreastViewer::Internals::OnPress(int x, int y)
     this->Controls.Press(x, y);
     return true;
   }
-  this->Dragging =
-    this->In(this->Squeezed.Renderer(), x, y) && this->Squeezed.OnSource(x, y);
+  this->Dragging = this->In(this->Squeezed.Renderer(), x, y) && this->Squeezed.OnSource(x, y);
   return this->Dragging;
 }
 
@@ -542,8 +539,7 @@ void BreastViewer::Internals::OnDrag(int x, int y)
   const Vector3& middle = this->Squeezed.ReceptorMiddle();
   const Vector3 source = middle + (1 / this->ShownSource) * (to - middle);
   const Vector3 gantry = this->Live.Placed().ToGantry(source);
-  this->Viewer.MoveSource(
-    gantry - Vector3{ 0, 0, this->Viewed.Breast.Unit.SourceToDetectorMm });
+  this->Viewer.MoveSource(gantry - Vector3{ 0, 0, this->Viewed.Breast.Unit.SourceToDetectorMm });
 }
 
 /// Draws points of the breast at rest, given with their pixels, in all views.
@@ -649,11 +645,10 @@ void BreastViewer::Internals::UpdateMark()
   std::vector<Vector3> places;
   for (std::size_t place = 0; place < std::min(Places, curve.size()); ++place)
   {
-    places.push_back(
-      curve[place * (curve.size() - 1) / std::max<std::size_t>(Places - 1, 1)]);
+    places.push_back(curve[place * (curve.size() - 1) / std::max<std::size_t>(Places - 1, 1)]);
   }
-  this->MarkText += "\n" +
-    UncertaintyText(breast.ToMammogram(places[places.size() / 2]).Uncertainty);
+  this->MarkText +=
+    "\n" + UncertaintyText(breast.ToMammogram(places[places.size() / 2]).Uncertainty);
   this->MarkImaged(breast, places, { column }, { row });
 }
 
@@ -703,9 +698,12 @@ void BreastViewer::Run()
 {
   vtkNew<vtkCallbackCommand> tick;
   tick->SetClientData(this);
-  tick->SetCallback([](vtkObject*, unsigned long, void* self, void*)
-    { static_cast<BreastViewer*>(self)->Tick(); });
+  tick->SetCallback(
+    [](vtkObject*, unsigned long, void* self, void*) { static_cast<BreastViewer*>(self)->Tick(); });
   this->Internal->Interactor->AddObserver(vtkCommand::TimerEvent, tick);
+  // Not before: VTK's event loop goes through all interactors that were ever initialised and did
+  // not run, also those that are gone.
+  this->Internal->Interactor->Initialize();
   this->Internal->Interactor->CreateRepeatingTimer(TickMilliseconds);
   this->Tick();
   this->Internal->Interactor->Start();

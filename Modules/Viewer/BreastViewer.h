@@ -34,7 +34,6 @@ struct ViewerOptions
   std::function<bool()> Stop;
 };
 
-
 /**
  * An interactive window: the breast with plates and source, the breast at rest, and the mammogram,
  * synthetic and real. What each key and button does is in ViewerHelpText.

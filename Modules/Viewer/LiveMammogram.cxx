@@ -61,8 +61,8 @@ LiveMammogram::LiveMammogram(const ViewedBreast& viewed, const ProjectorOptions&
   , FullGrid(viewed.Breast.Grid)
   , Projector(MakeProjector(options))
 {
-  const std::size_t pixels =
-    static_cast<std::size_t>(this->FullGrid.Columns) * static_cast<std::size_t>(this->FullGrid.Rows);
+  const std::size_t pixels = static_cast<std::size_t>(this->FullGrid.Columns) *
+    static_cast<std::size_t>(this->FullGrid.Rows);
   this->FullGrid.LogAttenuation.resize(pixels);
   this->FullGrid.BreastMask.resize(pixels);
   this->FullGrid.SignedDistanceMm.resize(pixels);

@@ -6,8 +6,8 @@
 
 namespace mammoray
 {
-/// Throws InputError, one line, unless there is an X display with OpenGL: VTK ends the program where
-/// it finds none.
+/// Throws InputError, one line, unless there is an X display with OpenGL: VTK ends the program
+/// where it finds none.
 MAMMORAYVIEWER_EXPORT void RequireDisplay();
 }
 

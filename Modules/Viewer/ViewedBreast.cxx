@@ -225,8 +225,8 @@ std::vector<double> RestPoints(vtkUnstructuredGrid* grid)
   {
     for (std::size_t index = 0; index < points.size(); ++index)
     {
-      points[index] -= displacement->GetComponent(static_cast<vtkIdType>(index / 3),
-        static_cast<int>(index % 3));
+      points[index] -=
+        displacement->GetComponent(static_cast<vtkIdType>(index / 3), static_cast<int>(index % 3));
     }
   }
   return points;
@@ -306,8 +306,8 @@ ViewedBreast ReadMeshes(const ViewInput& input)
   viewed.Pose.ShiftLateralMm = input.ShiftLateralMm;
   viewed.Pose.ShiftAnteriorMm = input.ShiftAnteriorMm;
   viewed.Pose.ShiftVerticalMm = input.ShiftVerticalMm;
-  viewed.Anchor = FindPoseAnchor(FromGrid(viewed.Breast.Uncompressed), viewed.Materials.Held(),
-    viewed.Axes);
+  viewed.Anchor =
+    FindPoseAnchor(FromGrid(viewed.Breast.Uncompressed), viewed.Materials.Held(), viewed.Axes);
   if (!input.Mammogram.empty())
   {
     AddMammogram(input.Mammogram, viewed);
@@ -320,13 +320,13 @@ RegistrationTarget GridAround(const ViewedBreast& viewed, double spacingMm)
 {
   if (!(spacingMm > 0))
   {
-    throw InputError("pixel spacing: expected a positive length, found " +
-      std::to_string(spacingMm) + " mm");
+    throw InputError(
+      "pixel spacing: expected a positive length, found " + std::to_string(spacingMm) + " mm");
   }
   double low[2] = { 1e9, 0 };
   double high[2] = { -1e9, 0 };
-  for (const ReceptorPoint& point : ProjectToReceptor(PointsOf(viewed.Breast.Compressed),
-         viewed.Breast.Placed, viewed.Breast.Unit))
+  for (const ReceptorPoint& point :
+    ProjectToReceptor(PointsOf(viewed.Breast.Compressed), viewed.Breast.Placed, viewed.Breast.Unit))
   {
     for (int axis = 0; axis < 2 && std::isfinite(point[0]); ++axis)
     {
@@ -344,7 +344,8 @@ RegistrationTarget GridAround(const ViewedBreast& viewed, double spacingMm)
   constexpr int Most = 8192;
   if (!(high[0] > low[0]) || grid.Columns < 1 || grid.Columns > Most || grid.Rows > Most)
   {
-    throw InputError("expected the breast in front of the receptor's edge and a picture of at most " +
+    throw InputError(
+      "expected the breast in front of the receptor's edge and a picture of at most " +
       std::to_string(Most) + " pixels along each side, found " + std::to_string(grid.Columns) +
       " x " + std::to_string(grid.Rows) + "; see --orientation and --pixel-spacing");
   }

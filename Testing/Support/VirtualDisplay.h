@@ -48,8 +48,8 @@ private:
       const int nowhere = open("/dev/null", O_WRONLY);
       dup2(nowhere, STDOUT_FILENO);
       dup2(nowhere, STDERR_FILENO);
-      execl(MAMMORAY_XVFB, MAMMORAY_XVFB, "-displayfd", end.c_str(), "-screen", "0",
-        "1400x1000x24", "-noreset", "-nolisten", "tcp", static_cast<char*>(nullptr));
+      execl(MAMMORAY_XVFB, MAMMORAY_XVFB, "-displayfd", end.c_str(), "-screen", "0", "1400x1000x24",
+        "-noreset", "-nolisten", "tcp", static_cast<char*>(nullptr));
       _exit(127);
     }
     close(ends[1]);

@@ -42,8 +42,8 @@ TEST_F(LiveMammogramTest, IsTheProjectionOfTheMovedUnit)
   const BreastInUnit breast = live.InUnit();
   const auto projector = MakeProjector({});
   projector->SetSurface(live.Surface());
-  const PathLengthImage lengths =
-    projector->Project(SourceOf(breast.Placed, breast.Unit), DetectorOf(breast.Placed, breast.Grid, 1));
+  const PathLengthImage lengths = projector->Project(SourceOf(breast.Placed, breast.Unit),
+    DetectorOf(breast.Placed, breast.Grid, 1));
   const Beam beam = MakeBeam(this->Viewed.Materials, AtKilovoltage(this->Viewed.Spectrum, 31),
     DetectorResponse::EnergyIntegrating);
   const std::vector<float> expected = beam.LogAttenuation(lengths);
@@ -75,8 +75,9 @@ TEST_F(LiveMammogramTest, HalfResolutionShowsTheSame)
       double high = 0;
       for (int corner = 0; corner < 4; ++corner)
       {
-        const double other = fine[static_cast<std::size_t>(2 * row + (corner >> 1)) *
-            live.Grid(1).Columns + 2 * column + (corner & 1)];
+        const double other =
+          fine[static_cast<std::size_t>(2 * row + (corner >> 1)) * live.Grid(1).Columns +
+            2 * column + (corner & 1)];
         low = std::min(low, other);
         high = std::max(high, other);
       }

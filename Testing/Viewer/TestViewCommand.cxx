@@ -61,9 +61,9 @@ protected:
     pose.ShiftAnteriorMm = 5;
     const VolumeFromGantry placed =
       PlaceUnit(AnatomicalAxes::FromCode("LAS"), { 0, 15, 0 }, {}, pose);
-    nlohmann::json result = { { "inputs",
-                                { { { "role", "Material table" }, { "file", "table.json" },
-                                  { "sha256", "none" } } } },
+    nlohmann::json result = {
+      { "inputs",
+        { { { "role", "Material table" }, { "file", "table.json" }, { "sha256", "none" } } } },
       { "versions", { { "Spectrum", "W28kVp_Rh50um_Be1mm" } } },
       { "mammogram", { { "laterality", "L" } } },
       { "placement",
@@ -74,7 +74,8 @@ protected:
           { "paddleEdgeMm", 0 }, { "edgeRadiusMm", 3 } } },
       { "grid",
         { { "columns", 120 }, { "rows", 240 }, { "originMm", { 59.75, 0.25 } },
-          { "columnStepMm", { 0.0, 0.5 } }, { "rowStepMm", { -0.5, 0.0 } } } } };
+          { "columnStepMm", { 0.0, 0.5 } }, { "rowStepMm", { -0.5, 0.0 } } } }
+    };
     const std::vector<std::pair<std::string, double>> values{ { "thickness", 54 }, { "roll", 4 },
       { "pitch", 0 }, { "yaw", 0 }, { "lateral", 0 }, { "anterior", 5 }, { "vertical", 0 },
       { "tilt", 0 }, { "stiffness", 1 } };
@@ -102,7 +103,8 @@ TEST_F(ViewCommand, WritesAScreenshotOfAMesh)
     GTEST_SKIP() << "no Vulkan device or no Xvfb";
   }
   const std::string picture = this->Folder.File("view.png");
-  ASSERT_EQ(this->Run(this->MeshArguments + " --pixel 60 80 --benchmark 2 --screenshot " + picture), 0)
+  ASSERT_EQ(this->Run(this->MeshArguments + " --pixel 60 80 --benchmark 2 --screenshot " + picture),
+    0)
     << this->Errors;
   EXPECT_THAT(this->Output, testing::HasSubstr("frames per second"));
   EXPECT_THAT(this->Output, testing::HasSubstr("pixel (60.0, 80.0): "));
@@ -120,8 +122,8 @@ TEST_F(ViewCommand, LocatesInAResult)
   const std::string picture = this->Folder.File("view.png");
   this->ExpectRefused("view --result " + folder + " --screenshot " + picture,
     "table.json, which is not a shipped one");
-  ASSERT_EQ(this->Run("view --result " + folder + " --materials " + this->Folder.File("table.json") +
-              " --point 20 20 5 --screenshot " + picture),
+  ASSERT_EQ(this->Run("view --result " + folder + " --materials " +
+              this->Folder.File("table.json") + " --point 20 20 5 --screenshot " + picture),
     0)
     << this->Errors;
   // As 'mammoray locate' says it.
@@ -131,8 +133,8 @@ TEST_F(ViewCommand, LocatesInAResult)
   double row = 0;
   double major = 0;
   double minor = 0;
-  ASSERT_EQ(std::sscanf(this->Output.c_str() + this->Output.find("pixel"), "pixel %lf %lf", &column,
-              &row),
+  ASSERT_EQ(
+    std::sscanf(this->Output.c_str() + this->Output.find("pixel"), "pixel %lf %lf", &column, &row),
     2);
   ASSERT_EQ(std::sscanf(this->Output.c_str() + this->Output.find("uncertainty"),
               "uncertainty %lf x %lf", &major, &minor),

@@ -135,8 +135,8 @@ vtkSmartPointer<vtkPolyData> NewPictureRectangle()
   return rectangle;
 }
 
-/// Of the two materials beside a triangle in the body the one that there is less of, not a thin one:
-/// it lies in the other. 0 for the outer surface and for thin layers.
+/// Of the two materials beside a triangle in the body the one that there is less of, not a thin
+/// one: it lies in the other. 0 for the outer surface and for thin layers.
 int InnerMaterial(const SurfaceMesh& surface, std::size_t triangle, const MaterialTable& table,
   const std::map<int, double>& volumes)
 {
@@ -220,7 +220,8 @@ vtkSmartPointer<vtkActor> BreastScene::AddActor(vtkRenderer* view, vtkPolyData* 
   return actor.Get();
 }
 
-/// Fewer triangles over some of the same points, for software OpenGL: Lindstrom's quadric clustering.
+/// Fewer triangles over some of the same points, for software OpenGL: Lindstrom's quadric
+/// clustering.
 std::vector<vtkIdType> BreastScene::Thinned(const std::vector<std::size_t>& triangles,
   double cellMm) const
 {
@@ -327,9 +328,8 @@ void BreastScene::SetUnit(const LiveMammogram& live, vtkTexture* picture, double
   std::vector<Vector3> corners;
   for (int corner = 0; corner < 4; ++corner)
   {
-    const ReceptorPoint at =
-      PixelPosition(grid, (corner & 1) != 0 ? grid.Columns - 0.5 : -0.5,
-        (corner & 2) != 0 ? grid.Rows - 0.5 : -0.5);
+    const ReceptorPoint at = PixelPosition(grid, (corner & 1) != 0 ? grid.Columns - 0.5 : -0.5,
+      (corner & 2) != 0 ? grid.Rows - 0.5 : -0.5);
     corners.push_back(placed.Point({ at[0], at[1], 0 }));
     this->Receptor->GetPoints()->SetPoint(corner, corners.back().data());
     low = std::min(low, at[0]);
@@ -341,7 +341,8 @@ void BreastScene::SetUnit(const LiveMammogram& live, vtkTexture* picture, double
   const PlatePair plates = live.Plates();
   SetPlate(this->Support, plates.Support, placed.X, low, high, depth);
   SetPlate(this->Paddle, plates.Paddle, placed.X, low, high, depth);
-  const auto towardsSource = [&](const Vector3& from) { return from + shownSource * (source - from); };
+  const auto towardsSource = [&](const Vector3& from)
+  { return from + shownSource * (source - from); };
   std::vector<std::vector<Vector3>> edges;
   for (const Vector3& corner : corners)
   {

@@ -49,9 +49,9 @@ public:
     const std::vector<Loop>& loops);
 
   /**
-   * What is seen at a place of the window, pixels: first what lies inside, then the skin. False where
-   * there is nothing; else `point` is where, and `corners` and `weights` the surface's points around
-   * it.
+   * What is seen at a place of the window, pixels: first what lies inside, then the skin. False
+   * where there is nothing; else `point` is where, and `corners` and `weights` the surface's points
+   * around it.
    */
   bool Pick(int x, int y, Vector3& point, std::array<std::int32_t, 3>& corners,
     std::array<double, 3>& weights);

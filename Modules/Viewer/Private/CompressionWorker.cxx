@@ -137,8 +137,7 @@ CompressedAnatomy CompressionWorker::Compress(const BreastPose& pose)
   {
     answer.Error = error.what();
   }
-  answer.Seconds =
-    std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  answer.Seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   return answer;
 }
 }

@@ -25,8 +25,8 @@ struct CompressedAnatomy
 };
 
 /**
- * Compresses a breast beside the window's thread. The simulation is made when it is first needed; of
- * several poses asked for while it works, the last one counts.
+ * Compresses a breast beside the window's thread. The simulation is made when it is first needed;
+ * of several poses asked for while it works, the last one counts.
  */
 class CompressionWorker
 {

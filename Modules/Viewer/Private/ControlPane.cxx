@@ -74,9 +74,7 @@ int ControlPane::AddSlider(const std::string& title, const char* format, double 
   slider->SetValue(value);
   slider->SetLabelFormat(format);
   const auto inWindow = [this](double share, int axis)
-  {
-    return this->Viewport[axis] + share * (this->Viewport[axis + 2] - this->Viewport[axis]);
-  };
+  { return this->Viewport[axis] + share * (this->Viewport[axis + 2] - this->Viewport[axis]); };
   Place(slider->GetPoint1Coordinate(), inWindow(0.36, 0), inWindow(y, 1));
   Place(slider->GetPoint2Coordinate(), inWindow(0.97, 0), inWindow(y, 1));
   slider->SetSliderLength(0.012);
@@ -154,8 +152,7 @@ bool ControlPane::Press(int x, int y)
   {
     double box[4];
     button.Label->GetBoundingBox(this->View, box);
-    const int* at =
-      button.Label->GetPositionCoordinate()->GetComputedViewportValue(this->View);
+    const int* at = button.Label->GetPositionCoordinate()->GetComputedViewportValue(this->View);
     const double inX = x - origin[0] - at[0];
     const double inY = y - origin[1] - at[1];
     if (inX >= box[0] && inX <= box[1] && inY >= box[2] && inY <= box[3])

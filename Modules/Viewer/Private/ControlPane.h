@@ -30,8 +30,8 @@ public:
   /// renderer that does not begin at the window's corner.
   vtkRenderer* SliderRenderer() { return this->Front; }
   /// Sliders and buttons are added before Attach.
-  int AddSlider(const std::string& title, const char* format, double low, double high,
-    double value, std::function<void(double)> changed);
+  int AddSlider(const std::string& title, const char* format, double low, double high, double value,
+    std::function<void(double)> changed);
   void AddButton(const std::string& title, std::function<void()> pressed);
   /// Makes the sliders listen; null: no longer.
   void Attach(vtkRenderWindowInteractor* interactor);

@@ -91,8 +91,7 @@ MammogramPane::MammogramPane(const ViewedBreast& viewed, LiveMammogram& live)
       std::vector<float>& grey = this->RealGrey[static_cast<std::size_t>(divisor - 1)];
       for (const float value : target.LogAttenuation)
       {
-        const double scaled =
-          level.Mean + (value - real.Mean) / real.Deviation * level.Deviation;
+        const double scaled = level.Mean + (value - real.Mean) / real.Deviation * level.Deviation;
         grey.push_back(static_cast<float>((scaled - this->Black) / (this->White - this->Black)));
       }
     }
@@ -229,8 +228,7 @@ void MammogramPane::Frame()
   camera->SetFocalPoint(middle[0], middle[1], 0);
   camera->SetPosition(middle[0], middle[1], 500 * side);
   camera->SetViewUp(this->Up, 0, 0);
-  const double height =
-    std::abs(this->Grid.ColumnStep[0]) * this->Grid.Columns +
+  const double height = std::abs(this->Grid.ColumnStep[0]) * this->Grid.Columns +
     std::abs(this->Grid.RowStep[0]) * this->Grid.Rows;
   const double width = std::abs(this->Grid.ColumnStep[1]) * this->Grid.Columns +
     std::abs(this->Grid.RowStep[1]) * this->Grid.Rows;

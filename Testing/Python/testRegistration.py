@@ -1,0 +1,86 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A breast is compressed and X-rayed; its mammogram then tells the thickness. Exit 125: no device."""
+import math
+import sys
+import tempfile
+
+import mammoray
+import numpy
+from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
+from vtkmodules.vtkCommonCore import vtkLogger, vtkStringArray
+from vtkmodules.vtkCommonDataModel import vtkImageData
+
+from pipeline import TABLE, field, half_ball_labels, image, stop_on_error
+
+THICKNESS = 50.0
+labels, origin = half_ball_labels()
+with tempfile.NamedTemporaryFile("w", suffix=".json") as table:
+    table.write(TABLE)
+    table.flush()
+    mesher = stop_on_error(mammoray.vtkBreastMesher())
+    mesher.SetInputData(image(labels, origin, 2.0))
+    mesher.SetMaterialTable(table.name)
+    mesher.SetCellSizeMm(8)
+    coarse = stop_on_error(mammoray.vtkBreastMesher())
+    coarse.SetInputData(mesher.GetInput())
+    coarse.SetMaterialTable(table.name)
+    coarse.ForMechanicsOn()
+    coarse.SetCellSizeMm(11)
+    compression = stop_on_error(mammoray.vtkBreastCompression())
+    compression.SetInputConnection(mesher.GetOutputPort())
+    compression.SetMaterialTable(table.name)
+    compression.SetOrientation("LAS")
+    compression.SetElementToLinear()
+    compression.SetThicknessMm(THICKNESS)
+
+    # A receptor 27 mm below the middle of the plates, its edge at the front of the chest wall (y = 6).
+    projector = mammoray.vtkXRayProjector()
+    projector.SetInputConnection(compression.GetOutputPort())
+    projector.SetSourcePosition(0, 6, 650 - THICKNESS / 2 - 2)
+    projector.SetDetectorOrigin(44.75, 6.25, -THICKNESS / 2 - 2)
+    projector.SetColumnDirection(0, 1, 0)
+    projector.SetRowDirection(-1, 0, 0)
+    projector.SetPixelSpacing(0.5, 0.5)
+    projector.SetDetectorSize(90, 180)
+    for index, name, density in ((1, "adipose", 0.92), (2, "glandular", 1.03), (3, "muscle", 1.05)):
+        projector.SetAttenuationTable(index, name, density)
+    compression.Update()
+    vtkLogger.SetStderrVerbosity(vtkLogger.VERBOSITY_OFF)
+    projector.Update()
+    transmission = projector.GetOutput().GetPointData().GetArray("Transmission")
+    if transmission is None:
+        print("no projection: no device; see mammoray devices")
+        sys.exit(125)
+    vtkLogger.SetStderrVerbosity(vtkLogger.VERBOSITY_WARNING)
+
+    # As vtkMammogramReader gives it: the first row of the picture is the last of the image.
+    pixels = 10000 * vtk_to_numpy(transmission).reshape(180, 90)[::-1]
+    mammogram = vtkImageData()
+    mammogram.SetDimensions(90, 180, 1)
+    mammogram.SetSpacing(0.5, 0.5, 1)
+    mammogram.GetPointData().SetScalars(numpy_to_vtk(pixels.ravel(), deep=True))
+    for name, text in (("View", "CC"), ("Laterality", "L"), ("RowDirection", "A"), ("ColumnDirection", "R"),
+                       ("PresentationIntent", "FOR PROCESSING")):
+        array = vtkStringArray()
+        array.SetName(name)
+        array.InsertNextValue(text)
+        mammogram.GetFieldData().AddArray(array)
+
+    registration = stop_on_error(mammoray.vtkBreastRegistration())
+    registration.SetInputConnection(mesher.GetOutputPort())
+    registration.SetInputData(1, mammogram)
+    registration.SetSimulationMeshConnection(coarse.GetOutputPort())
+    registration.SetMaterialTable(table.name)
+    registration.SetOrientation("LAS")
+    registration.SetFreeParameters("thickness lateral")
+    registration.SetStartThicknessMm(THICKNESS + 4)
+    registration.SetStartAnteriorMm(0)
+    registration.Update()
+    result = registration.GetOutput()
+    thickness, deviation = field(result, "Parameters")[0], field(result, "ParameterDeviations")[0]
+    covariance = field(result, "Covariance")
+    assert covariance.shape == (9, 9) and math.isclose(covariance[0, 0], deviation ** 2, rel_tol=1e-9)
+    # Another mesh, other elements and another beam than the mammogram's: a twentieth of the thickness.
+    assert abs(thickness - THICKNESS) < 2.5, thickness
+    assert field(result, "Correlation")[0] > 0.95
+print(f"thickness {thickness:.2f} +- {deviation:.2f} mm, made with {THICKNESS:.2f} mm")
