@@ -7,12 +7,12 @@ import tempfile
 import mammoray
 import numpy
 from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
-from vtkmodules.vtkCommonCore import vtkLogger, vtkStringArray
+from vtkmodules.vtkCommonCore import vtkIntArray, vtkLogger, vtkStringArray
 from vtkmodules.vtkCommonDataModel import vtkImageData
 
 from pipeline import TABLE, field, half_ball_labels, image, stop_on_error
 
-THICKNESS = 50.0
+THICKNESS = 54.0
 labels, origin = half_ball_labels()
 with tempfile.NamedTemporaryFile("w", suffix=".json") as table:
     table.write(TABLE)
@@ -27,10 +27,9 @@ with tempfile.NamedTemporaryFile("w", suffix=".json") as table:
     coarse.ForMechanicsOn()
     coarse.SetCellSizeMm(11)
     compression = stop_on_error(mammoray.vtkBreastCompression())
-    compression.SetInputConnection(mesher.GetOutputPort())
+    compression.SetInputConnection(coarse.GetOutputPort())
     compression.SetMaterialTable(table.name)
     compression.SetOrientation("LAS")
-    compression.SetElementToLinear()
     compression.SetThicknessMm(THICKNESS)
 
     # A receptor 27 mm below the middle of the plates, its edge at the front of the chest wall (y = 6).
@@ -65,6 +64,10 @@ with tempfile.NamedTemporaryFile("w", suffix=".json") as table:
         array.SetName(name)
         array.InsertNextValue(text)
         mammogram.GetFieldData().AddArray(array)
+    sign = vtkIntArray()
+    sign.SetName("IntensitySign")
+    sign.InsertNextValue(1)  # larger values mean more X-ray behind the breast
+    mammogram.GetFieldData().AddArray(sign)
 
     registration = stop_on_error(mammoray.vtkBreastRegistration())
     registration.SetInputConnection(mesher.GetOutputPort())
@@ -80,7 +83,7 @@ with tempfile.NamedTemporaryFile("w", suffix=".json") as table:
     thickness, deviation = field(result, "Parameters")[0], field(result, "ParameterDeviations")[0]
     covariance = field(result, "Covariance")
     assert covariance.shape == (9, 9) and math.isclose(covariance[0, 0], deviation ** 2, rel_tol=1e-9)
-    # Another mesh, other elements and another beam than the mammogram's: a twentieth of the thickness.
-    assert abs(thickness - THICKNESS) < 2.5, thickness
-    assert field(result, "Correlation")[0] > 0.95
+    # A mammogram of the coarse mesh without gland and of another beam: two millimetres of its thickness.
+    assert abs(thickness - THICKNESS) < 2, thickness
+    assert field(result, "Correlation")[0] > 0.9
 print(f"thickness {thickness:.2f} +- {deviation:.2f} mm, made with {THICKNESS:.2f} mm")
