@@ -1,18 +1,18 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A breast is compressed and X-rayed; its mammogram then tells the thickness. Exit 125: no device."""
+"""A breast is compressed and X-rayed; its mammogram then tells where the receptor stood. Exit 125: no device."""
 import math
 import sys
 import tempfile
 
 import mammoray
-import numpy
 from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
 from vtkmodules.vtkCommonCore import vtkIntArray, vtkLogger, vtkStringArray
 from vtkmodules.vtkCommonDataModel import vtkImageData
 
 from pipeline import TABLE, field, half_ball_labels, image, stop_on_error
 
-THICKNESS = 54.0
+THICKNESS = 52.0
+SHIFT = 3.0
 labels, origin = half_ball_labels()
 with tempfile.NamedTemporaryFile("w", suffix=".json") as table:
     table.write(TABLE)
@@ -35,8 +35,8 @@ with tempfile.NamedTemporaryFile("w", suffix=".json") as table:
     # A receptor 27 mm below the middle of the plates, its edge at the front of the chest wall (y = 6).
     projector = mammoray.vtkXRayProjector()
     projector.SetInputConnection(compression.GetOutputPort())
-    projector.SetSourcePosition(0, 6, 650 - THICKNESS / 2 - 2)
-    projector.SetDetectorOrigin(44.75, 6.25, -THICKNESS / 2 - 2)
+    projector.SetSourcePosition(SHIFT, 6, 650 - THICKNESS / 2 - 2)
+    projector.SetDetectorOrigin(SHIFT + 44.75, 6.25, -THICKNESS / 2 - 2)
     projector.SetColumnDirection(0, 1, 0)
     projector.SetRowDirection(-1, 0, 0)
     projector.SetPixelSpacing(0.5, 0.5)
@@ -75,15 +75,14 @@ with tempfile.NamedTemporaryFile("w", suffix=".json") as table:
     registration.SetSimulationMeshConnection(coarse.GetOutputPort())
     registration.SetMaterialTable(table.name)
     registration.SetOrientation("LAS")
-    registration.SetFreeParameters("thickness lateral")
-    registration.SetStartThicknessMm(THICKNESS + 4)
+    registration.SetFreeParameters("lateral")
+    registration.SetStartThicknessMm(THICKNESS)
     registration.SetStartAnteriorMm(0)
     registration.Update()
     result = registration.GetOutput()
-    thickness, deviation = field(result, "Parameters")[0], field(result, "ParameterDeviations")[0]
+    lateral, deviation = field(result, "Parameters")[4], field(result, "ParameterDeviations")[4]
     covariance = field(result, "Covariance")
-    assert covariance.shape == (9, 9) and math.isclose(covariance[0, 0], deviation ** 2, rel_tol=1e-9)
-    # A mammogram of the coarse mesh without gland and of another beam: two millimetres of its thickness.
-    assert abs(thickness - THICKNESS) < 2, thickness
-    assert field(result, "Correlation")[0] > 0.9
-print(f"thickness {thickness:.2f} +- {deviation:.2f} mm, made with {THICKNESS:.2f} mm")
+    assert covariance.shape == (9, 9) and math.isclose(covariance[4, 4], deviation ** 2, rel_tol=1e-9)
+    # Half a pixel of the finer comparison: the anatomy's skin is not quite the coarse mesh's.
+    assert abs(lateral - SHIFT) < 0.75, lateral
+print(f"receptor {lateral:.2f} +- {deviation:.2f} mm aside, was {SHIFT:.2f} mm")
