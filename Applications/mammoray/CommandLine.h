@@ -60,6 +60,7 @@ void AddCompressCommand(CLI::App& application);
 void AddDevicesCommand(CLI::App& application);
 void AddEvaluateCommand(CLI::App& application);
 void AddExampleCommand(CLI::App& application);
+void AddFuseCommand(CLI::App& application);
 void AddLocateCommand(CLI::App& application);
 void AddMeshCommand(CLI::App& application);
 void AddProjectCommand(CLI::App& application);

@@ -173,9 +173,11 @@ void PlaceBeam(const ProjectArguments& arguments, const SurfaceMesh& surface,
 void RunProject(const ProjectArguments& arguments)
 {
   CheckInputFile(arguments.Mesh);
+  CheckProjectionExtension(arguments.Output);
   CheckOutputFile(arguments.Output, arguments.Overwrite);
   if (!arguments.PathLengths.empty())
   {
+    CheckProjectionExtension(arguments.PathLengths, true);
     CheckOutputFile(arguments.PathLengths, arguments.Overwrite);
   }
   const ProgressCallback progress = MakeProgressBar();

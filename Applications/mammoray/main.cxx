@@ -47,6 +47,7 @@ int main(int argc, char* argv[])
   mammoray::AddDevicesCommand(application);
   mammoray::AddEvaluateCommand(application);
   mammoray::AddExampleCommand(application);
+  mammoray::AddFuseCommand(application);
   mammoray::AddLocateCommand(application);
   mammoray::AddMeshCommand(application);
   mammoray::AddProjectCommand(application);

@@ -90,6 +90,15 @@ constexpr double LargestNewtonStepMm = 5;
 /// Least share of the projected matrix worth mixing in.
 constexpr double SmallestShare = 1.0 / 64;
 
+/// The part of the body that is relaxed alone: nodes with this fraction of the largest residual
+/// force at least, and those of so many layers of elements around them; more than that part of the
+/// unknowns is no part. How well and how long it is relaxed.
+constexpr double WorstForce = 0.1;
+constexpr int LayersAroundWorst = 2;
+constexpr double LargestPart = 0.2;
+constexpr double PartTolerance = 1e-2;
+constexpr int PartNewtonSteps = 10;
+
 /// Energy per area of a depth in the contact layer, its first and its second derivative.
 struct ContactLaw
 {
@@ -156,6 +165,7 @@ double SquaredNorm(const std::vector<double>& v)
 struct EquilibriumSolver::Internals
 {
   const ElasticBody& Body;
+  const std::vector<bool> LeftOut;
   double ContactStiffness;
   /// Dead loads; empty or one per coordinate.
   std::vector<double> Loads;
@@ -274,6 +284,19 @@ struct EquilibriumSolver::Internals
   std::vector<double> HoldingForces(const std::vector<double>& x, const PlatePair& plates,
     const std::vector<HoldingVelocity>& velocities) const;
   EquilibriumReport Report(const Assembly& assembly) const;
+  /// EquilibriumSolver::Solve; `eliminate`: with RelaxWorst where Newton's method struggles.
+  EquilibriumReport Newton(std::vector<double>& x, const PlatePair* plates, double tolerance,
+    int maximumSteps, bool eliminate, const ProgressCallback& progress) const;
+  /**
+   * Minimises the energy over the coordinates where the residual forces of Current are largest and
+   * those around them, the others fixed. Tissue folds and slips at the plates' edges in steps of
+   * some mm, and the whole body would wait for it at the price of a factor each (nonlinear
+   * elimination: Lanzkron, Rose & Wilkes 1996; Cai & Li 2011). Never raises the energy.
+   */
+  void RelaxWorst(std::vector<double>& x, const PlatePair* plates,
+    const ProgressCallback& progress) const;
+  /// 3 x nodeCount flags: true but at the unknowns that RelaxWorst moves; empty: too many.
+  std::vector<bool> FixedAroundWorst() const;
   /// Largest difference of a coordinate from the positions of the factor at hand, mm.
   double DistanceOfFactor(const std::vector<double>& x) const;
   double ForceScale(const Assembly& assembly) const
@@ -286,6 +309,7 @@ struct EquilibriumSolver::Internals
 EquilibriumSolver::Internals::Internals(const ElasticBody& body, const std::vector<bool>& fixed,
   double contactStiffness, const std::vector<bool>& leftOut)
   : Body(body)
+  , LeftOut(leftOut)
   , ContactStiffness(contactStiffness)
 {
   if (fixed.size() != body.RestPositions().size())
@@ -1100,12 +1124,12 @@ FrictionPoints EquilibriumSolver::DraggedTo(const std::vector<double>& x, const 
   return points;
 }
 
-EquilibriumReport EquilibriumSolver::Solve(std::vector<double>& x, const PlatePair* plates,
-  double tolerance, int maximumSteps, const ProgressCallback& progress) const
+EquilibriumReport EquilibriumSolver::Internals::Newton(std::vector<double>& x,
+  const PlatePair* plates, double tolerance, int maximumSteps, bool eliminate,
+  const ProgressCallback& progress) const
 {
-  const Internals& internal = *this->Internal;
-  Internals::Assembly& current = internal.Current;
-  internal.Assemble(x, plates, ElasticBody::Order::Hessian, current);
+  Assembly& current = this->Current;
+  this->Assemble(x, plates, ElasticBody::Order::Hessian, current);
   if (!current.Valid)
   {
     EquilibriumReport report;
@@ -1114,10 +1138,10 @@ EquilibriumReport EquilibriumSolver::Solve(std::vector<double>& x, const PlatePa
   }
   std::vector<double> step;
   std::vector<double> trial;
-  Internals::Assembly probe;
+  Assembly probe;
   for (int newton = 0;; ++newton)
   {
-    EquilibriumReport report = internal.Report(current);
+    EquilibriumReport report = this->Report(current);
     report.NewtonSteps = newton;
     if (report.RelativeResidual <= tolerance)
     {
@@ -1138,18 +1162,18 @@ EquilibriumReport EquilibriumSolver::Solve(std::vector<double>& x, const PlatePa
     // small part of it.
     for (bool stiffer = false;; stiffer = true)
     {
-      if (!internal.FactorizeWithFallback(x, plates, stiffer))
+      if (!this->FactorizeWithFallback(x, plates, stiffer))
       {
         report.Reason = "the stiffness matrix is singular";
         return report;
       }
-      step.resize(internal.CoordinateOfUnknown.size());
+      step.resize(this->CoordinateOfUnknown.size());
       for (std::size_t u = 0; u < step.size(); ++u)
       {
-        step[u] = -current.Gradient[internal.CoordinateOfUnknown[u]];
+        step[u] = -current.Gradient[this->CoordinateOfUnknown[u]];
       }
-      internal.Factor->Solve(step);
-      if (internal.Share == 1 || LargestMagnitude(step) <= LargestNewtonStepMm)
+      this->Factor->Solve(step);
+      if (this->Share == 1 || LargestMagnitude(step) <= LargestNewtonStepMm)
       {
         break;
       }
@@ -1157,21 +1181,22 @@ EquilibriumReport EquilibriumSolver::Solve(std::vector<double>& x, const PlatePa
     double slope = 0;
     for (std::size_t u = 0; u < step.size(); ++u)
     {
-      slope += step[u] * current.Gradient[internal.CoordinateOfUnknown[u]];
+      slope += step[u] * current.Gradient[this->CoordinateOfUnknown[u]];
     }
     double length = 1;
     bool accepted = false;
-    for (int halving = 0; halving < 30 && !accepted; ++halving, length *= 0.5)
+    for (int halving = 0; halving < 30 && !accepted; ++halving)
     {
+      length = std::ldexp(1.0, -halving);
       trial = x;
       for (std::size_t u = 0; u < step.size(); ++u)
       {
-        trial[internal.CoordinateOfUnknown[u]] += length * step[u];
+        trial[this->CoordinateOfUnknown[u]] += length * step[u];
       }
-      internal.Assemble(trial, plates, ElasticBody::Order::Energy, probe);
+      this->Assemble(trial, plates, ElasticBody::Order::Energy, probe);
       accepted = probe.Valid &&
         probe.Energy <= current.Energy + 1e-4 * length * slope +
-            std::max(internal.EnergyNoise, 1e-13 * std::abs(current.Energy));
+            std::max(this->EnergyNoise, 1e-13 * std::abs(current.Energy));
     }
     if (!accepted)
     {
@@ -1179,8 +1204,81 @@ EquilibriumReport EquilibriumSolver::Solve(std::vector<double>& x, const PlatePa
       return report;
     }
     x.swap(trial);
-    internal.Assemble(x, plates, ElasticBody::Order::Hessian, current);
+    this->Assemble(x, plates, ElasticBody::Order::Hessian, current);
+    const bool struggling = this->Share > 0 || length < 1;
+    if (eliminate && struggling && this->Report(current).RelativeResidual > tolerance)
+    {
+      this->RelaxWorst(x, plates, progress);
+      this->Assemble(x, plates, ElasticBody::Order::Hessian, current);
+    }
   }
+}
+
+std::vector<bool> EquilibriumSolver::Internals::FixedAroundWorst() const
+{
+  const std::size_t nodeCount = this->Body.NumberOfNodes();
+  std::vector<double> squares(nodeCount, 0.0);
+  for (const std::int32_t coordinate : this->CoordinateOfUnknown)
+  {
+    const double force = this->Current.Gradient[coordinate];
+    squares[coordinate / 3] += force * force;
+  }
+  const double largest = *std::max_element(squares.begin(), squares.end());
+  for (double part = WorstForce; part < 1; part *= 2)
+  {
+    std::vector<bool> chosen(nodeCount);
+    std::transform(squares.begin(), squares.end(), chosen.begin(),
+      [&](double square) { return square > part * part * largest; });
+    for (int layer = 0; layer < LayersAroundWorst; ++layer)
+    {
+      std::vector<bool> wider = chosen;
+      for (const std::int32_t element : this->ActiveElements)
+      {
+        const std::span<const std::int32_t> nodes = this->Body.NodesOf(element);
+        if (std::any_of(nodes.begin(), nodes.end(), [&](std::int32_t n) { return chosen[n]; }))
+        {
+          for (const std::int32_t node : nodes)
+          {
+            wider[node] = true;
+          }
+        }
+      }
+      chosen.swap(wider);
+    }
+    std::vector<bool> fixed(3 * nodeCount, true);
+    std::size_t count = 0;
+    for (const std::int32_t coordinate : this->CoordinateOfUnknown)
+    {
+      fixed[coordinate] = !chosen[coordinate / 3];
+      count += chosen[coordinate / 3];
+    }
+    if (count <= LargestPart * static_cast<double>(this->CoordinateOfUnknown.size()))
+    {
+      return fixed;
+    }
+  }
+  return {};
+}
+
+void EquilibriumSolver::Internals::RelaxWorst(std::vector<double>& x, const PlatePair* plates,
+  const ProgressCallback& progress) const
+{
+  const std::vector<bool> fixed = this->FixedAroundWorst();
+  if (fixed.empty())
+  {
+    return;
+  }
+  EquilibriumSolver part(this->Body, fixed, this->ContactStiffness, this->LeftOut);
+  part.SetLoads(this->Loads);
+  part.SetWall(this->Wall, this->Stiffness);
+  part.SetFriction(this->Friction);
+  part.Internal->Newton(x, plates, PartTolerance, PartNewtonSteps, false, progress);
+}
+
+EquilibriumReport EquilibriumSolver::Solve(std::vector<double>& x, const PlatePair* plates,
+  double tolerance, int maximumSteps, const ProgressCallback& progress) const
+{
+  return this->Internal->Newton(x, plates, tolerance, maximumSteps, true, progress);
 }
 
 bool EquilibriumSolver::Admissible(const std::vector<double>& x) const

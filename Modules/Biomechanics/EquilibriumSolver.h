@@ -105,8 +105,9 @@ public:
    * From the positions `x` (3 x nodeCount, mm; no cell inverted; fixed coordinates keep their
    * values) to equilibrium between the plates (none: null). Stops when the norm of the residual
    * forces falls below `tolerance` times the largest of the norms of the forces of contact, of the
-   * chest wall, of the dead loads and at fixed coordinates. `x` holds the last positions with all J
-   * > 0 when it fails.
+   * chest wall, of the dead loads and at fixed coordinates. After a step that was cut short or took
+   * a stiffer matrix, the part of the body with the largest residual forces is relaxed alone; its
+   * steps are not counted. `x` holds the last positions with all J > 0 when it fails.
    */
   EquilibriumReport Solve(std::vector<double>& x, const PlatePair* plates, double tolerance,
     int maximumSteps, const ProgressCallback& progress = {}) const;

@@ -13,6 +13,8 @@
 #include <fstream>
 #include <limits>
 #include <sstream>
+#include <type_traits>
+#include <utility>
 
 namespace mammoray
 {
@@ -59,17 +61,31 @@ std::string Deflate(std::string bytes, int windowBits, const std::string& path)
   return packed;
 }
 
-/// Voxels of one byte, or of two, the lower first.
-std::string VoxelBytes(const LabelVolume& volume, bool small)
+/// A type of voxels in the words of the formats.
+struct VoxelType
 {
+  const char* Nrrd;
+  const char* MetaImage;
+  std::int16_t Nifti;
+  std::int16_t Bits;
+};
+constexpr VoxelType SmallLabels{ "uint8", "MET_UCHAR", 2, 8 };
+constexpr VoxelType LargeLabels{ "uint16", "MET_USHORT", 512, 16 };
+constexpr VoxelType Floats{ "float", "MET_FLOAT", 16, 32 };
+
+/// The lowest bytes of each voxel, the lowest first.
+template <typename Voxel>
+std::string VoxelBytes(const std::vector<Voxel>& voxels, const VoxelType& type)
+{
+  using Bits = std::conditional_t<sizeof(Voxel) == 4, std::uint32_t, std::uint16_t>;
   std::string bytes;
-  bytes.reserve(volume.Voxels.size() * (small ? 1 : 2));
-  for (const std::uint16_t voxel : volume.Voxels)
+  bytes.reserve(voxels.size() * type.Bits / 8);
+  for (const Voxel voxel : voxels)
   {
-    bytes.push_back(static_cast<char>(voxel & 255));
-    if (!small)
+    const Bits bits = std::bit_cast<Bits>(voxel);
+    for (int shift = 0; shift < type.Bits; shift += 8)
     {
-      bytes.push_back(static_cast<char>(voxel >> 8));
+      bytes.push_back(static_cast<char>((bits >> shift) & 255));
     }
   }
   return bytes;
@@ -84,10 +100,10 @@ std::string VectorText(const Vector3& v, const char* open, const char* between, 
   return text.str();
 }
 
-std::string NrrdHeader(const LabelVolume& volume, bool small)
+std::string NrrdHeader(const VolumeGrid& volume, const VoxelType& type)
 {
   std::ostringstream text;
-  text << "NRRD0004\ntype: " << (small ? "uint8" : "uint16")
+  text << "NRRD0004\ntype: " << type.Nrrd
        << "\ndimension: 3\nspace: left-posterior-superior\nsizes: " << volume.Size[0] << ' '
        << volume.Size[1] << ' ' << volume.Size[2] << "\nspace directions:";
   for (int a = 0; a < 3; ++a)
@@ -99,7 +115,7 @@ std::string NrrdHeader(const LabelVolume& volume, bool small)
   return text.str();
 }
 
-std::string MetaImageHeader(const LabelVolume& volume, bool small, std::size_t dataBytes)
+std::string MetaImageHeader(const VolumeGrid& volume, const VoxelType& type, std::size_t dataBytes)
 {
   std::ostringstream text;
   text << "ObjectType = Image\nNDims = 3\nBinaryData = True\nBinaryDataByteOrderMSB = False\n"
@@ -111,13 +127,12 @@ std::string MetaImageHeader(const LabelVolume& volume, bool small, std::size_t d
   text << VectorText(volume.Origin, "\nOffset = ", " ", "")
        << VectorText(volume.Spacing, "\nCenterOfRotation = 0 0 0\nElementSpacing = ", " ", "")
        << "\nDimSize = " << volume.Size[0] << ' ' << volume.Size[1] << ' ' << volume.Size[2]
-       << "\nElementType = " << (small ? "MET_UCHAR" : "MET_USHORT")
-       << "\nElementDataFile = LOCAL\n";
+       << "\nElementType = " << type.MetaImage << "\nElementDataFile = LOCAL\n";
   return text.str();
 }
 
 /// NIfTI-1 in one file, the frame by its sform; RAS, as NIfTI's always is.
-std::string NiftiHeader(const LabelVolume& volume, bool small, const std::string& path)
+std::string NiftiHeader(const VolumeGrid& volume, const VoxelType& type, const std::string& path)
 {
   constexpr int headerBytes = 348;
   constexpr int dataOffset = 352; // after four bytes that announce no extension
@@ -133,8 +148,8 @@ std::string NiftiHeader(const LabelVolume& volume, bool small, const std::string
   };
   put(0, std::int32_t{ headerBytes });
   put(40, std::int16_t{ 3 });
-  put(70, static_cast<std::int16_t>(small ? 2 : 512)); // unsigned char, unsigned short
-  put(72, static_cast<std::int16_t>(small ? 8 : 16));
+  put(70, type.Nifti);
+  put(72, type.Bits);
   put(76, 1.0f);
   put(108, static_cast<float>(dataOffset));
   put(112, 1.0f);
@@ -166,6 +181,37 @@ std::string NiftiHeader(const LabelVolume& volume, bool small, const std::string
   }
   header.replace(344, 3, "n+1");
   return header;
+}
+
+/// Writes by extension; `voxels`: their bytes.
+void WriteVolume(const VolumeGrid& grid, const VoxelType& type, std::string voxels,
+  const std::string& path)
+{
+  CheckLabelVolumeExtension(path);
+  constexpr int zlibFormat = 15;
+  constexpr int gzipFormat = 15 + 16;
+  const std::string extension = VolumeExtension(path);
+  std::string bytes;
+  if (extension == ".nrrd")
+  {
+    bytes = NrrdHeader(grid, type) + Deflate(std::move(voxels), gzipFormat, path);
+  }
+  else if (extension == ".mha")
+  {
+    const std::string packed = Deflate(std::move(voxels), zlibFormat, path);
+    bytes = MetaImageHeader(grid, type, packed.size()) + packed;
+  }
+  else
+  {
+    bytes = Deflate(NiftiHeader(grid, type, path) + voxels, gzipFormat, path);
+  }
+  std::ofstream file(path, std::ios::binary);
+  file << bytes;
+  file.close();
+  if (!file)
+  {
+    throw InputError(path + ": cannot be written");
+  }
 }
 }
 
@@ -215,7 +261,7 @@ void CheckLabelVolumeExtension(const std::string& path)
   if (extension != ".nrrd" && extension != ".mha" && extension != ".nii.gz")
   {
     throw InputError(path +
-      ": expected the extension .nrrd, .mha or .nii.gz for a label volume, found '" + extension +
+      ": expected the extension .nrrd, .mha or .nii.gz for a volume, found '" + extension +
       "'");
   }
 }
@@ -223,32 +269,15 @@ void CheckLabelVolumeExtension(const std::string& path)
 void WriteLabelVolume(const LabelVolume& volume, const std::string& path)
 {
   volume.Validate(path);
-  CheckLabelVolumeExtension(path);
   const bool small = std::all_of(volume.Voxels.begin(), volume.Voxels.end(),
     [](std::uint16_t v) { return v < 256; });
-  constexpr int zlibFormat = 15;
-  constexpr int gzipFormat = 15 + 16;
-  const std::string extension = VolumeExtension(path);
-  std::string bytes;
-  if (extension == ".nrrd")
-  {
-    bytes = NrrdHeader(volume, small) + Deflate(VoxelBytes(volume, small), gzipFormat, path);
-  }
-  else if (extension == ".mha")
-  {
-    const std::string packed = Deflate(VoxelBytes(volume, small), zlibFormat, path);
-    bytes = MetaImageHeader(volume, small, packed.size()) + packed;
-  }
-  else
-  {
-    bytes = Deflate(NiftiHeader(volume, small, path) + VoxelBytes(volume, small), gzipFormat, path);
-  }
-  std::ofstream file(path, std::ios::binary);
-  file << bytes;
-  file.close();
-  if (!file)
-  {
-    throw InputError(path + ": cannot be written");
-  }
+  const VoxelType& type = small ? SmallLabels : LargeLabels;
+  WriteVolume(volume, type, VoxelBytes(volume.Voxels, type), path);
+}
+
+void WriteIntensityVolume(const IntensityVolume& volume, const std::string& path)
+{
+  volume.Validate(path);
+  WriteVolume(volume, Floats, VoxelBytes(volume.Voxels, Floats), path);
 }
 }

@@ -55,6 +55,10 @@ MAMMORAYMAMMOGRAPHY_EXPORT void CheckLabelVolumeExtension(const std::string& pat
  */
 MAMMORAYMAMMOGRAPHY_EXPORT void WriteLabelVolume(const LabelVolume& volume,
   const std::string& path);
+
+/// The same of intensities, as 32-bit floats.
+MAMMORAYMAMMOGRAPHY_EXPORT void WriteIntensityVolume(const IntensityVolume& volume,
+  const std::string& path);
 }
 
 #endif

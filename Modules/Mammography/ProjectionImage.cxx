@@ -25,7 +25,6 @@ namespace mammoray
 namespace
 {
 constexpr const char* PathLengthPrefix = "PathLength_";
-constexpr const char* LogAttenuationArrayName = "LogAttenuation";
 
 vtkSmartPointer<vtkFloatArray> FloatArray(const std::string& name, const float* values,
   std::size_t count)
@@ -157,10 +156,8 @@ void WritePng(vtkImageData* image, vtkFloatArray* values, float white, const std
 }
 }
 
-vtkSmartPointer<vtkImageData> ToImage(const Exposure& exposure, const XRayDetector& detector,
-  const std::vector<std::string>& materialNames)
+vtkSmartPointer<vtkImageData> MakeDetectorImage(const XRayDetector& detector)
 {
-  const PathLengthImage& lengths = exposure.Lengths;
   const double width = Norm(detector.ColumnStep);
   const double height = Norm(detector.RowStep);
   // 1e-6: directions computed in float.
@@ -173,11 +170,18 @@ vtkSmartPointer<vtkImageData> ToImage(const Exposure& exposure, const XRayDetect
   const Vector3 v = (1 / height) * detector.RowStep;
   const Vector3 n = Cross(u, v);
   auto image = vtkSmartPointer<vtkImageData>::New();
-  image->SetDimensions(lengths.Columns, lengths.Rows, 1);
+  image->SetDimensions(detector.Columns, detector.Rows, 1);
   image->SetSpacing(width, height, 1.0);
   image->SetOrigin(detector.Origin.data());
   image->SetDirectionMatrix(u[0], v[0], n[0], u[1], v[1], n[1], u[2], v[2], n[2]);
+  return image;
+}
 
+vtkSmartPointer<vtkImageData> ToImage(const Exposure& exposure, const XRayDetector& detector,
+  const std::vector<std::string>& materialNames)
+{
+  const PathLengthImage& lengths = exposure.Lengths;
+  auto image = MakeDetectorImage(detector);
   vtkPointData* data = image->GetPointData();
   const std::size_t pixelCount = lengths.NumberOfPixels();
   data->SetScalars(FloatArray("Transmission", exposure.Transmission.data(), pixelCount));
@@ -200,13 +204,12 @@ vtkSmartPointer<vtkImageData> ToImage(const Exposure& exposure, const XRayDetect
   return image;
 }
 
-void WriteRadiograph(vtkImageData* image, const std::string& path)
+void WriteRadiograph(vtkImageData* image, const std::string& path, const std::string& arrayName)
 {
-  auto* array =
-    vtkFloatArray::SafeDownCast(image->GetPointData()->GetArray(LogAttenuationArrayName));
+  auto* array = vtkFloatArray::SafeDownCast(image->GetPointData()->GetArray(arrayName.c_str()));
   if (!array || array->GetNumberOfValues() == 0)
   {
-    throw InputError("projection: expected the array LogAttenuation, found none");
+    throw InputError("projection: expected the array " + arrayName + ", found none");
   }
   if (std::filesystem::path(path).extension() != ".png")
   {
@@ -219,8 +222,20 @@ void WriteRadiograph(vtkImageData* image, const std::string& path)
   WritePng(image, array, *white > 0 ? *white : 1.0f, path);
 }
 
+void CheckProjectionExtension(const std::string& path, bool pathLengths)
+{
+  const std::string extension = std::filesystem::path(path).extension().string();
+  if (extension != ".vti" && extension != ".mha" && extension != ".nrrd" &&
+    (extension != ".png" || pathLengths))
+  {
+    throw InputError(path + ": expected the extension .vti, .mha" +
+      (pathLengths ? " or .nrrd" : ", .nrrd or .png"));
+  }
+}
+
 void WriteProjection(vtkImageData* image, const std::string& path, bool pathLengths)
 {
+  CheckProjectionExtension(path, pathLengths);
   const std::string extension = std::filesystem::path(path).extension().string();
   if (extension == ".vti")
   {
@@ -236,14 +251,9 @@ void WriteProjection(vtkImageData* image, const std::string& path, bool pathLeng
   {
     WriteRaw(image, path, pathLengths, extension == ".nrrd");
   }
-  else if (extension == ".png" && !pathLengths)
-  {
-    WritePng(image, Channels(image, false).front(), 1.0f, path);
-  }
   else
   {
-    throw InputError(path + ": expected the extension .vti, .mha" +
-      (pathLengths ? " or .nrrd" : ", .nrrd or .png"));
+    WritePng(image, Channels(image, false).front(), 1.0f, path);
   }
 }
 }

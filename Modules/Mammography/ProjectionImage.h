@@ -14,6 +14,13 @@ class vtkImageData;
 
 namespace mammoray
 {
+inline constexpr const char* LogAttenuationArrayName = "LogAttenuation";
+
+/// An image without arrays that lies where the detector is. The detector's steps must be at right
+/// angles (InputError).
+MAMMORAYMAMMOGRAPHY_EXPORT vtkSmartPointer<vtkImageData> MakeDetectorImage(
+  const XRayDetector& detector);
+
 /**
  * The image of an exposure, lying where the detector is: point arrays "Transmission" (scalars,
  * float), "LogAttenuation" (float), "PathLength_<name>" (float, mm) per material but air,
@@ -24,11 +31,16 @@ MAMMORAYMAMMOGRAPHY_EXPORT vtkSmartPointer<vtkImageData> ToImage(const Exposure&
   const XRayDetector& detector, const std::vector<std::string>& materialNames);
 
 /**
- * A picture to look at, as a radiograph is read: logarithmic attenuation, dense is bright, 16-bit
- * grey, row 0 on top. Black is nothing in the beam, white the value that one pixel in a thousand
- * exceeds. Throws InputError unless the extension is .png and the file can be written.
+ * A picture to look at, as a radiograph is read: the float array of that name, large is bright,
+ * 16-bit grey, row 0 on top. Black is nothing in the beam, white the value that one pixel in a
+ * thousand exceeds. Throws InputError unless the extension is .png and the file can be written.
  */
-MAMMORAYMAMMOGRAPHY_EXPORT void WriteRadiograph(vtkImageData* image, const std::string& path);
+MAMMORAYMAMMOGRAPHY_EXPORT void WriteRadiograph(vtkImageData* image, const std::string& path,
+  const std::string& arrayName = LogAttenuationArrayName);
+
+/// Throws InputError unless WriteProjection knows the path's extension.
+MAMMORAYMAMMOGRAPHY_EXPORT void CheckProjectionExtension(const std::string& path,
+  bool pathLengths = false);
 
 /**
  * Writes by extension, row 0 first. .vti: all arrays, with the detector's pose. .mha, .nrrd: the

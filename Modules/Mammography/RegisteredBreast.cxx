@@ -427,6 +427,26 @@ RegisteredBreast::RegisteredBreast(const BreastInUnit& breast)
 
 RegisteredBreast::~RegisteredBreast() = default;
 
+vtkUnstructuredGrid* RegisteredBreast::Uncompressed() const
+{
+  return this->Internal->Breast.Uncompressed;
+}
+
+vtkUnstructuredGrid* RegisteredBreast::Compressed() const
+{
+  return this->Internal->Breast.Compressed;
+}
+
+XRaySource RegisteredBreast::Source() const
+{
+  return SourceOf(this->Internal->Breast.Placed, this->Internal->Breast.Unit);
+}
+
+XRayDetector RegisteredBreast::Detector() const
+{
+  return DetectorOf(this->Internal->Breast.Placed, this->Internal->Breast.Grid, 1);
+}
+
 ImagedPoint RegisteredBreast::ToMammogram(const Vector3& point) const
 {
   const Internals& internal = *this->Internal;
@@ -503,9 +523,7 @@ ImagedLesion RegisteredBreast::ToMammogram(const LabelVolume& lesions, int label
   imaged.ImagedCentre = this->ToMammogram(imaged.Centre);
   projector.SetSurface(surface);
   const RegistrationTarget& grid = internal.Breast.Grid;
-  const PathLengthImage lengths =
-    projector.Project(SourceOf(internal.Breast.Placed, internal.Breast.Unit),
-      DetectorOf(internal.Breast.Placed, grid, 1));
+  const PathLengthImage lengths = projector.Project(this->Source(), this->Detector());
   const float* lesionMm = lengths.Material(1);
   const auto shadow = std::count_if(lesionMm, lesionMm + lengths.NumberOfPixels(),
     [](float length) { return length > 0; });
@@ -534,8 +552,7 @@ std::vector<TissueStretch> RegisteredBreast::ToVolume(double column, double row,
   }
   const auto [x, y] = PixelPosition(internal.Breast.Grid, column, row);
   const Vector3 foot = internal.Breast.Placed.Point({ x, y, 0 });
-  const Vector3 source =
-    internal.Breast.Placed.Point({ 0, 0, internal.Breast.Unit.SourceToDetectorMm });
+  const Vector3 source = this->Source().Position;
   const Vector3 up = (1 / Norm(source - foot)) * (source - foot);
   // How far up the ray the breast reaches.
   double highest = 0;

@@ -138,6 +138,13 @@ public:
    */
   std::vector<TissueStretch> ToVolume(double column, double row, double stepMm = 0.25) const;
 
+  /// The tetrahedra before and between the plates, of the same points and cells, volume frame.
+  vtkUnstructuredGrid* Uncompressed() const;
+  vtkUnstructuredGrid* Compressed() const;
+  /// Of the mammogram, volume frame: the focus and the pixels that were registered.
+  XRaySource Source() const;
+  XRayDetector Detector() const;
+
 private:
   struct Internals;
   std::unique_ptr<Internals> Internal;

@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-// Times the compression of a breast to half its thickness with quadratic and with patch-averaged
-// linear tetrahedra, the step from one state to the next, the sensitivities and the embedding;
-// compares force and displacements with a fine mesh. Prints a table in Markdown, writes JSON. Times
-// are of the clock, and of the processor over all threads: on a busy machine only the latter says
-// what the work costs.
+// Times the compression of the FDA's phantom 1 to half its thickness with quadratic and with
+// patch-averaged linear tetrahedra, the step from one state to the next, the sensitivities and the
+// embedding; compares force and displacements with a fine mesh. Prints a table in Markdown, writes
+// JSON. Times are of the clock, and of the processor over all threads: on a busy machine only the
+// latter says what the work costs.
 #include "CompressionSimulation.h"
+#include "ElasticTable.h"
 #include "Error.h"
+#include "LabelSource.h"
+#include "PhysicsData.h"
 #include "PlacedPlates.h"
-#include "TestMeshes.h"
+#include "SimulationMesh.h"
 
 #include <nlohmann/json.hpp>
 
@@ -31,16 +34,17 @@ namespace
 using namespace mammoray;
 using Json = nlohmann::ordered_json;
 
-/// Half axes of the breast, mm: lateral, anterior, vertical. A fifth of the depth is chest wall.
-constexpr double HalfAxes[3] = { 45, 50, 40 };
-constexpr double HalfThicknessMm = 40;
-constexpr int Layers = 5;
+/// Posterior edge of the receptor in front of the held tissue, mm: as far as the registered pose of
+/// this phantom.
+constexpr double ShiftAnteriorMm = 7;
+/// Distance of the plates over that at which they touch the breast.
+constexpr double Compressed = 0.5;
 
 struct Arguments
 {
-  std::vector<int> Quadratic{ 10, 12, 14, 16 };
-  std::vector<int> Linear{ 10, 20, 34 };
-  int Reference = 18;
+  std::vector<int> Quadratic{ 2500, 4000, 6000, 8000 };
+  std::vector<int> Linear{ 8000, 30000, 100000 };
+  int Reference = 20000;
   int Rounds = 3;
   std::string Output;
 };
@@ -88,143 +92,180 @@ void ForgetPeak()
   std::ofstream("/proc/self/clear_refs") << "5";
 }
 
-TetrahedralMesh MakeMesh(const std::array<int, 3>& bricks)
+/// The FDA's phantom 1 of the data directory, uncompressed.
+struct Breast
 {
-  // The whole cube has edges where the ball is flat: bricks that turn over on fine meshes.
-  constexpr double part = 0.97;
-  TetrahedralMesh mesh = test::MakeBoxMesh({ -part, 0, -part }, { part, part, part }, bricks);
-  test::MapCubeToBall(mesh, HalfAxes[0] / part, HalfAxes[1] / part, HalfAxes[2] / part);
-  // Cells come brick by brick, x fastest; the chest wall is the first fifth of the layers in y.
-  for (std::size_t cell = 0; cell < mesh.NumberOfCells(); ++cell)
+  MaterialTable Table;
+  ElasticTable Mechanics;
+  LabelVolume Materials;
+  AnatomicalAxes Axes = AnatomicalAxes::FromCode("ALS");
+  Vector3 Anchor{ 0, 0, 0 };
+  MammographyUnit Unit;
+  /// Distance at which the plates touch, mm.
+  double OpenMm = 0;
+  /// Cells of the mesh of the default size, and that size, mm.
+  double Cells = 0;
+  double CellSizeMm = 0;
+
+  Breast()
   {
-    const auto layer = static_cast<int>(cell / 6 / bricks[0] % bricks[1]);
-    mesh.Materials[cell] = layer * Layers < bricks[1] ? 2 : 1;
-  }
-  return mesh;
-}
-
-CompressionSimulation MakeSimulation(ElementType element, const std::array<int, 3>& bricks)
-{
-  CompressionOptions options;
-  options.Element = element;
-  return CompressionSimulation(
-    MakeMesh(bricks), { {}, { 5, 0.49 }, { 5, 0.49 }, { 15, 0.49 } }, { false, false, true, false },
-    [](const Vector3& x)
-    { return std::hypot(x[0] / 25, (x[1] - 25) / 18, x[2] / 20) < 1 ? 3 : 1; },
-    options);
-}
-
-PlatePair MakePlates(double thicknessMm)
-{
-  VolumeFromGantry placed;
-  placed.Origin = { 0, 22, -0.5 * thicknessMm };
-  MammographyUnit unit;
-  unit.SupportHeightMm = 0;
-  return PlatesOf(placed, unit, thicknessMm);
-}
-
-/// `count` points a side of a regular lattice in the breast, in front of the chest wall.
-std::vector<double> MakePoints(int count)
-{
-  std::vector<double> points;
-  for (int i = 0; i < count; ++i)
-  {
-    for (int j = 0; j < count; ++j)
+    this->Table = FindMaterialTable("victre");
+    this->Mechanics = ElasticTable(this->Table);
+    LabelSource source;
+    source.Path = DataDirectory() + "/victre-phantom-1/labels.nrrd";
+    this->Materials = ReadMaterials(source, this->Table);
+    double voxels = 0;
+    for (const auto& [material, count] : this->Materials.CountLabels())
     {
-      for (int k = 0; k < count; ++k)
+      voxels += material == 0 ? 0 : static_cast<double>(count);
+    }
+    this->CellSizeMm = std::cbrt(voxels * this->Materials.VoxelVolume()) / 7;
+    this->Cells = static_cast<double>(this->Mesh(0).NumberOfCells());
+    this->Anchor = FindPoseAnchor(this->Materials, this->Mechanics.Held, this->Axes);
+    const CompressionSimulation simulation = this->Simulate(ElementType::Quadratic, this->Mesh(0));
+    this->OpenMm = GapMm(simulation.OpenedPlates(this->Plates(BreastPose().ThicknessMm)));
+  }
+
+  /// About as many cells; 0: as many as registration takes.
+  TetrahedralMesh Mesh(int cells) const
+  {
+    const double size = cells == 0 ? 0 : this->CellSizeMm * std::cbrt(this->Cells / cells);
+    return MeshForSimulation(this->Materials, this->Mechanics.Held, size).Mesh;
+  }
+
+  CompressionSimulation Simulate(ElementType element, const TetrahedralMesh& mesh) const
+  {
+    CompressionOptions options;
+    options.Element = element;
+    return CompressionSimulation(
+      mesh, this->Mechanics.Elastic, this->Mechanics.Held,
+      [this](const Vector3& point) { return static_cast<int>(this->Materials.LabelAt(point)); },
+      options);
+  }
+
+  VolumeFromGantry Placed(double thicknessMm) const
+  {
+    BreastPose pose;
+    pose.ThicknessMm = thicknessMm;
+    pose.ShiftAnteriorMm = ShiftAnteriorMm;
+    return PlaceUnit(this->Axes, this->Anchor, this->Unit, pose);
+  }
+
+  PlatePair Plates(double thicknessMm) const
+  {
+    return PlatesOf(this->Placed(thicknessMm), this->Unit, thicknessMm);
+  }
+
+  /// A regular lattice of about `count` points in the tissue that is not held.
+  std::vector<double> Points(double count) const
+  {
+    double tissue = 0;
+    for (const auto& [material, voxels] : this->Materials.CountLabels())
+    {
+      tissue += material == 0 || this->Mechanics.Held[material] ? 0 : static_cast<double>(voxels);
+    }
+    const double step = std::cbrt(tissue / count);
+    std::vector<double> points;
+    for (double k = 0; k < this->Materials.Size[2]; k += step)
+    {
+      for (double j = 0; j < this->Materials.Size[1]; j += step)
       {
-        const double x = 2 * (i + 0.5) / count - 1;
-        const double y = 0.2 + 0.8 * (j + 0.5) / count;
-        const double z = 2 * (k + 0.5) / count - 1;
-        if (x * x + y * y + z * z < 0.95)
+        for (double i = 0; i < this->Materials.Size[0]; i += step)
         {
-          points.insert(points.end(), { HalfAxes[0] * x, HalfAxes[1] * y, HalfAxes[2] * z });
+          const Vector3 point = this->Materials.PointAt(i, j, k);
+          const int material = this->Materials.LabelAt(point);
+          if (material != 0 && !this->Mechanics.Held[material])
+          {
+            points.insert(points.end(), point.begin(), point.end());
+          }
         }
       }
     }
+    return points;
   }
-  return points;
-}
 
-/// The motions that a registration asks for, and the ratio gland / fat.
-std::vector<PlatePairVelocity> MakeVelocities()
-{
-  std::vector<PlatePairVelocity> velocities(5);
-  velocities[0].Paddle.Linear = { 0, 0, 1 };
-  velocities[1].Support.Angular = velocities[1].Paddle.Angular = { 0, 0.017, 0 };
-  for (int axis = 0; axis < 3; ++axis)
+  /// The motions that a registration asks for.
+  std::vector<PlatePairVelocity> Velocities() const
   {
-    PlatePairVelocity& shift = velocities[2 + axis];
-    shift.Support.Linear[axis] = shift.Paddle.Linear[axis] = 1;
+    std::vector<PlatePairVelocity> velocities(5);
+    const VolumeFromGantry placed = this->Placed(this->OpenMm);
+    velocities[0].Paddle.Linear = placed.Z;
+    velocities[1].Support.Angular = velocities[1].Paddle.Angular = 0.017 * placed.Y;
+    const Vector3 axes[3] = { placed.X, placed.Y, placed.Z };
+    for (int axis = 0; axis < 3; ++axis)
+    {
+      PlatePairVelocity& shift = velocities[2 + axis];
+      shift.Support.Linear = shift.Paddle.Linear = axes[axis];
+    }
+    return velocities;
   }
-  return velocities;
-}
+
+  /// Of Young's modulus of gland.
+  MaterialVelocity Stiffening() const
+  {
+    MaterialVelocity velocity(this->Table.Materials.size());
+    for (std::size_t material = 0; material < velocity.size(); ++material)
+    {
+      velocity[material].YoungsModulusKPa = this->Table.Materials[material].Name == "gland" ? 1 : 0;
+    }
+    return velocity;
+  }
+};
 
 struct Measured
 {
   Json Row;
   CompressionState State;
-  /// Of the points of MakePoints(12), compressed.
+  /// Of Breast::Points(1000), compressed.
   std::vector<double> Points;
 };
 
-/// The bricks of a breast with `count` of them across: quadratic cells in the fewest layers, linear
-/// ones in as many as make them nearly cubes.
-std::array<int, 3> Bricks(ElementType element, int count)
-{
-  const int layers = element == ElementType::Quadratic ? Layers : (count + 5) / 10 * Layers;
-  return { count, layers, count };
-}
-
-Measured Measure(ElementType element, const std::array<int, 3>& bricks, int rounds)
+Measured Measure(const Breast& breast, ElementType element, int cells, int rounds)
 {
   Measured result;
+  const TetrahedralMesh mesh = breast.Mesh(cells);
   ForgetPeak();
   std::unique_ptr<CompressionSimulation> simulation;
   const Times setUp = Seconds(
-    [&]
-    { simulation = std::make_unique<CompressionSimulation>(MakeSimulation(element, bricks)); });
-  const Times cold =
-    Seconds([&] { result.State = simulation->Compress(MakePlates(HalfThicknessMm)); });
+    [&] { simulation = std::make_unique<CompressionSimulation>(breast.Simulate(element, mesh)); });
+  const double closedMm = Compressed * breast.OpenMm;
+  const Times cold = Seconds([&] { result.State = simulation->Compress(breast.Plates(closedMm)); });
   Times warm, sensitivities;
   int warmSteps = 0;
-  const MaterialVelocity ratio{ {}, {}, {}, { 5, 0, 0 } };
   for (int round = 0; round < rounds; ++round)
   {
     CompressionState next;
     warm = Least(warm,
-      Seconds(
-        [&] { next = simulation->Compress(MakePlates(HalfThicknessMm + 1), &result.State); }));
+      Seconds([&] { next = simulation->Compress(breast.Plates(closedMm + 1), &result.State); }));
     warmSteps = next.NewtonSteps;
     sensitivities = Least(sensitivities,
-      Seconds([&] { simulation->Sensitivities(next, MakeVelocities(), { ratio }); }));
+      Seconds(
+        [&] { simulation->Sensitivities(next, breast.Velocities(), { breast.Stiffening() }); }));
   }
-  const Embedding embedding(*simulation, MakePoints(12));
-  result.Points = embedding.Map(result.State.Positions);
+  const double peak = PeakMemoryMiB();
+  result.Points = Embedding(*simulation, breast.Points(1000)).Map(result.State.Positions);
   result.Row = { { "element", element == ElementType::Quadratic ? "quadratic" : "linear" },
-    { "cells", 6 * bricks[0] * bricks[1] * bricks[2] },
-    { "unknowns", simulation->NumberOfUnknowns() }, { "set_up_s", setUp.Clock },
-    { "set_up_processor_s", setUp.Processor }, { "cold_s", cold.Clock },
-    { "cold_processor_s", cold.Processor }, { "cold_newton_steps", result.State.NewtonSteps },
-    { "warm_s", warm.Clock }, { "warm_processor_s", warm.Processor },
-    { "warm_newton_steps", warmSteps }, { "sensitivities_s", sensitivities.Clock },
-    { "sensitivities_processor_s", sensitivities.Processor },
-    { "peak_memory_mib", PeakMemoryMiB() }, { "paddle_force_n", result.State.PaddleForceN },
-    { "smallest_j", result.State.SmallestJ } };
+    { "cells", mesh.NumberOfCells() }, { "unknowns", simulation->NumberOfUnknowns() },
+    { "set_up_s", setUp.Clock }, { "set_up_processor_s", setUp.Processor },
+    { "cold_s", cold.Clock }, { "cold_processor_s", cold.Processor },
+    { "cold_newton_steps", result.State.NewtonSteps }, { "warm_s", warm.Clock },
+    { "warm_processor_s", warm.Processor }, { "warm_newton_steps", warmSteps },
+    { "sensitivities_s", sensitivities.Clock },
+    { "sensitivities_processor_s", sensitivities.Processor }, { "peak_memory_mib", peak },
+    { "paddle_force_n", result.State.PaddleForceN }, { "smallest_j", result.State.SmallestJ } };
   return result;
 }
 
 /// Times of the embedding of about a million points.
-Json MeasureEmbedding(const Arguments& arguments)
+Json MeasureEmbedding(const Breast& breast, int rounds)
 {
-  const CompressionSimulation simulation =
-    MakeSimulation(ElementType::Quadratic, Bricks(ElementType::Quadratic, arguments.Quadratic.front()));
-  const std::vector<double> points = MakePoints(125);
+  const CompressionSimulation simulation = breast.Simulate(ElementType::Quadratic, breast.Mesh(0));
+  const std::vector<double> points = breast.Points(1e6);
   std::unique_ptr<Embedding> embedding;
   const double setUp =
     Seconds([&] { embedding = std::make_unique<Embedding>(simulation, points); }).Clock;
   Times map;
-  for (int round = 0; round < 2 + 4 * arguments.Rounds; ++round)
+  for (int round = 0; round < 2 + 4 * rounds; ++round)
   {
     map = Least(map, Seconds([&] { embedding->Map(simulation.RestPositions()); }));
   }
@@ -252,9 +293,9 @@ void Print(const Json& row)
   const auto value = [&](const char* key) { return row[key].get<double>(); };
   std::printf(
     "| %s | %.0f | %.0f | %.2f | %.1f (%.1f) | %.0f | %.2f (%.2f) | %.0f | %.0f %% | %.0f | %.2f ",
-    row["element"].get<std::string>().c_str(), value("cells"), value("unknowns"),
-    value("set_up_s"), value("cold_s"), value("cold_processor_s"), value("cold_newton_steps"),
-    value("warm_s"), value("warm_processor_s"), value("warm_newton_steps"),
+    row["element"].get<std::string>().c_str(), value("cells"), value("unknowns"), value("set_up_s"),
+    value("cold_s"), value("cold_processor_s"), value("cold_newton_steps"), value("warm_s"),
+    value("warm_processor_s"), value("warm_newton_steps"),
     100 * value("sensitivities_s") / value("warm_s"), value("peak_memory_mib"),
     value("paddle_force_n"));
   if (row.contains("force_error"))
@@ -270,20 +311,22 @@ void Print(const Json& row)
 
 void Run(const Arguments& arguments)
 {
+  const Breast breast;
+  std::printf("The FDA's phantom 1 from %.1f to %.1f mm\n\n", breast.OpenMm,
+    Compressed * breast.OpenMm);
   std::printf(
     "| tetrahedra | cells | unknowns | set-up, s | cold, s (processor) | Newton steps | warm 1 mm, "
     "s (processor) | Newton steps | 6 sensitivities / warm | peak, MiB | force, N | force error | "
     "displacement error, median (largest), mm |\n|---|---|---|---|---|---|---|---|---|---|---|---|"
     "---|\n");
   // The fine mesh first, so that rows can be printed as they come.
-  const Measured reference = Measure(ElementType::Quadratic,
-    { arguments.Reference, 2 * Layers, arguments.Reference }, 1);
+  const Measured reference = Measure(breast, ElementType::Quadratic, arguments.Reference, 1);
   Json file = { { "commit", MAMMORAY_COMMIT }, { "rows", Json::array() } };
   const auto measure = [&](ElementType element, const std::vector<int>& counts)
   {
     for (const int count : counts)
     {
-      Measured measured = Measure(element, Bricks(element, count), arguments.Rounds);
+      Measured measured = Measure(breast, element, count, arguments.Rounds);
       Compare(measured, reference);
       Print(measured.Row);
       std::fflush(stdout);
@@ -294,7 +337,7 @@ void Run(const Arguments& arguments)
   measure(ElementType::PatchAveragedLinear, arguments.Linear);
   Print(reference.Row);
   file["rows"].push_back(reference.Row);
-  file["embedding"] = MeasureEmbedding(arguments);
+  file["embedding"] = MeasureEmbedding(breast, arguments.Rounds);
   std::printf("\nEmbedding of %.0f points: set up in %.2f s, moved in %.0f ms\n",
     file["embedding"]["points"].get<double>(), file["embedding"]["set_up_s"].get<double>(),
     1e3 * file["embedding"]["map_s"].get<double>());
@@ -318,18 +361,18 @@ int main(int argc, char** argv)
   const auto addCounts = [&](const char* name, std::vector<int>& counts, const char* help)
   {
     application.add_option(name, counts, help)
-      ->check(CLI::Range(4, 80))
+      ->check(CLI::Range(500, 1000000))
       ->expected(0, -1)
       ->capture_default_str();
   };
   addCounts("--quadratic", arguments.Quadratic,
-    "bricks across the breast, of quadratic cells; 30 tetrahedra each squared");
+    "meshes of quadratic cells: about how many cells each has");
   addCounts("--linear", arguments.Linear,
-    "the same of linear cells; about 3 tetrahedra times the cube");
+    "meshes of patch-averaged linear cells: about how many each has");
   application
     .add_option("--reference", arguments.Reference,
-      "bricks across the fine mesh, which has twice the layers; 18 takes about 1 GiB")
-    ->check(CLI::Range(4, 40))
+      "about how many quadratic cells the fine mesh has that the others are compared with")
+    ->check(CLI::Range(500, 100000))
     ->capture_default_str();
   application
     .add_option("--rounds", arguments.Rounds, "repetitions of which the least time counts")
