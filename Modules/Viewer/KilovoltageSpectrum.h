@@ -14,9 +14,9 @@ MAMMORAYVIEWER_EXPORT double KilovoltageOf(const Spectrum& spectrum);
  * The spectrum of the same tube and filter at another voltage, kV. The photons of each energy E are
  * scaled as the thick target's bremsstrahlung, proportional to (kVp - E) / E (Kramers, Phil. Mag.
  * 46, 1923); above the given spectrum's last 2 keV the rest of the law is taken for constant. Good
- * for a few kV either way: the shipped spectra of 28 and 30 kV give each other's mean energy to 0.1
- * keV. Throws InputError unless `kilovoltage` leaves photons and is at most 10 kV above the
- * spectrum's.
+ * for a few kV either way: between the shipped spectra of 28 and 30 kV the mean energy is met to a
+ * third of its change. Throws InputError unless `kilovoltage` leaves photons and is at most 10 kV
+ * above the spectrum's.
  */
 MAMMORAYVIEWER_EXPORT Spectrum AtKilovoltage(const Spectrum& spectrum, double kilovoltage);
 }
