@@ -70,6 +70,7 @@ void AddMeshCommand(CLI::App& application);
 void AddProjectCommand(CLI::App& application);
 void AddRegisterCommand(CLI::App& application);
 void AddSegmentCommand(CLI::App& application);
+void AddViewCommand(CLI::App& application);
 }
 
 #endif

@@ -56,6 +56,9 @@ int main(int argc, char* argv[])
   mammoray::AddProjectCommand(application);
   mammoray::AddRegisterCommand(application);
   mammoray::AddSegmentCommand(application);
+#ifdef MAMMORAY_HAS_VIEWER
+  mammoray::AddViewCommand(application);
+#endif
   mammoray::InterruptRequested();
 
   try
