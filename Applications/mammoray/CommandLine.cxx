@@ -254,6 +254,19 @@ void CheckOutputFile(const std::string& path, bool overwrite)
   }
 }
 
+void CheckPictureFile(const std::string& path, bool overwrite)
+{
+  if (path.empty())
+  {
+    return;
+  }
+  CheckOutputFile(path, overwrite);
+  if (std::filesystem::path(path).extension() != ".png")
+  {
+    throw InputError(path + ": expected the extension .png for a picture");
+  }
+}
+
 CLI::Option* AddLabelOptions(CLI::App& command, LabelSource& source)
 {
   CLI::Option* labels = command.add_option("--labels", source.Path,
@@ -268,7 +281,8 @@ CLI::Option* AddLabelOptions(CLI::App& command, LabelSource& source)
   command
     .add_option("--skin", source.Skin,
       "THICKNESS[=MATERIAL]: a layer of that many mm below the air becomes skin (default: the "
-      "table's thin material), not at held tissue nor at the volume's border")
+      "table's thin material), not at held tissue nor at the volume's border; --crop to a "
+      "flat back that has air behind it")
     ->needs(labels);
   command
     .add_flag("--axes-as-given", source.AxesAsGiven,

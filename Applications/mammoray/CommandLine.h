@@ -45,6 +45,9 @@ bool InterruptRequested();
  */
 void CheckOutputFile(const std::string& path, bool overwrite);
 
+/// CheckOutputFile for a picture, where one is asked for: a path that is not empty ends in .png.
+void CheckPictureFile(const std::string& path, bool overwrite);
+
 /**
  * Calls `write` with a temporary name of the same extension in the same folder and renames the file
  * to `path` when it returns; removes it when it throws. An existing file is replaced.
@@ -55,11 +58,12 @@ void WriteComplete(const std::string& path,
 /// The path itself when the file exists and can be read; throws InputError otherwise.
 const std::string& CheckInputFile(const std::string& path);
 
-// One per sub-command, each in its own file.
+// One per sub-command, each in its own file; evidence only with the Meshing module.
 void AddCompressCommand(CLI::App& application);
 void AddDevicesCommand(CLI::App& application);
 void AddDicomCommand(CLI::App& application);
 void AddEvaluateCommand(CLI::App& application);
+void AddEvidenceCommand(CLI::App& application);
 void AddExampleCommand(CLI::App& application);
 void AddFuseCommand(CLI::App& application);
 void AddLocateCommand(CLI::App& application);
@@ -67,6 +71,7 @@ void AddMeshCommand(CLI::App& application);
 void AddProjectCommand(CLI::App& application);
 void AddRegisterCommand(CLI::App& application);
 void AddSegmentCommand(CLI::App& application);
+void AddViewCommand(CLI::App& application);
 }
 
 #endif

@@ -230,14 +230,7 @@ void WritePicture(const std::string& path, vtkUnstructuredGrid* before, vtkUnstr
 void CheckOutputs(const CompressArguments& arguments)
 {
   CheckOutputFile(arguments.Output, arguments.Overwrite);
-  if (!arguments.Picture.empty())
-  {
-    CheckOutputFile(arguments.Picture, arguments.Overwrite);
-    if (std::filesystem::path(arguments.Picture).extension() != ".png")
-    {
-      throw InputError(arguments.Picture + ": expected the extension .png for a picture");
-    }
-  }
+  CheckPictureFile(arguments.Picture, arguments.Overwrite);
   if (std::filesystem::path(arguments.Output).extension() != ".vtu")
   {
     throw InputError(arguments.Output + ": expected the extension .vtu for a volume mesh");

@@ -8,7 +8,6 @@
 #include "SlicePicture.h"
 
 #include <cstdio>
-#include <filesystem>
 #include <map>
 #include <memory>
 #endif
@@ -35,14 +34,7 @@ void CheckArguments(const SegmentArguments& arguments)
 {
   CheckOutputFile(arguments.Output, arguments.Overwrite);
   CheckLabelVolumeExtension(arguments.Output);
-  if (!arguments.Picture.empty())
-  {
-    CheckOutputFile(arguments.Picture, arguments.Overwrite);
-    if (std::filesystem::path(arguments.Picture).extension() != ".png")
-    {
-      throw InputError(arguments.Picture + ": expected the extension .png for a picture");
-    }
-  }
+  CheckPictureFile(arguments.Picture, arguments.Overwrite);
 }
 
 void PrintResult(const SegmentationResult& result, const MaterialTable& table)

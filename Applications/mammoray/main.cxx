@@ -47,6 +47,9 @@ int main(int argc, char* argv[])
   mammoray::AddDevicesCommand(application);
   mammoray::AddDicomCommand(application);
   mammoray::AddEvaluateCommand(application);
+#ifdef MAMMORAY_HAS_MESHING
+  mammoray::AddEvidenceCommand(application);
+#endif
   mammoray::AddExampleCommand(application);
   mammoray::AddFuseCommand(application);
   mammoray::AddLocateCommand(application);
@@ -54,6 +57,9 @@ int main(int argc, char* argv[])
   mammoray::AddProjectCommand(application);
   mammoray::AddRegisterCommand(application);
   mammoray::AddSegmentCommand(application);
+#ifdef MAMMORAY_HAS_VIEWER
+  mammoray::AddViewCommand(application);
+#endif
   mammoray::InterruptRequested();
 
   try

@@ -90,6 +90,12 @@ constexpr double LargestNewtonStepMm = 5;
 /// Least share of the projected matrix worth mixing in.
 constexpr double SmallestShare = 1.0 / 64;
 
+/// A factor of positions this near, mm, still serves: for the last digits by conjugate gradients,
+/// which give a step to this fraction in a few products or not at all.
+constexpr double NearFactorMm = 0.01;
+constexpr double GradientsTolerance = 1e-3;
+constexpr int MostGradientsSteps = 6;
+
 /// The part of the body that is relaxed alone: nodes with this fraction of the largest residual
 /// force at least, and those of so many layers of elements around them; more than that part of the
 /// unknowns is no part. How well and how long it is relaxed.
@@ -274,6 +280,9 @@ struct EquilibriumSolver::Internals
   /// last one, which was of the same positions.
   bool FactorizeWithFallback(const std::vector<double>& x, const PlatePair* plates,
     bool stiffer = false) const;
+  /// Newton's step by the factor at hand of other positions, by conjugate gradients; false: those
+  /// do not get there.
+  bool FindStepByOldFactor(const std::vector<double>& force, std::vector<double>& step) const;
   /// - d Gradient / dp at the free coordinates, one column per velocity.
   std::vector<double> PlateForces(const std::vector<double>& x, const PlatePair& plates,
     const std::vector<PlatePairVelocity>& velocities) const;
@@ -851,6 +860,49 @@ bool EquilibriumSolver::Internals::FactorizeWithFallback(const std::vector<doubl
   }
 }
 
+bool EquilibriumSolver::Internals::FindStepByOldFactor(const std::vector<double>& force,
+  std::vector<double>& step) const
+{
+  const auto size = static_cast<Eigen::Index>(force.size());
+  const auto view = [size](std::vector<double>& v)
+  { return Eigen::Map<Eigen::VectorXd>(v.data(), size); };
+  std::vector<double> residual = force;
+  std::vector<double> preconditioned = force;
+  std::vector<double> direction;
+  std::vector<double> product(force.size());
+  step.assign(force.size(), 0.0);
+  const double enough = GradientsTolerance * view(residual).norm();
+  double before = 0;
+  for (int iteration = 0; iteration < MostGradientsSteps; ++iteration)
+  {
+    this->Factor->Solve(preconditioned);
+    const double now = view(residual).dot(view(preconditioned));
+    if (iteration == 0)
+    {
+      direction = preconditioned;
+    }
+    else
+    {
+      view(direction) = view(preconditioned) + now / before * view(direction);
+    }
+    this->Factor->Multiply(this->Current.Values, direction.data(), product.data());
+    const double curvature = view(direction).dot(view(product));
+    if (!(curvature > 0))
+    {
+      return false;
+    }
+    view(step) += now / curvature * view(direction);
+    view(residual) -= now / curvature * view(product);
+    if (view(residual).norm() <= enough)
+    {
+      return true;
+    }
+    preconditioned = residual;
+    before = now;
+  }
+  return false;
+}
+
 double EquilibriumSolver::Internals::DistanceOfFactor(const std::vector<double>& x) const
 {
   if (this->FactorPositions.size() != x.size())
@@ -1136,6 +1188,7 @@ EquilibriumReport EquilibriumSolver::Internals::Newton(std::vector<double>& x,
     report.Reason = "a cell is inverted at the start";
     return report;
   }
+  std::vector<double> force(this->CoordinateOfUnknown.size());
   std::vector<double> step;
   std::vector<double> trial;
   Assembly probe;
@@ -1158,20 +1211,22 @@ EquilibriumReport EquilibriumSolver::Internals::Newton(std::vector<double>& x,
       return report;
     }
     ReportProgress(progress, 0, "equilibrium");
+    for (std::size_t u = 0; u < force.size(); ++u)
+    {
+      force[u] = -current.Gradient[this->CoordinateOfUnknown[u]];
+    }
+    const bool found =
+      this->DistanceOfFactor(x) < NearFactorMm && this->FindStepByOldFactor(force, step);
     // A huge step comes from a matrix that is nearly singular; a stiffer one leads farther than a
     // small part of it.
-    for (bool stiffer = false;; stiffer = true)
+    for (bool stiffer = false; !found; stiffer = true)
     {
       if (!this->FactorizeWithFallback(x, plates, stiffer))
       {
         report.Reason = "the stiffness matrix is singular";
         return report;
       }
-      step.resize(this->CoordinateOfUnknown.size());
-      for (std::size_t u = 0; u < step.size(); ++u)
-      {
-        step[u] = -current.Gradient[this->CoordinateOfUnknown[u]];
-      }
+      step = force;
       this->Factor->Solve(step);
       if (this->Share == 1 || LargestMagnitude(step) <= LargestNewtonStepMm)
       {
@@ -1437,7 +1492,7 @@ std::vector<std::vector<double>> EquilibriumSolver::Sensitivities(const std::vec
   bool refined = false;
   std::vector<double> solution(right.size(), 0.0);
   std::vector<double> residual = right;
-  for (int pass = 0; pass < 8 && farthest < 0.05 && !refined; ++pass)
+  for (int pass = 0; pass < 8 && farthest < NearFactorMm && !refined; ++pass)
   {
     internal.Factor->Solve(residual);
     for (std::size_t k = 0; k < solution.size(); ++k)

@@ -214,14 +214,12 @@ void WriteCutPicture(const std::vector<CutPanel>& panels,
     picture.Text(left + 0.5 * across, 0.5 * TitleHeight, 0.5, panels[index].Title);
     left += across + Margin;
   }
-  double y = picture.Height() - Margin - 12;
+  std::size_t row = 0;
   for (const int material : materials)
   {
-    picture.Box(left, y - 7, left + 14, y + 7, GroupColor(static_cast<std::size_t>(material) - 1));
     const auto index = static_cast<std::size_t>(material);
-    picture.Text(left + 22, y, 0,
+    picture.LegendEntry(left, picture.Height() - Margin, row++, index - 1,
       index < materialNames.size() ? materialNames[index] : "material " + std::to_string(material));
-    y -= 24;
   }
   DrawScaleBar(picture, left, 0.5 * TitleHeight, pixelMm);
   picture.Write(path);

@@ -96,10 +96,8 @@ void WriteHistogramPicture(const std::vector<HistogramPanel>& panels, const std:
   const std::vector<HistogramPanel::Group>& groups = panels.front().Groups;
   for (std::size_t group = 0; group < groups.size(); ++group)
   {
-    const double x = static_cast<double>(panels.size()) * PanelWidth;
-    const double y = PictureHeight - Top - 12 - 24.0 * static_cast<double>(group);
-    picture.Box(x, y - 7, x + 14, y + 7, GroupColor(group));
-    picture.Text(x + 22, y, 0, groups[group].Name);
+    picture.LegendEntry(static_cast<double>(panels.size()) * PanelWidth, PictureHeight - Top, group,
+      group, groups[group].Name);
   }
   picture.Write(path);
 }

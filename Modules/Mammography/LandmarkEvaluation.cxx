@@ -205,6 +205,18 @@ ErrorSummary Summarise(std::vector<double> errors)
   return summary;
 }
 
+std::vector<Vector3> Displace(const std::vector<Vector3>& points, vtkUnstructuredGrid* body)
+{
+  DisplacementField field(body);
+  std::vector<Vector3> moved;
+  moved.reserve(points.size());
+  for (const Vector3& point : points)
+  {
+    moved.push_back(point + field.At(point));
+  }
+  return moved;
+}
+
 std::vector<LandmarkErrors> EvaluateLandmarks(const std::vector<Landmark>& landmarks,
   const LandmarkTruth& truth, vtkUnstructuredGrid* uncompressed,
   const VolumeFromGantry& registered, double registeredSid)

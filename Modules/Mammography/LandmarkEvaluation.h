@@ -38,6 +38,13 @@ struct ErrorSummary
 };
 MAMMORAYMAMMOGRAPHY_EXPORT ErrorSummary Summarise(std::vector<double> errors);
 
+/**
+ * Points carried by the point array "Displacement" (mm) of a body, each by that of the cell that
+ * holds or is nearest to it. Throws InputError without that array.
+ */
+MAMMORAYMAMMOGRAPHY_EXPORT std::vector<Vector3> Displace(const std::vector<Vector3>& points,
+  vtkUnstructuredGrid* body);
+
 /// Errors of one way to carry the landmarks into the compressed breast; one entry per landmark, mm.
 struct LandmarkErrors
 {

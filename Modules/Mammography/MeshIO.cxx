@@ -16,6 +16,7 @@
 #include "vtkSTLWriter.h"
 #include "vtkTriangleFilter.h"
 #include "vtkUnstructuredGrid.h"
+#include "vtkUnstructuredGridReader.h"
 #include "vtkXMLPolyDataReader.h"
 #include "vtkXMLPolyDataWriter.h"
 #include "vtkXMLUnstructuredGridReader.h"
@@ -194,11 +195,16 @@ void WriteMesh(vtkPointSet* mesh, const std::string& path)
 vtkSmartPointer<vtkUnstructuredGrid> ReadMesh(const std::string& path)
 {
   CheckReadable(path);
-  if (Extension(path) != ".vtu")
+  const std::string extension = Extension(path);
+  if (extension == ".vtu")
   {
-    RefuseExtension(path, "a volume mesh", ".vtu");
+    return Read<vtkXMLUnstructuredGridReader>(path);
   }
-  return Read<vtkXMLUnstructuredGridReader>(path);
+  if (extension == ".vtk")
+  {
+    return Read<vtkUnstructuredGridReader>(path);
+  }
+  RefuseExtension(path, "a volume mesh", ".vtu or .vtk");
 }
 
 vtkSmartPointer<vtkPolyData> ReadSurface(const std::string& path)

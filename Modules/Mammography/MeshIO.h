@@ -21,7 +21,8 @@ namespace mammoray
  */
 MAMMORAYMAMMOGRAPHY_EXPORT void WriteMesh(vtkPointSet* mesh, const std::string& path);
 
-/// Reads .vtu. Throws InputError on a missing, damaged or empty file.
+/// Reads .vtu, or an unstructured grid in VTK's legacy .vtk. Throws InputError on a missing,
+/// damaged or empty file.
 MAMMORAYMAMMOGRAPHY_EXPORT vtkSmartPointer<vtkUnstructuredGrid> ReadMesh(const std::string& path);
 
 /// Reads .vtp, .stl, .ply or .obj. Throws InputError on a missing, damaged or empty file.

@@ -5,12 +5,15 @@
 #include "LabelSurface.h"
 #include "MeshConversion.h"
 #include "MeshIO.h"
+#include "RegistrationModel.h"
 #include "Silhouette.h"
+#include "TargetImage.h"
 
 #include "vtkCellArray.h"
 #include "vtkCellData.h"
 #include "vtkContourFilter.h"
 #include "vtkDataArray.h"
+#include "vtkDoubleArray.h"
 #include "vtkGenericCell.h"
 #include "vtkIdList.h"
 #include "vtkImageData.h"
@@ -215,64 +218,8 @@ Vector3 CentreOf(const LabelVolume& volume)
   }
   return (1 / count) * sum;
 }
-}
 
-struct RegisteredBreast::Internals
-{
-  vtkSmartPointer<vtkUnstructuredGrid> Uncompressed;
-  vtkSmartPointer<vtkUnstructuredGrid> Compressed;
-  vtkDataArray* Displacement = nullptr;
-  vtkDataArray* Materials = nullptr;
-  std::vector<std::string> MaterialNames;
-  std::unique_ptr<CellFinder> AtRest;
-  std::unique_ptr<CellFinder> Squeezed;
-  VolumeFromGantry Placed;
-  MammographyUnit Unit;
-  int Columns = 0;
-  int Rows = 0;
-  std::array<double, 2> Origin{};
-  std::array<double, 2> ColumnStep{};
-  std::array<double, 2> RowStep{};
-  /// Of the parameters that have sensitivities, in the order of those.
-  std::vector<vtkDataArray*> Sensitivities;
-  std::vector<double> Covariance;
-
-  void ReadJson(const std::string& path);
-  std::string NameOf(vtkIdType cell) const
-  {
-    const auto material = static_cast<std::size_t>(this->Materials->GetComponent(cell, 0));
-    return material < this->MaterialNames.size() ? this->MaterialNames[material]
-                                                 : std::to_string(material);
-  }
-  std::array<double, 2> PixelOf(double x, double y) const
-  {
-    const double dx = x - this->Origin[0];
-    const double dy = y - this->Origin[1];
-    const double determinant =
-      this->ColumnStep[0] * this->RowStep[1] - this->ColumnStep[1] * this->RowStep[0];
-    return { (dx * this->RowStep[1] - dy * this->RowStep[0]) / determinant,
-      (this->ColumnStep[0] * dy - this->ColumnStep[1] * dx) / determinant };
-  }
-  XRayDetector Detector() const
-  {
-    XRayDetector detector;
-    detector.Origin = this->Placed.Point({ this->Origin[0], this->Origin[1], 0 });
-    detector.ColumnStep = this->Placed.Direction({ this->ColumnStep[0], this->ColumnStep[1], 0 });
-    detector.RowStep = this->Placed.Direction({ this->RowStep[0], this->RowStep[1], 0 });
-    detector.Columns = this->Columns;
-    detector.Rows = this->Rows;
-    return detector;
-  }
-  bool Contains(double column, double row) const
-  {
-    return column >= -0.5 && row >= -0.5 && column <= this->Columns - 0.5 &&
-      row <= this->Rows - 0.5;
-  }
-  std::optional<UncertaintyEllipse> UncertaintyAt(const Place& place,
-    const Vector3& compressed) const;
-};
-
-void RegisteredBreast::Internals::ReadJson(const std::string& path)
+void ReadJson(const std::string& path, BreastInUnit& breast)
 {
   std::ifstream file(path);
   if (!file)
@@ -283,38 +230,33 @@ void RegisteredBreast::Internals::ReadJson(const std::string& path)
   {
     const nlohmann::json result = nlohmann::json::parse(file);
     const nlohmann::json& placement = result.at("placement");
-    this->Placed = { Numbers<Vector3>(placement.at("originMm")),
+    breast.Placed = { Numbers<Vector3>(placement.at("originMm")),
       Numbers<Vector3>(placement.at("x")), Numbers<Vector3>(placement.at("y")),
       Numbers<Vector3>(placement.at("z")) };
-    this->Unit.SourceToDetectorMm = result.at("unit").at("sourceToDetectorMm").get<double>();
+    const nlohmann::json& unit = result.at("unit");
+    unit.at("sourceToDetectorMm").get_to(breast.Unit.SourceToDetectorMm);
+    unit.at("supportHeightMm").get_to(breast.Unit.SupportHeightMm);
+    unit.at("supportEdgeMm").get_to(breast.Unit.SupportEdgeMm);
+    unit.at("paddleEdgeMm").get_to(breast.Unit.PaddleEdgeMm);
+    unit.at("edgeRadiusMm").get_to(breast.Unit.EdgeRadiusMm);
     const nlohmann::json& grid = result.at("grid");
-    this->Columns = grid.at("columns").get<int>();
-    this->Rows = grid.at("rows").get<int>();
-    this->Origin = Numbers<std::array<double, 2>>(grid.at("originMm"));
-    this->ColumnStep = Numbers<std::array<double, 2>>(grid.at("columnStepMm"));
-    this->RowStep = Numbers<std::array<double, 2>>(grid.at("rowStepMm"));
-    if (result.at("covariance").is_null())
+    breast.Grid.Columns = grid.at("columns").get<int>();
+    breast.Grid.Rows = grid.at("rows").get<int>();
+    breast.Grid.Origin = Numbers<std::array<double, 2>>(grid.at("originMm"));
+    breast.Grid.ColumnStep = Numbers<std::array<double, 2>>(grid.at("columnStepMm"));
+    breast.Grid.RowStep = Numbers<std::array<double, 2>>(grid.at("rowStepMm"));
+    for (const nlohmann::json& parameter : result.at("parameters"))
     {
-      return;
+      breast.Parameters.push_back(parameter.at("name").get<std::string>());
+      breast.Values.push_back(parameter.at("value").get<double>());
     }
-    const nlohmann::json& parameters = result.at("parameters");
-    const nlohmann::json& covariance = result.at("covariance");
-    std::vector<std::size_t> free;
-    for (std::size_t index = 0; index < parameters.size(); ++index)
+    if (const nlohmann::json& covariance = result.at("covariance"); !covariance.is_null())
     {
-      const std::string name =
-        SensitivityArrayPrefix + parameters.at(index).at("name").get<std::string>();
-      if (vtkDataArray* array = this->Uncompressed->GetPointData()->GetArray(name.c_str()))
+      breast.Covariance = covariance.get<std::vector<double>>();
+      if (breast.Covariance.size() != breast.Parameters.size() * breast.Parameters.size())
       {
-        free.push_back(index);
-        this->Sensitivities.push_back(array);
-      }
-    }
-    for (const std::size_t i : free)
-    {
-      for (const std::size_t j : free)
-      {
-        this->Covariance.push_back(covariance.at(i * parameters.size() + j).get<double>());
+        throw InputError("expected a covariance of all parameters, found " +
+          std::to_string(breast.Covariance.size()) + " numbers");
       }
     }
   }
@@ -327,6 +269,89 @@ void RegisteredBreast::Internals::ReadJson(const std::string& path)
     throw InputError(path + ": " + error.what());
   }
 }
+}
+
+BreastInUnit ReadRegistration(const std::string& folder)
+{
+  BreastInUnit breast;
+  breast.Uncompressed = ReadMesh(folder + "/uncompressed.vtu");
+  breast.Compressed = ReadMesh(folder + "/compressed.vtu");
+  vtkDataArray* displacement = breast.Uncompressed->GetPointData()->GetArray("Displacement");
+  if (!displacement || displacement->GetNumberOfComponents() != 3)
+  {
+    throw InputError(
+      folder + "/uncompressed.vtu: expected the point array 'Displacement' with 3 components");
+  }
+  if (breast.Compressed->GetNumberOfPoints() != breast.Uncompressed->GetNumberOfPoints() ||
+    breast.Compressed->GetNumberOfCells() != breast.Uncompressed->GetNumberOfCells())
+  {
+    throw InputError(folder + ": expected compressed.vtu and uncompressed.vtu of the same mesh");
+  }
+  ReadJson(folder + "/result.json", breast);
+  return breast;
+}
+
+struct RegisteredBreast::Internals
+{
+  BreastInUnit Breast;
+  /// From the uncompressed to the compressed points.
+  vtkNew<vtkDoubleArray> Displacement;
+  vtkDataArray* Materials = nullptr;
+  std::vector<std::string> MaterialNames;
+  std::unique_ptr<CellFinder> AtRest;
+  std::unique_ptr<CellFinder> Squeezed;
+  /// Of the parameters that have sensitivities, and the covariance in the order of those.
+  std::vector<vtkDataArray*> Sensitivities;
+  std::vector<double> Covariance;
+
+  void PickCovariance();
+  std::string NameOf(vtkIdType cell) const
+  {
+    const auto material = static_cast<std::size_t>(this->Materials->GetComponent(cell, 0));
+    return material < this->MaterialNames.size() ? this->MaterialNames[material]
+                                                 : std::to_string(material);
+  }
+  std::array<double, 2> PixelOf(double x, double y) const
+  {
+    const RegistrationTarget& grid = this->Breast.Grid;
+    const double dx = x - grid.Origin[0];
+    const double dy = y - grid.Origin[1];
+    const double determinant =
+      grid.ColumnStep[0] * grid.RowStep[1] - grid.ColumnStep[1] * grid.RowStep[0];
+    return { (dx * grid.RowStep[1] - dy * grid.RowStep[0]) / determinant,
+      (grid.ColumnStep[0] * dy - grid.ColumnStep[1] * dx) / determinant };
+  }
+  bool Contains(double column, double row) const
+  {
+    return column >= -0.5 && row >= -0.5 && column <= this->Breast.Grid.Columns - 0.5 &&
+      row <= this->Breast.Grid.Rows - 0.5;
+  }
+  std::optional<UncertaintyEllipse> UncertaintyAt(const Place& place,
+    const Vector3& compressed) const;
+};
+
+/// Keeps the part of the covariance whose parameters have sensitivities.
+void RegisteredBreast::Internals::PickCovariance()
+{
+  const BreastInUnit& breast = this->Breast;
+  std::vector<std::size_t> free;
+  for (std::size_t index = 0; index < breast.Parameters.size(); ++index)
+  {
+    const std::string name = SensitivityArrayPrefix + breast.Parameters[index];
+    if (vtkDataArray* array = breast.Uncompressed->GetPointData()->GetArray(name.c_str()))
+    {
+      free.push_back(index);
+      this->Sensitivities.push_back(array);
+    }
+  }
+  for (const std::size_t i : free)
+  {
+    for (const std::size_t j : free)
+    {
+      this->Covariance.push_back(breast.Covariance.at(i * breast.Parameters.size() + j));
+    }
+  }
+}
 
 std::optional<UncertaintyEllipse> RegisteredBreast::Internals::UncertaintyAt(const Place& place,
   const Vector3& compressed) const
@@ -335,19 +360,19 @@ std::optional<UncertaintyEllipse> RegisteredBreast::Internals::UncertaintyAt(con
   {
     return std::nullopt;
   }
+  const RegistrationTarget& grid = this->Breast.Grid;
   const std::vector<double> point(compressed.begin(), compressed.end());
   // Velocities on the receptor along the image's columns and rows.
   std::vector<std::array<double, 2>> rates;
-  const double columnLength = std::hypot(this->ColumnStep[0], this->ColumnStep[1]);
-  const double rowLength = std::hypot(this->RowStep[0], this->RowStep[1]);
+  const double columnLength = std::hypot(grid.ColumnStep[0], grid.ColumnStep[1]);
+  const double rowLength = std::hypot(grid.RowStep[0], grid.RowStep[1]);
   for (vtkDataArray* sensitivity : this->Sensitivities)
   {
     const Vector3 velocity = place.Interpolate(sensitivity);
     const ReceptorPoint rate =
-      ReceptorVelocities(point, velocity.data(), this->Placed, this->Unit).front();
-    rates.push_back(
-      { (rate[0] * this->ColumnStep[0] + rate[1] * this->ColumnStep[1]) / columnLength,
-        (rate[0] * this->RowStep[0] + rate[1] * this->RowStep[1]) / rowLength });
+      ReceptorVelocities(point, velocity.data(), this->Breast.Placed, this->Breast.Unit).front();
+    rates.push_back({ (rate[0] * grid.ColumnStep[0] + rate[1] * grid.ColumnStep[1]) / columnLength,
+      (rate[0] * grid.RowStep[0] + rate[1] * grid.RowStep[1]) / rowLength });
   }
   double a = 0;
   double b = 0;
@@ -366,51 +391,61 @@ std::optional<UncertaintyEllipse> RegisteredBreast::Internals::UncertaintyAt(con
 }
 
 RegisteredBreast::RegisteredBreast(const std::string& folder)
+  : RegisteredBreast(ReadRegistration(folder))
+{
+}
+
+RegisteredBreast::RegisteredBreast(const BreastInUnit& breast)
   : Internal(std::make_unique<Internals>())
 {
   Internals& internal = *this->Internal;
-  internal.Uncompressed = ReadMesh(folder + "/uncompressed.vtu");
-  internal.Compressed = ReadMesh(folder + "/compressed.vtu");
-  FromGrid(internal.Uncompressed, &internal.MaterialNames); // refuses what is not tetrahedra
-  internal.Displacement = internal.Uncompressed->GetPointData()->GetArray("Displacement");
-  internal.Materials = internal.Uncompressed->GetCellData()->GetArray(MaterialArrayName);
-  if (!internal.Displacement || internal.Displacement->GetNumberOfComponents() != 3)
+  internal.Breast = breast;
+  FromGrid(breast.Uncompressed, &internal.MaterialNames); // refuses what is not tetrahedra
+  const vtkIdType count = breast.Uncompressed->GetNumberOfPoints();
+  if (breast.Compressed->GetNumberOfPoints() != count ||
+    breast.Compressed->GetNumberOfCells() != breast.Uncompressed->GetNumberOfCells())
   {
-    throw InputError(
-      folder + "/uncompressed.vtu: expected the point array 'Displacement' with 3 components");
+    throw InputError("expected the compressed and the uncompressed points of the same mesh");
   }
-  if (internal.Compressed->GetNumberOfPoints() != internal.Uncompressed->GetNumberOfPoints() ||
-    internal.Compressed->GetNumberOfCells() != internal.Uncompressed->GetNumberOfCells())
+  internal.Materials = breast.Uncompressed->GetCellData()->GetArray(MaterialArrayName);
+  internal.Displacement->SetNumberOfComponents(3);
+  internal.Displacement->SetNumberOfTuples(count);
+  for (vtkIdType id = 0; id < count; ++id)
   {
-    throw InputError(folder + ": expected compressed.vtu and uncompressed.vtu of the same mesh");
+    double from[3];
+    double to[3];
+    breast.Uncompressed->GetPoint(id, from);
+    breast.Compressed->GetPoint(id, to);
+    internal.Displacement->SetTuple3(id, to[0] - from[0], to[1] - from[1], to[2] - from[2]);
   }
-  internal.ReadJson(folder + "/result.json");
-  internal.AtRest = std::make_unique<CellFinder>(internal.Uncompressed);
-  internal.Squeezed = std::make_unique<CellFinder>(internal.Compressed);
+  if (!breast.Covariance.empty())
+  {
+    internal.PickCovariance();
+  }
+  internal.AtRest = std::make_unique<CellFinder>(breast.Uncompressed);
+  internal.Squeezed = std::make_unique<CellFinder>(breast.Compressed);
 }
 
 RegisteredBreast::~RegisteredBreast() = default;
 
 vtkUnstructuredGrid* RegisteredBreast::Uncompressed() const
 {
-  return this->Internal->Uncompressed;
+  return this->Internal->Breast.Uncompressed;
 }
 
 vtkUnstructuredGrid* RegisteredBreast::Compressed() const
 {
-  return this->Internal->Compressed;
+  return this->Internal->Breast.Compressed;
 }
 
 XRaySource RegisteredBreast::Source() const
 {
-  XRaySource source;
-  source.Position = this->Internal->Placed.Point({ 0, 0, this->Internal->Unit.SourceToDetectorMm });
-  return source;
+  return SourceOf(this->Internal->Breast.Placed, this->Internal->Breast.Unit);
 }
 
 XRayDetector RegisteredBreast::Detector() const
 {
-  return this->Internal->Detector();
+  return DetectorOf(this->Internal->Breast.Placed, this->Internal->Breast.Grid, 1);
 }
 
 ImagedPoint RegisteredBreast::ToMammogram(const Vector3& point) const
@@ -420,7 +455,7 @@ ImagedPoint RegisteredBreast::ToMammogram(const Vector3& point) const
   if (place.Cell < 0)
   {
     double bounds[6];
-    internal.Uncompressed->GetBounds(bounds);
+    internal.Breast.Uncompressed->GetBounds(bounds);
     char text[240];
     std::snprintf(text, sizeof text,
       "point (%.2f, %.2f, %.2f): expected a place in the breast, found none within %.0f mm (the "
@@ -433,7 +468,8 @@ ImagedPoint RegisteredBreast::ToMammogram(const Vector3& point) const
   imaged.Material = internal.NameOf(place.Cell);
   imaged.Compressed = point + place.Interpolate(internal.Displacement);
   const std::vector<double> compressed(imaged.Compressed.begin(), imaged.Compressed.end());
-  imaged.ReceptorMm = ProjectToReceptor(compressed, internal.Placed, internal.Unit).front();
+  imaged.ReceptorMm =
+    ProjectToReceptor(compressed, internal.Breast.Placed, internal.Breast.Unit).front();
   const std::array<double, 2> pixel = internal.PixelOf(imaged.ReceptorMm[0], imaged.ReceptorMm[1]);
   imaged.Column = pixel[0];
   imaged.Row = pixel[1];
@@ -487,15 +523,15 @@ ImagedLesion RegisteredBreast::ToMammogram(const LabelVolume& lesions, int label
   }
   imaged.ImagedCentre = this->ToMammogram(imaged.Centre);
   projector.SetSurface(surface);
-  const PathLengthImage lengths = projector.Project(this->Source(), internal.Detector());
+  const RegistrationTarget& grid = internal.Breast.Grid;
+  const PathLengthImage lengths = projector.Project(this->Source(), this->Detector());
   const float* lesionMm = lengths.Material(1);
   std::transform(lesionMm, lesionMm + lengths.NumberOfPixels(), std::back_inserter(imaged.Shadow),
     [](float length) { return static_cast<unsigned char>(length > 0); });
   imaged.AreaMm2 = static_cast<double>(std::count(imaged.Shadow.begin(), imaged.Shadow.end(), 1)) *
-    std::abs(
-      internal.ColumnStep[0] * internal.RowStep[1] - internal.ColumnStep[1] * internal.RowStep[0]);
+    std::abs(grid.ColumnStep[0] * grid.RowStep[1] - grid.ColumnStep[1] * grid.RowStep[0]);
   imaged.LargestThicknessMm = *std::max_element(lesionMm, lesionMm + lengths.NumberOfPixels());
-  imaged.Outlines = OutlinesOf(lesionMm, internal.Columns, internal.Rows);
+  imaged.Outlines = OutlinesOf(lesionMm, grid.Columns, grid.Rows);
   return imaged;
 }
 
@@ -508,27 +544,26 @@ std::vector<TissueStretch> RegisteredBreast::ToVolume(double column, double row,
     char text[160];
     std::snprintf(text, sizeof text,
       "pixel (%.1f, %.1f): expected columns 0 to %d and rows 0 to %d", column, row,
-      internal.Columns - 1, internal.Rows - 1);
+      internal.Breast.Grid.Columns - 1, internal.Breast.Grid.Rows - 1);
     throw InputError(text);
   }
   if (!(stepMm > 0))
   {
     throw InputError("step: expected a positive length, found " + std::to_string(stepMm) + " mm");
   }
-  const double x = internal.Origin[0] + column * internal.ColumnStep[0] + row * internal.RowStep[0];
-  const double y = internal.Origin[1] + column * internal.ColumnStep[1] + row * internal.RowStep[1];
-  const Vector3 foot = internal.Placed.Point({ x, y, 0 });
+  const auto [x, y] = PixelPosition(internal.Breast.Grid, column, row);
+  const Vector3 foot = internal.Breast.Placed.Point({ x, y, 0 });
   const Vector3 source = this->Source().Position;
   const Vector3 up = (1 / Norm(source - foot)) * (source - foot);
   // How far up the ray the breast reaches.
   double highest = 0;
-  for (vtkIdType id = 0; id < internal.Compressed->GetNumberOfPoints(); ++id)
+  for (vtkIdType id = 0; id < internal.Breast.Compressed->GetNumberOfPoints(); ++id)
   {
     double point[3];
-    internal.Compressed->GetPoint(id, point);
+    internal.Breast.Compressed->GetPoint(id, point);
     highest = std::max(highest, Dot(Vector3{ point[0], point[1], point[2] } - foot, up));
   }
-  const double slope = Dot(up, internal.Placed.Z);
+  const double slope = Dot(up, internal.Breast.Placed.Z);
   const auto count = static_cast<long>(std::ceil(highest / stepMm));
   const double step = highest / static_cast<double>(std::max(count, 1L));
   std::vector<TissueStretch> stretches;
@@ -548,7 +583,7 @@ std::vector<TissueStretch> RegisteredBreast::ToVolume(double column, double row,
     for (std::size_t corner = 0; corner < 4; ++corner)
     {
       double point[3];
-      internal.Uncompressed->GetPoint(place.Corners[corner], point);
+      internal.Breast.Uncompressed->GetPoint(place.Corners[corner], point);
       rest = rest + place.Weights[corner] * Vector3{ point[0], point[1], point[2] };
     }
     const std::string material = internal.NameOf(place.Cell);

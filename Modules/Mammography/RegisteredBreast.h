@@ -3,9 +3,12 @@
 #define mammoray_RegisteredBreast_h
 
 #include "LabelVolume.h"
+#include "Mammogram.h"
 #include "MammographyGeometry.h"
 #include "PathLengthProjector.h"
 #include "mammorayMammographyModule.h"
+
+#include "vtkSmartPointer.h"
 
 #include <array>
 #include <memory>
@@ -83,6 +86,27 @@ struct TissueStretch
   std::vector<Vector3> Uncompressed;
 };
 
+/// A breast at rest and compressed, and the unit that images it.
+struct BreastInUnit
+{
+  /// The same linear tetrahedra in both, volume frame, mm, with the cell array "Material". The
+  /// uncompressed one may have point arrays called SensitivityArrayPrefix and a parameter.
+  vtkSmartPointer<vtkUnstructuredGrid> Uncompressed;
+  vtkSmartPointer<vtkUnstructuredGrid> Compressed;
+  VolumeFromGantry Placed;
+  MammographyUnit Unit;
+  /// The mammogram's pixel grid; its pictures are not used.
+  RegistrationTarget Grid;
+  /// Of a registration, in its order: parameters, what was found, and its covariance, which is
+  /// empty where it is not known.
+  std::vector<std::string> Parameters;
+  std::vector<double> Values;
+  std::vector<double> Covariance;
+};
+
+/// Reads the folder that 'mammoray register' wrote. Throws InputError that names the file.
+MAMMORAYMAMMOGRAPHY_EXPORT BreastInUnit ReadRegistration(const std::string& folder);
+
 /**
  * The result of a registration, read from the folder that 'mammoray register' wrote, to find points
  * of the one image in the other.
@@ -92,6 +116,8 @@ class MAMMORAYMAMMOGRAPHY_EXPORT RegisteredBreast
 public:
   /// Throws InputError that names the file.
   explicit RegisteredBreast(const std::string& folder);
+  /// Throws InputError where the grids do not belong together.
+  explicit RegisteredBreast(const BreastInUnit& breast);
   ~RegisteredBreast();
 
   /// Where a point of the label volume's frame (mm) is seen. Throws InputError when it lies more

@@ -235,8 +235,8 @@ std::vector<double> ResumeFrom(const RegistrationCase& input,
   }
   return values;
 }
+}
 
-/// Gland: what the ratio of stiffness is about.
 std::vector<int> GlandularMaterials(const MaterialTable& table)
 {
   std::vector<int> gland;
@@ -249,8 +249,6 @@ std::vector<int> GlandularMaterials(const MaterialTable& table)
   }
   return gland;
 }
-}
-
 std::vector<std::pair<std::string, std::string>> CaseInputs(const RegistrationCase& input)
 {
   std::vector<std::pair<std::string, std::string>> inputs{ { "Label volume", input.Labels.Path },
@@ -317,12 +315,16 @@ RegistrationCaseResult RunRegistrationCase(const RegistrationCase& input,
   result.SimulationCells = coarse.NumberOfCells();
   stopwatch.Stage("mesh for the mechanics");
 
-  CompressionSimulation simulation(coarse, mechanics.Elastic, held,
-    [&materials](const Vector3& point) { return static_cast<int>(materials.LabelAt(point)); });
+  const MaterialField field = [&materials](const Vector3& point)
+  { return static_cast<int>(materials.LabelAt(point)); };
+  CompressionSimulation simulation(coarse, mechanics.Elastic, held, field);
+  CompressionSimulation scout(coarse, mechanics.Elastic, held, field,
+    { .Element = ElementType::PatchAveragedLinear });
   const SurfaceMesh surface = ExtractInterfaces(result.Anatomy);
   result.SurfaceTriangles = surface.NumberOfTriangles();
   projector->SetSurface(surface);
   const Embedding surfaceEmbedding(simulation, surface.Points);
+  const Embedding scoutEmbedding(scout, surface.Points);
   stopwatch.Stage("prepare");
 
   RegistrationModel model;
@@ -331,6 +333,8 @@ RegistrationCaseResult RunRegistrationCase(const RegistrationCase& input,
   model.ScaledMaterials = GlandularMaterials(result.Materials);
   model.Surface = &surface;
   model.SurfaceEmbedding = &surfaceEmbedding;
+  model.Scout = &scout;
+  model.ScoutEmbedding = &scoutEmbedding;
   model.Projector = projector.get();
   model.XRays = &beam;
   model.Axes = result.Axes;

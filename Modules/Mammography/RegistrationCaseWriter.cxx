@@ -24,33 +24,7 @@ namespace
 {
 void WriteMeshes(const RegistrationCaseResult& result, const std::string& folder)
 {
-  const auto grid = ToGrid(result.Anatomy, result.Materials.Names());
-  vtkNew<vtkDoubleArray> displacement;
-  displacement->SetName("Displacement");
-  displacement->SetNumberOfComponents(3);
-  displacement->SetNumberOfTuples(grid->GetNumberOfPoints());
-  double* values = displacement->GetPointer(0);
-  for (std::size_t index = 0; index < result.CompressedPoints.size(); ++index)
-  {
-    values[index] = result.CompressedPoints[index] - result.Anatomy.Points[index];
-  }
-  grid->GetPointData()->SetVectors(displacement);
-  for (std::size_t parameter = 0; parameter < result.Sensitivities.size(); ++parameter)
-  {
-    const std::vector<double>& velocities = result.Sensitivities[parameter];
-    if (velocities.empty())
-    {
-      continue;
-    }
-    // Floats: six digits of a derivative are plenty, and files stay half as large.
-    vtkNew<vtkFloatArray> sensitivity;
-    sensitivity->SetName(
-      (SensitivityArrayPrefix + result.Registration.Parameters[parameter].Name).c_str());
-    sensitivity->SetNumberOfComponents(3);
-    sensitivity->SetNumberOfTuples(grid->GetNumberOfPoints());
-    std::copy(velocities.begin(), velocities.end(), sensitivity->GetPointer(0));
-    grid->GetPointData()->AddArray(sensitivity);
-  }
+  const auto grid = UncompressedGrid(result);
   WriteMesh(grid, folder + "/uncompressed.vtu");
 
   vtkNew<vtkDoubleArray> compressed;
@@ -81,6 +55,38 @@ void WriteSynthetic(const RegistrationCaseResult& result, const std::string& pat
     throw InputError(path + ": cannot be written");
   }
 }
+}
+
+vtkSmartPointer<vtkUnstructuredGrid> UncompressedGrid(const RegistrationCaseResult& result)
+{
+  const auto grid = ToGrid(result.Anatomy, result.Materials.Names());
+  vtkNew<vtkDoubleArray> displacement;
+  displacement->SetName("Displacement");
+  displacement->SetNumberOfComponents(3);
+  displacement->SetNumberOfTuples(grid->GetNumberOfPoints());
+  double* values = displacement->GetPointer(0);
+  for (std::size_t index = 0; index < result.CompressedPoints.size(); ++index)
+  {
+    values[index] = result.CompressedPoints[index] - result.Anatomy.Points[index];
+  }
+  grid->GetPointData()->SetVectors(displacement);
+  for (std::size_t parameter = 0; parameter < result.Sensitivities.size(); ++parameter)
+  {
+    const std::vector<double>& velocities = result.Sensitivities[parameter];
+    if (velocities.empty())
+    {
+      continue;
+    }
+    // Floats: six digits of a derivative are plenty, and files stay half as large.
+    vtkNew<vtkFloatArray> sensitivity;
+    sensitivity->SetName(
+      (SensitivityArrayPrefix + result.Registration.Parameters[parameter].Name).c_str());
+    sensitivity->SetNumberOfComponents(3);
+    sensitivity->SetNumberOfTuples(grid->GetNumberOfPoints());
+    std::copy(velocities.begin(), velocities.end(), sensitivity->GetPointer(0));
+    grid->GetPointData()->AddArray(sensitivity);
+  }
+  return grid;
 }
 
 void WriteRegistrationCase(const RegistrationCase& input, const RegistrationCaseResult& result,

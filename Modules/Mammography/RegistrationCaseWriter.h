@@ -5,10 +5,19 @@
 #include "RegistrationCase.h"
 #include "mammorayMammographyModule.h"
 
+#include "vtkSmartPointer.h"
+
 #include <string>
+
+class vtkUnstructuredGrid;
 
 namespace mammoray
 {
+/// The anatomy at rest, volume frame, with the point array "Displacement" (mm) and those of the
+/// sensitivities (SensitivityArrayPrefix).
+MAMMORAYMAMMOGRAPHY_EXPORT vtkSmartPointer<vtkUnstructuredGrid> UncompressedGrid(
+  const RegistrationCaseResult& result);
+
 /**
  * Writes into an existing folder: uncompressed.vtu and compressed.vtu (volume frame, both with the
  * point array "Displacement", mm, from the one to the other), synthetic.mha (log attenuation on the

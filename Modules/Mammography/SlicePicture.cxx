@@ -202,19 +202,16 @@ void WriteSlicePicture(const IntensityVolume& image, const LabelVolume& labels,
     }
     top -= TitleHeight;
   }
-  double y = height - Margin - 12;
+  std::size_t row = 0;
   for (const auto& [label, count] : labels.CountLabels())
   {
     if (label == 0)
     {
       continue;
     }
-    const double x = width - LegendWidth;
-    picture.Box(x, y - 7, x + 14, y + 7, GroupColor(static_cast<std::size_t>(label) - 1));
     const auto index = static_cast<std::size_t>(label);
-    picture.Text(x + 22, y, 0,
+    picture.LegendEntry(width - LegendWidth, height - Margin, row++, index - 1,
       index < names.size() ? names[index] : "label " + std::to_string(label));
-    y -= 24;
   }
   picture.Write(path);
 }

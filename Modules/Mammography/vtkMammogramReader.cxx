@@ -2,22 +2,14 @@
 #include "vtkMammogramReader.h"
 
 #include "Error.h"
+#include "ImageConversion.h"
 #include "MammogramIO.h"
 
-#include "vtkDoubleArray.h"
-#include "vtkFieldData.h"
-#include "vtkFloatArray.h"
 #include "vtkImageData.h"
 #include "vtkInformation.h"
 #include "vtkInformationVector.h"
-#include "vtkIntArray.h"
-#include "vtkNew.h"
 #include "vtkObjectFactory.h"
-#include "vtkPointData.h"
 #include "vtkStreamingDemandDrivenPipeline.h"
-#include "vtkStringArray.h"
-
-#include <algorithm>
 
 vtkStandardNewMacro(vtkMammogramReader);
 
@@ -95,56 +87,6 @@ int vtkMammogramReader::RequestData(vtkInformation*, vtkInformationVector**,
   {
     return 0;
   }
-  const mammoray::Mammogram& mammogram = this->Internal->Mammogram;
-  vtkImageData* image = vtkImageData::GetData(outputs);
-  image->SetDimensions(mammogram.Columns, mammogram.Rows, 1);
-  image->SetSpacing(mammogram.ColumnSpacingMm, mammogram.RowSpacingMm, 1);
-  image->SetOrigin(0, 0, 0);
-  vtkNew<vtkFloatArray> pixels;
-  pixels->SetName("Mammogram");
-  pixels->SetNumberOfValues(static_cast<vtkIdType>(mammogram.Pixels.size()));
-  for (int row = 0; row < mammogram.Rows; ++row)
-  {
-    const auto first =
-      mammogram.Pixels.begin() + static_cast<std::ptrdiff_t>(row) * mammogram.Columns;
-    std::copy(first, first + mammogram.Columns,
-      pixels->GetPointer(static_cast<vtkIdType>(mammogram.Rows - 1 - row) * mammogram.Columns));
-  }
-  image->GetPointData()->SetScalars(pixels);
-
-  const auto addText = [image](const char* name, const std::string& value)
-  {
-    vtkNew<vtkStringArray> array;
-    array->SetName(name);
-    array->InsertNextValue(value);
-    image->GetFieldData()->AddArray(array);
-  };
-  const auto addNumber = [image](const char* name, const std::optional<double>& value)
-  {
-    if (value)
-    {
-      vtkNew<vtkDoubleArray> array;
-      array->SetName(name);
-      array->InsertNextValue(*value);
-      image->GetFieldData()->AddArray(array);
-    }
-  };
-  addText("View", mammogram.View);
-  addText("Laterality", std::string(1, mammogram.Laterality));
-  addText("RowDirection", mammogram.RowDirection);
-  addText("ColumnDirection", mammogram.ColumnDirection);
-  addText("PresentationIntent",
-    mammogram.PresentationIntent == mammoray::Mammogram::Intent::ForProcessing
-      ? "FOR PROCESSING"
-      : "FOR PRESENTATION");
-  vtkNew<vtkIntArray> inverted;
-  inverted->SetName("InvertedForDisplay");
-  inverted->InsertNextValue(mammogram.InvertedForDisplay ? 1 : 0);
-  image->GetFieldData()->AddArray(inverted);
-  addNumber("BodyPartThicknessMm", mammogram.BodyPartThicknessMm);
-  addNumber("PositionerPrimaryAngleDeg", mammogram.PositionerPrimaryAngleDeg);
-  addNumber("SourceToDetectorMm", mammogram.SourceToDetectorMm);
-  addNumber("SourceToPatientMm", mammogram.SourceToPatientMm);
-  addNumber("PeakKilovoltage", mammogram.PeakKilovoltage);
+  vtkImageData::GetData(outputs)->ShallowCopy(mammoray::ToImage(this->Internal->Mammogram));
   return 1;
 }

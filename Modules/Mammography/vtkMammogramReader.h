@@ -7,7 +7,8 @@
  * applied, NaN where the header declares padding), spacing at the image receptor in mm, origin 0.
  * The first row of the picture is the last in the array, so that VTK shows it upright. MONOCHROME1
  * is not inverted. Field data: "View", "Laterality", "RowDirection", "ColumnDirection",
- * "PresentationIntent" (strings), "InvertedForDisplay", and those of "BodyPartThicknessMm",
+ * "PresentationIntent" (strings), "InvertedForDisplay", "IntensityRelationship" (0 not said, 1
+ * linear, 2 logarithmic), "IntensitySign", "BitsStored" (ints), and those of "BodyPartThicknessMm",
  * "PositionerPrimaryAngleDeg", "SourceToDetectorMm", "SourceToPatientMm" and "PeakKilovoltage" that
  * the header states. A file that is missing, damaged or no mammogram raises ErrorEvent once and
  * leaves the output empty.

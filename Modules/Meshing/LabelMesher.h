@@ -59,9 +59,10 @@ struct MAMMORAYMESHING_EXPORT MeshingOptions
    */
   double OptimisationSeconds = 60.0;
   /**
-   * Number of interface triangles to end with, within 10 %: all sizes and distances of facets, and
-   * cell sizes, are scaled alike until that is reached. 0 takes the sizes as they are. Refused
-   * where triangles would be smaller than a sixteenth of a voxel's face, or not fit in the memory.
+   * Number of interface triangles to end with, within 10 %: all sizes and distances of facets are
+   * scaled alike until that is reached, and cell sizes with them where they grow. 0 takes the sizes
+   * as they are. Refused where triangles would be smaller than a sixteenth of a voxel's face, or
+   * not fit in the memory.
    */
   std::size_t Triangles = 0;
 

@@ -147,10 +147,10 @@ void RefuseCuts(const TriangleComplex& complex)
   if (!cutting.empty())
   {
     const Vector3 place = MiddleOf(complex, cutting.front());
-    char text[200];
+    char text[256];
     std::snprintf(text, sizeof(text),
       "surfaces: expected triangles that meet at common edges, found %zu that cut others, the "
-      "first at (%.2f, %.2f, %.2f) mm",
+      "first at (%.2f, %.2f, %.2f) mm; labelling voxels by them (--surface-voxels) joins them",
       cutting.size(), place[0], place[1], place[2]);
     throw InputError(text);
   }
@@ -195,11 +195,7 @@ MeshingResult MeshSurfaces(const SurfaceMesh& surfaces, const MeshingOptions& op
 {
   const auto start = Clock::now();
   options.Validate();
-  const MeshCheck check = CheckSurface(surfaces);
-  if (const MeshTrouble* holes = check.Find(MeshTrouble::Kind::Holes))
-  {
-    throw InputError("surfaces: expected closed ones, found " + holes->Text({}));
-  }
+  CheckClosed(surfaces);
   ReportProgress(progress, 0.1, "looking for cuts");
   const TriangleComplex complex = Weld(surfaces);
   MeshingResult result;
@@ -243,7 +239,8 @@ bool HasTetGen()
 
 MeshingResult MeshSurfaces(const SurfaceMesh&, const MeshingOptions&, const ProgressCallback&)
 {
-  throw InputError("surfaces: this build has no TetGen (MAMMORAY_USE_TETGEN was OFF)");
+  throw InputError("surfaces: this build has no TetGen (MAMMORAY_USE_TETGEN was OFF); labelling "
+                   "voxels by them (--surface-voxels) needs none");
 }
 
 MeshingResult MeshMaterialSurfaces(const LabelVolume&, const MeshingOptions&,

@@ -2,8 +2,10 @@
 #include "Registration.h"
 
 #include "Error.h"
+#include "Private/ValidateRegistration.h"
 #include "TargetImage.h"
 
+#include <Eigen/Dense>
 #include <ceres/ceres.h>
 
 #include <algorithm>
@@ -20,9 +22,14 @@ namespace
 /// Poses without an equilibrium, of one resolution, after which a search ends: each costs many
 /// times what a good one does, and the best match lies where the breast cannot be compressed to.
 constexpr int LargestNumberOfFailures = 5;
-/// Of the cost in an iteration. Residuals are in standard deviations: parameters that are half of
-/// their own from the best cost this much more.
+/// Of the cost, to the bottom of its quadratic model. Residuals are in standard deviations:
+/// parameters that are half of their own from the best cost this much more. The cheap simulation is
+/// off by more than two.
 constexpr double NegligibleFall = 0.125;
+constexpr double NegligibleFallOfScout = 2;
+
+/// Beyond this way of the plates a cold start costs less than going there from another state, mm.
+constexpr double LongestWarmTravelMm = 8;
 
 using Clock = std::chrono::steady_clock;
 
@@ -31,41 +38,12 @@ double SecondsSince(Clock::time_point begin)
   return std::chrono::duration<double>(Clock::now() - begin).count();
 }
 
-/// Half the sums of squares of residuals as Ceres' robust loss counts them.
-struct TermCosts
+/// How far the plates are from those of a state, mm.
+double TravelFrom(const CompressionState& state, const RegistrationModel& model,
+  const std::vector<double>& values)
 {
-  double Outline = 0;
-  double Intensity = 0;
-  double Prior = 0;
-
-  double Sum() const { return this->Outline + this->Intensity + this->Prior; }
-};
-
-TermCosts CostsOf(const RegistrationResiduals& compared, const RegistrationOptions& options,
-  const std::vector<double>& residuals)
-{
-  TermCosts costs;
-  const double width = options.RobustWidth;
-  const std::size_t outline = compared.NumberOfOutlineResiduals();
-  const std::size_t pictures = outline + compared.NumberOfIntensityResiduals();
-  for (std::size_t index = 0; index < residuals.size(); ++index)
-  {
-    const double r = std::abs(residuals[index]);
-    const double robust = r <= width ? 0.5 * r * r : width * r - 0.5 * width * width;
-    if (index < outline)
-    {
-      costs.Outline += robust;
-    }
-    else if (index < pictures)
-    {
-      costs.Intensity += robust;
-    }
-    else
-    {
-      costs.Prior += 0.5 * r * r;
-    }
-  }
-  return costs;
+  const PlatePair plates = PlatesAt(model, PoseOf(values));
+  return TravelMm(PlateMotion(SlidTowards(state.Plates, plates), plates));
 }
 
 /// The residuals of a level for Ceres, with the equilibrium they belong to.
@@ -88,6 +66,7 @@ public:
     {
       this->Unknowns.push_back(start[parameter] / options.Parameters[parameter].Scale);
     }
+    this->StateIsAt = this->Unknowns;
   }
 
   void PrepareForEvaluation(bool evaluateJacobians, bool /*newPoint*/) override
@@ -102,19 +81,56 @@ public:
     if (evaluateJacobians && this->Valid && !this->HasJacobian)
     {
       this->EvaluateJacobian();
-      this->HasJacobian = true;
     }
   }
 
-  /// The next evaluation starts at this state and is not refused.
+  /// Back to an equilibrium, that of the unknowns as they are now.
   void ReturnTo(const CompressionState& state)
   {
     this->State = state;
-    this->LongestTravelMm = std::numeric_limits<double>::infinity();
+    this->StateIsAt = this->Unknowns;
     this->Failures = 0;
   }
 
-  TermCosts Costs() const { return CostsOf(this->Compared, this->Options, this->Residuals); }
+  RegistrationCosts Costs() const { return this->Compared.Costs(this->Residuals); }
+
+  /**
+   * How far the cost falls from the evaluated point to the bottom of its Gauss-Newton model,
+   * g^T H^-1 g / 2, residuals weighted as by the robust loss. Parameters that are at a bound and
+   * would go beyond it stay.
+   */
+  double PredictedFall() const
+  {
+    const auto count = static_cast<Eigen::Index>(this->Free.size());
+    Eigen::MatrixXd hessian = Eigen::MatrixXd::Zero(count, count);
+    Eigen::VectorXd gradient = Eigen::VectorXd::Zero(count);
+    const std::size_t robust = this->Residuals.size() - this->Compared.NumberOfPriors();
+    Eigen::VectorXd row(count);
+    for (std::size_t index = 0; index < this->Residuals.size(); ++index)
+    {
+      const double r = this->Residuals[index];
+      const double weight = index < robust && std::abs(r) > this->Options.RobustWidth
+        ? this->Options.RobustWidth / std::abs(r)
+        : 1.0;
+      for (Eigen::Index f = 0; f < count; ++f)
+      {
+        row[f] = this->Jacobian[static_cast<std::size_t>(f)][index];
+      }
+      hessian += weight * row * row.transpose();
+      gradient += weight * r * row;
+    }
+    for (Eigen::Index f = 0; f < count; ++f)
+    {
+      if (this->IsStoppedByBound(static_cast<std::size_t>(f), gradient[f]))
+      {
+        gradient[f] = 0;
+        hessian.row(f).setZero();
+        hessian.col(f).setZero();
+        hessian(f, f) = 1;
+      }
+    }
+    return 0.5 * gradient.dot(hessian.ldlt().solve(gradient));
+  }
 
   const RegistrationResiduals Compared;
   const std::vector<int> Free;
@@ -138,6 +154,15 @@ public:
   double JacobianSeconds = 0;
 
 private:
+  bool IsStoppedByBound(std::size_t free, double slope) const
+  {
+    const RegistrationParameter& parameter = this->Options.Parameters[this->Free[free]];
+    const double value = this->Unknowns[free] * parameter.Scale;
+    const double near = 1e-6 * parameter.Scale;
+    return (slope > 0 && value < parameter.Lower + near) ||
+      (slope < 0 && value > parameter.Upper - near);
+  }
+
   bool EvaluateResiduals()
   {
     for (std::size_t f = 0; f < this->Free.size(); ++f)
@@ -145,8 +170,13 @@ private:
       this->Values[this->Free[f]] =
         this->Unknowns[f] * this->Options.Parameters[this->Free[f]].Scale;
     }
-    const PlatePair plates = PlatesAt(this->Model, PoseOf(this->Values));
-    const double travelMm = TravelMm(PlateMotion(SlidTowards(this->State.Plates, plates), plates));
+    return (this->Unknowns == this->StateIsAt || this->Compress()) && this->Compare();
+  }
+
+  /// Whether there is an equilibrium at Values, which State then is.
+  bool Compress()
+  {
+    const double travelMm = TravelFrom(this->State, this->Model, this->Values);
     if (travelMm > this->LongestTravelMm || this->Failures >= LargestNumberOfFailures)
     {
       return false; // costs nothing, and Ceres shortens its step or gives up
@@ -154,17 +184,17 @@ private:
     const auto begin = Clock::now();
     try
     {
-      this->State = CompressAt(this->Model, this->Values, &this->State, this->Progress);
+      this->State = CompressAt(this->Model, this->Values,
+        travelMm > LongestWarmTravelMm ? nullptr : &this->State, this->Progress);
+      this->StateIsAt = this->Unknowns;
       ++this->Evaluations;
       this->MechanicsSeconds += SecondsSince(begin);
       this->LongestTravelMm = std::max(this->LongestTravelMm, 2 * travelMm);
-      ReportProgress(this->Progress, 0, "project");
+      return true;
     }
     catch (const Interrupted&)
     {
-      this->Stopped = true;
-      // Stale residuals: Ceres must not take the stop for a failure; the recorder ends the search.
-      return !this->Residuals.empty();
+      return this->Stop();
     }
     catch (const ConvergenceError&)
     {
@@ -174,9 +204,25 @@ private:
       this->LongestTravelMm = travelMm > 0 ? 0.5 * travelMm : this->LongestTravelMm;
       return false; // no equilibrium there: Ceres shortens its step
     }
-    const auto projecting = Clock::now();
+  }
+
+  /// The answer to Ceres: with stale residuals it must not take the stop for a failure; the
+  /// recorder ends the search.
+  bool Stop()
+  {
+    this->Stopped = true;
+    return !this->Residuals.empty();
+  }
+
+  bool Compare()
+  {
+    if (this->Stopped || (this->Progress && !this->Progress(0, "project")))
+    {
+      return this->Stop();
+    }
+    const auto begin = Clock::now();
     this->Residuals = this->Compared.Evaluate(this->Values, this->State);
-    this->ProjectionSeconds += SecondsSince(projecting);
+    this->ProjectionSeconds += SecondsSince(begin);
     ++this->Projections;
     return true;
   }
@@ -185,11 +231,18 @@ private:
   {
     this->Jacobian.assign(this->Free.size(),
       std::vector<double>(this->Compared.NumberOfResiduals(), 0.0));
+    this->HasJacobian = true;
     if (this->Stopped)
     {
-      return; // zeros; see EvaluateResiduals
+      return; // zeros; see Stop
     }
     const auto begin = Clock::now();
+    if (this->Options.Derivatives == RegistrationDerivatives::CentralDifferences)
+    {
+      this->Valid = this->DifferentiateByDifferences();
+      this->JacobianSeconds += SecondsSince(begin);
+      return;
+    }
     RegistrationResiduals::Jacobian jacobian =
       this->Compared.Differentiate(this->Values, this->State, this->Free);
     for (std::size_t f = 0; f < this->Free.size(); ++f)
@@ -203,12 +256,84 @@ private:
     this->JacobianSeconds += SecondsSince(begin);
   }
 
+public:
+  /// Residuals beside the evaluated point for Ceres' differences, which are relative to their
+  /// argument: offsets[0][f] is 1 at the point, and 1 more one scale of parameter f beside it.
+  bool operator()(const double* const* offsets, double* residuals) const
+  {
+    std::vector<double> beside = this->Values;
+    bool moved = false;
+    for (std::size_t f = 0; f < this->Free.size(); ++f)
+    {
+      moved = moved || offsets[0][f] != 1;
+      beside[this->Free[f]] += (offsets[0][f] - 1) * this->Options.Parameters[this->Free[f]].Scale;
+    }
+    std::vector<double> found = this->Residuals;
+    if (moved)
+    {
+      try
+      {
+        const CompressionState state =
+          CompressAt(this->Model, beside, &this->State, this->Progress);
+        found = this->Compared.Evaluate(beside, state);
+      }
+      catch (const ConvergenceError&)
+      {
+        return false;
+      }
+    }
+    std::copy(found.begin(), found.end(), residuals);
+    return true;
+  }
+
+private:
+  /// False where a point beside this one has no equilibrium.
+  bool DifferentiateByDifferences()
+  {
+    ceres::NumericDiffOptions steps;
+    steps.relative_step_size = this->Options.DifferenceStep;
+    ceres::DynamicNumericDiffCostFunction<Evaluator, ceres::CENTRAL> differences(this,
+      ceres::DO_NOT_TAKE_OWNERSHIP, steps);
+    const auto unknowns = static_cast<int>(this->Free.size());
+    const std::size_t count = this->Residuals.size();
+    differences.AddParameterBlock(unknowns);
+    differences.SetNumResiduals(static_cast<int>(count));
+    const std::vector<double> here(this->Free.size(), 1.0);
+    const double* const block = here.data();
+    std::vector<double> residuals(count);
+    std::vector<double> matrix(count * this->Free.size());
+    double* rows = matrix.data();
+    try
+    {
+      if (!differences.Evaluate(&block, residuals.data(), &rows))
+      {
+        return false;
+      }
+    }
+    catch (const Interrupted&)
+    {
+      return this->Stop();
+    }
+    this->Evaluations += 2 * unknowns;
+    this->Projections += 2 * unknowns;
+    for (std::size_t index = 0; index < count; ++index)
+    {
+      for (std::size_t f = 0; f < this->Free.size(); ++f)
+      {
+        this->Jacobian[f][index] = matrix[index * this->Free.size() + f];
+      }
+    }
+    return true;
+  }
+
   const RegistrationModel& Model;
   const RegistrationOptions& Options;
   const ProgressCallback& Progress;
   /// A longer way of the plates from State is refused unseen: half of what failed last, twice of
   /// what succeeded. The first is a step that a phantom's compression still follows.
   double LongestTravelMm = 20;
+  /// The unknowns whose equilibrium State is.
+  std::vector<double> StateIsAt;
   std::vector<double> EvaluatedAt;
   bool Evaluated = false;
   bool HasJacobian = false;
@@ -253,10 +378,11 @@ class IterationRecorder : public ceres::IterationCallback
 {
 public:
   IterationRecorder(const Evaluator& evaluator, RegistrationResult& result, double pixelSizeMm,
-    Clock::time_point begin)
+    double negligibleFall, Clock::time_point begin)
     : Source(evaluator)
     , Result(result)
     , PixelSizeMm(pixelSizeMm)
+    , LeastFall(negligibleFall)
     , Begin(begin)
   {
   }
@@ -270,7 +396,7 @@ public:
     if (summary.iteration == 0 || summary.step_is_successful)
     {
       // Ceres has just evaluated the Jacobian at the accepted point, so the evaluator stands there.
-      const TermCosts costs = this->Source.Costs();
+      const RegistrationCosts costs = this->Source.Costs();
       RegistrationIteration row;
       row.Number = static_cast<int>(this->Result.Iterations.size());
       row.Parameters = this->Source.Values;
@@ -280,7 +406,7 @@ public:
       row.PriorCost = costs.Prior;
       row.Cost = costs.Sum();
       row.Seconds = SecondsSince(this->Begin);
-      this->Settled = summary.iteration > 0 && summary.cost_change < NegligibleFall;
+      this->Settled = this->Source.PredictedFall() < this->LeastFall;
       this->Result.Iterations.push_back(row);
       this->Result.Values = this->Source.Values;
       this->Result.State = this->Source.State;
@@ -292,99 +418,36 @@ private:
   const Evaluator& Source;
   RegistrationResult& Result;
   double PixelSizeMm;
+  double LeastFall;
   Clock::time_point Begin;
   bool Settled = false;
 };
 
-void ValidateModel(const RegistrationModel& model, const RegistrationOptions& options)
-{
-  if (!model.Simulation || !model.Surface || !model.SurfaceEmbedding || !model.Projector ||
-    !model.XRays)
-  {
-    throw InputError("registration: expected a simulation, a surface with its embedding, a "
-                     "projector and a beam, found one missing");
-  }
-  if (options.Parameters.size() != ParameterCount)
-  {
-    throw InputError("registration: expected " + std::to_string(ParameterCount) +
-      " parameters, found " + std::to_string(options.Parameters.size()));
-  }
-  for (const RegistrationParameter& parameter : options.Parameters)
-  {
-    if (!(parameter.Lower <= parameter.Start && parameter.Start <= parameter.Upper) ||
-      !(parameter.Scale > 0))
-    {
-      throw InputError("registration: parameter " + parameter.Name +
-        ": expected lower <= start <= "
-        "upper and a positive scale, found " +
-        std::to_string(parameter.Lower) + ", " + std::to_string(parameter.Start) + ", " +
-        std::to_string(parameter.Upper) + ", " + std::to_string(parameter.Scale));
-    }
-  }
-  if (!options.Parameters[StiffnessParameter].Fixed && model.ScaledMaterials.empty())
-  {
-    throw InputError("registration: expected a material whose stiffness is to be found, such as "
-                     "gland, found none");
-  }
-  for (const int index : model.ScaledMaterials)
-  {
-    if (index < 0 || static_cast<std::size_t>(index) >= model.Elastic.size())
-    {
-      throw InputError("registration: expected a material of the " +
-        std::to_string(model.Elastic.size()) + " known to scale, found number " +
-        std::to_string(index));
-    }
-  }
-  if (!options.From.empty())
-  {
-    if (options.From.size() != ParameterCount)
-    {
-      throw InputError("registration: expected " + std::to_string(ParameterCount) +
-        " values to begin at, found " + std::to_string(options.From.size()));
-    }
-    for (int index = 0; index < ParameterCount; ++index)
-    {
-      const RegistrationParameter& parameter = options.Parameters[index];
-      if (!parameter.Fixed &&
-        !(parameter.Lower <= options.From[index] && options.From[index] <= parameter.Upper))
-      {
-        throw InputError("registration: parameter " + parameter.Name +
-          ": expected a beginning from " + std::to_string(parameter.Lower) + " to " +
-          std::to_string(parameter.Upper) + ", found " + std::to_string(options.From[index]));
-      }
-    }
-  }
-  if (options.PixelSizesMm.empty() || options.Samples < 1 || options.OutlineDirections < 10)
-  {
-    throw InputError("registration: expected at least one pixel size, one sample and ten outline "
-                     "directions");
-  }
-}
-
-/// CompressAt before the search, counted and timed; cold where it fails from `start`.
+/// CompressAt before the search, counted and timed.
 CompressionState CompressForStart(const RegistrationModel& model, const std::vector<double>& values,
-  const CompressionState* start, RegistrationResult& result, const ProgressCallback& progress)
+  const CompressionState* near, RegistrationResult& result, const ProgressCallback& progress)
 {
+  if (near && TravelFrom(*near, model, values) > LongestWarmTravelMm)
+  {
+    near = nullptr;
+  }
   ++result.Evaluations;
   const auto begin = Clock::now();
   try
   {
-    CompressionState state = CompressAt(model, values, start, progress);
+    CompressionState state = CompressAt(model, values, near, progress);
     result.MechanicsSeconds += SecondsSince(begin);
     return state;
   }
   catch (const ConvergenceError&)
   {
     result.MechanicsSeconds += SecondsSince(begin);
-    if (!start || !result.Warnings.empty())
-    {
-      throw;
-    }
+    throw;
   }
-  return CompressForStart(model, values, nullptr, result, progress);
 }
 
-/// Extent of the body at rest along the beam's axis, mm.
+/// Extent of the breast at rest along the beam's axis, mm: of what is clearly in front of the chest
+/// wall, which may be taller.
 double UncompressedHeight(const RegistrationModel& model, const BreastPose& pose)
 {
   const Vector3 axis = PlaceUnit(model.Axes, model.Anchor, model.Unit, pose).Z;
@@ -393,43 +456,51 @@ double UncompressedHeight(const RegistrationModel& model, const BreastPose& pose
   double high = -low;
   for (std::size_t index = 0; index < points.size(); index += 3)
   {
-    const double height = Dot({ points[index], points[index + 1], points[index + 2] }, axis);
-    low = std::min(low, height);
-    high = std::max(high, height);
+    const Vector3 point{ points[index], points[index + 1], points[index + 2] };
+    constexpr double clearlyMm = 5;
+    if (Dot(point - model.Anchor, model.Axes.Anterior) > clearlyMm)
+    {
+      const double height = Dot(point, axis);
+      low = std::min(low, height);
+      high = std::max(high, height);
+    }
   }
   return high - low;
 }
 
-/**
- * The equilibrium at the start. A breast is compressed to about half its height; a start below that
- * belongs to another breast and costs minutes to fail, so thickness is opened and bounded there,
- * with a warning, and again where even that has no equilibrium.
- */
-CompressionState CompressStart(const RegistrationModel& model, RegistrationResult& result,
-  const ProgressCallback& progress)
+/// Thickness that is too small for the breast: opened and bounded, with a warning.
+void OpenTo(double thicknessMm, double heightMm, RegistrationResult& result)
 {
   RegistrationParameter& thickness = result.Parameters[ThicknessParameter];
   double& value = result.Values[ThicknessParameter];
+  char sentence[240];
+  std::snprintf(sentence, sizeof sentence,
+    "The breast of the volume is %.0f mm high; it is not compressed to the %.1f mm the search "
+    "should start from, but to no less than %.1f mm.",
+    heightMm, value, thicknessMm);
+  result.Warnings.push_back(sentence);
+  value = thicknessMm;
+  thickness.Start = thicknessMm;
+  thickness.Lower = thicknessMm;
+  thickness.Upper = std::max(thickness.Upper, 1.5 * thicknessMm);
+}
+
+/// A breast is compressed to about half its height; a start below that belongs to another breast
+/// and costs minutes to fail.
+void OpenToHalfHeight(const RegistrationModel& model, RegistrationResult& result)
+{
   const double height = UncompressedHeight(model, PoseOf(result.Values));
-  const auto open = [&](double thicknessMm)
+  if (!result.Parameters[ThicknessParameter].Fixed &&
+    result.Values[ThicknessParameter] < 0.5 * height)
   {
-    char sentence[240];
-    std::snprintf(sentence, sizeof sentence,
-      "The breast of the volume is %.0f mm high; it is not compressed to the %.1f mm the search "
-      "should start from, but "
-      "to no less than %.1f mm.",
-      height, value, thicknessMm);
-    result.Warnings.push_back(sentence);
-    value = thicknessMm;
-    thickness.Start = thicknessMm;
-    thickness.Lower = thicknessMm;
-    thickness.Upper = std::max(thickness.Upper, 1.5 * thicknessMm);
-  };
-  const double least = 0.5 * height;
-  if (!thickness.Fixed && value < least)
-  {
-    open(least);
+    OpenTo(0.5 * height, height, result);
   }
+}
+
+/// The equilibrium at the result's values, opened where there is none.
+CompressionState CompressStart(const RegistrationModel& model, RegistrationResult& result,
+  const ProgressCallback& progress)
+{
   constexpr int attempts = 3;
   for (int attempt = 1;; ++attempt)
   {
@@ -440,11 +511,12 @@ CompressionState CompressStart(const RegistrationModel& model, RegistrationResul
     catch (const CompressionError& error)
     {
       const double opened = 1.1 * error.LastGapMm();
-      if (thickness.Fixed || attempt == attempts || !(opened > value))
+      if (result.Parameters[ThicknessParameter].Fixed || attempt == attempts ||
+        !(opened > result.Values[ThicknessParameter]))
       {
         throw;
       }
-      open(opened);
+      OpenTo(opened, UncompressedHeight(model, PoseOf(result.Values)), result);
     }
   }
 }
@@ -498,50 +570,51 @@ void AlignStart(const RegistrationModel& model, const RegistrationTarget& target
   shift(AnteriorParameter, (tip - targetTip) / magnification);
 }
 
-/// The target in pixels of about `pixelSizeMm`.
-RegistrationTarget CoarsenTo(const RegistrationTarget& target, double pixelSizeMm)
+/// The values and equilibrium of one beginning of the search.
+struct Beginning
 {
-  const double pixel = std::hypot(target.ColumnStep[0], target.ColumnStep[1]);
-  return Coarsen(target, std::max(1, static_cast<int>(std::lround(pixelSizeMm / pixel))));
-}
+  std::vector<double> Values;
+  CompressionState State;
+};
 
 /**
- * Moves values to where the outlines meet, with their equilibrium `state`. Lateral first, which the
- * plates do not feel; without an equilibrium on the way to the chest wall it is kept alone.
+ * Moves a beginning to `aligned`, where the outlines meet; without an equilibrium there only
+ * sideways, which the plates do not feel.
  */
-void MoveToOutline(const RegistrationModel& model, const RegistrationTarget& target,
-  RegistrationResult& result, std::vector<double>& values, CompressionState& state,
-  const ProgressCallback& progress)
+void MoveTo(const RegistrationModel& model, const std::vector<double>& aligned,
+  Beginning& beginning, RegistrationResult& result, const ProgressCallback& progress)
 {
-  std::vector<double> aligned = values;
-  AlignStart(model, target, state, result.Parameters, aligned);
-  for (const int parameter : { LateralParameter, AnteriorParameter })
+  std::vector<double> sideways = beginning.Values;
+  sideways[LateralParameter] = aligned[LateralParameter];
+  for (const std::vector<double>& values : { aligned, sideways })
   {
-    std::vector<double> shifted = values;
-    shifted[parameter] = aligned[parameter];
     try
     {
-      state = CompressForStart(model, shifted, &state, result, progress);
-      values = shifted;
+      beginning.State = CompressForStart(model, values, &beginning.State, result, progress);
+      beginning.Values = values;
+      return;
     }
     catch (const ConvergenceError&)
     {
-      break;
+      // The next, or none.
     }
   }
 }
 
 /**
- * Of the start and others with the roll beside it, each moved to where the outlines meet, the one
- * whose picture matches best: a picture changes little with the roll and has more than one valley.
+ * Of the start and others with the roll beside it, the one whose picture matches best where the
+ * outlines meet: a picture changes little with the roll and has more than one valley. To compare
+ * them, the compressed breast is moved to its outline as it is; only the best is compressed again
+ * there.
  */
 void ChooseStart(const RegistrationModel& model, const RegistrationTarget& target,
   const RegistrationOptions& options, RegistrationResult& result, const ProgressCallback& progress)
 {
   const RegistrationResiduals compared(model, target, options);
   const std::vector<double> from = result.Values;
-  const CompressionState fromState = result.State;
-  double best = std::numeric_limits<double>::infinity();
+  double least = std::numeric_limits<double>::infinity();
+  Beginning best;
+  std::vector<double> aligned;
   std::vector<double> offsets{ 0 };
   // A start that had to be opened is another breast's: every equilibrium costs much there.
   if (!result.Parameters[RollParameter].Fixed && result.Warnings.empty())
@@ -551,34 +624,39 @@ void ChooseStart(const RegistrationModel& model, const RegistrationTarget& targe
   for (const double offset : offsets)
   {
     const RegistrationParameter& roll = result.Parameters[RollParameter];
-    std::vector<double> values = from;
-    values[RollParameter] += offset;
-    if (values[RollParameter] < roll.Lower || values[RollParameter] > roll.Upper)
+    Beginning beginning{ from, result.State };
+    beginning.Values[RollParameter] += offset;
+    if (beginning.Values[RollParameter] < roll.Lower ||
+      beginning.Values[RollParameter] > roll.Upper)
     {
       continue;
     }
     try
     {
-      CompressionState state = fromState;
       if (offset != 0)
       {
-        state = CompressForStart(model, values, &fromState, result, progress);
-      }
-      MoveToOutline(model, target, result, values, state, progress);
-      const double cost = CostsOf(compared, options, compared.Evaluate(values, state)).Sum();
-      ++result.Projections;
-      if (cost < best)
-      {
-        best = cost;
-        result.Values = values;
-        result.State = state;
+        beginning.State =
+          CompressForStart(model, beginning.Values, &result.State, result, progress);
       }
     }
     catch (const ConvergenceError&)
     {
-      // No equilibrium there: one of the others.
+      continue; // no equilibrium there: one of the others
+    }
+    std::vector<double> values = beginning.Values;
+    AlignStart(model, target, beginning.State, result.Parameters, values);
+    const double cost = compared.Costs(compared.Evaluate(values, beginning.State)).Sum();
+    ++result.Projections;
+    if (cost < least)
+    {
+      least = cost;
+      best = std::move(beginning);
+      aligned = std::move(values);
     }
   }
+  MoveTo(model, aligned, best, result, progress);
+  result.Values = best.Values;
+  result.State = best.State;
 }
 
 /// Standard deviations and covariance of the free parameters at the evaluator's solution.
@@ -609,10 +687,20 @@ void KeepCovariance(ceres::Problem& problem, Evaluator& evaluator, RegistrationR
   }
 }
 
-/// Searches at one resolution; false where that ends the search.
-bool SearchLevel(const RegistrationModel& model, const RegistrationTarget& coarse,
-  const RegistrationOptions& options, double pixelSizeMm, const std::vector<int>& freeParameters,
-  Clock::time_point begin, RegistrationResult& result, const ProgressCallback& progress)
+enum class LevelEnd
+{
+  Reached,
+  /// The next level has nothing to go on from.
+  Failed,
+  /// By the user.
+  Stopped
+};
+
+/// Searches at one resolution.
+LevelEnd SearchLevel(const RegistrationModel& model, const RegistrationTarget& coarse,
+  const RegistrationOptions& options, double pixelSizeMm, double negligibleFall,
+  const std::vector<int>& freeParameters, Clock::time_point begin, RegistrationResult& result,
+  const ProgressCallback& progress)
 {
   Evaluator evaluator(model, coarse, options, freeParameters, result.Values, result.State,
     progress);
@@ -645,7 +733,10 @@ bool SearchLevel(const RegistrationModel& model, const RegistrationTarget& coars
   solverOptions.update_state_every_iteration = true;
   solverOptions.initial_trust_region_radius = 1e2;
   solverOptions.max_num_consecutive_invalid_steps = 10;
-  IterationRecorder recorder(evaluator, result, pixelSizeMm, begin);
+  // Of a step that does not help a shorter one is tried: Ceres' own search along it, meant for
+  // bounds, spends an equilibrium on each of many dents of the cost.
+  solverOptions.max_num_line_search_step_size_iterations = 0;
+  IterationRecorder recorder(evaluator, result, pixelSizeMm, negligibleFall, begin);
   solverOptions.callbacks.push_back(&recorder);
   ceres::Solver::Summary summary;
   ceres::Solve(solverOptions, &problem, &summary);
@@ -658,85 +749,185 @@ bool SearchLevel(const RegistrationModel& model, const RegistrationTarget& coars
   if (evaluator.Stopped)
   {
     result.StopReason = "interrupted; this is the best pose so far";
-    return false;
+    return LevelEnd::Stopped;
   }
   if (evaluator.Failures >= LargestNumberOfFailures)
   {
     result.StopReason = std::to_string(evaluator.Failures) +
       " poses on the way to a better match had no equilibrium; this is the best pose that has one";
-    return false;
+    return LevelEnd::Failed;
   }
   result.Converged = summary.IsSolutionUsable() &&
     (summary.termination_type == ceres::CONVERGENCE ||
       summary.termination_type == ceres::USER_SUCCESS);
   // Like our own reasons, without a full stop.
   result.StopReason = summary.termination_type == ceres::USER_SUCCESS
-    ? "the cost falls by less than half a standard deviation of the parameters makes"
+    ? "the parameters are within half a standard deviation of the best match"
     : summary.message.substr(0, summary.message.find_last_not_of(". ") + 1);
   if (summary.termination_type == ceres::FAILURE)
   {
-    return false;
+    return LevelEnd::Failed;
   }
   if (pixelSizeMm == options.PixelSizesMm.back())
   {
     KeepCovariance(problem, evaluator, result);
   }
-  return true;
+  return LevelEnd::Reached;
 }
+
+/// The steps of Register.
+class Search
+{
+public:
+  Search(const RegistrationModel& model, const RegistrationTarget& target,
+    const RegistrationOptions& options, RegistrationResult& result,
+    const ProgressCallback& progress)
+    : Model(model)
+    , Target(target)
+    , Options(options)
+    , Result(result)
+    , Progress(progress)
+  {
+    for (int index = 0; index < ParameterCount; ++index)
+    {
+      if (!options.Parameters[index].Fixed)
+      {
+        this->Free.push_back(index);
+      }
+    }
+  }
+
+  void Run()
+  {
+    OpenToHalfHeight(this->Model, this->Result);
+    const bool chooses = !this->Free.empty() && this->Options.From.empty();
+    if (chooses && this->Model.Scout && this->ByScout())
+    {
+      return;
+    }
+    this->Result.State = CompressStart(this->Model, this->Result, this->Progress);
+    this->KeepBefore(this->Model);
+    if (chooses)
+    {
+      this->Choose(this->Model);
+    }
+    this->Levels(this->Model, 0, this->Options.PixelSizesMm.size());
+  }
+
+private:
+  /**
+   * The start is chosen, and all resolutions but the finest are searched, with the cheap
+   * simulation; then the finest with the real one. False, with the values as they were, where
+   * either has no equilibrium on this way.
+   */
+  bool ByScout()
+  {
+    RegistrationModel scout = this->Model;
+    scout.Simulation = this->Model.Scout;
+    scout.SurfaceEmbedding = this->Model.ScoutEmbedding;
+    const std::vector<double> start = this->Result.Values;
+    const std::size_t finest = this->Options.PixelSizesMm.size() - 1;
+    try
+    {
+      this->Result.State = CompressForStart(scout, start, nullptr, this->Result, this->Progress);
+      this->KeepBefore(scout);
+      this->Choose(scout);
+      const bool goesOn = this->Levels(scout, 0, finest);
+      // A stop takes effect once the real simulation has been where the cheap one got to.
+      this->Result.State = CompressForStart(this->Model, this->Result.Values, nullptr, this->Result,
+        goesOn ? this->Progress : ProgressCallback());
+      if (goesOn)
+      {
+        this->Levels(this->Model, finest, finest + 1);
+      }
+      return true;
+    }
+    catch (const ConvergenceError&)
+    {
+      this->Result.Values = start;
+      return false;
+    }
+  }
+
+  /// What the options say, with the bounds of the result.
+  RegistrationOptions Bounded() const
+  {
+    RegistrationOptions bounded = this->Options;
+    bounded.Parameters = this->Result.Parameters;
+    return bounded;
+  }
+
+  void KeepBefore(const RegistrationModel& model)
+  {
+    const RegistrationTarget finest = CoarsenTo(this->Target, this->Options.PixelSizesMm.back());
+    this->Result.Before = Compare(Synthesize(model, PoseOf(this->Result.Values), this->Result.State,
+                                    finest, this->Options.Samples),
+      finest);
+  }
+
+  void Choose(const RegistrationModel& model)
+  {
+    ChooseStart(model, CoarsenTo(this->Target, this->Options.PixelSizesMm.front()), this->Bounded(),
+      this->Result, this->Progress);
+  }
+
+  /// Searches resolutions from `first` to before `last`; false when stopped by the user.
+  bool Levels(const RegistrationModel& model, std::size_t first, std::size_t last)
+  {
+    const ProgressCallback progress = [this](double, const char* stage)
+    {
+      const auto iterations = static_cast<double>(this->Result.Iterations.size());
+      // A typical number.
+      const double expected = 6.0 * static_cast<double>(this->Options.PixelSizesMm.size());
+      return !this->Progress || this->Progress(iterations / (iterations + expected), stage);
+    };
+    const RegistrationOptions bounded = this->Bounded();
+    for (std::size_t level = first; level < last && !this->Free.empty(); ++level)
+    {
+      const double pixelSizeMm = this->Options.PixelSizesMm[level];
+      const LevelEnd end = SearchLevel(model, CoarsenTo(this->Target, pixelSizeMm), bounded,
+        pixelSizeMm, model.Simulation == this->Model.Scout ? NegligibleFallOfScout : NegligibleFall,
+        this->Free, this->Begin, this->Result, progress);
+      if (end != LevelEnd::Reached)
+      {
+        return end != LevelEnd::Stopped;
+      }
+    }
+    return true;
+  }
+
+  const RegistrationModel& Model;
+  const RegistrationTarget& Target;
+  const RegistrationOptions& Options;
+  RegistrationResult& Result;
+  const ProgressCallback& Progress;
+  std::vector<int> Free;
+  Clock::time_point Begin = Clock::now();
+};
 }
 
 RegistrationResult Register(const RegistrationModel& model, const RegistrationTarget& target,
   const RegistrationOptions& options, const ProgressCallback& progress)
 {
-  ValidateModel(model, options);
+  ValidateRegistration(model, options);
   ValidateTarget(target);
   const auto begin = Clock::now();
   RegistrationResult result;
   result.Parameters = options.Parameters;
-  std::vector<int> freeParameters;
-  for (int index = 0; index < ParameterCount; ++index)
+  for (const RegistrationParameter& parameter : options.Parameters)
   {
-    result.Values.push_back(options.Parameters[index].Start);
-    if (!options.Parameters[index].Fixed)
-    {
-      freeParameters.push_back(index);
-    }
+    result.Values.push_back(parameter.Start);
   }
   if (!options.From.empty())
   {
     result.Values = options.From;
   }
   result.StandardDeviations.assign(ParameterCount, std::numeric_limits<double>::quiet_NaN());
-
-  result.State = CompressStart(model, result, progress);
-  const RegistrationTarget finest = CoarsenTo(target, options.PixelSizesMm.back());
-  result.Before = Compare(
-    Synthesize(model, PoseOf(result.Values), result.State, finest, options.Samples), finest);
-  RegistrationOptions search = options;
-  search.Parameters = result.Parameters;
+  // Holds unless there is something to search.
   result.StopReason = "nothing to optimise: every parameter is fixed";
-  result.Converged = freeParameters.empty();
-  if (!freeParameters.empty() && options.From.empty())
-  {
-    ChooseStart(model, CoarsenTo(target, options.PixelSizesMm.front()), search, result, progress);
-  }
-
-  const ProgressCallback searchProgress = [&](double, const char* stage)
-  {
-    const auto iterations = static_cast<double>(result.Iterations.size());
-    // A typical number.
-    const double expected = 6.0 * static_cast<double>(options.PixelSizesMm.size());
-    return !progress || progress(iterations / (iterations + expected), stage);
-  };
-  for (const double pixelSizeMm : options.PixelSizesMm)
-  {
-    if (freeParameters.empty() ||
-      !SearchLevel(model, CoarsenTo(target, pixelSizeMm), search, pixelSizeMm, freeParameters,
-        begin, result, searchProgress))
-    {
-      break;
-    }
-  }
+  result.Converged = true;
+  Search(model, target, options, result, progress).Run();
+  const RegistrationTarget finest = CoarsenTo(target, options.PixelSizesMm.back());
   result.Pose = PoseOf(result.Values);
   result.Stiffness = result.Values[StiffnessParameter];
   result.After =

@@ -47,6 +47,13 @@ struct RegistrationModel
   const SurfaceMesh* Surface = nullptr;
   /// Moves the surface's points with the simulation.
   const Embedding* SurfaceEmbedding = nullptr;
+  /**
+   * A cheaper simulation of the same body and materials (linear elements on the same mesh), with
+   * which the start is chosen and all resolutions but the finest are searched, and the surface in
+   * it. Null: everything is done with Simulation.
+   */
+  CompressionSimulation* Scout = nullptr;
+  const Embedding* ScoutEmbedding = nullptr;
   /// Has been given the surface with SetSurface.
   PathLengthProjector* Projector = nullptr;
   const Beam* XRays = nullptr;

@@ -187,6 +187,31 @@ std::vector<double> RegistrationResiduals::Evaluate(const std::vector<double>& v
   return residuals;
 }
 
+RegistrationCosts RegistrationResiduals::Costs(const std::vector<double>& residuals) const
+{
+  RegistrationCosts costs;
+  const double width = this->Options.RobustWidth;
+  const std::size_t pictures = this->Directions.size() + this->Pixels.size();
+  for (std::size_t index = 0; index < residuals.size(); ++index)
+  {
+    const double r = std::abs(residuals[index]);
+    const double robust = r <= width ? 0.5 * r * r : width * r - 0.5 * width * width;
+    if (index < this->Directions.size())
+    {
+      costs.Outline += robust;
+    }
+    else if (index < pictures)
+    {
+      costs.Intensity += robust;
+    }
+    else
+    {
+      costs.Prior += 0.5 * r * r;
+    }
+  }
+  return costs;
+}
+
 RegistrationResiduals::Jacobian RegistrationResiduals::Differentiate(
   const std::vector<double>& values, const CompressionState& state,
   const std::vector<int>& wanted) const

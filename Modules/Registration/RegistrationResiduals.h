@@ -29,6 +29,13 @@ struct RegistrationParameter
   bool Fixed = false;
 };
 
+enum class RegistrationDerivatives
+{
+  Exact,
+  /// Ceres' central differences of re-solved equilibria: to compare with.
+  CentralDifferences
+};
+
 struct RegistrationOptions
 {
   /// All ParameterCount, in their order.
@@ -56,6 +63,20 @@ struct RegistrationOptions
   /// Residuals beyond this many standard deviations count linearly (Huber).
   double RobustWidth = 2.0;
   int MaximumIterations = 15;
+  RegistrationDerivatives Derivatives = RegistrationDerivatives::Exact;
+  /// Step of differences to both sides, in scales of the parameters. Positive.
+  double DifferenceStep = 0.02;
+};
+
+/// Half the sum of squared residuals as the robust loss counts them: of the outline, the
+/// intensities and the priors (which are not robust).
+struct RegistrationCosts
+{
+  double Outline = 0;
+  double Intensity = 0;
+  double Prior = 0;
+
+  double Sum() const { return this->Outline + this->Intensity + this->Prior; }
 };
 
 /**
@@ -95,6 +116,7 @@ public:
   std::size_t NumberOfResiduals() const;
   std::size_t NumberOfOutlineResiduals() const { return this->Directions.size(); }
   std::size_t NumberOfIntensityResiduals() const { return this->Pixels.size(); }
+  std::size_t NumberOfPriors() const { return this->Options.Parameters.size(); }
 
   /**
    * Residuals at `values` (in the order of the options' parameters), whose equilibrium `state` must
@@ -102,6 +124,8 @@ public:
    */
   std::vector<double> Evaluate(const std::vector<double>& values,
     const CompressionState& state) const;
+
+  RegistrationCosts Costs(const std::vector<double>& residuals) const;
 
   /**
    * Their derivatives with respect to the parameters numbered in `wanted`. Exact where the

@@ -135,6 +135,12 @@ RegistrationTarget Coarsen(const RegistrationTarget& target, int factor)
   return coarse;
 }
 
+RegistrationTarget CoarsenTo(const RegistrationTarget& target, double pixelSizeMm)
+{
+  const double pixel = std::hypot(target.ColumnStep[0], target.ColumnStep[1]);
+  return Coarsen(target, std::max(1, static_cast<int>(std::lround(pixelSizeMm / pixel))));
+}
+
 ReceptorPoint PixelPosition(const RegistrationTarget& target, double column, double row)
 {
   return { target.Origin[0] + column * target.ColumnStep[0] + row * target.RowStep[0],

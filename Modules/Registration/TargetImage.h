@@ -21,6 +21,10 @@ MAMMORAYREGISTRATION_EXPORT void ValidateTarget(const RegistrationTarget& target
 MAMMORAYREGISTRATION_EXPORT RegistrationTarget Coarsen(const RegistrationTarget& target,
   int factor);
 
+/// The target in pixels of about `pixelSizeMm`, no smaller than its own.
+MAMMORAYREGISTRATION_EXPORT RegistrationTarget CoarsenTo(const RegistrationTarget& target,
+  double pixelSizeMm);
+
 /// Gantry x, y of a continuous pixel position (pixel centres at whole numbers).
 MAMMORAYREGISTRATION_EXPORT ReceptorPoint PixelPosition(const RegistrationTarget& target,
   double column, double row);

@@ -60,6 +60,29 @@ TEST(MeshIO, VolumeMeshComesBack)
   EXPECT_THAT(names, testing::ElementsAre("air", "fat", "gland"));
 }
 
+TEST(MeshIO, ReadsLegacyFiles)
+{
+  const TemporaryFolder folder;
+  const std::string path = folder.Write("mesh.vtk",
+    "# vtk DataFile Version 3.0\nby hand\nASCII\nDATASET UNSTRUCTURED_GRID\n"
+    "POINTS 4 float\n0 0 0 1 0 0 0 1 0 0 0 2\nCELLS 1 5\n4 0 1 2 3\nCELL_TYPES 1\n10\n"
+    "CELL_DATA 1\nSCALARS Material int 1\nLOOKUP_TABLE default\n7\n");
+  const TetrahedralMesh mesh = FromGrid(ReadMesh(path));
+  ASSERT_EQ(mesh.NumberOfCells(), 1u);
+  EXPECT_EQ(mesh.Materials[0], 7);
+  EXPECT_DOUBLE_EQ(mesh.CellVolume(0), 1.0 / 3);
+  EXPECT_THAT(MessageOf([&] { ReadMesh(folder.Write("bad.vtk", "not a mesh at all")); }),
+    testing::HasSubstr("bad.vtk: expected a mesh"));
+  EXPECT_THAT(MessageOf(
+                [&]
+                {
+                  ReadMesh(folder.Write("surface.vtk",
+                    "# vtk DataFile Version 3.0\nby hand\nASCII\nDATASET POLYDATA\nPOINTS 3 float\n"
+                    "0 0 0 1 0 0 0 1 0\nPOLYGONS 1 4\n3 0 1 2\n"));
+                }),
+    testing::HasSubstr("surface.vtk: expected a mesh"));
+}
+
 TEST(MeshIO, SurfacesComeBackInEveryFormat)
 {
   const TemporaryFolder folder;

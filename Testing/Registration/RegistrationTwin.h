@@ -61,11 +61,11 @@ struct Twin
     , Gland(Constant("gland", 0.0793, 0.0376))
     , XRays(Spectrum::Monochromatic(energyKeV), DetectorResponse::EnergyIntegrating,
         { nullptr, &this->Fat, &this->Fat, &this->Gland }, { 1, 1, 1, 1 })
-    , Simulation(MakeHalfEllipsoidMesh(HalfAxes[0], HalfAxes[1], HalfAxes[2],
-                   std::array{ simulationCount, 4, simulationCount }),
-        { {}, { 5, 0.49 }, { 5, 0.49 }, { 15, 0.49 } }, { false, false, true, false }, AnatomyAt)
+    , Simulation(MakeSimulation(simulationCount, ElementType::Quadratic))
+    , Scout(MakeSimulation(simulationCount, ElementType::PatchAveragedLinear))
     , Surface(ExtractInterfaces(MakeAnatomy(anatomyCount)))
     , SurfaceEmbedding(this->Simulation, this->Surface.Points)
+    , ScoutEmbedding(this->Scout, this->Surface.Points)
     , Projector(MakeProjector())
   {
     this->Projector->SetSurface(this->Surface);
@@ -74,6 +74,8 @@ struct Twin
     this->Model.ScaledMaterials = { 3 };
     this->Model.Surface = &this->Surface;
     this->Model.SurfaceEmbedding = &this->SurfaceEmbedding;
+    this->Model.Scout = &this->Scout;
+    this->Model.ScoutEmbedding = &this->ScoutEmbedding;
     this->Model.Projector = this->Projector.get();
     this->Model.XRays = &this->XRays;
     // The test mesh has +x lateral, +y anterior, +z up: a left-handed (L, A, S) is avoided by
@@ -82,12 +84,22 @@ struct Twin
     this->Model.Anchor = { 0, 10, 0 };
   }
 
+  static CompressionSimulation MakeSimulation(int count, ElementType element)
+  {
+    return CompressionSimulation(
+      MakeHalfEllipsoidMesh(HalfAxes[0], HalfAxes[1], HalfAxes[2], std::array{ count, 4, count }),
+      { {}, { 5, 0.49 }, { 5, 0.49 }, { 15, 0.49 } }, { false, false, true, false }, AnatomyAt,
+      { .Element = element });
+  }
+
   AttenuationTable Fat;
   AttenuationTable Gland;
   Beam XRays;
   CompressionSimulation Simulation;
+  CompressionSimulation Scout;
   SurfaceMesh Surface;
   Embedding SurfaceEmbedding;
+  Embedding ScoutEmbedding;
   std::unique_ptr<PathLengthProjector> Projector;
   RegistrationModel Model;
 };

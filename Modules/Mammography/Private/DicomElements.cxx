@@ -48,8 +48,8 @@ void AddBytes(gdcm::DataSet& data, const gdcm::Tag& tag, gdcm::VR::VRType repres
 {
   if (count > 0xfffffffe)
   {
-    throw InputError("DICOM: expected at most 4294967294 bytes in a value, found " +
-      std::to_string(count));
+    throw InputError(
+      "DICOM: expected at most 4294967294 bytes in a value, found " + std::to_string(count));
   }
   std::vector<char> value(count + count % 2, '\0');
   if (count > 0)

@@ -133,6 +133,14 @@ void PlotPicture::Text(double x, double y, double anchor, const std::string& tex
   }
 }
 
+void PlotPicture::LegendEntry(double left, double top, std::size_t row, std::size_t group,
+  const std::string& name)
+{
+  const double y = top - 12 - 24.0 * static_cast<double>(row);
+  this->Box(left, y - 7, left + 14, y + 7, GroupColor(group));
+  this->Text(left + 22, y, 0, name);
+}
+
 void PlotPicture::PasteShrunk(int x, int y, int factor, const PlotPicture& picture)
 {
   vtkNew<vtkImageShrink3D> shrink;

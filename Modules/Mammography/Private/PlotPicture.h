@@ -43,6 +43,9 @@ public:
   void Line(const PlotPoint& from, const PlotPoint& to, double width, const PlotColor& color);
   /// Text whose box has its left (0), middle (0.5) or right end (1) at x, and its middle at y.
   void Text(double x, double y, double anchor, const std::string& text);
+  /// A group's color and its name beside each other; `row` 0 stands below the top left corner.
+  void LegendEntry(double left, double top, std::size_t row, std::size_t group,
+    const std::string& name);
   /// Another picture with its lower left corner at x, y, `factor` squared of its pixels averaged to
   /// one, so that steps are smooth.
   void PasteShrunk(int x, int y, int factor, const PlotPicture& picture);

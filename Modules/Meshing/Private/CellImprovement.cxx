@@ -165,6 +165,7 @@ public:
     , Goal(goal)
     , ShiftMm(shiftMm)
     , Anchors(mesh.Points)
+    , Changed(mesh.Points.size(), 1)
   {
   }
 
@@ -172,11 +173,13 @@ public:
   std::size_t Pass(const ProgressCallback& progress)
   {
     std::vector<std::pair<double, std::int32_t>> bad;
+    this->Seen.resize(this->Mesh.NumberOfCells(), 0);
     for (std::size_t n = 0; n < this->Mesh.NumberOfCells(); ++n)
     {
       const auto cell = static_cast<std::int32_t>(n);
-      if (this->IsTissue(cell))
+      if (this->IsTissue(cell) && this->HasChanged(cell))
       {
+        this->Seen[n] = this->Changes;
         const double quality = this->Mesh.Quality(this->Mesh[cell].Ids);
         if (quality < this->Goal)
         {
@@ -195,6 +198,7 @@ public:
       const std::int32_t cell = bad[n].second;
       if (this->IsBad(cell))
       {
+        this->Seen[static_cast<std::size_t>(cell)] = this->Changes;
         better += this->Mend(cell);
       }
     }
@@ -204,6 +208,27 @@ public:
 private:
   /// A step has to lift the worst quality by this, so that passes end.
   static constexpr double LeastGain = 1e-4;
+
+  /// True unless all cells around the corners are as they were when the cell was last looked at.
+  bool HasChanged(std::int32_t cell) const
+  {
+    const Ids& ids = this->Mesh[cell].Ids;
+    return std::any_of(ids.begin(), ids.end(),
+      [&](std::int32_t id)
+      {
+        return this->Changed[static_cast<std::size_t>(id)] >
+          this->Seen[static_cast<std::size_t>(cell)];
+      });
+  }
+  template <typename Points>
+  void NoteChange(const Points& points)
+  {
+    ++this->Changes;
+    for (const std::int32_t id : points)
+    {
+      this->Changed[static_cast<std::size_t>(id)] = this->Changes;
+    }
+  }
 
   bool IsTissue(std::int32_t cell) const
   {
@@ -258,6 +283,20 @@ private:
 
   /// Replaces cells; material[n] of the n-th new one.
   void Replace(const std::vector<std::int32_t>& old, const std::vector<Ids>& cells,
+    const std::vector<std::int32_t>& materials)
+  {
+    this->Exchange(old, cells, materials);
+    this->NoteReplaced(old);
+  }
+  /// The new cells have no corners but those of the old ones.
+  void NoteReplaced(const std::vector<std::int32_t>& old)
+  {
+    for (const std::int32_t cell : old)
+    {
+      this->NoteChange(this->Mesh[cell].Ids);
+    }
+  }
+  void Exchange(const std::vector<std::int32_t>& old, const std::vector<Ids>& cells,
     const std::vector<std::int32_t>& materials)
   {
     for (const std::int32_t cell : old)
@@ -373,9 +412,10 @@ private:
     };
     const auto kept = contactsAt();
     const auto firstNew = static_cast<std::int32_t>(this->Mesh.NumberOfCells());
-    this->Replace(old, cells, materials);
+    this->Exchange(old, cells, materials);
     if (this->ExcessOf(touched) <= before && contactsAt() == kept)
     {
+      this->NoteReplaced(old);
       return true;
     }
     for (std::size_t n = 0; n < cells.size(); ++n)
@@ -467,6 +507,10 @@ private:
         const Vector3 along = direction - Dot(direction, normal) * normal;
         best = std::max(best, this->TryPlace(point, step * along, !arcs.empty(), best));
       }
+    }
+    if (best > start)
+    {
+      this->NoteChange(neighbours);
     }
     return best > start + LeastGain;
   }
@@ -609,6 +653,13 @@ private:
   double ShiftMm;
   /// Where the points were at the start.
   std::vector<Vector3> Anchors;
+  /// Numbers the changes. A cell that could not be mended is tried again only after one around it:
+  /// most of those that no step mends would be tried in vain in each pass.
+  std::uint32_t Changes = 1;
+  /// Of each point the last change to the cells around it.
+  std::vector<std::uint32_t> Changed;
+  /// Of each cell the last change when it was looked at.
+  std::vector<std::uint32_t> Seen;
 };
 }
 

@@ -127,11 +127,16 @@ LabelField::LabelField(const LabelVolume& volume, double smoothingVoxels)
     this->Row[voxel] =
       near[voxel] ? static_cast<std::int32_t>(rows++) : -1 - place[volume.Voxels[voxel]];
   }
-  if (rows > static_cast<std::size_t>(std::numeric_limits<std::int32_t>::max()))
+  if (rows + columns > static_cast<std::size_t>(std::numeric_limits<std::int32_t>::max()))
   {
     throw InputError("volume to mesh: expected fewer voxels at interfaces; resample it coarser");
   }
-  this->Weights.assign(rows * columns, 0.0f);
+  this->Weights.assign((rows + columns) * columns, 0.0f);
+  this->FirstUnitRow = static_cast<std::int32_t>(rows);
+  for (std::size_t column = 0; column < columns; ++column)
+  {
+    this->Weights[(rows + column) * columns + column] = 1.0f;
+  }
   std::vector<float> indicator(volume.NumberOfVoxels());
   for (std::size_t column = 0; column < columns; ++column)
   {
@@ -253,25 +258,44 @@ int LabelField::MaterialAt(double x, double y, double z) const
   {
     return this->Materials[-1 - rows[0]];
   }
+  return this->Blend(rows, fraction);
+}
+
+int LabelField::Blend(const std::int32_t (&rows)[8], const float (&fraction)[3]) const
+{
   const std::size_t columns = this->Materials.size();
+  float shares[8];
+  const float* weights[8];
+  for (int corner = 0; corner < 8; ++corner)
+  {
+    shares[corner] = ((corner & 1) ? fraction[0] : 1 - fraction[0]) *
+      ((corner & 2) ? fraction[1] : 1 - fraction[1]) *
+      ((corner & 4) ? fraction[2] : 1 - fraction[2]);
+    const std::int32_t row =
+      rows[corner] >= 0 ? rows[corner] : this->FirstUnitRow - 1 - rows[corner];
+    weights[corner] = &this->Weights[static_cast<std::size_t>(row) * columns];
+  }
   float best = -1;
   int material = 0;
-  for (std::size_t column = 0; column < columns; ++column)
+  constexpr std::size_t block = 16; // sums that stay in registers
+  for (std::size_t begin = 0; begin < columns; begin += block)
   {
-    float sum = 0;
+    const std::size_t count = std::min(block, columns - begin);
+    float sums[block] = {};
     for (int corner = 0; corner < 8; ++corner)
     {
-      const float share = ((corner & 1) ? fraction[0] : 1 - fraction[0]) *
-        ((corner & 2) ? fraction[1] : 1 - fraction[1]) *
-        ((corner & 4) ? fraction[2] : 1 - fraction[2]);
-      sum += share *
-        (rows[corner] >= 0 ? this->Weights[rows[corner] * columns + column]
-                           : (static_cast<std::size_t>(-1 - rows[corner]) == column ? 1.0f : 0.0f));
+      for (std::size_t column = 0; column < count; ++column)
+      {
+        sums[column] += shares[corner] * weights[corner][begin + column];
+      }
     }
-    if (sum > best)
+    for (std::size_t column = 0; column < count; ++column)
     {
-      best = sum;
-      material = this->Materials[column];
+      if (sums[column] > best)
+      {
+        best = sums[column];
+        material = this->Materials[begin + column];
+      }
     }
   }
   return material;

@@ -24,14 +24,17 @@ public:
 
 private:
   void Balance(const std::vector<std::int32_t>& place);
+  /// The material with the largest weight between eight voxels.
+  int Blend(const std::int32_t (&rows)[8], const float (&fraction)[3]) const;
 
   const LabelVolume& Volume;
   /// The materials that occur, ascending.
   std::vector<int> Materials;
   /// Row of Weights for voxels near an interface; -1 - (place in Materials) elsewhere.
   std::vector<std::int32_t> Row;
-  /// Materials.size() weights per row.
+  /// Materials.size() weights per row; the last rows are those of voxels of one material only.
   std::vector<float> Weights;
+  std::int32_t FirstUnitRow = 0;
 };
 }
 

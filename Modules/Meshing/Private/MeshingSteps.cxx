@@ -110,6 +110,16 @@ ProgressCallback Within(const ProgressCallback& progress, double begin, double e
   { return !progress || progress(begin + fraction * (end - begin), stage); };
 }
 
+MeshCheck CheckClosed(const SurfaceMesh& surfaces)
+{
+  MeshCheck check = CheckSurface(surfaces);
+  if (const MeshTrouble* holes = check.Find(MeshTrouble::Kind::Holes))
+  {
+    throw InputError("surfaces: expected closed ones, found " + holes->Text({}));
+  }
+  return check;
+}
+
 double LargestShift(const LabelVolume& materials, const MeshingOptions& options)
 {
   double distanceMm = options.FacetDistanceMm;
@@ -137,9 +147,9 @@ void FinishMesh(const LabelVolume& materials, const MeshingOptions& options, Tet
   const double goalDeg = options.SmallestDihedralDeg;
   ImproveCells(edited, goalDeg, shiftMm, Within(progress, 0.0, 0.4));
   RepairPinches(edited, Within(progress, 0.4, 0.6));
-  ImproveCells(edited, goalDeg, shiftMm, Within(progress, 0.6, 0.8));
-  FitVolumes(edited, volumesMm3, shiftMm, goalDeg);
-  ImproveCells(edited, goalDeg, 0, Within(progress, 0.8, 1.0));
+  ImproveCells(edited, goalDeg, shiftMm, Within(progress, 0.6, 0.7));
+  FitVolumes(edited, volumesMm3, shiftMm, goalDeg, Within(progress, 0.7, 0.9));
+  ImproveCells(edited, goalDeg, 0, Within(progress, 0.9, 1.0));
   mesh = edited.Finish();
 }
 

@@ -5,6 +5,7 @@
 
 #include "LabelComponents.h"
 #include "LabelMesher.h"
+#include "MeshCheck.h"
 
 namespace mammoray
 {
@@ -24,6 +25,9 @@ std::size_t MergeTissue(LabelVolume& volume, double smallestMm3);
  */
 void CheckComponents(const TetrahedralMesh& mesh, const LabelVolume& volume,
   const LabelComponents& found);
+
+/// CheckSurface; throws InputError, with places, where a boundary has holes.
+MeshCheck CheckClosed(const SurfaceMesh& surfaces);
 
 /// How far interfaces may move: half a voxel, or half the facet distance where that is more, mm.
 double LargestShift(const LabelVolume& materials, const MeshingOptions& options);

@@ -2,9 +2,11 @@
 #include "PinchRepair.h"
 
 #include "Error.h"
+#include "MeshingSteps.h"
 
 #include <algorithm>
 #include <map>
+#include <numeric>
 #include <set>
 
 namespace mammoray
@@ -123,33 +125,33 @@ bool IsAirPinched(const EditableMesh& mesh, std::int32_t point)
   return Curves(mesh.Arcs(point), 0).Excess() > 0;
 }
 
+constexpr const char* Stage = "mending interfaces";
+
 /// Changes the material of cells near pinches.
 class Relabeller
 {
 public:
-  explicit Relabeller(EditableMesh& mesh)
+  Relabeller(EditableMesh& mesh, const ProgressCallback& progress)
     : Mesh(mesh)
   {
-    this->FindComponents();
+    this->FindComponents(progress);
   }
 
-  /// Cells changed around one pinched point.
-  std::size_t Mend(std::int32_t point)
+  /// Changes cells around one pinched point, whose corners are added to `touched`.
+  void Mend(std::int32_t point, std::vector<std::int32_t>& touched)
   {
-    std::size_t changed = 0;
-    while (PinchExcess(this->Mesh, point) > 0 && this->ChangeBest(point))
+    while (PinchExcess(this->Mesh, point) > 0 && this->ChangeBest(point, touched))
     {
-      ++changed;
     }
-    return changed;
   }
 
 private:
-  void FindComponents()
+  void FindComponents(const ProgressCallback& progress)
   {
     const std::size_t count = this->Mesh.NumberOfCells();
     this->Component.assign(count, -1);
     std::vector<std::int32_t> stack;
+    std::size_t visited = 0;
     for (std::size_t start = 0; start < count; ++start)
     {
       if (this->Component[start] >= 0 || !this->Mesh.IsAlive(static_cast<std::int32_t>(start)))
@@ -164,6 +166,10 @@ private:
       {
         const std::int32_t cell = stack.back();
         stack.pop_back();
+        if (++visited % 65536 == 0)
+        {
+          ReportProgress(progress, static_cast<double>(visited) / count, Stage);
+        }
         volume += this->Mesh.Volume(this->Mesh[cell].Ids);
         for (const std::int32_t other : this->FaceNeighbours(cell))
         {
@@ -247,7 +253,7 @@ private:
     return helps;
   }
 
-  bool ChangeBest(std::int32_t point)
+  bool ChangeBest(std::int32_t point, std::vector<std::int32_t>& touched)
   {
     double least = 0;
     std::int32_t best = -1;
@@ -277,6 +283,8 @@ private:
       this->Spare[static_cast<std::size_t>(this->Component[static_cast<std::size_t>(best)])] -=
         least;
       this->Mesh.SetMaterial(best, bestMaterial);
+      const std::array<std::int32_t, 4>& ids = this->Mesh[best].Ids;
+      touched.insert(touched.end(), ids.begin(), ids.end());
     }
     return best >= 0;
   }
@@ -304,9 +312,12 @@ private:
   std::vector<double> Spare;
 };
 
-/// Divides the edges that leave `points` (one, or the two of an edge) and gives the cells around
-/// them to one material.
-void CutOut(EditableMesh& mesh, const std::vector<std::int32_t>& points)
+/**
+ * Divides the edges that leave `points` (one, or the two of an edge) and gives the cells around
+ * them to one material. The points around which cells change are added to `touched`.
+ */
+void CutOut(EditableMesh& mesh, const std::vector<std::int32_t>& points,
+  std::vector<std::int32_t>& touched)
 {
   const auto isOwn = [&points](std::int32_t id)
   { return std::find(points.begin(), points.end(), id) != points.end(); };
@@ -332,9 +343,12 @@ void CutOut(EditableMesh& mesh, const std::vector<std::int32_t>& points)
   {
     materials.insert({ one, other });
   }
+  touched.insert(touched.end(), points.begin(), points.end());
   for (const auto& [point, neighbour] : leaving)
   {
-    mesh.SplitEdge(point, neighbour, 1.0 / 3); // a small change, yet cells of a usable size
+    touched.push_back(neighbour);
+    // A small change, yet cells of a usable size.
+    touched.push_back(mesh.SplitEdge(point, neighbour, 1.0 / 3));
   }
   std::set<std::int32_t> cells;
   std::map<std::int32_t, double> volumes;
@@ -377,15 +391,22 @@ void CutOut(EditableMesh& mesh, const std::vector<std::int32_t>& points)
   }
 }
 
-std::vector<std::int32_t> FindPinchedPoints(const EditableMesh& mesh)
+/// Those of some points that are pinched, ascending.
+std::vector<std::int32_t> FindPinchedPoints(const EditableMesh& mesh,
+  std::vector<std::int32_t> among, const ProgressCallback& progress)
 {
+  std::sort(among.begin(), among.end());
+  among.erase(std::unique(among.begin(), among.end()), among.end());
   std::vector<std::int32_t> pinched;
-  for (std::size_t point = 0; point < mesh.Points.size(); ++point)
+  for (std::size_t n = 0; n < among.size(); ++n)
   {
-    const auto id = static_cast<std::int32_t>(point);
-    if (PinchExcess(mesh, id) > 0)
+    if (n % 16384 == 0)
     {
-      pinched.push_back(id);
+      ReportProgress(progress, static_cast<double>(n) / among.size(), Stage);
+    }
+    if (PinchExcess(mesh, among[n]) > 0)
+    {
+      pinched.push_back(among[n]);
     }
   }
   return pinched;
@@ -405,33 +426,43 @@ int PinchExcess(const EditableMesh& mesh, std::int32_t point)
 
 std::size_t RepairPinches(EditableMesh& mesh, const ProgressCallback& progress)
 {
-  std::vector<std::int32_t> pinched = FindPinchedPoints(mesh);
+  std::vector<std::int32_t> all(mesh.Points.size());
+  std::iota(all.begin(), all.end(), 0);
+  std::vector<std::int32_t> pinched =
+    FindPinchedPoints(mesh, std::move(all), Within(progress, 0.0, 0.2));
   const std::size_t found = pinched.size();
+  if (found == 0)
+  {
+    return 0;
+  }
+  // After each round only the points around its changes can have become pinched or mended.
+  Relabeller relabeller(mesh, Within(progress, 0.2, 0.6));
   const int relabellings = 3;
   for (int round = 0; round < relabellings && !pinched.empty(); ++round)
   {
-    ReportProgress(progress, 0.1 + 0.2 * round, "mending interfaces");
-    Relabeller relabeller(mesh);
-    std::size_t changed = 0;
+    std::vector<std::int32_t> touched;
     for (const std::int32_t point : pinched)
     {
-      changed += relabeller.Mend(point);
+      ReportProgress(progress, 0.6 + 0.05 * round, Stage);
+      relabeller.Mend(point, touched);
     }
-    pinched = FindPinchedPoints(mesh);
-    if (changed == 0)
+    if (touched.empty())
     {
       break;
     }
+    touched.insert(touched.end(), pinched.begin(), pinched.end());
+    pinched = FindPinchedPoints(mesh, std::move(touched), {});
   }
-  ReportProgress(progress, 0.7, "mending interfaces");
   for (int round = 0; !pinched.empty(); ++round)
   {
     if (round > 2)
     {
       throw ConvergenceError("mesh: boundaries that touch themselves were left after the repair");
     }
+    std::vector<std::int32_t> touched = pinched;
     for (const std::int32_t point : pinched)
     {
+      ReportProgress(progress, 0.8 + 0.05 * round, Stage);
       const std::set<std::int32_t> ends = PinchedEdges(mesh, point);
       const bool alone = ends.size() == 1 && PinchedEdges(mesh, *ends.begin()).size() == 1;
       if (PinchExcess(mesh, point) == 0 || (ends.size() == 1 && !alone))
@@ -440,9 +471,10 @@ std::size_t RepairPinches(EditableMesh& mesh, const ProgressCallback& progress)
       }
       CutOut(mesh,
         alone ? std::vector<std::int32_t>{ point, *ends.begin() }
-              : std::vector<std::int32_t>{ point });
+              : std::vector<std::int32_t>{ point },
+        touched);
     }
-    pinched = FindPinchedPoints(mesh);
+    pinched = FindPinchedPoints(mesh, std::move(touched), {});
   }
   return found;
 }

@@ -33,6 +33,14 @@ public:
       this->Place[material] = this->Targets.size();
       this->Targets.push_back(volume);
     }
+    for (std::size_t n = 0; n < mesh.Points.size(); ++n)
+    {
+      const auto point = static_cast<std::int32_t>(n);
+      if (!mesh.Arcs(point).empty())
+      {
+        this->Interface.push_back(point);
+      }
+    }
   }
 
   /// One Newton step; false once all volumes are met.
@@ -105,13 +113,8 @@ private:
   std::vector<Gradient> Gradients() const
   {
     std::vector<Gradient> gradients;
-    for (std::size_t n = 0; n < this->Mesh.Points.size(); ++n)
+    for (const std::int32_t point : this->Interface)
     {
-      const auto point = static_cast<std::int32_t>(n);
-      if (this->Mesh.Arcs(point).empty())
-      {
-        continue;
-      }
       // The volume of a cell changes by a third of the area normal of the face opposite to the
       // point; faces within a material cancel.
       std::map<std::size_t, Vector3> sums;
@@ -200,16 +203,21 @@ private:
   /// Material -> place in Targets.
   std::map<std::int32_t, std::size_t> Place;
   std::vector<double> Targets;
+  /// Points where materials meet, which moves do not change.
+  std::vector<std::int32_t> Interface;
 };
 }
 
 void FitVolumes(EditableMesh& mesh, const std::map<std::int32_t, double>& volumesMm3,
-  double shiftMm, double leastDeg)
+  double shiftMm, double leastDeg, const ProgressCallback& progress)
 {
+  constexpr const char* stage = "fitting volumes";
+  ReportProgress(progress, 0.0, stage);
   VolumeFitter fitter(mesh, volumesMm3, shiftMm, leastDeg);
   const int steps = 8;
   for (int step = 0; step < steps && fitter.Step(); ++step)
   {
+    ReportProgress(progress, (step + 1.0) / steps, stage);
   }
 }
 }

@@ -3,6 +3,7 @@
 #define mammoray_VolumeFit_h
 
 #include "EditableMesh.h"
+#include "Progress.h"
 
 #include <map>
 
@@ -16,7 +17,7 @@ namespace mammoray
  * it gets a dihedral angle below `leastDeg` that it did not have.
  */
 void FitVolumes(EditableMesh& mesh, const std::map<std::int32_t, double>& volumesMm3,
-  double shiftMm, double leastDeg);
+  double shiftMm, double leastDeg, const ProgressCallback& progress);
 }
 
 #endif

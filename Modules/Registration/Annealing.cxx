@@ -1,0 +1,199 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "Annealing.h"
+
+#include "Error.h"
+#include "Private/ValidateRegistration.h"
+#include "TargetImage.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <limits>
+#include <random>
+
+namespace mammoray
+{
+namespace
+{
+using Clock = std::chrono::steady_clock;
+
+double SecondsSince(Clock::time_point begin)
+{
+  return std::chrono::duration<double>(Clock::now() - begin).count();
+}
+
+/// Where the walk is.
+struct Place
+{
+  std::vector<double> Values;
+  CompressionState State;
+  RegistrationCosts Costs;
+};
+
+class Walk
+{
+public:
+  Walk(const RegistrationModel& model, const RegistrationTarget& target,
+    const RegistrationOptions& options, RegistrationResult& result,
+    const ProgressCallback& progress)
+    : Model(model)
+    , Compared(model, target, options)
+    , PixelSizeMm(options.PixelSizesMm.back())
+    , Result(result)
+    , Progress(progress)
+  {
+  }
+
+  /// Solved from another place where there is one. Throws ConvergenceError.
+  Place At(const std::vector<double>& values, const CompressionState* from)
+  {
+    Place place;
+    place.Values = values;
+    ++this->Result.Evaluations;
+    const auto compressing = Clock::now();
+    try
+    {
+      place.State = CompressAt(this->Model, values, from, this->Progress);
+    }
+    catch (const ConvergenceError&)
+    {
+      this->Result.MechanicsSeconds += SecondsSince(compressing);
+      throw;
+    }
+    this->Result.MechanicsSeconds += SecondsSince(compressing);
+    const auto projecting = Clock::now();
+    place.Costs = this->Compared.Costs(this->Compared.Evaluate(values, place.State));
+    this->Result.ProjectionSeconds += SecondsSince(projecting);
+    ++this->Result.Projections;
+    return place;
+  }
+
+  void Keep(const Place& best)
+  {
+    RegistrationIteration row;
+    row.Number = static_cast<int>(this->Result.Iterations.size());
+    row.Parameters = best.Values;
+    row.PixelSizeMm = this->PixelSizeMm;
+    row.Cost = best.Costs.Sum();
+    row.OutlineCost = best.Costs.Outline;
+    row.IntensityCost = best.Costs.Intensity;
+    row.PriorCost = best.Costs.Prior;
+    row.Seconds = SecondsSince(this->Begin);
+    this->Result.Iterations.push_back(row);
+    this->Result.Values = best.Values;
+    this->Result.State = best.State;
+  }
+
+private:
+  const RegistrationModel& Model;
+  const RegistrationResiduals Compared;
+  double PixelSizeMm;
+  RegistrationResult& Result;
+  const ProgressCallback& Progress;
+  Clock::time_point Begin = Clock::now();
+};
+
+/// A normal step of every free parameter, thrown back at the bounds.
+std::vector<double> Beside(const std::vector<double>& values,
+  const std::vector<RegistrationParameter>& parameters, double step, std::mt19937& generator)
+{
+  std::normal_distribution<double> normal;
+  std::vector<double> beside = values;
+  for (std::size_t index = 0; index < parameters.size(); ++index)
+  {
+    const RegistrationParameter& parameter = parameters[index];
+    if (parameter.Fixed)
+    {
+      continue;
+    }
+    double& value = beside[index];
+    value += step * parameter.Scale * normal(generator);
+    value = value < parameter.Lower ? 2 * parameter.Lower - value : value;
+    value = value > parameter.Upper ? 2 * parameter.Upper - value : value;
+    value = std::clamp(value, parameter.Lower, parameter.Upper);
+  }
+  return beside;
+}
+
+void Search(Walk& walk, Place here, const RegistrationOptions& options,
+  const AnnealingOptions& annealing, const ProgressCallback& progress)
+{
+  std::mt19937 generator(annealing.Seed);
+  std::uniform_real_distribution<double> uniform;
+  double least = here.Costs.Sum();
+  const double hottest = std::max(annealing.FirstTemperature * least, annealing.LastTemperature);
+  for (int number = 1; number < annealing.Equilibria; ++number)
+  {
+    const double part = static_cast<double>(number) / annealing.Equilibria;
+    ReportProgress(progress, part, "anneal");
+    const double temperature = hottest * std::pow(annealing.LastTemperature / hottest, part);
+    const double step = annealing.FirstStep * std::sqrt(temperature / hottest);
+    try
+    {
+      Place beside = walk.At(Beside(here.Values, options.Parameters, step, generator), &here.State);
+      const double rise = beside.Costs.Sum() - here.Costs.Sum();
+      if (rise <= 0 || uniform(generator) < std::exp(-rise / temperature))
+      {
+        here = std::move(beside);
+      }
+    }
+    catch (const ConvergenceError&)
+    {
+      // The walk stays.
+    }
+    if (here.Costs.Sum() < least)
+    {
+      least = here.Costs.Sum();
+      walk.Keep(here);
+    }
+  }
+}
+}
+
+RegistrationResult Anneal(const RegistrationModel& model, const RegistrationTarget& target,
+  const RegistrationOptions& options, const AnnealingOptions& annealing,
+  const ProgressCallback& progress)
+{
+  ValidateRegistration(model, options);
+  ValidateTarget(target);
+  if (annealing.Equilibria < 1 || !(annealing.FirstTemperature > 0) ||
+    !(annealing.LastTemperature > 0) || !(annealing.FirstStep > 0))
+  {
+    throw InputError("annealing: expected at least one equilibrium, and positive temperatures and "
+                     "steps");
+  }
+  const auto begin = Clock::now();
+  RegistrationResult result;
+  result.Parameters = options.Parameters;
+  std::vector<double> start = options.From;
+  if (start.empty())
+  {
+    for (const RegistrationParameter& parameter : options.Parameters)
+    {
+      start.push_back(parameter.Start);
+    }
+  }
+  result.StandardDeviations.assign(ParameterCount, std::numeric_limits<double>::quiet_NaN());
+  const RegistrationTarget finest = CoarsenTo(target, options.PixelSizesMm.back());
+  Walk walk(model, finest, options, result, progress);
+  const Place first = walk.At(start, nullptr);
+  walk.Keep(first);
+  result.Before =
+    Compare(Synthesize(model, PoseOf(first.Values), first.State, finest, options.Samples), finest);
+  result.StopReason = "the equilibria are spent";
+  try
+  {
+    Search(walk, first, options, annealing, progress);
+  }
+  catch (const Interrupted&)
+  {
+    result.StopReason = "interrupted; this is the best pose so far";
+  }
+  result.Pose = PoseOf(result.Values);
+  result.Stiffness = result.Values[StiffnessParameter];
+  result.After =
+    Compare(Synthesize(model, result.Pose, result.State, finest, options.Samples), finest);
+  result.Seconds = SecondsSince(begin);
+  return result;
+}
+}

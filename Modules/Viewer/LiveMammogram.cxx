@@ -1,0 +1,211 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "LiveMammogram.h"
+
+#include "Error.h"
+#include "KilovoltageSpectrum.h"
+#include "PhysicsData.h"
+#include "RegistrationModel.h"
+#include "TargetImage.h"
+
+#include "vtkDoubleArray.h"
+#include "vtkNew.h"
+#include "vtkPoints.h"
+#include "vtkUnstructuredGrid.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace mammoray
+{
+namespace
+{
+constexpr double LeastSourceHeightMm = 20;
+/// Neighbouring energies joined, so that few are left.
+Spectrum Coarsened(const Spectrum& spectrum)
+{
+  constexpr double WidthKeV = 2;
+  Spectrum coarse;
+  coarse.Name = spectrum.Name;
+  double begin = 0;
+  double energySum = 0;
+  for (std::size_t bin = 0; bin < spectrum.EnergiesKeV.size(); ++bin)
+  {
+    const double energy = spectrum.EnergiesKeV[bin];
+    const double weight = spectrum.Weights[bin];
+    if (!(weight > 0))
+    {
+      continue;
+    }
+    if (coarse.Weights.empty() || energy - begin >= WidthKeV)
+    {
+      begin = energy;
+      energySum = 0;
+      coarse.Weights.push_back(0);
+      coarse.EnergiesKeV.push_back(0);
+    }
+    energySum += weight * energy;
+    coarse.Weights.back() += weight;
+    coarse.EnergiesKeV.back() = energySum / coarse.Weights.back();
+  }
+  return coarse;
+}
+
+/// Less than any detector tells from nothing.
+constexpr float LeastTransmission = 1e-12F;
+}
+
+LiveMammogram::LiveMammogram(const ViewedBreast& viewed, const ProjectorOptions& options)
+  : Viewed(viewed)
+  , UnitPose(viewed.Pose)
+  , Interfaces(ExtractInterfaces(viewed.Anatomy, &this->PointIds))
+  , FullGrid(viewed.Breast.Grid)
+  , Projector(MakeProjector(options))
+{
+  const std::size_t pixels = static_cast<std::size_t>(this->FullGrid.Columns) *
+    static_cast<std::size_t>(this->FullGrid.Rows);
+  this->FullGrid.LogAttenuation.resize(pixels);
+  this->FullGrid.BreastMask.resize(pixels);
+  this->FullGrid.SignedDistanceMm.resize(pixels);
+  this->HalfGrid = Coarsen(this->FullGrid, 2);
+  this->SetKilovoltage(KilovoltageOf(viewed.Spectrum));
+  this->Projector->SetSurface(this->Interfaces);
+  std::vector<double> points(viewed.Anatomy.Points.size());
+  for (std::size_t id = 0; id < viewed.Anatomy.NumberOfPoints(); ++id)
+  {
+    viewed.Breast.Compressed->GetPoint(static_cast<vtkIdType>(id), &points[3 * id]);
+  }
+  this->SetPoints(points);
+}
+
+void LiveMammogram::SetPose(double thicknessMm, double rollDeg)
+{
+  this->RaysStale = this->RaysStale || thicknessMm != this->UnitPose.ThicknessMm ||
+    rollDeg != this->UnitPose.RollDeg;
+  this->UnitPose.ThicknessMm = thicknessMm;
+  this->UnitPose.RollDeg = rollDeg;
+}
+
+void LiveMammogram::SetSourceOffset(const Vector3& offset)
+{
+  const MammographyUnit& unit = this->Viewed.Breast.Unit;
+  const double least = unit.SupportHeightMm + this->UnitPose.ThicknessMm + LeastSourceHeightMm;
+  this->Offset = offset;
+  this->Offset[2] = std::max(offset[2], least - unit.SourceToDetectorMm);
+  this->RaysStale = true;
+}
+
+void LiveMammogram::SetKilovoltage(double kilovoltage)
+{
+  if (kilovoltage == this->Voltage)
+  {
+    return;
+  }
+  const Spectrum& given = this->Viewed.Spectrum;
+  const Spectrum spectrum =
+    kilovoltage == KilovoltageOf(given) ? given : AtKilovoltage(given, kilovoltage);
+  this->XRays.emplace(
+    MakeBeam(this->Viewed.Materials, spectrum, DetectorResponse::EnergyIntegrating));
+  this->QuickXRays.emplace(
+    MakeBeam(this->Viewed.Materials, Coarsened(spectrum), DetectorResponse::EnergyIntegrating));
+  this->Voltage = kilovoltage;
+  this->BeamStale = true;
+}
+
+void LiveMammogram::SetPoints(const std::vector<double>& points)
+{
+  if (points.size() != this->Viewed.Anatomy.Points.size())
+  {
+    throw InputError("view: expected " + std::to_string(this->Viewed.Anatomy.NumberOfPoints()) +
+      " points, found " + std::to_string(points.size() / 3));
+  }
+  this->Moved = points;
+  std::vector<double> surface(3 * this->PointIds.size());
+  for (std::size_t id = 0; id < this->PointIds.size(); ++id)
+  {
+    std::copy_n(&points[3 * static_cast<std::size_t>(this->PointIds[id])], 3, &surface[3 * id]);
+  }
+  this->Projector->UpdatePoints(surface);
+  this->RaysStale = true;
+}
+
+std::vector<double> LiveMammogram::SeriesPoints(double thicknessMm) const
+{
+  const std::vector<CompressionStep>& series = this->Viewed.Series;
+  const auto after = std::find_if(series.begin(), series.end(),
+    [&](const CompressionStep& step) { return step.ThicknessMm <= thicknessMm; });
+  if (after == series.begin() || after == series.end())
+  {
+    return after == series.begin() ? series.front().Points : series.back().Points;
+  }
+  const CompressionStep& before = *std::prev(after);
+  const double share =
+    (before.ThicknessMm - thicknessMm) / (before.ThicknessMm - after->ThicknessMm);
+  std::vector<double> points(before.Points.size());
+  for (std::size_t index = 0; index < points.size(); ++index)
+  {
+    points[index] = before.Points[index] + share * (after->Points[index] - before.Points[index]);
+  }
+  return points;
+}
+
+VolumeFromGantry LiveMammogram::Placed() const
+{
+  return PlaceUnit(this->Viewed.Axes, this->Viewed.Anchor, this->Viewed.Breast.Unit,
+    this->UnitPose);
+}
+
+PlatePair LiveMammogram::Plates() const
+{
+  return PlatesOf(this->Placed(), this->Viewed.Breast.Unit, this->UnitPose.ThicknessMm,
+    this->UnitPose.PaddleTiltDeg);
+}
+
+Vector3 LiveMammogram::SourcePosition() const
+{
+  return this->Placed().Point(
+    Vector3{ 0, 0, this->Viewed.Breast.Unit.SourceToDetectorMm } + this->Offset);
+}
+
+BreastInUnit LiveMammogram::InUnit() const
+{
+  BreastInUnit breast = this->Viewed.Breast;
+  breast.Placed = this->Placed();
+  breast.Placed.Origin = breast.Placed.Point({ this->Offset[0], this->Offset[1], 0 });
+  breast.Unit.SourceToDetectorMm += this->Offset[2];
+  breast.Grid.Origin[0] -= this->Offset[0];
+  breast.Grid.Origin[1] -= this->Offset[1];
+  vtkNew<vtkDoubleArray> values;
+  values->SetNumberOfComponents(3);
+  values->SetNumberOfTuples(static_cast<vtkIdType>(this->Moved.size() / 3));
+  std::copy(this->Moved.begin(), this->Moved.end(), values->GetPointer(0));
+  vtkNew<vtkPoints> points;
+  points->SetData(values);
+  vtkNew<vtkUnstructuredGrid> compressed;
+  compressed->ShallowCopy(breast.Compressed);
+  compressed->SetPoints(points);
+  breast.Compressed = compressed;
+  return breast;
+}
+
+const std::vector<float>& LiveMammogram::Project(int divisor)
+{
+  if (this->RaysStale || divisor != this->PictureDivisor)
+  {
+    XRaySource source;
+    source.Position = this->SourcePosition();
+    this->Projector->Project(source, DetectorOf(this->Placed(), this->Grid(divisor), 1));
+  }
+  if (this->RaysStale || this->BeamStale || divisor != this->PictureDivisor)
+  {
+    this->Picture = this->Projector->Transmission(divisor == 1 ? *this->XRays : *this->QuickXRays);
+    for (float& value : this->Picture)
+    {
+      value = -std::log(std::max(value, LeastTransmission));
+    }
+  }
+  this->RaysStale = false;
+  this->BeamStale = false;
+  this->PictureDivisor = divisor;
+  return this->Picture;
+}
+}

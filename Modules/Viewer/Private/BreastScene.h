@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: Apache-2.0
+#ifndef mammoray_BreastScene_h
+#define mammoray_BreastScene_h
+
+#include "LiveMammogram.h"
+
+#include "vtkNew.h"
+#include "vtkPoints.h"
+#include "vtkRenderer.h"
+#include "vtkSmartPointer.h"
+
+#include <array>
+#include <string>
+#include <vector>
+
+class vtkActor;
+class vtkCellPicker;
+class vtkPolyData;
+class vtkTexture;
+
+namespace mammoray
+{
+/// A closed line in space.
+using Loop = std::vector<Vector3>;
+
+/**
+ * A breast in a renderer: the skin to look through, what lies inside, and, where wanted, the unit
+ * around it. Volume frame, mm.
+ */
+class BreastScene
+{
+public:
+  BreastScene(const LiveMammogram& live, const ViewedBreast& viewed);
+
+  vtkRenderer* Renderer() { return this->View; }
+  /// Lies over the other, in layer 1, with the marks, which nothing hides.
+  vtkRenderer* MarkRenderer() { return this->Front; }
+  /// New places of the anatomy's points, 3 x pointCount.
+  void SetPoints(const std::vector<double>& points);
+  /// Plates, receptor with `picture` on it, beam and source; the source is drawn on the beam's axis
+  /// `shownSource` of the way to where it is.
+  void SetUnit(const LiveMammogram& live, vtkTexture* picture, double shownSource);
+  /// Where the source is drawn.
+  const Vector3& ShownSource() const { return this->SourceShown; }
+  /// The middle of the picture on the receptor.
+  const Vector3& ReceptorMiddle() const { return this->Middle; }
+  /// A marked point (none: no point), a line through the breast and loops of uncertainty.
+  void SetMark(const std::vector<Vector3>& point, const std::vector<Vector3>& line,
+    const std::vector<Loop>& loops);
+
+  /**
+   * What is seen at a place of the window, pixels: first what lies inside, then the skin. False
+   * where there is nothing; else `point` is where, and `corners` and `weights` the surface's points
+   * around it.
+   */
+  bool Pick(int x, int y, Vector3& point, std::array<std::int32_t, 3>& corners,
+    std::array<double, 3>& weights);
+  /// True at the drawn source.
+  bool OnSource(int x, int y);
+
+private:
+  struct Part
+  {
+    vtkSmartPointer<vtkActor> Actor;
+    /// Three points of the surface for each cell.
+    std::vector<vtkIdType> Corners;
+  };
+  void AddPart(const std::vector<std::size_t>& triangles, double cellMm,
+    const std::array<double, 3>& color, double opacity);
+  std::vector<vtkIdType> Thinned(const std::vector<std::size_t>& triangles, double cellMm) const;
+  static vtkSmartPointer<vtkActor> AddActor(vtkRenderer* view, vtkPolyData* data,
+    const std::array<double, 3>& color, double opacity);
+
+  const SurfaceMesh& Surface;
+  const std::vector<std::int32_t>& PointIds;
+  vtkNew<vtkRenderer> View;
+  vtkNew<vtkRenderer> Front;
+  vtkNew<vtkPoints> Points;
+  /// The skin is the last one.
+  std::vector<Part> Parts;
+  vtkSmartPointer<vtkPolyData> Support;
+  vtkSmartPointer<vtkPolyData> Paddle;
+  vtkSmartPointer<vtkPolyData> Receptor;
+  vtkSmartPointer<vtkPolyData> BeamEdges;
+  vtkSmartPointer<vtkPolyData> MarkedLine;
+  vtkSmartPointer<vtkPolyData> MarkedLoops;
+  vtkSmartPointer<vtkActor> ReceptorActor;
+  vtkSmartPointer<vtkActor> Source;
+  vtkSmartPointer<vtkActor> MarkedPoint;
+  Vector3 SourceShown{ 0, 0, 0 };
+  Vector3 Middle{ 0, 0, 0 };
+};
+}
+
+#endif

@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "Private/CompressionWorker.h"
+
+#include "Error.h"
+#include "Registration.h"
+
+#include <chrono>
+
+namespace mammoray
+{
+namespace
+{
+/// In the order of the registration's parameters.
+std::vector<double> ValuesOf(const BreastPose& pose, double stiffness)
+{
+  std::vector<double> values(ParameterCount);
+  values[ThicknessParameter] = pose.ThicknessMm;
+  values[RollParameter] = pose.RollDeg;
+  values[PitchParameter] = pose.PitchDeg;
+  values[YawParameter] = pose.YawDeg;
+  values[LateralParameter] = pose.ShiftLateralMm;
+  values[AnteriorParameter] = pose.ShiftAnteriorMm;
+  values[VerticalParameter] = pose.ShiftVerticalMm;
+  values[TiltParameter] = pose.PaddleTiltDeg;
+  values[StiffnessParameter] = stiffness;
+  return values;
+}
+}
+
+CompressionWorker::CompressionWorker(const ViewedBreast& viewed)
+  : Viewed(viewed)
+  , Thread([this] { this->Run(); })
+{
+}
+
+CompressionWorker::~CompressionWorker()
+{
+  {
+    const std::lock_guard lock(this->Mutex);
+    this->Ending = true;
+  }
+  this->Wake.notify_one();
+  this->Thread.join();
+}
+
+void CompressionWorker::Ask(const BreastPose& pose)
+{
+  {
+    const std::lock_guard lock(this->Mutex);
+    this->Asked = pose;
+    this->Doing = this->Doing.empty() ? "compression" : this->Doing;
+  }
+  this->Wake.notify_one();
+}
+
+std::optional<CompressedAnatomy> CompressionWorker::Take()
+{
+  const std::lock_guard lock(this->Mutex);
+  std::optional<CompressedAnatomy> taken;
+  taken.swap(this->Finished);
+  return taken;
+}
+
+std::string CompressionWorker::Stage() const
+{
+  const std::lock_guard lock(this->Mutex);
+  return this->Doing;
+}
+
+bool CompressionWorker::GoesOn(const char* stage)
+{
+  const std::lock_guard lock(this->Mutex);
+  this->Doing = stage;
+  return !this->Ending;
+}
+
+void CompressionWorker::Run()
+{
+  for (;;)
+  {
+    BreastPose pose;
+    {
+      std::unique_lock lock(this->Mutex);
+      this->Wake.wait(lock, [this] { return this->Asked || this->Ending; });
+      if (this->Ending)
+      {
+        return;
+      }
+      pose = *this->Asked;
+      this->Asked.reset();
+    }
+    CompressedAnatomy answer = this->Compress(pose);
+    const std::lock_guard lock(this->Mutex);
+    this->Finished = std::move(answer);
+    this->Doing = this->Asked ? "compression" : "";
+  }
+}
+
+CompressedAnatomy CompressionWorker::Compress(const BreastPose& pose)
+{
+  const auto begin = std::chrono::steady_clock::now();
+  const ProgressCallback progress = [this](double, const char* stage)
+  { return this->GoesOn(stage); };
+  CompressedAnatomy answer;
+  answer.Pose = pose;
+  try
+  {
+    if (!this->Mechanics)
+    {
+      this->Mechanics.emplace(this->Viewed.Anatomy, this->Viewed.Materials, this->Viewed.Mechanics,
+        progress);
+    }
+    RegistrationModel model = this->Mechanics->Model();
+    model.Axes = this->Viewed.Axes;
+    model.Anchor = this->Viewed.Anchor;
+    model.Unit = this->Viewed.Breast.Unit;
+    const std::vector<double> values = ValuesOf(pose, this->Viewed.Stiffness);
+    std::optional<CompressionState> start;
+    start.swap(this->State);
+    try
+    {
+      this->State = CompressAt(model, values, start ? &*start : nullptr, progress);
+    }
+    catch (const ConvergenceError&)
+    {
+      if (!start)
+      {
+        throw;
+      }
+      // The way from there was blocked; the one from outside may not be.
+      this->State = CompressAt(model, values, nullptr, progress);
+    }
+    answer.Points = this->Mechanics->AnatomyPoints().Map(this->State->Positions);
+    answer.PaddleForceN = this->State->PaddleForceN;
+  }
+  catch (const std::exception& error) // also Interrupted; nothing may leave the thread
+  {
+    answer.Error = error.what();
+  }
+  answer.Seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  return answer;
+}
+}

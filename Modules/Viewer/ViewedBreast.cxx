@@ -1,0 +1,395 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ViewedBreast.h"
+
+#include "Error.h"
+#include "MammogramIO.h"
+#include "MammogramTarget.h"
+#include "MeshConversion.h"
+#include "MeshIO.h"
+#include "PhysicsData.h"
+#include "RegistrationResiduals.h"
+#include "Sha256.h"
+#include "Silhouette.h"
+
+#include "vtkDataArray.h"
+#include "vtkDoubleArray.h"
+#include "vtkFieldData.h"
+#include "vtkNew.h"
+#include "vtkPointData.h"
+#include "vtkPoints.h"
+#include "vtkUnstructuredGrid.h"
+#include "vtkXMLDataElement.h"
+#include "vtkXMLUtilities.h"
+
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+
+namespace mammoray
+{
+namespace
+{
+namespace fs = std::filesystem;
+
+constexpr const char* DefaultSpectrum = "W28kVp_Rh50um_Be1mm";
+
+std::vector<double> PointsOf(vtkUnstructuredGrid* grid)
+{
+  std::vector<double> points(3 * static_cast<std::size_t>(grid->GetNumberOfPoints()));
+  for (vtkIdType id = 0; id < grid->GetNumberOfPoints(); ++id)
+  {
+    grid->GetPoint(id, &points[3 * static_cast<std::size_t>(id)]);
+  }
+  return points;
+}
+
+/// The grid with other points, its arrays shared.
+vtkSmartPointer<vtkUnstructuredGrid> WithPoints(vtkUnstructuredGrid* grid,
+  const std::vector<double>& points)
+{
+  const auto moved = vtkSmartPointer<vtkUnstructuredGrid>::New();
+  moved->ShallowCopy(grid);
+  vtkNew<vtkDoubleArray> values;
+  values->SetNumberOfComponents(3);
+  values->SetNumberOfTuples(grid->GetNumberOfPoints());
+  std::copy(points.begin(), points.end(), values->GetPointer(0));
+  vtkNew<vtkPoints> holder;
+  holder->SetData(values);
+  moved->SetPoints(holder);
+  return moved;
+}
+
+/// What is said of a registration beside RegisteredBreast: names of the table and the spectrum.
+struct ResultFacts
+{
+  std::string TableFile;
+  std::string TableChecksum;
+  std::string MammogramFile;
+  std::string MammogramChecksum;
+  std::string Spectrum;
+  std::string Laterality;
+};
+
+ResultFacts ReadFacts(const std::string& path)
+{
+  ResultFacts facts;
+  try
+  {
+    std::ifstream file(path);
+    const nlohmann::json result = nlohmann::json::parse(file);
+    for (const nlohmann::json& input : result.at("inputs"))
+    {
+      const bool table = input.at("role") == "Material table";
+      if (table || input.at("role") == "Mammogram")
+      {
+        input.at("file").get_to(table ? facts.TableFile : facts.MammogramFile);
+        input.at("sha256").get_to(table ? facts.TableChecksum : facts.MammogramChecksum);
+      }
+    }
+    facts.Spectrum = result.at("versions").value("Spectrum", "");
+    facts.Laterality = result.at("mammogram").value("laterality", "?");
+  }
+  catch (const nlohmann::json::exception& error)
+  {
+    throw InputError(path + ": expected the result of 'mammoray register': " + error.what());
+  }
+  return facts;
+}
+
+/// A shipped table is known by its checksum; any other must be named.
+MaterialTable TableOf(const ResultFacts& facts, const std::string& named)
+{
+  if (!named.empty())
+  {
+    return FindMaterialTable(named);
+  }
+  const fs::path shipped = fs::path(DataDirectory()) / "materials" / facts.TableFile;
+  if (fs::is_regular_file(shipped) && Sha256OfFile(shipped.string()) == facts.TableChecksum)
+  {
+    return FindMaterialTable(shipped.string());
+  }
+  throw InputError("the result was made with the table " + facts.TableFile +
+    ", which is not a shipped one; name it with --materials");
+}
+
+/// The cells' materials must be the table's: by name where the mesh has names.
+void CheckMaterials(const TetrahedralMesh& mesh, const std::vector<std::string>& names,
+  const MaterialTable& table, const std::string& path)
+{
+  const int most = *std::max_element(mesh.Materials.begin(), mesh.Materials.end());
+  if (most >= static_cast<int>(table.Materials.size()))
+  {
+    throw InputError(path + ": expected materials 1 to " +
+      std::to_string(table.Materials.size() - 1) + " of the table '" + table.Name + "', found " +
+      std::to_string(most));
+  }
+  for (std::size_t index = 1; index <= static_cast<std::size_t>(most) && index < names.size();
+       ++index)
+  {
+    if (names[index] != table.Materials[index].Name)
+    {
+      throw InputError(path + ": material " + std::to_string(index) + " is '" + names[index] +
+        "', but '" + table.Materials[index].Name + "' in the table '" + table.Name + "'");
+    }
+  }
+}
+
+/// The axes whose unit at `pose` stands as `placed` does; they say in which direction roll turns.
+AnatomicalAxes AxesOf(const VolumeFromGantry& placed, const BreastPose& pose,
+  const std::string& folder)
+{
+  for (const char* letters : { "LPS", "LSP", "PLS", "PSL", "SLP", "SPL" })
+  {
+    for (int flips = 0; flips < 8; ++flips)
+    {
+      std::string code = letters;
+      for (int axis = 0; axis < 3; ++axis)
+      {
+        const std::string pairs = "LRPASI";
+        const std::size_t at = pairs.find(code[axis]);
+        code[axis] = (flips >> axis & 1) != 0 ? pairs[at ^ 1] : code[axis];
+      }
+      const AnatomicalAxes axes = AnatomicalAxes::FromCode(code);
+      const VolumeFromGantry found = PlaceUnit(axes, { 0, 0, 0 }, {}, pose);
+      // Directions were written with all their digits.
+      if (Norm(found.X - placed.X) + Norm(found.Y - placed.Y) + Norm(found.Z - placed.Z) < 1e-6)
+      {
+        return axes;
+      }
+    }
+  }
+  throw InputError(folder + "/result.json: placement and parameters do not belong together");
+}
+
+/// Values in the order of the parameters.
+BreastPose PoseOfResult(const BreastInUnit& breast, const std::string& folder, double& stiffness)
+{
+  std::vector<double> values;
+  for (const RegistrationParameter& parameter : DefaultParameters({}))
+  {
+    const auto found =
+      std::find(breast.Parameters.begin(), breast.Parameters.end(), parameter.Name);
+    if (found == breast.Parameters.end())
+    {
+      throw InputError(
+        folder + "/result.json: expected a parameter '" + parameter.Name + "', found none");
+    }
+    values.push_back(breast.Values[static_cast<std::size_t>(found - breast.Parameters.begin())]);
+  }
+  stiffness = values[StiffnessParameter];
+  return PoseOf(values);
+}
+
+void AddMammogram(const std::string& path, ViewedBreast& viewed)
+{
+  const Mammogram mammogram = ReadMammogram(path);
+  viewed.Real = PrepareTarget(mammogram);
+  viewed.Laterality = mammogram.Laterality;
+}
+
+ViewedBreast ReadResult(const ViewInput& input)
+{
+  ViewedBreast viewed;
+  viewed.Breast = ReadRegistration(input.Result);
+  const ResultFacts facts = ReadFacts(input.Result + "/result.json");
+  viewed.Materials = TableOf(facts, input.Materials);
+  viewed.Spectrum = FindSpectrum(!input.Spectrum.empty() ? input.Spectrum
+      : facts.Spectrum.empty()                           ? DefaultSpectrum
+                                                         : facts.Spectrum);
+  viewed.Pose = PoseOfResult(viewed.Breast, input.Result, viewed.Stiffness);
+  viewed.Axes = AxesOf(viewed.Breast.Placed, viewed.Pose, input.Result);
+  viewed.Anchor = viewed.Breast.Placed.Origin -
+    PlaceUnit(viewed.Axes, { 0, 0, 0 }, viewed.Breast.Unit, viewed.Pose).Origin;
+  viewed.Laterality = facts.Laterality.empty() ? '?' : facts.Laterality.front();
+  if (!input.Mammogram.empty())
+  {
+    if (Sha256OfFile(input.Mammogram) != facts.MammogramChecksum)
+    {
+      throw InputError(input.Mammogram + ": expected the mammogram of the result, " +
+        facts.MammogramFile + ", found another file");
+    }
+    AddMammogram(input.Mammogram, viewed);
+  }
+  return viewed;
+}
+
+/// The points before 'mammoray compress' moved them; the points themselves in another mesh.
+std::vector<double> RestPoints(vtkUnstructuredGrid* grid)
+{
+  std::vector<double> points = PointsOf(grid);
+  vtkDataArray* displacement = grid->GetPointData()->GetArray("Displacement");
+  if (displacement && displacement->GetNumberOfComponents() == 3)
+  {
+    for (std::size_t index = 0; index < points.size(); ++index)
+    {
+      points[index] -=
+        displacement->GetComponent(static_cast<vtkIdType>(index / 3), static_cast<int>(index % 3));
+    }
+  }
+  return points;
+}
+
+std::optional<double> ThicknessOf(vtkUnstructuredGrid* grid)
+{
+  vtkDataArray* thickness = grid->GetFieldData()->GetArray("ThicknessMm");
+  return thickness && thickness->GetNumberOfTuples() > 0
+    ? std::optional<double>(thickness->GetComponent(0, 0))
+    : std::nullopt;
+}
+
+/// The files of a ParaView collection, in their order.
+std::vector<std::string> FilesOf(const std::string& path)
+{
+  if (!fs::is_regular_file(path))
+  {
+    throw InputError(path + ": no such file");
+  }
+  const auto root =
+    vtkSmartPointer<vtkXMLDataElement>::Take(vtkXMLUtilities::ReadElementFromFile(path.c_str()));
+  vtkXMLDataElement* collection = root ? root->FindNestedElementWithName("Collection") : nullptr;
+  std::vector<std::string> files;
+  for (int index = 0; collection && index < collection->GetNumberOfNestedElements(); ++index)
+  {
+    if (const char* file = collection->GetNestedElement(index)->GetAttribute("file"))
+    {
+      files.push_back((fs::path(path).parent_path() / file).string());
+    }
+  }
+  if (files.empty())
+  {
+    throw InputError(path + ": expected a series of 'mammoray compress' (.pvd), found no files");
+  }
+  return files;
+}
+
+/// Fills the series and answers the closed grid, its last one.
+vtkSmartPointer<vtkUnstructuredGrid> ReadSeries(const std::string& path, ViewedBreast& viewed)
+{
+  vtkSmartPointer<vtkUnstructuredGrid> grid;
+  for (const std::string& file : FilesOf(path))
+  {
+    const auto next = ReadMesh(file);
+    const std::optional<double> thickness = ThicknessOf(next);
+    if (!thickness || (grid && next->GetNumberOfPoints() != grid->GetNumberOfPoints()))
+    {
+      throw InputError(file + ": expected the field 'ThicknessMm' and the points of the series");
+    }
+    grid = next;
+    viewed.Series.push_back({ *thickness, PointsOf(next) });
+  }
+  std::stable_sort(viewed.Series.begin(), viewed.Series.end(),
+    [](const CompressionStep& a, const CompressionStep& b)
+    { return a.ThicknessMm > b.ThicknessMm; });
+  return grid;
+}
+
+ViewedBreast ReadMeshes(const ViewInput& input)
+{
+  ViewedBreast viewed;
+  const std::string& path = input.Series.empty() ? input.Mesh : input.Series;
+  const auto grid = input.Series.empty() ? ReadMesh(path) : ReadSeries(path, viewed);
+  if (input.Materials.empty())
+  {
+    throw InputError(path + ": expected --materials beside a mesh");
+  }
+  viewed.Materials = FindMaterialTable(input.Materials);
+  viewed.Spectrum = FindSpectrum(input.Spectrum.empty() ? DefaultSpectrum : input.Spectrum);
+  viewed.Axes = AnatomicalAxes::FromCode(input.Orientation);
+  viewed.Breast.Compressed = grid;
+  viewed.Breast.Uncompressed = WithPoints(grid, RestPoints(grid));
+  const std::optional<double> thickness = ThicknessOf(grid);
+  viewed.Pose.ThicknessMm = thickness.value_or(viewed.Pose.ThicknessMm);
+  viewed.Pose.RollDeg = input.RollDeg.value_or(0);
+  viewed.Pose.ShiftLateralMm = input.ShiftLateralMm;
+  viewed.Pose.ShiftAnteriorMm = input.ShiftAnteriorMm;
+  viewed.Pose.ShiftVerticalMm = input.ShiftVerticalMm;
+  viewed.Anchor =
+    FindPoseAnchor(FromGrid(viewed.Breast.Uncompressed), viewed.Materials.Held(), viewed.Axes);
+  if (!input.Mammogram.empty())
+  {
+    AddMammogram(input.Mammogram, viewed);
+  }
+  return viewed;
+}
+
+/// Pixels that hold the breast's shadow, rows along the chest wall; without pictures.
+RegistrationTarget GridAround(const ViewedBreast& viewed, double spacingMm)
+{
+  if (!(spacingMm > 0))
+  {
+    throw InputError(
+      "pixel spacing: expected a positive length, found " + std::to_string(spacingMm) + " mm");
+  }
+  double low[2] = { 1e9, 0 };
+  double high[2] = { -1e9, 0 };
+  for (const ReceptorPoint& point :
+    ProjectToReceptor(PointsOf(viewed.Breast.Compressed), viewed.Breast.Placed, viewed.Breast.Unit))
+  {
+    for (int axis = 0; axis < 2 && std::isfinite(point[0]); ++axis)
+    {
+      low[axis] = std::min(low[axis], point[axis]);
+      high[axis] = std::max(high[axis], point[axis]);
+    }
+  }
+  // Room to move: the source, the unit, a breast that becomes flatter.
+  constexpr double MarginMm = 15;
+  RegistrationTarget grid;
+  grid.ColumnStep = { 0, spacingMm };
+  grid.RowStep = { -spacingMm, 0 };
+  grid.Columns = static_cast<int>(std::ceil((high[1] + MarginMm) / spacingMm));
+  grid.Rows = static_cast<int>(std::ceil((high[0] - low[0] + 2 * MarginMm) / spacingMm));
+  constexpr int Most = 8192;
+  if (!(high[0] > low[0]) || grid.Columns < 1 || grid.Columns > Most || grid.Rows > Most)
+  {
+    throw InputError(
+      "expected the breast in front of the receptor's edge and a picture of at most " +
+      std::to_string(Most) + " pixels along each side, found " + std::to_string(grid.Columns) +
+      " x " + std::to_string(grid.Rows) + "; see --orientation and --pixel-spacing");
+  }
+  grid.Origin = { high[0] + MarginMm - 0.5 * spacingMm, 0.5 * spacingMm };
+  return grid;
+}
+}
+
+ViewedBreast ReadViewedBreast(const ViewInput& input)
+{
+  ViewedBreast viewed = input.Result.empty() ? ReadMeshes(input) : ReadResult(input);
+  viewed.Name = fs::path(input.Result + input.Mesh + input.Series).lexically_normal().string();
+  viewed.Anatomy = FromGrid(viewed.Breast.Uncompressed);
+  std::vector<std::string> names;
+  FromGrid(viewed.Breast.Compressed, &names);
+  CheckMaterials(viewed.Anatomy, names, viewed.Materials, viewed.Name);
+  const BreastPose known = viewed.Pose;
+  viewed.Pose.ThicknessMm = input.ThicknessMm.value_or(known.ThicknessMm);
+  viewed.Pose.RollDeg = input.RollDeg.value_or(known.RollDeg);
+  if (!(viewed.Pose.ThicknessMm > 0))
+  {
+    throw InputError("thickness: expected a positive length, found " +
+      std::to_string(viewed.Pose.ThicknessMm) + " mm");
+  }
+  const bool uncompressed = PointsOf(viewed.Breast.Compressed) == viewed.Anatomy.Points;
+  viewed.PoseDiffers = viewed.Pose.ThicknessMm != known.ThicknessMm ||
+    (viewed.Pose.RollDeg != known.RollDeg) || (uncompressed && input.ThicknessMm);
+  viewed.Breast.Placed = PlaceUnit(viewed.Axes, viewed.Anchor, viewed.Breast.Unit, viewed.Pose);
+  if (viewed.Real)
+  {
+    viewed.Breast.Grid = *viewed.Real;
+  }
+  else if (input.Result.empty())
+  {
+    viewed.Breast.Grid = GridAround(viewed, input.PixelSpacingMm);
+  }
+  if (!input.Labels.Path.empty())
+  {
+    viewed.Mechanics.Volume = ReadMaterials(input.Labels, viewed.Materials);
+  }
+  if (!input.SimulationMesh.empty())
+  {
+    viewed.Mechanics.Mesh = FromGrid(ReadMesh(input.SimulationMesh));
+  }
+  return viewed;
+}
+}

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: Apache-2.0
+#ifndef mammoray_ViewedBreast_h
+#define mammoray_ViewedBreast_h
+
+#include "Beam.h"
+#include "BreastMechanics.h"
+#include "LabelSource.h"
+#include "Mammogram.h"
+#include "MammographyGeometry.h"
+#include "MaterialTable.h"
+#include "RegisteredBreast.h"
+#include "TetrahedralMesh.h"
+#include "mammorayViewerModule.h"
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace mammoray
+{
+/// What to look at, by files; the members carry the defaults.
+struct ViewInput
+{
+  /// Folder of 'mammoray register'; or a mesh (.vtu), which may be one that 'mammoray compress'
+  /// wrote; or a series (.pvd) of that command. One of them.
+  std::string Result;
+  std::string Mesh;
+  std::string Series;
+  /// DICOM MG, the one registered of a result; empty: none is shown.
+  std::string Mammogram;
+  /// Material table, a path or a shipped one's name; of a result: empty takes the one that it was
+  /// made with, if that is shipped.
+  std::string Materials;
+  /// A path or a shipped one's name; empty: the result's, else W28kVp_Rh50um_Be1mm.
+  std::string Spectrum;
+  /// Directions of the mesh's axes (AnatomicalAxes::FromCode); a result tells its own.
+  std::string Orientation = "LPS";
+  /// Where the unit stands; of a result these replace its own.
+  std::optional<double> ThicknessMm;
+  std::optional<double> RollDeg;
+  double ShiftLateralMm = 0;
+  double ShiftAnteriorMm = 0;
+  double ShiftVerticalMm = 0;
+  /// Pixels of the synthetic mammogram where there is no real one, mm.
+  double PixelSpacingMm = 0.2;
+  /// For the mechanics, as in a registration; empty: made of the mesh.
+  LabelSource Labels{ .SpacingMm = 0.5, .OnlyCoarsen = true };
+  std::string SimulationMesh;
+};
+
+/// Points of the anatomy between plates of this distance.
+struct CompressionStep
+{
+  double ThicknessMm = 0;
+  /// 3 x pointCount, mm, volume frame.
+  std::vector<double> Points;
+};
+
+/// Everything that a viewer needs to know of a breast.
+struct ViewedBreast
+{
+  /// For titles.
+  std::string Name;
+  /// As it stands at the beginning; compressed may be uncompressed. The grid is the mammogram's, or
+  /// one that holds the breast.
+  BreastInUnit Breast;
+  TetrahedralMesh Anatomy;
+  MaterialTable Materials;
+  mammoray::Spectrum Spectrum;
+  AnatomicalAxes Axes;
+  Vector3 Anchor{ 0, 0, 0 };
+  BreastPose Pose;
+  /// Factor on the stiffness of gland (see RegistrationModel::ScaledMaterials).
+  double Stiffness = 1;
+  /// 'L', 'R' or '?'.
+  char Laterality = '?';
+  /// With its picture, on Breast's grid; none without a mammogram.
+  std::optional<RegistrationTarget> Real;
+  /// Known states, by falling thickness; mostly none.
+  std::vector<CompressionStep> Series;
+  /// The pose asked for is not that of the compressed points.
+  bool PoseDiffers = false;
+  BreastMechanicsOptions Mechanics;
+};
+
+/// Reads it. Throws InputError, one line, on anything unusable.
+MAMMORAYVIEWER_EXPORT ViewedBreast ReadViewedBreast(const ViewInput& input);
+}
+
+#endif

@@ -1,0 +1,195 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "BreastViewer.h"
+#include "Error.h"
+#include "RequireDisplay.h"
+#include "SmallBreast.h"
+#include "VirtualDisplay.h"
+
+#include "vtkCommand.h"
+#include "vtkImageData.h"
+#include "vtkNew.h"
+#include "vtkPNGReader.h"
+#include "vtkRenderWindow.h"
+#include "vtkRenderWindowInteractor.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <cstdlib>
+#include <thread>
+
+namespace
+{
+using namespace mammoray;
+
+class BreastViewerTest : public testing::Test
+{
+protected:
+  void SetUp() override
+  {
+    if (ListDevices().empty())
+    {
+      GTEST_SKIP() << "no Vulkan device";
+    }
+    if (!testing_support::VirtualDisplay::Instance().Works())
+    {
+      GTEST_SKIP() << "no Xvfb";
+    }
+    this->Viewed = ReadViewedBreast(test::WriteSmallBreast(this->Folder));
+    this->Options.Width = 1000;
+    this->Options.Height = 700;
+    this->Options.PictureFolder = this->Folder.File("");
+  }
+
+  /// Mouse at a place of the window, of 1 from its lower left corner.
+  static void Mouse(BreastViewer& viewer, double x, double y, unsigned long event)
+  {
+    vtkRenderWindowInteractor* interactor = viewer.Window()->GetInteractor();
+    interactor->SetEventInformation(static_cast<int>(x * 1000), static_cast<int>(y * 700));
+    interactor->InvokeEvent(event);
+  }
+  static void Drag(BreastViewer& viewer, double x0, double y0, double x1, double y1)
+  {
+    Mouse(viewer, x0, y0, vtkCommand::MouseMoveEvent);
+    Mouse(viewer, x0, y0, vtkCommand::LeftButtonPressEvent);
+    Mouse(viewer, x1, y1, vtkCommand::MouseMoveEvent);
+    Mouse(viewer, x1, y1, vtkCommand::LeftButtonReleaseEvent);
+  }
+  vtkSmartPointer<vtkImageData> Shot(BreastViewer& viewer)
+  {
+    const std::string path = this->Folder.File("shot.png");
+    viewer.WriteScreenshot(path);
+    vtkNew<vtkPNGReader> reader;
+    reader->SetFileName(path.c_str());
+    reader->Update();
+    return reader->GetOutput();
+  }
+  static double Grey(vtkImageData* picture, double x, double y)
+  {
+    return picture->GetScalarComponentAsDouble(static_cast<int>(x * 1000),
+      static_cast<int>(y * 700), 0, 0);
+  }
+
+  testing_support::TemporaryFolder Folder;
+  ViewedBreast Viewed;
+  ViewerOptions Options;
+};
+
+TEST_F(BreastViewerTest, ShowsTheMammogramBesideTheBreast)
+{
+  this->Options.OffScreen = true;
+  BreastViewer viewer(this->Viewed, this->Options);
+  const auto picture = this->Shot(viewer);
+  EXPECT_EQ(picture->GetDimensions()[0], 1000);
+  EXPECT_EQ(picture->GetDimensions()[1], 700);
+  // The breast at the left edge of the picture, air beyond its right one.
+  EXPECT_GT(Grey(picture, 0.66, 0.5), 100);
+  EXPECT_LT(Grey(picture, 0.99, 0.95), 5);
+}
+
+TEST_F(BreastViewerTest, CompressesWhenTheThicknessIsDragged)
+{
+  BreastViewer viewer(this->Viewed, this->Options);
+  viewer.Tick();
+  const std::vector<double> before = viewer.Points();
+  const double thickness = viewer.Pose().ThicknessMm;
+  // The uppermost slider from its middle towards thicker plates, so that they hardly touch.
+  const double left = 0.22 + 0.36 * 0.33;
+  const double right = 0.22 + 0.97 * 0.33;
+  Drag(viewer, 0.5 * (left + right), 0.88 * 0.34, 0.8 * right + 0.2 * left, 0.88 * 0.34);
+  EXPECT_GT(viewer.Pose().ThicknessMm, thickness + 5);
+  EXPECT_EQ(viewer.Points(), before);
+  const auto begin = std::chrono::steady_clock::now();
+  while (viewer.Points() == before &&
+    std::chrono::steady_clock::now() - begin < std::chrono::seconds(120))
+  {
+    viewer.Tick();
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  ASSERT_NE(viewer.Points(), before) << viewer.Status();
+  EXPECT_THAT(viewer.Status(), testing::HasSubstr(" N, compressed in "));
+  double high = -1e9;
+  double low = 1e9;
+  for (std::size_t index = 0; index < viewer.Points().size(); index += 3)
+  {
+    if (viewer.Points()[index + 1] > 20)
+    {
+      high = std::max(high, viewer.Points()[index + 2]);
+      low = std::min(low, viewer.Points()[index + 2]);
+    }
+  }
+  EXPECT_LT(high - low, viewer.Pose().ThicknessMm);
+}
+
+TEST_F(BreastViewerTest, FollowsTheDraggedSource)
+{
+  BreastViewer viewer(this->Viewed, this->Options);
+  viewer.Tick();
+  const auto before = this->Shot(viewer);
+  viewer.Key("Left");
+  viewer.Key("Up");
+  viewer.Tick();
+  const auto moved = this->Shot(viewer);
+  double difference = 0;
+  for (double x = 0.6; x < 0.95; x += 0.01)
+  {
+    difference += std::abs(Grey(before, x, 0.5) - Grey(moved, x, 0.5));
+  }
+  EXPECT_GT(difference, 10);
+  viewer.Key("Home");
+  const auto back = this->Shot(viewer);
+  for (double x = 0.6; x < 0.95; x += 0.01)
+  {
+    EXPECT_EQ(Grey(before, x, 0.5), Grey(back, x, 0.5));
+  }
+}
+
+TEST_F(BreastViewerTest, MarksWhatIsClickedInEveryView)
+{
+  BreastViewer viewer(this->Viewed, this->Options);
+  viewer.Tick();
+  Drag(viewer, 0.65, 0.5, 0.65, 0.5);
+  viewer.Tick();
+  EXPECT_THAT(viewer.Status(), testing::StartsWith("pixel ("));
+  EXPECT_THAT(viewer.Status(), testing::HasSubstr("gland"));
+  EXPECT_THAT(viewer.Status(), testing::HasSubstr("uncertainty unknown")); // nothing registered
+  Drag(viewer, 0.11, 0.17, 0.11, 0.17); // the breast at rest, in the middle of its view
+  viewer.Tick();
+  EXPECT_THAT(viewer.Status(), testing::HasSubstr("mm in "));
+  viewer.Key("Escape");
+  viewer.Tick();
+  EXPECT_EQ(viewer.Status(), "");
+  EXPECT_FALSE(viewer.MarkPoint({ 500, 0, 0 }));
+  EXPECT_THAT(viewer.Message(), testing::HasSubstr("expected a place in the breast"));
+}
+
+TEST_F(BreastViewerTest, SavesPicturesUnderFreeNames)
+{
+  BreastViewer viewer(this->Viewed, this->Options);
+  viewer.Key("s");
+  viewer.Key("s");
+  for (const char* name : { "mammoray-window-1.png", "mammoray-window-2.png",
+         "mammoray-mammogram-1.png", "mammoray-mammogram-2.png" })
+  {
+    EXPECT_TRUE(std::filesystem::exists(this->Folder.File(name))) << name;
+  }
+}
+
+TEST_F(BreastViewerTest, EndsByKeyAndWhenAsked)
+{
+  int asked = 0;
+  this->Options.Stop = [&] { return ++asked > 3; };
+  BreastViewer viewer(this->Viewed, this->Options);
+  viewer.Run(); // comes back
+  EXPECT_GT(asked, 3);
+}
+
+TEST_F(BreastViewerTest, RefusesWithoutADisplay)
+{
+  unsetenv("DISPLAY");
+  EXPECT_THROW(RequireDisplay(), InputError);
+  setenv("DISPLAY", ":12345", 1);
+  EXPECT_THROW(BreastViewer(this->Viewed, this->Options), InputError);
+}
+}
