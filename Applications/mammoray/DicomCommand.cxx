@@ -17,6 +17,7 @@ struct DicomOptions
 {
   std::string Result;
   std::string Mammogram;
+  std::string Laterality;
   DicomPatient Patient;
   bool ForProcessing = false;
   std::string Output;
@@ -31,7 +32,13 @@ void RunDicom(const DicomOptions& options)
   }
   CheckOutputFile(options.Output, options.Overwrite);
   const DicomIdentity identity = options.Patient.Identity();
-  const mammoray::Mammogram real = ReadMammogram(CheckInputFile(options.Mammogram));
+  mammoray::Mammogram real = ReadMammogram(CheckInputFile(options.Mammogram));
+  real.Laterality = options.Laterality.empty() ? real.Laterality : options.Laterality.front();
+  if (real.Laterality == '?')
+  {
+    throw InputError(options.Mammogram +
+      ": expected Image Laterality (0020,0062), found none; --laterality L or R says it");
+  }
   const mammoray::Mammogram synthetic = ReadSyntheticMammogram(options.Result, real,
     options.ForProcessing ? mammoray::Mammogram::Intent::ForProcessing
                           : mammoray::Mammogram::Intent::ForPresentation);
@@ -64,8 +71,13 @@ void AddDicomCommand(CLI::App& application)
     ->required();
   command
     ->add_option("--mammogram", options->Mammogram,
-      "the mammogram that was registered, DICOM MG: view, side and pixel grid are taken from it")
+      "the mammogram that was registered, DICOM MG: view, side and directions are taken from it")
     ->required();
+  command
+    ->add_option("--laterality", options->Laterality,
+      "the breast's side; default: what the header of --mammogram says")
+    ->check(CLI::IsMember({ "L", "R" }))
+    ->group("DICOM");
   AddDicomPatientOptions(*command, options->Patient, true);
   command
     ->add_flag("--for-processing", options->ForProcessing,

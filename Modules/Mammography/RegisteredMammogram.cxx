@@ -3,6 +3,7 @@
 
 #include "Error.h"
 #include "MammogramSynthesis.h"
+#include "RegisteredBreast.h"
 #include "Sha256.h"
 
 #include "vtkFloatArray.h"
@@ -10,34 +11,49 @@
 #include "vtkMetaImageReader.h"
 #include "vtkNew.h"
 #include "vtkPointData.h"
+#include "vtkUnstructuredGrid.h"
 
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
-#include <functional>
 
 namespace mammoray
 {
 namespace
 {
-/// Hands over result.json; what is missing in it becomes an InputError.
-void WithResult(const std::string& folder, const std::function<void(const nlohmann::json&)>& use)
+/// What was found for a parameter; 0 for one that results of early versions lack.
+double ValueOf(const BreastInUnit& breast, const std::string& parameter)
 {
-  const std::string path = folder + "/result.json";
-  std::ifstream file(path);
-  if (!file)
-  {
-    throw InputError(path + ": no such file");
-  }
-  try
-  {
-    use(nlohmann::json::parse(file));
-  }
-  catch (const nlohmann::json::exception& error)
-  {
-    throw InputError(path + ": expected the result of 'mammoray register': " + error.what());
-  }
+  const auto name = std::find(breast.Parameters.begin(), breast.Parameters.end(), parameter);
+  return name == breast.Parameters.end() ? 0 : breast.Values[name - breast.Parameters.begin()];
+}
+
+/// The header of the registered pose. Directions of the patient do not depend on the volume's
+/// frame, so any will do.
+Mammogram DescribeRegistration(const BreastInUnit& breast, char laterality)
+{
+  const BreastPose pose{ .ThicknessMm = ValueOf(breast, "thickness"),
+    .RollDeg = ValueOf(breast, "roll"),
+    .PitchDeg = ValueOf(breast, "pitch"),
+    .YawDeg = ValueOf(breast, "yaw") };
+  const MammographyUnit& unit = breast.Unit;
+  const RegistrationTarget& grid = breast.Grid;
+  const AnatomicalAxes axes;
+  const VolumeFromGantry gantry = PlaceUnit(axes, { 0, 0, 0 }, unit, pose);
+  XRayDetector detector;
+  detector.Columns = grid.Columns;
+  detector.Rows = grid.Rows;
+  detector.Origin = gantry.Point({ grid.Origin[0], grid.Origin[1], 0 });
+  detector.ColumnStep = gantry.Direction({ grid.ColumnStep[0], grid.ColumnStep[1], 0 });
+  detector.RowStep = gantry.Direction({ grid.RowStep[0], grid.RowStep[1], 0 });
+  XRaySource source;
+  source.Position = gantry.Point({ 0, 0, unit.SourceToDetectorMm });
+  Mammogram mammogram = DescribeProjection(source, detector, axes, laterality);
+  mammogram.BodyPartThicknessMm = pose.ThicknessMm;
+  mammogram.SourceToPatientMm = unit.SourceToDetectorMm - unit.SupportHeightMm;
+  return mammogram;
 }
 
 std::vector<float> ReadLogAttenuation(const std::string& path, const Mammogram& real)
@@ -67,37 +83,36 @@ std::vector<float> ReadLogAttenuation(const std::string& path, const Mammogram& 
 Mammogram ReadSyntheticMammogram(const std::string& folder, const Mammogram& real,
   Mammogram::Intent intent)
 {
-  Mammogram synthetic = real;
-  synthetic.PeakKilovoltage.reset();
-  synthetic.AnodeMaterial.clear();
-  synthetic.FilterMaterial.clear();
-  WithResult(folder,
-    [&](const nlohmann::json& result)
-    {
-      const nlohmann::json& pose = result.at("pose");
-      synthetic.BodyPartThicknessMm = pose.at("thicknessMm").get<double>();
-      synthetic.PositionerPrimaryAngleDeg = pose.at("rollDeg").get<double>();
-      const nlohmann::json& unit = result.at("unit");
-      synthetic.SourceToDetectorMm = unit.at("sourceToDetectorMm").get<double>();
-      synthetic.SourceToPatientMm =
-        *synthetic.SourceToDetectorMm - unit.at("supportHeightMm").get<double>();
-    });
+  Mammogram synthetic = DescribeRegistration(ReadRegistration(folder), real.Laterality);
+  const auto prefer = [](std::string& found, const std::string& told)
+  { found = told.empty() ? found : told; };
+  prefer(synthetic.View, real.View);
+  prefer(synthetic.RowDirection, real.RowDirection);
+  prefer(synthetic.ColumnDirection, real.ColumnDirection);
   SetPixels(synthetic, ReadLogAttenuation(folder + "/synthetic.mha", real), intent);
   return synthetic;
 }
 
 bool IsRegisteredMammogram(const std::string& folder, const std::string& mammogramPath)
 {
-  bool same = false;
-  WithResult(folder,
-    [&](const nlohmann::json& result)
-    {
-      for (const nlohmann::json& input : result.at("inputs"))
-      {
-        same |=
-          input.at("role") == "Mammogram" && input.at("sha256") == Sha256OfFile(mammogramPath);
-      }
-    });
-  return same;
+  const std::string path = folder + "/result.json";
+  std::ifstream file(path);
+  if (!file)
+  {
+    throw InputError(path + ": no such file");
+  }
+  try
+  {
+    const nlohmann::json result = nlohmann::json::parse(file);
+    const nlohmann::json& inputs = result.at("inputs");
+    const std::string checksum = Sha256OfFile(mammogramPath);
+    return std::any_of(inputs.begin(), inputs.end(),
+      [&](const nlohmann::json& input)
+      { return input.at("role") == "Mammogram" && input.at("sha256") == checksum; });
+  }
+  catch (const nlohmann::json::exception& error)
+  {
+    throw InputError(path + ": expected the result of 'mammoray register': " + error.what());
+  }
 }
 }

@@ -10,11 +10,12 @@
 namespace mammoray
 {
 /**
- * The synthetic mammogram in a folder that 'mammoray register' wrote, with SetPixels' pixels and
- * with what the header of `real`, the mammogram that was registered, says about view, sides and
- * pixels; thickness, angle and distance to the source are those that were found. The beam's voltage
- * and materials are left out: the spectrum was another. Throws InputError that names the file, and
- * where the picture has other rows and columns than `real`.
+ * The synthetic mammogram in a folder that 'mammoray register' wrote, with SetPixels' pixels and a
+ * header of the unit and pose that were found. View and patient orientation are those of `real`,
+ * the mammogram that was registered, where its header says them; its laterality must be 'L' or 'R'.
+ * The beam's voltage and materials are left out: the spectrum was another. Throws InputError that
+ * names the file, on another laterality, and where the picture has other rows and columns than
+ * `real`.
  */
 MAMMORAYMAMMOGRAPHY_EXPORT Mammogram ReadSyntheticMammogram(const std::string& folder,
   const Mammogram& real, Mammogram::Intent intent);

@@ -8,6 +8,7 @@
 #include "MammogramIO.h"
 #include "PathLengthProjector.h"
 #include "RegisteredBreast.h"
+#include "RegisteredMammogram.h"
 
 #include <nlohmann/json.hpp>
 
@@ -308,6 +309,17 @@ TEST_F(RegisterCommand, RegistersTheShippedPhantom)
   EXPECT_EQ(written.View, real.View);
   EXPECT_EQ(written.Laterality, real.Laterality);
   EXPECT_EQ(written.ColumnDirection, real.ColumnDirection);
+  // Without a header's help the registration says the same.
+  Mammogram bare = real;
+  bare.View.clear();
+  bare.RowDirection.clear();
+  bare.ColumnDirection.clear();
+  const Mammogram described =
+    ReadSyntheticMammogram(folder, bare, Mammogram::Intent::ForPresentation);
+  EXPECT_EQ(described.View, real.View);
+  EXPECT_EQ(described.RowDirection, real.RowDirection);
+  EXPECT_EQ(described.ColumnDirection, real.ColumnDirection);
+  EXPECT_EQ(described.Pixels, written.Pixels);
   EXPECT_EQ(written.ColumnSpacingMm, real.ColumnSpacingMm);
   EXPECT_NEAR(*written.BodyPartThicknessMm, resumed.at("pose").at("thicknessMm").get<double>(),
     1e-7); // ten digits
