@@ -206,6 +206,7 @@ bool InterruptRequested()
 
 ProgressCallback MakeProgressBar()
 {
+  InterruptRequested(); // from now on, not from the first report on
   const bool terminal = isatty(STDERR_FILENO) != 0;
   auto lastPercent = std::make_shared<int>(-1);
   auto lastStage = std::make_shared<std::string>();

@@ -58,7 +58,9 @@ protected:
     // The unit stands in the volume frame; the image's rows run against x.
     this->Folder.Write("result.json",
       R"({"placement": {"originMm": [0, 0, 0], "x": [1, 0, 0], "y": [0, 1, 0], "z": [0, 0, 1]},
-          "unit": {"sourceToDetectorMm": 650}, "covariance": null,
+          "unit": {"sourceToDetectorMm": 650, "supportHeightMm": 2, "supportEdgeMm": 0,
+                   "paddleEdgeMm": 0, "edgeRadiusMm": 3},
+          "parameters": [], "covariance": null,
           "grid": {"columns": 30, "rows": 50, "originMm": [48, 1],
                    "columnStepMm": [0, 2], "rowStepMm": [-2, 0]}})");
     this->Breast = std::make_unique<RegisteredBreast>(this->Folder.File(""));

@@ -103,10 +103,14 @@ TEST_F(LiveMammogramTest, IsDarkerAtHigherVoltageWithoutNewRays)
   for (std::size_t pixel = 0; pixel < low.size(); ++pixel)
   {
     // The same rays; thin layers are left to the rounding of floats.
-    ASSERT_EQ(low[pixel] > 0, high[pixel] > 0);
     if (low[pixel] > 0.01F)
     {
+      ASSERT_GT(high[pixel], 0);
       ASSERT_LT(high[pixel], low[pixel]);
+    }
+    else
+    {
+      ASSERT_LT(high[pixel], 0.01F);
     }
   }
 }

@@ -43,11 +43,11 @@ int main()
   compression->SetMaterial(1, 6, 0.49, false);
   compression->SetMaterial(2, 6, 0.49, true);
   compression->SetElementToLinear();
-  compression->SetThicknessMm(50);
+  compression->SetThicknessMm(45);
   vtkNew<vtkXRayProjector> projector;
   projector->SetInputConnection(compression->GetOutputPort());
   projector->SetSourcePosition(0, 6, 600);
-  projector->SetDetectorOrigin(0, 16, -40);
+  projector->SetDetectorOrigin(0, 9, -40);
   projector->SetDetectorSize(1, 1);
   projector->SetLinearAttenuation(1, 0.05);
   projector->SetLinearAttenuation(2, 0.08);
@@ -61,7 +61,7 @@ int main()
   projector->Update();
   vtkDataArray* lengths = projector->GetOutput()->GetPointData()->GetArray("PathLength_1");
   const double found = lengths ? lengths->GetComponent(0, 0) : 0;
-  std::printf("path length between plates of 50 mm: %.2f mm\n", found);
+  std::printf("path length between plates of 45 mm: %.2f mm\n", found);
   // From plate to plate, a little slanted; a coarse mesh's facets stay within a millimetre.
-  return std::abs(found - 50) < 1.5 ? 0 : 1;
+  return std::abs(found - 45) < 1.5 ? 0 : 1;
 }
