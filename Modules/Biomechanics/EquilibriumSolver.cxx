@@ -300,9 +300,10 @@ struct EquilibriumSolver::Internals
    * Minimises the energy over the coordinates where the residual forces of Current are largest and
    * those around them, the others fixed. Tissue folds and slips at the plates' edges in steps of
    * some mm, and the whole body would wait for it at the price of a factor each (nonlinear
-   * elimination: Lanzkron, Rose & Wilkes 1996; Cai & Li 2011). Never raises the energy.
+   * elimination: Lanzkron, Rose & Wilkes 1996; Cai & Li 2011). Never raises the energy. False where
+   * those are too many and `x` stays.
    */
-  void RelaxWorst(std::vector<double>& x, const PlatePair* plates,
+  bool RelaxWorst(std::vector<double>& x, const PlatePair* plates,
     const ProgressCallback& progress) const;
   /// 3 x nodeCount flags: true but at the unknowns that RelaxWorst moves; empty: too many.
   std::vector<bool> FixedAroundWorst() const;
@@ -1261,9 +1262,9 @@ EquilibriumReport EquilibriumSolver::Internals::Newton(std::vector<double>& x,
     x.swap(trial);
     this->Assemble(x, plates, ElasticBody::Order::Hessian, current);
     const bool struggling = this->Share > 0 || length < 1;
-    if (eliminate && struggling && this->Report(current).RelativeResidual > tolerance)
+    if (eliminate && struggling && this->Report(current).RelativeResidual > tolerance &&
+      this->RelaxWorst(x, plates, progress))
     {
-      this->RelaxWorst(x, plates, progress);
       this->Assemble(x, plates, ElasticBody::Order::Hessian, current);
     }
   }
@@ -1315,19 +1316,20 @@ std::vector<bool> EquilibriumSolver::Internals::FixedAroundWorst() const
   return {};
 }
 
-void EquilibriumSolver::Internals::RelaxWorst(std::vector<double>& x, const PlatePair* plates,
+bool EquilibriumSolver::Internals::RelaxWorst(std::vector<double>& x, const PlatePair* plates,
   const ProgressCallback& progress) const
 {
   const std::vector<bool> fixed = this->FixedAroundWorst();
   if (fixed.empty())
   {
-    return;
+    return false;
   }
   EquilibriumSolver part(this->Body, fixed, this->ContactStiffness, this->LeftOut);
   part.SetLoads(this->Loads);
   part.SetWall(this->Wall, this->Stiffness);
   part.SetFriction(this->Friction);
   part.Internal->Newton(x, plates, PartTolerance, PartNewtonSteps, false, progress);
+  return true;
 }
 
 EquilibriumReport EquilibriumSolver::Solve(std::vector<double>& x, const PlatePair* plates,
