@@ -95,4 +95,17 @@ std::vector<int> MaterialTable::Thin() const
   }
   return thin;
 }
+
+std::vector<int> MaterialTable::Glandular() const
+{
+  std::vector<int> gland;
+  for (std::size_t index = 1; index < this->Materials.size(); ++index)
+  {
+    if (this->Materials[index].Attenuation == "glandular" && !this->Materials[index].Held)
+    {
+      gland.push_back(static_cast<int>(index));
+    }
+  }
+  return gland;
+}
 }

@@ -58,6 +58,9 @@ struct MAMMORAYFOUNDATION_EXPORT MaterialTable
   std::vector<bool> Held() const;
   /// Indices of those that are Thin.
   std::vector<int> Thin() const;
+  /// Indices of those that are not held and attenuate as gland: what the ratio of stiffness is
+  /// about.
+  std::vector<int> Glandular() const;
 };
 }
 

@@ -52,13 +52,7 @@ BreastMechanics::BreastMechanics(const TetrahedralMesh& anatomy, const MaterialT
       "': expected a material with \"held\": true (the chest wall), found none");
   }
   this->Elastic = mechanics.Elastic;
-  for (std::size_t index = 1; index < table.Materials.size(); ++index)
-  {
-    if (table.Materials[index].Attenuation == "glandular" && !table.Materials[index].Held)
-    {
-      this->Gland.push_back(static_cast<int>(index));
-    }
-  }
+  this->Gland = table.Glandular();
   const bool own = !options.Mesh && anatomy.NumberOfCells() <= BreastMechanicsOptions::MostCells;
   if (!options.Mesh && !own)
   {

@@ -237,18 +237,6 @@ std::vector<double> ResumeFrom(const RegistrationCase& input,
 }
 }
 
-std::vector<int> GlandularMaterials(const MaterialTable& table)
-{
-  std::vector<int> gland;
-  for (std::size_t index = 1; index < table.Materials.size(); ++index)
-  {
-    if (table.Materials[index].Attenuation == "glandular" && !table.Materials[index].Held)
-    {
-      gland.push_back(static_cast<int>(index));
-    }
-  }
-  return gland;
-}
 std::vector<std::pair<std::string, std::string>> CaseInputs(const RegistrationCase& input)
 {
   std::vector<std::pair<std::string, std::string>> inputs{ { "Label volume", input.Labels.Path },
@@ -330,7 +318,7 @@ RegistrationCaseResult RunRegistrationCase(const RegistrationCase& input,
   RegistrationModel model;
   model.Simulation = &simulation;
   model.Elastic = mechanics.Elastic;
-  model.ScaledMaterials = GlandularMaterials(result.Materials);
+  model.ScaledMaterials = result.Materials.Glandular();
   model.Surface = &surface;
   model.SurfaceEmbedding = &surfaceEmbedding;
   model.Scout = &scout;

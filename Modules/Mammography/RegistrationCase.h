@@ -102,9 +102,6 @@ struct RegistrationCaseResult
 MAMMORAYMAMMOGRAPHY_EXPORT std::vector<std::pair<std::string, std::string>> CaseInputs(
   const RegistrationCase& input);
 
-/// The materials of a table that are gland: what the ratio of stiffness is about.
-MAMMORAYMAMMOGRAPHY_EXPORT std::vector<int> GlandularMaterials(const MaterialTable& table);
-
 /**
  * Reads, meshes, compresses, projects and registers. Throws InputError on unusable input,
  * DeviceError without a device, ConvergenceError where not even the start has an equilibrium,

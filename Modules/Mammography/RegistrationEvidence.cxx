@@ -330,7 +330,7 @@ private:
 
 std::vector<Vector3> GlandVoxels(const LabelVolume& materials, const MaterialTable& table)
 {
-  const std::vector<int> gland = GlandularMaterials(table);
+  const std::vector<int> gland = table.Glandular();
   std::vector<Vector3> points;
   for (int k = 0; k < materials.Size[2]; ++k)
   {

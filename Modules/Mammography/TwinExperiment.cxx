@@ -59,7 +59,7 @@ struct Side
     this->Projector->SetSurface(this->Surface);
     this->Model.Simulation = &this->Simulation;
     this->Model.Elastic = this->Mechanics.Elastic;
-    this->Model.ScaledMaterials = GlandularMaterials(table);
+    this->Model.ScaledMaterials = table.Glandular();
     this->Model.Surface = &this->Surface;
     this->Model.SurfaceEmbedding = &this->SurfaceEmbedding;
     this->Model.Projector = this->Projector.get();

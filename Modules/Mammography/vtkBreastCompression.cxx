@@ -8,6 +8,7 @@
 #include "MeshConversion.h"
 #include "PhysicsData.h"
 #include "PlacedPlates.h"
+#include "Private/FailedRequest.h"
 
 #include "vtkDataObject.h"
 #include "vtkInformation.h"
@@ -300,16 +301,9 @@ int vtkBreastCompression::RequestData(vtkInformation*, vtkInformationVector** in
     }
     return 1;
   }
-  catch (const Interrupted&)
+  catch (...)
   {
-    output->Initialize();
-    return 1;
-  }
-  catch (const std::exception& error) // bad_alloc must not cross the pipeline either
-  {
-    output->Initialize();
-    vtkErrorMacro(<< error.what());
-    return 0;
+    return FailedRequest(this, output);
   }
 }
 

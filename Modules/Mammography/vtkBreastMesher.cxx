@@ -6,6 +6,7 @@
 #include "LabelResampling.h"
 #include "MeshConversion.h"
 #include "PhysicsData.h"
+#include "Private/FailedRequest.h"
 #include "Progress.h"
 
 #ifdef MAMMORAY_HAS_MESHING
@@ -113,16 +114,9 @@ int vtkBreastMesher::RequestData(vtkInformation*, vtkInformationVector** inputs,
     throw InputError("meshing: this build has no Meshing module");
 #endif
   }
-  catch (const Interrupted&)
+  catch (...)
   {
-    output->Initialize();
-    return 1;
-  }
-  catch (const std::exception& error) // bad_alloc must not cross the pipeline either
-  {
-    output->Initialize();
-    vtkErrorMacro(<< error.what());
-    return 0;
+    return FailedRequest(this, output);
   }
 }
 

@@ -7,6 +7,7 @@
 #include "MammogramTarget.h"
 #include "MeshConversion.h"
 #include "PhysicsData.h"
+#include "Private/FailedRequest.h"
 #include "RegisteredBreast.h"
 #include "Registration.h"
 #include "vtkBreastMesher.h"
@@ -365,16 +366,9 @@ int vtkBreastRegistration::RequestData(vtkInformation*, vtkInformationVector** i
     AddResult(output, result, PlaceUnit(axes, model.Anchor, model.Unit, result.Pose));
     return 1;
   }
-  catch (const Interrupted&)
+  catch (...)
   {
-    output->Initialize();
-    return 1;
-  }
-  catch (const std::exception& error) // bad_alloc must not cross the pipeline either
-  {
-    output->Initialize();
-    vtkErrorMacro(<< error.what());
-    return 0;
+    return FailedRequest(this, output);
   }
 }
 
