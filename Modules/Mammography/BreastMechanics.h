@@ -22,6 +22,9 @@ struct BreastMechanicsOptions
   /// MostCells, else a mesh made for the purpose (needs the Meshing module).
   std::optional<TetrahedralMesh> Mesh;
   static constexpr std::size_t MostCells = 6000;
+  /// Of the volume of an anatomy without one, from which stiffness is sampled: finer than any
+  /// simulation cell.
+  static constexpr double VoxelMm = 1.0;
   /// Of the mesh that is made, see MeshForSimulation; mm.
   double CellSizeMm = 0;
 };

@@ -42,17 +42,7 @@ struct Setup
   std::string Table;
   std::string Device;
 
-  static bool Same(const TetrahedralMesh& a, const TetrahedralMesh& b)
-  {
-    return a.Points == b.Points && a.Cells == b.Cells && a.Materials == b.Materials;
-  }
-  bool operator==(const Setup& other) const
-  {
-    return Same(this->Anatomy, other.Anatomy) &&
-      this->Coarse.has_value() == other.Coarse.has_value() &&
-      (!this->Coarse || Same(*this->Coarse, *other.Coarse)) && this->Table == other.Table &&
-      this->Device == other.Device;
-  }
+  bool operator==(const Setup&) const = default;
 };
 
 /// A breast ready to be registered.
@@ -144,12 +134,7 @@ void AddResult(vtkUnstructuredGrid* output, const RegistrationResult& result,
   AddDoubles(fields, "Parameters", result.Values);
   AddDoubles(fields, "ParameterDeviations", result.StandardDeviations);
   AddDoubles(fields, "Covariance", result.Covariance, static_cast<int>(names.size()));
-  std::vector<double> placement;
-  for (const Vector3& vector : { placed.Origin, placed.X, placed.Y, placed.Z })
-  {
-    placement.insert(placement.end(), vector.begin(), vector.end());
-  }
-  AddDoubles(fields, "Placement", placement, 3);
+  AddPlacement(output, placed);
   AddDoubles(fields, "Correlation", { result.After.Correlation });
   AddDoubles(fields, "MeanOutlineDistanceMm", { result.After.MeanOutlineDistanceMm });
   AddDoubles(fields, "LargestOutlineDistanceMm", { result.After.LargestOutlineDistanceMm });
