@@ -68,6 +68,12 @@ BreastMechanics::BreastMechanics(const TetrahedralMesh& anatomy, const MaterialT
     field = [this](const Vector3& point) { return static_cast<int>(this->Volume->LabelAt(point)); };
   }
   this->Body.emplace(mesh, mechanics.Elastic, mechanics.Held, field);
+  if (options.Scouted)
+  {
+    CompressionOptions linear;
+    linear.Element = ElementType::PatchAveragedLinear;
+    this->Scout.emplace(mesh, mechanics.Elastic, mechanics.Held, field, linear);
+  }
   this->Points.emplace(*this->Body, anatomy.Points);
 }
 
@@ -75,6 +81,7 @@ RegistrationModel BreastMechanics::Model()
 {
   RegistrationModel model;
   model.Simulation = &*this->Body;
+  model.Scout = this->Scout ? &*this->Scout : nullptr;
   model.Elastic = this->Elastic;
   model.ScaledMaterials = this->Gland;
   return model;

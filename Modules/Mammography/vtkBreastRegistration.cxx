@@ -51,9 +51,11 @@ struct PreparedBreast
   PreparedBreast(Setup setup, const ProgressCallback& progress)
     : Made(std::move(setup))
     , Table(FindMaterialTable(this->Made.Table))
-    , Mechanics(this->Made.Anatomy, this->Table, { .Mesh = this->Made.Coarse }, progress)
+    , Mechanics(this->Made.Anatomy, this->Table, { .Mesh = this->Made.Coarse, .Scouted = true },
+        progress)
     , Surface(ExtractInterfaces(this->Made.Anatomy))
     , SurfacePoints(this->Mechanics.Simulation(), this->Surface.Points)
+    , ScoutPoints(*this->Mechanics.Model().Scout, this->Surface.Points)
     , Projector(MakeProjector({ .Device = this->Made.Device }))
   {
     this->Projector->SetSurface(this->Surface);
@@ -64,6 +66,7 @@ struct PreparedBreast
   BreastMechanics Mechanics;
   SurfaceMesh Surface;
   Embedding SurfacePoints;
+  Embedding ScoutPoints;
   std::unique_ptr<PathLengthProjector> Projector;
 };
 
@@ -307,6 +310,7 @@ int vtkBreastRegistration::RequestData(vtkInformation*, vtkInformationVector** i
     RegistrationModel model = breast.Mechanics.Model();
     model.Surface = &breast.Surface;
     model.SurfaceEmbedding = &breast.SurfacePoints;
+    model.ScoutEmbedding = &breast.ScoutPoints;
     model.Projector = breast.Projector.get();
     model.XRays = &beam;
     model.Axes = axes;
