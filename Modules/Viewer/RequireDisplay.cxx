@@ -7,13 +7,18 @@
 #include <X11/Xlib.h>
 
 #include <cstdlib>
+#include <memory>
 #include <string>
+#include <utility>
 
 namespace mammoray
 {
 void RequireDisplay()
 {
-  Display* display = XOpenDisplay(nullptr);
+  // Kept, since an X server without -noreset (xvfb-run's) starts again when its last client leaves,
+  // and refuses the next one meanwhile.
+  static std::unique_ptr<Display, int (*)(Display*)> kept(nullptr, XCloseDisplay);
+  std::unique_ptr<Display, int (*)(Display*)> display(XOpenDisplay(nullptr), XCloseDisplay);
   if (!display)
   {
     const char* name = std::getenv("DISPLAY");
@@ -23,8 +28,8 @@ void RequireDisplay()
   int opcode = 0;
   int event = 0;
   int code = 0;
-  const bool openGl = XQueryExtension(display, "GLX", &opcode, &event, &code) != 0;
-  XCloseDisplay(display);
+  const bool openGl = XQueryExtension(display.get(), "GLX", &opcode, &event, &code) != 0;
+  kept = std::move(display);
   if (!openGl)
   {
     throw InputError("view: the display has no OpenGL (GLX)");
