@@ -131,7 +131,7 @@ def look(view, result):
     view.CameraPosition = combine(focus, (350 * side, placed["x"]), (420, placed["y"]), (260, placed["z"]))
     view.CameraViewUp = placed["z"]
     simple.ResetCamera(view)
-    simple.GetActiveCamera().Dolly(1.6)
+    simple.GetActiveCamera().Dolly(1.35)
     view.OrientationAxesVisibility = 0
 
 

@@ -38,6 +38,10 @@ struct ViewerOptions
  * An interactive window: the breast with plates and source, the breast at rest, and the mammogram,
  * synthetic and real. What each key and button does is in ViewerHelpText.
  *
+ * One viewer of a process may Run, and once: VTK's event loop for X keeps every interactor that was
+ * initialised, also after its end, and crashes on it in the next loop (VTK 9.1). Any number may draw
+ * without it.
+ *
  * While something moves the mammogram is projected at half resolution, at rest at the full one; a
  * moved thickness or roll asks for a new equilibrium beside the window's thread.
  */
