@@ -113,7 +113,8 @@ struct RayValues
   float PathLength = 0;
 };
 
-/// `coverage`: 1 inside and 0 outside, as an image, so that only values inside count between voxels.
+/// `coverage`: 1 inside and 0 outside, as an image, so that only values inside count between
+/// voxels.
 RayValues AlongRay(const CompressedImage& compressed, const IntensityVolume& coverage,
   const Vector3& begin, const Vector3& end)
 {

@@ -78,7 +78,8 @@ LabelVolume CutAt(const LabelVolume& materials, const std::vector<std::string>& 
   std::for_each(kept.Last.begin(), kept.Last.end(), [](int& last) { --last; });
   for (const std::string& side : sides)
   {
-    const std::size_t axis = side.size() == 2 ? std::string("ijk").find(side[0]) : std::string::npos;
+    const std::size_t axis =
+      side.size() == 2 ? std::string("ijk").find(side[0]) : std::string::npos;
     if (axis == std::string::npos || (side[1] != '-' && side[1] != '+'))
     {
       throw InputError("cut side: expected i-, i+, j-, j+, k- or k+, found '" + side + "'");

@@ -40,8 +40,8 @@ struct LabelSource
 };
 
 /**
- * The volume of material indices: read, cropped, labels replaced by materials, resampled, cut at its
- * CutSides and given its skin. Throws InputError, one line, on all that can be wrong with it.
+ * The volume of material indices: read, cropped, labels replaced by materials, resampled, cut at
+ * its CutSides and given its skin. Throws InputError, one line, on all that can be wrong with it.
  */
 MAMMORAYMAMMOGRAPHY_EXPORT LabelVolume ReadMaterials(const LabelSource& source,
   const MaterialTable& table);

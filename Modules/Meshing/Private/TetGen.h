@@ -49,7 +49,8 @@ struct TetGenQuality
   bool KeepsAir = false;
 };
 
-/// Tetrahedra of the regions that have a material, or of all. `progress` is asked while cells are refined.
+/// Tetrahedra of the regions that have a material, or of all. `progress` is asked while cells are
+/// refined.
 TetrahedralMesh FillRegions(const TriangleComplex& complex,
   const std::vector<TetGenRegion>& regions, const TetGenQuality& quality,
   const ProgressCallback& progress);
