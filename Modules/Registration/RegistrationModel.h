@@ -105,8 +105,9 @@ struct SyntheticMammogram
 };
 
 /**
- * X-rays a compressed state. Only the grid of `grid` is used. `samples` rays along each side of a
- * pixel.
+ * X-rays a compressed state. Only the grid of `grid` is used, and its BreastMask (rows x columns,
+ * at least one pixel 1) to centre the silhouette on. `samples` rays along each side of a pixel.
+ * Throws InputError on an empty mask.
  */
 MAMMORAYREGISTRATION_EXPORT SyntheticMammogram Synthesize(const RegistrationModel& model,
   const BreastPose& pose, const CompressionState& state, const RegistrationTarget& grid,

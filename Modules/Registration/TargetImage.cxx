@@ -65,6 +65,16 @@ struct Cell
     }
   }
 };
+
+void RequireBreast(const RegistrationTarget& target)
+{
+  const auto& mask = target.BreastMask;
+  if (mask.size() != static_cast<std::size_t>(target.Columns) * target.Rows ||
+    std::count(mask.begin(), mask.end(), 1) == 0)
+  {
+    throw InputError("mammogram: expected a breast, found an empty mask");
+  }
+}
 }
 
 void ValidateTarget(const RegistrationTarget& target)
@@ -86,10 +96,7 @@ void ValidateTarget(const RegistrationTarget& target)
   {
     throw InputError("mammogram: expected independent column and row steps on the receptor");
   }
-  if (std::count(target.BreastMask.begin(), target.BreastMask.end(), 1) == 0)
-  {
-    throw InputError("mammogram: expected a breast, found an empty mask");
-  }
+  RequireBreast(target);
 }
 
 RegistrationTarget Coarsen(const RegistrationTarget& target, int factor)
@@ -192,6 +199,7 @@ bool Contains(const RegistrationTarget& target, const ReceptorPoint& point, doub
 
 ReceptorPoint ChestWallCentre(const RegistrationTarget& target)
 {
+  RequireBreast(target);
   double low = std::numeric_limits<double>::infinity();
   double high = -low;
   for (int row = 0; row < target.Rows; ++row)

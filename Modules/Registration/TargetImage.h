@@ -44,7 +44,8 @@ MAMMORAYREGISTRATION_EXPORT ReceptorPoint SignedDistanceGradient(const Registrat
 MAMMORAYREGISTRATION_EXPORT bool Contains(const RegistrationTarget& target,
   const ReceptorPoint& point, double marginMm);
 
-/// Middle of the breast mask across, on the receptor's chest-wall edge: (x, 0).
+/// Middle of the breast mask across, on the receptor's chest-wall edge: (x, 0). Throws InputError
+/// on an empty mask.
 MAMMORAYREGISTRATION_EXPORT ReceptorPoint ChestWallCentre(const RegistrationTarget& target);
 }
 
