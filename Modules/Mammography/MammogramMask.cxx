@@ -147,8 +147,8 @@ LineScore ScoreLine(const Corner& corner, double out, double down)
       ++count;
       brighter += step > 0 ? 1 : 0;
       sum += step;
-      // A single bright place is no edge.
-      capped += std::clamp(step, -0.5, 0.5);
+      // A single bright place is no edge, a long weak step no muscle.
+      capped += std::clamp(step, -1.5, 1.5);
     }
   }
   constexpr double shortestMm = 25;

@@ -14,6 +14,7 @@
 #include <cstdio>
 #include <limits>
 #include <memory>
+#include <numeric>
 
 namespace mammoray
 {
@@ -355,6 +356,18 @@ void ChooseStart(const RegistrationModel& model, const RegistrationTarget& targe
   result.State = best.State;
 }
 
+/// The views that have a parameter of one: all of them a shared one.
+std::vector<std::size_t> ViewsOf(int parameter, std::size_t view, std::size_t count)
+{
+  if (!IsShared(parameter))
+  {
+    return { view };
+  }
+  std::vector<std::size_t> views(count);
+  std::iota(views.begin(), views.end(), std::size_t{ 0 });
+  return views;
+}
+
 /// Parameters that are held, but not known: those with a prior, a shared one once.
 std::vector<SearchUnknown> Considered(const std::vector<RegistrationResult>& results)
 {
@@ -364,19 +377,10 @@ std::vector<SearchUnknown> Considered(const std::vector<RegistrationResult>& res
     for (int index = 0; index < ParameterCount; ++index)
     {
       const RegistrationParameter& parameter = results[view].Parameters[index];
-      if (!parameter.Fixed || !(parameter.PriorSigma > 0))
+      if (parameter.Fixed && parameter.PriorSigma > 0 && (view == 0 || !IsShared(index)))
       {
-        continue;
-      }
-      if (IsShared(index) && view > 0)
-      {
-        const auto first = std::find_if(considered.begin(), considered.end(),
-          [&](const SearchUnknown& other) { return other.Parameter == index; });
-        first->Views.push_back(view);
-      }
-      else
-      {
-        considered.push_back({ index, { view }, 0, 0, parameter.PriorSigma });
+        considered.push_back(
+          { index, ViewsOf(index, view, results.size()), 0, 0, parameter.PriorSigma });
       }
     }
   }
@@ -710,11 +714,8 @@ private:
         {
           continue;
         }
-        SearchUnknown unknown{ index, { view }, parameter.Lower, parameter.Upper, parameter.Scale };
-        for (std::size_t other = 1; IsShared(index) && other < this->Views.size(); ++other)
-        {
-          unknown.Views.push_back(other);
-        }
+        SearchUnknown unknown{ index, ViewsOf(index, view, this->Views.size()), parameter.Lower,
+          parameter.Upper, parameter.Scale };
         this->Joint.Unknowns.push_back({ index, view, unknown.Views.size() > 1 });
         this->Unknowns.push_back(std::move(unknown));
       }

@@ -67,6 +67,27 @@ bool InMuscle(const RegistrationTarget& target, std::size_t pixel)
   return out / MuscleOut + down / MuscleDown < 1;
 }
 
+/// The muscle is looked for in pixels of 1 mm: 0.28 mm are enough, and take a sixteenth of the
+/// time.
+Mammogram EveryFourth(const Mammogram& fine)
+{
+  Mammogram coarse = fine;
+  coarse.Pixels.clear();
+  coarse.Columns = fine.Columns / 4;
+  coarse.Rows = fine.Rows / 4;
+  coarse.ColumnSpacingMm = 4 * fine.ColumnSpacingMm;
+  coarse.RowSpacingMm = 4 * fine.RowSpacingMm;
+  for (int row = 0; row < coarse.Rows; ++row)
+  {
+    for (int column = 0; column < coarse.Columns; ++column)
+    {
+      coarse.Pixels.push_back(
+        fine.Pixels[static_cast<std::size_t>(4 * row) * fine.Columns + 4 * column]);
+    }
+  }
+  return coarse;
+}
+
 void WriteMask(const std::string& path, int columns, int rows)
 {
   vtkNew<vtkImageData> image;
@@ -210,8 +231,8 @@ TEST(MammogramMask, FindsTheMuscleOfRealMammograms)
       GTEST_SKIP() << path << " is absent";
     }
     SCOPED_TRACE(expected.Name);
-    const RegistrationTarget target = PrepareTarget(ReadMammogramPicture(path,
-      { .PixelSpacingMm = 0.07, .View = "MLO", .Laterality = expected.Laterality }));
+    const RegistrationTarget target = PrepareTarget(EveryFourth(ReadMammogramPicture(path,
+      { .PixelSpacingMm = 0.07, .View = "MLO", .Laterality = expected.Laterality })));
     const int headward = expected.Laterality == 'L' ? 1 : -1;
     const std::optional<PectoralEdge> edge = FindPectoralEdge(target, headward);
     ASSERT_TRUE(edge.has_value());
