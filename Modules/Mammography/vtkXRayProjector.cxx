@@ -5,6 +5,7 @@
 #include "Exposure.h"
 #include "MeshConversion.h"
 #include "PhysicsData.h"
+#include "Private/FailedRequest.h"
 #include "ProjectionImage.h"
 #include "SurfaceConversion.h"
 
@@ -329,6 +330,7 @@ int vtkXRayProjector::RequestData(vtkInformation*, vtkInformationVector** inputs
   vtkInformationVector* outputs)
 {
   vtkImageData* output = vtkImageData::GetData(outputs);
+  this->NumberOfInconsistentPixels = 0;
   try
   {
     const Vector3 u = ToVector(this->ColumnDirection);
@@ -410,17 +412,9 @@ int vtkXRayProjector::RequestData(vtkInformation*, vtkInformationVector** inputs
     }
     return 1;
   }
-  catch (const Interrupted&)
+  catch (...)
   {
-    output->Initialize();
-    return 1;
-  }
-  catch (const std::exception& error) // bad_alloc must not cross the pipeline either
-  {
-    output->Initialize();
-    this->NumberOfInconsistentPixels = 0;
-    vtkErrorMacro(<< error.what());
-    return 0;
+    return FailedRequest(this, output);
   }
 }
 
