@@ -17,7 +17,7 @@ void AddComparisonOptions(CLI::App& command, RegistrationOptions& options)
     ->default_str("global")
     ->group("Search");
   command.add_option("--window", options.WindowMm, "edge of the windows of --residual local, mm")
-    ->check(CLI::PositiveNumber)
+    ->check(PositiveNumber())
     ->capture_default_str()
     ->group("Search");
 }

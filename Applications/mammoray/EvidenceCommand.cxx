@@ -209,36 +209,36 @@ void AddEvidenceCommand(CLI::App& application)
   command
     ->add_option("--label-spacing", options->LabelSpacingMm,
       "phantoms that are finer are resampled to voxels of this size, mm")
-    ->check(CLI::PositiveNumber)
+    ->check(PositiveNumber())
     ->capture_default_str();
   command->add_option("--only", options->Only, "parts to run")
     ->check(CLI::IsMember(Parts))
     ->delimiter(',')
     ->capture_default_str();
   command->add_option("--twins", input.Twins, "true poses of each kind and phantom")
-    ->check(CLI::NonNegativeNumber)
+    ->check(NonNegativeNumber())
     ->capture_default_str();
   command
     ->add_option("--search-twins", input.SearchTwins,
       "true poses of each phantom for which searches are compared")
-    ->check(CLI::NonNegativeNumber)
+    ->check(NonNegativeNumber())
     ->capture_default_str();
   command->add_option("--seed", input.Twin.Seed, "of the true poses, starts and noise")
     ->capture_default_str();
   command
     ->add_option("--model-fineness", input.Twin.ModelFineness,
       "cells of the model's mechanics: edge of a cube as large as the breast, over this")
-    ->check(CLI::PositiveNumber)
+    ->check(PositiveNumber())
     ->capture_default_str();
   command
     ->add_option("--target-fineness", input.Twin.TargetFineness,
       "the same for the mechanics of the true breast")
-    ->check(CLI::PositiveNumber)
+    ->check(PositiveNumber())
     ->capture_default_str();
   command
     ->add_option("--pixel-sizes", input.Twin.Registration.PixelSizesMm,
       "pixels in which the pictures are compared, coarse to fine, mm")
-    ->check(CLI::PositiveNumber)
+    ->check(PositiveNumber())
     ->capture_default_str();
   AddComparisonOptions(*command, input.Twin.Registration);
   command

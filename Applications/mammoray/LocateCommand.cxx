@@ -392,7 +392,7 @@ void AddLocateCommand(CLI::App& application)
   command
     ->add_option("--step", options->StepMm,
       "distance of the curve's points in the compressed breast, mm")
-    ->check(CLI::PositiveNumber)
+    ->check(PositiveNumber())
     ->capture_default_str();
   command->add_option("-o,--output", options->Output,
     "write the curve of --pixel there (.csv: x_mm,y_mm,z_mm,material, and column, row and sigma_mm "

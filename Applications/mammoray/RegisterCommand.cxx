@@ -162,7 +162,7 @@ void AddRegisterCommand(CLI::App& application)
     ->add_option("--pixel-spacing", input.PixelSpacingMm,
       "of the mammogram's pixels at the receptor, mm, in place of the header's; a picture without "
       "a header (.jpg .png) needs it, --view and --laterality")
-    ->check(CLI::PositiveNumber)
+    ->check(PositiveNumber())
     ->group("Mammogram");
   command
     ->add_option("--mask", input.Masks,
@@ -199,17 +199,17 @@ void AddRegisterCommand(CLI::App& application)
   command
     ->add_option("--label-spacing", input.Labels.SpacingMm,
       "finer label volumes are resampled to this spacing, mm; 0 keeps them")
-    ->check(CLI::NonNegativeNumber)
+    ->check(NonNegativeNumber())
     ->capture_default_str()
     ->group("Meshes");
   command->add_option("--anatomy-cell-size", input.AnatomyCellSizeMm, "largest cells X-rayed, mm")
-    ->check(CLI::PositiveNumber)
+    ->check(PositiveNumber())
     ->capture_default_str()
     ->group("Meshes");
   command
     ->add_option("--simulation-cell-size", input.SimulationCellSizeMm,
       "largest cells of the mechanics, mm; 0: by the size of the breast, 3000 to 4000 cells")
-    ->check(CLI::NonNegativeNumber)
+    ->check(NonNegativeNumber())
     ->capture_default_str()
     ->group("Meshes");
   command
@@ -239,7 +239,7 @@ void AddRegisterCommand(CLI::App& application)
     ->group("Unit");
   command
     ->add_option("--edge-radius", input.EdgeRadiusMm, "radius of the plates' chest-wall edges, mm")
-    ->check(CLI::NonNegativeNumber)
+    ->check(NonNegativeNumber())
     ->capture_default_str()
     ->group("Unit");
   command
@@ -295,26 +295,26 @@ void AddRegisterCommand(CLI::App& application)
   command
     ->add_option("--pixel-sizes", input.Options.PixelSizesMm,
       "pixels in which the pictures are compared, coarse to fine, mm")
-    ->check(CLI::PositiveNumber)
+    ->check(PositiveNumber())
     ->capture_default_str()
     ->group("Search");
   command
     ->add_option("--iterations", input.Options.MaximumIterations,
       "most iterations at each pixel size")
-    ->check(CLI::PositiveNumber)
+    ->check(PositiveNumber())
     ->capture_default_str()
     ->group("Search");
   command
     ->add_option("--outline-sigma", input.Options.OutlineSigmaMm,
       "expected error of the model's outline, mm")
-    ->check(CLI::PositiveNumber)
+    ->check(PositiveNumber())
     ->capture_default_str()
     ->group("Search");
   AddComparisonOptions(*command, input.Options);
   command
     ->add_option("--intensity-sigma", input.Options.IntensitySigma,
       "expected error of the model's picture, in its standard deviations")
-    ->check(CLI::PositiveNumber)
+    ->check(PositiveNumber())
     ->capture_default_str()
     ->group("Search");
   AddConfigurationOptions(*command);
