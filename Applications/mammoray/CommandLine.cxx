@@ -297,12 +297,15 @@ CLI::Option* AddLabelOptions(CLI::App& command, LabelSource& source)
       "included, : for all; e.g. --crop 0:199 : 12:")
     ->expected(3)
     ->needs(labels);
+  CLI::Option* skin = command.add_option("--skin", source.Skin,
+    "THICKNESS[=MATERIAL]: a layer of that many mm below the air becomes skin (default: the "
+    "table's thin material), not at held tissue nor at the volume's border");
+  skin->needs(labels);
   command
-    .add_option("--skin", source.Skin,
-      "THICKNESS[=MATERIAL]: a layer of that many mm below the air becomes skin (default: the "
-      "table's thin material), not at held tissue nor at the volume's border; --crop to a "
-      "flat back that has air behind it")
-    ->needs(labels);
+    .add_option("--cut-side", source.CutSides,
+      "i-, i+, j-, j+, k- or k+: end of an axis of --labels at which the tissue was cut flat, "
+      "with air behind (before the chest wall, say), and gets no --skin; may be given for several")
+    ->needs(skin);
   command
     .add_flag("--axes-as-given", source.AxesAsGiven,
       "take the axes of the header of --labels as they are, with no conversion to LPS")

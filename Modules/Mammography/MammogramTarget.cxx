@@ -2,6 +2,7 @@
 #include "MammogramTarget.h"
 
 #include "Error.h"
+#include "MammogramMask.h"
 
 #include "vtkDataArray.h"
 #include "vtkFloatArray.h"
@@ -570,7 +571,8 @@ bool SideByHeader(const Mammogram& mammogram, Side& side)
   return false;
 }
 
-void PlaceInGantry(const Mammogram& mammogram, const Grid& grid,
+/// Answers the roll of the view, as said or assumed, degrees.
+double PlaceInGantry(const Mammogram& mammogram, const Grid& grid,
   const std::array<double, 4>& touched, RegistrationTarget& target)
 {
   const auto most = std::max_element(touched.begin(), touched.end());
@@ -654,6 +656,26 @@ void PlaceInGantry(const Mammogram& mammogram, const Grid& grid,
     target.RowStep = { 0, inward * grid.RowSpacing };
     target.Origin = { -0.5 * (grid.Columns - 1) * target.ColumnStep[0],
       inward > 0 ? 0.5 * grid.RowSpacing : (grid.Rows - 0.5) * grid.RowSpacing };
+  }
+  return *roll;
+}
+
+/// What is not compared: see TargetOptions.
+void Exclude(const Mammogram& mammogram, double rollDeg, const TargetOptions& options,
+  RegistrationTarget& target)
+{
+  const bool oblique = mammogram.View == "MLO" || mammogram.View == "LMO";
+  if (options.ExcludePectoral && oblique)
+  {
+    const int headward = AlongX("H", rollDeg) > 0 ? 1 : -1;
+    if (const std::optional<PectoralEdge> edge = FindPectoralEdge(target, headward))
+    {
+      ExcludePectoral(*edge, headward, target);
+    }
+  }
+  if (options.ExcludeMarkers)
+  {
+    ExcludeSaturated(target);
   }
 }
 
@@ -772,12 +794,13 @@ RegistrationTarget PrepareTarget(const Mammogram& mammogram, const TargetOptions
   Mask mask(fineImage.size());
   std::transform(fineImage.begin(), fineImage.end(), mask.begin(),
     [edge](float value) { return value > edge ? 1 : 0; });
+  const Mask seen = mask;
   FillDarkFrame(fine, mask);
   mask = WithoutThinParts(fine, std::move(mask), options.ThinnestFeatureMm);
   KeepLargestPiece(fine, mask);
   FillHoles(fine, mask);
 
-  PlaceInGantry(mammogram, grid, TouchedSides(fine, mask), target);
+  const double rollDeg = PlaceInGantry(mammogram, grid, TouchedSides(fine, mask), target);
   if (std::find(mask.begin(), mask.end(), 0) == mask.end())
   {
     throw InputError("mammogram: expected air beside the breast, found none");
@@ -793,8 +816,15 @@ RegistrationTarget PrepareTarget(const Mammogram& mammogram, const TargetOptions
       const std::size_t to = grid.Index(column, row);
       target.SignedDistanceMm[to] = distances[from];
       target.BreastMask[to] = distances[from] < 0 ? 1 : 0;
+      // Filled: a dark frame of the detector, or a hole.
+      if (options.ExcludeUnseen && mask[from] && !seen[from])
+      {
+        target.Excluded.resize(grid.Count(), 0);
+        target.Excluded[to] = 1;
+      }
     }
   }
+  Exclude(mammogram, rollDeg, options, target);
   const double part = static_cast<double>(std::accumulate(target.BreastMask.begin(),
                         target.BreastMask.end(), std::size_t{ 0 })) /
     static_cast<double>(grid.Count());

@@ -344,7 +344,7 @@ int vtkBreastRegistration::RequestData(vtkInformation*, vtkInformationVector** i
         free.push_back(index);
       }
     }
-    const std::vector<std::vector<double>> velocities = VelocitiesSeenFromUnit(model, result.Pose,
+    const std::vector<std::vector<double>> velocities = VelocitiesSeenFromUnit(model, result.Values,
       result.State, breast.Mechanics.AnatomyPoints(), free);
     for (std::size_t index = 0; index < free.size(); ++index)
     {
