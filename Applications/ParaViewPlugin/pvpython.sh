@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# pvpython of the prefix that build.sh made, with its own libraries and modules first. Exit 125: there is none.
+# pvpython of the prefix that build.sh made, with its own libraries and modules first, under Xvfb where there is no display. Exit 125: no
+# pvpython.
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
 prefix=$root/build/paraview-prefix/usr
 if [ ! -x "$prefix/bin/pvpython" ] || [ ! -e "$root/build/paraview/lib/MammoRay/MammoRay.so" ]; then
@@ -9,4 +10,7 @@ fi
 export LD_LIBRARY_PATH=$prefix/lib/x86_64-linux-gnu${LD_LIBRARY_PATH:+:$LD_LIBRARY_PATH}
 export PYTHONPATH=$prefix/lib/python3/dist-packages
 export PV_PLUGIN_PATH=$root/build/paraview/lib/MammoRay
+if [ -z "${DISPLAY:-}" ]; then
+  exec xvfb-run -a "$prefix/bin/pvpython" "$@"
+fi
 exec "$prefix/bin/pvpython" "$@"
