@@ -128,8 +128,7 @@ void vtkBreastCompression::Internals::Prepare(Setup setup, const ProgressCallbac
   if (setup.Coarse)
   {
     this->Volume = Voxelize(setup.Anatomy, BreastMechanicsOptions::VoxelMm);
-    field = [this](const Vector3& point)
-    { return static_cast<int>(this->Volume->LabelAt(point)); };
+    field = [this](const Vector3& point) { return static_cast<int>(this->Volume->LabelAt(point)); };
   }
   auto simulation =
     std::make_unique<CompressionSimulation>(setup.Coarse ? *setup.Coarse : setup.Anatomy,
@@ -167,8 +166,8 @@ void vtkBreastCompression::Internals::CompressToForce(const PlatePair& plates,
   if (!this->Pressed || this->PressedFor != std::pair(forceN, plates))
   {
     this->Pressed.reset();
-    this->Pressed = this->Simulation->CompressToForce(plates, PlateMotion(plates, closer), forceN,
-      progress);
+    this->Pressed =
+      this->Simulation->CompressToForce(plates, PlateMotion(plates, closer), forceN, progress);
     this->PressedFor = { forceN, plates };
   }
   this->State = this->Pressed;
@@ -211,7 +210,8 @@ void vtkBreastCompression::SetMaterial(int material, double youngsModulusKPa, do
     return;
   }
   this->Internal->Given[material] = {
-    { youngsModulusKPa, poissonRatio, fungExponent, densityGPerCm3 }, held };
+    { youngsModulusKPa, poissonRatio, fungExponent, densityGPerCm3 }, held
+  };
   this->Modified();
 }
 
@@ -309,8 +309,8 @@ int vtkBreastCompression::RequestData(vtkInformation*, vtkInformationVector** in
     {
       if (information->Has(vtkStreamingDemandDrivenPipeline::UPDATE_TIME_STEP()))
       {
-        time = std::clamp(
-          information->Get(vtkStreamingDemandDrivenPipeline::UPDATE_TIME_STEP()), 0.0, 1.0);
+        time = std::clamp(information->Get(vtkStreamingDemandDrivenPipeline::UPDATE_TIME_STEP()),
+          0.0, 1.0);
       }
     }
     PlatePair closed = platesAt(this->ThicknessMm);
@@ -332,8 +332,8 @@ int vtkBreastCompression::RequestData(vtkInformation*, vtkInformationVector** in
     const CompressedBreast breast = internal.Made.Coarse
       ? CompressedBreast(input, internal.Made.Anatomy, *internal.Simulation)
       : CompressedBreast(input, *internal.Simulation);
-    output->ShallowCopy(breast.At(*internal.State,
-      given ? std::optional<double>(this->ThicknessMm) : std::nullopt));
+    output->ShallowCopy(
+      breast.At(*internal.State, given ? std::optional<double>(this->ThicknessMm) : std::nullopt));
     pose.ThicknessMm = output->GetFieldData()->GetArray("ThicknessMm")->GetTuple1(0);
     AddPlacement(output, PlaceUnit(axes, anchor, unit, pose));
     if (this->NumberOfTimeSteps > 1)

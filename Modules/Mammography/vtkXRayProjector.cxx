@@ -209,8 +209,8 @@ std::string vtkXRayProjector::Internals::NameOf(int material) const
 }
 
 /// What was said of single materials, and of the others what the table says.
-std::map<int, vtkXRayProjector::Internals::Attenuation>
-vtkXRayProjector::Internals::AttenuationsOf(const std::string& table, int materialCount) const
+std::map<int, vtkXRayProjector::Internals::Attenuation> vtkXRayProjector::Internals::AttenuationsOf(
+  const std::string& table, int materialCount) const
 {
   std::map<int, Attenuation> attenuations = this->Attenuations;
   if (table.empty())
@@ -393,8 +393,7 @@ void vtkXRayProjector::PlaceBeam(vtkDataObject* input, XRaySource& source,
     source.Direction = ToVector(this->BeamDirection);
   }
   // 1e-6: directions computed in float.
-  if (!(std::abs(Norm(u) - 1) < 1e-6 && std::abs(Norm(v) - 1) < 1e-6 &&
-        std::abs(Dot(u, v)) < 1e-6))
+  if (!(std::abs(Norm(u) - 1) < 1e-6 && std::abs(Norm(v) - 1) < 1e-6 && std::abs(Dot(u, v)) < 1e-6))
   {
     throw InputError(
       "detector: expected ColumnDirection and RowDirection to be unit vectors at right angles");

@@ -209,8 +209,8 @@ TEST_F(BreastCompression, IsATimeSeriesFromOpenToClosed)
   {
     this->Filter->UpdateTimeStep(time);
     ASSERT_EQ(this->Errors->Count, 0) << this->Errors->Text;
-    EXPECT_EQ(
-      this->Filter->GetOutput()->GetInformation()->Get(vtkDataObject::DATA_TIME_STEP()), time);
+    EXPECT_EQ(this->Filter->GetOutput()->GetInformation()->Get(vtkDataObject::DATA_TIME_STEP()),
+      time);
     thickness.push_back(this->FieldValue("ThicknessMm"));
     force.push_back(this->FieldValue("PaddleForceN"));
   }

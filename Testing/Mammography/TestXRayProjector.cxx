@@ -257,9 +257,8 @@ TEST_F(XRayProjectorFilter, TakesMaterialsAndSpectrumByName)
   this->Filter->ClearAttenuation();
   this->Filter->Update();
   const mammoray::MaterialTable table = mammoray::FindMaterialTable("victre");
-  const mammoray::Beam beam =
-    mammoray::MakeBeam(table, mammoray::FindSpectrum("W30kVp_Rh50um_Be1mm"),
-      mammoray::DetectorResponse::EnergyIntegrating);
+  const mammoray::Beam beam = mammoray::MakeBeam(table,
+    mammoray::FindSpectrum("W30kVp_Rh50um_Be1mm"), mammoray::DetectorResponse::EnergyIntegrating);
   mammoray::PathLengthImage lengths;
   lengths.Columns = lengths.Rows = 1;
   lengths.Materials = static_cast<int>(table.Materials.size());
