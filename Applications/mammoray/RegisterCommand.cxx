@@ -151,8 +151,8 @@ void AddRegisterCommand(CLI::App& application)
       "registered together with one stiffness of gland")
     ->required();
   command
-    ->add_option("--view", input.MammogramViews,
-      "CC, MLO, ML, ...: in place of the header's, one for each mammogram")
+    ->add_option("--view", input.MammogramViews, "in place of the header's, one for each mammogram")
+    ->check(CLI::IsMember({ "CC", "MLO", "ML", "LM", "LMO", "FB" }))
     ->group("Mammogram");
   command
     ->add_option("--laterality", input.Laterality, "the breast's side, in place of the header's")

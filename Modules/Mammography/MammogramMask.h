@@ -27,7 +27,7 @@ struct PectoralEdge
  * where `headward` is 1, at -x where it is -1) that a straight edge cuts off, brighter all along it
  * than the breast beside it (after Karssemeijer 1998, who takes the edge from a Hough transform;
  * here all lines on a grid of 2 mm are tried). Nothing where no line is brighter on its inner side
- * along three quarters of its length.
+ * along three quarters of its length and by 0.6 standard deviations of the breast on average.
  */
 MAMMORAYMAMMOGRAPHY_EXPORT std::optional<PectoralEdge> FindPectoralEdge(
   const RegistrationTarget& target, int headward);

@@ -526,7 +526,7 @@ std::string PicturesHtml(const ReportPictures& pictures)
     (pictures.Wide ? " wide" : "") + "\">\n" +
     picture(pictures.Real, "Real mammogram",
       "Log attenuation; the breast's outline " + key("#ff8c1a") + "as found in it. " +
-        key("#9a7fb0") + "Left out of the comparison.") +
+        key("#9e6bab") + "Left out of the comparison.") +
     picture(pictures.Synthetic, "Synthetic mammogram",
       "The MRI's breast, compressed; its outline " + key("#1aa6ff") + "in the same grey window.") +
     picture(pictures.Overlay, "Overlay",

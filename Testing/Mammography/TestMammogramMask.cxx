@@ -138,6 +138,16 @@ TEST(MammogramMask, FindsNoMuscleWhereThereIsNone)
   EXPECT_FALSE(FindPectoralEdge(Oblique(1, 0), 1).has_value());
   // A darker corner is none either.
   EXPECT_FALSE(FindPectoralEdge(Oblique(1, -0.4), 1).has_value());
+  // A real cranio-caudal view shows none at either end.
+  const std::string path =
+    MAMMORAY_SHARED_DATA_DIR "/digibreast/dicom/mg_presentation_mono2_explicitLE.dcm";
+  if (!std::filesystem::exists(path))
+  {
+    GTEST_SKIP() << path << " is absent";
+  }
+  const RegistrationTarget real = PrepareTarget(ReadMammogram(path));
+  EXPECT_FALSE(FindPectoralEdge(real, 1).has_value());
+  EXPECT_FALSE(FindPectoralEdge(real, -1).has_value());
 }
 
 TEST(MammogramMask, ExcludesMarkersButNotABreastThatIsBrightThroughout)
