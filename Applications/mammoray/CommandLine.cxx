@@ -6,11 +6,13 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cmath>
 #include <csignal>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <memory>
+#include <sstream>
 
 namespace mammoray
 {
@@ -45,6 +47,22 @@ std::string JsonScalar(const nlohmann::json& value, const std::string& key)
   }
   throw CLI::ConversionError(
     "configuration: '" + key + "' is neither a value nor a list of values");
+}
+
+/// CLI11's own ranges take NaN and tell the largest double in full.
+template <typename Accepts>
+CLI::Validator NumberThat(const Accepts& accepts, const std::string& expected,
+  const std::string& forHelp)
+{
+  return CLI::Validator(
+    [accepts, expected](const std::string& text)
+    {
+      double value = 0;
+      const bool isNumber = CLI::detail::lexical_cast(text, value) && std::isfinite(value);
+      return isNumber && accepts(value) ? std::string()
+                                        : "expected " + expected + ", found " + text;
+    },
+    forHelp);
 }
 
 /// CLI11 reads and prints configuration through this; see AddConfigurationOptions for the format.
@@ -336,6 +354,25 @@ void WriteComplete(const std::string& path,
     fs::remove(temporary, ignored);
     throw;
   }
+}
+
+CLI::Validator NumberFrom(double least, double most)
+{
+  std::ostringstream range;
+  range << least << " to " << most;
+  return NumberThat([least, most](double value) { return value >= least && value <= most; },
+    "a number from " + range.str(), range.str());
+}
+
+CLI::Validator PositiveNumber()
+{
+  return NumberThat([](double value) { return value > 0; }, "a number greater than 0", "POSITIVE");
+}
+
+CLI::Validator NonNegativeNumber()
+{
+  return NumberThat([](double value) { return value >= 0; }, "a number not less than 0",
+    "NONNEGATIVE");
 }
 
 const std::string& CheckInputFile(const std::string& path)

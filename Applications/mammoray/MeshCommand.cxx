@@ -490,7 +490,7 @@ void AddMeshCommand(CLI::App& application)
     ->add_option("--surface-voxels", arguments->SurfaceVoxelsMm,
       "for surfaces that cut each other: label cubic voxels of this size by them, mm, and mesh "
       "those; overlapping pieces of a material become one")
-    ->check(CLI::PositiveNumber)
+    ->check(PositiveNumber())
     ->needs(surface);
   AddMaterialsOption(*command, arguments->Materials);
   command
@@ -524,7 +524,7 @@ void AddMeshCommand(CLI::App& application)
   command
     ->add_option("--spacing", arguments->Labels.SpacingMm,
       "resample to cubic voxels of this size first, mm")
-    ->check(CLI::PositiveNumber);
+    ->check(PositiveNumber());
   const auto add = [&](const char* name, double& value, const char* help)
   { return command->add_option(name, value, help)->capture_default_str(); };
   CLI::Option* cellSize =

@@ -16,7 +16,8 @@ MAMMORAYREGISTRATION_EXPORT void ValidateTarget(const RegistrationTarget& target
 
 /**
  * The target with factor x factor pixels averaged into one (rest at the far borders dropped). A
- * coarse pixel is breast when all of its pixels are. Signed distances are averaged.
+ * coarse pixel is breast when all of its pixels are, and excluded when one of them is. Signed
+ * distances are averaged.
  */
 MAMMORAYREGISTRATION_EXPORT RegistrationTarget Coarsen(const RegistrationTarget& target,
   int factor);
