@@ -9,6 +9,7 @@
 #include "PhysicsData.h"
 #include "PlacedPlates.h"
 #include "Private/FailedRequest.h"
+#include "SimulationLead.h"
 
 #include "vtkDataObject.h"
 #include "vtkInformation.h"
@@ -121,6 +122,10 @@ void vtkBreastCompression::Internals::Prepare(Setup setup, const ProgressCallbac
   if (Norm(setup.ImageGravity) > 0)
   {
     simulation->Unload(setup.ImageGravity, progress);
+  }
+  else
+  {
+    LeadIfLarge(*simulation, setup.Mesh, setup.Materials, setup.Options, progress);
   }
   this->Simulation = std::move(simulation);
   this->Made = std::move(setup);

@@ -5,7 +5,7 @@
  *
  * Input 0: vtkUnstructuredGrid of linear tetrahedra (mm) with the cell array "Material"; the
  * simulation runs on these cells made quadratic, so some thousand of them are meant, or tens of
- * thousands with SetElementToLinear. Elastic constants come from MaterialTable or SetMaterial; cells of held materials (the chest wall) do not
+ * thousands with SetElementToLinear (a coarse mesh goes the way first then: LeadIfLarge). Elastic constants come from MaterialTable or SetMaterial; cells of held materials (the chest wall) do not
  * move, but where the breast glides along them (ChestWall) those beside it are drawn along.
  *
  * Output 0: the grid deformed, with the input's arrays and the point arrays "Displacement" (mm) and
