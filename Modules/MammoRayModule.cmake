@@ -2,7 +2,8 @@
 #
 #   mammoray_configure_module(<target>)
 #
-# Included from the top file: files under Modules/ run with VTK's older CMake policies.
+# Included from the top file and by the ParaView plugin: files under Modules/ run with VTK's older CMake policies.
+cmake_path(GET CMAKE_CURRENT_LIST_DIR PARENT_PATH MAMMORAY_ROOT_DIR)
 set(MAMMORAY_WARNING_FLAGS -Wall -Wextra -Wshadow -Wnon-virtual-dtor -Woverloaded-virtual
   # Designated initialisers leave members at their stated defaults on purpose.
   -Wno-missing-field-initializers)

@@ -6,11 +6,13 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cmath>
 #include <csignal>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <memory>
+#include <sstream>
 
 namespace mammoray
 {
@@ -45,6 +47,22 @@ std::string JsonScalar(const nlohmann::json& value, const std::string& key)
   }
   throw CLI::ConversionError(
     "configuration: '" + key + "' is neither a value nor a list of values");
+}
+
+/// CLI11's own ranges take NaN and tell the largest double in full.
+template <typename Accepts>
+CLI::Validator NumberThat(const Accepts& accepts, const std::string& expected,
+  const std::string& forHelp)
+{
+  return CLI::Validator(
+    [accepts, expected](const std::string& text)
+    {
+      double value = 0;
+      const bool isNumber = CLI::detail::lexical_cast(text, value) && std::isfinite(value);
+      return isNumber && accepts(value) ? std::string()
+                                        : "expected " + expected + ", found " + text;
+    },
+    forHelp);
 }
 
 /// CLI11 reads and prints configuration through this; see AddConfigurationOptions for the format.
@@ -279,12 +297,15 @@ CLI::Option* AddLabelOptions(CLI::App& command, LabelSource& source)
       "included, : for all; e.g. --crop 0:199 : 12:")
     ->expected(3)
     ->needs(labels);
+  CLI::Option* skin = command.add_option("--skin", source.Skin,
+    "THICKNESS[=MATERIAL]: a layer of that many mm below the air becomes skin (default: the "
+    "table's thin material), not at held tissue nor at the volume's border");
+  skin->needs(labels);
   command
-    .add_option("--skin", source.Skin,
-      "THICKNESS[=MATERIAL]: a layer of that many mm below the air becomes skin (default: the "
-      "table's thin material), not at held tissue nor at the volume's border; --crop to a "
-      "flat back that has air behind it")
-    ->needs(labels);
+    .add_option("--cut-side", source.CutSides,
+      "i-, i+, j-, j+, k- or k+: end of an axis of --labels at which the tissue was cut flat, "
+      "with air behind (before the chest wall, say), and gets no --skin; may be given for several")
+    ->needs(skin);
   command
     .add_flag("--axes-as-given", source.AxesAsGiven,
       "take the axes of the header of --labels as they are, with no conversion to LPS")
@@ -333,6 +354,25 @@ void WriteComplete(const std::string& path,
     fs::remove(temporary, ignored);
     throw;
   }
+}
+
+CLI::Validator NumberFrom(double least, double most)
+{
+  std::ostringstream range;
+  range << least << " to " << most;
+  return NumberThat([least, most](double value) { return value >= least && value <= most; },
+    "a number from " + range.str(), range.str());
+}
+
+CLI::Validator PositiveNumber()
+{
+  return NumberThat([](double value) { return value > 0; }, "a number greater than 0", "POSITIVE");
+}
+
+CLI::Validator NonNegativeNumber()
+{
+  return NumberThat([](double value) { return value >= 0; }, "a number not less than 0",
+    "NONNEGATIVE");
 }
 
 const std::string& CheckInputFile(const std::string& path)

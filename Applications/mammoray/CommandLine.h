@@ -20,6 +20,15 @@ namespace mammoray
  */
 void AddConfigurationOptions(CLI::App& command);
 
+/// Numbers from least to most; NaN is none.
+CLI::Validator NumberFrom(double least, double most);
+
+/// Finite numbers greater than 0.
+CLI::Validator PositiveNumber();
+
+/// Finite numbers not less than 0.
+CLI::Validator NonNegativeNumber();
+
 /// Adds --labels, --crop, --skin and --axes-as-given; gives the option --labels.
 CLI::Option* AddLabelOptions(CLI::App& command, LabelSource& source);
 

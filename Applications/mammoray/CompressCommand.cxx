@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "CommandLine.h"
 
+#include "BreastMechanics.h"
 #include "CompressedBreast.h"
 #include "CompressionSimulation.h"
 #include "CutPicture.h"
@@ -90,7 +91,7 @@ std::optional<LabelVolume> FindMaterials(const CompressArguments& arguments,
   }
   if (!IsSimulatedOn(mesh, arguments))
   {
-    return Voxelize(mesh, SimulationVoxelMm);
+    return Voxelize(mesh, BreastMechanicsOptions::VoxelMm);
   }
   return {};
 }
@@ -379,11 +380,11 @@ void AddCompressCommand(CLI::App& application)
     ->capture_default_str();
   CLI::Option* thickness =
     command->add_option("--thickness", pose.ThicknessMm, "distance of the plates' faces, mm")
-      ->check(CLI::PositiveNumber);
+      ->check(PositiveNumber());
   CLI::Option* force = command
                          ->add_option("--force", arguments->ForceN,
                            "force of the paddle, N, in place of the thickness; 50 to 150 are usual")
-                         ->check(CLI::PositiveNumber)
+                         ->check(PositiveNumber())
                          ->excludes(thickness);
   command->add_option("-o,--output", arguments->Output, "compressed mesh to write (.vtu)")
     ->required();
@@ -404,7 +405,7 @@ void AddCompressCommand(CLI::App& application)
     "turn of the unit about its vertical axis, degrees; positive to the left (CC)");
   add("--tilt", pose.PaddleTiltDeg,
     "turn of the paddle about its chest-wall edge, degrees; positive opens it towards the nipple")
-    ->check(CLI::Range(-30.0, 30.0));
+    ->check(NumberFrom(-30.0, 30.0));
   add("--lateral", pose.ShiftLateralMm, "shift of the receptor along its chest-wall edge, mm");
   add("--anterior", pose.ShiftAnteriorMm, "shift of the receptor away from the chest wall, mm");
   add("--vertical", pose.ShiftVerticalMm, "shift of the plates' mid-plane towards the source, mm");
@@ -413,7 +414,7 @@ void AddCompressCommand(CLI::App& application)
   add("--paddle-edge", unit.PaddleEdgeMm,
     "chest-wall edge of the paddle, mm in front of the receptor's");
   add("--edge-radius", unit.EdgeRadiusMm, "radius of the plates' chest-wall edges, mm")
-    ->check(CLI::NonNegativeNumber);
+    ->check(NonNegativeNumber());
   command
     ->add_option("--chest-wall", arguments->ChestWall,
       "how the breast is attached to the held materials: held, sliding along their surface, or "
@@ -422,14 +423,14 @@ void AddCompressCommand(CLI::App& application)
     ->capture_default_str();
   add("--wall-normal-stiffness", arguments->Wall.Normal,
     "of the sliding or elastic chest wall against being left, kPa/mm")
-    ->check(CLI::PositiveNumber);
+    ->check(PositiveNumber());
   add("--wall-tangential-stiffness", arguments->Wall.Tangential,
     "of the elastic chest wall against gliding, kPa/mm")
-    ->check(CLI::NonNegativeNumber);
+    ->check(NonNegativeNumber());
   add("--pull", arguments->PullN,
     "force that draws the breast forwards onto the receptor, spread over its volume, N");
   add("--friction", arguments->Friction, "coefficient of friction between breast and plates")
-    ->check(CLI::NonNegativeNumber);
+    ->check(NonNegativeNumber());
   command
     ->add_option("--mri-position", arguments->ImagePosition,
       "how the patient lay in the image of the mesh: from prone or supine the breast is unloaded "
@@ -445,7 +446,7 @@ void AddCompressCommand(CLI::App& application)
   command
     ->add_option("--series-steps", arguments->SeriesSteps,
       "of the series, from plates that touch nothing to the compressed breast")
-    ->check(CLI::Range(2, 1000))
+    ->check(NumberFrom(2, 1000))
     ->capture_default_str();
   CLI::Option* labels = AddLabelOptions(*command, arguments->Labels);
   labels->description("stiffness is sampled from it; the " + labels->get_description());
@@ -453,9 +454,8 @@ void AddCompressCommand(CLI::App& application)
     "coarse mesh (.vtu) to simulate on; the points of --mesh move with it");
   add("--simulation-cell-size", arguments->SimulationCellSizeMm,
     "largest cells of the simulation mesh that is made for a large mesh, of --labels or else of "
-    "the "
-    "mesh itself, mm; 0: by the size of the breast, 3000 to 4000 cells")
-    ->check(CLI::NonNegativeNumber);
+    "the mesh itself, mm; 0: by the size of the breast, 3000 to 4000 cells")
+    ->check(NonNegativeNumber());
   command
     ->add_option("--element", arguments->Element,
       "of the simulation: quadratic tetrahedra, or linear ones that share their volume in patches; "

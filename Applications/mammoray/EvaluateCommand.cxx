@@ -116,7 +116,7 @@ void AddEvaluateCommand(CLI::App& application)
   command
     ->add_option("--truth-source-to-detector", options->TruthSourceToDetectorMm,
       "source to detector distance of the truth, mm")
-    ->check(CLI::PositiveNumber)
+    ->check(PositiveNumber())
     ->capture_default_str();
   AddConfigurationOptions(*command);
   command->callback([options]() { Evaluate(*options); });

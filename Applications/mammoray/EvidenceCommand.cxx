@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "CommandLine.h"
+#include "ComparisonOptions.h"
 #include "PhysicsData.h"
 #include "RegistrationEvidence.h"
 #include "Sha256.h"
@@ -79,7 +80,9 @@ void AddLandmarks(EvidenceCommandOptions& options)
   landmarks.Case.Labels.Path = folder + "labels.nrrd";
   landmarks.Case.Materials = "victre";
   landmarks.Case.Orientation = "ALS";
-  landmarks.Case.Mammogram = folder + "victre1_lcc_processing.dcm";
+  landmarks.Case.Options.Comparison = options.Evidence.Twin.Registration.Comparison;
+  landmarks.Case.Options.WindowMm = options.Evidence.Twin.Registration.WindowMm;
+  landmarks.Case.Mammograms = { folder + "victre1_lcc_processing.dcm" };
   landmarks.Landmarks = folder + "landmarks.csv";
   const AnatomicalAxes axes = AnatomicalAxes::FromCode("ALS");
   landmarks.Truth.Placed = { { 8.4, 7.4466, -27.3184 }, axes.Left, axes.Anterior, axes.Superior };
@@ -104,8 +107,8 @@ void AddMammograms(EvidenceCommandOptions& options)
     mammogram.Case.Labels.Path = options.Data + "/breastphantom-scattered-1001/labels.nrrd";
     mammogram.Case.Materials = "victre";
     mammogram.Case.Orientation = "ALS";
-    mammogram.Case.Mammogram = options.Data + "/digibreast/dicom/" + name + ".dcm";
-    CheckInputFile(mammogram.Case.Mammogram);
+    const std::string path = options.Data + "/digibreast/dicom/" + name + ".dcm";
+    mammogram.Case.Mammograms = { CheckInputFile(path) };
     options.Evidence.Mammograms.push_back(mammogram);
   }
 }
@@ -125,7 +128,9 @@ std::string SettingsOf(const EvidenceOptions& options)
     { "orientation", options.Orientation }, { "seed", twin.Seed },
     { "modelFineness", twin.ModelFineness }, { "targetFineness", twin.TargetFineness },
     { "modelAnatomyMm", twin.ModelAnatomyMm }, { "targetAnatomyMm", twin.TargetAnatomyMm },
-    { "noise", twin.Noise }, { "pixelSizesMm", twin.Registration.PixelSizesMm }
+    { "noise", twin.Noise }, { "pixelSizesMm", twin.Registration.PixelSizesMm },
+    { "comparison", static_cast<int>(twin.Registration.Comparison) },
+    { "windowMm", twin.Registration.WindowMm }
   }.dump();
 }
 
@@ -204,37 +209,38 @@ void AddEvidenceCommand(CLI::App& application)
   command
     ->add_option("--label-spacing", options->LabelSpacingMm,
       "phantoms that are finer are resampled to voxels of this size, mm")
-    ->check(CLI::PositiveNumber)
+    ->check(PositiveNumber())
     ->capture_default_str();
   command->add_option("--only", options->Only, "parts to run")
     ->check(CLI::IsMember(Parts))
     ->delimiter(',')
     ->capture_default_str();
   command->add_option("--twins", input.Twins, "true poses of each kind and phantom")
-    ->check(CLI::NonNegativeNumber)
+    ->check(NonNegativeNumber())
     ->capture_default_str();
   command
     ->add_option("--search-twins", input.SearchTwins,
       "true poses of each phantom for which searches are compared")
-    ->check(CLI::NonNegativeNumber)
+    ->check(NonNegativeNumber())
     ->capture_default_str();
   command->add_option("--seed", input.Twin.Seed, "of the true poses, starts and noise")
     ->capture_default_str();
   command
     ->add_option("--model-fineness", input.Twin.ModelFineness,
       "cells of the model's mechanics: edge of a cube as large as the breast, over this")
-    ->check(CLI::PositiveNumber)
+    ->check(PositiveNumber())
     ->capture_default_str();
   command
     ->add_option("--target-fineness", input.Twin.TargetFineness,
       "the same for the mechanics of the true breast")
-    ->check(CLI::PositiveNumber)
+    ->check(PositiveNumber())
     ->capture_default_str();
   command
     ->add_option("--pixel-sizes", input.Twin.Registration.PixelSizesMm,
       "pixels in which the pictures are compared, coarse to fine, mm")
-    ->check(CLI::PositiveNumber)
+    ->check(PositiveNumber())
     ->capture_default_str();
+  AddComparisonOptions(*command, input.Twin.Registration);
   command
     ->add_option("-o,--output", options->Output,
       "JSON of all runs, written after each; Ctrl-C leaves what is done")

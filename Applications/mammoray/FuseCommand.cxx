@@ -92,7 +92,7 @@ void AddFuseCommand(CLI::App& application)
   command->add_flag("--axes-as-given", options->AxesAsGiven,
     "take the header's axes of --image as they are, with no conversion to LPS");
   command->add_option("--spacing", options->SpacingMm, "voxels of the compressed image, mm")
-    ->check(CLI::PositiveNumber)
+    ->check(PositiveNumber())
     ->capture_default_str();
   command->add_option("-o,--output", options->Output,
     "write the image in the compressed breast there (.nrrd .mha .nii.gz), 0 outside");

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <filesystem>
 #include <fstream>
 #include <memory>
 #include <optional>
@@ -22,6 +23,7 @@ struct LocateOptions
   std::string Result;
   std::vector<double> Point;
   std::vector<double> Pixel;
+  std::string View;
   std::string Lesion;
   bool AxesAsGiven = false;
   std::string Device;
@@ -45,7 +47,8 @@ void PrintImaged(const Vector3& point, const ImagedPoint& imaged)
   if (imaged.Uncertainty)
   {
     std::printf("uncertainty %9.2f x %.2f mm (1 sd), %.0f degrees from columns towards rows; of "
-                "the parameters only, the model's own error is not in it\n",
+                "the parameters only, those held with their priors; the model's own error is not "
+                "in it\n",
       imaged.Uncertainty->MajorMm, imaged.Uncertainty->MinorMm, imaged.Uncertainty->AngleDeg);
   }
   else
@@ -54,18 +57,43 @@ void PrintImaged(const Vector3& point, const ImagedPoint& imaged)
   }
 }
 
-void WriteCurve(const std::vector<TissueStretch>& stretches, const std::string& path)
+/// The result of one mammogram, and how its folder is called.
+struct NamedBreast
+{
+  std::string Name;
+  RegisteredBreast Breast;
+};
+
+/// Each point of the curve, and where the other mammograms show it.
+void WriteCurve(const std::vector<TissueStretch>& stretches, const std::vector<NamedBreast>& others,
+  const std::string& path)
 {
   WriteComplete(path,
     [&](const std::string& temporary)
     {
       std::ofstream file(temporary);
-      file << "x_mm,y_mm,z_mm,material\n";
+      file << "x_mm,y_mm,z_mm,material";
+      for (const NamedBreast& other : others)
+      {
+        file << ',' << other.Name << "_column," << other.Name << "_row," << other.Name
+             << "_sigma_mm";
+      }
+      file << '\n';
       for (const TissueStretch& stretch : stretches)
       {
         for (const Vector3& point : stretch.Uncompressed)
         {
-          file << point[0] << ',' << point[1] << ',' << point[2] << ',' << stretch.Material << '\n';
+          file << point[0] << ',' << point[1] << ',' << point[2] << ',' << stretch.Material;
+          for (const NamedBreast& other : others)
+          {
+            const ImagedPoint imaged = other.Breast.ToMammogram(point);
+            file << ',' << imaged.Column << ',' << imaged.Row << ',';
+            if (imaged.Uncertainty)
+            {
+              file << imaged.Uncertainty->MajorMm;
+            }
+          }
+          file << '\n';
         }
       }
       if (!file.flush())
@@ -75,7 +103,24 @@ void WriteCurve(const std::vector<TissueStretch>& stretches, const std::string& 
     });
 }
 
-void PrintPixel(const RegisteredBreast& breast, const LocateOptions& options)
+/// Where another mammogram shows what lies behind the pixel: a line from the side of the source to
+/// that of the receptor.
+void PrintInOther(const NamedBreast& other, const std::vector<TissueStretch>& stretches)
+{
+  const ImagedPoint from = other.Breast.ToMammogram(stretches.front().Uncompressed.front());
+  const ImagedPoint to = other.Breast.ToMammogram(stretches.back().Uncompressed.back());
+  std::printf("in %s: on the line from pixel %.1f %.1f to %.1f %.1f", other.Name.c_str(),
+    from.Column, from.Row, to.Column, to.Row);
+  if (from.Uncertainty && to.Uncertainty)
+  {
+    std::printf(", +- %.1f mm (1 sd of that view's parameters)",
+      std::max(from.Uncertainty->MajorMm, to.Uncertainty->MajorMm));
+  }
+  std::printf("\n");
+}
+
+void PrintPixel(const RegisteredBreast& breast, const std::vector<NamedBreast>& others,
+  const LocateOptions& options)
 {
   const std::vector<TissueStretch> stretches =
     breast.ToVolume(options.Pixel[0], options.Pixel[1], options.StepMm);
@@ -97,9 +142,16 @@ void PrintPixel(const RegisteredBreast& breast, const LocateOptions& options)
       stretch.Material.c_str(), stretch.LengthMm, stretch.EntryHeightMm, stretch.ExitHeightMm,
       first[0], first[1], first[2], last[0], last[1], last[2]);
   }
+  for (const NamedBreast& other : others)
+  {
+    if (!stretches.empty())
+    {
+      PrintInOther(other, stretches);
+    }
+  }
   if (!options.Output.empty())
   {
-    WriteCurve(stretches, options.Output);
+    WriteCurve(stretches, others, options.Output);
     std::printf("wrote %s\n", options.Output.c_str());
   }
 }
@@ -230,6 +282,31 @@ void CheckDicomOptions(const LocateOptions& options)
   options.Patient.Identity();
 }
 
+std::string NamesOf(const std::vector<NamedBreast>& breasts)
+{
+  std::string names;
+  for (const NamedBreast& breast : breasts)
+  {
+    names += (names.empty() ? "" : ", ") + breast.Name;
+  }
+  return names;
+}
+
+/// In the view that was asked for, or in all.
+void PrintPoint(const Vector3& point, const std::optional<NamedBreast>& asked,
+  const std::vector<NamedBreast>& others)
+{
+  if (asked)
+  {
+    PrintImaged(point, asked->Breast.ToMammogram(point));
+  }
+  for (const NamedBreast& other : others)
+  {
+    std::printf("in %s\n", other.Name.c_str());
+    PrintImaged(point, other.Breast.ToMammogram(point));
+  }
+}
+
 void Locate(const LocateOptions& options)
 {
   if (!options.Output.empty())
@@ -237,19 +314,46 @@ void Locate(const LocateOptions& options)
     CheckOutputFile(options.Output, options.Overwrite);
     CheckDicomOptions(options);
   }
-  const RegisteredBreast breast(options.Result);
+  std::vector<NamedBreast> others;
+  std::optional<NamedBreast> asked;
+  for (const std::string& folder : RegistrationFolders(options.Result))
+  {
+    const std::string name = std::filesystem::path(folder).filename().string();
+    NamedBreast breast{ name, RegisteredBreast(folder) };
+    if (folder == options.Result || name == options.View)
+    {
+      asked.emplace(std::move(breast));
+    }
+    else
+    {
+      others.push_back(std::move(breast));
+    }
+  }
+  if (!options.View.empty() && !asked)
+  {
+    throw InputError("view '" + options.View + "': expected " + NamesOf(others));
+  }
+  if (asked && !options.Point.empty())
+  {
+    others.clear(); // of the one view only
+  }
   if (!options.Point.empty())
   {
-    const Vector3 point{ options.Point[0], options.Point[1], options.Point[2] };
-    PrintImaged(point, breast.ToMammogram(point));
+    PrintPoint({ options.Point[0], options.Point[1], options.Point[2] }, asked, others);
+    return;
   }
-  else if (!options.Lesion.empty())
+  if (!asked)
   {
-    PrintLesions(breast, options);
+    throw InputError("result " + options.Result +
+      ": expected --view with the result of several mammograms, one of " + NamesOf(others));
+  }
+  if (!options.Lesion.empty())
+  {
+    PrintLesions(asked->Breast, options);
   }
   else
   {
-    PrintPixel(breast, options);
+    PrintPixel(asked->Breast, others, options);
   }
 }
 }
@@ -261,6 +365,9 @@ void AddLocateCommand(CLI::App& application)
     "Find a point or a lesion of the volume in the mammogram, or what lies behind a pixel of it");
   command->add_option("--result", options->Result, "folder written by 'mammoray register'")
     ->required();
+  command->add_option("--view", options->View,
+    "which mammogram, where several were registered together: the name of its folder, such as mlo; "
+    "--point without it gives all");
   CLI::Option_group* place = command->add_option_group("place", "what to find; one of");
   place
     ->add_option("--point", options->Point,
@@ -285,10 +392,11 @@ void AddLocateCommand(CLI::App& application)
   command
     ->add_option("--step", options->StepMm,
       "distance of the curve's points in the compressed breast, mm")
-    ->check(CLI::PositiveNumber)
+    ->check(PositiveNumber())
     ->capture_default_str();
   command->add_option("-o,--output", options->Output,
-    "write the curve of --pixel there (.csv: x_mm,y_mm,z_mm,material), or the outlines of --lesion "
+    "write the curve of --pixel there (.csv: x_mm,y_mm,z_mm,material, and column, row and sigma_mm "
+    "in each of the other mammograms), or the outlines of --lesion "
     "(.csv: label,polygon,column,row), or its shadow as a DICOM segmentation (.dcm)");
   command
     ->add_option("--mammogram", options->Mammogram,

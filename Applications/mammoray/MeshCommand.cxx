@@ -21,6 +21,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include <sys/resource.h>
+
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
@@ -120,6 +122,11 @@ Json CheckJson(const MeshCheck& check, const std::vector<std::string>& names)
   return json;
 }
 
+double Seconds(const timeval& time)
+{
+  return static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec);
+}
+
 Json ReportJson(const MeshArguments& arguments, const std::vector<std::string>& names,
   const MeshingResult& result)
 {
@@ -133,6 +140,11 @@ Json ReportJson(const MeshArguments& arguments, const std::vector<std::string>& 
   report["merged_voxels"] = result.MergedVoxels;
   report["time_limit_reached"] = result.TimeLimitReached;
   report["seconds"] = result.Seconds;
+  // Of the whole command to here, reading included.
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  report["processor_seconds"] = Seconds(usage.ru_utime) + Seconds(usage.ru_stime);
+  report["peak_memory_bytes"] = 1024 * static_cast<std::int64_t>(usage.ru_maxrss);
   for (const MaterialReport& entry : result.Reports)
   {
     report["volumes"].push_back(
@@ -478,7 +490,7 @@ void AddMeshCommand(CLI::App& application)
     ->add_option("--surface-voxels", arguments->SurfaceVoxelsMm,
       "for surfaces that cut each other: label cubic voxels of this size by them, mm, and mesh "
       "those; overlapping pieces of a material become one")
-    ->check(CLI::PositiveNumber)
+    ->check(PositiveNumber())
     ->needs(surface);
   AddMaterialsOption(*command, arguments->Materials);
   command
@@ -512,7 +524,7 @@ void AddMeshCommand(CLI::App& application)
   command
     ->add_option("--spacing", arguments->Labels.SpacingMm,
       "resample to cubic voxels of this size first, mm")
-    ->check(CLI::PositiveNumber);
+    ->check(PositiveNumber());
   const auto add = [&](const char* name, double& value, const char* help)
   { return command->add_option(name, value, help)->capture_default_str(); };
   CLI::Option* cellSize =

@@ -338,19 +338,19 @@ void AddProjectCommand(CLI::App& application)
   command
     ->add_option("--kev", arguments->EnergyKeV,
       "a single photon energy, keV, instead of a spectrum")
-    ->check(CLI::PositiveNumber);
+    ->check(PositiveNumber());
   add("--response", arguments->Response,
     "what the detector adds up: energy, or photons by counting")
     ->check(CLI::IsMember({ "energy", "counting" }));
   add("--orientation", arguments->Orientation,
     "patient directions of the mesh's +x +y +z: LPS, RAS, ALS, ...");
   add("--source-to-detector", arguments->Unit.SourceToDetectorMm, "source to receptor plane, mm")
-    ->check(CLI::PositiveNumber);
+    ->check(PositiveNumber());
   add("--support-height", arguments->Unit.SupportHeightMm, "breast support above the receptor, mm")
-    ->check(CLI::NonNegativeNumber);
+    ->check(NonNegativeNumber());
   add("--thickness", arguments->Pose.ThicknessMm,
     "between support and paddle, mm; the anchor lies in the middle")
-    ->check(CLI::PositiveNumber);
+    ->check(PositiveNumber());
   add("--roll", arguments->Pose.RollDeg,
     "unit about the anterior axis, degrees; 0 is CC, positive turns the source to the patient's "
     "left");
@@ -369,25 +369,25 @@ void AddProjectCommand(CLI::App& application)
   addVector("--column-direction", arguments->ColumnDirection,
     "from a pixel to that of the next column");
   addVector("--row-direction", arguments->RowDirection, "from a pixel to that of the next row");
-  add("--columns", arguments->Columns, "pixels per row")->check(CLI::Range(1, 65535));
-  add("--rows", arguments->Rows, "pixels per column")->check(CLI::Range(1, 65535));
+  add("--columns", arguments->Columns, "pixels per row")->check(NumberFrom(1, 65535));
+  add("--rows", arguments->Rows, "pixels per column")->check(NumberFrom(1, 65535));
   add("--pixel-spacing", arguments->PixelSpacingMm, "distance of pixel centres, mm")
-    ->check(CLI::PositiveNumber);
+    ->check(PositiveNumber());
   add("--samples", arguments->Samples,
     "samples x samples rays per pixel; their transmissions are averaged")
-    ->check(CLI::Range(1, 16));
+    ->check(NumberFrom(1, 16));
   command
     ->add_option("--focal-spot", arguments->FocalSpot,
       "edges of the focal spot along columns and rows, mm; default: a point")
     ->expected(2)
     ->type_name("W H")
-    ->check(CLI::Range(0.0, 100.0));
+    ->check(NumberFrom(0.0, 100.0));
   add("--focal-spot-samples", arguments->Exposure.FocalSpotSamples,
     "n x n source points for the focal spot; each costs a projection")
-    ->check(CLI::Range(1, 32));
+    ->check(NumberFrom(1, 32));
   add("--photons", arguments->Exposure.PhotonsPerPixel,
     "photons that meet a pixel without the object, on average; adds quantum noise, 0 adds none")
-    ->check(CLI::Range(0.0, 1e12));
+    ->check(NumberFrom(0.0, 1e12));
   add("--seed", arguments->Exposure.Seed, "of the noise: the same seed, the same image");
   command->add_option("--device", arguments->Device,
     "part of the wanted Vulkan device's name; see mammoray devices");

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "CommandLine.h"
+#include "ComparisonOptions.h"
 #include "RegistrationCase.h"
 #include "RegistrationCaseWriter.h"
 
@@ -49,11 +50,45 @@ void CheckOutputFolder(const std::string& path, bool overwrite)
   }
 }
 
+void PrintView(const RegisteredView& view)
+{
+  const RegistrationResult& registration = view.Registration;
+  for (std::size_t index = 0; index < registration.Parameters.size(); ++index)
+  {
+    const RegistrationParameter& parameter = registration.Parameters[index];
+    char deviation[32] = "(fixed)";
+    if (!parameter.Fixed)
+    {
+      const double value = registration.StandardDeviations[index];
+      std::snprintf(deviation, sizeof deviation, std::isfinite(value) ? "+- %.2f" : "+- unknown",
+        value);
+    }
+    std::printf("%-10s %8.2f %-4s %s\n", parameter.Name.c_str(), registration.Values[index],
+      parameter.Unit.c_str(), deviation);
+  }
+  std::printf("outline distance %.2f mm mean, %.2f mm largest; correlation %.3f\n",
+    registration.After.MeanOutlineDistanceMm, registration.After.LargestOutlineDistanceMm,
+    registration.After.Correlation);
+  std::printf("%d equilibria in %.1f s, %d pictures in %.1f s, derivatives in %.1f s\n",
+    registration.Evaluations, registration.MechanicsSeconds, registration.Projections,
+    registration.ProjectionSeconds, registration.JacobianSeconds);
+  for (const std::string& warning : view.Warnings)
+  {
+    std::fprintf(stderr, "mammoray: note: %s\n", warning.c_str());
+  }
+}
+
 void RunRegister(const RegisterOptions& options)
 {
   CheckOutputFolder(options.Output, options.Overwrite);
-  for (const std::string& path :
-    { options.Case.Mammogram, options.Case.AnatomyMesh, options.Case.SimulationMesh })
+  for (const std::vector<std::string>& paths : { options.Case.Mammograms, options.Case.Masks })
+  {
+    for (const std::string& path : paths)
+    {
+      CheckInputFile(path);
+    }
+  }
+  for (const std::string& path : { options.Case.AnatomyMesh, options.Case.SimulationMesh })
   {
     if (!path.empty())
     {
@@ -86,33 +121,18 @@ void RunRegister(const RegisterOptions& options)
     throw;
   }
 
-  const RegistrationResult& registration = result.Registration;
-  for (std::size_t index = 0; index < registration.Parameters.size(); ++index)
+  const std::vector<std::string> folders = ViewFolders(result);
+  for (std::size_t view = 0; view < folders.size(); ++view)
   {
-    const RegistrationParameter& parameter = registration.Parameters[index];
-    char deviation[32] = "(fixed)";
-    if (!parameter.Fixed)
+    if (folders.size() > 1)
     {
-      const double value = registration.StandardDeviations[index];
-      std::snprintf(deviation, sizeof deviation, std::isfinite(value) ? "+- %.2f" : "+- unknown",
-        value);
+      std::printf("%s (%s)\n", folders[view].c_str(), result.Views[view].Path.c_str());
     }
-    std::printf("%-10s %8.2f %-4s %s\n", parameter.Name.c_str(), registration.Values[index],
-      parameter.Unit.c_str(), deviation);
+    PrintView(result.Views[view]);
   }
-  std::printf("outline distance %.2f mm mean, %.2f mm largest; correlation %.3f\n",
-    registration.After.MeanOutlineDistanceMm, registration.After.LargestOutlineDistanceMm,
-    registration.After.Correlation);
-  std::printf(
-    "%zu iterations, %d equilibria in %.1f s, %d pictures in %.1f s, derivatives in %.1f s, "
-    "%.1f s in all\n%s\n",
-    registration.Iterations.size(), registration.Evaluations, registration.MechanicsSeconds,
-    registration.Projections, registration.ProjectionSeconds, registration.JacobianSeconds,
+  const RegistrationResult& registration = result.Views.front().Registration;
+  std::printf("%zu iterations in %.1f s: %s\n", registration.Iterations.size(),
     registration.Seconds, registration.StopReason.c_str());
-  for (const std::string& warning : result.Warnings)
-  {
-    std::fprintf(stderr, "mammoray: note: %s\n", warning.c_str());
-  }
   std::printf("wrote %s\n", options.Output.c_str());
 }
 }
@@ -125,7 +145,40 @@ void AddRegisterCommand(CLI::App& application)
     "Find the compression and pose whose synthetic mammogram matches a mammogram");
   AddLabelOptions(*command, input.Labels)->required();
   AddMaterialsOption(*command, input.Materials)->required();
-  command->add_option("--mammogram", input.Mammogram, "mammogram, DICOM MG")->required();
+  command
+    ->add_option("--mammogram", input.Mammograms,
+      "mammogram, DICOM MG; repeated for several of the same breast (CC and MLO), which are "
+      "registered together with one stiffness of gland")
+    ->required();
+  command
+    ->add_option("--view", input.MammogramViews,
+      "CC, MLO, ML, ...: in place of the header's, one for each mammogram")
+    ->group("Mammogram");
+  command
+    ->add_option("--laterality", input.Laterality, "the breast's side, in place of the header's")
+    ->check(CLI::IsMember({ "L", "R" }))
+    ->group("Mammogram");
+  command
+    ->add_option("--pixel-spacing", input.PixelSpacingMm,
+      "of the mammogram's pixels at the receptor, mm, in place of the header's; a picture without "
+      "a header (.jpg .png) needs it, --view and --laterality")
+    ->check(PositiveNumber())
+    ->group("Mammogram");
+  command
+    ->add_option("--mask", input.Masks,
+      "image of the mammogram's size (.png .mha), not 0 where it is not to be compared, one for "
+      "each mammogram")
+    ->group("Mammogram");
+  command
+    ->add_flag_callback(
+      "--compare-pectoral", [&input]() { input.Targets.ExcludePectoral = false; },
+      "compare the pectoral muscle, too: it is looked for in oblique views and left out")
+    ->group("Mammogram");
+  command
+    ->add_flag_callback(
+      "--compare-markers", [&input]() { input.Targets.ExcludeMarkers = false; },
+      "compare the brightest pixels, too: text, markers and saturated tissue are left out")
+    ->group("Mammogram");
   command
     ->add_option("-o,--output", options->Output,
       "folder for meshes, pictures, result.json and report.html")
@@ -146,17 +199,17 @@ void AddRegisterCommand(CLI::App& application)
   command
     ->add_option("--label-spacing", input.Labels.SpacingMm,
       "finer label volumes are resampled to this spacing, mm; 0 keeps them")
-    ->check(CLI::NonNegativeNumber)
+    ->check(NonNegativeNumber())
     ->capture_default_str()
     ->group("Meshes");
   command->add_option("--anatomy-cell-size", input.AnatomyCellSizeMm, "largest cells X-rayed, mm")
-    ->check(CLI::PositiveNumber)
+    ->check(PositiveNumber())
     ->capture_default_str()
     ->group("Meshes");
   command
     ->add_option("--simulation-cell-size", input.SimulationCellSizeMm,
       "largest cells of the mechanics, mm; 0: by the size of the breast, 3000 to 4000 cells")
-    ->check(CLI::NonNegativeNumber)
+    ->check(NonNegativeNumber())
     ->capture_default_str()
     ->group("Meshes");
   command
@@ -186,18 +239,17 @@ void AddRegisterCommand(CLI::App& application)
     ->group("Unit");
   command
     ->add_option("--edge-radius", input.EdgeRadiusMm, "radius of the plates' chest-wall edges, mm")
-    ->check(CLI::NonNegativeNumber)
+    ->check(NonNegativeNumber())
     ->capture_default_str()
     ->group("Unit");
   command
     ->add_option("--start-thickness", input.StartThicknessMm,
-      "compressed thickness to start from, mm; default: from the header")
+      "compressed thickness to start from, mm, one for each mammogram; default: from the header")
     ->group("Start");
   command
     ->add_option("--start-roll", input.StartRollDeg,
-      "rotation about the anterior axis to start from, degrees, towards the patient's left; "
-      "default: "
-      "from the header's view")
+      "rotation about the anterior axis to start from, degrees, towards the patient's left, one "
+      "for each mammogram; default: from the header's view")
     ->group("Start");
   command
     ->add_option("--start-lateral", input.StartLateralMm,
@@ -232,9 +284,9 @@ void AddRegisterCommand(CLI::App& application)
   command
     ->add_option("--free", input.Free,
       "parameters that are found; the others keep their start: thickness, roll, pitch, yaw, "
-      "lateral, "
-      "anterior, vertical, tilt (of the paddle), stiffness (of gland, times the table's)")
-    ->capture_default_str()
+      "lateral, anterior, vertical, tilt (of the paddle), stiffness (of gland, times the table's, "
+      "one for all mammograms); default: thickness, roll, lateral, anterior, and stiffness with "
+      "more than one mammogram")
     ->group("Search");
   command
     ->add_option("--resume", input.Resume,
@@ -243,25 +295,26 @@ void AddRegisterCommand(CLI::App& application)
   command
     ->add_option("--pixel-sizes", input.Options.PixelSizesMm,
       "pixels in which the pictures are compared, coarse to fine, mm")
-    ->check(CLI::PositiveNumber)
+    ->check(PositiveNumber())
     ->capture_default_str()
     ->group("Search");
   command
     ->add_option("--iterations", input.Options.MaximumIterations,
       "most iterations at each pixel size")
-    ->check(CLI::PositiveNumber)
+    ->check(PositiveNumber())
     ->capture_default_str()
     ->group("Search");
   command
     ->add_option("--outline-sigma", input.Options.OutlineSigmaMm,
       "expected error of the model's outline, mm")
-    ->check(CLI::PositiveNumber)
+    ->check(PositiveNumber())
     ->capture_default_str()
     ->group("Search");
+  AddComparisonOptions(*command, input.Options);
   command
     ->add_option("--intensity-sigma", input.Options.IntensitySigma,
       "expected error of the model's picture, in its standard deviations")
-    ->check(CLI::PositiveNumber)
+    ->check(PositiveNumber())
     ->capture_default_str()
     ->group("Search");
   AddConfigurationOptions(*command);

@@ -126,7 +126,7 @@ void AddViewCommand(CLI::App& application)
   command
     ->add_option("--thickness", input.ThicknessMm,
       "distance of the plates, mm: compresses to it; default: as the input is compressed, or 50")
-    ->check(CLI::PositiveNumber);
+    ->check(PositiveNumber());
   command->add_option("--roll", input.RollDeg,
     "turn of the unit about the anterior axis, degrees; 0 is CC, positive to the left; default: "
     "the result's, or 0");
@@ -137,13 +137,13 @@ void AddViewCommand(CLI::App& application)
     "of the receptor along gantry +y, mm; not a result");
   add("--shift-vertical", input.ShiftVerticalMm, "of the unit along gantry +z, mm; not a result");
   add("--pixel-spacing", input.PixelSpacingMm, "of the picture where there is no mammogram, mm")
-    ->check(CLI::PositiveNumber);
+    ->check(PositiveNumber());
   AddLabelOptions(*command, input.Labels)
     ->description("label volume whose materials the mechanics feel; default: the mesh's own");
   command->add_option("--simulation-mesh", input.SimulationMesh,
     "coarse mesh for the mechanics (.vtu); default: made from the labels or the mesh");
   add("--blend", arguments->Viewer.Blend, "share of the real mammogram at the beginning, 0 to 1")
-    ->check(CLI::Range(0.0, 1.0));
+    ->check(NumberFrom(0.0, 1.0));
   command->add_option("--kvp", arguments->Viewer.Kilovoltage,
     "tube voltage at the beginning, kV; default: the spectrum's");
   command
@@ -161,7 +161,7 @@ void AddViewCommand(CLI::App& application)
   command->add_option("--size", arguments->Size, "width and height of the window, pixels")
     ->expected(2)
     ->type_name("W H")
-    ->check(CLI::Range(200, 8192))
+    ->check(NumberFrom(200, 8192))
     ->capture_default_str();
   add("--pictures", arguments->Viewer.PictureFolder, "folder where the key s saves pictures");
   command->add_option("--screenshot", arguments->Screenshot,
@@ -170,7 +170,7 @@ void AddViewCommand(CLI::App& application)
   command
     ->add_option("--benchmark", arguments->BenchmarkFrames,
       "move the source for so many frames, print how many a second, and stop")
-    ->check(CLI::Range(1, 100000));
+    ->check(NumberFrom(1, 100000));
   command->add_option("--device", arguments->Viewer.Projector.Device,
     "part of the wanted Vulkan device's name; see mammoray devices");
   AddProjectorOption(*command, arguments->Projector);

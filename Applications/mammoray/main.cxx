@@ -1,12 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "CommandLine.h"
 
+#include "NearNames.h"
+
 #include <dlfcn.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <string>
+#include <vector>
 
 namespace
 {
@@ -31,6 +35,22 @@ void PreferFastBlasKernels(char* argv[])
 #else
   static_cast<void>(argv);
 #endif
+}
+
+/// Throws for a first word that is no command: CLI11 would only ask for one.
+void CheckCommandName(const CLI::App& application, const std::string& name)
+{
+  std::vector<std::string> known;
+  for (const CLI::App* command : application.get_subcommands({}))
+  {
+    known.push_back(command->get_name());
+  }
+  if (!name.empty() && name.front() != '-' &&
+    std::find(known.begin(), known.end(), name) == known.end())
+  {
+    throw CLI::ValidationError(
+      "unknown command '" + name + "'; " + mammoray::SuggestNames(name, known));
+  }
 }
 }
 
@@ -64,6 +84,7 @@ int main(int argc, char* argv[])
 
   try
   {
+    CheckCommandName(application, argc > 1 ? argv[1] : "");
     application.parse(argc, argv);
   }
   catch (const CLI::Success& success) // --help, --version, --print-config

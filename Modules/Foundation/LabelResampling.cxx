@@ -132,11 +132,10 @@ LabelVolume ResampleLabels(const LabelVolume& labels, double spacingMm)
   return result;
 }
 
-LabelVolume CropToTissue(const LabelVolume& labels, int marginVoxels)
+VoxelBox FindTissueBox(const LabelVolume& labels)
 {
   labels.Validate("volume to crop");
-  std::array<int, 3> low = labels.Size;
-  std::array<int, 3> high{ -1, -1, -1 };
+  VoxelBox box{ labels.Size, { -1, -1, -1 } };
   for (int k = 0; k < labels.Size[2]; ++k)
   {
     for (int j = 0; j < labels.Size[1]; ++j)
@@ -148,22 +147,27 @@ LabelVolume CropToTissue(const LabelVolume& labels, int marginVoxels)
           const int index[3] = { i, j, k };
           for (int a = 0; a < 3; ++a)
           {
-            low[a] = std::min(low[a], index[a]);
-            high[a] = std::max(high[a], index[a]);
+            box.First[a] = std::min(box.First[a], index[a]);
+            box.Last[a] = std::max(box.Last[a], index[a]);
           }
         }
       }
     }
   }
-  if (high[0] < 0)
+  if (box.Last[0] < 0)
   {
     throw InputError("volume to crop: expected labels other than 0, found none");
   }
-  VoxelBox box;
+  return box;
+}
+
+LabelVolume CropToTissue(const LabelVolume& labels, int marginVoxels)
+{
+  VoxelBox box = FindTissueBox(labels);
   for (int a = 0; a < 3; ++a)
   {
-    box.First[a] = std::max(0, low[a] - std::max(0, marginVoxels));
-    box.Last[a] = std::min(labels.Size[a] - 1, high[a] + std::max(0, marginVoxels));
+    box.First[a] = std::max(0, box.First[a] - std::max(0, marginVoxels));
+    box.Last[a] = std::min(labels.Size[a] - 1, box.Last[a] + std::max(0, marginVoxels));
   }
   return CropToBox(labels, box);
 }

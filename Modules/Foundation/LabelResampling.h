@@ -16,18 +16,21 @@ namespace mammoray
  */
 MAMMORAYFOUNDATION_EXPORT LabelVolume ResampleLabels(const LabelVolume& labels, double spacingMm);
 
-/**
- * The smallest box of the volume that holds every voxel that is not 0, with `marginVoxels` (not
- * negative) around it where the volume reaches that far. Throws InputError when all voxels are 0.
- */
-MAMMORAYFOUNDATION_EXPORT LabelVolume CropToTissue(const LabelVolume& labels, int marginVoxels);
-
 /// A box of voxels; First and Last belong to it.
 struct VoxelBox
 {
   std::array<int, 3> First{ 0, 0, 0 };
   std::array<int, 3> Last{ 0, 0, 0 };
 };
+
+/// The smallest box that holds every voxel that is not 0. Throws InputError when all are 0.
+MAMMORAYFOUNDATION_EXPORT VoxelBox FindTissueBox(const LabelVolume& labels);
+
+/**
+ * The smallest box of the volume that holds every voxel that is not 0, with `marginVoxels` (not
+ * negative) around it where the volume reaches that far. Throws InputError when all voxels are 0.
+ */
+MAMMORAYFOUNDATION_EXPORT LabelVolume CropToTissue(const LabelVolume& labels, int marginVoxels);
 
 /**
  * The voxels of a box, each at its place in the volume frame. Throws InputError, naming both,

@@ -10,6 +10,61 @@
 
 namespace mammoray
 {
+namespace
+{
+/// Whether it takes an odd number of exchanges to sort three indices.
+bool IsOdd(const std::array<std::int32_t, 3>& ids)
+{
+  return ((ids[0] > ids[1]) != (ids[0] > ids[2])) != (ids[1] > ids[2]);
+}
+
+/// The turned-over cells of a mesh, and whether their neighbours vouch for them.
+class TurnedCells
+{
+public:
+  explicit TurnedCells(const TetrahedralMesh& mesh)
+    : Turned(mesh.NumberOfCells(), false)
+  {
+    for (std::size_t cell = 0; cell < this->Turned.size(); ++cell)
+    {
+      this->Turned[cell] = !(mesh.CellVolume(cell) > 0);
+    }
+  }
+
+  void AddNeighbours(std::size_t a, std::size_t b)
+  {
+    if (this->Turned[a] || this->Turned[b])
+    {
+      this->Pairs.push_back({ a, b });
+    }
+  }
+
+  /// Throws unless neighbours lead from every turned cell to an upright one.
+  void Check()
+  {
+    for (bool spread = true; spread;)
+    {
+      spread = false;
+      for (const auto& [a, b] : this->Pairs)
+      {
+        spread = spread || this->Turned[a] != this->Turned[b];
+        this->Turned[a] = this->Turned[b] = this->Turned[a] && this->Turned[b];
+      }
+    }
+    const auto left = std::find(this->Turned.begin(), this->Turned.end(), true);
+    if (left != this->Turned.end())
+    {
+      throw InputError("interfaces: cell " + std::to_string(left - this->Turned.begin()) +
+        " and its neighbours are turned inside out, expected positive volumes");
+    }
+  }
+
+private:
+  std::vector<bool> Turned;
+  std::vector<std::array<std::size_t, 2>> Pairs;
+};
+}
+
 int SurfaceMesh::NumberOfMaterials() const
 {
   std::uint16_t largest = 0;
@@ -66,7 +121,7 @@ void SurfaceMesh::Validate(const std::string& name) const
 
 SurfaceMesh ExtractInterfaces(const TetrahedralMesh& mesh, std::vector<std::int32_t>* pointIds)
 {
-  mesh.Validate("interfaces");
+  mesh.ValidateIndices("interfaces");
   // The face opposite to each corner, seen counter-clockwise from outside a positive tetrahedron.
   static constexpr int FaceCorners[4][3] = { { 1, 2, 3 }, { 0, 3, 2 }, { 0, 1, 3 }, { 0, 2, 1 } };
 
@@ -111,6 +166,7 @@ SurfaceMesh ExtractInterfaces(const TetrahedralMesh& mesh, std::vector<std::int3
   }
 
   SurfaceMesh surface;
+  TurnedCells turned(mesh);
   std::vector<std::int32_t> newId(mesh.NumberOfPoints(), -1);
   std::vector<std::int32_t> oldIds;
   const auto material = [&mesh](std::size_t face)
@@ -143,8 +199,19 @@ SurfaceMesh ExtractInterfaces(const TetrahedralMesh& mesh, std::vector<std::int3
           std::to_string((first + 1)->Face / 4) + " and " + std::to_string((first + 2)->Face / 4) +
           " share a face, expected at most two cells per face");
       }
+      const bool shared = last - first == 2;
+      if (shared)
+      {
+        const std::size_t other = (first + 1)->Face;
+        if (IsOdd(corners(first->Face)) == IsOdd(corners(other)))
+        {
+          throw InputError("interfaces: cells " + std::to_string(first->Face / 4) + " and " +
+            std::to_string(other / 4) + " list their corners in contrary senses");
+        }
+        turned.AddNeighbours(first->Face / 4, other / 4);
+      }
       const std::uint16_t back = material(first->Face);
-      const std::uint16_t front = last - first == 2 ? material((first + 1)->Face) : 0;
+      const std::uint16_t front = shared ? material((first + 1)->Face) : 0;
       if (front != back)
       {
         for (const std::int32_t id : corners(first->Face))
@@ -163,6 +230,7 @@ SurfaceMesh ExtractInterfaces(const TetrahedralMesh& mesh, std::vector<std::int3
       first = last;
     }
   }
+  turned.Check();
   surface.Points.reserve(3 * oldIds.size());
   for (const std::int32_t id : oldIds)
   {

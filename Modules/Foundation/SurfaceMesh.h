@@ -36,6 +36,11 @@ struct MAMMORAYFOUNDATION_EXPORT SurfaceMesh
  * The interfaces of a tetrahedral body: every face with different materials on its two sides (air
  * outside), once. `pointIds`, if given, receives for each point of the result the point of the mesh
  * it came from, so that moved positions can be copied without extracting again.
+ *
+ * A fine mesh that a coarse simulation carries along may hold cells that are turned over. What is
+ * between two materials stays where it is then, so these are taken as they were before, as long as
+ * face-neighbours lead from each to an upright cell. Throws InputError where they do not, where
+ * neighbours list their corners in contrary senses, and where three cells share a face.
  */
 MAMMORAYFOUNDATION_EXPORT SurfaceMesh ExtractInterfaces(const TetrahedralMesh& mesh,
   std::vector<std::int32_t>* pointIds = nullptr);

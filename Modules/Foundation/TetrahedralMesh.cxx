@@ -14,7 +14,7 @@ double TetrahedralMesh::CellVolume(std::size_t cell) const
     6.0;
 }
 
-void TetrahedralMesh::Validate(const std::string& name) const
+void TetrahedralMesh::ValidateIndices(const std::string& name) const
 {
   if (this->NumberOfCells() == 0)
   {
@@ -34,6 +34,11 @@ void TetrahedralMesh::Validate(const std::string& name) const
         std::to_string(this->Cells[index]) + ", expected 0 to " + std::to_string(pointCount - 1));
     }
   }
+}
+
+void TetrahedralMesh::Validate(const std::string& name) const
+{
+  this->ValidateIndices(name);
   for (std::size_t cell = 0; cell < this->NumberOfCells(); ++cell)
   {
     const double volume = this->CellVolume(cell);

@@ -29,8 +29,11 @@ struct MAMMORAYFOUNDATION_EXPORT TetrahedralMesh
   }
   /// Signed volume of a cell, mm^3.
   double CellVolume(std::size_t cell) const;
-  /// Throws InputError when an index is out of range or a cell is not positively oriented.
+  /// Throws InputError when there are no cells or an index is out of range.
+  void ValidateIndices(const std::string& name) const;
+  /// The same, and when a cell is not positively oriented.
   void Validate(const std::string& name) const;
+  bool operator==(const TetrahedralMesh&) const = default;
 };
 }
 

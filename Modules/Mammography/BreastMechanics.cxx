@@ -15,9 +15,6 @@ namespace mammoray
 {
 namespace
 {
-/// Of the volume that stands in for labels: finer than any simulation cell.
-constexpr double VoxelMm = 1.0;
-
 /// A coarse mesh of the breast; `volume` is filled where it is empty.
 TetrahedralMesh MakeSimulationMesh(const TetrahedralMesh& anatomy, const std::vector<bool>& held,
   double cellSizeMm, std::optional<LabelVolume>& volume, const ProgressCallback& progress)
@@ -25,7 +22,7 @@ TetrahedralMesh MakeSimulationMesh(const TetrahedralMesh& anatomy, const std::ve
 #ifdef MAMMORAY_HAS_MESHING
   if (!volume)
   {
-    volume = Voxelize(anatomy, VoxelMm);
+    volume = Voxelize(anatomy, BreastMechanicsOptions::VoxelMm);
   }
   return MeshForSimulation(*volume, held, cellSizeMm, progress).Mesh;
 #else
@@ -63,7 +60,7 @@ BreastMechanics::BreastMechanics(const TetrahedralMesh& anatomy, const MaterialT
   this->CellCount = mesh.NumberOfCells();
   if (!own && !this->Volume)
   {
-    this->Volume = Voxelize(anatomy, VoxelMm);
+    this->Volume = Voxelize(anatomy, BreastMechanicsOptions::VoxelMm);
   }
   MaterialField field;
   if (this->Volume)
@@ -71,6 +68,12 @@ BreastMechanics::BreastMechanics(const TetrahedralMesh& anatomy, const MaterialT
     field = [this](const Vector3& point) { return static_cast<int>(this->Volume->LabelAt(point)); };
   }
   this->Body.emplace(mesh, mechanics.Elastic, mechanics.Held, field);
+  if (options.Scouted)
+  {
+    CompressionOptions linear;
+    linear.Element = ElementType::PatchAveragedLinear;
+    this->Scout.emplace(mesh, mechanics.Elastic, mechanics.Held, field, linear);
+  }
   this->Points.emplace(*this->Body, anatomy.Points);
 }
 
@@ -78,6 +81,7 @@ RegistrationModel BreastMechanics::Model()
 {
   RegistrationModel model;
   model.Simulation = &*this->Body;
+  model.Scout = this->Scout ? &*this->Scout : nullptr;
   model.Elastic = this->Elastic;
   model.ScaledMaterials = this->Gland;
   return model;

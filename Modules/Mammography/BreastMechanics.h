@@ -22,8 +22,13 @@ struct BreastMechanicsOptions
   /// MostCells, else a mesh made for the purpose (needs the Meshing module).
   std::optional<TetrahedralMesh> Mesh;
   static constexpr std::size_t MostCells = 6000;
+  /// Of the volume of an anatomy without one, from which stiffness is sampled: finer than any
+  /// simulation cell.
+  static constexpr double VoxelMm = 1.0;
   /// Of the mesh that is made, see MeshForSimulation; mm.
   double CellSizeMm = 0;
+  /// Whether Model() has a Scout.
+  bool Scouted = false;
 };
 
 /**
@@ -39,7 +44,8 @@ public:
   BreastMechanics(const BreastMechanics&) = delete;
   BreastMechanics& operator=(const BreastMechanics&) = delete;
 
-  /// The model's part that tells of mechanics: simulation, elastic constants, scaled materials.
+  /// The model's part that tells of mechanics: simulation and scout, elastic constants, scaled
+  /// materials.
   RegistrationModel Model();
   CompressionSimulation& Simulation() { return *this->Body; }
   /// Moves the anatomy's points.
@@ -51,6 +57,7 @@ private:
   std::vector<ElasticMaterial> Elastic;
   std::vector<int> Gland;
   std::optional<CompressionSimulation> Body;
+  std::optional<CompressionSimulation> Scout;
   std::optional<Embedding> Points;
   std::size_t CellCount = 0;
 };

@@ -113,7 +113,10 @@ struct RayValues
   float PathLength = 0;
 };
 
-RayValues AlongRay(const CompressedImage& compressed, const Vector3& begin, const Vector3& end)
+/// `coverage`: 1 inside and 0 outside, as an image, so that only values inside count between
+/// voxels.
+RayValues AlongRay(const CompressedImage& compressed, const IntensityVolume& coverage,
+  const Vector3& begin, const Vector3& end)
 {
   const IntensityVolume& image = compressed.Image;
   const auto [first, last] = PartInside(image, begin, end);
@@ -139,7 +142,9 @@ RayValues AlongRay(const CompressedImage& compressed, const Vector3& begin, cons
     {
       continue;
     }
-    const float value = image.ValueAt(point).value_or(0.0F);
+    // The nearest voxel is inside: at least an eighth.
+    const float value =
+      image.ValueAt(point).value_or(0.0F) / coverage.ValueAt(point).value_or(1.0F);
     ray.Maximum = inside == 0 ? value : std::max(ray.Maximum, value);
     sum += value;
     ++inside;
@@ -217,6 +222,9 @@ vtkSmartPointer<vtkImageData> ProjectImage(const CompressedImage& compressed,
   float* mean = AddFloats(image, "Mean")->GetPointer(0);
   float* length = AddFloats(image, "PathLength")->GetPointer(0);
   image->GetPointData()->SetActiveScalars("Maximum");
+  IntensityVolume coverage;
+  static_cast<VolumeGrid&>(coverage) = compressed.Image;
+  coverage.Voxels.assign(compressed.Inside.begin(), compressed.Inside.end());
   for (int row = 0; row < detector.Rows; ++row)
   {
     ReportProgress(progress, static_cast<double>(row) / detector.Rows, "projecting the image");
@@ -224,7 +232,7 @@ vtkSmartPointer<vtkImageData> ProjectImage(const CompressedImage& compressed,
     {
       const Vector3 pixel = detector.Origin + static_cast<double>(column) * detector.ColumnStep +
         static_cast<double>(row) * detector.RowStep;
-      const RayValues ray = AlongRay(compressed, source, pixel);
+      const RayValues ray = AlongRay(compressed, coverage, source, pixel);
       const std::size_t id = static_cast<std::size_t>(row) * detector.Columns + column;
       maximum[id] = ray.Maximum;
       mean[id] = ray.Mean;

@@ -37,9 +37,9 @@ MAMMORAYMAMMOGRAPHY_EXPORT CompressedImage CompressImage(const IntensityVolume& 
 /**
  * Projects it on the mammogram's pixels along the X-rays, as for a fusion with the mammogram: point
  * arrays "Maximum" (scalars), "Mean" (per length in the breast) and "PathLength" (mm of the ray in
- * the image and the breast), float, 0 where a ray misses; steps of half a voxel; voxels at the
- * border mix with the 0 outside. The image lies where the detector is, rows and columns those of
- * the mammogram. Throws Interrupted.
+ * the image and the breast), float, 0 where a ray misses; steps of half a voxel; only voxels inside
+ * count. The image lies where the detector is, rows and columns those of the mammogram. Throws
+ * Interrupted.
  */
 MAMMORAYMAMMOGRAPHY_EXPORT vtkSmartPointer<vtkImageData> ProjectImage(
   const CompressedImage& compressed, const RegisteredBreast& breast,

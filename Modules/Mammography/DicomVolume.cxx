@@ -213,6 +213,11 @@ std::vector<Slice> ReadSegmentation(const std::string& path)
     const gdcm::DataSet* measures = Group(own, shared, Tag(0x0028, 0x9110), keep);
     const gdcm::DataSet* segment = Group(own, shared, Tag(0x0062, 0x000a), keep);
     const int number = segment ? Short(*segment, Tag(0x0062, 0x000b)) : -1;
+    if (!position && !orientation && !measures)
+    {
+      RefuseSegmentation(path,
+        "segments of slices, found segments without places in the patient, as on a projection");
+    }
     if (!position || !orientation || !measures || number < 1)
     {
       RefuseSegmentation(slice.Name,

@@ -69,6 +69,26 @@ LabelVolume WithSkin(const LabelVolume& materials, const std::string& text,
     equals == std::string::npos ? thin.front() : table.IndexOf(text.substr(equals + 1));
   return AddSkin(materials, thicknessMm, skin, held);
 }
+
+/// Without what lies beyond the tissue at some sides.
+LabelVolume CutAt(const LabelVolume& materials, const std::vector<std::string>& sides)
+{
+  const VoxelBox tissue = FindTissueBox(materials);
+  VoxelBox kept{ { 0, 0, 0 }, materials.Size };
+  std::for_each(kept.Last.begin(), kept.Last.end(), [](int& last) { --last; });
+  for (const std::string& side : sides)
+  {
+    const std::size_t axis =
+      side.size() == 2 ? std::string("ijk").find(side[0]) : std::string::npos;
+    if (axis == std::string::npos || (side[1] != '-' && side[1] != '+'))
+    {
+      throw InputError("cut side: expected i-, i+, j-, j+, k- or k+, found '" + side + "'");
+    }
+    (side[1] == '-' ? kept.First : kept.Last)[axis] =
+      (side[1] == '-' ? tissue.First : tissue.Last)[axis];
+  }
+  return CropToBox(materials, kept);
+}
 }
 
 LabelVolume ReadMaterials(const LabelSource& source, const MaterialTable& table)
@@ -84,6 +104,10 @@ LabelVolume ReadMaterials(const LabelSource& source, const MaterialTable& table)
   if (source.SpacingMm > 0 && !(source.OnlyCoarsen && source.SpacingMm <= coarsest))
   {
     volume = ResampleLabels(volume, source.SpacingMm);
+  }
+  if (!source.CutSides.empty())
+  {
+    volume = CutAt(volume, source.CutSides);
   }
   return source.Skin.empty() ? volume : WithSkin(volume, source.Skin, table);
 }

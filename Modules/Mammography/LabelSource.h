@@ -31,11 +31,17 @@ struct LabelSource
    * "THICKNESS=MATERIAL". Empty: none.
    */
   std::string Skin;
+  /**
+   * Sides of the grid at which the tissue was cut flat, "i-", "i+" to "k+": the air behind its last
+   * voxels there goes, so that the cut gets no skin. A cut, as before a chest wall that is not in
+   * the volume, cannot be told from the flat skin of a breast between plates.
+   */
+  std::vector<std::string> CutSides;
 };
 
 /**
- * The volume of material indices: read, cropped, labels replaced by materials, resampled, and given
- * its skin. Throws InputError, one line, on all that can be wrong with it.
+ * The volume of material indices: read, cropped, labels replaced by materials, resampled, cut at
+ * its CutSides and given its skin. Throws InputError, one line, on all that can be wrong with it.
  */
 MAMMORAYMAMMOGRAPHY_EXPORT LabelVolume ReadMaterials(const LabelSource& source,
   const MaterialTable& table);

@@ -6,6 +6,13 @@
 #include "Private/MammogramViews.h"
 #include "QuietGdcm.h"
 
+#include "vtkDataArray.h"
+#include "vtkImageData.h"
+#include "vtkJPEGReader.h"
+#include "vtkPNGReader.h"
+#include "vtkPointData.h"
+#include "vtkSmartPointer.h"
+
 #include <gdcmAttribute.h>
 #include <gdcmImageReader.h>
 
@@ -335,6 +342,77 @@ Mammogram ReadMammogram(const std::string& path)
     default:
       Refuse(path,
         "expected 8, 16 or 32 bits per pixel, found " + std::to_string(format.GetBitsAllocated()));
+  }
+  return mammogram;
+}
+
+bool IsPicturePath(const std::string& path)
+{
+  const std::string extension = std::filesystem::path(path).extension().string();
+  return extension == ".jpg" || extension == ".jpeg" || extension == ".png";
+}
+
+Mammogram ReadMammogramPicture(const std::string& path, const PictureDescription& description)
+{
+  std::string missing;
+  const auto need = [&missing](bool given, const char* what)
+  { missing += given ? "" : (missing.empty() ? "" : ", ") + std::string(what); };
+  need(description.PixelSpacingMm.has_value(), "pixel spacing");
+  need(!description.View.empty(), "view");
+  need(description.Laterality == 'L' || description.Laterality == 'R', "laterality");
+  if (!missing.empty())
+  {
+    Refuse(path, "a picture has no header: expected its " + missing + " to be given");
+  }
+  if (!(*description.PixelSpacingMm > 0))
+  {
+    Refuse(path,
+      "expected a positive pixel spacing, found " + std::to_string(*description.PixelSpacingMm) +
+        " mm");
+  }
+  vtkSmartPointer<vtkImageReader2> reader = vtkSmartPointer<vtkJPEGReader>::New();
+  if (std::filesystem::path(path).extension() == ".png")
+  {
+    reader = vtkSmartPointer<vtkPNGReader>::New();
+  }
+  if (!std::filesystem::is_regular_file(path) || reader->CanReadFile(path.c_str()) == 0)
+  {
+    Refuse(path, "expected a picture that can be read");
+  }
+  reader->SetFileName(path.c_str());
+  reader->Update();
+  vtkImageData* image = reader->GetOutput();
+  vtkDataArray* values = image->GetPointData()->GetScalars();
+  if (!values || reader->GetErrorCode() != 0)
+  {
+    Refuse(path, "expected a picture that can be decoded");
+  }
+  Mammogram mammogram;
+  mammogram.Columns = image->GetDimensions()[0];
+  mammogram.Rows = image->GetDimensions()[1];
+  mammogram.BitsStored = 8 * values->GetDataTypeSize();
+  mammogram.ColumnSpacingMm = *description.PixelSpacingMm;
+  mammogram.RowSpacingMm = mammogram.ColumnSpacingMm;
+  mammogram.View = description.View;
+  mammogram.Laterality = description.Laterality;
+  const int colours = std::min(values->GetNumberOfComponents(), 3);
+  // VTK has the last row first.
+  for (int row = mammogram.Rows - 1; row >= 0; --row)
+  {
+    for (int column = 0; column < mammogram.Columns; ++column)
+    {
+      const vtkIdType id = static_cast<vtkIdType>(row) * mammogram.Columns + column;
+      const double value = values->GetComponent(id, 0);
+      for (int colour = 1; colour < colours; ++colour)
+      {
+        // Some encoders round the three channels of grey apart.
+        if (std::abs(values->GetComponent(id, colour) - value) > 2)
+        {
+          Refuse(path, "expected a grey picture, found a coloured one");
+        }
+      }
+      mammogram.Pixels.push_back(static_cast<float>(value));
+    }
   }
   return mammogram;
 }

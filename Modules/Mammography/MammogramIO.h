@@ -5,6 +5,7 @@
 #include "Mammogram.h"
 #include "mammorayMammographyModule.h"
 
+#include <optional>
 #include <string>
 
 namespace mammoray
@@ -20,6 +21,27 @@ namespace mammoray
  * mammogram, in colour, a tomosynthesis stack, or without a usable pixel spacing.
  */
 MAMMORAYMAMMOGRAPHY_EXPORT Mammogram ReadMammogram(const std::string& path);
+
+/// What a picture without a header does not say of itself.
+struct PictureDescription
+{
+  /// At the receptor, mm.
+  std::optional<double> PixelSpacingMm;
+  /// "CC", "MLO", ...; "" where it is not known.
+  std::string View;
+  /// 'L', 'R' or '?'.
+  char Laterality = '?';
+};
+
+/// Whether a path ends as a picture without a header does: .jpg, .jpeg or .png.
+MAMMORAYMAMMOGRAPHY_EXPORT bool IsPicturePath(const std::string& path);
+
+/**
+ * Reads a picture of a mammogram, bright where more is absorbed, as For Presentation. Colours must
+ * be grey. Throws InputError, one line that names the file and what is missing of the description.
+ */
+MAMMORAYMAMMOGRAPHY_EXPORT Mammogram ReadMammogramPicture(const std::string& path,
+  const PictureDescription& description);
 }
 
 #endif

@@ -2,11 +2,10 @@
 #include "MammogramTarget.h"
 
 #include "Error.h"
+#include "MammogramMask.h"
 
 #include "vtkDataArray.h"
 #include "vtkFloatArray.h"
-#include "vtkIdTypeArray.h"
-#include "vtkImageConnectivityFilter.h"
 #include "vtkImageData.h"
 #include "vtkImageInterpolator.h"
 #include "vtkImageMedian3D.h"
@@ -14,9 +13,9 @@
 #include "vtkNew.h"
 #include "vtkPointData.h"
 #include "vtkSmartPointer.h"
-#include "vtkUnsignedCharArray.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -197,29 +196,54 @@ std::vector<float> DistanceToClear(const Grid& grid, const Mask& mask)
   return squares;
 }
 
-/// Pieces of a mask: a label for each pixel (0 outside) and the pixel count of each label (from 1).
+/// Pieces of a mask whose pixels share edges: a label for each pixel (0 outside) and the pixel count of each label (from 1).
 struct Pieces
 {
   std::vector<int> Labels;
   std::vector<std::size_t> Sizes;
 };
 
-Pieces FindPieces(const Grid& grid, Mask& mask)
+/// Here and not by vtkImageConnectivityFilter, whose module ParaView's VTK lacks.
+Pieces FindPieces(const Grid& grid, const Mask& mask)
 {
-  vtkNew<vtkImageConnectivityFilter> connectivity;
-  connectivity->SetInputData(Wrap<vtkUnsignedCharArray>(grid, mask));
-  connectivity->SetScalarRange(1, 255);
-  connectivity->SetExtractionModeToAllRegions();
-  connectivity->SetLabelModeToSizeRank();
-  connectivity->SetLabelScalarTypeToInt();
-  connectivity->Update();
   Pieces pieces;
-  pieces.Labels = Copy<int>(connectivity->GetOutput());
+  pieces.Labels.assign(mask.size(), 0);
   pieces.Sizes.assign(1, 0);
-  vtkIdTypeArray* sizes = connectivity->GetExtractedRegionSizes();
-  for (vtkIdType i = 0; i < sizes->GetNumberOfValues(); ++i)
+  std::vector<std::array<int, 2>> front;
+  const auto visit = [&](int column, int row)
   {
-    pieces.Sizes.push_back(static_cast<std::size_t>(sizes->GetValue(i)));
+    const std::size_t pixel = grid.Index(column, row);
+    if (mask[pixel] != 0 && pieces.Labels[pixel] == 0)
+    {
+      pieces.Labels[pixel] = static_cast<int>(pieces.Sizes.size()) - 1;
+      ++pieces.Sizes.back();
+      front.push_back({ column, row });
+    }
+  };
+  for (std::size_t pixel = 0; pixel < mask.size(); ++pixel)
+  {
+    if (mask[pixel] == 0 || pieces.Labels[pixel] != 0)
+    {
+      continue;
+    }
+    pieces.Sizes.push_back(0);
+    visit(static_cast<int>(pixel) % grid.Columns, static_cast<int>(pixel) / grid.Columns);
+    while (!front.empty())
+    {
+      const auto [column, row] = front.back();
+      front.pop_back();
+      for (const int step : { -1, 1 })
+      {
+        if (column + step >= 0 && column + step < grid.Columns)
+        {
+          visit(column + step, row);
+        }
+        if (row + step >= 0 && row + step < grid.Rows)
+        {
+          visit(column, row + step);
+        }
+      }
+    }
   }
   return pieces;
 }
@@ -436,9 +460,10 @@ void KeepLargestPiece(const Grid& grid, Mask& mask)
   {
     throw InputError("mammogram: expected a breast, found nothing brighter than the air");
   }
-  // Labels are ranked by size, the largest first.
+  const auto largest = static_cast<int>(
+    std::max_element(pieces.Sizes.begin(), pieces.Sizes.end()) - pieces.Sizes.begin());
   std::transform(pieces.Labels.begin(), pieces.Labels.end(), mask.begin(),
-    [](int label) { return label == 1 ? 1 : 0; });
+    [largest](int label) { return label == largest ? 1 : 0; });
 }
 
 /// Clear pieces that touch no side of the picture become part of the mask.
@@ -546,7 +571,8 @@ bool SideByHeader(const Mammogram& mammogram, Side& side)
   return false;
 }
 
-void PlaceInGantry(const Mammogram& mammogram, const Grid& grid,
+/// Answers the roll of the view, as said or assumed, degrees.
+double PlaceInGantry(const Mammogram& mammogram, const Grid& grid,
   const std::array<double, 4>& touched, RegistrationTarget& target)
 {
   const auto most = std::max_element(touched.begin(), touched.end());
@@ -630,6 +656,26 @@ void PlaceInGantry(const Mammogram& mammogram, const Grid& grid,
     target.RowStep = { 0, inward * grid.RowSpacing };
     target.Origin = { -0.5 * (grid.Columns - 1) * target.ColumnStep[0],
       inward > 0 ? 0.5 * grid.RowSpacing : (grid.Rows - 0.5) * grid.RowSpacing };
+  }
+  return *roll;
+}
+
+/// What is not compared: see TargetOptions.
+void Exclude(const Mammogram& mammogram, double rollDeg, const TargetOptions& options,
+  RegistrationTarget& target)
+{
+  const bool oblique = mammogram.View == "MLO" || mammogram.View == "LMO";
+  if (options.ExcludePectoral && oblique)
+  {
+    const int headward = AlongX("H", rollDeg) > 0 ? 1 : -1;
+    if (const std::optional<PectoralEdge> edge = FindPectoralEdge(target, headward))
+    {
+      ExcludePectoral(*edge, headward, target);
+    }
+  }
+  if (options.ExcludeMarkers)
+  {
+    ExcludeSaturated(target);
   }
 }
 
@@ -748,12 +794,13 @@ RegistrationTarget PrepareTarget(const Mammogram& mammogram, const TargetOptions
   Mask mask(fineImage.size());
   std::transform(fineImage.begin(), fineImage.end(), mask.begin(),
     [edge](float value) { return value > edge ? 1 : 0; });
+  const Mask seen = mask;
   FillDarkFrame(fine, mask);
   mask = WithoutThinParts(fine, std::move(mask), options.ThinnestFeatureMm);
   KeepLargestPiece(fine, mask);
   FillHoles(fine, mask);
 
-  PlaceInGantry(mammogram, grid, TouchedSides(fine, mask), target);
+  const double rollDeg = PlaceInGantry(mammogram, grid, TouchedSides(fine, mask), target);
   if (std::find(mask.begin(), mask.end(), 0) == mask.end())
   {
     throw InputError("mammogram: expected air beside the breast, found none");
@@ -769,8 +816,15 @@ RegistrationTarget PrepareTarget(const Mammogram& mammogram, const TargetOptions
       const std::size_t to = grid.Index(column, row);
       target.SignedDistanceMm[to] = distances[from];
       target.BreastMask[to] = distances[from] < 0 ? 1 : 0;
+      // Filled: a dark frame of the detector, or a hole.
+      if (options.ExcludeUnseen && mask[from] && !seen[from])
+      {
+        target.Excluded.resize(grid.Count(), 0);
+        target.Excluded[to] = 1;
+      }
     }
   }
+  Exclude(mammogram, rollDeg, options, target);
   const double part = static_cast<double>(std::accumulate(target.BreastMask.begin(),
                         target.BreastMask.end(), std::size_t{ 0 })) /
     static_cast<double>(grid.Count());

@@ -23,6 +23,12 @@ struct TargetOptions
   double ThinnestFeatureMm = 2;
   /// The outline is found on a grid no coarser than this, mm; positive.
   double OutlineGridMm = 0.2;
+  /// Parts of the breast's picture that are not compared (RegistrationTarget::Excluded): the
+  /// pectoral muscle in oblique views (FindPectoralEdge); what is burnt into the picture
+  /// (ExcludeSaturated); what is as dark as air within the breast, such as a detector's frame.
+  bool ExcludePectoral = true;
+  bool ExcludeMarkers = true;
+  bool ExcludeUnseen = true;
 };
 
 /**

@@ -108,4 +108,31 @@ TetrahedralMesh FromGrid(vtkUnstructuredGrid* grid, std::vector<std::string>* ma
   }
   return mesh;
 }
+
+void AddPlacement(vtkDataObject* data, const VolumeFromGantry& placed)
+{
+  vtkNew<vtkDoubleArray> array;
+  array->SetName(PlacementArrayName);
+  array->SetNumberOfComponents(3);
+  for (const Vector3& vector : { placed.Origin, placed.X, placed.Y, placed.Z })
+  {
+    array->InsertNextTuple(vector.data());
+  }
+  data->GetFieldData()->AddArray(array);
+}
+
+std::optional<VolumeFromGantry> FindPlacement(vtkDataObject* data)
+{
+  vtkDataArray* array = data->GetFieldData()->GetArray(PlacementArrayName);
+  if (!array || array->GetNumberOfComponents() != 3 || array->GetNumberOfTuples() != 4)
+  {
+    return {};
+  }
+  VolumeFromGantry placed;
+  array->GetTuple(0, placed.Origin.data());
+  array->GetTuple(1, placed.X.data());
+  array->GetTuple(2, placed.Y.data());
+  array->GetTuple(3, placed.Z.data());
+  return placed;
+}
 }

@@ -2,14 +2,17 @@
 #ifndef mammoray_MeshConversion_h
 #define mammoray_MeshConversion_h
 
+#include "MammographyGeometry.h"
 #include "TetrahedralMesh.h"
 #include "mammorayMammographyModule.h"
 
 #include "vtkSmartPointer.h"
 
+#include <optional>
 #include <string>
 #include <vector>
 
+class vtkDataObject;
 class vtkUnstructuredGrid;
 
 namespace mammoray
@@ -18,6 +21,9 @@ namespace mammoray
 inline constexpr const char* MaterialArrayName = "Material";
 /// Name of the field data array (strings) that names material 0, 1, 2, ...
 inline constexpr const char* MaterialNamesArrayName = "MaterialNames";
+/// Name of the field data array (4 x 3 doubles) that tells where the unit stands: the gantry's
+/// origin, mm, and its x, y and z axes in the grid's frame.
+inline constexpr const char* PlacementArrayName = "Placement";
 
 /// Grid of linear tetrahedra with the cell array "Material" and the field array "MaterialNames".
 MAMMORAYMAMMOGRAPHY_EXPORT vtkSmartPointer<vtkUnstructuredGrid> ToGrid(
@@ -29,6 +35,11 @@ MAMMORAYMAMMOGRAPHY_EXPORT vtkSmartPointer<vtkUnstructuredGrid> ToGrid(
  */
 MAMMORAYMAMMOGRAPHY_EXPORT TetrahedralMesh FromGrid(
   vtkUnstructuredGrid* grid, std::vector<std::string>* materialNames = nullptr);
+
+/// Adds the field array "Placement".
+MAMMORAYMAMMOGRAPHY_EXPORT void AddPlacement(vtkDataObject* data, const VolumeFromGantry& placed);
+/// The reverse; nothing where there is no such array of 4 x 3 values.
+MAMMORAYMAMMOGRAPHY_EXPORT std::optional<VolumeFromGantry> FindPlacement(vtkDataObject* data);
 }
 
 #endif

@@ -6,6 +6,7 @@
 #include "MeshConversion.h"
 #include "MeshIO.h"
 #include "RegistrationModel.h"
+#include "RegistrationReport.h"
 #include "Silhouette.h"
 #include "TargetImage.h"
 
@@ -30,6 +31,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <limits>
@@ -250,7 +252,10 @@ void ReadJson(const std::string& path, BreastInUnit& breast)
       breast.Parameters.push_back(parameter.at("name").get<std::string>());
       breast.Values.push_back(parameter.at("value").get<double>());
     }
-    if (const nlohmann::json& covariance = result.at("covariance"); !covariance.is_null())
+    // Results of early versions lack what is not known of the fixed parameters.
+    const nlohmann::json& own = result.at("covariance");
+    if (const nlohmann::json covariance = result.value("consideredCovariance", own);
+        !covariance.is_null())
     {
       breast.Covariance = covariance.get<std::vector<double>>();
       if (breast.Covariance.size() != breast.Parameters.size() * breast.Parameters.size())
@@ -271,8 +276,42 @@ void ReadJson(const std::string& path, BreastInUnit& breast)
 }
 }
 
+std::vector<std::string> RegistrationFolders(const std::string& folder)
+{
+  const std::string path = folder + "/result.json";
+  std::ifstream file(path);
+  if (!file)
+  {
+    throw InputError(path + ": no such file");
+  }
+  try
+  {
+    const nlohmann::json result = nlohmann::json::parse(file);
+    if (result.at("format") != JointResultFormat)
+    {
+      return { folder };
+    }
+    std::vector<std::string> folders;
+    for (const nlohmann::json& view : result.at("views"))
+    {
+      folders.push_back(
+        (std::filesystem::path(folder) / view.at("folder").get<std::string>()).string());
+    }
+    return folders;
+  }
+  catch (const nlohmann::json::exception& error)
+  {
+    throw InputError(path + ": expected the result of 'mammoray register': " + error.what());
+  }
+}
+
 BreastInUnit ReadRegistration(const std::string& folder)
 {
+  if (const std::vector<std::string> folders = RegistrationFolders(folder); folders.size() > 1)
+  {
+    throw InputError(folder + ": expected the result of one mammogram, found one of " +
+      std::to_string(folders.size()) + "; give one of its folders, such as " + folders.front());
+  }
   BreastInUnit breast;
   breast.Uncompressed = ReadMesh(folder + "/uncompressed.vtu");
   breast.Compressed = ReadMesh(folder + "/compressed.vtu");
@@ -427,6 +466,8 @@ RegisteredBreast::RegisteredBreast(const BreastInUnit& breast)
 }
 
 RegisteredBreast::~RegisteredBreast() = default;
+RegisteredBreast::RegisteredBreast(RegisteredBreast&&) noexcept = default;
+RegisteredBreast& RegisteredBreast::operator=(RegisteredBreast&&) noexcept = default;
 
 vtkUnstructuredGrid* RegisteredBreast::Uncompressed() const
 {

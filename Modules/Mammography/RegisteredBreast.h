@@ -46,8 +46,8 @@ struct ImagedPoint
   double Column = 0;
   double Row = 0;
   bool InImage = false;
-  /// By the covariance of the registration's parameters, which knows nothing of what the model
-  /// leaves out; empty where the registration has none.
+  /// By the covariance of the registration's parameters, those held fixed with their priors, which
+  /// knows nothing of what the model leaves out; empty where the registration has none.
   std::optional<UncertaintyEllipse> Uncertainty;
 };
 
@@ -97,14 +97,19 @@ struct BreastInUnit
   MammographyUnit Unit;
   /// The mammogram's pixel grid; its pictures are not used.
   RegistrationTarget Grid;
-  /// Of a registration, in its order: parameters, what was found, and its covariance, which is
-  /// empty where it is not known.
+  /// Of a registration, in its order: parameters, what was found, and the covariance of what is
+  /// free and of what is held with a prior, which is empty where it is not known.
   std::vector<std::string> Parameters;
   std::vector<double> Values;
   std::vector<double> Covariance;
 };
 
-/// Reads the folder that 'mammoray register' wrote. Throws InputError that names the file.
+/// The folders of the single mammograms in what 'mammoray register' wrote: the folder itself for
+/// one, those within for several. Throws InputError that names the file.
+MAMMORAYMAMMOGRAPHY_EXPORT std::vector<std::string> RegistrationFolders(const std::string& folder);
+
+/// Reads the folder that 'mammoray register' wrote for one mammogram. Throws InputError that names
+/// the file.
 MAMMORAYMAMMOGRAPHY_EXPORT BreastInUnit ReadRegistration(const std::string& folder);
 
 /**
@@ -119,6 +124,8 @@ public:
   /// Throws InputError where the grids do not belong together.
   explicit RegisteredBreast(const BreastInUnit& breast);
   ~RegisteredBreast();
+  RegisteredBreast(RegisteredBreast&&) noexcept;
+  RegisteredBreast& operator=(RegisteredBreast&&) noexcept;
 
   /// Where a point of the label volume's frame (mm) is seen. Throws InputError when it lies more
   /// than a millimetre outside the breast.

@@ -3,10 +3,12 @@
 
 #include "ElasticTable.h"
 #include "MammogramIO.h"
+#include "MammogramMask.h"
 #include "MammogramTarget.h"
 #include "MeshConversion.h"
 #include "MeshIO.h"
 #include "PhysicsData.h"
+#include "RegisteredBreast.h"
 #include "Sha256.h"
 
 #ifdef MAMMORAY_HAS_MESHING
@@ -127,13 +129,33 @@ MammographyUnit UnitOf(const RegistrationCase& input, const Mammogram& mammogram
   return unit;
 }
 
-BreastPose StartOf(const RegistrationCase& input, const Mammogram& mammogram,
+/// Nothing where no values were given; one for each mammogram otherwise.
+std::optional<double> ValueFor(std::size_t view, const std::vector<double>& values,
+  const RegistrationCase& input, const char* what)
+{
+  if (values.empty())
+  {
+    return std::nullopt;
+  }
+  if (values.size() != input.Mammograms.size())
+  {
+    throw InputError(std::string("start: expected a ") + what + " for each of " +
+      std::to_string(input.Mammograms.size()) + " mammogram(s), found " +
+      std::to_string(values.size()));
+  }
+  return values[view];
+}
+
+BreastPose StartOf(const RegistrationCase& input, std::size_t view, const Mammogram& mammogram,
   std::vector<std::string>& warnings)
 {
   BreastPose start;
-  if (input.StartThicknessMm)
+  const std::optional<double> thickness =
+    ValueFor(view, input.StartThicknessMm, input, "thickness");
+  const std::optional<double> roll = ValueFor(view, input.StartRollDeg, input, "roll");
+  if (thickness)
   {
-    start.ThicknessMm = *input.StartThicknessMm;
+    start.ThicknessMm = *thickness;
   }
   else if (mammogram.BodyPartThicknessMm)
   {
@@ -149,9 +171,9 @@ BreastPose StartOf(const RegistrationCase& input, const Mammogram& mammogram,
     throw InputError("start: expected a positive compressed thickness, found " +
       std::to_string(start.ThicknessMm) + " mm");
   }
-  if (input.StartRollDeg)
+  if (roll)
   {
-    start.RollDeg = *input.StartRollDeg;
+    start.RollDeg = *roll;
   }
   else if (const std::optional<double> nominal = NominalRollDeg(mammogram))
   {
@@ -190,14 +212,29 @@ void FreeParameters(const std::vector<std::string>& names,
   }
 }
 
+std::vector<std::string> FreeNames(const RegistrationCase& input, const MaterialTable& materials)
+{
+  std::vector<std::string> names = input.Free;
+  if (names.empty())
+  {
+    names = { "thickness", "roll", "lateral", "anterior" };
+    // One picture hardly tells the stiffness from the others.
+    if (input.Mammograms.size() > 1 && !materials.Glandular().empty())
+    {
+      names.emplace_back("stiffness");
+    }
+  }
+  return names;
+}
+
 /**
  * The parameters' values in an earlier result. Throws InputError that names the file when it is
  * none, or one of other inputs.
  */
-std::vector<double> ResumeFrom(const RegistrationCase& input,
-  const std::vector<RegistrationParameter>& parameters)
+std::vector<double> ResumeFrom(const RegistrationCase& input, const std::string& folder,
+  const std::string& mammogram, const std::vector<RegistrationParameter>& parameters)
 {
-  const std::string path = input.Resume + "/result.json";
+  const std::string path = folder + "/result.json";
   std::ifstream file(path);
   if (!file)
   {
@@ -207,7 +244,7 @@ std::vector<double> ResumeFrom(const RegistrationCase& input,
   try
   {
     const nlohmann::json result = nlohmann::json::parse(file);
-    for (const auto& [role, name] : CaseInputs(input))
+    for (const auto& [role, name] : CaseInputs(input, mammogram))
     {
       for (const nlohmann::json& entry : result.at("inputs"))
       {
@@ -235,13 +272,154 @@ std::vector<double> ResumeFrom(const RegistrationCase& input,
   }
   return values;
 }
+Mammogram ReadCaseMammogram(const RegistrationCase& input, std::size_t number)
+{
+  const std::string& path = input.Mammograms[number];
+  PictureDescription given{ input.PixelSpacingMm,
+    input.MammogramViews.empty() ? "" : input.MammogramViews[number],
+    input.Laterality.empty() ? '?' : input.Laterality.front() };
+  if (IsPicturePath(path))
+  {
+    return ReadMammogramPicture(path, given);
+  }
+  Mammogram mammogram = ReadMammogram(path);
+  if (given.PixelSpacingMm)
+  {
+    mammogram.ColumnSpacingMm = *given.PixelSpacingMm;
+    mammogram.RowSpacingMm = *given.PixelSpacingMm;
+  }
+  mammogram.View = given.View.empty() ? mammogram.View : given.View;
+  mammogram.Laterality = given.Laterality == '?' ? mammogram.Laterality : given.Laterality;
+  return mammogram;
 }
 
-std::vector<std::pair<std::string, std::string>> CaseInputs(const RegistrationCase& input)
+/// Throws InputError unless there is one for each mammogram, or none.
+void CheckCount(const std::vector<std::string>& given, const RegistrationCase& input,
+  const char* what)
+{
+  if (!given.empty() && given.size() != input.Mammograms.size())
+  {
+    throw InputError("expected a " + std::string(what) + " for each of " +
+      std::to_string(input.Mammograms.size()) + " mammogram(s), found " +
+      std::to_string(given.size()));
+  }
+}
+
+/**
+ * Reads the mammograms into the result, each with its start; models and targets of the views that
+ * are answered are still to be set.
+ */
+std::vector<RegistrationView> ReadViews(const RegistrationCase& input,
+  RegistrationCaseResult& result)
+{
+  CheckCount(input.Masks, input, "mask");
+  CheckCount(input.MammogramViews, input, "view");
+  const std::vector<std::string> free = FreeNames(input, result.Materials);
+  const std::vector<std::string> resumed = input.Resume.empty()
+    ? std::vector<std::string>(input.Mammograms.size())
+    : RegistrationFolders(input.Resume);
+  if (resumed.size() != input.Mammograms.size())
+  {
+    throw InputError(input.Resume + ": expected a result of " +
+      std::to_string(input.Mammograms.size()) + " mammogram(s), found one of " +
+      std::to_string(resumed.size()));
+  }
+  std::vector<RegistrationView> views;
+  for (const std::string& path : input.Mammograms)
+  {
+    const std::size_t number = views.size();
+    RegisteredView& view = result.Views.emplace_back();
+    view.Path = path;
+    view.Mammogram = ReadCaseMammogram(input, number);
+    const char side = result.Views.front().Mammogram.Laterality;
+    if (view.Mammogram.Laterality != side && view.Mammogram.Laterality != '?' && side != '?')
+    {
+      throw InputError(path + ": expected a mammogram of the same breast as " +
+        result.Views.front().Path + " (" + side + "), found one of the other (" +
+        view.Mammogram.Laterality + ")");
+    }
+    view.Target = PrepareTarget(view.Mammogram, input.Targets);
+    if (!input.Masks.empty())
+    {
+      ExcludeByImage(input.Masks[number], view.Target);
+    }
+    view.Warnings = view.Target.Warnings;
+    view.Unit = UnitOf(input, view.Mammogram, view.Warnings);
+    RegistrationView& searched = views.emplace_back();
+    searched.Parameters = DefaultParameters(StartOf(input, number, view.Mammogram, view.Warnings));
+    FreeParameters(free, searched.Parameters);
+    if (!input.Resume.empty())
+    {
+      searched.From = ResumeFrom(input, resumed[number], path, searched.Parameters);
+    }
+  }
+  if (views.empty())
+  {
+    throw InputError("registration: expected a mammogram, found none");
+  }
+  return views;
+}
+
+/// Registers the views together, each with its own unit.
+void Search(const RegistrationCase& input, const RegistrationModel& model,
+  std::vector<RegistrationView>& views, RegistrationCaseResult& result,
+  const ProgressCallback& progress)
+{
+  std::vector<RegistrationModel> models(views.size(), model);
+  for (std::size_t view = 0; view < views.size(); ++view)
+  {
+    models[view].Unit = result.Views[view].Unit;
+    views[view].Model = &models[view];
+    views[view].Target = &result.Views[view].Target;
+  }
+  JointRegistrationResult found = RegisterTogether(views, input.Options, progress);
+  result.Unknowns = std::move(found.Unknowns);
+  result.Covariance = std::move(found.Covariance);
+  for (std::size_t view = 0; view < views.size(); ++view)
+  {
+    RegisteredView& registered = result.Views[view];
+    registered.Registration = std::move(found.Views[view]);
+    registered.Warnings.insert(registered.Warnings.end(), registered.Registration.Warnings.begin(),
+      registered.Registration.Warnings.end());
+  }
+}
+
+/// What a view shows where the search ended.
+void Picture(const RegistrationModel& model, const Embedding& anatomy, RegisteredView& view)
+{
+  RegistrationResult& found = view.Registration;
+  view.Placed = PlaceUnit(model.Axes, model.Anchor, model.Unit, found.Pose);
+  view.Synthetic = Synthesize(model, found.Pose, found.State, view.Target, 1);
+  found.After = Compare(view.Synthetic, view.Target);
+  if (view.Synthetic.InconsistentRays > 0)
+  {
+    view.Warnings.push_back(std::to_string(view.Synthetic.InconsistentRays) +
+      " rays of the synthetic mammogram crossed a surface that does not close.");
+  }
+  view.CompressedPoints = anatomy.Map(found.State.Positions);
+  std::vector<int> uncertain;
+  for (std::size_t index = 0; index < found.Parameters.size(); ++index)
+  {
+    if (!found.Parameters[index].Fixed || found.Parameters[index].PriorSigma > 0)
+    {
+      uncertain.push_back(static_cast<int>(index));
+    }
+  }
+  std::vector<std::vector<double>> velocities =
+    VelocitiesSeenFromUnit(model, found.Values, found.State, anatomy, uncertain);
+  view.Sensitivities.resize(found.Parameters.size());
+  for (std::size_t index = 0; index < uncertain.size(); ++index)
+  {
+    view.Sensitivities[uncertain[index]] = std::move(velocities[index]);
+  }
+}
+}
+
+std::vector<std::pair<std::string, std::string>> CaseInputs(const RegistrationCase& input,
+  const std::string& mammogram)
 {
   std::vector<std::pair<std::string, std::string>> inputs{ { "Label volume", input.Labels.Path },
-    { "Material table", FindMaterialTablePath(input.Materials) },
-    { "Mammogram", input.Mammogram } };
+    { "Material table", FindMaterialTablePath(input.Materials) }, { "Mammogram", mammogram } };
   if (!input.AnatomyMesh.empty())
   {
     inputs.emplace_back("Anatomy mesh", input.AnatomyMesh);
@@ -270,18 +448,7 @@ RegistrationCaseResult RunRegistrationCase(const RegistrationCase& input,
       ": expected a material with \"held\": true (the chest wall), "
       "found none");
   }
-  result.Mammogram = ReadMammogram(input.Mammogram);
-  result.Target = PrepareTarget(result.Mammogram);
-  result.Warnings = result.Target.Warnings;
-  result.Unit = UnitOf(input, result.Mammogram, result.Warnings);
-  const BreastPose start = StartOf(input, result.Mammogram, result.Warnings);
-  RegistrationOptions options = input.Options;
-  options.Parameters = DefaultParameters(start);
-  FreeParameters(input.Free, options.Parameters);
-  if (!input.Resume.empty())
-  {
-    options.From = ResumeFrom(input, options.Parameters);
-  }
+  std::vector<RegistrationView> views = ReadViews(input, result);
   const Spectrum spectrum = FindSpectrum(input.Spectrum);
   const Beam beam = MakeBeam(result.Materials, spectrum, DetectorResponse::EnergyIntegrating);
   ProjectorOptions projectorOptions;
@@ -327,37 +494,13 @@ RegistrationCaseResult RunRegistrationCase(const RegistrationCase& input,
   model.XRays = &beam;
   model.Axes = result.Axes;
   model.Anchor = result.Anchor;
-  model.Unit = result.Unit;
-  result.Registration = Register(model, result.Target, options, progress);
-  result.Warnings.insert(result.Warnings.end(), result.Registration.Warnings.begin(),
-    result.Registration.Warnings.end());
+  Search(input, model, views, result, progress);
   stopwatch.Stage("register");
-
-  const BreastPose& pose = result.Registration.Pose;
-  result.Placed = PlaceUnit(result.Axes, result.Anchor, result.Unit, pose);
-  result.Synthetic = Synthesize(model, pose, result.Registration.State, result.Target, 1);
-  result.Registration.After = Compare(result.Synthetic, result.Target);
-  if (result.Synthetic.InconsistentRays > 0)
-  {
-    result.Warnings.push_back(std::to_string(result.Synthetic.InconsistentRays) +
-      " rays of the synthetic mammogram crossed a surface that does not close.");
-  }
   const Embedding anatomy(simulation, result.Anatomy.Points);
-  result.CompressedPoints = anatomy.Map(result.Registration.State.Positions);
-  std::vector<int> free;
-  for (std::size_t index = 0; index < result.Registration.Parameters.size(); ++index)
+  for (RegisteredView& view : result.Views)
   {
-    if (!result.Registration.Parameters[index].Fixed)
-    {
-      free.push_back(static_cast<int>(index));
-    }
-  }
-  std::vector<std::vector<double>> velocities =
-    VelocitiesSeenFromUnit(model, pose, result.Registration.State, anatomy, free);
-  result.Sensitivities.resize(result.Registration.Parameters.size());
-  for (std::size_t index = 0; index < free.size(); ++index)
-  {
-    result.Sensitivities[free[index]] = std::move(velocities[index]);
+    model.Unit = view.Unit;
+    Picture(model, anatomy, view);
   }
   stopwatch.Stage("synthetic mammogram");
   return result;

@@ -4,6 +4,7 @@
 
 #include "LabelSource.h"
 #include "Mammogram.h"
+#include "MammogramTarget.h"
 #include "MaterialTable.h"
 #include "Progress.h"
 #include "Registration.h"
@@ -24,8 +25,17 @@ struct RegistrationCase
   LabelSource Labels{ .SpacingMm = 0.5, .OnlyCoarsen = true };
   /// Material table: a path (.json) or the name of a shipped one.
   std::string Materials;
-  /// DICOM MG.
-  std::string Mammogram;
+  /// DICOM MG; more than one of the same breast are registered together.
+  std::vector<std::string> Mammograms;
+  /// Of mammograms that are pictures (.jpg, .png), and in place of what a header says: mm at the
+  /// receptor; "CC", "MLO", ..., one for each mammogram; 'L' or 'R'.
+  std::optional<double> PixelSpacingMm;
+  std::vector<std::string> MammogramViews;
+  std::string Laterality;
+  /// Images that are not 0 where a mammogram is not to be compared (ExcludeByImage), one for each.
+  std::vector<std::string> Masks;
+  /// How mammograms are outlined, and what of them is compared.
+  TargetOptions Targets;
   /// Spectrum: a path (.spc) or the name of a shipped one.
   std::string Spectrum = "W28kVp_Rh50um_Be1mm";
   /// Directions of the volume's axes (AnatomicalAxes::FromCode).
@@ -49,17 +59,20 @@ struct RegistrationCase
   double PaddleEdgeMm = 0.0;
   double EdgeRadiusMm = 3.0;
 
-  /// Start of the search; thickness and view come from the header unless given here.
-  std::optional<double> StartThicknessMm;
-  std::optional<double> StartRollDeg;
+  /// Start of the search; thickness and view come from the header unless given here, one for each
+  /// mammogram.
+  std::vector<double> StartThicknessMm;
+  std::vector<double> StartRollDeg;
   double StartLateralMm = 0.0;
   double StartAnteriorMm = 5.0;
   double StartVerticalMm = 0.0;
   double StartPitchDeg = 0.0;
   double StartYawDeg = 0.0;
   double StartTiltDeg = 0.0;
-  /// Names of the parameters that are found; the others keep their start.
-  std::vector<std::string> Free{ "thickness", "roll", "lateral", "anterior" };
+  /// Names of the parameters that are found; the others keep their start. Empty: thickness, roll,
+  /// lateral and anterior of each mammogram, and, of several, the stiffness of gland (if any),
+  /// which they share.
+  std::vector<std::string> Free;
   /// Folder of an earlier result of the same volume, materials and mammogram, whose pose the search
   /// goes on from; empty: none.
   std::string Resume;
@@ -67,40 +80,52 @@ struct RegistrationCase
   RegistrationOptions Options;
 };
 
-/// What a run made of it.
-struct RegistrationCaseResult
+/// What a run made of one mammogram.
+struct RegisteredView
 {
+  /// Of the mammogram.
+  std::string Path;
   mammoray::Mammogram Mammogram;
   RegistrationTarget Target;
-  MaterialTable Materials;
-  /// Anatomy at rest and its points after compression, 3 x pointCount, mm; volume frame.
-  TetrahedralMesh Anatomy;
+  /// The anatomy's points after compression, 3 x pointCount, mm; volume frame.
   std::vector<double> CompressedPoints;
   /// How they change with each parameter of Registration, seen from the unit; mm per mm or degree;
-  /// empty for fixed parameters.
+  /// empty for parameters that are fixed and have no prior.
   std::vector<std::vector<double>> Sensitivities;
   /// Its After is measured on the target's own grid.
   RegistrationResult Registration;
   /// On the target's grid.
   SyntheticMammogram Synthetic;
   /// Where the search put the unit.
-  AnatomicalAxes Axes;
-  Vector3 Anchor{ 0, 0, 0 };
   MammographyUnit Unit;
   VolumeFromGantry Placed;
+  /// What had to be assumed, a sentence each.
+  std::vector<std::string> Warnings;
+};
+
+struct RegistrationCaseResult
+{
+  MaterialTable Materials;
+  AnatomicalAxes Axes;
+  Vector3 Anchor{ 0, 0, 0 };
+  /// At rest, volume frame.
+  TetrahedralMesh Anatomy;
+  /// In the order of the case's mammograms.
+  std::vector<RegisteredView> Views;
+  /// What all of them had free, and its covariance (JointRegistrationResult).
+  std::vector<JointUnknown> Unknowns;
+  std::vector<double> Covariance;
   /// Name of the projecting device, and the method.
   std::string Device;
   std::size_t SimulationCells = 0;
   std::size_t SurfaceTriangles = 0;
-  /// What had to be assumed, a sentence each.
-  std::vector<std::string> Warnings;
   /// Stage -> wall time, s, in the order they ran.
   std::vector<std::pair<std::string, double>> Timings;
 };
 
-/// Role and path of each input file that was given.
+/// Role and path of each input file that was given, with one of the mammograms.
 MAMMORAYMAMMOGRAPHY_EXPORT std::vector<std::pair<std::string, std::string>> CaseInputs(
-  const RegistrationCase& input);
+  const RegistrationCase& input, const std::string& mammogram);
 
 /**
  * Reads, meshes, compresses, projects and registers. Throws InputError on unusable input,

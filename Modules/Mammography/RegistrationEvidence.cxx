@@ -386,7 +386,7 @@ void MeasureGland(const EvidenceLandmarks& input, const RegistrationCaseResult& 
   };
   for (std::size_t index = 0; index < points.size(); ++index)
   {
-    add(registered, result.Placed.ToGantry(moved[index]));
+    add(registered, result.Views.front().Placed.ToGantry(moved[index]));
     add(still, input.Truth.Placed.ToGantry(points[index]));
   }
   found.GlandDice = GlandCubes::Dice(registered, truth);
@@ -399,12 +399,13 @@ LandmarkEvidence MeasureLandmarks(const EvidenceLandmarks& input, const Progress
   const RegistrationCaseResult result = RunRegistrationCase(input.Case, progress);
   ReportProgress(progress, 1, "registered");
   LandmarkEvidence found;
-  found.Iterations = static_cast<int>(result.Registration.Iterations.size());
-  found.Equilibria = result.Registration.Evaluations;
-  found.Seconds = result.Registration.Seconds;
-  const auto grid = UncompressedGrid(result);
+  const RegisteredView& view = result.Views.front();
+  found.Iterations = static_cast<int>(view.Registration.Iterations.size());
+  found.Equilibria = view.Registration.Evaluations;
+  found.Seconds = view.Registration.Seconds;
+  const auto grid = UncompressedGrid(result, view);
   for (const LandmarkErrors& errors :
-    EvaluateLandmarks(landmarks, input.Truth, grid, result.Placed, result.Unit.SourceToDetectorMm))
+    EvaluateLandmarks(landmarks, input.Truth, grid, view.Placed, view.Unit.SourceToDetectorMm))
   {
     std::vector<double> space;
     std::vector<double> receptor;
@@ -435,11 +436,12 @@ MammogramEvidence MeasureMammogram(const EvidenceMammogram& input, const Progres
   {
     const RegistrationCaseResult result = RunRegistrationCase(input.Case, progress);
     ReportProgress(progress, 1, "registered");
-    found.MeanOutlineMm = result.Registration.After.MeanOutlineDistanceMm;
-    found.LargestOutlineMm = result.Registration.After.LargestOutlineDistanceMm;
-    found.Correlation = result.Registration.After.Correlation;
-    found.Seconds = result.Registration.Seconds;
-    const Trust trust = Assess(result.Registration).Level;
+    const RegistrationResult& registered = result.Views.front().Registration;
+    found.MeanOutlineMm = registered.After.MeanOutlineDistanceMm;
+    found.LargestOutlineMm = registered.After.LargestOutlineDistanceMm;
+    found.Correlation = registered.After.Correlation;
+    found.Seconds = registered.Seconds;
+    const Trust trust = Assess(registered).Level;
     found.Trust = trust == Trust::Good ? "good" : trust == Trust::Doubtful ? "doubtful" : "none";
   }
   catch (const ConvergenceError& error)

@@ -302,6 +302,19 @@ std::vector<InputFile> HashInputs(const RegistrationReport& report)
   return files;
 }
 
+/// Of the breast's picture, what is not compared, [0, 1].
+double ShareExcluded(const RegistrationTarget& target)
+{
+  std::size_t breast = 0;
+  std::size_t excluded = 0;
+  for (std::size_t pixel = 0; pixel < target.BreastMask.size(); ++pixel)
+  {
+    breast += target.BreastMask[pixel] != 0 ? 1 : 0;
+    excluded += target.BreastMask[pixel] != 0 && IsExcluded(target, pixel) ? 1 : 0;
+  }
+  return static_cast<double>(excluded) / static_cast<double>(std::max<std::size_t>(breast, 1));
+}
+
 /// Numbers that are not finite become null.
 std::string ResultJson(const RegistrationReport& report, const Assessment& assessment,
   const std::vector<InputFile>& inputs)
@@ -312,7 +325,7 @@ std::string ResultJson(const RegistrationReport& report, const Assessment& asses
   const auto optional = [](const std::optional<double>& value)
   { return value ? Json(*value) : Json(nullptr); };
   Json json;
-  json["format"] = "mammoray-registration-result";
+  json["format"] = ResultFormat;
   json["formatVersion"] = 1;
   json["trust"] = { { "level", NameOf(assessment.Level) }, { "reasons", assessment.Reasons } };
   json["pose"] = { { "thicknessMm", result.Pose.ThicknessMm }, { "rollDeg", result.Pose.RollDeg },
@@ -331,6 +344,8 @@ std::string ResultJson(const RegistrationReport& report, const Assessment& asses
       { "fixed", parameter.Fixed }, { "atBound", AtBound(parameter, result.Values[i]) } });
   }
   json["covariance"] = result.Covariance.empty() ? Json(nullptr) : Json(result.Covariance);
+  json["consideredCovariance"] =
+    result.ConsideredCovariance.empty() ? Json(nullptr) : Json(result.ConsideredCovariance);
   const RegistrationTarget& target = *report.Target;
   json["grid"] = { { "columns", target.Columns }, { "rows", target.Rows },
     { "originMm", target.Origin }, { "columnStepMm", target.ColumnStep },
@@ -374,6 +389,7 @@ std::string ResultJson(const RegistrationReport& report, const Assessment& asses
     { "bodyPartThicknessMm", optional(mammogram.BodyPartThicknessMm) },
     { "sourceToDetectorMm", optional(mammogram.SourceToDetectorMm) },
     { "peakKilovoltage", optional(mammogram.PeakKilovoltage) } };
+  json["shareExcluded"] = ShareExcluded(target);
   json["warnings"] = WarningsOf(report);
   json["inputs"] = Json::array();
   for (const InputFile& input : inputs)
@@ -397,6 +413,7 @@ body { margin: 0; background: #f3f4f6; color: var(--ink);
 main { max-width: 1240px; margin: 0 auto; padding: 32px 24px 48px; }
 header p { color: var(--quiet); margin: 4px 0 0; }
 h1 { font-size: 26px; line-height: 1.25; margin: 0; letter-spacing: -.01em; }
+h1.view { margin: 34px 0 0; }
 h2 { font-size: 17px; margin: 0 0 12px; }
 section { background: var(--paper); border: 1px solid var(--line); border-radius: 10px;
   padding: 20px 22px; margin-top: 18px; }
@@ -508,13 +525,14 @@ std::string PicturesHtml(const ReportPictures& pictures)
   return std::string("<section>\n<h2>Pictures</h2>\n<div class=\"pictures") +
     (pictures.Wide ? " wide" : "") + "\">\n" +
     picture(pictures.Real, "Real mammogram",
-      "Log attenuation; the breast's outline " + key("#ff8c1a") + "as found in it.") +
+      "Log attenuation; the breast's outline " + key("#ff8c1a") + "as found in it. " +
+        key("#9a7fb0") + "Left out of the comparison.") +
     picture(pictures.Synthetic, "Synthetic mammogram",
       "The MRI's breast, compressed; its outline " + key("#1aa6ff") + "in the same grey window.") +
     picture(pictures.Overlay, "Overlay",
       key("#ff8c1a") + "real and " + key("#1aa6ff") + "synthetic; grey where they agree.") +
     picture(pictures.Difference, "Difference",
-      "Synthetic minus real in standard deviations: " + key("#b2182b") +
+      "Synthetic minus real in standard deviations, grey where left out: " + key("#b2182b") +
         "synthetic absorbs more, " + key("#2166ac") + "less. Full " + key("#ff8c1a") + "or " +
         key("#1aa6ff") + ": breast in the real or the synthetic one only.") +
     "</div>\n<p style=\"color:var(--quiet);font-size:13px;margin:12px 0 0\">Letters are patient "
@@ -523,34 +541,47 @@ std::string PicturesHtml(const ReportPictures& pictures)
 
 /// Both pictures in one place; the script takes them from the figures above, so that each is in the
 /// file once.
-constexpr const char* Comparison = R"html(<section id="comparison" hidden>
+constexpr const char* Comparison = R"html(<section hidden>
 <h2>Compare</h2>
-<div class="controls">
+<form class="controls">
 <label><input type="radio" name="mode" value="blend" checked> blend, real
 <input type="range" min="0" max="100" value="50" aria-label="share of the synthetic mammogram"> synthetic</label>
 <label><input type="radio" name="mode" value="checkerboard"> checkerboard</label>
 <label><input type="radio" name="mode" value="flicker"> flicker</label>
-</div>
+</form>
 <div class="stage"><img alt="Real mammogram"><img alt="Synthetic mammogram"></div>
 <script>
-const section = document.getElementById("comparison");
+{
+const section = document.currentScript.parentElement;
+const pictures = section.previousElementSibling;
 const stage = section.querySelector(".stage");
 const range = section.querySelector("[type=range]");
 const blend = () => stage.style.setProperty("--blend", range.value + "%");
 stage.querySelectorAll("img").forEach(image => {
-  image.src = document.querySelector(`.pictures img[alt="${image.alt}"]`).src; });
+  image.src = pictures.querySelector(`img[alt="${image.alt}"]`).src; });
 section.querySelectorAll("[name=mode]").forEach(button => {
   button.onchange = () => { stage.className = "stage " + button.value; }; });
 range.oninput = () => { section.querySelector("[value=blend]").click(); blend(); };
 section.hidden = false;
+}
 </script>
 </section>
 )html";
+
+/// NaN where it is not known, or the parameter is taken for exact.
+double ConsideredDeviation(const RegistrationResult& result, std::size_t parameter)
+{
+  const std::size_t count = result.Parameters.size();
+  const double variance =
+    result.ConsideredCovariance.empty() ? 0 : result.ConsideredCovariance[parameter * (count + 1)];
+  return variance > 0 ? std::sqrt(variance) : std::numeric_limits<double>::quiet_NaN();
+}
 
 std::string ParametersHtml(const RegistrationResult& result)
 {
   std::string html = "<section>\n<h2>What was found</h2>\n<table>\n<tr><th>Parameter</th>"
                      "<th class=\"number\">Result</th><th class=\"number\">± (1 SD)</th>"
+                     "<th class=\"number\">± with what is held</th>"
                      "<th class=\"number\">Start</th><th class=\"number\">Allowed</th>"
                      "<th>Unit</th><th></th></tr>\n";
   for (std::size_t i = 0; i < result.Parameters.size(); ++i)
@@ -560,7 +591,8 @@ std::string ParametersHtml(const RegistrationResult& result)
     { return "<td class=\"number\">" + text + "</td>"; };
     html += "<tr><td>" + Escape(ParameterTitle(parameter.Name)) + "</td>" +
       cell("<b>" + Format(result.Values[i], 2) + "</b>") +
-      cell(Format(result.StandardDeviations[i], 2)) + cell(Format(parameter.Start, 2)) +
+      cell(Format(result.StandardDeviations[i], 2)) +
+      cell(Format(ConsideredDeviation(result, i), 2)) + cell(Format(parameter.Start, 2)) +
       cell(
         parameter.Fixed ? "–" : Format(parameter.Lower, 1) + " … " + Format(parameter.Upper, 1)) +
       "<td>" + Escape(UnitText(parameter.Unit)) + "</td><td>" +
@@ -572,12 +604,14 @@ std::string ParametersHtml(const RegistrationResult& result)
   return html +
     "</table>\n<p style=\"color:var(--quiet);font-size:13px;margin:10px 0 0\">± is the standard "
     "deviation by the covariance at the solution: it tells how sharply the pictures determine a "
-    "parameter, not how well the model holds. A positive rotation turns the X-ray source from "
+    "parameter, not how well the model holds. The second one also counts what is not known of the "
+    "parameters that were held fixed: their allowance, and how far the others would have followed. "
+    "A positive rotation turns the X-ray source from "
     "above "
     "towards the patient's left.</p>\n</section>\n";
 }
 
-Lines MammogramLines(const Mammogram& mammogram)
+Lines MammogramLines(const Mammogram& mammogram, const RegistrationTarget& target)
 {
   const auto optional = [](const std::optional<double>& value, int digits, const char* unit)
   { return value ? Format(*value, digits) + " " + unit : std::string("not stated"); };
@@ -597,7 +631,9 @@ Lines MammogramLines(const Mammogram& mammogram)
     { "Thickness by the header", optional(mammogram.BodyPartThicknessMm, 1, "mm") },
     { "Source to detector", optional(mammogram.SourceToDetectorMm, 0, "mm") },
     { "Tube voltage", optional(mammogram.PeakKilovoltage, 1, "kVp") },
-    { "Anode / filter", text(mammogram.AnodeMaterial) + " / " + text(mammogram.FilterMaterial) } };
+    { "Anode / filter", text(mammogram.AnodeMaterial) + " / " + text(mammogram.FilterMaterial) },
+    { "Left out of the comparison",
+      Format(100 * ShareExcluded(target), 1) + " % of the breast's picture" } };
 }
 
 Lines SearchLines(const RegistrationResult& result)
@@ -615,38 +651,54 @@ Lines SearchLines(const RegistrationResult& result)
     { "Deepest penetration of a plate", Format(state.LargestPenetrationMm, 3) + " mm" } };
 }
 
-std::string ReportHtml(const RegistrationReport& report, const Assessment& assessment,
-  const std::vector<InputFile>& inputs, const ReportPictures& pictures, const std::string& plot)
+std::string BreastText(const Mammogram& mammogram)
+{
+  return mammogram.Laterality == 'L' ? "Left breast"
+    : mammogram.Laterality == 'R'    ? "Right breast"
+                                     : "Breast of unstated side";
+}
+
+/// A whole page around what it tells.
+std::string PageHtml(const std::string& title, const std::string& subtitle, const std::string& body)
+{
+  return "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
+         "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
+         "<title>" +
+    Escape(title) + "</title>\n<style>" + Style + "</style>\n</head>\n<body>\n<main>\n" +
+    "<header>\n<h1>" + Escape(title) + "</h1>\n<p>" + Escape(subtitle) +
+    " · MammoRay " MAMMORAY_VERSION "</p>\n</header>\n" + body +
+    "<footer>Research software, not a medical device: no finding or its absence "
+    "may be concluded from this report. The limits by which the match is judged are rules of thumb "
+    "and have not been validated on patients.</footer>\n</main>\n</body>\n</html>\n";
+}
+
+/// All that the report of one mammogram tells, drawn and worded.
+struct Composed
+{
+  Assessment Judged;
+  std::vector<InputFile> Inputs;
+  ReportPictures Pictures;
+  std::string Plot;
+  std::string Html;
+};
+
+std::string ViewHtml(const RegistrationReport& report, const Composed& parts)
 {
   const RegistrationResult& result = *report.Result;
-  const Mammogram& mammogram = *report.RealMammogram;
-  std::string html = "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
-                     "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
-                     "<title>" +
-    Escape(report.Title) + "</title>\n<style>" + Style + "</style>\n</head>\n<body>\n<main>\n" +
-    "<header>\n<h1>" + Escape(report.Title) + "</h1>\n<p>" +
-    (mammogram.Laterality == 'L'      ? "Left breast"
-        : mammogram.Laterality == 'R' ? "Right breast"
-                                      : "Breast of unstated side") +
-    (mammogram.View.empty() ? "" : ", " + Escape(mammogram.View) + " view") +
-    " · MammoRay " MAMMORAY_VERSION "</p>\n</header>\n";
-  html += VerdictHtml(assessment);
-  html += FiguresHtml(result);
-  html += PicturesHtml(pictures);
-  html += Comparison;
-  html += ParametersHtml(result);
-  html += "<section>\n<h2>Course of the search</h2>\n" + plot + "<p class=\"hint\">" +
+  std::string html = VerdictHtml(parts.Judged) + FiguresHtml(result) +
+    PicturesHtml(parts.Pictures) + Comparison + ParametersHtml(result);
+  html += "<section>\n<h2>Course of the search</h2>\n" + parts.Plot + "<p class=\"hint\">" +
     ResolutionNote(result) + "</p></section>\n";
   html += "<div class=\"columns\">\n<section>\n<h2>Search and compression</h2>\n" +
     Rows(SearchLines(result)) + "</section>\n<section>\n<h2>Mammogram</h2>\n" +
-    Rows(MammogramLines(mammogram)) + "</section>\n</div>\n";
+    Rows(MammogramLines(*report.RealMammogram, *report.Target)) + "</section>\n</div>\n";
   if (const std::vector<std::string> warnings = WarningsOf(report); !warnings.empty())
   {
     html += "<section class=\"notes\">\n<h2>What had to be assumed</h2>\n" + Sentences(warnings) +
       "</section>\n";
   }
   html += "<section>\n<h2>Where it comes from</h2>\n<table>\n";
-  for (const InputFile& input : inputs)
+  for (const InputFile& input : parts.Inputs)
   {
     html += "<tr><td>" + Escape(input.Role) + "</td><td>" + Escape(input.Name) +
       "<br><code>SHA-256 " + input.Checksum + "</code></td></tr>\n";
@@ -655,11 +707,83 @@ std::string ReportHtml(const RegistrationReport& report, const Assessment& asses
   {
     html += "<tr><td>" + Escape(name) + "</td><td>" + Escape(version) + "</td></tr>\n";
   }
+  return html + "</table>\n</section>\n";
+}
+
+Composed Compose(const RegistrationReport& report)
+{
+  Validate(report);
+  Composed parts;
+  parts.Judged = Assess(*report.Result);
+  parts.Inputs = HashInputs(report);
+  parts.Pictures = DrawPictures(report);
+  parts.Plot = ConvergencePlot(report.Result->Iterations);
+  parts.Html = ViewHtml(report, parts);
+  return parts;
+}
+
+double DeviationOf(const JointReport& report, std::size_t unknown)
+{
+  return report.Covariance.empty()
+    ? std::numeric_limits<double>::quiet_NaN()
+    : std::sqrt(report.Covariance[unknown * (report.Unknowns.size() + 1)]);
+}
+
+std::string SharedHtml(const JointReport& report)
+{
+  std::string html = "<section>\n<h2>What the mammograms share</h2>\n";
+  std::string rows;
+  for (std::size_t index = 0; index < report.Unknowns.size(); ++index)
+  {
+    const JointUnknown& unknown = report.Unknowns[index];
+    if (unknown.Shared)
+    {
+      const RegistrationResult& result = *report.Views.front().Result;
+      rows += "<tr><td>" + Escape(ParameterTitle(result.Parameters[unknown.Parameter].Name)) +
+        "</td><td class=\"value\"><b>" + Format(result.Values[unknown.Parameter], 2) + "</b> ± " +
+        Format(DeviationOf(report, index), 2) + "</td></tr>\n";
+    }
+  }
   return html +
-    "</table>\n</section>\n<footer>Research software, not a medical device: no finding or its "
-    "absence "
-    "may be concluded from this report. The limits by which the match is judged are rules of thumb "
-    "and have not been validated on patients.</footer>\n</main>\n</body>\n</html>\n";
+    (rows.empty() ? "No parameter that was free: each mammogram was registered by itself.\n"
+                  : "<table>\n" + rows + "</table>\n") +
+    "</section>\n";
+}
+
+std::string JointJson(const JointReport& report, const std::vector<Composed>& parts)
+{
+  using Json = nlohmann::ordered_json;
+  const RegistrationResult& first = *report.Views.front().Result;
+  Json json;
+  json["format"] = JointResultFormat;
+  json["formatVersion"] = 1;
+  json["views"] = Json::array();
+  for (std::size_t view = 0; view < report.Views.size(); ++view)
+  {
+    const RegistrationReport& told = report.Views[view];
+    json["views"].push_back(
+      { { "folder", report.Folders[view] }, { "view", told.RealMammogram->View },
+        { "laterality", std::string(1, told.RealMammogram->Laterality) },
+        { "trust", NameOf(parts[view].Judged.Level) },
+        { "correlation", told.Result->After.Correlation },
+        { "meanOutlineDistanceMm", told.Result->After.MeanOutlineDistanceMm } });
+  }
+  json["unknowns"] = Json::array();
+  for (std::size_t index = 0; index < report.Unknowns.size(); ++index)
+  {
+    const JointUnknown& unknown = report.Unknowns[index];
+    const RegistrationResult& result = *report.Views[unknown.View].Result;
+    json["unknowns"].push_back({ { "name", result.Parameters[unknown.Parameter].Name },
+      { "unit", result.Parameters[unknown.Parameter].Unit },
+      { "folder", unknown.Shared ? Json(nullptr) : Json(report.Folders[unknown.View]) },
+      { "value", result.Values[unknown.Parameter] },
+      { "standardDeviation", DeviationOf(report, index) } });
+  }
+  json["covariance"] = report.Covariance.empty() ? Json(nullptr) : Json(report.Covariance);
+  json["converged"] = first.Converged;
+  json["stopReason"] = first.StopReason;
+  json["seconds"] = first.Seconds;
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
 void WriteFile(const std::filesystem::path& path, const std::string& content)
@@ -679,6 +803,35 @@ void WriteFile(const std::filesystem::path& path, const std::string& content)
     std::error_code ignored;
     std::filesystem::remove(aside, ignored);
     throw InputError(path.string() + ": expected a file that can be written");
+  }
+}
+
+std::string TitleOf(const Mammogram& mammogram, std::size_t number)
+{
+  return mammogram.View.empty() ? "Mammogram " + std::to_string(number + 1)
+                                : mammogram.View + " view";
+}
+
+void WriteView(const RegistrationReport& report, const Composed& parts, const std::string& folder)
+{
+  const Mammogram& mammogram = *report.RealMammogram;
+  const std::string subtitle =
+    BreastText(mammogram) + (mammogram.View.empty() ? "" : ", " + mammogram.View + " view");
+  const std::pair<const char*, std::string> files[] = { { "real.png", parts.Pictures.Real },
+    { "synthetic.png", parts.Pictures.Synthetic }, { "overlay.png", parts.Pictures.Overlay },
+    { "difference.png", parts.Pictures.Difference }, { "convergence.svg", parts.Plot },
+    { "result.json", ResultJson(report, parts.Judged, parts.Inputs) },
+    { "report.html", PageHtml(report.Title, subtitle, parts.Html) } };
+
+  std::error_code code;
+  std::filesystem::create_directories(folder, code);
+  if (!std::filesystem::is_directory(folder))
+  {
+    throw InputError(folder + ": expected a folder that can be made");
+  }
+  for (const auto& [name, content] : files)
+  {
+    WriteFile(std::filesystem::path(folder) / name, content);
   }
 }
 }
@@ -735,26 +888,34 @@ Assessment Assess(const RegistrationResult& result)
 
 void WriteRegistrationReport(const RegistrationReport& report, const std::string& folder)
 {
-  Validate(report);
-  const Assessment assessment = Assess(*report.Result);
-  const std::vector<InputFile> inputs = HashInputs(report);
-  const ReportPictures pictures = DrawPictures(report);
-  const std::string plot = ConvergencePlot(report.Result->Iterations);
-  const std::pair<const char*, std::string> files[] = { { "real.png", pictures.Real },
-    { "synthetic.png", pictures.Synthetic }, { "overlay.png", pictures.Overlay },
-    { "difference.png", pictures.Difference }, { "convergence.svg", plot },
-    { "result.json", ResultJson(report, assessment, inputs) },
-    { "report.html", ReportHtml(report, assessment, inputs, pictures, plot) } };
+  WriteView(report, Compose(report), folder);
+}
 
-  std::error_code code;
-  std::filesystem::create_directories(folder, code);
-  if (!std::filesystem::is_directory(folder))
+void WriteJointReport(const JointReport& report, const std::string& folder)
+{
+  if (report.Views.empty() || report.Views.size() != report.Folders.size())
   {
-    throw InputError(folder + ": expected a folder that can be made");
+    throw InputError("report: expected a folder for each of " +
+      std::to_string(report.Views.size()) + " views, found " +
+      std::to_string(report.Folders.size()));
   }
-  for (const auto& [name, content] : files)
+  std::vector<Composed> parts;
+  std::string html = SharedHtml(report);
+  std::string views;
+  for (std::size_t view = 0; view < report.Views.size(); ++view)
   {
-    WriteFile(std::filesystem::path(folder) / name, content);
+    parts.push_back(Compose(report.Views[view]));
+    html += "<h1 class=\"view\">" + Escape(TitleOf(*report.Views[view].RealMammogram, view)) +
+      "</h1>\n" + parts.back().Html;
+    views += (view == 0 ? "" : ", ") + TitleOf(*report.Views[view].RealMammogram, view);
   }
+  const RegistrationReport& first = report.Views.front();
+  for (std::size_t view = 0; view < report.Views.size(); ++view)
+  {
+    WriteView(report.Views[view], parts[view], folder + "/" + report.Folders[view]);
+  }
+  WriteFile(std::filesystem::path(folder) / "result.json", JointJson(report, parts));
+  WriteFile(std::filesystem::path(folder) / "report.html",
+    PageHtml(first.Title, BreastText(*first.RealMammogram) + ", " + views, html));
 }
 }

@@ -75,6 +75,29 @@ MAMMORAYMAMMOGRAPHY_EXPORT Assessment Assess(const RegistrationResult& result);
  */
 MAMMORAYMAMMOGRAPHY_EXPORT void WriteRegistrationReport(const RegistrationReport& report,
   const std::string& folder);
+
+/// What a report on several mammograms of one breast tells, registered together.
+struct JointReport
+{
+  std::vector<RegistrationReport> Views;
+  /// For each view the name of its folder within that of this report.
+  std::vector<std::string> Folders;
+  /// As in JointRegistrationResult.
+  std::vector<JointUnknown> Unknowns;
+  std::vector<double> Covariance;
+};
+
+/**
+ * Writes into a folder, which is made where it is missing: for each view a folder with all that
+ * WriteRegistrationReport writes; report.html with the reports of all views and what they share;
+ * result.json with the folders, what was free and its covariance. Throws as that.
+ */
+MAMMORAYMAMMOGRAPHY_EXPORT void WriteJointReport(const JointReport& report,
+  const std::string& folder);
+
+/// The "format" of result.json, by which the two kinds of results are told apart.
+inline constexpr const char* ResultFormat = "mammoray-registration-result";
+inline constexpr const char* JointResultFormat = "mammoray-joint-registration-result";
 }
 
 #endif

@@ -20,6 +20,7 @@ using Color = std::array<double, 3>; // red, green, blue, [0, 1]
 // Orange and blue add up to white and are told apart by the colour-blind.
 constexpr Color RealColor{ 1.0, 0.55, 0.1 };
 constexpr Color SyntheticColor{ 0.1, 0.65, 1.0 };
+constexpr Color ExcludedColor{ 0.75, 0.75, 0.78 };
 constexpr int LongerSidePixels = 900;
 constexpr double DifferenceRange = 2; // standard deviations
 
@@ -457,11 +458,13 @@ ReportPictures DrawPictures(const RegistrationReport& report)
   std::vector<unsigned char> both(count);
   std::vector<unsigned char> either(count);
   std::vector<float> inSynthetic(count);
+  std::vector<float> excluded(count);
   for (std::size_t i = 0; i < count; ++i)
   {
     synthetic[i] = std::isfinite(synthetic[i]) ? synthetic[i] : 0;
     inSynthetic[i] = synthetic[i] > 1e-6F ? 1 : 0; // float noise of rays that meet nothing
-    both[i] = target.BreastMask[i] && inSynthetic[i] > 0 ? 1 : 0;
+    excluded[i] = target.BreastMask[i] && IsExcluded(target, i) ? 1 : 0;
+    both[i] = target.BreastMask[i] && inSynthetic[i] > 0 && excluded[i] == 0 ? 1 : 0;
     either[i] = target.BreastMask[i] || inSynthetic[i] > 0 ? 1 : 0;
   }
   const double realAir = Standardise(real, both);
@@ -493,6 +496,7 @@ ReportPictures DrawPictures(const RegistrationReport& report)
   const std::vector<float> syntheticView = Resample(target, synthetic, view);
   const std::vector<float> distance = Resample(target, target.SignedDistanceMm, view);
   const std::vector<float> coverage = Resample(target, inSynthetic, view);
+  const std::vector<float> left = Resample(target, excluded, view);
 
   constexpr Color Black{ 0, 0, 0 };
   constexpr Color Paper{ 0.97, 0.97, 0.98 };
@@ -510,14 +514,20 @@ ReportPictures DrawPictures(const RegistrationReport& report)
         static_cast<std::size_t>(x);
       const double a = grey(realView[i]);
       const double b = grey(syntheticView[i]);
-      realCanvas.At(x, y) = { a, a, a };
+      const bool compared = left[i] < 0.5F;
+      realCanvas.At(x, y) =
+        compared ? Color{ a, a, a } : Color{ 0.7 * a + 0.2, 0.7 * a, 0.7 * a + 0.25 };
       syntheticCanvas.At(x, y) = { b, b, b };
       // Complementary: where both agree the sum is grey.
       overlay.At(x, y) = { a, 0.5 * (a + b), b };
       const bool inReal = distance[i] < 0;
       const bool inOther = coverage[i] > 0.5F;
       Color& pixel = difference.At(x, y);
-      if (inReal && inOther)
+      if (inReal && inOther && !compared)
+      {
+        pixel = ExcludedColor;
+      }
+      else if (inReal && inOther)
       {
         pixel = Diverging((syntheticView[i] - realView[i]) / DifferenceRange);
       }

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "SimulationLead.h"
 
+#ifdef MAMMORAY_HAS_MESHING
+#include "BreastMechanics.h"
 #include "Error.h"
 #include "MeshVoxels.h"
-
-#ifdef MAMMORAY_HAS_MESHING
 #include "SimulationMesh.h"
 #endif
 
@@ -29,7 +29,7 @@ void LeadIfLarge(CompressionSimulation& simulation, const TetrahedralMesh& mesh,
   leading.Element = ElementType::Quadratic;
   try
   {
-    const LabelVolume voxels = Voxelize(mesh, SimulationVoxelMm);
+    const LabelVolume voxels = Voxelize(mesh, BreastMechanicsOptions::VoxelMm);
     const TetrahedralMesh coarse = MeshForSimulation(voxels, materials.Held, 0, progress).Mesh;
     simulation.LeadBy(std::make_unique<CompressionSimulation>(
       coarse, materials.Elastic, materials.Held,

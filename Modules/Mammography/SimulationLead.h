@@ -8,10 +8,6 @@
 
 namespace mammoray
 {
-/// Of the voxels that stand for a fine mesh where a coarse one is simulated on: MeshForSimulation
-/// takes no finer ones.
-constexpr double SimulationVoxelMm = 1.0;
-
 /**
  * Gives the simulation of a mesh with more than 20000 linear cells a coarse quadratic one to lead
  * it (CompressionSimulation::LeadBy), on a mesh made by MeshForSimulation of the large one's

@@ -1,17 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vtkBreastCompression.h"
 
+#include "BreastMechanics.h"
 #include "CompressedBreast.h"
 #include "CompressionSimulation.h"
 #include "ElasticTable.h"
 #include "MammographyGeometry.h"
 #include "MeshConversion.h"
+#include "MeshVoxels.h"
 #include "PhysicsData.h"
 #include "PlacedPlates.h"
 #include "Private/FailedRequest.h"
 #include "SimulationLead.h"
 
+#include "vtkDataArray.h"
 #include "vtkDataObject.h"
+#include "vtkFieldData.h"
 #include "vtkInformation.h"
 #include "vtkInformationVector.h"
 #include "vtkObjectFactory.h"
@@ -38,7 +42,10 @@ struct HeldMaterial
 /// What the simulation is made of.
 struct Setup
 {
-  TetrahedralMesh Mesh;
+  /// Of input 0.
+  TetrahedralMesh Anatomy;
+  /// To simulate on; none: the anatomy itself.
+  std::optional<TetrahedralMesh> Coarse;
   ElasticTable Materials;
   CompressionOptions Options;
   /// Of the image; 0: not to be unloaded of.
@@ -46,8 +53,7 @@ struct Setup
 
   bool operator==(const Setup& other) const
   {
-    return this->Mesh.Points == other.Mesh.Points && this->Mesh.Cells == other.Mesh.Cells &&
-      this->Mesh.Materials == other.Mesh.Materials &&
+    return this->Anatomy == other.Anatomy && this->Coarse == other.Coarse &&
       this->Materials.Elastic == other.Materials.Elastic &&
       this->Materials.Held == other.Materials.Held && this->Options == other.Options &&
       this->ImageGravity == other.ImageGravity;
@@ -59,6 +65,8 @@ struct vtkBreastCompression::Internals
 {
   std::map<int, HeldMaterial> Given;
   Setup Made;
+  /// Material indices of the anatomy; empty where the simulation runs on its cells.
+  std::optional<LabelVolume> Volume;
   std::unique_ptr<CompressionSimulation> Simulation;
   std::optional<CompressionState> State;
   /// The state found last for a force, and the force with the plates it began with.
@@ -117,15 +125,23 @@ void vtkBreastCompression::Internals::Prepare(Setup setup, const ProgressCallbac
   this->State.reset();
   this->Pressed.reset();
   this->Simulation.reset(); // should this throw, nothing is taken for current
-  auto simulation = std::make_unique<CompressionSimulation>(setup.Mesh, setup.Materials.Elastic,
-    setup.Materials.Held, MaterialField(), setup.Options);
+  MaterialField field;
+  if (setup.Coarse)
+  {
+    this->Volume = Voxelize(setup.Anatomy, BreastMechanicsOptions::VoxelMm);
+    field = [this](const Vector3& point)
+    { return static_cast<int>(this->Volume->LabelAt(point)); };
+  }
+  const TetrahedralMesh& mesh = setup.Coarse ? *setup.Coarse : setup.Anatomy;
+  auto simulation = std::make_unique<CompressionSimulation>(
+    mesh, setup.Materials.Elastic, setup.Materials.Held, field, setup.Options);
   if (Norm(setup.ImageGravity) > 0)
   {
     simulation->Unload(setup.ImageGravity, progress);
   }
   else
   {
-    LeadIfLarge(*simulation, setup.Mesh, setup.Materials, setup.Options, progress);
+    LeadIfLarge(*simulation, mesh, setup.Materials, setup.Options, progress);
   }
   this->Simulation = std::move(simulation);
   this->Made = std::move(setup);
@@ -168,11 +184,27 @@ vtkStandardNewMacro(vtkBreastCompression);
 vtkBreastCompression::vtkBreastCompression()
   : Internal(new Internals)
 {
+  this->SetNumberOfInputPorts(2);
 }
 
 vtkBreastCompression::~vtkBreastCompression()
 {
   delete this->Internal;
+}
+
+void vtkBreastCompression::SetSimulationMeshConnection(vtkAlgorithmOutput* mesh)
+{
+  this->SetInputConnection(1, mesh);
+}
+
+int vtkBreastCompression::FillInputPortInformation(int port, vtkInformation* info)
+{
+  info->Set(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkUnstructuredGrid");
+  if (port == 1)
+  {
+    info->Set(vtkAlgorithm::INPUT_IS_OPTIONAL(), 1);
+  }
+  return 1;
 }
 
 void vtkBreastCompression::SetMaterial(int material, double youngsModulusKPa, double poissonRatio,
@@ -236,9 +268,14 @@ int vtkBreastCompression::RequestData(vtkInformation*, vtkInformationVector** in
     };
     const AnatomicalAxes axes = AnatomicalAxes::FromCode(this->Orientation);
     Setup setup;
-    setup.Mesh = FromGrid(input);
-    setup.Mesh.Validate("vtkBreastCompression's input");
-    setup.Materials = internal.MaterialsOf(setup.Mesh, this->MaterialTable);
+    setup.Anatomy = FromGrid(input);
+    setup.Anatomy.Validate("vtkBreastCompression's input");
+    setup.Materials = internal.MaterialsOf(setup.Anatomy, this->MaterialTable);
+    if (vtkUnstructuredGrid* coarse = vtkUnstructuredGrid::GetData(inputs[1]))
+    {
+      setup.Coarse = FromGrid(coarse);
+      setup.Coarse->Validate("vtkBreastCompression's simulation mesh");
+    }
     setup.Options.Element =
       this->Element == LINEAR ? ElementType::PatchAveragedLinear : ElementType::Quadratic;
     setup.Options.ChestWall = static_cast<ChestWallMode>(this->ChestWall);
@@ -266,7 +303,7 @@ int vtkBreastCompression::RequestData(vtkInformation*, vtkInformationVector** in
     unit.PaddleEdgeMm = this->PaddleEdgeMm;
     unit.EdgeRadiusMm = this->EdgeRadiusMm;
     const Vector3 anchor =
-      FindPoseAnchor(internal.Made.Mesh, internal.Made.Materials.Held, axes);
+      FindPoseAnchor(internal.Made.Anatomy, internal.Made.Materials.Held, axes);
     const auto platesAt = [&](double thicknessMm)
     {
       pose.ThicknessMm = thicknessMm;
@@ -297,9 +334,13 @@ int vtkBreastCompression::RequestData(vtkInformation*, vtkInformationVector** in
       internal.Compress(closed, progress);
     }
     const bool given = time == 1 && !(this->ForceN > 0);
-    output->ShallowCopy(CompressedBreast(input, *internal.Simulation)
-                          .At(*internal.State,
-                            given ? std::optional<double>(this->ThicknessMm) : std::nullopt));
+    const CompressedBreast breast = internal.Made.Coarse
+      ? CompressedBreast(input, internal.Made.Anatomy, *internal.Simulation)
+      : CompressedBreast(input, *internal.Simulation);
+    output->ShallowCopy(breast.At(*internal.State,
+      given ? std::optional<double>(this->ThicknessMm) : std::nullopt));
+    pose.ThicknessMm = output->GetFieldData()->GetArray("ThicknessMm")->GetTuple1(0);
+    AddPlacement(output, PlaceUnit(axes, anchor, unit, pose));
     if (this->NumberOfTimeSteps > 1)
     {
       output->GetInformation()->Set(vtkDataObject::DATA_TIME_STEP(), time);

@@ -3,17 +3,25 @@
  * @class   vtkBreastCompression
  * @brief   Squeezes a breast between the plates of a mammography unit.
  *
- * Input 0: vtkUnstructuredGrid of linear tetrahedra (mm) with the cell array "Material"; the
- * simulation runs on these cells made quadratic, so some thousand of them are meant, or tens of
- * thousands with SetElementToLinear (a coarse mesh goes the way first then: LeadIfLarge). Elastic constants come from MaterialTable or SetMaterial; cells of held materials (the chest wall) do not
- * move, but where the breast glides along them (ChestWall) those beside it are drawn along.
+ * Input 0: vtkUnstructuredGrid of linear tetrahedra (mm) with the cell array "Material". Input 1,
+ * optional: a coarse vtkUnstructuredGrid of the same breast to simulate on (vtkBreastMesher with
+ * ForMechanics), which carries input 0 along; its stiffness is sampled from the materials of
+ * input 0. Without it the simulation runs on input 0: its cells are made quadratic, so some
+ * thousand of them are meant, or tens of thousands with SetElementToLinear (then a coarse mesh goes
+ * the way first: LeadIfLarge). Elastic constants come from MaterialTable or SetMaterial; cells of
+ * held materials (the chest wall) do not move, but where the breast glides along them (ChestWall)
+ * those beside it are drawn along.
  *
- * Output 0: the grid deformed, with the input's arrays and the point arrays "Displacement" (mm) and
+ * Output 0: input 0 deformed, with its arrays and the point arrays "Displacement" (mm) and
  * "ContactPressureKPa" (of the plates; 0 where nothing touches), the cell arrays "J" (deformed over
  * undeformed volume) and "VonMisesStressKPa" (of the Cauchy stress), both means over the cell's
- * quadrature points (a linear cell has one, and keeps its volume together with its patch only), and the field arrays "PaddleForceN", "SupportForceN", "ThicknessMm",
- * "LargestPenetrationMm", "LargestWallLiftMm", "LargestWallGlideMm", "SmallestJ", "LargestJ",
- * "VolumeRatio" and "RelativeResidual".
+ * quadrature points (a linear cell has one, and keeps its volume together with its patch only) or,
+ * of a carried grid, J of the volumes between the corners; and the field arrays "PaddleForceN",
+ * "SupportForceN", "ThicknessMm", "LargestPenetrationMm", "LargestWallLiftMm",
+ * "LargestWallGlideMm", "SmallestJ", "LargestJ", "VolumeRatio", "RelativeResidual", of a carried
+ * grid "InvertedCells" (a fine mesh may have a few; vtkXRayProjector takes them), and "Placement"
+ * (4 x 3 doubles: the gantry's origin, mm, and its x, y and z axes in the frame of the input, from
+ * which vtkXRayProjector knows where source and detector stand).
  *
  * With NumberOfTimeSteps above 1 the output is a time series of the compression: at time 0 the
  * plates just touch nothing, at 1 they are closed. Without a time asked for they are closed.
@@ -36,6 +44,11 @@ public:
   static vtkBreastCompression* New();
   vtkTypeMacro(vtkBreastCompression, vtkUnstructuredGridAlgorithm);
   void PrintSelf(ostream& os, vtkIndent indent) override;
+
+  /**
+   * Input 1.
+   */
+  void SetSimulationMeshConnection(vtkAlgorithmOutput* mesh);
 
   ///@{
   /**
@@ -250,6 +263,7 @@ public:
 protected:
   vtkBreastCompression();
   ~vtkBreastCompression() override;
+  int FillInputPortInformation(int port, vtkInformation* info) override;
   int RequestInformation(vtkInformation* request, vtkInformationVector** inputs,
     vtkInformationVector* outputs) override;
   int RequestData(vtkInformation* request, vtkInformationVector** inputs,

@@ -29,6 +29,7 @@ namespace
 {
 using namespace mammoray;
 
+#ifdef MAMMORAY_HAS_MESHING
 /// Labels as material indices, named by their numbers.
 MaterialTable TableOfIndices(const LabelVolume& labels)
 {
@@ -43,6 +44,7 @@ MaterialTable TableOfIndices(const LabelVolume& labels)
   }
   return table;
 }
+#endif
 }
 
 vtkStandardNewMacro(vtkBreastMesher);

@@ -42,17 +42,7 @@ struct Setup
   std::string Table;
   std::string Device;
 
-  static bool Same(const TetrahedralMesh& a, const TetrahedralMesh& b)
-  {
-    return a.Points == b.Points && a.Cells == b.Cells && a.Materials == b.Materials;
-  }
-  bool operator==(const Setup& other) const
-  {
-    return Same(this->Anatomy, other.Anatomy) &&
-      this->Coarse.has_value() == other.Coarse.has_value() &&
-      (!this->Coarse || Same(*this->Coarse, *other.Coarse)) && this->Table == other.Table &&
-      this->Device == other.Device;
-  }
+  bool operator==(const Setup&) const = default;
 };
 
 /// A breast ready to be registered.
@@ -61,9 +51,11 @@ struct PreparedBreast
   PreparedBreast(Setup setup, const ProgressCallback& progress)
     : Made(std::move(setup))
     , Table(FindMaterialTable(this->Made.Table))
-    , Mechanics(this->Made.Anatomy, this->Table, { .Mesh = this->Made.Coarse }, progress)
+    , Mechanics(this->Made.Anatomy, this->Table, { .Mesh = this->Made.Coarse, .Scouted = true },
+        progress)
     , Surface(ExtractInterfaces(this->Made.Anatomy))
     , SurfacePoints(this->Mechanics.Simulation(), this->Surface.Points)
+    , ScoutPoints(*this->Mechanics.Model().Scout, this->Surface.Points)
     , Projector(MakeProjector({ .Device = this->Made.Device }))
   {
     this->Projector->SetSurface(this->Surface);
@@ -74,6 +66,7 @@ struct PreparedBreast
   BreastMechanics Mechanics;
   SurfaceMesh Surface;
   Embedding SurfacePoints;
+  Embedding ScoutPoints;
   std::unique_ptr<PathLengthProjector> Projector;
 };
 
@@ -144,12 +137,7 @@ void AddResult(vtkUnstructuredGrid* output, const RegistrationResult& result,
   AddDoubles(fields, "Parameters", result.Values);
   AddDoubles(fields, "ParameterDeviations", result.StandardDeviations);
   AddDoubles(fields, "Covariance", result.Covariance, static_cast<int>(names.size()));
-  std::vector<double> placement;
-  for (const Vector3& vector : { placed.Origin, placed.X, placed.Y, placed.Z })
-  {
-    placement.insert(placement.end(), vector.begin(), vector.end());
-  }
-  AddDoubles(fields, "Placement", placement, 3);
+  AddPlacement(output, placed);
   AddDoubles(fields, "Correlation", { result.After.Correlation });
   AddDoubles(fields, "MeanOutlineDistanceMm", { result.After.MeanOutlineDistanceMm });
   AddDoubles(fields, "LargestOutlineDistanceMm", { result.After.LargestOutlineDistanceMm });
@@ -322,6 +310,7 @@ int vtkBreastRegistration::RequestData(vtkInformation*, vtkInformationVector** i
     RegistrationModel model = breast.Mechanics.Model();
     model.Surface = &breast.Surface;
     model.SurfaceEmbedding = &breast.SurfacePoints;
+    model.ScoutEmbedding = &breast.ScoutPoints;
     model.Projector = breast.Projector.get();
     model.XRays = &beam;
     model.Axes = axes;
@@ -355,7 +344,7 @@ int vtkBreastRegistration::RequestData(vtkInformation*, vtkInformationVector** i
         free.push_back(index);
       }
     }
-    const std::vector<std::vector<double>> velocities = VelocitiesSeenFromUnit(model, result.Pose,
+    const std::vector<std::vector<double>> velocities = VelocitiesSeenFromUnit(model, result.Values,
       result.State, breast.Mechanics.AnatomyPoints(), free);
     for (std::size_t index = 0; index < free.size(); ++index)
     {

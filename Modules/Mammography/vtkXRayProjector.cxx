@@ -5,6 +5,7 @@
 #include "Exposure.h"
 #include "MeshConversion.h"
 #include "PhysicsData.h"
+#include "Private/FailedRequest.h"
 #include "ProjectionImage.h"
 #include "SurfaceConversion.h"
 
@@ -14,6 +15,7 @@
 #include "vtkImageData.h"
 #include "vtkInformation.h"
 #include "vtkInformationVector.h"
+#include "vtkMatrix3x3.h"
 #include "vtkObjectFactory.h"
 #include "vtkPolyData.h"
 #include "vtkSmartPointer.h"
@@ -22,6 +24,7 @@
 
 #include <cmath>
 #include <map>
+#include <optional>
 
 namespace
 {
@@ -129,7 +132,7 @@ struct vtkXRayProjector::Internals
     double MuPerMm = 0.0;
   };
 
-  Spectrum Photons = Spectrum::Monochromatic(20);
+  mammoray::Spectrum Photons = mammoray::Spectrum::Monochromatic(20);
   std::map<int, Attenuation> Attenuations;
   std::unique_ptr<RememberingProjector> Projector;
   /// Of the last update.
@@ -146,7 +149,9 @@ struct vtkXRayProjector::Internals
   void Upload(SurfaceMesh surface);
   void UploadGrid(vtkUnstructuredGrid* grid);
   std::string NameOf(int material) const;
-  Beam MakeBeamFor(int materialCount, DetectorResponse response) const;
+  std::map<int, Attenuation> AttenuationsOf(const std::string& table, int materialCount) const;
+  Beam MakeBeamFor(int materialCount, const std::map<int, Attenuation>& attenuations,
+    const mammoray::Spectrum& photons, DetectorResponse response) const;
 };
 
 void vtkXRayProjector::Internals::Upload(SurfaceMesh surface)
@@ -203,7 +208,34 @@ std::string vtkXRayProjector::Internals::NameOf(int material) const
     : std::to_string(material);
 }
 
-Beam vtkXRayProjector::Internals::MakeBeamFor(int materialCount, DetectorResponse response) const
+/// What was said of single materials, and of the others what the table says.
+std::map<int, vtkXRayProjector::Internals::Attenuation>
+vtkXRayProjector::Internals::AttenuationsOf(const std::string& table, int materialCount) const
+{
+  std::map<int, Attenuation> attenuations = this->Attenuations;
+  if (table.empty())
+  {
+    return attenuations;
+  }
+  const mammoray::MaterialTable materials = FindMaterialTable(table);
+  for (int material = 1; material < materialCount; ++material)
+  {
+    const auto index = static_cast<std::size_t>(material);
+    const bool named = index < this->MaterialNames.size() && !this->MaterialNames[index].empty();
+    const auto found =
+      named ? static_cast<std::size_t>(materials.IndexOf(this->MaterialNames[index])) : index;
+    if (found < materials.Materials.size())
+    {
+      const Material& entry = materials.Materials[found];
+      attenuations.insert({ material, { entry.Attenuation, entry.DensityGPerCm3, 0.0 } });
+    }
+  }
+  return attenuations;
+}
+
+Beam vtkXRayProjector::Internals::MakeBeamFor(int materialCount,
+  const std::map<int, Attenuation>& attenuations, const mammoray::Spectrum& photons,
+  DetectorResponse response) const
 {
   std::vector<AttenuationTable> tables(static_cast<std::size_t>(materialCount));
   std::vector<const AttenuationTable*> pointers(tables.size(), nullptr);
@@ -219,13 +251,14 @@ Beam vtkXRayProjector::Internals::MakeBeamFor(int materialCount, DetectorRespons
   for (int material = 1; material < materialCount; ++material)
   {
     const auto index = static_cast<std::size_t>(material);
-    const auto found = this->Attenuations.find(material);
-    if (found == this->Attenuations.end() && used[index])
+    const auto found = attenuations.find(material);
+    if (found == attenuations.end() && used[index])
     {
       throw InputError("material '" + this->NameOf(material) + "' (" + std::to_string(material) +
-        ") has no attenuation; set it by SetAttenuationTable or SetLinearAttenuation");
+        ") has no attenuation; set it by MaterialTable, SetAttenuationTable or "
+        "SetLinearAttenuation");
     }
-    if (found != this->Attenuations.end() && !found->second.Table.empty())
+    if (found != attenuations.end() && !found->second.Table.empty())
     {
       tables[index] = FindAttenuationTable(found->second.Table);
       densities[index] = found->second.DensityGPerCm3;
@@ -234,13 +267,13 @@ Beam vtkXRayProjector::Internals::MakeBeamFor(int materialCount, DetectorRespons
     {
       // A material that no triangle has has length 0, whatever its attenuation.
       const double mu = used[index] ? found->second.MuPerMm : 1.0;
-      const auto& energies = this->Photons.EnergiesKeV;
+      const auto& energies = photons.EnergiesKeV;
       tables[index] = { this->NameOf(material), 1.0, energies,
         std::vector<double>(energies.size(), mu) };
     }
     pointers[index] = &tables[index];
   }
-  return Beam(this->Photons, response, pointers, densities);
+  return Beam(photons, response, pointers, densities);
 }
 
 vtkStandardNewMacro(vtkXRayProjector);
@@ -325,26 +358,61 @@ int vtkXRayProjector::RequestUpdateExtent(vtkInformation*, vtkInformationVector*
   return 1; // the whole mesh, which has no extent
 }
 
+/// As the properties say, or the input.
+void vtkXRayProjector::PlaceBeam(vtkDataObject* input, XRaySource& source,
+  XRayDetector& detector) const
+{
+  if (!(this->PixelSpacing[0] > 0 && this->PixelSpacing[1] > 0))
+  {
+    throw InputError("detector: expected a positive PixelSpacing");
+  }
+  Vector3 u = ToVector(this->ColumnDirection);
+  Vector3 v = ToVector(this->RowDirection);
+  detector.Columns = this->DetectorSize[0];
+  detector.Rows = this->DetectorSize[1];
+  detector.Samples = this->Samples;
+  if (this->PlacedByInput)
+  {
+    const std::optional<VolumeFromGantry> placed = FindPlacement(input);
+    if (!placed || !(this->SourceToDetectorMm > 0))
+    {
+      throw InputError("PlacedByInput: expected a positive SourceToDetectorMm and an input with "
+                       "the field array 'Placement', as vtkBreastCompression gives it");
+    }
+    u = placed->Y;
+    v = -1.0 * placed->X;
+    detector.Origin = placed->Point(
+      { 0.5 * (detector.Rows - 1) * this->PixelSpacing[1], 0.5 * this->PixelSpacing[0], 0 });
+    source.Position = placed->Point({ 0, 0, this->SourceToDetectorMm });
+  }
+  else
+  {
+    detector.Origin = ToVector(this->DetectorOrigin);
+    source.Type = this->ParallelBeam ? XRaySource::Kind::Parallel : XRaySource::Kind::Point;
+    source.Position = ToVector(this->SourcePosition);
+    source.Direction = ToVector(this->BeamDirection);
+  }
+  // 1e-6: directions computed in float.
+  if (!(std::abs(Norm(u) - 1) < 1e-6 && std::abs(Norm(v) - 1) < 1e-6 &&
+        std::abs(Dot(u, v)) < 1e-6))
+  {
+    throw InputError(
+      "detector: expected ColumnDirection and RowDirection to be unit vectors at right angles");
+  }
+  detector.ColumnStep = this->PixelSpacing[0] * u;
+  detector.RowStep = this->PixelSpacing[1] * v;
+}
+
 int vtkXRayProjector::RequestData(vtkInformation*, vtkInformationVector** inputs,
   vtkInformationVector* outputs)
 {
   vtkImageData* output = vtkImageData::GetData(outputs);
+  this->NumberOfInconsistentPixels = 0;
   try
   {
-    const Vector3 u = ToVector(this->ColumnDirection);
-    const Vector3 v = ToVector(this->RowDirection);
-    // 1e-6: directions computed in float.
-    if (!(std::abs(Norm(u) - 1) < 1e-6 && std::abs(Norm(v) - 1) < 1e-6 &&
-          std::abs(Dot(u, v)) < 1e-6))
-    {
-      throw InputError(
-        "detector: expected ColumnDirection and RowDirection to be unit vectors at right "
-        "angles");
-    }
-    if (!(this->PixelSpacing[0] > 0 && this->PixelSpacing[1] > 0))
-    {
-      throw InputError("detector: expected a positive PixelSpacing");
-    }
+    XRaySource source;
+    XRayDetector detector;
+    this->PlaceBeam(vtkDataObject::GetData(inputs[0]), source, detector);
     Internals& internal = *this->Internal;
     const auto method = static_cast<ProjectorOptions::Method>(this->ProjectionMethod);
     if (!internal.Projector || internal.ProjectorDevice != this->DeviceName ||
@@ -373,24 +441,16 @@ int vtkXRayProjector::RequestData(vtkInformation*, vtkInformationVector** inputs
       return 1;
     }
 
-    XRaySource source;
-    source.Type = this->ParallelBeam ? XRaySource::Kind::Parallel : XRaySource::Kind::Point;
-    source.Position = ToVector(this->SourcePosition);
-    source.Direction = ToVector(this->BeamDirection);
-    XRayDetector detector;
-    detector.Origin = ToVector(this->DetectorOrigin);
-    detector.ColumnStep = this->PixelSpacing[0] * u;
-    detector.RowStep = this->PixelSpacing[1] * v;
-    detector.Columns = this->DetectorSize[0];
-    detector.Rows = this->DetectorSize[1];
-    detector.Samples = this->Samples;
     if (!(source == internal.Source && detector == internal.Detector))
     {
       internal.Projector->Forget();
       internal.Source = source;
       internal.Detector = detector;
     }
-    const Beam beam = internal.MakeBeamFor(internal.Surface.NumberOfMaterials(),
+    const int materialCount = internal.Surface.NumberOfMaterials();
+    const Beam beam = internal.MakeBeamFor(materialCount,
+      internal.AttenuationsOf(this->MaterialTable, materialCount),
+      this->Spectrum.empty() ? internal.Photons : FindSpectrum(this->Spectrum),
       this->PhotonCounting ? DetectorResponse::PhotonCounting
                            : DetectorResponse::EnergyIntegrating);
     const Exposure exposure = Expose(*internal.Projector, source, detector, beam, {},
@@ -402,6 +462,13 @@ int vtkXRayProjector::RequestData(vtkInformation*, vtkInformationVector** inputs
     this->UpdateProgress(0.8);
 
     output->ShallowCopy(ToImage(exposure, detector, internal.MaterialNames));
+    if (this->PlacedByInput)
+    {
+      // Not known before the input was.
+      vtkInformation* info = outputs->GetInformationObject(0);
+      info->Set(vtkDataObject::ORIGIN(), output->GetOrigin(), 3);
+      info->Set(vtkDataObject::DIRECTION(), output->GetDirectionMatrix()->GetData(), 9);
+    }
     this->NumberOfInconsistentPixels =
       static_cast<vtkIdType>(exposure.Lengths.NumberOfInconsistentRays());
     if (this->NumberOfInconsistentPixels > 0)
@@ -410,17 +477,9 @@ int vtkXRayProjector::RequestData(vtkInformation*, vtkInformationVector** inputs
     }
     return 1;
   }
-  catch (const Interrupted&)
+  catch (...)
   {
-    output->Initialize();
-    return 1;
-  }
-  catch (const std::exception& error) // bad_alloc must not cross the pipeline either
-  {
-    output->Initialize();
-    this->NumberOfInconsistentPixels = 0;
-    vtkErrorMacro(<< error.what());
-    return 0;
+    return FailedRequest(this, output);
   }
 }
 
@@ -436,6 +495,8 @@ void vtkXRayProjector::PrintSelf(ostream& os, vtkIndent indent)
     }
     os << "\n";
   };
+  os << indent << "PlacedByInput: " << this->PlacedByInput << "\n";
+  os << indent << "SourceToDetectorMm: " << this->SourceToDetectorMm << "\n";
   print("SourcePosition", this->SourcePosition);
   os << indent << "ParallelBeam: " << this->ParallelBeam << "\n";
   print("BeamDirection", this->BeamDirection);
@@ -446,6 +507,8 @@ void vtkXRayProjector::PrintSelf(ostream& os, vtkIndent indent)
   print("DetectorSize", this->DetectorSize);
   os << indent << "Samples: " << this->Samples << "\n";
   os << indent << "PhotonCounting: " << this->PhotonCounting << "\n";
+  os << indent << "MaterialTable: " << this->MaterialTable << "\n";
+  os << indent << "Spectrum: " << this->Spectrum << "\n";
   os << indent << "DeviceName: " << this->DeviceName << "\n";
   os << indent << "ProjectionMethod: " << this->ProjectionMethod << "\n";
   print("Energies", this->Internal->Photons.EnergiesKeV);

@@ -25,7 +25,13 @@
 
 #include "mammorayMammographyModule.h" // export macro
 #include "vtkImageAlgorithm.h"
-#include <string> // the device's name
+#include <string> // names
+
+namespace mammoray
+{
+struct XRayDetector;
+struct XRaySource;
+}
 
 class MAMMORAYMAMMOGRAPHY_EXPORT vtkXRayProjector : public vtkImageAlgorithm
 {
@@ -33,6 +39,26 @@ public:
   static vtkXRayProjector* New();
   vtkTypeMacro(vtkXRayProjector, vtkImageAlgorithm);
   void PrintSelf(ostream& os, vtkIndent indent) override;
+
+  ///@{
+  /**
+   * True where source and detector stand as the input's field array "Placement" says (of
+   * vtkBreastCompression and vtkBreastRegistration): the focus SourceToDetectorMm above the
+   * receptor, columns from its chest-wall edge towards the nipple, rows along gantry -x, their
+   * middle at the receptor's. Only PixelSpacing and DetectorSize count then. Default false.
+   */
+  vtkSetMacro(PlacedByInput, bool);
+  vtkGetMacro(PlacedByInput, bool);
+  vtkBooleanMacro(PlacedByInput, bool);
+  ///@}
+
+  ///@{
+  /**
+   * Focus to receptor plane where PlacedByInput is true, mm. Positive; default 650.
+   */
+  vtkSetMacro(SourceToDetectorMm, double);
+  vtkGetMacro(SourceToDetectorMm, double);
+  ///@}
 
   ///@{
   /**
@@ -142,6 +168,25 @@ public:
   vtkGetMacro(ProjectionMethod, int);
   ///@}
 
+  ///@{
+  /**
+   * Path of a material table (JSON), or the name of a shipped one, with attenuation and density of
+   * the input's materials: by name where the input names them, else by index. SetAttenuationTable
+   * and SetLinearAttenuation go before it. Empty: only what these say. Default empty.
+   */
+  vtkSetStdStringFromCharMacro(MaterialTable);
+  vtkGetCharFromStdStringMacro(MaterialTable);
+  ///@}
+
+  ///@{
+  /**
+   * Path of a spectrum (.spc) or the name of a shipped one. Empty: what SetMonochromatic or
+   * AddSpectrumLine said. Default empty.
+   */
+  vtkSetStdStringFromCharMacro(Spectrum);
+  vtkGetCharFromStdStringMacro(Spectrum);
+  ///@}
+
   /**
    * All photons have this energy, keV. The default beam has 20 keV.
    */
@@ -196,9 +241,14 @@ protected:
     vtkInformationVector* outputs) override;
 
 private:
+  void PlaceBeam(vtkDataObject* input, mammoray::XRaySource& source,
+    mammoray::XRayDetector& detector) const;
+
   vtkXRayProjector(const vtkXRayProjector&) = delete;
   void operator=(const vtkXRayProjector&) = delete;
 
+  bool PlacedByInput = false;
+  double SourceToDetectorMm = 650;
   double SourcePosition[3] = { 0, 0, 650 };
   bool ParallelBeam = false;
   double BeamDirection[3] = { 0, 0, -1 };
@@ -209,6 +259,8 @@ private:
   int DetectorSize[2] = { 256, 256 };
   int Samples = 1;
   bool PhotonCounting = false;
+  std::string MaterialTable;
+  std::string Spectrum;
   std::string DeviceName;
   int ProjectionMethod = AUTO;
   vtkIdType NumberOfInconsistentPixels = 0;

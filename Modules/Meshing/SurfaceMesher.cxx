@@ -156,8 +156,38 @@ void RefuseCuts(const TriangleComplex& complex)
   }
 }
 
+/// A box around all, far enough off that it does not matter for the cells at the surfaces.
+void Surround(TriangleComplex& complex)
+{
+  Vector3 low{ 1e300, 1e300, 1e300 };
+  Vector3 high{ -1e300, -1e300, -1e300 };
+  for (std::size_t value = 0; value < complex.Points.size(); ++value)
+  {
+    low[value % 3] = std::min(low[value % 3], complex.Points[value]);
+    high[value % 3] = std::max(high[value % 3], complex.Points[value]);
+  }
+  const double margin = 0.5 * Norm(high - low);
+  const auto base = static_cast<std::uint32_t>(complex.Points.size() / 3);
+  for (int corner = 0; corner < 8; ++corner)
+  {
+    for (int axis = 0; axis < 3; ++axis)
+    {
+      complex.Points.push_back(
+        (corner >> axis & 1) != 0 ? high[axis] + margin : low[axis] - margin);
+    }
+  }
+  constexpr std::uint32_t sides[6][4] = { { 0, 1, 3, 2 }, { 4, 5, 7, 6 }, { 0, 1, 5, 4 },
+    { 2, 3, 7, 6 }, { 0, 2, 6, 4 }, { 1, 3, 7, 5 } };
+  for (const auto& side : sides)
+  {
+    complex.Triangles.push_back({ base + side[0], base + side[1], base + side[2] });
+    complex.Triangles.push_back({ base + side[0], base + side[2], base + side[3] });
+  }
+}
+
+/// The cells of TetGen as they are, those of air with material 0 where `complex` encloses air.
 TetrahedralMesh Fill(const SurfaceMesh& surface, const TriangleComplex& complex,
-  bool dividesTriangles, const MeshingOptions& options, const ProgressCallback& progress,
+  TetGenQuality quality, const MeshingOptions& options, const ProgressCallback& progress,
   std::vector<TetGenRegion>& regions)
 {
   const MeshCheck check = CheckSurface(surface);
@@ -165,18 +195,11 @@ TetrahedralMesh Fill(const SurfaceMesh& surface, const TriangleComplex& complex,
   ReportProgress(progress, 0.2, "finding regions");
   regions = FindRegions(complex);
   NameRegions(surface, check, options, regions, progress);
-  const TetGenQuality quality{ options.CellRadiusEdgeRatio,
-    options.OptimisationSeconds > 0 ? std::min(options.SmallestDihedralDeg, 18.0) : 0.0,
-    dividesTriangles };
+  quality.Ratio = options.CellRadiusEdgeRatio;
+  quality.DihedralDeg =
+    options.OptimisationSeconds > 0 ? std::min(options.SmallestDihedralDeg, 18.0) : 0.0;
   ReportProgress(progress, 0.4, "filling surfaces");
-  TetrahedralMesh mesh = FillRegions(complex, regions, quality, progress);
-  EditableMesh edited(mesh);
-  RepairPinches(edited, Within(progress, 0.9, 0.93));
-  ImproveCells(edited, options.SmallestDihedralDeg, 0, Within(progress, 0.93, 0.99));
-  mesh = edited.Finish();
-  ReportProgress(progress, 0.99, "checking");
-  mesh.Validate("mesh of TetGen");
-  return mesh;
+  return FillRegions(complex, regions, quality, progress);
 }
 
 double Since(Clock::time_point start)
@@ -200,7 +223,14 @@ MeshingResult MeshSurfaces(const SurfaceMesh& surfaces, const MeshingOptions& op
   const TriangleComplex complex = Weld(surfaces);
   MeshingResult result;
   std::vector<TetGenRegion> regions;
-  result.Mesh = Fill(surfaces, complex, true, options, progress, regions);
+  TetGenQuality quality;
+  quality.DividesTriangles = true;
+  EditableMesh edited(Fill(surfaces, complex, quality, options, progress, regions));
+  RepairPinches(edited, Within(progress, 0.9, 0.93));
+  ImproveCells(edited, options.SmallestDihedralDeg, 0, Within(progress, 0.93, 0.99));
+  result.Mesh = edited.Finish();
+  ReportProgress(progress, 0.99, "checking");
+  result.Mesh.Validate("mesh of TetGen");
   result.Reports = ReportMaterials({}, result.Mesh);
   for (MaterialReport& report : result.Reports)
   {
@@ -225,8 +255,13 @@ MeshingResult MeshMaterialSurfaces(const LabelVolume& materials, const MeshingOp
   MeshingResult result = MeshMaterials(materials, forSurfaces, Within(progress, 0.0, 0.4));
   const SurfaceMesh surface = ExtractInterfaces(result.Mesh);
   std::vector<TetGenRegion> regions;
-  result.Mesh = Fill(surface, Weld(surface), false, options, Within(progress, 0.4, 0.9), regions);
-  FinishMesh(materials, options, result.Mesh, Within(progress, 0.9, 1.0));
+  TriangleComplex complex = Weld(surface);
+  Surround(complex);
+  TetGenQuality quality;
+  quality.KeepsAir = true; // for FinishMesh: only points with cells on all sides may move
+  result.Mesh = Fill(surface, complex, quality, options, Within(progress, 0.4, 0.8), regions);
+  FinishMesh(materials, options, result.Mesh, Within(progress, 0.8, 1.0));
+  result.Mesh.Validate("mesh of TetGen");
   result.Reports = ReportMaterials(materials, result.Mesh);
   result.Seconds = Since(start);
   return result;

@@ -21,8 +21,9 @@ MAMMORAYMESHING_EXPORT bool HasTetGen();
  * Of the options the cell sizes (as the volume of a regular tetrahedron of that circumradius, which
  * the last optimisation may exceed by a fraction), CellRadiusEdgeRatio (at least 2 is kept where
  * the surface allows) and SmallestDihedralDeg (at most 18, a goal; left out with
- * OptimisationSeconds 0) count; facets are those of the surface, divided further. VolumeInMm3 of
- * the reports is what the surfaces enclose.
+ * OptimisationSeconds 0) count; facets are those of the surface, divided further, and parts of it
+ * that are flat (to 0.1 degrees) are triangulated anew. VolumeInMm3 of the reports is what the
+ * surfaces enclose.
  *
  * Throws InputError on open surfaces (with places), on ones that cut each other, and on unusable
  * options. The callback can stop the refinement, not the steps before it.
@@ -33,7 +34,8 @@ MAMMORAYMESHING_EXPORT MeshingResult MeshSurfaces(const SurfaceMesh& surfaces,
 /**
  * The second way from a volume of materials (0 = air) to tetrahedra, that of iso2mesh (Fang and
  * Boas, ISBI 2009): the interfaces as closed surfaces of the sizes asked for, which are those of
- * MeshMaterials, then MeshSurfaces. Components are merged, reported and guarded as there.
+ * MeshMaterials, filled by TetGen together with the air around and mended once more, by which
+ * interfaces may move as far as there again. Components are merged, reported and guarded as there.
  */
 MAMMORAYMESHING_EXPORT MeshingResult MeshMaterialSurfaces(const LabelVolume& materials,
   const MeshingOptions& options, const ProgressCallback& progress = {});

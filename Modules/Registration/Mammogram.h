@@ -5,6 +5,7 @@
 #include "mammorayRegistrationModule.h"
 
 #include <array>
+#include <cstddef>
 #include <optional>
 #include <string>
 #include <vector>
@@ -93,9 +94,18 @@ struct MAMMORAYREGISTRATION_EXPORT RegistrationTarget
   /// Distance to the breast's outline in the receptor plane, mm; negative inside. The image border
   /// that cuts the breast (chest wall) is not outline.
   std::vector<float> SignedDistanceMm;
+  /// 1 where the picture inside the breast is not compared: the pectoral muscle, markers and text
+  /// burnt into the image, what the detector does not measure. Empty: nowhere.
+  std::vector<unsigned char> Excluded;
   /// What had to be assumed because the header did not say, a sentence each.
   std::vector<std::string> Warnings;
 };
+
+/// Whether a pixel's picture is not compared.
+inline bool IsExcluded(const RegistrationTarget& target, std::size_t pixel)
+{
+  return !target.Excluded.empty() && target.Excluded[pixel] != 0;
+}
 }
 
 #endif

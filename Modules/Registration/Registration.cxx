@@ -2,6 +2,7 @@
 #include "Registration.h"
 
 #include "Error.h"
+#include "Private/RegistrationEvaluator.h"
 #include "Private/ValidateRegistration.h"
 #include "TargetImage.h"
 
@@ -9,346 +10,32 @@
 #include <ceres/ceres.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <limits>
 #include <memory>
+#include <numeric>
 
 namespace mammoray
 {
 namespace
 {
-/// Poses without an equilibrium, of one resolution, after which a search ends: each costs many
-/// times what a good one does, and the best match lies where the breast cannot be compressed to.
-constexpr int LargestNumberOfFailures = 5;
 /// Of the cost, to the bottom of its quadratic model. Residuals are in standard deviations:
 /// parameters that are half of their own from the best cost this much more. The cheap simulation is
 /// off by more than two.
 constexpr double NegligibleFall = 0.125;
 constexpr double NegligibleFallOfScout = 2;
 
-/// Beyond this way of the plates a cold start costs less than going there from another state, mm.
-constexpr double LongestWarmTravelMm = 8;
-
-using Clock = std::chrono::steady_clock;
-
-double SecondsSince(Clock::time_point begin)
-{
-  return std::chrono::duration<double>(Clock::now() - begin).count();
-}
-
-/// How far the plates are from those of a state, mm.
-double TravelFrom(const CompressionState& state, const RegistrationModel& model,
-  const std::vector<double>& values)
-{
-  const PlatePair plates = PlatesAt(model, PoseOf(values));
-  return TravelMm(PlateMotion(SlidTowards(state.Plates, plates), plates));
-}
-
-/// The residuals of a level for Ceres, with the equilibrium they belong to.
-class Evaluator : public ceres::EvaluationCallback
-{
-public:
-  Evaluator(const RegistrationModel& model, const RegistrationTarget& target,
-    const RegistrationOptions& options, const std::vector<int>& freeParameters,
-    const std::vector<double>& start, const CompressionState& startState,
-    const ProgressCallback& progress)
-    : Compared(model, target, options)
-    , Free(freeParameters)
-    , Values(start)
-    , State(startState)
-    , Model(model)
-    , Options(options)
-    , Progress(progress)
-  {
-    for (const int parameter : this->Free)
-    {
-      this->Unknowns.push_back(start[parameter] / options.Parameters[parameter].Scale);
-    }
-    this->StateIsAt = this->Unknowns;
-  }
-
-  void PrepareForEvaluation(bool evaluateJacobians, bool /*newPoint*/) override
-  {
-    if (!this->Evaluated || this->Unknowns != this->EvaluatedAt)
-    {
-      this->EvaluatedAt = this->Unknowns;
-      this->Evaluated = true;
-      this->HasJacobian = false;
-      this->Valid = this->EvaluateResiduals();
-    }
-    if (evaluateJacobians && this->Valid && !this->HasJacobian)
-    {
-      this->EvaluateJacobian();
-    }
-  }
-
-  /// Back to an equilibrium, that of the unknowns as they are now.
-  void ReturnTo(const CompressionState& state)
-  {
-    this->State = state;
-    this->StateIsAt = this->Unknowns;
-    this->Failures = 0;
-  }
-
-  RegistrationCosts Costs() const { return this->Compared.Costs(this->Residuals); }
-
-  /**
-   * How far the cost falls from the evaluated point to the bottom of its Gauss-Newton model,
-   * g^T H^-1 g / 2, residuals weighted as by the robust loss. Parameters that are at a bound and
-   * would go beyond it stay.
-   */
-  double PredictedFall() const
-  {
-    const auto count = static_cast<Eigen::Index>(this->Free.size());
-    Eigen::MatrixXd hessian = Eigen::MatrixXd::Zero(count, count);
-    Eigen::VectorXd gradient = Eigen::VectorXd::Zero(count);
-    const std::size_t robust = this->Residuals.size() - this->Compared.NumberOfPriors();
-    Eigen::VectorXd row(count);
-    for (std::size_t index = 0; index < this->Residuals.size(); ++index)
-    {
-      const double r = this->Residuals[index];
-      const double weight = index < robust && std::abs(r) > this->Options.RobustWidth
-        ? this->Options.RobustWidth / std::abs(r)
-        : 1.0;
-      for (Eigen::Index f = 0; f < count; ++f)
-      {
-        row[f] = this->Jacobian[static_cast<std::size_t>(f)][index];
-      }
-      hessian += weight * row * row.transpose();
-      gradient += weight * r * row;
-    }
-    for (Eigen::Index f = 0; f < count; ++f)
-    {
-      if (this->IsStoppedByBound(static_cast<std::size_t>(f), gradient[f]))
-      {
-        gradient[f] = 0;
-        hessian.row(f).setZero();
-        hessian.col(f).setZero();
-        hessian(f, f) = 1;
-      }
-    }
-    return 0.5 * gradient.dot(hessian.ldlt().solve(gradient));
-  }
-
-  const RegistrationResiduals Compared;
-  const std::vector<int> Free;
-  /// Ceres' parameter block: the free values over their scales.
-  std::vector<double> Unknowns;
-  /// Values of all parameters at the evaluated point.
-  std::vector<double> Values;
-  /// Equilibrium at the evaluated point, and where the next one starts.
-  CompressionState State;
-  std::vector<double> Residuals;
-  /// Column f is d residuals / d Unknowns[f].
-  std::vector<std::vector<double>> Jacobian;
-  bool Valid = false;
-  bool Stopped = false;
-  /// Poses without an equilibrium that were tried.
-  int Failures = 0;
-  int Evaluations = 0;
-  int Projections = 0;
-  double MechanicsSeconds = 0;
-  double ProjectionSeconds = 0;
-  double JacobianSeconds = 0;
-
-private:
-  bool IsStoppedByBound(std::size_t free, double slope) const
-  {
-    const RegistrationParameter& parameter = this->Options.Parameters[this->Free[free]];
-    const double value = this->Unknowns[free] * parameter.Scale;
-    const double near = 1e-6 * parameter.Scale;
-    return (slope > 0 && value < parameter.Lower + near) ||
-      (slope < 0 && value > parameter.Upper - near);
-  }
-
-  bool EvaluateResiduals()
-  {
-    for (std::size_t f = 0; f < this->Free.size(); ++f)
-    {
-      this->Values[this->Free[f]] =
-        this->Unknowns[f] * this->Options.Parameters[this->Free[f]].Scale;
-    }
-    return (this->Unknowns == this->StateIsAt || this->Compress()) && this->Compare();
-  }
-
-  /// Whether there is an equilibrium at Values, which State then is.
-  bool Compress()
-  {
-    const double travelMm = TravelFrom(this->State, this->Model, this->Values);
-    if (travelMm > this->LongestTravelMm || this->Failures >= LargestNumberOfFailures)
-    {
-      return false; // costs nothing, and Ceres shortens its step or gives up
-    }
-    const auto begin = Clock::now();
-    try
-    {
-      this->State = CompressAt(this->Model, this->Values,
-        travelMm > LongestWarmTravelMm ? nullptr : &this->State, this->Progress);
-      this->StateIsAt = this->Unknowns;
-      ++this->Evaluations;
-      this->MechanicsSeconds += SecondsSince(begin);
-      this->LongestTravelMm = std::max(this->LongestTravelMm, 2 * travelMm);
-      return true;
-    }
-    catch (const Interrupted&)
-    {
-      return this->Stop();
-    }
-    catch (const ConvergenceError&)
-    {
-      ++this->Failures;
-      ++this->Evaluations;
-      this->MechanicsSeconds += SecondsSince(begin);
-      this->LongestTravelMm = travelMm > 0 ? 0.5 * travelMm : this->LongestTravelMm;
-      return false; // no equilibrium there: Ceres shortens its step
-    }
-  }
-
-  /// The answer to Ceres: with stale residuals it must not take the stop for a failure; the
-  /// recorder ends the search.
-  bool Stop()
-  {
-    this->Stopped = true;
-    return !this->Residuals.empty();
-  }
-
-  bool Compare()
-  {
-    if (this->Stopped || (this->Progress && !this->Progress(0, "project")))
-    {
-      return this->Stop();
-    }
-    const auto begin = Clock::now();
-    this->Residuals = this->Compared.Evaluate(this->Values, this->State);
-    this->ProjectionSeconds += SecondsSince(begin);
-    ++this->Projections;
-    return true;
-  }
-
-  void EvaluateJacobian()
-  {
-    this->Jacobian.assign(this->Free.size(),
-      std::vector<double>(this->Compared.NumberOfResiduals(), 0.0));
-    this->HasJacobian = true;
-    if (this->Stopped)
-    {
-      return; // zeros; see Stop
-    }
-    const auto begin = Clock::now();
-    if (this->Options.Derivatives == RegistrationDerivatives::CentralDifferences)
-    {
-      this->Valid = this->DifferentiateByDifferences();
-      this->JacobianSeconds += SecondsSince(begin);
-      return;
-    }
-    RegistrationResiduals::Jacobian jacobian =
-      this->Compared.Differentiate(this->Values, this->State, this->Free);
-    for (std::size_t f = 0; f < this->Free.size(); ++f)
-    {
-      this->Jacobian[f] = std::move(jacobian.Columns[this->Free[f]]);
-      for (double& entry : this->Jacobian[f])
-      {
-        entry *= this->Options.Parameters[this->Free[f]].Scale;
-      }
-    }
-    this->JacobianSeconds += SecondsSince(begin);
-  }
-
-public:
-  /// Residuals beside the evaluated point for Ceres' differences, which are relative to their
-  /// argument: offsets[0][f] is 1 at the point, and 1 more one scale of parameter f beside it.
-  bool operator()(const double* const* offsets, double* residuals) const
-  {
-    std::vector<double> beside = this->Values;
-    bool moved = false;
-    for (std::size_t f = 0; f < this->Free.size(); ++f)
-    {
-      moved = moved || offsets[0][f] != 1;
-      beside[this->Free[f]] += (offsets[0][f] - 1) * this->Options.Parameters[this->Free[f]].Scale;
-    }
-    std::vector<double> found = this->Residuals;
-    if (moved)
-    {
-      try
-      {
-        const CompressionState state =
-          CompressAt(this->Model, beside, &this->State, this->Progress);
-        found = this->Compared.Evaluate(beside, state);
-      }
-      catch (const ConvergenceError&)
-      {
-        return false;
-      }
-    }
-    std::copy(found.begin(), found.end(), residuals);
-    return true;
-  }
-
-private:
-  /// False where a point beside this one has no equilibrium.
-  bool DifferentiateByDifferences()
-  {
-    ceres::NumericDiffOptions steps;
-    steps.relative_step_size = this->Options.DifferenceStep;
-    ceres::DynamicNumericDiffCostFunction<Evaluator, ceres::CENTRAL> differences(this,
-      ceres::DO_NOT_TAKE_OWNERSHIP, steps);
-    const auto unknowns = static_cast<int>(this->Free.size());
-    const std::size_t count = this->Residuals.size();
-    differences.AddParameterBlock(unknowns);
-    differences.SetNumResiduals(static_cast<int>(count));
-    const std::vector<double> here(this->Free.size(), 1.0);
-    const double* const block = here.data();
-    std::vector<double> residuals(count);
-    std::vector<double> matrix(count * this->Free.size());
-    double* rows = matrix.data();
-    try
-    {
-      if (!differences.Evaluate(&block, residuals.data(), &rows))
-      {
-        return false;
-      }
-    }
-    catch (const Interrupted&)
-    {
-      return this->Stop();
-    }
-    this->Evaluations += 2 * unknowns;
-    this->Projections += 2 * unknowns;
-    for (std::size_t index = 0; index < count; ++index)
-    {
-      for (std::size_t f = 0; f < this->Free.size(); ++f)
-      {
-        this->Jacobian[f][index] = matrix[index * this->Free.size() + f];
-      }
-    }
-    return true;
-  }
-
-  const RegistrationModel& Model;
-  const RegistrationOptions& Options;
-  const ProgressCallback& Progress;
-  /// A longer way of the plates from State is refused unseen: half of what failed last, twice of
-  /// what succeeded. The first is a step that a phantom's compression still follows.
-  double LongestTravelMm = 20;
-  /// The unknowns whose equilibrium State is.
-  std::vector<double> StateIsAt;
-  std::vector<double> EvaluatedAt;
-  bool Evaluated = false;
-  bool HasJacobian = false;
-};
-
-/// One residual of an Evaluator, so that Ceres can weigh each by its robust loss.
+/// One residual of an evaluator, so that Ceres can weigh each by its robust loss.
 class ResidualCost : public ceres::CostFunction
 {
 public:
-  ResidualCost(const Evaluator& evaluator, std::size_t index)
+  ResidualCost(const RegistrationEvaluator& evaluator, std::size_t index)
     : Source(evaluator)
     , Index(index)
   {
     this->set_num_residuals(1);
-    this->mutable_parameter_block_sizes()->push_back(static_cast<int>(evaluator.Free.size()));
+    this->mutable_parameter_block_sizes()->push_back(static_cast<int>(evaluator.Unknowns.size()));
   }
 
   bool Evaluate(double const* const*, double* residuals, double** jacobians) const override
@@ -360,16 +47,16 @@ public:
     residuals[0] = this->Source.Residuals[this->Index];
     if (jacobians && jacobians[0])
     {
-      for (std::size_t f = 0; f < this->Source.Free.size(); ++f)
+      for (std::size_t u = 0; u < this->Source.Unknowns.size(); ++u)
       {
-        jacobians[0][f] = this->Source.Jacobian[f][this->Index];
+        jacobians[0][u] = this->Source.Jacobian[u][this->Index];
       }
     }
     return true;
   }
 
 private:
-  const Evaluator& Source;
+  const RegistrationEvaluator& Source;
   std::size_t Index;
 };
 
@@ -377,10 +64,11 @@ private:
 class IterationRecorder : public ceres::IterationCallback
 {
 public:
-  IterationRecorder(const Evaluator& evaluator, RegistrationResult& result, double pixelSizeMm,
-    double negligibleFall, Clock::time_point begin)
+  IterationRecorder(const RegistrationEvaluator& evaluator,
+    std::vector<RegistrationResult>& results, double pixelSizeMm, double negligibleFall,
+    Clock::time_point begin)
     : Source(evaluator)
-    , Result(result)
+    , Results(results)
     , PixelSizeMm(pixelSizeMm)
     , LeastFall(negligibleFall)
     , Begin(begin)
@@ -389,34 +77,43 @@ public:
 
   ceres::CallbackReturnType operator()(const ceres::IterationSummary& summary) override
   {
-    if (this->Source.Stopped || this->Source.Failures >= LargestNumberOfFailures)
+    if (this->Source.Stopped ||
+      this->Source.Failures >= RegistrationEvaluator::LargestNumberOfFailures)
     {
       return ceres::SOLVER_ABORT;
     }
     if (summary.iteration == 0 || summary.step_is_successful)
     {
       // Ceres has just evaluated the Jacobian at the accepted point, so the evaluator stands there.
-      const RegistrationCosts costs = this->Source.Costs();
-      RegistrationIteration row;
-      row.Number = static_cast<int>(this->Result.Iterations.size());
-      row.Parameters = this->Source.Values;
-      row.PixelSizeMm = this->PixelSizeMm;
-      row.OutlineCost = costs.Outline;
-      row.IntensityCost = costs.Intensity;
-      row.PriorCost = costs.Prior;
-      row.Cost = costs.Sum();
-      row.Seconds = SecondsSince(this->Begin);
+      for (std::size_t view = 0; view < this->Results.size(); ++view)
+      {
+        this->Keep(*this->Source.Views[view], this->Results[view]);
+      }
       this->Settled = this->Source.PredictedFall() < this->LeastFall;
-      this->Result.Iterations.push_back(row);
-      this->Result.Values = this->Source.Values;
-      this->Result.State = this->Source.State;
     }
     return this->Settled ? ceres::SOLVER_TERMINATE_SUCCESSFULLY : ceres::SOLVER_CONTINUE;
   }
 
 private:
-  const Evaluator& Source;
-  RegistrationResult& Result;
+  void Keep(const ViewEvaluator& view, RegistrationResult& result) const
+  {
+    const RegistrationCosts costs = view.Costs();
+    RegistrationIteration row;
+    row.Number = static_cast<int>(result.Iterations.size());
+    row.Parameters = view.View.Values;
+    row.PixelSizeMm = this->PixelSizeMm;
+    row.OutlineCost = costs.Outline;
+    row.IntensityCost = costs.Intensity;
+    row.PriorCost = costs.Prior;
+    row.Cost = costs.Sum();
+    row.Seconds = SecondsSince(this->Begin);
+    result.Iterations.push_back(row);
+    result.Values = view.View.Values;
+    result.State = view.View.State;
+  }
+
+  const RegistrationEvaluator& Source;
+  std::vector<RegistrationResult>& Results;
   double PixelSizeMm;
   double LeastFall;
   Clock::time_point Begin;
@@ -659,32 +356,180 @@ void ChooseStart(const RegistrationModel& model, const RegistrationTarget& targe
   result.State = best.State;
 }
 
-/// Standard deviations and covariance of the free parameters at the evaluator's solution.
-void KeepCovariance(ceres::Problem& problem, Evaluator& evaluator, RegistrationResult& result)
+/// The views that have a parameter of one: all of them a shared one.
+std::vector<std::size_t> ViewsOf(int parameter, std::size_t view, std::size_t count)
 {
-  evaluator.ReturnTo(result.State);
+  if (!IsShared(parameter))
+  {
+    return { view };
+  }
+  std::vector<std::size_t> views(count);
+  std::iota(views.begin(), views.end(), std::size_t{ 0 });
+  return views;
+}
+
+/// Parameters that are held, but not known: those with a prior, a shared one once.
+std::vector<SearchUnknown> Considered(const std::vector<RegistrationResult>& results)
+{
+  std::vector<SearchUnknown> considered;
+  for (std::size_t view = 0; view < results.size(); ++view)
+  {
+    for (int index = 0; index < ParameterCount; ++index)
+    {
+      const RegistrationParameter& parameter = results[view].Parameters[index];
+      if (parameter.Fixed && parameter.PriorSigma > 0 && (view == 0 || !IsShared(index)))
+      {
+        considered.push_back(
+          { index, ViewsOf(index, view, results.size()), 0, 0, parameter.PriorSigma });
+      }
+    }
+  }
+  return considered;
+}
+
+/// d residuals / d parameters in units of their scales, at the evaluator's point.
+Eigen::MatrixXd ColumnsOf(RegistrationEvaluator& evaluator,
+  const std::vector<SearchUnknown>& parameters)
+{
+  Eigen::MatrixXd columns =
+    Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(evaluator.Residuals.size()),
+      static_cast<Eigen::Index>(parameters.size()));
+  std::size_t first = 0;
+  for (std::size_t view = 0; view < evaluator.Views.size(); ++view)
+  {
+    std::vector<int> wanted;
+    std::vector<Eigen::Index> places;
+    for (std::size_t index = 0; index < parameters.size(); ++index)
+    {
+      const std::vector<std::size_t>& views = parameters[index].Views;
+      if (std::find(views.begin(), views.end(), view) != views.end())
+      {
+        wanted.push_back(parameters[index].Parameter);
+        places.push_back(static_cast<Eigen::Index>(index));
+      }
+    }
+    const RegistrationResiduals::Jacobian jacobian = evaluator.Views[view]->Differentiate(wanted);
+    for (std::size_t index = 0; index < wanted.size(); ++index)
+    {
+      const std::vector<double>& column = jacobian.Columns[wanted[index]];
+      columns.col(places[index])
+        .segment(static_cast<Eigen::Index>(first), static_cast<Eigen::Index>(column.size())) =
+        parameters[static_cast<std::size_t>(places[index])].Scale *
+        Eigen::Map<const Eigen::VectorXd>(column.data(), static_cast<Eigen::Index>(column.size()));
+    }
+    first += evaluator.Views[view]->Residuals.size();
+  }
+  return columns;
+}
+
+/**
+ * The covariance of free parameters and of those that are held, but are only known up to their
+ * priors, into the results of the views: an error c of the latter moves the minimum by S c, S =
+ * -(J^T W J)^-1 J^T W J_c (consider covariance, Schmidt 1966; Tapley, Schutz and Born 2004, section
+ * 6.2). Needs the joint covariance.
+ */
+void KeepConsidered(RegistrationEvaluator& evaluator, JointRegistrationResult& joint)
+{
+  std::vector<SearchUnknown> all = evaluator.Unknowns;
+  const auto count = static_cast<Eigen::Index>(all.size());
+  const std::vector<SearchUnknown> considered = Considered(joint.Views);
+  const auto held = static_cast<Eigen::Index>(considered.size());
+  all.insert(all.end(), considered.begin(), considered.end());
+
+  const std::vector<double> weights = evaluator.Weights();
+  Eigen::MatrixXd jacobian(static_cast<Eigen::Index>(weights.size()), count);
+  for (Eigen::Index u = 0; u < count; ++u)
+  {
+    jacobian.col(u) = Eigen::Map<const Eigen::VectorXd>(
+      evaluator.Jacobian[static_cast<std::size_t>(u)].data(), jacobian.rows());
+  }
+  const Eigen::MatrixXd weighted = jacobian.transpose() *
+    Eigen::Map<const Eigen::VectorXd>(weights.data(), jacobian.rows()).asDiagonal();
+  // In units of the unknowns' scales and of the priors.
+  const Eigen::MatrixXd shift =
+    -(weighted * jacobian).ldlt().solve(weighted * ColumnsOf(evaluator, considered));
+  Eigen::MatrixXd covariance = Eigen::MatrixXd::Identity(count + held, count + held);
+  for (Eigen::Index i = 0; i < count; ++i)
+  {
+    for (Eigen::Index j = 0; j < count; ++j)
+    {
+      covariance(i, j) = joint.Covariance[static_cast<std::size_t>(i * count + j)] /
+        (all[static_cast<std::size_t>(i)].Scale * all[static_cast<std::size_t>(j)].Scale);
+    }
+  }
+  covariance.topLeftCorner(count, count) += shift * shift.transpose();
+  covariance.topRightCorner(count, held) = shift;
+  covariance.bottomLeftCorner(held, count) = shift.transpose();
+  for (std::size_t view = 0; view < joint.Views.size(); ++view)
+  {
+    std::vector<double>& kept = joint.Views[view].ConsideredCovariance;
+    kept.assign(std::size_t{ ParameterCount } * ParameterCount, 0.0);
+    const auto has = [view](const SearchUnknown& parameter)
+    {
+      return std::find(parameter.Views.begin(), parameter.Views.end(), view) !=
+        parameter.Views.end();
+    };
+    for (std::size_t i = 0; i < all.size(); ++i)
+    {
+      for (std::size_t j = 0; has(all[i]) && j < all.size(); ++j)
+      {
+        if (has(all[j]))
+        {
+          kept[all[i].Parameter * ParameterCount + all[j].Parameter] = all[i].Scale * all[j].Scale *
+            covariance(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j));
+        }
+      }
+    }
+  }
+}
+
+/// Covariance of the unknowns at the evaluator's solution, and its part in each view's result.
+void KeepCovariance(ceres::Problem& problem, RegistrationEvaluator& evaluator,
+  JointRegistrationResult& joint)
+{
+  std::vector<CompressionState> states;
+  for (const RegistrationResult& result : joint.Views)
+  {
+    states.push_back(result.State);
+  }
+  evaluator.ReturnTo(states);
   ceres::Covariance covariance{ ceres::Covariance::Options() };
-  const std::vector<const double*> blocks{ evaluator.Unknowns.data() };
+  const std::vector<const double*> blocks{ evaluator.Block.data() };
   if (!covariance.Compute(blocks, &problem))
   {
     return;
   }
-  const std::size_t n = evaluator.Free.size();
-  std::vector<double> matrix(n * n);
-  covariance.GetCovarianceBlock(evaluator.Unknowns.data(), evaluator.Unknowns.data(),
-    matrix.data());
-  result.Covariance.assign(std::size_t{ ParameterCount } * ParameterCount, 0.0);
-  for (std::size_t f = 0; f < n; ++f)
+  const std::size_t n = evaluator.Unknowns.size();
+  joint.Covariance.resize(n * n);
+  covariance.GetCovarianceBlock(evaluator.Block.data(), evaluator.Block.data(),
+    joint.Covariance.data());
+  for (RegistrationResult& result : joint.Views)
   {
-    const int row = evaluator.Free[f];
-    for (std::size_t g = 0; g < n; ++g)
-    {
-      const int column = evaluator.Free[g];
-      result.Covariance[row * ParameterCount + column] =
-        matrix[f * n + g] * result.Parameters[row].Scale * result.Parameters[column].Scale;
-    }
-    result.StandardDeviations[row] = std::sqrt(result.Covariance[row * (ParameterCount + 1)]);
+    result.Covariance.assign(std::size_t{ ParameterCount } * ParameterCount, 0.0);
   }
+  for (std::size_t i = 0; i < n; ++i)
+  {
+    const SearchUnknown& row = evaluator.Unknowns[i];
+    for (std::size_t j = 0; j < n; ++j)
+    {
+      const SearchUnknown& column = evaluator.Unknowns[j];
+      double& entry = joint.Covariance[i * n + j];
+      entry *= row.Scale * column.Scale;
+      for (const std::size_t view : row.Views)
+      {
+        if (std::find(column.Views.begin(), column.Views.end(), view) != column.Views.end())
+        {
+          joint.Views[view].Covariance[row.Parameter * ParameterCount + column.Parameter] = entry;
+        }
+      }
+    }
+    for (const std::size_t view : row.Views)
+    {
+      joint.Views[view].StandardDeviations[row.Parameter] =
+        std::sqrt(joint.Covariance[i * (n + 1)]);
+    }
+  }
+  KeepConsidered(evaluator, joint);
 }
 
 enum class LevelEnd
@@ -696,198 +541,297 @@ enum class LevelEnd
   Stopped
 };
 
-/// Searches at one resolution.
-LevelEnd SearchLevel(const RegistrationModel& model, const RegistrationTarget& coarse,
-  const RegistrationOptions& options, double pixelSizeMm, double negligibleFall,
-  const std::vector<int>& freeParameters, Clock::time_point begin, RegistrationResult& result,
-  const ProgressCallback& progress)
+/// What a level of the search compares, and when it ends.
+struct Level
 {
-  Evaluator evaluator(model, coarse, options, freeParameters, result.Values, result.State,
-    progress);
-  ceres::Problem::Options problemOptions;
-  problemOptions.evaluation_callback = &evaluator;
-  ceres::Problem problem(problemOptions);
-  const std::size_t robustCount =
-    evaluator.Compared.NumberOfOutlineResiduals() + evaluator.Compared.NumberOfIntensityResiduals();
-  for (std::size_t index = 0; index < evaluator.Compared.NumberOfResiduals(); ++index)
-  {
-    problem.AddResidualBlock(new ResidualCost(evaluator, index),
-      index < robustCount ? new ceres::HuberLoss(options.RobustWidth) : nullptr,
-      evaluator.Unknowns.data());
-  }
-  for (std::size_t f = 0; f < freeParameters.size(); ++f)
-  {
-    const RegistrationParameter& parameter = result.Parameters[freeParameters[f]];
-    problem.SetParameterLowerBound(evaluator.Unknowns.data(), static_cast<int>(f),
-      parameter.Lower / parameter.Scale);
-    problem.SetParameterUpperBound(evaluator.Unknowns.data(), static_cast<int>(f),
-      parameter.Upper / parameter.Scale);
-  }
-  ceres::Solver::Options solverOptions;
-  solverOptions.max_num_iterations = options.MaximumIterations;
-  solverOptions.linear_solver_type = ceres::DENSE_QR;
-  solverOptions.logging_type = ceres::SILENT;
+  double PixelSizeMm = 0;
+  double NegligibleFall = 0;
+  int MaximumIterations = 0;
+  bool Finest = false;
+};
+
+ceres::Solver::Options SolverOptions(const Level& level)
+{
+  ceres::Solver::Options options;
+  options.max_num_iterations = level.MaximumIterations;
+  options.linear_solver_type = ceres::DENSE_QR;
+  options.logging_type = ceres::SILENT;
   // A cost that falls by a thousandth tells nothing more: residuals are in standard deviations.
-  solverOptions.function_tolerance = 1e-3;
-  solverOptions.parameter_tolerance = 1e-3;
-  solverOptions.update_state_every_iteration = true;
-  solverOptions.initial_trust_region_radius = 1e2;
-  solverOptions.max_num_consecutive_invalid_steps = 10;
+  options.function_tolerance = 1e-3;
+  options.parameter_tolerance = 1e-3;
+  options.update_state_every_iteration = true;
+  options.initial_trust_region_radius = 1e2;
+  options.max_num_consecutive_invalid_steps = 10;
   // Of a step that does not help a shorter one is tried: Ceres' own search along it, meant for
   // bounds, spends an equilibrium on each of many dents of the cost.
-  solverOptions.max_num_line_search_step_size_iterations = 0;
-  IterationRecorder recorder(evaluator, result, pixelSizeMm, negligibleFall, begin);
-  solverOptions.callbacks.push_back(&recorder);
-  ceres::Solver::Summary summary;
-  ceres::Solve(solverOptions, &problem, &summary);
-  result.Evaluations += evaluator.Evaluations;
-  result.Projections += evaluator.Projections;
-  result.MechanicsSeconds += evaluator.MechanicsSeconds;
-  result.ProjectionSeconds += evaluator.ProjectionSeconds;
-  result.JacobianSeconds += evaluator.JacobianSeconds;
-  result.Converged = false;
-  if (evaluator.Stopped)
+  options.max_num_line_search_step_size_iterations = 0;
+  return options;
+}
+
+void AddResiduals(RegistrationEvaluator& evaluator, ceres::Problem& problem)
+{
+  const double width = evaluator.Views.front()->View.Options.RobustWidth;
+  for (std::size_t index = 0; index < evaluator.Robust.size(); ++index)
   {
-    result.StopReason = "interrupted; this is the best pose so far";
-    return LevelEnd::Stopped;
+    problem.AddResidualBlock(new ResidualCost(evaluator, index),
+      evaluator.Robust[index] ? new ceres::HuberLoss(width) : nullptr, evaluator.Block.data());
   }
-  if (evaluator.Failures >= LargestNumberOfFailures)
+  for (std::size_t u = 0; u < evaluator.Unknowns.size(); ++u)
   {
-    result.StopReason = std::to_string(evaluator.Failures) +
-      " poses on the way to a better match had no equilibrium; this is the best pose that has one";
-    return LevelEnd::Failed;
+    const SearchUnknown& unknown = evaluator.Unknowns[u];
+    problem.SetParameterLowerBound(evaluator.Block.data(), static_cast<int>(u),
+      unknown.Lower / unknown.Scale);
+    problem.SetParameterUpperBound(evaluator.Block.data(), static_cast<int>(u),
+      unknown.Upper / unknown.Scale);
   }
-  result.Converged = summary.IsSolutionUsable() &&
+}
+
+/// Adds what a level took, and why it ended, to the results.
+LevelEnd KeepEnd(const RegistrationEvaluator& evaluator, const ceres::Solver::Summary& summary,
+  std::vector<RegistrationResult>& results)
+{
+  LevelEnd end = summary.termination_type == ceres::FAILURE ? LevelEnd::Failed : LevelEnd::Reached;
+  bool converged = summary.IsSolutionUsable() &&
     (summary.termination_type == ceres::CONVERGENCE ||
       summary.termination_type == ceres::USER_SUCCESS);
   // Like our own reasons, without a full stop.
-  result.StopReason = summary.termination_type == ceres::USER_SUCCESS
+  std::string reason = summary.termination_type == ceres::USER_SUCCESS
     ? "the parameters are within half a standard deviation of the best match"
     : summary.message.substr(0, summary.message.find_last_not_of(". ") + 1);
-  if (summary.termination_type == ceres::FAILURE)
+  if (evaluator.Stopped)
   {
-    return LevelEnd::Failed;
+    end = LevelEnd::Stopped;
+    converged = false;
+    reason = "interrupted; this is the best pose so far";
   }
-  if (pixelSizeMm == options.PixelSizesMm.back())
+  else if (evaluator.Failures >= RegistrationEvaluator::LargestNumberOfFailures)
   {
-    KeepCovariance(problem, evaluator, result);
+    end = LevelEnd::Failed;
+    converged = false;
+    reason = std::to_string(evaluator.Failures) +
+      " poses on the way to a better match had no equilibrium; this is the best pose that has one";
   }
-  return LevelEnd::Reached;
+  for (std::size_t view = 0; view < results.size(); ++view)
+  {
+    const ViewEvaluator& spent = *evaluator.Views[view];
+    RegistrationResult& result = results[view];
+    result.Evaluations += spent.Evaluations;
+    result.Projections += spent.Projections;
+    result.MechanicsSeconds += spent.MechanicsSeconds;
+    result.ProjectionSeconds += spent.ProjectionSeconds;
+    result.JacobianSeconds += spent.JacobianSeconds;
+    result.Converged = converged;
+    result.StopReason = reason;
+  }
+  return end;
 }
 
-/// The steps of Register.
+/// Searches at one resolution.
+LevelEnd SearchLevel(const std::vector<EvaluatedView>& views,
+  const std::vector<SearchUnknown>& unknowns, const Level& level, Clock::time_point begin,
+  JointRegistrationResult& joint, const ProgressCallback& progress)
+{
+  RegistrationEvaluator evaluator(views, unknowns, progress);
+  ceres::Problem::Options problemOptions;
+  problemOptions.evaluation_callback = &evaluator;
+  ceres::Problem problem(problemOptions);
+  AddResiduals(evaluator, problem);
+  ceres::Solver::Options solverOptions = SolverOptions(level);
+  IterationRecorder recorder(evaluator, joint.Views, level.PixelSizeMm, level.NegligibleFall,
+    begin);
+  solverOptions.callbacks.push_back(&recorder);
+  ceres::Solver::Summary summary;
+  ceres::Solve(solverOptions, &problem, &summary);
+  const LevelEnd end = KeepEnd(evaluator, summary, joint.Views);
+  if (end == LevelEnd::Reached && level.Finest)
+  {
+    KeepCovariance(problem, evaluator, joint);
+  }
+  return end;
+}
+
+/// The steps of RegisterTogether.
 class Search
 {
 public:
-  Search(const RegistrationModel& model, const RegistrationTarget& target,
-    const RegistrationOptions& options, RegistrationResult& result,
-    const ProgressCallback& progress)
-    : Model(model)
-    , Target(target)
+  Search(const std::vector<RegistrationView>& views, const RegistrationOptions& options,
+    JointRegistrationResult& joint, const ProgressCallback& progress)
+    : Views(views)
     , Options(options)
-    , Result(result)
+    , Joint(joint)
     , Progress(progress)
   {
-    for (int index = 0; index < ParameterCount; ++index)
+    for (const RegistrationView& view : views)
     {
-      if (!options.Parameters[index].Fixed)
-      {
-        this->Free.push_back(index);
-      }
+      this->Models.push_back(*view.Model);
     }
   }
 
   void Run()
   {
-    OpenToHalfHeight(this->Model, this->Result);
-    const bool chooses = !this->Free.empty() && this->Options.From.empty();
-    if (chooses && this->Model.Scout && this->ByScout())
+    for (std::size_t view = 0; view < this->Views.size(); ++view)
+    {
+      OpenToHalfHeight(this->Models[view], this->Joint.Views[view]);
+    }
+    this->CollectUnknowns();
+    const bool chooses = !this->Unknowns.empty() && this->Views.front().From.empty();
+    if (chooses && this->HasScout() && this->ByScout())
     {
       return;
     }
-    this->Result.State = CompressStart(this->Model, this->Result, this->Progress);
-    this->KeepBefore(this->Model);
-    if (chooses)
+    for (std::size_t view = 0; view < this->Views.size(); ++view)
     {
-      this->Choose(this->Model);
+      RegistrationResult& result = this->Joint.Views[view];
+      result.State = CompressStart(this->Models[view], result, this->Progress);
+      this->KeepBefore(this->Models[view], view);
+      if (chooses)
+      {
+        this->Choose(this->Models[view], view);
+      }
     }
-    this->Levels(this->Model, 0, this->Options.PixelSizesMm.size());
+    this->CollectUnknowns(); // a start may have been opened
+    this->Levels(this->Models, 0, this->Options.PixelSizesMm.size());
   }
 
 private:
+  bool HasScout() const
+  {
+    return std::all_of(this->Models.begin(), this->Models.end(),
+      [](const RegistrationModel& model) { return model.Scout != nullptr; });
+  }
+
+  /// What is free, view by view; a shared parameter once, with the bounds of the first view.
+  void CollectUnknowns()
+  {
+    this->Unknowns.clear();
+    this->Joint.Unknowns.clear();
+    for (std::size_t view = 0; view < this->Views.size(); ++view)
+    {
+      for (int index = 0; index < ParameterCount; ++index)
+      {
+        const RegistrationParameter& parameter = this->Joint.Views[view].Parameters[index];
+        if (parameter.Fixed || (IsShared(index) && view > 0))
+        {
+          continue;
+        }
+        SearchUnknown unknown{ index, ViewsOf(index, view, this->Views.size()), parameter.Lower,
+          parameter.Upper, parameter.Scale };
+        this->Joint.Unknowns.push_back({ index, view, unknown.Views.size() > 1 });
+        this->Unknowns.push_back(std::move(unknown));
+      }
+    }
+  }
+
   /**
-   * The start is chosen, and all resolutions but the finest are searched, with the cheap
+   * The starts are chosen, and all resolutions but the finest are searched, with the cheap
    * simulation; then the finest with the real one. False, with the values as they were, where
    * either has no equilibrium on this way.
    */
   bool ByScout()
   {
-    RegistrationModel scout = this->Model;
-    scout.Simulation = this->Model.Scout;
-    scout.SurfaceEmbedding = this->Model.ScoutEmbedding;
-    const std::vector<double> start = this->Result.Values;
+    std::vector<RegistrationModel> scouts = this->Models;
+    std::vector<std::vector<double>> starts;
     const std::size_t finest = this->Options.PixelSizesMm.size() - 1;
     try
     {
-      this->Result.State = CompressForStart(scout, start, nullptr, this->Result, this->Progress);
-      this->KeepBefore(scout);
-      this->Choose(scout);
-      const bool goesOn = this->Levels(scout, 0, finest);
+      for (std::size_t view = 0; view < scouts.size(); ++view)
+      {
+        RegistrationResult& result = this->Joint.Views[view];
+        starts.push_back(result.Values);
+        scouts[view].Simulation = this->Models[view].Scout;
+        scouts[view].SurfaceEmbedding = this->Models[view].ScoutEmbedding;
+        result.State =
+          CompressForStart(scouts[view], result.Values, nullptr, result, this->Progress);
+        this->KeepBefore(scouts[view], view);
+        this->Choose(scouts[view], view);
+      }
+      const bool goesOn = this->Levels(scouts, 0, finest);
       // A stop takes effect once the real simulation has been where the cheap one got to.
-      this->Result.State = CompressForStart(this->Model, this->Result.Values, nullptr, this->Result,
-        goesOn ? this->Progress : ProgressCallback());
+      for (std::size_t view = 0; view < scouts.size(); ++view)
+      {
+        RegistrationResult& result = this->Joint.Views[view];
+        result.State = CompressForStart(this->Models[view], result.Values, nullptr, result,
+          goesOn ? this->Progress : ProgressCallback());
+      }
       if (goesOn)
       {
-        this->Levels(this->Model, finest, finest + 1);
+        this->Levels(this->Models, finest, finest + 1);
       }
       return true;
     }
     catch (const ConvergenceError&)
     {
-      this->Result.Values = start;
+      for (std::size_t view = 0; view < starts.size(); ++view)
+      {
+        this->Joint.Views[view].Values = starts[view];
+      }
       return false;
     }
   }
 
-  /// What the options say, with the bounds of the result.
-  RegistrationOptions Bounded() const
+  /// What the options say, with the bounds of a view's result.
+  RegistrationOptions Bounded(std::size_t view) const
   {
     RegistrationOptions bounded = this->Options;
-    bounded.Parameters = this->Result.Parameters;
+    bounded.Parameters = this->Joint.Views[view].Parameters;
     return bounded;
   }
 
-  void KeepBefore(const RegistrationModel& model)
+  void KeepBefore(const RegistrationModel& model, std::size_t view)
   {
-    const RegistrationTarget finest = CoarsenTo(this->Target, this->Options.PixelSizesMm.back());
-    this->Result.Before = Compare(Synthesize(model, PoseOf(this->Result.Values), this->Result.State,
-                                    finest, this->Options.Samples),
-      finest);
+    RegistrationResult& result = this->Joint.Views[view];
+    const RegistrationTarget finest =
+      CoarsenTo(*this->Views[view].Target, this->Options.PixelSizesMm.back());
+    result.Before =
+      Compare(Synthesize(model, PoseOf(result.Values), result.State, finest, this->Options.Samples),
+        finest);
   }
 
-  void Choose(const RegistrationModel& model)
+  void Choose(const RegistrationModel& model, std::size_t view)
   {
-    ChooseStart(model, CoarsenTo(this->Target, this->Options.PixelSizesMm.front()), this->Bounded(),
-      this->Result, this->Progress);
+    ChooseStart(model, CoarsenTo(*this->Views[view].Target, this->Options.PixelSizesMm.front()),
+      this->Bounded(view), this->Joint.Views[view], this->Progress);
+  }
+
+  /// Where the search stands, with the prior of a shared parameter counted once.
+  std::vector<EvaluatedView> Evaluated(const std::vector<RegistrationModel>& models,
+    double pixelSizeMm) const
+  {
+    std::vector<EvaluatedView> evaluated;
+    for (std::size_t view = 0; view < this->Views.size(); ++view)
+    {
+      const RegistrationResult& result = this->Joint.Views[view];
+      evaluated.push_back({ &models[view], CoarsenTo(*this->Views[view].Target, pixelSizeMm),
+        this->Bounded(view), result.Values, result.State });
+      for (int index = 0; index < ParameterCount; ++index)
+      {
+        if (IsShared(index) && view > 0)
+        {
+          evaluated.back().Options.Parameters[index].PriorSigma = 0;
+        }
+      }
+    }
+    return evaluated;
   }
 
   /// Searches resolutions from `first` to before `last`; false when stopped by the user.
-  bool Levels(const RegistrationModel& model, std::size_t first, std::size_t last)
+  bool Levels(const std::vector<RegistrationModel>& models, std::size_t first, std::size_t last)
   {
     const ProgressCallback progress = [this](double, const char* stage)
     {
-      const auto iterations = static_cast<double>(this->Result.Iterations.size());
+      const auto iterations = static_cast<double>(this->Joint.Views.front().Iterations.size());
       // A typical number.
       const double expected = 6.0 * static_cast<double>(this->Options.PixelSizesMm.size());
       return !this->Progress || this->Progress(iterations / (iterations + expected), stage);
     };
-    const RegistrationOptions bounded = this->Bounded();
-    for (std::size_t level = first; level < last && !this->Free.empty(); ++level)
+    const bool scouts = models.front().Simulation == this->Models.front().Scout;
+    for (std::size_t number = first; number < last && !this->Unknowns.empty(); ++number)
     {
-      const double pixelSizeMm = this->Options.PixelSizesMm[level];
-      const LevelEnd end = SearchLevel(model, CoarsenTo(this->Target, pixelSizeMm), bounded,
-        pixelSizeMm, model.Simulation == this->Model.Scout ? NegligibleFallOfScout : NegligibleFall,
-        this->Free, this->Begin, this->Result, progress);
+      const double pixelSizeMm = this->Options.PixelSizesMm[number];
+      const Level level{ pixelSizeMm, scouts ? NegligibleFallOfScout : NegligibleFall,
+        this->Options.MaximumIterations, pixelSizeMm == this->Options.PixelSizesMm.back() };
+      const LevelEnd end = SearchLevel(this->Evaluated(models, pixelSizeMm), this->Unknowns, level,
+        this->Begin, this->Joint, progress);
       if (end != LevelEnd::Reached)
       {
         return end != LevelEnd::Stopped;
@@ -896,43 +840,72 @@ private:
     return true;
   }
 
-  const RegistrationModel& Model;
-  const RegistrationTarget& Target;
+  const std::vector<RegistrationView>& Views;
   const RegistrationOptions& Options;
-  RegistrationResult& Result;
+  JointRegistrationResult& Joint;
   const ProgressCallback& Progress;
-  std::vector<int> Free;
+  std::vector<RegistrationModel> Models;
+  std::vector<SearchUnknown> Unknowns;
   Clock::time_point Begin = Clock::now();
 };
-}
 
-RegistrationResult Register(const RegistrationModel& model, const RegistrationTarget& target,
-  const RegistrationOptions& options, const ProgressCallback& progress)
+/// What the search of a view begins with.
+RegistrationResult StartOf(const RegistrationView& view)
 {
-  ValidateRegistration(model, options);
-  ValidateTarget(target);
-  const auto begin = Clock::now();
   RegistrationResult result;
-  result.Parameters = options.Parameters;
-  for (const RegistrationParameter& parameter : options.Parameters)
+  result.Parameters = view.Parameters;
+  result.Values = view.From;
+  for (const RegistrationParameter& parameter : view.Parameters)
   {
-    result.Values.push_back(parameter.Start);
-  }
-  if (!options.From.empty())
-  {
-    result.Values = options.From;
+    if (view.From.empty())
+    {
+      result.Values.push_back(parameter.Start);
+    }
   }
   result.StandardDeviations.assign(ParameterCount, std::numeric_limits<double>::quiet_NaN());
   // Holds unless there is something to search.
   result.StopReason = "nothing to optimise: every parameter is fixed";
   result.Converged = true;
-  Search(model, target, options, result, progress).Run();
-  const RegistrationTarget finest = CoarsenTo(target, options.PixelSizesMm.back());
-  result.Pose = PoseOf(result.Values);
-  result.Stiffness = result.Values[StiffnessParameter];
-  result.After =
-    Compare(Synthesize(model, result.Pose, result.State, finest, options.Samples), finest);
-  result.Seconds = SecondsSince(begin);
   return result;
+}
+}
+
+bool IsShared(int parameter)
+{
+  return parameter == StiffnessParameter;
+}
+
+JointRegistrationResult RegisterTogether(const std::vector<RegistrationView>& views,
+  const RegistrationOptions& options, const ProgressCallback& progress)
+{
+  ValidateViews(views, options);
+  const auto begin = Clock::now();
+  JointRegistrationResult joint;
+  for (const RegistrationView& view : views)
+  {
+    joint.Views.push_back(StartOf(view));
+  }
+  Search(views, options, joint, progress).Run();
+  for (std::size_t view = 0; view < views.size(); ++view)
+  {
+    RegistrationResult& result = joint.Views[view];
+    const RegistrationTarget finest = CoarsenTo(*views[view].Target, options.PixelSizesMm.back());
+    result.Pose = PoseOf(result.Values);
+    result.Stiffness = result.Values[StiffnessParameter];
+    result.After = Compare(
+      Synthesize(*views[view].Model, result.Pose, result.State, finest, options.Samples), finest);
+  }
+  for (RegistrationResult& result : joint.Views)
+  {
+    result.Seconds = SecondsSince(begin);
+  }
+  return joint;
+}
+
+RegistrationResult Register(const RegistrationModel& model, const RegistrationTarget& target,
+  const RegistrationOptions& options, const ProgressCallback& progress)
+{
+  const RegistrationView view{ &model, &target, options.Parameters, options.From };
+  return std::move(RegisterTogether({ view }, options, progress).Views.front());
 }
 }

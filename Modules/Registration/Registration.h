@@ -38,6 +38,12 @@ struct RegistrationResult
   /// Covariance of all parameters at the solution, Covariance[i * parameterCount + j], in their
   /// units; 0 for fixed ones. Empty where it is not known.
   std::vector<double> Covariance;
+  /**
+   * The same with what is not known of the fixed parameters that have a prior: their own variance,
+   * and how far the others would have been found elsewhere, had they been held at another value.
+   * Empty where it is not known.
+   */
+  std::vector<double> ConsideredCovariance;
   std::vector<RegistrationIteration> Iterations;
   CompressionState State;
   /// Agreement at the start and at the end.
@@ -57,6 +63,55 @@ struct RegistrationResult
   /// All of the search, s.
   double Seconds = 0;
 };
+
+/// One of the mammograms of a breast, and what is found of it.
+struct RegistrationView
+{
+  const RegistrationModel* Model = nullptr;
+  const RegistrationTarget* Target = nullptr;
+  /// As those of RegistrationOptions, for this mammogram.
+  std::vector<RegistrationParameter> Parameters;
+  std::vector<double> From;
+};
+
+/// A free parameter of mammograms registered together.
+struct JointUnknown
+{
+  int Parameter = 0;
+  /// The view it belongs to; of a shared one the first.
+  std::size_t View = 0;
+  bool Shared = false;
+};
+
+struct JointRegistrationResult
+{
+  /// One for each mammogram, with its own counts and costs, its part of the covariance, and the
+  /// seconds of all.
+  std::vector<RegistrationResult> Views;
+  /// What was free, and its covariance, Covariance[i * Unknowns.size() + j], in the parameters'
+  /// units; empty where it is not known.
+  std::vector<JointUnknown> Unknowns;
+  std::vector<double> Covariance;
+};
+
+/**
+ * Whether mammograms of one breast have a parameter in common. The body's stiffness is: tissue is
+ * the same in every view. All others say how the unit stood and how the breast was laid into it,
+ * for each exposure anew.
+ */
+MAMMORAYREGISTRATION_EXPORT bool IsShared(int parameter);
+
+/**
+ * Registers several mammograms of one breast (CC and MLO) at once: each has its own pose and
+ * compression, shared parameters have one value, bounds and prior (those of the first view), and
+ * one Levenberg-Marquardt search minimises the sum of all costs. The models are of the same body
+ * (they may refer to the same simulation, which is used by one after the other); their units may
+ * differ. Parameters and From of `options` are not used; either all views have a From or none.
+ * Throws and stops as Register.
+ */
+MAMMORAYREGISTRATION_EXPORT JointRegistrationResult RegisterTogether(
+  const std::vector<RegistrationView>& views, const RegistrationOptions& options,
+  const ProgressCallback& progress = {});
 
 /**
  * Finds the pose and compression whose synthetic mammogram matches the target, by Ceres

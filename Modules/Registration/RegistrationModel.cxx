@@ -105,9 +105,12 @@ std::vector<PlatePairVelocity> PlateVelocities(const RegistrationModel& model,
 }
 
 std::vector<std::vector<double>> VelocitiesSeenFromUnit(const RegistrationModel& model,
-  const BreastPose& pose, const CompressionState& state, const Embedding& points,
+  const std::vector<double>& values, const CompressionState& state, const Embedding& points,
   const std::vector<int>& wanted)
 {
+  // The last equilibrium may have been a refused step's, of another stiffness.
+  SetStiffness(model, values[StiffnessParameter]);
+  const BreastPose pose = PoseOf(values);
   const Plate support = PlatesAt(model, pose).Support;
   const std::vector<PlatePairVelocity> all = PlateVelocities(model, pose);
   std::vector<PlatePairVelocity> motions;
@@ -230,7 +233,8 @@ Agreement Compare(const SyntheticMammogram& synthetic, const RegistrationTarget&
   std::vector<std::size_t> pixels;
   for (std::size_t pixel = 0; pixel < target.BreastMask.size(); ++pixel)
   {
-    if (target.BreastMask[pixel] != 0 && synthetic.LogAttenuation[pixel] > 0)
+    if (target.BreastMask[pixel] != 0 && !IsExcluded(target, pixel) &&
+      synthetic.LogAttenuation[pixel] > 0)
     {
       pixels.push_back(pixel);
     }

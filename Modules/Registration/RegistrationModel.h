@@ -86,11 +86,12 @@ MAMMORAYREGISTRATION_EXPORT std::vector<PlatePairVelocity> PlateVelocities(
 
 /**
  * How points that move with the simulation change with the parameters numbered in `wanted`, seen
- * from the unit: exact derivatives of their equilibrium minus the motion of the unit's own points.
- * One vector of 3 x pointCount each, volume frame, mm per unit of the parameter.
+ * from the unit: exact derivatives of their equilibrium `state` at `values` minus the motion of the
+ * unit's own points. One vector of 3 x pointCount each, volume frame, mm per unit of the parameter.
+ * Sets the simulation's stiffness.
  */
 MAMMORAYREGISTRATION_EXPORT std::vector<std::vector<double>> VelocitiesSeenFromUnit(
-  const RegistrationModel& model, const BreastPose& pose, const CompressionState& state,
+  const RegistrationModel& model, const std::vector<double>& values, const CompressionState& state,
   const Embedding& points, const std::vector<int>& wanted);
 
 /// A synthetic mammogram on a target's pixel grid.
@@ -105,8 +106,9 @@ struct SyntheticMammogram
 };
 
 /**
- * X-rays a compressed state. Only the grid of `grid` is used. `samples` rays along each side of a
- * pixel.
+ * X-rays a compressed state. Only the grid of `grid` is used, and its BreastMask (rows x columns,
+ * at least one pixel 1) to centre the silhouette on. `samples` rays along each side of a pixel.
+ * Throws InputError on an empty mask.
  */
 MAMMORAYREGISTRATION_EXPORT SyntheticMammogram Synthesize(const RegistrationModel& model,
   const BreastPose& pose, const CompressionState& state, const RegistrationTarget& grid,

@@ -2,7 +2,7 @@
 #include "RegistrationResiduals.h"
 
 #include "Error.h"
-#include "Private/ZScores.h"
+#include "Private/PictureFeatures.h"
 #include "TargetImage.h"
 
 #include <algorithm>
@@ -11,6 +11,23 @@
 
 namespace mammoray
 {
+PictureComparison ComparisonFromName(const std::string& name)
+{
+  if (name == "global")
+  {
+    return PictureComparison::Global;
+  }
+  if (name == "local")
+  {
+    return PictureComparison::Local;
+  }
+  if (name == "gradient")
+  {
+    return PictureComparison::Gradient;
+  }
+  throw InputError("comparison '" + name + "': expected global, local or gradient");
+}
+
 std::vector<RegistrationParameter> DefaultParameters(const BreastPose& start)
 {
   const auto around = [](const char* name, const char* unit, double at, double reach)
@@ -68,7 +85,7 @@ RegistrationResiduals::RegistrationResiduals(const RegistrationModel& model,
 
 std::size_t RegistrationResiduals::NumberOfResiduals() const
 {
-  return this->Directions.size() + this->Pixels.size() + this->Options.Parameters.size();
+  return this->Directions.size() + this->TargetFeatures.size() + this->Options.Parameters.size();
 }
 
 void RegistrationResiduals::ChooseOutlineSamples()
@@ -128,7 +145,7 @@ void RegistrationResiduals::ChoosePixels()
 {
   for (std::size_t pixel = 0; pixel < this->Target.BreastMask.size(); ++pixel)
   {
-    if (this->Target.BreastMask[pixel] != 0 &&
+    if (this->Target.BreastMask[pixel] != 0 && !IsExcluded(this->Target, pixel) &&
       this->Target.SignedDistanceMm[pixel] < -this->Options.IntensityMarginMm)
     {
       this->Pixels.push_back(pixel);
@@ -139,11 +156,22 @@ void RegistrationResiduals::ChoosePixels()
     throw InputError("mammogram: only " + std::to_string(this->Pixels.size()) +
       " pixels of the compared size lie inside the breast, expected at least 10");
   }
-  this->TargetScores = ZScores(this->Target.LogAttenuation, this->Pixels).Scores;
+  this->Features = std::make_shared<const PictureFeatures>(this->Options.Comparison, this->Target,
+    this->Pixels, this->Options.WindowMm);
+  this->TargetFeatures = this->Features->Of(this->Target.LogAttenuation).Values;
+  double square = 0;
+  for (const double feature : this->TargetFeatures)
+  {
+    square += feature * feature / static_cast<double>(this->TargetFeatures.size());
+  }
   const double area = std::abs(this->Target.ColumnStep[0] * this->Target.RowStep[1] -
     this->Target.ColumnStep[1] * this->Target.RowStep[0]);
   const double alike = this->Options.CorrelationLengthMm * this->Options.CorrelationLengthMm;
-  this->IntensityWeight = std::sqrt(std::min(1.0, area / alike)) / this->Options.IntensitySigma;
+  // Gradients are two for a pixel.
+  const double perFeature =
+    static_cast<double>(this->Pixels.size()) / static_cast<double>(this->TargetFeatures.size());
+  this->IntensityWeight = std::sqrt(std::min(1.0, perFeature * area / alike)) /
+    (this->Options.IntensitySigma * std::sqrt(std::max(square, 1e-12)));
 }
 
 ReceptorPoint RegistrationResiduals::OnOutline(std::size_t direction, double radius) const
@@ -172,10 +200,11 @@ std::vector<double> RegistrationResiduals::Evaluate(const std::vector<double>& v
   this->Model.Projector->UpdatePoints(points);
   const PathLengthImage lengths = this->Model.Projector->Project(SourceOf(placed, this->Model.Unit),
     DetectorOf(placed, this->Target, this->Options.Samples));
-  const ZScores scores(this->Model.XRays->LogAttenuation(lengths), this->Pixels);
-  for (std::size_t index = 0; index < this->Pixels.size(); ++index)
+  const std::vector<double> features =
+    this->Features->Of(this->Model.XRays->LogAttenuation(lengths)).Values;
+  for (std::size_t index = 0; index < features.size(); ++index)
   {
-    residuals.push_back(this->IntensityWeight * (scores.Scores[index] - this->TargetScores[index]));
+    residuals.push_back(this->IntensityWeight * (features[index] - this->TargetFeatures[index]));
   }
 
   for (std::size_t index = 0; index < this->Options.Parameters.size(); ++index)
@@ -191,7 +220,7 @@ RegistrationCosts RegistrationResiduals::Costs(const std::vector<double>& residu
 {
   RegistrationCosts costs;
   const double width = this->Options.RobustWidth;
-  const std::size_t pictures = this->Directions.size() + this->Pixels.size();
+  const std::size_t pictures = this->Directions.size() + this->TargetFeatures.size();
   for (std::size_t index = 0; index < residuals.size(); ++index)
   {
     const double r = std::abs(residuals[index]);
@@ -216,13 +245,12 @@ RegistrationResiduals::Jacobian RegistrationResiduals::Differentiate(
   const std::vector<double>& values, const CompressionState& state,
   const std::vector<int>& wanted) const
 {
-  const BreastPose pose = PoseOf(values);
   const VolumeFromGantry placed =
-    PlaceUnit(this->Model.Axes, this->Model.Anchor, this->Model.Unit, pose);
+    PlaceUnit(this->Model.Axes, this->Model.Anchor, this->Model.Unit, PoseOf(values));
   const std::vector<double> points = this->Model.SurfaceEmbedding->Map(state.Positions);
   std::vector<double> velocities;
   for (const std::vector<double>& field :
-    VelocitiesSeenFromUnit(this->Model, pose, state, *this->Model.SurfaceEmbedding, wanted))
+    VelocitiesSeenFromUnit(this->Model, values, state, *this->Model.SurfaceEmbedding, wanted))
   {
     velocities.insert(velocities.end(), field.begin(), field.end());
   }
@@ -239,7 +267,8 @@ RegistrationResiduals::Jacobian RegistrationResiduals::Differentiate(
   PathLengthDerivatives derivatives;
   const PathLengthImage lengths = this->Model.Projector->Project(SourceOf(placed, this->Model.Unit),
     DetectorOf(placed, this->Target, this->Options.Samples), velocities, fields, derivatives);
-  const ZScores scores(this->Model.XRays->LogAttenuation(lengths), this->Pixels);
+  const PictureFeatures::Found features =
+    this->Features->Of(this->Model.XRays->LogAttenuation(lengths));
   const std::vector<float> attenuation = this->Model.XRays->MeanAttenuation(lengths);
 
   for (int field = 0; field < fields; ++field)
@@ -267,8 +296,7 @@ RegistrationResiduals::Jacobian RegistrationResiduals::Differentiate(
         rates[index] += static_cast<double>(mu[this->Pixels[index]]) * rate[this->Pixels[index]];
       }
     }
-    scores.Differentiate(rates);
-    for (const double rate : rates)
+    for (const double rate : this->Features->Differentiate(features, std::move(rates)))
     {
       column.push_back(this->IntensityWeight * rate);
     }

@@ -7,6 +7,7 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -36,6 +37,22 @@ enum class RegistrationDerivatives
   CentralDifferences
 };
 
+/// How the pictures are compared inside the breast.
+enum class PictureComparison
+{
+  /// Log attenuation less its mean, over its standard deviation, both of all pixels: the least
+  /// squares of normalised cross-correlation.
+  Global,
+  /// The same in a window around each pixel: what changes slowly, such as scatter or a display
+  /// curve, cancels.
+  Local,
+  /// Differences of neighbouring pixels of the globally normalised picture.
+  Gradient
+};
+
+/// "global", "local" or "gradient". Throws InputError on another name.
+MAMMORAYREGISTRATION_EXPORT PictureComparison ComparisonFromName(const std::string& name);
+
 struct RegistrationOptions
 {
   /// All ParameterCount, in their order.
@@ -52,11 +69,15 @@ struct RegistrationOptions
   /// Directions in which the outlines are compared, spread over the half circle.
   int OutlineDirections = 120;
   /**
-   * Standard deviation of the model's error on the outline, mm, and of the z-scored picture, and
-   * the distance over which these errors are alike, mm: neighbouring samples share their weight.
+   * Standard deviation of the model's error on the outline, mm, and of what is compared of the
+   * picture, in root mean squares of the target's, and the distance over which these errors are
+   * alike, mm: neighbouring samples share their weight.
    */
   double OutlineSigmaMm = 1.0;
   double IntensitySigma = 0.5;
+  PictureComparison Comparison = PictureComparison::Global;
+  /// Edge of the windows of PictureComparison::Local, mm.
+  double WindowMm = 20.0;
   double CorrelationLengthMm = 5.0;
   /// Pixels nearer than this to the outline take no part in the comparison of intensities, mm.
   double IntensityMarginMm = 3.0;
@@ -91,6 +112,8 @@ struct RegistrationCosts
 MAMMORAYREGISTRATION_EXPORT std::vector<RegistrationParameter> DefaultParameters(
   const BreastPose& start);
 
+class PictureFeatures;
+
 /**
  * What the registration minimises: outline, intensity and prior residuals of a pose against a
  * target at one resolution, in standard deviations, with exact derivatives through mechanics
@@ -115,7 +138,7 @@ public:
   /// Outline, then intensity, then one prior per parameter (0 where it has none).
   std::size_t NumberOfResiduals() const;
   std::size_t NumberOfOutlineResiduals() const { return this->Directions.size(); }
-  std::size_t NumberOfIntensityResiduals() const { return this->Pixels.size(); }
+  std::size_t NumberOfIntensityResiduals() const { return this->TargetFeatures.size(); }
   std::size_t NumberOfPriors() const { return this->Options.Parameters.size(); }
 
   /**
@@ -148,7 +171,8 @@ private:
   std::vector<ReceptorPoint> Directions;
   ReceptorPoint Centre{ 0, 0 };
   std::vector<std::size_t> Pixels;
-  std::vector<double> TargetScores;
+  std::shared_ptr<const PictureFeatures> Features;
+  std::vector<double> TargetFeatures;
   double OutlineWeight = 1;
   double IntensityWeight = 1;
 };

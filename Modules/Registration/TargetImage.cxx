@@ -65,6 +65,16 @@ struct Cell
     }
   }
 };
+
+void RequireBreast(const RegistrationTarget& target)
+{
+  const auto& mask = target.BreastMask;
+  if (mask.size() != static_cast<std::size_t>(target.Columns) * target.Rows ||
+    std::count(mask.begin(), mask.end(), 1) == 0)
+  {
+    throw InputError("mammogram: expected a breast, found an empty mask");
+  }
+}
 }
 
 void ValidateTarget(const RegistrationTarget& target)
@@ -80,16 +90,18 @@ void ValidateTarget(const RegistrationTarget& target)
       std::to_string(target.BreastMask.size()) + " and " +
       std::to_string(target.SignedDistanceMm.size()));
   }
+  if (!target.Excluded.empty() && target.Excluded.size() != pixels)
+  {
+    throw InputError("mammogram: expected what is excluded for " + std::to_string(pixels) +
+      " pixels or for none, found " + std::to_string(target.Excluded.size()));
+  }
   const double area =
     target.ColumnStep[0] * target.RowStep[1] - target.ColumnStep[1] * target.RowStep[0];
   if (!(std::abs(area) > 1e-12))
   {
     throw InputError("mammogram: expected independent column and row steps on the receptor");
   }
-  if (std::count(target.BreastMask.begin(), target.BreastMask.end(), 1) == 0)
-  {
-    throw InputError("mammogram: expected a breast, found an empty mask");
-  }
+  RequireBreast(target);
 }
 
 RegistrationTarget Coarsen(const RegistrationTarget& target, int factor)
@@ -108,6 +120,7 @@ RegistrationTarget Coarsen(const RegistrationTarget& target, int factor)
   coarse.LogAttenuation.resize(pixels);
   coarse.BreastMask.resize(pixels);
   coarse.SignedDistanceMm.resize(pixels);
+  coarse.Excluded.resize(target.Excluded.empty() ? 0 : pixels);
   for (int row = 0; row < coarse.Rows; ++row)
   {
     for (int column = 0; column < coarse.Columns; ++column)
@@ -115,6 +128,7 @@ RegistrationTarget Coarsen(const RegistrationTarget& target, int factor)
       double attenuation = 0;
       double distance = 0;
       bool breast = true;
+      bool excluded = false;
       for (int y = 0; y < factor; ++y)
       {
         for (int x = 0; x < factor; ++x)
@@ -124,12 +138,17 @@ RegistrationTarget Coarsen(const RegistrationTarget& target, int factor)
           attenuation += target.LogAttenuation[fine];
           distance += target.SignedDistanceMm[fine];
           breast = breast && target.BreastMask[fine] != 0;
+          excluded = excluded || IsExcluded(target, fine);
         }
       }
       const std::size_t index = static_cast<std::size_t>(row) * coarse.Columns + column;
       coarse.LogAttenuation[index] = static_cast<float>(attenuation / (factor * factor));
       coarse.SignedDistanceMm[index] = static_cast<float>(distance / (factor * factor));
       coarse.BreastMask[index] = breast ? 1 : 0;
+      if (!coarse.Excluded.empty())
+      {
+        coarse.Excluded[index] = excluded ? 1 : 0;
+      }
     }
   }
   return coarse;
@@ -192,6 +211,7 @@ bool Contains(const RegistrationTarget& target, const ReceptorPoint& point, doub
 
 ReceptorPoint ChestWallCentre(const RegistrationTarget& target)
 {
+  RequireBreast(target);
   double low = std::numeric_limits<double>::infinity();
   double high = -low;
   for (int row = 0; row < target.Rows; ++row)

@@ -16,7 +16,8 @@ MAMMORAYREGISTRATION_EXPORT void ValidateTarget(const RegistrationTarget& target
 
 /**
  * The target with factor x factor pixels averaged into one (rest at the far borders dropped). A
- * coarse pixel is breast when all of its pixels are. Signed distances are averaged.
+ * coarse pixel is breast when all of its pixels are, and excluded when one of them is. Signed
+ * distances are averaged.
  */
 MAMMORAYREGISTRATION_EXPORT RegistrationTarget Coarsen(const RegistrationTarget& target,
   int factor);
@@ -44,7 +45,8 @@ MAMMORAYREGISTRATION_EXPORT ReceptorPoint SignedDistanceGradient(const Registrat
 MAMMORAYREGISTRATION_EXPORT bool Contains(const RegistrationTarget& target,
   const ReceptorPoint& point, double marginMm);
 
-/// Middle of the breast mask across, on the receptor's chest-wall edge: (x, 0).
+/// Middle of the breast mask across, on the receptor's chest-wall edge: (x, 0). Throws InputError
+/// on an empty mask.
 MAMMORAYREGISTRATION_EXPORT ReceptorPoint ChestWallCentre(const RegistrationTarget& target);
 }
 

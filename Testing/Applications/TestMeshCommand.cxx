@@ -226,6 +226,7 @@ TEST_F(MeshCommand, CropsAddsSkinAndKnowsTables)
   refused(this->Inputs + " --crop 3 4 5", "FIRST:LAST");
   refused(this->Inputs + " --skin 1=hide", "unknown material 'hide'");
   refused(this->Inputs + " --skin 1", "0 thin materials");
+  refused(this->Inputs + " --skin 1=gland --cut-side back", "expected i-, i+, j-, j+, k- or k+");
   EXPECT_EQ(this->Run("mesh " + this->Inputs + " --crop 3:4" + output), 2);
 }
 

@@ -219,6 +219,26 @@ TEST_F(ProjectCommand, RefusesInOneLine)
   EXPECT_FALSE(std::filesystem::exists(this->Image));
 }
 
+TEST_F(ProjectCommand, WrongUsageSaysWhatWasExpected)
+{
+  const auto expectUsage = [this](const std::string& arguments, const std::string& text)
+  {
+    EXPECT_EQ(this->Run(arguments), 2) << arguments;
+    EXPECT_THAT(this->Errors, testing::StartsWith(text));
+  };
+  expectUsage("projet", "unknown command 'projet'; did you mean project?");
+  const std::string project = this->Inputs + " -o " + this->Image;
+  for (const char* number : { "nan", "inf", "-1", "0", "one" })
+  {
+    expectUsage(project + " --pixel-spacing " + number,
+      std::string("--pixel-spacing: expected a number greater than 0, found ") + number + "\n");
+  }
+  expectUsage(project + " --photons nan",
+    "--photons: expected a number from 0 to 1e+12, found nan\n");
+  expectUsage(project + " --support-height -1",
+    "--support-height: expected a number not less than 0, found -1\n");
+}
+
 TEST_F(ProjectCommand, DevicesWithoutVulkanAreOneLine)
 {
   setenv("VK_DRIVER_FILES", "/nonexistent", 1);

@@ -116,6 +116,15 @@ TEST_F(RegisterCommand, RefusesUnusableInputInOneLine)
   }
   this->ExpectRefused(
     this->Register(Labels, Materials, MammogramFile, "--free thickness,everything"), "everything");
+  this->Folder.Write("picture.jpg", "no picture");
+  this->ExpectRefused(this->Register(Labels, Materials, this->Folder.File("picture.jpg")),
+    "expected its pixel spacing, view, laterality to be given");
+  this->ExpectRefused(this->Register(Labels, Materials, this->Folder.File("picture.jpg"),
+                        "--pixel-spacing 0.1 --view MLO --laterality L"),
+    "expected a picture that can be read");
+  this->ExpectRefused(
+    this->Register(Labels, Materials, MammogramFile, "--mask " + this->Folder.File("none.png")),
+    "none.png: no such file");
   this->ExpectRefused(this->Register(Labels, Materials, MammogramFile), "Vulkan",
     "VK_DRIVER_FILES=/nonexistent VK_ICD_FILENAMES=/nonexistent");
 }
@@ -323,6 +332,51 @@ TEST_F(RegisterCommand, RegistersTheShippedPhantom)
   EXPECT_EQ(written.ColumnSpacingMm, real.ColumnSpacingMm);
   EXPECT_NEAR(*written.BodyPartThicknessMm, resumed.at("pose").at("thicknessMm").get<double>(),
     1e-7); // ten digits
+
+  // Both together, as if they were two exposures: each has its folder, one report tells of both.
+  const std::string both = "register --labels " + Labels + " --materials " + Materials +
+    " --mammogram " + MammogramFile + " --mammogram " + synthetic +
+    " --orientation ALS --label-spacing 1 --anatomy-cell-size 6 --simulation-cell-size 13 "
+    "--pixel-sizes 3 --iterations 3 --output " +
+    this->Folder.File("both");
+  this->CommandTest::ExpectRefused(both + " --start-thickness 50",
+    "expected a thickness for each of 2 mammogram(s), found 1");
+  this->CommandTest::ExpectRefused(both + " --resume " + folder,
+    "expected a result of 2 mammogram(s), found one of 1");
+  ASSERT_EQ(this->Run(both), 0) << this->Errors;
+  const std::string joint = this->Folder.File("both");
+  const nlohmann::json shared = nlohmann::json::parse(ReadFile(joint + "/result.json"));
+  EXPECT_EQ(shared.at("views").at(0).at("folder"), "cc");
+  EXPECT_EQ(shared.at("views").at(1).at("folder"), "cc-2");
+  ASSERT_EQ(shared.at("unknowns").size(), 9u); // four of each, and the stiffness
+  EXPECT_EQ(shared.at("covariance").size(), 81u);
+  EXPECT_THAT(ReadFile(joint + "/report.html"), testing::HasSubstr("What the mammograms share"));
+  for (const char* view : { "/cc", "/cc-2" })
+  {
+    const nlohmann::json own = nlohmann::json::parse(ReadFile(joint + view + "/result.json"));
+    EXPECT_GT(own.at("correlation").get<double>(), 0.9);
+    EXPECT_EQ(own.at("parameters").at(8).at("value"), shared.at("unknowns").at(4).at("value"));
+    EXPECT_GT(fs::file_size(joint + view + "/compressed.vtu"), 0u);
+  }
+  ASSERT_EQ(this->Run(both + " --overwrite --resume " + joint), 0) << this->Errors;
+  ASSERT_EQ(this->Run("locate --result " + joint + " --point 30 10 -5"), 0) << this->Errors;
+  EXPECT_THAT(this->Output, testing::HasSubstr("in cc\n"));
+  EXPECT_THAT(this->Output, testing::HasSubstr("in cc-2\n"));
+  this->CommandTest::ExpectRefused("locate --result " + joint + " --pixel 300 500",
+    "expected --view with the result of several mammograms, one of cc, cc-2");
+  this->CommandTest::ExpectRefused("locate --result " + joint + " --view mlo --pixel 300 500",
+    "view 'mlo': expected cc, cc-2");
+  ASSERT_EQ(this->Run("locate --result " + joint + " --view cc --pixel 300 500 -o " +
+              this->Folder.File("line.csv")),
+    0)
+    << this->Errors;
+  EXPECT_THAT(this->Output, testing::HasSubstr("in cc-2: on the line from pixel"));
+  EXPECT_THAT(ReadFile(this->Folder.File("line.csv")),
+    testing::StartsWith("x_mm,y_mm,z_mm,material,cc-2_column,cc-2_row,cc-2_sigma_mm\n"));
+  this->CommandTest::ExpectRefused("fuse --result " + joint + " --image " + Labels + " -o " +
+      this->Folder.File("fused.nrrd"),
+    "expected the result of one mammogram, found one of 2");
+
   WriteLabelVolume(Ball({ 300, 10, -5 }, 5), this->Folder.File("elsewhere.nrrd"));
   this->CommandTest::ExpectRefused("locate --result " + folder + " --lesion " +
       this->Folder.File("elsewhere.nrrd"),

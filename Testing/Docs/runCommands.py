@@ -1,8 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Runs the commands that a page of the documentation shows: its blocks marked ```sh run, in their order.
+"""Runs what a page of the documentation shows, in its order, in an empty folder where Data is the project's.
 
-runCommands.py PAGE.md BIN DATA: with BIN first on PATH, in an empty folder where Data is DATA. Blocks marked
-```sh run display need an X server and get Xvfb. Exit 125: no Vulkan device, or no Xvfb for a block that needs it."""
+runCommands.py PAGE.md BIN: blocks marked
+  ```sh run           commands, with BIN and this interpreter (python3) first on PATH
+  ```sh run display   the same, with an X server (Xvfb)
+  ```python run       a program of this interpreter
+  ```LANGUAGE of FILE an excerpt, whose lines must stand in FILE (from the project's root) in a row, indented or not; other tests run FILE
+Exit 125: no Vulkan device, or no Xvfb for a block that needs it."""
 import os
 import pathlib
 import re
@@ -11,35 +15,64 @@ import subprocess
 import sys
 import tempfile
 
-page, programs, data = (pathlib.Path(argument).resolve() for argument in sys.argv[1:4])
-blocks = re.findall(r"^```sh run( display)?\n(.*?)^```$", page.read_text(), re.MULTILINE | re.DOTALL)
+page, programs = (pathlib.Path(argument).resolve() for argument in sys.argv[1:3])
+root = pathlib.Path(__file__).resolve().parents[2]
+
+
+def check_excerpt(text, path):
+    def lines(of):
+        return [line.strip().removeprefix("% ").strip() for line in of.splitlines() if line.strip()]
+    wanted, there = lines(text), lines((root / path).read_text())
+    if not any(there[at:at + len(wanted)] == wanted for at in range(len(there))):
+        sys.exit(f"{page}: expected these lines in {path}:\n{text}")
+
+
+def start_display():
+    """An X server and its name."""
+    if not shutil.which("Xvfb"):
+        print("no Xvfb")
+        sys.exit(125)
+    read, write = os.pipe()
+    server = subprocess.Popen(["Xvfb", "-displayfd", str(write), "-screen", "0", "1400x1000x24"],
+                              pass_fds=(write,), stderr=subprocess.DEVNULL)
+    os.close(write)
+    return server, ":" + os.read(read, 16).decode().strip()
+
+
+def run(command, display, folder, environment):
+    server = None
+    if display:
+        server, environment["DISPLAY"] = start_display()
+    try:
+        return subprocess.run(command, cwd=folder, env=environment, check=False).returncode
+    finally:
+        if server:
+            server.terminate()
+            server.wait()
+
+
+blocks = re.findall(r"^```(\w+) (run|run display|of (\S+))\n(.*?)^```$", page.read_text(), re.MULTILINE | re.DOTALL)
 if not blocks:
-    sys.exit(f"{page}: expected commands marked 'sh run', found none")
-environment = dict(os.environ, PATH=f"{programs}:{os.environ['PATH']}")
+    sys.exit(f"{page}: expected blocks marked 'run' or 'of', found none")
 devices = subprocess.run([programs / "mammoray", "devices"], capture_output=True, check=False)
 if devices.returncode != 0:
     print("no Vulkan device")
     sys.exit(125)
 
-with tempfile.TemporaryDirectory() as folder:
-    (pathlib.Path(folder) / "Data").symlink_to(data)
-    for display, commands in blocks:
-        server = None
-        if display:
-            if not shutil.which("Xvfb"):
-                print("no Xvfb")
-                sys.exit(125)
-            read, write = os.pipe()
-            server = subprocess.Popen(["Xvfb", "-displayfd", str(write), "-screen", "0", "1400x1000x24"],
-                                      pass_fds=(write,), stderr=subprocess.DEVNULL)
-            os.close(write)
-            environment["DISPLAY"] = ":" + os.read(read, 16).decode().strip()
-        print(commands, flush=True)
-        try:
-            status = subprocess.run(["sh", "-e", "-c", commands], cwd=folder, env=environment, check=False).returncode
-        finally:
-            if server:
-                server.terminate()
-                server.wait()
+with tempfile.TemporaryDirectory() as name:
+    own = pathlib.Path(name) / "bin"
+    own.mkdir()
+    (own / "python3").symlink_to(sys.executable)
+    folder = pathlib.Path(name) / "work"
+    folder.mkdir()
+    (folder / "Data").symlink_to(root / "Data")
+    environment = dict(os.environ, PATH=f"{programs}:{own}:{os.environ['PATH']}")
+    for language, how, path, text in blocks:
+        if path:
+            check_excerpt(text, path)
+            continue
+        print(text, flush=True)
+        command = ["sh", "-e", "-c", text] if language == "sh" else [sys.executable, "-c", text]
+        status = run(command, how.endswith("display"), folder, environment)
         if status != 0:
-            sys.exit(f"{page}: exit status {status} of\n{commands}")
+            sys.exit(f"{page}: exit status {status} of\n{text}")

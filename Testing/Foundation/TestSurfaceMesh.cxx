@@ -107,6 +107,34 @@ TEST(SurfaceMesh, InterfacesOfRandomLabelsAreClosedAndKeepVolumes)
   }
 }
 
+TEST(SurfaceMesh, InterfacesOutliveCellsThatAreTurnedOver)
+{
+  TetrahedralMesh mesh = RandomBlock(5, 3);
+  const SurfaceMesh before = ExtractInterfaces(mesh);
+  // An inner point goes beyond the cells around it.
+  const std::size_t inner = 3 * (2 * 36 + 2 * 6 + 2);
+  mesh.Points[inner] += 4;
+  ASSERT_THROW(mesh.Validate("mesh"), InputError) << "expected cells that are turned over";
+  const SurfaceMesh after = ExtractInterfaces(mesh);
+  EXPECT_EQ(after.Triangles, before.Triangles);
+  EXPECT_EQ(after.FrontMaterials, before.FrontMaterials);
+  EXPECT_EQ(after.BackMaterials, before.BackMaterials);
+}
+
+TEST(SurfaceMesh, InterfacesRefuseCellsListedInsideOut)
+{
+  const TetrahedralMesh mesh = RandomBlock(2, 3);
+  TetrahedralMesh one = mesh;
+  std::swap(one.Cells[0], one.Cells[1]);
+  EXPECT_THROW(ExtractInterfaces(one), InputError);
+  TetrahedralMesh all = mesh;
+  for (std::size_t cell = 0; cell < all.NumberOfCells(); ++cell)
+  {
+    std::swap(all.Cells[4 * cell], all.Cells[4 * cell + 1]);
+  }
+  EXPECT_THROW(ExtractInterfaces(all), InputError);
+}
+
 TEST(SurfaceMesh, InterfacesRefuseThreeCellsOnAFace)
 {
   TetrahedralMesh mesh;

@@ -13,11 +13,13 @@
 #include "vtkNew.h"
 #include "vtkPointData.h"
 #include "vtkStreamingDemandDrivenPipeline.h"
+#include "vtkTrivialProducer.h"
 #include "vtkUnstructuredGrid.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <optional>
 
 namespace
 {
@@ -108,6 +110,67 @@ TEST_F(BreastCompression, SqueezesTheGridBetweenThePlates)
   EXPECT_GT(this->FieldValue("PaddleForceN"), 0.5);
   EXPECT_LE(this->FieldValue("LargestPenetrationMm"), 0.054);
   EXPECT_EQ(this->FieldValue("ThicknessMm"), 54);
+}
+
+TEST_F(BreastCompression, CarriesAFineGridOnACoarseOne)
+{
+  this->Filter->Update();
+  vtkNew<vtkUnstructuredGrid> alone;
+  alone->DeepCopy(this->Filter->GetOutput());
+  // The same grid carried along by itself: the simulation's own nodes, which an embedding finds to
+  // rounding, and stiffness sampled from voxels of one material.
+  vtkNew<vtkTrivialProducer> coarse;
+  coarse->SetOutput(this->Grid);
+  this->Filter->SetSimulationMeshConnection(coarse->GetOutputPort());
+  this->Filter->Update();
+  ASSERT_EQ(this->Errors->Count, 0) << this->Errors->Text;
+  vtkUnstructuredGrid* carried = this->Filter->GetOutput();
+  EXPECT_EQ(this->FieldValue("InvertedCells"), 0);
+  ASSERT_EQ(carried->GetNumberOfPoints(), alone->GetNumberOfPoints());
+  for (vtkIdType p = 0; p < carried->GetNumberOfPoints(); ++p)
+  {
+    for (int axis = 0; axis < 3; ++axis)
+    {
+      EXPECT_NEAR(carried->GetPoint(p)[axis], alone->GetPoint(p)[axis], 1e-3);
+    }
+  }
+  // A finer one of the same shape and chest wall: 1 mm is what the coarse one's flat cells cut off.
+  const auto fine = ToGrid(test::MakeHalfEllipsoidMesh(40, 45, 38, { 12, 3, 12 }),
+    { "air", "breast", "chest wall" });
+  this->Filter->SetInputData(fine);
+  this->Filter->Update();
+  ASSERT_EQ(this->Errors->Count, 0) << this->Errors->Text;
+  ASSERT_EQ(this->Filter->GetOutput()->GetNumberOfCells(), fine->GetNumberOfCells());
+  double low = 0, high = 0;
+  for (vtkIdType p = 0; p < fine->GetNumberOfPoints(); ++p)
+  {
+    const double* to = this->Filter->GetOutput()->GetPoint(p);
+    if (fine->GetPoint(p)[1] > 20)
+    {
+      low = std::min(low, to[2]);
+      high = std::max(high, to[2]);
+    }
+  }
+  EXPECT_LT(high - low, 54 + 2);
+  EXPECT_GT(high - low, 50);
+}
+
+TEST_F(BreastCompression, TellsWhereTheUnitStands)
+{
+  this->Filter->SetShiftLateralMm(3);
+  this->Filter->SetShiftAnteriorMm(4);
+  this->Filter->SetForceN(3);
+  this->Filter->Update();
+  const std::optional<VolumeFromGantry> placed = FindPlacement(this->Filter->GetOutput());
+  ASSERT_TRUE(placed);
+  const TetrahedralMesh mesh = FromGrid(this->Grid);
+  const Vector3 anchor =
+    FindPoseAnchor(mesh, { false, false, true }, AnatomicalAxes::FromCode("LAS"));
+  EXPECT_DOUBLE_EQ(placed->Origin[0], anchor[0] + 3);
+  EXPECT_DOUBLE_EQ(placed->Origin[1], anchor[1] + 4);
+  // Half of the thickness found for the force, and 2 mm of support, below the anchor.
+  EXPECT_DOUBLE_EQ(placed->Origin[2], anchor[2] - 0.5 * this->FieldValue("ThicknessMm") - 2);
+  EXPECT_EQ(placed->Z, (Vector3{ 0, 0, 1 }));
 }
 
 TEST_F(BreastCompression, TellsThePressureOfThePlates)

@@ -64,6 +64,7 @@ private:
   vtkNew<vtkCallbackCommand> Complaints;
 };
 
+#ifdef MAMMORAY_HAS_MESHING
 /// Half a ball of radius 30 mm on the plane x = 0, the layer to x = 6 of material 2; voxels of 2
 /// mm, the image's i along world y and j along -x.
 vtkSmartPointer<vtkImageData> HalfBall()
@@ -83,6 +84,7 @@ vtkSmartPointer<vtkImageData> HalfBall()
   }
   return image;
 }
+#endif
 
 class BreastPipeline : public testing::Test
 {

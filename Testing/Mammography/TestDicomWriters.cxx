@@ -5,6 +5,7 @@
 #include "DicomTesting.h"
 #include "Error.h"
 #include "Files.h"
+#include "LabelVolumeIO.h"
 #include "MammogramIO.h"
 #include "MammogramSynthesis.h"
 #include "MammogramTarget.h"
@@ -292,6 +293,15 @@ TEST(DicomSegmentationWriter, LiesOnTheImageItRefersTo)
   }
 
   EXPECT_THROW(ReadDicomReference(path), InputError); // no mammogram
+  try
+  {
+    ReadLabelVolume(path);
+    FAIL() << "a projection is no volume";
+  }
+  catch (const InputError& error)
+  {
+    EXPECT_THAT(error.what(), HasSubstr("as on a projection"));
+  }
 
   // In another study the reference names the image's study.
   WriteSegmentation(segments, image, {}, path);

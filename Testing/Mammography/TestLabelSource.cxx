@@ -78,8 +78,32 @@ TEST_F(LabelSourceTest, CropsResamplesAndAddsSkin)
   EXPECT_EQ(ReadMaterials(this->Source, this->Table).Size[0], 4);
 }
 
+TEST_F(LabelSourceTest, CutSidesGetNoSkin)
+{
+  this->Source.Skin = "1";
+  // 4 x 4 x 4 with air all around keep 2 x 2 x 2; each side that was cut one layer more.
+  EXPECT_EQ(ReadMaterials(this->Source, this->Table).CountLabels().at(1), 8u);
+  this->Source.CutSides = { "j+" };
+  LabelVolume volume = ReadMaterials(this->Source, this->Table);
+  EXPECT_EQ(volume.CountLabels().at(1), 2u * 3 * 2);
+  EXPECT_EQ(volume.Size, (std::array<int, 3>{ 8, 6, 8 }));
+  EXPECT_EQ(volume.Voxels[volume.Index(3, 5, 3)], 1);
+  EXPECT_EQ(volume.Voxels[volume.Index(3, 2, 3)], 2);
+  this->Source.CutSides = { "j+", "i-" };
+  volume = ReadMaterials(this->Source, this->Table);
+  EXPECT_EQ(volume.CountLabels().at(1), 3u * 3 * 2);
+  EXPECT_EQ(volume.Voxels[volume.Index(0, 5, 3)], 1);
+  EXPECT_EQ(volume.Origin[0], 2);
+}
+
 TEST_F(LabelSourceTest, RefusesInOneLine)
 {
+  for (const char* side : { "", "j", "x+", "P", "j+-" })
+  {
+    this->Source.CutSides = { side };
+    EXPECT_THAT(this->Message(), HasSubstr("expected i-, i+, j-, j+, k- or k+, found '"));
+  }
+  this->Source.CutSides.clear();
   this->Source.Crop = { "0:8", ":", ":" };
   EXPECT_THAT(this->Message(),
     testing::AllOf(HasSubstr("crop 0:8 0:7 0:7"), HasSubstr("voxels 0:7 0:7 0:7")));

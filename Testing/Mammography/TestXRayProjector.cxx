@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "MeshConversion.h"
 #include "PathLengthProjector.h"
+#include "PhysicsData.h"
 #include "ProjectionImage.h"
 #include "vtkXRayProjector.h"
 
@@ -7,11 +9,13 @@
 #include "vtkCellData.h"
 #include "vtkCommand.h"
 #include "vtkDoubleArray.h"
+#include "vtkFieldData.h"
 #include "vtkImageData.h"
 #include "vtkIntArray.h"
 #include "vtkNew.h"
 #include "vtkPointData.h"
 #include "vtkPolyData.h"
+#include "vtkStringArray.h"
 #include "vtkUnstructuredGrid.h"
 
 #include <gmock/gmock.h>
@@ -195,6 +199,77 @@ TEST_F(XRayProjectorFilter, FollowsMovedPointsAndMovedSource)
   this->Filter->Update();
   EXPECT_NEAR(this->Value("PathLength_1", 0), 6 / 0.8, 1e-6);
   EXPECT_EQ(this->Errors->Count, 0) << this->Errors->Text;
+}
+
+TEST_F(XRayProjectorFilter, StandsWhereTheInputSays)
+{
+  const auto grid = Brick(10, 20, 12);
+  // Patient left, anterior and source along world y, -x and z.
+  mammoray::AddPlacement(grid, { { 12, 9, -30 }, { 0, 1, 0 }, { -1, 0, 0 }, { 0, 0, 1 } });
+  this->Filter->SetInputData(grid);
+  this->Filter->PlacedByInputOn();
+  this->Filter->SetSourceToDetectorMm(600);
+  this->Filter->Update();
+  ASSERT_EQ(this->Errors->Count, 0) << this->Errors->Text;
+  vtkImageData* image = this->Filter->GetOutput();
+  // Five rows from +x down to -x about the middle, four columns from half a pixel on.
+  const double* first = image->GetPoint(0);
+  EXPECT_DOUBLE_EQ(first[0], 12 - 1);
+  EXPECT_DOUBLE_EQ(first[1], 9 + 3);
+  EXPECT_DOUBLE_EQ(first[2], -30);
+  std::vector<float> placed;
+  for (vtkIdType pixel = 0; pixel < 20; ++pixel)
+  {
+    placed.push_back(this->Value("PathLength_1", pixel));
+  }
+  this->Filter->PlacedByInputOff();
+  this->Filter->ParallelBeamOff();
+  this->Filter->SetSourcePosition(12, 9, 570);
+  this->Filter->SetDetectorOrigin(11, 12, -30);
+  this->Filter->SetColumnDirection(-1, 0, 0);
+  this->Filter->SetRowDirection(0, -1, 0);
+  this->Filter->Update();
+  for (vtkIdType pixel = 0; pixel < 20; ++pixel)
+  {
+    EXPECT_FLOAT_EQ(placed[pixel], this->Value("PathLength_1", pixel));
+  }
+  this->Filter->PlacedByInputOn();
+  this->Filter->SetInputData(Brick(10, 20, 12));
+  this->Filter->Update();
+  EXPECT_EQ(this->Errors->Count, 1);
+  EXPECT_THAT(this->Errors->Text, testing::HasSubstr("Placement"));
+}
+
+TEST_F(XRayProjectorFilter, TakesMaterialsAndSpectrumByName)
+{
+  const auto grid = Brick(10, 20, 12);
+  vtkNew<vtkStringArray> names;
+  names->SetName(mammoray::MaterialNamesArrayName);
+  names->InsertNextValue("air");
+  names->InsertNextValue("gland"); // not the table's material 1
+  grid->GetFieldData()->AddArray(names);
+  this->Filter->SetInputData(grid);
+  this->Filter->SetMaterialTable("victre");
+  this->Filter->SetSpectrum("W30kVp_Rh50um_Be1mm");
+  this->Filter->Update();
+  ASSERT_EQ(this->Errors->Count, 0) << this->Errors->Text;
+  EXPECT_NEAR(this->Value("LogAttenuation", 0), 0.6, 1e-6) << "what was said of it goes first";
+  this->Filter->ClearAttenuation();
+  this->Filter->Update();
+  const mammoray::MaterialTable table = mammoray::FindMaterialTable("victre");
+  const mammoray::Beam beam =
+    mammoray::MakeBeam(table, mammoray::FindSpectrum("W30kVp_Rh50um_Be1mm"),
+      mammoray::DetectorResponse::EnergyIntegrating);
+  mammoray::PathLengthImage lengths;
+  lengths.Columns = lengths.Rows = 1;
+  lengths.Materials = static_cast<int>(table.Materials.size());
+  lengths.Lengths.assign(table.Materials.size(), 0.0F);
+  lengths.Lengths[static_cast<std::size_t>(table.IndexOf("gland"))] = 12;
+  // Both in float.
+  EXPECT_NEAR(this->Value("LogAttenuation", 0), beam.LogAttenuation(lengths)[0], 1e-5);
+  this->Filter->SetMaterialTable("victor");
+  this->Filter->Update();
+  EXPECT_EQ(this->Errors->Count, 1);
 }
 
 TEST_F(XRayProjectorFilter, PolyDataWithInsideMaterialInAnyOrientation)

@@ -129,6 +129,49 @@ TEST_F(SurfaceMesher, CellSizesAreKept)
   EXPECT_GT(static_cast<double>(result.Mesh.NumberOfCells()), 8000 / bound);
 }
 
+TEST_F(SurfaceMesher, NeedlesInAPlaneAreTriangulatedAnew)
+{
+  // A bar of 30 x 1 x 1 mm with points at each mm of its long edges, top and bottom as fans from a
+  // corner: angles down to 0.06 degrees.
+  SurfaceMesh bar;
+  const std::uint32_t length = 30;
+  for (std::uint32_t row = 0; row < 4; ++row) // y, z: 0 0, 1 0, 1 1, 0 1
+  {
+    for (std::uint32_t x = 0; x <= length; ++x)
+    {
+      AddPoint(bar, { double(x), row == 1 || row == 2 ? 1.0 : 0.0, row >= 2 ? 1.0 : 0.0 });
+    }
+  }
+  const auto at = [&](std::uint32_t row, std::uint32_t x) { return row % 4 * (length + 1) + x; };
+  for (std::uint32_t row = 0; row < 4; ++row)
+  {
+    for (std::uint32_t x = 0; x < length; ++x)
+    {
+      if (row % 2 == 0) // a fan over y from the corner at x = 0 of the next row, then back
+      {
+        AddTriangle(bar, at(row, x), at(row + 1, 0), at(row, x + 1), 1, 0);
+        AddTriangle(bar, at(row + 1, x), at(row + 1, x + 1), at(row, length), 1, 0);
+      }
+      else
+      {
+        AddTriangle(bar, at(row, x), at(row + 1, x), at(row + 1, x + 1), 1, 0);
+        AddTriangle(bar, at(row, x), at(row + 1, x + 1), at(row, x + 1), 1, 0);
+      }
+    }
+  }
+  for (const auto& [x, back] : { std::pair{ 0u, 0u }, std::pair{ length, 2u } })
+  {
+    AddTriangle(bar, at(0, x), at(3 - back, x), at(2, x), 1, 0);
+    AddTriangle(bar, at(0, x), at(2, x), at(1 + back, x), 1, 0);
+  }
+  const MeshCheck check = CheckMesh(MeshSurfaces(bar, Coarse()).Mesh);
+  EXPECT_TRUE(check.Sound());
+  EXPECT_NEAR(VolumeOf(check, 1), length, 1e-9);
+  // Cubes of 1 mm, each in five or six tetrahedra, and what refinement adds.
+  EXPECT_LT(check.Cells, 20u * length);
+  EXPECT_GT(check.Materials[0].SmallestDihedralDeg, 10);
+}
+
 TEST_F(SurfaceMesher, RefusesOpenAndCuttingSurfaces)
 {
   SurfaceMesh surfaces;
@@ -207,6 +250,25 @@ TEST_F(SurfaceMesher, BothWaysFromLabelsAgree)
   EXPECT_GT(compared, 15);
   // The voxel's size: each of two crossings of either mesh lies within half a voxel of the voxels'.
   EXPECT_LT(largest, 0.6);
+}
+
+TEST_F(SurfaceMesher, ThinLayersFromLabelsHaveNoSlivers)
+{
+  // A shell of one voxel around two tissues, as skin: all corners of its cells lie on interfaces.
+  // Where points of the body's surface could not move, an angle of 0.45 degrees was left.
+  const LabelVolume volume = LabelledCube(44, 0.5,
+    [](const Vector3& p)
+    { return Norm(p) > 9.5 ? 0 : Norm(p) > 9 ? 3 : Norm(p - Vector3{ 4, 2, 0 }) < 6 ? 2 : 1; });
+  MeshingOptions options = MeshingOptions::Anatomy({ 3 });
+  const MeshingResult result = MeshMaterialSurfaces(volume, options);
+  EXPECT_TRUE(CheckMesh(result.Mesh).Sound());
+  ASSERT_EQ(result.Reports.size(), 3u);
+  for (const MaterialReport& report : result.Reports)
+  {
+    EXPECT_TRUE(report.KeepsVolume()) << report.Material;
+    // The goal, to rounding.
+    EXPECT_GT(report.SmallestDihedralDeg, options.SmallestDihedralDeg - 1e-6) << report.Material;
+  }
 }
 
 TEST_F(SurfaceMesher, VoxelsThatTouchAtEdgesAndCorners)

@@ -14,13 +14,15 @@ TABLE = """{ "materials": [
 
 
 def half_ball_labels(radius=30.0, spacing=2.0):
-    """Labels (k, j, i) of half a ball on the plane y = 0, its front towards +y, wall to y = 6 mm, gland inside.
+    """Labels (k, j, i) of half a ball on the plane y = 0, its front towards +y, wall to y = 6 mm, two pieces of gland inside, as
+    high and to the sides as a roll needs to be seen.
 
     Gives labels (uint16) and the place of voxel (0, 0, 0), mm; +x left, +y anterior, +z superior (orientation LAS)."""
     axis = numpy.arange(-radius - 3, radius + 3.1, spacing)
     z, y, x = numpy.meshgrid(axis, axis[axis > -3], axis, indexing="ij")
     labels = numpy.where((y > 0) & (x * x + y * y + z * z < radius * radius), 1, 0)
-    labels[(labels == 1) & (x * x + (y - 14) ** 2 + z * z < 100)] = 3
+    for left, front, up in ((9, 14, 10), (-8, 16, -11)):
+        labels[(labels == 1) & ((x - left) ** 2 + (y - front) ** 2 + (z - up) ** 2 < 64)] = 3
     labels[(labels > 0) & (y < 6)] = 2
     return labels.astype(numpy.uint16), (axis[0], axis[axis > -3][0], axis[0])
 

@@ -9,6 +9,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
 
@@ -238,6 +239,145 @@ TEST_F(Registration, AnnealingSpendsItsEquilibriaAndKeepsTheBest)
   EXPECT_LE(stopped.Iterations.back().Cost, stopped.Iterations.front().Cost);
   annealing.Equilibria = 0;
   EXPECT_THROW(Anneal(Model->Model, *Target, options, annealing, {}), InputError);
+}
+
+/// CC and MLO of one truth whose gland is stiffer than the model believes.
+TEST_F(Registration, TwoViewsShareTheStiffnessAndKnowItBetter)
+{
+  Twin other(8, 16, 30.0);
+  const double trueStiffness = 1.6;
+  std::vector<ElasticMaterial> elastic = other.Model.Elastic;
+  elastic[3].YoungsModulusKPa *= trueStiffness;
+  other.Simulation.SetMaterials(elastic);
+  BreastPose oblique = Truth();
+  oblique.ThicknessMm = 43;
+  oblique.RollDeg = 45;
+  oblique.ShiftLateralMm = -3;
+  const RegistrationTarget targets[2] = { MakeTarget(other, Truth()), MakeTarget(other, oblique) };
+  const auto viewOf = [&](const BreastPose& pose, const RegistrationTarget& target)
+  {
+    BreastPose start = pose;
+    start.ThicknessMm += 1.5;
+    start.RollDeg -= 3;
+    start.ShiftLateralMm += 2;
+    RegistrationView view{ &Model->Model, &target, DefaultParameters(start), {} };
+    view.Parameters[StiffnessParameter].Fixed = false;
+    for (const RegistrationParameter& parameter : view.Parameters)
+    {
+      view.From.push_back(parameter.Start);
+    }
+    return view;
+  };
+  const RegistrationView cc = viewOf(Truth(), targets[0]);
+  const RegistrationView mlo = viewOf(oblique, targets[1]);
+  const RegistrationOptions options = OptionsFrom(Truth());
+  const JointRegistrationResult alone[2] = { RegisterTogether({ cc }, options),
+    RegisterTogether({ mlo }, options) };
+  const JointRegistrationResult joint = RegisterTogether({ cc, mlo }, options);
+  ASSERT_EQ(joint.Views.size(), 2u);
+  EXPECT_TRUE(joint.Views[0].Converged) << joint.Views[0].StopReason;
+
+  // One value, and two poses of which each is near its own truth: 3 sigma, as in the test of one.
+  EXPECT_EQ(joint.Views[0].Stiffness, joint.Views[1].Stiffness);
+  const BreastPose truths[2] = { Truth(), oblique };
+  for (int view = 0; view < 2; ++view)
+  {
+    SCOPED_TRACE(view);
+    const RegistrationResult& result = joint.Views[view];
+    EXPECT_NEAR(result.Pose.ThicknessMm, truths[view].ThicknessMm, 3.0);
+    EXPECT_NEAR(result.Pose.RollDeg, truths[view].RollDeg, 6.0);
+    EXPECT_NEAR(result.Pose.ShiftLateralMm, truths[view].ShiftLateralMm, 1.5);
+    EXPECT_LT(result.After.MeanOutlineDistanceMm, 0.7);
+    EXPECT_GT(result.After.Correlation, 0.95);
+    // What two pictures say of the gland is more than what one does: information adds up.
+    EXPECT_LT(result.StandardDeviations[StiffnessParameter],
+      alone[view].Views[0].StandardDeviations[StiffnessParameter]);
+  }
+  EXPECT_NEAR(joint.Views[0].Stiffness, trueStiffness,
+    2 * joint.Views[0].StandardDeviations[StiffnessParameter]);
+  EXPECT_EQ(joint.Views[0].StandardDeviations[StiffnessParameter],
+    joint.Views[1].StandardDeviations[StiffnessParameter]);
+
+  // Four of each view and the shared one; the covariances of the views are parts of the joint one.
+  ASSERT_EQ(joint.Unknowns.size(), 9u);
+  ASSERT_EQ(joint.Covariance.size(), 81u);
+  EXPECT_EQ(std::count_if(joint.Unknowns.begin(), joint.Unknowns.end(),
+              [](const JointUnknown& unknown) { return unknown.Shared; }),
+    1);
+  for (std::size_t i = 0; i < 9; ++i)
+  {
+    const JointUnknown& row = joint.Unknowns[i];
+    const RegistrationResult& result = joint.Views[row.View];
+    EXPECT_EQ(joint.Covariance[i * 10], result.Covariance[row.Parameter * (ParameterCount + 1)]);
+    // What is held with a prior makes nothing surer.
+    EXPECT_GE(result.ConsideredCovariance[row.Parameter * (ParameterCount + 1)],
+      joint.Covariance[i * 10]);
+  }
+}
+
+/// Each view alone is the same search as both without anything in common.
+TEST_F(Registration, ViewsThatShareNothingFreeEndWhereEachAloneEnds)
+{
+  const RegistrationOptions near = OptionsNearTruth();
+  const RegistrationView view{ &Model->Model, Target.get(), near.Parameters, near.From };
+  const RegistrationResult alone = Register(Model->Model, *Target, near);
+  const JointRegistrationResult joint = RegisterTogether({ view, view }, near);
+  for (const RegistrationResult& result : joint.Views)
+  {
+    for (const int parameter :
+      { ThicknessParameter, RollParameter, LateralParameter, AnteriorParameter })
+    {
+      // The trust region is one of twice as many unknowns, so that steps differ; both stop within
+      // half a standard deviation of the best.
+      EXPECT_NEAR(result.Values[parameter], alone.Values[parameter],
+        alone.StandardDeviations[parameter]);
+    }
+  }
+  // No entry between the one and the other.
+  for (std::size_t i = 0; i < 4; ++i)
+  {
+    for (std::size_t j = 4; j < 8; ++j)
+    {
+      EXPECT_NEAR(joint.Covariance[i * 8 + j], 0, 1e-9);
+    }
+  }
+  EXPECT_THROW(RegisterTogether({}, near), InputError);
+  RegistrationView stiffer = view;
+  stiffer.Parameters[StiffnessParameter].Start = 2;
+  EXPECT_THROW(RegisterTogether({ view, stiffer }, near), InputError);
+}
+
+/// The shift that considering predicts is the one that registering at another held value finds.
+TEST_F(Registration, ConsideredParametersMoveTheOthersAsPredicted)
+{
+  RegistrationOptions options = OptionsNearTruth();
+  // Smooth enough to tell: no robust kinks, and a minimum found beyond the usual end.
+  options.Parameters[PitchParameter].PriorSigma = 2;
+  options.Parameters[YawParameter].PriorSigma = 0;
+  options.Parameters[TiltParameter].PriorSigma = 0;
+  options.Parameters[StiffnessParameter].PriorSigma = 0;
+  const RegistrationResult held = Register(Model->Model, *Target, options);
+  const auto entry = [&](const std::vector<double>& covariance, int row, int column)
+  { return covariance[row * ParameterCount + column]; };
+  const std::vector<double>& considered = held.ConsideredCovariance;
+  EXPECT_DOUBLE_EQ(entry(considered, PitchParameter, PitchParameter), 4); // its prior's
+  EXPECT_EQ(entry(considered, YawParameter, YawParameter), 0);
+
+  options.Parameters[PitchParameter].Start = 2;
+  options.From[PitchParameter] = 2;
+  const RegistrationResult moved = Register(Model->Model, *Target, options);
+  for (const int parameter :
+    { ThicknessParameter, RollParameter, LateralParameter, AnteriorParameter })
+  {
+    // Of one sigma of the pitch: covariance over sigma.
+    const double predicted = entry(considered, parameter, PitchParameter) / 2;
+    EXPECT_NEAR(entry(considered, parameter, parameter),
+      entry(held.Covariance, parameter, parameter) + predicted * predicted, 1e-9);
+    // Each search stops within half a standard deviation of its best.
+    EXPECT_NEAR(moved.Values[parameter] - held.Values[parameter], predicted,
+      held.StandardDeviations[parameter])
+      << held.Parameters[parameter].Name;
+  }
 }
 
 TEST_F(Registration, UnusableInputIsRefused)

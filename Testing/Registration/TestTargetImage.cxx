@@ -99,6 +99,10 @@ TEST(TargetImage, ChestWallCentreIsTheMaskMiddle)
     target.BreastMask[12 + column] = 0; // x = 5
   }
   EXPECT_NEAR(ChestWallCentre(target)[0], -2, 1e-12);
+  target.BreastMask.assign(target.BreastMask.size(), 0);
+  EXPECT_THROW(ChestWallCentre(target), InputError);
+  target.BreastMask.clear();
+  EXPECT_THROW(ChestWallCentre(target), InputError);
 }
 
 TEST(TargetImage, GradientAgreesWithDifferencesInsideAndOutside)

@@ -19,8 +19,9 @@ namespace mammoray
 {
 namespace
 {
-/// The complex as TetGen wants it; TetGen frees what it is given.
-void Load(const TriangleComplex& complex, tetgenio& input)
+/// The complex as TetGen wants it; TetGen frees what it is given. It joins triangles of one plane
+/// where their marks are the same, so that needles in it need not stay.
+void Load(const TriangleComplex& complex, tetgenio& input, bool joinsPlanes = false)
 {
   input.firstnumber = 0;
   input.numberofpoints = static_cast<int>(complex.Points.size() / 3);
@@ -40,7 +41,7 @@ void Load(const TriangleComplex& complex, tetgenio& input)
     polygon.numberofvertices = 3;
     polygon.vertexlist = new int[3];
     std::copy(complex.Triangles[index].begin(), complex.Triangles[index].end(), polygon.vertexlist);
-    input.facetmarkerlist[index] = static_cast<int>(index) + 1;
+    input.facetmarkerlist[index] = joinsPlanes ? 1 : static_cast<int>(index) + 1;
   }
 }
 
@@ -214,16 +215,20 @@ TetrahedralMesh FillRegions(const TriangleComplex& complex,
 {
   tetgenio input;
   tetgenio output;
-  Load(complex, input);
+  Load(complex, input, quality.DividesTriangles);
   std::vector<double> holes;
   std::vector<double> seeds;
   for (const TetGenRegion& region : regions)
   {
-    auto& list = region.Material == 0 ? holes : seeds;
+    const bool isHole = region.Material == 0 && !quality.KeepsAir;
+    auto& list = isHole ? holes : seeds;
     list.insert(list.end(), region.Inside.begin(), region.Inside.end());
-    if (region.Material != 0)
+    if (!isHole)
     {
-      seeds.insert(seeds.end(), { static_cast<double>(region.Material), region.CellVolumeMm3 });
+      const double noBound = -1;
+      seeds.insert(seeds.end(),
+        { static_cast<double>(region.Material),
+          region.Material == 0 ? noBound : region.CellVolumeMm3 });
     }
   }
   input.numberofholes = static_cast<int>(holes.size() / 3);

@@ -24,7 +24,7 @@ struct TetGenRegion
   /// A point well within.
   Vector3 Inside{ 0, 0, 0 };
   double VolumeMm3 = 0;
-  /// 0 leaves the region empty.
+  /// 0: air.
   int Material = 0;
   /// Upper bound of its cells, mm^3.
   double CellVolumeMm3 = 0;
@@ -43,11 +43,14 @@ struct TetGenQuality
   double Ratio = 2;
   /// A goal; 0 leaves it out.
   double DihedralDeg = 0;
-  /// Triangles may be divided.
-  bool DividesTriangles = true;
+  /// Triangles may be divided, and flat parts of the surface be triangulated anew.
+  bool DividesTriangles = false;
+  /// Regions of material 0 are filled, too, without a bound on the cells' volume.
+  bool KeepsAir = false;
 };
 
-/// Tetrahedra of the regions that have a material. `progress` is asked while cells are refined.
+/// Tetrahedra of the regions that have a material, or of all. `progress` is asked while cells are
+/// refined.
 TetrahedralMesh FillRegions(const TriangleComplex& complex,
   const std::vector<TetGenRegion>& regions, const TetGenQuality& quality,
   const ProgressCallback& progress);

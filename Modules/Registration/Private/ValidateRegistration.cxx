@@ -2,11 +2,46 @@
 #include "ValidateRegistration.h"
 
 #include "Error.h"
+#include "TargetImage.h"
 
 #include <string>
 
 namespace mammoray
 {
+void ValidateViews(const std::vector<RegistrationView>& views, const RegistrationOptions& options)
+{
+  if (views.empty())
+  {
+    throw InputError("registration: expected a mammogram, found none");
+  }
+  for (const RegistrationView& view : views)
+  {
+    if (!view.Model || !view.Target)
+    {
+      throw InputError("registration: expected a model and a target, found one missing");
+    }
+    RegistrationOptions own = options;
+    own.Parameters = view.Parameters;
+    own.From = view.From;
+    ValidateRegistration(*view.Model, own);
+    ValidateTarget(*view.Target);
+    for (int index = 0; index < ParameterCount; ++index)
+    {
+      if (IsShared(index) &&
+        (view.Parameters[index].Fixed != views.front().Parameters[index].Fixed ||
+          view.Parameters[index].Start != views.front().Parameters[index].Start))
+      {
+        throw InputError("registration: parameter " + view.Parameters[index].Name +
+          ": expected the same start in all views, and free in all or none");
+      }
+    }
+    if (view.From.empty() != views.front().From.empty())
+    {
+      throw InputError("registration: expected a beginning for each view or for none");
+    }
+  }
+}
+
 void ValidateRegistration(const RegistrationModel& model, const RegistrationOptions& options)
 {
   if (!model.Simulation || !model.Surface || !model.SurfaceEmbedding || !model.Projector ||
@@ -71,10 +106,10 @@ void ValidateRegistration(const RegistrationModel& model, const RegistrationOpti
     }
   }
   if (options.PixelSizesMm.empty() || options.Samples < 1 || options.OutlineDirections < 10 ||
-    !(options.DifferenceStep > 0))
+    !(options.DifferenceStep > 0) || !(options.WindowMm > 0))
   {
     throw InputError("registration: expected at least one pixel size, one sample, ten outline "
-                     "directions and a positive step of differences");
+                     "directions, a positive window and a positive step of differences");
   }
 }
 }

@@ -2,12 +2,12 @@
 #ifndef mammoray_ValidateRegistration_h
 #define mammoray_ValidateRegistration_h
 
-#include "RegistrationModel.h"
-#include "RegistrationResiduals.h"
+#include "Registration.h"
 
 namespace mammoray
 {
-/// Throws InputError unless a search can begin with these.
+/// Throw InputError unless a search can begin with these, of one mammogram or of several.
+void ValidateViews(const std::vector<RegistrationView>& views, const RegistrationOptions& options);
 void ValidateRegistration(const RegistrationModel& model, const RegistrationOptions& options);
 }
 

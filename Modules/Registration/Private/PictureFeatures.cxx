@@ -1,0 +1,189 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "PictureFeatures.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace mammoray
+{
+namespace
+{
+constexpr std::size_t None = std::numeric_limits<std::size_t>::max();
+
+/// The number in `pixels` of each pixel of a picture; None for others.
+std::vector<std::size_t> Numbers(const RegistrationTarget& grid,
+  const std::vector<std::size_t>& pixels)
+{
+  std::vector<std::size_t> numbers(static_cast<std::size_t>(grid.Columns) * grid.Rows, None);
+  for (std::size_t index = 0; index < pixels.size(); ++index)
+  {
+    numbers[pixels[index]] = index;
+  }
+  return numbers;
+}
+
+double ColumnMm(const RegistrationTarget& grid)
+{
+  return std::hypot(grid.ColumnStep[0], grid.ColumnStep[1]);
+}
+
+double RowMm(const RegistrationTarget& grid)
+{
+  return std::hypot(grid.RowStep[0], grid.RowStep[1]);
+}
+}
+
+PictureFeatures::PictureFeatures(PictureComparison kind, const RegistrationTarget& grid,
+  const std::vector<std::size_t>& pixels, double windowMm)
+  : Kind(kind)
+  , Pixels(pixels)
+{
+  if (kind == PictureComparison::Local)
+  {
+    this->FindWindows(grid, windowMm);
+  }
+  else if (kind == PictureComparison::Gradient)
+  {
+    this->FindNeighbours(grid);
+  }
+}
+
+void PictureFeatures::FindWindows(const RegistrationTarget& grid, double windowMm)
+{
+  const std::vector<std::size_t> numbers = Numbers(grid, this->Pixels);
+  const int across = std::max(1, static_cast<int>(std::lround(0.5 * windowMm / ColumnMm(grid))));
+  const int down = std::max(1, static_cast<int>(std::lround(0.5 * windowMm / RowMm(grid))));
+  for (const std::size_t pixel : this->Pixels)
+  {
+    this->First.push_back(this->Members.size());
+    const int column = static_cast<int>(pixel % grid.Columns);
+    const int row = static_cast<int>(pixel / grid.Columns);
+    for (int y = std::max(0, row - down); y <= std::min(grid.Rows - 1, row + down); ++y)
+    {
+      for (int x = std::max(0, column - across); x <= std::min(grid.Columns - 1, column + across);
+           ++x)
+      {
+        const std::size_t number = numbers[static_cast<std::size_t>(y) * grid.Columns + x];
+        if (number != None)
+        {
+          this->Members.push_back(number);
+        }
+      }
+    }
+  }
+  this->First.push_back(this->Members.size());
+}
+
+void PictureFeatures::FindNeighbours(const RegistrationTarget& grid)
+{
+  const std::vector<std::size_t> numbers = Numbers(grid, this->Pixels);
+  const auto add = [&](std::size_t from, std::size_t pixel, double distance)
+  {
+    if (numbers[pixel] != None)
+    {
+      this->Pairs.push_back({ from, numbers[pixel] });
+      this->Distances.push_back(distance);
+    }
+  };
+  for (std::size_t index = 0; index < this->Pixels.size(); ++index)
+  {
+    const std::size_t pixel = this->Pixels[index];
+    if ((pixel + 1) % grid.Columns != 0)
+    {
+      add(index, pixel + 1, ColumnMm(grid));
+    }
+    if (pixel + grid.Columns < numbers.size())
+    {
+      add(index, pixel + grid.Columns, RowMm(grid));
+    }
+  }
+}
+
+std::size_t PictureFeatures::Size() const
+{
+  return this->Kind == PictureComparison::Gradient ? this->Pairs.size() : this->Pixels.size();
+}
+
+double PictureFeatures::MeanOver(std::size_t window, const std::vector<double>& values) const
+{
+  double sum = 0;
+  for (std::size_t index = this->First[window]; index < this->First[window + 1]; ++index)
+  {
+    sum += values[this->Members[index]];
+  }
+  return sum / static_cast<double>(this->First[window + 1] - this->First[window]);
+}
+
+PictureFeatures::Found PictureFeatures::Of(const std::vector<float>& image) const
+{
+  Found found{ {}, ZScores(image, this->Pixels), {}, {} };
+  const std::vector<double>& scores = found.Whole.Scores;
+  switch (this->Kind)
+  {
+    case PictureComparison::Global:
+      found.Values = scores;
+      break;
+    case PictureComparison::Gradient:
+      for (std::size_t pair = 0; pair < this->Pairs.size(); ++pair)
+      {
+        found.Values.push_back(
+          (scores[this->Pairs[pair][1]] - scores[this->Pairs[pair][0]]) / this->Distances[pair]);
+      }
+      break;
+    case PictureComparison::Local:
+    {
+      // Of the whole picture's scores: the window's own scale and offset cancel in any case, and
+      // the least deviation is then a number.
+      std::vector<double> squares(scores.size());
+      std::transform(scores.begin(), scores.end(), squares.begin(),
+        [](double score) { return score * score; });
+      for (std::size_t window = 0; window < scores.size(); ++window)
+      {
+        const double mean = this->MeanOver(window, scores);
+        const double variance = std::max(0.0, this->MeanOver(window, squares) - mean * mean) +
+          LeastDeviation * LeastDeviation;
+        found.Means.push_back(mean);
+        found.Deviations.push_back(std::sqrt(variance));
+        found.Values.push_back((scores[window] - mean) / found.Deviations.back());
+      }
+      break;
+    }
+  }
+  return found;
+}
+
+std::vector<double> PictureFeatures::Differentiate(const Found& at,
+  std::vector<double> derivatives) const
+{
+  at.Whole.Differentiate(derivatives);
+  std::vector<double> rates;
+  switch (this->Kind)
+  {
+    case PictureComparison::Global:
+      return derivatives;
+    case PictureComparison::Gradient:
+      for (std::size_t pair = 0; pair < this->Pairs.size(); ++pair)
+      {
+        rates.push_back((derivatives[this->Pairs[pair][1]] - derivatives[this->Pairs[pair][0]]) /
+          this->Distances[pair]);
+      }
+      return rates;
+    default:
+      break;
+  }
+  // d deviation = mean((score - mean) d score) / deviation.
+  const std::vector<double>& scores = at.Whole.Scores;
+  std::vector<double> products(scores.size());
+  std::transform(scores.begin(), scores.end(), derivatives.begin(), products.begin(),
+    [](double score, double rate) { return score * rate; });
+  for (std::size_t window = 0; window < scores.size(); ++window)
+  {
+    const double mean = this->MeanOver(window, derivatives);
+    const double deviation = at.Deviations[window];
+    const double spread = (this->MeanOver(window, products) - at.Means[window] * mean) / deviation;
+    rates.push_back((derivatives[window] - mean - at.Values[window] * spread) / deviation);
+  }
+  return rates;
+}
+}
