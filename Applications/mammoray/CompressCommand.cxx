@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "CommandLine.h"
 
+#include "BreastMechanics.h"
 #include "CompressedBreast.h"
 #include "CompressionSimulation.h"
 #include "CutPicture.h"
@@ -8,13 +9,16 @@
 #include "Mammogram.h"
 #include "MeshConversion.h"
 #include "MeshIO.h"
+#include "MeshVoxels.h"
 #include "PhysicsData.h"
 #include "PlacedPlates.h"
+#include "SimulationLead.h"
 
 #ifdef MAMMORAY_HAS_MESHING
 #include "SimulationMesh.h"
 #endif
 
+#include "vtkCellData.h"
 #include "vtkUnstructuredGrid.h"
 
 #include <cmath>
@@ -71,8 +75,29 @@ struct CompressArguments
   bool Overwrite = false;
 };
 
+bool IsSimulatedOn(const TetrahedralMesh& mesh, const CompressArguments& arguments)
+{
+  return arguments.SimulationMesh.empty() &&
+    mesh.NumberOfCells() <= MostSimulationCells(Elements.at(arguments.Element));
+}
+
+/// Where stiffness is sampled: the labels given, or the voxels of a mesh that another one carries.
+std::optional<LabelVolume> FindMaterials(const CompressArguments& arguments,
+  const MaterialTable& table, const TetrahedralMesh& mesh)
+{
+  if (!arguments.Labels.Path.empty())
+  {
+    return ReadMaterials(arguments.Labels, table);
+  }
+  if (!IsSimulatedOn(mesh, arguments))
+  {
+    return Voxelize(mesh, BreastMechanicsOptions::VoxelMm);
+  }
+  return {};
+}
+
 /// The mesh to simulate on: the one named, the input when it is coarse enough, or one made of the
-/// labels.
+/// materials' volume.
 TetrahedralMesh FindSimulationMesh(const CompressArguments& arguments, const TetrahedralMesh& mesh,
   const std::optional<LabelVolume>& volume, const std::vector<bool>& held)
 {
@@ -80,8 +105,7 @@ TetrahedralMesh FindSimulationMesh(const CompressArguments& arguments, const Tet
   {
     return FromGrid(ReadMesh(arguments.SimulationMesh));
   }
-  const std::size_t mostCells = MostSimulationCells(Elements.at(arguments.Element));
-  if (mesh.NumberOfCells() <= mostCells)
+  if (IsSimulatedOn(mesh, arguments))
   {
     return mesh;
   }
@@ -94,15 +118,10 @@ TetrahedralMesh FindSimulationMesh(const CompressArguments& arguments, const Tet
   (void)volume;
   (void)held;
 #endif
-  throw InputError(arguments.Mesh + ": expected at most " + std::to_string(mostCells) +
+  throw InputError(arguments.Mesh + ": expected at most " +
+    std::to_string(MostSimulationCells(Elements.at(arguments.Element))) +
     " cells to simulate on, found " + std::to_string(mesh.NumberOfCells()) +
-    "; name a coarse --simulation-mesh" +
-#ifdef MAMMORAY_HAS_MESHING
-    " or the --labels it can be made of"
-#else
-    ""
-#endif
-  );
+    "; name a coarse --simulation-mesh");
 }
 
 /// Roll of a standard view, degrees; 0 where none is given.
@@ -291,28 +310,28 @@ void RunCompress(const CompressArguments& arguments)
   const vtkSmartPointer<vtkUnstructuredGrid> grid = ReadMesh(arguments.Mesh);
   const TetrahedralMesh mesh = FromGrid(grid);
   mesh.Validate(arguments.Mesh);
-  std::optional<LabelVolume> volume;
-  if (!arguments.Labels.Path.empty())
-  {
-    volume = ReadMaterials(arguments.Labels, table);
-  }
+  const std::optional<LabelVolume> volume = FindMaterials(arguments, table, mesh);
   const TetrahedralMesh simulationMesh = FindSimulationMesh(arguments, mesh, volume, held);
   MaterialField field;
   if (volume)
   {
     field = [&volume](const Vector3& point) { return static_cast<int>(volume->LabelAt(point)); };
   }
-  CompressionSimulation simulation(simulationMesh, mechanics.Elastic, held, field,
-    LoadingOf(arguments, axes));
-  if (arguments.ImagePosition != "none")
+  const CompressionOptions loading = LoadingOf(arguments, axes);
+  CompressionSimulation simulation(simulationMesh, mechanics.Elastic, held, field, loading);
+  if (arguments.ImagePosition == "none")
+  {
+    LeadIfLarge(simulation, simulationMesh, mechanics, loading, MakeProgressBar());
+  }
+  else
   {
     simulation.Unload(GravityIn(arguments.ImagePosition == "prone" ? PatientPosition::Prone
                                                                    : PatientPosition::Supine,
                         axes),
       MakeProgressBar());
   }
-  const Vector3 anchor =
-    volume ? FindPoseAnchor(*volume, held, axes) : FindPoseAnchor(mesh, held, axes);
+  const Vector3 anchor = arguments.Labels.Path.empty() ? FindPoseAnchor(mesh, held, axes)
+                                                       : FindPoseAnchor(*volume, held, axes);
   const CompressionState state = Compress(arguments, simulation, axes, anchor);
   const double thicknessMm =
     arguments.ForceN > 0 ? GapMm(state.Plates) : arguments.Pose.ThicknessMm;
@@ -334,8 +353,11 @@ void RunCompress(const CompressArguments& arguments)
   const std::size_t inverted = CompressedBreast::NumberOfInvertedCells(compressed);
   if (inverted > 0)
   {
-    std::printf("%zu of %zu cells of the mesh are turned inside out (array J <= 0)\n", inverted,
-      mesh.NumberOfCells());
+    const auto count = static_cast<double>(mesh.NumberOfCells());
+    std::printf("%zu of %.0f cells of the mesh (%.2g %%) are turned inside out, the worst to %.2f "
+                "of its volume (array J)\n",
+      inverted, count, 100 * static_cast<double>(inverted) / count,
+      compressed->GetCellData()->GetArray("J")->GetRange()[0]);
   }
 }
 }
@@ -431,8 +453,8 @@ void AddCompressCommand(CLI::App& application)
   command->add_option("--simulation-mesh", arguments->SimulationMesh,
     "coarse mesh (.vtu) to simulate on; the points of --mesh move with it");
   add("--simulation-cell-size", arguments->SimulationCellSizeMm,
-    "largest cells of the simulation mesh made of --labels for large meshes, mm; 0: by the size of "
-    "the breast, 3000 to 4000 cells")
+    "largest cells of the simulation mesh that is made for a large mesh, of --labels or else of "
+    "the mesh itself, mm; 0: by the size of the breast, 3000 to 4000 cells")
     ->check(NonNegativeNumber());
   command
     ->add_option("--element", arguments->Element,

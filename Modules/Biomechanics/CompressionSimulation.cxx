@@ -20,6 +20,8 @@ namespace
 /// Equilibrium between load steps is only a start for the next one.
 constexpr double IntermediateTolerance = 1e-3;
 constexpr int IntermediateNewtonSteps = 40;
+/// Of a start that another mesh gave and in which cells are inverted.
+constexpr double UntanglingTolerance = 3e-2;
 /// A warm start has little to lose, since its caller can take a smaller step: where it needs
 /// halvings, it gives up after this many Newton steps in all.
 constexpr int WarmNewtonSteps = 60;
@@ -114,11 +116,11 @@ void CheckOptions(const CompressionOptions& options)
   }
 }
 
-/// Linear elements lead where the way is simple: their breast hangs and rubs otherwise.
-bool IsLedByLinearElements(const CompressionOptions& options)
+/// Another mesh leads where the way is simple: its breast hangs and rubs otherwise.
+bool CanBeLed(const CompressionOptions& options)
 {
-  return options.Element == ElementType::Quadratic && options.ChestWall == ChestWallMode::Held &&
-    options.Friction == 0 && Norm(options.GravityMPerS2) == 0 && Norm(options.PullN) == 0;
+  return options.ChestWall == ChestWallMode::Held && options.Friction == 0 &&
+    Norm(options.GravityMPerS2) == 0 && Norm(options.PullN) == 0;
 }
 
 void CheckPlate(const Plate& plate, const char* name)
@@ -397,20 +399,32 @@ CompressionSimulation::CompressionSimulation(const TetrahedralMesh& mesh,
   ElasticBody body(mesh, materials, field, held, options.Element);
   this->Internal = std::make_unique<Internals>(std::move(body), CellsOf(mesh, held),
     mesh.NumberOfPoints(), options);
-  if (IsLedByLinearElements(options))
+  if (options.Element == ElementType::Quadratic && CanBeLed(options))
   {
     CompressionOptions leading = options;
     leading.Element = ElementType::PatchAveragedLinear;
-    this->Internal->Coarse =
-      std::make_unique<CompressionSimulation>(mesh, materials, held, field, leading);
-    this->Internal->InCoarse =
-      std::make_unique<Embedding>(*this->Internal->Coarse, this->RestPositions());
+    this->LeadBy(std::make_unique<CompressionSimulation>(mesh, materials, held, field, leading));
   }
 }
 
 CompressionSimulation::~CompressionSimulation() = default;
 CompressionSimulation::CompressionSimulation(CompressionSimulation&&) noexcept = default;
 CompressionSimulation& CompressionSimulation::operator=(CompressionSimulation&&) noexcept = default;
+
+void CompressionSimulation::LeadBy(std::unique_ptr<CompressionSimulation> leader)
+{
+  if (leader && leader->Materials().size() != this->Materials().size())
+  {
+    throw InputError("leading simulation: expected " + std::to_string(this->Materials().size()) +
+      " materials, found " + std::to_string(leader->Materials().size()));
+  }
+  if (!leader || !CanBeLed(this->Internal->Options))
+  {
+    return;
+  }
+  this->Internal->InCoarse = std::make_unique<Embedding>(*leader, this->RestPositions());
+  this->Internal->Coarse = std::move(leader);
+}
 
 void CompressionSimulation::Unload(const Vector3& gravityMPerS2, const ProgressCallback& progress)
 {
@@ -532,7 +546,7 @@ std::vector<double> CompressionSimulation::CoarsePositions(const PlatePair& plat
     }
     catch (const CompressionError&)
     {
-      // What stops linear elements need not stop these.
+      // What stops its elements need not stop these.
     }
   }
   return positions;
@@ -619,9 +633,17 @@ CompressionState CompressionSimulation::Run(const PlatePair& plates, const Compr
   if (!start)
   {
     std::vector<double> positions = this->CoarsePositions(plates, progress);
-    if (!positions.empty() && solver.Admissible(positions))
+    if (!positions.empty())
     {
       solver.SetContactStiffness(options.ContactStiffness * softness);
+      if (!solver.Admissible(positions))
+      {
+        state.NewtonSteps +=
+          solver
+            .Untangle(positions, &plates, UntanglingTolerance,
+              std::min(IntermediateNewtonSteps, options.MaximumNewtonSteps), continued)
+            .NewtonSteps;
+      }
       const EquilibriumReport report = solver.Solve(positions, &plates, IntermediateTolerance,
         std::min(IntermediateNewtonSteps, options.MaximumNewtonSteps), continued);
       state.NewtonSteps += report.NewtonSteps;

@@ -165,6 +165,16 @@ public:
   CompressionSimulation& operator=(CompressionSimulation&&) noexcept;
 
   /**
+   * Another simulation of the same body, of as many materials, that is to go the way of cold starts
+   * first: on some thousand quadratic cells it takes seconds, where tens of thousands of cells
+   * would take minutes to fold at the plates' edges. From where it arrives this one needs some dozen
+   * steps. The meshes may differ by a part of a cell; the same equilibrium is found to the
+   * same tolerance. Does nothing where the breast glides, rubs or has weight. SetMaterials changes
+   * its materials too; Unload ends its lead. Throws InputError.
+   */
+  void LeadBy(std::unique_ptr<CompressionSimulation> leader);
+
+  /**
    * Takes the mesh for the shape of a breast that hangs or lies under this gravity (m/s^2, frame of
    * the mesh), as in an image, with the chest wall of the options, and finds the shape without load
    * that gives it, by Sellier's fixed-point iteration (2011) on the points of the mesh, to
@@ -181,8 +191,8 @@ public:
    * Equilibrium between the plates. Cold: the breast first settles under gravity and pull, the
    * plates opened along their normals until they touch nothing, then closed in load steps; where
    * the chest wall is held and there are no such loads and no friction, quadratic elements let
-   * linear ones on the same cells go this way and start from where these arrive, or go it
-   * themselves if that fails. Warm: starts at `start` (a state of this
+   * linear ones on the same cells, or the simulation of LeadBy, go this way and start from where
+   * these arrive, or go it themselves if that fails. Warm: starts at `start` (a state of this
    * simulation) and goes straight to the new plates, in steps where that fails. Deterministic.
    * Contact is made stiffer until the penetration is within its limit. Throws ConvergenceError that
    * names the last gap reached or the limit that was missed and the value found, or Interrupted.

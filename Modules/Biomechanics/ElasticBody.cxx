@@ -156,6 +156,35 @@ void ProjectIsotropic(const Eigen::Matrix3d& f, Matrix9& a)
   }
 }
 
+/**
+ * p = J^(-2/3), and its derivatives as p' = -2/3 p / SlopeJ and p'' = 10/9 p / (SlopeJ CurvatureJ):
+ * both are J, but in the extended domain below ExtendedBelow, where a parabola continues p.
+ */
+struct PowerOfJ
+{
+  double Value;
+  double SlopeJ;
+  double CurvatureJ;
+
+  PowerOfJ(double j, ElasticBody::Domain domain)
+    : Value(1 / std::cbrt(j * j))
+    , SlopeJ(j)
+    , CurvatureJ(j)
+  {
+    constexpr double ExtendedBelow = 0.1;
+    if (domain == ElasticBody::Domain::Extended && j < ExtendedBelow)
+    {
+      const double beyond = j - ExtendedBelow;
+      const double value = 1 / std::cbrt(ExtendedBelow * ExtendedBelow);
+      const double slope = -2 * value / (3 * ExtendedBelow);
+      const double curvature = -5 * slope / (3 * ExtendedBelow);
+      this->Value = value + beyond * (slope + 0.5 * beyond * curvature);
+      this->SlopeJ = -2 * this->Value / (3 * (slope + beyond * curvature));
+      this->CurvatureJ = 10 * this->Value / (9 * curvature * this->SlopeJ);
+    }
+  }
+};
+
 /// A deformed quadrature point.
 template <typename Cell>
 struct PointState
@@ -672,7 +701,7 @@ CellMeasures ElasticBody::CellMeasuresOf(std::size_t cell, const std::vector<dou
 
 template <typename Cell>
 bool ElasticBody::TermsOf(std::size_t element, const std::vector<double>& x, Order order,
-  Terms& terms) const
+  Domain domain, Terms& terms) const
 {
   const double volume = this->ElementVolumes[element];
   const double pointKappa =
@@ -682,7 +711,7 @@ bool ElasticBody::TermsOf(std::size_t element, const std::vector<double>& x, Ord
   std::array<PointState<Cell>, Cell::MostPointsPerElement> states;
   int count = 0;
   terms.SmallestJ = std::numeric_limits<double>::infinity();
-  terms.LargestJ = 0;
+  terms.LargestJ = -terms.SmallestJ;
   terms.Volume = 0;
   for (const std::int32_t cell : this->CellsOf(element))
   {
@@ -690,7 +719,7 @@ bool ElasticBody::TermsOf(std::size_t element, const std::vector<double>& x, Ord
     for (int q = 0; q < Cell::Points; ++q, ++count)
     {
       const PointState<Cell>& state = states[count];
-      if (!(state.J > 0))
+      if (!(state.J > 0) && domain == Domain::Admissible)
       {
         return false;
       }
@@ -723,19 +752,23 @@ bool ElasticBody::TermsOf(std::size_t element, const std::vector<double>& x, Ord
     const Eigen::Matrix3d& f = state.F;
     const Eigen::Matrix3d& cofactor = state.Cofactor;
     const double j = state.J;
-    const ShapeEnergy& law = this->Shape[state.Law];
+    ShapeEnergy law = this->Shape[state.Law];
+    if (domain == Domain::Extended)
+    {
+      law.Exponent = 0; // whose exponential of a large invariant would overflow
+    }
     const double trace = f.squaredNorm();
-    const double power = 1 / std::cbrt(j * j);
-    const double invariant = power * trace - 3;
+    const PowerOfJ power(j, domain);
+    const double invariant = power.Value * trace - 3;
     const double pointPressure = pressure + pointKappa * (j - 1);
     terms.Energy += state.Weight * (law.Value(invariant) + 0.5 * pointKappa * (j - 1) * (j - 1));
     if (order == Order::Energy)
     {
       continue;
     }
-    const double ratio = trace / (3 * j);
-    const double scale = 2 * power * law.Slope(invariant);
-    // Half the derivative of the invariant by F, over J^(-2/3).
+    const double ratio = trace / (3 * power.SlopeJ);
+    const double scale = 2 * power.Value * law.Slope(invariant);
+    // Half the derivative of the invariant by F, over p.
     const Eigen::Matrix3d direction = f - ratio * cofactor;
     const Eigen::Matrix3d stress = scale * direction + pointPressure * cofactor;
     state.AddTo(gradient, state.Weight * stress * state.Shape);
@@ -747,15 +780,15 @@ bool ElasticBody::TermsOf(std::size_t element, const std::vector<double>& x, Ord
     const Eigen::Map<const Vector9> fVector(f.data());
     const Eigen::Map<const Vector9> cVector(cofactor.data());
     Matrix9 a = Matrix9::Identity();
-    a -= (2 / (3 * j)) * (fVector * cVector.transpose() + cVector * fVector.transpose());
-    a += (5 * ratio / (3 * j)) * cVector * cVector.transpose();
+    a -= (2 / (3 * power.SlopeJ)) * (fVector * cVector.transpose() + cVector * fVector.transpose());
+    a += (5 * ratio / (3 * power.CurvatureJ)) * cVector * cVector.transpose();
     a *= scale;
     a += pointKappa * cVector * cVector.transpose();
     AddDeterminantHessian(f, pointPressure - scale * ratio, a);
     if (law.Exponent > 0)
     {
       const Eigen::Map<const Vector9> d(direction.data());
-      a += 4 * power * power * law.Curvature(invariant) * d * d.transpose();
+      a += 4 * power.Value * power.Value * law.Curvature(invariant) * d * d.transpose();
     }
     if (order == Order::ProjectedHessian && Eigen::LLT<Matrix9>(a).info() != Eigen::Success)
     {
@@ -775,11 +808,11 @@ bool ElasticBody::TermsOf(std::size_t element, const std::vector<double>& x, Ord
 }
 
 bool ElasticBody::ElementTerms(std::size_t element, const std::vector<double>& x, Order order,
-  Terms& terms) const
+  Terms& terms, Domain domain) const
 {
   return this->Kind == ElementType::Quadratic
-    ? this->TermsOf<QuadraticCell>(element, x, order, terms)
-    : this->TermsOf<LinearCell>(element, x, order, terms);
+    ? this->TermsOf<QuadraticCell>(element, x, order, domain, terms)
+    : this->TermsOf<LinearCell>(element, x, order, domain, terms);
 }
 
 std::vector<double> ElasticBody::GradientRate(std::size_t element, const std::vector<double>& x,

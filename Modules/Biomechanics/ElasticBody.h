@@ -95,6 +95,15 @@ public:
     ProjectedHessian
   };
 
+  /// Where the energy is defined: where J > 0 everywhere, or, with the power of J continued by a
+  /// parabola below J = 0.1 and Fung's law without its exponential, at all positions, inverted
+  /// cells at a finite price.
+  enum class Domain
+  {
+    Admissible,
+    Extended
+  };
+
   /**
    * `materials` is indexed by the materials of the cells. With a `field`, mu, kappa and mu b of a
    * quadrature point (the energy to second order in the strain's square) are the arithmetic means
@@ -156,10 +165,10 @@ public:
 
   /**
    * Terms of one element at node positions `x` (3 x nodeCount, mm), up to `order`. Answers false,
-   * and leaves the terms unspecified, where a quadrature point is inverted (J <= 0).
+   * and leaves the terms unspecified, where the energy is not defined.
    */
-  bool ElementTerms(std::size_t element, const std::vector<double>& x, Order order,
-    Terms& terms) const;
+  bool ElementTerms(std::size_t element, const std::vector<double>& x, Order order, Terms& terms,
+    Domain domain = Domain::Admissible) const;
   /// Rate of change of Terms::Gradient with the materials, at positions where no quadrature point
   /// is inverted; `velocity`: one rate per material.
   std::vector<double> GradientRate(std::size_t element, const std::vector<double>& x,
@@ -190,7 +199,8 @@ private:
   template <typename Cell, typename State>
   void DeformCell(std::size_t cell, const std::vector<double>& x, State* states) const;
   template <typename Cell>
-  bool TermsOf(std::size_t element, const std::vector<double>& x, Order order, Terms& terms) const;
+  bool TermsOf(std::size_t element, const std::vector<double>& x, Order order, Domain domain,
+    Terms& terms) const;
   template <typename Cell>
   std::vector<double> RateOf(std::size_t element, const std::vector<double>& x,
     const MaterialVelocity& velocity) const;

@@ -12,6 +12,7 @@
 #include <cstdio>
 #include <limits>
 #include <numeric>
+#include <optional>
 #include <span>
 
 namespace mammoray
@@ -226,9 +227,20 @@ struct EquilibriumSolver::Internals
     std::vector<double> Values;
   };
   mutable Assembly Current;
+  /// What the matrix of Current was assembled for; no positions: for nothing that still is.
+  struct MatrixState
+  {
+    std::vector<double> Positions;
+    std::optional<PlatePair> Plates;
+    double ContactStiffness = 0;
+    ElasticBody::Domain Domain = ElasticBody::Domain::Admissible;
+    bool operator==(const MatrixState&) const = default;
+  };
+  mutable MatrixState CurrentState;
   /// Positions of the factor at hand; empty when there is none or not of the true second
   /// derivative.
   mutable std::vector<double> FactorPositions;
+  ElasticBody::Domain Domain = ElasticBody::Domain::Admissible;
 
   /// Share of the projected matrix in the last factor, and that matrix where it was needed.
   mutable double Share = 0;
@@ -276,6 +288,8 @@ struct EquilibriumSolver::Internals
     const Vector3& force, double* column) const;
   void Assemble(const std::vector<double>& x, const PlatePair* plates, ElasticBody::Order order,
     Assembly& result) const;
+  /// Makes Current that of the positions, with its matrix, where it is not already.
+  void AssembleCurrent(const std::vector<double>& x, const PlatePair* plates) const;
   /// Factor of Current's matrix, or of a stiffer one where that is indefinite; `stiffer`: than the
   /// last one, which was of the same positions.
   bool FactorizeWithFallback(const std::vector<double>& x, const PlatePair* plates,
@@ -708,7 +722,7 @@ void EquilibriumSolver::Internals::Assemble(const std::vector<double>& x, const 
       this->ElementContacts[active] = {};
       this->ElementContactGradients[active].assign(3 * this->NodesOf(active).size(), 0.0);
       this->ElementValid[active] =
-        this->Body.ElementTerms(this->ActiveElements[active], x, order, terms);
+        this->Body.ElementTerms(this->ActiveElements[active], x, order, terms, this->Domain);
       if (this->ElementValid[active] && plates)
       {
         this->AddContact(active, x, *plates, order, terms, this->ElementContacts[active],
@@ -809,6 +823,18 @@ void EquilibriumSolver::Internals::Assemble(const std::vector<double>& x, const 
         }
       }
     }
+  }
+}
+
+void EquilibriumSolver::Internals::AssembleCurrent(const std::vector<double>& x,
+  const PlatePair* plates) const
+{
+  MatrixState state{ x, plates ? std::optional(*plates) : std::nullopt, this->ContactStiffness,
+    this->Domain };
+  if (!this->Current.Valid || state != this->CurrentState)
+  {
+    this->Assemble(x, plates, ElasticBody::Order::Hessian, this->Current);
+    this->CurrentState = std::move(state);
   }
 }
 
@@ -1047,18 +1073,20 @@ std::vector<double> EquilibriumSolver::Internals::MaterialForces(const std::vect
 {
   const std::size_t n = this->CoordinateOfUnknown.size();
   std::vector<double> columns(n * velocities.size(), 0.0);
+  std::vector<std::vector<double>> rates(this->ActiveElements.size());
   for (std::size_t p = 0; p < velocities.size(); ++p)
   {
-    for (std::size_t active = 0; active < this->ActiveElements.size(); ++active)
+    ParallelFor(rates.size(),
+      [&](std::size_t active)
+      { rates[active] = this->Body.GradientRate(this->ActiveElements[active], x, velocities[p]); });
+    for (std::size_t active = 0; active < rates.size(); ++active)
     {
-      const std::vector<double> rate =
-        this->Body.GradientRate(this->ActiveElements[active], x, velocities[p]);
-      for (std::size_t r = 0; r < rate.size(); ++r)
+      for (std::size_t r = 0; r < rates[active].size(); ++r)
       {
         const std::int32_t unknown = this->Unknown[this->CoordinateOf(active, r)];
         if (unknown >= 0)
         {
-          columns[n * p + unknown] -= rate[r];
+          columns[n * p + unknown] -= rates[active][r];
         }
       }
     }
@@ -1082,6 +1110,7 @@ std::size_t EquilibriumSolver::NumberOfUnknowns() const
 void EquilibriumSolver::BodyChanged()
 {
   this->Internal->MeasureScales();
+  this->Internal->CurrentState = {};
   this->Internal->FactorPositions.clear();
 }
 
@@ -1097,19 +1126,28 @@ void EquilibriumSolver::SetLoads(std::vector<double> loads)
     throw InputError("loads: expected 3 forces per node, found " + std::to_string(loads.size()) +
       " for " + std::to_string(this->Internal->Body.NumberOfNodes()) + " nodes");
   }
-  this->Internal->Loads = std::move(loads);
+  if (loads != this->Internal->Loads)
+  {
+    this->Internal->CurrentState = {};
+    this->Internal->Loads = std::move(loads);
+  }
 }
 
 void EquilibriumSolver::SetWall(const ChestWall* wall, const WallStiffness& stiffness)
 {
   this->Internal->Wall = wall;
   this->Internal->Stiffness = stiffness;
+  this->Internal->CurrentState = {};
   this->Internal->FactorPositions.clear();
 }
 
 void EquilibriumSolver::SetFriction(FrictionPoints points)
 {
   Internals& internal = *this->Internal;
+  if (!points.empty() || !internal.Friction.empty())
+  {
+    internal.CurrentState = {};
+  }
   std::stable_sort(points.begin(), points.end(),
     [&](const FrictionPoint& a, const FrictionPoint& b)
     { return internal.ActiveOfFace[a.Face] < internal.ActiveOfFace[b.Face]; });
@@ -1182,7 +1220,7 @@ EquilibriumReport EquilibriumSolver::Internals::Newton(std::vector<double>& x,
   const ProgressCallback& progress) const
 {
   Assembly& current = this->Current;
-  this->Assemble(x, plates, ElasticBody::Order::Hessian, current);
+  this->AssembleCurrent(x, plates);
   if (!current.Valid)
   {
     EquilibriumReport report;
@@ -1260,12 +1298,12 @@ EquilibriumReport EquilibriumSolver::Internals::Newton(std::vector<double>& x,
       return report;
     }
     x.swap(trial);
-    this->Assemble(x, plates, ElasticBody::Order::Hessian, current);
+    this->AssembleCurrent(x, plates);
     const bool struggling = this->Share > 0 || length < 1;
     if (eliminate && struggling && this->Report(current).RelativeResidual > tolerance &&
       this->RelaxWorst(x, plates, progress))
     {
-      this->Assemble(x, plates, ElasticBody::Order::Hessian, current);
+      this->AssembleCurrent(x, plates);
     }
   }
 }
@@ -1325,6 +1363,7 @@ bool EquilibriumSolver::Internals::RelaxWorst(std::vector<double>& x, const Plat
     return false;
   }
   EquilibriumSolver part(this->Body, fixed, this->ContactStiffness, this->LeftOut);
+  part.Internal->Domain = this->Domain;
   part.SetLoads(this->Loads);
   part.SetWall(this->Wall, this->Stiffness);
   part.SetFriction(this->Friction);
@@ -1343,6 +1382,23 @@ bool EquilibriumSolver::Admissible(const std::vector<double>& x) const
   Internals::Assembly probe;
   this->Internal->Assemble(x, nullptr, ElasticBody::Order::Energy, probe);
   return probe.Valid;
+}
+
+EquilibriumReport EquilibriumSolver::Untangle(std::vector<double>& x, const PlatePair* plates,
+  double tolerance, int maximumSteps, const ProgressCallback& progress) const
+{
+  struct ExtendedHere
+  {
+    ElasticBody::Domain& Domain;
+    explicit ExtendedHere(ElasticBody::Domain& domain)
+      : Domain(domain)
+    {
+      domain = ElasticBody::Domain::Extended;
+    }
+    ~ExtendedHere() { this->Domain = ElasticBody::Domain::Admissible; }
+  };
+  const ExtendedHere extended(this->Internal->Domain);
+  return this->Internal->Newton(x, plates, tolerance, maximumSteps, true, progress);
 }
 
 EquilibriumReport EquilibriumSolver::Evaluate(const std::vector<double>& x,
@@ -1469,7 +1525,7 @@ std::vector<std::vector<double>> EquilibriumSolver::Sensitivities(const std::vec
   {
     return result;
   }
-  internal.Assemble(x, &plates, ElasticBody::Order::Hessian, internal.Current);
+  internal.AssembleCurrent(x, &plates);
   if (!internal.Current.Valid)
   {
     throw ConvergenceError("sensitivities: expected no inverted cell, found one");
@@ -1587,7 +1643,7 @@ std::vector<double> EquilibriumSolver::Predict(const std::vector<double>& x,
   std::vector<double> result(x.size(), 0.0);
   if (internal.DistanceOfFactor(x) > 2.0)
   {
-    internal.Assemble(x, &plates, ElasticBody::Order::Hessian, internal.Current);
+    internal.AssembleCurrent(x, &plates);
     if (!internal.Current.Valid || !internal.FactorizeWithFallback(x, &plates))
     {
       return result;

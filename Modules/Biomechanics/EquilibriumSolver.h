@@ -114,6 +114,13 @@ public:
 
   /// True where no cell is inverted.
   bool Admissible(const std::vector<double>& x) const;
+  /**
+   * The same from positions at which cells may be inverted, with the energy continued beyond J = 0
+   * (ElasticBody::Domain), so that Newton's method turns them back. Where that succeeds `x` is
+   * Admissible and near an equilibrium, though not one of the energy itself.
+   */
+  EquilibriumReport Untangle(std::vector<double>& x, const PlatePair* plates, double tolerance,
+    int maximumSteps, const ProgressCallback& progress = {}) const;
   /// Energy, forces and limits of positions as they stand. Throws ConvergenceError when a cell is
   /// inverted.
   EquilibriumReport Evaluate(const std::vector<double>& x, const PlatePair* plates) const;

@@ -11,6 +11,7 @@
 #include "PhysicsData.h"
 #include "PlacedPlates.h"
 #include "Private/FailedRequest.h"
+#include "SimulationLead.h"
 
 #include "vtkDataArray.h"
 #include "vtkDataObject.h"
@@ -130,12 +131,16 @@ void vtkBreastCompression::Internals::Prepare(Setup setup, const ProgressCallbac
     this->Volume = Voxelize(setup.Anatomy, BreastMechanicsOptions::VoxelMm);
     field = [this](const Vector3& point) { return static_cast<int>(this->Volume->LabelAt(point)); };
   }
-  auto simulation =
-    std::make_unique<CompressionSimulation>(setup.Coarse ? *setup.Coarse : setup.Anatomy,
-      setup.Materials.Elastic, setup.Materials.Held, field, setup.Options);
+  const TetrahedralMesh& mesh = setup.Coarse ? *setup.Coarse : setup.Anatomy;
+  auto simulation = std::make_unique<CompressionSimulation>(
+    mesh, setup.Materials.Elastic, setup.Materials.Held, field, setup.Options);
   if (Norm(setup.ImageGravity) > 0)
   {
     simulation->Unload(setup.ImageGravity, progress);
+  }
+  else
+  {
+    LeadIfLarge(*simulation, mesh, setup.Materials, setup.Options, progress);
   }
   this->Simulation = std::move(simulation);
   this->Made = std::move(setup);

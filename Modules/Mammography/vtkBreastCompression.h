@@ -7,9 +7,10 @@
  * optional: a coarse vtkUnstructuredGrid of the same breast to simulate on (vtkBreastMesher with
  * ForMechanics), which carries input 0 along; its stiffness is sampled from the materials of
  * input 0. Without it the simulation runs on input 0: its cells are made quadratic, so some
- * thousand of them are meant, or tens of thousands with SetElementToLinear. Elastic constants come
- * from MaterialTable or SetMaterial; cells of held materials (the chest wall) do not move, but
- * where the breast glides along them (ChestWall) those beside it are drawn along.
+ * thousand of them are meant, or tens of thousands with SetElementToLinear (then a coarse mesh goes
+ * the way first: LeadIfLarge). Elastic constants come from MaterialTable or SetMaterial; cells of
+ * held materials (the chest wall) do not move, but where the breast glides along them (ChestWall)
+ * those beside it are drawn along.
  *
  * Output 0: input 0 deformed, with its arrays and the point arrays "Displacement" (mm) and
  * "ContactPressureKPa" (of the plates; 0 where nothing touches), the cell arrays "J" (deformed over

@@ -96,6 +96,30 @@ TEST_F(CompressCommand, MovesAFineMeshWithACoarseOne)
   EXPECT_EQ(deformed.NumberOfCells(), test::MakeHalfEllipsoidMesh(1, 1, 1, 16).NumberOfCells());
 }
 
+TEST_F(CompressCommand, MakesACoarseMeshForOneOfManyCells)
+{
+  const TetrahedralMesh rest = test::MakeHalfEllipsoidMesh(40, 45, 38, 20);
+  WriteMesh(ToGrid(rest, { "air", "fat", "muscle" }), this->Folder.File("finest.vtu"));
+  const std::string run =
+    "compress " + this->Common + this->Folder.File("finest.vtu") + " --thickness 60 --anterior 5";
+  ASSERT_EQ(this->Run(run), 0) << this->Errors;
+  const std::string out = ReadFile(this->Folder.File("out"));
+  EXPECT_THAT(out, testing::MatchesRegex("[1-7][0-9][0-9][0-9] simulation cells,.*"));
+  const TetrahedralMesh deformed = FromGrid(ReadMesh(this->Result));
+  ASSERT_EQ(deformed.NumberOfCells(), rest.NumberOfCells());
+  double low = 0, high = 0;
+  for (std::size_t p = 0; p < deformed.NumberOfPoints(); ++p)
+  {
+    if (rest.Point(p)[1] > 25) // well in front of the plates' edges
+    {
+      low = std::min(low, deformed.Point(p)[2]);
+      high = std::max(high, deformed.Point(p)[2]);
+    }
+  }
+  // The coarse mesh follows the skin to 1 mm on either side.
+  EXPECT_NEAR(high - low, 60, 2.5);
+}
+
 TEST_F(CompressCommand, TakesLinearElements)
 {
   const std::string fine =

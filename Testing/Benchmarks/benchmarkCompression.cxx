@@ -10,6 +10,7 @@
 #include "LabelSource.h"
 #include "PhysicsData.h"
 #include "PlacedPlates.h"
+#include "SimulationLead.h"
 #include "SimulationMesh.h"
 
 #include <nlohmann/json.hpp>
@@ -126,21 +127,38 @@ struct Breast
     this->OpenMm = GapMm(simulation.OpenedPlates(this->Plates(BreastPose().ThicknessMm)));
   }
 
-  /// About as many cells; 0: as many as registration takes.
+  /// As many cells, to some per cent where a cell size gives that; 0: as many as registration
+  /// takes.
   TetrahedralMesh Mesh(int cells) const
   {
-    const double size = cells == 0 ? 0 : this->CellSizeMm * std::cbrt(this->Cells / cells);
-    return MeshForSimulation(this->Materials, this->Mechanics.Held, size).Mesh;
+    double size = cells == 0 ? 0 : this->CellSizeMm * std::cbrt(this->Cells / cells);
+    TetrahedralMesh mesh;
+    for (int attempt = 0; attempt < 6; ++attempt)
+    {
+      mesh = MeshForSimulation(this->Materials, this->Mechanics.Held, size).Mesh;
+      const double ratio = cells == 0 ? 1 : static_cast<double>(mesh.NumberOfCells()) / cells;
+      if (std::abs(ratio - 1) < 0.05)
+      {
+        break;
+      }
+      size *= std::cbrt(ratio);
+    }
+    return mesh;
+  }
+
+  static CompressionOptions OptionsOf(ElementType element)
+  {
+    CompressionOptions options;
+    options.Element = element;
+    return options;
   }
 
   CompressionSimulation Simulate(ElementType element, const TetrahedralMesh& mesh) const
   {
-    CompressionOptions options;
-    options.Element = element;
     return CompressionSimulation(
       mesh, this->Mechanics.Elastic, this->Mechanics.Held,
       [this](const Vector3& point) { return static_cast<int>(this->Materials.LabelAt(point)); },
-      options);
+      OptionsOf(element));
   }
 
   VolumeFromGantry Placed(double thicknessMm) const
@@ -227,7 +245,11 @@ Measured Measure(const Breast& breast, ElementType element, int cells, int round
   ForgetPeak();
   std::unique_ptr<CompressionSimulation> simulation;
   const Times setUp = Seconds(
-    [&] { simulation = std::make_unique<CompressionSimulation>(breast.Simulate(element, mesh)); });
+    [&]
+    {
+      simulation = std::make_unique<CompressionSimulation>(breast.Simulate(element, mesh));
+      LeadIfLarge(*simulation, mesh, breast.Mechanics, Breast::OptionsOf(element));
+    });
   const double closedMm = Compressed * breast.OpenMm;
   const Times cold = Seconds([&] { result.State = simulation->Compress(breast.Plates(closedMm)); });
   Times warm, sensitivities;

@@ -216,6 +216,24 @@ TEST_P(ElementCompression, WarmAndColdStartsAgree)
   EXPECT_NEAR(warm.PaddleForceN, cold.PaddleForceN, 1e-6 * cold.PaddleForceN);
 }
 
+TEST_P(ElementCompression, IsTheSameWhenLedByAnotherMesh)
+{
+  const CompressionOptions options = WithElement(GetParam(), 1e-10);
+  const CompressionState alone = MakeBreast(options).Compress(MakePlates(52, 2));
+  CompressionSimulation simulation = MakeBreast(options);
+  simulation.LeadBy(std::make_unique<CompressionSimulation>(MakeBreast({}, 0.49, 4)));
+  const CompressionState led = simulation.Compress(MakePlates(52, 2));
+  EXPECT_EQ(led.LoadSteps, 1); // it has not gone the way itself
+  double largest = 0;
+  for (std::size_t c = 0; c < led.Positions.size(); ++c)
+  {
+    largest = std::max(largest, std::abs(led.Positions[c] - alone.Positions[c]));
+  }
+  // As between warm and cold starts.
+  EXPECT_LT(largest, 1e-5);
+  EXPECT_NEAR(led.PaddleForceN, alone.PaddleForceN, 1e-6 * alone.PaddleForceN);
+}
+
 TEST(CompressionSimulation, PlatesThatSlideAlongTheirEdgesChangeNothing)
 {
   const CompressionSimulation simulation = MakeBreast();

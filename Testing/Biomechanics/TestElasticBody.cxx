@@ -61,6 +61,50 @@ TEST_P(ElementEnergy, OfAnAffineMapIsItsClosedForm)
   EXPECT_NEAR(Energy(body, x) / (24 * density), 1, 1e-12);
 }
 
+namespace
+{
+/// Of every element at `x`, relative to the largest; answers the smallest J met.
+double ExpectElementDerivatives(const ElasticBody& body, const std::vector<double>& x,
+  ElasticBody::Domain domain, double tolerance)
+{
+  double smallestJ = 1;
+  ElasticBody::Terms terms;
+  for (std::size_t element = 0; element < body.NumberOfElements(); ++element)
+  {
+    EXPECT_TRUE(body.ElementTerms(element, x, ElasticBody::Order::Hessian, terms, domain));
+    smallestJ = std::min(smallestJ, terms.SmallestJ);
+    const std::size_t size = terms.Gradient.size();
+    EXPECT_EQ(size, 3 * body.NodesOf(element).size());
+    double gradientError = 0, gradientSize = 0, hessianError = 0, hessianSize = 0;
+    for (std::size_t c = 0; c < size; ++c)
+    {
+      const double h = 1e-5;
+      ElasticBody::Terms sides[2];
+      for (int side = 0; side < 2; ++side)
+      {
+        std::vector<double> moved = x;
+        moved[3 * body.NodesOf(element)[c / 3] + c % 3] += side ? h : -h;
+        EXPECT_TRUE(
+          body.ElementTerms(element, moved, ElasticBody::Order::Gradient, sides[side], domain));
+      }
+      const double slope = (sides[1].Energy - sides[0].Energy) / (2 * h);
+      gradientError = std::max(gradientError, std::abs(slope - terms.Gradient[c]));
+      gradientSize = std::max(gradientSize, std::abs(slope));
+      for (std::size_t r = 0; r < size; ++r)
+      {
+        const double curvature = (sides[1].Gradient[r] - sides[0].Gradient[r]) / (2 * h);
+        hessianError = std::max(hessianError, std::abs(curvature - terms.Hessian[size * c + r]));
+        hessianSize = std::max(hessianSize, std::abs(curvature));
+        EXPECT_DOUBLE_EQ(terms.Hessian[size * c + r], terms.Hessian[size * r + c]);
+      }
+    }
+    EXPECT_LT(gradientError, tolerance * gradientSize);
+    EXPECT_LT(hessianError, tolerance * hessianSize);
+  }
+  return smallestJ;
+}
+}
+
 TEST_P(ElementEnergy, GradientAndHessianMatchCentralDifferences)
 {
   // kappa / mu below and above the ratio up to which volume counts point by point; both laws.
@@ -69,39 +113,32 @@ TEST_P(ElementEnergy, GradientAndHessianMatchCentralDifferences)
   {
     const ElasticBody body(test::MakeBoxMesh({ 0, 0, 0 }, { 2, 2, 4 }, { 1, 1, 2 }),
       { {}, FromModuli(3, kappa, exponent) }, {}, {}, GetParam());
-    const std::vector<double> x = Shaken(body.RestPositions(), 0.06, 7);
-    ElasticBody::Terms terms;
-    for (std::size_t element = 0; element < body.NumberOfElements(); ++element)
-    {
-      ASSERT_TRUE(body.ElementTerms(element, x, ElasticBody::Order::Hessian, terms));
-      const std::size_t size = terms.Gradient.size();
-      ASSERT_EQ(size, 3 * body.NodesOf(element).size());
-      double gradientError = 0, gradientSize = 0, hessianError = 0, hessianSize = 0;
-      for (std::size_t c = 0; c < size; ++c)
-      {
-        const double h = 1e-5;
-        ElasticBody::Terms sides[2];
-        for (int side = 0; side < 2; ++side)
-        {
-          std::vector<double> moved = x;
-          moved[3 * body.NodesOf(element)[c / 3] + c % 3] += side ? h : -h;
-          ASSERT_TRUE(body.ElementTerms(element, moved, ElasticBody::Order::Gradient, sides[side]));
-        }
-        const double slope = (sides[1].Energy - sides[0].Energy) / (2 * h);
-        gradientError = std::max(gradientError, std::abs(slope - terms.Gradient[c]));
-        gradientSize = std::max(gradientSize, std::abs(slope));
-        for (std::size_t r = 0; r < size; ++r)
-        {
-          const double curvature = (sides[1].Gradient[r] - sides[0].Gradient[r]) / (2 * h);
-          hessianError = std::max(hessianError, std::abs(curvature - terms.Hessian[size * c + r]));
-          hessianSize = std::max(hessianSize, std::abs(curvature));
-          EXPECT_DOUBLE_EQ(terms.Hessian[size * c + r], terms.Hessian[size * r + c]);
-        }
-      }
-      // h^2 = 1e-10 for truncation, eps / h = 2e-11 for roundoff, times factors of order 10.
-      EXPECT_LT(gradientError, 1e-8 * gradientSize);
-      EXPECT_LT(hessianError, 1e-8 * hessianSize);
-    }
+    // h^2 = 1e-10 for truncation, eps / h = 2e-11 for roundoff, times factors of order 10.
+    ExpectElementDerivatives(
+      body, Shaken(body.RestPositions(), 0.06, 7), ElasticBody::Domain::Admissible, 1e-8);
+    // Far enough for cells to be turned inside out, where only the extended energy is defined; its
+    // third derivatives are ten times as large there.
+    const double smallestJ = ExpectElementDerivatives(
+      body, Shaken(body.RestPositions(), 2, 7), ElasticBody::Domain::Extended, 1e-7);
+    EXPECT_LT(smallestJ, 0);
+  }
+}
+
+TEST_P(ElementEnergy, IsTheSameInTheExtendedDomainWhereCellsKeepATenthOfTheirVolume)
+{
+  const ElasticBody body(test::MakeBoxMesh({ 0, 0, 0 }, { 2, 2, 4 }, { 1, 1, 2 }),
+    { {}, FromModuli(3, 100) }, {}, {}, GetParam());
+  const std::vector<double> x = Shaken(body.RestPositions(), 0.06, 7);
+  ElasticBody::Terms terms, extended;
+  for (std::size_t element = 0; element < body.NumberOfElements(); ++element)
+  {
+    ASSERT_TRUE(body.ElementTerms(element, x, ElasticBody::Order::Hessian, terms));
+    ASSERT_TRUE(body.ElementTerms(
+      element, x, ElasticBody::Order::Hessian, extended, ElasticBody::Domain::Extended));
+    ASSERT_GT(terms.SmallestJ, 0.1);
+    EXPECT_EQ(terms.Energy, extended.Energy);
+    EXPECT_EQ(terms.Gradient, extended.Gradient);
+    EXPECT_EQ(terms.Hessian, extended.Hessian);
   }
 }
 
@@ -483,6 +520,34 @@ TEST_P(ElementEquilibrium, ForceAndStiffnessWithContactMatchCentralDifferences)
   ASSERT_GT(report.PaddleForceN, 0.01);
   ASSERT_GT(report.SupportForceN, 0.01);
   test::ExpectExactDerivatives(solver, block.Positions, block.Plates);
+}
+
+TEST_P(ElementEquilibrium, UntanglesInvertedCells)
+{
+  const ElasticBody body(test::MakeBoxMesh({ 0, 0, 0 }, { 30, 30, 30 }, { 3, 3, 3 }),
+    { {}, FromModuli(3, 100) }, {}, {}, GetParam());
+  const std::vector<double>& rest = body.RestPositions();
+  std::vector<bool> fixed(rest.size(), false);
+  std::vector<double> x = rest;
+  for (std::size_t n = 0; n < rest.size(); n += 3)
+  {
+    fixed[n] = fixed[n + 1] = fixed[n + 2] = rest[n + 2] == 0;
+    // A node inside, pushed through the cells above it.
+    x[n + 2] += rest[n] == 10 && rest[n + 1] == 10 && rest[n + 2] == 10 ? 15 : 0;
+  }
+  const EquilibriumSolver solver(body, fixed, 1000);
+  ASSERT_FALSE(solver.Admissible(x));
+  std::vector<double> stuck = x;
+  EXPECT_FALSE(solver.Solve(stuck, nullptr, 1e-8, 60).Converged);
+  const EquilibriumReport report = solver.Untangle(x, nullptr, 1e-8, 60);
+  EXPECT_TRUE(report.Converged) << report.Reason;
+  EXPECT_TRUE(solver.Admissible(x));
+  // Nothing loads the body. 1e-8 of the least force scale, 1e-4 of mu V^(2/3) = 900 mm^2 mu, over
+  // the stiffness, some mm times mu.
+  for (std::size_t c = 0; c < x.size(); ++c)
+  {
+    EXPECT_NEAR(x[c], rest[c], 1e-8);
+  }
 }
 
 TEST_P(ElementEquilibrium, ForcesTurnWithBodyAndPlates)
