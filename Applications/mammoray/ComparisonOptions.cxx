@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ComparisonOptions.h"
 
+#include "CommandLine.h"
+
 #include <string>
 
 namespace mammoray
