@@ -57,7 +57,8 @@ protected:
     WriteMesh(ToGrid(moved, { "air", "fat" }), this->Folder.File("compressed.vtu"));
     // The unit stands in the volume frame; the image's rows run against x.
     this->Folder.Write("result.json",
-      R"({"placement": {"originMm": [0, 0, 0], "x": [1, 0, 0], "y": [0, 1, 0], "z": [0, 0, 1]},
+      R"({"format": "mammoray-registration-result",
+          "placement": {"originMm": [0, 0, 0], "x": [1, 0, 0], "y": [0, 1, 0], "z": [0, 0, 1]},
           "unit": {"sourceToDetectorMm": 650, "supportHeightMm": 2, "supportEdgeMm": 0,
                    "paddleEdgeMm": 0, "edgeRadiusMm": 3},
           "parameters": [], "covariance": null,

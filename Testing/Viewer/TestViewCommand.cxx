@@ -61,7 +61,7 @@ protected:
     pose.ShiftAnteriorMm = 5;
     const VolumeFromGantry placed =
       PlaceUnit(AnatomicalAxes::FromCode("LAS"), { 0, 15, 0 }, {}, pose);
-    nlohmann::json result = {
+    nlohmann::json result = { { "format", "mammoray-registration-result" },
       { "inputs",
         { { { "role", "Material table" }, { "file", "table.json" }, { "sha256", "none" } } } },
       { "versions", { { "Spectrum", "W28kVp_Rh50um_Be1mm" } } },
@@ -156,7 +156,8 @@ TEST_F(ViewCommand, RefusesInOneLine)
     "DISPLAY=:12345");
   this->ExpectRefused("view --mesh " + this->Folder.File("none.vtu") + " --materials victre",
     "none.vtu: no such file");
-  this->ExpectRefused("view --result " + this->Folder.File("none"), "uncompressed.vtu");
+  this->ExpectRefused("view --result " + this->Folder.File("none"),
+    "result.json: no such file");
   this->ExpectRefused("view --mesh " + this->Folder.File("breast.vtu"), "expected --materials");
   this->ExpectRefused("view --mesh " + this->Folder.File("breast.vtu") + " --materials victre",
     "material 2 is 'wall'");
