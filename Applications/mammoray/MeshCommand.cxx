@@ -26,6 +26,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <limits>
 #include <memory>
 
 namespace mammoray
@@ -112,7 +113,7 @@ Json CheckJson(const MeshCheck& check, const std::vector<std::string>& names)
   {
     json["per_material"].push_back({ { "material", NameOf(entry.Material, names) },
       { "volume_mm3", entry.VolumeMm3 }, { "boundary_triangles", entry.BoundaryTriangles },
-      { "cells", entry.Cells }, { "smallest_dihedral_deg", entry.SmallestDihedralDeg },
+      { "boundary_area_mm2", entry.BoundaryAreaMm2 }, { "cells", entry.Cells }, { "smallest_dihedral_deg", entry.SmallestDihedralDeg },
       { "smallest_dihedral_place_mm", entry.SmallestDihedralPlace },
       { "largest_radius_edge_ratio", entry.LargestRadiusEdgeRatio },
       { "largest_radius_edge_place_mm", entry.LargestRadiusEdgePlace },
@@ -191,12 +192,27 @@ void WriteQualityPicture(const std::string& path, const MeshCheck& check,
     });
 }
 
-/// Planes through the point asked for, or the middle of the mesh.
+/// Planes through the point asked for, or a cell near the middle of the mesh.
 void WriteCuts(const MeshArguments& arguments, vtkUnstructuredGrid* grid,
-  const std::vector<std::string>& names)
+  const TetrahedralMesh& mesh, const std::vector<std::string>& names)
 {
   Vector3 point;
   grid->GetCenter(point.data());
+  if (arguments.CutAt.empty())
+  {
+    // The middle itself may lie between two bodies.
+    const Vector3 middle = point;
+    double nearest = std::numeric_limits<double>::infinity();
+    for (std::size_t cell = 0; cell < mesh.NumberOfCells(); ++cell)
+    {
+      const Vector3 centre = mesh.CellCentre(cell);
+      if (const double distance = Norm(centre - middle); distance < nearest)
+      {
+        nearest = distance;
+        point = centre;
+      }
+    }
+  }
   std::copy(arguments.CutAt.begin(), arguments.CutAt.end(), point.begin());
   WriteComplete(arguments.CutPicture,
     [&](const std::string& temporary)
@@ -243,10 +259,11 @@ void RunCheck(const MeshArguments& arguments)
   if (extension == ".vtu" || extension == ".vtk")
   {
     const vtkSmartPointer<vtkUnstructuredGrid> grid = ReadMesh(arguments.Check);
-    check = CheckMesh(FromGrid(grid, &names), MakeProgressBar());
+    const TetrahedralMesh mesh = FromGrid(grid, &names);
+    check = CheckMesh(mesh, MakeProgressBar());
     if (!arguments.CutPicture.empty())
     {
-      WriteCuts(arguments, grid, names);
+      WriteCuts(arguments, grid, mesh, names);
     }
   }
   else
@@ -314,6 +331,32 @@ void PrintReport(const std::vector<std::string>& names, const MeshingResult& res
   if (result.TimeLimitReached)
   {
     std::printf("the sliver removal met its time limit: this mesh may differ on another machine\n");
+  }
+}
+
+/// Facets are placed where interfaces are met, and may miss a plate between two of them.
+void WarnOfThinMaterials(const MaterialTable& table, const MeshingOptions& options,
+  const MeshCheck& check)
+{
+  const std::vector<std::string> names = table.Names();
+  std::string thin;
+  for (const int material : table.Thin())
+  {
+    thin += NameOf(material, names) + ' ';
+  }
+  for (const MaterialQuality& entry : check.Materials)
+  {
+    const auto own = options.FacetSizeOfMaterialMm.find(entry.Material);
+    const double facetMm =
+      own == options.FacetSizeOfMaterialMm.end() ? options.FacetSizeMm : own->second;
+    if (2 * entry.MeanThicknessMm() < facetMm)
+    {
+      const std::string name = NameOf(entry.Material, names);
+      std::fprintf(stderr,
+        "mammoray: warning: %s: %.2g mm thick on average (twice its volume over its area), less "
+        "than half of its facets' %g mm: expect gaps; --thin %s makes finer facets\n",
+        name.c_str(), entry.MeanThicknessMm(), facetMm, (thin + name).c_str());
+    }
   }
 }
 
@@ -457,7 +500,7 @@ void RunMesh(const MeshArguments& arguments)
     [&](const std::string& temporary) { WriteMesh(grid, temporary); });
   if (!arguments.CutPicture.empty())
   {
-    WriteCuts(arguments, grid, names);
+    WriteCuts(arguments, grid, result.Mesh, names);
   }
   if (!arguments.Report.empty())
   {
@@ -470,6 +513,10 @@ void RunMesh(const MeshArguments& arguments)
     WriteQualityPicture(arguments.Picture, check, names);
   }
   PrintReport(names, result, check);
+  if (arguments.Surfaces.empty() && !arguments.ForMechanics && options.Triangles == 0)
+  {
+    WarnOfThinMaterials(table, options, check);
+  }
 }
 }
 

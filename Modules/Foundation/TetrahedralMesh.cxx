@@ -5,6 +5,13 @@
 
 namespace mammoray
 {
+Vector3 TetrahedralMesh::CellCentre(std::size_t cell) const
+{
+  const std::int32_t* ids = &this->Cells[4 * cell];
+  return 0.25 *
+    (this->Point(ids[0]) + this->Point(ids[1]) + this->Point(ids[2]) + this->Point(ids[3]));
+}
+
 double TetrahedralMesh::CellVolume(std::size_t cell) const
 {
   const std::int32_t* ids = &this->Cells[4 * cell];

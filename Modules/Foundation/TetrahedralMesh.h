@@ -27,6 +27,8 @@ struct MAMMORAYFOUNDATION_EXPORT TetrahedralMesh
   {
     return { this->Points[3 * index], this->Points[3 * index + 1], this->Points[3 * index + 2] };
   }
+  /// Centroid of a cell, mm.
+  Vector3 CellCentre(std::size_t cell) const;
   /// Signed volume of a cell, mm^3.
   double CellVolume(std::size_t cell) const;
   /// Throws InputError when there are no cells or an index is out of range.

@@ -119,6 +119,17 @@ public:
     return sixfold / 6;
   }
 
+  double Area() const
+  {
+    double twice = 0;
+    for (std::size_t corner = 0; corner < this->Corners.size(); corner += 3)
+    {
+      twice += Norm(Cross(this->Point(corner + 1) - this->Point(corner),
+        this->Point(corner + 2) - this->Point(corner)));
+    }
+    return twice / 2;
+  }
+
   void Run()
   {
     this->CollectEdges();
@@ -304,16 +315,6 @@ void FindUnusedPoints(const TetrahedralMesh& mesh, TroubleList& troubles)
   }
 }
 
-Vector3 CentreOf(const TetrahedralMesh& mesh, std::size_t cell)
-{
-  Vector3 sum{ 0, 0, 0 };
-  for (int corner = 0; corner < 4; ++corner)
-  {
-    sum = sum + mesh.Point(static_cast<std::size_t>(mesh.Cells[4 * cell + corner]));
-  }
-  return 0.25 * sum;
-}
-
 /// Faces of more than two cells, and of two on the same side. True when there are none.
 bool CheckFaces(const TetrahedralMesh& mesh, TroubleList& troubles)
 {
@@ -358,7 +359,7 @@ bool CheckFaces(const TetrahedralMesh& mesh, TroubleList& troubles)
     if (end - begin > 2 || (end - begin == 2 && faces[begin].Even == faces[begin + 1].Even))
     {
       const std::size_t cell = faces[end - 1].Cell;
-      troubles.Add(Kind::OverlappingCells, { CentreOf(mesh, cell), mesh.Materials[cell], 0 });
+      troubles.Add(Kind::OverlappingCells, { mesh.CellCentre(cell), mesh.Materials[cell], 0 });
       good = false;
     }
   }
@@ -417,19 +418,19 @@ std::map<int, MaterialQuality> MeasureCells(const TetrahedralMesh& mesh, Trouble
     quality.VolumeMm3 += volume;
     if (!(volume > 0))
     {
-      troubles.Add(Kind::InvertedCells, { CentreOf(mesh, cell), quality.Material, 0 });
+      troubles.Add(Kind::InvertedCells, { mesh.CellCentre(cell), quality.Material, 0 });
     }
     const double dihedral = SmallestDihedralDeg(mesh, cell);
     const double ratio = RadiusEdgeRatio(mesh, cell);
     if (quality.Cells == 0 || dihedral < quality.SmallestDihedralDeg)
     {
       quality.SmallestDihedralDeg = dihedral;
-      quality.SmallestDihedralPlace = CentreOf(mesh, cell);
+      quality.SmallestDihedralPlace = mesh.CellCentre(cell);
     }
     if (!(ratio <= quality.LargestRadiusEdgeRatio))
     {
       quality.LargestRadiusEdgeRatio = ratio;
-      quality.LargestRadiusEdgePlace = CentreOf(mesh, cell);
+      quality.LargestRadiusEdgePlace = mesh.CellCentre(cell);
     }
     count(quality.DihedralHistogram, dihedral / MeshCheck::DihedralStepDeg, 24);
     count(quality.RadiusEdgeHistogram,
@@ -462,6 +463,7 @@ void CheckBoundaries(const SurfaceMesh& surface, std::map<int, MaterialQuality>&
     MaterialQuality& quality = qualities[material];
     quality.Material = material;
     quality.BoundaryTriangles = check.NumberOfTriangles();
+    quality.BoundaryAreaMm2 = check.Area();
     if (measureVolumes)
     {
       quality.VolumeMm3 = check.Volume();

@@ -60,6 +60,10 @@ struct MaterialQuality
   double VolumeMm3 = 0;
   /// Triangles that bound the material.
   std::size_t BoundaryTriangles = 0;
+  /// Their area, mm^2.
+  double BoundaryAreaMm2 = 0;
+  /// Of a plate of this volume and area, mm.
+  double MeanThicknessMm() const { return 2 * this->VolumeMm3 / this->BoundaryAreaMm2; }
   /// The rest is left at 0 for surfaces.
   std::size_t Cells = 0;
   double SmallestDihedralDeg = 0;

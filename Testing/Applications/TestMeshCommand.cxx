@@ -287,3 +287,31 @@ TEST_F(MeshCommand, MakesOneCoarseBodyOfAllFreeTissueForTheMechanics)
   EXPECT_EQ(this->Run("mesh --for-mechanics --surface fat=fat.stl -o " + this->Mesh), 2);
   EXPECT_THAT(this->Errors, testing::HasSubstr("--surface"));
 }
+
+TEST_F(MeshCommand, WarnsOfPlatesThinnerThanTheirFacets)
+{
+  // Two plates of 1 mm, apart, with nothing in the middle of the mesh.
+  LabelVolume volume;
+  volume.Size = { 60, 60, 60 };
+  volume.Spacing = { 0.5, 0.5, 0.5 };
+  volume.Voxels.assign(216000, 0);
+  for (int j = 10; j < 50; ++j)
+  {
+    for (int i = 10; i < 50; ++i)
+    {
+      for (const int k : { 10, 11, 48, 49 })
+      {
+        volume.Voxels[volume.Index(i, j, k)] = 1;
+      }
+    }
+  }
+  WriteLabelVolume(volume, this->Labels);
+  const std::string picture = this->Folder.File("cut.png");
+  const std::string command = "mesh " + this->Inputs + " -o " + this->Mesh;
+  ASSERT_EQ(this->Run(command + " --cut-picture " + picture), 0) << this->Errors;
+  EXPECT_THAT(this->Errors, testing::HasSubstr("warning: fat: "));
+  EXPECT_THAT(this->Errors, testing::HasSubstr("--thin fat makes finer facets"));
+  EXPECT_GT(std::filesystem::file_size(picture), 1000u);
+  ASSERT_EQ(this->Run(command + " --overwrite --thin fat"), 0) << this->Errors;
+  EXPECT_THAT(this->Errors, testing::Not(testing::HasSubstr("warning")));
+}

@@ -165,7 +165,7 @@ const std::string WithPaddles = R"({"materials": [{"name": "air", "labels": [0]}
   {"name": "fat", "labels": [1], "attenuation": "adipose"},
   {"name": "gland", "labels": [29, 88, 95, 125, 150, 225], "attenuation": "glandular"},
   {"name": "skin", "labels": [2, 33], "attenuation": "skin"},
-  {"name": "paddle", "labels": [50], "attenuation": "polystyrene"}]})";
+  {"name": "paddle", "labels": [50], "attenuation": "polystyrene", "thin": true}]})";
 }
 
 TEST_P(PhantomMeshes, BothWaysAreSoundKeepVolumesAndAgree)

@@ -62,6 +62,8 @@ TEST(MeshCheck, CubeIsSoundWithKnownMeasures)
   EXPECT_NEAR(check.Materials[1].SmallestDihedralDeg, 45, 1e-12);
   EXPECT_NEAR(check.Materials[1].LargestRadiusEdgeRatio, std::sqrt(3.0) / 2, 1e-12);
   EXPECT_EQ(check.Materials[1].BoundaryTriangles, 4u);
+  // Two half faces, and two triangles of an edge and a face's diagonal.
+  EXPECT_NEAR(check.Materials[1].BoundaryAreaMm2, 4 + 4 * std::sqrt(2.0), 1e-12);
   EXPECT_EQ(check.Materials[0].DihedralHistogram[15] + check.Materials[0].DihedralHistogram[14],
     5u);
   EXPECT_EQ(check.Materials[0].RadiusEdgeHistogram[4], 5u);
