@@ -339,11 +339,6 @@ void WarnOfThinMaterials(const MaterialTable& table, const MeshingOptions& optio
   const MeshCheck& check)
 {
   const std::vector<std::string> names = table.Names();
-  std::string thin;
-  for (const int material : table.Thin())
-  {
-    thin += NameOf(material, names) + ' ';
-  }
   for (const MaterialQuality& entry : check.Materials)
   {
     const auto own = options.FacetSizeOfMaterialMm.find(entry.Material);
@@ -351,11 +346,10 @@ void WarnOfThinMaterials(const MaterialTable& table, const MeshingOptions& optio
       own == options.FacetSizeOfMaterialMm.end() ? options.FacetSizeMm : own->second;
     if (2 * entry.MeanThicknessMm() < facetMm)
     {
-      const std::string name = NameOf(entry.Material, names);
       std::fprintf(stderr,
         "mammoray: warning: %s: %.2g mm thick on average (twice its volume over its area), less "
-        "than half of its facets' %g mm: expect gaps; --thin %s makes finer facets\n",
-        name.c_str(), entry.MeanThicknessMm(), facetMm, (thin + name).c_str());
+        "than half of its facets' %g mm: expect gaps; --thin and --facet-size-of make finer ones\n",
+        NameOf(entry.Material, names).c_str(), entry.MeanThicknessMm(), facetMm);
     }
   }
 }

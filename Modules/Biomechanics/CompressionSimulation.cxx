@@ -20,6 +20,8 @@ namespace
 /// Equilibrium between load steps is only a start for the next one.
 constexpr double IntermediateTolerance = 1e-3;
 constexpr int IntermediateNewtonSteps = 40;
+/// Of the largest load step, where a cold start failed.
+constexpr double SmallerLoadStep = 0.37;
 /// Of a start that another mesh gave and in which cells are inverted.
 constexpr double UntanglingTolerance = 3e-2;
 /// A warm start has little to lose, since its caller can take a smaller step: where it needs
@@ -487,19 +489,42 @@ PlatePair CompressionSimulation::OpenedPlates(const PlatePair& plates,
 CompressionState CompressionSimulation::Compress(const PlatePair& plates,
   const CompressionState* start, const ProgressCallback& progress) const
 {
+  if (start)
+  {
+    return this->Run(
+      plates, start, Finish::Complete, progress, this->Internal->Options.LargestLoadStep);
+  }
   try
   {
-    return this->Run(plates, start, Finish::Complete, progress);
+    return this->RunCold(plates, progress);
   }
   catch (const CompressionError& error)
   {
-    if (start)
-    {
-      throw;
-    }
     // The way is gone with soft contact; what was reached there need not be an equilibrium.
     throw NoEquilibrium(GapMm(plates), this->LeastGapMm(plates, error.LastGapMm(), progress),
       error.Reason());
+  }
+}
+
+CompressionState CompressionSimulation::RunCold(const PlatePair& plates,
+  const ProgressCallback& progress) const
+{
+  const double step = this->Internal->Options.LargestLoadStep;
+  try
+  {
+    return this->Run(plates, nullptr, Finish::Complete, progress, step);
+  }
+  catch (const CompressionError& first)
+  {
+    try
+    {
+      // Where tissue folds, another way may lead past the fold.
+      return this->Run(plates, nullptr, Finish::Complete, progress, SmallerLoadStep * step);
+    }
+    catch (const CompressionError& second)
+    {
+      throw second.LastGapMm() < first.LastGapMm() ? second : first;
+    }
   }
 }
 
@@ -513,8 +538,7 @@ double CompressionSimulation::LeastGapMm(const PlatePair& plates, double fromMm,
   {
     try
     {
-      this->Run(MovedPlates(open, closing, (GapMm(open) - gap) / way), nullptr, Finish::Complete,
-        progress);
+      this->RunCold(MovedPlates(open, closing, (GapMm(open) - gap) / way), progress);
       return gap;
     }
     catch (const CompressionError&)
@@ -537,7 +561,8 @@ std::vector<double> CompressionSimulation::CoarsePositions(const PlatePair& plat
       const auto firstHalf = [&](double fraction, const char* stage)
       { return !progress || progress(0.5 * fraction, stage); };
       const CompressionState coarse =
-        internal.Coarse->Run(plates, nullptr, Finish::Rough, firstHalf);
+        internal.Coarse->Run(plates, nullptr, Finish::Rough, firstHalf,
+          internal.Coarse->Internal->Options.LargestLoadStep);
       positions = internal.InCoarse->Map(coarse.Positions);
       for (std::size_t c = 0; c < positions.size(); ++c)
       {
@@ -553,7 +578,7 @@ std::vector<double> CompressionSimulation::CoarsePositions(const PlatePair& plat
 }
 
 CompressionState CompressionSimulation::Run(const PlatePair& plates, const CompressionState* start,
-  Finish finish, const ProgressCallback& progress) const
+  Finish finish, const ProgressCallback& progress, double largestLoadStep) const
 {
   const auto begin = std::chrono::steady_clock::now();
   CheckPlate(plates.Support, "support");
@@ -585,7 +610,7 @@ CompressionState CompressionSimulation::Run(const PlatePair& plates, const Compr
   {
     state.Positions = this->Internal->SettledPositions(progress);
     state.Plates = this->OpenedPlates(plates, progress);
-    const double allowed = options.LargestLoadStep * std::abs(GapMm(state.Plates));
+    const double allowed = largestLoadStep * std::abs(GapMm(state.Plates));
     const double way = Norm(state.Plates.Support.Edge - plates.Support.Edge) +
       Norm(state.Plates.Paddle.Edge - plates.Paddle.Edge);
     largestStep = std::min(1.0, allowed / std::max(way, 1e-12));

@@ -259,7 +259,9 @@ private:
     Rough
   };
   CompressionState Run(const PlatePair& plates, const CompressionState* start, Finish finish,
-    const ProgressCallback& progress) const;
+    const ProgressCallback& progress, double largestLoadStep) const;
+  /// A cold run; where it fails, another one in smaller steps.
+  CompressionState RunCold(const PlatePair& plates, const ProgressCallback& progress) const;
   /// The least gap from `fromMm` on, in steps of 15 %, that has an equilibrium, mm.
   double LeastGapMm(const PlatePair& plates, double fromMm, const ProgressCallback& progress) const;
   /// Where the coarse simulation moves the nodes to; empty where it cannot.

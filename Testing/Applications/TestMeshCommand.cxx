@@ -310,7 +310,7 @@ TEST_F(MeshCommand, WarnsOfPlatesThinnerThanTheirFacets)
   const std::string command = "mesh " + this->Inputs + " -o " + this->Mesh;
   ASSERT_EQ(this->Run(command + " --cut-picture " + picture), 0) << this->Errors;
   EXPECT_THAT(this->Errors, testing::HasSubstr("warning: fat: "));
-  EXPECT_THAT(this->Errors, testing::HasSubstr("--thin fat makes finer facets"));
+  EXPECT_THAT(this->Errors, testing::HasSubstr("--thin and --facet-size-of make finer ones"));
   EXPECT_GT(std::filesystem::file_size(picture), 1000u);
   ASSERT_EQ(this->Run(command + " --overwrite --thin fat"), 0) << this->Errors;
   EXPECT_THAT(this->Errors, testing::Not(testing::HasSubstr("warning")));

@@ -588,9 +588,9 @@ TEST(CompressionSimulation, RefusesTwoMillimetresWithTheLastGoodThickness)
     }
     ASSERT_GT(last, 2);
     ASSERT_LT(last, 40);
-    // There is an equilibrium indeed, contact hard and all limits kept; a little more open, since
-    // the way there need not be gone in just the same steps.
-    const CompressionState state = simulation.Compress(MakePlates(1.02 * last));
+    // There is an equilibrium indeed, contact hard and all limits kept. (Among gaps a few mm wider
+    // there are some that are not reached: this tissue folds at a quarter of its thickness.)
+    const CompressionState state = simulation.Compress(MakePlates(last));
     EXPECT_GE(state.SmallestJ, 0.1);
     EXPECT_LE(state.LargestPenetrationMm, PenetrationLimitMm(state.Plates));
   }
