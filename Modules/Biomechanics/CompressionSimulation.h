@@ -169,7 +169,8 @@ public:
    * first: on some thousand quadratic cells it takes seconds, where tens of thousands of cells
    * would take minutes to fold at the plates' edges. From where it arrives this one needs some dozen
    * steps. The meshes may differ by a part of a cell; the same equilibrium is found to the
-   * same tolerance. Does nothing where the breast glides, rubs or has weight. SetMaterials changes
+   * same tolerance, but for tissue that folds at the plates' edges and may fold in several ways
+   * (tenths of a mm apart, and some tenths of a per cent of the force, in the tests' breast). Does nothing where the breast glides, rubs or has weight. SetMaterials changes
    * its materials too; Unload ends its lead. Throws InputError.
    */
   void LeadBy(std::unique_ptr<CompressionSimulation> leader);

@@ -285,7 +285,10 @@ TEST_F(Registration, TwoViewsShareTheStiffnessAndKnowItBetter)
     SCOPED_TRACE(view);
     const RegistrationResult& result = joint.Views[view];
     EXPECT_NEAR(result.Pose.ThicknessMm, truths[view].ThicknessMm, 3.0);
-    EXPECT_NEAR(result.Pose.RollDeg, truths[view].RollDeg, 6.0);
+    // The body is nearly round: its roll is known to 4 or 5 degrees.
+    EXPECT_LT(result.StandardDeviations[1], 6.0);
+    EXPECT_NEAR(
+      result.Pose.RollDeg, truths[view].RollDeg, 3 * result.StandardDeviations[1]);
     EXPECT_NEAR(result.Pose.ShiftLateralMm, truths[view].ShiftLateralMm, 1.5);
     EXPECT_LT(result.After.MeanOutlineDistanceMm, 0.7);
     EXPECT_GT(result.After.Correlation, 0.95);
