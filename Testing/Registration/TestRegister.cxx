@@ -286,9 +286,9 @@ TEST_F(Registration, TwoViewsShareTheStiffnessAndKnowItBetter)
     const RegistrationResult& result = joint.Views[view];
     EXPECT_NEAR(result.Pose.ThicknessMm, truths[view].ThicknessMm, 3.0);
     // The body is nearly round: its roll is known to 4 or 5 degrees.
-    EXPECT_LT(result.StandardDeviations[1], 6.0);
+    EXPECT_LT(result.StandardDeviations[RollParameter], 6.0);
     EXPECT_NEAR(
-      result.Pose.RollDeg, truths[view].RollDeg, 3 * result.StandardDeviations[1]);
+      result.Pose.RollDeg, truths[view].RollDeg, 3 * result.StandardDeviations[RollParameter]);
     EXPECT_NEAR(result.Pose.ShiftLateralMm, truths[view].ShiftLateralMm, 1.5);
     EXPECT_LT(result.After.MeanOutlineDistanceMm, 0.7);
     EXPECT_GT(result.After.Correlation, 0.95);
@@ -380,6 +380,13 @@ TEST_F(Registration, ConsideredParametersMoveTheOthersAsPredicted)
     EXPECT_NEAR(moved.Values[parameter] - held.Values[parameter], predicted,
       held.StandardDeviations[parameter])
       << held.Parameters[parameter].Name;
+  }
+  // Where everything held is known, nothing is left to consider.
+  options.Parameters[PitchParameter].PriorSigma = 0;
+  const RegistrationResult known = Register(Model->Model, *Target, options);
+  for (std::size_t i = 0; i < known.Covariance.size(); ++i)
+  {
+    EXPECT_NEAR(known.ConsideredCovariance[i], known.Covariance[i], 1e-9);
   }
 }
 
