@@ -167,8 +167,12 @@ BreastPose PoseAt(const CompressArguments& arguments, double thicknessMm)
   return pose;
 }
 
+/// Plates at the very front of held tissue pinch what is between: less than this off it, mm.
+constexpr double CloseToHeldMm = 2;
+
 CompressionState Compress(const CompressArguments& arguments,
   const CompressionSimulation& simulation, const AnatomicalAxes& axes, const Vector3& anchor)
+try
 {
   const auto plates = [&](double thicknessMm)
   {
@@ -183,6 +187,15 @@ CompressionState Compress(const CompressArguments& arguments,
       arguments.ForceN, MakeProgressBar());
   }
   return simulation.Compress(plates(arguments.Pose.ThicknessMm), nullptr, MakeProgressBar());
+}
+catch (const CompressionError& error)
+{
+  if (arguments.ChestWall == "held" && arguments.Pose.ShiftAnteriorMm < CloseToHeldMm)
+  {
+    throw ConvergenceError(std::string(error.what()) +
+      "; the plates stand at the held tissue and pinch what is between: --anterior 5 moves them off");
+  }
+  throw;
 }
 
 /// The breast from open plates to those of `closed`, which it ends with.

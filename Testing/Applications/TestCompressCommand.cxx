@@ -239,8 +239,9 @@ TEST_F(CompressCommand, RefusesInOneLine)
   // Thinner than any equilibrium this mesh can show.
   WriteMesh(ToGrid(test::MakeHalfEllipsoidMesh(40, 45, 38, 4), { "air", "fat", "muscle" }),
     this->Folder.File("coarser.vtu"));
-  expectRefused(this->Common + this->Folder.File("coarser.vtu") + " --thickness 2",
+  expectRefused(this->Common + this->Folder.File("coarser.vtu") + " --thickness 0.2",
     "last one reached is at");
+  EXPECT_THAT(this->Errors, testing::HasSubstr("--anterior 5 moves them off"));
   EXPECT_EQ(this->Run("compress " + this->Coarse + " --thickness -3"), 2);
   EXPECT_EQ(this->Run("compress " + this->Coarse), 2);
   EXPECT_EQ(this->Run("compress " + this->Coarse + " --thickness 50 --chest-wall loose"), 2);
