@@ -2,6 +2,7 @@
 #include "CommandLine.h"
 #include "LandmarkEvaluation.h"
 #include "MeshIO.h"
+#include "ResultFile.h"
 
 #include "vtkUnstructuredGrid.h"
 
@@ -9,7 +10,6 @@
 
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
 #include <memory>
 #include <vector>
 
@@ -41,26 +41,20 @@ void PrintRow(const char* method, const char* group, const ErrorSummary& space,
 
 void Evaluate(const EvaluateOptions& options)
 {
-  const std::string resultPath = options.Result + "/result.json";
-  std::ifstream file(CheckInputFile(resultPath));
   VolumeFromGantry placed;
   double sid = 0;
   double outline = 0;
-  try
-  {
-    const nlohmann::json result = nlohmann::json::parse(file);
-    const nlohmann::json& placement = result.at("placement");
-    placed.Origin = ToVector(placement.at("originMm"));
-    placed.X = ToVector(placement.at("x"));
-    placed.Y = ToVector(placement.at("y"));
-    placed.Z = ToVector(placement.at("z"));
-    sid = result.at("unit").at("sourceToDetectorMm").get<double>();
-    outline = result.at("meanOutlineDistanceMm").get<double>();
-  }
-  catch (const nlohmann::json::exception& error)
-  {
-    throw InputError(resultPath + ": expected the result of 'mammoray register': " + error.what());
-  }
+  ReadResultFile(options.Result,
+    [&](const nlohmann::json& result)
+    {
+      const nlohmann::json& placement = result.at("placement");
+      placed.Origin = ToVector(placement.at("originMm"));
+      placed.X = ToVector(placement.at("x"));
+      placed.Y = ToVector(placement.at("y"));
+      placed.Z = ToVector(placement.at("z"));
+      sid = result.at("unit").at("sourceToDetectorMm").get<double>();
+      outline = result.at("meanOutlineDistanceMm").get<double>();
+    });
   const auto grid = ReadMesh(CheckInputFile(options.Result + "/uncompressed.vtu"));
   const std::vector<Landmark> landmarks = ReadLandmarks(CheckInputFile(options.Landmarks));
   LandmarkTruth truth;

@@ -113,7 +113,8 @@ Json CheckJson(const MeshCheck& check, const std::vector<std::string>& names)
   {
     json["per_material"].push_back({ { "material", NameOf(entry.Material, names) },
       { "volume_mm3", entry.VolumeMm3 }, { "boundary_triangles", entry.BoundaryTriangles },
-      { "boundary_area_mm2", entry.BoundaryAreaMm2 }, { "cells", entry.Cells }, { "smallest_dihedral_deg", entry.SmallestDihedralDeg },
+      { "boundary_area_mm2", entry.BoundaryAreaMm2 }, { "cells", entry.Cells },
+      { "smallest_dihedral_deg", entry.SmallestDihedralDeg },
       { "smallest_dihedral_place_mm", entry.SmallestDihedralPlace },
       { "largest_radius_edge_ratio", entry.LargestRadiusEdgeRatio },
       { "largest_radius_edge_place_mm", entry.LargestRadiusEdgePlace },

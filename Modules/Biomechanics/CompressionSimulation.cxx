@@ -494,8 +494,7 @@ CompressionState CompressionSimulation::Compress(const PlatePair& plates,
 {
   if (start)
   {
-    return this->Run(
-      plates, start, Finish::Complete, progress, this->Internal->Options.LargestLoadStep);
+    return this->Run(plates, start, Finish::Complete, progress);
   }
   try
   {
@@ -512,17 +511,16 @@ CompressionState CompressionSimulation::Compress(const PlatePair& plates,
 CompressionState CompressionSimulation::RunCold(const PlatePair& plates,
   const ProgressCallback& progress) const
 {
-  const double step = this->Internal->Options.LargestLoadStep;
   try
   {
-    return this->Run(plates, nullptr, Finish::Complete, progress, step);
+    return this->Run(plates, nullptr, Finish::Complete, progress);
   }
   catch (const CompressionError& first)
   {
     try
     {
       // Where tissue folds, another way may lead past the fold.
-      return this->Run(plates, nullptr, Finish::Complete, progress, SmallerLoadStep * step);
+      return this->Run(plates, nullptr, Finish::Complete, progress, SmallerLoadStep);
     }
     catch (const CompressionError& second)
     {
@@ -564,8 +562,7 @@ std::vector<double> CompressionSimulation::CoarsePositions(const PlatePair& plat
       const auto firstHalf = [&](double fraction, const char* stage)
       { return !progress || progress(0.5 * fraction, stage); };
       const CompressionState coarse =
-        internal.Coarse->Run(plates, nullptr, Finish::Rough, firstHalf,
-          internal.Coarse->Internal->Options.LargestLoadStep);
+        internal.Coarse->Run(plates, nullptr, Finish::Rough, firstHalf);
       positions = internal.InCoarse->Map(coarse.Positions);
       for (std::size_t c = 0; c < positions.size(); ++c)
       {
@@ -581,7 +578,7 @@ std::vector<double> CompressionSimulation::CoarsePositions(const PlatePair& plat
 }
 
 CompressionState CompressionSimulation::Run(const PlatePair& plates, const CompressionState* start,
-  Finish finish, const ProgressCallback& progress, double largestLoadStep) const
+  Finish finish, const ProgressCallback& progress, double loadStepFactor) const
 {
   const auto begin = std::chrono::steady_clock::now();
   CheckPlate(plates.Support, "support");
@@ -613,7 +610,7 @@ CompressionState CompressionSimulation::Run(const PlatePair& plates, const Compr
   {
     state.Positions = this->Internal->SettledPositions(progress);
     state.Plates = this->OpenedPlates(plates, progress);
-    const double allowed = largestLoadStep * std::abs(GapMm(state.Plates));
+    const double allowed = loadStepFactor * options.LargestLoadStep * std::abs(GapMm(state.Plates));
     const double way = Norm(state.Plates.Support.Edge - plates.Support.Edge) +
       Norm(state.Plates.Paddle.Edge - plates.Paddle.Edge);
     largestStep = std::min(1.0, allowed / std::max(way, 1e-12));

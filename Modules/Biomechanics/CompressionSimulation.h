@@ -167,11 +167,12 @@ public:
   /**
    * Another simulation of the same body, of as many materials, that is to go the way of cold starts
    * first: on some thousand quadratic cells it takes seconds, where tens of thousands of cells
-   * would take minutes to fold at the plates' edges. From where it arrives this one needs some dozen
-   * steps. The meshes may differ by a part of a cell; the same equilibrium is found to the
+   * would take minutes to fold at the plates' edges. From where it arrives this one needs some
+   * dozen steps. The meshes may differ by a part of a cell; the same equilibrium is found to the
    * same tolerance, but for tissue that folds at the plates' edges and may fold in several ways
-   * (tenths of a mm apart, and some tenths of a per cent of the force, in the tests' breast). Does nothing where the breast glides, rubs or has weight. SetMaterials changes
-   * its materials too; Unload ends its lead. Throws InputError.
+   * (tenths of a mm apart, and some tenths of a per cent of the force, in the tests' breast). Does
+   * nothing where the breast glides, rubs or has weight. SetMaterials changes its materials too;
+   * Unload ends its lead. Throws InputError.
    */
   void LeadBy(std::unique_ptr<CompressionSimulation> leader);
 
@@ -260,7 +261,7 @@ private:
     Rough
   };
   CompressionState Run(const PlatePair& plates, const CompressionState* start, Finish finish,
-    const ProgressCallback& progress, double largestLoadStep) const;
+    const ProgressCallback& progress, double loadStepFactor = 1) const;
   /// A cold run; where it fails, another one in smaller steps.
   CompressionState RunCold(const PlatePair& plates, const ProgressCallback& progress) const;
   /// The least gap from `fromMm` on, in steps of 15 %, that has an equilibrium, mm.

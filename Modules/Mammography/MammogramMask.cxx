@@ -33,8 +33,6 @@ public:
   Corner(const RegistrationTarget& target, int headward)
     : Target(target)
     , Headward(headward)
-    , Determinant(
-        target.ColumnStep[0] * target.RowStep[1] - target.ColumnStep[1] * target.RowStep[0])
   {
     double top = -std::numeric_limits<double>::infinity();
     double bottom = -top;
@@ -78,12 +76,10 @@ public:
   /// that is breast.
   std::optional<double> At(double down, double out) const
   {
-    const double dx = this->Headward * (this->TopMm - down) - this->Target.Origin[0];
-    const double dy = out - this->Target.Origin[1];
-    const long column = std::lround(
-      (dx * this->Target.RowStep[1] - dy * this->Target.RowStep[0]) / this->Determinant);
-    const long row = std::lround(
-      (this->Target.ColumnStep[0] * dy - this->Target.ColumnStep[1] * dx) / this->Determinant);
+    const std::array<double, 2> place =
+      PixelOf(this->Target, { this->Headward * (this->TopMm - down), out });
+    const long column = std::lround(place[0]);
+    const long row = std::lround(place[1]);
     if (column < 0 || row < 0 || column >= this->Target.Columns || row >= this->Target.Rows)
     {
       return std::nullopt;
@@ -97,7 +93,6 @@ public:
 
   const RegistrationTarget& Target;
   int Headward;
-  double Determinant;
   /// Height of the breast's end at the chest wall towards the head, along headward x; how far it
   /// reaches from there towards the feet, and away from the chest wall, mm.
   double TopMm = 0;

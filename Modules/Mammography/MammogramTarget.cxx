@@ -196,7 +196,8 @@ std::vector<float> DistanceToClear(const Grid& grid, const Mask& mask)
   return squares;
 }
 
-/// Pieces of a mask whose pixels share edges: a label for each pixel (0 outside) and the pixel count of each label (from 1).
+/// Pieces of a mask whose pixels share edges: a label for each pixel (0 outside) and the pixel
+/// count of each label (from 1).
 struct Pieces
 {
   std::vector<int> Labels;

@@ -7,6 +7,7 @@
 #include "MeshIO.h"
 #include "RegistrationModel.h"
 #include "RegistrationReport.h"
+#include "ResultFile.h"
 #include "Silhouette.h"
 #include "TargetImage.h"
 
@@ -32,7 +33,6 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
 #include <iterator>
 #include <limits>
 #include <numbers>
@@ -221,88 +221,61 @@ Vector3 CentreOf(const LabelVolume& volume)
   return (1 / count) * sum;
 }
 
-void ReadJson(const std::string& path, BreastInUnit& breast)
+void ReadUnit(const nlohmann::json& result, BreastInUnit& breast)
 {
-  std::ifstream file(path);
-  if (!file)
+  const nlohmann::json& placement = result.at("placement");
+  breast.Placed = { Numbers<Vector3>(placement.at("originMm")), Numbers<Vector3>(placement.at("x")),
+    Numbers<Vector3>(placement.at("y")), Numbers<Vector3>(placement.at("z")) };
+  const nlohmann::json& unit = result.at("unit");
+  unit.at("sourceToDetectorMm").get_to(breast.Unit.SourceToDetectorMm);
+  unit.at("supportHeightMm").get_to(breast.Unit.SupportHeightMm);
+  unit.at("supportEdgeMm").get_to(breast.Unit.SupportEdgeMm);
+  unit.at("paddleEdgeMm").get_to(breast.Unit.PaddleEdgeMm);
+  unit.at("edgeRadiusMm").get_to(breast.Unit.EdgeRadiusMm);
+  const nlohmann::json& grid = result.at("grid");
+  breast.Grid.Columns = grid.at("columns").get<int>();
+  breast.Grid.Rows = grid.at("rows").get<int>();
+  breast.Grid.Origin = Numbers<std::array<double, 2>>(grid.at("originMm"));
+  breast.Grid.ColumnStep = Numbers<std::array<double, 2>>(grid.at("columnStepMm"));
+  breast.Grid.RowStep = Numbers<std::array<double, 2>>(grid.at("rowStepMm"));
+  for (const nlohmann::json& parameter : result.at("parameters"))
   {
-    throw InputError(path + ": no such file");
+    breast.Parameters.push_back(parameter.at("name").get<std::string>());
+    breast.Values.push_back(parameter.at("value").get<double>());
   }
-  try
+  // Results of early versions lack what is not known of the fixed parameters.
+  const nlohmann::json& own = result.at("covariance");
+  if (const nlohmann::json covariance = result.value("consideredCovariance", own);
+      !covariance.is_null())
   {
-    const nlohmann::json result = nlohmann::json::parse(file);
-    const nlohmann::json& placement = result.at("placement");
-    breast.Placed = { Numbers<Vector3>(placement.at("originMm")),
-      Numbers<Vector3>(placement.at("x")), Numbers<Vector3>(placement.at("y")),
-      Numbers<Vector3>(placement.at("z")) };
-    const nlohmann::json& unit = result.at("unit");
-    unit.at("sourceToDetectorMm").get_to(breast.Unit.SourceToDetectorMm);
-    unit.at("supportHeightMm").get_to(breast.Unit.SupportHeightMm);
-    unit.at("supportEdgeMm").get_to(breast.Unit.SupportEdgeMm);
-    unit.at("paddleEdgeMm").get_to(breast.Unit.PaddleEdgeMm);
-    unit.at("edgeRadiusMm").get_to(breast.Unit.EdgeRadiusMm);
-    const nlohmann::json& grid = result.at("grid");
-    breast.Grid.Columns = grid.at("columns").get<int>();
-    breast.Grid.Rows = grid.at("rows").get<int>();
-    breast.Grid.Origin = Numbers<std::array<double, 2>>(grid.at("originMm"));
-    breast.Grid.ColumnStep = Numbers<std::array<double, 2>>(grid.at("columnStepMm"));
-    breast.Grid.RowStep = Numbers<std::array<double, 2>>(grid.at("rowStepMm"));
-    for (const nlohmann::json& parameter : result.at("parameters"))
+    breast.Covariance = covariance.get<std::vector<double>>();
+    if (breast.Covariance.size() != breast.Parameters.size() * breast.Parameters.size())
     {
-      breast.Parameters.push_back(parameter.at("name").get<std::string>());
-      breast.Values.push_back(parameter.at("value").get<double>());
+      throw InputError("expected a covariance of all parameters, found " +
+        std::to_string(breast.Covariance.size()) + " numbers");
     }
-    // Results of early versions lack what is not known of the fixed parameters.
-    const nlohmann::json& own = result.at("covariance");
-    if (const nlohmann::json covariance = result.value("consideredCovariance", own);
-        !covariance.is_null())
-    {
-      breast.Covariance = covariance.get<std::vector<double>>();
-      if (breast.Covariance.size() != breast.Parameters.size() * breast.Parameters.size())
-      {
-        throw InputError("expected a covariance of all parameters, found " +
-          std::to_string(breast.Covariance.size()) + " numbers");
-      }
-    }
-  }
-  catch (const nlohmann::json::exception& error)
-  {
-    throw InputError(path + ": expected the result of 'mammoray register': " + error.what());
-  }
-  catch (const InputError& error)
-  {
-    throw InputError(path + ": " + error.what());
   }
 }
 }
 
 std::vector<std::string> RegistrationFolders(const std::string& folder)
 {
-  const std::string path = folder + "/result.json";
-  std::ifstream file(path);
-  if (!file)
-  {
-    throw InputError(path + ": no such file");
-  }
-  try
-  {
-    const nlohmann::json result = nlohmann::json::parse(file);
-    if (result.at("format") != JointResultFormat)
+  std::vector<std::string> folders;
+  ReadResultFile(folder,
+    [&](const nlohmann::json& result)
     {
-      return { folder };
-    }
-    std::vector<std::string> folders;
-    for (const nlohmann::json& view : result.at("views"))
-    {
-      folders.push_back(
-        (std::filesystem::path(folder) / view.at("folder").get<std::string>()).string());
-    }
-    return folders;
-  }
-  catch (const nlohmann::json::exception& error)
-  {
-    throw InputError(path + ": expected the result of 'mammoray register': " + error.what());
-  }
+      if (result.at("format") != JointResultFormat)
+      {
+        folders.push_back(folder);
+        return;
+      }
+      for (const nlohmann::json& view : result.at("views"))
+      {
+        folders.push_back(
+          (std::filesystem::path(folder) / view.at("folder").get<std::string>()).string());
+      }
+    });
+  return folders;
 }
 
 BreastInUnit ReadRegistration(const std::string& folder)
@@ -326,7 +299,18 @@ BreastInUnit ReadRegistration(const std::string& folder)
   {
     throw InputError(folder + ": expected compressed.vtu and uncompressed.vtu of the same mesh");
   }
-  ReadJson(folder + "/result.json", breast);
+  ReadResultFile(folder,
+    [&](const nlohmann::json& result)
+    {
+      try
+      {
+        ReadUnit(result, breast);
+      }
+      catch (const InputError& error)
+      {
+        throw InputError(folder + "/result.json: " + error.what());
+      }
+    });
   return breast;
 }
 

@@ -4,6 +4,7 @@
 #include "Error.h"
 #include "MammogramSynthesis.h"
 #include "RegisteredBreast.h"
+#include "ResultFile.h"
 #include "Sha256.h"
 
 #include "vtkFloatArray.h"
@@ -17,7 +18,6 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
 
 namespace mammoray
 {
@@ -95,24 +95,16 @@ Mammogram ReadSyntheticMammogram(const std::string& folder, const Mammogram& rea
 
 bool IsRegisteredMammogram(const std::string& folder, const std::string& mammogramPath)
 {
-  const std::string path = folder + "/result.json";
-  std::ifstream file(path);
-  if (!file)
-  {
-    throw InputError(path + ": no such file");
-  }
-  try
-  {
-    const nlohmann::json result = nlohmann::json::parse(file);
-    const nlohmann::json& inputs = result.at("inputs");
-    const std::string checksum = Sha256OfFile(mammogramPath);
-    return std::any_of(inputs.begin(), inputs.end(),
-      [&](const nlohmann::json& input)
-      { return input.at("role") == "Mammogram" && input.at("sha256") == checksum; });
-  }
-  catch (const nlohmann::json::exception& error)
-  {
-    throw InputError(path + ": expected the result of 'mammoray register': " + error.what());
-  }
+  bool found = false;
+  ReadResultFile(folder,
+    [&](const nlohmann::json& result)
+    {
+      const nlohmann::json& inputs = result.at("inputs");
+      const std::string checksum = Sha256OfFile(mammogramPath);
+      found = std::any_of(inputs.begin(), inputs.end(),
+        [&](const nlohmann::json& input)
+        { return input.at("role") == "Mammogram" && input.at("sha256") == checksum; });
+    });
+  return found;
 }
 }

@@ -9,6 +9,7 @@
 #include "MeshIO.h"
 #include "PhysicsData.h"
 #include "RegisteredBreast.h"
+#include "ResultFile.h"
 #include "Sha256.h"
 
 #ifdef MAMMORAY_HAS_MESHING
@@ -22,7 +23,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <fstream>
 
 namespace mammoray
 {
@@ -234,44 +234,36 @@ std::vector<std::string> FreeNames(const RegistrationCase& input, const Material
 std::vector<double> ResumeFrom(const RegistrationCase& input, const std::string& folder,
   const std::string& mammogram, const std::vector<RegistrationParameter>& parameters)
 {
-  const std::string path = folder + "/result.json";
-  std::ifstream file(path);
-  if (!file)
-  {
-    throw InputError(path + ": no such file");
-  }
   std::vector<double> values;
-  try
-  {
-    const nlohmann::json result = nlohmann::json::parse(file);
-    for (const auto& [role, name] : CaseInputs(input, mammogram))
+  ReadResultFile(folder,
+    [&](const nlohmann::json& result)
     {
-      for (const nlohmann::json& entry : result.at("inputs"))
+      for (const auto& [role, name] : CaseInputs(input, mammogram))
       {
-        if (entry.at("role") == role && entry.at("sha256") != Sha256OfFile(name))
+        for (const nlohmann::json& entry : result.at("inputs"))
         {
-          throw InputError(path + ": expected a result of " + name + ", found one of another file");
+          if (entry.at("role") == role && entry.at("sha256") != Sha256OfFile(name))
+          {
+            throw InputError(folder + "/result.json: expected a result of " + name +
+              ", found one of another file");
+          }
         }
       }
-    }
-    for (const RegistrationParameter& parameter : parameters)
-    {
-      values.push_back(parameter.Start);
-      for (const nlohmann::json& entry : result.at("parameters"))
+      for (const RegistrationParameter& parameter : parameters)
       {
-        if (entry.at("name") == parameter.Name)
+        values.push_back(parameter.Start);
+        for (const nlohmann::json& entry : result.at("parameters"))
         {
-          values.back() = entry.at("value").get<double>();
+          if (entry.at("name") == parameter.Name)
+          {
+            values.back() = entry.at("value").get<double>();
+          }
         }
       }
-    }
-  }
-  catch (const nlohmann::json::exception& error)
-  {
-    throw InputError(path + ": expected the result of 'mammoray register': " + error.what());
-  }
+    });
   return values;
 }
+
 Mammogram ReadCaseMammogram(const RegistrationCase& input, std::size_t number)
 {
   const std::string& path = input.Mammograms[number];

@@ -408,21 +408,16 @@ Eigen::MatrixXd ColumnsOf(RegistrationEvaluator& evaluator,
         places.push_back(static_cast<Eigen::Index>(index));
       }
     }
-    const std::size_t begin = first;
-    first += evaluator.Views[view]->Residuals.size();
-    if (wanted.empty())
-    {
-      continue;
-    }
     const RegistrationResiduals::Jacobian jacobian = evaluator.Views[view]->Differentiate(wanted);
     for (std::size_t index = 0; index < wanted.size(); ++index)
     {
       const std::vector<double>& column = jacobian.Columns[wanted[index]];
       columns.col(places[index])
-        .segment(static_cast<Eigen::Index>(begin), static_cast<Eigen::Index>(column.size())) =
+        .segment(static_cast<Eigen::Index>(first), static_cast<Eigen::Index>(column.size())) =
         parameters[static_cast<std::size_t>(places[index])].Scale *
         Eigen::Map<const Eigen::VectorXd>(column.data(), static_cast<Eigen::Index>(column.size()));
     }
+    first += evaluator.Views[view]->Residuals.size();
   }
   return columns;
 }

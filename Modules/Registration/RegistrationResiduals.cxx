@@ -245,6 +245,12 @@ RegistrationResiduals::Jacobian RegistrationResiduals::Differentiate(
   const std::vector<double>& values, const CompressionState& state,
   const std::vector<int>& wanted) const
 {
+  Jacobian jacobian;
+  jacobian.Columns.resize(this->Options.Parameters.size());
+  if (wanted.empty())
+  {
+    return jacobian;
+  }
   const VolumeFromGantry placed =
     PlaceUnit(this->Model.Axes, this->Model.Anchor, this->Model.Unit, PoseOf(values));
   const std::vector<double> points = this->Model.SurfaceEmbedding->Map(state.Positions);
@@ -256,8 +262,6 @@ RegistrationResiduals::Jacobian RegistrationResiduals::Differentiate(
   }
   const int fields = static_cast<int>(wanted.size());
 
-  Jacobian jacobian;
-  jacobian.Columns.resize(this->Options.Parameters.size());
   const std::vector<ReceptorPoint> projected = ProjectToReceptor(points, placed, this->Model.Unit);
   std::vector<std::int32_t> crossed;
   const std::vector<double> radii =

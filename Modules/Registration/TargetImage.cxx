@@ -12,17 +12,6 @@ namespace mammoray
 {
 namespace
 {
-/// Continuous column and row of a receptor point.
-std::array<double, 2> PixelOf(const RegistrationTarget& target, const ReceptorPoint& point)
-{
-  const double dx = point[0] - target.Origin[0];
-  const double dy = point[1] - target.Origin[1];
-  const auto& c = target.ColumnStep;
-  const auto& r = target.RowStep;
-  const double determinant = c[0] * r[1] - c[1] * r[0];
-  return { (dx * r[1] - dy * r[0]) / determinant, (c[0] * dy - c[1] * dx) / determinant };
-}
-
 /// Four neighbouring pixels and a place between them.
 struct Cell
 {
@@ -164,6 +153,16 @@ ReceptorPoint PixelPosition(const RegistrationTarget& target, double column, dou
 {
   return { target.Origin[0] + column * target.ColumnStep[0] + row * target.RowStep[0],
     target.Origin[1] + column * target.ColumnStep[1] + row * target.RowStep[1] };
+}
+
+std::array<double, 2> PixelOf(const RegistrationTarget& target, const ReceptorPoint& point)
+{
+  const double dx = point[0] - target.Origin[0];
+  const double dy = point[1] - target.Origin[1];
+  const auto& c = target.ColumnStep;
+  const auto& r = target.RowStep;
+  const double determinant = c[0] * r[1] - c[1] * r[0];
+  return { (dx * r[1] - dy * r[0]) / determinant, (c[0] * dy - c[1] * dx) / determinant };
 }
 
 double SignedDistanceAt(const RegistrationTarget& target, const ReceptorPoint& point)

@@ -30,6 +30,10 @@ MAMMORAYREGISTRATION_EXPORT RegistrationTarget CoarsenTo(const RegistrationTarge
 MAMMORAYREGISTRATION_EXPORT ReceptorPoint PixelPosition(const RegistrationTarget& target,
   double column, double row);
 
+/// The continuous column and row of a point: the inverse of PixelPosition.
+MAMMORAYREGISTRATION_EXPORT std::array<double, 2> PixelOf(const RegistrationTarget& target,
+  const ReceptorPoint& point);
+
 /**
  * Signed distance, mm, at a receptor point: bilinear between pixels; outside the image the value at
  * the nearest border pixel plus the distance to it.

@@ -8,6 +8,7 @@
 #include "MeshIO.h"
 #include "PhysicsData.h"
 #include "RegistrationResiduals.h"
+#include "ResultFile.h"
 #include "Sha256.h"
 #include "Silhouette.h"
 
@@ -26,7 +27,6 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 
 namespace mammoray
 {
@@ -73,29 +73,24 @@ struct ResultFacts
   std::string Laterality;
 };
 
-ResultFacts ReadFacts(const std::string& path)
+ResultFacts ReadFacts(const std::string& folder)
 {
   ResultFacts facts;
-  try
-  {
-    std::ifstream file(path);
-    const nlohmann::json result = nlohmann::json::parse(file);
-    for (const nlohmann::json& input : result.at("inputs"))
+  ReadResultFile(folder,
+    [&](const nlohmann::json& result)
     {
-      const bool table = input.at("role") == "Material table";
-      if (table || input.at("role") == "Mammogram")
+      for (const nlohmann::json& input : result.at("inputs"))
       {
-        input.at("file").get_to(table ? facts.TableFile : facts.MammogramFile);
-        input.at("sha256").get_to(table ? facts.TableChecksum : facts.MammogramChecksum);
+        const bool table = input.at("role") == "Material table";
+        if (table || input.at("role") == "Mammogram")
+        {
+          input.at("file").get_to(table ? facts.TableFile : facts.MammogramFile);
+          input.at("sha256").get_to(table ? facts.TableChecksum : facts.MammogramChecksum);
+        }
       }
-    }
-    facts.Spectrum = result.at("versions").value("Spectrum", "");
-    facts.Laterality = result.at("mammogram").value("laterality", "?");
-  }
-  catch (const nlohmann::json::exception& error)
-  {
-    throw InputError(path + ": expected the result of 'mammoray register': " + error.what());
-  }
+      facts.Spectrum = result.at("versions").value("Spectrum", "");
+      facts.Laterality = result.at("mammogram").value("laterality", "?");
+    });
   return facts;
 }
 
@@ -194,7 +189,7 @@ ViewedBreast ReadResult(const ViewInput& input)
 {
   ViewedBreast viewed;
   viewed.Breast = ReadRegistration(input.Result);
-  const ResultFacts facts = ReadFacts(input.Result + "/result.json");
+  const ResultFacts facts = ReadFacts(input.Result);
   viewed.Materials = TableOf(facts, input.Materials);
   viewed.Spectrum = FindSpectrum(!input.Spectrum.empty() ? input.Spectrum
       : facts.Spectrum.empty()                           ? DefaultSpectrum
