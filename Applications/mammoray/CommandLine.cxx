@@ -97,7 +97,7 @@ public:
       }
       else if (withDefaults && !option->get_default_str().empty())
       {
-        values[name] = AsJson(option->get_default_str());
+        values[name] = DefaultAsJson(*option);
       }
     }
     return values.dump(2) + "\n";
@@ -140,6 +140,22 @@ public:
   }
 
 private:
+  /// CLI11 writes the default of a list as [a,b].
+  static nlohmann::ordered_json DefaultAsJson(const CLI::Option& option)
+  {
+    const std::string& text = option.get_default_str();
+    if (option.get_expected_max() == 1 || text.front() != '[' || text.back() != ']')
+    {
+      return AsJson(text);
+    }
+    nlohmann::ordered_json values = nlohmann::ordered_json::array();
+    for (const std::string& value : CLI::detail::split(text.substr(1, text.size() - 2), ','))
+    {
+      values.push_back(AsJson(value));
+    }
+    return values;
+  }
+
   static nlohmann::ordered_json AsJson(const std::string& text)
   {
     if (nlohmann::ordered_json::accept(text))

@@ -172,7 +172,6 @@ constexpr double CloseToHeldMm = 2;
 
 CompressionState Compress(const CompressArguments& arguments,
   const CompressionSimulation& simulation, const AnatomicalAxes& axes, const Vector3& anchor)
-try
 {
   const auto plates = [&](double thicknessMm)
   {
@@ -180,22 +179,26 @@ try
     return PlatesOf(PlaceUnit(axes, anchor, arguments.Unit, pose), arguments.Unit, thicknessMm,
       pose.PaddleTiltDeg);
   };
-  if (arguments.ForceN > 0)
+  try
   {
-    // 50: any two thicknesses show how the plates close.
-    return simulation.CompressToForce(plates(50), PlateMotion(plates(50), plates(49)),
-      arguments.ForceN, MakeProgressBar());
+    if (arguments.ForceN > 0)
+    {
+      // 50: any two thicknesses show how the plates close.
+      return simulation.CompressToForce(plates(50), PlateMotion(plates(50), plates(49)),
+        arguments.ForceN, MakeProgressBar());
+    }
+    return simulation.Compress(plates(arguments.Pose.ThicknessMm), nullptr, MakeProgressBar());
   }
-  return simulation.Compress(plates(arguments.Pose.ThicknessMm), nullptr, MakeProgressBar());
-}
-catch (const CompressionError& error)
-{
-  if (arguments.ChestWall == "held" && arguments.Pose.ShiftAnteriorMm < CloseToHeldMm)
+  catch (const CompressionError& error)
   {
-    throw ConvergenceError(std::string(error.what()) +
-      "; the plates stand at the held tissue and pinch what is between: --anterior 5 moves them off");
+    if (arguments.ChestWall == "held" && arguments.Pose.ShiftAnteriorMm < CloseToHeldMm)
+    {
+      throw ConvergenceError(std::string(error.what()) +
+        "; the plates stand at the held tissue and pinch what is between: --anterior 5 moves them "
+        "off");
+    }
+    throw;
   }
-  throw;
 }
 
 /// The breast from open plates to those of `closed`, which it ends with.
@@ -350,17 +353,23 @@ void RunCompress(const CompressArguments& arguments)
     arguments.ForceN > 0 ? GapMm(state.Plates) : arguments.Pose.ThicknessMm;
   const CompressedBreast breast(grid, mesh, simulation);
   const auto compressed = breast.At(state, thicknessMm);
+  const VolumeFromGantry placed =
+    PlaceUnit(axes, anchor, arguments.Unit, PoseAt(arguments, thicknessMm));
+  AddPlacement(compressed, placed);
   if (!arguments.Series.empty())
   {
     const auto series = SeriesOf(state, simulation, breast, arguments.SeriesSteps);
+    for (const auto& step : series)
+    {
+      AddPlacement(step, placed);
+    }
     WriteSeries(arguments.Series, series);
   }
   WriteComplete(arguments.Output,
     [&](const std::string& temporary) { WriteMesh(compressed, temporary); });
   if (!arguments.Picture.empty())
   {
-    WritePicture(arguments.Picture, grid, compressed, state.Plates,
-      PlaceUnit(axes, anchor, arguments.Unit, PoseAt(arguments, thicknessMm)).X, table);
+    WritePicture(arguments.Picture, grid, compressed, state.Plates, placed.X, table);
   }
   PrintSummary(state, simulation, simulationMesh.NumberOfCells(), thicknessMm);
   const std::size_t inverted = CompressedBreast::NumberOfInvertedCells(compressed);

@@ -85,6 +85,7 @@ vtkSmartPointer<vtkUnstructuredGrid> UncompressedGrid(const RegistrationCaseResu
   const RegisteredView& view)
 {
   const auto grid = ToGrid(result.Anatomy, result.Materials.Names());
+  AddPlacement(grid, view.Placed);
   vtkNew<vtkDoubleArray> displacement;
   displacement->SetName("Displacement");
   displacement->SetNumberOfComponents(3);

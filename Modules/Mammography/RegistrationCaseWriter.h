@@ -14,8 +14,8 @@ class vtkUnstructuredGrid;
 
 namespace mammoray
 {
-/// The anatomy at rest, volume frame, with the point array "Displacement" (mm) and those of the
-/// sensitivities (SensitivityArrayPrefix).
+/// The anatomy at rest, volume frame, with the point array "Displacement" (mm), those of the
+/// sensitivities (SensitivityArrayPrefix), and the unit's "Placement".
 MAMMORAYMAMMOGRAPHY_EXPORT vtkSmartPointer<vtkUnstructuredGrid> UncompressedGrid(
   const RegistrationCaseResult& result, const RegisteredView& view);
 

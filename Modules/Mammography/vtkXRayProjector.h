@@ -43,7 +43,8 @@ public:
   ///@{
   /**
    * True where source and detector stand as the input's field array "Placement" says (of
-   * vtkBreastCompression and vtkBreastRegistration): the focus SourceToDetectorMm above the
+   * vtkBreastCompression, vtkBreastRegistration and the meshes that the commands compress and
+   * register write): the focus SourceToDetectorMm above the
    * receptor, columns from its chest-wall edge towards the nipple, rows along gantry -x, their
    * middle at the receptor's. Only PixelSpacing and DetectorSize count then. Default false.
    */

@@ -16,6 +16,8 @@
 #include <algorithm>
 #include <cstdlib>
 #include <filesystem>
+#include <limits>
+#include <optional>
 
 using namespace mammoray;
 using testing_support::ReadFile;
@@ -66,6 +68,24 @@ TEST_F(CompressCommand, WritesTheCompressedMesh)
     }
   }
   EXPECT_GT(largest, 5);
+  // As the unit stands, the tissue in front of the plates' edges fills what is between them; the
+  // corners of these coarse quadratic cells leave up to a mm to their curved faces.
+  const std::optional<VolumeFromGantry> placed = FindPlacement(grid);
+  ASSERT_TRUE(placed);
+  const MammographyUnit unit;
+  double low = std::numeric_limits<double>::infinity();
+  double high = -low;
+  for (std::size_t p = 0; p < deformed.NumberOfPoints(); ++p)
+  {
+    const Vector3 at = placed->ToGantry(deformed.Point(p));
+    if (at[1] > unit.EdgeRadiusMm)
+    {
+      low = std::min(low, at[2]);
+      high = std::max(high, at[2]);
+    }
+  }
+  EXPECT_NEAR(low, unit.SupportHeightMm, 1);
+  EXPECT_NEAR(high, unit.SupportHeightMm + 46, 1);
   ASSERT_TRUE(grid->GetCellData()->GetArray("J"));
   std::size_t inverted = 0;
   for (std::size_t cell = 0; cell < rest.NumberOfCells(); ++cell)

@@ -6,9 +6,13 @@
 #include "LabelVolumeIO.h"
 #include "LandmarkEvaluation.h"
 #include "MammogramIO.h"
+#include "MeshConversion.h"
+#include "MeshIO.h"
 #include "PathLengthProjector.h"
 #include "RegisteredBreast.h"
 #include "RegisteredMammogram.h"
+
+#include "vtkUnstructuredGrid.h"
 
 #include <nlohmann/json.hpp>
 
@@ -146,6 +150,17 @@ TEST_F(RegisterCommand, WrongUsageExitsWithTwo)
   EXPECT_EQ(this->Run(this->Register(Labels, Materials, MammogramFile, "--iterations zero")), 2);
 }
 
+TEST_F(RegisterCommand, ConfigurationRoundTrips)
+{
+  ASSERT_EQ(this->Run(this->Register(Labels, Materials, MammogramFile, "--print-config")), 0)
+    << this->Errors;
+  const std::string printed = this->Output;
+  EXPECT_EQ(nlohmann::json::parse(printed).at("pixel-sizes"), (std::vector<double>{ 3, 1.5 }));
+  const std::string config = this->Folder.Write("config.json", printed);
+  ASSERT_EQ(this->Run("register --config " + config + " --print-config"), 0) << this->Errors;
+  EXPECT_EQ(this->Output, printed);
+}
+
 TEST_F(RegisterCommand, RegistersTheShippedPhantom)
 {
   const auto devices = ListDevices();
@@ -169,6 +184,14 @@ TEST_F(RegisterCommand, RegistersTheShippedPhantom)
   // The acceptance limits of the full-size demo; the coarse one meets them too.
   EXPECT_LT(result.at("meanOutlineDistanceMm").get<double>(), 1.5);
   EXPECT_GT(result.at("correlation").get<double>(), 0.9);
+
+  for (const char* name : { "/uncompressed.vtu", "/compressed.vtu" })
+  {
+    const auto placed = FindPlacement(ReadMesh(folder + name).Get());
+    ASSERT_TRUE(placed) << name;
+    EXPECT_EQ(placed->Origin, result.at("placement").at("originMm").get<Vector3>());
+    EXPECT_EQ(placed->Y, result.at("placement").at("y").get<Vector3>());
+  }
 
   // Gone on from, it has little left to do; another volume's result is refused.
   const std::string again = Register(Labels, Materials, MammogramFile,
