@@ -33,7 +33,7 @@ MAMMORAYMAMMOGRAPHY_EXPORT Spectrum ReadSpectrum(const std::string& path);
 MAMMORAYMAMMOGRAPHY_EXPORT AttenuationTable ReadAttenuationTable(const std::string& path);
 
 /**
- * The table attenuation/<name>.csv of the data directory, or the composition that the name spells
+ * The table attenuation/NAME.csv of the data directory, or the composition that the name spells
  * (see FindComposition); throws InputError with near or all known names otherwise.
  */
 MAMMORAYMAMMOGRAPHY_EXPORT AttenuationTable FindAttenuationTable(const std::string& name);
