@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // One invocation per pixel: the Beer-Lambert law for a spectrum, on path lengths that are still on the device.
 #extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_control_flow_attributes : require
 #include "BeamParameters.h"
 
 layout(local_size_x = MAMMORAY_BEAM_GROUP) in;
@@ -34,7 +35,30 @@ void main()
     return;
   }
   float sum = 0;
-  for (uint energy = 0u; energy < parameters.Energies; ++energy)
+  uint energy = 0u;
+  // Several energies for each reading of a length: reading is what takes the time, on CPUs most of all.
+  for (; energy + MAMMORAY_BEAM_BLOCK <= parameters.Energies; energy += MAMMORAY_BEAM_BLOCK)
+  {
+    const uint first = energy * parameters.Materials;
+    float exponents[MAMMORAY_BEAM_BLOCK];
+    [[unroll]] for (uint k = 0u; k < MAMMORAY_BEAM_BLOCK; ++k)
+    {
+      exponents[k] = 0;
+    }
+    for (uint material = 1u; material < parameters.Materials; ++material)
+    {
+      const float crossed = lengths[material * parameters.PixelCount + pixel];
+      [[unroll]] for (uint k = 0u; k < MAMMORAY_BEAM_BLOCK; ++k)
+      {
+        exponents[k] -= table[first + k * parameters.Materials + material] * crossed;
+      }
+    }
+    [[unroll]] for (uint k = 0u; k < MAMMORAY_BEAM_BLOCK; ++k)
+    {
+      sum += table[first + k * parameters.Materials] * exp(exponents[k]);
+    }
+  }
+  for (; energy < parameters.Energies; ++energy)
   {
     const uint first = energy * parameters.Materials;
     float exponent = 0;

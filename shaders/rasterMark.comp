@@ -1,18 +1,19 @@
 #version 460
 // SPDX-License-Identifier: Apache-2.0
-// One invocation per pixel of the fine grid: marks a ray whose crossings do not cancel and clears its sums, such
+// One invocation per pixel of the fine grid that is looked at: marks a ray whose crossings do not cancel and clears its sums, such
 // that it can be traced again. Marks that are set stay.
 #extension GL_GOOGLE_include_directive : require
 #include "raster.glsl"
 
 void main()
 {
-  const uint index = gl_GlobalInvocationID.y * gl_NumWorkGroups.x * MAMMORAY_RASTER_GROUP +
-    gl_GlobalInvocationID.x;
-  if (index >= parameters.Columns * parameters.RowCount)
+  const uint column = parameters.Left + gl_GlobalInvocationID.x;
+  if (column > parameters.Right)
   {
     return;
   }
+  const uint row = parameters.Top - parameters.FirstRow + gl_GlobalInvocationID.y;
+  const uint index = row * parameters.Columns + column;
   const uint pairs = (parameters.Materials - 1u) * pairsPerMaterial();
   if (marks[index] == 0u && isSound(index * pairs))
   {

@@ -1,6 +1,6 @@
 #version 460
 // SPDX-License-Identifier: Apache-2.0
-// One invocation per pixel of the detector, columns by rows: mm from the sums, and the mean of the samples that can be
+// One invocation per pixel of the detector that is looked at, columns by rows: mm from the sums, and the mean of the samples that can be
 // trusted.
 #extension GL_GOOGLE_include_directive : require
 #include "raster.glsl"
@@ -31,14 +31,14 @@ uint sumsOf(uint column, uint row)
 void main()
 {
   const uint samples = parameters.Samples;
-  const uint left = gl_GlobalInvocationID.x * samples;
-  const uint top = gl_GlobalInvocationID.y * samples;
-  if (left >= parameters.Columns)
+  const uint left = parameters.Left + gl_GlobalInvocationID.x * samples;
+  const uint top = parameters.Top - parameters.FirstRow + gl_GlobalInvocationID.y * samples;
+  if (left > parameters.Right)
   {
     return;
   }
-  const uint pixel = parameters.FirstPixel + gl_GlobalInvocationID.y * parameters.PixelColumns +
-    gl_GlobalInvocationID.x;
+  const uint pixel =
+    parameters.FirstPixel + top / samples * parameters.PixelColumns + left / samples;
   uint failed = 0u;
   for (uint row = top; row < top + samples; ++row)
   {

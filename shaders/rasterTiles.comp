@@ -25,7 +25,7 @@ void main()
       uint crossed = 0u;
       for (uint row = firstRow; row < endRow; ++row)
       {
-        if (crossing(triangle, Real(column), Real(row)) != 0)
+        if (isTraced(column, row) && crossing(triangle, Real(column), Real(row)) != 0)
         {
           crossed |= 1u << (row - firstRow);
         }

@@ -1,7 +1,7 @@
 #version 460
 // SPDX-License-Identifier: Apache-2.0
 // One invocation per triangle. One that covers few pixels is done here; the tiles of a larger one go to a
-// list for rasterTiles.comp.
+// list for rasterTiles.comp. Where rays are traced again, so do those of all triangles that they may cross.
 #extension GL_GOOGLE_include_directive : require
 #include "raster.glsl"
 
@@ -42,6 +42,21 @@ void addCrossings(uint triangleIndex, in Triangle triangle, uvec2 low, uvec2 ext
   }
 }
 
+bool anyTraced(ivec2 low, ivec2 high)
+{
+  for (int row = low.y; row <= high.y; ++row)
+  {
+    for (int column = low.x; column <= high.x; ++column)
+    {
+      if (isTraced(uint(column), uint(row)))
+      {
+        return true;
+      }
+    }
+  }
+  return false;
+}
+
 void main()
 {
   const uint index = gl_GlobalInvocationID.y * gl_NumWorkGroups.x * MAMMORAY_RASTER_GROUP +
@@ -52,6 +67,10 @@ void main()
   }
   Real3 corners[3];
   const Triangle triangle = loadTriangle(index, corners);
+
+  const Real drift = parameters.Again == 0u
+    ? Real(0)
+    : Real(MAMMORAY_RASTER_DRIFT) * Real(parameters.Samples);
 
   // Pixels that may be covered. A triangle through the source's plane may cover any.
   Real left = Real(parameters.Left);
@@ -68,7 +87,7 @@ void main()
     const Real3 rows = Real3(corners[0].y / corners[0].z, corners[1].y / corners[1].z,
       corners[2].y / corners[2].z);
     // The nearer to the source's plane, the more rounding is magnified.
-    const Real room = parameters.Scales.w *
+    const Real room = drift + parameters.Scales.w *
       (1 + 1 / min(abs(leastWeight), abs(mostWeight)));
     left = max(left, ceil(min(columns.x, min(columns.y, columns.z)) - room));
     right = min(right, floor(max(columns.x, max(columns.y, columns.z)) + room));
@@ -86,17 +105,27 @@ void main()
   if (extent.x <= MAMMORAY_RASTER_SMALL && extent.y <= MAMMORAY_RASTER_SMALL &&
     extent.x * extent.y <= MAMMORAY_RASTER_SMALL)
   {
-    addCrossings(index, triangle, uvec2(low), uvec2(extent));
-    return;
+    if (parameters.Again == 0u)
+    {
+      addCrossings(index, triangle, uvec2(low), uvec2(extent));
+      return;
+    }
+    if (!anyTraced(low, high))
+    {
+      return;
+    }
   }
 
   const ivec2 firstTile = low / MAMMORAY_RASTER_TILE;
   const ivec2 lastTile = high / MAMMORAY_RASTER_TILE;
   // A tile is left out only where all its pixels lie clearly outside of one edge, for either orientation.
-  const Real3 slack = Real(MAMMORAY_RASTER_SLACK) *
-    Real3(dot(abs(triangle.Edges[0]), Real3(right, bottom, 1)),
-      dot(abs(triangle.Edges[1]), Real3(right, bottom, 1)),
-      dot(abs(triangle.Edges[2]), Real3(right, bottom, 1)));
+  Real3 slack;
+  for (int edge = 0; edge < 3; ++edge)
+  {
+    const Real3 factors = abs(triangle.Edges[edge]);
+    slack[edge] = Real(MAMMORAY_RASTER_SLACK) * dot(factors, Real3(right, bottom, 1)) +
+      drift * (factors.x + factors.y);
+  }
   for (int tileRow = firstTile.y; tileRow <= lastTile.y; ++tileRow)
   {
     for (int tileColumn = firstTile.x; tileColumn <= lastTile.x; ++tileColumn)

@@ -479,8 +479,8 @@ TEST_P(PathLengthTest, AHoleIsMarkedAndNotBright)
   EXPECT_GT(leaky.NumberOfInconsistentRays(), 3u);
   EXPECT_LT(leaky.NumberOfInconsistentRays(), 30u);
   EXPECT_EQ(whole.InconsistencyWarning(), "");
-  EXPECT_EQ(leaky.InconsistencyWarning().find(std::to_string(leaky.NumberOfInconsistentRays()) +
-              " pixels in columns "),
+  EXPECT_EQ(leaky.InconsistencyWarning().find(
+              std::to_string(leaky.NumberOfInconsistentRays()) + " pixels in columns "),
     0u);
   double largest = 0;
   for (std::size_t pixel = 0; pixel < whole.NumberOfPixels(); ++pixel)
@@ -515,16 +515,20 @@ TEST_P(PathLengthTest, HairlineCracksAreTracedAgain)
   AddTriangle(mesh, west, middle, 7, 1, 0);
   AddTriangle(mesh, middle, 6, 7, 1, 0);
   AddTriangle(mesh, middle, east, 6, 1, 0);
-  XRayDetector detector =
-    CentredDetector({ 0.2, 0.001, -5 }, { 1, 0, 0 }, { 0, 1, 0 }, 29, 9, 29, 9);
-  for (const int samples : { 1, 3 })
+  // Triangles of many pixels and of few.
+  for (const int fineness : { 4, 1 })
   {
-    detector.Samples = samples;
-    const PathLengthImage image = this->Project(mesh, ParallelBeam({ 0, 0, -1 }), detector);
-    EXPECT_EQ(image.NumberOfInconsistentRays(), 0u) << samples << " samples";
-    for (std::size_t pixel = 0; pixel < image.NumberOfPixels(); ++pixel)
+    XRayDetector detector = CentredDetector({ 0.2, 0.001, -5 }, { 1, 0, 0 }, { 0, 1, 0 }, 28, 12,
+      7 * fineness, 2 * fineness + 1);
+    for (const int samples : { 1, 3 })
     {
-      ASSERT_NEAR(image.Material(1)[pixel], 10, 1e-5) << "pixel " << pixel;
+      detector.Samples = samples;
+      const PathLengthImage image = this->Project(mesh, ParallelBeam({ 0, 0, -1 }), detector);
+      EXPECT_EQ(image.NumberOfInconsistentRays(), 0u) << fineness << ", " << samples << " samples";
+      for (std::size_t pixel = 0; pixel < image.NumberOfPixels(); ++pixel)
+      {
+        ASSERT_NEAR(image.Material(1)[pixel], 10, 1e-5) << "pixel " << pixel;
+      }
     }
   }
 }
@@ -622,6 +626,25 @@ TEST(RasterisationProjector, BandsOfRowsMatchOneBand)
       difference += std::abs(mean.Material(material)[pixel] - few.Material(material)[pixel]);
     }
     EXPECT_LT(difference / static_cast<double>(mean.NumberOfPixels()), 0.01);
+  }
+}
+
+TEST(RasterisationProjector, TakesMoreRowsThanWorkgroups)
+{
+  if (ListDevices().empty())
+  {
+    GTEST_SKIP() << "no Vulkan device";
+  }
+  const auto projector = MakeRasterisationProjector({ .Validation = true });
+  projector->SetSurface(Layers({ 0, 10 }, 20));
+  // 70000 samples of 0.3 um, 2 x 2 to a pixel; the plate ends in the middle of the rows.
+  XRayDetector line = CentredDetector({ 0, 20, -5 }, { 1, 0, 0 }, { 0, 1, 0 }, 2, 10.5, 2, 35000);
+  line.Samples = 2;
+  const PathLengthImage image = projector->Project(ParallelBeam({ 0, 0, -1 }), line);
+  EXPECT_EQ(image.NumberOfInconsistentRays(), 0u);
+  for (std::size_t pixel = 0; pixel < image.NumberOfPixels(); ++pixel)
+  {
+    ASSERT_NEAR(image.Material(1)[pixel], pixel < 35000 ? 10 : 0, 1e-4) << "pixel " << pixel;
   }
 }
 

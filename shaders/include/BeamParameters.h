@@ -10,6 +10,8 @@
 
 // Invocations per workgroup.
 #define MAMMORAY_BEAM_GROUP 64
+// Energies done at once.
+#define MAMMORAY_BEAM_BLOCK 4u
 
 #ifdef __cplusplus
 #include <cstdint>

@@ -24,6 +24,9 @@
 #define MAMMORAY_RASTER_TILE 8
 // Triangles whose bounding box holds at most so many pixels are not handed on to tiles.
 #define MAMMORAY_RASTER_SMALL 128
+// Rays that are traced again, in several attempts, stay this near to where the first of these has them, pixels
+// of the detector: its list of tiles serves them all.
+#define MAMMORAY_RASTER_DRIFT 0.25
 
 // Units of a rate's sum per largest speed of its field; sums of the rates of 16 hits at the guard's angle fit.
 #define MAMMORAY_RASTER_RATE_UNITS 524288
@@ -78,7 +81,7 @@ struct RasterParameters
   MAMMORAY_RASTER_UINT(TileCapacity);
   // Velocity fields whose derivatives are summed; unused without derivatives.
   MAMMORAY_RASTER_UINT(Fields);
-  // First and last column and row that triangles are looked for in.
+  // First and last column and row that are looked at, whole pixels of the detector.
   MAMMORAY_RASTER_UINT(Left);
   MAMMORAY_RASTER_UINT(Right);
   MAMMORAY_RASTER_UINT(Top);

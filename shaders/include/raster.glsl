@@ -216,6 +216,13 @@ int roundToInt(Real value)
 #endif
 }
 
+// Whether the ray of a pixel of the rows in work is traced.
+bool isTraced(uint column, uint row)
+{
+  return parameters.Again == 0u ||
+    marks[(row - parameters.FirstRow) * parameters.Columns + column] != 0u;
+}
+
 // Adds the crossing of a triangle by the ray of a pixel to the pixel's sums; there must be one.
 void addCrossing(uint triangleIndex, in Triangle triangle, uint columnIndex, uint rowIndex)
 {
@@ -223,11 +230,6 @@ void addCrossing(uint triangleIndex, in Triangle triangle, uint columnIndex, uin
   const Real row = Real(rowIndex);
   const Real3 values = edgeValues(triangle, column, row);
   const uint place = (rowIndex - parameters.FirstRow) * parameters.Columns + columnIndex;
-  if (parameters.Again != 0u && marks[place] == 0u)
-  {
-    return;
-  }
-
   const Real3 pixel = parameters.DetectorOrigin.xyz + column * parameters.ColumnStep.xyz +
     row * parameters.RowStep.xyz;
   const bool isPoint = parameters.Source.w != 0;

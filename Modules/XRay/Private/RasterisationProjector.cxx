@@ -38,6 +38,8 @@ constexpr std::uint32_t FirstTileCapacity = 1u << 16;
 /// Workgroups that share the list of tiles: plenty for large devices, few for a CPU.
 constexpr std::uint32_t TileGroups = 1024;
 constexpr std::uint32_t GroupsPerRow = 32768;
+/// Rows of samples in work: what every device takes as a count of workgroups.
+constexpr int MostRowsAtOnce = 65535;
 /// Columns or rows of samples: tiles are numbered with 16 bits.
 constexpr int MostSamples = 65535 * MAMMORAY_RASTER_TILE;
 /// Velocity fields done at once.
@@ -339,6 +341,12 @@ std::uint32_t RasterisationProjector::Submit(const XRayDetector& detector, const
   const std::uint64_t rays = std::uint64_t(detector.Columns) *
     static_cast<std::uint64_t>(work.RowCount * detector.Samples * detector.Samples);
   const Programs& programs = this->ProgramsFor(work.Fields > 0);
+  const int samples = detector.Samples;
+  const auto groups = [](int columns)
+  {
+    return static_cast<std::uint32_t>(
+      (columns + MAMMORAY_RASTER_GROUP - 1) / MAMMORAY_RASTER_GROUP);
+  };
   this->Device.Run(
     [&](const vk::raii::CommandBuffer& commands)
     {
@@ -351,7 +359,10 @@ std::uint32_t RasterisationProjector::Submit(const XRayDetector& detector, const
       const vk::AccessFlags both = Access::eShaderRead | Access::eShaderWrite;
       commands.bindDescriptorSets(vk::PipelineBindPoint::eCompute, **this->Layout, 0, **this->Set,
         nullptr);
-      commands.fillBuffer(this->Tiles.Handle(), 0, sizeof(std::uint32_t), 0);
+      if (!work.KeepsTiles)
+      {
+        commands.fillBuffer(this->Tiles.Handle(), 0, sizeof(std::uint32_t), 0);
+      }
       if (work.Attempt == 0)
       {
         commands.fillBuffer(this->Sums.Handle(), 0,
@@ -367,22 +378,25 @@ std::uint32_t RasterisationProjector::Submit(const XRayDetector& detector, const
       if (work.Attempt > 0)
       {
         commands.bindPipeline(vk::PipelineBindPoint::eCompute, **programs[3]);
-        Dispatch(commands, rays);
+        commands.dispatch(groups(samples * (work.Right - work.Left + 1)),
+          static_cast<std::uint32_t>(samples * (work.Bottom - work.Top + 1)), 1);
         wait(Stage::eComputeShader, Access::eShaderWrite, Stage::eComputeShader, both);
       }
-      commands.bindPipeline(vk::PipelineBindPoint::eCompute, **programs[0]);
-      Dispatch(commands, this->TriangleCount);
-      wait(Stage::eComputeShader, Access::eShaderWrite, Stage::eComputeShader | Stage::eTransfer,
-        both | Access::eTransferRead);
+      if (!work.KeepsTiles)
+      {
+        commands.bindPipeline(vk::PipelineBindPoint::eCompute, **programs[0]);
+        Dispatch(commands, this->TriangleCount);
+        wait(Stage::eComputeShader, Access::eShaderWrite, Stage::eComputeShader | Stage::eTransfer,
+          both | Access::eTransferRead);
+      }
       commands.copyBuffer(this->Tiles.Handle(), this->TileCount.Handle(),
         vk::BufferCopy(0, 0, sizeof(std::uint32_t)));
       commands.bindPipeline(vk::PipelineBindPoint::eCompute, **programs[1]);
       commands.dispatch(TileGroups, 1, 1);
       wait(Stage::eComputeShader, Access::eShaderWrite, Stage::eComputeShader, both);
       commands.bindPipeline(vk::PipelineBindPoint::eCompute, **programs[2]);
-      commands.dispatch((static_cast<std::uint32_t>(detector.Columns) + MAMMORAY_RASTER_GROUP - 1) /
-          MAMMORAY_RASTER_GROUP,
-        static_cast<std::uint32_t>(work.RowCount), 1);
+      commands.dispatch(groups(work.Right - work.Left + 1),
+        static_cast<std::uint32_t>(work.Bottom - work.Top + 1), 1);
       wait(Stage::eComputeShader, Access::eShaderWrite, Stage::eHost, Access::eHostRead);
       wait(Stage::eTransfer, Access::eTransferWrite, Stage::eHost, Access::eHostRead);
     });
@@ -452,7 +466,7 @@ void RasterisationProjector::Render(const XRaySource& source, const XRayDetector
 {
   const std::uint64_t rowBytes = std::max<std::uint64_t>(8, this->RowBytes(detector, fields));
   int band = static_cast<int>(std::min<std::uint64_t>(this->MostBytes() / rowBytes,
-    static_cast<std::uint64_t>(detector.Rows)));
+    static_cast<std::uint64_t>(std::min(detector.Rows, MostRowsAtOnce / detector.Samples))));
   for (int firstRow = 0; firstRow < detector.Rows;)
   {
     const int rowCount = std::min(band, detector.Rows - firstRow);
@@ -569,6 +583,7 @@ void RasterisationProjector::RunAgain(const XRaySource& source, const XRayDetect
       throw DeviceError("Vulkan: rays that failed are crossed by more triangles than " +
         this->Device.Name() + " has room for");
     }
+    work.KeepsTiles = true;
   }
 }
 

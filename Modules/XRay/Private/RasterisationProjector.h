@@ -35,7 +35,7 @@ private:
     int Fields = 0;
     int FirstRow = 0;
     int RowCount = 0;
-    /// Columns and rows that triangles are looked for in, first and last.
+    /// Columns and rows that are looked at, first and last.
     int Left = 0;
     int Right = 0;
     int Top = 0;
@@ -44,6 +44,8 @@ private:
     int Attempt = 0;
     /// The attempt is done once more: marks stay as they are.
     bool KeepsMarks = false;
+    /// The list of tiles is that of an earlier attempt.
+    bool KeepsTiles = false;
   };
 
   void MakeLayout();
