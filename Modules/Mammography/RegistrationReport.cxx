@@ -275,13 +275,6 @@ Lines VersionsOf(const RegistrationReport& report)
   return versions;
 }
 
-std::vector<std::string> WarningsOf(const RegistrationReport& report)
-{
-  std::vector<std::string> warnings = report.Target->Warnings;
-  warnings.insert(warnings.end(), report.Warnings.begin(), report.Warnings.end());
-  return warnings;
-}
-
 struct InputFile
 {
   std::string Role;
@@ -390,7 +383,7 @@ std::string ResultJson(const RegistrationReport& report, const Assessment& asses
     { "sourceToDetectorMm", optional(mammogram.SourceToDetectorMm) },
     { "peakKilovoltage", optional(mammogram.PeakKilovoltage) } };
   json["shareExcluded"] = ShareExcluded(target);
-  json["warnings"] = WarningsOf(report);
+  json["warnings"] = report.Warnings;
   json["inputs"] = Json::array();
   for (const InputFile& input : inputs)
   {
@@ -692,10 +685,10 @@ std::string ViewHtml(const RegistrationReport& report, const Composed& parts)
   html += "<div class=\"columns\">\n<section>\n<h2>Search and compression</h2>\n" +
     Rows(SearchLines(result)) + "</section>\n<section>\n<h2>Mammogram</h2>\n" +
     Rows(MammogramLines(*report.RealMammogram, *report.Target)) + "</section>\n</div>\n";
-  if (const std::vector<std::string> warnings = WarningsOf(report); !warnings.empty())
+  if (!report.Warnings.empty())
   {
-    html += "<section class=\"notes\">\n<h2>What had to be assumed</h2>\n" + Sentences(warnings) +
-      "</section>\n";
+    html += "<section class=\"notes\">\n<h2>What had to be assumed</h2>\n" +
+      Sentences(report.Warnings) + "</section>\n";
   }
   html += "<section>\n<h2>Where it comes from</h2>\n<table>\n";
   for (const InputFile& input : parts.Inputs)

@@ -35,7 +35,7 @@ struct RegistrationReport
   std::vector<std::pair<std::string, std::string>> Inputs;
   /// Names and versions of what took part beside MammoRay and VTK, such as the Vulkan device.
   std::vector<std::pair<std::string, std::string>> Versions;
-  /// What the user should know beside the target's warnings, a sentence each.
+  /// What the user should know, the target's warnings included, a sentence each.
   std::vector<std::string> Warnings;
 };
 

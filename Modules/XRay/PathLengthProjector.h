@@ -164,8 +164,8 @@ public:
   virtual void SetSurface(const SurfaceMesh& surface) = 0;
   /// New positions (3 x pointCount, mm) for the same triangles; refits.
   virtual void UpdatePoints(const std::vector<double>& points) = 0;
-  /// Path lengths for the surface as it stands. Throws InputError on a degenerate detector or
-  /// source.
+  /// Path lengths for the surface as it stands; in strips of rows where a buffer of the device does
+  /// not hold them all. Throws InputError on a degenerate detector or source.
   virtual PathLengthImage Project(const XRaySource& source, const XRayDetector& detector) = 0;
   /**
    * The same, and in the same pass derivatives with respect to `fields` parameters, at least 1.
@@ -187,8 +187,8 @@ public:
   /**
    * Transmission I / I0 of each pixel of the last Project by the Beer-Lambert law, computed on the
    * device from the path lengths that are still there: another spectrum or material traces no ray,
-   * and one image is read back whatever the number of materials. Rows * Columns values. Single
-   * precision: relative error 1e-6 times 1 + the log attenuation, or so. Throws InputError before
+   * and one image is read back whatever the number of materials (of an image made in strips: on the
+   * host). Rows * Columns values. Single precision: relative error 1e-6 times 1 + the log attenuation, or so. Throws InputError before
    * the first Project, after another mesh, moved points or a list of rays, and when the beam lacks
    * a material of the surface.
    */

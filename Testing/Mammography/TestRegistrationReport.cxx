@@ -58,7 +58,7 @@ struct MadeUp
     this->Target.ColumnStep = { 0, 0.3 };
     this->Target.RowStep = { -0.3, 0 };
     this->Target.Origin = { 0.3 * 179.5, 0.15 };
-    this->Target.Warnings = { "The header does not say <this> & that." };
+    this->Report.Warnings = { "The header does not say <this> & that." };
     std::vector<std::array<double, 2>> outline;
     for (int i = 0; i <= 90; ++i)
     {
@@ -175,7 +175,7 @@ TEST(RegistrationReport, WritesEverythingTheResultHolds)
   EXPECT_EQ(json["parameters"][1]["value"], -1.25);
   EXPECT_TRUE(json["parameters"][3]["standardDeviation"].is_null()); // NaN
   EXPECT_EQ(json["iterations"].size(), 9U);
-  EXPECT_EQ(json["warnings"][0], made.Target.Warnings[0]);
+  EXPECT_EQ(json["warnings"], made.Report.Warnings);
   EXPECT_EQ(json["inputs"][0]["file"], "input <1>.txt");
   EXPECT_EQ(json["inputs"][0]["sha256"],
     "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");

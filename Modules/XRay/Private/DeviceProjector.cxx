@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "DeviceProjector.h"
 
+#include "Beam.h"
 #include "ProjectionHelpers.h"
 
+#include <algorithm>
+#include <limits>
 #include <utility>
 
 namespace mammoray
@@ -15,8 +18,62 @@ DeviceProjector::DeviceProjector(std::unique_ptr<VulkanDevice> device,
 {
 }
 
+int DeviceProjector::MostRows(const XRayDetector& detector) const
+{
+  const std::uint64_t rowBytes = static_cast<std::uint64_t>(std::max(detector.Columns, 1)) *
+    std::max(this->MaterialCount, 1u) * sizeof(float);
+  return static_cast<int>(std::clamp<std::uint64_t>(
+    this->Device.Limits().maxStorageBufferRange / rowBytes, 1, std::numeric_limits<int>::max()));
+}
+
+PathLengthImage DeviceProjector::ProjectInStrips(const XRaySource& source,
+  const XRayDetector& detector, int rowsAtOnce)
+{
+  this->Forget();
+  PathLengthImage image;
+  std::vector<std::size_t> holes;
+  for (int first = 0; first < detector.Rows; first += rowsAtOnce)
+  {
+    XRayDetector strip = detector;
+    strip.Origin = detector.Origin + static_cast<double>(first) * detector.RowStep;
+    strip.Rows = std::min(rowsAtOnce, detector.Rows - first);
+    PathLengthImage part = this->MakeImage(source, strip);
+    if (first == 0)
+    {
+      image.Columns = detector.Columns;
+      image.Rows = detector.Rows;
+      image.Materials = part.Materials;
+      image.Lengths.assign(image.NumberOfPixels() * static_cast<std::size_t>(part.Materials), 0);
+      image.Inconsistent.resize(image.NumberOfPixels());
+    }
+    WithDeviceErrors([&] { this->Render(source, strip, 0); });
+    const std::size_t offset = static_cast<std::size_t>(first) * detector.Columns;
+    for (const std::size_t hole :
+      ReadImage({ this->Lengths.Data<float>(), this->Failures.Data<std::uint32_t>() }, strip, part))
+    {
+      holes.push_back(offset + hole);
+    }
+    for (int material = 1; material < part.Materials; ++material)
+    {
+      std::copy_n(part.Material(material), part.NumberOfPixels(),
+        image.Lengths.data() + static_cast<std::size_t>(material) * image.NumberOfPixels() +
+          offset);
+    }
+    std::copy(part.Inconsistent.begin(), part.Inconsistent.end(),
+      image.Inconsistent.begin() + static_cast<std::ptrdiff_t>(offset));
+  }
+  FillFromNeighbours(image.Lengths, image.Columns, image.Rows, holes);
+  this->LastView = ProjectedView{ image.Columns, image.Rows, image.Materials, std::move(holes) };
+  this->LastInStrips = image;
+  return image;
+}
+
 PathLengthImage DeviceProjector::Project(const XRaySource& source, const XRayDetector& detector)
 {
+  if (const int most = this->MostRows(detector); most < detector.Rows)
+  {
+    return this->ProjectInStrips(source, detector, most);
+  }
   PathLengthImage image = this->MakeImage(source, detector);
   this->Forget();
   WithDeviceErrors([&] { this->Render(source, detector, 0); });
@@ -65,6 +122,12 @@ void DeviceProjector::RenderBatch(const XRaySource& source, const XRayDetector& 
 
 std::vector<float> DeviceProjector::Transmission(const Beam& beam)
 {
+  if (this->LastInStrips)
+  {
+    std::vector<float> image = beam.Transmission(*this->LastInStrips);
+    FillFromNeighbours(image, this->LastView->Columns, this->LastView->Rows, this->LastView->Holes);
+    return image;
+  }
   return WithDeviceErrors(
     [&]
     {

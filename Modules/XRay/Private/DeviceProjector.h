@@ -39,7 +39,11 @@ protected:
   void RenderBatch(const XRaySource& source, const XRayDetector& detector,
     const std::vector<double>& velocities, int first, const std::vector<double>& factors);
   /// Lengths are no longer those of an image.
-  void Forget() { this->LastView.reset(); }
+  void Forget()
+  {
+    this->LastView.reset();
+    this->LastInStrips.reset();
+  }
 
   std::unique_ptr<VulkanDevice> OwnedDevice;
   VulkanDevice& Device;
@@ -54,13 +58,19 @@ protected:
   bool DescriptorsStale = true;
 
 private:
+  /// Rows of the detector whose lengths one buffer of the device holds.
+  int MostRows(const XRayDetector& detector) const;
+  PathLengthImage ProjectInStrips(const XRaySource& source, const XRayDetector& detector,
+    int rowsAtOnce);
   /// Reads what Render left, but for the pixels of LastView's holes.
   void Read(const XRayDetector& detector, PathLengthImage& image);
 
   /// Made when first used.
   std::optional<DeviceBeam> BeamOnDevice;
-  /// What Lengths holds; empty when it is of no image.
+  /// Of the last image; empty when there is none.
   std::optional<ProjectedView> LastView;
+  /// The last image where Lengths could not hold it at once.
+  std::optional<PathLengthImage> LastInStrips;
 };
 }
 
