@@ -490,7 +490,7 @@ PlatePair CompressionSimulation::OpenedPlates(const PlatePair& plates,
 }
 
 CompressionState CompressionSimulation::Compress(const PlatePair& plates,
-  const CompressionState* start, const ProgressCallback& progress) const
+  const CompressionState* start, const ProgressCallback& progress, Refusal refusal) const
 {
   if (start)
   {
@@ -502,6 +502,10 @@ CompressionState CompressionSimulation::Compress(const PlatePair& plates,
   }
   catch (const CompressionError& error)
   {
+    if (refusal == Refusal::AtOnce)
+    {
+      throw;
+    }
     // The way is gone with soft contact; what was reached there need not be an equilibrium.
     throw NoEquilibrium(GapMm(plates), this->LeastGapMm(plates, error.LastGapMm(), progress),
       error.Reason());

@@ -86,7 +86,8 @@ public:
     , Why(reason)
   {
   }
-  /// The last distance of the plates on the way that has an equilibrium, mm.
+  /// The last distance of the plates on the way that has an equilibrium, mm; of a refusal at once,
+  /// where the way ended.
   double LastGapMm() const { return this->LastGap; }
   /// What went wrong beyond it; part of the message.
   const std::string& Reason() const { return this->Why; }
@@ -186,6 +187,16 @@ public:
   void Unload(const Vector3& gravityMPerS2, const ProgressCallback& progress = {});
   static constexpr double UnloadToleranceMm = 1e-3;
 
+  /// What a cold start that fails tells.
+  enum class Refusal
+  {
+    /// The last gap that has an equilibrium: a search that takes several times as long as the
+    /// start.
+    WithLastGap,
+    /// Where the way with soft contact ended.
+    AtOnce
+  };
+
   /// The plates opened along their normals until they touch nothing of the breast as it hangs free.
   PlatePair OpenedPlates(const PlatePair& plates, const ProgressCallback& progress = {}) const;
 
@@ -202,7 +213,7 @@ public:
    * over.
    */
   CompressionState Compress(const PlatePair& plates, const CompressionState* start = nullptr,
-    const ProgressCallback& progress = {}) const;
+    const ProgressCallback& progress = {}, Refusal refusal = Refusal::WithLastGap) const;
 
   /**
    * dx/dp at a converged state for parameters that move the plates, then for those that change the

@@ -2,6 +2,7 @@
 #include "RegisteredMammogram.h"
 
 #include "Error.h"
+#include "MammogramIO.h"
 #include "MammogramSynthesis.h"
 #include "RegisteredBreast.h"
 #include "ResultFile.h"
@@ -18,6 +19,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <optional>
 
 namespace mammoray
 {
@@ -78,6 +80,26 @@ std::vector<float> ReadLogAttenuation(const std::string& path, const Mammogram& 
   const float* begin = values->GetPointer(0);
   return { begin, begin + values->GetNumberOfValues() };
 }
+
+/// Nothing where a result is of this mammogram, by its checksum; else the name of the one it is of.
+std::optional<std::string> NameOfOther(const nlohmann::json& result,
+  const std::string& mammogramPath)
+{
+  const std::string checksum = Sha256OfFile(mammogramPath);
+  std::string name;
+  for (const nlohmann::json& input : result.at("inputs"))
+  {
+    if (input.at("role") == "Mammogram")
+    {
+      if (input.at("sha256") == checksum)
+      {
+        return {};
+      }
+      input.at("file").get_to(name);
+    }
+  }
+  return name;
+}
 }
 
 Mammogram ReadSyntheticMammogram(const std::string& folder, const Mammogram& real,
@@ -97,14 +119,32 @@ bool IsRegisteredMammogram(const std::string& folder, const std::string& mammogr
 {
   bool found = false;
   ReadResultFile(folder,
+    [&](const nlohmann::json& result) { found = !NameOfOther(result, mammogramPath); });
+  return found;
+}
+
+Mammogram ReadRegisteredMammogram(const std::string& folder, const std::string& mammogramPath)
+{
+  Mammogram mammogram;
+  ReadResultFile(folder,
     [&](const nlohmann::json& result)
     {
-      const nlohmann::json& inputs = result.at("inputs");
-      const std::string checksum = Sha256OfFile(mammogramPath);
-      found = std::any_of(inputs.begin(), inputs.end(),
-        [&](const nlohmann::json& input)
-        { return input.at("role") == "Mammogram" && input.at("sha256") == checksum; });
+      if (const std::optional<std::string> other = NameOfOther(result, mammogramPath))
+      {
+        throw InputError(mammogramPath + ": expected the mammogram of the result, " + *other +
+          ", found another file");
+      }
+      const nlohmann::json& searched = result.at("mammogram");
+      const std::string laterality = searched.at("laterality").get<std::string>();
+      PictureDescription known{ searched.at("columnSpacingMm").get<double>(),
+        searched.at("view").get<std::string>(), laterality.empty() ? '?' : laterality.front() };
+      mammogram = IsPicturePath(mammogramPath) ? ReadMammogramPicture(mammogramPath, known)
+                                               : ReadMammogram(mammogramPath);
+      mammogram.ColumnSpacingMm = *known.PixelSpacingMm;
+      searched.at("rowSpacingMm").get_to(mammogram.RowSpacingMm);
+      mammogram.View = known.View;
+      mammogram.Laterality = known.Laterality;
     });
-  return found;
+  return mammogram;
 }
 }

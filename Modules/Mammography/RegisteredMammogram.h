@@ -24,6 +24,14 @@ MAMMORAYMAMMOGRAPHY_EXPORT Mammogram ReadSyntheticMammogram(const std::string& f
 /// that names the file where the folder is no result.
 MAMMORAYMAMMOGRAPHY_EXPORT bool IsRegisteredMammogram(const std::string& folder,
   const std::string& mammogramPath);
+
+/**
+ * The mammogram that was registered, with spacing, view and laterality as the search had them: a
+ * picture without a header has none of its own. Throws InputError, which names the file, when that
+ * is another one, and as ReadMammogram or ReadMammogramPicture.
+ */
+MAMMORAYMAMMOGRAPHY_EXPORT Mammogram ReadRegisteredMammogram(const std::string& folder,
+  const std::string& mammogramPath);
 }
 
 #endif

@@ -69,7 +69,8 @@ CompressionState CompressAt(const RegistrationModel& model, const std::vector<do
   const CompressionState* start, const ProgressCallback& progress)
 {
   SetStiffness(model, values[StiffnessParameter]);
-  return model.Simulation->Compress(PlatesAt(model, PoseOf(values)), start, progress);
+  return model.Simulation->Compress(PlatesAt(model, PoseOf(values)), start, progress,
+    CompressionSimulation::Refusal::AtOnce);
 }
 
 std::vector<PlatePairVelocity> PlateVelocities(const RegistrationModel& model,

@@ -74,7 +74,7 @@ MAMMORAYREGISTRATION_EXPORT PlatePair PlatesAt(const RegistrationModel& model,
   const BreastPose& pose);
 
 /// Equilibrium at `values`: sets the simulation's stiffness, then compresses it. Throws as
-/// CompressionSimulation::Compress.
+/// CompressionSimulation::Compress, at once.
 MAMMORAYREGISTRATION_EXPORT CompressionState CompressAt(const RegistrationModel& model,
   const std::vector<double>& values, const CompressionState* start = nullptr,
   const ProgressCallback& progress = {});

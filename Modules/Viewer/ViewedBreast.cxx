@@ -7,6 +7,7 @@
 #include "MeshConversion.h"
 #include "MeshIO.h"
 #include "PhysicsData.h"
+#include "RegisteredMammogram.h"
 #include "RegistrationResiduals.h"
 #include "ResultFile.h"
 #include "Sha256.h"
@@ -67,8 +68,6 @@ struct ResultFacts
 {
   std::string TableFile;
   std::string TableChecksum;
-  std::string MammogramFile;
-  std::string MammogramChecksum;
   std::string Spectrum;
   std::string Laterality;
 };
@@ -81,11 +80,10 @@ ResultFacts ReadFacts(const std::string& folder)
     {
       for (const nlohmann::json& input : result.at("inputs"))
       {
-        const bool table = input.at("role") == "Material table";
-        if (table || input.at("role") == "Mammogram")
+        if (input.at("role") == "Material table")
         {
-          input.at("file").get_to(table ? facts.TableFile : facts.MammogramFile);
-          input.at("sha256").get_to(table ? facts.TableChecksum : facts.MammogramChecksum);
+          input.at("file").get_to(facts.TableFile);
+          input.at("sha256").get_to(facts.TableChecksum);
         }
       }
       facts.Spectrum = result.at("versions").value("Spectrum", "");
@@ -178,9 +176,8 @@ BreastPose PoseOfResult(const BreastInUnit& breast, const std::string& folder, d
   return PoseOf(values);
 }
 
-void AddMammogram(const std::string& path, ViewedBreast& viewed)
+void AddMammogram(const Mammogram& mammogram, ViewedBreast& viewed)
 {
-  const Mammogram mammogram = ReadMammogram(path);
   viewed.Real = PrepareTarget(mammogram);
   viewed.Laterality = mammogram.Laterality;
 }
@@ -201,12 +198,7 @@ ViewedBreast ReadResult(const ViewInput& input)
   viewed.Laterality = facts.Laterality.empty() ? '?' : facts.Laterality.front();
   if (!input.Mammogram.empty())
   {
-    if (Sha256OfFile(input.Mammogram) != facts.MammogramChecksum)
-    {
-      throw InputError(input.Mammogram + ": expected the mammogram of the result, " +
-        facts.MammogramFile + ", found another file");
-    }
-    AddMammogram(input.Mammogram, viewed);
+    AddMammogram(ReadRegisteredMammogram(input.Result, input.Mammogram), viewed);
   }
   return viewed;
 }
@@ -305,7 +297,7 @@ ViewedBreast ReadMeshes(const ViewInput& input)
     FindPoseAnchor(FromGrid(viewed.Breast.Uncompressed), viewed.Materials.Held(), viewed.Axes);
   if (!input.Mammogram.empty())
   {
-    AddMammogram(input.Mammogram, viewed);
+    AddMammogram(ReadMammogram(input.Mammogram), viewed);
   }
   return viewed;
 }
