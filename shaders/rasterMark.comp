@@ -1,7 +1,7 @@
 #version 460
 // SPDX-License-Identifier: Apache-2.0
-// One invocation per pixel of the fine grid that is looked at: marks a ray whose crossings do not cancel and clears its sums, such
-// that it can be traced again. Marks that are set stay.
+// One invocation per pixel of the fine grid that is looked at: marks a ray whose crossings do not cancel and
+// clears its sums, such that it can be traced again. Marks that are set stay.
 #extension GL_GOOGLE_include_directive : require
 #include "raster.glsl"
 

@@ -1,7 +1,7 @@
 #version 460
 // SPDX-License-Identifier: Apache-2.0
-// One invocation per pixel of the detector that is looked at, columns by rows: mm from the sums, and the mean of the samples that can be
-// trusted.
+// One invocation per pixel of the detector that is looked at, columns by rows: mm from the sums, and the mean of
+// the samples that can be trusted.
 #extension GL_GOOGLE_include_directive : require
 #include "raster.glsl"
 

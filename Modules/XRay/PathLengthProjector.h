@@ -165,7 +165,8 @@ public:
   /// New positions (3 x pointCount, mm) for the same triangles; refits.
   virtual void UpdatePoints(const std::vector<double>& points) = 0;
   /// Path lengths for the surface as it stands; in strips of rows where a buffer of the device does
-  /// not hold them all. Throws InputError on a degenerate detector or source.
+  /// not hold them all. Throws InputError on a degenerate detector or source, and on an image of
+  /// more than 2^30 path lengths.
   virtual PathLengthImage Project(const XRaySource& source, const XRayDetector& detector) = 0;
   /**
    * The same, and in the same pass derivatives with respect to `fields` parameters, at least 1.
@@ -188,9 +189,9 @@ public:
    * Transmission I / I0 of each pixel of the last Project by the Beer-Lambert law, computed on the
    * device from the path lengths that are still there: another spectrum or material traces no ray,
    * and one image is read back whatever the number of materials (of an image made in strips: on the
-   * host). Rows * Columns values. Single precision: relative error 1e-6 times 1 + the log attenuation, or so. Throws InputError before
-   * the first Project, after another mesh, moved points or a list of rays, and when the beam lacks
-   * a material of the surface.
+   * host). Rows * Columns values. Single precision: relative error 1e-6 times 1 + the log
+   * attenuation, or so. Throws InputError before the first Project, after another mesh, moved
+   * points or a list of rays, and when the beam lacks a material of the surface.
    */
   virtual std::vector<float> Transmission(const Beam& beam) = 0;
   /// Name of the device that does the work, for reports.

@@ -553,6 +553,9 @@ TEST_P(PathLengthTest, RefusesUnusableInput)
   EXPECT_THROW(this->Projector->Project(ParallelBeam({ 0, 0, 0 }), detector), InputError);
   EXPECT_THROW(this->Projector->Project(ParallelBeam({ 1, 0, 0 }), detector), InputError);
   EXPECT_THROW(this->Projector->Project(PointSource({ 0, NAN, 300 }), detector), InputError);
+  XRayDetector huge = detector;
+  huge.Columns = huge.Rows = 100000;
+  EXPECT_THROW(this->Projector->Project(PointSource({ 0, 0, 300 }), huge), InputError);
   detector.RowStep = 2.0 * detector.ColumnStep;
   EXPECT_THROW(this->Projector->Project(PointSource({ 0, 0, 300 }), detector), InputError);
   EXPECT_THROW(this->Projector->UpdatePoints({ 1, 2, 3 }), InputError);

@@ -2,14 +2,22 @@
 #include "DeviceProjector.h"
 
 #include "Beam.h"
+#include "Error.h"
 #include "ProjectionHelpers.h"
 
 #include <algorithm>
 #include <limits>
+#include <string>
 #include <utility>
 
 namespace mammoray
 {
+namespace
+{
+/// Path lengths of an image, 4 GiB: more is a slip of the keyboard.
+constexpr std::uint64_t MostLengths = 1u << 30;
+}
+
 DeviceProjector::DeviceProjector(std::unique_ptr<VulkanDevice> device,
   const ProjectorOptions& options)
   : OwnedDevice(std::move(device))
@@ -40,6 +48,13 @@ PathLengthImage DeviceProjector::ProjectInStrips(const XRaySource& source,
     PathLengthImage part = this->MakeImage(source, strip);
     if (first == 0)
     {
+      const std::uint64_t pixels = std::uint64_t(detector.Columns) * std::uint64_t(detector.Rows);
+      if (pixels * this->MaterialCount > MostLengths)
+      {
+        throw InputError("detector: " + std::to_string(pixels) + " pixels of " +
+          std::to_string(this->MaterialCount) + " materials, expected at most " +
+          std::to_string(MostLengths) + " path lengths in an image");
+      }
       image.Columns = detector.Columns;
       image.Rows = detector.Rows;
       image.Materials = part.Materials;
