@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "CommandLine.h"
 
+#include "RegisteredBreast.h"
+
 #include <nlohmann/json.hpp>
 
 #include <unistd.h>
@@ -407,5 +409,14 @@ const std::string& CheckInputFile(const std::string& path)
     throw InputError(path + ": cannot be opened for reading");
   }
   return path;
+}
+
+void WarnOfDistrust(const std::string& folder)
+{
+  if (const std::string reason = DistrustOf(folder); !reason.empty())
+  {
+    std::fprintf(stderr, "mammoray: warning: %s: the match is not to be trusted: %s\n",
+      folder.c_str(), reason.c_str());
+  }
 }
 }

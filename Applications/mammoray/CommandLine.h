@@ -67,6 +67,9 @@ void WriteComplete(const std::string& path,
 /// The path itself when the file exists and can be read; throws InputError otherwise.
 const std::string& CheckInputFile(const std::string& path);
 
+/// Warns on stderr where the match in a registration's folder is not to be trusted.
+void WarnOfDistrust(const std::string& folder);
+
 // One per sub-command, each in its own file; evidence only with the Meshing module.
 void AddCompressCommand(CLI::App& application);
 void AddDevicesCommand(CLI::App& application);

@@ -53,6 +53,7 @@ void Fuse(const FuseOptions& options)
     CheckProjectionExtension(options.Projection);
   }
   const RegisteredBreast breast(options.Result);
+  WarnOfDistrust(options.Result);
   const IntensityVolume image = ReadIntensityVolume(options.Image,
     options.AxesAsGiven ? VolumeAxes::AsGiven : VolumeAxes::Patient);
   const ProgressCallback progress = MakeProgressBar();

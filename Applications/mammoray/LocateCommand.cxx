@@ -320,6 +320,7 @@ void Locate(const LocateOptions& options)
   {
     const std::string name = std::filesystem::path(folder).filename().string();
     NamedBreast breast{ name, RegisteredBreast(folder) };
+    WarnOfDistrust(folder);
     if (folder == options.Result || name == options.View)
     {
       asked.emplace(std::move(breast));

@@ -278,6 +278,22 @@ std::vector<std::string> RegistrationFolders(const std::string& folder)
   return folders;
 }
 
+std::string DistrustOf(const std::string& folder)
+{
+  std::string reason;
+  ReadResultFile(folder,
+    [&](const nlohmann::json& result)
+    {
+      // Results of early versions do not say.
+      const nlohmann::json trust = result.value("trust", nlohmann::json::object());
+      if (trust.value("level", "") == "none")
+      {
+        reason = trust.at("reasons").at(0).get<std::string>();
+      }
+    });
+  return reason;
+}
+
 BreastInUnit ReadRegistration(const std::string& folder)
 {
   if (const std::vector<std::string> folders = RegistrationFolders(folder); folders.size() > 1)

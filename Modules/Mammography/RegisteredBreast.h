@@ -108,6 +108,10 @@ struct BreastInUnit
 /// one, those within for several. Throws InputError that names the file.
 MAMMORAYMAMMOGRAPHY_EXPORT std::vector<std::string> RegistrationFolders(const std::string& folder);
 
+/// The first reason why the match in the folder of one mammogram is not to be trusted; "" where
+/// there is none. Throws InputError that names the file.
+MAMMORAYMAMMOGRAPHY_EXPORT std::string DistrustOf(const std::string& folder);
+
 /// Reads the folder that 'mammoray register' wrote for one mammogram. Throws InputError that names
 /// the file.
 MAMMORAYMAMMOGRAPHY_EXPORT BreastInUnit ReadRegistration(const std::string& folder);

@@ -277,6 +277,16 @@ TEST_F(RegisterCommand, RegistersTheShippedPhantom)
   EXPECT_EQ(this->Run("locate --result " + folder + " --pixel 720 5"), 1);
   EXPECT_THAT(this->Errors, testing::HasSubstr("columns 0 to 719"));
   EXPECT_EQ(this->Run("locate --result " + folder), 2);
+  EXPECT_THAT(this->Errors, testing::Not(testing::HasSubstr("trusted")));
+  // Of a match that the report does not trust, it says so.
+  const std::string said = ReadFile(folder + "/result.json");
+  nlohmann::json distrusted = nlohmann::json::parse(said);
+  distrusted["trust"] = { { "level", "none" }, { "reasons", { "The outlines lie apart." } } };
+  this->Folder.Write("result/result.json", distrusted.dump());
+  ASSERT_EQ(this->Run("locate --result " + folder + " --point 30 10 -5"), 0) << this->Errors;
+  EXPECT_THAT(this->Errors,
+    testing::EndsWith("the match is not to be trusted: The outlines lie apart.\n"));
+  this->Folder.Write("result/result.json", said);
 
   // A ball of 5 mm and its shadow. The compressed volume is the ball's, 524 mm3, as thick as the
   // rays say: sum of thickness times pixel, without the magnification (650 / 625)^2.
