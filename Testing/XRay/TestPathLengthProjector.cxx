@@ -640,7 +640,7 @@ TEST(RasterisationProjector, TakesMoreRowsThanWorkgroups)
   }
   const auto projector = MakeRasterisationProjector({ .Validation = true });
   projector->SetSurface(Layers({ 0, 10 }, 20));
-  // 70000 samples of 0.3 um, 2 x 2 to a pixel; the plate ends in the middle of the rows.
+  // 70000 rows of samples 0.15 um apart, two to a pixel; the plate ends in their middle.
   XRayDetector line = CentredDetector({ 0, 20, -5 }, { 1, 0, 0 }, { 0, 1, 0 }, 2, 10.5, 2, 35000);
   line.Samples = 2;
   const PathLengthImage image = projector->Project(ParallelBeam({ 0, 0, -1 }), line);
