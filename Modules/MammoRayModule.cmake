@@ -11,6 +11,11 @@ if (MAMMORAY_WARNINGS_AS_ERRORS)
   list(APPEND MAMMORAY_WARNING_FLAGS -Werror)
 endif ()
 
+# Headers are included as <mammoray/Module/Name.h>, from the build tree as from an installed copy.
+set(MAMMORAY_INCLUDE_DIR "${CMAKE_BINARY_DIR}/include")
+file(MAKE_DIRECTORY "${MAMMORAY_INCLUDE_DIR}")
+file(CREATE_LINK "${MAMMORAY_ROOT_DIR}/Modules" "${MAMMORAY_INCLUDE_DIR}/mammoray" SYMBOLIC)
+
 # For executables and tests.
 function (mammoray_configure_target target)
   target_compile_features(${target} PRIVATE cxx_std_20)
@@ -18,6 +23,7 @@ function (mammoray_configure_target target)
 endfunction ()
 
 function (mammoray_configure_module module)
+  vtk_module_include(${module} PUBLIC "$<BUILD_INTERFACE:${MAMMORAY_INCLUDE_DIR}>")
   vtk_module_compile_features(${module} PUBLIC cxx_std_20)
   vtk_module_compile_options(${module} PRIVATE $<$<COMPILE_LANGUAGE:CXX>:${MAMMORAY_WARNING_FLAGS}>)
 endfunction ()

@@ -2,10 +2,19 @@
 #
 #   mammoray_add_test(<name> SOURCES ... LIBRARIES ... [LABELS ...] [TIMEOUT seconds])
 #
-# MAMMORAY_DATA_DIR is the project's Data folder; MAMMORAY_SHARED_DATA_DIR the folder of real inputs that may be absent
-# (tests skip then).
+# The folders' names are given to one source only: on every command line they would make each checkout compile all
+# tests anew where a compiler cache serves.
 set(MAMMORAY_SHARED_DATA_DIR "${PROJECT_SOURCE_DIR}/../shared/data" CACHE PATH
   "Folder with real inputs that are not part of the project; tests that need it skip when it is absent")
+find_program(MAMMORAY_XVFB Xvfb DOC "X server without a screen, for the tests of windows")
+add_library(mammorayTestSupport STATIC "${CMAKE_CURRENT_LIST_DIR}/Support/Places.cxx")
+mammoray_configure_target(mammorayTestSupport)
+target_link_libraries(mammorayTestSupport PRIVATE GTest::gtest)
+target_compile_definitions(mammorayTestSupport PRIVATE
+  MAMMORAY_DATA_DIR="${PROJECT_SOURCE_DIR}/Data"
+  MAMMORAY_SHARED_DATA_DIR="${MAMMORAY_SHARED_DATA_DIR}"
+  MAMMORAY_EXECUTABLE="$<$<TARGET_EXISTS:mammoray>:$<TARGET_FILE:mammoray>>"
+  MAMMORAY_XVFB="$<$<BOOL:${MAMMORAY_XVFB}>:${MAMMORAY_XVFB}>")
 function (mammoray_add_test name)
   cmake_parse_arguments(PARSE_ARGV 1 test "" "TIMEOUT" "SOURCES;LIBRARIES;LABELS")
   if (NOT test_TIMEOUT)
@@ -13,11 +22,8 @@ function (mammoray_add_test name)
   endif ()
   add_executable(${name} ${test_SOURCES})
   mammoray_configure_target(${name})
-  target_compile_definitions(${name} PRIVATE
-    MAMMORAY_DATA_DIR="${PROJECT_SOURCE_DIR}/Data"
-    MAMMORAY_SHARED_DATA_DIR="${MAMMORAY_SHARED_DATA_DIR}")
   target_include_directories(${name} PRIVATE "${PROJECT_SOURCE_DIR}/Testing/Support")
-  target_link_libraries(${name} PRIVATE ${test_LIBRARIES} GTest::gmock GTest::gtest_main)
+  target_link_libraries(${name} PRIVATE ${test_LIBRARIES} mammorayTestSupport GTest::gmock GTest::gtest_main)
   gtest_discover_tests(${name}
     DISCOVERY_TIMEOUT 60
     PROPERTIES TIMEOUT ${test_TIMEOUT} LABELS "${test_LABELS}")

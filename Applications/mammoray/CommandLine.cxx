@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "CommandLine.h"
 
-#include "RegisteredBreast.h"
+#include "mammoray/Case/RegisteredBreast.h"
 
 #include <nlohmann/json.hpp>
 

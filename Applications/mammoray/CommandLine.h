@@ -3,8 +3,8 @@
 #ifndef mammoray_CommandLine_h
 #define mammoray_CommandLine_h
 
-#include "LabelSource.h"
-#include "Progress.h"
+#include "mammoray/Case/LabelSource.h"
+#include "mammoray/Foundation/Progress.h"
 
 #include <CLI/CLI.hpp>
 

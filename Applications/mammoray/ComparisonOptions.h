@@ -3,7 +3,7 @@
 #ifndef mammoray_ComparisonOptions_h
 #define mammoray_ComparisonOptions_h
 
-#include "RegistrationResiduals.h"
+#include "mammoray/Registration/RegistrationResiduals.h"
 
 #include <CLI/CLI.hpp>
 

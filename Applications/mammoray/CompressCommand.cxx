@@ -1,21 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "CommandLine.h"
 
-#include "BreastMechanics.h"
-#include "CompressedBreast.h"
-#include "CompressionSimulation.h"
-#include "CutPicture.h"
-#include "ElasticTable.h"
-#include "Mammogram.h"
-#include "MeshConversion.h"
-#include "MeshIO.h"
-#include "MeshVoxels.h"
-#include "PhysicsData.h"
-#include "PlacedPlates.h"
-#include "SimulationLead.h"
+#include "mammoray/Biomechanics/CompressionSimulation.h"
+#include "mammoray/Biomechanics/ElasticTable.h"
+#include "mammoray/Biomechanics/PlacedPlates.h"
+#include "mammoray/Case/CompressedBreast.h"
+#include "mammoray/Foundation/Mammogram.h"
+#include "mammoray/Foundation/MeshVoxels.h"
+#include "mammoray/IO/MeshConversion.h"
+#include "mammoray/IO/MeshIO.h"
+#include "mammoray/IO/PhysicsData.h"
+#include "mammoray/Registration/BreastMechanics.h"
+#include "mammoray/Registration/SimulationLead.h"
+#include "mammoray/Report/CutPicture.h"
 
 #ifdef MAMMORAY_HAS_MESHING
-#include "SimulationMesh.h"
+#include "mammoray/Meshing/SimulationMesh.h"
 #endif
 
 #include "vtkCellData.h"

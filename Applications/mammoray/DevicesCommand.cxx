@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "CommandLine.h"
 
-#include "DeviceError.h"
-#include "PathLengthProjector.h"
+#include "mammoray/XRay/DeviceError.h"
+#include "mammoray/XRay/PathLengthProjector.h"
 
 #include <cstdio>
 #include <memory>

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "CommandLine.h"
-#include "DicomMammogramWriter.h"
 #include "DicomOptions.h"
-#include "Error.h"
-#include "MammogramIO.h"
-#include "RegisteredMammogram.h"
+#include "mammoray/Case/RegisteredMammogram.h"
+#include "mammoray/Foundation/Error.h"
+#include "mammoray/IO/DicomMammogramWriter.h"
+#include "mammoray/IO/MammogramIO.h"
 
 #include <cstdio>
 #include <memory>

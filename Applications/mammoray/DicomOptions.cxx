@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "DicomOptions.h"
 
-#include "MammogramSynthesis.h"
-#include "RegisteredMammogram.h"
+#include "mammoray/Case/RegisteredMammogram.h"
+#include "mammoray/IO/MammogramSynthesis.h"
 
 #include <cstdio>
 #include <filesystem>

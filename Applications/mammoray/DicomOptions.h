@@ -3,7 +3,7 @@
 #ifndef mammoray_DicomOptions_h
 #define mammoray_DicomOptions_h
 
-#include "DicomIdentity.h"
+#include "mammoray/IO/DicomIdentity.h"
 
 #include <CLI/CLI.hpp>
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "CommandLine.h"
-#include "LandmarkEvaluation.h"
-#include "MeshIO.h"
-#include "ResultFile.h"
+#include "mammoray/Case/ResultFile.h"
+#include "mammoray/Evidence/LandmarkEvaluation.h"
+#include "mammoray/IO/MeshIO.h"
 
 #include "vtkUnstructuredGrid.h"
 

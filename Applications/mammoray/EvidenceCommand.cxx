@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "CommandLine.h"
 #include "ComparisonOptions.h"
-#include "PhysicsData.h"
-#include "RegistrationEvidence.h"
-#include "Sha256.h"
+#include "mammoray/Evidence/RegistrationEvidence.h"
+#include "mammoray/IO/PhysicsData.h"
+#include "mammoray/IO/Sha256.h"
 
 #include <nlohmann/json.hpp>
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "CommandLine.h"
 
-#include "ExampleData.h"
-#include "MeshIO.h"
-#include "PhysicsData.h"
-#include "ProjectionImage.h"
-#include "SurfaceConversion.h"
+#include "mammoray/Case/ExampleData.h"
+#include "mammoray/IO/MeshIO.h"
+#include "mammoray/IO/PhysicsData.h"
+#include "mammoray/IO/ProjectionImage.h"
+#include "mammoray/IO/SurfaceConversion.h"
 
 #include "vtkImageData.h"
 #include "vtkPolyData.h"

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "CommandLine.h"
-#include "CompressedImage.h"
-#include "Error.h"
-#include "LabelVolumeIO.h"
-#include "ProjectionImage.h"
+#include "mammoray/Case/CompressedImage.h"
+#include "mammoray/Foundation/Error.h"
+#include "mammoray/IO/LabelVolumeIO.h"
+#include "mammoray/IO/ProjectionImage.h"
 
 #include "vtkImageData.h"
 #include "vtkPointData.h"

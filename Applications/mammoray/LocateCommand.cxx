@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "CommandLine.h"
 #include "DicomOptions.h"
-#include "DicomSegmentationWriter.h"
-#include "Error.h"
-#include "LabelVolumeIO.h"
-#include "RegisteredBreast.h"
+#include "mammoray/Case/RegisteredBreast.h"
+#include "mammoray/Foundation/Error.h"
+#include "mammoray/IO/DicomSegmentationWriter.h"
+#include "mammoray/IO/LabelVolumeIO.h"
 
 #include <algorithm>
 #include <cstdio>

@@ -1,19 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "CommandLine.h"
 
-#include "CutPicture.h"
-#include "HistogramPicture.h"
-#include "MeshConversion.h"
-#include "MeshIO.h"
-#include "PhysicsData.h"
-#include "SurfaceConversion.h"
+#include "mammoray/IO/MeshConversion.h"
+#include "mammoray/IO/MeshIO.h"
+#include "mammoray/IO/PhysicsData.h"
+#include "mammoray/IO/SurfaceConversion.h"
+#include "mammoray/Report/CutPicture.h"
+#include "mammoray/Report/HistogramPicture.h"
 
 #ifdef MAMMORAY_HAS_MESHING
-#include "LabelMesher.h"
-#include "MeshCheck.h"
-#include "SimulationMesh.h"
-#include "SurfaceMesher.h"
-#include "SurfaceVoxels.h"
+#include "mammoray/Meshing/LabelMesher.h"
+#include "mammoray/Meshing/MeshCheck.h"
+#include "mammoray/Meshing/SimulationMesh.h"
+#include "mammoray/Meshing/SurfaceMesher.h"
+#include "mammoray/Meshing/SurfaceVoxels.h"
 #endif
 
 #include "vtkPolyData.h"

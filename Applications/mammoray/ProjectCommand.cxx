@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "CommandLine.h"
 
-#include "DicomMammogramWriter.h"
 #include "DicomOptions.h"
-#include "Exposure.h"
-#include "MammogramSynthesis.h"
-#include "MeshConversion.h"
-#include "MeshIO.h"
-#include "PhysicsData.h"
-#include "ProjectionImage.h"
-#include "SurfaceConversion.h"
+#include "mammoray/IO/DicomMammogramWriter.h"
+#include "mammoray/IO/MammogramSynthesis.h"
+#include "mammoray/IO/MeshConversion.h"
+#include "mammoray/IO/MeshIO.h"
+#include "mammoray/IO/PhysicsData.h"
+#include "mammoray/IO/ProjectionImage.h"
+#include "mammoray/IO/SurfaceConversion.h"
+#include "mammoray/XRay/Exposure.h"
 
 #include "vtkImageData.h"
 #include "vtkPolyData.h"

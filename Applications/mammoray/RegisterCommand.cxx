@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "CommandLine.h"
 #include "ComparisonOptions.h"
-#include "RegistrationCase.h"
-#include "RegistrationCaseWriter.h"
+#include "mammoray/Case/RegistrationCase.h"
+#include "mammoray/Case/RegistrationCaseWriter.h"
 
 #include <unistd.h>
 

@@ -2,10 +2,10 @@
 #include "CommandLine.h"
 
 #ifdef MAMMORAY_HAS_SEGMENTATION
-#include "BreastSegmentation.h"
-#include "LabelVolumeIO.h"
-#include "PhysicsData.h"
-#include "SlicePicture.h"
+#include "mammoray/IO/LabelVolumeIO.h"
+#include "mammoray/IO/PhysicsData.h"
+#include "mammoray/Report/SlicePicture.h"
+#include "mammoray/Segmentation/BreastSegmentation.h"
 
 #include <cstdio>
 #include <map>

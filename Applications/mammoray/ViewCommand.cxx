@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "BreastViewer.h"
 #include "CommandLine.h"
-#include "Error.h"
-#include "RequireDisplay.h"
+#include "mammoray/Foundation/Error.h"
+#include "mammoray/Viewer/BreastViewer.h"
+#include "mammoray/Viewer/RequireDisplay.h"
 
 #include <cstdio>
 #include <filesystem>

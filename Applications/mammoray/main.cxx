@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "CommandLine.h"
 
-#include "NearNames.h"
+#include "mammoray/Foundation/NearNames.h"
 
 #include <dlfcn.h>
 #include <unistd.h>

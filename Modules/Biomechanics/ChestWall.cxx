@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "ChestWall.h"
+#include "mammoray/Biomechanics/ChestWall.h"
 
-#include "Error.h"
 #include "Private/CellPatches.h"
+#include "mammoray/Foundation/Error.h"
 
 #include <algorithm>
 #include <cmath>

@@ -2,8 +2,8 @@
 #ifndef mammoray_ChestWall_h
 #define mammoray_ChestWall_h
 
-#include "ElasticBody.h"
-#include "Vector3.h"
+#include "mammoray/Biomechanics/ElasticBody.h"
+#include "mammoray/Foundation/Vector3.h"
 #include "mammorayBiomechanicsModule.h"
 
 #include <array>

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "CompressionSimulation.h"
+#include "mammoray/Biomechanics/CompressionSimulation.h"
 
-#include "EquilibriumSolver.h"
-#include "Error.h"
 #include "Private/CellPatches.h"
 #include "Private/CompressionInternals.h"
+#include "mammoray/Biomechanics/EquilibriumSolver.h"
+#include "mammoray/Foundation/Error.h"
 
 #include <algorithm>
 #include <chrono>

@@ -2,13 +2,13 @@
 #ifndef mammoray_CompressionSimulation_h
 #define mammoray_CompressionSimulation_h
 
-#include "ChestWall.h"
-#include "ElasticBody.h"
-#include "PlateContact.h"
-#include "PlateFriction.h"
-#include "Progress.h"
-#include "TetrahedralMesh.h"
-#include "Vector3.h"
+#include "mammoray/Biomechanics/ChestWall.h"
+#include "mammoray/Biomechanics/ElasticBody.h"
+#include "mammoray/Biomechanics/PlateContact.h"
+#include "mammoray/Biomechanics/PlateFriction.h"
+#include "mammoray/Foundation/Progress.h"
+#include "mammoray/Foundation/TetrahedralMesh.h"
+#include "mammoray/Foundation/Vector3.h"
 #include "mammorayBiomechanicsModule.h"
 
 #include <cstdint>

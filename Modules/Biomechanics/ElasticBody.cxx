@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "ElasticBody.h"
+#include "mammoray/Biomechanics/ElasticBody.h"
 
-#include "Error.h"
 #include "Private/CellPatches.h"
+#include "mammoray/Foundation/Error.h"
 
 #include <Eigen/Cholesky>
 #include <Eigen/Core>

@@ -2,9 +2,9 @@
 #ifndef mammoray_ElasticBody_h
 #define mammoray_ElasticBody_h
 
-#include "ElasticMaterial.h"
-#include "TetrahedralMesh.h"
-#include "Vector3.h"
+#include "mammoray/Biomechanics/ElasticMaterial.h"
+#include "mammoray/Foundation/TetrahedralMesh.h"
+#include "mammoray/Foundation/Vector3.h"
 #include "mammorayBiomechanicsModule.h"
 
 #include <array>

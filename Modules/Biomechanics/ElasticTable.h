@@ -2,8 +2,8 @@
 #ifndef mammoray_ElasticTable_h
 #define mammoray_ElasticTable_h
 
-#include "ElasticMaterial.h"
-#include "MaterialTable.h"
+#include "mammoray/Biomechanics/ElasticMaterial.h"
+#include "mammoray/Foundation/MaterialTable.h"
 
 #include <vector>
 

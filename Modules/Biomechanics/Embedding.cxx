@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "CompressionSimulation.h"
+#include "mammoray/Biomechanics/CompressionSimulation.h"
 
-#include "Error.h"
 #include "Private/CellPatches.h"
 #include "Private/CompressionInternals.h"
 #include "Private/Parallel.h"
+#include "mammoray/Foundation/Error.h"
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "EquilibriumSolver.h"
+#include "mammoray/Biomechanics/EquilibriumSolver.h"
 
-#include "Error.h"
 #include "Private/Parallel.h"
 #include "Private/SparseCholesky.h"
+#include "mammoray/Foundation/Error.h"
 
 #include <Eigen/Core>
 

@@ -2,11 +2,11 @@
 #ifndef mammoray_EquilibriumSolver_h
 #define mammoray_EquilibriumSolver_h
 
-#include "ChestWall.h"
-#include "ElasticBody.h"
-#include "PlateContact.h"
-#include "PlateFriction.h"
-#include "Progress.h"
+#include "mammoray/Biomechanics/ChestWall.h"
+#include "mammoray/Biomechanics/ElasticBody.h"
+#include "mammoray/Biomechanics/PlateContact.h"
+#include "mammoray/Biomechanics/PlateFriction.h"
+#include "mammoray/Foundation/Progress.h"
 #include "mammorayBiomechanicsModule.h"
 
 #include <array>

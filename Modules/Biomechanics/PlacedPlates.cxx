@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "PlacedPlates.h"
+#include "mammoray/Biomechanics/PlacedPlates.h"
 
 #include <cmath>
 #include <numbers>

@@ -2,8 +2,8 @@
 #ifndef mammoray_PlacedPlates_h
 #define mammoray_PlacedPlates_h
 
-#include "MammographyGeometry.h"
-#include "PlateContact.h"
+#include "mammoray/Biomechanics/PlateContact.h"
+#include "mammoray/Foundation/MammographyGeometry.h"
 #include "mammorayBiomechanicsModule.h"
 
 namespace mammoray

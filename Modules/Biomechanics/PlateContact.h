@@ -2,7 +2,7 @@
 #ifndef mammoray_PlateContact_h
 #define mammoray_PlateContact_h
 
-#include "Vector3.h"
+#include "mammoray/Foundation/Vector3.h"
 #include "mammorayBiomechanicsModule.h"
 
 namespace mammoray

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "PlateFriction.h"
+#include "mammoray/Biomechanics/PlateFriction.h"
 
 #include <algorithm>
 #include <cmath>

@@ -2,8 +2,8 @@
 #ifndef mammoray_PlateFriction_h
 #define mammoray_PlateFriction_h
 
-#include "PlateContact.h"
-#include "Vector3.h"
+#include "mammoray/Biomechanics/PlateContact.h"
+#include "mammoray/Foundation/Vector3.h"
 #include "mammorayBiomechanicsModule.h"
 
 #include <cstdint>

@@ -7,9 +7,9 @@
 namespace mammoray
 {
 /**
- * Base of every exception MammoRay throws. The message is one line that says what was expected, what
- * was found and where. VTK algorithms catch it in RequestData and report it once; the command line
- * prints it and exits with 1.
+ * Base of every exception MammoRay throws. The message is one line that says what was expected,
+ * what was found and where. VTK algorithms catch it in RequestData and report it once; the command
+ * line prints it and exits with 1.
  */
 class Error : public std::runtime_error
 {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "IntensityVolume.h"
+#include "mammoray/Foundation/IntensityVolume.h"
 
-#include "Error.h"
+#include "mammoray/Foundation/Error.h"
 
 #include <algorithm>
 #include <cmath>

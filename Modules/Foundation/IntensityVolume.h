@@ -2,7 +2,7 @@
 #ifndef mammoray_IntensityVolume_h
 #define mammoray_IntensityVolume_h
 
-#include "VolumeGrid.h"
+#include "mammoray/Foundation/VolumeGrid.h"
 
 #include <optional>
 #include <vector>

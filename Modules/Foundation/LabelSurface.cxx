@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "LabelSurface.h"
+#include "mammoray/Foundation/LabelSurface.h"
 
-#include "Error.h"
+#include "mammoray/Foundation/Error.h"
 
 #include <algorithm>
 

@@ -2,8 +2,8 @@
 #ifndef mammoray_LabelSurface_h
 #define mammoray_LabelSurface_h
 
-#include "LabelVolume.h"
-#include "SurfaceMesh.h"
+#include "mammoray/Foundation/LabelVolume.h"
+#include "mammoray/Foundation/SurfaceMesh.h"
 #include "mammorayFoundationModule.h"
 
 #include <array>
@@ -42,7 +42,8 @@ struct MAMMORAYFOUNDATION_EXPORT QuadMesh
  * nets: Gibson, MERL TR99-24, 1999). Materials that touch keep sharing their interface, and every
  * material stays closed. Throws InputError where nothing but air is found.
  */
-MAMMORAYFOUNDATION_EXPORT QuadMesh ExtractInterfaces(const LabelVolume& materials, int smoothingSteps);
+MAMMORAYFOUNDATION_EXPORT QuadMesh ExtractInterfaces(const LabelVolume& materials,
+  int smoothingSteps);
 }
 
 #endif

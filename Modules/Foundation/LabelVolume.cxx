@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "LabelVolume.h"
+#include "mammoray/Foundation/LabelVolume.h"
 
 namespace mammoray
 {

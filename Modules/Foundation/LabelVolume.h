@@ -2,7 +2,7 @@
 #ifndef mammoray_LabelVolume_h
 #define mammoray_LabelVolume_h
 
-#include "VolumeGrid.h"
+#include "mammoray/Foundation/VolumeGrid.h"
 
 #include <cstdint>
 #include <map>

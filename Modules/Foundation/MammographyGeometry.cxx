@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "MammographyGeometry.h"
+#include "mammoray/Foundation/MammographyGeometry.h"
 
-#include "Error.h"
+#include "mammoray/Foundation/Error.h"
 
 #include <limits>
 #include <numbers>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "MaterialTable.h"
+#include "mammoray/Foundation/MaterialTable.h"
 
-#include "Error.h"
+#include "mammoray/Foundation/Error.h"
 
 namespace mammoray
 {

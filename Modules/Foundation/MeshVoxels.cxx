@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "MeshVoxels.h"
+#include "mammoray/Foundation/MeshVoxels.h"
 
-#include "Error.h"
+#include "mammoray/Foundation/Error.h"
 
 #include <algorithm>
 #include <cmath>

@@ -2,8 +2,8 @@
 #ifndef mammoray_MeshVoxels_h
 #define mammoray_MeshVoxels_h
 
-#include "LabelVolume.h"
-#include "TetrahedralMesh.h"
+#include "mammoray/Foundation/LabelVolume.h"
+#include "mammoray/Foundation/TetrahedralMesh.h"
 #include "mammorayFoundationModule.h"
 
 namespace mammoray

@@ -2,16 +2,16 @@
 #ifndef mammoray_Progress_h
 #define mammoray_Progress_h
 
-#include "Error.h"
+#include "mammoray/Foundation/Error.h"
 
 #include <functional>
 
 namespace mammoray
 {
 /**
- * Told of the progress of long work: a fraction in [0, 1] and the name of the stage. Returns false to
- * stop, upon which the work throws Interrupted. Called from the thread that started the work only.
- * An empty function is allowed.
+ * Told of the progress of long work: a fraction in [0, 1] and the name of the stage. Returns false
+ * to stop, upon which the work throws Interrupted. Called from the thread that started the work
+ * only. An empty function is allowed.
  */
 using ProgressCallback = std::function<bool(double fraction, const char* stage)>;
 

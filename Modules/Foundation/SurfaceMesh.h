@@ -2,7 +2,7 @@
 #ifndef mammoray_SurfaceMesh_h
 #define mammoray_SurfaceMesh_h
 
-#include "TetrahedralMesh.h"
+#include "mammoray/Foundation/TetrahedralMesh.h"
 #include "mammorayFoundationModule.h"
 
 #include <cstdint>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "VolumeGrid.h"
+#include "mammoray/Foundation/VolumeGrid.h"
 
-#include "Error.h"
+#include "mammoray/Foundation/Error.h"
 
 #include <sstream>
 

@@ -2,7 +2,7 @@
 #ifndef mammoray_VolumeGrid_h
 #define mammoray_VolumeGrid_h
 
-#include "Vector3.h"
+#include "mammoray/Foundation/Vector3.h"
 #include "mammorayFoundationModule.h"
 
 #include <array>

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "LabelMesher.h"
+#include "mammoray/Meshing/LabelMesher.h"
 
-#include "Error.h"
 #include "Private/LabelComponents.h"
 #include "Private/LabelField.h"
 #include "Private/MeshingSteps.h"
-#include "SurfaceMesh.h"
+#include "mammoray/Foundation/Error.h"
+#include "mammoray/Foundation/SurfaceMesh.h"
 
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Labeled_mesh_domain_3.h>

@@ -2,9 +2,9 @@
 #ifndef mammoray_LabelMesher_h
 #define mammoray_LabelMesher_h
 
-#include "LabelVolume.h"
-#include "Progress.h"
-#include "TetrahedralMesh.h"
+#include "mammoray/Foundation/LabelVolume.h"
+#include "mammoray/Foundation/Progress.h"
+#include "mammoray/Foundation/TetrahedralMesh.h"
 #include "mammorayMeshingModule.h"
 
 #include <cmath>

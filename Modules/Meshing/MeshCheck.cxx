@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "MeshCheck.h"
+#include "mammoray/Meshing/MeshCheck.h"
 
-#include "MeshQuality.h"
+#include "mammoray/Meshing/MeshQuality.h"
 
 #include <algorithm>
 #include <cstdio>

@@ -2,9 +2,9 @@
 #ifndef mammoray_MeshCheck_h
 #define mammoray_MeshCheck_h
 
-#include "Progress.h"
-#include "SurfaceMesh.h"
-#include "TetrahedralMesh.h"
+#include "mammoray/Foundation/Progress.h"
+#include "mammoray/Foundation/SurfaceMesh.h"
+#include "mammoray/Foundation/TetrahedralMesh.h"
 #include "mammorayMeshingModule.h"
 
 #include <string>

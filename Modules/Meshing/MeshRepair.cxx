@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "MeshRepair.h"
+#include "mammoray/Meshing/MeshRepair.h"
 
 #include "Private/CellImprovement.h"
 #include "Private/MeshingSteps.h"

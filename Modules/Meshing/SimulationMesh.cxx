@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "SimulationMesh.h"
+#include "mammoray/Meshing/SimulationMesh.h"
 
-#include "Error.h"
-#include "LabelResampling.h"
+#include "mammoray/Foundation/Error.h"
+#include "mammoray/Foundation/LabelResampling.h"
 
 #include <algorithm>
 #include <cmath>

@@ -2,7 +2,7 @@
 #ifndef mammoray_SimulationMesh_h
 #define mammoray_SimulationMesh_h
 
-#include "LabelMesher.h"
+#include "mammoray/Meshing/LabelMesher.h"
 #include "mammorayMeshingModule.h"
 
 namespace mammoray

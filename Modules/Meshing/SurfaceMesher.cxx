@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "SurfaceMesher.h"
+#include "mammoray/Meshing/SurfaceMesher.h"
 
-#include "Error.h"
-#include "MeshCheck.h"
 #include "Private/CellImprovement.h"
 #include "Private/MeshingSteps.h"
 #include "Private/PinchRepair.h"
 #include "Private/TetGen.h"
+#include "mammoray/Foundation/Error.h"
+#include "mammoray/Meshing/MeshCheck.h"
 
 #include <algorithm>
 #include <chrono>

@@ -2,8 +2,8 @@
 #ifndef mammoray_SurfaceMesher_h
 #define mammoray_SurfaceMesher_h
 
-#include "LabelMesher.h"
-#include "SurfaceMesh.h"
+#include "mammoray/Foundation/SurfaceMesh.h"
+#include "mammoray/Meshing/LabelMesher.h"
 
 namespace mammoray
 {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "SurfaceVoxels.h"
+#include "mammoray/Meshing/SurfaceVoxels.h"
 
-#include "Error.h"
 #include "Private/MeshingSteps.h"
+#include "mammoray/Foundation/Error.h"
 
 #include <algorithm>
 #include <cmath>

@@ -2,9 +2,9 @@
 #ifndef mammoray_SurfaceVoxels_h
 #define mammoray_SurfaceVoxels_h
 
-#include "LabelVolume.h"
-#include "Progress.h"
-#include "SurfaceMesh.h"
+#include "mammoray/Foundation/LabelVolume.h"
+#include "mammoray/Foundation/Progress.h"
+#include "mammoray/Foundation/SurfaceMesh.h"
 #include "mammorayMeshingModule.h"
 
 namespace mammoray

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "Annealing.h"
+#include "mammoray/Registration/Annealing.h"
 
-#include "Error.h"
 #include "Private/ValidateRegistration.h"
-#include "TargetImage.h"
+#include "mammoray/Foundation/Error.h"
+#include "mammoray/Registration/TargetImage.h"
 
 #include <algorithm>
 #include <chrono>

@@ -2,7 +2,7 @@
 #ifndef mammoray_Annealing_h
 #define mammoray_Annealing_h
 
-#include "Registration.h"
+#include "mammoray/Registration/Registration.h"
 #include "mammorayRegistrationModule.h"
 
 #include <cstdint>

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "Registration.h"
+#include "mammoray/Registration/Registration.h"
 
-#include "Error.h"
 #include "Private/RegistrationEvaluator.h"
 #include "Private/ValidateRegistration.h"
-#include "TargetImage.h"
+#include "mammoray/Foundation/Error.h"
+#include "mammoray/Registration/TargetImage.h"
 
 #include <Eigen/Dense>
 #include <ceres/ceres.h>

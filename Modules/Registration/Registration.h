@@ -2,8 +2,8 @@
 #ifndef mammoray_Registration_h
 #define mammoray_Registration_h
 
-#include "Progress.h"
-#include "RegistrationResiduals.h"
+#include "mammoray/Foundation/Progress.h"
+#include "mammoray/Registration/RegistrationResiduals.h"
 #include "mammorayRegistrationModule.h"
 
 #include <string>

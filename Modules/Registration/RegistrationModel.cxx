@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "RegistrationModel.h"
+#include "mammoray/Registration/RegistrationModel.h"
 
 #include "Private/ZScores.h"
-#include "TargetImage.h"
+#include "mammoray/Registration/TargetImage.h"
 
 #include <algorithm>
 #include <cmath>

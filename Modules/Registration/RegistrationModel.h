@@ -2,13 +2,13 @@
 #ifndef mammoray_RegistrationModel_h
 #define mammoray_RegistrationModel_h
 
-#include "Beam.h"
-#include "CompressionSimulation.h"
-#include "Mammogram.h"
-#include "MammographyGeometry.h"
-#include "PathLengthProjector.h"
-#include "PlacedPlates.h"
-#include "Silhouette.h"
+#include "mammoray/Biomechanics/CompressionSimulation.h"
+#include "mammoray/Biomechanics/PlacedPlates.h"
+#include "mammoray/Foundation/MammographyGeometry.h"
+#include "mammoray/Registration/RegistrationTarget.h"
+#include "mammoray/Registration/Silhouette.h"
+#include "mammoray/XRay/Beam.h"
+#include "mammoray/XRay/PathLengthProjector.h"
 #include "mammorayRegistrationModule.h"
 
 #include <vector>

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "RegistrationResiduals.h"
+#include "mammoray/Registration/RegistrationResiduals.h"
 
-#include "Error.h"
 #include "Private/PictureFeatures.h"
-#include "TargetImage.h"
+#include "mammoray/Foundation/Error.h"
+#include "mammoray/Registration/TargetImage.h"
 
 #include <algorithm>
 #include <cmath>

@@ -2,7 +2,7 @@
 #ifndef mammoray_RegistrationResiduals_h
 #define mammoray_RegistrationResiduals_h
 
-#include "RegistrationModel.h"
+#include "mammoray/Registration/RegistrationModel.h"
 #include "mammorayRegistrationModule.h"
 
 #include <array>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "Silhouette.h"
+#include "mammoray/Registration/Silhouette.h"
 
 #include <algorithm>
 #include <cmath>

@@ -2,8 +2,8 @@
 #ifndef mammoray_Silhouette_h
 #define mammoray_Silhouette_h
 
-#include "MammographyGeometry.h"
-#include "SurfaceMesh.h"
+#include "mammoray/Foundation/MammographyGeometry.h"
+#include "mammoray/Foundation/SurfaceMesh.h"
 #include "mammorayRegistrationModule.h"
 
 #include <array>

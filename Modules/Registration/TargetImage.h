@@ -2,8 +2,8 @@
 #ifndef mammoray_TargetImage_h
 #define mammoray_TargetImage_h
 
-#include "Mammogram.h"
-#include "Silhouette.h"
+#include "mammoray/Registration/RegistrationTarget.h"
+#include "mammoray/Registration/Silhouette.h"
 #include "mammorayRegistrationModule.h"
 
 #include <vector>

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "BreastSegmentation.h"
+#include "mammoray/Segmentation/BreastSegmentation.h"
 
-#include "Error.h"
-#include "LabelSkin.h"
 #include "Private/BiasField.h"
 #include "Private/ChestWall.h"
 #include "Private/ItkImages.h"
 #include "Private/Masks.h"
 #include "Private/Thresholds.h"
+#include "mammoray/Foundation/Error.h"
+#include "mammoray/Foundation/LabelSkin.h"
 
 #include <algorithm>
 #include <cmath>

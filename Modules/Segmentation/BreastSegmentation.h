@@ -2,10 +2,10 @@
 #ifndef mammoray_BreastSegmentation_h
 #define mammoray_BreastSegmentation_h
 
-#include "IntensityVolume.h"
-#include "LabelVolume.h"
-#include "MammographyGeometry.h"
-#include "Progress.h"
+#include "mammoray/Foundation/IntensityVolume.h"
+#include "mammoray/Foundation/LabelVolume.h"
+#include "mammoray/Foundation/MammographyGeometry.h"
+#include "mammoray/Foundation/Progress.h"
 #include "mammoraySegmentationModule.h"
 
 namespace mammoray

@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "BreastViewer.h"
+#include "mammoray/Viewer/BreastViewer.h"
 
-#include "Error.h"
-#include "KilovoltageSpectrum.h"
-#include "LiveMammogram.h"
 #include "Private/BreastScene.h"
 #include "Private/CompressionWorker.h"
 #include "Private/ControlPane.h"
 #include "Private/MammogramPane.h"
-#include "RegisteredBreast.h"
-#include "RequireDisplay.h"
-#include "TargetImage.h"
+#include "mammoray/Case/RegisteredBreast.h"
+#include "mammoray/Foundation/Error.h"
+#include "mammoray/Registration/TargetImage.h"
+#include "mammoray/Viewer/KilovoltageSpectrum.h"
+#include "mammoray/Viewer/LiveMammogram.h"
+#include "mammoray/Viewer/RequireDisplay.h"
 
 #include "vtkCallbackCommand.h"
 #include "vtkCamera.h"

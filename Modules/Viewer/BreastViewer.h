@@ -2,8 +2,8 @@
 #ifndef mammoray_BreastViewer_h
 #define mammoray_BreastViewer_h
 
-#include "PathLengthProjector.h"
-#include "ViewedBreast.h"
+#include "mammoray/Viewer/ViewedBreast.h"
+#include "mammoray/XRay/PathLengthProjector.h"
 #include "mammorayViewerModule.h"
 
 #include <functional>
@@ -39,8 +39,8 @@ struct ViewerOptions
  * synthetic and real. What each key and button does is in ViewerHelpText.
  *
  * One viewer of a process may Run, and once: VTK's event loop for X keeps every interactor that was
- * initialised, also after its end, and crashes on it in the next loop (VTK 9.1). Any number may draw
- * without it.
+ * initialised, also after its end, and crashes on it in the next loop (VTK 9.1). Any number may
+ * draw without it.
  *
  * While something moves the mammogram is projected at half resolution, at rest at the full one; a
  * moved thickness or roll asks for a new equilibrium beside the window's thread.

@@ -2,7 +2,7 @@
 #ifndef mammoray_KilovoltageSpectrum_h
 #define mammoray_KilovoltageSpectrum_h
 
-#include "Beam.h"
+#include "mammoray/XRay/Beam.h"
 #include "mammorayViewerModule.h"
 
 namespace mammoray

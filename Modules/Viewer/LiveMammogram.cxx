@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "LiveMammogram.h"
+#include "mammoray/Viewer/LiveMammogram.h"
 
-#include "Error.h"
-#include "KilovoltageSpectrum.h"
-#include "PhysicsData.h"
-#include "RegistrationModel.h"
-#include "TargetImage.h"
+#include "mammoray/Foundation/Error.h"
+#include "mammoray/IO/PhysicsData.h"
+#include "mammoray/Registration/RegistrationModel.h"
+#include "mammoray/Registration/TargetImage.h"
+#include "mammoray/Viewer/KilovoltageSpectrum.h"
 
 #include "vtkDoubleArray.h"
 #include "vtkNew.h"

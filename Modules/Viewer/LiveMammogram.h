@@ -2,10 +2,10 @@
 #ifndef mammoray_LiveMammogram_h
 #define mammoray_LiveMammogram_h
 
-#include "PathLengthProjector.h"
-#include "PlacedPlates.h"
-#include "SurfaceMesh.h"
-#include "ViewedBreast.h"
+#include "mammoray/Biomechanics/PlacedPlates.h"
+#include "mammoray/Foundation/SurfaceMesh.h"
+#include "mammoray/Viewer/ViewedBreast.h"
+#include "mammoray/XRay/PathLengthProjector.h"
 #include "mammorayViewerModule.h"
 
 #include <memory>

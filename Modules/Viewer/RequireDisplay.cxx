@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "RequireDisplay.h"
+#include "mammoray/Viewer/RequireDisplay.h"
 
-#include "Error.h"
+#include "mammoray/Foundation/Error.h"
 
 // Last: its macros replace common words.
 #include <X11/Xlib.h>

@@ -2,14 +2,15 @@
 #ifndef mammoray_ViewedBreast_h
 #define mammoray_ViewedBreast_h
 
-#include "Beam.h"
-#include "BreastMechanics.h"
-#include "LabelSource.h"
-#include "Mammogram.h"
-#include "MammographyGeometry.h"
-#include "MaterialTable.h"
-#include "RegisteredBreast.h"
-#include "TetrahedralMesh.h"
+#include "mammoray/Case/LabelSource.h"
+#include "mammoray/Case/RegisteredBreast.h"
+#include "mammoray/Foundation/Mammogram.h"
+#include "mammoray/Foundation/MammographyGeometry.h"
+#include "mammoray/Foundation/MaterialTable.h"
+#include "mammoray/Foundation/TetrahedralMesh.h"
+#include "mammoray/Registration/BreastMechanics.h"
+#include "mammoray/Registration/RegistrationTarget.h"
+#include "mammoray/XRay/Beam.h"
 #include "mammorayViewerModule.h"
 
 #include <optional>

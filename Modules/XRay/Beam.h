@@ -2,7 +2,7 @@
 #ifndef mammoray_Beam_h
 #define mammoray_Beam_h
 
-#include "PathLengthProjector.h"
+#include "mammoray/XRay/PathLengthProjector.h"
 #include "mammorayXRayModule.h"
 
 #include <string>

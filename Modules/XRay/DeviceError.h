@@ -2,7 +2,7 @@
 #ifndef mammoray_DeviceError_h
 #define mammoray_DeviceError_h
 
-#include "Error.h"
+#include "mammoray/Foundation/Error.h"
 
 #include <string>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "ExampleScenes.h"
+#include "mammoray/XRay/ExampleScenes.h"
 
-#include "LabelSurface.h"
+#include "mammoray/Foundation/LabelSurface.h"
 
 #include <algorithm>
 #include <array>

@@ -2,9 +2,9 @@
 #ifndef mammoray_ExampleScenes_h
 #define mammoray_ExampleScenes_h
 
-#include "MaterialTable.h"
-#include "PathLengthProjector.h"
-#include "SurfaceMesh.h"
+#include "mammoray/Foundation/MaterialTable.h"
+#include "mammoray/Foundation/SurfaceMesh.h"
+#include "mammoray/XRay/PathLengthProjector.h"
 #include "mammorayXRayModule.h"
 
 #include <string>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "Exposure.h"
+#include "mammoray/XRay/Exposure.h"
 
-#include "Error.h"
+#include "mammoray/Foundation/Error.h"
 
 #include <algorithm>
 #include <cmath>

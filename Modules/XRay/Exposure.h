@@ -2,9 +2,9 @@
 #ifndef mammoray_Exposure_h
 #define mammoray_Exposure_h
 
-#include "Beam.h"
-#include "PathLengthProjector.h"
-#include "Progress.h"
+#include "mammoray/Foundation/Progress.h"
+#include "mammoray/XRay/Beam.h"
+#include "mammoray/XRay/PathLengthProjector.h"
 #include "mammorayXRayModule.h"
 
 #include <cstdint>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "PathLengthProjector.h"
+#include "mammoray/XRay/PathLengthProjector.h"
 
 #include "Private/RasterisationProjector.h"
 #include "Private/RayTracingProjector.h"

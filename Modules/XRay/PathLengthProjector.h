@@ -2,8 +2,8 @@
 #ifndef mammoray_PathLengthProjector_h
 #define mammoray_PathLengthProjector_h
 
-#include "SurfaceMesh.h"
-#include "Vector3.h"
+#include "mammoray/Foundation/SurfaceMesh.h"
+#include "mammoray/Foundation/Vector3.h"
 #include "mammorayXRayModule.h"
 
 #include <memory>

@@ -16,4 +16,4 @@ Keep a source in a variable until it is connected: GetOutputPort() of a temporar
 interpreter, as in all of VTK 9.1. An error is printed and leaves the output empty; AddObserver
 ("ErrorEvent", ...) tells a program.
 """
-from .mammorayMammography import *  # noqa: F401,F403
+from .mammorayFilters import *  # noqa: F401,F403

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "CommandTest.h"
-#include "MeshConversion.h"
-#include "MeshIO.h"
 #include "TestMeshes.h"
+#include "mammoray/IO/MeshConversion.h"
+#include "mammoray/IO/MeshIO.h"
 
 #include "vtkCellData.h"
 #include "vtkDataArray.h"

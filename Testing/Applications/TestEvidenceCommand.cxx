@@ -2,8 +2,8 @@
 // Twins of a coarse half-ellipsoid: the figures hold together, and runs go on where they stopped.
 #include "CommandTest.h"
 #include "LabelShapes.h"
-#include "LabelVolumeIO.h"
-#include "PathLengthProjector.h"
+#include "mammoray/IO/LabelVolumeIO.h"
+#include "mammoray/XRay/PathLengthProjector.h"
 
 #include <nlohmann/json.hpp>
 
@@ -104,9 +104,9 @@ TEST_F(EvidenceCommand, StopsWithWhatIsDone)
   }
   // Long before a thousand twins are done; the status is the program's. Without --foreground it is
   // interrupted twice, as one is who cannot wait.
-  const std::string command = "timeout --foreground --preserve-status --signal INT 6 " MAMMORAY_EXECUTABLE " " +
-    this->Twins("--only plain --twins 1000") + " >" + this->Folder.File("out") + " 2>" +
-    this->Folder.File("err");
+  const std::string command = "timeout --foreground --preserve-status --signal INT 6 " +
+    testing_support::MammorayExecutable() + " " + this->Twins("--only plain --twins 1000") + " >" +
+    this->Folder.File("out") + " 2>" + this->Folder.File("err");
   const int status = std::system(command.c_str());
   ASSERT_TRUE(WIFEXITED(status));
   EXPECT_EQ(WEXITSTATUS(status), 1);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "CommandTest.h"
-#include "MeshIO.h"
-#include "PathLengthProjector.h"
-#include "SurfaceConversion.h"
+#include "mammoray/IO/MeshIO.h"
+#include "mammoray/IO/SurfaceConversion.h"
+#include "mammoray/XRay/PathLengthProjector.h"
 
 #include "vtkPolyData.h"
 

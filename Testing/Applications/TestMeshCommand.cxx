@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "CommandTest.h"
-#include "LabelVolumeIO.h"
-#include "MeshConversion.h"
-#include "MeshIO.h"
+#include "mammoray/IO/LabelVolumeIO.h"
+#include "mammoray/IO/MeshConversion.h"
+#include "mammoray/IO/MeshIO.h"
 
 #include "vtkUnstructuredGrid.h"
 

@@ -3,9 +3,10 @@
 // MAMMORAY_LONG_TESTS=1, and each only where its file is. With MAMMORAY_MESH_PAGE=FOLDER they leave
 // the rows of docs/meshes.md (table.md) and pictures of the cuts in that folder.
 #include "CommandTest.h"
-#include "MeshConversion.h"
-#include "MeshIO.h"
+#include "Files.h"
 #include "SurfaceShapes.h"
+#include "mammoray/IO/MeshConversion.h"
+#include "mammoray/IO/MeshIO.h"
 
 #include "vtkUnstructuredGrid.h"
 
@@ -20,8 +21,8 @@ using testing_support::ReadFile;
 
 namespace
 {
-const std::string Shared = MAMMORAY_SHARED_DATA_DIR;
-const std::string Victre = MAMMORAY_DATA_DIR "/materials/victre.json";
+const std::string Shared = testing_support::SharedDataFolder();
+const std::string Victre = testing_support::DataFolder() + "/materials/victre.json";
 
 struct Phantom
 {
@@ -215,7 +216,8 @@ TEST_P(PhantomMeshes, BothWaysAreSoundKeepVolumesAndAgree)
 }
 
 INSTANTIATE_TEST_SUITE_P(All, PhantomMeshes,
-  testing::Values(Phantom{ "example", MAMMORAY_DATA_DIR "/victre-phantom-1/labels.nrrd", Victre, "",
+  testing::Values(Phantom{ "example",
+                    testing_support::DataFolder() + "/victre-phantom-1/labels.nrrd", Victre, "",
                     "--spacing 0.8 --crop 90: 80:150 80:150 --thin skin", 0.8 },
     Phantom{ "scattered", Shared + "/breastphantom-scattered-1001/labels.nrrd", Victre, "",
       "--thin skin", 0.5 },
@@ -254,8 +256,8 @@ TEST_F(SurfaceFiles, ClosedSurfacesAreFilledAndMeshesChecked)
       smallestDihedralDeg, Page::Row);
   }
   // Vessels overlap where they join, and one is turned the wrong way round in places.
-  const std::string vessels = "--surface vessel=" + Shared +
-    "/hra-vasculature-mesh/VH_F_vasculature_mm_capped.stl";
+  const std::string vessels =
+    "--surface vessel=" + Shared + "/hra-vasculature-mesh/VH_F_vasculature_mm_capped.stl";
   this->ExpectRefused("mesh " + vessels + " -o " + this->Folder.File("v.vtu"), "--surface-voxels");
   this->Mesh("vessels", vessels + " --surface-voxels 1", 4, Page::Row);
 }

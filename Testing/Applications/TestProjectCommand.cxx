@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "CommandTest.h"
 #include "DicomTesting.h"
-#include "MammogramIO.h"
-#include "MeshConversion.h"
-#include "MeshIO.h"
-#include "PathLengthProjector.h"
+#include "mammoray/IO/MammogramIO.h"
+#include "mammoray/IO/MeshConversion.h"
+#include "mammoray/IO/MeshIO.h"
+#include "mammoray/XRay/PathLengthProjector.h"
 
 #include "vtkUnstructuredGrid.h"
 

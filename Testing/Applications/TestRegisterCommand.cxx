@@ -3,14 +3,15 @@
 // with nothing written.
 #include "CommandTest.h"
 #include "DicomTesting.h"
-#include "LabelVolumeIO.h"
-#include "LandmarkEvaluation.h"
-#include "MammogramIO.h"
-#include "MeshConversion.h"
-#include "MeshIO.h"
-#include "PathLengthProjector.h"
-#include "RegisteredBreast.h"
-#include "RegisteredMammogram.h"
+#include "Files.h"
+#include "mammoray/Case/RegisteredBreast.h"
+#include "mammoray/Case/RegisteredMammogram.h"
+#include "mammoray/Evidence/LandmarkEvaluation.h"
+#include "mammoray/IO/LabelVolumeIO.h"
+#include "mammoray/IO/MammogramIO.h"
+#include "mammoray/IO/MeshConversion.h"
+#include "mammoray/IO/MeshIO.h"
+#include "mammoray/XRay/PathLengthProjector.h"
 
 #include "vtkUnstructuredGrid.h"
 
@@ -33,7 +34,7 @@ namespace fs = std::filesystem;
 
 namespace
 {
-const std::string Data = MAMMORAY_DATA_DIR;
+const std::string Data = testing_support::DataFolder();
 const std::string Labels = Data + "/victre-phantom-1/labels.nrrd";
 const std::string Materials = Data + "/materials/victre.json";
 const std::string MammogramFile = Data + "/victre-phantom-1/victre1_lcc_processing.dcm";
@@ -99,7 +100,7 @@ TEST_F(RegisterCommand, RefusesUnusableInputInOneLine)
   this->ExpectRefused(this->Register(Labels, Materials, MammogramFile, "--crop 0:500 : :"),
     "within the volume's voxels 0:186 0:223 0:224");
   const std::string mr =
-    MAMMORAY_SHARED_DATA_DIR "/duke-breast-mri-153-CC-BY-NC-4.0/t1_tse/1-01.dcm";
+    testing_support::SharedDataFolder() + "/duke-breast-mri-153-CC-BY-NC-4.0/t1_tse/1-01.dcm";
   if (fs::exists(mr))
   {
     this->ExpectRefused(this->Register(Labels, Materials, mr), "MG");

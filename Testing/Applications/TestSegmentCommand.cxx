@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "CommandTest.h"
-#include "LabelVolumeIO.h"
+#include "mammoray/IO/LabelVolumeIO.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

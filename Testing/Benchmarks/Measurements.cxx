@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Measurements.h"
 
-#include "Error.h"
-#include "PhysicsData.h"
-#include "ProjectionImage.h"
 #include "SceneFile.h"
+#include "mammoray/Foundation/Error.h"
+#include "mammoray/IO/PhysicsData.h"
+#include "mammoray/IO/ProjectionImage.h"
 #ifdef MAMMORAY_HAS_EMBREE
 #include "EmbreePathLengths.h"
 #endif

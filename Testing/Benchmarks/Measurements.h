@@ -2,7 +2,7 @@
 #ifndef mammoray_Benchmarks_Measurements_h
 #define mammoray_Benchmarks_Measurements_h
 
-#include "ExampleScenes.h"
+#include "mammoray/XRay/ExampleScenes.h"
 
 #include <nlohmann/json.hpp>
 

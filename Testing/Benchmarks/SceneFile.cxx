@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "SceneFile.h"
 
-#include "Error.h"
+#include "mammoray/Foundation/Error.h"
 
 #include <nlohmann/json.hpp>
 

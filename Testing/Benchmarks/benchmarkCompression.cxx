@@ -4,14 +4,14 @@
 // embedding; compares force and displacements with a fine mesh. Prints a table in Markdown, writes
 // JSON. Times are of the clock, and of the processor over all threads: on a busy machine only the
 // latter says what the work costs.
-#include "CompressionSimulation.h"
-#include "ElasticTable.h"
-#include "Error.h"
-#include "LabelSource.h"
-#include "PhysicsData.h"
-#include "PlacedPlates.h"
-#include "SimulationLead.h"
-#include "SimulationMesh.h"
+#include "mammoray/Biomechanics/CompressionSimulation.h"
+#include "mammoray/Biomechanics/ElasticTable.h"
+#include "mammoray/Biomechanics/PlacedPlates.h"
+#include "mammoray/Case/LabelSource.h"
+#include "mammoray/Foundation/Error.h"
+#include "mammoray/IO/PhysicsData.h"
+#include "mammoray/Meshing/SimulationMesh.h"
+#include "mammoray/Registration/SimulationLead.h"
 
 #include <nlohmann/json.hpp>
 

@@ -2,11 +2,11 @@
 // Times the projectors on the examples of the published sizes, with Embree as the yardstick in the
 // same run; prints tables in Markdown, writes JSON and, with --plot, draws frames per second.
 // Every case runs in a process of its own, so that set-up is cold and peak memory is its own.
-#include "Error.h"
-#include "ExampleData.h"
 #include "Measurements.h"
 #include "SceneFile.h"
 #include "SurfaceShapes.h"
+#include "mammoray/Case/ExampleData.h"
+#include "mammoray/Foundation/Error.h"
 
 #include <CLI/CLI.hpp>
 

@@ -3,8 +3,8 @@
 #ifndef mammoray_Testing_EquilibriumChecks_h
 #define mammoray_Testing_EquilibriumChecks_h
 
-#include "EquilibriumSolver.h"
 #include "TestMeshes.h"
+#include "mammoray/Biomechanics/EquilibriumSolver.h"
 
 #include <gtest/gtest.h>
 

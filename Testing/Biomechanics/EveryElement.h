@@ -3,7 +3,7 @@
 #ifndef mammoray_EveryElement_h
 #define mammoray_EveryElement_h
 
-#include "ElasticBody.h"
+#include "mammoray/Biomechanics/ElasticBody.h"
 
 #include <gtest/gtest.h>
 
@@ -33,8 +33,7 @@ class EveryElement : public testing::TestWithParam<ElementType>
 
 #define MAMMORAY_FOR_EVERY_ELEMENT(suite)                                                          \
   INSTANTIATE_TEST_SUITE_P(Elements, suite,                                                        \
-    testing::Values(mammoray::ElementType::Quadratic,                                              \
-      mammoray::ElementType::PatchAveragedLinear),                                                 \
+    testing::Values(mammoray::ElementType::Quadratic, mammoray::ElementType::PatchAveragedLinear), \
     [](const auto& tested) { return mammoray::NameOf(tested.param); })
 
 #endif

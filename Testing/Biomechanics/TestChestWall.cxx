@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "ChestWall.h"
-#include "CompressionSimulation.h"
 #include "EquilibriumChecks.h"
-#include "EquilibriumSolver.h"
-#include "Error.h"
 #include "EveryElement.h"
 #include "TestMeshes.h"
+#include "mammoray/Biomechanics/ChestWall.h"
+#include "mammoray/Biomechanics/CompressionSimulation.h"
+#include "mammoray/Biomechanics/EquilibriumSolver.h"
+#include "mammoray/Foundation/Error.h"
 
 #include <gtest/gtest.h>
 
@@ -111,8 +111,7 @@ TEST(ChestWall, ANodeThatGlidesRoundACurvedWallKeepsItsHeight)
   for (std::size_t p = 0; p < mesh.NumberOfPoints(); ++p)
   {
     const Vector3 point = mesh.Point(p);
-    sizes.push_back(
-      std::max({ std::abs(point[0]), std::abs(point[1]), std::abs(point[2]), 1e-9 }));
+    sizes.push_back(std::max({ std::abs(point[0]), std::abs(point[1]), std::abs(point[2]), 1e-9 }));
     for (int axis = 0; axis < 3; ++axis)
     {
       surface.Points[3 * p + axis] /= sizes.back();
@@ -187,9 +186,8 @@ TEST_P(LoadedElement, WallAndFrictionTurnWithBodyAndPlates)
   const PressedBlock block(GetParam());
   TetrahedralMesh mesh = PressedBlock::Mesh();
   const std::vector<bool> held = CellsOfMaterial(mesh, 2);
-  const auto gradientOf =
-    [&](const ElasticBody& body, const std::vector<double>& x, const PlatePair& plates,
-      const std::vector<double>& xBefore)
+  const auto gradientOf = [&](const ElasticBody& body, const std::vector<double>& x,
+                            const PlatePair& plates, const std::vector<double>& xBefore)
   {
     const ChestWall wall(body, held);
     EquilibriumSolver solver(body, std::vector<bool>(x.size(), false), 1000, held);
@@ -261,8 +259,7 @@ TEST(CompressionSimulation, AnElasticWallGivesWayByForceOverStiffness)
     const double* from = &simulation.RestPositions()[c];
     // Energy of the unit stiffness: half of area times the square of the lift of 1 mm.
     const double area = 2 * wall.NodeTerms(n, { from[0], from[1] + 1, from[2] }, { 1, 0 }).Energy;
-    mean = mean +
-      (area / 400) * Vector3{ to[0] - from[0], to[1] - from[1], to[2] - from[2] };
+    mean = mean + (area / 400) * Vector3{ to[0] - from[0], to[1] - from[1], to[2] - from[2] };
   }
   EXPECT_NEAR(mean[0], 1e3 * 0.05 / 400 / 0.5, 1e-8);
   EXPECT_NEAR(mean[1], 1e3 * 0.3 / 400 / 4, 1e-8);

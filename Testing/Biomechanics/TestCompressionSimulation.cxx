@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "CompressionSimulation.h"
-#include "EquilibriumSolver.h"
-#include "Error.h"
 #include "EveryElement.h"
-#include "PlacedPlates.h"
 #include "TestMeshes.h"
+#include "mammoray/Biomechanics/CompressionSimulation.h"
+#include "mammoray/Biomechanics/EquilibriumSolver.h"
+#include "mammoray/Biomechanics/PlacedPlates.h"
+#include "mammoray/Foundation/Error.h"
 
 #include <gtest/gtest.h>
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "ElasticBody.h"
 #include "EquilibriumChecks.h"
-#include "EquilibriumSolver.h"
-#include "Error.h"
 #include "EveryElement.h"
 #include "TestMeshes.h"
+#include "mammoray/Biomechanics/ElasticBody.h"
+#include "mammoray/Biomechanics/EquilibriumSolver.h"
+#include "mammoray/Foundation/Error.h"
 
 #include <gtest/gtest.h>
 
@@ -114,12 +114,12 @@ TEST_P(ElementEnergy, GradientAndHessianMatchCentralDifferences)
     const ElasticBody body(test::MakeBoxMesh({ 0, 0, 0 }, { 2, 2, 4 }, { 1, 1, 2 }),
       { {}, FromModuli(3, kappa, exponent) }, {}, {}, GetParam());
     // h^2 = 1e-10 for truncation, eps / h = 2e-11 for roundoff, times factors of order 10.
-    ExpectElementDerivatives(
-      body, Shaken(body.RestPositions(), 0.06, 7), ElasticBody::Domain::Admissible, 1e-8);
+    ExpectElementDerivatives(body, Shaken(body.RestPositions(), 0.06, 7),
+      ElasticBody::Domain::Admissible, 1e-8);
     // Far enough for cells to be turned inside out, where only the extended energy is defined; its
     // third derivatives are ten times as large there.
-    const double smallestJ = ExpectElementDerivatives(
-      body, Shaken(body.RestPositions(), 2, 7), ElasticBody::Domain::Extended, 1e-7);
+    const double smallestJ = ExpectElementDerivatives(body, Shaken(body.RestPositions(), 2, 7),
+      ElasticBody::Domain::Extended, 1e-7);
     EXPECT_LT(smallestJ, 0);
   }
 }
@@ -133,8 +133,8 @@ TEST_P(ElementEnergy, IsTheSameInTheExtendedDomainWhereCellsKeepATenthOfTheirVol
   for (std::size_t element = 0; element < body.NumberOfElements(); ++element)
   {
     ASSERT_TRUE(body.ElementTerms(element, x, ElasticBody::Order::Hessian, terms));
-    ASSERT_TRUE(body.ElementTerms(
-      element, x, ElasticBody::Order::Hessian, extended, ElasticBody::Domain::Extended));
+    ASSERT_TRUE(body.ElementTerms(element, x, ElasticBody::Order::Hessian, extended,
+      ElasticBody::Domain::Extended));
     ASSERT_GT(terms.SmallestJ, 0.1);
     EXPECT_EQ(terms.Energy, extended.Energy);
     EXPECT_EQ(terms.Gradient, extended.Gradient);
@@ -225,8 +225,8 @@ TEST_P(ElementEnergy, AveragesTheFieldOverTheCells)
   const std::vector<ElasticMaterial> materials{ {}, FromModuli(1, 20), FromModuli(3, 60),
     FromModuli(100, 2000) };
   // Material 2 where z < 2, air elsewhere: there the cell's own material 1 counts.
-  const ElasticBody half(mesh, materials, [](const Vector3& p) { return p[2] < 2 ? 2 : 0; },
-    {}, GetParam());
+  const ElasticBody half(
+    mesh, materials, [](const Vector3& p) { return p[2] < 2 ? 2 : 0; }, {}, GetParam());
   double mu = 0;
   for (std::size_t element = 0; element < half.NumberOfElements(); ++element)
   {
@@ -235,10 +235,11 @@ TEST_P(ElementEnergy, AveragesTheFieldOverTheCells)
   // Of the difference of 2: 2 % for 220 lattice points in a cell, 4 % for 35.
   EXPECT_NEAR(mu, 2, GetParam() == ElementType::Quadratic ? 0.04 : 0.08);
   // An ignored material counts as the cell's own.
-  const ElasticBody ignoring(mesh, materials, [](const Vector3&) { return 3; },
-    { false, false, false, true }, GetParam());
+  const ElasticBody ignoring(
+    mesh, materials, [](const Vector3&) { return 3; }, { false, false, false, true }, GetParam());
   EXPECT_DOUBLE_EQ(ignoring.ElementShearModulus(0), materials[1].ShearModulusKPa());
-  EXPECT_THROW(ElasticBody(mesh, materials, [](const Vector3&) { return 9; }, {}, GetParam()),
+  EXPECT_THROW(ElasticBody(
+                 mesh, materials, [](const Vector3&) { return 9; }, {}, GetParam()),
     InputError);
 }
 
@@ -248,8 +249,8 @@ TEST_P(ElementEnergy, GradientRateMatchesCentralDifferencesInTheMaterials)
   // Mixed cells: two materials by the field, one of them so little compressible that part of its
   // kappa acts on the mean alone.
   const std::vector<ElasticMaterial> materials{ {}, FromModuli(1, 20, 2), FromModuli(4, 3000, 6) };
-  ElasticBody body(mesh, materials, [](const Vector3& p) { return p[2] < 1.5 ? 2 : 1; },
-    {}, GetParam());
+  ElasticBody body(
+    mesh, materials, [](const Vector3& p) { return p[2] < 1.5 ? 2 : 1; }, {}, GetParam());
   const std::vector<double> x = Shaken(body.RestPositions(), 0.15, 9);
   const MaterialVelocity velocities[] = { { {}, { 1, 0, 0 }, {} }, { {}, {}, { 1, 0, 0 } },
     { {}, { 0, 1, 0 }, {} }, { {}, {}, { 0, 0.01, 0 } }, { {}, { 0, 0, 1 }, {} },
@@ -410,8 +411,8 @@ TEST_P(ElementEquilibrium, UniaxialCompressionMatchesTheClosedForm)
   }
 }
 
-/// Loads of an even traction on the faces whose nodes all satisfy `loaded` at rest: each corner of a
-/// linear face carries a third, each middle of a quadratic one, and its corners nothing.
+/// Loads of an even traction on the faces whose nodes all satisfy `loaded` at rest: each corner of
+/// a linear face carries a third, each middle of a quadratic one, and its corners nothing.
 template <typename Predicate>
 std::vector<double> EvenTraction(const ElasticBody& body, const Vector3& traction,
   const Predicate& loaded)
@@ -496,8 +497,9 @@ void ExpectConvergence(ElementType type, const ElasticMaterial& material, double
 
 TEST_P(ElementEquilibrium, CooksMembraneNearlyIncompressible)
 {
-  // Simo and Armero (1992): mu = 80.1938, kappa = 400889.8; the corner rises by 6.9. Approached from
-  // below: on 18 x 18 bricks quadratic cells lack 1 %, linear ones, of an eighth of the nodes, 4 %.
+  // Simo and Armero (1992): mu = 80.1938, kappa = 400889.8; the corner rises by 6.9. Approached
+  // from below: on 18 x 18 bricks quadratic cells lack 1 %, linear ones, of an eighth of the nodes,
+  // 4 %.
   ExpectConvergence(GetParam(), FromModuli(80.1938, 400889.8), 6.25, &CooksMembrane::Corner, 6.9,
     GetParam() == ElementType::Quadratic ? 0.02 : 0.05);
 }

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "CompressionSimulation.h"
-#include "Error.h"
 #include "EveryElement.h"
 #include "TestMeshes.h"
+#include "mammoray/Biomechanics/CompressionSimulation.h"
+#include "mammoray/Foundation/Error.h"
 
 #include <gtest/gtest.h>
 

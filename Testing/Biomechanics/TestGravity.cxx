@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "CompressionSimulation.h"
 #include "EquilibriumChecks.h"
-#include "Error.h"
-#include "PlacedPlates.h"
 #include "TestMeshes.h"
+#include "mammoray/Biomechanics/CompressionSimulation.h"
+#include "mammoray/Biomechanics/PlacedPlates.h"
+#include "mammoray/Foundation/Error.h"
 
 #include <gtest/gtest.h>
 
@@ -64,7 +64,8 @@ TEST(Gravity, AColumnStretchesUnderItsOwnWeight)
     const double y = std::max(0.0, mesh.Points[c + 1]);
     const double expected = weight * (60 * y - 0.5 * y * y) / 400;
     // Relative error of small strain: a few times the strain, 0.15 %.
-    EXPECT_NEAR(state.Positions[c + 1] - mesh.Points[c + 1], expected, 3 * strain * expected + 1e-9);
+    EXPECT_NEAR(state.Positions[c + 1] - mesh.Points[c + 1], expected,
+      3 * strain * expected + 1e-9);
     EXPECT_NEAR(state.Positions[c], mesh.Points[c], 1e-4);
   }
   EXPECT_EQ(state.PaddleForceN, 0);

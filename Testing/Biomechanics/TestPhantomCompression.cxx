@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // The FDA's VICTRE phantom 1 against the FDA's own compression of it (FEBio on another mesh):
 // points known in both states, the gland's voxels, the outline. Nothing here is fitted to them.
-#include "CompressionSimulation.h"
 #include "EveryElement.h"
-#include "LabelVolumeIO.h"
-#include "SimulationMesh.h"
+#include "Files.h"
+#include "mammoray/Biomechanics/CompressionSimulation.h"
+#include "mammoray/IO/LabelVolumeIO.h"
+#include "mammoray/Meshing/SimulationMesh.h"
 
 #include <gtest/gtest.h>
 
@@ -24,7 +25,7 @@ using PhantomCompression = test::EveryElement;
 MAMMORAY_FOR_EVERY_ELEMENT(PhantomCompression);
 
 const std::filesystem::path Folder =
-  std::filesystem::path(MAMMORAY_SHARED_DATA_DIR) / "victre-pipeline-phantom-1";
+  std::filesystem::path(testing_support::SharedDataFolder()) / "victre-pipeline-phantom-1";
 
 /// Air and plates, fat, skin and nipple, other tissue (gland: lobules and ducts too), muscle.
 enum Tissue : std::uint16_t
@@ -97,8 +98,8 @@ struct Compressed
     {
       this->Size[axis] = grid.Size[axis] / CubeVoxels;
     }
-    this->GlandMm3.assign(
-      static_cast<std::size_t>(this->Size[0]) * this->Size[1] * this->Size[2], 0.0);
+    this->GlandMm3.assign(static_cast<std::size_t>(this->Size[0]) * this->Size[1] * this->Size[2],
+      0.0);
   }
 
   /// Tissue at a continuous index of the grid.
@@ -117,8 +118,7 @@ struct Compressed
     this->Silhouette[static_cast<std::size_t>(square[1]) * this->Columns + square[0]] = 1;
     if (tissue == Gland)
     {
-      this->GlandMm3[(static_cast<std::size_t>(cube[2]) * this->Size[1] + cube[1]) *
-          this->Size[0] +
+      this->GlandMm3[(static_cast<std::size_t>(cube[2]) * this->Size[1] + cube[1]) * this->Size[0] +
         cube[0]] += mm3;
     }
   }
@@ -325,8 +325,8 @@ TEST_P(PhantomCompression, MovesTissueAsTheFdasSimulationDid)
   std::printf("%s, %zu cells: landmarks imaged: median %.2f mm, largest %.2f mm; all: median %.2f "
               "mm, largest %.2f mm; gland overlap (Dice) %.3f, uncompressed %.3f; outline: mean "
               "%.2f mm, 95 %% %.2f mm, largest %.2f mm; paddle %.2f N; %d Newton steps, %.1f s\n",
-    NameOf(GetParam()).c_str(), mesh.Mesh.NumberOfCells(), errors[errors.size() / 2],
-    errors.back(), all[all.size() / 2], all.back(), dice, Dice(still, theirs, cubeMm3), mean,
+    NameOf(GetParam()).c_str(), mesh.Mesh.NumberOfCells(), errors[errors.size() / 2], errors.back(),
+    all[all.size() / 2], all.back(), dice, Dice(still, theirs, cubeMm3), mean,
     outline[outline.size() * 95 / 100], outline.back(), state.PaddleForceN, state.NewtonSteps,
     state.Seconds);
   RecordProperty("MedianErrorMm", std::to_string(errors[errors.size() / 2]));

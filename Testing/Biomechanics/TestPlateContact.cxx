@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "PlacedPlates.h"
-#include "PlateContact.h"
+#include "mammoray/Biomechanics/PlacedPlates.h"
+#include "mammoray/Biomechanics/PlateContact.h"
 
 #include <gtest/gtest.h>
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "CompressionSimulation.h"
 #include "EquilibriumChecks.h"
-#include "PlateFriction.h"
 #include "TestMeshes.h"
+#include "mammoray/Biomechanics/CompressionSimulation.h"
+#include "mammoray/Biomechanics/PlateFriction.h"
 
 #include <gtest/gtest.h>
 
@@ -171,8 +171,7 @@ TEST(PlateFriction, APressedBlockSticksBelowCoulombsForceAndSlipsAbove)
   }
   EXPECT_TRUE(stuck && slipped);
   // Back: at first it sticks, then the force turns round.
-  const CompressionState back =
-    block.Simulation.Compress(ShearedBlock::Plates(9.5, 0.5), &state);
+  const CompressionState back = block.Simulation.Compress(ShearedBlock::Plates(9.5, 0.5), &state);
   EXPECT_LT(block.Shear(back), 0);
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "Error.h"
-#include "LabelResampling.h"
+#include "mammoray/Foundation/Error.h"
+#include "mammoray/Foundation/LabelResampling.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "Error.h"
-#include "LabelVolume.h"
-#include "MaterialTable.h"
+#include "mammoray/Foundation/Error.h"
+#include "mammoray/Foundation/LabelVolume.h"
+#include "mammoray/Foundation/MaterialTable.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

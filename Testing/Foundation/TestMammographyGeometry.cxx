@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "Error.h"
-#include "MammographyGeometry.h"
+#include "mammoray/Foundation/Error.h"
+#include "mammoray/Foundation/MammographyGeometry.h"
 
 #include <gtest/gtest.h>
 

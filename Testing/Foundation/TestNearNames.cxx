@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "NearNames.h"
+#include "mammoray/Foundation/NearNames.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

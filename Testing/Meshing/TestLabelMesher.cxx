@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "LabelMesher.h"
 #include "LabelShapes.h"
-#include "MeshCheck.h"
+#include "mammoray/Meshing/LabelMesher.h"
+#include "mammoray/Meshing/MeshCheck.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "MeshCheck.h"
 #include "SurfaceShapes.h"
 #include "TestMeshes.h"
+#include "mammoray/Meshing/MeshCheck.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

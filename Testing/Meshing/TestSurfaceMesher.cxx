@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "LabelShapes.h"
-#include "MeshCheck.h"
-#include "SurfaceMesher.h"
 #include "SurfaceShapes.h"
+#include "mammoray/Meshing/MeshCheck.h"
+#include "mammoray/Meshing/SurfaceMesher.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -257,8 +257,9 @@ TEST_F(SurfaceMesher, ThinLayersFromLabelsHaveNoSlivers)
   // A shell of one voxel around two tissues, as skin: all corners of its cells lie on interfaces.
   // Where points of the body's surface could not move, an angle of 0.45 degrees was left.
   const LabelVolume volume = LabelledCube(44, 0.5,
-    [](const Vector3& p)
-    { return Norm(p) > 9.5 ? 0 : Norm(p) > 9 ? 3 : Norm(p - Vector3{ 4, 2, 0 }) < 6 ? 2 : 1; });
+    [](const Vector3& p) {
+      return Norm(p) > 9.5 ? 0 : Norm(p) > 9 ? 3 : Norm(p - Vector3{ 4, 2, 0 }) < 6 ? 2 : 1;
+    });
   MeshingOptions options = MeshingOptions::Anatomy({ 3 });
   const MeshingResult result = MeshMaterialSurfaces(volume, options);
   EXPECT_TRUE(CheckMesh(result.Mesh).Sound());

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "SurfaceVoxels.h"
+#include "mammoray/Meshing/SurfaceVoxels.h"
 
-#include "LabelMesher.h"
 #include "LabelShapes.h"
-#include "MeshCheck.h"
 #include "SurfaceShapes.h"
+#include "mammoray/Meshing/LabelMesher.h"
+#include "mammoray/Meshing/MeshCheck.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

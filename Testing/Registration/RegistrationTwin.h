@@ -2,10 +2,10 @@
 #ifndef mammoray_RegistrationTwin_h
 #define mammoray_RegistrationTwin_h
 
-#include "Beam.h"
-#include "RegistrationModel.h"
-#include "TargetImage.h"
 #include "TestMeshes.h"
+#include "mammoray/Registration/RegistrationModel.h"
+#include "mammoray/Registration/TargetImage.h"
+#include "mammoray/XRay/Beam.h"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "PlacedPlates.h"
-#include "Registration.h"
+#include "mammoray/Biomechanics/PlacedPlates.h"
+#include "mammoray/Registration/Registration.h"
 
 #include <gtest/gtest.h>
 

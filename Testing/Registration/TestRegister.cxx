@@ -2,10 +2,10 @@
 // The target is not made by the model: it has another mesh density for the mechanics and for the
 // picture, another spectrum (30 instead of 20 keV), noise, and an unknown scale and offset of its
 // intensities.
-#include "Annealing.h"
-#include "Error.h"
-#include "Registration.h"
 #include "RegistrationTwin.h"
+#include "mammoray/Foundation/Error.h"
+#include "mammoray/Registration/Annealing.h"
+#include "mammoray/Registration/Registration.h"
 
 #include <gtest/gtest.h>
 
@@ -287,8 +287,8 @@ TEST_F(Registration, TwoViewsShareTheStiffnessAndKnowItBetter)
     EXPECT_NEAR(result.Pose.ThicknessMm, truths[view].ThicknessMm, 3.0);
     // The body is nearly round: its roll is known to 4 or 5 degrees.
     EXPECT_LT(result.StandardDeviations[RollParameter], 6.0);
-    EXPECT_NEAR(
-      result.Pose.RollDeg, truths[view].RollDeg, 3 * result.StandardDeviations[RollParameter]);
+    EXPECT_NEAR(result.Pose.RollDeg, truths[view].RollDeg,
+      3 * result.StandardDeviations[RollParameter]);
     EXPECT_NEAR(result.Pose.ShiftLateralMm, truths[view].ShiftLateralMm, 1.5);
     EXPECT_LT(result.After.MeanOutlineDistanceMm, 0.7);
     EXPECT_GT(result.After.Correlation, 0.95);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "RegistrationResiduals.h"
 #include "RegistrationTwin.h"
 #include "SurfaceShapes.h"
+#include "mammoray/Registration/RegistrationResiduals.h"
 
 #include <gtest/gtest.h>
 

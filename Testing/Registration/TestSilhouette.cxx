@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "Silhouette.h"
 #include "SurfaceShapes.h"
+#include "mammoray/Registration/Silhouette.h"
 
 #include <gtest/gtest.h>
 

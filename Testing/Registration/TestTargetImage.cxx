@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "Error.h"
-#include "TargetImage.h"
+#include "mammoray/Foundation/Error.h"
+#include "mammoray/Registration/TargetImage.h"
 
 #include <gtest/gtest.h>
 

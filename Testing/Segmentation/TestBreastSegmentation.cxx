@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "BreastSegmentation.h"
-#include "Error.h"
-#include "LabelVolumeIO.h"
+#include "Files.h"
+#include "mammoray/Foundation/Error.h"
+#include "mammoray/IO/LabelVolumeIO.h"
+#include "mammoray/Segmentation/BreastSegmentation.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -29,7 +30,7 @@ const LabelVolume& Phantom()
   static const LabelVolume tissues = []
   {
     LabelVolume volume =
-      ReadLabelVolume(std::string(MAMMORAY_DATA_DIR) + "/victre-phantom-1/labels.nrrd");
+      ReadLabelVolume(testing_support::DataFolder() + "/victre-phantom-1/labels.nrrd");
     const std::map<int, TissueLabel> tissueOf = { { 0, TissueLabel::Air }, { 1, TissueLabel::Fat },
       { 2, TissueLabel::Skin }, { 33, TissueLabel::Skin }, { 40, TissueLabel::ChestWall } };
     for (std::uint16_t& voxel : volume.Voxels)
@@ -452,7 +453,7 @@ TEST(BreastSegmentation, CanBeInterruptedInEveryStage)
 TEST(BreastSegmentation, RealMriAgreesWithManualLabels)
 {
   const std::filesystem::path folder =
-    std::filesystem::path(MAMMORAY_SHARED_DATA_DIR) / "duke-breast-mri-153-CC-BY-NC-4.0";
+    std::filesystem::path(testing_support::SharedDataFolder()) / "duke-breast-mri-153-CC-BY-NC-4.0";
   if (!std::filesystem::exists(folder / "t1_tse"))
   {
     GTEST_SKIP() << "absent: " << folder;

@@ -15,7 +15,7 @@
 
 namespace mammoray::testing_support
 {
-/// Runs the program MAMMORAY_EXECUTABLE in a folder of the test's own.
+/// Runs the program (MammorayExecutable) in a folder of the test's own.
 class CommandTest : public testing::Test
 {
 protected:
@@ -23,7 +23,7 @@ protected:
   /// a shell.
   int Run(const std::string& arguments, const std::string& environment = "")
   {
-    const std::string command = environment + " " MAMMORAY_EXECUTABLE " " + arguments + " >" +
+    const std::string command = environment + " " + MammorayExecutable() + " " + arguments + " >" +
       this->Folder.File("out") + " 2>" + this->Folder.File("err");
     const int status = std::system(command.c_str());
     this->Output = ReadFile(this->Folder.File("out"));

@@ -4,7 +4,7 @@
 #ifndef mammoray_Testing_EmbreePathLengths_h
 #define mammoray_Testing_EmbreePathLengths_h
 
-#include "PathLengthProjector.h"
+#include "mammoray/XRay/PathLengthProjector.h"
 
 #include <embree3/rtcore.h>
 

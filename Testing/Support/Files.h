@@ -12,6 +12,15 @@
 
 namespace mammoray::testing_support
 {
+/// The project's Data folder.
+std::string DataFolder();
+/// The folder of real inputs that are not part of the project and may be absent; tests skip then.
+std::string SharedDataFolder();
+/// The command line program; empty where it is not built.
+std::string MammorayExecutable();
+/// The X server without a screen; empty where there is none.
+std::string XvfbPath();
+
 /// A folder of its own for a test, removed at the end.
 class TemporaryFolder
 {

@@ -3,8 +3,8 @@
 #ifndef mammoray_LabelShapes_h
 #define mammoray_LabelShapes_h
 
-#include "Error.h"
-#include "LabelVolume.h"
+#include "mammoray/Foundation/Error.h"
+#include "mammoray/Foundation/LabelVolume.h"
 
 #include <algorithm>
 #include <functional>

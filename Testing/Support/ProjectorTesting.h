@@ -5,8 +5,8 @@
 #ifndef mammoray_ProjectorTesting_h
 #define mammoray_ProjectorTesting_h
 
-#include "PathLengthProjector.h"
 #include "SurfaceShapes.h"
+#include "mammoray/XRay/PathLengthProjector.h"
 
 #include <gtest/gtest.h>
 

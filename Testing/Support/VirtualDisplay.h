@@ -14,7 +14,7 @@
 namespace mammoray::testing_support
 {
 /**
- * An X server of the process's own (Xvfb), named by DISPLAY; MAMMORAY_XVFB is its path. One for all
+ * An X server of the process's own (Xvfb), named by DISPLAY; XvfbPath is its path. One for all
  * tests: OpenGL drivers do not expect their display to go.
  */
 class VirtualDisplay
@@ -48,8 +48,8 @@ private:
       const int nowhere = open("/dev/null", O_WRONLY);
       dup2(nowhere, STDOUT_FILENO);
       dup2(nowhere, STDERR_FILENO);
-      execl(MAMMORAY_XVFB, MAMMORAY_XVFB, "-displayfd", end.c_str(), "-screen", "0", "1400x1000x24",
-        "-noreset", "-nolisten", "tcp", static_cast<char*>(nullptr));
+      execl(XvfbPath().c_str(), XvfbPath().c_str(), "-displayfd", end.c_str(), "-screen", "0",
+        "1400x1000x24", "-noreset", "-nolisten", "tcp", static_cast<char*>(nullptr));
       _exit(127);
     }
     close(ends[1]);

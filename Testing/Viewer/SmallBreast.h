@@ -3,10 +3,10 @@
 #ifndef mammoray_SmallBreast_h
 #define mammoray_SmallBreast_h
 
-#include "MeshConversion.h"
-#include "MeshIO.h"
 #include "TestMeshes.h"
-#include "ViewedBreast.h"
+#include "mammoray/IO/MeshConversion.h"
+#include "mammoray/IO/MeshIO.h"
+#include "mammoray/Viewer/ViewedBreast.h"
 
 #include "Files.h"
 #include "vtkUnstructuredGrid.h"

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "BreastViewer.h"
-#include "Error.h"
-#include "RequireDisplay.h"
 #include "SmallBreast.h"
 #include "VirtualDisplay.h"
+#include "mammoray/Foundation/Error.h"
+#include "mammoray/Viewer/BreastViewer.h"
+#include "mammoray/Viewer/RequireDisplay.h"
 
 #include "vtkCommand.h"
 #include "vtkImageData.h"

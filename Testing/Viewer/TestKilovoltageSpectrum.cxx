@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "Error.h"
-#include "KilovoltageSpectrum.h"
-#include "PhysicsData.h"
+#include "mammoray/Foundation/Error.h"
+#include "mammoray/IO/PhysicsData.h"
+#include "mammoray/Viewer/KilovoltageSpectrum.h"
 
 #include <gtest/gtest.h>
 

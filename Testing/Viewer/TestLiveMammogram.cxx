@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "Error.h"
-#include "KilovoltageSpectrum.h"
-#include "LiveMammogram.h"
-#include "PhysicsData.h"
-#include "RegistrationModel.h"
 #include "SmallBreast.h"
-#include "TargetImage.h"
+#include "mammoray/Foundation/Error.h"
+#include "mammoray/IO/PhysicsData.h"
+#include "mammoray/Registration/RegistrationModel.h"
+#include "mammoray/Registration/TargetImage.h"
+#include "mammoray/Viewer/KilovoltageSpectrum.h"
+#include "mammoray/Viewer/LiveMammogram.h"
 
 #include <gtest/gtest.h>
 

@@ -3,7 +3,7 @@
 #include "SmallBreast.h"
 #include "VirtualDisplay.h"
 
-#include "PathLengthProjector.h"
+#include "mammoray/XRay/PathLengthProjector.h"
 
 #include "vtkDoubleArray.h"
 #include "vtkPointData.h"
@@ -74,8 +74,7 @@ protected:
           { "paddleEdgeMm", 0 }, { "edgeRadiusMm", 3 } } },
       { "grid",
         { { "columns", 120 }, { "rows", 240 }, { "originMm", { 59.75, 0.25 } },
-          { "columnStepMm", { 0.0, 0.5 } }, { "rowStepMm", { -0.5, 0.0 } } } }
-    };
+          { "columnStepMm", { 0.0, 0.5 } }, { "rowStepMm", { -0.5, 0.0 } } } } };
     const std::vector<std::pair<std::string, double>> values{ { "thickness", 54 }, { "roll", 4 },
       { "pitch", 0 }, { "yaw", 0 }, { "lateral", 0 }, { "anterior", 5 }, { "vertical", 0 },
       { "tilt", 0 }, { "stiffness", 1 } };
@@ -156,8 +155,7 @@ TEST_F(ViewCommand, RefusesInOneLine)
     "DISPLAY=:12345");
   this->ExpectRefused("view --mesh " + this->Folder.File("none.vtu") + " --materials victre",
     "none.vtu: no such file");
-  this->ExpectRefused("view --result " + this->Folder.File("none"),
-    "result.json: no such file");
+  this->ExpectRefused("view --result " + this->Folder.File("none"), "result.json: no such file");
   this->ExpectRefused("view --mesh " + this->Folder.File("breast.vtu"), "expected --materials");
   this->ExpectRefused("view --mesh " + this->Folder.File("breast.vtu") + " --materials victre",
     "material 2 is 'wall'");

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "Beam.h"
-#include "Error.h"
+#include "mammoray/Foundation/Error.h"
+#include "mammoray/XRay/Beam.h"
 
 #include <gtest/gtest.h>
 

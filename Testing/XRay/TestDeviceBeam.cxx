@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The Beer-Lambert law on the device against the one on the host, on the same path lengths.
-#include "Beam.h"
-#include "Error.h"
 #include "ProjectorTesting.h"
+#include "mammoray/Foundation/Error.h"
+#include "mammoray/XRay/Beam.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Ray by ray against Embree, which shares no code and no hit test with either projector.
 #include "EmbreePathLengths.h"
-#include "ExampleData.h"
 #include "SurfaceShapes.h"
+#include "mammoray/Case/ExampleData.h"
 
 #include <gtest/gtest.h>
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "Error.h"
-#include "ExampleScenes.h"
-#include "LabelSurface.h"
 #include "SurfaceMeasures.h"
+#include "mammoray/Foundation/Error.h"
+#include "mammoray/Foundation/LabelSurface.h"
+#include "mammoray/XRay/ExampleScenes.h"
 
 #include <gtest/gtest.h>
 

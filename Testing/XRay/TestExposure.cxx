@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Expose is tested with a projector of closed forms, so that nothing but it is under test.
-#include "Error.h"
-#include "Exposure.h"
+#include "mammoray/Foundation/Error.h"
+#include "mammoray/XRay/Exposure.h"
 
 #include <gtest/gtest.h>
 

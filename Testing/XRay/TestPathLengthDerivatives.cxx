@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Derivatives of path lengths against closed forms, identities and central differences.
-#include "Error.h"
 #include "ProjectorTesting.h"
+#include "mammoray/Foundation/Error.h"
 
 #include <gmock/gmock.h>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Path lengths against closed forms, against a slow reference, and identities.
-#include "DeviceError.h"
 #include "ProjectorTesting.h"
+#include "mammoray/XRay/DeviceError.h"
 
 #include <gmock/gmock.h>
 

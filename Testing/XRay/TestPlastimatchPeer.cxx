@@ -2,8 +2,8 @@
 // Against plastimatch's exact digitally reconstructed radiograph, which knows voxels only: source,
 // detector and cone beam are its own. Debian's package plastimatch; skipped without it.
 #include "Files.h"
-#include "PathLengthProjector.h"
 #include "SurfaceShapes.h"
+#include "mammoray/XRay/PathLengthProjector.h"
 
 #include <gtest/gtest.h>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Path lengths along lists of rays.
-#include "Error.h"
 #include "ProjectorTesting.h"
+#include "mammoray/Foundation/Error.h"
 
 #include <gmock/gmock.h>
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // The projector as a function of Octave and MATLAB; mammoray_project.m is its manual.
-#include "Beam.h"
-#include "DeviceError.h"
-#include "Error.h"
-#include "Exposure.h"
-#include "PathLengthProjector.h"
+#include "mammoray/Foundation/Error.h"
+#include "mammoray/XRay/Beam.h"
+#include "mammoray/XRay/DeviceError.h"
+#include "mammoray/XRay/Exposure.h"
+#include "mammoray/XRay/PathLengthProjector.h"
 
 #include <mex.h>
 

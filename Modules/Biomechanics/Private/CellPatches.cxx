@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "CellPatches.h"
+#include "Private/CellPatches.h"
 
 #include <algorithm>
 #include <array>

@@ -2,7 +2,7 @@
 #ifndef mammoray_CellPatches_h
 #define mammoray_CellPatches_h
 
-#include "TetrahedralMesh.h"
+#include "mammoray/Foundation/TetrahedralMesh.h"
 
 #include <cstdint>
 #include <vector>

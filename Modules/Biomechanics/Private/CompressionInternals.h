@@ -2,8 +2,8 @@
 #ifndef mammoray_CompressionInternals_h
 #define mammoray_CompressionInternals_h
 
-#include "CompressionSimulation.h"
-#include "EquilibriumSolver.h"
+#include "mammoray/Biomechanics/CompressionSimulation.h"
+#include "mammoray/Biomechanics/EquilibriumSolver.h"
 
 #include <optional>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "SparseCholesky.h"
+#include "Private/SparseCholesky.h"
 
-#include "Error.h"
+#include "mammoray/Foundation/Error.h"
 
 #include <cholmod.h>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "CellImprovement.h"
+#include "Private/CellImprovement.h"
 
-#include "PinchRepair.h"
+#include "Private/PinchRepair.h"
 
 #include <algorithm>
 #include <map>

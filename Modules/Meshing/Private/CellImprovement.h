@@ -2,8 +2,8 @@
 #ifndef mammoray_CellImprovement_h
 #define mammoray_CellImprovement_h
 
-#include "EditableMesh.h"
-#include "Progress.h"
+#include "Private/EditableMesh.h"
+#include "mammoray/Foundation/Progress.h"
 
 namespace mammoray
 {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "EditableMesh.h"
+#include "Private/EditableMesh.h"
 
 #include <algorithm>
 #include <limits>

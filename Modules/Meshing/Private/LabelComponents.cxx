@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "LabelComponents.h"
+#include "Private/LabelComponents.h"
 
 #include <algorithm>
 #include <limits>

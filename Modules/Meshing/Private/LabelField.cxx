@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "LabelField.h"
+#include "Private/LabelField.h"
 
-#include "Error.h"
+#include "mammoray/Foundation/Error.h"
 
 #include <algorithm>
 #include <limits>

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "MeshingSteps.h"
+#include "Private/MeshingSteps.h"
 
-#include "CellImprovement.h"
-#include "Error.h"
-#include "LabelResampling.h"
-#include "MeshQuality.h"
-#include "PinchRepair.h"
-#include "VolumeFit.h"
+#include "Private/CellImprovement.h"
+#include "Private/PinchRepair.h"
+#include "Private/VolumeFit.h"
+#include "mammoray/Foundation/Error.h"
+#include "mammoray/Foundation/LabelResampling.h"
+#include "mammoray/Meshing/MeshQuality.h"
 
 #include <algorithm>
 #include <cstdio>

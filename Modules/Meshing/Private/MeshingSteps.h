@@ -3,9 +3,9 @@
 #ifndef mammoray_MeshingSteps_h
 #define mammoray_MeshingSteps_h
 
-#include "LabelComponents.h"
-#include "LabelMesher.h"
-#include "MeshCheck.h"
+#include "Private/LabelComponents.h"
+#include "mammoray/Meshing/LabelMesher.h"
+#include "mammoray/Meshing/MeshCheck.h"
 
 namespace mammoray
 {

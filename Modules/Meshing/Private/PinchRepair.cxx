@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "PinchRepair.h"
+#include "Private/PinchRepair.h"
 
-#include "Error.h"
-#include "MeshingSteps.h"
+#include "Private/MeshingSteps.h"
+#include "mammoray/Foundation/Error.h"
 
 #include <algorithm>
 #include <map>

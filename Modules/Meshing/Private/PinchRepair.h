@@ -2,8 +2,8 @@
 #ifndef mammoray_PinchRepair_h
 #define mammoray_PinchRepair_h
 
-#include "EditableMesh.h"
-#include "Progress.h"
+#include "Private/EditableMesh.h"
+#include "mammoray/Foundation/Progress.h"
 
 namespace mammoray
 {

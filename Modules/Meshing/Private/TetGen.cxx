@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The only file that knows TetGen's types.
-#include "TetGen.h"
+#include "Private/TetGen.h"
 
-#include "Error.h"
+#include "mammoray/Foundation/Error.h"
 
 #ifndef TETLIBRARY
 #define TETLIBRARY

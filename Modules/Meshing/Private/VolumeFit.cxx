@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "VolumeFit.h"
+#include "Private/VolumeFit.h"
 
 #include <Eigen/Dense>
 

@@ -2,8 +2,8 @@
 #ifndef mammoray_VolumeFit_h
 #define mammoray_VolumeFit_h
 
-#include "EditableMesh.h"
-#include "Progress.h"
+#include "Private/EditableMesh.h"
+#include "mammoray/Foundation/Progress.h"
 
 #include <map>
 

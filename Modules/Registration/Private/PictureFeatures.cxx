@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "PictureFeatures.h"
+#include "Private/PictureFeatures.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "RegistrationEvaluator.h"
+#include "Private/RegistrationEvaluator.h"
 
-#include "Error.h"
+#include "mammoray/Foundation/Error.h"
 
 #include <Eigen/Dense>
 #include <ceres/ceres.h>

@@ -2,8 +2,8 @@
 #ifndef mammoray_RegistrationEvaluator_h
 #define mammoray_RegistrationEvaluator_h
 
-#include "Progress.h"
-#include "Registration.h"
+#include "mammoray/Foundation/Progress.h"
+#include "mammoray/Registration/Registration.h"
 
 #include <ceres/evaluation_callback.h>
 

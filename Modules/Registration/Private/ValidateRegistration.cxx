@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "ValidateRegistration.h"
+#include "Private/ValidateRegistration.h"
 
-#include "Error.h"
-#include "TargetImage.h"
+#include "mammoray/Foundation/Error.h"
+#include "mammoray/Registration/TargetImage.h"
 
 #include <string>
 

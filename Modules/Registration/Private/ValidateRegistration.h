@@ -2,7 +2,7 @@
 #ifndef mammoray_ValidateRegistration_h
 #define mammoray_ValidateRegistration_h
 
-#include "Registration.h"
+#include "mammoray/Registration/Registration.h"
 
 namespace mammoray
 {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "BiasField.h"
+#include "Private/BiasField.h"
 
 #include <itkBSplineControlPointImageFilter.h>
 #include <itkLinearInterpolateImageFunction.h>

@@ -2,8 +2,8 @@
 #ifndef mammoray_BiasField_h
 #define mammoray_BiasField_h
 
-#include "ItkImages.h"
-#include "Progress.h"
+#include "Private/ItkImages.h"
+#include "mammoray/Foundation/Progress.h"
 
 namespace mammoray
 {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "ChestWall.h"
+#include "Private/ChestWall.h"
 
-#include "Masks.h"
+#include "Private/Masks.h"
 
 #include <itkFlatStructuringElement.h>
 #include <itkGrayscaleMorphologicalClosingImageFilter.h>

@@ -2,7 +2,7 @@
 #ifndef mammoray_ChestWall_h
 #define mammoray_ChestWall_h
 
-#include "ItkImages.h"
+#include "Private/ItkImages.h"
 
 namespace mammoray
 {

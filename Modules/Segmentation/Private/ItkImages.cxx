@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "ItkImages.h"
+#include "Private/ItkImages.h"
 
 #include <itkBinShrinkImageFilter.h>
 #include <itkCastImageFilter.h>

@@ -2,8 +2,8 @@
 #ifndef mammoray_ItkImages_h
 #define mammoray_ItkImages_h
 
-#include "IntensityVolume.h"
-#include "MammographyGeometry.h"
+#include "mammoray/Foundation/IntensityVolume.h"
+#include "mammoray/Foundation/MammographyGeometry.h"
 
 #include <itkImage.h>
 #include <itkRecursiveGaussianImageFilter.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "Masks.h"
+#include "Private/Masks.h"
 
 #include <itkBinaryMorphologicalOpeningImageFilter.h>
 #include <itkConnectedComponentImageFilter.h>

@@ -2,7 +2,7 @@
 #ifndef mammoray_Masks_h
 #define mammoray_Masks_h
 
-#include "ItkImages.h"
+#include "Private/ItkImages.h"
 
 #include <vector>
 

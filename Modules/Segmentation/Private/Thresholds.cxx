@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "Thresholds.h"
+#include "Private/Thresholds.h"
 
 #include <itkHistogram.h>
 #include <itkOtsuMultipleThresholdsCalculator.h>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Private/BreastScene.h"
 
-#include "RegistrationModel.h"
-#include "TargetImage.h"
+#include "mammoray/Registration/RegistrationModel.h"
+#include "mammoray/Registration/TargetImage.h"
 
 #include "vtkActor.h"
 #include "vtkCell.h"

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Private/CompressionWorker.h"
 
-#include "Error.h"
-#include "Registration.h"
+#include "mammoray/Foundation/Error.h"
+#include "mammoray/Registration/Registration.h"
 
 #include <chrono>
 

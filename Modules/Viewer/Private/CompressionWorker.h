@@ -2,7 +2,7 @@
 #ifndef mammoray_CompressionWorker_h
 #define mammoray_CompressionWorker_h
 
-#include "ViewedBreast.h"
+#include "mammoray/Viewer/ViewedBreast.h"
 
 #include <condition_variable>
 #include <mutex>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Private/MammogramPane.h"
 
-#include "Error.h"
-#include "TargetImage.h"
+#include "mammoray/Foundation/Error.h"
+#include "mammoray/Registration/TargetImage.h"
 
 #include "vtkActor.h"
 #include "vtkCamera.h"

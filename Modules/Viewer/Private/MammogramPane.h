@@ -2,7 +2,7 @@
 #ifndef mammoray_MammogramPane_h
 #define mammoray_MammogramPane_h
 
-#include "LiveMammogram.h"
+#include "mammoray/Viewer/LiveMammogram.h"
 
 #include "vtkImageData.h"
 #include "vtkNew.h"

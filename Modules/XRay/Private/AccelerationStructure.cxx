@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "AccelerationStructure.h"
+#include "Private/AccelerationStructure.h"
 
 #include <algorithm>
 

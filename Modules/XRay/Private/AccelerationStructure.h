@@ -2,7 +2,7 @@
 #ifndef mammoray_AccelerationStructure_h
 #define mammoray_AccelerationStructure_h
 
-#include "Buffer.h"
+#include "Private/Buffer.h"
 
 namespace mammoray
 {

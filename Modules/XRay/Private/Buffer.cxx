@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "Buffer.h"
+#include "Private/Buffer.h"
 
 #include <algorithm>
 

@@ -2,7 +2,7 @@
 #ifndef mammoray_Buffer_h
 #define mammoray_Buffer_h
 
-#include "VulkanDevice.h"
+#include "Private/VulkanDevice.h"
 
 #include <cstddef>
 

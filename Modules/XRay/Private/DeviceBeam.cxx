@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "DeviceBeam.h"
+#include "Private/DeviceBeam.h"
 
 #include "BeamParameters.h"
-#include "ProjectionHelpers.h"
+#include "Private/ProjectionHelpers.h"
 #include "beam.h"
 
 #include <algorithm>

@@ -2,8 +2,8 @@
 #ifndef mammoray_DeviceBeam_h
 #define mammoray_DeviceBeam_h
 
-#include "Beam.h"
-#include "Buffer.h"
+#include "Private/Buffer.h"
+#include "mammoray/XRay/Beam.h"
 
 namespace mammoray
 {

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "DeviceProjector.h"
+#include "Private/DeviceProjector.h"
 
-#include "Beam.h"
-#include "Error.h"
-#include "ProjectionHelpers.h"
+#include "Private/ProjectionHelpers.h"
+#include "mammoray/Foundation/Error.h"
+#include "mammoray/XRay/Beam.h"
 
 #include <algorithm>
 #include <limits>

@@ -2,7 +2,7 @@
 #ifndef mammoray_DeviceProjector_h
 #define mammoray_DeviceProjector_h
 
-#include "DeviceBeam.h"
+#include "Private/DeviceBeam.h"
 
 namespace mammoray
 {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "ProjectionHelpers.h"
+#include "Private/ProjectionHelpers.h"
 
 #include <algorithm>
 #include <cmath>

@@ -3,7 +3,7 @@
 #ifndef mammoray_ProjectionHelpers_h
 #define mammoray_ProjectionHelpers_h
 
-#include "VulkanDevice.h"
+#include "Private/VulkanDevice.h"
 
 #include <cstddef>
 #include <vector>

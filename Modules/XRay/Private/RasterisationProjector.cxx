@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "RasterisationProjector.h"
+#include "Private/RasterisationProjector.h"
 
-#include "ProjectionHelpers.h"
+#include "Private/ProjectionHelpers.h"
 #include "RasterParameters.h"
 #include "rasterMark_double.h"
 #include "rasterMark_double_long.h"

@@ -2,7 +2,7 @@
 #ifndef mammoray_RasterisationProjector_h
 #define mammoray_RasterisationProjector_h
 
-#include "DeviceProjector.h"
+#include "Private/DeviceProjector.h"
 
 #include <array>
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "RayTracingProjector.h"
+#include "Private/RayTracingProjector.h"
 
 #include "PathLengthParameters.h"
-#include "ProjectionHelpers.h"
+#include "Private/ProjectionHelpers.h"
 #include "pathLengthRays_rgen_double.h"
 #include "pathLengthRays_rgen_float.h"
 #include "pathLength_rahit_double.h"

@@ -2,8 +2,8 @@
 #ifndef mammoray_RayTracingProjector_h
 #define mammoray_RayTracingProjector_h
 
-#include "AccelerationStructure.h"
-#include "DeviceProjector.h"
+#include "Private/AccelerationStructure.h"
+#include "Private/DeviceProjector.h"
 
 #include <array>
 #include <compare>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "VulkanDevice.h"
+#include "Private/VulkanDevice.h"
 
 #include <algorithm>
 #include <array>

@@ -2,8 +2,8 @@
 #ifndef mammoray_VulkanDevice_h
 #define mammoray_VulkanDevice_h
 
-#include "DeviceError.h"
-#include "PathLengthProjector.h"
+#include "mammoray/XRay/DeviceError.h"
+#include "mammoray/XRay/PathLengthProjector.h"
 
 #define VULKAN_HPP_NO_SPACESHIP_OPERATOR
 #include <vulkan/vulkan_raii.hpp>

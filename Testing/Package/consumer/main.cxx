@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // A stranger's use of the installed package: projects a box and checks one pixel against its closed
 // form. Exit 125: no Vulkan device.
-#include <PathLengthProjector.h>
+#include <mammoray/XRay/PathLengthProjector.h>
 
+#include <mammoray/Filters/vtkXRayProjector.h>
 #include <vtkCubeSource.h>
 #include <vtkDataArray.h>
 #include <vtkImageData.h>
 #include <vtkNew.h>
 #include <vtkPointData.h>
 #include <vtkTriangleFilter.h>
-#include <vtkXRayProjector.h>
 
 #include <cmath>
 #include <cstdio>

@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 // Labels to tetrahedra, between the plates, to an X-ray: four filters in a row. Exit 125: no Vulkan
 // device or no Meshing module.
-#include <PathLengthProjector.h>
+#include <mammoray/XRay/PathLengthProjector.h>
 
-#include <vtkBreastCompression.h>
-#include <vtkBreastMesher.h>
+#include <mammoray/Filters/vtkBreastCompression.h>
+#include <mammoray/Filters/vtkBreastMesher.h>
+#include <mammoray/Filters/vtkXRayProjector.h>
 #include <vtkDataArray.h>
 #include <vtkImageData.h>
 #include <vtkNew.h>
 #include <vtkPointData.h>
 #include <vtkUnstructuredGrid.h>
-#include <vtkXRayProjector.h>
 
 #include <cmath>
 #include <cstdio>

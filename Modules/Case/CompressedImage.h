@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+#ifndef mammoray_CompressedImage_h
+#define mammoray_CompressedImage_h
+
+#include "mammoray/Case/RegisteredBreast.h"
+#include "mammoray/Foundation/IntensityVolume.h"
+#include "mammoray/Foundation/Progress.h"
+#include "mammorayCaseModule.h"
+
+#include "vtkSmartPointer.h"
+
+#include <vector>
+
+class vtkImageData;
+
+namespace mammoray
+{
+/// An MRI as it would be had the breast lain between the plates: in the frame of the registered
+/// label volume, on which compressed.vtu lies.
+struct CompressedImage
+{
+  /// Outside the breast and the given image: 0.
+  IntensityVolume Image;
+  /// One flag per voxel: whether the image has a value there.
+  std::vector<unsigned char> Inside;
+};
+
+/**
+ * Resamples `image` (frame of the registered label volume) into the compressed breast: voxels of
+ * `spacingMm` (positive) along the image's axes around the breast, each with the value at the place
+ * in the uncompressed breast that came to lie there (linear in each tetrahedron, trilinear in the
+ * image). Throws InputError when no part of the breast lies in the image, and Interrupted.
+ */
+MAMMORAYCASE_EXPORT CompressedImage CompressImage(const IntensityVolume& image,
+  const RegisteredBreast& breast, double spacingMm, const ProgressCallback& progress = {});
+
+/**
+ * Projects it on the mammogram's pixels along the X-rays, as for a fusion with the mammogram: point
+ * arrays "Maximum" (scalars), "Mean" (per length in the breast) and "PathLength" (mm of the ray in
+ * the image and the breast), float, 0 where a ray misses; steps of half a voxel; only voxels inside
+ * count. The image lies where the detector is, rows and columns those of the mammogram. Throws
+ * Interrupted.
+ */
+MAMMORAYCASE_EXPORT vtkSmartPointer<vtkImageData> ProjectImage(const CompressedImage& compressed,
+  const RegisteredBreast& breast, const ProgressCallback& progress = {});
+}
+
+#endif

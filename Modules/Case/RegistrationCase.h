@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: Apache-2.0
+#ifndef mammoray_RegistrationCase_h
+#define mammoray_RegistrationCase_h
+
+#include "mammoray/Case/LabelSource.h"
+#include "mammoray/Foundation/Mammogram.h"
+#include "mammoray/Foundation/MaterialTable.h"
+#include "mammoray/Foundation/Progress.h"
+#include "mammoray/Foundation/TetrahedralMesh.h"
+#include "mammoray/Registration/MammogramTarget.h"
+#include "mammoray/Registration/Registration.h"
+#include "mammoray/Registration/RegistrationTarget.h"
+#include "mammorayCaseModule.h"
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace mammoray
+{
+/// Everything that says what is registered to what, by files; the members carry the defaults.
+struct RegistrationCase
+{
+  /// Finer label volumes are resampled to 0.5 mm unless told otherwise.
+  LabelSource Labels{ .SpacingMm = 0.5, .OnlyCoarsen = true };
+  /// Material table: a path (.json) or the name of a shipped one.
+  std::string Materials;
+  /// DICOM MG; more than one of the same breast are registered together.
+  std::vector<std::string> Mammograms;
+  /// Of mammograms that are pictures (.jpg, .png), and in place of what a header says: mm at the
+  /// receptor; "CC", "MLO", ..., one for each mammogram; 'L' or 'R'.
+  std::optional<double> PixelSpacingMm;
+  std::vector<std::string> MammogramViews;
+  std::string Laterality;
+  /// Images that are not 0 where a mammogram is not to be compared (ExcludeByImage), one for each.
+  std::vector<std::string> Masks;
+  /// How mammograms are outlined, and what of them is compared.
+  TargetOptions Targets;
+  /// Spectrum: a path (.spc) or the name of a shipped one.
+  std::string Spectrum = "W28kVp_Rh50um_Be1mm";
+  /// Directions of the volume's axes (AnatomicalAxes::FromCode).
+  std::string Orientation = "LPS";
+  /// Meshes made before (mammoray mesh), used instead of meshing; empty: mesh.
+  std::string AnatomyMesh;
+  std::string SimulationMesh;
+  /// Seconds and cells are spent here: upper bounds of cell sizes, mm. 0 for the mechanics takes a
+  /// seventh of the edge of a cube as large as the breast: 3000 to 4000 cells.
+  double AnatomyCellSizeMm = 4.0;
+  double SimulationCellSizeMm = 0.0;
+  /// Part of a Vulkan device's name; empty: the most capable one.
+  std::string Device;
+  /// "auto", "ray-tracing" or "rasterisation"; see ProjectorOptions::Method.
+  std::string Projector = "auto";
+
+  /// The unit; what the header says about it wins unless given here.
+  std::optional<double> SourceToDetectorMm;
+  std::optional<double> SupportHeightMm;
+  double SupportEdgeMm = 0.0;
+  double PaddleEdgeMm = 0.0;
+  double EdgeRadiusMm = 3.0;
+
+  /// Start of the search; thickness and view come from the header unless given here, one for each
+  /// mammogram.
+  std::vector<double> StartThicknessMm;
+  std::vector<double> StartRollDeg;
+  double StartLateralMm = 0.0;
+  double StartAnteriorMm = 5.0;
+  double StartVerticalMm = 0.0;
+  double StartPitchDeg = 0.0;
+  double StartYawDeg = 0.0;
+  double StartTiltDeg = 0.0;
+  /// Names of the parameters that are found; the others keep their start. Empty: thickness, roll,
+  /// lateral and anterior of each mammogram, and, of several, the stiffness of gland (if any),
+  /// which they share.
+  std::vector<std::string> Free;
+  /// Folder of an earlier result of the same volume, materials and mammogram, whose pose the search
+  /// goes on from; empty: none.
+  std::string Resume;
+  /// The search itself; its Parameters are filled from the above.
+  RegistrationOptions Options;
+};
+
+/// What a run made of one mammogram.
+struct RegisteredView
+{
+  /// Of the mammogram.
+  std::string Path;
+  mammoray::Mammogram Mammogram;
+  RegistrationTarget Target;
+  /// The anatomy's points after compression, 3 x pointCount, mm; volume frame.
+  std::vector<double> CompressedPoints;
+  /// How they change with each parameter of Registration, seen from the unit; mm per mm or degree;
+  /// empty for parameters that are fixed and have no prior.
+  std::vector<std::vector<double>> Sensitivities;
+  /// Its After is measured on the target's own grid.
+  RegistrationResult Registration;
+  /// On the target's grid.
+  SyntheticMammogram Synthetic;
+  /// Where the search put the unit.
+  MammographyUnit Unit;
+  VolumeFromGantry Placed;
+  /// What had to be assumed, a sentence each.
+  std::vector<std::string> Warnings;
+};
+
+struct RegistrationCaseResult
+{
+  MaterialTable Materials;
+  AnatomicalAxes Axes;
+  Vector3 Anchor{ 0, 0, 0 };
+  /// At rest, volume frame.
+  TetrahedralMesh Anatomy;
+  /// In the order of the case's mammograms.
+  std::vector<RegisteredView> Views;
+  /// What all of them had free, and its covariance (JointRegistrationResult).
+  std::vector<JointUnknown> Unknowns;
+  std::vector<double> Covariance;
+  /// Name of the projecting device, and the method.
+  std::string Device;
+  std::size_t SimulationCells = 0;
+  std::size_t SurfaceTriangles = 0;
+  /// Stage -> wall time, s, in the order they ran.
+  std::vector<std::pair<std::string, double>> Timings;
+};
+
+/// Role and path of each input file that was given, with one of the mammograms.
+MAMMORAYCASE_EXPORT std::vector<std::pair<std::string, std::string>> CaseInputs(
+  const RegistrationCase& input, const std::string& mammogram);
+
+/**
+ * Reads, meshes, compresses, projects and registers. Throws InputError on unusable input,
+ * DeviceError without a device, ConvergenceError where not even the start has an equilibrium,
+ * Interrupted when stopped before the search began.
+ */
+MAMMORAYCASE_EXPORT RegistrationCaseResult RunRegistrationCase(const RegistrationCase& input,
+  const ProgressCallback& progress = {});
+}
+
+#endif

@@ -1,0 +1,256 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mammoray/Evidence/LandmarkEvaluation.h"
+
+#include "mammoray/Foundation/Error.h"
+
+#include "vtkDataArray.h"
+#include "vtkGenericCell.h"
+#include "vtkLandmarkTransform.h"
+#include "vtkNew.h"
+#include "vtkPointData.h"
+#include "vtkPoints.h"
+#include "vtkStaticCellLocator.h"
+#include "vtkUnstructuredGrid.h"
+
+#include <algorithm>
+#include <fstream>
+#include <functional>
+#include <sstream>
+
+namespace mammoray
+{
+namespace
+{
+constexpr const char* HeaderWithFlag = "ux,uy,uz,cx,cy,cz,imaged";
+constexpr const char* HeaderWithoutFlag = "ux,uy,uz,cx,cy,cz";
+
+std::string WithoutCarriageReturn(std::string line)
+{
+  if (!line.empty() && line.back() == '\r')
+  {
+    line.pop_back();
+  }
+  return line;
+}
+
+/// The displacement of the body at a point: linear in the cell that holds it or lies nearest.
+class DisplacementField
+{
+public:
+  explicit DisplacementField(vtkUnstructuredGrid* grid)
+    : Displacement(grid->GetPointData()->GetArray("Displacement"))
+  {
+    if (!this->Displacement || this->Displacement->GetNumberOfComponents() != 3)
+    {
+      throw InputError("mesh: expected the point array 'Displacement' with 3 components");
+    }
+    this->Locator->SetDataSet(grid);
+    this->Locator->BuildLocator();
+  }
+
+  Vector3 At(const Vector3& point)
+  {
+    double closest[3];
+    double distance2 = 0;
+    vtkIdType cellId = -1;
+    int subId = 0;
+    this->Locator->FindClosestPoint(point.data(), closest, this->Cell, cellId, subId, distance2);
+    if (cellId < 0)
+    {
+      throw InputError("mesh: expected cells around the landmarks, found none");
+    }
+    double parametric[3];
+    double weights[10];
+    this->Cell->EvaluatePosition(closest, nullptr, subId, parametric, distance2, weights);
+    Vector3 displacement{ 0, 0, 0 };
+    for (vtkIdType corner = 0; corner < this->Cell->GetNumberOfPoints(); ++corner)
+    {
+      double value[3];
+      this->Displacement->GetTuple(this->Cell->GetPointId(corner), value);
+      displacement = displacement + weights[corner] * Vector3{ value[0], value[1], value[2] };
+    }
+    return displacement;
+  }
+
+private:
+  vtkDataArray* Displacement;
+  vtkNew<vtkStaticCellLocator> Locator;
+  vtkNew<vtkGenericCell> Cell;
+};
+
+Vector3 OnReceptor(const Vector3& gantry, double sid)
+{
+  const double magnification = sid / (sid - gantry[2]);
+  return { magnification * gantry[0], magnification * gantry[1], 0 };
+}
+
+/// The rigid motion that takes the chosen landmarks nearest to the truth in the sense of least
+/// squares.
+std::function<Vector3(const Vector3&)> BestRigidMotion(const std::vector<Landmark>& landmarks,
+  bool imagedOnly)
+{
+  vtkNew<vtkPoints> from;
+  vtkNew<vtkPoints> to;
+  from->SetDataTypeToDouble();
+  to->SetDataTypeToDouble();
+  for (const Landmark& landmark : landmarks)
+  {
+    if (landmark.Imaged || !imagedOnly)
+    {
+      from->InsertNextPoint(landmark.Uncompressed.data());
+      to->InsertNextPoint(landmark.Compressed.data());
+    }
+  }
+  vtkSmartPointer<vtkLandmarkTransform> transform = vtkSmartPointer<vtkLandmarkTransform>::New();
+  transform->SetModeToRigidBody();
+  transform->SetSourceLandmarks(from);
+  transform->SetTargetLandmarks(to);
+  transform->Update();
+  return [transform](const Vector3& point)
+  {
+    Vector3 moved;
+    transform->TransformPoint(point.data(), moved.data());
+    return moved;
+  };
+}
+}
+
+std::vector<Landmark> ReadLandmarks(const std::string& path)
+{
+  std::ifstream file(path);
+  if (!file)
+  {
+    throw InputError(path + ": no such file or not readable");
+  }
+  std::string line;
+  std::getline(file, line);
+  line = WithoutCarriageReturn(line);
+  const bool flagged = line == HeaderWithFlag;
+  if (!flagged && line != HeaderWithoutFlag)
+  {
+    throw InputError(
+      path + ": line 1: expected " + HeaderWithFlag + ", found '" + line.substr(0, 60) + "'");
+  }
+  const int columns = flagged ? 7 : 6;
+  std::vector<Landmark> landmarks;
+  for (int number = 2; std::getline(file, line); ++number)
+  {
+    line = WithoutCarriageReturn(line);
+    if (line.empty())
+    {
+      continue;
+    }
+    double values[7] = { 0, 0, 0, 0, 0, 0, 1 };
+    std::istringstream row(line);
+    std::string field;
+    int count = 0;
+    while (std::getline(row, field, ','))
+    {
+      std::size_t used = 0;
+      try
+      {
+        const double value = std::stod(field, &used);
+        if (count < columns && std::isfinite(value))
+        {
+          values[count] = value;
+        }
+        else
+        {
+          used = 0;
+        }
+      }
+      catch (const std::exception&)
+      {
+        used = 0;
+      }
+      if (used != field.size() || used == 0)
+      {
+        count = -1;
+        break;
+      }
+      ++count;
+    }
+    if (count != columns)
+    {
+      throw InputError(path + ": line " + std::to_string(number) + ": expected " +
+        std::to_string(columns) + " numbers, found '" + line.substr(0, 60) + "'");
+    }
+    landmarks.push_back(
+      { { values[0], values[1], values[2] }, { values[3], values[4], values[5] }, values[6] != 0 });
+  }
+  if (landmarks.size() < 3)
+  {
+    throw InputError(
+      path + ": expected at least 3 landmarks, found " + std::to_string(landmarks.size()));
+  }
+  return landmarks;
+}
+
+ErrorSummary Summarise(std::vector<double> errors)
+{
+  ErrorSummary summary;
+  summary.Count = static_cast<int>(errors.size());
+  if (errors.empty())
+  {
+    return summary;
+  }
+  std::sort(errors.begin(), errors.end());
+  const std::size_t middle = errors.size() / 2;
+  summary.Median =
+    errors.size() % 2 == 1 ? errors[middle] : 0.5 * (errors[middle - 1] + errors[middle]);
+  for (const double error : errors)
+  {
+    summary.Mean += error / errors.size();
+  }
+  summary.Largest = errors.back();
+  return summary;
+}
+
+std::vector<Vector3> Displace(const std::vector<Vector3>& points, vtkUnstructuredGrid* body)
+{
+  DisplacementField field(body);
+  std::vector<Vector3> moved;
+  moved.reserve(points.size());
+  for (const Vector3& point : points)
+  {
+    moved.push_back(point + field.At(point));
+  }
+  return moved;
+}
+
+std::vector<LandmarkErrors> EvaluateLandmarks(const std::vector<Landmark>& landmarks,
+  const LandmarkTruth& truth, vtkUnstructuredGrid* uncompressed, const VolumeFromGantry& registered,
+  double registeredSid)
+{
+  std::vector<LandmarkErrors> methods;
+  // `carry` takes an uncompressed point into the gantry frame.
+  const auto add =
+    [&](const std::string& name, double sid, const std::function<Vector3(const Vector3&)>& carry)
+  {
+    LandmarkErrors errors;
+    errors.Method = name;
+    for (const Landmark& landmark : landmarks)
+    {
+      const Vector3 expected = truth.Placed.ToGantry(landmark.Compressed);
+      const Vector3 found = carry(landmark.Uncompressed);
+      errors.InSpace.push_back(Norm(found - expected));
+      errors.OnReceptor.push_back(
+        Norm(OnReceptor(found, sid) - OnReceptor(expected, truth.SourceToDetectorMm)));
+    }
+    methods.push_back(errors);
+  };
+  add("identity", truth.SourceToDetectorMm,
+    [&](const Vector3& point) { return truth.Placed.ToGantry(point); });
+  for (const bool imagedOnly : { true, false })
+  {
+    const auto rigid = BestRigidMotion(landmarks, imagedOnly);
+    add(imagedOnly ? "rigid, fitted to the imaged truth" : "rigid, fitted to all of the truth",
+      truth.SourceToDetectorMm,
+      [&](const Vector3& point) { return truth.Placed.ToGantry(rigid(point)); });
+  }
+  DisplacementField field(uncompressed);
+  add("registered", registeredSid,
+    [&](const Vector3& point) { return registered.ToGantry(point + field.At(point)); });
+  return methods;
+}
+}

@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: Apache-2.0
+#ifndef mammoray_RegistrationEvidence_h
+#define mammoray_RegistrationEvidence_h
+
+#include "mammoray/Case/LabelSource.h"
+#include "mammoray/Case/RegistrationCase.h"
+#include "mammoray/Evidence/LandmarkEvaluation.h"
+#include "mammoray/Evidence/TwinExperiment.h"
+#include "mammoray/Foundation/Progress.h"
+#include "mammorayEvidenceModule.h"
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace mammoray
+{
+/// A label volume of a breast to experiment with.
+struct EvidencePhantom
+{
+  std::string Name;
+  LabelSource Labels{ .SpacingMm = 0.5, .OnlyCoarsen = true };
+};
+
+/// A real mammogram and the phantom it is registered to for want of its own volume.
+struct EvidenceMammogram
+{
+  std::string Name;
+  RegistrationCase Case;
+};
+
+/// A registration whose truth is known at landmarks.
+struct EvidenceLandmarks
+{
+  RegistrationCase Case;
+  std::string Landmarks;
+  LandmarkTruth Truth;
+  /// The compressed breast in the frame of the truth, of the same labels as Case; without a path no
+  /// overlap is measured. Its origin if its header gives another.
+  LabelSource CompressedLabels;
+  std::optional<Vector3> CompressedOrigin;
+};
+
+struct EvidenceOptions
+{
+  std::vector<EvidencePhantom> Phantoms;
+  /// Of all phantoms.
+  std::string Materials = "victre";
+  std::string Orientation = "ALS";
+  std::vector<TwinKind> Kinds{ TwinKind::Plain, TwinKind::WrongMaterial, TwinKind::WrongStart,
+    TwinKind::EveryParameter };
+  /// Truths of each kind and phantom, and truths of each phantom with which searches are compared.
+  int Twins = 20;
+  int SearchTwins = 2;
+  TwinOptions Twin;
+  std::optional<EvidenceLandmarks> Landmarks;
+  std::vector<EvidenceMammogram> Mammograms;
+};
+
+struct LandmarkEvidence
+{
+  /// At the imaged landmarks: of the identity, the best rigid motion and the registration.
+  struct Row
+  {
+    std::string Method;
+    ErrorSummary InSpace;
+    ErrorSummary OnReceptor;
+  };
+  std::vector<Row> Rows;
+  /// Dice's coefficient of gland in the picture, counted in cubes of 0.8 mm: registered, and at
+  /// rest; NaN where not measured.
+  double GlandDice = 0;
+  double GlandDiceAtRest = 0;
+  int Iterations = 0;
+  int Equilibria = 0;
+  double Seconds = 0;
+};
+
+struct MammogramEvidence
+{
+  std::string Name;
+  double MeanOutlineMm = 0;
+  double LargestOutlineMm = 0;
+  double Correlation = 0;
+  /// "good", "doubtful" or "none": what the report says of it.
+  std::string Trust;
+  double Seconds = 0;
+  /// Empty, or why there is no result.
+  std::string Failure;
+};
+
+struct RegistrationEvidence
+{
+  std::vector<TwinRun> Twins;
+  std::optional<LandmarkEvidence> Landmarks;
+  std::vector<MammogramEvidence> Mammograms;
+};
+
+/**
+ * Runs what `evidence` does not hold yet and calls `keep` after each run. Runs are in the order of
+ * their numbers, so that an interrupted one holds something of everything. Throws InputError,
+ * DeviceError, and Interrupted when stopped.
+ */
+MAMMORAYEVIDENCE_EXPORT void GatherEvidence(const EvidenceOptions& options,
+  RegistrationEvidence& evidence, const std::function<void()>& keep,
+  const ProgressCallback& progress = {});
+
+/// JSON; `settings` is kept beside the runs. Throws InputError when it cannot be written.
+MAMMORAYEVIDENCE_EXPORT void WriteEvidence(const RegistrationEvidence& evidence,
+  const std::string& settings, const std::string& path);
+
+/// Throws InputError when it is none, or one of other settings.
+MAMMORAYEVIDENCE_EXPORT RegistrationEvidence ReadEvidence(const std::string& path,
+  const std::string& settings);
+
+/// One row per twin run, comma separated. Throws InputError when it cannot be written.
+MAMMORAYEVIDENCE_EXPORT void WriteTwinTable(const std::vector<TwinRun>& runs,
+  const std::string& path);
+
+/// The tables for a README, in Markdown.
+MAMMORAYEVIDENCE_EXPORT std::string FormatEvidence(const RegistrationEvidence& evidence);
+}
+
+#endif

@@ -1,0 +1,479 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mammoray/Evidence/TwinExperiment.h"
+
+#include "mammoray/Biomechanics/ElasticTable.h"
+#include "mammoray/Case/RegistrationCase.h"
+#include "mammoray/Evidence/LandmarkEvaluation.h"
+#include "mammoray/Foundation/Error.h"
+#include "mammoray/IO/PhysicsData.h"
+#include "mammoray/Meshing/LabelMesher.h"
+#include "mammoray/Meshing/SimulationMesh.h"
+#include "mammoray/Registration/Annealing.h"
+#include "mammoray/Registration/MammogramTarget.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <random>
+
+namespace mammoray
+{
+namespace
+{
+constexpr double WrongFatFactor = 1.5;
+constexpr int LargestNumberOfDraws = 10;
+
+TetrahedralMesh MeshAnatomy(const LabelVolume& materials, const MaterialTable& table,
+  double cellSizeMm, const ProgressCallback& progress)
+{
+  MeshingOptions options = MeshingOptions::Anatomy(table.Thin());
+  // The facets' sizes belong to a cell size of 4 mm.
+  options.FacetSizeMm *= cellSizeMm / 4;
+  options.CellSizeMm = cellSizeMm;
+  return MeshMaterials(materials, options, progress).Mesh;
+}
+
+/// Edge of a cube as large as the tissue, mm.
+double EdgeOf(const LabelVolume& materials)
+{
+  const auto tissue = materials.Voxels.size() -
+    static_cast<std::size_t>(std::count(materials.Voxels.begin(), materials.Voxels.end(), 0));
+  return std::cbrt(static_cast<double>(tissue) * materials.VoxelVolume());
+}
+
+/// One of the two: what compresses and pictures the phantom.
+struct Side
+{
+  Side(const LabelVolume& materials, const MaterialTable& table, const AnatomicalAxes& axes,
+    double cellSizeMm, double anatomyMm, ElementType element, const std::string& spectrum,
+    const ProgressCallback& progress)
+    : Mechanics(table)
+    , XRays(MakeBeam(table, FindSpectrum(spectrum), DetectorResponse::EnergyIntegrating))
+    , Tissue(MeshForSimulation(materials, this->Mechanics.Held, cellSizeMm, progress).Mesh)
+    , Simulation(Made(materials, element))
+    , Surface(ExtractInterfaces(MeshAnatomy(materials, table, anatomyMm, progress)))
+    , SurfaceEmbedding(this->Simulation, this->Surface.Points)
+    , Projector(MakeProjector())
+  {
+    this->Projector->SetSurface(this->Surface);
+    this->Model.Simulation = &this->Simulation;
+    this->Model.Elastic = this->Mechanics.Elastic;
+    this->Model.ScaledMaterials = table.Glandular();
+    this->Model.Surface = &this->Surface;
+    this->Model.SurfaceEmbedding = &this->SurfaceEmbedding;
+    this->Model.Projector = this->Projector.get();
+    this->Model.XRays = &this->XRays;
+    this->Model.Axes = axes;
+    this->Model.Anchor = FindPoseAnchor(materials, this->Mechanics.Held, axes);
+  }
+
+  CompressionSimulation Made(const LabelVolume& materials, ElementType element) const
+  {
+    return CompressionSimulation(this->Tissue, this->Mechanics.Elastic, this->Mechanics.Held,
+      [&materials](const Vector3& point) { return static_cast<int>(materials.LabelAt(point)); },
+      { .Element = element });
+  }
+
+  /// As RunRegistrationCase has it.
+  void AddScout(const LabelVolume& materials)
+  {
+    this->Scout.emplace(Made(materials, ElementType::PatchAveragedLinear));
+    this->ScoutEmbedding.emplace(*this->Scout, this->Surface.Points);
+    this->Model.Scout = &*this->Scout;
+    this->Model.ScoutEmbedding = &*this->ScoutEmbedding;
+  }
+
+  VolumeFromGantry Placed(const BreastPose& pose) const
+  {
+    return PlaceUnit(this->Model.Axes, this->Model.Anchor, this->Model.Unit, pose);
+  }
+
+  const ElasticTable Mechanics;
+  const Beam XRays;
+  const TetrahedralMesh Tissue;
+  CompressionSimulation Simulation;
+  const SurfaceMesh Surface;
+  const Embedding SurfaceEmbedding;
+  std::unique_ptr<PathLengthProjector> Projector;
+  std::optional<CompressionSimulation> Scout;
+  std::optional<Embedding> ScoutEmbedding;
+  RegistrationModel Model;
+};
+
+/// Numbers of a problem, the same on every machine.
+class Draws
+{
+public:
+  Draws(std::uint32_t seed, int number, int attempt)
+  {
+    std::seed_seq sequence{ seed, static_cast<std::uint32_t>(number),
+      static_cast<std::uint32_t>(attempt) };
+    this->Generator.seed(sequence);
+  }
+  double Between(double low, double high)
+  {
+    return low + (high - low) * (this->Generator() + 0.5) / 4294967296.0;
+  }
+  double Sign() { return this->Between(-1, 1) < 0 ? -1 : 1; }
+  std::mt19937& Bits() { return this->Generator; }
+
+private:
+  std::mt19937 Generator;
+};
+
+std::vector<double> DrawTruth(Draws& draws, TwinKind kind, double heightMm)
+{
+  std::vector<double> truth(ParameterCount, 0.0);
+  truth[ThicknessParameter] = draws.Between(0.52, 0.72) * heightMm;
+  truth[RollParameter] = draws.Between(-30, 30);
+  truth[LateralParameter] = draws.Between(-15, 15);
+  truth[AnteriorParameter] = draws.Between(0, 15);
+  truth[StiffnessParameter] = 1;
+  if (kind == TwinKind::EveryParameter)
+  {
+    truth[PitchParameter] = draws.Between(-10, 10);
+    truth[YawParameter] = draws.Between(-10, 10);
+    truth[TiltParameter] = draws.Between(-4, 4);
+    truth[StiffnessParameter] = std::exp2(draws.Between(-1, 1));
+  }
+  return truth;
+}
+
+std::vector<RegistrationParameter> DrawParameters(Draws& draws, TwinKind kind,
+  const std::vector<double>& truth)
+{
+  BreastPose start;
+  if (kind == TwinKind::WrongStart)
+  {
+    start.ThicknessMm = truth[ThicknessParameter] + 5 * draws.Sign();
+    start.RollDeg = truth[RollParameter] + 20 * draws.Sign();
+    start.ShiftLateralMm = truth[LateralParameter] + 15 * draws.Sign();
+    // No start is behind the chest wall.
+    start.ShiftAnteriorMm = truth[AnteriorParameter] + (truth[AnteriorParameter] < 15 ? 15 : -15);
+  }
+  else
+  {
+    start.ThicknessMm = truth[ThicknessParameter] + draws.Between(-3, 3);
+    start.RollDeg = truth[RollParameter] + draws.Between(-10, 10);
+    start.ShiftAnteriorMm = 5;
+  }
+  std::vector<RegistrationParameter> parameters = DefaultParameters(start);
+  if (kind == TwinKind::EveryParameter)
+  {
+    for (const int index : { PitchParameter, YawParameter, TiltParameter, StiffnessParameter })
+    {
+      parameters[index].Fixed = false;
+    }
+  }
+  return parameters;
+}
+
+/// A detector of 24 x 18 cm, its rows from chest wall to nipple.
+RegistrationTarget Detector(double pixelMm)
+{
+  RegistrationTarget grid;
+  grid.Columns = static_cast<int>(180 / pixelMm);
+  grid.Rows = static_cast<int>(240 / pixelMm);
+  grid.Origin = { 0.5 * (grid.Rows - 1) * pixelMm, 0.5 * pixelMm };
+  grid.ColumnStep = { 0, pixelMm };
+  grid.RowStep = { -pixelMm, 0 };
+  const auto pixels = static_cast<std::size_t>(grid.Columns) * grid.Rows;
+  // The middle of the chest-wall edge, around which Synthesize looks for the silhouette.
+  grid.BreastMask.assign(pixels, 0);
+  grid.BreastMask[pixels / 2] = 1;
+  grid.LogAttenuation.assign(pixels, 0);
+  grid.SignedDistanceMm.assign(pixels, 0);
+  return grid;
+}
+
+/// As a unit stores it for display: noisy intensities through a sigmoid, 12 bits.
+Mammogram Develop(const std::vector<float>& logAttenuation, const RegistrationTarget& grid,
+  double noise, Draws& draws)
+{
+  std::normal_distribution<double> normal(0, noise);
+  std::vector<double> seen;
+  double sum = 0;
+  double squares = 0;
+  double count = 0;
+  for (const float attenuation : logAttenuation)
+  {
+    const double intensity = std::exp(-attenuation) * (1 + normal(draws.Bits()));
+    seen.push_back(-std::log(std::max(intensity, 1e-6)));
+    if (attenuation > 0)
+    {
+      sum += attenuation;
+      squares += attenuation * attenuation;
+      count += 1;
+    }
+  }
+  const double centre = sum / count;
+  const double deviation = std::sqrt(std::max(squares / count - centre * centre, 1e-12));
+  // A window that shows the whole breast.
+  const double width = 8 * deviation;
+  Mammogram mammogram{ .View = "CC", .RowDirection = "A", .ColumnDirection = "R" };
+  mammogram.Laterality = 'L';
+  mammogram.Columns = grid.Columns;
+  mammogram.Rows = grid.Rows;
+  for (const double attenuation : seen)
+  {
+    mammogram.Pixels.push_back(
+      static_cast<float>(std::round(4095 / (1 + std::exp(-4 * (attenuation - centre) / width)))));
+  }
+  mammogram.BitsStored = 12;
+  mammogram.ColumnSpacingMm = std::hypot(grid.ColumnStep[0], grid.ColumnStep[1]);
+  mammogram.RowSpacingMm = mammogram.ColumnSpacingMm;
+  return mammogram;
+}
+
+double HeightMm(const LabelVolume& materials, const std::vector<bool>& held, const Vector3& axis)
+{
+  double low = std::numeric_limits<double>::infinity();
+  double high = -low;
+  for (int k = 0; k < materials.Size[2]; ++k)
+  {
+    for (int j = 0; j < materials.Size[1]; ++j)
+    {
+      for (int i = 0; i < materials.Size[0]; ++i)
+      {
+        const int material = materials.Voxels[materials.Index(i, j, k)];
+        if (material != 0 && !held[material])
+        {
+          const double height = Dot(materials.PointAt(i, j, k), axis);
+          low = std::min(low, height);
+          high = std::max(high, height);
+        }
+      }
+    }
+  }
+  return high - low;
+}
+
+std::vector<Vector3> ToGantry(const VolumeFromGantry& placed, const std::vector<double>& points)
+{
+  std::vector<Vector3> gantry;
+  for (std::size_t index = 0; index < points.size(); index += 3)
+  {
+    gantry.push_back(placed.ToGantry({ points[index], points[index + 1], points[index + 2] }));
+  }
+  return gantry;
+}
+}
+
+const char* NameOf(TwinKind kind)
+{
+  switch (kind)
+  {
+    case TwinKind::Plain:
+      return "plain";
+    case TwinKind::WrongMaterial:
+      return "wrong-material";
+    case TwinKind::WrongStart:
+      return "wrong-start";
+    default:
+      return "every-parameter";
+  }
+}
+
+const char* NameOf(TwinSearch search)
+{
+  switch (search)
+  {
+    case TwinSearch::Register:
+      return "register";
+    case TwinSearch::Exact:
+      return "exact";
+    case TwinSearch::CentralDifferences:
+      return "central-differences";
+    default:
+      return "annealing";
+  }
+}
+
+struct TwinExperiment::Internals
+{
+  Internals(const std::string& phantom, const LabelVolume& materials, const MaterialTable& table,
+    const AnatomicalAxes& axes, const TwinOptions& options, const ProgressCallback& progress)
+    : Phantom(phantom)
+    , Volume(materials)
+    , Table(table)
+    , Options(options)
+    , Model(this->Volume, table, axes, EdgeOf(materials) / options.ModelFineness,
+        options.ModelAnatomyMm, ElementType::Quadratic, options.ModelSpectrum, progress)
+    , Target(this->Volume, table, axes, EdgeOf(materials) / options.TargetFineness,
+        options.TargetAnatomyMm, ElementType::PatchAveragedLinear, options.TargetSpectrum, progress)
+    , HeightMm(mammoray::HeightMm(materials, table.Held(), axes.Superior))
+  {
+    this->Model.AddScout(this->Volume);
+  }
+
+  /// Materials of the target for a kind: the model knows nothing of the wrong one.
+  void SetTargetMaterials(TwinKind kind)
+  {
+    RegistrationModel& model = this->Target.Model;
+    model.Elastic = this->Target.Mechanics.Elastic;
+    if (kind == TwinKind::WrongMaterial)
+    {
+      for (std::size_t index = 1; index < model.Elastic.size(); ++index)
+      {
+        if (this->Table.Materials[index].Attenuation == "adipose")
+        {
+          model.Elastic[index].YoungsModulusKPa *= WrongFatFactor;
+        }
+      }
+    }
+    this->Target.Simulation.SetMaterials(model.Elastic);
+  }
+
+  /// Centres of voxels of the breast whose points are between the plates and in the picture.
+  void DrawPoints(TwinProblem& problem, const CompressionState& state, Draws& draws) const
+  {
+    const VolumeFromGantry placed = this->Target.Placed(PoseOf(problem.Truth));
+    const std::vector<bool> held = this->Table.Held();
+    while (static_cast<int>(problem.TruePositions.size()) < this->Options.NumberOfPoints)
+    {
+      const auto along = [&](int axis)
+      { return static_cast<int>(draws.Between(0, this->Volume.Size[axis])); };
+      const int i = along(0);
+      const int j = along(1);
+      const int k = along(2);
+      const int material = this->Volume.Voxels[this->Volume.Index(i, j, k)];
+      if (material == 0 || held[material])
+      {
+        continue;
+      }
+      const Vector3 point = this->Volume.PointAt(i, j, k);
+      const std::vector<double> rest(point.begin(), point.end());
+      const Vector3 gantry =
+        ToGantry(placed, Embedding(this->Target.Simulation, rest).Map(state.Positions)).front();
+      if (gantry[1] > 0)
+      {
+        problem.Points.insert(problem.Points.end(), rest.begin(), rest.end());
+        problem.TruePositions.push_back(gantry);
+      }
+    }
+  }
+
+  std::vector<double> Errors(const TwinProblem& problem, const RegistrationResult& result) const
+  {
+    const std::vector<Vector3> found = ToGantry(this->Model.Placed(result.Pose),
+      Embedding(this->Model.Simulation, problem.Points).Map(result.State.Positions));
+    std::vector<double> errors;
+    for (std::size_t index = 0; index < found.size(); ++index)
+    {
+      errors.push_back(Norm(found[index] - problem.TruePositions[index]));
+    }
+    return errors;
+  }
+
+  std::string Phantom;
+  LabelVolume Volume;
+  MaterialTable Table;
+  TwinOptions Options;
+  Side Model;
+  Side Target;
+  double HeightMm;
+};
+
+TwinExperiment::TwinExperiment(const std::string& phantom, const LabelVolume& materials,
+  const MaterialTable& table, const AnatomicalAxes& axes, const TwinOptions& options,
+  const ProgressCallback& progress)
+  : Internal(std::make_unique<Internals>(phantom, materials, table, axes, options, progress))
+{
+}
+
+TwinExperiment::~TwinExperiment() = default;
+
+TwinProblem TwinExperiment::Draw(TwinKind kind, int number, const ProgressCallback& progress)
+{
+  Internals& self = *this->Internal;
+  self.SetTargetMaterials(kind);
+  for (int attempt = 0;; ++attempt)
+  {
+    Draws draws(self.Options.Seed, number, attempt);
+    TwinProblem problem;
+    problem.Kind = kind;
+    problem.Number = number;
+    problem.Redrawn = attempt;
+    problem.Truth = DrawTruth(draws, kind, self.HeightMm);
+    try
+    {
+      const BreastPose pose = PoseOf(problem.Truth);
+      const CompressionState state =
+        CompressAt(self.Target.Model, problem.Truth, nullptr, progress);
+      problem.Parameters = DrawParameters(draws, kind, problem.Truth);
+      self.DrawPoints(problem, state, draws);
+      const RegistrationTarget grid = Detector(self.Options.PixelMm);
+      const SyntheticMammogram synthetic = Synthesize(self.Target.Model, pose, state, grid, 2);
+      problem.Target =
+        PrepareTarget(Develop(synthetic.LogAttenuation, grid, self.Options.Noise, draws));
+      return problem;
+    }
+    catch (const ConvergenceError&)
+    {
+      if (attempt + 1 == LargestNumberOfDraws)
+      {
+        throw;
+      }
+    }
+  }
+}
+
+TwinRun TwinExperiment::Run(const TwinProblem& problem, TwinSearch search, int budget,
+  const ProgressCallback& progress)
+{
+  Internals& self = *this->Internal;
+  RegistrationOptions options = self.Options.Registration;
+  options.Parameters = problem.Parameters;
+  if (search != TwinSearch::Register)
+  {
+    for (const RegistrationParameter& parameter : problem.Parameters)
+    {
+      options.From.push_back(parameter.Start);
+    }
+    options.PixelSizesMm = { options.PixelSizesMm.back() };
+  }
+  if (search == TwinSearch::CentralDifferences)
+  {
+    options.Derivatives = RegistrationDerivatives::CentralDifferences;
+  }
+  const RegistrationResult result = search == TwinSearch::Annealing
+    ? Anneal(self.Model.Model, problem.Target, options,
+        { .Equilibria = budget, .Seed = self.Options.Seed }, progress)
+    : mammoray::Register(self.Model.Model, problem.Target, options, progress);
+  ReportProgress(progress, 1, "registered");
+
+  TwinRun run;
+  run.Phantom = self.Phantom;
+  run.Kind = NameOf(problem.Kind);
+  run.Search = NameOf(search);
+  run.Number = problem.Number;
+  run.Redrawn = problem.Redrawn;
+  run.ModelCells = self.Model.Tissue.NumberOfCells();
+  run.TargetCells = self.Target.Tissue.NumberOfCells();
+  run.Truth = problem.Truth;
+  for (const RegistrationParameter& parameter : problem.Parameters)
+  {
+    run.Names.push_back(parameter.Name);
+    run.Start.push_back(parameter.Start);
+  }
+  run.Found = result.Values;
+  run.Sigma = result.StandardDeviations;
+  const ErrorSummary errors = Summarise(self.Errors(problem, result));
+  run.MedianErrorMm = errors.Median;
+  run.LargestErrorMm = errors.Largest;
+  run.MeanOutlineMm = result.After.MeanOutlineDistanceMm;
+  run.Correlation = result.After.Correlation;
+  run.Iterations = static_cast<int>(result.Iterations.size());
+  run.Equilibria = result.Evaluations;
+  run.Seconds = result.Seconds;
+  for (const RegistrationIteration& iteration : result.Iterations)
+  {
+    run.IterationSeconds.push_back(iteration.Seconds);
+    run.IterationCosts.push_back(iteration.Cost);
+  }
+  run.Converged = result.Converged;
+  run.StopReason = result.StopReason;
+  return run;
+}
+}

@@ -1,0 +1,301 @@
+// SPDX-License-Identifier: Apache-2.0
+/**
+ * @class   vtkBreastCompression
+ * @brief   Squeezes a breast between the plates of a mammography unit.
+ *
+ * Input 0: vtkUnstructuredGrid of linear tetrahedra (mm) with the cell array "Material". Input 1,
+ * optional: a coarse vtkUnstructuredGrid of the same breast to simulate on (vtkBreastMesher with
+ * ForMechanics), which carries input 0 along; its stiffness is sampled from the materials of
+ * input 0. Without it the simulation runs on input 0: its cells are made quadratic, so some
+ * thousand of them are meant, or tens of thousands with SetElementToLinear (then a coarse mesh goes
+ * the way first: LeadIfLarge). Elastic constants come from MaterialTable or SetMaterial; cells of
+ * held materials (the chest wall) do not move, but where the breast glides along them (ChestWall)
+ * those beside it are drawn along.
+ *
+ * Output 0: input 0 deformed, with its arrays and the point arrays "Displacement" (mm) and
+ * "ContactPressureKPa" (of the plates; 0 where nothing touches), the cell arrays "J" (deformed over
+ * undeformed volume) and "VonMisesStressKPa" (of the Cauchy stress), both means over the cell's
+ * quadrature points (a linear cell has one, and keeps its volume together with its patch only) or,
+ * of a carried grid, J of the volumes between the corners; and the field arrays "PaddleForceN",
+ * "SupportForceN", "ThicknessMm", "LargestPenetrationMm", "LargestWallLiftMm",
+ * "LargestWallGlideMm", "SmallestJ", "LargestJ", "VolumeRatio", "RelativeResidual", of a carried
+ * grid "InvertedCells" (a fine mesh may have a few; vtkXRayProjector takes them), and "Placement"
+ * (4 x 3 doubles: the gantry's origin, mm, and its x, y and z axes in the frame of the input, from
+ * which vtkXRayProjector knows where source and detector stand).
+ *
+ * With NumberOfTimeSteps above 1 the output is a time series of the compression: at time 0 the
+ * plates just touch nothing, at 1 they are closed. Without a time asked for they are closed.
+ *
+ * The simulation and its last state live across updates: while only plates or time change, a
+ * compression to a thickness starts from the last one (not with friction, whose result would depend
+ * on the order of requests). Unusable input or plates without an equilibrium raise
+ * ErrorEvent once and leave the output empty.
+ */
+#ifndef vtkBreastCompression_h
+#define vtkBreastCompression_h
+
+#include "mammorayFiltersModule.h" // export macro
+#include "vtkUnstructuredGridAlgorithm.h"
+#include <string> // file name and axes
+
+class MAMMORAYFILTERS_EXPORT vtkBreastCompression : public vtkUnstructuredGridAlgorithm
+{
+public:
+  static vtkBreastCompression* New();
+  vtkTypeMacro(vtkBreastCompression, vtkUnstructuredGridAlgorithm);
+  void PrintSelf(ostream& os, vtkIndent indent) override;
+
+  /**
+   * Input 1.
+   */
+  void SetSimulationMeshConnection(vtkAlgorithmOutput* mesh);
+
+  ///@{
+  /**
+   * Path of a material table (JSON), or the name of a shipped one, with the elastic constants of
+   * materials 1, 2, ... and which are held. Empty: only what SetMaterial says. Default empty.
+   */
+  vtkSetStdStringFromCharMacro(MaterialTable);
+  vtkGetCharFromStdStringMacro(MaterialTable);
+  ///@}
+
+  ///@{
+  /**
+   * Directions of the input's +x, +y, +z: one letter each of L/R, A/P, S/I. Default "LPS".
+   */
+  vtkSetStdStringFromCharMacro(Orientation);
+  vtkGetCharFromStdStringMacro(Orientation);
+  ///@}
+
+  /**
+   * Elastic constants of a material (1, 2, ...): Young's modulus, kPa, positive; Poisson's ratio in
+   * [0, 0.5); whether its cells are held; how fast it stiffens (Fung's exponent in [0, 50]; 0:
+   * neo-Hookean); density, g/cm^3, positive. Goes before the table.
+   */
+  void SetMaterial(int material, double youngsModulusKPa, double poissonRatio, bool held,
+    double fungExponent = 0, double densityGPerCm3 = 1);
+
+  /**
+   * Forgets what SetMaterial said.
+   */
+  void ClearMaterials();
+
+  enum ElementTypes
+  {
+    QUADRATIC = 0,
+    LINEAR = 1
+  };
+
+  ///@{
+  /**
+   * The simulation's tetrahedra: quadratic, or linear with the volume averaged over patches of
+   * about eight cells, which take a tenth of the time and are less accurate. Default QUADRATIC.
+   */
+  vtkSetClampMacro(Element, int, QUADRATIC, LINEAR);
+  vtkGetMacro(Element, int);
+  void SetElementToQuadratic() { this->SetElement(QUADRATIC); }
+  void SetElementToLinear() { this->SetElement(LINEAR); }
+  ///@}
+
+  ///@{
+  /**
+   * Distance between the faces of support and paddle, mm. Positive; default 50.
+   */
+  vtkSetMacro(ThicknessMm, double);
+  vtkGetMacro(ThicknessMm, double);
+  ///@}
+
+  ///@{
+  /**
+   * Force of the paddle, N, whose thickness is found in place of ThicknessMm; 0: ThicknessMm
+   * counts. Not negative; default 0.
+   */
+  vtkSetMacro(ForceN, double);
+  vtkGetMacro(ForceN, double);
+  ///@}
+
+  ///@{
+  /**
+   * Turn of the paddle about its chest-wall edge, where the thickness then counts; degrees,
+   * positive opens it towards the nipple. Default 0.
+   */
+  vtkSetMacro(PaddleTiltDeg, double);
+  vtkGetMacro(PaddleTiltDeg, double);
+  ///@}
+
+  ///@{
+  /**
+   * Turn of the unit about the anterior axis, degrees; 0 is CC, positive towards the left. Default
+   * 0.
+   */
+  vtkSetMacro(RollDeg, double);
+  vtkGetMacro(RollDeg, double);
+  ///@}
+
+  ///@{
+  /**
+   * Shift of the receptor along its chest-wall edge, mm. Default 0.
+   */
+  vtkSetMacro(ShiftLateralMm, double);
+  vtkGetMacro(ShiftLateralMm, double);
+  ///@}
+
+  ///@{
+  /**
+   * Shift of the receptor away from the chest wall, mm. Default 0.
+   */
+  vtkSetMacro(ShiftAnteriorMm, double);
+  vtkGetMacro(ShiftAnteriorMm, double);
+  ///@}
+
+  ///@{
+  /**
+   * Shift of the plates' mid-plane towards the source, mm. Default 0.
+   */
+  vtkSetMacro(ShiftVerticalMm, double);
+  vtkGetMacro(ShiftVerticalMm, double);
+  ///@}
+
+  ///@{
+  /**
+   * Chest-wall edge of the support, mm in front of the receptor's. Default 0.
+   */
+  vtkSetMacro(SupportEdgeMm, double);
+  vtkGetMacro(SupportEdgeMm, double);
+  ///@}
+
+  ///@{
+  /**
+   * Chest-wall edge of the paddle, mm in front of the receptor's. Default 0.
+   */
+  vtkSetMacro(PaddleEdgeMm, double);
+  vtkGetMacro(PaddleEdgeMm, double);
+  ///@}
+
+  ///@{
+  /**
+   * Radius of the plates' chest-wall edges, mm, not negative. Default 3.
+   */
+  vtkSetMacro(EdgeRadiusMm, double);
+  vtkGetMacro(EdgeRadiusMm, double);
+  ///@}
+
+  ///@{
+  /**
+   * How the breast is attached to the held materials: HELD, SLIDING along their surface, or by an
+   * ELASTIC layer of WallStiffness. Default HELD.
+   */
+  enum ChestWallType
+  {
+    HELD,
+    SLIDING,
+    ELASTIC
+  };
+  vtkSetClampMacro(ChestWall, int, HELD, ELASTIC);
+  vtkGetMacro(ChestWall, int);
+  void SetChestWallToHeld() { this->SetChestWall(HELD); }
+  void SetChestWallToSliding() { this->SetChestWall(SLIDING); }
+  void SetChestWallToElastic() { this->SetChestWall(ELASTIC); }
+  ///@}
+
+  ///@{
+  /**
+   * Stiffness of the chest wall's layer across the wall (positive) and along it (not negative; of
+   * ELASTIC), kPa/mm. Default (1000, 1).
+   */
+  vtkSetVector2Macro(WallStiffness, double);
+  vtkGetVector2Macro(WallStiffness, double);
+  ///@}
+
+  ///@{
+  /**
+   * Force that draws the breast forwards onto the receptor, N, spread over its volume. Default 0.
+   */
+  vtkSetMacro(PullN, double);
+  vtkGetMacro(PullN, double);
+  ///@}
+
+  ///@{
+  /**
+   * Coefficient of friction between breast and plates, not negative. Default 0.
+   */
+  vtkSetMacro(Friction, double);
+  vtkGetMacro(Friction, double);
+  ///@}
+
+  ///@{
+  /**
+   * How the patient lay when the input was imaged: PRONE or SUPINE breasts are first unloaded of
+   * their weight, then compressed under that of the standing patient. With NONE the input is free
+   * of load. Default NONE.
+   */
+  enum ImagePositionType
+  {
+    NONE,
+    PRONE,
+    SUPINE
+  };
+  vtkSetClampMacro(ImagePosition, int, NONE, SUPINE);
+  vtkGetMacro(ImagePosition, int);
+  void SetImagePositionToNone() { this->SetImagePosition(NONE); }
+  void SetImagePositionToProne() { this->SetImagePosition(PRONE); }
+  void SetImagePositionToSupine() { this->SetImagePosition(SUPINE); }
+  ///@}
+
+  ///@{
+  /**
+   * Whether the weight of the standing patient counts during the compression even if ImagePosition
+   * is NONE. Default off.
+   */
+  vtkSetMacro(Gravity, bool);
+  vtkGetMacro(Gravity, bool);
+  vtkBooleanMacro(Gravity, bool);
+  ///@}
+
+  ///@{
+  /**
+   * Steps of the time series, evenly spaced from 0 to 1; 1: none. Default 1.
+   */
+  vtkSetClampMacro(NumberOfTimeSteps, int, 1, 1000);
+  vtkGetMacro(NumberOfTimeSteps, int);
+  ///@}
+
+protected:
+  vtkBreastCompression();
+  ~vtkBreastCompression() override;
+  int FillInputPortInformation(int port, vtkInformation* info) override;
+  int RequestInformation(vtkInformation* request, vtkInformationVector** inputs,
+    vtkInformationVector* outputs) override;
+  int RequestData(vtkInformation* request, vtkInformationVector** inputs,
+    vtkInformationVector* outputs) override;
+
+private:
+  vtkBreastCompression(const vtkBreastCompression&) = delete;
+  void operator=(const vtkBreastCompression&) = delete;
+
+  std::string MaterialTable;
+  std::string Orientation = "LPS";
+  int Element = QUADRATIC;
+  double ThicknessMm = 50;
+  double ForceN = 0;
+  double PaddleTiltDeg = 0;
+  double RollDeg = 0;
+  double ShiftLateralMm = 0;
+  double ShiftAnteriorMm = 0;
+  double ShiftVerticalMm = 0;
+  double SupportEdgeMm = 0;
+  double PaddleEdgeMm = 0;
+  double EdgeRadiusMm = 3;
+  int ChestWall = HELD;
+  double WallStiffness[2] = { 1000, 1 };
+  double PullN = 0;
+  double Friction = 0;
+  int ImagePosition = NONE;
+  bool Gravity = false;
+  int NumberOfTimeSteps = 1;
+
+  struct Internals;
+  Internals* Internal;
+};
+
+#endif

@@ -1,0 +1,379 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mammoray/Filters/vtkBreastRegistration.h"
+
+#include "Private/FailedRequest.h"
+#include "mammoray/Case/RegisteredBreast.h"
+#include "mammoray/Filters/vtkBreastMesher.h"
+#include "mammoray/Foundation/Error.h"
+#include "mammoray/IO/ImageConversion.h"
+#include "mammoray/IO/MeshConversion.h"
+#include "mammoray/IO/PhysicsData.h"
+#include "mammoray/Registration/BreastMechanics.h"
+#include "mammoray/Registration/MammogramTarget.h"
+#include "mammoray/Registration/Registration.h"
+
+#include "vtkDoubleArray.h"
+#include "vtkFieldData.h"
+#include "vtkImageData.h"
+#include "vtkInformation.h"
+#include "vtkInformationVector.h"
+#include "vtkNew.h"
+#include "vtkObjectFactory.h"
+#include "vtkPointData.h"
+#include "vtkPoints.h"
+#include "vtkStreamingDemandDrivenPipeline.h"
+#include "vtkStringArray.h"
+#include "vtkUnstructuredGrid.h"
+
+#include <algorithm>
+#include <memory>
+#include <optional>
+#include <sstream>
+
+namespace
+{
+using namespace mammoray;
+
+/// What meshes, simulation and what is on the device are made of.
+struct Setup
+{
+  TetrahedralMesh Anatomy;
+  std::optional<TetrahedralMesh> Coarse;
+  std::string Table;
+  std::string Device;
+
+  bool operator==(const Setup&) const = default;
+};
+
+/// A breast ready to be registered.
+struct PreparedBreast
+{
+  PreparedBreast(Setup setup, const ProgressCallback& progress)
+    : Made(std::move(setup))
+    , Table(FindMaterialTable(this->Made.Table))
+    , Mechanics(this->Made.Anatomy, this->Table, { .Mesh = this->Made.Coarse, .Scouted = true },
+        progress)
+    , Surface(ExtractInterfaces(this->Made.Anatomy))
+    , SurfacePoints(this->Mechanics.Simulation(), this->Surface.Points)
+    , ScoutPoints(*this->Mechanics.Model().Scout, this->Surface.Points)
+    , Projector(MakeProjector({ .Device = this->Made.Device }))
+  {
+    this->Projector->SetSurface(this->Surface);
+  }
+
+  Setup Made;
+  MaterialTable Table;
+  BreastMechanics Mechanics;
+  SurfaceMesh Surface;
+  Embedding SurfacePoints;
+  Embedding ScoutPoints;
+  std::unique_ptr<PathLengthProjector> Projector;
+};
+
+void AddDoubles(vtkFieldData* fields, const char* name, const std::vector<double>& values,
+  int components = 1)
+{
+  vtkNew<vtkDoubleArray> array;
+  array->SetName(name);
+  array->SetNumberOfComponents(components);
+  array->SetNumberOfTuples(static_cast<vtkIdType>(values.size()) / components);
+  std::copy(values.begin(), values.end(), array->GetPointer(0));
+  fields->AddArray(array);
+}
+
+void AddStrings(vtkFieldData* fields, const char* name, const std::vector<std::string>& values)
+{
+  vtkNew<vtkStringArray> array;
+  array->SetName(name);
+  for (const std::string& value : values)
+  {
+    array->InsertNextValue(value);
+  }
+  fields->AddArray(array);
+}
+
+void AddVectors(vtkUnstructuredGrid* grid, const std::string& name,
+  const std::vector<double>& values)
+{
+  vtkNew<vtkDoubleArray> array;
+  array->SetName(name.c_str());
+  array->SetNumberOfComponents(3);
+  array->SetNumberOfTuples(static_cast<vtkIdType>(values.size() / 3));
+  std::copy(values.begin(), values.end(), array->GetPointer(0));
+  grid->GetPointData()->AddArray(array);
+}
+
+/// Fixes all parameters but those named.
+void Free(const std::string& names, std::vector<RegistrationParameter>& parameters)
+{
+  for (RegistrationParameter& parameter : parameters)
+  {
+    parameter.Fixed = true;
+  }
+  std::istringstream words(names);
+  for (std::string name; words >> name;)
+  {
+    const auto found = std::find_if(parameters.begin(), parameters.end(),
+      [&](const RegistrationParameter& parameter) { return parameter.Name == name; });
+    if (found == parameters.end())
+    {
+      throw InputError("FreeParameters: there is no parameter '" + name + "'");
+    }
+    found->Fixed = false;
+  }
+}
+
+void AddResult(vtkUnstructuredGrid* output, const RegistrationResult& result,
+  const VolumeFromGantry& placed)
+{
+  vtkFieldData* fields = output->GetFieldData();
+  std::vector<std::string> names;
+  for (const RegistrationParameter& parameter : result.Parameters)
+  {
+    names.push_back(parameter.Name);
+  }
+  AddStrings(fields, "ParameterNames", names);
+  AddStrings(fields, "StopReason", { result.StopReason });
+  AddDoubles(fields, "Parameters", result.Values);
+  AddDoubles(fields, "ParameterDeviations", result.StandardDeviations);
+  AddDoubles(fields, "Covariance", result.Covariance, static_cast<int>(names.size()));
+  AddPlacement(output, placed);
+  AddDoubles(fields, "Correlation", { result.After.Correlation });
+  AddDoubles(fields, "MeanOutlineDistanceMm", { result.After.MeanOutlineDistanceMm });
+  AddDoubles(fields, "LargestOutlineDistanceMm", { result.After.LargestOutlineDistanceMm });
+  AddDoubles(fields, "PaddleForceN", { result.State.PaddleForceN });
+  AddDoubles(fields, "Converged", { result.Converged ? 1.0 : 0.0 });
+}
+}
+
+struct vtkBreastRegistration::Internals
+{
+  /// Of labels at input 0.
+  vtkNew<vtkBreastMesher> Mesher;
+  vtkImageData* Labels = nullptr;
+  std::unique_ptr<PreparedBreast> Breast;
+  /// Of the image with this pointer and time.
+  const vtkImageData* MammogramImage = nullptr;
+  vtkMTimeType MammogramTime = 0;
+  mammoray::Mammogram Mammogram;
+  RegistrationTarget Target;
+
+  vtkSmartPointer<vtkUnstructuredGrid> MeshLabels(vtkImageData* labels, const std::string& table);
+  void Prepare(vtkImageData* mammogram);
+};
+
+/// The mesher does nothing while labels and table stay as they are.
+vtkSmartPointer<vtkUnstructuredGrid> vtkBreastRegistration::Internals::MeshLabels(
+  vtkImageData* labels, const std::string& table)
+{
+  if (this->Labels != labels)
+  {
+    this->Mesher->SetInputDataObject(labels);
+    this->Labels = labels;
+  }
+  if (table != this->Mesher->GetMaterialTable())
+  {
+    this->Mesher->SetMaterialTable(table.c_str());
+  }
+  this->Mesher->Update();
+  const auto grid = vtkSmartPointer<vtkUnstructuredGrid>::New();
+  grid->ShallowCopy(this->Mesher->GetOutput());
+  if (grid->GetNumberOfCells() == 0)
+  {
+    throw InputError("the labels could not be meshed");
+  }
+  return grid;
+}
+
+void vtkBreastRegistration::Internals::Prepare(vtkImageData* mammogram)
+{
+  if (this->MammogramImage == mammogram && this->MammogramTime == mammogram->GetMTime())
+  {
+    return;
+  }
+  this->MammogramImage = nullptr; // should this throw, nothing is taken for current
+  this->Mammogram = ToMammogram(mammogram);
+  this->Target = PrepareTarget(this->Mammogram);
+  this->MammogramImage = mammogram;
+  this->MammogramTime = mammogram->GetMTime();
+}
+
+vtkStandardNewMacro(vtkBreastRegistration);
+
+vtkBreastRegistration::vtkBreastRegistration()
+  : Internal(new Internals)
+{
+  this->SetNumberOfInputPorts(3);
+}
+
+vtkBreastRegistration::~vtkBreastRegistration()
+{
+  delete this->Internal;
+}
+
+void vtkBreastRegistration::SetMammogramConnection(vtkAlgorithmOutput* mammogram)
+{
+  this->SetInputConnection(1, mammogram);
+}
+
+void vtkBreastRegistration::SetSimulationMeshConnection(vtkAlgorithmOutput* mesh)
+{
+  this->SetInputConnection(2, mesh);
+}
+
+int vtkBreastRegistration::FillInputPortInformation(int port, vtkInformation* info)
+{
+  if (port == 1)
+  {
+    info->Set(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkImageData");
+    return 1;
+  }
+  info->Set(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkUnstructuredGrid");
+  if (port == 0)
+  {
+    info->Append(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkImageData");
+  }
+  else
+  {
+    info->Set(vtkAlgorithm::INPUT_IS_OPTIONAL(), 1);
+  }
+  return 1;
+}
+
+int vtkBreastRegistration::RequestUpdateExtent(vtkInformation*, vtkInformationVector** inputs,
+  vtkInformationVector*)
+{
+  for (int port = 0; port < 2; ++port)
+  {
+    vtkInformation* input = inputs[port]->GetInformationObject(0);
+    if (input->Has(vtkStreamingDemandDrivenPipeline::WHOLE_EXTENT()))
+    {
+      int whole[6];
+      input->Get(vtkStreamingDemandDrivenPipeline::WHOLE_EXTENT(), whole);
+      input->Set(vtkStreamingDemandDrivenPipeline::UPDATE_EXTENT(), whole, 6);
+    }
+  }
+  return 1;
+}
+
+int vtkBreastRegistration::RequestData(vtkInformation*, vtkInformationVector** inputs,
+  vtkInformationVector* outputs)
+{
+  vtkUnstructuredGrid* output = vtkUnstructuredGrid::GetData(outputs);
+  Internals& internal = *this->Internal;
+  try
+  {
+    const ProgressCallback progress = [this](double fraction, const char*)
+    {
+      this->UpdateProgress(fraction);
+      return this->GetAbortExecute() == 0;
+    };
+    // Everything that can be refused comes before anything is computed.
+    const AnatomicalAxes axes = AnatomicalAxes::FromCode(this->Orientation);
+    const mammoray::Spectrum spectrum = FindSpectrum(this->Spectrum);
+    if (this->MaterialTable.empty())
+    {
+      throw InputError("expected a MaterialTable, found none");
+    }
+    internal.Prepare(vtkImageData::GetData(inputs[1]));
+    BreastPose start;
+    start.ThicknessMm = this->StartThicknessMm > 0
+      ? this->StartThicknessMm
+      : internal.Mammogram.BodyPartThicknessMm.value_or(start.ThicknessMm);
+    start.RollDeg = NominalRollDeg(internal.Mammogram).value_or(0) + this->StartRollDeg;
+    start.ShiftAnteriorMm = this->StartAnteriorMm;
+    RegistrationOptions options;
+    options.Parameters = DefaultParameters(start);
+    Free(this->FreeParameters, options.Parameters);
+    options.PixelSizesMm = { this->PixelSizesMm[0], this->PixelSizesMm[1] };
+    options.MaximumIterations = this->MaximumIterations;
+
+    vtkSmartPointer<vtkUnstructuredGrid> grid = vtkUnstructuredGrid::GetData(inputs[0]);
+    if (!grid)
+    {
+      grid = internal.MeshLabels(vtkImageData::GetData(inputs[0]), this->MaterialTable);
+    }
+    Setup setup{ FromGrid(grid), {}, this->MaterialTable, this->DeviceName };
+    setup.Anatomy.Validate("vtkBreastRegistration's input");
+    if (vtkUnstructuredGrid* coarse = vtkUnstructuredGrid::GetData(inputs[2]))
+    {
+      setup.Coarse = FromGrid(coarse);
+    }
+    if (!internal.Breast || !(internal.Breast->Made == setup))
+    {
+      internal.Breast.reset();
+      internal.Breast = std::make_unique<PreparedBreast>(std::move(setup), progress);
+      ++this->NumberOfSetups;
+    }
+    PreparedBreast& breast = *internal.Breast;
+    const Beam beam = MakeBeam(breast.Table, spectrum, DetectorResponse::EnergyIntegrating);
+    RegistrationModel model = breast.Mechanics.Model();
+    model.Surface = &breast.Surface;
+    model.SurfaceEmbedding = &breast.SurfacePoints;
+    model.ScoutEmbedding = &breast.ScoutPoints;
+    model.Projector = breast.Projector.get();
+    model.XRays = &beam;
+    model.Axes = axes;
+    model.Anchor = FindPoseAnchor(breast.Made.Anatomy, breast.Table.Held(), axes);
+    model.Unit.SourceToDetectorMm = this->SourceToDetectorMm > 0
+      ? this->SourceToDetectorMm
+      : internal.Mammogram.SourceToDetectorMm.value_or(model.Unit.SourceToDetectorMm);
+    const RegistrationResult result = mammoray::Register(model, internal.Target, options, progress);
+
+    const std::vector<double> points = breast.Mechanics.AnatomyPoints().Map(result.State.Positions);
+    output->ShallowCopy(grid);
+    vtkNew<vtkPoints> moved;
+    moved->SetDataTypeToDouble();
+    moved->SetNumberOfPoints(grid->GetNumberOfPoints());
+    std::vector<double> displacement(points.size());
+    for (std::size_t index = 0; index < points.size(); ++index)
+    {
+      displacement[index] = points[index] - breast.Made.Anatomy.Points[index];
+    }
+    for (vtkIdType id = 0; id < grid->GetNumberOfPoints(); ++id)
+    {
+      moved->SetPoint(id, &points[3 * static_cast<std::size_t>(id)]);
+    }
+    output->SetPoints(moved);
+    AddVectors(output, "Displacement", displacement);
+    std::vector<int> free;
+    for (int index = 0; index < ParameterCount; ++index)
+    {
+      if (!result.Parameters[static_cast<std::size_t>(index)].Fixed)
+      {
+        free.push_back(index);
+      }
+    }
+    const std::vector<std::vector<double>> velocities = VelocitiesSeenFromUnit(model, result.Values,
+      result.State, breast.Mechanics.AnatomyPoints(), free);
+    for (std::size_t index = 0; index < free.size(); ++index)
+    {
+      AddVectors(output,
+        SensitivityArrayPrefix + result.Parameters[static_cast<std::size_t>(free[index])].Name,
+        velocities[index]);
+    }
+    AddResult(output, result, PlaceUnit(axes, model.Anchor, model.Unit, result.Pose));
+    return 1;
+  }
+  catch (...)
+  {
+    return FailedRequest(this, output);
+  }
+}
+
+void vtkBreastRegistration::PrintSelf(ostream& os, vtkIndent indent)
+{
+  this->Superclass::PrintSelf(os, indent);
+  os << indent << "MaterialTable: " << this->MaterialTable << "\n";
+  os << indent << "Spectrum: " << this->Spectrum << "\n";
+  os << indent << "Orientation: " << this->Orientation << "\n";
+  os << indent << "FreeParameters: " << this->FreeParameters << "\n";
+  os << indent << "StartThicknessMm: " << this->StartThicknessMm << "\n";
+  os << indent << "StartRollDeg: " << this->StartRollDeg << "\n";
+  os << indent << "StartAnteriorMm: " << this->StartAnteriorMm << "\n";
+  os << indent << "SourceToDetectorMm: " << this->SourceToDetectorMm << "\n";
+  os << indent << "PixelSizesMm: " << this->PixelSizesMm[0] << " " << this->PixelSizesMm[1] << "\n";
+  os << indent << "MaximumIterations: " << this->MaximumIterations << "\n";
+  os << indent << "DeviceName: " << this->DeviceName << "\n";
+  os << indent << "NumberOfSetups: " << this->NumberOfSetups << "\n";
+}

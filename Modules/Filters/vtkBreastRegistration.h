@@ -1,0 +1,174 @@
+// SPDX-License-Identifier: Apache-2.0
+/**
+ * @class   vtkBreastRegistration
+ * @brief   Finds the compression and pose whose synthetic mammogram matches a mammogram.
+ *
+ * Input 0: the uncompressed breast, vtkUnstructuredGrid of linear tetrahedra (mm) with the cell
+ * array "Material" (indices of MaterialTable), as vtkBreastMesher makes it; or the labels
+ * themselves, vtkImageData as that filter takes them, which are then meshed here. Input 1: the
+ * mammogram, vtkImageData of vtkMammogramReader. Input 2, optional: a coarse vtkUnstructuredGrid to
+ * simulate on (vtkBreastMesher with ForMechanics); made of input 0 where it is missing.
+ *
+ * Output 0: the breast compressed, with the arrays of the uncompressed grid, the point arrays
+ * "Displacement" (3 doubles, mm) and "Sensitivity_<name>" of each free parameter (3 doubles, mm per
+ * mm or degree, seen from the unit), and the field arrays
+ * "ParameterNames" (n strings), "Parameters" (n doubles; mm, degrees, or a factor),
+ * "ParameterDeviations" (n doubles, NaN where fixed), "Covariance" (n x n doubles, row by row, 0
+ * for fixed ones; no values where it is not known), "Placement" (4 x 3 doubles: the gantry's
+ * origin, mm, and its x, y and z axes in the frame of the input), "Correlation",
+ * "MeanOutlineDistanceMm", "LargestOutlineDistanceMm", "PaddleForceN", "Converged" (0 or 1) and
+ * "StopReason" (string).
+ *
+ * Meshes, simulation, mammogram and Vulkan device are kept: another mammogram does not mesh again,
+ * another start neither. An abort during the search ends it with the best pose so far, before it
+ * with an empty output. Unusable input raises ErrorEvent once and leaves the output empty.
+ */
+#ifndef vtkBreastRegistration_h
+#define vtkBreastRegistration_h
+
+#include "mammorayFiltersModule.h" // export macro
+#include "vtkUnstructuredGridAlgorithm.h"
+#include <string> // names
+
+class MAMMORAYFILTERS_EXPORT vtkBreastRegistration : public vtkUnstructuredGridAlgorithm
+{
+public:
+  static vtkBreastRegistration* New();
+  vtkTypeMacro(vtkBreastRegistration, vtkUnstructuredGridAlgorithm);
+  void PrintSelf(ostream& os, vtkIndent indent) override;
+
+  ///@{
+  /**
+   * The inputs 1 and 2.
+   */
+  void SetMammogramConnection(vtkAlgorithmOutput* mammogram);
+  void SetSimulationMeshConnection(vtkAlgorithmOutput* mesh);
+  ///@}
+
+  ///@{
+  /**
+   * Path of a material table (JSON), or the name of a shipped one. Required.
+   */
+  vtkSetStdStringFromCharMacro(MaterialTable);
+  vtkGetCharFromStdStringMacro(MaterialTable);
+  ///@}
+
+  ///@{
+  /**
+   * Path of a spectrum (.spc) or the name of a shipped one. Default "W28kVp_Rh50um_Be1mm".
+   */
+  vtkSetStdStringFromCharMacro(Spectrum);
+  vtkGetCharFromStdStringMacro(Spectrum);
+  ///@}
+
+  ///@{
+  /**
+   * Directions of the input's +x, +y, +z: one letter each of L/R, A/P, S/I. Default "LPS".
+   */
+  vtkSetStdStringFromCharMacro(Orientation);
+  vtkGetCharFromStdStringMacro(Orientation);
+  ///@}
+
+  ///@{
+  /**
+   * Names of the parameters that are found, with blanks between: thickness, roll, pitch, yaw,
+   * lateral, anterior, vertical, tilt, stiffness. Default "thickness roll lateral anterior".
+   */
+  vtkSetStdStringFromCharMacro(FreeParameters);
+  vtkGetCharFromStdStringMacro(FreeParameters);
+  ///@}
+
+  ///@{
+  /**
+   * Compressed thickness where the search begins, mm; 0: the mammogram's, else 50. Default 0.
+   */
+  vtkSetMacro(StartThicknessMm, double);
+  vtkGetMacro(StartThicknessMm, double);
+  ///@}
+
+  ///@{
+  /**
+   * Added to the nominal roll of the mammogram's view (0 where it has none) for the start, degrees.
+   * Default 0.
+   */
+  vtkSetMacro(StartRollDeg, double);
+  vtkGetMacro(StartRollDeg, double);
+  ///@}
+
+  ///@{
+  /**
+   * Distance of the receptor's edge from the chest wall where the search begins, mm. Default 5.
+   */
+  vtkSetMacro(StartAnteriorMm, double);
+  vtkGetMacro(StartAnteriorMm, double);
+  ///@}
+
+  ///@{
+  /**
+   * Source to detector distance, mm; 0: the mammogram's, else 650. Default 0.
+   */
+  vtkSetMacro(SourceToDetectorMm, double);
+  vtkGetMacro(SourceToDetectorMm, double);
+  ///@}
+
+  ///@{
+  /**
+   * Pixels in which the pictures are compared, first coarse, then fine, mm. Positive; default (3,
+   * 1.5).
+   */
+  vtkSetVector2Macro(PixelSizesMm, double);
+  vtkGetVector2Macro(PixelSizesMm, double);
+  ///@}
+
+  ///@{
+  /**
+   * Most iterations at each pixel size. 1 to 1000; default 15.
+   */
+  vtkSetClampMacro(MaximumIterations, int, 1, 1000);
+  vtkGetMacro(MaximumIterations, int);
+  ///@}
+
+  ///@{
+  /**
+   * Part of the wanted Vulkan device's name; empty takes the most capable one. Default empty.
+   */
+  vtkSetStdStringFromCharMacro(DeviceName);
+  vtkGetCharFromStdStringMacro(DeviceName);
+  ///@}
+
+  /**
+   * How often a mesh was made and a simulation was set up since the filter was made.
+   */
+  vtkGetMacro(NumberOfSetups, int);
+
+protected:
+  vtkBreastRegistration();
+  ~vtkBreastRegistration() override;
+  int FillInputPortInformation(int port, vtkInformation* info) override;
+  int RequestUpdateExtent(vtkInformation* request, vtkInformationVector** inputs,
+    vtkInformationVector* outputs) override;
+  int RequestData(vtkInformation* request, vtkInformationVector** inputs,
+    vtkInformationVector* outputs) override;
+
+private:
+  vtkBreastRegistration(const vtkBreastRegistration&) = delete;
+  void operator=(const vtkBreastRegistration&) = delete;
+
+  std::string MaterialTable;
+  std::string Spectrum = "W28kVp_Rh50um_Be1mm";
+  std::string Orientation = "LPS";
+  std::string FreeParameters = "thickness roll lateral anterior";
+  double StartThicknessMm = 0;
+  double StartRollDeg = 0;
+  double StartAnteriorMm = 5;
+  double SourceToDetectorMm = 0;
+  double PixelSizesMm[2] = { 3, 1.5 };
+  int MaximumIterations = 15;
+  std::string DeviceName;
+  int NumberOfSetups = 0;
+
+  struct Internals;
+  Internals* Internal;
+};
+
+#endif

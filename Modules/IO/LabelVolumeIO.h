@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+#ifndef mammoray_LabelVolumeIO_h
+#define mammoray_LabelVolumeIO_h
+
+#include "mammoray/Foundation/IntensityVolume.h"
+#include "mammoray/Foundation/LabelVolume.h"
+#include "mammorayIOModule.h"
+
+#include <string>
+
+namespace mammoray
+{
+/// How the axes of a file become those of the volume frame.
+enum class VolumeAxes
+{
+  /**
+   * What the file says is turned into DICOM LPS: NRRD by its `space` (LPS kept, RAS and LAS
+   * converted, none or an anonymous one taken as given), MetaImage as LPS, NIfTI as RAS when its
+   * sform or qform code is not 0.
+   */
+  Patient,
+  /// The numbers of the header, whatever they say about the patient.
+  AsGiven
+};
+
+/**
+ * Reads a label volume with its whole geometry, oblique axes included: NRRD (.nrrd; .nhdr with one
+ * data file; raw or gzip), MetaImage (.mha; .mhd with one data file; raw or compressed), NIfTI-1
+ * (.nii, .nii.gz; sform before qform) and DICOM, always in LPS: a folder with a series of slices
+ * whose values are the labels, or a segmentation (.dcm; binary or fractional from a half of the
+ * largest value, uncompressed) whose segment numbers are, of overlapping segments the smaller one.
+ *
+ * Three dimensions (further ones of size 1 are allowed in NIfTI), any scalar type of whole values
+ * in [0, 65535]. Throws InputError, one line with the file, on a missing, short or damaged file, on
+ * other dimensions, types, encodings or sheared axes, and on a value that is no label, with its
+ * place. Memory grows with the data that is there, not with what the header promises.
+ */
+MAMMORAYIO_EXPORT LabelVolume ReadLabelVolume(const std::string& path,
+  VolumeAxes axes = VolumeAxes::Patient);
+
+/**
+ * Reads an MRI or the like from the same formats but DICOM SEG: any finite values. Throws
+ * InputError as above.
+ */
+MAMMORAYIO_EXPORT IntensityVolume ReadIntensityVolume(const std::string& path,
+  VolumeAxes axes = VolumeAxes::Patient);
+
+/// Throws InputError unless WriteLabelVolume knows the path's extension.
+MAMMORAYIO_EXPORT void CheckLabelVolumeExtension(const std::string& path);
+
+/**
+ * Writes .nrrd (gzip), .mha (compressed) or .nii.gz (NIfTI-1), 8 bits per voxel when that is
+ * enough, 16 otherwise; the frame is called LPS. Throws InputError on another extension or when the
+ * file cannot be written.
+ */
+MAMMORAYIO_EXPORT void WriteLabelVolume(const LabelVolume& volume, const std::string& path);
+
+/// The same of intensities, as 32-bit floats.
+MAMMORAYIO_EXPORT void WriteIntensityVolume(const IntensityVolume& volume, const std::string& path);
+}
+
+#endif

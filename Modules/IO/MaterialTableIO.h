@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+#ifndef mammoray_MaterialTableIO_h
+#define mammoray_MaterialTableIO_h
+
+#include "mammoray/Foundation/MaterialTable.h"
+#include "mammorayIOModule.h"
+
+#include <string>
+
+namespace mammoray
+{
+/**
+ * Reads a material table from JSON:
+ *
+ *     { "name": "...", "description": "...", "materials": [
+ *         { "name": "air", "labels": [0] },
+ *         { "name": "fat", "labels": [1], "attenuation": "adipose", "density_g_per_cm3": 0.92,
+ *           "youngs_modulus_kpa": 5, "poisson_ratio": 0.49, "held": false, "thin": false }, ... ] }
+ *
+ * The first material is air and takes a name and labels only. The others need name, labels (whole
+ * numbers in [0, 65535], at least one; a thin material may leave them out and be made by AddSkin)
+ * and attenuation: a name or composition for
+ * FindAttenuationTable, or an object of mass fractions, { "H": 0.112, "O": 0.888 }; density,
+ * elastic constants, "held" and "thin" default to those of Material. "name" of the table defaults
+ * to the file's name. Throws InputError, with file and key, on anything else: a wrong type or
+ * range, an unknown or repeated key, a label or name used twice.
+ */
+MAMMORAYIO_EXPORT MaterialTable ReadMaterialTable(const std::string& path);
+}
+
+#endif

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+#ifndef mammoray_MeshConversion_h
+#define mammoray_MeshConversion_h
+
+#include "mammoray/Foundation/MammographyGeometry.h"
+#include "mammoray/Foundation/TetrahedralMesh.h"
+#include "mammorayIOModule.h"
+
+#include "vtkSmartPointer.h"
+
+#include <optional>
+#include <string>
+#include <vector>
+
+class vtkDataObject;
+class vtkUnstructuredGrid;
+
+namespace mammoray
+{
+/// Name of the cell array (int32) that holds material indices.
+inline constexpr const char* MaterialArrayName = "Material";
+/// Name of the field data array (strings) that names material 0, 1, 2, ...
+inline constexpr const char* MaterialNamesArrayName = "MaterialNames";
+/// Name of the field data array (4 x 3 doubles) that tells where the unit stands: the gantry's
+/// origin, mm, and its x, y and z axes in the grid's frame.
+inline constexpr const char* PlacementArrayName = "Placement";
+
+/// Grid of linear tetrahedra with the cell array "Material" and the field array "MaterialNames".
+MAMMORAYIO_EXPORT vtkSmartPointer<vtkUnstructuredGrid> ToGrid(const TetrahedralMesh& mesh,
+  const std::vector<std::string>& materialNames);
+
+/**
+ * The reverse. Throws InputError, which names the cell, on cells other than linear tetrahedra, and
+ * when the cell array "Material" is missing. `materialNames` receives the field array, if there is
+ * one.
+ */
+MAMMORAYIO_EXPORT TetrahedralMesh FromGrid(vtkUnstructuredGrid* grid,
+  std::vector<std::string>* materialNames = nullptr);
+
+/// Adds the field array "Placement".
+MAMMORAYIO_EXPORT void AddPlacement(vtkDataObject* data, const VolumeFromGantry& placed);
+/// The reverse; nothing where there is no such array of 4 x 3 values.
+MAMMORAYIO_EXPORT std::optional<VolumeFromGantry> FindPlacement(vtkDataObject* data);
+}
+
+#endif

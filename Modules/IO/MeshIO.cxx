@@ -1,0 +1,232 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mammoray/IO/MeshIO.h"
+
+#include "mammoray/Foundation/Error.h"
+
+#include "vtkCommand.h"
+#include "vtkExecutive.h"
+#include "vtkNew.h"
+#include "vtkOBJReader.h"
+#include "vtkOBJWriter.h"
+#include "vtkObject.h"
+#include "vtkPLYReader.h"
+#include "vtkPLYWriter.h"
+#include "vtkPolyData.h"
+#include "vtkSTLReader.h"
+#include "vtkSTLWriter.h"
+#include "vtkTriangleFilter.h"
+#include "vtkUnstructuredGrid.h"
+#include "vtkUnstructuredGridReader.h"
+#include "vtkXMLPolyDataReader.h"
+#include "vtkXMLPolyDataWriter.h"
+#include "vtkXMLUnstructuredGridReader.h"
+#include "vtkXMLUnstructuredGridWriter.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+
+namespace mammoray
+{
+namespace
+{
+namespace fs = std::filesystem;
+
+/// Keeps the first error or warning an object tells, instead of the console.
+class Listener : public vtkCommand
+{
+public:
+  static Listener* New() { return new Listener; }
+  void Execute(vtkObject*, unsigned long, void* text) override
+  {
+    if (this->Message.empty())
+    {
+      this->Message = text ? static_cast<const char*>(text) : "error";
+      // The last line of VTK's text is the message itself; the others say where in VTK's sources.
+      while (
+        !this->Message.empty() && std::isspace(static_cast<unsigned char>(this->Message.back())))
+      {
+        this->Message.pop_back();
+      }
+      const auto line = this->Message.find_last_of('\n');
+      this->Message = line == std::string::npos ? this->Message : this->Message.substr(line + 1);
+    }
+  }
+  std::string Message;
+};
+
+template <typename Algorithm>
+void Run(Algorithm* algorithm, const std::string& path, const char* what, bool write)
+{
+  vtkNew<Listener> listener;
+  algorithm->AddObserver(vtkCommand::ErrorEvent, listener);
+  algorithm->AddObserver(vtkCommand::WarningEvent, listener);
+  algorithm->GetExecutive()->AddObserver(vtkCommand::ErrorEvent, listener);
+  // Parsers and other helpers inside VTK have no observer of ours.
+  const int shown = vtkObject::GetGlobalWarningDisplay();
+  vtkObject::GlobalWarningDisplayOff();
+  bool failed = false;
+  if constexpr (requires { algorithm->Write(); })
+  {
+    algorithm->Write();
+  }
+  else
+  {
+    algorithm->Update();
+  }
+  vtkObject::SetGlobalWarningDisplay(shown);
+  failed = algorithm->GetErrorCode() != 0 || !listener->Message.empty();
+  if (failed || (write && !fs::exists(path)))
+  {
+    throw InputError(path + ": " + what +
+      (listener->Message.empty() ? std::string() : " (" + listener->Message + ")"));
+  }
+}
+
+std::string Extension(const std::string& path)
+{
+  std::string extension = fs::path(path).extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+    [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return extension;
+}
+
+[[noreturn]] void RefuseExtension(const std::string& path, const char* what, const char* known)
+{
+  throw InputError(path + ": expected the extension " + known + " for " + what + ", found '" +
+    Extension(path) + "'");
+}
+
+void CheckReadable(const std::string& path)
+{
+  if (!fs::exists(path))
+  {
+    throw InputError(path + ": no such file");
+  }
+  if (!fs::is_regular_file(path) || !std::ifstream(path))
+  {
+    throw InputError(path + ": expected a mesh, found something that cannot be read");
+  }
+  if (fs::file_size(path) == 0)
+  {
+    throw InputError(path + ": expected a mesh, found an empty file");
+  }
+}
+
+template <typename Writer>
+void Write(vtkPointSet* mesh, const std::string& path)
+{
+  vtkNew<Writer> writer;
+  writer->SetInputData(mesh);
+  writer->SetFileName(path.c_str());
+  if constexpr (requires { writer->SetDataModeToAppended(); })
+  {
+    writer->SetDataModeToAppended();
+    writer->EncodeAppendedDataOff();
+    writer->SetCompressorTypeToZLib();
+  }
+  if constexpr (requires { writer->SetFileTypeToBinary(); })
+  {
+    writer->SetFileTypeToBinary();
+  }
+  Run(writer.Get(), path, "cannot be written", true);
+}
+
+template <typename Reader>
+auto Read(const std::string& path)
+{
+  vtkNew<Reader> reader;
+  reader->SetFileName(path.c_str());
+  Run(reader.Get(), path, "expected a mesh, found data that cannot be read", false);
+  auto mesh = vtkSmartPointer(reader->GetOutput());
+  if (!mesh || mesh->GetNumberOfPoints() == 0 || mesh->GetNumberOfCells() == 0)
+  {
+    throw InputError(path + ": expected a mesh, found no points or no cells");
+  }
+  return mesh;
+}
+}
+
+void WriteMesh(vtkPointSet* mesh, const std::string& path)
+{
+  const std::string extension = Extension(path);
+  if (vtkUnstructuredGrid::SafeDownCast(mesh))
+  {
+    if (extension != ".vtu")
+    {
+      RefuseExtension(path, "a volume mesh", ".vtu");
+    }
+    Write<vtkXMLUnstructuredGridWriter>(mesh, path);
+    return;
+  }
+  auto* surface = vtkPolyData::SafeDownCast(mesh);
+  if (!surface)
+  {
+    throw InputError(path + ": expected a volume mesh or a surface to write");
+  }
+  if (extension == ".vtp")
+  {
+    Write<vtkXMLPolyDataWriter>(surface, path);
+    return;
+  }
+  vtkNew<vtkTriangleFilter> triangles;
+  triangles->SetInputData(surface);
+  triangles->PassLinesOff();
+  triangles->PassVertsOff();
+  triangles->Update();
+  if (extension == ".stl")
+  {
+    Write<vtkSTLWriter>(triangles->GetOutput(), path);
+  }
+  else if (extension == ".ply")
+  {
+    Write<vtkPLYWriter>(triangles->GetOutput(), path);
+  }
+  else if (extension == ".obj")
+  {
+    Write<vtkOBJWriter>(triangles->GetOutput(), path);
+  }
+  else
+  {
+    RefuseExtension(path, "a surface", ".vtp, .stl, .ply or .obj");
+  }
+}
+
+vtkSmartPointer<vtkUnstructuredGrid> ReadMesh(const std::string& path)
+{
+  CheckReadable(path);
+  const std::string extension = Extension(path);
+  if (extension == ".vtu")
+  {
+    return Read<vtkXMLUnstructuredGridReader>(path);
+  }
+  if (extension == ".vtk")
+  {
+    return Read<vtkUnstructuredGridReader>(path);
+  }
+  RefuseExtension(path, "a volume mesh", ".vtu or .vtk");
+}
+
+vtkSmartPointer<vtkPolyData> ReadSurface(const std::string& path)
+{
+  CheckReadable(path);
+  const std::string extension = Extension(path);
+  if (extension == ".vtp")
+  {
+    return Read<vtkXMLPolyDataReader>(path);
+  }
+  if (extension == ".stl")
+  {
+    return Read<vtkSTLReader>(path);
+  }
+  if (extension == ".ply")
+  {
+    return Read<vtkPLYReader>(path);
+  }
+  if (extension == ".obj")
+  {
+    return Read<vtkOBJReader>(path);
+  }
+  RefuseExtension(path, "a surface", ".vtp, .stl, .ply or .obj");
+}
+}

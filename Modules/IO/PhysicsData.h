@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+#ifndef mammoray_PhysicsData_h
+#define mammoray_PhysicsData_h
+
+#include "mammoray/Foundation/MaterialTable.h"
+#include "mammoray/XRay/Beam.h"
+#include "mammorayIOModule.h"
+
+#include <string>
+
+namespace mammoray
+{
+/**
+ * Folder that holds attenuation/, spectra/ and materials/: the environment variable MAMMORAY_DATA,
+ * else the source tree's Data as long as it exists, else share/mammoray of the installation. Throws
+ * InputError when none of them is there.
+ */
+MAMMORAYIO_EXPORT std::string DataDirectory();
+
+/**
+ * Reads a spectrum: lines of an energy (eV) and the photons per mm^2 and keV there, `#` begins a
+ * comment, a last negative value ends the list. Each value stands for the interval up to the next
+ * energy. Throws InputError, which names the line, on anything else. Name: the file's without
+ * folder and extension.
+ */
+MAMMORAYIO_EXPORT Spectrum ReadSpectrum(const std::string& path);
+
+/**
+ * Reads comma-separated columns, among them energy_eV and mu_total_per_cm (1/cm at nominal
+ * density), with a first comment line that says "nominal density <number> g/cm3". Throws
+ * InputError, which names the line.
+ */
+MAMMORAYIO_EXPORT AttenuationTable ReadAttenuationTable(const std::string& path);
+
+/**
+ * The table attenuation/NAME.csv of the data directory, or the composition that the name spells
+ * (see FindComposition); throws InputError with near or all known names otherwise.
+ */
+MAMMORAYIO_EXPORT AttenuationTable FindAttenuationTable(const std::string& name);
+
+/**
+ * A spectrum from a path, or by its name in spectra/ of the data directory; throws InputError with
+ * the known names when neither exists.
+ */
+MAMMORAYIO_EXPORT Spectrum FindSpectrum(const std::string& pathOrName);
+
+/**
+ * A material table from a path, or by its name in materials/ of the data directory ("victre",
+ * "segment"; see Data/README.md); throws InputError with near or all known names when neither
+ * exists.
+ */
+MAMMORAYIO_EXPORT MaterialTable FindMaterialTable(const std::string& pathOrName);
+
+/// The path of that table's file.
+MAMMORAYIO_EXPORT std::string FindMaterialTablePath(const std::string& pathOrName);
+
+/// The beam for path lengths in the table's materials. Throws InputError on an unknown attenuation
+/// table.
+MAMMORAYIO_EXPORT Beam MakeBeam(const MaterialTable& materials, const Spectrum& spectrum,
+  DetectorResponse response);
+}
+
+#endif

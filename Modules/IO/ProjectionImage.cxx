@@ -1,0 +1,264 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mammoray/IO/ProjectionImage.h"
+
+#include "mammoray/Foundation/Error.h"
+
+#include "vtkFloatArray.h"
+#include "vtkImageData.h"
+#include "vtkMatrix3x3.h"
+#include "vtkNew.h"
+#include "vtkPNGWriter.h"
+#include "vtkPointData.h"
+#include "vtkUnsignedCharArray.h"
+#include "vtkUnsignedShortArray.h"
+#include "vtkXMLImageDataWriter.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+namespace mammoray
+{
+namespace
+{
+constexpr const char* PathLengthPrefix = "PathLength_";
+
+vtkSmartPointer<vtkFloatArray> FloatArray(const std::string& name, const float* values,
+  std::size_t count)
+{
+  auto array = vtkSmartPointer<vtkFloatArray>::New();
+  array->SetName(name.c_str());
+  array->SetNumberOfValues(static_cast<vtkIdType>(count));
+  std::copy(values, values + count, array->GetPointer(0));
+  return array;
+}
+
+/// The float arrays that become the channels of a file.
+std::vector<vtkFloatArray*> Channels(vtkImageData* image, bool pathLengths)
+{
+  std::vector<vtkFloatArray*> channels;
+  vtkPointData* data = image->GetPointData();
+  for (int index = 0; index < data->GetNumberOfArrays(); ++index)
+  {
+    auto* array = vtkFloatArray::SafeDownCast(data->GetArray(index));
+    const bool isLength = array && std::string(array->GetName()).rfind(PathLengthPrefix, 0) == 0;
+    if (array && (pathLengths ? isLength : array == data->GetScalars()))
+    {
+      channels.push_back(array);
+    }
+  }
+  if (channels.empty())
+  {
+    throw InputError("projection: expected arrays to write, found none");
+  }
+  return channels;
+}
+
+std::string Header(vtkImageData* image, std::size_t channels, bool nrrd)
+{
+  int size[3];
+  image->GetDimensions(size);
+  double origin[3];
+  image->GetOrigin(origin);
+  double spacing[3];
+  image->GetSpacing(spacing);
+  const double* matrix = image->GetDirectionMatrix()->GetData(); // columns are the axes
+  std::ostringstream text;
+  text.imbue(std::locale::classic());
+  text.precision(17);
+  const bool little = std::endian::native == std::endian::little;
+  if (nrrd)
+  {
+    text << "NRRD0005\ntype: float\ndimension: 4\nspace dimension: 3\nsizes: " << channels << " "
+         << size[0] << " " << size[1] << " 1\nspace directions: none";
+    for (int axis = 0; axis < 3; ++axis)
+    {
+      text << " (" << spacing[axis] * matrix[axis] << "," << spacing[axis] * matrix[3 + axis] << ","
+           << spacing[axis] * matrix[6 + axis] << ")";
+    }
+    text << "\nspace origin: (" << origin[0] << "," << origin[1] << "," << origin[2]
+         << ")\nkinds: " << (channels == 1 ? "scalar" : "vector")
+         << " domain domain domain\nendian: " << (little ? "little" : "big")
+         << "\nencoding: raw\n\n";
+    return text.str();
+  }
+  text << "ObjectType = Image\nNDims = 3\nBinaryData = True\nBinaryDataByteOrderMSB = "
+       << (little ? "False" : "True") << "\nCompressedData = False\nTransformMatrix =";
+  for (int axis = 0; axis < 3; ++axis)
+  {
+    text << " " << matrix[axis] << " " << matrix[3 + axis] << " " << matrix[6 + axis];
+  }
+  text << "\nOffset = " << origin[0] << " " << origin[1] << " " << origin[2]
+       << "\nCenterOfRotation = 0 0 0\nElementSpacing = " << spacing[0] << " " << spacing[1] << " "
+       << spacing[2] << "\nDimSize = " << size[0] << " " << size[1]
+       << " 1\nElementNumberOfChannels = " << channels
+       << "\nElementType = MET_FLOAT\nElementDataFile = LOCAL\n";
+  return text.str();
+}
+
+void WriteRaw(vtkImageData* image, const std::string& path, bool pathLengths, bool nrrd)
+{
+  const std::vector<vtkFloatArray*> channels = Channels(image, pathLengths);
+  std::vector<float> values;
+  const vtkIdType count = image->GetNumberOfPoints();
+  values.reserve(static_cast<std::size_t>(count) * channels.size());
+  for (vtkIdType pixel = 0; pixel < count; ++pixel)
+  {
+    for (vtkFloatArray* channel : channels)
+    {
+      values.push_back(channel->GetValue(pixel));
+    }
+  }
+  std::ofstream file(path, std::ios::binary);
+  file << Header(image, channels.size(), nrrd);
+  file.write(reinterpret_cast<const char*>(values.data()),
+    static_cast<std::streamsize>(values.size() * sizeof(float)));
+  file.close();
+  if (!file)
+  {
+    throw InputError(path + ": cannot be written");
+  }
+}
+
+/// `values` from 0 to `white` as 16-bit grey, row 0 on top.
+void WritePng(vtkImageData* image, vtkFloatArray* values, float white, const std::string& path)
+{
+  int size[3];
+  image->GetDimensions(size);
+  vtkNew<vtkUnsignedShortArray> grey;
+  grey->SetName(values->GetName());
+  grey->SetNumberOfValues(values->GetNumberOfValues());
+  for (int row = 0; row < size[1]; ++row)
+  {
+    for (int column = 0; column < size[0]; ++column)
+    {
+      // VTK's writer puts the last row on top.
+      const float value =
+        values->GetValue(static_cast<vtkIdType>(size[1] - 1 - row) * size[0] + column) / white;
+      grey->SetValue(static_cast<vtkIdType>(row) * size[0] + column,
+        static_cast<unsigned short>(std::lround(65535 * std::clamp(value, 0.0f, 1.0f))));
+    }
+  }
+  vtkNew<vtkImageData> picture;
+  picture->SetDimensions(size);
+  picture->GetPointData()->SetScalars(grey);
+  vtkNew<vtkPNGWriter> writer;
+  writer->SetInputData(picture);
+  writer->SetFileName(path.c_str());
+  writer->Write();
+  if (writer->GetErrorCode() != 0)
+  {
+    throw InputError(path + ": cannot be written");
+  }
+}
+}
+
+vtkSmartPointer<vtkImageData> MakeDetectorImage(const XRayDetector& detector)
+{
+  const double width = Norm(detector.ColumnStep);
+  const double height = Norm(detector.RowStep);
+  // 1e-6: directions computed in float.
+  if (!(width > 0 && height > 0) ||
+    std::abs(Dot(detector.ColumnStep, detector.RowStep)) > 1e-6 * width * height)
+  {
+    throw InputError("detector: expected columns and rows at right angles");
+  }
+  const Vector3 u = (1 / width) * detector.ColumnStep;
+  const Vector3 v = (1 / height) * detector.RowStep;
+  const Vector3 n = Cross(u, v);
+  auto image = vtkSmartPointer<vtkImageData>::New();
+  image->SetDimensions(detector.Columns, detector.Rows, 1);
+  image->SetSpacing(width, height, 1.0);
+  image->SetOrigin(detector.Origin.data());
+  image->SetDirectionMatrix(u[0], v[0], n[0], u[1], v[1], n[1], u[2], v[2], n[2]);
+  return image;
+}
+
+vtkSmartPointer<vtkImageData> ToImage(const Exposure& exposure, const XRayDetector& detector,
+  const std::vector<std::string>& materialNames)
+{
+  const PathLengthImage& lengths = exposure.Lengths;
+  auto image = MakeDetectorImage(detector);
+  vtkPointData* data = image->GetPointData();
+  const std::size_t pixelCount = lengths.NumberOfPixels();
+  data->SetScalars(FloatArray("Transmission", exposure.Transmission.data(), pixelCount));
+  data->AddArray(FloatArray(LogAttenuationArrayName, exposure.LogAttenuation.data(), pixelCount));
+  for (int material = 1; material < lengths.Materials; ++material)
+  {
+    const auto index = static_cast<std::size_t>(material);
+    const std::string name = index < materialNames.size() && !materialNames[index].empty()
+      ? materialNames[index]
+      : std::to_string(material);
+    data->AddArray(FloatArray(PathLengthPrefix + name, lengths.Material(material), pixelCount));
+  }
+  vtkNew<vtkUnsignedCharArray> consistency;
+  consistency->SetName("Consistency");
+  consistency->SetNumberOfValues(static_cast<vtkIdType>(pixelCount));
+  std::transform(lengths.Inconsistent.begin(), lengths.Inconsistent.end(),
+    consistency->GetPointer(0),
+    [](unsigned char inconsistent) { return static_cast<unsigned char>(1 - inconsistent); });
+  data->AddArray(consistency);
+  return image;
+}
+
+float FindWhite(const float* values, std::size_t count)
+{
+  std::vector<float> sorted(values, values + count);
+  const auto white = sorted.begin() + static_cast<std::ptrdiff_t>(0.999 * (sorted.size() - 1));
+  std::nth_element(sorted.begin(), white, sorted.end());
+  return *white > 0 ? *white : 1.0f;
+}
+
+void WriteRadiograph(vtkImageData* image, const std::string& path, const std::string& arrayName)
+{
+  auto* array = vtkFloatArray::SafeDownCast(image->GetPointData()->GetArray(arrayName.c_str()));
+  if (!array || array->GetNumberOfValues() == 0)
+  {
+    throw InputError("projection: expected the array " + arrayName + ", found none");
+  }
+  if (std::filesystem::path(path).extension() != ".png")
+  {
+    throw InputError(path + ": expected the extension .png");
+  }
+  const auto count = static_cast<std::size_t>(array->GetNumberOfValues());
+  WritePng(image, array, FindWhite(array->GetPointer(0), count), path);
+}
+
+void CheckProjectionExtension(const std::string& path, bool pathLengths)
+{
+  const std::string extension = std::filesystem::path(path).extension().string();
+  if (extension != ".vti" && extension != ".mha" && extension != ".nrrd" &&
+    (extension != ".png" || pathLengths))
+  {
+    throw InputError(path + ": expected the extension .vti, .mha" +
+      (pathLengths ? " or .nrrd" : ", .nrrd or .png"));
+  }
+}
+
+void WriteProjection(vtkImageData* image, const std::string& path, bool pathLengths)
+{
+  CheckProjectionExtension(path, pathLengths);
+  const std::string extension = std::filesystem::path(path).extension().string();
+  if (extension == ".vti")
+  {
+    vtkNew<vtkXMLImageDataWriter> writer;
+    writer->SetInputData(image);
+    writer->SetFileName(path.c_str());
+    if (writer->Write() == 0)
+    {
+      throw InputError(path + ": cannot be written");
+    }
+  }
+  else if (extension == ".mha" || extension == ".nrrd")
+  {
+    WriteRaw(image, path, pathLengths, extension == ".nrrd");
+  }
+  else
+  {
+    WritePng(image, Channels(image, false).front(), 1.0f, path);
+  }
+}
+}

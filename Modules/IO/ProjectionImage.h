@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+#ifndef mammoray_ProjectionImage_h
+#define mammoray_ProjectionImage_h
+
+#include "mammoray/XRay/Exposure.h"
+#include "mammorayIOModule.h"
+
+#include "vtkSmartPointer.h"
+
+#include <string>
+#include <vector>
+
+class vtkImageData;
+
+namespace mammoray
+{
+inline constexpr const char* LogAttenuationArrayName = "LogAttenuation";
+
+/// An image without arrays that lies where the detector is. The detector's steps must be at right
+/// angles (InputError).
+MAMMORAYIO_EXPORT vtkSmartPointer<vtkImageData> MakeDetectorImage(const XRayDetector& detector);
+
+/**
+ * The image of an exposure, lying where the detector is: point arrays "Transmission" (scalars,
+ * float), "LogAttenuation" (float), "PathLength_<name>" (float, mm) per material but air,
+ * "Consistency" (unsigned char, 1 = trusted). Materials without a name are called by their index.
+ * The detector's steps must be at right angles (InputError).
+ */
+MAMMORAYIO_EXPORT vtkSmartPointer<vtkImageData> ToImage(const Exposure& exposure,
+  const XRayDetector& detector, const std::vector<std::string>& materialNames);
+
+/// What a picture shows white: the value that one pixel in a thousand exceeds, 1 where that is not
+/// positive. `count` finite values, at least one.
+MAMMORAYIO_EXPORT float FindWhite(const float* values, std::size_t count);
+
+/**
+ * A picture to look at, as a radiograph is read: the float array of that name, large is bright,
+ * 16-bit grey, row 0 on top. Black is nothing in the beam, white FindWhite's value. Throws
+ * InputError unless the extension is .png and the file can be written.
+ */
+MAMMORAYIO_EXPORT void WriteRadiograph(vtkImageData* image, const std::string& path,
+  const std::string& arrayName = LogAttenuationArrayName);
+
+/// Throws InputError unless WriteProjection knows the path's extension.
+MAMMORAYIO_EXPORT void CheckProjectionExtension(const std::string& path, bool pathLengths = false);
+
+/**
+ * Writes by extension, row 0 first. .vti: all arrays, with the detector's pose. .mha, .nrrd: the
+ * scalars as floats with the pose, or, with `pathLengths`, one channel per path length. .png: the
+ * scalars, [0, 1] to 16-bit grey; row 0 on top. Throws InputError on another extension and when the
+ * file cannot be written.
+ */
+MAMMORAYIO_EXPORT void WriteProjection(vtkImageData* image, const std::string& path,
+  bool pathLengths = false);
+}
+
+#endif

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mammoray/IO/Sha256.h"
+
+#include "mammoray/Foundation/Error.h"
+
+#include <openssl/evp.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <vector>
+
+namespace mammoray
+{
+namespace
+{
+namespace fs = std::filesystem;
+
+std::vector<fs::path> FilesOf(const std::string& path)
+{
+  if (!fs::is_directory(path))
+  {
+    return { path };
+  }
+  std::vector<fs::path> files;
+  for (const fs::directory_entry& entry : fs::directory_iterator(path))
+  {
+    if (entry.is_regular_file())
+    {
+      files.push_back(entry.path());
+    }
+  }
+  std::sort(files.begin(), files.end());
+  return files;
+}
+}
+
+std::string Sha256OfFile(const std::string& path)
+{
+  const std::unique_ptr<EVP_MD_CTX, decltype(&EVP_MD_CTX_free)> context(EVP_MD_CTX_new(),
+    EVP_MD_CTX_free);
+  EVP_DigestInit_ex(context.get(), EVP_sha256(), nullptr);
+  std::vector<char> buffer(1 << 20);
+  for (const fs::path& part : FilesOf(path))
+  {
+    std::ifstream file(part, std::ios::binary);
+    while (
+      file.read(buffer.data(), static_cast<std::streamsize>(buffer.size())) || file.gcount() > 0)
+    {
+      EVP_DigestUpdate(context.get(), buffer.data(), static_cast<std::size_t>(file.gcount()));
+    }
+    if (!file.eof())
+    {
+      throw InputError(part.string() + ": cannot be read");
+    }
+  }
+  unsigned char digest[EVP_MAX_MD_SIZE];
+  unsigned int size = 0;
+  EVP_DigestFinal_ex(context.get(), digest, &size);
+  static constexpr char Digits[] = "0123456789abcdef";
+  std::string text;
+  for (unsigned int index = 0; index < size; ++index)
+  {
+    text += Digits[digest[index] >> 4];
+    text += Digits[digest[index] & 15];
+  }
+  return text;
+}
+}

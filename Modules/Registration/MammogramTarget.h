@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+#ifndef mammoray_MammogramTarget_h
+#define mammoray_MammogramTarget_h
+
+#include "mammoray/Foundation/Mammogram.h"
+#include "mammoray/Registration/RegistrationTarget.h"
+#include "mammorayRegistrationModule.h"
+
+namespace mammoray
+{
+struct TargetOptions
+{
+  /**
+   * Where the breast begins: this part of the way from the log attenuation of air to the breast's
+   * median, (0, 1). A compressed breast ends in a bulge, so 3 % lie within a tenth of a millimetre
+   * of its edge.
+   */
+  double EdgeFraction = 0.03;
+  /// The same in robust standard deviations of the air (after a median over 3 x 3 pixels); the
+  /// larger of the two counts. Positive.
+  double EdgeSigmas = 6;
+  /// Thinner things hanging on the breast (frames of the detector, markers that touch) are dropped,
+  /// mm.
+  double ThinnestFeatureMm = 2;
+  /// The outline is found on a grid no coarser than this, mm; positive.
+  double OutlineGridMm = 0.2;
+  /// Parts of the breast's picture that are not compared (RegistrationTarget::Excluded): the
+  /// pectoral muscle in oblique views (FindPectoralEdge); what is burnt into the picture
+  /// (ExcludeSaturated); what is as dark as air within the breast, such as a detector's frame.
+  bool ExcludePectoral = true;
+  bool ExcludeMarkers = true;
+  bool ExcludeUnseen = true;
+};
+
+/**
+ * Brings a mammogram into the gantry frame, to log attenuation, and outlines the breast.
+ *
+ * *Frame.* The chest-wall side of the picture is that of the header's Patient Orientation; the
+ * origin is the middle of that edge of the outermost pixels. +x follows Patient Orientation, turned
+ * with the view as BreastPose::RollDeg turns the unit: patient left in CC, towards the head in MLO
+ * and ML of the left breast, towards the feet in those of the right one. What the header leaves
+ * open is taken from the picture and from how mammograms are hung (lateral or head up), with a
+ * warning each.
+ *
+ * *Log attenuation.* Linear images: -ln(I / I0), I0 the median of the air beside the breast, so 0
+ * is air. Logarithmic and For Presentation images: the stored values, turned so that more
+ * attenuation is more, with the median of the air at 0. The header's window (VOI LUT) is for eyes
+ * and is not applied.
+ *
+ * *Breast.* Above the air's level by TargetOptions' threshold, connected, the piece that occupies
+ * most of the chest-wall side's neighbourhood, holes filled. SignedDistanceMm counts only the
+ * outline within the picture: its borders, which cut the breast, are not outline, as if the breast
+ * went on beyond them. Good to about a third of OutlineGridMm or of a pixel, whichever is smaller.
+ *
+ * Throws InputError when the image is flat, or shows no air or no breast.
+ */
+MAMMORAYREGISTRATION_EXPORT RegistrationTarget PrepareTarget(const Mammogram& mammogram,
+  const TargetOptions& options = {});
+}
+
+#endif

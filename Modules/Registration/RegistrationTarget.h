@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+#ifndef mammoray_RegistrationTarget_h
+#define mammoray_RegistrationTarget_h
+
+#include <array>
+#include <cstddef>
+#include <string>
+#include <vector>
+
+namespace mammoray
+{
+/**
+ * A mammogram made ready for registration: log attenuation on a pixel grid in the receptor plane (z
+ * = 0) of the gantry frame, with the breast outlined.
+ */
+struct RegistrationTarget
+{
+  int Columns = 0;
+  int Rows = 0;
+  /// Gantry x, y of the centre of pixel (0, 0), and of the steps to the next column and row, mm.
+  std::array<double, 2> Origin{ 0, 0 };
+  std::array<double, 2> ColumnStep{ 0.1, 0 };
+  std::array<double, 2> RowStep{ 0, 0.1 };
+  /**
+   * -ln(I / I0) up to scale and offset, bright where more is absorbed. Exact in scale and offset
+   * (I0 taken from the unattenuated background) for For Processing images.
+   */
+  std::vector<float> LogAttenuation;
+  /// 1 inside the breast.
+  std::vector<unsigned char> BreastMask;
+  /// Distance to the breast's outline in the receptor plane, mm; negative inside. The image border
+  /// that cuts the breast (chest wall) is not outline.
+  std::vector<float> SignedDistanceMm;
+  /// 1 where the picture inside the breast is not compared: the pectoral muscle, markers and text
+  /// burnt into the image, what the detector does not measure. Empty: nowhere.
+  std::vector<unsigned char> Excluded;
+  /// What had to be assumed because the header did not say, a sentence each.
+  std::vector<std::string> Warnings;
+};
+
+/// Whether a pixel's picture is not compared.
+inline bool IsExcluded(const RegistrationTarget& target, std::size_t pixel)
+{
+  return !target.Excluded.empty() && target.Excluded[pixel] != 0;
+}
+}
+
+#endif

@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mammoray/Report/HistogramPicture.h"
+
+#include "Private/PlotPicture.h"
+#include "mammoray/Foundation/Error.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace mammoray
+{
+namespace
+{
+constexpr int PanelWidth = 560;
+constexpr int PictureHeight = 420;
+constexpr int Left = 90;
+constexpr int Right = 20;
+constexpr int Top = 44;
+constexpr int Bottom = 70;
+constexpr int LegendWidth = 190;
+
+std::string Number(double value)
+{
+  char text[32];
+  std::snprintf(text, sizeof(text), "%g", value);
+  return text;
+}
+
+void DrawPanel(PlotPicture& picture, const HistogramPanel& panel, int offset)
+{
+  const std::size_t bins = panel.Groups.front().Counts.size();
+  std::vector<double> totals(bins, 0.0);
+  for (const HistogramPanel::Group& group : panel.Groups)
+  {
+    for (std::size_t bin = 0; bin < bins; ++bin)
+    {
+      totals[bin] += static_cast<double>(group.Counts[bin]);
+    }
+  }
+  const double most = std::max(1.0, *std::max_element(totals.begin(), totals.end()));
+  const int x0 = offset + Left;
+  const double width = PanelWidth - Left - Right;
+  const double height = PictureHeight - Top - Bottom;
+  const auto up = [&](double count) { return Bottom + height * std::sqrt(count / most); };
+  for (std::size_t bin = 0; bin < bins; ++bin)
+  {
+    // The scale holds for the bar as a whole; its parts are shares of its height.
+    const double full = totals[bin] > 0 ? (up(totals[bin]) - Bottom) / totals[bin] : 0;
+    double below = 0;
+    for (std::size_t group = 0; group < panel.Groups.size(); ++group)
+    {
+      const double above = below + static_cast<double>(panel.Groups[group].Counts[bin]);
+      picture.Box(x0 + width * static_cast<double>(bin) / bins + 1, Bottom + full * below,
+        x0 + width * static_cast<double>(bin + 1) / bins - 1, Bottom + full * above,
+        GroupColor(group));
+      below = above;
+    }
+  }
+  picture.Box(x0 - 2, Bottom - 2, x0 + width, Bottom, PlotInk);
+  picture.Box(x0 - 2, Bottom - 2, x0, Bottom + height, PlotInk);
+  const double range = panel.Step * static_cast<double>(bins);
+  const double step = TickStep(range, 8);
+  for (double value = 0; value <= range * (1 + 1e-9); value += step)
+  {
+    const double x = x0 + width * value / range;
+    picture.Box(x - 1, Bottom - 7, x + 1, Bottom, PlotInk);
+    picture.Text(x, Bottom - 18, 0.5, Number(value));
+  }
+  for (const double share : { 0.01, 0.1, 0.5, 1.0 })
+  {
+    const double count = std::floor(share * most);
+    if (count >= 1 && (share == 1 || up(most) - up(count) > 20))
+    {
+      picture.Box(x0 - 7, up(count) - 1, x0, up(count) + 1, PlotInk);
+      picture.Text(x0 - 12, up(count), 1, Number(count));
+    }
+  }
+  picture.Text(x0 + width / 2, 18, 0.5, panel.Title);
+  picture.Text(offset + 8, PictureHeight - 18, 0,
+    "count (square-root scale; colours: shares of a bar)");
+}
+}
+
+void WriteHistogramPicture(const std::vector<HistogramPanel>& panels, const std::string& path)
+{
+  if (panels.empty() || panels.front().Groups.empty() ||
+    panels.front().Groups.front().Counts.empty())
+  {
+    throw InputError(path + ": expected cells to draw a histogram of, found none");
+  }
+  PlotPicture picture(static_cast<int>(panels.size()) * PanelWidth + LegendWidth, PictureHeight);
+  for (std::size_t index = 0; index < panels.size(); ++index)
+  {
+    DrawPanel(picture, panels[index], static_cast<int>(index) * PanelWidth);
+  }
+  const std::vector<HistogramPanel::Group>& groups = panels.front().Groups;
+  for (std::size_t group = 0; group < groups.size(); ++group)
+  {
+    picture.LegendEntry(static_cast<double>(panels.size()) * PanelWidth, PictureHeight - Top, group,
+      group, groups[group].Name);
+  }
+  picture.Write(path);
+}
+}

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+#ifndef mammoray_SlicePicture_h
+#define mammoray_SlicePicture_h
+
+#include "mammoray/Foundation/IntensityVolume.h"
+#include "mammoray/Foundation/LabelVolume.h"
+#include "mammoray/Foundation/MammographyGeometry.h"
+#include "mammorayReportModule.h"
+
+#include <string>
+#include <vector>
+
+namespace mammoray
+{
+/**
+ * Draws three slices each across the patient (axial), seen from the front (coronal) and from the
+ * side (sagittal) of a volume, over the box of its labels, with the labels' outlines in colours and
+ * a legend, and writes .png. Grey goes from 0 to the 99.5th percentile in the box. Both volumes are
+ * of one grid; `names[label]` names a label. No display is needed. Throws InputError when the grids
+ * differ, no label is there or the file cannot be written.
+ */
+MAMMORAYREPORT_EXPORT void WriteSlicePicture(const IntensityVolume& image,
+  const LabelVolume& labels, const AnatomicalAxes& axes, const std::vector<std::string>& names,
+  const std::string& path);
+}
+
+#endif

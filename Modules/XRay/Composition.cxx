@@ -1,0 +1,188 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mammoray/XRay/Composition.h"
+
+#include "mammoray/Foundation/Error.h"
+
+#include <xraylib.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <map>
+#include <memory>
+#include <set>
+#include <sstream>
+
+namespace mammoray
+{
+namespace
+{
+constexpr double LowestKeV = 1;
+constexpr double HighestKeV = 200;
+
+/// Mass fraction by atomic number.
+using MassFractions = std::map<int, double>;
+
+/// A formula's or an element's mass fractions; empty when the text is neither.
+MassFractions ParseFormula(const std::string& text)
+{
+  const std::unique_ptr<compoundData, decltype(&FreeCompoundData)> compound(
+    CompoundParser(text.c_str(), nullptr), FreeCompoundData);
+  MassFractions fractions;
+  for (int element = 0; compound && element < compound->nElements; ++element)
+  {
+    fractions[compound->Elements[element]] += compound->massFractions[element];
+  }
+  return fractions;
+}
+
+/// "H:0.11 O:0.89"
+MassFractions ParseMixture(const std::string& text)
+{
+  const auto refuse = [&](const std::string& found)
+  {
+    throw InputError("mass fractions '" + text +
+      "': expected elements or formulas with fractions that sum to 1, as in 'H:0.112 O:0.888', "
+      "found " +
+      found);
+  };
+  MassFractions fractions;
+  std::set<std::string> seen;
+  double sum = 0;
+  std::istringstream words(text);
+  for (std::string word; words >> word;)
+  {
+    const std::size_t colon = std::min(word.find(':'), word.size());
+    const std::string name = word.substr(0, colon);
+    const char* const end = word.data() + word.size();
+    double fraction = 0;
+    const auto parsed =
+      std::from_chars(word.data() + std::min(colon + 1, word.size()), end, fraction);
+    const MassFractions part = ParseFormula(name);
+    if (parsed.ec != std::errc() || parsed.ptr != end || !(fraction > 0 && fraction <= 1) ||
+      part.empty())
+    {
+      refuse("'" + word + "'");
+    }
+    if (!seen.insert(name).second)
+    {
+      refuse("'" + name + "' twice");
+    }
+    for (const auto& [element, share] : part)
+    {
+      fractions[element] += fraction * share;
+    }
+    sum += fraction;
+  }
+  if (!(std::abs(sum - 1) <= 0.01))
+  {
+    std::ostringstream found;
+    found << "a sum of " << sum;
+    refuse(found.str());
+  }
+  for (auto& [element, fraction] : fractions)
+  {
+    fraction /= sum;
+  }
+  return fractions;
+}
+
+/// NIST's compound of that name; empty when there is none.
+MassFractions ParseNistName(const std::string& text, double& densityGPerCm3)
+{
+  const std::unique_ptr<compoundDataNIST, decltype(&FreeCompoundDataNIST)> compound(
+    GetCompoundDataNISTByName(text.c_str(), nullptr), FreeCompoundDataNIST);
+  MassFractions fractions;
+  for (int element = 0; compound && element < compound->nElements; ++element)
+  {
+    fractions[compound->Elements[element]] += compound->massFractions[element];
+    densityGPerCm3 = compound->density;
+  }
+  return fractions;
+}
+
+/// A hundred energies per decade, and two beside every absorption edge.
+std::vector<double> EnergyGrid(const MassFractions& fractions)
+{
+  std::set<double> energies;
+  const int steps = static_cast<int>(100 * std::log10(HighestKeV / LowestKeV));
+  for (int step = 0; step <= steps; ++step)
+  {
+    energies.insert(LowestKeV * std::pow(HighestKeV / LowestKeV, double(step) / steps));
+  }
+  energies.insert({ LowestKeV, HighestKeV }); // whatever pow rounds to
+  for (const auto& [element, fraction] : fractions)
+  {
+    for (const int shell : { K_SHELL, L1_SHELL, L2_SHELL, L3_SHELL, M1_SHELL, M5_SHELL })
+    {
+      const double edge = EdgeEnergy(element, shell, nullptr);
+      if (edge > LowestKeV * 1.001 && edge < HighestKeV * 0.999)
+      {
+        // The cross sections jump up to 1e-4 beside the edge that xraylib states.
+        energies.insert({ edge * (1 - 2e-4), edge * (1 + 2e-4) });
+      }
+    }
+  }
+  return { energies.begin(), energies.lower_bound(std::nextafter(HighestKeV, 1e9)) };
+}
+}
+
+std::vector<std::string> NistCompoundNames()
+{
+  int count = 0;
+  char** list = GetCompoundDataNISTList(&count, nullptr);
+  std::vector<std::string> names;
+  for (int index = 0; index < count; ++index)
+  {
+    names.emplace_back(list[index]);
+    xrlFree(list[index]);
+  }
+  xrlFree(list);
+  return names;
+}
+
+bool FindComposition(const std::string& text, AttenuationTable& table)
+{
+  double density = 1;
+  MassFractions fractions = ParseNistName(text, density);
+  if (fractions.empty() && text.find(':') != std::string::npos)
+  {
+    fractions = ParseMixture(text);
+  }
+  if (fractions.empty())
+  {
+    fractions = ParseFormula(text);
+    if (fractions.size() == 1)
+    {
+      density = ElementDensity(fractions.begin()->first, nullptr);
+    }
+  }
+  if (fractions.empty())
+  {
+    return false;
+  }
+  table = {};
+  table.Name = text;
+  table.NominalDensityGPerCm3 = density;
+  table.EnergiesKeV = EnergyGrid(fractions);
+  for (const double energy : table.EnergiesKeV)
+  {
+    double massAttenuation = 0; // cm^2/g
+    for (const auto& [element, fraction] : fractions)
+    {
+      xrl_error* failure = nullptr;
+      massAttenuation += fraction * CS_Total(element, energy, &failure);
+      if (failure)
+      {
+        const std::string reason = failure->message;
+        xrl_error_free(failure);
+        throw InputError("composition '" + text + "': no cross section of element " +
+          std::to_string(element) + ": " + reason);
+      }
+    }
+    table.MuPerMm.push_back(0.1 * density * massAttenuation);
+  }
+  table.Validate();
+  return true;
+}
+}

@@ -1,0 +1,322 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mammoray/Filters/vtkXRayProjector.h"
+#include "mammoray/IO/MeshConversion.h"
+#include "mammoray/IO/PhysicsData.h"
+#include "mammoray/IO/ProjectionImage.h"
+#include "mammoray/XRay/PathLengthProjector.h"
+
+#include "vtkCellArray.h"
+#include "vtkCellData.h"
+#include "vtkCommand.h"
+#include "vtkDoubleArray.h"
+#include "vtkFieldData.h"
+#include "vtkImageData.h"
+#include "vtkIntArray.h"
+#include "vtkNew.h"
+#include "vtkPointData.h"
+#include "vtkPolyData.h"
+#include "vtkStringArray.h"
+#include "vtkUnstructuredGrid.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace
+{
+/// Counts and keeps errors instead of printing them.
+class ErrorCounter : public vtkCommand
+{
+public:
+  static ErrorCounter* New() { return new ErrorCounter; }
+  void Execute(vtkObject*, unsigned long, void* text) override
+  {
+    ++this->Count;
+    this->Text = static_cast<const char*>(text);
+  }
+  int Count = 0;
+  std::string Text;
+};
+
+/// A brick from the origin to (a, b, c) of five tetrahedra; material 1, the middle one material 2.
+vtkSmartPointer<vtkUnstructuredGrid> Brick(double a, double b, double c, int middle = 1)
+{
+  vtkNew<vtkPoints> points;
+  points->SetDataTypeToDouble();
+  for (int corner = 0; corner < 8; ++corner)
+  {
+    points->InsertNextPoint((corner & 1) != 0 ? a : 0, (corner & 2) != 0 ? b : 0,
+      (corner & 4) != 0 ? c : 0);
+  }
+  vtkNew<vtkCellArray> cells;
+  for (const auto& ids : std::vector<std::array<vtkIdType, 4>>{ { 0, 1, 2, 4 }, { 3, 2, 1, 7 },
+         { 5, 4, 7, 1 }, { 6, 7, 4, 2 }, { 1, 2, 4, 7 } })
+  {
+    cells->InsertNextCell({ ids[0], ids[1], ids[2], ids[3] });
+  }
+  vtkNew<vtkIntArray> materials;
+  materials->SetName("Material");
+  for (int cell = 0; cell < 5; ++cell)
+  {
+    materials->InsertNextValue(cell == 4 ? middle : 1);
+  }
+  auto grid = vtkSmartPointer<vtkUnstructuredGrid>::New();
+  grid->SetPoints(points);
+  grid->SetCells(VTK_TETRA, cells);
+  grid->GetCellData()->AddArray(materials);
+  return grid;
+}
+
+class XRayProjectorFilter : public testing::Test
+{
+protected:
+  void SetUp() override
+  {
+    std::string reason;
+    if (mammoray::ListDevices(&reason).empty())
+    {
+      GTEST_SKIP() << reason;
+    }
+    this->Filter->AddObserver(vtkCommand::ErrorEvent, this->Errors);
+    this->Filter->SetDetectorOrigin(1, 1.5, -5);
+    this->Filter->SetPixelSpacing(2, 1.5);
+    this->Filter->SetDetectorSize(4, 5);
+    this->Filter->ParallelBeamOn();
+    this->Filter->SetLinearAttenuation(1, 0.05);
+  }
+  float Value(const char* array, vtkIdType pixel)
+  {
+    vtkDataArray* values = this->Filter->GetOutput()->GetPointData()->GetArray(array);
+    return values ? static_cast<float>(values->GetComponent(pixel, 0)) : NAN;
+  }
+
+  vtkNew<vtkXRayProjector> Filter;
+  vtkNew<ErrorCounter> Errors;
+};
+
+TEST_F(XRayProjectorFilter, SamplesAverageTransmissions)
+{
+  // The face x = 0 goes through the middle of the first column: half of its samples see 12 mm.
+  const auto grid = Brick(10, 20, 12);
+  this->Filter->SetInputData(grid);
+  this->Filter->SetDetectorOrigin(0, 1.5, -5);
+  this->Filter->SetSamples(4);
+  this->Filter->Update();
+  EXPECT_EQ(this->Errors->Count, 0) << this->Errors->Text;
+  EXPECT_NEAR(this->Value("Transmission", 0), 0.5 * (1 + std::exp(-0.6)), 1e-6);
+  EXPECT_NEAR(this->Value("PathLength_1", 0), 6, 1e-5);
+}
+
+TEST_F(XRayProjectorFilter, BrickMatchesClosedFormAndLiesAtTheDetector)
+{
+  const auto grid = Brick(10, 20, 12);
+  this->Filter->SetInputData(grid);
+  this->Filter->Update();
+  EXPECT_EQ(this->Errors->Count, 0) << this->Errors->Text;
+  vtkImageData* image = this->Filter->GetOutput();
+  ASSERT_EQ(image->GetNumberOfPoints(), 20);
+  for (vtkIdType pixel = 0; pixel < 20; ++pixel)
+  {
+    // Results are floats, 6e-8 relative.
+    ASSERT_NEAR(this->Value("PathLength_1", pixel), 12, 1e-6);
+    ASSERT_NEAR(this->Value("LogAttenuation", pixel), 0.6, 1e-7);
+    ASSERT_NEAR(this->Value("Transmission", pixel), std::exp(-0.6), 1e-7);
+    ASSERT_EQ(this->Value("Consistency", pixel), 1);
+  }
+  double corner[3];
+  image->GetPoint(19, corner);
+  EXPECT_DOUBLE_EQ(corner[0], 7);
+  EXPECT_DOUBLE_EQ(corner[1], 7.5);
+  EXPECT_DOUBLE_EQ(corner[2], -5);
+}
+
+TEST_F(XRayProjectorFilter, AnotherBeamDoesNotTraceAgain)
+{
+  this->Filter->SetInputData(Brick(10, 20, 12));
+  this->Filter->SetSamples(2);
+  this->Filter->Update();
+  EXPECT_EQ(this->Filter->GetNumberOfTraces(), 4);
+  EXPECT_NEAR(this->Value("LogAttenuation", 0), 0.6, 1e-6);
+  this->Filter->SetLinearAttenuation(1, 0.1);
+  this->Filter->SetMonochromatic(30);
+  this->Filter->PhotonCountingOn();
+  this->Filter->Update();
+  EXPECT_EQ(this->Filter->GetNumberOfTraces(), 4);
+  EXPECT_NEAR(this->Value("LogAttenuation", 0), 1.2, 1e-6);
+  // A moved beam traces again, and so do moved points.
+  this->Filter->SetBeamDirection(0, 0.5, -1);
+  this->Filter->Update();
+  EXPECT_EQ(this->Filter->GetNumberOfTraces(), 8);
+  this->Filter->SetBeamDirection(0, 0, -1);
+  this->Filter->SetInputData(Brick(10, 20, 18));
+  this->Filter->Update();
+  EXPECT_EQ(this->Filter->GetNumberOfTraces(), 12);
+  EXPECT_NEAR(this->Value("LogAttenuation", 0), 1.8, 1e-6);
+  EXPECT_EQ(this->Errors->Count, 0) << this->Errors->Text;
+}
+
+TEST_F(XRayProjectorFilter, MethodsAgree)
+{
+  if (!mammoray::ListDevices().front().RayTracing)
+  {
+    GTEST_SKIP() << "no device that traces rays";
+  }
+  this->Filter->SetInputData(Brick(10, 20, 12));
+  this->Filter->SetDetectorOrigin(-3, -2, -5); // the outline is in the picture
+  for (const int method : { vtkXRayProjector::RAY_TRACING, vtkXRayProjector::RASTERISATION })
+  {
+    this->Filter->SetProjectionMethod(method);
+    this->Filter->Update();
+    EXPECT_EQ(this->Errors->Count, 0) << this->Errors->Text;
+    for (vtkIdType pixel = 0; pixel < 20; ++pixel)
+    {
+      const double x = -3 + 2.0 * static_cast<double>(pixel % 4);
+      const double y = -2 + 1.5 * static_cast<double>(pixel / 4);
+      ASSERT_NEAR(this->Value("PathLength_1", pixel), x > 0 && y > 0 ? 12 : 0, 1e-6);
+    }
+  }
+}
+
+TEST_F(XRayProjectorFilter, FollowsMovedPointsAndMovedSource)
+{
+  const auto grid = Brick(10, 20, 12);
+  this->Filter->SetInputData(grid);
+  this->Filter->Update();
+  for (vtkIdType point = 0; point < 8; ++point)
+  {
+    double p[3];
+    grid->GetPoint(point, p);
+    grid->GetPoints()->SetPoint(point, p[0], p[1], 0.5 * p[2]);
+  }
+  grid->GetPoints()->Modified();
+  grid->Modified();
+  this->Filter->Update();
+  EXPECT_NEAR(this->Value("PathLength_1", 7), 6, 1e-6);
+
+  this->Filter->SetBeamDirection(0, 0.6, -0.8);
+  this->Filter->SetDetectorOrigin(1, 8, -1);
+  this->Filter->Update();
+  EXPECT_NEAR(this->Value("PathLength_1", 0), 6 / 0.8, 1e-6);
+  EXPECT_EQ(this->Errors->Count, 0) << this->Errors->Text;
+}
+
+TEST_F(XRayProjectorFilter, StandsWhereTheInputSays)
+{
+  const auto grid = Brick(10, 20, 12);
+  // Patient left, anterior and source along world y, -x and z.
+  mammoray::AddPlacement(grid, { { 12, 9, -30 }, { 0, 1, 0 }, { -1, 0, 0 }, { 0, 0, 1 } });
+  this->Filter->SetInputData(grid);
+  this->Filter->PlacedByInputOn();
+  this->Filter->SetSourceToDetectorMm(600);
+  this->Filter->Update();
+  ASSERT_EQ(this->Errors->Count, 0) << this->Errors->Text;
+  vtkImageData* image = this->Filter->GetOutput();
+  // Five rows from +x down to -x about the middle, four columns from half a pixel on.
+  const double* first = image->GetPoint(0);
+  EXPECT_DOUBLE_EQ(first[0], 12 - 1);
+  EXPECT_DOUBLE_EQ(first[1], 9 + 3);
+  EXPECT_DOUBLE_EQ(first[2], -30);
+  std::vector<float> placed;
+  for (vtkIdType pixel = 0; pixel < 20; ++pixel)
+  {
+    placed.push_back(this->Value("PathLength_1", pixel));
+  }
+  this->Filter->PlacedByInputOff();
+  this->Filter->ParallelBeamOff();
+  this->Filter->SetSourcePosition(12, 9, 570);
+  this->Filter->SetDetectorOrigin(11, 12, -30);
+  this->Filter->SetColumnDirection(-1, 0, 0);
+  this->Filter->SetRowDirection(0, -1, 0);
+  this->Filter->Update();
+  for (vtkIdType pixel = 0; pixel < 20; ++pixel)
+  {
+    EXPECT_FLOAT_EQ(placed[pixel], this->Value("PathLength_1", pixel));
+  }
+  this->Filter->PlacedByInputOn();
+  this->Filter->SetInputData(Brick(10, 20, 12));
+  this->Filter->Update();
+  EXPECT_EQ(this->Errors->Count, 1);
+  EXPECT_THAT(this->Errors->Text, testing::HasSubstr("Placement"));
+}
+
+TEST_F(XRayProjectorFilter, TakesMaterialsAndSpectrumByName)
+{
+  const auto grid = Brick(10, 20, 12);
+  vtkNew<vtkStringArray> names;
+  names->SetName(mammoray::MaterialNamesArrayName);
+  names->InsertNextValue("air");
+  names->InsertNextValue("gland"); // not the table's material 1
+  grid->GetFieldData()->AddArray(names);
+  this->Filter->SetInputData(grid);
+  this->Filter->SetMaterialTable("victre");
+  this->Filter->SetSpectrum("W30kVp_Rh50um_Be1mm");
+  this->Filter->Update();
+  ASSERT_EQ(this->Errors->Count, 0) << this->Errors->Text;
+  EXPECT_NEAR(this->Value("LogAttenuation", 0), 0.6, 1e-6) << "what was said of it goes first";
+  this->Filter->ClearAttenuation();
+  this->Filter->Update();
+  const mammoray::MaterialTable table = mammoray::FindMaterialTable("victre");
+  const mammoray::Beam beam = mammoray::MakeBeam(table,
+    mammoray::FindSpectrum("W30kVp_Rh50um_Be1mm"), mammoray::DetectorResponse::EnergyIntegrating);
+  mammoray::PathLengthImage lengths;
+  lengths.Columns = lengths.Rows = 1;
+  lengths.Materials = static_cast<int>(table.Materials.size());
+  lengths.Lengths.assign(table.Materials.size(), 0.0F);
+  lengths.Lengths[static_cast<std::size_t>(table.IndexOf("gland"))] = 12;
+  // Both in float.
+  EXPECT_NEAR(this->Value("LogAttenuation", 0), beam.LogAttenuation(lengths)[0], 1e-5);
+  this->Filter->SetMaterialTable("victor");
+  this->Filter->Update();
+  EXPECT_EQ(this->Errors->Count, 1);
+}
+
+TEST_F(XRayProjectorFilter, PolyDataWithInsideMaterialInAnyOrientation)
+{
+  for (const bool flipped : { false, true })
+  {
+    vtkNew<vtkPolyData> surface;
+    vtkNew<vtkPoints> points;
+    vtkNew<vtkCellArray> cells;
+    for (const auto& p :
+      std::vector<std::array<double, 3>>{ { 0, 0, 0 }, { 30, 0, 0 }, { 0, 30, 0 }, { 0, 0, 30 } })
+    {
+      points->InsertNextPoint(p.data());
+    }
+    for (const auto& t :
+      std::vector<std::array<vtkIdType, 3>>{ { 0, 2, 1 }, { 0, 1, 3 }, { 0, 3, 2 }, { 1, 2, 3 } })
+    {
+      cells->InsertNextCell({ t[0], t[flipped ? 2 : 1], t[flipped ? 1 : 2] });
+    }
+    surface->SetPoints(points);
+    surface->SetPolys(cells);
+    this->Filter->SetInputData(surface);
+    this->Filter->Update();
+    EXPECT_EQ(this->Errors->Count, 0) << this->Errors->Text;
+    EXPECT_NEAR(this->Value("PathLength_1", 0), 30 - 1 - 1.5, 1e-5); // points are floats here
+    EXPECT_EQ(this->Filter->GetNumberOfInconsistentPixels(), 0);
+  }
+}
+
+TEST_F(XRayProjectorFilter, SaysOnceWhatIsWrong)
+{
+  const auto grid = Brick(10, 20, 12, 2);
+  this->Filter->SetInputData(grid);
+  this->Filter->Update();
+  EXPECT_EQ(this->Errors->Count, 1);
+  EXPECT_THAT(this->Errors->Text, testing::HasSubstr("material '2'"));
+  EXPECT_EQ(this->Filter->GetOutput()->GetNumberOfPoints(), 0);
+
+  this->Filter->SetAttenuationTable(2, "unobtainium", 1.0);
+  this->Filter->Update();
+  EXPECT_EQ(this->Errors->Count, 2);
+  EXPECT_THAT(this->Errors->Text, testing::HasSubstr("adipose"));
+
+  this->Filter->SetAttenuationTable(2, "adipose", 0.92);
+  grid->GetCellData()->RemoveArray("Material");
+  grid->Modified();
+  this->Filter->Update();
+  EXPECT_EQ(this->Errors->Count, 3);
+  EXPECT_THAT(this->Errors->Text, testing::HasSubstr("Material"));
+}
+}

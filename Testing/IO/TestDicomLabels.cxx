@@ -1,0 +1,305 @@
+// SPDX-License-Identifier: Apache-2.0
+// DICOM series and segmentations as label volumes.
+#include "Files.h"
+#include "mammoray/Foundation/Error.h"
+#include "mammoray/IO/LabelVolumeIO.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+using namespace mammoray;
+using testing::HasSubstr;
+using testing_support::TemporaryFolder;
+
+namespace
+{
+const std::string Shared = testing_support::SharedDataFolder();
+
+std::string Little(std::uint32_t value, int bytes)
+{
+  std::string text;
+  for (int n = 0; n < bytes; ++n)
+  {
+    text.push_back(static_cast<char>(value >> 8 * n & 255));
+  }
+  return text;
+}
+
+std::string Us(std::uint32_t value)
+{
+  return Little(value, 2);
+}
+
+/// An element in explicit VR little endian (PS3.5 section 7.1.2).
+std::string Element(std::uint32_t group, std::uint32_t element, const std::string& vr,
+  std::string value)
+{
+  if (value.size() % 2 != 0)
+  {
+    value.push_back(vr == "UI" || vr == "OB" ? '\0' : ' ');
+  }
+  const bool wide = vr == "OB" || vr == "OW" || vr == "SQ";
+  const auto length = static_cast<std::uint32_t>(value.size());
+  return Little(group, 2) + Little(element, 2) + vr +
+    (wide ? Little(0, 2) + Little(length, 4) : Little(length, 2)) + value;
+}
+
+std::string Sequence(std::uint32_t group, std::uint32_t element,
+  const std::vector<std::string>& items)
+{
+  std::string value;
+  for (const std::string& item : items)
+  {
+    value += Little(0xfffe, 2) + Little(0xe000, 2) +
+      Little(static_cast<std::uint32_t>(item.size()), 4) + item;
+  }
+  return Element(group, element, "SQ", value);
+}
+
+std::string File(const std::string& storageClass, const std::string& instance,
+  const std::string& data)
+{
+  const std::string meta = Element(2, 1, "OB", std::string("\0\1", 2)) +
+    Element(2, 2, "UI", storageClass) + Element(2, 3, "UI", instance) +
+    Element(2, 0x10, "UI", "1.2.840.10008.1.2.1");
+  return std::string(128, '\0') + "DICM" +
+    Element(2, 0, "UL", Little(static_cast<std::uint32_t>(meta.size()), 4)) + meta + data;
+}
+
+// The oblique grid of the tests.
+const Vector3 AlongRow{ 0.8, 0.6, 0 };
+const Vector3 AlongColumn{ 0, 0, -1 };
+const Vector3 Normal = Cross(AlongRow, AlongColumn);
+const Vector3 First{ 10, -20, 30 };
+constexpr double SliceSpacing = 2.5;
+
+std::string Join(const std::vector<double>& values)
+{
+  std::string text;
+  for (const double value : values)
+  {
+    char number[32];
+    std::snprintf(number, sizeof(number), "%.10g", value);
+    text.append(text.empty() ? "" : "\\");
+    text.append(number);
+  }
+  return text;
+}
+
+std::string Position(double slice)
+{
+  const Vector3 at = First + slice * SliceSpacing * Normal;
+  return Element(0x20, 0x32, "DS", Join({ at[0], at[1], at[2] }));
+}
+
+const std::string Orientation = Element(0x20, 0x37, "DS", Join({ 0.8, 0.6, 0, 0, 0, -1 }));
+
+/// Rows 0.5 mm and columns 0.75 mm apart.
+const std::string Spacing = Element(0x28, 0x30, "DS", "0.5\\0.75");
+
+std::string Bits(int bits)
+{
+  return Element(0x28, 0x100, "US", Us(bits)) + Element(0x28, 0x101, "US", Us(bits)) +
+    Element(0x28, 0x102, "US", Us(bits - 1)) + Element(0x28, 0x103, "US", Us(0));
+}
+
+int LabelOf(int i, int j, int k)
+{
+  return 300 * (k + 1) + 5 * j + i; // beyond 8 bits
+}
+
+/// Four columns and three rows.
+std::string SliceFile(int k, double place, const std::string& series = "1.2.3")
+{
+  const std::string instance = std::string("1.2.3.").append(std::to_string(k + 1));
+  std::string pixels;
+  for (int j = 0; j < 3; ++j)
+  {
+    for (int i = 0; i < 4; ++i)
+    {
+      pixels += Us(LabelOf(i, j, k));
+    }
+  }
+  return File("1.2.840.10008.5.1.4.1.1.4", instance,
+    Element(8, 0x16, "UI", "1.2.840.10008.5.1.4.1.1.4") + Element(8, 0x18, "UI", instance) +
+      Element(8, 0x60, "CS", "MR") + Element(0x18, 0x50, "DS", "2") +
+      Element(0x20, 0xe, "UI", series) + Position(place) + Orientation +
+      Element(0x28, 2, "US", Us(1)) + Element(0x28, 4, "CS", "MONOCHROME2") +
+      Element(0x28, 0x10, "US", Us(3)) + Element(0x28, 0x11, "US", Us(4)) + Spacing + Bits(16) +
+      Element(0x7fe0, 0x10, "OW", pixels));
+}
+
+struct Frame
+{
+  double Place;
+  int Segment;
+  std::vector<int> Values; // 4 x 3
+};
+
+std::string SegmentationFile(const std::vector<Frame>& frames, int bits)
+{
+  std::vector<std::string> groups;
+  std::string pixels;
+  std::size_t count = 0;
+  for (const Frame& frame : frames)
+  {
+    groups.push_back(Sequence(0x20, 0x9113, { Position(frame.Place) }) +
+      Sequence(0x62, 0xa, { Element(0x62, 0xb, "US", Us(frame.Segment)) }));
+    for (const int value : frame.Values)
+    {
+      if (bits == 8)
+      {
+        pixels.push_back(static_cast<char>(value));
+      }
+      else
+      {
+        pixels.resize(count / 8 + 1, '\0');
+        pixels.back() = static_cast<char>(pixels.back() | value << count % 8);
+        ++count;
+      }
+    }
+  }
+  const std::string shared = Sequence(0x20, 0x9116, { Orientation }) +
+    Sequence(0x28, 0x9110, { Element(0x18, 0x88, "DS", "2.5") + Spacing });
+  return File("1.2.840.10008.5.1.4.1.1.66.4", "1.2.4",
+    Element(8, 0x16, "UI", "1.2.840.10008.5.1.4.1.1.66.4") + Element(8, 0x18, "UI", "1.2.4") +
+      Element(8, 0x60, "CS", "SEG") + Element(0x28, 2, "US", Us(1)) +
+      Element(0x28, 4, "CS", "MONOCHROME2") +
+      Element(0x28, 8, "IS", std::to_string(frames.size())) + Element(0x28, 0x10, "US", Us(3)) +
+      Element(0x28, 0x11, "US", Us(4)) + Bits(bits) +
+      (bits == 8 ? Element(0x62, 0xe, "US", Us(200)) : "") + Sequence(0x5200, 0x9229, { shared }) +
+      Sequence(0x5200, 0x9230, groups) + Element(0x7fe0, 0x10, "OB", pixels));
+}
+
+void ExpectGeometry(const LabelVolume& volume, int slices)
+{
+  EXPECT_EQ(volume.Size, (std::array<int, 3>{ 4, 3, slices }));
+  // Ten digits in the files.
+  for (const auto& [i, j, k] :
+    { std::array<int, 3>{ 0, 0, 0 }, { 3, 0, 0 }, { 0, 2, 0 }, { 3, 2, slices - 1 } })
+  {
+    const Vector3 expected =
+      First + i * 0.75 * AlongRow + j * 0.5 * AlongColumn + k * SliceSpacing * Normal;
+    EXPECT_LT(Norm(volume.PointAt(i, j, k) - expected), 1e-8) << i << ' ' << j << ' ' << k;
+  }
+}
+
+std::string MessageOf(const std::string& path)
+{
+  try
+  {
+    ReadLabelVolume(path);
+  }
+  catch (const InputError& error)
+  {
+    EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos) << error.what();
+    return error.what();
+  }
+  return "no error";
+}
+}
+
+TEST(DicomLabels, SeriesKeepsItsObliqueGrid)
+{
+  TemporaryFolder folder;
+  // Names in another order than places, and a file that is no DICOM.
+  folder.Write("a.dcm", SliceFile(2, 2));
+  folder.Write("b.dcm", SliceFile(0, 0));
+  folder.Write("c.dcm", SliceFile(1, 1));
+  folder.Write("notes.txt", "no slice");
+  const LabelVolume volume = ReadLabelVolume(folder.File(""));
+  ExpectGeometry(volume, 3);
+  for (int k = 0; k < 3; ++k)
+  {
+    for (int j = 0; j < 3; ++j)
+    {
+      for (int i = 0; i < 4; ++i)
+      {
+        EXPECT_EQ(volume.Voxels[volume.Index(i, j, k)], LabelOf(i, j, k));
+      }
+    }
+  }
+  folder.Write("d.dcm", SliceFile(3, 4));
+  EXPECT_THAT(MessageOf(folder.File("")), HasSubstr("even distances"));
+  folder.Write("d.dcm", SliceFile(3, 2));
+  EXPECT_THAT(MessageOf(folder.File("")), HasSubstr("found two at one"));
+  folder.Write("d.dcm", SliceFile(3, 3, "1.2.9"));
+  EXPECT_THAT(MessageOf(folder.File("")), HasSubstr("one series"));
+  const std::string whole = SliceFile(3, 3);
+  folder.Write("d.dcm", whole.substr(0, whole.size() - 5));
+  EXPECT_THAT(MessageOf(folder.File("")), HasSubstr("cut short or damaged"));
+  EXPECT_THAT(MessageOf(folder.File("a.dcm")), HasSubstr("is read from its folder"));
+  std::filesystem::create_directory(folder.File("empty"));
+  EXPECT_THAT(MessageOf(folder.File("empty")), HasSubstr("found none"));
+}
+
+TEST(DicomLabels, BinarySegmentsWithEmptySlicesLeftOut)
+{
+  TemporaryFolder folder;
+  const std::vector<int> one{ 1, 1, 1, 0, 0, 0, 0, 0, 0, 0, 0, 1 };
+  const std::vector<int> two{ 0, 0, 1, 1, 0, 0, 0, 0, 0, 0, 0, 0 };
+  const std::vector<Frame> frames{ { 0, 7, one }, { 3, 7, two }, { 0, 1, two } };
+  const LabelVolume volume = ReadLabelVolume(folder.Write("seg.dcm", SegmentationFile(frames, 1)));
+  ExpectGeometry(volume, 4);
+  std::vector<std::uint16_t> expected(48, 0);
+  for (const auto& [voxel, label] :
+    { std::pair{ 0, 7 }, { 1, 7 }, { 11, 7 }, { 2, 1 }, { 3, 1 }, { 38, 7 }, { 39, 7 } })
+  {
+    expected[static_cast<std::size_t>(voxel)] = static_cast<std::uint16_t>(label);
+  }
+  EXPECT_EQ(volume.Voxels, expected);
+}
+
+TEST(DicomLabels, FractionsCountFromAHalf)
+{
+  TemporaryFolder folder;
+  const std::vector<int> values{ 0, 99, 100, 200, 0, 0, 0, 0, 0, 0, 0, 150 };
+  const LabelVolume volume = ReadLabelVolume(
+    folder.Write("seg.dcm", SegmentationFile({ { 0, 2, values }, { 1, 2, values } }, 8)));
+  ExpectGeometry(volume, 2);
+  EXPECT_EQ(volume.CountLabels().at(2), 6u);
+  EXPECT_EQ(volume.Voxels[1], 0);
+  EXPECT_EQ(volume.Voxels[2], 2);
+}
+
+TEST(DicomLabels, SegmentationOfRealBreastWithUndefinedLengths)
+{
+  const std::string path = Shared + "/ispy1-breast-voi-seg/ispy1_1001_breast_voi_seg.dcm";
+  if (!std::filesystem::exists(path))
+  {
+    GTEST_SKIP() << "absent: " << path;
+  }
+  const LabelVolume volume = ReadLabelVolume(path);
+  // What the data's own description says.
+  EXPECT_EQ(volume.Size, (std::array<int, 3>{ 256, 256, 27 }));
+  EXPECT_EQ(volume.Spacing, (Vector3{ 0.78125, 0.78125, 2 }));
+  EXPECT_EQ(volume.CountLabels().at(1), 45993u);
+  EXPECT_EQ(volume.Direction[0], (Vector3{ 0, 1, 0 }));
+  EXPECT_EQ(volume.Direction[1], (Vector3{ 0, 0, -1 }));
+}
+
+TEST(DicomLabels, SegmentationOfSeveralSegments)
+{
+  const std::string path = Shared + "/duke-breast-mri-153-CC-BY-NC-4.0/seg_fgt_fat.dcm";
+  if (!std::filesystem::exists(path))
+  {
+    GTEST_SKIP() << "absent: " << path;
+  }
+  const LabelVolume volume = ReadLabelVolume(path);
+  EXPECT_EQ(volume.Size[0], 448);
+  EXPECT_EQ(volume.Size[1], 448);
+  EXPECT_NEAR(volume.Spacing[0], 0.758929, 1e-6);
+  // From z = -96.706 to 34.194. The file tells 1 mm, but its slices lie on multiples of 1.1 mm.
+
+  EXPECT_EQ(volume.Size[2], 120);
+  EXPECT_NEAR(volume.Spacing[2], 1.1, 1e-6);
+  std::map<int, std::size_t> counts = volume.CountLabels();
+  // What the data's own description says. Segments 2 and 5, gland and fat, share a slice, and what
+  // both claim belongs to the smaller one.
+  EXPECT_EQ(counts[1], 3605u);
+  EXPECT_EQ(counts[2], 4099u);
+  EXPECT_EQ(counts[3], 23588u);
+  EXPECT_EQ(counts[4], 20967u);
+  EXPECT_LE(counts[5], 64296u);
+  EXPECT_GE(counts[5], 64296u - 4099u);
+}

@@ -1,0 +1,350 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "Files.h"
+#include "mammoray/Foundation/Error.h"
+#include "mammoray/IO/LabelVolumeIO.h"
+
+#include <zlib.h>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+#include <functional>
+
+using namespace mammoray;
+using testing_support::ReadFile;
+using testing_support::TemporaryFolder;
+
+namespace
+{
+std::string MessageOf(const std::function<void()>& action)
+{
+  testing::internal::CaptureStderr();
+  std::string message = "no InputError";
+  try
+  {
+    action();
+  }
+  catch (const InputError& error)
+  {
+    message = error.what();
+  }
+  EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
+  EXPECT_THAT(message, testing::Not(testing::HasSubstr("\n")));
+  return message;
+}
+
+std::string ReadMessage(const std::string& path)
+{
+  return MessageOf([&] { ReadLabelVolume(path); });
+}
+
+LabelVolume Oblique(double handedness = 1)
+{
+  LabelVolume volume;
+  volume.Size = { 3, 4, 2 };
+  volume.Origin = { 10.5, -20.25, 30 };
+  volume.Spacing = { 0.5, 1.5, 2.0 };
+  volume.Direction = { { { 0.6, 0.8, 0 }, { -0.8, 0.6, 0 }, { 0, 0, handedness } } };
+  for (int voxel = 0; voxel < 24; ++voxel)
+  {
+    volume.Voxels.push_back(static_cast<std::uint16_t>(10 * voxel));
+  }
+  return volume;
+}
+
+void ExpectSame(const LabelVolume& a, const LabelVolume& b)
+{
+  EXPECT_EQ(a.Size, b.Size);
+  EXPECT_EQ(a.Voxels, b.Voxels);
+  for (int d = 0; d < 3; ++d)
+  {
+    // 1e-7 relative: NIfTI keeps floats.
+    EXPECT_NEAR(a.Origin[d], b.Origin[d], 1e-7 * 100);
+    EXPECT_NEAR(a.Spacing[d], b.Spacing[d], 1e-7 * 10);
+    for (int c = 0; c < 3; ++c)
+    {
+      EXPECT_NEAR(a.Direction[d][c], b.Direction[d][c], 1e-7) << "axis " << d << ", " << c;
+    }
+  }
+}
+
+template <typename T>
+void Put(std::string& bytes, std::size_t offset, T value)
+{
+  std::memcpy(bytes.data() + offset, &value, sizeof(T));
+}
+
+/// The oblique volume as NIfTI-1 (little-endian host), its LPS frame written as RAS.
+std::string ObliqueNifti(bool sform, bool qform)
+{
+  const LabelVolume volume = Oblique();
+  std::string bytes(352 + volume.Voxels.size(), '\0');
+  Put<std::int32_t>(bytes, 0, 348);
+  const std::int16_t dim[4] = { 3, 3, 4, 2 };
+  std::memcpy(bytes.data() + 40, dim, sizeof(dim));
+  Put<std::int16_t>(bytes, 70, 2);
+  const float pixdim[4] = { 1, 0.5f, 1.5f, 2.0f };
+  std::memcpy(bytes.data() + 76, pixdim, sizeof(pixdim));
+  Put<float>(bytes, 108, 352);
+  bytes[123] = 2;
+  std::memcpy(bytes.data() + 344, "n+1", 4);
+  const double sign[3] = { -1, -1, 1 };
+  if (sform)
+  {
+    Put<std::int16_t>(bytes, 254, 1);
+    for (int c = 0; c < 3; ++c)
+    {
+      for (int a = 0; a < 3; ++a)
+      {
+        Put<float>(bytes, 280 + 16 * c + 4 * a,
+          static_cast<float>(sign[c] * volume.Spacing[a] * volume.Direction[a][c]));
+      }
+      Put<float>(bytes, 280 + 16 * c + 12, static_cast<float>(sign[c] * volume.Origin[c]));
+    }
+  }
+  if (qform)
+  {
+    // Columns (-0.6, -0.8, 0), (0.8, -0.6, 0), (0, 0, 1): a turn about z by atan2(-0.8, -0.6).
+    const double half = 0.5 * std::atan2(-0.8, -0.6);
+    const double side = std::cos(half) < 0 ? -1 : 1; // the header leaves a >= 0 out
+    Put<std::int16_t>(bytes, 252, 1);
+    Put<float>(bytes, 264, static_cast<float>(side * std::sin(half)));
+    for (int c = 0; c < 3; ++c)
+    {
+      Put<float>(bytes, 268 + 4 * c, static_cast<float>(sign[c] * volume.Origin[c]));
+    }
+  }
+  for (std::size_t voxel = 0; voxel < volume.Voxels.size(); ++voxel)
+  {
+    bytes[352 + voxel] = static_cast<char>(volume.Voxels[voxel]);
+  }
+  return bytes;
+}
+
+std::string Gzip(const std::string& path, const std::string& bytes)
+{
+  gzFile file = gzopen(path.c_str(), "wb");
+  gzwrite(file, bytes.data(), static_cast<unsigned>(bytes.size()));
+  gzclose(file);
+  return path;
+}
+
+/// A raw NRRD of 2 x 1 x 1 voxels.
+std::string Nrrd(const std::string& type, const std::string& data, const std::string& more = "")
+{
+  return "NRRD0004\ntype: " + type +
+    "\ndimension: 3\nsizes: 2 1 1\nspace directions: (1,0,0) (0,1,0) (0,0,1)\nendian: "
+    "little\nencoding: raw\n" +
+    more + "\n" + data;
+}
+
+template <typename T>
+std::string Bytes(std::initializer_list<T> values)
+{
+  return { reinterpret_cast<const char*>(values.begin()), sizeof(T) * values.size() };
+}
+}
+
+TEST(LabelVolumeIO, WrittenVolumesComeBack)
+{
+  const TemporaryFolder folder;
+  for (const double handedness : { 1.0, -1.0 })
+  {
+    LabelVolume volume = Oblique(handedness);
+    for (const char* name : { "v.nrrd", "v.mha", "v.nii.gz" })
+    {
+      WriteLabelVolume(volume, folder.File(name));
+      ExpectSame(ReadLabelVolume(folder.File(name)), volume);
+    }
+    volume.Voxels[7] = 60000; // 16 bits
+    for (const char* name : { "v.nrrd", "v.mha", "v.nii.gz" })
+    {
+      WriteLabelVolume(volume, folder.File(name));
+      ExpectSame(ReadLabelVolume(folder.File(name)), volume);
+    }
+  }
+  EXPECT_THAT(MessageOf([&] { WriteLabelVolume(Oblique(), folder.File("v.nii")); }),
+    testing::HasSubstr(".nrrd, .mha or .nii.gz"));
+  LabelVolume longer;
+  longer.Size = { 40000, 1, 1 };
+  longer.Voxels.assign(40000, 1);
+  EXPECT_THAT(MessageOf([&] { WriteLabelVolume(longer, folder.File("v.nii.gz")); }),
+    testing::HasSubstr("at most 32767 voxels"));
+}
+
+TEST(LabelVolumeIO, IntensitiesKeepSignFractionAndScale)
+{
+  const TemporaryFolder folder;
+  const std::string header = "NRRD0004\ntype: float\ndimension: 3\nsizes: 2 1 2\nencoding: raw\n"
+                             "endian: little\nspacings: 1 2 3\n\n";
+  const IntensityVolume volume = ReadIntensityVolume(
+    folder.Write("v.nrrd", header + Bytes<float>({ -1.5f, 0.25f, 70000.0f, 3.0f })));
+  EXPECT_THAT(volume.Voxels, testing::ElementsAre(-1.5f, 0.25f, 70000.0f, 3.0f));
+  EXPECT_EQ(volume.Spacing, (Vector3{ 1, 2, 3 }));
+  EXPECT_THAT(MessageOf(
+                [&]
+                {
+                  ReadIntensityVolume(
+                    folder.Write("n.nrrd", header + Bytes<float>({ 1, 2, 3, std::nanf("") })));
+                }),
+    testing::HasSubstr("voxel (1, 0, 1) holds nan"));
+  // One grid for both readers, whatever the format.
+  WriteLabelVolume(Oblique(), folder.File("v.nii.gz"));
+  const IntensityVolume oblique = ReadIntensityVolume(folder.File("v.nii.gz"));
+  const LabelVolume labels = ReadLabelVolume(folder.File("v.nii.gz"));
+  EXPECT_EQ(oblique.Origin, labels.Origin);
+  EXPECT_EQ(oblique.Direction, labels.Direction);
+  EXPECT_TRUE(std::equal(labels.Voxels.begin(), labels.Voxels.end(), oblique.Voxels.begin()));
+}
+
+TEST(LabelVolumeIO, NiftiTurnsRasIntoLps)
+{
+  const TemporaryFolder folder;
+  ExpectSame(ReadLabelVolume(folder.Write("s.nii", ObliqueNifti(true, false))), Oblique());
+  ExpectSame(ReadLabelVolume(folder.Write("q.nii", ObliqueNifti(false, true))), Oblique());
+  ExpectSame(ReadLabelVolume(Gzip(folder.File("s.nii.gz"), ObliqueNifti(true, false))), Oblique());
+  const LabelVolume given = ReadLabelVolume(folder.File("s.nii"), VolumeAxes::AsGiven);
+  EXPECT_EQ(given.Origin[0], -10.5);
+  EXPECT_EQ(given.Origin[2], 30);
+  // Neither form: spacing alone, nothing to convert.
+  const LabelVolume plain = ReadLabelVolume(folder.Write("p.nii", ObliqueNifti(false, false)));
+  EXPECT_EQ(plain.Direction[0], (Vector3{ 1, 0, 0 }));
+  EXPECT_EQ(plain.Spacing, (Vector3{ 0.5, 1.5, 2 }));
+}
+
+TEST(LabelVolumeIO, NrrdSpaces)
+{
+  const TemporaryFolder folder;
+  const auto originOf = [&](const std::string& space)
+  {
+    return ReadLabelVolume(folder.Write("v.nrrd",
+      Nrrd("uint8", "\1\2", "space: " + space + "\nspace origin: (1,2,3)\n")));
+  };
+  EXPECT_EQ(originOf("left-posterior-superior").Origin, (Vector3{ 1, 2, 3 }));
+  EXPECT_EQ(originOf("RAS").Origin, (Vector3{ -1, -2, 3 }));
+  EXPECT_EQ(originOf("RAS").Direction[0][0], -1);
+  EXPECT_EQ(originOf("left-anterior-superior").Origin, (Vector3{ 1, -2, 3 }));
+  EXPECT_EQ(originOf("scanner-xyz").Origin, (Vector3{ 1, 2, 3 }));
+  EXPECT_THAT(MessageOf([&] { originOf("RSP"); }), testing::HasSubstr("space: expected"));
+}
+
+TEST(LabelVolumeIO, EveryScalarTypeAndByteOrder)
+{
+  const TemporaryFolder folder;
+  const auto voxels = [&](const std::string& type, const std::string& data)
+  { return ReadLabelVolume(folder.Write("v.nrrd", Nrrd(type, data))).Voxels; };
+  EXPECT_THAT(voxels("int8", Bytes<std::int8_t>({ 3, 127 })), testing::ElementsAre(3, 127));
+  EXPECT_THAT(voxels("short", Bytes<std::int16_t>({ 3, 300 })), testing::ElementsAre(3, 300));
+  EXPECT_THAT(voxels("unsigned short", Bytes<std::uint16_t>({ 3, 65535 })),
+    testing::ElementsAre(3, 65535));
+  EXPECT_THAT(voxels("int", Bytes<std::int32_t>({ 3, 300 })), testing::ElementsAre(3, 300));
+  EXPECT_THAT(voxels("uint64", Bytes<std::uint64_t>({ 3, 300 })), testing::ElementsAre(3, 300));
+  EXPECT_THAT(voxels("float", Bytes<float>({ 3, 300 })), testing::ElementsAre(3, 300));
+  EXPECT_THAT(voxels("double", Bytes<double>({ 3, 300 })), testing::ElementsAre(3, 300));
+  std::string big = Nrrd("uint16", std::string("\1\2\0\3", 4));
+  big.replace(big.find("little"), 6, "big");
+  EXPECT_THAT(ReadLabelVolume(folder.Write("b.nrrd", big)).Voxels, testing::ElementsAre(258, 3));
+}
+
+TEST(LabelVolumeIO, ValuesThatAreNoLabelsAreNamedWithTheirPlace)
+{
+  using testing::HasSubstr;
+  const TemporaryFolder folder;
+  const auto message = [&](const std::string& type, const std::string& data)
+  { return ReadMessage(folder.Write("v.nrrd", Nrrd(type, data))); };
+  EXPECT_THAT(message("int16", Bytes<std::int16_t>({ 3, -2 })),
+    HasSubstr("voxel (1, 0, 0) holds -2"));
+  EXPECT_THAT(message("int32", Bytes<std::int32_t>({ 70000, 1 })),
+    HasSubstr("(0, 0, 0) holds 70000"));
+  EXPECT_THAT(message("float", Bytes<float>({ 1, 0.5f })), HasSubstr("holds 0.5"));
+  EXPECT_THAT(message("float", Bytes<float>({ 1, NAN })), HasSubstr("nan"));
+  EXPECT_THAT(message("double", Bytes<double>({ 1, INFINITY })), HasSubstr("inf"));
+}
+
+TEST(LabelVolumeIO, DamagedFilesAreRefusedInOneLine)
+{
+  using testing::HasSubstr;
+  const TemporaryFolder folder;
+  EXPECT_THAT(ReadMessage(folder.File("absent.nrrd")), HasSubstr("no such file"));
+  EXPECT_THAT(ReadMessage(folder.Write("v.png", "x")), HasSubstr("found the extension '.png'"));
+  for (const char* name : { "v.nrrd", "v.nhdr", "v.mha", "v.mhd", "v.nii", "v.nii.gz" })
+  {
+    EXPECT_THAT(ReadMessage(folder.Write(name, "")), HasSubstr("found an empty file")) << name;
+    EXPECT_THAT(ReadMessage(folder.Write(name, "garbage \xff\xfe garbage")), HasSubstr("expected"));
+    EXPECT_THAT(ReadMessage(folder.Write(name, std::string(100000, '\xa5'))),
+      HasSubstr("expected"));
+  }
+  // 10^9 voxels in the header, two bytes in the file.
+  std::string huge = Nrrd("uint8", "\1\2");
+  huge.replace(huge.find("2 1 1"), 5, "1000 1000 1000");
+  EXPECT_THAT(ReadMessage(folder.Write("huge.nrrd", huge)),
+    HasSubstr("expected 1000000000 voxels"));
+  huge.replace(huge.find("raw"), 3, "gzip");
+  EXPECT_THAT(ReadMessage(folder.Write("huge.nrrd", huge)), HasSubstr("too short"));
+  huge.replace(huge.find("1000 1000 1000"), 14, "2000000000 2000000000 2000000000");
+  EXPECT_THAT(ReadMessage(folder.Write("huge.nrrd", huge)), HasSubstr("more voxels"));
+
+  for (const char* name : { "whole.nrrd", "whole.mha" })
+  {
+    WriteLabelVolume(Oblique(), folder.File(name));
+    const std::string whole = ReadFile(folder.File(name));
+    for (std::size_t cut = 1; cut < whole.size(); cut += 7)
+    {
+      EXPECT_NE(ReadMessage(folder.Write(name, whole.substr(0, cut))), "no InputError")
+        << name << " cut at " << cut;
+    }
+    // Any damaged byte is refused or harmless; it never crashes.
+    for (std::size_t place = 0; place < whole.size(); ++place)
+    {
+      std::string damaged = whole;
+      damaged[place] = static_cast<char>(damaged[place] ^ 0x15);
+      ReadMessage(folder.Write(name, damaged));
+    }
+  }
+  std::string sheared = Nrrd("uint8", "\1\2");
+  sheared.replace(sheared.find("(0,1,0)"), 7, "(1,1,0)");
+  EXPECT_THAT(ReadMessage(folder.Write("s.nrrd", sheared)), HasSubstr("orthonormal"));
+  EXPECT_THAT(ReadMessage(folder.Write("d.nhdr", Nrrd("uint8", "", "data file: no.raw\n"))),
+    HasSubstr("no.raw is missing"));
+}
+
+TEST(LabelVolumeIO, DetachedHeaders)
+{
+  const TemporaryFolder folder;
+  folder.Write("d.raw", "xyz\1\2");
+  const std::string header =
+    folder.Write("d.nhdr", Nrrd("uint8", "", "data file: d.raw\nbyte skip: 3\n"));
+  EXPECT_THAT(ReadLabelVolume(header).Voxels, testing::ElementsAre(1, 2));
+  folder.Write("e.nhdr", Nrrd("uint8", "", "data file: d.raw\nbyte skip: -1\n"));
+  EXPECT_THAT(ReadLabelVolume(folder.File("e.nhdr")).Voxels, testing::ElementsAre(1, 2));
+  const std::string mhd = folder.Write("d.mhd",
+    "ObjectType = Image\nNDims = 3\nDimSize = 2 1 1\nElementType = MET_UCHAR\nElementSpacing = 1 1 "
+    "1\nHeaderSize = 3\nElementDataFile = d.raw\n");
+  EXPECT_THAT(ReadLabelVolume(mhd).Voxels, testing::ElementsAre(1, 2));
+}
+
+TEST(LabelVolumeIO, TheThreeFormatsOfThePhantomsAreOneVolume)
+{
+  const std::string folder = testing_support::SharedDataFolder() + "/breastphantom-hetero-2002/";
+  if (!std::filesystem::exists(folder))
+  {
+    GTEST_SKIP() << "shared data are absent";
+  }
+  const LabelVolume nrrd = ReadLabelVolume(folder + "labels.nrrd");
+  EXPECT_EQ(nrrd.Size, (std::array<int, 3>{ 150, 180, 180 }));
+  EXPECT_EQ(nrrd.Origin, (Vector3{ -9.25, -53.4013, -44.9684 }));
+  EXPECT_EQ(nrrd.CountLabels().at(29), 591310u);
+  EXPECT_EQ(nrrd.CountLabels().at(225), 9702u);
+  // Its NIfTI calls the phantom's own axes RAS, so they are taken as given.
+  for (const LabelVolume& other : { ReadLabelVolume(folder + "labels.mha"),
+         ReadLabelVolume(folder + "labels.nii.gz", VolumeAxes::AsGiven) })
+  {
+    EXPECT_EQ(other.Size, nrrd.Size);
+    EXPECT_EQ(other.Origin, nrrd.Origin);
+    EXPECT_EQ(other.Spacing, nrrd.Spacing);
+    EXPECT_EQ(other.Direction, nrrd.Direction);
+    EXPECT_TRUE(other.Voxels == nrrd.Voxels);
+  }
+}

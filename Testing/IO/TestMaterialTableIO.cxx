@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "Files.h"
+#include "mammoray/Foundation/Error.h"
+#include "mammoray/IO/MaterialTableIO.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+using namespace mammoray;
+using testing_support::TemporaryFolder;
+
+namespace
+{
+std::string MessageOf(const std::string& json)
+{
+  const TemporaryFolder folder;
+  const std::string path = folder.Write("table.json", json);
+  try
+  {
+    ReadMaterialTable(path);
+  }
+  catch (const InputError& error)
+  {
+    EXPECT_THAT(error.what(), testing::StartsWith(path));
+    EXPECT_THAT(error.what(), testing::Not(testing::HasSubstr("\n")));
+    return error.what();
+  }
+  return "no InputError";
+}
+
+/// The table with air and one tissue whose keys are given.
+std::string WithFat(const std::string& keys)
+{
+  return R"({"materials": [{"name": "air", "labels": [0]}, {"name": "fat", )" + keys + "}]}";
+}
+}
+
+TEST(MaterialTableIO, ReadsTheShippedTable)
+{
+  const MaterialTable table =
+    ReadMaterialTable(testing_support::DataFolder() + "/materials/victre.json");
+  EXPECT_EQ(table.Name, "VICTRE phantoms");
+  ASSERT_EQ(table.Materials.size(), 5u);
+  EXPECT_EQ(table.Materials[0].Name, "air");
+  const Material& muscle = table.Materials[4];
+  EXPECT_EQ(muscle.Name, "muscle");
+  EXPECT_EQ(muscle.Attenuation, "muscle");
+  EXPECT_EQ(muscle.DensityGPerCm3, 1.05);
+  EXPECT_TRUE(muscle.Held);
+  EXPECT_EQ(table.Materials[2].YoungsModulusKPa, 15);
+  EXPECT_FALSE(table.Materials[2].Held);
+  EXPECT_EQ(table.MaterialOfLabel.at(33), 3);
+  EXPECT_EQ(table.MaterialOfLabel.size(), 12u);
+  EXPECT_EQ(table.MaterialOfLabel.at(50), 0); // paddles
+}
+
+TEST(MaterialTableIO, AThinMaterialNeedsNoLabels)
+{
+  const TemporaryFolder folder;
+  const MaterialTable table =
+    ReadMaterialTable(folder.Write("thin.json", WithFat(R"("attenuation": "skin", "thin": true)")));
+  EXPECT_TRUE(table.Materials.at(1).Thin);
+  EXPECT_EQ(table.MaterialOfLabel.size(), 1u);
+}
+
+TEST(MaterialTableIO, AbsentKeysTakeTheDefaults)
+{
+  const TemporaryFolder folder;
+  const MaterialTable table = ReadMaterialTable(
+    folder.Write("plain.json", WithFat(R"("labels": [1, 65535], "attenuation": "adipose")")));
+  EXPECT_EQ(table.Name, "plain.json");
+  const Material defaults;
+  EXPECT_EQ(table.Materials[1].DensityGPerCm3, defaults.DensityGPerCm3);
+  EXPECT_EQ(table.Materials[1].YoungsModulusKPa, defaults.YoungsModulusKPa);
+  EXPECT_EQ(table.Materials[1].PoissonRatio, defaults.PoissonRatio);
+  EXPECT_EQ(table.Materials[1].FungExponent, 0);
+  EXPECT_EQ(table.MaterialOfLabel.at(65535), 1);
+  const MaterialTable stiffening = ReadMaterialTable(folder.Write("fung.json",
+    WithFat(R"("labels": [1], "attenuation": "adipose", "fung_exponent": 2.6)")));
+  EXPECT_EQ(stiffening.Materials[1].FungExponent, 2.6);
+}
+
+TEST(MaterialTableIO, RefusesWhatIsWrongByKey)
+{
+  using testing::HasSubstr;
+  const std::string good = R"("labels": [1], "attenuation": "adipose")";
+  EXPECT_EQ(MessageOf(WithFat(good)), "no InputError");
+  EXPECT_THAT(MessageOf("{"), HasSubstr("JSON"));
+  EXPECT_THAT(MessageOf("[]"), HasSubstr("expected a JSON object"));
+  EXPECT_THAT(MessageOf("{}"), HasSubstr("'materials'"));
+  EXPECT_THAT(MessageOf(R"({"name": 3, "materials": []})"), HasSubstr("'name'"));
+  EXPECT_THAT(MessageOf(WithFat(R"("labels": [1])")), HasSubstr("'attenuation'"));
+  EXPECT_THAT(MessageOf(WithFat(R"("attenuation": "adipose")")), HasSubstr("'labels'"));
+  EXPECT_THAT(MessageOf(WithFat(R"("labels": [0], "attenuation": "a")")),
+    HasSubstr("in 'air' already"));
+  for (const char* labels : { "[]", "[1.5]", "[-1]", "[65536]", "[\"1\"]", "1", "[1e30]" })
+  {
+    EXPECT_THAT(MessageOf(WithFat(R"("attenuation": "a", "labels": )" + std::string(labels))),
+      HasSubstr("'labels'"))
+      << labels;
+  }
+  EXPECT_THAT(MessageOf(WithFat(good + R"(, "density_g_per_cm3": 0)")),
+    HasSubstr("'density_g_per_cm3': expected a positive number, found 0"));
+  EXPECT_THAT(MessageOf(WithFat(good + R"(, "youngs_modulus_kpa": "5")")),
+    HasSubstr("'youngs_modulus_kpa'"));
+  EXPECT_THAT(MessageOf(WithFat(good + R"(, "poisson_ratio": 0.5)")), HasSubstr("below 0.5"));
+  EXPECT_THAT(MessageOf(WithFat(good + R"(, "fung_exponent": -1)")), HasSubstr("from 0"));
+  EXPECT_THAT(MessageOf(WithFat(good + R"(, "held": 1)")), HasSubstr("true or false"));
+  EXPECT_THAT(MessageOf(WithFat(good + R"(, "colour": "red")")), HasSubstr("unknown key 'colour'"));
+  EXPECT_THAT(MessageOf(WithFat(good + R"(, "labels": [2])")), HasSubstr("expected once"));
+  EXPECT_THAT(MessageOf(R"({"materials": [{"name": "fat", "labels": [0]}, {}]})"),
+    HasSubstr("\"air\" for the first"));
+  EXPECT_THAT(MessageOf(R"({"materials": [{"name": "air", "labels": [0]},
+    {"name": "air", "labels": [1], "attenuation": "a"}]})"),
+    HasSubstr("no other material has"));
+  EXPECT_THAT(MessageOf(R"({"materials": [{"name": "air", "labels": [0], "held": true},
+    {"name": "fat", "labels": [1], "attenuation": "a"}]})"),
+    HasSubstr("unknown key 'held'"));
+  EXPECT_THROW(ReadMaterialTable("/nowhere/table.json"), InputError);
+}

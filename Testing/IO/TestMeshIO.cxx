@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "Files.h"
+#include "mammoray/Foundation/Error.h"
+#include "mammoray/IO/MeshConversion.h"
+#include "mammoray/IO/MeshIO.h"
+
+#include "vtkCellArray.h"
+#include "vtkNew.h"
+#include "vtkPoints.h"
+#include "vtkPolyData.h"
+#include "vtkUnstructuredGrid.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <functional>
+
+using namespace mammoray;
+using testing_support::TemporaryFolder;
+
+namespace
+{
+TetrahedralMesh TwoCells()
+{
+  TetrahedralMesh mesh;
+  mesh.Points = { 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 1.25, 1, 1 };
+  mesh.Cells = { 0, 1, 2, 3, 1, 4, 2, 3 };
+  mesh.Materials = { 1, 2 };
+  return mesh;
+}
+
+std::string MessageOf(const std::function<void()>& action)
+{
+  testing::internal::CaptureStderr();
+  std::string message = "no InputError";
+  try
+  {
+    action();
+  }
+  catch (const InputError& error)
+  {
+    message = error.what();
+  }
+  EXPECT_EQ(testing::internal::GetCapturedStderr(), "") << "VTK talks on its own";
+  EXPECT_THAT(message, testing::Not(testing::HasSubstr("\n")));
+  return message;
+}
+}
+
+TEST(MeshIO, VolumeMeshComesBack)
+{
+  const TemporaryFolder folder;
+  const std::string path = folder.File("mesh.vtu");
+  WriteMesh(ToGrid(TwoCells(), { "air", "fat", "gland" }), path);
+  std::vector<std::string> names;
+  const TetrahedralMesh mesh = FromGrid(ReadMesh(path), &names);
+  EXPECT_EQ(mesh.Points, TwoCells().Points);
+  EXPECT_EQ(mesh.Cells, TwoCells().Cells);
+  EXPECT_EQ(mesh.Materials, TwoCells().Materials);
+  EXPECT_THAT(names, testing::ElementsAre("air", "fat", "gland"));
+}
+
+TEST(MeshIO, ReadsLegacyFiles)
+{
+  const TemporaryFolder folder;
+  const std::string path = folder.Write("mesh.vtk",
+    "# vtk DataFile Version 3.0\nby hand\nASCII\nDATASET UNSTRUCTURED_GRID\n"
+    "POINTS 4 float\n0 0 0 1 0 0 0 1 0 0 0 2\nCELLS 1 5\n4 0 1 2 3\nCELL_TYPES 1\n10\n"
+    "CELL_DATA 1\nSCALARS Material int 1\nLOOKUP_TABLE default\n7\n");
+  const TetrahedralMesh mesh = FromGrid(ReadMesh(path));
+  ASSERT_EQ(mesh.NumberOfCells(), 1u);
+  EXPECT_EQ(mesh.Materials[0], 7);
+  EXPECT_DOUBLE_EQ(mesh.CellVolume(0), 1.0 / 3);
+  EXPECT_THAT(MessageOf([&] { ReadMesh(folder.Write("bad.vtk", "not a mesh at all")); }),
+    testing::HasSubstr("bad.vtk: expected a mesh"));
+  EXPECT_THAT(MessageOf(
+                [&]
+                {
+                  ReadMesh(folder.Write("surface.vtk",
+                    "# vtk DataFile Version 3.0\nby hand\nASCII\nDATASET POLYDATA\nPOINTS 3 float\n"
+                    "0 0 0 1 0 0 0 1 0\nPOLYGONS 1 4\n3 0 1 2\n"));
+                }),
+    testing::HasSubstr("surface.vtk: expected a mesh"));
+}
+
+TEST(MeshIO, SurfacesComeBackInEveryFormat)
+{
+  const TemporaryFolder folder;
+  vtkNew<vtkPolyData> surface;
+  vtkNew<vtkPoints> points;
+  points->InsertNextPoint(0, 0, 0);
+  points->InsertNextPoint(2, 0, 0);
+  points->InsertNextPoint(2, 1, 0);
+  points->InsertNextPoint(0, 1, 0);
+  vtkNew<vtkCellArray> polygons;
+  polygons->InsertNextCell({ 0, 1, 2, 3 });
+  surface->SetPoints(points);
+  surface->SetPolys(polygons);
+  for (const char* name : { "s.vtp", "s.stl", "s.ply", "s.OBJ" })
+  {
+    WriteMesh(surface, folder.File(name));
+    const auto read = ReadSurface(folder.File(name));
+    double bounds[6];
+    read->GetBounds(bounds);
+    EXPECT_THAT(bounds, testing::ElementsAre(0, 2, 0, 1, 0, 0)) << name;
+    EXPECT_EQ(read->GetNumberOfCells(), std::string(name) == "s.vtp" ? 1 : 2) << name;
+  }
+}
+
+TEST(MeshIO, RefusesInOneLine)
+{
+  using testing::HasSubstr;
+  const TemporaryFolder folder;
+  const auto grid = ToGrid(TwoCells(), {});
+  EXPECT_THAT(MessageOf([&] { WriteMesh(grid, folder.File("mesh.stl")); }),
+    HasSubstr("expected the extension .vtu"));
+  EXPECT_THAT(MessageOf([&] { WriteMesh(grid, folder.File("none/mesh.vtu")); }),
+    HasSubstr("cannot be written"));
+  EXPECT_THAT(MessageOf([&] { ReadMesh(folder.File("absent.vtu")); }), HasSubstr("no such file"));
+  EXPECT_THAT(MessageOf([&] { ReadMesh(folder.Write("empty.vtu", "")); }),
+    HasSubstr("found an empty file"));
+  EXPECT_THAT(MessageOf([&] { ReadMesh(folder.Write("bad.vtu", "not a mesh at all")); }),
+    HasSubstr("bad.vtu: expected a mesh"));
+  EXPECT_THAT(MessageOf([&] { ReadSurface(folder.Write("bad.stl", "garbage")); }),
+    HasSubstr("bad.stl: expected a mesh"));
+  EXPECT_THAT(MessageOf([&] { ReadSurface(folder.Write("bad.ply", "garbage")); }),
+    HasSubstr("bad.ply: expected a mesh"));
+  EXPECT_THAT(MessageOf([&] { ReadSurface(folder.Write("s.xyz", "1 2 3")); }),
+    HasSubstr(".vtp, .stl, .ply or .obj"));
+  const std::string path = folder.File("cut.vtu");
+  WriteMesh(grid, path);
+  const std::string whole = testing_support::ReadFile(path);
+  folder.Write("cut.vtu", whole.substr(0, whole.size() / 2));
+  EXPECT_THAT(MessageOf([&] { ReadMesh(path); }), HasSubstr("cut.vtu: expected a mesh"));
+}

@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "Files.h"
+#include "mammoray/Foundation/Error.h"
+#include "mammoray/IO/MaterialTableIO.h"
+#include "mammoray/IO/PhysicsData.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+
+namespace
+{
+using namespace mammoray;
+using testing_support::TemporaryFolder;
+
+template <typename Function>
+void ExpectRefused(const Function& function, const std::string& text)
+{
+  try
+  {
+    function();
+    FAIL() << "expected an InputError with '" << text << "'";
+  }
+  catch (const InputError& error)
+  {
+    EXPECT_THAT(error.what(), testing::HasSubstr(text));
+  }
+}
+
+TEST(PhysicsData, SpectraHaveTheMeanEnergyTheyState)
+{
+  // The files' own comments, printed with one or three digits; the last interval is left out there
+  // too.
+  EXPECT_NEAR(FindSpectrum("W28kVp_Rh50um_Be1mm").MeanEnergyKeV(), 19.0, 0.05);
+  EXPECT_NEAR(FindSpectrum("W30kVp_Rh50um_Be1mm").MeanEnergyKeV(), 19.3, 0.05);
+  EXPECT_NEAR(FindSpectrum("W28kVp_Rh50um_Be1mm_Al2mm_MTF").MeanEnergyKeV(), 20.955, 0.02);
+}
+
+TEST(PhysicsData, TablesGiveTheirValuesInMillimetres)
+{
+  // From the README of the tables' source, 1/cm at 20 keV.
+  EXPECT_NEAR(FindAttenuationTable("adipose").MuAt(20, 0.92), 0.051255, 1e-6);
+  EXPECT_NEAR(FindAttenuationTable("glandular").MuAt(20, 1.06), 0.078581, 1e-6);
+  EXPECT_NEAR(FindAttenuationTable("glandular").MuAt(20, 0.53), 0.5 * 0.078581, 1e-6);
+}
+
+TEST(PhysicsData, BeamOfTheShippedTable)
+{
+  const MaterialTable table = ReadMaterialTable(DataDirectory() + "/materials/victre.json");
+  const Beam beam = MakeBeam(table, Spectrum::Monochromatic(20), DetectorResponse::PhotonCounting);
+  std::vector<double> lengths(table.Materials.size(), 0.0);
+  lengths[static_cast<std::size_t>(table.IndexOf("fat"))] = 30;
+  lengths[static_cast<std::size_t>(table.IndexOf("gland"))] = 10;
+  EXPECT_NEAR(beam.LogAttenuation(lengths.data()), 30 * 0.051255 + 10 * 0.078581 * 1.035 / 1.06,
+    1e-4); // the six digits of the source
+}
+
+TEST(PhysicsData, ShippedTablesAreFoundByName)
+{
+  const Spectrum spectrum = Spectrum::Monochromatic(20);
+  for (const auto& entry : std::filesystem::directory_iterator(DataDirectory() + "/materials"))
+  {
+    const std::string name = entry.path().stem().string();
+    const MaterialTable table = FindMaterialTable(name);
+    EXPECT_EQ(table.Name, FindMaterialTable(entry.path().string()).Name);
+    // Every attenuation is known, and between fat's and skin's at 20 keV, 1/mm.
+    const Beam beam = MakeBeam(table, spectrum, DetectorResponse::PhotonCounting);
+    for (std::size_t material = 1; material < table.Materials.size(); ++material)
+    {
+      std::vector<double> lengths(table.Materials.size(), 0.0);
+      lengths[material] = 1;
+      EXPECT_GT(beam.LogAttenuation(lengths.data()), 0.05) << name << ", " << material;
+      EXPECT_LT(beam.LogAttenuation(lengths.data()), 0.1) << name << ", " << material;
+    }
+  }
+  EXPECT_EQ(FindMaterialTable("victre").MaterialOfLabel.at(88), 2);
+}
+
+TEST(PhysicsData, UnknownNamesListTheKnown)
+{
+  ExpectRefused([] { FindMaterialTable("victor"); },
+    "material table victor: no such file, and no material table of that name; did you mean "
+    "victre?");
+  ExpectRefused([] { FindMaterialTable("/nowhere.json"); }, "no such file");
+  ExpectRefused([] { FindAttenuationTable("unobtainium"); }, "adipose, air, blood");
+  ExpectRefused([] { FindSpectrum("W99"); }, "W28kVp_Rh50um_Be1mm");
+  MaterialTable table;
+  table.Materials = { { "air" }, { .Name = "cyst", .Attenuation = "wader" } };
+  ExpectRefused([&]
+    { MakeBeam(table, Spectrum::Monochromatic(20), DetectorResponse::PhotonCounting); },
+    "material 'cyst': unknown attenuation 'wader'");
+}
+
+TEST(PhysicsData, DamagedFilesAreRefusedByLine)
+{
+  TemporaryFolder folder;
+  folder.Write("a.spc", "# comment\n10e3 5\n11e3 x\n");
+  ExpectRefused([&] { ReadSpectrum(folder.File("a.spc")); }, "line 3");
+  folder.Write("a.spc", "10e3 5\n9e3 5\n11e3 -1\n");
+  ExpectRefused([&] { ReadSpectrum(folder.File("a.spc")); }, "line 2");
+  folder.Write("a.spc", "10e3 5\n11e3 5\n");
+  ExpectRefused([&] { ReadSpectrum(folder.File("a.spc")); }, "negative");
+  folder.Write("a.csv", "# nominal density 1 g/cm3\nenergy_eV,mu_total_per_cm\n1e4,oops\n");
+  ExpectRefused([&] { ReadAttenuationTable(folder.File("a.csv")); }, "line 3");
+  folder.Write("a.csv", "energy_eV,mu_total_per_cm\n1e4,1\n");
+  ExpectRefused([&] { ReadAttenuationTable(folder.File("a.csv")); }, "nominal density");
+  folder.Write("a.csv", "# nominal density 1 g/cm3\nenergy,mu\n1e4,1\n");
+  ExpectRefused([&] { ReadAttenuationTable(folder.File("a.csv")); }, "energy_eV");
+  ExpectRefused([&] { ReadAttenuationTable(folder.File("absent.csv")); }, "cannot be opened");
+}
+}

@@ -1,0 +1,271 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "Files.h"
+#include "mammoray/Foundation/Error.h"
+#include "mammoray/IO/Sha256.h"
+#include "mammoray/Report/RegistrationReport.h"
+
+#include "vtkImageData.h"
+#include "vtkNew.h"
+#include "vtkPNGReader.h"
+#include "vtkSmartPointer.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <limits>
+#include <numbers>
+
+using namespace mammoray;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+namespace
+{
+/// A half ball of radius 40 mm with a gland in it and its twin, 2 mm lower and 1 mm smaller.
+struct MadeUp
+{
+  Mammogram Picture;
+  RegistrationTarget Target;
+  RegistrationResult Result;
+  RegistrationReport Report;
+
+  static double Attenuation(double x, double y, double radius)
+  {
+    const double r = std::hypot(x, y);
+    if (r >= radius)
+    {
+      return 0;
+    }
+    const double gland = std::exp(-(std::pow(x - 6, 2) + std::pow(y - 18, 2)) / 60);
+    return 2.5 * std::sqrt(1 - r * r / (radius * radius)) + 0.8 * gland;
+  }
+
+  explicit MadeUp(char laterality = 'L')
+  {
+    this->Picture.View = "CC";
+    this->Picture.Laterality = laterality;
+    this->Picture.Columns = 200;
+    this->Picture.Rows = 360;
+    this->Picture.ColumnSpacingMm = 0.3;
+    this->Picture.RowSpacingMm = 0.3;
+    this->Picture.BodyPartThicknessMm = 52;
+    this->Target.Columns = 200;
+    this->Target.Rows = 360;
+    this->Target.ColumnStep = { 0, 0.3 };
+    this->Target.RowStep = { -0.3, 0 };
+    this->Target.Origin = { 0.3 * 179.5, 0.15 };
+    this->Report.Warnings = { "The header does not say <this> & that." };
+    std::vector<std::array<double, 2>> outline;
+    for (int i = 0; i <= 90; ++i)
+    {
+      const double angle = std::numbers::pi * (i / 90.0 - 0.5);
+      outline.push_back({ -2 + 39 * std::sin(angle), 39 * std::cos(angle) });
+    }
+    for (int row = 0; row < 360; ++row)
+    {
+      for (int column = 0; column < 200; ++column)
+      {
+        const double x = 0.3 * (179.5 - row);
+        const double y = 0.3 * (column + 0.5);
+        this->Target.LogAttenuation.push_back(static_cast<float>(Attenuation(x, y, 40)));
+        this->Target.SignedDistanceMm.push_back(static_cast<float>(std::hypot(x, y) - 40));
+        this->Target.BreastMask.push_back(std::hypot(x, y) < 40 ? 1 : 0);
+        this->Report.Synthetic.push_back(static_cast<float>(Attenuation(x + 2, y, 39)));
+      }
+    }
+    this->Result.Parameters = { { "thickness", "mm", 52, 40, 64, 2, false },
+      { "roll", "deg", 0, -15, 15, 3, false }, { "lateral", "mm", 0, -15, 15, 2, false },
+      { "anterior", "mm", 0, -15, 15, 2, true } };
+    this->Result.Values = { 50.4, -1.25, 2.0, 0 };
+    this->Result.StandardDeviations = { 0.11, 0.3, 0.05, std::numeric_limits<double>::quiet_NaN() };
+    this->Result.Pose.ThicknessMm = 50.4;
+    for (int i = 0; i <= 8; ++i)
+    {
+      const double outlineCost = 800 * std::exp(-0.7 * i) + 20;
+      const double intensityCost = 300 * std::exp(-0.4 * i) + 120;
+      this->Result.Iterations.push_back({ i, this->Result.Values, outlineCost + intensityCost,
+        outlineCost, intensityCost, 1.5 * i });
+    }
+    this->Result.State.PaddleForceN = 87;
+    this->Result.State.VolumeRatio = 0.9987;
+    this->Result.After.Correlation = 0.93;
+    this->Result.After.MeanOutlineDistanceMm = 0.62;
+    this->Result.After.LargestOutlineDistanceMm = 2.1;
+    this->Result.Converged = true;
+    this->Result.StopReason = "the cost changes by less than 1e-4 of itself";
+    this->Result.Evaluations = 43;
+    this->Result.Seconds = 61.2;
+    this->Report.SyntheticOutline = { outline };
+    this->Report.RealMammogram = &this->Picture;
+    this->Report.Target = &this->Target;
+    this->Report.Result = &this->Result;
+    this->Report.Versions = { { "Vulkan device", "none, made up" } };
+  }
+};
+
+/// Red, green, blue of a picture's pixel; row 0 at the top.
+std::array<int, 3> Pixel(vtkImageData* image, double right, double down)
+{
+  const int* size = image->GetDimensions();
+  const int x = static_cast<int>(right * size[0]);
+  const int y = size[1] - 1 - static_cast<int>(down * size[1]);
+  std::array<int, 3> color{};
+  for (int c = 0; c < 3; ++c)
+  {
+    color[c] = static_cast<int>(image->GetScalarComponentAsDouble(x, y, 0, c));
+  }
+  return color;
+}
+
+vtkSmartPointer<vtkImageData> ReadPng(const std::string& path)
+{
+  vtkNew<vtkPNGReader> reader;
+  reader->SetFileName(path.c_str());
+  reader->Update();
+  return reader->GetOutput();
+}
+}
+
+TEST(Sha256, MatchesThePublishedExamples)
+{
+  const testing_support::TemporaryFolder folder;
+  const std::string path = folder.File("message");
+  const auto hash = [&](const std::string& message)
+  {
+    std::ofstream(path, std::ios::binary) << message;
+    return Sha256OfFile(path);
+  };
+  // FIPS 180-4 example computations (NIST): one block, two blocks, a million letters; and none.
+  EXPECT_EQ(hash("abc"), "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
+  EXPECT_EQ(hash("abcdbcdecdefdefgefghfghighijhijkijkljklmklmnlmnomnopnopq"),
+    "248d6a61d20638b8e5c026930c3e6039a33ce45964ff2167f6ecedd419db06c1");
+  EXPECT_EQ(hash(std::string(1000000, 'a')),
+    "cdc76e5c9914fb9281a1c7e284d73e67f1809a48a497200e046d39ccc7112cd0");
+  EXPECT_EQ(hash(""), "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855");
+  // The buffer's own size, a mebibyte, is a boundary too (sha256sum of coreutils).
+  EXPECT_EQ(hash(std::string(1 << 20, '\0')),
+    "30e14955ebf1352266dc2ff8067e68104607e750abb9d3b36582b8af909fcb58");
+  EXPECT_THROW(Sha256OfFile(folder.File("absent")), InputError);
+  // A folder: its files one after the other, here "ab" and "c".
+  const std::string series = folder.File("series");
+  std::filesystem::create_directory(series);
+  std::ofstream(series + "/2.dcm") << "c";
+  std::ofstream(series + "/1.dcm") << "ab";
+  EXPECT_EQ(Sha256OfFile(series),
+    "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
+}
+
+TEST(RegistrationReport, WritesEverythingTheResultHolds)
+{
+  const testing_support::TemporaryFolder folder;
+  const std::string report = folder.File("report");
+  MadeUp made;
+  const std::string input = folder.File("input <1>.txt");
+  std::ofstream(input) << "abc";
+  made.Report.Inputs = { { "Mammogram", input } };
+  WriteRegistrationReport(made.Report, report);
+
+  const auto json = nlohmann::json::parse(testing_support::ReadFile(report + "/result.json"));
+  EXPECT_EQ(json["trust"]["level"], "good");
+  EXPECT_EQ(json["pose"]["thicknessMm"], 50.4);
+  EXPECT_EQ(json["parameters"][1]["value"], -1.25);
+  EXPECT_TRUE(json["parameters"][3]["standardDeviation"].is_null()); // NaN
+  EXPECT_EQ(json["iterations"].size(), 9U);
+  EXPECT_EQ(json["warnings"], made.Report.Warnings);
+  EXPECT_EQ(json["inputs"][0]["file"], "input <1>.txt");
+  EXPECT_EQ(json["inputs"][0]["sha256"],
+    "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
+  EXPECT_EQ(json["versions"]["Vulkan device"], "none, made up");
+
+  const std::string html = testing_support::ReadFile(report + "/report.html");
+  EXPECT_THAT(html, HasSubstr("The two mammograms match"));
+  EXPECT_THAT(html, HasSubstr("The header does not say &lt;this&gt; &amp; that."));
+  EXPECT_THAT(html, HasSubstr("input &lt;1&gt;.txt"));
+  // What the script of the comparison looks for.
+  EXPECT_THAT(html, HasSubstr("<img alt=\"Real mammogram\" src=\"data:"));
+  EXPECT_THAT(html, HasSubstr("<img alt=\"Synthetic mammogram\" src=\"data:"));
+  EXPECT_THAT(html, Not(HasSubstr(folder.File("")))); // self-contained, and no path of this machine
+  EXPECT_THAT(html, Not(HasSubstr("http://127")));
+  EXPECT_THAT(testing_support::ReadFile(report + "/convergence.svg"), HasSubstr("Iteration"));
+  for (const auto& entry : std::filesystem::directory_iterator(report))
+  {
+    EXPECT_NE(entry.path().extension(), ".part");
+  }
+}
+
+TEST(RegistrationReport, PicturesShowWhatDiffersWhereItDoes)
+{
+  for (const char laterality : { 'L', 'R' })
+  {
+    SCOPED_TRACE(laterality);
+    const testing_support::TemporaryFolder folder;
+    const std::string report = folder.File("report");
+    const MadeUp made(laterality);
+    WriteRegistrationReport(made.Report, report);
+    const auto difference = ReadPng(report + "/difference.png");
+    EXPECT_EQ(difference->GetDimensions()[1], 900);
+    // x from -41 to 40 mm and y from 0 to 40 mm with a margin of 8 mm: 97 x 48 mm on 0.3 mm pixels.
+    EXPECT_NEAR(difference->GetDimensions()[0], 900 * 48 / 97.0, 900 * 0.6 / 97);
+    // The left breast is hung with its chest wall at the left and patient left up, the right one
+    // the other way round in both. 1.5 mm inside the real outline towards +x, beyond the synthetic
+    // one:
+    const double chestWall = laterality == 'L' ? 0.02 : 0.98;
+    const double plusX = laterality == 'L' ? (48 - 38.5) / 97 : (38.5 + 49) / 97;
+    const std::array<int, 3> realOnly = Pixel(difference, chestWall, plusX);
+    EXPECT_GT(realOnly[0], 200);
+    EXPECT_LT(realOnly[2], 60); // orange
+    const std::array<int, 3> beside = Pixel(difference, 1 - chestWall, 0.3);
+    EXPECT_GT(beside[0], 230); // paper
+    EXPECT_GT(beside[2], 230);
+    const auto real = ReadPng(report + "/real.png");
+    EXPECT_GT(Pixel(real, laterality == 'L' ? 0.1 : 0.9, 0.5)[1], 150);
+    EXPECT_LT(Pixel(real, 1 - chestWall, 0.3)[1], 10);
+  }
+}
+
+TEST(RegistrationReport, SaysWhenTheMatchIsNotToBeTrusted)
+{
+  const testing_support::TemporaryFolder folder;
+  const std::string report = folder.File("report");
+  MadeUp made;
+  EXPECT_EQ(Assess(made.Result).Level, Trust::Good);
+  made.Result.Values[1] = 15; // its upper bound
+  EXPECT_EQ(Assess(made.Result).Level, Trust::Doubtful);
+  made.Result.Values[1] = 0;
+  made.Result.After.MeanOutlineDistanceMm = 2;
+  EXPECT_EQ(Assess(made.Result).Level, Trust::Doubtful);
+  made.Result.After.MeanOutlineDistanceMm = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_EQ(Assess(made.Result).Level, Trust::None);
+  made.Result.After.MeanOutlineDistanceMm = 0.5;
+  made.Result.After.Correlation = 0.4;
+  made.Result.Converged = false;
+  made.Result.StopReason = "stopped by the user";
+  EXPECT_EQ(Assess(made.Result).Level, Trust::None);
+  EXPECT_EQ(Assess(made.Result).Reasons.size(), 2U);
+  WriteRegistrationReport(made.Report, report);
+  const std::string html = testing_support::ReadFile(report + "/report.html");
+  EXPECT_THAT(html, HasSubstr("The match is not to be trusted"));
+  EXPECT_THAT(html, HasSubstr("stopped by the user"));
+}
+
+TEST(RegistrationReport, RefusesPartsThatDoNotFit)
+{
+  const testing_support::TemporaryFolder folder;
+  const std::string report = folder.File("report");
+  MadeUp made;
+  made.Report.Inputs = { { "Mammogram", "/nonexistent/file" } };
+  EXPECT_THROW(WriteRegistrationReport(made.Report, report), InputError);
+  made.Report.Inputs.clear();
+  made.Report.Synthetic.pop_back();
+  EXPECT_THROW(WriteRegistrationReport(made.Report, report), InputError);
+  made.Report.Synthetic.push_back(0);
+  made.Result.Values.pop_back();
+  EXPECT_THROW(WriteRegistrationReport(made.Report, report), InputError);
+  EXPECT_FALSE(std::filesystem::exists(report)); // nothing was begun
+  made.Result.Values.push_back(0);
+  EXPECT_THROW(WriteRegistrationReport(made.Report, "/dev/null/folder"), InputError);
+}
