@@ -121,8 +121,8 @@ void CheckOptions(const CompressionOptions& options)
   }
 }
 
-/// Another mesh leads where the way is simple: its breast hangs and rubs otherwise.
-bool CanBeLed(const CompressionOptions& options)
+/// A predictor serves where the way is simple: its breast hangs and rubs otherwise.
+bool CanBePredicted(const CompressionOptions& options)
 {
   return options.ChestWall == ChestWallMode::Held && options.Friction == 0 &&
     Norm(options.GravityMPerS2) == 0 && Norm(options.PullN) == 0;
@@ -404,11 +404,12 @@ CompressionSimulation::CompressionSimulation(const TetrahedralMesh& mesh,
   ElasticBody body(mesh, materials, field, held, options.Element);
   this->Internal = std::make_unique<Internals>(std::move(body), CellsOf(mesh, held),
     mesh.NumberOfPoints(), options);
-  if (options.Element == ElementType::Quadratic && CanBeLed(options))
+  if (options.Element == ElementType::Quadratic && CanBePredicted(options))
   {
-    CompressionOptions leading = options;
-    leading.Element = ElementType::PatchAveragedLinear;
-    this->LeadBy(std::make_unique<CompressionSimulation>(mesh, materials, held, field, leading));
+    CompressionOptions linear = options;
+    linear.Element = ElementType::PatchAveragedLinear;
+    this->SetPredictor(
+      std::make_unique<CompressionSimulation>(mesh, materials, held, field, linear));
   }
 }
 
@@ -416,19 +417,19 @@ CompressionSimulation::~CompressionSimulation() = default;
 CompressionSimulation::CompressionSimulation(CompressionSimulation&&) noexcept = default;
 CompressionSimulation& CompressionSimulation::operator=(CompressionSimulation&&) noexcept = default;
 
-void CompressionSimulation::LeadBy(std::unique_ptr<CompressionSimulation> leader)
+void CompressionSimulation::SetPredictor(std::unique_ptr<CompressionSimulation> predictor)
 {
-  if (leader && leader->Materials().size() != this->Materials().size())
+  if (predictor && predictor->Materials().size() != this->Materials().size())
   {
-    throw InputError("leading simulation: expected " + std::to_string(this->Materials().size()) +
-      " materials, found " + std::to_string(leader->Materials().size()));
+    throw InputError("predictor: expected " + std::to_string(this->Materials().size()) +
+      " materials, found " + std::to_string(predictor->Materials().size()));
   }
-  if (!leader || !CanBeLed(this->Internal->Options))
+  if (!predictor || !CanBePredicted(this->Internal->Options))
   {
     return;
   }
-  this->Internal->InCoarse = std::make_unique<Embedding>(*leader, this->RestPositions());
-  this->Internal->Coarse = std::move(leader);
+  this->Internal->InPredictor = std::make_unique<Embedding>(*predictor, this->RestPositions());
+  this->Internal->Predictor = std::move(predictor);
 }
 
 void CompressionSimulation::Unload(const Vector3& gravityMPerS2, const ProgressCallback& progress)
@@ -475,7 +476,7 @@ void CompressionSimulation::Unload(const Vector3& gravityMPerS2, const ProgressC
     throw;
   }
   internal.Image = std::move(loaded);
-  internal.Coarse.reset(); // which knows nothing of the new shape
+  internal.Predictor.reset(); // which knows nothing of the new shape
 }
 
 PlatePair CompressionSimulation::OpenedPlates(const PlatePair& plates,
@@ -554,20 +555,20 @@ double CompressionSimulation::LeastGapMm(const PlatePair& plates, double fromMm,
   return GapMm(open);
 }
 
-std::vector<double> CompressionSimulation::CoarsePositions(const PlatePair& plates,
+std::vector<double> CompressionSimulation::PredictedPositions(const PlatePair& plates,
   const ProgressCallback& progress) const
 {
   const Internals& internal = *this->Internal;
   std::vector<double> positions;
-  if (internal.Coarse)
+  if (internal.Predictor)
   {
     try
     {
       const auto firstHalf = [&](double fraction, const char* stage)
       { return !progress || progress(0.5 * fraction, stage); };
-      const CompressionState coarse =
-        internal.Coarse->Run(plates, nullptr, Finish::Rough, firstHalf);
-      positions = internal.InCoarse->Map(coarse.Positions);
+      const CompressionState predicted =
+        internal.Predictor->Run(plates, nullptr, Finish::Prediction, firstHalf);
+      positions = internal.InPredictor->Map(predicted.Positions);
       for (std::size_t c = 0; c < positions.size(); ++c)
       {
         positions[c] = internal.Fixed[c] ? this->RestPositions()[c] : positions[c];
@@ -661,7 +662,7 @@ CompressionState CompressionSimulation::Run(const PlatePair& plates, const Compr
   };
   if (!start)
   {
-    std::vector<double> positions = this->CoarsePositions(plates, progress);
+    std::vector<double> positions = this->PredictedPositions(plates, progress);
     if (!positions.empty())
     {
       solver.SetContactStiffness(options.ContactStiffness * softness);
@@ -685,7 +686,7 @@ CompressionState CompressionSimulation::Run(const PlatePair& plates, const Compr
       }
     }
   }
-  for (bool polished = finish == Finish::Rough && done == 1; !polished;)
+  for (bool polished = finish == Finish::Prediction && done == 1; !polished;)
   {
     ReportProgress(progress, done, "compression");
     const double next = done + step > 1 - 1e-9 ? 1 : done + step;
@@ -760,7 +761,7 @@ CompressionState CompressionSimulation::Run(const PlatePair& plates, const Compr
     state.LoadSteps += done < 1;
     done = next;
     softness = nextSoftness;
-    polished = last || (finish == Finish::Rough && done == 1);
+    polished = last || (finish == Finish::Prediction && done == 1);
     // Penetration is inverse to the stiffness; a thousandth is left for the last digits.
     const double excess = state.LargestPenetrationMm / (0.999 * PenetrationLimitMm(plates));
     if (finish == Finish::Complete && done == 1 && softness == wanted && excess > 1)
@@ -924,9 +925,9 @@ CompressionState CompressionSimulation::CompressToForce(const PlatePair& plates,
 void CompressionSimulation::SetMaterials(const std::vector<ElasticMaterial>& materials)
 {
   this->Internal->Body.SetMaterials(materials);
-  if (this->Internal->Coarse)
+  if (this->Internal->Predictor)
   {
-    this->Internal->Coarse->SetMaterials(materials);
+    this->Internal->Predictor->SetMaterials(materials);
   }
   this->Internal->Solver.BodyChanged();
   this->Internal->Settled.clear();

@@ -126,7 +126,7 @@ struct CompressionState
   double LargestWallGlideMm = 0;
   /// Normal forces and anchors of friction that the state was found with; null without friction.
   std::shared_ptr<const FrictionPoints> Friction;
-  /// Without those of the linear elements that led a cold start.
+  /// Those of the predictor of a cold start are not counted.
   int NewtonSteps = 0;
   int LoadSteps = 0;
   double Seconds = 0;
@@ -173,9 +173,9 @@ public:
    * same tolerance, but for tissue that folds at the plates' edges and may fold in several ways
    * (tenths of a mm apart, and some tenths of a per cent of the force, in the tests' breast). Does
    * nothing where the breast glides, rubs or has weight. SetMaterials changes its materials too;
-   * Unload ends its lead. Throws InputError.
+   * Unload drops it. Throws InputError.
    */
-  void LeadBy(std::unique_ptr<CompressionSimulation> leader);
+  void SetPredictor(std::unique_ptr<CompressionSimulation> predictor);
 
   /**
    * Takes the mesh for the shape of a breast that hangs or lies under this gravity (m/s^2, frame of
@@ -204,7 +204,7 @@ public:
    * Equilibrium between the plates. Cold: the breast first settles under gravity and pull, the
    * plates opened along their normals until they touch nothing, then closed in load steps; where
    * the chest wall is held and there are no such loads and no friction, quadratic elements let
-   * linear ones on the same cells, or the simulation of LeadBy, go this way and start from where
+   * linear ones on the same cells, or the predictor, go this way and start from where
    * these arrive, or go it themselves if that fails. Warm: starts at `start` (a state of this
    * simulation) and goes straight to the new plates, in steps where that fails. Deterministic.
    * Contact is made stiffer until the penetration is within its limit. Throws ConvergenceError that
@@ -264,12 +264,12 @@ public:
 
 private:
   friend class Embedding;
-  /// As far as Compress goes: contact hard and all limits kept; or only a start for another
-  /// simulation, soft contact and a rough tolerance.
+  /// As far as Compress goes: contact hard and all limits kept; or only a prediction
+  /// for another simulation, soft contact and a wide tolerance.
   enum class Finish
   {
     Complete,
-    Rough
+    Prediction
   };
   CompressionState Run(const PlatePair& plates, const CompressionState* start, Finish finish,
     const ProgressCallback& progress, double loadStepFactor = 1) const;
@@ -277,39 +277,12 @@ private:
   CompressionState RunCold(const PlatePair& plates, const ProgressCallback& progress) const;
   /// The least gap from `fromMm` on, in steps of 15 %, that has an equilibrium, mm.
   double LeastGapMm(const PlatePair& plates, double fromMm, const ProgressCallback& progress) const;
-  /// Where the coarse simulation moves the nodes to; empty where it cannot.
-  std::vector<double> CoarsePositions(const PlatePair& plates,
+  /// Where the predictor moves the nodes to; empty where it cannot.
+  std::vector<double> PredictedPositions(const PlatePair& plates,
     const ProgressCallback& progress) const;
 
   struct Internals;
   std::unique_ptr<Internals> Internal;
-};
-
-/**
- * Points that move with a simulation: x = sum_i N_i(xi) x_i of the cell that holds (or is nearest
- * to) each of them at rest.
- */
-class MAMMORAYBIOMECHANICS_EXPORT Embedding
-{
-public:
-  /// `points`: 3 x pointCount in the simulation's mesh as it was given, mm, its frame.
-  Embedding(const CompressionSimulation& simulation, const std::vector<double>& points);
-  /// Moves the points with node positions (or velocities) of the simulation; 3 x pointCount. After
-  /// Unload, where cells of the given mesh are curved a little, displacements from ImagePositions
-  /// are exacter.
-  std::vector<double> Map(const std::vector<double>& nodeValues) const;
-  /// Largest distance of a point outside its cell, mm.
-  double LargestDistanceMm() const { return this->Distance; }
-  /// The cell that holds or is nearest to each point.
-  const std::vector<std::int32_t>& Cells() const { return this->CellIndices; }
-
-private:
-  int NodesPerPoint;
-  /// Node indices and weights, NodesPerPoint for each point.
-  std::vector<std::int32_t> Nodes;
-  std::vector<double> Weights;
-  std::vector<std::int32_t> CellIndices;
-  double Distance = 0;
 };
 }
 

@@ -3,6 +3,7 @@
 #define mammoray_CompressedBreast_h
 
 #include "mammoray/Biomechanics/CompressionSimulation.h"
+#include "mammoray/Biomechanics/Embedding.h"
 #include "mammoray/Foundation/TetrahedralMesh.h"
 #include "mammorayCaseModule.h"
 

@@ -2,6 +2,7 @@
 #include "mammoray/Case/RegistrationCase.h"
 
 #include "mammoray/Biomechanics/ElasticTable.h"
+#include "mammoray/Biomechanics/Embedding.h"
 #include "mammoray/Case/RegisteredBreast.h"
 #include "mammoray/Case/ResultFile.h"
 #include "mammoray/IO/MammogramIO.h"

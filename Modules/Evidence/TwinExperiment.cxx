@@ -2,6 +2,7 @@
 #include "mammoray/Evidence/TwinExperiment.h"
 
 #include "mammoray/Biomechanics/ElasticTable.h"
+#include "mammoray/Biomechanics/Embedding.h"
 #include "mammoray/Case/RegistrationCase.h"
 #include "mammoray/Evidence/LandmarkEvaluation.h"
 #include "mammoray/Foundation/Error.h"

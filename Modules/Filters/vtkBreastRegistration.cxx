@@ -2,6 +2,7 @@
 #include "mammoray/Filters/vtkBreastRegistration.h"
 
 #include "Private/FailedRequest.h"
+#include "mammoray/Biomechanics/Embedding.h"
 #include "mammoray/Case/RegisteredBreast.h"
 #include "mammoray/Filters/vtkBreastMesher.h"
 #include "mammoray/Foundation/Error.h"

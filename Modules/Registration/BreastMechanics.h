@@ -3,6 +3,7 @@
 #define mammoray_BreastMechanics_h
 
 #include "mammoray/Biomechanics/CompressionSimulation.h"
+#include "mammoray/Biomechanics/Embedding.h"
 #include "mammoray/Foundation/LabelVolume.h"
 #include "mammoray/Foundation/MaterialTable.h"
 #include "mammoray/Foundation/TetrahedralMesh.h"

@@ -3,6 +3,7 @@
 #define mammoray_RegistrationModel_h
 
 #include "mammoray/Biomechanics/CompressionSimulation.h"
+#include "mammoray/Biomechanics/Embedding.h"
 #include "mammoray/Biomechanics/PlacedPlates.h"
 #include "mammoray/Foundation/MammographyGeometry.h"
 #include "mammoray/Registration/RegistrationTarget.h"

@@ -31,7 +31,7 @@ void LeadIfLarge(CompressionSimulation& simulation, const TetrahedralMesh& mesh,
   {
     const LabelVolume voxels = Voxelize(mesh, BreastMechanicsOptions::VoxelMm);
     const TetrahedralMesh coarse = MeshForSimulation(voxels, materials.Held, 0, progress).Mesh;
-    simulation.LeadBy(std::make_unique<CompressionSimulation>(
+    simulation.SetPredictor(std::make_unique<CompressionSimulation>(
       coarse, materials.Elastic, materials.Held,
       [&voxels](const Vector3& point) { return static_cast<int>(voxels.LabelAt(point)); },
       leading));

@@ -10,7 +10,7 @@ namespace mammoray
 {
 /**
  * Gives the simulation of a mesh with more than 20000 linear cells a coarse quadratic one to lead
- * it (CompressionSimulation::LeadBy), on a mesh made by MeshForSimulation of the large one's
+ * it (CompressionSimulation::SetPredictor), on a mesh made by MeshForSimulation of the large one's
  * voxels; nothing where there are fewer cells, where no such mesh can be made, or where the toolkit
  * was built without Meshing. Quadratic cells have their linear ones to lead them. `mesh`,
  * `materials`, `options`: those of the simulation.

@@ -6,6 +6,7 @@
 // latter says what the work costs.
 #include "mammoray/Biomechanics/CompressionSimulation.h"
 #include "mammoray/Biomechanics/ElasticTable.h"
+#include "mammoray/Biomechanics/Embedding.h"
 #include "mammoray/Biomechanics/PlacedPlates.h"
 #include "mammoray/Case/LabelSource.h"
 #include "mammoray/Foundation/Error.h"

@@ -216,13 +216,13 @@ TEST_P(ElementCompression, WarmAndColdStartsAgree)
   EXPECT_NEAR(warm.PaddleForceN, cold.PaddleForceN, 1e-6 * cold.PaddleForceN);
 }
 
-TEST_P(ElementCompression, IsTheSameWhenLedByAnotherMesh)
+TEST_P(ElementCompression, IsTheSameWithAPredictorOnAnotherMesh)
 {
   const CompressionOptions options = WithElement(GetParam(), 1e-10);
   // Farther closed this breast has several equilibria, folded in several ways.
   const CompressionState alone = MakeBreast(options).Compress(MakePlates(58, 2));
   CompressionSimulation simulation = MakeBreast(options);
-  simulation.LeadBy(std::make_unique<CompressionSimulation>(MakeBreast({}, 0.49, 4)));
+  simulation.SetPredictor(std::make_unique<CompressionSimulation>(MakeBreast({}, 0.49, 4)));
   const CompressionState led = simulation.Compress(MakePlates(58, 2));
   EXPECT_EQ(led.LoadSteps, 1); // it has not gone the way itself
   double largest = 0;

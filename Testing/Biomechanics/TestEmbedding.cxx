@@ -2,6 +2,7 @@
 #include "EveryElement.h"
 #include "TestMeshes.h"
 #include "mammoray/Biomechanics/CompressionSimulation.h"
+#include "mammoray/Biomechanics/Embedding.h"
 #include "mammoray/Foundation/Error.h"
 
 #include <gtest/gtest.h>

@@ -2,6 +2,7 @@
 #include "EquilibriumChecks.h"
 #include "TestMeshes.h"
 #include "mammoray/Biomechanics/CompressionSimulation.h"
+#include "mammoray/Biomechanics/Embedding.h"
 #include "mammoray/Biomechanics/PlacedPlates.h"
 #include "mammoray/Foundation/Error.h"
 

@@ -4,6 +4,7 @@
 #include "EveryElement.h"
 #include "Files.h"
 #include "mammoray/Biomechanics/CompressionSimulation.h"
+#include "mammoray/Biomechanics/Embedding.h"
 #include "mammoray/IO/LabelVolumeIO.h"
 #include "mammoray/Meshing/SimulationMesh.h"
 

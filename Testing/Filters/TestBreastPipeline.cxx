@@ -2,6 +2,7 @@
 // The filters for meshing and registration, alone and in a pipeline with the others.
 #include "Files.h"
 #include "TestMeshes.h"
+#include "mammoray/Biomechanics/Embedding.h"
 #include "mammoray/Filters/vtkBreastCompression.h"
 #include "mammoray/Filters/vtkBreastMesher.h"
 #include "mammoray/Filters/vtkBreastRegistration.h"

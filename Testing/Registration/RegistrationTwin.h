@@ -3,6 +3,7 @@
 #define mammoray_RegistrationTwin_h
 
 #include "TestMeshes.h"
+#include "mammoray/Biomechanics/Embedding.h"
 #include "mammoray/Registration/RegistrationModel.h"
 #include "mammoray/Registration/TargetImage.h"
 #include "mammoray/XRay/Beam.h"

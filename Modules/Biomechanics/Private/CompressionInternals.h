@@ -3,6 +3,7 @@
 #define mammoray_CompressionInternals_h
 
 #include "mammoray/Biomechanics/CompressionSimulation.h"
+#include "mammoray/Biomechanics/Embedding.h"
 #include "mammoray/Biomechanics/EquilibriumSolver.h"
 
 #include <optional>
@@ -28,9 +29,9 @@ struct CompressionSimulation::Internals
   /// Equilibrium under gravity and pull without plates; empty: not known.
   std::vector<double> Settled;
   /// Goes most of the way for a cold start at a small part of the price; empty: none.
-  std::unique_ptr<CompressionSimulation> Coarse;
-  /// The nodes of the body in `Coarse`.
-  std::unique_ptr<Embedding> InCoarse;
+  std::unique_ptr<CompressionSimulation> Predictor;
+  /// The nodes of the body in `Predictor`.
+  std::unique_ptr<Embedding> InPredictor;
 
   Internals(ElasticBody body, std::vector<bool> heldCells, std::size_t pointCount,
     const CompressionOptions& options);
