@@ -1,6 +1,8 @@
-# Warnings and language level for a MammoRay module, set on our targets only.
+# What every MammoRay module needs: include path, warnings and language level, set on our targets only; and what the
+# modules need of VTK.
 #
 #   mammoray_configure_module(<target>)
+#   mammoray_vtk_components(<out-variable> <module>...)
 #
 # Included from the top file and by the ParaView plugin: files under Modules/ run with VTK's older CMake policies.
 cmake_path(GET CMAKE_CURRENT_LIST_DIR PARENT_PATH MAMMORAY_ROOT_DIR)
@@ -26,4 +28,19 @@ function (mammoray_configure_module module)
   vtk_module_include(${module} PUBLIC "$<BUILD_INTERFACE:${MAMMORAY_INCLUDE_DIR}>")
   vtk_module_compile_features(${module} PUBLIC cxx_std_20)
   vtk_module_compile_options(${module} PRIVATE $<$<COMPILE_LANGUAGE:CXX>:${MAMMORAY_WARNING_FLAGS}>)
+endfunction ()
+
+# The VTK components that the vtk.module files of these modules name, privately too: VTK only finds what it is asked for.
+function (mammoray_vtk_components out)
+  set(components)
+  foreach (module IN LISTS ARGN)
+    set(file "${MAMMORAY_ROOT_DIR}/Modules/${module}/vtk.module")
+    set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS "${file}")
+    file(STRINGS "${file}" lines REGEX "^ *VTK::")
+    list(TRANSFORM lines REPLACE "^ *VTK::" "")
+    list(APPEND components ${lines})
+  endforeach ()
+  list(REMOVE_DUPLICATES components)
+  list(SORT components)
+  set(${out} ${components} PARENT_SCOPE)
 endfunction ()

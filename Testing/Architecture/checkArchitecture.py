@@ -1,0 +1,125 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""Checks what docs/architecture.md promises of the sources, and says each breach in a line:
+
+- an include goes from an upper module to a lower one and never the other way, nor between neighbours;
+- a module names in its vtk.module what its public headers include;
+- private headers are included by their own module (and its tests) only;
+- a folder level holds at most 30 headers and sources, a source at most 700 lines;
+- every module has a README of at most a screen and a half, and every source of it is listed in CMakeLists.txt.
+
+usage: checkArchitecture.py PROJECT-FOLDER     exit 1: something is wrong
+"""
+import pathlib
+import re
+import sys
+
+# What each module may include beside itself and Foundation.
+SOLVERS = {"Biomechanics", "XRay", "Meshing", "Segmentation"}
+MAY_INCLUDE = {
+    "Foundation": set(),
+    "XRay": set(),
+    "Segmentation": set(),
+    "Meshing": set(),
+    "Biomechanics": set(),
+    "Registration": SOLVERS,
+    "IO": SOLVERS,
+    "Report": SOLVERS | {"Registration", "IO"},
+    "Case": SOLVERS | {"Registration", "IO", "Report"},
+    "Filters": SOLVERS | {"Registration", "IO", "Report", "Case"},
+    "Viewer": SOLVERS | {"Registration", "IO", "Report", "Case"},
+    "Evidence": SOLVERS | {"Registration", "IO", "Report", "Case"},
+}
+MOST_FILES = 30
+MOST_LINES = 700
+MOST_README_LINES = 120
+INCLUDE = re.compile(r'^\s*#\s*include\s*["<]([^">]+)[">]', re.MULTILINE)
+
+
+def sources(folder):
+    return sorted(p for p in folder.rglob("*") if p.suffix in (".h", ".cxx"))
+
+
+def check_includes(root, modules, wrong):
+    public = {m: {p.name for p in (root / "Modules" / m).glob("*.h")} for m in modules}
+    for module in modules:
+        folder = root / "Modules" / module
+        declared = set(re.findall(r"MammoRay::(\w+)", (folder / "vtk.module").read_text())) - {module}
+        for path in sources(folder):
+            where = path.relative_to(root)
+            for name in INCLUDE.findall(path.read_text()):
+                parts = name.split("/")
+                if parts[0] == "mammoray" and len(parts) == 3 and parts[1] in MAY_INCLUDE:
+                    target = parts[1]
+                    if target != module and target != "Foundation" and target not in MAY_INCLUDE[module]:
+                        wrong.append(f"{where}: {module} must not include {name}")
+                    elif target != module and target not in declared and path.parent == folder and path.suffix == ".h":
+                        wrong.append(f"{where}: includes {name}, but {module}/vtk.module does not name MammoRay::{target}")
+                    elif target in public and parts[2] not in public[target] and not parts[2].endswith("Module.h"):
+                        wrong.append(f"{where}: {name} is no public header")
+                elif parts[0] == "mammoray":
+                    wrong.append(f"{where}: {name} is no public header of a module")
+                elif any(name in headers for headers in public.values()):
+                    wrong.append(f"{where}: expected mammoray/<Module>/{name}, found {name}")
+                if parts[0] == "Private" and path.parent == folder and path.suffix == ".h":
+                    wrong.append(f"{where}: a public header includes {name}")
+
+
+def check_tests(root, wrong):
+    for path in sources(root / "Testing") + sources(root / "Applications") + sources(root / "Wrapping"):
+        place = path.relative_to(root).parts
+        for name in INCLUDE.findall(path.read_text()):
+            parts = name.split("/")
+            if "Private" in parts and parts[0] == "mammoray":
+                if place[0] != "Testing" or place[1] != parts[1]:
+                    wrong.append(f"{path.relative_to(root)}: {name} is private to {parts[1]}")
+
+
+def check_sizes(root, wrong):
+    for top in ("Modules", "Applications"):
+        for folder in [root / top] + sorted(p for p in (root / top).rglob("*") if p.is_dir()):
+            level = [p for p in folder.iterdir() if p.suffix in (".h", ".cxx")]
+            if len(level) > MOST_FILES:
+                wrong.append(f"{folder.relative_to(root)}: expected at most {MOST_FILES} headers and sources, found {len(level)}")
+            for path in level:
+                lines = path.read_text().count("\n")
+                if lines > MOST_LINES:
+                    wrong.append(f"{path.relative_to(root)}: expected at most {MOST_LINES} lines, found {lines}")
+
+
+def check_rooms(root, modules, wrong):
+    for module in modules:
+        folder = root / "Modules" / module
+        readme = folder / "README.md"
+        if not readme.exists():
+            wrong.append(f"Modules/{module}: no README.md")
+        elif readme.read_text().count("\n") > MOST_README_LINES:
+            wrong.append(f"Modules/{module}/README.md: longer than {MOST_README_LINES} lines")
+        listed = (folder / "CMakeLists.txt").read_text()
+        for path in sources(folder):
+            name = str(path.relative_to(folder))
+            if name not in listed and str(path.relative_to(folder).with_suffix("")) not in listed:
+                wrong.append(f"Modules/{module}/CMakeLists.txt: does not list {name}")
+    for entry in sorted((root / "Modules").iterdir()):
+        if entry.is_dir() and entry.name not in MAY_INCLUDE and entry.name != "python":
+            wrong.append(f"Modules/{entry.name}: a module that checkArchitecture.py does not know")
+
+
+def main():
+    if len(sys.argv) != 2:
+        print(__doc__, file=sys.stderr)
+        return 2
+    root = pathlib.Path(sys.argv[1]).resolve()
+    modules = [m for m in MAY_INCLUDE if (root / "Modules" / m).is_dir()]
+    wrong = []
+    check_includes(root, modules, wrong)
+    check_tests(root, wrong)
+    check_sizes(root, wrong)
+    check_rooms(root, modules, wrong)
+    for line in wrong:
+        print(line)
+    print(f"{len(modules)} modules, {len(wrong)} breaches")
+    return 1 if wrong or not modules else 0
+
+
+sys.exit(main())
