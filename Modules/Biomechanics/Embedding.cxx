@@ -3,8 +3,8 @@
 
 #include "Private/CellPatches.h"
 #include "Private/CompressionInternals.h"
-#include "Private/Parallel.h"
 #include "mammoray/Foundation/Error.h"
+#include "mammoray/Foundation/ParallelFor.h"
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>

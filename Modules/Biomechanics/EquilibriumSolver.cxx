@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mammoray/Biomechanics/EquilibriumSolver.h"
 
-#include "Private/Parallel.h"
 #include "Private/SparseCholesky.h"
 #include "mammoray/Foundation/Error.h"
+#include "mammoray/Foundation/ParallelFor.h"
 
 #include <Eigen/Core>
 

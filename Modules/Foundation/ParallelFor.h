@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+#ifndef mammoray_ParallelFor_h
+#define mammoray_ParallelFor_h
+
+#include <algorithm>
+#include <cstddef>
+#include <thread>
+#include <vector>
+
+namespace mammoray
+{
+/**
+ * Calls work(begin, end) for contiguous ranges that together make [0, count), each on a core of its
+ * own and of at least `grain` (positive) items unless it is the only one; returns when all are
+ * done. The work must not throw, and must write to places that no other range touches. Where it
+ * computes every item by itself, the result does not depend on the number of cores.
+ */
+template <typename Work>
+void ParallelRanges(std::size_t count, std::size_t grain, const Work& work)
+{
+  const std::size_t cores = std::max(1u, std::thread::hardware_concurrency());
+  const std::size_t parts = std::clamp<std::size_t>(count / grain, 1, cores);
+  std::vector<std::jthread> threads;
+  threads.reserve(parts - 1);
+  for (std::size_t part = 1; part < parts; ++part)
+  {
+    threads.emplace_back(work, count * part / parts, count * (part + 1) / parts);
+  }
+  work(std::size_t{ 0 }, count / parts);
+}
+
+/// The same with body(i) for every i in [0, count), which should take a microsecond or more.
+template <typename Body>
+void ParallelFor(std::size_t count, const Body& body)
+{
+  ParallelRanges(count, 64,
+    [&body](std::size_t begin, std::size_t end)
+    {
+      for (std::size_t i = begin; i < end; ++i)
+      {
+        body(i);
+      }
+    });
+}
+}
+
+#endif
