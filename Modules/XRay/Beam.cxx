@@ -2,6 +2,7 @@
 #include "mammoray/XRay/Beam.h"
 
 #include "mammoray/Foundation/Error.h"
+#include "mammoray/Foundation/ParallelFor.h"
 
 #include <algorithm>
 #include <array>
@@ -9,7 +10,6 @@
 #include <cmath>
 #include <cstdint>
 #include <sstream>
-#include <thread>
 
 namespace mammoray
 {
@@ -42,23 +42,8 @@ void CheckEnergies(const std::vector<double>& energies, std::size_t valueCount,
   }
 }
 
-/// Calls work(begin, end) on parts of [0, count) by as many threads as pay.
-template <typename Work>
-void InParallel(std::size_t count, const Work& work)
-{
-  const std::size_t parts = std::clamp<std::size_t>(
-    std::min<std::size_t>(std::thread::hardware_concurrency(), count / 8192), 1, 64);
-  std::vector<std::thread> threads;
-  for (std::size_t part = 1; part < parts; ++part)
-  {
-    threads.emplace_back(work, count * part / parts, count * (part + 1) / parts);
-  }
-  work(0, count / parts);
-  for (std::thread& thread : threads)
-  {
-    thread.join();
-  }
-}
+/// Fewer pixels than this do not pay for a thread.
+constexpr std::size_t PixelsPerThread = 8192;
 
 // The loop below is most of a polychromatic image; GCC makes a version of it for each of these.
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) &&                             \
@@ -143,7 +128,7 @@ struct Block
 {
   static constexpr std::size_t Size = BlockSize;
 
-  /// Of that many materials besides air.
+  /// Has room for that many materials besides air.
   explicit Block(int materialCount)
     : Materials(static_cast<std::size_t>(std::max(materialCount, 1)))
     , Lengths(this->Materials * Size, 0.0)
@@ -329,9 +314,9 @@ Beam::Beam(const Spectrum& spectrum, DetectorResponse response,
   }
 }
 
-double Beam::Transmission(const double* lengthsMm) const
+template <typename Visit>
+void Beam::ForEachEnergy(const double* lengthsMm, const Visit& visit) const
 {
-  double transmitted = 0;
   const double* mu = this->Mu.data();
   for (const double weight : this->Weights)
   {
@@ -341,8 +326,15 @@ double Beam::Transmission(const double* lengthsMm) const
       exponent -= mu[material] * lengthsMm[material];
     }
     mu += this->MaterialCount;
-    transmitted += weight * std::exp(exponent);
+    visit(weight, exponent);
   }
+}
+
+double Beam::Transmission(const double* lengthsMm) const
+{
+  double transmitted = 0;
+  this->ForEachEnergy(lengthsMm,
+    [&](double weight, double exponent) { transmitted += weight * std::exp(exponent); });
   return transmitted;
 }
 
@@ -355,29 +347,25 @@ double Beam::LogAttenuation(const double* lengthsMm) const
   }
   // 1 - I / I0 without cancellation.
   double absorbed = 0;
-  const double* mu = this->Mu.data();
-  for (const double weight : this->Weights)
-  {
-    double exponent = 0;
-    for (int material = 1; material < this->MaterialCount; ++material)
-    {
-      exponent -= mu[material] * lengthsMm[material];
-    }
-    mu += this->MaterialCount;
-    absorbed -= weight * std::expm1(exponent);
-  }
+  this->ForEachEnergy(lengthsMm,
+    [&](double weight, double exponent) { absorbed -= weight * std::expm1(exponent); });
   return -std::log1p(-absorbed);
+}
+
+void Beam::CheckMaterials(int count) const
+{
+  if (count > this->MaterialCount)
+  {
+    throw InputError("beam: expected path lengths of at most " +
+      std::to_string(this->MaterialCount) + " materials, found " + std::to_string(count));
+  }
 }
 
 template <typename Store>
 void Beam::ForEachPixel(const PathLengthImage& image, bool wantVariance, const Store& store) const
 {
-  if (image.Materials > this->MaterialCount)
-  {
-    throw InputError("beam: expected path lengths of at most " +
-      std::to_string(this->MaterialCount) + " materials, found " + std::to_string(image.Materials));
-  }
-  InParallel(image.NumberOfPixels(),
+  this->CheckMaterials(image.Materials);
+  ParallelRanges(image.NumberOfPixels(), PixelsPerThread,
     [&](std::size_t begin, std::size_t end)
     {
       Block block(image.Materials - 1);
@@ -465,14 +453,10 @@ void Beam::AddTransmission(const PathLengthImage& image, double weight,
 
 std::vector<float> Beam::MeanAttenuation(const PathLengthImage& image) const
 {
-  if (image.Materials > this->MaterialCount)
-  {
-    throw InputError("beam: expected path lengths of at most " +
-      std::to_string(this->MaterialCount) + " materials, found " + std::to_string(image.Materials));
-  }
+  this->CheckMaterials(image.Materials);
   const std::size_t pixelCount = image.NumberOfPixels();
   std::vector<float> values(pixelCount * static_cast<std::size_t>(image.Materials), 0.0f);
-  InParallel(pixelCount,
+  ParallelRanges(pixelCount, PixelsPerThread,
     [&](std::size_t begin, std::size_t end)
     {
       std::vector<double> exponents(this->Weights.size());

@@ -88,6 +88,9 @@ public:
   void AddTransmission(const PathLengthImage& image, double weight,
     std::vector<double>& transmission, std::vector<double>* variance = nullptr) const;
   int NumberOfMaterials() const { return this->MaterialCount; }
+  /// Throws InputError when path lengths of `count` materials, air included, are more than the beam
+  /// knows.
+  void CheckMaterials(int count) const;
   /// w_E D(E) of each energy with photons, in shares of their sum.
   const std::vector<double>& EnergyWeights() const { return this->Weights; }
   /// Attenuation of a material at the energy of EnergyWeights()[energy], 1/mm; 0 for air.
@@ -98,6 +101,10 @@ public:
   }
 
 private:
+  /// Calls visit(weight, exponent) for each energy along a ray: I / I0 is the sum of
+  /// weight exp(exponent).
+  template <typename Visit>
+  void ForEachEnergy(const double* lengthsMm, const Visit& visit) const;
   /**
    * store(pixel, transmission, variance) for every pixel that sees material, on several
    * threads; the variance is 0 unless wanted.

@@ -54,12 +54,7 @@ std::vector<float> DeviceBeam::Transmission(const Buffer& lengths,
   }
   const std::size_t pixelCount = static_cast<std::size_t>(view->Columns) * view->Rows;
   const int materialCount = view->Materials;
-  if (materialCount > beam.NumberOfMaterials())
-  {
-    throw InputError("beam: expected path lengths of at most " +
-      std::to_string(beam.NumberOfMaterials()) + " materials, found " +
-      std::to_string(materialCount));
-  }
+  beam.CheckMaterials(materialCount);
   const std::size_t energies = beam.EnergyWeights().size();
   const auto stride = static_cast<std::size_t>(materialCount);
   Reserve(this->Table, this->Device, energies * stride * sizeof(float), Usage::eStorageBuffer,
