@@ -9,7 +9,7 @@
 #include "mammoray/Foundation/MeshVoxels.h"
 #include "mammoray/IO/MeshConversion.h"
 #include "mammoray/IO/MeshIO.h"
-#include "mammoray/IO/PhysicsData.h"
+#include "mammoray/IO/ShippedData.h"
 #include "mammoray/Registration/BreastMechanics.h"
 #include "mammoray/Registration/SimulationLead.h"
 #include "mammoray/Report/CutPicture.h"

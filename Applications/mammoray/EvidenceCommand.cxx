@@ -2,8 +2,8 @@
 #include "CommandLine.h"
 #include "ComparisonOptions.h"
 #include "mammoray/Evidence/RegistrationEvidence.h"
-#include "mammoray/IO/PhysicsData.h"
 #include "mammoray/IO/Sha256.h"
+#include "mammoray/IO/ShippedData.h"
 
 #include <nlohmann/json.hpp>
 

@@ -3,8 +3,8 @@
 
 #include "mammoray/Case/ExampleData.h"
 #include "mammoray/IO/MeshIO.h"
-#include "mammoray/IO/PhysicsData.h"
 #include "mammoray/IO/ProjectionImage.h"
+#include "mammoray/IO/ShippedData.h"
 #include "mammoray/IO/SurfaceConversion.h"
 
 #include "vtkImageData.h"

@@ -3,7 +3,7 @@
 
 #include "mammoray/IO/MeshConversion.h"
 #include "mammoray/IO/MeshIO.h"
-#include "mammoray/IO/PhysicsData.h"
+#include "mammoray/IO/ShippedData.h"
 #include "mammoray/IO/SurfaceConversion.h"
 #include "mammoray/Report/CutPicture.h"
 #include "mammoray/Report/HistogramPicture.h"

@@ -6,8 +6,8 @@
 #include "mammoray/IO/MammogramSynthesis.h"
 #include "mammoray/IO/MeshConversion.h"
 #include "mammoray/IO/MeshIO.h"
-#include "mammoray/IO/PhysicsData.h"
 #include "mammoray/IO/ProjectionImage.h"
+#include "mammoray/IO/ShippedData.h"
 #include "mammoray/IO/SurfaceConversion.h"
 #include "mammoray/XRay/Exposure.h"
 
@@ -123,27 +123,6 @@ SurfaceMesh ReadInterfaces(const std::string& path, std::vector<std::string>& na
   return FromPolyData(ReadSurface(path), &names);
 }
 
-/// The mesh's materials must be the table's: by name where the mesh has names, else by index.
-void CheckMaterials(const SurfaceMesh& surface, const std::vector<std::string>& names,
-  const MaterialTable& table, const std::string& path)
-{
-  const std::size_t count = static_cast<std::size_t>(surface.NumberOfMaterials());
-  if (count > table.Materials.size())
-  {
-    throw InputError(path + ": expected materials 0 to " +
-      std::to_string(table.Materials.size() - 1) + " of the table '" + table.Name + "', found " +
-      std::to_string(count - 1));
-  }
-  for (std::size_t material = 1; material < std::min(count, names.size()); ++material)
-  {
-    if (names[material] != table.Materials[material].Name)
-    {
-      throw InputError(path + ": material " + std::to_string(material) + " is '" + names[material] +
-        "', but '" + table.Materials[material].Name + "' in the table '" + table.Name + "'");
-    }
-  }
-}
-
 /// Detector and source as a mammography unit has them, or as the explicit options say; mesh frame.
 void PlaceBeam(const ProjectArguments& arguments, const SurfaceMesh& surface,
   const MaterialTable& table, XRaySource& source, XRayDetector& detector)
@@ -253,7 +232,7 @@ void RunProject(const ProjectArguments& arguments)
   ReportProgress(progress, 0.0, "reading the mesh");
   std::vector<std::string> names;
   const SurfaceMesh surface = ReadInterfaces(arguments.Mesh, names);
-  CheckMaterials(surface, names, table, arguments.Mesh);
+  table.CheckMesh(surface, names, arguments.Mesh);
   XRaySource source;
   XRayDetector detector;
   PlaceBeam(arguments, surface, table, source, detector);

@@ -3,7 +3,7 @@
 
 #ifdef MAMMORAY_HAS_SEGMENTATION
 #include "mammoray/IO/LabelVolumeIO.h"
-#include "mammoray/IO/PhysicsData.h"
+#include "mammoray/IO/ShippedData.h"
 #include "mammoray/Report/SlicePicture.h"
 #include "mammoray/Segmentation/BreastSegmentation.h"
 

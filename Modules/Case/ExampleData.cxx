@@ -5,7 +5,7 @@
 #include "mammoray/Foundation/NearNames.h"
 #include "mammoray/IO/LabelVolumeIO.h"
 #include "mammoray/IO/MaterialTableIO.h"
-#include "mammoray/IO/PhysicsData.h"
+#include "mammoray/IO/ShippedData.h"
 
 namespace mammoray
 {

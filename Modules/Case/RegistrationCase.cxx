@@ -8,8 +8,8 @@
 #include "mammoray/IO/MammogramIO.h"
 #include "mammoray/IO/MeshConversion.h"
 #include "mammoray/IO/MeshIO.h"
-#include "mammoray/IO/PhysicsData.h"
 #include "mammoray/IO/Sha256.h"
+#include "mammoray/IO/ShippedData.h"
 #include "mammoray/Registration/MammogramMask.h"
 #include "mammoray/Registration/MammogramTarget.h"
 
@@ -53,16 +53,7 @@ TetrahedralMesh ReadTetrahedra(const std::string& path, const MaterialTable& tab
 {
   TetrahedralMesh mesh = FromGrid(ReadMesh(path));
   mesh.Validate(path);
-  for (std::size_t cell = 0; cell < mesh.NumberOfCells(); ++cell)
-  {
-    const int material = mesh.Materials[cell];
-    if (material < 1 || material >= static_cast<int>(table.Materials.size()))
-    {
-      throw InputError(path + ": cell " + std::to_string(cell) + " has material " +
-        std::to_string(material) + ", expected 1 to " + std::to_string(table.Materials.size() - 1) +
-        " of the table '" + table.Name + "'");
-    }
-  }
+  table.CheckMesh(mesh, {}, path);
   return mesh;
 }
 

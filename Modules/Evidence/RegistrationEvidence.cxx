@@ -3,7 +3,7 @@
 
 #include "mammoray/Case/RegistrationCaseWriter.h"
 #include "mammoray/Foundation/Error.h"
-#include "mammoray/IO/PhysicsData.h"
+#include "mammoray/IO/ShippedData.h"
 #include "mammoray/Report/RegistrationReport.h"
 
 #include "vtkUnstructuredGrid.h"

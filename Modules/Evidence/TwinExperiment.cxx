@@ -6,7 +6,7 @@
 #include "mammoray/Case/RegistrationCase.h"
 #include "mammoray/Evidence/LandmarkEvaluation.h"
 #include "mammoray/Foundation/Error.h"
-#include "mammoray/IO/PhysicsData.h"
+#include "mammoray/IO/ShippedData.h"
 #include "mammoray/Meshing/LabelMesher.h"
 #include "mammoray/Meshing/SimulationMesh.h"
 #include "mammoray/Registration/Annealing.h"

@@ -7,7 +7,7 @@
 #include "mammoray/Foundation/Progress.h"
 #include "mammoray/IO/ImageConversion.h"
 #include "mammoray/IO/MeshConversion.h"
-#include "mammoray/IO/PhysicsData.h"
+#include "mammoray/IO/ShippedData.h"
 
 #ifdef MAMMORAY_HAS_MESHING
 #include "mammoray/Meshing/SimulationMesh.h"

@@ -8,7 +8,7 @@
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/IO/ImageConversion.h"
 #include "mammoray/IO/MeshConversion.h"
-#include "mammoray/IO/PhysicsData.h"
+#include "mammoray/IO/ShippedData.h"
 #include "mammoray/Registration/BreastMechanics.h"
 #include "mammoray/Registration/MammogramTarget.h"
 #include "mammoray/Registration/Registration.h"

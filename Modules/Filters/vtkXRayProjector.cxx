@@ -4,8 +4,8 @@
 #include "Private/FailedRequest.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/IO/MeshConversion.h"
-#include "mammoray/IO/PhysicsData.h"
 #include "mammoray/IO/ProjectionImage.h"
+#include "mammoray/IO/ShippedData.h"
 #include "mammoray/IO/SurfaceConversion.h"
 #include "mammoray/XRay/Exposure.h"
 

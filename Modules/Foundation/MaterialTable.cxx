@@ -2,9 +2,36 @@
 #include "mammoray/Foundation/MaterialTable.h"
 
 #include "mammoray/Foundation/Error.h"
+#include "mammoray/Foundation/SurfaceMesh.h"
+#include "mammoray/Foundation/TetrahedralMesh.h"
+
+#include <algorithm>
 
 namespace mammoray
 {
+namespace
+{
+void CheckMaterials(const MaterialTable& table, int smallest, int largest, int least,
+  const std::vector<std::string>& names, const std::string& where)
+{
+  const int last = static_cast<int>(table.Materials.size()) - 1;
+  if (smallest < least || largest > last)
+  {
+    throw InputError(where + ": expected materials " + std::to_string(least) + " to " +
+      std::to_string(last) + " of the table '" + table.Name + "', found " +
+      std::to_string(smallest < least ? smallest : largest));
+  }
+  for (std::size_t index = 1; index < names.size() && static_cast<int>(index) <= largest; ++index)
+  {
+    if (names[index] != table.Materials[index].Name)
+    {
+      throw InputError(where + ": material " + std::to_string(index) + " is '" + names[index] +
+        "', but '" + table.Materials[index].Name + "' in the table '" + table.Name + "'");
+    }
+  }
+}
+}
+
 LabelVolume MaterialTable::ToMaterials(const LabelVolume& labels,
   const std::string& volumeName) const
 {
@@ -47,6 +74,23 @@ LabelVolume MaterialTable::ToMaterials(const LabelVolume& labels,
     voxel = materialOf[voxel];
   }
   return result;
+}
+
+void MaterialTable::CheckMesh(const TetrahedralMesh& mesh, const std::vector<std::string>& names,
+  const std::string& where) const
+{
+  if (!mesh.Materials.empty())
+  {
+    const auto [smallest, largest] =
+      std::minmax_element(mesh.Materials.begin(), mesh.Materials.end());
+    CheckMaterials(*this, *smallest, *largest, 1, names, where);
+  }
+}
+
+void MaterialTable::CheckMesh(const SurfaceMesh& mesh, const std::vector<std::string>& names,
+  const std::string& where) const
+{
+  CheckMaterials(*this, 0, mesh.NumberOfMaterials() - 1, 0, names, where);
 }
 
 int MaterialTable::IndexOf(const std::string& name) const

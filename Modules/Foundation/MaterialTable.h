@@ -11,6 +11,9 @@
 
 namespace mammoray
 {
+struct SurfaceMesh;
+struct TetrahedralMesh;
+
 /// What one material is to X-rays and to mechanics.
 struct Material
 {
@@ -51,6 +54,15 @@ struct MAMMORAYFOUNDATION_EXPORT MaterialTable
    * air.
    */
   LabelVolume ToMaterials(const LabelVolume& labels, const std::string& volumeName) const;
+  /**
+   * Throws InputError, which names `where`, unless the mesh's materials are this table's: none
+   * beyond its last, and where the mesh has names for its materials, by index, the same ones. No
+   * tetrahedron is of air.
+   */
+  void CheckMesh(const TetrahedralMesh& mesh, const std::vector<std::string>& names,
+    const std::string& where) const;
+  void CheckMesh(const SurfaceMesh& mesh, const std::vector<std::string>& names,
+    const std::string& where) const;
   /// Index of the material of that name; throws InputError with the known names otherwise.
   int IndexOf(const std::string& name) const;
   /// One entry for each material, in their order.

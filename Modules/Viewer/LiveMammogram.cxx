@@ -2,7 +2,7 @@
 #include "mammoray/Viewer/LiveMammogram.h"
 
 #include "mammoray/Foundation/Error.h"
-#include "mammoray/IO/PhysicsData.h"
+#include "mammoray/IO/ShippedData.h"
 #include "mammoray/Registration/RegistrationModel.h"
 #include "mammoray/Registration/TargetImage.h"
 #include "mammoray/Viewer/KilovoltageSpectrum.h"

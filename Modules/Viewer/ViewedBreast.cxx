@@ -7,8 +7,8 @@
 #include "mammoray/IO/MammogramIO.h"
 #include "mammoray/IO/MeshConversion.h"
 #include "mammoray/IO/MeshIO.h"
-#include "mammoray/IO/PhysicsData.h"
 #include "mammoray/IO/Sha256.h"
+#include "mammoray/IO/ShippedData.h"
 #include "mammoray/Registration/MammogramTarget.h"
 #include "mammoray/Registration/RegistrationResiduals.h"
 #include "mammoray/Registration/Silhouette.h"
@@ -106,28 +106,6 @@ MaterialTable TableOf(const ResultFacts& facts, const std::string& named)
   }
   throw InputError("the result was made with the table " + facts.TableFile +
     ", which is not a shipped one; name it with --materials");
-}
-
-/// The cells' materials must be the table's: by name where the mesh has names.
-void CheckMaterials(const TetrahedralMesh& mesh, const std::vector<std::string>& names,
-  const MaterialTable& table, const std::string& path)
-{
-  const int most = *std::max_element(mesh.Materials.begin(), mesh.Materials.end());
-  if (most >= static_cast<int>(table.Materials.size()))
-  {
-    throw InputError(path + ": expected materials 1 to " +
-      std::to_string(table.Materials.size() - 1) + " of the table '" + table.Name + "', found " +
-      std::to_string(most));
-  }
-  for (std::size_t index = 1; index <= static_cast<std::size_t>(most) && index < names.size();
-       ++index)
-  {
-    if (names[index] != table.Materials[index].Name)
-    {
-      throw InputError(path + ": material " + std::to_string(index) + " is '" + names[index] +
-        "', but '" + table.Materials[index].Name + "' in the table '" + table.Name + "'");
-    }
-  }
 }
 
 /// The axes whose unit at `pose` stands as `placed` does; they say in which direction roll turns.
@@ -348,7 +326,7 @@ ViewedBreast ReadViewedBreast(const ViewInput& input)
   viewed.Anatomy = FromGrid(viewed.Breast.Uncompressed);
   std::vector<std::string> names;
   FromGrid(viewed.Breast.Compressed, &names);
-  CheckMaterials(viewed.Anatomy, names, viewed.Materials, viewed.Name);
+  viewed.Materials.CheckMesh(viewed.Anatomy, names, viewed.Name);
   const BreastPose known = viewed.Pose;
   viewed.Pose.ThicknessMm = input.ThicknessMm.value_or(known.ThicknessMm);
   viewed.Pose.RollDeg = input.RollDeg.value_or(known.RollDeg);

@@ -3,8 +3,8 @@
 
 #include "SceneFile.h"
 #include "mammoray/Foundation/Error.h"
-#include "mammoray/IO/PhysicsData.h"
 #include "mammoray/IO/ProjectionImage.h"
+#include "mammoray/IO/ShippedData.h"
 #ifdef MAMMORAY_HAS_EMBREE
 #include "EmbreePathLengths.h"
 #endif

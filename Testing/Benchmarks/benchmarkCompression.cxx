@@ -10,7 +10,7 @@
 #include "mammoray/Biomechanics/PlacedPlates.h"
 #include "mammoray/Case/LabelSource.h"
 #include "mammoray/Foundation/Error.h"
-#include "mammoray/IO/PhysicsData.h"
+#include "mammoray/IO/ShippedData.h"
 #include "mammoray/Meshing/SimulationMesh.h"
 #include "mammoray/Registration/SimulationLead.h"
 

@@ -9,7 +9,7 @@
 #include "mammoray/Filters/vtkXRayProjector.h"
 #include "mammoray/IO/ImageConversion.h"
 #include "mammoray/IO/MeshConversion.h"
-#include "mammoray/IO/PhysicsData.h"
+#include "mammoray/IO/ShippedData.h"
 #include "mammoray/Registration/BreastMechanics.h"
 #include "mammoray/XRay/PathLengthProjector.h"
 

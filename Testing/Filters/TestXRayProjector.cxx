@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mammoray/Filters/vtkXRayProjector.h"
 #include "mammoray/IO/MeshConversion.h"
-#include "mammoray/IO/PhysicsData.h"
 #include "mammoray/IO/ProjectionImage.h"
+#include "mammoray/IO/ShippedData.h"
 #include "mammoray/XRay/PathLengthProjector.h"
 
 #include "vtkCellArray.h"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mammoray/Foundation/Error.h"
-#include "mammoray/IO/PhysicsData.h"
+#include "mammoray/IO/ShippedData.h"
 #include "mammoray/Viewer/KilovoltageSpectrum.h"
 
 #include <gtest/gtest.h>

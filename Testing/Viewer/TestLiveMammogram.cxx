@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "SmallBreast.h"
 #include "mammoray/Foundation/Error.h"
-#include "mammoray/IO/PhysicsData.h"
+#include "mammoray/IO/ShippedData.h"
 #include "mammoray/Registration/RegistrationModel.h"
 #include "mammoray/Registration/TargetImage.h"
 #include "mammoray/Viewer/KilovoltageSpectrum.h"

@@ -2,7 +2,7 @@
 #include "Files.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/IO/MaterialTableIO.h"
-#include "mammoray/IO/PhysicsData.h"
+#include "mammoray/IO/ShippedData.h"
 #include "mammoray/XRay/Composition.h"
 
 #include <gmock/gmock.h>

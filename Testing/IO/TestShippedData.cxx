@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "Files.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/IO/MaterialTableIO.h"
-#include "mammoray/IO/PhysicsData.h"
+#include "mammoray/IO/ShippedData.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -12,7 +11,6 @@
 namespace
 {
 using namespace mammoray;
-using testing_support::TemporaryFolder;
 
 template <typename Function>
 void ExpectRefused(const Function& function, const std::string& text)
@@ -28,7 +26,7 @@ void ExpectRefused(const Function& function, const std::string& text)
   }
 }
 
-TEST(PhysicsData, SpectraHaveTheMeanEnergyTheyState)
+TEST(ShippedData, SpectraHaveTheMeanEnergyTheyState)
 {
   // The files' own comments, printed with one or three digits; the last interval is left out there
   // too.
@@ -37,7 +35,7 @@ TEST(PhysicsData, SpectraHaveTheMeanEnergyTheyState)
   EXPECT_NEAR(FindSpectrum("W28kVp_Rh50um_Be1mm_Al2mm_MTF").MeanEnergyKeV(), 20.955, 0.02);
 }
 
-TEST(PhysicsData, TablesGiveTheirValuesInMillimetres)
+TEST(ShippedData, TablesGiveTheirValuesInMillimetres)
 {
   // From the README of the tables' source, 1/cm at 20 keV.
   EXPECT_NEAR(FindAttenuationTable("adipose").MuAt(20, 0.92), 0.051255, 1e-6);
@@ -45,7 +43,7 @@ TEST(PhysicsData, TablesGiveTheirValuesInMillimetres)
   EXPECT_NEAR(FindAttenuationTable("glandular").MuAt(20, 0.53), 0.5 * 0.078581, 1e-6);
 }
 
-TEST(PhysicsData, BeamOfTheShippedTable)
+TEST(ShippedData, BeamOfTheShippedTable)
 {
   const MaterialTable table = ReadMaterialTable(DataDirectory() + "/materials/victre.json");
   const Beam beam = MakeBeam(table, Spectrum::Monochromatic(20), DetectorResponse::PhotonCounting);
@@ -56,7 +54,7 @@ TEST(PhysicsData, BeamOfTheShippedTable)
     1e-4); // the six digits of the source
 }
 
-TEST(PhysicsData, ShippedTablesAreFoundByName)
+TEST(ShippedData, ShippedTablesAreFoundByName)
 {
   const Spectrum spectrum = Spectrum::Monochromatic(20);
   for (const auto& entry : std::filesystem::directory_iterator(DataDirectory() + "/materials"))
@@ -77,7 +75,7 @@ TEST(PhysicsData, ShippedTablesAreFoundByName)
   EXPECT_EQ(FindMaterialTable("victre").MaterialOfLabel.at(88), 2);
 }
 
-TEST(PhysicsData, UnknownNamesListTheKnown)
+TEST(ShippedData, UnknownNamesListTheKnown)
 {
   ExpectRefused([] { FindMaterialTable("victor"); },
     "material table victor: no such file, and no material table of that name; did you mean "
@@ -90,23 +88,5 @@ TEST(PhysicsData, UnknownNamesListTheKnown)
   ExpectRefused([&]
     { MakeBeam(table, Spectrum::Monochromatic(20), DetectorResponse::PhotonCounting); },
     "material 'cyst': unknown attenuation 'wader'");
-}
-
-TEST(PhysicsData, DamagedFilesAreRefusedByLine)
-{
-  TemporaryFolder folder;
-  folder.Write("a.spc", "# comment\n10e3 5\n11e3 x\n");
-  ExpectRefused([&] { ReadSpectrum(folder.File("a.spc")); }, "line 3");
-  folder.Write("a.spc", "10e3 5\n9e3 5\n11e3 -1\n");
-  ExpectRefused([&] { ReadSpectrum(folder.File("a.spc")); }, "line 2");
-  folder.Write("a.spc", "10e3 5\n11e3 5\n");
-  ExpectRefused([&] { ReadSpectrum(folder.File("a.spc")); }, "negative");
-  folder.Write("a.csv", "# nominal density 1 g/cm3\nenergy_eV,mu_total_per_cm\n1e4,oops\n");
-  ExpectRefused([&] { ReadAttenuationTable(folder.File("a.csv")); }, "line 3");
-  folder.Write("a.csv", "energy_eV,mu_total_per_cm\n1e4,1\n");
-  ExpectRefused([&] { ReadAttenuationTable(folder.File("a.csv")); }, "nominal density");
-  folder.Write("a.csv", "# nominal density 1 g/cm3\nenergy,mu\n1e4,1\n");
-  ExpectRefused([&] { ReadAttenuationTable(folder.File("a.csv")); }, "energy_eV");
-  ExpectRefused([&] { ReadAttenuationTable(folder.File("absent.csv")); }, "cannot be opened");
 }
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#ifndef mammoray_PhysicsData_h
-#define mammoray_PhysicsData_h
+#ifndef mammoray_ShippedData_h
+#define mammoray_ShippedData_h
 
 #include "mammoray/Foundation/MaterialTable.h"
 #include "mammoray/XRay/Beam.h"
@@ -16,21 +16,6 @@ namespace mammoray
  * InputError when none of them is there.
  */
 MAMMORAYIO_EXPORT std::string DataDirectory();
-
-/**
- * Reads a spectrum: lines of an energy (eV) and the photons per mm^2 and keV there, `#` begins a
- * comment, a last negative value ends the list. Each value stands for the interval up to the next
- * energy. Throws InputError, which names the line, on anything else. Name: the file's without
- * folder and extension.
- */
-MAMMORAYIO_EXPORT Spectrum ReadSpectrum(const std::string& path);
-
-/**
- * Reads comma-separated columns, among them energy_eV and mu_total_per_cm (1/cm at nominal
- * density), with a first comment line that says "nominal density <number> g/cm3". Throws
- * InputError, which names the line.
- */
-MAMMORAYIO_EXPORT AttenuationTable ReadAttenuationTable(const std::string& path);
 
 /**
  * The table attenuation/NAME.csv of the data directory, or the composition that the name spells

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the readers of tables in text files share.
+#ifndef mammoray_Private_TextTable_h
+#define mammoray_Private_TextTable_h
+
+#include "mammoray/Foundation/Error.h"
+
+#include <charconv>
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+namespace mammoray
+{
+/// "path: line n", for messages.
+inline std::string LineName(const std::string& path, std::size_t line)
+{
+  return path + ": line " + std::to_string(line);
+}
+
+/// The file, open; throws InputError when it cannot be read.
+inline std::ifstream OpenText(const std::string& path)
+{
+  std::ifstream file(path);
+  if (!file || std::filesystem::is_directory(path))
+  {
+    throw InputError(path + ": cannot be opened for reading");
+  }
+  return file;
+}
+
+/// True when the whole text is a number, in any locale, which `value` receives.
+inline bool ToNumber(const std::string& text, double& value)
+{
+  const char* end = text.data() + text.size();
+  const auto [rest, error] = std::from_chars(text.data(), end, value);
+  return error == std::errc() && rest == end;
+}
+}
+
+#endif

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mammoray/Foundation/Error.h"
+#include "mammoray/Foundation/MaterialTable.h"
+#include "mammoray/Foundation/SurfaceMesh.h"
+#include "mammoray/Foundation/TetrahedralMesh.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+using namespace mammoray;
+using testing::HasSubstr;
+
+namespace
+{
+MaterialTable TwoTissues()
+{
+  MaterialTable table;
+  table.Name = "two tissues";
+  table.Materials = { Material{ .Name = "air" }, Material{ .Name = "fat" },
+    Material{ .Name = "gland" } };
+  return table;
+}
+
+template <typename Mesh>
+std::string MessageOf(const Mesh& mesh, const std::vector<std::string>& names)
+{
+  try
+  {
+    TwoTissues().CheckMesh(mesh, names, "mesh.vtu");
+  }
+  catch (const InputError& error)
+  {
+    return error.what();
+  }
+  return "";
+}
+}
+
+TEST(MaterialTable, MeshOfItsMaterialsPasses)
+{
+  TetrahedralMesh mesh;
+  mesh.Materials = { 2, 1 };
+  EXPECT_EQ(MessageOf(mesh, {}), "");
+  EXPECT_EQ(MessageOf(mesh, { "air", "fat", "gland" }), "");
+  // Names beyond the materials in use say nothing.
+  mesh.Materials = { 1 };
+  EXPECT_EQ(MessageOf(mesh, { "air", "fat", "bone" }), "");
+  SurfaceMesh surface;
+  surface.FrontMaterials = { 0, 1 };
+  surface.BackMaterials = { 1, 2 };
+  EXPECT_EQ(MessageOf(surface, { "", "fat", "gland" }), "");
+}
+
+TEST(MaterialTable, MeshOfOtherMaterialsIsRefused)
+{
+  TetrahedralMesh mesh;
+  mesh.Materials = { 2, 3 };
+  EXPECT_THAT(MessageOf(mesh, {}),
+    HasSubstr("mesh.vtu: expected materials 1 to 2 of the table 'two tissues', found 3"));
+  mesh.Materials = { 0, 1 };
+  EXPECT_THAT(MessageOf(mesh, {}), HasSubstr("found 0"));
+  mesh.Materials = { 2, 1 };
+  EXPECT_THAT(MessageOf(mesh, { "air", "fat", "lesion" }),
+    HasSubstr("material 2 is 'lesion', but 'gland' in the table 'two tissues'"));
+  SurfaceMesh surface;
+  surface.FrontMaterials = { 0 };
+  surface.BackMaterials = { 3 };
+  EXPECT_THAT(MessageOf(surface, {}), HasSubstr("expected materials 0 to 2"));
+}

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "Files.h"
+#include "mammoray/Foundation/Error.h"
+#include "mammoray/IO/Private/SpectrumIO.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+using namespace mammoray;
+using testing_support::TemporaryFolder;
+
+namespace
+{
+std::string MessageOf(const std::string& path)
+{
+  try
+  {
+    ReadSpectrum(path);
+  }
+  catch (const InputError& error)
+  {
+    return error.what();
+  }
+  return "no error";
+}
+}
+
+TEST(SpectrumIO, EachValueStandsForTheIntervalUpToTheNextEnergy)
+{
+  TemporaryFolder folder;
+  const Spectrum spectrum = ReadSpectrum(
+    folder.Write("two.spc", "# comment\n10e3 5 # of 2 keV\n12e3 7\n13e3 -1\n14e3 x\n"));
+  EXPECT_EQ(spectrum.Name, "two");
+  EXPECT_THAT(spectrum.EnergiesKeV, testing::ElementsAre(10, 12));
+  EXPECT_THAT(spectrum.Weights, testing::ElementsAre(10, 7));
+}
+
+TEST(SpectrumIO, DamagedFilesAreRefusedByLine)
+{
+  TemporaryFolder folder;
+  folder.Write("a.spc", "# comment\n10e3 5\n11e3 x\n");
+  EXPECT_THAT(MessageOf(folder.File("a.spc")), testing::HasSubstr("line 3"));
+  folder.Write("a.spc", "10e3 5\n9e3 5\n11e3 -1\n");
+  EXPECT_THAT(MessageOf(folder.File("a.spc")), testing::HasSubstr("line 2"));
+  folder.Write("a.spc", "10e3 5\n11e3 5\n");
+  EXPECT_THAT(MessageOf(folder.File("a.spc")), testing::HasSubstr("negative"));
+}
