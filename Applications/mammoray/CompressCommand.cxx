@@ -177,7 +177,7 @@ CompressionState Compress(const CompressArguments& arguments,
   {
     const BreastPose pose = PoseAt(arguments, thicknessMm);
     return PlatesOf(PlaceUnit(axes, anchor, arguments.Unit, pose), arguments.Unit, thicknessMm,
-      pose.PaddleTiltDeg);
+      pose.TiltDeg);
   };
   try
   {
@@ -191,7 +191,7 @@ CompressionState Compress(const CompressArguments& arguments,
   }
   catch (const CompressionError& error)
   {
-    if (arguments.ChestWall == "held" && arguments.Pose.ShiftAnteriorMm < CloseToHeldMm)
+    if (arguments.ChestWall == "held" && arguments.Pose.AnteriorMm < CloseToHeldMm)
     {
       throw ConvergenceError(std::string(error.what()) +
         "; the plates stand at the held tissue and pinch what is between: --anterior 5 moves them "
@@ -425,12 +425,12 @@ void AddCompressCommand(CLI::App& application)
     "turn of the rolled unit about its lateral axis, degrees; positive takes the source forwards");
   add("--yaw", pose.YawDeg,
     "turn of the unit about its vertical axis, degrees; positive to the left (CC)");
-  add("--tilt", pose.PaddleTiltDeg,
+  add("--tilt", pose.TiltDeg,
     "turn of the paddle about its chest-wall edge, degrees; positive opens it towards the nipple")
     ->check(NumberFrom(-30.0, 30.0));
-  add("--lateral", pose.ShiftLateralMm, "shift of the receptor along its chest-wall edge, mm");
-  add("--anterior", pose.ShiftAnteriorMm, "shift of the receptor away from the chest wall, mm");
-  add("--vertical", pose.ShiftVerticalMm, "shift of the plates' mid-plane towards the source, mm");
+  add("--lateral", pose.LateralMm, "shift of the receptor along its chest-wall edge, mm");
+  add("--anterior", pose.AnteriorMm, "shift of the receptor away from the chest wall, mm");
+  add("--vertical", pose.VerticalMm, "shift of the plates' mid-plane towards the source, mm");
   add("--support-edge", unit.SupportEdgeMm,
     "chest-wall edge of the support, mm in front of the receptor's");
   add("--paddle-edge", unit.PaddleEdgeMm,

@@ -333,11 +333,9 @@ void AddProjectCommand(CLI::App& application)
   add("--roll", arguments->Pose.RollDeg,
     "unit about the anterior axis, degrees; 0 is CC, positive turns the source to the patient's "
     "left");
-  add("--shift-lateral", arguments->Pose.ShiftLateralMm,
-    "shift of the receptor along gantry +x, mm");
-  add("--shift-anterior", arguments->Pose.ShiftAnteriorMm,
-    "shift of the receptor along gantry +y, mm");
-  add("--shift-vertical", arguments->Pose.ShiftVerticalMm, "shift of the unit along gantry +z, mm");
+  add("--shift-lateral", arguments->Pose.LateralMm, "shift of the receptor along gantry +x, mm");
+  add("--shift-anterior", arguments->Pose.AnteriorMm, "shift of the receptor along gantry +y, mm");
+  add("--shift-vertical", arguments->Pose.VerticalMm, "shift of the unit along gantry +z, mm");
   addVector("--anchor", arguments->Anchor,
     "point the pose refers to; default: middle of the mesh at the chest wall");
   addVector("--source", arguments->Source, "position of the source, instead of the unit's");

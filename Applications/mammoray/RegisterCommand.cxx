@@ -3,6 +3,7 @@
 #include "ComparisonOptions.h"
 #include "mammoray/Case/RegistrationCase.h"
 #include "mammoray/Case/RegistrationCaseWriter.h"
+#include "mammoray/Foundation/PoseParameters.h"
 
 #include <unistd.h>
 
@@ -135,6 +136,32 @@ void RunRegister(const RegisterOptions& options)
     registration.Seconds, registration.StopReason.c_str());
   std::printf("wrote %s\n", options.Output.c_str());
 }
+
+/// An option for each parameter of the pose.
+void AddStartOptions(CLI::App& command, RegistrationCase& input)
+{
+  for (const PoseParameter& parameter : PoseParameters)
+  {
+    const std::string unit = *parameter.Unit != 0 ? std::string(", ") + parameter.Unit : "";
+    const std::string start = parameter.InHeader
+      ? "one for each mammogram; default: from the header"
+      : "default: " + parameter.Format(parameter.Start, 0);
+    command
+      .add_option(parameter.Option(), input.Start[parameter.Index],
+        parameter.Help + unit + "; " + start)
+      ->group("Start of the search, kept by what is not --free");
+  }
+}
+
+std::string DefaultFree()
+{
+  std::string names;
+  for (const std::string& name : FreePoseParameterNames())
+  {
+    names += (names.empty() ? "" : ", ") + name;
+  }
+  return names;
+}
 }
 
 void AddRegisterCommand(CLI::App& application)
@@ -242,51 +269,12 @@ void AddRegisterCommand(CLI::App& application)
     ->check(NonNegativeNumber())
     ->capture_default_str()
     ->group("Unit");
-  command
-    ->add_option("--start-thickness", input.StartThicknessMm,
-      "compressed thickness to start from, mm, one for each mammogram; default: from the header")
-    ->group("Start");
-  command
-    ->add_option("--start-roll", input.StartRollDeg,
-      "rotation about the anterior axis to start from, degrees, towards the patient's left, one "
-      "for each mammogram; default: from the header's view")
-    ->group("Start");
-  command
-    ->add_option("--start-lateral", input.StartLateralMm,
-      "shift of the receptor towards the patient's left (CC), mm")
-    ->capture_default_str()
-    ->group("Start");
-  command
-    ->add_option("--start-anterior", input.StartAnteriorMm,
-      "distance of the receptor's edge from the chest wall, mm")
-    ->capture_default_str()
-    ->group("Start");
-  command
-    ->add_option("--start-vertical", input.StartVerticalMm,
-      "height of the plates' middle over the breast's middle, mm")
-    ->capture_default_str()
-    ->group("Start");
-  command
-    ->add_option("--start-pitch", input.StartPitchDeg,
-      "rotation of the unit about its lateral axis, degrees, source to the front")
-    ->capture_default_str()
-    ->group("Start");
-  command
-    ->add_option("--start-yaw", input.StartYawDeg,
-      "rotation of the unit about its vertical axis, degrees, towards the patient's left (CC)")
-    ->capture_default_str()
-    ->group("Start");
-  command
-    ->add_option("--start-tilt", input.StartTiltDeg,
-      "turn of the paddle about its chest-wall edge, degrees, open towards the nipple")
-    ->capture_default_str()
-    ->group("Start");
+  AddStartOptions(*command, input);
   command
     ->add_option("--free", input.Free,
-      "parameters that are found; the others keep their start: thickness, roll, pitch, yaw, "
-      "lateral, anterior, vertical, tilt (of the paddle), stiffness (of gland, times the table's, "
-      "one for all mammograms); default: thickness, roll, lateral, anterior, and stiffness with "
-      "more than one mammogram")
+      "parameters that are found; the others keep their start: " + PoseParameterNames() +
+        " (one for all mammograms); default: " + DefaultFree() +
+        ", and stiffness with more than one mammogram")
     ->group("Search");
   command
     ->add_option("--resume", input.Resume,

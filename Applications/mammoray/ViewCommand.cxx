@@ -132,10 +132,9 @@ void AddViewCommand(CLI::App& application)
     "the result's, or 0");
   const auto add = [&](const char* name, auto& value, const char* help)
   { return command->add_option(name, value, help)->capture_default_str(); };
-  add("--shift-lateral", input.ShiftLateralMm, "of the receptor along gantry +x, mm; not a result");
-  add("--shift-anterior", input.ShiftAnteriorMm,
-    "of the receptor along gantry +y, mm; not a result");
-  add("--shift-vertical", input.ShiftVerticalMm, "of the unit along gantry +z, mm; not a result");
+  add("--shift-lateral", input.LateralMm, "of the receptor along gantry +x, mm; not a result");
+  add("--shift-anterior", input.AnteriorMm, "of the receptor along gantry +y, mm; not a result");
+  add("--shift-vertical", input.VerticalMm, "of the unit along gantry +z, mm; not a result");
   add("--pixel-spacing", input.PixelSpacingMm, "of the picture where there is no mammogram, mm")
     ->check(PositiveNumber());
   AddLabelOptions(*command, input.Labels)

@@ -48,7 +48,7 @@ struct CompressionOptions
    * Force with which the technologist draws the breast onto the receptor, N, in the frame of the
    * mesh (the gantry's anterior direction): spread over the volume of what is not held, while the
    * plates close and after. A displacement of the chest wall instead would be the same as a shift
-   * of the plates (BreastPose::ShiftAnteriorMm).
+   * of the plates (BreastPose::AnteriorMm).
    */
   Vector3 PullN{ 0, 0, 0 };
   /// Contact: pressure = ContactStiffness * g^2, g the depth in a layer of 0.05 mm in front of each

@@ -121,39 +121,44 @@ MammographyUnit UnitOf(const RegistrationCase& input, const Mammogram& mammogram
   return unit;
 }
 
-/// Nothing where no values were given; one for each mammogram otherwise.
-std::optional<double> ValueFor(std::size_t view, const std::vector<double>& values,
-  const RegistrationCase& input, const char* what)
+/// What the case says where a parameter starts; nothing where it does not.
+std::optional<double> GivenStart(const RegistrationCase& input, std::size_t mammogram,
+  const PoseParameter& parameter)
 {
+  const std::vector<double>& values = input.Start[parameter.Index];
   if (values.empty())
   {
     return std::nullopt;
   }
+  if (values.size() == 1 && !parameter.InHeader)
+  {
+    return values.front();
+  }
   if (values.size() != input.Mammograms.size())
   {
-    throw InputError(std::string("start: expected a ") + what + " for each of " +
+    throw InputError(std::string("start: expected a ") + parameter.Name + " for each of " +
       std::to_string(input.Mammograms.size()) + " mammogram(s), found " +
       std::to_string(values.size()));
   }
-  return values[view];
+  return values[mammogram];
 }
 
-BreastPose StartOf(const RegistrationCase& input, std::size_t view, const Mammogram& mammogram,
+BreastPose StartOf(const RegistrationCase& input, std::size_t number, const Mammogram& mammogram,
   std::vector<std::string>& warnings)
 {
   BreastPose start;
-  const std::optional<double> thickness =
-    ValueFor(view, input.StartThicknessMm, input, "thickness");
-  const std::optional<double> roll = ValueFor(view, input.StartRollDeg, input, "roll");
-  if (thickness)
+  std::array<bool, ParameterCount> given{};
+  for (const PoseParameter& parameter : PoseParameters)
   {
-    start.ThicknessMm = *thickness;
+    const std::optional<double> value = GivenStart(input, number, parameter);
+    given[parameter.Index] = value.has_value();
+    start.*parameter.Value = value.value_or(parameter.Start);
   }
-  else if (mammogram.BodyPartThicknessMm)
+  if (!given[ThicknessParameter] && mammogram.BodyPartThicknessMm)
   {
     start.ThicknessMm = *mammogram.BodyPartThicknessMm;
   }
-  else
+  else if (!given[ThicknessParameter])
   {
     warnings.push_back("The header does not say the compressed thickness; " +
       std::to_string(static_cast<int>(start.ThicknessMm)) + " mm is where the search starts.");
@@ -163,44 +168,29 @@ BreastPose StartOf(const RegistrationCase& input, std::size_t view, const Mammog
     throw InputError("start: expected a positive compressed thickness, found " +
       std::to_string(start.ThicknessMm) + " mm");
   }
-  if (roll)
-  {
-    start.RollDeg = *roll;
-  }
-  else if (const std::optional<double> nominal = NominalRollDeg(mammogram))
+  const std::optional<double> nominal = NominalRollDeg(mammogram);
+  if (!given[RollParameter] && nominal)
   {
     start.RollDeg = *nominal;
   }
-  else
+  else if (!given[RollParameter])
   {
     warnings.push_back("The header does not say the view and side; the search starts from a "
                        "cranio-caudal view.");
   }
-  start.ShiftLateralMm = input.StartLateralMm;
-  start.ShiftAnteriorMm = input.StartAnteriorMm;
-  start.ShiftVerticalMm = input.StartVerticalMm;
-  start.PitchDeg = input.StartPitchDeg;
-  start.YawDeg = input.StartYawDeg;
-  start.PaddleTiltDeg = input.StartTiltDeg;
   return start;
 }
 
 void FreeParameters(const std::vector<std::string>& names,
   std::vector<RegistrationParameter>& parameters)
 {
-  std::string known;
   for (RegistrationParameter& parameter : parameters)
   {
-    parameter.Fixed = std::find(names.begin(), names.end(), parameter.Name) == names.end();
-    known += (known.empty() ? "" : ", ") + parameter.Name;
+    parameter.Fixed = true;
   }
   for (const std::string& name : names)
   {
-    if (std::none_of(parameters.begin(), parameters.end(),
-          [&](const RegistrationParameter& parameter) { return parameter.Name == name; }))
-    {
-      throw InputError("parameter '" + name + "': expected one of " + known);
-    }
+    parameters[FindPoseParameter(name).Index].Fixed = false;
   }
 }
 
@@ -209,11 +199,11 @@ std::vector<std::string> FreeNames(const RegistrationCase& input, const Material
   std::vector<std::string> names = input.Free;
   if (names.empty())
   {
-    names = { "thickness", "roll", "lateral", "anterior" };
+    names = FreePoseParameterNames();
     // One picture hardly tells the stiffness from the others.
     if (input.Mammograms.size() > 1 && !materials.Glandular().empty())
     {
-      names.emplace_back("stiffness");
+      names.emplace_back(PoseParameters[StiffnessParameter].Name);
     }
   }
   return names;

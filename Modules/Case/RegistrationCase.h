@@ -5,6 +5,7 @@
 #include "mammoray/Case/LabelSource.h"
 #include "mammoray/Foundation/Mammogram.h"
 #include "mammoray/Foundation/MaterialTable.h"
+#include "mammoray/Foundation/PoseParameters.h"
 #include "mammoray/Foundation/Progress.h"
 #include "mammoray/Foundation/TetrahedralMesh.h"
 #include "mammoray/Registration/MammogramTarget.h"
@@ -12,7 +13,7 @@
 #include "mammoray/Registration/RegistrationTarget.h"
 #include "mammorayCaseModule.h"
 
-#include <map>
+#include <array>
 #include <optional>
 #include <string>
 #include <vector>
@@ -60,19 +61,13 @@ struct RegistrationCase
   double PaddleEdgeMm = 0.0;
   double EdgeRadiusMm = 3.0;
 
-  /// Start of the search; thickness and view come from the header unless given here, one for each
-  /// mammogram.
-  std::vector<double> StartThicknessMm;
-  std::vector<double> StartRollDeg;
-  double StartLateralMm = 0.0;
-  double StartAnteriorMm = 5.0;
-  double StartVerticalMm = 0.0;
-  double StartPitchDeg = 0.0;
-  double StartYawDeg = 0.0;
-  double StartTiltDeg = 0.0;
-  /// Names of the parameters that are found; the others keep their start. Empty: thickness, roll,
-  /// lateral and anterior of each mammogram, and, of several, the stiffness of gland (if any),
-  /// which they share.
+  /// Where the search starts, and where stays what is not free: of each of PoseParameters one value
+  /// for each mammogram, or one for all where headers do not tell it. Empty: what the header says,
+  /// else PoseParameter::Start.
+  std::array<std::vector<double>, ParameterCount> Start;
+  /// Names of the parameters that are found; the others keep their start. Empty: those with
+  /// PoseParameter::Free of each mammogram, and, of several, the stiffness of gland (if any), which
+  /// they share.
   std::vector<std::string> Free;
   /// Folder of an earlier result of the same volume, materials and mammogram, whose pose the search
   /// goes on from; empty: none.

@@ -149,15 +149,15 @@ std::vector<RegistrationParameter> DrawParameters(Draws& draws, TwinKind kind,
   {
     start.ThicknessMm = truth[ThicknessParameter] + 5 * draws.Sign();
     start.RollDeg = truth[RollParameter] + 20 * draws.Sign();
-    start.ShiftLateralMm = truth[LateralParameter] + 15 * draws.Sign();
+    start.LateralMm = truth[LateralParameter] + 15 * draws.Sign();
     // No start is behind the chest wall.
-    start.ShiftAnteriorMm = truth[AnteriorParameter] + (truth[AnteriorParameter] < 15 ? 15 : -15);
+    start.AnteriorMm = truth[AnteriorParameter] + (truth[AnteriorParameter] < 15 ? 15 : -15);
   }
   else
   {
     start.ThicknessMm = truth[ThicknessParameter] + draws.Between(-3, 3);
     start.RollDeg = truth[RollParameter] + draws.Between(-10, 10);
-    start.ShiftAnteriorMm = 5;
+    start.AnteriorMm = 5;
   }
   std::vector<RegistrationParameter> parameters = DefaultParameters(start);
   if (kind == TwinKind::EveryParameter)

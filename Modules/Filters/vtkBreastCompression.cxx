@@ -295,9 +295,9 @@ int vtkBreastCompression::RequestData(vtkInformation*, vtkInformationVector** in
 
     BreastPose pose;
     pose.RollDeg = this->RollDeg;
-    pose.ShiftLateralMm = this->ShiftLateralMm;
-    pose.ShiftAnteriorMm = this->ShiftAnteriorMm;
-    pose.ShiftVerticalMm = this->ShiftVerticalMm;
+    pose.LateralMm = this->LateralMm;
+    pose.AnteriorMm = this->AnteriorMm;
+    pose.VerticalMm = this->VerticalMm;
     MammographyUnit unit;
     unit.SupportEdgeMm = this->SupportEdgeMm;
     unit.PaddleEdgeMm = this->PaddleEdgeMm;
@@ -307,7 +307,7 @@ int vtkBreastCompression::RequestData(vtkInformation*, vtkInformationVector** in
     const auto platesAt = [&](double thicknessMm)
     {
       pose.ThicknessMm = thicknessMm;
-      return PlatesOf(PlaceUnit(axes, anchor, unit, pose), unit, thicknessMm, this->PaddleTiltDeg);
+      return PlatesOf(PlaceUnit(axes, anchor, unit, pose), unit, thicknessMm, this->TiltDeg);
     };
     double time = 1;
     if (this->NumberOfTimeSteps > 1)
@@ -361,11 +361,11 @@ void vtkBreastCompression::PrintSelf(ostream& os, vtkIndent indent)
   os << indent << "Element: " << (this->Element == LINEAR ? "linear" : "quadratic") << "\n";
   os << indent << "ThicknessMm: " << this->ThicknessMm << "\n";
   os << indent << "ForceN: " << this->ForceN << "\n";
-  os << indent << "PaddleTiltDeg: " << this->PaddleTiltDeg << "\n";
+  os << indent << "TiltDeg: " << this->TiltDeg << "\n";
   os << indent << "RollDeg: " << this->RollDeg << "\n";
-  os << indent << "ShiftLateralMm: " << this->ShiftLateralMm << "\n";
-  os << indent << "ShiftAnteriorMm: " << this->ShiftAnteriorMm << "\n";
-  os << indent << "ShiftVerticalMm: " << this->ShiftVerticalMm << "\n";
+  os << indent << "LateralMm: " << this->LateralMm << "\n";
+  os << indent << "AnteriorMm: " << this->AnteriorMm << "\n";
+  os << indent << "VerticalMm: " << this->VerticalMm << "\n";
   os << indent << "SupportEdgeMm: " << this->SupportEdgeMm << "\n";
   os << indent << "PaddleEdgeMm: " << this->PaddleEdgeMm << "\n";
   os << indent << "EdgeRadiusMm: " << this->EdgeRadiusMm << "\n";

@@ -119,8 +119,8 @@ public:
    * Turn of the paddle about its chest-wall edge, where the thickness then counts; degrees,
    * positive opens it towards the nipple. Default 0.
    */
-  vtkSetMacro(PaddleTiltDeg, double);
-  vtkGetMacro(PaddleTiltDeg, double);
+  vtkSetMacro(TiltDeg, double);
+  vtkGetMacro(TiltDeg, double);
   ///@}
 
   ///@{
@@ -136,24 +136,24 @@ public:
   /**
    * Shift of the receptor along its chest-wall edge, mm. Default 0.
    */
-  vtkSetMacro(ShiftLateralMm, double);
-  vtkGetMacro(ShiftLateralMm, double);
+  vtkSetMacro(LateralMm, double);
+  vtkGetMacro(LateralMm, double);
   ///@}
 
   ///@{
   /**
    * Shift of the receptor away from the chest wall, mm. Default 0.
    */
-  vtkSetMacro(ShiftAnteriorMm, double);
-  vtkGetMacro(ShiftAnteriorMm, double);
+  vtkSetMacro(AnteriorMm, double);
+  vtkGetMacro(AnteriorMm, double);
   ///@}
 
   ///@{
   /**
    * Shift of the plates' mid-plane towards the source, mm. Default 0.
    */
-  vtkSetMacro(ShiftVerticalMm, double);
-  vtkGetMacro(ShiftVerticalMm, double);
+  vtkSetMacro(VerticalMm, double);
+  vtkGetMacro(VerticalMm, double);
   ///@}
 
   ///@{
@@ -278,11 +278,11 @@ private:
   int Element = QUADRATIC;
   double ThicknessMm = 50;
   double ForceN = 0;
-  double PaddleTiltDeg = 0;
+  double TiltDeg = 0;
   double RollDeg = 0;
-  double ShiftLateralMm = 0;
-  double ShiftAnteriorMm = 0;
-  double ShiftVerticalMm = 0;
+  double LateralMm = 0;
+  double AnteriorMm = 0;
+  double VerticalMm = 0;
   double SupportEdgeMm = 0;
   double PaddleEdgeMm = 0;
   double EdgeRadiusMm = 3;

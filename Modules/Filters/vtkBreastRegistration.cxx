@@ -282,7 +282,7 @@ int vtkBreastRegistration::RequestData(vtkInformation*, vtkInformationVector** i
       ? this->StartThicknessMm
       : internal.Mammogram.BodyPartThicknessMm.value_or(start.ThicknessMm);
     start.RollDeg = NominalRollDeg(internal.Mammogram).value_or(0) + this->StartRollDeg;
-    start.ShiftAnteriorMm = this->StartAnteriorMm;
+    start.AnteriorMm = this->StartAnteriorMm;
     RegistrationOptions options;
     options.Parameters = DefaultParameters(start);
     Free(this->FreeParameters, options.Parameters);

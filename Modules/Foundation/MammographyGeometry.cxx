@@ -146,8 +146,31 @@ VolumeFromGantry PlaceUnit(const AnatomicalAxes& axes, const Vector3& anchor,
   turn(placed.Z, placed.X, pose.RollDeg);
   turn(placed.Z, placed.Y, pose.PitchDeg);
   turn(placed.Y, placed.X, pose.YawDeg);
-  placed.Origin = anchor + pose.ShiftLateralMm * placed.X + pose.ShiftAnteriorMm * placed.Y +
-    (pose.ShiftVerticalMm - 0.5 * pose.ThicknessMm - unit.SupportHeightMm) * placed.Z;
+  placed.Origin = anchor + pose.LateralMm * placed.X + pose.AnteriorMm * placed.Y +
+    (pose.VerticalMm - 0.5 * pose.ThicknessMm - unit.SupportHeightMm) * placed.Z;
   return placed;
+}
+
+std::array<UnitVelocity, ParameterCount> UnitVelocities(const AnatomicalAxes& axes,
+  const Vector3& anchor, const MammographyUnit& unit, const BreastPose& pose)
+{
+  constexpr double radians = std::numbers::pi / 180.0;
+  const VolumeFromGantry placed = PlaceUnit(axes, anchor, unit, pose);
+  std::array<UnitVelocity, ParameterCount> velocities;
+  // The mid-plane stays, so the support recedes as the paddle does.
+  velocities[ThicknessParameter].Shift = -0.5 * placed.Z;
+  velocities[ThicknessParameter].PaddleShift = placed.Z;
+  // omega = from x to turns `from` towards `to`, each as they were when PlaceUnit turned them. The
+  // shifts turn with the unit; only the anchor stays.
+  const double yaw = radians * pose.YawDeg;
+  const Vector3 anteriorBeforeYaw = std::cos(yaw) * placed.Y - std::sin(yaw) * placed.X;
+  velocities[RollParameter].Turn = radians * Cross(axes.Superior, axes.Left);
+  velocities[PitchParameter].Turn = radians * Cross(placed.Z, anteriorBeforeYaw);
+  velocities[YawParameter].Turn = radians * Cross(placed.Y, placed.X);
+  velocities[LateralParameter].Shift = placed.X;
+  velocities[AnteriorParameter].Shift = placed.Y;
+  velocities[VerticalParameter].Shift = placed.Z;
+  velocities[TiltParameter].PaddleTurn = radians * Cross(placed.Y, placed.Z);
+  return velocities;
 }
 }

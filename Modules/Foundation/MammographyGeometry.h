@@ -7,6 +7,7 @@
 #include "mammoray/Foundation/Vector3.h"
 #include "mammorayFoundationModule.h"
 
+#include <array>
 #include <string>
 
 namespace mammoray
@@ -46,10 +47,26 @@ struct MammographyUnit
   double EdgeRadiusMm = 3.0;
 };
 
+/// The parameters of BreastPose, in the order in which their values are kept (see
+/// PoseParameters.h).
+enum PoseParameterIndex : int
+{
+  ThicknessParameter,
+  RollParameter,
+  PitchParameter,
+  YawParameter,
+  LateralParameter,
+  AnteriorParameter,
+  VerticalParameter,
+  TiltParameter,
+  StiffnessParameter,
+  ParameterCount
+};
+
 /**
- * Where the unit stands relative to the breast, and how far it is closed. All zero but the
- * thickness: a CC view with the plates' middle on the breast's middle and the receptor's edge at
- * the chest wall.
+ * How a breast lies in the unit: where the unit stands relative to the breast, how far it is
+ * closed, and how stiff the breast's gland is. With the default values, a CC view with the plates'
+ * middle on the breast's middle and the receptor's edge at the chest wall.
  */
 struct BreastPose
 {
@@ -67,13 +84,15 @@ struct BreastPose
   /// degrees: positive turns its anterior direction towards the patient's left (CC).
   double YawDeg = 0.0;
   /// Shift of the receptor along gantry +x relative to the anchor, mm.
-  double ShiftLateralMm = 0.0;
+  double LateralMm = 0.0;
   /// Shift of the receptor along gantry +y (away from the chest wall) relative to the anchor, mm.
-  double ShiftAnteriorMm = 0.0;
+  double AnteriorMm = 0.0;
   /// Shift of the plates' mid-plane along gantry +z relative to the anchor, mm.
-  double ShiftVerticalMm = 0.0;
+  double VerticalMm = 0.0;
   /// Turn of the paddle about its chest-wall edge, degrees; positive opens it towards the nipple.
-  double PaddleTiltDeg = 0.0;
+  double TiltDeg = 0.0;
+  /// Factor on Young's modulus of gland; positive. Moves nothing of the unit.
+  double Stiffness = 1.0;
 };
 
 /// volumePoint = Origin + x * X + y * Y + z * Z for a gantry point (x, y, z); X, Y, Z orthonormal.
@@ -116,6 +135,24 @@ MAMMORAYFOUNDATION_EXPORT Vector3 FindPoseAnchor(const TetrahedralMesh& mesh,
 /// Places the unit: support face at z = SupportHeightMm, paddle face ThicknessMm above it.
 MAMMORAYFOUNDATION_EXPORT VolumeFromGantry PlaceUnit(const AnatomicalAxes& axes,
   const Vector3& anchor, const MammographyUnit& unit, const BreastPose& pose);
+
+/// How the unit moves with a parameter of the pose, per mm or degree of it; volume frame, mm and
+/// radians.
+struct UnitVelocity
+{
+  /// Of the whole unit, and its turn about the anchor.
+  Vector3 Shift{ 0, 0, 0 };
+  Vector3 Turn{ 0, 0, 0 };
+  /// Of the paddle beside the rest of the unit, and its turn about its chest-wall edge.
+  Vector3 PaddleShift{ 0, 0, 0 };
+  Vector3 PaddleTurn{ 0, 0, 0 };
+};
+
+/// The rates of what PlaceUnit and the paddle do with each parameter, in their order; none with the
+/// stiffness.
+MAMMORAYFOUNDATION_EXPORT std::array<UnitVelocity, ParameterCount> UnitVelocities(
+  const AnatomicalAxes& axes, const Vector3& anchor, const MammographyUnit& unit,
+  const BreastPose& pose);
 }
 
 #endif

@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 
 namespace mammoray
 {
@@ -46,23 +45,9 @@ MaterialVelocity StiffnessVelocity(const RegistrationModel& model)
 }
 }
 
-BreastPose PoseOf(const std::vector<double>& values)
-{
-  BreastPose pose;
-  pose.ThicknessMm = values[ThicknessParameter];
-  pose.RollDeg = values[RollParameter];
-  pose.PitchDeg = values[PitchParameter];
-  pose.YawDeg = values[YawParameter];
-  pose.ShiftLateralMm = values[LateralParameter];
-  pose.ShiftAnteriorMm = values[AnteriorParameter];
-  pose.ShiftVerticalMm = values[VerticalParameter];
-  pose.PaddleTiltDeg = values[TiltParameter];
-  return pose;
-}
-
 PlatePair PlatesAt(const RegistrationModel& model, const BreastPose& pose)
 {
-  return PlatesOf(Place(model, pose), model.Unit, pose.ThicknessMm, pose.PaddleTiltDeg);
+  return PlatesOf(Place(model, pose), model.Unit, pose.ThicknessMm, pose.TiltDeg);
 }
 
 CompressionState CompressAt(const RegistrationModel& model, const std::vector<double>& values,
@@ -76,33 +61,20 @@ CompressionState CompressAt(const RegistrationModel& model, const std::vector<do
 std::vector<PlatePairVelocity> PlateVelocities(const RegistrationModel& model,
   const BreastPose& pose)
 {
-  constexpr double radians = std::numbers::pi / 180.0;
-  const VolumeFromGantry placed = Place(model, pose);
   const PlatePair plates = PlatesAt(model, pose);
-  const auto shifting = [](const Vector3& linear) {
-    return PlatePairVelocity{ { linear, {} }, { linear, {} } };
-  };
-  // The shifts turn with the unit; only the anchor stays.
-  const auto turningPlate = [&](const Plate& plate, const Vector3& omega) {
-    return PlateVelocity{ Cross(omega, plate.Edge - model.Anchor), omega };
-  };
-  const auto turning = [&](const Vector3& omega)
+  std::vector<PlatePairVelocity> velocities;
+  for (const UnitVelocity& unit : UnitVelocities(model.Axes, model.Anchor, model.Unit, pose))
   {
-    return PlatePairVelocity{ turningPlate(plates.Support, omega),
-      turningPlate(plates.Paddle, omega) };
-  };
-  PlatePairVelocity thickness;
-  thickness.Support.Linear = -0.5 * placed.Z;
-  thickness.Paddle.Linear = 0.5 * placed.Z;
-  // omega = from x to turns `from` towards `to`, each as they were when PlaceUnit turned them.
-  const double yaw = radians * pose.YawDeg;
-  const Vector3 anteriorBeforeYaw = std::cos(yaw) * placed.Y - std::sin(yaw) * placed.X;
-  PlatePairVelocity tilt;
-  tilt.Paddle.Angular = radians * Cross(placed.Y, placed.Z);
-  return { thickness, turning(radians * Cross(model.Axes.Superior, model.Axes.Left)),
-    turning(radians * Cross(placed.Z, anteriorBeforeYaw)),
-    turning(radians * Cross(placed.Y, placed.X)), shifting(placed.X), shifting(placed.Y),
-    shifting(placed.Z), tilt };
+    const auto carried = [&](const Plate& plate) {
+      return PlateVelocity{ unit.Shift + Cross(unit.Turn, plate.Edge - model.Anchor), unit.Turn };
+    };
+    PlatePairVelocity pair{ carried(plates.Support), carried(plates.Paddle) };
+    pair.Paddle.Linear = pair.Paddle.Linear + unit.PaddleShift;
+    pair.Paddle.Angular = pair.Paddle.Angular + unit.PaddleTurn;
+    velocities.push_back(pair);
+  }
+  velocities.resize(StiffnessParameter);
+  return velocities;
 }
 
 std::vector<std::vector<double>> VelocitiesSeenFromUnit(const RegistrationModel& model,

@@ -5,7 +5,7 @@
 #include "mammoray/Biomechanics/CompressionSimulation.h"
 #include "mammoray/Biomechanics/Embedding.h"
 #include "mammoray/Biomechanics/PlacedPlates.h"
-#include "mammoray/Foundation/MammographyGeometry.h"
+#include "mammoray/Foundation/PoseParameters.h"
 #include "mammoray/Registration/RegistrationTarget.h"
 #include "mammoray/Registration/Silhouette.h"
 #include "mammoray/XRay/Beam.h"
@@ -16,25 +16,6 @@
 
 namespace mammoray
 {
-/// The parameters of a registration, in the order in which their values are kept.
-enum RegistrationParameterIndex : int
-{
-  ThicknessParameter,
-  RollParameter,
-  PitchParameter,
-  YawParameter,
-  LateralParameter,
-  AnteriorParameter,
-  VerticalParameter,
-  TiltParameter,
-  /// Factor on Young's modulus of RegistrationModel::ScaledMaterials.
-  StiffnessParameter,
-  ParameterCount
-};
-
-/// The pose of values in that order.
-MAMMORAYREGISTRATION_EXPORT BreastPose PoseOf(const std::vector<double>& values);
-
 /// What stays the same while the registration runs, but for the stiffness of the simulation's
 /// materials. The referenced objects must outlive it.
 struct RegistrationModel

@@ -30,45 +30,19 @@ PictureComparison ComparisonFromName(const std::string& name)
 
 std::vector<RegistrationParameter> DefaultParameters(const BreastPose& start)
 {
-  const auto around = [](const char* name, const char* unit, double at, double reach)
+  std::vector<RegistrationParameter> parameters;
+  for (const PoseParameter& parameter : PoseParameters)
   {
-    return RegistrationParameter{ .Name = name,
-      .Unit = unit,
+    const double at = start.*parameter.Value;
+    parameters.push_back({ .Name = parameter.Name,
+      .Unit = parameter.Unit,
       .Start = at,
-      .Lower = at - reach,
-      .Upper = at + reach,
-      .Scale = 5.0 };
-  };
-  const auto withheld = [](RegistrationParameter parameter, double priorSigma)
-  {
-    parameter.PriorSigma = priorSigma;
-    parameter.Fixed = true;
-    return parameter;
-  };
-  std::vector<RegistrationParameter> parameters(ParameterCount);
-  RegistrationParameter& thickness = parameters[ThicknessParameter];
-  thickness = around("thickness", "mm", start.ThicknessMm, 0.5 * start.ThicknessMm);
-  thickness.PriorSigma = 5.0;
-  parameters[RollParameter] = around("roll", "deg", start.RollDeg, 30);
-  parameters[PitchParameter] = withheld(around("pitch", "deg", start.PitchDeg, 20), 5);
-  parameters[YawParameter] = withheld(around("yaw", "deg", start.YawDeg, 20), 5);
-  parameters[LateralParameter] = around("lateral", "mm", start.ShiftLateralMm, 50);
-  RegistrationParameter& anterior = parameters[AnteriorParameter];
-  anterior = around("anterior", "mm", start.ShiftAnteriorMm, 50);
-  // The plates cannot stand behind the front of the chest wall.
-  anterior.Lower = std::min(0.0, start.ShiftAnteriorMm);
-  parameters[VerticalParameter] = withheld(around("vertical", "mm", start.ShiftVerticalMm, 30), 0);
-  RegistrationParameter& tilt = parameters[TiltParameter];
-  tilt = withheld(around("tilt", "deg", start.PaddleTiltDeg, 10), 2);
-  tilt.Scale = 2.0;
-  parameters[StiffnessParameter] = { .Name = "stiffness",
-    .Unit = "",
-    .Start = 1,
-    .Lower = 0.25,
-    .Upper = 4,
-    .Scale = 0.5,
-    .PriorSigma = 1,
-    .Fixed = true };
+      .Lower = parameter.Lower(at),
+      .Upper = parameter.Upper(at),
+      .Scale = parameter.Scale,
+      .PriorSigma = parameter.PriorSigma,
+      .Fixed = !parameter.Free });
+  }
   return parameters;
 }
 

@@ -13,11 +13,10 @@
 
 namespace mammoray
 {
+/// A parameter of one search; see PoseParameter for its name and unit.
 struct RegistrationParameter
 {
-  /// "thickness", "roll", "pitch", "yaw", "lateral", "anterior", "vertical", "tilt" or "stiffness".
   std::string Name;
-  /// "mm", "deg" or "" (a factor).
   std::string Unit;
   double Start = 0;
   double Lower = 0;
@@ -100,15 +99,7 @@ struct RegistrationCosts
   double Sum() const { return this->Outline + this->Intensity + this->Prior; }
 };
 
-/**
- * The parameters around a start, in their order. Thickness is bounded to 0.5 to 1.5 times the start
- * with a prior of 5 mm (the header's thickness is the paddle's, which bends and is calibrated to
- * some mm), roll to 30 degrees and the shifts to 50 mm around it. Fixed unless asked for: vertical,
- * along the beam and almost without effect on the picture; pitch and yaw, bounded to 20 degrees
- * with a prior of 5; tilt, to 10 with a prior of 2; and the stiffness of gland, 0.25 to 4 times the
- * table's with a prior of 1 (the published ratios to fat span as much): one picture hardly tells
- * them from the others.
- */
+/// All of PoseParameters around a start, with their bounds, scales and priors there.
 MAMMORAYREGISTRATION_EXPORT std::vector<RegistrationParameter> DefaultParameters(
   const BreastPose& start);
 

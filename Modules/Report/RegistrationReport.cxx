@@ -4,6 +4,7 @@
 #include "Private/PlotPicture.h"
 #include "Private/ReportPictures.h"
 #include "mammoray/Foundation/Error.h"
+#include "mammoray/Foundation/PoseParameters.h"
 #include "mammoray/IO/Sha256.h"
 
 #include "vtkBase64Utilities.h"
@@ -85,18 +86,11 @@ std::string ResolutionNote(const RegistrationResult& result)
 
 std::string ParameterTitle(const std::string& name)
 {
-  static const std::pair<const char*, const char*> Titles[] = {
-    { "thickness", "Compressed thickness" }, { "roll", "Rotation about the chest–nipple axis" },
-    { "pitch", "Rotation about the chest wall's edge" }, { "yaw", "Rotation about the beam" },
-    { "lateral", "Shift along the chest wall" }, { "anterior", "Shift away from the chest wall" },
-    { "vertical", "Shift along the beam" }, { "tilt", "Tilt of the paddle" },
-    { "stiffness", "Stiffness of gland, times the table's" }
-  };
-  for (const auto& title : Titles)
+  for (const PoseParameter& parameter : PoseParameters)
   {
-    if (name == title.first)
+    if (name == parameter.Name)
     {
-      return title.second;
+      return parameter.Title;
     }
   }
   return name;
@@ -323,10 +317,8 @@ std::string ResultJson(const RegistrationReport& report, const Assessment& asses
   json["trust"] = { { "level", NameOf(assessment.Level) }, { "reasons", assessment.Reasons } };
   json["pose"] = { { "thicknessMm", result.Pose.ThicknessMm }, { "rollDeg", result.Pose.RollDeg },
     { "pitchDeg", result.Pose.PitchDeg }, { "yawDeg", result.Pose.YawDeg },
-    { "paddleTiltDeg", result.Pose.PaddleTiltDeg },
-    { "shiftLateralMm", result.Pose.ShiftLateralMm },
-    { "shiftAnteriorMm", result.Pose.ShiftAnteriorMm },
-    { "shiftVerticalMm", result.Pose.ShiftVerticalMm } };
+    { "tiltDeg", result.Pose.TiltDeg }, { "lateralMm", result.Pose.LateralMm },
+    { "anteriorMm", result.Pose.AnteriorMm }, { "verticalMm", result.Pose.VerticalMm } };
   json["parameters"] = Json::array();
   for (std::size_t i = 0; i < result.Parameters.size(); ++i)
   {

@@ -157,7 +157,7 @@ VolumeFromGantry LiveMammogram::Placed() const
 PlatePair LiveMammogram::Plates() const
 {
   return PlatesOf(this->Placed(), this->Viewed.Breast.Unit, this->UnitPose.ThicknessMm,
-    this->UnitPose.PaddleTiltDeg);
+    this->UnitPose.TiltDeg);
 }
 
 Vector3 LiveMammogram::SourcePosition() const

@@ -268,9 +268,9 @@ ViewedBreast ReadMeshes(const ViewInput& input)
   const std::optional<double> thickness = ThicknessOf(grid);
   viewed.Pose.ThicknessMm = thickness.value_or(viewed.Pose.ThicknessMm);
   viewed.Pose.RollDeg = input.RollDeg.value_or(0);
-  viewed.Pose.ShiftLateralMm = input.ShiftLateralMm;
-  viewed.Pose.ShiftAnteriorMm = input.ShiftAnteriorMm;
-  viewed.Pose.ShiftVerticalMm = input.ShiftVerticalMm;
+  viewed.Pose.LateralMm = input.LateralMm;
+  viewed.Pose.AnteriorMm = input.AnteriorMm;
+  viewed.Pose.VerticalMm = input.VerticalMm;
   viewed.Anchor =
     FindPoseAnchor(FromGrid(viewed.Breast.Uncompressed), viewed.Materials.Held(), viewed.Axes);
   if (!input.Mammogram.empty())

@@ -39,9 +39,9 @@ struct ViewInput
   /// Where the unit stands; of a result these replace its own.
   std::optional<double> ThicknessMm;
   std::optional<double> RollDeg;
-  double ShiftLateralMm = 0;
-  double ShiftAnteriorMm = 0;
-  double ShiftVerticalMm = 0;
+  double LateralMm = 0;
+  double AnteriorMm = 0;
+  double VerticalMm = 0;
   /// Pixels of the synthetic mammogram where there is no real one, mm.
   double PixelSpacingMm = 0.2;
   /// For the mechanics, as in a registration; empty: made of the mesh.

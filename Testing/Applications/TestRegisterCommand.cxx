@@ -373,7 +373,7 @@ TEST_F(RegisterCommand, RegistersTheShippedPhantom)
     " --orientation ALS --label-spacing 1 --anatomy-cell-size 6 --simulation-cell-size 13 "
     "--pixel-sizes 3 --iterations 3 --output " +
     this->Folder.File("both");
-  this->CommandTest::ExpectRefused(both + " --start-thickness 50",
+  this->CommandTest::ExpectRefused(both + " --thickness 50",
     "expected a thickness for each of 2 mammogram(s), found 1");
   this->CommandTest::ExpectRefused(both + " --resume " + folder,
     "expected a result of 2 mammogram(s), found one of 1");

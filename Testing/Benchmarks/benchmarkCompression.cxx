@@ -38,7 +38,7 @@ using Json = nlohmann::ordered_json;
 
 /// Posterior edge of the receptor in front of the held tissue, mm: as far as the registered pose of
 /// this phantom.
-constexpr double ShiftAnteriorMm = 7;
+constexpr double AnteriorMm = 7;
 /// Distance of the plates over that at which they touch the breast.
 constexpr double Compressed = 0.5;
 
@@ -166,7 +166,7 @@ struct Breast
   {
     BreastPose pose;
     pose.ThicknessMm = thicknessMm;
-    pose.ShiftAnteriorMm = ShiftAnteriorMm;
+    pose.AnteriorMm = AnteriorMm;
     return PlaceUnit(this->Axes, this->Anchor, this->Unit, pose);
   }
 

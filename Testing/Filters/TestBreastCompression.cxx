@@ -157,8 +157,8 @@ TEST_F(BreastCompression, CarriesAFineGridOnACoarseOne)
 
 TEST_F(BreastCompression, TellsWhereTheUnitStands)
 {
-  this->Filter->SetShiftLateralMm(3);
-  this->Filter->SetShiftAnteriorMm(4);
+  this->Filter->SetLateralMm(3);
+  this->Filter->SetAnteriorMm(4);
   this->Filter->SetForceN(3);
   this->Filter->Update();
   const std::optional<VolumeFromGantry> placed = FindPlacement(this->Filter->GetOutput());
@@ -284,7 +284,7 @@ TEST_F(BreastCompression, TakesLinearElements)
 TEST_F(BreastCompression, FindsTheThicknessOfAForce)
 {
   this->Filter->SetForceN(3);
-  this->Filter->SetPaddleTiltDeg(2);
+  this->Filter->SetTiltDeg(2);
   this->Filter->Update();
   ASSERT_EQ(this->Errors->Count, 0) << this->Errors->Text;
   EXPECT_NEAR(this->FieldValue("PaddleForceN"), 3, 3e-4);

@@ -219,7 +219,7 @@ Mammogram MammogramOf(const TetrahedralMesh& mesh, const MaterialTable& table, d
   model.Anchor = FindPoseAnchor(mesh, table.Held(), model.Axes);
   BreastPose pose;
   pose.ThicknessMm = thicknessMm;
-  pose.ShiftAnteriorMm = 5;
+  pose.AnteriorMm = 5;
   RegistrationTarget grid;
   grid.Columns = 90;
   grid.Rows = 200;

@@ -55,7 +55,7 @@ TEST(PlaceUnit, PositiveRollTurnsTheSourceTowardsTheLeft)
 {
   BreastPose pose;
   pose.RollDeg = 90;
-  pose.ShiftLateralMm = 3;
+  pose.LateralMm = 3;
   const AnatomicalAxes axes;
   const VolumeFromGantry placed = PlaceUnit(axes, { 0, 0, 0 }, MammographyUnit{}, pose);
   ExpectNear(placed.Z, axes.Left);

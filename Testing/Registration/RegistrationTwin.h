@@ -110,8 +110,8 @@ inline BreastPose Truth()
   BreastPose pose;
   pose.ThicknessMm = 47;
   pose.RollDeg = 8;
-  pose.ShiftLateralMm = 4;
-  pose.ShiftAnteriorMm = 7;
+  pose.LateralMm = 4;
+  pose.AnteriorMm = 7;
   return pose;
 }
 

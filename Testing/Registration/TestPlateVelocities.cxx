@@ -43,25 +43,24 @@ TEST(PlateVelocities, AgreeWithDifferencesOfThePlates)
     pose.RollDeg = 12;
     pose.PitchDeg = -7;
     pose.YawDeg = 15;
-    pose.PaddleTiltDeg = 4;
-    pose.ShiftLateralMm = -4;
-    pose.ShiftAnteriorMm = 9;
-    pose.ShiftVerticalMm = 2;
+    pose.TiltDeg = 4;
+    pose.LateralMm = -4;
+    pose.AnteriorMm = 9;
+    pose.VerticalMm = 2;
     const auto velocities = PlateVelocities(model, pose);
     const auto platesAt = [&](const BreastPose& at) { return PlatesAt(model, at); };
-    double BreastPose::*const members[] = { &BreastPose::ThicknessMm, &BreastPose::RollDeg,
-      &BreastPose::PitchDeg, &BreastPose::YawDeg, &BreastPose::ShiftLateralMm,
-      &BreastPose::ShiftAnteriorMm, &BreastPose::ShiftVerticalMm, &BreastPose::PaddleTiltDeg };
     const PlatePair here = platesAt(pose);
-    ASSERT_EQ(velocities.size(), std::size(members));
-    for (int parameter = 0; parameter < static_cast<int>(std::size(members)); ++parameter)
+    // The stiffness moves no plate.
+    ASSERT_EQ(velocities.size(), std::size_t{ StiffnessParameter });
+    for (int parameter = 0; parameter < StiffnessParameter; ++parameter)
     {
-      SCOPED_TRACE(std::string(orientation) + " parameter " + std::to_string(parameter));
+      SCOPED_TRACE(std::string(orientation) + " " + PoseParameters[parameter].Name);
+      double BreastPose::*const value = PoseParameters[parameter].Value;
       constexpr double step = 1e-4;
       BreastPose minus = pose;
       BreastPose plus = pose;
-      minus.*members[parameter] -= step;
-      plus.*members[parameter] += step;
+      minus.*value -= step;
+      plus.*value += step;
       const PlatePair a = platesAt(minus);
       const PlatePair b = platesAt(plus);
       ExpectVelocity(a.Support, b.Support, step, here.Support, velocities[parameter].Support);
@@ -75,7 +74,7 @@ TEST(DefaultParameters, StartWithinTheirBounds)
   BreastPose start;
   start.ThicknessMm = 62;
   start.RollDeg = 45;
-  start.ShiftAnteriorMm = 5;
+  start.AnteriorMm = 5;
   const auto parameters = DefaultParameters(start);
   ASSERT_EQ(parameters.size(), std::size_t{ ParameterCount });
   for (const RegistrationParameter& parameter : parameters)

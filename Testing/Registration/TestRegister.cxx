@@ -32,7 +32,7 @@ RegistrationOptions OptionsNearTruth()
   BreastPose start = Truth();
   start.ThicknessMm += 1.5;
   start.RollDeg -= 3;
-  start.ShiftLateralMm += 2;
+  start.LateralMm += 2;
   RegistrationOptions options = OptionsFrom(start);
   for (const RegistrationParameter& parameter : options.Parameters)
   {
@@ -79,8 +79,8 @@ TEST_F(Registration, RecoversATwinMadeWithAnotherMeshSpectrumAndNoise)
     BreastPose start;
     start.ThicknessMm = 50;
     start.RollDeg = Truth().RollDeg + sense * 20;
-    start.ShiftLateralMm = Truth().ShiftLateralMm - sense * 15;
-    start.ShiftAnteriorMm = 3;
+    start.LateralMm = Truth().LateralMm - sense * 15;
+    start.AnteriorMm = 3;
     const RegistrationResult result = Register(Model->Model, *Target, OptionsFrom(start), {});
     EXPECT_TRUE(result.Converged) << result.StopReason;
     // The result's own standard deviations must be useful, and the errors no larger than what is
@@ -95,8 +95,8 @@ TEST_F(Registration, RecoversATwinMadeWithAnotherMeshSpectrumAndNoise)
     // Half of the 3 mm pixels for the shifts.
     for (const Expected& expected : { Expected{ ThicknessParameter, Truth().ThicknessMm, 3.0 },
            Expected{ RollParameter, Truth().RollDeg, 6.0 },
-           Expected{ LateralParameter, Truth().ShiftLateralMm, 1.5 },
-           Expected{ AnteriorParameter, Truth().ShiftAnteriorMm, 1.5 } })
+           Expected{ LateralParameter, Truth().LateralMm, 1.5 },
+           Expected{ AnteriorParameter, Truth().AnteriorMm, 1.5 } })
     {
       const double deviation = result.StandardDeviations[expected.Parameter];
       SCOPED_TRACE(result.Parameters[expected.Parameter].Name);
@@ -110,7 +110,7 @@ TEST_F(Registration, RecoversATwinMadeWithAnotherMeshSpectrumAndNoise)
     ASSERT_GE(result.Iterations.size(), 2u);
     EXPECT_LT(result.Iterations.back().Cost, result.Iterations.front().Cost);
     EXPECT_TRUE(std::isnan(result.StandardDeviations[VerticalParameter])); // fixed
-    EXPECT_EQ(result.Pose.ShiftVerticalMm, 0);
+    EXPECT_EQ(result.Pose.VerticalMm, 0);
   }
 }
 
@@ -146,7 +146,7 @@ TEST_F(Registration, ScoutingEndsWhereTheRealSimulationAloneEnds)
   BreastPose start = Truth();
   start.ThicknessMm += 2;
   start.RollDeg += 5;
-  start.ShiftLateralMm = 0;
+  start.LateralMm = 0;
   RegistrationOptions options = OptionsFrom(start);
   options.PixelSizesMm = { 4.0, 3.0 };
   const RegistrationResult scouted = Register(Model->Model, *Target, options, {});
@@ -252,14 +252,14 @@ TEST_F(Registration, TwoViewsShareTheStiffnessAndKnowItBetter)
   BreastPose oblique = Truth();
   oblique.ThicknessMm = 43;
   oblique.RollDeg = 45;
-  oblique.ShiftLateralMm = -3;
+  oblique.LateralMm = -3;
   const RegistrationTarget targets[2] = { MakeTarget(other, Truth()), MakeTarget(other, oblique) };
   const auto viewOf = [&](const BreastPose& pose, const RegistrationTarget& target)
   {
     BreastPose start = pose;
     start.ThicknessMm += 1.5;
     start.RollDeg -= 3;
-    start.ShiftLateralMm += 2;
+    start.LateralMm += 2;
     RegistrationView view{ &Model->Model, &target, DefaultParameters(start), {} };
     view.Parameters[StiffnessParameter].Fixed = false;
     for (const RegistrationParameter& parameter : view.Parameters)
@@ -289,7 +289,7 @@ TEST_F(Registration, TwoViewsShareTheStiffnessAndKnowItBetter)
     EXPECT_LT(result.StandardDeviations[RollParameter], 6.0);
     EXPECT_NEAR(result.Pose.RollDeg, truths[view].RollDeg,
       3 * result.StandardDeviations[RollParameter]);
-    EXPECT_NEAR(result.Pose.ShiftLateralMm, truths[view].ShiftLateralMm, 1.5);
+    EXPECT_NEAR(result.Pose.LateralMm, truths[view].LateralMm, 1.5);
     EXPECT_LT(result.After.MeanOutlineDistanceMm, 0.7);
     EXPECT_GT(result.After.Correlation, 0.95);
     // What two pictures say of the gland is more than what one does: information adds up.

@@ -75,12 +75,12 @@ TEST(RegistrationResiduals, JacobianAgreesWithDifferencesOfSolvedStates)
   BreastPose pose = Truth();
   pose.ThicknessMm = 49;
   pose.RollDeg = 3;
-  pose.ShiftLateralMm = 2.5;
-  pose.ShiftAnteriorMm = 5;
-  pose.ShiftVerticalMm = 1;
+  pose.LateralMm = 2.5;
+  pose.AnteriorMm = 5;
+  pose.VerticalMm = 1;
   pose.PitchDeg = -2;
   pose.YawDeg = 4;
-  pose.PaddleTiltDeg = 1.5;
+  pose.TiltDeg = 1.5;
   RegistrationOptions options;
   options.Parameters = DefaultParameters(pose);
   // A prior away from its middle, so that its derivative is seen.

@@ -58,7 +58,7 @@ protected:
     BreastPose pose;
     pose.ThicknessMm = 54;
     pose.RollDeg = 4;
-    pose.ShiftAnteriorMm = 5;
+    pose.AnteriorMm = 5;
     const VolumeFromGantry placed =
       PlaceUnit(AnatomicalAxes::FromCode("LAS"), { 0, 15, 0 }, {}, pose);
     nlohmann::json result = { { "format", "mammoray-registration-result" },

@@ -18,10 +18,10 @@ std::vector<double> ValuesOf(const BreastPose& pose, double stiffness)
   values[RollParameter] = pose.RollDeg;
   values[PitchParameter] = pose.PitchDeg;
   values[YawParameter] = pose.YawDeg;
-  values[LateralParameter] = pose.ShiftLateralMm;
-  values[AnteriorParameter] = pose.ShiftAnteriorMm;
-  values[VerticalParameter] = pose.ShiftVerticalMm;
-  values[TiltParameter] = pose.PaddleTiltDeg;
+  values[LateralParameter] = pose.LateralMm;
+  values[AnteriorParameter] = pose.AnteriorMm;
+  values[VerticalParameter] = pose.VerticalMm;
+  values[TiltParameter] = pose.TiltDeg;
   values[StiffnessParameter] = stiffness;
   return values;
 }

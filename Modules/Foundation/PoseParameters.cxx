@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mammoray/Foundation/PoseParameters.h"
+
+#include "mammoray/Foundation/Error.h"
+#include "mammoray/Foundation/NearNames.h"
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <cstdio>
+
+namespace mammoray
+{
+namespace
+{
+std::string Capitalised(std::string text)
+{
+  if (!text.empty())
+  {
+    text[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(text[0])));
+  }
+  return text;
+}
+}
+
+double PoseParameter::Lower(double start) const
+{
+  return std::isfinite(this->Least) ? std::min(this->Least, start)
+                                    : start - (this->Reach + this->RelativeReach * start);
+}
+
+double PoseParameter::Upper(double start) const
+{
+  return std::isfinite(this->Most) ? std::max(this->Most, start)
+                                   : start + (this->Reach + this->RelativeReach * start);
+}
+
+std::string PoseParameter::Property() const
+{
+  return Capitalised(this->Name) + Capitalised(this->Unit);
+}
+
+std::string PoseParameter::Format(double value, int digits) const
+{
+  char text[64];
+  std::snprintf(text, sizeof text, "%.*f", digits, value);
+  return std::string(text) + (*this->Unit != 0 ? " " : "") + this->Unit;
+}
+
+const PoseParameter& FindPoseParameter(const std::string& name)
+{
+  const auto found = std::find_if(PoseParameters.begin(), PoseParameters.end(),
+    [&](const PoseParameter& parameter) { return name == parameter.Name; });
+  if (found == PoseParameters.end())
+  {
+    std::vector<std::string> known;
+    for (const PoseParameter& parameter : PoseParameters)
+    {
+      known.emplace_back(parameter.Name);
+    }
+    throw InputError("there is no parameter '" + name + "'; " + SuggestNames(name, known));
+  }
+  return *found;
+}
+
+std::string PoseParameterNames(const std::string& separator)
+{
+  std::string names;
+  for (const PoseParameter& parameter : PoseParameters)
+  {
+    names += (names.empty() ? "" : separator) + parameter.Name;
+  }
+  return names;
+}
+
+std::vector<std::string> FreePoseParameterNames()
+{
+  std::vector<std::string> names;
+  for (const PoseParameter& parameter : PoseParameters)
+  {
+    if (parameter.Free)
+    {
+      names.emplace_back(parameter.Name);
+    }
+  }
+  return names;
+}
+
+std::vector<double> ValuesOf(const BreastPose& pose)
+{
+  std::vector<double> values;
+  for (const PoseParameter& parameter : PoseParameters)
+  {
+    values.push_back(pose.*parameter.Value);
+  }
+  return values;
+}
+
+BreastPose PoseOf(const std::vector<double>& values)
+{
+  BreastPose pose;
+  for (const PoseParameter& parameter : PoseParameters)
+  {
+    pose.*parameter.Value = values.at(parameter.Index);
+  }
+  return pose;
+}
+}
