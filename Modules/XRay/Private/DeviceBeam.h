@@ -2,13 +2,15 @@
 #ifndef mammoray_DeviceBeam_h
 #define mammoray_DeviceBeam_h
 
-#include "Private/Buffer.h"
+#include "Private/ShaderBindings.h"
 #include "mammoray/XRay/Beam.h"
+
+#include <vector>
 
 namespace mammoray
 {
 /// The image that path lengths in a device's buffer belong to.
-struct ProjectedView
+struct DeviceImage
 {
   int Columns = 0;
   int Rows = 0;
@@ -25,17 +27,13 @@ public:
   explicit DeviceBeam(VulkanDevice& device);
 
   /// `lengths`: mm, value[(material * Rows + row) * Columns + column], air included. Holes take the
-  /// mean of their neighbours. Throws InputError when the beam has fewer materials, or when there
-  /// is no view.
-  std::vector<float> Transmission(const Buffer& lengths, const std::optional<ProjectedView>& view,
+  /// mean of their neighbours. Throws InputError when the beam has fewer materials.
+  std::vector<float> Transmission(const Buffer& lengths, const DeviceImage& image,
     const Beam& beam);
 
 private:
   VulkanDevice& Device;
-  std::optional<vk::raii::DescriptorSetLayout> SetLayout;
-  std::optional<vk::raii::PipelineLayout> Layout;
-  std::optional<vk::raii::DescriptorPool> DescriptorPool;
-  std::optional<vk::raii::DescriptorSet> Set;
+  ShaderBindings Bindings;
   std::optional<vk::raii::Pipeline> Pipeline;
   Buffer Table;
   Buffer Transmitted;

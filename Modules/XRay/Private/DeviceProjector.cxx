@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Private/DeviceProjector.h"
 
-#include "Private/ProjectionHelpers.h"
+#include "Private/ProjectionChecks.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/XRay/Beam.h"
 
@@ -14,133 +14,246 @@ namespace mammoray
 {
 namespace
 {
+using Usage = vk::BufferUsageFlagBits;
+
 /// Path lengths of an image, 4 GiB: more is a slip of the keyboard.
 constexpr std::uint64_t MostLengths = 1u << 30;
+constexpr std::uint64_t MostWorkBytes = 256u << 20;
+
+std::uint64_t PixelCount(const XRayDetector& detector)
+{
+  return std::uint64_t(detector.Columns) * std::uint64_t(detector.Rows);
+}
 }
 
 DeviceProjector::DeviceProjector(std::unique_ptr<VulkanDevice> device,
-  const ProjectorOptions& options)
+  const ProjectorOptions& options, vk::BufferUsageFlags surfaceUsage)
   : OwnedDevice(std::move(device))
   , Device(*this->OwnedDevice)
   , Doubles(options.DoublePrecision && this->Device.HasDoubles())
+  , SurfaceUsage(surfaceUsage)
 {
+  // Shaders without derivatives are bound to these as well.
+  Reserve(this->Velocities, this->Device, 1, Usage::eStorageBuffer, MemoryUse::Upload);
+  Reserve(this->Rates, this->Device, 1, Usage::eStorageBuffer, MemoryUse::Download);
 }
 
-int DeviceProjector::MostRows(const XRayDetector& detector) const
+void DeviceProjector::SetSurface(const SurfaceMesh& surface)
 {
-  const std::uint64_t rowBytes = static_cast<std::uint64_t>(std::max(detector.Columns, 1)) *
-    std::max(this->MaterialCount, 1u) * sizeof(float);
-  return static_cast<int>(std::clamp<std::uint64_t>(
-    this->Device.Limits().maxStorageBufferRange / rowBytes, 1, std::numeric_limits<int>::max()));
+  surface.Validate("surface");
+  this->Forget();
+  this->HasSurface = false; // until all is written
+  WithDeviceErrors(
+    [&]
+    {
+      this->Surface.Set(this->Device, surface, this->TriangleOrder(surface), this->Doubles,
+        this->SurfaceUsage);
+      this->BindingsStale = true;
+      this->SurfaceChanged(surface.Points, false);
+    });
+  this->HasSurface = true;
 }
 
-PathLengthImage DeviceProjector::ProjectInStrips(const XRaySource& source,
-  const XRayDetector& detector, int rowsAtOnce)
+void DeviceProjector::UpdatePoints(const std::vector<double>& points)
+{
+  if (!this->HasSurface)
+  {
+    throw InputError("projector: expected a surface before its points are moved, found none");
+  }
+  CheckMovedPoints(points, this->Surface.PointCount);
+  this->Forget();
+  WithDeviceErrors(
+    [&]
+    {
+      this->Surface.Move(points, this->Doubles);
+      this->SurfaceChanged(points, true);
+    });
+}
+
+void DeviceProjector::RequireSurface() const
+{
+  if (!this->HasSurface)
+  {
+    throw InputError("projector: expected a surface before the projection, found none");
+  }
+}
+
+void DeviceProjector::CheckImage(const XRaySource& source, const XRayDetector& detector) const
+{
+  CheckGeometry(source, detector);
+  this->RequireSurface();
+  const std::uint64_t pixels = PixelCount(detector);
+  if (pixels * this->Surface.MaterialCount > MostLengths)
+  {
+    throw InputError("detector: " + std::to_string(pixels) + " pixels of " +
+      std::to_string(this->Surface.MaterialCount) + " materials, expected at most " +
+      std::to_string(MostLengths) + " path lengths in an image");
+  }
+  if (!this->HasRoomFor(this->StripAt(detector, 0).Part))
+  {
+    throw InputError("detector: " + std::to_string(pixels) + " pixels of " +
+      std::to_string(this->Surface.MaterialCount) + " materials are more than " +
+      this->Device.Name() + " takes in one image");
+  }
+}
+
+PathLengthImage DeviceProjector::MakeImage(int columns, int rows) const
+{
+  PathLengthImage image;
+  image.Columns = columns;
+  image.Rows = rows;
+  image.Materials = static_cast<int>(this->Surface.MaterialCount);
+  return image;
+}
+
+PixelRange DeviceProjector::Strip::Pixels() const
+{
+  const auto columns = static_cast<std::size_t>(this->Part.Columns);
+  return { static_cast<std::size_t>(this->FirstRow) * columns,
+    static_cast<std::size_t>(this->Part.Rows) * columns };
+}
+
+int DeviceProjector::RowsAtOnce(const XRayDetector& detector) const
+{
+  const std::uint64_t rowBytes =
+    std::uint64_t(detector.Columns) * this->Surface.MaterialCount * sizeof(float);
+  return static_cast<int>(
+    std::clamp<std::uint64_t>(this->Device.Limits().maxStorageBufferRange / rowBytes, 1,
+      static_cast<std::uint64_t>(detector.Rows)));
+}
+
+DeviceProjector::Strip DeviceProjector::StripAt(const XRayDetector& detector, int firstRow) const
+{
+  Strip strip{ firstRow, detector };
+  strip.Part.Origin = detector.Origin + static_cast<double>(firstRow) * detector.RowStep;
+  strip.Part.Rows = std::min(this->RowsAtOnce(detector), detector.Rows - firstRow);
+  return strip;
+}
+
+template <typename Work>
+PathLengthImage DeviceProjector::ProjectStrips(const XRayDetector& detector, const Work& render)
 {
   this->Forget();
-  PathLengthImage image;
+  PathLengthImage image = this->MakeImage(detector.Columns, detector.Rows);
   std::vector<std::size_t> holes;
-  for (int first = 0; first < detector.Rows; first += rowsAtOnce)
+  for (int row = 0; row < detector.Rows;)
   {
-    XRayDetector strip = detector;
-    strip.Origin = detector.Origin + static_cast<double>(first) * detector.RowStep;
-    strip.Rows = std::min(rowsAtOnce, detector.Rows - first);
-    PathLengthImage part = this->MakeImage(source, strip);
-    if (first == 0)
-    {
-      const std::uint64_t pixels = std::uint64_t(detector.Columns) * std::uint64_t(detector.Rows);
-      if (pixels * this->MaterialCount > MostLengths)
-      {
-        throw InputError("detector: " + std::to_string(pixels) + " pixels of " +
-          std::to_string(this->MaterialCount) + " materials, expected at most " +
-          std::to_string(MostLengths) + " path lengths in an image");
-      }
-      image.Columns = detector.Columns;
-      image.Rows = detector.Rows;
-      image.Materials = part.Materials;
-      image.Lengths.assign(image.NumberOfPixels() * static_cast<std::size_t>(part.Materials), 0);
-      image.Inconsistent.resize(image.NumberOfPixels());
-    }
-    WithDeviceErrors([&] { this->Render(source, strip, 0); });
-    const std::size_t offset = static_cast<std::size_t>(first) * detector.Columns;
-    for (const std::size_t hole :
-      ReadImage({ this->Lengths.Data<float>(), this->Failures.Data<std::uint32_t>() }, strip, part))
-    {
-      holes.push_back(offset + hole);
-    }
-    for (int material = 1; material < part.Materials; ++material)
-    {
-      std::copy_n(part.Material(material), part.NumberOfPixels(),
-        image.Lengths.data() + static_cast<std::size_t>(material) * image.NumberOfPixels() +
-          offset);
-    }
-    std::copy(part.Inconsistent.begin(), part.Inconsistent.end(),
-      image.Inconsistent.begin() + static_cast<std::ptrdiff_t>(offset));
+    const Strip strip = this->StripAt(detector, row);
+    render(strip);
+    const std::vector<std::size_t> found =
+      ReadLengths(this->Output(), strip.Pixels(), detector.Samples, image);
+    holes.insert(holes.end(), found.begin(), found.end());
+    row += strip.Part.Rows;
   }
   FillFromNeighbours(image.Lengths, image.Columns, image.Rows, holes);
-  this->LastView = ProjectedView{ image.Columns, image.Rows, image.Materials, std::move(holes) };
-  this->LastInStrips = image;
+  this->LastImage = DeviceImage{ image.Columns, image.Rows, image.Materials, std::move(holes) };
+  if (this->RowsAtOnce(detector) < detector.Rows)
+  {
+    this->LastInStrips = image;
+  }
   return image;
 }
 
 PathLengthImage DeviceProjector::Project(const XRaySource& source, const XRayDetector& detector)
 {
-  if (const int most = this->MostRows(detector); most < detector.Rows)
-  {
-    return this->ProjectInStrips(source, detector, most);
-  }
-  PathLengthImage image = this->MakeImage(source, detector);
-  this->Forget();
-  WithDeviceErrors([&] { this->Render(source, detector, 0); });
-  this->Read(detector, image);
-  return image;
+  this->CheckImage(source, detector);
+  return this->ProjectStrips(detector,
+    [&](const Strip& strip) { this->RenderStrip(source, strip.Part, 0); });
 }
 
 PathLengthImage DeviceProjector::Project(const XRaySource& source, const XRayDetector& detector,
   const std::vector<double>& velocities, int fields, PathLengthDerivatives& derivatives)
 {
-  PathLengthImage image = this->MakeImage(source, detector);
-  this->Forget();
-  CheckVelocities(velocities, fields, this->PointCount);
-  const int atOnce = this->MostFields(detector, fields);
-  PrepareDerivatives(image, fields, derivatives);
-  this->RenderFields(source, detector, velocities, fields, atOnce, derivatives);
-  this->Read(detector, image);
-  FillFromNeighbours(derivatives.Lengths, image.Columns, image.Rows, this->LastView->Holes);
+  this->CheckImage(source, detector);
+  CheckVelocities(velocities, fields, this->Surface.PointCount);
+  const int atOnce = this->FieldsAtOnce(this->StripAt(detector, 0).Part, fields);
+  PrepareDerivatives(detector, static_cast<int>(this->Surface.MaterialCount), fields, derivatives);
+  const PathLengthImage image = this->ProjectStrips(detector,
+    [&](const Strip& strip)
+    {
+      for (int next = 0; next < fields;)
+      {
+        const FieldBatch batch = this->NextBatch(velocities, next, fields, atOnce);
+        WithDeviceErrors(
+          [&]
+          {
+            this->Ensure(this->Velocities,
+              3 * sizeof(float) * this->Surface.PointCount * static_cast<std::size_t>(batch.Count),
+              Usage::eStorageBuffer, MemoryUse::Upload);
+          });
+        WriteVelocities(velocities, this->Surface.PointCount, batch,
+          this->Velocities.Data<float>());
+        this->RenderStrip(source, strip.Part, batch.Count);
+        ReadRates(this->Rates.Data<float>(), batch, strip.Pixels(), derivatives);
+        next = batch.First + batch.Count;
+      }
+    });
+  FillFromNeighbours(derivatives.Lengths, image.Columns, image.Rows, this->LastImage->Holes);
   return image;
 }
 
-void DeviceProjector::Read(const XRayDetector& detector, PathLengthImage& image)
+int DeviceProjector::FieldsAtOnce(const XRayDetector& part, int fields) const
 {
-  this->LastView = ProjectedView{ image.Columns, image.Rows, image.Materials,
-    ReadImage({ this->Lengths.Data<float>(), this->Failures.Data<std::uint32_t>() }, detector,
-      image) };
-  FillFromNeighbours(image.Lengths, image.Columns, image.Rows, this->LastView->Holes);
+  const std::uint64_t most = this->MostBytes();
+  const std::uint64_t rates = PixelCount(part) * this->Surface.MaterialCount * sizeof(float);
+  const std::uint64_t velocities = 3 * this->Surface.PointCount * sizeof(float);
+  const std::uint64_t count = std::min(
+    { static_cast<std::uint64_t>(this->MostFields(part)), std::uint64_t{ MostFieldsPerPass },
+      most / velocities, std::max<std::uint64_t>(1, most / rates) });
+  if (count == 0)
+  {
+    throw InputError("projector: derivatives by velocities of " +
+      std::to_string(this->Surface.PointCount) + " points are more than " + this->Device.Name() +
+      " takes in one buffer");
+  }
+  return FieldsPerPass(fields, static_cast<int>(count));
 }
 
-void DeviceProjector::RenderBatch(const XRaySource& source, const XRayDetector& detector,
-  const std::vector<double>& velocities, int first, const std::vector<double>& factors)
+void DeviceProjector::RenderStrip(const XRaySource& source, const XRayDetector& part, int fields)
 {
   WithDeviceErrors(
     [&]
     {
-      if (Reserve(this->Velocities, this->Device,
-            3 * sizeof(float) * this->PointCount * factors.size(),
-            vk::BufferUsageFlagBits::eStorageBuffer, MemoryUse::Upload))
-      {
-        this->DescriptorsStale = true;
-      }
-      WriteVelocities(velocities, this->PointCount, first, factors, this->Velocities.Data<float>());
-      this->Render(source, detector, static_cast<int>(factors.size()));
+      this->ReserveOutput(PixelCount(part), fields);
+      this->Render(source, part, fields);
     });
+}
+
+std::uint64_t DeviceProjector::MostBytes() const
+{
+  return std::min<std::uint64_t>(MostWorkBytes, this->Device.Limits().maxStorageBufferRange);
+}
+
+void DeviceProjector::Ensure(Buffer& buffer, vk::DeviceSize bytes, vk::BufferUsageFlags usage,
+  MemoryUse use)
+{
+  if (Reserve(buffer, this->Device, bytes, usage, use))
+  {
+    this->BindingsStale = true;
+  }
+}
+
+void DeviceProjector::ReserveOutput(std::uint64_t pixels, int fields)
+{
+  const std::uint64_t lengthBytes = pixels * this->Surface.MaterialCount * sizeof(float);
+  this->Ensure(this->Lengths, lengthBytes, Usage::eStorageBuffer, MemoryUse::Download);
+  this->Ensure(this->Failures, pixels * sizeof(std::uint32_t), Usage::eStorageBuffer,
+    MemoryUse::Download);
+  this->Ensure(this->Rates, lengthBytes * static_cast<std::uint64_t>(fields), Usage::eStorageBuffer,
+    MemoryUse::Download);
 }
 
 std::vector<float> DeviceProjector::Transmission(const Beam& beam)
 {
+  if (!this->LastImage)
+  {
+    throw InputError("projector: expected a projection before its transmission, found none");
+  }
   if (this->LastInStrips)
   {
     std::vector<float> image = beam.Transmission(*this->LastInStrips);
-    FillFromNeighbours(image, this->LastView->Columns, this->LastView->Rows, this->LastView->Holes);
+    FillFromNeighbours(image, this->LastImage->Columns, this->LastImage->Rows,
+      this->LastImage->Holes);
     return image;
   }
   return WithDeviceErrors(
@@ -150,7 +263,7 @@ std::vector<float> DeviceProjector::Transmission(const Beam& beam)
       {
         this->BeamOnDevice.emplace(this->Device);
       }
-      return this->BeamOnDevice->Transmission(this->Lengths, this->LastView, beam);
+      return this->BeamOnDevice->Transmission(this->Lengths, *this->LastImage, beam);
     });
 }
 }

@@ -3,17 +3,28 @@
 #define mammoray_DeviceProjector_h
 
 #include "Private/DeviceBeam.h"
+#include "Private/DeviceSurface.h"
+#include "Private/ProjectionReadout.h"
+#include "Private/VelocityFields.h"
+
+#include <memory>
+#include <optional>
+#include <vector>
 
 namespace mammoray
 {
 /**
- * What the projectors of a Vulkan device share, whichever way they find path lengths: the buffers
- * that these end in, how images are read from them, and the beam. Members are declared in creation
- * order.
+ * The life of a projector on a Vulkan device, whichever way it finds path lengths: the surface goes
+ * to the device's buffers, an image is rendered strip by strip of rows (one strip where a buffer
+ * holds it all), its derivatives batch by batch of fields, and both are read back; the beam acts on
+ * what is there. Derived classes render. Everything but the surface's own buffers outlives frames.
+ * Members are declared in creation order.
  */
 class DeviceProjector : public PathLengthProjector
 {
 public:
+  void SetSurface(const SurfaceMesh& surface) final;
+  void UpdatePoints(const std::vector<double>& points) final;
   PathLengthImage Project(const XRaySource& source, const XRayDetector& detector) final;
   PathLengthImage Project(const XRaySource& source, const XRayDetector& detector,
     const std::vector<double>& velocities, int fields, PathLengthDerivatives& derivatives) final;
@@ -21,54 +32,83 @@ public:
   std::string DeviceName() const final { return this->Device.Name(); }
 
 protected:
-  DeviceProjector(std::unique_ptr<VulkanDevice> device, const ProjectorOptions& options);
+  /// `surfaceUsage`: what the buffers of the surface are used for.
+  DeviceProjector(std::unique_ptr<VulkanDevice> device, const ProjectorOptions& options,
+    vk::BufferUsageFlags surfaceUsage);
 
-  /// An image of the right size; throws InputError where none can be made.
-  virtual PathLengthImage MakeImage(const XRaySource& source,
-    const XRayDetector& detector) const = 0;
-  /// Most fields that are done at once; throws InputError when there is no room for one.
-  virtual int MostFields(const XRayDetector& detector, int fields) const = 0;
-  /// Fills Lengths, Failures and, for the fields of Velocities, Rates.
+  /// The order in which triangles lie on the device: order[n] is the number of the nth one.
+  virtual std::vector<std::uint32_t> TriangleOrder(const SurfaceMesh& surface) const = 0;
+  /// The device's buffers hold a new surface or, with `moved`, the same one with other points.
+  virtual void SurfaceChanged(const std::vector<double>& points, bool moved) = 0;
+  /// Whether an image of this detector can be rendered at once.
+  virtual bool HasRoomFor(const XRayDetector& detector) const = 0;
+  /// Most fields that one pass over this detector can take besides memory for results; may be 0.
+  virtual int MostFields(const XRayDetector& detector) const = 0;
+  /// The batch that does field `next` of all, at most `atOnce` of them.
+  virtual FieldBatch NextBatch(const std::vector<double>& velocities, int next, int fields,
+    int atOnce) const = 0;
+  /// Fills Lengths, Failures and, for the fields of Velocities, Rates, which have room.
   virtual void Render(const XRaySource& source, const XRayDetector& detector, int fields) = 0;
-  /// Renders all fields, at most `atOnce` of them at a time, and reads their rates.
-  virtual void RenderFields(const XRaySource& source, const XRayDetector& detector,
-    const std::vector<double>& velocities, int fields, int atOnce,
-    PathLengthDerivatives& derivatives) = 0;
 
-  /// Renders fields [first, first + factors.size()), each times its factor.
-  void RenderBatch(const XRaySource& source, const XRayDetector& detector,
-    const std::vector<double>& velocities, int first, const std::vector<double>& factors);
-  /// Lengths are no longer those of an image.
+  /// Throws InputError when there is no surface.
+  void RequireSurface() const;
+  /// An image of so many pixels without contents.
+  PathLengthImage MakeImage(int columns, int rows) const;
+  /// Bytes that a buffer for work in bands or batches may have at the most.
+  std::uint64_t MostBytes() const;
+  /// Reserves a buffer; the shaders' bindings are stale when it was made anew.
+  void Ensure(Buffer& buffer, vk::DeviceSize bytes, vk::BufferUsageFlags usage, MemoryUse use);
+  /// Makes room for the results of so many pixels or rays.
+  void ReserveOutput(std::uint64_t pixels, int fields);
+  ProjectionOutput Output() const
+  {
+    return { this->Lengths.Data<float>(), this->Failures.Data<std::uint32_t>() };
+  }
+  /// Notes that Lengths are no longer those of an image.
   void Forget()
   {
-    this->LastView.reset();
+    this->LastImage.reset();
     this->LastInStrips.reset();
   }
 
   std::unique_ptr<VulkanDevice> OwnedDevice;
   VulkanDevice& Device;
   bool Doubles = false;
-  std::size_t PointCount = 0;
-  std::uint32_t TriangleCount = 0;
-  std::uint32_t MaterialCount = 0;
+  DeviceSurface Surface;
   Buffer Lengths;
   Buffer Failures;
   Buffer Velocities;
   Buffer Rates;
-  bool DescriptorsStale = true;
+  bool BindingsStale = true;
 
 private:
-  /// Rows of the detector whose lengths one buffer of the device holds.
-  int MostRows(const XRayDetector& detector) const;
-  PathLengthImage ProjectInStrips(const XRaySource& source, const XRayDetector& detector,
-    int rowsAtOnce);
-  /// Reads what Render left, but for the pixels of LastView's holes.
-  void Read(const XRayDetector& detector, PathLengthImage& image);
+  /// Rows [FirstRow, FirstRow + Part.Rows) of a detector.
+  struct Strip
+  {
+    int FirstRow = 0;
+    XRayDetector Part;
 
+    PixelRange Pixels() const;
+  };
+
+  /// Rows of the detector whose lengths one buffer of the device holds.
+  int RowsAtOnce(const XRayDetector& detector) const;
+  Strip StripAt(const XRayDetector& detector, int firstRow) const;
+  /// Throws InputError where no image can be made.
+  void CheckImage(const XRaySource& source, const XRayDetector& detector) const;
+  /// Calls render(strip) for the detector's strips and reads the path lengths that each leaves.
+  template <typename Work>
+  PathLengthImage ProjectStrips(const XRayDetector& detector, const Work& render);
+  void RenderStrip(const XRaySource& source, const XRayDetector& part, int fields);
+  /// Fields that are done in one pass; throws InputError when there is no room for one.
+  int FieldsAtOnce(const XRayDetector& part, int fields) const;
+
+  vk::BufferUsageFlags SurfaceUsage;
+  bool HasSurface = false;
   /// Made when first used.
   std::optional<DeviceBeam> BeamOnDevice;
-  /// Of the last image; empty when there is none.
-  std::optional<ProjectedView> LastView;
+  /// What the last Project left; empty when there is nothing.
+  std::optional<DeviceImage> LastImage;
   /// The last image where Lengths could not hold it at once.
   std::optional<PathLengthImage> LastInStrips;
 };

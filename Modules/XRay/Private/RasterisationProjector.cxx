@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Private/RasterisationProjector.h"
 
-#include "Private/ProjectionHelpers.h"
 #include "RasterParameters.h"
 #include "rasterMark_double.h"
 #include "rasterMark_double_long.h"
@@ -23,6 +22,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <utility>
 
 namespace mammoray
@@ -31,19 +31,14 @@ namespace
 {
 using Usage = vk::BufferUsageFlagBits;
 
-/// Sums of the rows in work; more rows are done in bands.
-constexpr std::uint64_t MostSumBytes = 256u << 20;
 /// Entries of the list of tiles at first; it grows with need.
 constexpr std::uint32_t FirstTileCapacity = 1u << 16;
 /// Workgroups that share the list of tiles: plenty for large devices, few for a CPU.
 constexpr std::uint32_t TileGroups = 1024;
-constexpr std::uint32_t GroupsPerRow = 32768;
 /// Rows of samples in work: what every device takes as a count of workgroups.
 constexpr int MostRowsAtOnce = 65535;
 /// Columns or rows of samples: tiles are numbered with 16 bits.
 constexpr int MostSamples = 65535 * MAMMORAY_RASTER_TILE;
-/// Velocity fields done at once.
-constexpr int MostFieldsAtOnce = 8;
 /// A ray is traced once, and again at most four times where its crossings do not cancel.
 constexpr int MostAttempts = 5;
 
@@ -58,23 +53,14 @@ std::pair<double, double> AttemptOffset(int attempt)
   const double size = 1e-5 * std::pow(10, attempt);
   return { size * std::cos(2.399963 * attempt), size * std::sin(2.399963 * attempt) };
 }
-
-void Dispatch(const vk::raii::CommandBuffer& commands, std::uint64_t invocations)
-{
-  const std::uint64_t groups = (invocations + MAMMORAY_RASTER_GROUP - 1) / MAMMORAY_RASTER_GROUP;
-  const std::uint64_t rows = (groups + GroupsPerRow - 1) / GroupsPerRow;
-  commands.dispatch(static_cast<std::uint32_t>(std::min<std::uint64_t>(groups, GroupsPerRow)),
-    static_cast<std::uint32_t>(rows), 1);
-}
 }
 
 RasterisationProjector::RasterisationProjector(std::unique_ptr<VulkanDevice> device,
   const ProjectorOptions& options)
-  : DeviceProjector(std::move(device), options)
+  : DeviceProjector(std::move(device), options, Usage::eStorageBuffer)
+  , Bindings(this->Device,
+      { .Stages = vk::ShaderStageFlagBits::eCompute, .Count = MAMMORAY_RASTER_BINDING_COUNT })
 {
-  this->MakeLayout();
-  Reserve(this->Velocities, this->Device, 1, Usage::eStorageBuffer, MemoryUse::Upload);
-  Reserve(this->Rates, this->Device, 1, Usage::eStorageBuffer, MemoryUse::Download);
   Reserve(this->Marks, this->Device, 1, Usage::eStorageBuffer | Usage::eTransferDst,
     MemoryUse::Device);
   this->ProgramsFor(false);
@@ -82,27 +68,6 @@ RasterisationProjector::RasterisationProjector(std::unique_ptr<VulkanDevice> dev
     MemoryUse::Upload);
   Reserve(this->TileCount, this->Device, sizeof(std::uint32_t), Usage::eTransferDst,
     MemoryUse::Download);
-}
-
-void RasterisationProjector::MakeLayout()
-{
-  std::array<vk::DescriptorSetLayoutBinding, MAMMORAY_RASTER_BINDING_COUNT> bindings;
-  for (std::uint32_t binding = 0; binding < bindings.size(); ++binding)
-  {
-    bindings[binding] = vk::DescriptorSetLayoutBinding(binding, vk::DescriptorType::eStorageBuffer,
-      1, vk::ShaderStageFlagBits::eCompute);
-  }
-  const vk::raii::Device& device = this->Device.Device();
-  this->SetLayout.emplace(device, vk::DescriptorSetLayoutCreateInfo({}, bindings));
-  const vk::DescriptorSetLayout setLayout = **this->SetLayout;
-  this->Layout.emplace(device, vk::PipelineLayoutCreateInfo({}, setLayout));
-  const vk::DescriptorPoolSize size(vk::DescriptorType::eStorageBuffer,
-    MAMMORAY_RASTER_BINDING_COUNT);
-  this->DescriptorPool.emplace(device,
-    vk::DescriptorPoolCreateInfo(vk::DescriptorPoolCreateFlagBits::eFreeDescriptorSet, 1, size));
-  vk::raii::DescriptorSets sets(device,
-    vk::DescriptorSetAllocateInfo(**this->DescriptorPool, setLayout));
-  this->Set.emplace(std::move(sets.front()));
 }
 
 const RasterisationProjector::Programs& RasterisationProjector::ProgramsFor(bool withRates)
@@ -120,14 +85,12 @@ const RasterisationProjector::Programs& RasterisationProjector::ProgramsFor(bool
                       const auto& singleLong, const auto& twice, const auto& twiceLong)
   {
     const vk::raii::ShaderModule module = this->Doubles
-      ? (longs ? Module(this->Device, twiceLong, sizeof(twiceLong))
-               : Module(this->Device, twice, sizeof(twice)))
-      : (longs ? Module(this->Device, singleLong, sizeof(singleLong))
-               : Module(this->Device, single, sizeof(single)));
+      ? (longs ? MakeShader(this->Device, twiceLong) : MakeShader(this->Device, twice))
+      : (longs ? MakeShader(this->Device, singleLong) : MakeShader(this->Device, single));
     const vk::PipelineShaderStageCreateInfo stage({}, vk::ShaderStageFlagBits::eCompute, *module,
       "main", &constants);
     pipeline.emplace(this->Device.Device(), nullptr,
-      vk::ComputePipelineCreateInfo({}, stage, **this->Layout));
+      vk::ComputePipelineCreateInfo({}, stage, this->Bindings.Layout()));
   };
   Programs programs;
   make(programs[0], rasterTriangles_float, rasterTriangles_float_long, rasterTriangles_double,
@@ -141,97 +104,30 @@ const RasterisationProjector::Programs& RasterisationProjector::ProgramsFor(bool
   return known.emplace(std::move(programs));
 }
 
-void RasterisationProjector::SetSurface(const SurfaceMesh& surface)
+std::vector<std::uint32_t> RasterisationProjector::TriangleOrder(const SurfaceMesh& surface) const
 {
-  surface.Validate("surface");
-  this->Forget();
-  const std::uint64_t positionBytes =
-    surface.Points.size() * (this->Doubles ? sizeof(double) : sizeof(float));
-  const std::uint64_t triangleBytes = surface.Triangles.size() * sizeof(std::uint32_t);
-  if (std::max(positionBytes, triangleBytes) > this->Device.Limits().maxStorageBufferRange)
-  {
-    throw DeviceError("Vulkan: " + std::to_string(surface.NumberOfTriangles()) + " triangles and " +
-      std::to_string(surface.NumberOfPoints()) + " points are more than " + this->Device.Name() +
-      " takes in one buffer");
-  }
-  WithDeviceErrors(
-    [&]
-    {
-      this->TriangleCount = 0; // until all is written
-      this->PointCount = surface.NumberOfPoints();
-      this->MaterialCount = static_cast<std::uint32_t>(surface.NumberOfMaterials());
-      Reserve(this->Positions, this->Device, positionBytes, Usage::eStorageBuffer,
-        MemoryUse::Upload);
-      Reserve(this->Triangles, this->Device, triangleBytes, Usage::eStorageBuffer,
-        MemoryUse::Upload);
-      Reserve(this->Materials, this->Device, triangleBytes / 3, Usage::eStorageBuffer,
-        MemoryUse::Upload);
-      this->WritePoints(surface.Points);
-      std::copy(surface.Triangles.begin(), surface.Triangles.end(),
-        this->Triangles.Data<std::uint32_t>());
-      std::transform(surface.FrontMaterials.begin(), surface.FrontMaterials.end(),
-        surface.BackMaterials.begin(), this->Materials.Data<std::uint32_t>(),
-        [](std::uint32_t front, std::uint32_t back) { return front | back << 16; });
-      this->TriangleCount = static_cast<std::uint32_t>(surface.NumberOfTriangles());
-      this->DescriptorsStale = true;
-    });
+  std::vector<std::uint32_t> order(surface.NumberOfTriangles());
+  std::iota(order.begin(), order.end(), 0u);
+  return order;
 }
 
-void RasterisationProjector::UpdatePoints(const std::vector<double>& points)
+void RasterisationProjector::SurfaceChanged(const std::vector<double>&, bool)
 {
-  if (this->TriangleCount == 0)
-  {
-    throw InputError("projector: expected a surface before its points are moved, found none");
-  }
-  CheckMovedPoints(points, this->PointCount);
-  this->Forget();
-  this->WritePoints(points);
-}
-
-void RasterisationProjector::WritePoints(const std::vector<double>& points)
-{
-  constexpr double infinity = std::numeric_limits<double>::infinity();
-  Vector3 low{ infinity, infinity, infinity };
-  Vector3 high{ -infinity, -infinity, -infinity };
-  for (std::size_t index = 0; index < points.size(); index += 3)
-  {
-    for (std::size_t axis = 0; axis < 3; ++axis)
-    {
-      low[axis] = std::min(low[axis], points[index + axis]);
-      high[axis] = std::max(high[axis], points[index + axis]);
-    }
-  }
-  this->Center = 0.5 * (low + high);
   // Room for the rounding of positions in single precision.
-  this->Reach = 1e-6 + (1 + 1e-6) * 0.5 * Norm(high - low);
-  const auto write = [&](auto* positions)
-  {
-    for (std::size_t index = 0; index < points.size(); index += 3)
-    {
-      for (std::size_t axis = 0; axis < 3; ++axis)
-      {
-        positions[index + axis] = static_cast<std::decay_t<decltype(*positions)>>(
-          points[index + axis] - this->Center[axis]);
-      }
-    }
-  };
-  if (this->Doubles)
-  {
-    write(this->Positions.Data<double>());
-  }
-  else
-  {
-    write(this->Positions.Data<float>());
-  }
+  this->Reach = 1e-6 + (1 + 1e-6) * 0.5 * Norm(this->Surface.High - this->Surface.Low);
 }
 
-void RasterisationProjector::UpdateDescriptors()
+void RasterisationProjector::UpdateBindings()
 {
-  const Buffer* buffers[MAMMORAY_RASTER_BINDING_COUNT] = {};
+  if (!this->BindingsStale)
+  {
+    return;
+  }
+  std::array<const Buffer*, MAMMORAY_RASTER_BINDING_COUNT> buffers{};
   buffers[MAMMORAY_RASTER_PARAMETERS] = &this->Parameters;
-  buffers[MAMMORAY_RASTER_POSITIONS] = &this->Positions;
-  buffers[MAMMORAY_RASTER_TRIANGLES] = &this->Triangles;
-  buffers[MAMMORAY_RASTER_MATERIALS] = &this->Materials;
+  buffers[MAMMORAY_RASTER_POSITIONS] = &this->Surface.Positions;
+  buffers[MAMMORAY_RASTER_TRIANGLES] = &this->Surface.Triangles;
+  buffers[MAMMORAY_RASTER_MATERIALS] = &this->Surface.Materials;
   buffers[MAMMORAY_RASTER_SUMS] = &this->Sums;
   buffers[MAMMORAY_RASTER_TILES] = &this->Tiles;
   buffers[MAMMORAY_RASTER_LENGTHS] = &this->Lengths;
@@ -239,16 +135,8 @@ void RasterisationProjector::UpdateDescriptors()
   buffers[MAMMORAY_RASTER_VELOCITIES] = &this->Velocities;
   buffers[MAMMORAY_RASTER_RATES] = &this->Rates;
   buffers[MAMMORAY_RASTER_MARKS] = &this->Marks;
-  std::array<vk::DescriptorBufferInfo, MAMMORAY_RASTER_BINDING_COUNT> infos;
-  std::vector<vk::WriteDescriptorSet> writes;
-  for (std::uint32_t binding = 0; binding < MAMMORAY_RASTER_BINDING_COUNT; ++binding)
-  {
-    infos[binding] = vk::DescriptorBufferInfo(buffers[binding]->Handle(), 0, VK_WHOLE_SIZE);
-    writes.emplace_back(**this->Set, binding, 0, 1, vk::DescriptorType::eStorageBuffer, nullptr,
-      &infos[binding]);
-  }
-  this->Device.Device().updateDescriptorSets(writes, nullptr);
-  this->DescriptorsStale = false;
+  this->Bindings.Update(buffers);
+  this->BindingsStale = false;
 }
 
 template <typename Real>
@@ -268,7 +156,7 @@ void RasterisationProjector::WriteParameters(const XRaySource& source, const XRa
   const int samples = detector.Samples;
   const Vector3 u = (1.0 / samples) * detector.ColumnStep;
   const Vector3 v = (1.0 / samples) * detector.RowStep;
-  const Vector3 origin = detector.Origin - this->Center +
+  const Vector3 origin = detector.Origin - this->Surface.Center +
     (0.5 / samples - 0.5) * (detector.ColumnStep + detector.RowStep);
   set(parameters.DetectorOrigin, origin);
   set(parameters.ColumnStep, u);
@@ -277,7 +165,7 @@ void RasterisationProjector::WriteParameters(const XRaySource& source, const XRa
   // A point is p = base + column u + row v + depth w; for a point source, a ray's points are
   // multiples of one another.
   const bool isPoint = source.Type == XRaySource::Kind::Point;
-  const Vector3 base = isPoint ? source.Position - this->Center : origin;
+  const Vector3 base = isPoint ? source.Position - this->Surface.Center : origin;
   const Vector3 w = isPoint ? origin - base : (1.0 / Norm(source.Direction)) * source.Direction;
   set(parameters.Source, isPoint ? base : w, isPoint ? 1 : 0);
   const double determinant = Dot(w, Cross(u, v));
@@ -319,8 +207,8 @@ void RasterisationProjector::WriteParameters(const XRaySource& source, const XRa
   parameters.Samples = static_cast<std::uint32_t>(samples);
   parameters.PixelCount =
     static_cast<std::uint32_t>(detector.Columns) * static_cast<std::uint32_t>(detector.Rows);
-  parameters.Materials = this->MaterialCount;
-  parameters.Triangles = this->TriangleCount;
+  parameters.Materials = this->Surface.MaterialCount;
+  parameters.Triangles = this->Surface.TriangleCount;
   parameters.TileCapacity =
     static_cast<std::uint32_t>(this->Tiles.Bytes() / (2 * sizeof(std::uint32_t)) - 1);
   parameters.Fields = static_cast<std::uint32_t>(work.Fields);
@@ -357,8 +245,7 @@ std::uint32_t RasterisationProjector::Submit(const XRayDetector& detector, const
         commands.pipelineBarrier(from, to, {}, barrier, nullptr, nullptr);
       };
       const vk::AccessFlags both = Access::eShaderRead | Access::eShaderWrite;
-      commands.bindDescriptorSets(vk::PipelineBindPoint::eCompute, **this->Layout, 0, **this->Set,
-        nullptr);
+      this->Bindings.Bind(commands, vk::PipelineBindPoint::eCompute);
       if (!work.KeepsTiles)
       {
         commands.fillBuffer(this->Tiles.Handle(), 0, sizeof(std::uint32_t), 0);
@@ -385,7 +272,7 @@ std::uint32_t RasterisationProjector::Submit(const XRayDetector& detector, const
       if (!work.KeepsTiles)
       {
         commands.bindPipeline(vk::PipelineBindPoint::eCompute, **programs[0]);
-        Dispatch(commands, this->TriangleCount);
+        Dispatch(commands, this->Surface.TriangleCount, MAMMORAY_RASTER_GROUP);
         wait(Stage::eComputeShader, Access::eShaderWrite, Stage::eComputeShader | Stage::eTransfer,
           both | Access::eTransferRead);
       }
@@ -407,58 +294,38 @@ std::uint64_t RasterisationProjector::RowBytes(const XRayDetector& detector, int
 {
   const std::uint64_t samples = std::uint64_t(detector.Samples) * std::uint64_t(detector.Samples);
   const std::uint64_t pairs = 1 + (static_cast<std::uint64_t>(fields) + 1) / 2;
-  return std::uint64_t(detector.Columns) * samples * (this->MaterialCount - 1) * pairs *
+  return std::uint64_t(detector.Columns) * samples * (this->Surface.MaterialCount - 1) * pairs *
     sizeof(std::uint64_t);
 }
 
-PathLengthImage RasterisationProjector::MakeImage(const XRaySource& source,
-  const XRayDetector& detector) const
+bool RasterisationProjector::HasRoomFor(const XRayDetector& detector) const
 {
-  CheckGeometry(source, detector);
-  if (this->TriangleCount == 0)
-  {
-    throw InputError("projector: expected a surface before the projection, found none");
-  }
-  PathLengthImage image;
-  image.Columns = detector.Columns;
-  image.Rows = detector.Rows;
-  image.Materials = static_cast<int>(this->MaterialCount);
-  const std::uint64_t range = this->Device.Limits().maxStorageBufferRange;
-  if (image.NumberOfPixels() * this->MaterialCount * sizeof(float) > range ||
-    this->RowBytes(detector, 0) > std::min(MostSumBytes, range) ||
-    detector.Samples * std::max(detector.Columns, detector.Rows) > MostSamples)
-  {
-    throw InputError("detector: " + std::to_string(image.NumberOfPixels()) + " pixels of " +
-      std::to_string(this->MaterialCount) + " materials are more than " + this->Device.Name() +
-      " takes in one image");
-  }
-  return image;
+  return this->RowBytes(detector, 0) <= this->MostBytes() &&
+    detector.Samples * std::max(detector.Columns, detector.Rows) <= MostSamples;
 }
 
-int RasterisationProjector::MostFields(const XRayDetector& detector, int fields) const
+int RasterisationProjector::MostFields(const XRayDetector& detector) const
 {
-  const std::uint64_t most = this->MostBytes();
-  const std::uint64_t rates = std::uint64_t(detector.Columns) * std::uint64_t(detector.Rows) *
-    this->MaterialCount * sizeof(float);
-  const std::uint64_t velocities = 3 * this->PointCount * sizeof(float);
-  int count = FieldsAtOnce(fields,
-    static_cast<int>(
-      std::min<std::uint64_t>(MostFieldsAtOnce, std::min(most / rates, most / velocities))));
-  while (count > 0 && this->RowBytes(detector, count) > most)
+  int count = MostFieldsPerPass;
+  while (count > 0 && this->RowBytes(detector, count) > this->MostBytes())
   {
     --count;
-  }
-  if (count < 1)
-  {
-    throw InputError("detector: derivatives of " + std::to_string(this->PointCount) +
-      " points' images are more than " + this->Device.Name() + " takes");
   }
   return count;
 }
 
-std::uint64_t RasterisationProjector::MostBytes() const
+FieldBatch RasterisationProjector::NextBatch(const std::vector<double>& velocities, int next,
+  int fields, int atOnce) const
 {
-  return std::min<std::uint64_t>(MostSumBytes, this->Device.Limits().maxStorageBufferRange);
+  FieldBatch batch{ next, std::min(atOnce, fields - next) };
+  for (int field = 0; field < batch.Count; ++field)
+  {
+    const double speed = LargestSpeed(velocities, this->Surface.PointCount, next + field);
+    const auto index = static_cast<std::size_t>(field);
+    batch.Factor[index] = speed > 0 ? MAMMORAY_RASTER_RATE_UNITS / speed : 0;
+    batch.Unit[index] = speed / MAMMORAY_RASTER_RATE_UNITS;
+  }
+  return batch;
 }
 
 void RasterisationProjector::Render(const XRaySource& source, const XRayDetector& detector,
@@ -494,30 +361,17 @@ void RasterisationProjector::Render(const XRaySource& source, const XRayDetector
 bool RasterisationProjector::Run(const XRaySource& source, const XRayDetector& detector, Work work,
   std::uint64_t& tiles)
 {
-  const std::uint64_t pixels =
-    std::uint64_t(detector.Columns) * static_cast<std::uint64_t>(detector.Rows);
-  const std::uint64_t lengthBytes = pixels * this->MaterialCount * sizeof(float);
   const std::uint64_t sumBytes =
     static_cast<std::uint64_t>(work.RowCount) * this->RowBytes(detector, work.Fields);
   const std::uint64_t mostTiles = this->MostBytes() / (2 * sizeof(std::uint32_t)) - 1;
   std::uint64_t capacity = FirstTileCapacity;
   while (true)
   {
-    bool grown = Reserve(this->Sums, this->Device, sumBytes,
-      Usage::eStorageBuffer | Usage::eTransferDst, MemoryUse::Device);
-    grown |= Reserve(this->Tiles, this->Device, 2 * sizeof(std::uint32_t) * (capacity + 1),
+    this->Ensure(this->Sums, sumBytes, Usage::eStorageBuffer | Usage::eTransferDst,
+      MemoryUse::Device);
+    this->Ensure(this->Tiles, 2 * sizeof(std::uint32_t) * (capacity + 1),
       Usage::eStorageBuffer | Usage::eTransferDst | Usage::eTransferSrc, MemoryUse::Device);
-    grown |=
-      Reserve(this->Lengths, this->Device, lengthBytes, Usage::eStorageBuffer, MemoryUse::Download);
-    grown |= Reserve(this->Failures, this->Device, pixels * sizeof(std::uint32_t),
-      Usage::eStorageBuffer, MemoryUse::Download);
-    grown |=
-      Reserve(this->Rates, this->Device, lengthBytes * static_cast<std::uint64_t>(work.Fields),
-        Usage::eStorageBuffer, MemoryUse::Download);
-    if (this->DescriptorsStale || grown)
-    {
-      this->UpdateDescriptors();
-    }
+    this->UpdateBindings();
     if (this->Doubles)
     {
       this->WriteParameters<double>(source, detector, work);
@@ -569,14 +423,11 @@ void RasterisationProjector::RunAgain(const XRaySource& source, const XRayDetect
     {
       return;
     }
-    if (Reserve(this->Marks, this->Device,
-          sizeof(std::uint32_t) * static_cast<std::uint64_t>(work.RowCount) *
-            static_cast<std::uint64_t>(detector.Columns) *
-            static_cast<std::uint64_t>(detector.Samples * detector.Samples),
-          Usage::eStorageBuffer | Usage::eTransferDst, MemoryUse::Device))
-    {
-      this->DescriptorsStale = true;
-    }
+    this->Ensure(this->Marks,
+      sizeof(std::uint32_t) * static_cast<std::uint64_t>(work.RowCount) *
+        static_cast<std::uint64_t>(detector.Columns) *
+        static_cast<std::uint64_t>(detector.Samples * detector.Samples),
+      Usage::eStorageBuffer | Usage::eTransferDst, MemoryUse::Device);
     std::uint64_t tiles = 0;
     if (!this->Run(source, detector, work, tiles))
     {
@@ -584,25 +435,6 @@ void RasterisationProjector::RunAgain(const XRaySource& source, const XRayDetect
         this->Device.Name() + " has room for");
     }
     work.KeepsTiles = true;
-  }
-}
-
-void RasterisationProjector::RenderFields(const XRaySource& source, const XRayDetector& detector,
-  const std::vector<double>& velocities, int fields, int atOnce, PathLengthDerivatives& derivatives)
-{
-  for (int first = 0; first < fields; first += atOnce)
-  {
-    std::vector<double> toUnits(static_cast<std::size_t>(std::min(atOnce, fields - first)));
-    std::vector<double> fromUnits(toUnits.size());
-    for (std::size_t field = 0; field < toUnits.size(); ++field)
-    {
-      const double speed =
-        LargestSpeed(velocities, this->PointCount, first + static_cast<int>(field));
-      toUnits[field] = speed > 0 ? MAMMORAY_RASTER_RATE_UNITS / speed : 0;
-      fromUnits[field] = speed / MAMMORAY_RASTER_RATE_UNITS;
-    }
-    this->RenderBatch(source, detector, velocities, first, toUnits);
-    ReadRates(this->Rates.Data<float>(), first, fromUnits, derivatives);
   }
 }
 }

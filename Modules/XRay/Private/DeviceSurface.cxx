@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "Private/DeviceSurface.h"
+
+#include <algorithm>
+#include <limits>
+#include <string>
+
+namespace mammoray
+{
+void DeviceSurface::Set(const VulkanDevice& device, const SurfaceMesh& mesh,
+  const std::vector<std::uint32_t>& order, bool doubles, vk::BufferUsageFlags usage)
+{
+  const std::uint64_t positionBytes =
+    mesh.Points.size() * (doubles ? sizeof(double) : sizeof(float));
+  const std::uint64_t triangleBytes = mesh.Triangles.size() * sizeof(std::uint32_t);
+  if (std::max(positionBytes, triangleBytes) > device.Limits().maxStorageBufferRange)
+  {
+    throw DeviceError("Vulkan: " + std::to_string(mesh.NumberOfTriangles()) + " triangles and " +
+      std::to_string(mesh.NumberOfPoints()) + " points are more than " + device.Name() +
+      " takes in one buffer");
+  }
+  this->PointCount = mesh.NumberOfPoints();
+  this->TriangleCount = static_cast<std::uint32_t>(mesh.NumberOfTriangles());
+  this->MaterialCount = static_cast<std::uint32_t>(mesh.NumberOfMaterials());
+  Reserve(this->Positions, device, positionBytes, usage, MemoryUse::Upload);
+  Reserve(this->Triangles, device, triangleBytes, usage, MemoryUse::Upload);
+  Reserve(this->Materials, device, triangleBytes / 3, usage, MemoryUse::Upload);
+  this->Move(mesh.Points, doubles);
+  std::uint32_t* triangles = this->Triangles.Data<std::uint32_t>();
+  std::uint32_t* materials = this->Materials.Data<std::uint32_t>();
+  for (const std::uint32_t triangle : order)
+  {
+    triangles = std::copy_n(&mesh.Triangles[3 * std::size_t{ triangle }], 3, triangles);
+    *materials++ = mesh.FrontMaterials[triangle] |
+      static_cast<std::uint32_t>(mesh.BackMaterials[triangle]) << 16;
+  }
+}
+
+void DeviceSurface::Move(const std::vector<double>& points, bool doubles)
+{
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  this->Low = { infinity, infinity, infinity };
+  this->High = { -infinity, -infinity, -infinity };
+  for (std::size_t index = 0; index < points.size(); index += 3)
+  {
+    for (std::size_t axis = 0; axis < 3; ++axis)
+    {
+      this->Low[axis] = std::min(this->Low[axis], points[index + axis]);
+      this->High[axis] = std::max(this->High[axis], points[index + axis]);
+    }
+  }
+  this->Center = 0.5 * (this->Low + this->High);
+  if (doubles)
+  {
+    this->WriteLocal(points, this->Positions.Data<double>());
+  }
+  else
+  {
+    this->WriteLocal(points, this->Positions.Data<float>());
+  }
+}
+}

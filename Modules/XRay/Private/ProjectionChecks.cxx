@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "Private/ProjectionChecks.h"
+
+#include "mammoray/Foundation/Error.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+
+namespace mammoray
+{
+namespace
+{
+bool IsFinite(const Vector3& vector)
+{
+  return std::isfinite(vector[0]) && std::isfinite(vector[1]) && std::isfinite(vector[2]);
+}
+
+std::string Text(const Vector3& vector)
+{
+  return "(" + std::to_string(vector[0]) + ", " + std::to_string(vector[1]) + ", " +
+    std::to_string(vector[2]) + ")";
+}
+}
+
+void CheckGeometry(const XRaySource& source, const XRayDetector& detector)
+{
+  if (detector.Columns < 1 || detector.Rows < 1 || detector.Columns > 65535 ||
+    detector.Rows > 65535)
+  {
+    throw InputError("detector: expected 1 to 65535 columns and rows, found " +
+      std::to_string(detector.Columns) + " x " + std::to_string(detector.Rows));
+  }
+  if (detector.Samples < 1 || detector.Samples > 16)
+  {
+    throw InputError(
+      "detector: expected 1 to 16 samples, found " + std::to_string(detector.Samples));
+  }
+  const Vector3 normal = Cross(detector.ColumnStep, detector.RowStep);
+  const double area = Norm(normal);
+  if (!IsFinite(detector.Origin) || !std::isfinite(area) ||
+    !(area > 1e-9 * Norm(detector.ColumnStep) * Norm(detector.RowStep)))
+  {
+    throw InputError(
+      "detector: expected finite coordinates and steps that span a plane, found origin " +
+      Text(detector.Origin) + ", column step " + Text(detector.ColumnStep) + ", row step " +
+      Text(detector.RowStep) + " mm");
+  }
+  if (source.Type == XRaySource::Kind::Point)
+  {
+    const double distance = Dot(source.Position - detector.Origin, normal) / area;
+    const double step = std::max(Norm(detector.ColumnStep), Norm(detector.RowStep));
+    if (!IsFinite(source.Position) || !(std::abs(distance) > 1e-6 * step))
+    {
+      throw InputError("source: expected a position off the detector's plane, found " +
+        Text(source.Position) + " mm");
+    }
+  }
+  else
+  {
+    const double length = Norm(source.Direction);
+    if (!std::isfinite(length) || !(std::abs(Dot(source.Direction, normal)) > 1e-9 * length * area))
+    {
+      throw InputError("source: expected a direction that crosses the detector's plane, found " +
+        Text(source.Direction));
+    }
+  }
+}
+
+void CheckRays(const std::vector<XRayLine>& rays)
+{
+  if (rays.empty() || rays.size() > static_cast<std::size_t>(std::numeric_limits<int>::max()))
+  {
+    throw InputError(
+      "projector: expected 1 to 2^31 - 1 rays, found " + std::to_string(rays.size()));
+  }
+  for (std::size_t ray = 0; ray < rays.size(); ++ray)
+  {
+    const auto& [begin, end] = rays[ray];
+    if (!IsFinite(begin) || !IsFinite(end) || !(Norm(end - begin) > 0))
+    {
+      throw InputError("projector: ray " + std::to_string(ray) +
+        ": expected two different finite points, found " + Text(begin) + " and " + Text(end) +
+        " mm");
+    }
+  }
+}
+
+void CheckMovedPoints(const std::vector<double>& points, std::size_t pointCount)
+{
+  if (points.size() != 3 * pointCount)
+  {
+    throw InputError("projector: expected " + std::to_string(3 * pointCount) +
+      " coordinates of the surface's points, found " + std::to_string(points.size()));
+  }
+  for (std::size_t index = 0; index < points.size(); ++index)
+  {
+    if (!std::isfinite(points[index]))
+    {
+      throw InputError("projector: point " + std::to_string(index / 3) +
+        ": expected finite coordinates, found " + std::to_string(points[index]));
+    }
+  }
+}
+
+void CheckVelocities(const std::vector<double>& velocities, int fields, std::size_t pointCount)
+{
+  if (fields < 1 || velocities.size() != 3 * pointCount * static_cast<std::size_t>(fields))
+  {
+    throw InputError("projector: expected velocities of " + std::to_string(pointCount) +
+      " points in at least one field, 3 values each, found " + std::to_string(velocities.size()) +
+      " values for " + std::to_string(fields) + " fields");
+  }
+  for (std::size_t index = 0; index < velocities.size(); ++index)
+  {
+    if (!std::isfinite(velocities[index]))
+    {
+      throw InputError("projector: field " + std::to_string(index / (3 * pointCount)) + ", point " +
+        std::to_string(index / 3 % pointCount) + ": expected a finite velocity, found " +
+        std::to_string(velocities[index]));
+    }
+  }
+}
+}

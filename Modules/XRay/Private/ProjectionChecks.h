@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a projector refuses before the device is asked.
+#ifndef mammoray_ProjectionChecks_h
+#define mammoray_ProjectionChecks_h
+
+#include "mammoray/XRay/PathLengthProjector.h"
+#include "mammorayXRayModule.h"
+
+#include <cstddef>
+#include <vector>
+
+namespace mammoray
+{
+/// Throws InputError on a degenerate detector, or a source from which it cannot be seen.
+MAMMORAYXRAY_EXPORT void CheckGeometry(const XRaySource& source, const XRayDetector& detector);
+
+/// Throws InputError unless there are 1 to 2^31 - 1 rays, all finite and longer than nothing.
+MAMMORAYXRAY_EXPORT void CheckRays(const std::vector<XRayLine>& rays);
+
+/// Throws InputError unless there are finite coordinates for `pointCount` points.
+MAMMORAYXRAY_EXPORT void CheckMovedPoints(const std::vector<double>& points, std::size_t pointCount);
+
+/// Throws InputError unless there are finite velocities of `pointCount` points in 1 field or more.
+MAMMORAYXRAY_EXPORT void CheckVelocities(const std::vector<double>& velocities, int fields, std::size_t pointCount);
+}
+
+#endif

@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "LabelShapes.h"
+#include "mammoray/XRay/Private/ProjectionChecks.h"
+
+#include <gmock/gmock.h>
+
+#include <limits>
+
+namespace
+{
+using namespace mammoray;
+using mammoray::test::MessageOf;
+
+constexpr double Infinity = std::numeric_limits<double>::infinity();
+
+TEST(ProjectionChecks, NameWhatIsWrongWithADetector)
+{
+  const XRaySource source;
+  XRayDetector detector;
+  EXPECT_NO_THROW(CheckGeometry(source, detector));
+  detector.Rows = 65536;
+  EXPECT_EQ(MessageOf([&] { CheckGeometry(source, detector); }),
+    "detector: expected 1 to 65535 columns and rows, found 1 x 65536");
+  detector.Rows = 1;
+  detector.Samples = 17;
+  EXPECT_EQ(MessageOf([&] { CheckGeometry(source, detector); }),
+    "detector: expected 1 to 16 samples, found 17");
+  detector.Samples = 1;
+  detector.RowStep = -2.0 * detector.ColumnStep;
+  EXPECT_THAT(MessageOf([&] { CheckGeometry(source, detector); }),
+    testing::HasSubstr("span a plane"));
+  detector.RowStep = { 0, 0, Infinity };
+  EXPECT_THAT(MessageOf([&] { CheckGeometry(source, detector); }),
+    testing::HasSubstr("span a plane"));
+}
+
+TEST(ProjectionChecks, NameWhatIsWrongWithASource)
+{
+  const XRayDetector detector;
+  XRaySource source;
+  source.Position = { 3, 4, 0 };
+  EXPECT_THAT(MessageOf([&] { CheckGeometry(source, detector); }),
+    testing::HasSubstr("off the detector's plane"));
+  source.Type = XRaySource::Kind::Parallel;
+  EXPECT_NO_THROW(CheckGeometry(source, detector)); // its position is not looked at
+  source.Direction = { 1, 2, 0 };
+  EXPECT_THAT(MessageOf([&] { CheckGeometry(source, detector); }),
+    testing::HasSubstr("crosses the detector's plane"));
+}
+
+TEST(ProjectionChecks, NameTheRayPointOrField)
+{
+  const XRayLine good{ { 0, 0, 1 }, { 0, 0, 0 } };
+  EXPECT_NO_THROW(CheckRays({ good }));
+  EXPECT_THAT(MessageOf([&] { CheckRays({}); }), testing::HasSubstr("found 0"));
+  EXPECT_THAT(MessageOf(
+                [&] {
+                  CheckRays({ good, { { 1, 2, 3 }, { 1, 2, 3 } } });
+                }),
+    testing::HasSubstr("ray 1"));
+  EXPECT_THAT(MessageOf(
+                [&] {
+                  CheckMovedPoints({ 1, 2, 3 }, 2);
+                }),
+    testing::HasSubstr("expected 6 coordinates"));
+  EXPECT_THAT(MessageOf(
+                [&] {
+                  CheckMovedPoints({ 1, 2, 3, 4, Infinity, 6 }, 2);
+                }),
+    testing::HasSubstr("point 1"));
+  EXPECT_THAT(MessageOf(
+                [&] {
+                  CheckVelocities({ 1, 2, 3 }, 0, 1);
+                }),
+    testing::HasSubstr("at least one field"));
+  EXPECT_THAT(MessageOf(
+                [&] {
+                  CheckVelocities({ 1, 2, 3, 4, 5, -Infinity }, 2, 1);
+                }),
+    testing::HasSubstr("field 1, point 0"));
+}
+}
