@@ -5,6 +5,7 @@
 #include "mammoray/Case/ResultFile.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/IO/MammogramIO.h"
+#include "mammoray/IO/MammogramPictureIO.h"
 #include "mammoray/IO/MammogramSynthesis.h"
 #include "mammoray/IO/Sha256.h"
 

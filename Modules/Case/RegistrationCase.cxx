@@ -6,6 +6,7 @@
 #include "mammoray/Case/RegisteredBreast.h"
 #include "mammoray/Case/ResultFile.h"
 #include "mammoray/IO/MammogramIO.h"
+#include "mammoray/IO/MammogramPictureIO.h"
 #include "mammoray/IO/MeshConversion.h"
 #include "mammoray/IO/MeshIO.h"
 #include "mammoray/IO/Sha256.h"

@@ -1,13 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mammoray/IO/DicomIdentity.h"
 
-#include "Private/DicomElements.h"
-#include "Private/DicomStructure.h"
-#include "Private/QuietGdcm.h"
+#include "Private/DicomFile.h"
 #include "mammoray/Foundation/Error.h"
-
-#include <gdcmAttribute.h>
-#include <gdcmReader.h>
 
 #include <algorithm>
 
@@ -15,49 +10,32 @@ namespace mammoray
 {
 DicomReference ReadDicomReference(const std::string& path)
 {
-  const QuietGdcm quiet;
-  if (const std::string damage = FindDicomDamage(path); !damage.empty())
-  {
-    throw InputError(path + ": expected a DICOM mammogram, " + damage);
-  }
-  gdcm::Reader reader;
-  reader.SetFileName(path.c_str());
-  if (!reader.Read())
-  {
-    throw InputError(path + ": expected a DICOM mammogram, found a header that cannot be read");
-  }
-  const gdcm::DataSet& data = reader.GetFile().GetDataSet();
-  if (const std::string modality = DicomText(data, { 0x0008, 0x0060 }); modality != "MG")
+  const DicomFile file(path, "a DICOM mammogram");
+  DcmItem& data = file.Data();
+  if (const std::string modality = DicomText(data, DCM_Modality); modality != "MG")
   {
     throw InputError(
       path + ": expected a mammogram (modality MG), found modality '" + modality + "'");
   }
-  const auto text = [&](std::uint16_t group, std::uint16_t element) {
-    return DicomText(data, { group, element });
-  };
   DicomReference reference;
-  reference.SopClassUid = text(0x0008, 0x0016);
-  reference.SopInstanceUid = text(0x0008, 0x0018);
-  reference.SeriesInstanceUid = text(0x0020, 0x000e);
-  reference.PatientOrientation = text(0x0020, 0x0020);
+  reference.SopClassUid = DicomText(data, DCM_SOPClassUID);
+  reference.SopInstanceUid = DicomText(data, DCM_SOPInstanceUID);
+  reference.SeriesInstanceUid = DicomText(data, DCM_SeriesInstanceUID);
+  reference.PatientOrientation = DicomTexts(data, DCM_PatientOrientation);
   DicomIdentity& identity = reference.Identity;
-  identity.PatientName = text(0x0010, 0x0010);
-  identity.PatientId = text(0x0010, 0x0020);
-  identity.PatientBirthDate = text(0x0010, 0x0030);
-  identity.PatientSex = text(0x0010, 0x0040);
-  identity.StudyInstanceUid = text(0x0020, 0x000d);
-  identity.StudyDate = text(0x0008, 0x0020);
-  identity.StudyTime = text(0x0008, 0x0030);
-  identity.StudyId = text(0x0020, 0x0010);
-  identity.AccessionNumber = text(0x0008, 0x0050);
-  identity.ReferringPhysicianName = text(0x0008, 0x0090);
-  identity.CharacterSet = text(0x0008, 0x0005);
-  gdcm::Attribute<0x0028, 0x0010> rows{ 0 };
-  gdcm::Attribute<0x0028, 0x0011> columns{ 0 };
-  rows.SetFromDataSet(data);
-  columns.SetFromDataSet(data);
-  reference.Rows = rows.GetValue();
-  reference.Columns = columns.GetValue();
+  identity.PatientName = DicomTexts(data, DCM_PatientName);
+  identity.PatientId = DicomTexts(data, DCM_PatientID);
+  identity.PatientBirthDate = DicomText(data, DCM_PatientBirthDate);
+  identity.PatientSex = DicomText(data, DCM_PatientSex);
+  identity.StudyInstanceUid = DicomText(data, DCM_StudyInstanceUID);
+  identity.StudyDate = DicomText(data, DCM_StudyDate);
+  identity.StudyTime = DicomText(data, DCM_StudyTime);
+  identity.StudyId = DicomTexts(data, DCM_StudyID);
+  identity.AccessionNumber = DicomTexts(data, DCM_AccessionNumber);
+  identity.ReferringPhysicianName = DicomTexts(data, DCM_ReferringPhysicianName);
+  identity.CharacterSet = DicomTexts(data, DCM_SpecificCharacterSet);
+  reference.Rows = DicomShort(data, DCM_Rows).value_or(0);
+  reference.Columns = DicomShort(data, DCM_Columns).value_or(0);
   if (reference.SopClassUid.empty() || reference.SopInstanceUid.empty() ||
     reference.SeriesInstanceUid.empty() || identity.StudyInstanceUid.empty() ||
     reference.Rows == 0 || reference.Columns == 0)

@@ -131,12 +131,12 @@ std::string Gzip(const std::string& path, const std::string& bytes)
   return path;
 }
 
-/// A raw NRRD of 2 x 1 x 1 voxels.
-std::string Nrrd(const std::string& type, const std::string& data, const std::string& more = "")
+/// A raw NRRD of 2 x 1 x 1 voxels. The space must come before what is told in it.
+std::string Nrrd(const std::string& type, const std::string& data, const std::string& more = "",
+  const std::string& space = "space dimension: 3")
 {
-  return "NRRD0004\ntype: " + type +
-    "\ndimension: 3\nsizes: 2 1 1\nspace directions: (1,0,0) (0,1,0) (0,0,1)\nendian: "
-    "little\nencoding: raw\n" +
+  return "NRRD0004\ntype: " + type + "\ndimension: 3\n" + space +
+    "\nsizes: 2 1 1\nspace directions: (1,0,0) (0,1,0) (0,0,1)\nendian: little\nencoding: raw\n" +
     more + "\n" + data;
 }
 
@@ -219,13 +219,21 @@ TEST(LabelVolumeIO, NrrdSpaces)
   const TemporaryFolder folder;
   const auto originOf = [&](const std::string& space)
   {
-    return ReadLabelVolume(folder.Write("v.nrrd",
-      Nrrd("uint8", "\1\2", "space: " + space + "\nspace origin: (1,2,3)\n")));
+    return ReadLabelVolume(
+      folder.Write("v.nrrd", Nrrd("uint8", "\1\2", "space origin: (1,2,3)\n", "space: " + space)));
   };
   EXPECT_EQ(originOf("left-posterior-superior").Origin, (Vector3{ 1, 2, 3 }));
   EXPECT_EQ(originOf("RAS").Origin, (Vector3{ -1, -2, 3 }));
   EXPECT_EQ(originOf("RAS").Direction[0][0], -1);
   EXPECT_EQ(originOf("left-anterior-superior").Origin, (Vector3{ 1, -2, 3 }));
+  EXPECT_EQ(originOf("left-anterior-superior").Direction[1][1], -1);
+  for (const char* space : { "RAS", "left-anterior-superior" })
+  {
+    originOf(space);
+    const LabelVolume given = ReadLabelVolume(folder.File("v.nrrd"), VolumeAxes::AsGiven);
+    EXPECT_EQ(given.Origin, (Vector3{ 1, 2, 3 })) << space;
+    EXPECT_EQ(given.Direction[0], (Vector3{ 1, 0, 0 })) << space;
+  }
   EXPECT_EQ(originOf("scanner-xyz").Origin, (Vector3{ 1, 2, 3 }));
   EXPECT_THAT(MessageOf([&] { originOf("RSP"); }), testing::HasSubstr("space: expected"));
 }
@@ -286,7 +294,7 @@ TEST(LabelVolumeIO, DamagedFilesAreRefusedInOneLine)
   huge.replace(huge.find("1000 1000 1000"), 14, "2000000000 2000000000 2000000000");
   EXPECT_THAT(ReadMessage(folder.Write("huge.nrrd", huge)), HasSubstr("more voxels"));
 
-  for (const char* name : { "whole.nrrd", "whole.mha" })
+  for (const char* name : { "whole.nrrd", "whole.mha", "whole.nii.gz" })
   {
     WriteLabelVolume(Oblique(), folder.File(name));
     const std::string whole = ReadFile(folder.File(name));
@@ -303,6 +311,17 @@ TEST(LabelVolumeIO, DamagedFilesAreRefusedInOneLine)
       ReadMessage(folder.Write(name, damaged));
     }
   }
+  // Uncompressed voxels that end early.
+  const std::string nifti = ObliqueNifti(true, false);
+  EXPECT_THAT(ReadMessage(folder.Write("cut.nii", nifti.substr(0, nifti.size() - 1))),
+    HasSubstr("expected 24 voxels of 1 bytes, found 23 bytes"));
+  const std::string mha = "ObjectType = Image\nNDims = 3\nDimSize = 2 1 1\nElementType = MET_SHORT"
+                          "\nElementSpacing = 1 1 1\nElementDataFile = LOCAL\n";
+  EXPECT_THAT(ReadLabelVolume(folder.Write("cut.mha", mha + Bytes<std::int16_t>({ 5, 6 }))).Voxels,
+    testing::ElementsAre(5, 6));
+  EXPECT_THAT(ReadMessage(folder.Write("cut.mha", mha + "123")),
+    HasSubstr("expected 2 voxels of 2 bytes, found 3 bytes"));
+
   std::string sheared = Nrrd("uint8", "\1\2");
   sheared.replace(sheared.find("(0,1,0)"), 7, "(1,1,0)");
   EXPECT_THAT(ReadMessage(folder.Write("s.nrrd", sheared)), HasSubstr("orthonormal"));

@@ -4,6 +4,7 @@
 #include "mammoray/Case/RegisteredMammogram.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/IO/MammogramIO.h"
+#include "mammoray/IO/MammogramPictureIO.h"
 #include "mammoray/IO/Sha256.h"
 #include "mammoray/Registration/MammogramMask.h"
 #include "mammoray/Registration/MammogramTarget.h"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#ifndef mammoray_VolumeFile_h
-#define mammoray_VolumeFile_h
+#ifndef mammoray_Private_VolumeFile_h
+#define mammoray_Private_VolumeFile_h
 
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/Foundation/VolumeGrid.h"
@@ -8,64 +8,47 @@
 
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <string>
 
 namespace mammoray
 {
-enum class ScalarType
-{
-  Int8,
-  UInt8,
-  Int16,
-  UInt16,
-  Int32,
-  UInt32,
-  Int64,
-  UInt64,
-  Float,
-  Double
-};
-
-/// What a header says.
-struct VolumeHeader
-{
-  std::array<std::int64_t, 3> Size{ 0, 0, 0 };
-  Vector3 Origin{ 0, 0, 0 };
-  /// Axis[a]: step from voxel to voxel along a, mm.
-  std::array<Vector3, 3> Axis{ { { 1, 0, 0 }, { 0, 1, 0 }, { 0, 0, 1 } } };
-  ScalarType Type = ScalarType::UInt8;
-  bool BigEndian = false;
-  /// value = Slope * stored + Intercept
-  double Slope = 1;
-  double Intercept = 0;
-  std::string DataPath;
-  /// Bytes to skip in the file, before any decompression.
-  std::uint64_t FileOffset = 0;
-  /// Bytes to skip after decompression.
-  std::uint64_t DataOffset = 0;
-  bool Compressed = false;
-};
-
 /// A file of one volume, its header read: .nrrd .nhdr .mha .mhd .nii .nii.gz (see ReadLabelVolume).
 class VolumeFile
 {
 public:
-  /// Throws InputError on a file that is none; `what` is the expected content, for its messages.
+  /**
+   * Throws InputError on a file that is none, or that does not hold all voxels that its header
+   * promises; `what` is the expected content, for its messages.
+   */
   VolumeFile(const std::string& path, const std::string& what, VolumeAxes axes);
+  ~VolumeFile();
 
   /// The grid of the header, not yet validated.
   const VolumeGrid& Grid() const { return this->HeaderGrid; }
-  /**
-   * Hands over all values in their order, some at a time. Throws InputError on a short or damaged
-   * file.
-   */
+  /// Hands over all values in their order, some at a time. Throws InputError on a damaged file.
   void Decode(const std::function<void(const double* values, std::size_t count)>& sink) const;
 
 private:
-  std::string Path;
-  VolumeHeader Header;
+  struct Reader;
+  std::unique_ptr<Reader> Itk;
   VolumeGrid HeaderGrid;
 };
+
+/**
+ * The same of one image in a DICOM file that is whole (see DicomFile): its values after rescaling,
+ * along rows first. Throws InputError when it is none of one slice and one value per pixel.
+ */
+void DecodeDicomSlice(const std::string& path,
+  const std::function<void(const double* values, std::size_t count)>& sink);
+
+/**
+ * Writes voxels, i fastest, as a compressed file of the format that the extension (.nrrd, .mha,
+ * .nii.gz) names; the frame is called LPS. Throws InputError when it cannot be written.
+ */
+void WriteVolumeFile(const std::string& path, const VolumeGrid& grid, const std::uint8_t* voxels);
+void WriteVolumeFile(const std::string& path, const VolumeGrid& grid, const std::uint16_t* voxels);
+void WriteVolumeFile(const std::string& path, const VolumeGrid& grid, const float* voxels);
 
 /// The extension in lower case, ".nii.gz" as one.
 std::string VolumeExtension(const std::string& path);

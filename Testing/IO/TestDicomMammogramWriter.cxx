@@ -1,15 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// DICOM that is written: read back by GDCM, and looked at by dciodvfy where it is installed.
+// Mammograms that are written: read back by GDCM, and looked at by dciodvfy where it is installed.
+#include "DescribedProjection.h"
 #include "DicomTesting.h"
 #include "Files.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/IO/DicomMammogramWriter.h"
-#include "mammoray/IO/DicomSegmentationWriter.h"
-#include "mammoray/IO/LabelVolumeIO.h"
 #include "mammoray/IO/MammogramIO.h"
-#include "mammoray/IO/MammogramSynthesis.h"
-#include "mammoray/IO/Private/QuietGdcm.h"
-#include "mammoray/Registration/MammogramTarget.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -20,6 +16,7 @@
 
 using namespace mammoray;
 using ::testing::HasSubstr;
+using testing_support::Describe;
 using testing_support::DicomTextOf;
 using testing_support::ExpectValidDicom;
 using testing_support::TemporaryFolder;
@@ -28,23 +25,6 @@ namespace
 {
 const std::string Victre =
   testing_support::DataFolder() + "/victre-phantom-1/victre1_lcc_processing.dcm";
-
-/// A unit at this roll around a breast in LPS; columns of 0.2 mm and rows of 0.3 mm.
-Mammogram Describe(double rollDeg, char laterality, int columns = 7, int rows = 5)
-{
-  const AnatomicalAxes axes;
-  const VolumeFromGantry gantry =
-    PlaceUnit(axes, { 10, -20, 30 }, { .SourceToDetectorMm = 660 }, { .RollDeg = rollDeg });
-  XRaySource source;
-  source.Position = gantry.Point({ 0, 0, 660 });
-  XRayDetector detector;
-  detector.Columns = columns;
-  detector.Rows = rows;
-  detector.Origin = gantry.Point({ 40, 1, 0 });
-  detector.ColumnStep = 0.2 * gantry.Y;
-  detector.RowStep = -0.3 * gantry.X;
-  return DescribeProjection(source, detector, axes, laterality);
-}
 
 /// From 0 to 3.4.
 std::vector<float> Ramp()
@@ -86,32 +66,6 @@ void ExpectSame(const Mammogram& read, const Mammogram& written)
   EXPECT_EQ(read.SourceToPatientMm, written.SourceToPatientMm);
   EXPECT_EQ(read.PeakKilovoltage, written.PeakKilovoltage);
 }
-}
-
-TEST(MammogramSynthesis, SaysViewAndSidesOfEveryRoll)
-{
-  const Mammogram cc = Describe(0, 'L');
-  EXPECT_EQ(cc.View, "CC");
-  EXPECT_EQ(cc.RowDirection, "A");
-  EXPECT_EQ(cc.ColumnDirection, "R");
-  EXPECT_EQ(*cc.PositionerPrimaryAngleDeg, 0);
-  EXPECT_NEAR(*cc.SourceToDetectorMm, 660, 1e-9); // rounding
-  EXPECT_NEAR(cc.ColumnSpacingMm, 0.2, 1e-12);
-  EXPECT_NEAR(cc.RowSpacingMm, 0.3, 1e-12);
-  // The source medial is a negative roll of the left breast.
-  for (const auto& [roll, view] : { std::pair{ -45.0, "MLO" }, { -90.0, "ML" }, { 90.0, "LM" },
-         { 45.0, "LMO" }, { 179.0, "FB" }, { -10.0, "CC" }, { 135.0, "" } })
-  {
-    EXPECT_EQ(Describe(roll, 'L').View, view) << roll;
-    EXPECT_EQ(Describe(-roll, 'R').View, view) << roll;
-    EXPECT_NEAR(*Describe(roll, 'L').PositionerPrimaryAngleDeg, roll, 1e-9);
-  }
-  // Rows run along -x of the gantry, which points to the patient's left in CC and turns down with
-  // the source going left.
-  EXPECT_EQ(Describe(90, 'R').ColumnDirection, "H");
-  EXPECT_EQ(Describe(-90, 'L').ColumnDirection, "F");
-  EXPECT_EQ(Describe(-60, 'L').ColumnDirection, "FR");
-  EXPECT_THROW(Describe(0, '?'), InputError);
 }
 
 TEST(DicomMammogramWriter, PresentationIsReadBackAndValid)
@@ -159,44 +113,6 @@ TEST(DicomMammogramWriter, ProcessingIsLinearAndInverse)
   EXPECT_EQ(DicomTextOf(path, 0x0008, 0x0016), "1.2.840.10008.5.1.4.1.1.1.2.1");
   EXPECT_EQ(DicomTextOf(path, 0x0028, 0x0004), "MONOCHROME1");
   EXPECT_EQ(DicomTextOf(path, 0x0028, 0x1051), "");
-
-  values[3] = std::nanf("");
-  EXPECT_THROW(SetPixels(mammogram, values, Mammogram::Intent::ForProcessing), InputError);
-  values.pop_back();
-  EXPECT_THROW(SetPixels(mammogram, values, Mammogram::Intent::ForProcessing), InputError);
-}
-
-TEST(DicomMammogramWriter, RegistrationFindsTheGantryAgain)
-{
-  // Half a disc at the chest wall, 20 mm in radius, in air.
-  const TemporaryFolder folder;
-  constexpr int Columns = 150;
-  constexpr int Rows = 200;
-  std::vector<float> values;
-  for (int row = 0; row < Rows; ++row)
-  {
-    for (int column = 0; column < Columns; ++column)
-    {
-      values.push_back(std::hypot(0.2 * column, 0.3 * (row - 100)) < 20 ? 2.0f : 0.0f);
-    }
-  }
-  for (const auto& [roll, side] :
-    { std::pair{ 0.0, 'L' }, { 0.0, 'R' }, { -50.0, 'L' }, { 50.0, 'R' }, { 90.0, 'R' } })
-  {
-    for (const auto intent :
-      { Mammogram::Intent::ForPresentation, Mammogram::Intent::ForProcessing })
-    {
-      Mammogram mammogram = Describe(roll, side, Columns, Rows);
-      SetPixels(mammogram, values, intent);
-      const RegistrationTarget target = PrepareTarget(Written(mammogram, folder.File("image.dcm")));
-      // The columns run along the gantry's y, the rows against its x, as Describe has them.
-      EXPECT_THAT(target.ColumnStep, testing::Pointwise(testing::DoubleNear(1e-9), { 0.0, 0.2 }))
-        << roll << side;
-      EXPECT_THAT(target.RowStep, testing::Pointwise(testing::DoubleNear(1e-9), { -0.3, 0.0 }))
-        << roll << side;
-      EXPECT_EQ(target.Warnings, std::vector<std::string>{}) << roll << side;
-    }
-  }
 }
 
 TEST(DicomMammogramWriter, CopiesNothingOfThePatientUnlessTold)
@@ -249,67 +165,4 @@ TEST(DicomMammogramWriter, RefusesWhatAMammogramMustSay)
   refused([](Mammogram& m) { m.Pixels.pop_back(); }, "34 pixels");
   refused([](Mammogram& m) { m.RowSpacingMm = 0; }, "positive pixel spacings");
   EXPECT_THROW(WriteMammogram(whole, {}, "/nonexistent/image.dcm"), InputError);
-  EXPECT_THROW(CheckDicomText("A\\B", "name"), InputError);
-  EXPECT_THROW(CheckDicomText(std::string(65, 'a'), "name"), InputError);
-  EXPECT_THROW(ReadDicomReference(testing_support::DataFolder() + "/README.md"), InputError);
-}
-
-TEST(DicomSegmentationWriter, LiesOnTheImageItRefersTo)
-{
-  const TemporaryFolder folder;
-  const DicomReference image = ReadDicomReference(Victre);
-  ASSERT_EQ(image.Columns, 720);
-  ASSERT_EQ(image.Rows, 1080);
-  std::vector<DicomSegment> segments(2);
-  segments[0] = { "Lesion 3", std::vector<unsigned char>(720 * 1080, 0) };
-  segments[1] = { "Lesion 7", segments[0].Mask };
-  segments[0].Mask[720 * 10 + 3] = 1;
-  segments[0].Mask[720 * 1079 + 719] = 1;
-  segments[1].Mask[5] = 1;
-  DicomIdentity identity;
-  identity.StudyInstanceUid = image.Identity.StudyInstanceUid;
-  const std::string path = folder.File("lesions.dcm");
-  WriteSegmentation(segments, image, identity, path);
-  ExpectValidDicom(path);
-  EXPECT_EQ(DicomTextOf(path, 0x0010, 0x0010), "");
-  const std::string bytes = testing_support::ReadFile(path);
-  EXPECT_THAT(bytes, HasSubstr(image.SopInstanceUid));
-  EXPECT_THAT(bytes, HasSubstr(image.SeriesInstanceUid));
-
-  const QuietGdcm quiet; // it misses the place in space, which a projection has not
-  gdcm::ImageReader reader;
-  reader.SetFileName(path.c_str());
-  ASSERT_TRUE(reader.Read());
-  EXPECT_EQ(reader.GetImage().GetDimension(0), 720u);
-  EXPECT_EQ(reader.GetImage().GetDimension(1), 1080u);
-  EXPECT_EQ(reader.GetImage().GetDimension(2), 2u);
-  const gdcm::ByteValue* bits =
-    reader.GetFile().GetDataSet().GetDataElement(gdcm::Tag(0x7fe0, 0x0010)).GetByteValue();
-  ASSERT_EQ(bits->GetLength(), 2u * 720 * 1080 / 8);
-  for (std::size_t pixel = 0; pixel < 2u * 720 * 1080; ++pixel)
-  {
-    const bool set = (bits->GetPointer()[pixel / 8] >> pixel % 8 & 1) != 0;
-    const std::size_t within = pixel % (720 * 1080);
-    ASSERT_EQ(set, segments[pixel / (720 * 1080)].Mask[within] != 0) << pixel;
-  }
-
-  EXPECT_THROW(ReadDicomReference(path), InputError); // no mammogram
-  try
-  {
-    ReadLabelVolume(path);
-    FAIL() << "a projection is no volume";
-  }
-  catch (const InputError& error)
-  {
-    EXPECT_THAT(error.what(), HasSubstr("as on a projection"));
-  }
-
-  // In another study the reference names the image's study.
-  WriteSegmentation(segments, image, {}, path);
-  ExpectValidDicom(path);
-  EXPECT_THAT(testing_support::ReadFile(path), HasSubstr(image.Identity.StudyInstanceUid));
-
-  EXPECT_THROW(WriteSegmentation({}, image, identity, path), InputError);
-  segments[0].Mask.pop_back();
-  EXPECT_THROW(WriteSegmentation(segments, image, identity, path), InputError);
 }

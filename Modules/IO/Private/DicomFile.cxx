@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "Private/DicomFile.h"
+
+#include "mammoray/Foundation/Error.h"
+
+#include <cmath>
+#include <cstring>
+#include <fstream>
+#include <locale>
+#include <sstream>
+
+namespace mammoray
+{
+namespace
+{
+/// While one lives, DCMTK logs nothing; what the user needs is in our exceptions.
+class QuietDcmtk
+{
+public:
+  QuietDcmtk() { this->Logger.setLogLevel(OFLogger::OFF_LOG_LEVEL); }
+  ~QuietDcmtk() { this->Logger.setLogLevel(this->Level); }
+  QuietDcmtk(const QuietDcmtk&) = delete;
+  QuietDcmtk& operator=(const QuietDcmtk&) = delete;
+
+private:
+  OFLogger Logger = OFLog::getLogger("dcmtk");
+  const dcmtk::log4cplus::LogLevel Level = this->Logger.getLogLevel();
+};
+}
+
+bool HasDicomHeader(const std::string& path)
+{
+  std::ifstream file(path, std::ios::binary);
+  char bytes[132] = {};
+  file.read(bytes, sizeof bytes);
+  return file.gcount() == sizeof bytes && std::memcmp(bytes + 128, "DICM", 4) == 0;
+}
+
+DicomFile::DicomFile(const std::string& path, const std::string& what)
+  : File(std::make_unique<DcmFileFormat>())
+{
+  if (!HasDicomHeader(path))
+  {
+    throw InputError(path + ": expected " + what + ", found no DICOM header");
+  }
+  const QuietDcmtk quiet;
+  const OFCondition read =
+    this->File->loadFile(path.c_str(), EXS_Unknown, EGL_noChange, DCM_MaxReadLength, ERM_fileOnly);
+  if (read.bad() || this->File->loadAllDataIntoMemory().bad() ||
+    this->File->getDataset()->card() == 0)
+  {
+    throw InputError(
+      path + ": expected " + what + ", found a DICOM file that is cut short or damaged");
+  }
+}
+
+std::string DicomText(DcmItem& data, const DcmTagKey& tag, unsigned long index)
+{
+  OFString text;
+  data.findAndGetOFString(tag, text, index);
+  const auto first = text.find_first_not_of(" ");
+  const auto last = text.find_last_not_of(" ");
+  return first == OFString_npos ? std::string()
+                                : std::string(text.c_str() + first, last - first + 1);
+}
+
+std::string DicomTexts(DcmItem& data, const DcmTagKey& tag)
+{
+  OFString text;
+  data.findAndGetOFStringArray(tag, text);
+  const auto last = text.find_last_not_of(" ");
+  return last == OFString_npos ? std::string() : std::string(text.c_str(), last + 1);
+}
+
+std::optional<double> DicomNumber(DcmItem& data, const DcmTagKey& tag, unsigned long index)
+{
+  // Not DCMTK's own conversion, which is not the nearest double.
+  std::istringstream stream(DicomText(data, tag, index));
+  stream.imbue(std::locale::classic());
+  double value = 0;
+  if (!(stream >> value) || !std::isfinite(value) || !(stream >> std::ws).eof())
+  {
+    return std::nullopt;
+  }
+  return value;
+}
+
+std::vector<double> DicomNumbers(DcmItem& data, const DcmTagKey& tag, unsigned long count)
+{
+  std::vector<double> numbers;
+  for (unsigned long index = 0; index < count; ++index)
+  {
+    if (const std::optional<double> number = DicomNumber(data, tag, index))
+    {
+      numbers.push_back(*number);
+    }
+  }
+  return numbers.size() == count ? numbers : std::vector<double>{};
+}
+
+std::optional<std::uint16_t> DicomShort(DcmItem& data, const DcmTagKey& tag)
+{
+  Uint16 bits = 0;
+  Sint16 number = 0;
+  if (data.findAndGetUint16(tag, bits).good())
+  {
+    return bits;
+  }
+  if (data.findAndGetSint16(tag, number).good())
+  {
+    return static_cast<std::uint16_t>(number);
+  }
+  return std::nullopt;
+}
+
+DcmItem* DicomFirstItem(DcmItem& data, const DcmTagKey& sequence)
+{
+  DcmItem* item = nullptr;
+  return data.findAndGetSequenceItem(sequence, item).good() ? item : nullptr;
+}
+}

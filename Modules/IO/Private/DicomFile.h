@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+#ifndef mammoray_Private_DicomFile_h
+#define mammoray_Private_DicomFile_h
+
+#include <dcmtk/config/osconfig.h>
+#include <dcmtk/dcmdata/dctk.h>
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace mammoray
+{
+/// True where a file begins as DICOM files do.
+bool HasDicomHeader(const std::string& path);
+
+/**
+ * A DICOM file, read whole by DCMTK: preamble, meta information and every element within the file,
+ * sequences closed. Damage must be found before GDCM decodes the pixels: Debian's build asserts,
+ * and so ends the process, on a file that is cut short.
+ */
+class DicomFile
+{
+public:
+  /// Throws InputError that names the file; `what` is the expected content.
+  DicomFile(const std::string& path, const std::string& what);
+
+  DcmDataset& Data() const { return *this->File->getDataset(); }
+
+private:
+  std::unique_ptr<DcmFileFormat> File;
+};
+
+/// A value of an element without its padding; empty where there is none.
+std::string DicomText(DcmItem& data, const DcmTagKey& tag, unsigned long index = 0);
+
+/// All values of an element with '\' between them, as in the file.
+std::string DicomTexts(DcmItem& data, const DcmTagKey& tag);
+
+/// A decimal or integer string (DS, IS); nothing when it is absent, malformed or not finite.
+std::optional<double> DicomNumber(DcmItem& data, const DcmTagKey& tag, unsigned long index = 0);
+
+/// The first `count` numbers of an element; empty unless there are as many.
+std::vector<double> DicomNumbers(DcmItem& data, const DcmTagKey& tag, unsigned long count);
+
+/// The bits of a short (US, SS); nothing when it is absent.
+std::optional<std::uint16_t> DicomShort(DcmItem& data, const DcmTagKey& tag);
+
+/// The first item of a sequence; null where there is none.
+DcmItem* DicomFirstItem(DcmItem& data, const DcmTagKey& sequence);
+}
+
+#endif

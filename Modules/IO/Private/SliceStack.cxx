@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "Private/SliceStack.h"
+
+#include "mammoray/Foundation/Error.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <utility>
+
+namespace mammoray
+{
+namespace
+{
+/// Throws unless the slices lie in parallel on one grid.
+void CheckParallel(const std::vector<VolumeSlice>& slices, const Vector3& normal)
+{
+  const VolumeSlice& first = slices.front();
+  for (const VolumeSlice& slice : slices)
+  {
+    // 1e-4 of lengths and directions: what decimal strings of a scanner differ by.
+    const bool same = slice.Columns == first.Columns && slice.Rows == first.Rows &&
+      std::abs(slice.RowSpacing - first.RowSpacing) <= 1e-4 * first.RowSpacing &&
+      std::abs(slice.ColumnSpacing - first.ColumnSpacing) <= 1e-4 * first.ColumnSpacing &&
+      Norm(slice.AlongRow - first.AlongRow) <= 1e-4 &&
+      Norm(slice.AlongColumn - first.AlongColumn) <= 1e-4;
+    const Vector3 offset = slice.Position - first.Position;
+    const Vector3 aside = offset - Dot(offset, normal) * normal;
+    if (!same || Norm(aside) > 0.1 * std::min(first.RowSpacing, first.ColumnSpacing))
+    {
+      throw InputError(slice.Name + ": expected the size, spacing and orientation of " +
+        first.Name + " and a place straight above or below it, found others");
+    }
+  }
+}
+
+/**
+ * The distance of neighbouring slices. Where some may be left out it is the one that the file
+ * tells, or, where slices do not lie on it, the largest fraction of the smallest gap that they do
+ * lie on.
+ */
+double FindSliceSpacing(const std::vector<VolumeSlice>& slices, const std::vector<double>& heights,
+  bool gapsAllowed)
+{
+  double smallest = 0;
+  for (std::size_t n = 1; n < heights.size(); ++n)
+  {
+    const double gap = heights[n] - heights[n - 1];
+    smallest = smallest == 0 ? gap : std::min(smallest, gap);
+  }
+  const double told = slices.front().SliceSpacing;
+  std::vector<double> candidates{ smallest };
+  if (smallest == 0 || gapsAllowed)
+  {
+    candidates.insert(candidates.begin(), told);
+    for (int parts = 2; parts <= 20; ++parts)
+    {
+      candidates.push_back(smallest / parts);
+    }
+  }
+  for (const double spacing : candidates)
+  {
+    // A twentieth of a step: a grid is still told from none, and no label is moved farther.
+    const bool fits = spacing > 0 &&
+      std::all_of(heights.begin(), heights.end(),
+        [&](double height)
+        {
+          const double steps = (height - heights.front()) / spacing;
+          return std::abs(steps - std::round(steps)) <= 0.05 &&
+            (gapsAllowed || steps < static_cast<double>(heights.size()) - 0.5);
+        });
+    if (fits)
+    {
+      return spacing;
+    }
+  }
+  throw InputError(slices.front().Name +
+    (smallest == 0
+        ? ": expected several slices or a slice thickness, found neither"
+        : ": expected slices at even distances, found a missing one or other distances"));
+}
+
+/**
+ * Slices of large segments first, so that what lies within them is painted over: a lesion in a
+ * gland in a breast. Slices of a series lie beside each other, and their order means nothing.
+ */
+std::vector<const VolumeSlice*> PaintingOrder(const std::vector<VolumeSlice>& slices)
+{
+  const auto labelOf = [](const VolumeSlice& slice)
+  { return *std::max_element(slice.Values.begin(), slice.Values.end()); };
+  std::map<float, std::size_t> sizes;
+  std::vector<std::pair<const VolumeSlice*, float>> order;
+  for (const VolumeSlice& slice : slices)
+  {
+    order.push_back({ &slice, labelOf(slice) });
+    sizes[order.back().second] += static_cast<std::size_t>(std::count_if(slice.Values.begin(),
+      slice.Values.end(), [](float label) { return label != 0; }));
+  }
+  std::stable_sort(order.begin(), order.end(),
+    [&sizes](const auto& a, const auto& b) { return sizes[a.second] > sizes[b.second]; });
+  std::vector<const VolumeSlice*> sorted;
+  for (const auto& [slice, label] : order)
+  {
+    sorted.push_back(slice);
+  }
+  return sorted;
+}
+
+}
+
+IntensityVolume StackSlices(const std::vector<VolumeSlice>& slices, bool gapsAllowed)
+{
+  const VolumeSlice& first = slices.front();
+  const Vector3 normal = Cross(first.AlongRow, first.AlongColumn);
+  CheckParallel(slices, normal);
+  std::vector<double> heights;
+  for (const VolumeSlice& slice : slices)
+  {
+    heights.push_back(Dot(slice.Position - first.Position, normal));
+  }
+  std::sort(heights.begin(), heights.end());
+  const std::size_t count = heights.size();
+  // A micrometre: frames of several segments share a place.
+  heights.erase(
+    std::unique(heights.begin(), heights.end(), [](double a, double b) { return b - a < 1e-3; }),
+    heights.end());
+  if (!gapsAllowed && heights.size() != count)
+  {
+    throw InputError(first.Name + ": expected slices at places of their own, found two at one");
+  }
+  const double spacing = FindSliceSpacing(slices, heights, gapsAllowed);
+  const auto depth = std::lround((heights.back() - heights.front()) / spacing) + 1;
+  if (depth > 65536)
+  {
+    throw InputError(
+      first.Name + ": expected slices near each other, found a stack of " + std::to_string(depth));
+  }
+  IntensityVolume volume;
+  volume.Size = { first.Columns, first.Rows, static_cast<int>(depth) };
+  volume.Spacing = { first.ColumnSpacing, first.RowSpacing, spacing };
+  volume.Origin = first.Position + heights.front() * normal;
+  volume.Direction = { first.AlongRow, first.AlongColumn, normal };
+  for (Vector3& axis : volume.Direction)
+  {
+    axis = (1 / Norm(axis)) * axis;
+  }
+  const std::size_t area = first.Values.size();
+  volume.Voxels.assign(area * static_cast<std::size_t>(depth), 0);
+  for (const VolumeSlice* slice : PaintingOrder(slices))
+  {
+    const double height = Dot(slice->Position - first.Position, normal) - heights.front();
+    const auto layer = static_cast<std::size_t>(std::lround(height / spacing));
+    for (std::size_t pixel = 0; pixel < area; ++pixel)
+    {
+      float& voxel = volume.Voxels[layer * area + pixel];
+      voxel = slice->Values[pixel] != 0 ? slice->Values[pixel] : voxel;
+    }
+  }
+  volume.Validate(first.Name);
+  return volume;
+}
+}

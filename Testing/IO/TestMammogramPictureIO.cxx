@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "Files.h"
+#include "mammoray/Foundation/Error.h"
+#include "mammoray/IO/MammogramPictureIO.h"
+
+#include "vtkImageData.h"
+#include "vtkNew.h"
+#include "vtkPNGWriter.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+using namespace mammoray;
+using testing::HasSubstr;
+using testing_support::TemporaryFolder;
+
+namespace
+{
+/// A black picture whose pixel (5, 0), the first row at the top, has this value in each colour.
+std::string WritePicture(const std::string& path, std::initializer_list<int> colours)
+{
+  vtkNew<vtkImageData> image;
+  image->SetDimensions(40, 30, 1);
+  image->AllocateScalars(VTK_UNSIGNED_CHAR, static_cast<int>(colours.size()));
+  auto* pixels = static_cast<unsigned char*>(image->GetScalarPointer());
+  std::fill_n(pixels, 40 * 30 * colours.size(), static_cast<unsigned char>(0));
+  std::copy(colours.begin(), colours.end(),
+    static_cast<unsigned char*>(image->GetScalarPointer(5, 29, 0))); // VTK's last row is the top
+  vtkNew<vtkPNGWriter> writer;
+  writer->SetInputData(image);
+  writer->SetFileName(path.c_str());
+  writer->Write();
+  return path;
+}
+
+template <typename Action>
+std::string MessageOf(const Action& action)
+{
+  try
+  {
+    action();
+  }
+  catch (const InputError& error)
+  {
+    return error.what();
+  }
+  return "no error";
+}
+}
+
+TEST(MammogramPictureIO, PicturesNeedWhatTheyDoNotSay)
+{
+  const TemporaryFolder folder;
+  const std::string path = WritePicture(folder.File("a.png"), { 200 });
+  EXPECT_THAT(MessageOf([&] { ReadMammogramPicture(path, { .View = "MLO" }); }),
+    HasSubstr("pixel spacing, laterality"));
+  const Mammogram read =
+    ReadMammogramPicture(path, { .PixelSpacingMm = 0.1, .View = "MLO", .Laterality = 'L' });
+  EXPECT_EQ(read.Columns, 40);
+  EXPECT_EQ(read.Rows, 30);
+  EXPECT_EQ(read.Pixels[5], 200);
+  EXPECT_EQ(read.Pixels[6], 0);
+  EXPECT_EQ(read.ColumnSpacingMm, 0.1);
+  EXPECT_EQ(read.View, "MLO");
+}
+
+TEST(MammogramPictureIO, ColoursMustBeGrey)
+{
+  const TemporaryFolder folder;
+  const PictureDescription given{ .PixelSpacingMm = 0.1, .View = "CC", .Laterality = 'R' };
+  const std::string grey = WritePicture(folder.File("grey.png"), { 200, 202, 199 });
+  EXPECT_EQ(ReadMammogramPicture(grey, given).Pixels[5], 200);
+  const std::string red = WritePicture(folder.File("red.png"), { 200, 0, 0 });
+  EXPECT_THAT(MessageOf([&] { ReadMammogramPicture(red, given); }), HasSubstr("a coloured one"));
+}
+
+TEST(MammogramPictureIO, MasksHaveTheirFirstRowAtTheTop)
+{
+  const TemporaryFolder folder;
+  const std::string path = WritePicture(folder.File("mask.png"), { 7 });
+  const std::vector<unsigned char> mask = ReadMask(path, 40, 30);
+  EXPECT_EQ(std::count(mask.begin(), mask.end(), 1), 1);
+  EXPECT_EQ(mask[5], 1);
+  EXPECT_THAT(MessageOf([&] { ReadMask(path, 30, 40); }),
+    HasSubstr("expected a mask of the mammogram's 30 x 40 pixels, found 40 x 30"));
+  EXPECT_THAT(MessageOf([&] { ReadMask(folder.File("none.png"), 8, 8); }), HasSubstr("no such"));
+  EXPECT_THAT(MessageOf([&] { ReadMask(folder.Write("mask.txt", "1"), 8, 8); }),
+    HasSubstr(".png, .mha or .mhd"));
+}
+
+TEST(MammogramPictureIO, PathsTellPictures)
+{
+  EXPECT_TRUE(IsPicturePath("a.jpg") && IsPicturePath("a.jpeg") && IsPicturePath("a.png"));
+  EXPECT_FALSE(IsPicturePath("a.dcm") || IsPicturePath("png"));
+}
