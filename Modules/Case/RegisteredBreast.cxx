@@ -3,13 +3,13 @@
 
 #include "mammoray/Case/ResultFile.h"
 #include "mammoray/Foundation/Error.h"
-#include "mammoray/Foundation/LabelSurface.h"
 #include "mammoray/IO/MeshConversion.h"
 #include "mammoray/IO/MeshIO.h"
 #include "mammoray/Registration/RegistrationModel.h"
 #include "mammoray/Registration/Silhouette.h"
 #include "mammoray/Registration/TargetImage.h"
 #include "mammoray/Report/RegistrationReport.h"
+#include "mammoray/XRay/LabelSurface.h"
 
 #include "vtkCellArray.h"
 #include "vtkCellData.h"

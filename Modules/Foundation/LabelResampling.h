@@ -10,7 +10,7 @@ namespace mammoray
 /**
  * The volume on a grid of another spacing (mm, positive, the same along all axes), same axes and
  * same first corner. A new voxel takes the label that fills most of it, what lies outside the
- * volume counting as 0; of equals the smallest label. The last voxels may reach past the old grid
+ * volume counting as 0; the smallest label wins a tie. The last voxels may reach past the old grid
  * by less than one spacing. Replace labels by materials (MaterialTable::ToMaterials) first where
  * thin structures of several labels belong together. Throws InputError on an unusable spacing.
  */

@@ -49,8 +49,8 @@ struct MAMMORAYFOUNDATION_EXPORT Mammogram
   /// 'L', 'R' or '?'.
   char Laterality = '?';
   /// Patient directions of a row (increasing column) and of a column (increasing row), as in the
-  /// header
-  /// ("A", "P", "R", ...); empty where it does not say.
+  /// header ("A", "P", "R", ...);
+  /// empty where it does not say.
   std::string RowDirection;
   std::string ColumnDirection;
   std::optional<double> BodyPartThicknessMm;

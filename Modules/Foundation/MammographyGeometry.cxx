@@ -3,11 +3,56 @@
 
 #include "mammoray/Foundation/Error.h"
 
+#include <algorithm>
+#include <array>
+#include <cmath>
 #include <limits>
 #include <numbers>
 
 namespace mammoray
 {
+namespace
+{
+/// How far tissue reaches along the anatomical directions, and where held tissue ends in front.
+struct TissueExtent
+{
+  explicit TissueExtent(const AnatomicalAxes& axes)
+    : Directions{ axes.Left, axes.Anterior, axes.Superior }
+  {
+  }
+
+  /// Takes a piece of tissue that reaches `half` to either side of a point along each direction.
+  void Add(const Vector3& point, const Vector3& half, bool isHeld)
+  {
+    for (std::size_t d = 0; d < 3; ++d)
+    {
+      const double coordinate = Dot(point, this->Directions[d]);
+      this->Low[d] = std::min(this->Low[d], coordinate - half[d]);
+      this->High[d] = std::max(this->High[d], coordinate + half[d]);
+    }
+    if (isHeld)
+    {
+      this->HeldFront = std::max(this->HeldFront, Dot(point, this->Directions[1]) + half[1]);
+    }
+  }
+
+  bool IsEmpty() const { return this->Low[0] > this->High[0]; }
+
+  Vector3 Anchor() const
+  {
+    const double chestWall = std::isfinite(this->HeldFront) ? this->HeldFront : this->Low[1];
+    return 0.5 * (this->Low[0] + this->High[0]) * this->Directions[0] +
+      chestWall * this->Directions[1] + 0.5 * (this->Low[2] + this->High[2]) * this->Directions[2];
+  }
+
+  static constexpr double Infinity = std::numeric_limits<double>::infinity();
+  std::array<Vector3, 3> Directions;
+  Vector3 Low{ Infinity, Infinity, Infinity };
+  Vector3 High{ -Infinity, -Infinity, -Infinity };
+  double HeldFront = -Infinity;
+};
+}
+
 AnatomicalAxes AnatomicalAxes::FromCode(const std::string& code)
 {
   AnatomicalAxes axes;
@@ -48,19 +93,15 @@ AnatomicalAxes AnatomicalAxes::FromCode(const std::string& code)
 Vector3 FindPoseAnchor(const LabelVolume& materials, const std::vector<bool>& held,
   const AnatomicalAxes& axes)
 {
-  constexpr double infinity = std::numeric_limits<double>::infinity();
-  double low[3] = { infinity, infinity, infinity };
-  double high[3] = { -infinity, -infinity, -infinity };
-  double heldFront = -infinity;
-  const Vector3 directions[3] = { axes.Left, axes.Anterior, axes.Superior };
+  TissueExtent extent(axes);
   // A voxel's extent along a direction: half of its projected edges.
-  double half[3];
-  for (int d = 0; d < 3; ++d)
+  Vector3 half{ 0, 0, 0 };
+  for (std::size_t d = 0; d < 3; ++d)
   {
-    half[d] = 0;
-    for (int a = 0; a < 3; ++a)
+    for (std::size_t a = 0; a < 3; ++a)
     {
-      half[d] += 0.5 * materials.Spacing[a] * std::abs(Dot(materials.Direction[a], directions[d]));
+      half[d] +=
+        0.5 * materials.Spacing[a] * std::abs(Dot(materials.Direction[a], extent.Directions[d]));
     }
   }
   for (int k = 0; k < materials.Size[2]; ++k)
@@ -69,63 +110,36 @@ Vector3 FindPoseAnchor(const LabelVolume& materials, const std::vector<bool>& he
     {
       for (int i = 0; i < materials.Size[0]; ++i)
       {
-        const int material = materials.Voxels[materials.Index(i, j, k)];
-        if (material == 0)
+        const std::size_t material = materials.Voxels[materials.Index(i, j, k)];
+        if (material != 0)
         {
-          continue;
-        }
-        const Vector3 point = materials.PointAt(i, j, k);
-        for (int d = 0; d < 3; ++d)
-        {
-          const double coordinate = Dot(point, directions[d]);
-          low[d] = std::min(low[d], coordinate - half[d]);
-          high[d] = std::max(high[d], coordinate + half[d]);
-        }
-        if (static_cast<std::size_t>(material) < held.size() && held[material])
-        {
-          heldFront = std::max(heldFront, Dot(point, axes.Anterior) + half[1]);
+          extent.Add(materials.PointAt(i, j, k), half, material < held.size() && held[material]);
         }
       }
     }
   }
-  if (low[0] > high[0])
+  if (extent.IsEmpty())
   {
     throw InputError("pose: expected tissue in the volume, found only air");
   }
-  const double chestWall = std::isfinite(heldFront) ? heldFront : low[1];
-  return 0.5 * (low[0] + high[0]) * axes.Left + chestWall * axes.Anterior +
-    0.5 * (low[2] + high[2]) * axes.Superior;
+  return extent.Anchor();
 }
 
 Vector3 FindPoseAnchor(const TetrahedralMesh& mesh, const std::vector<bool>& held,
   const AnatomicalAxes& axes)
 {
-  constexpr double infinity = std::numeric_limits<double>::infinity();
-  double low[3] = { infinity, infinity, infinity };
-  double high[3] = { -infinity, -infinity, -infinity };
-  double heldFront = -infinity;
-  const Vector3 directions[3] = { axes.Left, axes.Anterior, axes.Superior };
+  TissueExtent extent(axes);
   for (std::size_t index = 0; index < mesh.Cells.size(); ++index)
   {
-    const Vector3 point = mesh.Point(mesh.Cells[index]);
-    for (int d = 0; d < 3; ++d)
-    {
-      low[d] = std::min(low[d], Dot(point, directions[d]));
-      high[d] = std::max(high[d], Dot(point, directions[d]));
-    }
     const auto material = static_cast<std::size_t>(mesh.Materials[index / 4]);
-    if (material < held.size() && held[material])
-    {
-      heldFront = std::max(heldFront, Dot(point, axes.Anterior));
-    }
+    extent.Add(mesh.Point(mesh.Cells[index]), { 0, 0, 0 },
+      material < held.size() && held[material]);
   }
-  if (low[0] > high[0])
+  if (extent.IsEmpty())
   {
     throw InputError("pose: expected tissue in the mesh, found no cells");
   }
-  const double chestWall = std::isfinite(heldFront) ? heldFront : low[1];
-  return 0.5 * (low[0] + high[0]) * axes.Left + chestWall * axes.Anterior +
-    0.5 * (low[2] + high[2]) * axes.Superior;
+  return extent.Anchor();
 }
 
 VolumeFromGantry PlaceUnit(const AnatomicalAxes& axes, const Vector3& anchor,

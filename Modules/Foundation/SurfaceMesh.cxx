@@ -2,22 +2,18 @@
 #include "mammoray/Foundation/SurfaceMesh.h"
 
 #include "mammoray/Foundation/Error.h"
+#include "mammoray/Foundation/FaceTable.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <tuple>
+#include <span>
+#include <utility>
 
 namespace mammoray
 {
 namespace
 {
-/// Whether it takes an odd number of exchanges to sort three indices.
-bool IsOdd(const std::array<std::int32_t, 3>& ids)
-{
-  return ((ids[0] > ids[1]) != (ids[0] > ids[2])) != (ids[1] > ids[2]);
-}
-
 /// The turned-over cells of a mesh, and whether their neighbours vouch for them.
 class TurnedCells
 {
@@ -62,6 +58,66 @@ public:
 private:
   std::vector<bool> Turned;
   std::vector<std::array<std::size_t, 2>> Pairs;
+};
+
+std::uint16_t MaterialOf(const TetrahedralMesh& mesh, std::size_t cell)
+{
+  const std::int32_t value = mesh.Materials[cell];
+  if (value < 0 || value > 65535)
+  {
+    throw InputError("interfaces: cell " + std::to_string(cell) + " has material " +
+      std::to_string(value) + ", expected 0 to 65535");
+  }
+  return static_cast<std::uint16_t>(value);
+}
+
+/// A surface of some faces of a mesh, its points numbered as they are met.
+class InterfaceCollector
+{
+public:
+  explicit InterfaceCollector(const TetrahedralMesh& mesh)
+    : Mesh(mesh)
+    , NewId(mesh.NumberOfPoints(), -1)
+  {
+  }
+
+  void Add(const std::array<std::int32_t, 3>& corners, std::uint16_t front, std::uint16_t back)
+  {
+    for (const std::int32_t id : corners)
+    {
+      std::int32_t& newId = this->NewId[static_cast<std::size_t>(id)];
+      if (newId < 0)
+      {
+        newId = static_cast<std::int32_t>(this->OldIds.size());
+        this->OldIds.push_back(id);
+      }
+      this->Surface.Triangles.push_back(static_cast<std::uint32_t>(newId));
+    }
+    this->Surface.FrontMaterials.push_back(front);
+    this->Surface.BackMaterials.push_back(back);
+  }
+
+  /// The surface, and in `pointIds`, if given, where its points come from.
+  SurfaceMesh Finish(std::vector<std::int32_t>* pointIds)
+  {
+    this->Surface.Points.reserve(3 * this->OldIds.size());
+    for (const std::int32_t id : this->OldIds)
+    {
+      const Vector3 point = this->Mesh.Point(static_cast<std::size_t>(id));
+      this->Surface.Points.insert(this->Surface.Points.end(), point.begin(), point.end());
+    }
+    if (pointIds)
+    {
+      *pointIds = std::move(this->OldIds);
+    }
+    return std::move(this->Surface);
+  }
+
+private:
+  const TetrahedralMesh& Mesh;
+  SurfaceMesh Surface;
+  std::vector<std::int32_t> NewId;
+  std::vector<std::int32_t> OldIds;
 };
 }
 
@@ -122,125 +178,39 @@ void SurfaceMesh::Validate(const std::string& name) const
 SurfaceMesh ExtractInterfaces(const TetrahedralMesh& mesh, std::vector<std::int32_t>* pointIds)
 {
   mesh.ValidateIndices("interfaces");
-  // The face opposite to each corner, seen counter-clockwise from outside a positive tetrahedron.
-  static constexpr int FaceCorners[4][3] = { { 1, 2, 3 }, { 0, 3, 2 }, { 0, 1, 3 }, { 0, 2, 1 } };
-
-  const std::size_t faceCount = 4 * mesh.NumberOfCells();
-  const auto corners = [&mesh](std::size_t face)
-  {
-    const std::int32_t* cell = &mesh.Cells[face & ~static_cast<std::size_t>(3)];
-    const int* local = FaceCorners[face & 3];
-    return std::array<std::int32_t, 3>{ cell[local[0]], cell[local[1]], cell[local[2]] };
-  };
-  const auto sorted = [&corners](std::size_t face)
-  {
-    std::array<std::int32_t, 3> ids = corners(face);
-    std::sort(ids.begin(), ids.end());
-    return ids;
-  };
-
-  // Faces grouped by their smallest point (counting sort); groups are small, so pairs are found by
-  // looking at each other member.
-  std::vector<std::size_t> groupBegin(mesh.NumberOfPoints() + 1, 0);
-  for (std::size_t face = 0; face < faceCount; ++face)
-  {
-    const auto ids = corners(face);
-    ++groupBegin[1 + static_cast<std::size_t>(std::min({ ids[0], ids[1], ids[2] }))];
-  }
-  for (std::size_t point = 0; point < mesh.NumberOfPoints(); ++point)
-  {
-    groupBegin[point + 1] += groupBegin[point];
-  }
-  struct Entry
-  {
-    std::int32_t Middle;
-    std::int32_t Last;
-    std::size_t Face;
-  };
-  std::vector<Entry> entries(faceCount);
-  std::vector<std::size_t> next(groupBegin.begin(), groupBegin.end() - 1);
-  for (std::size_t face = 0; face < faceCount; ++face)
-  {
-    const auto ids = sorted(face);
-    entries[next[static_cast<std::size_t>(ids[0])]++] = { ids[1], ids[2], face };
-  }
-
-  SurfaceMesh surface;
+  FaceTable faces(mesh);
   TurnedCells turned(mesh);
-  std::vector<std::int32_t> newId(mesh.NumberOfPoints(), -1);
-  std::vector<std::int32_t> oldIds;
-  const auto material = [&mesh](std::size_t face)
-  {
-    const std::int32_t value = mesh.Materials[face / 4];
-    if (value < 0 || value > 65535)
+  InterfaceCollector interfaces(mesh);
+  faces.ForEachFace(
+    [&](std::span<const FaceTable::Entry> same)
     {
-      throw InputError("interfaces: cell " + std::to_string(face / 4) + " has material " +
-        std::to_string(value) + ", expected 0 to 65535");
-    }
-    return static_cast<std::uint16_t>(value);
-  };
-  for (std::size_t group = 0; group + 1 < groupBegin.size(); ++group)
-  {
-    const auto begin = entries.begin() + static_cast<std::ptrdiff_t>(groupBegin[group]);
-    const auto end = entries.begin() + static_cast<std::ptrdiff_t>(groupBegin[group + 1]);
-    std::sort(begin, end,
-      [](const Entry& a, const Entry& b)
-      { return std::tie(a.Middle, a.Last, a.Face) < std::tie(b.Middle, b.Last, b.Face); });
-    for (auto first = begin; first != end;)
-    {
-      auto last = first + 1;
-      while (last != end && last->Middle == first->Middle && last->Last == first->Last)
+      const std::size_t face = same[0].Face;
+      const std::size_t cell = face / 4;
+      std::uint16_t front = 0;
+      if (same.size() > 2)
       {
-        ++last;
-      }
-      if (last - first > 2)
-      {
-        throw InputError("interfaces: cells " + std::to_string(first->Face / 4) + ", " +
-          std::to_string((first + 1)->Face / 4) + " and " + std::to_string((first + 2)->Face / 4) +
+        throw InputError("interfaces: cells " + std::to_string(cell) + ", " +
+          std::to_string(same[1].Face / 4) + " and " + std::to_string(same[2].Face / 4) +
           " share a face, expected at most two cells per face");
       }
-      const bool shared = last - first == 2;
-      if (shared)
+      if (same.size() == 2)
       {
-        const std::size_t other = (first + 1)->Face;
-        if (IsOdd(corners(first->Face)) == IsOdd(corners(other)))
+        const std::size_t other = same[1].Face / 4;
+        if (!faces.OnDifferentSides(face, same[1].Face))
         {
-          throw InputError("interfaces: cells " + std::to_string(first->Face / 4) + " and " +
-            std::to_string(other / 4) + " list their corners in contrary senses");
+          throw InputError("interfaces: cells " + std::to_string(cell) + " and " +
+            std::to_string(other) + " list their corners in contrary senses");
         }
-        turned.AddNeighbours(first->Face / 4, other / 4);
+        turned.AddNeighbours(cell, other);
+        front = MaterialOf(mesh, other);
       }
-      const std::uint16_t back = material(first->Face);
-      const std::uint16_t front = shared ? material((first + 1)->Face) : 0;
+      const std::uint16_t back = MaterialOf(mesh, cell);
       if (front != back)
       {
-        for (const std::int32_t id : corners(first->Face))
-        {
-          if (newId[static_cast<std::size_t>(id)] < 0)
-          {
-            newId[static_cast<std::size_t>(id)] = static_cast<std::int32_t>(oldIds.size());
-            oldIds.push_back(id);
-          }
-          surface.Triangles.push_back(
-            static_cast<std::uint32_t>(newId[static_cast<std::size_t>(id)]));
-        }
-        surface.FrontMaterials.push_back(front);
-        surface.BackMaterials.push_back(back);
+        interfaces.Add(faces.Corners(face), front, back);
       }
-      first = last;
-    }
-  }
+    });
   turned.Check();
-  surface.Points.reserve(3 * oldIds.size());
-  for (const std::int32_t id : oldIds)
-  {
-    const Vector3 point = mesh.Point(static_cast<std::size_t>(id));
-    surface.Points.insert(surface.Points.end(), point.begin(), point.end());
-  }
-  if (pointIds)
-  {
-    *pointIds = std::move(oldIds);
-  }
-  return surface;
+  return interfaces.Finish(pointIds);
 }
 }

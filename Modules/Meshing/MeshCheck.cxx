@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mammoray/Meshing/MeshCheck.h"
 
+#include "mammoray/Foundation/FaceTable.h"
 #include "mammoray/Meshing/MeshQuality.h"
 
 #include <algorithm>
@@ -8,6 +9,7 @@
 #include <map>
 #include <numeric>
 #include <set>
+#include <span>
 #include <unordered_map>
 
 namespace mammoray
@@ -318,71 +320,25 @@ void FindUnusedPoints(const TetrahedralMesh& mesh, TroubleList& troubles)
 /// Faces of more than two cells, and of two on the same side. True when there are none.
 bool CheckFaces(const TetrahedralMesh& mesh, TroubleList& troubles)
 {
-  struct Face
-  {
-    std::array<std::int32_t, 3> Ids;
-    std::uint32_t Cell;
-    bool Even;
-  };
-  constexpr int outward[4][3] = { { 1, 2, 3 }, { 0, 3, 2 }, { 0, 1, 3 }, { 0, 2, 1 } };
-  std::vector<Face> faces;
-  faces.reserve(4 * mesh.NumberOfCells());
-  for (std::size_t cell = 0; cell < mesh.NumberOfCells(); ++cell)
-  {
-    for (const auto& corners : outward)
-    {
-      Face face{ {}, static_cast<std::uint32_t>(cell), true };
-      for (int c = 0; c < 3; ++c)
-      {
-        face.Ids[c] = mesh.Cells[4 * cell + corners[c]];
-      }
-      for (const auto& [a, b] : { std::pair{ 0, 1 }, std::pair{ 1, 2 }, std::pair{ 0, 1 } })
-      {
-        if (face.Ids[a] > face.Ids[b])
-        {
-          std::swap(face.Ids[a], face.Ids[b]);
-          face.Even = !face.Even;
-        }
-      }
-      faces.push_back(face);
-    }
-  }
-  std::sort(faces.begin(), faces.end(),
-    [](const Face& a, const Face& b) { return a.Ids != b.Ids ? a.Ids < b.Ids : a.Cell < b.Cell; });
   bool good = true;
-  for (std::size_t begin = 0, end = 0; begin < faces.size(); begin = end)
-  {
-    for (end = begin; end < faces.size() && faces[end].Ids == faces[begin].Ids;)
+  FaceTable faces(mesh);
+  faces.ForEachFace(
+    [&](std::span<const FaceTable::Entry> same)
     {
-      ++end;
-    }
-    if (end - begin > 2 || (end - begin == 2 && faces[begin].Even == faces[begin + 1].Even))
-    {
-      const std::size_t cell = faces[end - 1].Cell;
-      troubles.Add(Kind::OverlappingCells, { mesh.CellCentre(cell), mesh.Materials[cell], 0 });
-      good = false;
-    }
-  }
+      if (same.size() > 2 ||
+        (same.size() == 2 && !faces.OnDifferentSides(same[0].Face, same[1].Face)))
+      {
+        const std::size_t cell = same.back().Face / 4;
+        troubles.Add(Kind::OverlappingCells, { mesh.CellCentre(cell), mesh.Materials[cell], 0 });
+        good = false;
+      }
+    });
   return good;
 }
 
 void CheckIndices(const TetrahedralMesh& mesh)
 {
-  if (mesh.NumberOfCells() == 0 || mesh.Materials.size() != mesh.NumberOfCells())
-  {
-    throw InputError("mesh: expected cells with a material each, found " +
-      std::to_string(mesh.NumberOfCells()) + " cells and " + std::to_string(mesh.Materials.size()) +
-      " materials");
-  }
-  for (std::size_t corner = 0; corner < mesh.Cells.size(); ++corner)
-  {
-    const std::int32_t id = mesh.Cells[corner];
-    if (id < 0 || static_cast<std::size_t>(id) >= mesh.NumberOfPoints())
-    {
-      throw InputError("mesh: cell " + std::to_string(corner / 4) + ": expected points below " +
-        std::to_string(mesh.NumberOfPoints()) + ", found " + std::to_string(id));
-    }
-  }
+  mesh.ValidateIndices("mesh");
   for (std::size_t value = 0; value < mesh.Points.size(); ++value)
   {
     if (!std::isfinite(mesh.Points[value]))

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mammoray/XRay/ExampleScenes.h"
 
-#include "mammoray/Foundation/LabelSurface.h"
+#include "mammoray/XRay/LabelSurface.h"
 
 #include <algorithm>
 #include <array>

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/Foundation/LabelVolume.h"
-#include "mammoray/Foundation/MaterialTable.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -25,16 +24,6 @@ LabelVolume ObliqueVolume()
     volume.Voxels[index] = static_cast<std::uint16_t>(index % 7);
   }
   return volume;
-}
-
-MaterialTable TwoTissues()
-{
-  MaterialTable table;
-  table.Name = "two tissues";
-  table.Materials = { Material{ .Name = "air" }, Material{ .Name = "fat" },
-    Material{ .Name = "gland" } };
-  table.MaterialOfLabel = { { 0, 0 }, { 1, 1 }, { 2, 1 }, { 29, 2 } };
-  return table;
 }
 
 std::string MessageOf(const std::function<void()>& action)
@@ -88,25 +77,4 @@ TEST(LabelVolume, ValidateNamesWhatIsWrong)
   volume.Voxels.pop_back();
   EXPECT_THAT(MessageOf([&] { volume.Validate("v"); }),
     testing::HasSubstr("expected 60 voxels, found 59"));
-}
-
-TEST(MaterialTable, MergesLabelsAndRefusesUnknownOnes)
-{
-  LabelVolume volume;
-  volume.Size = { 4, 1, 1 };
-  volume.Voxels = { 0, 1, 2, 29 };
-  EXPECT_THAT(TwoTissues().ToMaterials(volume, "v").Voxels, testing::ElementsAre(0, 1, 1, 2));
-  volume.Voxels = { 7, 1, 7, 29 };
-  EXPECT_THAT(MessageOf([&] { TwoTissues().ToMaterials(volume, "v"); }),
-    testing::HasSubstr("label 7 (2 voxels)"));
-  volume.Voxels = { 0, 0, 0, 0 };
-  EXPECT_THAT(MessageOf([&] { TwoTissues().ToMaterials(volume, "v"); }),
-    testing::HasSubstr("only air"));
-}
-
-TEST(MaterialTable, UnknownMaterialIsRefusedWithTheKnownOnes)
-{
-  EXPECT_EQ(TwoTissues().IndexOf("gland"), 2);
-  EXPECT_THAT(MessageOf([&] { TwoTissues().IndexOf("bone"); }),
-    testing::AllOf(testing::HasSubstr("'bone'"), testing::HasSubstr("air, fat, gland")));
 }

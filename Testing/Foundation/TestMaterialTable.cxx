@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "LabelShapes.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/Foundation/MaterialTable.h"
 #include "mammoray/Foundation/SurfaceMesh.h"
@@ -18,6 +19,7 @@ MaterialTable TwoTissues()
   table.Name = "two tissues";
   table.Materials = { Material{ .Name = "air" }, Material{ .Name = "fat" },
     Material{ .Name = "gland" } };
+  table.MaterialOfLabel = { { 0, 0 }, { 1, 1 }, { 2, 1 }, { 29, 2 } };
   return table;
 }
 
@@ -66,4 +68,37 @@ TEST(MaterialTable, MeshOfOtherMaterialsIsRefused)
   surface.FrontMaterials = { 0 };
   surface.BackMaterials = { 3 };
   EXPECT_THAT(MessageOf(surface, {}), HasSubstr("expected materials 0 to 2"));
+}
+
+TEST(MaterialTable, MergesLabelsAndRefusesUnknownOnes)
+{
+  LabelVolume volume;
+  volume.Size = { 4, 1, 1 };
+  volume.Voxels = { 0, 1, 2, 29 };
+  EXPECT_THAT(TwoTissues().ToMaterials(volume, "v").Voxels, testing::ElementsAre(0, 1, 1, 2));
+  volume.Voxels = { 7, 1, 7, 29 };
+  EXPECT_THAT(test::MessageOf([&] { TwoTissues().ToMaterials(volume, "v"); }),
+    HasSubstr("label 7 (2 voxels)"));
+  volume.Voxels = { 0, 0, 0, 0 };
+  EXPECT_THAT(test::MessageOf([&] { TwoTissues().ToMaterials(volume, "v"); }),
+    HasSubstr("only air"));
+}
+
+TEST(MaterialTable, UnknownMaterialIsRefusedWithTheKnownOnes)
+{
+  EXPECT_EQ(TwoTissues().IndexOf("gland"), 2);
+  EXPECT_THAT(test::MessageOf([&] { TwoTissues().IndexOf("bone"); }),
+    testing::AllOf(HasSubstr("'bone'"), HasSubstr("air, fat, gland")));
+}
+
+TEST(MaterialTable, ListsWhatMaterialsAre)
+{
+  MaterialTable table = TwoTissues();
+  table.Materials[1].Thin = true;
+  table.Materials[2].Attenuation = "glandular";
+  table.Materials.push_back(Material{ .Name = "muscle", .Attenuation = "glandular", .Held = true });
+  EXPECT_THAT(table.Names(), testing::ElementsAre("air", "fat", "gland", "muscle"));
+  EXPECT_THAT(table.Held(), testing::ElementsAre(false, false, false, true));
+  EXPECT_THAT(table.Thin(), testing::ElementsAre(1));
+  EXPECT_THAT(table.Glandular(), testing::ElementsAre(2)); // muscle is held
 }

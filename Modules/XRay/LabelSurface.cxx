@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mammoray/Foundation/LabelSurface.h"
+#include "mammoray/XRay/LabelSurface.h"
 
 #include "mammoray/Foundation/Error.h"
 

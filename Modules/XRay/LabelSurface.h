@@ -4,7 +4,7 @@
 
 #include "mammoray/Foundation/LabelVolume.h"
 #include "mammoray/Foundation/SurfaceMesh.h"
-#include "mammorayFoundationModule.h"
+#include "mammorayXRayModule.h"
 
 #include <array>
 #include <cstdint>
@@ -16,7 +16,7 @@ namespace mammoray
  * Quadrilaterals with a material on each side. The front of a quad is the side that its corners
  * turn counter-clockwise on.
  */
-struct MAMMORAYFOUNDATION_EXPORT QuadMesh
+struct MAMMORAYXRAY_EXPORT QuadMesh
 {
   /// mm.
   std::vector<Vector3> Points;
@@ -42,8 +42,7 @@ struct MAMMORAYFOUNDATION_EXPORT QuadMesh
  * nets: Gibson, MERL TR99-24, 1999). Materials that touch keep sharing their interface, and every
  * material stays closed. Throws InputError where nothing but air is found.
  */
-MAMMORAYFOUNDATION_EXPORT QuadMesh ExtractInterfaces(const LabelVolume& materials,
-  int smoothingSteps);
+MAMMORAYXRAY_EXPORT QuadMesh ExtractInterfaces(const LabelVolume& materials, int smoothingSteps);
 }
 
 #endif

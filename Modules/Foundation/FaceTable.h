@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: Apache-2.0
+#ifndef mammoray_FaceTable_h
+#define mammoray_FaceTable_h
+
+#include "mammoray/Foundation/TetrahedralMesh.h"
+#include "mammorayFoundationModule.h"
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <tuple>
+#include <vector>
+
+namespace mammoray
+{
+/**
+ * Finds which faces of a mesh's cells are the same. Face 4 c + f is that of cell c opposite to its
+ * corner f. The mesh must have valid indices and outlive the table.
+ */
+class MAMMORAYFOUNDATION_EXPORT FaceTable
+{
+public:
+  explicit FaceTable(const TetrahedralMesh& mesh);
+
+  /// Points of a face, counter-clockwise seen from outside a positively oriented cell.
+  std::array<std::int32_t, 3> Corners(std::size_t face) const
+  {
+    const std::int32_t* cell = &this->Mesh.Cells[face & ~static_cast<std::size_t>(3)];
+    const std::array<std::size_t, 3>& local = LocalCorners[face & 3];
+    return { cell[local[0]], cell[local[1]], cell[local[2]] };
+  }
+
+  /// True when two cells that share a face lie on different sides of it, as their corners are
+  /// listed.
+  bool OnDifferentSides(std::size_t face, std::size_t other) const;
+
+  /// One cell's face, by the two larger of its points.
+  struct Entry
+  {
+    std::int32_t Middle = 0;
+    std::int32_t Last = 0;
+    std::size_t Face = 0;
+  };
+
+  /**
+   * Calls visit(same), a span of Entry with ascending Face, once for every face of the mesh: one
+   * entry for each cell that has it. Faces come in the order of their sorted points.
+   */
+  template <typename Visit>
+  void ForEachFace(const Visit& visit)
+  {
+    for (std::size_t group = 0; group + 1 < this->GroupBegin.size(); ++group)
+    {
+      const std::span entries =
+        std::span(this->Entries)
+          .subspan(this->GroupBegin[group], this->GroupBegin[group + 1] - this->GroupBegin[group]);
+      std::sort(entries.begin(), entries.end(),
+        [](const Entry& a, const Entry& b)
+        { return std::tie(a.Middle, a.Last, a.Face) < std::tie(b.Middle, b.Last, b.Face); });
+      for (std::size_t first = 0, end = 0; first < entries.size(); first = end)
+      {
+        while (end < entries.size() && entries[end].Middle == entries[first].Middle &&
+          entries[end].Last == entries[first].Last)
+        {
+          ++end;
+        }
+        visit(std::span<const Entry>(entries.subspan(first, end - first)));
+      }
+    }
+  }
+
+private:
+  static constexpr std::array<std::array<std::size_t, 3>, 4> LocalCorners{ { { 1, 2, 3 },
+    { 0, 3, 2 }, { 0, 1, 3 }, { 0, 2, 1 } } };
+
+  const TetrahedralMesh& Mesh;
+  /// Entries grouped by the smallest point of their faces; groups are small, so that sorting each
+  /// is quick.
+  std::vector<std::size_t> GroupBegin;
+  std::vector<Entry> Entries;
+};
+}
+
+#endif

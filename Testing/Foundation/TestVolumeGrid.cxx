@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "LabelShapes.h"
+#include "mammoray/Foundation/VolumeGrid.h"
+
+#include <gmock/gmock.h>
+
+#include <set>
+
+namespace
+{
+using namespace mammoray;
+using mammoray::test::MessageOf;
+
+VolumeGrid ObliqueGrid()
+{
+  VolumeGrid grid;
+  grid.Size = { 3, 4, 5 };
+  grid.Origin = { 10, -20, 30 };
+  grid.Spacing = { 0.5, 1.5, 2.0 };
+  grid.Direction = { { { 0.6, 0.8, 0 }, { -0.8, 0.6, 0 }, { 0, 0, 1 } } };
+  return grid;
+}
+
+TEST(VolumeGrid, NumbersVoxelsIFastest)
+{
+  const VolumeGrid grid = ObliqueGrid();
+  std::size_t next = 0;
+  for (int k = 0; k < 5; ++k)
+  {
+    for (int j = 0; j < 4; ++j)
+    {
+      for (int i = 0; i < 3; ++i)
+      {
+        EXPECT_EQ(grid.Index(i, j, k), next);
+        EXPECT_EQ(grid.VoxelName(next),
+          "voxel (" + std::to_string(i) + ", " + std::to_string(j) + ", " + std::to_string(k) +
+            ")");
+        ++next;
+      }
+    }
+  }
+}
+
+TEST(VolumeGrid, StepsOfOneVoxelAreItsSpacingLong)
+{
+  const VolumeGrid grid = ObliqueGrid();
+  EXPECT_EQ(grid.PointAt(0, 0, 0), grid.Origin);
+  EXPECT_DOUBLE_EQ(grid.VoxelVolume(), 1.5);
+  const Vector3 from = grid.PointAt(1.25, 2.5, 3.75);
+  // 1e-12: a few double operations on numbers of size 40.
+  EXPECT_NEAR(Norm(grid.PointAt(2.25, 2.5, 3.75) - from), 0.5, 1e-12);
+  EXPECT_NEAR(Norm(grid.PointAt(1.25, 3.5, 3.75) - from), 1.5, 1e-12);
+  EXPECT_NEAR(Norm(grid.PointAt(1.25, 2.5, 4.75) - from), 2.0, 1e-12);
+  const Vector3 index = grid.ContinuousIndex(from);
+  EXPECT_NEAR(index[0], 1.25, 1e-12);
+  EXPECT_NEAR(index[1], 2.5, 1e-12);
+  EXPECT_NEAR(index[2], 3.75, 1e-12);
+}
+
+TEST(VolumeGrid, ValidateNamesWhatIsWrong)
+{
+  EXPECT_NO_THROW(ObliqueGrid().ValidateGrid("v", 60));
+  EXPECT_THAT(MessageOf([] { ObliqueGrid().ValidateGrid("v", 59); }),
+    testing::HasSubstr("v: expected 60 voxels, found 59"));
+  VolumeGrid grid = ObliqueGrid();
+  grid.Size[2] = 0;
+  EXPECT_THAT(MessageOf([&] { grid.ValidateGrid("v", 0); }),
+    testing::HasSubstr("size along axis 2 is 0"));
+  grid = ObliqueGrid();
+  grid.Spacing[0] = -1;
+  EXPECT_THAT(MessageOf([&] { grid.ValidateGrid("v", 60); }),
+    testing::HasSubstr("spacing along axis 0 is -1 mm"));
+  grid = ObliqueGrid();
+  grid.Direction[1] = { 0.8, 0.6, 0 };
+  EXPECT_THAT(MessageOf([&] { grid.ValidateGrid("v", 60); }),
+    testing::HasSubstr("axes 0 and 1 have the scalar product 0.96"));
+}
+}
