@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mammoray/Meshing/LabelMesher.h"
 
-#include "Private/LabelComponents.h"
 #include "Private/LabelField.h"
 #include "Private/MeshingSteps.h"
+#include "Private/SeedPlan.h"
+#include "Private/TriangleAim.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/Foundation/SurfaceMesh.h"
 
@@ -20,12 +21,8 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cstdio>
 #include <numbers>
-#include <numeric>
 #include <unordered_map>
-
-#include <unistd.h>
 
 namespace mammoray
 {
@@ -38,13 +35,6 @@ using Complex = CGAL::Mesh_complex_3_in_triangulation_3<Triangulation>;
 using Criteria = CGAL::Mesh_criteria_3<Triangulation>;
 using Point = Kernel::Point_3;
 namespace parameters = CGAL::parameters;
-
-std::string Text(const char* format, double a, double b = 0, double c = 0)
-{
-  char text[160];
-  std::snprintf(text, sizeof(text), format, a, b, c);
-  return text;
-}
 
 /// Material at a point for CGAL; tells the progress and stops the work from within.
 struct Labeller
@@ -224,76 +214,6 @@ private:
   Complex& Mesh;
 };
 
-/// Components of tissue and enclosed air, each with the places to seed it from, deepest first.
-struct SeedPlan
-{
-  LabelComponents Found;
-  std::vector<std::vector<std::size_t>> SeedVoxels;
-  std::vector<float> Distance;
-};
-
-SeedPlan PlanSeeds(const LabelVolume& volume, const MeshingOptions& options)
-{
-  SeedPlan plan;
-  plan.Found = FindComponents(volume);
-  plan.Distance = InterfaceDistance(volume);
-  const std::size_t count = plan.Found.Components.size();
-  plan.SeedVoxels.resize(count);
-  // A small component may be long and thin, so that one place would not do; big ones CGAL follows.
-  const double smallMm3 = 8 * std::pow(options.FacetSizeMm, 3);
-  std::vector<std::vector<std::size_t>> members(count);
-  std::vector<std::size_t> deepest(count, 0);
-  std::vector<float> depth(count, -1);
-  for (std::size_t voxel = 0; voxel < volume.NumberOfVoxels(); ++voxel)
-  {
-    const std::uint32_t id = plan.Found.OfVoxel[voxel];
-    const double volumeMm3 =
-      static_cast<double>(plan.Found.Components[id].Voxels) * volume.VoxelVolume();
-    if (volumeMm3 < smallMm3)
-    {
-      members[id].push_back(voxel);
-    }
-    if (plan.Distance[voxel] > depth[id])
-    {
-      depth[id] = plan.Distance[voxel];
-      deepest[id] = voxel;
-    }
-  }
-  const auto indexOf = [&](std::size_t voxel)
-  {
-    const std::size_t row = volume.Size[0];
-    const std::size_t slice = row * volume.Size[1];
-    return std::array<int, 3>{ static_cast<int>(voxel % row),
-      static_cast<int>(voxel / row % volume.Size[1]), static_cast<int>(voxel / slice) };
-  };
-  for (std::size_t id = 0; id < count; ++id)
-  {
-    plan.Found.Components[id].Deepest = indexOf(deepest[id]);
-    plan.Found.Components[id].DepthMm = depth[id];
-    plan.SeedVoxels[id].push_back(deepest[id]);
-    std::stable_sort(members[id].begin(), members[id].end(),
-      [&](std::size_t a, std::size_t b) { return plan.Distance[a] > plan.Distance[b]; });
-    for (const std::size_t voxel : members[id])
-    {
-      const std::array<int, 3> index = indexOf(voxel);
-      const double apart = std::max<double>(options.FacetSizeMm, 2 * plan.Distance[voxel]);
-      const bool isNew = std::all_of(plan.SeedVoxels[id].begin(), plan.SeedVoxels[id].end(),
-        [&](std::size_t other)
-        {
-          const std::array<int, 3> otherIndex = indexOf(other);
-          return Norm({ (index[0] - otherIndex[0]) * volume.Spacing[0],
-                   (index[1] - otherIndex[1]) * volume.Spacing[1],
-                   (index[2] - otherIndex[2]) * volume.Spacing[2] }) >= apart;
-        });
-      if (isNew)
-      {
-        plan.SeedVoxels[id].push_back(voxel);
-      }
-    }
-  }
-  return plan;
-}
-
 /// Points far outside: cells of air then lie on all sides of the tissue, for FinishMesh.
 void Surround(const CGAL::Bbox_3& box, Complex& complex)
 {
@@ -332,65 +252,6 @@ TetrahedralMesh Extract(const Complex& complex)
   return mesh;
 }
 
-}
-
-MeshingOptions MeshingOptions::Anatomy(const std::vector<int>& thinMaterials)
-{
-  MeshingOptions options;
-  options.CellSizeMm = 5.0;
-  options.FacetSizeMm = 3.0;
-  options.FacetDistanceMm = 0.5;
-  for (const int material : thinMaterials)
-  {
-    options.FacetSizeOfMaterialMm[material] = 1.2;
-    options.FacetDistanceOfMaterialMm[material] = 0.25;
-    options.CellSizeOfMaterialMm[material] = 2.0;
-  }
-  options.LayerFacetSizeMm = 0.5;
-  options.OptimisationSeconds = 0;
-  return options;
-}
-
-void MeshingOptions::Validate() const
-{
-  const auto need = [](bool good, const char* name, const char* expected, double found)
-  {
-    if (!good || !std::isfinite(found))
-    {
-      throw InputError(
-        std::string("meshing: ") + name + ": expected " + expected + Text(", found %g", found));
-    }
-  };
-  need(this->CellSizeMm > 0, "cell size", "a positive number of mm", this->CellSizeMm);
-  need(this->FacetSizeMm > 0, "facet size", "a positive number of mm", this->FacetSizeMm);
-  for (const auto* sizes :
-    { &this->CellSizeOfMaterialMm, &this->FacetSizeOfMaterialMm, &this->FacetDistanceOfMaterialMm })
-  {
-    for (const auto& [material, size] : *sizes)
-    {
-      need(size > 0, "size or distance of a material", "a positive number of mm", size);
-    }
-  }
-  need(this->LayerFacetSizeMm >= 0, "layer facet size", "a number of mm of at least 0",
-    this->LayerFacetSizeMm);
-  need(this->FacetDistanceMm > 0, "facet distance", "a positive number of mm",
-    this->FacetDistanceMm);
-  need(this->FacetAngleDeg >= 0 && this->FacetAngleDeg <= 30, "facet angle",
-    "0 to 30 degrees (refinement need not end above)", this->FacetAngleDeg);
-  need(this->CellRadiusEdgeRatio >= 2 || this->CellRadiusEdgeRatio == 0, "cell radius-edge ratio",
-    "at least 2 (refinement need not end below), or 0 for none", this->CellRadiusEdgeRatio);
-  need(this->SmallestComponentMm3 >= 0, "smallest component", "a number of mm3 of at least 0",
-    this->SmallestComponentMm3);
-  need(this->SmoothingVoxels >= 0 && this->SmoothingVoxels <= 5, "smoothing", "0 to 5 voxels",
-    this->SmoothingVoxels);
-  need(this->SmallestDihedralDeg >= 0 && this->SmallestDihedralDeg <= 40, "smallest dihedral angle",
-    "0 to 40 degrees", this->SmallestDihedralDeg);
-  need(this->OptimisationSeconds >= 0, "optimisation time", "a number of s of at least 0",
-    this->OptimisationSeconds);
-}
-
-namespace
-{
 void Seed(const LabelVolume& volume, const Domain& domain, const SeedPlan& plan,
   const MeshingOptions& options, Labeller& labeller, Complex& complex)
 {
@@ -441,138 +302,6 @@ bool Optimise(const Domain& domain, const MeshingOptions& options, Complex& comp
       parameters::sliver_bound = options.SmallestDihedralDeg);
   return perturbed == CGAL::TIME_LIMIT_REACHED || exuded == CGAL::TIME_LIMIT_REACHED;
 }
-
-/// Finds the sizes that give a number of triangles, coming from coarser ones.
-class TriangleAim
-{
-public:
-  TriangleAim(const LabelVolume& volume, const MeshingOptions& options)
-    : Wanted(static_cast<double>(options.Triangles))
-    , Start(options)
-  {
-    // A triangle has about 0.6 of the square of its circumradius.
-    const double triangles = this->InterfaceArea(volume) / (0.6 * std::pow(options.FacetSizeMm, 2));
-    this->CheckMemory();
-    this->Scale = std::sqrt(triangles / (FirstShare * this->Wanted));
-  }
-
-  /// Facets with the scale of the next attempt; cells inside need not be finer than asked for.
-  MeshingOptions Sizes() const
-  {
-    MeshingOptions options = this->Start;
-    const auto multiply = [](std::map<int, double>& sizes, double scale)
-    {
-      for (auto& [material, size] : sizes)
-      {
-        size *= scale;
-      }
-    };
-    options.FacetSizeMm *= this->Scale;
-    options.FacetDistanceMm *= this->Scale;
-    options.LayerFacetSizeMm *= this->Scale;
-    multiply(options.FacetSizeOfMaterialMm, this->Scale);
-    multiply(options.FacetDistanceOfMaterialMm, this->Scale);
-    options.CellSizeMm *= std::max(1.0, this->Scale);
-    multiply(options.CellSizeOfMaterialMm, std::max(1.0, this->Scale));
-    return options;
-  }
-
-  enum class Verdict
-  {
-    Met,
-    /// Refine what is there.
-    TooFew,
-    /// Begin again, coarser.
-    TooMany
-  };
-
-  /// Of the mesh made with Sizes(), which are then those of the next attempt.
-  Verdict Judge(std::size_t triangles)
-  {
-    const auto found = static_cast<double>(triangles);
-    if (std::abs(found - this->Wanted) <= Tolerance * this->Wanted)
-    {
-      return Verdict::Met;
-    }
-    if (++this->Attempts == MostAttempts)
-    {
-      throw ConvergenceError(
-        Text("meshing: expected %.0f triangles, reached %.0f; the facet angle, "
-             "layers and small components ask for others",
-          this->Wanted, found));
-    }
-    // Triangles go with the square of the size, on rough interfaces with another power: that of the
-    // last two attempts.
-    double power = 2;
-    if (this->LastTriangles > 0 && found != this->LastTriangles)
-    {
-      power = std::clamp(
-        -std::log(found / this->LastTriangles) / std::log(this->Scale / this->LastScale), 0.8, 3.0);
-    }
-    this->LastTriangles = found;
-    this->LastScale = this->Scale;
-    // From far off half of the way, to see the power near the end: too many cannot be undone.
-    const double aim =
-      this->Wanted > 3 * found ? 0.5 * this->Wanted : (1 - 0.5 * Tolerance) * this->Wanted;
-    this->Scale *= std::pow(std::max(found, 1.0) / aim, 1 / power);
-    return found < this->Wanted ? Verdict::TooFew : Verdict::TooMany;
-  }
-
-private:
-  /// mm^2. Throws InputError where there are too few voxels for the triangles.
-  double InterfaceArea(const LabelVolume& volume) const
-  {
-    const std::size_t steps[3] = { 1, static_cast<std::size_t>(volume.Size[0]),
-      static_cast<std::size_t>(volume.Size[0]) * volume.Size[1] };
-    std::size_t faces = 0;
-    double area = 0;
-    for (int axis = 0; axis < 3; ++axis)
-    {
-      std::size_t ofAxis = 0;
-      for (std::size_t voxel = steps[axis]; voxel < volume.NumberOfVoxels(); ++voxel)
-      {
-        ofAxis += volume.Voxels[voxel] != volume.Voxels[voxel - steps[axis]];
-      }
-      faces += ofAxis;
-      area += static_cast<double>(ofAxis) * volume.VoxelVolume() / volume.Spacing[axis];
-    }
-    const double most = 16.0 * static_cast<double>(faces);
-    if (this->Wanted > most)
-    {
-      throw InputError(Text("triangles: expected at most %.0f, sixteen for each voxel face between "
-                            "materials, found %.0f",
-        most, this->Wanted));
-    }
-    return area / 1.5; // stairs in all directions have 1.5 times the area of what they follow
-  }
-
-  void CheckMemory() const
-  {
-    const double memory = static_cast<double>(sysconf(_SC_PHYS_PAGES)) * sysconf(_SC_PAGESIZE);
-    const double needed = BytesPerTriangle * this->Wanted;
-    if (needed > memory)
-    {
-      throw InputError(
-        Text("triangles: %.0f of them take about %.0f GB, expected at most the %.0f GB "
-             "of this machine",
-          this->Wanted, needed / 1e9, memory / 1e9));
-    }
-  }
-
-  /// Measured: 8.0 GB for 4.9 million triangles of a volume of 75 million voxels.
-  static constexpr double BytesPerTriangle = 1600;
-  static constexpr double FirstShare = 0.1;
-  /// Half of what is promised; mending the mesh changes the number a little.
-  static constexpr double Tolerance = 0.05;
-  static constexpr int MostAttempts = 10;
-
-  double Wanted;
-  const MeshingOptions& Start;
-  double Scale = 1;
-  int Attempts = 0;
-  double LastTriangles = 0;
-  double LastScale = 1;
-};
 
 /// CGAL's part of the work, in the grid frame.
 class Refiner

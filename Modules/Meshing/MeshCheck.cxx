@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mammoray/Meshing/MeshCheck.h"
 
+#include "Private/MeshQuality.h"
 #include "mammoray/Foundation/FaceTable.h"
-#include "mammoray/Meshing/MeshQuality.h"
 
 #include <algorithm>
 #include <cstdio>

@@ -44,7 +44,7 @@ struct MAMMORAYMESHING_EXPORT MeshTrouble
 
   Kind What = Kind::InvertedCells;
   std::size_t Count = 0;
-  /// At most MostPlaces of them; the longest holes, the first ones otherwise.
+  /// Where it was found, at most MostPlaces; the longest holes, the first ones otherwise.
   std::vector<Place> Places;
   static constexpr std::size_t MostPlaces = 20;
 
@@ -62,7 +62,7 @@ struct MaterialQuality
   std::size_t BoundaryTriangles = 0;
   /// Their area, mm^2.
   double BoundaryAreaMm2 = 0;
-  /// Of a plate of this volume and area, mm.
+  /// A plate of this volume and area is so thick, mm.
   double MeanThicknessMm() const { return 2 * this->VolumeMm3 / this->BoundaryAreaMm2; }
   /// The rest is left at 0 for surfaces.
   std::size_t Cells = 0;

@@ -100,7 +100,7 @@ std::vector<double> WindingNumbers(const SurfaceMesh& surface, const Vector3& po
   return winding;
 }
 
-/// Of the materials around each region the one that encloses least; 0 where there is none.
+/// Gives each region the material around it that encloses least; 0 where there is none.
 void NameRegions(const SurfaceMesh& surface, const MeshCheck& check, const MeshingOptions& options,
   std::vector<TetGenRegion>& regions, const ProgressCallback& progress)
 {

@@ -18,10 +18,10 @@ MAMMORAYMESHING_EXPORT bool HasTetGen();
  * where their triangles have the same corners (points at the same place are one).
  * What lies in no material stays empty.
  *
- * Of the options the cell sizes (as the volume of a regular tetrahedron of that circumradius, which
- * the last optimisation may exceed by a fraction), CellRadiusEdgeRatio (at least 2 is kept where
- * the surface allows) and SmallestDihedralDeg (at most 18, a goal; left out with
- * OptimisationSeconds 0) count; facets are those of the surface, divided further, and parts of it
+ * These options count: the cell sizes (as the volume of a regular tetrahedron of that circumradius,
+ * which the last optimisation may exceed by a fraction), CellRadiusEdgeRatio (at least 2 is kept
+ * where the surface allows) and SmallestDihedralDeg (at most 18, a goal; left out with
+ * OptimisationSeconds 0); facets are those of the surface, divided further, and parts of it
  * that are flat (to 0.1 degrees) are triangulated anew. VolumeInMm3 of the reports is what the
  * surfaces enclose.
  *

@@ -82,7 +82,7 @@ public:
     bool left[3];
     for (std::size_t c = 0; c < 3; ++c)
     {
-      // Of both triangles of an edge the same number, so that no line slips between them; one that
+      // Both triangles of an edge get the same number, so that no line slips between them; one that
       // meets it passes as if y were a trace larger, and z a trace of that.
       const std::size_t a = (c + 1) % 3;
       const std::size_t b = (c + 2) % 3;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mammoray/Meshing/MeshQuality.h"
+#include "mammoray/Meshing/Private/MeshQuality.h"
 
 #include <gtest/gtest.h>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "TestMeshes.h"
 #include "mammoray/Meshing/MeshCheck.h"
-#include "mammoray/Meshing/MeshRepair.h"
+#include "mammoray/Meshing/Private/MeshRepair.h"
 
 #include <gtest/gtest.h>
 

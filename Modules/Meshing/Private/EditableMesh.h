@@ -3,6 +3,7 @@
 #define mammoray_EditableMesh_h
 
 #include "mammoray/Foundation/TetrahedralMesh.h"
+#include "mammorayMeshingModule.h"
 
 #include <array>
 #include <vector>
@@ -14,7 +15,7 @@ namespace mammoray
  * such cells may be there while the mesh is edited, so that its surface does not come to cut
  * itself, and are left out of the result.
  */
-class EditableMesh
+class MAMMORAYMESHING_EXPORT EditableMesh
 {
 public:
   struct Cell

@@ -28,7 +28,7 @@ LabelComponents FindComponents(const LabelVolume& volume);
 
 /**
  * Gives every component below `smallestMm3` to the material it shares the most area with among
- * larger ones; of equals the lowest. Returns the number of voxels that changed.
+ * larger ones; the lowest wins a tie. Returns the number of voxels that changed.
  */
 std::size_t MergeSmallComponents(LabelVolume& volume, double smallestMm3);
 

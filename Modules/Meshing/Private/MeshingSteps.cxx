@@ -2,11 +2,11 @@
 #include "Private/MeshingSteps.h"
 
 #include "Private/CellImprovement.h"
+#include "Private/MeshQuality.h"
 #include "Private/PinchRepair.h"
 #include "Private/VolumeFit.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/Foundation/LabelResampling.h"
-#include "mammoray/Meshing/MeshQuality.h"
 
 #include <algorithm>
 #include <cstdio>

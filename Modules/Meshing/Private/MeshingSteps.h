@@ -45,7 +45,7 @@ void FinishMesh(const LabelVolume& materials, const MeshingOptions& options, Tet
 /// The part of a progress from `begin` to `end`.
 ProgressCallback Within(const ProgressCallback& progress, double begin, double end);
 
-/// From the grid frame to the volume frame.
+/// Carries a mesh from the grid frame to the volume frame.
 void PlaceInVolumeFrame(const LabelVolume& volume, TetrahedralMesh& mesh);
 
 /// Volumes of the voxels and of the cells, and the cells' quality.

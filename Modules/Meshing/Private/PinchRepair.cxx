@@ -370,8 +370,8 @@ void CutOut(EditableMesh& mesh, const std::vector<std::int32_t>& points,
   {
     volumes = { { 0, 0.0 } };
   }
-  // Of those that met all others there before, the one that changes least: a thin layer stays
-  // closed.
+  // The material is taken that changes least among those that met all others there before: a thin
+  // layer stays closed.
   const auto meetsAll = [&](std::int32_t material)
   {
     return std::all_of(materials.begin(), materials.end(),

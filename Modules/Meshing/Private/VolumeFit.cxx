@@ -167,7 +167,7 @@ private:
     return largest > 0 ? 1 / largest : 0;
   }
 
-  /// As much of the shift as the limit and the cells allow.
+  /// Moves a point by as much of the shift as the limit and the cells allow.
   void Move(std::int32_t point, Vector3 shift)
   {
     Vector3& place = this->Mesh.Points[static_cast<std::size_t>(point)];

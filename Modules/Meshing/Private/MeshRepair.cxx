@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mammoray/Meshing/MeshRepair.h"
+#include "Private/MeshRepair.h"
 
 #include "Private/CellImprovement.h"
 #include "Private/MeshingSteps.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mammoray/Meshing/MeshQuality.h"
+#include "Private/MeshQuality.h"
 
 #include <algorithm>
 #include <limits>

@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "Private/TriangleAim.h"
+
+#include "mammoray/Foundation/Error.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <string>
+
+#include <unistd.h>
+
+namespace mammoray
+{
+namespace
+{
+/// Measured: 8.0 GB for 4.9 million triangles of a volume of 75 million voxels.
+constexpr double BytesPerTriangle = 1600;
+/// The first attempt aims at this share of the triangles: too many cannot be undone.
+constexpr double FirstShare = 0.1;
+/// Half of what is promised; mending the mesh changes the number a little.
+constexpr double Tolerance = 0.05;
+constexpr int MostAttempts = 10;
+
+std::string Text(const char* format, double a, double b = 0, double c = 0)
+{
+  char text[160];
+  std::snprintf(text, sizeof(text), format, a, b, c);
+  return text;
+}
+
+/// Area of the interfaces, mm^2. Throws InputError where there are too few voxels for the
+/// triangles.
+double InterfaceArea(const LabelVolume& volume, double wanted)
+{
+  const std::size_t steps[3] = { 1, static_cast<std::size_t>(volume.Size[0]),
+    static_cast<std::size_t>(volume.Size[0]) * volume.Size[1] };
+  std::size_t faces = 0;
+  double area = 0;
+  for (int axis = 0; axis < 3; ++axis)
+  {
+    std::size_t ofAxis = 0;
+    for (std::size_t voxel = steps[axis]; voxel < volume.NumberOfVoxels(); ++voxel)
+    {
+      ofAxis += volume.Voxels[voxel] != volume.Voxels[voxel - steps[axis]];
+    }
+    faces += ofAxis;
+    area += static_cast<double>(ofAxis) * volume.VoxelVolume() / volume.Spacing[axis];
+  }
+  const double most = 16.0 * static_cast<double>(faces);
+  if (wanted > most)
+  {
+    throw InputError(Text("triangles: expected at most %.0f, sixteen for each voxel face between "
+                          "materials, found %.0f",
+      most, wanted));
+  }
+  return area / 1.5; // stairs in all directions have 1.5 times the area of what they follow
+}
+
+/// Throws InputError where the triangles do not fit in this machine's memory.
+void CheckMemory(double wanted)
+{
+  const double memory = static_cast<double>(sysconf(_SC_PHYS_PAGES)) * sysconf(_SC_PAGESIZE);
+  const double needed = BytesPerTriangle * wanted;
+  if (needed > memory)
+  {
+    throw InputError(
+      Text("triangles: %.0f of them take about %.0f GB, expected at most the %.0f GB "
+           "of this machine",
+        wanted, needed / 1e9, memory / 1e9));
+  }
+}
+}
+
+TriangleAim::TriangleAim(const LabelVolume& volume, const MeshingOptions& options)
+  : Wanted(static_cast<double>(options.Triangles))
+  , Start(options)
+{
+  // A triangle has about 0.6 of the square of its circumradius.
+  const double triangles =
+    InterfaceArea(volume, this->Wanted) / (0.6 * std::pow(options.FacetSizeMm, 2));
+  CheckMemory(this->Wanted);
+  this->Scale = std::sqrt(triangles / (FirstShare * this->Wanted));
+}
+
+MeshingOptions TriangleAim::Sizes() const
+{
+  MeshingOptions options = this->Start;
+  const auto multiply = [](std::map<int, double>& sizes, double scale)
+  {
+    for (auto& [material, size] : sizes)
+    {
+      size *= scale;
+    }
+  };
+  options.FacetSizeMm *= this->Scale;
+  options.FacetDistanceMm *= this->Scale;
+  options.LayerFacetSizeMm *= this->Scale;
+  multiply(options.FacetSizeOfMaterialMm, this->Scale);
+  multiply(options.FacetDistanceOfMaterialMm, this->Scale);
+  options.CellSizeMm *= std::max(1.0, this->Scale);
+  multiply(options.CellSizeOfMaterialMm, std::max(1.0, this->Scale));
+  return options;
+}
+
+TriangleAim::Verdict TriangleAim::Judge(std::size_t triangles)
+{
+  const auto found = static_cast<double>(triangles);
+  if (std::abs(found - this->Wanted) <= Tolerance * this->Wanted)
+  {
+    return Verdict::Met;
+  }
+  if (++this->Attempts == MostAttempts)
+  {
+    throw ConvergenceError(Text("meshing: expected %.0f triangles, reached %.0f; the facet angle, "
+                                "layers and small components ask for others",
+      this->Wanted, found));
+  }
+  // Triangles go with the square of the size, on rough interfaces with another power: that of the
+  // last two attempts.
+  double power = 2;
+  if (this->LastTriangles > 0 && found != this->LastTriangles)
+  {
+    power = std::clamp(
+      -std::log(found / this->LastTriangles) / std::log(this->Scale / this->LastScale), 0.8, 3.0);
+  }
+  this->LastTriangles = found;
+  this->LastScale = this->Scale;
+  // From far off half of the way, to see the power near the end: too many cannot be undone.
+  const double aim =
+    this->Wanted > 3 * found ? 0.5 * this->Wanted : (1 - 0.5 * Tolerance) * this->Wanted;
+  this->Scale *= std::pow(std::max(found, 1.0) / aim, 1 / power);
+  return found < this->Wanted ? Verdict::TooFew : Verdict::TooMany;
+}
+}
