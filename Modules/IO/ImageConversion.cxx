@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mammoray/IO/ImageConversion.h"
 
+#include "Private/VolumeFile.h"
 #include "mammoray/Foundation/Error.h"
 
 #include "vtkAbstractArray.h"
@@ -16,7 +17,6 @@
 #include "vtkStringArray.h"
 
 #include <algorithm>
-#include <cmath>
 
 namespace mammoray
 {
@@ -71,10 +71,9 @@ LabelVolume ToLabelVolume(vtkImageData* image)
   for (std::size_t voxel = 0; voxel < volume.Voxels.size(); ++voxel)
   {
     const double value = scalars->GetComponent(static_cast<vtkIdType>(voxel), 0);
-    if (!(value >= 0 && value <= 65535 && value == std::floor(value)))
+    if (!IsLabel(value))
     {
-      throw InputError("labels: expected whole numbers from 0 to 65535, found " +
-        std::to_string(value) + " at " + volume.VoxelName(voxel));
+      throw NoLabel("labels: " + volume.VoxelName(voxel), value);
     }
     volume.Voxels[voxel] = static_cast<std::uint16_t>(value);
   }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mammoray/IO/MeshConversion.h"
 
+#include "Private/MaterialNames.h"
 #include "mammoray/Foundation/Error.h"
 
 #include "vtkCellArray.h"
@@ -13,7 +14,6 @@
 #include "vtkIntArray.h"
 #include "vtkNew.h"
 #include "vtkPoints.h"
-#include "vtkStringArray.h"
 #include "vtkUnstructuredGrid.h"
 
 #include <algorithm>
@@ -49,13 +49,7 @@ vtkSmartPointer<vtkUnstructuredGrid> ToGrid(const TetrahedralMesh& mesh,
   grid->GetCellData()->AddArray(materials);
   if (!materialNames.empty())
   {
-    vtkNew<vtkStringArray> names;
-    names->SetName(MaterialNamesArrayName);
-    for (const std::string& name : materialNames)
-    {
-      names->InsertNextValue(name);
-    }
-    grid->GetFieldData()->AddArray(names);
+    AddMaterialNames(grid, materialNames);
   }
   return grid;
 }
@@ -96,15 +90,7 @@ TetrahedralMesh FromGrid(vtkUnstructuredGrid* grid, std::vector<std::string>* ma
   }
   if (materialNames)
   {
-    materialNames->clear();
-    if (auto* names = vtkStringArray::SafeDownCast(
-          grid->GetFieldData()->GetAbstractArray(MaterialNamesArrayName)))
-    {
-      for (vtkIdType index = 0; index < names->GetNumberOfValues(); ++index)
-      {
-        materialNames->push_back(names->GetValue(index));
-      }
-    }
+    *materialNames = FindMaterialNames(grid);
   }
   return mesh;
 }

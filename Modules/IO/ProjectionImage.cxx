@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mammoray/IO/ProjectionImage.h"
 
+#include "Private/VolumeFile.h"
 #include "mammoray/Foundation/Error.h"
 
 #include "vtkFloatArray.h"
@@ -14,11 +15,8 @@
 #include "vtkXMLImageDataWriter.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <filesystem>
-#include <fstream>
-#include <sstream>
 
 namespace mammoray
 {
@@ -57,49 +55,8 @@ std::vector<vtkFloatArray*> Channels(vtkImageData* image, bool pathLengths)
   return channels;
 }
 
-std::string Header(vtkImageData* image, std::size_t channels, bool nrrd)
-{
-  int size[3];
-  image->GetDimensions(size);
-  double origin[3];
-  image->GetOrigin(origin);
-  double spacing[3];
-  image->GetSpacing(spacing);
-  const double* matrix = image->GetDirectionMatrix()->GetData(); // columns are the axes
-  std::ostringstream text;
-  text.imbue(std::locale::classic());
-  text.precision(17);
-  const bool little = std::endian::native == std::endian::little;
-  if (nrrd)
-  {
-    text << "NRRD0005\ntype: float\ndimension: 4\nspace dimension: 3\nsizes: " << channels << " "
-         << size[0] << " " << size[1] << " 1\nspace directions: none";
-    for (int axis = 0; axis < 3; ++axis)
-    {
-      text << " (" << spacing[axis] * matrix[axis] << "," << spacing[axis] * matrix[3 + axis] << ","
-           << spacing[axis] * matrix[6 + axis] << ")";
-    }
-    text << "\nspace origin: (" << origin[0] << "," << origin[1] << "," << origin[2]
-         << ")\nkinds: " << (channels == 1 ? "scalar" : "vector")
-         << " domain domain domain\nendian: " << (little ? "little" : "big")
-         << "\nencoding: raw\n\n";
-    return text.str();
-  }
-  text << "ObjectType = Image\nNDims = 3\nBinaryData = True\nBinaryDataByteOrderMSB = "
-       << (little ? "False" : "True") << "\nCompressedData = False\nTransformMatrix =";
-  for (int axis = 0; axis < 3; ++axis)
-  {
-    text << " " << matrix[axis] << " " << matrix[3 + axis] << " " << matrix[6 + axis];
-  }
-  text << "\nOffset = " << origin[0] << " " << origin[1] << " " << origin[2]
-       << "\nCenterOfRotation = 0 0 0\nElementSpacing = " << spacing[0] << " " << spacing[1] << " "
-       << spacing[2] << "\nDimSize = " << size[0] << " " << size[1]
-       << " 1\nElementNumberOfChannels = " << channels
-       << "\nElementType = MET_FLOAT\nElementDataFile = LOCAL\n";
-  return text.str();
-}
-
-void WriteRaw(vtkImageData* image, const std::string& path, bool pathLengths, bool nrrd)
+/// The channels, interleaved, with the detector's pose.
+void WriteFloats(vtkImageData* image, const std::string& path, bool pathLengths)
 {
   const std::vector<vtkFloatArray*> channels = Channels(image, pathLengths);
   std::vector<float> values;
@@ -112,15 +69,16 @@ void WriteRaw(vtkImageData* image, const std::string& path, bool pathLengths, bo
       values.push_back(channel->GetValue(pixel));
     }
   }
-  std::ofstream file(path, std::ios::binary);
-  file << Header(image, channels.size(), nrrd);
-  file.write(reinterpret_cast<const char*>(values.data()),
-    static_cast<std::streamsize>(values.size() * sizeof(float)));
-  file.close();
-  if (!file)
+  VolumeGrid grid;
+  const double* matrix = image->GetDirectionMatrix()->GetData(); // columns are the axes
+  for (std::size_t axis = 0; axis < 3; ++axis)
   {
-    throw InputError(path + ": cannot be written");
+    grid.Size[axis] = image->GetDimensions()[axis];
+    grid.Origin[axis] = image->GetOrigin()[axis];
+    grid.Spacing[axis] = image->GetSpacing()[axis];
+    grid.Direction[axis] = { matrix[axis], matrix[3 + axis], matrix[6 + axis] };
   }
+  WriteVolumeFile(path, grid, values.data(), static_cast<unsigned>(channels.size()), false);
 }
 
 /// `values` from 0 to `white` as 16-bit grey, row 0 on top.
@@ -254,7 +212,7 @@ void WriteProjection(vtkImageData* image, const std::string& path, bool pathLeng
   }
   else if (extension == ".mha" || extension == ".nrrd")
   {
-    WriteRaw(image, path, pathLengths, extension == ".nrrd");
+    WriteFloats(image, path, pathLengths);
   }
   else
   {

@@ -1,17 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mammoray/IO/SurfaceConversion.h"
 
+#include "Private/MaterialNames.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/IO/MeshConversion.h"
 
 #include "vtkCellArray.h"
 #include "vtkCellData.h"
 #include "vtkDataArray.h"
-#include "vtkFieldData.h"
 #include "vtkNew.h"
 #include "vtkPoints.h"
 #include "vtkPolyData.h"
-#include "vtkStringArray.h"
 #include "vtkTypeInt32Array.h"
 #include "vtkUnsignedShortArray.h"
 
@@ -113,15 +112,7 @@ SurfaceMesh FromPolyData(vtkPolyData* surface, std::vector<std::string>* materia
   }
   if (materialNames)
   {
-    materialNames->clear();
-    if (auto* names = vtkStringArray::SafeDownCast(
-          surface->GetFieldData()->GetAbstractArray(MaterialNamesArrayName)))
-    {
-      for (vtkIdType index = 0; index < names->GetNumberOfValues(); ++index)
-      {
-        materialNames->push_back(names->GetValue(index));
-      }
-    }
+    *materialNames = FindMaterialNames(surface);
   }
   return mesh;
 }
@@ -163,13 +154,7 @@ vtkSmartPointer<vtkPolyData> ToPolyData(const SurfaceMesh& surface,
     std::copy(materials->begin(), materials->end(), array->GetPointer(0));
     result->GetCellData()->AddArray(array);
   }
-  vtkNew<vtkStringArray> names;
-  names->SetName(MaterialNamesArrayName);
-  for (const std::string& name : materialNames)
-  {
-    names->InsertNextValue(name);
-  }
-  result->GetFieldData()->AddArray(names);
+  AddMaterialNames(result, materialNames);
   return result;
 }
 

@@ -291,7 +291,7 @@ void DecodeAll(itk::ImageIOBase& itk, const std::string& path, const std::string
 }
 
 void Write(const std::string& path, const VolumeGrid& grid, itk::ImageIOBase::IOComponentEnum type,
-  const void* voxels)
+  const void* voxels, unsigned channels = 1, bool compressed = true)
 {
   const std::string extension = VolumeExtension(path);
   itk::ImageIOBase::Pointer writer = itk::NrrdImageIO::New().GetPointer();
@@ -304,9 +304,10 @@ void Write(const std::string& path, const VolumeGrid& grid, itk::ImageIOBase::IO
     writer = itk::NiftiImageIO::New().GetPointer();
   }
   writer->SetFileName(path);
-  writer->SetUseCompression(true);
-  writer->SetPixelType(itk::CommonEnums::IOPixel::SCALAR);
-  writer->SetNumberOfComponents(1);
+  writer->SetUseCompression(compressed);
+  writer->SetPixelType(
+    channels == 1 ? itk::CommonEnums::IOPixel::SCALAR : itk::CommonEnums::IOPixel::VECTOR);
+  writer->SetNumberOfComponents(channels);
   writer->SetComponentType(type);
   writer->SetNumberOfDimensions(3);
   itk::ImageIORegion region(3);
@@ -460,9 +461,10 @@ void WriteVolumeFile(const std::string& path, const VolumeGrid& grid, const std:
   Write(path, grid, itk::ImageIOBase::IOComponentEnum::USHORT, voxels);
 }
 
-void WriteVolumeFile(const std::string& path, const VolumeGrid& grid, const float* voxels)
+void WriteVolumeFile(const std::string& path, const VolumeGrid& grid, const float* voxels,
+  unsigned channels, bool compressed)
 {
-  Write(path, grid, itk::ImageIOBase::IOComponentEnum::FLOAT, voxels);
+  Write(path, grid, itk::ImageIOBase::IOComponentEnum::FLOAT, voxels, channels, compressed);
 }
 
 void DecodeDicomSlice(const std::string& path,

@@ -43,12 +43,14 @@ void DecodeDicomSlice(const std::string& path,
   const std::function<void(const double* values, std::size_t count)>& sink);
 
 /**
- * Writes voxels, i fastest, as a compressed file of the format that the extension (.nrrd, .mha,
- * .nii.gz) names; the frame is called LPS. Throws InputError when it cannot be written.
+ * Writes voxels, i fastest, as a file of the format that the extension (.nrrd, .mha, .nii.gz)
+ * names; the frame is called LPS. Each voxel has `channels` values, one after the other. Throws
+ * InputError when it cannot be written.
  */
 void WriteVolumeFile(const std::string& path, const VolumeGrid& grid, const std::uint8_t* voxels);
 void WriteVolumeFile(const std::string& path, const VolumeGrid& grid, const std::uint16_t* voxels);
-void WriteVolumeFile(const std::string& path, const VolumeGrid& grid, const float* voxels);
+void WriteVolumeFile(const std::string& path, const VolumeGrid& grid, const float* voxels,
+  unsigned channels = 1, bool compressed = true);
 
 /// The extension in lower case, ".nii.gz" as one.
 std::string VolumeExtension(const std::string& path);
