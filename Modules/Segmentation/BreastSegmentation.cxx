@@ -24,11 +24,12 @@ namespace
 constexpr double SmallestBreastMm = 15.0;
 /// Muscle behind the chest wall's front whose intensity is measured, mm.
 constexpr double MuscleLayerMm = 20.0;
-/// Of the body and the air, medians; noise alone has less.
+/// The body must be so many times as bright as the air (medians); noise alone has less.
 constexpr double SmallestContrast = 3.0;
 /// Tissue before a voxel that makes it part of the body, mm.
 constexpr double TissueBeforeMm = 20.0;
-/// As a fraction of fat; brighter, the two are not told apart (no T1 weighting, fat suppression).
+/// Muscle may have this fraction of fat's intensity; brighter, the two are not told apart (no T1
+/// weighting, fat suppression).
 constexpr double BrightestMuscle = 0.8;
 
 std::string Number(double value)

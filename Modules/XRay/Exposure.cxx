@@ -19,7 +19,7 @@ public:
     : State(Mix(seed + 0x9e3779b97f4a7c15) ^ Mix(pixel * 0x9e3779b97f4a7c15 + 1))
   {
   }
-  /// In (0, 1), 53 bits.
+  /// A number in (0, 1), evenly spread, of 53 bits.
   double Uniform()
   {
     this->State += 0x9e3779b97f4a7c15;
@@ -43,8 +43,8 @@ double LogFactorial(double k)
   return lgamma_r(k + 1, &sign); // std::lgamma writes a global
 }
 
-/// By multiplication of uniform numbers below 10, by Hormann's transformed rejection PTRS
-/// (Insurance: Mathematics and Economics 12, 1993) above.
+/// A number of a Poisson distribution. Uniform numbers are multiplied below a mean of 10; above it
+/// Hormann's transformed rejection PTRS is used (Insurance: Mathematics and Economics 12, 1993).
 double PoissonNumber(double mean, PixelRandom& random)
 {
   if (mean < 10)

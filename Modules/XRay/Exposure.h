@@ -23,7 +23,7 @@ struct MAMMORAYXRAY_EXPORT ExposureOptions
   /// Mean number of photons that meet a pixel without the object; 0 leaves quantum noise out. At
   /// most 1e12.
   double PhotonsPerPixel = 0;
-  /// Of the noise: the same seed gives the same image, whatever the number of threads.
+  /// Starts the noise: the same seed gives the same image, whatever the number of threads.
   std::uint64_t Seed = 0;
 
   /// Throws InputError, which names the value, when one is out of its range.

@@ -36,7 +36,7 @@ struct XRayDetector
 {
   /// Centre of pixel (column 0, row 0), mm.
   Vector3 Origin{ 0, 0, 0 };
-  /// From a pixel's centre to that of the next column, and of the next row, mm.
+  /// Lead from a pixel's centre to that of the next column, and of the next row, mm.
   Vector3 ColumnStep{ 0.1, 0, 0 };
   Vector3 RowStep{ 0, 0.1, 0 };
   int Columns = 1;
@@ -202,7 +202,7 @@ public:
 
 struct DeviceDescription
 {
-  /// As the driver reports it.
+  /// The device is called so by its driver.
   std::string Name;
   std::string Driver;
   /// "discrete GPU", "integrated GPU", "virtual GPU", "CPU" or "other".

@@ -557,7 +557,7 @@ TEST(PathLengthDerivatives, ImagesLargerThanABufferAreDoneInStrips)
                                                                                              : 0;
     }
   }
-  // As between the methods: rays next to an edge may see the triangle on its other side.
+  // They differ as the methods do: rays next to an edge may see the triangle on its other side.
   EXPECT_LE(different, 6 * partImage.NumberOfPixels() / 1000);
 }
 

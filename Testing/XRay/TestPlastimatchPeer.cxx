@@ -29,7 +29,7 @@ constexpr int Columns = 80;
 constexpr int Rows = 100;
 constexpr double PixelMm = 0.8;
 
-/// Of a ray's distance from the middle of a ball, in radii: there its surface rises by 45 degrees.
+/// A ray that passes a ball's middle at so many radii meets a surface that rises by 45 degrees.
 constexpr double Steepest = 0.7;
 
 double DistanceFromRay(const Vector3& point, const Vector3& from, const Vector3& to)

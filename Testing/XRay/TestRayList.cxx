@@ -39,7 +39,8 @@ TEST_P(RayListTest, RandomRaysMatchReference)
     const auto expected = ReferenceLengths(mesh, rays[ray].Begin, rays[ray].End);
     for (std::size_t material = 0; material < expected.size(); ++material)
     {
-      // As for pixels; single: 1e-5 mm of rounding, magnified up to 200 times by steep faces.
+      // The tolerances are those of pixels; single: 1e-5 mm of rounding, magnified up to 200 times
+      // by steep faces.
       ASSERT_NEAR(image.Material(static_cast<int>(material))[ray], expected[material],
         this->GetParam().Double ? 3e-5 : 2e-3)
         << "ray " << ray;

@@ -2,6 +2,8 @@
 #ifndef mammoray_Thresholds_h
 #define mammoray_Thresholds_h
 
+#include "mammoraySegmentationModule.h"
+
 #include <vector>
 
 namespace mammoray
@@ -11,10 +13,11 @@ namespace mammoray
  * histogram spans all but the outermost thousandth at each end; where that is one value, it is
  * every threshold.
  */
-std::vector<double> OtsuThresholds(std::vector<float> values, int classes);
+MAMMORAYSEGMENTATION_EXPORT std::vector<double> OtsuThresholds(std::vector<float> values,
+  int classes);
 
 /// The value below which a fraction [0, 1] of the values lies; there must be one at least.
-double Quantile(std::vector<float> values, double fraction);
+MAMMORAYSEGMENTATION_EXPORT double Quantile(std::vector<float> values, double fraction);
 }
 
 #endif
