@@ -2,10 +2,10 @@
 #ifndef mammoray_CompressionSimulation_h
 #define mammoray_CompressionSimulation_h
 
-#include "mammoray/Biomechanics/ChestWall.h"
-#include "mammoray/Biomechanics/ElasticBody.h"
-#include "mammoray/Biomechanics/PlateContact.h"
-#include "mammoray/Biomechanics/PlateFriction.h"
+#include "mammoray/Biomechanics/ElasticMaterial.h"
+#include "mammoray/Biomechanics/Plates.h"
+#include "mammoray/Biomechanics/SimulationCells.h"
+#include "mammoray/Biomechanics/WallAttachment.h"
 #include "mammoray/Foundation/Progress.h"
 #include "mammoray/Foundation/TetrahedralMesh.h"
 #include "mammoray/Foundation/Vector3.h"
@@ -17,16 +17,7 @@
 
 namespace mammoray
 {
-/// How the breast is attached to the held materials.
-enum class ChestWallMode
-{
-  /// Its nodes there do not move.
-  Held,
-  /// They glide along the held body's surface and hardly leave it.
-  Sliding,
-  /// An elastic layer lies between.
-  Elastic
-};
+struct FrictionPoint;
 
 struct CompressionOptions
 {
@@ -34,13 +25,13 @@ struct CompressionOptions
   /// are tens of thousands.
   ElementType Element = ElementType::Quadratic;
   ChestWallMode ChestWall = ChestWallMode::Held;
-  /// Of the elastic chest wall; of the sliding one Normal counts, and along the wall
+  /// Counts for the elastic chest wall; a sliding one takes Normal from it, and along the wall
   /// SlidingStiffness.
   WallStiffness Wall{ 1000.0, 1.0 };
   /// kPa / mm. Not quite 0: between plates without friction nothing else would hold the breast
   /// sideways. After gliding by 10 mm a hundredth of the usual pressures of compression.
   static constexpr double SlidingStiffness = 0.01;
-  /// Coefficient of friction between breast and plates, not negative (see FrictionPoint).
+  /// Coefficient of friction between breast and plates, not negative (smoothed Coulomb friction).
   double Friction = 0.0;
   /// Acceleration of the patient's weight during compression, m/s^2, in the frame of the mesh.
   Vector3 GravityMPerS2{ 0, 0, 0 };
@@ -59,7 +50,7 @@ struct CompressionOptions
   /// Newton stops when the residual force falls below this fraction of the contact force (or of the
   /// stiffness scale while there is no contact).
   double RelativeTolerance = 1e-8;
-  /// Of one solution; twice as many where contact has to be hardened in small steps.
+  /// Limits one solution; twice as many where contact has to be hardened in small steps.
   int MaximumNewtonSteps = 60;
   /// Largest closing of the plates in one load step of a cold start, as a fraction of the open gap.
   double LargestLoadStep = 0.1;
@@ -119,13 +110,14 @@ struct CompressionState
   double LargestJ = 1;
   /// Deformed / undeformed volume.
   double VolumeRatio = 1;
-  /// Norm of the residual force over that of the largest kind of force (EquilibriumSolver::Solve).
+  /// Norm of the residual force over that of the largest kind of force
+  /// (CompressionOptions::RelativeTolerance).
   double RelativeResidual = 0;
   /// How far nodes have left or entered the chest wall and have glided along it at most, mm.
   double LargestWallLiftMm = 0;
   double LargestWallGlideMm = 0;
   /// Normal forces and anchors of friction that the state was found with; null without friction.
-  std::shared_ptr<const FrictionPoints> Friction;
+  std::shared_ptr<const std::vector<FrictionPoint>> Friction;
   /// Those of the predictor of a cold start are not counted.
   int NewtonSteps = 0;
   int LoadSteps = 0;
@@ -143,9 +135,12 @@ MAMMORAYBIOMECHANICS_EXPORT double PenetrationLimitMm(const PlatePair& plates);
  * minimum of energy (DESIGN.md section 6): psi = w(J^(-2/3) tr F^T F - 3) + kappa/2 (J - 1)^2, w
  * neo-Hookean or Fung's exponential (ElasticMaterial.h), on quadratic tetrahedra made from the
  * given linear ones or on these, most of kappa acting on the mean of J over a cell or a patch of
- * cells (ElasticBody); contact by a C2 penalty, with smoothed Coulomb friction if wanted; the
- * breast is held by, glides along or is elastically attached to the chest wall (ChestWall). With
+ * cells; contact by a C2 penalty, with smoothed Coulomb friction if wanted; the
+ * breast is held by, glides along or is elastically attached to the chest wall. With
  * friction a state depends on the way to it: on the load steps and on the start.
+ *
+ * One thread at a time: const functions share a solver, whose last factor and evaluation they keep
+ * for the next call. That is a cache: it changes what they answer within the tolerance only.
  */
 class MAMMORAYBIOMECHANICS_EXPORT CompressionSimulation
 {
@@ -264,7 +259,7 @@ public:
 
 private:
   friend class Embedding;
-  /// As far as Compress goes: contact hard and all limits kept; or only a prediction
+  /// How far Compress goes: contact hard and all limits kept; or only a prediction
   /// for another simulation, soft contact and a wide tolerance.
   enum class Finish
   {

@@ -2,7 +2,7 @@
 #ifndef mammoray_PlacedPlates_h
 #define mammoray_PlacedPlates_h
 
-#include "mammoray/Biomechanics/PlateContact.h"
+#include "mammoray/Biomechanics/Plates.h"
 #include "mammoray/Foundation/MammographyGeometry.h"
 #include "mammorayBiomechanicsModule.h"
 

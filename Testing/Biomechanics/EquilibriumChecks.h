@@ -4,7 +4,7 @@
 #define mammoray_Testing_EquilibriumChecks_h
 
 #include "TestMeshes.h"
-#include "mammoray/Biomechanics/EquilibriumSolver.h"
+#include "mammoray/Biomechanics/Private/EquilibriumSolver.h"
 
 #include <gtest/gtest.h>
 
@@ -54,6 +54,17 @@ inline ElasticMaterial FromModuli(double mu, double kappa, double fungExponent =
   return material;
 }
 
+/// One flag per cell.
+inline std::vector<bool> CellsOfMaterial(const TetrahedralMesh& mesh, int material)
+{
+  std::vector<bool> cells;
+  for (const int found : mesh.Materials)
+  {
+    cells.push_back(found == material);
+  }
+  return cells;
+}
+
 /// A block between plates whose edges end over its middle: faces, flat and round, all touch. Its
 /// lowest layer in y is of material 2.
 struct PressedBlock
@@ -90,7 +101,7 @@ struct PressedBlock
  * and eps / h for roundoff, 1e-9 at the best step, times the contact's stiffness over the tissue's,
  * 100. Only where no coordinate is fixed.
  */
-inline void ExpectExactDerivatives(const EquilibriumSolver& solver, const std::vector<double>& x,
+inline void ExpectExactDerivatives(EquilibriumSolver& solver, const std::vector<double>& x,
   const PlatePair& plates)
 {
   const std::size_t size = x.size();

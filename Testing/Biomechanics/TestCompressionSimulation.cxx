@@ -2,8 +2,8 @@
 #include "EveryElement.h"
 #include "TestMeshes.h"
 #include "mammoray/Biomechanics/CompressionSimulation.h"
-#include "mammoray/Biomechanics/EquilibriumSolver.h"
 #include "mammoray/Biomechanics/PlacedPlates.h"
+#include "mammoray/Biomechanics/Private/EquilibriumSolver.h"
 #include "mammoray/Foundation/Error.h"
 
 #include <gtest/gtest.h>
@@ -178,7 +178,7 @@ TEST_P(ElementCompression, ForcesBalance)
       fixed[3 * node] = fixed[3 * node + 1] = fixed[3 * node + 2] = true;
     }
   }
-  const EquilibriumSolver solver(body, fixed, state.ContactStiffness);
+  EquilibriumSolver solver(body, fixed, state.ContactStiffness);
   const std::vector<double> with = solver.Gradient(state.Positions, &plates);
   const std::vector<double> without = solver.Gradient(state.Positions, nullptr);
   Vector3 sum{ 0, 0, 0 }, contact{ 0, 0, 0 }, reaction{ 0, 0, 0 };
@@ -230,7 +230,7 @@ TEST_P(ElementCompression, IsTheSameWithAPredictorOnAnotherMesh)
   {
     largest = std::max(largest, std::abs(led.Positions[c] - alone.Positions[c]));
   }
-  // As between warm and cold starts.
+  // The tolerances are those between warm and cold starts.
   EXPECT_LT(largest, 1e-5);
   EXPECT_NEAR(led.PaddleForceN, alone.PaddleForceN, 1e-6 * alone.PaddleForceN);
 }
@@ -366,7 +366,7 @@ TEST_P(ElementCompression, SensitivitiesToMaterialsMatchCentralDifferences)
       }
       best = std::min(best, std::sqrt(error / size));
     }
-    // As above.
+    // See above.
     EXPECT_LT(best, 1e-6) << "parameter " << p;
   }
   simulation.SetMaterials(materials);
@@ -423,25 +423,6 @@ TEST(CompressionSimulation, FindsTheThicknessOfAForce)
       << error.what();
     EXPECT_LT(error.LastGapMm(), 58);
   }
-}
-
-TEST(PlacedPlates, TiltOpensThePaddleTowardsTheNipple)
-{
-  VolumeFromGantry placed; // X, Y, Z as they are
-  MammographyUnit unit;
-  unit.PaddleEdgeMm = 4;
-  const PlatePair plates = PlatesOf(placed, unit, 50, 5);
-  const double c = std::cos(5 * M_PI / 180), s = std::sin(5 * M_PI / 180);
-  EXPECT_NEAR(GapMm(plates), 50, 1e-12);
-  // The face's point 30 mm in lies farther from the support by 30 sin 5 degrees.
-  const Vector3 inside = plates.Paddle.Edge + 30 * plates.Paddle.Inward;
-  EXPECT_NEAR(inside[1], 4 + 30 * c, 1e-12);
-  EXPECT_NEAR(inside[2], unit.SupportHeightMm + 50 + 30 * s, 1e-12);
-  EXPECT_NEAR(Dot(plates.Paddle.Normal, plates.Paddle.Inward), 0, 1e-15);
-  EXPECT_NEAR(
-    DistanceToPlate(plates.Paddle, inside - 7 * c * Vector3{ 0, 0, 1 } + 7 * s * Vector3{ 0, 1, 0 })
-      .Distance,
-    7, 1e-12);
 }
 
 /// Held, sliding or elastic chest wall; gravity in every other case, pull in some. Without

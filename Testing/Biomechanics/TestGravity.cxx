@@ -81,13 +81,6 @@ struct SoftBreast
 const AnatomicalAxes Axes = AnatomicalAxes::FromCode("LAS");
 const Vector3 Prone = GravityIn(PatientPosition::Prone, Axes);
 
-TEST(Gravity, PointsDownwards)
-{
-  EXPECT_EQ(Prone, (Vector3{ 0, StandardGravityMPerS2, 0 }));
-  EXPECT_EQ(GravityIn(PatientPosition::Supine, Axes), (Vector3{ 0, -StandardGravityMPerS2, 0 }));
-  EXPECT_EQ(GravityIn(PatientPosition::Upright, Axes), (Vector3{ 0, 0, -StandardGravityMPerS2 }));
-}
-
 TEST(Gravity, UnloadingAndLoadingGiveTheImageBack)
 {
   const SoftBreast breast;

@@ -144,7 +144,7 @@ struct Compressed
   }
 };
 
-/// As FEBio left it.
+/// The phantom as FEBio left it.
 Compressed ReadCompressed(const LabelVolume& after)
 {
   Compressed result(after);
@@ -203,7 +203,7 @@ Compressed CarryVoxels(const LabelVolume& before, const LabelVolume& after,
   return result;
 }
 
-/// Of the cubes that are gland by at least half.
+/// Counts the cubes that are gland by at least half.
 double Dice(const Compressed& a, const Compressed& b, double cubeMm3)
 {
   std::size_t both = 0, sum = 0;

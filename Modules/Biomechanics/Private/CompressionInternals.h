@@ -2,9 +2,11 @@
 #ifndef mammoray_CompressionInternals_h
 #define mammoray_CompressionInternals_h
 
+#include "Private/Energies/AttachmentEnergy.h"
+#include "Private/Energies/ElasticBody.h"
+#include "Private/EquilibriumSolver.h"
 #include "mammoray/Biomechanics/CompressionSimulation.h"
 #include "mammoray/Biomechanics/Embedding.h"
-#include "mammoray/Biomechanics/EquilibriumSolver.h"
 
 #include <optional>
 
@@ -19,7 +21,7 @@ struct CompressionSimulation::Internals
   /// Coordinates that do not move, 3 x nodeCount.
   std::vector<bool> Fixed;
   /// Where the breast is not held but slides or hangs elastically.
-  std::optional<ChestWall> Wall;
+  std::optional<AttachmentEnergy> Wall;
   EquilibriumSolver Solver;
   /// See ImagePositions.
   std::vector<double> Image;
@@ -54,14 +56,6 @@ struct CompressionSimulation::Internals
   void SetRestCorners(const std::vector<double>& corners);
   /// Makes the solver's contact, friction and loads those of the state.
   void Recall(const CompressionState& state);
-
-  /**
-   * As EquilibriumSolver::Solve; with friction, whose normal forces are frozen there, again until
-   * they fit. `last`: the state reached before, for a first guess of the normal forces.
-   */
-  EquilibriumReport Solve(std::vector<double>& x, const PlatePair& plates,
-    const CompressionState& last, const EquilibriumSolver::FrictionStart& before, double tolerance,
-    int maximumSteps, const ProgressCallback& progress);
 };
 }
 

@@ -9,10 +9,10 @@
 #include <optional>
 #include <string>
 
-// Of OpenBLAS, if that is the BLAS of the process.
+// OpenBLAS has these, if it is the BLAS of the process.
 extern "C" void openblas_set_num_threads(int) __attribute__((weak));
 extern "C" int openblas_get_num_threads() __attribute__((weak));
-// Of the OpenMP runtime that CHOLMOD was built with, if it was.
+// The OpenMP runtime that CHOLMOD was built with has these, if it was.
 extern "C" void omp_set_max_active_levels(int) __attribute__((weak));
 extern "C" int omp_get_max_active_levels() __attribute__((weak));
 
@@ -73,7 +73,7 @@ struct SparseCholesky::Internals
   cholmod_dense* Solution = nullptr;
   cholmod_dense* Work = nullptr;
   cholmod_dense* MoreWork = nullptr;
-  /// Of one factorisation.
+  /// What one factorisation takes.
   double Operations = 0;
 
   Internals() { cholmod_start(&this->Common); }
@@ -156,7 +156,7 @@ bool SparseCholesky::Factorize(const std::vector<double>& values)
   return this->Valid;
 }
 
-void SparseCholesky::Solve(std::vector<double>& columns) const
+void SparseCholesky::Solve(std::vector<double>& columns)
 {
   const std::size_t n = this->Starts.size() - 1;
   cholmod_dense right{};

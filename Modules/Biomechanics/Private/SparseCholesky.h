@@ -2,6 +2,8 @@
 #ifndef mammoray_SparseCholesky_h
 #define mammoray_SparseCholesky_h
 
+#include "mammorayBiomechanicsModule.h"
+
 #include <memory>
 #include <vector>
 
@@ -11,7 +13,7 @@ namespace mammoray
  * L L^T of symmetric positive definite matrices that share one pattern, by CHOLMOD's supernodal
  * method: ordered and analysed once, factorised as often as wanted.
  */
-class SparseCholesky
+class MAMMORAYBIOMECHANICS_EXPORT SparseCholesky
 {
 public:
   /**
@@ -24,7 +26,7 @@ public:
   /// Answers false where the matrix is not positive definite; the factor is unusable then.
   bool Factorize(const std::vector<double>& values);
   /// Solves for `columns` right-hand sides stored one after the other, in place.
-  void Solve(std::vector<double>& columns) const;
+  void Solve(std::vector<double>& columns);
   /// y = A x of the symmetric matrix with these values.
   void Multiply(const std::vector<double>& values, const double* x, double* y) const;
   bool Usable() const { return this->Valid; }

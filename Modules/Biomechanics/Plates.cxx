@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mammoray/Biomechanics/PlateContact.h"
+#include "mammoray/Biomechanics/Plates.h"
 
 #include <algorithm>
 

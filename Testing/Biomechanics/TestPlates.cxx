@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mammoray/Biomechanics/PlacedPlates.h"
-#include "mammoray/Biomechanics/PlateContact.h"
+#include "mammoray/Biomechanics/Plates.h"
 
 #include <gtest/gtest.h>
 
@@ -17,7 +16,7 @@ Plate MakeTiltedPlate()
     { .Linear = { 0.5, -1, 2 }, .Angular = { 0.3, -0.8, 0.5 } }, 1.0);
 }
 
-TEST(PlateContact, DistanceIsThatToTheRoundedQuarterSpace)
+TEST(Plates, DistanceIsThatToTheRoundedQuarterSpace)
 {
   const Plate plate{ .EdgeRadiusMm = 3 }; // fills z <= 0, y >= 0
   EXPECT_DOUBLE_EQ(DistanceToPlate(plate, { 9, 10, 2 }).Distance, 2);
@@ -28,7 +27,7 @@ TEST(PlateContact, DistanceIsThatToTheRoundedQuarterSpace)
   EXPECT_DOUBLE_EQ(DistanceToPlate(plate, { 0, 3 - 1.2, -3 + 1.6 }).Distance, -1);
 }
 
-TEST(PlateContact, DerivativesMatchCentralDifferences)
+TEST(Plates, DerivativesMatchCentralDifferences)
 {
   const Plate plate = MakeTiltedPlate();
   std::mt19937 generator(1);
@@ -69,7 +68,7 @@ TEST(PlateContact, DerivativesMatchCentralDifferences)
   EXPECT_GT(rounded, 30);
 }
 
-TEST(PlateContact, MotionTakesOnePlateToTheOther)
+TEST(Plates, MotionTakesOnePlateToTheOther)
 {
   const Plate from;
   const Plate to = MakeTiltedPlate();
@@ -79,7 +78,7 @@ TEST(PlateContact, MotionTakesOnePlateToTheOther)
   EXPECT_NEAR(Norm(reached.Inward - to.Inward), 0, 1e-12);
 }
 
-TEST(PlateContact, VelocityIsTheDerivativeOfTheMotion)
+TEST(Plates, VelocityIsTheDerivativeOfTheMotion)
 {
   const Plate plate = MakeTiltedPlate();
   const PlateVelocity velocity{ .Linear = { 1, 2, 3 }, .Angular = { 0.1, -0.2, 0.3 } };
@@ -90,7 +89,7 @@ TEST(PlateContact, VelocityIsTheDerivativeOfTheMotion)
   EXPECT_NEAR(Norm(expected - velocity.At(plate, plate.Edge + 10.0 * plate.Inward)), 0, 1e-8);
 }
 
-TEST(PlateContact, SlidPlatesAreTheSameNearestToTheTarget)
+TEST(Plates, SlidPlatesAreTheSameNearestToTheTarget)
 {
   const PlatePair from{ MakeTiltedPlate(), Plate{ .Edge = { 0, 0, 50 }, .Normal = { 0, 0, -1 } } };
   PlatePair to = from;
@@ -110,23 +109,5 @@ TEST(PlateContact, SlidPlatesAreTheSameNearestToTheTarget)
   // The paddle's edge runs along x: nothing of its way is left.
   EXPECT_NEAR(Norm(slid.Paddle.Edge - to.Paddle.Edge), 0, 1e-12);
   EXPECT_LE(TravelMm(PlateMotion(slid, to)), TravelMm(PlateMotion(from, to)));
-}
-
-TEST(PlacedPlates, FaceEachOtherAcrossTheThickness)
-{
-  MammographyUnit unit;
-  unit.SupportEdgeMm = 1;
-  unit.PaddleEdgeMm = 2;
-  const AnatomicalAxes axes = AnatomicalAxes::FromCode("ALS");
-  BreastPose pose;
-  pose.ThicknessMm = 40;
-  pose.RollDeg = 30;
-  const VolumeFromGantry placed = PlaceUnit(axes, { 1, 2, 3 }, unit, pose);
-  const PlatePair plates = PlatesOf(placed, unit, 40);
-  EXPECT_NEAR(Norm(placed.ToGantry(plates.Support.Edge) - Vector3{ 0, 1, 2 }), 0, 1e-12);
-  EXPECT_NEAR(Norm(placed.ToGantry(plates.Paddle.Edge) - Vector3{ 0, 2, 42 }), 0, 1e-12);
-  EXPECT_NEAR(Norm(plates.Support.Normal + plates.Paddle.Normal), 0, 1e-12);
-  EXPECT_NEAR(Dot(plates.Paddle.Edge - plates.Support.Edge, plates.Support.Normal), 40, 1e-12);
-  EXPECT_NEAR(Dot(plates.Paddle.Inward, axes.Anterior), 1, 1e-12);
 }
 }

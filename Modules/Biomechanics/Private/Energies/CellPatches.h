@@ -3,6 +3,7 @@
 #define mammoray_CellPatches_h
 
 #include "mammoray/Foundation/TetrahedralMesh.h"
+#include "mammorayBiomechanicsModule.h"
 
 #include <cstdint>
 #include <vector>
@@ -18,7 +19,7 @@ constexpr int CellEdges[6][2] = { { 0, 1 }, { 1, 2 }, { 0, 2 }, { 0, 3 }, { 1, 3
 constexpr int FaceMiddles[4][3] = { { 5, 9, 8 }, { 7, 9, 6 }, { 4, 8, 7 }, { 6, 5, 4 } };
 
 /// The cell behind the face opposite to each corner, -1 on the boundary; 4 per cell.
-std::vector<std::int32_t> FaceNeighbours(const TetrahedralMesh& mesh);
+MAMMORAYBIOMECHANICS_EXPORT std::vector<std::int32_t> FaceNeighbours(const TetrahedralMesh& mesh);
 
 /// Cells of a patch: what is aimed at, and the most.
 constexpr int UsualPatchSize = 8;
@@ -29,8 +30,9 @@ constexpr int LargestPatchSize = 12;
  * only. Depends on the order of the cells and on nothing else. `neighbours` of FaceNeighbours,
  * `groups`: one per cell.
  */
-std::vector<std::vector<std::int32_t>> MakePatches(const TetrahedralMesh& mesh,
-  const std::vector<std::int32_t>& neighbours, const std::vector<char>& groups);
+MAMMORAYBIOMECHANICS_EXPORT std::vector<std::vector<std::int32_t>> MakePatches(
+  const TetrahedralMesh& mesh, const std::vector<std::int32_t>& neighbours,
+  const std::vector<char>& groups);
 }
 
 #endif

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "Private/CellPatches.h"
+#include "Private/Energies/CellPatches.h"
 
 #include <algorithm>
 #include <array>
@@ -74,7 +74,7 @@ private:
     this->PatchOf[seed] = index;
     while (patch.size() < UsualPatchSize)
     {
-      // Of the free neighbours the one with the fewest new nodes, then the fewest free neighbours
+      // Takes the free neighbour with the fewest new nodes, then the fewest free neighbours
       // of its own.
       std::tuple<int, int, std::int32_t> best{ 5, 5, -1 };
       for (const std::int32_t cell : patch)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mammoray/Biomechanics/PlateFriction.h"
+#include "Private/Energies/PlateFriction.h"
 
 #include <algorithm>
 #include <cmath>
@@ -85,7 +85,7 @@ bool Before(const FrictionPoint& a, const FrictionPoint& b)
 
 FrictionPoints BlendedFriction(FrictionPoints a, FrictionPoints b, double part)
 {
-  // Of the largest force; below it a point only costs time.
+  // Below this part of the largest force a point only costs time.
   constexpr double negligible = 1e-9;
   std::sort(a.begin(), a.end(), Before);
   std::sort(b.begin(), b.end(), Before);

@@ -1,29 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
-#ifndef mammoray_ChestWall_h
-#define mammoray_ChestWall_h
+#ifndef mammoray_AttachmentEnergy_h
+#define mammoray_AttachmentEnergy_h
 
-#include "mammoray/Biomechanics/ElasticBody.h"
+#include "Private/Energies/ElasticBody.h"
+#include "Private/Energies/Energy.h"
+#include "mammoray/Biomechanics/WallAttachment.h"
 #include "mammoray/Foundation/Vector3.h"
 #include "mammorayBiomechanicsModule.h"
 
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 namespace mammoray
 {
-/// Stiffness of the layer between chest wall and breast, kPa / mm: traction per displacement.
-struct WallStiffness
-{
-  /// Across the wall, against leaving and entering it; positive.
-  double Normal = 0;
-  /// Along the wall; not negative.
-  double Tangential = 0;
-
-  bool operator==(const WallStiffness&) const = default;
-};
-
 /// Height over a surface with its first and second derivatives.
 struct SurfaceHeight
 {
@@ -35,10 +27,10 @@ struct SurfaceHeight
 };
 
 /**
- * The surface of the held body (muscle, chest wall) to which the breast is attached by an elastic
- * layer that does not move with it:
+ * Energy of the elastic layer between the breast and the surface of the held body (muscle, chest
+ * wall), which does not move; its pieces are the nodes on that surface:
  *
- *   E = sum over its nodes a of A_a [ k_n / 2 (h(x_a) - h(X_a))^2 + k_t / 2 |P_a (x_a - X_a)|^2 ],
+ *   E = sum over the nodes a of A_a [ k_n / 2 (h(x_a) - h(X_a))^2 + k_t / 2 |P_a (x_a - X_a)|^2 ],
  *
  * A_a: undeformed area around the node, X_a: where it is undeformed, k_n and k_t: WallStiffness,
  * P_a = I - n n^T along the surface at X_a, n = grad h(X_a) / |grad h(X_a)|. h is the height over a
@@ -51,7 +43,7 @@ struct SurfaceHeight
  * exact for a plane, and goes on beyond the border of the wall: a node that glides stays at its own
  * height, wherever the wall curves. With k_t = 0 it glides freely, and with both large it is held.
  */
-class MAMMORAYBIOMECHANICS_EXPORT ChestWall
+class MAMMORAYBIOMECHANICS_EXPORT AttachmentEnergy : public Energy
 {
 public:
   struct Terms
@@ -65,7 +57,17 @@ public:
   };
 
   /// `heldCells`: one flag per cell of the body. Throws InputError where no tissue meets them.
-  ChestWall(const ElasticBody& body, const std::vector<bool>& heldCells);
+  AttachmentEnergy(const ElasticBody& body, const std::vector<bool>& heldCells,
+    const WallStiffness& stiffness);
+
+  std::size_t NumberOfPieces() const override { return this->NodeIndices.size(); }
+  std::span<const std::int32_t> NodesOf(std::size_t n) const override
+  {
+    return { &this->NodeIndices[n], 1 };
+  }
+  /// Measures lift and glide. The projected Hessian lacks the part that may be negative.
+  bool Add(std::size_t n, const std::vector<double>& x, EnergyOrder order,
+    PieceTerms& terms) const override;
 
   /// The nodes of the body that lie on the wall, ascending.
   const std::vector<std::int32_t>& Nodes() const { return this->NodeIndices; }
@@ -75,8 +77,8 @@ public:
   void SetRestPositions(const std::vector<double>& rest);
 
   /**
-   * Of the node `Nodes()[n]` at `x`, linear in the stiffness: with its rate in place of it, the
-   * rate of the terms. `projected`: without the part of the Hessian that may be negative.
+   * The terms of the node `Nodes()[n]` at `x`, linear in the stiffness: with its rate in place of
+   * it, the rate of the terms. `projected`: without the part of the Hessian that may be negative.
    */
   Terms NodeTerms(std::size_t n, const Vector3& x, const WallStiffness& stiffness,
     bool projected = false) const;
@@ -98,6 +100,7 @@ private:
     double RestHeight = 0;
     Vector3 Normal{ 0, 0, 0 };
   };
+  WallStiffness Stiffness;
   std::vector<Triangle> Triangles;
   std::vector<std::int32_t> NodeIndices;
   std::vector<Node> NodeValues;

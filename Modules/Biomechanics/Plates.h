@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#ifndef mammoray_PlateContact_h
-#define mammoray_PlateContact_h
+#ifndef mammoray_Plates_h
+#define mammoray_Plates_h
 
 #include "mammoray/Foundation/Vector3.h"
 #include "mammorayBiomechanicsModule.h"

@@ -1,213 +1,23 @@
 // SPDX-License-Identifier: Apache-2.0
+// Compressions with a chest wall that is not held, gravity and pull.
 #include "EquilibriumChecks.h"
 #include "EveryElement.h"
 #include "TestMeshes.h"
-#include "mammoray/Biomechanics/ChestWall.h"
 #include "mammoray/Biomechanics/CompressionSimulation.h"
-#include "mammoray/Biomechanics/EquilibriumSolver.h"
+#include "mammoray/Biomechanics/Private/Energies/AttachmentEnergy.h"
 #include "mammoray/Foundation/Error.h"
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 
 namespace
 {
 using namespace mammoray;
+using test::CellsOfMaterial;
 using test::Difference;
-using test::DotOf;
 using test::NormOf;
-using test::PressedBlock;
-using test::Shaken;
-
-std::vector<bool> CellsOfMaterial(const TetrahedralMesh& mesh, int material)
-{
-  std::vector<bool> cells;
-  for (const int found : mesh.Materials)
-  {
-    cells.push_back(found == material);
-  }
-  return cells;
-}
-
-/// Half an ellipsoid on a chest wall that bulges forwards.
-struct Breast
-{
-  TetrahedralMesh Mesh = test::MakeHalfEllipsoidMesh(40, 45, 38, 6);
-  ElasticBody Body{ Mesh, { {}, { 6, 0.49 }, { 5, 0.49 } } };
-  ChestWall Wall{ Body, CellsOfMaterial(Mesh, 2) };
-};
-
-TEST(ChestWall, HeightOverAPlaneIsItsDistance)
-{
-  const PressedBlock block(ElementType::Quadratic);
-  const ChestWall wall(block.Body, CellsOfMaterial(PressedBlock::Mesh(), 2));
-  EXPECT_NEAR(wall.AreaMm2(), 400, 1e-10);
-  EXPECT_EQ(wall.Nodes().size(), 25u); // 2 x 2 squares of two quadratic triangles
-  double area = 0;
-  for (std::size_t n = 0; n < wall.Nodes().size(); ++n)
-  {
-    const double* rest = &block.Body.RestPositions()[3 * wall.Nodes()[n]];
-    EXPECT_EQ(rest[1], 10);
-    const Vector3 lifted{ rest[0], rest[1] + 2, rest[2] };
-    const ChestWall::Terms terms = wall.NodeTerms(n, lifted, { 3, 0 });
-    EXPECT_NEAR(terms.LiftMm, 2, 1e-12);
-    EXPECT_NEAR(terms.GlideMm, 0, 1e-12);
-    area += terms.Energy / 6; // 3 / 2 * 2^2
-  }
-  EXPECT_NEAR(area, 400, 1e-9);
-  // Beside and far beyond the wall too.
-  for (const Vector3& x : { Vector3{ 3, 12.5, 4 }, { -40, 11, 90 }, { 300, -7, 2 } })
-  {
-    const SurfaceHeight height = wall.HeightAt(x);
-    EXPECT_NEAR(height.Value, x[1] - 10, 1e-10);
-    EXPECT_NEAR(Norm(height.Gradient - Vector3{ 0, 1, 0 }), 0, 1e-10);
-  }
-}
-
-TEST(ChestWall, DerivativesOfTheHeightMatchCentralDifferences)
-{
-  const Breast breast;
-  for (const Vector3& x : { Vector3{ 3, 7, 4 }, { -25, 6, 12 }, { 38, 1, -20 }, { 0, 30, 60 } })
-  {
-    const SurfaceHeight height = breast.Wall.HeightAt(x);
-    constexpr double h = 1e-4;
-    for (int i = 0; i < 3; ++i)
-    {
-      Vector3 low = x, high = x;
-      low[i] -= h;
-      high[i] += h;
-      const SurfaceHeight below = breast.Wall.HeightAt(low), above = breast.Wall.HeightAt(high);
-      // h^2 times third derivatives below 1 / mm^2; roundoff of the height, 1e-14, over h.
-      EXPECT_NEAR((above.Value - below.Value) / (2 * h), height.Gradient[i], 1e-8);
-      for (int j = 0; j < 3; ++j)
-      {
-        EXPECT_NEAR((above.Gradient[j] - below.Gradient[j]) / (2 * h), height.Hessian[i][j], 1e-8);
-        EXPECT_NEAR(height.Hessian[i][j], height.Hessian[j][i], 1e-15);
-      }
-    }
-  }
-}
-
-TEST(ChestWall, ANodeThatGlidesRoundACurvedWallKeepsItsHeight)
-{
-  // A shell of held cells round the origin, radius 30 to 40 mm: the tissue inside may turn freely.
-  TetrahedralMesh mesh = test::MakeBoxMesh({ -1, -1, -1 }, { 1, 1, 1 }, { 8, 8, 8 });
-  for (std::size_t cell = 0; cell < mesh.NumberOfCells(); ++cell)
-  {
-    double largest = 0;
-    for (int corner = 0; corner < 4; ++corner)
-    {
-      for (const double c : mesh.Point(mesh.Cells[4 * cell + corner]))
-      {
-        largest = std::max(largest, std::abs(c));
-      }
-    }
-    mesh.Materials[cell] = largest > 0.8 ? 2 : 1;
-  }
-  // Every cube about the origin becomes a sphere.
-  TetrahedralMesh surface = mesh;
-  std::vector<double> sizes;
-  for (std::size_t p = 0; p < mesh.NumberOfPoints(); ++p)
-  {
-    const Vector3 point = mesh.Point(p);
-    sizes.push_back(std::max({ std::abs(point[0]), std::abs(point[1]), std::abs(point[2]), 1e-9 }));
-    for (int axis = 0; axis < 3; ++axis)
-    {
-      surface.Points[3 * p + axis] /= sizes.back();
-    }
-  }
-  test::MapCubeToBall(surface, 40, 40, 40);
-  for (std::size_t c = 0; c < mesh.Points.size(); ++c)
-  {
-    mesh.Points[c] = sizes[c / 3] * surface.Points[c];
-  }
-  const ElasticBody body(mesh, { {}, { 5, 0.49 }, { 5, 0.49 } });
-  const ChestWall wall(body, CellsOfMaterial(mesh, 2));
-  double largest = 0;
-  for (std::size_t n = 0; n < wall.Nodes().size(); ++n)
-  {
-    const double* rest = &body.RestPositions()[3 * wall.Nodes()[n]];
-    const double c = std::cos(0.4), s = std::sin(0.4);
-    const Vector3 turned{ c * rest[0] - s * rest[1], s * rest[0] + c * rest[1], rest[2] };
-    largest = std::max(largest, std::abs(wall.NodeTerms(n, turned, { 1, 0 }).LiftMm));
-  }
-  // A radian's four tenths of 30 mm: a plane would be left by 2.4 mm; triangles of 8 mm leave the
-  // sphere by 8^2 / (8 * 30) = 0.27 mm, and middles of their sides are that far inside.
-  EXPECT_LT(largest, 0.35);
-}
-
-class LoadedElement : public test::EveryElement
-{
-};
-MAMMORAY_FOR_EVERY_ELEMENT(LoadedElement);
-
-TEST_P(LoadedElement, DerivativesOnAnElasticWallWithFrictionMatchCentralDifferences)
-{
-  const PressedBlock block(GetParam());
-  const TetrahedralMesh mesh = PressedBlock::Mesh();
-  const std::vector<bool> held = CellsOfMaterial(mesh, 2);
-  const ChestWall wall(block.Body, held);
-  const std::size_t size = block.Positions.size();
-  EquilibriumSolver solver(block.Body, std::vector<bool>(size, false), 1000, held);
-  solver.SetWall(&wall, { 7, 2 });
-  solver.SetLoads(Shaken(std::vector<double>(size, 0.0), 0.1, 5));
-  // Points that stick and points that slide: 0.02 to 0.2 mm from their anchors.
-  EquilibriumSolver::FrictionStart before{ {}, Shaken(block.Positions, 0.1, 3), block.Plates };
-  solver.SetFriction(solver.FrictionAt(block.Positions, block.Plates, 0.5, before));
-  ASSERT_GT(solver.Friction().size(), 20u);
-  const EquilibriumReport report = solver.Evaluate(block.Positions, &block.Plates);
-  ASSERT_GT(Norm(report.FrictionN[0]), 1e-3);
-  ASSERT_GT(report.LargestWallLiftMm, 0.1);
-  test::ExpectExactDerivatives(solver, block.Positions, block.Plates);
-}
-
-TEST_P(LoadedElement, WallAndFrictionTurnWithBodyAndPlates)
-{
-  // The same body made in two frames; the plates' friction turned along.
-  PlatePairVelocity turn;
-  turn.Support.Angular = turn.Paddle.Angular = { 0.4, -0.3, 0.9 };
-  const auto turned = [&](const Vector3& v)
-  {
-    const double length = Norm(v);
-    Plate along;
-    along.Normal = (1 / length) * v;
-    return length > 0 ? length * MovedPlate(along, turn.Support, 1).Normal : v;
-  };
-  const auto turnedAll = [&](std::vector<double> values)
-  {
-    for (std::size_t n = 0; n < values.size(); n += 3)
-    {
-      const Vector3 v = turned({ values[n], values[n + 1], values[n + 2] });
-      std::copy(v.begin(), v.end(), &values[n]);
-    }
-    return values;
-  };
-  const PressedBlock block(GetParam());
-  TetrahedralMesh mesh = PressedBlock::Mesh();
-  const std::vector<bool> held = CellsOfMaterial(mesh, 2);
-  const auto gradientOf = [&](const ElasticBody& body, const std::vector<double>& x,
-                            const PlatePair& plates, const std::vector<double>& xBefore)
-  {
-    const ChestWall wall(body, held);
-    EquilibriumSolver solver(body, std::vector<bool>(x.size(), false), 1000, held);
-    solver.SetWall(&wall, { 7, 2 });
-    solver.SetFriction(solver.FrictionAt(x, plates, 0.5, { {}, xBefore, plates }));
-    return solver.Gradient(x, &plates);
-  };
-  const std::vector<double> xBefore = Shaken(block.Positions, 0.1, 3);
-  const std::vector<double> expected =
-    turnedAll(gradientOf(block.Body, block.Positions, block.Plates, xBefore));
-  mesh.Points = turnedAll(mesh.Points);
-  const ElasticBody body(mesh, block.Body.Materials(), {}, { false, false, true }, GetParam());
-  PlatePair plates = MovedPlates(block.Plates, turn, 1);
-  plates.Support.Edge = turned(block.Plates.Support.Edge);
-  plates.Paddle.Edge = turned(block.Plates.Paddle.Edge);
-  const std::vector<double> found =
-    gradientOf(body, turnedAll(block.Positions), plates, turnedAll(xBefore));
-  // 1e-11: roundoff of positions, 1e-15 of 20 mm, over the contact layer of 0.05 mm.
-  EXPECT_LT(NormOf(Difference(found, expected)), 1e-11 * NormOf(expected));
-}
 
 /// A block of 20 mm on a chest wall of 5 mm at y < 0, of one soft material.
 TetrahedralMesh BlockOnAWall(int bricks)
@@ -250,7 +60,7 @@ TEST(CompressionSimulation, AnElasticWallGivesWayByForceOverStiffness)
   EXPECT_EQ(state.PaddleForceN, 0);
   // The wall alone balances the pull: the mean of its displacement is force over stiffness.
   const ElasticBody body(mesh, Soft);
-  const ChestWall wall(body, CellsOfMaterial(mesh, 2));
+  const AttachmentEnergy wall(body, CellsOfMaterial(mesh, 2), { 1, 0 });
   Vector3 mean{ 0, 0, 0 };
   for (std::size_t n = 0; n < wall.Nodes().size(); ++n)
   {
@@ -348,7 +158,12 @@ TEST(CompressionSimulation, AStiffElasticWallHolds)
   }
 }
 
-TEST_P(LoadedElement, SensitivitiesToTheLoadingMatchCentralDifferences)
+class ElementChestWall : public test::EveryElement
+{
+};
+MAMMORAY_FOR_EVERY_ELEMENT(ElementChestWall);
+
+TEST_P(ElementChestWall, SensitivitiesToTheLoadingMatchCentralDifferences)
 {
   const TetrahedralMesh mesh = test::MakeHalfEllipsoidMesh(40, 45, 38, 4);
   const std::vector<ElasticMaterial> materials{ {}, { 6, 0.49, 0, 1.1 }, { 5, 0.49 } };

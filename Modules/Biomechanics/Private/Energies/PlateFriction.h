@@ -2,7 +2,7 @@
 #ifndef mammoray_PlateFriction_h
 #define mammoray_PlateFriction_h
 
-#include "mammoray/Biomechanics/PlateContact.h"
+#include "mammoray/Biomechanics/Plates.h"
 #include "mammoray/Foundation/Vector3.h"
 #include "mammorayBiomechanicsModule.h"
 

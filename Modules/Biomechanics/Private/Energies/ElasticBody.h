@@ -3,61 +3,31 @@
 #define mammoray_ElasticBody_h
 
 #include "mammoray/Biomechanics/ElasticMaterial.h"
+#include "mammoray/Biomechanics/SimulationCells.h"
 #include "mammoray/Foundation/TetrahedralMesh.h"
 #include "mammoray/Foundation/Vector3.h"
 #include "mammorayBiomechanicsModule.h"
 
 #include <array>
 #include <cstdint>
-#include <functional>
 #include <span>
 #include <vector>
 
 namespace mammoray
 {
-/// Means over the quadrature points of a deformed cell.
-struct CellMeasures
-{
-  /// det F: deformed over undeformed volume.
-  double J = 1;
-  /// Von Mises' measure of the Cauchy stress, kPa.
-  double VonMisesKPa = 0;
-};
-
-/// Material index at a position of the undeformed body (mm, frame of the mesh); 0 = outside.
-using MaterialField = std::function<int(const Vector3&)>;
-
-/// How tetrahedra carry the displacement and share the volume constraint; see ElasticBody.
-enum class ElementType
-{
-  Quadratic,
-  PatchAveragedLinear
-};
-
 /**
- * Tetrahedra with straight sides at rest, and their elastic energy
+ * Tetrahedra with straight sides at rest, made from a linear mesh, with elastic constants at their
+ * quadrature points; ElasticEnergy is the energy of its deformation. An element is what shares one
+ * constraint on the volume:
  *
- *   E = sum over elements of [ sum_q w_q (w(J_q^(-2/3) tr F_q^T F_q - 3; mu_q, b_q) + kappa_p / 2
- * (J_q - 1)^2) + (kappa - kappa_p) / 2 V (Jbar - 1)^2 ],
- *
- * w: ShapeEnergy, q: quadrature points, w_q their weights in the undeformed element, J_q = det F_q,
- * Jbar the mean of J_q, V the undeformed volume, kappa the mean of kappa_q, kappa_p = min(kappa, r
- * mu), mu the mean of mu_q. What acts on Jbar is one constraint for the element; acting at every
- * point it would be more constraints than the nodes can meet (locking).
- *
- * - Quadratic: ten nodes, the 4-point rule of degree 2; the element is the cell (P2/P0; Boffi,
- *   Brezzi & Fortin 2013, section 8.6); r = 50: the mean alone would let the points of a cell swell
- *   and shrink against each other.
- * - PatchAveragedLinear: four nodes, one point; the element is a patch of about 8 cells (the
- * patches of de Souza Neto, Andrade Pires & Owen 2005, put as an energy, so that forces have a
- *   potential and the stiffness is symmetric); r = 0: cells whose neighbours swell against them are
- *   sheared, which costs enough. Patches depend on the mesh alone, so that states outlive a change
- *   of materials. They may hold cells of several materials: strands of gland one cell thick would
- *   lock otherwise, and the pressure, of which a patch has one, is what tissues side by side nearly
- *   have in common.
+ * - Quadratic: ten nodes, the 4-point rule of degree 2; the element is the cell.
+ * - PatchAveragedLinear: four nodes, one point; the element is a patch of about 8 cells. Patches
+ *   depend on the mesh alone, so that states outlive a change of materials. They may hold cells of
+ *   several materials: strands of gland one cell thick would lock otherwise, and the pressure, of
+ *   which a patch has one, is what tissues side by side nearly have in common.
  *
  * Node order of a quadratic cell: the four corners, then the middles of (0,1) (1,2) (0,2) (0,3)
- * (1,3) (2,3), as in VTK. Energies are in kPa mm^3 = 1e-6 J, forces in kPa mm^2 = 1e-3 N.
+ * (1,3) (2,3), as in VTK.
  */
 class MAMMORAYBIOMECHANICS_EXPORT ElasticBody
 {
@@ -71,37 +41,12 @@ public:
     double Area = 0;
   };
 
-  /// What ElementTerms computes of one element with n nodes; rows and columns are 3 * local node +
-  /// axis.
-  struct Terms
+  /// How much of a cell is of a material: around each quadrature point and of the whole.
+  struct Part
   {
-    double Energy = 0;
-    /// 3 n
-    std::vector<double> Gradient;
-    /// (3 n)^2, symmetric, both halves filled.
-    std::vector<double> Hessian;
-    /// Smallest and largest det F, and Jbar * V, mm^3.
-    double SmallestJ = 1;
-    double LargestJ = 1;
-    double Volume = 0;
-  };
-  enum class Order
-  {
-    Energy,
-    Gradient,
-    Hessian,
-    /// Hessian whose negative curvatures are replaced by zero, quadrature point by quadrature
-    /// point.
-    ProjectedHessian
-  };
-
-  /// Where the energy is defined: where J > 0 everywhere, or, with the power of J continued by a
-  /// parabola below J = 0.1 and Fung's law without its exponential, at all positions, inverted
-  /// cells at a finite price.
-  enum class Domain
-  {
-    Admissible,
-    Extended
+    int Material = 0;
+    std::array<double, 4> Around{};
+    double Whole = 0;
   };
 
   /**
@@ -160,34 +105,31 @@ public:
   std::vector<double> NodeIntegrals(const std::vector<double>& cellValues) const;
   /// Undeformed volume, mm^3.
   double ElementVolume(std::size_t element) const { return this->ElementVolumes[element]; }
-  /// Mean shear modulus, kPa.
+  /// Means of the shear and the bulk modulus, kPa.
   double ElementShearModulus(std::size_t element) const { return this->Mu[element]; }
+  double ElementBulkModulus(std::size_t element) const { return this->Kappa[element]; }
 
-  /**
-   * Terms of one element at node positions `x` (3 x nodeCount, mm), up to `order`. Answers false,
-   * and leaves the terms unspecified, where the energy is not defined.
-   */
-  bool ElementTerms(std::size_t element, const std::vector<double>& x, Order order, Terms& terms,
-    Domain domain = Domain::Admissible) const;
-  /// Rate of change of Terms::Gradient with the materials, at positions where no quadrature point
-  /// is inverted; `velocity`: one rate per material.
-  std::vector<double> GradientRate(std::size_t element, const std::vector<double>& x,
-    const MaterialVelocity& velocity) const;
-  /// Measures of one cell at node positions `x` where no quadrature point is inverted.
-  CellMeasures MeasuresOf(std::size_t cell, const std::vector<double>& x) const;
+  /// 4 or 1.
+  int PointsPerCell() const { return this->Kind == ElementType::Quadratic ? 4 : 1; }
+  /// NodesPerCell() places of a cell's nodes in its element.
+  const int* LocalNodesOf(std::size_t cell) const
+  {
+    return &this->LocalNodes[this->NodesPerCell() * cell];
+  }
+  /// Gradients of a cell's four barycentric coordinates, 12 numbers, 1/mm.
+  const double* BarycentricGradientsOf(std::size_t cell) const
+  {
+    return &this->BarycentricGradients[12 * cell];
+  }
+  /// The law at quadrature point PointsPerCell() * cell + point.
+  const ShapeEnergy& LawAt(std::size_t point) const { return this->Shape[point]; }
+  std::span<const Part> PartsOf(std::size_t cell) const
+  {
+    return { this->Parts.data() + this->PartStarts[cell],
+      this->Parts.data() + this->PartStarts[cell + 1] };
+  }
 
 private:
-  /// How much of a cell is of a material: around each quadrature point and of the whole.
-  struct Part
-  {
-    int Material = 0;
-    std::array<double, 4> Around{};
-    double Whole = 0;
-  };
-
-  int PointsPerCell() const { return this->Kind == ElementType::Quadratic ? 4 : 1; }
-  /// r
-  double LargestPointwiseRatio() const { return this->Kind == ElementType::Quadratic ? 50 : 0; }
   void AddNodesAndCells(const TetrahedralMesh& mesh);
   /// Middles, volumes and gradients of the cells from their corners at rest.
   void MeasureRest();
@@ -195,17 +137,6 @@ private:
   void FindBoundary(const TetrahedralMesh& mesh);
   void SampleMaterials(const TetrahedralMesh& mesh, int materialCount, const MaterialField& field,
     const std::vector<bool>& ignored);
-  /// The quadrature points of a cell in a deformed body.
-  template <typename Cell, typename State>
-  void DeformCell(std::size_t cell, const std::vector<double>& x, State* states) const;
-  template <typename Cell>
-  bool TermsOf(std::size_t element, const std::vector<double>& x, Order order, Domain domain,
-    Terms& terms) const;
-  template <typename Cell>
-  std::vector<double> RateOf(std::size_t element, const std::vector<double>& x,
-    const MaterialVelocity& velocity) const;
-  template <typename Cell>
-  CellMeasures CellMeasuresOf(std::size_t cell, const std::vector<double>& x) const;
 
   ElementType Kind;
   std::vector<double> Rest;
@@ -218,7 +149,7 @@ private:
   std::vector<std::size_t> CellStarts;
   std::vector<std::size_t> NodeStarts;
   std::vector<BoundaryFace> Boundary;
-  /// Of the cells and of the elements.
+  /// Undeformed volumes of the cells and of the elements, mm^3.
   std::vector<double> Volumes;
   std::vector<double> ElementVolumes;
   /// Gradients of the barycentric coordinates, 12 per cell, 1/mm.

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mammoray/Biomechanics/ChestWall.h"
+#include "Private/Energies/AttachmentEnergy.h"
 
-#include "Private/CellPatches.h"
+#include "Private/Energies/CellPatches.h"
 #include "mammoray/Foundation/Error.h"
 
 #include <algorithm>
@@ -18,11 +18,6 @@ namespace
 constexpr double ReachInSides = 1.5;
 /// Exponent below the largest one of all triangles from which on a weight is below roundoff.
 constexpr double NegligibleExponent = 40;
-
-Vector3 NodeOf(const std::vector<double>& x, std::int32_t node)
-{
-  return { x[3 * node], x[3 * node + 1], x[3 * node + 2] };
-}
 
 /// a += s (u v^T + v u^T)
 void AddSymmetric(std::array<Vector3, 3>& a, double s, const Vector3& u, const Vector3& v)
@@ -90,7 +85,9 @@ std::vector<Interface> FindInterface(const ElasticBody& body, const std::vector<
 }
 }
 
-ChestWall::ChestWall(const ElasticBody& body, const std::vector<bool>& heldCells)
+AttachmentEnergy::AttachmentEnergy(const ElasticBody& body, const std::vector<bool>& heldCells,
+  const WallStiffness& stiffness)
+  : Stiffness(stiffness)
 {
   const std::vector<double>& rest = body.RestPositions();
   std::map<std::int32_t, double> areas;
@@ -102,7 +99,7 @@ ChestWall::ChestWall(const ElasticBody& body, const std::vector<bool>& heldCells
     Vector3 corners[3];
     for (int c = 0; c < 3; ++c)
     {
-      corners[c] = NodeOf(rest, nodes[local[c]]);
+      corners[c] = NodePosition(rest, nodes[local[c]]);
     }
     const Vector3 outwards = 0.5 * Cross(corners[1] - corners[0], corners[2] - corners[0]);
     const double area = Norm(outwards);
@@ -137,7 +134,7 @@ ChestWall::ChestWall(const ElasticBody& body, const std::vector<bool>& heldCells
   this->SetRestPositions(rest);
 }
 
-double ChestWall::AreaMm2() const
+double AttachmentEnergy::AreaMm2() const
 {
   double area = 0;
   for (const Triangle& triangle : this->Triangles)
@@ -147,19 +144,19 @@ double ChestWall::AreaMm2() const
   return area;
 }
 
-void ChestWall::SetRestPositions(const std::vector<double>& rest)
+void AttachmentEnergy::SetRestPositions(const std::vector<double>& rest)
 {
   for (std::size_t n = 0; n < this->NodeIndices.size(); ++n)
   {
     Node& node = this->NodeValues[n];
-    node.Rest = NodeOf(rest, this->NodeIndices[n]);
+    node.Rest = NodePosition(rest, this->NodeIndices[n]);
     const SurfaceHeight height = this->HeightAt(node.Rest);
     node.RestHeight = height.Value;
     node.Normal = (1 / Norm(height.Gradient)) * height.Gradient;
   }
 }
 
-SurfaceHeight ChestWall::HeightAt(const Vector3& x) const
+SurfaceHeight AttachmentEnergy::HeightAt(const Vector3& x) const
 {
   double nearest = std::numeric_limits<double>::infinity();
   for (const Triangle& triangle : this->Triangles)
@@ -209,7 +206,7 @@ SurfaceHeight ChestWall::HeightAt(const Vector3& x) const
   return result;
 }
 
-ChestWall::Terms ChestWall::NodeTerms(std::size_t n, const Vector3& x,
+AttachmentEnergy::Terms AttachmentEnergy::NodeTerms(std::size_t n, const Vector3& x,
   const WallStiffness& stiffness, bool projected) const
 {
   const Node& node = this->NodeValues[n];
@@ -232,5 +229,24 @@ ChestWall::Terms ChestWall::NodeTerms(std::size_t n, const Vector3& x,
     terms.Hessian[i] = terms.Hessian[i] + (across * lift) * height.Hessian[i];
   }
   return terms;
+}
+
+bool AttachmentEnergy::Add(std::size_t n, const std::vector<double>& x, EnergyOrder order,
+  PieceTerms& terms) const
+{
+  const Terms node = this->NodeTerms(n, NodePosition(x, this->NodeIndices[n]), this->Stiffness,
+    order == EnergyOrder::ProjectedHessian);
+  terms.Value += node.Energy;
+  terms.Measures.WallLift = std::max(terms.Measures.WallLift, std::abs(node.LiftMm));
+  terms.Measures.WallGlide = std::max(terms.Measures.WallGlide, node.GlideMm);
+  for (int i = 0; i < 3 && order >= EnergyOrder::Gradient; ++i)
+  {
+    terms.Gradient[i] += node.Gradient[i];
+    for (int j = 0; j < 3 && order >= EnergyOrder::Hessian; ++j)
+    {
+      terms.Hessian[3 * i + j] += node.Hessian[i][j];
+    }
+  }
+  return true;
 }
 }

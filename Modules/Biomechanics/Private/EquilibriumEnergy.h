@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: Apache-2.0
+#ifndef mammoray_EquilibriumEnergy_h
+#define mammoray_EquilibriumEnergy_h
+
+#include "Private/Energies/AttachmentEnergy.h"
+#include "Private/Energies/ContactEnergy.h"
+#include "Private/Energies/ElasticEnergy.h"
+#include "Private/Energies/FrictionEnergy.h"
+#include "Private/Energies/LoadEnergy.h"
+#include "Private/Energies/MovingPart.h"
+#include "Private/Objective.h"
+#include "mammorayBiomechanicsModule.h"
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <vector>
+
+namespace mammoray
+{
+/**
+ * The potential energy of a body: the sum of its elastic energy, contact and friction with two
+ * plates, its attachment to the chest wall and dead loads. Sums are formed in the order of the
+ * elements, whatever the number of threads.
+ */
+class MAMMORAYBIOMECHANICS_EXPORT EquilibriumEnergy : public Objective
+{
+public:
+  /// `fixed`, `rigid`: see MovingPart. The body must outlive the energy. `contactStiffness`: kPa /
+  /// mm^2, positive.
+  EquilibriumEnergy(const ElasticBody& body, const std::vector<bool>& fixed,
+    double contactStiffness, const std::vector<bool>& rigid = {});
+  EquilibriumEnergy(const EquilibriumEnergy&) = delete;
+  EquilibriumEnergy& operator=(const EquilibriumEnergy&) = delete;
+
+  /// To be called when the body's materials or its undeformed shape were changed.
+  void BodyChanged();
+  void SetDomain(ElasticEnergy::Domain domain);
+  /// Null: no plates, and no contact and friction.
+  void SetPlates(const PlatePair* plates);
+  void SetContactStiffness(double stiffness);
+  void SetFriction(FrictionPoints points);
+  /// Null: attached to nothing. Must outlive its use; of this body.
+  void SetAttachment(const AttachmentEnergy* attachment);
+  /// 3 x nodeCount, kPa mm^2; empty: none. Throws InputError.
+  void SetLoads(std::vector<double> loads);
+
+  const MovingPart& Part() const { return this->Moving; }
+  const ElasticEnergy& Elastic() const { return this->OfBody; }
+  const ContactEnergy& Contact() const { return this->OfContact; }
+  const FrictionEnergy& Friction() const { return this->OfFriction; }
+  const AttachmentEnergy* Attachment() const { return this->OfWall; }
+  /// Undeformed, mm^3.
+  double RestVolume() const { return this->VolumeAtRest; }
+
+  const std::vector<std::int32_t>& Coordinates() const override
+  {
+    return this->Moving.Coordinates();
+  }
+  const SparsePattern& Pattern() const override { return this->Entries; }
+  void Evaluate(const std::vector<double>& x, EnergyOrder order, Evaluation& result) override;
+  double Noise() const override { return this->EnergyNoise; }
+  std::uint64_t Version() const override { return this->Changes; }
+  std::unique_ptr<Objective> WorstPart(const std::vector<double>& gradient) const override;
+
+private:
+  /// What the energies make of one element: that of the body, and those of contact and friction,
+  /// whose Hessians are summed in one place.
+  struct ElementWork
+  {
+    PieceTerms OfBody;
+    PieceTerms OfContact;
+    std::vector<double> BodyGradient;
+    std::vector<double> ContactGradient;
+    std::vector<double> Hessian;
+    bool Valid = false;
+  };
+  struct NodeWork
+  {
+    PieceTerms Terms;
+    std::array<double, 3> Gradient{};
+    std::array<double, 9> Hessian{};
+  };
+  /// Norms of the kinds of force that the residual is measured against.
+  struct ForceNorms
+  {
+    double Contact = 0;
+    double Wall = 0;
+    double Loads = 0;
+  };
+
+  std::span<const std::int32_t> NodesOf(std::size_t moving) const
+  {
+    return this->Moving.Body().NodesOf(this->Moving.Elements()[moving]);
+  }
+  /// Coordinate of a row of a moving element's matrix.
+  std::size_t CoordinateOf(std::size_t moving, std::size_t row) const
+  {
+    return 3 * static_cast<std::size_t>(this->NodesOf(moving)[row / 3]) + row % 3;
+  }
+  void MakePattern();
+  void MakeScatter();
+  void MeasureScales();
+  void EvaluateElement(std::size_t moving, const std::vector<double>& x, EnergyOrder order);
+  void SumElements(EnergyOrder order, Evaluation& result, ForceNorms& norms) const;
+  void AddLoads(const std::vector<double>& x, EnergyOrder order, Evaluation& result,
+    ForceNorms& norms) const;
+  void AddAttachment(const std::vector<double>& x, EnergyOrder order, Evaluation& result,
+    ForceNorms& norms);
+  void MeasureForces(const ForceNorms& norms, Evaluation& result) const;
+  void ScatterHessians(Evaluation& result) const;
+  std::vector<bool> FixedAroundWorst(const std::vector<double>& gradient) const;
+
+  const MovingPart Moving;
+  ElasticEnergy OfBody;
+  ContactEnergy OfContact;
+  FrictionEnergy OfFriction;
+  LoadEnergy OfLoads;
+  const AttachmentEnergy* OfWall = nullptr;
+  bool Plated = false;
+  std::uint64_t Changes = 1;
+
+  SparsePattern Entries;
+  /// Where each entry of the lower half of an element's matrix goes; -1: nowhere. Those of moving
+  /// element m begin at ScatterStarts[m].
+  std::vector<std::int32_t> Scatter;
+  std::vector<std::size_t> ScatterStarts;
+  /// A force no result depends on: convergence is measured against it while nothing touches.
+  double SmallestForce = 0;
+  double VolumeAtRest = 0;
+  double EnergyNoise = 0;
+
+  std::vector<ElementWork> Elements;
+  std::vector<NodeWork> WallNodes;
+};
+}
+
+#endif

@@ -1,0 +1,179 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "Private/EquilibriumSensitivities.h"
+
+#include "mammoray/Foundation/Error.h"
+#include "mammoray/Foundation/ParallelFor.h"
+
+#include <string>
+
+namespace mammoray
+{
+namespace
+{
+void Check(const EquilibriumVelocities& velocities, std::size_t materials, std::size_t coordinates)
+{
+  for (const MaterialVelocity& velocity : velocities.Materials)
+  {
+    if (velocity.size() != materials)
+    {
+      throw InputError("sensitivities: expected a rate for each of " + std::to_string(materials) +
+        " materials, found " + std::to_string(velocity.size()));
+    }
+  }
+  for (const HoldingVelocity& velocity : velocities.Holding)
+  {
+    if (!velocity.Loads.empty() && velocity.Loads.size() != coordinates)
+    {
+      throw InputError("sensitivities: expected a rate for each of " + std::to_string(coordinates) +
+        " loads, found " + std::to_string(velocity.Loads.size()));
+    }
+  }
+}
+
+/// - d Gradient / dp at the unknowns, one column for each velocity.
+std::vector<double> HoldingForces(const EquilibriumEnergy& energy, const std::vector<double>& x,
+  const std::vector<HoldingVelocity>& velocities)
+{
+  const MovingPart& part = energy.Part();
+  const std::size_t n = part.NumberOfUnknowns();
+  std::vector<double> columns(n * velocities.size(), 0.0);
+  for (std::size_t p = 0; p < velocities.size(); ++p)
+  {
+    const HoldingVelocity& velocity = velocities[p];
+    double* column = &columns[n * p];
+    for (std::size_t u = 0; u < n && !velocity.Loads.empty(); ++u)
+    {
+      column[u] = velocity.Loads[part.Coordinates()[u]];
+    }
+    const AttachmentEnergy* wall = energy.Attachment();
+    for (std::size_t w = 0; wall && w < wall->Nodes().size(); ++w)
+    {
+      const std::int32_t node = wall->Nodes()[w];
+      const Vector3 rate = wall->NodeTerms(w, NodePosition(x, node), velocity.Wall).Gradient;
+      for (int i = 0; i < 3; ++i)
+      {
+        const std::int32_t unknown = part.Unknowns()[3 * node + i];
+        if (unknown >= 0)
+        {
+          column[unknown] -= rate[i];
+        }
+      }
+    }
+    if (velocity.Friction != 0)
+    {
+      for (const std::int32_t element : part.Elements())
+      {
+        energy.Friction().AddCoefficientForces(element, x, velocity.Friction, column);
+      }
+    }
+  }
+  return columns;
+}
+
+/// - d Gradient / dp at the unknowns, one column for each velocity.
+std::vector<double> MaterialForces(const EquilibriumEnergy& energy, const std::vector<double>& x,
+  const std::vector<MaterialVelocity>& velocities)
+{
+  const MovingPart& part = energy.Part();
+  const std::size_t n = part.NumberOfUnknowns();
+  std::vector<double> columns(n * velocities.size(), 0.0);
+  std::vector<std::vector<double>> rates(part.Elements().size());
+  for (std::size_t p = 0; p < velocities.size(); ++p)
+  {
+    ParallelFor(rates.size(),
+      [&](std::size_t moving) {
+        rates[moving] = energy.Elastic().GradientRate(part.Elements()[moving], x, velocities[p]);
+      });
+    for (std::size_t moving = 0; moving < rates.size(); ++moving)
+    {
+      const std::span<const std::int32_t> nodes = part.Body().NodesOf(part.Elements()[moving]);
+      for (std::size_t r = 0; r < rates[moving].size(); ++r)
+      {
+        const std::int32_t unknown = part.Unknowns()[3 * nodes[r / 3] + r % 3];
+        if (unknown >= 0)
+        {
+          columns[n * p + unknown] -= rates[moving][r];
+        }
+      }
+    }
+  }
+  return columns;
+}
+}
+
+std::vector<double> PlateForces(const EquilibriumEnergy& energy, const std::vector<double>& x,
+  const std::vector<PlatePairVelocity>& velocities)
+{
+  const MovingPart& part = energy.Part();
+  std::vector<double> columns(part.NumberOfUnknowns() * velocities.size(), 0.0);
+  for (const std::int32_t element : part.Elements())
+  {
+    energy.Contact().AddPlateForces(element, x, velocities, columns);
+    energy.Friction().AddPlateForces(element, x, velocities, columns);
+  }
+  return columns;
+}
+
+std::vector<std::vector<double>> EquilibriumSensitivities(const EquilibriumEnergy& energy,
+  NewtonSolver& newton, const std::vector<double>& x, const EquilibriumVelocities& velocities)
+{
+  Check(velocities, energy.Part().Body().Materials().size(), x.size());
+  const std::size_t count =
+    velocities.Plates.size() + velocities.Materials.size() + velocities.Holding.size();
+  if (count == 0)
+  {
+    return {};
+  }
+  const Evaluation& current = newton.At(x);
+  if (!current.Valid)
+  {
+    throw ConvergenceError("sensitivities: expected no inverted cell, found one");
+  }
+  std::vector<double> right;
+  for (const std::vector<double>& columns :
+    { PlateForces(energy, x, velocities.Plates), MaterialForces(energy, x, velocities.Materials),
+      HoldingForces(energy, x, velocities.Holding) })
+  {
+    right.insert(right.end(), columns.begin(), columns.end());
+  }
+  // The factor at hand is that of the last Newton step, a hair away. Far from it the refinement
+  // would not converge, so a factor of another state is not tried.
+  FactorCache& factor = newton.Factor();
+  std::vector<double> solution;
+  if (!(factor.DistanceMm(x) < FactorCache::NearMm) ||
+    !factor.RefineNearby(current.Hessian, right, count, solution))
+  {
+    if (!factor.Factorize(current.Hessian, x))
+    {
+      throw ConvergenceError("sensitivities: expected a stable equilibrium, found a stiffness "
+                             "matrix that is not positive definite");
+    }
+    solution = right;
+    factor.Solve(solution);
+  }
+  const std::vector<std::int32_t>& coordinates = energy.Coordinates();
+  const std::size_t n = coordinates.size();
+  std::vector<std::vector<double>> result;
+  for (std::size_t p = 0; p < count; ++p)
+  {
+    result.emplace_back(x.size(), 0.0);
+    for (std::size_t u = 0; u < n; ++u)
+    {
+      result[p][coordinates[u]] = solution[n * p + u];
+    }
+  }
+  return result;
+}
+
+double PaddleForceRateOf(const EquilibriumEnergy& energy, const std::vector<double>& x,
+  const PlatePairVelocity& velocity, const std::vector<double>& nodeVelocities)
+{
+  double rate = 0;
+  for (const std::int32_t element : energy.Part().Elements())
+  {
+    energy.Contact().AddPaddleForceRate(element, x, velocity, nodeVelocities, rate);
+    energy.Friction().AddPaddleForceRate(element, x, velocity, nodeVelocities, rate);
+  }
+  return 1e-3 * rate;
+}
+}

@@ -1,0 +1,177 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "Private/FactorCache.h"
+
+#include <Eigen/Core>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace mammoray
+{
+namespace
+{
+/// Least share of the positive definite matrix worth mixing in.
+constexpr double SmallestShare = 1.0 / 64;
+constexpr double GradientsTolerance = 1e-3;
+constexpr int MostGradientsSteps = 6;
+constexpr int MostRefinements = 8;
+constexpr double RefinementTolerance = 1e-9;
+}
+
+FactorCache::FactorCache(const SparsePattern& pattern)
+  : Cholesky(pattern.Starts, pattern.Rows)
+{
+}
+
+bool FactorCache::Factorize(const std::vector<double>& values, const std::vector<double>& x)
+{
+  this->Positions.clear();
+  if (!this->Cholesky.Factorize(values))
+  {
+    return false;
+  }
+  this->Positions = x;
+  return true;
+}
+
+bool FactorCache::FactorizeMixed(const std::vector<double>& values, const std::vector<double>& x,
+  const std::function<std::vector<double>()>& projected, bool stiffer)
+{
+  // Mix in as little as needed of the matrix that cannot be indefinite: all of it would be far too
+  // stiff and Newton's method would crawl. What was needed last is a good guess.
+  this->Positions.clear();
+  if (stiffer)
+  {
+    this->MixedShare = std::clamp(8 * this->MixedShare, SmallestShare, 1.0);
+  }
+  else
+  {
+    this->MixedShare = this->MixedShare < 4 * SmallestShare ? 0 : 0.25 * this->MixedShare;
+    this->Projected.clear();
+  }
+  std::vector<double> mixed;
+  for (;; this->MixedShare = std::clamp(8 * this->MixedShare, SmallestShare, 1.0))
+  {
+    if (this->MixedShare == 0)
+    {
+      if (this->Factorize(values, x))
+      {
+        return true;
+      }
+      continue;
+    }
+    if (this->Projected.empty())
+    {
+      this->Projected = projected();
+    }
+    mixed = values;
+    for (std::size_t k = 0; k < mixed.size(); ++k)
+    {
+      mixed[k] += this->MixedShare * (this->Projected[k] - mixed[k]);
+    }
+    if (this->Cholesky.Factorize(mixed))
+    {
+      return true;
+    }
+    if (this->MixedShare == 1)
+    {
+      return false;
+    }
+  }
+}
+
+double FactorCache::DistanceMm(const std::vector<double>& x) const
+{
+  if (this->Positions.size() != x.size())
+  {
+    return std::numeric_limits<double>::infinity();
+  }
+  double farthest = 0;
+  for (std::size_t c = 0; c < x.size(); ++c)
+  {
+    farthest = std::max(farthest, std::abs(x[c] - this->Positions[c]));
+  }
+  return farthest;
+}
+
+bool FactorCache::SolveNearby(const std::vector<double>& values, const std::vector<double>& right,
+  std::vector<double>& solution)
+{
+  const auto size = static_cast<Eigen::Index>(right.size());
+  const auto view = [size](std::vector<double>& v)
+  { return Eigen::Map<Eigen::VectorXd>(v.data(), size); };
+  std::vector<double> residual = right;
+  std::vector<double> preconditioned = right;
+  std::vector<double> direction;
+  std::vector<double> product(right.size());
+  solution.assign(right.size(), 0.0);
+  const double enough = GradientsTolerance * view(residual).norm();
+  double before = 0;
+  for (int iteration = 0; iteration < MostGradientsSteps; ++iteration)
+  {
+    this->Cholesky.Solve(preconditioned);
+    const double now = view(residual).dot(view(preconditioned));
+    if (iteration == 0)
+    {
+      direction = preconditioned;
+    }
+    else
+    {
+      view(direction) = view(preconditioned) + now / before * view(direction);
+    }
+    this->Cholesky.Multiply(values, direction.data(), product.data());
+    const double curvature = view(direction).dot(view(product));
+    if (!(curvature > 0))
+    {
+      return false;
+    }
+    view(solution) += now / curvature * view(direction);
+    view(residual) -= now / curvature * view(product);
+    if (view(residual).norm() <= enough)
+    {
+      return true;
+    }
+    preconditioned = residual;
+    before = now;
+  }
+  return false;
+}
+
+bool FactorCache::RefineNearby(const std::vector<double>& values, const std::vector<double>& right,
+  std::size_t count, std::vector<double>& solution)
+{
+  const std::size_t n = right.size() / count;
+  const auto norm = [n](const std::vector<double>& columns, std::size_t p) {
+    return Eigen::Map<const Eigen::VectorXd>(&columns[n * p], static_cast<Eigen::Index>(n)).norm();
+  };
+  solution.assign(right.size(), 0.0);
+  std::vector<double> residual = right;
+  for (int pass = 0; pass < MostRefinements; ++pass)
+  {
+    this->Cholesky.Solve(residual);
+    for (std::size_t k = 0; k < solution.size(); ++k)
+    {
+      solution[k] += residual[k];
+    }
+    for (std::size_t p = 0; p < count; ++p)
+    {
+      this->Cholesky.Multiply(values, &solution[n * p], &residual[n * p]);
+    }
+    for (std::size_t k = 0; k < solution.size(); ++k)
+    {
+      residual[k] = right[k] - residual[k];
+    }
+    bool refined = true;
+    for (std::size_t p = 0; p < count; ++p)
+    {
+      refined = refined && norm(residual, p) <= RefinementTolerance * norm(right, p);
+    }
+    if (refined)
+    {
+      return true;
+    }
+  }
+  return false;
+}
+}

@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "Private/LaggedFriction.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <limits>
+
+namespace mammoray
+{
+namespace
+{
+/// Largest relative residual with the normal forces of friction brought up to date, in the end and
+/// on the way, and how often they are. Friction is a part of the forces, known to some per cent at
+/// best.
+constexpr double FrictionTolerance = 1e-4;
+constexpr double IntermediateFrictionTolerance = 5e-2;
+constexpr int MostFrictionUpdates = 60;
+/// A solution to at least this tolerance is only one on the way.
+constexpr double IntermediateTolerance = 1e-3;
+/// A residual that does not fall below this part of the last one calls for smaller updates, down to
+/// that.
+constexpr double StalledFriction = 0.95;
+constexpr double SmallestFrictionPart = 1.0 / 16;
+}
+
+LaggedFriction::LaggedFriction(EquilibriumSolver& solver, const ElasticBody& body,
+  double coefficient, const std::vector<double>& x, const PlatePair& plates,
+  const FrictionPoints* points)
+  : Solver(solver)
+  , Body(body)
+  , Coefficient(coefficient)
+  , Before{ {}, x, plates }
+{
+  if (points)
+  {
+    this->Before.Dragged = DraggedTo(body, x, plates, *points);
+  }
+}
+
+std::vector<double> LaggedFriction::Begin(const std::vector<double>& x, const PlatePair& plates,
+  const LoadStep& step)
+{
+  this->Solver.SetContactStiffness(step.ContactStiffness);
+  this->Before.Positions = x;
+  this->Before.Plates = plates;
+  this->Solver.SetFriction(this->Coefficient > 0
+      ? this->Solver.FrictionAt(x, plates, this->Coefficient, this->Before)
+      : FrictionPoints());
+  const std::vector<double> way =
+    this->Solver.TangentStep(x, plates, PlateMotion(plates, step.Plates));
+  std::vector<double> guess = x;
+  for (std::size_t c = 0; c < guess.size(); ++c)
+  {
+    guess[c] += way[c];
+  }
+  return this->Solver.Admissible(guess) ? guess : x;
+}
+
+EquilibriumReport LaggedFriction::SolveFrozen(std::vector<double>& x, const LoadStep& step,
+  const ProgressCallback& progress)
+{
+  return this->Solver.Solve(x, &step.Plates, step.Tolerance, step.MaximumNewtonSteps, progress);
+}
+
+EquilibriumReport LaggedFriction::Solve(std::vector<double>& x, const std::vector<double>& last,
+  const PlatePair& lastPlates, const LoadStep& step, const ProgressCallback& progress)
+{
+  this->Solver.SetContactStiffness(step.ContactStiffness);
+  if (this->Coefficient == 0)
+  {
+    return this->SolveFrozen(x, step, progress);
+  }
+  this->Solver.SetFriction(
+    this->Solver.FrictionAt(last, lastPlates, this->Coefficient, this->Before));
+  const double wanted =
+    step.Tolerance < IntermediateTolerance ? FrictionTolerance : IntermediateFrictionTolerance;
+  int newtonSteps = 0;
+  double part = 0.5;
+  double residualBefore = std::numeric_limits<double>::infinity();
+  for (int update = 0;; ++update)
+  {
+    EquilibriumReport report = this->SolveFrozen(x, step, progress);
+    newtonSteps += report.NewtonSteps;
+    report.NewtonSteps = newtonSteps;
+    if (!report.Converged)
+    {
+      return report;
+    }
+    FrictionPoints used = this->Solver.Friction();
+    const FrictionPoints found =
+      this->Solver.FrictionAt(x, step.Plates, this->Coefficient, this->Before);
+    this->Solver.SetFriction(found);
+    const double residual = this->Solver.Evaluate(x, &step.Plates).RelativeResidual;
+    if (residual <= wanted)
+    {
+      this->Solver.SetFriction(std::move(used));
+      return report;
+    }
+    if (update == MostFrictionUpdates)
+    {
+      char reason[128];
+      std::snprintf(reason, sizeof reason,
+        "relative residual %.2g after %d updates of friction, expected at most %.2g", residual,
+        update, wanted);
+      report.Converged = false;
+      report.Reason = reason;
+      return report;
+    }
+    // All of the change overshoots: friction that grows unloads its own contact.
+    part = residual > StalledFriction * residualBefore ? std::max(0.5 * part, SmallestFrictionPart)
+                                                       : part;
+    residualBefore = residual;
+    this->Solver.SetFriction(BlendedFriction(std::move(used), found, part));
+  }
+}
+
+void LaggedFriction::Arrived(const std::vector<double>& x, const PlatePair& plates)
+{
+  this->Before.Dragged = DraggedTo(this->Body, x, plates, this->Solver.Friction());
+}
+
+int LaggedFriction::Untangle(std::vector<double>& x, const LoadStep& step,
+  const ProgressCallback& progress)
+{
+  this->Solver.SetContactStiffness(step.ContactStiffness);
+  return this->Solver.Admissible(x)
+    ? 0
+    : this->Solver.Untangle(x, &step.Plates, step.Tolerance, step.MaximumNewtonSteps, progress)
+        .NewtonSteps;
+}
+}

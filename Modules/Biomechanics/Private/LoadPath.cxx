@@ -1,0 +1,322 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "Private/LoadPath.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+namespace mammoray
+{
+namespace
+{
+/// Equilibrium between load steps is only a start for the next one.
+constexpr double IntermediateTolerance = 1e-3;
+/// The same between the plates asked for, where contact is still to be hardened: with the plates at
+/// rest there is no way to lose.
+constexpr double ArrivalTolerance = 5e-2;
+constexpr int IntermediateNewtonSteps = 40;
+/// Tolerance of a start that another mesh gave and in which cells are inverted.
+constexpr double UntanglingTolerance = 3e-2;
+/// A warm start has little to lose, since its caller can take a smaller step: where it needs
+/// halvings, it gives up after this many Newton steps in all.
+constexpr int WarmNewtonSteps = 60;
+/// A cold start closes the plates with contact softer by this factor, then hardens it in these
+/// steps, down to the least worth taking.
+constexpr double Softening = 0.1;
+constexpr double LargestHardening = 10;
+constexpr double SmallestHardening = 1.01;
+/// Hardening by less than this that still resists has a snap to go through, which takes Newton's
+/// method its time; smaller steps do not shorten it.
+constexpr double PatientHardening = 2;
+/// Contact of a state that misses its penetration limit is made stiffer, by no more than this.
+constexpr double LargestStiffening = 256;
+/// Least steps as parts of the way.
+constexpr double SmallestColdStep = 5e-3;
+constexpr double SmallestWarmStep = 0.1;
+/// A plate's travel up to which a warm start goes straight to the new plates, and the travel of one
+/// load step of a longer way, mm.
+constexpr double ShortTravelMm = 3;
+constexpr double LongTravelMm = 6;
+
+/// Tissue hardly changes its volume. Where a quadrature point of a converged state has lost nine
+/// tenths of it, a cell is squeezed flat between a plate's edge and the held body. A linear cell is
+/// one of a patch that keeps its volume: at such edges some lose 95 % to their neighbours.
+double SmallestAllowedJ(ElementType type)
+{
+  return type == ElementType::Quadratic ? 0.1 : 0.01;
+}
+
+std::string InMm(double value)
+{
+  char text[32];
+  std::snprintf(text, sizeof text, "%.2f mm", value);
+  return text;
+}
+}
+
+CompressionError NoEquilibrium(double gapMm, double lastGapMm, const std::string& reason)
+{
+  return { "compression: expected equilibrium at a gap of " + InMm(gapMm) +
+      ", the last one reached is at " + InMm(lastGapMm) + " (" + reason + ")",
+    lastGapMm, reason };
+}
+
+LoadPathStart LoadPathStart::Cold(std::vector<double> positions, const PlatePair& opened,
+  const PlatePair& target, const CompressionOptions& options, double stepFactor)
+{
+  LoadPathStart start;
+  start.Positions = std::move(positions);
+  start.Plates = opened;
+  start.Softness = Softening;
+  const double allowed = stepFactor * options.LargestLoadStep * std::abs(GapMm(opened));
+  const double way =
+    Norm(opened.Support.Edge - target.Support.Edge) + Norm(opened.Paddle.Edge - target.Paddle.Edge);
+  start.LargestStep = std::min(1.0, allowed / std::max(way, 1e-12));
+  start.SmallestStep = SmallestColdStep;
+  start.Patient = true;
+  return start;
+}
+
+LoadPathStart LoadPathStart::Warm(const CompressionState& state, const PlatePair& target,
+  const CompressionOptions& options)
+{
+  LoadPathStart start;
+  start.Positions = state.Positions;
+  // Plates that rub do not slide along their edges unfelt.
+  start.Plates = options.Friction > 0 ? state.Plates : SlidTowards(state.Plates, target);
+  // The edges are rounded as asked from the first step on.
+  start.Plates.Support.EdgeRadiusMm = target.Support.EdgeRadiusMm;
+  start.Plates.Paddle.EdgeRadiusMm = target.Paddle.EdgeRadiusMm;
+  start.Stiffening = std::max(1.0, state.ContactStiffness / options.ContactStiffness);
+  start.Softness = start.Stiffening;
+  start.SmallestStep = SmallestWarmStep;
+  start.MostNewtonSteps = WarmNewtonSteps;
+  // Only a short way from a state of hard contact is tried as it is.
+  const double travel = TravelMm(PlateMotion(start.Plates, target));
+  if (!(travel <= ShortTravelMm))
+  {
+    start.Softness *= Softening;
+    start.LargestStep = std::min(1.0, LongTravelMm / travel);
+  }
+  return start;
+}
+
+LoadPath::LoadPath(LoadStepSolver& solver, const CompressionOptions& options,
+  const PlatePair& target, LoadPathStart start, const ProgressCallback& progress)
+  : Solver(solver)
+  , Options(options)
+  , Target(target)
+  , Start(std::move(start))
+  , Progress(progress)
+  , Motion(PlateMotion(Start.Plates, target))
+  , Softness(Start.Softness)
+  , Wanted(Start.Stiffening)
+  // Equal steps: the last one should not be a sliver.
+  , Step(1 / std::ceil(1 / Start.LargestStep - 1e-9))
+  , Hardening(LargestHardening)
+  , LastGap(GapMm(Start.Plates))
+{
+  this->Reached.Positions = this->Start.Positions;
+  this->Reached.Plates = this->Start.Plates;
+  this->Reached.ContactStiffness = this->StiffnessAt(this->Softness);
+}
+
+int LoadPath::IntermediateSteps() const
+{
+  return std::min(IntermediateNewtonSteps, this->Options.MaximumNewtonSteps);
+}
+
+double LoadPath::AtLeast(double tolerance) const
+{
+  return std::max(tolerance, this->Options.RelativeTolerance);
+}
+
+/// Newton steps tell nothing of how far the way was gone.
+ProgressCallback LoadPath::StepProgress() const
+{
+  return [this](double, const char*)
+  { return !this->Progress || this->Progress(this->Done, "compression"); };
+}
+
+void LoadPath::Fail(const std::string& reason) const
+{
+  throw NoEquilibrium(GapMm(this->Target), this->LastGap, reason);
+}
+
+void LoadPath::Keep(const EquilibriumReport& report, std::vector<double>& x,
+  const PlatePair& plates)
+{
+  CompressionState& state = this->Reached;
+  state.Positions.swap(x);
+  state.Plates = plates;
+  state.PaddleForceN = report.PaddleForceN;
+  state.SupportForceN = report.SupportForceN;
+  state.LargestPenetrationMm = report.LargestPenetrationMm;
+  state.SmallestJ = report.SmallestJ;
+  state.LargestJ = report.LargestJ;
+  state.VolumeRatio = report.VolumeRatio;
+  state.RelativeResidual = report.RelativeResidual;
+  state.LargestWallLiftMm = report.LargestWallLiftMm;
+  state.LargestWallGlideMm = report.LargestWallGlideMm;
+}
+
+/// Answers false, with the Reason, where the step fails; else the state is the new one.
+bool LoadPath::TakeStep(std::vector<double>& x, const LoadStep& step)
+{
+  const EquilibriumReport report = this->Solver.Solve(x, this->Reached.Positions,
+    this->Reached.Plates, step, this->StepProgress());
+  this->Reached.NewtonSteps += report.NewtonSteps;
+  this->Reason = report.Reason;
+  if (report.Converged)
+  {
+    this->Keep(report, x, step.Plates);
+  }
+  return report.Converged;
+}
+
+void LoadPath::ArriveFrom(std::vector<double> predicted)
+{
+  LoadStep step{ this->Target, this->StiffnessAt(this->Softness), UntanglingTolerance,
+    this->IntermediateSteps() };
+  this->Reached.NewtonSteps += this->Solver.Untangle(predicted, step, this->StepProgress());
+  step.Tolerance = ArrivalTolerance;
+  if (this->TakeStep(predicted, step))
+  {
+    this->Reached.LoadSteps = 1;
+    this->Done = 1;
+  }
+}
+
+void LoadPath::TakeClosingStep()
+{
+  ReportProgress(this->Progress, this->Done, "compression");
+  const double next = this->Done + this->Step > 1 - 1e-9 ? 1 : this->Done + this->Step;
+  const LoadStep step{ next == 1 ? this->Target
+                                 : MovedPlates(this->Start.Plates, this->Motion, next),
+    this->StiffnessAt(this->Softness), this->AtLeast(IntermediateTolerance),
+    this->IntermediateSteps() };
+  std::vector<double> x = this->Solver.Begin(this->Reached.Positions, this->Reached.Plates, step);
+  if (!this->TakeStep(x, step))
+  {
+    if (this->Softness == this->Wanted)
+    {
+      this->Softness *= Softening;
+    }
+    else
+    {
+      this->Step *= 0.5;
+    }
+    if (this->Step < this->Start.SmallestStep ||
+      this->Reached.NewtonSteps >= this->Start.MostNewtonSteps)
+    {
+      this->Fail(this->Reason);
+    }
+    return;
+  }
+  if (next < 1)
+  {
+    if (this->Reached.SmallestJ >= SmallestAllowedJ(this->Options.Element))
+    {
+      this->LastGap = GapMm(step.Plates);
+    }
+    this->Solver.Arrived(this->Reached.Positions, step.Plates);
+  }
+  ++this->Reached.LoadSteps;
+  this->Done = next;
+}
+
+void LoadPath::Harden()
+{
+  ReportProgress(this->Progress, this->Done, "compression");
+  const double next = std::min(this->Wanted, this->Softness * this->Hardening);
+  const bool patient = this->Start.Patient && this->Hardening < PatientHardening;
+  // Where contact is as hard as wanted the penetration decides whether it is to be harder still.
+  const LoadStep step{ this->Target, this->StiffnessAt(next),
+    this->AtLeast(next < this->Wanted ? ArrivalTolerance : IntermediateTolerance),
+    patient ? 2 * this->Options.MaximumNewtonSteps : this->IntermediateSteps() };
+  std::vector<double> x = this->Reached.Positions;
+  if (this->TakeStep(x, step))
+  {
+    this->Softness = next;
+    return;
+  }
+  this->Hardening = std::sqrt(this->Hardening);
+  if (this->Hardening < SmallestHardening ||
+    this->Reached.NewtonSteps >= this->Start.MostNewtonSteps)
+  {
+    this->Fail(this->Reason);
+  }
+}
+
+/// Solves to the end where nothing is left to move or to harden.
+void LoadPath::Polish()
+{
+  ReportProgress(this->Progress, this->Done, "compression");
+  const LoadStep step{ this->Target, this->StiffnessAt(this->Softness),
+    this->Options.RelativeTolerance, this->Options.MaximumNewtonSteps };
+  std::vector<double> x = this->Reached.Positions;
+  if (!this->TakeStep(x, step))
+  {
+    this->Fail(this->Reason);
+  }
+}
+
+/// Wants stiffer contact where the penetration misses its limit; answers whether it does.
+bool LoadPath::StiffenWherePenetrated()
+{
+  // Penetration is inverse to the stiffness; a thousandth is left for the last digits.
+  const double excess =
+    this->Reached.LargestPenetrationMm / (0.999 * PenetrationLimitMm(this->Target));
+  if (!(excess > 1))
+  {
+    return false;
+  }
+  this->Wanted *= std::exp2(std::ceil(std::log2(excess)));
+  if (this->Wanted > LargestStiffening)
+  {
+    char reason[96];
+    std::snprintf(reason, sizeof reason,
+      "there a penetration of %.3f mm is left, expected at most %.3f mm",
+      this->Reached.LargestPenetrationMm, PenetrationLimitMm(this->Target));
+    this->Fail(reason);
+  }
+  return true;
+}
+
+void LoadPath::Close()
+{
+  while (this->Done < 1)
+  {
+    this->TakeClosingStep();
+  }
+  this->Reached.ContactStiffness = this->StiffnessAt(this->Softness);
+}
+
+void LoadPath::Complete()
+{
+  this->Close();
+  for (bool polished = false; !polished;)
+  {
+    const bool hard = this->Softness == this->Wanted && !this->StiffenWherePenetrated();
+    if (hard)
+    {
+      this->Polish();
+      polished = !this->StiffenWherePenetrated();
+    }
+    else
+    {
+      this->Harden();
+    }
+  }
+  this->Reached.ContactStiffness = this->StiffnessAt(this->Softness);
+  const double smallest = SmallestAllowedJ(this->Options.Element);
+  if (this->Reached.SmallestJ < smallest)
+  {
+    char reason[96];
+    std::snprintf(reason, sizeof reason,
+      "there a part keeps %.3f of its volume, expected at least %.2f", this->Reached.SmallestJ,
+      smallest);
+    this->Fail(reason);
+  }
+}
+}

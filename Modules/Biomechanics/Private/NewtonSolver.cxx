@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "Private/NewtonSolver.h"
+
+#include <Eigen/Core>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <memory>
+
+namespace mammoray
+{
+namespace
+{
+/// Longest coordinate of a Newton step that is taken without trying a stiffer matrix, mm: about
+/// half a cell.
+constexpr double LargestStepMm = 5;
+constexpr int MostHalvings = 30;
+/// Part of the energy that a step's slope promises which it must keep.
+constexpr double SufficientDecrease = 1e-4;
+/// How well and how long a part is relaxed.
+constexpr double PartTolerance = 1e-2;
+constexpr int PartNewtonSteps = 10;
+
+double LargestMagnitude(const std::vector<double>& v)
+{
+  return Eigen::Map<const Eigen::VectorXd>(v.data(), static_cast<Eigen::Index>(v.size()))
+    .lpNorm<Eigen::Infinity>();
+}
+}
+
+NewtonSolver::NewtonSolver(Objective& objective)
+  : Function(objective)
+  , Cache(objective.Pattern())
+{
+}
+
+const Evaluation& NewtonSolver::At(const std::vector<double>& x)
+{
+  if (!this->Current.Valid || this->CurrentVersion != this->Function.Version() ||
+    this->CurrentPositions != x)
+  {
+    this->Function.Evaluate(x, EnergyOrder::Hessian, this->Current);
+    this->CurrentPositions = x;
+    this->CurrentVersion = this->Function.Version();
+  }
+  return this->Current;
+}
+
+bool NewtonSolver::FactorizeAt(const std::vector<double>& x, bool stiffer)
+{
+  const Evaluation& current = this->At(x);
+  const auto projected = [&]
+  {
+    Evaluation evaluation;
+    this->Function.Evaluate(x, EnergyOrder::ProjectedHessian, evaluation);
+    return std::move(evaluation.Hessian);
+  };
+  return current.Valid && this->Cache.FactorizeMixed(current.Hessian, x, projected, stiffer);
+}
+
+bool NewtonSolver::FindStep(const std::vector<double>& x, std::vector<double>& step)
+{
+  const std::vector<std::int32_t>& coordinates = this->Function.Coordinates();
+  std::vector<double> force(coordinates.size());
+  for (std::size_t u = 0; u < force.size(); ++u)
+  {
+    force[u] = -this->Current.Gradient[coordinates[u]];
+  }
+  if (this->Cache.DistanceMm(x) < FactorCache::NearMm &&
+    this->Cache.SolveNearby(this->Current.Hessian, force, step))
+  {
+    return true;
+  }
+  // A huge step comes from a matrix that is nearly singular; a stiffer one leads farther than a
+  // small part of it.
+  for (bool stiffer = false;; stiffer = true)
+  {
+    if (!this->FactorizeAt(x, stiffer))
+    {
+      return false;
+    }
+    step = force;
+    this->Cache.Solve(step);
+    if (this->Cache.Share() == 1 || LargestMagnitude(step) <= LargestStepMm)
+    {
+      return true;
+    }
+  }
+}
+
+bool NewtonSolver::SearchAlong(const std::vector<double>& step, std::vector<double>& x,
+  double& length)
+{
+  const std::vector<std::int32_t>& coordinates = this->Function.Coordinates();
+  double slope = 0;
+  for (std::size_t u = 0; u < step.size(); ++u)
+  {
+    slope += step[u] * this->Current.Gradient[coordinates[u]];
+  }
+  const double noise = std::max(this->Function.Noise(), 1e-13 * std::abs(this->Current.Energy));
+  for (int halving = 0; halving < MostHalvings; ++halving)
+  {
+    length = std::ldexp(1.0, -halving);
+    this->Trial = x;
+    for (std::size_t u = 0; u < step.size(); ++u)
+    {
+      this->Trial[coordinates[u]] += length * step[u];
+    }
+    this->Function.Evaluate(this->Trial, EnergyOrder::Value, this->Probe);
+    if (this->Probe.Valid &&
+      this->Probe.Energy <= this->Current.Energy + SufficientDecrease * length * slope + noise)
+    {
+      x.swap(this->Trial);
+      return true;
+    }
+  }
+  return false;
+}
+
+void NewtonSolver::RelaxWorstPart(std::vector<double>& x, const ProgressCallback& progress)
+{
+  if (const std::unique_ptr<Objective> part = this->Function.WorstPart(this->Current.Gradient))
+  {
+    NewtonSolver(*part).Minimize(x, PartTolerance, PartNewtonSteps, progress, Parts::Together);
+  }
+}
+
+NewtonResult NewtonSolver::Minimize(std::vector<double>& x, double tolerance, int maximumSteps,
+  const ProgressCallback& progress, Parts parts)
+{
+  NewtonResult result;
+  if (!this->At(x).Valid)
+  {
+    result.Reason = "a cell is inverted at the start";
+    return result;
+  }
+  std::vector<double> step;
+  for (;; ++result.Steps)
+  {
+    const double residual = this->At(x).RelativeResidual();
+    if (residual <= tolerance)
+    {
+      result.Converged = true;
+      return result;
+    }
+    if (result.Steps == maximumSteps)
+    {
+      char reason[128];
+      std::snprintf(reason, sizeof reason,
+        "relative residual %.2g after %d Newton steps, expected at most %.2g", residual,
+        result.Steps, tolerance);
+      result.Reason = reason;
+      return result;
+    }
+    ReportProgress(progress, 0, "equilibrium");
+    if (!this->FindStep(x, step))
+    {
+      result.Reason = "the stiffness matrix is singular";
+      return result;
+    }
+    double length = 1;
+    if (!this->SearchAlong(step, x, length))
+    {
+      result.Reason = "no step lowers the energy";
+      return result;
+    }
+    const bool struggles = this->Cache.Share() > 0 || length < 1;
+    if (parts == Parts::Relaxed && struggles && this->At(x).RelativeResidual() > tolerance)
+    {
+      this->RelaxWorstPart(x, progress);
+    }
+  }
+}
+}
