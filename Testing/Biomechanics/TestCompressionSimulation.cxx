@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "BreastBetweenPlates.h"
 #include "EveryElement.h"
 #include "TestMeshes.h"
 #include "mammoray/Biomechanics/CompressionSimulation.h"
@@ -15,38 +16,12 @@
 namespace
 {
 using namespace mammoray;
+using test::MakeBreast;
+using test::MakePlates;
+using test::WithElement;
 
 using ElementCompression = test::EveryElement;
 MAMMORAY_FOR_EVERY_ELEMENT(ElementCompression);
-
-CompressionOptions WithElement(ElementType type, double tolerance)
-{
-  CompressionOptions options;
-  options.Element = type;
-  options.RelativeTolerance = tolerance;
-  return options;
-}
-
-/// Half axes 40, 45, 38 mm: 5.6 mm of chest wall, then the breast; x lateral, y anterior, z up.
-CompressionSimulation MakeBreast(const CompressionOptions& options = {}, double nu = 0.49,
-  int count = 6)
-{
-  return CompressionSimulation(test::MakeHalfEllipsoidMesh(40, 45, 38, count),
-    { {}, { 6, nu }, { 5, nu } }, { false, false, true }, {}, options);
-}
-
-/// Closed to `thicknessMm` about z = 0, the edges 15 mm in front of y = 0.
-PlatePair MakePlates(double thicknessMm, double rollDeg = 0)
-{
-  VolumeFromGantry placed;
-  const double c = std::cos(rollDeg * M_PI / 180), s = std::sin(rollDeg * M_PI / 180);
-  placed.X = { c, 0, -s };
-  placed.Z = { s, 0, c };
-  placed.Origin = Vector3{ 0, 20, 0 } - (0.5 * thicknessMm) * placed.Z;
-  MammographyUnit unit;
-  unit.SupportHeightMm = 0;
-  return PlatesOf(placed, unit, thicknessMm);
-}
 
 TEST_P(ElementCompression, BlockBetweenPlatesMatchesUniaxialCompression)
 {
@@ -277,152 +252,6 @@ TEST(CompressionSimulation, TellsTimeAndMemory)
   // Its lower triangle alone has some ten thousand entries of 8 bytes.
   EXPECT_GT(state.FactorMiB, 0.1);
   EXPECT_LT(state.FactorMiB, 100);
-}
-
-TEST_P(ElementCompression, SensitivitiesMatchCentralDifferences)
-{
-  const CompressionOptions options = WithElement(GetParam(), 1e-12);
-  const CompressionSimulation simulation = MakeBreast(options);
-  const PlatePair plates = MakePlates(54, 3);
-  const CompressionState state = simulation.Compress(plates);
-  std::vector<PlatePairVelocity> velocities(3);
-  velocities[0].Paddle.Linear = plates.Support.Normal;  // thickness
-  velocities[1].Support.Angular = { 0, M_PI / 180, 0 }; // roll, 1/deg
-  velocities[1].Paddle.Angular = velocities[1].Support.Angular;
-  velocities[2].Support.Linear = velocities[2].Paddle.Linear = { 0, 1, 0 }; // depth
-  const std::vector<std::vector<double>> exact = simulation.Sensitivities(state, velocities);
-  for (std::size_t p = 0; p < velocities.size(); ++p)
-  {
-    double best = 1;
-    for (const double h : { 1e-4, 1e-5, 1e-6 })
-    {
-      const CompressionState low =
-        simulation.Compress(MovedPlates(plates, velocities[p], -h), &state);
-      const CompressionState high =
-        simulation.Compress(MovedPlates(plates, velocities[p], h), &state);
-      double error = 0, size = 0;
-      for (std::size_t c = 0; c < state.Positions.size(); ++c)
-      {
-        const double difference = (high.Positions[c] - low.Positions[c]) / (2 * h);
-        error += std::pow(difference - exact[p][c], 2);
-        size += difference * difference;
-      }
-      best = std::min(best, std::sqrt(error / size));
-    }
-    // Contact points that come and go and slide round the plates' edges bend the curve: small h is
-    // best until the solver's 1e-12 / h takes over.
-    EXPECT_LT(best, 1e-6) << "parameter " << p;
-  }
-}
-
-TEST_P(ElementCompression, SensitivitiesToMaterialsMatchCentralDifferences)
-{
-  const CompressionOptions options = WithElement(GetParam(), 1e-12);
-  const std::vector<ElasticMaterial> materials{ {}, { 5, 0.48, 1 }, { 5, 0.49 }, { 15, 0.49, 2 } };
-  CompressionSimulation simulation(
-    test::MakeHalfEllipsoidMesh(40, 45, 38, 4), materials, { false, false, true, false },
-    [](const Vector3& x) { return std::hypot(x[0], x[1] - 20, x[2]) < 17 ? 3 : 1; }, options);
-  const PlatePair plates = MakePlates(58);
-  const CompressionState state = simulation.Compress(plates);
-  // The ratio gland / fat, both Poisson's ratios together (in hundredths: kappa bends with nu), the
-  // exponent of the fat.
-  const std::vector<MaterialVelocity> velocities{ { {}, {}, {}, { 5, 0, 0 } },
-    { {}, { 0, 0.01, 0 }, {}, { 0, 0.01, 0 } }, { {}, { 0, 0, 1 }, {}, {} } };
-  PlatePairVelocity thickness;
-  thickness.Paddle.Linear = plates.Support.Normal;
-  const std::vector<std::vector<double>> exact =
-    simulation.Sensitivities(state, { thickness }, velocities);
-  ASSERT_EQ(exact.size(), 4u);
-  const std::vector<double> alone = simulation.Sensitivities(state, { thickness })[0];
-  for (std::size_t c = 0; c < alone.size(); ++c)
-  {
-    EXPECT_NEAR(exact[0][c], alone[c], 1e-7); // refined to 1e-9 of the forces
-  }
-  for (std::size_t p = 0; p < velocities.size(); ++p)
-  {
-    double best = 1;
-    for (const double h : { 1e-3, 1e-4, 1e-5 })
-    {
-      CompressionState sides[2];
-      for (int side = 0; side < 2; ++side)
-      {
-        std::vector<ElasticMaterial> moved = materials;
-        for (std::size_t m = 0; m < moved.size(); ++m)
-        {
-          const double by = side ? h : -h;
-          moved[m].YoungsModulusKPa += by * velocities[p][m].YoungsModulusKPa;
-          moved[m].PoissonRatio += by * velocities[p][m].PoissonRatio;
-          moved[m].FungExponent += by * velocities[p][m].FungExponent;
-        }
-        simulation.SetMaterials(moved);
-        sides[side] = simulation.Compress(plates, &state);
-      }
-      double error = 0, size = 0;
-      for (std::size_t c = 0; c < state.Positions.size(); ++c)
-      {
-        const double difference = (sides[1].Positions[c] - sides[0].Positions[c]) / (2 * h);
-        error += std::pow(difference - exact[p + 1][c], 2);
-        size += difference * difference;
-      }
-      best = std::min(best, std::sqrt(error / size));
-    }
-    // See above.
-    EXPECT_LT(best, 1e-6) << "parameter " << p;
-  }
-  simulation.SetMaterials(materials);
-  EXPECT_THROW(simulation.Sensitivities(state, {}, { { {}, {} } }), InputError);
-}
-
-TEST_P(ElementCompression, RateOfTheForceMatchesCentralDifferences)
-{
-  const CompressionOptions options = WithElement(GetParam(), 1e-12);
-  const CompressionSimulation simulation = MakeBreast(options);
-  const PlatePair plates = MakePlates(54, 3);
-  const CompressionState state = simulation.Compress(plates);
-  PlatePairVelocity closing, tilting;
-  closing.Paddle.Linear = plates.Paddle.Normal;
-  tilting.Paddle.Angular = { 0.01, 0, 0 };
-  for (const PlatePairVelocity& velocity : { closing, tilting })
-  {
-    const double exact = simulation.PaddleForceRate(state, velocity);
-    double best = 1;
-    for (const double h : { 1e-3, 1e-4, 1e-5 })
-    {
-      const double difference =
-        (simulation.Compress(MovedPlates(plates, velocity, h), &state).PaddleForceN -
-          simulation.Compress(MovedPlates(plates, velocity, -h), &state).PaddleForceN) /
-        (2 * h);
-      best = std::min(best, std::abs(difference / exact - 1));
-    }
-    EXPECT_LT(best, 1e-6); // as for the positions
-  }
-}
-
-TEST(CompressionSimulation, FindsTheThicknessOfAForce)
-{
-  const CompressionSimulation simulation = MakeBreast({}, 0.49, 4);
-  const PlatePair plates = MakePlates(58);
-  const double force = simulation.Compress(plates).PaddleForceN;
-  PlatePairVelocity closing; // half by either plate
-  closing.Support.Linear = 0.5 * plates.Support.Normal;
-  closing.Paddle.Linear = 0.5 * plates.Paddle.Normal;
-  const CompressionState state = simulation.CompressToForce(MakePlates(70), closing, force);
-  EXPECT_NEAR(state.PaddleForceN, force, 1e-4 * force);
-  // 1e-4 of the force over its relative rate, about 0.1 / mm.
-  EXPECT_NEAR(GapMm(state.Plates), 58, 0.005);
-  EXPECT_THROW(simulation.CompressToForce(plates, closing, 0), InputError);
-  EXPECT_THROW(simulation.CompressToForce(plates, {}, 5), InputError);
-  try
-  {
-    simulation.CompressToForce(plates, closing, 1e5);
-    FAIL() << "ten tons were reached";
-  }
-  catch (const CompressionError& error)
-  {
-    EXPECT_NE(std::string(error.what()).find("expected a force of 100000.00 N"), std::string::npos)
-      << error.what();
-    EXPECT_LT(error.LastGapMm(), 58);
-  }
 }
 
 /// Held, sliding or elastic chest wall; gravity in every other case, pull in some. Without

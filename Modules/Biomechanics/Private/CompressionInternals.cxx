@@ -2,6 +2,7 @@
 #include "Private/CompressionInternals.h"
 
 #include "Private/Energies/CellPatches.h"
+#include "Private/LoadPath.h"
 #include "mammoray/Foundation/Error.h"
 
 #include <algorithm>
@@ -11,8 +12,6 @@ namespace mammoray
 {
 namespace
 {
-/// Equilibrium under a part of the loads is only a start for the next one.
-constexpr double IntermediateTolerance = 1e-3;
 /// Least part of the loads that is added at a time while a breast settles.
 constexpr double SmallestSettlingStep = 1.0 / 64;
 
@@ -113,7 +112,7 @@ void CompressionSimulation::Internals::SettleUnder(std::vector<double> loads,
     this->Solver.SetLoads(part);
     std::vector<double> positions = x;
     const EquilibriumReport report = this->Solver.Solve(positions, nullptr,
-      next < 1 ? IntermediateTolerance : this->Options.RelativeTolerance,
+      next < 1 ? LoadStep::IntermediateTolerance : this->Options.RelativeTolerance,
       this->Options.MaximumNewtonSteps, progress);
     if (report.Converged)
     {

@@ -15,8 +15,6 @@ namespace
 constexpr double FrictionTolerance = 1e-4;
 constexpr double IntermediateFrictionTolerance = 5e-2;
 constexpr int MostFrictionUpdates = 60;
-/// A solution to at least this tolerance is only one on the way.
-constexpr double IntermediateTolerance = 1e-3;
 /// A residual that does not fall below this part of the last one calls for smaller updates, down to
 /// that.
 constexpr double StalledFriction = 0.95;
@@ -72,8 +70,9 @@ EquilibriumReport LaggedFriction::Solve(std::vector<double>& x, const std::vecto
   }
   this->Solver.SetFriction(
     this->Solver.FrictionAt(last, lastPlates, this->Coefficient, this->Before));
-  const double wanted =
-    step.Tolerance < IntermediateTolerance ? FrictionTolerance : IntermediateFrictionTolerance;
+  const double wanted = step.Tolerance < LoadStep::IntermediateTolerance
+    ? FrictionTolerance
+    : IntermediateFrictionTolerance;
   int newtonSteps = 0;
   double part = 0.5;
   double residualBefore = std::numeric_limits<double>::infinity();

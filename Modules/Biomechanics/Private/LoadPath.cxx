@@ -9,10 +9,8 @@ namespace mammoray
 {
 namespace
 {
-/// Equilibrium between load steps is only a start for the next one.
-constexpr double IntermediateTolerance = 1e-3;
-/// The same between the plates asked for, where contact is still to be hardened: with the plates at
-/// rest there is no way to lose.
+/// Tolerance between the plates asked for, where contact is still to be hardened: with the plates
+/// at rest there is no way to lose.
 constexpr double ArrivalTolerance = 5e-2;
 constexpr int IntermediateNewtonSteps = 40;
 /// Tolerance of a start that another mesh gave and in which cells are inverted.
@@ -193,7 +191,7 @@ void LoadPath::TakeClosingStep()
   const double next = this->Done + this->Step > 1 - 1e-9 ? 1 : this->Done + this->Step;
   const LoadStep step{ next == 1 ? this->Target
                                  : MovedPlates(this->Start.Plates, this->Motion, next),
-    this->StiffnessAt(this->Softness), this->AtLeast(IntermediateTolerance),
+    this->StiffnessAt(this->Softness), this->AtLeast(LoadStep::IntermediateTolerance),
     this->IntermediateSteps() };
   std::vector<double> x = this->Solver.Begin(this->Reached.Positions, this->Reached.Plates, step);
   if (!this->TakeStep(x, step))
@@ -232,7 +230,7 @@ void LoadPath::Harden()
   const bool patient = this->Start.Patient && this->Hardening < PatientHardening;
   // Where contact is as hard as wanted the penetration decides whether it is to be harder still.
   const LoadStep step{ this->Target, this->StiffnessAt(next),
-    this->AtLeast(next < this->Wanted ? ArrivalTolerance : IntermediateTolerance),
+    this->AtLeast(next < this->Wanted ? ArrivalTolerance : LoadStep::IntermediateTolerance),
     patient ? 2 * this->Options.MaximumNewtonSteps : this->IntermediateSteps() };
   std::vector<double> x = this->Reached.Positions;
   if (this->TakeStep(x, step))

@@ -17,6 +17,10 @@ namespace mammoray
 /// What a load path asks for: equilibrium between these plates with this contact.
 struct LoadStep
 {
+  /// Equilibrium on the way is only a start for the next step: a solution to no less than this is
+  /// one of those.
+  static constexpr double IntermediateTolerance = 1e-3;
+
   PlatePair Plates;
   /// kPa / mm^2
   double ContactStiffness = 0;
