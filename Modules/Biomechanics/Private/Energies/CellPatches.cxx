@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Private/Energies/CellPatches.h"
 
+#include "mammoray/Foundation/FaceTable.h"
+
 #include <algorithm>
-#include <array>
 #include <deque>
+#include <span>
 #include <tuple>
 
 namespace mammoray
@@ -166,38 +168,16 @@ private:
 
 std::vector<std::int32_t> FaceNeighbours(const TetrahedralMesh& mesh)
 {
-  struct Face
-  {
-    std::array<std::int32_t, 3> Corners;
-    /// 4 * cell + face
-    std::size_t Place;
-    bool operator<(const Face& other) const
+  std::vector<std::int32_t> neighbours(mesh.Cells.size(), -1);
+  FaceTable(mesh).ForEachFace(
+    [&](std::span<const FaceTable::Entry> same)
     {
-      return std::tie(this->Corners, this->Place) < std::tie(other.Corners, other.Place);
-    }
-  };
-  std::vector<Face> faces(mesh.Cells.size());
-  for (std::size_t place = 0; place < faces.size(); ++place)
-  {
-    Face& face = faces[place];
-    face.Place = place;
-    for (int c = 0; c < 3; ++c)
-    {
-      face.Corners[c] = mesh.Cells[4 * (place / 4) + FaceCorners[place % 4][c]];
-    }
-    std::sort(face.Corners.begin(), face.Corners.end());
-  }
-  std::sort(faces.begin(), faces.end());
-  std::vector<std::int32_t> neighbours(faces.size(), -1);
-  for (std::size_t f = 0; f + 1 < faces.size(); ++f)
-  {
-    if (faces[f].Corners == faces[f + 1].Corners)
-    {
-      neighbours[faces[f].Place] = static_cast<std::int32_t>(faces[f + 1].Place / 4);
-      neighbours[faces[f + 1].Place] = static_cast<std::int32_t>(faces[f].Place / 4);
-      ++f;
-    }
-  }
+      if (same.size() >= 2)
+      {
+        neighbours[same[0].Face] = static_cast<std::int32_t>(same[1].Face / 4);
+        neighbours[same[1].Face] = static_cast<std::int32_t>(same[0].Face / 4);
+      }
+    });
   return neighbours;
 }
 
