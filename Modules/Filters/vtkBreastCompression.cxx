@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mammoray/Filters/vtkBreastCompression.h"
 
-#include "Private/FailedRequest.h"
+#include "Private/FilterRequest.h"
 #include "mammoray/Biomechanics/CompressionSimulation.h"
 #include "mammoray/Biomechanics/ElasticTable.h"
 #include "mammoray/Biomechanics/PlacedPlates.h"

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mammoray/Filters/vtkBreastMesher.h"
 
-#include "Private/FailedRequest.h"
+#include "Private/FilterRequest.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/Foundation/LabelResampling.h"
-#include "mammoray/Foundation/Progress.h"
 #include "mammoray/IO/ImageConversion.h"
 #include "mammoray/IO/MeshConversion.h"
 #include "mammoray/IO/ShippedData.h"
@@ -72,54 +71,48 @@ int vtkBreastMesher::RequestData(vtkInformation*, vtkInformationVector** inputs,
   vtkInformationVector* outputs)
 {
   vtkUnstructuredGrid* output = vtkUnstructuredGrid::GetData(outputs);
-  try
-  {
+  return AnswerRequest(this, output,
+    [&]() { this->Mesh(vtkImageData::GetData(inputs[0]), output); });
+}
+
+void vtkBreastMesher::Mesh(vtkImageData* input, vtkUnstructuredGrid* output)
+{
 #ifdef MAMMORAY_HAS_MESHING
-    const ProgressCallback progress = [this](double fraction, const char*)
-    {
-      this->UpdateProgress(fraction);
-      return this->GetAbortExecute() == 0;
-    };
-    const LabelVolume labels = ToLabelVolume(vtkImageData::GetData(inputs[0]));
-    const mammoray::MaterialTable table =
-      this->MaterialTable.empty() ? TableOfIndices(labels) : FindMaterialTable(this->MaterialTable);
-    LabelVolume materials = table.ToMaterials(labels, "input");
-    if (this->LabelSpacingMm > *std::max_element(labels.Spacing.begin(), labels.Spacing.end()))
-    {
-      materials = ResampleLabels(materials, this->LabelSpacingMm);
-    }
-    MeshingResult result;
-    if (this->ForMechanics)
-    {
-      result = MeshForSimulation(materials, table.Held(), this->CellSizeMm, progress);
-    }
-    else
-    {
-      MeshingOptions options = MeshingOptions::Anatomy(table.Thin());
-      options.CellSizeMm = this->CellSizeMm;
-      options.Triangles = static_cast<std::size_t>(this->NumberOfTriangles);
-      result = MeshMaterials(materials, options, progress);
-    }
-    output->ShallowCopy(ToGrid(result.Mesh, table.Names()));
-    vtkNew<vtkDoubleArray> volumes;
-    volumes->SetName("MaterialVolumesMm3");
-    volumes->SetNumberOfValues(static_cast<vtkIdType>(table.Materials.size()));
-    volumes->Fill(0);
-    for (const MaterialReport& report : result.Reports)
-    {
-      volumes->SetValue(report.Material, report.VolumeOutMm3);
-    }
-    output->GetFieldData()->AddArray(volumes);
-    return 1;
-#else
-    static_cast<void>(inputs);
-    throw InputError("meshing: this build has no Meshing module");
-#endif
-  }
-  catch (...)
+  const LabelVolume labels = ToLabelVolume(input);
+  const mammoray::MaterialTable table =
+    this->MaterialTable.empty() ? TableOfIndices(labels) : FindMaterialTable(this->MaterialTable);
+  LabelVolume materials = table.ToMaterials(labels, "input");
+  if (this->LabelSpacingMm > *std::max_element(labels.Spacing.begin(), labels.Spacing.end()))
   {
-    return FailedRequest(this, output);
+    materials = ResampleLabels(materials, this->LabelSpacingMm);
   }
+  MeshingResult result;
+  if (this->ForMechanics)
+  {
+    result = MeshForSimulation(materials, table.Held(), this->CellSizeMm, ProgressOf(this));
+  }
+  else
+  {
+    MeshingOptions options = MeshingOptions::Anatomy(table.Thin());
+    options.CellSizeMm = this->CellSizeMm;
+    options.Triangles = static_cast<std::size_t>(this->NumberOfTriangles);
+    result = MeshMaterials(materials, options, ProgressOf(this));
+  }
+  output->ShallowCopy(ToGrid(result.Mesh, table.Names()));
+  vtkNew<vtkDoubleArray> volumes;
+  volumes->SetName("MaterialVolumesMm3");
+  volumes->SetNumberOfValues(static_cast<vtkIdType>(table.Materials.size()));
+  volumes->Fill(0);
+  for (const MaterialReport& report : result.Reports)
+  {
+    volumes->SetValue(report.Material, report.VolumeOutMm3);
+  }
+  output->GetFieldData()->AddArray(volumes);
+#else
+  static_cast<void>(input);
+  static_cast<void>(output);
+  throw InputError("meshing: this build has no Meshing module");
+#endif
 }
 
 void vtkBreastMesher::PrintSelf(ostream& os, vtkIndent indent)

@@ -22,6 +22,8 @@
 #include "vtkUnstructuredGridAlgorithm.h"
 #include <string> // name of the table
 
+class vtkImageData;
+
 class MAMMORAYFILTERS_EXPORT vtkBreastMesher : public vtkUnstructuredGridAlgorithm
 {
 public:
@@ -87,6 +89,9 @@ protected:
 private:
   vtkBreastMesher(const vtkBreastMesher&) = delete;
   void operator=(const vtkBreastMesher&) = delete;
+
+  /// Throws InputError and Interrupted.
+  void Mesh(vtkImageData* input, vtkUnstructuredGrid* output);
 
   std::string MaterialTable;
   double LabelSpacingMm = 0;

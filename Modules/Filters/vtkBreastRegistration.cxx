@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mammoray/Filters/vtkBreastRegistration.h"
 
-#include "Private/FailedRequest.h"
+#include "Private/FilterRequest.h"
 #include "mammoray/Biomechanics/Embedding.h"
 #include "mammoray/Case/RegisteredBreast.h"
 #include "mammoray/Filters/vtkBreastMesher.h"

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mammoray/Filters/vtkXRayProjector.h"
 
-#include "Private/FailedRequest.h"
+#include "Private/FilterRequest.h"
 #include "mammoray/Foundation/Error.h"
+#include "mammoray/IO/MammogramSynthesis.h"
 #include "mammoray/IO/MeshConversion.h"
 #include "mammoray/IO/ProjectionImage.h"
 #include "mammoray/IO/ShippedData.h"
@@ -33,6 +34,18 @@ using namespace mammoray;
 mammoray::Vector3 ToVector(const double (&values)[3])
 {
   return { values[0], values[1], values[2] };
+}
+
+/// Throws InputError unless both are of length 1 and at right angles.
+void CheckDirections(const Vector3& column, const Vector3& row)
+{
+  // 1e-6: directions computed in float.
+  if (!(std::abs(Norm(column) - 1) < 1e-6 && std::abs(Norm(row) - 1) < 1e-6 &&
+        std::abs(Dot(column, row)) < 1e-6))
+  {
+    throw InputError(
+      "detector: expected ColumnDirection and RowDirection to be unit vectors at right angles");
+  }
 }
 
 /// What the interfaces of a grid depend on besides its points.
@@ -366,11 +379,6 @@ void vtkXRayProjector::PlaceBeam(vtkDataObject* input, XRaySource& source,
   {
     throw InputError("detector: expected a positive PixelSpacing");
   }
-  Vector3 u = ToVector(this->ColumnDirection);
-  Vector3 v = ToVector(this->RowDirection);
-  detector.Columns = this->DetectorSize[0];
-  detector.Rows = this->DetectorSize[1];
-  detector.Samples = this->Samples;
   if (this->PlacedByInput)
   {
     const std::optional<VolumeFromGantry> placed = FindPlacement(input);
@@ -379,25 +387,23 @@ void vtkXRayProjector::PlaceBeam(vtkDataObject* input, XRaySource& source,
       throw InputError("PlacedByInput: expected a positive SourceToDetectorMm and an input with "
                        "the field array 'Placement', as vtkBreastCompression gives it");
     }
-    u = placed->Y;
-    v = -1.0 * placed->X;
-    detector.Origin = placed->Point(
-      { 0.5 * (detector.Rows - 1) * this->PixelSpacing[1], 0.5 * this->PixelSpacing[0], 0 });
+    CheckDirections(placed->Y, placed->X);
+    detector = DetectorOfUnit(*placed, this->DetectorSize[0], this->DetectorSize[1],
+      { this->PixelSpacing[0], this->PixelSpacing[1] });
+    detector.Samples = this->Samples;
     source.Position = placed->Point({ 0, 0, this->SourceToDetectorMm });
+    return;
   }
-  else
-  {
-    detector.Origin = ToVector(this->DetectorOrigin);
-    source.Type = this->ParallelBeam ? XRaySource::Kind::Parallel : XRaySource::Kind::Point;
-    source.Position = ToVector(this->SourcePosition);
-    source.Direction = ToVector(this->BeamDirection);
-  }
-  // 1e-6: directions computed in float.
-  if (!(std::abs(Norm(u) - 1) < 1e-6 && std::abs(Norm(v) - 1) < 1e-6 && std::abs(Dot(u, v)) < 1e-6))
-  {
-    throw InputError(
-      "detector: expected ColumnDirection and RowDirection to be unit vectors at right angles");
-  }
+  detector.Columns = this->DetectorSize[0];
+  detector.Rows = this->DetectorSize[1];
+  detector.Samples = this->Samples;
+  detector.Origin = ToVector(this->DetectorOrigin);
+  source.Type = this->ParallelBeam ? XRaySource::Kind::Parallel : XRaySource::Kind::Point;
+  source.Position = ToVector(this->SourcePosition);
+  source.Direction = ToVector(this->BeamDirection);
+  const Vector3 u = ToVector(this->ColumnDirection);
+  const Vector3 v = ToVector(this->RowDirection);
+  CheckDirections(u, v);
   detector.ColumnStep = this->PixelSpacing[0] * u;
   detector.RowStep = this->PixelSpacing[1] * v;
 }
@@ -405,80 +411,69 @@ void vtkXRayProjector::PlaceBeam(vtkDataObject* input, XRaySource& source,
 int vtkXRayProjector::RequestData(vtkInformation*, vtkInformationVector** inputs,
   vtkInformationVector* outputs)
 {
-  vtkImageData* output = vtkImageData::GetData(outputs);
   this->NumberOfInconsistentPixels = 0;
-  try
-  {
-    XRaySource source;
-    XRayDetector detector;
-    this->PlaceBeam(vtkDataObject::GetData(inputs[0]), source, detector);
-    Internals& internal = *this->Internal;
-    const auto method = static_cast<ProjectorOptions::Method>(this->ProjectionMethod);
-    if (!internal.Projector || internal.ProjectorDevice != this->DeviceName ||
-      internal.ProjectorMethod != method)
+  vtkImageData* output = vtkImageData::GetData(outputs);
+  return AnswerRequest(this, output,
+    [&]()
     {
-      internal.Surface = {};
-      internal.Projector = std::make_unique<RememberingProjector>(
-        MakeProjector({ .Projection = method, .Device = this->DeviceName }), this->NumberOfTraces);
-      internal.ProjectorDevice = this->DeviceName;
-      internal.ProjectorMethod = method;
-    }
-    this->UpdateProgress(0.1);
-    if (vtkPolyData* polyData = vtkPolyData::GetData(inputs[0]))
-    {
-      internal.Topology = {};
-      internal.Upload(FromPolyData(polyData, &internal.MaterialNames));
-    }
-    else
-    {
-      internal.UploadGrid(vtkUnstructuredGrid::GetData(inputs[0]));
-    }
-    this->UpdateProgress(0.4);
-    if (this->GetAbortExecute())
-    {
-      output->Initialize();
-      return 1;
-    }
-
-    if (!(source == internal.Source && detector == internal.Detector))
-    {
-      internal.Projector->Forget();
-      internal.Source = source;
-      internal.Detector = detector;
-    }
-    const int materialCount = internal.Surface.NumberOfMaterials();
-    const Beam beam = internal.MakeBeamFor(materialCount,
-      internal.AttenuationsOf(this->MaterialTable, materialCount),
-      this->Spectrum.empty() ? internal.Photons : FindSpectrum(this->Spectrum),
-      this->PhotonCounting ? DetectorResponse::PhotonCounting
-                           : DetectorResponse::EnergyIntegrating);
-    const Exposure exposure = Expose(*internal.Projector, source, detector, beam, {},
-      [this](double fraction, const char*)
+      this->Project(vtkDataObject::GetData(inputs[0]), output);
+      if (this->PlacedByInput)
       {
-        this->UpdateProgress(0.4 + 0.4 * fraction);
-        return this->GetAbortExecute() == 0;
-      });
-    this->UpdateProgress(0.8);
+        // Not known before the input was.
+        vtkInformation* info = outputs->GetInformationObject(0);
+        info->Set(vtkDataObject::ORIGIN(), output->GetOrigin(), 3);
+        info->Set(vtkDataObject::DIRECTION(), output->GetDirectionMatrix()->GetData(), 9);
+      }
+    });
+}
 
-    output->ShallowCopy(ToImage(exposure, detector, internal.MaterialNames));
-    if (this->PlacedByInput)
-    {
-      // Not known before the input was.
-      vtkInformation* info = outputs->GetInformationObject(0);
-      info->Set(vtkDataObject::ORIGIN(), output->GetOrigin(), 3);
-      info->Set(vtkDataObject::DIRECTION(), output->GetDirectionMatrix()->GetData(), 9);
-    }
-    this->NumberOfInconsistentPixels =
-      static_cast<vtkIdType>(exposure.Lengths.NumberOfInconsistentRays());
-    if (this->NumberOfInconsistentPixels > 0)
-    {
-      vtkWarningMacro(<< exposure.Lengths.InconsistencyWarning());
-    }
-    return 1;
-  }
-  catch (...)
+void vtkXRayProjector::Project(vtkDataObject* input, vtkImageData* output)
+{
+  XRaySource source;
+  XRayDetector detector;
+  this->PlaceBeam(input, source, detector);
+  Internals& internal = *this->Internal;
+  const auto method = static_cast<ProjectorOptions::Method>(this->ProjectionMethod);
+  if (!internal.Projector || internal.ProjectorDevice != this->DeviceName ||
+    internal.ProjectorMethod != method)
   {
-    return FailedRequest(this, output);
+    internal.Surface = {};
+    internal.Projector = std::make_unique<RememberingProjector>(
+      MakeProjector({ .Projection = method, .Device = this->DeviceName }), this->NumberOfTraces);
+    internal.ProjectorDevice = this->DeviceName;
+    internal.ProjectorMethod = method;
+  }
+  this->UpdateProgress(0.1);
+  if (auto* polyData = vtkPolyData::SafeDownCast(input))
+  {
+    internal.Topology = {};
+    internal.Upload(FromPolyData(polyData, &internal.MaterialNames));
+  }
+  else
+  {
+    internal.UploadGrid(vtkUnstructuredGrid::SafeDownCast(input));
+  }
+  ReportProgress(ProgressOf(this), 0.4, "projecting");
+  if (!(source == internal.Source && detector == internal.Detector))
+  {
+    internal.Projector->Forget();
+    internal.Source = source;
+    internal.Detector = detector;
+  }
+  const int materialCount = internal.Surface.NumberOfMaterials();
+  const Beam beam = internal.MakeBeamFor(materialCount,
+    internal.AttenuationsOf(this->MaterialTable, materialCount),
+    this->Spectrum.empty() ? internal.Photons : FindSpectrum(this->Spectrum),
+    this->PhotonCounting ? DetectorResponse::PhotonCounting : DetectorResponse::EnergyIntegrating);
+  const Exposure exposure =
+    Expose(*internal.Projector, source, detector, beam, {}, ProgressOf(this, 0.4, 0.8));
+  this->UpdateProgress(0.8);
+  output->ShallowCopy(ToImage(exposure, detector, internal.MaterialNames));
+  this->NumberOfInconsistentPixels =
+    static_cast<vtkIdType>(exposure.Lengths.NumberOfInconsistentRays());
+  if (this->NumberOfInconsistentPixels > 0)
+  {
+    vtkWarningMacro(<< exposure.Lengths.InconsistencyWarning());
   }
 }
 

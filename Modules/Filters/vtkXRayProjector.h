@@ -242,6 +242,8 @@ protected:
     vtkInformationVector* outputs) override;
 
 private:
+  /// Throws InputError, DeviceError and Interrupted.
+  void Project(vtkDataObject* input, vtkImageData* output);
   void PlaceBeam(vtkDataObject* input, mammoray::XRaySource& source,
     mammoray::XRayDetector& detector) const;
 

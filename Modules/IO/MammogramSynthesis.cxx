@@ -49,6 +49,18 @@ std::string ViewOfRoll(double rollDeg, char laterality)
 }
 }
 
+XRayDetector DetectorOfUnit(const VolumeFromGantry& placed, int columns, int rows,
+  const std::array<double, 2>& spacingMm)
+{
+  XRayDetector detector;
+  detector.Columns = columns;
+  detector.Rows = rows;
+  detector.Origin = placed.Point({ 0.5 * (rows - 1) * spacingMm[1], 0.5 * spacingMm[0], 0 });
+  detector.ColumnStep = spacingMm[0] * placed.Y;
+  detector.RowStep = spacingMm[1] * (-1.0 * placed.X);
+  return detector;
+}
+
 Mammogram DescribeProjection(const XRaySource& source, const XRayDetector& detector,
   const AnatomicalAxes& axes, char laterality)
 {

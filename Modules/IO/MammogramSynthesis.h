@@ -7,6 +7,7 @@
 #include "mammoray/XRay/PathLengthProjector.h"
 #include "mammorayIOModule.h"
 
+#include <array>
 #include <vector>
 
 namespace mammoray
@@ -16,6 +17,14 @@ namespace mammoray
 inline constexpr double PresentationValuesPerLogAttenuation = 4000;
 /// For Processing: this times the transmission, so that noise in the air still fits below 65535.
 inline constexpr double ProcessingValuesPerTransmission = 50000;
+
+/**
+ * The detector of a mammography unit in the frame that `placed` leads to: columns run along gantry
+ * +y and begin at the chest wall, rows run along -x, and the middle of the chest-wall edge is the
+ * gantry's origin. `spacingMm`: distance of pixel centres along a row and along a column.
+ */
+MAMMORAYIO_EXPORT XRayDetector DetectorOfUnit(const VolumeFromGantry& placed, int columns, int rows,
+  const std::array<double, 2>& spacingMm);
 
 /**
  * What the header of a mammogram would say about a projection, without pixels: their number and

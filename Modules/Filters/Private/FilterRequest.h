@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+#ifndef mammoray_FilterRequest_h
+#define mammoray_FilterRequest_h
+
+#include "mammoray/Foundation/Error.h"
+#include "mammoray/Foundation/Progress.h"
+
+#include "vtkAlgorithm.h"
+#include "vtkDataObject.h"
+
+#include <exception>
+
+namespace mammoray
+{
+/// Moves a filter's progress from `from` to `to` of 1, and stops where the filter is aborted.
+inline ProgressCallback ProgressOf(vtkAlgorithm* filter, double from = 0, double to = 1)
+{
+  return [=](double fraction, const char*)
+  {
+    filter->UpdateProgress(from + (to - from) * fraction);
+    return filter->GetAbortExecute() == 0;
+  };
+}
+
+/**
+ * What RequestData answers to the exception being handled: the output is emptied, an interrupt is
+ * no failure, and an error is told by the filter's ErrorEvent. To be called in a catch block.
+ */
+inline int FailedRequest(vtkAlgorithm* filter, vtkDataObject* output)
+{
+  output->Initialize();
+  try
+  {
+    throw;
+  }
+  catch (const Interrupted&)
+  {
+    return 1;
+  }
+  catch (const std::exception& error) // bad_alloc must not cross the pipeline either
+  {
+    vtkErrorWithObjectMacro(filter, << error.what());
+    return 0;
+  }
+}
+
+/// What RequestData answers that fills `output` by `work`, which may throw.
+template <typename Work>
+int AnswerRequest(vtkAlgorithm* filter, vtkDataObject* output, const Work& work)
+{
+  try
+  {
+    work();
+    return 1;
+  }
+  catch (...)
+  {
+    return FailedRequest(filter, output);
+  }
+}
+}
+
+#endif
