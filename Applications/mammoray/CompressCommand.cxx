@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "CommandLine.h"
-
+#include "Commands.h"
+#include "OutputFiles.h"
+#include "ProgressBar.h"
+#include "SharedOptions.h"
 #include "mammoray/Biomechanics/CompressionSimulation.h"
 #include "mammoray/Biomechanics/ElasticTable.h"
 #include "mammoray/Biomechanics/PlacedPlates.h"
@@ -24,8 +26,6 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
-#include <map>
-#include <memory>
 #include <numbers>
 #include <optional>
 
@@ -39,9 +39,6 @@ std::size_t MostSimulationCells(ElementType element)
   return element == ElementType::Quadratic ? 20000 : 150000;
 }
 
-const std::map<std::string, ElementType> Elements{ { "quadratic", ElementType::Quadratic },
-  { "linear", ElementType::PatchAveragedLinear } };
-
 struct CompressArguments
 {
   std::string Mesh;
@@ -49,23 +46,20 @@ struct CompressArguments
   std::string Orientation = "LPS";
   std::string SimulationMesh;
   double SimulationCellSizeMm = 0;
-  /// One of Elements.
-  std::string Element = "quadratic";
   LabelSource Labels;
   BreastPose Pose;
+  /// One of the two.
+  std::optional<double> ThicknessMm;
+  std::optional<double> ForceN;
   /// Standard view, whose roll is added; empty: none.
   std::string View;
   std::string Side;
-  /// In place of the thickness; 0: not given.
-  double ForceN = 0;
   MammographyUnit Unit;
-  /// held, sliding or elastic
-  std::string ChestWall = "held";
-  WallStiffness Wall = CompressionOptions().Wall;
+  /// Element, chest wall and friction; the rest depends on the axes.
+  CompressionOptions Loading;
   double PullN = 0;
-  double Friction = 0;
-  /// none, prone or supine
-  std::string ImagePosition = "none";
+  /// How the patient lay in the image; none: its shape is free of load.
+  std::optional<PatientPosition> ImagePosition;
   bool Gravity = false;
   std::string Output;
   std::string Picture;
@@ -75,10 +69,87 @@ struct CompressArguments
   bool Overwrite = false;
 };
 
+/// What is compressed, and what is simulated on.
+void DeclareMeshes(const OptionList& add, CompressArguments& arguments)
+{
+  add("--mesh", arguments.Mesh, "linear tetrahedra with materials (.vtu)")->required();
+  AddMaterialsOption(add, arguments.Materials)->required();
+  AddOrientationOption(add, arguments.Orientation, "the mesh");
+  CLI::Option* labels = AddLabelOptions(add, arguments.Labels);
+  labels->description("stiffness is sampled from it; the " + labels->get_description());
+  add("--simulation-mesh", arguments.SimulationMesh,
+    "coarse mesh (.vtu) to simulate on; the points of --mesh move with it");
+  add("--simulation-cell-size", arguments.SimulationCellSizeMm, NonNegative("mm"),
+    "largest cells of the simulation mesh that is made for a large mesh, of --labels or else of "
+    "the mesh itself; 0: by the size of the breast, 3000 to 4000 cells");
+  add.Choice<ElementType>("--element", arguments.Loading.Element,
+    { { "quadratic", ElementType::Quadratic }, { "linear", ElementType::PatchAveragedLinear } },
+    "of the simulation: quadratic tetrahedra, or linear ones that share their volume in patches; "
+    "linear takes a tenth of the time and needs three times as many cells a side");
+}
+
+/// How the unit stands and closes.
+void DeclareUnit(const OptionList& add, CompressArguments& arguments)
+{
+  CLI::Option* thickness =
+    AddPoseOption(add, PoseParameters[ThicknessParameter], arguments.ThicknessMm);
+  add("--force", arguments.ForceN, Positive("N"),
+    "force of the paddle, in place of the thickness; 50 to 150 are usual")
+    ->excludes(thickness);
+  CLI::Option* view = add.Word("--view", arguments.View, { "CC", "MLO", "LMO", "ML", "LM" },
+    "CC, or turned by 45 (MLO, LMO) or 90 degrees (ML, LM); --roll is added");
+  add.Word("--side", arguments.Side, { "L", "R" }, "the breast: which way --view turns")
+    ->needs(view);
+  AddPoseOptions(add, arguments.Pose);
+  AddPlateOptions(add, arguments.Unit.SupportEdgeMm, arguments.Unit.PaddleEdgeMm,
+    arguments.Unit.EdgeRadiusMm);
+}
+
+/// What the breast feels beside the plates.
+void DeclareLoading(const OptionList& add, CompressArguments& arguments)
+{
+  CompressionOptions& loading = arguments.Loading;
+  add.Choice<ChestWallMode>("--chest-wall", loading.ChestWall,
+    { { "held", ChestWallMode::Held }, { "sliding", ChestWallMode::Sliding },
+      { "elastic", ChestWallMode::Elastic } },
+    "how the breast is attached to the held materials: held, sliding along their surface, or "
+    "elastic");
+  add("--wall-normal-stiffness", loading.Wall.Normal, Positive("kPa/mm"),
+    "of the sliding or elastic chest wall against being left");
+  add("--wall-tangential-stiffness", loading.Wall.Tangential, NonNegative("kPa/mm"),
+    "of the elastic chest wall against gliding");
+  add("--pull", arguments.PullN, "N",
+    "force that draws the breast forwards onto the receptor, spread over its volume");
+  add("--friction", loading.Friction, NonNegative(),
+    "coefficient of friction between breast and plates");
+  add.Choice<std::optional<PatientPosition>>("--mri-position", arguments.ImagePosition,
+    { { "none", std::nullopt }, { "prone", PatientPosition::Prone },
+      { "supine", PatientPosition::Supine } },
+    "how the patient lay in the image of the mesh: from prone or supine the breast is unloaded of "
+    "its weight and compressed under that of the standing patient; none: no weight");
+  add.Flag("--gravity", arguments.Gravity,
+    "the weight of the standing patient counts, though the mesh is taken for free of load");
+}
+
+void Declare(const OptionList& add, CompressArguments& arguments)
+{
+  DeclareMeshes(add, arguments);
+  DeclareUnit(add, arguments);
+  DeclareLoading(add, arguments);
+  add("-o,--output", arguments.Output, "compressed mesh to write (.vtu)")->required();
+  add("--picture", arguments.Picture,
+    "draw cuts through the breast before and after, with the plates (.png)");
+  add("--series", arguments.Series,
+    "time series of the compression, for ParaView: a .pvd file, with its .vtu files beside it");
+  add("--series-steps", arguments.SeriesSteps, Between(2, 1000),
+    "of the series, from plates that touch nothing to the compressed breast");
+  AddOverwriteFlag(add, arguments.Overwrite, "the output files");
+}
+
 bool IsSimulatedOn(const TetrahedralMesh& mesh, const CompressArguments& arguments)
 {
   return arguments.SimulationMesh.empty() &&
-    mesh.NumberOfCells() <= MostSimulationCells(Elements.at(arguments.Element));
+    mesh.NumberOfCells() <= MostSimulationCells(arguments.Loading.Element);
 }
 
 /// Where stiffness is sampled: the labels given, or the voxels of a mesh that another one carries.
@@ -119,7 +190,7 @@ TetrahedralMesh FindSimulationMesh(const CompressArguments& arguments, const Tet
   (void)held;
 #endif
   throw InputError(arguments.Mesh + ": expected at most " +
-    std::to_string(MostSimulationCells(Elements.at(arguments.Element))) +
+    std::to_string(MostSimulationCells(arguments.Loading.Element)) +
     " cells to simulate on, found " + std::to_string(mesh.NumberOfCells()) +
     "; name a coarse --simulation-mesh");
 }
@@ -144,15 +215,9 @@ double RollOfView(const CompressArguments& arguments)
 
 CompressionOptions LoadingOf(const CompressArguments& arguments, const AnatomicalAxes& axes)
 {
-  CompressionOptions options;
-  options.Element = Elements.at(arguments.Element);
-  options.ChestWall = arguments.ChestWall == "held" ? ChestWallMode::Held
-    : arguments.ChestWall == "sliding"              ? ChestWallMode::Sliding
-                                                    : ChestWallMode::Elastic;
-  options.Wall = arguments.Wall;
+  CompressionOptions options = arguments.Loading;
   options.PullN = arguments.PullN * axes.Anterior;
-  options.Friction = arguments.Friction;
-  if (arguments.Gravity || arguments.ImagePosition != "none")
+  if (arguments.Gravity || arguments.ImagePosition)
   {
     options.GravityMPerS2 = GravityIn(PatientPosition::Upright, axes);
   }
@@ -181,17 +246,18 @@ CompressionState Compress(const CompressArguments& arguments,
   };
   try
   {
-    if (arguments.ForceN > 0)
+    if (arguments.ForceN)
     {
       // 50: any two thicknesses show how the plates close.
       return simulation.CompressToForce(plates(50), PlateMotion(plates(50), plates(49)),
-        arguments.ForceN, MakeProgressBar());
+        *arguments.ForceN, MakeProgressBar());
     }
-    return simulation.Compress(plates(arguments.Pose.ThicknessMm), nullptr, MakeProgressBar());
+    return simulation.Compress(plates(*arguments.ThicknessMm), nullptr, MakeProgressBar());
   }
   catch (const CompressionError& error)
   {
-    if (arguments.ChestWall == "held" && arguments.Pose.AnteriorMm < CloseToHeldMm)
+    if (arguments.Loading.ChestWall == ChestWallMode::Held &&
+      arguments.Pose.AnteriorMm < CloseToHeldMm)
     {
       throw ConvergenceError(std::string(error.what()) +
         "; the plates stand at the held tissue and pinch what is between: --anterior 5 moves them "
@@ -264,21 +330,13 @@ void WritePicture(const std::string& path, vtkUnstructuredGrid* before, vtkUnstr
 
 void CheckOutputs(const CompressArguments& arguments)
 {
-  CheckOutputFile(arguments.Output, arguments.Overwrite);
+  CheckOutputFile(arguments.Output, arguments.Overwrite, ".vtu", "a volume mesh");
   CheckPictureFile(arguments.Picture, arguments.Overwrite);
-  if (std::filesystem::path(arguments.Output).extension() != ".vtu")
-  {
-    throw InputError(arguments.Output + ": expected the extension .vtu for a volume mesh");
-  }
   if (arguments.Series.empty())
   {
     return;
   }
-  CheckOutputFile(arguments.Series, arguments.Overwrite);
-  if (std::filesystem::path(arguments.Series).extension() != ".pvd")
-  {
-    throw InputError(arguments.Series + ": expected the extension .pvd for a time series");
-  }
+  CheckOutputFile(arguments.Series, arguments.Overwrite, ".pvd", "a time series");
   for (const std::string& file :
     SeriesFiles(arguments.Series, static_cast<std::size_t>(arguments.SeriesSteps)))
   {
@@ -311,13 +369,14 @@ void PrintSummary(const CompressionState& state, const CompressionSimulation& si
   }
 }
 
-void RunCompress(const CompressArguments& arguments)
+void Run(CompressArguments& arguments)
 {
-  CheckInputFile(arguments.Mesh);
-  if (!arguments.SimulationMesh.empty())
+  if (!arguments.ThicknessMm && !arguments.ForceN)
   {
-    CheckInputFile(arguments.SimulationMesh);
+    throw CLI::RequiredError("--thickness or --force");
   }
+  CheckInputFile(arguments.Mesh);
+  CheckInputFileIfAny(arguments.SimulationMesh);
   CheckOutputs(arguments);
   const AnatomicalAxes axes = AnatomicalAxes::FromCode(arguments.Orientation);
   const MaterialTable table = FindMaterialTable(arguments.Materials);
@@ -335,22 +394,18 @@ void RunCompress(const CompressArguments& arguments)
   }
   const CompressionOptions loading = LoadingOf(arguments, axes);
   CompressionSimulation simulation(simulationMesh, mechanics.Elastic, held, field, loading);
-  if (arguments.ImagePosition == "none")
+  if (!arguments.ImagePosition)
   {
     LeadIfLarge(simulation, simulationMesh, mechanics, loading, MakeProgressBar());
   }
   else
   {
-    simulation.Unload(GravityIn(arguments.ImagePosition == "prone" ? PatientPosition::Prone
-                                                                   : PatientPosition::Supine,
-                        axes),
-      MakeProgressBar());
+    simulation.Unload(GravityIn(*arguments.ImagePosition, axes), MakeProgressBar());
   }
   const Vector3 anchor = arguments.Labels.Path.empty() ? FindPoseAnchor(mesh, held, axes)
                                                        : FindPoseAnchor(*volume, held, axes);
   const CompressionState state = Compress(arguments, simulation, axes, anchor);
-  const double thicknessMm =
-    arguments.ForceN > 0 ? GapMm(state.Plates) : arguments.Pose.ThicknessMm;
+  const double thicknessMm = arguments.ThicknessMm.value_or(GapMm(state.Plates));
   const CompressedBreast breast(grid, mesh, simulation);
   const auto compressed = breast.At(state, thicknessMm);
   const VolumeFromGantry placed =
@@ -386,114 +441,10 @@ void RunCompress(const CompressArguments& arguments)
 
 void AddCompressCommand(CLI::App& application)
 {
-  CLI::App* command = application.add_subcommand("compress",
+  AddCommand<CompressArguments>(application, "compress",
     "Squeezes a breast between the plates of a mammography unit.\nIn and out in the frame of the "
-    "mesh, mm; "
-    "the chest wall (held materials) does not move, unless the breast may glide along it.");
-  auto arguments = std::make_shared<CompressArguments>();
-  BreastPose& pose = arguments->Pose;
-  MammographyUnit& unit = arguments->Unit;
-  command->add_option("--mesh", arguments->Mesh, "linear tetrahedra with materials (.vtu)")
-    ->required();
-  AddMaterialsOption(*command, arguments->Materials)->required();
-  command
-    ->add_option("--orientation", arguments->Orientation,
-      "directions of +x, +y, +z: one letter each of L/R, A/P, S/I")
-    ->capture_default_str();
-  CLI::Option* thickness =
-    command->add_option("--thickness", pose.ThicknessMm, "distance of the plates' faces, mm")
-      ->check(PositiveNumber());
-  CLI::Option* force = command
-                         ->add_option("--force", arguments->ForceN,
-                           "force of the paddle, N, in place of the thickness; 50 to 150 are usual")
-                         ->check(PositiveNumber())
-                         ->excludes(thickness);
-  command->add_option("-o,--output", arguments->Output, "compressed mesh to write (.vtu)")
-    ->required();
-  const auto add = [&](const char* name, double& value, const char* help)
-  { return command->add_option(name, value, help)->capture_default_str(); };
-  add("--roll", pose.RollDeg,
-    "turn of the unit about the anterior axis from --view or CC, degrees; positive to the left");
-  CLI::Option* view = command
-                        ->add_option("--view", arguments->View,
-                          "CC, or turned by 45 (MLO, LMO) or 90 degrees (ML, LM)")
-                        ->check(CLI::IsMember({ "CC", "MLO", "LMO", "ML", "LM" }));
-  command->add_option("--side", arguments->Side, "the breast, L or R: which way --view turns")
-    ->check(CLI::IsMember({ "L", "R" }))
-    ->needs(view);
-  add("--pitch", pose.PitchDeg,
-    "turn of the rolled unit about its lateral axis, degrees; positive takes the source forwards");
-  add("--yaw", pose.YawDeg,
-    "turn of the unit about its vertical axis, degrees; positive to the left (CC)");
-  add("--tilt", pose.TiltDeg,
-    "turn of the paddle about its chest-wall edge, degrees; positive opens it towards the nipple")
-    ->check(NumberFrom(-30.0, 30.0));
-  add("--lateral", pose.LateralMm, "shift of the receptor along its chest-wall edge, mm");
-  add("--anterior", pose.AnteriorMm, "shift of the receptor away from the chest wall, mm");
-  add("--vertical", pose.VerticalMm, "shift of the plates' mid-plane towards the source, mm");
-  add("--support-edge", unit.SupportEdgeMm,
-    "chest-wall edge of the support, mm in front of the receptor's");
-  add("--paddle-edge", unit.PaddleEdgeMm,
-    "chest-wall edge of the paddle, mm in front of the receptor's");
-  add("--edge-radius", unit.EdgeRadiusMm, "radius of the plates' chest-wall edges, mm")
-    ->check(NonNegativeNumber());
-  command
-    ->add_option("--chest-wall", arguments->ChestWall,
-      "how the breast is attached to the held materials: held, sliding along their surface, or "
-      "elastic")
-    ->check(CLI::IsMember({ "held", "sliding", "elastic" }))
-    ->capture_default_str();
-  add("--wall-normal-stiffness", arguments->Wall.Normal,
-    "of the sliding or elastic chest wall against being left, kPa/mm")
-    ->check(PositiveNumber());
-  add("--wall-tangential-stiffness", arguments->Wall.Tangential,
-    "of the elastic chest wall against gliding, kPa/mm")
-    ->check(NonNegativeNumber());
-  add("--pull", arguments->PullN,
-    "force that draws the breast forwards onto the receptor, spread over its volume, N");
-  add("--friction", arguments->Friction, "coefficient of friction between breast and plates")
-    ->check(NonNegativeNumber());
-  command
-    ->add_option("--mri-position", arguments->ImagePosition,
-      "how the patient lay in the image of the mesh: from prone or supine the breast is unloaded "
-      "of its weight and compressed under that of the standing patient; none: no weight")
-    ->check(CLI::IsMember({ "none", "prone", "supine" }))
-    ->capture_default_str();
-  command->add_flag("--gravity", arguments->Gravity,
-    "the weight of the standing patient counts, though the mesh is taken for free of load");
-  command->add_option("--picture", arguments->Picture,
-    "draw cuts through the breast before and after, with the plates (.png)");
-  command->add_option("--series", arguments->Series,
-    "time series of the compression, for ParaView: a .pvd file, with its .vtu files beside it");
-  command
-    ->add_option("--series-steps", arguments->SeriesSteps,
-      "of the series, from plates that touch nothing to the compressed breast")
-    ->check(NumberFrom(2, 1000))
-    ->capture_default_str();
-  CLI::Option* labels = AddLabelOptions(*command, arguments->Labels);
-  labels->description("stiffness is sampled from it; the " + labels->get_description());
-  command->add_option("--simulation-mesh", arguments->SimulationMesh,
-    "coarse mesh (.vtu) to simulate on; the points of --mesh move with it");
-  add("--simulation-cell-size", arguments->SimulationCellSizeMm,
-    "largest cells of the simulation mesh that is made for a large mesh, of --labels or else of "
-    "the mesh itself, mm; 0: by the size of the breast, 3000 to 4000 cells")
-    ->check(NonNegativeNumber());
-  command
-    ->add_option("--element", arguments->Element,
-      "of the simulation: quadratic tetrahedra, or linear ones that share their volume in patches; "
-      "linear takes a tenth of the time and needs three times as many cells a side")
-    ->check(CLI::IsMember({ "quadratic", "linear" }))
-    ->capture_default_str();
-  command->add_flag("--overwrite", arguments->Overwrite, "replace the output files");
-  AddConfigurationOptions(*command);
-  command->callback(
-    [arguments, thickness, force]
-    {
-      if (thickness->count() + force->count() == 0)
-      {
-        throw CLI::RequiredError("--thickness or --force");
-      }
-      RunCompress(*arguments);
-    });
+    "mesh, mm; the chest wall (held materials) does not move, unless the breast may glide along "
+    "it.",
+    Declare, Run);
 }
 }

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "DicomOptions.h"
 
-#include "mammoray/Case/RegisteredMammogram.h"
 #include "mammoray/IO/MammogramSynthesis.h"
 
 #include <cstdio>
@@ -19,39 +18,36 @@ DicomIdentity DicomPatient::Identity() const
   return identity;
 }
 
-void AddDicomPatientOptions(CLI::App& command, DicomPatient& patient, bool mammogramGiven)
+void AddDicomPatientOptions(const OptionList& add, DicomPatient& patient, bool mammogramGiven)
 {
-  CLI::Option* name = command
-                        .add_option("--patient-name", patient.Name,
-                          "patient's name in DICOM files (Family^Given); default: empty")
-                        ->group("DICOM");
+  const OptionList dicom = add.Group("DICOM");
+  CLI::Option* name = dicom("--patient-name", patient.Name,
+    "patient's name in DICOM files (Family^Given); default: empty");
   CLI::Option* id =
-    command.add_option("--patient-id", patient.Id, "patient's ID in DICOM files; default: empty")
-      ->group("DICOM");
+    dicom("--patient-id", patient.Id, "patient's ID in DICOM files; default: empty");
   if (mammogramGiven)
   {
-    command
-      .add_flag("--same-patient", patient.Same,
+    dicom
+      .Flag("--same-patient", patient.Same,
         "copy name, ID, birth date, sex and study of --mammogram and refer to it, as archives need "
         "to file the new object beside it; otherwise nothing of the patient is copied")
       ->excludes(name)
-      ->excludes(id)
-      ->group("DICOM");
+      ->excludes(id);
   }
+}
+
+void AddDicomPictureOptions(const OptionList& add, std::string& laterality, bool& forProcessing,
+  const std::string& remark)
+{
+  const OptionList dicom = add.Group("DICOM");
+  dicom.Word("--laterality", laterality, { "L", "R" }, "the breast's side; " + remark);
+  dicom.Flag("--for-processing", forProcessing,
+    "store the transmission, linear, instead of a picture For Presentation");
 }
 
 bool IsDicomPath(const std::string& path)
 {
   return std::filesystem::path(path).extension() == ".dcm";
-}
-
-void NoteOtherMammogram(const std::string& result, const std::string& mammogram)
-{
-  if (!IsRegisteredMammogram(result, mammogram))
-  {
-    std::fprintf(stderr, "mammoray: note: %s is not the file that was registered\n",
-      mammogram.c_str());
-  }
 }
 
 std::string SyntheticDerivation(bool forProcessing, const std::string& what)

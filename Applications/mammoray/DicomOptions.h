@@ -3,9 +3,8 @@
 #ifndef mammoray_DicomOptions_h
 #define mammoray_DicomOptions_h
 
+#include "OptionList.h"
 #include "mammoray/IO/DicomIdentity.h"
-
-#include <CLI/CLI.hpp>
 
 #include <string>
 
@@ -24,13 +23,14 @@ struct DicomPatient
 };
 
 /// Adds --patient-name and --patient-id, and, where a mammogram is given, --same-patient.
-void AddDicomPatientOptions(CLI::App& command, DicomPatient& patient, bool mammogramGiven);
+void AddDicomPatientOptions(const OptionList& add, DicomPatient& patient, bool mammogramGiven);
+
+/// Adds --laterality and --for-processing of a synthetic mammogram.
+void AddDicomPictureOptions(const OptionList& add, std::string& laterality, bool& forProcessing,
+  const std::string& remark);
 
 /// True for the extension .dcm.
 bool IsDicomPath(const std::string& path);
-
-/// Says on stderr when the mammogram is not the file that was registered.
-void NoteOtherMammogram(const std::string& result, const std::string& mammogram);
 
 /// How a synthetic image of `what` was computed and what its values mean, for its header.
 std::string SyntheticDerivation(bool forProcessing, const std::string& what);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "CommandLine.h"
-
+#include "Commands.h"
+#include "OutputFiles.h"
+#include "ProgressBar.h"
+#include "SharedOptions.h"
 #include "mammoray/Case/ExampleData.h"
 #include "mammoray/IO/MeshIO.h"
 #include "mammoray/IO/ProjectionImage.h"
@@ -12,7 +14,6 @@
 
 #include <cstdio>
 #include <filesystem>
-#include <memory>
 
 namespace mammoray
 {
@@ -25,8 +26,7 @@ struct ExampleArguments
   std::string Name;
   std::string Output;
   std::string Spectrum = "W28kVp_Rh50um_Be1mm";
-  std::string Device;
-  std::string Projector = "auto";
+  ProjectorOptions Projector;
   bool Overwrite = false;
 };
 
@@ -45,7 +45,16 @@ void PrepareFolder(const std::string& folder, const std::vector<std::string>& fi
   }
 }
 
-void RunExample(const ExampleArguments& arguments)
+void Declare(const OptionList& add, ExampleArguments& arguments)
+{
+  add("name", arguments.Name, "test, boxes, veins or breast")->required();
+  add("-o,--output", arguments.Output, "folder for the three files; made if need be")->required();
+  AddSpectrumOption(add, arguments.Spectrum);
+  AddProjectorOptions(add, arguments.Projector);
+  AddOverwriteFlag(add, arguments.Overwrite);
+}
+
+void Run(ExampleArguments& arguments)
 {
   const ProgressCallback progress = MakeProgressBar();
   const Spectrum spectrum = FindSpectrum(arguments.Spectrum);
@@ -60,10 +69,7 @@ void RunExample(const ExampleArguments& arguments)
   PrepareFolder(arguments.Output, { meshPath, imagePath, picturePath }, arguments.Overwrite);
 
   ReportProgress(progress, 0.3, "projecting");
-  ProjectorOptions options;
-  options.Projection = MethodFromName(arguments.Projector);
-  options.Device = arguments.Device;
-  const auto projector = MakeProjector(options);
+  const auto projector = MakeProjector(arguments.Projector);
   projector->SetSurface(scene.Surface);
   const Exposure exposure = Expose(*projector, scene.Source, scene.Detector, beam);
   const auto image = ToImage(exposure, scene.Detector, names);
@@ -94,7 +100,7 @@ void RunExample(const ExampleArguments& arguments)
 
 void AddExampleCommand(CLI::App& application)
 {
-  CLI::App* command = application.add_subcommand("example",
+  AddCommand<ExampleArguments>(application, "example",
     "Makes an example: a mesh and its synthetic X-ray.\n"
     "  test    a plate, 15,626 triangles, 150 x 200 pixels\n"
     "  boxes   3965 boxes of three materials, 47,580 triangles, 250 x 200 pixels\n"
@@ -103,20 +109,7 @@ void AddExampleCommand(CLI::App& application)
     "pixels\n"
     "Writes NAME.vtp (mm, material on each triangle's front and back), NAME.mha (transmission, 0 "
     "to "
-    "1) and\nNAME.png (logarithmic attenuation, dense is bright).");
-  auto arguments = std::make_shared<ExampleArguments>();
-  command->add_option("name", arguments->Name, "test, boxes, veins or breast")->required();
-  command
-    ->add_option("-o,--output", arguments->Output, "folder for the three files; made if need be")
-    ->required();
-  command
-    ->add_option("--spectrum", arguments->Spectrum, "spectrum file (.spc), or a shipped one's name")
-    ->capture_default_str();
-  command->add_option("--device", arguments->Device,
-    "part of the wanted Vulkan device's name; see mammoray devices");
-  AddProjectorOption(*command, arguments->Projector);
-  command->add_flag("--overwrite", arguments->Overwrite, "replace output files");
-  AddConfigurationOptions(*command);
-  command->callback([arguments] { RunExample(*arguments); });
+    "1) and\nNAME.png (logarithmic attenuation, dense is bright).",
+    Declare, Run);
 }
 }

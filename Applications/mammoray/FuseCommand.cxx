@@ -1,5 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "CommandLine.h"
+#include "Commands.h"
+#include "OutputFiles.h"
+#include "ProgressBar.h"
+#include "ResultNotes.h"
+#include "SharedOptions.h"
 #include "mammoray/Case/CompressedImage.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/IO/LabelVolumeIO.h"
@@ -9,13 +13,12 @@
 #include "vtkPointData.h"
 
 #include <cstdio>
-#include <memory>
 
 namespace mammoray
 {
 namespace
 {
-struct FuseOptions
+struct FuseArguments
 {
   std::string Result;
   std::string Image;
@@ -28,36 +31,57 @@ struct FuseOptions
   bool Overwrite = false;
 };
 
-void Fuse(const FuseOptions& options)
+void Declare(const OptionList& add, FuseArguments& arguments)
 {
-  if (options.Output.empty() && options.Projection.empty() && options.MaximumPicture.empty() &&
-    options.MeanPicture.empty())
+  AddResultOption(add, arguments.Result)->required();
+  add("--image", arguments.Image,
+    "MRI in the frame of the registered label volume, a contrast-enhanced subtraction for example "
+    "(.nrrd .nhdr .mha .mhd .nii .nii.gz, or a folder of DICOM slices)")
+    ->required();
+  add.Flag("--axes-as-given", arguments.AxesAsGiven,
+    "take the header's axes of --image as they are, with no conversion to LPS");
+  add("--spacing", arguments.SpacingMm, Positive("mm"), "voxels of the compressed image");
+  add("-o,--output", arguments.Output,
+    "write the image in the compressed breast there (.nrrd .mha .nii.gz), 0 outside");
+  add("--projection", arguments.Projection,
+    "write its maximum and mean along the X-ray of each pixel of the registered mammogram there "
+    "(.vti; .mha and .nrrd take the maximum only)");
+  add("--maximum-picture", arguments.MaximumPicture,
+    "write the maximum as a picture (.png) of the mammogram's rows and columns");
+  add("--mean-picture", arguments.MeanPicture, "write the mean as a picture (.png)");
+  AddOverwriteFlag(add, arguments.Overwrite, "the output files");
+}
+
+void Run(FuseArguments& arguments)
+{
+  if (arguments.Output.empty() && arguments.Projection.empty() &&
+    arguments.MaximumPicture.empty() && arguments.MeanPicture.empty())
   {
     throw InputError("fuse: expected --output, --projection, --maximum-picture or --mean-picture, "
                      "found none");
   }
   for (const std::string* path :
-    { &options.Output, &options.Projection, &options.MaximumPicture, &options.MeanPicture })
+    { &arguments.Output, &arguments.Projection, &arguments.MaximumPicture, &arguments.MeanPicture })
   {
     if (!path->empty())
     {
-      CheckOutputFile(*path, options.Overwrite);
+      CheckOutputFile(*path, arguments.Overwrite);
     }
   }
-  if (!options.Output.empty())
+  if (!arguments.Output.empty())
   {
-    CheckLabelVolumeExtension(options.Output);
+    CheckLabelVolumeExtension(arguments.Output);
   }
-  if (!options.Projection.empty())
+  if (!arguments.Projection.empty())
   {
-    CheckProjectionExtension(options.Projection);
+    CheckProjectionExtension(arguments.Projection);
   }
-  const RegisteredBreast breast(options.Result);
-  WarnOfDistrust(options.Result);
-  const IntensityVolume image = ReadIntensityVolume(options.Image,
-    options.AxesAsGiven ? VolumeAxes::AsGiven : VolumeAxes::Patient);
+  const RegisteredBreast breast(arguments.Result);
+  WarnOfDistrust(arguments.Result);
+  const IntensityVolume image = ReadIntensityVolume(arguments.Image,
+    arguments.AxesAsGiven ? VolumeAxes::AsGiven : VolumeAxes::Patient);
   const ProgressCallback progress = MakeProgressBar();
-  const CompressedImage compressed = CompressImage(image, breast, options.SpacingMm, progress);
+  const CompressedImage compressed = CompressImage(image, breast, arguments.SpacingMm, progress);
   const vtkSmartPointer<vtkImageData> projection = ProjectImage(compressed, breast, progress);
   const auto write = [&](const std::string& path, const auto& writer)
   {
@@ -67,44 +91,21 @@ void Fuse(const FuseOptions& options)
       std::printf("wrote %s\n", path.c_str());
     }
   };
-  write(options.Output,
+  write(arguments.Output,
     [&](const std::string& temporary) { WriteIntensityVolume(compressed.Image, temporary); });
-  write(options.Projection,
+  write(arguments.Projection,
     [&](const std::string& temporary) { WriteProjection(projection, temporary); });
-  write(options.MaximumPicture,
+  write(arguments.MaximumPicture,
     [&](const std::string& temporary) { WriteRadiograph(projection, temporary, "Maximum"); });
-  write(options.MeanPicture,
+  write(arguments.MeanPicture,
     [&](const std::string& temporary) { WriteRadiograph(projection, temporary, "Mean"); });
 }
 }
 
 void AddFuseCommand(CLI::App& application)
 {
-  auto options = std::make_shared<FuseOptions>();
-  CLI::App* command = application.add_subcommand("fuse",
-    "Resample an MRI into the registered, compressed breast and project it on the mammogram");
-  command->add_option("--result", options->Result, "folder written by 'mammoray register'")
-    ->required();
-  command
-    ->add_option("--image", options->Image,
-      "MRI in the frame of the registered label volume, a contrast-enhanced subtraction for "
-      "example (.nrrd .nhdr .mha .mhd .nii .nii.gz, or a folder of DICOM slices)")
-    ->required();
-  command->add_flag("--axes-as-given", options->AxesAsGiven,
-    "take the header's axes of --image as they are, with no conversion to LPS");
-  command->add_option("--spacing", options->SpacingMm, "voxels of the compressed image, mm")
-    ->check(PositiveNumber())
-    ->capture_default_str();
-  command->add_option("-o,--output", options->Output,
-    "write the image in the compressed breast there (.nrrd .mha .nii.gz), 0 outside");
-  command->add_option("--projection", options->Projection,
-    "write its maximum and mean along the X-ray of each pixel of the registered mammogram there "
-    "(.vti; .mha and .nrrd take the maximum only)");
-  command->add_option("--maximum-picture", options->MaximumPicture,
-    "write the maximum as a picture (.png) of the mammogram's rows and columns");
-  command->add_option("--mean-picture", options->MeanPicture, "write the mean as a picture (.png)");
-  command->add_flag("--overwrite", options->Overwrite, "replace the output files");
-  AddConfigurationOptions(*command);
-  command->callback([options]() { Fuse(*options); });
+  AddCommand<FuseArguments>(application, "fuse",
+    "Resample an MRI into the registered, compressed breast and project it on the mammogram",
+    Declare, Run);
 }
 }

@@ -1,16 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "CommandLine.h"
+#include "Commands.h"
 #include "DicomOptions.h"
+#include "OutputFiles.h"
+#include "ResultNotes.h"
+#include "SharedOptions.h"
 #include "mammoray/Case/RegisteredBreast.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/IO/DicomSegmentationWriter.h"
 #include "mammoray/IO/LabelVolumeIO.h"
 
 #include <algorithm>
+#include <array>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
-#include <memory>
 #include <optional>
 #include <vector>
 
@@ -18,21 +21,54 @@ namespace mammoray
 {
 namespace
 {
-struct LocateOptions
+struct LocateArguments
 {
   std::string Result;
-  std::vector<double> Point;
-  std::vector<double> Pixel;
+  std::optional<Vector3> Point;
+  std::optional<std::array<double, 2>> Pixel;
   std::string View;
   std::string Lesion;
   bool AxesAsGiven = false;
-  std::string Device;
+  ProjectorOptions Projector;
   double StepMm = 0.25;
   std::string Mammogram;
   DicomPatient Patient;
   std::string Output;
   bool Overwrite = false;
 };
+
+void Declare(const OptionList& add, LocateArguments& arguments)
+{
+  AddResultOption(add, arguments.Result)->required();
+  add("--view", arguments.View,
+    "which mammogram, where several were registered together: the name of its folder, such as mlo; "
+    "--point without it gives all");
+  CLI::Option_group* place = add.App().add_option_group("place", "what to find; one of");
+  const OptionList addPlace(*place);
+  addPlace.Numbers("--point", arguments.Point, "X Y Z",
+    "a place in the frame of the label volume, mm: gives its pixel with an uncertainty ellipse");
+  addPlace.Numbers("--pixel", arguments.Pixel, "COLUMN ROW",
+    "column and row of the mammogram, from 0 at the centre of the first pixel: gives the tissues "
+    "along its X-ray and the curve through the uncompressed volume");
+  addPlace("--lesion", arguments.Lesion,
+    "label volume in the same frame (.nrrd .mha .nii .nii.gz, DICOM SEG): gives the outline of "
+    "each label's shadow, its size, and where its centre is");
+  place->require_option(1);
+  add.Flag("--axes-as-given", arguments.AxesAsGiven,
+    "take the header's axes of --lesion as they are, with no conversion to LPS");
+  AddProjectorOptions(add, arguments.Projector);
+  add("--step", arguments.StepMm, Positive("mm"),
+    "distance of the curve's points in the compressed breast");
+  add("-o,--output", arguments.Output,
+    "write the curve of --pixel there (.csv: x_mm,y_mm,z_mm,material, and column, row and sigma_mm "
+    "in each of the other mammograms), or the outlines of --lesion "
+    "(.csv: label,polygon,column,row), or its shadow as a DICOM segmentation (.dcm)");
+  add.Group("DICOM")("--mammogram", arguments.Mammogram,
+    "the mammogram that was registered, DICOM: a segmentation lies on its pixels and refers to it "
+    "by the UIDs of instance, series and study");
+  AddDicomPatientOptions(add, arguments.Patient, true);
+  AddOverwriteFlag(add, arguments.Overwrite, "the output file");
+}
 
 void PrintImaged(const Vector3& point, const ImagedPoint& imaged)
 {
@@ -120,14 +156,13 @@ void PrintInOther(const NamedBreast& other, const std::vector<TissueStretch>& st
 }
 
 void PrintPixel(const RegisteredBreast& breast, const std::vector<NamedBreast>& others,
-  const LocateOptions& options)
+  const LocateArguments& arguments)
 {
-  const std::vector<TissueStretch> stretches =
-    breast.ToVolume(options.Pixel[0], options.Pixel[1], options.StepMm);
+  const auto [column, row] = *arguments.Pixel;
+  const std::vector<TissueStretch> stretches = breast.ToVolume(column, row, arguments.StepMm);
   if (stretches.empty())
   {
-    std::printf("pixel %.1f %.1f: the X-ray misses the breast\n", options.Pixel[0],
-      options.Pixel[1]);
+    std::printf("pixel %.1f %.1f: the X-ray misses the breast\n", column, row);
   }
   else
   {
@@ -149,10 +184,10 @@ void PrintPixel(const RegisteredBreast& breast, const std::vector<NamedBreast>& 
       PrintInOther(other, stretches);
     }
   }
-  if (!options.Output.empty())
+  if (!arguments.Output.empty())
   {
-    WriteCurve(stretches, others, options.Output);
-    std::printf("wrote %s\n", options.Output.c_str());
+    WriteCurve(stretches, others, arguments.Output);
+    std::printf("wrote %s\n", arguments.Output.c_str());
   }
 }
 
@@ -183,51 +218,51 @@ void WriteOutlines(const std::vector<std::pair<int, ImagedLesion>>& lesions,
 }
 
 /// The image that a segmentation lies over; it must have the registered pixels.
-DicomReference ReadSegmentedImage(const RegisteredBreast& breast, const LocateOptions& options)
+DicomReference ReadSegmentedImage(const RegisteredBreast& breast, const LocateArguments& arguments)
 {
-  const DicomReference image = ReadDicomReference(CheckInputFile(options.Mammogram));
+  const DicomReference image = ReadDicomReference(CheckInputFile(arguments.Mammogram));
   const XRayDetector detector = breast.Detector();
   if (image.Columns != detector.Columns || image.Rows != detector.Rows)
   {
-    throw InputError(options.Mammogram + ": expected the registered mammogram of " +
+    throw InputError(arguments.Mammogram + ": expected the registered mammogram of " +
       std::to_string(detector.Columns) + " x " + std::to_string(detector.Rows) + " pixels, found " +
       std::to_string(image.Columns) + " x " + std::to_string(image.Rows));
   }
-  NoteOtherMammogram(options.Result, options.Mammogram);
+  NoteOtherMammogram(arguments.Result, arguments.Mammogram);
   return image;
 }
 
 /// One segment for each lesion.
 void WriteShadows(std::vector<std::pair<int, ImagedLesion>>& lesions, const DicomReference& image,
-  const LocateOptions& options)
+  const LocateArguments& arguments)
 {
   // The study tells viewers what belongs together; it names nobody.
-  DicomIdentity identity = options.Patient.Identity();
+  DicomIdentity identity = arguments.Patient.Identity();
   identity.StudyInstanceUid = image.Identity.StudyInstanceUid;
   std::vector<DicomSegment> segments;
   for (auto& [label, lesion] : lesions)
   {
     segments.push_back({ "Lesion " + std::to_string(label), std::move(lesion.Shadow) });
   }
-  WriteComplete(options.Output,
+  WriteComplete(arguments.Output,
     [&](const std::string& temporary)
     {
-      WriteSegmentation(segments, image, options.Patient.Same ? image.Identity : identity,
+      WriteSegmentation(segments, image, arguments.Patient.Same ? image.Identity : identity,
         temporary);
     });
 }
 
 /// Every label of the volume is a lesion.
-void PrintLesions(const RegisteredBreast& breast, const LocateOptions& options)
+void PrintLesions(const RegisteredBreast& breast, const LocateArguments& arguments)
 {
   std::optional<DicomReference> image;
-  if (IsDicomPath(options.Output))
+  if (IsDicomPath(arguments.Output))
   {
-    image = ReadSegmentedImage(breast, options);
+    image = ReadSegmentedImage(breast, arguments);
   }
-  const LabelVolume volume = ReadLabelVolume(options.Lesion,
-    options.AxesAsGiven ? VolumeAxes::AsGiven : VolumeAxes::Patient);
-  const auto projector = MakeProjector({ .Device = options.Device });
+  const LabelVolume volume = ReadLabelVolume(arguments.Lesion,
+    arguments.AxesAsGiven ? VolumeAxes::AsGiven : VolumeAxes::Patient);
+  const auto projector = MakeProjector(arguments.Projector);
   std::vector<std::pair<int, ImagedLesion>> lesions;
   for (const auto& [label, count] : volume.CountLabels())
   {
@@ -238,7 +273,7 @@ void PrintLesions(const RegisteredBreast& breast, const LocateOptions& options)
   }
   if (lesions.empty())
   {
-    throw InputError(options.Lesion + ": expected voxels that are not 0, found none");
+    throw InputError(arguments.Lesion + ": expected voxels that are not 0, found none");
   }
   for (const auto& [label, lesion] : lesions)
   {
@@ -252,34 +287,34 @@ void PrintLesions(const RegisteredBreast& breast, const LocateOptions& options)
     }
     PrintImaged(lesion.Centre, lesion.ImagedCentre);
   }
-  if (!options.Output.empty())
+  if (!arguments.Output.empty())
   {
     if (image)
     {
-      WriteShadows(lesions, *image, options);
+      WriteShadows(lesions, *image, arguments);
     }
     else
     {
-      WriteOutlines(lesions, options.Output);
+      WriteOutlines(lesions, arguments.Output);
     }
-    std::printf("wrote %s\n", options.Output.c_str());
+    std::printf("wrote %s\n", arguments.Output.c_str());
   }
 }
 
 /// What a DICOM file needs, and that the options can be written.
-void CheckDicomOptions(const LocateOptions& options)
+void CheckDicomOptions(const LocateArguments& arguments)
 {
-  if (!IsDicomPath(options.Output))
+  if (!IsDicomPath(arguments.Output))
   {
     return;
   }
-  if (options.Lesion.empty() || options.Mammogram.empty())
+  if (arguments.Lesion.empty() || arguments.Mammogram.empty())
   {
-    throw InputError("output " + options.Output +
+    throw InputError("output " + arguments.Output +
       ": expected --lesion and --mammogram for a DICOM segmentation, found " +
-      (options.Lesion.empty() ? "no --lesion" : "no --mammogram"));
+      (arguments.Lesion.empty() ? "no --lesion" : "no --mammogram"));
   }
-  options.Patient.Identity();
+  arguments.Patient.Identity();
 }
 
 std::string NamesOf(const std::vector<NamedBreast>& breasts)
@@ -307,21 +342,21 @@ void PrintPoint(const Vector3& point, const std::optional<NamedBreast>& asked,
   }
 }
 
-void Locate(const LocateOptions& options)
+void Run(LocateArguments& arguments)
 {
-  if (!options.Output.empty())
+  if (!arguments.Output.empty())
   {
-    CheckOutputFile(options.Output, options.Overwrite);
-    CheckDicomOptions(options);
+    CheckOutputFile(arguments.Output, arguments.Overwrite);
+    CheckDicomOptions(arguments);
   }
   std::vector<NamedBreast> others;
   std::optional<NamedBreast> asked;
-  for (const std::string& folder : RegistrationFolders(options.Result))
+  for (const std::string& folder : RegistrationFolders(arguments.Result))
   {
     const std::string name = std::filesystem::path(folder).filename().string();
     NamedBreast breast{ name, RegisteredBreast(folder) };
     WarnOfDistrust(folder);
-    if (folder == options.Result || name == options.View)
+    if (folder == arguments.Result || name == arguments.View)
     {
       asked.emplace(std::move(breast));
     }
@@ -330,83 +365,39 @@ void Locate(const LocateOptions& options)
       others.push_back(std::move(breast));
     }
   }
-  if (!options.View.empty() && !asked)
+  if (!arguments.View.empty() && !asked)
   {
-    throw InputError("view '" + options.View + "': expected " + NamesOf(others));
+    throw InputError("view '" + arguments.View + "': expected " + NamesOf(others));
   }
-  if (asked && !options.Point.empty())
+  if (asked && arguments.Point)
   {
     others.clear(); // of the one view only
   }
-  if (!options.Point.empty())
+  if (arguments.Point)
   {
-    PrintPoint({ options.Point[0], options.Point[1], options.Point[2] }, asked, others);
+    PrintPoint(*arguments.Point, asked, others);
     return;
   }
   if (!asked)
   {
-    throw InputError("result " + options.Result +
+    throw InputError("result " + arguments.Result +
       ": expected --view with the result of several mammograms, one of " + NamesOf(others));
   }
-  if (!options.Lesion.empty())
+  if (!arguments.Lesion.empty())
   {
-    PrintLesions(asked->Breast, options);
+    PrintLesions(asked->Breast, arguments);
   }
   else
   {
-    PrintPixel(asked->Breast, others, options);
+    PrintPixel(asked->Breast, others, arguments);
   }
 }
 }
 
 void AddLocateCommand(CLI::App& application)
 {
-  auto options = std::make_shared<LocateOptions>();
-  CLI::App* command = application.add_subcommand("locate",
-    "Find a point or a lesion of the volume in the mammogram, or what lies behind a pixel of it");
-  command->add_option("--result", options->Result, "folder written by 'mammoray register'")
-    ->required();
-  command->add_option("--view", options->View,
-    "which mammogram, where several were registered together: the name of its folder, such as mlo; "
-    "--point without it gives all");
-  CLI::Option_group* place = command->add_option_group("place", "what to find; one of");
-  place
-    ->add_option("--point", options->Point,
-      "a place in the frame of the label volume, mm: gives its pixel with an uncertainty ellipse")
-    ->expected(3)
-    ->type_name("X Y Z");
-  place
-    ->add_option("--pixel", options->Pixel,
-      "column and row of the mammogram, from 0 at the centre of the first pixel: gives the tissues "
-      "along its X-ray and the curve through the uncompressed volume")
-    ->expected(2)
-    ->type_name("COLUMN ROW");
-  place->add_option("--lesion", options->Lesion,
-    "label volume in the same frame (.nrrd .mha .nii .nii.gz, DICOM SEG): gives the outline of "
-    "each "
-    "label's shadow, its size, and where its centre is");
-  place->require_option(1);
-  command->add_flag("--axes-as-given", options->AxesAsGiven,
-    "take the header's axes of --lesion as they are, with no conversion to LPS");
-  command->add_option("--device", options->Device,
-    "part of the name of the Vulkan device that projects --lesion");
-  command
-    ->add_option("--step", options->StepMm,
-      "distance of the curve's points in the compressed breast, mm")
-    ->check(PositiveNumber())
-    ->capture_default_str();
-  command->add_option("-o,--output", options->Output,
-    "write the curve of --pixel there (.csv: x_mm,y_mm,z_mm,material, and column, row and sigma_mm "
-    "in each of the other mammograms), or the outlines of --lesion "
-    "(.csv: label,polygon,column,row), or its shadow as a DICOM segmentation (.dcm)");
-  command
-    ->add_option("--mammogram", options->Mammogram,
-      "the mammogram that was registered, DICOM: a segmentation lies on its pixels and refers to "
-      "it by the UIDs of instance, series and study")
-    ->group("DICOM");
-  AddDicomPatientOptions(*command, options->Patient, true);
-  command->add_flag("--overwrite", options->Overwrite, "replace the output file");
-  AddConfigurationOptions(*command);
-  command->callback([options]() { Locate(*options); });
+  AddCommand<LocateArguments>(application, "locate",
+    "Find a point or a lesion of the volume in the mammogram, or what lies behind a pixel of it",
+    Declare, Run);
 }
 }

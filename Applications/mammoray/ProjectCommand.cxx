@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "CommandLine.h"
-
+#include "Commands.h"
 #include "DicomOptions.h"
+#include "OutputFiles.h"
+#include "ProgressBar.h"
+#include "SharedOptions.h"
 #include "mammoray/IO/DicomMammogramWriter.h"
 #include "mammoray/IO/MammogramSynthesis.h"
 #include "mammoray/IO/MeshConversion.h"
@@ -16,9 +18,9 @@
 #include "vtkUnstructuredGrid.h"
 
 #include <charconv>
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
-#include <memory>
 #include <optional>
 
 namespace mammoray
@@ -29,27 +31,28 @@ struct ProjectArguments
 {
   std::string Mesh;
   std::string Materials;
+  std::vector<std::string> Attenuations;
   std::string Spectrum = "W28kVp_Rh50um_Be1mm";
-  double EnergyKeV = 0;
-  std::string Response = "energy";
+  /// In place of the spectrum.
+  std::optional<double> EnergyKeV;
+  DetectorResponse Response = DetectorResponse::EnergyIntegrating;
   std::string Orientation = "LPS";
   MammographyUnit Unit;
   BreastPose Pose;
-  std::vector<double> Anchor;
-  std::vector<double> Source;
-  std::vector<double> BeamDirection;
-  std::vector<double> DetectorOrigin;
-  std::vector<double> ColumnDirection;
-  std::vector<double> RowDirection;
+  /// Where given, in place of what unit and pose say.
+  std::optional<Vector3> Anchor;
+  std::optional<Vector3> Source;
+  std::optional<Vector3> BeamDirection;
+  std::optional<Vector3> DetectorOrigin;
+  std::optional<Vector3> ColumnDirection;
+  std::optional<Vector3> RowDirection;
   int Columns = 720;
   int Rows = 1080;
   double PixelSpacingMm = 0.1;
   int Samples = 1;
-  std::vector<std::string> Attenuations;
-  std::vector<double> FocalSpot;
+  std::optional<std::array<double, 2>> FocalSpot;
   ExposureOptions Exposure;
-  std::string Device;
-  std::string Projector = "auto";
+  ProjectorOptions Projector;
   std::string Laterality;
   std::string View;
   bool ForProcessing = false;
@@ -59,14 +62,93 @@ struct ProjectArguments
   bool Overwrite = false;
 };
 
-Vector3 ToVector(const std::vector<double>& values)
+/// What is X-rayed, with what, and what is written.
+void DeclareInput(const OptionList& add, ProjectArguments& arguments)
 {
-  return { values[0], values[1], values[2] };
+  add("--mesh", arguments.Mesh,
+    "tetrahedra (.vtu, cell array Material) or triangles (.vtp, .stl, .ply, .obj)")
+    ->required();
+  AddMaterialsOption(add, arguments.Materials)->required();
+  add("--attenuation", arguments.Attenuations,
+    "another attenuation of a material of the table, and density, g/cm3: a shipped table's name, a "
+    "NIST compound, a formula, or mass fractions ('gland=H:0.102 C:0.184 N:0.032 O:0.682@1.04')")
+    ->type_name("MATERIAL=ATTENUATION[@DENSITY]")
+    ->allow_extra_args(false);
+  add("-o,--output", arguments.Output,
+    "transmission, 0 to 1 (.mha .nrrd .png); .vti holds path lengths and consistency too; .dcm: a "
+    "DICOM mammogram")
+    ->required();
+  add("--path-lengths", arguments.PathLengths,
+    "write path lengths there, mm, one channel per material but air (.mha .nrrd .vti)");
+  AddSpectrumOption(add, arguments.Spectrum);
+  add("--kev", arguments.EnergyKeV, Positive("keV"),
+    "a single photon energy instead of a spectrum");
+  add.Choice<DetectorResponse>("--response", arguments.Response,
+    { { "energy", DetectorResponse::EnergyIntegrating },
+      { "counting", DetectorResponse::PhotonCounting } },
+    "what the detector adds up: energy, or photons by counting");
 }
 
-Vector3 ToUnitVector(const std::vector<double>& values, const char* option)
+/// Where source and detector stand.
+void DeclareGeometry(const OptionList& add, ProjectArguments& arguments)
 {
-  const Vector3 vector = ToVector(values);
+  AddOrientationOption(add, arguments.Orientation, "the mesh");
+  add("--source-to-detector", arguments.Unit.SourceToDetectorMm, Positive("mm"),
+    "source to receptor plane");
+  add("--support-height", arguments.Unit.SupportHeightMm, NonNegative("mm"),
+    "breast support above the receptor");
+  AddPoseOption(add, PoseParameters[ThicknessParameter], arguments.Pose.ThicknessMm,
+    "; the anchor lies in the middle");
+  AddPoseOptions(add, arguments.Pose);
+  add.Numbers("--anchor", arguments.Anchor, "X Y Z",
+    "point the pose refers to; default: middle of the mesh at the chest wall");
+  add.Numbers("--source", arguments.Source, "X Y Z",
+    "position of the source, instead of the unit's");
+  add.Numbers("--beam-direction", arguments.BeamDirection, "X Y Z",
+    "parallel X-rays that travel in this direction, instead of a point source");
+  add.Numbers("--detector-origin", arguments.DetectorOrigin, "X Y Z",
+    "centre of the pixel in column 0 and row 0, instead of the unit's");
+  add.Numbers("--column-direction", arguments.ColumnDirection, "X Y Z",
+    "from a pixel to that of the next column");
+  add.Numbers("--row-direction", arguments.RowDirection, "X Y Z",
+    "from a pixel to that of the next row");
+}
+
+void DeclareDetector(const OptionList& add, ProjectArguments& arguments)
+{
+  add("--columns", arguments.Columns, Between(1, 65535), "pixels per row");
+  add("--rows", arguments.Rows, Between(1, 65535), "pixels per column");
+  add("--pixel-spacing", arguments.PixelSpacingMm, Positive("mm"), "distance of pixel centres");
+  add("--samples", arguments.Samples, Between(1, 16),
+    "samples x samples rays per pixel; their transmissions are averaged");
+  add
+    .Numbers("--focal-spot", arguments.FocalSpot, "W H",
+      "edges of the focal spot along columns and rows, mm; default: a point")
+    ->check(*Between(0, 100).Range);
+  add("--focal-spot-samples", arguments.Exposure.FocalSpotSamples, Between(1, 32),
+    "n x n source points for the focal spot; each costs a projection");
+  add("--photons", arguments.Exposure.PhotonsPerPixel, Between(0, 1e12),
+    "photons that meet a pixel without the object, on average; adds quantum noise, 0 adds none");
+  add("--seed", arguments.Exposure.Seed, "of the noise: the same seed, the same image");
+  AddProjectorOptions(add, arguments.Projector);
+}
+
+void Declare(const OptionList& add, ProjectArguments& arguments)
+{
+  DeclareInput(add, arguments);
+  DeclareGeometry(add, arguments);
+  DeclareDetector(add, arguments);
+  AddDicomPictureOptions(add, arguments.Laterality, arguments.ForProcessing,
+    "needed for a mammogram");
+  add.Group("DICOM").Word("--view", arguments.View, { "CC", "MLO", "ML", "LM", "LMO", "FB" },
+    "the mammogram's view; default: the one of the roll");
+  AddDicomPatientOptions(add, arguments.Patient, false);
+  AddOverwriteFlag(add, arguments.Overwrite);
+}
+
+/// Of length 1.
+Vector3 ToUnitVector(const Vector3& vector, const char* option)
+{
   const double length = Norm(vector);
   if (!(length > 0) || !std::isfinite(length))
   {
@@ -105,10 +187,10 @@ void ReplaceAttenuations(const std::vector<std::string>& texts, MaterialTable& t
 ExposureOptions ToExposure(const ProjectArguments& arguments)
 {
   ExposureOptions options = arguments.Exposure;
-  if (!arguments.FocalSpot.empty())
+  if (arguments.FocalSpot)
   {
-    options.FocalSpotColumnMm = arguments.FocalSpot[0];
-    options.FocalSpotRowMm = arguments.FocalSpot[1];
+    options.FocalSpotColumnMm = (*arguments.FocalSpot)[0];
+    options.FocalSpotRowMm = (*arguments.FocalSpot)[1];
   }
   options.Validate();
   return options;
@@ -128,32 +210,27 @@ void PlaceBeam(const ProjectArguments& arguments, const SurfaceMesh& surface,
   const MaterialTable& table, XRaySource& source, XRayDetector& detector)
 {
   const AnatomicalAxes axes = AnatomicalAxes::FromCode(arguments.Orientation);
-  const std::vector<bool> held = table.Held();
   const Vector3 anchor =
-    arguments.Anchor.empty() ? FindPoseAnchor(surface, held, axes) : ToVector(arguments.Anchor);
+    arguments.Anchor ? *arguments.Anchor : FindPoseAnchor(surface, table.Held(), axes);
   const VolumeFromGantry gantry = PlaceUnit(axes, anchor, arguments.Unit, arguments.Pose);
   const double spacing = arguments.PixelSpacingMm;
-  const Vector3 columnDirection = arguments.ColumnDirection.empty()
-    ? gantry.Y
-    : ToUnitVector(arguments.ColumnDirection, "--column-direction");
-  const Vector3 rowDirection = arguments.RowDirection.empty()
-    ? -1.0 * gantry.X
-    : ToUnitVector(arguments.RowDirection, "--row-direction");
-  detector.Columns = arguments.Columns;
-  detector.Rows = arguments.Rows;
+  detector = DetectorOfUnit(gantry, arguments.Columns, arguments.Rows, { spacing, spacing });
   detector.Samples = arguments.Samples;
-  detector.ColumnStep = spacing * columnDirection;
-  detector.RowStep = spacing * rowDirection;
-  detector.Origin = arguments.DetectorOrigin.empty()
-    ? gantry.Point({ 0.5 * (arguments.Rows - 1) * spacing, 0.5 * spacing, 0 })
-    : ToVector(arguments.DetectorOrigin);
-  source.Position = arguments.Source.empty()
-    ? gantry.Point({ 0, 0, arguments.Unit.SourceToDetectorMm })
-    : ToVector(arguments.Source);
-  if (!arguments.BeamDirection.empty())
+  detector.Origin = arguments.DetectorOrigin.value_or(detector.Origin);
+  if (arguments.ColumnDirection)
+  {
+    detector.ColumnStep = spacing * ToUnitVector(*arguments.ColumnDirection, "--column-direction");
+  }
+  if (arguments.RowDirection)
+  {
+    detector.RowStep = spacing * ToUnitVector(*arguments.RowDirection, "--row-direction");
+  }
+  source.Position =
+    arguments.Source.value_or(gantry.Point({ 0, 0, arguments.Unit.SourceToDetectorMm }));
+  if (arguments.BeamDirection)
   {
     source.Type = XRaySource::Kind::Parallel;
-    source.Direction = ToVector(arguments.BeamDirection);
+    source.Direction = *arguments.BeamDirection;
   }
 }
 
@@ -169,9 +246,8 @@ Mammogram DescribeMammogram(const ProjectArguments& arguments, const XRaySource&
     throw InputError("output " + arguments.Output +
       ": expected --view for a DICOM mammogram of this roll, found none");
   }
-  const bool placedByUnit = arguments.Source.empty() && arguments.BeamDirection.empty() &&
-    arguments.DetectorOrigin.empty() && arguments.ColumnDirection.empty() &&
-    arguments.RowDirection.empty();
+  const bool placedByUnit = !arguments.Source && !arguments.BeamDirection &&
+    !arguments.DetectorOrigin && !arguments.ColumnDirection && !arguments.RowDirection;
   if (placedByUnit)
   {
     mammogram.BodyPartThicknessMm = arguments.Pose.ThicknessMm;
@@ -217,18 +293,16 @@ void WriteMammogramFile(const ProjectArguments& arguments, Mammogram mammogram,
     [&](const std::string& temporary) { WriteMammogram(mammogram, options, temporary); });
 }
 
-void RunProject(const ProjectArguments& arguments)
+void Run(ProjectArguments& arguments)
 {
   CheckInputFile(arguments.Mesh);
   CheckOutputs(arguments);
   const ProgressCallback progress = MakeProgressBar();
   MaterialTable table = FindMaterialTable(arguments.Materials);
   ReplaceAttenuations(arguments.Attenuations, table);
-  const Spectrum spectrum = arguments.EnergyKeV > 0 ? Spectrum::Monochromatic(arguments.EnergyKeV)
-                                                    : FindSpectrum(arguments.Spectrum);
-  const Beam beam = MakeBeam(table, spectrum,
-    arguments.Response == "counting" ? DetectorResponse::PhotonCounting
-                                     : DetectorResponse::EnergyIntegrating);
+  const Spectrum spectrum = arguments.EnergyKeV ? Spectrum::Monochromatic(*arguments.EnergyKeV)
+                                                : FindSpectrum(arguments.Spectrum);
+  const Beam beam = MakeBeam(table, spectrum, arguments.Response);
   ReportProgress(progress, 0.0, "reading the mesh");
   std::vector<std::string> names;
   const SurfaceMesh surface = ReadInterfaces(arguments.Mesh, names);
@@ -243,10 +317,7 @@ void RunProject(const ProjectArguments& arguments)
   }
 
   ReportProgress(progress, 0.2, "tracing rays");
-  ProjectorOptions projectorOptions;
-  projectorOptions.Projection = MethodFromName(arguments.Projector);
-  projectorOptions.Device = arguments.Device;
-  const auto projector = MakeProjector(projectorOptions);
+  const auto projector = MakeProjector(arguments.Projector);
   projector->SetSurface(surface);
   const Exposure exposure = Expose(*projector, source, detector, beam, ToExposure(arguments),
     [&](double fraction, const char* stage)
@@ -281,109 +352,13 @@ void RunProject(const ProjectArguments& arguments)
 
 void AddProjectCommand(CLI::App& application)
 {
-  CLI::App* command = application.add_subcommand("project",
+  AddCommand<ProjectArguments>(application, "project",
     "Synthetic X-ray of a mesh.\nAll positions are mm in the mesh's frame. The mammography unit is "
     "placed "
     "by --orientation and the pose options: the gantry frame has its origin at the middle of the "
     "receptor's chest-wall edge, +x along it (patient left in CC), +y to the nipple, +z to the "
     "source; "
-    "columns run along +y, rows along -x. Explicit positions replace that.");
-  auto arguments = std::make_shared<ProjectArguments>();
-  const auto add = [&](const char* name, auto& value, const char* help)
-  { return command->add_option(name, value, help)->capture_default_str(); };
-  const auto addVector = [&](const char* name, std::vector<double>& value, const char* help)
-  { return command->add_option(name, value, help)->expected(3)->type_name("X Y Z"); };
-  command
-    ->add_option("--mesh", arguments->Mesh,
-      "tetrahedra (.vtu, cell array Material) or triangles (.vtp, .stl, .ply, .obj)")
-    ->required();
-  AddMaterialsOption(*command, arguments->Materials)->required();
-  command
-    ->add_option("--attenuation", arguments->Attenuations,
-      "another attenuation of a material of the table, and density, g/cm3: a shipped table's name, "
-      "a "
-      "NIST compound, a formula, or mass fractions ('gland=H:0.102 C:0.184 N:0.032 O:0.682@1.04')")
-    ->type_name("MATERIAL=ATTENUATION[@DENSITY]")
-    ->allow_extra_args(false);
-  command
-    ->add_option("-o,--output", arguments->Output,
-      "transmission, 0 to 1 (.mha .nrrd .png); .vti holds path lengths and consistency too; .dcm: "
-      "a "
-      "DICOM mammogram")
-    ->required();
-  command->add_option("--path-lengths", arguments->PathLengths,
-    "write path lengths there, mm, one channel per material but air (.mha .nrrd .vti)");
-  add("--spectrum", arguments->Spectrum, "spectrum file (.spc), or a shipped one's name");
-  command
-    ->add_option("--kev", arguments->EnergyKeV,
-      "a single photon energy, keV, instead of a spectrum")
-    ->check(PositiveNumber());
-  add("--response", arguments->Response,
-    "what the detector adds up: energy, or photons by counting")
-    ->check(CLI::IsMember({ "energy", "counting" }));
-  add("--orientation", arguments->Orientation,
-    "patient directions of the mesh's +x +y +z: LPS, RAS, ALS, ...");
-  add("--source-to-detector", arguments->Unit.SourceToDetectorMm, "source to receptor plane, mm")
-    ->check(PositiveNumber());
-  add("--support-height", arguments->Unit.SupportHeightMm, "breast support above the receptor, mm")
-    ->check(NonNegativeNumber());
-  add("--thickness", arguments->Pose.ThicknessMm,
-    "between support and paddle, mm; the anchor lies in the middle")
-    ->check(PositiveNumber());
-  add("--roll", arguments->Pose.RollDeg,
-    "unit about the anterior axis, degrees; 0 is CC, positive turns the source to the patient's "
-    "left");
-  add("--shift-lateral", arguments->Pose.LateralMm, "shift of the receptor along gantry +x, mm");
-  add("--shift-anterior", arguments->Pose.AnteriorMm, "shift of the receptor along gantry +y, mm");
-  add("--shift-vertical", arguments->Pose.VerticalMm, "shift of the unit along gantry +z, mm");
-  addVector("--anchor", arguments->Anchor,
-    "point the pose refers to; default: middle of the mesh at the chest wall");
-  addVector("--source", arguments->Source, "position of the source, instead of the unit's");
-  addVector("--beam-direction", arguments->BeamDirection,
-    "parallel X-rays that travel in this direction, instead of a point source");
-  addVector("--detector-origin", arguments->DetectorOrigin,
-    "centre of the pixel in column 0 and row 0, instead of the unit's");
-  addVector("--column-direction", arguments->ColumnDirection,
-    "from a pixel to that of the next column");
-  addVector("--row-direction", arguments->RowDirection, "from a pixel to that of the next row");
-  add("--columns", arguments->Columns, "pixels per row")->check(NumberFrom(1, 65535));
-  add("--rows", arguments->Rows, "pixels per column")->check(NumberFrom(1, 65535));
-  add("--pixel-spacing", arguments->PixelSpacingMm, "distance of pixel centres, mm")
-    ->check(PositiveNumber());
-  add("--samples", arguments->Samples,
-    "samples x samples rays per pixel; their transmissions are averaged")
-    ->check(NumberFrom(1, 16));
-  command
-    ->add_option("--focal-spot", arguments->FocalSpot,
-      "edges of the focal spot along columns and rows, mm; default: a point")
-    ->expected(2)
-    ->type_name("W H")
-    ->check(NumberFrom(0.0, 100.0));
-  add("--focal-spot-samples", arguments->Exposure.FocalSpotSamples,
-    "n x n source points for the focal spot; each costs a projection")
-    ->check(NumberFrom(1, 32));
-  add("--photons", arguments->Exposure.PhotonsPerPixel,
-    "photons that meet a pixel without the object, on average; adds quantum noise, 0 adds none")
-    ->check(NumberFrom(0.0, 1e12));
-  add("--seed", arguments->Exposure.Seed, "of the noise: the same seed, the same image");
-  command->add_option("--device", arguments->Device,
-    "part of the wanted Vulkan device's name; see mammoray devices");
-  AddProjectorOption(*command, arguments->Projector);
-  command
-    ->add_option("--laterality", arguments->Laterality, "the breast's side; needed for a mammogram")
-    ->check(CLI::IsMember({ "L", "R" }))
-    ->group("DICOM");
-  command
-    ->add_option("--view", arguments->View, "the mammogram's view; default: the one of the roll")
-    ->check(CLI::IsMember({ "CC", "MLO", "ML", "LM", "LMO", "FB" }))
-    ->group("DICOM");
-  command
-    ->add_flag("--for-processing", arguments->ForProcessing,
-      "store the transmission, linear, instead of a picture For Presentation")
-    ->group("DICOM");
-  AddDicomPatientOptions(*command, arguments->Patient, false);
-  command->add_flag("--overwrite", arguments->Overwrite, "replace output files");
-  AddConfigurationOptions(*command);
-  command->callback([arguments] { RunProject(*arguments); });
+    "columns run along +y, rows along -x. Explicit positions replace that.",
+    Declare, Run);
 }
 }

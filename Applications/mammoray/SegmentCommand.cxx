@@ -1,15 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "CommandLine.h"
+#include "Commands.h"
+#include "OptionList.h"
 
 #ifdef MAMMORAY_HAS_SEGMENTATION
+#include "OutputFiles.h"
+#include "ProgressBar.h"
+#include "SharedOptions.h"
 #include "mammoray/IO/LabelVolumeIO.h"
 #include "mammoray/IO/ShippedData.h"
 #include "mammoray/Report/SlicePicture.h"
 #include "mammoray/Segmentation/BreastSegmentation.h"
 
 #include <cstdio>
-#include <map>
-#include <memory>
 #endif
 
 namespace mammoray
@@ -23,12 +25,44 @@ struct SegmentArguments
   bool AxesAsGiven = false;
   std::string Orientation = "LPS";
   SegmentationOptions Options;
-  bool NoBiasCorrection = false;
-  std::string Side = "both";
   std::string Output;
   std::string Picture;
   bool Overwrite = false;
 };
+
+void Declare(const OptionList& add, SegmentArguments& arguments)
+{
+  SegmentationOptions& options = arguments.Options;
+  add("--image", arguments.Image,
+    "MRI: a folder with a DICOM series, .nrrd .nhdr .mha .mhd .nii .nii.gz")
+    ->required();
+  add("-o,--output", arguments.Output,
+    "label volume to write (.nrrd .mha .nii.gz), frame and axes of the MRI")
+    ->required();
+  add("--picture", arguments.Picture,
+    "draw slices of the MRI in three planes with the labels' outlines there (.png)");
+  AddOrientationOption(add, arguments.Orientation, "the volume");
+  add.Flag("--axes-as-given", arguments.AxesAsGiven,
+    "take the header's axes as they are, with no conversion to LPS");
+  add.Choice<BreastSide>("--side", options.Side,
+    { { "both", BreastSide::Both }, { "left", BreastSide::Left }, { "right", BreastSide::Right } },
+    "the patient's own left or right breast, or both; cut in the middle of the valley between");
+  add("--spacing", options.SpacingMm, "mm",
+    "cubic voxels of the result; 0 keeps the grid of the MRI");
+  add("--skin-thickness", options.SkinThicknessMm, "mm",
+    "layer below the air that becomes skin, at least a voxel; 0: none");
+  add("--chest-wall-depth", options.ChestWallDepthMm, "mm",
+    "how far the result reaches behind the front of the chest wall");
+  add("--classes", options.Classes,
+    "intensity classes of the breast, 2 to 5; the brightest is fat, the others are gland");
+  add("--gland-threshold", options.GlandThreshold,
+    "fraction of fat's intensity below which the breast is gland; 0: by Otsu's method");
+  add("--air-threshold", options.AirThreshold,
+    "intensity of the MRI below which it is air; 0: by Otsu's method");
+  add("--smallest-gland", options.SmallestGlandMm3, "mm3", "smaller parts of gland become fat");
+  add.FlagOff("--no-bias-correction", options.CorrectBias, "the intensities are even already");
+  AddOverwriteFlag(add, arguments.Overwrite);
+}
 
 void CheckArguments(const SegmentArguments& arguments)
 {
@@ -55,13 +89,9 @@ void PrintResult(const SegmentationResult& result, const MaterialTable& table)
     result.MuscleLevel);
 }
 
-void RunSegment(SegmentArguments arguments)
+void Run(SegmentArguments& arguments)
 {
   CheckArguments(arguments);
-  static const std::map<std::string, BreastSide> sides = { { "both", BreastSide::Both },
-    { "left", BreastSide::Left }, { "right", BreastSide::Right } };
-  arguments.Options.Side = sides.at(arguments.Side);
-  arguments.Options.CorrectBias = !arguments.NoBiasCorrection;
   arguments.Options.Axes = AnatomicalAxes::FromCode(arguments.Orientation);
   arguments.Options.Validate();
   const MaterialTable table = FindMaterialTable("segment");
@@ -86,53 +116,11 @@ void RunSegment(SegmentArguments arguments)
 
 void AddSegmentCommand(CLI::App& application)
 {
-  CLI::App* command = application.add_subcommand("segment",
+  AddCommand<SegmentArguments>(application, "segment",
     "A first label volume from a plain T1-weighted breast MRI: prone, fat bright (no fat "
     "suppression).\nLabels: 0 air, 1 fat, 2 gland, 3 skin, 4 chest wall; the material table "
-    "'segment' goes with them.\nLook at --picture before you use it.");
-  auto arguments = std::make_shared<SegmentArguments>();
-  SegmentationOptions& options = arguments->Options;
-  command
-    ->add_option("--image", arguments->Image,
-      "MRI: a folder with a DICOM series, .nrrd .nhdr .mha .mhd .nii .nii.gz")
-    ->required();
-  command
-    ->add_option("-o,--output", arguments->Output,
-      "label volume to write (.nrrd .mha .nii.gz), frame and axes of the MRI")
-    ->required();
-  command->add_option("--picture", arguments->Picture,
-    "draw slices of the MRI in three planes with the labels' outlines there (.png)");
-  command
-    ->add_option("--orientation", arguments->Orientation,
-      "directions of the volume's axes: L/R, A/P, S/I, e.g. LPS (DICOM) or ALS (FDA phantoms)")
-    ->capture_default_str();
-  command->add_flag("--axes-as-given", arguments->AxesAsGiven,
-    "take the header's axes as they are, with no conversion to LPS");
-  command
-    ->add_option("--side", arguments->Side,
-      "the patient's own left or right breast, or both; cut in the middle of the valley between")
-    ->check(CLI::IsMember({ "both", "left", "right" }))
-    ->capture_default_str();
-  const auto add = [&](const char* name, auto& value, const char* help)
-  { command->add_option(name, value, help)->capture_default_str(); };
-  add("--spacing", options.SpacingMm,
-    "cubic voxels of the result, mm; 0 keeps the grid of the MRI");
-  add("--skin-thickness", options.SkinThicknessMm,
-    "layer below the air that becomes skin, mm, at least a voxel; 0: none");
-  add("--chest-wall-depth", options.ChestWallDepthMm,
-    "how far the result reaches behind the front of the chest wall, mm");
-  add("--classes", options.Classes,
-    "intensity classes of the breast, 2 to 5; the brightest is fat, the others are gland");
-  add("--gland-threshold", options.GlandThreshold,
-    "fraction of fat's intensity below which the breast is gland; 0: by Otsu's method");
-  add("--air-threshold", options.AirThreshold,
-    "intensity of the MRI below which it is air; 0: by Otsu's method");
-  add("--smallest-gland", options.SmallestGlandMm3, "smaller parts of gland become fat, mm3");
-  command->add_flag("--no-bias-correction", arguments->NoBiasCorrection,
-    "the intensities are even already");
-  command->add_flag("--overwrite", arguments->Overwrite, "replace output files");
-  AddConfigurationOptions(*command);
-  command->callback([arguments] { RunSegment(*arguments); });
+    "'segment' goes with them.\nLook at --picture before you use it.",
+    Declare, Run);
 }
 #else
 void AddSegmentCommand(CLI::App& application)

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "CommandLine.h"
-
+#include "Commands.h"
+#include "ProgressBar.h"
 #include "mammoray/Foundation/NearNames.h"
+
+#include <CLI/CLI.hpp>
 
 #include <dlfcn.h>
 #include <unistd.h>

@@ -206,6 +206,22 @@ ErrorSummary Summarise(std::vector<double> errors)
   return summary;
 }
 
+LandmarkSummary SummariseImaged(const LandmarkErrors& errors,
+  const std::vector<Landmark>& landmarks)
+{
+  std::vector<double> space;
+  std::vector<double> receptor;
+  for (std::size_t index = 0; index < landmarks.size(); ++index)
+  {
+    if (landmarks[index].Imaged)
+    {
+      space.push_back(errors.InSpace[index]);
+      receptor.push_back(errors.OnReceptor[index]);
+    }
+  }
+  return { errors.Method, Summarise(space), Summarise(receptor) };
+}
+
 std::vector<Vector3> Displace(const std::vector<Vector3>& points, vtkUnstructuredGrid* body)
 {
   DisplacementField field(body);

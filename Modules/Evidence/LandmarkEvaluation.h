@@ -56,6 +56,16 @@ struct LandmarkErrors
   std::vector<double> OnReceptor;
 };
 
+/// The errors of a way at the landmarks that the mammogram shows.
+struct LandmarkSummary
+{
+  std::string Method;
+  ErrorSummary InSpace;
+  ErrorSummary OnReceptor;
+};
+MAMMORAYEVIDENCE_EXPORT LandmarkSummary SummariseImaged(const LandmarkErrors& errors,
+  const std::vector<Landmark>& landmarks);
+
 /// Which unit the truth was taken in: its placement in the truth's frame and where its focal spot
 /// is.
 struct LandmarkTruth

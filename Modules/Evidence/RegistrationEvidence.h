@@ -60,14 +60,8 @@ struct EvidenceOptions
 
 struct LandmarkEvidence
 {
-  /// At the imaged landmarks: of the identity, the best rigid motion and the registration.
-  struct Row
-  {
-    std::string Method;
-    ErrorSummary InSpace;
-    ErrorSummary OnReceptor;
-  };
-  std::vector<Row> Rows;
+  /// At the imaged landmarks, of the identity, the best rigid motion and the registration.
+  std::vector<LandmarkSummary> Rows;
   /// Dice's coefficient of gland in the picture, counted in cubes of 0.8 mm: registered, and at
   /// rest; NaN where not measured.
   double GlandDice = 0;
@@ -90,11 +84,15 @@ struct MammogramEvidence
   std::string Failure;
 };
 
-struct RegistrationEvidence
+struct MAMMORAYEVIDENCE_EXPORT RegistrationEvidence
 {
   std::vector<TwinRun> Twins;
   std::optional<LandmarkEvidence> Landmarks;
   std::vector<MammogramEvidence> Mammograms;
+
+  /// The run of this phantom, kind, search and number; null where there is none yet.
+  const TwinRun* Find(const std::string& phantom, const std::string& kind,
+    const std::string& search, int number) const;
 };
 
 /**
@@ -106,20 +104,6 @@ MAMMORAYEVIDENCE_EXPORT void GatherEvidence(const EvidenceOptions& options,
   RegistrationEvidence& evidence, const std::function<void()>& keep,
   const ProgressCallback& progress = {});
 
-/// JSON; `settings` is kept beside the runs. Throws InputError when it cannot be written.
-MAMMORAYEVIDENCE_EXPORT void WriteEvidence(const RegistrationEvidence& evidence,
-  const std::string& settings, const std::string& path);
-
-/// Throws InputError when it is none, or one of other settings.
-MAMMORAYEVIDENCE_EXPORT RegistrationEvidence ReadEvidence(const std::string& path,
-  const std::string& settings);
-
-/// One row per twin run, comma separated. Throws InputError when it cannot be written.
-MAMMORAYEVIDENCE_EXPORT void WriteTwinTable(const std::vector<TwinRun>& runs,
-  const std::string& path);
-
-/// The tables for a README, in Markdown.
-MAMMORAYEVIDENCE_EXPORT std::string FormatEvidence(const RegistrationEvidence& evidence);
 }
 
 #endif

@@ -1,34 +1,30 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mammoray/Viewer/BreastViewer.h"
 
+#include "Private/BreastMark.h"
 #include "Private/BreastScene.h"
 #include "Private/CompressionWorker.h"
 #include "Private/ControlPane.h"
+#include "Private/KilovoltageSpectrum.h"
+#include "Private/LiveMammogram.h"
 #include "Private/MammogramPane.h"
-#include "mammoray/Case/RegisteredBreast.h"
+#include "Private/RequireDisplay.h"
+#include "Private/ViewerStyle.h"
+#include "Private/WindowPicture.h"
 #include "mammoray/Foundation/Error.h"
-#include "mammoray/Registration/TargetImage.h"
-#include "mammoray/Viewer/KilovoltageSpectrum.h"
-#include "mammoray/Viewer/LiveMammogram.h"
-#include "mammoray/Viewer/RequireDisplay.h"
 
 #include "vtkCallbackCommand.h"
 #include "vtkCamera.h"
 #include "vtkCommand.h"
-#include "vtkInteractorStyleTrackballCamera.h"
-#include "vtkObjectFactory.h"
-#include "vtkPNGWriter.h"
 #include "vtkRenderWindow.h"
 #include "vtkRenderWindowInteractor.h"
 #include "vtkTextActor.h"
 #include "vtkTextProperty.h"
-#include "vtkWindowToImageFilter.h"
 
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
-#include <filesystem>
 #include <map>
 #include <numbers>
 #include <thread>
@@ -42,8 +38,6 @@ using Clock = std::chrono::steady_clock;
 /// Without a move for so long things are at rest, s.
 constexpr double RestSeconds = 0.25;
 constexpr int TickMilliseconds = 10;
-/// A button released within so many pixels of where it was pressed is a click.
-constexpr int ClickPixels = 3;
 constexpr double SourceStepMm = 10;
 /// Share of the way to the source at which it is drawn beside the breast.
 constexpr double NearSource = 0.3;
@@ -60,109 +54,6 @@ double SecondsSince(Clock::time_point begin)
   return std::chrono::duration<double>(Clock::now() - begin).count();
 }
 
-/// What the viewer wants of the mouse; everything else is the trackball's.
-struct MouseTarget
-{
-  virtual ~MouseTarget() = default;
-  /// True when the press is taken, and what follows it.
-  virtual bool OnPress(int x, int y) = 0;
-  virtual void OnDrag(int x, int y) = 0;
-  virtual void OnRelease() = 0;
-  virtual void OnClick(int x, int y) = 0;
-  virtual void OnKey(const std::string& name) = 0;
-  /// Whether the camera there may be turned; shifted and zoomed.
-  virtual bool Turns(int x, int y) = 0;
-  virtual bool Moves(int x, int y) = 0;
-};
-
-class ViewerStyle : public vtkInteractorStyleTrackballCamera
-{
-public:
-  static ViewerStyle* New();
-  vtkTypeMacro(ViewerStyle, vtkInteractorStyleTrackballCamera);
-
-  void OnLeftButtonDown() override
-  {
-    const int* at = this->Interactor->GetEventPosition();
-    this->Start = { at[0], at[1] };
-    this->Taken = this->Target->OnPress(at[0], at[1]);
-    if (!this->Taken && this->Target->Turns(at[0], at[1]))
-    {
-      this->Superclass::OnLeftButtonDown();
-    }
-  }
-  void OnMouseMove() override
-  {
-    const int* at = this->Interactor->GetEventPosition();
-    if (this->Taken)
-    {
-      this->Target->OnDrag(at[0], at[1]);
-      return;
-    }
-    this->Superclass::OnMouseMove();
-  }
-  void OnLeftButtonUp() override
-  {
-    const int* at = this->Interactor->GetEventPosition();
-    if (this->Taken)
-    {
-      this->Taken = false;
-      this->Target->OnRelease();
-      return;
-    }
-    this->Superclass::OnLeftButtonUp();
-    if (std::abs(at[0] - this->Start[0]) <= ClickPixels &&
-      std::abs(at[1] - this->Start[1]) <= ClickPixels)
-    {
-      this->Target->OnClick(at[0], at[1]);
-    }
-  }
-  void OnMiddleButtonDown() override
-  {
-    if (this->MovesHere())
-    {
-      this->Superclass::OnMiddleButtonDown();
-    }
-  }
-  void OnRightButtonDown() override
-  {
-    if (this->MovesHere())
-    {
-      this->Superclass::OnRightButtonDown();
-    }
-  }
-  void OnMouseWheelForward() override
-  {
-    if (this->MovesHere())
-    {
-      this->Superclass::OnMouseWheelForward();
-    }
-  }
-  void OnMouseWheelBackward() override
-  {
-    if (this->MovesHere())
-    {
-      this->Superclass::OnMouseWheelBackward();
-    }
-  }
-  void OnKeyPress() override { this->Target->OnKey(this->Interactor->GetKeySym()); }
-  /// VTK's own keys (wireframe, stereo, exit) are none here.
-  void OnChar() override {}
-
-  MouseTarget* Target = nullptr;
-
-private:
-  bool MovesHere()
-  {
-    const int* at = this->Interactor->GetEventPosition();
-    return this->Target->Moves(at[0], at[1]);
-  }
-
-  std::array<int, 2> Start{ 0, 0 };
-  bool Taken = false;
-};
-vtkStandardNewMacro(ViewerStyle);
-
 vtkSmartPointer<vtkTextActor> AddText(vtkRenderer* renderer, const std::string& text, double x,
   double y, int size)
 {
@@ -176,56 +67,6 @@ vtkSmartPointer<vtkTextActor> AddText(vtkRenderer* renderer, const std::string& 
   return actor.Get();
 }
 
-/// Points of the ellipse on the receptor, `deviations` of its standard deviations large; gantry x,
-/// y.
-std::vector<ReceptorPoint> LoopOf(const UncertaintyEllipse& ellipse, const ReceptorPoint& middle,
-  const RegistrationTarget& grid, double deviations)
-{
-  constexpr int Steps = 48;
-  const double columnLength = std::hypot(grid.ColumnStep[0], grid.ColumnStep[1]);
-  const double rowLength = std::hypot(grid.RowStep[0], grid.RowStep[1]);
-  const double turn = ellipse.AngleDeg * std::numbers::pi / 180;
-  std::vector<ReceptorPoint> loop;
-  for (int step = 0; step < Steps; ++step)
-  {
-    const double angle = 2 * std::numbers::pi * step / Steps;
-    const double major = deviations * ellipse.MajorMm * std::cos(angle);
-    const double minor = deviations * ellipse.MinorMm * std::sin(angle);
-    const double alongColumns = major * std::cos(turn) - minor * std::sin(turn);
-    const double alongRows = major * std::sin(turn) + minor * std::cos(turn);
-    loop.push_back({ middle[0] + alongColumns * grid.ColumnStep[0] / columnLength +
-        alongRows * grid.RowStep[0] / rowLength,
-      middle[1] + alongColumns * grid.ColumnStep[1] / columnLength +
-        alongRows * grid.RowStep[1] / rowLength });
-  }
-  return loop;
-}
-
-std::string UncertaintyText(const std::optional<UncertaintyEllipse>& uncertainty)
-{
-  if (!uncertainty)
-  {
-    return "uncertainty unknown";
-  }
-  char text[80];
-  std::snprintf(text, sizeof text, "+- %.2f x %.2f mm (1 sd)", uncertainty->MajorMm,
-    uncertainty->MinorMm);
-  return text;
-}
-
-/// The first of name-1, name-2, ... that no file has yet.
-std::string FreeName(const std::string& folder, const std::string& name)
-{
-  for (int number = 1;; ++number)
-  {
-    const auto path =
-      std::filesystem::path(folder) / (name + "-" + std::to_string(number) + ".png");
-    if (!std::filesystem::exists(path))
-    {
-      return path.string();
-    }
-  }
-}
 }
 
 struct BreastViewer::Internals : MouseTarget
@@ -256,12 +97,10 @@ struct BreastViewer::Internals : MouseTarget
   void Draw(int divisor);
   void Compress();
   void TakeEquilibrium();
-  void UpdateMark();
-  void MarkImaged(const RegisteredBreast& breast, const std::vector<Vector3>& atRest,
-    const std::vector<double>& column, const std::vector<double>& row);
+  /// False, with the reason as message, where there is nothing to mark.
+  bool SetMark(const auto& place);
   void TellStatus();
   void SavePictures();
-  void WriteWindow(const std::string& path);
 
   BreastViewer& Viewer;
   const ViewedBreast& Viewed;
@@ -271,6 +110,7 @@ struct BreastViewer::Internals : MouseTarget
   MammogramPane Pane;
   BreastScene Squeezed;
   BreastScene AtRest;
+  BreastMark Mark;
   ControlPane Controls;
   vtkNew<vtkRenderWindow> Window;
   vtkSmartPointer<vtkRenderWindowInteractor> Interactor;
@@ -287,10 +127,6 @@ struct BreastViewer::Internals : MouseTarget
   bool Moving = false;
   bool Dirty = true;
   Clock::time_point LastMove = Clock::now();
-  /// What is marked: a point at rest, or a pixel.
-  std::optional<Vector3> Point;
-  std::optional<std::array<double, 2>> Pixel;
-  std::string MarkText;
   std::string Message;
   std::string StatusText;
 };
@@ -305,6 +141,7 @@ BreastViewer::Internals::Internals(BreastViewer& viewer, const ViewedBreast& vie
   , Pane(viewed, this->Live)
   , Squeezed(this->Live, viewed)
   , AtRest(this->Live, viewed)
+  , Mark(this->Live, this->Squeezed, this->AtRest, this->Pane)
   , Controls({ RestRight, 0, PaneLeft, ControlsTop })
 {
   this->Live.SetSourceOffset(options.SourceOffset);
@@ -497,7 +334,7 @@ void BreastViewer::Internals::Draw(int divisor)
 void BreastViewer::Internals::TellStatus()
 {
   const std::string stage = this->Worker.Stage();
-  this->StatusText = this->MarkText;
+  this->StatusText = this->Mark.Text();
   const std::string second = stage.empty() ? this->Message : "working: " + stage;
   if (!second.empty())
   {
@@ -542,140 +379,15 @@ void BreastViewer::Internals::OnDrag(int x, int y)
   this->Viewer.MoveSource(gantry - Vector3{ 0, 0, this->Viewed.Breast.Unit.SourceToDetectorMm });
 }
 
-/// Draws points of the breast at rest, given with their pixels, in all views.
-void BreastViewer::Internals::MarkImaged(const RegisteredBreast& breast,
-  const std::vector<Vector3>& atRest, const std::vector<double>& column,
-  const std::vector<double>& row)
-{
-  constexpr double Deviations[] = { 1, 2 };
-  const RegistrationTarget& grid = this->Live.Grid(1);
-  const VolumeFromGantry placed = this->Live.Placed();
-  const Vector3 source = placed.ToGantry(this->Live.SourcePosition());
-  std::vector<Vector3> squeezed;
-  std::vector<Loop> squeezedLoops;
-  std::vector<Loop> restLoops;
-  std::vector<std::vector<ReceptorPoint>> receptorLoops;
-  const std::size_t middle = atRest.size() / 2;
-  for (std::size_t index = 0; index < atRest.size(); ++index)
-  {
-    const ImagedPoint imaged = breast.ToMammogram(atRest[index]);
-    squeezed.push_back(imaged.Compressed);
-    if (!imaged.Uncertainty)
-    {
-      continue;
-    }
-    const ReceptorPoint at = PixelPosition(grid, imaged.Column, imaged.Row);
-    // From the receptor back to the point's height.
-    const double share = 1 - placed.ToGantry(imaged.Compressed)[2] / source[2];
-    for (const double deviations : Deviations)
-    {
-      const std::vector<ReceptorPoint> loop = LoopOf(*imaged.Uncertainty, at, grid, deviations);
-      Loop there;
-      Loop before;
-      for (const auto& [x, y] : loop)
-      {
-        there.push_back(placed.Point(source + share * (Vector3{ x, y, 0 } - source)));
-        // As far from the point as between the plates; the tissue's turn and stretch left out.
-        before.push_back(atRest[index] + there.back() - imaged.Compressed);
-      }
-      squeezedLoops.push_back(there);
-      restLoops.push_back(before);
-      if (index == middle)
-      {
-        receptorLoops.push_back(loop);
-      }
-    }
-  }
-  const bool single = atRest.size() == 1;
-  this->Squeezed.SetMark(single ? squeezed : std::vector<Vector3>{}, squeezed, squeezedLoops);
-  this->AtRest.SetMark(single ? atRest : std::vector<Vector3>{}, atRest, restLoops);
-  this->Pane.SetMark({ PixelPosition(grid, column[0], row[0]) }, receptorLoops);
-}
-
-void BreastViewer::Internals::UpdateMark()
-{
-  this->MarkText.clear();
-  if (!this->Point && !this->Pixel)
-  {
-    this->Squeezed.SetMark({}, {}, {});
-    this->AtRest.SetMark({}, {}, {});
-    this->Pane.SetMark({}, {});
-    return;
-  }
-  const RegisteredBreast breast(this->Live.InUnit());
-  char text[240];
-  if (this->Point)
-  {
-    const ImagedPoint imaged = breast.ToMammogram(*this->Point);
-    std::snprintf(text, sizeof text, "(%.1f, %.1f, %.1f) mm in %s; pixel (%.1f, %.1f)%s\n%s",
-      (*this->Point)[0], (*this->Point)[1], (*this->Point)[2], imaged.Material.c_str(),
-      imaged.Column, imaged.Row, imaged.InImage ? "" : ", beside the picture",
-      UncertaintyText(imaged.Uncertainty).c_str());
-    this->MarkImaged(breast, { *this->Point }, { imaged.Column }, { imaged.Row });
-    this->MarkText = text;
-    return;
-  }
-  const auto [column, row] = *this->Pixel;
-  const std::vector<TissueStretch> stretches = breast.ToVolume(column, row, 1.0);
-  std::snprintf(text, sizeof text, "pixel (%.1f, %.1f): ", column, row);
-  this->MarkText = text;
-  std::map<std::string, double> lengths;
-  std::vector<Vector3> curve;
-  for (const TissueStretch& stretch : stretches)
-  {
-    lengths[stretch.Material] += stretch.LengthMm;
-    curve.insert(curve.end(), stretch.Uncompressed.begin(), stretch.Uncompressed.end());
-  }
-  if (curve.empty())
-  {
-    this->MarkText += "the X-ray misses the breast";
-    this->Squeezed.SetMark({}, {}, {});
-    this->AtRest.SetMark({}, {}, {});
-    this->Pane.SetMark({ PixelPosition(this->Live.Grid(1), column, row) }, {});
-    return;
-  }
-  for (const auto& [material, length] : lengths)
-  {
-    std::snprintf(text, sizeof text, "%s %.1f, ", material.c_str(), length);
-    this->MarkText += text;
-  }
-  this->MarkText.replace(this->MarkText.size() - 2, 2, " mm");
-  // Some places along the X-ray; the middle one's uncertainty is told.
-  constexpr std::size_t Places = 9;
-  std::vector<Vector3> places;
-  for (std::size_t place = 0; place < std::min(Places, curve.size()); ++place)
-  {
-    places.push_back(curve[place * (curve.size() - 1) / std::max<std::size_t>(Places - 1, 1)]);
-  }
-  this->MarkText +=
-    "\n" + UncertaintyText(breast.ToMammogram(places[places.size() / 2]).Uncertainty);
-  this->MarkImaged(breast, places, { column }, { row });
-}
-
-void BreastViewer::Internals::WriteWindow(const std::string& path)
-{
-  vtkNew<vtkWindowToImageFilter> capture;
-  capture->SetInput(this->Window);
-  capture->ReadFrontBufferOff();
-  capture->ShouldRerenderOff();
-  vtkNew<vtkPNGWriter> writer;
-  writer->SetInputConnection(capture->GetOutputPort());
-  writer->SetFileName(path.c_str());
-  writer->Write();
-  if (writer->GetErrorCode() != 0)
-  {
-    throw InputError(path + ": cannot be written");
-  }
-}
-
 void BreastViewer::Internals::SavePictures()
 {
   try
   {
     this->Draw(1);
-    const std::string window = FreeName(this->Options.PictureFolder, "mammoray-window");
-    const std::string mammogram = FreeName(this->Options.PictureFolder, "mammoray-mammogram");
-    this->WriteWindow(window);
+    const std::string window = FreePictureName(this->Options.PictureFolder, "mammoray-window");
+    const std::string mammogram =
+      FreePictureName(this->Options.PictureFolder, "mammoray-mammogram");
+    WriteWindowPicture(this->Window, window);
     this->Pane.Write(mammogram);
     this->Message = "saved " + window + " and " + mammogram;
   }
@@ -721,7 +433,7 @@ bool BreastViewer::Tick()
   if (internal.Moving && SecondsSince(internal.LastMove) > RestSeconds)
   {
     internal.Moving = false;
-    internal.UpdateMark();
+    internal.Mark.Update();
     internal.Dirty = true;
   }
   const std::string before = internal.StatusText;
@@ -748,9 +460,9 @@ void BreastViewer::WriteScreenshot(const std::string& path)
   }
   internal.TakeEquilibrium();
   internal.Moving = false;
-  internal.UpdateMark();
+  internal.Mark.Update();
   internal.Draw(1);
-  internal.WriteWindow(path);
+  WriteWindowPicture(internal.Window, path);
 }
 
 double BreastViewer::Benchmark(int frames)
@@ -812,46 +524,39 @@ void BreastViewer::MoveSource(const Vector3& offset)
   this->Internal->Moved();
 }
 
-bool BreastViewer::MarkPoint(const Vector3& point)
+bool BreastViewer::Internals::SetMark(const auto& place)
 {
-  this->ClearMark();
-  this->Internal->Point = point;
+  this->Mark.Set(place);
+  this->Dirty = true;
   try
   {
-    this->Internal->UpdateMark();
+    this->Mark.Update();
   }
   catch (const InputError& error)
   {
-    this->ClearMark();
-    this->Internal->Message = error.what();
+    this->Mark.Clear();
+    this->Mark.Update();
+    this->Message = error.what();
     return false;
   }
   return true;
+}
+
+bool BreastViewer::MarkPoint(const Vector3& point)
+{
+  return this->Internal->SetMark(point);
 }
 
 bool BreastViewer::MarkPixel(double column, double row)
 {
-  this->ClearMark();
-  this->Internal->Pixel = { column, row };
-  try
-  {
-    this->Internal->UpdateMark();
-  }
-  catch (const InputError& error)
-  {
-    this->ClearMark();
-    this->Internal->Message = error.what();
-    return false;
-  }
-  return true;
+  return this->Internal->SetMark(std::array<double, 2>{ column, row });
 }
 
 void BreastViewer::ClearMark()
 {
-  this->Internal->Point.reset();
-  this->Internal->Pixel.reset();
+  this->Internal->Mark.Clear();
   this->Internal->Dirty = true;
-  this->Internal->UpdateMark();
+  this->Internal->Mark.Update();
 }
 
 void BreastViewer::Click(int x, int y)

@@ -135,11 +135,10 @@ AnatomicalAxes AxesOf(const VolumeFromGantry& placed, const BreastPose& pose,
   throw InputError(folder + "/result.json: placement and parameters do not belong together");
 }
 
-/// Values in the order of the parameters.
-BreastPose PoseOfResult(const BreastInUnit& breast, const std::string& folder, double& stiffness)
+BreastPose PoseOfResult(const BreastInUnit& breast, const std::string& folder)
 {
-  std::vector<double> values;
-  for (const RegistrationParameter& parameter : DefaultParameters({}))
+  BreastPose pose;
+  for (const PoseParameter& parameter : PoseParameters)
   {
     const auto found =
       std::find(breast.Parameters.begin(), breast.Parameters.end(), parameter.Name);
@@ -148,10 +147,10 @@ BreastPose PoseOfResult(const BreastInUnit& breast, const std::string& folder, d
       throw InputError(
         folder + "/result.json: expected a parameter '" + parameter.Name + "', found none");
     }
-    values.push_back(breast.Values[static_cast<std::size_t>(found - breast.Parameters.begin())]);
+    pose.*parameter.Value =
+      breast.Values[static_cast<std::size_t>(found - breast.Parameters.begin())];
   }
-  stiffness = values[StiffnessParameter];
-  return PoseOf(values);
+  return pose;
 }
 
 void AddMammogram(const Mammogram& mammogram, ViewedBreast& viewed)
@@ -169,7 +168,7 @@ ViewedBreast ReadResult(const ViewInput& input)
   viewed.Spectrum = FindSpectrum(!input.Spectrum.empty() ? input.Spectrum
       : facts.Spectrum.empty()                           ? DefaultSpectrum
                                                          : facts.Spectrum);
-  viewed.Pose = PoseOfResult(viewed.Breast, input.Result, viewed.Stiffness);
+  viewed.Pose = PoseOfResult(viewed.Breast, input.Result);
   viewed.Axes = AxesOf(viewed.Breast.Placed, viewed.Pose, input.Result);
   viewed.Anchor = viewed.Breast.Placed.Origin -
     PlaceUnit(viewed.Axes, { 0, 0, 0 }, viewed.Breast.Unit, viewed.Pose).Origin;
@@ -266,11 +265,13 @@ ViewedBreast ReadMeshes(const ViewInput& input)
   viewed.Breast.Compressed = grid;
   viewed.Breast.Uncompressed = WithPoints(grid, RestPoints(grid));
   const std::optional<double> thickness = ThicknessOf(grid);
-  viewed.Pose.ThicknessMm = thickness.value_or(viewed.Pose.ThicknessMm);
-  viewed.Pose.RollDeg = input.RollDeg.value_or(0);
-  viewed.Pose.LateralMm = input.LateralMm;
-  viewed.Pose.AnteriorMm = input.AnteriorMm;
-  viewed.Pose.VerticalMm = input.VerticalMm;
+  for (const PoseParameter& parameter : PoseParameters)
+  {
+    viewed.Pose.*parameter.Value =
+      input.Pose[parameter.Index].value_or(viewed.Pose.*parameter.Value);
+  }
+  // The compressed grid is that of its own thickness, whatever is asked for.
+  viewed.Pose.ThicknessMm = thickness.value_or(BreastPose().ThicknessMm);
   viewed.Anchor =
     FindPoseAnchor(FromGrid(viewed.Breast.Uncompressed), viewed.Materials.Held(), viewed.Axes);
   if (!input.Mammogram.empty())
@@ -327,17 +328,20 @@ ViewedBreast ReadViewedBreast(const ViewInput& input)
   std::vector<std::string> names;
   FromGrid(viewed.Breast.Compressed, &names);
   viewed.Materials.CheckMesh(viewed.Anatomy, names, viewed.Name);
-  const BreastPose known = viewed.Pose;
-  viewed.Pose.ThicknessMm = input.ThicknessMm.value_or(known.ThicknessMm);
-  viewed.Pose.RollDeg = input.RollDeg.value_or(known.RollDeg);
+  const bool uncompressed = PointsOf(viewed.Breast.Compressed) == viewed.Anatomy.Points;
+  viewed.PoseDiffers = uncompressed && input.Pose[ThicknessParameter];
+  for (const PoseParameter& parameter : PoseParameters)
+  {
+    double& value = viewed.Pose.*parameter.Value;
+    const double asked = input.Pose[parameter.Index].value_or(value);
+    viewed.PoseDiffers = viewed.PoseDiffers || asked != value;
+    value = asked;
+  }
   if (!(viewed.Pose.ThicknessMm > 0))
   {
     throw InputError("thickness: expected a positive length, found " +
       std::to_string(viewed.Pose.ThicknessMm) + " mm");
   }
-  const bool uncompressed = PointsOf(viewed.Breast.Compressed) == viewed.Anatomy.Points;
-  viewed.PoseDiffers = viewed.Pose.ThicknessMm != known.ThicknessMm ||
-    (viewed.Pose.RollDeg != known.RollDeg) || (uncompressed && input.ThicknessMm);
   viewed.Breast.Placed = PlaceUnit(viewed.Axes, viewed.Anchor, viewed.Breast.Unit, viewed.Pose);
   if (viewed.Real)
   {

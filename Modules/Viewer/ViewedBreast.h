@@ -5,14 +5,15 @@
 #include "mammoray/Case/LabelSource.h"
 #include "mammoray/Case/RegisteredBreast.h"
 #include "mammoray/Foundation/Mammogram.h"
-#include "mammoray/Foundation/MammographyGeometry.h"
 #include "mammoray/Foundation/MaterialTable.h"
+#include "mammoray/Foundation/PoseParameters.h"
 #include "mammoray/Foundation/TetrahedralMesh.h"
 #include "mammoray/Registration/BreastMechanics.h"
 #include "mammoray/Registration/RegistrationTarget.h"
 #include "mammoray/XRay/Beam.h"
 #include "mammorayViewerModule.h"
 
+#include <array>
 #include <optional>
 #include <string>
 #include <vector>
@@ -36,12 +37,9 @@ struct ViewInput
   std::string Spectrum;
   /// Directions of the mesh's axes (AnatomicalAxes::FromCode); a result tells its own.
   std::string Orientation = "LPS";
-  /// Where the unit stands; of a result these replace its own.
-  std::optional<double> ThicknessMm;
-  std::optional<double> RollDeg;
-  double LateralMm = 0;
-  double AnteriorMm = 0;
-  double VerticalMm = 0;
+  /// Of PoseParameters; what is given replaces what the input says, by which it is compressed anew,
+  /// or else the default.
+  std::array<std::optional<double>, ParameterCount> Pose;
   /// Pixels of the synthetic mammogram where there is no real one, mm.
   double PixelSpacingMm = 0.2;
   /// For the mechanics, as in a registration; empty: made of the mesh.
@@ -71,8 +69,6 @@ struct ViewedBreast
   AnatomicalAxes Axes;
   Vector3 Anchor{ 0, 0, 0 };
   BreastPose Pose;
-  /// Factor on the stiffness of gland (see RegistrationModel::ScaledMaterials).
-  double Stiffness = 1;
   /// 'L', 'R' or '?'.
   char Laterality = '?';
   /// With its picture, on Breast's grid; none without a mammogram.

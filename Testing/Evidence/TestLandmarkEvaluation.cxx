@@ -123,3 +123,16 @@ TEST(LandmarkEvaluation, RefusesUnusableFiles)
               .size(),
     3u);
 }
+
+TEST(LandmarkEvaluation, SummaryCountsWhatIsImaged)
+{
+  std::vector<Landmark> landmarks(4);
+  landmarks[2].Imaged = false;
+  const LandmarkSummary summary =
+    SummariseImaged({ "registered", { 1, 2, 100, 6 }, { 0.5, 1, 50, 3 } }, landmarks);
+  EXPECT_EQ(summary.Method, "registered");
+  EXPECT_EQ(summary.InSpace.Count, 3);
+  EXPECT_EQ(summary.InSpace.Median, 2);
+  EXPECT_EQ(summary.InSpace.Largest, 6);
+  EXPECT_NEAR(summary.OnReceptor.Mean, 1.5, 1e-12);
+}

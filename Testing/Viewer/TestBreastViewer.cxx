@@ -3,7 +3,7 @@
 #include "VirtualDisplay.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/Viewer/BreastViewer.h"
-#include "mammoray/Viewer/RequireDisplay.h"
+#include "mammoray/Viewer/Private/RequireDisplay.h"
 
 #include "vtkCommand.h"
 #include "vtkImageData.h"

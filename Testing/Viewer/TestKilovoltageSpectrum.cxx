@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/IO/ShippedData.h"
-#include "mammoray/Viewer/KilovoltageSpectrum.h"
+#include "mammoray/Viewer/Private/KilovoltageSpectrum.h"
 
 #include <gtest/gtest.h>
 

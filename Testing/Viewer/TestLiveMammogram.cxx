@@ -4,8 +4,8 @@
 #include "mammoray/IO/ShippedData.h"
 #include "mammoray/Registration/RegistrationModel.h"
 #include "mammoray/Registration/TargetImage.h"
-#include "mammoray/Viewer/KilovoltageSpectrum.h"
-#include "mammoray/Viewer/LiveMammogram.h"
+#include "mammoray/Viewer/Private/KilovoltageSpectrum.h"
+#include "mammoray/Viewer/Private/LiveMammogram.h"
 
 #include <gtest/gtest.h>
 

@@ -2,7 +2,7 @@
 #ifndef mammoray_BreastScene_h
 #define mammoray_BreastScene_h
 
-#include "mammoray/Viewer/LiveMammogram.h"
+#include "Private/LiveMammogram.h"
 
 #include "vtkNew.h"
 #include "vtkPoints.h"

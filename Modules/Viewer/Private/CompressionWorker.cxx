@@ -2,31 +2,13 @@
 #include "Private/CompressionWorker.h"
 
 #include "mammoray/Foundation/Error.h"
+#include "mammoray/Foundation/PoseParameters.h"
 #include "mammoray/Registration/Registration.h"
 
 #include <chrono>
 
 namespace mammoray
 {
-namespace
-{
-/// In the order of the registration's parameters.
-std::vector<double> ValuesOf(const BreastPose& pose, double stiffness)
-{
-  std::vector<double> values(ParameterCount);
-  values[ThicknessParameter] = pose.ThicknessMm;
-  values[RollParameter] = pose.RollDeg;
-  values[PitchParameter] = pose.PitchDeg;
-  values[YawParameter] = pose.YawDeg;
-  values[LateralParameter] = pose.LateralMm;
-  values[AnteriorParameter] = pose.AnteriorMm;
-  values[VerticalParameter] = pose.VerticalMm;
-  values[TiltParameter] = pose.TiltDeg;
-  values[StiffnessParameter] = stiffness;
-  return values;
-}
-}
-
 CompressionWorker::CompressionWorker(const ViewedBreast& viewed)
   : Viewed(viewed)
   , Thread([this] { this->Run(); })
@@ -114,7 +96,7 @@ CompressedAnatomy CompressionWorker::Compress(const BreastPose& pose)
     model.Axes = this->Viewed.Axes;
     model.Anchor = this->Viewed.Anchor;
     model.Unit = this->Viewed.Breast.Unit;
-    const std::vector<double> values = ValuesOf(pose, this->Viewed.Stiffness);
+    const std::vector<double> values = ValuesOf(pose);
     std::optional<CompressionState> start;
     start.swap(this->State);
     try

@@ -2,7 +2,7 @@
 #ifndef mammoray_MammogramPane_h
 #define mammoray_MammogramPane_h
 
-#include "mammoray/Viewer/LiveMammogram.h"
+#include "Private/LiveMammogram.h"
 
 #include "vtkImageData.h"
 #include "vtkNew.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mammoray/Viewer/RequireDisplay.h"
+#include "Private/RequireDisplay.h"
 
 #include "mammoray/Foundation/Error.h"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mammoray/Viewer/KilovoltageSpectrum.h"
+#include "Private/KilovoltageSpectrum.h"
 
 #include "mammoray/Foundation/Error.h"
 

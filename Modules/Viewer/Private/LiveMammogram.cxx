@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mammoray/Viewer/LiveMammogram.h"
+#include "Private/LiveMammogram.h"
 
+#include "Private/KilovoltageSpectrum.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/IO/ShippedData.h"
 #include "mammoray/Registration/RegistrationModel.h"
 #include "mammoray/Registration/TargetImage.h"
-#include "mammoray/Viewer/KilovoltageSpectrum.h"
 
 #include "vtkDoubleArray.h"
 #include "vtkNew.h"

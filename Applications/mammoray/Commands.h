@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+// The sub-commands of the program, each in a source of its own. They parse and call.
+#ifndef mammoray_Commands_h
+#define mammoray_Commands_h
+
+namespace CLI
+{
+class App;
+}
+
+namespace mammoray
+{
+void AddCompressCommand(CLI::App& application);
+void AddDevicesCommand(CLI::App& application);
+void AddDicomCommand(CLI::App& application);
+void AddEvaluateCommand(CLI::App& application);
+/// Only where there is the Meshing module.
+void AddEvidenceCommand(CLI::App& application);
+void AddExampleCommand(CLI::App& application);
+void AddFuseCommand(CLI::App& application);
+void AddLocateCommand(CLI::App& application);
+/// Says that it is not there where there is no Meshing module.
+void AddMeshCommand(CLI::App& application);
+void AddProjectCommand(CLI::App& application);
+void AddRegisterCommand(CLI::App& application);
+/// Says that it is not there where there is no Segmentation module.
+void AddSegmentCommand(CLI::App& application);
+/// Only where there is the Viewer module.
+void AddViewCommand(CLI::App& application);
+}
+
+#endif

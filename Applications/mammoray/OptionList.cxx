@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "OptionList.h"
+
+#include "mammoray/Foundation/Error.h"
+
+#include <cmath>
+#include <sstream>
+
+namespace mammoray
+{
+namespace
+{
+/// CLI11's own ranges take NaN and tell the largest double in full.
+template <typename Accepts>
+CLI::Validator NumberThat(const Accepts& accepts, const std::string& expected,
+  const std::string& forHelp)
+{
+  return CLI::Validator(
+    [accepts, expected](const std::string& text)
+    {
+      double value = 0;
+      const bool isNumber = CLI::detail::lexical_cast(text, value) && std::isfinite(value);
+      return isNumber && accepts(value) ? std::string()
+                                        : "expected " + expected + ", found " + text;
+    },
+    forHelp);
+}
+}
+
+Quantity Positive(const char* unit)
+{
+  return { unit,
+    NumberThat([](double value) { return value > 0; }, "a number greater than 0", "POSITIVE") };
+}
+
+Quantity NonNegative(const char* unit)
+{
+  return { unit,
+    NumberThat([](double value) { return value >= 0; }, "a number not less than 0",
+      "NONNEGATIVE") };
+}
+
+Quantity Between(double least, double most, const char* unit)
+{
+  std::ostringstream range;
+  range << least << " to " << most;
+  return { unit,
+    NumberThat([least, most](double value) { return value >= least && value <= most; },
+      "a number from " + range.str(), range.str()) };
+}
+
+std::pair<std::string, std::string> SplitAssignment(const std::string& text,
+  const std::string& option, const std::string& form)
+{
+  const auto equals = text.find('=');
+  if (equals == std::string::npos || equals == 0 || equals + 1 == text.size())
+  {
+    throw InputError(option + ": expected " + form + ", found '" + text + "'");
+  }
+  return { text.substr(0, equals), text.substr(equals + 1) };
+}
+}

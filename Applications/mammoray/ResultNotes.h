@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: Apache-2.0
+// What stderr says of a registration's result before questions about it are answered.
+#ifndef mammoray_ResultNotes_h
+#define mammoray_ResultNotes_h
+
+#include <string>
+
+namespace mammoray
+{
+/// Warns where the match in a registration's folder is not to be trusted.
+void WarnOfDistrust(const std::string& folder);
+
+/// Says when the mammogram is not the file that was registered.
+void NoteOtherMammogram(const std::string& folder, const std::string& mammogram);
+}
+
+#endif

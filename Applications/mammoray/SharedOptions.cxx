@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "SharedOptions.h"
+
+namespace mammoray
+{
+CLI::Option* AddLabelOptions(const OptionList& add, LabelSource& source)
+{
+  CLI::Option* labels = add("--labels", source.Path,
+    "label volume: .nrrd .nhdr .mha .mhd .nii .nii.gz, a DICOM segmentation (.dcm; labels are its "
+    "segment numbers) or a folder with a DICOM series");
+  add("--crop", source.Crop,
+    "voxels of --labels to keep along i, j and k: three times FIRST:LAST, counted from 0, both "
+    "included, : for all; e.g. --crop 0:199 : 12:")
+    ->expected(3)
+    ->needs(labels);
+  CLI::Option* skin = add("--skin", source.Skin,
+    "THICKNESS[=MATERIAL]: a layer of that many mm below the air becomes skin (default: the "
+    "table's thin material), not at held tissue nor at the volume's border");
+  skin->needs(labels);
+  add("--cut-side", source.CutSides,
+    "i-, i+, j-, j+, k- or k+: end of an axis of --labels at which the tissue was cut flat, with "
+    "air behind (before the chest wall, say), and gets no --skin; may be given for several")
+    ->needs(skin);
+  add
+    .Flag("--axes-as-given", source.AxesAsGiven,
+      "take the axes of the header of --labels as they are, with no conversion to LPS")
+    ->needs(labels);
+  return labels;
+}
+
+CLI::Option* AddMaterialsOption(const OptionList& add, std::string& pathOrName)
+{
+  return add("--materials", pathOrName,
+    "material table: a file (.json) or the name of a shipped one (victre, segment, ...)");
+}
+
+CLI::Option* AddOrientationOption(const OptionList& add, std::string& code, const std::string& what)
+{
+  return add("--orientation", code,
+    "patient directions of the +x, +y, +z of " + what +
+      ": one letter each of L/R, A/P, S/I, e.g. LPS (DICOM) or ALS (FDA phantoms)");
+}
+
+CLI::Option* AddSpectrumOption(const OptionList& add, std::string& pathOrName,
+  const std::string& remark)
+{
+  return add("--spectrum", pathOrName,
+    "X-ray spectrum: a file (.spc) or the name of a shipped one" + remark);
+}
+
+void AddProjectorOptions(const OptionList& add, ProjectorOptions& options)
+{
+  using Method = ProjectorOptions::Method;
+  add("--device", options.Device,
+    "part of the wanted Vulkan device's name (see mammoray devices); default: MAMMORAY_DEVICE, "
+    "else the most capable one");
+  add.Choice<Method>("--projector", options.Projection,
+    { { "auto", Method::Auto }, { "ray-tracing", Method::RayTracing },
+      { "rasterisation", Method::Rasterisation } },
+    "how path lengths are found; auto traces rays on hardware that can and rasterises elsewhere");
+}
+
+CLI::Option* AddResultOption(const OptionList& add, std::string& folder)
+{
+  return add("--result", folder, "folder written by 'mammoray register'");
+}
+
+Quantity QuantityOf(const PoseParameter& parameter)
+{
+  switch (parameter.Index)
+  {
+    case ThicknessParameter:
+    case StiffnessParameter:
+      return Positive(parameter.Unit);
+    case TiltParameter:
+      return Between(-30, 30, parameter.Unit);
+    default:
+      return parameter.Unit;
+  }
+}
+
+void AddPoseOptions(const OptionList& add, BreastPose& pose)
+{
+  for (const PoseParameter& parameter : PoseParameters)
+  {
+    if (parameter.Index != ThicknessParameter && parameter.Index != StiffnessParameter)
+    {
+      AddPoseOption(add, parameter, pose.*parameter.Value);
+    }
+  }
+}
+
+void AddPlateOptions(const OptionList& add, double& supportEdgeMm, double& paddleEdgeMm,
+  double& edgeRadiusMm)
+{
+  add("--support-edge", supportEdgeMm, "mm",
+    "chest-wall edge of the support, in front of the receptor's (gantry y)");
+  add("--paddle-edge", paddleEdgeMm, "mm",
+    "chest-wall edge of the paddle, in front of the receptor's (gantry y)");
+  add("--edge-radius", edgeRadiusMm, NonNegative("mm"), "radius of the plates' chest-wall edges");
+}
+
+void AddComparisonOptions(const OptionList& add, RegistrationOptions& options)
+{
+  add("--pixel-sizes", options.PixelSizesMm, Positive("mm"),
+    "pixels in which the pictures are compared, coarse to fine");
+  add.Choice<PictureComparison>("--residual", options.Comparison,
+    { { "global", PictureComparison::Global }, { "local", PictureComparison::Local },
+      { "gradient", PictureComparison::Gradient } },
+    "how pictures are compared: log attenuation normalised globally or locally (in windows), or "
+    "its gradient");
+  add("--window", options.WindowMm, Positive("mm"), "edge of the windows of --residual local");
+}
+
+void AddOverwriteFlag(const OptionList& add, bool& overwrite, const std::string& what)
+{
+  add.Flag("--overwrite", overwrite, "replace " + what);
+}
+}

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+// Options that mean the same in several commands, declared once.
+#ifndef mammoray_SharedOptions_h
+#define mammoray_SharedOptions_h
+
+#include "OptionList.h"
+#include "mammoray/Case/LabelSource.h"
+#include "mammoray/Foundation/PoseParameters.h"
+#include "mammoray/Registration/RegistrationResiduals.h"
+#include "mammoray/XRay/PathLengthProjector.h"
+
+#include <string>
+
+namespace mammoray
+{
+/// Adds --labels, --crop, --skin, --cut-side and --axes-as-given; gives the option --labels.
+CLI::Option* AddLabelOptions(const OptionList& add, LabelSource& source);
+
+/// Adds --materials: a file or a shipped table's name (see FindMaterialTable); gives the option.
+CLI::Option* AddMaterialsOption(const OptionList& add, std::string& pathOrName);
+
+/// Adds --orientation: directions of the axes of `what` (AnatomicalAxes::FromCode).
+CLI::Option* AddOrientationOption(const OptionList& add, std::string& code,
+  const std::string& what);
+
+/// Adds --spectrum: a file or a shipped one's name.
+CLI::Option* AddSpectrumOption(const OptionList& add, std::string& pathOrName,
+  const std::string& remark = "");
+
+/// Adds --device and --projector auto|ray-tracing|rasterisation.
+void AddProjectorOptions(const OptionList& add, ProjectorOptions& options);
+
+/// Adds --result: the folder of a registration; gives the option.
+CLI::Option* AddResultOption(const OptionList& add, std::string& folder);
+
+/// Unit and range of a parameter of the pose.
+Quantity QuantityOf(const PoseParameter& parameter);
+
+/// Adds --roll, say; `T` as in OptionList. Gives the option.
+template <typename T>
+CLI::Option* AddPoseOption(const OptionList& add, const PoseParameter& parameter, T& value,
+  const std::string& remark = "")
+{
+  return add(parameter.Option(), value, QuantityOf(parameter), parameter.Help + remark);
+}
+
+/// Adds an option for each parameter of the pose but thickness and stiffness, which do not say
+/// where the unit stands.
+void AddPoseOptions(const OptionList& add, BreastPose& pose);
+
+/// Adds --support-edge, --paddle-edge and --edge-radius.
+void AddPlateOptions(const OptionList& add, double& supportEdgeMm, double& paddleEdgeMm,
+  double& edgeRadiusMm);
+
+/// Adds --pixel-sizes, --residual and --window: how a registration compares pictures.
+void AddComparisonOptions(const OptionList& add, RegistrationOptions& options);
+
+/// Adds --overwrite.
+void AddOverwriteFlag(const OptionList& add, bool& overwrite,
+  const std::string& what = "output files");
+}
+
+#endif

@@ -1,0 +1,206 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mammoray/Evidence/EvidenceFile.h"
+
+#include "mammoray/Foundation/Error.h"
+#include "mammoray/IO/Sha256.h"
+
+#include <nlohmann/json.hpp>
+
+#include <fstream>
+#include <limits>
+
+namespace mammoray
+{
+namespace
+{
+nlohmann::json ToJson(const TwinRun& run)
+{
+  // What is not a number becomes null.
+  return { { "phantom", run.Phantom }, { "kind", run.Kind }, { "search", run.Search },
+    { "number", run.Number }, { "redrawn", run.Redrawn }, { "modelCells", run.ModelCells },
+    { "targetCells", run.TargetCells }, { "parameters", run.Names }, { "truth", run.Truth },
+    { "start", run.Start }, { "found", run.Found }, { "sigma", run.Sigma },
+    { "medianErrorMm", run.MedianErrorMm }, { "largestErrorMm", run.LargestErrorMm },
+    { "meanOutlineDistanceMm", run.MeanOutlineMm }, { "correlation", run.Correlation },
+    { "iterations", run.Iterations }, { "equilibria", run.Equilibria }, { "seconds", run.Seconds },
+    { "iterationSeconds", run.IterationSeconds }, { "iterationCosts", run.IterationCosts },
+    { "converged", run.Converged }, { "stopReason", run.StopReason } };
+}
+
+double Number(const nlohmann::json& value)
+{
+  return value.is_null() ? std::numeric_limits<double>::quiet_NaN() : value.get<double>();
+}
+
+std::vector<double> Numbers(const nlohmann::json& values)
+{
+  std::vector<double> numbers;
+  for (const nlohmann::json& value : values)
+  {
+    numbers.push_back(Number(value));
+  }
+  return numbers;
+}
+
+TwinRun TwinRunFrom(const nlohmann::json& json)
+{
+  TwinRun run;
+  run.Phantom = json.at("phantom").get<std::string>();
+  run.Kind = json.at("kind").get<std::string>();
+  run.Search = json.at("search").get<std::string>();
+  run.Number = json.at("number").get<int>();
+  run.Redrawn = json.at("redrawn").get<int>();
+  run.ModelCells = json.at("modelCells").get<std::size_t>();
+  run.TargetCells = json.at("targetCells").get<std::size_t>();
+  run.Names = json.at("parameters").get<std::vector<std::string>>();
+  run.Truth = Numbers(json.at("truth"));
+  run.Start = Numbers(json.at("start"));
+  run.Found = Numbers(json.at("found"));
+  run.Sigma = Numbers(json.at("sigma"));
+  run.MedianErrorMm = Number(json.at("medianErrorMm"));
+  run.LargestErrorMm = Number(json.at("largestErrorMm"));
+  run.MeanOutlineMm = Number(json.at("meanOutlineDistanceMm"));
+  run.Correlation = Number(json.at("correlation"));
+  run.Iterations = json.at("iterations").get<int>();
+  run.Equilibria = json.at("equilibria").get<int>();
+  run.Seconds = Number(json.at("seconds"));
+  run.IterationSeconds = Numbers(json.at("iterationSeconds"));
+  run.IterationCosts = Numbers(json.at("iterationCosts"));
+  run.Converged = json.at("converged").get<bool>();
+  run.StopReason = json.at("stopReason").get<std::string>();
+  return run;
+}
+
+nlohmann::json ToJson(const ErrorSummary& summary)
+{
+  return { { "count", summary.Count }, { "median", summary.Median }, { "mean", summary.Mean },
+    { "largest", summary.Largest } };
+}
+
+ErrorSummary SummaryFrom(const nlohmann::json& json)
+{
+  return { json.at("count").get<int>(), Number(json.at("median")), Number(json.at("mean")),
+    Number(json.at("largest")) };
+}
+
+nlohmann::json ToJson(const LandmarkEvidence& found)
+{
+  nlohmann::json rows;
+  for (const LandmarkSummary& row : found.Rows)
+  {
+    rows.push_back({ { "method", row.Method }, { "in3dMm", ToJson(row.InSpace) },
+      { "onReceptorMm", ToJson(row.OnReceptor) } });
+  }
+  return { { "rows", rows }, { "glandDice", found.GlandDice },
+    { "glandDiceAtRest", found.GlandDiceAtRest }, { "iterations", found.Iterations },
+    { "equilibria", found.Equilibria }, { "seconds", found.Seconds } };
+}
+
+LandmarkEvidence LandmarkEvidenceFrom(const nlohmann::json& json)
+{
+  LandmarkEvidence found;
+  for (const nlohmann::json& row : json.at("rows"))
+  {
+    found.Rows.push_back({ row.at("method").get<std::string>(), SummaryFrom(row.at("in3dMm")),
+      SummaryFrom(row.at("onReceptorMm")) });
+  }
+  found.GlandDice = Number(json.at("glandDice"));
+  found.GlandDiceAtRest = Number(json.at("glandDiceAtRest"));
+  found.Iterations = json.at("iterations").get<int>();
+  found.Equilibria = json.at("equilibria").get<int>();
+  found.Seconds = Number(json.at("seconds"));
+  return found;
+}
+
+nlohmann::json ToJson(const MammogramEvidence& found)
+{
+  return { { "name", found.Name }, { "meanOutlineDistanceMm", found.MeanOutlineMm },
+    { "largestOutlineDistanceMm", found.LargestOutlineMm }, { "correlation", found.Correlation },
+    { "trust", found.Trust }, { "seconds", found.Seconds }, { "failure", found.Failure } };
+}
+
+MammogramEvidence MammogramEvidenceFrom(const nlohmann::json& json)
+{
+  return { json.at("name").get<std::string>(), Number(json.at("meanOutlineDistanceMm")),
+    Number(json.at("largestOutlineDistanceMm")), Number(json.at("correlation")),
+    json.at("trust").get<std::string>(), Number(json.at("seconds")),
+    json.at("failure").get<std::string>() };
+}
+}
+
+std::string EvidenceSettings(const EvidenceOptions& options)
+{
+  nlohmann::json phantoms;
+  for (const EvidencePhantom& phantom : options.Phantoms)
+  {
+    phantoms[phantom.Name] = { { "sha256", Sha256OfFile(phantom.Labels.Path) },
+      { "spacingMm", phantom.Labels.SpacingMm } };
+  }
+  const TwinOptions& twin = options.Twin;
+  return nlohmann::json{
+    { "phantoms", phantoms }, { "materials", options.Materials },
+    { "orientation", options.Orientation }, { "seed", twin.Seed },
+    { "modelFineness", twin.ModelFineness }, { "targetFineness", twin.TargetFineness },
+    { "modelAnatomyMm", twin.ModelAnatomyMm }, { "targetAnatomyMm", twin.TargetAnatomyMm },
+    { "noise", twin.Noise }, { "pixelSizesMm", twin.Registration.PixelSizesMm },
+    { "comparison", static_cast<int>(twin.Registration.Comparison) },
+    { "windowMm", twin.Registration.WindowMm }
+  }.dump();
+}
+
+std::string EvidenceJson(const RegistrationEvidence& evidence, const std::string& settings)
+{
+  nlohmann::json json{ { "settings", nlohmann::json::parse(settings) },
+    { "version", MAMMORAY_VERSION }, { "twins", nlohmann::json::array() },
+    { "mammograms", nlohmann::json::array() } };
+  for (const TwinRun& run : evidence.Twins)
+  {
+    json["twins"].push_back(ToJson(run));
+  }
+  if (evidence.Landmarks)
+  {
+    json["landmarks"] = ToJson(*evidence.Landmarks);
+  }
+  for (const MammogramEvidence& mammogram : evidence.Mammograms)
+  {
+    json["mammograms"].push_back(ToJson(mammogram));
+  }
+  return json.dump(1) + "\n";
+}
+
+RegistrationEvidence ReadEvidence(const std::string& path, const std::string& settings)
+{
+  std::ifstream file(path);
+  if (!file)
+  {
+    throw InputError(path + ": no such file");
+  }
+  RegistrationEvidence evidence;
+  try
+  {
+    const nlohmann::json json = nlohmann::json::parse(file);
+    if (json.at("settings") != nlohmann::json::parse(settings))
+    {
+      throw InputError(path + ": expected evidence gathered with the same settings, " + settings +
+        ", found " + json.at("settings").dump());
+    }
+    for (const nlohmann::json& run : json.at("twins"))
+    {
+      evidence.Twins.push_back(TwinRunFrom(run));
+    }
+    if (json.contains("landmarks"))
+    {
+      evidence.Landmarks = LandmarkEvidenceFrom(json.at("landmarks"));
+    }
+    for (const nlohmann::json& mammogram : json.at("mammograms"))
+    {
+      evidence.Mammograms.push_back(MammogramEvidenceFrom(mammogram));
+    }
+  }
+  catch (const nlohmann::json::exception& error)
+  {
+    throw InputError(path + ": expected what 'mammoray evidence' writes: " + error.what());
+  }
+  return evidence;
+}
+}

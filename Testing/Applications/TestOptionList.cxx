@@ -1,0 +1,158 @@
+// SPDX-License-Identifier: Apache-2.0
+// What an option's declaration promises: default and unit in the help, ranges, words, round trip.
+#include "OptionList.h"
+#include "mammoray/Foundation/Error.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <string>
+
+using namespace mammoray;
+
+namespace
+{
+enum class Wall
+{
+  Held,
+  Sliding
+};
+
+struct Arguments
+{
+  double ThicknessMm = 50;
+  std::optional<double> ForceN;
+  std::vector<double> PixelSizesMm{ 3, 1.5 };
+  std::optional<std::array<double, 3>> Point;
+  std::array<int, 2> Size{ 1280, 800 };
+  Wall Attachment = Wall::Held;
+  bool Overwrite = false;
+  bool Correct = true;
+};
+
+/// What the last command was run with.
+Arguments given;
+
+void Declare(const OptionList& add, Arguments& arguments)
+{
+  add("--thickness", arguments.ThicknessMm, Positive("mm"), "distance of the plates");
+  add("--force", arguments.ForceN, Positive("N"), "of the paddle");
+  add("--pixel-sizes", arguments.PixelSizesMm, Positive("mm"), "coarse to fine");
+  add.Numbers("--point", arguments.Point, "X Y Z", "a place");
+  add.Numbers("--size", arguments.Size, "W H", "of the window");
+  add.Choice<Wall>("--chest-wall", arguments.Attachment,
+    { { "held", Wall::Held }, { "sliding", Wall::Sliding } }, "how it is attached");
+  add.Group("Files").Flag("--overwrite", arguments.Overwrite, "replace files");
+  add.FlagOff("--no-correction", arguments.Correct, "leave it");
+}
+
+void Keep(Arguments& arguments)
+{
+  given = arguments;
+}
+
+class OptionListTest : public testing::Test
+{
+protected:
+  OptionListTest()
+    : Command(AddCommand<Arguments>(this->Application, "press", "Presses.", Declare, Keep))
+  {
+  }
+
+  void Parse(const std::string& arguments)
+  {
+    given = {};
+    this->Application.parse("press " + arguments);
+  }
+
+  CLI::App Application{ "test" };
+  CLI::App* Command;
+};
+}
+
+TEST_F(OptionListTest, VariablesKeepTheirValuesUnlessGiven)
+{
+  this->Parse("");
+  EXPECT_EQ(given.ThicknessMm, 50);
+  EXPECT_FALSE(given.ForceN);
+  EXPECT_EQ(given.PixelSizesMm, (std::vector<double>{ 3, 1.5 }));
+  EXPECT_FALSE(given.Point);
+  EXPECT_EQ(given.Size, (std::array<int, 2>{ 1280, 800 }));
+  EXPECT_EQ(given.Attachment, Wall::Held);
+  EXPECT_FALSE(given.Overwrite);
+  EXPECT_TRUE(given.Correct);
+}
+
+TEST_F(OptionListTest, VariablesTakeWhatIsGiven)
+{
+  this->Parse("--thickness 41.5 --force 90 --pixel-sizes 4 2 1 --point 1 -2 3.5 --size 640 480 "
+              "--chest-wall sliding --overwrite --no-correction");
+  EXPECT_EQ(given.ThicknessMm, 41.5);
+  EXPECT_EQ(given.ForceN, 90);
+  EXPECT_EQ(given.PixelSizesMm, (std::vector<double>{ 4, 2, 1 }));
+  EXPECT_EQ(given.Point, (std::array<double, 3>{ 1, -2, 3.5 }));
+  EXPECT_EQ(given.Size, (std::array<int, 2>{ 640, 480 }));
+  EXPECT_EQ(given.Attachment, Wall::Sliding);
+  EXPECT_TRUE(given.Overwrite);
+  EXPECT_FALSE(given.Correct);
+}
+
+TEST_F(OptionListTest, HelpTellsUnitRangeAndDefault)
+{
+  const std::string help = this->Command->help();
+  EXPECT_THAT(help, testing::HasSubstr("--thickness mm:POSITIVE=50"));
+  EXPECT_THAT(help, testing::HasSubstr("--pixel-sizes mm:POSITIVE=[3,1.5]"));
+  EXPECT_THAT(help, testing::HasSubstr("--chest-wall TEXT:{held,sliding}=held"));
+  EXPECT_THAT(help, testing::HasSubstr("--point X Y Z"));
+  EXPECT_THAT(help, testing::HasSubstr("Files:"));
+  EXPECT_THAT(help, testing::Not(testing::HasSubstr("--force N:POSITIVE=")));
+}
+
+TEST_F(OptionListTest, ConfigurationRoundTrips)
+{
+  this->Parse("--thickness 41.5 --point 1 -2 3.5 --chest-wall sliding --overwrite");
+  const std::string printed = this->Command->config_to_str(true, false);
+  for (const char* entry :
+    { "\"thickness\": 41.5", "\"chest-wall\": \"sliding\"", "\"overwrite\": true" })
+  {
+    EXPECT_THAT(printed, testing::HasSubstr(entry));
+  }
+  EXPECT_THAT(printed, testing::Not(testing::HasSubstr("force")));
+}
+
+TEST_F(OptionListTest, RefusesWhatIsBeyondTheRange)
+{
+  for (const char* unusable : { "--thickness 0", "--thickness nan", "--thickness inf",
+         "--pixel-sizes 3 -1", "--chest-wall loose", "--point 1 2", "--force many" })
+  {
+    EXPECT_THROW(this->Parse(unusable), CLI::ParseError) << unusable;
+  }
+}
+
+TEST(Quantity, RangesIncludeTheirEnds)
+{
+  const auto refusal = [](const Quantity& quantity, const std::string& text)
+  {
+    std::string number = text;
+    return (*quantity.Range)(number);
+  };
+  EXPECT_EQ(refusal(Between(-30, 30), "-30"), "");
+  EXPECT_EQ(refusal(Between(-30, 30), "30"), "");
+  EXPECT_EQ(refusal(Between(-30, 30), "30.5"), "expected a number from -30 to 30, found 30.5");
+  EXPECT_EQ(refusal(NonNegative(), "0"), "");
+  EXPECT_EQ(refusal(NonNegative(), "-1"), "expected a number not less than 0, found -1");
+  EXPECT_EQ(refusal(Positive(), "0"), "expected a number greater than 0, found 0");
+  EXPECT_EQ(refusal(Positive(), "nan"), "expected a number greater than 0, found nan");
+}
+
+TEST(SplitAssignment, NeedsBothSides)
+{
+  const std::string form = "MATERIAL=MM, for example skin=1.2";
+  EXPECT_EQ(SplitAssignment("skin=1.2", "--thin", form),
+    (std::pair<std::string, std::string>("skin", "1.2")));
+  EXPECT_EQ(SplitAssignment("a=b=c", "--thin", form).second, "b=c");
+  for (const char* text : { "skin", "=1.2", "skin=", "" })
+  {
+    EXPECT_THROW(SplitAssignment(text, "--thin", form), InputError) << text;
+  }
+}

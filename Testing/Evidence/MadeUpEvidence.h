@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+#ifndef mammoray_Testing_MadeUpEvidence_h
+#define mammoray_Testing_MadeUpEvidence_h
+
+#include "mammoray/Evidence/RegistrationEvidence.h"
+
+#include <limits>
+#include <string>
+
+namespace mammoray::test
+{
+inline constexpr double Nothing = std::numeric_limits<double>::quiet_NaN();
+
+/// A run that found thickness and roll with these errors; sigma 1 each, pitch fixed.
+inline TwinRun MadeUpRun(const std::string& phantom, TwinKind kind, TwinSearch search, int number,
+  double medianErrorMm, double thicknessErrorMm)
+{
+  TwinRun run;
+  run.Phantom = phantom;
+  run.Kind = NameOf(kind);
+  run.Search = NameOf(search);
+  run.Number = number;
+  run.ModelCells = 3000;
+  run.TargetCells = 20000;
+  run.Names = { "thickness", "roll", "pitch" };
+  run.Truth = { 50, 10, 0 };
+  run.Start = { 52, 0, 0 };
+  run.Found = { 50 + thicknessErrorMm, 10.5, 0 };
+  run.Sigma = { 1, 1, Nothing };
+  run.MedianErrorMm = medianErrorMm;
+  run.LargestErrorMm = 2 * medianErrorMm;
+  run.MeanOutlineMm = 0.5;
+  run.Correlation = 0.95;
+  run.Iterations = 12;
+  run.Equilibria = 20;
+  run.Seconds = 8;
+  run.IterationSeconds = { 1, 3, 5 };
+  run.IterationCosts = { 100, 20, 10 };
+  run.Converged = true;
+  run.StopReason = "converged";
+  return run;
+}
+}
+
+#endif

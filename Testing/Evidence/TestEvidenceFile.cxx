@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "Files.h"
+#include "MadeUpEvidence.h"
+#include "mammoray/Evidence/EvidenceFile.h"
+#include "mammoray/Foundation/Error.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+using namespace mammoray;
+
+namespace
+{
+class EvidenceFile : public testing::Test
+{
+protected:
+  std::string Write(const RegistrationEvidence& evidence, const std::string& settings) const
+  {
+    return this->Folder.Write("evidence.json", EvidenceJson(evidence, settings));
+  }
+
+  testing_support::TemporaryFolder Folder;
+  std::string Settings = R"({"seed": 1})";
+};
+}
+
+TEST_F(EvidenceFile, ReadsBackWhatItHolds)
+{
+  RegistrationEvidence evidence;
+  evidence.Twins.push_back(
+    test::MadeUpRun("ball", TwinKind::Plain, TwinSearch::Register, 3, 1.25, 0.5));
+  evidence.Twins.push_back(
+    test::MadeUpRun("ball", TwinKind::WrongStart, TwinSearch::Exact, 0, test::Nothing, 0));
+  evidence.Landmarks = LandmarkEvidence{ { { "identity", { 12, 9.2, 9.3, 14 }, { 12, 5, 6, 7 } } },
+    0.6, test::Nothing, 14, 25, 30.5 };
+  evidence.Mammograms.push_back({ "real", 2.5, 7, 0.8, "doubtful", 12, "" });
+  evidence.Mammograms.push_back({ "other", 0, 0, 0, "", 0, "no equilibrium" });
+  const RegistrationEvidence read =
+    ReadEvidence(this->Write(evidence, this->Settings), this->Settings);
+
+  ASSERT_EQ(read.Twins.size(), 2u);
+  const TwinRun& run = read.Twins[0];
+  EXPECT_EQ(run.Phantom, "ball");
+  EXPECT_EQ(run.Kind, "plain");
+  EXPECT_EQ(run.Search, "register");
+  EXPECT_EQ(run.Number, 3);
+  EXPECT_EQ(run.Names, evidence.Twins[0].Names);
+  EXPECT_EQ(run.Found, evidence.Twins[0].Found);
+  EXPECT_EQ(run.IterationCosts, evidence.Twins[0].IterationCosts);
+  EXPECT_EQ(run.MedianErrorMm, 1.25);
+  EXPECT_TRUE(run.Converged);
+  // What is not a number stays none.
+  EXPECT_EQ(run.Sigma[1], 1);
+  EXPECT_TRUE(std::isnan(run.Sigma[2]));
+  EXPECT_TRUE(std::isnan(read.Twins[1].MedianErrorMm));
+  ASSERT_TRUE(read.Landmarks);
+  EXPECT_EQ(read.Landmarks->Rows.at(0).Method, "identity");
+  EXPECT_EQ(read.Landmarks->Rows.at(0).InSpace.Median, 9.2);
+  EXPECT_EQ(read.Landmarks->Rows.at(0).OnReceptor.Largest, 7);
+  EXPECT_TRUE(std::isnan(read.Landmarks->GlandDiceAtRest));
+  ASSERT_EQ(read.Mammograms.size(), 2u);
+  EXPECT_EQ(read.Mammograms[0].Trust, "doubtful");
+  EXPECT_EQ(read.Mammograms[1].Failure, "no equilibrium");
+  // And the same again.
+  EXPECT_EQ(EvidenceJson(read, this->Settings), EvidenceJson(evidence, this->Settings));
+}
+
+TEST_F(EvidenceFile, FindsARunByWhatItIs)
+{
+  RegistrationEvidence evidence;
+  evidence.Twins.push_back(
+    test::MadeUpRun("ball", TwinKind::Plain, TwinSearch::Register, 3, 1.25, 0.5));
+  EXPECT_EQ(evidence.Find("ball", "plain", "register", 3), &evidence.Twins[0]);
+  EXPECT_EQ(evidence.Find("box", "plain", "register", 3), nullptr);
+  EXPECT_EQ(evidence.Find("ball", "wrong-start", "register", 3), nullptr);
+  EXPECT_EQ(evidence.Find("ball", "plain", "exact", 3), nullptr);
+  EXPECT_EQ(evidence.Find("ball", "plain", "register", 2), nullptr);
+}
+
+TEST_F(EvidenceFile, RefusesOtherSettingsAndOtherFiles)
+{
+  EXPECT_THROW(ReadEvidence(this->Write({}, this->Settings), R"({"seed": 2})"), InputError);
+  EXPECT_THROW(ReadEvidence(this->Folder.Write("no.json", "{"), this->Settings), InputError);
+  EXPECT_THROW(ReadEvidence(this->Folder.Write("other.json", "{}"), this->Settings), InputError);
+  EXPECT_THROW(ReadEvidence(this->Folder.File("none.json"), this->Settings), InputError);
+}
+
+TEST_F(EvidenceFile, SettingsTellWhatTwoRunsMustShare)
+{
+  EvidenceOptions options;
+  EvidencePhantom phantom;
+  phantom.Name = "ball";
+  phantom.Labels.Path = this->Folder.Write("ball.nrrd", "labels");
+  options.Phantoms.push_back(phantom);
+  const std::string settings = EvidenceSettings(options);
+  EXPECT_EQ(EvidenceSettings(options), settings);
+  // How much is asked for is no setting: more may be added.
+  options.Twins += 1;
+  EXPECT_EQ(EvidenceSettings(options), settings);
+  options.Twin.Seed += 1;
+  EXPECT_NE(EvidenceSettings(options), settings);
+  options.Twin.Seed -= 1;
+  this->Folder.Write("ball.nrrd", "other labels");
+  EXPECT_NE(EvidenceSettings(options), settings);
+}

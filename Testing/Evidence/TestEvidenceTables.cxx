@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: Apache-2.0
+// Tables of made-up runs, whose figures are counted by hand.
+#include "MadeUpEvidence.h"
+#include "mammoray/Evidence/EvidenceTables.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+using namespace mammoray;
+using test::MadeUpRun;
+using testing::HasSubstr;
+using testing::Not;
+
+TEST(EvidenceTables, NothingGathered)
+{
+  EXPECT_EQ(EvidenceTables({}), "");
+}
+
+TEST(EvidenceTables, TwinsByKindAndPhantom)
+{
+  RegistrationEvidence evidence;
+  const auto add = [&](const char* phantom, int number, double errorMm, double thicknessErrorMm)
+  {
+    evidence.Twins.push_back(
+      MadeUpRun(phantom, TwinKind::Plain, TwinSearch::Register, number, errorMm, thicknessErrorMm));
+  };
+  add("a", 0, 1, 0.5);
+  add("a", 1, 2, -1.5);
+  add("b", 0, 4, 3);
+  const std::string text = EvidenceTables(evidence);
+  // Thickness is within two sigma in both runs of a and not in that of b, roll is in all.
+  EXPECT_THAT(text,
+    HasSubstr("| plain | a | 3000 | 2 | 1.50 (2.00) | 100 % | 12 (12) | 20 | 8 | 100 % |"));
+  EXPECT_THAT(text,
+    HasSubstr("| plain | b | 3000 | 1 | 4.00 (4.00) | 0 % | 12 (12) | 20 | 8 | 50 "
+              "% |"));
+  EXPECT_THAT(text,
+    HasSubstr("| plain | all |  | 3 | 2.00 (4.00) | 67 % | 12 (12) | 20 | 8 | 83 % |"));
+  EXPECT_THAT(text, HasSubstr("| thickness, mm | 1.50 (3.00); 67 % |"));
+  EXPECT_THAT(text, HasSubstr("| roll, deg | 0.50 (0.50); 100 % |"));
+  EXPECT_THAT(text, Not(HasSubstr("pitch"))); // fixed
+  EXPECT_THAT(text, Not(HasSubstr("wrong-start")));
+}
+
+TEST(EvidenceTables, ARunThatFoundNothingDidNotConverge)
+{
+  RegistrationEvidence evidence;
+  evidence.Twins.push_back(MadeUpRun("a", TwinKind::Plain, TwinSearch::Register, 0, 1, 0));
+  evidence.Twins.push_back(
+    MadeUpRun("a", TwinKind::Plain, TwinSearch::Register, 1, test::Nothing, 0));
+  EXPECT_THAT(EvidenceTables(evidence), HasSubstr("| plain | a | 3000 | 2 | 1.00 (1.00) | 50 % |"));
+}
+
+TEST(EvidenceTables, SearchesToTheCostOfTheExactOne)
+{
+  RegistrationEvidence evidence;
+  TwinRun exact = MadeUpRun("a", TwinKind::Plain, TwinSearch::Exact, 0, 1, 0);
+  TwinRun differences = MadeUpRun("a", TwinKind::Plain, TwinSearch::CentralDifferences, 0, 1, 0);
+  differences.IterationSeconds = { 1, 21, 41 };
+  TwinRun annealing = MadeUpRun("a", TwinKind::Plain, TwinSearch::Annealing, 0, 6, 0);
+  annealing.IterationCosts = { 100, 50, 30 };
+  evidence.Twins = { exact, differences, annealing };
+  const std::string text = EvidenceTables(evidence);
+  // Cost 10 is reached 4 s after the start by the one, after 40 s by the next, never by the last.
+  EXPECT_THAT(text, HasSubstr("| exact | a, 0 | 20 | 8.0 | 10.00 | 4.0 | 1.00 |"));
+  EXPECT_THAT(text, HasSubstr("| central-differences | a, 0 | 20 | 8.0 | 10.00 | 40.0 | 1.00 |"));
+  EXPECT_THAT(text, HasSubstr("| annealing | a, 0 | 20 | 8.0 | 30.00 | never | 6.00 |"));
+  EXPECT_THAT(text, HasSubstr("Exact derivatives get there 10.0 times as fast"));
+}
+
+TEST(EvidenceTables, LandmarksAndMammograms)
+{
+  RegistrationEvidence evidence;
+  evidence.Landmarks =
+    LandmarkEvidence{ { { "registered", { 12, 1.06, 1.2, 2.5 }, { 12, 0.74, 0.8, 1.42 } } }, 0.61,
+      0.25, 14, 25, 30 };
+  evidence.Mammograms.push_back({ "real", 2.5, 7, 0.8, "doubtful", 12, "" });
+  evidence.Mammograms.push_back({ "other", 0, 0, 0, "", 0, "no equilibrium" });
+  const std::string text = EvidenceTables(evidence);
+  EXPECT_THAT(text, HasSubstr("| registered | 1.06 (2.50) | 0.74 (1.42) |"));
+  EXPECT_THAT(text, HasSubstr("Gland overlap (Dice) 0.61, at rest 0.25. 14 iterations"));
+  EXPECT_THAT(text, HasSubstr("| real | 2.50 (7.00) | 0.80 | doubtful | 12 |"));
+  EXPECT_THAT(text, HasSubstr("| other | - | - | no result: no equilibrium | - |"));
+}
+
+TEST(TwinTable, ARowForEachRun)
+{
+  const std::string text =
+    TwinTable({ MadeUpRun("a", TwinKind::Plain, TwinSearch::Register, 0, 1.25, 0.5) });
+  EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 2);
+  EXPECT_THAT(text, testing::StartsWith("phantom,kind,search,number,median_error_mm,"));
+  EXPECT_THAT(text, HasSubstr("thickness_truth,thickness_start,thickness_found,thickness_sigma"));
+  EXPECT_THAT(text,
+    HasSubstr("\na,plain,register,0,1.2500,2.5000,0.5000,0.9500,12,20,8.00,1,50.00000,52.00000,"
+              "50.50000,1.00000,"));
+}
