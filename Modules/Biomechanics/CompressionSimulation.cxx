@@ -11,8 +11,7 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
-#include <limits>
-#include <optional>
+#include <string>
 
 namespace mammoray
 {

@@ -11,9 +11,10 @@
 #include "Private/Objective.h"
 #include "mammorayBiomechanicsModule.h"
 
+#include <array>
 #include <cstdint>
 #include <memory>
-#include <optional>
+#include <span>
 #include <vector>
 
 namespace mammoray
