@@ -8,17 +8,11 @@
 #include "mammoray/Biomechanics/PlacedPlates.h"
 #include "mammoray/Case/CompressedBreast.h"
 #include "mammoray/Foundation/Mammogram.h"
-#include "mammoray/Foundation/MeshVoxels.h"
 #include "mammoray/IO/MeshConversion.h"
 #include "mammoray/IO/MeshIO.h"
 #include "mammoray/IO/ShippedData.h"
-#include "mammoray/Registration/BreastMechanics.h"
-#include "mammoray/Registration/SimulationLead.h"
+#include "mammoray/Registration/BreastModel.h"
 #include "mammoray/Report/CutPicture.h"
-
-#ifdef MAMMORAY_HAS_MESHING
-#include "mammoray/Meshing/SimulationMesh.h"
-#endif
 
 #include "vtkCellData.h"
 #include "vtkUnstructuredGrid.h"
@@ -28,17 +22,12 @@
 #include <filesystem>
 #include <numbers>
 #include <optional>
+#include <utility>
 
 namespace mammoray
 {
 namespace
 {
-/// Cells beyond this take minutes and gigabytes.
-std::size_t MostSimulationCells(ElementType element)
-{
-  return element == ElementType::Quadratic ? 20000 : 150000;
-}
-
 struct CompressArguments
 {
   std::string Mesh;
@@ -144,55 +133,6 @@ void Declare(const OptionList& add, CompressArguments& arguments)
   add("--series-steps", arguments.SeriesSteps, Between(2, 1000),
     "of the series, from plates that touch nothing to the compressed breast");
   AddOverwriteFlag(add, arguments.Overwrite, "the output files");
-}
-
-bool IsSimulatedOn(const TetrahedralMesh& mesh, const CompressArguments& arguments)
-{
-  return arguments.SimulationMesh.empty() &&
-    mesh.NumberOfCells() <= MostSimulationCells(arguments.Loading.Element);
-}
-
-/// Where stiffness is sampled: the labels given, or the voxels of a mesh that another one carries.
-std::optional<LabelVolume> FindMaterials(const CompressArguments& arguments,
-  const MaterialTable& table, const TetrahedralMesh& mesh)
-{
-  if (!arguments.Labels.Path.empty())
-  {
-    return ReadMaterials(arguments.Labels, table);
-  }
-  if (!IsSimulatedOn(mesh, arguments))
-  {
-    return Voxelize(mesh, BreastMechanicsOptions::VoxelMm);
-  }
-  return {};
-}
-
-/// The mesh to simulate on: the one named, the input when it is coarse enough, or one made of the
-/// materials' volume.
-TetrahedralMesh FindSimulationMesh(const CompressArguments& arguments, const TetrahedralMesh& mesh,
-  const std::optional<LabelVolume>& volume, const std::vector<bool>& held)
-{
-  if (!arguments.SimulationMesh.empty())
-  {
-    return FromGrid(ReadMesh(arguments.SimulationMesh));
-  }
-  if (IsSimulatedOn(mesh, arguments))
-  {
-    return mesh;
-  }
-#ifdef MAMMORAY_HAS_MESHING
-  if (volume)
-  {
-    return MeshForSimulation(*volume, held, arguments.SimulationCellSizeMm, MakeProgressBar()).Mesh;
-  }
-#else
-  (void)volume;
-  (void)held;
-#endif
-  throw InputError(arguments.Mesh + ": expected at most " +
-    std::to_string(MostSimulationCells(arguments.Loading.Element)) +
-    " cells to simulate on, found " + std::to_string(mesh.NumberOfCells()) +
-    "; name a coarse --simulation-mesh");
 }
 
 /// Roll of a standard view, degrees; 0 where none is given.
@@ -385,25 +325,25 @@ void Run(CompressArguments& arguments)
   const vtkSmartPointer<vtkUnstructuredGrid> grid = ReadMesh(arguments.Mesh);
   const TetrahedralMesh mesh = FromGrid(grid);
   mesh.Validate(arguments.Mesh);
-  const std::optional<LabelVolume> volume = FindMaterials(arguments, table, mesh);
-  const TetrahedralMesh simulationMesh = FindSimulationMesh(arguments, mesh, volume, held);
-  MaterialField field;
-  if (volume)
+  BreastModelOptions options;
+  options.CellSizeMm = arguments.SimulationCellSizeMm;
+  options.Compression = LoadingOf(arguments, axes);
+  Vector3 anchor = FindPoseAnchor(mesh, held, axes);
+  if (!arguments.Labels.Path.empty())
   {
-    field = [&volume](const Vector3& point) { return static_cast<int>(volume->LabelAt(point)); };
+    options.Volume = ReadMaterials(arguments.Labels, table);
+    anchor = FindPoseAnchor(*options.Volume, held, axes);
   }
-  const CompressionOptions loading = LoadingOf(arguments, axes);
-  CompressionSimulation simulation(simulationMesh, mechanics.Elastic, held, field, loading);
-  if (!arguments.ImagePosition)
+  if (!arguments.SimulationMesh.empty())
   {
-    LeadIfLarge(simulation, simulationMesh, mechanics, loading, MakeProgressBar());
+    options.SimulationMesh = FromGrid(ReadMesh(arguments.SimulationMesh));
   }
-  else
+  if (arguments.ImagePosition)
   {
-    simulation.Unload(GravityIn(*arguments.ImagePosition, axes), MakeProgressBar());
+    options.ImageGravityMPerS2 = GravityIn(*arguments.ImagePosition, axes);
   }
-  const Vector3 anchor = arguments.Labels.Path.empty() ? FindPoseAnchor(mesh, held, axes)
-                                                       : FindPoseAnchor(*volume, held, axes);
+  BreastModel model(mesh, mechanics, {}, std::move(options), MakeProgressBar());
+  CompressionSimulation& simulation = model.Body().Simulation();
   const CompressionState state = Compress(arguments, simulation, axes, anchor);
   const double thicknessMm = arguments.ThicknessMm.value_or(GapMm(state.Plates));
   const CompressedBreast breast(grid, mesh, simulation);
@@ -426,7 +366,7 @@ void Run(CompressArguments& arguments)
   {
     WritePicture(arguments.Picture, grid, compressed, state.Plates, placed.X, table);
   }
-  PrintSummary(state, simulation, simulationMesh.NumberOfCells(), thicknessMm);
+  PrintSummary(state, simulation, model.NumberOfSimulationCells(), thicknessMm);
   const std::size_t inverted = CompressedBreast::NumberOfInvertedCells(compressed);
   if (inverted > 0)
   {

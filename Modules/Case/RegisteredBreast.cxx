@@ -5,9 +5,9 @@
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/IO/MeshConversion.h"
 #include "mammoray/IO/MeshIO.h"
-#include "mammoray/Registration/RegistrationModel.h"
+#include "mammoray/Registration/EvaluatedState.h"
 #include "mammoray/Registration/Silhouette.h"
-#include "mammoray/Registration/TargetImage.h"
+#include "mammoray/Registration/RegistrationTarget.h"
 #include "mammoray/Report/RegistrationReport.h"
 #include "mammoray/XRay/LabelSurface.h"
 

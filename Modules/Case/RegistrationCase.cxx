@@ -2,7 +2,6 @@
 #include "mammoray/Case/RegistrationCase.h"
 
 #include "mammoray/Biomechanics/ElasticTable.h"
-#include "mammoray/Biomechanics/Embedding.h"
 #include "mammoray/Case/RegisteredBreast.h"
 #include "mammoray/Case/ResultFile.h"
 #include "mammoray/IO/MammogramIO.h"
@@ -12,10 +11,10 @@
 #include "mammoray/IO/Sha256.h"
 #include "mammoray/IO/ShippedData.h"
 #include "mammoray/Registration/MammogramMask.h"
-#include "mammoray/Registration/MammogramTarget.h"
+#include "mammoray/Registration/TargetPreparation.h"
 
 #ifdef MAMMORAY_HAS_MESHING
-#include "mammoray/Meshing/SimulationMesh.h"
+#include "mammoray/Meshing/LabelMesher.h"
 #endif
 
 #include "vtkUnstructuredGrid.h"
@@ -66,24 +65,12 @@ TetrahedralMesh MeshAnatomy(const LabelVolume& materials, const std::vector<int>
   options.CellSizeMm = cellSizeMm;
   return MeshMaterials(materials, options, progress).Mesh;
 }
-
-TetrahedralMesh MeshTissue(const LabelVolume& materials, const std::vector<bool>& held,
-  double cellSizeMm, const ProgressCallback& progress)
-{
-  return MeshForSimulation(materials, held, cellSizeMm, progress).Mesh;
-}
 #else
 TetrahedralMesh MeshAnatomy(const LabelVolume&, const std::vector<int>&, double,
   const ProgressCallback&)
 {
   throw InputError("registration: this build has no Meshing module; expected an anatomy mesh and a "
                    "simulation mesh made elsewhere");
-}
-
-TetrahedralMesh MeshTissue(const LabelVolume& materials, const std::vector<bool>&,
-  double cellSizeMm, const ProgressCallback& progress)
-{
-  return MeshAnatomy(materials, {}, cellSizeMm, progress);
 }
 #endif
 
@@ -281,10 +268,10 @@ void CheckCount(const std::vector<std::string>& given, const RegistrationCase& i
 }
 
 /**
- * Reads the mammograms into the result, each with its start; models and targets of the views that
- * are answered are still to be set.
+ * Reads the mammograms into the result, each with its start; models, placements and targets of the
+ * mammograms that are answered are still to be set.
  */
-std::vector<RegistrationView> ReadViews(const RegistrationCase& input,
+std::vector<JointMammogram> ReadMammograms(const RegistrationCase& input,
   RegistrationCaseResult& result)
 {
   CheckCount(input.Masks, input, "mask");
@@ -299,10 +286,10 @@ std::vector<RegistrationView> ReadViews(const RegistrationCase& input,
       std::to_string(input.Mammograms.size()) + " mammogram(s), found one of " +
       std::to_string(resumed.size()));
   }
-  std::vector<RegistrationView> views;
+  std::vector<JointMammogram> mammograms;
   for (const std::string& path : input.Mammograms)
   {
-    const std::size_t number = views.size();
+    const std::size_t number = mammograms.size();
     RegisteredView& view = result.Views.emplace_back();
     view.Path = path;
     view.Mammogram = ReadCaseMammogram(input, number);
@@ -321,7 +308,7 @@ std::vector<RegistrationView> ReadViews(const RegistrationCase& input,
     }
     view.Warnings = view.Target.Warnings;
     view.Unit = UnitOf(input, view.Mammogram, view.Warnings);
-    RegistrationView& searched = views.emplace_back();
+    JointMammogram& searched = mammograms.emplace_back();
     searched.Parameters = DefaultParameters(StartOf(input, number, view.Mammogram, view.Warnings));
     FreeParameters(free, searched.Parameters);
     if (!input.Resume.empty())
@@ -329,50 +316,51 @@ std::vector<RegistrationView> ReadViews(const RegistrationCase& input,
       searched.From = ResumeFrom(input, resumed[number], path, searched.Parameters);
     }
   }
-  if (views.empty())
+  if (mammograms.empty())
   {
     throw InputError("registration: expected a mammogram, found none");
   }
-  return views;
+  return mammograms;
 }
 
-/// Registers the views together, each with its own unit.
-void Search(const RegistrationCase& input, const RegistrationModel& model,
-  std::vector<RegistrationView>& views, RegistrationCaseResult& result,
+/// Registers the mammograms together, each with its own unit.
+void Search(const RegistrationCase& input, BreastModel& model,
+  std::vector<JointMammogram>& mammograms, RegistrationCaseResult& result,
   const ProgressCallback& progress)
 {
-  std::vector<RegistrationModel> models(views.size(), model);
-  for (std::size_t view = 0; view < views.size(); ++view)
+  for (std::size_t number = 0; number < mammograms.size(); ++number)
   {
-    models[view].Unit = result.Views[view].Unit;
-    views[view].Model = &models[view];
-    views[view].Target = &result.Views[view].Target;
+    JointMammogram& mammogram = mammograms[number];
+    mammogram.Model = &model;
+    mammogram.Placement = { result.Axes, result.Anchor, result.Views[number].Unit };
+    mammogram.Target = &result.Views[number].Target;
   }
-  JointRegistrationResult found = RegisterTogether(views, input.Options, progress);
+  JointRegistrationResult found = RegisterTogether(mammograms, input.Options, progress);
   result.Unknowns = std::move(found.Unknowns);
   result.Covariance = std::move(found.Covariance);
-  for (std::size_t view = 0; view < views.size(); ++view)
+  for (std::size_t number = 0; number < mammograms.size(); ++number)
   {
-    RegisteredView& registered = result.Views[view];
-    registered.Registration = std::move(found.Views[view]);
+    RegisteredView& registered = result.Views[number];
+    registered.Registration = std::move(found.Mammograms[number]);
     registered.Warnings.insert(registered.Warnings.end(), registered.Registration.Warnings.begin(),
       registered.Registration.Warnings.end());
   }
 }
 
-/// What a view shows where the search ended.
-void Picture(const RegistrationModel& model, const Embedding& anatomy, RegisteredView& view)
+/// What a mammogram shows where the search ended.
+void Picture(BreastModel& model, const UnitPlacement& placement, RegisteredView& view)
 {
   RegistrationResult& found = view.Registration;
-  view.Placed = PlaceUnit(model.Axes, model.Anchor, model.Unit, found.Pose);
-  view.Synthetic = Synthesize(model, found.Pose, found.State, view.Target, 1);
+  EvaluatedState breast(model, model.Body(), placement, found.Pose, found.State);
+  view.Placed = breast.Placed();
+  view.Synthetic = Synthesize(breast, view.Target, 1);
   found.After = Compare(view.Synthetic, view.Target);
   if (view.Synthetic.InconsistentRays > 0)
   {
     view.Warnings.push_back(std::to_string(view.Synthetic.InconsistentRays) +
       " rays of the synthetic mammogram crossed a surface that does not close.");
   }
-  view.CompressedPoints = anatomy.Map(found.State.Positions);
+  view.CompressedPoints = model.AnatomyPoints().Map(found.State.Positions);
   std::vector<int> uncertain;
   for (std::size_t index = 0; index < found.Parameters.size(); ++index)
   {
@@ -381,8 +369,8 @@ void Picture(const RegistrationModel& model, const Embedding& anatomy, Registere
       uncertain.push_back(static_cast<int>(index));
     }
   }
-  std::vector<std::vector<double>> velocities =
-    VelocitiesSeenFromUnit(model, found.Values, found.State, anatomy, uncertain);
+  std::vector<std::vector<double>> velocities = model.Body().VelocitiesSeenFromUnit(placement,
+    found.Pose, found.State, model.AnatomyPoints(), view.CompressedPoints, uncertain);
   view.Sensitivities.resize(found.Parameters.size());
   for (std::size_t index = 0; index < uncertain.size(); ++index)
   {
@@ -424,59 +412,38 @@ RegistrationCaseResult RunRegistrationCase(const RegistrationCase& input,
       ": expected a material with \"held\": true (the chest wall), "
       "found none");
   }
-  std::vector<RegistrationView> views = ReadViews(input, result);
-  const Spectrum spectrum = FindSpectrum(input.Spectrum);
-  const Beam beam = MakeBeam(result.Materials, spectrum, DetectorResponse::EnergyIntegrating);
-  ProjectorOptions projectorOptions;
-  projectorOptions.Device = input.Device;
-  projectorOptions.Projection = MethodFromName(input.Projector);
-  const auto projector = MakeProjector(projectorOptions);
+  std::vector<JointMammogram> mammograms = ReadMammograms(input, result);
+  Beam beam =
+    MakeBeam(result.Materials, FindSpectrum(input.Spectrum), DetectorResponse::EnergyIntegrating);
+  auto projector =
+    MakeProjector({ .Projection = MethodFromName(input.Projector), .Device = input.Device });
   result.Device = projector->DeviceName() + ", " + MethodName(projector->Method());
-  const LabelVolume materials = ReadMaterials(input.Labels, result.Materials);
-  result.Anchor = FindPoseAnchor(materials, held, result.Axes);
+  BreastModelOptions options;
+  options.Volume = ReadMaterials(input.Labels, result.Materials);
+  result.Anchor = FindPoseAnchor(*options.Volume, held, result.Axes);
   stopwatch.Stage("read");
 
   result.Anatomy = input.AnatomyMesh.empty()
-    ? MeshAnatomy(materials, result.Materials.Thin(), input.AnatomyCellSizeMm, progress)
+    ? MeshAnatomy(*options.Volume, result.Materials.Thin(), input.AnatomyCellSizeMm, progress)
     : ReadTetrahedra(input.AnatomyMesh, result.Materials);
   stopwatch.Stage("mesh the anatomy");
-  const TetrahedralMesh coarse = input.SimulationMesh.empty()
-    ? MeshTissue(materials, held, input.SimulationCellSizeMm, progress)
+  options.SimulationMesh = input.SimulationMesh.empty()
+    ? MakeSimulationMesh(*options.Volume, held, input.SimulationCellSizeMm, progress)
     : ReadTetrahedra(input.SimulationMesh, result.Materials);
-  result.SimulationCells = coarse.NumberOfCells();
+  result.SimulationCells = options.SimulationMesh->NumberOfCells();
   stopwatch.Stage("mesh for the mechanics");
 
-  const MaterialField field = [&materials](const Vector3& point)
-  { return static_cast<int>(materials.LabelAt(point)); };
-  CompressionSimulation simulation(coarse, mechanics.Elastic, held, field);
-  CompressionSimulation scout(coarse, mechanics.Elastic, held, field,
-    { .Element = ElementType::PatchAveragedLinear });
-  const SurfaceMesh surface = ExtractInterfaces(result.Anatomy);
+  options.Predicted = true;
+  BreastModel model(result.Anatomy, result.Materials, std::move(options), progress);
+  SurfaceMesh surface = ExtractInterfaces(result.Anatomy);
   result.SurfaceTriangles = surface.NumberOfTriangles();
-  projector->SetSurface(surface);
-  const Embedding surfaceEmbedding(simulation, surface.Points);
-  const Embedding scoutEmbedding(scout, surface.Points);
+  model.SetXRays(std::move(surface), std::move(projector), std::move(beam));
   stopwatch.Stage("prepare");
-
-  RegistrationModel model;
-  model.Simulation = &simulation;
-  model.Elastic = mechanics.Elastic;
-  model.ScaledMaterials = result.Materials.Glandular();
-  model.Surface = &surface;
-  model.SurfaceEmbedding = &surfaceEmbedding;
-  model.Scout = &scout;
-  model.ScoutEmbedding = &scoutEmbedding;
-  model.Projector = projector.get();
-  model.XRays = &beam;
-  model.Axes = result.Axes;
-  model.Anchor = result.Anchor;
-  Search(input, model, views, result, progress);
+  Search(input, model, mammograms, result, progress);
   stopwatch.Stage("register");
-  const Embedding anatomy(simulation, result.Anatomy.Points);
   for (RegisteredView& view : result.Views)
   {
-    model.Unit = view.Unit;
-    Picture(model, anatomy, view);
+    Picture(model, { result.Axes, result.Anchor, view.Unit }, view);
   }
   stopwatch.Stage("synthetic mammogram");
   return result;

@@ -8,9 +8,8 @@
 #include "mammoray/Foundation/PoseParameters.h"
 #include "mammoray/Foundation/Progress.h"
 #include "mammoray/Foundation/TetrahedralMesh.h"
-#include "mammoray/Registration/MammogramTarget.h"
 #include "mammoray/Registration/Registration.h"
-#include "mammoray/Registration/RegistrationTarget.h"
+#include "mammoray/Registration/TargetPreparation.h"
 #include "mammorayCaseModule.h"
 
 #include <array>

@@ -1,22 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mammoray/Evidence/TwinExperiment.h"
 
-#include "mammoray/Biomechanics/ElasticTable.h"
 #include "mammoray/Biomechanics/Embedding.h"
 #include "mammoray/Case/RegistrationCase.h"
 #include "mammoray/Evidence/LandmarkEvaluation.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/IO/ShippedData.h"
 #include "mammoray/Meshing/LabelMesher.h"
-#include "mammoray/Meshing/SimulationMesh.h"
 #include "mammoray/Registration/Annealing.h"
-#include "mammoray/Registration/MammogramTarget.h"
+#include "mammoray/Registration/TargetPreparation.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <optional>
 #include <random>
+#include <utility>
 
 namespace mammoray
 {
@@ -43,63 +41,51 @@ double EdgeOf(const LabelVolume& materials)
   return std::cbrt(static_cast<double>(tissue) * materials.VoxelVolume());
 }
 
+/// Whether a side has the predictor with which a search begins.
+enum class Search
+{
+  Direct,
+  Predicted
+};
+
 /// One of the two: what compresses and pictures the phantom.
 struct Side
 {
   Side(const LabelVolume& materials, const MaterialTable& table, const AnatomicalAxes& axes,
-    double cellSizeMm, double anatomyMm, ElementType element, const std::string& spectrum,
-    const ProgressCallback& progress)
-    : Mechanics(table)
-    , XRays(MakeBeam(table, FindSpectrum(spectrum), DetectorResponse::EnergyIntegrating))
-    , Tissue(MeshForSimulation(materials, this->Mechanics.Held, cellSizeMm, progress).Mesh)
-    , Simulation(Made(materials, element))
-    , Surface(ExtractInterfaces(MeshAnatomy(materials, table, anatomyMm, progress)))
-    , SurfaceEmbedding(this->Simulation, this->Surface.Points)
-    , Projector(MakeProjector())
+    double cellSizeMm, double anatomyMm, ElementType element, Search search,
+    const std::string& spectrum, const ProgressCallback& progress)
+    : Model(MeshAnatomy(materials, table, anatomyMm, progress), table,
+        { .Volume = materials,
+          .SimulationMesh = MakeSimulationMesh(materials, table.Held(), cellSizeMm, progress),
+          .Compression = { .Element = element },
+          .Predicted = search == Search::Predicted },
+        progress)
+    , Placement{ axes, FindPoseAnchor(materials, table.Held(), axes), {} }
+    , Elastic(this->Model.Body().Elastic())
   {
-    this->Projector->SetSurface(this->Surface);
-    this->Model.Simulation = &this->Simulation;
-    this->Model.Elastic = this->Mechanics.Elastic;
-    this->Model.ScaledMaterials = table.Glandular();
-    this->Model.Surface = &this->Surface;
-    this->Model.SurfaceEmbedding = &this->SurfaceEmbedding;
-    this->Model.Projector = this->Projector.get();
-    this->Model.XRays = &this->XRays;
-    this->Model.Axes = axes;
-    this->Model.Anchor = FindPoseAnchor(materials, this->Mechanics.Held, axes);
+    this->Model.SetXRays(ExtractInterfaces(this->Model.Anatomy()), MakeProjector(),
+      MakeBeam(table, FindSpectrum(spectrum), DetectorResponse::EnergyIntegrating));
   }
 
-  CompressionSimulation Made(const LabelVolume& materials, ElementType element) const
+  /// Points of the phantom at rest, 3 x pointCount, where a state moves them to, in the gantry.
+  std::vector<Vector3> ToGantry(const BreastPose& pose, const CompressionState& state,
+    const std::vector<double>& points) const
   {
-    return CompressionSimulation(this->Tissue, this->Mechanics.Elastic, this->Mechanics.Held,
-      [&materials](const Vector3& point) { return static_cast<int>(materials.LabelAt(point)); },
-      { .Element = element });
+    const VolumeFromGantry placed = this->Placement.At(pose);
+    const std::vector<double> moved =
+      Embedding(this->Model.Body().Simulation(), points).Map(state.Positions);
+    std::vector<Vector3> gantry;
+    for (std::size_t index = 0; index < moved.size(); index += 3)
+    {
+      gantry.push_back(placed.ToGantry({ moved[index], moved[index + 1], moved[index + 2] }));
+    }
+    return gantry;
   }
 
-  /// As RunRegistrationCase has it.
-  void AddScout(const LabelVolume& materials)
-  {
-    this->Scout.emplace(Made(materials, ElementType::PatchAveragedLinear));
-    this->ScoutEmbedding.emplace(*this->Scout, this->Surface.Points);
-    this->Model.Scout = &*this->Scout;
-    this->Model.ScoutEmbedding = &*this->ScoutEmbedding;
-  }
-
-  VolumeFromGantry Placed(const BreastPose& pose) const
-  {
-    return PlaceUnit(this->Model.Axes, this->Model.Anchor, this->Model.Unit, pose);
-  }
-
-  const ElasticTable Mechanics;
-  const Beam XRays;
-  const TetrahedralMesh Tissue;
-  CompressionSimulation Simulation;
-  const SurfaceMesh Surface;
-  const Embedding SurfaceEmbedding;
-  std::unique_ptr<PathLengthProjector> Projector;
-  std::optional<CompressionSimulation> Scout;
-  std::optional<Embedding> ScoutEmbedding;
-  RegistrationModel Model;
+  BreastModel Model;
+  UnitPlacement Placement;
+  /// The table's materials.
+  std::vector<ElasticMaterial> Elastic;
 };
 
 /// Numbers of a problem, the same on every machine.
@@ -250,15 +236,6 @@ double HeightMm(const LabelVolume& materials, const std::vector<bool>& held, con
   return high - low;
 }
 
-std::vector<Vector3> ToGantry(const VolumeFromGantry& placed, const std::vector<double>& points)
-{
-  std::vector<Vector3> gantry;
-  for (std::size_t index = 0; index < points.size(); index += 3)
-  {
-    gantry.push_back(placed.ToGantry({ points[index], points[index + 1], points[index + 2] }));
-  }
-  return gantry;
-}
 }
 
 const char* NameOf(TwinKind kind)
@@ -300,36 +277,36 @@ struct TwinExperiment::Internals
     , Table(table)
     , Options(options)
     , Model(this->Volume, table, axes, EdgeOf(materials) / options.ModelFineness,
-        options.ModelAnatomyMm, ElementType::Quadratic, options.ModelSpectrum, progress)
+        options.ModelAnatomyMm, ElementType::Quadratic, Search::Predicted, options.ModelSpectrum,
+        progress)
     , Target(this->Volume, table, axes, EdgeOf(materials) / options.TargetFineness,
-        options.TargetAnatomyMm, ElementType::PatchAveragedLinear, options.TargetSpectrum, progress)
+        options.TargetAnatomyMm, ElementType::PatchAveragedLinear, Search::Direct,
+        options.TargetSpectrum, progress)
     , HeightMm(mammoray::HeightMm(materials, table.Held(), axes.Superior))
   {
-    this->Model.AddScout(this->Volume);
   }
 
   /// Materials of the target for a kind: the model knows nothing of the wrong one.
   void SetTargetMaterials(TwinKind kind)
   {
-    RegistrationModel& model = this->Target.Model;
-    model.Elastic = this->Target.Mechanics.Elastic;
+    std::vector<ElasticMaterial> elastic = this->Target.Elastic;
     if (kind == TwinKind::WrongMaterial)
     {
-      for (std::size_t index = 1; index < model.Elastic.size(); ++index)
+      for (std::size_t index = 1; index < elastic.size(); ++index)
       {
         if (this->Table.Materials[index].Attenuation == "adipose")
         {
-          model.Elastic[index].YoungsModulusKPa *= WrongFatFactor;
+          elastic[index].YoungsModulusKPa *= WrongFatFactor;
         }
       }
     }
-    this->Target.Simulation.SetMaterials(model.Elastic);
+    this->Target.Model.Body().SetElastic(std::move(elastic));
   }
 
   /// Centres of voxels of the breast whose points are between the plates and in the picture.
   void DrawPoints(TwinProblem& problem, const CompressionState& state, Draws& draws) const
   {
-    const VolumeFromGantry placed = this->Target.Placed(PoseOf(problem.Truth));
+    const BreastPose pose = PoseOf(problem.Truth);
     const std::vector<bool> held = this->Table.Held();
     while (static_cast<int>(problem.TruePositions.size()) < this->Options.NumberOfPoints)
     {
@@ -345,8 +322,7 @@ struct TwinExperiment::Internals
       }
       const Vector3 point = this->Volume.PointAt(i, j, k);
       const std::vector<double> rest(point.begin(), point.end());
-      const Vector3 gantry =
-        ToGantry(placed, Embedding(this->Target.Simulation, rest).Map(state.Positions)).front();
+      const Vector3 gantry = this->Target.ToGantry(pose, state, rest).front();
       if (gantry[1] > 0)
       {
         problem.Points.insert(problem.Points.end(), rest.begin(), rest.end());
@@ -357,8 +333,8 @@ struct TwinExperiment::Internals
 
   std::vector<double> Errors(const TwinProblem& problem, const RegistrationResult& result) const
   {
-    const std::vector<Vector3> found = ToGantry(this->Model.Placed(result.Pose),
-      Embedding(this->Model.Simulation, problem.Points).Map(result.State.Positions));
+    const std::vector<Vector3> found =
+      this->Model.ToGantry(result.Pose, result.State, problem.Points);
     std::vector<double> errors;
     for (std::size_t index = 0; index < found.size(); ++index)
     {
@@ -400,12 +376,14 @@ TwinProblem TwinExperiment::Draw(TwinKind kind, int number, const ProgressCallba
     try
     {
       const BreastPose pose = PoseOf(problem.Truth);
+      BreastModel& model = self.Target.Model;
       const CompressionState state =
-        CompressAt(self.Target.Model, problem.Truth, nullptr, progress);
+        model.Body().Compress(self.Target.Placement, pose, nullptr, progress);
       problem.Parameters = DrawParameters(draws, kind, problem.Truth);
       self.DrawPoints(problem, state, draws);
       const RegistrationTarget grid = Detector(self.Options.PixelMm);
-      const SyntheticMammogram synthetic = Synthesize(self.Target.Model, pose, state, grid, 2);
+      EvaluatedState breast(model, model.Body(), self.Target.Placement, pose, state);
+      const SyntheticMammogram synthetic = Synthesize(breast, grid, 2);
       problem.Target =
         PrepareTarget(Develop(synthetic.LogAttenuation, grid, self.Options.Noise, draws));
       return problem;
@@ -439,9 +417,9 @@ TwinRun TwinExperiment::Run(const TwinProblem& problem, TwinSearch search, int b
     options.Derivatives = RegistrationDerivatives::CentralDifferences;
   }
   const RegistrationResult result = search == TwinSearch::Annealing
-    ? Anneal(self.Model.Model, problem.Target, options,
+    ? Anneal(self.Model.Model, self.Model.Placement, problem.Target, options,
         { .Equilibria = budget, .Seed = self.Options.Seed }, progress)
-    : mammoray::Register(self.Model.Model, problem.Target, options, progress);
+    : mammoray::Register(self.Model.Model, self.Model.Placement, problem.Target, options, progress);
   ReportProgress(progress, 1, "registered");
 
   TwinRun run;
@@ -450,8 +428,8 @@ TwinRun TwinExperiment::Run(const TwinProblem& problem, TwinSearch search, int b
   run.Search = NameOf(search);
   run.Number = problem.Number;
   run.Redrawn = problem.Redrawn;
-  run.ModelCells = self.Model.Tissue.NumberOfCells();
-  run.TargetCells = self.Target.Tissue.NumberOfCells();
+  run.ModelCells = self.Model.Model.NumberOfSimulationCells();
+  run.TargetCells = self.Target.Model.NumberOfSimulationCells();
   run.Truth = problem.Truth;
   for (const RegistrationParameter& parameter : problem.Parameters)
   {

@@ -7,11 +7,9 @@
 #include "mammoray/Biomechanics/PlacedPlates.h"
 #include "mammoray/Case/CompressedBreast.h"
 #include "mammoray/Foundation/MammographyGeometry.h"
-#include "mammoray/Foundation/MeshVoxels.h"
 #include "mammoray/IO/MeshConversion.h"
 #include "mammoray/IO/ShippedData.h"
-#include "mammoray/Registration/BreastMechanics.h"
-#include "mammoray/Registration/SimulationLead.h"
+#include "mammoray/Registration/BreastModel.h"
 
 #include "vtkDataArray.h"
 #include "vtkDataObject.h"
@@ -65,9 +63,7 @@ struct vtkBreastCompression::Internals
 {
   std::map<int, HeldMaterial> Given;
   Setup Made;
-  /// Material indices of the anatomy; empty where the simulation runs on its cells.
-  std::optional<LabelVolume> Volume;
-  std::unique_ptr<CompressionSimulation> Simulation;
+  std::unique_ptr<BreastModel> Model;
   std::optional<CompressionState> State;
   /// The state found last for a force, and the force with the plates it began with.
   std::optional<CompressionState> Pressed;
@@ -118,31 +114,19 @@ ElasticTable vtkBreastCompression::Internals::MaterialsOf(const TetrahedralMesh&
 
 void vtkBreastCompression::Internals::Prepare(Setup setup, const ProgressCallback& progress)
 {
-  if (this->Simulation && setup == this->Made)
+  if (this->Model && setup == this->Made)
   {
     return;
   }
   this->State.reset();
   this->Pressed.reset();
-  this->Simulation.reset(); // should this throw, nothing is taken for current
-  MaterialField field;
-  if (setup.Coarse)
-  {
-    this->Volume = Voxelize(setup.Anatomy, BreastMechanicsOptions::VoxelMm);
-    field = [this](const Vector3& point) { return static_cast<int>(this->Volume->LabelAt(point)); };
-  }
-  const TetrahedralMesh& mesh = setup.Coarse ? *setup.Coarse : setup.Anatomy;
-  auto simulation = std::make_unique<CompressionSimulation>(mesh, setup.Materials.Elastic,
-    setup.Materials.Held, field, setup.Options);
-  if (Norm(setup.ImageGravity) > 0)
-  {
-    simulation->Unload(setup.ImageGravity, progress);
-  }
-  else
-  {
-    LeadIfLarge(*simulation, mesh, setup.Materials, setup.Options, progress);
-  }
-  this->Simulation = std::move(simulation);
+  this->Model.reset(); // should this throw, nothing is taken for current
+  const std::vector<int> noGland;
+  this->Model = std::make_unique<BreastModel>(setup.Anatomy, setup.Materials, noGland,
+    BreastModelOptions{ .SimulationMesh = setup.Coarse,
+      .Compression = setup.Options,
+      .ImageGravityMPerS2 = setup.ImageGravity },
+    progress);
   this->Made = std::move(setup);
 }
 
@@ -153,7 +137,7 @@ void vtkBreastCompression::Internals::Compress(const PlatePair& plates,
   {
     try
     {
-      this->State = this->Simulation->Compress(plates, &*this->State, progress);
+      this->State = this->Model->Body().Simulation().Compress(plates, &*this->State, progress);
       return;
     }
     catch (const ConvergenceError&)
@@ -162,7 +146,7 @@ void vtkBreastCompression::Internals::Compress(const PlatePair& plates,
     }
   }
   this->State.reset();
-  this->State = this->Simulation->Compress(plates, nullptr, progress);
+  this->State = this->Model->Body().Simulation().Compress(plates, nullptr, progress);
 }
 
 void vtkBreastCompression::Internals::CompressToForce(const PlatePair& plates,
@@ -171,8 +155,8 @@ void vtkBreastCompression::Internals::CompressToForce(const PlatePair& plates,
   if (!this->Pressed || this->PressedFor != std::pair(forceN, plates))
   {
     this->Pressed.reset();
-    this->Pressed =
-      this->Simulation->CompressToForce(plates, PlateMotion(plates, closer), forceN, progress);
+    this->Pressed = this->Model->Body().Simulation().CompressToForce(plates,
+      PlateMotion(plates, closer), forceN, progress);
     this->PressedFor = { forceN, plates };
   }
   this->State = this->Pressed;
@@ -326,7 +310,7 @@ int vtkBreastCompression::RequestData(vtkInformation*, vtkInformationVector** in
     }
     if (time < 1)
     {
-      const PlatePair open = internal.Simulation->OpenedPlates(closed, progress);
+      const PlatePair open = internal.Model->Body().Simulation().OpenedPlates(closed, progress);
       internal.Compress(MovedPlates(open, PlateMotion(open, closed), time), progress);
     }
     else if (!(this->ForceN > 0))
@@ -334,9 +318,9 @@ int vtkBreastCompression::RequestData(vtkInformation*, vtkInformationVector** in
       internal.Compress(closed, progress);
     }
     const bool given = time == 1 && !(this->ForceN > 0);
-    const CompressedBreast breast = internal.Made.Coarse
-      ? CompressedBreast(input, internal.Made.Anatomy, *internal.Simulation)
-      : CompressedBreast(input, *internal.Simulation);
+    const CompressedBreast breast = internal.Model->IsCarried()
+      ? CompressedBreast(input, internal.Made.Anatomy, internal.Model->Body().Simulation())
+      : CompressedBreast(input, internal.Model->Body().Simulation());
     output->ShallowCopy(
       breast.At(*internal.State, given ? std::optional<double>(this->ThicknessMm) : std::nullopt));
     pose.ThicknessMm = output->GetFieldData()->GetArray("ThicknessMm")->GetTuple1(0);

@@ -8,7 +8,7 @@
  * ForMechanics), which carries input 0 along; its stiffness is sampled from the materials of
  * input 0. Without it the simulation runs on input 0: its cells are made quadratic, so some
  * thousand of them are meant, or tens of thousands with SetElementToLinear (then a coarse mesh goes
- * the way first: LeadIfLarge). Elastic constants come from MaterialTable or SetMaterial; cells of
+ * the way first: BreastModel). Elastic constants come from MaterialTable or SetMaterial; cells of
  * held materials (the chest wall) do not move, but where the breast glides along them (ChestWall)
  * those beside it are drawn along.
  *

@@ -2,16 +2,15 @@
 #include "mammoray/Filters/vtkBreastRegistration.h"
 
 #include "Private/FilterRequest.h"
-#include "mammoray/Biomechanics/Embedding.h"
 #include "mammoray/Case/RegisteredBreast.h"
 #include "mammoray/Filters/vtkBreastMesher.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/IO/ImageConversion.h"
 #include "mammoray/IO/MeshConversion.h"
 #include "mammoray/IO/ShippedData.h"
-#include "mammoray/Registration/BreastMechanics.h"
-#include "mammoray/Registration/MammogramTarget.h"
+#include "mammoray/Registration/BreastModel.h"
 #include "mammoray/Registration/Registration.h"
+#include "mammoray/Registration/TargetPreparation.h"
 
 #include "vtkDoubleArray.h"
 #include "vtkFieldData.h"
@@ -49,26 +48,24 @@ struct Setup
 /// A breast ready to be registered.
 struct PreparedBreast
 {
-  PreparedBreast(Setup setup, const ProgressCallback& progress)
+  PreparedBreast(Setup setup, const mammoray::Spectrum& spectrum, const ProgressCallback& progress)
     : Made(std::move(setup))
     , Table(FindMaterialTable(this->Made.Table))
-    , Mechanics(this->Made.Anatomy, this->Table, { .Mesh = this->Made.Coarse, .Scouted = true },
-        progress)
-    , Surface(ExtractInterfaces(this->Made.Anatomy))
-    , SurfacePoints(this->Mechanics.Simulation(), this->Surface.Points)
-    , ScoutPoints(*this->Mechanics.Model().Scout, this->Surface.Points)
-    , Projector(MakeProjector({ .Device = this->Made.Device }))
+    , Model(this->Made.Anatomy, this->Table,
+        { .SimulationMesh = this->Made.Coarse, .Predicted = true }, progress)
   {
-    this->Projector->SetSurface(this->Surface);
+    this->Model.SetXRays(ExtractInterfaces(this->Made.Anatomy),
+      MakeProjector({ .Device = this->Made.Device }), this->BeamOf(spectrum));
+  }
+
+  Beam BeamOf(const mammoray::Spectrum& spectrum) const
+  {
+    return MakeBeam(this->Table, spectrum, DetectorResponse::EnergyIntegrating);
   }
 
   Setup Made;
   MaterialTable Table;
-  BreastMechanics Mechanics;
-  SurfaceMesh Surface;
-  Embedding SurfacePoints;
-  Embedding ScoutPoints;
-  std::unique_ptr<PathLengthProjector> Projector;
+  BreastModel Model;
 };
 
 void AddDoubles(vtkFieldData* fields, const char* name, const std::vector<double>& values,
@@ -114,13 +111,7 @@ void Free(const std::string& names, std::vector<RegistrationParameter>& paramete
   std::istringstream words(names);
   for (std::string name; words >> name;)
   {
-    const auto found = std::find_if(parameters.begin(), parameters.end(),
-      [&](const RegistrationParameter& parameter) { return parameter.Name == name; });
-    if (found == parameters.end())
-    {
-      throw InputError("FreeParameters: there is no parameter '" + name + "'");
-    }
-    found->Fixed = false;
+    parameters[FindPoseParameter(name).Index].Fixed = false;
   }
 }
 
@@ -303,25 +294,21 @@ int vtkBreastRegistration::RequestData(vtkInformation*, vtkInformationVector** i
     if (!internal.Breast || !(internal.Breast->Made == setup))
     {
       internal.Breast.reset();
-      internal.Breast = std::make_unique<PreparedBreast>(std::move(setup), progress);
+      internal.Breast = std::make_unique<PreparedBreast>(std::move(setup), spectrum, progress);
       ++this->NumberOfSetups;
     }
     PreparedBreast& breast = *internal.Breast;
-    const Beam beam = MakeBeam(breast.Table, spectrum, DetectorResponse::EnergyIntegrating);
-    RegistrationModel model = breast.Mechanics.Model();
-    model.Surface = &breast.Surface;
-    model.SurfaceEmbedding = &breast.SurfacePoints;
-    model.ScoutEmbedding = &breast.ScoutPoints;
-    model.Projector = breast.Projector.get();
-    model.XRays = &beam;
-    model.Axes = axes;
-    model.Anchor = FindPoseAnchor(breast.Made.Anatomy, breast.Table.Held(), axes);
-    model.Unit.SourceToDetectorMm = this->SourceToDetectorMm > 0
+    BreastModel& model = breast.Model;
+    model.SetBeam(breast.BeamOf(spectrum));
+    UnitPlacement placement{ axes, FindPoseAnchor(breast.Made.Anatomy, breast.Table.Held(), axes),
+      {} };
+    placement.Unit.SourceToDetectorMm = this->SourceToDetectorMm > 0
       ? this->SourceToDetectorMm
-      : internal.Mammogram.SourceToDetectorMm.value_or(model.Unit.SourceToDetectorMm);
-    const RegistrationResult result = mammoray::Register(model, internal.Target, options, progress);
+      : internal.Mammogram.SourceToDetectorMm.value_or(placement.Unit.SourceToDetectorMm);
+    const RegistrationResult result =
+      mammoray::Register(model, placement, internal.Target, options, progress);
 
-    const std::vector<double> points = breast.Mechanics.AnatomyPoints().Map(result.State.Positions);
+    const std::vector<double> points = model.AnatomyPoints().Map(result.State.Positions);
     output->ShallowCopy(grid);
     vtkNew<vtkPoints> moved;
     moved->SetDataTypeToDouble();
@@ -345,15 +332,15 @@ int vtkBreastRegistration::RequestData(vtkInformation*, vtkInformationVector** i
         free.push_back(index);
       }
     }
-    const std::vector<std::vector<double>> velocities = VelocitiesSeenFromUnit(model, result.Values,
-      result.State, breast.Mechanics.AnatomyPoints(), free);
+    const std::vector<std::vector<double>> velocities = model.Body().VelocitiesSeenFromUnit(
+      placement, result.Pose, result.State, model.AnatomyPoints(), points, free);
     for (std::size_t index = 0; index < free.size(); ++index)
     {
       AddVectors(output,
         SensitivityArrayPrefix + result.Parameters[static_cast<std::size_t>(free[index])].Name,
         velocities[index]);
     }
-    AddResult(output, result, PlaceUnit(axes, model.Anchor, model.Unit, result.Pose));
+    AddResult(output, result, placement.At(result.Pose));
     return 1;
   }
   catch (...)

@@ -1,43 +1,37 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mammoray/Registration/Annealing.h"
 
+#include "Private/MammogramEvaluator.h"
 #include "Private/ValidateRegistration.h"
 #include "mammoray/Foundation/Error.h"
-#include "mammoray/Registration/TargetImage.h"
+#include "mammoray/Registration/RegistrationTarget.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <random>
+#include <utility>
 
 namespace mammoray
 {
 namespace
 {
-using Clock = std::chrono::steady_clock;
-
-double SecondsSince(Clock::time_point begin)
-{
-  return std::chrono::duration<double>(Clock::now() - begin).count();
-}
-
 /// Where the walk is.
 struct Place
 {
   std::vector<double> Values;
-  CompressionState State;
+  std::shared_ptr<EvaluatedState> Breast;
   RegistrationCosts Costs;
 };
 
 class Walk
 {
 public:
-  Walk(const RegistrationModel& model, const RegistrationTarget& target,
-    const RegistrationOptions& options, RegistrationResult& result,
-    const ProgressCallback& progress)
-    : Model(model)
-    , Compared(model, target, options)
+  Walk(SearchedBreast breast, const RegistrationTarget& target, const RegistrationOptions& options,
+    RegistrationResult& result, const ProgressCallback& progress)
+    : Breast(std::move(breast))
+    , Compared(target, options)
     , PixelSizeMm(options.PixelSizesMm.back())
     , Result(result)
     , Progress(progress)
@@ -45,7 +39,7 @@ public:
   }
 
   /// Solved from another place where there is one. Throws ConvergenceError.
-  Place At(const std::vector<double>& values, const CompressionState* from)
+  Place At(const std::vector<double>& values, const EvaluatedState* from)
   {
     Place place;
     place.Values = values;
@@ -53,7 +47,9 @@ public:
     const auto compressing = Clock::now();
     try
     {
-      place.State = CompressAt(this->Model, values, from, this->Progress);
+      place.Breast = this->Breast.At(values,
+        this->Breast.Body->Compress(this->Breast.Placement, PoseOf(values),
+          from ? &from->State() : nullptr, this->Progress));
     }
     catch (const ConvergenceError&)
     {
@@ -62,7 +58,7 @@ public:
     }
     this->Result.MechanicsSeconds += SecondsSince(compressing);
     const auto projecting = Clock::now();
-    place.Costs = this->Compared.Costs(this->Compared.Evaluate(values, place.State));
+    place.Costs = this->Compared.Costs(this->Compared.Evaluate(*place.Breast));
     this->Result.ProjectionSeconds += SecondsSince(projecting);
     ++this->Result.Projections;
     return place;
@@ -81,11 +77,15 @@ public:
     row.Seconds = SecondsSince(this->Begin);
     this->Result.Iterations.push_back(row);
     this->Result.Values = best.Values;
-    this->Result.State = best.State;
+    this->Best = best.Breast;
   }
 
+  /// What was kept last.
+  EvaluatedState& Kept() { return *this->Best; }
+
 private:
-  const RegistrationModel& Model;
+  SearchedBreast Breast;
+  std::shared_ptr<EvaluatedState> Best;
   const RegistrationResiduals Compared;
   double PixelSizeMm;
   RegistrationResult& Result;
@@ -130,7 +130,8 @@ void Search(Walk& walk, Place here, const RegistrationOptions& options,
     const double step = annealing.FirstStep * std::sqrt(temperature / hottest);
     try
     {
-      Place beside = walk.At(Beside(here.Values, options.Parameters, step, generator), &here.State);
+      Place beside =
+        walk.At(Beside(here.Values, options.Parameters, step, generator), here.Breast.get());
       const double rise = beside.Costs.Sum() - here.Costs.Sum();
       if (rise <= 0 || uniform(generator) < std::exp(-rise / temperature))
       {
@@ -150,9 +151,9 @@ void Search(Walk& walk, Place here, const RegistrationOptions& options,
 }
 }
 
-RegistrationResult Anneal(const RegistrationModel& model, const RegistrationTarget& target,
-  const RegistrationOptions& options, const AnnealingOptions& annealing,
-  const ProgressCallback& progress)
+RegistrationResult Anneal(BreastModel& model, const UnitPlacement& placement,
+  const RegistrationTarget& target, const RegistrationOptions& options,
+  const AnnealingOptions& annealing, const ProgressCallback& progress)
 {
   ValidateRegistration(model, options);
   ValidateTarget(target);
@@ -175,11 +176,10 @@ RegistrationResult Anneal(const RegistrationModel& model, const RegistrationTarg
   }
   result.StandardDeviations.assign(ParameterCount, std::numeric_limits<double>::quiet_NaN());
   const RegistrationTarget finest = CoarsenTo(target, options.PixelSizesMm.back());
-  Walk walk(model, finest, options, result, progress);
+  Walk walk({ &model, &model.Body(), placement }, finest, options, result, progress);
   const Place first = walk.At(start, nullptr);
   walk.Keep(first);
-  result.Before =
-    Compare(Synthesize(model, PoseOf(first.Values), first.State, finest, options.Samples), finest);
+  result.Before = Compare(Synthesize(walk.Kept(), finest, options.Samples), finest);
   result.StopReason = "the equilibria are spent";
   try
   {
@@ -190,9 +190,8 @@ RegistrationResult Anneal(const RegistrationModel& model, const RegistrationTarg
     result.StopReason = "interrupted; this is the best pose so far";
   }
   result.Pose = PoseOf(result.Values);
-  result.Stiffness = result.Values[StiffnessParameter];
-  result.After =
-    Compare(Synthesize(model, result.Pose, result.State, finest, options.Samples), finest);
+  result.State = walk.Kept().State();
+  result.After = Compare(Synthesize(walk.Kept(), finest, options.Samples), finest);
   result.Seconds = SecondsSince(begin);
   return result;
 }

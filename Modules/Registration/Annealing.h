@@ -32,9 +32,10 @@ struct AnnealingOptions
  * Start: a search without derivatives to compare with. One iteration is reported for each better
  * pose. Throws as Register, but ConvergenceError where the start has no equilibrium.
  */
-MAMMORAYREGISTRATION_EXPORT RegistrationResult Anneal(const RegistrationModel& model,
-  const RegistrationTarget& target, const RegistrationOptions& options,
-  const AnnealingOptions& annealing, const ProgressCallback& progress = {});
+MAMMORAYREGISTRATION_EXPORT RegistrationResult Anneal(BreastModel& model,
+  const UnitPlacement& placement, const RegistrationTarget& target,
+  const RegistrationOptions& options, const AnnealingOptions& annealing,
+  const ProgressCallback& progress = {});
 }
 
 #endif

@@ -2,7 +2,7 @@
 #include "mammoray/Registration/MammogramMask.h"
 
 #include "mammoray/Foundation/Error.h"
-#include "mammoray/Registration/TargetImage.h"
+#include "mammoray/Registration/RegistrationTarget.h"
 
 #include <algorithm>
 #include <cmath>

@@ -4,6 +4,7 @@
 
 #include "mammoray/Foundation/Progress.h"
 #include "mammoray/Registration/RegistrationResiduals.h"
+#include "mammoray/Registration/SyntheticMammogram.h"
 #include "mammorayRegistrationModule.h"
 
 #include <string>
@@ -28,8 +29,6 @@ struct RegistrationIteration
 struct RegistrationResult
 {
   BreastPose Pose;
-  /// Factor on the stiffness of the model's ScaledMaterials.
-  double Stiffness = 1;
   /// As given, but for what Warnings tell.
   std::vector<RegistrationParameter> Parameters;
   std::vector<double> Values;
@@ -64,10 +63,12 @@ struct RegistrationResult
   double Seconds = 0;
 };
 
-/// One of the mammograms of a breast, and what is found of it.
-struct RegistrationView
+/// One of the mammograms of a breast that are registered together. The model may be that of the
+/// others, which is then used by one after the other; model and target must outlive the search.
+struct JointMammogram
 {
-  const RegistrationModel* Model = nullptr;
+  BreastModel* Model = nullptr;
+  UnitPlacement Placement;
   const RegistrationTarget* Target = nullptr;
   /// As those of RegistrationOptions, for this mammogram.
   std::vector<RegistrationParameter> Parameters;
@@ -78,8 +79,8 @@ struct RegistrationView
 struct JointUnknown
 {
   int Parameter = 0;
-  /// The view it belongs to; of a shared one the first.
-  std::size_t View = 0;
+  /// The mammogram it belongs to; of a shared one the first.
+  std::size_t Mammogram = 0;
   bool Shared = false;
 };
 
@@ -87,7 +88,7 @@ struct JointRegistrationResult
 {
   /// One for each mammogram, with its own counts and costs, its part of the covariance, and the
   /// seconds of all.
-  std::vector<RegistrationResult> Views;
+  std::vector<RegistrationResult> Mammograms;
   /// What was free, and its covariance, Covariance[i * Unknowns.size() + j], in the parameters'
   /// units; empty where it is not known.
   std::vector<JointUnknown> Unknowns;
@@ -96,21 +97,20 @@ struct JointRegistrationResult
 
 /**
  * Whether mammograms of one breast have a parameter in common. The body's stiffness is: tissue is
- * the same in every view. All others say how the unit stood and how the breast was laid into it,
+ * the same in every picture. All others say how the unit stood and how the breast was laid into it,
  * for each exposure anew.
  */
 MAMMORAYREGISTRATION_EXPORT bool IsShared(int parameter);
 
 /**
  * Registers several mammograms of one breast (CC and MLO) at once: each has its own pose and
- * compression, shared parameters have one value, bounds and prior (those of the first view), and
- * one Levenberg-Marquardt search minimises the sum of all costs. The models are of the same body
- * (they may refer to the same simulation, which is used by one after the other); their units may
- * differ. Parameters and From of `options` are not used; either all views have a From or none.
- * Throws and stops as Register.
+ * compression, shared parameters have one value, bounds and prior (those of the first mammogram),
+ * and one Levenberg-Marquardt search minimises the sum of all costs. The models are of the same
+ * body; the units may differ. Parameters and From of `options` are not used; either all mammograms
+ * have a From or none. Throws and stops as Register.
  */
 MAMMORAYREGISTRATION_EXPORT JointRegistrationResult RegisterTogether(
-  const std::vector<RegistrationView>& views, const RegistrationOptions& options,
+  const std::vector<JointMammogram>& mammograms, const RegistrationOptions& options,
   const ProgressCallback& progress = {});
 
 /**
@@ -120,9 +120,9 @@ MAMMORAYREGISTRATION_EXPORT JointRegistrationResult RegisterTogether(
  * has an equilibrium, and Interrupted when stopped before the search; a stop during the search ends
  * it with the best pose so far (StopReason says so).
  */
-MAMMORAYREGISTRATION_EXPORT RegistrationResult Register(const RegistrationModel& model,
-  const RegistrationTarget& target, const RegistrationOptions& options,
-  const ProgressCallback& progress = {});
+MAMMORAYREGISTRATION_EXPORT RegistrationResult Register(BreastModel& model,
+  const UnitPlacement& placement, const RegistrationTarget& target,
+  const RegistrationOptions& options, const ProgressCallback& progress = {});
 }
 
 #endif

@@ -3,7 +3,7 @@
 
 #include "Private/PictureFeatures.h"
 #include "mammoray/Foundation/Error.h"
-#include "mammoray/Registration/TargetImage.h"
+#include "mammoray/Registration/RegistrationTarget.h"
 
 #include <algorithm>
 #include <cmath>
@@ -46,12 +46,10 @@ std::vector<RegistrationParameter> DefaultParameters(const BreastPose& start)
   return parameters;
 }
 
-RegistrationResiduals::RegistrationResiduals(const RegistrationModel& model,
-  const RegistrationTarget& target, const RegistrationOptions& options)
-  : Model(model)
-  , Target(target)
+RegistrationResiduals::RegistrationResiduals(const RegistrationTarget& target,
+  const RegistrationOptions& options)
+  : Target(target)
   , Options(options)
-  , Edges(OuterEdges(*model.Surface))
 {
   this->ChooseOutlineSamples();
   this->ChoosePixels();
@@ -154,33 +152,25 @@ ReceptorPoint RegistrationResiduals::OnOutline(std::size_t direction, double rad
     this->Centre[1] + radius * this->Directions[direction][1] };
 }
 
-std::vector<double> RegistrationResiduals::Evaluate(const std::vector<double>& values,
-  const CompressionState& state) const
+std::vector<double> RegistrationResiduals::Evaluate(EvaluatedState& breast) const
 {
-  const VolumeFromGantry placed =
-    PlaceUnit(this->Model.Axes, this->Model.Anchor, this->Model.Unit, PoseOf(values));
-  const std::vector<double> points = this->Model.SurfaceEmbedding->Map(state.Positions);
   std::vector<double> residuals;
   residuals.reserve(this->NumberOfResiduals());
-  const std::vector<double> radii =
-    SilhouetteRadii(ProjectToReceptor(points, placed, this->Model.Unit), this->Edges, this->Centre,
-      this->Directions);
+  const std::vector<double>& radii = breast.SilhouetteFrom(this->Centre, this->Directions).Radii;
   for (std::size_t index = 0; index < radii.size(); ++index)
   {
     residuals.push_back(
       this->OutlineWeight * SignedDistanceAt(this->Target, this->OnOutline(index, radii[index])));
   }
 
-  this->Model.Projector->UpdatePoints(points);
-  const PathLengthImage lengths = this->Model.Projector->Project(SourceOf(placed, this->Model.Unit),
-    DetectorOf(placed, this->Target, this->Options.Samples));
-  const std::vector<double> features =
-    this->Features->Of(this->Model.XRays->LogAttenuation(lengths)).Values;
+  const EvaluatedState::Picture& picture = breast.PictureOn(this->Target, this->Options.Samples);
+  const std::vector<double> features = this->Features->Of(picture.LogAttenuation).Values;
   for (std::size_t index = 0; index < features.size(); ++index)
   {
     residuals.push_back(this->IntensityWeight * (features[index] - this->TargetFeatures[index]));
   }
 
+  const std::vector<double> values = ValuesOf(breast.Pose());
   for (std::size_t index = 0; index < this->Options.Parameters.size(); ++index)
   {
     const RegistrationParameter& parameter = this->Options.Parameters[index];
@@ -215,8 +205,25 @@ RegistrationCosts RegistrationResiduals::Costs(const std::vector<double>& residu
   return costs;
 }
 
-RegistrationResiduals::Jacobian RegistrationResiduals::Differentiate(
-  const std::vector<double>& values, const CompressionState& state,
+void RegistrationResiduals::AddOutlineRates(EvaluatedState& breast, const double* velocities,
+  std::vector<double>& column) const
+{
+  const EvaluatedState::Silhouette& silhouette =
+    breast.SilhouetteFrom(this->Centre, this->Directions);
+  const std::vector<double> rates = SilhouetteDerivatives(breast.SurfaceOnReceptor(),
+    ReceptorVelocities(breast.SurfacePoints(), velocities, breast.Placed(),
+      breast.Placement().Unit),
+    breast.Model().SurfaceEdges(), this->Centre, this->Directions, silhouette.Crossed);
+  for (std::size_t index = 0; index < rates.size(); ++index)
+  {
+    const ReceptorPoint gradient =
+      SignedDistanceGradient(this->Target, this->OnOutline(index, silhouette.Radii[index]));
+    column.push_back(this->OutlineWeight * rates[index] *
+      (gradient[0] * this->Directions[index][0] + gradient[1] * this->Directions[index][1]));
+  }
+}
+
+RegistrationResiduals::Jacobian RegistrationResiduals::Differentiate(EvaluatedState& breast,
   const std::vector<int>& wanted) const
 {
   Jacobian jacobian;
@@ -225,50 +232,25 @@ RegistrationResiduals::Jacobian RegistrationResiduals::Differentiate(
   {
     return jacobian;
   }
-  const VolumeFromGantry placed =
-    PlaceUnit(this->Model.Axes, this->Model.Anchor, this->Model.Unit, PoseOf(values));
-  const std::vector<double> points = this->Model.SurfaceEmbedding->Map(state.Positions);
-  std::vector<double> velocities;
-  for (const std::vector<double>& field :
-    VelocitiesSeenFromUnit(this->Model, values, state, *this->Model.SurfaceEmbedding, wanted))
-  {
-    velocities.insert(velocities.end(), field.begin(), field.end());
-  }
+  const EvaluatedState::Derivatives derivatives =
+    breast.Differentiate(this->Target, this->Options.Samples, wanted);
+  const EvaluatedState::Picture& picture = breast.PictureOn(this->Target, this->Options.Samples);
+  const PathLengthImage& lengths = picture.Lengths;
+  const PictureFeatures::Found features = this->Features->Of(picture.LogAttenuation);
+  const std::vector<float> attenuation = breast.Model().XRays().MeanAttenuation(lengths);
   const int fields = static_cast<int>(wanted.size());
-
-  const std::vector<ReceptorPoint> projected = ProjectToReceptor(points, placed, this->Model.Unit);
-  std::vector<std::int32_t> crossed;
-  const std::vector<double> radii =
-    SilhouetteRadii(projected, this->Edges, this->Centre, this->Directions, &crossed);
-
-  this->Model.Projector->UpdatePoints(points);
-  PathLengthDerivatives derivatives;
-  const PathLengthImage lengths = this->Model.Projector->Project(SourceOf(placed, this->Model.Unit),
-    DetectorOf(placed, this->Target, this->Options.Samples), velocities, fields, derivatives);
-  const PictureFeatures::Found features =
-    this->Features->Of(this->Model.XRays->LogAttenuation(lengths));
-  const std::vector<float> attenuation = this->Model.XRays->MeanAttenuation(lengths);
-
   for (int field = 0; field < fields; ++field)
   {
     std::vector<double>& column = jacobian.Columns[wanted[field]];
     column.reserve(this->NumberOfResiduals());
-    const std::vector<double> radiusRates = SilhouetteDerivatives(projected,
-      ReceptorVelocities(points, &velocities[field * points.size()], placed, this->Model.Unit),
-      this->Edges, this->Centre, this->Directions, crossed);
-    for (std::size_t index = 0; index < radii.size(); ++index)
-    {
-      const ReceptorPoint gradient =
-        SignedDistanceGradient(this->Target, this->OnOutline(index, radii[index]));
-      column.push_back(this->OutlineWeight * radiusRates[index] *
-        (gradient[0] * this->Directions[index][0] + gradient[1] * this->Directions[index][1]));
-    }
+    this->AddOutlineRates(breast, &derivatives.Velocities[field * breast.SurfacePoints().size()],
+      column);
 
     std::vector<double> rates(this->Pixels.size(), 0.0);
     for (int material = 1; material < lengths.Materials; ++material)
     {
       const float* mu = attenuation.data() + material * lengths.NumberOfPixels();
-      const float* rate = derivatives.Of(field, material);
+      const float* rate = derivatives.Lengths.Of(field, material);
       for (std::size_t index = 0; index < rates.size(); ++index)
       {
         rates[index] += static_cast<double>(mu[this->Pixels[index]]) * rate[this->Pixels[index]];

@@ -2,11 +2,9 @@
 #ifndef mammoray_RegistrationResiduals_h
 #define mammoray_RegistrationResiduals_h
 
-#include "mammoray/Registration/RegistrationModel.h"
+#include "mammoray/Registration/EvaluatedState.h"
 #include "mammorayRegistrationModule.h"
 
-#include <array>
-#include <cstdint>
 #include <memory>
 #include <string>
 #include <vector>
@@ -106,17 +104,16 @@ MAMMORAYREGISTRATION_EXPORT std::vector<RegistrationParameter> DefaultParameters
 class PictureFeatures;
 
 /**
- * What the registration minimises: outline, intensity and prior residuals of a pose against a
- * target at one resolution, in standard deviations, with exact derivatives through mechanics
- * (implicit function theorem), projection (derivative images) and silhouette (the crossed edges).
- * Uses the projector of the model. The referenced objects must outlive it.
+ * What the registration minimises: outline, intensity and prior residuals of a compressed breast
+ * against a target at one resolution, in standard deviations, with exact derivatives through
+ * mechanics (implicit function theorem), projection (derivative images) and silhouette (the crossed
+ * edges). Target and options must outlive it.
  */
 class MAMMORAYREGISTRATION_EXPORT RegistrationResiduals
 {
 public:
   /// Throws InputError where the target's breast is too small or its outline outside the image.
-  RegistrationResiduals(const RegistrationModel& model, const RegistrationTarget& target,
-    const RegistrationOptions& options);
+  RegistrationResiduals(const RegistrationTarget& target, const RegistrationOptions& options);
 
   /// One parameter at a time, in the order of the options; fixed ones too.
   struct Jacobian
@@ -132,12 +129,7 @@ public:
   std::size_t NumberOfIntensityResiduals() const { return this->TargetFeatures.size(); }
   std::size_t NumberOfPriors() const { return this->Options.Parameters.size(); }
 
-  /**
-   * Residuals at `values` (in the order of the options' parameters), whose equilibrium `state` must
-   * be. Leaves the projector with the state's surface.
-   */
-  std::vector<double> Evaluate(const std::vector<double>& values,
-    const CompressionState& state) const;
+  std::vector<double> Evaluate(EvaluatedState& breast) const;
 
   RegistrationCosts Costs(const std::vector<double>& residuals) const;
 
@@ -145,19 +137,18 @@ public:
    * Their derivatives with respect to the parameters numbered in `wanted`. Exact where the
    * residuals are smooth: the outline has kinks where its silhouette goes over to another edge.
    */
-  Jacobian Differentiate(const std::vector<double>& values, const CompressionState& state,
-    const std::vector<int>& wanted) const;
+  Jacobian Differentiate(EvaluatedState& breast, const std::vector<int>& wanted) const;
 
 private:
   void ChooseOutlineSamples();
   void ChoosePixels();
   ReceptorPoint OnOutline(std::size_t direction, double radius) const;
+  /// What a field of velocities of the surface adds to a column.
+  void AddOutlineRates(EvaluatedState& breast, const double* velocities,
+    std::vector<double>& column) const;
 
-  const RegistrationModel& Model;
   const RegistrationTarget& Target;
   const RegistrationOptions& Options;
-  /// Between skin and air, each once.
-  std::vector<std::array<std::uint32_t, 2>> Edges;
   /// Directions from Centre that hit an outline inside the image.
   std::vector<ReceptorPoint> Directions;
   ReceptorPoint Centre{ 0, 0 };

@@ -757,10 +757,10 @@ std::string JointJson(const JointReport& report, const std::vector<Composed>& pa
   for (std::size_t index = 0; index < report.Unknowns.size(); ++index)
   {
     const JointUnknown& unknown = report.Unknowns[index];
-    const RegistrationResult& result = *report.Views[unknown.View].Result;
+    const RegistrationResult& result = *report.Views[unknown.Mammogram].Result;
     json["unknowns"].push_back({ { "name", result.Parameters[unknown.Parameter].Name },
       { "unit", result.Parameters[unknown.Parameter].Unit },
-      { "folder", unknown.Shared ? Json(nullptr) : Json(report.Folders[unknown.View]) },
+      { "folder", unknown.Shared ? Json(nullptr) : Json(report.Folders[unknown.Mammogram]) },
       { "value", result.Values[unknown.Parameter] },
       { "standardDeviation", DeviationOf(report, index) } });
   }

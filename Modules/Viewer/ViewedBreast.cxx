@@ -9,7 +9,7 @@
 #include "mammoray/IO/MeshIO.h"
 #include "mammoray/IO/Sha256.h"
 #include "mammoray/IO/ShippedData.h"
-#include "mammoray/Registration/MammogramTarget.h"
+#include "mammoray/Registration/TargetPreparation.h"
 #include "mammoray/Registration/RegistrationResiduals.h"
 #include "mammoray/Registration/Silhouette.h"
 
@@ -357,7 +357,7 @@ ViewedBreast ReadViewedBreast(const ViewInput& input)
   }
   if (!input.SimulationMesh.empty())
   {
-    viewed.Mechanics.Mesh = FromGrid(ReadMesh(input.SimulationMesh));
+    viewed.Mechanics.SimulationMesh = FromGrid(ReadMesh(input.SimulationMesh));
   }
   return viewed;
 }

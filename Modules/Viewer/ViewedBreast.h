@@ -8,7 +8,7 @@
 #include "mammoray/Foundation/MaterialTable.h"
 #include "mammoray/Foundation/PoseParameters.h"
 #include "mammoray/Foundation/TetrahedralMesh.h"
-#include "mammoray/Registration/BreastMechanics.h"
+#include "mammoray/Registration/BreastModel.h"
 #include "mammoray/Registration/RegistrationTarget.h"
 #include "mammoray/XRay/Beam.h"
 #include "mammorayViewerModule.h"
@@ -77,7 +77,7 @@ struct ViewedBreast
   std::vector<CompressionStep> Series;
   /// The pose asked for is not that of the compressed points.
   bool PoseDiffers = false;
-  BreastMechanicsOptions Mechanics;
+  BreastModelOptions Mechanics;
 };
 
 /// Reads it. Throws InputError, one line, on anything unusable.

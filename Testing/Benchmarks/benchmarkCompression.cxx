@@ -12,7 +12,7 @@
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/IO/ShippedData.h"
 #include "mammoray/Meshing/SimulationMesh.h"
-#include "mammoray/Registration/SimulationLead.h"
+#include "mammoray/Registration/BreastModel.h"
 
 #include <nlohmann/json.hpp>
 
@@ -249,7 +249,7 @@ Measured Measure(const Breast& breast, ElementType element, int cells, int round
     [&]
     {
       simulation = std::make_unique<CompressionSimulation>(breast.Simulate(element, mesh));
-      LeadIfLarge(*simulation, mesh, breast.Mechanics, Breast::OptionsOf(element));
+      AddColdStartPredictor(*simulation, mesh, breast.Mechanics, Breast::OptionsOf(element));
     });
   const double closedMm = Compressed * breast.OpenMm;
   const Times cold = Seconds([&] { result.State = simulation->Compress(breast.Plates(closedMm)); });

@@ -10,7 +10,7 @@
 #include "mammoray/IO/ImageConversion.h"
 #include "mammoray/IO/MeshConversion.h"
 #include "mammoray/IO/ShippedData.h"
-#include "mammoray/Registration/BreastMechanics.h"
+#include "mammoray/Registration/SyntheticMammogram.h"
 #include "mammoray/XRay/PathLengthProjector.h"
 
 #include "vtkCallbackCommand.h"
@@ -203,20 +203,11 @@ TEST_F(BreastPipeline, UpdatesOnlyWhatChanged)
 /// A mammogram of the small breast at a pose, from the left in CC.
 Mammogram MammogramOf(const TetrahedralMesh& mesh, const MaterialTable& table, double thicknessMm)
 {
-  BreastMechanics mechanics(mesh, table);
-  const SurfaceMesh surface = ExtractInterfaces(mesh);
-  const Embedding points(mechanics.Simulation(), surface.Points);
-  const auto projector = MakeProjector();
-  projector->SetSurface(surface);
-  const Beam beam =
-    MakeBeam(table, FindSpectrum("W30kVp_Rh50um_Be1mm"), DetectorResponse::EnergyIntegrating);
-  RegistrationModel model = mechanics.Model();
-  model.Surface = &surface;
-  model.SurfaceEmbedding = &points;
-  model.Projector = projector.get();
-  model.XRays = &beam;
-  model.Axes = AnatomicalAxes::FromCode("LAS");
-  model.Anchor = FindPoseAnchor(mesh, table.Held(), model.Axes);
+  BreastModel model(mesh, table);
+  model.SetXRays(ExtractInterfaces(mesh), MakeProjector(),
+    MakeBeam(table, FindSpectrum("W30kVp_Rh50um_Be1mm"), DetectorResponse::EnergyIntegrating));
+  const AnatomicalAxes axes = AnatomicalAxes::FromCode("LAS");
+  const UnitPlacement placement{ axes, FindPoseAnchor(mesh, table.Held(), axes), {} };
   BreastPose pose;
   pose.ThicknessMm = thicknessMm;
   pose.AnteriorMm = 5;
@@ -227,8 +218,9 @@ Mammogram MammogramOf(const TetrahedralMesh& mesh, const MaterialTable& table, d
   grid.ColumnStep = { 0, 0.6 };
   grid.RowStep = { -0.6, 0 };
   grid.BreastMask.assign(static_cast<std::size_t>(grid.Columns) * grid.Rows, 1);
-  const CompressionState state = mechanics.Simulation().Compress(PlatesAt(model, pose));
-  const SyntheticMammogram synthetic = Synthesize(model, pose, state, grid, 2);
+  EvaluatedState breast(model, model.Body(), placement, pose,
+    model.Body().Simulation().Compress(placement.PlatesAt(pose)));
+  const SyntheticMammogram synthetic = Synthesize(breast, grid, 2);
   Mammogram mammogram;
   mammogram.Columns = grid.Columns;
   mammogram.Rows = grid.Rows;

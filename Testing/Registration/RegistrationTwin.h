@@ -3,16 +3,13 @@
 #define mammoray_RegistrationTwin_h
 
 #include "TestMeshes.h"
-#include "mammoray/Biomechanics/Embedding.h"
-#include "mammoray/Registration/RegistrationModel.h"
-#include "mammoray/Registration/TargetImage.h"
+#include "mammoray/Registration/SyntheticMammogram.h"
 #include "mammoray/XRay/Beam.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
-#include <memory>
 #include <random>
 
 /// A small half-ellipsoid "breast" with a glandular ball in it, and targets made of it.
@@ -54,55 +51,43 @@ inline AttenuationTable Constant(const char* name, double mu20, double mu30)
   return table;
 }
 
-/// Everything a registration needs, kept together.
+/// A model of the breast, and the unit around it.
 struct Twin
 {
-  Twin(int simulationCount, int anatomyCount, double energyKeV)
-    : Fat(Constant("fat", 0.0512, 0.028))
-    , Gland(Constant("gland", 0.0793, 0.0376))
-    , XRays(Spectrum::Monochromatic(energyKeV), DetectorResponse::EnergyIntegrating,
-        { nullptr, &this->Fat, &this->Fat, &this->Gland }, { 1, 1, 1, 1 })
-    , Simulation(MakeSimulation(simulationCount, ElementType::Quadratic))
-    , Scout(MakeSimulation(simulationCount, ElementType::PatchAveragedLinear))
-    , Surface(ExtractInterfaces(MakeAnatomy(anatomyCount)))
-    , SurfaceEmbedding(this->Simulation, this->Surface.Points)
-    , ScoutEmbedding(this->Scout, this->Surface.Points)
-    , Projector(MakeProjector())
-  {
-    this->Projector->SetSurface(this->Surface);
-    this->Model.Simulation = &this->Simulation;
-    this->Model.Elastic = this->Simulation.Materials();
-    this->Model.ScaledMaterials = { 3 };
-    this->Model.Surface = &this->Surface;
-    this->Model.SurfaceEmbedding = &this->SurfaceEmbedding;
-    this->Model.Scout = &this->Scout;
-    this->Model.ScoutEmbedding = &this->ScoutEmbedding;
-    this->Model.Projector = this->Projector.get();
-    this->Model.XRays = &this->XRays;
+  Twin(int simulationCount, int anatomyCount, double energyKeV, bool predicted = true)
+    : Model(MakeAnatomy(anatomyCount), Materials(), { 3 },
+        { .Field = AnatomyAt,
+          .SimulationMesh = MakeHalfEllipsoidMesh(HalfAxes[0], HalfAxes[1], HalfAxes[2],
+            std::array{ simulationCount, 4, simulationCount }),
+          .Predicted = predicted })
     // The test mesh has +x lateral, +y anterior, +z up: a left-handed (L, A, S) is avoided by
     // calling its +x the patient's right.
-    this->Model.Axes = AnatomicalAxes::FromCode("RAS");
-    this->Model.Anchor = { 0, 10, 0 };
-  }
-
-  static CompressionSimulation MakeSimulation(int count, ElementType element)
+    , Placement{ AnatomicalAxes::FromCode("RAS"), { 0, 10, 0 }, {} }
   {
-    return CompressionSimulation(
-      MakeHalfEllipsoidMesh(HalfAxes[0], HalfAxes[1], HalfAxes[2], std::array{ count, 4, count }),
-      { {}, { 5, 0.49 }, { 5, 0.49 }, { 15, 0.49 } }, { false, false, true, false }, AnatomyAt,
-      { .Element = element });
+    const AttenuationTable fat = Constant("fat", 0.0512, 0.028);
+    const AttenuationTable gland = Constant("gland", 0.0793, 0.0376);
+    this->Model.SetXRays(ExtractInterfaces(this->Model.Anatomy()), MakeProjector(),
+      Beam(Spectrum::Monochromatic(energyKeV), DetectorResponse::EnergyIntegrating,
+        { nullptr, &fat, &fat, &gland }, { 1, 1, 1, 1 }));
   }
 
-  AttenuationTable Fat;
-  AttenuationTable Gland;
-  Beam XRays;
-  CompressionSimulation Simulation;
-  CompressionSimulation Scout;
-  SurfaceMesh Surface;
-  Embedding SurfaceEmbedding;
-  Embedding ScoutEmbedding;
-  std::unique_ptr<PathLengthProjector> Projector;
-  RegistrationModel Model;
+  static ElasticTable Materials()
+  {
+    ElasticTable materials;
+    materials.Elastic = { {}, { 5, 0.49 }, { 5, 0.49 }, { 15, 0.49 } };
+    materials.Held = { false, false, true, false };
+    return materials;
+  }
+
+  /// The breast compressed at a pose, as the full simulation has it.
+  EvaluatedState At(const BreastPose& pose, const CompressionState* start = nullptr)
+  {
+    return { this->Model, this->Model.Body(), this->Placement, pose,
+      this->Model.Body().Compress(this->Placement, pose, start) };
+  }
+
+  BreastModel Model;
+  UnitPlacement Placement;
 };
 
 inline BreastPose Truth()
@@ -116,7 +101,7 @@ inline BreastPose Truth()
 }
 
 /// The mammogram of the true pose: 0.5 mm pixels, mask and exact distances to the true outline.
-inline RegistrationTarget MakeTarget(const Twin& setup, const BreastPose& pose)
+inline RegistrationTarget MakeTarget(Twin& twin, const BreastPose& pose)
 {
   RegistrationTarget target;
   target.Columns = 130;
@@ -129,8 +114,8 @@ inline RegistrationTarget MakeTarget(const Twin& setup, const BreastPose& pose)
   target.BreastMask.assign(pixels, 0);
   target.SignedDistanceMm.assign(pixels, 0);
   target.BreastMask[120 * 130] = 1; // the centre of the silhouette that Synthesize looks for
-  const CompressionState state = setup.Simulation.Compress(PlatesAt(setup.Model, pose));
-  const SyntheticMammogram synthetic = Synthesize(setup.Model, pose, state, target, 1);
+  EvaluatedState breast = twin.At(pose);
+  const SyntheticMammogram synthetic = Synthesize(breast, target, 1);
   EXPECT_EQ(synthetic.InconsistentRays, 0u);
 
   std::mt19937 generator(7);

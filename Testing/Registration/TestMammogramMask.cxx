@@ -7,7 +7,7 @@
 #include "mammoray/IO/MammogramPictureIO.h"
 #include "mammoray/IO/Sha256.h"
 #include "mammoray/Registration/MammogramMask.h"
-#include "mammoray/Registration/MammogramTarget.h"
+#include "mammoray/Registration/TargetPreparation.h"
 
 #include "vtkImageData.h"
 #include "vtkNew.h"

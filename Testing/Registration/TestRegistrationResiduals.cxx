@@ -68,9 +68,8 @@ TEST(RegistrationResiduals, JacobianAgreesWithDifferencesOfSolvedStates)
     GTEST_SKIP() << reason;
   }
   Twin twin(6, 10, 20.0);
-  twin.Surface = SmoothAnatomy();
-  twin.SurfaceEmbedding = Embedding(twin.Simulation, twin.Surface.Points);
-  twin.Projector->SetSurface(twin.Surface);
+  const Beam beam = twin.Model.XRays();
+  twin.Model.SetXRays(SmoothAnatomy(), MakeProjector(), beam);
   const RegistrationTarget target = Coarsen(MakeTarget(twin, Truth()), 4);
   BreastPose pose = Truth();
   pose.ThicknessMm = 49;
@@ -88,9 +87,9 @@ TEST(RegistrationResiduals, JacobianAgreesWithDifferencesOfSolvedStates)
   std::vector<RegistrationOptions> kinds(3, options);
   kinds[1].Comparison = PictureComparison::Local;
   kinds[2].Comparison = PictureComparison::Gradient;
-  const RegistrationResiduals residuals(twin.Model, target, kinds[0]);
-  const RegistrationResiduals local(twin.Model, target, kinds[1]);
-  const RegistrationResiduals gradient(twin.Model, target, kinds[2]);
+  const RegistrationResiduals residuals(target, kinds[0]);
+  const RegistrationResiduals local(target, kinds[1]);
+  const RegistrationResiduals gradient(target, kinds[2]);
   const std::array<const RegistrationResiduals*, 3> all{ &residuals, &local, &gradient };
   std::vector<double> values;
   for (const RegistrationParameter& parameter : DefaultParameters(pose))
@@ -98,7 +97,7 @@ TEST(RegistrationResiduals, JacobianAgreesWithDifferencesOfSolvedStates)
     values.push_back(parameter.Start);
   }
   values[StiffnessParameter] = 1.4;
-  const CompressionState state = CompressAt(twin.Model, values);
+  EvaluatedState here = twin.At(PoseOf(values));
   std::vector<int> wanted(values.size());
   std::iota(wanted.begin(), wanted.end(), 0);
   // Another order than that of the parameters.
@@ -106,7 +105,7 @@ TEST(RegistrationResiduals, JacobianAgreesWithDifferencesOfSolvedStates)
   std::array<RegistrationResiduals::Jacobian, 3> jacobians;
   for (std::size_t kind = 0; kind < all.size(); ++kind)
   {
-    jacobians[kind] = all[kind]->Differentiate(values, state, wanted);
+    jacobians[kind] = all[kind]->Differentiate(here, wanted);
   }
 
   const std::size_t outline = residuals.NumberOfOutlineResiduals();
@@ -127,10 +126,10 @@ TEST(RegistrationResiduals, JacobianAgreesWithDifferencesOfSolvedStates)
       {
         std::vector<double> moved = values;
         moved[parameter] += side == 0 ? -step : step;
-        const CompressionState beside = CompressAt(twin.Model, moved, &state);
+        EvaluatedState beside = twin.At(PoseOf(moved), &here.State());
         for (std::size_t kind = 0; kind < all.size(); ++kind)
         {
-          sides[side][kind] = all[kind]->Evaluate(moved, beside);
+          sides[side][kind] = all[kind]->Evaluate(beside);
         }
       }
       for (std::size_t kind = 0; kind < all.size(); ++kind)
@@ -161,4 +160,23 @@ TEST(RegistrationResiduals, JacobianAgreesWithDifferencesOfSolvedStates)
     EXPECT_LT(fewestOff[1], 0.02) << options.Parameters[parameter].Name;
     EXPECT_LT(fewestOff[2], 0.08) << options.Parameters[parameter].Name;
   }
+}
+
+TEST(DefaultParameters, StartWithinTheirBounds)
+{
+  BreastPose start;
+  start.ThicknessMm = 62;
+  start.RollDeg = 45;
+  start.AnteriorMm = 5;
+  const auto parameters = DefaultParameters(start);
+  ASSERT_EQ(parameters.size(), std::size_t{ ParameterCount });
+  for (const RegistrationParameter& parameter : parameters)
+  {
+    EXPECT_LT(parameter.Lower, parameter.Start) << parameter.Name;
+    EXPECT_LT(parameter.Start, parameter.Upper) << parameter.Name;
+    EXPECT_GT(parameter.Scale, 0) << parameter.Name;
+  }
+  EXPECT_EQ(parameters[ThicknessParameter].Start, 62);
+  EXPECT_EQ(parameters[RollParameter].Start, 45);
+  EXPECT_TRUE(parameters[VerticalParameter].Fixed);
 }

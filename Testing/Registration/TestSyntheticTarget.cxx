@@ -4,7 +4,7 @@
 #include "Files.h"
 #include "mammoray/IO/DicomMammogramWriter.h"
 #include "mammoray/IO/MammogramIO.h"
-#include "mammoray/Registration/MammogramTarget.h"
+#include "mammoray/Registration/TargetPreparation.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

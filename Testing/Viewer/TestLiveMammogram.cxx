@@ -2,8 +2,8 @@
 #include "SmallBreast.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/IO/ShippedData.h"
-#include "mammoray/Registration/RegistrationModel.h"
-#include "mammoray/Registration/TargetImage.h"
+#include "mammoray/Registration/EvaluatedState.h"
+#include "mammoray/Registration/RegistrationTarget.h"
 #include "mammoray/Viewer/Private/KilovoltageSpectrum.h"
 #include "mammoray/Viewer/Private/LiveMammogram.h"
 

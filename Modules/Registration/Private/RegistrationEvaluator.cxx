@@ -12,112 +12,33 @@
 
 namespace mammoray
 {
-double TravelFrom(const CompressionState& state, const RegistrationModel& model,
-  const std::vector<double>& values)
-{
-  const PlatePair plates = PlatesAt(model, PoseOf(values));
-  return TravelMm(PlateMotion(SlidTowards(state.Plates, plates), plates));
-}
-
-ViewEvaluator::ViewEvaluator(EvaluatedView view, const ProgressCallback& progress)
-  : View(std::move(view))
-  , Compared(*this->View.Model, this->View.Target, this->View.Options)
-  , Progress(progress)
-  , StateIsAt(this->View.Values)
-{
-}
-
-ViewEvaluator::Answer ViewEvaluator::Compress()
-{
-  if (this->View.Values == this->StateIsAt)
-  {
-    return Answer::Found;
-  }
-  const double travelMm = TravelFrom(this->View.State, *this->View.Model, this->View.Values);
-  if (travelMm > this->LongestTravelMm)
-  {
-    return Answer::Refused; // costs nothing, and Ceres shortens its step or gives up
-  }
-  const auto begin = Clock::now();
-  try
-  {
-    this->View.State = CompressAt(*this->View.Model, this->View.Values,
-      travelMm > LongestWarmTravelMm ? nullptr : &this->View.State, this->Progress);
-    this->StateIsAt = this->View.Values;
-    ++this->Evaluations;
-    this->MechanicsSeconds += SecondsSince(begin);
-    this->LongestTravelMm = std::max(this->LongestTravelMm, 2 * travelMm);
-    return Answer::Found;
-  }
-  catch (const Interrupted&)
-  {
-    return Answer::Stopped;
-  }
-  catch (const ConvergenceError&)
-  {
-    ++this->Evaluations;
-    this->MechanicsSeconds += SecondsSince(begin);
-    this->LongestTravelMm = travelMm > 0 ? 0.5 * travelMm : this->LongestTravelMm;
-    return Answer::NoEquilibrium; // Ceres shortens its step
-  }
-}
-
-void ViewEvaluator::Compare()
-{
-  const auto begin = Clock::now();
-  this->Residuals = this->Compared.Evaluate(this->View.Values, this->View.State);
-  this->ProjectionSeconds += SecondsSince(begin);
-  ++this->Projections;
-}
-
-RegistrationResiduals::Jacobian ViewEvaluator::Differentiate(const std::vector<int>& wanted)
-{
-  const auto begin = Clock::now();
-  RegistrationResiduals::Jacobian jacobian =
-    this->Compared.Differentiate(this->View.Values, this->View.State, wanted);
-  this->JacobianSeconds += SecondsSince(begin);
-  return jacobian;
-}
-
-void ViewEvaluator::ReturnTo(const std::vector<double>& values, const CompressionState& state)
-{
-  this->View.State = state;
-  this->StateIsAt = values;
-}
-
-std::vector<double> ViewEvaluator::Beside(const std::vector<double>& values) const
-{
-  const CompressionState state =
-    CompressAt(*this->View.Model, values, &this->View.State, this->Progress);
-  return this->Compared.Evaluate(values, state);
-}
-
-RegistrationEvaluator::RegistrationEvaluator(std::vector<EvaluatedView> views,
+RegistrationEvaluator::RegistrationEvaluator(std::vector<SearchedMammogram> mammograms,
   std::vector<SearchUnknown> unknowns, const ProgressCallback& progress)
   : Unknowns(std::move(unknowns))
-  , Selected(views.size())
+  , Selected(mammograms.size())
   , Progress(progress)
 {
   for (std::size_t unknown = 0; unknown < this->Unknowns.size(); ++unknown)
   {
     const SearchUnknown& free = this->Unknowns[unknown];
-    this->Block.push_back(views[free.Views.front()].Values[free.Parameter] / free.Scale);
-    for (const std::size_t view : free.Views)
+    this->Block.push_back(mammograms[free.Mammograms.front()].Values[free.Parameter] / free.Scale);
+    for (const std::size_t mammogram : free.Mammograms)
     {
-      this->Selected[view].Unknowns.push_back(unknown);
-      this->Selected[view].Parameters.push_back(free.Parameter);
+      this->Selected[mammogram].Unknowns.push_back(unknown);
+      this->Selected[mammogram].Parameters.push_back(free.Parameter);
     }
   }
-  for (EvaluatedView& view : views)
+  for (SearchedMammogram& mammogram : mammograms)
   {
-    this->Views.push_back(std::make_unique<ViewEvaluator>(std::move(view), progress));
+    this->Mammograms.push_back(
+      std::make_unique<MammogramEvaluator>(std::move(mammogram), progress));
   }
   // The values as they come back from the block, so that the states are found to belong to them.
-  for (std::size_t view = 0; view < this->Views.size(); ++view)
+  for (std::size_t mammogram = 0; mammogram < this->Mammograms.size(); ++mammogram)
   {
-    ViewEvaluator& evaluator = *this->Views[view];
-    evaluator.View.Values = this->ValuesOf(view);
-    evaluator.ReturnTo(evaluator.View.Values, evaluator.View.State);
+    MammogramEvaluator& evaluator = *this->Mammograms[mammogram];
+    evaluator.Mammogram.Values = this->ValuesAt(mammogram);
+    evaluator.ReturnTo(evaluator.Mammogram.Values, evaluator.Mammogram.Here);
     this->First.push_back(this->Robust.size());
     const std::size_t priors = evaluator.Compared.NumberOfPriors();
     this->Robust.insert(this->Robust.end(), evaluator.Compared.NumberOfResiduals() - priors, true);
@@ -125,10 +46,10 @@ RegistrationEvaluator::RegistrationEvaluator(std::vector<EvaluatedView> views,
   }
 }
 
-std::vector<double> RegistrationEvaluator::ValuesOf(std::size_t view) const
+std::vector<double> RegistrationEvaluator::ValuesAt(std::size_t mammogram) const
 {
-  std::vector<double> values = this->Views[view]->View.Values;
-  const Selection& selected = this->Selected[view];
+  std::vector<double> values = this->Mammograms[mammogram]->Mammogram.Values;
+  const Selection& selected = this->Selected[mammogram];
   for (std::size_t index = 0; index < selected.Unknowns.size(); ++index)
   {
     const std::size_t unknown = selected.Unknowns[index];
@@ -139,12 +60,12 @@ std::vector<double> RegistrationEvaluator::ValuesOf(std::size_t view) const
 
 void RegistrationEvaluator::PrepareForEvaluation(bool evaluateJacobians, bool /*newPoint*/)
 {
-  if (!this->Evaluated || this->Block != this->EvaluatedAt)
+  if (!this->IsEvaluated || this->Block != this->EvaluatedAt)
   {
     this->EvaluatedAt = this->Block;
-    this->Evaluated = true;
+    this->IsEvaluated = true;
     this->HasJacobian = false;
-    this->Valid = this->EvaluateResiduals();
+    this->Valid = this->Evaluate(evaluateJacobians);
   }
   if (evaluateJacobians && this->Valid && !this->HasJacobian)
   {
@@ -152,18 +73,18 @@ void RegistrationEvaluator::PrepareForEvaluation(bool evaluateJacobians, bool /*
   }
 }
 
-void RegistrationEvaluator::ReturnTo(const std::vector<CompressionState>& states)
+void RegistrationEvaluator::ReturnTo(const std::vector<std::shared_ptr<EvaluatedState>>& states)
 {
-  for (std::size_t view = 0; view < this->Views.size(); ++view)
+  for (std::size_t mammogram = 0; mammogram < this->Mammograms.size(); ++mammogram)
   {
-    this->Views[view]->ReturnTo(this->ValuesOf(view), states[view]);
+    this->Mammograms[mammogram]->ReturnTo(this->ValuesAt(mammogram), states[mammogram]);
   }
   this->Failures = 0;
 }
 
 std::vector<double> RegistrationEvaluator::Weights() const
 {
-  const double width = this->Views.front()->View.Options.RobustWidth;
+  const double width = this->Mammograms.front()->Mammogram.Options.RobustWidth;
   std::vector<double> weights(this->Residuals.size(), 1.0);
   for (std::size_t index = 0; index < weights.size(); ++index)
   {
@@ -205,6 +126,11 @@ double RegistrationEvaluator::PredictedFall() const
   return 0.5 * gradient.dot(hessian.ldlt().solve(gradient));
 }
 
+bool RegistrationEvaluator::IsExact() const
+{
+  return this->Mammograms.front()->Mammogram.Options.Derivatives == RegistrationDerivatives::Exact;
+}
+
 bool RegistrationEvaluator::IsStoppedByBound(std::size_t unknown, double slope) const
 {
   const SearchUnknown& free = this->Unknowns[unknown];
@@ -221,28 +147,28 @@ bool RegistrationEvaluator::Stop()
   return !this->Residuals.empty();
 }
 
-bool RegistrationEvaluator::EvaluateResiduals()
+bool RegistrationEvaluator::Evaluate(bool withJacobian)
 {
-  for (std::size_t view = 0; view < this->Views.size(); ++view)
+  for (std::size_t mammogram = 0; mammogram < this->Mammograms.size(); ++mammogram)
   {
-    this->Views[view]->View.Values = this->ValuesOf(view);
+    this->Mammograms[mammogram]->Mammogram.Values = this->ValuesAt(mammogram);
   }
-  for (const std::unique_ptr<ViewEvaluator>& view : this->Views)
+  for (const std::unique_ptr<MammogramEvaluator>& mammogram : this->Mammograms)
   {
     if (this->Failures >= LargestNumberOfFailures)
     {
       return false;
     }
-    switch (view->Compress())
+    switch (mammogram->Compress())
     {
-      case ViewEvaluator::Answer::Found:
+      case MammogramEvaluator::Answer::Found:
         break;
-      case ViewEvaluator::Answer::NoEquilibrium:
+      case MammogramEvaluator::Answer::NoEquilibrium:
         ++this->Failures;
         return false;
-      case ViewEvaluator::Answer::Refused:
+      case MammogramEvaluator::Answer::Refused:
         return false;
-      case ViewEvaluator::Answer::Stopped:
+      case MammogramEvaluator::Answer::Stopped:
         return this->Stop();
     }
   }
@@ -250,11 +176,15 @@ bool RegistrationEvaluator::EvaluateResiduals()
   {
     return this->Stop();
   }
-  std::vector<double> residuals;
-  for (const std::unique_ptr<ViewEvaluator>& view : this->Views)
+  if (withJacobian && this->IsExact())
   {
-    view->Compare();
-    residuals.insert(residuals.end(), view->Residuals.begin(), view->Residuals.end());
+    this->EvaluateJacobian(); // its pass gives the pictures, too
+  }
+  std::vector<double> residuals;
+  for (const std::unique_ptr<MammogramEvaluator>& mammogram : this->Mammograms)
+  {
+    mammogram->Compare();
+    residuals.insert(residuals.end(), mammogram->Residuals.begin(), mammogram->Residuals.end());
   }
   this->Residuals = std::move(residuals);
   return true;
@@ -268,25 +198,25 @@ void RegistrationEvaluator::EvaluateJacobian()
   {
     return; // zeros; see Stop
   }
-  if (this->Views.front()->View.Options.Derivatives == RegistrationDerivatives::CentralDifferences)
+  if (!this->IsExact())
   {
     const auto begin = Clock::now();
     this->Valid = this->DifferentiateByDifferences();
-    this->Views.front()->JacobianSeconds += SecondsSince(begin);
+    this->Mammograms.front()->JacobianSeconds += SecondsSince(begin);
     return;
   }
-  for (std::size_t view = 0; view < this->Views.size(); ++view)
+  for (std::size_t mammogram = 0; mammogram < this->Mammograms.size(); ++mammogram)
   {
-    const Selection& selected = this->Selected[view];
+    const Selection& selected = this->Selected[mammogram];
     const RegistrationResiduals::Jacobian jacobian =
-      this->Views[view]->Differentiate(selected.Parameters);
+      this->Mammograms[mammogram]->Differentiate(selected.Parameters);
     for (std::size_t index = 0; index < selected.Unknowns.size(); ++index)
     {
       const std::size_t unknown = selected.Unknowns[index];
       const double scale = this->Unknowns[unknown].Scale;
       const std::vector<double>& column = jacobian.Columns[selected.Parameters[index]];
       std::transform(column.begin(), column.end(),
-        this->Jacobian[unknown].begin() + static_cast<std::ptrdiff_t>(this->First[view]),
+        this->Jacobian[unknown].begin() + static_cast<std::ptrdiff_t>(this->First[mammogram]),
         [scale](double entry) { return scale * entry; });
     }
   }
@@ -295,10 +225,10 @@ void RegistrationEvaluator::EvaluateJacobian()
 bool RegistrationEvaluator::operator()(const double* const* offsets, double* residuals) const
 {
   std::copy(this->Residuals.begin(), this->Residuals.end(), residuals);
-  for (std::size_t view = 0; view < this->Views.size(); ++view)
+  for (std::size_t mammogram = 0; mammogram < this->Mammograms.size(); ++mammogram)
   {
-    const Selection& selected = this->Selected[view];
-    std::vector<double> beside = this->Views[view]->View.Values;
+    const Selection& selected = this->Selected[mammogram];
+    std::vector<double> beside = this->Mammograms[mammogram]->Mammogram.Values;
     bool moved = false;
     for (std::size_t index = 0; index < selected.Unknowns.size(); ++index)
     {
@@ -311,8 +241,8 @@ bool RegistrationEvaluator::operator()(const double* const* offsets, double* res
     {
       try
       {
-        const std::vector<double> found = this->Views[view]->Beside(beside);
-        std::copy(found.begin(), found.end(), residuals + this->First[view]);
+        const std::vector<double> found = this->Mammograms[mammogram]->Beside(beside);
+        std::copy(found.begin(), found.end(), residuals + this->First[mammogram]);
       }
       catch (const ConvergenceError&)
       {
@@ -327,7 +257,7 @@ bool RegistrationEvaluator::operator()(const double* const* offsets, double* res
 bool RegistrationEvaluator::DifferentiateByDifferences()
 {
   ceres::NumericDiffOptions steps;
-  steps.relative_step_size = this->Views.front()->View.Options.DifferenceStep;
+  steps.relative_step_size = this->Mammograms.front()->Mammogram.Options.DifferenceStep;
   ceres::DynamicNumericDiffCostFunction<RegistrationEvaluator, ceres::CENTRAL> differences(this,
     ceres::DO_NOT_TAKE_OWNERSHIP, steps);
   const std::size_t unknowns = this->Unknowns.size();
@@ -350,11 +280,11 @@ bool RegistrationEvaluator::DifferentiateByDifferences()
   {
     return this->Stop();
   }
-  for (std::size_t view = 0; view < this->Views.size(); ++view)
+  for (std::size_t mammogram = 0; mammogram < this->Mammograms.size(); ++mammogram)
   {
-    const int solved = 2 * static_cast<int>(this->Selected[view].Unknowns.size());
-    this->Views[view]->Evaluations += solved;
-    this->Views[view]->Projections += solved;
+    const int solved = 2 * static_cast<int>(this->Selected[mammogram].Unknowns.size());
+    this->Mammograms[mammogram]->Evaluations += solved;
+    this->Mammograms[mammogram]->Projections += solved;
   }
   for (std::size_t index = 0; index < count; ++index)
   {

@@ -2,95 +2,22 @@
 #ifndef mammoray_RegistrationEvaluator_h
 #define mammoray_RegistrationEvaluator_h
 
-#include "mammoray/Foundation/Progress.h"
-#include "mammoray/Registration/Registration.h"
+#include "Private/MammogramEvaluator.h"
 
 #include <ceres/evaluation_callback.h>
 
-#include <chrono>
 #include <cstddef>
 #include <memory>
 #include <vector>
 
 namespace mammoray
 {
-using Clock = std::chrono::steady_clock;
-
-inline double SecondsSince(Clock::time_point begin)
-{
-  return std::chrono::duration<double>(Clock::now() - begin).count();
-}
-
-/// Beyond this way of the plates a cold start costs less than going there from another state, mm.
-inline constexpr double LongestWarmTravelMm = 8;
-
-/// How far the plates are from those of a state, mm.
-double TravelFrom(const CompressionState& state, const RegistrationModel& model,
-  const std::vector<double>& values);
-
-/// What one mammogram brings to a search at one resolution.
-struct EvaluatedView
-{
-  const RegistrationModel* Model = nullptr;
-  RegistrationTarget Target;
-  RegistrationOptions Options;
-  /// All parameters where the search stands, and the equilibrium there.
-  std::vector<double> Values;
-  CompressionState State;
-};
-
-/// The residuals of one mammogram, with the equilibrium they belong to.
-class ViewEvaluator
-{
-public:
-  ViewEvaluator(EvaluatedView view, const ProgressCallback& progress);
-  ViewEvaluator(const ViewEvaluator&) = delete;
-
-  enum class Answer
-  {
-    Found,
-    /// Too far from the last equilibrium to be tried.
-    Refused,
-    NoEquilibrium,
-    Stopped
-  };
-
-  /// Compresses at View.Values, from the nearest state, unless State belongs to them.
-  Answer Compress();
-  /// Residuals at View.Values and State.
-  void Compare();
-  /// Columns[parameter] of those numbered in `wanted`.
-  RegistrationResiduals::Jacobian Differentiate(const std::vector<int>& wanted);
-  /// Back to an equilibrium, that of the values given.
-  void ReturnTo(const std::vector<double>& values, const CompressionState& state);
-  /// Residuals beside View.Values. Throws ConvergenceError, Interrupted.
-  std::vector<double> Beside(const std::vector<double>& values) const;
-  RegistrationCosts Costs() const { return this->Compared.Costs(this->Residuals); }
-
-  EvaluatedView View;
-  const RegistrationResiduals Compared;
-  std::vector<double> Residuals;
-  int Evaluations = 0;
-  int Projections = 0;
-  double MechanicsSeconds = 0;
-  double ProjectionSeconds = 0;
-  double JacobianSeconds = 0;
-
-private:
-  const ProgressCallback& Progress;
-  /// A longer way of the plates from State is refused unseen: half of what failed last, twice of
-  /// what succeeded. The first is a step that a phantom's compression still follows.
-  double LongestTravelMm = 20;
-  /// The values whose equilibrium State is.
-  std::vector<double> StateIsAt;
-};
-
 /// A free parameter of a search, of one mammogram or shared by all.
 struct SearchUnknown
 {
   int Parameter = 0;
-  /// The views that have it.
-  std::vector<std::size_t> Views;
+  /// The mammograms that have it.
+  std::vector<std::size_t> Mammograms;
   /// As in the first of them.
   double Lower = 0;
   double Upper = 0;
@@ -105,13 +32,13 @@ public:
   /// times what a good one does, and the best match lies where the breast cannot be compressed to.
   static constexpr int LargestNumberOfFailures = 5;
 
-  RegistrationEvaluator(std::vector<EvaluatedView> views, std::vector<SearchUnknown> unknowns,
-    const ProgressCallback& progress);
+  RegistrationEvaluator(std::vector<SearchedMammogram> mammograms,
+    std::vector<SearchUnknown> unknowns, const ProgressCallback& progress);
 
   void PrepareForEvaluation(bool evaluateJacobians, bool newPoint) override;
 
   /// Back to equilibria, those of the unknowns as they are now.
-  void ReturnTo(const std::vector<CompressionState>& states);
+  void ReturnTo(const std::vector<std::shared_ptr<EvaluatedState>>& states);
 
   /**
    * How far the cost falls from the evaluated point to the bottom of its Gauss-Newton model,
@@ -127,10 +54,10 @@ public:
   bool operator()(const double* const* offsets, double* residuals) const;
 
   const std::vector<SearchUnknown> Unknowns;
-  std::vector<std::unique_ptr<ViewEvaluator>> Views;
+  std::vector<std::unique_ptr<MammogramEvaluator>> Mammograms;
   /// Ceres' parameter block: the unknowns over their scales.
   std::vector<double> Block;
-  /// Of all views, one after the other.
+  /// Of all mammograms, one after the other.
   std::vector<double> Residuals;
   /// Which of them the robust loss weighs: all but the priors.
   std::vector<bool> Robust;
@@ -142,13 +69,15 @@ public:
   int Failures = 0;
 
 private:
-  bool EvaluateResiduals();
+  /// Equilibria and residuals at the block, with the Jacobian where it is wanted at once.
+  bool Evaluate(bool withJacobian);
   void EvaluateJacobian();
+  bool IsExact() const;
   bool DifferentiateByDifferences();
   bool IsStoppedByBound(std::size_t unknown, double slope) const;
   bool Stop();
-  std::vector<double> ValuesOf(std::size_t view) const;
-  /// Of each view the unknowns it has: their numbers and its parameters.
+  std::vector<double> ValuesAt(std::size_t mammogram) const;
+  /// Of each mammogram the unknowns it has: their numbers and its parameters.
   struct Selection
   {
     std::vector<std::size_t> Unknowns;
@@ -156,11 +85,11 @@ private:
   };
 
   std::vector<Selection> Selected;
-  /// Where each view's residuals begin.
+  /// Where each mammogram's residuals begin.
   std::vector<std::size_t> First;
   const ProgressCallback& Progress;
   std::vector<double> EvaluatedAt;
-  bool Evaluated = false;
+  bool IsEvaluated = false;
   bool HasJacobian = false;
 };
 }

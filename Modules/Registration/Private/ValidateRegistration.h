@@ -7,8 +7,9 @@
 namespace mammoray
 {
 /// Throw InputError unless a search can begin with these, of one mammogram or of several.
-void ValidateViews(const std::vector<RegistrationView>& views, const RegistrationOptions& options);
-void ValidateRegistration(const RegistrationModel& model, const RegistrationOptions& options);
+void ValidateMammograms(const std::vector<JointMammogram>& mammograms,
+  const RegistrationOptions& options);
+void ValidateRegistration(const BreastModel& model, const RegistrationOptions& options);
 }
 
 #endif

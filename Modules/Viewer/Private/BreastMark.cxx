@@ -2,7 +2,7 @@
 #include "Private/BreastMark.h"
 
 #include "mammoray/Case/RegisteredBreast.h"
-#include "mammoray/Registration/TargetImage.h"
+#include "mammoray/Registration/RegistrationTarget.h"
 
 #include <algorithm>
 #include <cmath>

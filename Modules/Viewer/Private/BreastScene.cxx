@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Private/BreastScene.h"
 
-#include "mammoray/Registration/RegistrationModel.h"
-#include "mammoray/Registration/TargetImage.h"
+#include "mammoray/Registration/EvaluatedState.h"
+#include "mammoray/Registration/RegistrationTarget.h"
 
 #include "vtkActor.h"
 #include "vtkCell.h"

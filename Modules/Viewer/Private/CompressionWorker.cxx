@@ -2,8 +2,6 @@
 #include "Private/CompressionWorker.h"
 
 #include "mammoray/Foundation/Error.h"
-#include "mammoray/Foundation/PoseParameters.h"
-#include "mammoray/Registration/Registration.h"
 
 #include <chrono>
 
@@ -87,21 +85,19 @@ CompressedAnatomy CompressionWorker::Compress(const BreastPose& pose)
   answer.Pose = pose;
   try
   {
-    if (!this->Mechanics)
+    if (!this->Model)
     {
-      this->Mechanics.emplace(this->Viewed.Anatomy, this->Viewed.Materials, this->Viewed.Mechanics,
+      this->Model.emplace(this->Viewed.Anatomy, this->Viewed.Materials, this->Viewed.Mechanics,
         progress);
     }
-    RegistrationModel model = this->Mechanics->Model();
-    model.Axes = this->Viewed.Axes;
-    model.Anchor = this->Viewed.Anchor;
-    model.Unit = this->Viewed.Breast.Unit;
-    const std::vector<double> values = ValuesOf(pose);
+    BreastBody& body = this->Model->Body();
+    const UnitPlacement placement{ this->Viewed.Axes, this->Viewed.Anchor,
+      this->Viewed.Breast.Unit };
     std::optional<CompressionState> start;
     start.swap(this->State);
     try
     {
-      this->State = CompressAt(model, values, start ? &*start : nullptr, progress);
+      this->State = body.Compress(placement, pose, start ? &*start : nullptr, progress);
     }
     catch (const ConvergenceError&)
     {
@@ -110,9 +106,9 @@ CompressedAnatomy CompressionWorker::Compress(const BreastPose& pose)
         throw;
       }
       // The way from there was blocked; the one from outside may not be.
-      this->State = CompressAt(model, values, nullptr, progress);
+      this->State = body.Compress(placement, pose, nullptr, progress);
     }
-    answer.Points = this->Mechanics->AnatomyPoints().Map(this->State->Positions);
+    answer.Points = this->Model->AnatomyPoints().Map(this->State->Positions);
     answer.PaddleForceN = this->State->PaddleForceN;
   }
   catch (const std::exception& error) // also Interrupted; nothing may leave the thread

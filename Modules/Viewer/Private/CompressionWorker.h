@@ -48,7 +48,7 @@ private:
 
   const ViewedBreast& Viewed;
   // Of the worker's thread only.
-  std::optional<BreastMechanics> Mechanics;
+  std::optional<BreastModel> Model;
   std::optional<CompressionState> State;
 
   mutable std::mutex Mutex;

@@ -4,8 +4,8 @@
 #include "Private/KilovoltageSpectrum.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/IO/ShippedData.h"
-#include "mammoray/Registration/RegistrationModel.h"
-#include "mammoray/Registration/TargetImage.h"
+#include "mammoray/Registration/EvaluatedState.h"
+#include "mammoray/Registration/RegistrationTarget.h"
 
 #include "vtkDoubleArray.h"
 #include "vtkNew.h"

@@ -2,7 +2,7 @@
 #include "Private/MammogramPane.h"
 
 #include "mammoray/Foundation/Error.h"
-#include "mammoray/Registration/TargetImage.h"
+#include "mammoray/Registration/RegistrationTarget.h"
 
 #include "vtkActor.h"
 #include "vtkCamera.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mammoray/Registration/TargetImage.h"
+#include "mammoray/Registration/RegistrationTarget.h"
 
 #include "mammoray/Foundation/Error.h"
 

@@ -2,7 +2,7 @@
 #include "Files.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/IO/MammogramIO.h"
-#include "mammoray/Registration/MammogramTarget.h"
+#include "mammoray/Registration/TargetPreparation.h"
 
 #include <zlib.h>
 

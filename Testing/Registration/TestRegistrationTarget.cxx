@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mammoray/Foundation/Error.h"
-#include "mammoray/Registration/TargetImage.h"
+#include "mammoray/Registration/RegistrationTarget.h"
 
 #include <gtest/gtest.h>
 

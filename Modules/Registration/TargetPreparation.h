@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#ifndef mammoray_MammogramTarget_h
-#define mammoray_MammogramTarget_h
+#ifndef mammoray_TargetPreparation_h
+#define mammoray_TargetPreparation_h
 
 #include "mammoray/Foundation/Mammogram.h"
 #include "mammoray/Registration/RegistrationTarget.h"

@@ -58,7 +58,7 @@ protected:
       return;
     }
     Model = std::make_unique<Twin>(6, 12, 20.0);
-    const Twin other(8, 16, 30.0);
+    Twin other(8, 16, 30.0);
     Target = std::make_unique<RegistrationTarget>(MakeTarget(other, Truth()));
   }
   static void TearDownTestSuite()
@@ -81,7 +81,8 @@ TEST_F(Registration, RecoversATwinMadeWithAnotherMeshSpectrumAndNoise)
     start.RollDeg = Truth().RollDeg + sense * 20;
     start.LateralMm = Truth().LateralMm - sense * 15;
     start.AnteriorMm = 3;
-    const RegistrationResult result = Register(Model->Model, *Target, OptionsFrom(start), {});
+    const RegistrationResult result =
+      Register(Model->Model, Model->Placement, *Target, OptionsFrom(start), {});
     EXPECT_TRUE(result.Converged) << result.StopReason;
     // The result's own standard deviations must be useful, and the errors no larger than what is
     // called useful: the ball is all that shows the angle, and thickness has little effect on a
@@ -121,7 +122,7 @@ TEST_F(Registration, NothingFreeAnswersTheStart)
   {
     parameter.Fixed = true;
   }
-  const RegistrationResult result = Register(Model->Model, *Target, options, {});
+  const RegistrationResult result = Register(Model->Model, Model->Placement, *Target, options, {});
   EXPECT_TRUE(result.Converged);
   EXPECT_EQ(result.Pose.ThicknessMm, Truth().ThicknessMm);
   EXPECT_EQ(result.Evaluations, 1);
@@ -134,14 +135,14 @@ TEST_F(Registration, StopsWhenAskedWithTheBestSoFar)
 {
   RegistrationOptions options = OptionsFrom(Truth());
   int calls = 0;
-  const RegistrationResult result = Register(Model->Model, *Target, options,
+  const RegistrationResult result = Register(Model->Model, Model->Placement, *Target, options,
     [&](double, const char* stage) { return std::string(stage) != "project" || ++calls < 3; });
   EXPECT_FALSE(result.Converged);
   EXPECT_NE(result.StopReason.find("interrupted"), std::string::npos);
   EXPECT_GT(result.After.Correlation, 0.9);
 }
 
-TEST_F(Registration, ScoutingEndsWhereTheRealSimulationAloneEnds)
+TEST_F(Registration, PredictedSearchEndsWhereTheSimulationAloneEnds)
 {
   BreastPose start = Truth();
   start.ThicknessMm += 2;
@@ -149,26 +150,24 @@ TEST_F(Registration, ScoutingEndsWhereTheRealSimulationAloneEnds)
   start.LateralMm = 0;
   RegistrationOptions options = OptionsFrom(start);
   options.PixelSizesMm = { 4.0, 3.0 };
-  const RegistrationResult scouted = Register(Model->Model, *Target, options, {});
-  RegistrationModel unscouted = Model->Model;
-  unscouted.Scout = nullptr;
-  EXPECT_THROW(Register(unscouted, *Target, options, {}), InputError); // an embedding in nothing
-  unscouted.ScoutEmbedding = nullptr;
-  const RegistrationResult alone = Register(unscouted, *Target, options, {});
-  EXPECT_TRUE(scouted.Converged) << scouted.StopReason;
+  const RegistrationResult predicted =
+    Register(Model->Model, Model->Placement, *Target, options, {});
+  Twin direct(6, 12, 20.0, false);
+  const RegistrationResult alone = Register(direct.Model, direct.Placement, *Target, options, {});
+  EXPECT_TRUE(predicted.Converged) << predicted.StopReason;
   EXPECT_TRUE(alone.Converged) << alone.StopReason;
-  // The state answered is one of the real simulation, whose nodes are more.
-  EXPECT_EQ(scouted.State.Positions.size(), alone.State.Positions.size());
+  // The state answered is one of the simulation itself, whose nodes are more.
+  EXPECT_EQ(predicted.State.Positions.size(), alone.State.Positions.size());
   // The cost of this small twin has dents, in one of which each ends: three standard deviations of
   // each of the two, and an outline and picture that both agree.
   for (const int parameter :
     { ThicknessParameter, RollParameter, LateralParameter, AnteriorParameter })
   {
-    EXPECT_NEAR(scouted.Values[parameter], alone.Values[parameter],
-      3 * (scouted.StandardDeviations[parameter] + alone.StandardDeviations[parameter]))
+    EXPECT_NEAR(predicted.Values[parameter], alone.Values[parameter],
+      3 * (predicted.StandardDeviations[parameter] + alone.StandardDeviations[parameter]))
       << alone.Parameters[parameter].Name;
   }
-  for (const RegistrationResult* result : { &scouted, &alone })
+  for (const RegistrationResult* result : { &predicted, &alone })
   {
     EXPECT_LT(result->After.MeanOutlineDistanceMm, 0.7);
     EXPECT_GT(result->After.Correlation, 0.95);
@@ -178,9 +177,10 @@ TEST_F(Registration, ScoutingEndsWhereTheRealSimulationAloneEnds)
 TEST_F(Registration, DifferencesEndWhereExactDerivativesEndAtMoreEquilibria)
 {
   RegistrationOptions options = OptionsNearTruth();
-  const RegistrationResult exact = Register(Model->Model, *Target, options, {});
+  const RegistrationResult exact = Register(Model->Model, Model->Placement, *Target, options, {});
   options.Derivatives = RegistrationDerivatives::CentralDifferences;
-  const RegistrationResult differences = Register(Model->Model, *Target, options, {});
+  const RegistrationResult differences =
+    Register(Model->Model, Model->Placement, *Target, options, {});
   EXPECT_TRUE(differences.Converged) << differences.StopReason;
   // Both stop within half a standard deviation of the best.
   for (const int parameter :
@@ -199,8 +199,8 @@ TEST_F(Registration, DifferencesEndWhereExactDerivativesEndAtMoreEquilibria)
 
   // Stopped among the differences.
   int calls = 0;
-  const RegistrationResult stopped =
-    Register(Model->Model, *Target, options, [&](double, const char*) { return ++calls < 200; });
+  const RegistrationResult stopped = Register(Model->Model, Model->Placement, *Target, options,
+    [&](double, const char*) { return ++calls < 200; });
   EXPECT_FALSE(stopped.Converged);
   EXPECT_NE(stopped.StopReason.find("interrupted"), std::string::npos);
 }
@@ -211,7 +211,8 @@ TEST_F(Registration, AnnealingSpendsItsEquilibriaAndKeepsTheBest)
   AnnealingOptions annealing;
   annealing.Equilibria = 6;
   annealing.FirstStep = 0.3;
-  const RegistrationResult result = Anneal(Model->Model, *Target, options, annealing, {});
+  const RegistrationResult result =
+    Anneal(Model->Model, Model->Placement, *Target, options, annealing, {});
   EXPECT_EQ(result.Evaluations, 6);
   EXPECT_EQ(result.Iterations.front().Parameters, options.From);
   ASSERT_GE(result.Iterations.size(), 2u);
@@ -233,75 +234,77 @@ TEST_F(Registration, AnnealingSpendsItsEquilibriaAndKeepsTheBest)
   int calls = 0;
   const auto stopAtThird = [&](double, const char* stage)
   { return std::string(stage) != "anneal" || ++calls < 3; };
-  const RegistrationResult stopped = Anneal(Model->Model, *Target, options, annealing, stopAtThird);
+  const RegistrationResult stopped =
+    Anneal(Model->Model, Model->Placement, *Target, options, annealing, stopAtThird);
   EXPECT_EQ(stopped.Evaluations, 3);
   EXPECT_NE(stopped.StopReason.find("interrupted"), std::string::npos);
   EXPECT_LE(stopped.Iterations.back().Cost, stopped.Iterations.front().Cost);
   annealing.Equilibria = 0;
-  EXPECT_THROW(Anneal(Model->Model, *Target, options, annealing, {}), InputError);
+  EXPECT_THROW(Anneal(Model->Model, Model->Placement, *Target, options, annealing, {}), InputError);
 }
 
 /// CC and MLO of one truth whose gland is stiffer than the model believes.
-TEST_F(Registration, TwoViewsShareTheStiffnessAndKnowItBetter)
+TEST_F(Registration, TwoMammogramsShareTheStiffnessAndKnowItBetter)
 {
   Twin other(8, 16, 30.0);
   const double trueStiffness = 1.6;
-  std::vector<ElasticMaterial> elastic = other.Model.Elastic;
-  elastic[3].YoungsModulusKPa *= trueStiffness;
-  other.Simulation.SetMaterials(elastic);
-  BreastPose oblique = Truth();
+  BreastPose above = Truth();
+  above.Stiffness = trueStiffness;
+  BreastPose oblique = above;
   oblique.ThicknessMm = 43;
   oblique.RollDeg = 45;
   oblique.LateralMm = -3;
-  const RegistrationTarget targets[2] = { MakeTarget(other, Truth()), MakeTarget(other, oblique) };
-  const auto viewOf = [&](const BreastPose& pose, const RegistrationTarget& target)
+  const RegistrationTarget targets[2] = { MakeTarget(other, above), MakeTarget(other, oblique) };
+  const auto mammogramOf = [&](const BreastPose& pose, const RegistrationTarget& target)
   {
     BreastPose start = pose;
     start.ThicknessMm += 1.5;
     start.RollDeg -= 3;
     start.LateralMm += 2;
-    RegistrationView view{ &Model->Model, &target, DefaultParameters(start), {} };
-    view.Parameters[StiffnessParameter].Fixed = false;
-    for (const RegistrationParameter& parameter : view.Parameters)
+    start.Stiffness = 1;
+    JointMammogram mammogram{ &Model->Model, Model->Placement, &target, DefaultParameters(start),
+      {} };
+    mammogram.Parameters[StiffnessParameter].Fixed = false;
+    for (const RegistrationParameter& parameter : mammogram.Parameters)
     {
-      view.From.push_back(parameter.Start);
+      mammogram.From.push_back(parameter.Start);
     }
-    return view;
+    return mammogram;
   };
-  const RegistrationView cc = viewOf(Truth(), targets[0]);
-  const RegistrationView mlo = viewOf(oblique, targets[1]);
+  const JointMammogram cc = mammogramOf(above, targets[0]);
+  const JointMammogram mlo = mammogramOf(oblique, targets[1]);
   const RegistrationOptions options = OptionsFrom(Truth());
   const JointRegistrationResult alone[2] = { RegisterTogether({ cc }, options),
     RegisterTogether({ mlo }, options) };
   const JointRegistrationResult joint = RegisterTogether({ cc, mlo }, options);
-  ASSERT_EQ(joint.Views.size(), 2u);
-  EXPECT_TRUE(joint.Views[0].Converged) << joint.Views[0].StopReason;
+  ASSERT_EQ(joint.Mammograms.size(), 2u);
+  EXPECT_TRUE(joint.Mammograms[0].Converged) << joint.Mammograms[0].StopReason;
 
   // One value, and two poses of which each is near its own truth: 3 sigma, as in the test of one.
-  EXPECT_EQ(joint.Views[0].Stiffness, joint.Views[1].Stiffness);
-  const BreastPose truths[2] = { Truth(), oblique };
-  for (int view = 0; view < 2; ++view)
+  EXPECT_EQ(joint.Mammograms[0].Pose.Stiffness, joint.Mammograms[1].Pose.Stiffness);
+  const BreastPose truths[2] = { above, oblique };
+  for (int mammogram = 0; mammogram < 2; ++mammogram)
   {
-    SCOPED_TRACE(view);
-    const RegistrationResult& result = joint.Views[view];
-    EXPECT_NEAR(result.Pose.ThicknessMm, truths[view].ThicknessMm, 3.0);
+    SCOPED_TRACE(mammogram);
+    const RegistrationResult& result = joint.Mammograms[mammogram];
+    EXPECT_NEAR(result.Pose.ThicknessMm, truths[mammogram].ThicknessMm, 3.0);
     // The body is nearly round: its roll is known to 4 or 5 degrees.
     EXPECT_LT(result.StandardDeviations[RollParameter], 6.0);
-    EXPECT_NEAR(result.Pose.RollDeg, truths[view].RollDeg,
+    EXPECT_NEAR(result.Pose.RollDeg, truths[mammogram].RollDeg,
       3 * result.StandardDeviations[RollParameter]);
-    EXPECT_NEAR(result.Pose.LateralMm, truths[view].LateralMm, 1.5);
+    EXPECT_NEAR(result.Pose.LateralMm, truths[mammogram].LateralMm, 1.5);
     EXPECT_LT(result.After.MeanOutlineDistanceMm, 0.7);
     EXPECT_GT(result.After.Correlation, 0.95);
     // What two pictures say of the gland is more than what one does: information adds up.
     EXPECT_LT(result.StandardDeviations[StiffnessParameter],
-      alone[view].Views[0].StandardDeviations[StiffnessParameter]);
+      alone[mammogram].Mammograms[0].StandardDeviations[StiffnessParameter]);
   }
-  EXPECT_NEAR(joint.Views[0].Stiffness, trueStiffness,
-    2 * joint.Views[0].StandardDeviations[StiffnessParameter]);
-  EXPECT_EQ(joint.Views[0].StandardDeviations[StiffnessParameter],
-    joint.Views[1].StandardDeviations[StiffnessParameter]);
+  EXPECT_NEAR(joint.Mammograms[0].Pose.Stiffness, trueStiffness,
+    2 * joint.Mammograms[0].StandardDeviations[StiffnessParameter]);
+  EXPECT_EQ(joint.Mammograms[0].StandardDeviations[StiffnessParameter],
+    joint.Mammograms[1].StandardDeviations[StiffnessParameter]);
 
-  // Four of each view and the shared one; the covariances of the views are parts of the joint one.
+  // Four of each mammogram and the shared one; their own covariances are parts of the joint one.
   ASSERT_EQ(joint.Unknowns.size(), 9u);
   ASSERT_EQ(joint.Covariance.size(), 81u);
   EXPECT_EQ(std::count_if(joint.Unknowns.begin(), joint.Unknowns.end(),
@@ -310,7 +313,7 @@ TEST_F(Registration, TwoViewsShareTheStiffnessAndKnowItBetter)
   for (std::size_t i = 0; i < 9; ++i)
   {
     const JointUnknown& row = joint.Unknowns[i];
-    const RegistrationResult& result = joint.Views[row.View];
+    const RegistrationResult& result = joint.Mammograms[row.Mammogram];
     EXPECT_EQ(joint.Covariance[i * 10], result.Covariance[row.Parameter * (ParameterCount + 1)]);
     // What is held with a prior makes nothing surer.
     EXPECT_GE(result.ConsideredCovariance[row.Parameter * (ParameterCount + 1)],
@@ -318,14 +321,15 @@ TEST_F(Registration, TwoViewsShareTheStiffnessAndKnowItBetter)
   }
 }
 
-/// Each view alone is the same search as both without anything in common.
-TEST_F(Registration, ViewsThatShareNothingFreeEndWhereEachAloneEnds)
+/// Each mammogram alone is the same search as both without anything in common.
+TEST_F(Registration, MammogramsThatShareNothingFreeEndWhereEachAloneEnds)
 {
   const RegistrationOptions near = OptionsNearTruth();
-  const RegistrationView view{ &Model->Model, Target.get(), near.Parameters, near.From };
-  const RegistrationResult alone = Register(Model->Model, *Target, near);
-  const JointRegistrationResult joint = RegisterTogether({ view, view }, near);
-  for (const RegistrationResult& result : joint.Views)
+  const JointMammogram mammogram{ &Model->Model, Model->Placement, Target.get(), near.Parameters,
+    near.From };
+  const RegistrationResult alone = Register(Model->Model, Model->Placement, *Target, near);
+  const JointRegistrationResult joint = RegisterTogether({ mammogram, mammogram }, near);
+  for (const RegistrationResult& result : joint.Mammograms)
   {
     for (const int parameter :
       { ThicknessParameter, RollParameter, LateralParameter, AnteriorParameter })
@@ -345,9 +349,9 @@ TEST_F(Registration, ViewsThatShareNothingFreeEndWhereEachAloneEnds)
     }
   }
   EXPECT_THROW(RegisterTogether({}, near), InputError);
-  RegistrationView stiffer = view;
+  JointMammogram stiffer = mammogram;
   stiffer.Parameters[StiffnessParameter].Start = 2;
-  EXPECT_THROW(RegisterTogether({ view, stiffer }, near), InputError);
+  EXPECT_THROW(RegisterTogether({ mammogram, stiffer }, near), InputError);
 }
 
 /// The shift that considering predicts is the one that registering at another held value finds.
@@ -359,7 +363,7 @@ TEST_F(Registration, ConsideredParametersMoveTheOthersAsPredicted)
   options.Parameters[YawParameter].PriorSigma = 0;
   options.Parameters[TiltParameter].PriorSigma = 0;
   options.Parameters[StiffnessParameter].PriorSigma = 0;
-  const RegistrationResult held = Register(Model->Model, *Target, options);
+  const RegistrationResult held = Register(Model->Model, Model->Placement, *Target, options);
   const auto entry = [&](const std::vector<double>& covariance, int row, int column)
   { return covariance[row * ParameterCount + column]; };
   const std::vector<double>& considered = held.ConsideredCovariance;
@@ -368,7 +372,7 @@ TEST_F(Registration, ConsideredParametersMoveTheOthersAsPredicted)
 
   options.Parameters[PitchParameter].Start = 2;
   options.From[PitchParameter] = 2;
-  const RegistrationResult moved = Register(Model->Model, *Target, options);
+  const RegistrationResult moved = Register(Model->Model, Model->Placement, *Target, options);
   for (const int parameter :
     { ThicknessParameter, RollParameter, LateralParameter, AnteriorParameter })
   {
@@ -383,7 +387,7 @@ TEST_F(Registration, ConsideredParametersMoveTheOthersAsPredicted)
   }
   // Where everything held is known, nothing is left to consider.
   options.Parameters[PitchParameter].PriorSigma = 0;
-  const RegistrationResult known = Register(Model->Model, *Target, options);
+  const RegistrationResult known = Register(Model->Model, Model->Placement, *Target, options);
   for (std::size_t i = 0; i < known.Covariance.size(); ++i)
   {
     EXPECT_NEAR(known.ConsideredCovariance[i], known.Covariance[i], 1e-9);
@@ -394,14 +398,15 @@ TEST_F(Registration, UnusableInputIsRefused)
 {
   RegistrationOptions options = OptionsFrom(Truth());
   options.Parameters[RollParameter].Start = 1000;
-  EXPECT_THROW(Register(Model->Model, *Target, options, {}), InputError);
+  EXPECT_THROW(Register(Model->Model, Model->Placement, *Target, options, {}), InputError);
   options = OptionsFrom(Truth());
   options.Parameters.pop_back();
-  EXPECT_THROW(Register(Model->Model, *Target, options, {}), InputError);
-  RegistrationModel incomplete = Model->Model;
-  incomplete.Projector = nullptr;
-  EXPECT_THROW(Register(incomplete, *Target, OptionsFrom(Truth()), {}), InputError);
+  EXPECT_THROW(Register(Model->Model, Model->Placement, *Target, options, {}), InputError);
+  BreastModel withoutXRays(MakeAnatomy(4), Twin::Materials(), {});
+  EXPECT_THROW(Register(withoutXRays, Model->Placement, *Target, OptionsFrom(Truth()), {}),
+    InputError);
   RegistrationTarget target = *Target;
   target.BreastMask.assign(target.BreastMask.size(), 0);
-  EXPECT_THROW(Register(Model->Model, target, OptionsFrom(Truth()), {}), InputError);
+  EXPECT_THROW(Register(Model->Model, Model->Placement, target, OptionsFrom(Truth()), {}),
+    InputError);
 }

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mammoray/Biomechanics/PlacedPlates.h"
-#include "mammoray/Registration/Registration.h"
+#include "mammoray/Registration/UnitPlacement.h"
 
 #include <gtest/gtest.h>
 
@@ -29,15 +28,13 @@ void ExpectVelocity(const Plate& minus, const Plate& plus, double step, const Pl
 }
 }
 
-TEST(PlateVelocities, AgreeWithDifferencesOfThePlates)
+TEST(UnitPlacement, PlateVelocitiesAgreeWithDifferencesOfThePlates)
 {
   for (const char* orientation : { "LPS", "ALS", "RAS", "LAS" }) // the last is left-handed
   {
-    RegistrationModel model;
-    model.Axes = AnatomicalAxes::FromCode(orientation);
-    model.Anchor = { 3, -7, 11 };
-    model.Unit.SupportEdgeMm = -0.4;
-    model.Unit.PaddleEdgeMm = 0.6;
+    UnitPlacement placement{ AnatomicalAxes::FromCode(orientation), { 3, -7, 11 }, {} };
+    placement.Unit.SupportEdgeMm = -0.4;
+    placement.Unit.PaddleEdgeMm = 0.6;
     BreastPose pose;
     pose.ThicknessMm = 47;
     pose.RollDeg = 12;
@@ -47,8 +44,8 @@ TEST(PlateVelocities, AgreeWithDifferencesOfThePlates)
     pose.LateralMm = -4;
     pose.AnteriorMm = 9;
     pose.VerticalMm = 2;
-    const auto velocities = PlateVelocities(model, pose);
-    const auto platesAt = [&](const BreastPose& at) { return PlatesAt(model, at); };
+    const auto velocities = placement.PlateVelocitiesAt(pose);
+    const auto platesAt = [&](const BreastPose& at) { return placement.PlatesAt(at); };
     const PlatePair here = platesAt(pose);
     // The stiffness moves no plate.
     ASSERT_EQ(velocities.size(), std::size_t{ StiffnessParameter });
@@ -67,23 +64,4 @@ TEST(PlateVelocities, AgreeWithDifferencesOfThePlates)
       ExpectVelocity(a.Paddle, b.Paddle, step, here.Paddle, velocities[parameter].Paddle);
     }
   }
-}
-
-TEST(DefaultParameters, StartWithinTheirBounds)
-{
-  BreastPose start;
-  start.ThicknessMm = 62;
-  start.RollDeg = 45;
-  start.AnteriorMm = 5;
-  const auto parameters = DefaultParameters(start);
-  ASSERT_EQ(parameters.size(), std::size_t{ ParameterCount });
-  for (const RegistrationParameter& parameter : parameters)
-  {
-    EXPECT_LT(parameter.Lower, parameter.Start) << parameter.Name;
-    EXPECT_LT(parameter.Start, parameter.Upper) << parameter.Name;
-    EXPECT_GT(parameter.Scale, 0) << parameter.Name;
-  }
-  EXPECT_EQ(parameters[ThicknessParameter].Start, 62);
-  EXPECT_EQ(parameters[RollParameter].Start, 45);
-  EXPECT_TRUE(parameters[VerticalParameter].Fixed);
 }

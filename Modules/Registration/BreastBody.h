@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+#ifndef mammoray_BreastBody_h
+#define mammoray_BreastBody_h
+
+#include "mammoray/Biomechanics/CompressionSimulation.h"
+#include "mammoray/Biomechanics/Embedding.h"
+#include "mammoray/Registration/UnitPlacement.h"
+#include "mammorayRegistrationModule.h"
+
+#include <optional>
+#include <vector>
+
+namespace mammoray
+{
+/**
+ * A simulation of a breast whose gland's stiffness is a parameter of the pose, and the X-rayed
+ * surface that moves with it. Its state is the stiffness that the simulation was given last.
+ */
+class MAMMORAYREGISTRATION_EXPORT BreastBody
+{
+public:
+  /// `elastic`: the simulation's materials where the stiffness is 1; `gland`: those it scales.
+  BreastBody(CompressionSimulation simulation, std::vector<ElasticMaterial> elastic,
+    std::vector<int> gland);
+
+  CompressionSimulation& Simulation() { return this->Simulated; }
+  const CompressionSimulation& Simulation() const { return this->Simulated; }
+  const std::vector<ElasticMaterial>& Elastic() const { return this->AtRest; }
+  /// Other materials where the stiffness is 1, as many as before.
+  void SetElastic(std::vector<ElasticMaterial> elastic);
+  /// Whether there is a material that the stiffness scales.
+  bool HasGland() const { return !this->Gland.empty(); }
+
+  /// Points of a surface in the frame of the mesh, 3 x pointCount, mm.
+  void SetSurface(const std::vector<double>& points);
+  /// Throws InputError where there is no surface.
+  const Embedding& Surface() const;
+
+  /// Equilibrium at a pose. Throws as CompressionSimulation::Compress, at once.
+  CompressionState Compress(const UnitPlacement& placement, const BreastPose& pose,
+    const CompressionState* start = nullptr, const ProgressCallback& progress = {});
+
+  /**
+   * How points that move with the simulation change with the parameters numbered in `wanted`, seen
+   * from the unit: exact derivatives of their equilibrium `state` at `pose` minus the motion of the
+   * unit's own points. `positions`: of the points in that state (Embedding::Map). One vector of
+   * 3 x pointCount each, volume frame, mm per unit of the parameter.
+   */
+  std::vector<std::vector<double>> VelocitiesSeenFromUnit(const UnitPlacement& placement,
+    const BreastPose& pose, const CompressionState& state, const Embedding& points,
+    const std::vector<double>& positions, const std::vector<int>& wanted);
+
+private:
+  void SetStiffness(double factor);
+  MaterialVelocity StiffnessVelocity() const;
+
+  CompressionSimulation Simulated;
+  std::vector<ElasticMaterial> AtRest;
+  std::vector<int> Gland;
+  std::optional<Embedding> SurfacePoints;
+};
+}
+
+#endif

@@ -1,0 +1,228 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mammoray/Registration/BreastModel.h"
+
+#include "mammoray/Foundation/Error.h"
+#include "mammoray/Foundation/MeshVoxels.h"
+#include "mammoray/Registration/Silhouette.h"
+
+#ifdef MAMMORAY_HAS_MESHING
+#include "mammoray/Meshing/SimulationMesh.h"
+#endif
+
+#include <algorithm>
+#include <string>
+#include <utility>
+
+namespace mammoray
+{
+namespace
+{
+/// Voxels of an anatomy without a volume, mm: finer than any simulation cell.
+constexpr double VoxelMm = 1.0;
+/// Up to so many linear cells a cold start takes some ten seconds on its own.
+constexpr std::size_t MostCellsWithoutPredictor = 20000;
+
+MaterialField SampledFrom(LabelVolume volume)
+{
+  return [shared = std::make_shared<const LabelVolume>(std::move(volume))](const Vector3& point)
+  { return static_cast<int>(shared->LabelAt(point)); };
+}
+
+/// Throws InputError unless the chest wall is there.
+ElasticTable HeldTable(const MaterialTable& table)
+{
+  ElasticTable materials(table);
+  if (std::find(materials.Held.begin(), materials.Held.end(), true) == materials.Held.end())
+  {
+    throw InputError("table '" + table.Name +
+      "': expected a material with \"held\": true (the chest wall), found none");
+  }
+  return materials;
+}
+}
+
+std::size_t MostSimulationCells(ElementType element)
+{
+  return element == ElementType::Quadratic ? 20000 : 150000;
+}
+
+TetrahedralMesh MakeSimulationMesh(const LabelVolume& materials, const std::vector<bool>& held,
+  double cellSizeMm, const ProgressCallback& progress)
+{
+#ifdef MAMMORAY_HAS_MESHING
+  return MeshForSimulation(materials, held, cellSizeMm, progress).Mesh;
+#else
+  (void)materials;
+  (void)held;
+  (void)cellSizeMm;
+  (void)progress;
+  throw InputError("this build has no Meshing module to make a mesh for the simulation; expected "
+                   "one made elsewhere, or an anatomy of at most " +
+    std::to_string(MostSimulationCells(ElementType::Quadratic)) + " cells");
+#endif
+}
+
+void AddColdStartPredictor(CompressionSimulation& simulation, const TetrahedralMesh& mesh,
+  const ElasticTable& materials, const CompressionOptions& options,
+  const ProgressCallback& progress)
+{
+#ifdef MAMMORAY_HAS_MESHING
+  if (options.Element == ElementType::Quadratic ||
+    mesh.NumberOfCells() <= MostCellsWithoutPredictor)
+  {
+    return;
+  }
+  CompressionOptions quadratic = options;
+  quadratic.Element = ElementType::Quadratic;
+  try
+  {
+    LabelVolume voxels = Voxelize(mesh, VoxelMm);
+    const TetrahedralMesh coarse = MakeSimulationMesh(voxels, materials.Held, 0, progress);
+    simulation.SetPredictor(std::make_unique<CompressionSimulation>(coarse, materials.Elastic,
+      materials.Held, SampledFrom(std::move(voxels)), quadratic));
+  }
+  catch (const InputError&)
+  {
+    // A body too small or too large for such voxels: it goes its way alone.
+  }
+#else
+  (void)simulation;
+  (void)mesh;
+  (void)materials;
+  (void)options;
+  (void)progress;
+#endif
+}
+
+/// The cells to simulate on and where their stiffness comes from.
+struct BreastModel::Basis
+{
+  /// Null: the anatomy's own cells.
+  std::unique_ptr<TetrahedralMesh> Mesh;
+  MaterialField Field;
+
+  /// Takes the volume and the mesh out of the options.
+  Basis(const TetrahedralMesh& anatomy, const std::vector<bool>& held, BreastModelOptions& options,
+    const ProgressCallback& progress)
+    : Field(options.Field)
+  {
+    const bool own = !options.SimulationMesh &&
+      anatomy.NumberOfCells() <= MostSimulationCells(options.Compression.Element);
+    if (!own && !options.Volume && !this->Field)
+    {
+      options.Volume = Voxelize(anatomy, VoxelMm);
+    }
+    if (options.SimulationMesh)
+    {
+      this->Mesh = std::make_unique<TetrahedralMesh>(std::move(*options.SimulationMesh));
+    }
+    else if (!own)
+    {
+      const LabelVolume& volume =
+        options.Volume ? *options.Volume : options.Volume.emplace(Voxelize(anatomy, VoxelMm));
+      this->Mesh = std::make_unique<TetrahedralMesh>(
+        MakeSimulationMesh(volume, held, options.CellSizeMm, progress));
+    }
+    if (options.Volume && !this->Field)
+    {
+      this->Field = SampledFrom(std::move(*options.Volume));
+    }
+  }
+};
+
+BreastModel::BreastModel(TetrahedralMesh&& anatomy, const ElasticTable& materials,
+  std::vector<int> gland, const BreastModelOptions& options, const Basis& basis,
+  const ProgressCallback& progress)
+  : Tissue(std::move(anatomy))
+  , Full(CompressionSimulation(basis.Mesh ? *basis.Mesh : this->Tissue, materials.Elastic,
+           materials.Held, basis.Field, options.Compression),
+      materials.Elastic, gland)
+{
+  const TetrahedralMesh& mesh = basis.Mesh ? *basis.Mesh : this->Tissue;
+  this->CellCount = mesh.NumberOfCells();
+  this->Carried = basis.Mesh != nullptr;
+  const bool unloaded = Norm(options.ImageGravityMPerS2) > 0;
+  if (unloaded)
+  {
+    this->Full.Simulation().Unload(options.ImageGravityMPerS2, progress);
+  }
+  else
+  {
+    AddColdStartPredictor(this->Full.Simulation(), mesh, materials, options.Compression, progress);
+  }
+  if (options.Predicted)
+  {
+    CompressionOptions linear = options.Compression;
+    linear.Element = ElementType::PatchAveragedLinear;
+    this->Cheap.emplace(
+      CompressionSimulation(mesh, materials.Elastic, materials.Held, basis.Field, linear),
+      materials.Elastic, std::move(gland));
+    if (unloaded)
+    {
+      this->Cheap->Simulation().Unload(options.ImageGravityMPerS2, progress);
+    }
+  }
+}
+
+BreastModel::BreastModel(TetrahedralMesh anatomy, const ElasticTable& materials,
+  std::vector<int> gland, BreastModelOptions options, const ProgressCallback& progress)
+  : BreastModel(std::move(anatomy), materials, std::move(gland), options,
+      Basis(anatomy, materials.Held, options, progress), progress)
+{
+}
+
+BreastModel::BreastModel(TetrahedralMesh anatomy, const MaterialTable& table,
+  BreastModelOptions options, const ProgressCallback& progress)
+  : BreastModel(std::move(anatomy), HeldTable(table), table.Glandular(), std::move(options),
+      progress)
+{
+}
+
+const Embedding& BreastModel::AnatomyPoints()
+{
+  if (!this->TissuePoints)
+  {
+    this->TissuePoints.emplace(this->Full.Simulation(), this->Tissue.Points);
+  }
+  return *this->TissuePoints;
+}
+
+void BreastModel::SetXRays(SurfaceMesh surface, std::unique_ptr<PathLengthProjector> projector,
+  Beam beam)
+{
+  if (!projector)
+  {
+    throw InputError("breast: expected a projector, found none");
+  }
+  projector->SetSurface(surface);
+  this->Full.SetSurface(surface.Points);
+  if (this->Cheap)
+  {
+    this->Cheap->SetSurface(surface.Points);
+  }
+  this->Edges = OuterEdges(surface);
+  this->Interfaces = std::move(surface);
+  this->Projector = std::move(projector);
+  this->Rays.emplace(std::move(beam));
+}
+
+void BreastModel::SetBeam(Beam beam)
+{
+  this->Rays.emplace(std::move(beam));
+}
+
+PathLengthImage BreastModel::Project(const std::vector<double>& points, const XRaySource& source,
+  const XRayDetector& detector)
+{
+  this->Projector->UpdatePoints(points);
+  return this->Projector->Project(source, detector);
+}
+
+PathLengthImage BreastModel::Project(const std::vector<double>& points, const XRaySource& source,
+  const XRayDetector& detector, const std::vector<double>& velocities, int fields,
+  PathLengthDerivatives& derivatives)
+{
+  this->Projector->UpdatePoints(points);
+  return this->Projector->Project(source, detector, velocities, fields, derivatives);
+}
+}

@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mammoray/Registration/EvaluatedState.h"
+
+#include <utility>
+
+namespace mammoray
+{
+XRaySource SourceOf(const VolumeFromGantry& placed, const MammographyUnit& unit)
+{
+  XRaySource source;
+  source.Position = placed.Point({ 0, 0, unit.SourceToDetectorMm });
+  return source;
+}
+
+XRayDetector DetectorOf(const VolumeFromGantry& placed, const RegistrationTarget& grid, int samples)
+{
+  XRayDetector detector;
+  detector.Origin = placed.Point({ grid.Origin[0], grid.Origin[1], 0 });
+  detector.ColumnStep = placed.Direction({ grid.ColumnStep[0], grid.ColumnStep[1], 0 });
+  detector.RowStep = placed.Direction({ grid.RowStep[0], grid.RowStep[1], 0 });
+  detector.Columns = grid.Columns;
+  detector.Rows = grid.Rows;
+  detector.Samples = samples;
+  return detector;
+}
+
+EvaluatedState::EvaluatedState(BreastModel& model, BreastBody& body, const UnitPlacement& placement,
+  const BreastPose& pose, CompressionState state)
+  : Breast(model)
+  , Body(body)
+  , Around(placement)
+  , At(pose)
+  , Equilibrium(std::move(state))
+  , UnitHere(placement.At(pose))
+{
+}
+
+EvaluatedState EvaluatedState::MovedTo(const BreastPose& pose)
+{
+  EvaluatedState moved(this->Breast, this->Body, this->Around, pose, this->Equilibrium);
+  moved.Points = this->SurfacePoints();
+  return moved;
+}
+
+const std::vector<double>& EvaluatedState::SurfacePoints()
+{
+  if (this->Points.empty())
+  {
+    this->Points = this->Body.Surface().Map(this->Equilibrium.Positions);
+  }
+  return this->Points;
+}
+
+const std::vector<ReceptorPoint>& EvaluatedState::SurfaceOnReceptor()
+{
+  if (this->Projected.empty())
+  {
+    this->Projected = ProjectToReceptor(this->SurfacePoints(), this->UnitHere, this->Around.Unit);
+  }
+  return this->Projected;
+}
+
+const EvaluatedState::Silhouette& EvaluatedState::SilhouetteFrom(const ReceptorPoint& centre,
+  const std::vector<ReceptorPoint>& directions)
+{
+  if (!this->Outline || centre != this->Centre || directions != this->Directions)
+  {
+    Silhouette outline;
+    outline.Radii = SilhouetteRadii(this->SurfaceOnReceptor(), this->Breast.SurfaceEdges(), centre,
+      directions, &outline.Crossed);
+    this->Outline = std::move(outline);
+    this->Centre = centre;
+    this->Directions = directions;
+  }
+  return *this->Outline;
+}
+
+bool EvaluatedState::Shows(const XRayDetector& detector) const
+{
+  return this->Shown && this->Detector == detector;
+}
+
+void EvaluatedState::KeepPicture(const XRayDetector& detector, PathLengthImage lengths)
+{
+  this->Detector = detector;
+  std::vector<float> attenuation = this->Breast.XRays().LogAttenuation(lengths);
+  this->Shown = Picture{ std::move(lengths), std::move(attenuation) };
+}
+
+const EvaluatedState::Picture& EvaluatedState::PictureOn(const RegistrationTarget& grid,
+  int samples)
+{
+  const XRayDetector detector = DetectorOf(this->UnitHere, grid, samples);
+  if (!this->Shows(detector))
+  {
+    ++this->Projections;
+    this->KeepPicture(detector,
+      this->Breast.Project(this->SurfacePoints(), SourceOf(this->UnitHere, this->Around.Unit),
+        detector));
+  }
+  return *this->Shown;
+}
+
+EvaluatedState::Derivatives EvaluatedState::Differentiate(const RegistrationTarget& grid,
+  int samples, const std::vector<int>& wanted)
+{
+  Derivatives derivatives;
+  for (const std::vector<double>& field : this->Body.VelocitiesSeenFromUnit(this->Around, this->At,
+         this->Equilibrium, this->Body.Surface(), this->SurfacePoints(), wanted))
+  {
+    derivatives.Velocities.insert(derivatives.Velocities.end(), field.begin(), field.end());
+  }
+  const XRayDetector detector = DetectorOf(this->UnitHere, grid, samples);
+  PathLengthImage lengths =
+    this->Breast.Project(this->SurfacePoints(), SourceOf(this->UnitHere, this->Around.Unit),
+      detector, derivatives.Velocities, static_cast<int>(wanted.size()), derivatives.Lengths);
+  if (!this->Shows(detector))
+  {
+    ++this->Projections;
+    this->KeepPicture(detector, std::move(lengths));
+  }
+  return derivatives;
+}
+}

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+#ifndef mammoray_BreastContrast_h
+#define mammoray_BreastContrast_h
+
+#include "Private/PixelMask.h"
+#include "mammoray/Foundation/Mammogram.h"
+#include "mammoray/Registration/TargetPreparation.h"
+
+#include <string>
+#include <vector>
+
+namespace mammoray
+{
+/// A mammogram as log attenuation, and where in it the breast begins.
+struct BreastContrast
+{
+  /// Of each pixel, up to scale and offset: more where more is absorbed, air at 0, padding too.
+  std::vector<float> LogAttenuation;
+  /// Its medians over 3 x 3 pixels before air came to 0, padding at the air's level; breast is
+  /// above EdgeLevel.
+  std::vector<float> Smooth;
+  float EdgeLevel = 0;
+};
+
+/// Throws InputError where there is no breast beside air.
+BreastContrast FindBreastContrast(const Mammogram& mammogram, const PixelGrid& grid,
+  const TargetOptions& options, std::vector<std::string>& warnings);
+}
+
+#endif

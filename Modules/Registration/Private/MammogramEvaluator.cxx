@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "Private/MammogramEvaluator.h"
+
+#include "mammoray/Foundation/Error.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace mammoray
+{
+double TravelFrom(const CompressionState& state, const UnitPlacement& placement,
+  const BreastPose& pose)
+{
+  const PlatePair plates = placement.PlatesAt(pose);
+  return TravelMm(PlateMotion(SlidTowards(state.Plates, plates), plates));
+}
+
+std::shared_ptr<EvaluatedState> SearchedBreast::At(const std::vector<double>& values,
+  CompressionState state) const
+{
+  return std::make_shared<EvaluatedState>(*this->Model, *this->Body, this->Placement,
+    PoseOf(values), std::move(state));
+}
+
+MammogramEvaluator::MammogramEvaluator(SearchedMammogram mammogram,
+  const ProgressCallback& progress)
+  : Mammogram(std::move(mammogram))
+  , Compared(this->Mammogram.Target, this->Mammogram.Options)
+  , Progress(progress)
+  , HereIsAt(this->Mammogram.Values)
+{
+}
+
+MammogramEvaluator::Answer MammogramEvaluator::Compress()
+{
+  const std::vector<double>& values = this->Mammogram.Values;
+  if (values == this->HereIsAt)
+  {
+    return Answer::Found;
+  }
+  const SearchedBreast& breast = this->Mammogram.Breast;
+  const CompressionState& near = this->Mammogram.Here->State();
+  const double travelMm = TravelFrom(near, breast.Placement, PoseOf(values));
+  if (travelMm > this->LongestTravelMm)
+  {
+    return Answer::Refused; // costs nothing, and Ceres shortens its step or gives up
+  }
+  const auto begin = Clock::now();
+  try
+  {
+    this->Mammogram.Here = breast.At(values,
+      breast.Body->Compress(breast.Placement, PoseOf(values),
+        travelMm > LongestWarmTravelMm ? nullptr : &near, this->Progress));
+    this->HereIsAt = values;
+    ++this->Evaluations;
+    this->MechanicsSeconds += SecondsSince(begin);
+    this->LongestTravelMm = std::max(this->LongestTravelMm, 2 * travelMm);
+    return Answer::Found;
+  }
+  catch (const Interrupted&)
+  {
+    return Answer::Stopped;
+  }
+  catch (const ConvergenceError&)
+  {
+    ++this->Evaluations;
+    this->MechanicsSeconds += SecondsSince(begin);
+    this->LongestTravelMm = travelMm > 0 ? 0.5 * travelMm : this->LongestTravelMm;
+    return Answer::NoEquilibrium; // Ceres shortens its step
+  }
+}
+
+void MammogramEvaluator::Compare()
+{
+  const auto begin = Clock::now();
+  const int before = this->Mammogram.Here->NumberOfProjections();
+  this->Residuals = this->Compared.Evaluate(*this->Mammogram.Here);
+  this->ProjectionSeconds += SecondsSince(begin);
+  this->Projections += this->Mammogram.Here->NumberOfProjections() - before;
+}
+
+RegistrationResiduals::Jacobian MammogramEvaluator::Differentiate(const std::vector<int>& wanted)
+{
+  const auto begin = Clock::now();
+  const int before = this->Mammogram.Here->NumberOfProjections();
+  RegistrationResiduals::Jacobian jacobian =
+    this->Compared.Differentiate(*this->Mammogram.Here, wanted);
+  this->JacobianSeconds += SecondsSince(begin);
+  this->Projections += this->Mammogram.Here->NumberOfProjections() - before;
+  return jacobian;
+}
+
+void MammogramEvaluator::ReturnTo(const std::vector<double>& values,
+  std::shared_ptr<EvaluatedState> state)
+{
+  const bool same = ValuesOf(state->Pose()) == values;
+  this->Mammogram.Here =
+    same ? std::move(state) : this->Mammogram.Breast.At(values, state->State());
+  this->HereIsAt = values;
+}
+
+std::vector<double> MammogramEvaluator::Beside(const std::vector<double>& values)
+{
+  const SearchedBreast& breast = this->Mammogram.Breast;
+  const auto beside = breast.At(values,
+    breast.Body->Compress(breast.Placement, PoseOf(values), &this->Mammogram.Here->State(),
+      this->Progress));
+  return this->Compared.Evaluate(*beside);
+}
+}

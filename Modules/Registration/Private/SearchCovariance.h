@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: Apache-2.0
+#ifndef mammoray_SearchCovariance_h
+#define mammoray_SearchCovariance_h
+
+#include "Private/JointSearch.h"
+
+#include <ceres/problem.h>
+
+namespace mammoray
+{
+/// Finds the covariance of the unknowns where the search stands, for all mammograms and each of
+/// them, also with what is not known of the parameters that are held (consider covariance).
+void KeepCovariance(ceres::Problem& problem, RegistrationEvaluator& evaluator, JointSearch& search);
+}
+
+#endif

@@ -1,0 +1,205 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "Private/SearchLevel.h"
+
+#include "Private/SearchCovariance.h"
+
+#include <ceres/ceres.h>
+
+#include <string>
+#include <utility>
+
+namespace mammoray
+{
+namespace
+{
+/// One residual of an evaluator, so that Ceres can weigh each by its robust loss.
+class ResidualCost : public ceres::CostFunction
+{
+public:
+  ResidualCost(const RegistrationEvaluator& evaluator, std::size_t index)
+    : Source(evaluator)
+    , Index(index)
+  {
+    this->set_num_residuals(1);
+    this->mutable_parameter_block_sizes()->push_back(static_cast<int>(evaluator.Unknowns.size()));
+  }
+
+  bool Evaluate(double const* const*, double* residuals, double** jacobians) const override
+  {
+    if (!this->Source.Valid)
+    {
+      return false;
+    }
+    residuals[0] = this->Source.Residuals[this->Index];
+    if (jacobians && jacobians[0])
+    {
+      for (std::size_t u = 0; u < this->Source.Unknowns.size(); ++u)
+      {
+        jacobians[0][u] = this->Source.Jacobian[u][this->Index];
+      }
+    }
+    return true;
+  }
+
+private:
+  const RegistrationEvaluator& Source;
+  std::size_t Index;
+};
+
+/// Keeps the accepted states, tells of progress and stops when asked.
+class IterationRecorder : public ceres::IterationCallback
+{
+public:
+  IterationRecorder(const RegistrationEvaluator& evaluator, const Level& level, JointSearch& search)
+    : Source(evaluator)
+    , Searched(level)
+    , Search(search)
+  {
+  }
+
+  ceres::CallbackReturnType operator()(const ceres::IterationSummary& summary) override
+  {
+    if (this->Source.Stopped ||
+      this->Source.Failures >= RegistrationEvaluator::LargestNumberOfFailures)
+    {
+      return ceres::SOLVER_ABORT;
+    }
+    if (summary.iteration == 0 || summary.step_is_successful)
+    {
+      // Ceres has just evaluated the Jacobian at the accepted point, so the evaluator stands there.
+      for (std::size_t mammogram = 0; mammogram < this->Search.Mammograms.size(); ++mammogram)
+      {
+        this->Keep(*this->Source.Mammograms[mammogram], this->Search.Mammograms[mammogram]);
+      }
+      this->Settled = this->Source.PredictedFall() < this->Searched.NegligibleFall;
+    }
+    return this->Settled ? ceres::SOLVER_TERMINATE_SUCCESSFULLY : ceres::SOLVER_CONTINUE;
+  }
+
+private:
+  void Keep(const MammogramEvaluator& evaluator, MammogramSearch& search) const
+  {
+    const RegistrationCosts costs = evaluator.Costs();
+    RegistrationIteration row;
+    row.Number = static_cast<int>(search.Result.Iterations.size());
+    row.Parameters = evaluator.Mammogram.Values;
+    row.PixelSizeMm = this->Searched.PixelSizeMm;
+    row.OutlineCost = costs.Outline;
+    row.IntensityCost = costs.Intensity;
+    row.PriorCost = costs.Prior;
+    row.Cost = costs.Sum();
+    row.Seconds = SecondsSince(this->Search.Begin);
+    search.Result.Iterations.push_back(row);
+    search.Result.Values = evaluator.Mammogram.Values;
+    search.Here = evaluator.Mammogram.Here;
+  }
+
+  const RegistrationEvaluator& Source;
+  const Level& Searched;
+  JointSearch& Search;
+  bool Settled = false;
+};
+
+ceres::Solver::Options SolverOptions(const Level& level)
+{
+  ceres::Solver::Options options;
+  options.max_num_iterations = level.MaximumIterations;
+  options.linear_solver_type = ceres::DENSE_QR;
+  options.logging_type = ceres::SILENT;
+  // A cost that falls by a thousandth tells nothing more: residuals are in standard deviations.
+  options.function_tolerance = 1e-3;
+  options.parameter_tolerance = 1e-3;
+  options.update_state_every_iteration = true;
+  options.initial_trust_region_radius = 1e2;
+  options.max_num_consecutive_invalid_steps = 10;
+  // Of a step that does not help a shorter one is tried: Ceres' own search along it, meant for
+  // bounds, spends an equilibrium on each of many dents of the cost.
+  options.max_num_line_search_step_size_iterations = 0;
+  return options;
+}
+
+void AddResiduals(RegistrationEvaluator& evaluator, ceres::Problem& problem)
+{
+  const double width = evaluator.Mammograms.front()->Mammogram.Options.RobustWidth;
+  for (std::size_t index = 0; index < evaluator.Robust.size(); ++index)
+  {
+    problem.AddResidualBlock(new ResidualCost(evaluator, index),
+      evaluator.Robust[index] ? new ceres::HuberLoss(width) : nullptr, evaluator.Block.data());
+  }
+  for (std::size_t u = 0; u < evaluator.Unknowns.size(); ++u)
+  {
+    const SearchUnknown& unknown = evaluator.Unknowns[u];
+    problem.SetParameterLowerBound(evaluator.Block.data(), static_cast<int>(u),
+      unknown.Lower / unknown.Scale);
+    problem.SetParameterUpperBound(evaluator.Block.data(), static_cast<int>(u),
+      unknown.Upper / unknown.Scale);
+  }
+}
+
+/// Why a level ended.
+struct Ending
+{
+  LevelEnd End = LevelEnd::Reached;
+  bool Converged = false;
+  std::string Reason;
+};
+
+Ending EndingOf(const RegistrationEvaluator& evaluator, const ceres::Solver::Summary& summary)
+{
+  if (evaluator.Stopped)
+  {
+    return { LevelEnd::Stopped, false, "interrupted; this is the best pose so far" };
+  }
+  if (evaluator.Failures >= RegistrationEvaluator::LargestNumberOfFailures)
+  {
+    return { LevelEnd::Failed, false,
+      std::to_string(evaluator.Failures) +
+        " poses on the way to a better match had no equilibrium; this is the best pose that has "
+        "one" };
+  }
+  const bool settled = summary.termination_type == ceres::USER_SUCCESS;
+  return { summary.termination_type == ceres::FAILURE ? LevelEnd::Failed : LevelEnd::Reached,
+    summary.IsSolutionUsable() && (summary.termination_type == ceres::CONVERGENCE || settled),
+    // Like our own reasons, without a full stop.
+    settled ? "the parameters are within half a standard deviation of the best match"
+            : summary.message.substr(0, summary.message.find_last_not_of(". ") + 1) };
+}
+
+/// Adds what a level took, and why it ended, to the result of a mammogram.
+void KeepEnd(const MammogramEvaluator& spent, const Ending& ending, RegistrationResult& result)
+{
+  result.Evaluations += spent.Evaluations;
+  result.Projections += spent.Projections;
+  result.MechanicsSeconds += spent.MechanicsSeconds;
+  result.ProjectionSeconds += spent.ProjectionSeconds;
+  result.JacobianSeconds += spent.JacobianSeconds;
+  result.Converged = ending.Converged;
+  result.StopReason = ending.Reason;
+}
+}
+
+LevelEnd SearchLevel(std::vector<SearchedMammogram> mammograms, const Level& level,
+  JointSearch& search, const ProgressCallback& progress)
+{
+  RegistrationEvaluator evaluator(std::move(mammograms), search.Unknowns, progress);
+  ceres::Problem::Options problemOptions;
+  problemOptions.evaluation_callback = &evaluator;
+  ceres::Problem problem(problemOptions);
+  AddResiduals(evaluator, problem);
+  ceres::Solver::Options solverOptions = SolverOptions(level);
+  IterationRecorder recorder(evaluator, level, search);
+  solverOptions.callbacks.push_back(&recorder);
+  ceres::Solver::Summary summary;
+  ceres::Solve(solverOptions, &problem, &summary);
+  const Ending ending = EndingOf(evaluator, summary);
+  for (std::size_t mammogram = 0; mammogram < search.Mammograms.size(); ++mammogram)
+  {
+    KeepEnd(*evaluator.Mammograms[mammogram], ending, search.Mammograms[mammogram].Result);
+  }
+  if (ending.End == LevelEnd::Reached && level.Finest)
+  {
+    KeepCovariance(problem, evaluator, search);
+  }
+  return ending.End;
+}
+}

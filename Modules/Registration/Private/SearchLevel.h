@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+#ifndef mammoray_SearchLevel_h
+#define mammoray_SearchLevel_h
+
+#include "Private/JointSearch.h"
+
+#include <vector>
+
+namespace mammoray
+{
+enum class LevelEnd
+{
+  Reached,
+  /// The next level has nothing to go on from.
+  Failed,
+  /// By the user.
+  Stopped
+};
+
+/// What a level of the search compares, and when it ends.
+struct Level
+{
+  double PixelSizeMm = 0;
+  double NegligibleFall = 0;
+  int MaximumIterations = 0;
+  bool Finest = false;
+};
+
+/// Searches at one resolution, from `mammograms`; the accepted states go into `search`, and at the
+/// finest level the covariance.
+LevelEnd SearchLevel(std::vector<SearchedMammogram> mammograms, const Level& level,
+  JointSearch& search, const ProgressCallback& progress);
+}
+
+#endif

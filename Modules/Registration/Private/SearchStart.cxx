@@ -1,0 +1,308 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "Private/SearchStart.h"
+
+#include "mammoray/Foundation/Error.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <limits>
+#include <utility>
+
+namespace mammoray
+{
+namespace
+{
+/// Extent of the breast at rest along the beam's axis, mm: of what is clearly in front of the chest
+/// wall, which may be taller.
+double UncompressedHeight(const SearchedBreast& breast, const BreastPose& pose)
+{
+  const UnitPlacement& placement = breast.Placement;
+  const Vector3 axis = placement.At(pose).Z;
+  const std::vector<double>& points = breast.Body->Simulation().RestPositions();
+  double low = std::numeric_limits<double>::infinity();
+  double high = -low;
+  for (std::size_t index = 0; index < points.size(); index += 3)
+  {
+    const Vector3 point{ points[index], points[index + 1], points[index + 2] };
+    constexpr double clearlyMm = 5;
+    if (Dot(point - placement.Anchor, placement.Axes.Anterior) > clearlyMm)
+    {
+      const double height = Dot(point, axis);
+      low = std::min(low, height);
+      high = std::max(high, height);
+    }
+  }
+  return high - low;
+}
+
+/// Thickness that is too small for the breast: opened and bounded, with a warning.
+void OpenTo(double thicknessMm, double heightMm, RegistrationResult& result)
+{
+  RegistrationParameter& thickness = result.Parameters[ThicknessParameter];
+  double& value = result.Values[ThicknessParameter];
+  char sentence[240];
+  std::snprintf(sentence, sizeof sentence,
+    "The breast of the volume is %.0f mm high; it is not compressed to the %.1f mm the search "
+    "should start from, but to no less than %.1f mm.",
+    heightMm, value, thicknessMm);
+  result.Warnings.push_back(sentence);
+  value = thicknessMm;
+  thickness.Start = thicknessMm;
+  thickness.Lower = thicknessMm;
+  thickness.Upper = std::max(thickness.Upper, 1.5 * thicknessMm);
+}
+
+/// How far the breast reaches on the receptor: its ends across and its tip, mm.
+struct Reach
+{
+  double Low = std::numeric_limits<double>::infinity();
+  double High = -std::numeric_limits<double>::infinity();
+  double Tip = 0;
+};
+
+Reach ReachOf(EvaluatedState& breast, const ReceptorPoint& centre)
+{
+  const auto directions = HalfCircleDirections(180);
+  const std::vector<double>& radii = breast.SilhouetteFrom(centre, directions).Radii;
+  Reach reach;
+  for (std::size_t index = 0; index < directions.size(); ++index)
+  {
+    reach.Low = std::min(reach.Low, centre[0] + radii[index] * directions[index][0]);
+    reach.High = std::max(reach.High, centre[0] + radii[index] * directions[index][0]);
+    reach.Tip = std::max(reach.Tip, centre[1] + radii[index] * directions[index][1]);
+  }
+  return reach;
+}
+
+double TipOf(const RegistrationTarget& target)
+{
+  double tip = 0;
+  for (int row = 0; row < target.Rows; ++row)
+  {
+    for (int column = 0; column < target.Columns; ++column)
+    {
+      if (target.BreastMask[static_cast<std::size_t>(row) * target.Columns + column])
+      {
+        tip = std::max(tip, PixelPosition(target, column, row)[1]);
+      }
+    }
+  }
+  return tip;
+}
+
+/**
+ * The values at which the unit is shifted so that the silhouette has its middle and its tip where
+ * the mammogram's outline has them: cheap, and it spares the optimiser the long way from a wrong
+ * position.
+ */
+std::vector<double> Aligned(EvaluatedState& breast, const RegistrationTarget& target,
+  const std::vector<RegistrationParameter>& parameters)
+{
+  std::vector<double> values = ValuesOf(breast.Pose());
+  const ReceptorPoint centre = ChestWallCentre(target);
+  const Reach reach = ReachOf(breast, centre);
+  const MammographyUnit& unit = breast.Placement().Unit;
+  const double sid = unit.SourceToDetectorMm;
+  const double magnification = sid / (sid - unit.SupportHeightMm - 0.5 * breast.Pose().ThicknessMm);
+  const auto shift = [&](int index, double by)
+  {
+    const RegistrationParameter& parameter = parameters[index];
+    if (!parameter.Fixed)
+    {
+      values[index] = std::clamp(values[index] + by, parameter.Lower, parameter.Upper);
+    }
+  };
+  shift(LateralParameter, (0.5 * (reach.Low + reach.High) - centre[0]) / magnification);
+  shift(AnteriorParameter, (reach.Tip - TipOf(target)) / magnification);
+  return values;
+}
+
+/**
+ * Compresses the breast at `aligned`, where the outlines meet; without an equilibrium there only
+ * sideways of Here, which the plates do not feel, or not at all.
+ */
+void MoveTo(const SearchedBreast& breast, const std::vector<double>& aligned,
+  MammogramSearch& search, const ProgressCallback& progress)
+{
+  std::vector<double> sideways = search.Result.Values;
+  sideways[LateralParameter] = aligned[LateralParameter];
+  for (const std::vector<double>& values : { aligned, sideways })
+  {
+    try
+    {
+      search.Here = CompressForStart(breast, values, search.Here.get(), search.Result, progress);
+      search.Result.Values = values;
+      return;
+    }
+    catch (const ConvergenceError&)
+    {
+      // The next, or none.
+    }
+  }
+}
+
+/// Rolls at which a search may begin beside its start, degrees off it.
+std::vector<double> RollOffsets(const RegistrationOptions& options,
+  const RegistrationResult& result)
+{
+  std::vector<double> offsets{ 0 };
+  // A start that had to be opened is another breast's: every equilibrium costs much there.
+  if (!result.Parameters[RollParameter].Fixed && result.Warnings.empty())
+  {
+    offsets.insert(offsets.end(), options.RollOffsetsDeg.begin(), options.RollOffsetsDeg.end());
+  }
+  return offsets;
+}
+
+/// The breast rolled by `offset` from Here; null out of the bounds and where it has no equilibrium.
+std::shared_ptr<EvaluatedState> Rolled(const SearchedBreast& breast, double offset,
+  MammogramSearch& search, const ProgressCallback& progress)
+{
+  std::vector<double> values = search.Result.Values;
+  values[RollParameter] += offset;
+  const RegistrationParameter& roll = search.Result.Parameters[RollParameter];
+  if (values[RollParameter] < roll.Lower || values[RollParameter] > roll.Upper)
+  {
+    return nullptr;
+  }
+  if (offset == 0)
+  {
+    return search.Here;
+  }
+  try
+  {
+    return CompressForStart(breast, values, search.Here.get(), search.Result, progress);
+  }
+  catch (const ConvergenceError&)
+  {
+    return nullptr;
+  }
+}
+}
+
+SearchedBreast MammogramSearch::Breast() const
+{
+  return { this->Given->Model, &this->Given->Model->Body(), this->Given->Placement };
+}
+
+SearchedBreast MammogramSearch::PredictedBreast() const
+{
+  return { this->Given->Model, this->Given->Model->Predictor(), this->Given->Placement };
+}
+
+MammogramSearch StartOf(const JointMammogram& mammogram)
+{
+  MammogramSearch search;
+  search.Given = &mammogram;
+  RegistrationResult& result = search.Result;
+  result.Parameters = mammogram.Parameters;
+  result.Values = mammogram.From;
+  for (const RegistrationParameter& parameter : mammogram.Parameters)
+  {
+    if (mammogram.From.empty())
+    {
+      result.Values.push_back(parameter.Start);
+    }
+  }
+  result.StandardDeviations.assign(ParameterCount, std::numeric_limits<double>::quiet_NaN());
+  // Holds unless there is something to search.
+  result.StopReason = "nothing to optimise: every parameter is fixed";
+  result.Converged = true;
+  return search;
+}
+
+std::shared_ptr<EvaluatedState> CompressForStart(const SearchedBreast& breast,
+  const std::vector<double>& values, const EvaluatedState* near, RegistrationResult& result,
+  const ProgressCallback& progress)
+{
+  const BreastPose pose = PoseOf(values);
+  if (near && TravelFrom(near->State(), breast.Placement, pose) > LongestWarmTravelMm)
+  {
+    near = nullptr;
+  }
+  ++result.Evaluations;
+  const auto begin = Clock::now();
+  try
+  {
+    CompressionState state =
+      breast.Body->Compress(breast.Placement, pose, near ? &near->State() : nullptr, progress);
+    result.MechanicsSeconds += SecondsSince(begin);
+    return breast.At(values, std::move(state));
+  }
+  catch (const ConvergenceError&)
+  {
+    result.MechanicsSeconds += SecondsSince(begin);
+    throw;
+  }
+}
+
+void OpenToHalfHeight(MammogramSearch& search)
+{
+  RegistrationResult& result = search.Result;
+  const double height = UncompressedHeight(search.Breast(), PoseOf(result.Values));
+  if (!result.Parameters[ThicknessParameter].Fixed &&
+    result.Values[ThicknessParameter] < 0.5 * height)
+  {
+    OpenTo(0.5 * height, height, result);
+  }
+}
+
+void CompressStart(MammogramSearch& search, const ProgressCallback& progress)
+{
+  constexpr int attempts = 3;
+  const SearchedBreast breast = search.Breast();
+  RegistrationResult& result = search.Result;
+  for (int attempt = 1;; ++attempt)
+  {
+    try
+    {
+      search.Here = CompressForStart(breast, result.Values, nullptr, result, progress);
+      return;
+    }
+    catch (const CompressionError& error)
+    {
+      const double opened = 1.1 * error.LastGapMm();
+      if (result.Parameters[ThicknessParameter].Fixed || attempt == attempts ||
+        !(opened > result.Values[ThicknessParameter]))
+      {
+        throw;
+      }
+      OpenTo(opened, UncompressedHeight(breast, PoseOf(result.Values)), result);
+    }
+  }
+}
+
+void ChooseStart(const SearchedBreast& breast, const RegistrationTarget& target,
+  const RegistrationOptions& options, MammogramSearch& search, const ProgressCallback& progress)
+{
+  const RegistrationResiduals compared(target, options);
+  double least = std::numeric_limits<double>::infinity();
+  std::shared_ptr<EvaluatedState> best;
+  std::vector<double> aligned;
+  for (const double offset : RollOffsets(options, search.Result))
+  {
+    const std::shared_ptr<EvaluatedState> beginning = Rolled(breast, offset, search, progress);
+    if (!beginning)
+    {
+      continue;
+    }
+    std::vector<double> values = Aligned(*beginning, target, search.Result.Parameters);
+    EvaluatedState moved = beginning->MovedTo(PoseOf(values));
+    const double cost = compared.Costs(compared.Evaluate(moved)).Sum();
+    ++search.Result.Projections;
+    if (cost < least)
+    {
+      least = cost;
+      best = beginning;
+      aligned = std::move(values);
+    }
+  }
+  if (!best)
+  {
+    return;
+  }
+  search.Result.Values = ValuesOf(best->Pose());
+  search.Here = best;
+  MoveTo(breast, aligned, search, progress);
+}
+}

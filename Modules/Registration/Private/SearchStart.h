@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+#ifndef mammoray_SearchStart_h
+#define mammoray_SearchStart_h
+
+#include "Private/MammogramEvaluator.h"
+
+#include <memory>
+#include <vector>
+
+namespace mammoray
+{
+/// One of the mammograms of a search: what is found of it so far.
+struct MammogramSearch
+{
+  const JointMammogram* Given = nullptr;
+  RegistrationResult Result;
+  /// The breast at Result.Values, or, where it is moved to its outline, at a pose near them.
+  std::shared_ptr<EvaluatedState> Here;
+
+  /// The breast that is found, and the one of the predictor, whose Body may be null.
+  SearchedBreast Breast() const;
+  SearchedBreast PredictedBreast() const;
+};
+
+/// The parameters at their start, nothing found yet.
+MammogramSearch StartOf(const JointMammogram& mammogram);
+
+/// Opens a start of less than half the breast's height, with a warning: a breast is compressed to
+/// about that, and less belongs to another breast and costs minutes to fail.
+void OpenToHalfHeight(MammogramSearch& search);
+
+/// Equilibrium at the result's values, counted and timed; from `near` (null: cold) where that is
+/// not too far. Throws ConvergenceError and Interrupted.
+std::shared_ptr<EvaluatedState> CompressForStart(const SearchedBreast& breast,
+  const std::vector<double>& values, const EvaluatedState* near, RegistrationResult& result,
+  const ProgressCallback& progress);
+
+/// The equilibrium at the result's values into Here; opened, with a warning, where there is none.
+void CompressStart(MammogramSearch& search, const ProgressCallback& progress);
+
+/**
+ * Moves Here, an equilibrium of `breast`, to the best beginning of a search: of the start and
+ * others with the roll beside it, the one whose picture matches `target` best where the outlines
+ * meet. A picture changes little with the roll and has more than one valley. To compare them, the
+ * compressed breast is moved to its outline as it is; only the best is compressed again there.
+ */
+void ChooseStart(const SearchedBreast& breast, const RegistrationTarget& target,
+  const RegistrationOptions& options, MammogramSearch& search, const ProgressCallback& progress);
+}
+
+#endif

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+#ifndef mammoray_SyntheticMammogram_h
+#define mammoray_SyntheticMammogram_h
+
+#include "mammoray/Registration/EvaluatedState.h"
+#include "mammorayRegistrationModule.h"
+
+#include <cstddef>
+#include <vector>
+
+namespace mammoray
+{
+/// A synthetic mammogram on a target's pixel grid.
+struct SyntheticMammogram
+{
+  /// -ln(I / I0) of each pixel.
+  std::vector<float> LogAttenuation;
+  /// Outer silhouette on the receptor, gantry x, y, mm; from +x to -x around the nipple.
+  std::vector<ReceptorPoint> Outline;
+  /// Rays whose crossings did not cancel.
+  std::size_t InconsistentRays = 0;
+};
+
+/**
+ * X-rays a compressed breast. Only the grid of `grid` is used, and its BreastMask (rows x columns,
+ * at least one pixel 1) to centre the silhouette on. `samples` rays along each side of a pixel.
+ * Throws InputError on an empty mask.
+ */
+MAMMORAYREGISTRATION_EXPORT SyntheticMammogram Synthesize(EvaluatedState& breast,
+  const RegistrationTarget& grid, int samples);
+
+/// How two pictures of the breast agree.
+struct Agreement
+{
+  /// Normalised cross-correlation of log attenuation inside both outlines, [-1, 1].
+  double Correlation = 0;
+  /// Distances from the synthetic outline to the real one where it lies in the image, mm.
+  double MeanOutlineDistanceMm = 0;
+  double LargestOutlineDistanceMm = 0;
+};
+
+MAMMORAYREGISTRATION_EXPORT Agreement Compare(const SyntheticMammogram& synthetic,
+  const RegistrationTarget& target);
+}
+
+#endif

@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mammoray/Registration/TargetPreparation.h"
+
+#include "Private/BreastContrast.h"
+#include "Private/GantryGrid.h"
+#include "Private/PixelFilters.h"
+#include "Private/PixelMask.h"
+#include "mammoray/Foundation/Error.h"
+#include "mammoray/Registration/MammogramMask.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <optional>
+
+namespace mammoray
+{
+namespace
+{
+/// What is not compared: see TargetOptions.
+void Exclude(const Mammogram& mammogram, double rollDeg, const TargetOptions& options,
+  RegistrationTarget& target)
+{
+  const bool oblique = mammogram.View == "MLO" || mammogram.View == "LMO";
+  if (options.ExcludePectoral && oblique)
+  {
+    const int headward = AlongX("H", rollDeg) > 0 ? 1 : -1;
+    if (const std::optional<PectoralEdge> edge = FindPectoralEdge(target, headward))
+    {
+      ExcludePectoral(*edge, headward, target);
+    }
+  }
+  if (options.ExcludeMarkers)
+  {
+    ExcludeSaturated(target);
+  }
+}
+
+/// An odd number of fine pixels per pixel.
+int RefinementFactor(double spacing, double wanted)
+{
+  const int factor = std::max(1, static_cast<int>(std::ceil(spacing / wanted - 1e-9)));
+  return factor % 2 == 1 ? factor : factor + 1;
+}
+
+void Validate(const Mammogram& mammogram, const TargetOptions& options)
+{
+  const std::size_t count = mammogram.Columns > 0 && mammogram.Rows > 0
+    ? static_cast<std::size_t>(mammogram.Columns) * static_cast<std::size_t>(mammogram.Rows)
+    : 0;
+  if (mammogram.Columns < 8 || mammogram.Rows < 8 || mammogram.Pixels.size() != count)
+  {
+    throw InputError("mammogram: expected at least 8 x 8 pixels and a value for each, found " +
+      std::to_string(mammogram.Columns) + " x " + std::to_string(mammogram.Rows) + " with " +
+      std::to_string(mammogram.Pixels.size()) + " values");
+  }
+  if (!(mammogram.ColumnSpacingMm > 0) || !(mammogram.RowSpacingMm > 0))
+  {
+    throw InputError("mammogram: expected positive pixel spacings");
+  }
+  if (!(options.EdgeFraction > 0 && options.EdgeFraction < 1) || !(options.EdgeSigmas > 0) ||
+    !(options.OutlineGridMm > 0) || !(options.ThinnestFeatureMm >= 0))
+  {
+    throw InputError(
+      "target options: expected an edge fraction in (0, 1), positive edge sigmas and "
+      "outline grid, and a thinnest feature of 0 or more");
+  }
+}
+
+/// The breast on a grid that is `Factor` times as fine as the mammogram's.
+struct FineBreast
+{
+  PixelGrid Grid;
+  int Factor = 1;
+  /// What belongs to it, and what of that is brighter than its edge, not filled.
+  PixelMask Mask;
+  PixelMask Seen;
+};
+
+FineBreast OutlineBreast(const PixelGrid& grid, BreastContrast& contrast,
+  const TargetOptions& options)
+{
+  FineBreast breast;
+  breast.Factor = std::max(RefinementFactor(grid.ColumnSpacing, options.OutlineGridMm),
+    RefinementFactor(grid.RowSpacing, options.OutlineGridMm));
+  breast.Grid = { grid.Columns * breast.Factor, grid.Rows * breast.Factor,
+    grid.ColumnSpacing / breast.Factor, grid.RowSpacing / breast.Factor };
+  const std::vector<float> image = Refine(grid, contrast.Smooth, breast.Grid, breast.Factor);
+  breast.Seen.resize(image.size());
+  std::transform(image.begin(), image.end(), breast.Seen.begin(),
+    [edge = contrast.EdgeLevel](float value) { return value > edge ? 1 : 0; });
+  breast.Mask = breast.Seen;
+  FillDarkFrame(breast.Grid, breast.Mask);
+  breast.Mask = WithoutThinParts(breast.Grid, std::move(breast.Mask), options.ThinnestFeatureMm);
+  KeepLargestPiece(breast.Grid, breast.Mask);
+  FillHoles(breast.Grid, breast.Mask);
+  return breast;
+}
+
+/// The breast in the mammogram's own pixels.
+void KeepBreast(const PixelGrid& grid, const FineBreast& breast, const TargetOptions& options,
+  RegistrationTarget& target)
+{
+  const std::vector<float> distances = SignedDistance(breast.Grid, breast.Mask);
+  const int factor = breast.Factor;
+  target.SignedDistanceMm.resize(grid.Count());
+  target.BreastMask.resize(grid.Count());
+  for (int row = 0; row < grid.Rows; ++row)
+  {
+    for (int column = 0; column < grid.Columns; ++column)
+    {
+      const std::size_t from =
+        breast.Grid.Index(column * factor + factor / 2, row * factor + factor / 2);
+      const std::size_t to = grid.Index(column, row);
+      target.SignedDistanceMm[to] = distances[from];
+      target.BreastMask[to] = distances[from] < 0 ? 1 : 0;
+      // Filled: a dark frame of the detector, or a hole.
+      if (options.ExcludeUnseen && breast.Mask[from] && !breast.Seen[from])
+      {
+        target.Excluded.resize(grid.Count(), 0);
+        target.Excluded[to] = 1;
+      }
+    }
+  }
+}
+
+void WarnOfShare(const PixelGrid& grid, RegistrationTarget& target)
+{
+  const double part = static_cast<double>(std::accumulate(target.BreastMask.begin(),
+                        target.BreastMask.end(), std::size_t{ 0 })) /
+    static_cast<double>(grid.Count());
+  if (part < 0.02 || part > 0.95)
+  {
+    target.Warnings.push_back("The breast was found on " + std::to_string(std::lround(100 * part)) +
+      " % of the picture: its outline should be looked at.");
+  }
+}
+}
+
+RegistrationTarget PrepareTarget(const Mammogram& mammogram, const TargetOptions& options)
+{
+  Validate(mammogram, options);
+  RegistrationTarget target;
+  target.Columns = mammogram.Columns;
+  target.Rows = mammogram.Rows;
+  const PixelGrid grid{ mammogram.Columns, mammogram.Rows, mammogram.ColumnSpacingMm,
+    mammogram.RowSpacingMm };
+  BreastContrast contrast = FindBreastContrast(mammogram, grid, options, target.Warnings);
+  const FineBreast breast = OutlineBreast(grid, contrast, options);
+  target.LogAttenuation = std::move(contrast.LogAttenuation);
+  const double rollDeg =
+    PlaceInGantry(mammogram, grid, TouchedSides(breast.Grid, breast.Mask), target);
+  if (std::find(breast.Mask.begin(), breast.Mask.end(), 0) == breast.Mask.end())
+  {
+    throw InputError("mammogram: expected air beside the breast, found none");
+  }
+  KeepBreast(grid, breast, options, target);
+  Exclude(mammogram, rollDeg, options, target);
+  WarnOfShare(grid, target);
+  return target;
+}
+}

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+#ifndef mammoray_UnitPlacement_h
+#define mammoray_UnitPlacement_h
+
+#include "mammoray/Biomechanics/PlacedPlates.h"
+#include "mammoray/Foundation/PoseParameters.h"
+#include "mammorayRegistrationModule.h"
+
+#include <vector>
+
+namespace mammoray
+{
+/// A unit that can be placed around a breast by a pose: the unit, and what the pose refers to.
+struct MAMMORAYREGISTRATION_EXPORT UnitPlacement
+{
+  AnatomicalAxes Axes;
+  /// The point of the volume frame about which the unit turns (FindPoseAnchor), mm.
+  Vector3 Anchor{ 0, 0, 0 };
+  MammographyUnit Unit;
+
+  VolumeFromGantry At(const BreastPose& pose) const
+  {
+    return PlaceUnit(this->Axes, this->Anchor, this->Unit, pose);
+  }
+  /// Volume frame.
+  PlatePair PlatesAt(const BreastPose& pose) const;
+  /// The rate of the plates with each of PoseParameters before the stiffness, per mm or degree.
+  std::vector<PlatePairVelocity> PlateVelocitiesAt(const BreastPose& pose) const;
+};
+}
+
+#endif

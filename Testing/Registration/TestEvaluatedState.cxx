@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "RegistrationTwin.h"
+#include "mammoray/Registration/EvaluatedState.h"
+
+#include <gtest/gtest.h>
+
+#include <string>
+
+using namespace mammoray;
+using namespace mammoray::test;
+
+namespace
+{
+RegistrationTarget Grid(double pixelMm)
+{
+  RegistrationTarget grid;
+  grid.Columns = static_cast<int>(65 / pixelMm);
+  grid.Rows = static_cast<int>(120 / pixelMm);
+  grid.Origin = { 60, 0.5 * pixelMm };
+  grid.ColumnStep = { 0, pixelMm };
+  grid.RowStep = { -pixelMm, 0 };
+  return grid;
+}
+}
+
+TEST(EvaluatedState, ComputesEachThingOnceAndAnewForAnotherGrid)
+{
+  std::string reason;
+  if (ListDevices(&reason).empty())
+  {
+    GTEST_SKIP() << reason;
+  }
+  Twin twin(4, 8, 20.0, false);
+  EvaluatedState here = twin.At(Truth());
+  const RegistrationTarget grid = Grid(2);
+  const std::vector<float> picture = here.PictureOn(grid, 2).LogAttenuation;
+  EXPECT_EQ(here.PictureOn(grid, 2).LogAttenuation, picture);
+  EXPECT_EQ(here.NumberOfProjections(), 1);
+  // Derivatives need a pass of their own, whose picture is the one at hand.
+  const EvaluatedState::Derivatives derivatives =
+    here.Differentiate(grid, 2, { ThicknessParameter, LateralParameter });
+  EXPECT_EQ(derivatives.Velocities.size(), 2 * here.SurfacePoints().size());
+  EXPECT_EQ(derivatives.Lengths.Fields, 2);
+  EXPECT_EQ(here.NumberOfProjections(), 1);
+  here.PictureOn(Grid(4), 2);
+  here.PictureOn(Grid(4), 1);
+  EXPECT_EQ(here.NumberOfProjections(), 3);
+  const double* const points = here.SurfacePoints().data();
+  EXPECT_EQ(here.SurfacePoints().data(), points);
+
+  // Where the derivatives come first, they bring the same picture.
+  EvaluatedState first = here.MovedTo(Truth());
+  first.Differentiate(grid, 2, { ThicknessParameter });
+  EXPECT_EQ(first.PictureOn(grid, 2).LogAttenuation, picture);
+  EXPECT_EQ(first.NumberOfProjections(), 1);
+}
+
+TEST(EvaluatedState, MovedElsewhereKeepsThePointsAndShiftsThePicture)
+{
+  std::string reason;
+  if (ListDevices(&reason).empty())
+  {
+    GTEST_SKIP() << reason;
+  }
+  Twin twin(4, 8, 20.0, false);
+  EvaluatedState here = twin.At(Truth());
+  BreastPose shifted = Truth();
+  shifted.LateralMm += 3;
+  EvaluatedState moved = here.MovedTo(shifted);
+  EXPECT_EQ(moved.SurfacePoints(), here.SurfacePoints());
+  EXPECT_EQ(moved.State().Positions, here.State().Positions);
+  for (std::size_t point = 0; point < here.SurfaceOnReceptor().size(); point += 100)
+  {
+    // The unit moves by 3 mm, its shadow of a point at the height z by sid / (sid - z) times that.
+    const double shift = here.SurfaceOnReceptor()[point][0] - moved.SurfaceOnReceptor()[point][0];
+    EXPECT_GE(shift, 3 - 1e-9);
+    EXPECT_LT(shift, 3.6);
+  }
+  const std::vector<ReceptorPoint> directions = HalfCircleDirections(20);
+  const ReceptorPoint centre{ 0, 0 };
+  const std::vector<double> radii = here.SilhouetteFrom(centre, directions).Radii;
+  EXPECT_EQ(here.SilhouetteFrom(centre, directions).Radii, radii);
+  EXPECT_NE(here.SilhouetteFrom({ 1, 0 }, directions).Radii, radii);
+}
