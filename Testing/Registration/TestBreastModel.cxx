@@ -56,9 +56,10 @@ TEST(BreastModel, StiffnessBelongsToThePoseThatWasAskedForLast)
   EXPECT_GT(stiff.PaddleForceN, soft.PaddleForceN);
   EXPECT_DOUBLE_EQ(body.Simulation().Materials()[3].YoungsModulusKPa, 45);
   EXPECT_DOUBLE_EQ(body.Elastic()[3].YoungsModulusKPa, 15);
+  // A cold start: from another state the tissue may fold otherwise at the plates' edges.
   pose.Stiffness = 1;
-  EXPECT_NEAR(body.Compress(twin.Placement, pose, &stiff).PaddleForceN, soft.PaddleForceN,
-    1e-5 * soft.PaddleForceN);
+  EXPECT_NEAR(body.Compress(twin.Placement, pose).PaddleForceN, soft.PaddleForceN,
+    1e-6 * soft.PaddleForceN);
 }
 
 TEST(BreastModel, UnusableInputIsRefused)

@@ -31,7 +31,7 @@ RegistrationTarget LinearTarget()
 }
 }
 
-TEST(TargetImage, DistanceIsExactForALinearField)
+TEST(RegistrationTarget, DistanceIsExactForALinearField)
 {
   const RegistrationTarget target = LinearTarget();
   for (const ReceptorPoint point : { ReceptorPoint{ 0.3, 5.7 }, ReceptorPoint{ 6.9, 1.1 },
@@ -45,7 +45,7 @@ TEST(TargetImage, DistanceIsExactForALinearField)
   EXPECT_NEAR(SignedDistanceAt(target, { 10, 5 }), 3.5 + 1.25 + 3, 1e-6);
 }
 
-TEST(TargetImage, ContainsCountsWholePixels)
+TEST(RegistrationTarget, ContainsCountsWholePixels)
 {
   const RegistrationTarget target = LinearTarget();
   EXPECT_TRUE(Contains(target, { 7.9, 0.1 }, 0));
@@ -54,7 +54,7 @@ TEST(TargetImage, ContainsCountsWholePixels)
   EXPECT_TRUE(Contains(target, { 0, 1.1 }, 1));
 }
 
-TEST(TargetImage, CoarseningKeepsPositionsAndMeans)
+TEST(RegistrationTarget, CoarseningKeepsPositionsAndMeans)
 {
   const RegistrationTarget target = LinearTarget();
   const RegistrationTarget coarse = Coarsen(target, 3);
@@ -74,7 +74,7 @@ TEST(TargetImage, CoarseningKeepsPositionsAndMeans)
   }
 }
 
-TEST(TargetImage, UnusableTargetsAreRefused)
+TEST(RegistrationTarget, UnusableTargetsAreRefused)
 {
   EXPECT_NO_THROW(ValidateTarget(LinearTarget()));
   EXPECT_THROW(ValidateTarget(RegistrationTarget{}), InputError);
@@ -89,7 +89,7 @@ TEST(TargetImage, UnusableTargetsAreRefused)
   EXPECT_THROW(ValidateTarget(target), InputError);
 }
 
-TEST(TargetImage, ChestWallCentreIsTheMaskMiddle)
+TEST(RegistrationTarget, ChestWallCentreIsTheMaskMiddle)
 {
   RegistrationTarget target = LinearTarget();
   EXPECT_NEAR(ChestWallCentre(target)[0], 0, 1e-12);
@@ -105,7 +105,7 @@ TEST(TargetImage, ChestWallCentreIsTheMaskMiddle)
   EXPECT_THROW(ChestWallCentre(target), InputError);
 }
 
-TEST(TargetImage, GradientAgreesWithDifferencesInsideAndOutside)
+TEST(RegistrationTarget, GradientAgreesWithDifferencesInsideAndOutside)
 {
   RegistrationTarget target;
   target.Columns = 7;

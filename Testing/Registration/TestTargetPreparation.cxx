@@ -123,7 +123,7 @@ void ExpectAt(const RegistrationTarget& target, int column, int row, double x, d
 }
 }
 
-TEST(MammogramTarget, FindsTheOutlineOfALens)
+TEST(TargetPreparation, FindsTheOutlineOfALens)
 {
   const RegistrationTarget target = PrepareTarget(Lens());
   EXPECT_THAT(target.Warnings, IsEmpty());
@@ -135,7 +135,7 @@ TEST(MammogramTarget, FindsTheOutlineOfALens)
   }
 }
 
-TEST(MammogramTarget, LogAttenuationIsExactForLinearImages)
+TEST(TargetPreparation, LogAttenuationIsExactForLinearImages)
 {
   const RegistrationTarget target = PrepareTarget(Lens());
   double sum = 0;
@@ -157,7 +157,7 @@ TEST(MammogramTarget, LogAttenuationIsExactForLinearImages)
   EXPECT_NEAR(sum / count, 0.0005, 0.001);
 }
 
-TEST(MammogramTarget, MarkersHolesFramesAndPaddingAreNotOutline)
+TEST(TargetPreparation, MarkersHolesFramesAndPaddingAreNotOutline)
 {
   Mammogram mammogram = Lens();
   const auto fill = [&](int column0, int column1, int row0, int row1, float value)
@@ -176,7 +176,7 @@ TEST(MammogramTarget, MarkersHolesFramesAndPaddingAreNotOutline)
   EXPECT_LT(WorstDistanceError(PrepareTarget(mammogram)), 0.15);
 }
 
-TEST(MammogramTarget, CoarsePixelsAreOutlinedBetweenTheirCentres)
+TEST(TargetPreparation, CoarsePixelsAreOutlinedBetweenTheirCentres)
 {
   // Every fifth pixel of the lens: 1 mm.
   const Mammogram fine = Lens();
@@ -213,7 +213,7 @@ TEST(MammogramTarget, CoarsePixelsAreOutlinedBetweenTheirCentres)
   EXPECT_LT(std::abs(mean), 0.6);
 }
 
-TEST(MammogramTarget, DirectionsFollowTheHeader)
+TEST(TargetPreparation, DirectionsFollowTheHeader)
 {
   Mammogram mammogram = Lens();
   const double halfHeight = 0.5 * (Rows - 1) * Spacing;
@@ -248,7 +248,7 @@ TEST(MammogramTarget, DirectionsFollowTheHeader)
   EXPECT_THAT(PrepareTarget(mammogram).Warnings, IsEmpty());
 }
 
-TEST(MammogramTarget, TurnedPicturesKeepTheirDirections)
+TEST(TargetPreparation, TurnedPicturesKeepTheirDirections)
 {
   const Mammogram upright = Lens();
   Mammogram turned = upright;
@@ -269,7 +269,7 @@ TEST(MammogramTarget, TurnedPicturesKeepTheirDirections)
   EXPECT_THAT(b.Warnings, IsEmpty());
 }
 
-TEST(MammogramTarget, SaysWhatItAssumesWithoutAHeader)
+TEST(TargetPreparation, SaysWhatItAssumesWithoutAHeader)
 {
   Mammogram mammogram = Lens();
   const RegistrationTarget told = PrepareTarget(mammogram);
@@ -293,7 +293,7 @@ TEST(MammogramTarget, SaysWhatItAssumesWithoutAHeader)
     Contains(HasSubstr("touches the right edge most")));
 }
 
-TEST(MammogramTarget, RefusesPicturesWithoutBreastOrAir)
+TEST(TargetPreparation, RefusesPicturesWithoutBreastOrAir)
 {
   Mammogram mammogram = Lens();
   std::fill(mammogram.Pixels.begin(), mammogram.Pixels.end(), 12000.0F);
@@ -304,7 +304,7 @@ TEST(MammogramTarget, RefusesPicturesWithoutBreastOrAir)
   EXPECT_THROW(PrepareTarget(mammogram), InputError);
 }
 
-TEST(MammogramTarget, PlacesThePhantomsMammogramWhereItsMakersSay)
+TEST(TargetPreparation, PlacesThePhantomsMammogramWhereItsMakersSay)
 {
   SKIP_WITHOUT(Victre);
   const RegistrationTarget target = PrepareTarget(ReadMammogram(Victre));
@@ -321,7 +321,7 @@ TEST(MammogramTarget, PlacesThePhantomsMammogramWhereItsMakersSay)
   EXPECT_NEAR(static_cast<double>(inside), 418010, 0.005 * 418010);
 }
 
-TEST(MammogramTarget, MasksThePhantomsBreastAsItsLabelVolumeDoes)
+TEST(TargetPreparation, MasksThePhantomsBreastAsItsLabelVolumeDoes)
 {
   const std::string folder = Shared + "/victre-pipeline-phantom-1/";
   SKIP_WITHOUT(folder);
@@ -374,7 +374,7 @@ TEST(MammogramTarget, MasksThePhantomsBreastAsItsLabelVolumeDoes)
   }
 }
 
-TEST(MammogramTarget, BothKindsOfOneMammogramAgree)
+TEST(TargetPreparation, BothKindsOfOneMammogramAgree)
 {
   const std::string folder = Shared + "/digibreast/dicom/";
   SKIP_WITHOUT(folder);
