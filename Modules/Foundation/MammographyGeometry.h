@@ -140,10 +140,10 @@ MAMMORAYFOUNDATION_EXPORT VolumeFromGantry PlaceUnit(const AnatomicalAxes& axes,
 /// radians.
 struct UnitVelocity
 {
-  /// Of the whole unit, and its turn about the anchor.
+  /// The whole unit shifts so, and turns so about the anchor.
   Vector3 Shift{ 0, 0, 0 };
   Vector3 Turn{ 0, 0, 0 };
-  /// Of the paddle beside the rest of the unit, and its turn about its chest-wall edge.
+  /// So the paddle shifts beside the rest of the unit, and turns about its chest-wall edge.
   Vector3 PaddleShift{ 0, 0, 0 };
   Vector3 PaddleTurn{ 0, 0, 0 };
 };

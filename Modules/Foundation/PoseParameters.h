@@ -38,7 +38,7 @@ struct MAMMORAYFOUNDATION_EXPORT PoseParameter
   /// In place of those, where they are finite; a start beyond them is its own bound.
   double Least;
   double Most;
-  /// Of the registration's steps, in the parameter's unit: makes unknowns comparable. Positive.
+  /// A registration's step, in the parameter's unit, makes its unknowns comparable. Positive.
   double Scale;
   /// Standard deviation of the prior around the start; 0: none.
   double PriorSigma;

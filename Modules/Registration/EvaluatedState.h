@@ -68,7 +68,7 @@ public:
   /// How the surface and its picture change with parameters.
   struct Derivatives
   {
-    /// Of the surface's points seen from the unit, one field after the other.
+    /// How the surface's points move, seen from the unit; one field after the other.
     std::vector<double> Velocities;
     PathLengthDerivatives Lengths;
   };

@@ -59,7 +59,7 @@ public:
     this->Levels(this->Bodies(), 0, this->Options.PixelSizesMm.size());
   }
 
-  /// Of Run, with how the end agrees.
+  /// What Run has found, with how well its end agrees.
   JointRegistrationResult Result()
   {
     JointRegistrationResult joint;

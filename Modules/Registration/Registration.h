@@ -29,7 +29,7 @@ struct RegistrationIteration
 struct RegistrationResult
 {
   BreastPose Pose;
-  /// As given, but for what Warnings tell.
+  /// These are as given, but for what Warnings tell.
   std::vector<RegistrationParameter> Parameters;
   std::vector<double> Values;
   /// Standard deviation of each parameter by the covariance at the solution; NaN where fixed.
@@ -70,7 +70,7 @@ struct JointMammogram
   BreastModel* Model = nullptr;
   UnitPlacement Placement;
   const RegistrationTarget* Target = nullptr;
-  /// As those of RegistrationOptions, for this mammogram.
+  /// They mean what those of RegistrationOptions do, for this mammogram.
   std::vector<RegistrationParameter> Parameters;
   std::vector<double> From;
 };

@@ -14,7 +14,7 @@ namespace mammoray
 /// A mammogram as log attenuation, and where in it the breast begins.
 struct BreastContrast
 {
-  /// Of each pixel, up to scale and offset: more where more is absorbed, air at 0, padding too.
+  /// Up to scale and offset, rising with what is absorbed; air is at 0, and so is padding.
   std::vector<float> LogAttenuation;
   /// Its medians over 3 x 3 pixels before air came to 0, padding at the air's level; breast is
   /// above EdgeLevel.

@@ -18,7 +18,7 @@ struct SearchUnknown
   int Parameter = 0;
   /// The mammograms that have it.
   std::vector<std::size_t> Mammograms;
-  /// As in the first of them.
+  /// These are those of the first of them.
   double Lower = 0;
   double Upper = 0;
   double Scale = 1;
@@ -57,7 +57,7 @@ public:
   std::vector<std::unique_ptr<MammogramEvaluator>> Mammograms;
   /// Ceres' parameter block: the unknowns over their scales.
   std::vector<double> Block;
-  /// Of all mammograms, one after the other.
+  /// Those of all mammograms follow one after the other.
   std::vector<double> Residuals;
   /// Which of them the robust loss weighs: all but the priors.
   std::vector<bool> Robust;
@@ -77,7 +77,7 @@ private:
   bool IsStoppedByBound(std::size_t unknown, double slope) const;
   bool Stop();
   std::vector<double> ValuesAt(std::size_t mammogram) const;
-  /// Of each mammogram the unknowns it has: their numbers and its parameters.
+  /// The unknowns that a mammogram has: their numbers and its parameters.
   struct Selection
   {
     std::vector<std::size_t> Unknowns;
