@@ -18,10 +18,12 @@ MAMMORAYXRAY_EXPORT void CheckGeometry(const XRaySource& source, const XRayDetec
 MAMMORAYXRAY_EXPORT void CheckRays(const std::vector<XRayLine>& rays);
 
 /// Throws InputError unless there are finite coordinates for `pointCount` points.
-MAMMORAYXRAY_EXPORT void CheckMovedPoints(const std::vector<double>& points, std::size_t pointCount);
+MAMMORAYXRAY_EXPORT void CheckMovedPoints(const std::vector<double>& points,
+  std::size_t pointCount);
 
 /// Throws InputError unless there are finite velocities of `pointCount` points in 1 field or more.
-MAMMORAYXRAY_EXPORT void CheckVelocities(const std::vector<double>& velocities, int fields, std::size_t pointCount);
+MAMMORAYXRAY_EXPORT void CheckVelocities(const std::vector<double>& velocities, int fields,
+  std::size_t pointCount);
 }
 
 #endif

@@ -35,17 +35,18 @@ MAMMORAYXRAY_EXPORT void PrepareDerivatives(const XRayDetector& detector, int ma
   PathLengthDerivatives& derivatives);
 
 /// Largest speed of a field, mm per unit of its parameter.
-MAMMORAYXRAY_EXPORT double LargestSpeed(const std::vector<double>& velocities, std::size_t pointCount, int field);
+MAMMORAYXRAY_EXPORT double LargestSpeed(const std::vector<double>& velocities,
+  std::size_t pointCount, int field);
 
 /// Writes the fields of a batch in the devices' order, value[(point * Count + field) * 3 + axis],
 /// each times its factor.
-MAMMORAYXRAY_EXPORT void WriteVelocities(const std::vector<double>& velocities, std::size_t pointCount,
-  const FieldBatch& batch, float* target);
+MAMMORAYXRAY_EXPORT void WriteVelocities(const std::vector<double>& velocities,
+  std::size_t pointCount, const FieldBatch& batch, float* target);
 
 /// Copies the rates of a batch, planes of field and material of range.Count values each, to a range
 /// of the pixels, each field times its unit.
-MAMMORAYXRAY_EXPORT void ReadRates(const float* rates, const FieldBatch& batch, const PixelRange& range,
-  PathLengthDerivatives& derivatives);
+MAMMORAYXRAY_EXPORT void ReadRates(const float* rates, const FieldBatch& batch,
+  const PixelRange& range, PathLengthDerivatives& derivatives);
 }
 
 #endif
