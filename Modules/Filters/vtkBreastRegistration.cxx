@@ -269,11 +269,11 @@ int vtkBreastRegistration::RequestData(vtkInformation*, vtkInformationVector** i
     }
     internal.Prepare(vtkImageData::GetData(inputs[1]));
     BreastPose start;
-    start.ThicknessMm = this->StartThicknessMm > 0
-      ? this->StartThicknessMm
+    start.ThicknessMm = this->ThicknessMm > 0
+      ? this->ThicknessMm
       : internal.Mammogram.BodyPartThicknessMm.value_or(start.ThicknessMm);
-    start.RollDeg = NominalRollDeg(internal.Mammogram).value_or(0) + this->StartRollDeg;
-    start.AnteriorMm = this->StartAnteriorMm;
+    start.RollDeg = NominalRollDeg(internal.Mammogram).value_or(0) + this->RollDeg;
+    start.AnteriorMm = this->AnteriorMm;
     RegistrationOptions options;
     options.Parameters = DefaultParameters(start);
     Free(this->FreeParameters, options.Parameters);
@@ -356,9 +356,9 @@ void vtkBreastRegistration::PrintSelf(ostream& os, vtkIndent indent)
   os << indent << "Spectrum: " << this->Spectrum << "\n";
   os << indent << "Orientation: " << this->Orientation << "\n";
   os << indent << "FreeParameters: " << this->FreeParameters << "\n";
-  os << indent << "StartThicknessMm: " << this->StartThicknessMm << "\n";
-  os << indent << "StartRollDeg: " << this->StartRollDeg << "\n";
-  os << indent << "StartAnteriorMm: " << this->StartAnteriorMm << "\n";
+  os << indent << "ThicknessMm: " << this->ThicknessMm << "\n";
+  os << indent << "RollDeg: " << this->RollDeg << "\n";
+  os << indent << "AnteriorMm: " << this->AnteriorMm << "\n";
   os << indent << "SourceToDetectorMm: " << this->SourceToDetectorMm << "\n";
   os << indent << "PixelSizesMm: " << this->PixelSizesMm[0] << " " << this->PixelSizesMm[1] << "\n";
   os << indent << "MaximumIterations: " << this->MaximumIterations << "\n";

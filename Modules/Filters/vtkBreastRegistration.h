@@ -82,8 +82,8 @@ public:
   /**
    * Compressed thickness where the search begins, mm; 0: the mammogram's, else 50. Default 0.
    */
-  vtkSetMacro(StartThicknessMm, double);
-  vtkGetMacro(StartThicknessMm, double);
+  vtkSetMacro(ThicknessMm, double);
+  vtkGetMacro(ThicknessMm, double);
   ///@}
 
   ///@{
@@ -91,16 +91,16 @@ public:
    * Added to the nominal roll of the mammogram's view (0 where it has none) for the start, degrees.
    * Default 0.
    */
-  vtkSetMacro(StartRollDeg, double);
-  vtkGetMacro(StartRollDeg, double);
+  vtkSetMacro(RollDeg, double);
+  vtkGetMacro(RollDeg, double);
   ///@}
 
   ///@{
   /**
    * Distance of the receptor's edge from the chest wall where the search begins, mm. Default 5.
    */
-  vtkSetMacro(StartAnteriorMm, double);
-  vtkGetMacro(StartAnteriorMm, double);
+  vtkSetMacro(AnteriorMm, double);
+  vtkGetMacro(AnteriorMm, double);
   ///@}
 
   ///@{
@@ -158,9 +158,9 @@ private:
   std::string Spectrum = "W28kVp_Rh50um_Be1mm";
   std::string Orientation = "LPS";
   std::string FreeParameters = "thickness roll lateral anterior";
-  double StartThicknessMm = 0;
-  double StartRollDeg = 0;
-  double StartAnteriorMm = 5;
+  double ThicknessMm = 0;
+  double RollDeg = 0;
+  double AnteriorMm = 5;
   double SourceToDetectorMm = 0;
   double PixelSizesMm[2] = { 3, 1.5 };
   int MaximumIterations = 15;

@@ -358,7 +358,7 @@ TEST_F(BreastRegistration, KeepsWhatDidNotChange)
   EXPECT_EQ(watch.Executions, 2);
   EXPECT_EQ(this->Filter->GetNumberOfSetups(), 1);
   EXPECT_NEAR(this->Field("Parameters"), before, 0.1); // log attenuation knows no exposure
-  this->Filter->SetStartThicknessMm(57);
+  this->Filter->SetThicknessMm(57);
   this->Filter->Update();
   EXPECT_EQ(this->Filter->GetNumberOfSetups(), 1);
   EXPECT_TRUE(watch.Errors.empty());

@@ -83,7 +83,7 @@ with tempfile.NamedTemporaryFile("w", suffix=".json") as table:
     registration.SetSimulationMeshConnection(coarse.GetOutputPort())
     registration.SetMaterialTable(table.name)
     registration.SetOrientation("LAS")
-    registration.SetStartThicknessMm(START_THICKNESS)
+    registration.SetThicknessMm(START_THICKNESS)
     registration.Update()
     result = registration.GetOutput()
     names = [result.GetFieldData().GetAbstractArray("ParameterNames").GetValue(index) for index in range(9)]
