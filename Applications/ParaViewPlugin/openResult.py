@@ -13,6 +13,7 @@ import sys
 from paraview import simple
 
 RAYS = 12
+FORMAT_VERSION = 2  # docs/result-file.md
 
 
 def subtract(a, b):
@@ -50,7 +51,7 @@ def add_xray(squeezed, result, view):
     table = next(entry["file"] for entry in result["inputs"] if entry["role"] == "Material table")
     xray = simple.XrayProjector(registrationName="X-ray", Input=squeezed)
     xray.MaterialTable = material_of(table)
-    xray.Spectrum = result["versions"]["Spectrum"]
+    xray.Spectrum = result["spectrum"]
     xray.PlacedByInput = 0
     xray.SourcePosition = combine(origin, (unit["sourceToDetectorMm"], z))
     xray.DetectorOrigin = combine(origin, (grid["originMm"][0], x), (grid["originMm"][1], y))
@@ -139,6 +140,8 @@ def open_result(folder, lesion=None, radius=3.0):
     """Everything of a result folder; lesion: a place in the breast at rest, mm. Gives the view."""
     with open(os.path.join(folder, "result.json"), encoding="utf-8") as file:
         result = json.load(file)
+    if result.get("formatVersion") != FORMAT_VERSION:
+        raise SystemExit(f"{folder}/result.json: field 'formatVersion': expected {FORMAT_VERSION}, found {result.get('formatVersion')}")
     view = simple.GetActiveViewOrCreate("RenderView")
     rest, squeezed = add_breasts(folder, view)
     add_xray(squeezed, result, view)

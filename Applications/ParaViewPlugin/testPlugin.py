@@ -93,9 +93,9 @@ for name, grid in (("uncompressed", rest), ("compressed", squeezed)):
     assert writer.Write() == 1
 placement = vtk_to_numpy(squeezed.GetFieldData().GetArray("Placement")).tolist()
 with open(os.path.join(result, "result.json"), "w", encoding="utf-8") as file:
-    json.dump({"placement": dict(zip(("originMm", "x", "y", "z"), placement)),
+    json.dump({"formatVersion": openResult.FORMAT_VERSION, "placement": dict(zip(("originMm", "x", "y", "z"), placement)),
                "unit": {"sourceToDetectorMm": 650}, "mammogram": {"laterality": "L"},
-               "inputs": [{"role": "Material table", "file": table}], "versions": {"Spectrum": "W28kVp_Rh50um_Be1mm"},
+               "inputs": [{"role": "Material table", "file": table}], "spectrum": "W28kVp_Rh50um_Be1mm",
                "grid": {"columns": 90, "rows": 180, "originMm": [44.75, 0.25], "columnStepMm": [0, 0.5], "rowStepMm": [-0.5, 0]}},
               file)
 series = os.path.join(folder, "series.pvd")

@@ -6,7 +6,7 @@
 #include "mammoray/Biomechanics/CompressionSimulation.h"
 #include "mammoray/Biomechanics/ElasticTable.h"
 #include "mammoray/Biomechanics/PlacedPlates.h"
-#include "mammoray/Case/CompressedBreast.h"
+#include "mammoray/Case/CompressionGrids.h"
 #include "mammoray/Foundation/Mammogram.h"
 #include "mammoray/IO/MeshConversion.h"
 #include "mammoray/IO/MeshIO.h"
@@ -209,7 +209,7 @@ CompressionState Compress(const CompressArguments& arguments,
 
 /// The breast from open plates to those of `closed`, which it ends with.
 std::vector<vtkSmartPointer<vtkUnstructuredGrid>> SeriesOf(const CompressionState& closed,
-  const CompressionSimulation& simulation, const CompressedBreast& breast, int stepCount)
+  const CompressionSimulation& simulation, const CompressionGrids& breast, int stepCount)
 {
   const PlatePair open = simulation.OpenedPlates(closed.Plates);
   const PlatePairVelocity closing = PlateMotion(open, closed.Plates);
@@ -346,7 +346,7 @@ void Run(CompressArguments& arguments)
   CompressionSimulation& simulation = model.Body().Simulation();
   const CompressionState state = Compress(arguments, simulation, axes, anchor);
   const double thicknessMm = arguments.ThicknessMm.value_or(GapMm(state.Plates));
-  const CompressedBreast breast(grid, mesh, simulation);
+  const CompressionGrids breast(grid, mesh, simulation);
   const auto compressed = breast.At(state, thicknessMm);
   const VolumeFromGantry placed =
     PlaceUnit(axes, anchor, arguments.Unit, PoseAt(arguments, thicknessMm));
@@ -367,7 +367,7 @@ void Run(CompressArguments& arguments)
     WritePicture(arguments.Picture, grid, compressed, state.Plates, placed.X, table);
   }
   PrintSummary(state, simulation, model.NumberOfSimulationCells(), thicknessMm);
-  const std::size_t inverted = CompressedBreast::NumberOfInvertedCells(compressed);
+  const std::size_t inverted = CompressionGrids::NumberOfInvertedCells(compressed);
   if (inverted > 0)
   {
     const auto count = static_cast<double>(mesh.NumberOfCells());

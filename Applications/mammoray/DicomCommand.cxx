@@ -54,10 +54,12 @@ void Run(DicomArguments& arguments)
     throw InputError(arguments.Mammogram +
       ": expected Image Laterality (0020,0062), found none; --laterality L or R says it");
   }
-  const Mammogram synthetic = ReadSyntheticMammogram(arguments.Result, real,
+  const ResultFile result = ReadResultFile(arguments.Result);
+  WarnOfDistrust(result.Folder, result.Trust);
+  const Mammogram synthetic = ReadSyntheticMammogram(result, real,
     arguments.ForProcessing ? Mammogram::Intent::ForProcessing
                             : Mammogram::Intent::ForPresentation);
-  NoteOtherMammogram(arguments.Result, arguments.Mammogram);
+  NoteOtherMammogram(result, arguments.Mammogram);
   DicomMammogramOptions writing;
   writing.Identity = identity;
   writing.Derivation = SyntheticDerivation(arguments.ForProcessing,

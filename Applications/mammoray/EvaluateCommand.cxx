@@ -8,8 +8,6 @@
 
 #include "vtkUnstructuredGrid.h"
 
-#include <nlohmann/json.hpp>
-
 #include <cstdio>
 
 namespace mammoray
@@ -40,11 +38,6 @@ void Declare(const OptionList& add, EvaluateArguments& arguments)
     "source to detector distance of the truth");
 }
 
-Vector3 ToVector(const nlohmann::json& values)
-{
-  return values.get<Vector3>();
-}
-
 void PrintRow(const std::string& method, const char* group, const ErrorSummary& space,
   const ErrorSummary& receptor)
 {
@@ -55,20 +48,7 @@ void PrintRow(const std::string& method, const char* group, const ErrorSummary& 
 
 void Run(EvaluateArguments& arguments)
 {
-  VolumeFromGantry placed;
-  double sid = 0;
-  double outline = 0;
-  ReadResultFile(arguments.Result,
-    [&](const nlohmann::json& result)
-    {
-      const nlohmann::json& placement = result.at("placement");
-      placed.Origin = ToVector(placement.at("originMm"));
-      placed.X = ToVector(placement.at("x"));
-      placed.Y = ToVector(placement.at("y"));
-      placed.Z = ToVector(placement.at("z"));
-      sid = result.at("unit").at("sourceToDetectorMm").get<double>();
-      outline = result.at("meanOutlineDistanceMm").get<double>();
-    });
+  const ResultFile result = ReadResultFile(arguments.Result);
   const auto grid = ReadMesh(CheckInputFile(arguments.Result + "/uncompressed.vtu"));
   const std::vector<Landmark> landmarks = ReadLandmarks(CheckInputFile(arguments.Landmarks));
   const AnatomicalAxes axes = AnatomicalAxes::FromCode(arguments.TruthOrientation);
@@ -78,14 +58,14 @@ void Run(EvaluateArguments& arguments)
   std::printf("%-36s %-10s %3s  %23s   %23s\n", "", "", "", "in 3D", "on the receptor");
   std::printf("%-36s %-10s %3s  %7s %7s %7s   %7s %7s %7s\n", "method", "landmarks", "n", "median",
     "mean", "max", "median", "mean", "max");
-  for (const LandmarkErrors& errors :
-    EvaluateLandmarks(landmarks, arguments.Truth, grid, placed, sid))
+  for (const LandmarkErrors& errors : EvaluateLandmarks(landmarks, arguments.Truth, grid,
+         result.Placed, result.Unit.SourceToDetectorMm))
   {
     const LandmarkSummary imaged = SummariseImaged(errors, landmarks);
     PrintRow(errors.Method, "imaged", imaged.InSpace, imaged.OnReceptor);
     PrintRow("", "all", Summarise(errors.InSpace), Summarise(errors.OnReceptor));
   }
-  std::printf("Mean distance of the outlines: %.2f mm\n", outline);
+  std::printf("Mean distance of the outlines: %.2f mm\n", result.After.MeanOutlineDistanceMm);
 }
 }
 

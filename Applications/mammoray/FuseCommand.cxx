@@ -4,7 +4,7 @@
 #include "ProgressBar.h"
 #include "ResultNotes.h"
 #include "SharedOptions.h"
-#include "mammoray/Case/CompressedImage.h"
+#include "mammoray/Case/CompressedVolume.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/IO/LabelVolumeIO.h"
 #include "mammoray/IO/ProjectionImage.h"
@@ -76,13 +76,14 @@ void Run(FuseArguments& arguments)
   {
     CheckProjectionExtension(arguments.Projection);
   }
-  const RegisteredBreast breast(arguments.Result);
-  WarnOfDistrust(arguments.Result);
+  const ResultFile result = ReadResultFile(arguments.Result);
+  WarnOfDistrust(result.Folder, result.Trust);
+  const RegisteredBreast breast(ReadBreastInUnit(result));
   const IntensityVolume image = ReadIntensityVolume(arguments.Image,
     arguments.AxesAsGiven ? VolumeAxes::AsGiven : VolumeAxes::Patient);
   const ProgressCallback progress = MakeProgressBar();
-  const CompressedImage compressed = CompressImage(image, breast, arguments.SpacingMm, progress);
-  const vtkSmartPointer<vtkImageData> projection = ProjectImage(compressed, breast, progress);
+  const CompressedVolume compressed = CompressVolume(image, breast, arguments.SpacingMm, progress);
+  const vtkSmartPointer<vtkImageData> projection = ProjectVolume(compressed, breast, progress);
   const auto write = [&](const std::string& path, const auto& writer)
   {
     if (!path.empty())
@@ -92,7 +93,7 @@ void Run(FuseArguments& arguments)
     }
   };
   write(arguments.Output,
-    [&](const std::string& temporary) { WriteIntensityVolume(compressed.Image, temporary); });
+    [&](const std::string& temporary) { WriteIntensityVolume(compressed.Values, temporary); });
   write(arguments.Projection,
     [&](const std::string& temporary) { WriteProjection(projection, temporary); });
   write(arguments.MaximumPicture,

@@ -4,6 +4,7 @@
 #include "OutputFiles.h"
 #include "ResultNotes.h"
 #include "SharedOptions.h"
+#include "mammoray/Case/LesionShadow.h"
 #include "mammoray/Case/RegisteredBreast.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/IO/DicomSegmentationWriter.h"
@@ -97,6 +98,7 @@ void PrintImaged(const Vector3& point, const ImagedPoint& imaged)
 struct NamedBreast
 {
   std::string Name;
+  ResultFile Result;
   RegisteredBreast Breast;
 };
 
@@ -192,7 +194,7 @@ void PrintPixel(const RegisteredBreast& breast, const std::vector<NamedBreast>& 
 }
 
 /// Closed polygons, one after the other.
-void WriteOutlines(const std::vector<std::pair<int, ImagedLesion>>& lesions,
+void WriteOutlines(const std::vector<std::pair<int, LesionShadow>>& lesions,
   const std::string& path)
 {
   WriteComplete(path,
@@ -218,22 +220,22 @@ void WriteOutlines(const std::vector<std::pair<int, ImagedLesion>>& lesions,
 }
 
 /// The image that a segmentation lies over; it must have the registered pixels.
-DicomReference ReadSegmentedImage(const RegisteredBreast& breast, const LocateArguments& arguments)
+DicomReference ReadSegmentedImage(const NamedBreast& registered, const LocateArguments& arguments)
 {
   const DicomReference image = ReadDicomReference(CheckInputFile(arguments.Mammogram));
-  const XRayDetector detector = breast.Detector();
+  const XRayDetector detector = registered.Breast.Detector();
   if (image.Columns != detector.Columns || image.Rows != detector.Rows)
   {
     throw InputError(arguments.Mammogram + ": expected the registered mammogram of " +
       std::to_string(detector.Columns) + " x " + std::to_string(detector.Rows) + " pixels, found " +
       std::to_string(image.Columns) + " x " + std::to_string(image.Rows));
   }
-  NoteOtherMammogram(arguments.Result, arguments.Mammogram);
+  NoteOtherMammogram(registered.Result, arguments.Mammogram);
   return image;
 }
 
 /// One segment for each lesion.
-void WriteShadows(std::vector<std::pair<int, ImagedLesion>>& lesions, const DicomReference& image,
+void WriteShadows(std::vector<std::pair<int, LesionShadow>>& lesions, const DicomReference& image,
   const LocateArguments& arguments)
 {
   // The study tells viewers what belongs together; it names nobody.
@@ -253,22 +255,22 @@ void WriteShadows(std::vector<std::pair<int, ImagedLesion>>& lesions, const Dico
 }
 
 /// Every label of the volume is a lesion.
-void PrintLesions(const RegisteredBreast& breast, const LocateArguments& arguments)
+void PrintLesions(const NamedBreast& registered, const LocateArguments& arguments)
 {
   std::optional<DicomReference> image;
   if (IsDicomPath(arguments.Output))
   {
-    image = ReadSegmentedImage(breast, arguments);
+    image = ReadSegmentedImage(registered, arguments);
   }
   const LabelVolume volume = ReadLabelVolume(arguments.Lesion,
     arguments.AxesAsGiven ? VolumeAxes::AsGiven : VolumeAxes::Patient);
   const auto projector = MakeProjector(arguments.Projector);
-  std::vector<std::pair<int, ImagedLesion>> lesions;
+  std::vector<std::pair<int, LesionShadow>> lesions;
   for (const auto& [label, count] : volume.CountLabels())
   {
     if (label != 0)
     {
-      lesions.emplace_back(label, breast.ToMammogram(volume, label, *projector));
+      lesions.emplace_back(label, ProjectLesion(registered.Breast, volume, label, *projector));
     }
   }
   if (lesions.empty())
@@ -351,12 +353,12 @@ void Run(LocateArguments& arguments)
   }
   std::vector<NamedBreast> others;
   std::optional<NamedBreast> asked;
-  for (const std::string& folder : RegistrationFolders(arguments.Result))
+  for (const ResultFile& result : ReadResultFiles(arguments.Result))
   {
-    const std::string name = std::filesystem::path(folder).filename().string();
-    NamedBreast breast{ name, RegisteredBreast(folder) };
-    WarnOfDistrust(folder);
-    if (folder == arguments.Result || name == arguments.View)
+    const std::string name = std::filesystem::path(result.Folder).filename().string();
+    WarnOfDistrust(result.Folder, result.Trust);
+    NamedBreast breast{ name, result, RegisteredBreast(ReadBreastInUnit(result)) };
+    if (result.Folder == arguments.Result || name == arguments.View)
     {
       asked.emplace(std::move(breast));
     }
@@ -385,7 +387,7 @@ void Run(LocateArguments& arguments)
   }
   if (!arguments.Lesion.empty())
   {
-    PrintLesions(asked->Breast, arguments);
+    PrintLesions(*asked, arguments);
   }
   else
   {

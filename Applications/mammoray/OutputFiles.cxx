@@ -12,16 +12,6 @@ namespace mammoray
 {
 namespace fs = std::filesystem;
 
-namespace
-{
-/// Without the slash at its end, which fs::path takes for an empty name in the folder.
-fs::path FolderOf(const std::string& path)
-{
-  const fs::path folder = fs::absolute(path).lexically_normal();
-  return folder.has_filename() ? folder : folder.parent_path();
-}
-}
-
 const std::string& CheckInputFile(const std::string& path)
 {
   if (!fs::exists(path))
@@ -90,29 +80,6 @@ void CheckPictureFile(const std::string& path, bool overwrite)
   }
 }
 
-void CheckOutputFolder(const std::string& path, bool overwrite, const std::string& evidence)
-{
-  const fs::path folder = FolderOf(path);
-  const fs::path parent = folder.parent_path();
-  if (!fs::is_directory(parent) || access(parent.c_str(), W_OK) != 0)
-  {
-    throw InputError("output " + path + ": expected a writable folder " + parent.string());
-  }
-  if (!fs::exists(folder))
-  {
-    return;
-  }
-  if (!overwrite)
-  {
-    throw InputError("output " + path + ": exists already; --overwrite replaces it");
-  }
-  if (!fs::is_directory(folder) || (!fs::is_empty(folder) && !fs::exists(folder / evidence)))
-  {
-    throw InputError("output " + path + ": expected an earlier result (a folder with " + evidence +
-      ") to overwrite, found something else");
-  }
-}
-
 void WriteComplete(const std::string& path,
   const std::function<void(const std::string& temporary)>& write)
 {
@@ -136,29 +103,6 @@ void WriteComplete(const std::string& path,
   {
     std::error_code ignored;
     fs::remove(temporary, ignored);
-    throw;
-  }
-}
-
-void WriteCompleteFolder(const std::string& path, bool overwrite,
-  const std::function<void(const std::string& temporary)>& write)
-{
-  const fs::path target = FolderOf(path);
-  const fs::path temporary = target.string() + ".partial-" + std::to_string(getpid());
-  fs::create_directory(temporary);
-  try
-  {
-    write(temporary.string());
-    if (overwrite)
-    {
-      fs::remove_all(target);
-    }
-    fs::rename(temporary, target);
-  }
-  catch (...)
-  {
-    std::error_code ignored;
-    fs::remove_all(temporary, ignored);
     throw;
   }
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Files and folders that commands read and write: checked before the work begins, and written
+// Files that commands read and write: checked before the work begins, and written
 // completely or not at all.
 #ifndef mammoray_OutputFiles_h
 #define mammoray_OutputFiles_h
@@ -32,22 +32,10 @@ void CheckOutputFile(const std::string& path, bool overwrite, const std::string&
 void CheckPictureFile(const std::string& path, bool overwrite);
 
 /**
- * Throws InputError unless `path` can become the folder of a result: its parent exists and is
- * writable, and nothing is there yet, or, with `overwrite`, nothing but an earlier result (an empty
- * folder or one with `evidence`, a file that only such a result has).
- */
-void CheckOutputFolder(const std::string& path, bool overwrite, const std::string& evidence);
-
-/**
  * Calls `write` with a temporary name of the same extension in the same folder and renames the file
  * to `path` when it returns; removes it when it throws. An existing file is replaced.
  */
 void WriteComplete(const std::string& path,
-  const std::function<void(const std::string& temporary)>& write);
-
-/// The same of a folder, which exists when `write` is called; with `overwrite` it replaces an
-/// earlier one.
-void WriteCompleteFolder(const std::string& path, bool overwrite,
   const std::function<void(const std::string& temporary)>& write);
 
 /// Writes text as a complete file. Throws InputError when it cannot be written.

@@ -171,15 +171,14 @@ void PrintView(const RegisteredView& view)
 void Run(RegisterArguments& arguments)
 {
   RegistrationCase& input = arguments.Case;
-  CheckOutputFolder(arguments.Output, arguments.Overwrite, "result.json");
+  CheckResultFolder(arguments.Output, arguments.Overwrite);
   CheckInputs(input);
   input.Device = arguments.Projector.Device;
   input.Projector = MethodName(arguments.Projector.Projection);
   const RegistrationCaseResult result = RunRegistrationCase(input, MakeProgressBar());
-  WriteCompleteFolder(arguments.Output, arguments.Overwrite,
-    [&](const std::string& temporary) { WriteRegistrationCase(input, result, temporary); });
+  WriteRegistrationCase(input, result, arguments.Output, arguments.Overwrite);
 
-  const std::vector<std::string> folders = ViewFolders(result);
+  const std::vector<std::string> folders = MammogramFolders(result);
   for (std::size_t view = 0; view < folders.size(); ++view)
   {
     if (folders.size() > 1)

@@ -1,25 +1,25 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ResultNotes.h"
 
-#include "mammoray/Case/RegisteredBreast.h"
 #include "mammoray/Case/RegisteredMammogram.h"
 
 #include <cstdio>
 
 namespace mammoray
 {
-void WarnOfDistrust(const std::string& folder)
+void WarnOfDistrust(const std::string& folder, const Assessment& trust)
 {
-  if (const std::string reason = DistrustOf(folder); !reason.empty())
+  if (trust.Level == Trust::None)
   {
-    std::fprintf(stderr, "mammoray: warning: %s: the match is not to be trusted: %s\n",
-      folder.c_str(), reason.c_str());
+    std::fprintf(stderr, "mammoray: warning: %s: the match is not to be trusted%s%s\n",
+      folder.c_str(), trust.Reasons.empty() ? "" : ": ",
+      trust.Reasons.empty() ? "" : trust.Reasons.front().c_str());
   }
 }
 
-void NoteOtherMammogram(const std::string& folder, const std::string& mammogram)
+void NoteOtherMammogram(const ResultFile& result, const std::string& mammogram)
 {
-  if (!IsRegisteredMammogram(folder, mammogram))
+  if (!IsRegisteredMammogram(result, mammogram))
   {
     std::fprintf(stderr, "mammoray: note: %s is not the file that was registered\n",
       mammogram.c_str());

@@ -3,15 +3,17 @@
 #ifndef mammoray_ResultNotes_h
 #define mammoray_ResultNotes_h
 
+#include "mammoray/Case/ResultFile.h"
+
 #include <string>
 
 namespace mammoray
 {
 /// Warns where the match in a registration's folder is not to be trusted.
-void WarnOfDistrust(const std::string& folder);
+void WarnOfDistrust(const std::string& folder, const Assessment& trust);
 
 /// Says when the mammogram is not the file that was registered.
-void NoteOtherMammogram(const std::string& folder, const std::string& mammogram);
+void NoteOtherMammogram(const ResultFile& result, const std::string& mammogram);
 }
 
 #endif

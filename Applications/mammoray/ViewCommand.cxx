@@ -2,6 +2,7 @@
 #include "Commands.h"
 #include "OutputFiles.h"
 #include "ProgressBar.h"
+#include "ResultNotes.h"
 #include "SharedOptions.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/Viewer/BreastViewer.h"
@@ -100,6 +101,7 @@ void Run(ViewArguments& arguments)
 {
   CheckInputs(arguments);
   const ViewedBreast viewed = ReadViewedBreast(arguments.Input);
+  WarnOfDistrust(arguments.Input.Result, viewed.Trust);
   ViewerOptions& options = arguments.Viewer;
   options.OffScreen = !arguments.Screenshot.empty() || arguments.BenchmarkFrames;
   options.Stop = InterruptRequested;

@@ -2,13 +2,10 @@
 #ifndef mammoray_RegisteredBreast_h
 #define mammoray_RegisteredBreast_h
 
-#include "mammoray/Foundation/LabelVolume.h"
-#include "mammoray/Foundation/MammographyGeometry.h"
-#include "mammoray/Registration/RegistrationTarget.h"
+#include "mammoray/Case/BreastInUnit.h"
+#include "mammoray/Foundation/Vector3.h"
 #include "mammoray/XRay/PathLengthProjector.h"
 #include "mammorayCaseModule.h"
-
-#include "vtkSmartPointer.h"
 
 #include <array>
 #include <memory>
@@ -20,16 +17,13 @@ class vtkUnstructuredGrid;
 
 namespace mammoray
 {
-/// The point arrays of uncompressed.vtu that hold the derivatives of the compressed positions, seen
-/// from the unit, are called this and the parameter's name; mm per mm or degree.
-inline constexpr const char* SensitivityArrayPrefix = "Sensitivity_";
-
 /// An ellipse of one standard deviation.
 struct UncertaintyEllipse
 {
   double MajorMm = 0;
   double MinorMm = 0;
-  /// Of the major axis, from the direction of increasing columns towards increasing rows; degrees,
+  /// The major axis goes this far from the direction of increasing columns towards increasing rows;
+  /// degrees,
   /// (-90, 90].
   double AngleDeg = 0;
 };
@@ -46,30 +40,19 @@ struct ImagedPoint
   double Column = 0;
   double Row = 0;
   bool InImage = false;
-  /// By the covariance of the registration's parameters, those held fixed with their priors, which
-  /// knows nothing of what the model leaves out; empty where the registration has none.
+  /// It follows from the covariance of the registration's parameters, those held fixed with their
+  /// priors, which knows nothing of what the model leaves out; empty where the registration has
+  /// none.
   std::optional<UncertaintyEllipse> Uncertainty;
 };
 
-/// A lesion's shadow on the mammogram.
-struct ImagedLesion
+/// How the compression moves a point.
+struct CarriedPoint
 {
-  /// Of its voxels, and their centre in the volume frame, mm^3 and mm.
-  double VolumeMm3 = 0;
-  Vector3 Centre{ 0, 0, 0 };
-  ImagedPoint ImagedCentre;
-  /// Shadow on the receptor, the part in the image.
-  double AreaMm2 = 0;
-  /// 1 in the shadow; Rows * Columns values of the mammogram, row by row.
-  std::vector<unsigned char> Shadow;
-  /// Longest way of an X-ray in the lesion, mm.
-  double LargestThicknessMm = 0;
-  /// Share of its surface's points that lie outside the breast, and were moved with the nearest
-  /// tissue.
-  double ShareOutside = 0;
-  /// Closed polygons around the shadow, continuous column and row; first and last point are the
-  /// same.
-  std::vector<std::vector<std::array<double, 2>>> Outlines;
+  /// It leads from the breast at rest into the compressed one, volume frame, mm.
+  Vector3 Displacement{ 0, 0, 0 };
+  /// More than a millimetre outside the breast; moved with the nearest tissue.
+  bool Outside = false;
 };
 
 /// A stretch of an X-ray in one material; points of the line of sight carried back into the
@@ -86,44 +69,12 @@ struct TissueStretch
   std::vector<Vector3> Uncompressed;
 };
 
-/// A breast at rest and compressed, and the unit that images it.
-struct BreastInUnit
-{
-  /// The same linear tetrahedra in both, volume frame, mm, with the cell array "Material". The
-  /// uncompressed one may have point arrays called SensitivityArrayPrefix and a parameter.
-  vtkSmartPointer<vtkUnstructuredGrid> Uncompressed;
-  vtkSmartPointer<vtkUnstructuredGrid> Compressed;
-  VolumeFromGantry Placed;
-  MammographyUnit Unit;
-  /// The mammogram's pixel grid; its pictures are not used.
-  RegistrationTarget Grid;
-  /// Of a registration, in its order: parameters, what was found, and the covariance of what is
-  /// free and of what is held with a prior, which is empty where it is not known.
-  std::vector<std::string> Parameters;
-  std::vector<double> Values;
-  std::vector<double> Covariance;
-};
-
-/// The folders of the single mammograms in what 'mammoray register' wrote: the folder itself for
-/// one, those within for several. Throws InputError that names the file.
-MAMMORAYCASE_EXPORT std::vector<std::string> RegistrationFolders(const std::string& folder);
-
-/// The first reason why the match in the folder of one mammogram is not to be trusted; "" where
-/// there is none. Throws InputError that names the file.
-MAMMORAYCASE_EXPORT std::string DistrustOf(const std::string& folder);
-
-/// Reads the folder that 'mammoray register' wrote for one mammogram. Throws InputError that names
-/// the file.
-MAMMORAYCASE_EXPORT BreastInUnit ReadRegistration(const std::string& folder);
-
-/**
- * The result of a registration, read from the folder that 'mammoray register' wrote, to find points
- * of the one image in the other.
- */
+/// A registered breast, to find points of the one image in the other.
 class MAMMORAYCASE_EXPORT RegisteredBreast
 {
 public:
-  /// Throws InputError that names the file.
+  /// Reads the folder that 'mammoray register' wrote for one mammogram. Throws InputError that
+  /// names the file.
   explicit RegisteredBreast(const std::string& folder);
   /// Throws InputError where the grids do not belong together.
   explicit RegisteredBreast(const BreastInUnit& breast);
@@ -135,14 +86,8 @@ public:
   /// than a millimetre outside the breast.
   ImagedPoint ToMammogram(const Vector3& point) const;
 
-  /**
-   * Where a lesion is seen: the voxels of `lesions` (frame of the registered label volume) with the
-   * label `label`, as a closed surface that is compressed with the breast and projected on the
-   * mammogram's pixels. The projector is given that surface. Throws InputError when there is no
-   * such voxel or the lesion lies outside the breast, and DeviceError.
-   */
-  ImagedLesion ToMammogram(const LabelVolume& lesions, int label,
-    PathLengthProjector& projector) const;
+  /// Where tissue at a point of the label volume's frame (mm) goes.
+  CarriedPoint Carry(const Vector3& point) const;
 
   /**
    * What lies behind a pixel (continuous position): the tissues that the X-ray crosses, from the
@@ -154,7 +99,7 @@ public:
   /// The tetrahedra before and between the plates, of the same points and cells, volume frame.
   vtkUnstructuredGrid* Uncompressed() const;
   vtkUnstructuredGrid* Compressed() const;
-  /// Of the mammogram, volume frame: the focus and the pixels that were registered.
+  /// The focus and the pixels of the mammogram that was registered, volume frame.
   XRaySource Source() const;
   XRayDetector Detector() const;
 

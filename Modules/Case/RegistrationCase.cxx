@@ -2,7 +2,6 @@
 #include "mammoray/Case/RegistrationCase.h"
 
 #include "mammoray/Biomechanics/ElasticTable.h"
-#include "mammoray/Case/RegisteredBreast.h"
 #include "mammoray/Case/ResultFile.h"
 #include "mammoray/IO/MammogramIO.h"
 #include "mammoray/IO/MammogramPictureIO.h"
@@ -18,8 +17,6 @@
 #endif
 
 #include "vtkUnstructuredGrid.h"
-
-#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <chrono>
@@ -197,40 +194,29 @@ std::vector<std::string> FreeNames(const RegistrationCase& input, const Material
   return names;
 }
 
-/**
- * The parameters' values in an earlier result. Throws InputError that names the file when it is
- * none, or one of other inputs.
- */
-std::vector<double> ResumeFrom(const RegistrationCase& input, const std::string& folder,
+/// The parameters' values in an earlier result. Throws InputError that names the file when it is
+/// one of other inputs.
+std::vector<double> ResumeFrom(const RegistrationCase& input, const ResultFile& result,
   const std::string& mammogram, const std::vector<RegistrationParameter>& parameters)
 {
-  std::vector<double> values;
-  ReadResultFile(folder,
-    [&](const nlohmann::json& result)
+  for (const auto& [role, name] : CaseInputs(input, mammogram))
+  {
+    for (const ResultInput& entry : result.Inputs)
     {
-      for (const auto& [role, name] : CaseInputs(input, mammogram))
+      if (entry.Role == role && entry.Sha256 != Sha256OfFile(name))
       {
-        for (const nlohmann::json& entry : result.at("inputs"))
-        {
-          if (entry.at("role") == role && entry.at("sha256") != Sha256OfFile(name))
-          {
-            throw InputError(folder + "/result.json: expected a result of " + name +
-              ", found one of another file");
-          }
-        }
+        throw InputError(result.Folder + "/" + ResultFileName + ": expected a result of " + name +
+          ", found one of another file");
       }
-      for (const RegistrationParameter& parameter : parameters)
-      {
-        values.push_back(parameter.Start);
-        for (const nlohmann::json& entry : result.at("parameters"))
-        {
-          if (entry.at("name") == parameter.Name)
-          {
-            values.back() = entry.at("value").get<double>();
-          }
-        }
-      }
-    });
+    }
+  }
+  std::vector<double> values;
+  for (const RegistrationParameter& parameter : parameters)
+  {
+    const auto known = std::find_if(result.Parameters.begin(), result.Parameters.end(),
+      [&](const ResultParameter& entry) { return entry.Name == parameter.Name; });
+    values.push_back(known == result.Parameters.end() ? parameter.Start : known->Value);
+  }
   return values;
 }
 
@@ -277,10 +263,12 @@ std::vector<JointMammogram> ReadMammograms(const RegistrationCase& input,
   CheckCount(input.Masks, input, "mask");
   CheckCount(input.MammogramViews, input, "view");
   const std::vector<std::string> free = FreeNames(input, result.Materials);
-  const std::vector<std::string> resumed = input.Resume.empty()
-    ? std::vector<std::string>(input.Mammograms.size())
-    : RegistrationFolders(input.Resume);
-  if (resumed.size() != input.Mammograms.size())
+  std::vector<ResultFile> resumed;
+  if (!input.Resume.empty())
+  {
+    resumed = ReadResultFiles(input.Resume);
+  }
+  if (!input.Resume.empty() && resumed.size() != input.Mammograms.size())
   {
     throw InputError(input.Resume + ": expected a result of " +
       std::to_string(input.Mammograms.size()) + " mammogram(s), found one of " +
@@ -383,7 +371,7 @@ std::vector<std::pair<std::string, std::string>> CaseInputs(const RegistrationCa
   const std::string& mammogram)
 {
   std::vector<std::pair<std::string, std::string>> inputs{ { "Label volume", input.Labels.Path },
-    { "Material table", FindMaterialTablePath(input.Materials) }, { "Mammogram", mammogram } };
+    { MaterialTableRole, FindMaterialTablePath(input.Materials) }, { MammogramRole, mammogram } };
   if (!input.AnatomyMesh.empty())
   {
     inputs.emplace_back("Anatomy mesh", input.AnatomyMesh);

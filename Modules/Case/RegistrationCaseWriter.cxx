@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mammoray/Case/RegistrationCaseWriter.h"
 
-#include "mammoray/Case/RegisteredBreast.h"
+#include "mammoray/Case/BreastInUnit.h"
+#include "mammoray/Case/ResultFile.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/IO/MeshConversion.h"
 #include "mammoray/IO/MeshIO.h"
+#include "mammoray/IO/Sha256.h"
 #include "mammoray/Report/RegistrationReport.h"
 
 #include "vtkDoubleArray.h"
@@ -15,37 +17,44 @@
 #include "vtkPointData.h"
 #include "vtkPoints.h"
 #include "vtkUnstructuredGrid.h"
+#include "vtkVersion.h"
+
+#include <unistd.h>
 
 #include <algorithm>
 #include <cctype>
+#include <cmath>
 #include <filesystem>
 
 namespace mammoray
 {
 namespace
 {
-void WriteMeshes(const RegistrationCaseResult& result, const RegisteredView& view,
+namespace fs = std::filesystem;
+
+void WriteMeshes(const RegistrationCaseResult& result, const RegisteredView& registered,
   const std::string& folder)
 {
-  const auto grid = UncompressedGrid(result, view);
+  const auto grid = UncompressedGrid(result, registered);
   WriteMesh(grid, folder + "/uncompressed.vtu");
 
   vtkNew<vtkDoubleArray> compressed;
   compressed->SetNumberOfComponents(3);
   compressed->SetNumberOfTuples(grid->GetNumberOfPoints());
-  std::copy(view.CompressedPoints.begin(), view.CompressedPoints.end(), compressed->GetPointer(0));
+  std::copy(registered.CompressedPoints.begin(), registered.CompressedPoints.end(),
+    compressed->GetPointer(0));
   grid->GetPoints()->SetData(compressed);
   grid->Modified();
   WriteMesh(grid, folder + "/compressed.vtu");
 }
 
-void WriteSynthetic(const RegisteredView& view, const std::string& path)
+void WriteSynthetic(const RegisteredView& registered, const std::string& path)
 {
   vtkNew<vtkImageData> image;
-  image->SetDimensions(view.Target.Columns, view.Target.Rows, 1);
-  image->SetSpacing(view.Mammogram.ColumnSpacingMm, view.Mammogram.RowSpacingMm, 1.0);
+  image->SetDimensions(registered.Target.Columns, registered.Target.Rows, 1);
+  image->SetSpacing(registered.Mammogram.ColumnSpacingMm, registered.Mammogram.RowSpacingMm, 1.0);
   image->AllocateScalars(VTK_FLOAT, 1);
-  std::copy(view.Synthetic.LogAttenuation.begin(), view.Synthetic.LogAttenuation.end(),
+  std::copy(registered.Synthetic.LogAttenuation.begin(), registered.Synthetic.LogAttenuation.end(),
     static_cast<float*>(image->GetScalarPointer()));
   vtkNew<vtkMetaImageWriter> writer;
   writer->SetInputData(image);
@@ -58,47 +67,205 @@ void WriteSynthetic(const RegisteredView& view, const std::string& path)
   }
 }
 
-RegistrationReport ReportOf(const RegistrationCase& input, const RegistrationCaseResult& result,
-  const RegisteredView& view)
+std::vector<ResultParameter> ParametersOf(const RegistrationResult& found)
 {
-  RegistrationReport report;
-  report.RealMammogram = &view.Mammogram;
-  report.Target = &view.Target;
-  report.Result = &view.Registration;
-  report.Synthetic = view.Synthetic.LogAttenuation;
-  report.SyntheticOutline = { view.Synthetic.Outline };
-  report.Placed = view.Placed;
-  report.Unit = view.Unit;
-  report.Timings = result.Timings;
-  report.Inputs = CaseInputs(input, view.Path);
-  report.Versions = { { "Vulkan device", result.Device }, { "Spectrum", input.Spectrum },
+  std::vector<ResultParameter> parameters;
+  for (std::size_t index = 0; index < found.Parameters.size(); ++index)
+  {
+    const RegistrationParameter& parameter = found.Parameters[index];
+    const double value = found.Values[index];
+    parameters.push_back(
+      { parameter.Name, parameter.Unit, value, found.StandardDeviations[index], parameter.Start,
+        parameter.Lower, parameter.Upper, parameter.Fixed, AtBound(parameter, value) });
+  }
+  return parameters;
+}
+
+/// Share of the breast's picture that is not compared, [0, 1].
+double ShareExcluded(const RegistrationTarget& target)
+{
+  std::size_t breast = 0;
+  std::size_t excluded = 0;
+  for (std::size_t pixel = 0; pixel < target.BreastMask.size(); ++pixel)
+  {
+    breast += target.BreastMask[pixel] != 0 ? 1 : 0;
+    excluded += target.BreastMask[pixel] != 0 && IsExcluded(target, pixel) ? 1 : 0;
+  }
+  return static_cast<double>(excluded) / static_cast<double>(std::max<std::size_t>(breast, 1));
+}
+
+std::vector<ResultInput> HashedInputs(const RegistrationCase& input, const std::string& mammogram)
+{
+  std::vector<ResultInput> inputs;
+  for (const auto& [role, path] : CaseInputs(input, mammogram))
+  {
+    // A folder may be named with a slash at its end.
+    const fs::path file(path);
+    const std::string name = (file.has_filename() ? file : file.parent_path()).filename().string();
+    inputs.push_back({ role, name, Sha256OfFile(path) });
+  }
+  return inputs;
+}
+
+ResultFile ResultOf(const RegistrationCase& input, const RegistrationCaseResult& result,
+  const RegisteredView& registered)
+{
+  const RegistrationResult& found = registered.Registration;
+  const RegistrationTarget& target = registered.Target;
+  const CompressionState& state = found.State;
+  const Mammogram& mammogram = registered.Mammogram;
+  ResultFile file;
+  file.Trust = Assess(found);
+  file.Axes = result.Axes;
+  file.Anchor = result.Anchor;
+  file.Pose = found.Pose;
+  file.Parameters = ParametersOf(found);
+  file.Covariance = found.Covariance;
+  file.ConsideredCovariance = found.ConsideredCovariance;
+  file.Grid = { target.Columns, target.Rows, target.Origin, target.ColumnStep, target.RowStep };
+  file.Placed = registered.Placed;
+  file.Unit = registered.Unit;
+  file.After = found.After;
+  file.Converged = found.Converged;
+  file.StopReason = found.StopReason;
+  file.Evaluations = found.Evaluations;
+  file.Seconds = found.Seconds;
+  file.Timings = result.Timings;
+  file.Iterations = found.Iterations;
+  file.Compression = { state.PaddleForceN, state.VolumeRatio, state.SmallestJ, state.LargestJ,
+    state.LargestPenetrationMm, state.RelativeResidual };
+  file.Mammogram = { mammogram.View, mammogram.Laterality, mammogram.Columns, mammogram.Rows,
+    mammogram.ColumnSpacingMm, mammogram.RowSpacingMm, mammogram.BodyPartThicknessMm,
+    mammogram.SourceToDetectorMm, mammogram.PeakKilovoltage };
+  file.ShareExcluded = ShareExcluded(target);
+  file.Warnings = registered.Warnings;
+  file.Inputs = HashedInputs(input, registered.Path);
+  file.Spectrum = input.Spectrum;
+  file.Versions = { { "MammoRay", MAMMORAY_VERSION }, { "VTK", vtkVersion::GetVTKVersion() },
+    { "Vulkan device", result.Device },
     { "Anatomy",
       std::to_string(result.Anatomy.NumberOfCells()) + " tetrahedra, " +
         std::to_string(result.SurfaceTriangles) + " interface triangles" },
     { "Mechanics", std::to_string(result.SimulationCells) + " quadratic tetrahedra" } };
-  report.Warnings = view.Warnings;
+  return file;
+}
+
+RegistrationReport ReportOf(const RegisteredView& registered, const ResultFile& file)
+{
+  RegistrationReport report;
+  report.RealMammogram = &registered.Mammogram;
+  report.Target = &registered.Target;
+  report.Result = &registered.Registration;
+  report.Synthetic = registered.Synthetic.LogAttenuation;
+  report.SyntheticOutline = { registered.Synthetic.Outline };
+  report.ShareExcluded = file.ShareExcluded;
+  for (const ResultInput& input : file.Inputs)
+  {
+    report.Inputs.push_back({ input.Role, input.File, input.Sha256 });
+  }
+  report.Versions = file.Versions;
+  report.Versions.emplace_back("Spectrum", file.Spectrum);
+  report.Warnings = file.Warnings;
   return report;
+}
+
+JointResultFile JointOf(const RegistrationCaseResult& result,
+  const std::vector<std::string>& folders, const std::vector<ResultFile>& files)
+{
+  JointResultFile joint;
+  for (std::size_t number = 0; number < files.size(); ++number)
+  {
+    const ResultFile& file = files[number];
+    joint.Mammograms.push_back({ folders[number], file.Mammogram.View, file.Mammogram.Laterality,
+      file.Trust.Level, file.After.Correlation, file.After.MeanOutlineDistanceMm });
+  }
+  const std::size_t count = result.Unknowns.size();
+  for (std::size_t index = 0; index < count; ++index)
+  {
+    const JointUnknown& unknown = result.Unknowns[index];
+    const ResultParameter& parameter = files[unknown.Mammogram].Parameters[unknown.Parameter];
+    JointResultFile::Unknown& told = joint.Unknowns.emplace_back();
+    told.Name = parameter.Name;
+    told.Unit = parameter.Unit;
+    told.Value = parameter.Value;
+    if (!unknown.Shared)
+    {
+      told.Folder = folders[unknown.Mammogram];
+    }
+    if (!result.Covariance.empty())
+    {
+      told.StandardDeviation = std::sqrt(result.Covariance[index * (count + 1)]);
+    }
+  }
+  joint.Covariance = result.Covariance;
+  joint.Converged = files.front().Converged;
+  joint.StopReason = files.front().StopReason;
+  joint.Seconds = files.front().Seconds;
+  return joint;
+}
+
+/// Everything of a result into a folder that exists.
+void WriteInto(const std::string& folder, const RegistrationCase& input,
+  const RegistrationCaseResult& result)
+{
+  const std::vector<std::string> folders = MammogramFolders(result);
+  std::vector<ResultFile> files;
+  JointReport report;
+  for (std::size_t number = 0; number < result.Views.size(); ++number)
+  {
+    const RegisteredView& registered = result.Views[number];
+    const std::string own = (fs::path(folder) / folders[number]).string();
+    fs::create_directories(own);
+    WriteMeshes(result, registered, own);
+    WriteSynthetic(registered, own + "/synthetic.mha");
+    files.push_back(ResultOf(input, result, registered));
+    WriteResultFile(files.back(), own);
+    report.Mammograms.push_back(ReportOf(registered, files.back()));
+  }
+  if (result.Views.size() == 1)
+  {
+    WriteRegistrationReport(report.Mammograms.front(), folder);
+    return;
+  }
+  const JointResultFile joint = JointOf(result, folders, files);
+  for (const JointResultFile::Unknown& unknown : joint.Unknowns)
+  {
+    if (!unknown.Folder)
+    {
+      report.Shared.push_back({ unknown.Name, unknown.Value, unknown.StandardDeviation });
+    }
+  }
+  report.Folders = folders;
+  WriteJointReport(report, folder);
+  WriteResultFile(joint, folder);
+}
+
+/// The folder without a slash at its end, so that it has a name and a parent.
+fs::path Normal(const std::string& path)
+{
+  const fs::path folder = fs::absolute(path).lexically_normal();
+  return folder.has_filename() ? folder : folder.parent_path();
 }
 }
 
 vtkSmartPointer<vtkUnstructuredGrid> UncompressedGrid(const RegistrationCaseResult& result,
-  const RegisteredView& view)
+  const RegisteredView& registered)
 {
   const auto grid = ToGrid(result.Anatomy, result.Materials.Names());
-  AddPlacement(grid, view.Placed);
+  AddPlacement(grid, registered.Placed);
   vtkNew<vtkDoubleArray> displacement;
   displacement->SetName("Displacement");
   displacement->SetNumberOfComponents(3);
   displacement->SetNumberOfTuples(grid->GetNumberOfPoints());
   double* values = displacement->GetPointer(0);
-  for (std::size_t index = 0; index < view.CompressedPoints.size(); ++index)
+  for (std::size_t index = 0; index < registered.CompressedPoints.size(); ++index)
   {
-    values[index] = view.CompressedPoints[index] - result.Anatomy.Points[index];
+    values[index] = registered.CompressedPoints[index] - result.Anatomy.Points[index];
   }
   grid->GetPointData()->SetVectors(displacement);
-  for (std::size_t parameter = 0; parameter < view.Sensitivities.size(); ++parameter)
+  for (std::size_t parameter = 0; parameter < registered.Sensitivities.size(); ++parameter)
   {
-    const std::vector<double>& velocities = view.Sensitivities[parameter];
+    const std::vector<double>& velocities = registered.Sensitivities[parameter];
     if (velocities.empty())
     {
       continue;
@@ -106,7 +273,7 @@ vtkSmartPointer<vtkUnstructuredGrid> UncompressedGrid(const RegistrationCaseResu
     // Floats: six digits of a derivative are plenty, and files stay half as large.
     vtkNew<vtkFloatArray> sensitivity;
     sensitivity->SetName(
-      (SensitivityArrayPrefix + view.Registration.Parameters[parameter].Name).c_str());
+      (SensitivityArrayPrefix + registered.Registration.Parameters[parameter].Name).c_str());
     sensitivity->SetNumberOfComponents(3);
     sensitivity->SetNumberOfTuples(grid->GetNumberOfPoints());
     std::copy(velocities.begin(), velocities.end(), sensitivity->GetPointer(0));
@@ -115,17 +282,17 @@ vtkSmartPointer<vtkUnstructuredGrid> UncompressedGrid(const RegistrationCaseResu
   return grid;
 }
 
-std::vector<std::string> ViewFolders(const RegistrationCaseResult& result)
+std::vector<std::string> MammogramFolders(const RegistrationCaseResult& result)
 {
   if (result.Views.size() == 1)
   {
     return { "" };
   }
   std::vector<std::string> folders;
-  for (const RegisteredView& view : result.Views)
+  for (const RegisteredView& registered : result.Views)
   {
     std::string name;
-    for (const char letter : view.Mammogram.View)
+    for (const char letter : registered.Mammogram.View)
     {
       if (std::isalnum(static_cast<unsigned char>(letter)) != 0)
       {
@@ -144,30 +311,48 @@ std::vector<std::string> ViewFolders(const RegistrationCaseResult& result)
   return folders;
 }
 
-void WriteRegistrationCase(const RegistrationCase& input, const RegistrationCaseResult& result,
-  const std::string& folder)
+void CheckResultFolder(const std::string& path, bool overwrite)
 {
-  JointReport joint;
-  joint.Folders = ViewFolders(result);
-  joint.Unknowns = result.Unknowns;
-  joint.Covariance = result.Covariance;
-  for (std::size_t number = 0; number < result.Views.size(); ++number)
+  const fs::path folder = Normal(path);
+  const fs::path parent = folder.parent_path();
+  if (!fs::is_directory(parent) || access(parent.c_str(), W_OK) != 0)
   {
-    const RegisteredView& view = result.Views[number];
-    const std::string& name = joint.Folders[number];
-    const std::string own = name.empty() ? folder : folder + "/" + name;
-    std::filesystem::create_directories(own);
-    WriteMeshes(result, view, own);
-    WriteSynthetic(view, own + "/synthetic.mha");
-    joint.Views.push_back(ReportOf(input, result, view));
+    throw InputError("output " + path + ": expected a writable folder " + parent.string());
   }
-  if (result.Views.size() == 1)
+  if (!fs::exists(folder))
   {
-    WriteRegistrationReport(joint.Views.front(), folder);
+    return;
   }
-  else
+  if (!overwrite)
   {
-    WriteJointReport(joint, folder);
+    throw InputError("output " + path + ": exists already; --overwrite replaces it");
+  }
+  if (!fs::is_directory(folder) || (!fs::is_empty(folder) && !fs::exists(folder / ResultFileName)))
+  {
+    throw InputError("output " + path +
+      ": expected an earlier result (a folder with result.json) to overwrite, found something "
+      "else");
+  }
+}
+
+void WriteRegistrationCase(const RegistrationCase& input, const RegistrationCaseResult& result,
+  const std::string& path, bool overwrite)
+{
+  CheckResultFolder(path, overwrite);
+  const fs::path folder = Normal(path);
+  const fs::path aside = folder.string() + ".partial-" + std::to_string(getpid());
+  fs::create_directory(aside);
+  try
+  {
+    WriteInto(aside.string(), input, result);
+    fs::remove_all(folder);
+    fs::rename(aside, folder);
+  }
+  catch (...)
+  {
+    std::error_code ignored;
+    fs::remove_all(aside, ignored);
+    throw;
   }
 }
 }

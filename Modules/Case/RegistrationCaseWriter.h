@@ -17,21 +17,26 @@ namespace mammoray
 /// The anatomy at rest, volume frame, with the point array "Displacement" (mm), those of the
 /// sensitivities (SensitivityArrayPrefix), and the unit's "Placement".
 MAMMORAYCASE_EXPORT vtkSmartPointer<vtkUnstructuredGrid> UncompressedGrid(
-  const RegistrationCaseResult& result, const RegisteredView& view);
+  const RegistrationCaseResult& result, const RegisteredView& registered);
 
-/// Where the views are written to within the result's folder: the views' names in small letters
+/// Where the mammograms are written to within the result's folder: their views in small letters
 /// ("cc", "mlo"), numbered where they repeat; "" for a single one.
-MAMMORAYCASE_EXPORT std::vector<std::string> ViewFolders(const RegistrationCaseResult& result);
+MAMMORAYCASE_EXPORT std::vector<std::string> MammogramFolders(const RegistrationCaseResult& result);
+
+/// Throws InputError unless a result can be written there: into a folder that exists, under a name
+/// that is free or, with `overwrite`, that of an earlier result.
+MAMMORAYCASE_EXPORT void CheckResultFolder(const std::string& folder, bool overwrite);
 
 /**
- * Writes into an existing folder, for one mammogram: uncompressed.vtu and compressed.vtu (volume
- * frame, both with the point array "Displacement", mm, from the one to the other), synthetic.mha
- * (log attenuation on the mammogram's pixel grid, float), and what WriteRegistrationReport writes.
- * For several: a folder with that for each of them (ViewFolders), and what WriteJointReport writes.
- * Throws InputError when a file cannot be written.
+ * Writes a folder, complete or not at all, for one mammogram: uncompressed.vtu and compressed.vtu
+ * (volume frame, both with the point array "Displacement", mm, from the one to the other),
+ * synthetic.mha (log attenuation on the mammogram's pixel grid, float), the result file, and what
+ * WriteRegistrationReport writes. For several: a folder with that for each of them
+ * (MammogramFolders), their joint result file, and what WriteJointReport writes. Throws InputError
+ * as CheckResultFolder, and when a file cannot be written or an input no longer be read.
  */
 MAMMORAYCASE_EXPORT void WriteRegistrationCase(const RegistrationCase& input,
-  const RegistrationCaseResult& result, const std::string& folder);
+  const RegistrationCaseResult& result, const std::string& folder, bool overwrite = false);
 }
 
 #endif

@@ -5,7 +5,7 @@
 #include "mammoray/Case/RegistrationCaseWriter.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/IO/ShippedData.h"
-#include "mammoray/Report/RegistrationReport.h"
+#include "mammoray/Report/Assessment.h"
 
 #include "vtkUnstructuredGrid.h"
 
@@ -170,8 +170,7 @@ MammogramEvidence MeasureMammogram(const EvidenceMammogram& input, const Progres
     found.LargestOutlineMm = registered.After.LargestOutlineDistanceMm;
     found.Correlation = registered.After.Correlation;
     found.Seconds = registered.Seconds;
-    const Trust trust = Assess(registered).Level;
-    found.Trust = trust == Trust::Good ? "good" : trust == Trust::Doubtful ? "doubtful" : "none";
+    found.Trust = NameOf(Assess(registered).Level);
   }
   catch (const ConvergenceError& error)
   {

@@ -5,7 +5,7 @@
 #include "mammoray/Biomechanics/CompressionSimulation.h"
 #include "mammoray/Biomechanics/ElasticTable.h"
 #include "mammoray/Biomechanics/PlacedPlates.h"
-#include "mammoray/Case/CompressedBreast.h"
+#include "mammoray/Case/CompressionGrids.h"
 #include "mammoray/Foundation/MammographyGeometry.h"
 #include "mammoray/IO/MeshConversion.h"
 #include "mammoray/IO/ShippedData.h"
@@ -318,9 +318,9 @@ int vtkBreastCompression::RequestData(vtkInformation*, vtkInformationVector** in
       internal.Compress(closed, progress);
     }
     const bool given = time == 1 && !(this->ForceN > 0);
-    const CompressedBreast breast = internal.Model->IsCarried()
-      ? CompressedBreast(input, internal.Made.Anatomy, internal.Model->Body().Simulation())
-      : CompressedBreast(input, internal.Model->Body().Simulation());
+    const CompressionGrids breast = internal.Model->IsCarried()
+      ? CompressionGrids(input, internal.Made.Anatomy, internal.Model->Body().Simulation())
+      : CompressionGrids(input, internal.Model->Body().Simulation());
     output->ShallowCopy(
       breast.At(*internal.State, given ? std::optional<double>(this->ThicknessMm) : std::nullopt));
     pose.ThicknessMm = output->GetFieldData()->GetArray("ThicknessMm")->GetTuple1(0);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mammoray/Report/CutPicture.h"
 
-#include "Private/PlotPicture.h"
+#include "Private/Picture.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/IO/MeshConversion.h"
 
@@ -33,16 +33,16 @@ constexpr int Supersampling = 4;
 struct CutCell
 {
   /// In the plane of the cut, mm.
-  std::vector<PlotPoint> Corners;
+  std::vector<PicturePoint> Corners;
   int Material = 0;
 };
 
 struct Cut
 {
   std::vector<CutCell> Cells;
-  std::vector<std::vector<PlotPoint>> Lines;
-  PlotPoint Least{ std::numeric_limits<double>::max(), std::numeric_limits<double>::max() };
-  PlotPoint Most{ std::numeric_limits<double>::lowest(), std::numeric_limits<double>::lowest() };
+  std::vector<std::vector<PicturePoint>> Lines;
+  PicturePoint Least{ std::numeric_limits<double>::max(), std::numeric_limits<double>::max() };
+  PicturePoint Most{ std::numeric_limits<double>::lowest(), std::numeric_limits<double>::lowest() };
 
   double Width() const { return this->Most.X - this->Least.X; }
   double Height() const { return this->Most.Y - this->Least.Y; }
@@ -50,8 +50,10 @@ struct Cut
 
 Cut MakeCut(const CutPanel& panel)
 {
-  const auto inPlane = [&](const Vector3& point) {
-    return PlotPoint{ Dot(point - panel.Point, panel.Right), Dot(point - panel.Point, panel.Up) };
+  const auto inPlane = [&](const Vector3& point)
+  {
+    return PicturePoint{ Dot(point - panel.Point, panel.Right),
+      Dot(point - panel.Point, panel.Up) };
   };
   const Vector3 normal = Cross(panel.Right, panel.Up);
   vtkNew<vtkPlane> plane;
@@ -80,7 +82,7 @@ Cut MakeCut(const CutPanel& panel)
     {
       Vector3 point;
       polygons->GetPoint(ids[corner], point.data());
-      const PlotPoint at = inPlane(point);
+      const PicturePoint at = inPlane(point);
       added.Corners.push_back(at);
       cut.Least = { std::min(cut.Least.X, at.X), std::min(cut.Least.Y, at.Y) };
       cut.Most = { std::max(cut.Most.X, at.X), std::max(cut.Most.Y, at.Y) };
@@ -96,7 +98,7 @@ Cut MakeCut(const CutPanel& panel)
   }
   for (const std::vector<Vector3>& line : panel.Lines)
   {
-    std::vector<PlotPoint>& added = cut.Lines.emplace_back();
+    std::vector<PicturePoint>& added = cut.Lines.emplace_back();
     std::transform(line.begin(), line.end(), std::back_inserter(added), inPlane);
   }
   return cut;
@@ -111,8 +113,8 @@ double MeanSideMm(const Cut& cut)
   {
     for (std::size_t corner = 0; corner < cell.Corners.size(); ++corner)
     {
-      const PlotPoint& a = cell.Corners[corner];
-      const PlotPoint& b = cell.Corners[(corner + 1) % cell.Corners.size()];
+      const PicturePoint& a = cell.Corners[corner];
+      const PicturePoint& b = cell.Corners[(corner + 1) % cell.Corners.size()];
       sum += std::hypot(a.X - b.X, a.Y - b.Y);
       ++count;
     }
@@ -120,28 +122,20 @@ double MeanSideMm(const Cut& cut)
   return count > 0 ? sum / static_cast<double>(count) : 0;
 }
 
-PlotColor Darker(const PlotColor& color)
-{
-  PlotColor result;
-  std::transform(color.begin(), color.end(), result.begin(),
-    [](unsigned char part) { return static_cast<unsigned char>(part * 3 / 5); });
-  return result;
-}
-
 /// Supersampling pixels for each of `pixelMm`.
-PlotPicture DrawCut(const Cut& cut, int width, int height, double pixelMm)
+Picture DrawCut(const Cut& cut, int width, int height, double pixelMm)
 {
-  PlotPicture picture(Supersampling * width, Supersampling * height);
+  Picture picture(Supersampling * width, Supersampling * height);
   const double scale = Supersampling / pixelMm;
-  const auto at = [&](const PlotPoint& point) {
-    return PlotPoint{ (point.X - cut.Least.X) * scale, (point.Y - cut.Least.Y) * scale };
+  const auto at = [&](const PicturePoint& point) {
+    return PicturePoint{ (point.X - cut.Least.X) * scale, (point.Y - cut.Least.Y) * scale };
   };
   const bool withEdges = MeanSideMm(cut) > 3 * pixelMm;
   const auto color = [](const CutCell& cell)
   { return GroupColor(static_cast<std::size_t>(cell.Material) - 1); };
   for (const CutCell& cell : cut.Cells)
   {
-    std::vector<PlotPoint> corners(cell.Corners.size());
+    std::vector<PicturePoint> corners(cell.Corners.size());
     std::transform(cell.Corners.begin(), cell.Corners.end(), corners.begin(), at);
     picture.Polygon(corners, color(cell));
   }
@@ -150,25 +144,25 @@ PlotPicture DrawCut(const Cut& cut, int width, int height, double pixelMm)
     for (std::size_t corner = 0; withEdges && corner < cell.Corners.size(); ++corner)
     {
       picture.Line(at(cell.Corners[corner]), at(cell.Corners[(corner + 1) % cell.Corners.size()]),
-        2, Darker(color(cell)));
+        2, Mixed({ 0, 0, 0 }, color(cell), 0.6));
     }
   }
-  for (const std::vector<PlotPoint>& line : cut.Lines)
+  for (const std::vector<PicturePoint>& line : cut.Lines)
   {
     for (std::size_t point = 1; point < line.size(); ++point)
     {
-      picture.Line(at(line[point - 1]), at(line[point]), 6, PlotInk);
+      picture.Line(at(line[point - 1]), at(line[point]), 6, PictureInk);
     }
   }
   return picture;
 }
 
-void DrawScaleBar(PlotPicture& picture, double x, double y, double pixelMm)
+void DrawScaleBar(Picture& picture, double x, double y, double pixelMm)
 {
   const double lengthMm = TickStep(100 * pixelMm, 1);
   char text[32];
   std::snprintf(text, sizeof(text), "%g mm", lengthMm);
-  picture.Box(x, y, x + lengthMm / pixelMm, y + 3, PlotInk);
+  picture.Box(x, y, x + lengthMm / pixelMm, y + 3, PictureInk);
   picture.Text(x + 0.5 * lengthMm / pixelMm, y + 16, 0.5, text);
 }
 }
@@ -203,7 +197,7 @@ void WriteCutPicture(const std::vector<CutPanel>& panels,
     width += pixels(cut.Width()) + Margin;
     height = std::max(height, pixels(cut.Height()));
   }
-  PlotPicture picture(width, height + TitleHeight + 2 * Margin);
+  Picture picture(width, height + TitleHeight + 2 * Margin);
   int left = Margin;
   for (std::size_t index = 0; index < cuts.size(); ++index)
   {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mammoray/Report/HistogramPicture.h"
 
-#include "Private/PlotPicture.h"
+#include "Private/Picture.h"
 #include "mammoray/Foundation/Error.h"
 
 #include <algorithm>
@@ -26,7 +26,7 @@ std::string Number(double value)
   return text;
 }
 
-void DrawPanel(PlotPicture& picture, const HistogramPanel& panel, int offset)
+void DrawPanel(Picture& picture, const HistogramPanel& panel, int offset)
 {
   const std::size_t bins = panel.Groups.front().Counts.size();
   std::vector<double> totals(bins, 0.0);
@@ -56,14 +56,14 @@ void DrawPanel(PlotPicture& picture, const HistogramPanel& panel, int offset)
       below = above;
     }
   }
-  picture.Box(x0 - 2, Bottom - 2, x0 + width, Bottom, PlotInk);
-  picture.Box(x0 - 2, Bottom - 2, x0, Bottom + height, PlotInk);
+  picture.Box(x0 - 2, Bottom - 2, x0 + width, Bottom, PictureInk);
+  picture.Box(x0 - 2, Bottom - 2, x0, Bottom + height, PictureInk);
   const double range = panel.Step * static_cast<double>(bins);
   const double step = TickStep(range, 8);
   for (double value = 0; value <= range * (1 + 1e-9); value += step)
   {
     const double x = x0 + width * value / range;
-    picture.Box(x - 1, Bottom - 7, x + 1, Bottom, PlotInk);
+    picture.Box(x - 1, Bottom - 7, x + 1, Bottom, PictureInk);
     picture.Text(x, Bottom - 18, 0.5, Number(value));
   }
   for (const double share : { 0.01, 0.1, 0.5, 1.0 })
@@ -71,7 +71,7 @@ void DrawPanel(PlotPicture& picture, const HistogramPanel& panel, int offset)
     const double count = std::floor(share * most);
     if (count >= 1 && (share == 1 || up(most) - up(count) > 20))
     {
-      picture.Box(x0 - 7, up(count) - 1, x0, up(count) + 1, PlotInk);
+      picture.Box(x0 - 7, up(count) - 1, x0, up(count) + 1, PictureInk);
       picture.Text(x0 - 12, up(count), 1, Number(count));
     }
   }
@@ -88,7 +88,7 @@ void WriteHistogramPicture(const std::vector<HistogramPanel>& panels, const std:
   {
     throw InputError(path + ": expected cells to draw a histogram of, found none");
   }
-  PlotPicture picture(static_cast<int>(panels.size()) * PanelWidth + LegendWidth, PictureHeight);
+  Picture picture(static_cast<int>(panels.size()) * PanelWidth + LegendWidth, PictureHeight);
   for (std::size_t index = 0; index < panels.size(); ++index)
   {
     DrawPanel(picture, panels[index], static_cast<int>(index) * PanelWidth);

@@ -12,14 +12,14 @@ namespace mammoray
 /// Bars of one panel: how many things of each group fall into each bin.
 struct HistogramPanel
 {
-  /// With the unit, as "smallest dihedral angle [deg]".
+  /// It names the unit, too: "smallest dihedral angle [deg]".
   std::string Title;
   /// Width of a bin, in that unit; the first begins at 0.
   double Step = 1;
   struct Group
   {
     std::string Name;
-    /// Of all groups as many bins.
+    /// All groups have as many bins.
     std::vector<std::size_t> Counts;
   };
   std::vector<Group> Groups;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mammoray/Report/SlicePicture.h"
 
-#include "Private/PlotPicture.h"
+#include "Private/Picture.h"
 #include "mammoray/Foundation/Error.h"
 
 #include <algorithm>
@@ -29,9 +29,9 @@ struct PatientBox
 struct Plane
 {
   const char* Name;
-  /// Of the normal.
+  /// Where the normal points.
   const char* Direction;
-  /// Index and sign of patient directions.
+  /// Indices of patient directions, and which way they go in the picture.
   int Right;
   double RightSign;
   int Up;
@@ -39,7 +39,7 @@ struct Plane
   int Normal;
 };
 
-// As radiologists look at them: from below and from the front (patient's left on the right), and
+// Radiologists look at them so: from below and from the front (patient's left on the right), and
 // from the patient's left.
 constexpr Plane Planes[] = { { "axial", "head", 0, 1, 1, 1, 2 },
   { "coronal", "front", 0, 1, 2, 1, 1 }, { "sagittal", "left", 1, -1, 2, 1, 0 } };
@@ -98,7 +98,7 @@ public:
       share * (this->Box.High[plane.Normal] - this->Box.Low[plane.Normal]);
   }
 
-  void Draw(PlotPicture& picture, int left, int low, const Plane& plane, double place) const
+  void Draw(Picture& picture, int left, int low, const Plane& plane, double place) const
   {
     const int width = this->Pixels(plane.Right);
     const int height = this->Pixels(plane.Up);
@@ -122,9 +122,7 @@ public:
       {
         const Vector3 point = pointAt(x + 0.5, y + 0.5);
         labelAt(x, y) = this->Labels.LabelAt(point);
-        const auto grey = static_cast<unsigned char>(
-          std::lround(255 * std::clamp(this->ValueAt(point) / this->White, 0.0, 1.0)));
-        picture.Box(left + x, low + y, left + x + 1, low + y + 1, { grey, grey, grey });
+        picture.Set(left + x, low + y, Grey(this->ValueAt(point) / this->White));
       }
     }
     // An outline lies inside its label, so that neighbours both show.
@@ -139,15 +137,14 @@ public:
             (y + 1 < height && labelAt(x, y + 1) != label));
         if (edge)
         {
-          picture.Box(left + x, low + y, left + x + 1, low + y + 1,
-            GroupColor(static_cast<std::size_t>(label) - 1));
+          picture.Set(left + x, low + y, GroupColor(static_cast<std::size_t>(label) - 1));
         }
       }
     }
   }
 
 private:
-  /// Of the voxel that holds the point; 0 outside.
+  /// The value of the voxel that holds the point; 0 outside.
   double ValueAt(const Vector3& point) const
   {
     const Vector3 index = this->Image.ContinuousIndex(point);
@@ -186,7 +183,7 @@ void WriteSlicePicture(const IntensityVolume& image, const LabelVolume& labels,
     height += slices.Pixels(plane.Up) + TitleHeight;
   }
   width += rowWidth;
-  PlotPicture picture(width, height);
+  Picture picture(width, height);
   int top = height - Margin;
   for (const Plane& plane : Planes)
   {

@@ -23,8 +23,6 @@
 #include "vtkXMLDataElement.h"
 #include "vtkXMLUtilities.h"
 
-#include <nlohmann/json.hpp>
-
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
@@ -63,94 +61,23 @@ vtkSmartPointer<vtkUnstructuredGrid> WithPoints(vtkUnstructuredGrid* grid,
   return moved;
 }
 
-/// What is said of a registration beside RegisteredBreast: names of the table and the spectrum.
-struct ResultFacts
-{
-  std::string TableFile;
-  std::string TableChecksum;
-  std::string Spectrum;
-  std::string Laterality;
-};
-
-ResultFacts ReadFacts(const std::string& folder)
-{
-  ResultFacts facts;
-  ReadResultFile(folder,
-    [&](const nlohmann::json& result)
-    {
-      for (const nlohmann::json& input : result.at("inputs"))
-      {
-        if (input.at("role") == "Material table")
-        {
-          input.at("file").get_to(facts.TableFile);
-          input.at("sha256").get_to(facts.TableChecksum);
-        }
-      }
-      facts.Spectrum = result.at("versions").value("Spectrum", "");
-      facts.Laterality = result.at("mammogram").value("laterality", "?");
-    });
-  return facts;
-}
-
 /// A shipped table is known by its checksum; any other must be named.
-MaterialTable TableOf(const ResultFacts& facts, const std::string& named)
+MaterialTable TableOf(const ResultFile& result, const std::string& named)
 {
   if (!named.empty())
   {
     return FindMaterialTable(named);
   }
-  const fs::path shipped = fs::path(DataDirectory()) / "materials" / facts.TableFile;
-  if (fs::is_regular_file(shipped) && Sha256OfFile(shipped.string()) == facts.TableChecksum)
+  const auto table = std::find_if(result.Inputs.begin(), result.Inputs.end(),
+    [](const ResultInput& input) { return input.Role == MaterialTableRole; });
+  const std::string file = table == result.Inputs.end() ? "?" : table->File;
+  const fs::path shipped = fs::path(DataDirectory()) / "materials" / file;
+  if (fs::is_regular_file(shipped) && Sha256OfFile(shipped.string()) == table->Sha256)
   {
     return FindMaterialTable(shipped.string());
   }
-  throw InputError("the result was made with the table " + facts.TableFile +
+  throw InputError("the result was made with the table " + file +
     ", which is not a shipped one; name it with --materials");
-}
-
-/// The axes whose unit at `pose` stands as `placed` does; they say in which direction roll turns.
-AnatomicalAxes AxesOf(const VolumeFromGantry& placed, const BreastPose& pose,
-  const std::string& folder)
-{
-  for (const char* letters : { "LPS", "LSP", "PLS", "PSL", "SLP", "SPL" })
-  {
-    for (int flips = 0; flips < 8; ++flips)
-    {
-      std::string code = letters;
-      for (int axis = 0; axis < 3; ++axis)
-      {
-        const std::string pairs = "LRPASI";
-        const std::size_t at = pairs.find(code[axis]);
-        code[axis] = (flips >> axis & 1) != 0 ? pairs[at ^ 1] : code[axis];
-      }
-      const AnatomicalAxes axes = AnatomicalAxes::FromCode(code);
-      const VolumeFromGantry found = PlaceUnit(axes, { 0, 0, 0 }, {}, pose);
-      // Directions were written with all their digits.
-      if (Norm(found.X - placed.X) + Norm(found.Y - placed.Y) + Norm(found.Z - placed.Z) < 1e-6)
-      {
-        return axes;
-      }
-    }
-  }
-  throw InputError(folder + "/result.json: placement and parameters do not belong together");
-}
-
-BreastPose PoseOfResult(const BreastInUnit& breast, const std::string& folder)
-{
-  BreastPose pose;
-  for (const PoseParameter& parameter : PoseParameters)
-  {
-    const auto found =
-      std::find(breast.Parameters.begin(), breast.Parameters.end(), parameter.Name);
-    if (found == breast.Parameters.end())
-    {
-      throw InputError(
-        folder + "/result.json: expected a parameter '" + parameter.Name + "', found none");
-    }
-    pose.*parameter.Value =
-      breast.Values[static_cast<std::size_t>(found - breast.Parameters.begin())];
-  }
-  return pose;
 }
 
 void AddMammogram(const Mammogram& mammogram, ViewedBreast& viewed)
@@ -161,21 +88,19 @@ void AddMammogram(const Mammogram& mammogram, ViewedBreast& viewed)
 
 ViewedBreast ReadResult(const ViewInput& input)
 {
+  const ResultFile result = ReadResultFile(input.Result);
   ViewedBreast viewed;
-  viewed.Breast = ReadRegistration(input.Result);
-  const ResultFacts facts = ReadFacts(input.Result);
-  viewed.Materials = TableOf(facts, input.Materials);
-  viewed.Spectrum = FindSpectrum(!input.Spectrum.empty() ? input.Spectrum
-      : facts.Spectrum.empty()                           ? DefaultSpectrum
-                                                         : facts.Spectrum);
-  viewed.Pose = PoseOfResult(viewed.Breast, input.Result);
-  viewed.Axes = AxesOf(viewed.Breast.Placed, viewed.Pose, input.Result);
-  viewed.Anchor = viewed.Breast.Placed.Origin -
-    PlaceUnit(viewed.Axes, { 0, 0, 0 }, viewed.Breast.Unit, viewed.Pose).Origin;
-  viewed.Laterality = facts.Laterality.empty() ? '?' : facts.Laterality.front();
+  viewed.Breast = ReadBreastInUnit(result);
+  viewed.Trust = result.Trust;
+  viewed.Materials = TableOf(result, input.Materials);
+  viewed.Spectrum = FindSpectrum(input.Spectrum.empty() ? result.Spectrum : input.Spectrum);
+  viewed.Pose = result.Pose;
+  viewed.Axes = result.Axes;
+  viewed.Anchor = result.Anchor;
+  viewed.Laterality = result.Mammogram.Laterality;
   if (!input.Mammogram.empty())
   {
-    AddMammogram(ReadRegisteredMammogram(input.Result, input.Mammogram), viewed);
+    AddMammogram(ReadRegisteredMammogram(result, input.Mammogram), viewed);
   }
   return viewed;
 }

@@ -2,8 +2,8 @@
 #ifndef mammoray_ViewedBreast_h
 #define mammoray_ViewedBreast_h
 
+#include "mammoray/Case/BreastInUnit.h"
 #include "mammoray/Case/LabelSource.h"
-#include "mammoray/Case/RegisteredBreast.h"
 #include "mammoray/Foundation/Mammogram.h"
 #include "mammoray/Foundation/MaterialTable.h"
 #include "mammoray/Foundation/PoseParameters.h"
@@ -75,6 +75,8 @@ struct ViewedBreast
   std::optional<RegistrationTarget> Real;
   /// Known states, by falling thickness; mostly none.
   std::vector<CompressionStep> Series;
+  /// How far the registration may be relied on; good where there is none.
+  Assessment Trust;
   /// The pose asked for is not that of the compressed points.
   bool PoseDiffers = false;
   BreastModelOptions Mechanics;

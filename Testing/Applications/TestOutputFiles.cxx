@@ -48,36 +48,6 @@ TEST_F(OutputFiles, AFileAppearsCompleteOrNotAtAll)
   EXPECT_EQ(this->Entries(), 1u);
 }
 
-TEST_F(OutputFiles, AFolderReplacesAnEarlierOneOnlyWhenAsked)
-{
-  const std::string path = this->Folder.File("result");
-  const auto write = [](const std::string& text)
-  {
-    return [text](const std::string& temporary)
-    { std::ofstream(temporary + "/result.json") << text; };
-  };
-  WriteCompleteFolder(path, false, write("first"));
-  EXPECT_THROW(WriteCompleteFolder(path, false, write("second")), fs::filesystem_error);
-  EXPECT_EQ(ReadFile(path + "/result.json"), "first");
-  WriteCompleteFolder(path + "/", true, write("third"));
-  EXPECT_EQ(ReadFile(path + "/result.json"), "third");
-  EXPECT_EQ(this->Entries(), 1u);
-}
-
-TEST_F(OutputFiles, NothingButAnEarlierResultIsOverwritten)
-{
-  const std::string path = this->Folder.File("result");
-  EXPECT_NO_THROW(CheckOutputFolder(path, false, "result.json"));
-  fs::create_directory(path);
-  EXPECT_THROW(CheckOutputFolder(path, false, "result.json"), InputError);
-  EXPECT_NO_THROW(CheckOutputFolder(path, true, "result.json")); // empty
-  this->Folder.Write("result/thesis.txt", "mine");
-  EXPECT_THROW(CheckOutputFolder(path, true, "result.json"), InputError);
-  this->Folder.Write("result/result.json", "{}");
-  EXPECT_NO_THROW(CheckOutputFolder(path + "/", true, "result.json"));
-  EXPECT_THROW(CheckOutputFolder("/nowhere/result", true, "result.json"), InputError);
-}
-
 TEST_F(OutputFiles, FilesAreCheckedBeforeTheWork)
 {
   const std::string path = this->Folder.Write("mesh.vtu", "a mesh");

@@ -4,6 +4,7 @@
 #include "CommandTest.h"
 #include "DicomTesting.h"
 #include "Files.h"
+#include "mammoray/Case/LesionShadow.h"
 #include "mammoray/Case/RegisteredBreast.h"
 #include "mammoray/Case/RegisteredMammogram.h"
 #include "mammoray/Evidence/LandmarkEvaluation.h"
@@ -296,7 +297,7 @@ TEST_F(RegisterCommand, RegistersTheShippedPhantom)
   WriteLabelVolume(Ball(centre, 5), lesionFile);
   const LabelVolume lesionVolume = ReadLabelVolume(lesionFile);
   const auto projector = MakeProjector();
-  const ImagedLesion lesion = breast.ToMammogram(lesionVolume, 3, *projector);
+  const LesionShadow lesion = ProjectLesion(breast, lesionVolume, 3, *projector);
   EXPECT_NEAR(lesion.VolumeMm3, 524, 10); // the voxels' stairs
   EXPECT_LT(Norm(lesion.Centre - centre), 0.1);
   EXPECT_EQ(lesion.ShareOutside, 0);
@@ -358,13 +359,13 @@ TEST_F(RegisterCommand, RegistersTheShippedPhantom)
   bare.RowDirection.clear();
   bare.ColumnDirection.clear();
   const Mammogram described =
-    ReadSyntheticMammogram(folder, bare, Mammogram::Intent::ForPresentation);
+    ReadSyntheticMammogram(ReadResultFile(folder), bare, Mammogram::Intent::ForPresentation);
   EXPECT_EQ(described.View, real.View);
   EXPECT_EQ(described.RowDirection, real.RowDirection);
   EXPECT_EQ(described.ColumnDirection, real.ColumnDirection);
   EXPECT_EQ(described.Pixels, written.Pixels);
   EXPECT_EQ(written.ColumnSpacingMm, real.ColumnSpacingMm);
-  EXPECT_NEAR(*written.BodyPartThicknessMm, resumed.at("pose").at("thicknessMm").get<double>(),
+  EXPECT_NEAR(*written.BodyPartThicknessMm, resumed.at("parameters").at(0).at("value").get<double>(),
     1e-7); // ten digits
 
   // Both together, as if they were two exposures: each has its folder, one report tells of both.
@@ -380,8 +381,8 @@ TEST_F(RegisterCommand, RegistersTheShippedPhantom)
   ASSERT_EQ(this->Run(both), 0) << this->Errors;
   const std::string joint = this->Folder.File("both");
   const nlohmann::json shared = nlohmann::json::parse(ReadFile(joint + "/result.json"));
-  EXPECT_EQ(shared.at("views").at(0).at("folder"), "cc");
-  EXPECT_EQ(shared.at("views").at(1).at("folder"), "cc-2");
+  EXPECT_EQ(shared.at("mammograms").at(0).at("folder"), "cc");
+  EXPECT_EQ(shared.at("mammograms").at(1).at("folder"), "cc-2");
   ASSERT_EQ(shared.at("unknowns").size(), 9u); // four of each, and the stiffness
   EXPECT_EQ(shared.at("covariance").size(), 81u);
   EXPECT_THAT(ReadFile(joint + "/report.html"), testing::HasSubstr("What the mammograms share"));

@@ -1,19 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // Pictures whose muscle and markers are known, and real mammograms.
 #include "Files.h"
-#include "mammoray/Case/RegisteredMammogram.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/IO/MammogramIO.h"
 #include "mammoray/IO/MammogramPictureIO.h"
-#include "mammoray/IO/Sha256.h"
 #include "mammoray/Registration/MammogramMask.h"
 #include "mammoray/Registration/TargetPreparation.h"
 
 #include "vtkImageData.h"
 #include "vtkNew.h"
 #include "vtkPNGWriter.h"
-
-#include <nlohmann/json.hpp>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -229,38 +225,6 @@ TEST(MammogramMask, PicturesNeedWhatTheyDoNotSay)
   EXPECT_EQ(read.ColumnSpacingMm, 0.1);
 }
 
-TEST(MammogramMask, ARegisteredPictureIsReadAsItWasRegistered)
-{
-  const testing_support::TemporaryFolder folder;
-  WriteMask(folder.File("a.png"), 40, 30);
-  WriteMask(folder.File("b.png"), 30, 40);
-  const nlohmann::json result = { { "inputs",
-                                    { { { "role", "Mammogram" }, { "file", "a.png" },
-                                      { "sha256", Sha256OfFile(folder.File("a.png")) } } } },
-    { "mammogram",
-      { { "view", "MLO" }, { "laterality", "L" }, { "columnSpacingMm", 0.07 },
-        { "rowSpacingMm", 0.07 } } } };
-  folder.Write("result.json", result.dump());
-  const Mammogram read = ReadRegisteredMammogram(folder.File(""), folder.File("a.png"));
-  EXPECT_EQ(read.Columns, 40);
-  EXPECT_EQ(read.ColumnSpacingMm, 0.07);
-  EXPECT_EQ(read.RowSpacingMm, 0.07);
-  EXPECT_EQ(read.View, "MLO");
-  EXPECT_EQ(read.Laterality, 'L');
-  EXPECT_FALSE(IsRegisteredMammogram(folder.File(""), folder.File("b.png")));
-  try
-  {
-    ReadRegisteredMammogram(folder.File(""), folder.File("b.png"));
-    FAIL() << "accepted another picture";
-  }
-  catch (const InputError& error)
-  {
-    EXPECT_THAT(error.what(), HasSubstr("b.png: expected the mammogram of the result, a.png"));
-  }
-}
-
-/// Right and left MLO of the MONAI model zoo. The muscle's ends were read off the pictures by eye,
-/// mm: where its edge meets the head's end of the picture, and how far down the chest wall.
 TEST(MammogramMask, FindsTheMuscleOfRealMammograms)
 {
   struct Expected

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "CommandTest.h"
 #include "SmallBreast.h"
+#include "TestResults.h"
 #include "VirtualDisplay.h"
 
 #include "mammoray/XRay/PathLengthProjector.h"
@@ -8,10 +9,6 @@
 #include "vtkDoubleArray.h"
 #include "vtkPointData.h"
 #include "vtkPoints.h"
-
-#include <nlohmann/json.hpp>
-
-#include <fstream>
 
 namespace
 {
@@ -59,33 +56,17 @@ protected:
     pose.ThicknessMm = 54;
     pose.RollDeg = 4;
     pose.AnteriorMm = 5;
-    const VolumeFromGantry placed =
-      PlaceUnit(AnatomicalAxes::FromCode("LAS"), { 0, 15, 0 }, {}, pose);
-    nlohmann::json result = { { "format", "mammoray-registration-result" },
-      { "inputs",
-        { { { "role", "Material table" }, { "file", "table.json" }, { "sha256", "none" } } } },
-      { "versions", { { "Spectrum", "W28kVp_Rh50um_Be1mm" } } },
-      { "mammogram", { { "laterality", "L" } } },
-      { "placement",
-        { { "originMm", placed.Origin }, { "x", placed.X }, { "y", placed.Y },
-          { "z", placed.Z } } },
-      { "unit",
-        { { "sourceToDetectorMm", 650 }, { "supportHeightMm", 2 }, { "supportEdgeMm", 0 },
-          { "paddleEdgeMm", 0 }, { "edgeRadiusMm", 3 } } },
-      { "grid",
-        { { "columns", 120 }, { "rows", 240 }, { "originMm", { 59.75, 0.25 } },
-          { "columnStepMm", { 0.0, 0.5 } }, { "rowStepMm", { -0.5, 0.0 } } } } };
-    const std::vector<std::pair<std::string, double>> values{ { "thickness", 54 }, { "roll", 4 },
-      { "pitch", 0 }, { "yaw", 0 }, { "lateral", 0 }, { "anterior", 5 }, { "vertical", 0 },
-      { "tilt", 0 }, { "stiffness", 1 } };
-    std::vector<double> covariance(81);
-    covariance[0] = 4; // thickness, mm^2
-    for (const auto& [name, value] : values)
-    {
-      result["parameters"].push_back({ { "name", name }, { "value", value } });
-    }
-    result["covariance"] = covariance;
-    std::ofstream(folder + "/result.json") << result;
+    ResultFile result = test::MakeResultFile();
+    result.Axes = AnatomicalAxes::FromCode("LAS");
+    result.Anchor = { 0, 15, 0 };
+    test::SetPose(result, pose);
+    result.Placed = PlaceUnit(result.Axes, result.Anchor, {}, pose);
+    result.Unit = {};
+    result.Grid = { 120, 240, { 59.75, 0.25 }, { 0.0, 0.5 }, { -0.5, 0.0 } };
+    result.ConsideredCovariance.clear();
+    result.Covariance = test::OnlyThickness(2);
+    result.Inputs = { { MaterialTableRole, "table.json", "none" } };
+    WriteResultFile(result, folder);
     return folder;
   }
   bool CanShow()

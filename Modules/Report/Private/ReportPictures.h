@@ -15,7 +15,7 @@ struct ReportPictures
   std::string Synthetic;
   std::string Overlay;
   std::string Difference;
-  /// As wide as high or wider, so that two stand side by side better than four.
+  /// Whether they are as wide as high or wider, so that two stand side by side better than four.
   bool Wide = false;
 };
 

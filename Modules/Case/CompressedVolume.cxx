@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mammoray/Case/CompressedImage.h"
+#include "mammoray/Case/CompressedVolume.h"
 
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/IO/ProjectionImage.h"
@@ -115,10 +115,10 @@ struct RayValues
 
 /// `coverage`: 1 inside and 0 outside, as an image, so that only values inside count between
 /// voxels.
-RayValues AlongRay(const CompressedImage& compressed, const IntensityVolume& coverage,
+RayValues AlongRay(const CompressedVolume& compressed, const IntensityVolume& coverage,
   const Vector3& begin, const Vector3& end)
 {
-  const IntensityVolume& image = compressed.Image;
+  const IntensityVolume& image = compressed.Values;
   const auto [first, last] = PartInside(image, begin, end);
   RayValues ray;
   if (first >= last)
@@ -164,23 +164,23 @@ vtkFloatArray* AddFloats(vtkImageData* image, const char* name)
 }
 }
 
-CompressedImage CompressImage(const IntensityVolume& image, const RegisteredBreast& breast,
+CompressedVolume CompressVolume(const IntensityVolume& image, const RegisteredBreast& breast,
   double spacingMm, const ProgressCallback& progress)
 {
   if (!(spacingMm > 0) || !std::isfinite(spacingMm))
   {
-    throw InputError("compressed image: expected a positive voxel size, found " +
+    throw InputError("compressed volume: expected a positive voxel size, found " +
       std::to_string(spacingMm) + " mm");
   }
   ReportProgress(progress, 0, "finding the tissue");
-  CompressedImage result;
-  static_cast<VolumeGrid&>(result.Image) = GridAround(breast.Compressed(), image, spacingMm);
-  const vtkSmartPointer<vtkDataSet> voxels = FindPlaces(breast, result.Image);
+  CompressedVolume result;
+  static_cast<VolumeGrid&>(result.Values) = GridAround(breast.Compressed(), image, spacingMm);
+  const vtkSmartPointer<vtkDataSet> voxels = FindPlaces(breast, result.Values);
   ReportProgress(progress, 0.8, "sampling the image");
   vtkDataArray* places = voxels->GetPointData()->GetArray(PlaceArrayName);
   auto* valid = vtkCharArray::SafeDownCast(voxels->GetPointData()->GetArray("vtkValidPointMask"));
   const vtkIdType count = voxels->GetNumberOfPoints();
-  result.Image.Voxels.assign(static_cast<std::size_t>(count), 0.0F);
+  result.Values.Voxels.assign(static_cast<std::size_t>(count), 0.0F);
   result.Inside.assign(static_cast<std::size_t>(count), 0);
   std::size_t found = 0;
   for (vtkIdType voxel = 0; voxel < count; ++voxel)
@@ -193,7 +193,7 @@ CompressedImage CompressImage(const IntensityVolume& image, const RegisteredBrea
     places->GetTuple(voxel, place.data());
     if (const std::optional<float> value = image.ValueAt(place))
     {
-      result.Image.Voxels[voxel] = *value;
+      result.Values.Voxels[voxel] = *value;
       result.Inside[voxel] = 1;
       ++found;
     }
@@ -212,7 +212,7 @@ CompressedImage CompressImage(const IntensityVolume& image, const RegisteredBrea
   return result;
 }
 
-vtkSmartPointer<vtkImageData> ProjectImage(const CompressedImage& compressed,
+vtkSmartPointer<vtkImageData> ProjectVolume(const CompressedVolume& compressed,
   const RegisteredBreast& breast, const ProgressCallback& progress)
 {
   const XRayDetector detector = breast.Detector();
@@ -223,7 +223,7 @@ vtkSmartPointer<vtkImageData> ProjectImage(const CompressedImage& compressed,
   float* length = AddFloats(image, "PathLength")->GetPointer(0);
   image->GetPointData()->SetActiveScalars("Maximum");
   IntensityVolume coverage;
-  static_cast<VolumeGrid&>(coverage) = compressed.Image;
+  static_cast<VolumeGrid&>(coverage) = compressed.Values;
   coverage.Voxels.assign(compressed.Inside.begin(), compressed.Inside.end());
   for (int row = 0; row < detector.Rows; ++row)
   {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#ifndef mammoray_CompressedBreast_h
-#define mammoray_CompressedBreast_h
+#ifndef mammoray_CompressionGrids_h
+#define mammoray_CompressionGrids_h
 
 #include "mammoray/Biomechanics/CompressionSimulation.h"
 #include "mammoray/Biomechanics/Embedding.h"
@@ -27,18 +27,18 @@ namespace mammoray
  *   "LargestWallLiftMm", "LargestWallGlideMm", "SmallestJ", "LargestJ", "VolumeRatio",
  *   "RelativeResidual", and "InvertedCells" of a grid that is carried along.
  */
-class MAMMORAYCASE_EXPORT CompressedBreast
+class MAMMORAYCASE_EXPORT CompressionGrids
 {
 public:
   /// The grid's cells are those of the simulation: J and stress are means over their quadrature
   /// points.
-  CompressedBreast(vtkUnstructuredGrid* grid, const CompressionSimulation& simulation);
+  CompressionGrids(vtkUnstructuredGrid* grid, const CompressionSimulation& simulation);
   /**
    * A grid of these tetrahedra that the simulation carries along: J is of the volumes between the
    * corners, pressure and stress are those of the simulation's cells that hold the points and the
    * cells' middles, so that the pressure fades over one of them from the skin inwards.
    */
-  CompressedBreast(vtkUnstructuredGrid* grid, const TetrahedralMesh& mesh,
+  CompressionGrids(vtkUnstructuredGrid* grid, const TetrahedralMesh& mesh,
     const CompressionSimulation& simulation);
 
   /// `thicknessMm`: to be told as such; the distance of the plates where it is not given.

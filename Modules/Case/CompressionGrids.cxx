@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mammoray/Case/CompressedBreast.h"
+#include "mammoray/Case/CompressionGrids.h"
 
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/IO/MeshIO.h"
@@ -65,14 +65,14 @@ std::vector<double> AsVectors(const std::vector<double>& values)
 }
 }
 
-CompressedBreast::CompressedBreast(vtkUnstructuredGrid* grid,
+CompressionGrids::CompressionGrids(vtkUnstructuredGrid* grid,
   const CompressionSimulation& simulation)
   : Grid(grid)
   , Simulation(simulation)
 {
 }
 
-CompressedBreast::CompressedBreast(vtkUnstructuredGrid* grid, const TetrahedralMesh& mesh,
+CompressionGrids::CompressionGrids(vtkUnstructuredGrid* grid, const TetrahedralMesh& mesh,
   const CompressionSimulation& simulation)
   : Grid(grid)
   , Simulation(simulation)
@@ -82,7 +82,7 @@ CompressedBreast::CompressedBreast(vtkUnstructuredGrid* grid, const TetrahedralM
 {
 }
 
-vtkSmartPointer<vtkUnstructuredGrid> CompressedBreast::At(const CompressionState& state,
+vtkSmartPointer<vtkUnstructuredGrid> CompressionGrids::At(const CompressionState& state,
   std::optional<double> thicknessMm) const
 {
   const auto pointCount = static_cast<std::size_t>(this->Grid->GetNumberOfPoints());
@@ -163,7 +163,7 @@ vtkSmartPointer<vtkUnstructuredGrid> CompressedBreast::At(const CompressionState
   return result;
 }
 
-std::size_t CompressedBreast::NumberOfInvertedCells(vtkUnstructuredGrid* grid)
+std::size_t CompressionGrids::NumberOfInvertedCells(vtkUnstructuredGrid* grid)
 {
   return static_cast<std::size_t>(grid->GetFieldData()->GetArray("InvertedCells")->GetTuple1(0));
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#ifndef mammoray_CompressedImage_h
-#define mammoray_CompressedImage_h
+#ifndef mammoray_CompressedVolume_h
+#define mammoray_CompressedVolume_h
 
 #include "mammoray/Case/RegisteredBreast.h"
 #include "mammoray/Foundation/IntensityVolume.h"
@@ -17,11 +17,11 @@ namespace mammoray
 {
 /// An MRI as it would be had the breast lain between the plates: in the frame of the registered
 /// label volume, on which compressed.vtu lies.
-struct CompressedImage
+struct CompressedVolume
 {
-  /// Outside the breast and the given image: 0.
-  IntensityVolume Image;
-  /// One flag per voxel: whether the image has a value there.
+  /// 0 outside the breast and the given image.
+  IntensityVolume Values;
+  /// One flag per voxel: whether the given image has a value there.
   std::vector<unsigned char> Inside;
 };
 
@@ -31,7 +31,7 @@ struct CompressedImage
  * in the uncompressed breast that came to lie there (linear in each tetrahedron, trilinear in the
  * image). Throws InputError when no part of the breast lies in the image, and Interrupted.
  */
-MAMMORAYCASE_EXPORT CompressedImage CompressImage(const IntensityVolume& image,
+MAMMORAYCASE_EXPORT CompressedVolume CompressVolume(const IntensityVolume& image,
   const RegisteredBreast& breast, double spacingMm, const ProgressCallback& progress = {});
 
 /**
@@ -41,7 +41,7 @@ MAMMORAYCASE_EXPORT CompressedImage CompressImage(const IntensityVolume& image,
  * count. The image lies where the detector is, rows and columns those of the mammogram. Throws
  * Interrupted.
  */
-MAMMORAYCASE_EXPORT vtkSmartPointer<vtkImageData> ProjectImage(const CompressedImage& compressed,
+MAMMORAYCASE_EXPORT vtkSmartPointer<vtkImageData> ProjectVolume(const CompressedVolume& compressed,
   const RegisteredBreast& breast, const ProgressCallback& progress = {});
 }
 

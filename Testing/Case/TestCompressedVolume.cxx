@@ -1,13 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "Files.h"
-#include "TestMeshes.h"
-#include "mammoray/Case/CompressedImage.h"
+#include "SqueezedBox.h"
+#include "mammoray/Case/CompressedVolume.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/IO/LabelVolumeIO.h"
-#include "mammoray/IO/MeshConversion.h"
-#include "mammoray/IO/MeshIO.h"
 
-#include "vtkDoubleArray.h"
 #include "vtkFloatArray.h"
 #include "vtkImageData.h"
 #include "vtkNew.h"
@@ -26,47 +22,9 @@ using ::testing::HasSubstr;
 
 namespace
 {
-/// A box of 60 x 50 x 40 mm that is squeezed to half its height, 40 to 20 mm, widened by a quarter
-/// and moved, as a registration's result.
-class FusedBox : public ::testing::Test
+class FusedBox : public test::SqueezedBox
 {
 protected:
-  static constexpr double Low[3] = { -30, 0, -20 };
-  static constexpr double High[3] = { 30, 50, 20 };
-
-  static Vector3 Squeezed(const Vector3& p) { return { 1.25 * p[0], p[1] + 3, 0.5 * p[2] + 12 }; }
-
-  void SetUp() override
-  {
-    const TetrahedralMesh mesh =
-      test::MakeBoxMesh({ Low[0], Low[1], Low[2] }, { High[0], High[1], High[2] }, { 3, 3, 3 });
-    const auto uncompressed = ToGrid(mesh, { "air", "fat" });
-    TetrahedralMesh moved = mesh;
-    vtkNew<vtkDoubleArray> displacement;
-    displacement->SetName("Displacement");
-    displacement->SetNumberOfComponents(3);
-    for (std::size_t p = 0; p < mesh.NumberOfPoints(); ++p)
-    {
-      const Vector3 to = Squeezed(mesh.Point(static_cast<std::int32_t>(p)));
-      const Vector3 by = to - mesh.Point(static_cast<std::int32_t>(p));
-      std::copy(to.begin(), to.end(), &moved.Points[3 * p]);
-      displacement->InsertNextTuple(by.data());
-    }
-    uncompressed->GetPointData()->AddArray(displacement);
-    WriteMesh(uncompressed, this->Folder.File("uncompressed.vtu"));
-    WriteMesh(ToGrid(moved, { "air", "fat" }), this->Folder.File("compressed.vtu"));
-    // The unit stands in the volume frame; the image's rows run against x.
-    this->Folder.Write("result.json",
-      R"({"format": "mammoray-registration-result",
-          "placement": {"originMm": [0, 0, 0], "x": [1, 0, 0], "y": [0, 1, 0], "z": [0, 0, 1]},
-          "unit": {"sourceToDetectorMm": 650, "supportHeightMm": 2, "supportEdgeMm": 0,
-                   "paddleEdgeMm": 0, "edgeRadiusMm": 3},
-          "parameters": [], "covariance": null,
-          "grid": {"columns": 30, "rows": 50, "originMm": [48, 1],
-                   "columnStepMm": [0, 2], "rowStepMm": [-2, 0]}})");
-    this->Breast = std::make_unique<RegisteredBreast>(this->Folder.File(""));
-  }
-
   /// Linear in the place: interpolation is exact. Oblique about z, as scanners' grids are.
   static float ValueAt(const Vector3& p)
   {
@@ -91,15 +49,12 @@ protected:
     }
     return image;
   }
-
-  testing_support::TemporaryFolder Folder;
-  std::unique_ptr<RegisteredBreast> Breast;
 };
 
 TEST_F(FusedBox, CarriesValuesWithTheTissue)
 {
-  const CompressedImage compressed = CompressImage(MakeImage(), *this->Breast, 1.0);
-  const IntensityVolume& image = compressed.Image;
+  const CompressedVolume compressed = CompressVolume(MakeImage(), *this->Breast, 1.0);
+  const IntensityVolume& image = compressed.Values;
   double volume = 0;
   for (int k = 0; k < image.Size[2]; ++k)
   {
@@ -129,8 +84,8 @@ TEST_F(FusedBox, CarriesValuesWithTheTissue)
 
 TEST_F(FusedBox, ProjectsAlongTheRays)
 {
-  const CompressedImage compressed = CompressImage(MakeImage(), *this->Breast, 0.5);
-  const auto projection = ProjectImage(compressed, *this->Breast);
+  const CompressedVolume compressed = CompressVolume(MakeImage(), *this->Breast, 0.5);
+  const auto projection = ProjectVolume(compressed, *this->Breast);
   const auto values = [&](const char* name)
   { return vtkFloatArray::SafeDownCast(projection->GetPointData()->GetArray(name)); };
   int seen = 0;
@@ -179,8 +134,8 @@ TEST_F(FusedBox, ValuesAtTheBorderAreNotMixedWithTheOutside)
   std::fill(image.Voxels.begin(), image.Voxels.end(), 7.0F);
   image.Size[2] = 12;
   image.Voxels.resize(70 * 70 * 12);
-  const CompressedImage compressed = CompressImage(image, *this->Breast, 1.0);
-  const auto projection = ProjectImage(compressed, *this->Breast);
+  const CompressedVolume compressed = CompressVolume(image, *this->Breast, 1.0);
+  const auto projection = ProjectVolume(compressed, *this->Breast);
   const auto values = [&](const char* name)
   { return vtkFloatArray::SafeDownCast(projection->GetPointData()->GetArray(name)); };
   int seen = 0;
@@ -203,16 +158,16 @@ TEST_F(FusedBox, RefusesAnImageOfAnotherPlace)
   image.Origin[2] = 500;
   try
   {
-    CompressImage(image, *this->Breast, 1.0);
+    CompressVolume(image, *this->Breast, 1.0);
     FAIL();
   }
   catch (const InputError& error)
   {
     EXPECT_THAT(error.what(), HasSubstr("found no voxel there"));
   }
-  EXPECT_THROW(CompressImage(MakeImage(), *this->Breast, 0.0), InputError);
+  EXPECT_THROW(CompressVolume(MakeImage(), *this->Breast, 0.0), InputError);
   EXPECT_THROW(
-    CompressImage(MakeImage(), *this->Breast, 1.0, [](double, const char*) { return false; }),
+    CompressVolume(MakeImage(), *this->Breast, 1.0, [](double, const char*) { return false; }),
     Interrupted);
 }
 

@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mammoray/Case/LesionShadow.h"
+
+#include "mammoray/Foundation/Error.h"
+#include "mammoray/XRay/LabelSurface.h"
+
+#include "vtkCellArray.h"
+#include "vtkContourFilter.h"
+#include "vtkIdList.h"
+#include "vtkImageData.h"
+#include "vtkNew.h"
+#include "vtkPolyData.h"
+#include "vtkStripper.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <iterator>
+
+namespace mammoray
+{
+namespace
+{
+/// A lesion may touch the skin or the chest wall, no more.
+constexpr double LargestShareOutside = 0.5;
+/// They take the stairs off a lesion's voxel surface.
+constexpr int SmoothingSteps = 5;
+
+/// The closed outlines of the pixels where `values` is positive, continuous column and row.
+std::vector<std::vector<std::array<double, 2>>> OutlinesOf(const float* values, int columns,
+  int rows)
+{
+  // A border of nothing lets outlines close at the image's edges.
+  vtkNew<vtkImageData> mask;
+  mask->SetExtent(-1, columns, -1, rows, 0, 0);
+  mask->AllocateScalars(VTK_FLOAT, 1);
+  auto* inside = static_cast<float*>(mask->GetScalarPointer());
+  std::fill_n(inside, mask->GetNumberOfPoints(), 0.0F);
+  for (int row = 0; row < rows; ++row)
+  {
+    for (int column = 0; column < columns; ++column)
+    {
+      const std::size_t pixel = static_cast<std::size_t>(row) * columns + column;
+      inside[static_cast<std::size_t>(row + 1) * (columns + 2) + column + 1] =
+        values[pixel] > 0 ? 1.0F : 0.0F;
+    }
+  }
+  vtkNew<vtkContourFilter> contour;
+  contour->SetInputData(mask);
+  contour->SetValue(0, 0.5);
+  vtkNew<vtkStripper> loops;
+  loops->SetInputConnection(contour->GetOutputPort());
+  loops->JoinContiguousSegmentsOn();
+  loops->SetMaximumLength(VTK_INT_MAX);
+  loops->Update();
+  std::vector<std::vector<std::array<double, 2>>> outlines;
+  vtkCellArray* lines = loops->GetOutput()->GetLines();
+  vtkNew<vtkIdList> ids;
+  for (lines->InitTraversal(); lines->GetNextCell(ids) != 0;)
+  {
+    std::vector<std::array<double, 2>>& outline = outlines.emplace_back();
+    for (vtkIdType index = 0; index < ids->GetNumberOfIds(); ++index)
+    {
+      double point[3];
+      loops->GetOutput()->GetPoint(ids->GetId(index), point);
+      outline.push_back({ point[0], point[1] });
+    }
+  }
+  return outlines;
+}
+
+/// The voxels of one label as material 1.
+LabelVolume OnlyLabel(const LabelVolume& labels, int label)
+{
+  LabelVolume only = labels;
+  for (std::uint16_t& voxel : only.Voxels)
+  {
+    voxel = voxel == label ? 1 : 0;
+  }
+  return only;
+}
+
+/// Middle of the voxels that are not 0, volume frame, mm.
+Vector3 CentreOf(const LabelVolume& volume)
+{
+  Vector3 sum{ 0, 0, 0 };
+  double count = 0;
+  for (int k = 0; k < volume.Size[2]; ++k)
+  {
+    for (int j = 0; j < volume.Size[1]; ++j)
+    {
+      for (int i = 0; i < volume.Size[0]; ++i)
+      {
+        if (volume.Voxels[volume.Index(i, j, k)] != 0)
+        {
+          sum = sum + volume.PointAt(i, j, k);
+          count += 1;
+        }
+      }
+    }
+  }
+  return (1 / count) * sum;
+}
+
+/// Moves a surface's points with the tissue, and answers the share of them that lie outside the
+/// breast.
+double CompressSurface(const RegisteredBreast& breast, SurfaceMesh& surface)
+{
+  std::size_t outside = 0;
+  for (std::size_t id = 0; id < surface.NumberOfPoints(); ++id)
+  {
+    const CarriedPoint carried = breast.Carry(
+      { surface.Points[3 * id], surface.Points[3 * id + 1], surface.Points[3 * id + 2] });
+    outside += carried.Outside ? 1 : 0;
+    for (int axis = 0; axis < 3; ++axis)
+    {
+      surface.Points[3 * id + axis] += carried.Displacement[axis];
+    }
+  }
+  return static_cast<double>(outside) / static_cast<double>(surface.NumberOfPoints());
+}
+}
+
+LesionShadow ProjectLesion(const RegisteredBreast& breast, const LabelVolume& lesions, int label,
+  PathLengthProjector& projector)
+{
+  const LabelVolume lesion = OnlyLabel(lesions, label);
+  const auto voxels = std::count(lesion.Voxels.begin(), lesion.Voxels.end(), 1);
+  if (voxels == 0)
+  {
+    throw InputError("lesion: expected voxels of label " + std::to_string(label) + ", found none");
+  }
+  LesionShadow imaged;
+  imaged.VolumeMm3 = static_cast<double>(voxels) * lesion.VoxelVolume();
+  imaged.Centre = CentreOf(lesion);
+  const QuadMesh quads = ExtractInterfaces(lesion, SmoothingSteps);
+  SurfaceMesh surface = quads.Triangulate(2 * quads.Quads.size());
+  imaged.ShareOutside = CompressSurface(breast, surface);
+  if (imaged.ShareOutside > LargestShareOutside)
+  {
+    char text[200];
+    std::snprintf(text, sizeof text,
+      "lesion: expected label %d in the breast, found %.0f %% of its surface outside; is it in the "
+      "frame of the registered volume?",
+      label, 100 * imaged.ShareOutside);
+    throw InputError(text);
+  }
+  imaged.ImagedCentre = breast.ToMammogram(imaged.Centre);
+  projector.SetSurface(surface);
+  const XRayDetector detector = breast.Detector();
+  const PathLengthImage lengths = projector.Project(breast.Source(), detector);
+  const float* lesionMm = lengths.Material(1);
+  std::transform(lesionMm, lesionMm + lengths.NumberOfPixels(), std::back_inserter(imaged.Shadow),
+    [](float length) { return static_cast<unsigned char>(length > 0); });
+  imaged.AreaMm2 = static_cast<double>(std::count(imaged.Shadow.begin(), imaged.Shadow.end(), 1)) *
+    Norm(Cross(detector.ColumnStep, detector.RowStep));
+  imaged.LargestThicknessMm = *std::max_element(lesionMm, lesionMm + lengths.NumberOfPixels());
+  imaged.Outlines = OutlinesOf(lesionMm, detector.Columns, detector.Rows);
+  return imaged;
+}
+}

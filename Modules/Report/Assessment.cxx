@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mammoray/Report/Assessment.h"
+
+#include "Private/ReportText.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace mammoray
+{
+const char* NameOf(Trust trust)
+{
+  return trust == Trust::Good ? "good" : trust == Trust::Doubtful ? "doubtful" : "none";
+}
+
+Assessment Assess(const RegistrationResult& result)
+{
+  Assessment assessment;
+  const auto add = [&](Trust level, const std::string& reason)
+  {
+    assessment.Level = std::max(assessment.Level, level);
+    assessment.Reasons.push_back(reason);
+  };
+  if (!std::isfinite(result.After.Correlation) ||
+    !std::isfinite(result.After.MeanOutlineDistanceMm) ||
+    !std::isfinite(result.After.LargestOutlineDistanceMm))
+  {
+    add(Trust::None, "The agreement of the pictures could not be computed.");
+  }
+  if (result.After.Correlation < 0.7)
+  {
+    add(result.After.Correlation < 0.5 ? Trust::None : Trust::Doubtful,
+      "The pictures look little alike inside the breast: their correlation is " +
+        NumberText(result.After.Correlation, 2) + ", 0.7 or more is wanted.");
+  }
+  if (result.After.MeanOutlineDistanceMm > 1.5)
+  {
+    add(result.After.MeanOutlineDistanceMm > 3 ? Trust::None : Trust::Doubtful,
+      "The outlines of the breast lie " + NumberText(result.After.MeanOutlineDistanceMm, 1) +
+        " mm apart on average, 1.5 mm or less is wanted.");
+  }
+  if (result.After.LargestOutlineDistanceMm > 5)
+  {
+    add(result.After.LargestOutlineDistanceMm > 10 ? Trust::None : Trust::Doubtful,
+      "At one place the outlines lie " + NumberText(result.After.LargestOutlineDistanceMm, 1) +
+        " mm apart, 5 mm or less is wanted.");
+  }
+  if (!result.Converged)
+  {
+    add(Trust::Doubtful,
+      "The search ended before it had settled" +
+        (result.StopReason.empty() ? std::string(".") : ": " + result.StopReason + "."));
+  }
+  for (std::size_t i = 0; i < std::min(result.Parameters.size(), result.Values.size()); ++i)
+  {
+    if (AtBound(result.Parameters[i], result.Values[i]))
+    {
+      add(Trust::Doubtful,
+        ParameterTitle(result.Parameters[i].Name) +
+          " ended at the limit of what was allowed: the best value may lie beyond it.");
+    }
+  }
+  return assessment;
+}
+
+bool AtBound(const RegistrationParameter& parameter, double value)
+{
+  const double tolerance = 1e-3 * (parameter.Upper - parameter.Lower);
+  return !parameter.Fixed && parameter.Upper > parameter.Lower &&
+    (value - parameter.Lower < tolerance || parameter.Upper - value < tolerance);
+}
+}

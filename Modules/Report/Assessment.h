@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+#ifndef mammoray_Assessment_h
+#define mammoray_Assessment_h
+
+#include "mammoray/Registration/Registration.h"
+#include "mammorayReportModule.h"
+
+#include <string>
+#include <vector>
+
+namespace mammoray
+{
+/// How far a result may be relied on.
+enum class Trust
+{
+  Good,
+  Doubtful,
+  None
+};
+
+/// "good", "doubtful" or "none".
+MAMMORAYREPORT_EXPORT const char* NameOf(Trust trust);
+
+struct Assessment
+{
+  Trust Level = Trust::Good;
+  /// Why not better, a sentence each in plain words.
+  std::vector<std::string> Reasons;
+};
+
+/**
+ * Judges a result by its figures: correlation below 0.7 (0.5: none), mean outline distance
+ * above 1.5 mm (3 mm: none), largest above 5 mm (10 mm: none), a search that did not converge, a
+ * parameter at its bound, figures that are not numbers (none). The limits are rules of thumb, not
+ * clinical validation.
+ */
+MAMMORAYREPORT_EXPORT Assessment Assess(const RegistrationResult& result);
+
+/// Whether a free parameter's value lies at a bound, up to a thousandth of the way between them.
+MAMMORAYREPORT_EXPORT bool AtBound(const RegistrationParameter& parameter, double value);
+}
+
+#endif

@@ -1,0 +1,310 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "Private/ReportSections.h"
+
+#include "Private/ReportText.h"
+#include "mammoray/Report/Assessment.h"
+
+#include "vtkBase64Utilities.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <optional>
+#include <utility>
+#include <vector>
+
+namespace mammoray
+{
+namespace
+{
+using Lines = std::vector<std::pair<std::string, std::string>>;
+
+std::string Base64(const std::string& bytes)
+{
+  std::vector<unsigned char> encoded(bytes.size() / 3 * 4 + 8);
+  const unsigned long length =
+    vtkBase64Utilities::Encode(reinterpret_cast<const unsigned char*>(bytes.data()),
+      static_cast<unsigned long>(bytes.size()), encoded.data());
+  return { encoded.begin(), encoded.begin() + static_cast<std::ptrdiff_t>(length) };
+}
+
+/// Tells from which iteration on which pixels were compared: costs of different sizes cannot be.
+std::string ResolutionNote(const RegistrationResult& result)
+{
+  std::string note;
+  double previous = 0;
+  for (const RegistrationIteration& iteration : result.Iterations)
+  {
+    if (iteration.PixelSizeMm != previous)
+    {
+      note += (note.empty() ? "Compared in pixels of " : "; ") +
+        NumberText(iteration.PixelSizeMm, 1) + " mm from iteration " +
+        std::to_string(iteration.Number);
+      previous = iteration.PixelSizeMm;
+    }
+  }
+  return note.empty() ? note : note + ". Costs of different pixels are different quantities.";
+}
+
+std::string Rows(const Lines& lines)
+{
+  std::string html = "<table>\n";
+  for (const auto& [name, value] : lines)
+  {
+    html +=
+      "<tr><td>" + Escape(name) + "</td><td class=\"value\">" + Escape(value) + "</td></tr>\n";
+  }
+  return html + "</table>\n";
+}
+
+std::string Sentences(const std::vector<std::string>& sentences)
+{
+  std::string html = "<ul>\n";
+  for (const std::string& sentence : sentences)
+  {
+    html += "<li>" + Escape(sentence) + "</li>\n";
+  }
+  return html + "</ul>\n";
+}
+
+std::string VerdictHtml(const Assessment& assessment)
+{
+  static const char* const Titles[] = { "The two mammograms match",
+    "The match should be checked by eye", "The match is not to be trusted" };
+  static const char* const Texts[] = {
+    "Outline and picture of the synthetic mammogram agree with the real one.",
+    "Places found by this registration may be off by more than usual:",
+    "Do not use this result to find places in one picture from the other:"
+  };
+  const int level = static_cast<int>(assessment.Level);
+  return std::string("<section class=\"verdict ") + NameOf(assessment.Level) + "\">\n<h2>" +
+    Titles[level] + "</h2>\n" + Texts[level] + "\n" +
+    (assessment.Reasons.empty() ? std::string() : Sentences(assessment.Reasons)) + "</section>\n";
+}
+
+std::string FiguresHtml(const RegistrationResult& result)
+{
+  const auto figure = [](const std::string& value, const std::string& unit, const std::string& name)
+  {
+    return "<div class=\"figure\"><b>" + value + " <small>" + unit + "</small></b><span>" + name +
+      "</span></div>\n";
+  };
+  return "<div class=\"figures\">\n" +
+    figure(NumberText(result.After.Correlation, 3), "",
+      "correlation inside the breast (1 is best)") +
+    figure(NumberText(result.After.MeanOutlineDistanceMm, 2), "mm",
+      "mean distance of the outlines") +
+    figure(NumberText(result.After.LargestOutlineDistanceMm, 2), "mm",
+      "largest distance of the outlines") +
+    figure(NumberText(result.Pose.ThicknessMm, 1), "mm", "compressed thickness") + "</div>\n";
+}
+
+std::string PicturesHtml(const ReportPictures& pictures)
+{
+  const auto picture = [](const std::string& png, const std::string& name, const std::string& text)
+  {
+    return "<figure><img alt=\"" + name + "\" src=\"data:image/png;base64," + Base64(png) +
+      "\">\n<figcaption><b>" + name + "</b>" + text + "</figcaption></figure>\n";
+  };
+  const auto key = [](const char* color)
+  { return std::string("<span class=\"key\" style=\"background:") + color + "\"></span>"; };
+  return std::string("<section>\n<h2>Pictures</h2>\n<div class=\"pictures") +
+    (pictures.Wide ? " wide" : "") + "\">\n" +
+    picture(pictures.Real, "Real mammogram",
+      "Log attenuation; the breast's outline " + key("#ff8c1a") + "as found in it. " +
+        key("#9e6bab") + "Left out of the comparison.") +
+    picture(pictures.Synthetic, "Synthetic mammogram",
+      "The MRI's breast, compressed; its outline " + key("#1aa6ff") + "in the same grey window.") +
+    picture(pictures.Overlay, "Overlay",
+      key("#ff8c1a") + "real and " + key("#1aa6ff") + "synthetic; grey where they agree.") +
+    picture(pictures.Difference, "Difference",
+      "Synthetic minus real in standard deviations, grey where left out: " + key("#b2182b") +
+        "synthetic absorbs more, " + key("#2166ac") + "less. Full " + key("#ff8c1a") + "or " +
+        key("#1aa6ff") + ": breast in the real or the synthetic one only.") +
+    "</div>\n<p style=\"color:var(--quiet);font-size:13px;margin:12px 0 0\">Letters are patient "
+    "directions: A anterior, P posterior, L left, R right, H head, F feet.</p>\n</section>\n";
+}
+
+/// Both pictures in one place; the script takes them from the figures above, so that each is in the
+/// file once.
+constexpr const char* Comparison = R"html(<section hidden>
+<h2>Compare</h2>
+<form class="controls">
+<label><input type="radio" name="mode" value="blend" checked> blend, real
+<input type="range" min="0" max="100" value="50" aria-label="share of the synthetic mammogram"> synthetic</label>
+<label><input type="radio" name="mode" value="checkerboard"> checkerboard</label>
+<label><input type="radio" name="mode" value="flicker"> flicker</label>
+</form>
+<div class="stage"><img alt="Real mammogram"><img alt="Synthetic mammogram"></div>
+<script>
+{
+const section = document.currentScript.parentElement;
+const pictures = section.previousElementSibling;
+const stage = section.querySelector(".stage");
+const range = section.querySelector("[type=range]");
+const blend = () => stage.style.setProperty("--blend", range.value + "%");
+stage.querySelectorAll("img").forEach(image => {
+  image.src = pictures.querySelector(`img[alt="${image.alt}"]`).src; });
+section.querySelectorAll("[name=mode]").forEach(button => {
+  button.onchange = () => { stage.className = "stage " + button.value; }; });
+range.oninput = () => { section.querySelector("[value=blend]").click(); blend(); };
+section.hidden = false;
+}
+</script>
+</section>
+)html";
+
+/// NaN where it is not known, or the parameter is taken for exact.
+double ConsideredDeviation(const RegistrationResult& result, std::size_t parameter)
+{
+  const std::size_t count = result.Parameters.size();
+  const double variance =
+    result.ConsideredCovariance.empty() ? 0 : result.ConsideredCovariance[parameter * (count + 1)];
+  return variance > 0 ? std::sqrt(variance) : std::numeric_limits<double>::quiet_NaN();
+}
+
+std::string ParametersHtml(const RegistrationResult& result)
+{
+  std::string html = "<section>\n<h2>What was found</h2>\n<table>\n<tr><th>Parameter</th>"
+                     "<th class=\"number\">Result</th><th class=\"number\">± (1 SD)</th>"
+                     "<th class=\"number\">± with what is held</th>"
+                     "<th class=\"number\">Start</th><th class=\"number\">Allowed</th>"
+                     "<th>Unit</th><th></th></tr>\n";
+  for (std::size_t i = 0; i < result.Parameters.size(); ++i)
+  {
+    const RegistrationParameter& parameter = result.Parameters[i];
+    const auto cell = [](const std::string& text)
+    { return "<td class=\"number\">" + text + "</td>"; };
+    html += "<tr><td>" + Escape(ParameterTitle(parameter.Name)) + "</td>" +
+      cell("<b>" + NumberText(result.Values[i], 2) + "</b>") +
+      cell(NumberText(result.StandardDeviations[i], 2)) +
+      cell(NumberText(ConsideredDeviation(result, i), 2)) + cell(NumberText(parameter.Start, 2)) +
+      cell(parameter.Fixed
+          ? "–"
+          : NumberText(parameter.Lower, 1) + " … " + NumberText(parameter.Upper, 1)) +
+      "<td>" + Escape(UnitText(parameter.Unit)) + "</td><td>" +
+      (parameter.Fixed                           ? "<span class=\"flag\">held fixed</span>"
+          : AtBound(parameter, result.Values[i]) ? "<span class=\"flag\">at its bound</span>"
+                                                 : "") +
+      "</td></tr>\n";
+  }
+  return html +
+    "</table>\n<p style=\"color:var(--quiet);font-size:13px;margin:10px 0 0\">± is the standard "
+    "deviation by the covariance at the solution: it tells how sharply the pictures determine a "
+    "parameter, not how well the model holds. The second one also counts what is not known of the "
+    "parameters that were held fixed: their allowance, and how far the others would have followed. "
+    "A positive rotation turns the X-ray source from "
+    "above "
+    "towards the patient's left.</p>\n</section>\n";
+}
+
+Lines MammogramLines(const Mammogram& mammogram, double shareExcluded)
+{
+  const auto optional = [](const std::optional<double>& value, int digits, const char* unit)
+  { return value ? NumberText(*value, digits) + " " + unit : std::string("not stated"); };
+  const auto text = [](const std::string& value)
+  { return value.empty() ? std::string("not stated") : value; };
+  return { { "View", text(mammogram.View) },
+    { "Breast",
+      mammogram.Laterality == 'L'     ? "left"
+        : mammogram.Laterality == 'R' ? "right"
+                                      : "not stated" },
+    { "Kind",
+      mammogram.PresentationIntent == Mammogram::Intent::ForProcessing ? "For Processing"
+                                                                       : "For Presentation" },
+    { "Pixels", std::to_string(mammogram.Columns) + " × " + std::to_string(mammogram.Rows) },
+    { "Pixel spacing at the receptor",
+      NumberText(mammogram.ColumnSpacingMm, 3) + " × " + NumberText(mammogram.RowSpacingMm, 3) +
+        " mm" },
+    { "Thickness by the header", optional(mammogram.BodyPartThicknessMm, 1, "mm") },
+    { "Source to detector", optional(mammogram.SourceToDetectorMm, 0, "mm") },
+    { "Tube voltage", optional(mammogram.PeakKilovoltage, 1, "kVp") },
+    { "Anode / filter", text(mammogram.AnodeMaterial) + " / " + text(mammogram.FilterMaterial) },
+    { "Left out of the comparison",
+      NumberText(100 * shareExcluded, 1) + " % of the breast's picture" } };
+}
+
+Lines SearchLines(const RegistrationResult& result)
+{
+  const CompressionState& state = result.State;
+  return { { "Stopped because", result.StopReason },
+    { "Converged", result.Converged ? "yes" : "no" },
+    { "Iterations", std::to_string(result.Iterations.size()) },
+    { "Compressions computed", std::to_string(result.Evaluations) },
+    { "Time", NumberText(result.Seconds, 1) + " s" },
+    { "Force on the paddle", NumberText(state.PaddleForceN, 1) + " N" },
+    { "Volume kept", NumberText(100 * state.VolumeRatio, 2) + " %" },
+    { "Smallest and largest local volume change",
+      NumberText(state.SmallestJ, 3) + " … " + NumberText(state.LargestJ, 3) },
+    { "Deepest penetration of a plate", NumberText(state.LargestPenetrationMm, 3) + " mm" } };
+}
+
+std::string CourseHtml(const RegistrationResult& result, const std::string& plot)
+{
+  return "<section>\n<h2>Course of the search</h2>\n" + plot + "<p class=\"hint\">" +
+    ResolutionNote(result) + "</p></section>\n";
+}
+
+std::string SourcesHtml(const RegistrationReport& report)
+{
+  std::string html = "<section>\n<h2>Where it comes from</h2>\n<table>\n";
+  for (const ReportInput& input : report.Inputs)
+  {
+    html += "<tr><td>" + Escape(input.Role) + "</td><td>" + Escape(input.File) +
+      "<br><code>SHA-256 " + input.Sha256 + "</code></td></tr>\n";
+  }
+  for (const auto& [name, version] : report.Versions)
+  {
+    html += "<tr><td>" + Escape(name) + "</td><td>" + Escape(version) + "</td></tr>\n";
+  }
+  return html + "</table>\n</section>\n";
+}
+}
+
+std::string BreastText(const Mammogram& mammogram)
+{
+  return mammogram.Laterality == 'L' ? "Left breast"
+    : mammogram.Laterality == 'R'    ? "Right breast"
+                                     : "Breast of unstated side";
+}
+
+std::string MammogramHeading(const std::string& title)
+{
+  return "<h1 class=\"view\">" + Escape(title) + "</h1>\n";
+}
+
+std::string MammogramHtml(const RegistrationReport& report, const ReportPictures& pictures,
+  const std::string& plot)
+{
+  const RegistrationResult& result = *report.Result;
+  std::string html = VerdictHtml(Assess(result)) + FiguresHtml(result) + PicturesHtml(pictures) +
+    Comparison + ParametersHtml(result) + CourseHtml(result, plot);
+  html += "<div class=\"columns\">\n<section>\n<h2>Search and compression</h2>\n" +
+    Rows(SearchLines(result)) + "</section>\n<section>\n<h2>Mammogram</h2>\n" +
+    Rows(MammogramLines(*report.RealMammogram, report.ShareExcluded)) + "</section>\n</div>\n";
+  if (!report.Warnings.empty())
+  {
+    html += "<section class=\"notes\">\n<h2>What had to be assumed</h2>\n" +
+      Sentences(report.Warnings) + "</section>\n";
+  }
+  return html + SourcesHtml(report);
+}
+
+std::string SharedHtml(const std::vector<SharedParameter>& shared)
+{
+  std::string rows;
+  for (const SharedParameter& parameter : shared)
+  {
+    rows += "<tr><td>" + Escape(ParameterTitle(parameter.Name)) + "</td><td class=\"value\"><b>" +
+      NumberText(parameter.Value, 2) + "</b> ± " + NumberText(parameter.StandardDeviation, 2) +
+      "</td></tr>\n";
+  }
+  const std::string table = "<table>\n" + rows + "</table>\n";
+  return "<section>\n<h2>What the mammograms share</h2>\n" +
+    (rows.empty()
+        ? std::string("No parameter that was free: each mammogram was registered by itself.\n")
+        : table) +
+    "</section>\n";
+}
+}

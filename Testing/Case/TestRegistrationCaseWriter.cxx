@@ -1,0 +1,184 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "Files.h"
+#include "TestMeshes.h"
+#include "mammoray/Case/BreastInUnit.h"
+#include "mammoray/Case/RegistrationCaseWriter.h"
+#include "mammoray/Case/ResultFile.h"
+#include "mammoray/Foundation/Error.h"
+#include "mammoray/Foundation/PoseParameters.h"
+#include "mammoray/IO/Sha256.h"
+
+#include "vtkDataArray.h"
+#include "vtkPointData.h"
+#include "vtkUnstructuredGrid.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+
+using namespace mammoray;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+namespace fs = std::filesystem;
+
+namespace
+{
+/// A box that moved by 1 mm along y and what a search would say of it, with input files that exist.
+class WrittenCase : public ::testing::Test
+{
+protected:
+  void SetUp() override
+  {
+    this->Input.Labels.Path = this->Folder.Write("labels.nrrd", "labels");
+    this->Input.Materials = testing_support::DataFolder() + "/materials/victre.json";
+    this->Result.Axes = AnatomicalAxes::FromCode("ALS");
+    this->Result.Anchor = { 1, 2, 3 };
+    this->Result.Anatomy = test::MakeBoxMesh({ 0, 0, 0 }, { 20, 20, 20 }, { 2, 2, 2 });
+    this->Result.Device = "none";
+    this->AddMammogram("CC");
+  }
+
+  void AddMammogram(const std::string& name)
+  {
+    RegisteredView& registered = this->Result.Views.emplace_back();
+    registered.Path = this->Folder.Write("mammogram.dcm", "mammogram");
+    registered.Mammogram.View = name;
+    registered.Mammogram.Laterality = 'L';
+    RegistrationTarget& target = registered.Target;
+    target.Columns = 20;
+    target.Rows = 30;
+    target.ColumnStep = { 0, 1 };
+    target.RowStep = { -1, 0 };
+    target.Origin = { 14.5, 0.5 };
+    const std::size_t count = 600;
+    target.LogAttenuation.assign(count, 1);
+    target.BreastMask.assign(count, 1);
+    target.SignedDistanceMm.assign(count, -1);
+    target.Excluded.assign(count, 0);
+    std::fill_n(target.Excluded.begin(), 150, 1);
+    registered.Synthetic.LogAttenuation.assign(count, 1);
+    registered.CompressedPoints = this->Result.Anatomy.Points;
+    for (std::size_t index = 1; index < registered.CompressedPoints.size(); index += 3)
+    {
+      registered.CompressedPoints[index] += 1;
+    }
+    RegistrationResult& found = registered.Registration;
+    found.Pose.ThicknessMm = 51;
+    found.Pose.AnteriorMm = 5; // not at its bound, the chest wall
+    found.Pose.Stiffness = 1.5;
+    found.Parameters = DefaultParameters(BreastPose());
+    found.Values = ValuesOf(found.Pose);
+    found.StandardDeviations.assign(ParameterCount, 0.25);
+    found.After = { 0.9, 0.5, 1.5 };
+    found.Converged = true;
+    registered.Sensitivities = { std::vector<double>(this->Result.Anatomy.Points.size(), 0.5), {} };
+    registered.Warnings = { "Something had to be assumed." };
+  }
+
+  std::vector<std::string> Written() const
+  {
+    std::vector<std::string> names;
+    for (const auto& entry : fs::directory_iterator(this->Folder.File("")))
+    {
+      names.push_back(entry.path().filename().string());
+    }
+    std::sort(names.begin(), names.end());
+    return names;
+  }
+
+  testing_support::TemporaryFolder Folder;
+  RegistrationCase Input;
+  RegistrationCaseResult Result;
+};
+}
+
+TEST_F(WrittenCase, HasEverythingOfOneMammogram)
+{
+  const std::string folder = this->Folder.File("result");
+  WriteRegistrationCase(this->Input, this->Result, folder);
+  for (const char* name : { "uncompressed.vtu", "compressed.vtu", "synthetic.mha", "result.json",
+         "report.html", "real.png", "convergence.svg" })
+  {
+    EXPECT_TRUE(fs::exists(folder + "/" + name)) << name;
+  }
+  const ResultFile result = ReadResultFile(folder);
+  EXPECT_EQ(result.Axes.Anterior, this->Result.Axes.Anterior);
+  EXPECT_EQ(result.Anchor, this->Result.Anchor);
+  EXPECT_EQ(result.Trust.Level, Trust::Good);
+  EXPECT_EQ(result.Pose.Stiffness, 1.5);
+  EXPECT_EQ(result.ShareExcluded, 0.25);
+  EXPECT_EQ(result.Spectrum, this->Input.Spectrum);
+  const auto mammogram = std::find_if(result.Inputs.begin(), result.Inputs.end(),
+    [](const ResultInput& input) { return input.Role == MammogramRole; });
+  ASSERT_NE(mammogram, result.Inputs.end());
+  EXPECT_EQ(mammogram->File, "mammogram.dcm");
+  EXPECT_EQ(mammogram->Sha256, Sha256OfFile(this->Folder.File("mammogram.dcm")));
+  const BreastInUnit breast = ReadBreastInUnit(result);
+  EXPECT_EQ(breast.Uncompressed->GetPointData()->GetArray("Displacement")->GetComponent(7, 1), 1);
+  EXPECT_EQ(breast.Uncompressed->GetPointData()->GetArray("Sensitivity_thickness")->GetTuple1(0),
+    0.5);
+  EXPECT_EQ(breast.Uncompressed->GetPointData()->GetArray("Sensitivity_stiffness"), nullptr);
+}
+
+TEST_F(WrittenCase, OfSeveralMammogramsHasAFolderForEach)
+{
+  this->AddMammogram("MLO");
+  this->AddMammogram("CC");
+  this->Result.Unknowns = { { ThicknessParameter, 1, false }, { StiffnessParameter, 0, true } };
+  this->Result.Covariance = { 0.04, 0.01, 0.01, 0.09 };
+  EXPECT_THAT(MammogramFolders(this->Result), ElementsAre("cc", "mlo", "cc-2"));
+  const std::string folder = this->Folder.File("result");
+  WriteRegistrationCase(this->Input, this->Result, folder);
+  const JointResultFile joint = ReadJointResultFile(folder);
+  ASSERT_EQ(joint.Mammograms.size(), 3u);
+  EXPECT_EQ(joint.Mammograms[2].Folder, "cc-2");
+  ASSERT_EQ(joint.Unknowns.size(), 2u);
+  EXPECT_EQ(joint.Unknowns[0].Folder, "mlo");
+  EXPECT_DOUBLE_EQ(joint.Unknowns[0].StandardDeviation, 0.2);
+  EXPECT_FALSE(joint.Unknowns[1].Folder.has_value());
+  EXPECT_DOUBLE_EQ(joint.Unknowns[1].StandardDeviation, 0.3);
+  EXPECT_EQ(ReadResultFiles(folder).size(), 3u);
+  EXPECT_THAT(testing_support::ReadFile(folder + "/report.html"), HasSubstr("<b>1.50</b> ± 0.30"));
+}
+
+TEST_F(WrittenCase, IsCompleteOrNotThere)
+{
+  const std::vector<std::string> before = this->Written();
+  fs::remove(this->Folder.File("labels.nrrd")); // its checksum cannot be taken
+  EXPECT_THROW(WriteRegistrationCase(this->Input, this->Result, this->Folder.File("result")),
+    InputError);
+  this->Folder.Write("labels.nrrd", "labels");
+  EXPECT_EQ(this->Written(), before);
+}
+
+TEST_F(WrittenCase, ReplacesAnEarlierResultOnly)
+{
+  const std::string folder = this->Folder.File("result");
+  const auto refusal = [&](const std::string& path, bool overwrite)
+  {
+    try
+    {
+      WriteRegistrationCase(this->Input, this->Result, path, overwrite);
+    }
+    catch (const InputError& error)
+    {
+      return std::string(error.what());
+    }
+    return std::string("nothing was refused");
+  };
+  fs::create_directory(folder);
+  this->Folder.Write("result/thesis.txt", "mine");
+  EXPECT_THAT(refusal(folder, false), HasSubstr("exists already"));
+  EXPECT_THAT(refusal(folder, true), HasSubstr("expected an earlier result"));
+  EXPECT_THAT(refusal(this->Folder.File("absent/result"), true),
+    HasSubstr("expected a writable folder"));
+  EXPECT_EQ(testing_support::ReadFile(folder + "/thesis.txt"), "mine");
+  fs::remove_all(folder);
+  WriteRegistrationCase(this->Input, this->Result, folder + "/");
+  this->Result.Anchor = { 7, 8, 9 };
+  WriteRegistrationCase(this->Input, this->Result, folder, true);
+  EXPECT_EQ(ReadResultFile(folder).Anchor, this->Result.Anchor);
+}

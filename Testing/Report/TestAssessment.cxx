@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mammoray/Report/Assessment.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <limits>
+
+using namespace mammoray;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+namespace
+{
+RegistrationResult GoodResult()
+{
+  RegistrationResult result;
+  result.Parameters = { { "thickness", "mm", 52, 40, 64, 2 }, { "roll", "deg", 0, -15, 15, 3 } };
+  result.Values = { 50.4, -1.25 };
+  result.After = { 0.93, 0.62, 2.1 };
+  result.Converged = true;
+  return result;
+}
+}
+
+TEST(Assessment, IsGoodWithoutAReason)
+{
+  const Assessment assessment = Assess(GoodResult());
+  EXPECT_EQ(assessment.Level, Trust::Good);
+  EXPECT_TRUE(assessment.Reasons.empty());
+}
+
+TEST(Assessment, FallsWithEachFigure)
+{
+  struct Case
+  {
+    Agreement After;
+    Trust Level;
+  };
+  const double unknown = std::numeric_limits<double>::quiet_NaN();
+  for (const Case& bad : { Case{ { 0.69, 0.6, 2 }, Trust::Doubtful },
+         Case{ { 0.49, 0.6, 2 }, Trust::None }, Case{ { 0.9, 1.6, 2 }, Trust::Doubtful },
+         Case{ { 0.9, 3.1, 2 }, Trust::None }, Case{ { 0.9, 0.6, 5.1 }, Trust::Doubtful },
+         Case{ { 0.9, 0.6, 10.1 }, Trust::None }, Case{ { unknown, 0.6, 2 }, Trust::None },
+         Case{ { 0.9, unknown, 2 }, Trust::None }, Case{ { 0.9, 0.6, unknown }, Trust::None } })
+  {
+    RegistrationResult result = GoodResult();
+    result.After = bad.After;
+    const Assessment assessment = Assess(result);
+    EXPECT_EQ(assessment.Level, bad.Level);
+    EXPECT_EQ(assessment.Reasons.size(), 1U);
+  }
+}
+
+TEST(Assessment, TellsEveryReasonAndTheWorstCounts)
+{
+  RegistrationResult result = GoodResult();
+  result.After.Correlation = 0.4;
+  result.Converged = false;
+  result.StopReason = "stopped by the user";
+  const Assessment assessment = Assess(result);
+  EXPECT_EQ(assessment.Level, Trust::None);
+  EXPECT_THAT(assessment.Reasons, ElementsAre(HasSubstr("0.40"), HasSubstr("stopped by the user")));
+}
+
+TEST(Assessment, AParameterAtItsBoundIsDoubtful)
+{
+  RegistrationResult result = GoodResult();
+  result.Values[1] = 15;
+  const Assessment assessment = Assess(result);
+  EXPECT_EQ(assessment.Level, Trust::Doubtful);
+  EXPECT_THAT(assessment.Reasons, ElementsAre(HasSubstr("limit of what was allowed")));
+  EXPECT_TRUE(AtBound(result.Parameters[1], 15 - 0.02)); // a thousandth of 30 degrees
+  EXPECT_FALSE(AtBound(result.Parameters[1], 15 - 0.04));
+  result.Parameters[1].Fixed = true;
+  EXPECT_FALSE(AtBound(result.Parameters[1], 15));
+}
+
+TEST(Assessment, LevelsHaveNames)
+{
+  EXPECT_STREQ(NameOf(Trust::Good), "good");
+  EXPECT_STREQ(NameOf(Trust::Doubtful), "doubtful");
+  EXPECT_STREQ(NameOf(Trust::None), "none");
+}
