@@ -10,6 +10,7 @@
 #include "mammoray/IO/MeshConversion.h"
 #include "mammoray/IO/ShippedData.h"
 #include "mammoray/Registration/BreastModel.h"
+#include "mammoray/Registration/UnitPlacement.h"
 
 #include "vtkDataArray.h"
 #include "vtkDataObject.h"
@@ -37,12 +38,12 @@ struct HeldMaterial
   bool Held = false;
 };
 
-/// What the simulation is made of.
+/// What the model is made of.
 struct Setup
 {
   /// Of input 0.
   TetrahedralMesh Anatomy;
-  /// To simulate on; none: the anatomy itself.
+  /// To simulate on; none: the anatomy itself where it is coarse enough.
   std::optional<TetrahedralMesh> Coarse;
   ElasticTable Materials;
   CompressionOptions Options;
@@ -57,6 +58,14 @@ struct Setup
       this->ImageGravity == other.ImageGravity;
   }
 };
+
+/// The time that is asked for; 1, closed, where none is.
+double TimeAsked(vtkInformation* information)
+{
+  return information->Has(vtkStreamingDemandDrivenPipeline::UPDATE_TIME_STEP())
+    ? std::clamp(information->Get(vtkStreamingDemandDrivenPipeline::UPDATE_TIME_STEP()), 0.0, 1.0)
+    : 1;
+}
 }
 
 struct vtkBreastCompression::Internals
@@ -69,11 +78,19 @@ struct vtkBreastCompression::Internals
   std::optional<CompressionState> Pressed;
   std::pair<double, PlatePair> PressedFor;
 
+  const CompressionSimulation& Simulation() const { return this->Model->Body().Simulation(); }
   ElasticTable MaterialsOf(const TetrahedralMesh& mesh, const std::string& table) const;
+  Setup SetupOf(const vtkBreastCompression& filter, vtkUnstructuredGrid* input,
+    vtkUnstructuredGrid* coarse) const;
   void Prepare(Setup setup, const ProgressCallback& progress);
+  /// Leaves the state at a time of the compression to the pose's thickness, or to a force above 0.
+  void CompressTo(const UnitPlacement& placement, const BreastPose& pose, double forceN,
+    double time, const ProgressCallback& progress);
   void Compress(const PlatePair& plates, const ProgressCallback& progress);
   void CompressToForce(const PlatePair& plates, const PlatePair& closer, double forceN,
     const ProgressCallback& progress);
+  vtkSmartPointer<vtkUnstructuredGrid> Compressed(vtkUnstructuredGrid* input,
+    const std::optional<double>& thicknessMm) const;
 };
 
 /// The table's materials, and before them what SetMaterial said.
@@ -112,6 +129,37 @@ ElasticTable vtkBreastCompression::Internals::MaterialsOf(const TetrahedralMesh&
   return materials;
 }
 
+Setup vtkBreastCompression::Internals::SetupOf(const vtkBreastCompression& filter,
+  vtkUnstructuredGrid* input, vtkUnstructuredGrid* coarse) const
+{
+  const AnatomicalAxes axes = AnatomicalAxes::FromCode(filter.Orientation);
+  Setup setup;
+  setup.Anatomy = FromGrid(input);
+  setup.Anatomy.Validate("vtkBreastCompression's input");
+  setup.Materials = this->MaterialsOf(setup.Anatomy, filter.MaterialTable);
+  if (coarse)
+  {
+    setup.Coarse = FromGrid(coarse);
+    setup.Coarse->Validate("vtkBreastCompression's simulation mesh");
+  }
+  setup.Options.Element =
+    filter.Element == LINEAR ? ElementType::PatchAveragedLinear : ElementType::Quadratic;
+  setup.Options.ChestWall = static_cast<ChestWallMode>(filter.ChestWall);
+  setup.Options.Wall = { filter.WallStiffness[0], filter.WallStiffness[1] };
+  setup.Options.Friction = filter.Friction;
+  setup.Options.PullN = filter.PullN * axes.Anterior;
+  if (filter.ImagePosition != NONE)
+  {
+    setup.ImageGravity = GravityIn(
+      filter.ImagePosition == PRONE ? PatientPosition::Prone : PatientPosition::Supine, axes);
+  }
+  if (filter.Gravity || filter.ImagePosition != NONE)
+  {
+    setup.Options.GravityMPerS2 = GravityIn(PatientPosition::Upright, axes);
+  }
+  return setup;
+}
+
 void vtkBreastCompression::Internals::Prepare(Setup setup, const ProgressCallback& progress)
 {
   if (this->Model && setup == this->Made)
@@ -121,13 +169,35 @@ void vtkBreastCompression::Internals::Prepare(Setup setup, const ProgressCallbac
   this->State.reset();
   this->Pressed.reset();
   this->Model.reset(); // should this throw, nothing is taken for current
-  const std::vector<int> noGland;
-  this->Model = std::make_unique<BreastModel>(setup.Anatomy, setup.Materials, noGland,
-    BreastModelOptions{ .SimulationMesh = setup.Coarse,
-      .Compression = setup.Options,
-      .ImageGravityMPerS2 = setup.ImageGravity },
-    progress);
+  BreastModelOptions options;
+  options.SimulationMesh = setup.Coarse;
+  options.Compression = setup.Options;
+  options.ImageGravityMPerS2 = setup.ImageGravity;
+  this->Model = std::make_unique<BreastModel>(setup.Anatomy, setup.Materials, std::vector<int>{},
+    std::move(options), progress);
   this->Made = std::move(setup);
+}
+
+void vtkBreastCompression::Internals::CompressTo(const UnitPlacement& placement,
+  const BreastPose& pose, double forceN, double time, const ProgressCallback& progress)
+{
+  PlatePair closed = placement.PlatesAt(pose);
+  if (forceN > 0)
+  {
+    BreastPose closer = pose;
+    closer.ThicknessMm *= 0.9;
+    this->CompressToForce(closed, placement.PlatesAt(closer), forceN, progress);
+    closed = this->State->Plates;
+  }
+  if (time < 1)
+  {
+    const PlatePair open = this->Simulation().OpenedPlates(closed, progress);
+    this->Compress(MovedPlates(open, PlateMotion(open, closed), time), progress);
+  }
+  else if (!(forceN > 0))
+  {
+    this->Compress(closed, progress);
+  }
 }
 
 void vtkBreastCompression::Internals::Compress(const PlatePair& plates,
@@ -137,7 +207,7 @@ void vtkBreastCompression::Internals::Compress(const PlatePair& plates,
   {
     try
     {
-      this->State = this->Model->Body().Simulation().Compress(plates, &*this->State, progress);
+      this->State = this->Simulation().Compress(plates, &*this->State, progress);
       return;
     }
     catch (const ConvergenceError&)
@@ -146,7 +216,7 @@ void vtkBreastCompression::Internals::Compress(const PlatePair& plates,
     }
   }
   this->State.reset();
-  this->State = this->Model->Body().Simulation().Compress(plates, nullptr, progress);
+  this->State = this->Simulation().Compress(plates, nullptr, progress);
 }
 
 void vtkBreastCompression::Internals::CompressToForce(const PlatePair& plates,
@@ -155,11 +225,21 @@ void vtkBreastCompression::Internals::CompressToForce(const PlatePair& plates,
   if (!this->Pressed || this->PressedFor != std::pair(forceN, plates))
   {
     this->Pressed.reset();
-    this->Pressed = this->Model->Body().Simulation().CompressToForce(plates,
-      PlateMotion(plates, closer), forceN, progress);
+    this->Pressed =
+      this->Simulation().CompressToForce(plates, PlateMotion(plates, closer), forceN, progress);
     this->PressedFor = { forceN, plates };
   }
   this->State = this->Pressed;
+}
+
+/// `thicknessMm`: to be told as such; the distance of the plates where it is not given.
+vtkSmartPointer<vtkUnstructuredGrid> vtkBreastCompression::Internals::Compressed(
+  vtkUnstructuredGrid* input, const std::optional<double>& thicknessMm) const
+{
+  const CompressionGrids breast = this->Model->IsCarried()
+    ? CompressionGrids(input, this->Made.Anatomy, this->Simulation())
+    : CompressionGrids(input, this->Simulation());
+  return breast.At(*this->State, thicknessMm);
 }
 
 vtkStandardNewMacro(vtkBreastCompression);
@@ -234,107 +314,53 @@ int vtkBreastCompression::RequestInformation(vtkInformation*, vtkInformationVect
 int vtkBreastCompression::RequestData(vtkInformation*, vtkInformationVector** inputs,
   vtkInformationVector* outputs)
 {
-  vtkUnstructuredGrid* input = vtkUnstructuredGrid::GetData(inputs[0]);
   vtkUnstructuredGrid* output = vtkUnstructuredGrid::GetData(outputs);
-  vtkInformation* information = outputs->GetInformationObject(0);
-  Internals& internal = *this->Internal;
-  try
-  {
-    if (!(this->ThicknessMm > 0) || !(this->EdgeRadiusMm >= 0) || !(this->ForceN >= 0))
+  return AnswerRequest(this, output,
+    [&]()
     {
-      throw InputError(
-        "expected a positive ThicknessMm, and an EdgeRadiusMm and a ForceN of at least 0");
-    }
-    const ProgressCallback progress = [this](double fraction, const char*)
-    {
-      this->UpdateProgress(fraction);
-      return this->GetAbortExecute() == 0;
-    };
-    const AnatomicalAxes axes = AnatomicalAxes::FromCode(this->Orientation);
-    Setup setup;
-    setup.Anatomy = FromGrid(input);
-    setup.Anatomy.Validate("vtkBreastCompression's input");
-    setup.Materials = internal.MaterialsOf(setup.Anatomy, this->MaterialTable);
-    if (vtkUnstructuredGrid* coarse = vtkUnstructuredGrid::GetData(inputs[1]))
-    {
-      setup.Coarse = FromGrid(coarse);
-      setup.Coarse->Validate("vtkBreastCompression's simulation mesh");
-    }
-    setup.Options.Element =
-      this->Element == LINEAR ? ElementType::PatchAveragedLinear : ElementType::Quadratic;
-    setup.Options.ChestWall = static_cast<ChestWallMode>(this->ChestWall);
-    setup.Options.Wall = { this->WallStiffness[0], this->WallStiffness[1] };
-    setup.Options.Friction = this->Friction;
-    setup.Options.PullN = this->PullN * axes.Anterior;
-    if (this->ImagePosition != NONE)
-    {
-      setup.ImageGravity = GravityIn(
-        this->ImagePosition == PRONE ? PatientPosition::Prone : PatientPosition::Supine, axes);
-    }
-    if (this->Gravity || this->ImagePosition != NONE)
-    {
-      setup.Options.GravityMPerS2 = GravityIn(PatientPosition::Upright, axes);
-    }
-    internal.Prepare(std::move(setup), progress);
-
-    BreastPose pose;
-    pose.RollDeg = this->RollDeg;
-    pose.LateralMm = this->LateralMm;
-    pose.AnteriorMm = this->AnteriorMm;
-    pose.VerticalMm = this->VerticalMm;
-    MammographyUnit unit;
-    unit.SupportEdgeMm = this->SupportEdgeMm;
-    unit.PaddleEdgeMm = this->PaddleEdgeMm;
-    unit.EdgeRadiusMm = this->EdgeRadiusMm;
-    const Vector3 anchor =
-      FindPoseAnchor(internal.Made.Anatomy, internal.Made.Materials.Held, axes);
-    const auto platesAt = [&](double thicknessMm)
-    {
-      pose.ThicknessMm = thicknessMm;
-      return PlatesOf(PlaceUnit(axes, anchor, unit, pose), unit, thicknessMm, this->TiltDeg);
-    };
-    double time = 1;
-    if (this->NumberOfTimeSteps > 1)
-    {
-      if (information->Has(vtkStreamingDemandDrivenPipeline::UPDATE_TIME_STEP()))
+      const bool series = this->NumberOfTimeSteps > 1;
+      const double time = series ? TimeAsked(outputs->GetInformationObject(0)) : 1;
+      this->Compress(vtkUnstructuredGrid::GetData(inputs[0]),
+        vtkUnstructuredGrid::GetData(inputs[1]), time, output);
+      if (series)
       {
-        time = std::clamp(information->Get(vtkStreamingDemandDrivenPipeline::UPDATE_TIME_STEP()),
-          0.0, 1.0);
+        output->GetInformation()->Set(vtkDataObject::DATA_TIME_STEP(), time);
       }
-    }
-    PlatePair closed = platesAt(this->ThicknessMm);
-    if (this->ForceN > 0)
-    {
-      internal.CompressToForce(closed, platesAt(0.9 * this->ThicknessMm), this->ForceN, progress);
-      closed = internal.State->Plates;
-    }
-    if (time < 1)
-    {
-      const PlatePair open = internal.Model->Body().Simulation().OpenedPlates(closed, progress);
-      internal.Compress(MovedPlates(open, PlateMotion(open, closed), time), progress);
-    }
-    else if (!(this->ForceN > 0))
-    {
-      internal.Compress(closed, progress);
-    }
-    const bool given = time == 1 && !(this->ForceN > 0);
-    const CompressionGrids breast = internal.Model->IsCarried()
-      ? CompressionGrids(input, internal.Made.Anatomy, internal.Model->Body().Simulation())
-      : CompressionGrids(input, internal.Model->Body().Simulation());
-    output->ShallowCopy(
-      breast.At(*internal.State, given ? std::optional<double>(this->ThicknessMm) : std::nullopt));
-    pose.ThicknessMm = output->GetFieldData()->GetArray("ThicknessMm")->GetTuple1(0);
-    AddPlacement(output, PlaceUnit(axes, anchor, unit, pose));
-    if (this->NumberOfTimeSteps > 1)
-    {
-      output->GetInformation()->Set(vtkDataObject::DATA_TIME_STEP(), time);
-    }
-    return 1;
-  }
-  catch (...)
+    });
+}
+
+void vtkBreastCompression::Compress(vtkUnstructuredGrid* input, vtkUnstructuredGrid* coarse,
+  double time, vtkUnstructuredGrid* output)
+{
+  if (!(this->ThicknessMm > 0) || !(this->EdgeRadiusMm >= 0) || !(this->ForceN >= 0))
   {
-    return FailedRequest(this, output);
+    throw InputError(
+      "expected a positive ThicknessMm, and an EdgeRadiusMm and a ForceN of at least 0");
   }
+  Internals& internal = *this->Internal;
+  internal.Prepare(internal.SetupOf(*this, input, coarse), ProgressOf(this));
+  UnitPlacement placement;
+  placement.Axes = AnatomicalAxes::FromCode(this->Orientation);
+  placement.Anchor =
+    FindPoseAnchor(internal.Made.Anatomy, internal.Made.Materials.Held, placement.Axes);
+  placement.Unit.SupportEdgeMm = this->SupportEdgeMm;
+  placement.Unit.PaddleEdgeMm = this->PaddleEdgeMm;
+  placement.Unit.EdgeRadiusMm = this->EdgeRadiusMm;
+  BreastPose pose;
+  pose.ThicknessMm = this->ThicknessMm;
+  pose.RollDeg = this->RollDeg;
+  pose.PitchDeg = this->PitchDeg;
+  pose.YawDeg = this->YawDeg;
+  pose.LateralMm = this->LateralMm;
+  pose.AnteriorMm = this->AnteriorMm;
+  pose.VerticalMm = this->VerticalMm;
+  pose.TiltDeg = this->TiltDeg;
+  internal.CompressTo(placement, pose, this->ForceN, time, ProgressOf(this));
+  const bool given = time == 1 && !(this->ForceN > 0);
+  output->ShallowCopy(
+    internal.Compressed(input, given ? std::optional<double>(this->ThicknessMm) : std::nullopt));
+  pose.ThicknessMm = output->GetFieldData()->GetArray("ThicknessMm")->GetTuple1(0);
+  AddPlacement(output, placement.At(pose));
 }
 
 void vtkBreastCompression::PrintSelf(ostream& os, vtkIndent indent)
@@ -347,6 +373,8 @@ void vtkBreastCompression::PrintSelf(ostream& os, vtkIndent indent)
   os << indent << "ForceN: " << this->ForceN << "\n";
   os << indent << "TiltDeg: " << this->TiltDeg << "\n";
   os << indent << "RollDeg: " << this->RollDeg << "\n";
+  os << indent << "PitchDeg: " << this->PitchDeg << "\n";
+  os << indent << "YawDeg: " << this->YawDeg << "\n";
   os << indent << "LateralMm: " << this->LateralMm << "\n";
   os << indent << "AnteriorMm: " << this->AnteriorMm << "\n";
   os << indent << "VerticalMm: " << this->VerticalMm << "\n";

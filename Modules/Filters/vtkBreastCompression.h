@@ -6,11 +6,10 @@
  * Input 0: vtkUnstructuredGrid of linear tetrahedra (mm) with the cell array "Material". Input 1,
  * optional: a coarse vtkUnstructuredGrid of the same breast to simulate on (vtkBreastMesher with
  * ForMechanics), which carries input 0 along; its stiffness is sampled from the materials of
- * input 0. Without it the simulation runs on input 0: its cells are made quadratic, so some
- * thousand of them are meant, or tens of thousands with SetElementToLinear (then a coarse mesh goes
- * the way first: BreastModel). Elastic constants come from MaterialTable or SetMaterial; cells of
- * held materials (the chest wall) do not move, but where the breast glides along them (ChestWall)
- * those beside it are drawn along.
+ * input 0. Without it the simulation runs on input 0 up to 20000 cells, or 150000 with
+ * SetElementToLinear, and beyond that on a mesh made of it (MostSimulationCells). Elastic constants
+ * come from MaterialTable or SetMaterial; cells of held materials (the chest wall) do not move, but
+ * where the breast glides along them (ChestWall) those beside it are drawn along.
  *
  * Output 0: input 0 deformed, with its arrays and the point arrays "Displacement" (mm) and
  * "ContactPressureKPa" (of the plates; 0 where nothing touches), the cell arrays "J" (deformed over
@@ -130,6 +129,24 @@ public:
    */
   vtkSetMacro(RollDeg, double);
   vtkGetMacro(RollDeg, double);
+  ///@}
+
+  ///@{
+  /**
+   * Turn of the rolled unit about its lateral axis, degrees; positive turns the source to the
+   * front. Default 0.
+   */
+  vtkSetMacro(PitchDeg, double);
+  vtkGetMacro(PitchDeg, double);
+  ///@}
+
+  ///@{
+  /**
+   * Turn of the unit about its vertical axis, degrees; positive turns it to the patient's left
+   * (CC). Default 0.
+   */
+  vtkSetMacro(YawDeg, double);
+  vtkGetMacro(YawDeg, double);
   ///@}
 
   ///@{
@@ -273,6 +290,10 @@ private:
   vtkBreastCompression(const vtkBreastCompression&) = delete;
   void operator=(const vtkBreastCompression&) = delete;
 
+  /// Throws InputError, CompressionError and Interrupted.
+  void Compress(vtkUnstructuredGrid* input, vtkUnstructuredGrid* coarse, double time,
+    vtkUnstructuredGrid* output);
+
   std::string MaterialTable;
   std::string Orientation = "LPS";
   int Element = QUADRATIC;
@@ -280,6 +301,8 @@ private:
   double ForceN = 0;
   double TiltDeg = 0;
   double RollDeg = 0;
+  double PitchDeg = 0;
+  double YawDeg = 0;
   double LateralMm = 0;
   double AnteriorMm = 0;
   double VerticalMm = 0;
