@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mammoray/Registration/BreastModel.h"
 
+#include "Private/MeshVoxels.h"
 #include "mammoray/Foundation/Error.h"
-#include "mammoray/Foundation/MeshVoxels.h"
 #include "mammoray/Registration/Silhouette.h"
 
 #ifdef MAMMORAY_HAS_MESHING

@@ -4,7 +4,7 @@
 
 #include "mammoray/Foundation/LabelVolume.h"
 #include "mammoray/Foundation/TetrahedralMesh.h"
-#include "mammorayFoundationModule.h"
+#include "mammorayRegistrationModule.h"
 
 namespace mammoray
 {
@@ -14,7 +14,7 @@ namespace mammoray
  * lies around it. `spacingMm`: positive. Throws InputError on another spacing, on a mesh without
  * cells and where the volume would have more than 2^31 voxels.
  */
-MAMMORAYFOUNDATION_EXPORT LabelVolume Voxelize(const TetrahedralMesh& mesh, double spacingMm);
+MAMMORAYREGISTRATION_EXPORT LabelVolume Voxelize(const TetrahedralMesh& mesh, double spacingMm);
 }
 
 #endif

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "TestMeshes.h"
 #include "mammoray/Foundation/Error.h"
-#include "mammoray/Foundation/MeshVoxels.h"
+#include "mammoray/Registration/Private/MeshVoxels.h"
 
 #include <gtest/gtest.h>
 

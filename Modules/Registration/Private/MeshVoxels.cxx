@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mammoray/Foundation/MeshVoxels.h"
+#include "Private/MeshVoxels.h"
 
 #include "mammoray/Foundation/Error.h"
 
