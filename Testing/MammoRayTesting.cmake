@@ -9,12 +9,16 @@ set(MAMMORAY_SHARED_DATA_DIR "${PROJECT_SOURCE_DIR}/../shared/data" CACHE PATH
 find_program(MAMMORAY_XVFB Xvfb DOC "X server without a screen, for the tests of windows")
 add_library(mammorayTestSupport STATIC "${CMAKE_CURRENT_LIST_DIR}/Support/Places.cxx")
 mammoray_configure_target(mammorayTestSupport)
-target_link_libraries(mammorayTestSupport PRIVATE GTest::gtest)
-target_compile_definitions(mammorayTestSupport PRIVATE
-  MAMMORAY_DATA_DIR="${PROJECT_SOURCE_DIR}/Data"
-  MAMMORAY_SHARED_DATA_DIR="${MAMMORAY_SHARED_DATA_DIR}"
-  MAMMORAY_EXECUTABLE="$<$<TARGET_EXISTS:mammoray>:$<TARGET_FILE:mammoray>>"
-  MAMMORAY_XVFB="$<$<BOOL:${MAMMORAY_XVFB}>:${MAMMORAY_XVFB}>")
+target_link_libraries(mammorayTestSupport PRIVATE GTest::gmock GTest::gtest)
+# Read once for all tests. They are executables, and a precompiled header wants the same code model.
+target_precompile_headers(mammorayTestSupport PRIVATE
+  <algorithm> <array> <cmath> <filesystem> <fstream> <functional> <numbers> <random> <sstream> <string> <vector>
+  <gmock/gmock.h> <gtest/gtest.h>)
+set_target_properties(mammorayTestSupport PROPERTIES POSITION_INDEPENDENT_CODE OFF)
+target_compile_options(mammorayTestSupport PRIVATE -fPIE)
+# For the one source: a precompiled header wants the same definitions, too.
+set_source_files_properties("${CMAKE_CURRENT_LIST_DIR}/Support/Places.cxx" PROPERTIES COMPILE_DEFINITIONS
+  "MAMMORAY_DATA_DIR=\"${PROJECT_SOURCE_DIR}/Data\";MAMMORAY_SHARED_DATA_DIR=\"${MAMMORAY_SHARED_DATA_DIR}\";MAMMORAY_EXECUTABLE=\"$<$<TARGET_EXISTS:mammoray>:$<TARGET_FILE:mammoray>>\";MAMMORAY_XVFB=\"$<$<BOOL:${MAMMORAY_XVFB}>:${MAMMORAY_XVFB}>\"")
 function (mammoray_add_test name)
   cmake_parse_arguments(PARSE_ARGV 1 test "" "TIMEOUT" "SOURCES;LIBRARIES;LABELS")
   if (NOT test_TIMEOUT)
@@ -22,6 +26,7 @@ function (mammoray_add_test name)
   endif ()
   add_executable(${name} ${test_SOURCES})
   mammoray_configure_target(${name})
+  target_precompile_headers(${name} REUSE_FROM mammorayTestSupport)
   target_include_directories(${name} PRIVATE "${PROJECT_SOURCE_DIR}/Testing/Support")
   target_link_libraries(${name} PRIVATE ${test_LIBRARIES} mammorayTestSupport GTest::gmock GTest::gtest_main)
   gtest_discover_tests(${name}

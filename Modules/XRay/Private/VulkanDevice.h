@@ -5,8 +5,7 @@
 #include "mammoray/XRay/DeviceError.h"
 #include "mammoray/XRay/PathLengthProjector.h"
 
-#define VULKAN_HPP_NO_SPACESHIP_OPERATOR
-#include <vulkan/vulkan_raii.hpp>
+#include "Private/Vulkan.h"
 
 #include <functional>
 #include <optional>
