@@ -62,8 +62,10 @@ std::string File(const std::string& storageClass, const std::string& instance,
   const std::string meta = Element(2, 1, "OB", std::string("\0\1", 2)) +
     Element(2, 2, "UI", storageClass) + Element(2, 3, "UI", instance) +
     Element(2, 0x10, "UI", "1.2.840.10008.1.2.1");
-  return std::string(128, '\0') + "DICM" +
-    Element(2, 0, "UL", Little(static_cast<std::uint32_t>(meta.size()), 4)) + meta + data;
+  std::string file(128, '\0');
+  file += "DICM";
+  return file + Element(2, 0, "UL", Little(static_cast<std::uint32_t>(meta.size()), 4)) + meta +
+    data;
 }
 
 // The oblique grid of the tests.
