@@ -222,7 +222,7 @@ void WriteOutlines(const std::vector<std::pair<int, LesionShadow>>& lesions,
 /// The image that a segmentation lies over; it must have the registered pixels.
 DicomReference ReadSegmentedImage(const NamedBreast& registered, const LocateArguments& arguments)
 {
-  const DicomReference image = ReadDicomReference(CheckInputFile(arguments.Mammogram));
+  DicomReference image = ReadDicomReference(CheckInputFile(arguments.Mammogram));
   const XRayDetector detector = registered.Breast.Detector();
   if (image.Columns != detector.Columns || image.Rows != detector.Rows)
   {
@@ -242,6 +242,7 @@ void WriteShadows(std::vector<std::pair<int, LesionShadow>>& lesions, const Dico
   DicomIdentity identity = arguments.Patient.Identity();
   identity.StudyInstanceUid = image.Identity.StudyInstanceUid;
   std::vector<DicomSegment> segments;
+  segments.reserve(lesions.size());
   for (auto& [label, lesion] : lesions)
   {
     segments.push_back({ "Lesion " + std::to_string(label), std::move(lesion.Shadow) });

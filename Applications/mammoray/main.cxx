@@ -54,9 +54,8 @@ void CheckCommandName(const CLI::App& application, const std::string& name)
       "unknown command '" + name + "'; " + mammoray::SuggestNames(name, known));
   }
 }
-}
 
-int main(int argc, char* argv[])
+int Run(int argc, char* argv[])
 {
   PreferFastBlasKernels(argv);
   CLI::App application{ "MammoRay " MAMMORAY_VERSION
@@ -98,10 +97,23 @@ int main(int argc, char* argv[])
     application.exit(error);
     return 2;
   }
+  return 0;
+}
+}
+
+int main(int argc, char* argv[])
+{
+  try
+  {
+    return Run(argc, argv);
+  }
   catch (const std::exception& error)
   {
     std::fprintf(stderr, "mammoray: %s\n", error.what());
-    return 1;
   }
-  return 0;
+  catch (...)
+  {
+    std::fputs("mammoray: failed for an unknown reason\n", stderr);
+  }
+  return 1;
 }

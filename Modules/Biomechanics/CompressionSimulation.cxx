@@ -344,6 +344,7 @@ std::vector<std::vector<double>> CompressionSimulation::Sensitivities(const Comp
     throw InputError("sensitivities: expected a state of this simulation");
   }
   std::vector<HoldingVelocity> holding;
+  holding.reserve(loadingVelocities.size());
   for (const LoadingVelocity& velocity : loadingVelocities)
   {
     holding.push_back({ velocity.Wall, velocity.Friction,

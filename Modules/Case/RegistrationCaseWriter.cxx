@@ -251,7 +251,7 @@ fs::path Normal(const std::string& path)
 vtkSmartPointer<vtkUnstructuredGrid> UncompressedGrid(const RegistrationCaseResult& result,
   const RegisteredView& registered)
 {
-  const auto grid = ToGrid(result.Anatomy, result.Materials.Names());
+  auto grid = ToGrid(result.Anatomy, result.Materials.Names());
   AddPlacement(grid, registered.Placed);
   vtkNew<vtkDoubleArray> displacement;
   displacement->SetName("Displacement");

@@ -26,7 +26,7 @@ __attribute__((format(printf, 1, 2))) std::string Line(const char* format, ...)
   return text;
 }
 
-double Median(std::vector<double> values)
+double Median(const std::vector<double>& values)
 {
   return values.empty() ? std::numeric_limits<double>::quiet_NaN() : Summarise(values).Median;
 }

@@ -299,6 +299,7 @@ int vtkBreastCompression::RequestInformation(vtkInformation*, vtkInformationVect
   if (this->NumberOfTimeSteps > 1)
   {
     std::vector<double> times;
+    times.reserve(this->NumberOfTimeSteps);
     for (int step = 0; step < this->NumberOfTimeSteps; ++step)
     {
       times.push_back(TimeOf(step, this->NumberOfTimeSteps));

@@ -101,6 +101,50 @@ void AddVectors(vtkUnstructuredGrid* grid, const std::string& name,
   grid->GetPointData()->AddArray(array);
 }
 
+/// The grid with its points moved, and how far from where they were at rest.
+void AddDisplaced(vtkUnstructuredGrid* output, vtkUnstructuredGrid* grid,
+  const std::vector<double>& points, const std::vector<double>& rest)
+{
+  output->ShallowCopy(grid);
+  vtkNew<vtkPoints> moved;
+  moved->SetDataTypeToDouble();
+  moved->SetNumberOfPoints(grid->GetNumberOfPoints());
+  std::vector<double> displacement(points.size());
+  for (std::size_t index = 0; index < points.size(); ++index)
+  {
+    displacement[index] = points[index] - rest[index];
+  }
+  for (vtkIdType id = 0; id < grid->GetNumberOfPoints(); ++id)
+  {
+    moved->SetPoint(id, &points[3 * static_cast<std::size_t>(id)]);
+  }
+  output->SetPoints(moved);
+  AddVectors(output, "Displacement", displacement);
+}
+
+/// How the moved points change with each parameter that was found, seen from the unit.
+void AddSensitivities(vtkUnstructuredGrid* output, BreastModel& model,
+  const UnitPlacement& placement, const RegistrationResult& result,
+  const std::vector<double>& points)
+{
+  std::vector<int> free;
+  for (int index = 0; index < ParameterCount; ++index)
+  {
+    if (!result.Parameters[static_cast<std::size_t>(index)].Fixed)
+    {
+      free.push_back(index);
+    }
+  }
+  const std::vector<std::vector<double>> velocities = model.Body().VelocitiesSeenFromUnit(placement,
+    result.Pose, result.State, model.AnatomyPoints(), points, free);
+  for (std::size_t index = 0; index < free.size(); ++index)
+  {
+    AddVectors(output,
+      SensitivityArrayPrefix + result.Parameters[static_cast<std::size_t>(free[index])].Name,
+      velocities[index]);
+  }
+}
+
 /// Fixes all parameters but those named.
 void Free(const std::string& names, std::vector<RegistrationParameter>& parameters)
 {
@@ -168,7 +212,7 @@ vtkSmartPointer<vtkUnstructuredGrid> vtkBreastRegistration::Internals::MeshLabel
     this->Mesher->SetMaterialTable(table.c_str());
   }
   this->Mesher->Update();
-  const auto grid = vtkSmartPointer<vtkUnstructuredGrid>::New();
+  auto grid = vtkSmartPointer<vtkUnstructuredGrid>::New();
   grid->ShallowCopy(this->Mesher->GetOutput());
   if (grid->GetNumberOfCells() == 0)
   {
@@ -309,37 +353,8 @@ int vtkBreastRegistration::RequestData(vtkInformation*, vtkInformationVector** i
       mammoray::Register(model, placement, internal.Target, options, progress);
 
     const std::vector<double> points = model.AnatomyPoints().Map(result.State.Positions);
-    output->ShallowCopy(grid);
-    vtkNew<vtkPoints> moved;
-    moved->SetDataTypeToDouble();
-    moved->SetNumberOfPoints(grid->GetNumberOfPoints());
-    std::vector<double> displacement(points.size());
-    for (std::size_t index = 0; index < points.size(); ++index)
-    {
-      displacement[index] = points[index] - breast.Made.Anatomy.Points[index];
-    }
-    for (vtkIdType id = 0; id < grid->GetNumberOfPoints(); ++id)
-    {
-      moved->SetPoint(id, &points[3 * static_cast<std::size_t>(id)]);
-    }
-    output->SetPoints(moved);
-    AddVectors(output, "Displacement", displacement);
-    std::vector<int> free;
-    for (int index = 0; index < ParameterCount; ++index)
-    {
-      if (!result.Parameters[static_cast<std::size_t>(index)].Fixed)
-      {
-        free.push_back(index);
-      }
-    }
-    const std::vector<std::vector<double>> velocities = model.Body().VelocitiesSeenFromUnit(
-      placement, result.Pose, result.State, model.AnatomyPoints(), points, free);
-    for (std::size_t index = 0; index < free.size(); ++index)
-    {
-      AddVectors(output,
-        SensitivityArrayPrefix + result.Parameters[static_cast<std::size_t>(free[index])].Name,
-        velocities[index]);
-    }
+    AddDisplaced(output, grid, points, breast.Made.Anatomy.Points);
+    AddSensitivities(output, model, placement, result, points);
     AddResult(output, result, placement.At(result.Pose));
     return 1;
   }

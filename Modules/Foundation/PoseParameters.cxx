@@ -54,6 +54,7 @@ const PoseParameter& FindPoseParameter(const std::string& name)
   if (found == PoseParameters.end())
   {
     std::vector<std::string> known;
+    known.reserve(PoseParameters.size());
     for (const PoseParameter& parameter : PoseParameters)
     {
       known.emplace_back(parameter.Name);
@@ -89,6 +90,7 @@ std::vector<std::string> FreePoseParameterNames()
 std::vector<double> ValuesOf(const BreastPose& pose)
 {
   std::vector<double> values;
+  values.reserve(PoseParameters.size());
   for (const PoseParameter& parameter : PoseParameters)
   {
     values.push_back(pose.*parameter.Value);

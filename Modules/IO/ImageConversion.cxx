@@ -83,7 +83,7 @@ LabelVolume ToLabelVolume(vtkImageData* image)
 
 vtkSmartPointer<vtkImageData> ToImage(const Mammogram& mammogram)
 {
-  const auto image = vtkSmartPointer<vtkImageData>::New();
+  auto image = vtkSmartPointer<vtkImageData>::New();
   image->SetDimensions(mammogram.Columns, mammogram.Rows, 1);
   image->SetSpacing(mammogram.ColumnSpacingMm, mammogram.RowSpacingMm, 1);
   image->SetOrigin(0, 0, 0);

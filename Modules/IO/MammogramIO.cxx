@@ -35,7 +35,7 @@ std::optional<double> PositiveNumber(DcmItem& data, const DcmTagKey& tag, unsign
 /// empty.
 std::string ViewOf(DcmItem& data)
 {
-  const std::string position = DicomText(data, DCM_ViewPosition);
+  std::string position = DicomText(data, DCM_ViewPosition);
   DcmItem* item = DicomFirstItem(data, DCM_ViewCodeSequence);
   if (!position.empty() || !item)
   {

@@ -133,7 +133,7 @@ vtkSmartPointer<vtkPolyData> ToPolyData(const SurfaceMesh& surface,
   connectivity->SetNumberOfValues(static_cast<vtkIdType>(surface.Triangles.size()));
   std::copy(surface.Triangles.begin(), surface.Triangles.end(), connectivity->GetPointer(0));
   vtkNew<vtkTypeInt32Array> offsets;
-  offsets->SetNumberOfValues(static_cast<vtkIdType>(triangleCount + 1));
+  offsets->SetNumberOfValues(static_cast<vtkIdType>(triangleCount) + 1);
   for (std::size_t triangle = 0; triangle <= triangleCount; ++triangle)
   {
     offsets->SetValue(static_cast<vtkIdType>(triangle), static_cast<int>(3 * triangle));

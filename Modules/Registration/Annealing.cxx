@@ -28,9 +28,10 @@ struct Place
 class Walk
 {
 public:
-  Walk(SearchedBreast breast, const RegistrationTarget& target, const RegistrationOptions& options,
-    RegistrationResult& result, const ProgressCallback& progress)
-    : Breast(std::move(breast))
+  Walk(const SearchedBreast& breast, const RegistrationTarget& target,
+    const RegistrationOptions& options, RegistrationResult& result,
+    const ProgressCallback& progress)
+    : Breast(breast)
     , Compared(target, options)
     , PixelSizeMm(options.PixelSizesMm.back())
     , Result(result)

@@ -59,8 +59,10 @@ public:
       {
         const auto columns = static_cast<std::size_t>(labels.Size[0]);
         const auto rows = static_cast<std::size_t>(labels.Size[1]);
+        const std::size_t row = voxel / columns % rows;
+        const std::size_t slice = voxel / columns / rows;
         const Vector3 point = labels.PointAt(static_cast<double>(voxel % columns),
-          static_cast<double>(voxel / columns % rows), static_cast<double>(voxel / columns / rows));
+          static_cast<double>(row), static_cast<double>(slice));
         for (int d = 0; d < 3; ++d)
         {
           const double at = Dot(point, this->Directions[d]);
@@ -115,7 +117,7 @@ public:
     };
     std::vector<int> labels(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
     const auto labelAt = [&](int x, int y) -> int&
-    { return labels[static_cast<std::size_t>(y * width + x)]; };
+    { return labels[static_cast<std::size_t>(y) * width + x]; };
     for (int y = 0; y < height; ++y)
     {
       for (int x = 0; x < width; ++x)

@@ -9,9 +9,9 @@
 #include "mammoray/IO/MeshIO.h"
 #include "mammoray/IO/Sha256.h"
 #include "mammoray/IO/ShippedData.h"
-#include "mammoray/Registration/TargetPreparation.h"
 #include "mammoray/Registration/RegistrationResiduals.h"
 #include "mammoray/Registration/Silhouette.h"
+#include "mammoray/Registration/TargetPreparation.h"
 
 #include "vtkDataArray.h"
 #include "vtkDoubleArray.h"
@@ -49,7 +49,7 @@ std::vector<double> PointsOf(vtkUnstructuredGrid* grid)
 vtkSmartPointer<vtkUnstructuredGrid> WithPoints(vtkUnstructuredGrid* grid,
   const std::vector<double>& points)
 {
-  const auto moved = vtkSmartPointer<vtkUnstructuredGrid>::New();
+  auto moved = vtkSmartPointer<vtkUnstructuredGrid>::New();
   moved->ShallowCopy(grid);
   vtkNew<vtkDoubleArray> values;
   values->SetNumberOfComponents(3);

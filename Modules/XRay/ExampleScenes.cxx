@@ -223,8 +223,9 @@ ExampleScene MakeBoxesScene()
   scene.Name = "boxes";
   for (int box = 0; box < 3965; ++box)
   {
-    const Vector3 center{ -70 + 8.0 * (box % 18), -70 + 8.0 * (box / 18 % 18),
-      20 + 8.0 * (box / 324) };
+    const int row = box / 18 % 18;
+    const int layer = box / 324;
+    const Vector3 center{ -70 + 8.0 * (box % 18), -70 + 8.0 * row, 20 + 8.0 * layer };
     AddBox(scene.Surface, { 2, 2.5, 1.5 }, static_cast<std::uint16_t>(1 + box % 3),
       [&](const Vector3& corner)
       {

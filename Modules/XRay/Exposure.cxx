@@ -95,6 +95,7 @@ void CheckRange(const char* name, double value, double low, double high)
 std::vector<double> GridOffsets(int n, double edge)
 {
   std::vector<double> offsets;
+  offsets.reserve(n);
   for (int index = 0; index < n; ++index)
   {
     offsets.push_back(((index + 0.5) / n - 0.5) * edge);

@@ -365,7 +365,8 @@ TEST_F(RegisterCommand, RegistersTheShippedPhantom)
   EXPECT_EQ(described.ColumnDirection, real.ColumnDirection);
   EXPECT_EQ(described.Pixels, written.Pixels);
   EXPECT_EQ(written.ColumnSpacingMm, real.ColumnSpacingMm);
-  EXPECT_NEAR(*written.BodyPartThicknessMm, resumed.at("parameters").at(0).at("value").get<double>(),
+  EXPECT_NEAR(*written.BodyPartThicknessMm,
+    resumed.at("parameters").at(0).at("value").get<double>(),
     1e-7); // ten digits
 
   // Both together, as if they were two exposures: each has its folder, one report tells of both.

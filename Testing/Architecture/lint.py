@@ -27,10 +27,17 @@ FORMAT, TIDY = "clang-format-14", "clang-tidy-14"
 # What a source defines at the left margin under a name without `::`: its types, functions, constants and macros.
 OWN_NAMES = re.compile(
     r"^(?!namespace\b|using namespace\b|return\b|else\b)"
-    r"(?:(?:template|inline|static|constexpr|const)\b[^\n(]*?)?"
+    r"(?:\[\[\w+\]\] )?(?:(?:template|inline|static|constexpr|const)\b[^\n(]*?)?"
     r"(?:(?:struct|class|enum class|enum|using)[ ]+(\w+)"
     r"|#define[ ]+(\w+)"
     r"|[A-Za-z_][\w:<>,&* ]*?[ &*](\w+)[ ]*(?:\(|\{|=|\[|$))", re.MULTILINE)
+
+# ITK's headers, made for GCC, refuse clang by its name: for one of them it is a GCC 12.
+ITK = "".join([
+    *(f'#pragma push_macro("{name}")\n#undef {name}\n' for name in ("__clang__", "__GNUC__", "__GNUC_MINOR__")),
+    "// NOLINTBEGIN\n#define __GNUC__ 12\n#define __GNUC_MINOR__ 2\n// NOLINTEND\n#include <itk_compiler_detection.h>\n",
+    *(f'#pragma pop_macro("{name}")\n' for name in ("__clang__", "__GNUC__", "__GNUC_MINOR__"))])
+
 
 
 def own_sources():
@@ -93,7 +100,8 @@ def run_tidy(folder, number, arguments, directory, batch):
     place = folder / str(number)
     place.mkdir()
     piece = place / "piece.cxx"
-    piece.write_text("".join(f'#include "{path}"\n' for path in batch))
+    itk = ITK if any("/ITK-" in word for word in arguments) else ""
+    piece.write_text(itk + "".join(f'#include "{path}"\n' for path in batch))
     (place / "compile_commands.json").write_text(json.dumps([{
         "directory": directory, "file": str(piece), "arguments": ["c++", *arguments, "-c", str(piece)]}]))
     done = subprocess.run([TIDY, "-p", str(place), f"--config-file={ROOT / '.clang-tidy'}",

@@ -58,8 +58,8 @@ std::string DicomText(DcmItem& data, const DcmTagKey& tag, unsigned long index)
 {
   OFString text;
   data.findAndGetOFString(tag, text, index);
-  const auto first = text.find_first_not_of(" ");
-  const auto last = text.find_last_not_of(" ");
+  const auto first = text.find_first_not_of(' ');
+  const auto last = text.find_last_not_of(' ');
   return first == OFString_npos ? std::string()
                                 : std::string(text.c_str() + first, last - first + 1);
 }
@@ -68,7 +68,7 @@ std::string DicomTexts(DcmItem& data, const DcmTagKey& tag)
 {
   OFString text;
   data.findAndGetOFStringArray(tag, text);
-  const auto last = text.find_last_not_of(" ");
+  const auto last = text.find_last_not_of(' ');
   return last == OFString_npos ? std::string() : std::string(text.c_str(), last + 1);
 }
 

@@ -99,6 +99,7 @@ std::vector<const VolumeSlice*> PaintingOrder(const std::vector<VolumeSlice>& sl
   std::stable_sort(order.begin(), order.end(),
     [&sizes](const auto& a, const auto& b) { return sizes[a.second] > sizes[b.second]; });
   std::vector<const VolumeSlice*> sorted;
+  sorted.reserve(order.size());
   for (const auto& [slice, label] : order)
   {
     sorted.push_back(slice);
@@ -114,6 +115,7 @@ IntensityVolume StackSlices(const std::vector<VolumeSlice>& slices, bool gapsAll
   const Vector3 normal = Cross(first.AlongRow, first.AlongColumn);
   CheckParallel(slices, normal);
   std::vector<double> heights;
+  heights.reserve(slices.size());
   for (const VolumeSlice& slice : slices)
   {
     heights.push_back(Dot(slice.Position - first.Position, normal));

@@ -162,8 +162,10 @@ std::vector<float> Resample(const RegistrationTarget& target, const std::vector<
       double sum = 0;
       for (int s = 0; s < samples * samples; ++s)
       {
+        const int across = s % samples;
+        const int down = s / samples;
         const auto point =
-          hanging.ToGantry(x + (s % samples + 0.5) / samples, y + (s / samples + 0.5) / samples);
+          hanging.ToGantry(x + (across + 0.5) / samples, y + (down + 0.5) / samples);
         sum += ValueAt(target, image, point[0], point[1]);
       }
       result.push_back(static_cast<float>(sum / (samples * samples)));

@@ -16,7 +16,7 @@ double Quantile(std::vector<float> values, double fraction)
   return *at;
 }
 
-std::vector<double> OtsuThresholds(std::vector<float> values, int classes)
+std::vector<double> OtsuThresholds(const std::vector<float>& values, int classes)
 {
   const double lowest = Quantile(values, 0.001);
   const double highest = Quantile(values, 0.999);

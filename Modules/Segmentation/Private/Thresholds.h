@@ -13,7 +13,7 @@ namespace mammoray
  * histogram spans all but the outermost thousandth at each end; where that is one value, it is
  * every threshold.
  */
-MAMMORAYSEGMENTATION_EXPORT std::vector<double> OtsuThresholds(std::vector<float> values,
+MAMMORAYSEGMENTATION_EXPORT std::vector<double> OtsuThresholds(const std::vector<float>& values,
   int classes);
 
 /// The value below which a fraction [0, 1] of the values lies; there must be one at least.

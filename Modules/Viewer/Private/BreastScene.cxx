@@ -45,7 +45,7 @@ constexpr double PlateThicknessMm = 3;
 
 vtkSmartPointer<vtkPolyData> NewLines()
 {
-  const auto lines = vtkSmartPointer<vtkPolyData>::New();
+  auto lines = vtkSmartPointer<vtkPolyData>::New();
   lines->SetPoints(vtkNew<vtkPoints>());
   lines->SetLines(vtkNew<vtkCellArray>());
   return lines;
@@ -85,7 +85,7 @@ void SetLines(vtkPolyData* data, const std::vector<std::vector<Vector3>>& lines,
 /// A box whose corners SetBox places.
 vtkSmartPointer<vtkPolyData> NewBox()
 {
-  const auto box = vtkSmartPointer<vtkPolyData>::New();
+  auto box = vtkSmartPointer<vtkPolyData>::New();
   vtkNew<vtkPoints> points;
   points->SetNumberOfPoints(8);
   box->SetPoints(points);
@@ -117,7 +117,7 @@ void SetPlate(vtkPolyData* box, const Plate& plate, const Vector3& along, double
 /// A rectangle with the picture's texture coordinates.
 vtkSmartPointer<vtkPolyData> NewPictureRectangle()
 {
-  const auto rectangle = vtkSmartPointer<vtkPolyData>::New();
+  auto rectangle = vtkSmartPointer<vtkPolyData>::New();
   vtkNew<vtkPoints> points;
   points->SetNumberOfPoints(4);
   rectangle->SetPoints(points);
@@ -344,6 +344,7 @@ void BreastScene::SetUnit(const LiveMammogram& live, vtkTexture* picture, double
   const auto towardsSource = [&](const Vector3& from)
   { return from + shownSource * (source - from); };
   std::vector<std::vector<Vector3>> edges;
+  edges.reserve(corners.size() + 1);
   for (const Vector3& corner : corners)
   {
     edges.push_back({ corner, towardsSource(corner) });

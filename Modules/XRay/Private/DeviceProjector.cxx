@@ -168,7 +168,7 @@ PathLengthImage DeviceProjector::Project(const XRaySource& source, const XRayDet
   CheckVelocities(velocities, fields, this->Surface.PointCount);
   const int atOnce = this->FieldsAtOnce(this->StripAt(detector, 0).Part, fields);
   PrepareDerivatives(detector, static_cast<int>(this->Surface.MaterialCount), fields, derivatives);
-  const PathLengthImage image = this->ProjectStrips(detector,
+  PathLengthImage image = this->ProjectStrips(detector,
     [&](const Strip& strip)
     {
       for (int next = 0; next < fields;)

@@ -176,6 +176,7 @@ std::vector<vk::raii::PhysicalDevice> RankedDevices(const vk::raii::Instance& in
   }
   std::sort(order.begin(), order.end());
   std::vector<vk::raii::PhysicalDevice> ranked;
+  ranked.reserve(order.size());
   for (const auto& [rank, index] : order)
   {
     ranked.push_back(std::move(devices[index]));

@@ -132,7 +132,7 @@ void ProjectOn(const Eigen::Matrix<double, 9, Size>& basis, Matrix9& a)
 void ProjectIsotropic(const Eigen::Matrix3d& f, Matrix9& a)
 {
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> right(f.transpose() * f);
-  const Eigen::Matrix3d v = right.eigenvectors();
+  const Eigen::Matrix3d& v = right.eigenvectors();
   const Eigen::Matrix3d u = (f * v).colwise().normalized();
   const auto product = [&](int i, int j) -> Vector9
   {
