@@ -26,9 +26,10 @@ enum class VolumeAxes
 /**
  * Reads a label volume with its whole geometry, oblique axes included: NRRD (.nrrd; .nhdr with one
  * data file; raw or gzip), MetaImage (.mha; .mhd with one data file; raw or compressed), NIfTI-1
- * (.nii, .nii.gz; sform before qform) and DICOM, always in LPS: a folder with a series of slices
- * whose values are the labels, or a segmentation (.dcm; binary or fractional from a half of the
- * largest value, uncompressed) whose segment numbers are, of overlapping segments the smaller one.
+ * (.nii, .nii.gz; sform where its code is 1, else qform) and DICOM, always in LPS: a folder with a
+ * series of slices whose values are the labels, or a segmentation (.dcm; binary or fractional from
+ * a half of the largest value, uncompressed) whose segment numbers are, of overlapping segments the
+ * smaller one.
  *
  * Three dimensions (further ones of size 1 are allowed in NIfTI), any scalar type of whole values
  * in [0, 65535]. Throws InputError, one line with the file, on a missing, short or damaged file, on

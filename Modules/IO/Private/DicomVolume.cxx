@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// DCMTK's dcmseg is stricter than the segmentations that are about: it wants attributes which many
-// lack. So its frames are read here from the data set (dcmdata); pixels of series by ITK.
+// A segmentation's frames are read here from the data set (dcmdata): DCMTK's dcmseg asks for
+// attributes that reading labels does not need (it has not been tried). Pixels of series by ITK.
 #include "Private/DicomVolume.h"
 
 #include "Private/DicomFile.h"
