@@ -297,13 +297,9 @@ int vtkBreastRegistration::RequestData(vtkInformation*, vtkInformationVector** i
 {
   vtkUnstructuredGrid* output = vtkUnstructuredGrid::GetData(outputs);
   Internals& internal = *this->Internal;
-  try
+  const auto work = [&]
   {
-    const ProgressCallback progress = [this](double fraction, const char*)
-    {
-      this->UpdateProgress(fraction);
-      return this->GetAbortExecute() == 0;
-    };
+    const ProgressCallback progress = ProgressOf(this);
     // Everything that can be refused comes before anything is computed.
     const AnatomicalAxes axes = AnatomicalAxes::FromCode(this->Orientation);
     const mammoray::Spectrum spectrum = FindSpectrum(this->Spectrum);
@@ -356,12 +352,8 @@ int vtkBreastRegistration::RequestData(vtkInformation*, vtkInformationVector** i
     AddDisplaced(output, grid, points, breast.Made.Anatomy.Points);
     AddSensitivities(output, model, placement, result, points);
     AddResult(output, result, placement.At(result.Pose));
-    return 1;
-  }
-  catch (...)
-  {
-    return FailedRequest(this, output);
-  }
+  };
+  return AnswerRequest(this, output, work);
 }
 
 void vtkBreastRegistration::PrintSelf(ostream& os, vtkIndent indent)

@@ -23,28 +23,9 @@ inline ProgressCallback ProgressOf(vtkAlgorithm* filter, double from = 0, double
 }
 
 /**
- * What RequestData answers to the exception being handled: the output is emptied, an interrupt is
- * no failure, and an error is told by the filter's ErrorEvent. To be called in a catch block.
+ * What RequestData answers that fills `output` by `work`. Where that throws, the output is emptied;
+ * an interrupt is no failure, and an error is told by the filter's ErrorEvent.
  */
-inline int FailedRequest(vtkAlgorithm* filter, vtkDataObject* output)
-{
-  output->Initialize();
-  try
-  {
-    throw;
-  }
-  catch (const Interrupted&)
-  {
-    return 1;
-  }
-  catch (const std::exception& error) // bad_alloc must not cross the pipeline either
-  {
-    vtkErrorWithObjectMacro(filter, << error.what());
-    return 0;
-  }
-}
-
-/// What RequestData answers that fills `output` by `work`, which may throw.
 template <typename Work>
 int AnswerRequest(vtkAlgorithm* filter, vtkDataObject* output, const Work& work)
 {
@@ -53,9 +34,16 @@ int AnswerRequest(vtkAlgorithm* filter, vtkDataObject* output, const Work& work)
     work();
     return 1;
   }
-  catch (...)
+  catch (const Interrupted&)
   {
-    return FailedRequest(filter, output);
+    output->Initialize();
+    return 1;
+  }
+  catch (const std::exception& error) // bad_alloc must not cross the pipeline either
+  {
+    output->Initialize();
+    vtkErrorWithObjectMacro(filter, << error.what());
+    return 0;
   }
 }
 }
