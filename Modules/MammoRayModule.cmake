@@ -9,6 +9,10 @@ cmake_path(GET CMAKE_CURRENT_LIST_DIR PARENT_PATH MAMMORAY_ROOT_DIR)
 set(MAMMORAY_WARNING_FLAGS -Wall -Wextra -Wshadow -Wnon-virtual-dtor -Woverloaded-virtual
   # Designated initialisers leave members at their stated defaults on purpose.
   -Wno-missing-field-initializers)
+if (CMAKE_UNITY_BUILD)
+  # There, no source is the main file, to whose anonymous namespace types may refer.
+  list(APPEND MAMMORAY_WARNING_FLAGS -Wno-subobject-linkage)
+endif ()
 if (MAMMORAY_WARNINGS_AS_ERRORS)
   list(APPEND MAMMORAY_WARNING_FLAGS -Werror)
 endif ()

@@ -39,7 +39,7 @@ struct HeldMaterial
 };
 
 /// What the model is made of.
-struct Setup
+struct CompressionSetup
 {
   /// Of input 0.
   TetrahedralMesh Anatomy;
@@ -50,7 +50,7 @@ struct Setup
   /// Of the image; 0: not to be unloaded of.
   Vector3 ImageGravity{ 0, 0, 0 };
 
-  bool operator==(const Setup& other) const
+  bool operator==(const CompressionSetup& other) const
   {
     return this->Anatomy == other.Anatomy && this->Coarse == other.Coarse &&
       this->Materials.Elastic == other.Materials.Elastic &&
@@ -71,7 +71,7 @@ double TimeAsked(vtkInformation* information)
 struct vtkBreastCompression::Internals
 {
   std::map<int, HeldMaterial> Given;
-  Setup Made;
+  CompressionSetup Made;
   std::unique_ptr<BreastModel> Model;
   std::optional<CompressionState> State;
   /// The state found last for a force, and the force with the plates it began with.
@@ -80,9 +80,9 @@ struct vtkBreastCompression::Internals
 
   const CompressionSimulation& Simulation() const { return this->Model->Body().Simulation(); }
   ElasticTable MaterialsOf(const TetrahedralMesh& mesh, const std::string& table) const;
-  Setup SetupOf(const vtkBreastCompression& filter, vtkUnstructuredGrid* input,
+  CompressionSetup SetupOf(const vtkBreastCompression& filter, vtkUnstructuredGrid* input,
     vtkUnstructuredGrid* coarse) const;
-  void Prepare(Setup setup, const ProgressCallback& progress);
+  void Prepare(CompressionSetup setup, const ProgressCallback& progress);
   /// Leaves the state at a time of the compression to the pose's thickness, or to a force above 0.
   void CompressTo(const UnitPlacement& placement, const BreastPose& pose, double forceN,
     double time, const ProgressCallback& progress);
@@ -129,11 +129,11 @@ ElasticTable vtkBreastCompression::Internals::MaterialsOf(const TetrahedralMesh&
   return materials;
 }
 
-Setup vtkBreastCompression::Internals::SetupOf(const vtkBreastCompression& filter,
+CompressionSetup vtkBreastCompression::Internals::SetupOf(const vtkBreastCompression& filter,
   vtkUnstructuredGrid* input, vtkUnstructuredGrid* coarse) const
 {
   const AnatomicalAxes axes = AnatomicalAxes::FromCode(filter.Orientation);
-  Setup setup;
+  CompressionSetup setup;
   setup.Anatomy = FromGrid(input);
   setup.Anatomy.Validate("vtkBreastCompression's input");
   setup.Materials = this->MaterialsOf(setup.Anatomy, filter.MaterialTable);
@@ -160,7 +160,8 @@ Setup vtkBreastCompression::Internals::SetupOf(const vtkBreastCompression& filte
   return setup;
 }
 
-void vtkBreastCompression::Internals::Prepare(Setup setup, const ProgressCallback& progress)
+void vtkBreastCompression::Internals::Prepare(CompressionSetup setup,
+  const ProgressCallback& progress)
 {
   if (this->Model && setup == this->Made)
   {

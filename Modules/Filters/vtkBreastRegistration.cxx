@@ -35,20 +35,21 @@ namespace
 using namespace mammoray;
 
 /// What meshes, simulation and what is on the device are made of.
-struct Setup
+struct RegistrationSetup
 {
   TetrahedralMesh Anatomy;
   std::optional<TetrahedralMesh> Coarse;
   std::string Table;
   std::string Device;
 
-  bool operator==(const Setup&) const = default;
+  bool operator==(const RegistrationSetup&) const = default;
 };
 
 /// A breast ready to be registered.
 struct PreparedBreast
 {
-  PreparedBreast(Setup setup, const mammoray::Spectrum& spectrum, const ProgressCallback& progress)
+  PreparedBreast(RegistrationSetup setup, const mammoray::Spectrum& spectrum,
+    const ProgressCallback& progress)
     : Made(std::move(setup))
     , Table(FindMaterialTable(this->Made.Table))
     , Model(this->Made.Anatomy, this->Table,
@@ -63,7 +64,7 @@ struct PreparedBreast
     return MakeBeam(this->Table, spectrum, DetectorResponse::EnergyIntegrating);
   }
 
-  Setup Made;
+  RegistrationSetup Made;
   MaterialTable Table;
   BreastModel Model;
 };
@@ -325,7 +326,7 @@ int vtkBreastRegistration::RequestData(vtkInformation*, vtkInformationVector** i
     {
       grid = internal.MeshLabels(vtkImageData::GetData(inputs[0]), this->MaterialTable);
     }
-    Setup setup{ FromGrid(grid), {}, this->MaterialTable, this->DeviceName };
+    RegistrationSetup setup{ FromGrid(grid), {}, this->MaterialTable, this->DeviceName };
     setup.Anatomy.Validate("vtkBreastRegistration's input");
     if (vtkUnstructuredGrid* coarse = vtkUnstructuredGrid::GetData(inputs[2]))
     {

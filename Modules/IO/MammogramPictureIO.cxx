@@ -20,7 +20,7 @@ namespace mammoray
 {
 namespace
 {
-[[noreturn]] void Refuse(const std::string& path, const std::string& why)
+[[noreturn]] void RefusePicture(const std::string& path, const std::string& why)
 {
   throw InputError(path + ": " + why);
 }
@@ -42,11 +42,11 @@ Mammogram ReadMammogramPicture(const std::string& path, const PictureDescription
   need(description.Laterality == 'L' || description.Laterality == 'R', "laterality");
   if (!missing.empty())
   {
-    Refuse(path, "a picture has no header: expected its " + missing + " to be given");
+    RefusePicture(path, "a picture has no header: expected its " + missing + " to be given");
   }
   if (!(*description.PixelSpacingMm > 0))
   {
-    Refuse(path,
+    RefusePicture(path,
       "expected a positive pixel spacing, found " + std::to_string(*description.PixelSpacingMm) +
         " mm");
   }
@@ -57,7 +57,7 @@ Mammogram ReadMammogramPicture(const std::string& path, const PictureDescription
   }
   if (!std::filesystem::is_regular_file(path) || reader->CanReadFile(path.c_str()) == 0)
   {
-    Refuse(path, "expected a picture that can be read");
+    RefusePicture(path, "expected a picture that can be read");
   }
   reader->SetFileName(path.c_str());
   reader->Update();
@@ -65,7 +65,7 @@ Mammogram ReadMammogramPicture(const std::string& path, const PictureDescription
   vtkDataArray* values = image->GetPointData()->GetScalars();
   if (!values || reader->GetErrorCode() != 0)
   {
-    Refuse(path, "expected a picture that can be decoded");
+    RefusePicture(path, "expected a picture that can be decoded");
   }
   Mammogram mammogram;
   mammogram.Columns = image->GetDimensions()[0];
@@ -88,7 +88,7 @@ Mammogram ReadMammogramPicture(const std::string& path, const PictureDescription
         // Some encoders round the three channels of grey apart.
         if (std::abs(values->GetComponent(id, colour) - value) > 2)
         {
-          Refuse(path, "expected a grey picture, found a coloured one");
+          RefusePicture(path, "expected a grey picture, found a coloured one");
         }
       }
       mammogram.Pixels.push_back(static_cast<float>(value));

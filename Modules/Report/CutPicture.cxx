@@ -24,10 +24,10 @@ namespace mammoray
 namespace
 {
 constexpr int LongestSidePixels = 460;
-constexpr int Margin = 20;
+constexpr int CutMargin = 20;
 constexpr double LineMarginMm = 4;
 constexpr int TitleHeight = 46;
-constexpr int LegendWidth = 190;
+constexpr int CutLegendWidth = 190;
 constexpr int Supersampling = 4;
 
 struct CutCell
@@ -190,29 +190,29 @@ void WriteCutPicture(const std::vector<CutPanel>& panels,
   }
   const double pixelMm = longestMm / LongestSidePixels;
   const auto pixels = [&](double mm) { return std::max(1, static_cast<int>(mm / pixelMm) + 1); };
-  int width = Margin + LegendWidth;
+  int width = CutMargin + CutLegendWidth;
   int height = 0;
   for (const Cut& cut : cuts)
   {
-    width += pixels(cut.Width()) + Margin;
+    width += pixels(cut.Width()) + CutMargin;
     height = std::max(height, pixels(cut.Height()));
   }
-  Picture picture(width, height + TitleHeight + 2 * Margin);
-  int left = Margin;
+  Picture picture(width, height + TitleHeight + 2 * CutMargin);
+  int left = CutMargin;
   for (std::size_t index = 0; index < cuts.size(); ++index)
   {
     const Cut& cut = cuts[index];
     const int across = pixels(cut.Width());
-    picture.PasteShrunk(left, TitleHeight + Margin + (height - pixels(cut.Height())) / 2,
+    picture.PasteShrunk(left, TitleHeight + CutMargin + (height - pixels(cut.Height())) / 2,
       Supersampling, DrawCut(cut, across, pixels(cut.Height()), pixelMm));
     picture.Text(left + 0.5 * across, 0.5 * TitleHeight, 0.5, panels[index].Title);
-    left += across + Margin;
+    left += across + CutMargin;
   }
   std::size_t row = 0;
   for (const int material : materials)
   {
     const auto index = static_cast<std::size_t>(material);
-    picture.LegendEntry(left, picture.Height() - Margin, row++, index - 1,
+    picture.LegendEntry(left, picture.Height() - CutMargin, row++, index - 1,
       index < materialNames.size() ? materialNames[index] : "material " + std::to_string(material));
   }
   DrawScaleBar(picture, left, 0.5 * TitleHeight, pixelMm);

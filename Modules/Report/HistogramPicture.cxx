@@ -13,11 +13,11 @@ namespace
 {
 constexpr int PanelWidth = 560;
 constexpr int PictureHeight = 420;
-constexpr int Left = 90;
-constexpr int Right = 20;
-constexpr int Top = 44;
-constexpr int Bottom = 70;
-constexpr int LegendWidth = 190;
+constexpr int HistogramLeft = 90;
+constexpr int HistogramRight = 20;
+constexpr int HistogramTop = 44;
+constexpr int HistogramBottom = 70;
+constexpr int HistogramLegendWidth = 190;
 
 std::string Number(double value)
 {
@@ -38,33 +38,33 @@ void DrawPanel(Picture& picture, const HistogramPanel& panel, int offset)
     }
   }
   const double most = std::max(1.0, *std::max_element(totals.begin(), totals.end()));
-  const int x0 = offset + Left;
-  const double width = PanelWidth - Left - Right;
-  const double height = PictureHeight - Top - Bottom;
-  const auto up = [&](double count) { return Bottom + height * std::sqrt(count / most); };
+  const int x0 = offset + HistogramLeft;
+  const double width = PanelWidth - HistogramLeft - HistogramRight;
+  const double height = PictureHeight - HistogramTop - HistogramBottom;
+  const auto up = [&](double count) { return HistogramBottom + height * std::sqrt(count / most); };
   for (std::size_t bin = 0; bin < bins; ++bin)
   {
     // The scale holds for the bar as a whole; its parts are shares of its height.
-    const double full = totals[bin] > 0 ? (up(totals[bin]) - Bottom) / totals[bin] : 0;
+    const double full = totals[bin] > 0 ? (up(totals[bin]) - HistogramBottom) / totals[bin] : 0;
     double below = 0;
     for (std::size_t group = 0; group < panel.Groups.size(); ++group)
     {
       const double above = below + static_cast<double>(panel.Groups[group].Counts[bin]);
-      picture.Box(x0 + width * static_cast<double>(bin) / bins + 1, Bottom + full * below,
-        x0 + width * static_cast<double>(bin + 1) / bins - 1, Bottom + full * above,
+      picture.Box(x0 + width * static_cast<double>(bin) / bins + 1, HistogramBottom + full * below,
+        x0 + width * static_cast<double>(bin + 1) / bins - 1, HistogramBottom + full * above,
         GroupColor(group));
       below = above;
     }
   }
-  picture.Box(x0 - 2, Bottom - 2, x0 + width, Bottom, PictureInk);
-  picture.Box(x0 - 2, Bottom - 2, x0, Bottom + height, PictureInk);
+  picture.Box(x0 - 2, HistogramBottom - 2, x0 + width, HistogramBottom, PictureInk);
+  picture.Box(x0 - 2, HistogramBottom - 2, x0, HistogramBottom + height, PictureInk);
   const double range = panel.Step * static_cast<double>(bins);
   const double step = TickStep(range, 8);
   for (double value = 0; value <= range * (1 + 1e-9); value += step)
   {
     const double x = x0 + width * value / range;
-    picture.Box(x - 1, Bottom - 7, x + 1, Bottom, PictureInk);
-    picture.Text(x, Bottom - 18, 0.5, Number(value));
+    picture.Box(x - 1, HistogramBottom - 7, x + 1, HistogramBottom, PictureInk);
+    picture.Text(x, HistogramBottom - 18, 0.5, Number(value));
   }
   for (const double share : { 0.01, 0.1, 0.5, 1.0 })
   {
@@ -88,7 +88,8 @@ void WriteHistogramPicture(const std::vector<HistogramPanel>& panels, const std:
   {
     throw InputError(path + ": expected cells to draw a histogram of, found none");
   }
-  Picture picture(static_cast<int>(panels.size()) * PanelWidth + LegendWidth, PictureHeight);
+  Picture picture(static_cast<int>(panels.size()) * PanelWidth + HistogramLegendWidth,
+    PictureHeight);
   for (std::size_t index = 0; index < panels.size(); ++index)
   {
     DrawPanel(picture, panels[index], static_cast<int>(index) * PanelWidth);
@@ -96,8 +97,8 @@ void WriteHistogramPicture(const std::vector<HistogramPanel>& panels, const std:
   const std::vector<HistogramPanel::Group>& groups = panels.front().Groups;
   for (std::size_t group = 0; group < groups.size(); ++group)
   {
-    picture.LegendEntry(static_cast<double>(panels.size()) * PanelWidth, PictureHeight - Top, group,
-      group, groups[group].Name);
+    picture.LegendEntry(static_cast<double>(panels.size()) * PanelWidth,
+      PictureHeight - HistogramTop, group, group, groups[group].Name);
   }
   picture.Write(path);
 }

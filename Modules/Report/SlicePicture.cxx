@@ -13,9 +13,9 @@ namespace
 {
 constexpr int SlicesPerPlane = 3;
 constexpr int PanelPixels = 360; // the longer side
-constexpr int Margin = 12;
+constexpr int SliceMargin = 12;
 constexpr int TitleHeight = 28;
-constexpr int LegendWidth = 170;
+constexpr int SliceLegendWidth = 170;
 constexpr double BorderMm = 5.0;
 
 /// A box of the volume in the directions of the patient: left, front, head; mm.
@@ -176,23 +176,23 @@ void WriteSlicePicture(const IntensityVolume& image, const LabelVolume& labels,
 {
   image.ValidateGrid("slice picture", labels.Voxels.size());
   const Slices slices(image, labels, axes);
-  int width = LegendWidth + Margin;
-  int height = Margin;
+  int width = SliceLegendWidth + SliceMargin;
+  int height = SliceMargin;
   int rowWidth = 0;
   for (const Plane& plane : Planes)
   {
-    rowWidth = std::max(rowWidth, SlicesPerPlane * (slices.Pixels(plane.Right) + Margin));
+    rowWidth = std::max(rowWidth, SlicesPerPlane * (slices.Pixels(plane.Right) + SliceMargin));
     height += slices.Pixels(plane.Up) + TitleHeight;
   }
   width += rowWidth;
   Picture picture(width, height);
-  int top = height - Margin;
+  int top = height - SliceMargin;
   for (const Plane& plane : Planes)
   {
     top -= slices.Pixels(plane.Up);
     for (int slice = 0; slice < SlicesPerPlane; ++slice)
     {
-      const int left = Margin + slice * (slices.Pixels(plane.Right) + Margin);
+      const int left = SliceMargin + slice * (slices.Pixels(plane.Right) + SliceMargin);
       const double place = slices.Place(plane, slice);
       slices.Draw(picture, left, top, plane, place);
       char title[80];
@@ -209,7 +209,7 @@ void WriteSlicePicture(const IntensityVolume& image, const LabelVolume& labels,
       continue;
     }
     const auto index = static_cast<std::size_t>(label);
-    picture.LegendEntry(width - LegendWidth, height - Margin, row++, index - 1,
+    picture.LegendEntry(width - SliceLegendWidth, height - SliceMargin, row++, index - 1,
       index < names.size() ? names[index] : "label " + std::to_string(label));
   }
   picture.Write(path);

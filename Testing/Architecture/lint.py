@@ -73,14 +73,21 @@ def arguments_of(entry):
     return tuple(kept)
 
 
+def sources_of(path):
+    """What is compiled: the file, or those that a unity build's file includes."""
+    if path.parent.name != "Unity":
+        return [path]
+    return [pathlib.Path(name) for name in re.findall(r'#include "(/[^"]+\.cxx)"', path.read_text())]
+
+
 def pieces(build, wanted):
     """Lists of sources that can be read together, with their arguments."""
     groups = {}
     for entry in json.loads((build / "compile_commands.json").read_text()):
-        path = pathlib.Path(entry["directory"], entry["file"]).resolve()
-        inside = path.is_relative_to(ROOT) and path.relative_to(ROOT).parts[0] in ("Modules", "Applications")
-        if inside and path.suffix == ".cxx" and not path.is_relative_to(build) and wanted(path):
-            groups.setdefault((arguments_of(entry), entry["directory"]), []).append(path)
+        for path in sources_of(pathlib.Path(entry["directory"], entry["file"]).resolve()):
+            inside = path.is_relative_to(ROOT) and path.relative_to(ROOT).parts[0] in ("Modules", "Applications")
+            if inside and path.suffix == ".cxx" and not path.is_relative_to(build) and wanted(path):
+                groups.setdefault((arguments_of(entry), entry["directory"]), []).append(path)
     for (arguments, directory), paths in groups.items():
         batches = []
         for path in sorted(set(paths)):

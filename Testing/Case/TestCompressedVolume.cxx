@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "Refusals.h"
 #include "SqueezedBox.h"
 #include "mammoray/Case/CompressedVolume.h"
 #include "mammoray/Foundation/Error.h"
@@ -17,6 +18,7 @@
 #include <memory>
 #include <string>
 
+using mammoray::testing_support::RefusalOf;
 using namespace mammoray;
 using ::testing::HasSubstr;
 
@@ -156,15 +158,8 @@ TEST_F(FusedBox, RefusesAnImageOfAnotherPlace)
 {
   IntensityVolume image = MakeImage();
   image.Origin[2] = 500;
-  try
-  {
-    CompressVolume(image, *this->Breast, 1.0);
-    FAIL();
-  }
-  catch (const InputError& error)
-  {
-    EXPECT_THAT(error.what(), HasSubstr("found no voxel there"));
-  }
+  EXPECT_THAT(RefusalOf([&] { CompressVolume(image, *this->Breast, 1.0); }),
+    HasSubstr("found no voxel there"));
   EXPECT_THROW(CompressVolume(MakeImage(), *this->Breast, 0.0), InputError);
   EXPECT_THROW(
     CompressVolume(MakeImage(), *this->Breast, 1.0, [](double, const char*) { return false; }),

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "Refusals.h"
 #include "SurfaceMeasures.h"
 #include "mammoray/Case/ExampleData.h"
 #include "mammoray/Foundation/Error.h"
@@ -11,6 +12,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+using mammoray::testing_support::RefusalOf;
 using namespace mammoray;
 
 TEST(ExampleData, BreastIsThePublishedSizeAndKeepsTheTissues)
@@ -39,15 +41,8 @@ TEST(ExampleData, BreastIsThePublishedSizeAndKeepsTheTissues)
 
 TEST(ExampleData, UnknownNamesGetNearOnes)
 {
-  try
-  {
-    MakeExampleScene("boxs");
-    FAIL();
-  }
-  catch (const InputError& error)
-  {
-    EXPECT_THAT(error.what(), testing::HasSubstr("did you mean boxes?"));
-  }
+  EXPECT_THAT(RefusalOf([&] { MakeExampleScene("boxs"); }),
+    testing::HasSubstr("did you mean boxes?"));
 }
 
 TEST(SurfaceConversion, PolyDataRoundTrips)

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Files.h"
+#include "Refusals.h"
 #include "TestResults.h"
 #include "mammoray/Case/RegisteredMammogram.h"
 #include "mammoray/Foundation/Error.h"
@@ -12,6 +13,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+using mammoray::testing_support::RefusalOf;
 using namespace mammoray;
 using ::testing::HasSubstr;
 
@@ -48,15 +50,8 @@ TEST(RegisteredMammogram, APictureIsReadAsItWasRegistered)
   EXPECT_EQ(read.Laterality, 'L');
   EXPECT_TRUE(IsRegisteredMammogram(result, picture));
   EXPECT_FALSE(IsRegisteredMammogram(result, other));
-  try
-  {
-    ReadRegisteredMammogram(result, other);
-    FAIL() << "accepted another picture";
-  }
-  catch (const InputError& error)
-  {
-    EXPECT_THAT(error.what(), HasSubstr("b.png: expected the mammogram of the result, a.png"));
-  }
+  EXPECT_THAT(RefusalOf([&] { ReadRegisteredMammogram(result, other); }),
+    HasSubstr("b.png: expected the mammogram of the result, a.png"));
 }
 
 TEST(RegisteredMammogram, ASyntheticOneNeedsItsPicture)
@@ -66,13 +61,7 @@ TEST(RegisteredMammogram, ASyntheticOneNeedsItsPicture)
   result.Folder = folder.File("");
   Mammogram real;
   real.Laterality = 'L';
-  try
-  {
-    ReadSyntheticMammogram(result, real, Mammogram::Intent::ForPresentation);
-    FAIL() << "made of nothing";
-  }
-  catch (const InputError& error)
-  {
-    EXPECT_THAT(error.what(), HasSubstr("synthetic.mha: no such file"));
-  }
+  EXPECT_THAT(
+    RefusalOf([&] { ReadSyntheticMammogram(result, real, Mammogram::Intent::ForPresentation); }),
+    HasSubstr("synthetic.mha: no such file"));
 }

@@ -2,6 +2,7 @@
 // What is written is read again, stands in docs/result-file.md, and is refused in one line where it
 // is damaged.
 #include "Files.h"
+#include "Refusals.h"
 #include "TestResults.h"
 #include "mammoray/Case/ResultFile.h"
 #include "mammoray/Foundation/Error.h"
@@ -18,6 +19,7 @@
 #include <regex>
 #include <set>
 
+using mammoray::testing_support::RefusalOf;
 using namespace mammoray;
 using ::testing::AllOf;
 using ::testing::HasSubstr;
@@ -27,21 +29,6 @@ using Json = nlohmann::ordered_json;
 
 namespace
 {
-/// The message of the InputError that reading throws; fails the test where it throws none.
-std::string RefusalOf(const std::function<void()>& read)
-{
-  try
-  {
-    read();
-  }
-  catch (const InputError& error)
-  {
-    return error.what();
-  }
-  ADD_FAILURE() << "expected an InputError";
-  return "";
-}
-
 /// Names of all fields as in the docs: `placement.x`, `parameters[].name`, `versions.NAME`.
 void CollectFields(const Json& json, const std::string& prefix, std::set<std::string>& names)
 {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "LabelShapes.h"
+#include "Refusals.h"
 #include "mammoray/Foundation/IntensityVolume.h"
 
 #include <gmock/gmock.h>
@@ -8,8 +9,8 @@
 
 namespace
 {
+using mammoray::testing_support::RefusalOf;
 using namespace mammoray;
-using mammoray::test::MessageOf;
 
 double LinearField(const Vector3& point)
 {
@@ -62,7 +63,7 @@ TEST(IntensityVolume, ValidateNamesTheVoxelThatIsNotFinite)
   IntensityVolume volume = LinearVolume();
   EXPECT_NO_THROW(volume.Validate("MRI"));
   volume.Voxels[volume.Index(4, 2, 1)] = INFINITY;
-  EXPECT_THAT(MessageOf([&] { volume.Validate("MRI"); }),
+  EXPECT_THAT(RefusalOf([&] { volume.Validate("MRI"); }),
     testing::HasSubstr("MRI: voxel (4, 2, 1) holds inf"));
 }
 }

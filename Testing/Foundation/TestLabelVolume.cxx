@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "Refusals.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/Foundation/LabelVolume.h"
 
@@ -7,6 +8,7 @@
 
 #include <limits>
 
+using mammoray::testing_support::RefusalOf;
 using namespace mammoray;
 
 namespace
@@ -26,18 +28,6 @@ LabelVolume ObliqueVolume()
   return volume;
 }
 
-std::string MessageOf(const std::function<void()>& action)
-{
-  try
-  {
-    action();
-  }
-  catch (const InputError& error)
-  {
-    return error.what();
-  }
-  return "no InputError";
-}
 }
 
 TEST(LabelVolume, ObliqueIndexAndPointAreInverse)
@@ -68,13 +58,13 @@ TEST(LabelVolume, ValidateNamesWhatIsWrong)
   LabelVolume volume = ObliqueVolume();
   EXPECT_NO_THROW(volume.Validate("volume"));
   volume.Spacing[1] = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_THAT(MessageOf([&] { volume.Validate("v.nrrd"); }),
+  EXPECT_THAT(RefusalOf([&] { volume.Validate("v.nrrd"); }),
     testing::AllOf(testing::HasSubstr("v.nrrd"), testing::HasSubstr("spacing along axis 1")));
   volume = ObliqueVolume();
   volume.Direction[0] = { 1, 0, 0 };
-  EXPECT_THAT(MessageOf([&] { volume.Validate("v"); }), testing::HasSubstr("orthonormal"));
+  EXPECT_THAT(RefusalOf([&] { volume.Validate("v"); }), testing::HasSubstr("orthonormal"));
   volume = ObliqueVolume();
   volume.Voxels.pop_back();
-  EXPECT_THAT(MessageOf([&] { volume.Validate("v"); }),
+  EXPECT_THAT(RefusalOf([&] { volume.Validate("v"); }),
     testing::HasSubstr("expected 60 voxels, found 59"));
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "LabelShapes.h"
+#include "Refusals.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/Foundation/MaterialTable.h"
 #include "mammoray/Foundation/SurfaceMesh.h"
@@ -8,6 +9,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+using mammoray::testing_support::NotRefused;
+using mammoray::testing_support::RefusalOf;
 using namespace mammoray;
 using testing::HasSubstr;
 
@@ -24,17 +27,9 @@ MaterialTable TwoTissues()
 }
 
 template <typename Mesh>
-std::string MessageOf(const Mesh& mesh, const std::vector<std::string>& names)
+std::string CheckRefusal(const Mesh& mesh, const std::vector<std::string>& names)
 {
-  try
-  {
-    TwoTissues().CheckMesh(mesh, names, "mesh.vtu");
-  }
-  catch (const InputError& error)
-  {
-    return error.what();
-  }
-  return "";
+  return RefusalOf([&] { TwoTissues().CheckMesh(mesh, names, "mesh.vtu"); });
 }
 }
 
@@ -42,32 +37,32 @@ TEST(MaterialTable, MeshOfItsMaterialsPasses)
 {
   TetrahedralMesh mesh;
   mesh.Materials = { 2, 1 };
-  EXPECT_EQ(MessageOf(mesh, {}), "");
-  EXPECT_EQ(MessageOf(mesh, { "air", "fat", "gland" }), "");
+  EXPECT_EQ(CheckRefusal(mesh, {}), NotRefused);
+  EXPECT_EQ(CheckRefusal(mesh, { "air", "fat", "gland" }), NotRefused);
   // Names beyond the materials in use say nothing.
   mesh.Materials = { 1 };
-  EXPECT_EQ(MessageOf(mesh, { "air", "fat", "bone" }), "");
+  EXPECT_EQ(CheckRefusal(mesh, { "air", "fat", "bone" }), NotRefused);
   SurfaceMesh surface;
   surface.FrontMaterials = { 0, 1 };
   surface.BackMaterials = { 1, 2 };
-  EXPECT_EQ(MessageOf(surface, { "", "fat", "gland" }), "");
+  EXPECT_EQ(CheckRefusal(surface, { "", "fat", "gland" }), NotRefused);
 }
 
 TEST(MaterialTable, MeshOfOtherMaterialsIsRefused)
 {
   TetrahedralMesh mesh;
   mesh.Materials = { 2, 3 };
-  EXPECT_THAT(MessageOf(mesh, {}),
+  EXPECT_THAT(CheckRefusal(mesh, {}),
     HasSubstr("mesh.vtu: expected materials 1 to 2 of the table 'two tissues', found 3"));
   mesh.Materials = { 0, 1 };
-  EXPECT_THAT(MessageOf(mesh, {}), HasSubstr("found 0"));
+  EXPECT_THAT(CheckRefusal(mesh, {}), HasSubstr("found 0"));
   mesh.Materials = { 2, 1 };
-  EXPECT_THAT(MessageOf(mesh, { "air", "fat", "lesion" }),
+  EXPECT_THAT(CheckRefusal(mesh, { "air", "fat", "lesion" }),
     HasSubstr("material 2 is 'lesion', but 'gland' in the table 'two tissues'"));
   SurfaceMesh surface;
   surface.FrontMaterials = { 0 };
   surface.BackMaterials = { 3 };
-  EXPECT_THAT(MessageOf(surface, {}), HasSubstr("expected materials 0 to 2"));
+  EXPECT_THAT(CheckRefusal(surface, {}), HasSubstr("expected materials 0 to 2"));
 }
 
 TEST(MaterialTable, MergesLabelsAndRefusesUnknownOnes)
@@ -77,17 +72,16 @@ TEST(MaterialTable, MergesLabelsAndRefusesUnknownOnes)
   volume.Voxels = { 0, 1, 2, 29 };
   EXPECT_THAT(TwoTissues().ToMaterials(volume, "v").Voxels, testing::ElementsAre(0, 1, 1, 2));
   volume.Voxels = { 7, 1, 7, 29 };
-  EXPECT_THAT(test::MessageOf([&] { TwoTissues().ToMaterials(volume, "v"); }),
+  EXPECT_THAT(RefusalOf([&] { TwoTissues().ToMaterials(volume, "v"); }),
     HasSubstr("label 7 (2 voxels)"));
   volume.Voxels = { 0, 0, 0, 0 };
-  EXPECT_THAT(test::MessageOf([&] { TwoTissues().ToMaterials(volume, "v"); }),
-    HasSubstr("only air"));
+  EXPECT_THAT(RefusalOf([&] { TwoTissues().ToMaterials(volume, "v"); }), HasSubstr("only air"));
 }
 
 TEST(MaterialTable, UnknownMaterialIsRefusedWithTheKnownOnes)
 {
   EXPECT_EQ(TwoTissues().IndexOf("gland"), 2);
-  EXPECT_THAT(test::MessageOf([&] { TwoTissues().IndexOf("bone"); }),
+  EXPECT_THAT(RefusalOf([&] { TwoTissues().IndexOf("bone"); }),
     testing::AllOf(HasSubstr("'bone'"), HasSubstr("air, fat, gland")));
 }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "LabelShapes.h"
+#include "Refusals.h"
 #include "TestMeshes.h"
 #include "mammoray/Foundation/TetrahedralMesh.h"
 
@@ -7,8 +8,8 @@
 
 namespace
 {
+using mammoray::testing_support::RefusalOf;
 using namespace mammoray;
-using mammoray::test::MessageOf;
 
 TetrahedralMesh OneCell()
 {
@@ -44,16 +45,16 @@ TEST(TetrahedralMesh, ValidateNamesWhatIsWrong)
   TetrahedralMesh mesh = OneCell();
   std::swap(mesh.Cells[0], mesh.Cells[1]);
   EXPECT_NO_THROW(mesh.ValidateIndices("mesh"));
-  EXPECT_EQ(MessageOf([&] { mesh.Validate("breast.vtu"); }),
+  EXPECT_EQ(RefusalOf([&] { mesh.Validate("breast.vtu"); }),
     "breast.vtu: cell 0 has volume -4.000000 mm3, expected a positive one");
   mesh.Cells[2] = 4;
-  EXPECT_EQ(MessageOf([&] { mesh.Validate("mesh"); }),
+  EXPECT_EQ(RefusalOf([&] { mesh.Validate("mesh"); }),
     "mesh: cell 0 uses point 4, expected 0 to 3");
   mesh = OneCell();
   mesh.Materials.clear();
-  EXPECT_EQ(MessageOf([&] { mesh.Validate("mesh"); }),
+  EXPECT_EQ(RefusalOf([&] { mesh.Validate("mesh"); }),
     "mesh: expected 4 indices and 1 material per cell, found 4 and 0");
-  EXPECT_EQ(MessageOf([&] { TetrahedralMesh().Validate("mesh"); }),
+  EXPECT_EQ(RefusalOf([&] { TetrahedralMesh().Validate("mesh"); }),
     "mesh: expected tetrahedra, found none");
 }
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "LabelShapes.h"
+#include "Refusals.h"
 #include "mammoray/Foundation/VolumeGrid.h"
 
 #include <gmock/gmock.h>
@@ -8,8 +9,8 @@
 
 namespace
 {
+using mammoray::testing_support::RefusalOf;
 using namespace mammoray;
-using mammoray::test::MessageOf;
 
 VolumeGrid ObliqueGrid()
 {
@@ -60,19 +61,19 @@ TEST(VolumeGrid, StepsOfOneVoxelAreItsSpacingLong)
 TEST(VolumeGrid, ValidateNamesWhatIsWrong)
 {
   EXPECT_NO_THROW(ObliqueGrid().ValidateGrid("v", 60));
-  EXPECT_THAT(MessageOf([] { ObliqueGrid().ValidateGrid("v", 59); }),
+  EXPECT_THAT(RefusalOf([] { ObliqueGrid().ValidateGrid("v", 59); }),
     testing::HasSubstr("v: expected 60 voxels, found 59"));
   VolumeGrid grid = ObliqueGrid();
   grid.Size[2] = 0;
-  EXPECT_THAT(MessageOf([&] { grid.ValidateGrid("v", 0); }),
+  EXPECT_THAT(RefusalOf([&] { grid.ValidateGrid("v", 0); }),
     testing::HasSubstr("size along axis 2 is 0"));
   grid = ObliqueGrid();
   grid.Spacing[0] = -1;
-  EXPECT_THAT(MessageOf([&] { grid.ValidateGrid("v", 60); }),
+  EXPECT_THAT(RefusalOf([&] { grid.ValidateGrid("v", 60); }),
     testing::HasSubstr("spacing along axis 0 is -1 mm"));
   grid = ObliqueGrid();
   grid.Direction[1] = { 0.8, 0.6, 0 };
-  EXPECT_THAT(MessageOf([&] { grid.ValidateGrid("v", 60); }),
+  EXPECT_THAT(RefusalOf([&] { grid.ValidateGrid("v", 60); }),
     testing::HasSubstr("axes 0 and 1 have the scalar product 0.96"));
 }
 }

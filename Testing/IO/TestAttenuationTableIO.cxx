@@ -1,27 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Files.h"
+#include "Refusals.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/IO/Private/AttenuationTableIO.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+using mammoray::testing_support::RefusalOf;
 using namespace mammoray;
 using testing_support::TemporaryFolder;
 
 namespace
 {
-std::string MessageOf(const std::string& path)
+std::string TableRefusal(const std::string& path)
 {
-  try
-  {
-    ReadAttenuationTable(path);
-  }
-  catch (const InputError& error)
-  {
-    return error.what();
-  }
-  return "no error";
+  return RefusalOf([&] { ReadAttenuationTable(path); });
 }
 }
 
@@ -40,10 +34,10 @@ TEST(AttenuationTableIO, DamagedFilesAreRefusedByLine)
 {
   TemporaryFolder folder;
   folder.Write("a.csv", "# nominal density 1 g/cm3\nenergy_eV,mu_total_per_cm\n1e4,oops\n");
-  EXPECT_THAT(MessageOf(folder.File("a.csv")), testing::HasSubstr("line 3"));
+  EXPECT_THAT(TableRefusal(folder.File("a.csv")), testing::HasSubstr("line 3"));
   folder.Write("a.csv", "energy_eV,mu_total_per_cm\n1e4,1\n");
-  EXPECT_THAT(MessageOf(folder.File("a.csv")), testing::HasSubstr("nominal density"));
+  EXPECT_THAT(TableRefusal(folder.File("a.csv")), testing::HasSubstr("nominal density"));
   folder.Write("a.csv", "# nominal density 1 g/cm3\nenergy,mu\n1e4,1\n");
-  EXPECT_THAT(MessageOf(folder.File("a.csv")), testing::HasSubstr("energy_eV"));
-  EXPECT_THAT(MessageOf(folder.File("absent.csv")), testing::HasSubstr("cannot be opened"));
+  EXPECT_THAT(TableRefusal(folder.File("a.csv")), testing::HasSubstr("energy_eV"));
+  EXPECT_THAT(TableRefusal(folder.File("absent.csv")), testing::HasSubstr("cannot be opened"));
 }

@@ -3,6 +3,7 @@
 #include "DescribedProjection.h"
 #include "DicomTesting.h"
 #include "Files.h"
+#include "Refusals.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/IO/DicomMammogramWriter.h"
 #include "mammoray/IO/MammogramIO.h"
@@ -14,6 +15,7 @@
 
 #include <cmath>
 
+using mammoray::testing_support::RefusalOf;
 using namespace mammoray;
 using ::testing::HasSubstr;
 using testing_support::Describe;
@@ -148,15 +150,8 @@ TEST(DicomMammogramWriter, RefusesWhatAMammogramMustSay)
   {
     Mammogram mammogram = whole;
     change(mammogram);
-    try
-    {
-      WriteMammogram(mammogram, {}, folder.File("image.dcm"));
-      ADD_FAILURE() << "not refused: " << text;
-    }
-    catch (const InputError& error)
-    {
-      EXPECT_THAT(error.what(), HasSubstr(text));
-    }
+    EXPECT_THAT(RefusalOf([&] { WriteMammogram(mammogram, {}, folder.File("image.dcm")); }),
+      HasSubstr(text));
   };
   refused([](Mammogram& m) { m.Laterality = '?'; }, "laterality L or R");
   refused([](Mammogram& m) { m.View = "spot"; }, "found 'spot'");

@@ -1,19 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
 // DICOM series and segmentations as label volumes.
 #include "Files.h"
+#include "Refusals.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/IO/LabelVolumeIO.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+using mammoray::testing_support::RefusalOf;
 using namespace mammoray;
 using testing::HasSubstr;
 using testing_support::TemporaryFolder;
 
 namespace
 {
-const std::string Shared = testing_support::SharedDataFolder();
+const std::string SharedData = testing_support::SharedDataFolder();
 
 std::string Little(std::uint32_t value, int bytes)
 {
@@ -186,18 +188,9 @@ void ExpectGeometry(const LabelVolume& volume, int slices)
   }
 }
 
-std::string MessageOf(const std::string& path)
+std::string LabelsRefusal(const std::string& path)
 {
-  try
-  {
-    ReadLabelVolume(path);
-  }
-  catch (const InputError& error)
-  {
-    EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos) << error.what();
-    return error.what();
-  }
-  return "no error";
+  return RefusalOf([&] { ReadLabelVolume(path); });
 }
 }
 
@@ -222,17 +215,17 @@ TEST(DicomLabels, SeriesKeepsItsObliqueGrid)
     }
   }
   folder.Write("d.dcm", SliceFile(3, 4));
-  EXPECT_THAT(MessageOf(folder.File("")), HasSubstr("even distances"));
+  EXPECT_THAT(LabelsRefusal(folder.File("")), HasSubstr("even distances"));
   folder.Write("d.dcm", SliceFile(3, 2));
-  EXPECT_THAT(MessageOf(folder.File("")), HasSubstr("found two at one"));
+  EXPECT_THAT(LabelsRefusal(folder.File("")), HasSubstr("found two at one"));
   folder.Write("d.dcm", SliceFile(3, 3, "1.2.9"));
-  EXPECT_THAT(MessageOf(folder.File("")), HasSubstr("one series"));
+  EXPECT_THAT(LabelsRefusal(folder.File("")), HasSubstr("one series"));
   const std::string whole = SliceFile(3, 3);
   folder.Write("d.dcm", whole.substr(0, whole.size() - 5));
-  EXPECT_THAT(MessageOf(folder.File("")), HasSubstr("cut short or damaged"));
-  EXPECT_THAT(MessageOf(folder.File("a.dcm")), HasSubstr("is read from its folder"));
+  EXPECT_THAT(LabelsRefusal(folder.File("")), HasSubstr("cut short or damaged"));
+  EXPECT_THAT(LabelsRefusal(folder.File("a.dcm")), HasSubstr("is read from its folder"));
   std::filesystem::create_directory(folder.File("empty"));
-  EXPECT_THAT(MessageOf(folder.File("empty")), HasSubstr("found none"));
+  EXPECT_THAT(LabelsRefusal(folder.File("empty")), HasSubstr("found none"));
 }
 
 TEST(DicomLabels, BinarySegmentsWithEmptySlicesLeftOut)
@@ -266,7 +259,7 @@ TEST(DicomLabels, FractionsCountFromAHalf)
 
 TEST(DicomLabels, SegmentationOfRealBreastWithUndefinedLengths)
 {
-  const std::string path = Shared + "/ispy1-breast-voi-seg/ispy1_1001_breast_voi_seg.dcm";
+  const std::string path = SharedData + "/ispy1-breast-voi-seg/ispy1_1001_breast_voi_seg.dcm";
   if (!std::filesystem::exists(path))
   {
     GTEST_SKIP() << "absent: " << path;
@@ -282,7 +275,7 @@ TEST(DicomLabels, SegmentationOfRealBreastWithUndefinedLengths)
 
 TEST(DicomLabels, SegmentationOfSeveralSegments)
 {
-  const std::string path = Shared + "/duke-breast-mri-153-CC-BY-NC-4.0/seg_fgt_fat.dcm";
+  const std::string path = SharedData + "/duke-breast-mri-153-CC-BY-NC-4.0/seg_fgt_fat.dcm";
   if (!std::filesystem::exists(path))
   {
     GTEST_SKIP() << "absent: " << path;

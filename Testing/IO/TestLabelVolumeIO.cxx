@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Files.h"
+#include "Refusals.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/IO/LabelVolumeIO.h"
 
@@ -12,32 +13,17 @@
 #include <cstring>
 #include <functional>
 
+using mammoray::testing_support::NotRefused;
+using mammoray::testing_support::RefusalOf;
 using namespace mammoray;
 using testing_support::ReadFile;
 using testing_support::TemporaryFolder;
 
 namespace
 {
-std::string MessageOf(const std::function<void()>& action)
-{
-  testing::internal::CaptureStderr();
-  std::string message = "no InputError";
-  try
-  {
-    action();
-  }
-  catch (const InputError& error)
-  {
-    message = error.what();
-  }
-  EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
-  EXPECT_THAT(message, testing::Not(testing::HasSubstr("\n")));
-  return message;
-}
-
 std::string ReadMessage(const std::string& path)
 {
-  return MessageOf([&] { ReadLabelVolume(path); });
+  return RefusalOf([&] { ReadLabelVolume(path); });
 }
 
 LabelVolume Oblique(double handedness = 1)
@@ -165,12 +151,12 @@ TEST(LabelVolumeIO, WrittenVolumesComeBack)
       ExpectSame(ReadLabelVolume(folder.File(name)), volume);
     }
   }
-  EXPECT_THAT(MessageOf([&] { WriteLabelVolume(Oblique(), folder.File("v.nii")); }),
+  EXPECT_THAT(RefusalOf([&] { WriteLabelVolume(Oblique(), folder.File("v.nii")); }),
     testing::HasSubstr(".nrrd, .mha or .nii.gz"));
   LabelVolume longer;
   longer.Size = { 40000, 1, 1 };
   longer.Voxels.assign(40000, 1);
-  EXPECT_THAT(MessageOf([&] { WriteLabelVolume(longer, folder.File("v.nii.gz")); }),
+  EXPECT_THAT(RefusalOf([&] { WriteLabelVolume(longer, folder.File("v.nii.gz")); }),
     testing::HasSubstr("at most 32767 voxels"));
 }
 
@@ -183,7 +169,7 @@ TEST(LabelVolumeIO, IntensitiesKeepSignFractionAndScale)
     folder.Write("v.nrrd", header + Bytes<float>({ -1.5f, 0.25f, 70000.0f, 3.0f })));
   EXPECT_THAT(volume.Voxels, testing::ElementsAre(-1.5f, 0.25f, 70000.0f, 3.0f));
   EXPECT_EQ(volume.Spacing, (Vector3{ 1, 2, 3 }));
-  EXPECT_THAT(MessageOf(
+  EXPECT_THAT(RefusalOf(
                 [&]
                 {
                   ReadIntensityVolume(
@@ -235,7 +221,7 @@ TEST(LabelVolumeIO, NrrdSpaces)
     EXPECT_EQ(given.Direction[0], (Vector3{ 1, 0, 0 })) << space;
   }
   EXPECT_EQ(originOf("scanner-xyz").Origin, (Vector3{ 1, 2, 3 }));
-  EXPECT_THAT(MessageOf([&] { originOf("RSP"); }), testing::HasSubstr("space: expected"));
+  EXPECT_THAT(RefusalOf([&] { originOf("RSP"); }), testing::HasSubstr("space: expected"));
 }
 
 TEST(LabelVolumeIO, EveryScalarTypeAndByteOrder)
@@ -300,7 +286,7 @@ TEST(LabelVolumeIO, DamagedFilesAreRefusedInOneLine)
     const std::string whole = ReadFile(folder.File(name));
     for (std::size_t cut = 1; cut < whole.size(); cut += 7)
     {
-      EXPECT_NE(ReadMessage(folder.Write(name, whole.substr(0, cut))), "no InputError")
+      EXPECT_NE(ReadMessage(folder.Write(name, whole.substr(0, cut))), NotRefused)
         << name << " cut at " << cut;
     }
     // Any damaged byte is refused or harmless; it never crashes.

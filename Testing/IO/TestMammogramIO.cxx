@@ -22,7 +22,7 @@ using ::testing::Not;
 namespace
 {
 const std::string Shared = testing_support::SharedDataFolder();
-const std::string Victre =
+const std::string VictreMammogram =
   testing_support::DataFolder() + "/victre-phantom-1/victre1_lcc_processing.dcm";
 
 #define SKIP_WITHOUT(path)                                                                         \
@@ -146,8 +146,8 @@ TEST(MammogramIO, ReadsAForProcessingImageAsStored)
 
 TEST(MammogramIO, ReadsTheHeaderOfThePhantomsMammogram)
 {
-  SKIP_WITHOUT(Victre);
-  const Mammogram mammogram = ReadMammogram(Victre);
+  SKIP_WITHOUT(VictreMammogram);
+  const Mammogram mammogram = ReadMammogram(VictreMammogram);
   EXPECT_EQ(mammogram.Rows, 1080);
   EXPECT_EQ(mammogram.Columns, 720);
   EXPECT_EQ(mammogram.Pixels[0], 0x2e3e); // the first two bytes of the file's pixel data
@@ -190,8 +190,8 @@ TEST(MammogramIO, RefusesAnotherModality)
 
 TEST(MammogramIO, RefusesAFileCutShortAnywhere)
 {
-  SKIP_WITHOUT(Victre);
-  const std::vector<char> whole = Bytes(Victre);
+  SKIP_WITHOUT(VictreMammogram);
+  const std::vector<char> whole = Bytes(VictreMammogram);
   for (const std::size_t length : { std::size_t{ 100 }, std::size_t{ 140 }, std::size_t{ 600 },
          std::size_t{ 1200 }, std::size_t{ 2000 }, whole.size() / 2, whole.size() - 2 })
   {
@@ -216,8 +216,8 @@ TEST(MammogramIO, RefusesCompressedPixelsCutShort)
 
 TEST(MammogramIO, RefusesWhatItWouldHaveToGuess)
 {
-  SKIP_WITHOUT(Victre);
-  const std::vector<char> whole = Bytes(Victre);
+  SKIP_WITHOUT(VictreMammogram);
+  const std::vector<char> whole = Bytes(VictreMammogram);
   using namespace std::string_literals;
   // Imager Pixel Spacing made a private-looking neighbour: (0018,1164) -> (0018,1165).
   ExpectRefusal(TemporaryFile(Replaced(whole, "\x18\x00\x64\x11"s, "\x18\x00\x65\x11"s)).Path,
@@ -229,12 +229,12 @@ TEST(MammogramIO, RefusesWhatItWouldHaveToGuess)
 
 TEST(MammogramIO, TakesTheSpacingAtTheReceptorFromTheMagnification)
 {
-  SKIP_WITHOUT(Victre);
+  SKIP_WITHOUT(VictreMammogram);
   using namespace std::string_literals;
   // Distance Source to Detector (0018,1110) renamed Estimated Radiographic Magnification
   // (0018,1114): Imager Pixel Spacing is preferred as long as it is there.
-  std::vector<char> bytes = Replaced(Bytes(Victre), "\x18\x00\x10\x11"s + "DS\x04\x00"s + "650 ",
-    "\x18\x00\x14\x11"s + "DS\x04\x00"s + "1.25");
+  std::vector<char> bytes = Replaced(Bytes(VictreMammogram),
+    "\x18\x00\x10\x11"s + "DS\x04\x00"s + "650 ", "\x18\x00\x14\x11"s + "DS\x04\x00"s + "1.25");
   EXPECT_EQ(ReadMammogram(TemporaryFile(bytes).Path).ColumnSpacingMm, 0.1);
   // Renamed Pixel Spacing (0028,0030), a distance in the breast, it grows by the magnification.
   bytes = Replaced(bytes, "\x18\x00\x64\x11"s, "\x28\x00\x30\x00"s);
@@ -243,11 +243,11 @@ TEST(MammogramIO, TakesTheSpacingAtTheReceptorFromTheMagnification)
 
 TEST(MammogramIO, DeclaredPaddingBecomesNan)
 {
-  SKIP_WITHOUT(Victre);
+  SKIP_WITHOUT(VictreMammogram);
   using namespace std::string_literals;
   // Pixel Intensity Relationship Sign (28,1041) SS 1 becomes Pixel Padding Value (28,0120) US
   // 0x2f2d, the value of the second pixel; elements keep their order of reading.
-  const TemporaryFile padded(Replaced(Bytes(Victre), "\x28\x00\x41\x10SS\x02\x00\x01\x00"s,
+  const TemporaryFile padded(Replaced(Bytes(VictreMammogram), "\x28\x00\x41\x10SS\x02\x00\x01\x00"s,
     "\x28\x00\x20\x01US\x02\x00\x2d\x2f"s));
   const Mammogram mammogram = ReadMammogram(padded.Path);
   EXPECT_EQ(mammogram.Pixels[0], 0x2e3e);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Files.h"
+#include "Refusals.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/IO/MammogramPictureIO.h"
 
@@ -12,6 +13,7 @@
 
 #include <algorithm>
 
+using mammoray::testing_support::RefusalOf;
 using namespace mammoray;
 using testing::HasSubstr;
 using testing_support::TemporaryFolder;
@@ -35,26 +37,13 @@ std::string WritePicture(const std::string& path, std::initializer_list<int> col
   return path;
 }
 
-template <typename Action>
-std::string MessageOf(const Action& action)
-{
-  try
-  {
-    action();
-  }
-  catch (const InputError& error)
-  {
-    return error.what();
-  }
-  return "no error";
-}
 }
 
 TEST(MammogramPictureIO, PicturesNeedWhatTheyDoNotSay)
 {
   const TemporaryFolder folder;
   const std::string path = WritePicture(folder.File("a.png"), { 200 });
-  EXPECT_THAT(MessageOf([&] { ReadMammogramPicture(path, { .View = "MLO" }); }),
+  EXPECT_THAT(RefusalOf([&] { ReadMammogramPicture(path, { .View = "MLO" }); }),
     HasSubstr("pixel spacing, laterality"));
   const Mammogram read =
     ReadMammogramPicture(path, { .PixelSpacingMm = 0.1, .View = "MLO", .Laterality = 'L' });
@@ -73,7 +62,7 @@ TEST(MammogramPictureIO, ColoursMustBeGrey)
   const std::string grey = WritePicture(folder.File("grey.png"), { 200, 202, 199 });
   EXPECT_EQ(ReadMammogramPicture(grey, given).Pixels[5], 200);
   const std::string red = WritePicture(folder.File("red.png"), { 200, 0, 0 });
-  EXPECT_THAT(MessageOf([&] { ReadMammogramPicture(red, given); }), HasSubstr("a coloured one"));
+  EXPECT_THAT(RefusalOf([&] { ReadMammogramPicture(red, given); }), HasSubstr("a coloured one"));
 }
 
 TEST(MammogramPictureIO, MasksHaveTheirFirstRowAtTheTop)
@@ -83,10 +72,10 @@ TEST(MammogramPictureIO, MasksHaveTheirFirstRowAtTheTop)
   const std::vector<unsigned char> mask = ReadMask(path, 40, 30);
   EXPECT_EQ(std::count(mask.begin(), mask.end(), 1), 1);
   EXPECT_EQ(mask[5], 1);
-  EXPECT_THAT(MessageOf([&] { ReadMask(path, 30, 40); }),
+  EXPECT_THAT(RefusalOf([&] { ReadMask(path, 30, 40); }),
     HasSubstr("expected a mask of the mammogram's 30 x 40 pixels, found 40 x 30"));
-  EXPECT_THAT(MessageOf([&] { ReadMask(folder.File("none.png"), 8, 8); }), HasSubstr("no such"));
-  EXPECT_THAT(MessageOf([&] { ReadMask(folder.Write("mask.txt", "1"), 8, 8); }),
+  EXPECT_THAT(RefusalOf([&] { ReadMask(folder.File("none.png"), 8, 8); }), HasSubstr("no such"));
+  EXPECT_THAT(RefusalOf([&] { ReadMask(folder.Write("mask.txt", "1"), 8, 8); }),
     HasSubstr(".png, .mha or .mhd"));
 }
 

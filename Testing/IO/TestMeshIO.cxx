@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Files.h"
+#include "Refusals.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/IO/MeshConversion.h"
 #include "mammoray/IO/MeshIO.h"
@@ -15,12 +16,13 @@
 
 #include <functional>
 
+using mammoray::testing_support::RefusalOf;
 using namespace mammoray;
 using testing_support::TemporaryFolder;
 
 namespace
 {
-TetrahedralMesh TwoCells()
+TetrahedralMesh FatAndGland()
 {
   TetrahedralMesh mesh;
   mesh.Points = { 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 1.25, 1, 1 };
@@ -29,34 +31,18 @@ TetrahedralMesh TwoCells()
   return mesh;
 }
 
-std::string MessageOf(const std::function<void()>& action)
-{
-  testing::internal::CaptureStderr();
-  std::string message = "no InputError";
-  try
-  {
-    action();
-  }
-  catch (const InputError& error)
-  {
-    message = error.what();
-  }
-  EXPECT_EQ(testing::internal::GetCapturedStderr(), "") << "VTK talks on its own";
-  EXPECT_THAT(message, testing::Not(testing::HasSubstr("\n")));
-  return message;
-}
 }
 
 TEST(MeshIO, VolumeMeshComesBack)
 {
   const TemporaryFolder folder;
   const std::string path = folder.File("mesh.vtu");
-  WriteMesh(ToGrid(TwoCells(), { "air", "fat", "gland" }), path);
+  WriteMesh(ToGrid(FatAndGland(), { "air", "fat", "gland" }), path);
   std::vector<std::string> names;
   const TetrahedralMesh mesh = FromGrid(ReadMesh(path), &names);
-  EXPECT_EQ(mesh.Points, TwoCells().Points);
-  EXPECT_EQ(mesh.Cells, TwoCells().Cells);
-  EXPECT_EQ(mesh.Materials, TwoCells().Materials);
+  EXPECT_EQ(mesh.Points, FatAndGland().Points);
+  EXPECT_EQ(mesh.Cells, FatAndGland().Cells);
+  EXPECT_EQ(mesh.Materials, FatAndGland().Materials);
   EXPECT_THAT(names, testing::ElementsAre("air", "fat", "gland"));
 }
 
@@ -71,9 +57,9 @@ TEST(MeshIO, ReadsLegacyFiles)
   ASSERT_EQ(mesh.NumberOfCells(), 1u);
   EXPECT_EQ(mesh.Materials[0], 7);
   EXPECT_DOUBLE_EQ(mesh.CellVolume(0), 1.0 / 3);
-  EXPECT_THAT(MessageOf([&] { ReadMesh(folder.Write("bad.vtk", "not a mesh at all")); }),
+  EXPECT_THAT(RefusalOf([&] { ReadMesh(folder.Write("bad.vtk", "not a mesh at all")); }),
     testing::HasSubstr("bad.vtk: expected a mesh"));
-  EXPECT_THAT(MessageOf(
+  EXPECT_THAT(RefusalOf(
                 [&]
                 {
                   ReadMesh(folder.Write("surface.vtk",
@@ -111,25 +97,25 @@ TEST(MeshIO, RefusesInOneLine)
 {
   using testing::HasSubstr;
   const TemporaryFolder folder;
-  const auto grid = ToGrid(TwoCells(), {});
-  EXPECT_THAT(MessageOf([&] { WriteMesh(grid, folder.File("mesh.stl")); }),
+  const auto grid = ToGrid(FatAndGland(), {});
+  EXPECT_THAT(RefusalOf([&] { WriteMesh(grid, folder.File("mesh.stl")); }),
     HasSubstr("expected the extension .vtu"));
-  EXPECT_THAT(MessageOf([&] { WriteMesh(grid, folder.File("none/mesh.vtu")); }),
+  EXPECT_THAT(RefusalOf([&] { WriteMesh(grid, folder.File("none/mesh.vtu")); }),
     HasSubstr("cannot be written"));
-  EXPECT_THAT(MessageOf([&] { ReadMesh(folder.File("absent.vtu")); }), HasSubstr("no such file"));
-  EXPECT_THAT(MessageOf([&] { ReadMesh(folder.Write("empty.vtu", "")); }),
+  EXPECT_THAT(RefusalOf([&] { ReadMesh(folder.File("absent.vtu")); }), HasSubstr("no such file"));
+  EXPECT_THAT(RefusalOf([&] { ReadMesh(folder.Write("empty.vtu", "")); }),
     HasSubstr("found an empty file"));
-  EXPECT_THAT(MessageOf([&] { ReadMesh(folder.Write("bad.vtu", "not a mesh at all")); }),
+  EXPECT_THAT(RefusalOf([&] { ReadMesh(folder.Write("bad.vtu", "not a mesh at all")); }),
     HasSubstr("bad.vtu: expected a mesh"));
-  EXPECT_THAT(MessageOf([&] { ReadSurface(folder.Write("bad.stl", "garbage")); }),
+  EXPECT_THAT(RefusalOf([&] { ReadSurface(folder.Write("bad.stl", "garbage")); }),
     HasSubstr("bad.stl: expected a mesh"));
-  EXPECT_THAT(MessageOf([&] { ReadSurface(folder.Write("bad.ply", "garbage")); }),
+  EXPECT_THAT(RefusalOf([&] { ReadSurface(folder.Write("bad.ply", "garbage")); }),
     HasSubstr("bad.ply: expected a mesh"));
-  EXPECT_THAT(MessageOf([&] { ReadSurface(folder.Write("s.xyz", "1 2 3")); }),
+  EXPECT_THAT(RefusalOf([&] { ReadSurface(folder.Write("s.xyz", "1 2 3")); }),
     HasSubstr(".vtp, .stl, .ply or .obj"));
   const std::string path = folder.File("cut.vtu");
   WriteMesh(grid, path);
   const std::string whole = testing_support::ReadFile(path);
   folder.Write("cut.vtu", whole.substr(0, whole.size() / 2));
-  EXPECT_THAT(MessageOf([&] { ReadMesh(path); }), HasSubstr("cut.vtu: expected a mesh"));
+  EXPECT_THAT(RefusalOf([&] { ReadMesh(path); }), HasSubstr("cut.vtu: expected a mesh"));
 }

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "Refusals.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/IO/MaterialTableIO.h"
 #include "mammoray/IO/ShippedData.h"
@@ -10,20 +11,13 @@
 
 namespace
 {
+using mammoray::testing_support::RefusalOf;
 using namespace mammoray;
 
 template <typename Function>
 void ExpectRefused(const Function& function, const std::string& text)
 {
-  try
-  {
-    function();
-    FAIL() << "expected an InputError with '" << text << "'";
-  }
-  catch (const InputError& error)
-  {
-    EXPECT_THAT(error.what(), testing::HasSubstr(text));
-  }
+  EXPECT_THAT(RefusalOf([&] { function(); }), testing::HasSubstr(text));
 }
 
 TEST(ShippedData, SpectraHaveTheMeanEnergyTheyState)

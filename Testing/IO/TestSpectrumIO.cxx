@@ -1,27 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Files.h"
+#include "Refusals.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/IO/Private/SpectrumIO.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+using mammoray::testing_support::RefusalOf;
 using namespace mammoray;
 using testing_support::TemporaryFolder;
 
 namespace
 {
-std::string MessageOf(const std::string& path)
+std::string SpectrumRefusal(const std::string& path)
 {
-  try
-  {
-    ReadSpectrum(path);
-  }
-  catch (const InputError& error)
-  {
-    return error.what();
-  }
-  return "no error";
+  return RefusalOf([&] { ReadSpectrum(path); });
 }
 }
 
@@ -39,9 +33,9 @@ TEST(SpectrumIO, DamagedFilesAreRefusedByLine)
 {
   TemporaryFolder folder;
   folder.Write("a.spc", "# comment\n10e3 5\n11e3 x\n");
-  EXPECT_THAT(MessageOf(folder.File("a.spc")), testing::HasSubstr("line 3"));
+  EXPECT_THAT(SpectrumRefusal(folder.File("a.spc")), testing::HasSubstr("line 3"));
   folder.Write("a.spc", "10e3 5\n9e3 5\n11e3 -1\n");
-  EXPECT_THAT(MessageOf(folder.File("a.spc")), testing::HasSubstr("line 2"));
+  EXPECT_THAT(SpectrumRefusal(folder.File("a.spc")), testing::HasSubstr("line 2"));
   folder.Write("a.spc", "10e3 5\n11e3 5\n");
-  EXPECT_THAT(MessageOf(folder.File("a.spc")), testing::HasSubstr("negative"));
+  EXPECT_THAT(SpectrumRefusal(folder.File("a.spc")), testing::HasSubstr("negative"));
 }

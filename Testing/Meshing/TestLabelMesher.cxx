@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "LabelShapes.h"
+#include "Refusals.h"
 #include "mammoray/Meshing/LabelMesher.h"
 #include "mammoray/Meshing/MeshCheck.h"
 
@@ -12,6 +13,7 @@
 #include <random>
 #include <set>
 
+using mammoray::testing_support::RefusalOf;
 using namespace mammoray;
 using namespace mammoray::test;
 
@@ -301,7 +303,7 @@ TEST(LabelMesher, AsManyTrianglesAsAskedFor)
   }
   MeshingOptions options;
   options.Triangles = 100'000'000;
-  EXPECT_THAT(MessageOf([&] { MeshMaterials(SphereInSphere(), options); }),
+  EXPECT_THAT(RefusalOf([&] { MeshMaterials(SphereInSphere(), options); }),
     testing::HasSubstr("sixteen for each voxel face between materials"));
 }
 
@@ -362,19 +364,19 @@ TEST(LabelMesher, EdgesOfTheLabelWorldMeshOrAreRefused)
 TEST(LabelMesher, RefusesWhatCannotBeMeshed)
 {
   LabelVolume volume = LabelledCube(6, 1.0, [](const Vector3&) { return 0; });
-  EXPECT_THAT(MessageOf([&] { MeshMaterials(volume, Fine()); }), testing::HasSubstr("found none"));
+  EXPECT_THAT(RefusalOf([&] { MeshMaterials(volume, Fine()); }), testing::HasSubstr("found none"));
   volume.Voxels[volume.Index(3, 3, 3)] = 1;
   MeshingOptions options = Fine();
   options.SmallestComponentMm3 = 2;
-  EXPECT_THAT(MessageOf([&] { MeshMaterials(volume, options); }),
+  EXPECT_THAT(RefusalOf([&] { MeshMaterials(volume, options); }),
     testing::HasSubstr("a component of at least 2 mm3"));
   options = Fine();
   options.FacetAngleDeg = 40;
-  EXPECT_THAT(MessageOf([&] { MeshMaterials(volume, options); }),
+  EXPECT_THAT(RefusalOf([&] { MeshMaterials(volume, options); }),
     testing::HasSubstr("facet angle: expected 0 to 30 degrees"));
   options = Fine();
   options.CellSizeMm = -1;
-  EXPECT_THAT(MessageOf([&] { MeshMaterials(volume, options); }), testing::HasSubstr("cell size"));
+  EXPECT_THAT(RefusalOf([&] { MeshMaterials(volume, options); }), testing::HasSubstr("cell size"));
 }
 
 TEST(LabelMesher, ProgressRisesAndCanStopTheWork)

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "LabelShapes.h"
+#include "Refusals.h"
 #include "mammoray/Meshing/MeshingOptions.h"
 
 #include <gtest/gtest.h>
@@ -9,13 +10,14 @@
 
 namespace
 {
+using mammoray::testing_support::RefusalOf;
 using namespace mammoray;
 
 std::string Refusal(const std::function<void(MeshingOptions&)>& change)
 {
   MeshingOptions options;
   change(options);
-  return test::MessageOf([&] { options.Validate(); });
+  return RefusalOf([&] { options.Validate(); });
 }
 
 TEST(MeshingOptions, DefaultsAndAnatomyAreValid)

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "LabelShapes.h"
+#include "Refusals.h"
 #include "mammoray/Meshing/SimulationMesh.h"
 
 #include <gtest/gtest.h>
@@ -8,6 +9,7 @@
 
 namespace
 {
+using mammoray::testing_support::RefusalOf;
 using namespace mammoray;
 
 /// A ball of 30 mm with muscle (3, held) behind y = -10 and a core of gland (2) in its fat (1).
@@ -50,12 +52,12 @@ TEST(SimulationMesh, TakesItsSizeFromTheVolume)
 
 TEST(SimulationMesh, RefusesUnknownMaterialsAndSizes)
 {
-  EXPECT_EQ(test::MessageOf(
+  EXPECT_EQ(RefusalOf(
               [] {
                 MeshForSimulation(Breast(), { false, false, false }, 10);
               }),
     "simulation mesh: expected materials 0 to 2, found 3");
-  EXPECT_EQ(test::MessageOf(
+  EXPECT_EQ(RefusalOf(
               [] {
                 MeshForSimulation(Breast(), { false, false, false, true }, -1);
               }),

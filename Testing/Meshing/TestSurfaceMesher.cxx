@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "LabelShapes.h"
+#include "Refusals.h"
 #include "SurfaceShapes.h"
 #include "mammoray/Meshing/MeshCheck.h"
 #include "mammoray/Meshing/SurfaceMesher.h"
@@ -12,6 +13,7 @@
 #include <numbers>
 #include <random>
 
+using mammoray::testing_support::RefusalOf;
 using namespace mammoray;
 using namespace shapes;
 using namespace mammoray::test;
@@ -178,7 +180,7 @@ TEST_F(SurfaceMesher, RefusesOpenAndCuttingSurfaces)
   AddBox(surfaces, { 0, 0, 0 }, { 2, 2, 2 }, 1);
   AddBox(surfaces, { 1, 0.5, 0.5 }, { 3, 1.5, 1.5 }, 2);
   testing::internal::CaptureStdout();
-  EXPECT_THAT(MessageOf([&] { MeshSurfaces(surfaces, Coarse()); }),
+  EXPECT_THAT(RefusalOf([&] { MeshSurfaces(surfaces, Coarse()); }),
     testing::HasSubstr("that cut others, the first at ("));
   EXPECT_EQ(testing::internal::GetCapturedStdout(), "");
   surfaces = {};
@@ -186,11 +188,11 @@ TEST_F(SurfaceMesher, RefusesOpenAndCuttingSurfaces)
   surfaces.Triangles.resize(surfaces.Triangles.size() - 3);
   surfaces.FrontMaterials.pop_back();
   surfaces.BackMaterials.pop_back();
-  EXPECT_THAT(MessageOf([&] { MeshSurfaces(surfaces, Coarse()); }),
+  EXPECT_THAT(RefusalOf([&] { MeshSurfaces(surfaces, Coarse()); }),
     testing::HasSubstr("expected closed ones, found 1 holes"));
   MeshingOptions options = Coarse();
   options.CellSizeMm = -1;
-  EXPECT_THAT(MessageOf([&] { MeshSurfaces(surfaces, options); }), testing::HasSubstr("cell size"));
+  EXPECT_THAT(RefusalOf([&] { MeshSurfaces(surfaces, options); }), testing::HasSubstr("cell size"));
   EXPECT_THROW(MeshSurfaces({}, Coarse()), InputError);
 }
 

@@ -2,6 +2,7 @@
 #include "mammoray/Meshing/SurfaceVoxels.h"
 
 #include "LabelShapes.h"
+#include "Refusals.h"
 #include "SurfaceShapes.h"
 #include "mammoray/Meshing/LabelMesher.h"
 #include "mammoray/Meshing/MeshCheck.h"
@@ -11,6 +12,7 @@
 
 #include <cmath>
 
+using mammoray::testing_support::RefusalOf;
 using namespace mammoray;
 using namespace shapes;
 using namespace mammoray::test;
@@ -86,14 +88,14 @@ TEST(SurfaceVoxels, RefusesWhatItCannotLabel)
   AddBox(surfaces, { 0, 0, 0 }, { 4, 4, 4 }, 1);
   for (const double size : { 0.0, -1.0, std::nan("") })
   {
-    EXPECT_THAT(MessageOf([&] { LabelSurfaces(surfaces, size); }),
+    EXPECT_THAT(RefusalOf([&] { LabelSurfaces(surfaces, size); }),
       testing::HasSubstr("expected voxels of a positive number of mm"));
   }
-  EXPECT_THAT(MessageOf([&] { LabelSurfaces(surfaces, 1e-3); }),
+  EXPECT_THAT(RefusalOf([&] { LabelSurfaces(surfaces, 1e-3); }),
     testing::HasSubstr("expected voxels of a size that makes 1e9 at most, found 0.001 mm"));
   surfaces.Triangles.resize(surfaces.Triangles.size() - 3);
   surfaces.FrontMaterials.pop_back();
   surfaces.BackMaterials.pop_back();
-  EXPECT_THAT(MessageOf([&] { LabelSurfaces(surfaces, 1); }),
+  EXPECT_THAT(RefusalOf([&] { LabelSurfaces(surfaces, 1); }),
     testing::HasSubstr("expected closed ones, found 1 holes"));
 }

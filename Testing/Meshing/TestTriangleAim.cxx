@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "LabelShapes.h"
+#include "Refusals.h"
 #include "mammoray/Meshing/Private/TriangleAim.h"
 
 #include <gtest/gtest.h>
@@ -8,6 +9,7 @@
 
 namespace
 {
+using mammoray::testing_support::RefusalOf;
 using namespace mammoray;
 using Verdict = TriangleAim::Verdict;
 
@@ -68,8 +70,7 @@ TEST(TriangleAim, RefusesMoreThanVoxelsCanTell)
 {
   MeshingOptions options;
   options.Triangles = 1000000;
-  EXPECT_EQ(
-    test::MessageOf([&] { TriangleAim(Ball(), options); }).find("triangles: expected at most "),
+  EXPECT_EQ(RefusalOf([&] { TriangleAim(Ball(), options); }).find("triangles: expected at most "),
     0u);
 }
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Pictures whose muscle and markers are known, and real mammograms.
 #include "Files.h"
+#include "Refusals.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/IO/MammogramIO.h"
 #include "mammoray/IO/MammogramPictureIO.h"
@@ -19,6 +20,7 @@
 #include <filesystem>
 #include <random>
 
+using mammoray::testing_support::RefusalOf;
 using namespace mammoray;
 using testing::HasSubstr;
 
@@ -186,15 +188,10 @@ TEST(MammogramMask, TakesAUsersMaskWithItsFirstRowAtTheTop)
   EXPECT_EQ(std::count(target.Excluded.begin(), target.Excluded.end(), 1), 1);
   EXPECT_TRUE(IsExcluded(target, 5));
   WriteMask(folder.File("small.png"), 8, 8);
-  try
-  {
-    ExcludePixels(ReadMask(folder.File("small.png"), target.Columns, target.Rows), target);
-    FAIL() << "accepted a mask of another size";
-  }
-  catch (const InputError& error)
-  {
-    EXPECT_THAT(error.what(), HasSubstr("small.png: expected a mask of the mammogram's 250 x 400"));
-  }
+  EXPECT_THAT(
+    RefusalOf([&]
+      { ExcludePixels(ReadMask(folder.File("small.png"), target.Columns, target.Rows), target); }),
+    HasSubstr("small.png: expected a mask of the mammogram's 250 x 400"));
   EXPECT_THROW(
     ExcludePixels(ReadMask(folder.File("none.png"), target.Columns, target.Rows), target),
     InputError);
@@ -208,15 +205,8 @@ TEST(MammogramMask, PicturesNeedWhatTheyDoNotSay)
 {
   const testing_support::TemporaryFolder folder;
   WriteMask(folder.File("a.png"), 40, 30);
-  try
-  {
-    ReadMammogramPicture(folder.File("a.png"), { .View = "MLO" });
-    FAIL() << "accepted a picture without a pixel spacing";
-  }
-  catch (const InputError& error)
-  {
-    EXPECT_THAT(error.what(), HasSubstr("pixel spacing, laterality"));
-  }
+  EXPECT_THAT(RefusalOf([&] { ReadMammogramPicture(folder.File("a.png"), { .View = "MLO" }); }),
+    HasSubstr("pixel spacing, laterality"));
   const Mammogram read = ReadMammogramPicture(folder.File("a.png"),
     { .PixelSpacingMm = 0.1, .View = "MLO", .Laterality = 'L' });
   EXPECT_EQ(read.Columns, 40);

@@ -60,20 +60,6 @@ inline LabelVolume Mosaic(int n, double spacing, double halfWidth, int count, in
     });
 }
 
-/// The message of the Error that an action throws.
-inline std::string MessageOf(const std::function<void()>& action)
-{
-  try
-  {
-    action();
-  }
-  catch (const Error& error)
-  {
-    return error.what();
-  }
-  return "no error";
-}
-
 /// Volume of a material in a list of reports or qualities; -1 where it is absent.
 template <typename List, typename Member>
 double VolumeIn(const List& list, int material, Member member)

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Files.h"
+#include "Refusals.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/IO/MaterialTableIO.h"
 #include "mammoray/IO/ShippedData.h"
@@ -10,6 +11,7 @@
 
 namespace
 {
+using mammoray::testing_support::RefusalOf;
 using namespace mammoray;
 
 AttenuationTable Composition(const std::string& text)
@@ -35,15 +37,7 @@ void ExpectPerCm(const std::string& text, double density, const std::vector<doub
 
 void ExpectRefused(const std::string& name, const std::string& text)
 {
-  try
-  {
-    FindAttenuationTable(name);
-    FAIL() << name;
-  }
-  catch (const InputError& error)
-  {
-    EXPECT_THAT(error.what(), testing::HasSubstr(text));
-  }
+  EXPECT_THAT(RefusalOf([&] { FindAttenuationTable(name); }), testing::HasSubstr(text));
 }
 }
 

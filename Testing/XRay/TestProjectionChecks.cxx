@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "LabelShapes.h"
+#include "Refusals.h"
 #include "mammoray/XRay/Private/ProjectionChecks.h"
 
 #include <gmock/gmock.h>
@@ -8,8 +9,8 @@
 
 namespace
 {
+using mammoray::testing_support::RefusalOf;
 using namespace mammoray;
-using mammoray::test::MessageOf;
 
 constexpr double Infinity = std::numeric_limits<double>::infinity();
 
@@ -19,18 +20,18 @@ TEST(ProjectionChecks, NameWhatIsWrongWithADetector)
   XRayDetector detector;
   EXPECT_NO_THROW(CheckGeometry(source, detector));
   detector.Rows = 65536;
-  EXPECT_EQ(MessageOf([&] { CheckGeometry(source, detector); }),
+  EXPECT_EQ(RefusalOf([&] { CheckGeometry(source, detector); }),
     "detector: expected 1 to 65535 columns and rows, found 1 x 65536");
   detector.Rows = 1;
   detector.Samples = 17;
-  EXPECT_EQ(MessageOf([&] { CheckGeometry(source, detector); }),
+  EXPECT_EQ(RefusalOf([&] { CheckGeometry(source, detector); }),
     "detector: expected 1 to 16 samples, found 17");
   detector.Samples = 1;
   detector.RowStep = -2.0 * detector.ColumnStep;
-  EXPECT_THAT(MessageOf([&] { CheckGeometry(source, detector); }),
+  EXPECT_THAT(RefusalOf([&] { CheckGeometry(source, detector); }),
     testing::HasSubstr("span a plane"));
   detector.RowStep = { 0, 0, Infinity };
-  EXPECT_THAT(MessageOf([&] { CheckGeometry(source, detector); }),
+  EXPECT_THAT(RefusalOf([&] { CheckGeometry(source, detector); }),
     testing::HasSubstr("span a plane"));
 }
 
@@ -39,12 +40,12 @@ TEST(ProjectionChecks, NameWhatIsWrongWithASource)
   const XRayDetector detector;
   XRaySource source;
   source.Position = { 3, 4, 0 };
-  EXPECT_THAT(MessageOf([&] { CheckGeometry(source, detector); }),
+  EXPECT_THAT(RefusalOf([&] { CheckGeometry(source, detector); }),
     testing::HasSubstr("off the detector's plane"));
   source.Type = XRaySource::Kind::Parallel;
   EXPECT_NO_THROW(CheckGeometry(source, detector)); // its position is not looked at
   source.Direction = { 1, 2, 0 };
-  EXPECT_THAT(MessageOf([&] { CheckGeometry(source, detector); }),
+  EXPECT_THAT(RefusalOf([&] { CheckGeometry(source, detector); }),
     testing::HasSubstr("crosses the detector's plane"));
 }
 
@@ -52,28 +53,28 @@ TEST(ProjectionChecks, NameTheRayPointOrField)
 {
   const XRayLine good{ { 0, 0, 1 }, { 0, 0, 0 } };
   EXPECT_NO_THROW(CheckRays({ good }));
-  EXPECT_THAT(MessageOf([&] { CheckRays({}); }), testing::HasSubstr("found 0"));
-  EXPECT_THAT(MessageOf(
+  EXPECT_THAT(RefusalOf([&] { CheckRays({}); }), testing::HasSubstr("found 0"));
+  EXPECT_THAT(RefusalOf(
                 [&] {
                   CheckRays({ good, { { 1, 2, 3 }, { 1, 2, 3 } } });
                 }),
     testing::HasSubstr("ray 1"));
-  EXPECT_THAT(MessageOf(
+  EXPECT_THAT(RefusalOf(
                 [&] {
                   CheckMovedPoints({ 1, 2, 3 }, 2);
                 }),
     testing::HasSubstr("expected 6 coordinates"));
-  EXPECT_THAT(MessageOf(
+  EXPECT_THAT(RefusalOf(
                 [&] {
                   CheckMovedPoints({ 1, 2, 3, 4, Infinity, 6 }, 2);
                 }),
     testing::HasSubstr("point 1"));
-  EXPECT_THAT(MessageOf(
+  EXPECT_THAT(RefusalOf(
                 [&] {
                   CheckVelocities({ 1, 2, 3 }, 0, 1);
                 }),
     testing::HasSubstr("at least one field"));
-  EXPECT_THAT(MessageOf(
+  EXPECT_THAT(RefusalOf(
                 [&] {
                   CheckVelocities({ 1, 2, 3, 4, 5, -Infinity }, 2, 1);
                 }),

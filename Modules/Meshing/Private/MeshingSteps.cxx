@@ -2,6 +2,7 @@
 #include "Private/MeshingSteps.h"
 
 #include "Private/CellImprovement.h"
+#include "Private/FormattedText.h"
 #include "Private/MeshQuality.h"
 #include "Private/PinchRepair.h"
 #include "Private/VolumeFit.h"
@@ -13,16 +14,6 @@
 
 namespace mammoray
 {
-namespace
-{
-std::string Text(const char* format, double a, double b = 0, double c = 0)
-{
-  char text[160];
-  std::snprintf(text, sizeof(text), format, a, b, c);
-  return text;
-}
-}
-
 LabelVolume PrepareVolume(const LabelVolume& materials, int margin)
 {
   LabelVolume tissue = CropToTissue(materials, 0);
@@ -50,9 +41,10 @@ std::size_t MergeTissue(LabelVolume& volume, double smallestMm3)
   const std::size_t merged = MergeSmallComponents(volume, smallestMm3);
   if (std::all_of(volume.Voxels.begin(), volume.Voxels.end(), [](int m) { return m == 0; }))
   {
-    throw InputError(Text("volume to mesh: expected a component of at least %g mm3, found smaller "
-                          "ones only",
-      smallestMm3));
+    throw InputError(
+      FormattedText("volume to mesh: expected a component of at least %g mm3, found smaller "
+                    "ones only",
+        smallestMm3));
   }
   return merged;
 }
@@ -96,9 +88,10 @@ void CheckComponents(const TetrahedralMesh& mesh, const LabelVolume& volume,
     {
       const Vector3 place = volume.PointAt(lost.Deepest[0], lost.Deepest[1], lost.Deepest[2]);
       throw ConvergenceError("mesh: material " + std::to_string(lost.Material) +
-        Text(": the component at (%.1f, %.1f, %.1f) mm", place[0], place[1], place[2]) +
-        Text(" of %.3g mm3 is not in the mesh; expected facets finer than its thickness of about "
-             "%.2g mm, or a larger smallest component",
+        FormattedText(": the component at (%.1f, %.1f, %.1f) mm", place[0], place[1], place[2]) +
+        FormattedText(
+          " of %.3g mm3 is not in the mesh; expected facets finer than its thickness of about "
+          "%.2g mm, or a larger smallest component",
           static_cast<double>(lost.Voxels) * volume.VoxelVolume(), 2 * lost.DepthMm));
     }
   }

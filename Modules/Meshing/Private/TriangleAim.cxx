@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Private/TriangleAim.h"
 
+#include "Private/FormattedText.h"
 #include "mammoray/Foundation/Error.h"
 
 #include <algorithm>
@@ -21,13 +22,6 @@ constexpr double FirstShare = 0.1;
 /// Half of what is promised; mending the mesh changes the number a little.
 constexpr double Tolerance = 0.05;
 constexpr int MostAttempts = 10;
-
-std::string Text(const char* format, double a, double b = 0, double c = 0)
-{
-  char text[160];
-  std::snprintf(text, sizeof(text), format, a, b, c);
-  return text;
-}
 
 /// Area of the interfaces, mm^2. Throws InputError where there are too few voxels for the
 /// triangles.
@@ -50,9 +44,10 @@ double InterfaceArea(const LabelVolume& volume, double wanted)
   const double most = 16.0 * static_cast<double>(faces);
   if (wanted > most)
   {
-    throw InputError(Text("triangles: expected at most %.0f, sixteen for each voxel face between "
-                          "materials, found %.0f",
-      most, wanted));
+    throw InputError(
+      FormattedText("triangles: expected at most %.0f, sixteen for each voxel face between "
+                    "materials, found %.0f",
+        most, wanted));
   }
   return area / 1.5; // stairs in all directions have 1.5 times the area of what they follow
 }
@@ -65,8 +60,8 @@ void CheckMemory(double wanted)
   if (needed > memory)
   {
     throw InputError(
-      Text("triangles: %.0f of them take about %.0f GB, expected at most the %.0f GB "
-           "of this machine",
+      FormattedText("triangles: %.0f of them take about %.0f GB, expected at most the %.0f GB "
+                    "of this machine",
         wanted, needed / 1e9, memory / 1e9));
   }
 }
@@ -112,9 +107,10 @@ TriangleAim::Verdict TriangleAim::Judge(std::size_t triangles)
   }
   if (++this->Attempts == MostAttempts)
   {
-    throw ConvergenceError(Text("meshing: expected %.0f triangles, reached %.0f; the facet angle, "
-                                "layers and small components ask for others",
-      this->Wanted, found));
+    throw ConvergenceError(
+      FormattedText("meshing: expected %.0f triangles, reached %.0f; the facet angle, "
+                    "layers and small components ask for others",
+        this->Wanted, found));
   }
   // Triangles go with the square of the size, on rough interfaces with another power: that of the
   // last two attempts.

@@ -25,7 +25,7 @@ namespace
 using Usage = vk::BufferUsageFlagBits;
 
 /// A ray is traced once, and again at most four times where its first result cannot be trusted.
-constexpr std::uint32_t MostAttempts = 5;
+constexpr std::uint32_t MostTraces = 5;
 /// Rates (fields by materials) that a ray carries.
 constexpr std::uint32_t MostRates = 128;
 /// Rays of a list done at once, and in a row of the launch.
@@ -235,7 +235,7 @@ void RayTracingProjector::WriteParameters(const XRaySource& source, const XRayDe
   parameters.Rows = static_cast<std::uint32_t>(detector.Rows);
   parameters.Samples = static_cast<std::uint32_t>(detector.Samples);
   parameters.Materials = this->Surface.MaterialCount;
-  parameters.Attempts = MostAttempts;
+  parameters.Attempts = MostTraces;
   *this->Parameters.Data<PathLengthParameters<Real>>() = parameters;
 }
 
