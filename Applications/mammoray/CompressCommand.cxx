@@ -44,7 +44,7 @@ void DeclareMeshes(const OptionList& add, CompressionCase& input)
     "coarse mesh (.vtu) to simulate on; the points of --mesh move with it");
   add("--simulation-cell-size", input.SimulationCellSizeMm, NonNegative("mm"),
     "largest cells of the simulation mesh that is made for a large mesh, of --labels or else of "
-    "the mesh itself; 0: by the size of the breast, 3000 to 4000 cells");
+    "the mesh itself; 0: by the size of the breast, 3000 to 6000 cells");
   add.Choice<ElementType>("--element", input.Loading.Element,
     { { "quadratic", ElementType::Quadratic }, { "linear", ElementType::PatchAveragedLinear } },
     "of the simulation: quadratic tetrahedra, or linear ones that share their volume in patches; "

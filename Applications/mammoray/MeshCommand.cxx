@@ -66,8 +66,8 @@ void DeclareFiles(const OptionList& add, MeshArguments& arguments)
   add
     .Flag("--for-mechanics", arguments.ForMechanics,
       "a coarse mesh of all tissue, held and free, for --simulation-mesh of compress and "
-      "register; of the sizes only --cell-size counts, by default one that gives 3000 to 4000 "
-      "cells")
+      "register; of the sizes only --cell-size counts, by default one that gives 3000 to 6000 "
+      "cells, however ragged the labels are")
     ->excludes(surface);
   add("-o,--output", arguments.Output, "volume mesh to write (.vtu)");
   add("--check", arguments.Check,

@@ -53,7 +53,7 @@ void DeclareMeshes(const OptionList& add, RegistrationCase& input)
     "finer label volumes are resampled to this spacing; 0 keeps them");
   meshes("--anatomy-cell-size", input.AnatomyCellSizeMm, Positive("mm"), "largest cells X-rayed");
   meshes("--simulation-cell-size", input.SimulationCellSizeMm, NonNegative("mm"),
-    "largest cells of the mechanics; 0: by the size of the breast, 3000 to 4000 cells");
+    "largest cells of the mechanics; 0: by the size of the breast, 3000 to 6000 cells");
   meshes("--anatomy-mesh", input.AnatomyMesh,
     "mesh of 'mammoray mesh' to X-ray (.vtu); default: made from the labels");
   meshes("--simulation-mesh", input.SimulationMesh,

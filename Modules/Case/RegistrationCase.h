@@ -44,8 +44,8 @@ struct RegistrationCase
   /// Meshes made before (mammoray mesh), used instead of meshing; empty: mesh.
   std::string AnatomyMesh;
   std::string SimulationMesh;
-  /// Seconds and cells are spent here: upper bounds of cell sizes, mm. 0 for the mechanics takes a
-  /// seventh of the edge of a cube as large as the breast: 3000 to 4000 cells.
+  /// Seconds and cells are spent here: upper bounds of cell sizes, mm. 0 for the mechanics takes one
+  /// that gives 3000 to 6000 cells.
   double AnatomyCellSizeMm = 4.0;
   double SimulationCellSizeMm = 0.0;
   /// Part of a Vulkan device's name; empty: the most capable one.

@@ -69,7 +69,7 @@ public:
 
   ///@{
   /**
-   * A coarse mesh for vtkBreastCompression, of 3000 to 4000 cells with CellSizeMm 0, that follows
+   * A coarse mesh for vtkBreastCompression, of 3000 to 6000 cells with CellSizeMm 0, that follows
    * the skin and the border of the held tissue only; NumberOfTriangles does not count. Default off.
    */
   vtkSetMacro(ForMechanics, bool);

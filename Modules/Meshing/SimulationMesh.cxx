@@ -1,68 +1,114 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mammoray/Meshing/SimulationMesh.h"
 
+#include "Private/SimulationShape.h"
 #include "mammoray/Foundation/Error.h"
-#include "mammoray/Foundation/LabelResampling.h"
 
-#include <algorithm>
+#include <chrono>
 #include <cmath>
+#include <string>
 
 namespace mammoray
 {
 namespace
 {
-// At 1 mm the mesher's sliver removal reaches its bound more often than on finer stairs.
-constexpr double FinestSpacingMm = 1.0;
+/// What is aimed at where no size is asked for, and what is taken.
+constexpr double WantedCells = 4200;
+constexpr double FewestCells = 3400;
+constexpr double MostCells = 5200;
+/// Meshes made to get there; cells come with the power of their size that meshes of breasts show.
+constexpr int MostMeshes = 4;
+constexpr double CellsBySize = 2.4;
+/// Held cells move nothing: they may be larger.
+constexpr double HeldFactor = 1.5;
 
-/// Held tissue and all other tissue, each under the index of its commonest material.
-LabelVolume TissueAndHeld(const LabelVolume& materials, const std::vector<bool>& held)
+/// The commonest materials of what moves and of what is held.
+struct CommonestMaterials
 {
-  int commonest[2] = { 0, 0 };
-  std::size_t counts[2] = { 0, 0 };
-  for (const auto& [material, count] : materials.CountLabels())
+  int Moving = 0;
+  int Held = 0;
+  std::size_t MovingVoxels = 0;
+
+  CommonestMaterials(const LabelVolume& materials, const std::vector<bool>& held)
   {
-    if (static_cast<std::size_t>(material) >= held.size())
+    std::size_t most[2] = { 0, 0 };
+    for (const auto& [material, count] : materials.CountLabels())
     {
-      throw InputError("simulation mesh: expected materials 0 to " +
-        std::to_string(held.size() - 1) + ", found " + std::to_string(material));
-    }
-    const int side = held[material] ? 1 : 0;
-    if (material != 0 && count > counts[side])
-    {
-      commonest[side] = material;
-      counts[side] = count;
+      if (static_cast<std::size_t>(material) >= held.size())
+      {
+        throw InputError("simulation mesh: expected materials 0 to " +
+          std::to_string(held.size() - 1) + ", found " + std::to_string(material));
+      }
+      if (material == 0)
+      {
+        continue;
+      }
+      const bool isHeld = held[material];
+      this->MovingVoxels += isHeld ? 0 : count;
+      if (count > most[isHeld])
+      {
+        most[isHeld] = count;
+        (isHeld ? this->Held : this->Moving) = material;
+      }
     }
   }
-  LabelVolume merged = materials;
-  for (std::uint16_t& voxel : merged.Voxels)
-  {
-    voxel = voxel == 0 ? 0 : static_cast<std::uint16_t>(commonest[held[voxel] ? 1 : 0]);
-  }
-  return merged;
+};
+
+MeshingOptions SizesFor(double cellSizeMm)
+{
+  MeshingOptions options;
+  constexpr int moving = SimulationShape::Moving;
+  options.CellSizeMm = HeldFactor * cellSizeMm;
+  options.CellSizeOfMaterialMm[moving] = cellSizeMm;
+  options.FacetSizeMm = HeldFactor * 0.8 * cellSizeMm;
+  options.FacetSizeOfMaterialMm[moving] = 0.8 * cellSizeMm;
+  options.FacetDistanceMm = HeldFactor * 0.1 * cellSizeMm;
+  options.FacetDistanceOfMaterialMm[moving] = 0.1 * cellSizeMm;
+  options.CellRadiusEdgeRatio = 2.0;
+  options.SmallestComponentMm3 = 0;
+  return options;
 }
 }
 
 MeshingResult MeshForSimulation(const LabelVolume& materials, const std::vector<bool>& held,
   double cellSizeMm, const ProgressCallback& progress)
 {
+  const auto start = std::chrono::steady_clock::now();
   if (!(cellSizeMm >= 0))
   {
     throw InputError("simulation mesh: expected a cell size of at least 0 mm, found " +
       std::to_string(cellSizeMm));
   }
-  LabelVolume tissue = TissueAndHeld(materials, held);
-  const auto voxels = static_cast<double>(tissue.Voxels.size() -
-    static_cast<std::size_t>(std::count(tissue.Voxels.begin(), tissue.Voxels.end(), 0)));
-  MeshingOptions options;
-  options.CellSizeMm = cellSizeMm > 0 ? cellSizeMm : std::cbrt(voxels * tissue.VoxelVolume()) / 7;
-  options.FacetSizeMm = std::max(8.0, options.CellSizeMm);
-  options.FacetDistanceMm = 1.0;
-  options.CellRadiusEdgeRatio = 2.0;
-  options.SmallestComponentMm3 = 500.0;
-  if (*std::max_element(tissue.Spacing.begin(), tissue.Spacing.end()) < FinestSpacingMm)
+  materials.Validate("volume to mesh");
+  const CommonestMaterials commonest(materials, held);
+  double size = cellSizeMm > 0
+    ? cellSizeMm
+    : std::cbrt(static_cast<double>(commonest.MovingVoxels) * materials.VoxelVolume()) / 7;
+  MeshingResult result;
+  double movingMm3 = 0;
+  for (int mesh = 0; mesh < MostMeshes; ++mesh)
   {
-    tissue = ResampleLabels(tissue, FinestSpacingMm);
+    const SimulationShape shape = ShapeForCells(materials, held, size);
+    movingMm3 = shape.MovingMm3;
+    result = MeshMaterials(shape.Tissue, SizesFor(size), progress);
+    const auto count = static_cast<double>(result.Mesh.NumberOfCells());
+    if (cellSizeMm > 0 || (count >= FewestCells && count <= MostCells))
+    {
+      break;
+    }
+    size *= std::pow(count / WantedCells, 1 / CellsBySize);
   }
-  return MeshMaterials(tissue, options, progress);
+  for (std::int32_t& material : result.Mesh.Materials)
+  {
+    material = material == SimulationShape::Held ? commonest.Held : commonest.Moving;
+  }
+  for (MaterialReport& report : result.Reports)
+  {
+    const bool isHeld = report.Material == SimulationShape::Held;
+    report.Material = isHeld ? commonest.Held : commonest.Moving;
+    report.VolumeInMm3 = isHeld ? report.VolumeInMm3 : movingMm3;
+  }
+  result.Seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return result;
 }
 }
