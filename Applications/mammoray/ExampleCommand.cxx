@@ -4,10 +4,10 @@
 #include "ProgressBar.h"
 #include "SharedOptions.h"
 #include "mammoray/Case/ExampleData.h"
+#include "mammoray/IO/MeshConversion.h"
 #include "mammoray/IO/MeshIO.h"
 #include "mammoray/IO/ProjectionImage.h"
 #include "mammoray/IO/ShippedData.h"
-#include "mammoray/IO/SurfaceConversion.h"
 
 #include "vtkImageData.h"
 #include "vtkPolyData.h"

@@ -8,10 +8,8 @@
 #include "ProgressBar.h"
 #include "SharedOptions.h"
 #include "mammoray/Case/MeshCase.h"
-#include "mammoray/Case/MeshReport.h"
 #include "mammoray/IO/MeshConversion.h"
 #include "mammoray/IO/MeshIO.h"
-#include "mammoray/IO/SurfaceConversion.h"
 
 #include "vtkPolyData.h"
 #include "vtkUnstructuredGrid.h"

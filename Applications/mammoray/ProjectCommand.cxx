@@ -10,7 +10,6 @@
 #include "mammoray/IO/MeshIO.h"
 #include "mammoray/IO/ProjectionImage.h"
 #include "mammoray/IO/ShippedData.h"
-#include "mammoray/IO/SurfaceConversion.h"
 #include "mammoray/XRay/Exposure.h"
 
 #include "vtkImageData.h"

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mammoray/Case/MeshCase.h"
 
+#include "mammoray/IO/MeshConversion.h"
 #include "mammoray/IO/MeshIO.h"
 #include "mammoray/IO/ShippedData.h"
-#include "mammoray/IO/SurfaceConversion.h"
 #include "mammoray/Meshing/SimulationMesh.h"
 #include "mammoray/Meshing/SurfaceMesher.h"
 #include "mammoray/Meshing/SurfaceVoxels.h"

@@ -5,6 +5,7 @@
 #include "mammoray/Case/LabelSource.h"
 #include "mammoray/Foundation/MaterialTable.h"
 #include "mammoray/Foundation/Progress.h"
+#include "mammoray/Foundation/Vector3.h"
 #include "mammoray/Meshing/LabelMesher.h"
 #include "mammoray/Meshing/MeshCheck.h"
 #include "mammorayCaseModule.h"
@@ -14,6 +15,8 @@
 #include <string>
 #include <utility>
 #include <vector>
+
+class vtkUnstructuredGrid;
 
 namespace mammoray
 {
@@ -74,6 +77,28 @@ MAMMORAYCASE_EXPORT double FacetSizeMm(const MeshingOptions& options, int materi
  */
 MAMMORAYCASE_EXPORT MeshCaseResult RunMeshCase(const MeshCase& input,
   const ProgressCallback& progress = {});
+
+/// The name of a material, or its number where it has none.
+MAMMORAYCASE_EXPORT std::string NameOfMaterial(int material, const std::vector<std::string>& names);
+
+/// Troubles with their places, volumes and cell quality as JSON; lengths in mm.
+MAMMORAYCASE_EXPORT std::string CheckReport(const MeshCheck& check,
+  const std::vector<std::string>& names);
+
+/// The same, and before it what was meshed, what became of each material, and the time and memory
+/// that the process took up to now.
+MAMMORAYCASE_EXPORT std::string MeshReport(const MeshCase& input, const MeshCaseResult& result);
+
+/// Draws how many cells of each material have which smallest dihedral angle and which ratio of
+/// circumradius and shortest edge (.png). Throws InputError when it cannot be written.
+MAMMORAYCASE_EXPORT void WriteQualityPicture(const MeshCheck& check,
+  const std::vector<std::string>& names, const std::string& path);
+
+/// Draws three plane cuts (.png) through a point, mm; without one through the cell that is nearest
+/// to the middle of the mesh. Throws InputError when it cannot be written.
+MAMMORAYCASE_EXPORT void WriteMeshCuts(vtkUnstructuredGrid* mesh,
+  const std::optional<Vector3>& point, const std::vector<std::string>& names,
+  const std::string& path);
 }
 
 #endif

@@ -7,7 +7,6 @@
 #include "mammoray/IO/MeshConversion.h"
 #include "mammoray/IO/ProjectionImage.h"
 #include "mammoray/IO/ShippedData.h"
-#include "mammoray/IO/SurfaceConversion.h"
 #include "mammoray/XRay/Exposure.h"
 
 #include "vtkCellArray.h"

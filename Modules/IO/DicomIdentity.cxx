@@ -22,22 +22,11 @@ DicomReference ReadDicomReference(const std::string& path)
   reference.SopInstanceUid = DicomText(data, DCM_SOPInstanceUID);
   reference.SeriesInstanceUid = DicomText(data, DCM_SeriesInstanceUID);
   reference.PatientOrientation = DicomTexts(data, DCM_PatientOrientation);
-  DicomIdentity& identity = reference.Identity;
-  identity.PatientName = DicomTexts(data, DCM_PatientName);
-  identity.PatientId = DicomTexts(data, DCM_PatientID);
-  identity.PatientBirthDate = DicomText(data, DCM_PatientBirthDate);
-  identity.PatientSex = DicomText(data, DCM_PatientSex);
-  identity.StudyInstanceUid = DicomText(data, DCM_StudyInstanceUID);
-  identity.StudyDate = DicomText(data, DCM_StudyDate);
-  identity.StudyTime = DicomText(data, DCM_StudyTime);
-  identity.StudyId = DicomTexts(data, DCM_StudyID);
-  identity.AccessionNumber = DicomTexts(data, DCM_AccessionNumber);
-  identity.ReferringPhysicianName = DicomTexts(data, DCM_ReferringPhysicianName);
-  identity.CharacterSet = DicomTexts(data, DCM_SpecificCharacterSet);
+  reference.Identity = ReadIdentity(data);
   reference.Rows = DicomShort(data, DCM_Rows).value_or(0);
   reference.Columns = DicomShort(data, DCM_Columns).value_or(0);
   if (reference.SopClassUid.empty() || reference.SopInstanceUid.empty() ||
-    reference.SeriesInstanceUid.empty() || identity.StudyInstanceUid.empty() ||
+    reference.SeriesInstanceUid.empty() || reference.Identity.StudyInstanceUid.empty() ||
     reference.Rows == 0 || reference.Columns == 0)
   {
     throw InputError(path +

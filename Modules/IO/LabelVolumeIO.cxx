@@ -63,6 +63,12 @@ IntensityVolume ReadIntensityVolume(const std::string& path, VolumeAxes axes)
   return volume;
 }
 
+IntensityVolume ReadIntensitySeries(const std::vector<std::string>& files,
+  const ProgressCallback& progress)
+{
+  return ReadDicomIntensities(files, progress);
+}
+
 void CheckLabelVolumeExtension(const std::string& path)
 {
   const std::string extension = VolumeExtension(path);

@@ -4,9 +4,11 @@
 
 #include "mammoray/Foundation/IntensityVolume.h"
 #include "mammoray/Foundation/LabelVolume.h"
+#include "mammoray/Foundation/Progress.h"
 #include "mammorayIOModule.h"
 
 #include <string>
+#include <vector>
 
 namespace mammoray
 {
@@ -45,6 +47,14 @@ MAMMORAYIO_EXPORT LabelVolume ReadLabelVolume(const std::string& path,
  */
 MAMMORAYIO_EXPORT IntensityVolume ReadIntensityVolume(const std::string& path,
   VolumeAxes axes = VolumeAxes::Patient);
+
+/**
+ * Reads a DICOM series from its files, whatever else lies in their folders: slices of one series in
+ * any order, evenly spaced, each at a place of its own (see FindSliceOrder); values after
+ * rescaling, DICOM LPS. Throws InputError, one line with the file, on anything else, Interrupted.
+ */
+MAMMORAYIO_EXPORT IntensityVolume ReadIntensitySeries(const std::vector<std::string>& files,
+  const ProgressCallback& progress = {});
 
 /// Throws InputError unless WriteLabelVolume knows the path's extension.
 MAMMORAYIO_EXPORT void CheckLabelVolumeExtension(const std::string& path);

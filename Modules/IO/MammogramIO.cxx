@@ -31,27 +31,6 @@ std::optional<double> PositiveNumber(DcmItem& data, const DcmTagKey& tag, unsign
   return value && *value > 0 ? value : std::nullopt;
 }
 
-/// The view by its code (DICOM context group 4014, SNOMED CT or SNOMED RT), where View Position is
-/// empty.
-std::string ViewOf(DcmItem& data)
-{
-  std::string position = DicomText(data, DCM_ViewPosition);
-  DcmItem* item = DicomFirstItem(data, DCM_ViewCodeSequence);
-  if (!position.empty() || !item)
-  {
-    return position;
-  }
-  const std::string code = DicomText(*item, DCM_CodeValue);
-  for (const MammogramView& view : MammogramViews)
-  {
-    if (code == view.SnomedCt || code == view.SnomedRt)
-    {
-      return view.Name;
-    }
-  }
-  return DicomText(*item, DCM_CodeMeaning);
-}
-
 /// The distances of pixels at the receptor.
 void ReadSpacing(DcmItem& data, const std::string& path, Mammogram& mammogram)
 {
@@ -84,16 +63,8 @@ void ReadSpacing(DcmItem& data, const std::string& path, Mammogram& mammogram)
 /// What the header says of the breast and the unit.
 void ReadAcquisition(DcmItem& data, Mammogram& mammogram)
 {
-  mammogram.View = ViewOf(data);
-  for (const DcmTagKey& laterality : { DCM_ImageLaterality, DCM_Laterality })
-  {
-    const std::string value = DicomText(data, laterality);
-    if (value == "L" || value == "R")
-    {
-      mammogram.Laterality = value[0];
-      break;
-    }
-  }
+  mammogram.View = MammogramViewOf(data);
+  mammogram.Laterality = MammogramLaterality(data);
   mammogram.RowDirection = DicomText(data, DCM_PatientOrientation, 0);
   mammogram.ColumnDirection = DicomText(data, DCM_PatientOrientation, 1);
   mammogram.BodyPartThicknessMm = PositiveNumber(data, DCM_BodyPartThickness);
@@ -107,13 +78,7 @@ void ReadAcquisition(DcmItem& data, Mammogram& mammogram)
 
 void ReadIntensityScale(DcmItem& data, const std::string& path, Mammogram& mammogram)
 {
-  const std::string intent = DicomText(data, DCM_PresentationIntentType);
-  const bool processing = intent.empty()
-    ? DicomText(data, DCM_SOPClassUID) == UID_DigitalMammographyXRayImageStorageForProcessing
-    : intent == "FOR PROCESSING";
-  mammogram.PresentationIntent =
-    processing ? Mammogram::Intent::ForProcessing : Mammogram::Intent::ForPresentation;
-
+  mammogram.PresentationIntent = MammogramIntent(data);
   const std::string photometric = DicomText(data, DCM_PhotometricInterpretation);
   if (photometric != "MONOCHROME1" && photometric != "MONOCHROME2")
   {

@@ -14,12 +14,58 @@
 #include "vtkIntArray.h"
 #include "vtkNew.h"
 #include "vtkPoints.h"
+#include "vtkPolyData.h"
+#include "vtkTypeInt32Array.h"
+#include "vtkUnsignedShortArray.h"
 #include "vtkUnstructuredGrid.h"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <utility>
 
 namespace mammoray
 {
+namespace
+{
+std::uint16_t MaterialAt(vtkDataArray* array, vtkIdType cell)
+{
+  const double value = array->GetComponent(cell, 0);
+  if (!(value >= 0 && value <= 65535) || value != static_cast<double>(static_cast<int>(value)))
+  {
+    throw InputError("surface: cell " + std::to_string(cell) + ": expected '" + array->GetName() +
+      "' to be a whole number from 0 to 65535, found " + std::to_string(value));
+  }
+  return static_cast<std::uint16_t>(value);
+}
+
+/// Exchanges the sides of materials whose triangles, taken together, enclose a negative volume.
+void OrientOutwards(SurfaceMesh& mesh)
+{
+  const auto point = [&mesh](std::uint32_t index)
+  {
+    return Vector3{ mesh.Points[3 * index], mesh.Points[3 * index + 1],
+      mesh.Points[3 * index + 2] };
+  };
+  const Vector3 origin = point(mesh.Triangles.front());
+  std::map<int, double> volumes;
+  for (std::size_t triangle = 0; triangle < mesh.NumberOfTriangles(); ++triangle)
+  {
+    const std::uint32_t* ids = &mesh.Triangles[3 * triangle];
+    volumes[mesh.BackMaterials[triangle]] +=
+      Dot(point(ids[0]) - origin, Cross(point(ids[1]) - origin, point(ids[2]) - origin));
+  }
+  for (std::size_t triangle = 0; triangle < mesh.NumberOfTriangles(); ++triangle)
+  {
+    if (volumes[mesh.BackMaterials[triangle]] < 0)
+    {
+      std::swap(mesh.FrontMaterials[triangle], mesh.BackMaterials[triangle]);
+    }
+  }
+}
+}
+
 vtkSmartPointer<vtkUnstructuredGrid> ToGrid(const TetrahedralMesh& mesh,
   const std::vector<std::string>& materialNames)
 {
@@ -120,5 +166,132 @@ std::optional<VolumeFromGantry> FindPlacement(vtkDataObject* data)
   array->GetTuple(2, placed.Y.data());
   array->GetTuple(3, placed.Z.data());
   return placed;
+}
+
+SurfaceMesh FromPolyData(vtkPolyData* surface, std::vector<std::string>* materialNames)
+{
+  SurfaceMesh mesh;
+  const vtkIdType pointCount = surface->GetNumberOfPoints();
+  mesh.Points.resize(3 * static_cast<std::size_t>(pointCount));
+  for (vtkIdType point = 0; point < pointCount; ++point)
+  {
+    surface->GetPoint(point, &mesh.Points[3 * point]);
+  }
+  vtkCellArray* polys = surface->GetPolys();
+  const vtkIdType cellCount = polys ? polys->GetNumberOfCells() : 0;
+  if (cellCount == 0 || surface->GetNumberOfCells() != cellCount)
+  {
+    throw InputError("surface: expected triangles only, found " + std::to_string(cellCount) +
+      " polygons among " + std::to_string(surface->GetNumberOfCells()) + " cells");
+  }
+  vtkCellData* data = surface->GetCellData();
+  vtkDataArray* front = data->GetArray(FrontMaterialArrayName);
+  vtkDataArray* back = data->GetArray(BackMaterialArrayName);
+  vtkDataArray* inside = data->GetArray(MaterialArrayName);
+  if (!front != !back)
+  {
+    throw InputError(std::string("surface: expected both cell arrays '") + FrontMaterialArrayName +
+      "' and '" + BackMaterialArrayName + "', found one of them");
+  }
+  for (vtkIdType cell = 0; cell < cellCount; ++cell)
+  {
+    vtkIdType size = 0;
+    const vtkIdType* ids = nullptr;
+    polys->GetCellAtId(cell, size, ids);
+    if (size != 3)
+    {
+      throw InputError("surface: cell " + std::to_string(cell) + ": expected a triangle, found " +
+        std::to_string(size) + " points");
+    }
+    for (int corner = 0; corner < 3; ++corner)
+    {
+      mesh.Triangles.push_back(static_cast<std::uint32_t>(ids[corner]));
+    }
+    mesh.FrontMaterials.push_back(front ? MaterialAt(front, cell) : std::uint16_t{ 0 });
+    mesh.BackMaterials.push_back(back ? MaterialAt(back, cell)
+        : inside                      ? MaterialAt(inside, cell)
+                                      : std::uint16_t{ 1 });
+  }
+  mesh.Validate("surface");
+  if (!back)
+  {
+    OrientOutwards(mesh);
+  }
+  if (materialNames)
+  {
+    *materialNames = FindMaterialNames(surface);
+  }
+  return mesh;
+}
+
+vtkSmartPointer<vtkPolyData> ToPolyData(const SurfaceMesh& surface,
+  const std::vector<std::string>& materialNames)
+{
+  surface.Validate("surface");
+  vtkNew<vtkPoints> points;
+  points->SetDataTypeToFloat();
+  points->SetNumberOfPoints(static_cast<vtkIdType>(surface.NumberOfPoints()));
+  for (std::size_t point = 0; point < surface.NumberOfPoints(); ++point)
+  {
+    points->SetPoint(static_cast<vtkIdType>(point), &surface.Points[3 * point]);
+  }
+  const std::size_t triangleCount = surface.NumberOfTriangles();
+  vtkNew<vtkTypeInt32Array> connectivity;
+  connectivity->SetNumberOfValues(static_cast<vtkIdType>(surface.Triangles.size()));
+  std::copy(surface.Triangles.begin(), surface.Triangles.end(), connectivity->GetPointer(0));
+  vtkNew<vtkTypeInt32Array> offsets;
+  offsets->SetNumberOfValues(static_cast<vtkIdType>(triangleCount) + 1);
+  for (std::size_t triangle = 0; triangle <= triangleCount; ++triangle)
+  {
+    offsets->SetValue(static_cast<vtkIdType>(triangle), static_cast<int>(3 * triangle));
+  }
+  vtkNew<vtkCellArray> triangles;
+  triangles->SetData(offsets, connectivity);
+
+  auto result = vtkSmartPointer<vtkPolyData>::New();
+  result->SetPoints(points);
+  result->SetPolys(triangles);
+  for (const auto& [name, materials] :
+    { std::pair{ FrontMaterialArrayName, &surface.FrontMaterials },
+      std::pair{ BackMaterialArrayName, &surface.BackMaterials } })
+  {
+    vtkNew<vtkUnsignedShortArray> array;
+    array->SetName(name);
+    array->SetNumberOfValues(static_cast<vtkIdType>(triangleCount));
+    std::copy(materials->begin(), materials->end(), array->GetPointer(0));
+    result->GetCellData()->AddArray(array);
+  }
+  AddMaterialNames(result, materialNames);
+  return result;
+}
+
+Vector3 FindPoseAnchor(const SurfaceMesh& surface, const std::vector<bool>& held,
+  const AnatomicalAxes& axes)
+{
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  const Vector3 directions[3] = { axes.Left, axes.Anterior, axes.Superior };
+  double low[3] = { infinity, infinity, infinity };
+  double high[3] = { -infinity, -infinity, -infinity };
+  double heldFront = -infinity;
+  const auto isHeld = [&held](std::uint16_t material)
+  { return material < held.size() && held[material]; };
+  for (std::size_t corner = 0; corner < surface.Triangles.size(); ++corner)
+  {
+    const std::uint32_t id = surface.Triangles[corner];
+    const Vector3 point{ surface.Points[3 * id], surface.Points[3 * id + 1],
+      surface.Points[3 * id + 2] };
+    for (int d = 0; d < 3; ++d)
+    {
+      low[d] = std::min(low[d], Dot(point, directions[d]));
+      high[d] = std::max(high[d], Dot(point, directions[d]));
+    }
+    if (isHeld(surface.FrontMaterials[corner / 3]) || isHeld(surface.BackMaterials[corner / 3]))
+    {
+      heldFront = std::max(heldFront, Dot(point, axes.Anterior));
+    }
+  }
+  const double chestWall = std::isfinite(heldFront) ? heldFront : low[1];
+  return 0.5 * (low[0] + high[0]) * axes.Left + chestWall * axes.Anterior +
+    0.5 * (low[2] + high[2]) * axes.Superior;
 }
 }

@@ -3,6 +3,7 @@
 #define mammoray_MeshConversion_h
 
 #include "mammoray/Foundation/MammographyGeometry.h"
+#include "mammoray/Foundation/SurfaceMesh.h"
 #include "mammoray/Foundation/TetrahedralMesh.h"
 #include "mammorayIOModule.h"
 
@@ -13,6 +14,7 @@
 #include <vector>
 
 class vtkDataObject;
+class vtkPolyData;
 class vtkUnstructuredGrid;
 
 namespace mammoray
@@ -41,6 +43,33 @@ MAMMORAYIO_EXPORT TetrahedralMesh FromGrid(vtkUnstructuredGrid* grid,
 MAMMORAYIO_EXPORT void AddPlacement(vtkDataObject* data, const VolumeFromGantry& placed);
 /// The reverse; nothing where there is no such array of 4 x 3 values.
 MAMMORAYIO_EXPORT std::optional<VolumeFromGantry> FindPlacement(vtkDataObject* data);
+
+/// Names of the cell arrays that hold the material on a triangle's front and back.
+inline constexpr const char* FrontMaterialArrayName = "FrontMaterial";
+inline constexpr const char* BackMaterialArrayName = "BackMaterial";
+
+/**
+ * Triangles with the materials of "FrontMaterial" and "BackMaterial"; or with those of "Material",
+ * which names the inside of closed surfaces in air, whichever way they are oriented as a whole; or
+ * without arrays, closed surfaces of material 1. Throws InputError, which names the cell, on cells
+ * other than triangles and on materials outside [0, 65535]. `materialNames` receives the field
+ * array "MaterialNames".
+ */
+MAMMORAYIO_EXPORT SurfaceMesh FromPolyData(vtkPolyData* surface,
+  std::vector<std::string>* materialNames = nullptr);
+
+/// Triangles with the cell arrays "FrontMaterial" and "BackMaterial" (unsigned short) and the field
+/// array "MaterialNames"; positions in single precision, 1e-5 mm of 100 mm.
+MAMMORAYIO_EXPORT vtkSmartPointer<vtkPolyData> ToPolyData(const SurfaceMesh& surface,
+  const std::vector<std::string>& materialNames);
+
+/**
+ * FindPoseAnchor for a mesh: the middle of its bounding box across and along the body, at the front
+ * of the held tissue, or at the posterior end where no material is held. `held[m]` tells whether m
+ * is held.
+ */
+MAMMORAYIO_EXPORT Vector3 FindPoseAnchor(const SurfaceMesh& surface, const std::vector<bool>& held,
+  const AnatomicalAxes& axes);
 }
 
 #endif

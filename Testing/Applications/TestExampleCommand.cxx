@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "CommandTest.h"
+#include "mammoray/IO/MeshConversion.h"
 #include "mammoray/IO/MeshIO.h"
-#include "mammoray/IO/SurfaceConversion.h"
 #include "mammoray/XRay/PathLengthProjector.h"
 
 #include "vtkPolyData.h"

@@ -4,8 +4,8 @@
 #include "mammoray/Case/ExampleData.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/IO/LabelVolumeIO.h"
+#include "mammoray/IO/MeshConversion.h"
 #include "mammoray/IO/ShippedData.h"
-#include "mammoray/IO/SurfaceConversion.h"
 
 #include "vtkPolyData.h"
 

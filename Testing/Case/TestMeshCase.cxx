@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Files.h"
 #include "mammoray/Case/MeshCase.h"
-#include "mammoray/Case/MeshReport.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/IO/LabelVolumeIO.h"
 #include "mammoray/IO/MeshConversion.h"

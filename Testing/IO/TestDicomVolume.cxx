@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // DICOM series and segmentations as label volumes.
+#include "DicomBytes.h"
 #include "Files.h"
 #include "Refusals.h"
 #include "mammoray/Foundation/Error.h"
@@ -8,67 +9,15 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-using mammoray::testing_support::RefusalOf;
+#include <cmath>
+
 using namespace mammoray;
 using testing::HasSubstr;
-using testing_support::TemporaryFolder;
+using namespace mammoray::testing_support;
 
 namespace
 {
 const std::string SharedData = testing_support::SharedDataFolder();
-
-std::string Little(std::uint32_t value, int bytes)
-{
-  std::string text;
-  for (int n = 0; n < bytes; ++n)
-  {
-    text.push_back(static_cast<char>(value >> 8 * n & 255));
-  }
-  return text;
-}
-
-std::string Us(std::uint32_t value)
-{
-  return Little(value, 2);
-}
-
-/// An element in explicit VR little endian (PS3.5 section 7.1.2).
-std::string Element(std::uint32_t group, std::uint32_t element, const std::string& vr,
-  std::string value)
-{
-  if (value.size() % 2 != 0)
-  {
-    value.push_back(vr == "UI" || vr == "OB" ? '\0' : ' ');
-  }
-  const bool wide = vr == "OB" || vr == "OW" || vr == "SQ";
-  const auto length = static_cast<std::uint32_t>(value.size());
-  return Little(group, 2) + Little(element, 2) + vr +
-    (wide ? Little(0, 2) + Little(length, 4) : Little(length, 2)) + value;
-}
-
-std::string Sequence(std::uint32_t group, std::uint32_t element,
-  const std::vector<std::string>& items)
-{
-  std::string value;
-  for (const std::string& item : items)
-  {
-    value += Little(0xfffe, 2) + Little(0xe000, 2) +
-      Little(static_cast<std::uint32_t>(item.size()), 4) + item;
-  }
-  return Element(group, element, "SQ", value);
-}
-
-std::string File(const std::string& storageClass, const std::string& instance,
-  const std::string& data)
-{
-  const std::string meta = Element(2, 1, "OB", std::string("\0\1", 2)) +
-    Element(2, 2, "UI", storageClass) + Element(2, 3, "UI", instance) +
-    Element(2, 0x10, "UI", "1.2.840.10008.1.2.1");
-  std::string file(128, '\0');
-  file += "DICM";
-  return file + Element(2, 0, "UL", Little(static_cast<std::uint32_t>(meta.size()), 4)) + meta +
-    data;
-}
 
 // The oblique grid of the tests.
 const Vector3 AlongRow{ 0.8, 0.6, 0 };
@@ -76,19 +25,6 @@ const Vector3 AlongColumn{ 0, 0, -1 };
 const Vector3 Normal = Cross(AlongRow, AlongColumn);
 const Vector3 First{ 10, -20, 30 };
 constexpr double SliceSpacing = 2.5;
-
-std::string Join(const std::vector<double>& values)
-{
-  std::string text;
-  for (const double value : values)
-  {
-    char number[32];
-    std::snprintf(number, sizeof(number), "%.10g", value);
-    text.append(text.empty() ? "" : "\\");
-    text.append(number);
-  }
-  return text;
-}
 
 std::string Position(double slice)
 {
@@ -124,7 +60,7 @@ std::string SliceFile(int k, double place, const std::string& series = "1.2.3")
       pixels += Us(LabelOf(i, j, k));
     }
   }
-  return File("1.2.840.10008.5.1.4.1.1.4", instance,
+  return DicomBytes("1.2.840.10008.5.1.4.1.1.4", instance,
     Element(8, 0x16, "UI", "1.2.840.10008.5.1.4.1.1.4") + Element(8, 0x18, "UI", instance) +
       Element(8, 0x60, "CS", "MR") + Element(0x18, 0x50, "DS", "2") +
       Element(0x20, 0xe, "UI", series) + Position(place) + Orientation +
@@ -165,7 +101,7 @@ std::string SegmentationFile(const std::vector<Frame>& frames, int bits)
   }
   const std::string shared = Sequence(0x20, 0x9116, { Orientation }) +
     Sequence(0x28, 0x9110, { Element(0x18, 0x88, "DS", "2.5") + Spacing });
-  return File("1.2.840.10008.5.1.4.1.1.66.4", "1.2.4",
+  return DicomBytes("1.2.840.10008.5.1.4.1.1.66.4", "1.2.4",
     Element(8, 0x16, "UI", "1.2.840.10008.5.1.4.1.1.66.4") + Element(8, 0x18, "UI", "1.2.4") +
       Element(8, 0x60, "CS", "SEG") + Element(0x28, 2, "US", Us(1)) +
       Element(0x28, 4, "CS", "MONOCHROME2") +
@@ -226,6 +162,40 @@ TEST(DicomLabels, SeriesKeepsItsObliqueGrid)
   EXPECT_THAT(LabelsRefusal(folder.File("a.dcm")), HasSubstr("is read from its folder"));
   std::filesystem::create_directory(folder.File("empty"));
   EXPECT_THAT(LabelsRefusal(folder.File("empty")), HasSubstr("found none"));
+}
+
+TEST(DicomSeries, IsReadFromItsFilesWhateverLiesBeside)
+{
+  TemporaryFolder folder;
+  std::vector<std::string> files;
+  for (const int k : { 2, 0, 1 })
+  {
+    files.push_back(folder.Write("IM" + std::to_string(k), SliceFile(k, k)));
+  }
+  folder.Write("other", SliceFile(7, 7, "1.2.9"));
+  const IntensityVolume volume = ReadIntensitySeries(files);
+  EXPECT_EQ(volume.Size, (std::array<int, 3>{ 4, 3, 3 }));
+  EXPECT_EQ(volume.Voxels[volume.Index(1, 2, 1)], LabelOf(1, 2, 1));
+  files.push_back(folder.File("other"));
+  EXPECT_THROW(ReadIntensitySeries(files), InputError);
+  EXPECT_THROW(ReadIntensitySeries({}), InputError);
+  EXPECT_THROW(ReadIntensitySeries({ files[0] }, [](double, const char*) { return false; }),
+    Interrupted);
+}
+
+TEST(DicomSeries, DecimalsThatWereRoundedDoNotAddUp)
+{
+  // A spacing of 3.3333 mm whose places are written with two decimals: 0.003 mm each, and no more.
+  TemporaryFolder folder;
+  std::vector<std::string> files;
+  for (int k = 0; k < 24; ++k)
+  {
+    const double place = std::round(100 * k * 10.0 / 3) / 100 / SliceSpacing;
+    files.push_back(folder.Write(std::to_string(k), SliceFile(k, place)));
+  }
+  const IntensityVolume volume = ReadIntensitySeries(files);
+  EXPECT_EQ(volume.Size[2], 24);
+  EXPECT_NEAR(volume.Spacing[2], 10.0 / 3, 1e-3);
 }
 
 TEST(DicomLabels, BinarySegmentsWithEmptySlicesLeftOut)

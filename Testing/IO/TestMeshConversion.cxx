@@ -4,10 +4,15 @@
 
 #include "vtkCellData.h"
 #include "vtkCellType.h"
+#include "vtkIntArray.h"
+#include "vtkNew.h"
+#include "vtkPolyData.h"
 #include "vtkUnstructuredGrid.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include <utility>
 
 using namespace mammoray;
 
@@ -19,6 +24,17 @@ TetrahedralMesh TwoCells()
   mesh.Points = { 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 1, 1, 1.0 / 3 };
   mesh.Cells = { 0, 1, 2, 3, 1, 2, 3, 4 };
   mesh.Materials = { 1, 2 };
+  return mesh;
+}
+
+/// The surface of a tetrahedron in air, its triangles seen from outside.
+SurfaceMesh Tetrahedron()
+{
+  SurfaceMesh mesh;
+  mesh.Points = { 0, 0, 0, 2, 0, 0, 0, 3, 0, 0, 0, 4 };
+  mesh.Triangles = { 0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3 };
+  mesh.FrontMaterials = { 0, 0, 0, 0 };
+  mesh.BackMaterials = { 2, 2, 2, 2 };
   return mesh;
 }
 }
@@ -63,4 +79,55 @@ TEST(MeshConversion, PlacementsComeBack)
   EXPECT_EQ(found->X, placed.X);
   EXPECT_EQ(found->Y, placed.Y);
   EXPECT_EQ(found->Z, placed.Z);
+}
+
+TEST(MeshConversion, PolyDataGiveTheSurfaceBack)
+{
+  const SurfaceMesh mesh = Tetrahedron();
+  std::vector<std::string> names;
+  const SurfaceMesh back = FromPolyData(ToPolyData(mesh, { "air", "fat", "gland" }), &names);
+  EXPECT_EQ(back.Points, mesh.Points);
+  EXPECT_EQ(back.Triangles, mesh.Triangles);
+  EXPECT_EQ(back.FrontMaterials, mesh.FrontMaterials);
+  EXPECT_EQ(back.BackMaterials, mesh.BackMaterials);
+  EXPECT_THAT(names, testing::ElementsAre("air", "fat", "gland"));
+}
+
+TEST(MeshConversion, TheInsideIsFoundWhicheverWayTrianglesTurn)
+{
+  for (const bool inwards : { false, true })
+  {
+    SurfaceMesh mesh = Tetrahedron();
+    for (std::size_t corner = 0; inwards && corner < mesh.Triangles.size(); corner += 3)
+    {
+      std::swap(mesh.Triangles[corner + 1], mesh.Triangles[corner + 2]);
+    }
+    const auto surface = ToPolyData(mesh, {});
+    surface->GetCellData()->RemoveArray(FrontMaterialArrayName);
+    surface->GetCellData()->RemoveArray(BackMaterialArrayName);
+    vtkNew<vtkIntArray> inside;
+    inside->SetName(MaterialArrayName);
+    for (int cell = 0; cell < 4; ++cell)
+    {
+      inside->InsertNextValue(5);
+    }
+    surface->GetCellData()->AddArray(inside);
+    const SurfaceMesh found = FromPolyData(surface);
+    const std::vector<std::uint16_t> air(4, 0);
+    const std::vector<std::uint16_t> tissue(4, 5);
+    EXPECT_EQ(found.BackMaterials, inwards ? air : tissue);
+    EXPECT_EQ(found.FrontMaterials, inwards ? tissue : air);
+    inside->SetValue(2, 70000);
+    EXPECT_THROW(FromPolyData(surface), InputError);
+  }
+}
+
+TEST(MeshConversion, ThePoseTurnsAboutTheHeldTissuesFront)
+{
+  // LPS: left is +x, anterior -y, superior +z; the box is 2 x 3 x 4 from the origin.
+  const AnatomicalAxes axes;
+  const Vector3 free = FindPoseAnchor(Tetrahedron(), { false, false, false }, axes);
+  EXPECT_LT(Norm(free - Vector3{ 1, 3, 2 }), 1e-12) << "the posterior end";
+  const Vector3 held = FindPoseAnchor(Tetrahedron(), { false, false, true }, axes);
+  EXPECT_LT(Norm(held - Vector3{ 1, 0, 2 }), 1e-12) << "the front of what is held";
 }

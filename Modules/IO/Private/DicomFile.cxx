@@ -36,7 +36,7 @@ bool HasDicomHeader(const std::string& path)
   return file.gcount() == sizeof bytes && std::memcmp(bytes + 128, "DICM", 4) == 0;
 }
 
-DicomFile::DicomFile(const std::string& path, const std::string& what)
+DicomFile::DicomFile(const std::string& path, const std::string& what, DicomExtent extent)
   : File(std::make_unique<DcmFileFormat>())
 {
   if (!HasDicomHeader(path))
@@ -44,14 +44,22 @@ DicomFile::DicomFile(const std::string& path, const std::string& what)
     throw InputError(path + ": expected " + what + ", found no DICOM header");
   }
   const QuietDcmtk quiet;
-  const OFCondition read =
-    this->File->loadFile(path.c_str(), EXS_Unknown, EGL_noChange, DCM_MaxReadLength, ERM_fileOnly);
-  if (read.bad() || this->File->loadAllDataIntoMemory().bad() ||
+  const bool whole = extent == DicomExtent::Whole;
+  const OFCondition read = this->File->loadFileUntilTag(path.c_str(), EXS_Unknown, EGL_noChange,
+    DCM_MaxReadLength, ERM_fileOnly, whole ? DCM_UndefinedTagKey : DCM_PixelData);
+  if (read.bad() || (whole && this->File->loadAllDataIntoMemory().bad()) ||
     this->File->getDataset()->card() == 0)
   {
     throw InputError(
       path + ": expected " + what + ", found a DICOM file that is cut short or damaged");
   }
+}
+
+std::string DicomFile::StorageClass() const
+{
+  return this->File->getMetaInfo()
+    ? DicomText(*this->File->getMetaInfo(), DCM_MediaStorageSOPClassUID)
+    : std::string();
 }
 
 std::string DicomText(DcmItem& data, const DcmTagKey& tag, unsigned long index)
@@ -111,6 +119,35 @@ std::optional<std::uint16_t> DicomShort(DcmItem& data, const DcmTagKey& tag)
     return static_cast<std::uint16_t>(number);
   }
   return std::nullopt;
+}
+
+double DicomSliceSpacing(DcmItem& data)
+{
+  for (const DcmTagKey& tag : { DCM_SpacingBetweenSlices, DCM_SliceThickness })
+  {
+    if (const double distance = DicomNumber(data, tag).value_or(0); distance > 0)
+    {
+      return distance;
+    }
+  }
+  return 0;
+}
+
+DicomIdentity ReadIdentity(DcmItem& data)
+{
+  DicomIdentity identity;
+  identity.PatientName = DicomTexts(data, DCM_PatientName);
+  identity.PatientId = DicomTexts(data, DCM_PatientID);
+  identity.PatientBirthDate = DicomText(data, DCM_PatientBirthDate);
+  identity.PatientSex = DicomText(data, DCM_PatientSex);
+  identity.StudyInstanceUid = DicomText(data, DCM_StudyInstanceUID);
+  identity.StudyDate = DicomText(data, DCM_StudyDate);
+  identity.StudyTime = DicomText(data, DCM_StudyTime);
+  identity.StudyId = DicomTexts(data, DCM_StudyID);
+  identity.AccessionNumber = DicomTexts(data, DCM_AccessionNumber);
+  identity.ReferringPhysicianName = DicomTexts(data, DCM_ReferringPhysicianName);
+  identity.CharacterSet = DicomTexts(data, DCM_SpecificCharacterSet);
+  return identity;
 }
 
 DcmItem* DicomFirstItem(DcmItem& data, const DcmTagKey& sequence)

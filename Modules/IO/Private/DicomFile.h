@@ -2,6 +2,8 @@
 #ifndef mammoray_Private_DicomFile_h
 #define mammoray_Private_DicomFile_h
 
+#include "mammoray/IO/DicomIdentity.h"
+
 #include <dcmtk/config/osconfig.h>
 #include <dcmtk/dcmdata/dctk.h>
 
@@ -16,6 +18,14 @@ namespace mammoray
 /// True where a file begins as DICOM files do.
 bool HasDicomHeader(const std::string& path);
 
+/// How much of a file is read.
+enum class DicomExtent
+{
+  Whole,
+  /// Up to the pixels.
+  Header
+};
+
 /**
  * A DICOM file, read whole by DCMTK: preamble, meta information and every element within the file,
  * sequences closed. Damage must be found before GDCM decodes the pixels: Debian's build asserts,
@@ -25,9 +35,12 @@ class DicomFile
 {
 public:
   /// Throws InputError that names the file; `what` is the expected content.
-  DicomFile(const std::string& path, const std::string& what);
+  DicomFile(const std::string& path, const std::string& what,
+    DicomExtent extent = DicomExtent::Whole);
 
   DcmDataset& Data() const { return *this->File->getDataset(); }
+  /// Media Storage SOP Class UID of the meta information; empty where there is none.
+  std::string StorageClass() const;
 
 private:
   std::unique_ptr<DcmFileFormat> File;
@@ -47,6 +60,12 @@ std::vector<double> DicomNumbers(DcmItem& data, const DcmTagKey& tag, unsigned l
 
 /// The bits of a short (US, SS); nothing when it is absent.
 std::optional<std::uint16_t> DicomShort(DcmItem& data, const DcmTagKey& tag);
+
+/// The distance of slices that a header tells, mm; 0 where it tells none.
+double DicomSliceSpacing(DcmItem& data);
+
+/// Whom a data set is about, and in which study.
+DicomIdentity ReadIdentity(DcmItem& data);
 
 /// The first item of a sequence; null where there is none.
 DcmItem* DicomFirstItem(DcmItem& data, const DcmTagKey& sequence);

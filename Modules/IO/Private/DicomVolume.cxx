@@ -42,14 +42,7 @@ void SetGeometry(VolumeSlice& slice, DcmItem& position, DcmItem& orientation, Dc
       ": image orientation: expected two unit vectors at right angles, found '" +
       DicomTexts(orientation, DCM_ImageOrientationPatient) + "'");
   }
-  for (const DcmTagKey& tag : { DCM_SpacingBetweenSlices, DCM_SliceThickness })
-  {
-    if (const double distance = DicomNumber(measures, tag).value_or(0); distance > 0)
-    {
-      slice.SliceSpacing = distance;
-      return;
-    }
-  }
+  slice.SliceSpacing = DicomSliceSpacing(measures);
 }
 
 /// The frames of a segmentation: how many, of which size, and their pixels one after the other.
@@ -196,6 +189,27 @@ VolumeSlice ReadSlice(const std::string& path, std::string& series)
   return slice;
 }
 
+std::vector<VolumeSlice> ReadSlices(const std::vector<std::string>& paths,
+  const ProgressCallback& progress = {})
+{
+  std::vector<VolumeSlice> slices;
+  std::string first;
+  for (const std::string& path : paths)
+  {
+    ReportProgress(progress, static_cast<double>(slices.size()) / static_cast<double>(paths.size()),
+      "reading slices");
+    std::string series;
+    slices.push_back(ReadSlice(path, series));
+    first = slices.size() == 1 ? series : first;
+    if (series != first)
+    {
+      throw InputError(
+        path + ": expected the slices of one series, found one of another than " + paths.front());
+    }
+  }
+  return slices;
+}
+
 std::vector<VolumeSlice> ReadSeries(const std::string& folder)
 {
   std::vector<std::string> paths;
@@ -211,20 +225,7 @@ std::vector<VolumeSlice> ReadSeries(const std::string& folder)
   {
     throw InputError(folder + ": expected a folder of DICOM slices, found none");
   }
-  std::vector<VolumeSlice> slices;
-  std::string first;
-  for (const std::string& path : paths)
-  {
-    std::string series;
-    slices.push_back(ReadSlice(path, series));
-    first = slices.size() == 1 ? series : first;
-    if (series != first)
-    {
-      throw InputError(folder + ": expected the slices of one series, found " + path +
-        " of another than " + paths.front());
-    }
-  }
-  return slices;
+  return ReadSlices(paths);
 }
 
 /// Throws where a value is no label.
@@ -263,5 +264,15 @@ IntensityVolume ReadDicomIntensities(const std::string& path)
     throw InputError(path + ": expected the folder of a DICOM series, found a single file");
   }
   return StackSlices(ReadSeries(path), false);
+}
+
+IntensityVolume ReadDicomIntensities(const std::vector<std::string>& files,
+  const ProgressCallback& progress)
+{
+  if (files.empty())
+  {
+    throw InputError("DICOM series: expected files of slices, found none");
+  }
+  return StackSlices(ReadSlices(files, progress), false);
 }
 }

@@ -4,8 +4,10 @@
 
 #include "mammoray/Foundation/IntensityVolume.h"
 #include "mammoray/Foundation/LabelVolume.h"
+#include "mammoray/Foundation/Progress.h"
 
 #include <string>
+#include <vector>
 
 namespace mammoray
 {
@@ -23,6 +25,10 @@ LabelVolume ReadDicomLabels(const std::string& path);
  * Throws InputError on a single file too.
  */
 IntensityVolume ReadDicomIntensities(const std::string& path);
+
+/// The same of slices that are named, in any order, of one series.
+IntensityVolume ReadDicomIntensities(const std::vector<std::string>& files,
+  const ProgressCallback& progress);
 }
 
 #endif

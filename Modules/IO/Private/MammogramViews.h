@@ -2,6 +2,13 @@
 #ifndef mammoray_Private_MammogramViews_h
 #define mammoray_Private_MammogramViews_h
 
+#include "mammoray/Foundation/Mammogram.h"
+
+#include <string>
+#include <vector>
+
+class DcmItem;
+
 namespace mammoray
 {
 /// A view of DICOM context group 4014: codes of SNOMED CT and, in older files, SNOMED RT, View
@@ -22,6 +29,19 @@ inline constexpr MammogramView MammogramViews[] = {
   { "399099002", "R-10230", "LMO", "latero-medial oblique" },
   { "399196006", "R-10244", "FB", "caudo-cranial (from below)" },
 };
+
+/// View Position, or the view by its code (the other codes by their meaning); empty where a header
+/// says none.
+std::string MammogramViewOf(DcmItem& data);
+
+/// The meanings of the codes that modify the view (context group 4015).
+std::vector<std::string> MammogramViewModifiers(DcmItem& data);
+
+/// 'L', 'R' or '?'.
+char MammogramLaterality(DcmItem& data);
+
+/// By Presentation Intent Type, or by the class of the object.
+Mammogram::Intent MammogramIntent(DcmItem& data);
 }
 
 #endif

@@ -34,13 +34,35 @@ void CheckParallel(const std::vector<VolumeSlice>& slices, const Vector3& normal
   }
 }
 
+[[noreturn]] void RefuseDistances(const VolumeSlice& first)
+{
+  throw InputError(
+    first.Name + ": expected slices at even distances, found a missing one or other distances");
+}
+
+/// The distance of slices, at least two, of which none may be left out: the mean one, so that the
+/// rounding of decimal strings does not add up.
+double EvenSliceSpacing(const std::vector<VolumeSlice>& slices, const std::vector<double>& heights)
+{
+  const double spacing =
+    (heights.back() - heights.front()) / static_cast<double>(heights.size() - 1);
+  for (std::size_t n = 0; n < heights.size(); ++n)
+  {
+    // A twentieth of a step: a grid is still told from none.
+    if (std::abs(heights[n] - heights.front() - static_cast<double>(n) * spacing) > 0.05 * spacing)
+    {
+      RefuseDistances(slices.front());
+    }
+  }
+  return spacing;
+}
+
 /**
- * The distance of neighbouring slices. Where some may be left out it is the one that the file
- * tells, or, where slices do not lie on it, the largest fraction of the smallest gap that they do
- * lie on.
+ * The distance of neighbouring slices of which some may be left out: the one that the file tells,
+ * or, where slices do not lie on it, the largest fraction of the smallest gap that they do lie on.
  */
-double FindSliceSpacing(const std::vector<VolumeSlice>& slices, const std::vector<double>& heights,
-  bool gapsAllowed)
+double SparseSliceSpacing(const std::vector<VolumeSlice>& slices,
+  const std::vector<double>& heights)
 {
   double smallest = 0;
   for (std::size_t n = 1; n < heights.size(); ++n)
@@ -48,36 +70,32 @@ double FindSliceSpacing(const std::vector<VolumeSlice>& slices, const std::vecto
     const double gap = heights[n] - heights[n - 1];
     smallest = smallest == 0 ? gap : std::min(smallest, gap);
   }
-  const double told = slices.front().SliceSpacing;
-  std::vector<double> candidates{ smallest };
-  if (smallest == 0 || gapsAllowed)
+  std::vector<double> candidates{ slices.front().SliceSpacing, smallest };
+  for (int parts = 2; parts <= 20; ++parts)
   {
-    candidates.insert(candidates.begin(), told);
-    for (int parts = 2; parts <= 20; ++parts)
-    {
-      candidates.push_back(smallest / parts);
-    }
+    candidates.push_back(smallest / parts);
   }
   for (const double spacing : candidates)
   {
-    // A twentieth of a step: a grid is still told from none, and no label is moved farther.
+    // A twentieth of a step: no label is moved farther.
     const bool fits = spacing > 0 &&
       std::all_of(heights.begin(), heights.end(),
         [&](double height)
         {
           const double steps = (height - heights.front()) / spacing;
-          return std::abs(steps - std::round(steps)) <= 0.05 &&
-            (gapsAllowed || steps < static_cast<double>(heights.size()) - 0.5);
+          return std::abs(steps - std::round(steps)) <= 0.05;
         });
     if (fits)
     {
       return spacing;
     }
   }
-  throw InputError(slices.front().Name +
-    (smallest == 0
-        ? ": expected several slices or a slice thickness, found neither"
-        : ": expected slices at even distances, found a missing one or other distances"));
+  if (smallest == 0)
+  {
+    throw InputError(
+      slices.front().Name + ": expected several slices or a slice thickness, found neither");
+  }
+  RefuseDistances(slices.front());
 }
 
 /**
@@ -109,7 +127,7 @@ std::vector<const VolumeSlice*> PaintingOrder(const std::vector<VolumeSlice>& sl
 
 }
 
-IntensityVolume StackSlices(const std::vector<VolumeSlice>& slices, bool gapsAllowed)
+VolumeGrid FindSliceGrid(const std::vector<VolumeSlice>& slices, bool gapsAllowed)
 {
   const VolumeSlice& first = slices.front();
   const Vector3 normal = Cross(first.AlongRow, first.AlongColumn);
@@ -130,28 +148,37 @@ IntensityVolume StackSlices(const std::vector<VolumeSlice>& slices, bool gapsAll
   {
     throw InputError(first.Name + ": expected slices at places of their own, found two at one");
   }
-  const double spacing = FindSliceSpacing(slices, heights, gapsAllowed);
+  const double spacing = gapsAllowed || heights.size() == 1 ? SparseSliceSpacing(slices, heights)
+                                                            : EvenSliceSpacing(slices, heights);
   const auto depth = std::lround((heights.back() - heights.front()) / spacing) + 1;
   if (depth > 65536)
   {
     throw InputError(
       first.Name + ": expected slices near each other, found a stack of " + std::to_string(depth));
   }
-  IntensityVolume volume;
-  volume.Size = { first.Columns, first.Rows, static_cast<int>(depth) };
-  volume.Spacing = { first.ColumnSpacing, first.RowSpacing, spacing };
-  volume.Origin = first.Position + heights.front() * normal;
-  volume.Direction = { first.AlongRow, first.AlongColumn, normal };
-  for (Vector3& axis : volume.Direction)
+  VolumeGrid grid;
+  grid.Size = { first.Columns, first.Rows, static_cast<int>(depth) };
+  grid.Spacing = { first.ColumnSpacing, first.RowSpacing, spacing };
+  grid.Origin = first.Position + heights.front() * normal;
+  grid.Direction = { first.AlongRow, first.AlongColumn, normal };
+  for (Vector3& axis : grid.Direction)
   {
     axis = (1 / Norm(axis)) * axis;
   }
+  return grid;
+}
+
+IntensityVolume StackSlices(const std::vector<VolumeSlice>& slices, bool gapsAllowed)
+{
+  const VolumeSlice& first = slices.front();
+  IntensityVolume volume;
+  static_cast<VolumeGrid&>(volume) = FindSliceGrid(slices, gapsAllowed);
   const std::size_t area = first.Values.size();
-  volume.Voxels.assign(area * static_cast<std::size_t>(depth), 0);
+  volume.Voxels.assign(area * static_cast<std::size_t>(volume.Size[2]), 0);
   for (const VolumeSlice* slice : PaintingOrder(slices))
   {
-    const double height = Dot(slice->Position - first.Position, normal) - heights.front();
-    const auto layer = static_cast<std::size_t>(std::lround(height / spacing));
+    const double height = Dot(slice->Position - volume.Origin, volume.Direction[2]);
+    const auto layer = static_cast<std::size_t>(std::lround(height / volume.Spacing[2]));
     for (std::size_t pixel = 0; pixel < area; ++pixel)
     {
       float& voxel = volume.Voxels[layer * area + pixel];

@@ -29,6 +29,12 @@ struct VolumeSlice
 };
 
 /**
+ * The grid that slices, at least one, lie on; their values are not looked at. Throws as
+ * StackSlices.
+ */
+VolumeGrid FindSliceGrid(const std::vector<VolumeSlice>& slices, bool gapsAllowed);
+
+/**
  * The slices, at least one, on the grid that they lie on, 0 where there is none. With `gapsAllowed`
  * slices may share a place, of overlapping ones the label that claims less is kept, and places may
  * be left out. Throws InputError when they do not lie in parallel at even distances.

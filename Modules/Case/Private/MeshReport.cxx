@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mammoray/Case/MeshReport.h"
+#include "mammoray/Case/MeshCase.h"
 
 #include "mammoray/IO/MeshConversion.h"
 #include "mammoray/Report/CutPicture.h"

@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "Private/MammogramViews.h"
+
+#include "Private/DicomFile.h"
+
+namespace mammoray
+{
+namespace
+{
+/// Modifiers whose code older files give without a meaning, or in another language.
+struct ModifierCode
+{
+  const char* SnomedCt;
+  const char* SnomedRt;
+  const char* Meaning;
+};
+
+constexpr ModifierCode ModifierCodes[] = {
+  { "399161006", "R-102D2", "Cleavage" },
+  { "399011000", "R-102D1", "Axillary Tail" },
+  { "399197002", "R-102D3", "Rolled Lateral" },
+  { "399226006", "R-102D4", "Rolled Medial" },
+  { "414493004", "R-102CA", "Rolled Inferior" },
+  { "415670009", "R-102C9", "Rolled Superior" },
+  { "399209000", "R-102D5", "Implant Displaced" },
+  { "399163009", "R-102D6", "Magnification" },
+  { "399055006", "R-102D7", "Spot Compression" },
+  { "399110001", "R-102C2", "Tangential" },
+  { "442581004", "R-40AB3", "Nipple in profile" },
+  { "441752004", "P2-00161", "Anterior compression" },
+  { "442593008", "R-40ABE", "Infra-mammary fold" },
+  { "442580003", "R-40AB2", "Axillary tissue" },
+};
+
+std::string ModifierOf(DcmItem& item)
+{
+  const std::string code = DicomText(item, DCM_CodeValue);
+  for (const ModifierCode& known : ModifierCodes)
+  {
+    if (code == known.SnomedCt || code == known.SnomedRt)
+    {
+      return known.Meaning;
+    }
+  }
+  const std::string meaning = DicomText(item, DCM_CodeMeaning);
+  return meaning.empty() ? code : meaning;
+}
+
+void AddModifiers(DcmItem& data, std::vector<std::string>& modifiers)
+{
+  DcmItem* item = nullptr;
+  for (signed long index = 0;
+       data.findAndGetSequenceItem(DCM_ViewModifierCodeSequence, item, index).good() && item;
+       ++index)
+  {
+    modifiers.push_back(ModifierOf(*item));
+  }
+}
+}
+
+std::string MammogramViewOf(DcmItem& data)
+{
+  std::string position = DicomText(data, DCM_ViewPosition);
+  DcmItem* item = DicomFirstItem(data, DCM_ViewCodeSequence);
+  if (!position.empty() || !item)
+  {
+    return position;
+  }
+  const std::string code = DicomText(*item, DCM_CodeValue);
+  for (const MammogramView& view : MammogramViews)
+  {
+    if (code == view.SnomedCt || code == view.SnomedRt)
+    {
+      return view.Name;
+    }
+  }
+  return DicomText(*item, DCM_CodeMeaning);
+}
+
+std::vector<std::string> MammogramViewModifiers(DcmItem& data)
+{
+  std::vector<std::string> modifiers;
+  // Within the view's code as the standard has it, beside it in some files.
+  if (DcmItem* view = DicomFirstItem(data, DCM_ViewCodeSequence))
+  {
+    AddModifiers(*view, modifiers);
+  }
+  AddModifiers(data, modifiers);
+  return modifiers;
+}
+
+char MammogramLaterality(DcmItem& data)
+{
+  for (const DcmTagKey& laterality : { DCM_ImageLaterality, DCM_Laterality })
+  {
+    const std::string value = DicomText(data, laterality);
+    if (value == "L" || value == "R")
+    {
+      return value[0];
+    }
+  }
+  return '?';
+}
+
+Mammogram::Intent MammogramIntent(DcmItem& data)
+{
+  const std::string intent = DicomText(data, DCM_PresentationIntentType);
+  const bool processing = intent.empty()
+    ? DicomText(data, DCM_SOPClassUID) == UID_DigitalMammographyXRayImageStorageForProcessing
+    : intent == "FOR PROCESSING";
+  return processing ? Mammogram::Intent::ForProcessing : Mammogram::Intent::ForPresentation;
+}
+}

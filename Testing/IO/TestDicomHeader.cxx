@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: Apache-2.0
+// Headers up to the pixels, and the order of slices that they give.
+#include "DicomBytes.h"
+#include "Files.h"
+#include "mammoray/Foundation/Error.h"
+#include "mammoray/IO/DicomHeader.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+
+using namespace mammoray;
+using namespace mammoray::testing_support;
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+namespace
+{
+constexpr const char* MrClass = "1.2.840.10008.5.1.4.1.1.4";
+
+std::string Slice(double height)
+{
+  return DicomBytes(MrClass, "1.2.3.4",
+    Element(8, 8, "CS", "ORIGINAL\\PRIMARY\\M\\NORM") + Element(8, 0x16, "UI", MrClass) +
+      Element(8, 0x18, "UI", "1.2.3.4") + Element(8, 0x60, "CS", "MR") +
+      Element(8, 0x103e, "LO", "t1_fl3d_tra_spair") + Element(0x10, 0x20, "LO", "P1") +
+      Element(0x18, 0x20, "CS", "GR") + Element(0x18, 0x22, "CS", "PFP\\SFS") +
+      Element(0x18, 0x50, "DS", "1.2") + Element(0x18, 0x80, "DS", "4.3") +
+      Element(0x18, 0x81, "DS", "1.73") + Element(0x18, 0x5100, "CS", "HFP") +
+      Element(0x20, 0xe, "UI", "1.2.3") + Element(0x20, 0x12, "IS", "2") +
+      Element(0x20, 0x32, "DS", Join({ -10, -20, height })) +
+      Element(0x20, 0x37, "DS", "1\\0\\0\\0\\1\\0") + Element(0x28, 2, "US", Us(1)) +
+      Element(0x28, 0x10, "US", Us(3)) + Element(0x28, 0x11, "US", Us(4)) +
+      Element(0x28, 0x30, "DS", "0.5\\0.75") + Element(0x28, 0x100, "US", Us(16)) +
+      Element(0x7fe0, 0x10, "OW", std::string(24, '\7')));
+}
+
+DicomHeader Read(const std::string& path)
+{
+  const std::optional<DicomHeader> header = ReadDicomHeader(path);
+  EXPECT_TRUE(header) << path;
+  return header.value_or(DicomHeader{});
+}
+
+TEST(DicomHeader, TellsOfASlice)
+{
+  TemporaryFolder folder;
+  const DicomHeader header = Read(folder.Write("I0001", Slice(30)));
+  EXPECT_EQ(header.Modality, "MR");
+  EXPECT_EQ(header.SopClassUid, MrClass);
+  EXPECT_EQ(header.SeriesInstanceUid, "1.2.3");
+  EXPECT_EQ(header.Identity.PatientId, "P1");
+  EXPECT_THAT(header.ImageType, ElementsAre("ORIGINAL", "PRIMARY", "M", "NORM"));
+  EXPECT_THAT(header.ScanOptions, ElementsAre("PFP", "SFS"));
+  EXPECT_TRUE(header.HasScanOptions);
+  EXPECT_EQ(header.EchoTimeMs, 1.73);
+  EXPECT_EQ(header.AcquisitionNumber, 2);
+  EXPECT_FALSE(header.TemporalPosition);
+  EXPECT_EQ(header.PatientPosition, "HFP");
+  EXPECT_EQ(header.Position, (Vector3{ -10, -20, 30 }));
+  EXPECT_EQ(header.RowSpacingMm, 0.5);
+  EXPECT_EQ(header.ColumnSpacingMm, 0.75);
+  EXPECT_EQ(header.SliceSpacingMm, 1.2);
+  EXPECT_EQ(header.Columns, 4);
+  EXPECT_EQ(header.Laterality, '?');
+}
+
+TEST(DicomHeader, TellsOfAMammogramsViewByItsCodes)
+{
+  TemporaryFolder folder;
+  const auto code = [](const std::string& value, const std::string& meaning)
+  { return Element(8, 0x100, "SH", value) + Element(8, 0x104, "LO", meaning); };
+  const std::string view = code("R-10226", "medio-lateral oblique") +
+    Sequence(0x54, 0x222, { code("399163009", ""), code("X", "Of another kind") });
+  const DicomHeader header = Read(folder.Write("mg",
+    DicomBytes("1.2.840.10008.5.1.4.1.1.1.2.1", "1.2.9",
+      Element(8, 0x16, "UI", "1.2.840.10008.5.1.4.1.1.1.2.1") + Element(8, 0x60, "CS", "MG") +
+        Element(0x18, 0x11a0, "DS", "52") + Element(0x20, 0x62, "CS", "R") +
+        Sequence(0x54, 0x220, { view }))));
+  EXPECT_EQ(header.View, "MLO");
+  EXPECT_THAT(header.ViewModifiers, ElementsAre("Magnification", "Of another kind"));
+  EXPECT_EQ(header.Laterality, 'R');
+  EXPECT_EQ(header.PresentationIntent, Mammogram::Intent::ForProcessing);
+  EXPECT_EQ(header.BodyPartThicknessMm, 52);
+}
+
+TEST(DicomHeader, DamageIsNamedAndOtherFilesAreNone)
+{
+  TemporaryFolder folder;
+  EXPECT_FALSE(ReadDicomHeader(folder.Write("report.pdf", "%PDF-1.4")));
+  EXPECT_FALSE(ReadDicomHeader(folder.Write("empty", "")));
+  const std::string whole = Slice(0);
+  for (const std::size_t kept : { std::size_t{ 140 }, std::size_t{ 300 } })
+  {
+    const std::string path = folder.Write("cut", whole.substr(0, kept));
+    try
+    {
+      ReadDicomHeader(path);
+      FAIL() << kept;
+    }
+    catch (const InputError& error)
+    {
+      EXPECT_THAT(error.what(), HasSubstr(path));
+      EXPECT_THAT(error.what(), HasSubstr("cut short"));
+    }
+  }
+  // The header is whole, but it promises more pixels than a file of this size can hold.
+  std::string promising = whole;
+  const std::string rows = Element(0x28, 0x10, "US", Us(3));
+  promising.replace(promising.find(rows), rows.size(), Element(0x28, 0x10, "US", Us(3000)));
+  EXPECT_THROW(ReadDicomHeader(folder.Write("promising", promising)), InputError);
+}
+
+TEST(DicomHeader, SlicesAreOrderedAlongTheirNormal)
+{
+  TemporaryFolder folder;
+  std::vector<DicomHeader> slices;
+  for (const double height : { 12.0, 8.0, 10.0 })
+  {
+    slices.push_back(Read(folder.Write("s" + std::to_string(height), Slice(height))));
+  }
+  const SliceOrder order = FindSliceOrder(slices);
+  EXPECT_THAT(order.Order, ElementsAre(1, 2, 0));
+  EXPECT_EQ(order.Grid.Size, (std::array<int, 3>{ 4, 3, 3 }));
+  EXPECT_EQ(order.Grid.Spacing, (Vector3{ 0.75, 0.5, 2 }));
+  EXPECT_EQ(order.Grid.Origin, (Vector3{ -10, -20, 8 }));
+  slices.push_back(Read(folder.Write("far", Slice(16))));
+  EXPECT_THROW(FindSliceOrder(slices), InputError);
+  slices.back().Position.reset();
+  EXPECT_THROW(FindSliceOrder(slices), InputError);
+}
+}
