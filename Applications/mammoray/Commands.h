@@ -18,6 +18,7 @@ void AddEvaluateCommand(CLI::App& application);
 void AddEvidenceCommand(CLI::App& application);
 void AddExampleCommand(CLI::App& application);
 void AddFuseCommand(CLI::App& application);
+void AddIntakeCommand(CLI::App& application);
 void AddLocateCommand(CLI::App& application);
 /// Says that it is not there where there is no Meshing module.
 void AddMeshCommand(CLI::App& application);

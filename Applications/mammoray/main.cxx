@@ -73,6 +73,7 @@ int Run(int argc, char* argv[])
 #endif
   mammoray::AddExampleCommand(application);
   mammoray::AddFuseCommand(application);
+  mammoray::AddIntakeCommand(application);
   mammoray::AddLocateCommand(application);
   mammoray::AddMeshCommand(application);
   mammoray::AddProjectCommand(application);

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "Commands.h"
+#include "OptionList.h"
+#include "OutputFiles.h"
+#include "ProgressBar.h"
+#include "SharedOptions.h"
+#include "mammoray/Case/Intake.h"
+
+#include <cstdio>
+
+namespace mammoray
+{
+namespace
+{
+struct IntakeArguments
+{
+  std::string Folder;
+  std::optional<char> Side;
+  std::string Json;
+  bool Overwrite = false;
+};
+
+void Declare(const OptionList& add, IntakeArguments& arguments)
+{
+  add("folder", arguments.Folder,
+    "folder of a clinic's export: MRI and mammograms, in whatever files and folders")
+    ->required();
+  add.Choice<std::optional<char>>("--side", arguments.Side, { { "left", 'L' }, { "right", 'R' } },
+    "the patient's own breast to register; without it that of all mammograms");
+  add("--json", arguments.Json, "write the same as a file (.json), with the names of all files");
+  AddOverwriteFlag(add, arguments.Overwrite);
+}
+
+void Run(IntakeArguments& arguments)
+{
+  if (!arguments.Json.empty())
+  {
+    CheckOutputFile(arguments.Json, arguments.Overwrite, ".json", "a listing");
+  }
+  const Study study = ReadStudy(arguments.Folder, MakeProgressBar());
+  const StudyChoice choice = ChooseForRegistration(study, arguments.Side);
+  if (!arguments.Json.empty())
+  {
+    WriteTextFile(arguments.Json, StudyJson(study, choice));
+  }
+  std::fputs(StudyListing(study, choice).c_str(), stdout);
+  std::fflush(stdout);
+  for (const std::string& warning : choice.Warnings)
+  {
+    std::fprintf(stderr, "warning: %s\n", warning.c_str());
+  }
+  choice.Require();
+}
+}
+
+void AddIntakeCommand(CLI::App& application)
+{
+  AddCommand<IntakeArguments>(application, "intake",
+    "What a clinic's export holds, by the headers of its files, and what 'register --study' takes "
+    "of "
+    "it and why:\nT1-weighted series before contrast, without and with fat suppression, and CC and "
+    "MLO of one side.\nExit code 1 with one line where that cannot be registered: no MRI, no "
+    "mammogram of the side, two patients.",
+    Declare, Run);
+}
+}

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+#ifndef mammoray_Private_MammogramRules_h
+#define mammoray_Private_MammogramRules_h
+
+#include "mammoray/Case/Intake.h"
+#include "mammoray/IO/DicomHeader.h"
+
+namespace mammoray
+{
+/// Whether a header is one of an X-ray of the breast, from the unit or made of one.
+bool IsMammogram(const DicomHeader& header);
+
+StudyMammogram DescribeMammogram(const DicomHeader& header);
+
+/**
+ * The mammogram of a side and view to take: single exposures before what tomosynthesis computes,
+ * the newest first, of one exposure's forms For Processing. Fills in why for it and for all others
+ * of that side and view; an index, or nothing.
+ */
+std::optional<std::size_t> ChooseMammogram(const std::vector<StudyMammogram>& mammograms, char side,
+  const std::string& view, std::vector<std::string>& reasons);
+}
+
+#endif

@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "Private/StudyPatients.h"
+
+#include "Private/HeaderWords.h"
+#include "mammoray/Foundation/Error.h"
+
+#include <cstdint>
+#include <cstdio>
+#include <filesystem>
+
+namespace mammoray
+{
+namespace
+{
+struct Patient
+{
+  std::string Id;
+  std::string Name;
+  std::string BirthDate;
+  std::string Sex;
+  std::size_t Images = 0;
+  std::string FirstFile;
+
+  bool operator==(const Patient& other) const
+  {
+    return this->Id == other.Id && this->Name == other.Name && this->BirthDate == other.BirthDate &&
+      this->Sex == other.Sex;
+  }
+};
+
+Patient PatientOf(const DicomHeader& header)
+{
+  const DicomIdentity& identity = header.Identity;
+  const std::string sex = HeaderWords(identity.PatientSex);
+  // O: other, and what anonymisation leaves.
+  return { HeaderWords(identity.PatientId), HeaderWords(identity.PatientName),
+    identity.PatientBirthDate, sex == "f" || sex == "m" ? sex : std::string(), 1, header.Path };
+}
+
+enum class Relation
+{
+  Same,
+  /// By two of three.
+  Likely,
+  Other
+};
+
+Relation Compare(const Patient& a, const Patient& b)
+{
+  const auto agree = [](const std::string& x, const std::string& y)
+  { return !x.empty() && x == y; };
+  const auto differ = [](const std::string& x, const std::string& y)
+  { return !x.empty() && !y.empty() && x != y; };
+  const bool ids = differ(a.Id, b.Id);
+  const bool names = differ(a.Name, b.Name);
+  if (differ(a.BirthDate, b.BirthDate) || differ(a.Sex, b.Sex))
+  {
+    return Relation::Other;
+  }
+  if (!ids && !names)
+  {
+    return Relation::Same;
+  }
+  const bool born = agree(a.BirthDate, b.BirthDate);
+  return born && (agree(a.Id, b.Id) || agree(a.Name, b.Name)) ? Relation::Likely : Relation::Other;
+}
+
+/// Four hexadecimal digits (FNV-1a): enough to tell patients of a folder apart, too few to find
+/// anyone by.
+std::string NumberOf(const Patient& patient)
+{
+  std::uint32_t hash = 2166136261u;
+  for (const char letter : patient.Id + '|' + patient.Name + '|' + patient.BirthDate)
+  {
+    hash = (hash ^ static_cast<unsigned char>(letter)) * 16777619u;
+  }
+  char text[8];
+  std::snprintf(text, sizeof text, "%04x", (hash >> 16 ^ hash) & 0xffffu);
+  return text;
+}
+
+std::string PlaceOf(const Patient& patient, const std::string& folder)
+{
+  const std::filesystem::path place =
+    std::filesystem::path(patient.FirstFile).lexically_relative(folder).parent_path();
+  return place.empty() ? std::string(".") : place.string();
+}
+}
+
+std::vector<std::string> CheckOnePatient(const std::vector<DicomHeader>& images,
+  const std::string& folder)
+{
+  std::vector<Patient> patients;
+  for (const DicomHeader& header : images)
+  {
+    const Patient patient = PatientOf(header);
+    const auto known = std::find(patients.begin(), patients.end(), patient);
+    if (known != patients.end())
+    {
+      ++known->Images;
+    }
+    else
+    {
+      patients.push_back(patient);
+    }
+  }
+  bool likely = false;
+  std::vector<Patient> different;
+  for (const Patient& patient : patients)
+  {
+    Patient* same = nullptr;
+    for (Patient& other : different)
+    {
+      const Relation relation = Compare(other, patient);
+      likely = likely || relation == Relation::Likely;
+      same = relation != Relation::Other && !same ? &other : same;
+    }
+    if (same)
+    {
+      same->Images += patient.Images;
+    }
+    else
+    {
+      different.push_back(patient);
+    }
+  }
+  if (different.size() > 1)
+  {
+    std::string found;
+    for (std::size_t number = 0; number < different.size() && number < 4; ++number)
+    {
+      const Patient& patient = different[number];
+      found += (number > 0 ? ", " : "") + std::to_string(patient.Images) + " images of patient #" +
+        NumberOf(patient) + " (first in " + PlaceOf(patient, folder) + ")";
+    }
+    throw InputError(folder + ": expected the images of one patient, found those of " +
+      std::to_string(different.size()) + ": " + found + (different.size() > 4 ? ", ..." : ""));
+  }
+  if (likely)
+  {
+    return { "the patient has two identifiers or two names in this folder; taken for one by the "
+             "other one and the date of birth" };
+  }
+  return {};
+}
+}
