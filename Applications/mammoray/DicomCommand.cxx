@@ -6,7 +6,7 @@
 #include "SharedOptions.h"
 #include "mammoray/Case/RegisteredMammogram.h"
 #include "mammoray/Foundation/Error.h"
-#include "mammoray/IO/DicomMammogramWriter.h"
+#include "mammoray/IO/DicomWriter.h"
 #include "mammoray/IO/MammogramIO.h"
 
 #include <cstdio>

@@ -7,7 +7,7 @@
 #include "mammoray/Case/LesionShadow.h"
 #include "mammoray/Case/RegisteredBreast.h"
 #include "mammoray/Foundation/Error.h"
-#include "mammoray/IO/DicomSegmentationWriter.h"
+#include "mammoray/IO/DicomWriter.h"
 #include "mammoray/IO/LabelVolumeIO.h"
 
 #include <algorithm>

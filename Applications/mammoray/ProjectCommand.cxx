@@ -4,7 +4,7 @@
 #include "OutputFiles.h"
 #include "ProgressBar.h"
 #include "SharedOptions.h"
-#include "mammoray/IO/DicomMammogramWriter.h"
+#include "mammoray/IO/DicomWriter.h"
 #include "mammoray/IO/MammogramSynthesis.h"
 #include "mammoray/IO/MeshConversion.h"
 #include "mammoray/IO/MeshIO.h"

@@ -5,7 +5,7 @@
 #include "Files.h"
 #include "Refusals.h"
 #include "mammoray/Foundation/Error.h"
-#include "mammoray/IO/DicomMammogramWriter.h"
+#include "mammoray/IO/DicomWriter.h"
 #include "mammoray/IO/MammogramIO.h"
 
 #include <gmock/gmock.h>

@@ -5,7 +5,7 @@
 #include "Files.h"
 #include "Refusals.h"
 #include "mammoray/Foundation/Error.h"
-#include "mammoray/IO/DicomSegmentationWriter.h"
+#include "mammoray/IO/DicomWriter.h"
 #include "mammoray/IO/LabelVolumeIO.h"
 #include "mammoray/IO/Private/QuietGdcm.h"
 

@@ -2,7 +2,7 @@
 // A synthetic mammogram, written and read, is a target whose gantry is where it was.
 #include "DescribedProjection.h"
 #include "Files.h"
-#include "mammoray/IO/DicomMammogramWriter.h"
+#include "mammoray/IO/DicomWriter.h"
 #include "mammoray/IO/MammogramIO.h"
 #include "mammoray/Registration/TargetPreparation.h"
 

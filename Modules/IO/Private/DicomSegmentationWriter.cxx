@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mammoray/IO/DicomSegmentationWriter.h"
+#include "mammoray/IO/DicomWriter.h"
 
 #include "Private/DicomElements.h"
 #include "mammoray/Foundation/Error.h"

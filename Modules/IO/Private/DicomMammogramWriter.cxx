@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mammoray/IO/DicomMammogramWriter.h"
-
 #include "Private/DicomElements.h"
 #include "Private/MammogramViews.h"
 #include "mammoray/Foundation/Error.h"
+#include "mammoray/IO/DicomWriter.h"
 #include "mammoray/IO/ProjectionImage.h"
 
 #include <algorithm>
@@ -144,7 +143,7 @@ void WriteMammogram(const Mammogram& mammogram, const DicomMammogramOptions& opt
     mammogram.PresentationIntent == Mammogram::Intent::ForProcessing
       ? "1.2.840.10008.5.1.4.1.1.1.2.1"
       : "1.2.840.10008.5.1.4.1.1.1.2",
-    "MG", "Synthetic mammogram", options.Identity);
+    "MG", options.SeriesDescription, options.Identity);
   // No third value: that one tells how a detector's image was made.
   AddTexts(data,
     { { { 0x0008, 0x0008 }, VR::CS, "DERIVED\\PRIMARY\\" },
