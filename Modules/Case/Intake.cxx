@@ -170,6 +170,7 @@ Study ReadStudy(const std::string& folder, const ProgressCallback& progress)
     }
   }
   std::stable_sort(candidates.begin(), candidates.end(), Earlier);
+  CompareScanOptions(candidates);
   FindContrastPhases(candidates);
   for (SeriesCandidate& candidate : candidates)
   {

@@ -182,6 +182,21 @@ TEST(Intake, TakesPlainAndFatSuppressedBeforeContrastAndBothViews)
   EXPECT_EQ(json["series"].size(), 5u);
 }
 
+TEST(Intake, ScanOptionsThatNameFatSuppressionInOneSeriesDenyItInOthers)
+{
+  MadeUpStudy files;
+  MadeUpHeader plain = MadeUpMr("1.2.4", "T1W_TSE").Set(8, 0x70, "LO", "Philips");
+  SpinEcho(plain, "600", "10");
+  files.AddSlices(plain);
+  EXPECT_EQ(ReadStudy(files.Folder()).Series.front().Fat, UnknownFs);
+  files.AddSlices(
+    MadeUpMr("1.2.5", "T1 3D").Set(8, 0x70, "LO", "Philips").Set(0x18, 0x22, "CS", "FS"));
+  AddViews(files, "L");
+  const StudyChoice choice = ChooseForRegistration(ReadStudy(files.Folder()));
+  ASSERT_TRUE(choice.Plain && choice.FatSuppressed);
+  EXPECT_EQ(choice.Plain->SeriesInstanceUid, "1.2.4");
+}
+
 TEST(Intake, PhasesOfOneSeriesAreToldApart)
 {
   for (const bool numbered : { true, false })

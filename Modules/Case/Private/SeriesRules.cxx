@@ -9,6 +9,7 @@
 #include <cmath>
 #include <cstdio>
 #include <map>
+#include <set>
 
 namespace mammoray
 {
@@ -25,6 +26,9 @@ std::string Named(const std::string& what, const std::string& where, const std::
 {
   return what + " (" + where + " " + found + ")";
 }
+
+/// How the evidence begins where scan options tell of fat suppression.
+const std::string ScanOptionEvidence = "ScanOptions ";
 
 /// A kind of picture that no tissue is segmented from: by values of Image Type that are or hold
 /// something, or by words of the description.
@@ -137,7 +141,7 @@ void FindFatSuppression(const DicomHeader& header, StudySeries& series)
         { "FS", "SFS", "WE", "SPIR", "SPAIR", "PROSET", "FATSAT", "FSS" });
       !option.empty())
   {
-    return tell(FatSuppression::Present, "ScanOptions " + option);
+    return tell(FatSuppression::Present, ScanOptionEvidence + option);
   }
   std::string words = HeaderWords(header.SeriesDescription) + ' ';
   words += HeaderWords(header.ProtocolName) + ' ' + HeaderWords(header.SequenceName);
@@ -156,7 +160,7 @@ void FindFatSuppression(const DicomHeader& header, StudySeries& series)
     return tell(FatSuppression::Present, "description '" + some + "'");
   }
   // Siemens writes the option wherever fat is suppressed.
-  std::string maker = HeaderWords(header.Manufacturer);
+  const std::string maker = HeaderWords(header.Manufacturer);
   if (header.HasScanOptions && maker.find("siemens") != std::string::npos)
   {
     tell(FatSuppression::Absent, "ScanOptions of this maker without FS");
@@ -543,6 +547,28 @@ void TellByOrder(std::vector<SeriesCandidate>& candidates)
     }
   }
 }
+}
+
+void CompareScanOptions(std::vector<SeriesCandidate>& candidates)
+{
+  std::set<std::string> telling;
+  for (const SeriesCandidate& candidate : candidates)
+  {
+    if (candidate.Series.FatEvidence.starts_with(ScanOptionEvidence))
+    {
+      telling.insert(candidate.Series.StudyInstanceUid);
+    }
+  }
+  for (SeriesCandidate& candidate : candidates)
+  {
+    StudySeries& series = candidate.Series;
+    if (series.Fat == FatSuppression::Unknown && candidate.First.HasScanOptions &&
+      telling.count(series.StudyInstanceUid) > 0)
+    {
+      series.Fat = FatSuppression::Absent;
+      series.FatEvidence = "ScanOptions name it in other series only";
+    }
+  }
 }
 
 void FindContrastPhases(std::vector<SeriesCandidate>& candidates)

@@ -27,6 +27,10 @@ void DescribeSeries(SeriesCandidate& candidate);
 /// Why the volume is none of a breast by its grid or the lack of one; empty where it is.
 std::string WhyNoBreastVolume(const SeriesCandidate& candidate);
 
+/// A series whose scan options do not name fat suppression has none where those of others of the
+/// same examination do.
+void CompareScanOptions(std::vector<SeriesCandidate>& candidates);
+
 /// Fills in the contrast phases, each of which follows from all series, in their order of time.
 void FindContrastPhases(std::vector<SeriesCandidate>& candidates);
 
