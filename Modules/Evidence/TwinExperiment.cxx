@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mammoray/Evidence/TwinExperiment.h"
 
+#include "Private/ImitatedMammogram.h"
 #include "mammoray/Biomechanics/Embedding.h"
 #include "mammoray/Case/RegistrationCase.h"
 #include "mammoray/Evidence/LandmarkEvaluation.h"
@@ -13,7 +14,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <random>
 #include <utility>
 
 namespace mammoray
@@ -88,27 +88,6 @@ struct Side
   std::vector<ElasticMaterial> Elastic;
 };
 
-/// Numbers of a problem, the same on every machine.
-class Draws
-{
-public:
-  Draws(std::uint32_t seed, int number, int attempt)
-  {
-    std::seed_seq sequence{ seed, static_cast<std::uint32_t>(number),
-      static_cast<std::uint32_t>(attempt) };
-    this->Generator.seed(sequence);
-  }
-  double Between(double low, double high)
-  {
-    return low + (high - low) * (this->Generator() + 0.5) / 4294967296.0;
-  }
-  double Sign() { return this->Between(-1, 1) < 0 ? -1 : 1; }
-  std::mt19937& Bits() { return this->Generator; }
-
-private:
-  std::mt19937 Generator;
-};
-
 std::vector<double> DrawTruth(Draws& draws, TwinKind kind, double heightMm)
 {
   std::vector<double> truth(ParameterCount, 0.0);
@@ -154,63 +133,6 @@ std::vector<RegistrationParameter> DrawParameters(Draws& draws, TwinKind kind,
     }
   }
   return parameters;
-}
-
-/// A detector of 24 x 18 cm, its rows from chest wall to nipple.
-RegistrationTarget Detector(double pixelMm)
-{
-  RegistrationTarget grid;
-  grid.Columns = static_cast<int>(180 / pixelMm);
-  grid.Rows = static_cast<int>(240 / pixelMm);
-  grid.Origin = { 0.5 * (grid.Rows - 1) * pixelMm, 0.5 * pixelMm };
-  grid.ColumnStep = { 0, pixelMm };
-  grid.RowStep = { -pixelMm, 0 };
-  const auto pixels = static_cast<std::size_t>(grid.Columns) * grid.Rows;
-  // The middle of the chest-wall edge, around which Synthesize looks for the silhouette.
-  grid.BreastMask.assign(pixels, 0);
-  grid.BreastMask[pixels / 2] = 1;
-  grid.LogAttenuation.assign(pixels, 0);
-  grid.SignedDistanceMm.assign(pixels, 0);
-  return grid;
-}
-
-/// As a unit stores it for display: noisy intensities through a sigmoid, 12 bits.
-Mammogram Develop(const std::vector<float>& logAttenuation, const RegistrationTarget& grid,
-  double noise, Draws& draws)
-{
-  std::normal_distribution<double> normal(0, noise);
-  std::vector<double> seen;
-  double sum = 0;
-  double squares = 0;
-  double count = 0;
-  for (const float attenuation : logAttenuation)
-  {
-    const double intensity = std::exp(-attenuation) * (1 + normal(draws.Bits()));
-    seen.push_back(-std::log(std::max(intensity, 1e-6)));
-    if (attenuation > 0)
-    {
-      sum += attenuation;
-      squares += attenuation * attenuation;
-      count += 1;
-    }
-  }
-  const double centre = sum / count;
-  const double deviation = std::sqrt(std::max(squares / count - centre * centre, 1e-12));
-  // A window that shows the whole breast.
-  const double width = 8 * deviation;
-  Mammogram mammogram{ .View = "CC", .RowDirection = "A", .ColumnDirection = "R" };
-  mammogram.Laterality = 'L';
-  mammogram.Columns = grid.Columns;
-  mammogram.Rows = grid.Rows;
-  for (const double attenuation : seen)
-  {
-    mammogram.Pixels.push_back(
-      static_cast<float>(std::round(4095 / (1 + std::exp(-4 * (attenuation - centre) / width)))));
-  }
-  mammogram.BitsStored = 12;
-  mammogram.ColumnSpacingMm = std::hypot(grid.ColumnStep[0], grid.ColumnStep[1]);
-  mammogram.RowSpacingMm = mammogram.ColumnSpacingMm;
-  return mammogram;
 }
 
 double HeightMm(const LabelVolume& materials, const std::vector<bool>& held, const Vector3& axis)
@@ -381,11 +303,15 @@ TwinProblem TwinExperiment::Draw(TwinKind kind, int number, const ProgressCallba
         model.Body().Compress(self.Target.Placement, pose, nullptr, progress);
       problem.Parameters = DrawParameters(draws, kind, problem.Truth);
       self.DrawPoints(problem, state, draws);
-      const RegistrationTarget grid = Detector(self.Options.PixelMm);
+      const RegistrationTarget grid = ImitatedDetector(self.Options.PixelMm);
       EvaluatedState breast(model, model.Body(), self.Target.Placement, pose, state);
       const SyntheticMammogram synthetic = Synthesize(breast, grid, 2);
+      const Mammogram header{ .View = "CC",
+        .Laterality = 'L',
+        .RowDirection = "A",
+        .ColumnDirection = "R" };
       problem.Target =
-        PrepareTarget(Develop(synthetic.LogAttenuation, grid, self.Options.Noise, draws));
+        PrepareTarget(Develop(header, synthetic.LogAttenuation, grid, self.Options.Noise, draws));
       return problem;
     }
     catch (const ConvergenceError&)

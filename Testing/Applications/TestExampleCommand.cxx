@@ -65,7 +65,11 @@ TEST_F(ExampleCommand, RefusesInOneLine)
   refused("xylophone -o " + this->Target, "known are test, boxes, veins, breast");
   refused("test -o /nowhere/at/all", "/nowhere/at/all");
   refused("test --spectrum W99 -o " + this->Target, "W28kVp");
+  refused("study --labels nowhere.nrrd -o " + this->Target, "nowhere.nrrd");
+  // The test's own folder holds what the command printed.
+  refused("study -o " + this->Folder.File(""), "expected an empty folder");
   EXPECT_FALSE(std::filesystem::exists(this->Target));
   EXPECT_EQ(this->Run("example -o " + this->Target), 2);
+  EXPECT_EQ(this->Run("example study --side up -o " + this->Target), 2);
   EXPECT_EQ(this->Run("example test"), 2);
 }

@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: Apache-2.0
+// A phantom becomes a part of a patient: placed at its side of the chest, moved as a simulation
+// says, and joined to a body.
+#ifndef mammoray_Private_PatientTissue_h
+#define mammoray_Private_PatientTissue_h
+
+#include "mammoray/Foundation/LabelVolume.h"
+#include "mammoray/Foundation/MammographyGeometry.h"
+#include "mammoray/Foundation/MaterialTable.h"
+#include "mammoray/Foundation/Progress.h"
+#include "mammorayEvidenceModule.h"
+
+#include <functional>
+#include <vector>
+
+namespace mammoray
+{
+/// What an MRI tells apart.
+enum class Tissue : std::uint16_t
+{
+  Air,
+  Fat,
+  Gland,
+  Skin,
+  Muscle,
+  Bone,
+  Lung
+};
+inline constexpr std::size_t TissueCount = 7;
+
+/// The front of the chest, DICOM LPS: y = FrontMm + x^2 / (2 RadiusMm). A rib cage is about 150 mm
+/// deep and 300 mm wide, flatter in front.
+struct ChestCurve
+{
+  double FrontMm = 0;
+  double RadiusMm = 500;
+
+  double At(double x) const { return this->FrontMm + x * x / (2 * this->RadiusMm); }
+};
+
+/// Distance of the phantom's middle from the patient's, mm: so that two of them lie beside each
+/// other.
+MAMMORAYEVIDENCE_EXPORT double OffMidlineMm(const LabelVolume& materials,
+  const AnatomicalAxes& axes);
+
+/**
+ * The phantom in DICOM LPS, on a grid along its axes, its posterior face on the curve, `offMm` to
+ * the patient's left or right of the middle (side 'L' or 'R'). A phantom whose chest wall (held
+ * tissue) comes forwards on the lateral side is one of the other breast and is mirrored.
+ */
+MAMMORAYEVIDENCE_EXPORT LabelVolume PlaceOnChest(const LabelVolume& materials,
+  const MaterialTable& table, const AnatomicalAxes& axes, char side, double offMm,
+  const ChestCurve& curve);
+
+/// Takes points, 3 x pointCount, mm, to their new places.
+using PointMotion = std::function<std::vector<double>(const std::vector<double>&)>;
+
+/**
+ * A label volume moved: on `grid`, each voxel with the label at the place that came to lie there, 0
+ * where none did. The motion is taken at the corners of cubes of 4 mm around the tissue and is
+ * linear in the six tetrahedra of each. Throws Interrupted.
+ */
+MAMMORAYEVIDENCE_EXPORT LabelVolume MoveLabels(const LabelVolume& labels, const PointMotion& motion,
+  const VolumeGrid& grid, const ProgressCallback& progress = {});
+
+/// The tissue of each material.
+MAMMORAYEVIDENCE_EXPORT std::vector<Tissue> TissuesOf(const MaterialTable& table);
+
+/**
+ * The patient: tissues on the grid of `breast` (materials, DICOM LPS, symmetric about x = 0 where
+ * `both`), with the breast mirrored to the other side if `both`, and skin, fat, chest wall
+ * (`wallMm` thick in front of the curve, and pectoral muscle behind it), ribs and lung.
+ */
+MAMMORAYEVIDENCE_EXPORT LabelVolume JoinBody(const LabelVolume& breast,
+  const std::vector<Tissue>& tissues, const ChestCurve& curve, double wallMm, bool both);
+
+/// Mean thickness of the held tissue where there is any, along the posterior direction, mm.
+double WallThicknessMm(const LabelVolume& placed, const std::vector<bool>& held);
+}
+
+#endif

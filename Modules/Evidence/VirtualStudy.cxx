@@ -1,0 +1,382 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mammoray/Evidence/VirtualStudy.h"
+
+#include "Private/ImitatedMammogram.h"
+#include "Private/PatientTissue.h"
+#include "Private/StudyFiles.h"
+#include "mammoray/Biomechanics/Embedding.h"
+#include "mammoray/Biomechanics/PlacedPlates.h"
+#include "mammoray/Foundation/Error.h"
+#include "mammoray/IO/ShippedData.h"
+#include "mammoray/Meshing/LabelMesher.h"
+#include "mammoray/Registration/BreastModel.h"
+#include "mammoray/Registration/EvaluatedState.h"
+#include "mammoray/Registration/SyntheticMammogram.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <numbers>
+#include <utility>
+
+namespace mammoray
+{
+namespace
+{
+/// DICOM LPS, in which all of a study is.
+const AnatomicalAxes PatientAxes = AnatomicalAxes::FromCode("LPS");
+
+constexpr int LargestNumberOfTries = 3;
+
+/// Part of a whole that a stage takes, for its progress.
+ProgressCallback PartOf(const ProgressCallback& progress, double from, double to)
+{
+  return [=](double fraction, const char* stage)
+  { return !progress || progress(from + (to - from) * fraction, stage); };
+}
+
+/// Edge of a cube as large as the tissue, mm.
+double CubeEdge(const LabelVolume& materials)
+{
+  const auto tissue = materials.Voxels.size() -
+    static_cast<std::size_t>(std::count(materials.Voxels.begin(), materials.Voxels.end(), 0));
+  return std::cbrt(static_cast<double>(tissue) * materials.VoxelVolume());
+}
+
+/// The breast as it is, and the stiffness it was given.
+struct TrueBreast
+{
+  LabelVolume Rest;
+  MaterialTable Table;
+  std::vector<double> Factors;
+  ChestCurve Curve;
+  double OffMm = 0;
+
+  CompressionOptions Loading(ElementType element, PatientPosition position) const
+  {
+    CompressionOptions options;
+    options.Element = element;
+    options.ChestWall = ChestWallMode::Sliding;
+    options.GravityMPerS2 = GravityIn(position, PatientAxes);
+    return options;
+  }
+};
+
+TrueBreast MakeBreast(const LabelVolume& materials, const MaterialTable& table,
+  const AnatomicalAxes& axes, const VirtualStudyOptions& options, Draws& draws)
+{
+  TrueBreast breast;
+  breast.Table = table;
+  for (Material& material : breast.Table.Materials)
+  {
+    const bool soft = !material.Held && !material.Attenuation.empty();
+    // Of each twice and half are as likely.
+    breast.Factors.push_back(soft ? std::exp2(draws.Between(-1, 1)) : 1);
+    material.YoungsModulusKPa *= breast.Factors.back();
+  }
+  breast.OffMm = OffMidlineMm(materials, axes);
+  breast.Curve.RadiusMm = draws.Between(400, 700);
+  breast.Rest =
+    PlaceOnChest(materials, table, axes, options.Laterality, breast.OffMm, breast.Curve);
+  return breast;
+}
+
+/// The breast free of load, to where it lies under gravity and nothing else.
+class HangingBreast
+{
+public:
+  HangingBreast(const TrueBreast& breast, const VirtualStudyOptions& options,
+    PatientPosition position, const ProgressCallback& progress)
+    : Model(MeshFor(breast, options, progress), breast.Table,
+        { .Volume = breast.Rest, .Compression = breast.Loading(ElementType::Quadratic, position) },
+        progress)
+  {
+    const UnitPlacement placement{ PatientAxes,
+      FindPoseAnchor(breast.Rest, breast.Table.Held(), PatientAxes), {} };
+    // Plates so far apart that they touch nothing.
+    BreastPose open;
+    open.ThicknessMm = 400;
+    const CompressionSimulation& simulation = this->Model.Body().Simulation();
+    this->State = simulation.Compress(placement.PlatesAt(open), nullptr, progress,
+      CompressionSimulation::Refusal::AtOnce);
+  }
+
+  std::vector<double> Move(const std::vector<double>& points) const
+  {
+    return Embedding(this->Model.Body().Simulation(), points).Map(this->State.Positions);
+  }
+
+private:
+  static TetrahedralMesh MeshFor(const TrueBreast& breast, const VirtualStudyOptions& options,
+    const ProgressCallback& progress)
+  {
+    return MakeSimulationMesh(breast.Rest, breast.Table.Held(),
+      CubeEdge(breast.Rest) / options.GravityFineness, progress);
+  }
+
+  BreastModel Model;
+  CompressionState State;
+};
+
+/// The same breast between plates.
+class PressedBreast
+{
+public:
+  PressedBreast(const TrueBreast& breast, const VirtualStudyOptions& options,
+    const ProgressCallback& progress)
+    : Options(options)
+    , Model(MeshAnatomy(breast, options, progress), breast.Table,
+        { .Volume = breast.Rest,
+          .SimulationMesh = MakeSimulationMesh(breast.Rest, breast.Table.Held(),
+            CubeEdge(breast.Rest) / options.CompressionFineness, progress),
+          .Compression =
+            breast.Loading(ElementType::PatchAveragedLinear, PatientPosition::Upright) },
+        progress)
+    , Placement{ PatientAxes, FindPoseAnchor(breast.Rest, breast.Table.Held(), PatientAxes), {} }
+  {
+    this->Model.SetXRays(ExtractInterfaces(this->Model.Anatomy()), MakeProjector(),
+      MakeBeam(breast.Table, FindSpectrum(options.Spectrum), DetectorResponse::EnergyIntegrating));
+  }
+
+  /// Compresses at the view's pose, less where that has no equilibrium, and pictures it.
+  std::pair<VirtualView, Mammogram> Take(const std::string& view, const TrueBreast& breast,
+    const std::vector<double>& points, Draws& draws, const ProgressCallback& progress)
+  {
+    VirtualView taken;
+    taken.View = view;
+    taken.Unit = this->Placement.Unit;
+    // Lateral or head up, the chest wall on the left.
+    const bool left = this->Options.Laterality == 'L';
+    const bool oblique = view == "MLO";
+    Mammogram hung{ .View = view,
+      .Laterality = this->Options.Laterality,
+      .RowDirection = "A",
+      .ColumnDirection = oblique ? "F"
+        : left                   ? "R"
+                                 : "L",
+      .AnodeMaterial = "TUNGSTEN",
+      .FilterMaterial = "RHODIUM" };
+    hung.PositionerPrimaryAngleDeg = oblique ? draws.Between(40, 55) : draws.Between(-3, 3);
+    taken.Pose = this->DrawPose(hung, breast, draws);
+    for (int attempt = 1;; ++attempt)
+    {
+      try
+      {
+        const CompressionState state =
+          this->Model.Body().Compress(this->Placement, taken.Pose, nullptr, progress);
+        return { taken, this->Picture(hung, state, points, taken, draws) };
+      }
+      catch (const ConvergenceError&)
+      {
+        if (attempt == LargestNumberOfTries)
+        {
+          throw;
+        }
+        taken.Pose.ThicknessMm *= 1.12;
+      }
+    }
+  }
+
+private:
+  static TetrahedralMesh MeshAnatomy(const TrueBreast& breast, const VirtualStudyOptions& options,
+    const ProgressCallback& progress)
+  {
+    MeshingOptions meshing = MeshingOptions::Anatomy(breast.Table.Thin());
+    // The facets' sizes belong to a cell size of 4 mm.
+    meshing.FacetSizeMm *= options.AnatomyMm / 4;
+    meshing.CellSizeMm = options.AnatomyMm;
+    return MeshMaterials(breast.Rest, meshing, progress).Mesh;
+  }
+
+  BreastPose DrawPose(const Mammogram& hung, const TrueBreast& breast, Draws& draws) const
+  {
+    BreastPose pose;
+    // The unit stands where the header says to a few degrees, and the patient not quite straight.
+    pose.RollDeg = hung.View == "CC" ? *hung.PositionerPrimaryAngleDeg + draws.Between(-3, 3)
+                                     : *NominalRollDeg(hung) + draws.Between(-5, 5);
+    pose.PitchDeg = draws.Between(-3, 3);
+    pose.YawDeg = draws.Between(-3, 3);
+    pose.LateralMm = draws.Between(-10, 10);
+    pose.AnteriorMm = draws.Between(0, 8);
+    pose.TiltDeg = 2;
+    const VolumeFromGantry placed = this->Placement.At(pose);
+    pose.ThicknessMm = draws.Between(0.48, 0.65) * HeightAlong(breast, placed.Z);
+    return pose;
+  }
+
+  static double HeightAlong(const TrueBreast& breast, const Vector3& axis)
+  {
+    const std::vector<bool> held = breast.Table.Held();
+    const LabelVolume& rest = breast.Rest;
+    double low = 1e30;
+    double high = -1e30;
+    for (int k = 0; k < rest.Size[2]; ++k)
+    {
+      for (int j = 0; j < rest.Size[1]; ++j)
+      {
+        for (int i = 0; i < rest.Size[0]; ++i)
+        {
+          const int material = rest.Voxels[rest.Index(i, j, k)];
+          if (material != 0 && !held[material])
+          {
+            const double height = Dot(rest.PointAt(i, j, k), axis);
+            low = std::min(low, height);
+            high = std::max(high, height);
+          }
+        }
+      }
+    }
+    return high - low;
+  }
+
+  Mammogram Picture(const Mammogram& hung, const CompressionState& state,
+    const std::vector<double>& points, VirtualView& taken, Draws& draws)
+  {
+    // Lateral or head up: gantry +x on the left, -x on the right.
+    const RegistrationTarget grid =
+      ImitatedDetector(this->Options.MammogramPixelMm, hung.Laterality == 'L' ? 1 : -1);
+    EvaluatedState seen(this->Model, this->Model.Body(), this->Placement, taken.Pose, state);
+    Mammogram mammogram = Develop(hung, Synthesize(seen, grid, 2).LogAttenuation, grid,
+      this->Options.MammogramNoise, draws);
+    taken.HeaderThicknessMm = std::round(taken.Pose.ThicknessMm + draws.Between(-4, 4));
+    mammogram.BodyPartThicknessMm = taken.HeaderThicknessMm;
+    mammogram.SourceToDetectorMm = taken.Unit.SourceToDetectorMm;
+    mammogram.SourceToPatientMm = taken.Unit.SourceToDetectorMm - taken.Unit.SupportHeightMm;
+    mammogram.PeakKilovoltage = 30;
+    taken.PaddleForceN = state.PaddleForceN;
+
+    const std::vector<double> moved =
+      Embedding(this->Model.Body().Simulation(), points).Map(state.Positions);
+    const VolumeFromGantry placed = this->Placement.At(taken.Pose);
+    for (std::size_t index = 0; index < moved.size(); index += 3)
+    {
+      const Vector3 at = placed.ToGantry({ moved[index], moved[index + 1], moved[index + 2] });
+      // Along the ray from the source above the middle of the receptor's edge.
+      const double enlarged =
+        taken.Unit.SourceToDetectorMm / (taken.Unit.SourceToDetectorMm - at[2]);
+      const std::array<double, 2> shadow{ enlarged * at[0], enlarged * at[1] };
+      taken.Gantry.push_back(at);
+      taken.Receptor.push_back(shadow);
+      taken.Pixels.push_back(PixelOf(grid, { shadow[0], shadow[1] }));
+    }
+    return mammogram;
+  }
+
+  VirtualStudyOptions Options;
+  BreastModel Model;
+  UnitPlacement Placement;
+};
+
+/// Centres of voxels within fat or gland, 3 x pointCount: not at the skin, whose place all know.
+std::vector<double> DrawPoints(const TrueBreast& breast, int count, Draws& draws)
+{
+  const std::vector<Tissue> tissues = TissuesOf(breast.Table);
+  const LabelVolume& rest = breast.Rest;
+  const double front = breast.Curve.At(breast.OffMm);
+  std::vector<double> points;
+  while (points.size() < 3 * static_cast<std::size_t>(count))
+  {
+    const auto along = [&](std::size_t axis)
+    { return static_cast<int>(draws.Between(0, rest.Size[axis])); };
+    const int i = along(0);
+    const int j = along(1);
+    const int k = along(2);
+    const Tissue tissue = tissues[rest.Voxels[rest.Index(i, j, k)]];
+    const Vector3 at = rest.PointAt(i, j, k);
+    // What lies within two centimetres of the chest wall's face is often behind the plates' edges.
+    if ((tissue == Tissue::Fat || tissue == Tissue::Gland) && at[1] < front - 20)
+    {
+      points.insert(points.end(), at.begin(), at.end());
+    }
+  }
+  return points;
+}
+
+std::vector<Vector3> AsPoints(const std::vector<double>& flat)
+{
+  std::vector<Vector3> points;
+  for (std::size_t index = 0; index < flat.size(); index += 3)
+  {
+    points.push_back({ flat[index], flat[index + 1], flat[index + 2] });
+  }
+  return points;
+}
+
+void CheckStudyOptions(const VirtualStudyOptions& options, const MaterialTable& table,
+  const std::string& folder)
+{
+  namespace fs = std::filesystem;
+  if (options.Laterality != 'L' && options.Laterality != 'R')
+  {
+    throw InputError("virtual study: expected the side L or R, found '" +
+      std::string(1, options.Laterality) + "'");
+  }
+  if (!options.Plain && !options.FatSuppressed)
+  {
+    throw InputError(
+      "virtual study: expected a T1 without or with fat suppression, found neither wanted");
+  }
+  const std::vector<bool> held = table.Held();
+  if (std::find(held.begin(), held.end(), true) == held.end())
+  {
+    throw InputError("virtual study: expected a material that is held (chest wall) in the table " +
+      table.Name + ", found none");
+  }
+  std::error_code problem;
+  if (fs::exists(folder, problem) && !fs::is_empty(folder, problem))
+  {
+    throw InputError(folder + ": expected an empty folder, found files in it");
+  }
+}
+}
+
+VirtualStudyTruth MakeVirtualStudy(const LabelVolume& materials, const MaterialTable& table,
+  const AnatomicalAxes& axes, const VirtualStudyOptions& options, const std::string& folder,
+  const ProgressCallback& progress)
+{
+  CheckStudyOptions(options, table, folder);
+  Draws draws(options.Seed, 0, 0);
+  const TrueBreast breast = MakeBreast(materials, table, axes, options, draws);
+  VirtualStudyTruth truth;
+  truth.Laterality = options.Laterality;
+  truth.Seed = options.Seed;
+  truth.Style = options.Style == ScannerStyle::BySeed
+    ? static_cast<ScannerStyle>(1 + options.Seed % 3)
+    : options.Style;
+  truth.Materials = table.Names();
+  truth.StiffnessFactors = breast.Factors;
+  for (const Material& material : breast.Table.Materials)
+  {
+    truth.YoungsModuliKPa.push_back(material.YoungsModulusKPa);
+  }
+  const std::vector<double> points = DrawPoints(breast, options.NumberOfPoints, draws);
+  truth.RestPoints = AsPoints(points);
+
+  // Between the plates first: what cannot be compressed needs no MRI.
+  std::vector<Mammogram> mammograms;
+  {
+    PressedBreast pressed(breast, options, PartOf(progress, 0, 0.2));
+    double done = 0.2;
+    for (const char* view : { "CC", "MLO" })
+    {
+      auto [taken, mammogram] =
+        pressed.Take(view, breast, points, draws, PartOf(progress, done, done + 0.25));
+      done += 0.25;
+      truth.Views.push_back(std::move(taken));
+      mammograms.push_back(std::move(mammogram));
+    }
+  }
+  const HangingBreast hanging(breast, options, PatientPosition::Prone, PartOf(progress, 0.7, 0.85));
+  truth.MriPoints = AsPoints(hanging.Move(points));
+  for (std::size_t index = 0; index < truth.MriPoints.size(); ++index)
+  {
+    truth.MeanHangMm += Norm(truth.MriPoints[index] - truth.RestPoints[index]) /
+      static_cast<double>(truth.MriPoints.size());
+  }
+  const StudyPatient patient{ breast.Rest, breast.Table, breast.Curve, breast.OffMm,
+    [&hanging](const std::vector<double>& rest) { return hanging.Move(rest); } };
+  WriteStudyFiles(patient, mammograms, options, draws, folder, truth, PartOf(progress, 0.85, 1));
+  ReportProgress(progress, 1, "done");
+  return truth;
+}
+}

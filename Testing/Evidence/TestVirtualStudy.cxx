@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: Apache-2.0
+// A small study of a half-ellipsoid: what is written is what its truth says.
+#include "Files.h"
+#include "LabelShapes.h"
+#include "Refusals.h"
+#include "mammoray/Case/Intake.h"
+#include "mammoray/Evidence/VirtualStudy.h"
+#include "mammoray/IO/LabelVolumeIO.h"
+#include "mammoray/IO/MammogramIO.h"
+#include "mammoray/IO/ShippedData.h"
+#include "mammoray/XRay/PathLengthProjector.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+
+using namespace mammoray;
+using testing::HasSubstr;
+using testing_support::RefusalOf;
+
+namespace
+{
+/// Fat with a ball of gland before muscle; the front is -y. Indices of the table victre.
+int EllipsoidMaterial(const Vector3& point)
+{
+  if (point[1] > 16 && point[1] < 26 && std::hypot(point[0], point[2]) < 44)
+  {
+    return 4;
+  }
+  const double depth = (16 - point[1]) / 45;
+  if (depth < 0 || std::hypot(point[0] / 40, depth, point[2] / 36) > 1)
+  {
+    return 0;
+  }
+  return Norm(point - Vector3{ 6, -4, 4 }) < 16 ? 2 : 1;
+}
+
+VirtualStudyOptions SmallStudy()
+{
+  VirtualStudyOptions options;
+  options.Seed = 3;
+  options.Laterality = 'R';
+  options.Style = ScannerStyle::Philips;
+  options.MriPixelMm = 2;
+  options.MriSliceMm = 4;
+  options.SignalToNoise = 40;
+  options.MammogramPixelMm = 1;
+  options.GravityFineness = 4;
+  options.CompressionFineness = 6;
+  options.AnatomyMm = 8;
+  return options;
+}
+
+VirtualStudyTruth MakeSmallStudy(const std::string& folder, const ProgressCallback& progress = {})
+{
+  return MakeVirtualStudy(test::LabelledCube(48, 2, EllipsoidMaterial), FindMaterialTable("victre"),
+    AnatomicalAxes::FromCode("LPS"), SmallStudy(), folder, progress);
+}
+}
+
+TEST(VirtualStudy, WhatIsWrittenIsWhatItsTruthSays)
+{
+  if (ListDevices().empty())
+  {
+    GTEST_SKIP() << "no Vulkan device";
+  }
+  const testing_support::TemporaryFolder folder;
+  const std::string path = folder.File("study");
+  const VirtualStudyTruth truth = MakeSmallStudy(path);
+  ASSERT_EQ(truth.MriPoints.size(), 100u);
+  ASSERT_EQ(truth.Views.size(), 2u);
+
+  // A clinic's export, of which the right things are taken.
+  const StudyChoice choice = ChooseForRegistration(ReadStudy(path + "/export"));
+  EXPECT_EQ(choice.Refusal, "");
+  EXPECT_EQ(choice.Laterality, 'R');
+  EXPECT_EQ(choice.Position, PatientPosition::Prone);
+  ASSERT_TRUE(choice.Plain && choice.FatSuppressed && choice.Cc && choice.Mlo);
+  EXPECT_EQ(choice.FatSuppressed->Contrast, ContrastPhase::Before);
+  EXPECT_EQ(choice.Cc->File, path + "/" + truth.Views[0].File);
+
+  // The MRI: where it is dark without and bright with fat suppression is gland.
+  const IntensityVolume plain = ReadIntensitySeries(choice.Plain->Files);
+  const IntensityVolume suppressed = ReadIntensitySeries(choice.FatSuppressed->Files);
+  int gland = 0;
+  int contradictions = 0;
+  for (const Vector3& point : truth.MriPoints)
+  {
+    const double fatBright = plain.ValueAt(point).value_or(0);
+    const double fatDark = suppressed.ValueAt(point).value_or(0);
+    ASSERT_GT(fatBright, 100) << "tissue at every point";
+    // Fat's ratio is 5, gland's 0.62; partial volume lies between.
+    gland += fatBright < fatDark ? 1 : 0;
+    contradictions += fatBright > fatDark && fatBright < 2 * fatDark ? 1 : 0;
+  }
+  // The ball is a fifth of what lies in front of the wall.
+  EXPECT_GT(gland, 8);
+  EXPECT_LT(gland, 50);
+  EXPECT_LT(contradictions, 15);
+
+  // The mammograms: every point lies between the plates and in the breast's shadow.
+  for (const VirtualView& view : truth.Views)
+  {
+    const Mammogram image = ReadMammogram(path + "/" + view.File);
+    EXPECT_EQ(image.View, view.View);
+    EXPECT_EQ(image.BodyPartThicknessMm, view.HeaderThicknessMm);
+    EXPECT_LE(std::abs(view.HeaderThicknessMm - view.Pose.ThicknessMm), 4.5);
+    const float air = image.Pixels[static_cast<std::size_t>(image.Columns) - 1];
+    for (std::size_t index = 0; index < view.Gantry.size(); ++index)
+    {
+      const Vector3& at = view.Gantry[index];
+      if (at[1] > view.Unit.EdgeRadiusMm)
+      {
+        EXPECT_GT(at[2], view.Unit.SupportHeightMm - 0.1);
+        // The paddle opens by 2 degrees towards the nipple.
+        EXPECT_LT(at[2], view.Unit.SupportHeightMm + view.Pose.ThicknessMm + 0.04 * 60);
+      }
+      const double enlarged = 1 / (1 - at[2] / view.Unit.SourceToDetectorMm);
+      EXPECT_NEAR(view.Receptor[index][0], enlarged * at[0], 1e-9);
+      const auto column = std::lround(view.Pixels[index][0]);
+      const auto row = std::lround(view.Pixels[index][1]);
+      if (column >= 0)
+      {
+        EXPECT_GT(image.Pixels[static_cast<std::size_t>(row * image.Columns + column)], air + 100)
+          << view.View << ' ' << index;
+      }
+    }
+  }
+
+  const VirtualStudyTruth read = ReadVirtualStudyTruth(path + "/truth.json");
+  EXPECT_EQ(read.MriPoints, truth.MriPoints);
+  EXPECT_EQ(read.Views[1].Gantry, truth.Views[1].Gantry);
+  EXPECT_EQ(read.Views[1].Pose.RollDeg, truth.Views[1].Pose.RollDeg);
+  EXPECT_EQ(read.YoungsModuliKPa, truth.YoungsModuliKPa);
+  EXPECT_GT(truth.MeanHangMm, 0.5);
+  EXPECT_THAT(RefusalOf([&] { MakeSmallStudy(path); }), HasSubstr("expected an empty folder"));
+}
+
+TEST(VirtualStudy, InterruptedWorkLeavesNothing)
+{
+  const testing_support::TemporaryFolder folder;
+  EXPECT_THROW(MakeSmallStudy(folder.File("study"), [](double, const char*) { return false; }),
+    Interrupted);
+  EXPECT_FALSE(std::filesystem::exists(folder.File("study")));
+  const std::string broken = folder.Write("truth.json", "{ \"truth_version\": 1 }");
+  EXPECT_THAT(RefusalOf([&] { ReadVirtualStudyTruth(broken); }),
+    HasSubstr("truth of a virtual study"));
+}
