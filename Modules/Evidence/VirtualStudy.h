@@ -82,6 +82,8 @@ struct VirtualStudyTruth
   std::vector<double> YoungsModuliKPa;
   /// How far gravity moved the points on average, mm.
   double MeanHangMm = 0;
+  /// How the chest wall holds the breast along itself, kPa / mm.
+  double GlideStiffness = 0;
   /// Points of the breast's interior: in the MRI (DICOM LPS, mm) and free of load.
   std::vector<Vector3> MriPoints;
   std::vector<Vector3> RestPoints;
@@ -92,15 +94,15 @@ struct VirtualStudyTruth
  * Makes a clinic's export with known truth out of a label phantom: FOLDER/export, the files as a
  * clinic gives them, and FOLDER/truth.json beside it.
  *
- * The phantom, free of load and bent onto a rib cage, is given stiffness by the seed (fat, gland
- * and skin each half to twice the table's). It hangs under gravity, its chest wall gliding, on one
- * mesh (quadratic cells), and is written as MRI of a prone patient: with the chest wall, ribs and
- * lung behind it and the other breast beside it, coil sensitivity that falls with depth, Rician
- * noise, partial volume; T1 with and without fat suppression among a localizer, T2, a phase after
- * contrast, its subtraction and projection. It is compressed standing, its chest wall gliding, the
- * paddle tilted by 2 degrees, on another mesh of other elements (linear, patch-averaged), and
- * X-rayed as CC and MLO: For Presentation (12 bits, a display curve), noise, another spectrum than
- * the default, a header whose thickness is off by up to 4 mm.
+ * The phantom, free of load and bent onto a rib cage, is given stiffness by the seed: fat, gland
+ * and skin each half to twice the table's; it glides along the chest wall against 0.015 to 0.06 kPa
+ * / mm. It hangs under gravity on one mesh (quadratic cells) and is written as MRI of a prone
+ * patient: with the chest wall, ribs and lung behind it and the other breast beside it, coil
+ * sensitivity that falls with depth, Rician noise, partial volume; T1 with and without fat
+ * suppression among a localizer, T2, a phase after contrast, its subtraction and projection. It is
+ * compressed standing, the paddle tilted by 2 degrees, on another mesh of other elements (linear,
+ * patch-averaged) and X-rayed as CC and MLO: For Presentation (12 bits, a display curve), noise,
+ * another spectrum than the default, a header whose thickness is off by up to 4 mm.
  *
  * `materials`: indices of `table`, some held, in a frame of these `axes`. Throws InputError, also
  * where FOLDER is not empty; ConvergenceError where no equilibrium was found for three drawn

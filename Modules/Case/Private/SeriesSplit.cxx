@@ -117,6 +117,7 @@ std::vector<Slices> SplitPhases(const Slices& slices)
     if (apart)
     {
       std::vector<Slices> phases;
+      phases.reserve(parts.size());
       for (auto& [value, part] : parts)
       {
         phases.push_back(std::move(part));

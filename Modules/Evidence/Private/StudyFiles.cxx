@@ -162,13 +162,13 @@ public:
   std::vector<std::string> NextFiles(int count)
   {
     std::vector<std::string> files;
+    files.reserve(static_cast<std::size_t>(count));
     for (int number = 0; number < count; ++number)
     {
       files.push_back(this->NextFile());
     }
     return files;
   }
-  const fs::path& Folder() const { return this->Root; }
 
 private:
   fs::path Root;

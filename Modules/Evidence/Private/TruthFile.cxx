@@ -74,6 +74,7 @@ void WriteTruth(const VirtualStudyTruth& truth, const std::string& path)
     { "seed", truth.Seed }, { "scanner", StyleName(truth.Style) }, { "patient_position", "HFP" },
     { "materials", truth.Materials }, { "stiffness_factors", truth.StiffnessFactors },
     { "youngs_moduli_kpa", truth.YoungsModuliKPa }, { "mean_hang_mm", truth.MeanHangMm },
+    { "glide_stiffness_kpa_per_mm", truth.GlideStiffness },
     { "points_mri_lps_mm", truth.MriPoints }, { "points_rest_lps_mm", truth.RestPoints },
     { "views", Json::array() } };
   for (const VirtualView& view : truth.Views)
@@ -111,6 +112,7 @@ VirtualStudyTruth ReadVirtualStudyTruth(const std::string& path)
     truth.StiffnessFactors = json.at("stiffness_factors").get<std::vector<double>>();
     truth.YoungsModuliKPa = json.at("youngs_moduli_kpa").get<std::vector<double>>();
     truth.MeanHangMm = json.at("mean_hang_mm");
+    truth.GlideStiffness = json.at("glide_stiffness_kpa_per_mm");
     truth.MriPoints = json.at("points_mri_lps_mm").get<std::vector<Vector3>>();
     truth.RestPoints = json.at("points_rest_lps_mm").get<std::vector<Vector3>>();
     for (const Json& view : json.at("views"))

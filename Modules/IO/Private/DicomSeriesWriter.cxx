@@ -87,7 +87,7 @@ gdcm::DataSet SeriesData(const IntensityVolume& volume, const DicomHeader& heade
   {
     AddTexts(data, { { { 0x0018, 0x0022 }, VR::CS, Backslashed(header.ScanOptions) } });
   }
-  const auto text = [&data](gdcm::Tag tag, VR::VRType type, const std::string& value)
+  const auto text = [&data](const gdcm::Tag& tag, VR::VRType type, const std::string& value)
   {
     if (!value.empty())
     {
@@ -100,7 +100,7 @@ gdcm::DataSet SeriesData(const IntensityVolume& volume, const DicomHeader& heade
   text({ 0x0008, 0x0032 }, VR::TM, header.AcquisitionTime);
   text({ 0x0018, 0x0010 }, VR::LO, header.ContrastAgent);
   text({ 0x0018, 0x0024 }, VR::SH, header.SequenceName);
-  const auto number = [&](gdcm::Tag tag, VR::VRType type, const std::optional<double>& value)
+  const auto number = [&](const gdcm::Tag& tag, VR::VRType type, const std::optional<double>& value)
   { text(tag, type, value ? DecimalString(*value) : std::string()); };
   number({ 0x0018, 0x0080 }, VR::DS, header.RepetitionTimeMs);
   number({ 0x0018, 0x0081 }, VR::DS, header.EchoTimeMs);
