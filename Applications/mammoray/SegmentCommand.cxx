@@ -47,6 +47,10 @@ void Declare(const OptionList& add, SegmentArguments& arguments)
   add.Choice<BreastSide>("--side", options.Side,
     { { "both", BreastSide::Both }, { "left", BreastSide::Left }, { "right", BreastSide::Right } },
     "the patient's own left or right breast, or both; cut in the middle of the valley between");
+  add.Choice<FatContrast>("--contrast", options.Contrast,
+    { { "auto", FatContrast::Auto }, { "fat-bright", FatContrast::FatBright },
+      { "fat-dark", FatContrast::FatDark } },
+    "fat is bright (plain T1) or dark (suppressed: SPAIR, SPIR, Dixon water); auto finds out");
   add("--spacing", options.SpacingMm, "mm",
     "cubic voxels of the result; 0 keeps the grid of the MRI");
   add("--skin-thickness", options.SkinThicknessMm, "mm",
@@ -54,7 +58,8 @@ void Declare(const OptionList& add, SegmentArguments& arguments)
   add("--chest-wall-depth", options.ChestWallDepthMm, "mm",
     "how far the result reaches behind the front of the chest wall");
   add("--classes", options.Classes,
-    "intensity classes of the breast, 2 to 5; the brightest is fat, the others are gland");
+    "intensity classes of the breast, 2 to 5; the brightest (suppressed: the darkest) is fat, the "
+    "others are gland");
   add("--gland-threshold", options.GlandThreshold,
     "fraction of fat's intensity below which the breast is gland; 0: by Otsu's method");
   add("--air-threshold", options.AirThreshold,
@@ -84,9 +89,10 @@ void PrintResult(const SegmentationResult& result, const MaterialTable& table)
         static_cast<double>(count) * result.Labels.VoxelVolume() / 1000);
     }
   }
-  std::printf("%d breast%s; air below %.4g, gland below %.2f of fat (muscle: %.2f)\n",
-    result.Breasts, result.Breasts == 1 ? "" : "s", result.AirThreshold, result.GlandThreshold,
-    result.MuscleLevel);
+  const bool dark = result.Contrast == FatContrast::FatDark;
+  std::printf("%d breast%s; fat is %s; air below %.4g, gland %s %.2f of fat (muscle: %.2f)\n",
+    result.Breasts, result.Breasts == 1 ? "" : "s", dark ? "dark" : "bright", result.AirThreshold,
+    dark ? "above" : "below", result.GlandThreshold, result.MuscleLevel);
 }
 
 void Run(SegmentArguments& arguments)
@@ -117,8 +123,8 @@ void Run(SegmentArguments& arguments)
 void AddSegmentCommand(CLI::App& application)
 {
   AddCommand<SegmentArguments>(application, "segment",
-    "A first label volume from a plain T1-weighted breast MRI: prone, fat bright (no fat "
-    "suppression).\nLabels: 0 air, 1 fat, 2 gland, 3 skin, 4 chest wall; the material table "
+    "A first label volume from a T1-weighted breast MRI: prone, with or without fat "
+    "suppression.\nLabels: 0 air, 1 fat, 2 gland, 3 skin, 4 chest wall; the material table "
     "'segment' goes with them.\nLook at --picture before you use it.",
     Declare, Run);
 }

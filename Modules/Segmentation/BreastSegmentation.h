@@ -27,12 +27,22 @@ enum class BreastSide
   Right
 };
 
+/// What fat is like in a T1-weighted image: bright, or dark where it is suppressed.
+enum class FatContrast
+{
+  Auto,
+  FatBright,
+  FatDark
+};
+
 struct MAMMORAYSEGMENTATION_EXPORT SegmentationOptions
 {
   /// Where left, front and head are in the volume frame.
   AnatomicalAxes Axes;
   /// The patient's own left or right; one of them needs a volume with two breasts.
   BreastSide Side = BreastSide::Both;
+  /// Of the image, where one is given; Auto finds out.
+  FatContrast Contrast = FatContrast::Auto;
   /// Voxel size of the result along all axes, mm; 0 keeps the grid of the MRI.
   double SpacingMm = 1.0;
   /// Thickness of the layer below the air that becomes skin, mm; 0: none. Two voxels by default,
@@ -40,11 +50,13 @@ struct MAMMORAYSEGMENTATION_EXPORT SegmentationOptions
   double SkinThicknessMm = 2.0;
   /// How far the result reaches behind the front of the chest wall, mm; positive.
   double ChestWallDepthMm = 30.0;
-  /// Intensity classes of the breast, 2 to 5; the brightest is fat, all others are gland.
+  /// Intensity classes of the breast, 2 to 5; the brightest (fat dark: the darkest) is fat, all
+  /// others are gland.
   int Classes = 2;
   /// Intensity of the MRI below which voxels that reach the front are air; 0: by Otsu's method.
   double AirThreshold = 0.0;
-  /// Fraction of fat's intensity below which the breast is gland, (0, 1); 0: by Otsu's method.
+  /// Fraction of fat's intensity below which the breast is gland, (0, 1), or, where Contrast is
+  /// FatDark, above which it is, beyond 1; 0: by Otsu's method.
   double GlandThreshold = 0.0;
   /// Smaller parts of gland become fat, mm^3.
   double SmallestGlandMm3 = 10.0;
@@ -66,25 +78,27 @@ struct SegmentationResult
   double GlandThreshold = 0.0;
   /// Muscle's intensity as a fraction of fat's.
   double MuscleLevel = 0.0;
+  /// That of the (first) image: FatBright or FatDark.
+  FatContrast Contrast = FatContrast::FatBright;
   /// One or two.
   int Breasts = 0;
 };
 
 /**
- * Air, skin, fat, gland and chest wall of a plain T1-weighted breast MRI: prone, fat bright (no fat
- * suppression), air in front of the breast, muscle behind it.
+ * Air, skin, fat, gland and chest wall of a T1-weighted breast MRI: prone, air in front of the
+ * breast, muscle behind it; fat bright (plain) or dark (SPAIR, SPIR, Dixon water).
  *
- * - Air: what lies below Otsu's threshold of the logarithm (Otsu 1979) and reaches the volume's
- * front without crossing tissue; later refined to half of muscle's intensity. What lies behind 20
- * mm of tissue is body, however dark.
- * - Bias field: N4 (Tustison et al. 2010) in the body, then twice in the fat of the breast.
- * - Chest wall: of the dark tissue without its thin strands the part that covers most of the back,
- *   seen from the front; its front is a smooth height over the coronal plane, from which bumps
- *   narrower than 50 mm, that is gland that lies against the muscle, are taken off. Everything
- *   behind that surface is chest wall, down to the coronal plane ChestWallDepthMm behind the front
- *   of the chest wall (its 90th percentile); what lies farther back is left out, as air.
- * - Gland: darker than Otsu's threshold in the breast together with the muscle next to it, so that
- *   a breast of almost only fat has a dark class too.
+ * - Air: what lies below Otsu's threshold of the logarithm (Otsu 1979), or is noise as loud as its
+ *   surroundings', and reaches the volume's front without crossing tissue; later refined to what is
+ *   half as bright as the skin nearby.
+ * - Chest wall: one smooth sheet, a height over the coronal plane, in front of which lies fat and
+ *   behind which muscle (see Private/ChestWall.h). Everything of the body behind it is chest wall,
+ *   down to the coronal plane ChestWallDepthMm behind its front (the 90th percentile); what lies
+ *   farther back is left out, as air.
+ * - Coil: the intensity of the breast's fat, a smooth function, by which the image is divided.
+ * - Gland: beyond Otsu's threshold in the breast together with the muscle next to it, so that a
+ *   breast of almost only fat has a second class too; darker than fat or brighter, as the contrast
+ *   says. What lies mostly within a few mm of chest wall or skin is muscle or skin, not gland.
  * - Skin: by distance from air, see AddSkin; the cut planes have none.
  *
  * Throws InputError on an unusable volume or option, on a breast that stands out less than 15 mm
@@ -92,6 +106,15 @@ struct SegmentationResult
  */
 MAMMORAYSEGMENTATION_EXPORT SegmentationResult SegmentBreast(const IntensityVolume& image,
   const SegmentationOptions& options, const ProgressCallback& progress = {});
+
+/**
+ * The same from two images of one session, without and with fat suppression: the outline from the
+ * first, chest wall and gland from both. The second is resampled onto the first by the frame they
+ * share; that the patient moved between them is not looked for.
+ */
+MAMMORAYSEGMENTATION_EXPORT SegmentationResult SegmentBreast(const IntensityVolume& plain,
+  const IntensityVolume& fatSuppressed, const SegmentationOptions& options,
+  const ProgressCallback& progress = {});
 }
 
 #endif

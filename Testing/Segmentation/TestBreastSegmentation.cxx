@@ -246,8 +246,9 @@ TEST(BreastSegmentation, AnEvenImageNeedsNoCorrection)
   EXPECT_GT(dice[Label(TissueLabel::Fat)], 0.89);
   EXPECT_GT(dice[Label(TissueLabel::Gland)], 0.87);
   EXPECT_GT(dice[Label(TissueLabel::ChestWall)], 0.90);
-  // Between the scan's muscle, 0.38, and the gland that lies against it, 0.42.
-  EXPECT_NEAR(result.MuscleLevel, 0.40, 0.025);
+  // Between the scan's muscle, 0.38, and the gland that lies against it, 0.42, over fat's level:
+  // up to 8 % below that of fat alone, as there is hardly a cube of 2 mm without a ligament.
+  EXPECT_NEAR(result.MuscleLevel, 0.41, 0.035);
 }
 
 TEST(BreastSegmentation, ThePlaceOfTheAxesDoesNotMatter)

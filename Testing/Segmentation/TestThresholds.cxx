@@ -40,6 +40,14 @@ TEST(Quantile, IsTheValueOfThatRank)
   EXPECT_EQ(Quantile({ 7 }, 0.5), 7);
 }
 
+TEST(MiddleOfShortestHalf, IsTheLevelOfTheLargerTissue)
+{
+  // Seven of one tissue, four of another far away: the shortest run of six is 9 to 10.5.
+  EXPECT_DOUBLE_EQ(
+    MiddleOfShortestHalf({ 90, 9.5f, 10, 10.5f, 80, 9.75f, 10.25f, 70, 9, 12, 60 }), 9.75);
+  EXPECT_DOUBLE_EQ(MiddleOfShortestHalf({ 4 }), 4.0);
+}
+
 TEST(OtsuThresholds, LieMidwayBetweenEqualClasses)
 {
   // Otsu's threshold between equal classes is their middle; a bin of the histogram is 0.06 wide.

@@ -1,55 +1,39 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Private/ChestWall.h"
 
-#include "Private/Masks.h"
-
-#include <itkFlatStructuringElement.h>
-#include <itkGrayscaleMorphologicalClosingImageFilter.h>
-#include <itkGrayscaleMorphologicalOpeningImageFilter.h>
-#include <itkLinearInterpolateImageFunction.h>
+#include "Private/Plate.h"
+#include "Private/Thresholds.h"
 
 #include <algorithm>
 #include <cmath>
-#include <map>
-#include <set>
 
 namespace mammoray
 {
 namespace
 {
-/// The component of which most columns along y hold a voxel; 0 where there is none.
-unsigned WidestComponent(const ComponentImage* components)
-{
-  const std::array<int, 3> size = SizeOf(*components);
-  std::map<unsigned, std::size_t> columns;
-  for (int z = 0; z < size[2]; ++z)
-  {
-    for (int x = 0; x < size[0]; ++x)
-    {
-      std::set<unsigned> here;
-      for (int y = 0; y < size[1]; ++y)
-      {
-        here.insert(components->GetPixel({ { x, y, z } }));
-      }
-      for (const unsigned component : here)
-      {
-        ++columns[component];
-      }
-    }
-  }
-  columns.erase(0);
-  unsigned widest = 0;
-  std::size_t most = 0;
-  for (const auto& [component, count] : columns)
-  {
-    if (count > most)
-    {
-      most = count;
-      widest = component;
-    }
-  }
-  return widest;
-}
+/// Length in front of and behind a height over which intensities are averaged, mm: less than the
+/// thinnest muscle over the ribs and the thinnest fat over the sternum that are told apart.
+constexpr double WindowMm = 6.0;
+/// Skin, at most 3 mm, and what a voxel of it smears lie in front of every chest wall.
+constexpr double SkinMm = 4.0;
+/// Steps of the logarithm beyond this are no better: fat to muscle is 0.3 (suppressed) to 1.
+constexpr double LargestLogStep = 0.4;
+/// What a whole step from fat to none is worth, and fat all along FatBehindMm behind the front.
+constexpr double FatStepWorth = 0.5;
+constexpr double FatBehindPrice = 0.4;
+constexpr std::array<double, 2> FatBehindMm{ 8.0, 26.0 };
+/// Body before the chest wall that is a breast, mm.
+constexpr float BreastMm = 30.0f;
+/// Price of a height per mm behind the skin, up to 100 mm: of two equal steps the front one is
+/// taken, muscle instead of heart and liver.
+constexpr double PricePerMm = 0.0015;
+constexpr double DeepestMm = 100.0;
+/// Price of a slope of 1 between neighbours; it grows with the slope's square up to 3.
+constexpr double SlopePrice = 0.05;
+constexpr int LargestSlope = 3;
+/// The thorax, and what its muscles add.
+constexpr double StiffMm = 220.0;
+constexpr double SheetMm = 20.0;
 
 HeightMap::Pointer MakeHeightMap(const itk::ImageBase<3>& image)
 {
@@ -68,26 +52,350 @@ HeightMap::Pointer MakeHeightMap(const itk::ImageBase<3>& image)
   map->SetSpacing(spacing);
   map->SetOrigin(origin);
   map->Allocate();
-  map->FillBuffer(NoChestWall);
+  map->FillBuffer(-1.0f);
   return map;
 }
 
-/// Front face of the component in each column.
-HeightMap::Pointer FrontOf(const ComponentImage* components, unsigned component)
+/// y fastest: of the height y (the lower face of voxel y) in column x + z * sizeX.
+struct WallCosts
 {
-  HeightMap::Pointer front = MakeHeightMap(*components);
-  const std::array<int, 3> size = SizeOf(*components);
+  int Heights;
+  std::vector<float> Values;
+  const float* Column(std::size_t column) const
+  {
+    return this->Values.data() + column * static_cast<std::size_t>(this->Heights);
+  }
+  float* Column(std::size_t column)
+  {
+    return this->Values.data() + column * static_cast<std::size_t>(this->Heights);
+  }
+};
+
+class WallSearch
+{
+public:
+  explicit WallSearch(const MaskImage* body)
+    : Size(SizeOf(*body))
+    , StepMm(body->GetSpacing()[1])
+    , Skin(FrontOf(body))
+  {
+    const std::size_t columns = static_cast<std::size_t>(this->Size[0]) * this->Size[2];
+    this->Fit.Heights = this->Size[1];
+    this->Fit.Values.assign(columns * static_cast<std::size_t>(this->Size[1]), 0.0f);
+    this->Costs = this->Fit;
+  }
+
+  ChestWallSheet FindByLogarithms(const std::vector<FloatImage::Pointer>& channels,
+    const MaskImage* tissue)
+  {
+    for (const FloatImage::Pointer& channel : channels)
+    {
+      this->AddSteps(channel, 1.0 / static_cast<double>(channels.size()));
+    }
+    this->Forbid(tissue);
+    this->MakeCosts(
+      [](float step) { return std::clamp<double>(step, -LargestLogStep, LargestLogStep); });
+    return this->FitNear(this->StiffPlate(this->Cheapest(this->Costs)));
+  }
+
+  ChestWallSheet FindByFatness(const std::vector<FloatImage::Pointer>& channels,
+    const MaskImage* tissue, const HeightMap* near)
+  {
+    for (const FloatImage::Pointer& channel : channels)
+    {
+      this->AddSteps(channel, 1.0 / static_cast<double>(channels.size()));
+    }
+    this->Forbid(tissue);
+    this->MakeCosts([](float step) { return FatStepWorth * step; });
+    for (const FloatImage::Pointer& channel : channels)
+    {
+      this->AddFatBehind(channel, FatBehindPrice / static_cast<double>(channels.size()));
+    }
+    WallCosts costs = this->Costs;
+    this->Attract(costs, near);
+    return this->FitNear(this->StiffPlate(this->Cheapest(costs)));
+  }
+
+private:
+  std::size_t Column(int x, int z) const
+  {
+    return static_cast<std::size_t>(z) * this->Size[0] + static_cast<std::size_t>(x);
+  }
+
+  /// Adds `share` of the mean in front minus the mean behind.
+  void AddSteps(const FloatImage* channel, double share)
+  {
+    const int window = std::max(1, static_cast<int>(std::lround(WindowMm / this->StepMm)));
+    std::vector<double> sums(static_cast<std::size_t>(this->Size[1]) + 1);
+    for (int z = 0; z < this->Size[2]; ++z)
+    {
+      for (int x = 0; x < this->Size[0]; ++x)
+      {
+        for (int y = 0; y < this->Size[1]; ++y)
+        {
+          sums[static_cast<std::size_t>(y) + 1] =
+            sums[static_cast<std::size_t>(y)] + channel->GetPixel({ { x, y, z } });
+        }
+        float* fit = this->Fit.Column(this->Column(x, z));
+        // At the volume's ends the windows are what there is.
+        for (int y = 1; y < this->Size[1]; ++y)
+        {
+          const int low = std::max(0, y - window);
+          const int high = std::min(this->Size[1], y + window);
+          const double front =
+            sums[static_cast<std::size_t>(high)] - sums[static_cast<std::size_t>(y)];
+          const double behind =
+            sums[static_cast<std::size_t>(y)] - sums[static_cast<std::size_t>(low)];
+          fit[y] += static_cast<float>(share * (front / (high - y) - behind / (y - low)));
+        }
+      }
+    }
+  }
+
+  /// No chest wall next to the skin, at the volume's ends nor before air.
+  void Forbid(const MaskImage* tissue)
+  {
+    const int window = std::max(1, static_cast<int>(std::lround(WindowMm / this->StepMm)));
+    for (int z = 0; z < this->Size[2]; ++z)
+    {
+      for (int x = 0; x < this->Size[0]; ++x)
+      {
+        float* fit = this->Fit.Column(this->Column(x, z));
+        for (int y = 0; y < this->Size[1]; ++y)
+        {
+          int filled = 0;
+          for (int behind = std::max(0, y - window); behind < y; ++behind)
+          {
+            filled += tissue->GetPixel({ { x, behind, z } }) ? 1 : 0;
+          }
+          if (2 * filled <= std::min(window, y) || this->DepthMm(x, z, y) < SkinMm)
+          {
+            fit[y] = None;
+          }
+        }
+      }
+    }
+  }
+
+  double DepthMm(int x, int z, int y) const
+  {
+    return this->Skin->GetPixel({ { x, z } }) - y * this->StepMm;
+  }
+
+  /// `worth` of the step at a height.
+  template <typename Worth>
+  void MakeCosts(Worth worth)
+  {
+    for (int z = 0; z < this->Size[2]; ++z)
+    {
+      for (int x = 0; x < this->Size[0]; ++x)
+      {
+        const float* fit = this->Fit.Column(this->Column(x, z));
+        float* cost = this->Costs.Column(this->Column(x, z));
+        const bool hasBody = this->Skin->GetPixel({ { x, z } }) > 0;
+        for (int y = 0; hasBody && y < this->Size[1]; ++y)
+        {
+          const double depth = this->DepthMm(x, z, y);
+          cost[y] = static_cast<float>((depth < SkinMm ? 0.3 : 0.0) -
+            (fit[y] == None ? 0.0 : worth(fit[y])) +
+            PricePerMm * std::clamp(depth, 0.0, DeepestMm));
+        }
+      }
+    }
+  }
+
+  void AddFatBehind(const FloatImage* fatness, double price)
+  {
+    const int nearest = static_cast<int>(std::lround(FatBehindMm[0] / this->StepMm));
+    const int farthest = static_cast<int>(std::lround(FatBehindMm[1] / this->StepMm));
+    for (int z = 0; z < this->Size[2]; ++z)
+    {
+      for (int x = 0; x < this->Size[0]; ++x)
+      {
+        float* cost = this->Costs.Column(this->Column(x, z));
+        for (int y = 0; y < this->Size[1]; ++y)
+        {
+          double sum = 0;
+          for (int behind = std::max(0, y - farthest); behind < y - nearest; ++behind)
+          {
+            sum += fatness->GetPixel({ { x, behind, z } });
+          }
+          cost[y] += static_cast<float>(price * sum / (farthest - nearest));
+        }
+      }
+    }
+  }
+
+  HeightMap::Pointer StiffPlate(const HeightMap* heights) const
+  {
+    return FitRobustPlate(heights, this->Weights(heights, 0.0f), StiffMm, { 50, 30, 20 });
+  }
+
+  ChestWallSheet FitNear(const HeightMap::Pointer& stiff) const
+  {
+    WallCosts costs = this->Costs;
+    this->Attract(costs, stiff);
+    const HeightMap::Pointer heights = this->Cheapest(costs);
+    ChestWallSheet sheet;
+    sheet.Stiff = stiff;
+    sheet.Front = FitRobustPlate(heights, this->Weights(heights, 0.02f), SheetMm, { 15, 8 });
+    this->MeasureSteps(sheet);
+    return sheet;
+  }
+
+  /// Makes heights away from the sheet dearer, 0.3 at 20 mm, no more than 2.
+  void Attract(WallCosts& costs, const HeightMap* sheet) const
+  {
+    for (int z = 0; z < this->Size[2]; ++z)
+    {
+      for (int x = 0; x < this->Size[0]; ++x)
+      {
+        float* cost = costs.Column(this->Column(x, z));
+        for (int y = 0; y < this->Size[1]; ++y)
+        {
+          const double away = (y * this->StepMm - sheet->GetPixel({ { x, z } })) / 20;
+          cost[y] += static_cast<float>(std::min(2.0, 0.3 * away * away));
+        }
+      }
+    }
+  }
+
+  /// Adds the least cost of paths that end in each height, along a line of columns.
+  void Aggregate(const WallCosts& costs, WallCosts& total, std::size_t first, std::ptrdiff_t stride,
+    int length) const
+  {
+    const auto heights = static_cast<std::size_t>(costs.Heights);
+    std::vector<float> last(heights, 0.0f);
+    std::vector<float> now(heights);
+    for (int n = 0; n < length; ++n)
+    {
+      const auto column = static_cast<std::size_t>(static_cast<std::ptrdiff_t>(first) + n * stride);
+      const float* cost = costs.Column(column);
+      const float least = *std::min_element(last.begin(), last.end());
+      const float jump =
+        least + static_cast<float>(2 * SlopePrice * (LargestSlope + 1) * (LargestSlope + 1));
+      for (std::size_t y = 0; y < heights; ++y)
+      {
+        float best = std::min(jump, last[y]);
+        for (std::size_t slope = 1; slope <= LargestSlope; ++slope)
+        {
+          const float price = static_cast<float>(SlopePrice) * static_cast<float>(slope * slope);
+          best = y >= slope ? std::min(best, last[y - slope] + price) : best;
+          best = y + slope < heights ? std::min(best, last[y + slope] + price) : best;
+        }
+        now[y] = cost[y] + best - least;
+      }
+      float* sum = total.Column(column);
+      for (std::size_t y = 0; y < heights; ++y)
+      {
+        sum[y] += now[y];
+      }
+      last.swap(now);
+    }
+  }
+
+  HeightMap::Pointer Cheapest(const WallCosts& costs) const
+  {
+    const int columns = this->Size[0];
+    const int rows = this->Size[2];
+    WallCosts total{ costs.Heights, std::vector<float>(costs.Values.size(), 0.0f) };
+    for (int z = 0; z < rows; ++z)
+    {
+      this->Aggregate(costs, total, this->Column(0, z), 1, columns);
+      this->Aggregate(costs, total, this->Column(columns - 1, z), -1, columns);
+    }
+    for (int x = 0; x < columns; ++x)
+    {
+      this->Aggregate(costs, total, this->Column(x, 0), columns, rows);
+      this->Aggregate(costs, total, this->Column(x, rows - 1), -columns, rows);
+    }
+    auto heights = HeightMap::New();
+    heights->CopyInformation(this->Skin);
+    heights->SetRegions(this->Skin->GetLargestPossibleRegion());
+    heights->Allocate();
+    for (std::size_t column = 0; column < heights->GetBufferedRegion().GetNumberOfPixels();
+         ++column)
+    {
+      // Each direction counted the column's own cost.
+      float* sum = total.Column(column);
+      const float* own = costs.Column(column);
+      int best = 0;
+      for (int y = 0; y < costs.Heights; ++y)
+      {
+        sum[y] -= 3 * own[y];
+        best = sum[y] < sum[best] ? y : best;
+      }
+      heights->GetBufferPointer()[column] = static_cast<float>(best * this->StepMm);
+    }
+    return heights;
+  }
+
+  float StepAt(std::size_t column, double heightMm) const
+  {
+    const int y =
+      std::clamp(static_cast<int>(std::lround(heightMm / this->StepMm)), 0, this->Fit.Heights - 1);
+    const float step = this->Fit.Column(column)[y];
+    return step == None ? 0.0f : std::max(0.0f, step);
+  }
+
+  /// The square of the step as a fraction of 0.5: what a height is trusted.
+  HeightMap::Pointer Weights(const HeightMap* heights, float least) const
+  {
+    auto weights = HeightMap::New();
+    weights->CopyInformation(heights);
+    weights->SetRegions(heights->GetLargestPossibleRegion());
+    weights->Allocate();
+    for (std::size_t column = 0; column < heights->GetBufferedRegion().GetNumberOfPixels();
+         ++column)
+    {
+      const float step =
+        std::min(1.0f, 2 * this->StepAt(column, heights->GetBufferPointer()[column]));
+      weights->GetBufferPointer()[column] =
+        this->Skin->GetBufferPointer()[column] > 0 ? std::max(least, step * step) : 0.0f;
+    }
+    return weights;
+  }
+
+  void MeasureSteps(ChestWallSheet& sheet) const
+  {
+    std::vector<float> steps;
+    for (std::size_t column = 0; column < sheet.Front->GetBufferedRegion().GetNumberOfPixels();
+         ++column)
+    {
+      const float height = sheet.Front->GetBufferPointer()[column];
+      if (this->Skin->GetBufferPointer()[column] > height + BreastMm)
+      {
+        steps.push_back(this->StepAt(column, height));
+        sheet.Support += std::min<double>(steps.back(), LargestLogStep);
+      }
+    }
+    sheet.Step = steps.empty() ? 0.0 : Quantile(steps, 0.5);
+  }
+
+  static constexpr float None = -1e9f;
+  std::array<int, 3> Size;
+  double StepMm;
+  HeightMap::Pointer Skin;
+  /// The step at every height; None where no chest wall can be.
+  WallCosts Fit;
+  /// Of the heights, without any sheet.
+  WallCosts Costs;
+};
+}
+
+HeightMap::Pointer FrontOf(const MaskImage* mask)
+{
+  HeightMap::Pointer front = MakeHeightMap(*mask);
+  const std::array<int, 3> size = SizeOf(*mask);
   for (int z = 0; z < size[2]; ++z)
   {
     for (int x = 0; x < size[0]; ++x)
     {
       for (int y = size[1] - 1; y >= 0; --y)
       {
-        if (components->GetPixel({ { x, y, z } }) == component)
+        if (mask->GetPixel({ { x, y, z } }))
         {
-          front->SetPixel({ { x, z } },
-            static_cast<float>(
-              components->GetOrigin()[1] + (y + 0.5) * components->GetSpacing()[1]));
+          front->SetPixel({ { x, z } }, static_cast<float>((y + 1) * mask->GetSpacing()[1]));
           break;
         }
       }
@@ -96,121 +404,95 @@ HeightMap::Pointer FrontOf(const ComponentImage* components, unsigned component)
   return front;
 }
 
-template <template <typename, typename, typename> class Filter>
-HeightMap::Pointer Morphology(const HeightMap* map, double radiusMm)
-{
-  using Element = itk::FlatStructuringElement<2>;
-  Element::RadiusType radius;
-  for (unsigned c = 0; c < 2; ++c)
-  {
-    radius[c] = static_cast<itk::SizeValueType>(std::lround(radiusMm / map->GetSpacing()[c]));
-  }
-  auto filter = Filter<HeightMap, HeightMap, Element>::New();
-  filter->SetInput(map);
-  filter->SetKernel(Element::Ball(radius));
-  filter->Update();
-  return filter->GetOutput();
-}
-
-/// A Gaussian mean of the columns that have a height.
-HeightMap::Pointer SmoothHeights(const HeightMap* map, double sigmaMm)
-{
-  auto heights = HeightMap::New();
-  heights->CopyInformation(map);
-  heights->SetRegions(map->GetLargestPossibleRegion());
-  heights->Allocate();
-  auto weights = HeightMap::New();
-  weights->CopyInformation(map);
-  weights->SetRegions(map->GetLargestPossibleRegion());
-  weights->Allocate();
-  const std::size_t count = map->GetBufferedRegion().GetNumberOfPixels();
-  for (std::size_t n = 0; n < count; ++n)
-  {
-    const float height = map->GetBufferPointer()[n];
-    const bool has = height != NoChestWall;
-    heights->GetBufferPointer()[n] = has ? height : 0.0f;
-    weights->GetBufferPointer()[n] = has ? 1.0f : 0.0f;
-  }
-  const HeightMap::Pointer sums = GaussianMean<HeightMap>(heights, sigmaMm);
-  const HeightMap::Pointer shares = GaussianMean<HeightMap>(weights, sigmaMm);
-  for (std::size_t n = 0; n < count; ++n)
-  {
-    heights->GetBufferPointer()[n] = weights->GetBufferPointer()[n] > 0
-      ? sums->GetBufferPointer()[n] / shares->GetBufferPointer()[n]
-      : NoChestWall;
-  }
-  return heights;
-}
-
-/// The heights over the columns of another image.
 HeightMap::Pointer HeightsOver(const HeightMap* map, const itk::ImageBase<3>& image)
 {
   HeightMap::Pointer over = MakeHeightMap(image);
-  auto linear = itk::LinearInterpolateImageFunction<HeightMap, double>::New();
-  linear->SetInputImage(map);
   const auto size = map->GetLargestPossibleRegion().GetSize();
   const auto overSize = over->GetLargestPossibleRegion().GetSize();
-  for (itk::IndexValueType z = 0; z < static_cast<itk::IndexValueType>(overSize[1]); ++z)
+  const auto place = [&](std::size_t n, unsigned c, itk::IndexValueType& first, float& share)
   {
-    for (itk::IndexValueType x = 0; x < static_cast<itk::IndexValueType>(overSize[0]); ++x)
+    const double at = std::clamp(
+      (static_cast<double>(n) + 0.5) * over->GetSpacing()[c] / map->GetSpacing()[c] - 0.5, 0.0,
+      static_cast<double>(size[c] - 1));
+    first = std::min(static_cast<itk::IndexValueType>(at),
+      std::max<itk::IndexValueType>(0, static_cast<itk::IndexValueType>(size[c]) - 2));
+    share = static_cast<float>(at - static_cast<double>(first));
+  };
+  for (std::size_t z = 0; z < overSize[1]; ++z)
+  {
+    itk::IndexValueType k = 0;
+    float w = 0;
+    place(z, 1, k, w);
+    for (std::size_t x = 0; x < overSize[0]; ++x)
     {
-      HeightMap::PointType point;
-      over->TransformIndexToPhysicalPoint({ { x, z } }, point);
-      itk::ContinuousIndex<double, 2> at;
-      bool complete = true;
-      (void)map->TransformPhysicalPointToContinuousIndex(point, at);
-      for (unsigned c = 0; c < 2; ++c)
-      {
-        at[c] = std::clamp(at[c], 0.0, static_cast<double>(size[c] - 1));
-      }
-      // Beside the chest wall the mean of a height and of none would be neither.
-      for (int corner = 0; corner < 4; ++corner)
-      {
-        const HeightMap::IndexType index{ { static_cast<itk::IndexValueType>(
-                                              corner & 1 ? std::ceil(at[0]) : std::floor(at[0])),
-          static_cast<itk::IndexValueType>(corner & 2 ? std::ceil(at[1]) : std::floor(at[1])) } };
-        complete = complete && map->GetPixel(index) != NoChestWall;
-      }
-      const HeightMap::IndexType nearest{ { static_cast<itk::IndexValueType>(std::lround(at[0])),
-        static_cast<itk::IndexValueType>(std::lround(at[1])) } };
-      over->SetPixel({ { x, z } },
-        complete ? static_cast<float>(linear->EvaluateAtContinuousIndex(at))
-                 : map->GetPixel(nearest));
+      itk::IndexValueType i = 0;
+      float u = 0;
+      place(x, 0, i, u);
+      const itk::IndexValueType i1 = u > 0 ? i + 1 : i;
+      const itk::IndexValueType k1 = w > 0 ? k + 1 : k;
+      over->SetPixel(
+        { { static_cast<itk::IndexValueType>(x), static_cast<itk::IndexValueType>(z) } },
+        (1 - w) * ((1 - u) * map->GetPixel({ { i, k } }) + u * map->GetPixel({ { i1, k } })) +
+          w * ((1 - u) * map->GetPixel({ { i, k1 } }) + u * map->GetPixel({ { i1, k1 } })));
     }
   }
   return over;
 }
+
+std::vector<float> BehindSheet(const FloatImage* image, const MaskImage* tissue,
+  const HeightMap* skin, const HeightMap* sheet, const Behind& behind)
+{
+  const std::array<int, 3> size = SizeOf(*image);
+  std::vector<float> values;
+  for (int z = 0; z < size[2]; ++z)
+  {
+    for (int x = 0; x < size[0]; ++x)
+    {
+      const float wallMm = sheet->GetPixel({ { x, z } });
+      const bool counts = skin->GetPixel({ { x, z } }) > wallMm + behind.BodyMm;
+      for (int y = 0; counts && y < size[1]; ++y)
+      {
+        const double depth = wallMm - (y + 0.5) * image->GetSpacing()[1];
+        if (depth >= behind.FromMm && depth < behind.ToMm && tissue->GetPixel({ { x, y, z } }))
+        {
+          values.push_back(image->GetPixel({ { x, y, z } }));
+        }
+      }
+    }
+  }
+  return values;
 }
 
-HeightMap::Pointer FindChestWall(const MaskImage* dark)
+FloatImage::Pointer LogChannel(const FloatImage* image, const MaskImage* body, double floor,
+  bool fatBright)
 {
-  constexpr double blockMm = 2.0;
-  constexpr double thinMm = 6.0;
-  constexpr double gapMm = 12.0;
-  constexpr double bumpWidthMm = 50.0;
-  constexpr double bumpHeightMm = 5.0;
-  const FloatImage::Pointer shares = Shrink(ToFloat(dark), blockMm);
-  auto blocks = MakeLike<MaskImage>(*shares, 0);
-  for (std::size_t block = 0; block < blocks->GetBufferedRegion().GetNumberOfPixels(); ++block)
+  auto log = MakeLike<FloatImage>(*image, 0.0f);
+  const std::size_t count = log->GetBufferedRegion().GetNumberOfPixels();
+  const double sign = fatBright ? 1.0 : -1.0;
+  for (std::size_t voxel = 0; voxel < count; ++voxel)
   {
-    blocks->GetBufferPointer()[block] = shares->GetBufferPointer()[block] >= 0.5f ? 1 : 0;
+    const double value = std::max(0.0f, image->GetBufferPointer()[voxel]);
+    log->GetBufferPointer()[voxel] =
+      body->GetBufferPointer()[voxel] ? static_cast<float>(sign * std::log(value + floor)) : 0.0f;
   }
-  const ComponentImage::Pointer components = FindComponents(Open(blocks, 0.5 * thinMm), 0);
-  const unsigned widest = WidestComponent(components);
-  if (widest == 0)
+  log = GaussianMean<FloatImage>(log, 2.0);
+  const FloatImage::Pointer share = GaussianMean<FloatImage>(ToFloat(body), 2.0);
+  for (std::size_t voxel = 0; voxel < count; ++voxel)
   {
-    return MakeHeightMap(*dark);
+    log->GetBufferPointer()[voxel] /= std::max(1e-3f, share->GetBufferPointer()[voxel]);
   }
-  HeightMap::Pointer front = FrontOf(components, widest);
-  front = Morphology<itk::GrayscaleMorphologicalClosingImageFilter>(front, 0.5 * gapMm);
-  const HeightMap::Pointer opened =
-    Morphology<itk::GrayscaleMorphologicalOpeningImageFilter>(front, 0.5 * bumpWidthMm);
-  for (std::size_t n = 0; n < front->GetBufferedRegion().GetNumberOfPixels(); ++n)
-  {
-    float& height = front->GetBufferPointer()[n];
-    const float low = opened->GetBufferPointer()[n];
-    height = low != NoChestWall && height > low + bumpHeightMm ? low : height;
-  }
-  return HeightsOver(SmoothHeights(front, 3.0), *dark);
+  return log;
+}
+
+ChestWallSheet FindChestWall(const std::vector<FloatImage::Pointer>& channels,
+  const MaskImage* body, const MaskImage* tissue)
+{
+  return WallSearch(body).FindByLogarithms(channels, tissue);
+}
+
+ChestWallSheet RefineChestWall(const std::vector<FloatImage::Pointer>& fatness,
+  const MaskImage* body, const MaskImage* tissue, const HeightMap* near)
+{
+  return WallSearch(body).FindByFatness(fatness, tissue, near);
 }
 }

@@ -4,22 +4,74 @@
 
 #include "Private/ItkImages.h"
 
+#include <vector>
+
 namespace mammoray
 {
-/// Height of a column without chest wall.
-constexpr float NoChestWall = -1.0f;
+struct ChestWallSheet
+{
+  /// Height y of the front of the chest wall over every coronal voxel (x, z), mm; beside the body
+  /// its smooth continuation.
+  HeightMap::Pointer Front;
+  /// The stiff plate next to which it was found.
+  HeightMap::Pointer Stiff;
+  /// Median step from fat to muscle along the sheet where a breast stands before it, 30 mm of body;
+  /// of several channels their mean. 0: no breast.
+  double Step = 0;
+  /// Sum of the steps there over the columns.
+  double Support = 0;
+};
 
 /**
- * The front of the chest wall as a height y, mm, over the image's coronal voxels (x, z),
- * NoChestWall beside it. `dark`: voxels as dark as muscle, the chest and its lungs included.
+ * The front of muscle and ribs as one smooth sheet in front of which lies fat and behind which
+ * muscle.
  *
- * The dark tissue loses what is thinner than 6 mm (vessels, ligaments, skin); of its parts the one
- * that covers most of the coronal plane is the chest wall. A bump of its front that is narrower
- * than 50 mm and higher than 5 mm is gland that lies against it: an opening of the height by a disc
- * takes it off, while slopes and the wide curve of the ribs stay. A height over 2 mm blocks,
- * smoothed.
+ * `channels` are images on one grid of cubes that fall by up to about 1 from fat to muscle. In each
+ * column along y the step from the mean of the 6 mm in front of a height to that of the 6 mm behind
+ * it says how well the height fits. The surface of least cost over all columns is found by dynamic
+ * programming along x and z both ways (semi-global matching: Hirschmueller, IEEE PAMI 30, 2008)
+ * with a price on slopes. Gland has fronts like that too, but none that continue over breasts,
+ * sternum and sides: the sheet is looked for again near a stiff plate (220 mm) through the first,
+ * and the plate of 20 mm through that is the answer (see FitRobustPlate).
+ *
+ * `body`: what air does not reach from the front; `tissue`: what is brighter than noise.
  */
-HeightMap::Pointer FindChestWall(const MaskImage* dark);
+ChestWallSheet FindChestWall(const std::vector<FloatImage::Pointer>& channels,
+  const MaskImage* body, const MaskImage* tissue);
+
+/**
+ * The same near a sheet that is known about. The channels are 1 in fat and 0 in all else, lung
+ * included, so that fat behind the sheet speaks against it too: behind gland there is fat, behind
+ * muscle hardly.
+ */
+ChestWallSheet RefineChestWall(const std::vector<FloatImage::Pointer>& fatness,
+  const MaskImage* body, const MaskImage* tissue, const HeightMap* near);
+
+/**
+ * A channel from an image as scanned: its logarithm, averaged over 2 mm of body, falling from fat
+ * to muscle. The coil's sensitivity, which changes by a few per cent over 6 mm, does not matter.
+ * `floor` is added before the logarithm is taken, so that noise counts little.
+ */
+FloatImage::Pointer LogChannel(const FloatImage* image, const MaskImage* body, double floor,
+  bool fatBright);
+
+/// From where to where behind a sheet, and the body before it that makes a column count; mm.
+struct Behind
+{
+  double FromMm;
+  double ToMm;
+  double BodyMm;
+};
+
+/// The values of the tissue there.
+std::vector<float> BehindSheet(const FloatImage* image, const MaskImage* tissue,
+  const HeightMap* skin, const HeightMap* sheet, const Behind& behind);
+
+/// Height, mm, of the front face of the foremost voxel of the mask in each column; -1: none.
+HeightMap::Pointer FrontOf(const MaskImage* mask);
+
+/// The heights over the columns of another image of the same frame: bilinear, nearest outside.
+HeightMap::Pointer HeightsOver(const HeightMap* map, const itk::ImageBase<3>& image);
 }
 
 #endif

@@ -119,6 +119,20 @@ FloatImage::Pointer Resample(const FloatImage* image, double spacingMm)
   return resample->GetOutput();
 }
 
+FloatImage::Pointer ResampleLike(const FloatImage* image, const itk::ImageBase<3>& grid)
+{
+  auto resample = itk::ResampleImageFilter<FloatImage, FloatImage>::New();
+  resample->SetInput(image);
+  resample->SetInterpolator(itk::LinearInterpolateImageFunction<FloatImage, double>::New());
+  resample->SetExtrapolator(
+    itk::NearestNeighborExtrapolateImageFunction<FloatImage, double>::New());
+  resample->SetSize(grid.GetLargestPossibleRegion().GetSize());
+  resample->SetOutputSpacing(grid.GetSpacing());
+  resample->SetOutputOrigin(grid.GetOrigin());
+  resample->Update();
+  return resample->GetOutput();
+}
+
 FloatImage::Pointer Shrink(const FloatImage* image, double spacingMm)
 {
   auto shrink = itk::BinShrinkImageFilter<FloatImage, FloatImage>::New();

@@ -68,6 +68,9 @@ std::array<int, 3> SizeOf(const itk::ImageBase<3>& image);
 /// The image on cubic voxels, same first corner: averaged where they are larger, else linear.
 FloatImage::Pointer Resample(const FloatImage* image, double spacingMm);
 
+/// The image at the voxels of another grid of the same frame: linear, nearest outside.
+FloatImage::Pointer ResampleLike(const FloatImage* image, const itk::ImageBase<3>& grid);
+
 /// Means of blocks of voxels of about `spacingMm` (as they are where voxels are larger already).
 FloatImage::Pointer Shrink(const FloatImage* image, double spacingMm);
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Private/Masks.h"
 
+#include <itkBinaryDilateImageFilter.h>
 #include <itkBinaryMorphologicalOpeningImageFilter.h>
 #include <itkConnectedComponentImageFilter.h>
 #include <itkFlatStructuringElement.h>
@@ -44,16 +45,10 @@ MaskImage::Pointer LargestComponent(const MaskImage* mask)
   return KeepComponents(FindComponents(mask, 0), [](unsigned component) { return component == 1; });
 }
 
-MaskImage::Pointer AirInFront(const FloatImage* image, double threshold)
+MaskImage::Pointer ReachedFromFront(const MaskImage* mask)
 {
-  auto dark = MakeLike<MaskImage>(*image, 0);
-  const std::size_t count = image->GetBufferedRegion().GetNumberOfPixels();
-  for (std::size_t voxel = 0; voxel < count; ++voxel)
-  {
-    dark->GetBufferPointer()[voxel] = image->GetBufferPointer()[voxel] < threshold ? 1 : 0;
-  }
-  const ComponentImage::Pointer components = FindComponents(dark, 0);
-  const std::array<int, 3> size = SizeOf(*image);
+  const ComponentImage::Pointer components = FindComponents(mask, 0);
+  const std::array<int, 3> size = SizeOf(*mask);
   std::set<unsigned> atFront;
   for (int z = 0; z < size[2]; ++z)
   {
@@ -77,20 +72,39 @@ MaskImage::Pointer Complement(const MaskImage* mask)
   return other;
 }
 
-MaskImage::Pointer Open(const MaskImage* mask, double radiusMm)
+namespace
 {
-  using Element = itk::FlatStructuringElement<3>;
+using Element = itk::FlatStructuringElement<3>;
+
+Element BallOf(const MaskImage* mask, double radiusMm)
+{
   Element::RadiusType radius;
   for (unsigned c = 0; c < 3; ++c)
   {
     radius[c] = static_cast<itk::SizeValueType>(std::lround(radiusMm / mask->GetSpacing()[c]));
   }
+  return Element::Ball(radius);
+}
+}
+
+MaskImage::Pointer Open(const MaskImage* mask, double radiusMm)
+{
   auto opening = itk::BinaryMorphologicalOpeningImageFilter<MaskImage, MaskImage, Element>::New();
   opening->SetInput(mask);
-  opening->SetKernel(Element::Ball(radius));
+  opening->SetKernel(BallOf(mask, radiusMm));
   opening->SetForegroundValue(1);
   opening->Update();
   return opening->GetOutput();
+}
+
+MaskImage::Pointer Dilate(const MaskImage* mask, double radiusMm)
+{
+  auto dilation = itk::BinaryDilateImageFilter<MaskImage, MaskImage, Element>::New();
+  dilation->SetInput(mask);
+  dilation->SetKernel(BallOf(mask, radiusMm));
+  dilation->SetForegroundValue(1);
+  dilation->Update();
+  return dilation->GetOutput();
 }
 
 std::vector<float> ValuesIn(const FloatImage* image, const MaskImage* mask)

@@ -15,17 +15,17 @@ ComponentImage::Pointer FindComponents(const MaskImage* mask, std::size_t smalle
 /// The largest component of a mask.
 MaskImage::Pointer LargestComponent(const MaskImage* mask);
 
-/**
- * The air before the body: of the voxels below `threshold` those from which the volume's front (the
- * last voxels along y) is reached without leaving them.
- */
-MaskImage::Pointer AirInFront(const FloatImage* image, double threshold);
+/// Of the mask the voxels from which the volume's front (the last along y) is reached within it.
+MaskImage::Pointer ReachedFromFront(const MaskImage* mask);
 
 /// Everything that is not set.
 MaskImage::Pointer Complement(const MaskImage* mask);
 
 /// The mask without what a ball of that radius, mm, does not fit into.
 MaskImage::Pointer Open(const MaskImage* mask, double radiusMm);
+
+/// What lies within a ball of that radius, mm, around a voxel of the mask.
+MaskImage::Pointer Dilate(const MaskImage* mask, double radiusMm);
 
 /// The values of the image in the mask.
 std::vector<float> ValuesIn(const FloatImage* image, const MaskImage* mask);

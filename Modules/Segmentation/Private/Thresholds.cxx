@@ -16,6 +16,21 @@ double Quantile(std::vector<float> values, double fraction)
   return *at;
 }
 
+double MiddleOfShortestHalf(std::vector<float> values)
+{
+  std::sort(values.begin(), values.end());
+  const std::size_t half = values.size() / 2;
+  std::size_t best = 0;
+  for (std::size_t first = 0; first + half < values.size(); ++first)
+  {
+    if (values[first + half] - values[first] < values[best + half] - values[best])
+    {
+      best = first;
+    }
+  }
+  return 0.5 * (static_cast<double>(values[best]) + values[best + half]);
+}
+
 std::vector<double> OtsuThresholds(const std::vector<float>& values, int classes)
 {
   const double lowest = Quantile(values, 0.001);

@@ -18,6 +18,10 @@ MAMMORAYSEGMENTATION_EXPORT std::vector<double> OtsuThresholds(const std::vector
 
 /// The value below which a fraction [0, 1] of the values lies; there must be one at least.
 MAMMORAYSEGMENTATION_EXPORT double Quantile(std::vector<float> values, double fraction);
+
+/// The middle of the shortest interval that holds half of the values: the level of the larger of
+/// two tissues, whatever the other's (Rousseeuw and Leroy 1987). There must be one value at least.
+MAMMORAYSEGMENTATION_EXPORT double MiddleOfShortestHalf(std::vector<float> values);
 }
 
 #endif

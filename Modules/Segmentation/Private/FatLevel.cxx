@@ -1,0 +1,211 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "Private/FatLevel.h"
+
+#include "Private/Thresholds.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+namespace mammoray
+{
+namespace
+{
+constexpr double CoarseMm = 24.0;
+constexpr double EarlyReachMm = 18.0;
+constexpr double LateReachMm = 12.0;
+constexpr double BlockMm = 4.0;
+constexpr int Rounds = 6;
+constexpr std::size_t EnoughVoxels = 50;
+/// Noise of the logarithm within fat, early and late; gland and muscle lie beyond. Bright fat has
+/// hardly noise, and what is a little darker is mixed with strands of gland.
+constexpr std::array<double, 2> DarkTolerance{ 0.35, 0.25 };
+constexpr std::array<double, 2> BrightTolerance{ 0.2, 0.1 };
+
+std::size_t CountOf(const itk::ImageBase<3>& image)
+{
+  return image.GetLargestPossibleRegion().GetNumberOfPixels();
+}
+
+/// Weighted Gaussian means; far from all weights, `otherwise`.
+FloatImage::Pointer WeightedMean(FloatImage::Pointer sums, FloatImage::Pointer weights,
+  double sigmaMm, float otherwise)
+{
+  constexpr float least = 1e-4f;
+  sums = GaussianMean<FloatImage>(sums, sigmaMm);
+  weights = GaussianMean<FloatImage>(weights, sigmaMm);
+  for (std::size_t n = 0; n < CountOf(*sums); ++n)
+  {
+    const float weight = std::max(0.0f, weights->GetBufferPointer()[n]);
+    float& sum = sums->GetBufferPointer()[n];
+    sum = (weight > 0 ? sum + least * otherwise : least * otherwise) / (weight + least);
+  }
+  return sums;
+}
+
+/// The voxels of the region in coarser blocks.
+class Region
+{
+public:
+  Region(const FloatImage* image, const MaskImage* region)
+    : Blocks(Shrink(image, BlockMm))
+  {
+    const std::array<int, 3> size = SizeOf(*image);
+    const std::array<int, 3> blocks = SizeOf(*this->Blocks);
+    std::array<int, 3> factor;
+    for (std::size_t a = 0; a < 3; ++a)
+    {
+      factor[a] = size[a] / blocks[a];
+    }
+    std::size_t voxel = 0;
+    for (int z = 0; z < size[2]; ++z)
+    {
+      for (int y = 0; y < size[1]; ++y)
+      {
+        for (int x = 0; x < size[0]; ++x, ++voxel)
+        {
+          const float value = image->GetBufferPointer()[voxel];
+          const std::array<int, 3> at{ x / factor[0], y / factor[1], z / factor[2] };
+          if (region->GetBufferPointer()[voxel] && value > 0 && at[0] < blocks[0] &&
+            at[1] < blocks[1] && at[2] < blocks[2])
+          {
+            this->Logs.push_back(std::log(value));
+            this->BlockOf.push_back(
+              (static_cast<std::size_t>(at[2]) * blocks[1] + at[1]) * blocks[0] + at[0]);
+          }
+        }
+      }
+    }
+  }
+
+  FloatImage::Pointer Blocks;
+  std::vector<float> Logs;
+  std::vector<std::size_t> BlockOf;
+};
+
+/// The quantile of the logarithms in each coarse cube that has enough of them, smoothed.
+FloatImage::Pointer BeginWithQuantiles(const Region& region, double quantile, float whole)
+{
+  const std::array<int, 3> size = SizeOf(*region.Blocks);
+  std::array<int, 3> edge;
+  std::array<int, 3> cubes;
+  for (std::size_t a = 0; a < 3; ++a)
+  {
+    edge[a] = std::max(1,
+      static_cast<int>(
+        std::lround(CoarseMm / region.Blocks->GetSpacing()[static_cast<unsigned>(a)])));
+    cubes[a] = (size[a] - 1) / edge[a] + 1;
+  }
+  const auto cubeOf = [&](std::size_t block)
+  {
+    const int x = static_cast<int>(block % static_cast<std::size_t>(size[0]));
+    const int y = static_cast<int>(
+      block / static_cast<std::size_t>(size[0]) % static_cast<std::size_t>(size[1]));
+    const int z = static_cast<int>(
+      block / static_cast<std::size_t>(size[0]) / static_cast<std::size_t>(size[1]));
+    return (static_cast<std::size_t>(z / edge[2]) * cubes[1] + y / edge[1]) * cubes[0] +
+      x / edge[0];
+  };
+  std::vector<std::vector<float>> values(static_cast<std::size_t>(cubes[0]) * cubes[1] * cubes[2]);
+  for (std::size_t n = 0; n < region.Logs.size(); ++n)
+  {
+    values[cubeOf(region.BlockOf[n])].push_back(region.Logs[n]);
+  }
+  auto sums = MakeLike<FloatImage>(*region.Blocks, 0.0f);
+  auto weights = MakeLike<FloatImage>(*region.Blocks, 0.0f);
+  std::vector<float> levels(values.size(), 0.0f);
+  for (std::size_t cube = 0; cube < values.size(); ++cube)
+  {
+    levels[cube] = values[cube].size() < EnoughVoxels ? 0.0f : Quantile(values[cube], quantile);
+  }
+  for (std::size_t block = 0; block < CountOf(*sums); ++block)
+  {
+    const std::size_t cube = cubeOf(block);
+    const float count =
+      values[cube].size() < EnoughVoxels ? 0.0f : static_cast<float>(values[cube].size());
+    sums->GetBufferPointer()[block] = count * levels[cube];
+    weights->GetBufferPointer()[block] = count;
+  }
+  return WeightedMean(sums, weights, CoarseMm, whole);
+}
+}
+
+FloatImage::Pointer FindFatLevel(const FloatImage* image, const MaskImage* mask, bool fatBright,
+  bool even)
+{
+  const Region region(image, mask);
+  if (region.Logs.size() < EnoughVoxels)
+  {
+    return nullptr;
+  }
+  const double quantile = fatBright ? 0.9 : 0.25;
+  const float whole = Quantile(region.Logs, quantile);
+  FloatImage::Pointer level = BeginWithQuantiles(region, quantile, whole);
+  if (even)
+  {
+    level->FillBuffer(whole);
+  }
+  for (int round = 0; round < Rounds; ++round)
+  {
+    const bool early = round < Rounds / 2;
+    const double tolerance = (fatBright ? BrightTolerance : DarkTolerance)[early ? 0 : 1];
+    auto sums = MakeLike<FloatImage>(*level, 0.0f);
+    auto weights = MakeLike<FloatImage>(*level, 0.0f);
+    double sum = 0;
+    double total = 0;
+    for (std::size_t n = 0; n < region.Logs.size(); ++n)
+    {
+      const std::size_t block = region.BlockOf[n];
+      double away = (region.Logs[n] - level->GetBufferPointer()[block]) / tolerance;
+      // Nothing but noise lies beyond fat, on the side where gland is not.
+      const bool beyond = fatBright ? away > 0 : away < 0;
+      away *= beyond ? 0.5 : 1.0;
+      const auto weight = static_cast<float>(std::exp(-away * away));
+      sums->GetBufferPointer()[block] += weight * region.Logs[n];
+      weights->GetBufferPointer()[block] += weight;
+      sum += weight * region.Logs[n];
+      total += weight;
+    }
+    if (even)
+    {
+      level->FillBuffer(static_cast<float>(sum / total));
+      continue;
+    }
+    level = WeightedMean(sums, weights, early ? EarlyReachMm : LateReachMm, whole);
+  }
+  for (std::size_t n = 0; n < CountOf(*level); ++n)
+  {
+    level->GetBufferPointer()[n] = std::exp(level->GetBufferPointer()[n]);
+  }
+  return ResampleLike(level, *image);
+}
+
+FloatImage::Pointer Divide(const FloatImage* image, const FloatImage* level)
+{
+  auto ratio = MakeLike<FloatImage>(*image, 0.0f);
+  for (std::size_t voxel = 0; voxel < CountOf(*image); ++voxel)
+  {
+    ratio->GetBufferPointer()[voxel] = image->GetBufferPointer()[voxel] /
+      std::max(std::numeric_limits<float>::min(), level->GetBufferPointer()[voxel]);
+  }
+  return ratio;
+}
+
+FloatImage::Pointer Fatness(const FloatImage* image, const MaskImage* tissue, double muscleLevel,
+  bool fatBright)
+{
+  // Never so near to fat that noise decides.
+  const double muscle =
+    fatBright ? std::min(muscleLevel, BrightestMuscle) : std::max(muscleLevel, DarkestMuscle);
+  auto fatness = MakeLike<FloatImage>(*image, 0.0f);
+  for (std::size_t voxel = 0; voxel < CountOf(*fatness); ++voxel)
+  {
+    const double share = (image->GetBufferPointer()[voxel] - muscle) / (1 - muscle);
+    fatness->GetBufferPointer()[voxel] =
+      tissue->GetBufferPointer()[voxel] ? static_cast<float>(std::clamp(share, 0.0, 1.0)) : 0.0f;
+  }
+  return GaussianMean<FloatImage>(fatness, 1.0);
+}
+}

@@ -1,0 +1,229 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "Private/Plate.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace mammoray
+{
+namespace
+{
+using Values = std::vector<double>;
+
+/// The normal equations of the plate over columns x rows cells.
+class PlateEquations
+{
+public:
+  PlateEquations(int columns, int rows, Values weights, double stiffness)
+    : Columns(columns)
+    , Rows(rows)
+    , Weights(std::move(weights))
+    , Stiffness(stiffness)
+  {
+  }
+
+  /// (W + stiffness D'D) h, D the second differences.
+  Values Apply(const Values& h) const
+  {
+    Values result(h.size());
+    for (std::size_t n = 0; n < h.size(); ++n)
+    {
+      result[n] = this->Weights[n] * h[n];
+    }
+    this->ForEachDifference(
+      [&](const std::array<std::size_t, 4>& at, const std::array<double, 4>& factors)
+      {
+        double difference = 0;
+        for (int k = 0; k < 4; ++k)
+        {
+          difference += factors[k] * h[at[k]];
+        }
+        for (int k = 0; k < 4; ++k)
+        {
+          result[at[k]] += this->Stiffness * factors[k] * difference;
+        }
+      });
+    return result;
+  }
+
+  Values Diagonal() const
+  {
+    Values diagonal = this->Weights;
+    this->ForEachDifference(
+      [&](const std::array<std::size_t, 4>& at, const std::array<double, 4>& factors)
+      {
+        for (int k = 0; k < 4; ++k)
+        {
+          diagonal[at[k]] += this->Stiffness * factors[k] * factors[k];
+        }
+      });
+    return diagonal;
+  }
+
+  /// Conjugate gradients with the diagonal as preconditioner, from `h`.
+  Values Solve(const Values& right, Values h) const
+  {
+    constexpr double tolerance = 1e-5;
+    const Values diagonal = this->Diagonal();
+    const auto dot = [](const Values& a, const Values& b)
+    {
+      double sum = 0;
+      for (std::size_t n = 0; n < a.size(); ++n)
+      {
+        sum += a[n] * b[n];
+      }
+      return sum;
+    };
+    Values residual = this->Apply(h);
+    for (std::size_t n = 0; n < h.size(); ++n)
+    {
+      residual[n] = right[n] - residual[n];
+    }
+    const double goal = tolerance * tolerance * dot(right, right);
+    Values direction(h.size(), 0.0);
+    double last = 1;
+    for (std::size_t step = 0; step < 4 * h.size() && dot(residual, residual) > goal; ++step)
+    {
+      Values scaled = residual;
+      for (std::size_t n = 0; n < h.size(); ++n)
+      {
+        scaled[n] /= diagonal[n];
+      }
+      const double now = dot(residual, scaled);
+      for (std::size_t n = 0; n < h.size(); ++n)
+      {
+        direction[n] = scaled[n] + (step == 0 ? 0 : now / last) * direction[n];
+      }
+      last = now;
+      const Values applied = this->Apply(direction);
+      const double length = now / dot(direction, applied);
+      for (std::size_t n = 0; n < h.size(); ++n)
+      {
+        h[n] += length * direction[n];
+        residual[n] -= length * applied[n];
+      }
+    }
+    return h;
+  }
+
+private:
+  template <typename Visit>
+  void ForEachDifference(Visit visit) const
+  {
+    const auto at = [this](int x, int z)
+    { return static_cast<std::size_t>(z) * this->Columns + static_cast<std::size_t>(x); };
+    const double sqrt2 = std::numbers::sqrt2;
+    for (int z = 0; z < this->Rows; ++z)
+    {
+      for (int x = 0; x < this->Columns; ++x)
+      {
+        if (x > 0 && x + 1 < this->Columns)
+        {
+          visit(std::array<std::size_t, 4>{ at(x - 1, z), at(x, z), at(x + 1, z), at(x, z) },
+            std::array<double, 4>{ 1, -2, 1, 0 });
+        }
+        if (z > 0 && z + 1 < this->Rows)
+        {
+          visit(std::array<std::size_t, 4>{ at(x, z - 1), at(x, z), at(x, z + 1), at(x, z) },
+            std::array<double, 4>{ 1, -2, 1, 0 });
+        }
+        if (x + 1 < this->Columns && z + 1 < this->Rows)
+        {
+          visit(
+            std::array<std::size_t, 4>{ at(x, z), at(x + 1, z), at(x, z + 1), at(x + 1, z + 1) },
+            std::array<double, 4>{ sqrt2, -sqrt2, -sqrt2, sqrt2 });
+        }
+      }
+    }
+  }
+
+  int Columns;
+  int Rows;
+  Values Weights;
+  double Stiffness;
+};
+
+HeightMap::Pointer EmptyLike(const HeightMap* map)
+{
+  auto empty = HeightMap::New();
+  empty->CopyInformation(map);
+  empty->SetRegions(map->GetLargestPossibleRegion());
+  empty->Allocate();
+  empty->FillBuffer(0.0f);
+  return empty;
+}
+}
+
+HeightMap::Pointer FitPlate(const HeightMap* heights, const HeightMap* weights, double wavelengthMm)
+{
+  const auto size = heights->GetLargestPossibleRegion().GetSize();
+  const int columns = static_cast<int>(size[0]);
+  const int rows = static_cast<int>(size[1]);
+  const double fineMm = heights->GetSpacing()[0];
+  const int block = std::max(1, static_cast<int>(wavelengthMm / 16 / fineMm));
+  // Cells reach one beyond the last fine one, so that every fine one lies between cells.
+  const int cells = (columns - 1) / block + 2;
+  const int cellRows = (rows - 1) / block + 2;
+  Values sums(static_cast<std::size_t>(cells) * cellRows, 0.0);
+  Values right(sums.size(), 0.0);
+  double sum = 0;
+  double total = 0;
+  // Bilinear: as if the fine heights were springs on the plate, lumped to the nodes.
+  for (int z = 0; z < rows; ++z)
+  {
+    for (int x = 0; x < columns; ++x)
+    {
+      const double weight = weights->GetPixel({ { x, z } });
+      const double height = heights->GetPixel({ { x, z } });
+      const std::size_t node = static_cast<std::size_t>((z + block / 2) / block) * cells +
+        static_cast<std::size_t>((x + block / 2) / block);
+      if (weight > 0)
+      {
+        sums[node] += weight / (block * block);
+        right[node] += weight * height / (block * block);
+        sum += weight * height;
+        total += weight;
+      }
+    }
+  }
+  const double stiffness = std::pow(wavelengthMm / (2 * std::numbers::pi * fineMm * block), 4.0);
+  const PlateEquations equations(cells, cellRows, sums, stiffness);
+  const Values nodes = equations.Solve(right, Values(sums.size(), total > 0 ? sum / total : 0.0));
+  HeightMap::Pointer plate = EmptyLike(heights);
+  for (int z = 0; z < rows; ++z)
+  {
+    for (int x = 0; x < columns; ++x)
+    {
+      const int i = x / block;
+      const int k = z / block;
+      const double u = static_cast<double>(x % block) / block;
+      const double w = static_cast<double>(z % block) / block;
+      const auto node = [&](int a, int b)
+      { return nodes[static_cast<std::size_t>(b) * cells + static_cast<std::size_t>(a)]; };
+      plate->SetPixel({ { x, z } },
+        static_cast<float>((1 - w) * ((1 - u) * node(i, k) + u * node(i + 1, k)) +
+          w * ((1 - u) * node(i, k + 1) + u * node(i + 1, k + 1))));
+    }
+  }
+  return plate;
+}
+
+HeightMap::Pointer FitRobustPlate(const HeightMap* heights, const HeightMap* weights,
+  double wavelengthMm, const std::vector<double>& scalesMm)
+{
+  HeightMap::Pointer plate = FitPlate(heights, weights, wavelengthMm);
+  HeightMap::Pointer trusted = EmptyLike(heights);
+  for (const double scale : scalesMm)
+  {
+    for (std::size_t n = 0; n < heights->GetBufferedRegion().GetNumberOfPixels(); ++n)
+    {
+      const double r = (heights->GetBufferPointer()[n] - plate->GetBufferPointer()[n]) / scale;
+      const double trust = std::abs(r) < 1 ? (1 - r * r) * (1 - r * r) : 0.0;
+      trusted->GetBufferPointer()[n] = static_cast<float>(weights->GetBufferPointer()[n] * trust);
+    }
+    plate = FitPlate(heights, trusted, wavelengthMm);
+  }
+  return plate;
+}
+}

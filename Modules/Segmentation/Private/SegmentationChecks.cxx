@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "Private/SegmentationChecks.h"
+
+#include "mammoray/Foundation/Error.h"
+#include "mammoray/Segmentation/BreastSegmentation.h"
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+
+namespace mammoray
+{
+std::string Number(double value)
+{
+  std::ostringstream text;
+  text << value;
+  return text.str();
+}
+
+void CheckImage(const IntensityVolume& image)
+{
+  image.Validate("MRI");
+  for (int a = 0; a < 3; ++a)
+  {
+    if (image.Size[a] < 8)
+    {
+      throw InputError("MRI: expected a volume of at least 8 voxels along each axis, found " +
+        std::to_string(image.Size[0]) + " x " + std::to_string(image.Size[1]) + " x " +
+        std::to_string(image.Size[2]));
+    }
+  }
+  const auto [low, high] = std::minmax_element(image.Voxels.begin(), image.Voxels.end());
+  if (*low == *high)
+  {
+    throw InputError(
+      "MRI: expected air and tissue, found the intensity " + Number(*low) + " everywhere");
+  }
+}
+
+void SegmentationOptions::Validate() const
+{
+  const auto check = [](bool good, const char* name, const char* expected, double found)
+  {
+    if (!good)
+    {
+      throw InputError(std::string(name) + ": expected " + expected + ", found " + Number(found));
+    }
+  };
+  const auto atLeastZero = [](double value) { return value >= 0 && std::isfinite(value); };
+  check(atLeastZero(this->SpacingMm), "spacing", "0 or a positive number of mm", this->SpacingMm);
+  check(atLeastZero(this->SkinThicknessMm), "skin thickness", "0 or a positive number of mm",
+    this->SkinThicknessMm);
+  check(atLeastZero(this->ChestWallDepthMm) && this->ChestWallDepthMm > 0, "chest wall depth",
+    "a positive number of mm", this->ChestWallDepthMm);
+  check(this->Classes >= 2 && this->Classes <= 5, "classes", "2 to 5", this->Classes);
+  check(atLeastZero(this->AirThreshold), "air threshold", "0 or a positive intensity",
+    this->AirThreshold);
+  const bool above = this->Contrast == FatContrast::FatDark && this->GlandThreshold > 1;
+  check(above || (this->GlandThreshold >= 0 && this->GlandThreshold < 1), "gland threshold",
+    "0 or a fraction of fat's intensity below 1 (fat suppressed: above 1)", this->GlandThreshold);
+  check(atLeastZero(this->SmallestGlandMm3), "smallest gland", "0 or a positive number of mm3",
+    this->SmallestGlandMm3);
+}
+}
