@@ -93,6 +93,15 @@ void PrintResult(const SegmentationResult& result, const MaterialTable& table)
   std::printf("%d breast%s; fat is %s; air below %.4g, gland %s %.2f of fat (muscle: %.2f)\n",
     result.Breasts, result.Breasts == 1 ? "" : "s", dark ? "dark" : "bright", result.AirThreshold,
     dark ? "above" : "below", result.GlandThreshold, result.MuscleLevel);
+  const BreastMeasures& measures = result.Measures;
+  std::printf(
+    "breast %.1f cm3, %.1f %% gland; %.0f mm before the chest wall; gland %.2f of muscle\n",
+    measures.FatCm3 + measures.GlandCm3 + measures.SkinCm3, 100 * measures.GlandFraction,
+    measures.DepthMm, measures.GlandOverMuscle);
+  for (const std::string& warning : result.Warnings)
+  {
+    std::printf("warning: %s\n", warning.c_str());
+  }
 }
 
 void Run(SegmentArguments& arguments)

@@ -6,6 +6,7 @@
 #include "Private/ItkImages.h"
 #include "Private/Masks.h"
 #include "Private/Outline.h"
+#include "Private/Plausibility.h"
 #include "Private/SegmentationChecks.h"
 #include "Private/Thresholds.h"
 #include "Private/Valley.h"
@@ -40,9 +41,8 @@ constexpr double SmallestStep = 0.1;
 constexpr float BrightestGland = 4.0f;
 /// The body must be so many times as bright as the air (medians); noise alone has less.
 constexpr double SmallestContrast = 3.0;
-/// Muscle may have this fraction of fat's intensity; brighter, the two are not told apart (no T1
-/// weighting, fat suppression).
-constexpr double BrightestMuscle = 0.8;
+/// Darker, muscle and suppressed fat are not told apart.
+constexpr double DarkestSuppressedMuscle = 1.05;
 /// Fat is dark where the sheet for dark fat has this part of the support of that for bright fat:
 /// measured 0.55 and 0.94 with suppression, 0.02 to 0.23 without.
 constexpr double FatDarkSupport = 0.35;
@@ -264,6 +264,7 @@ private:
     this->ChestWall = HeightsOver(sheet.Front, this->Grid());
     const HeightMap::Pointer skin = FrontOf(this->Air.Body);
     std::vector<float> heights;
+    std::vector<float> depths;
     double farthest = 0;
     for (std::size_t column = 0; column < skin->GetBufferedRegion().GetNumberOfPixels(); ++column)
     {
@@ -271,6 +272,7 @@ private:
       if (skin->GetBufferPointer()[column] > height)
       {
         heights.push_back(height);
+        depths.push_back(skin->GetBufferPointer()[column] - height);
         farthest = std::max<double>(farthest, skin->GetBufferPointer()[column] - height);
       }
     }
@@ -283,6 +285,7 @@ private:
     {
       throw InputError("MRI: expected a chest wall, a step between fat and muscle, found none");
     }
+    this->DepthMm = Quantile(depths, 0.99);
     this->WallMm = Quantile(heights, 0.9);
     this->CutMm = this->WallMm - this->Options.ChestWallDepthMm;
     const HeightMap::Pointer skinOver = HeightsOver(skin, this->Grid());
@@ -350,7 +353,7 @@ private:
       if (&channel == &this->Channels.front())
       {
         this->Uncorrected = channel.Image;
-        this->HalfSkin = SkinThreshold(this->Air, channel.Work);
+        this->HalfSkin = SkinThreshold(this->Air, channel.Work, channel.FatBright);
       }
       channel.Work = Divide(channel.Work, level);
       channel.Image = Divide(channel.Image, ResampleLike(level, *channel.Image));
@@ -452,6 +455,12 @@ private:
     for (Channel& channel : this->Channels)
     {
       channel.MuscleLevel = this->MuscleLevelOf(channel);
+      if (!channel.FatBright && channel.MuscleLevel < DarkestSuppressedMuscle)
+      {
+        throw InputError("MRI: expected muscle behind the breast at least " +
+          Number(DarkestSuppressedMuscle) + " times as bright as suppressed fat, found " +
+          Number(channel.MuscleLevel));
+      }
       if (channel.FatBright && channel.MuscleLevel > BrightestMuscle)
       {
         throw InputError("MRI: expected muscle behind the breast at most " +
@@ -585,6 +594,10 @@ private:
     result.MuscleLevel = first.MuscleLevel;
     result.Contrast = first.FatBright ? FatContrast::FatBright : FatContrast::FatDark;
     result.Breasts = this->Breasts;
+    result.Measures.DepthMm = this->DepthMm;
+    Measure(result);
+    Judge(result, this->Options.Side == BreastSide::Both ? this->Breasts : 1,
+      this->Options.GlandThreshold > 0);
     return result;
   }
 
@@ -636,6 +649,7 @@ private:
   double WallMm = 0;
   double CutMm = 0;
   double MidlineMm = 0;
+  double DepthMm = 0;
   /// Largest voxel spacing of the MRI.
   double RimMm;
   int Breasts = 0;

@@ -8,6 +8,9 @@
 #include "mammoray/Foundation/Progress.h"
 #include "mammoraySegmentationModule.h"
 
+#include <string>
+#include <vector>
+
 namespace mammoray
 {
 /// Labels of SegmentBreast, those of the built-in material table "segment".
@@ -67,6 +70,21 @@ struct MAMMORAYSEGMENTATION_EXPORT SegmentationOptions
   void Validate() const;
 };
 
+/// What was found, to be judged: of all breasts of the result together.
+struct BreastMeasures
+{
+  double FatCm3 = 0;
+  double GlandCm3 = 0;
+  double SkinCm3 = 0;
+  double ChestWallCm3 = 0;
+  /// Gland in fat, gland and skin, [0, 1].
+  double GlandFraction = 0;
+  /// How far the skin lies before the chest wall (99th percentile over the coronal plane), mm.
+  double DepthMm = 0;
+  /// Gland's median intensity over muscle's; near 1 in T1, where both relax alike. 0: no gland.
+  double GlandOverMuscle = 0;
+};
+
 struct SegmentationResult
 {
   /// TissueLabel values; axes as the MRI's.
@@ -82,6 +100,9 @@ struct SegmentationResult
   FatContrast Contrast = FatContrast::FatBright;
   /// One or two.
   int Breasts = 0;
+  BreastMeasures Measures;
+  /// What is unusual but possible, a line each, with its figure; empty: nothing.
+  std::vector<std::string> Warnings;
 };
 
 /**
@@ -101,8 +122,9 @@ struct SegmentationResult
  *   says. What lies mostly within a few mm of chest wall or skin is muscle or skin, not gland.
  * - Skin: by distance from air, see AddSkin; the cut planes have none.
  *
- * Throws InputError on an unusable volume or option, on a breast that stands out less than 15 mm
- * and where a side is asked for and one breast found; ConvergenceError where a filter fails.
+ * Throws InputError on an unusable volume or option, on a breast that stands out less than 15 mm,
+ * on volumes that no breast has (see Private/Plausibility.h) and where a side is asked for and one
+ * breast found; ConvergenceError where a filter fails.
  */
 MAMMORAYSEGMENTATION_EXPORT SegmentationResult SegmentBreast(const IntensityVolume& image,
   const SegmentationOptions& options, const ProgressCallback& progress = {});

@@ -43,8 +43,8 @@ TEST(Quantile, IsTheValueOfThatRank)
 TEST(MiddleOfShortestHalf, IsTheLevelOfTheLargerTissue)
 {
   // Seven of one tissue, four of another far away: the shortest run of six is 9 to 10.5.
-  EXPECT_DOUBLE_EQ(
-    MiddleOfShortestHalf({ 90, 9.5f, 10, 10.5f, 80, 9.75f, 10.25f, 70, 9, 12, 60 }), 9.75);
+  EXPECT_DOUBLE_EQ(MiddleOfShortestHalf({ 90, 9.5f, 10, 10.5f, 80, 9.75f, 10.25f, 70, 9, 12, 60 }),
+    9.75);
   EXPECT_DOUBLE_EQ(MiddleOfShortestHalf({ 4 }), 4.0);
 }
 

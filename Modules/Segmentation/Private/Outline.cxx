@@ -175,11 +175,11 @@ Outline FindOutline(const FloatImage* image, const FloatImage* work, double give
   return outline;
 }
 
-FloatImage::Pointer SkinThreshold(const Outline& outline, const FloatImage* work)
+FloatImage::Pointer SkinThreshold(const Outline& outline, const FloatImage* work, bool fatBright)
 {
   constexpr double rimMm = 4.0;
   constexpr double reachMm = 5.0;
-  constexpr float half = 0.4f;
+  const float half = fatBright ? 0.25f : 0.55f;
   const MaskImage::Pointer core = Complement(Dilate(Complement(outline.Body), rimMm));
   auto sums = MakeLike<FloatImage>(*work, 0.0f);
   auto weights = MakeLike<FloatImage>(*work, 0.0f);

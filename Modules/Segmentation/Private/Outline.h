@@ -36,10 +36,12 @@ struct Outline
 Outline FindOutline(const FloatImage* image, const FloatImage* work, double given);
 
 /**
- * The intensity at which a voxel is half full of skin: 0.4 of the mean of the outer 4 mm of the
- * body nearby (skin, and some of the fat below it), no less than the outline's threshold; on cubes.
+ * The intensity at which a voxel is half full of skin, from the mean of the outer 4 mm of the body
+ * nearby, which are skin and fat: 0.55 of it where fat is dark, as skin is brighter than the mean;
+ * 0.25 where it is bright, as skin, like muscle, has 0.35 of fat. No less than the outline's
+ * threshold; on cubes.
  */
-FloatImage::Pointer SkinThreshold(const Outline& outline, const FloatImage* work);
+FloatImage::Pointer SkinThreshold(const Outline& outline, const FloatImage* work, bool fatBright);
 }
 
 #endif
