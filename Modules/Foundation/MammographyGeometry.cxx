@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mammoray/Foundation/MammographyGeometry.h"
 
+#include "Private/BreastColumns.h"
 #include "mammoray/Foundation/Error.h"
 
 #include <algorithm>
@@ -36,6 +37,12 @@ struct TissueExtent
     }
   }
 
+  Vector3 Place(const Vector3& point) const
+  {
+    return { Dot(point, this->Directions[0]), Dot(point, this->Directions[1]),
+      Dot(point, this->Directions[2]) };
+  }
+
   bool IsEmpty() const { return this->Low[0] > this->High[0]; }
 
   Vector3 Anchor() const
@@ -51,6 +58,33 @@ struct TissueExtent
   Vector3 High{ -Infinity, -Infinity, -Infinity };
   double HeldFront = -Infinity;
 };
+
+/// Adds points of a cell that lie as close as columns are wide.
+void AddCell(const TetrahedralMesh& mesh, std::size_t cell, const TissueExtent& extent, bool isHeld,
+  BreastColumns& columns)
+{
+  Vector3 corners[4];
+  double longest = 0;
+  for (int c = 0; c < 4; ++c)
+  {
+    corners[c] = extent.Place(mesh.Point(mesh.Cells[4 * cell + c]));
+    longest = std::max(longest, Norm(corners[c] - corners[0]));
+  }
+  const int order = 1 + static_cast<int>(longest / 3);
+  for (int i = 0; i <= order; ++i)
+  {
+    for (int j = 0; i + j <= order; ++j)
+    {
+      for (int k = 0; i + j + k <= order; ++k)
+      {
+        const Vector3 sum = static_cast<double>(i) * corners[0] +
+          static_cast<double>(j) * corners[1] + static_cast<double>(k) * corners[2] +
+          static_cast<double>(order - i - j - k) * corners[3];
+        columns.Add((1.0 / order) * sum, isHeld);
+      }
+    }
+  }
+}
 }
 
 AnatomicalAxes AnatomicalAxes::FromCode(const std::string& code)
@@ -104,40 +138,74 @@ Vector3 FindPoseAnchor(const LabelVolume& materials, const std::vector<bool>& he
         0.5 * materials.Spacing[a] * std::abs(Dot(materials.Direction[a], extent.Directions[d]));
     }
   }
-  for (int k = 0; k < materials.Size[2]; ++k)
+  const auto forEachVoxel = [&](const auto& visit)
   {
-    for (int j = 0; j < materials.Size[1]; ++j)
+    for (int k = 0; k < materials.Size[2]; ++k)
     {
-      for (int i = 0; i < materials.Size[0]; ++i)
+      for (int j = 0; j < materials.Size[1]; ++j)
       {
-        const std::size_t material = materials.Voxels[materials.Index(i, j, k)];
-        if (material != 0)
+        for (int i = 0; i < materials.Size[0]; ++i)
         {
-          extent.Add(materials.PointAt(i, j, k), half, material < held.size() && held[material]);
+          const std::size_t material = materials.Voxels[materials.Index(i, j, k)];
+          if (material != 0)
+          {
+            visit(materials.PointAt(i, j, k), material < held.size() && held[material]);
+          }
         }
       }
     }
-  }
-  if (extent.IsEmpty())
+  };
+  TissueExtent all = extent;
+  forEachVoxel([&](const Vector3& point, bool isHeld) { all.Add(point, half, isHeld); });
+  if (all.IsEmpty())
   {
     throw InputError("pose: expected tissue in the volume, found only air");
   }
+  BreastColumns columns(all.Low, all.High, 2 * std::max(half[0], half[2]));
+  forEachVoxel([&](const Vector3& point, bool isHeld) { columns.Add(all.Place(point), isHeld); });
+  columns.Find();
+  forEachVoxel(
+    [&](const Vector3& point, bool isHeld)
+    {
+      if (columns.IsBreast(all.Place(point)))
+      {
+        extent.Add(point, half, isHeld);
+      }
+    });
   return extent.Anchor();
 }
 
 Vector3 FindPoseAnchor(const TetrahedralMesh& mesh, const std::vector<bool>& held,
   const AnatomicalAxes& axes)
 {
+  TissueExtent all(axes);
+  const auto isHeld = [&](std::size_t cell)
+  {
+    const auto material = static_cast<std::size_t>(mesh.Materials[cell]);
+    return material < held.size() && held[material];
+  };
+  for (std::size_t index = 0; index < mesh.Cells.size(); ++index)
+  {
+    all.Add(mesh.Point(mesh.Cells[index]), { 0, 0, 0 }, isHeld(index / 4));
+  }
+  if (all.IsEmpty())
+  {
+    throw InputError("pose: expected tissue in the mesh, found no cells");
+  }
+  BreastColumns columns(all.Low, all.High, 0);
+  for (std::size_t cell = 0; cell < mesh.NumberOfCells(); ++cell)
+  {
+    AddCell(mesh, cell, all, isHeld(cell), columns);
+  }
+  columns.Find();
   TissueExtent extent(axes);
   for (std::size_t index = 0; index < mesh.Cells.size(); ++index)
   {
-    const auto material = static_cast<std::size_t>(mesh.Materials[index / 4]);
-    extent.Add(mesh.Point(mesh.Cells[index]), { 0, 0, 0 },
-      material < held.size() && held[material]);
-  }
-  if (extent.IsEmpty())
-  {
-    throw InputError("pose: expected tissue in the mesh, found no cells");
+    const Vector3& point = mesh.Point(mesh.Cells[index]);
+    if (columns.IsBreast(all.Place(point)))
+    {
+      extent.Add(point, { 0, 0, 0 }, isHeld(index / 4));
+    }
   }
   return extent.Anchor();
 }

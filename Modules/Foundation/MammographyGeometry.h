@@ -120,10 +120,10 @@ struct MAMMORAYFOUNDATION_EXPORT VolumeFromGantry
 };
 
 /**
- * The point of the volume frame the pose refers to: the middle of the tissue's bounding box across
- * and along the body, at the front of the held tissue (chest wall), or at the tissue's posterior
- * end where no material is held. `materials` is a volume of material indices, `held[m]` tells
- * whether m is held.
+ * The point of the volume frame the pose refers to: the middle of the breast's bounding box across
+ * and along the body, at the front of the held tissue (chest wall) behind it, or at the tissue's
+ * posterior end where no material is held. The breast is what rises highest over the body, without
+ * belly, armpit and flat tissue (Private/BreastColumns.h). `held[m]`: whether material m is held.
  */
 MAMMORAYFOUNDATION_EXPORT Vector3 FindPoseAnchor(const LabelVolume& materials,
   const std::vector<bool>& held, const AnatomicalAxes& axes);

@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "LabelShapes.h"
+#include "mammoray/Foundation/MammographyGeometry.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <random>
+
+namespace
+{
+using namespace mammoray;
+
+/// Fat (1) in front of muscle (2, held) that ends at y = -40, as high over it as `height` says of
+/// lateral x and superior z; 2 mm voxels, RAS.
+LabelVolume Body(const std::function<double(double, double)>& height)
+{
+  return test::LabelledCube(90, 2,
+    [&](const Vector3& p) {
+      return p[1] > -40 + height(p[0], p[2]) ? 0 : p[1] > -40 ? 1 : p[1] > -70 ? 2 : 0;
+    });
+}
+
+Vector3 AnchorOf(const LabelVolume& volume)
+{
+  return FindPoseAnchor(volume, { false, false, true }, AnatomicalAxes::FromCode("RAS"));
+}
+
+/// Half an ellipsoid about (x, z) of half axes 40, 60 and 45 mm.
+double Dome(double x, double z)
+{
+  return 60 * std::sqrt(std::max(0.0, 1 - x * x / 1600 - z * z / 2025));
+}
+
+TEST(BreastColumns, ABreastAloneCountsAsAWhole)
+{
+  LabelVolume volume = Body([](double x, double z) { return Dome(x - 13, z + 21); });
+  for (std::uint16_t& voxel : volume.Voxels)
+  {
+    voxel = voxel == 2 ? 0 : voxel; // what is not behind the breast was no part of it
+  }
+  const Vector3 anchor = AnchorOf(volume);
+  EXPECT_NEAR(anchor[0], 13, 1.01);
+  EXPECT_NEAR(anchor[2], -21, 1.01);
+}
+
+TEST(BreastColumns, FlatTissueArmpitBellyAndTheOtherBreastDoNotCount)
+{
+  // 15 mm of fat all over, a second, lower breast, a belly below and a shoulder above.
+  const auto height = [](double x, double z)
+  {
+    return std::max({ 15.0, 15 + Dome(x - 25, z - 5), 5 + Dome(x + 60, z - 5), 40.0 - (z + 88),
+      45.0 - 1.5 * (88 - z) });
+  };
+  const Vector3 anchor = AnchorOf(Body(height));
+  // The dome's slope counts until 3/8 of its height from where it is a quarter as high.
+  EXPECT_NEAR(anchor[0], 25, 8);
+  EXPECT_NEAR(anchor[1], -40, 1.01);
+  EXPECT_NEAR(anchor[2], 5, 8);
+}
+
+TEST(BreastColumns, StrayVoxelsOfMuscleMoveNothing)
+{
+  const auto height = [](double x, double z) { return std::max(15.0, 15 + Dome(x, z)); };
+  const LabelVolume plain = Body(height);
+  LabelVolume ragged = plain;
+  std::mt19937 generator(2);
+  for (std::size_t voxel = 0; voxel < ragged.Voxels.size(); ++voxel)
+  {
+    // Fat among the muscle near its front; specks of muscle in the breast's base.
+    const int y = static_cast<int>(voxel / 90 % 90);
+    if (ragged.Voxels[voxel] == 2 && y > 20 && generator() % 4 == 0)
+    {
+      ragged.Voxels[voxel] = 1;
+    }
+  }
+  const Vector3 difference = AnchorOf(ragged) - AnchorOf(plain);
+  EXPECT_LE(Norm(difference), 6);
+}
+}
