@@ -47,11 +47,6 @@ constexpr double DarkestSuppressedMuscle = 1.05;
 /// measured 0.55 and 0.94 with suppression, 0.02 to 0.23 without.
 constexpr double FatDarkSupport = 0.35;
 
-std::size_t CountOf(const itk::ImageBase<3>& image)
-{
-  return image.GetLargestPossibleRegion().GetNumberOfPixels();
-}
-
 /// A mask of the voxels of which `accept(index)` holds.
 template <typename Accept>
 MaskImage::Pointer Select(const itk::ImageBase<3>& grid, Accept accept)

@@ -27,6 +27,18 @@ LabelVolume Breast()
     });
 }
 
+/// Half an ellipsoid, the front is -y, on muscle that reaches beyond it on all sides.
+LabelVolume BreastOnWideMuscle()
+{
+  return test::LabelledCube(48, 2,
+    [](const Vector3& p)
+    {
+      const double depth = (16 - p[1]) / 45;
+      return depth < 0 ? (p[1] < 26 && std::hypot(p[0], p[2]) < 44 ? 3 : 0)
+                       : (std::hypot(p[0] / 40, depth, p[2] / 36) <= 1 ? 1 : 0);
+    });
+}
+
 /// Which parts of a cube make up the ragged patient below.
 struct Raggedness
 {
@@ -91,7 +103,7 @@ LabelVolume RaggedPatient(const Raggedness& how)
     });
 }
 
-double VolumeOf(const TetrahedralMesh& mesh, int material)
+double MeshedVolume(const TetrahedralMesh& mesh, int material)
 {
   double volume = 0;
   for (std::size_t cell = 0; cell < mesh.NumberOfCells(); ++cell)
@@ -101,10 +113,32 @@ double VolumeOf(const TetrahedralMesh& mesh, int material)
   return volume;
 }
 
+TEST(SimulationMesh, NothingIsHeldInFrontOfTheHeldTissue)
+{
+  // Plates may stand up to there. The muscle's front is at y = 16; facets may leave the surface by
+  // a sixth of a cell, voxels of the shape by an eighth.
+  for (const double size : { 17.0, 9.0 })
+  {
+    const MeshingResult result =
+      MeshForSimulation(BreastOnWideMuscle(), { false, false, false, true }, size);
+    double foremost = 1e9;
+    for (std::size_t cell = 0; cell < result.Mesh.NumberOfCells(); ++cell)
+    {
+      for (int corner = 0; corner < 4 && result.Mesh.Materials[cell] == 3; ++corner)
+      {
+        const std::size_t point = static_cast<std::size_t>(result.Mesh.Cells[4 * cell + corner]);
+        foremost = std::min(foremost, result.Mesh.Points[3 * point + 1]);
+      }
+    }
+    EXPECT_GT(foremost, 16 - 0.3 * size) << size;
+    EXPECT_LT(foremost, 16 + size) << size;
+  }
+}
+
 TEST(SimulationMesh, HasAsManyCellsHoweverRaggedTheVolume)
 {
   const std::vector<bool> held{ false, false, false, true };
-  const double smooth = VolumeOf(MeshForSimulation(RaggedPatient({}), held, 0).Mesh, 1);
+  const double smooth = MeshedVolume(MeshForSimulation(RaggedPatient({}), held, 0).Mesh, 1);
   for (const Raggedness& how :
     { Raggedness{ 1, 0.3 }, Raggedness{ 2, 0.4, 3 }, Raggedness{ 3, 0.3, 7 } })
   {
@@ -122,7 +156,7 @@ TEST(SimulationMesh, HasAsManyCellsHoweverRaggedTheVolume)
     }
     // Fat between muscles belongs to the wall: the breast is as large as without, but for clumps of
     // fat behind its front that are larger than one and a half cells.
-    EXPECT_NEAR(VolumeOf(result.Mesh, 1) / smooth, 1, 0.05);
+    EXPECT_NEAR(MeshedVolume(result.Mesh, 1) / smooth, 1, 0.05);
   }
 }
 
@@ -153,9 +187,9 @@ TEST(SimulationMesh, FollowsTheSkinAndTheHeldTissueOnly)
   EXPECT_EQ(found, (std::set<int>{ 1, 3 }));
   auto counts = volume.CountLabels();
   // Corners are rounded by a third of a cell of 10 mm.
-  EXPECT_NEAR(VolumeOf(result.Mesh, 1) / ((counts[1] + counts[2]) * 8.0), 1, 0.05);
+  EXPECT_NEAR(MeshedVolume(result.Mesh, 1) / ((counts[1] + counts[2]) * 8.0), 1, 0.05);
   // A layer as deep as a cell behind a disc of 28 mm is left of what is held.
-  EXPECT_NEAR(VolumeOf(result.Mesh, 3) / (3.14 * 28 * 28 * 10), 1, 0.25);
+  EXPECT_NEAR(MeshedVolume(result.Mesh, 3) / (3.14 * 28 * 28 * 10), 1, 0.25);
 }
 
 TEST(SimulationMesh, TakesItsSizeFromTheVolume)

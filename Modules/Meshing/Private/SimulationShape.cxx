@@ -9,6 +9,7 @@
 #include <array>
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <numeric>
 
 namespace mammoray
@@ -144,6 +145,35 @@ Vector3 MeanNormal(const VoxelMask& wall, const VoxelMask& moving)
   return length > 0 ? (1 / length) * sum : sum;
 }
 
+/// Adds to what lies in front of the wall all that is farther in front than any held tissue: the
+/// rounding of corners and the rim that is too thin for cells hold nothing there, where plates go.
+void ReleaseAhead(const VoxelMask& tissue, const VoxelField& heldFraction, VoxelMask& front)
+{
+  const Vector3 normal = MeanNormal(Without(tissue, front), Both(tissue, front));
+  const auto forEach = [&](auto&& visit)
+  {
+    for (int k = 0; k < front.Size[2]; ++k)
+    {
+      for (int j = 0; j < front.Size[1]; ++j)
+      {
+        for (int i = 0; i < front.Size[0]; ++i)
+        {
+          visit(front.Index(i, j, k), Dot(normal, { double(i), double(j), double(k) }));
+        }
+      }
+    }
+  };
+  double most = -std::numeric_limits<double>::infinity();
+  forEach([&](std::size_t voxel, double height)
+    { most = heldFraction.Values[voxel] >= 0.5 ? std::max(most, height) : most; });
+  if (!std::isfinite(most))
+  {
+    return;
+  }
+  forEach([&](std::size_t voxel, double height)
+    { front.Voxels[voxel] = height > most ? 1 : front.Voxels[voxel]; });
+}
+
 /**
  * What holds, as deep as an edge: the tissue behind what moves, and air behind that where it is
  * thinner, as in a wall that tapers off or was segmented as a skin of voxels.
@@ -193,7 +223,8 @@ SimulationShape ShapeForCells(const LabelVolume& materials, const std::vector<bo
 
   SimulationShape shape;
   shape.Tissue = Outline(std::move(fraction), edgeMm);
-  const VoxelMask front = InFrontOfWall(shape.Tissue, heldFraction, edgeMm);
+  VoxelMask front = InFrontOfWall(shape.Tissue, heldFraction, edgeMm);
+  ReleaseAhead(shape.Tissue, heldFraction, front);
   const VoxelMask moving = LargestPiece(Both(shape.Tissue, front));
   if (VoxelsOf(moving) == 0)
   {

@@ -24,11 +24,6 @@ constexpr std::size_t EnoughVoxels = 50;
 constexpr std::array<double, 2> DarkTolerance{ 0.35, 0.25 };
 constexpr std::array<double, 2> BrightTolerance{ 0.2, 0.1 };
 
-std::size_t CountOf(const itk::ImageBase<3>& image)
-{
-  return image.GetLargestPossibleRegion().GetNumberOfPixels();
-}
-
 /// Weighted Gaussian means; far from all weights, `otherwise`.
 FloatImage::Pointer WeightedMean(FloatImage::Pointer sums, FloatImage::Pointer weights,
   double sigmaMm, float otherwise)

@@ -76,6 +76,11 @@ VolumeGrid PatientOrder::GridOf(const FloatImage& image) const
   return grid;
 }
 
+std::size_t CountOf(const itk::ImageBase<3>& image)
+{
+  return image.GetLargestPossibleRegion().GetNumberOfPixels();
+}
+
 std::array<int, 3> SizeOf(const itk::ImageBase<3>& image)
 {
   const auto& size = image.GetLargestPossibleRegion().GetSize();

@@ -64,6 +64,8 @@ private:
 };
 
 std::array<int, 3> SizeOf(const itk::ImageBase<3>& image);
+/// Number of its voxels.
+std::size_t CountOf(const itk::ImageBase<3>& image);
 
 /// The image on cubic voxels, same first corner: averaged where they are larger, else linear.
 FloatImage::Pointer Resample(const FloatImage* image, double spacingMm);

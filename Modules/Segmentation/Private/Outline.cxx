@@ -24,11 +24,6 @@ constexpr double NoiseTop = 1.8;
 /// What hangs together with the body by less than twice this is none of it, mm: ghosts, the coil.
 constexpr double BridgeMm = 4.0;
 
-std::size_t CountOf(const itk::ImageBase<3>& image)
-{
-  return image.GetLargestPossibleRegion().GetNumberOfPixels();
-}
-
 /// Half the mean square difference of neighbours along the axes: noise's variance and structure.
 FloatImage::Pointer NeighbourVariance(const FloatImage* image)
 {
