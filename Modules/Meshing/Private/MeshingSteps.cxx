@@ -2,7 +2,6 @@
 #include "Private/MeshingSteps.h"
 
 #include "Private/CellImprovement.h"
-#include "Private/FormattedText.h"
 #include "Private/MeshQuality.h"
 #include "Private/PinchRepair.h"
 #include "Private/VolumeFit.h"

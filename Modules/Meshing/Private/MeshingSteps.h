@@ -7,8 +7,19 @@
 #include "mammoray/Meshing/LabelMesher.h"
 #include "mammoray/Meshing/MeshCheck.h"
 
+#include <cstdio>
+#include <string>
+
 namespace mammoray
 {
+/// A line of at most 159 characters with numbers in it, as printf writes them.
+inline std::string FormattedText(const char* format, double a, double b = 0, double c = 0)
+{
+  char text[160];
+  std::snprintf(text, sizeof(text), format, a, b, c);
+  return text;
+}
+
 /// The volume's tissue with a margin of air around it, in voxels.
 LabelVolume PrepareVolume(const LabelVolume& materials, int margin);
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Private/TriangleAim.h"
 
-#include "Private/FormattedText.h"
+#include "Private/MeshingSteps.h"
 #include "mammoray/Foundation/Error.h"
 
 #include <algorithm>
