@@ -71,11 +71,7 @@ void DeclareUnit(const OptionList& add, CompressArguments& arguments)
 void DeclareLoading(const OptionList& add, CompressionCase& input)
 {
   CompressionOptions& loading = input.Loading;
-  add.Choice<ChestWallMode>("--chest-wall", loading.ChestWall,
-    { { "held", ChestWallMode::Held }, { "sliding", ChestWallMode::Sliding },
-      { "elastic", ChestWallMode::Elastic } },
-    "how the breast is attached to the held materials: held, sliding along their surface, or "
-    "elastic");
+  AddChestWallOption(add, loading.ChestWall);
   add("--wall-normal-stiffness", loading.Wall.Normal, Positive("kPa/mm"),
     "of the sliding or elastic chest wall against being left");
   add("--wall-tangential-stiffness", loading.Wall.Tangential, NonNegative("kPa/mm"),
@@ -84,11 +80,7 @@ void DeclareLoading(const OptionList& add, CompressionCase& input)
     "force that draws the breast forwards onto the receptor, spread over its volume");
   add("--friction", loading.Friction, NonNegative(),
     "coefficient of friction between breast and plates");
-  add.Choice<std::optional<PatientPosition>>("--mri-position", input.ImagePosition,
-    { { "none", std::nullopt }, { "prone", PatientPosition::Prone },
-      { "supine", PatientPosition::Supine } },
-    "how the patient lay in the image of the mesh: from prone or supine the breast is unloaded of "
-    "its weight and compressed under that of the standing patient; none: no weight");
+  AddImagePositionOption(add, input.ImagePosition);
   add.Flag("--gravity", input.Gravity,
     "the weight of the standing patient counts, though the mesh is taken for free of load");
 }

@@ -8,8 +8,10 @@
 namespace mammoray
 {
 /**
- * A callback that draws a progress bar on stderr when that is a terminal, and asks to stop once
- * Ctrl-C was pressed.
+ * A callback that tells on stderr, in indented lines, each part (PartOf) of the work that took a
+ * second or more, with its time; within a part it draws a bar with the time that is left where
+ * stderr is a terminal, else it tells a line every ten seconds. It asks to stop once Ctrl-C was
+ * pressed.
  */
 ProgressCallback MakeProgressBar();
 

@@ -119,6 +119,9 @@ void Declare(const OptionList& add, RegisterArguments& arguments)
   AddProjectorOptions(xrays, arguments.Projector);
   DeclareMeshes(add, input);
   DeclareUnit(add, input);
+  const OptionList loading = add.Group("Loading");
+  AddChestWallOption(loading, input.ChestWall);
+  AddImagePositionOption(loading, input.ImagePosition);
   DeclareStart(add, input);
   DeclareSearch(add, input);
 }

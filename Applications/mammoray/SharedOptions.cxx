@@ -112,6 +112,24 @@ void AddComparisonOptions(const OptionList& add, RegistrationOptions& options)
   add("--window", options.WindowMm, Positive("mm"), "edge of the windows of --residual local");
 }
 
+void AddChestWallOption(const OptionList& add, ChestWallMode& mode)
+{
+  add.Choice<ChestWallMode>("--chest-wall", mode,
+    { { "held", ChestWallMode::Held }, { "sliding", ChestWallMode::Sliding },
+      { "elastic", ChestWallMode::Elastic } },
+    "how the breast is attached to the held materials: held, sliding along their surface, or "
+    "elastic");
+}
+
+void AddImagePositionOption(const OptionList& add, std::optional<PatientPosition>& position)
+{
+  add.Choice<std::optional<PatientPosition>>("--mri-position", position,
+    { { "none", std::nullopt }, { "prone", PatientPosition::Prone },
+      { "supine", PatientPosition::Supine } },
+    "how the patient lay in the MRI: from prone or supine the breast is unloaded of "
+    "its weight and compressed under that of the standing patient; none: no weight");
+}
+
 void AddOverwriteFlag(const OptionList& add, bool& overwrite, const std::string& what)
 {
   add.Flag("--overwrite", overwrite, "replace " + what);

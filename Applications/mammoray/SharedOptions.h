@@ -4,11 +4,14 @@
 #define mammoray_SharedOptions_h
 
 #include "OptionList.h"
+#include "mammoray/Biomechanics/PlacedPlates.h"
+#include "mammoray/Biomechanics/WallAttachment.h"
 #include "mammoray/Case/LabelSource.h"
 #include "mammoray/Foundation/PoseParameters.h"
 #include "mammoray/Registration/RegistrationResiduals.h"
 #include "mammoray/XRay/PathLengthProjector.h"
 
+#include <optional>
 #include <string>
 
 namespace mammoray
@@ -54,6 +57,12 @@ void AddPlateOptions(const OptionList& add, double& supportEdgeMm, double& paddl
 
 /// Adds --pixel-sizes, --residual and --window: how a registration compares pictures.
 void AddComparisonOptions(const OptionList& add, RegistrationOptions& options);
+
+/// Adds --chest-wall.
+void AddChestWallOption(const OptionList& add, ChestWallMode& mode);
+
+/// Adds --mri-position.
+void AddImagePositionOption(const OptionList& add, std::optional<PatientPosition>& position);
 
 /// Adds --overwrite.
 void AddOverwriteFlag(const OptionList& add, bool& overwrite,

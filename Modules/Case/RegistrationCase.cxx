@@ -406,34 +406,46 @@ RegistrationCaseResult RunRegistrationCase(const RegistrationCase& input,
   auto projector =
     MakeProjector({ .Projection = MethodFromName(input.Projector), .Device = input.Device });
   result.Device = projector->DeviceName() + ", " + MethodName(projector->Method());
+  ReportProgress(progress, 0, "read");
   BreastModelOptions options;
   options.Volume = ReadMaterials(input.Labels, result.Materials);
   result.Anchor = FindPoseAnchor(*options.Volume, held, result.Axes);
   stopwatch.Stage("read");
 
   result.Anatomy = input.AnatomyMesh.empty()
-    ? MeshAnatomy(*options.Volume, result.Materials.Thin(), input.AnatomyCellSizeMm, progress)
+    ? MeshAnatomy(*options.Volume, result.Materials.Thin(), input.AnatomyCellSizeMm,
+        PartOf(progress, 0.05, 0.1, "mesh the anatomy"))
     : ReadTetrahedra(input.AnatomyMesh, result.Materials);
   stopwatch.Stage("mesh the anatomy");
   options.SimulationMesh = input.SimulationMesh.empty()
-    ? MakeSimulationMesh(*options.Volume, held, input.SimulationCellSizeMm, progress)
+    ? MakeSimulationMesh(*options.Volume, held, input.SimulationCellSizeMm,
+        PartOf(progress, 0.1, 0.15, "mesh for the mechanics"))
     : ReadTetrahedra(input.SimulationMesh, result.Materials);
   result.SimulationCells = options.SimulationMesh->NumberOfCells();
   stopwatch.Stage("mesh for the mechanics");
 
   options.Predicted = true;
-  BreastModel model(result.Anatomy, result.Materials, std::move(options), progress);
+  options.Compression.ChestWall = input.ChestWall;
+  if (input.ImagePosition)
+  {
+    options.Compression.GravityMPerS2 = GravityIn(PatientPosition::Upright, result.Axes);
+    options.ImageGravityMPerS2 = GravityIn(*input.ImagePosition, result.Axes);
+  }
+  BreastModel model(result.Anatomy, result.Materials, std::move(options),
+    PartOf(progress, 0.15, 0.25, "prepare the mechanics"));
   SurfaceMesh surface = ExtractInterfaces(result.Anatomy);
   result.SurfaceTriangles = surface.NumberOfTriangles();
   model.SetXRays(std::move(surface), std::move(projector), std::move(beam));
   stopwatch.Stage("prepare");
-  Search(input, model, mammograms, result, progress);
+  Search(input, model, mammograms, result, PartOf(progress, 0.25, 0.95, "register"));
   stopwatch.Stage("register");
+  ReportProgress(progress, 0.95, "synthetic mammogram");
   for (RegisteredView& view : result.Views)
   {
     Picture(model, { result.Axes, result.Anchor, view.Unit }, view);
   }
   stopwatch.Stage("synthetic mammogram");
+  ReportProgress(progress, 1, "synthetic mammogram");
   return result;
 }
 }

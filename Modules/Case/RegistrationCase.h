@@ -2,6 +2,8 @@
 #ifndef mammoray_RegistrationCase_h
 #define mammoray_RegistrationCase_h
 
+#include "mammoray/Biomechanics/PlacedPlates.h"
+#include "mammoray/Biomechanics/WallAttachment.h"
 #include "mammoray/Case/LabelSource.h"
 #include "mammoray/Foundation/Mammogram.h"
 #include "mammoray/Foundation/MaterialTable.h"
@@ -44,8 +46,8 @@ struct RegistrationCase
   /// Meshes made before (mammoray mesh), used instead of meshing; empty: mesh.
   std::string AnatomyMesh;
   std::string SimulationMesh;
-  /// Seconds and cells are spent here: upper bounds of cell sizes, mm. 0 for the mechanics takes one
-  /// that gives 3000 to 6000 cells.
+  /// Seconds and cells are spent here: upper bounds of cell sizes, mm. 0 for the mechanics takes
+  /// one that gives 3000 to 6000 cells.
   double AnatomyCellSizeMm = 4.0;
   double SimulationCellSizeMm = 0.0;
   /// Part of a Vulkan device's name; empty: the most capable one.
@@ -59,6 +61,11 @@ struct RegistrationCase
   double SupportEdgeMm = 0.0;
   double PaddleEdgeMm = 0.0;
   double EdgeRadiusMm = 3.0;
+
+  /// How the patient lay in the volume: the breast is unloaded of the weight it hangs or lies under
+  /// there, and compressed under that of the standing patient. None: the volume is free of load.
+  std::optional<PatientPosition> ImagePosition;
+  ChestWallMode ChestWall = ChestWallMode::Held;
 
   /// Where the search starts, and where stays what is not free: of each of PoseParameters one value
   /// for each mammogram, or one for all where headers do not tell it. Empty: what the header says,

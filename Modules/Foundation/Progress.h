@@ -5,6 +5,8 @@
 #include "mammoray/Foundation/Error.h"
 
 #include <functional>
+#include <string>
+#include <utility>
 
 namespace mammoray
 {
@@ -22,6 +24,26 @@ inline void ReportProgress(const ProgressCallback& progress, double fraction, co
   {
     throw Interrupted();
   }
+}
+
+/// Stands between a part of long work and the stage within it: "register: equilibrium".
+inline constexpr const char* StageSeparator = ": ";
+
+/**
+ * The callback of one part of long work: what the part tells of itself, from 0 to 1, is told as
+ * `from` to `to` of the whole, its stages as those of `part`. Begins with `from`; throws
+ * Interrupted when it is answered false then.
+ */
+inline ProgressCallback PartOf(const ProgressCallback& progress, double from, double to,
+  const std::string& part)
+{
+  if (!progress)
+  {
+    return {};
+  }
+  ReportProgress(progress, from, part.c_str());
+  return [progress, from, to, part](double fraction, const char* stage)
+  { return progress(from + fraction * (to - from), (part + StageSeparator + stage).c_str()); };
 }
 }
 

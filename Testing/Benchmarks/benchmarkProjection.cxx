@@ -5,7 +5,7 @@
 #include "Measurements.h"
 #include "SceneFile.h"
 #include "SurfaceShapes.h"
-#include "mammoray/Case/ExampleData.h"
+#include "mammoray/Evidence/ExampleData.h"
 #include "mammoray/Foundation/Error.h"
 
 #include <CLI/CLI.hpp>

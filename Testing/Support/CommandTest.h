@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <sstream>
 #include <string>
 
 namespace mammoray::testing_support
@@ -19,7 +20,8 @@ namespace mammoray::testing_support
 class CommandTest : public testing::Test
 {
 protected:
-  /// The exit status, -1 when killed; Output and Errors are kept. `environment`: NAME=value, as for
+  /// The exit status, -1 when killed; Output and Errors are kept, and the indented lines of
+  /// Progress, of which there are as many as the machine is slow. `environment`: NAME=value, as for
   /// a shell.
   int Run(const std::string& arguments, const std::string& environment = "")
   {
@@ -27,7 +29,13 @@ protected:
       this->Folder.File("out") + " 2>" + this->Folder.File("err");
     const int status = std::system(command.c_str());
     this->Output = ReadFile(this->Folder.File("out"));
-    this->Errors = ReadFile(this->Folder.File("err"));
+    this->Errors.clear();
+    this->Progress.clear();
+    std::istringstream said(ReadFile(this->Folder.File("err")));
+    for (std::string line; std::getline(said, line);)
+    {
+      (line.starts_with(' ') ? this->Progress : this->Errors) += line + "\n";
+    }
     return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
   }
 
@@ -44,6 +52,7 @@ protected:
   TemporaryFolder Folder;
   std::string Output;
   std::string Errors;
+  std::string Progress;
 };
 }
 

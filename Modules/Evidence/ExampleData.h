@@ -3,7 +3,7 @@
 #define mammoray_ExampleData_h
 
 #include "mammoray/XRay/ExampleScenes.h"
-#include "mammorayCaseModule.h"
+#include "mammorayEvidenceModule.h"
 
 #include <string>
 
@@ -14,7 +14,7 @@ namespace mammoray
  * directory, as victre-phantom-1 with materials/victre.json. Throws InputError, with near names, on
  * an unknown one.
  */
-MAMMORAYCASE_EXPORT ExampleScene MakeExampleScene(const std::string& name);
+MAMMORAYEVIDENCE_EXPORT ExampleScene MakeExampleScene(const std::string& name);
 }
 
 #endif
