@@ -93,7 +93,10 @@ LoadPathStart LoadPathStart::Warm(const CompressionState& state, const PlatePair
   const double travel = TravelMm(PlateMotion(start.Plates, target));
   if (!(travel <= ShortTravelMm))
   {
-    start.Softness *= Softening;
+    // Hardened again at its end: only as far as is needed there, so that the state there does not
+    // tell of one far behind.
+    start.Stiffening = 1;
+    start.Softness = Softening;
     start.LargestStep = std::min(1.0, LongTravelMm / travel);
   }
   return start;
