@@ -85,6 +85,65 @@ void AddCell(const TetrahedralMesh& mesh, std::size_t cell, const TissueExtent& 
     }
   }
 }
+
+/// A voxel's extent along each direction: half of its projected edges.
+Vector3 HalfVoxel(const LabelVolume& materials, const TissueExtent& extent)
+{
+  Vector3 half{ 0, 0, 0 };
+  for (std::size_t d = 0; d < 3; ++d)
+  {
+    for (std::size_t a = 0; a < 3; ++a)
+    {
+      half[d] +=
+        0.5 * materials.Spacing[a] * std::abs(Dot(materials.Direction[a], extent.Directions[d]));
+    }
+  }
+  return half;
+}
+
+/// Calls visit(voxel, point, is held) for all tissue.
+template <typename Visit>
+void ForEachVoxel(const LabelVolume& materials, const std::vector<bool>& held, const Visit& visit)
+{
+  for (int k = 0; k < materials.Size[2]; ++k)
+  {
+    for (int j = 0; j < materials.Size[1]; ++j)
+    {
+      for (int i = 0; i < materials.Size[0]; ++i)
+      {
+        const std::size_t voxel = materials.Index(i, j, k);
+        const std::size_t material = materials.Voxels[voxel];
+        if (material != 0)
+        {
+          visit(voxel, materials.PointAt(i, j, k), material < held.size() && held[material]);
+        }
+      }
+    }
+  }
+}
+
+/// Calls visit(voxel, point, is held, is breast) for all tissue. Throws InputError where there is
+/// none.
+template <typename Visit>
+void ForEachVoxelOfBreast(const LabelVolume& materials, const std::vector<bool>& held,
+  const AnatomicalAxes& axes, const Visit& visit)
+{
+  TissueExtent all(axes);
+  const Vector3 half = HalfVoxel(materials, all);
+  ForEachVoxel(materials, held,
+    [&](std::size_t, const Vector3& point, bool isHeld) { all.Add(point, half, isHeld); });
+  if (all.IsEmpty())
+  {
+    throw InputError("pose: expected tissue in the volume, found only air");
+  }
+  BreastColumns columns(all.Low, all.High, 2 * std::max(half[0], half[2]));
+  ForEachVoxel(materials, held,
+    [&](std::size_t, const Vector3& point, bool isHeld) { columns.Add(all.Place(point), isHeld); });
+  columns.Find();
+  ForEachVoxel(materials, held,
+    [&](std::size_t voxel, const Vector3& point, bool isHeld)
+    { visit(voxel, point, isHeld, columns.IsBreast(all.Place(point))); });
+}
 }
 
 AnatomicalAxes AnatomicalAxes::FromCode(const std::string& code)
@@ -128,51 +187,26 @@ Vector3 FindPoseAnchor(const LabelVolume& materials, const std::vector<bool>& he
   const AnatomicalAxes& axes)
 {
   TissueExtent extent(axes);
-  // A voxel's extent along a direction: half of its projected edges.
-  Vector3 half{ 0, 0, 0 };
-  for (std::size_t d = 0; d < 3; ++d)
-  {
-    for (std::size_t a = 0; a < 3; ++a)
+  const Vector3 half = HalfVoxel(materials, extent);
+  ForEachVoxelOfBreast(materials, held, axes,
+    [&](std::size_t, const Vector3& point, bool isHeld, bool isBreast)
     {
-      half[d] +=
-        0.5 * materials.Spacing[a] * std::abs(Dot(materials.Direction[a], extent.Directions[d]));
-    }
-  }
-  const auto forEachVoxel = [&](const auto& visit)
-  {
-    for (int k = 0; k < materials.Size[2]; ++k)
-    {
-      for (int j = 0; j < materials.Size[1]; ++j)
-      {
-        for (int i = 0; i < materials.Size[0]; ++i)
-        {
-          const std::size_t material = materials.Voxels[materials.Index(i, j, k)];
-          if (material != 0)
-          {
-            visit(materials.PointAt(i, j, k), material < held.size() && held[material]);
-          }
-        }
-      }
-    }
-  };
-  TissueExtent all = extent;
-  forEachVoxel([&](const Vector3& point, bool isHeld) { all.Add(point, half, isHeld); });
-  if (all.IsEmpty())
-  {
-    throw InputError("pose: expected tissue in the volume, found only air");
-  }
-  BreastColumns columns(all.Low, all.High, 2 * std::max(half[0], half[2]));
-  forEachVoxel([&](const Vector3& point, bool isHeld) { columns.Add(all.Place(point), isHeld); });
-  columns.Find();
-  forEachVoxel(
-    [&](const Vector3& point, bool isHeld)
-    {
-      if (columns.IsBreast(all.Place(point)))
+      if (isBreast)
       {
         extent.Add(point, half, isHeld);
       }
     });
   return extent.Anchor();
+}
+
+LabelVolume KeepBreast(const LabelVolume& materials, const std::vector<bool>& held,
+  const AnatomicalAxes& axes)
+{
+  LabelVolume kept = materials;
+  ForEachVoxelOfBreast(materials, held, axes,
+    [&](std::size_t voxel, const Vector3&, bool, bool isBreast)
+    { kept.Voxels[voxel] = isBreast ? kept.Voxels[voxel] : 0; });
+  return kept;
 }
 
 Vector3 FindPoseAnchor(const TetrahedralMesh& mesh, const std::vector<bool>& held,

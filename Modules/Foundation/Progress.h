@@ -29,6 +29,17 @@ inline void ReportProgress(const ProgressCallback& progress, double fraction, co
 /// Stands between a part of long work and the stage within it: "register: equilibrium".
 inline constexpr const char* StageSeparator = ": ";
 
+/// The callback of work that is told as `from` to `to` of a whole, its stages as its own.
+inline ProgressCallback ShareOf(const ProgressCallback& progress, double from, double to)
+{
+  if (!progress)
+  {
+    return {};
+  }
+  return [progress, from, to](double fraction, const char* stage)
+  { return progress(from + fraction * (to - from), stage); };
+}
+
 /**
  * The callback of one part of long work: what the part tells of itself, from 0 to 1, is told as
  * `from` to `to` of the whole, its stages as those of `part`. Begins with `from`; throws

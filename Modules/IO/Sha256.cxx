@@ -17,18 +17,18 @@ namespace
 {
 namespace fs = std::filesystem;
 
-std::vector<fs::path> FilesOf(const std::string& path)
+std::vector<std::string> FilesOf(const std::string& path)
 {
   if (!fs::is_directory(path))
   {
     return { path };
   }
-  std::vector<fs::path> files;
+  std::vector<std::string> files;
   for (const fs::directory_entry& entry : fs::directory_iterator(path))
   {
     if (entry.is_regular_file())
     {
-      files.push_back(entry.path());
+      files.push_back(entry.path().string());
     }
   }
   std::sort(files.begin(), files.end());
@@ -38,11 +38,16 @@ std::vector<fs::path> FilesOf(const std::string& path)
 
 std::string Sha256OfFile(const std::string& path)
 {
+  return Sha256OfFiles(FilesOf(path));
+}
+
+std::string Sha256OfFiles(const std::vector<std::string>& paths)
+{
   const std::unique_ptr<EVP_MD_CTX, decltype(&EVP_MD_CTX_free)> context(EVP_MD_CTX_new(),
     EVP_MD_CTX_free);
   EVP_DigestInit_ex(context.get(), EVP_sha256(), nullptr);
   std::vector<char> buffer(1 << 20);
-  for (const fs::path& part : FilesOf(path))
+  for (const std::string& part : paths)
   {
     std::ifstream file(part, std::ios::binary);
     while (
@@ -52,7 +57,7 @@ std::string Sha256OfFile(const std::string& path)
     }
     if (!file.eof())
     {
-      throw InputError(part.string() + ": cannot be read");
+      throw InputError(part + ": cannot be read");
     }
   }
   unsigned char digest[EVP_MAX_MD_SIZE];

@@ -5,6 +5,7 @@
 #include "mammorayIOModule.h"
 
 #include <string>
+#include <vector>
 
 namespace mammoray
 {
@@ -12,6 +13,9 @@ namespace mammoray
 /// name (cat folder/* | sha256sum), 64 lower-case hexadecimal digits. Throws InputError when it
 /// cannot be read.
 MAMMORAYIO_EXPORT std::string Sha256OfFile(const std::string& path);
+
+/// That of files one after the other, in this order.
+MAMMORAYIO_EXPORT std::string Sha256OfFiles(const std::vector<std::string>& paths);
 }
 
 #endif

@@ -37,7 +37,7 @@ public:
   {
     for (MammogramSearch& mammogram : this->Joint.Mammograms)
     {
-      OpenToHalfHeight(mammogram);
+      OpenToLeastHeight(mammogram);
     }
     this->Joint.CollectUnknowns();
     const bool chooses =

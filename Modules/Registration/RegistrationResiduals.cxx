@@ -92,7 +92,8 @@ void RegistrationResiduals::ChooseOutlineSamples()
     }
     const ReceptorPoint end{ this->Centre[0] + radius * direction[0],
       this->Centre[1] + radius * direction[1] };
-    if (radius > 0 && Contains(this->Target, end, 2.0 + pixel))
+    if (radius > 0 && end[1] >= this->Target.OutlineFromMm &&
+      Contains(this->Target, end, 2.0 + pixel))
     {
       this->Directions.push_back(direction);
       if (previous)

@@ -104,6 +104,7 @@ RegistrationTarget Coarsen(const RegistrationTarget& target, int factor)
     coarse.ColumnStep[axis] = factor * target.ColumnStep[axis];
     coarse.RowStep[axis] = factor * target.RowStep[axis];
   }
+  coarse.OutlineFromMm = target.OutlineFromMm;
   coarse.Warnings = target.Warnings;
   const std::size_t pixels = static_cast<std::size_t>(coarse.Columns) * coarse.Rows;
   coarse.LogAttenuation.resize(pixels);
@@ -219,11 +220,19 @@ ReceptorPoint ChestWallCentre(const RegistrationTarget& target)
     {
       if (target.BreastMask[static_cast<std::size_t>(row) * target.Columns + column])
       {
-        const double x = PixelPosition(target, column, row)[0];
-        low = std::min(low, x);
-        high = std::max(high, x);
+        const ReceptorPoint at = PixelPosition(target, column, row);
+        if (at[1] >= target.OutlineFromMm)
+        {
+          low = std::min(low, at[0]);
+          high = std::max(high, at[0]);
+        }
       }
     }
+  }
+  if (low > high)
+  {
+    throw InputError("registration target: expected a breast that reaches farther than " +
+      std::to_string(target.OutlineFromMm) + " mm from the chest wall, found none");
   }
   return { 0.5 * (low + high), 0.0 };
 }

@@ -37,6 +37,8 @@ struct RegistrationTarget
   /// 1 where the picture inside the breast is not compared: the pectoral muscle, markers and text
   /// burnt into the image, what the detector does not measure. Empty: nowhere.
   std::vector<unsigned char> Excluded;
+  /// Gantry y from which on outlines are compared, mm.
+  double OutlineFromMm = 0;
   /// What had to be assumed because the header did not say, a sentence each.
   std::vector<std::string> Warnings;
 };
@@ -86,8 +88,8 @@ MAMMORAYREGISTRATION_EXPORT ReceptorPoint SignedDistanceGradient(const Registrat
 MAMMORAYREGISTRATION_EXPORT bool Contains(const RegistrationTarget& target,
   const ReceptorPoint& point, double marginMm);
 
-/// Middle of the breast mask across, on the receptor's chest-wall edge: (x, 0). Throws InputError
-/// on an empty mask.
+/// Middle of the breast mask across where outlines are compared, on the receptor's chest-wall edge:
+/// (x, 0). Throws InputError on an empty mask.
 MAMMORAYREGISTRATION_EXPORT ReceptorPoint ChestWallCentre(const RegistrationTarget& target);
 }
 

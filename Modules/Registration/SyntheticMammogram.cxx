@@ -41,7 +41,7 @@ Agreement Compare(const SyntheticMammogram& synthetic, const RegistrationTarget&
     const ReceptorPoint& a = synthetic.Outline[index];
     const ReceptorPoint& b = synthetic.Outline[index + 1];
     const ReceptorPoint middle{ 0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1]) };
-    if (!Contains(target, middle, 0))
+    if (!Contains(target, middle, 0) || middle[1] < target.OutlineFromMm)
     {
       continue;
     }

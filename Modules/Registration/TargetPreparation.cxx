@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <numeric>
 #include <optional>
 
@@ -59,11 +60,12 @@ void Validate(const Mammogram& mammogram, const TargetOptions& options)
     throw InputError("mammogram: expected positive pixel spacings");
   }
   if (!(options.EdgeFraction > 0 && options.EdgeFraction < 1) || !(options.EdgeSigmas > 0) ||
-    !(options.OutlineGridMm > 0) || !(options.ThinnestFeatureMm >= 0))
+    !(options.OutlineGridMm > 0) || !(options.ThinnestFeatureMm >= 0) ||
+    !(options.ChestWallMarginMm >= 0))
   {
     throw InputError(
       "target options: expected an edge fraction in (0, 1), positive edge sigmas and "
-      "outline grid, and a thinnest feature of 0 or more");
+      "outline grid, and a thinnest feature and a chest-wall margin of 0 or more");
   }
 }
 
@@ -124,6 +126,90 @@ void KeepBreast(const PixelGrid& grid, const FineBreast& breast, const TargetOpt
   }
 }
 
+void ExcludeChestWall(const PixelGrid& grid, double marginMm, RegistrationTarget& target)
+{
+  target.OutlineFromMm = marginMm;
+  if (marginMm == 0)
+  {
+    return;
+  }
+  target.Excluded.resize(grid.Count(), 0);
+  for (int row = 0; row < grid.Rows; ++row)
+  {
+    for (int column = 0; column < grid.Columns; ++column)
+    {
+      if (PixelPosition(target, column, row)[1] < marginMm)
+      {
+        target.Excluded[grid.Index(column, row)] = 1;
+      }
+    }
+  }
+}
+
+/// Lengths of the picture's borders that are breast: at its front, at the chest wall, and at the
+/// ends along that, mm.
+struct CutBorders
+{
+  double FrontMm = 0;
+  double ChestWallMm = 0;
+  double LowerEndMm = 0;
+  double UpperEndMm = 0;
+};
+
+CutBorders FindCutBorders(const PixelGrid& grid, const RegistrationTarget& target)
+{
+  CutBorders cut;
+  // The front is where gantry y is largest, the ends where x is smallest and largest.
+  const bool alongColumns = target.ColumnStep[1] != 0;
+  const double frontward = alongColumns ? target.ColumnStep[1] : target.RowStep[1];
+  const int fronts = alongColumns ? grid.Columns : grid.Rows;
+  const int sides = alongColumns ? grid.Rows : grid.Columns;
+  const auto inBreast = [&](int deep, int side) {
+    return target.BreastMask[alongColumns ? grid.Index(deep, side) : grid.Index(side, deep)] != 0;
+  };
+  const double along = alongColumns ? grid.RowSpacing : grid.ColumnSpacing;
+  for (int side = 0; side < sides; ++side)
+  {
+    cut.FrontMm += inBreast(frontward > 0 ? fronts - 1 : 0, side) ? along : 0;
+    cut.ChestWallMm += inBreast(frontward > 0 ? 0 : fronts - 1, side) ? along : 0;
+  }
+  const double across = alongColumns ? grid.ColumnSpacing : grid.RowSpacing;
+  for (int deep = 0; deep < fronts; ++deep)
+  {
+    cut.LowerEndMm += inBreast(deep, 0) ? across : 0;
+    cut.UpperEndMm += inBreast(deep, sides - 1) ? across : 0;
+  }
+  return cut;
+}
+
+/// A border that ends a breast of 30 to 80 mm of curvature over so much cuts off a millimetre or
+/// two of it.
+constexpr double MostCutMm = 20;
+
+void CheckWhole(const PixelGrid& grid, RegistrationTarget& target)
+{
+  const CutBorders cut = FindCutBorders(grid, target);
+  char text[256];
+  // Where the front is touched more, the header has mistaken it for the chest wall, which is warned
+  // of.
+  if (cut.FrontMm > MostCutMm && cut.FrontMm <= cut.ChestWallMm)
+  {
+    std::snprintf(text, sizeof text,
+      "mammogram: expected the whole breast in the picture, found it cut off at its front: %.0f mm "
+      "of the border opposite the chest wall are breast",
+      cut.FrontMm);
+    throw InputError(text);
+  }
+  if (cut.LowerEndMm > MostCutMm && cut.UpperEndMm > MostCutMm)
+  {
+    std::snprintf(text, sizeof text,
+      "The picture cuts the breast off at both ends along the chest wall, over %.0f and %.0f mm: "
+      "its outline says nothing of where it lies between them.",
+      cut.LowerEndMm, cut.UpperEndMm);
+    target.Warnings.emplace_back(text);
+  }
+}
+
 void WarnOfShare(const PixelGrid& grid, RegistrationTarget& target)
 {
   const double part = static_cast<double>(std::accumulate(target.BreastMask.begin(),
@@ -155,7 +241,9 @@ RegistrationTarget PrepareTarget(const Mammogram& mammogram, const TargetOptions
     throw InputError("mammogram: expected air beside the breast, found none");
   }
   KeepBreast(grid, breast, options, target);
+  CheckWhole(grid, target);
   Exclude(mammogram, rollDeg, options, target);
+  ExcludeChestWall(grid, options.ChestWallMarginMm, target);
   WarnOfShare(grid, target);
   return target;
 }

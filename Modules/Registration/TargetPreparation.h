@@ -30,6 +30,12 @@ struct TargetOptions
   bool ExcludePectoral = true;
   bool ExcludeMarkers = true;
   bool ExcludeUnseen = true;
+  /**
+   * So deep a strip along the chest wall is not compared, neither picture nor outline, mm; not
+   * negative (RegistrationTarget::OutlineFromMm). What a patient's MRI holds there, fat and muscle
+   * of the body beside the breast, the edges of the plates push away.
+   */
+  double ChestWallMarginMm = 0;
 };
 
 /**
@@ -52,7 +58,8 @@ struct TargetOptions
  * outline within the picture: its borders, which cut the breast, are not outline, as if the breast
  * went on beyond them. Good to about a third of OutlineGridMm or of a pixel, whichever is smaller.
  *
- * Throws InputError when the image is flat, or shows no air or no breast.
+ * Throws InputError when the image is flat, shows no air or no breast, or cuts the breast off at
+ * its front.
  */
 MAMMORAYREGISTRATION_EXPORT RegistrationTarget PrepareTarget(const Mammogram& mammogram,
   const TargetOptions& options = {});

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "LabelShapes.h"
+#include "mammoray/Foundation/Error.h"
 #include "mammoray/Foundation/MammographyGeometry.h"
 
 #include <gtest/gtest.h>
@@ -58,6 +59,37 @@ TEST(BreastColumns, FlatTissueArmpitBellyAndTheOtherBreastDoNotCount)
   EXPECT_NEAR(anchor[0], 25, 8);
   EXPECT_NEAR(anchor[1], -40, 1.01);
   EXPECT_NEAR(anchor[2], 5, 8);
+}
+
+TEST(BreastColumns, WhatIsNoBreastBecomesAir)
+{
+  const auto flat = [](double, double) { return 15.0; };
+  const LabelVolume body =
+    Body([&](double x, double z) { return flat(x, z) + Dome(x - 25, z - 5); });
+  const std::vector<bool> held{ false, false, true };
+  const AnatomicalAxes axes = AnatomicalAxes::FromCode("RAS");
+  const LabelVolume kept = KeepBreast(body, held, axes);
+  EXPECT_EQ(AnchorOf(kept), AnchorOf(body));
+  for (std::size_t voxel = 0; voxel < kept.Voxels.size(); ++voxel)
+  {
+    const auto i = static_cast<int>(voxel % 90);
+    const auto j = static_cast<int>(voxel / 90 % 90);
+    const auto k = static_cast<int>(voxel / 8100);
+    const Vector3 p = kept.PointAt(i, j, k);
+    const double way = std::hypot((p[0] - 25) / 40, (p[2] - 5) / 45);
+    // All of the dome and what lies behind it; nothing that is farther than the slope of a breast.
+    if (way < 0.98)
+    {
+      ASSERT_EQ(kept.Voxels[voxel], body.Voxels[voxel]);
+    }
+    else if (way > 2)
+    {
+      ASSERT_EQ(kept.Voxels[voxel], 0);
+    }
+  }
+  LabelVolume air = body;
+  air.Voxels.assign(air.Voxels.size(), 0);
+  EXPECT_THROW(KeepBreast(air, held, axes), InputError);
 }
 
 TEST(BreastColumns, StrayVoxelsOfMuscleMoveNothing)

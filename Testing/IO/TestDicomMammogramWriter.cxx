@@ -100,6 +100,19 @@ TEST(DicomMammogramWriter, PresentationIsReadBackAndValid)
     13600);
 }
 
+TEST(DicomMammogramWriter, ASignThatIsNotGivenIsThatOfTheDisplay)
+{
+  const TemporaryFolder folder;
+  Mammogram mammogram = Describe(0, 'L');
+  SetPixels(mammogram, Ramp(), Mammogram::Intent::ForPresentation);
+  for (const bool inverted : { false, true })
+  {
+    mammogram.IntensitySign = 0;
+    mammogram.InvertedForDisplay = inverted;
+    EXPECT_EQ(Written(mammogram, folder.File("image.dcm")).IntensitySign, inverted ? 1 : -1);
+  }
+}
+
 TEST(DicomMammogramWriter, ProcessingIsLinearAndInverse)
 {
   const TemporaryFolder folder;

@@ -37,4 +37,7 @@ TEST(Sha256, MatchesThePublishedExamples)
   std::ofstream(series + "/1.dcm") << "ab";
   EXPECT_EQ(Sha256OfFile(series),
     "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
+  // Files in the order they are given.
+  EXPECT_EQ(Sha256OfFiles({ series + "/1.dcm", series + "/2.dcm" }), Sha256OfFile(series));
+  EXPECT_NE(Sha256OfFiles({ series + "/2.dcm", series + "/1.dcm" }), Sha256OfFile(series));
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Files.h"
+#include "Refusals.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/IO/MammogramIO.h"
 #include "mammoray/Registration/TargetPreparation.h"
@@ -17,6 +18,7 @@
 
 using namespace mammoray;
 using ::testing::Contains;
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::SizeIs;
@@ -291,6 +293,74 @@ TEST(TargetPreparation, SaysWhatItAssumesWithoutAHeader)
   mammogram.RowDirection = "A"; // contradicts the picture
   EXPECT_THAT(PrepareTarget(mammogram).Warnings,
     Contains(HasSubstr("touches the right edge most")));
+}
+
+TEST(TargetPreparation, RefusesAPictureThatCutsTheBreastOff)
+{
+  // The lens is 30 mm deep and 60 mm wide; columns are in front of each other, 0.2 mm each.
+  const auto cut = [](int columns, int firstRow, int rows)
+  {
+    Mammogram whole = Lens();
+    Mammogram part = whole;
+    part.Columns = columns;
+    part.Rows = rows;
+    part.Pixels.clear();
+    for (int row = firstRow; row < firstRow + rows; ++row)
+    {
+      const auto begin = whole.Pixels.begin() + static_cast<std::ptrdiff_t>(row) * Columns;
+      part.Pixels.insert(part.Pixels.end(), begin, begin + columns);
+    }
+    return part;
+  };
+  // At 24 mm the lens is 36 mm wide, at 29 mm 15.
+  EXPECT_THAT(testing_support::RefusalOf([&] { PrepareTarget(cut(120, 0, Rows)); }),
+    HasSubstr("cut off at its front: 36 mm"));
+  EXPECT_THAT(PrepareTarget(cut(145, 0, Rows)).Warnings, IsEmpty());
+  // 18 mm to either side of the middle the lens is 24 mm deep.
+  EXPECT_THAT(PrepareTarget(cut(Columns, 110, 180)).Warnings,
+    ElementsAre(HasSubstr("both ends along the chest wall, over 24 and 24 mm")));
+}
+
+TEST(TargetPreparation, LeavesOutAStripAlongTheChestWall)
+{
+  const RegistrationTarget target = PrepareTarget(Lens(), { .ChestWallMarginMm = 10 });
+  EXPECT_EQ(target.OutlineFromMm, 10);
+  EXPECT_EQ(CoarsenTo(target, 1).OutlineFromMm, 10);
+  for (std::size_t pixel = 0; pixel < target.BreastMask.size(); ++pixel)
+  {
+    ASSERT_EQ(IsExcluded(target, pixel), pixel % Columns < 50) << "at " << pixel;
+  }
+  // Its middle is that of what is compared: one arm along the chest wall does not count.
+  RegistrationTarget armed = target;
+  for (int column = 0; column < 40; ++column)
+  {
+    armed.BreastMask[static_cast<std::size_t>(column)] = 1;
+  }
+  EXPECT_NEAR(ChestWallCentre(armed)[0], 0, 1e-9);
+  armed.OutlineFromMm = 0;
+  EXPECT_GT(std::abs(ChestWallCentre(armed)[0]), 4);
+  EXPECT_THROW(PrepareTarget(Lens(), { .ChestWallMarginMm = -1 }), InputError);
+  EXPECT_THROW(PrepareTarget(Lens(), { .ChestWallMarginMm = NAN }), InputError);
+}
+
+TEST(TargetPreparation, WhatIsMadeToBeLookedAtIsShownRight)
+{
+  // A display curve without logarithm, bright in the breast.
+  Mammogram shown = Lens();
+  shown.PresentationIntent = Mammogram::Intent::ForPresentation;
+  shown.IntensityRelationship = Mammogram::Relationship::Unknown;
+  shown.InvertedForDisplay = false;
+  for (float& pixel : shown.Pixels)
+  {
+    pixel = 16000.0F - pixel;
+  }
+  shown.IntensitySign = -1;
+  const RegistrationTarget right = PrepareTarget(shown);
+  EXPECT_THAT(right.Warnings, IsEmpty());
+  shown.IntensitySign = 1; // more X-ray where it is bright: the breast would be a hole
+  const RegistrationTarget contradicted = PrepareTarget(shown);
+  EXPECT_EQ(contradicted.BreastMask, right.BreastMask);
+  EXPECT_THAT(contradicted.Warnings, ElementsAre(HasSubstr("contradicts")));
 }
 
 TEST(TargetPreparation, RefusesPicturesWithoutBreastOrAir)

@@ -54,6 +54,7 @@ Mammogram Develop(Mammogram header, const std::vector<float>& logAttenuation,
       static_cast<float>(std::round(4095 / (1 + std::exp(-4 * (attenuation - centre) / width)))));
   }
   header.BitsStored = 12;
+  header.IntensitySign = -1;
   header.ColumnSpacingMm = std::hypot(grid.ColumnStep[0], grid.ColumnStep[1]);
   header.RowSpacingMm = header.ColumnSpacingMm;
   return header;

@@ -83,7 +83,10 @@ void AddImage(gdcm::DataSet& data, const Mammogram& mammogram)
   AddShort(data, { 0x0028, 0x0101 }, 16);
   AddShort(data, { 0x0028, 0x0102 }, 15);
   AddShort(data, { 0x0028, 0x0103 }, 0); // unsigned
-  const auto sign = static_cast<std::int16_t>(mammogram.IntensitySign < 0 ? -1 : 1);
+  // Where nothing is said of it, what is shown bright is where little got through.
+  const int byDisplay = mammogram.InvertedForDisplay ? 1 : -1;
+  const auto sign =
+    static_cast<std::int16_t>(mammogram.IntensitySign != 0 ? mammogram.IntensitySign : byDisplay);
   AddBytes(data, { 0x0028, 0x1041 }, VR::SS, &sign, sizeof sign);
   if (!processing)
   {

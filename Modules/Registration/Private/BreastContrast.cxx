@@ -95,15 +95,16 @@ std::vector<float> ToLogAttenuation(const Mammogram& mammogram, std::vector<std:
       "The header calls this For Processing image logarithmic: its values are used "
       "as log attenuation up to scale and offset.");
   }
-  // Small values shown bright: they are where little got through.
+  // Small values shown bright: they are where little got through. What is made to be looked at is
+  // shown right, whatever else its header says.
   const int bySign = mammogram.IntensitySign;
   const int byDisplay = mammogram.InvertedForDisplay ? 1 : -1;
-  const int sign = bySign != 0 ? bySign : byDisplay;
+  const int sign = bySign != 0 && processing ? bySign : byDisplay;
   if (bySign != 0 && bySign != byDisplay && !processing)
   {
     warnings.push_back(
-      "Pixel Intensity Relationship Sign contradicts the photometric interpretation; "
-      "the former is followed.");
+      "Pixel Intensity Relationship Sign contradicts the photometric interpretation of this For "
+      "Presentation image; the latter is followed.");
   }
   std::vector<float> result(mammogram.Pixels.size());
   if (relationship != Relationship::Linear || !processing)

@@ -12,20 +12,29 @@ namespace mammoray
 {
 namespace
 {
-/// Extent of the breast at rest along the beam's axis, mm: of what is clearly in front of the chest
-/// wall, which may be taller.
+/// Extent of the breast at rest along the beam's axis, mm: of what is a third of its depth and more
+/// in front of the chest wall, which may be taller, as may be the fat and skin of the body on it.
 double UncompressedHeight(const SearchedBreast& breast, const BreastPose& pose)
 {
   const UnitPlacement& placement = breast.Placement;
   const Vector3 axis = placement.At(pose).Z;
   const std::vector<double>& points = breast.Body->Simulation().RestPositions();
+  const auto depth = [&](std::size_t index)
+  {
+    const Vector3 point{ points[index], points[index + 1], points[index + 2] };
+    return Dot(point - placement.Anchor, placement.Axes.Anterior);
+  };
+  double deepest = 0;
+  for (std::size_t index = 0; index < points.size(); index += 3)
+  {
+    deepest = std::max(deepest, depth(index));
+  }
   double low = std::numeric_limits<double>::infinity();
   double high = -low;
   for (std::size_t index = 0; index < points.size(); index += 3)
   {
     const Vector3 point{ points[index], points[index + 1], points[index + 2] };
-    constexpr double clearlyMm = 5;
-    if (Dot(point - placement.Anchor, placement.Axes.Anterior) > clearlyMm)
+    if (depth(index) >= deepest / 3)
     {
       const double height = Dot(point, axis);
       low = std::min(low, height);
@@ -60,13 +69,17 @@ struct Reach
   double Tip = 0;
 };
 
-Reach ReachOf(EvaluatedState& breast, const ReceptorPoint& centre)
+Reach ReachOf(EvaluatedState& breast, const ReceptorPoint& centre, double outlineFromMm)
 {
   const auto directions = HalfCircleDirections(180);
   const std::vector<double>& radii = breast.SilhouetteFrom(centre, directions).Radii;
   Reach reach;
   for (std::size_t index = 0; index < directions.size(); ++index)
   {
+    if (centre[1] + radii[index] * directions[index][1] < outlineFromMm)
+    {
+      continue;
+    }
     reach.Low = std::min(reach.Low, centre[0] + radii[index] * directions[index][0]);
     reach.High = std::max(reach.High, centre[0] + radii[index] * directions[index][0]);
     reach.Tip = std::max(reach.Tip, centre[1] + radii[index] * directions[index][1]);
@@ -100,7 +113,11 @@ std::vector<double> Aligned(EvaluatedState& breast, const RegistrationTarget& ta
 {
   std::vector<double> values = ValuesOf(breast.Pose());
   const ReceptorPoint centre = ChestWallCentre(target);
-  const Reach reach = ReachOf(breast, centre);
+  const Reach reach = ReachOf(breast, centre, target.OutlineFromMm);
+  if (reach.Low > reach.High)
+  {
+    return values;
+  }
   const MammographyUnit& unit = breast.Placement().Unit;
   const double sid = unit.SourceToDetectorMm;
   const double magnification = sid / (sid - unit.SupportHeightMm - 0.5 * breast.Pose().ThicknessMm);
@@ -236,14 +253,14 @@ std::shared_ptr<EvaluatedState> CompressForStart(const SearchedBreast& breast,
   }
 }
 
-void OpenToHalfHeight(MammogramSearch& search)
+void OpenToLeastHeight(MammogramSearch& search)
 {
   RegistrationResult& result = search.Result;
   const double height = UncompressedHeight(search.Breast(), PoseOf(result.Values));
   if (!result.Parameters[ThicknessParameter].Fixed &&
-    result.Values[ThicknessParameter] < 0.5 * height)
+    result.Values[ThicknessParameter] < LeastShareOfHeight * height)
   {
-    OpenTo(0.5 * height, height, result);
+    OpenTo(LeastShareOfHeight * height, height, result);
   }
 }
 

@@ -25,9 +25,10 @@ struct MammogramSearch
 /// The parameters at their start, nothing found yet.
 MammogramSearch StartOf(const JointMammogram& mammogram);
 
-/// Opens a start of less than half the breast's height, with a warning: a breast is compressed to
-/// about that, and less belongs to another breast and costs minutes to fail.
-void OpenToHalfHeight(MammogramSearch& search);
+/// Opens a start of less than LeastShareOfHeight of the breast's height, with a warning: a breast
+/// is compressed to about a half, and less belongs to another breast and costs minutes to fail.
+void OpenToLeastHeight(MammogramSearch& search);
+inline constexpr double LeastShareOfHeight = 0.4;
 
 /// Equilibrium at the result's values, counted and timed; from `near` (null: cold) where that is
 /// not too far. Throws ConvergenceError and Interrupted.
