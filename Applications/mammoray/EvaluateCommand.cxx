@@ -4,6 +4,9 @@
 #include "SharedOptions.h"
 #include "mammoray/Case/ResultFile.h"
 #include "mammoray/Evidence/LandmarkEvaluation.h"
+#ifdef MAMMORAY_HAS_MESHING
+#include "mammoray/Evidence/StudyEvidence.h"
+#endif
 #include "mammoray/IO/MeshIO.h"
 
 #include "vtkUnstructuredGrid.h"
@@ -18,6 +21,8 @@ struct EvaluateArguments
 {
   std::string Result;
   std::string Landmarks;
+  /// Of a virtual study.
+  std::string Study;
   std::string TruthOrientation = "LPS";
   Vector3 TruthOrigin{ 0, 0, 0 };
   LandmarkTruth Truth;
@@ -28,8 +33,13 @@ void Declare(const OptionList& add, EvaluateArguments& arguments)
   AddResultOption(add, arguments.Result)->required();
   add("--landmarks", arguments.Landmarks,
     "CSV: ux,uy,uz (uncompressed, frame of the label volume), cx,cy,cz (compressed, frame of the "
-    "truth), imaged (0 or 1, may be left out); mm")
-    ->required();
+    "truth), imaged (0 or 1, may be left out); mm");
+#ifdef MAMMORAY_HAS_MESHING
+  add("--truth", arguments.Study,
+    "truth.json of a virtual study ('example study'), in place of --landmarks; for the result of "
+    "'register --study' on its export")
+    ->excludes("--landmarks");
+#endif
   add("--truth-orientation", arguments.TruthOrientation,
     "directions of the truth frame's axes, e.g. LPS or ALS");
   add.Numbers("--truth-origin", arguments.TruthOrigin, "X Y Z",
@@ -46,8 +56,36 @@ void PrintRow(const std::string& method, const char* group, const ErrorSummary& 
     receptor.Largest);
 }
 
+#ifdef MAMMORAY_HAS_MESHING
+void PrintStudyErrors(const EvaluateArguments& arguments)
+{
+  const VirtualStudyTruth truth = ReadVirtualStudyTruth(CheckInputFile(arguments.Study));
+  std::printf("%-8s %6s  %23s   %23s\n", "error, mm", "", "in 3D", "on the receptor");
+  std::printf("%-8s %6s  %7s %7s %7s   %7s %7s %7s\n", "view", "points", "median", "95 %", "max",
+    "median", "95 %", "max");
+  for (const StudyViewErrors& errors : MeasureStudy(truth, arguments.Result))
+  {
+    std::printf("%-8s %6zu  %7.2f %7.2f %7.2f   %7.2f %7.2f %7.2f\n", errors.View.c_str(),
+      errors.InSpaceMm.size(), Quantile(errors.InSpaceMm, 0.5), Quantile(errors.InSpaceMm, 0.95),
+      Quantile(errors.InSpaceMm, 1), Quantile(errors.OnReceptorMm, 0.5),
+      Quantile(errors.OnReceptorMm, 0.95), Quantile(errors.OnReceptorMm, 1));
+  }
+}
+#endif
+
 void Run(EvaluateArguments& arguments)
 {
+#ifdef MAMMORAY_HAS_MESHING
+  if (!arguments.Study.empty())
+  {
+    PrintStudyErrors(arguments);
+    return;
+  }
+#endif
+  if (arguments.Landmarks.empty())
+  {
+    throw CLI::RequiredError("--landmarks or --truth");
+  }
   const ResultFile result = ReadResultFile(arguments.Result);
   const auto grid = ReadMesh(CheckInputFile(arguments.Result + "/uncompressed.vtu"));
   const std::vector<Landmark> landmarks = ReadLandmarks(CheckInputFile(arguments.Landmarks));

@@ -5,6 +5,7 @@
 #include "SharedOptions.h"
 #include "mammoray/Case/RegistrationCase.h"
 #include "mammoray/Case/RegistrationCaseWriter.h"
+#include "mammoray/Case/StudyCase.h"
 #include "mammoray/Foundation/PoseParameters.h"
 
 #include <cmath>
@@ -18,25 +19,45 @@ namespace
 struct RegisterArguments
 {
   RegistrationCase Case;
+  std::string Study;
+  /// Empty: by the mammograms.
+  std::optional<char> Side;
+  /// Nothing: as a study says, else held and without weight.
+  std::optional<ChestWallMode> ChestWall;
+  std::optional<std::optional<PatientPosition>> ImagePosition;
+  std::optional<double> ChestWallMarginMm;
   ProjectorOptions Projector;
   std::string Output;
   bool Overwrite = false;
 };
 
-void DeclareMammograms(const OptionList& add, RegistrationCase& input)
+/// A clinic's export, or labels, materials and mammograms.
+void DeclareInputs(const OptionList& add, RegisterArguments& arguments)
 {
+  RegistrationCase& input = arguments.Case;
+  CLI::Option* study = add("--study", arguments.Study,
+    "folder of a clinic's export, MRI and mammograms in whatever files and folders: what is taken "
+    "of it 'mammoray intake' tells; in place of --labels, --materials and --mammogram");
+  AddLabelOptions(add, input.Labels)->excludes(study);
+  AddMaterialsOption(add, input.Materials);
+  AddOrientationOption(add, input.Orientation, "the volume");
   add("--mammogram", input.Mammograms,
     "mammogram, DICOM MG; repeated for several of the same breast (CC and MLO), which are "
     "registered together with one stiffness of gland")
-    ->required();
+    ->excludes(study);
+  add.Choice<std::optional<char>>("--side", arguments.Side, { { "left", 'L' }, { "right", 'R' } },
+    "the patient's own breast: which one of a study; of mammograms, in place of the header's");
+}
+
+void DeclareMammograms(const OptionList& add, RegisterArguments& arguments)
+{
+  RegistrationCase& input = arguments.Case;
   const OptionList mammogram = add.Group("Mammogram");
   mammogram("--view", input.MammogramViews, "in place of the header's, one for each mammogram")
     ->check(CLI::IsMember({ "CC", "MLO", "ML", "LM", "LMO", "FB" }));
-  mammogram.Word("--laterality", input.Laterality, { "L", "R" },
-    "the breast's side, in place of the header's");
   mammogram("--pixel-spacing", input.PixelSpacingMm, Positive("mm"),
     "of the mammogram's pixels at the receptor, in place of the header's; a picture without a "
-    "header (.jpg .png) needs it, --view and --laterality");
+    "header (.jpg .png) needs it, --view and --side");
   mammogram("--mask", input.Masks,
     "image of the mammogram's size (.png .mha), not 0 where it is not to be compared, one for each "
     "mammogram");
@@ -44,6 +65,9 @@ void DeclareMammograms(const OptionList& add, RegistrationCase& input)
     "compare the pectoral muscle, too: it is looked for in oblique views and left out");
   mammogram.FlagOff("--compare-markers", input.Targets.ExcludeMarkers,
     "compare the brightest pixels, too: text, markers and saturated tissue are left out");
+  mammogram("--chest-wall-margin", arguments.ChestWallMarginMm, NonNegative("mm"),
+    "depth of a strip along the chest wall that is not compared, picture and outline; default: 0, "
+    "of a --study 10");
 }
 
 void DeclareMeshes(const OptionList& add, RegistrationCase& input)
@@ -107,10 +131,8 @@ void DeclareSearch(const OptionList& add, RegistrationCase& input)
 void Declare(const OptionList& add, RegisterArguments& arguments)
 {
   RegistrationCase& input = arguments.Case;
-  AddLabelOptions(add, input.Labels)->required();
-  AddMaterialsOption(add, input.Materials)->required();
-  AddOrientationOption(add, input.Orientation, "the volume");
-  DeclareMammograms(add, input);
+  DeclareInputs(add, arguments);
+  DeclareMammograms(add, arguments);
   add("-o,--output", arguments.Output, "folder for meshes, pictures, result.json and report.html")
     ->required();
   AddOverwriteFlag(add, arguments.Overwrite, "an earlier result folder");
@@ -120,8 +142,19 @@ void Declare(const OptionList& add, RegisterArguments& arguments)
   DeclareMeshes(add, input);
   DeclareUnit(add, input);
   const OptionList loading = add.Group("Loading");
-  AddChestWallOption(loading, input.ChestWall);
-  AddImagePositionOption(loading, input.ImagePosition);
+  loading.Choice<std::optional<ChestWallMode>>("--chest-wall", arguments.ChestWall,
+    { { "auto", std::nullopt }, { "held", ChestWallMode::Held },
+      { "sliding", ChestWallMode::Sliding }, { "elastic", ChestWallMode::Elastic } },
+    "how the breast is attached to the held materials: held, sliding along their surface, or "
+    "elastic; auto: sliding in a --study, as along the pectoral muscle, else held");
+  using Position = std::optional<PatientPosition>;
+  loading.Choice<std::optional<Position>>("--mri-position", arguments.ImagePosition,
+    { { "auto", std::nullopt }, { "none", Position() },
+      { "prone", Position(PatientPosition::Prone) },
+      { "supine", Position(PatientPosition::Supine) } },
+    "how the patient lay in the MRI: from prone or supine the breast is unloaded of its weight and "
+    "compressed under that of the standing patient; none: no weight; auto: as the header of a "
+    "--study's MRI says, else none");
   DeclareStart(add, input);
   DeclareSearch(add, input);
 }
@@ -137,7 +170,7 @@ void CheckInputs(const RegistrationCase& input)
   }
   CheckInputFileIfAny(input.AnatomyMesh);
   CheckInputFileIfAny(input.SimulationMesh);
-  if (!std::filesystem::is_directory(input.Labels.Path))
+  if (!input.Study && !std::filesystem::is_directory(input.Labels.Path))
   {
     CheckInputFile(input.Labels.Path);
   }
@@ -171,16 +204,71 @@ void PrintView(const RegisteredView& view)
   }
 }
 
+/// What is registered, and what is to be known of it.
+void PrintStudy(const StudyIntake& study)
+{
+  for (const auto* reasons : { &study.Choice.SeriesReasons, &study.Choice.MammogramReasons })
+  {
+    for (std::size_t index = 0; index < reasons->size(); ++index)
+    {
+      const std::string name = reasons == &study.Choice.SeriesReasons
+        ? "'" + study.Found.Series[index].Description + "'"
+        : study.Found.Mammograms[index].View;
+      if ((*reasons)[index].rfind("taken", 0) == 0)
+      {
+        std::printf("%s %s\n", name.c_str(), (*reasons)[index].c_str());
+      }
+    }
+  }
+  std::fflush(stdout);
+  for (const std::string& warning : study.Choice.Warnings)
+  {
+    std::fprintf(stderr, "mammoray: note: %s\n", warning.c_str());
+  }
+}
+
+void PrintTissue(const StudyTissue& tissue)
+{
+  std::printf("breast %.0f cm3 in the MRI, %.0f %% gland, stands out by %.0f mm\n",
+    tissue.BreastCm3, 100 * tissue.GlandFraction, tissue.DepthMm);
+  for (const std::string& warning : tissue.Warnings)
+  {
+    std::fprintf(stderr, "mammoray: note: %s\n", warning.c_str());
+  }
+}
+
 void Run(RegisterArguments& arguments)
 {
   RegistrationCase& input = arguments.Case;
+  if (arguments.Study.empty() &&
+    (input.Labels.Path.empty() || input.Materials.empty() || input.Mammograms.empty()))
+  {
+    throw CLI::RequiredError("--study, or --labels, --materials and --mammogram together,");
+  }
   CheckResultFolder(arguments.Output, arguments.Overwrite);
+  if (!arguments.Study.empty())
+  {
+    TakeStudy(arguments.Study, arguments.Side, input, MakeProgressBar());
+    PrintStudy(*input.Study);
+  }
+  else if (arguments.Side)
+  {
+    input.Laterality = *arguments.Side;
+  }
+  input.ChestWall = arguments.ChestWall.value_or(input.ChestWall);
+  input.Targets.ChestWallMarginMm =
+    arguments.ChestWallMarginMm.value_or(input.Targets.ChestWallMarginMm);
+  input.ImagePosition = arguments.ImagePosition.value_or(input.ImagePosition);
   CheckInputs(input);
   input.Device = arguments.Projector.Device;
   input.Projector = MethodName(arguments.Projector.Projection);
   const RegistrationCaseResult result = RunRegistrationCase(input, MakeProgressBar());
   WriteRegistrationCase(input, result, arguments.Output, arguments.Overwrite);
 
+  if (result.Tissue)
+  {
+    PrintTissue(*result.Tissue);
+  }
   const std::vector<std::string> folders = MammogramFolders(result);
   for (std::size_t view = 0; view < folders.size(); ++view)
   {

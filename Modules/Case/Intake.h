@@ -151,6 +151,13 @@ struct StudyChoice
 MAMMORAYCASE_EXPORT StudyChoice ChooseForRegistration(const Study& study,
   std::optional<char> laterality = {});
 
+/// What was found and what is taken of it.
+struct StudyIntake
+{
+  Study Found;
+  StudyChoice Choice;
+};
+
 /// Tables of series and mammograms, each with what is made of it, for the terminal.
 MAMMORAYCASE_EXPORT std::string StudyListing(const Study& study, const StudyChoice& choice);
 

@@ -3,6 +3,7 @@
 
 #include "mammoray/Biomechanics/ElasticTable.h"
 #include "mammoray/Case/ResultFile.h"
+#include "mammoray/Case/StudyCase.h"
 #include "mammoray/IO/MammogramIO.h"
 #include "mammoray/IO/MammogramPictureIO.h"
 #include "mammoray/IO/MeshConversion.h"
@@ -21,6 +22,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <filesystem>
 
 namespace mammoray
 {
@@ -199,14 +201,14 @@ std::vector<std::string> FreeNames(const RegistrationCase& input, const Material
 std::vector<double> ResumeFrom(const RegistrationCase& input, const ResultFile& result,
   const std::string& mammogram, const std::vector<RegistrationParameter>& parameters)
 {
-  for (const auto& [role, name] : CaseInputs(input, mammogram))
+  for (const CaseInput& given : CaseInputs(input, mammogram))
   {
     for (const ResultInput& entry : result.Inputs)
     {
-      if (entry.Role == role && entry.Sha256 != Sha256OfFile(name))
+      if (entry.Role == given.Role && entry.Sha256 != given.Sha256())
       {
-        throw InputError(result.Folder + "/" + ResultFileName + ": expected a result of " + name +
-          ", found one of another file");
+        throw InputError(result.Folder + "/" + ResultFileName + ": expected a result of " +
+          given.Name + ", found one of another file");
       }
     }
   }
@@ -335,6 +337,30 @@ void Search(const RegistrationCase& input, BreastModel& model,
   }
 }
 
+/// The volume of material indices, of labels that were given or of a study's MRI.
+LabelVolume ReadTissue(const RegistrationCase& input, RegistrationCaseResult& result,
+  const ProgressCallback& progress)
+{
+  if (!input.Study)
+  {
+    return ReadMaterials(input.Labels, result.Materials);
+  }
+  result.Tissue = std::make_shared<const StudyTissue>(
+    SegmentStudy(input.Study->Choice, result.Materials, progress));
+  return result.Tissue->Breast;
+}
+
+void WarnOfVolume(const RegistrationCaseResult& result, RegisteredView& view)
+{
+  const std::string mismatch = result.Tissue
+    ? VolumeMismatch(*result.Tissue, view.Target, view.Unit, view.Registration.Pose.ThicknessMm)
+    : "";
+  if (!mismatch.empty())
+  {
+    view.Warnings.push_back(mismatch);
+  }
+}
+
 /// What a mammogram shows where the search ended.
 void Picture(BreastModel& model, const UnitPlacement& placement, RegisteredView& view)
 {
@@ -367,25 +393,56 @@ void Picture(BreastModel& model, const UnitPlacement& placement, RegisteredView&
 }
 }
 
-std::vector<std::pair<std::string, std::string>> CaseInputs(const RegistrationCase& input,
-  const std::string& mammogram)
+std::string CaseInput::Sha256() const
 {
-  std::vector<std::pair<std::string, std::string>> inputs{ { "Label volume", input.Labels.Path },
-    { MaterialTableRole, FindMaterialTablePath(input.Materials) }, { MammogramRole, mammogram } };
+  return this->Files.size() == 1 ? Sha256OfFile(this->Files.front()) : Sha256OfFiles(this->Files);
+}
+
+std::vector<CaseInput> CaseInputs(const RegistrationCase& input, const std::string& mammogram)
+{
+  std::vector<CaseInput> inputs;
+  const auto add = [&](const char* role, const std::string& path)
+  {
+    // A folder may be named with a slash at its end.
+    const std::filesystem::path file(path);
+    inputs.push_back(
+      { role, (file.has_filename() ? file : file.parent_path()).filename().string(), { path } });
+  };
+  if (input.Study)
+  {
+    const StudyChoice& choice = input.Study->Choice;
+    for (const auto& [role, series] : { std::pair{ "MRI without fat suppression", &choice.Plain },
+           { "MRI with fat suppression", &choice.FatSuppressed }, { "MRI", &choice.Undetermined } })
+    {
+      if (*series)
+      {
+        inputs.push_back({ role, (*series)->Description, (*series)->Files });
+      }
+    }
+  }
+  else
+  {
+    add("Label volume", input.Labels.Path);
+  }
+  add(MaterialTableRole, FindMaterialTablePath(input.Materials));
+  add(MammogramRole, mammogram);
   if (!input.AnatomyMesh.empty())
   {
-    inputs.emplace_back("Anatomy mesh", input.AnatomyMesh);
+    add("Anatomy mesh", input.AnatomyMesh);
   }
   if (!input.SimulationMesh.empty())
   {
-    inputs.emplace_back("Simulation mesh", input.SimulationMesh);
+    add("Simulation mesh", input.SimulationMesh);
   }
   return inputs;
 }
 
 RegistrationCaseResult RunRegistrationCase(const RegistrationCase& input,
-  const ProgressCallback& progress)
+  const ProgressCallback& whole)
 {
+  // What a study's MRI takes of the time before the rest begins as it does with labels.
+  const double segmenting = input.Study ? 0.25 : 0.0;
+  const ProgressCallback progress = ShareOf(whole, segmenting, 1);
   RegistrationCaseResult result;
   Stopwatch stopwatch(result.Timings);
 
@@ -408,7 +465,7 @@ RegistrationCaseResult RunRegistrationCase(const RegistrationCase& input,
   result.Device = projector->DeviceName() + ", " + MethodName(projector->Method());
   ReportProgress(progress, 0, "read");
   BreastModelOptions options;
-  options.Volume = ReadMaterials(input.Labels, result.Materials);
+  options.Volume = ReadTissue(input, result, ShareOf(whole, 0, segmenting));
   result.Anchor = FindPoseAnchor(*options.Volume, held, result.Axes);
   stopwatch.Stage("read");
 
@@ -443,6 +500,7 @@ RegistrationCaseResult RunRegistrationCase(const RegistrationCase& input,
   for (RegisteredView& view : result.Views)
   {
     Picture(model, { result.Axes, result.Anchor, view.Unit }, view);
+    WarnOfVolume(result, view);
   }
   stopwatch.Stage("synthetic mammogram");
   ReportProgress(progress, 1, "synthetic mammogram");

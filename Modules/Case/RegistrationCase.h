@@ -15,15 +15,21 @@
 #include "mammorayCaseModule.h"
 
 #include <array>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 namespace mammoray
 {
+struct StudyIntake;
+struct StudyTissue;
+
 /// Everything that says what is registered to what, by files; the members carry the defaults.
 struct RegistrationCase
 {
+  /// A clinic's export whose MRI is segmented in place of Labels (TakeStudy); null: none.
+  std::shared_ptr<const StudyIntake> Study;
   /// Finer label volumes are resampled to 0.5 mm unless told otherwise.
   LabelSource Labels{ .SpacingMm = 0.5, .OnlyCoarsen = true };
   /// Material table: a path (.json) or the name of a shipped one.
@@ -109,6 +115,8 @@ struct RegistrationCaseResult
 {
   MaterialTable Materials;
   AnatomicalAxes Axes;
+  /// What a study's MRI was segmented into; null where labels were given.
+  std::shared_ptr<const StudyTissue> Tissue;
   Vector3 Anchor{ 0, 0, 0 };
   /// At rest, volume frame.
   TetrahedralMesh Anatomy;
@@ -125,9 +133,22 @@ struct RegistrationCaseResult
   std::vector<std::pair<std::string, double>> Timings;
 };
 
-/// Role and path of each input file that was given, with one of the mammograms.
-MAMMORAYCASE_EXPORT std::vector<std::pair<std::string, std::string>> CaseInputs(
-  const RegistrationCase& input, const std::string& mammogram);
+/// What a case is made from: a file, or the files of a series.
+struct CaseInput
+{
+  /// What it is used for (ResultInput::Role).
+  std::string Role;
+  /// Of the file or folder, without the folder it is in; a series' description.
+  std::string Name;
+  std::vector<std::string> Files;
+
+  /// SHA-256 of all its bytes. Throws InputError when they cannot be read.
+  std::string Sha256() const;
+};
+
+/// What was given, with one of the mammograms.
+MAMMORAYCASE_EXPORT std::vector<CaseInput> CaseInputs(const RegistrationCase& input,
+  const std::string& mammogram);
 
 /**
  * Reads, meshes, compresses, projects and registers. Throws InputError on unusable input,

@@ -3,10 +3,11 @@
 
 #include "mammoray/Case/BreastInUnit.h"
 #include "mammoray/Case/ResultFile.h"
+#include "mammoray/Case/StudyCase.h"
 #include "mammoray/Foundation/Error.h"
+#include "mammoray/IO/LabelVolumeIO.h"
 #include "mammoray/IO/MeshConversion.h"
 #include "mammoray/IO/MeshIO.h"
-#include "mammoray/IO/Sha256.h"
 #include "mammoray/Report/RegistrationReport.h"
 
 #include "vtkDoubleArray.h"
@@ -97,12 +98,9 @@ double ShareExcluded(const RegistrationTarget& target)
 std::vector<ResultInput> HashedInputs(const RegistrationCase& input, const std::string& mammogram)
 {
   std::vector<ResultInput> inputs;
-  for (const auto& [role, path] : CaseInputs(input, mammogram))
+  for (const CaseInput& given : CaseInputs(input, mammogram))
   {
-    // A folder may be named with a slash at its end.
-    const fs::path file(path);
-    const std::string name = (file.has_filename() ? file : file.parent_path()).filename().string();
-    inputs.push_back({ role, name, Sha256OfFile(path) });
+    inputs.push_back({ given.Role, given.Name, given.Sha256() });
   }
   return inputs;
 }
@@ -211,6 +209,12 @@ void WriteInto(const std::string& folder, const RegistrationCase& input,
   const std::vector<std::string> folders = MammogramFolders(result);
   std::vector<ResultFile> files;
   JointReport report;
+  if (result.Tissue)
+  {
+    WriteLabelVolume(result.Tissue->Labels, folder + "/labels.nrrd");
+    WriteIntensityVolume(result.Tissue->Mri, folder + "/mri.nrrd");
+    report.Sections.push_back(StudySection(*input.Study, *result.Tissue));
+  }
   for (std::size_t number = 0; number < result.Views.size(); ++number)
   {
     const RegisteredView& registered = result.Views[number];
@@ -219,11 +223,18 @@ void WriteInto(const std::string& folder, const RegistrationCase& input,
     WriteMeshes(result, registered, own);
     WriteSynthetic(registered, own + "/synthetic.mha");
     files.push_back(ResultOf(input, result, registered));
-    WriteResultFile(files.back(), own);
     report.Mammograms.push_back(ReportOf(registered, files.back()));
+    for (const ReportSection& section : report.Sections)
+    {
+      // Those of the study are told in its section.
+      files.back().Warnings.insert(files.back().Warnings.end(), section.Notes.begin(),
+        section.Notes.end());
+    }
+    WriteResultFile(files.back(), own);
   }
   if (result.Views.size() == 1)
   {
+    report.Mammograms.front().Sections = report.Sections;
     WriteRegistrationReport(report.Mammograms.front(), folder);
     return;
   }

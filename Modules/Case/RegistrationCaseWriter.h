@@ -32,7 +32,8 @@ MAMMORAYCASE_EXPORT void CheckResultFolder(const std::string& folder, bool overw
  * (volume frame, both with the point array "Displacement", mm, from the one to the other),
  * synthetic.mha (log attenuation on the mammogram's pixel grid, float), the result file, and what
  * WriteRegistrationReport writes. For several: a folder with that for each of them
- * (MammogramFolders), their joint result file, and what WriteJointReport writes. Throws InputError
+ * (MammogramFolders), their joint result file, and what WriteJointReport writes. Of a study besides
+ * labels.nrrd and mri.nrrd (StudyTissue), and a section of the report. Throws InputError
  * as CheckResultFolder, and when a file cannot be written or an input no longer be read.
  */
 MAMMORAYCASE_EXPORT void WriteRegistrationCase(const RegistrationCase& input,

@@ -15,6 +15,7 @@
 #include <algorithm>
 #include <fstream>
 #include <functional>
+#include <limits>
 #include <sstream>
 
 namespace mammoray
@@ -184,6 +185,19 @@ std::vector<Landmark> ReadLandmarks(const std::string& path)
       path + ": expected at least 3 landmarks, found " + std::to_string(landmarks.size()));
   }
   return landmarks;
+}
+
+double Quantile(std::vector<double> values, double part)
+{
+  if (values.empty())
+  {
+    return std::numeric_limits<double>::quiet_NaN();
+  }
+  std::sort(values.begin(), values.end());
+  const double place = part * static_cast<double>(values.size() - 1);
+  const auto below = static_cast<std::size_t>(place);
+  const std::size_t above = std::min(below + 1, values.size() - 1);
+  return values[below] + (place - static_cast<double>(below)) * (values[above] - values[below]);
 }
 
 ErrorSummary Summarise(std::vector<double> errors)

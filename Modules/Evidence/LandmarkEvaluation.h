@@ -39,6 +39,9 @@ struct ErrorSummary
 };
 MAMMORAYEVIDENCE_EXPORT ErrorSummary Summarise(std::vector<double> errors);
 
+/// The value below which this part of some values lies, [0, 1], linear between them; NaN of none.
+MAMMORAYEVIDENCE_EXPORT double Quantile(std::vector<double> values, double part);
+
 /**
  * Points carried by the point array "Displacement" (mm) of a body, each by that of the cell that
  * holds or is nearest to it. Throws InputError without that array.

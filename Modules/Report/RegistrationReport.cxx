@@ -117,6 +117,7 @@ void WriteJointReport(const JointReport& report, const std::string& folder)
   {
     WriteParts(report.Mammograms[number], parts[number], folder + "/" + report.Folders[number]);
   }
+  html += SectionsHtml(report.Sections);
   const RegistrationReport& first = report.Mammograms.front();
   WriteWholeFile(PageHtml(first.Title, BreastText(*first.RealMammogram) + ", " + titles, html),
     (std::filesystem::path(folder) / "report.html").string());

@@ -25,6 +25,17 @@ struct ReportInput
   std::string Sha256;
 };
 
+/// Something that a report tells besides: rows of a name and a text, a picture, sentences.
+struct ReportSection
+{
+  std::string Title;
+  std::vector<std::pair<std::string, std::string>> Rows;
+  /// Bytes of a PNG file; empty: none.
+  std::string Picture;
+  std::string Caption;
+  std::vector<std::string> Notes;
+};
+
 /// What a report tells of one mammogram. The referenced objects must live until it is written.
 struct RegistrationReport
 {
@@ -44,6 +55,8 @@ struct RegistrationReport
   std::vector<std::pair<std::string, std::string>> Versions;
   /// What the user should know, the target's warnings included, a sentence each.
   std::vector<std::string> Warnings;
+  /// Told at the end of its page.
+  std::vector<ReportSection> Sections;
 };
 
 /**
@@ -74,6 +87,8 @@ struct JointReport
   /// Names of their folders within that of this report, one for each.
   std::vector<std::string> Folders;
   std::vector<SharedParameter> Shared;
+  /// Told at the end of the page of all.
+  std::vector<ReportSection> Sections;
 };
 
 /**

@@ -169,10 +169,9 @@ private:
   double White = 1;
   double PixelMm = 1;
 };
-}
 
-void WriteSlicePicture(const IntensityVolume& image, const LabelVolume& labels,
-  const AnatomicalAxes& axes, const std::vector<std::string>& names, const std::string& path)
+Picture SlicePicture(const IntensityVolume& image, const LabelVolume& labels,
+  const AnatomicalAxes& axes, const std::vector<std::string>& names)
 {
   image.ValidateGrid("slice picture", labels.Voxels.size());
   const Slices slices(image, labels, axes);
@@ -212,6 +211,19 @@ void WriteSlicePicture(const IntensityVolume& image, const LabelVolume& labels,
     picture.LegendEntry(width - SliceLegendWidth, height - SliceMargin, row++, index - 1,
       index < names.size() ? names[index] : "label " + std::to_string(label));
   }
-  picture.Write(path);
+  return picture;
+}
+}
+
+void WriteSlicePicture(const IntensityVolume& image, const LabelVolume& labels,
+  const AnatomicalAxes& axes, const std::vector<std::string>& names, const std::string& path)
+{
+  SlicePicture(image, labels, axes, names).Write(path);
+}
+
+std::string SlicePicturePng(const IntensityVolume& image, const LabelVolume& labels,
+  const AnatomicalAxes& axes, const std::vector<std::string>& names)
+{
+  return SlicePicture(image, labels, axes, names).Png();
 }
 }

@@ -22,6 +22,10 @@ namespace mammoray
 MAMMORAYREPORT_EXPORT void WriteSlicePicture(const IntensityVolume& image,
   const LabelVolume& labels, const AnatomicalAxes& axes, const std::vector<std::string>& names,
   const std::string& path);
+
+/// The bytes of that picture; throws as that.
+MAMMORAYREPORT_EXPORT std::string SlicePicturePng(const IntensityVolume& image,
+  const LabelVolume& labels, const AnatomicalAxes& axes, const std::vector<std::string>& names);
 }
 
 #endif

@@ -126,7 +126,7 @@ TEST_F(RegisterCommand, RefusesUnusableInputInOneLine)
   this->ExpectRefused(this->Register(Labels, Materials, this->Folder.File("picture.jpg")),
     "expected its pixel spacing, view, laterality to be given");
   this->ExpectRefused(this->Register(Labels, Materials, this->Folder.File("picture.jpg"),
-                        "--pixel-spacing 0.1 --view MLO --laterality L"),
+                        "--pixel-spacing 0.1 --view MLO --side left"),
     "expected a picture that can be read");
   this->ExpectRefused(
     this->Register(Labels, Materials, MammogramFile, "--mask " + this->Folder.File("none.png")),

@@ -4,8 +4,10 @@
 #include "mammoray/Case/BreastInUnit.h"
 #include "mammoray/Case/RegistrationCaseWriter.h"
 #include "mammoray/Case/ResultFile.h"
+#include "mammoray/Case/StudyCase.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/Foundation/PoseParameters.h"
+#include "mammoray/IO/LabelVolumeIO.h"
 #include "mammoray/IO/Sha256.h"
 
 #include "vtkDataArray.h"
@@ -142,6 +144,38 @@ TEST_F(WrittenCase, OfSeveralMammogramsHasAFolderForEach)
   EXPECT_DOUBLE_EQ(joint.Unknowns[1].StandardDeviation, 0.3);
   EXPECT_EQ(ReadResultFiles(folder).size(), 3u);
   EXPECT_THAT(testing_support::ReadFile(folder + "/report.html"), HasSubstr("<b>1.50</b> ± 0.30"));
+}
+
+TEST_F(WrittenCase, OfAStudyHoldsItsTissueAndTellsOfIt)
+{
+  auto tissue = std::make_shared<StudyTissue>();
+  tissue->Labels.Size = { 4, 4, 4 };
+  tissue->Labels.Voxels.assign(64, 1);
+  tissue->Mri.Size = tissue->Labels.Size;
+  tissue->Mri.Voxels.assign(64, 0.5F);
+  tissue->Warnings = { "The wall is ragged." };
+  this->Result.Tissue = tissue;
+  StudyIntake study;
+  study.Choice.Plain.emplace();
+  study.Choice.Plain->Description = "t1 <tse>";
+  study.Choice.Plain->Files = { this->Input.Labels.Path };
+  study.Found.Series = { *study.Choice.Plain };
+  study.Choice.SeriesReasons = { "taken: T1" };
+  this->Input.Study = std::make_shared<StudyIntake>(study);
+  const std::string folder = this->Folder.File("result");
+  WriteRegistrationCase(this->Input, this->Result, folder);
+  EXPECT_EQ(ReadLabelVolume(folder + "/labels.nrrd").Voxels, tissue->Labels.Voxels);
+  EXPECT_EQ(ReadIntensityVolume(folder + "/mri.nrrd").Voxels, tissue->Mri.Voxels);
+  const ResultFile result = ReadResultFile(folder);
+  EXPECT_EQ(result.Inputs.front().Role, "MRI without fat suppression");
+  EXPECT_EQ(result.Inputs.front().File, "t1 <tse>");
+  EXPECT_EQ(result.Inputs.front().Sha256, Sha256OfFile(this->Input.Labels.Path));
+  EXPECT_THAT(result.Warnings, ElementsAre("Something had to be assumed.", "The wall is ragged."));
+  const std::string report = testing_support::ReadFile(folder + "/report.html");
+  EXPECT_THAT(report, HasSubstr("MRI: t1 &lt;tse&gt;"));
+  // Once.
+  EXPECT_EQ(report.find("The wall is ragged."), report.rfind("The wall is ragged."));
+  EXPECT_NE(report.find("The wall is ragged."), std::string::npos);
 }
 
 TEST_F(WrittenCase, IsCompleteOrNotThere)

@@ -288,7 +288,26 @@ std::string MammogramHtml(const RegistrationReport& report, const ReportPictures
     html += "<section class=\"notes\">\n<h2>What had to be assumed</h2>\n" +
       Sentences(report.Warnings) + "</section>\n";
   }
-  return html + SourcesHtml(report);
+  return html + SectionsHtml(report.Sections) + SourcesHtml(report);
+}
+
+std::string SectionsHtml(const std::vector<ReportSection>& sections)
+{
+  std::string html;
+  for (const ReportSection& section : sections)
+  {
+    html += "<section>\n<h2>" + Escape(section.Title) + "</h2>\n";
+    html += section.Rows.empty() ? std::string() : Rows(section.Rows);
+    if (!section.Picture.empty())
+    {
+      html += "<figure><img alt=\"" + Escape(section.Title) + "\" src=\"data:image/png;base64," +
+        Base64(section.Picture) + "\">\n<figcaption>" + Escape(section.Caption) +
+        "</figcaption></figure>\n";
+    }
+    html += section.Notes.empty() ? std::string() : Sentences(section.Notes);
+    html += "</section>\n";
+  }
+  return html;
 }
 
 std::string SharedHtml(const std::vector<SharedParameter>& shared)

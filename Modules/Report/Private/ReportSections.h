@@ -20,6 +20,9 @@ std::string MammogramHeading(const std::string& title);
 std::string MammogramHtml(const RegistrationReport& report, const ReportPictures& pictures,
   const std::string& plot);
 
+/// Further sections.
+std::string SectionsHtml(const std::vector<ReportSection>& sections);
+
 /// What mammograms that were registered together have in common.
 std::string SharedHtml(const std::vector<SharedParameter>& shared);
 }

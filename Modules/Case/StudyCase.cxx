@@ -1,0 +1,184 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mammoray/Case/StudyCase.h"
+
+#include "mammoray/IO/LabelVolumeIO.h"
+#include "mammoray/IO/ShippedData.h"
+#include "mammoray/Report/SlicePicture.h"
+
+#ifdef MAMMORAY_HAS_SEGMENTATION
+#include "mammoray/Segmentation/BreastSegmentation.h"
+#endif
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <numeric>
+#include <utility>
+
+namespace mammoray
+{
+#ifdef MAMMORAY_HAS_SEGMENTATION
+namespace
+{
+/// The side is asked for where both breasts may be there.
+BreastSide SideToSegment(const StudySeries& series, char laterality)
+{
+  if (series.Side == laterality)
+  {
+    return BreastSide::Both;
+  }
+  return laterality == 'L' ? BreastSide::Left : BreastSide::Right;
+}
+
+StudyTissue TissueOf(SegmentationResult&& found, const MaterialTable& table)
+{
+  StudyTissue tissue;
+  tissue.Labels = std::move(found.Labels);
+  tissue.Mri = std::move(found.Corrected);
+  tissue.Breast =
+    KeepBreast(table.ToMaterials(tissue.Labels, "the study's MRI"), table.Held(), AnatomicalAxes());
+  const std::vector<bool> held = table.Held();
+  const std::vector<int> gland = table.Glandular();
+  double glandCm3 = 0;
+  for (const auto& [material, count] : tissue.Breast.CountLabels())
+  {
+    const double cm3 = static_cast<double>(count) * tissue.Breast.VoxelVolume() / 1000;
+    tissue.BreastCm3 += material != 0 && !held[material] ? cm3 : 0;
+    glandCm3 += std::find(gland.begin(), gland.end(), material) != gland.end() ? cm3 : 0;
+  }
+  tissue.GlandFraction = glandCm3 / std::max(tissue.BreastCm3, 1e-9);
+  tissue.DepthMm = found.Measures.DepthMm;
+  tissue.Warnings = std::move(found.Warnings);
+  return tissue;
+}
+}
+
+StudyTissue SegmentStudy(const StudyChoice& choice, const MaterialTable& table,
+  const ProgressCallback& progress)
+{
+  choice.Require();
+  SegmentationOptions options;
+  const StudySeries& first = choice.Plain ? *choice.Plain
+    : choice.FatSuppressed                ? *choice.FatSuppressed
+                                          : *choice.Undetermined;
+  options.Side = SideToSegment(first, choice.Laterality);
+  options.Contrast = choice.Plain ? FatContrast::FatBright
+    : choice.FatSuppressed        ? FatContrast::FatDark
+                                  : FatContrast::Auto;
+  const IntensityVolume image =
+    ReadIntensitySeries(first.Files, PartOf(progress, 0, 0.1, "read the MRI"));
+  if (choice.Plain && choice.FatSuppressed)
+  {
+    const IntensityVolume suppressed = ReadIntensitySeries(choice.FatSuppressed->Files,
+      PartOf(progress, 0.1, 0.2, "read the fat-suppressed MRI"));
+    return TissueOf(
+      SegmentBreast(image, suppressed, options, PartOf(progress, 0.2, 1, "segment the MRI")), table);
+  }
+  return TissueOf(SegmentBreast(image, options, PartOf(progress, 0.1, 1, "segment the MRI")), table);
+}
+#else
+StudyTissue SegmentStudy(const StudyChoice&, const MaterialTable&, const ProgressCallback&)
+{
+  throw InputError("study: this build has no Segmentation module (ITK 5 was not found, or "
+                   "MAMMORAY_BUILD_SEGMENTATION was OFF); expected labels made elsewhere");
+}
+#endif
+
+void TakeStudy(const std::string& folder, std::optional<char> laterality, RegistrationCase& input,
+  const ProgressCallback& progress)
+{
+  StudyIntake study;
+  study.Found = ReadStudy(folder, progress);
+  study.Choice = ChooseForRegistration(study.Found, laterality);
+  study.Choice.Require();
+  input.Mammograms.clear();
+  for (const std::optional<StudyMammogram>& view : { study.Choice.Cc, study.Choice.Mlo })
+  {
+    if (view)
+    {
+      input.Mammograms.push_back(view->File);
+    }
+  }
+  input.Laterality = study.Choice.Laterality;
+  input.Materials = input.Materials.empty() ? StudyMaterials : input.Materials;
+  input.Orientation = "LPS";
+  input.ImagePosition = study.Choice.Position;
+  // The pectoral muscle lets the breast glide; held there, it could not follow the plates.
+  input.ChestWall = ChestWallMode::Sliding;
+  input.Targets.ChestWallMarginMm = StudyChestWallMarginMm;
+  input.Study = std::make_shared<const StudyIntake>(std::move(study));
+}
+
+std::string VolumeMismatch(const StudyTissue& tissue, const RegistrationTarget& target,
+  const MammographyUnit& unit, double thicknessMm)
+{
+  std::size_t pixels = 0;
+  for (std::size_t pixel = 0; pixel < target.BreastMask.size(); ++pixel)
+  {
+    pixels += target.BreastMask[pixel] != 0 && !IsExcluded(target, pixel) ? 1 : 0;
+  }
+  const double pixelMm2 =
+    std::abs(target.ColumnStep[0] * target.RowStep[1] - target.ColumnStep[1] * target.RowStep[0]);
+  const double magnification =
+    unit.SourceToDetectorMm / (unit.SourceToDetectorMm - unit.SupportHeightMm - 0.5 * thicknessMm);
+  const double pressedCm3 =
+    static_cast<double>(pixels) * pixelMm2 * thicknessMm / (magnification * magnification) / 1000;
+  const double ratio = tissue.BreastCm3 / pressedCm3;
+  if (ratio <= MostVolumeRatio && ratio >= 1 / MostVolumeRatio)
+  {
+    return "";
+  }
+  char text[256];
+  std::snprintf(text, sizeof text,
+    "The breast has %.0f cm3 in the MRI and about %.0f cm3 between the plates (its shadow times "
+    "%.0f mm): is it the same breast, and is the segmentation right?",
+    tissue.BreastCm3, pressedCm3, thicknessMm);
+  return text;
+}
+
+ReportSection StudySection(const StudyIntake& study, const StudyTissue& tissue)
+{
+  ReportSection section;
+  section.Title = "The patient's files";
+  const auto number = [](const char* format, double value)
+  {
+    char text[64];
+    std::snprintf(text, sizeof text, format, value);
+    return std::string(text);
+  };
+  for (std::size_t index = 0; index < study.Found.Series.size(); ++index)
+  {
+    const StudySeries& series = study.Found.Series[index];
+    const std::string name = series.Description.empty() ? "no description" : series.Description;
+    const std::string phase = series.Phases > 1
+      ? ", " + std::to_string(series.Phase) + " of " + std::to_string(series.Phases)
+      : "";
+    section.Rows.emplace_back("MRI: " + name + phase, study.Choice.SeriesReasons[index]);
+  }
+  for (std::size_t index = 0; index < study.Found.Mammograms.size(); ++index)
+  {
+    const StudyMammogram& image = study.Found.Mammograms[index];
+    const std::string side = image.Laterality == 'L' ? "left "
+      : image.Laterality == 'R'                      ? "right "
+                                                     : "";
+    section.Rows.emplace_back("Mammogram: " + side + image.View +
+        (image.Intent == Mammogram::Intent::ForProcessing ? ", For Processing"
+                                                          : ", For Presentation"),
+      study.Choice.MammogramReasons[index]);
+  }
+  section.Rows.emplace_back("Patient in the MRI",
+    !study.Choice.Position                               ? "not stated: taken as without weight"
+      : *study.Choice.Position == PatientPosition::Prone ? "prone"
+                                                         : "supine");
+  section.Rows.emplace_back("Breast in the MRI", number("%.0f cm3", tissue.BreastCm3));
+  section.Rows.emplace_back("Gland in it", number("%.0f %%", 100 * tissue.GlandFraction));
+  section.Rows.emplace_back("Stands out by", number("%.0f mm", tissue.DepthMm));
+  section.Picture = SlicePicturePng(tissue.Mri, tissue.Labels, AnatomicalAxes::FromCode("LPS"),
+    FindMaterialTable(StudyMaterials).Names());
+  section.Caption = "The breast as it was found in the MRI. What is coloured wrong here is wrong "
+                    "everywhere: look at it first.";
+  section.Notes = study.Choice.Warnings;
+  section.Notes.insert(section.Notes.end(), tissue.Warnings.begin(), tissue.Warnings.end());
+  return section;
+}
+}

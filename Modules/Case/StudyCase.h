@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: Apache-2.0
+#ifndef mammoray_StudyCase_h
+#define mammoray_StudyCase_h
+
+#include "mammoray/Case/Intake.h"
+#include "mammoray/Case/RegistrationCase.h"
+#include "mammoray/Foundation/IntensityVolume.h"
+#include "mammoray/Foundation/LabelVolume.h"
+#include "mammoray/Foundation/Progress.h"
+#include "mammoray/Report/RegistrationReport.h"
+#include "mammorayCaseModule.h"
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace mammoray
+{
+/// The material table of the tissue that a study is segmented into.
+inline constexpr const char* StudyMaterials = "segment";
+
+/// TargetOptions::ChestWallMarginMm of a study: what is farther in front of the chest wall than the
+/// plates' edges is breast.
+inline constexpr double StudyChestWallMarginMm = 10.0;
+
+/// A study's MRI as tissue; DICOM LPS.
+struct StudyTissue
+{
+  /// Of the side that is registered: labels of the table "segment".
+  LabelVolume Labels;
+  /// The MRI on the same grid after bias correction, fat is 1: that without fat suppression where
+  /// there are both.
+  IntensityVolume Mri;
+  /// What is registered: the breast and the chest wall behind it without the body beside them
+  /// (KeepBreast); material indices.
+  LabelVolume Breast;
+  /// Its fat, gland and skin, and gland's part in them, [0, 1].
+  double BreastCm3 = 0;
+  double GlandFraction = 0;
+  /// How far the skin lies in front of the chest wall, mm.
+  double DepthMm = 0;
+  /// Of the segmentation, a sentence each.
+  std::vector<std::string> Warnings;
+};
+
+/**
+ * Makes a registration's case of a clinic's export: reads its headers, chooses (Intake.h), and
+ * fills what the case leaves open: the mammograms and their side, the patient's position in the
+ * MRI, the table StudyMaterials, a chest wall along which the breast slides, and what of the
+ * mammograms is not compared there. `laterality`:
+ * 'L', 'R' or what all mammograms are of. The MRI is segmented when the case runs. Throws
+ * InputError, one line, where there is nothing that can be registered; Interrupted.
+ */
+MAMMORAYCASE_EXPORT void TakeStudy(const std::string& folder, std::optional<char> laterality,
+  RegistrationCase& input, const ProgressCallback& progress = {});
+
+/**
+ * Reads the MRI that was chosen and segments it (SegmentBreast), without and with fat suppression
+ * together where there are both. `table`: of those labels. Throws as these, and InputError in a build without Segmentation.
+ */
+MAMMORAYCASE_EXPORT StudyTissue SegmentStudy(const StudyChoice& choice, const MaterialTable& table,
+  const ProgressCallback& progress = {});
+
+/**
+ * What of the breast in the MRI and of that in a mammogram of this compressed thickness cannot be
+ * one breast's, a sentence; empty where nothing is: the mammogram's shadow times the thickness is a
+ * volume within a factor of MostVolumeRatio of the MRI's, though the one ends at the plates' edge
+ * and the other at the chest wall.
+ */
+MAMMORAYCASE_EXPORT std::string VolumeMismatch(const StudyTissue& tissue,
+  const RegistrationTarget& target, const MammographyUnit& unit, double thicknessMm);
+inline constexpr double MostVolumeRatio = 2.0;
+
+/// What a report tells of a study: what was taken and what was left out, and why; the tissue that
+/// was found, with a picture of it (SlicePicture); what is to be known of both.
+MAMMORAYCASE_EXPORT ReportSection StudySection(const StudyIntake& study, const StudyTissue& tissue);
+}
+
+#endif

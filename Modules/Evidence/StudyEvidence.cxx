@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mammoray/Evidence/StudyEvidence.h"
+
+#include "mammoray/Case/BreastInUnit.h"
+#include "mammoray/Case/RegistrationCaseWriter.h"
+#include "mammoray/Case/ResultFile.h"
+#include "mammoray/Case/StudyCase.h"
+#include "mammoray/Evidence/LandmarkEvaluation.h"
+#include "mammoray/Foundation/Error.h"
+#include "mammoray/IO/ShippedData.h"
+
+#include "vtkUnstructuredGrid.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <filesystem>
+
+namespace mammoray
+{
+namespace
+{
+namespace fs = std::filesystem;
+
+/// A folder that is removed with all that is in it.
+class ScratchFolder
+{
+public:
+  ScratchFolder()
+    : Path(fs::temp_directory_path() / ("mammoray-study-" + std::to_string(getpid())))
+  {
+    fs::remove_all(this->Path);
+    fs::create_directory(this->Path);
+  }
+  ScratchFolder(const ScratchFolder&) = delete;
+  ScratchFolder& operator=(const ScratchFolder&) = delete;
+  ~ScratchFolder()
+  {
+    std::error_code ignored;
+    fs::remove_all(this->Path, ignored);
+  }
+  std::string File(const std::string& name) const { return (this->Path / name).string(); }
+
+private:
+  fs::path Path;
+};
+
+StudyViewErrors ErrorsIn(const VirtualStudyTruth& truth, const VirtualView& view,
+  const ResultFile& result)
+{
+  const BreastInUnit breast = ReadBreastInUnit(result);
+  const std::vector<Vector3> moved = Displace(truth.MriPoints, breast.Uncompressed);
+  StudyViewErrors errors;
+  errors.View = view.View;
+  errors.MeanOutlineMm = result.After.MeanOutlineDistanceMm;
+  errors.Correlation = result.After.Correlation;
+  errors.Trust = NameOf(result.Trust.Level);
+  for (std::size_t index = 0; index < moved.size(); ++index)
+  {
+    const Vector3 found = breast.Placed.ToGantry(moved[index]);
+    const double sid = breast.Unit.SourceToDetectorMm;
+    const double magnification = sid / (sid - found[2]);
+    errors.InSpaceMm.push_back(Norm(found - view.Gantry[index]));
+    errors.OnReceptorMm.push_back(std::hypot(magnification * found[0] - view.Receptor[index][0],
+      magnification * found[1] - view.Receptor[index][1]));
+  }
+  return errors;
+}
+}
+
+std::vector<StudyViewErrors> MeasureStudy(const VirtualStudyTruth& truth,
+  const std::string& resultFolder)
+{
+  std::vector<StudyViewErrors> errors;
+  for (const ResultFile& result : ReadResultFiles(resultFolder))
+  {
+    const auto view = std::find_if(truth.Views.begin(), truth.Views.end(),
+      [&](const VirtualView& known) { return known.View == result.Mammogram.View; });
+    if (view == truth.Views.end())
+    {
+      throw InputError(resultFolder +
+        ": expected a result of one of the study's mammograms, found "
+        "the view '" +
+        result.Mammogram.View + "'");
+    }
+    errors.push_back(ErrorsIn(truth, *view, result));
+  }
+  return errors;
+}
+
+StudyRun RunStudy(const EvidenceStudy& study, const ProgressCallback& progress)
+{
+  const ScratchFolder folder;
+  const MaterialTable table = FindMaterialTable(study.Materials);
+  const VirtualStudyTruth truth = MakeVirtualStudy(ReadMaterials(study.Labels, table), table,
+    AnatomicalAxes::FromCode(study.Orientation), study.Options, folder.File("study"),
+    ShareOf(progress, 0, 0.2));
+  StudyRun run;
+  run.Phantom = study.Phantom;
+  run.Seed = study.Options.Seed;
+  run.Laterality = study.Options.Laterality;
+  const auto begin = std::chrono::steady_clock::now();
+  try
+  {
+    RegistrationCase input;
+    TakeStudy(folder.File("study/export"), {}, input);
+    const RegistrationCaseResult result = RunRegistrationCase(input, ShareOf(progress, 0.2, 1));
+    run.Seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+    WriteRegistrationCase(input, result, folder.File("result"));
+    run.Views = MeasureStudy(truth, folder.File("result"));
+  }
+  catch (const InputError& error)
+  {
+    run.Failure = error.what();
+  }
+  catch (const ConvergenceError& error)
+  {
+    run.Failure = error.what();
+  }
+  return run;
+}
+}

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+#ifndef mammoray_StudyEvidence_h
+#define mammoray_StudyEvidence_h
+
+#include "mammoray/Case/LabelSource.h"
+#include "mammoray/Evidence/VirtualStudy.h"
+#include "mammoray/Foundation/Progress.h"
+#include "mammorayEvidenceModule.h"
+
+#include <string>
+#include <vector>
+
+namespace mammoray
+{
+/// A virtual study to make and to register.
+struct EvidenceStudy
+{
+  /// Of the anatomy.
+  std::string Phantom;
+  LabelSource Labels;
+  std::string Materials = "victre";
+  std::string Orientation = "ALS";
+  VirtualStudyOptions Options;
+};
+
+/// How far the points of a virtual study's truth were found from where they are in one mammogram.
+struct StudyViewErrors
+{
+  std::string View;
+  /// Of each point: in the gantry frame, and of its shadow on the receptor, mm.
+  std::vector<double> InSpaceMm;
+  std::vector<double> OnReceptorMm;
+  double MeanOutlineMm = 0;
+  double Correlation = 0;
+  /// "good", "doubtful" or "none": what the report says of it.
+  std::string Trust;
+};
+
+/// What came of a virtual study.
+struct StudyRun
+{
+  std::string Phantom;
+  std::uint32_t Seed = 0;
+  char Laterality = 'L';
+  std::vector<StudyViewErrors> Views;
+  double Seconds = 0;
+  /// Empty, or why there is no result.
+  std::string Failure;
+};
+
+/**
+ * Errors of a result folder of 'mammoray register --study' on a virtual study, of each mammogram.
+ * Both frames are those of the unit, so that errors hold the deformation's and the pose's share.
+ * Throws InputError where the result is of other mammograms.
+ */
+MAMMORAYEVIDENCE_EXPORT std::vector<StudyViewErrors> MeasureStudy(const VirtualStudyTruth& truth,
+  const std::string& resultFolder);
+
+/**
+ * Makes a virtual study in a folder of its own below the system's for temporary files, registers it
+ * as 'mammoray register --study' does, without being told anything else, and measures. A refusal or
+ * a search that fails is an answer (StudyRun::Failure). Throws InputError where the study cannot be
+ * made; DeviceError, Interrupted.
+ */
+MAMMORAYEVIDENCE_EXPORT StudyRun RunStudy(const EvidenceStudy& study,
+  const ProgressCallback& progress = {});
+}
+
+#endif

@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "LabelShapes.h"
+#include "MadeUpStudy.h"
+#include "Refusals.h"
+#include "mammoray/Case/StudyCase.h"
+#include "mammoray/IO/ShippedData.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+using namespace mammoray;
+using namespace mammoray::testing_support;
+using testing::Contains;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::Pair;
+using testing::StartsWith;
+
+namespace
+{
+/// The left breast's export with a subtraction and the other breast among it.
+class MadeUpExport : public MadeUpStudy
+{
+public:
+  MadeUpExport()
+  {
+    this->AddSlices(MadeUpMr("1.2.5", "t1_fl3d_tra_spair_pre"));
+    MadeUpHeader subtraction = MadeUpMr("1.2.6", "t1_fl3d_tra_SUB");
+    subtraction.Set(8, 8, "CS", "DERIVED\\SECONDARY\\M\\SUB");
+    this->AddSlices(subtraction);
+    this->Add(MadeUpMammogram("L", "MLO"));
+    this->Add(MadeUpMammogram("L", "CC"));
+    this->Add(MadeUpMammogram("R", "CC"));
+  }
+};
+
+/// Fat with gland in its middle before muscle, 1 mm voxels: half a ball of radius 40.
+StudyTissue Ball()
+{
+  StudyTissue tissue;
+  tissue.Labels = test::LabelledCube(90, 1,
+    [](const Vector3& p)
+    {
+      const double r = Norm(p);
+      return p[1] > 0 ? (p[1] < 10 && std::hypot(p[0], p[2]) < 40 ? 4 : 0)
+        : r > 40      ? 0
+        : r < 15      ? 2
+                      : 1;
+    });
+  tissue.Breast = tissue.Labels;
+  tissue.Mri.Size = tissue.Labels.Size;
+  tissue.Mri.Spacing = tissue.Labels.Spacing;
+  tissue.Mri.Origin = tissue.Labels.Origin;
+  tissue.Mri.Voxels.assign(tissue.Labels.Voxels.begin(), tissue.Labels.Voxels.end());
+  tissue.BreastCm3 = 134; // 2/3 pi 40^3
+  tissue.GlandFraction = 0.05;
+  tissue.DepthMm = 40;
+  tissue.Warnings = { "The gland is dark." };
+  return tissue;
+}
+}
+
+TEST(StudyCase, IsFilledFromTheExport)
+{
+  const MadeUpExport study;
+  RegistrationCase input;
+  input.Mammograms = { "another.dcm" };
+  TakeStudy(study.Folder(), 'L', input);
+  ASSERT_EQ(input.Mammograms.size(), 2u);
+  EXPECT_EQ(input.Mammograms[0], input.Study->Choice.Cc->File);
+  EXPECT_EQ(input.Mammograms[1], input.Study->Choice.Mlo->File);
+  EXPECT_EQ(input.Laterality, "L");
+  EXPECT_EQ(input.Materials, "segment");
+  EXPECT_EQ(input.ImagePosition, PatientPosition::Prone);
+  EXPECT_EQ(input.ChestWall, ChestWallMode::Sliding);
+  EXPECT_EQ(input.Targets.ChestWallMarginMm, StudyChestWallMarginMm);
+
+  const std::vector<CaseInput> inputs = CaseInputs(input, input.Mammograms[0]);
+  ASSERT_EQ(inputs.size(), 3u);
+  EXPECT_EQ(inputs[0].Role, "MRI with fat suppression");
+  EXPECT_EQ(inputs[0].Name, "t1_fl3d_tra_spair_pre");
+  EXPECT_EQ(inputs[0].Files.size(), 40u);
+  EXPECT_EQ(inputs[0].Sha256().size(), 64u);
+  EXPECT_EQ(inputs[1].Name, "segment.json");
+  EXPECT_EQ(inputs[2].Role, "Mammogram");
+
+  // A table of the user's own stays.
+  input.Materials = "mine.json";
+  TakeStudy(study.Folder(), 'L', input);
+  EXPECT_EQ(input.Materials, "mine.json");
+}
+
+TEST(StudyCase, RefusesWhatCannotBeRegistered)
+{
+  const MadeUpExport study;
+  RegistrationCase input;
+  const auto refusal = [&](const MadeUpStudy& folder, std::optional<char> side)
+  { return RefusalOf([&] { TakeStudy(folder.Folder(), side, input); }); };
+  EXPECT_THAT(refusal(study, {}), HasSubstr("left CC, left MLO, right CC"));
+  EXPECT_EQ(input.Study, nullptr);
+  EXPECT_THAT(input.Mammograms, IsEmpty());
+
+  MadeUpStudy other;
+  other.AddSlices(MadeUpMr("1.2.5", "t1_fl3d_tra_spair_pre"));
+  other.Add(MadeUpMammogram("L", "CC"));
+  EXPECT_THAT(refusal(other, 'R'), HasSubstr("of the right breast, found left CC"));
+  TakeStudy(other.Folder(), {}, input);
+  EXPECT_THAT(input.Study->Choice.Warnings, Contains(HasSubstr("no MLO of the left breast")));
+
+  MadeUpHeader stranger = MadeUpMammogram("L", "MLO");
+  stranger.Set(0x10, 0x20, "LO", "P2").Set(0x10, 0x30, "DA", "19510203");
+  stranger.Set(0x10, 0x10, "PN", "Roe^Mary");
+  other.Add(stranger);
+  EXPECT_THAT(refusal(other, 'L'), HasSubstr("expected the images of one patient, found those of 2"));
+}
+
+TEST(StudyCase, TellsABreastOfAnotherSize)
+{
+  const StudyTissue tissue = Ball();
+  // A half disc of this radius, 1 mm pixels.
+  const auto shadow = [](double radius)
+  {
+    RegistrationTarget target;
+    target.Columns = 100;
+    target.Rows = 200;
+    target.ColumnStep = { 0, 1 };
+    target.RowStep = { -1, 0 };
+    target.Origin = { 99.5, 0.5 };
+    for (int row = 0; row < 200; ++row)
+    {
+      for (int column = 0; column < 100; ++column)
+      {
+        target.BreastMask.push_back(std::hypot(column + 0.5, row - 99.5) < radius ? 1 : 0);
+      }
+    }
+    return target;
+  };
+  MammographyUnit unit;
+  unit.SourceToDetectorMm = 650;
+  // Pressed to 40 mm the ball's volume has a half disc of 46 mm, its shadow one of 48.
+  EXPECT_EQ(VolumeMismatch(tissue, shadow(48), unit, 40), "");
+  EXPECT_THAT(VolumeMismatch(tissue, shadow(96), unit, 40),
+    StartsWith("The breast has 134 cm3 in the MRI and about 5"));
+  EXPECT_THAT(VolumeMismatch(tissue, shadow(30), unit, 40), HasSubstr("about 53 cm3"));
+}
+
+TEST(StudyCase, IsToldInTheReport)
+{
+  const MadeUpExport study;
+  RegistrationCase input;
+  TakeStudy(study.Folder(), 'L', input);
+  const ReportSection section = StudySection(*input.Study, Ball());
+  EXPECT_THAT(section.Rows,
+    Contains(Pair("MRI: t1_fl3d_tra_spair_pre", StartsWith("taken: T1 with fat suppression"))));
+  EXPECT_THAT(section.Rows,
+    Contains(Pair("MRI: t1_fl3d_tra_SUB", StartsWith("left out: subtraction"))));
+  EXPECT_THAT(section.Rows,
+    Contains(Pair("Mammogram: right CC, For Presentation", "left out: the right breast")));
+  EXPECT_THAT(section.Rows, Contains(Pair("Patient in the MRI", "prone")));
+  EXPECT_THAT(section.Rows, Contains(Pair("Breast in the MRI", "134 cm3")));
+  EXPECT_THAT(section.Picture, StartsWith("\x89PNG"));
+  EXPECT_THAT(section.Notes, Contains("The gland is dark."));
+}
