@@ -72,9 +72,11 @@ StudyTissue SegmentStudy(const StudyChoice& choice, const MaterialTable& table,
     const IntensityVolume suppressed = ReadIntensitySeries(choice.FatSuppressed->Files,
       PartOf(progress, 0.1, 0.2, "read the fat-suppressed MRI"));
     return TissueOf(
-      SegmentBreast(image, suppressed, options, PartOf(progress, 0.2, 1, "segment the MRI")), table);
+      SegmentBreast(image, suppressed, options, PartOf(progress, 0.2, 1, "segment the MRI")),
+      table);
   }
-  return TissueOf(SegmentBreast(image, options, PartOf(progress, 0.1, 1, "segment the MRI")), table);
+  return TissueOf(SegmentBreast(image, options, PartOf(progress, 0.1, 1, "segment the MRI")),
+    table);
 }
 #else
 StudyTissue SegmentStudy(const StudyChoice&, const MaterialTable&, const ProgressCallback&)

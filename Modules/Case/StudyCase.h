@@ -56,7 +56,8 @@ MAMMORAYCASE_EXPORT void TakeStudy(const std::string& folder, std::optional<char
 
 /**
  * Reads the MRI that was chosen and segments it (SegmentBreast), without and with fat suppression
- * together where there are both. `table`: of those labels. Throws as these, and InputError in a build without Segmentation.
+ * together where there are both. `table`: of those labels. Throws as these, and InputError in a
+ * build without Segmentation.
  */
 MAMMORAYCASE_EXPORT StudyTissue SegmentStudy(const StudyChoice& choice, const MaterialTable& table,
   const ProgressCallback& progress = {});

@@ -114,7 +114,8 @@ TEST(StudyCase, RefusesWhatCannotBeRegistered)
   stranger.Set(0x10, 0x20, "LO", "P2").Set(0x10, 0x30, "DA", "19510203");
   stranger.Set(0x10, 0x10, "PN", "Roe^Mary");
   other.Add(stranger);
-  EXPECT_THAT(refusal(other, 'L'), HasSubstr("expected the images of one patient, found those of 2"));
+  EXPECT_THAT(refusal(other, 'L'),
+    HasSubstr("expected the images of one patient, found those of 2"));
 }
 
 TEST(StudyCase, TellsABreastOfAnotherSize)
