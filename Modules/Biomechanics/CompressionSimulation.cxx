@@ -19,7 +19,6 @@ namespace
 {
 /// Part of the largest load step that is taken after a cold start failed.
 constexpr double SmallerLoadStep = 0.37;
-constexpr int MostUnloadingSteps = 200;
 
 std::vector<bool> CellsOf(const TetrahedralMesh& mesh, const std::vector<bool>& held)
 {
@@ -89,6 +88,20 @@ double GapMm(const PlatePair& plates)
   return Dot(plates.Paddle.Edge - plates.Support.Edge, plates.Support.Normal);
 }
 
+std::string StiffnessNote(double factor)
+{
+  if (factor == 1)
+  {
+    return {};
+  }
+  char note[160];
+  std::snprintf(note, sizeof note,
+    "The tissue is too soft for its own weight: all stiffness was raised by a factor of %.2f, the "
+    "least that bears it",
+    factor);
+  return note;
+}
+
 double PenetrationLimitMm(const PlatePair& plates)
 {
   return std::max(0.05, 1e-3 * GapMm(plates));
@@ -132,52 +145,17 @@ void CompressionSimulation::SetPredictor(std::unique_ptr<CompressionSimulation> 
 
 void CompressionSimulation::Unload(const Vector3& gravityMPerS2, const ProgressCallback& progress)
 {
-  Internals& internal = *this->Internal;
   if (!std::isfinite(Norm(gravityMPerS2)))
   {
     throw InputError("unloading: expected a finite gravity");
   }
-  const std::vector<double> given = internal.Body.RestPositions();
-  const std::vector<double> image(internal.Image.begin(),
-    internal.Image.begin() + 3 * static_cast<std::ptrdiff_t>(internal.NumberOfPoints));
-  std::vector<double> corners = image;
-  std::vector<double> loaded = internal.Image;
-  try
-  {
-    for (int step = 0;; ++step)
-    {
-      ReportProgress(progress, static_cast<double>(step) / MostUnloadingSteps, "unloading");
-      internal.SetRestCorners(corners);
-      internal.SettleUnder(internal.Loads(gravityMPerS2, { 0, 0, 0 }), loaded, progress);
-      double farthest = 0;
-      for (std::size_t c = 0; c < corners.size(); ++c)
-      {
-        const double off = image[c] - loaded[c];
-        farthest = std::max(farthest, std::abs(off));
-        corners[c] += off;
-      }
-      if (farthest <= UnloadToleranceMm)
-      {
-        break;
-      }
-      if (step == MostUnloadingSteps)
-      {
-        char message[128];
-        std::snprintf(message, sizeof message,
-          "unloading: expected the image's shape to %.2f mm, found it off by %.2f mm after %d "
-          "steps",
-          UnloadToleranceMm, farthest, step);
-        throw ConvergenceError(message);
-      }
-    }
-  }
-  catch (...)
-  {
-    internal.SetRestCorners(given);
-    throw;
-  }
-  internal.Image = std::move(loaded);
-  internal.Predictor.reset(); // which knows nothing of the new shape
+  this->Internal->Unload(gravityMPerS2, progress);
+  this->Internal->Predictor.reset(); // which knows nothing of the new shape
+}
+
+double CompressionSimulation::StiffnessFactor() const
+{
+  return this->Internal->Factor;
 }
 
 PlatePair CompressionSimulation::OpenedPlates(const PlatePair& plates,
@@ -328,6 +306,7 @@ CompressionState CompressionSimulation::Run(const PlatePair& plates, const Compr
   {
     state.Friction = std::make_shared<const FrictionPoints>(internal.Solver.Friction());
   }
+  state.StiffnessFactor = internal.Factor;
   state.FactorMiB = internal.Solver.PeakFactorBytes() / (1 << 20);
   ReportProgress(progress, 1, "compression");
   state.Seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
@@ -343,16 +322,25 @@ std::vector<std::vector<double>> CompressionSimulation::Sensitivities(const Comp
   {
     throw InputError("sensitivities: expected a state of this simulation");
   }
-  std::vector<HoldingVelocity> holding;
-  holding.reserve(loadingVelocities.size());
+  const Internals& internal = *this->Internal;
+  EquilibriumVelocities all{ velocities, materialVelocities, {}, {} };
+  for (MaterialVelocity& velocity : all.Materials)
+  {
+    for (ElasticMaterialRate& rate : velocity)
+    {
+      rate.YoungsModulusKPa *= internal.Factor;
+    }
+  }
   for (const LoadingVelocity& velocity : loadingVelocities)
   {
-    holding.push_back({ velocity.Wall, velocity.Friction,
-      this->Internal->Loads(velocity.GravityMPerS2, velocity.PullN) });
+    all.Holding.push_back(
+      { { internal.Factor * velocity.Wall.Normal, internal.Factor * velocity.Wall.Tangential },
+        velocity.Friction, internal.Loads(velocity.GravityMPerS2, velocity.PullN) });
   }
+  this->Internal->AddRestVelocities(all);
   this->Internal->Recall(state);
-  std::vector<std::vector<double>> rates = this->Internal->Solver.Sensitivities(state.Positions,
-    state.Plates, { velocities, materialVelocities, holding });
+  std::vector<std::vector<double>> rates =
+    this->Internal->Solver.Sensitivities(state.Positions, state.Plates, all);
   for (std::vector<double>& rate : rates)
   {
     this->Internal->DrawAlong(rate);
@@ -387,18 +375,16 @@ CompressionState CompressionSimulation::CompressToForce(const PlatePair& plates,
 
 void CompressionSimulation::SetMaterials(const std::vector<ElasticMaterial>& materials)
 {
-  this->Internal->Body.SetMaterials(materials);
+  this->Internal->SetMaterials(materials);
   if (this->Internal->Predictor)
   {
     this->Internal->Predictor->SetMaterials(materials);
   }
-  this->Internal->Solver.BodyChanged();
-  this->Internal->Settled.clear();
 }
 
 const std::vector<ElasticMaterial>& CompressionSimulation::Materials() const
 {
-  return this->Internal->Body.Materials();
+  return this->Internal->Given;
 }
 
 std::vector<CellMeasures> CompressionSimulation::MeasuresOf(const CompressionState& state) const

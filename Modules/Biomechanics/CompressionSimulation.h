@@ -13,6 +13,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <string>
 #include <vector>
 
 namespace mammoray
@@ -110,6 +111,8 @@ struct CompressionState
   double LargestJ = 1;
   /// Deformed / undeformed volume.
   double VolumeRatio = 1;
+  /// See CompressionSimulation::StiffnessFactor.
+  double StiffnessFactor = 1;
   /// Norm of the residual force over that of the largest kind of force
   /// (CompressionOptions::RelativeTolerance).
   double RelativeResidual = 0;
@@ -125,6 +128,9 @@ struct CompressionState
   /// Most memory that the sparse factorisation took, MiB.
   double FactorMiB = 0;
 };
+
+/// The sentence that tells of a CompressionSimulation::StiffnessFactor; empty for 1.
+MAMMORAYBIOMECHANICS_EXPORT std::string StiffnessNote(double factor);
 
 /// Deepest penetration that a state may have: 0.05 mm or 0.1 % of the plates' distance, whichever
 /// is larger.
@@ -175,12 +181,21 @@ public:
   /**
    * Takes the mesh for the shape of a breast that hangs or lies under this gravity (m/s^2, frame of
    * the mesh), as in an image, with the chest wall of the options, and finds the shape without load
-   * that gives it, by Sellier's fixed-point iteration (2011) on the points of the mesh, to
-   * UnloadToleranceMm. Materials keep their cells. The stress-free shape stays when the materials
-   * change later. Throws ConvergenceError, Interrupted; things are then as before.
+   * that gives it: equilibrium is solved in the known deformed shape (Govindjee & Mihalic 1996), at
+   * the points of the mesh exactly, as the forward problem does to UnloadToleranceMm. Materials
+   * keep their cells. SetMaterials finds the shape again that belongs to the new materials. Where
+   * tissue is too soft to bear its weight, StiffnessFactor tells of it. Throws ConvergenceError,
+   * Interrupted; things are then as before.
    */
   void Unload(const Vector3& gravityMPerS2, const ProgressCallback& progress = {});
   static constexpr double UnloadToleranceMm = 1e-3;
+  /**
+   * What Unload has raised all stiffness by, that of the chest wall's layer too: 1, or the least
+   * factor (to a twentieth, never less) with which there is a shape without load from which the
+   * image's is a stable equilibrium. Materials and options are as they were given. It stays when
+   * the materials change, or rises where it must.
+   */
+  double StiffnessFactor() const;
 
   /// What a cold start that fails tells.
   enum class Refusal
@@ -215,8 +230,9 @@ public:
    * materials (one rate per material: with { {}, {}, { fat's modulus } } p is the ratio of material
    * 2's stiffness to fat's), then for those that change the loading, by the implicit function
    * theorem: one back-substitution each. Returns one vector of 3 x nodeCount (mm per unit of p) for
-   * each. With friction they are exact for the last load step with its normal forces frozen; the
-   * stress-free shape counts as given.
+   * each. With friction they are exact for the last load step with its normal forces frozen. After
+   * Unload the shape without load changes with the materials and with the chest wall's stiffness;
+   * StiffnessFactor counts as given.
    */
   std::vector<std::vector<double>> Sensitivities(const CompressionState& state,
     const std::vector<PlatePairVelocity>& velocities,
@@ -239,7 +255,8 @@ public:
   /**
    * Other constants for the materials, as many as at construction, with the mesh, the field and the
    * order of the unknowns kept: states from before are starts for Compress, no longer equilibria.
-   * Throws InputError and then leaves things as they were.
+   * After Unload the shape without load is found anew. Throws InputError, and after Unload
+   * ConvergenceError, and then leaves things as they were.
    */
   void SetMaterials(const std::vector<ElasticMaterial>& materials);
   const std::vector<ElasticMaterial>& Materials() const;

@@ -138,12 +138,10 @@ TEST(Gravity, PointsFollowFromTheImageToTheCompressedBreast)
   }
 }
 
-TEST(Gravity, UnloadingTellsWhenTheTissueIsTooSoft)
+TEST(Gravity, UnloadingRefusesWhatIsNoGravityAndStopsWhenAsked)
 {
   const TetrahedralMesh mesh = test::MakeHalfEllipsoidMesh(40, 45, 38, 4);
-  CompressionSimulation simulation(mesh, { {}, { 0.05, 0.49 }, { 5, 0.49 } }, Held);
-  EXPECT_THROW(simulation.Unload(Prone), ConvergenceError);
-  EXPECT_EQ(Corners(simulation.RestPositions(), mesh), mesh.Points);
+  CompressionSimulation simulation(mesh, { {}, { 1, 0.49 }, { 5, 0.49 } }, Held);
   EXPECT_THROW(simulation.Unload({ 0, std::nan(""), 0 }), InputError);
   EXPECT_THROW(simulation.Unload(Prone, [](double, const char*) { return false; }), Interrupted);
   EXPECT_EQ(Corners(simulation.RestPositions(), mesh), mesh.Points);

@@ -2,6 +2,7 @@
 #include "Private/CompressionInternals.h"
 
 #include "Private/Energies/CellPatches.h"
+#include "Private/Energies/LoadEnergy.h"
 #include "Private/LoadPath.h"
 #include "mammoray/Foundation/Error.h"
 
@@ -14,6 +15,18 @@ namespace
 {
 /// Least part of the loads that is added at a time while a breast settles.
 constexpr double SmallestSettlingStep = 1.0 / 64;
+
+/// "The least" stiffness factor is as much larger than the last that was found to fail at most,
+/// with RestShape's precision; and how much of the gravity is to be borne at least.
+constexpr double FactorMargin = 1.03;
+constexpr double LeastBorne = 1e-3;
+
+WallStiffness WallOf(const CompressionOptions& options)
+{
+  return { options.Wall.Normal,
+    options.ChestWall == ChestWallMode::Sliding ? CompressionOptions::SlidingStiffness
+                                                : options.Wall.Tangential };
+}
 
 /// Every coordinate of a node of a held cell, unless the breast can move along the chest wall.
 std::vector<bool> FixedCoordinates(const ElasticBody& body, const std::vector<bool>& heldCells,
@@ -39,15 +52,13 @@ CompressionSimulation::Internals::Internals(ElasticBody body, std::vector<bool> 
   , HeldCells(std::move(heldCells))
   , Fixed(FixedCoordinates(Body, HeldCells, options.ChestWall))
   , Solver(Body, Fixed, options.ContactStiffness, HeldCells)
+  , Given(Body.Materials())
   , Image(Body.RestPositions())
   , NumberOfPoints(pointCount)
 {
   if (options.ChestWall != ChestWallMode::Held)
   {
-    const bool slides = options.ChestWall == ChestWallMode::Sliding;
-    this->Wall.emplace(this->Body, this->HeldCells,
-      WallStiffness{ options.Wall.Normal,
-        slides ? CompressionOptions::SlidingStiffness : options.Wall.Tangential });
+    this->Wall.emplace(this->Body, this->HeldCells, WallOf(options));
     this->Solver.SetAttachment(&*this->Wall);
     this->FindFollowers();
   }
@@ -98,18 +109,22 @@ std::vector<double> CompressionSimulation::Internals::Loads(const Vector3& gravi
   return BodyForces(this->Body, this->HeldCells, gravityMPerS2, pullN);
 }
 
-void CompressionSimulation::Internals::SettleUnder(std::vector<double> loads,
-  std::vector<double>& x, const ProgressCallback& progress)
+void CompressionSimulation::Internals::Settle(const std::vector<double>& from,
+  const std::vector<double>& to, std::vector<double>& x, const ProgressCallback& progress)
 {
   this->Solver.SetFriction({});
-  std::vector<double> part(loads.size());
+  const auto at = [](const std::vector<double>& loads, std::size_t c)
+  { return loads.empty() ? 0.0 : loads[c]; };
+  std::vector<double> part(x.size());
   double step = 1;
   for (double done = 0; done < 1;)
   {
     const double next = std::min(1.0, done + step);
-    std::transform(loads.begin(), loads.end(), part.begin(),
-      [=](double load) { return next * load; });
-    this->Solver.SetLoads(part);
+    for (std::size_t c = 0; c < part.size(); ++c)
+    {
+      part[c] = at(from, c) + next * (at(to, c) - at(from, c));
+    }
+    this->Solver.SetLoads(next < 1 ? part : to);
     std::vector<double> positions = x;
     const EquilibriumReport report = this->Solver.Solve(positions, nullptr,
       next < 1 ? LoadStep::IntermediateTolerance : this->Options.RelativeTolerance,
@@ -137,37 +152,179 @@ void CompressionSimulation::Internals::SettleUnder(std::vector<double> loads,
 const std::vector<double>& CompressionSimulation::Internals::SettledPositions(
   const ProgressCallback& progress)
 {
-  if (this->Settled.empty())
+  if (!this->Settled.empty())
   {
-    std::vector<double> positions = this->Body.RestPositions();
-    std::vector<double> loads = this->Loads(this->Options.GravityMPerS2, this->Options.PullN);
-    if (!loads.empty())
-    {
-      this->SettleUnder(std::move(loads), positions, progress);
-    }
-    this->Settled.swap(positions);
+    return this->Settled;
   }
+  const std::vector<double> loads = this->Loads(this->Options.GravityMPerS2, this->Options.PullN);
+  std::vector<double> positions = this->Body.RestPositions();
+  if (!loads.empty() && this->Unloaded)
+  {
+    // Soft tissue may hang in several ways: in the image it hangs in one of them.
+    std::vector<double> hanging = this->Image;
+    try
+    {
+      this->Settle(this->Loads(this->Unloaded->Gravity, { 0, 0, 0 }), loads, hanging, progress);
+      positions.swap(hanging);
+    }
+    catch (const ConvergenceError&)
+    {
+      this->Settle({}, loads, positions, progress);
+    }
+  }
+  else if (!loads.empty())
+  {
+    this->Settle({}, loads, positions, progress);
+  }
+  this->Settled.swap(positions);
   return this->Settled;
 }
 
-void CompressionSimulation::Internals::SetRestCorners(const std::vector<double>& corners)
+/// Gives body and wall the materials and options as they were given, that much stiffer.
+void CompressionSimulation::Internals::SetStiffness(double factor)
 {
-  this->Body.SetRestCorners(corners);
+  std::vector<ElasticMaterial> materials = this->Given;
+  for (ElasticMaterial& material : materials)
+  {
+    material.YoungsModulusKPa *= factor;
+  }
+  this->Body.SetMaterials(materials);
+  this->Factor = factor;
   if (this->Wall)
   {
-    this->Wall->SetRestPositions(this->Body.RestPositions());
+    const WallStiffness wall = WallOf(this->Options);
+    this->Wall->SetStiffness({ factor * wall.Normal, factor * wall.Tangential });
   }
   this->Solver.BodyChanged();
   this->Settled.clear();
-  for (std::size_t cell = 0; cell < this->HeldCells.size(); ++cell)
+}
+
+/// From the body without load; where its weight is too much, makes it stiffer.
+void CompressionSimulation::Internals::FindRest(const ProgressCallback& progress)
+{
+  RestShape& shape = this->Unloaded->Shape;
+  const double part = shape.Find(progress);
+  if (part == 1)
   {
-    if (!this->HeldCells[cell] && !(this->Body.CellVolume(cell) > 0))
+    return;
+  }
+  // Equilibrium under a part of the gravity is that under all of it, of tissue as much stiffer.
+  double borne = part / FactorMargin;
+  while (borne > 0 && !shape.MoveTo(borne, progress))
+  {
+    borne = borne > LeastBorne ? borne / FactorMargin : 0;
+  }
+  if (borne == 0)
+  {
+    throw ConvergenceError("unloading: expected a shape without load, found none: not even a "
+                           "thousandth of this gravity leaves every cell its volume");
+  }
+  this->SetStiffness(this->Factor / borne);
+  shape.TakeForWhole();
+}
+
+/// Makes the shape at rest that was found that of the simulation; throws where the image does not
+/// follow from it.
+void CompressionSimulation::Internals::TakeRest(const ProgressCallback& progress)
+{
+  this->Solver.BodyChanged();
+  this->Settled.clear();
+  const std::vector<double> image = this->Unloaded->Shape.Deformed();
+  std::vector<double> loaded = image;
+  const std::vector<double> loads = this->Loads(this->Unloaded->Gravity, { 0, 0, 0 });
+  this->Settle(loads, loads, loaded, progress);
+  double farthest = 0;
+  for (std::size_t c = 0; c < 3 * this->NumberOfPoints; ++c)
+  {
+    farthest = std::max(farthest, std::abs(loaded[c] - image[c]));
+  }
+  if (farthest > UnloadToleranceMm)
+  {
+    char message[128];
+    std::snprintf(message, sizeof message,
+      "unloading: expected the image's shape to %.3f mm, found it off by %.3f mm",
+      UnloadToleranceMm, farthest);
+    throw ConvergenceError(message);
+  }
+  this->Image = std::move(loaded);
+}
+
+void CompressionSimulation::Internals::Unload(const Vector3& gravityMPerS2,
+  const ProgressCallback& progress)
+{
+  const std::vector<double> rest = this->Body.RestPositions();
+  const std::vector<double> corners(this->Image.begin(),
+    this->Image.begin() + 3 * static_cast<std::ptrdiff_t>(this->NumberOfPoints));
+  const double factor = this->Factor;
+  std::unique_ptr<Unloading> before = std::move(this->Unloaded);
+  try
+  {
+    this->SetStiffness(1);
+    this->Unloaded = std::make_unique<Unloading>(*this, gravityMPerS2, corners);
+    this->FindRest(progress);
+    this->TakeRest(progress);
+  }
+  catch (...)
+  {
+    this->Unloaded = std::move(before);
+    this->SetStiffness(factor);
+    this->Body.SetRestCorners(rest);
+    if (this->Wall)
     {
-      throw ConvergenceError("unloading: expected a shape without load, found cell " +
-        std::to_string(cell) +
-        " turned inside out on the way: the tissue is too soft for this "
-        "gravity");
+      this->Wall->SetRestPositions(this->Body.RestPositions());
     }
+    this->Solver.BodyChanged();
+    throw;
+  }
+}
+
+void CompressionSimulation::Internals::SetMaterials(const std::vector<ElasticMaterial>& materials)
+{
+  const std::vector<ElasticMaterial> before = this->Given;
+  const double factor = this->Factor;
+  this->Given = materials;
+  const std::vector<double> shape =
+    this->Unloaded ? this->Unloaded->Shape.Shape() : std::vector<double>();
+  try
+  {
+    this->SetStiffness(factor);
+    if (this->Unloaded)
+    {
+      if (!this->Unloaded->Shape.MoveTo(1))
+      {
+        this->FindRest({});
+      }
+      this->TakeRest({});
+    }
+  }
+  catch (...)
+  {
+    this->Given = before;
+    this->SetStiffness(factor);
+    if (this->Unloaded)
+    {
+      this->Unloaded->Shape.Set(shape);
+    }
+    throw;
+  }
+}
+
+void CompressionSimulation::Internals::AddRestVelocities(EquilibriumVelocities& velocities)
+{
+  if (!this->Unloaded)
+  {
+    return;
+  }
+  std::vector<WallStiffness> walls;
+  for (const HoldingVelocity& velocity : velocities.Holding)
+  {
+    walls.push_back(velocity.Wall);
+  }
+  for (std::vector<double>& rate : this->Unloaded->Shape.Rates(velocities.Materials, walls))
+  {
+    std::vector<double> loads = BodyForceRates(this->Body, this->HeldCells,
+      this->Options.GravityMPerS2, this->Options.PullN, rate);
+    velocities.Rest.push_back({ std::move(rate), std::move(loads) });
   }
 }
 

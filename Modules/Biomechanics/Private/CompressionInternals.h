@@ -5,6 +5,8 @@
 #include "Private/Energies/AttachmentEnergy.h"
 #include "Private/Energies/ElasticBody.h"
 #include "Private/EquilibriumSolver.h"
+#include "Private/InverseEquilibrium.h"
+#include "Private/RestShape.h"
 #include "mammoray/Biomechanics/CompressionSimulation.h"
 #include "mammoray/Biomechanics/Embedding.h"
 
@@ -23,6 +25,26 @@ struct CompressionSimulation::Internals
   /// Where the breast is not held but slides or hangs elastically.
   std::optional<AttachmentEnergy> Wall;
   EquilibriumSolver Solver;
+  /// The materials as they were given, and what all stiffness is raised by over them.
+  std::vector<ElasticMaterial> Given;
+  double Factor = 1;
+  /// What Unload has left.
+  struct Unloading
+  {
+    Vector3 Gravity;
+    InverseEquilibrium Inverse;
+    RestShape Shape;
+
+    Unloading(Internals& internals, const Vector3& gravity, const std::vector<double>& corners)
+      : Gravity(gravity)
+      , Inverse(internals.Body, internals.Wall ? &*internals.Wall : nullptr, internals.Fixed,
+          internals.HeldCells, corners, gravity)
+      , Shape(Inverse, internals.Solver, internals.Options.RelativeTolerance)
+    {
+    }
+  };
+  /// Null: the mesh is without load.
+  std::unique_ptr<Unloading> Unloaded;
   /// See ImagePositions.
   std::vector<double> Image;
   std::size_t NumberOfPoints;
@@ -45,17 +67,26 @@ struct CompressionSimulation::Internals
   /// Dead loads of every node, kPa mm^2; empty where there are none.
   std::vector<double> Loads(const Vector3& gravityMPerS2, const Vector3& pullN) const;
   /**
-   * From the positions `x` to equilibrium under the loads, without plates and friction; in steps
-   * where it fails at once. Throws ConvergenceError.
+   * From the equilibrium `x` under the loads `from` to that under `to`, without plates and
+   * friction; in steps where it fails at once. Throws ConvergenceError.
    */
-  void SettleUnder(std::vector<double> loads, std::vector<double>& x,
-    const ProgressCallback& progress);
-  /// The breast under the options' loads, plates open.
+  void Settle(const std::vector<double>& from, const std::vector<double>& to,
+    std::vector<double>& x, const ProgressCallback& progress);
+  /// The breast under the options' loads, plates open: from the image, where it hung, else from
+  /// rest.
   const std::vector<double>& SettledPositions(const ProgressCallback& progress);
-  /// Moves the undeformed corners; throws ConvergenceError where a cell is turned inside out.
-  void SetRestCorners(const std::vector<double>& corners);
+  /// See CompressionSimulation.
+  void Unload(const Vector3& gravityMPerS2, const ProgressCallback& progress);
+  void SetMaterials(const std::vector<ElasticMaterial>& materials);
+  /// How the shape without load changes along with materials and wall; after Unload.
+  void AddRestVelocities(EquilibriumVelocities& velocities);
   /// Makes the solver's contact, friction and loads those of the state.
   void Recall(const CompressionState& state);
+
+private:
+  void SetStiffness(double factor);
+  void FindRest(const ProgressCallback& progress);
+  void TakeRest(const ProgressCallback& progress);
 };
 }
 

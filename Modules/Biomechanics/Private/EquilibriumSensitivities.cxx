@@ -4,6 +4,9 @@
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/Foundation/ParallelFor.h"
 
+#include <algorithm>
+#include <array>
+#include <functional>
 #include <string>
 
 namespace mammoray
@@ -30,7 +33,93 @@ void Check(const EquilibriumVelocities& velocities, std::size_t materials, std::
   }
 }
 
-/// - d Gradient / dp at the unknowns, one column for each velocity.
+/// - d Gradient / dX dX/dp of an element for each velocity: 3 numbers for each of its nodes, one
+/// velocity after the other.
+std::vector<double> RestForcesOf(const EquilibriumEnergy& energy, std::size_t element,
+  const std::vector<double>& x, const std::vector<RestVelocity>& velocities)
+{
+  const std::span<const std::int32_t> nodes = energy.Part().Body().NodesOf(element);
+  const std::size_t rows = 3 * nodes.size();
+  std::vector<double> matrix(rows * rows, 0.0);
+  energy.Elastic().AddRestDerivative(element, x, matrix);
+  std::vector<double> forces(rows * velocities.size(), 0.0);
+  for (std::size_t p = 0; p < velocities.size(); ++p)
+  {
+    for (std::size_t c = 0; c < rows && !velocities[p].Positions.empty(); ++c)
+    {
+      const double rate = velocities[p].Positions[3 * nodes[c / 3] + c % 3];
+      for (std::size_t r = 0; r < rows; ++r)
+      {
+        forces[rows * p + r] -= matrix[rows * c + r] * rate;
+      }
+    }
+  }
+  return forces;
+}
+
+/// The same of the wall and the dead loads, to a column of unknowns.
+void AddRestForces(const EquilibriumEnergy& energy, const std::vector<double>& x,
+  const RestVelocity& velocity, double* column)
+{
+  const MovingPart& part = energy.Part();
+  for (std::size_t u = 0; u < part.NumberOfUnknowns() && !velocity.Loads.empty(); ++u)
+  {
+    column[u] += velocity.Loads[part.Coordinates()[u]];
+  }
+  const AttachmentEnergy* wall = energy.Attachment();
+  for (std::size_t w = 0; wall && w < wall->Nodes().size(); ++w)
+  {
+    const std::int32_t node = wall->Nodes()[w];
+    const std::array<Vector3, 3> rows = wall->NodeRestDerivative(w, NodePosition(x, node));
+    for (int i = 0; i < 3; ++i)
+    {
+      const std::int32_t unknown = part.Unknowns()[3 * node + i];
+      if (unknown >= 0)
+      {
+        column[unknown] -= Dot(rows[i], NodePosition(velocity.Positions, node));
+      }
+    }
+  }
+}
+
+/// - d Gradient / dX dX/dp at the unknowns, one column for each velocity.
+std::vector<double> RestForces(const EquilibriumEnergy& energy, const std::vector<double>& x,
+  const std::vector<RestVelocity>& velocities)
+{
+  const MovingPart& part = energy.Part();
+  const std::size_t n = part.NumberOfUnknowns();
+  std::vector<double> columns(n * velocities.size(), 0.0);
+  std::vector<std::vector<double>> forces(velocities.empty() ? 0 : part.Elements().size());
+  ParallelFor(forces.size(),
+    [&](std::size_t moving)
+    { forces[moving] = RestForcesOf(energy, part.Elements()[moving], x, velocities); });
+  for (std::size_t p = 0; p < velocities.size(); ++p)
+  {
+    if (velocities[p].Positions.empty())
+    {
+      continue;
+    }
+    double* column = &columns[n * p];
+    for (std::size_t moving = 0; moving < forces.size(); ++moving)
+    {
+      const std::int32_t element = part.Elements()[moving];
+      const std::span<const std::int32_t> nodes = part.Body().NodesOf(element);
+      for (std::size_t r = 0; r < 3 * nodes.size(); ++r)
+      {
+        const std::int32_t unknown = part.Unknowns()[3 * nodes[r / 3] + r % 3];
+        if (unknown >= 0)
+        {
+          column[unknown] += forces[moving][3 * nodes.size() * p + r];
+        }
+      }
+      energy.Contact().AddRestForces(element, x, velocities[p].Positions, column);
+    }
+    AddRestForces(energy, x, velocities[p], column);
+  }
+  return columns;
+}
+}
+
 std::vector<double> HoldingForces(const EquilibriumEnergy& energy, const std::vector<double>& x,
   const std::vector<HoldingVelocity>& velocities)
 {
@@ -70,7 +159,6 @@ std::vector<double> HoldingForces(const EquilibriumEnergy& energy, const std::ve
   return columns;
 }
 
-/// - d Gradient / dp at the unknowns, one column for each velocity.
 std::vector<double> MaterialForces(const EquilibriumEnergy& energy, const std::vector<double>& x,
   const std::vector<MaterialVelocity>& velocities)
 {
@@ -98,7 +186,6 @@ std::vector<double> MaterialForces(const EquilibriumEnergy& energy, const std::v
     }
   }
   return columns;
-}
 }
 
 std::vector<double> PlateForces(const EquilibriumEnergy& energy, const std::vector<double>& x,
@@ -136,6 +223,9 @@ std::vector<std::vector<double>> EquilibriumSensitivities(const EquilibriumEnerg
   {
     right.insert(right.end(), columns.begin(), columns.end());
   }
+  const std::vector<double> rest = RestForces(energy, x, velocities.Rest);
+  std::transform(rest.begin(), rest.end(), right.end() - static_cast<std::ptrdiff_t>(rest.size()),
+    right.end() - static_cast<std::ptrdiff_t>(rest.size()), std::plus<>());
   // The factor at hand is that of the last Newton step, a hair away. Far from it the refinement
   // would not converge, so a factor of another state is not tried.
   FactorCache& factor = newton.Factor();

@@ -22,6 +22,15 @@ struct HoldingVelocity
   std::vector<double> Loads;
 };
 
+/// Rate of change of the undeformed shape with a parameter, per unit of it.
+struct RestVelocity
+{
+  /// 3 x nodeCount, mm; empty: none.
+  std::vector<double> Positions;
+  /// What this does to the dead loads, 3 x nodeCount, kPa mm^2; empty: nothing.
+  std::vector<double> Loads;
+};
+
 /// Parameters of an equilibrium: those that move the plates, those that change the materials, those
 /// that change what holds and loads the body.
 struct EquilibriumVelocities
@@ -29,10 +38,17 @@ struct EquilibriumVelocities
   std::vector<PlatePairVelocity> Plates;
   std::vector<MaterialVelocity> Materials;
   std::vector<HoldingVelocity> Holding;
+  /// How the undeformed shape changes along with the materials, then with what holds and loads, one
+  /// for each of both; empty: not at all.
+  std::vector<RestVelocity> Rest;
 };
 
-/// - d Gradient / dp at the unknowns, one column for each velocity, for parameters that move the
-/// plates.
+/// - d Gradient / dp at the unknowns, one column for each velocity, for parameters of the
+/// materials, of what holds and loads the body, and for those that move the plates.
+std::vector<double> MaterialForces(const EquilibriumEnergy& energy, const std::vector<double>& x,
+  const std::vector<MaterialVelocity>& velocities);
+std::vector<double> HoldingForces(const EquilibriumEnergy& energy, const std::vector<double>& x,
+  const std::vector<HoldingVelocity>& velocities);
 std::vector<double> PlateForces(const EquilibriumEnergy& energy, const std::vector<double>& x,
   const std::vector<PlatePairVelocity>& velocities);
 

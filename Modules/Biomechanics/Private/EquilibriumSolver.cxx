@@ -94,6 +94,13 @@ EquilibriumReport EquilibriumSolver::Solve(std::vector<double>& x, const PlatePa
   return this->Minimize(x, tolerance, maximumSteps, progress);
 }
 
+bool EquilibriumSolver::IsStable(const std::vector<double>& x)
+{
+  this->Energy.SetPlates(nullptr);
+  const Evaluation& evaluation = this->Newton.At(x);
+  return evaluation.Valid && this->Newton.Factor().Factorize(evaluation.Hessian, x);
+}
+
 bool EquilibriumSolver::Admissible(const std::vector<double>& x)
 {
   Evaluation probe;

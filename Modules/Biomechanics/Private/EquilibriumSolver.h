@@ -53,6 +53,8 @@ public:
   EquilibriumReport Solve(std::vector<double>& x, const PlatePair* plates, double tolerance,
     int maximumSteps, const ProgressCallback& progress = {});
 
+  /// True where the energy without plates is defined and its second derivative positive definite.
+  bool IsStable(const std::vector<double>& x);
   /// True where no cell is inverted.
   bool Admissible(const std::vector<double>& x);
   /**

@@ -231,6 +231,33 @@ AttachmentEnergy::Terms AttachmentEnergy::NodeTerms(std::size_t n, const Vector3
   return terms;
 }
 
+std::array<Vector3, 3> AttachmentEnergy::NodeRestDerivative(std::size_t n, const Vector3& x) const
+{
+  const Node& node = this->NodeValues[n];
+  const SurfaceHeight there = this->HeightAt(node.Rest);
+  const Vector3 upwards = this->HeightAt(x).Gradient;
+  const Vector3 way = x - node.Rest;
+  const double across = node.Area * this->Stiffness.Normal;
+  const double tangential = node.Area * this->Stiffness.Tangential;
+  std::array<Vector3, 3> result{};
+  for (int k = 0; k < 3; ++k)
+  {
+    // The normal turns with the place: dn = P H e_k / |grad h|.
+    const Vector3 bend = (1 / Norm(there.Gradient)) * there.Hessian[k];
+    const Vector3 turn = bend - Dot(node.Normal, bend) * node.Normal;
+    Vector3 unit{ 0, 0, 0 };
+    unit[k] = 1;
+    const Vector3 along = -1.0 * unit + node.Normal[k] * node.Normal -
+      Dot(node.Normal, way) * turn - Dot(turn, way) * node.Normal;
+    const Vector3 column = (-across * there.Gradient[k]) * upwards + tangential * along;
+    for (int i = 0; i < 3; ++i)
+    {
+      result[i][k] = column[i];
+    }
+  }
+  return result;
+}
+
 bool AttachmentEnergy::Add(std::size_t n, const std::vector<double>& x, EnergyOrder order,
   PieceTerms& terms) const
 {

@@ -73,6 +73,7 @@ public:
   const std::vector<std::int32_t>& Nodes() const { return this->NodeIndices; }
   /// Undeformed area of the wall, mm^2.
   double AreaMm2() const;
+  void SetStiffness(const WallStiffness& stiffness) { this->Stiffness = stiffness; }
   /// Another undeformed shape of the body, 3 x nodeCount; the surface stays where it is.
   void SetRestPositions(const std::vector<double>& rest);
 
@@ -82,6 +83,9 @@ public:
    */
   Terms NodeTerms(std::size_t n, const Vector3& x, const WallStiffness& stiffness,
     bool projected = false) const;
+
+  /// Derivative of that node's gradient by its undeformed position: row, column.
+  std::array<Vector3, 3> NodeRestDerivative(std::size_t n, const Vector3& x) const;
 
   /// mm, at a point of the frame of the mesh.
   SurfaceHeight HeightAt(const Vector3& x) const;

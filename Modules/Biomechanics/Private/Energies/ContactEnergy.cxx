@@ -161,6 +161,19 @@ void ContactEnergy::AddPlateForces(std::size_t element, const std::vector<double
     });
 }
 
+void ContactEnergy::AddRestForces(std::size_t element, const std::vector<double>& x,
+  const std::vector<double>& restVelocities, double* column) const
+{
+  this->ForEachPoint(element, x, this->Touched,
+    [&](const ContactPoint& point)
+    {
+      const double growth =
+        this->Part.Body().FaceAreaRate(point.Face, restVelocities) / point.Face.Area;
+      this->Part.AddAtFace(point.Face, point.Shape,
+        (growth * point.Weight * point.Law.Pressure) * point.Distance.Gradient, column);
+    });
+}
+
 void ContactEnergy::AddPaddleForceRate(std::size_t element, const std::vector<double>& x,
   const PlatePairVelocity& velocity, const std::vector<double>& nodeVelocities, double& rate) const
 {

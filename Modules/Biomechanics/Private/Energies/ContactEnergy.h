@@ -84,6 +84,10 @@ public:
   /// unknowns for each.
   void AddPlateForces(std::size_t element, const std::vector<double>& x,
     const std::vector<PlatePairVelocity>& velocities, std::vector<double>& columns) const;
+  /// The same where the undeformed nodes move with `restVelocities`, 3 x nodeCount, to one column:
+  /// points stand for undeformed area.
+  void AddRestForces(std::size_t element, const std::vector<double>& x,
+    const std::vector<double>& restVelocities, double* column) const;
   /// Adds the rate of the paddle's force on an element, kPa mm^2 per unit of a parameter that moves
   /// the plates by `velocity` and the nodes by `nodeVelocities`.
   void AddPaddleForceRate(std::size_t element, const std::vector<double>& x,

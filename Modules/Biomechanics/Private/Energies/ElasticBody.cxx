@@ -140,20 +140,58 @@ double ElasticBody::CellDensity(std::size_t cell) const
   return density;
 }
 
+double ElasticBody::CellBulkModulus(std::size_t cell) const
+{
+  double kappa = 0;
+  for (const Part& part : this->PartsOf(cell))
+  {
+    kappa += part.Whole * this->Table[part.Material].BulkModulusKPa();
+  }
+  return kappa;
+}
+
+double ElasticBody::CellVolumeRate(std::size_t cell, const std::vector<double>& velocities) const
+{
+  const std::int32_t* nodes = &this->CellNodes[this->NodesPerCell() * cell];
+  const double* gradients = this->BarycentricGradientsOf(cell);
+  double divergence = 0;
+  for (int i = 0; i < 4; ++i)
+  {
+    for (int axis = 0; axis < 3; ++axis)
+    {
+      divergence += gradients[3 * i + axis] * velocities[3 * nodes[i] + axis];
+    }
+  }
+  return divergence * this->Volumes[cell];
+}
+
+double ElasticBody::FaceAreaRate(const BoundaryFace& face,
+  const std::vector<double>& velocities) const
+{
+  const std::span<const std::int32_t> nodes = this->NodesOf(face.Element);
+  const auto side = [&](const std::vector<double>& values, int end)
+  {
+    const std::int32_t from = nodes[face.LocalNodes[0]];
+    const std::int32_t to = nodes[face.LocalNodes[end]];
+    return Vector3{ values[3 * to] - values[3 * from], values[3 * to + 1] - values[3 * from + 1],
+      values[3 * to + 2] - values[3 * from + 2] };
+  };
+  const Vector3 a = side(this->Rest, 1);
+  const Vector3 b = side(this->Rest, 2);
+  const Vector3 normal = Cross(a, b);
+  const Vector3 rate = Cross(side(velocities, 1), b) + Cross(a, side(velocities, 2));
+  return 0.5 * Dot(normal, rate) / Norm(normal);
+}
+
 std::vector<double> ElasticBody::NodeIntegrals(const std::vector<double>& cellValues) const
 {
-  // Integrals of the shape functions of corners and middles over a tetrahedron of volume 1.
-  const bool quadratic = this->Kind == ElementType::Quadratic;
-  const double ofCorner = quadratic ? -1 / 20.0 : 1 / 4.0;
-  const double ofMiddle = 1 / 5.0;
   std::vector<double> result(this->NumberOfNodes(), 0.0);
   for (std::size_t cell = 0; cell < this->NumberOfCells(); ++cell)
   {
     const double whole = cellValues[cell] * this->Volumes[cell];
     for (int a = 0; a < this->NodesPerCell(); ++a)
     {
-      result[this->CellNodes[this->NodesPerCell() * cell + a]] +=
-        (a < 4 ? ofCorner : ofMiddle) * whole;
+      result[this->CellNodes[this->NodesPerCell() * cell + a]] += this->IntegralOfShape(a) * whole;
     }
   }
   return result;

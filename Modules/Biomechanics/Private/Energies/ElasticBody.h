@@ -100,6 +100,18 @@ public:
   /// Undeformed volume of a cell, mm^3, and its mean density, g/cm^3.
   double CellVolume(std::size_t cell) const { return this->Volumes[cell]; }
   double CellDensity(std::size_t cell) const;
+  /// Mean bulk modulus of a cell, kPa.
+  double CellBulkModulus(std::size_t cell) const;
+  /// Rates of a cell's volume, mm^3, and of a face's area, mm^2, where the undeformed nodes move
+  /// with `velocities`, 3 x nodeCount, per unit of it.
+  double CellVolumeRate(std::size_t cell, const std::vector<double>& velocities) const;
+  double FaceAreaRate(const BoundaryFace& face, const std::vector<double>& velocities) const;
+  /// Integral of the shape function of a cell's node 0, 1, ... over the undeformed cell, as a part
+  /// of its volume.
+  double IntegralOfShape(int node) const
+  {
+    return this->Kind == ElementType::Quadratic ? (node < 4 ? -1 / 20.0 : 1 / 5.0) : 1 / 4.0;
+  }
   /// The integrals over the undeformed body of each node's shape function times a value that is
   /// constant in each cell; mm^3 times the unit of `cellValues`.
   std::vector<double> NodeIntegrals(const std::vector<double>& cellValues) const;

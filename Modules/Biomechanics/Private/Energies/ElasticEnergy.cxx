@@ -223,11 +223,12 @@ struct PointState
     }
   }
 
-  /// Adds a vector for each of the cell's nodes to those of the element.
-  template <typename Vectors>
-  void AddTo(Vectors& vectors, const typename Cell::Gradients& add) const
+  /// Adds a vector for each of the cell's nodes, or of its corners, to those of the element.
+  template <typename Vectors, typename Add>
+  void AddTo(Vectors& vectors, const Add& vectorsOfCell) const
   {
-    for (int m = 0; m < Cell::Nodes; ++m)
+    const auto add = vectorsOfCell.eval();
+    for (int m = 0; m < add.cols(); ++m)
     {
       vectors.col(Cell::Local(this->LocalNodes, m)) += add.col(m);
     }
@@ -398,6 +399,25 @@ struct ElementState
   }
 };
 
+/// What an element's volume costs: the part of kappa that acts on its points, the rest and the mean
+/// of J, on which this acts.
+struct MeanVolume
+{
+  double PointKappa;
+  double Kappa;
+  double J;
+
+  MeanVolume(const ElasticBody& body, std::size_t element, double largestPointwiseRatio,
+    double deformedVolume)
+    : PointKappa(std::min(body.ElementBulkModulus(element),
+        largestPointwiseRatio * body.ElementShearModulus(element)))
+    , Kappa(body.ElementBulkModulus(element) - PointKappa)
+    , J(deformedVolume / body.ElementVolume(element))
+  {
+  }
+  double Pressure() const { return this->Kappa * (this->J - 1); }
+};
+
 template <typename Cell>
 bool AddTerms(const ElasticBody& body, std::size_t element, const std::vector<double>& x,
   EnergyOrder order, ElasticEnergy::Domain domain, PieceTerms& terms)
@@ -409,12 +429,11 @@ bool AddTerms(const ElasticBody& body, std::size_t element, const std::vector<do
   }
   terms.Measures.Add(deformed.Measures);
   const double volume = body.ElementVolume(element);
-  const double pointKappa = std::min(body.ElementBulkModulus(element),
-    Cell::LargestPointwiseRatio * body.ElementShearModulus(element));
-  const double kappa = body.ElementBulkModulus(element) - pointKappa;
-  const double meanJ = deformed.Measures.Volume / volume;
-  terms.Value += 0.5 * kappa * volume * (meanJ - 1) * (meanJ - 1);
-  const double pressure = kappa * (meanJ - 1);
+  const MeanVolume mean(body, element, Cell::LargestPointwiseRatio, deformed.Measures.Volume);
+  const double pointKappa = mean.PointKappa;
+  const double kappa = mean.Kappa;
+  terms.Value += 0.5 * kappa * volume * (mean.J - 1) * (mean.J - 1);
+  const double pressure = mean.Pressure();
 
   const auto nodeCount = static_cast<Eigen::Index>(body.NodesOf(element).size());
   using NodeVectors = typename Cell::NodeVectors;
@@ -468,6 +487,80 @@ bool AddTerms(const ElasticBody& body, std::size_t element, const std::vector<do
   }
   return true;
 }
+
+/**
+ * Adds d Gradient / dX. With L = dX_j g_j^T (g_j the gradient of corner j's coordinate) a corner's
+ * motion changes dF = -F L, the weights by tr L and the shape functions' gradients by -L^T grad N;
+ * w J is that of the deformed cell alone and stays.
+ */
+template <typename Cell>
+bool AddRestTerms(const ElasticBody& body, std::size_t element, const std::vector<double>& x,
+  std::span<double> matrix)
+{
+  ElementState<Cell> deformed;
+  if (!deformed.Deform(body, element, x, ElasticEnergy::Domain::Admissible))
+  {
+    return false;
+  }
+  const double volume = body.ElementVolume(element);
+  const MeanVolume mean(body, element, Cell::LargestPointwiseRatio, deformed.Measures.Volume);
+  const auto rows = static_cast<Eigen::Index>(3 * body.NodesOf(element).size());
+  Eigen::Map<Eigen::MatrixXd> result(matrix.data(), rows, rows);
+  using NodeVectors = typename Cell::NodeVectors;
+  NodeVectors volumeGradient = NodeVectors::Zero(3, rows / 3);
+  NodeVectors pressureRate = NodeVectors::Zero(3, rows / 3);
+  for (int p = 0; p < deformed.Count; ++p)
+  {
+    const PointState<Cell>& state = deformed.Points[p];
+    const auto cell = static_cast<std::size_t>(state.Law) / Cell::Points;
+    const Eigen::Map<const Eigen::Matrix<double, 3, 4>> corners(body.BarycentricGradientsOf(cell));
+    const ShapeEnergy& law = body.LawAt(state.Law);
+    const PowerOfJ power(state.J, ElasticEnergy::Domain::Admissible);
+    const double trace = state.F.squaredNorm();
+    const double pressure = mean.Pressure() + mean.PointKappa * (state.J - 1);
+    const Eigen::Matrix3d direction = state.F - trace / (3 * state.J) * state.Cofactor;
+    const Eigen::Matrix3d stress =
+      2 * power.Value * law.Slope(power.Value * trace - 3) * direction + pressure * state.Cofactor;
+    const Matrix9 a = PointStiffness(state, law, power, direction, mean.PointKappa, pressure);
+    const typename Cell::Gradients forces = stress * state.Shape;
+    state.AddTo(volumeGradient, state.Weight * state.Cofactor * state.Shape);
+    // Patches: kappa is the mean over their cells by volume.
+    const double kappaRate =
+      (body.CellBulkModulus(cell) - body.ElementBulkModulus(element)) / volume;
+    state.AddTo(pressureRate,
+      state.Weight * (kappaRate * (mean.J - 1) - mean.Kappa * mean.J / volume) * corners);
+    for (int j = 0; j < 4; ++j)
+    {
+      const Eigen::Vector3d g = corners.col(j);
+      const Eigen::Vector3d traction = stress * g;
+      const int column = 3 * Cell::Local(state.LocalNodes, j);
+      for (int k = 0; k < 3; ++k)
+      {
+        const Eigen::Matrix3d change = -state.F.col(k) * g.transpose();
+        const Vector9 rate = a * Eigen::Map<const Vector9>(change.data());
+        typename Cell::Gradients add = Eigen::Map<const Eigen::Matrix3d>(rate.data()) * state.Shape;
+        add += g[k] * forces - traction * state.Shape.row(k);
+        for (int m = 0; m < Cell::Nodes; ++m)
+        {
+          result.template block<3, 1>(3 * Cell::Local(state.LocalNodes, m), column + k) +=
+            state.Weight * add.col(m);
+        }
+      }
+    }
+  }
+  const Eigen::Map<const Eigen::VectorXd> v(volumeGradient.data(), rows);
+  const Eigen::Map<const Eigen::VectorXd> rate(pressureRate.data(), rows);
+  result += v * rate.transpose();
+  return true;
+}
+}
+
+bool ElasticEnergy::AddRestDerivative(std::size_t element, const std::vector<double>& x,
+  std::span<double> matrix) const
+{
+  return this->Body.Type() == ElementType::Quadratic
+    ? AddRestTerms<QuadraticCell>(this->Body, element, x, matrix)
+    : AddRestTerms<LinearCell>(this->Body, element, x, matrix);
 }
 
 bool ElasticEnergy::Add(std::size_t element, const std::vector<double>& x, EnergyOrder order,

@@ -67,6 +67,14 @@ public:
   /// point is inverted; `velocity`: one rate per material.
   std::vector<double> GradientRate(std::size_t element, const std::vector<double>& x,
     const MaterialVelocity& velocity) const;
+  /**
+   * Adds the derivative of an element's gradient by the undeformed positions of its cells' corners
+   * (the middles of sides follow them), at fixed `x`, to (3 n)^2 numbers for its n nodes: by
+   * columns, 3 * local node + axis, those of middles left alone. Answers false where a quadrature
+   * point is inverted.
+   */
+  bool AddRestDerivative(std::size_t element, const std::vector<double>& x,
+    std::span<double> matrix) const;
   /// Measures of one cell at node positions `x` where no quadrature point is inverted.
   CellMeasures MeasuresOf(std::size_t cell, const std::vector<double>& x) const;
 

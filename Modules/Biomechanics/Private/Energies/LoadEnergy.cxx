@@ -8,12 +8,6 @@
 
 namespace mammoray
 {
-namespace
-{
-/// Weight of 1 g/cm^3 at 1 m/s^2 in kPa mm^2 per mm^3.
-constexpr double WeightDensity = 1e-3;
-}
-
 void LoadEnergy::SetForces(std::vector<double> forces)
 {
   if (!forces.empty() && forces.size() != this->Body.RestPositions().size())
@@ -73,5 +67,43 @@ std::vector<double> BodyForces(const ElasticBody& body, const std::vector<bool>&
     forces[c] = weight[c / 3] * gravityMPerS2[c % 3] + 1e3 * part[c / 3] / volume * pullN[c % 3];
   }
   return forces;
+}
+
+std::vector<double> BodyForceRates(const ElasticBody& body, const std::vector<bool>& heldCells,
+  const Vector3& gravityMPerS2, const Vector3& pullN, const std::vector<double>& restVelocities)
+{
+  if (Norm(gravityMPerS2) == 0 && Norm(pullN) == 0)
+  {
+    return {};
+  }
+  // Integrals are linear in the cells' volumes: those of the density, and of the part that a cell
+  // has of the whole volume, whose derivative has two terms.
+  std::vector<double> weightGrowth(body.NumberOfCells(), 0.0);
+  std::vector<double> growth(body.NumberOfCells(), 0.0);
+  std::vector<double> tissue(body.NumberOfCells(), 0.0);
+  double volume = 0;
+  double volumeRate = 0;
+  for (std::size_t cell = 0; cell < growth.size(); ++cell)
+  {
+    if (!heldCells[cell])
+    {
+      const double rate = body.CellVolumeRate(cell, restVelocities);
+      growth[cell] = rate / body.CellVolume(cell);
+      weightGrowth[cell] = WeightDensity * body.CellDensity(cell) * growth[cell];
+      tissue[cell] = 1;
+      volume += body.CellVolume(cell);
+      volumeRate += rate;
+    }
+  }
+  const std::vector<double> weight = body.NodeIntegrals(weightGrowth);
+  const std::vector<double> part = body.NodeIntegrals(tissue);
+  const std::vector<double> partRate = body.NodeIntegrals(growth);
+  std::vector<double> rates(3 * body.NumberOfNodes());
+  for (std::size_t c = 0; c < rates.size(); ++c)
+  {
+    const double pulled = 1e3 * (partRate[c / 3] - part[c / 3] * volumeRate / volume) / volume;
+    rates[c] = weight[c / 3] * gravityMPerS2[c % 3] + pulled * pullN[c % 3];
+  }
+  return rates;
 }
 }

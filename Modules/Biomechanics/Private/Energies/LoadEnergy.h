@@ -13,6 +13,9 @@
 
 namespace mammoray
 {
+/// Weight of 1 g/cm^3 at 1 m/s^2 in kPa mm^2 per mm^3.
+constexpr double WeightDensity = 1e-3;
+
 /// Energy of dead loads, forces that act whatever the deformation: minus their work from the
 /// undeformed positions on. Its pieces are the nodes; its Hessian is zero.
 class MAMMORAYBIOMECHANICS_EXPORT LoadEnergy : public Energy
@@ -45,6 +48,11 @@ private:
  */
 MAMMORAYBIOMECHANICS_EXPORT std::vector<double> BodyForces(const ElasticBody& body,
   const std::vector<bool>& heldCells, const Vector3& gravityMPerS2, const Vector3& pullN);
+/// Their rates where the undeformed nodes move with `restVelocities`, 3 x nodeCount; empty where
+/// there are none.
+MAMMORAYBIOMECHANICS_EXPORT std::vector<double> BodyForceRates(const ElasticBody& body,
+  const std::vector<bool>& heldCells, const Vector3& gravityMPerS2, const Vector3& pullN,
+  const std::vector<double>& restVelocities);
 }
 
 #endif

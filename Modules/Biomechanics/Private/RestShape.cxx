@@ -1,0 +1,251 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "Private/RestShape.h"
+
+#include "mammoray/Foundation/Error.h"
+
+#include <Eigen/Core>
+
+#include <algorithm>
+#include <cmath>
+
+namespace mammoray
+{
+namespace
+{
+/// How exactly the part of the gravity that is borne is found, and the least that is looked for.
+constexpr double PartPrecision = 0.025;
+constexpr double SmallestPart = 1e-3;
+/// Smallest J, and smallest 1/J, of the known shape: cells at rest neither vanish nor burst.
+constexpr double SmallestJ = 0.1;
+/// Where there is a shape, a few factors and some steps by each of them lead to it.
+constexpr int MostFactors = 8;
+constexpr int MostNewtonSteps = 40;
+constexpr double ShortestStep = 1.0 / 8;
+/// A factor is kept where it makes the next correction this much smaller.
+constexpr double FastContraction = 0.1;
+/// Linear solutions: relative residual, and how often they are refined.
+constexpr double LinearTolerance = 1e-11;
+constexpr int MostRefinements = 12;
+
+double NormOf(const std::vector<double>& v)
+{
+  return Eigen::Map<const Eigen::VectorXd>(v.data(), static_cast<Eigen::Index>(v.size())).norm();
+}
+}
+
+RestShape::RestShape(InverseEquilibrium& inverse, EquilibriumSolver& solver, double tolerance)
+  : Inverse(inverse)
+  , Solver(solver)
+  , Factor(Inverse.Pattern().Starts, Inverse.Pattern().Rows)
+  , Tolerance(tolerance)
+  , Y(Inverse.Unloaded())
+{
+}
+
+double RestShape::Find(const ProgressCallback& progress)
+{
+  this->Factor.Forget();
+  this->Set(this->Inverse.Unloaded());
+  double done = 0;
+  for (double step = 1; done < 1;)
+  {
+    ReportProgress(progress, done, "unloading");
+    const double next = std::min(1.0, done + step);
+    if (this->MoveTo(next, progress))
+    {
+      done = next;
+      continue;
+    }
+    step *= 0.5;
+    if (step < std::max(SmallestPart, PartPrecision * done))
+    {
+      break;
+    }
+  }
+  return done;
+}
+
+bool RestShape::MoveTo(double part, const ProgressCallback& progress)
+{
+  this->Inverse.SetLoadedPart(part);
+  std::vector<double> y = this->Y;
+  try
+  {
+    if (this->Newton(y, progress))
+    {
+      this->Y.swap(y);
+      return true;
+    }
+  }
+  catch (const Interrupted&)
+  {
+    this->Set(this->Y);
+    throw;
+  }
+  this->Factor.Forget();
+  this->Set(this->Y);
+  return false;
+}
+
+void RestShape::TakeForWhole()
+{
+  this->Factor.Forget();
+  this->Set(this->Y);
+}
+
+void RestShape::Set(const std::vector<double>& y)
+{
+  this->Y = y;
+  this->Inverse.SetLoadedPart(1);
+  this->Inverse.Evaluate(this->Y, false);
+  this->Solver.BodyChanged();
+}
+
+bool RestShape::FactorizeAt(const std::vector<double>& y)
+{
+  return this->Inverse.Evaluate(y, true) && this->Factor.Factorize(this->Inverse.Jacobian());
+}
+
+bool RestShape::Newton(std::vector<double>& y, const ProgressCallback& progress)
+{
+  if (!this->Inverse.Evaluate(y, false))
+  {
+    return false;
+  }
+  int factors = 0;
+  for (int taken = 0; this->Inverse.RelativeResidual() > this->Tolerance; ++taken)
+  {
+    ReportProgress(progress, 0, "unloading");
+    const bool kept = this->Factor.Usable();
+    factors += kept ? 0 : 1;
+    if (taken == MostNewtonSteps || factors > MostFactors || (!kept && !this->FactorizeAt(y)))
+    {
+      return false;
+    }
+    if (!this->TakeStep(y))
+    {
+      this->Factor.Forget();
+      if (!kept)
+      {
+        return false;
+      }
+      this->Inverse.Evaluate(y, false);
+    }
+  }
+  this->Solver.BodyChanged();
+  return this->Inverse.SmallestJ() >= SmallestJ && this->Inverse.LargestJ() <= 1 / SmallestJ &&
+    this->Solver.IsStable(this->Inverse.Deformed(y));
+}
+
+/**
+ * The longest good part of the step by the factor at hand, of 1, 1/2, ...: one that makes the next
+ * step by the same factor smaller. Keeps the factor where that is much smaller. Answers false where
+ * none is good.
+ */
+bool RestShape::TakeStep(std::vector<double>& y)
+{
+  const std::vector<std::int32_t>& coordinates = this->Inverse.Coordinates();
+  std::vector<double> step = this->Inverse.Forces();
+  this->Factor.Solve(step);
+  const double before = NormOf(step);
+  std::vector<double> trial;
+  for (double length = 1; length >= ShortestStep; length *= 0.5)
+  {
+    trial = y;
+    for (std::size_t u = 0; u < step.size(); ++u)
+    {
+      trial[coordinates[u]] += length * step[u];
+    }
+    if (!this->Inverse.Evaluate(trial, false))
+    {
+      continue;
+    }
+    std::vector<double> next = this->Inverse.Forces();
+    this->Factor.Solve(next);
+    const double after = NormOf(next);
+    if (after <= (1 - 0.25 * length) * before ||
+      this->Inverse.RelativeResidual() <= this->Tolerance)
+    {
+      y.swap(trial);
+      if (after > FastContraction * before)
+      {
+        this->Factor.Forget();
+      }
+      return true;
+    }
+  }
+  return false;
+}
+
+/// Solutions of the exact Jacobian at the shape found, by the factor at hand, refined, or a new
+/// one.
+std::vector<double> RestShape::SolveExactly(const std::vector<double>& right)
+{
+  this->Inverse.Evaluate(this->Y, true);
+  const std::size_t n = this->Inverse.Coordinates().size();
+  const double size = NormOf(right);
+  for (bool kept = this->Factor.Usable();; kept = false)
+  {
+    if (!kept && !this->Factor.Factorize(this->Inverse.Jacobian()))
+    {
+      throw ConvergenceError("sensitivities: expected a shape without load that changes smoothly, "
+                             "found a singular one");
+    }
+    std::vector<double> solution(right.size(), 0.0);
+    std::vector<double> residual = right;
+    double last = size;
+    for (int pass = 0; pass < MostRefinements; ++pass)
+    {
+      this->Factor.Solve(residual);
+      std::transform(solution.begin(), solution.end(), residual.begin(), solution.begin(),
+        [](double a, double b) { return a + b; });
+      for (std::size_t begin = 0; begin < right.size(); begin += n)
+      {
+        this->Factor.Multiply(this->Inverse.Jacobian(), &solution[begin], &residual[begin]);
+      }
+      std::transform(right.begin(), right.end(), residual.begin(), residual.begin(),
+        [](double a, double b) { return a - b; });
+      const double left = NormOf(residual);
+      // A factor of the matrix itself ends in roundoff.
+      if (left <= LinearTolerance * size || (!kept && pass > 0 && left > 0.5 * last))
+      {
+        return solution;
+      }
+      if (left > last)
+      {
+        break;
+      }
+      last = left;
+    }
+    if (!kept)
+    {
+      return solution;
+    }
+  }
+}
+
+std::vector<std::vector<double>> RestShape::Rates(const std::vector<MaterialVelocity>& materials,
+  const std::vector<WallStiffness>& walls)
+{
+  const std::size_t count = materials.size() + walls.size();
+  if (count == 0)
+  {
+    return {};
+  }
+  const std::vector<double> right = this->Inverse.ParameterForces(this->Y, materials, walls);
+  const std::vector<double> solution = this->SolveExactly(right);
+  const std::vector<std::int32_t>& coordinates = this->Inverse.Coordinates();
+  std::vector<std::vector<double>> result;
+  for (std::size_t p = 0; p < count; ++p)
+  {
+    std::vector<double> rate(this->Y.size(), 0.0);
+    for (std::size_t u = 0; u < coordinates.size(); ++u)
+    {
+      rate[coordinates[u]] = solution[coordinates.size() * p + u];
+    }
+    this->Inverse.PutMiddlesBetween(rate);
+    result.push_back(std::move(rate));
+  }
+  return result;
+}
+}
