@@ -139,6 +139,10 @@ void PrintSummary(const CompressionCaseResult& result)
     std::printf("chest wall: glided along it by at most %.1f mm, left it by at most %.2f mm\n",
       state.LargestWallGlideMm, state.LargestWallLiftMm);
   }
+  if (state.StiffnessFactor != 1)
+  {
+    std::printf("%s\n", StiffnessNote(state.StiffnessFactor).c_str());
+  }
   const std::size_t inverted = CompressionGrids::NumberOfInvertedCells(result.Compressed);
   if (inverted > 0)
   {

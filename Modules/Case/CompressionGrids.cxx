@@ -156,6 +156,7 @@ vtkSmartPointer<vtkUnstructuredGrid> CompressionGrids::At(const CompressionState
   AddValue(data, "LargestJ", state.LargestJ);
   AddValue(data, "VolumeRatio", state.VolumeRatio);
   AddValue(data, "RelativeResidual", state.RelativeResidual);
+  AddValue(data, "StiffnessFactor", state.StiffnessFactor);
   if (deformed)
   {
     AddValue(data, "InvertedCells", static_cast<double>(inverted));

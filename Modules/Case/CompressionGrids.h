@@ -25,7 +25,7 @@ namespace mammoray
  * - cells: "J" (deformed over undeformed volume), "VonMisesStressKPa" (of the Cauchy stress);
  * - field data: "PaddleForceN", "SupportForceN", "ThicknessMm", "LargestPenetrationMm",
  *   "LargestWallLiftMm", "LargestWallGlideMm", "SmallestJ", "LargestJ", "VolumeRatio",
- *   "RelativeResidual", and "InvertedCells" of a grid that is carried along.
+ *   "RelativeResidual", "StiffnessFactor", and "InvertedCells" of a grid that is carried along.
  */
 class MAMMORAYCASE_EXPORT CompressionGrids
 {

@@ -334,6 +334,11 @@ void Search(const RegistrationCase& input, BreastModel& model,
     registered.Registration = std::move(found.Mammograms[number]);
     registered.Warnings.insert(registered.Warnings.end(), registered.Registration.Warnings.begin(),
       registered.Registration.Warnings.end());
+    const std::string note = StiffnessNote(registered.Registration.State.StiffnessFactor);
+    if (!note.empty())
+    {
+      registered.Warnings.push_back(note + ".");
+    }
   }
 }
 

@@ -17,10 +17,11 @@
  * quadrature points (a linear cell has one, and keeps its volume together with its patch only) or,
  * of a carried grid, J of the volumes between the corners; and the field arrays "PaddleForceN",
  * "SupportForceN", "ThicknessMm", "LargestPenetrationMm", "LargestWallLiftMm",
- * "LargestWallGlideMm", "SmallestJ", "LargestJ", "VolumeRatio", "RelativeResidual", of a carried
- * grid "InvertedCells" (a fine mesh may have a few; vtkXRayProjector takes them), and "Placement"
- * (4 x 3 doubles: the gantry's origin, mm, and its x, y and z axes in the frame of the input, from
- * which vtkXRayProjector knows where source and detector stand).
+ * "LargestWallGlideMm", "SmallestJ", "LargestJ", "VolumeRatio", "RelativeResidual",
+ * "StiffnessFactor" (1, or what the tissue had to be stiffened by to bear its weight in the image),
+ * of a carried grid "InvertedCells" (a fine mesh may have a few; vtkXRayProjector takes them), and
+ * "Placement" (4 x 3 doubles: the gantry's origin, mm, and its x, y and z axes in the frame of the
+ * input, from which vtkXRayProjector knows where source and detector stand).
  *
  * With NumberOfTimeSteps above 1 the output is a time series of the compression: at time 0 the
  * plates just touch nothing, at 1 they are closed. Without a time asked for they are closed.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Private/SparseCholesky.h"
 
+#include "Private/SingleThreaded.h"
 #include "mammoray/Foundation/Error.h"
 
 #include <cholmod.h>
@@ -9,13 +10,6 @@
 #include <optional>
 #include <string>
 
-// OpenBLAS has these, if it is the BLAS of the process.
-extern "C" void openblas_set_num_threads(int) __attribute__((weak));
-extern "C" int openblas_get_num_threads() __attribute__((weak));
-// The OpenMP runtime that CHOLMOD was built with has these, if it was.
-extern "C" void omp_set_max_active_levels(int) __attribute__((weak));
-extern "C" int omp_get_max_active_levels() __attribute__((weak));
-
 namespace mammoray
 {
 namespace
@@ -23,47 +17,6 @@ namespace
 /// Operations of a factorisation from which on several threads are worth their waiting: those of
 /// some twenty thousand unknowns (40,000: 8e10, by two threads in 0.6 of the time).
 constexpr double ManyOperations = 2e10;
-
-/**
- * Keeps OpenBLAS and the loops of CHOLMOD to one thread: most supernodes are small, and the threads
- * wait for each other by spinning, which on a busy machine takes more time than the products (half
- * of all samples in perf).
- */
-class SingleThreaded
-{
-public:
-  SingleThreaded()
-    : Before(openblas_get_num_threads && openblas_set_num_threads ? openblas_get_num_threads() : 0)
-    , Levels(
-        omp_get_max_active_levels && omp_set_max_active_levels ? omp_get_max_active_levels() : 0)
-  {
-    if (this->Before > 1)
-    {
-      openblas_set_num_threads(1);
-    }
-    if (this->Levels > 0)
-    {
-      omp_set_max_active_levels(0);
-    }
-  }
-  ~SingleThreaded()
-  {
-    if (this->Before > 1)
-    {
-      openblas_set_num_threads(this->Before);
-    }
-    if (this->Levels > 0)
-    {
-      omp_set_max_active_levels(this->Levels);
-    }
-  }
-  SingleThreaded(const SingleThreaded&) = delete;
-  SingleThreaded& operator=(const SingleThreaded&) = delete;
-
-private:
-  int Before;
-  int Levels;
-};
 }
 
 struct SparseCholesky::Internals

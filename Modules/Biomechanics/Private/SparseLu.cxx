@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Private/SparseLu.h"
 
+#include "Private/SingleThreaded.h"
 #include "mammoray/Foundation/Error.h"
 
 #include <umfpack.h>
@@ -66,6 +67,7 @@ void SparseLu::Forget()
 bool SparseLu::Factorize(const std::vector<double>& values)
 {
   this->Forget();
+  const SingleThreaded single;
   const int status = umfpack_di_numeric(this->Starts.data(), this->Rows.data(), values.data(),
     this->Internal->Symbolic, &this->Internal->Numeric, this->Internal->Control, nullptr);
   Check(status, "the factorisation");
