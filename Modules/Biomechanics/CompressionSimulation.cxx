@@ -11,6 +11,7 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <functional>
 #include <string>
 
 namespace mammoray
@@ -51,6 +52,12 @@ void CheckOptions(const CompressionOptions& options)
       std::to_string(options.Wall.Normal) + " and " + std::to_string(options.Wall.Tangential) +
       " kPa/mm");
   }
+  if (!(options.SlidingStiffness > 0) || !std::isfinite(options.SlidingStiffness))
+  {
+    throw InputError("compression options: expected a positive stiffness along a sliding chest "
+                     "wall, found " +
+      std::to_string(options.SlidingStiffness) + " kPa/mm");
+  }
   if (!(options.Friction >= 0) || !std::isfinite(options.Friction))
   {
     throw InputError(
@@ -63,11 +70,10 @@ void CheckOptions(const CompressionOptions& options)
   }
 }
 
-/// A predictor serves where the way is simple: its breast hangs and rubs otherwise.
+/// With friction where one arrives depends on the way.
 bool CanBePredicted(const CompressionOptions& options)
 {
-  return options.ChestWall == ChestWallMode::Held && options.Friction == 0 &&
-    Norm(options.GravityMPerS2) == 0 && Norm(options.PullN) == 0;
+  return options.Friction == 0;
 }
 
 void CheckPlate(const Plate& plate, const char* name)
@@ -139,8 +145,8 @@ void CompressionSimulation::SetPredictor(std::unique_ptr<CompressionSimulation> 
   {
     return;
   }
-  this->Internal->InPredictor = std::make_unique<Embedding>(*predictor, this->RestPositions());
   this->Internal->Predictor = std::move(predictor);
+  this->Internal->EmbedInPredictor();
 }
 
 void CompressionSimulation::Unload(const Vector3& gravityMPerS2, const ProgressCallback& progress)
@@ -150,7 +156,12 @@ void CompressionSimulation::Unload(const Vector3& gravityMPerS2, const ProgressC
     throw InputError("unloading: expected a finite gravity");
   }
   this->Internal->Unload(gravityMPerS2, progress);
-  this->Internal->Predictor.reset(); // which knows nothing of the new shape
+  this->Internal->ChangePredictor(
+    [&](CompressionSimulation& predictor) { predictor.Unload(gravityMPerS2, progress); });
+  if (this->Internal->Predictor)
+  {
+    this->Internal->EmbedInPredictor();
+  }
 }
 
 double CompressionSimulation::StiffnessFactor() const
@@ -247,13 +258,19 @@ std::vector<double> CompressionSimulation::PredictedPositions(const PlatePair& p
       { return !progress || progress(0.5 * fraction, stage); };
       const CompressionState predicted =
         internal.Predictor->Run(plates, nullptr, Finish::Prediction, firstHalf);
-      positions = internal.InPredictor->Map(predicted.Positions);
+      const std::vector<double>& from = internal.Predictor->ImagePositions();
+      std::vector<double> displacement = predicted.Positions;
+      std::transform(displacement.begin(), displacement.end(), from.begin(), displacement.begin(),
+        std::minus<>());
+      positions = internal.InPredictor->Map(displacement);
       for (std::size_t c = 0; c < positions.size(); ++c)
       {
-        positions[c] = internal.Fixed[c] ? this->RestPositions()[c] : positions[c];
+        positions[c] =
+          internal.Fixed[c] ? this->RestPositions()[c] : this->ImagePositions()[c] + positions[c];
       }
+      internal.DrawAlong(positions);
     }
-    catch (const CompressionError&)
+    catch (const ConvergenceError&)
     {
       // What stops its elements need not stop these.
     }
@@ -376,10 +393,8 @@ CompressionState CompressionSimulation::CompressToForce(const PlatePair& plates,
 void CompressionSimulation::SetMaterials(const std::vector<ElasticMaterial>& materials)
 {
   this->Internal->SetMaterials(materials);
-  if (this->Internal->Predictor)
-  {
-    this->Internal->Predictor->SetMaterials(materials);
-  }
+  this->Internal->ChangePredictor(
+    [&](CompressionSimulation& predictor) { predictor.SetMaterials(materials); });
 }
 
 const std::vector<ElasticMaterial>& CompressionSimulation::Materials() const

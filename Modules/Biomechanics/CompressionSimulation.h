@@ -29,9 +29,11 @@ struct CompressionOptions
   /// Counts for the elastic chest wall; a sliding one takes Normal from it, and along the wall
   /// SlidingStiffness.
   WallStiffness Wall{ 1000.0, 1.0 };
-  /// kPa / mm. Not quite 0: between plates without friction nothing else would hold the breast
-  /// sideways. After gliding by 10 mm a hundredth of the usual pressures of compression.
-  static constexpr double SlidingStiffness = 0.01;
+  /// kPa / mm; positive. Not 0: between plates without friction nothing else would hold the breast
+  /// sideways. The weight of a breast of 0.4 kg on a base of 80 cm^2 shears it by 0.5 kPa, so that
+  /// it glides by 17 mm, as is seen between lying and standing; a tenth of the pressures of
+  /// compression.
+  double SlidingStiffness = 0.03;
   /// Coefficient of friction between breast and plates, not negative (smoothed Coulomb friction).
   double Friction = 0.0;
   /// Acceleration of the patient's weight during compression, m/s^2, in the frame of the mesh.
@@ -173,8 +175,8 @@ public:
    * dozen steps. The meshes may differ by a part of a cell; the same equilibrium is found to the
    * same tolerance, but for tissue that folds at the plates' edges and may fold in several ways
    * (tenths of a mm apart, and some tenths of a per cent of the force, in the tests' breast). Does
-   * nothing where the breast glides, rubs or has weight. SetMaterials changes its materials too;
-   * Unload drops it. Throws InputError.
+   * nothing where the breast rubs. SetMaterials and Unload change it too, and drop it where its
+   * elements have no shape without load. Throws InputError.
    */
   void SetPredictor(std::unique_ptr<CompressionSimulation> predictor);
 
@@ -212,15 +214,14 @@ public:
 
   /**
    * Equilibrium between the plates. Cold: the breast first settles under gravity and pull, the
-   * plates opened along their normals until they touch nothing, then closed in load steps; where
-   * the chest wall is held and there are no such loads and no friction, quadratic elements let
-   * linear ones on the same cells, or the predictor, go this way and start from where
-   * these arrive, or go it themselves if that fails. Warm: starts at `start` (a state of this
-   * simulation) and goes straight to the new plates, in steps where that fails. Deterministic.
-   * Contact is made stiffer until the penetration is within its limit. Throws ConvergenceError that
-   * names the last gap reached or the limit that was missed and the value found, or Interrupted.
-   * What is answered has J > 0 at every quadrature point; corners of cells may still be turned
-   * over.
+   * plates opened along their normals until they touch nothing, then closed in load steps; without
+   * friction, quadratic elements let linear ones on the same cells, or the predictor, go this way
+   * and start from where these arrive, or go it themselves if that fails. Warm: starts at `start`
+   * (a state of this simulation) and goes straight to the new plates, in steps where that fails.
+   * Deterministic. Contact is made stiffer until the penetration is within its limit. Throws
+   * ConvergenceError that names the last gap reached or the limit that was missed and the value
+   * found, or Interrupted. What is answered has J > 0 at every quadrature point; corners of cells
+   * may still be turned over.
    */
   CompressionState Compress(const PlatePair& plates, const CompressionState* start = nullptr,
     const ProgressCallback& progress = {}, Refusal refusal = Refusal::WithLastGap) const;

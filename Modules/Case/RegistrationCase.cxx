@@ -355,17 +355,6 @@ LabelVolume ReadTissue(const RegistrationCase& input, RegistrationCaseResult& re
   return result.Tissue->Breast;
 }
 
-void WarnOfVolume(const RegistrationCaseResult& result, RegisteredView& view)
-{
-  const std::string mismatch = result.Tissue
-    ? VolumeMismatch(*result.Tissue, view.Target, view.Unit, view.Registration.Pose.ThicknessMm)
-    : "";
-  if (!mismatch.empty())
-  {
-    view.Warnings.push_back(mismatch);
-  }
-}
-
 /// What a mammogram shows where the search ended.
 void Picture(BreastModel& model, const UnitPlacement& placement, RegisteredView& view)
 {
@@ -505,7 +494,6 @@ RegistrationCaseResult RunRegistrationCase(const RegistrationCase& input,
   for (RegisteredView& view : result.Views)
   {
     Picture(model, { result.Axes, result.Anchor, view.Unit }, view);
-    WarnOfVolume(result, view);
   }
   stopwatch.Stage("synthetic mammogram");
   ReportProgress(progress, 1, "synthetic mammogram");

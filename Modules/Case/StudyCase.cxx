@@ -10,9 +10,7 @@
 #endif
 
 #include <algorithm>
-#include <cmath>
 #include <cstdio>
-#include <numeric>
 #include <utility>
 
 namespace mammoray
@@ -109,33 +107,6 @@ void TakeStudy(const std::string& folder, std::optional<char> laterality, Regist
   input.ChestWall = ChestWallMode::Sliding;
   input.Targets.ChestWallMarginMm = StudyChestWallMarginMm;
   input.Study = std::make_shared<const StudyIntake>(std::move(study));
-}
-
-std::string VolumeMismatch(const StudyTissue& tissue, const RegistrationTarget& target,
-  const MammographyUnit& unit, double thicknessMm)
-{
-  std::size_t pixels = 0;
-  for (std::size_t pixel = 0; pixel < target.BreastMask.size(); ++pixel)
-  {
-    pixels += target.BreastMask[pixel] != 0 && !IsExcluded(target, pixel) ? 1 : 0;
-  }
-  const double pixelMm2 =
-    std::abs(target.ColumnStep[0] * target.RowStep[1] - target.ColumnStep[1] * target.RowStep[0]);
-  const double magnification =
-    unit.SourceToDetectorMm / (unit.SourceToDetectorMm - unit.SupportHeightMm - 0.5 * thicknessMm);
-  const double pressedCm3 =
-    static_cast<double>(pixels) * pixelMm2 * thicknessMm / (magnification * magnification) / 1000;
-  const double ratio = tissue.BreastCm3 / pressedCm3;
-  if (ratio <= MostVolumeRatio && ratio >= 1 / MostVolumeRatio)
-  {
-    return "";
-  }
-  char text[256];
-  std::snprintf(text, sizeof text,
-    "The breast has %.0f cm3 in the MRI and about %.0f cm3 between the plates (its shadow times "
-    "%.0f mm): is it the same breast, and is the segmentation right?",
-    tissue.BreastCm3, pressedCm3, thicknessMm);
-  return text;
 }
 
 ReportSection StudySection(const StudyIntake& study, const StudyTissue& tissue)

@@ -62,16 +62,6 @@ MAMMORAYCASE_EXPORT void TakeStudy(const std::string& folder, std::optional<char
 MAMMORAYCASE_EXPORT StudyTissue SegmentStudy(const StudyChoice& choice, const MaterialTable& table,
   const ProgressCallback& progress = {});
 
-/**
- * What of the breast in the MRI and of that in a mammogram of this compressed thickness cannot be
- * one breast's, a sentence; empty where nothing is: the mammogram's shadow times the thickness is a
- * volume within a factor of MostVolumeRatio of the MRI's, though the one ends at the plates' edge
- * and the other at the chest wall.
- */
-MAMMORAYCASE_EXPORT std::string VolumeMismatch(const StudyTissue& tissue,
-  const RegistrationTarget& target, const MammographyUnit& unit, double thicknessMm);
-inline constexpr double MostVolumeRatio = 2.0;
-
 /// What a report tells of a study: what was taken and what was left out, and why; the tissue that
 /// was found, with a picture of it (SlicePicture); what is to be known of both.
 MAMMORAYCASE_EXPORT ReportSection StudySection(const StudyIntake& study, const StudyTissue& tissue);

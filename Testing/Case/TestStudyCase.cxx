@@ -118,36 +118,6 @@ TEST(StudyCase, RefusesWhatCannotBeRegistered)
     HasSubstr("expected the images of one patient, found those of 2"));
 }
 
-TEST(StudyCase, TellsABreastOfAnotherSize)
-{
-  const StudyTissue tissue = Ball();
-  // A half disc of this radius, 1 mm pixels.
-  const auto shadow = [](double radius)
-  {
-    RegistrationTarget target;
-    target.Columns = 100;
-    target.Rows = 200;
-    target.ColumnStep = { 0, 1 };
-    target.RowStep = { -1, 0 };
-    target.Origin = { 99.5, 0.5 };
-    for (int row = 0; row < 200; ++row)
-    {
-      for (int column = 0; column < 100; ++column)
-      {
-        target.BreastMask.push_back(std::hypot(column + 0.5, row - 99.5) < radius ? 1 : 0);
-      }
-    }
-    return target;
-  };
-  MammographyUnit unit;
-  unit.SourceToDetectorMm = 650;
-  // Pressed to 40 mm the ball's volume has a half disc of 46 mm, its shadow one of 48.
-  EXPECT_EQ(VolumeMismatch(tissue, shadow(48), unit, 40), "");
-  EXPECT_THAT(VolumeMismatch(tissue, shadow(96), unit, 40),
-    StartsWith("The breast has 134 cm3 in the MRI and about 5"));
-  EXPECT_THAT(VolumeMismatch(tissue, shadow(30), unit, 40), HasSubstr("about 53 cm3"));
-}
-
 TEST(StudyCase, IsToldInTheReport)
 {
   const MadeUpExport study;

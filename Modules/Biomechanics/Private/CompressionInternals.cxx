@@ -24,7 +24,7 @@ constexpr double LeastBorne = 1e-3;
 WallStiffness WallOf(const CompressionOptions& options)
 {
   return { options.Wall.Normal,
-    options.ChestWall == ChestWallMode::Sliding ? CompressionOptions::SlidingStiffness
+    options.ChestWall == ChestWallMode::Sliding ? options.SlidingStiffness
                                                 : options.Wall.Tangential };
 }
 
@@ -306,6 +306,28 @@ void CompressionSimulation::Internals::SetMaterials(const std::vector<ElasticMat
       this->Unloaded->Shape.Set(shape);
     }
     throw;
+  }
+}
+
+void CompressionSimulation::Internals::EmbedInPredictor()
+{
+  this->InPredictor = std::make_unique<Embedding>(*this->Predictor, this->Image);
+}
+
+void CompressionSimulation::Internals::ChangePredictor(
+  const std::function<void(CompressionSimulation&)>& change)
+{
+  if (!this->Predictor)
+  {
+    return;
+  }
+  try
+  {
+    change(*this->Predictor);
+  }
+  catch (const ConvergenceError&)
+  {
+    this->Predictor.reset();
   }
 }
 

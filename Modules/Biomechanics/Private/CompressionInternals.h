@@ -10,6 +10,7 @@
 #include "mammoray/Biomechanics/CompressionSimulation.h"
 #include "mammoray/Biomechanics/Embedding.h"
 
+#include <functional>
 #include <optional>
 
 namespace mammoray
@@ -78,6 +79,10 @@ struct CompressionSimulation::Internals
   /// See CompressionSimulation.
   void Unload(const Vector3& gravityMPerS2, const ProgressCallback& progress);
   void SetMaterials(const std::vector<ElasticMaterial>& materials);
+  /// Places this body's nodes in that of the predictor, both as they are in the image.
+  void EmbedInPredictor();
+  /// Does the same to the predictor as was done here, and drops it where it cannot follow.
+  void ChangePredictor(const std::function<void(CompressionSimulation&)>& change);
   /// How the shape without load changes along with materials and wall; after Unload.
   void AddRestVelocities(EquilibriumVelocities& velocities);
   /// Makes the solver's contact, friction and loads those of the state.

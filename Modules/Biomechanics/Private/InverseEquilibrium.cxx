@@ -276,6 +276,7 @@ std::vector<double> InverseEquilibrium::ParameterForces(const std::vector<double
   const std::vector<double> x = this->Deformed(y);
   std::vector<double> columns = MaterialForces(this->Energy, x, materials);
   std::vector<HoldingVelocity> holding;
+  holding.reserve(walls.size());
   for (const WallStiffness& wall : walls)
   {
     holding.push_back({ wall, 0, {} });
