@@ -19,7 +19,7 @@ namespace
 namespace fs = std::filesystem;
 
 const std::vector<std::string> Parts{ "landmarks", "search", "plain", "wrong-material",
-  "wrong-start", "every-parameter", "mammograms" };
+  "wrong-start", "every-parameter", "mammograms", "studies" };
 
 struct EvidenceArguments
 {
@@ -31,6 +31,7 @@ struct EvidenceArguments
   std::vector<std::string> Only = Parts;
   std::string Output;
   std::string Table;
+  int Studies = 20;
   bool Resume = false;
   bool Overwrite = false;
 
@@ -56,6 +57,8 @@ void Declare(const OptionList& add, EvidenceArguments& arguments)
   add("--twins", input.Twins, NonNegative(), "true poses of each kind and phantom");
   add("--search-twins", input.SearchTwins, NonNegative(),
     "true poses of each phantom for which searches are compared");
+  add("--studies", arguments.Studies, NonNegative(),
+    "virtual studies: a clinic's export each, of the phantoms and the patients' MRI of the data");
   add("--seed", input.Twin.Seed, "of the true poses, starts and noise");
   add("--model-fineness", input.Twin.ModelFineness, Positive(),
     "cells of the model's mechanics: edge of a cube as large as the breast, over this");
@@ -110,6 +113,10 @@ void AddWanted(EvidenceArguments& arguments)
     {
       CheckInputFile(mammogram.Case.Mammograms.front());
     }
+  }
+  if (arguments.Wants("studies"))
+  {
+    input.Studies = StudiesOfEvidence(input.Phantoms, arguments.Data, arguments.Studies);
   }
 }
 

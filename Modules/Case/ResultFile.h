@@ -80,11 +80,12 @@ struct ResultMammogram
 
 struct ResultInput
 {
-  /// "Label volume", "Material table", "Mammogram", "Anatomy mesh" or "Simulation mesh".
+  /// "Label volume" or, of a study, "MRI", "MRI without fat suppression" and "MRI with fat
+  /// suppression"; "Material table", "Mammogram", "Anatomy mesh" or "Simulation mesh".
   std::string Role;
-  /// The file's name without its folder.
+  /// The file's name without its folder; of an MRI, its series' description.
   std::string File;
-  /// Sha256OfFile.
+  /// Sha256OfFile; of an MRI, Sha256OfFiles.
   std::string Sha256;
 };
 

@@ -8,6 +8,7 @@
 
 #include <filesystem>
 #include <fstream>
+#include <utility>
 
 namespace mammoray
 {
@@ -82,6 +83,41 @@ EvidenceLandmarks LandmarksOfEvidence(const std::string& publicData)
     landmarks.CompressedOrigin = Vector3{ 8.4, -46.4534, -26.3184 };
   }
   return landmarks;
+}
+
+std::vector<EvidenceStudy> StudiesOfEvidence(const std::vector<EvidencePhantom>& phantoms,
+  const std::string& publicData, int count)
+{
+  std::vector<EvidenceStudy> anatomies;
+  for (const EvidencePhantom& phantom : phantoms)
+  {
+    EvidenceStudy& study = anatomies.emplace_back();
+    study.Phantom = phantom.Name;
+    study.Labels = phantom.Labels;
+    study.Materials = PhantomMaterials;
+    study.Orientation = PhantomOrientation;
+  }
+  const std::string uta = publicData + "/uta11-breast-mri-CC-BY-SA-4.0";
+  for (const auto& [name, folder] :
+    { std::pair<std::string, std::string>{ "uta11-a", uta + "/a/t1-tse" },
+      { "uta11-b", uta + "/b/t1-fat-suppressed" },
+      { "duke-153", publicData + "/duke-breast-mri-153-CC-BY-NC-4.0/t1_tse" } })
+  {
+    if (std::filesystem::is_directory(folder))
+    {
+      EvidenceStudy& study = anatomies.emplace_back();
+      study.Phantom = name;
+      study.Mri = folder;
+    }
+  }
+  std::vector<EvidenceStudy> studies;
+  for (int number = 0; number < count && !anatomies.empty(); ++number)
+  {
+    EvidenceStudy& study = studies.emplace_back(anatomies[number % anatomies.size()]);
+    study.Options.Seed = static_cast<std::uint32_t>(number + 1);
+    study.Options.Laterality = number % 2 == 0 ? 'L' : 'R';
+  }
+  return studies;
 }
 
 std::vector<EvidenceMammogram> MammogramsOfEvidence(const std::string& publicData)

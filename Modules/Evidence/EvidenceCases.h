@@ -25,6 +25,14 @@ MAMMORAYEVIDENCE_EXPORT std::vector<EvidencePhantom> PhantomsOfEvidence(
  */
 MAMMORAYEVIDENCE_EXPORT EvidenceLandmarks LandmarksOfEvidence(const std::string& publicData);
 
+/**
+ * So many virtual studies, numbered from 1, of several anatomies in turn: the three phantoms of
+ * PhantomsOfEvidence and, where the public data holds them, the breasts of three patients' MRI.
+ * The number is the study's seed; sides alternate.
+ */
+MAMMORAYEVIDENCE_EXPORT std::vector<EvidenceStudy> StudiesOfEvidence(
+  const std::vector<EvidencePhantom>& phantoms, const std::string& publicData, int count);
+
 /// A real mammogram in both forms of storage; its own volume is not known and another breast is
 /// registered to it, so that no match may be trusted.
 MAMMORAYEVIDENCE_EXPORT std::vector<EvidenceMammogram> MammogramsOfEvidence(

@@ -119,6 +119,37 @@ nlohmann::json ToJson(const MammogramEvidence& found)
     { "trust", found.Trust }, { "seconds", found.Seconds }, { "failure", found.Failure } };
 }
 
+nlohmann::json ToJson(const StudyRun& run)
+{
+  nlohmann::json views = nlohmann::json::array();
+  for (const StudyViewErrors& view : run.Views)
+  {
+    views.push_back({ { "view", view.View }, { "in3dMm", view.InSpaceMm },
+      { "onReceptorMm", view.OnReceptorMm }, { "meanOutlineDistanceMm", view.MeanOutlineMm },
+      { "correlation", view.Correlation }, { "trust", view.Trust } });
+  }
+  return { { "phantom", run.Phantom }, { "seed", run.Seed },
+    { "laterality", std::string(1, run.Laterality) }, { "views", views },
+    { "seconds", run.Seconds }, { "failure", run.Failure } };
+}
+
+StudyRun StudyRunFrom(const nlohmann::json& json)
+{
+  StudyRun run;
+  run.Phantom = json.at("phantom").get<std::string>();
+  run.Seed = json.at("seed").get<std::uint32_t>();
+  run.Laterality = json.at("laterality").get<std::string>() == "R" ? 'R' : 'L';
+  for (const nlohmann::json& view : json.at("views"))
+  {
+    run.Views.push_back({ view.at("view").get<std::string>(), Numbers(view.at("in3dMm")),
+      Numbers(view.at("onReceptorMm")), Number(view.at("meanOutlineDistanceMm")),
+      Number(view.at("correlation")), view.at("trust").get<std::string>() });
+  }
+  run.Seconds = Number(json.at("seconds"));
+  run.Failure = json.at("failure").get<std::string>();
+  return run;
+}
+
 MammogramEvidence MammogramEvidenceFrom(const nlohmann::json& json)
 {
   return { json.at("name").get<std::string>(), Number(json.at("meanOutlineDistanceMm")),
@@ -165,6 +196,11 @@ std::string EvidenceJson(const RegistrationEvidence& evidence, const std::string
   {
     json["mammograms"].push_back(ToJson(mammogram));
   }
+  json["studies"] = nlohmann::json::array();
+  for (const StudyRun& study : evidence.Studies)
+  {
+    json["studies"].push_back(ToJson(study));
+  }
   return json.dump(1) + "\n";
 }
 
@@ -195,6 +231,10 @@ RegistrationEvidence ReadEvidence(const std::string& path, const std::string& se
     for (const nlohmann::json& mammogram : json.at("mammograms"))
     {
       evidence.Mammograms.push_back(MammogramEvidenceFrom(mammogram));
+    }
+    for (const nlohmann::json& study : json.value("studies", nlohmann::json::array()))
+    {
+      evidence.Studies.push_back(StudyRunFrom(study));
     }
   }
   catch (const nlohmann::json::exception& error)

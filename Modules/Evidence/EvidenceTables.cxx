@@ -275,6 +275,56 @@ std::string MammogramTable(const std::vector<MammogramEvidence>& found)
   }
   return text + "\n";
 }
+
+std::string StudyTable(const std::vector<StudyRun>& runs)
+{
+  std::string text =
+    "| virtual study | side | CC: median (95 %), mm | MLO: median (95 %), mm | on the receptor: "
+    "median (95 %), mm | trust | time, s |\n|---|---|---|---|---|---|---|\n";
+  std::vector<double> space;
+  std::vector<double> receptor;
+  std::vector<double> seconds;
+  int refused = 0;
+  for (const StudyRun& run : runs)
+  {
+    text += Line("| %s, %u | %s |", run.Phantom.c_str(), run.Seed,
+      run.Laterality == 'L' ? "left" : "right");
+    if (!run.Failure.empty())
+    {
+      ++refused;
+      text += " no result: " + run.Failure + " | | | | |\n";
+      continue;
+    }
+    std::vector<double> own;
+    std::string trust;
+    for (const char* name : { "CC", "MLO" })
+    {
+      const auto view = std::find_if(run.Views.begin(), run.Views.end(),
+        [&](const StudyViewErrors& errors) { return errors.View == name; });
+      if (view == run.Views.end())
+      {
+        text += " - |";
+        continue;
+      }
+      text +=
+        Line(" %.2f (%.2f) |", Quantile(view->InSpaceMm, 0.5), Quantile(view->InSpaceMm, 0.95));
+      space.insert(space.end(), view->InSpaceMm.begin(), view->InSpaceMm.end());
+      own.insert(own.end(), view->OnReceptorMm.begin(), view->OnReceptorMm.end());
+      trust += (trust.empty() ? "" : ", ") + view->Trust;
+    }
+    receptor.insert(receptor.end(), own.begin(), own.end());
+    seconds.push_back(run.Seconds);
+    text += Line(" %.2f (%.2f) | %s | %.0f |\n", Quantile(own, 0.5), Quantile(own, 0.95),
+      trust.c_str(), run.Seconds);
+  }
+  return text +
+    Line(
+      "\nAll %zu points of %zu studies: in 3D %.2f mm in the middle, 95 %% below %.2f mm; on the "
+      "receptor %.2f and %.2f mm; %.0f s in the middle. %d without a result.\n\n",
+      space.size(), runs.size() - static_cast<std::size_t>(refused), Quantile(space, 0.5),
+      Quantile(space, 0.95), Quantile(receptor, 0.5), Quantile(receptor, 0.95),
+      Quantile(seconds, 0.5), refused);
+}
 }
 
 std::string TwinTable(const std::vector<TwinRun>& runs)
@@ -316,6 +366,10 @@ std::string EvidenceTables(const RegistrationEvidence& evidence)
   if (!evidence.Mammograms.empty())
   {
     text += MammogramTable(evidence.Mammograms);
+  }
+  if (!evidence.Studies.empty())
+  {
+    text += StudyTable(evidence.Studies);
   }
   return text;
 }

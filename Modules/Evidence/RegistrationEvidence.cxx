@@ -213,5 +213,16 @@ void GatherEvidence(const EvidenceOptions& options, RegistrationEvidence& eviden
       keep();
     }
   }
+  for (const EvidenceStudy& study : options.Studies)
+  {
+    if (std::none_of(evidence.Studies.begin(), evidence.Studies.end(),
+          [&](const StudyRun& done)
+          { return done.Phantom == study.Phantom && done.Seed == study.Options.Seed; }))
+    {
+      const std::string name = study.Phantom + " " + std::to_string(study.Options.Seed);
+      evidence.Studies.push_back(RunStudy(study, PartOf(progress, 0, 1, name)));
+      keep();
+    }
+  }
 }
 }

@@ -5,6 +5,7 @@
 #include "mammoray/Case/LabelSource.h"
 #include "mammoray/Case/RegistrationCase.h"
 #include "mammoray/Evidence/LandmarkEvaluation.h"
+#include "mammoray/Evidence/StudyEvidence.h"
 #include "mammoray/Evidence/TwinExperiment.h"
 #include "mammoray/Foundation/Progress.h"
 #include "mammorayEvidenceModule.h"
@@ -56,6 +57,7 @@ struct EvidenceOptions
   TwinOptions Twin;
   std::optional<EvidenceLandmarks> Landmarks;
   std::vector<EvidenceMammogram> Mammograms;
+  std::vector<EvidenceStudy> Studies;
 };
 
 struct LandmarkEvidence
@@ -89,6 +91,7 @@ struct MAMMORAYEVIDENCE_EXPORT RegistrationEvidence
   std::vector<TwinRun> Twins;
   std::optional<LandmarkEvidence> Landmarks;
   std::vector<MammogramEvidence> Mammograms;
+  std::vector<StudyRun> Studies;
 
   /// The run of this phantom, kind, search and number; null where there is none yet.
   const TwinRun* Find(const std::string& phantom, const std::string& kind,

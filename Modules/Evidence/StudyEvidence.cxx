@@ -47,6 +47,41 @@ private:
   fs::path Path;
 };
 
+/// The breast of a patient, as tissue.
+LabelVolume BreastOfMri(const EvidenceStudy& study, const MaterialTable& table,
+  const ProgressCallback& progress)
+{
+  const Study found = ReadStudy(study.Mri);
+  StudyChoice choice;
+  for (const StudySeries& series : found.Series)
+  {
+    if (series.LeftOut.empty() && !choice.Undetermined)
+    {
+      choice.Undetermined = series;
+    }
+  }
+  if (!choice.Undetermined)
+  {
+    throw InputError(study.Mri + ": expected a T1-weighted MRI, found none");
+  }
+  choice.Laterality = study.Options.Laterality;
+  return SegmentStudy(choice, table, progress).Breast;
+}
+
+VirtualStudyTruth MakeStudy(const EvidenceStudy& study, const std::string& folder,
+  const ProgressCallback& progress)
+{
+  if (!study.Mri.empty())
+  {
+    const MaterialTable table = FindMaterialTable(StudyMaterials);
+    return MakeVirtualStudy(BreastOfMri(study, table, ShareOf(progress, 0, 0.3)), table,
+      AnatomicalAxes::FromCode("LPS"), study.Options, folder, ShareOf(progress, 0.3, 1));
+  }
+  const MaterialTable table = FindMaterialTable(study.Materials);
+  return MakeVirtualStudy(ReadMaterials(study.Labels, table), table,
+    AnatomicalAxes::FromCode(study.Orientation), study.Options, folder, progress);
+}
+
 StudyViewErrors ErrorsIn(const VirtualStudyTruth& truth, const VirtualView& view,
   const ResultFile& result)
 {
@@ -93,10 +128,7 @@ std::vector<StudyViewErrors> MeasureStudy(const VirtualStudyTruth& truth,
 StudyRun RunStudy(const EvidenceStudy& study, const ProgressCallback& progress)
 {
   const ScratchFolder folder;
-  const MaterialTable table = FindMaterialTable(study.Materials);
-  const VirtualStudyTruth truth = MakeVirtualStudy(ReadMaterials(study.Labels, table), table,
-    AnatomicalAxes::FromCode(study.Orientation), study.Options, folder.File("study"),
-    ShareOf(progress, 0, 0.2));
+  const VirtualStudyTruth truth = MakeStudy(study, folder.File("study"), ShareOf(progress, 0, 0.2));
   StudyRun run;
   run.Phantom = study.Phantom;
   run.Seed = study.Options.Seed;

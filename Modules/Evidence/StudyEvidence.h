@@ -17,6 +17,9 @@ struct EvidenceStudy
 {
   /// Of the anatomy.
   std::string Phantom;
+  /// A folder with an MRI whose breast of the study's side is segmented for it, free of load for
+  /// the study's purpose; empty: Labels.
+  std::string Mri;
   LabelSource Labels;
   std::string Materials = "victre";
   std::string Orientation = "ALS";

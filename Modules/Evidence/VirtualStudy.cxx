@@ -220,10 +220,11 @@ private:
     return pose;
   }
 
+  /// Of the breast alone: a patient's MRI holds the body beside it, too.
   static double HeightAlong(const TrueBreast& breast, const Vector3& axis)
   {
     const std::vector<bool> held = breast.Table.Held();
-    const LabelVolume& rest = breast.Rest;
+    const LabelVolume rest = KeepBreast(breast.Rest, held, PatientAxes);
     double low = 1e30;
     double high = -1e30;
     for (int k = 0; k < rest.Size[2]; ++k)

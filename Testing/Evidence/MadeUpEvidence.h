@@ -6,6 +6,7 @@
 
 #include <limits>
 #include <string>
+#include <vector>
 
 namespace mammoray::test
 {
@@ -38,6 +39,31 @@ inline TwinRun MadeUpRun(const std::string& phantom, TwinKind kind, TwinSearch s
   run.IterationCosts = { 100, 20, 10 };
   run.Converged = true;
   run.StopReason = "converged";
+  return run;
+}
+
+/// Of both views, each with these errors, on the receptor half of them.
+inline StudyRun MadeUpStudyRun(const std::string& phantom, std::uint32_t seed,
+  const std::vector<double>& errorsMm)
+{
+  StudyRun run;
+  run.Phantom = phantom;
+  run.Seed = seed;
+  run.Laterality = 'R';
+  for (const char* view : { "CC", "MLO" })
+  {
+    StudyViewErrors& errors = run.Views.emplace_back();
+    errors.View = view;
+    errors.InSpaceMm = errorsMm;
+    for (const double error : errorsMm)
+    {
+      errors.OnReceptorMm.push_back(0.5 * error);
+    }
+    errors.MeanOutlineMm = 0.5;
+    errors.Correlation = 0.97;
+    errors.Trust = "good";
+  }
+  run.Seconds = 75;
   return run;
 }
 }

@@ -37,9 +37,19 @@ TEST_F(EvidenceFile, ReadsBackWhatItHolds)
     0.6, test::Nothing, 14, 25, 30.5 };
   evidence.Mammograms.push_back({ "real", 2.5, 7, 0.8, "doubtful", 12, "" });
   evidence.Mammograms.push_back({ "other", 0, 0, 0, "", 0, "no equilibrium" });
+  evidence.Studies.push_back(test::MadeUpStudyRun("ball", 4, { 1, 2, 6 }));
+  StudyRun& refused = evidence.Studies.emplace_back();
+  refused.Phantom = "cube";
+  refused.Failure = "no breast";
   const RegistrationEvidence read =
     ReadEvidence(this->Write(evidence, this->Settings), this->Settings);
 
+  ASSERT_EQ(read.Studies.size(), 2u);
+  EXPECT_EQ(read.Studies[0].Seed, 4u);
+  EXPECT_EQ(read.Studies[0].Laterality, 'R');
+  EXPECT_EQ(read.Studies[0].Views.at(1).View, "MLO");
+  EXPECT_EQ(read.Studies[0].Views.at(1).InSpaceMm, (std::vector<double>{ 1, 2, 6 }));
+  EXPECT_EQ(read.Studies[1].Failure, "no breast");
   ASSERT_EQ(read.Twins.size(), 2u);
   const TwinRun& run = read.Twins[0];
   EXPECT_EQ(run.Phantom, "ball");

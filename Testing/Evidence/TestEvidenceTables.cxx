@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 
 using namespace mammoray;
 using test::MadeUpRun;
@@ -83,6 +84,31 @@ TEST(EvidenceTables, LandmarksAndMammograms)
   EXPECT_THAT(text, HasSubstr("Gland overlap (Dice) 0.61, at rest 0.25. 14 iterations"));
   EXPECT_THAT(text, HasSubstr("| real | 2.50 (7.00) | 0.80 | doubtful | 12 |"));
   EXPECT_THAT(text, HasSubstr("| other | - | - | no result: no equilibrium | - |"));
+}
+
+TEST(EvidenceTables, Studies)
+{
+  RegistrationEvidence evidence;
+  evidence.Studies.push_back(test::MadeUpStudyRun("ball", 4, { 1, 2, 6 }));
+  StudyRun& refused = evidence.Studies.emplace_back();
+  refused.Phantom = "cube";
+  refused.Seed = 5;
+  refused.Failure = "no breast";
+  const std::string text = EvidenceTables(evidence);
+  // 95 %: nine tenths of the way from the second of three to the last.
+  EXPECT_THAT(text,
+    HasSubstr("| ball, 4 | right | 2.00 (5.60) | 2.00 (5.60) | 1.00 (3.00) | good, good | 75 |"));
+  EXPECT_THAT(text, HasSubstr("| cube, 5 | left | no result: no breast |"));
+  EXPECT_THAT(text, HasSubstr("All 6 points of 1 studies: in 3D 2.00 mm in the middle"));
+  EXPECT_THAT(text, HasSubstr("1 without a result."));
+}
+
+TEST(Quantile, IsLinearBetweenValues)
+{
+  EXPECT_EQ(Quantile({ 3, 1, 2 }, 0), 1);
+  EXPECT_EQ(Quantile({ 3, 1, 2 }, 1), 3);
+  EXPECT_DOUBLE_EQ(Quantile({ 3, 1, 2 }, 0.75), 2.5);
+  EXPECT_TRUE(std::isnan(Quantile({}, 0.5)));
 }
 
 TEST(TwinTable, ARowForEachRun)
