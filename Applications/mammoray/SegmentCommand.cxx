@@ -22,6 +22,8 @@ namespace
 struct SegmentArguments
 {
   std::string Image;
+  /// Empty: Image alone.
+  std::string Suppressed;
   bool AxesAsGiven = false;
   std::string Orientation = "LPS";
   SegmentationOptions Options;
@@ -36,6 +38,9 @@ void Declare(const OptionList& add, SegmentArguments& arguments)
   add("--image", arguments.Image,
     "MRI: a folder with a DICOM series, .nrrd .nhdr .mha .mhd .nii .nii.gz")
     ->required();
+  add("--suppressed-image", arguments.Suppressed,
+    "the MRI of the same session with fat suppression, where there is one beside a plain --image: "
+    "chest wall and gland are found from both");
   add("-o,--output", arguments.Output,
     "label volume to write (.nrrd .mha .nii.gz), frame and axes of the MRI")
     ->required();
@@ -110,10 +115,12 @@ void Run(SegmentArguments& arguments)
   arguments.Options.Axes = AnatomicalAxes::FromCode(arguments.Orientation);
   arguments.Options.Validate();
   const MaterialTable table = FindMaterialTable("segment");
-  const SegmentationResult result =
-    SegmentBreast(ReadIntensityVolume(arguments.Image,
-                    arguments.AxesAsGiven ? VolumeAxes::AsGiven : VolumeAxes::Patient),
-      arguments.Options, MakeProgressBar());
+  const VolumeAxes axes = arguments.AxesAsGiven ? VolumeAxes::AsGiven : VolumeAxes::Patient;
+  const IntensityVolume image = ReadIntensityVolume(arguments.Image, axes);
+  const SegmentationResult result = arguments.Suppressed.empty()
+    ? SegmentBreast(image, arguments.Options, MakeProgressBar())
+    : SegmentBreast(image, ReadIntensityVolume(arguments.Suppressed, axes), arguments.Options,
+        MakeProgressBar());
   WriteComplete(arguments.Output,
     [&](const std::string& temporary) { WriteLabelVolume(result.Labels, temporary); });
   if (!arguments.Picture.empty())

@@ -96,6 +96,27 @@ TEST_F(SegmentCommand, MakesLabelsThatMeshTakes)
   EXPECT_EQ(this->Run("mesh --check " + mesh), 0) << this->Errors;
 }
 
+TEST_F(SegmentCommand, TakesBothImagesOfASession)
+{
+  const std::string plain = this->WriteMri("plain.nrrd", Breast);
+  // Fat becomes dark, gland and muscle are what is left.
+  const std::string suppressed = this->WriteMri("suppressed.nrrd",
+    [](int i, int j, int k)
+    {
+      const float value = Breast(i, j, k);
+      return value > 900 ? 0.2f * value : value > 300 ? 1.5f * value : value;
+    });
+  const std::string arguments =
+    "segment --image " + plain + " -o " + this->Labels + " --spacing 0 --suppressed-image ";
+  ASSERT_EQ(this->Run(arguments + suppressed), 0) << this->Errors;
+  const LabelVolume labels = ReadLabelVolume(this->Labels);
+  EXPECT_EQ(labels.Voxels[labels.Index(30, 20, 25)], 2);
+  EXPECT_EQ(labels.Voxels[labels.Index(30, 28, 25)], 1);
+  EXPECT_EQ(labels.Voxels[labels.Index(30, 40, 25)], 4);
+  EXPECT_NEAR(static_cast<double>(labels.CountLabels().at(2)), 905, 181);
+  this->ExpectRefused(arguments + this->Folder.File("absent") + " --overwrite", "no such file");
+}
+
 TEST_F(SegmentCommand, RefusesInOneLine)
 {
   const std::string mri = this->WriteMri("mri.nrrd", Breast);
