@@ -300,6 +300,7 @@ std::vector<JointMammogram> ReadMammograms(const RegistrationCase& input,
     view.Unit = UnitOf(input, view.Mammogram, view.Warnings);
     JointMammogram& searched = mammograms.emplace_back();
     searched.Parameters = DefaultParameters(StartOf(input, number, view.Mammogram, view.Warnings));
+    searched.Parameters[RollParameter].PriorSigma = input.RollSigmaDeg;
     FreeParameters(free, searched.Parameters);
     if (!input.Resume.empty())
     {

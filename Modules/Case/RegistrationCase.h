@@ -81,6 +81,8 @@ struct RegistrationCase
   /// PoseParameter::Free of each mammogram, and, of several, the stiffness of gland (if any), which
   /// they share.
   std::vector<std::string> Free;
+  /// Standard deviation of the roll about what the header says, degrees; 0: nothing is assumed.
+  double RollSigmaDeg = 0;
   /// Folder of an earlier result of the same volume, materials and mammogram, whose pose the search
   /// goes on from; empty: none.
   std::string Resume;

@@ -106,6 +106,7 @@ void TakeStudy(const std::string& folder, std::optional<char> laterality, Regist
   // The pectoral muscle lets the breast glide; held there, it could not follow the plates.
   input.ChestWall = ChestWallMode::Sliding;
   input.Targets.ChestWallMarginMm = StudyChestWallMarginMm;
+  input.RollSigmaDeg = StudyRollSigmaDeg;
   input.Study = std::make_shared<const StudyIntake>(std::move(study));
 }
 

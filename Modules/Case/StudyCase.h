@@ -23,6 +23,10 @@ inline constexpr const char* StudyMaterials = "segment";
 /// plates' edges is breast.
 inline constexpr double StudyChestWallMarginMm = 10.0;
 
+/// RegistrationCase::RollSigmaDeg of a study: the patient stands upright before a unit whose angle
+/// the header says, a few degrees off how she lay. A picture alone hardly tells the roll.
+inline constexpr double StudyRollSigmaDeg = 5.0;
+
 /// A study's MRI as tissue; DICOM LPS.
 struct StudyTissue
 {
@@ -46,10 +50,10 @@ struct StudyTissue
 /**
  * Makes a registration's case of a clinic's export: reads its headers, chooses (Intake.h), and
  * fills what the case leaves open: the mammograms and their side, the patient's position in the
- * MRI, the table StudyMaterials, a chest wall along which the breast slides, and what of the
- * mammograms is not compared there. `laterality`:
- * 'L', 'R' or what all mammograms are of. The MRI is segmented when the case runs. Throws
- * InputError, one line, where there is nothing that can be registered; Interrupted.
+ * MRI, the table StudyMaterials, a chest wall along which the breast slides, what of the mammograms
+ * is not compared there, and how far the roll may be off (StudyRollSigmaDeg). `laterality`: 'L',
+ * 'R' or what all mammograms are of. The MRI is segmented when the case runs. Throws InputError, one
+ * line, where there is nothing that can be registered; Interrupted.
  */
 MAMMORAYCASE_EXPORT void TakeStudy(const std::string& folder, std::optional<char> laterality,
   RegistrationCase& input, const ProgressCallback& progress = {});

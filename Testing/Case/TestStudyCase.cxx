@@ -77,6 +77,7 @@ TEST(StudyCase, IsFilledFromTheExport)
   EXPECT_EQ(input.ImagePosition, PatientPosition::Prone);
   EXPECT_EQ(input.ChestWall, ChestWallMode::Sliding);
   EXPECT_EQ(input.Targets.ChestWallMarginMm, StudyChestWallMarginMm);
+  EXPECT_EQ(input.RollSigmaDeg, StudyRollSigmaDeg);
 
   const std::vector<CaseInput> inputs = CaseInputs(input, input.Mammograms[0]);
   ASSERT_EQ(inputs.size(), 3u);
