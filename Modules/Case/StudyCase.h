@@ -52,8 +52,8 @@ struct StudyTissue
  * fills what the case leaves open: the mammograms and their side, the patient's position in the
  * MRI, the table StudyMaterials, a chest wall along which the breast slides, what of the mammograms
  * is not compared there, and how far the roll may be off (StudyRollSigmaDeg). `laterality`: 'L',
- * 'R' or what all mammograms are of. The MRI is segmented when the case runs. Throws InputError, one
- * line, where there is nothing that can be registered; Interrupted.
+ * 'R' or what all mammograms are of. The MRI is segmented when the case runs. Throws InputError,
+ * one line, where there is nothing that can be registered; Interrupted.
  */
 MAMMORAYCASE_EXPORT void TakeStudy(const std::string& folder, std::optional<char> laterality,
   RegistrationCase& input, const ProgressCallback& progress = {});
