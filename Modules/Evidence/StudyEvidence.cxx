@@ -6,47 +6,21 @@
 #include "mammoray/Case/ResultFile.h"
 #include "mammoray/Case/StudyCase.h"
 #include "mammoray/Evidence/LandmarkEvaluation.h"
+#include "mammoray/Evidence/ScratchFolder.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/IO/ShippedData.h"
+#include "mammoray/Registration/Silhouette.h"
 
 #include "vtkUnstructuredGrid.h"
-
-#include <unistd.h>
 
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <filesystem>
 
 namespace mammoray
 {
 namespace
 {
-namespace fs = std::filesystem;
-
-/// A folder that is removed with all that is in it.
-class ScratchFolder
-{
-public:
-  ScratchFolder()
-    : Path(fs::temp_directory_path() / ("mammoray-study-" + std::to_string(getpid())))
-  {
-    fs::remove_all(this->Path);
-    fs::create_directory(this->Path);
-  }
-  ScratchFolder(const ScratchFolder&) = delete;
-  ScratchFolder& operator=(const ScratchFolder&) = delete;
-  ~ScratchFolder()
-  {
-    std::error_code ignored;
-    fs::remove_all(this->Path, ignored);
-  }
-  std::string File(const std::string& name) const { return (this->Path / name).string(); }
-
-private:
-  fs::path Path;
-};
-
 /// The breast of a patient, as tissue.
 LabelVolume BreastOfMri(const EvidenceStudy& study, const MaterialTable& table,
   const ProgressCallback& progress)
@@ -94,12 +68,12 @@ StudyViewErrors ErrorsIn(const VirtualStudyTruth& truth, const VirtualView& view
   errors.Trust = NameOf(result.Trust.Level);
   for (std::size_t index = 0; index < moved.size(); ++index)
   {
-    const Vector3 found = breast.Placed.ToGantry(moved[index]);
-    const double sid = breast.Unit.SourceToDetectorMm;
-    const double magnification = sid / (sid - found[2]);
-    errors.InSpaceMm.push_back(Norm(found - view.Gantry[index]));
-    errors.OnReceptorMm.push_back(std::hypot(magnification * found[0] - view.Receptor[index][0],
-      magnification * found[1] - view.Receptor[index][1]));
+    const Vector3& point = moved[index];
+    errors.InSpaceMm.push_back(Norm(breast.Placed.ToGantry(point) - view.Gantry[index]));
+    const ReceptorPoint shadow =
+      ProjectToReceptor({ point[0], point[1], point[2] }, breast.Placed, breast.Unit).front();
+    errors.OnReceptorMm.push_back(
+      std::hypot(shadow[0] - view.Receptor[index][0], shadow[1] - view.Receptor[index][1]));
   }
   return errors;
 }

@@ -128,13 +128,13 @@ struct MAMMORAYFOUNDATION_EXPORT VolumeFromGantry
 MAMMORAYFOUNDATION_EXPORT Vector3 FindPoseAnchor(const LabelVolume& materials,
   const std::vector<bool>& held, const AnatomicalAxes& axes);
 
-/// The volume with air in place of all that is not the breast in this sense and what lies behind
-/// it. Throws InputError on a volume of air.
-MAMMORAYFOUNDATION_EXPORT LabelVolume KeepBreast(const LabelVolume& materials,
-  const std::vector<bool>& held, const AnatomicalAxes& axes);
-
 /// The same of a mesh, by the corners of its cells: as exact as the mesh follows the volume.
 MAMMORAYFOUNDATION_EXPORT Vector3 FindPoseAnchor(const TetrahedralMesh& mesh,
+  const std::vector<bool>& held, const AnatomicalAxes& axes);
+
+/// The volume with air in place of all that is not the breast in the sense of FindPoseAnchor and
+/// what lies behind it. Throws InputError on a volume of air.
+MAMMORAYFOUNDATION_EXPORT LabelVolume KeepBreast(const LabelVolume& materials,
   const std::vector<bool>& held, const AnatomicalAxes& axes);
 
 /// Places the unit: support face at z = SupportHeightMm, paddle face ThicknessMm above it.

@@ -6,6 +6,7 @@
 #include "SceneFile.h"
 #include "SurfaceShapes.h"
 #include "mammoray/Evidence/ExampleData.h"
+#include "mammoray/Evidence/ScratchFolder.h"
 #include "mammoray/Foundation/Error.h"
 
 #include <CLI/CLI.hpp>
@@ -15,7 +16,6 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <filesystem>
 #include <fstream>
 #include <thread>
 
@@ -23,8 +23,6 @@ namespace
 {
 using namespace mammoray;
 using namespace mammoray::benchmarks;
-namespace fs = std::filesystem;
-
 /// Published with the examples (Maul et al. 2021, RTX 2070 Super): seconds per image with set-up
 /// and transfer, and rendering only.
 struct PublishedTimes
@@ -35,26 +33,6 @@ struct PublishedTimes
 };
 constexpr PublishedTimes Published[] = { { "test", 310, 0.9 }, { "boxes", 310, 1.4 },
   { "veins", 860, 4.1 }, { "breast", 760, 25 } };
-
-/// A folder of its own, removed at the end.
-class ScratchFolder
-{
-public:
-  ScratchFolder()
-    : Path(fs::temp_directory_path() / ("mammoray-benchmark-" + std::to_string(getpid())))
-  {
-    fs::create_directory(this->Path);
-  }
-  ~ScratchFolder()
-  {
-    std::error_code ignored;
-    fs::remove_all(this->Path, ignored);
-  }
-  std::string File(const std::string& name) const { return (this->Path / name).string(); }
-
-private:
-  fs::path Path;
-};
 
 /// Runs this program anew and waits; throws unless it answers 0.
 void RunSelf(const std::vector<std::string>& arguments)

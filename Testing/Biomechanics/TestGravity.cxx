@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "EquilibriumChecks.h"
+#include "HangingBody.h"
 #include "TestMeshes.h"
 #include "mammoray/Biomechanics/CompressionSimulation.h"
 #include "mammoray/Biomechanics/Embedding.h"
@@ -13,32 +14,6 @@
 namespace
 {
 using namespace mammoray;
-
-/// The first coordinates, those of the mesh's points.
-std::vector<double> Corners(const std::vector<double>& positions, const TetrahedralMesh& mesh)
-{
-  return { positions.begin(), positions.begin() + static_cast<std::ptrdiff_t>(mesh.Points.size()) };
-}
-
-double LargestDifference(const std::vector<double>& a, const std::vector<double>& b)
-{
-  double largest = 0;
-  for (std::size_t c = 0; c < b.size(); ++c)
-  {
-    largest = std::max(largest, std::abs(a[c] - b[c]));
-  }
-  return largest;
-}
-
-/// Plates that touch nothing.
-PlatePair OpenPlates()
-{
-  PlatePair plates;
-  plates.Support.Edge = { 0, -500, -500 };
-  plates.Paddle.Edge = { 0, -500, 500 };
-  plates.Paddle.Normal = { 0, 0, -1 };
-  return plates;
-}
 
 const std::vector<bool> Held{ false, false, true };
 
@@ -57,7 +32,7 @@ TEST(Gravity, AColumnStretchesUnderItsOwnWeight)
   CompressionOptions options;
   options.GravityMPerS2 = { 0, StandardGravityMPerS2, 0 };
   const CompressionSimulation simulation(mesh, { {}, soft, soft }, Held, {}, options);
-  const CompressionState state = simulation.Compress(OpenPlates());
+  const CompressionState state = simulation.Compress(test::OpenPlates());
   const double weight = 1.05e-3 * StandardGravityMPerS2; // kPa / mm
   const double strain = weight * 60 / 400;               // at the top
   for (std::size_t c = 0; c < mesh.Points.size(); c += 3)
@@ -93,14 +68,15 @@ TEST(Gravity, UnloadingAndLoadingGiveTheImageBack)
     options.GravityMPerS2 = Prone; // as in the image
     CompressionSimulation simulation(breast.Mesh, breast.Materials, Held, {}, options);
     simulation.Unload(Prone);
-    const std::vector<double> rest = Corners(simulation.RestPositions(), breast.Mesh);
+    const std::vector<double> rest = test::CornersOf(simulation.RestPositions(), breast.Mesh);
     // It hung down by millimetres; without load the nipple lies nearer to the chest wall.
-    EXPECT_GT(LargestDifference(rest, breast.Mesh.Points), 2);
-    const CompressionState loaded = simulation.Compress(OpenPlates());
-    EXPECT_LE(LargestDifference(Corners(loaded.Positions, breast.Mesh), breast.Mesh.Points),
+    EXPECT_GT(test::LargestDifference(rest, breast.Mesh.Points), 2);
+    const CompressionState loaded = simulation.Compress(test::OpenPlates());
+    EXPECT_LE(
+      test::LargestDifference(test::CornersOf(loaded.Positions, breast.Mesh), breast.Mesh.Points),
       CompressionSimulation::UnloadToleranceMm + 1e-6);
     // A residual of 1e-8 from two starts.
-    EXPECT_LE(LargestDifference(simulation.ImagePositions(), loaded.Positions), 1e-4);
+    EXPECT_LE(test::LargestDifference(simulation.ImagePositions(), loaded.Positions), 1e-4);
   }
 }
 
@@ -111,12 +87,13 @@ TEST(Gravity, UnloadingUndoesLoading)
   options.GravityMPerS2 = Prone;
   const CompressionSimulation forth(breast.Mesh, breast.Materials, Held, {}, options);
   TetrahedralMesh image = breast.Mesh;
-  image.Points = Corners(forth.Compress(OpenPlates()).Positions, breast.Mesh);
+  image.Points = test::CornersOf(forth.Compress(test::OpenPlates()).Positions, breast.Mesh);
   CompressionSimulation back(image, breast.Materials, Held);
   back.Unload(Prone);
   // The tolerance of the loaded shape; a shape without load differs as much where it is stiff, by
   // some times that at the tip of the breast.
-  EXPECT_LT(LargestDifference(Corners(back.RestPositions(), breast.Mesh), breast.Mesh.Points),
+  EXPECT_LT(
+    test::LargestDifference(test::CornersOf(back.RestPositions(), breast.Mesh), breast.Mesh.Points),
     5 * CompressionSimulation::UnloadToleranceMm);
 }
 
@@ -128,7 +105,7 @@ TEST(Gravity, PointsFollowFromTheImageToTheCompressedBreast)
   CompressionSimulation simulation(breast.Mesh, breast.Materials, Held, {}, options);
   simulation.Unload(Prone);
   const Embedding embedding(simulation, breast.Mesh.Points);
-  const CompressionState state = simulation.Compress(OpenPlates());
+  const CompressionState state = simulation.Compress(test::OpenPlates());
   const std::vector<double> moved =
     embedding.Map(test::Difference(state.Positions, simulation.ImagePositions()));
   for (std::size_t c = 0; c < moved.size(); ++c)
@@ -144,6 +121,6 @@ TEST(Gravity, UnloadingRefusesWhatIsNoGravityAndStopsWhenAsked)
   CompressionSimulation simulation(mesh, { {}, { 1, 0.49 }, { 5, 0.49 } }, Held);
   EXPECT_THROW(simulation.Unload({ 0, std::nan(""), 0 }), InputError);
   EXPECT_THROW(simulation.Unload(Prone, [](double, const char*) { return false; }), Interrupted);
-  EXPECT_EQ(Corners(simulation.RestPositions(), mesh), mesh.Points);
+  EXPECT_EQ(test::CornersOf(simulation.RestPositions(), mesh), mesh.Points);
 }
 }

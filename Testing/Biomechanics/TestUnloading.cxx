@@ -2,6 +2,7 @@
 // The shape without load: closed forms, random breasts there and back, tissue that is too soft.
 #include "BreastBetweenPlates.h"
 #include "EveryElement.h"
+#include "HangingBody.h"
 #include "TestMeshes.h"
 #include "mammoray/Biomechanics/CompressionSimulation.h"
 #include "mammoray/Biomechanics/PlacedPlates.h"
@@ -23,30 +24,6 @@ using namespace mammoray;
 const std::vector<bool> HeldMaterials{ false, false, true, false };
 /// A breast hangs along its own axis.
 const Vector3 Hanging{ 0, StandardGravityMPerS2, 0 };
-
-PlatePair FarPlates()
-{
-  PlatePair plates;
-  plates.Support.Edge = { 0, -500, -500 };
-  plates.Paddle.Edge = { 0, -500, 500 };
-  plates.Paddle.Normal = { 0, 0, -1 };
-  return plates;
-}
-
-std::vector<double> PointsOf(const std::vector<double>& positions, const TetrahedralMesh& mesh)
-{
-  return { positions.begin(), positions.begin() + static_cast<std::ptrdiff_t>(mesh.Points.size()) };
-}
-
-double Farthest(const std::vector<double>& a, const std::vector<double>& b)
-{
-  double farthest = 0;
-  for (std::size_t c = 0; c < b.size(); ++c)
-  {
-    farthest = std::max(farthest, std::abs(a[c] - b[c]));
-  }
-  return farthest;
-}
 
 /// A half-ellipsoid of fat with a lump of gland, its softest tissue from 0.5 to 20 kPa, that hangs
 /// along its axis or up to 30 degrees off it.
@@ -106,11 +83,11 @@ void HangAndUnload(ElementType type, unsigned int seed)
   const RandomBreast breast(type, ChestWallMode::Held, seed);
   SCOPED_TRACE(breast.Name);
   const std::vector<double>& rest = breast.Mesh.Points;
-  const CompressionState hanging = breast.Simulation(rest).Compress(FarPlates());
-  CompressionSimulation image = breast.Simulation(PointsOf(hanging.Positions, breast.Mesh));
+  const CompressionState hanging = breast.Simulation(rest).Compress(test::OpenPlates());
+  CompressionSimulation image = breast.Simulation(test::CornersOf(hanging.Positions, breast.Mesh));
   image.Unload(breast.Options.GravityMPerS2);
   EXPECT_EQ(image.StiffnessFactor(), 1);
-  EXPECT_LT(Farthest(image.RestPositions(), rest), 0.01);
+  EXPECT_LT(test::LargestDifference(image.RestPositions(), rest), 0.01);
 }
 
 /// The shape of an image is unloaded, and hangs again from there.
@@ -127,8 +104,9 @@ void UnloadAndHang(ElementType type, unsigned int seed)
     material.YoungsModulusKPa *= simulation.StiffnessFactor();
   }
   const CompressionState hanging =
-    again.Simulation(PointsOf(simulation.RestPositions(), breast.Mesh)).Compress(FarPlates());
-  EXPECT_LT(Farthest(hanging.Positions, points), 0.01);
+    again.Simulation(test::CornersOf(simulation.RestPositions(), breast.Mesh))
+      .Compress(test::OpenPlates());
+  EXPECT_LT(test::LargestDifference(hanging.Positions, points), 0.01);
 }
 
 void CheckRandomBreasts(ElementType type, unsigned int from, unsigned int to)
@@ -181,12 +159,12 @@ TEST_P(ElementUnloading, RaisesTheStiffnessOfTissueThatCannotBearItsWeight)
     EXPECT_LT(factor, 50);
     EXPECT_EQ(soft.Materials(), materials(0.004));
     // The image is a state in equilibrium, and no cell at rest is turned inside out.
-    const CompressionState hanging = soft.Compress(FarPlates());
-    EXPECT_LT(Farthest(hanging.Positions, mesh.Points), 0.01);
+    const CompressionState hanging = soft.Compress(test::OpenPlates());
+    EXPECT_LT(test::LargestDifference(hanging.Positions, mesh.Points), 0.01);
     EXPECT_EQ(hanging.StiffnessFactor, factor);
     EXPECT_GE(hanging.SmallestJ, 0.1);
     TetrahedralMesh rest = mesh;
-    rest.Points = PointsOf(soft.RestPositions(), mesh);
+    rest.Points = test::CornersOf(soft.RestPositions(), mesh);
     for (std::size_t cell = 0; cell < rest.NumberOfCells(); ++cell)
     {
       EXPECT_TRUE(mesh.Materials[cell] == 2 || rest.CellVolume(cell) > 0);
@@ -228,16 +206,18 @@ TEST_P(ElementUnloading, FollowsTheMaterials)
   EXPECT_EQ(changed.Materials(), stiffer.Materials);
   CompressionSimulation made = stiffer.Simulation(breast.Mesh.Points);
   made.Unload(gravity);
-  EXPECT_GT(Farthest(changed.RestPositions(), first), 0.3);
-  EXPECT_LT(Farthest(changed.RestPositions(), made.RestPositions()), 1e-4);
-  EXPECT_LT(Farthest(changed.ImagePositions(), made.ImagePositions()), 1e-4);
+  EXPECT_GT(test::LargestDifference(changed.RestPositions(), first), 0.3);
+  EXPECT_LT(test::LargestDifference(changed.RestPositions(), made.RestPositions()), 1e-4);
+  EXPECT_LT(test::LargestDifference(changed.ImagePositions(), made.ImagePositions()), 1e-4);
   // Softer ones than bear it: the factor rises, and stays.
   RandomBreast soft = breast;
   soft.Materials[1].YoungsModulusKPa = soft.Materials[3].YoungsModulusKPa = 0.02;
   changed.SetMaterials(soft.Materials);
   const double factor = changed.StiffnessFactor();
   EXPECT_GT(factor, 1);
-  EXPECT_LT(Farthest(changed.Compress(FarPlates()).Positions, breast.Mesh.Points), 0.01);
+  EXPECT_LT(
+    test::LargestDifference(changed.Compress(test::OpenPlates()).Positions, breast.Mesh.Points),
+    0.01);
   changed.SetMaterials(breast.Materials);
   EXPECT_EQ(changed.StiffnessFactor(), factor);
   // What is refused leaves things as they were.
@@ -246,7 +226,7 @@ TEST_P(ElementUnloading, FollowsTheMaterials)
   bad.Materials[1].PoissonRatio = 0.5;
   EXPECT_THROW(changed.SetMaterials(bad.Materials), InputError);
   EXPECT_EQ(changed.Materials(), breast.Materials);
-  EXPECT_LT(Farthest(changed.RestPositions(), rest), 1e-12);
+  EXPECT_LT(test::LargestDifference(changed.RestPositions(), rest), 1e-12);
   EXPECT_EQ(changed.StiffnessFactor(), factor);
 }
 
@@ -267,14 +247,18 @@ TEST_P(ElementUnloading, InterruptedLeavesThingsAsTheyWere)
   };
   interruptAfter(0, breast.Options.GravityMPerS2);
   interruptAfter(3, breast.Options.GravityMPerS2);
-  const CompressionState before = simulation.Compress(FarPlates());
+  const CompressionState before = simulation.Compress(test::OpenPlates());
   simulation.Unload(breast.Options.GravityMPerS2);
   interruptAfter(2, -3.0 * breast.Options.GravityMPerS2);
-  EXPECT_LT(Farthest(simulation.Compress(FarPlates()).Positions, breast.Mesh.Points), 1e-6);
+  EXPECT_LT(
+    test::LargestDifference(simulation.Compress(test::OpenPlates()).Positions, breast.Mesh.Points),
+    1e-6);
   // Its own shape is still the one that belongs to its materials.
   std::vector<ElasticMaterial> materials = breast.Materials;
   simulation.SetMaterials(materials);
-  EXPECT_LT(Farthest(simulation.Compress(FarPlates()).Positions, breast.Mesh.Points), 1e-6);
-  EXPECT_GT(Farthest(before.Positions, breast.Mesh.Points), 0.1);
+  EXPECT_LT(
+    test::LargestDifference(simulation.Compress(test::OpenPlates()).Positions, breast.Mesh.Points),
+    1e-6);
+  EXPECT_GT(test::LargestDifference(before.Positions, breast.Mesh.Points), 0.1);
 }
 }
