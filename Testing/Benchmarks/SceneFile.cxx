@@ -11,7 +11,7 @@ namespace mammoray::benchmarks
 {
 namespace
 {
-using Json = nlohmann::json;
+using Json = nlohmann::ordered_json;
 
 template <typename Value>
 void WriteArray(std::ofstream& file, const std::vector<Value>& values)

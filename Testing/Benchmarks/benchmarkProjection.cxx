@@ -2,17 +2,16 @@
 // Times the projectors on the examples of the published sizes, with Embree as the yardstick in the
 // same run; prints tables in Markdown, writes JSON and, with --plot, draws frames per second.
 // Every case runs in a process of its own, so that set-up is cold and peak memory is its own.
+#include "ChildProcess.h"
 #include "Measurements.h"
+#include "ProjectionTables.h"
 #include "SceneFile.h"
 #include "SurfaceShapes.h"
-#include "mammoray/Evidence/ExampleData.h"
 #include "mammoray/Evidence/ScratchFolder.h"
 #include "mammoray/Foundation/Error.h"
+#include "mammoray/IO/ExampleData.h"
 
 #include <CLI/CLI.hpp>
-
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cstdio>
@@ -23,41 +22,12 @@ namespace
 {
 using namespace mammoray;
 using namespace mammoray::benchmarks;
-/// Published with the examples (Maul et al. 2021, RTX 2070 Super): seconds per image with set-up
-/// and transfer, and rendering only.
-struct PublishedTimes
-{
-  const char* Name;
-  double SetUpMs;
-  double RenderMs;
-};
-constexpr PublishedTimes Published[] = { { "test", 310, 0.9 }, { "boxes", 310, 1.4 },
-  { "veins", 860, 4.1 }, { "breast", 760, 25 } };
-
 /// Runs this program anew and waits; throws unless it answers 0.
 void RunSelf(const std::vector<std::string>& arguments)
 {
-  std::vector<char*> pointers;
-  std::string name = "benchmarkProjection";
-  pointers.push_back(name.data());
-  std::vector<std::string> copies = arguments;
-  for (std::string& argument : copies)
+  if (const std::string failure = RunProgram(ThisProgram(), arguments); !failure.empty())
   {
-    pointers.push_back(argument.data());
-  }
-  pointers.push_back(nullptr);
-  std::fflush(nullptr);
-  const pid_t child = fork();
-  if (child == 0)
-  {
-    execv("/proc/self/exe", pointers.data());
-    _exit(127);
-  }
-  int status = 0;
-  if (child < 0 || waitpid(child, &status, 0) != child || !WIFEXITED(status) ||
-    WEXITSTATUS(status) != 0)
-  {
-    throw Error("benchmark: a case's process failed");
+    throw Error("benchmark: a case's process failed: " + failure);
   }
 }
 
@@ -98,70 +68,6 @@ Json RunCase(const ExampleScene& scene, const std::string& sceneFile, const std:
   return row;
 }
 
-/// "12.3", or "-" where it was not measured.
-std::string Cell(const Json& row, const std::string& key, const char* format)
-{
-  const Json::json_pointer pointer("/" + key);
-  if (!row.contains(pointer))
-  {
-    return "-";
-  }
-  char text[32];
-  std::snprintf(text, sizeof(text), format, row.at(pointer).get<double>());
-  return text;
-}
-
-void PrintCases(const Json& rows)
-{
-  std::printf(
-    "\n| example | method | triangles | pixels | frame, ms | Embree, ms | ratio | "
-    "largest difference, mm | process to disk, ms | refit / build | bytes / triangle (with "
-    "image) | "
-    "3 materials / 1 | 100 energies / 1 | 8 derivatives / none | holes seen |\n"
-    "|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n");
-  for (const Json& row : rows)
-  {
-    std::printf("| %s | %s | %d | %dx%d |", row["example"].get<std::string>().c_str(),
-      row["method"].get<std::string>().c_str(), row["triangles"].get<int>(),
-      row["columns"].get<int>(), row["rows"].get<int>());
-    if (row.contains("error"))
-    {
-      std::printf(" %s |\n", row["error"].get<std::string>().c_str());
-      continue;
-    }
-    for (const auto& [key, format] : { std::pair{ "frame/medianMs", "%.1f" },
-           std::pair{ "embreeFrame/medianMs", "%.1f" }, std::pair{ "embreeRatio", "%.2f" },
-           std::pair{ "embreeLargestDifferenceMm", "%.0e" }, std::pair{ "coldStartMs", "%.0f" },
-           std::pair{ "refitRatio", "%.2f" }, std::pair{ "bytesPerTriangle", "%.0f" },
-           std::pair{ "threeMaterialsRatio", "%.2f" }, std::pair{ "hundredEnergiesRatio", "%.2f" },
-           std::pair{ "eightDerivativesRatio", "%.2f" }, std::pair{ "inconsistent", "%.0f" } })
-    {
-      std::printf(" %s |", Cell(row, key, format).c_str());
-    }
-    std::printf("\n");
-  }
-}
-
-/// The paper's table 1 beside ours.
-void PrintPublished(const Json& rows)
-{
-  std::printf("\n| example | method | published, with set-up, ms | here, process to disk, ms | "
-              "published, rendering only, ms | here, frame with read-back, ms |\n"
-              "|---|---|---|---|---|---|\n");
-  for (const Json& row : rows)
-  {
-    const auto* published = std::find_if(std::begin(Published), std::end(Published),
-      [&](const PublishedTimes& times) { return times.Name == row["example"]; });
-    if (published != std::end(Published) && !row.contains("error"))
-    {
-      std::printf("| %s | %s | %.0f | %s | %.1f | %s |\n", published->Name,
-        row["method"].get<std::string>().c_str(), published->SetUpMs,
-        Cell(row, "coldStartMs", "%.0f").c_str(), published->RenderMs,
-        Cell(row, "frame/medianMs", "%.1f").c_str());
-    }
-  }
-}
-
 /// Two nested balls of 2 x 20 x 4^level triangles above a detector.
 ExampleScene Balls(int level, int columns, int rows)
 {
@@ -195,32 +101,17 @@ Json SweepRates(const std::string& method, double budget)
   return sweep;
 }
 
-void PrintRates(const Json& sweeps)
+void WriteText(const std::string& text, const std::string& path)
 {
-  std::printf("\n| method | triangles | pixels | frames per second, with set-up | rendering only "
-              "|\n|---|---|---|---|---|\n");
-  for (const Json& sweep : sweeps)
+  if (!(std::ofstream(path) << text << std::flush))
   {
-    for (const char* kind : { "resolution", "triangles" })
-    {
-      for (const Json& point : sweep[kind])
-      {
-        std::printf("| %s | %d | %dx%d | %.1f | %.1f |\n",
-          sweep["method"].get<std::string>().c_str(), point["triangles"].get<int>(),
-          point["columns"].get<int>(), point["rows"].get<int>(),
-          1e3 / point["setUpAndFrameMs"].get<double>(),
-          1e3 / point["frame"]["medianMs"].get<double>());
-      }
-    }
+    throw Error(path + ": cannot be written");
   }
 }
 
 void WriteJson(const Json& value, const std::string& path)
 {
-  if (!(std::ofstream(path) << value.dump(2) << "\n"))
-  {
-    throw Error(path + ": cannot be written");
-  }
+  WriteText(value.dump(2) + "\n", path);
 }
 
 struct Arguments
@@ -252,8 +143,7 @@ void RunAll(const Arguments& arguments)
       report["results"].push_back(RunCase(scene, sceneFile, method, arguments.Budget, folder));
     }
   }
-  PrintCases(report["results"]);
-  PrintPublished(report["results"]);
+  std::fputs((Markdown(CaseTable(report)) + Markdown(PublishedTable(report))).c_str(), stdout);
   if (arguments.Rates || !arguments.Plot.empty())
   {
     for (const std::string& method : arguments.Methods)
@@ -261,17 +151,15 @@ void RunAll(const Arguments& arguments)
       std::fprintf(stderr, "frames per second, %s ...\n", method.c_str());
       report["rates"].push_back(SweepRates(method, std::min(arguments.Budget, 2.0)));
     }
-    PrintRates(report["rates"]);
+    std::fputs(Markdown(RateTable(report)).c_str(), stdout);
   }
-  const std::string output =
-    arguments.Output.empty() ? folder.File("report.json") : arguments.Output;
-  WriteJson(report, output);
-  if (!arguments.Plot.empty() &&
-    std::system(
-      ("'" MAMMORAY_PYTHON "' '" MAMMORAY_PLOT_SCRIPT "' '" + output + "' '" + arguments.Plot + "'")
-        .c_str()) != 0)
+  if (!arguments.Output.empty())
   {
-    throw Error("plot: the script failed; it needs Debian's python3-matplotlib");
+    WriteJson(report, arguments.Output);
+  }
+  if (!arguments.Plot.empty())
+  {
+    WriteText(RatePicture(report), arguments.Plot);
   }
 }
 
@@ -307,8 +195,7 @@ int main(int argc, char** argv)
   application.add_option("-o,--output", arguments.Output, "JSON file to write");
   application.add_flag("--rates", arguments.Rates,
     "frames per second against resolution and triangles too");
-  application.add_option("--plot", arguments.Plot,
-    "draw them as .png or .pdf (needs python3-matplotlib)");
+  application.add_option("--plot", arguments.Plot, "draw them, as .svg");
   application.add_option("--case", arguments.Case)->group("");
   application.add_option("--once", arguments.Once)->group("");
   CLI11_PARSE(application, argc, argv);

@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Files.h"
 
+#include <cstdlib>
+
 namespace mammoray::testing_support
 {
 std::string DataFolder()
 {
-  return MAMMORAY_DATA_DIR;
+  const char* elsewhere = std::getenv("MAMMORAY_DATA"); // where the tests run without their sources
+  return elsewhere ? elsewhere : MAMMORAY_DATA_DIR;
 }
 
 std::string SharedDataFolder()

@@ -7,12 +7,13 @@ namespace mammoray
 {
 namespace
 {
-std::uint32_t ChooseMemoryType(const VulkanDevice& device, std::uint32_t typeBits, MemoryUse use)
+/// The types of memory that will do, best first.
+std::vector<std::uint32_t> MemoryTypes(const VulkanDevice& device, std::uint32_t typeBits,
+  MemoryUse use)
 {
   using Flag = vk::MemoryPropertyFlagBits;
   const vk::MemoryPropertyFlags host = Flag::eHostVisible | Flag::eHostCoherent;
-  // Best first. Memory that is local to the device and visible to the host spares a copy; meshes
-  // and images here are a few MB, which fits even the small window of devices that limit it.
+  // Memory that is local to the device and visible to the host spares a copy.
   std::vector<vk::MemoryPropertyFlags> preferences;
   switch (use)
   {
@@ -26,14 +27,45 @@ std::uint32_t ChooseMemoryType(const VulkanDevice& device, std::uint32_t typeBit
       preferences = { host | Flag::eHostCached, host };
       break;
   }
+  std::vector<std::uint32_t> types;
   for (const vk::MemoryPropertyFlags preference : preferences)
   {
-    if (const auto type = device.FindMemoryType(typeBits, preference))
+    const auto type = device.FindMemoryType(typeBits, preference);
+    if (type && std::find(types.begin(), types.end(), *type) == types.end())
     {
-      return *type;
+      types.push_back(*type);
     }
   }
-  throw DeviceError("Vulkan: " + device.Name() + " has no memory of the kind needed");
+  if (types.empty())
+  {
+    throw DeviceError("Vulkan: " + device.Name() + " has no memory of the kind needed");
+  }
+  return types;
+}
+
+/// Of the best type that has room: many devices show the host no more than 256 MiB of their own.
+vk::raii::DeviceMemory Allocate(const VulkanDevice& device,
+  const vk::MemoryRequirements& requirements, MemoryUse use, bool addressed)
+{
+  const vk::MemoryAllocateFlagsInfo flags(
+    addressed ? vk::MemoryAllocateFlagBits::eDeviceAddress : vk::MemoryAllocateFlags());
+  const std::vector<std::uint32_t> types = MemoryTypes(device, requirements.memoryTypeBits, use);
+  const auto allocate = [&](std::uint32_t type)
+  {
+    return vk::raii::DeviceMemory(device.Device(),
+      vk::MemoryAllocateInfo(requirements.size, type, &flags));
+  };
+  for (auto type = types.begin(); type + 1 != types.end(); ++type)
+  {
+    try
+    {
+      return allocate(*type);
+    }
+    catch (const vk::OutOfDeviceMemoryError&) // the next one may have room
+    {
+    }
+  }
+  return allocate(types.back());
 }
 }
 
@@ -43,12 +75,7 @@ Buffer::Buffer(const VulkanDevice& device, vk::DeviceSize bytes, vk::BufferUsage
 {
   const bool addressed = static_cast<bool>(usage & vk::BufferUsageFlagBits::eShaderDeviceAddress);
   this->Object.emplace(device.Device(), vk::BufferCreateInfo({}, bytes, usage));
-  const vk::MemoryRequirements requirements = this->Object->getMemoryRequirements();
-  const vk::MemoryAllocateFlagsInfo flags(
-    addressed ? vk::MemoryAllocateFlagBits::eDeviceAddress : vk::MemoryAllocateFlags());
-  const vk::MemoryAllocateInfo info(requirements.size,
-    ChooseMemoryType(device, requirements.memoryTypeBits, use), &flags);
-  this->Memory.emplace(device.Device(), info);
+  this->Memory.emplace(Allocate(device, this->Object->getMemoryRequirements(), use, addressed));
   this->Object->bindMemory(**this->Memory, 0);
   if (addressed)
   {

@@ -3,7 +3,7 @@
 #define mammoray_ExampleData_h
 
 #include "mammoray/XRay/ExampleScenes.h"
-#include "mammorayEvidenceModule.h"
+#include "mammorayIOModule.h"
 
 #include <string>
 
@@ -14,7 +14,7 @@ namespace mammoray
  * directory, as victre-phantom-1 with materials/victre.json. Throws InputError, with near names, on
  * an unknown one.
  */
-MAMMORAYEVIDENCE_EXPORT ExampleScene MakeExampleScene(const std::string& name);
+MAMMORAYIO_EXPORT ExampleScene MakeExampleScene(const std::string& name);
 }
 
 #endif

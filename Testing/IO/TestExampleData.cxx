@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Refusals.h"
 #include "SurfaceMeasures.h"
-#include "mammoray/Evidence/ExampleData.h"
 #include "mammoray/Foundation/Error.h"
+#include "mammoray/IO/ExampleData.h"
 #include "mammoray/IO/LabelVolumeIO.h"
 #include "mammoray/IO/MeshConversion.h"
 #include "mammoray/IO/ShippedData.h"

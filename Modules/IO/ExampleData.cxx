@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mammoray/Evidence/ExampleData.h"
+#include "mammoray/IO/ExampleData.h"
 
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/Foundation/NearNames.h"
