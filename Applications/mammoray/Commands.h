@@ -11,6 +11,7 @@ class App;
 namespace mammoray
 {
 void AddCompressCommand(CLI::App& application);
+void AddDemoCommand(CLI::App& application);
 void AddDevicesCommand(CLI::App& application);
 void AddDicomCommand(CLI::App& application);
 void AddEvaluateCommand(CLI::App& application);

@@ -35,12 +35,12 @@ struct CompressArguments
 /// What is compressed, and what is simulated on.
 void DeclareMeshes(const OptionList& add, CompressionCase& input)
 {
-  add("--mesh", input.Mesh, "linear tetrahedra with materials (.vtu)")->required();
+  add.Input("--mesh", input.Mesh, "linear tetrahedra with materials (.vtu)")->required();
   AddMaterialsOption(add, input.Materials)->required();
   AddOrientationOption(add, input.Orientation, "the mesh");
   CLI::Option* labels = AddLabelOptions(add, input.Labels);
   labels->description("stiffness is sampled from it; the " + labels->get_description());
-  add("--simulation-mesh", input.SimulationMesh,
+  add.Input("--simulation-mesh", input.SimulationMesh,
     "coarse mesh (.vtu) to simulate on; the points of --mesh move with it");
   add("--simulation-cell-size", input.SimulationCellSizeMm, NonNegative("mm"),
     "largest cells of the simulation mesh that is made for a large mesh, of --labels or else of "

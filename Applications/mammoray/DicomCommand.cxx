@@ -29,8 +29,9 @@ struct DicomArguments
 void Declare(const OptionList& add, DicomArguments& arguments)
 {
   AddResultOption(add, arguments.Result)->required();
-  add("--mammogram", arguments.Mammogram,
-    "the mammogram that was registered, DICOM MG: view, side and directions are taken from it")
+  add
+    .Input("--mammogram", arguments.Mammogram,
+      "the mammogram that was registered, DICOM MG: view, side and directions are taken from it")
     ->required();
   AddDicomPictureOptions(add, arguments.Laterality, arguments.ForProcessing,
     "default: what the header of --mammogram says");

@@ -31,13 +31,14 @@ struct EvaluateArguments
 void Declare(const OptionList& add, EvaluateArguments& arguments)
 {
   AddResultOption(add, arguments.Result)->required();
-  add("--landmarks", arguments.Landmarks,
+  add.Input("--landmarks", arguments.Landmarks,
     "CSV: ux,uy,uz (uncompressed, frame of the label volume), cx,cy,cz (compressed, frame of the "
     "truth), imaged (0 or 1, may be left out); mm");
 #ifdef MAMMORAY_HAS_MESHING
-  add("--truth", arguments.Study,
-    "truth.json of a virtual study ('example study'), in place of --landmarks; for the result of "
-    "'register --study' on its export")
+  add
+    .Input("--truth", arguments.Study,
+      "truth.json of a virtual study ('example study'), in place of --landmarks; for the result of "
+      "'register --study' on its export")
     ->excludes("--landmarks");
 #endif
   add("--truth-orientation", arguments.TruthOrientation,

@@ -44,7 +44,7 @@ struct EvidenceArguments
 void Declare(const OptionList& add, EvidenceArguments& arguments)
 {
   EvidenceOptions& input = arguments.Evidence;
-  add("--data", arguments.Data,
+  add.Input("--data", arguments.Data,
     "folder of public test data, with breastphantom-scattered-1001, breastphantom-hetero-2002, "
     "digibreast and victre-pipeline-phantom-1 (see Data/README.md)");
   add("--phantom", arguments.Phantoms,

@@ -34,9 +34,11 @@ struct FuseArguments
 void Declare(const OptionList& add, FuseArguments& arguments)
 {
   AddResultOption(add, arguments.Result)->required();
-  add("--image", arguments.Image,
-    "MRI in the frame of the registered label volume, a contrast-enhanced subtraction for example "
-    "(.nrrd .nhdr .mha .mhd .nii .nii.gz, or a folder of DICOM slices)")
+  add
+    .Input("--image", arguments.Image,
+      "MRI in the frame of the registered label volume, a contrast-enhanced subtraction for "
+      "example "
+      "(.nrrd .nhdr .mha .mhd .nii .nii.gz, or a folder of DICOM slices)")
     ->required();
   add.Flag("--axes-as-given", arguments.AxesAsGiven,
     "take the header's axes of --image as they are, with no conversion to LPS");

@@ -51,7 +51,7 @@ void Declare(const OptionList& add, LocateArguments& arguments)
   addPlace.Numbers("--pixel", arguments.Pixel, "COLUMN ROW",
     "column and row of the mammogram, from 0 at the centre of the first pixel: gives the tissues "
     "along its X-ray and the curve through the uncompressed volume");
-  addPlace("--lesion", arguments.Lesion,
+  addPlace.Input("--lesion", arguments.Lesion,
     "label volume in the same frame (.nrrd .mha .nii .nii.gz, DICOM SEG): gives the outline of "
     "each label's shadow, its size, and where its centre is");
   place->require_option(1);

@@ -68,7 +68,7 @@ void DeclareFiles(const OptionList& add, MeshArguments& arguments)
       "cells, however ragged the labels are")
     ->excludes(surface);
   add("-o,--output", arguments.Output, "volume mesh to write (.vtu)");
-  add("--check", arguments.Check,
+  add.Input("--check", arguments.Check,
     "check this mesh (.vtu, or legacy .vtk) or surface (.vtp .stl .ply .obj) instead of making "
     "one: cells upright and joined, boundaries closed; exit code 1 and a line for each kind of "
     "trouble");

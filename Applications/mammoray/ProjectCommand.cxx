@@ -64,8 +64,9 @@ struct ProjectArguments
 /// What is X-rayed, with what, and what is written.
 void DeclareInput(const OptionList& add, ProjectArguments& arguments)
 {
-  add("--mesh", arguments.Mesh,
-    "tetrahedra (.vtu, cell array Material) or triangles (.vtp, .stl, .ply, .obj)")
+  add
+    .Input("--mesh", arguments.Mesh,
+      "tetrahedra (.vtu, cell array Material) or triangles (.vtp, .stl, .ply, .obj)")
     ->required();
   AddMaterialsOption(add, arguments.Materials)->required();
   add("--attenuation", arguments.Attenuations,

@@ -35,15 +35,16 @@ struct RegisterArguments
 void DeclareInputs(const OptionList& add, RegisterArguments& arguments)
 {
   RegistrationCase& input = arguments.Case;
-  CLI::Option* study = add("--study", arguments.Study,
+  CLI::Option* study = add.Input("--study", arguments.Study,
     "folder of a clinic's export, MRI and mammograms in whatever files and folders: what is taken "
     "of it 'mammoray intake' tells; in place of --labels, --materials and --mammogram");
   AddLabelOptions(add, input.Labels)->excludes(study);
   AddMaterialsOption(add, input.Materials);
   AddOrientationOption(add, input.Orientation, "the volume");
-  add("--mammogram", input.Mammograms,
-    "mammogram, DICOM MG; repeated for several of the same breast (CC and MLO), which are "
-    "registered together with one stiffness of gland")
+  add
+    .Input("--mammogram", input.Mammograms,
+      "mammogram, DICOM MG; repeated for several of the same breast (CC and MLO), which are "
+      "registered together with one stiffness of gland")
     ->excludes(study);
   add.Choice<std::optional<char>>("--side", arguments.Side, { { "left", 'L' }, { "right", 'R' } },
     "the patient's own breast: which one of a study; of mammograms, in place of the header's");
@@ -58,7 +59,7 @@ void DeclareMammograms(const OptionList& add, RegisterArguments& arguments)
   mammogram("--pixel-spacing", input.PixelSpacingMm, Positive("mm"),
     "of the mammogram's pixels at the receptor, in place of the header's; a picture without a "
     "header (.jpg .png) needs it, --view and --side");
-  mammogram("--mask", input.Masks,
+  mammogram.Input("--mask", input.Masks,
     "image of the mammogram's size (.png .mha), not 0 where it is not to be compared, one for each "
     "mammogram");
   mammogram.FlagOff("--compare-pectoral", input.Targets.ExcludePectoral,
@@ -78,9 +79,9 @@ void DeclareMeshes(const OptionList& add, RegistrationCase& input)
   meshes("--anatomy-cell-size", input.AnatomyCellSizeMm, Positive("mm"), "largest cells X-rayed");
   meshes("--simulation-cell-size", input.SimulationCellSizeMm, NonNegative("mm"),
     "largest cells of the mechanics; 0: by the size of the breast, 3000 to 6000 cells");
-  meshes("--anatomy-mesh", input.AnatomyMesh,
+  meshes.Input("--anatomy-mesh", input.AnatomyMesh,
     "mesh of 'mammoray mesh' to X-ray (.vtu); default: made from the labels");
-  meshes("--simulation-mesh", input.SimulationMesh,
+  meshes.Input("--simulation-mesh", input.SimulationMesh,
     "coarse mesh for the mechanics (.vtu); default: made from the labels");
 }
 
@@ -117,7 +118,7 @@ void DeclareSearch(const OptionList& add, RegistrationCase& input)
   search("--free", input.Free,
     "parameters that are found; the others keep their start: " + PoseParameterNames() +
       " (one for all mammograms); default: " + free + "and stiffness with more than one mammogram");
-  search("--resume", input.Resume,
+  search.Input("--resume", input.Resume,
     "go on from the pose in this earlier result folder of the same inputs");
   search("--iterations", input.Options.MaximumIterations, Positive(),
     "most iterations at each pixel size");

@@ -35,10 +35,11 @@ struct SegmentArguments
 void Declare(const OptionList& add, SegmentArguments& arguments)
 {
   SegmentationOptions& options = arguments.Options;
-  add("--image", arguments.Image,
-    "MRI: a folder with a DICOM series, .nrrd .nhdr .mha .mhd .nii .nii.gz")
+  add
+    .Input("--image", arguments.Image,
+      "MRI: a folder with a DICOM series, .nrrd .nhdr .mha .mhd .nii .nii.gz")
     ->required();
-  add("--suppressed-image", arguments.Suppressed,
+  add.Input("--suppressed-image", arguments.Suppressed,
     "the MRI of the same session with fat suppression, where there is one beside a plain --image: "
     "chest wall and gland are found from both");
   add("-o,--output", arguments.Output,

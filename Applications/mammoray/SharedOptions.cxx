@@ -5,7 +5,7 @@ namespace mammoray
 {
 CLI::Option* AddLabelOptions(const OptionList& add, LabelSource& source)
 {
-  CLI::Option* labels = add("--labels", source.Path,
+  CLI::Option* labels = add.Input("--labels", source.Path,
     "label volume: .nrrd .nhdr .mha .mhd .nii .nii.gz, a DICOM segmentation (.dcm; labels are its "
     "segment numbers) or a folder with a DICOM series");
   add("--crop", source.Crop,
@@ -30,7 +30,7 @@ CLI::Option* AddLabelOptions(const OptionList& add, LabelSource& source)
 
 CLI::Option* AddMaterialsOption(const OptionList& add, std::string& pathOrName)
 {
-  return add("--materials", pathOrName,
+  return add.Input("--materials", pathOrName,
     "material table: a file (.json) or the name of a shipped one (victre, segment, ...)");
 }
 
@@ -44,7 +44,7 @@ CLI::Option* AddOrientationOption(const OptionList& add, std::string& code, cons
 CLI::Option* AddSpectrumOption(const OptionList& add, std::string& pathOrName,
   const std::string& remark)
 {
-  return add("--spectrum", pathOrName,
+  return add.Input("--spectrum", pathOrName,
     "X-ray spectrum: a file (.spc) or the name of a shipped one" + remark);
 }
 
@@ -62,7 +62,7 @@ void AddProjectorOptions(const OptionList& add, ProjectorOptions& options)
 
 CLI::Option* AddResultOption(const OptionList& add, std::string& folder)
 {
-  return add("--result", folder, "folder written by 'mammoray register'");
+  return add.Input("--result", folder, "folder written by 'mammoray register'");
 }
 
 Quantity QuantityOf(const PoseParameter& parameter)

@@ -32,12 +32,12 @@ void DeclareInput(const OptionList& add, ViewInput& input)
   CLI::Option_group* what = add.App().add_option_group("what", "to look at; one of");
   const OptionList addWhat(*what);
   AddResultOption(addWhat, input.Result);
-  addWhat("--mesh", input.Mesh,
+  addWhat.Input("--mesh", input.Mesh,
     "tetrahedra with materials (.vtu), also as 'mammoray compress' wrote them");
-  addWhat("--series", input.Series,
+  addWhat.Input("--series", input.Series,
     "series of 'mammoray compress' (.pvd): the thickness slider goes through it");
   what->require_option(1);
-  add("--mammogram", input.Mammogram, "mammogram (DICOM MG), of a result the registered one");
+  add.Input("--mammogram", input.Mammogram, "mammogram (DICOM MG), of a result the registered one");
   AddMaterialsOption(add, input.Materials)
     ->description("material table: a file (.json) or a shipped one's name; default: the result's");
   AddSpectrumOption(add, input.Spectrum, "; default: the result's, or W28kVp_Rh50um_Be1mm");
@@ -53,7 +53,7 @@ void DeclareInput(const OptionList& add, ViewInput& input)
     "of the picture where there is no mammogram");
   AddLabelOptions(add, input.Labels)
     ->description("label volume whose materials the mechanics feel; default: the mesh's own");
-  add("--simulation-mesh", input.SimulationMesh,
+  add.Input("--simulation-mesh", input.SimulationMesh,
     "coarse mesh for the mechanics (.vtu); default: made from the labels or the mesh");
 }
 

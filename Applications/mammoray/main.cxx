@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Commands.h"
+#include "Manual.h"
 #include "ProgressBar.h"
 #include "mammoray/Foundation/NearNames.h"
 
@@ -65,6 +66,7 @@ int Run(int argc, char* argv[])
   application.set_version_flag("--version", "mammoray " MAMMORAY_VERSION);
   application.require_subcommand(1);
   mammoray::AddCompressCommand(application);
+  mammoray::AddDemoCommand(application);
   mammoray::AddDevicesCommand(application);
   mammoray::AddDicomCommand(application);
   mammoray::AddEvaluateCommand(application);
@@ -82,6 +84,7 @@ int Run(int argc, char* argv[])
 #ifdef MAMMORAY_HAS_VIEWER
   mammoray::AddViewCommand(application);
 #endif
+  mammoray::AddManualOptions(application);
   mammoray::InterruptRequested();
 
   try

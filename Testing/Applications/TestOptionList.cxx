@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What an option's declaration promises: default and unit in the help, ranges, words, round trip.
+#include "Files.h"
 #include "OptionList.h"
 #include "mammoray/Foundation/Error.h"
 
@@ -28,6 +29,9 @@ struct Arguments
   Wall Attachment = Wall::Held;
   bool Overwrite = false;
   bool Correct = true;
+  std::string Mesh;
+  std::vector<std::string> Pictures;
+  std::string Output;
 };
 
 /// What the last command was run with.
@@ -44,6 +48,9 @@ void Declare(const OptionList& add, Arguments& arguments)
     { { "held", Wall::Held }, { "sliding", Wall::Sliding } }, "how it is attached");
   add.Group("Files").Flag("--overwrite", arguments.Overwrite, "replace files");
   add.FlagOff("--no-correction", arguments.Correct, "leave it");
+  add.Input("--mesh", arguments.Mesh, "to press");
+  add.Input("--picture", arguments.Pictures, "to compare with");
+  add("--output", arguments.Output, "to write");
 }
 
 void Keep(Arguments& arguments)
@@ -118,6 +125,30 @@ TEST_F(OptionListTest, ConfigurationRoundTrips)
     EXPECT_THAT(printed, testing::HasSubstr(entry));
   }
   EXPECT_THAT(printed, testing::Not(testing::HasSubstr("force")));
+}
+
+TEST_F(OptionListTest, ConfigurationNamesWhatLiesBesideIt)
+{
+  const testing_support::TemporaryFolder folder;
+  folder.Write("cube.vtu", "");
+  folder.Write("b.png", "");
+  const std::string file = folder.Write("press.json",
+    R"({ "mesh": "cube.vtu", "picture": [ "/a.png", "b.png", "c.png" ], "output": "b.png" })");
+  this->Application.parse("press --config " + file);
+  EXPECT_EQ(given.Mesh, folder.File("cube.vtu"));
+  // What is not there stays a name, for a shipped file or for one of the working folder; what is
+  // written goes where the user is.
+  EXPECT_THAT(given.Pictures, testing::ElementsAre("/a.png", folder.File("b.png"), "c.png"));
+  EXPECT_EQ(given.Output, "b.png");
+}
+
+TEST_F(OptionListTest, CommandLineNamesWhatLiesInTheWorkingFolder)
+{
+  const testing_support::TemporaryFolder folder;
+  folder.Write("cube.vtu", "");
+  const std::string file = folder.Write("press.json", R"({ "mesh": "cube.vtu" })");
+  this->Application.parse("press --config " + file + " --mesh cube.vtu");
+  EXPECT_EQ(given.Mesh, "cube.vtu");
 }
 
 TEST_F(OptionListTest, RefusesWhatIsBeyondTheRange)

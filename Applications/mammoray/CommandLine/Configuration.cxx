@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include <cstdio>
+#include <filesystem>
 #include <memory>
 #include <string>
 #include <vector>
@@ -136,10 +137,19 @@ private:
   }
 };
 
+/// The path beside the configuration file where there is something, else as it was given.
+std::string BesideOrAsGiven(const std::string& path, const std::filesystem::path& folder)
+{
+  std::error_code ignored;
+  const std::filesystem::path beside = folder / path; // an absolute path stays what it is
+  return !path.empty() && std::filesystem::exists(beside, ignored) ? beside.string() : path;
+}
+
 /// Gives the options that the command line left out their values from the file.
 void ReadConfiguration(CLI::App& command, const std::string& path)
 {
-  for (const CLI::ConfigItem& item : JsonConfiguration().from_file(path))
+  const std::filesystem::path folder = std::filesystem::path(path).parent_path();
+  for (CLI::ConfigItem& item : JsonConfiguration().from_file(path))
   {
     CLI::Option* option = command.get_option_no_throw("--" + item.name);
     if (!option)
@@ -156,6 +166,13 @@ void ReadConfiguration(CLI::App& command, const std::string& path)
     }
     if (option->get_type_size() > 0)
     {
+      if (option->get_type_name() == InputTypeName)
+      {
+        for (std::string& input : item.inputs)
+        {
+          input = BesideOrAsGiven(input, folder);
+        }
+      }
       option->add_result(item.inputs);
       option->run_callback();
     }

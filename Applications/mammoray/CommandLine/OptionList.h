@@ -71,6 +71,14 @@ public:
     return this->Placed(WithDefault(this->Command->add_option(name, value, help), value));
   }
 
+  /// Files or folders that are read, one or a list, or names of shipped ones: a configuration file
+  /// may name them relative to the folder that it lies in itself.
+  template <typename T>
+  CLI::Option* Input(const std::string& name, T& value, const std::string& help) const
+  {
+    return (*this)(name, value, help)->type_name(InputTypeName);
+  }
+
   /// `T`: a number, a list of numbers, or an optional number.
   template <typename T>
   CLI::Option* operator()(const std::string& name, T& value, const Quantity& quantity,
