@@ -1,6 +1,12 @@
 # The Python package `mammoray`: the wrapped modules beside VTK's own vtkmodules.
-set(package_destination "lib/python${Python3_VERSION_MAJOR}.${Python3_VERSION_MINOR}/site-packages")
-set(CMAKE_INSTALL_RPATH "$ORIGIN/../../..")
+set(MAMMORAY_PYTHON_DESTINATION
+  "lib/python${Python3_VERSION_MAJOR}.${Python3_VERSION_MINOR}/site-packages" CACHE STRING
+  "Folder of the Python package below the prefix")
+set(package_destination "${MAMMORAY_PYTHON_DESTINATION}")
+cmake_path(SET library_folder NORMALIZE "/prefix/${CMAKE_INSTALL_LIBDIR}")
+cmake_path(RELATIVE_PATH library_folder BASE_DIRECTORY "/prefix/${package_destination}/mammoray"
+  OUTPUT_VARIABLE from_package_to_libraries)
+set(CMAKE_INSTALL_RPATH "$ORIGIN/${from_package_to_libraries}")
 vtk_module_wrap_python(
   MODULES ${modules}
   PYTHON_PACKAGE mammoray
@@ -10,4 +16,4 @@ vtk_module_wrap_python(
   TARGET MammoRay::Python
   INSTALL_EXPORT MammoRay)
 configure_file(python/__init__.py "${CMAKE_BINARY_DIR}/${package_destination}/mammoray/__init__.py" COPYONLY)
-install(FILES python/__init__.py DESTINATION "${package_destination}/mammoray")
+install(FILES python/__init__.py DESTINATION "${package_destination}/mammoray" COMPONENT python)

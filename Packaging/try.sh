@@ -1,0 +1,51 @@
+#!/usr/bin/env bash
+# Installs the packages in a bare Debian 12, which debootstrap makes, and uses them there as an ordinary user: the
+# demo, the manual, the completion, Python; then, with libmammoray-dev and the compiler that it brings, a C++ program.
+# Needs root, debootstrap and the network; some minutes, 5 GB.
+#
+#   Packaging/try.sh [FOLDER_OF_PACKAGES [ROOT]]     build/packages, and a new folder that is removed at the end
+set -euo pipefail
+top=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
+packages=$(realpath "${1:-$top/build/packages}")
+die() { printf 'try.sh: %s\n' "$*" >&2; exit 1; }
+compgen -G "$packages/*.deb" >/dev/null || die "expected packages in $packages (./quickstart package), found none"
+[ "$(id -u)" = 0 ] || die "expected root, who may make another root, found $(id -un)"
+
+mirror=$(apt-get indextargets --format '$(REPO_URI) $(CODENAME) $(COMPONENT) $(ORIGIN)' 'Created-By: Packages' |
+  awk '$2 == "bookworm" && $3 == "main" && $4 == "Debian" { print $1; exit }')
+root=${2:-}
+if [ -z "$root" ]; then
+  root=$(mktemp -d)
+  trap 'umount "$root/proc" 2>/dev/null || true; rm -rf --one-file-system "$root"' EXIT
+else
+  trap 'umount "$root/proc" 2>/dev/null || true' EXIT
+fi
+if [ ! -x "$root/usr/bin/apt-get" ]; then
+  command -v debootstrap >/dev/null || die "expected debootstrap (Debian: debootstrap), found none"
+  debootstrap --variant=minbase bookworm "$root" "$mirror"
+fi
+echo "deb $mirror bookworm-backports main" >"$root/etc/apt/sources.list.d/backports.list"
+mountpoint -q "$root/proc" || mount -t proc proc "$root/proc"
+rm -rf "$root/packages"
+cp -r "$packages" "$root/packages"
+inside() { chroot "$root" env DEBIAN_FRONTEND=noninteractive LC_ALL=C.UTF-8 "$@"; }
+inside apt-get update -q
+inside apt-get install -y -q --no-install-recommends -t bookworm-backports mesa-vulkan-drivers
+install() { (cd "$root/packages" && inside apt-get install -y -q --no-install-recommends $(printf '/packages/%s ' $1)); }
+install 'mammoray_*.deb mammoray-data_*.deb libmammoray[0-9]*.deb python3-mammoray_*.deb'
+inside sh -c 'id user >/dev/null 2>&1 || useradd --create-home --shell /bin/bash user'
+as_user() { inside su - user -c "$1"; }
+
+as_user 'if command -v cc c++; then echo "expected no compiler"; exit 1; fi'
+as_user 'time mammoray demo --overwrite && test -s demo-result/report.html'
+as_user 'zgrep -q "mammoray.-register" /usr/share/man/man1/mammoray.1.gz'
+as_user 'bash -n /usr/share/bash-completion/completions/mammoray'
+as_user 'python3 -c "import mammoray; print(mammoray.vtkXRayProjector().GetClassName())"'
+
+install 'libmammoray-dev_*.deb'
+inside apt-get install -y -q --no-install-recommends cmake g++ make nlohmann-json3-dev
+rm -rf "$root/home/user/consumer"
+cp -r "$top/Testing/Package/consumer" "$root/home/user/consumer"
+inside chown -R user /home/user/consumer
+as_user 'cmake -S consumer -B consumer/build && cmake --build consumer/build -j2 && consumer/build/pipeline'
+echo "try.sh: all of $(cd "$packages" && echo *.deb) work"
