@@ -1,15 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Commands.h"
+#include "Help.h"
 #include "Manual.h"
 #include "ProgressBar.h"
-#include "mammoray/Foundation/NearNames.h"
 
 #include <CLI/CLI.hpp>
 
 #include <dlfcn.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <string>
@@ -38,22 +37,6 @@ void PreferFastBlasKernels(char* argv[])
 #else
   static_cast<void>(argv);
 #endif
-}
-
-/// Throws for a first word that is no command: CLI11 would only ask for one.
-void CheckCommandName(const CLI::App& application, const std::string& name)
-{
-  std::vector<std::string> known;
-  for (const CLI::App* command : application.get_subcommands({}))
-  {
-    known.push_back(command->get_name());
-  }
-  if (!name.empty() && name.front() != '-' &&
-    std::find(known.begin(), known.end(), name) == known.end())
-  {
-    throw CLI::ValidationError(
-      "unknown command '" + name + "'; " + mammoray::SuggestNames(name, known));
-  }
 }
 
 int Run(int argc, char* argv[])
@@ -85,11 +68,17 @@ int Run(int argc, char* argv[])
   mammoray::AddViewCommand(application);
 #endif
   mammoray::AddManualOptions(application);
+  mammoray::SetUpHelp(application);
   mammoray::InterruptRequested();
 
+  if (argc == 1)
+  {
+    std::fputs(application.help().c_str(), stderr);
+    return 2;
+  }
   try
   {
-    CheckCommandName(application, argc > 1 ? argv[1] : "");
+    mammoray::CheckWords(application, { argv + 1, argv + argc });
     application.parse(argc, argv);
   }
   catch (const CLI::Success& success) // --help, --version, --print-config

@@ -142,6 +142,21 @@ TEST_F(OptionListTest, ConfigurationNamesWhatLiesBesideIt)
   EXPECT_EQ(given.Output, "b.png");
 }
 
+TEST_F(OptionListTest, ConfigurationWithAnUnknownOptionIsRefusedWithANearOne)
+{
+  const testing_support::TemporaryFolder folder;
+  const std::string file = folder.Write("press.json", R"({ "meshes": "cube.vtu" })");
+  try
+  {
+    this->Application.parse("press --config " + file);
+    FAIL() << "taken";
+  }
+  catch (const CLI::ParseError& error)
+  {
+    EXPECT_EQ(std::string(error.what()), file + ": unknown option 'meshes'; did you mean --mesh?");
+  }
+}
+
 TEST_F(OptionListTest, CommandLineNamesWhatLiesInTheWorkingFolder)
 {
   const testing_support::TemporaryFolder folder;

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Configuration.h"
 
+#include "Help.h"
+#include "mammoray/Foundation/NearNames.h"
+
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
@@ -154,7 +157,8 @@ void ReadConfiguration(CLI::App& command, const std::string& path)
     CLI::Option* option = command.get_option_no_throw("--" + item.name);
     if (!option)
     {
-      throw CLI::ConfigError::Extras(item.name);
+      throw CLI::ConversionError(path + ": unknown option '" + item.name + "'; " +
+        SuggestNames("--" + item.name, LongOptions(command)));
     }
     if (!option->get_configurable())
     {

@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "CommandTest.h"
+#include "Help.h"
+#include "OptionList.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <sstream>
+
+using namespace mammoray;
+using testing::HasSubstr;
+
+namespace
+{
+struct NoArguments
+{
+  double Gap = 1;
+};
+
+std::string RefusalOfWords(const std::vector<std::string>& words)
+{
+  CLI::App application;
+  AddCommand<NoArguments>(
+    application, "press", "Presses",
+    [](const OptionList& add, NoArguments& arguments)
+    { add("--gap", arguments.Gap, "of the plates"); },
+    [](NoArguments&) {});
+  try
+  {
+    CheckWords(application, words);
+  }
+  catch (const CLI::ValidationError& error)
+  {
+    return error.what();
+  }
+  return "";
+}
+
+class HelpCommand : public testing_support::CommandTest
+{
+};
+}
+
+TEST(Wrapped, GoesOnBelowTheSecondColumn)
+{
+  EXPECT_EQ(Wrapped("  --gap mm   distance of the plates\nshort\n", 24),
+    "  --gap mm   distance of\n             the plates\nshort\n");
+  EXPECT_EQ(Wrapped("one two three", 8), "one two\nthree\n");
+  EXPECT_EQ(Wrapped("  averylongword and more", 8), "  averylongword\n  and\n  more\n");
+  EXPECT_EQ(Wrapped("  one,two,three,four and so on", 12),
+    "  one,two,\n  three,four\n  and so on\n");
+  EXPECT_EQ(Wrapped("\n\n", 8), "\n\n");
+}
+
+TEST(CheckWords, SuggestsWhatMayHaveBeenMeant)
+{
+  EXPECT_EQ(RefusalOfWords({ "pres" }), "unknown command 'pres'; did you mean press?");
+  EXPECT_EQ(RefusalOfWords({ "press", "--gape", "3" }),
+    "unknown option '--gape'; did you mean --gap?");
+  EXPECT_EQ(RefusalOfWords({ "press", "--gape=3" }),
+    "unknown option '--gape'; did you mean --gap?");
+  EXPECT_EQ(RefusalOfWords({ "press", "--gap", "-3", "--", "word" }), "");
+  EXPECT_EQ(RefusalOfWords({ "--version" }), "");
+}
+
+TEST_F(HelpCommand, WithoutWordsListsTheCommands)
+{
+  EXPECT_EQ(this->Run(""), 2);
+  EXPECT_THAT(this->Progress, HasSubstr("  register"));
+}
+
+TEST_F(HelpCommand, EveryCommandHasAnExampleOfItsOwnOptionsAndFitsTheWidth)
+{
+  ASSERT_EQ(this->Run("--help"), 0);
+  std::istringstream lines(this->Output.substr(this->Output.find("Subcommands:")));
+  std::string line;
+  std::getline(lines, line);
+  int commands = 0;
+  while (std::getline(lines, line) && !line.empty())
+  {
+    std::string name;
+    std::istringstream(line) >> name;
+    if (!line.starts_with("  ") || line.starts_with("   "))
+    {
+      continue; // the rest of a description
+    }
+    ++commands;
+    ASSERT_EQ(this->Run(name + " --help"), 0) << name;
+    const std::string help = this->Output;
+    const std::size_t example = help.find("Example: mammoray " + name);
+    ASSERT_NE(example, std::string::npos) << name;
+    std::istringstream words(help.substr(example));
+    for (std::string word; words >> word;)
+    {
+      if (word.starts_with("-") && !std::isdigit(static_cast<unsigned char>(word[1])))
+      {
+        EXPECT_THAT(help.substr(0, example), HasSubstr(word)) << name;
+      }
+    }
+    std::istringstream helpLines(help);
+    while (std::getline(helpLines, line))
+    {
+      EXPECT_LE(line.size(), 100u) << name << ": " << line;
+    }
+  }
+  EXPECT_GE(commands, 13);
+}
