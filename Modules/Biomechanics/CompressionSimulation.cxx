@@ -203,6 +203,24 @@ CompressionState CompressionSimulation::Compress(const PlatePair& plates,
   }
 }
 
+CompressionState CompressionSimulation::Adopt(const CompressionSimulation& other,
+  const CompressionState& state, const ProgressCallback& progress) const
+{
+  const std::size_t expected = other.RestPositions().size();
+  if (state.Positions.size() != expected)
+  {
+    throw InputError("compression: expected a state of the other simulation, of " +
+      std::to_string(expected) + " coordinates, found " + std::to_string(state.Positions.size()));
+  }
+  std::vector<double> positions;
+  if (CanBePredicted(this->Internal->Options))
+  {
+    positions =
+      this->Internal->PositionsIn(other, Embedding(other, this->ImagePositions()), state.Positions);
+  }
+  return this->Run(state.Plates, nullptr, Finish::Complete, progress, 1, std::move(positions));
+}
+
 CompressionState CompressionSimulation::RunCold(const PlatePair& plates,
   const ProgressCallback& progress) const
 {
@@ -258,17 +276,8 @@ std::vector<double> CompressionSimulation::PredictedPositions(const PlatePair& p
       { return !progress || progress(0.5 * fraction, stage); };
       const CompressionState predicted =
         internal.Predictor->Run(plates, nullptr, Finish::Prediction, firstHalf);
-      const std::vector<double>& from = internal.Predictor->ImagePositions();
-      std::vector<double> displacement = predicted.Positions;
-      std::transform(displacement.begin(), displacement.end(), from.begin(), displacement.begin(),
-        std::minus<>());
-      positions = internal.InPredictor->Map(displacement);
-      for (std::size_t c = 0; c < positions.size(); ++c)
-      {
-        positions[c] =
-          internal.Fixed[c] ? this->RestPositions()[c] : this->ImagePositions()[c] + positions[c];
-      }
-      internal.DrawAlong(positions);
+      positions =
+        internal.PositionsIn(*internal.Predictor, *internal.InPredictor, predicted.Positions);
     }
     catch (const ConvergenceError&)
     {
@@ -279,7 +288,8 @@ std::vector<double> CompressionSimulation::PredictedPositions(const PlatePair& p
 }
 
 CompressionState CompressionSimulation::Run(const PlatePair& plates, const CompressionState* start,
-  Finish finish, const ProgressCallback& progress, double loadStepFactor) const
+  Finish finish, const ProgressCallback& progress, double loadStepFactor,
+  std::vector<double> predicted) const
 {
   const auto begin = std::chrono::steady_clock::now();
   CheckPlate(plates.Support, "support");
@@ -300,8 +310,7 @@ CompressionState CompressionSimulation::Run(const PlatePair& plates, const Compr
   LaggedFriction solver(internal.Solver, internal.Body, options.Friction, from.Positions,
     from.Plates, start ? start->Friction.get() : nullptr);
   LoadPath path(solver, options, plates, std::move(from), progress);
-  std::vector<double> predicted;
-  if (!start)
+  if (!start && predicted.empty())
   {
     predicted = this->PredictedPositions(plates, progress);
   }

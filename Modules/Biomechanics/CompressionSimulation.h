@@ -227,6 +227,15 @@ public:
     const ProgressCallback& progress = {}, Refusal refusal = Refusal::WithLastGap) const;
 
   /**
+   * The equilibrium that a state of another simulation of the same body stands for, between its
+   * plates: of several (a breast that is higher than wide topples to either side, tissue folds) the
+   * one that the other has found. Meshes may differ as those of a predictor may. Where nothing is
+   * found from there, and with friction, it is that of a cold start. Throws as Compress, at once.
+   */
+  CompressionState Adopt(const CompressionSimulation& other, const CompressionState& state,
+    const ProgressCallback& progress = {}) const;
+
+  /**
    * dx/dp at a converged state for parameters that move the plates, then for those that change the
    * materials (one rate per material: with { {}, {}, { fat's modulus } } p is the ratio of material
    * 2's stiffness to fat's), then for those that change the loading, by the implicit function
@@ -284,8 +293,10 @@ private:
     Complete,
     Prediction
   };
+  /// Cold where there is no start: by way of `predicted` positions, or of the predictor.
   CompressionState Run(const PlatePair& plates, const CompressionState* start, Finish finish,
-    const ProgressCallback& progress, double loadStepFactor = 1) const;
+    const ProgressCallback& progress, double loadStepFactor = 1,
+    std::vector<double> predicted = {}) const;
   /// A cold run; where it fails, another one in smaller steps.
   CompressionState RunCold(const PlatePair& plates, const ProgressCallback& progress) const;
   /// The least gap from `fromMm` on, in steps of 15 %, that has an equilibrium, mm.

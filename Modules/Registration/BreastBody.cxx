@@ -98,6 +98,13 @@ CompressionState BreastBody::Compress(const UnitPlacement& placement, const Brea
     CompressionSimulation::Refusal::AtOnce);
 }
 
+CompressionState BreastBody::Adopt(const BreastBody& other, const CompressionState& state,
+  double stiffness, const ProgressCallback& progress)
+{
+  this->SetStiffness(stiffness);
+  return this->Simulated.Adopt(other.Simulated, state, progress);
+}
+
 std::vector<std::vector<double>> BreastBody::VelocitiesSeenFromUnit(const UnitPlacement& placement,
   const BreastPose& pose, const CompressionState& state, const Embedding& points,
   const std::vector<double>& positions, const std::vector<int>& wanted)

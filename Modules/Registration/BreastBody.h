@@ -40,6 +40,11 @@ public:
   CompressionState Compress(const UnitPlacement& placement, const BreastPose& pose,
     const CompressionState* start = nullptr, const ProgressCallback& progress = {});
 
+  /// The equilibrium that `state` of another body of the same breast, at this stiffness, stands
+  /// for (CompressionSimulation::Adopt).
+  CompressionState Adopt(const BreastBody& other, const CompressionState& state, double stiffness,
+    const ProgressCallback& progress = {});
+
   /**
    * How points that move with the simulation change with the parameters numbered in `wanted`, seen
    * from the unit: exact derivatives of their equilibrium `state` at `pose` minus the motion of the

@@ -126,8 +126,7 @@ private:
       // A stop takes effect once the simulation itself has been where the predictor got to.
       for (MammogramSearch& mammogram : this->Joint.Mammograms)
       {
-        mammogram.Here = CompressForStart(mammogram.Breast(), mammogram.Result.Values, nullptr,
-          mammogram.Result, goesOn ? this->Progress : ProgressCallback());
+        AdoptPredicted(mammogram, goesOn ? this->Progress : ProgressCallback());
       }
       if (goesOn)
       {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "BreastBetweenPlates.h"
 #include "EveryElement.h"
+#include "HangingBody.h"
 #include "TestMeshes.h"
 #include "mammoray/Biomechanics/CompressionSimulation.h"
 #include "mammoray/Biomechanics/PlacedPlates.h"
@@ -208,6 +209,48 @@ TEST_P(ElementCompression, IsTheSameWithAPredictorOnAnotherMesh)
   // The tolerances are those between warm and cold starts.
   EXPECT_LT(largest, 1e-5);
   EXPECT_NEAR(led.PaddleForceN, alone.PaddleForceN, 1e-6 * alone.PaddleForceN);
+}
+
+TEST_P(ElementCompression, AdoptsWhatAnotherMeshHasFound)
+{
+  const CompressionOptions options = WithElement(GetParam(), 1e-10);
+  const CompressionState alone = MakeBreast(options).Compress(MakePlates(58, 2));
+  const CompressionSimulation other = MakeBreast({}, 0.49, 4);
+  const CompressionState adopted =
+    MakeBreast(options).Adopt(other, other.Compress(MakePlates(58, 2)));
+  EXPECT_EQ(adopted.LoadSteps, 1);
+  // The tolerances are those between warm and cold starts.
+  EXPECT_LT(test::LargestDifference(adopted.Positions, alone.Positions), 1e-5);
+  EXPECT_NEAR(adopted.PaddleForceN, alone.PaddleForceN, 1e-6 * alone.PaddleForceN);
+  EXPECT_THROW(MakeBreast(options).Adopt(MakeBreast({}, 0.49, 3), alone), InputError);
+}
+
+TEST(CompressionSimulation, AdoptsTheSideToWhichABreastHasToppled)
+{
+  // Three times as high as wide: between the plates it falls to the one side or to the other.
+  const auto make = []
+  {
+    return CompressionSimulation(test::MakeHalfEllipsoidMesh(14, 60, 42, 4),
+      { {}, { 6, 0.49 }, { 5, 0.49 } }, { false, false, true }, {},
+      WithElement(ElementType::Quadratic, 1e-10));
+  };
+  const CompressionSimulation toppled = make();
+  const CompressionSimulation other = make();
+  std::vector<std::vector<double>> found;
+  for (const double roll : { 20.0, -20.0 })
+  {
+    CompressionState state = toppled.Compress(MakePlates(64, roll));
+    for (const double part : { 0.5, 0.25, 0.0 })
+    {
+      const CompressionState rolled = toppled.Compress(MakePlates(64, part * roll), &state);
+      state = rolled;
+    }
+    // The tolerance is that between warm and cold starts.
+    const CompressionState adopted = other.Adopt(toppled, state);
+    EXPECT_LT(test::LargestDifference(adopted.Positions, state.Positions), 1e-5);
+    found.push_back(state.Positions);
+  }
+  EXPECT_GT(test::LargestDifference(found[0], found[1]), 5);
 }
 
 TEST(CompressionSimulation, PlatesThatSlideAlongTheirEdgesChangeNothing)

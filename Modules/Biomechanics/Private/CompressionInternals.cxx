@@ -314,6 +314,23 @@ void CompressionSimulation::Internals::EmbedInPredictor()
   this->InPredictor = std::make_unique<Embedding>(*this->Predictor, this->Image);
 }
 
+std::vector<double> CompressionSimulation::Internals::PositionsIn(
+  const CompressionSimulation& other, const Embedding& embedded,
+  const std::vector<double>& positions) const
+{
+  const std::vector<double>& from = other.ImagePositions();
+  std::vector<double> displacement = positions;
+  std::transform(displacement.begin(), displacement.end(), from.begin(), displacement.begin(),
+    std::minus<>());
+  std::vector<double> found = embedded.Map(displacement);
+  for (std::size_t c = 0; c < found.size(); ++c)
+  {
+    found[c] = this->Fixed[c] ? this->Body.RestPositions()[c] : this->Image[c] + found[c];
+  }
+  this->DrawAlong(found);
+  return found;
+}
+
 void CompressionSimulation::Internals::ChangePredictor(
   const std::function<void(CompressionSimulation&)>& change)
 {

@@ -81,6 +81,9 @@ struct CompressionSimulation::Internals
   void SetMaterials(const std::vector<ElasticMaterial>& materials);
   /// Places this body's nodes in that of the predictor, both as they are in the image.
   void EmbedInPredictor();
+  /// Where this body's nodes, `embedded` in another simulation, are at its `positions`.
+  std::vector<double> PositionsIn(const CompressionSimulation& other, const Embedding& embedded,
+    const std::vector<double>& positions) const;
   /// Does the same to the predictor as was done here, and drops it where it cannot follow.
   void ChangePredictor(const std::function<void(CompressionSimulation&)>& change);
   /// How the shape without load changes along with materials and wall; after Unload.

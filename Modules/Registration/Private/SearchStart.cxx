@@ -253,6 +253,18 @@ std::shared_ptr<EvaluatedState> CompressForStart(const SearchedBreast& breast,
   }
 }
 
+void AdoptPredicted(MammogramSearch& search, const ProgressCallback& progress)
+{
+  const SearchedBreast breast = search.Breast();
+  const std::vector<double>& values = search.Result.Values;
+  ++search.Result.Evaluations;
+  const auto begin = Clock::now();
+  search.Here = breast.At(values,
+    breast.Body->Adopt(*search.PredictedBreast().Body, search.Here->State(),
+      PoseOf(values).Stiffness, progress));
+  search.Result.MechanicsSeconds += SecondsSince(begin);
+}
+
 void OpenToLeastHeight(MammogramSearch& search)
 {
   RegistrationResult& result = search.Result;

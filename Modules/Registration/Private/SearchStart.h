@@ -36,6 +36,10 @@ std::shared_ptr<EvaluatedState> CompressForStart(const SearchedBreast& breast,
   const std::vector<double>& values, const EvaluatedState* near, RegistrationResult& result,
   const ProgressCallback& progress);
 
+/// The breast itself where the predictor's Here stands for it, into Here; counted, timed and thrown
+/// as above. A cold start may find another equilibrium than the one that was searched with.
+void AdoptPredicted(MammogramSearch& search, const ProgressCallback& progress);
+
 /// The equilibrium at the result's values into Here; opened, with a warning, where there is none.
 void CompressStart(MammogramSearch& search, const ProgressCallback& progress);
 
