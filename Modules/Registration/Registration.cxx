@@ -127,6 +127,11 @@ private:
       for (MammogramSearch& mammogram : this->Joint.Mammograms)
       {
         AdoptPredicted(mammogram, goesOn ? this->Progress : ProgressCallback());
+        if (goesOn)
+        {
+          ChooseEquilibrium(CoarsenTo(*mammogram.Given->Target, this->Options.PixelSizesMm.back()),
+            this->Bounded(mammogram), mammogram, this->Progress);
+        }
       }
       if (goesOn)
       {

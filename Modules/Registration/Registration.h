@@ -45,6 +45,13 @@ struct RegistrationResult
   std::vector<double> ConsideredCovariance;
   std::vector<RegistrationIteration> Iterations;
   CompressionState State;
+  /**
+   * How far the breast lies from where a cold start at the same pose takes it, on average over its
+   * nodes, mm, seen where the finest resolution began: 0 unless it has several equilibria there.
+   * The one whose picture matches better is searched from. -1 where that start has none or none was
+   * made.
+   */
+  double OtherEquilibriumMm = -1;
   /// Agreement at the start and at the end.
   Agreement Before;
   Agreement After;

@@ -13,6 +13,39 @@ const char* NameOf(Trust trust)
   return trust == Trust::Good ? "good" : trust == Trust::Doubtful ? "doubtful" : "none";
 }
 
+namespace
+{
+/// Adds why a breast may lie otherwise than a match of pictures tells.
+template <typename Add>
+void AddMechanics(const RegistrationResult& result, const Add& add)
+{
+  if (result.State.Positions.empty())
+  {
+    return;
+  }
+  if (result.State.PaddleForceN < 1)
+  {
+    add(Trust::Doubtful,
+      "The paddle presses with " + NumberText(result.State.PaddleForceN, 1) +
+        " N: what holds the breast in the model is not the plates. 1 N or more is wanted.");
+  }
+  if (result.State.LargestWallGlideMm > 30)
+  {
+    add(Trust::Doubtful,
+      "The breast has glided along the chest wall by " +
+        NumberText(result.State.LargestWallGlideMm, 0) +
+        " mm in the model, 30 mm or less is wanted: how it is held there is a guess.");
+  }
+  if (result.OtherEquilibriumMm > 3)
+  {
+    add(Trust::Doubtful,
+      "The breast can lie in another way between the same plates, " +
+        NumberText(result.OtherEquilibriumMm, 0) +
+        " mm away on average: it may have toppled to the other side.");
+  }
+}
+}
+
 Assessment Assess(const RegistrationResult& result)
 {
   Assessment assessment;
@@ -60,6 +93,7 @@ Assessment Assess(const RegistrationResult& result)
           " ended at the limit of what was allowed: the best value may lie beyond it.");
     }
   }
+  AddMechanics(result, add);
   return assessment;
 }
 

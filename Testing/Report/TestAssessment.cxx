@@ -76,6 +76,23 @@ TEST(Assessment, AParameterAtItsBoundIsDoubtful)
   EXPECT_FALSE(AtBound(result.Parameters[1], 15));
 }
 
+TEST(Assessment, WhatMechanicsDoNotSettleIsDoubtful)
+{
+  RegistrationResult result = GoodResult();
+  result.State.Positions = { 0, 0, 0 };
+  result.State.PaddleForceN = 0.9;
+  EXPECT_THAT(Assess(result).Reasons, ElementsAre(HasSubstr("paddle presses with 0.9 N")));
+  result.State.PaddleForceN = 12;
+  result.State.LargestWallGlideMm = 29;
+  result.OtherEquilibriumMm = 2.9;
+  EXPECT_EQ(Assess(result).Level, Trust::Good);
+  result.State.LargestWallGlideMm = 31;
+  result.OtherEquilibriumMm = 24;
+  EXPECT_EQ(Assess(result).Level, Trust::Doubtful);
+  EXPECT_THAT(Assess(result).Reasons,
+    ElementsAre(HasSubstr("glided along the chest wall by 31 mm"), HasSubstr("24 mm away")));
+}
+
 TEST(Assessment, LevelsHaveNames)
 {
   EXPECT_STREQ(NameOf(Trust::Good), "good");

@@ -4,6 +4,7 @@
 #include "mammoray/Foundation/Error.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <limits>
 #include <utility>
@@ -158,6 +159,20 @@ void MoveTo(const SearchedBreast& breast, const std::vector<double>& aligned,
   }
 }
 
+/// Nearer than this, equilibria are one, folded a little otherwise at the plates' edges, mm.
+constexpr double SameEquilibriumMm = 0.1;
+
+/// Of nodes, 3 x nodeCount, mm.
+double MeanDistance(const std::vector<double>& a, const std::vector<double>& b)
+{
+  double sum = 0;
+  for (std::size_t c = 0; c < a.size(); c += 3)
+  {
+    sum += std::hypot(a[c] - b[c], a[c + 1] - b[c + 1], a[c + 2] - b[c + 2]);
+  }
+  return 3 * sum / static_cast<double>(a.size());
+}
+
 /// Rolls at which a search may begin beside its start, degrees off it.
 std::vector<double> RollOffsets(const RegistrationOptions& options,
   const RegistrationResult& result)
@@ -263,6 +278,34 @@ void AdoptPredicted(MammogramSearch& search, const ProgressCallback& progress)
     breast.Body->Adopt(*search.PredictedBreast().Body, search.Here->State(),
       PoseOf(values).Stiffness, progress));
   search.Result.MechanicsSeconds += SecondsSince(begin);
+}
+
+void ChooseEquilibrium(const RegistrationTarget& target, const RegistrationOptions& options,
+  MammogramSearch& search, const ProgressCallback& progress)
+{
+  std::shared_ptr<EvaluatedState> other;
+  try
+  {
+    other =
+      CompressForStart(search.Breast(), search.Result.Values, nullptr, search.Result, progress);
+  }
+  catch (const ConvergenceError&)
+  {
+    return;
+  }
+  search.Result.OtherEquilibriumMm =
+    MeanDistance(search.Here->State().Positions, other->State().Positions);
+  if (search.Result.OtherEquilibriumMm < SameEquilibriumMm)
+  {
+    return;
+  }
+  const RegistrationResiduals compared(target, options);
+  search.Result.Projections += 2;
+  const double here = compared.Costs(compared.Evaluate(*search.Here)).Sum();
+  if (compared.Costs(compared.Evaluate(*other)).Sum() < here)
+  {
+    search.Here = std::move(other);
+  }
 }
 
 void OpenToLeastHeight(MammogramSearch& search)
