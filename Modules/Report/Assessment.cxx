@@ -15,6 +15,12 @@ const char* NameOf(Trust trust)
 
 namespace
 {
+bool FarFromPrior(const RegistrationParameter& parameter, double value)
+{
+  return !parameter.Fixed && parameter.PriorSigma > 0 &&
+    std::abs(value - parameter.Start) > 3 * parameter.PriorSigma;
+}
+
 /// Adds why a breast may lie otherwise than a match of pictures tells.
 template <typename Add>
 void AddMechanics(const RegistrationResult& result, const Add& add)
@@ -91,6 +97,15 @@ Assessment Assess(const RegistrationResult& result)
       add(Trust::Doubtful,
         ParameterTitle(result.Parameters[i].Name) +
           " ended at the limit of what was allowed: the best value may lie beyond it.");
+    }
+    if (FarFromPrior(result.Parameters[i], result.Values[i]))
+    {
+      add(Trust::Doubtful,
+        ParameterTitle(result.Parameters[i].Name) + " ended " +
+          NumberText(std::abs(result.Values[i] - result.Parameters[i].Start) /
+              result.Parameters[i].PriorSigma,
+            1) +
+          " standard deviations from what was to be expected, 3 or less are wanted.");
     }
   }
   AddMechanics(result, add);

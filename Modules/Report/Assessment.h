@@ -31,10 +31,11 @@ struct Assessment
 /**
  * Judges a result by its figures: correlation below 0.7 (0.5: none), mean outline distance
  * above 1.5 mm (3 mm: none), largest above 5 mm (10 mm: none), a search that did not converge, a
- * parameter at its bound, figures that are not numbers (none). Doubtful, too, is what mechanics do
- * not settle: a paddle that presses with less than 1 N (98.6 % of 1972 mammograms: more than 50 N;
- * Serwan et al.), a breast that glides along the chest wall by more than 30 mm, and one that has
- * another equilibrium at this pose, 3 mm off on average or more. The limits are rules of thumb, not
+ * parameter at its bound or more than three standard deviations of its prior away from where it was
+ * expected, figures that are not numbers (none). Doubtful, too, is what mechanics do not settle: a
+ * paddle that presses with less than 1 N (98.6 % of 1972 mammograms: more than 50 N; Serwan et
+ * al.), a breast that glides along the chest wall by more than 30 mm, and one that has another
+ * equilibrium at this pose, 3 mm off on average or more. The limits are rules of thumb, not
  * clinical validation.
  */
 MAMMORAYREPORT_EXPORT Assessment Assess(const RegistrationResult& result);

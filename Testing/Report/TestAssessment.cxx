@@ -76,6 +76,17 @@ TEST(Assessment, AParameterAtItsBoundIsDoubtful)
   EXPECT_FALSE(AtBound(result.Parameters[1], 15));
 }
 
+TEST(Assessment, AParameterFarFromWhatWasExpectedIsDoubtful)
+{
+  RegistrationResult result = GoodResult();
+  result.Parameters[1].PriorSigma = 5;
+  result.Values[1] = -14.9;
+  EXPECT_EQ(Assess(result).Level, Trust::Good) << "an angle is 2.98 standard deviations off";
+  result.Parameters[1].PriorSigma = 4;
+  EXPECT_EQ(Assess(result).Level, Trust::Doubtful);
+  EXPECT_THAT(Assess(result).Reasons, ElementsAre(HasSubstr("ended 3.7 standard deviations")));
+}
+
 TEST(Assessment, WhatMechanicsDoNotSettleIsDoubtful)
 {
   RegistrationResult result = GoodResult();
