@@ -112,7 +112,8 @@ void CheckOutputs(const CompressArguments& arguments)
   for (const std::string& file :
     SeriesFiles(arguments.Series, static_cast<std::size_t>(arguments.SeriesSteps)))
   {
-    CheckOutputFile(file, arguments.Overwrite);
+    // There may be more than a process may have open.
+    CheckOutputPlace(file, arguments.Overwrite);
     if (std::filesystem::weakly_canonical(file) ==
       std::filesystem::weakly_canonical(arguments.Output))
     {
@@ -192,12 +193,10 @@ void Run(CompressArguments& arguments)
   {
     WriteSeries(arguments.Series, result.Series);
   }
-  WriteComplete(arguments.Output,
-    [&](const std::string& temporary) { WriteMesh(result.Compressed, temporary); });
+  WriteMesh(result.Compressed, arguments.Output);
   if (!arguments.Picture.empty())
   {
-    WriteComplete(arguments.Picture,
-      [&](const std::string& temporary) { WriteCompressionPicture(result, temporary); });
+    WriteCompressionPicture(result, arguments.Picture);
   }
   PrintSummary(result);
 }

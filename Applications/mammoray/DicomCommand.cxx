@@ -70,8 +70,7 @@ void Run(DicomArguments& arguments)
     writing.Imitated = ReadDicomReference(arguments.Mammogram);
     writing.Identity = writing.Imitated->Identity;
   }
-  WriteComplete(arguments.Output,
-    [&](const std::string& temporary) { WriteMammogram(synthetic, writing, temporary); });
+  WriteMammogram(synthetic, writing, arguments.Output);
   std::printf("wrote %s: %d x %d pixels, %c %s, %.1f mm thick\n", arguments.Output.c_str(),
     synthetic.Columns, synthetic.Rows, synthetic.Laterality, synthetic.View.c_str(),
     *synthetic.BodyPartThicknessMm);

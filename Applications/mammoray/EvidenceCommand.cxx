@@ -7,6 +7,7 @@
 #include "mammoray/Evidence/EvidenceFile.h"
 #include "mammoray/Evidence/EvidenceTables.h"
 #include "mammoray/Foundation/Error.h"
+#include "mammoray/IO/WholeOutput.h"
 
 #include <algorithm>
 #include <cstdio>
@@ -120,6 +121,13 @@ void AddWanted(EvidenceArguments& arguments)
   }
 }
 
+/// It is written again with the next run's figures.
+void WriteAndClaim(const std::string& path, const std::string& text)
+{
+  WriteWholeFile(path, text);
+  ClaimFile(path);
+}
+
 void Run(EvidenceArguments& arguments)
 {
   const bool wantsData = arguments.Phantoms.empty() || arguments.Wants("mammograms");
@@ -142,10 +150,10 @@ void Run(EvidenceArguments& arguments)
   }
   const auto keep = [&]()
   {
-    WriteTextFile(arguments.Output, EvidenceJson(evidence, settings));
+    WriteAndClaim(arguments.Output, EvidenceJson(evidence, settings));
     if (!arguments.Table.empty())
     {
-      WriteTextFile(arguments.Table, TwinTable(evidence.Twins));
+      WriteAndClaim(arguments.Table, TwinTable(evidence.Twins));
     }
   };
   try

@@ -159,21 +159,11 @@ void Run(ExampleArguments& arguments)
   const Exposure exposure = Expose(*projector, scene.Source, scene.Detector, beam);
   const auto image = ToImage(exposure, scene.Detector, names);
 
-  // One within the other: none takes its final name before all of them are written.
   ReportProgress(progress, 0.4, "writing");
-  WriteComplete(meshPath,
-    [&](const std::string& temporaryMesh)
-    {
-      WriteMesh(ToPolyData(scene.Surface, names), temporaryMesh);
-      ReportProgress(progress, 0.9, "writing");
-      WriteComplete(imagePath,
-        [&](const std::string& temporaryImage)
-        {
-          WriteProjection(image, temporaryImage);
-          WriteComplete(picturePath,
-            [&](const std::string& temporaryPicture) { WriteRadiograph(image, temporaryPicture); });
-        });
-    });
+  WriteMesh(ToPolyData(scene.Surface, names), meshPath);
+  ReportProgress(progress, 0.9, "writing");
+  WriteProjection(image, imagePath);
+  WriteRadiograph(image, picturePath);
   ReportProgress(progress, 1.0, "done");
   std::printf("%s: %zu triangles, %zu materials, %d x %d pixels, on %s, %s\n%s\n%s\n%s\n",
     scene.Name.c_str(), scene.Surface.NumberOfTriangles(), scene.Materials.Materials.size() - 1,

@@ -86,22 +86,21 @@ void Run(FuseArguments& arguments)
   const ProgressCallback progress = MakeProgressBar();
   const CompressedVolume compressed = CompressVolume(image, breast, arguments.SpacingMm, progress);
   const vtkSmartPointer<vtkImageData> projection = ProjectVolume(compressed, breast, progress);
-  const auto write = [&](const std::string& path, const auto& writer)
+  const auto write = [](const std::string& path, const auto& writer)
   {
     if (!path.empty())
     {
-      WriteComplete(path, writer);
+      writer(path);
       std::printf("wrote %s\n", path.c_str());
     }
   };
   write(arguments.Output,
-    [&](const std::string& temporary) { WriteIntensityVolume(compressed.Values, temporary); });
-  write(arguments.Projection,
-    [&](const std::string& temporary) { WriteProjection(projection, temporary); });
+    [&](const std::string& path) { WriteIntensityVolume(compressed.Values, path); });
+  write(arguments.Projection, [&](const std::string& path) { WriteProjection(projection, path); });
   write(arguments.MaximumPicture,
-    [&](const std::string& temporary) { WriteRadiograph(projection, temporary, "Maximum"); });
+    [&](const std::string& path) { WriteRadiograph(projection, path, "Maximum"); });
   write(arguments.MeanPicture,
-    [&](const std::string& temporary) { WriteRadiograph(projection, temporary, "Mean"); });
+    [&](const std::string& path) { WriteRadiograph(projection, path, "Mean"); });
 }
 }
 

@@ -5,6 +5,7 @@
 #include "ProgressBar.h"
 #include "SharedOptions.h"
 #include "mammoray/Case/Intake.h"
+#include "mammoray/IO/WholeOutput.h"
 
 #include <cstdio>
 
@@ -41,7 +42,7 @@ void Run(IntakeArguments& arguments)
   const StudyChoice choice = ChooseForRegistration(study, arguments.Side);
   if (!arguments.Json.empty())
   {
-    WriteTextFile(arguments.Json, StudyJson(study, choice));
+    WriteWholeFile(arguments.Json, StudyJson(study, choice));
   }
   std::fputs(StudyListing(study, choice).c_str(), stdout);
   std::fflush(stdout);

@@ -9,13 +9,14 @@
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/IO/DicomWriter.h"
 #include "mammoray/IO/LabelVolumeIO.h"
+#include "mammoray/IO/WholeOutput.h"
 
 #include <algorithm>
 #include <array>
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
 #include <optional>
+#include <sstream>
 #include <vector>
 
 namespace mammoray
@@ -106,39 +107,31 @@ struct NamedBreast
 void WriteCurve(const std::vector<TissueStretch>& stretches, const std::vector<NamedBreast>& others,
   const std::string& path)
 {
-  WriteComplete(path,
-    [&](const std::string& temporary)
+  std::ostringstream file;
+  file << "x_mm,y_mm,z_mm,material";
+  for (const NamedBreast& other : others)
+  {
+    file << ',' << other.Name << "_column," << other.Name << "_row," << other.Name << "_sigma_mm";
+  }
+  file << '\n';
+  for (const TissueStretch& stretch : stretches)
+  {
+    for (const Vector3& point : stretch.Uncompressed)
     {
-      std::ofstream file(temporary);
-      file << "x_mm,y_mm,z_mm,material";
+      file << point[0] << ',' << point[1] << ',' << point[2] << ',' << stretch.Material;
       for (const NamedBreast& other : others)
       {
-        file << ',' << other.Name << "_column," << other.Name << "_row," << other.Name
-             << "_sigma_mm";
-      }
-      file << '\n';
-      for (const TissueStretch& stretch : stretches)
-      {
-        for (const Vector3& point : stretch.Uncompressed)
+        const ImagedPoint imaged = other.Breast.ToMammogram(point);
+        file << ',' << imaged.Column << ',' << imaged.Row << ',';
+        if (imaged.Uncertainty)
         {
-          file << point[0] << ',' << point[1] << ',' << point[2] << ',' << stretch.Material;
-          for (const NamedBreast& other : others)
-          {
-            const ImagedPoint imaged = other.Breast.ToMammogram(point);
-            file << ',' << imaged.Column << ',' << imaged.Row << ',';
-            if (imaged.Uncertainty)
-            {
-              file << imaged.Uncertainty->MajorMm;
-            }
-          }
-          file << '\n';
+          file << imaged.Uncertainty->MajorMm;
         }
       }
-      if (!file.flush())
-      {
-        throw InputError(path + ": cannot be written");
-      }
-    });
+      file << '\n';
+    }
+  }
+  WriteWholeFile(path, file.str());
 }
 
 /// Where another mammogram shows what lies behind the pixel: a line from the side of the source to
@@ -197,26 +190,19 @@ void PrintPixel(const RegisteredBreast& breast, const std::vector<NamedBreast>& 
 void WriteOutlines(const std::vector<std::pair<int, LesionShadow>>& lesions,
   const std::string& path)
 {
-  WriteComplete(path,
-    [&](const std::string& temporary)
+  std::ostringstream file;
+  file << "label,polygon,column,row\n";
+  for (const auto& [label, lesion] : lesions)
+  {
+    for (std::size_t polygon = 0; polygon < lesion.Outlines.size(); ++polygon)
     {
-      std::ofstream file(temporary);
-      file << "label,polygon,column,row\n";
-      for (const auto& [label, lesion] : lesions)
+      for (const auto& [column, row] : lesion.Outlines[polygon])
       {
-        for (std::size_t polygon = 0; polygon < lesion.Outlines.size(); ++polygon)
-        {
-          for (const auto& [column, row] : lesion.Outlines[polygon])
-          {
-            file << label << ',' << polygon << ',' << column << ',' << row << '\n';
-          }
-        }
+        file << label << ',' << polygon << ',' << column << ',' << row << '\n';
       }
-      if (!file.flush())
-      {
-        throw InputError(path + ": cannot be written");
-      }
-    });
+    }
+  }
+  WriteWholeFile(path, file.str());
 }
 
 /// The image that a segmentation lies over; it must have the registered pixels.
@@ -247,12 +233,8 @@ void WriteShadows(std::vector<std::pair<int, LesionShadow>>& lesions, const Dico
   {
     segments.push_back({ "Lesion " + std::to_string(label), std::move(lesion.Shadow) });
   }
-  WriteComplete(arguments.Output,
-    [&](const std::string& temporary)
-    {
-      WriteSegmentation(segments, image, arguments.Patient.Same ? image.Identity : identity,
-        temporary);
-    });
+  WriteSegmentation(segments, image, arguments.Patient.Same ? image.Identity : identity,
+    arguments.Output);
 }
 
 /// Every label of the volume is a lesion.

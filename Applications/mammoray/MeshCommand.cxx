@@ -10,6 +10,7 @@
 #include "mammoray/Case/MeshCase.h"
 #include "mammoray/IO/MeshConversion.h"
 #include "mammoray/IO/MeshIO.h"
+#include "mammoray/IO/WholeOutput.h"
 
 #include "vtkPolyData.h"
 #include "vtkUnstructuredGrid.h"
@@ -179,18 +180,15 @@ void WriteReportFiles(const MeshArguments& arguments, const std::string& report,
 {
   if (!arguments.CutPicture.empty())
   {
-    WriteComplete(arguments.CutPicture,
-      [&](const std::string& temporary)
-      { WriteMeshCuts(grid, arguments.CutAt, names, temporary); });
+    WriteMeshCuts(grid, arguments.CutAt, names, arguments.CutPicture);
   }
   if (!arguments.Report.empty())
   {
-    WriteTextFile(arguments.Report, report);
+    WriteWholeFile(arguments.Report, report);
   }
   if (!arguments.Picture.empty())
   {
-    WriteComplete(arguments.Picture,
-      [&](const std::string& temporary) { WriteQualityPicture(check, names, temporary); });
+    WriteQualityPicture(check, names, arguments.Picture);
   }
 }
 
@@ -328,8 +326,7 @@ void Run(MeshArguments& arguments)
   const MeshCaseResult result = RunMeshCase(arguments.Case, MakeProgressBar());
   const std::vector<std::string> names = result.Materials.Names();
   const vtkSmartPointer<vtkUnstructuredGrid> grid = ToGrid(result.Meshed.Mesh, names);
-  WriteComplete(arguments.Output,
-    [&](const std::string& temporary) { WriteMesh(grid, temporary); });
+  WriteMesh(grid, arguments.Output);
   WriteReportFiles(arguments, MeshReport(arguments.Case, result), result.Check, names, grid);
   PrintMesh(result);
   WarnOfLosses(result);

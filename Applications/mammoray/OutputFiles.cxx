@@ -3,14 +3,74 @@
 
 #include "mammoray/Foundation/Error.h"
 
+#include "mammoray/Case/RegistrationCaseWriter.h"
+#include "mammoray/IO/WholeOutput.h"
+
+#include <CLI/CLI.hpp>
+
 #include <unistd.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <vector>
 
 namespace mammoray
 {
 namespace fs = std::filesystem;
+
+namespace
+{
+/// What options were given that is a file or a folder.
+std::vector<fs::path>& GivenPaths()
+{
+  static std::vector<fs::path> paths;
+  return paths;
+}
+
+bool IsWithin(const fs::path& path, const fs::path& folder)
+{
+  std::error_code none;
+  const fs::path inner = fs::weakly_canonical(path, none);
+  const fs::path outer = fs::weakly_canonical(folder, none);
+  return inner != outer &&
+    std::mismatch(outer.begin(), outer.end(), inner.begin(), inner.end()).first == outer.end();
+}
+
+/// Throws InputError where the file, which is there, is read, too.
+void CheckIsNoInput(const fs::path& path)
+{
+  int times = 0;
+  for (const fs::path& given : GivenPaths())
+  {
+    std::error_code none;
+    times += fs::equivalent(given, path, none) ? 1 : 0;
+    const bool isRead =
+      IsFileOfResult(path.filename().string()) || path.extension().string() == ".dcm";
+    if (times > 1 || (isRead && fs::is_directory(given, none) && IsWithin(path, given)))
+    {
+      throw InputError("output " + path.string() +
+        ": expected a file that is not an input, found one of " + given.string());
+    }
+  }
+}
+}
+
+void NoteGiven(const CLI::App& command)
+{
+  GivenPaths().clear();
+  for (const CLI::Option* option : command.get_options({}))
+  {
+    for (const std::string& given : option->results())
+    {
+      std::error_code none;
+      if (fs::exists(given, none))
+      {
+        GivenPaths().emplace_back(given);
+      }
+    }
+  }
+}
 
 const std::string& CheckInputFile(const std::string& path)
 {
@@ -37,7 +97,7 @@ void CheckInputFileIfAny(const std::string& path)
   }
 }
 
-void CheckOutputFile(const std::string& path, bool overwrite)
+void CheckOutputPlace(const std::string& path, bool overwrite)
 {
   if (path.empty())
   {
@@ -60,6 +120,19 @@ void CheckOutputFile(const std::string& path, bool overwrite)
   {
     throw InputError("output " + path + ": exists already; --overwrite replaces it");
   }
+  if (fs::exists(path))
+  {
+    CheckIsNoInput(path);
+  }
+}
+
+void CheckOutputFile(const std::string& path, bool overwrite)
+{
+  CheckOutputPlace(path, overwrite);
+  if (!ClaimFile(path))
+  {
+    throw InputError("output " + path + ": expected another file for each output, found it twice");
+  }
 }
 
 void CheckOutputFile(const std::string& path, bool overwrite, const std::string& extension,
@@ -80,45 +153,15 @@ void CheckPictureFile(const std::string& path, bool overwrite)
   }
 }
 
-void WriteComplete(const std::string& path,
-  const std::function<void(const std::string& temporary)>& write)
+void CheckNoInputWithin(const std::string& folder)
 {
-  const fs::path target(path);
-  // The writer goes by the extension, .nii.gz as one.
-  std::string stem = target.stem().string();
-  std::string extension = target.extension().string();
-  if (extension == ".gz")
+  for (const fs::path& given : GivenPaths())
   {
-    extension = fs::path(stem).extension().string() + extension;
-    stem = fs::path(stem).stem().string();
-  }
-  const fs::path temporary = fs::absolute(target).parent_path() /
-    (stem + ".partial-" + std::to_string(getpid()) + extension);
-  try
-  {
-    write(temporary.string());
-    fs::rename(temporary, target);
-  }
-  catch (...)
-  {
-    std::error_code ignored;
-    fs::remove(temporary, ignored);
-    throw;
-  }
-}
-
-void WriteTextFile(const std::string& path, const std::string& text)
-{
-  WriteComplete(path,
-    [&](const std::string& temporary)
+    if (IsWithin(given, folder))
     {
-      std::ofstream file(temporary);
-      file << text;
-      file.close();
-      if (!file)
-      {
-        throw InputError(path + ": cannot be written");
-      }
-    });
+      throw InputError("output " + folder + ": holds the input " + given.string() +
+        ", which would be replaced with it");
+    }
+  }
 }
 }

@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// Files that commands read and write: checked before the work begins, and written
-// completely or not at all.
+// Files that commands read and write: checked before the work begins.
 #ifndef mammoray_OutputFiles_h
 #define mammoray_OutputFiles_h
 
-#include <functional>
 #include <string>
+
+namespace CLI
+{
+class App;
+}
 
 namespace mammoray
 {
@@ -15,10 +18,17 @@ const std::string& CheckInputFile(const std::string& path);
 /// CheckInputFile where a file is named; an empty path passes.
 void CheckInputFileIfAny(const std::string& path);
 
+/// Keeps what the command's options were given, among which an output may not be twice.
+void NoteGiven(const CLI::App& command);
+
 /**
- * Throws InputError unless `path` can become an output file: its folder exists and is writable, and
- * nothing is there yet unless `overwrite`. Call it before the work begins.
+ * Throws InputError unless `path` can become an output file: its folder exists and is writable,
+ * nothing is there yet unless `overwrite`, and it is no input, nor a file of the result or the
+ * DICOM folder that is read. Call it before the work begins.
  */
+void CheckOutputPlace(const std::string& path, bool overwrite);
+
+/// CheckOutputPlace, and claims the file (ClaimFile). Throws InputError where it is another output.
 void CheckOutputFile(const std::string& path, bool overwrite);
 
 /**
@@ -31,15 +41,9 @@ void CheckOutputFile(const std::string& path, bool overwrite, const std::string&
 /// CheckOutputFile for a picture (.png) where one is asked for: an empty path passes.
 void CheckPictureFile(const std::string& path, bool overwrite);
 
-/**
- * Calls `write` with a temporary name of the same extension in the same folder and renames the file
- * to `path` when it returns; removes it when it throws. An existing file is replaced.
- */
-void WriteComplete(const std::string& path,
-  const std::function<void(const std::string& temporary)>& write);
-
-/// Writes text as a complete file. Throws InputError when it cannot be written.
-void WriteTextFile(const std::string& path, const std::string& text);
+/// Throws InputError where something that the options were given is in the folder, which is to be
+/// replaced.
+void CheckNoInputWithin(const std::string& folder);
 }
 
 #endif

@@ -289,8 +289,7 @@ void WriteMammogramFile(const ProjectArguments& arguments, Mammogram mammogram,
   DicomMammogramOptions options;
   options.Identity = arguments.Patient.Identity();
   options.Derivation = SyntheticDerivation(arguments.ForProcessing, "a breast");
-  WriteComplete(arguments.Output,
-    [&](const std::string& temporary) { WriteMammogram(mammogram, options, temporary); });
+  WriteMammogram(mammogram, options, arguments.Output);
 }
 
 void Run(ProjectArguments& arguments)
@@ -331,13 +330,11 @@ void Run(ProjectArguments& arguments)
   }
   else
   {
-    WriteComplete(arguments.Output,
-      [&](const std::string& temporary) { WriteProjection(image, temporary); });
+    WriteProjection(image, arguments.Output);
   }
   if (!arguments.PathLengths.empty())
   {
-    WriteComplete(arguments.PathLengths,
-      [&](const std::string& temporary) { WriteProjection(image, temporary, true); });
+    WriteProjection(image, arguments.PathLengths, true);
   }
   ReportProgress(progress, 1.0, "done");
   std::printf("%d x %d pixels, %zu triangles, %s, mean %.1f keV, on %s, %s\n", lengths.Columns,

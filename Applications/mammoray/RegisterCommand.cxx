@@ -246,6 +246,7 @@ void Run(RegisterArguments& arguments)
   {
     throw CLI::RequiredError("--study, or --labels, --materials and --mammogram together,");
   }
+  CheckNoInputWithin(arguments.Output);
   CheckResultFolder(arguments.Output, arguments.Overwrite);
   if (!arguments.Study.empty())
   {

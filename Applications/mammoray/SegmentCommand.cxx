@@ -122,16 +122,11 @@ void Run(SegmentArguments& arguments)
     ? SegmentBreast(image, arguments.Options, MakeProgressBar())
     : SegmentBreast(image, ReadIntensityVolume(arguments.Suppressed, axes), arguments.Options,
         MakeProgressBar());
-  WriteComplete(arguments.Output,
-    [&](const std::string& temporary) { WriteLabelVolume(result.Labels, temporary); });
+  WriteLabelVolume(result.Labels, arguments.Output);
   if (!arguments.Picture.empty())
   {
-    WriteComplete(arguments.Picture,
-      [&](const std::string& temporary)
-      {
-        WriteSlicePicture(result.Corrected, result.Labels, arguments.Options.Axes, table.Names(),
-          temporary);
-      });
+    WriteSlicePicture(result.Corrected, result.Labels, arguments.Options.Axes, table.Names(),
+      arguments.Picture);
   }
   PrintResult(result, table);
 }

@@ -122,8 +122,7 @@ void Run(ViewArguments& arguments)
   }
   if (!arguments.Screenshot.empty())
   {
-    WriteComplete(arguments.Screenshot,
-      [&](const std::string& temporary) { viewer.WriteScreenshot(temporary); });
+    viewer.WriteScreenshot(arguments.Screenshot);
     std::printf("%swrote %s\n", viewer.Status().empty() ? "" : (viewer.Status() + "\n").c_str(),
       arguments.Screenshot.c_str());
   }

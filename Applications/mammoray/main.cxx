@@ -7,10 +7,14 @@
 #include <CLI/CLI.hpp>
 
 #include <dlfcn.h>
+#include <fcntl.h>
 #include <unistd.h>
 
+#include <cerrno>
+#include <csignal>
 #include <cstdio>
 #include <cstdlib>
+#include <cstring>
 #include <string>
 #include <vector>
 
@@ -39,9 +43,38 @@ void PreferFastBlasKernels(char* argv[])
 #endif
 }
 
+/// A stream that the caller has closed gets nothing, instead of a file that is opened later. A file
+/// that meets a limit of sizes is told of, as one that meets a full disk.
+void SettleStreams()
+{
+  for (const int stream : { STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO })
+  {
+    if (fcntl(stream, F_GETFD) == -1)
+    {
+      open("/dev/null", O_RDWR);
+    }
+  }
+  std::signal(SIGXFSZ, SIG_IGN);
+}
+
+/// The exit status, once all that was printed is out: 1, with a line, where it is not.
+int CheckPrinted(int status)
+{
+  const bool failed = std::ferror(stdout) != 0;
+  errno = 0;
+  if (std::fflush(stdout) == 0 && !failed)
+  {
+    return status;
+  }
+  std::fprintf(stderr, "mammoray: standard output: cannot be written (%s)\n",
+    std::strerror(errno != 0 ? errno : EIO));
+  return status == 0 ? 1 : status;
+}
+
 int Run(int argc, char* argv[])
 {
   PreferFastBlasKernels(argv);
+  SettleStreams();
   CLI::App application{ "MammoRay " MAMMORAY_VERSION
                         ": synthetic X-rays of meshes, and registration of breast MRI with "
                         "mammograms.\nLengths in mm, pressures in kPa, energies in keV, angles in "
@@ -98,7 +131,7 @@ int main(int argc, char* argv[])
 {
   try
   {
-    return Run(argc, argv);
+    return CheckPrinted(Run(argc, argv));
   }
   catch (const std::exception& error)
   {

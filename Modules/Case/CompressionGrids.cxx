@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mammoray/Case/CompressionGrids.h"
 
-#include "mammoray/Foundation/Error.h"
 #include "mammoray/IO/MeshIO.h"
+#include "mammoray/IO/WholeOutput.h"
 
 #include "vtkCellData.h"
 #include "vtkDoubleArray.h"
@@ -17,6 +17,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
+#include <sstream>
 
 namespace mammoray
 {
@@ -210,10 +211,9 @@ void WriteSeries(const std::string& path,
     file->SetAttribute("type", "Collection");
     file->SetAttribute("version", "0.1");
     file->AddNestedElement(collection);
-    if (vtkXMLUtilities::WriteElementToFile(file, path.c_str()) == 0)
-    {
-      throw InputError(path + ": cannot be written");
-    }
+    std::ostringstream text;
+    vtkXMLUtilities::FlattenElement(file, text);
+    WriteWholeFile(path, text.str());
   }
   catch (...)
   {

@@ -8,6 +8,7 @@
 #include "mammoray/IO/LabelVolumeIO.h"
 #include "mammoray/IO/MeshConversion.h"
 #include "mammoray/IO/MeshIO.h"
+#include "mammoray/IO/WholeOutput.h"
 #include "mammoray/Report/RegistrationReport.h"
 
 #include "vtkDoubleArray.h"
@@ -20,18 +21,24 @@
 #include "vtkUnstructuredGrid.h"
 #include "vtkVersion.h"
 
-#include <unistd.h>
-
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <cmath>
 #include <filesystem>
+#include <optional>
+#include <string_view>
 
 namespace mammoray
 {
 namespace
 {
 namespace fs = std::filesystem;
+
+/// All that WriteInto writes, in any folder.
+constexpr std::array<std::string_view, 12> ResultFolderFiles{ "uncompressed.vtu", "compressed.vtu",
+  "synthetic.mha", "labels.nrrd", "mri.nrrd", "real.png", "synthetic.png", "overlay.png",
+  "difference.png", "convergence.svg", "report.html", ResultFileName };
 
 void WriteMeshes(const RegistrationCaseResult& result, const RegisteredView& registered,
   const std::string& folder)
@@ -59,13 +66,17 @@ void WriteSynthetic(const RegisteredView& registered, const std::string& path)
     static_cast<float*>(image->GetScalarPointer()));
   vtkNew<vtkMetaImageWriter> writer;
   writer->SetInputData(image);
-  writer->SetFileName(path.c_str());
   writer->SetCompression(true);
-  writer->Write();
-  if (writer->GetErrorCode() != 0)
-  {
-    throw InputError(path + ": cannot be written");
-  }
+  WriteWholeFile(path,
+    [&](const std::string& staged)
+    {
+      writer->SetFileName(staged.c_str());
+      writer->Write();
+      if (writer->GetErrorCode() != 0)
+      {
+        throw InputError(path + ": cannot be written");
+      }
+    });
 }
 
 std::vector<ResultParameter> ParametersOf(const RegistrationResult& found)
@@ -251,11 +262,26 @@ void WriteInto(const std::string& folder, const RegistrationCase& input,
   WriteResultFile(joint, folder);
 }
 
-/// The folder without a slash at its end, so that it has a name and a parent.
-fs::path Normal(const std::string& path)
+/// The first thing in the folder of an earlier result that no result has; nothing where there is
+/// none.
+std::optional<fs::path> FindForeign(const fs::path& folder)
 {
-  const fs::path folder = fs::absolute(path).lexically_normal();
-  return folder.has_filename() ? folder : folder.parent_path();
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder))
+  {
+    const std::string name = entry.path().filename().string();
+    if (entry.is_directory() && !entry.is_symlink() && fs::exists(entry.path() / ResultFileName))
+    {
+      if (const auto foreign = FindForeign(entry.path()))
+      {
+        return foreign;
+      }
+    }
+    else if (!entry.is_regular_file() || !IsFileOfResult(name))
+    {
+      return entry.path();
+    }
+  }
+  return std::nullopt;
 }
 }
 
@@ -322,48 +348,46 @@ std::vector<std::string> MammogramFolders(const RegistrationCaseResult& result)
   return folders;
 }
 
+bool IsFileOfResult(const std::string& name)
+{
+  return std::find(ResultFolderFiles.begin(), ResultFolderFiles.end(), name) !=
+    ResultFolderFiles.end();
+}
+
 void CheckResultFolder(const std::string& path, bool overwrite)
 {
-  const fs::path folder = Normal(path);
-  const fs::path parent = folder.parent_path();
-  if (!fs::is_directory(parent) || access(parent.c_str(), W_OK) != 0)
+  const fs::path folder(path);
+  if (fs::is_directory(folder) && fs::is_empty(folder))
   {
-    throw InputError("output " + path + ": expected a writable folder " + parent.string());
-  }
-  if (!fs::exists(folder))
-  {
+    ClaimFolder(path);
     return;
   }
-  if (!overwrite)
+  if (fs::exists(folder))
   {
-    throw InputError("output " + path + ": exists already; --overwrite replaces it");
+    if (!overwrite)
+    {
+      throw InputError("output " + path + ": exists already; --overwrite replaces it");
+    }
+    if (!fs::is_directory(folder) || !fs::exists(folder / ResultFileName))
+    {
+      throw InputError("output " + path +
+        ": expected an earlier result (a folder with result.json) to overwrite, found something "
+        "else");
+    }
+    if (const auto foreign = FindForeign(folder))
+    {
+      throw InputError("output " + path +
+        ": expected nothing but an earlier result, which is replaced as a whole, found " +
+        foreign->lexically_relative(folder).string() + "; it can be moved elsewhere");
+    }
   }
-  if (!fs::is_directory(folder) || (!fs::is_empty(folder) && !fs::exists(folder / ResultFileName)))
-  {
-    throw InputError("output " + path +
-      ": expected an earlier result (a folder with result.json) to overwrite, found something "
-      "else");
-  }
+  ClaimFolder(path);
 }
 
 void WriteRegistrationCase(const RegistrationCase& input, const RegistrationCaseResult& result,
   const std::string& path, bool overwrite)
 {
   CheckResultFolder(path, overwrite);
-  const fs::path folder = Normal(path);
-  const fs::path aside = folder.string() + ".partial-" + std::to_string(getpid());
-  fs::create_directory(aside);
-  try
-  {
-    WriteInto(aside.string(), input, result);
-    fs::remove_all(folder);
-    fs::rename(aside, folder);
-  }
-  catch (...)
-  {
-    std::error_code ignored;
-    fs::remove_all(aside, ignored);
-    throw;
-  }
+  WriteWholeFolder(path, [&](const std::string& folder) { WriteInto(folder, input, result); });
 }
 }

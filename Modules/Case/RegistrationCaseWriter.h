@@ -23,8 +23,12 @@ MAMMORAYCASE_EXPORT vtkSmartPointer<vtkUnstructuredGrid> UncompressedGrid(
 /// ("cc", "mlo"), numbered where they repeat; "" for a single one.
 MAMMORAYCASE_EXPORT std::vector<std::string> MammogramFolders(const RegistrationCaseResult& result);
 
-/// Throws InputError unless a result can be written there: into a folder that exists, under a name
-/// that is free or, with `overwrite`, that of an earlier result.
+/// Whether a result's folder, or one of its mammograms', has a file of this name.
+MAMMORAYCASE_EXPORT bool IsFileOfResult(const std::string& name);
+
+/// Claims the folder (ClaimFolder). Throws InputError unless a result can be written there: into a
+/// folder that exists, under a name that is free or, with `overwrite`, that of an earlier result
+/// and nothing else.
 MAMMORAYCASE_EXPORT void CheckResultFolder(const std::string& folder, bool overwrite);
 
 /**

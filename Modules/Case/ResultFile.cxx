@@ -4,7 +4,7 @@
 #include "Private/ResultFields.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/Foundation/PoseParameters.h"
-#include "mammoray/Report/WholeFile.h"
+#include "mammoray/IO/WholeOutput.h"
 
 #include <algorithm>
 #include <filesystem>
@@ -32,7 +32,7 @@ void Write(const char* format, const Result& result, const std::string& folder)
   Result copy = result; // the lists of fields serve both ways and so take what can be changed
   ListFields(writer, copy);
   // A file name or DICOM text need not be UTF-8: replace what is not.
-  WriteWholeFile(json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n", PathIn(folder));
+  WriteWholeFile(PathIn(folder), json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
 }
 
 /// The file as JSON of this version, in one of the two formats.

@@ -6,8 +6,8 @@
 #include "mammoray/Case/ResultFile.h"
 #include "mammoray/Case/StudyCase.h"
 #include "mammoray/Evidence/LandmarkEvaluation.h"
-#include "mammoray/Evidence/ScratchFolder.h"
 #include "mammoray/Foundation/Error.h"
+#include "mammoray/IO/ScratchFolder.h"
 #include "mammoray/IO/ShippedData.h"
 #include "mammoray/Registration/Silhouette.h"
 

@@ -9,6 +9,7 @@
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/Foundation/LabelSkin.h"
 #include "mammoray/IO/ShippedData.h"
+#include "mammoray/IO/WholeOutput.h"
 #include "mammoray/Meshing/LabelMesher.h"
 #include "mammoray/Registration/BreastModel.h"
 #include "mammoray/Registration/EvaluatedState.h"
@@ -344,6 +345,7 @@ void CheckStudyOptions(const VirtualStudyOptions& options, const MaterialTable& 
   {
     throw InputError(folder + ": expected an empty folder, found files in it");
   }
+  ClaimFolder(folder);
 }
 }
 

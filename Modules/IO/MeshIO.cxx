@@ -2,6 +2,7 @@
 #include "mammoray/IO/MeshIO.h"
 
 #include "mammoray/Foundation/Error.h"
+#include "mammoray/IO/WholeOutput.h"
 
 #include "vtkCommand.h"
 #include "vtkExecutive.h"
@@ -56,7 +57,7 @@ public:
 };
 
 template <typename Algorithm>
-void Run(Algorithm* algorithm, const std::string& path, const char* what, bool write)
+void Run(Algorithm* algorithm, const std::string& path, const char* what)
 {
   vtkNew<Listener> listener;
   algorithm->AddObserver(vtkCommand::ErrorEvent, listener);
@@ -65,7 +66,6 @@ void Run(Algorithm* algorithm, const std::string& path, const char* what, bool w
   // Parsers and other helpers inside VTK have no observer of ours.
   const int shown = vtkObject::GetGlobalWarningDisplay();
   vtkObject::GlobalWarningDisplayOff();
-  bool failed = false;
   if constexpr (requires { algorithm->Write(); })
   {
     algorithm->Write();
@@ -75,8 +75,7 @@ void Run(Algorithm* algorithm, const std::string& path, const char* what, bool w
     algorithm->Update();
   }
   vtkObject::SetGlobalWarningDisplay(shown);
-  failed = algorithm->GetErrorCode() != 0 || !listener->Message.empty();
-  if (failed || (write && !fs::exists(path)))
+  if (algorithm->GetErrorCode() != 0 || !listener->Message.empty())
   {
     throw InputError(path + ": " + what +
       (listener->Message.empty() ? std::string() : " (" + listener->Message + ")"));
@@ -118,7 +117,6 @@ void Write(vtkPointSet* mesh, const std::string& path)
 {
   vtkNew<Writer> writer;
   writer->SetInputData(mesh);
-  writer->SetFileName(path.c_str());
   if constexpr (requires { writer->SetDataModeToAppended(); })
   {
     writer->SetDataModeToAppended();
@@ -129,7 +127,12 @@ void Write(vtkPointSet* mesh, const std::string& path)
   {
     writer->SetFileTypeToBinary();
   }
-  Run(writer.Get(), path, "cannot be written", true);
+  WriteWholeFile(path,
+    [&](const std::string& staged)
+    {
+      writer->SetFileName(staged.c_str());
+      Run(writer.Get(), path, "cannot be written");
+    });
 }
 
 template <typename Reader>
@@ -137,7 +140,7 @@ auto Read(const std::string& path)
 {
   vtkNew<Reader> reader;
   reader->SetFileName(path.c_str());
-  Run(reader.Get(), path, "expected a mesh, found data that cannot be read", false);
+  Run(reader.Get(), path, "expected a mesh, found data that cannot be read");
   auto mesh = vtkSmartPointer(reader->GetOutput());
   if (!mesh || mesh->GetNumberOfPoints() == 0 || mesh->GetNumberOfCells() == 0)
   {

@@ -3,6 +3,7 @@
 
 #include "Private/VolumeFile.h"
 #include "mammoray/Foundation/Error.h"
+#include "mammoray/IO/WholeOutput.h"
 
 #include "vtkFloatArray.h"
 #include "vtkImageData.h"
@@ -103,15 +104,24 @@ void WritePng(vtkImageData* image, vtkFloatArray* values, float white, const std
   vtkNew<vtkImageData> picture;
   picture->SetDimensions(size);
   picture->GetPointData()->SetScalars(grey);
+  WritePicture(picture, path);
+}
+}
+
+void WritePicture(vtkImageData* image, const std::string& path)
+{
   vtkNew<vtkPNGWriter> writer;
-  writer->SetInputData(picture);
-  writer->SetFileName(path.c_str());
+  writer->SetInputData(image);
+  writer->WriteToMemoryOn();
   writer->Write();
-  if (writer->GetErrorCode() != 0)
+  vtkUnsignedCharArray* bytes = writer->GetResult();
+  if (writer->GetErrorCode() != 0 || !bytes)
   {
     throw InputError(path + ": cannot be written");
   }
-}
+  WriteWholeFile(path,
+    { reinterpret_cast<const char*>(bytes->GetPointer(0)),
+      static_cast<std::size_t>(bytes->GetNumberOfValues()) });
 }
 
 vtkSmartPointer<vtkImageData> MakeDetectorImage(const XRayDetector& detector)
@@ -204,11 +214,15 @@ void WriteProjection(vtkImageData* image, const std::string& path, bool pathLeng
   {
     vtkNew<vtkXMLImageDataWriter> writer;
     writer->SetInputData(image);
-    writer->SetFileName(path.c_str());
-    if (writer->Write() == 0)
-    {
-      throw InputError(path + ": cannot be written");
-    }
+    WriteWholeFile(path,
+      [&](const std::string& staged)
+      {
+        writer->SetFileName(staged.c_str());
+        if (writer->Write() == 0 || writer->GetErrorCode() != 0)
+        {
+          throw InputError(path + ": cannot be written");
+        }
+      });
   }
   else if (extension == ".mha" || extension == ".nrrd")
   {

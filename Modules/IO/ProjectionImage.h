@@ -41,6 +41,10 @@ MAMMORAYIO_EXPORT float FindWhite(const float* values, std::size_t count);
 MAMMORAYIO_EXPORT void WriteRadiograph(vtkImageData* image, const std::string& path,
   const std::string& arrayName = LogAttenuationArrayName);
 
+/// Writes an image of 8 or 16 bits as a picture (PNG), its last row on top. Throws InputError when
+/// it cannot be written.
+MAMMORAYIO_EXPORT void WritePicture(vtkImageData* image, const std::string& path);
+
 /// Throws InputError unless WriteProjection knows the path's extension.
 MAMMORAYIO_EXPORT void CheckProjectionExtension(const std::string& path, bool pathLengths = false);
 

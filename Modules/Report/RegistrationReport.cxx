@@ -6,7 +6,7 @@
 #include "Private/ReportPictures.h"
 #include "Private/ReportSections.h"
 #include "mammoray/Foundation/Error.h"
-#include "mammoray/Report/WholeFile.h"
+#include "mammoray/IO/WholeOutput.h"
 
 #include <filesystem>
 
@@ -84,7 +84,7 @@ void WriteParts(const RegistrationReport& report, const Composed& parts, const s
   }
   for (const auto& [name, content] : files)
   {
-    WriteWholeFile(content, (std::filesystem::path(folder) / name).string());
+    WriteWholeFile((std::filesystem::path(folder) / name).string(), content);
   }
 }
 }
@@ -119,7 +119,7 @@ void WriteJointReport(const JointReport& report, const std::string& folder)
   }
   html += SectionsHtml(report.Sections);
   const RegistrationReport& first = report.Mammograms.front();
-  WriteWholeFile(PageHtml(first.Title, BreastText(*first.RealMammogram) + ", " + titles, html),
-    (std::filesystem::path(folder) / "report.html").string());
+  WriteWholeFile((std::filesystem::path(folder) / "report.html").string(),
+    PageHtml(first.Title, BreastText(*first.RealMammogram) + ", " + titles, html));
 }
 }

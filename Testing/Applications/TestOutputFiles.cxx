@@ -3,14 +3,14 @@
 #include "OutputFiles.h"
 #include "mammoray/Foundation/Error.h"
 
-#include <gmock/gmock.h>
+#include <CLI/CLI.hpp>
+
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
-#include <fstream>
 
 using namespace mammoray;
-using testing_support::ReadFile;
 namespace fs = std::filesystem;
 
 namespace
@@ -18,34 +18,21 @@ namespace
 class OutputFiles : public testing::Test
 {
 protected:
-  std::size_t Entries() const
+  /// As a command does before it runs.
+  static void Give(const std::vector<std::string>& values)
   {
-    const fs::directory_iterator files(this->Folder.File(""));
-    return static_cast<std::size_t>(std::distance(begin(files), end(files)));
+    CLI::App command;
+    std::vector<std::string> taken;
+    command.add_option("--given", taken);
+    std::vector<std::string> words{ "--given" };
+    words.insert(words.end(), values.begin(), values.end());
+    std::reverse(words.begin(), words.end()); // CLI11 takes them from the end
+    command.parse(words);
+    NoteGiven(command);
   }
 
   testing_support::TemporaryFolder Folder;
 };
-}
-
-TEST_F(OutputFiles, AFileAppearsCompleteOrNotAtAll)
-{
-  const std::string path = this->Folder.File("volume.nii.gz");
-  EXPECT_THROW(WriteComplete(path,
-                 [&](const std::string& temporary)
-                 {
-                   std::ofstream(temporary) << "half";
-                   EXPECT_NE(temporary, path);
-                   // The writer goes by it.
-                   EXPECT_THAT(temporary, testing::EndsWith(".nii.gz"));
-                   throw InputError("stopped");
-                 }),
-    InputError);
-  EXPECT_EQ(this->Entries(), 0u);
-  WriteTextFile(path, "first");
-  WriteTextFile(path, "second");
-  EXPECT_EQ(ReadFile(path), "second");
-  EXPECT_EQ(this->Entries(), 1u);
 }
 
 TEST_F(OutputFiles, FilesAreCheckedBeforeTheWork)
@@ -63,4 +50,34 @@ TEST_F(OutputFiles, FilesAreCheckedBeforeTheWork)
     InputError);
   EXPECT_NO_THROW(CheckPictureFile("", false));
   EXPECT_THROW(CheckPictureFile(this->Folder.File("picture.jpg"), false), InputError);
+  // Two outputs of one name.
+  EXPECT_NO_THROW(CheckOutputFile(this->Folder.File("new.vtu"), false));
+  EXPECT_THROW(CheckOutputFile(this->Folder.File("./new.vtu"), false), InputError);
+  EXPECT_THROW(CheckOutputFile("/dev/null", true), InputError);
+}
+
+TEST_F(OutputFiles, AnInputIsNeverAnOutput)
+{
+  const std::string image = this->Folder.Write("m.dcm", "a mammogram");
+  fs::create_directory(this->Folder.File("result"));
+  const std::string table = this->Folder.Write("result/curve.csv", "1");
+  const std::string result = this->Folder.Write("result/result.json", "{}");
+  fs::create_hard_link(image, this->Folder.File("linked.dcm"));
+  fs::create_symlink(image, this->Folder.File("symbolic.dcm"));
+  this->Give({ image, this->Folder.File("result") });
+  EXPECT_NO_THROW(CheckOutputPlace(image, true)); // only itself
+  EXPECT_NO_THROW(CheckOutputPlace(table, true));
+  EXPECT_THROW(CheckOutputPlace(result, true), InputError);
+  EXPECT_NO_THROW(CheckOutputPlace(this->Folder.File("result/report.html"), true)); // is not there
+  for (const char* name : { "m.dcm", "linked.dcm", "symbolic.dcm" })
+  {
+    this->Give({ image, this->Folder.File(name) });
+    EXPECT_THROW(CheckOutputPlace(this->Folder.File(name), true), InputError) << name;
+  }
+  this->Give({ this->Folder.File("") });
+  EXPECT_THROW(CheckOutputPlace(image, true), InputError); // one of a series, perhaps
+  this->Give({ this->Folder.File("result"), table });
+  EXPECT_THROW(CheckNoInputWithin(this->Folder.File("result")), InputError);
+  this->Give({ this->Folder.File("result"), image, "not a file" });
+  EXPECT_NO_THROW(CheckNoInputWithin(this->Folder.File("result/")));
 }

@@ -8,6 +8,8 @@
 
 #include "vtkUnstructuredGrid.h"
 
+#include <sys/mount.h>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -217,6 +219,39 @@ TEST_F(ProjectCommand, RefusesInOneLine)
   this->ExpectRefused(this->Inputs + output, "unknown attenuation 'butter'");
   EXPECT_EQ(this->Run(this->Inputs + output + " --rows 0"), 2);
   EXPECT_FALSE(std::filesystem::exists(this->Image));
+}
+
+TEST_F(ProjectCommand, AFullDiskIsToldAndLeavesNothing)
+{
+  const auto run = [this](const std::string& arguments)
+  {
+    return std::system(
+      (testing_support::MammorayExecutable() + " " + arguments + " 2>" + this->Folder.File("err"))
+        .c_str());
+  };
+  EXPECT_EQ(WEXITSTATUS(run(this->Inputs + " -o x.mha --print-config >/dev/full")), 1);
+  EXPECT_EQ(ReadFile(this->Folder.File("err")),
+    "mammoray: standard output: cannot be written (No space left on device)\n");
+  const std::string disk = this->Folder.File("disk");
+  std::filesystem::create_directory(disk);
+  if (!HasDevice() || mount("tmpfs", disk.c_str(), "tmpfs", 0, "size=64k") != 0)
+  {
+    GTEST_SKIP() << "no Vulkan device, or mounting is not allowed";
+  }
+  const std::string options =
+    this->Inputs + " --kev 20 --columns 200 --rows 300 --photons 1000 --laterality L -o ";
+  for (const std::string name : { "x.vti", "x.mha", "x.nrrd", "x.png", "x.dcm" })
+  {
+    this->ExpectRefused(options + disk + "/" + name,
+      name + ": cannot be written (No space left on device)");
+  }
+  this->ExpectRefused(options + this->Image + " --path-lengths " + disk + "/x.mha",
+    "x.mha: cannot be written (No space left on device)");
+  EXPECT_TRUE(std::filesystem::is_empty(disk));
+  EXPECT_EQ(umount(disk.c_str()), 0);
+  // A closed stream is not taken for a file that is opened later.
+  EXPECT_EQ(run(options + this->Image + " --overwrite >&-"), 0);
+  EXPECT_THAT(ReadFile(this->Image), testing::StartsWith("ObjectType = Image"));
 }
 
 TEST_F(ProjectCommand, WrongUsageSaysWhatWasExpected)

@@ -7,9 +7,9 @@
 #include "ProjectionTables.h"
 #include "SceneFile.h"
 #include "SurfaceShapes.h"
-#include "mammoray/Evidence/ScratchFolder.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/IO/ExampleData.h"
+#include "mammoray/IO/ScratchFolder.h"
 
 #include <CLI/CLI.hpp>
 

@@ -14,11 +14,15 @@
 #include "vtkPointData.h"
 #include "vtkUnstructuredGrid.h"
 
+#include <sys/mount.h>
+#include <sys/resource.h>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
+#include <csignal>
 #include <filesystem>
 
 using namespace mammoray;
@@ -207,12 +211,72 @@ TEST_F(WrittenCase, ReplacesAnEarlierResultOnly)
   this->Folder.Write("result/thesis.txt", "mine");
   EXPECT_THAT(refusal(folder, false), HasSubstr("exists already"));
   EXPECT_THAT(refusal(folder, true), HasSubstr("expected an earlier result"));
-  EXPECT_THAT(refusal(this->Folder.File("absent/result"), true),
-    HasSubstr("expected a writable folder"));
+  EXPECT_THAT(refusal(this->Folder.File("absent/result"), true), HasSubstr("cannot be written"));
   EXPECT_EQ(testing_support::ReadFile(folder + "/thesis.txt"), "mine");
   fs::remove_all(folder);
   WriteRegistrationCase(this->Input, this->Result, folder + "/");
   this->Result.Anchor = { 7, 8, 9 };
   WriteRegistrationCase(this->Input, this->Result, folder, true);
   EXPECT_EQ(ReadResultFile(folder).Anchor, this->Result.Anchor);
+  // What is not of a result stays.
+  this->Folder.Write("result/notes.txt", "mine");
+  EXPECT_THAT(refusal(folder, true), HasSubstr("found notes.txt"));
+  fs::remove(folder + "/notes.txt");
+  fs::create_directories(folder + "/cc/result.json");
+  EXPECT_THAT(refusal(folder, true), HasSubstr("found cc/result.json"));
+  fs::remove_all(folder + "/cc");
+  fs::create_directory(folder + "/more");
+  EXPECT_THAT(refusal(folder, true), HasSubstr("found more"));
+  fs::remove(folder + "/more");
+  EXPECT_EQ(refusal(folder, true), "nothing was refused");
+  EXPECT_THAT(this->Written(), testing::Not(testing::Contains(HasSubstr("partial"))));
+}
+
+TEST_F(WrittenCase, AFullDiskLosesNothing)
+{
+  const std::string folder = this->Folder.File("result");
+  WriteRegistrationCase(this->Input, this->Result, folder);
+  const std::string before = testing_support::ReadFile(folder + "/report.html");
+  const std::vector<std::string> written = this->Written();
+  this->Result.Anchor = { 7, 8, 9 };
+  std::signal(SIGXFSZ, SIG_IGN);
+  rlimit unlimited{};
+  getrlimit(RLIMIT_FSIZE, &unlimited);
+  // Each file of a result is larger than one of these, smaller than another.
+  for (rlim_t most = 16; most < before.size(); most *= 2)
+  {
+    const rlimit limit{ most, unlimited.rlim_max };
+    setrlimit(RLIMIT_FSIZE, &limit);
+    EXPECT_THROW(WriteRegistrationCase(this->Input, this->Result, folder, true), InputError)
+      << most;
+    setrlimit(RLIMIT_FSIZE, &unlimited);
+    EXPECT_EQ(this->Written(), written);
+    EXPECT_EQ(testing_support::ReadFile(folder + "/report.html"), before);
+  }
+  std::signal(SIGXFSZ, SIG_DFL);
+}
+
+TEST_F(WrittenCase, AMountPointIsFilledOrRefused)
+{
+  const std::string folder = this->Folder.File("result");
+  fs::create_directory(folder);
+  // In a container the folder of an output is one.
+  if (mount("tmpfs", folder.c_str(), "tmpfs", 0, "size=4m") != 0)
+  {
+    GTEST_SKIP() << "mounting is not allowed";
+  }
+  try
+  {
+    WriteRegistrationCase(this->Input, this->Result, folder);
+    EXPECT_EQ(ReadResultFile(folder).Anchor, this->Result.Anchor);
+    EXPECT_FALSE(fs::exists(folder + "/.partial"));
+    CheckResultFolder(folder, true);
+    ADD_FAILURE() << "expected a refusal before the work";
+  }
+  catch (const InputError& error)
+  {
+    EXPECT_THAT(error.what(), HasSubstr("is a mount point"));
+  }
+  EXPECT_EQ(ReadResultFile(folder).Anchor, this->Result.Anchor);
+  EXPECT_EQ(umount(folder.c_str()), 0);
 }

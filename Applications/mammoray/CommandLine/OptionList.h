@@ -4,6 +4,7 @@
 #define mammoray_OptionList_h
 
 #include "Configuration.h"
+#include "OutputFiles.h"
 
 #include <CLI/CLI.hpp>
 
@@ -204,7 +205,12 @@ CLI::App* AddCommand(CLI::App& application, const std::string& name, const std::
   auto arguments = std::make_shared<Arguments>();
   declare(OptionList(*command), *arguments);
   AddConfigurationOptions(*command);
-  command->callback([arguments, run]() { run(*arguments); });
+  command->callback(
+    [command, arguments, run]()
+    {
+      NoteGiven(*command);
+      run(*arguments);
+    });
   return command;
 }
 

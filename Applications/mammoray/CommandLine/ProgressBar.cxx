@@ -17,14 +17,14 @@ namespace
 {
 volatile std::sig_atomic_t interruptCount = 0;
 
-void OnInterrupt(int)
+void OnInterrupt(int signal)
 {
   interruptCount = interruptCount + 1;
   if (interruptCount > 1)
   {
     // The second Ctrl-C does what the user is used to.
-    std::signal(SIGINT, SIG_DFL);
-    std::raise(SIGINT);
+    std::signal(signal, SIG_DFL);
+    std::raise(signal);
   }
 }
 
@@ -141,7 +141,13 @@ bool InterruptRequested()
 {
   static const bool installed = []
   {
-    std::signal(SIGINT, OnInterrupt);
+    for (const int signal : { SIGINT, SIGTERM, SIGHUP })
+    {
+      if (std::signal(signal, OnInterrupt) == SIG_IGN)
+      {
+        std::signal(signal, SIG_IGN); // as nohup wants it
+      }
+    }
     return true;
   }();
   return installed && interruptCount > 0;

@@ -10,12 +10,13 @@ namespace mammoray
 /**
  * A callback that tells on stderr, in indented lines, each part (PartOf) of the work that took a
  * second or more, with its time; within a part it draws a bar with the time that is left where
- * stderr is a terminal, else it tells a line every ten seconds. It asks to stop once Ctrl-C was
- * pressed.
+ * stderr is a terminal, else it tells a line every ten seconds. It asks to stop as
+ * InterruptRequested says.
  */
 ProgressCallback MakeProgressBar();
 
-/// True once Ctrl-C was pressed; installs the handler at the first call.
+/// True once the program was asked to stop, by Ctrl-C, SIGTERM or the end of its terminal; installs
+/// the handlers at the first call. The second time ends it at once.
 bool InterruptRequested();
 }
 

@@ -3,14 +3,13 @@
 
 #include "Private/ImitatedMri.h"
 #include "Private/TruthFile.h"
-#include "mammoray/Foundation/Error.h"
 #include "mammoray/IO/DicomWriter.h"
+#include "mammoray/IO/WholeOutput.h"
 
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
 
 namespace mammoray
 {
@@ -399,40 +398,24 @@ void WriteStudyFiles(const StudyPatient& patient, const std::vector<Mammogram>& 
   const VirtualStudyOptions& options, Draws& draws, const std::string& folder,
   VirtualStudyTruth& truth, const ProgressCallback& progress)
 {
-  std::error_code problem;
-  const fs::path temporary = folder + ".part";
-  fs::remove_all(temporary, problem);
-  if (!fs::create_directories(temporary / "export", problem) || problem)
-  {
-    throw InputError(folder + ": cannot be made (" + problem.message() + ")");
-  }
-  try
-  {
-    Export files(temporary / "export");
-    const ScannedPatient scanned = LieDown(patient, options, draws, progress);
-    MriWriter mri(scanned, options, truth, files, draws);
-    mri.Write(progress);
-    WriteViews(mammograms, mri.Identity(), files, truth);
-    // What lies beside the images of every export.
-    std::ofstream(temporary / "export" / "README.TXT") << "Patient CD\n";
-    std::ofstream(temporary / "export" / "report.pdf") << "%PDF-1.4\n";
-    for (VirtualView& view : truth.Views)
+  WriteWholeFolder(folder,
+    [&](const std::string& written)
     {
-      view.File = fs::path(view.File).lexically_relative(temporary).string();
-    }
-    WriteTruth(truth, (temporary / "truth.json").string());
-    fs::remove_all(folder, problem);
-    fs::rename(temporary, folder);
-  }
-  catch (const fs::filesystem_error& error)
-  {
-    fs::remove_all(temporary, problem);
-    throw InputError(folder + ": cannot be written (" + error.code().message() + ")");
-  }
-  catch (...)
-  {
-    fs::remove_all(temporary, problem);
-    throw;
-  }
+      const fs::path temporary(written);
+      fs::create_directory(temporary / "export");
+      Export files(temporary / "export");
+      const ScannedPatient scanned = LieDown(patient, options, draws, progress);
+      MriWriter mri(scanned, options, truth, files, draws);
+      mri.Write(progress);
+      WriteViews(mammograms, mri.Identity(), files, truth);
+      // What lies beside the images of every export.
+      WriteWholeFile((temporary / "export" / "README.TXT").string(), "Patient CD\n");
+      WriteWholeFile((temporary / "export" / "report.pdf").string(), "%PDF-1.4\n");
+      for (VirtualView& view : truth.Views)
+      {
+        view.File = fs::path(view.File).lexically_relative(temporary).string();
+      }
+      WriteTruth(truth, (temporary / "truth.json").string());
+    });
 }
 }

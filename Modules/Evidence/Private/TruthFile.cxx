@@ -3,6 +3,7 @@
 
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/Foundation/PoseParameters.h"
+#include "mammoray/IO/WholeOutput.h"
 
 #include <nlohmann/json.hpp>
 
@@ -81,12 +82,7 @@ void WriteTruth(const VirtualStudyTruth& truth, const std::string& path)
   {
     json["views"].push_back(ViewJson(view));
   }
-  std::ofstream file(path);
-  file << json.dump(1) << '\n';
-  if (!file.flush())
-  {
-    throw InputError(path + ": cannot be written");
-  }
+  WriteWholeFile(path, json.dump(1) + '\n');
 }
 
 VirtualStudyTruth ReadVirtualStudyTruth(const std::string& path)

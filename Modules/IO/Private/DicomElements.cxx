@@ -3,6 +3,7 @@
 
 #include "Private/QuietGdcm.h"
 #include "mammoray/Foundation/Error.h"
+#include "mammoray/IO/WholeOutput.h"
 
 #include <gdcmSequenceOfItems.h>
 #include <gdcmUIDGenerator.h>
@@ -11,7 +12,7 @@
 #include <cstdio>
 #include <cstring>
 #include <ctime>
-#include <fstream>
+#include <sstream>
 
 namespace mammoray
 {
@@ -161,12 +162,13 @@ void WriteDicom(const gdcm::DataSet& data, const std::string& path)
   writer.GetFile().SetDataSet(data);
   writer.GetFile().GetHeader().SetDataSetTransferSyntax(
     gdcm::TransferSyntax::ExplicitVRLittleEndian);
-  // Given the path, GDCM asserts where it cannot be opened.
-  std::ofstream file(path, std::ios::binary);
+  // To a file, GDCM asserts where it cannot be opened or is full.
+  std::ostringstream file;
   writer.SetStream(file);
-  if (!file || !writer.Write() || !file.flush())
+  if (!writer.Write())
   {
     throw InputError(path + ": cannot be written");
   }
+  WriteWholeFile(path, file.str());
 }
 }

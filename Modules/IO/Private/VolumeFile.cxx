@@ -4,6 +4,7 @@
 #include "Private/QuietGdcm.h"
 #include "Private/QuietStandardError.h"
 #include "Private/StoredVoxels.h"
+#include "mammoray/IO/WholeOutput.h"
 
 #include <itkGDCMImageIO.h>
 #include <itkMetaDataObject.h>
@@ -303,7 +304,6 @@ void Write(const std::string& path, const VolumeGrid& grid, itk::ImageIOBase::IO
   {
     writer = itk::NiftiImageIO::New().GetPointer();
   }
-  writer->SetFileName(path);
   writer->SetUseCompression(compressed);
   writer->SetPixelType(
     channels == 1 ? itk::CommonEnums::IOPixel::SCALAR : itk::CommonEnums::IOPixel::VECTOR);
@@ -327,11 +327,16 @@ void Write(const std::string& path, const VolumeGrid& grid, itk::ImageIOBase::IO
       std::vector<double>(grid.Direction[a].begin(), grid.Direction[a].end()));
   }
   writer->SetIORegion(region);
-  std::string reason;
-  if (!CallItk([&] { writer->Write(voxels); }, reason) || !fs::is_regular_file(path))
-  {
-    throw InputError(path + ": cannot be written" + (reason.empty() ? "" : " (" + reason + ")"));
-  }
+  WriteWholeFile(path,
+    [&](const std::string& staged)
+    {
+      writer->SetFileName(staged);
+      std::string reason;
+      if (!CallItk([&] { writer->Write(voxels); }, reason))
+      {
+        throw InputError(path + ": cannot be written (" + reason + ")");
+      }
+    });
 }
 
 void CheckFile(const std::string& path, const std::string& what)

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Private/Picture.h"
 
-#include "mammoray/Foundation/Error.h"
+#include "mammoray/IO/WholeOutput.h"
 
 #include "vtkFreeTypeTools.h"
 #include "vtkImageShrink3D.h"
@@ -12,7 +12,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 
 namespace mammoray
 {
@@ -218,13 +217,6 @@ std::string Picture::Png()
 
 void Picture::Write(const std::string& path)
 {
-  vtkNew<vtkPNGWriter> writer;
-  writer->SetInputData(this->Image);
-  writer->SetFileName(path.c_str());
-  writer->Write();
-  if (writer->GetErrorCode() != 0 || !std::filesystem::exists(path))
-  {
-    throw InputError(path + ": cannot be written");
-  }
+  WriteWholeFile(path, this->Png());
 }
 }

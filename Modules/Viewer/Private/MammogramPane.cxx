@@ -2,6 +2,7 @@
 #include "Private/MammogramPane.h"
 
 #include "mammoray/Foundation/Error.h"
+#include "mammoray/IO/ProjectionImage.h"
 #include "mammoray/Registration/RegistrationTarget.h"
 
 #include "vtkActor.h"
@@ -9,7 +10,6 @@
 #include "vtkCellArray.h"
 #include "vtkFloatArray.h"
 #include "vtkImageFlip.h"
-#include "vtkPNGWriter.h"
 #include "vtkPointData.h"
 #include "vtkPoints.h"
 #include "vtkPolyData.h"
@@ -261,13 +261,7 @@ void MammogramPane::Write(const std::string& path) const
   vtkNew<vtkImageFlip> flip;
   flip->SetInputData(this->Image);
   flip->SetFilteredAxis(1);
-  vtkNew<vtkPNGWriter> writer;
-  writer->SetInputConnection(flip->GetOutputPort());
-  writer->SetFileName(path.c_str());
-  writer->Write();
-  if (writer->GetErrorCode() != 0)
-  {
-    throw InputError(path + ": cannot be written");
-  }
+  flip->Update();
+  WritePicture(flip->GetOutput(), path);
 }
 }

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Private/WindowPicture.h"
 
-#include "mammoray/Foundation/Error.h"
+#include "mammoray/IO/ProjectionImage.h"
 
 #include "vtkNew.h"
-#include "vtkPNGWriter.h"
 #include "vtkRenderWindow.h"
 #include "vtkWindowToImageFilter.h"
 
@@ -18,14 +17,8 @@ void WriteWindowPicture(vtkRenderWindow* window, const std::string& path)
   capture->SetInput(window);
   capture->ReadFrontBufferOff();
   capture->ShouldRerenderOff();
-  vtkNew<vtkPNGWriter> writer;
-  writer->SetInputConnection(capture->GetOutputPort());
-  writer->SetFileName(path.c_str());
-  writer->Write();
-  if (writer->GetErrorCode() != 0)
-  {
-    throw InputError(path + ": cannot be written");
-  }
+  capture->Update();
+  WritePicture(capture->GetOutput(), path);
 }
 
 std::string FreePictureName(const std::string& folder, const std::string& name)

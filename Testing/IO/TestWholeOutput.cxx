@@ -1,0 +1,263 @@
+// SPDX-License-Identifier: Apache-2.0
+// Full disks are imitated by a limit of file sizes: the kernel cuts at it as it does at a disk's
+// end.
+#include "Files.h"
+#include "Refusals.h"
+#include "mammoray/Foundation/Error.h"
+#include "mammoray/IO/WholeOutput.h"
+
+#include <sys/file.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <filesystem>
+#include <fstream>
+#include <set>
+
+using namespace mammoray;
+using testing::ElementsAre;
+using testing_support::ReadFile;
+namespace fs = std::filesystem;
+
+namespace
+{
+class WholeOutput : public testing::Test
+{
+protected:
+  /// Everything in the test's folder, sorted.
+  std::set<std::string> Entries() const
+  {
+    std::set<std::string> names;
+    for (const auto& entry : fs::recursive_directory_iterator(this->Folder.File("")))
+    {
+      names.insert(entry.path().lexically_relative(this->Folder.File("")).string());
+    }
+    return names;
+  }
+
+  /// Runs it in a process of its own, which ends without cleaning up, as by kill -9.
+  template <typename Work>
+  static int InAnotherProcess(const Work& work)
+  {
+    const pid_t child = fork();
+    if (child == 0)
+    {
+      int status = 0;
+      try
+      {
+        work();
+      }
+      catch (const InputError&)
+      {
+        status = 1;
+      }
+      _exit(status);
+    }
+    int status = -1;
+    waitpid(child, &status, 0);
+    return WEXITSTATUS(status);
+  }
+
+  testing_support::TemporaryFolder Folder;
+};
+
+/// No file of this process gets larger meanwhile.
+class FileSizeLimit
+{
+public:
+  explicit FileSizeLimit(rlim_t bytes)
+  {
+    std::signal(SIGXFSZ, SIG_IGN);
+    getrlimit(RLIMIT_FSIZE, &this->Before);
+    const rlimit limit{ bytes, this->Before.rlim_max };
+    setrlimit(RLIMIT_FSIZE, &limit);
+  }
+  FileSizeLimit(const FileSizeLimit&) = delete;
+  FileSizeLimit& operator=(const FileSizeLimit&) = delete;
+  ~FileSizeLimit()
+  {
+    setrlimit(RLIMIT_FSIZE, &this->Before);
+    std::signal(SIGXFSZ, SIG_DFL);
+  }
+
+private:
+  rlimit Before{};
+};
+}
+
+TEST_F(WholeOutput, ReplacesAFileByAWholeOne)
+{
+  const std::string path = this->Folder.Write("a.nii.gz", "an earlier, longer text");
+  WriteWholeFile(path, "new\n");
+  EXPECT_EQ(ReadFile(path), "new\n");
+  WriteWholeFile(path,
+    [&](const std::string& staged)
+    {
+      // Libraries go by it.
+      EXPECT_EQ(fs::path(staged).filename(), "a.nii.gz");
+      EXPECT_NE(staged, path);
+      std::ofstream(staged) << "of a library";
+      EXPECT_EQ(ReadFile(path), "new\n");
+    });
+  EXPECT_EQ(ReadFile(path), "of a library");
+  EXPECT_THAT(this->Entries(), ElementsAre("a.nii.gz"));
+}
+
+TEST_F(WholeOutput, LeavesNothingWhereItCannotWrite)
+{
+  EXPECT_THROW(WriteWholeFile(this->Folder.File("absent/a.txt"), "new\n"), InputError);
+  EXPECT_THROW(WriteWholeFile(this->Folder.File("a.txt"),
+                 [](const std::string& staged)
+                 {
+                   std::ofstream(staged) << "half";
+                   throw InputError("stopped");
+                 }),
+    InputError);
+  EXPECT_THROW(WriteWholeFile(this->Folder.File("a.txt"), [](const std::string&) {}), InputError);
+  EXPECT_THROW(WriteWholeFolder(this->Folder.File("a"),
+                 [](const std::string& folder)
+                 {
+                   WriteWholeFile(folder + "/b", "half");
+                   throw InputError("stopped");
+                 }),
+    InputError);
+  EXPECT_THAT(this->Entries(), ElementsAre());
+  // A folder of that name cannot be replaced by a file, nor a device.
+  fs::create_directories(this->Folder.File("taken/within"));
+  EXPECT_THROW(WriteWholeFile(this->Folder.File("taken"), "new\n"), InputError);
+  EXPECT_THROW(WriteWholeFile("/dev/null", "new\n"), InputError);
+  EXPECT_TRUE(fs::is_character_file("/dev/null"));
+  EXPECT_THAT(this->Entries(), ElementsAre("taken", "taken/within"));
+}
+
+TEST_F(WholeOutput, SeesAFullDisk)
+{
+  const std::string path = this->Folder.Write("a.txt", "old");
+  const std::string large(5000, 'x');
+  const auto fromLibrary = [&](const std::string& staged)
+  { std::ofstream(staged) << large; }; // whose errors nobody asks for
+  {
+    const FileSizeLimit limit(4096);
+    EXPECT_THAT(testing_support::RefusalOf([&] { WriteWholeFile(path, large); }),
+      testing::HasSubstr("too large"));
+    EXPECT_THAT(testing_support::RefusalOf([&] { WriteWholeFile(path, fromLibrary); }),
+      testing::HasSubstr("too large"));
+    EXPECT_THAT(testing_support::RefusalOf(
+                  [&]
+                  {
+                    WriteWholeFolder(this->Folder.File("b"),
+                      [&](const std::string& folder) { WriteWholeFile(folder + "/a.txt", large); });
+                  }),
+      testing::HasSubstr("too large"));
+  }
+  EXPECT_THAT(this->Entries(), ElementsAre("a.txt"));
+  EXPECT_EQ(ReadFile(path), "old");
+  WriteWholeFile(path, fromLibrary);
+  EXPECT_EQ(ReadFile(path), large);
+}
+
+TEST_F(WholeOutput, FollowsALink)
+{
+  this->Folder.Write("a.txt", "old");
+  fs::create_symlink("a.txt", this->Folder.File("link.txt"));
+  fs::create_symlink("b.txt", this->Folder.File("free.txt"));
+  WriteWholeFile(this->Folder.File("link.txt"), "new");
+  WriteWholeFile(this->Folder.File("free.txt"), "first");
+  EXPECT_EQ(ReadFile(this->Folder.File("a.txt")), "new");
+  EXPECT_EQ(ReadFile(this->Folder.File("b.txt")), "first");
+  EXPECT_TRUE(fs::is_symlink(this->Folder.File("link.txt")));
+  fs::create_directory(this->Folder.File("there"));
+  fs::create_directory_symlink("there", this->Folder.File("folder"));
+  WriteWholeFolder(this->Folder.File("folder/"),
+    [](const std::string& folder) { WriteWholeFile(folder + "/c", "c"); });
+  EXPECT_EQ(ReadFile(this->Folder.File("there/c")), "c");
+  EXPECT_TRUE(fs::is_symlink(this->Folder.File("folder")));
+}
+
+TEST_F(WholeOutput, ExchangesAFolder)
+{
+  const std::string path = this->Folder.File("result");
+  fs::create_directory(path);
+  this->Folder.Write("result/old", "old");
+  WriteWholeFolder(path,
+    [&](const std::string& folder)
+    {
+      WriteWholeFile(folder + "/new", "new");
+      EXPECT_EQ(ReadFile(path + "/old"), "old");
+    });
+  EXPECT_THAT(this->Entries(), ElementsAre("result", "result/new"));
+}
+
+TEST_F(WholeOutput, ADeadRunsLeftoversAreSwept)
+{
+  for (const char* name : { "a", "b" })
+  {
+    InAnotherProcess([&] { ClaimFile(this->Folder.File(name)); });
+  }
+  InAnotherProcess(
+    [&]
+    {
+      WriteWholeFolder(this->Folder.File("c"),
+        [](const std::string& folder)
+        {
+          WriteWholeFile(folder + "/old", "old");
+          _exit(0);
+        });
+    });
+  EXPECT_THAT(this->Entries(), ElementsAre("a.partial", "b.partial", "c.partial", "c.partial/old"));
+  WriteWholeFile(this->Folder.File("a"), "a");
+  EXPECT_TRUE(ClaimFile(this->Folder.File("b")));
+  WriteWholeFile(this->Folder.File("b"), "b");
+  WriteWholeFolder(this->Folder.File("c"),
+    [](const std::string& folder) { WriteWholeFile(folder + "/new", "new"); });
+  EXPECT_THAT(this->Entries(), ElementsAre("a", "b", "c", "c/new"));
+  // Killed between the two renames of a file system that cannot exchange.
+  fs::rename(this->Folder.File("c"), this->Folder.File("c.partial-replaced"));
+  WriteWholeFolder(this->Folder.File("c"),
+    [&](const std::string& folder)
+    {
+      EXPECT_EQ(ReadFile(this->Folder.File("c/new")), "new");
+      WriteWholeFile(folder + "/newer", "newer");
+    });
+  EXPECT_THAT(this->Entries(), ElementsAre("a", "b", "c", "c/newer"));
+}
+
+TEST_F(WholeOutput, HasOneWriter)
+{
+  const std::string file = this->Folder.File("a");
+  const std::string folder = this->Folder.File("b");
+  EXPECT_TRUE(ClaimFile(file));
+  EXPECT_FALSE(ClaimFile(this->Folder.File("./a"))); // this process has it already
+  EXPECT_TRUE(ClaimFolder(folder));
+  EXPECT_EQ(InAnotherProcess([&] { WriteWholeFile(this->Folder.File("c"), "other"); }), 0);
+  // The other of this process is of the same open file, as a child's is: it must be another's.
+  for (const std::string& path : { file, folder })
+  {
+    const int opened = open((path + ".partial").c_str(), O_RDONLY);
+    EXPECT_NE(flock(opened, LOCK_EX | LOCK_NB), 0);
+    close(opened);
+  }
+  WriteWholeFile(file, "ours");
+  WriteWholeFolder(folder, [](const std::string& written) { WriteWholeFile(written + "/d", "d"); });
+  EXPECT_TRUE(ClaimFile(file));
+  WriteWholeFile(file, "ours again");
+  EXPECT_EQ(ReadFile(file), "ours again");
+
+  // Another holds it.
+  const int opened = open((this->Folder.File("e.partial")).c_str(), O_RDWR | O_CREAT, 0600);
+  ASSERT_EQ(flock(opened, LOCK_EX), 0);
+  EXPECT_THAT(testing_support::RefusalOf([&] { ClaimFile(this->Folder.File("e")); }),
+    testing::HasSubstr("another run is writing it"));
+  EXPECT_TRUE(fs::exists(this->Folder.File("e.partial")));
+  close(opened);
+  EXPECT_TRUE(ClaimFile(this->Folder.File("e")));
+  WriteWholeFile(this->Folder.File("e"), "e");
+  EXPECT_THAT(this->Entries(), ElementsAre("a", "b", "b/d", "c", "e"));
+}
