@@ -6,6 +6,7 @@
 #include "mammoray/Case/RegistrationCase.h"
 #include "mammoray/Case/RegistrationCaseWriter.h"
 #include "mammoray/Case/StudyCase.h"
+#include "mammoray/Foundation/Error.h"
 #include "mammoray/Foundation/PoseParameters.h"
 
 #include <cmath>
@@ -119,7 +120,8 @@ void DeclareSearch(const OptionList& add, RegistrationCase& input)
     "parameters that are found; the others keep their start: " + PoseParameterNames() +
       " (one for all mammograms); default: " + free + "and stiffness with more than one mammogram");
   search.Input("--resume", input.Resume,
-    "go on from the pose in this earlier result folder of the same inputs");
+    "go on from the pose in this earlier result folder of the same inputs, or from the last step "
+    "of a run for that folder that was cut off");
   search("--iterations", input.Options.MaximumIterations, Positive(),
     "most iterations at each pixel size");
   search("--outline-sigma", input.Options.OutlineSigmaMm, Positive("mm"),
@@ -238,6 +240,24 @@ void PrintTissue(const StudyTissue& tissue)
   }
 }
 
+/// Where it cannot be written, what was found is in the checkpoint.
+void WriteResult(const RegisterArguments& arguments, const RegistrationCaseResult& result)
+{
+  try
+  {
+    WriteRegistrationCase(arguments.Case, result, arguments.Output, arguments.Overwrite);
+  }
+  catch (const InputError& error)
+  {
+    if (!std::filesystem::exists(arguments.Case.Checkpoint))
+    {
+      throw;
+    }
+    throw InputError(std::string(error.what()) + "; the search is kept: --resume " +
+      arguments.Output + " goes on from " + arguments.Case.Checkpoint);
+  }
+}
+
 void Run(RegisterArguments& arguments)
 {
   RegistrationCase& input = arguments.Case;
@@ -264,8 +284,9 @@ void Run(RegisterArguments& arguments)
   CheckInputs(input);
   input.Device = arguments.Projector.Device;
   input.Projector = MethodName(arguments.Projector.Projection);
+  input.Checkpoint = CheckpointPath(arguments.Output);
   const RegistrationCaseResult result = RunRegistrationCase(input, MakeProgressBar());
-  WriteRegistrationCase(input, result, arguments.Output, arguments.Overwrite);
+  WriteResult(arguments, result);
 
   if (result.Tissue)
   {

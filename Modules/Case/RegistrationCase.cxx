@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mammoray/Case/RegistrationCase.h"
 
+#include "Private/Checkpoint.h"
 #include "mammoray/Biomechanics/ElasticTable.h"
-#include "mammoray/Case/ResultFile.h"
 #include "mammoray/Case/StudyCase.h"
 #include "mammoray/IO/MammogramIO.h"
 #include "mammoray/IO/MammogramPictureIO.h"
@@ -196,30 +196,40 @@ std::vector<std::string> FreeNames(const RegistrationCase& input, const Material
   return names;
 }
 
-/// The parameters' values in an earlier result. Throws InputError that names the file when it is
-/// one of other inputs.
-std::vector<double> ResumeFrom(const RegistrationCase& input, const ResultFile& result,
-  const std::string& mammogram, const std::vector<RegistrationParameter>& parameters)
+/// Begins where an earlier search was, with its starts and bounds, which it may have had to open.
+/// Throws InputError that names the file when it is one of other inputs.
+void ResumeFrom(const RegistrationCase& input, const SearchPoint& earlier,
+  const std::string& mammogram, JointMammogram& searched)
 {
   for (const CaseInput& given : CaseInputs(input, mammogram))
   {
-    for (const ResultInput& entry : result.Inputs)
+    for (const ResultInput& entry : earlier.Inputs)
     {
       if (entry.Role == given.Role && entry.Sha256 != given.Sha256())
       {
-        throw InputError(result.Folder + "/" + ResultFileName + ": expected a result of " +
-          given.Name + ", found one of another file");
+        throw InputError(
+          input.Resume + ": expected a result of " + given.Name + ", found one of another file");
       }
     }
   }
-  std::vector<double> values;
-  for (const RegistrationParameter& parameter : parameters)
+  for (RegistrationParameter& parameter : searched.Parameters)
   {
-    const auto known = std::find_if(result.Parameters.begin(), result.Parameters.end(),
+    const auto known = std::find_if(earlier.Parameters.begin(), earlier.Parameters.end(),
       [&](const ResultParameter& entry) { return entry.Name == parameter.Name; });
-    values.push_back(known == result.Parameters.end() ? parameter.Start : known->Value);
+    if (known == earlier.Parameters.end())
+    {
+      searched.From.push_back(parameter.Start);
+      continue;
+    }
+    searched.From.push_back(known->Value);
+    if (!parameter.Fixed && known->Lower <= known->Start && known->Start <= known->Upper)
+    {
+      parameter.Start = known->Start;
+      parameter.Lower = known->Lower;
+      parameter.Upper = known->Upper;
+      searched.From.back() = std::clamp(known->Value, known->Lower, known->Upper);
+    }
   }
-  return values;
 }
 
 Mammogram ReadCaseMammogram(const RegistrationCase& input, std::size_t number)
@@ -265,10 +275,10 @@ std::vector<JointMammogram> ReadMammograms(const RegistrationCase& input,
   CheckCount(input.Masks, input, "mask");
   CheckCount(input.MammogramViews, input, "view");
   const std::vector<std::string> free = FreeNames(input, result.Materials);
-  std::vector<ResultFile> resumed;
+  std::vector<SearchPoint> resumed;
   if (!input.Resume.empty())
   {
-    resumed = ReadResultFiles(input.Resume);
+    resumed = ReadSearchPoints(input.Resume);
   }
   if (!input.Resume.empty() && resumed.size() != input.Mammograms.size())
   {
@@ -304,7 +314,7 @@ std::vector<JointMammogram> ReadMammograms(const RegistrationCase& input,
     FreeParameters(free, searched.Parameters);
     if (!input.Resume.empty())
     {
-      searched.From = ResumeFrom(input, resumed[number], path, searched.Parameters);
+      ResumeFrom(input, resumed[number], path, searched);
     }
   }
   if (mammograms.empty())
@@ -312,6 +322,35 @@ std::vector<JointMammogram> ReadMammograms(const RegistrationCase& input,
     throw InputError("registration: expected a mammogram, found none");
   }
   return mammograms;
+}
+
+/// Keeps each step of the search in the case's checkpoint; where that fails, a sentence says so.
+SearchObserver KeepSteps(const RegistrationCase& input, std::string& failure)
+{
+  if (input.Checkpoint.empty())
+  {
+    return {};
+  }
+  std::vector<SearchPoint> points;
+  for (const std::string& mammogram : input.Mammograms)
+  {
+    points.push_back({ HashedInputs(input, mammogram), {} });
+  }
+  return [&input, &failure, points](const std::vector<const RegistrationResult*>& found) mutable
+  {
+    for (std::size_t number = 0; number < points.size(); ++number)
+    {
+      points[number].Parameters = ParametersOf(*found[number]);
+    }
+    try
+    {
+      WriteCheckpoint(points, input.Checkpoint);
+    }
+    catch (const InputError& error) // what is found is not lost for that
+    {
+      failure = std::string("Steps of the search could not be kept: ") + error.what() + ".";
+    }
+  };
 }
 
 /// Registers the mammograms together, each with its own unit.
@@ -326,7 +365,13 @@ void Search(const RegistrationCase& input, BreastModel& model,
     mammogram.Placement = { result.Axes, result.Anchor, result.Views[number].Unit };
     mammogram.Target = &result.Views[number].Target;
   }
-  JointRegistrationResult found = RegisterTogether(mammograms, input.Options, progress);
+  std::string failure;
+  JointRegistrationResult found =
+    RegisterTogether(mammograms, input.Options, progress, KeepSteps(input, failure));
+  if (!failure.empty())
+  {
+    result.Views.front().Warnings.push_back(failure);
+  }
   result.Unknowns = std::move(found.Unknowns);
   result.Covariance = std::move(found.Covariance);
   for (std::size_t number = 0; number < mammograms.size(); ++number)
@@ -491,13 +536,17 @@ RegistrationCaseResult RunRegistrationCase(const RegistrationCase& input,
   stopwatch.Stage("prepare");
   Search(input, model, mammograms, result, PartOf(progress, 0.25, 0.95, "register"));
   stopwatch.Stage("register");
-  ReportProgress(progress, 0.95, "synthetic mammogram");
+  const auto tell = [&progress](
+                      double fraction) { // what was found is written, though it was asked to stop
+    return !progress || progress(fraction, "synthetic mammogram");
+  };
+  tell(0.95);
   for (RegisteredView& view : result.Views)
   {
     Picture(model, { result.Axes, result.Anchor, view.Unit }, view);
   }
   stopwatch.Stage("synthetic mammogram");
-  ReportProgress(progress, 1, "synthetic mammogram");
+  tell(1);
   return result;
 }
 }

@@ -83,9 +83,12 @@ struct RegistrationCase
   std::vector<std::string> Free;
   /// Standard deviation of the roll about what the header says, degrees; 0: nothing is assumed.
   double RollSigmaDeg = 0;
-  /// Folder of an earlier result of the same volume, materials and mammogram, whose pose the search
-  /// goes on from; empty: none.
+  /// Folder of an earlier result of the same volume, materials and mammogram, or of one that was
+  /// cut off and has a checkpoint, whose pose the search goes on from, in its bounds; or a
+  /// checkpoint itself. Empty: none.
   std::string Resume;
+  /// File that always holds the last accepted step of the search (see CheckpointPath); empty: none.
+  std::string Checkpoint;
   /// The search itself; its Parameters are filled from the above.
   RegistrationOptions Options;
 };
@@ -155,7 +158,7 @@ MAMMORAYCASE_EXPORT std::vector<CaseInput> CaseInputs(const RegistrationCase& in
 /**
  * Reads, meshes, compresses, projects and registers. Throws InputError on unusable input,
  * DeviceError without a device, ConvergenceError where not even the start has an equilibrium,
- * Interrupted when stopped before the search began.
+ * Interrupted when stopped before the search began; later it gives the best pose so far.
  */
 MAMMORAYCASE_EXPORT RegistrationCaseResult RunRegistrationCase(const RegistrationCase& input,
   const ProgressCallback& progress = {});

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mammoray/Case/RegistrationCaseWriter.h"
 
+#include "Private/Checkpoint.h"
 #include "mammoray/Case/BreastInUnit.h"
 #include "mammoray/Case/ResultFile.h"
 #include "mammoray/Case/StudyCase.h"
@@ -79,20 +80,6 @@ void WriteSynthetic(const RegisteredView& registered, const std::string& path)
     });
 }
 
-std::vector<ResultParameter> ParametersOf(const RegistrationResult& found)
-{
-  std::vector<ResultParameter> parameters;
-  for (std::size_t index = 0; index < found.Parameters.size(); ++index)
-  {
-    const RegistrationParameter& parameter = found.Parameters[index];
-    const double value = found.Values[index];
-    parameters.push_back(
-      { parameter.Name, parameter.Unit, value, found.StandardDeviations[index], parameter.Start,
-        parameter.Lower, parameter.Upper, parameter.Fixed, AtBound(parameter, value) });
-  }
-  return parameters;
-}
-
 /// Share of the breast's picture that is not compared, [0, 1].
 double ShareExcluded(const RegistrationTarget& target)
 {
@@ -104,16 +91,6 @@ double ShareExcluded(const RegistrationTarget& target)
     excluded += target.BreastMask[pixel] != 0 && IsExcluded(target, pixel) ? 1 : 0;
   }
   return static_cast<double>(excluded) / static_cast<double>(std::max<std::size_t>(breast, 1));
-}
-
-std::vector<ResultInput> HashedInputs(const RegistrationCase& input, const std::string& mammogram)
-{
-  std::vector<ResultInput> inputs;
-  for (const CaseInput& given : CaseInputs(input, mammogram))
-  {
-    inputs.push_back({ given.Role, given.Name, given.Sha256() });
-  }
-  return inputs;
 }
 
 ResultFile ResultOf(const RegistrationCase& input, const RegistrationCaseResult& result,
@@ -354,6 +331,12 @@ bool IsFileOfResult(const std::string& name)
     ResultFolderFiles.end();
 }
 
+std::string CheckpointPath(const std::string& folder)
+{
+  const fs::path named(folder);
+  return (named.has_filename() ? named : named.parent_path()).string() + ".checkpoint.json";
+}
+
 void CheckResultFolder(const std::string& path, bool overwrite)
 {
   const fs::path folder(path);
@@ -389,5 +372,9 @@ void WriteRegistrationCase(const RegistrationCase& input, const RegistrationCase
 {
   CheckResultFolder(path, overwrite);
   WriteWholeFolder(path, [&](const std::string& folder) { WriteInto(folder, input, result); });
+  if (!input.Checkpoint.empty())
+  {
+    fs::remove(input.Checkpoint);
+  }
 }
 }

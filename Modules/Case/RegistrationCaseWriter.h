@@ -26,6 +26,9 @@ MAMMORAYCASE_EXPORT std::vector<std::string> MammogramFolders(const Registration
 /// Whether a result's folder, or one of its mammograms', has a file of this name.
 MAMMORAYCASE_EXPORT bool IsFileOfResult(const std::string& name);
 
+/// Where the search for a result of this folder keeps its last step, until the result is written.
+MAMMORAYCASE_EXPORT std::string CheckpointPath(const std::string& folder);
+
 /// Claims the folder (ClaimFolder). Throws InputError unless a result can be written there: into a
 /// folder that exists, under a name that is free or, with `overwrite`, that of an earlier result
 /// and nothing else.
@@ -38,7 +41,8 @@ MAMMORAYCASE_EXPORT void CheckResultFolder(const std::string& folder, bool overw
  * WriteRegistrationReport writes. For several: a folder with that for each of them
  * (MammogramFolders), their joint result file, and what WriteJointReport writes. Of a study besides
  * labels.nrrd and mri.nrrd (StudyTissue), and a section of the report. Throws InputError
- * as CheckResultFolder, and when a file cannot be written or an input no longer be read.
+ * as CheckResultFolder, and when a file cannot be written or an input no longer be read. Once all
+ * is written the case's checkpoint is removed.
  */
 MAMMORAYCASE_EXPORT void WriteRegistrationCase(const RegistrationCase& input,
   const RegistrationCaseResult& result, const std::string& folder, bool overwrite = false);

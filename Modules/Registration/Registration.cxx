@@ -23,10 +23,11 @@ class Search
 {
 public:
   Search(const std::vector<JointMammogram>& mammograms, const RegistrationOptions& options,
-    const ProgressCallback& progress)
+    const ProgressCallback& progress, const SearchObserver& observer)
     : Options(options)
     , Progress(progress)
   {
+    this->Joint.Observer = observer;
     for (const JointMammogram& mammogram : mammograms)
     {
       this->Joint.Mammograms.push_back(StartOf(mammogram));
@@ -236,10 +237,11 @@ bool IsShared(int parameter)
 }
 
 JointRegistrationResult RegisterTogether(const std::vector<JointMammogram>& mammograms,
-  const RegistrationOptions& options, const ProgressCallback& progress)
+  const RegistrationOptions& options, const ProgressCallback& progress,
+  const SearchObserver& observer)
 {
   ValidateMammograms(mammograms, options);
-  Search search(mammograms, options, progress);
+  Search search(mammograms, options, progress, observer);
   search.Run();
   return search.Result();
 }

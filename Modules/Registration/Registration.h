@@ -7,6 +7,7 @@
 #include "mammoray/Registration/SyntheticMammogram.h"
 #include "mammorayRegistrationModule.h"
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -102,6 +103,11 @@ struct JointRegistrationResult
   std::vector<double> Covariance;
 };
 
+/// Told of the start of each level of a search and of each step that is accepted: what is found so
+/// far of each mammogram, its Parameters, Values and Iterations.
+using SearchObserver =
+  std::function<void(const std::vector<const RegistrationResult*>& mammograms)>;
+
 /**
  * Whether mammograms of one breast have a parameter in common. The body's stiffness is: tissue is
  * the same in every picture. All others say how the unit stood and how the breast was laid into it,
@@ -118,7 +124,7 @@ MAMMORAYREGISTRATION_EXPORT bool IsShared(int parameter);
  */
 MAMMORAYREGISTRATION_EXPORT JointRegistrationResult RegisterTogether(
   const std::vector<JointMammogram>& mammograms, const RegistrationOptions& options,
-  const ProgressCallback& progress = {});
+  const ProgressCallback& progress = {}, const SearchObserver& observer = {});
 
 /**
  * Finds the pose and compression whose synthetic mammogram matches the target, by Ceres

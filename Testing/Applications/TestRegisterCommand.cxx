@@ -21,13 +21,18 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <bit>
+#include <chrono>
+#include <csignal>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <numeric>
 #include <sstream>
+#include <thread>
 
 using namespace mammoray;
 using testing_support::ReadFile;
@@ -72,6 +77,31 @@ protected:
   {
     return "register --labels " + labels + " --materials " + materials + " --mammogram " +
       mammogram + " --orientation ALS --output " + this->Folder.File("result") + " " + rest;
+  }
+
+  /// Sends the program a signal once the file is there. The exit status, -1 when killed.
+  int RunAndKill(const std::string& arguments, const std::string& file, int signal) const
+  {
+    const pid_t child = fork();
+    if (child == 0)
+    {
+      const std::string command = "exec " + testing_support::MammorayExecutable() + " " +
+        arguments + " >" + this->Folder.File("out") + " 2>" + this->Folder.File("err");
+      execl("/bin/sh", "sh", "-c", command.c_str(), nullptr);
+      _exit(127);
+    }
+    int status = 0;
+    while (waitpid(child, &status, WNOHANG) == 0)
+    {
+      if (fs::exists(file))
+      {
+        kill(child, signal);
+        waitpid(child, &status, 0);
+        break;
+      }
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    }
+    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
   }
 
   void ExpectRefused(const std::string& arguments, const std::string& text,
@@ -161,6 +191,49 @@ TEST_F(RegisterCommand, ConfigurationRoundTrips)
   const std::string config = this->Folder.Write("config.json", printed);
   ASSERT_EQ(this->Run("register --config " + config + " --print-config"), 0) << this->Errors;
   EXPECT_EQ(this->Output, printed);
+}
+
+TEST_F(RegisterCommand, GoesOnFromWhereItWasKilled)
+{
+  if (ListDevices().empty())
+  {
+    GTEST_SKIP() << "no Vulkan device";
+  }
+  const std::string coarse = "--label-spacing 1 --anatomy-cell-size 6 --simulation-cell-size 16 "
+                             "--pixel-sizes 3 --iterations 3 ";
+  const std::string checkpoint = this->Folder.File("result.checkpoint.json");
+  const std::string folder = this->Folder.File("result");
+  // Killed as soon as there is a step to go on from.
+  ASSERT_EQ(
+    this->RunAndKill(this->Register(Labels, Materials, MammogramFile, coarse), checkpoint, SIGKILL),
+    -1);
+  EXPECT_FALSE(fs::exists(folder));
+  EXPECT_TRUE(fs::exists(folder + ".partial")); // it lay in wait there
+  const nlohmann::json kept = nlohmann::json::parse(ReadFile(checkpoint)).at("mammograms").at(0);
+  const std::string again =
+    this->Register(Labels, Materials, MammogramFile, coarse + " --resume " + folder);
+  ASSERT_EQ(this->Run(again), 0) << this->Errors;
+  const nlohmann::json resumed = nlohmann::json::parse(ReadFile(folder + "/result.json"));
+  for (std::size_t index = 0; index < kept.at("parameters").size(); ++index)
+  {
+    EXPECT_EQ(resumed.at("iterations").at(0).at("parameters").at(index),
+      kept.at("parameters").at(index).at("value"));
+  }
+  EXPECT_FALSE(fs::exists(checkpoint));
+  EXPECT_FALSE(fs::exists(folder + ".partial"));
+
+  // Asked to stop, it writes the best pose so far.
+  ASSERT_EQ(this->RunAndKill(again + " --overwrite", checkpoint, SIGTERM), 0) << this->Errors;
+  EXPECT_THAT(nlohmann::json::parse(ReadFile(folder + "/result.json")).at("stopReason"),
+    testing::HasSubstr("best pose so far"));
+  EXPECT_FALSE(fs::exists(checkpoint));
+
+  // A start that is too thin for this breast is opened; its result is gone on from, too.
+  const std::string thin =
+    this->Register(Labels, Materials, MammogramFile, coarse + " --overwrite --thickness 20");
+  ASSERT_EQ(this->Run(thin), 0) << this->Errors;
+  EXPECT_THAT(this->Errors, testing::HasSubstr("is not compressed to the 20.0 mm"));
+  ASSERT_EQ(this->Run(thin + " --resume " + folder), 0) << this->Errors;
 }
 
 TEST_F(RegisterCommand, RegistersTheShippedPhantom)

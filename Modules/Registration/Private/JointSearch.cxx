@@ -16,6 +16,19 @@ std::vector<std::size_t> JointSearch::MammogramsOf(int parameter, std::size_t ma
   return all;
 }
 
+void JointSearch::Observe() const
+{
+  std::vector<const RegistrationResult*> found;
+  for (const MammogramSearch& mammogram : this->Mammograms)
+  {
+    found.push_back(&mammogram.Result);
+  }
+  if (this->Observer)
+  {
+    this->Observer(found);
+  }
+}
+
 void JointSearch::CollectUnknowns()
 {
   this->Unknowns.clear();

@@ -18,6 +18,11 @@ struct JointSearch
   /// See JointRegistrationResult.
   std::vector<double> Covariance;
   Clock::time_point Begin = Clock::now();
+  /// May be empty.
+  SearchObserver Observer;
+
+  /// Tells the observer, if there is one.
+  void Observe() const;
 
   /// What is free, mammogram by mammogram; a shared parameter once, with the bounds of the first.
   void CollectUnknowns();

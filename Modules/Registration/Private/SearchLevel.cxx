@@ -71,6 +71,7 @@ public:
       {
         this->Keep(*this->Source.Mammograms[mammogram], this->Search.Mammograms[mammogram]);
       }
+      this->Search.Observe();
       this->Settled = this->Source.PredictedFall() < this->Searched.NegligibleFall;
     }
     return this->Settled ? ceres::SOLVER_TERMINATE_SUCCESSFULLY : ceres::SOLVER_CONTINUE;
