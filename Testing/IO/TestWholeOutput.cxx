@@ -7,6 +7,7 @@
 #include "mammoray/IO/WholeOutput.h"
 
 #include <sys/file.h>
+#include <sys/ptrace.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 
@@ -19,6 +20,8 @@
 #include <csignal>
 #include <filesystem>
 #include <fstream>
+#include <functional>
+#include <iostream>
 #include <set>
 
 using namespace mammoray;
@@ -67,6 +70,36 @@ protected:
 
   testing_support::TemporaryFolder Folder;
 };
+
+/// Runs the work in a process of its own that is killed as it enters or leaves a system call, the
+/// given one counted from 1; false where it ended before.
+bool KillAtCall(int stop, const std::function<void()>& work)
+{
+  const pid_t child = fork();
+  if (child == 0)
+  {
+    if (ptrace(PTRACE_TRACEME, 0, nullptr, nullptr) == 0)
+    {
+      raise(SIGSTOP);
+      work();
+    }
+    _exit(0);
+  }
+  int status = 0;
+  waitpid(child, &status, 0);
+  for (int stops = 0; WIFSTOPPED(status); ++stops)
+  {
+    if (stops == stop)
+    {
+      kill(child, SIGKILL);
+      waitpid(child, &status, 0);
+      return true;
+    }
+    ptrace(PTRACE_SYSCALL, child, nullptr, nullptr);
+    waitpid(child, &status, 0);
+  }
+  return false;
+}
 
 /// No file of this process gets larger meanwhile.
 class FileSizeLimit
@@ -260,4 +293,49 @@ TEST_F(WholeOutput, HasOneWriter)
   EXPECT_TRUE(ClaimFile(this->Folder.File("e")));
   WriteWholeFile(this->Folder.File("e"), "e");
   EXPECT_THAT(this->Entries(), ElementsAre("a", "b", "b/d", "c", "e"));
+}
+
+TEST_F(WholeOutput, SurvivesBeingKilledAtEachSystemCall)
+{
+  const std::string folder = this->Folder.File("result");
+  const std::string file = this->Folder.File("picture");
+  const auto writeAll = [&](const std::string& text)
+  {
+    WriteWholeFolder(folder,
+      [&](const std::string& written)
+      {
+        WriteWholeFile(written + "/a", text);
+        WriteWholeFile(written + "/b", text);
+      });
+    WriteWholeFile(file, [&](const std::string& staged) { std::ofstream(staged) << text; });
+  };
+  writeAll("old");
+  int kills = 0;
+  const std::string temporary = this->Folder.File("temporary"); // what a killed one leaves there
+  const auto writeNew = [&]
+  {
+    setenv("TMPDIR", temporary.c_str(), 1);
+    writeAll("new");
+  };
+  while (fs::create_directory(temporary) && KillAtCall(kills + 1, writeNew))
+  {
+    ++kills;
+    fs::remove_all(temporary);
+    // Whole, and of one run.
+    const std::string found = ReadFile(folder + "/a");
+    ASSERT_TRUE(found == "old" || found == "new") << kills << ": " << found;
+    ASSERT_EQ(ReadFile(folder + "/b"), found) << kills;
+    const std::string picture = ReadFile(file);
+    ASSERT_TRUE(picture == "old" || picture == "new") << kills << ": " << picture;
+    writeAll("old");
+    ASSERT_THAT(this->Entries(), ElementsAre("picture", "result", "result/a", "result/b")) << kills;
+  }
+  if (kills == 0)
+  {
+    GTEST_SKIP() << "tracing is not allowed";
+  }
+  EXPECT_EQ(ReadFile(folder + "/b"), "new");
+  EXPECT_EQ(ReadFile(file), "new");
+  std::cout << kills << " kills\n";
+  EXPECT_GT(kills, 50);
 }
