@@ -6,6 +6,7 @@
 #include "mammoray/Case/CompressionCase.h"
 #include "mammoray/Case/CompressionGrids.h"
 #include "mammoray/Foundation/Error.h"
+#include "mammoray/Foundation/Plausible.h"
 #include "mammoray/IO/MeshIO.h"
 
 #include "vtkCellData.h"
@@ -186,6 +187,10 @@ void Run(CompressArguments& arguments)
   CheckInputFile(input.Mesh);
   CheckInputFileIfAny(input.SimulationMesh);
   CheckOutputs(arguments);
+  if (arguments.ThicknessMm && !input.Labels.AcceptUnusual)
+  {
+    CheckPlausible(Plausible::Thickness, *arguments.ThicknessMm, "--thickness", AcceptUnusualHint);
+  }
   input.Pose.ThicknessMm = arguments.ThicknessMm.value_or(input.Pose.ThicknessMm);
   input.SeriesSteps = arguments.Series.empty() ? 0 : arguments.SeriesSteps;
   const CompressionCaseResult result = Compress(input);

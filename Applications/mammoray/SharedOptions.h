@@ -16,7 +16,8 @@
 
 namespace mammoray
 {
-/// Adds --labels, --crop, --skin, --cut-side and --axes-as-given; gives the option --labels.
+/// Adds --labels, --crop, --skin, --cut-side, --axes-as-given and --accept-unusual; gives the
+/// option --labels.
 CLI::Option* AddLabelOptions(const OptionList& add, LabelSource& source);
 
 /// Adds --materials: a file or a shipped table's name (see FindMaterialTable); gives the option.

@@ -4,6 +4,7 @@
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/Foundation/LabelResampling.h"
 #include "mammoray/Foundation/LabelSkin.h"
+#include "mammoray/Foundation/Plausible.h"
 #include "mammoray/IO/LabelVolumeIO.h"
 
 #include <algorithm>
@@ -95,6 +96,13 @@ LabelVolume ReadMaterials(const LabelSource& source, const MaterialTable& table)
 {
   LabelVolume volume =
     ReadLabelVolume(source.Path, source.AxesAsGiven ? VolumeAxes::AsGiven : VolumeAxes::Patient);
+  for (const double spacing : volume.Spacing)
+  {
+    if (!source.AcceptUnusual)
+    {
+      CheckPlausible(Plausible::VoxelSpacing, spacing, source.Path, AcceptUnusualHint);
+    }
+  }
   if (!source.Crop.empty())
   {
     volume = CropToBox(volume, ParseBox(source.Crop, volume.Size));

@@ -37,7 +37,12 @@ struct LabelSource
    * the volume, cannot be told from the flat skin of a breast between plates.
    */
   std::vector<std::string> CutSides;
+  /// What no patient has (Plausible) is taken, too, of the volume and of what is done with it.
+  bool AcceptUnusual = false;
 };
+
+/// How that is said in refusals: "--accept-unusual takes it".
+inline constexpr const char* AcceptUnusualHint = "--accept-unusual takes it";
 
 /**
  * The volume of material indices: read, cropped, labels replaced by materials, resampled, cut at

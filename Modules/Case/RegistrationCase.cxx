@@ -4,6 +4,7 @@
 #include "Private/Checkpoint.h"
 #include "mammoray/Biomechanics/ElasticTable.h"
 #include "mammoray/Case/StudyCase.h"
+#include "mammoray/Foundation/Plausible.h"
 #include "mammoray/IO/MammogramIO.h"
 #include "mammoray/IO/MammogramPictureIO.h"
 #include "mammoray/IO/MeshConversion.h"
@@ -73,8 +74,18 @@ TetrahedralMesh MeshAnatomy(const LabelVolume&, const std::vector<int>&, double,
 }
 #endif
 
-MammographyUnit UnitOf(const RegistrationCase& input, const Mammogram& mammogram,
-  std::vector<std::string>& warnings)
+/// CheckPlausible, unless the case takes all; `instead`: how another value is given.
+void CheckUsual(const RegistrationCase& input, const PlausibleRange& range, double value,
+  const std::string& path, const char* instead)
+{
+  if (!input.Labels.AcceptUnusual)
+  {
+    CheckPlausible(range, value, path, std::string(instead) + ", " + AcceptUnusualHint);
+  }
+}
+
+MammographyUnit UnitOf(const RegistrationCase& input, const std::string& path,
+  const Mammogram& mammogram, std::vector<std::string>& warnings)
 {
   MammographyUnit unit;
   if (input.SourceToDetectorMm)
@@ -102,6 +113,8 @@ MammographyUnit UnitOf(const RegistrationCase& input, const Mammogram& mammogram
       std::to_string(unit.SourceToDetectorMm) + " and " + std::to_string(unit.SupportHeightMm) +
       " mm");
   }
+  CheckUsual(input, Plausible::SourceDistance, unit.SourceToDetectorMm, path,
+    "--source-to-detector gives another");
   unit.SupportEdgeMm = input.SupportEdgeMm;
   unit.PaddleEdgeMm = input.PaddleEdgeMm;
   unit.EdgeRadiusMm = input.EdgeRadiusMm;
@@ -155,6 +168,8 @@ BreastPose StartOf(const RegistrationCase& input, std::size_t number, const Mamm
     throw InputError("start: expected a positive compressed thickness, found " +
       std::to_string(start.ThicknessMm) + " mm");
   }
+  CheckUsual(input, Plausible::Thickness, start.ThicknessMm, input.Mammograms[number],
+    "--thickness gives another");
   const std::optional<double> nominal = NominalRollDeg(mammogram);
   if (!given[RollParameter] && nominal)
   {
@@ -248,9 +263,51 @@ Mammogram ReadCaseMammogram(const RegistrationCase& input, std::size_t number)
     mammogram.ColumnSpacingMm = *given.PixelSpacingMm;
     mammogram.RowSpacingMm = *given.PixelSpacingMm;
   }
+  if (given.Laterality != '?' && mammogram.Laterality != '?' &&
+    given.Laterality != mammogram.Laterality && !input.Labels.AcceptUnusual)
+  {
+    throw InputError(path + ": expected a mammogram of the " +
+      (given.Laterality == 'L' ? "left" : "right") + " breast, as --side says, found " +
+      mammogram.Laterality + " in its header; " + AcceptUnusualHint + " as --side says");
+  }
   mammogram.View = given.View.empty() ? mammogram.View : given.View;
   mammogram.Laterality = given.Laterality == '?' ? mammogram.Laterality : given.Laterality;
   return mammogram;
+}
+
+/// Throws InputError where the picture is an earlier one's, or its pixels are no detector's.
+void CheckMammogram(const RegistrationCase& input, const std::vector<RegisteredView>& views)
+{
+  const RegisteredView& latest = views.back();
+  for (const double spacing : { latest.Mammogram.ColumnSpacingMm, latest.Mammogram.RowSpacingMm })
+  {
+    CheckUsual(input, Plausible::PixelSpacing, spacing, latest.Path,
+      "--pixel-spacing gives another");
+  }
+  const std::vector<float>& pixels = latest.Mammogram.Pixels;
+  const auto same = [](float a, float b) { return a == b || (std::isnan(a) && std::isnan(b)); };
+  for (const RegisteredView& earlier : views)
+  {
+    const std::vector<float>& others = earlier.Mammogram.Pixels;
+    if (&earlier != &latest && !input.Labels.AcceptUnusual &&
+      std::equal(pixels.begin(), pixels.end(), others.begin(), others.end(), same))
+    {
+      throw InputError(latest.Path + ": expected another picture than " + earlier.Path +
+        ", found the same; " + AcceptUnusualHint);
+    }
+  }
+}
+
+/// Throws InputError unless the axes are those of a patient and not of their mirror image.
+void CheckHanded(const RegistrationCase& input, const AnatomicalAxes& axes)
+{
+  if (!input.Labels.AcceptUnusual && Dot(Cross(axes.Left, axes.Anterior), axes.Superior) > 0)
+  {
+    throw InputError("orientation " + input.Orientation +
+      ": expected axes that are right-handed, found a mirror image, whose left is the patient's "
+      "right; " +
+      AcceptUnusualHint);
+  }
 }
 
 /// Throws InputError unless there is one for each mammogram, or none.
@@ -293,6 +350,7 @@ std::vector<JointMammogram> ReadMammograms(const RegistrationCase& input,
     RegisteredView& view = result.Views.emplace_back();
     view.Path = path;
     view.Mammogram = ReadCaseMammogram(input, number);
+    CheckMammogram(input, result.Views);
     const char side = result.Views.front().Mammogram.Laterality;
     if (view.Mammogram.Laterality != side && view.Mammogram.Laterality != '?' && side != '?')
     {
@@ -307,7 +365,7 @@ std::vector<JointMammogram> ReadMammograms(const RegistrationCase& input,
         view.Target);
     }
     view.Warnings = view.Target.Warnings;
-    view.Unit = UnitOf(input, view.Mammogram, view.Warnings);
+    view.Unit = UnitOf(input, path, view.Mammogram, view.Warnings);
     JointMammogram& searched = mammograms.emplace_back();
     searched.Parameters = DefaultParameters(StartOf(input, number, view.Mammogram, view.Warnings));
     searched.Parameters[RollParameter].PriorSigma = input.RollSigmaDeg;
@@ -488,6 +546,7 @@ RegistrationCaseResult RunRegistrationCase(const RegistrationCase& input,
 
   // Everything that can be refused is read before anything is computed.
   result.Axes = AnatomicalAxes::FromCode(input.Orientation);
+  CheckHanded(input, result.Axes);
   result.Materials = FindMaterialTable(input.Materials);
   const ElasticTable mechanics(result.Materials);
   const std::vector<bool>& held = mechanics.Held;

@@ -128,6 +128,7 @@ std::vector<EvidenceMammogram> MammogramsOfEvidence(const std::string& publicDat
     mammograms.push_back({ name,
       CaseOf(publicData + "/breastphantom-scattered-1001/labels.nrrd",
         publicData + "/digibreast/dicom/" + name + ".dcm") });
+    mammograms.back().Case.Labels.AcceptUnusual = true; // pixels of 1 mm
   }
   return mammograms;
 }

@@ -2,6 +2,7 @@
 #include "mammoray/IO/MaterialTableIO.h"
 
 #include "mammoray/Foundation/Error.h"
+#include "mammoray/Foundation/Plausible.h"
 
 #include <nlohmann/json.hpp>
 
@@ -214,7 +215,7 @@ MaterialTable ReadMaterialTable(const std::string& path)
     Material material;
     const Entry entry((*materials)[index], place,
       { "name", "labels", "attenuation", "density_g_per_cm3", "youngs_modulus_kpa", "poisson_ratio",
-        "fung_exponent", "held", "thin" });
+        "fung_exponent", "held", "thin", "unusual" });
     material.Name = entry.Text("name");
     if (index == 0)
     {
@@ -235,6 +236,7 @@ MaterialTable ReadMaterialTable(const std::string& path)
       }
       material.Attenuation = ReadAttenuation(entry);
     }
+    bool unusual = false;
     const auto positive = [](double value) { return value > 0; };
     entry.Number("density_g_per_cm3", "a positive number", positive, material.DensityGPerCm3);
     entry.Number("youngs_modulus_kpa", "a positive number", positive, material.YoungsModulusKPa);
@@ -244,8 +246,8 @@ MaterialTable ReadMaterialTable(const std::string& path)
     entry.Number(
       "fung_exponent", "a number from 0 (neo-Hookean) to 50",
       [](double value) { return value >= 0 && value <= 50; }, material.FungExponent);
-    for (const auto& [key, flag] :
-      { std::pair{ "held", &material.Held }, std::pair{ "thin", &material.Thin } })
+    for (const auto& [key, flag] : { std::pair{ "held", &material.Held },
+           std::pair{ "thin", &material.Thin }, std::pair{ "unusual", &unusual } })
     {
       if (const Json* value = entry.Find(key))
       {
@@ -255,6 +257,13 @@ MaterialTable ReadMaterialTable(const std::string& path)
         }
         *flag = value->get<bool>();
       }
+    }
+    if (!unusual)
+    {
+      constexpr const char* overrule = "\"unusual\": true, in the table, takes it";
+      const std::string what = path + ": material '" + material.Name + "'";
+      CheckPlausible(Plausible::Density, material.DensityGPerCm3, what, overrule);
+      CheckPlausible(Plausible::YoungsModulus, material.YoungsModulusKPa, what, overrule);
     }
     table.Materials.push_back(material);
     ReadLabels(entry, static_cast<int>(index), table);

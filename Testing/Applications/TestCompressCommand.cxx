@@ -256,10 +256,13 @@ TEST_F(CompressCommand, RefusesInOneLine)
     "held");
   expectRefused(this->Coarse + " --thickness 50 --series " + this->Folder.File("series.vtu"),
     "expected the extension .pvd");
+  expectRefused(this->Coarse + " --thickness 1e9",
+    "expected a compressed thickness from 5 to 150 mm, found 1e+09; --accept-unusual takes it");
   // Thinner than any equilibrium this mesh can show.
   WriteMesh(ToGrid(test::MakeHalfEllipsoidMesh(40, 45, 38, 4), { "air", "fat", "muscle" }),
     this->Folder.File("coarser.vtu"));
-  expectRefused(this->Common + this->Folder.File("coarser.vtu") + " --thickness 0.2",
+  expectRefused(this->Common + this->Folder.File("coarser.vtu") +
+      " --thickness 0.2 --accept-unusual",
     "last one reached is at");
   EXPECT_THAT(this->Errors, testing::HasSubstr("--anterior 5 moves them off"));
   EXPECT_EQ(this->Run("compress " + this->Coarse + " --thickness -3"), 2);

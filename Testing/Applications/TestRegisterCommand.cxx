@@ -165,6 +165,35 @@ TEST_F(RegisterCommand, RefusesUnusableInputInOneLine)
     "VK_DRIVER_FILES=/nonexistent VK_ICD_FILENAMES=/nonexistent");
 }
 
+TEST_F(RegisterCommand, RefusesWhatNoPatientHas)
+{
+  if (ListDevices().empty())
+  {
+    GTEST_SKIP() << "no Vulkan device";
+  }
+  const auto refused = [this](const std::string& rest, const std::string& text)
+  { this->ExpectRefused(this->Register(Labels, Materials, MammogramFile, rest), text); };
+  refused("--thickness 500",
+    "expected a compressed thickness from 5 to 150 mm, found 500; --thickness gives another, "
+    "--accept-unusual takes it");
+  refused("--pixel-spacing 1", "expected a pixel spacing from 0.02 to 0.3 mm, found 1");
+  refused("--source-to-detector 65", "distance from 300 to 1500 mm, found 65");
+  refused("--side right", "expected a mammogram of the right breast, as --side says, found L");
+  refused("--mammogram " + MammogramFile, "expected another picture than");
+  this->CommandTest::ExpectRefused("register --labels " + Labels + " --materials " + Materials +
+      " --mammogram " + MammogramFile + " --orientation ALI --output " +
+      this->Folder.File("result"),
+    "orientation ALI: expected axes that are right-handed");
+  // What is to be taken comes further: to the volume.
+  LabelVolume volume;
+  volume.Size = { 3, 3, 3 };
+  volume.Voxels.assign(27, 0);
+  WriteLabelVolume(volume, this->Folder.File("air.nrrd"));
+  this->ExpectRefused(this->Register(this->Folder.File("air.nrrd"), Materials, MammogramFile,
+                        "--side right --thickness 500 --pixel-spacing 0.31 --accept-unusual"),
+    "only air");
+}
+
 TEST_F(RegisterCommand, NeverReplacesWhatIsNotAnEarlierResult)
 {
   fs::create_directory(this->Folder.File("result"));
@@ -223,14 +252,17 @@ TEST_F(RegisterCommand, GoesOnFromWhereItWasKilled)
   EXPECT_FALSE(fs::exists(folder + ".partial"));
 
   // Asked to stop, it writes the best pose so far.
-  ASSERT_EQ(this->RunAndKill(again + " --overwrite", checkpoint, SIGTERM), 0) << this->Errors;
+  fs::copy_file(folder + "/uncompressed.vtu", this->Folder.File("anatomy.vtu"));
+  const std::string meshed = this->Register(Labels, Materials, MammogramFile,
+    coarse + " --overwrite --anatomy-mesh " + this->Folder.File("anatomy.vtu"));
+  ASSERT_EQ(this->RunAndKill(meshed + " --resume " + folder, checkpoint, SIGTERM), 0)
+    << ReadFile(this->Folder.File("err"));
   EXPECT_THAT(nlohmann::json::parse(ReadFile(folder + "/result.json")).at("stopReason"),
     testing::HasSubstr("best pose so far"));
   EXPECT_FALSE(fs::exists(checkpoint));
 
   // A start that is too thin for this breast is opened; its result is gone on from, too.
-  const std::string thin =
-    this->Register(Labels, Materials, MammogramFile, coarse + " --overwrite --thickness 20");
+  const std::string thin = meshed + " --thickness 20";
   ASSERT_EQ(this->Run(thin), 0) << this->Errors;
   EXPECT_THAT(this->Errors, testing::HasSubstr("is not compressed to the 20.0 mm"));
   ASSERT_EQ(this->Run(thin + " --resume " + folder), 0) << this->Errors;

@@ -55,7 +55,9 @@ TEST_F(StudyCommand, LeadsFromThePatientsFilesToTheAnswer)
     << this->Errors;
   const std::string result = this->Folder.File("result");
   const std::string arguments = "register --study " + study +
-    "/export --anatomy-cell-size 8 --simulation-cell-size 16 --pixel-sizes 3 -o " + result;
+    "/export --anatomy-cell-size 8 --simulation-cell-size 16 --pixel-sizes 3 "
+    "--accept-unusual -o " +
+    result; // pixels of 0.5 mm
   this->ExpectRefused(arguments + " --side right", "of the right breast, found left CC, left MLO");
   ASSERT_EQ(this->Run(arguments + " --side left"), 0) << this->Errors;
   EXPECT_THAT(this->Output, HasSubstr("taken: T1 without fat suppression"));

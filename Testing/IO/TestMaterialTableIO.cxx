@@ -99,6 +99,13 @@ TEST(MaterialTableIO, RefusesWhatIsWrongByKey)
     HasSubstr("'density_g_per_cm3': expected a positive number, found 0"));
   EXPECT_THAT(MaterialsRefusal(WithFat(good + R"(, "youngs_modulus_kpa": "5")")),
     HasSubstr("'youngs_modulus_kpa'"));
+  // kg/m3 and Pa, say.
+  EXPECT_THAT(MaterialsRefusal(WithFat(good + R"(, "density_g_per_cm3": 920)")),
+    HasSubstr("material 'fat': expected a density from 0.5 to 3 g/cm3, found 920; \"unusual\""));
+  EXPECT_THAT(MaterialsRefusal(WithFat(good + R"(, "youngs_modulus_kpa": 5000)")),
+    HasSubstr("expected a Young's modulus from 0.05 to 500 kPa, found 5000"));
+  EXPECT_EQ(MaterialsRefusal(WithFat(good + R"(, "density_g_per_cm3": 11.3, "unusual": true)")),
+    NotRefused);
   EXPECT_THAT(MaterialsRefusal(WithFat(good + R"(, "poisson_ratio": 0.5)")),
     HasSubstr("below 0.5"));
   EXPECT_THAT(MaterialsRefusal(WithFat(good + R"(, "fung_exponent": -1)")), HasSubstr("from 0"));

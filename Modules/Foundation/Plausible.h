@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+#ifndef mammoray_Plausible_h
+#define mammoray_Plausible_h
+
+#include "mammorayFoundationModule.h"
+
+#include <string>
+
+namespace mammoray
+{
+/// What a quantity of a patient's breast, or of what pictures it, is at least and at most. Outside
+/// lie other units (um, kg/m3, Pa) and damaged headers.
+struct PlausibleRange
+{
+  const char* Quantity;
+  double Least;
+  double Most;
+  const char* Unit;
+};
+
+/// All of them: paddles close to 10 to 130 mm, detectors have 0.05 to 0.1 mm (0.02 magnified, more
+/// where they are binned), breast tissue 0.5 to 60 kPa, tumours up to 300, calcium 2.7 g/cm3.
+namespace Plausible
+{
+inline constexpr PlausibleRange Thickness{ "compressed thickness", 5, 150, "mm" };
+inline constexpr PlausibleRange PixelSpacing{ "pixel spacing", 0.02, 0.3, "mm" };
+inline constexpr PlausibleRange VoxelSpacing{ "voxel spacing", 0.05, 10, "mm" };
+inline constexpr PlausibleRange SourceDistance{ "source to detector distance", 300, 1500, "mm" };
+inline constexpr PlausibleRange YoungsModulus{ "Young's modulus", 0.05, 500, "kPa" };
+inline constexpr PlausibleRange Density{ "density", 0.5, 3, "g/cm3" };
+}
+
+/// Throws InputError, which names `where`, the range, what was found and how to overrule it, unless
+/// the value is in the range; NaN is in none.
+MAMMORAYFOUNDATION_EXPORT void CheckPlausible(const PlausibleRange& range, double value,
+  const std::string& where, const std::string& overrule);
+}
+
+#endif

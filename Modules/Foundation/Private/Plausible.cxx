@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mammoray/Foundation/Plausible.h"
+
+#include "mammoray/Foundation/Error.h"
+
+#include <cstdio>
+
+namespace mammoray
+{
+void CheckPlausible(const PlausibleRange& range, double value, const std::string& where,
+  const std::string& overrule)
+{
+  if (value >= range.Least && value <= range.Most)
+  {
+    return;
+  }
+  char text[160];
+  std::snprintf(text, sizeof text, ": expected a %s from %g to %g %s, found %g", range.Quantity,
+    range.Least, range.Most, range.Unit, value);
+  throw InputError(where + text + "; " + overrule);
+}
+}

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "Refusals.h"
+#include "mammoray/Foundation/Error.h"
+#include "mammoray/Foundation/Plausible.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+using namespace mammoray;
+using testing_support::NotRefused;
+using testing_support::RefusalOf;
+
+TEST(Plausible, SaysRangeFindingAndHowToOverruleIt)
+{
+  const auto check = [](double value)
+  {
+    return RefusalOf([value]
+      { CheckPlausible(Plausible::Thickness, value, "m.dcm", "--thickness gives another"); });
+  };
+  for (const double usual : { 5.0, 50.0, 150.0 })
+  {
+    EXPECT_EQ(check(usual), NotRefused) << usual;
+  }
+  EXPECT_EQ(check(0.05),
+    "m.dcm: expected a compressed thickness from 5 to 150 mm, found 0.05; --thickness gives "
+    "another");
+  for (const double unusual : { 4.99, 151.0, 1e9, -50.0, std::numeric_limits<double>::quiet_NaN() })
+  {
+    EXPECT_NE(check(unusual), NotRefused) << unusual;
+  }
+}
