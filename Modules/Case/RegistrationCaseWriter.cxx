@@ -248,7 +248,7 @@ std::optional<fs::path> FindForeign(const fs::path& folder)
     const std::string name = entry.path().filename().string();
     if (entry.is_directory() && !entry.is_symlink() && fs::exists(entry.path() / ResultFileName))
     {
-      if (const auto foreign = FindForeign(entry.path()))
+      if (auto foreign = FindForeign(entry.path()))
       {
         return foreign;
       }

@@ -238,7 +238,7 @@ private:
 
   fs::path ChoosePartial() const
   {
-    const fs::path beside = this->Place.string() + PartialSuffix;
+    fs::path beside = this->Place.string() + PartialSuffix;
     this->SettleExchange();
     if (!fs::exists(this->Place))
     {
