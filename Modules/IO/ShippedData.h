@@ -4,6 +4,7 @@
 
 #include "mammoray/Foundation/MaterialTable.h"
 #include "mammoray/XRay/Beam.h"
+#include "mammoray/XRay/ExampleScenes.h"
 #include "mammorayIOModule.h"
 
 #include <string>
@@ -43,6 +44,13 @@ MAMMORAYIO_EXPORT std::string FindMaterialTablePath(const std::string& pathOrNam
 /// table.
 MAMMORAYIO_EXPORT Beam MakeBeam(const MaterialTable& materials, const Spectrum& spectrum,
   DetectorResponse response);
+
+/**
+ * The example of that name (see ExampleNames). "breast" is made from the FDA phantom of the data
+ * directory, as victre-phantom-1 with materials/victre.json. Throws InputError, with near names, on
+ * an unknown one.
+ */
+MAMMORAYIO_EXPORT ExampleScene MakeExampleScene(const std::string& name);
 }
 
 #endif

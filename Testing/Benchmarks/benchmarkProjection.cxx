@@ -8,8 +8,8 @@
 #include "SceneFile.h"
 #include "SurfaceShapes.h"
 #include "mammoray/Foundation/Error.h"
-#include "mammoray/IO/ExampleData.h"
 #include "mammoray/IO/ScratchFolder.h"
+#include "mammoray/IO/ShippedData.h"
 
 #include <CLI/CLI.hpp>
 

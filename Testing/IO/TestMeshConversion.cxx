@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/IO/MeshConversion.h"
+#include "mammoray/XRay/ExampleScenes.h"
 
 #include "vtkCellData.h"
 #include "vtkCellType.h"
@@ -130,4 +131,21 @@ TEST(MeshConversion, ThePoseTurnsAboutTheHeldTissuesFront)
   EXPECT_LT(Norm(free - Vector3{ 1, 3, 2 }), 1e-12) << "the posterior end";
   const Vector3 held = FindPoseAnchor(Tetrahedron(), { false, false, true }, axes);
   EXPECT_LT(Norm(held - Vector3{ 1, 0, 2 }), 1e-12) << "the front of what is held";
+}
+
+TEST(SurfaceConversion, PolyDataRoundTrips)
+{
+  const SurfaceMesh mesh = MakeBoxesScene().Surface;
+  std::vector<std::string> names;
+  const SurfaceMesh back =
+    FromPolyData(ToPolyData(mesh, { "air", "fat", "gland", "muscle" }), &names);
+  EXPECT_EQ(back.Triangles, mesh.Triangles);
+  EXPECT_EQ(back.FrontMaterials, mesh.FrontMaterials);
+  EXPECT_EQ(back.BackMaterials, mesh.BackMaterials);
+  EXPECT_THAT(names, testing::ElementsAre("air", "fat", "gland", "muscle"));
+  ASSERT_EQ(back.Points.size(), mesh.Points.size());
+  for (std::size_t index = 0; index < mesh.Points.size(); ++index)
+  {
+    ASSERT_EQ(back.Points[index], static_cast<double>(static_cast<float>(mesh.Points[index])));
+  }
 }

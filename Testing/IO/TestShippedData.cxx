@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Refusals.h"
+#include "SurfaceMeasures.h"
 #include "mammoray/Foundation/Error.h"
+#include "mammoray/IO/LabelVolumeIO.h"
 #include "mammoray/IO/MaterialTableIO.h"
 #include "mammoray/IO/ShippedData.h"
 
@@ -82,5 +84,35 @@ TEST(ShippedData, UnknownNamesListTheKnown)
   ExpectRefused([&]
     { MakeBeam(table, Spectrum::Monochromatic(20), DetectorResponse::PhotonCounting); },
     "material 'cyst': unknown attenuation 'wader'");
+}
+
+TEST(ShippedData, ExampleBreastIsThePublishedSizeAndKeepsTheTissues)
+{
+  const ExampleScene scene = MakeExampleScene("breast");
+  EXPECT_EQ(scene.Surface.NumberOfTriangles(), 5185458u);
+  EXPECT_EQ(scene.Detector.Columns, 1080);
+  EXPECT_EQ(scene.Detector.Rows, 1080);
+  scene.Surface.Validate("breast");
+  EXPECT_TRUE(testing_support::IsClosed(scene.Surface));
+
+  const LabelVolume voxels = scene.Materials.ToMaterials(
+    ReadLabelVolume(DataDirectory() + "/victre-phantom-1/labels.nrrd"), "labels");
+  const auto counts = voxels.CountLabels();
+  const auto volumes = testing_support::MaterialVolumes(scene.Surface);
+  ASSERT_EQ(volumes.size(), 5u);
+  for (int material = 1; material < 5; ++material)
+  {
+    // Smoothing rounds corners off within half a voxel of 0.4 mm. That moves volume between gland
+    // and fat, whose structures are a few voxels wide; 3 % of either.
+    const double expected = static_cast<double>(counts.at(material)) * voxels.VoxelVolume();
+    EXPECT_NEAR(volumes[static_cast<std::size_t>(material)], expected, 0.03 * expected)
+      << scene.Materials.Materials[static_cast<std::size_t>(material)].Name;
+  }
+}
+
+TEST(ShippedData, UnknownExamplesGetNearOnes)
+{
+  EXPECT_THAT(RefusalOf([&] { MakeExampleScene("boxs"); }),
+    testing::HasSubstr("did you mean boxes?"));
 }
 }
