@@ -13,7 +13,7 @@ namespace mammoray
 {
 /**
  * Holds the place of a file that is to be written, from before the work until it is written or the
- * process ends. It grows beside its place, as <path>.partial, on which there is a lock as long as
+ * process ends. It grows beside its place, as PATH.partial, on which there is a lock as long as
  * its process lives; what a dead one left there is taken over. A symbolic link is followed. False
  * where this process holds the place already. Throws InputError where another process does, and
  * where the file could not be put there: no such folder, not writable, full, a mount point, another
