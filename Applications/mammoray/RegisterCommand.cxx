@@ -2,6 +2,7 @@
 #include "Commands.h"
 #include "OutputFiles.h"
 #include "ProgressBar.h"
+#include "ResultNotes.h"
 #include "SharedOptions.h"
 #include "mammoray/Case/RegistrationCase.h"
 #include "mammoray/Case/RegistrationCaseWriter.h"
@@ -305,6 +306,12 @@ void Run(RegisterArguments& arguments)
   std::printf("%zu iterations in %.1f s: %s\n", registration.Iterations.size(),
     registration.Seconds, registration.StopReason.c_str());
   std::printf("wrote %s\n", arguments.Output.c_str());
+  // Last, where it is seen.
+  for (std::size_t view = 0; view < folders.size(); ++view)
+  {
+    std::printf("%s%s\n", folders.size() > 1 ? (folders[view] + ": ").c_str() : "",
+      Verdict(Assess(result.Views[view].Registration)).c_str());
+  }
 }
 }
 

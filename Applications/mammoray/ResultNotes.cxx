@@ -7,13 +7,21 @@
 
 namespace mammoray
 {
+std::string Verdict(const Assessment& trust)
+{
+  std::string verdict = VerdictOf(trust.Level);
+  for (const std::string& reason : trust.Reasons)
+  {
+    verdict += (&reason == &trust.Reasons.front() ? ": " : " ") + reason;
+  }
+  return verdict;
+}
+
 void WarnOfDistrust(const std::string& folder, const Assessment& trust)
 {
-  if (trust.Level == Trust::None)
+  if (trust.Level != Trust::Good)
   {
-    std::fprintf(stderr, "mammoray: warning: %s: the match is not to be trusted%s%s\n",
-      folder.c_str(), trust.Reasons.empty() ? "" : ": ",
-      trust.Reasons.empty() ? "" : trust.Reasons.front().c_str());
+    std::fprintf(stderr, "mammoray: warning: %s: %s\n", folder.c_str(), Verdict(trust).c_str());
   }
 }
 

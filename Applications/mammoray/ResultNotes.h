@@ -9,7 +9,10 @@
 
 namespace mammoray
 {
-/// Warns where the match in a registration's folder is not to be trusted.
+/// Whether the mammograms match, and all that speaks against it.
+std::string Verdict(const Assessment& trust);
+
+/// Warns where the match in a registration's folder is doubtful or not to be trusted.
 void WarnOfDistrust(const std::string& folder, const Assessment& trust);
 
 /// Says when the mammogram is not the file that was registered.

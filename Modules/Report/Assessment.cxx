@@ -13,6 +13,13 @@ const char* NameOf(Trust trust)
   return trust == Trust::Good ? "good" : trust == Trust::Doubtful ? "doubtful" : "none";
 }
 
+const char* VerdictOf(Trust trust)
+{
+  return trust == Trust::Good  ? "The two mammograms match"
+    : trust == Trust::Doubtful ? "The match should be checked by eye"
+                               : "The match is not to be trusted";
+}
+
 namespace
 {
 bool FarFromPrior(const RegistrationParameter& parameter, double value)

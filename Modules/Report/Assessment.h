@@ -21,6 +21,10 @@ enum class Trust
 /// "good", "doubtful" or "none".
 MAMMORAYREPORT_EXPORT const char* NameOf(Trust trust);
 
+/// The same in words: "The two mammograms match", "The match should be checked by eye", "The match
+/// is not to be trusted".
+MAMMORAYREPORT_EXPORT const char* VerdictOf(Trust trust);
+
 struct Assessment
 {
   Trust Level = Trust::Good;

@@ -280,6 +280,7 @@ TEST_F(RegisterCommand, RegistersTheShippedPhantom)
               "--pixel-sizes 3 --iterations 6")),
     0)
     << this->Errors;
+  EXPECT_THAT(this->Output, testing::EndsWith("\nThe two mammograms match\n"));
   const std::string folder = this->Folder.File("result");
   for (const char* name :
     { "uncompressed.vtu", "compressed.vtu", "synthetic.mha", "synthetic.png", "real.png",
@@ -392,7 +393,7 @@ TEST_F(RegisterCommand, RegistersTheShippedPhantom)
   this->Folder.Write("result/result.json", distrusted.dump());
   ASSERT_EQ(this->Run("locate --result " + folder + " --point 30 10 -5"), 0) << this->Errors;
   EXPECT_THAT(this->Errors,
-    testing::EndsWith("the match is not to be trusted: The outlines lie apart.\n"));
+    testing::EndsWith("The match is not to be trusted: The outlines lie apart.\n"));
   this->Folder.Write("result/result.json", said);
 
   // A ball of 5 mm and its shadow. The compressed volume is the ball's, 524 mm3, as thick as the

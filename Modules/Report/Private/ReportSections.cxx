@@ -70,8 +70,6 @@ std::string Sentences(const std::vector<std::string>& sentences)
 
 std::string VerdictHtml(const Assessment& assessment)
 {
-  static const char* const Titles[] = { "The two mammograms match",
-    "The match should be checked by eye", "The match is not to be trusted" };
   static const char* const Texts[] = {
     "Outline and picture of the synthetic mammogram agree with the real one.",
     "Places found by this registration may be off by more than usual:",
@@ -79,7 +77,7 @@ std::string VerdictHtml(const Assessment& assessment)
   };
   const int level = static_cast<int>(assessment.Level);
   return std::string("<section class=\"verdict ") + NameOf(assessment.Level) + "\">\n<h2>" +
-    Titles[level] + "</h2>\n" + Texts[level] + "\n" +
+    VerdictOf(assessment.Level) + "</h2>\n" + Texts[level] + "\n" +
     (assessment.Reasons.empty() ? std::string() : Sentences(assessment.Reasons)) + "</section>\n";
 }
 
