@@ -108,6 +108,8 @@ std::vector<EvidenceStudy> StudiesOfEvidence(const std::vector<EvidencePhantom>&
       EvidenceStudy& study = anatomies.emplace_back();
       study.Phantom = name;
       study.Mri = folder;
+      study.Options.ChestAroundMm = 35;
+      study.Options.LeastForceN = 49;
     }
   }
   std::vector<EvidenceStudy> studies;

@@ -14,6 +14,7 @@
 #include "vtkUnstructuredGrid.h"
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 
@@ -21,6 +22,54 @@ namespace mammoray
 {
 namespace
 {
+/**
+ * A breast coil squeezes a large breast from both sides: 50 to 65 mm wide and 170 to 190 mm high in
+ * uta11-b. What is free of load is about as wide as it is high; so is this one then, by stretching
+ * to the sides and shrinking along the body at an unchanged volume. `breast` in DICOM LPS.
+ */
+LabelVolume FreeOfCoil(LabelVolume breast, const std::vector<bool>& held)
+{
+  constexpr double MostStretch = 1.8;
+  std::array<double, 2> sums{};
+  std::array<double, 2> squares{};
+  double count = 0;
+  for (int k = 0; k < breast.Size[2]; ++k)
+  {
+    for (int j = 0; j < breast.Size[1]; ++j)
+    {
+      for (int i = 0; i < breast.Size[0]; ++i)
+      {
+        const int material = breast.Voxels[breast.Index(i, j, k)];
+        if (material != 0 && !held[static_cast<std::size_t>(material)])
+        {
+          const Vector3 at = breast.PointAt(i, j, k);
+          for (std::size_t axis = 0; axis < 2; ++axis)
+          {
+            sums[axis] += at[2 * axis];
+            squares[axis] += at[2 * axis] * at[2 * axis];
+          }
+          ++count;
+        }
+      }
+    }
+  }
+  const auto deviation = [&](std::size_t axis)
+  {
+    const double mean = sums[axis] / count;
+    return std::sqrt(squares[axis] / count - mean * mean);
+  };
+  const double stretch =
+    std::clamp(std::sqrt(deviation(1) / std::max(deviation(0), 1e-9)), 1.0, MostStretch);
+  for (std::size_t axis = 0; axis < 3; ++axis)
+  {
+    const Vector3& direction = breast.Direction[axis];
+    breast.Spacing[axis] *= std::abs(direction[0]) > 0.7 ? stretch
+      : std::abs(direction[2]) > 0.7                     ? 1 / stretch
+                                                         : 1.0;
+  }
+  return breast;
+}
+
 /// The breast of a patient, as tissue.
 LabelVolume BreastOfMri(const EvidenceStudy& study, const MaterialTable& table,
   const ProgressCallback& progress)
@@ -39,7 +88,7 @@ LabelVolume BreastOfMri(const EvidenceStudy& study, const MaterialTable& table,
     throw InputError(study.Mri + ": expected a T1-weighted MRI, found none");
   }
   choice.Laterality = study.Options.Laterality;
-  return SegmentStudy(choice, table, progress).Breast;
+  return FreeOfCoil(SegmentStudy(choice, table, progress).Breast, table.Held());
 }
 
 VirtualStudyTruth MakeStudy(const EvidenceStudy& study, const std::string& folder,

@@ -29,6 +29,9 @@ namespace
 const AnatomicalAxes PatientAxes = AnatomicalAxes::FromCode("LPS");
 
 constexpr int LargestNumberOfTries = 3;
+constexpr double ClosingFactor = 0.85;
+/// Never closer than that part of the breast's height, however soft it is.
+constexpr double LeastPartOfHeight = 0.4;
 
 /// Part of a whole that a stage takes, for its progress.
 ProgressCallback PartOf(const ProgressCallback& progress, double from, double to)
@@ -48,6 +51,8 @@ double CubeEdge(const LabelVolume& materials)
 /// The breast as it is, and the stiffness it was given.
 struct TrueBreast
 {
+  /// The phantom alone, and with what goes on around it.
+  LabelVolume Phantom;
   LabelVolume Rest;
   MaterialTable Table;
   std::vector<double> Factors;
@@ -84,8 +89,12 @@ TrueBreast MakeBreast(const LabelVolume& materials, const MaterialTable& table,
   breast.GlideStiffness = 0.03 * std::exp2(draws.Between(-1, 1));
   breast.OffMm = OffMidlineMm(materials, axes);
   breast.Curve.RadiusMm = draws.Between(400, 700);
-  breast.Rest =
+  breast.Phantom =
     PlaceOnChest(materials, table, axes, options.Laterality, breast.OffMm, breast.Curve);
+  breast.Rest = options.ChestAroundMm > 0
+    ? SurroundByChest(breast.Phantom, table, breast.Curve,
+        WallThicknessMm(breast.Phantom, table.Held()), options.ChestAroundMm)
+    : breast.Phantom;
   if (const std::vector<int> thin = table.Thin(); !thin.empty())
   {
     // Resampling tears layers of a voxel or two. Breast skin is 0.8 to 3 mm thick, 1.5 on average
@@ -126,7 +135,7 @@ private:
     const ProgressCallback& progress)
   {
     return MakeSimulationMesh(breast.Rest, breast.Table.Held(),
-      CubeEdge(breast.Rest) / options.GravityFineness, progress);
+      CubeEdge(breast.Phantom) / options.GravityFineness, progress);
   }
 
   BreastModel Model;
@@ -143,7 +152,7 @@ public:
     , Model(MeshAnatomy(breast, options, progress), breast.Table,
         { .Volume = breast.Rest,
           .SimulationMesh = MakeSimulationMesh(breast.Rest, breast.Table.Held(),
-            CubeEdge(breast.Rest) / options.CompressionFineness, progress),
+            CubeEdge(breast.Phantom) / options.CompressionFineness, progress),
           .Compression =
             breast.Loading(ElementType::PatchAveragedLinear, PatientPosition::Upright) },
         progress)
@@ -177,8 +186,9 @@ public:
     {
       try
       {
-        const CompressionState state =
+        CompressionState state =
           this->Model.Body().Compress(this->Placement, taken.Pose, nullptr, progress);
+        this->CloseFirmly(breast, taken.Pose, state, progress);
         return { taken, this->Picture(hung, state, points, taken, draws) };
       }
       catch (const ConvergenceError&)
@@ -221,11 +231,35 @@ private:
     return pose;
   }
 
+  /// Until the paddle presses as in clinics, or as far as there is an equilibrium.
+  void CloseFirmly(const TrueBreast& breast, BreastPose& pose, CompressionState& state,
+    const ProgressCallback& progress)
+  {
+    const double least = LeastPartOfHeight * HeightAlong(breast, this->Placement.At(pose).Z);
+    while (
+      state.PaddleForceN < this->Options.LeastForceN && ClosingFactor * pose.ThicknessMm > least)
+    {
+      BreastPose closer = pose;
+      closer.ThicknessMm *= ClosingFactor;
+      try
+      {
+        CompressionState next =
+          this->Model.Body().Compress(this->Placement, closer, &state, progress);
+        state = std::move(next);
+        pose = closer;
+      }
+      catch (const ConvergenceError&)
+      {
+        return;
+      }
+    }
+  }
+
   /// Of the breast alone: a patient's MRI holds the body beside it, too.
   static double HeightAlong(const TrueBreast& breast, const Vector3& axis)
   {
     const std::vector<bool> held = breast.Table.Held();
-    const LabelVolume rest = KeepBreast(breast.Rest, held, PatientAxes);
+    const LabelVolume rest = KeepBreast(breast.Phantom, held, PatientAxes);
     double low = 1e30;
     double high = -1e30;
     for (int k = 0; k < rest.Size[2]; ++k)
@@ -302,7 +336,8 @@ std::vector<double> DrawPoints(const TrueBreast& breast, int count, Draws& draws
     const Tissue tissue = tissues[rest.Voxels[rest.Index(i, j, k)]];
     const Vector3 at = rest.PointAt(i, j, k);
     // What lies within two centimetres of the chest wall's face is often behind the plates' edges.
-    if ((tissue == Tissue::Fat || tissue == Tissue::Gland) && at[1] < front - 20)
+    if ((tissue == Tissue::Fat || tissue == Tissue::Gland) && at[1] < front - 20 &&
+      breast.Phantom.LabelAt(at) != 0)
     {
       points.insert(points.end(), at.begin(), at.end());
     }

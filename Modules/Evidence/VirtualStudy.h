@@ -49,6 +49,13 @@ struct VirtualStudyOptions
   double CompressionFineness = 10;
   /// Upper bound of the cells of the pictured anatomy, mm.
   double AnatomyMm = 5.5;
+  /// Of a breast that was cut out of a body: so much of the chest goes on around it, in its
+  /// mechanics as in its MRI, mm.
+  double ChestAroundMm = 0;
+  /// The plates close on until the paddle presses so, N, but not below 0.4 of the height. 0: only
+  /// to the height that was drawn. Of 560 women the least was 49, the most 186 (Radiology 181, 355
+  /// (1991)).
+  double LeastForceN = 0;
   std::string Spectrum = "W30kVp_Rh50um_Be1mm";
   int NumberOfPoints = 100;
 };

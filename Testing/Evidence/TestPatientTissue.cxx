@@ -101,6 +101,52 @@ TEST(PatientTissue, ThePhantomLiesOnItsSideOfTheChest)
   EXPECT_NEAR(thickness(left, 75), thickness(right, -75), 1);
 }
 
+TEST(PatientTissue, TheChestGoesOnAroundWhatWasCutOut)
+{
+  // 24 mm of fat before a wall of 10 mm, cut flat at |x| = 15 and |z| = 15 mm; skin in front.
+  MaterialTable table = SoftTable();
+  table.Materials.push_back({ .Name = "skin", .Attenuation = "skin", .Thin = true });
+  const LabelVolume cut = test::LabelledCube(50, 1,
+    [](const Vector3& p)
+    {
+      return std::abs(p[0]) > 15 || std::abs(p[2]) > 15 || p[1] > 10 || p[1] < -26 ? 0
+        : p[1] > 0                                                                 ? 3
+        : p[1] > -24                                                               ? 1
+                                                                                   : 4;
+    });
+  const ChestCurve curve{ 10, 400 };
+  const LabelVolume placed =
+    PlaceOnChest(cut, table, AnatomicalAxes::FromCode("LPS"), 'L', 85, curve);
+  constexpr double reach = 30;
+  const LabelVolume chest = SurroundByChest(placed, table, curve, 10, reach);
+  const auto fatAt = [&](double x, double z)
+  {
+    double fat = 0;
+    for (double before = 0.25; before < 60; before += 0.5)
+    {
+      fat += chest.LabelAt({ x, curve.At(x) - 10 - before, z }) == 1 ? 0.5 : 0;
+    }
+    return fat;
+  };
+  // What was there is as it was.
+  for (const Vector3& own : { Vector3{ 85, 10 - 40, 0 }, Vector3{ 95, 10 + 2, 8 } })
+  {
+    EXPECT_EQ(chest.LabelAt(own), placed.LabelAt(own));
+  }
+  // It goes on as high as the cut, falls off to half of it at half the reach, then is 8 mm; within
+  // a voxel, and two where it is steep.
+  EXPECT_NEAR(fatAt(85, 16.5), 24, 1.5);
+  EXPECT_NEAR(fatAt(85, 15 + reach / 2), 12, 2);
+  EXPECT_NEAR(fatAt(85, -15 - reach / 2), 12, 2);
+  EXPECT_NEAR(fatAt(85 + 15 + reach / 2, 0), 12, 2);
+  EXPECT_NEAR(fatAt(85, 15 + reach - 2), 8, 1.5);
+  for (const double z : { -40.0, 40.0 })
+  {
+    EXPECT_EQ(chest.LabelAt({ 85, curve.At(85) - 5, z }), 3) << "the wall goes on";
+  }
+  EXPECT_EQ(chest.LabelAt({ 85, curve.At(85) + 2, 40 }), 0) << "nothing behind it";
+}
+
 TEST(PatientTissue, TheBodyIsBehindAndTheOtherBreastBeside)
 {
   const AnatomicalAxes axes = AnatomicalAxes::FromCode("LPS");

@@ -140,6 +140,136 @@ LabelVolume PlaceOnChest(const LabelVolume& materials, const MaterialTable& tabl
 
 namespace
 {
+/// For each column (i + k * columns) that holds no soft tissue the nearest that does, by steps
+/// between neighbours; itself for those that do, -1 for all where none does.
+std::vector<int> NearestFullColumn(const std::vector<char>& full, int columns)
+{
+  std::vector<int> nearest(full.size(), -1);
+  std::vector<int> front;
+  for (std::size_t column = 0; column < full.size(); ++column)
+  {
+    if (full[column] != 0)
+    {
+      nearest[column] = static_cast<int>(column);
+      front.push_back(static_cast<int>(column));
+    }
+  }
+  const int rows = static_cast<int>(full.size()) / columns;
+  while (!front.empty())
+  {
+    std::vector<int> next;
+    for (const int column : front)
+    {
+      const int i = column % columns;
+      const int k = column / columns;
+      for (const auto& [di, dk] : { std::pair{ -1, 0 }, { 1, 0 }, { 0, -1 }, { 0, 1 } })
+      {
+        if (i + di < 0 || i + di >= columns || k + dk < 0 || k + dk >= rows)
+        {
+          continue;
+        }
+        const int beside = (k + dk) * columns + i + di;
+        if (nearest[static_cast<std::size_t>(beside)] < 0)
+        {
+          nearest[static_cast<std::size_t>(beside)] = nearest[static_cast<std::size_t>(column)];
+          next.push_back(beside);
+        }
+      }
+    }
+    front = std::move(next);
+  }
+  return nearest;
+}
+
+/// The grid with so many voxels of air more on both sides of x and z and behind.
+LabelVolume Widened(const LabelVolume& placed, int sides, int behind)
+{
+  LabelVolume wide;
+  wide.Spacing = placed.Spacing;
+  wide.Size = { placed.Size[0] + 2 * sides, placed.Size[1] + behind, placed.Size[2] + 2 * sides };
+  wide.Origin = placed.PointAt(-sides, 0, -sides);
+  wide.Voxels.assign(static_cast<std::size_t>(wide.Size[0]) * wide.Size[1] * wide.Size[2], 0);
+  ForEachVoxel(placed,
+    [&](int i, int j, int k, std::size_t index)
+    { wide.Voxels[wide.Index(i + sides, j, k + sides)] = placed.Voxels[index]; });
+  return wide;
+}
+}
+
+LabelVolume SurroundByChest(const LabelVolume& placed, const MaterialTable& table,
+  const ChestCurve& curve, double wallMm, double reachMm)
+{
+  const std::vector<Tissue> tissues = TissuesOf(table);
+  const auto materialOf = [&](Tissue tissue)
+  {
+    return static_cast<std::uint16_t>(
+      std::find(tissues.begin() + 1, tissues.end(), tissue) - tissues.begin());
+  };
+  const std::uint16_t fat = materialOf(Tissue::Fat);
+  const std::uint16_t wall = materialOf(Tissue::Muscle);
+  if (fat == tissues.size() || wall == tissues.size())
+  {
+    return placed;
+  }
+  const double step = placed.Spacing[0];
+  const int sides = static_cast<int>(std::ceil(reachMm / step));
+  const double edge = std::max(std::abs(placed.PointAt(-sides, 0, 0)[0]),
+    std::abs(placed.PointAt(placed.Size[0] - 1 + sides, 0, 0)[0]));
+  const double last = placed.PointAt(0, placed.Size[1] - 1, 0)[1];
+  const int behind = std::max(0, static_cast<int>(std::ceil((curve.At(edge) - last) / step)));
+  const LabelVolume wide = Widened(placed, sides, behind);
+  std::vector<char> full(static_cast<std::size_t>(wide.Size[0]) * wide.Size[2], 0);
+  ForEachVoxel(wide,
+    [&](int i, int, int k, std::size_t index)
+    {
+      const Tissue tissue = tissues[wide.Voxels[index]];
+      full[static_cast<std::size_t>(k) * wide.Size[0] + i] |=
+        tissue != Tissue::Air && tissue != Tissue::Muscle ? 1 : 0;
+    });
+  const std::vector<int> nearest = NearestFullColumn(full, wide.Size[0]);
+  LabelVolume surrounded = wide;
+  ForEachVoxel(wide,
+    [&](int i, int j, int k, std::size_t index)
+    {
+      constexpr double FatMm = 8;
+      const Vector3 at = wide.PointAt(i, j, k);
+      const double ahead = curve.At(at[0]) - at[1];
+      const double beforeWall = ahead - wallMm;
+      const int from = nearest[static_cast<std::size_t>(k) * wide.Size[0] + i];
+      std::uint16_t& material = surrounded.Voxels[index];
+      if (ahead < 0 || from < 0)
+      {
+        return;
+      }
+      if (material == 0 && beforeWall > 0)
+      {
+        const int fromI = from % wide.Size[0];
+        const int fromK = from / wide.Size[0];
+        const double away = std::min(1.0, std::hypot(i - fromI, k - fromK) * step / reachMm);
+        const double height = 1 - away * away * (3 - 2 * away);
+        const Vector3 edgeOf = wide.PointAt(fromI, 0, fromK);
+        const Tissue beside = height < 0.02
+          ? Tissue::Air
+          : tissues[wide.LabelAt(
+              { edgeOf[0], curve.At(edgeOf[0]) - wallMm - beforeWall / height, edgeOf[2] })];
+        const bool goesOn =
+          away > 0 && beside != Tissue::Air && beside != Tissue::Skin && beside != Tissue::Muscle;
+        material = goesOn || beforeWall <= FatMm ? fat : material;
+      }
+      else if (material == 0)
+      {
+        material = wall;
+      }
+      else if (tissues[material] == Tissue::Skin && beforeWall <= FatMm)
+      {
+        material = fat;
+      }
+    });
+  return surrounded;
+}
+
+namespace
+{
 constexpr double LatticeMm = 4;
 
 /// A lattice of cubes over a volume; those that hold tissue, and the numbers of their corners.

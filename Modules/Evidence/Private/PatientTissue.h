@@ -52,6 +52,16 @@ MAMMORAYEVIDENCE_EXPORT LabelVolume PlaceOnChest(const LabelVolume& materials,
   const MaterialTable& table, const AnatomicalAxes& axes, char side, double offMm,
   const ChestCurve& curve);
 
+/**
+ * What was cut out of a body goes on beside it: `reachMm` farther to the sides, head and feet on a
+ * chest wall as thick as the phantom's (`wallMm`), tissue falls off from the edge of the phantom to
+ * subcutaneous fat of 8 mm, without skin (AddSkin gives it). Skin of the phantom that this buries
+ * becomes fat. `placed` as PlaceOnChest gives it. The same volume where the table has no fat or
+ * nothing held.
+ */
+MAMMORAYEVIDENCE_EXPORT LabelVolume SurroundByChest(const LabelVolume& placed,
+  const MaterialTable& table, const ChestCurve& curve, double wallMm, double reachMm);
+
 /// Takes points, 3 x pointCount, mm, to their new places.
 using PointMotion = std::function<std::vector<double>(const std::vector<double>&)>;
 
