@@ -81,8 +81,9 @@ file(WRITE "${CMAKE_BINARY_DIR}/packaging/triggers" "activate-noawait ldconfig\n
 set(control_files "${CMAKE_BINARY_DIR}/packaging/shlibs" "${CMAKE_BINARY_DIR}/packaging/triggers")
 file(CHMOD ${control_files} PERMISSIONS OWNER_READ OWNER_WRITE GROUP_READ WORLD_READ)
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_CONTROL_EXTRA "${control_files}")
-install(FILES Packaging/overrides DESTINATION "${CMAKE_INSTALL_DATADIR}/lintian/overrides" RENAME ${libraries}
-  COMPONENT runtime)
+configure_file(Packaging/overrides.in "${CMAKE_BINARY_DIR}/packaging/overrides" @ONLY)
+install(FILES "${CMAKE_BINARY_DIR}/packaging/overrides" DESTINATION "${CMAKE_INSTALL_DATADIR}/lintian/overrides"
+  RENAME ${libraries} COMPONENT runtime)
 
 set(documents "${CMAKE_BINARY_DIR}/packaging")
 find_program(GZIP gzip REQUIRED)

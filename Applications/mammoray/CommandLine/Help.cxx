@@ -134,21 +134,27 @@ std::string Wrapped(const std::string& text, std::size_t width)
   return wrapped;
 }
 
+std::vector<const CLI::Option*> OptionsOf(const CLI::App& command)
+{
+  std::vector<const CLI::Option*> options = command.get_options();
+  for (const CLI::App* group :
+    command.get_subcommands([](const CLI::App* inner) { return inner->get_name().empty(); }))
+  {
+    const std::vector<const CLI::Option*> inner = OptionsOf(*group);
+    options.insert(options.end(), inner.begin(), inner.end());
+  }
+  return options;
+}
+
 std::vector<std::string> LongOptions(const CLI::App& command)
 {
   std::vector<std::string> names;
-  for (const CLI::Option* option : command.get_options())
+  for (const CLI::Option* option : OptionsOf(command))
   {
     for (const std::string& name : option->get_lnames())
     {
       names.push_back("--" + name);
     }
-  }
-  for (const CLI::App* group :
-    command.get_subcommands([](const CLI::App* inner) { return inner->get_name().empty(); }))
-  {
-    const std::vector<std::string> inner = LongOptions(*group);
-    names.insert(names.end(), inner.begin(), inner.end());
   }
   return names;
 }

@@ -9,6 +9,7 @@
 namespace CLI
 {
 class App;
+class Option;
 }
 
 namespace mammoray
@@ -25,7 +26,10 @@ std::string Wrapped(const std::string& text, std::size_t width);
 /// that look like options which the command does not have: CLI11 would only say what it misses.
 void CheckWords(const CLI::App& application, const std::vector<std::string>& words);
 
-/// The long options of a command and its groups, with their dashes.
+/// The options of a command and of its groups, which CLI11 keeps as nameless commands.
+std::vector<const CLI::Option*> OptionsOf(const CLI::App& command);
+
+/// Their long names, with dashes.
 std::vector<std::string> LongOptions(const CLI::App& command);
 }
 

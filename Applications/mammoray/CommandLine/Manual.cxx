@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Manual.h"
 
+#include "Help.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/Foundation/NearNames.h"
 
@@ -45,23 +46,11 @@ std::vector<const CLI::App*> Commands(const CLI::App& application)
   return { commands.begin(), commands.end() };
 }
 
-/// With those of its groups, which CLI11 keeps as nameless commands.
-std::vector<const CLI::Option*> OptionsOf(const CLI::App& command)
+/// Hidden options have no group.
+std::vector<const CLI::Option*> ShownOptionsOf(const CLI::App& command)
 {
-  std::vector<const CLI::Option*> options;
-  for (const CLI::Option* option : command.get_options())
-  {
-    if (!option->get_group().empty()) // hidden ones have none
-    {
-      options.push_back(option);
-    }
-  }
-  for (const CLI::App* group :
-    command.get_subcommands([](const CLI::App* inner) { return inner->get_name().empty(); }))
-  {
-    const std::vector<const CLI::Option*> inner = OptionsOf(*group);
-    options.insert(options.end(), inner.begin(), inner.end());
-  }
+  std::vector<const CLI::Option*> options = OptionsOf(command);
+  std::erase_if(options, [](const CLI::Option* option) { return option->get_group().empty(); });
   return options;
 }
 
@@ -103,7 +92,7 @@ std::string Entry(const CLI::Option& option)
 std::string OptionSections(const CLI::App& command)
 {
   std::vector<std::string> headings;
-  const std::vector<const CLI::Option*> options = OptionsOf(command);
+  const std::vector<const CLI::Option*> options = ShownOptionsOf(command);
   for (const CLI::Option* option : options)
   {
     if (std::find(headings.begin(), headings.end(), option->get_group()) == headings.end())
@@ -207,7 +196,7 @@ std::string CompletionScript(const CLI::App& application)
     const std::string& name = command->get_name();
     commands += (commands.empty() ? "" : " ") + name;
     std::string names;
-    for (const CLI::Option* option : OptionsOf(*command))
+    for (const CLI::Option* option : ShownOptionsOf(*command))
     {
       for (const std::string& spelling : NamesOf(*option))
       {

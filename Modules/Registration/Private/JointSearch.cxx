@@ -18,15 +18,16 @@ std::vector<std::size_t> JointSearch::MammogramsOf(int parameter, std::size_t ma
 
 void JointSearch::Observe() const
 {
+  if (!this->Observer)
+  {
+    return;
+  }
   std::vector<const RegistrationResult*> found;
   for (const MammogramSearch& mammogram : this->Mammograms)
   {
     found.push_back(&mammogram.Result);
   }
-  if (this->Observer)
-  {
-    this->Observer(found);
-  }
+  this->Observer(found);
 }
 
 void JointSearch::CollectUnknowns()
