@@ -84,20 +84,15 @@ Vector3 CentreOf(const LabelVolume& volume)
 {
   Vector3 sum{ 0, 0, 0 };
   double count = 0;
-  for (int k = 0; k < volume.Size[2]; ++k)
-  {
-    for (int j = 0; j < volume.Size[1]; ++j)
+  volume.ForEachVoxel(
+    [&](int i, int j, int k, std::size_t voxel)
     {
-      for (int i = 0; i < volume.Size[0]; ++i)
+      if (volume.Voxels[voxel] != 0)
       {
-        if (volume.Voxels[volume.Index(i, j, k)] != 0)
-        {
-          sum = sum + volume.PointAt(i, j, k);
-          count += 1;
-        }
+        sum = sum + volume.PointAt(i, j, k);
+        count += 1;
       }
-    }
-  }
+    });
   return (1 / count) * sum;
 }
 

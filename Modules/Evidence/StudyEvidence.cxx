@@ -33,26 +33,21 @@ LabelVolume FreeOfCoil(LabelVolume breast, const std::vector<bool>& held)
   std::array<double, 2> sums{};
   std::array<double, 2> squares{};
   double count = 0;
-  for (int k = 0; k < breast.Size[2]; ++k)
-  {
-    for (int j = 0; j < breast.Size[1]; ++j)
+  breast.ForEachVoxel(
+    [&](int i, int j, int k, std::size_t voxel)
     {
-      for (int i = 0; i < breast.Size[0]; ++i)
+      const std::size_t material = breast.Voxels[voxel];
+      if (material != 0 && !held[material])
       {
-        const int material = breast.Voxels[breast.Index(i, j, k)];
-        if (material != 0 && !held[static_cast<std::size_t>(material)])
+        const Vector3 at = breast.PointAt(i, j, k);
+        for (std::size_t axis = 0; axis < 2; ++axis)
         {
-          const Vector3 at = breast.PointAt(i, j, k);
-          for (std::size_t axis = 0; axis < 2; ++axis)
-          {
-            sums[axis] += at[2 * axis];
-            squares[axis] += at[2 * axis] * at[2 * axis];
-          }
-          ++count;
+          sums[axis] += at[2 * axis];
+          squares[axis] += at[2 * axis] * at[2 * axis];
         }
+        ++count;
       }
-    }
-  }
+    });
   const auto deviation = [&](std::size_t axis)
   {
     const double mean = sums[axis] / count;

@@ -2,6 +2,7 @@
 #include "mammoray/Evidence/TwinExperiment.h"
 
 #include "Private/ImitatedMammogram.h"
+#include "Private/PatientTissue.h"
 #include "mammoray/Biomechanics/Embedding.h"
 #include "mammoray/Case/RegistrationCase.h"
 #include "mammoray/Evidence/LandmarkEvaluation.h"
@@ -13,7 +14,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 namespace mammoray
@@ -133,29 +133,6 @@ std::vector<RegistrationParameter> DrawParameters(Draws& draws, TwinKind kind,
     }
   }
   return parameters;
-}
-
-double HeightMm(const LabelVolume& materials, const std::vector<bool>& held, const Vector3& axis)
-{
-  double low = std::numeric_limits<double>::infinity();
-  double high = -low;
-  for (int k = 0; k < materials.Size[2]; ++k)
-  {
-    for (int j = 0; j < materials.Size[1]; ++j)
-    {
-      for (int i = 0; i < materials.Size[0]; ++i)
-      {
-        const int material = materials.Voxels[materials.Index(i, j, k)];
-        if (material != 0 && !held[material])
-        {
-          const double height = Dot(materials.PointAt(i, j, k), axis);
-          low = std::min(low, height);
-          high = std::max(high, height);
-        }
-      }
-    }
-  }
-  return high - low;
 }
 
 }

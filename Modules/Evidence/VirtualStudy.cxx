@@ -259,26 +259,7 @@ private:
   static double HeightAlong(const TrueBreast& breast, const Vector3& axis)
   {
     const std::vector<bool> held = breast.Table.Held();
-    const LabelVolume rest = KeepBreast(breast.Phantom, held, PatientAxes);
-    double low = 1e30;
-    double high = -1e30;
-    for (int k = 0; k < rest.Size[2]; ++k)
-    {
-      for (int j = 0; j < rest.Size[1]; ++j)
-      {
-        for (int i = 0; i < rest.Size[0]; ++i)
-        {
-          const int material = rest.Voxels[rest.Index(i, j, k)];
-          if (material != 0 && !held[material])
-          {
-            const double height = Dot(rest.PointAt(i, j, k), axis);
-            low = std::min(low, height);
-            high = std::max(high, height);
-          }
-        }
-      }
-    }
-    return high - low;
+    return HeightMm(KeepBreast(breast.Phantom, held, PatientAxes), held, axis);
   }
 
   Mammogram Picture(const Mammogram& hung, const CompressionState& state,

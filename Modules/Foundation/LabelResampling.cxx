@@ -136,24 +136,19 @@ VoxelBox FindTissueBox(const LabelVolume& labels)
 {
   labels.Validate("volume to crop");
   VoxelBox box{ labels.Size, { -1, -1, -1 } };
-  for (int k = 0; k < labels.Size[2]; ++k)
-  {
-    for (int j = 0; j < labels.Size[1]; ++j)
+  labels.ForEachVoxel(
+    [&](int i, int j, int k, std::size_t voxel)
     {
-      for (int i = 0; i < labels.Size[0]; ++i)
+      if (labels.Voxels[voxel] != 0)
       {
-        if (labels.Voxels[labels.Index(i, j, k)] != 0)
+        const int index[3] = { i, j, k };
+        for (int a = 0; a < 3; ++a)
         {
-          const int index[3] = { i, j, k };
-          for (int a = 0; a < 3; ++a)
-          {
-            box.First[a] = std::min(box.First[a], index[a]);
-            box.Last[a] = std::max(box.Last[a], index[a]);
-          }
+          box.First[a] = std::min(box.First[a], index[a]);
+          box.Last[a] = std::max(box.Last[a], index[a]);
         }
       }
-    }
-  }
+    });
   if (box.Last[0] < 0)
   {
     throw InputError("volume to crop: expected labels other than 0, found none");

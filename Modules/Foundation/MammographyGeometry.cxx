@@ -103,23 +103,18 @@ Vector3 HalfVoxel(const LabelVolume& materials, const TissueExtent& extent)
 
 /// Calls visit(voxel, point, is held) for all tissue.
 template <typename Visit>
-void ForEachVoxel(const LabelVolume& materials, const std::vector<bool>& held, const Visit& visit)
+void ForEachTissueVoxel(const LabelVolume& materials, const std::vector<bool>& held,
+  const Visit& visit)
 {
-  for (int k = 0; k < materials.Size[2]; ++k)
-  {
-    for (int j = 0; j < materials.Size[1]; ++j)
+  materials.ForEachVoxel(
+    [&](int i, int j, int k, std::size_t voxel)
     {
-      for (int i = 0; i < materials.Size[0]; ++i)
+      const std::size_t material = materials.Voxels[voxel];
+      if (material != 0)
       {
-        const std::size_t voxel = materials.Index(i, j, k);
-        const std::size_t material = materials.Voxels[voxel];
-        if (material != 0)
-        {
-          visit(voxel, materials.PointAt(i, j, k), material < held.size() && held[material]);
-        }
+        visit(voxel, materials.PointAt(i, j, k), material < held.size() && held[material]);
       }
-    }
-  }
+    });
 }
 
 /// Calls visit(voxel, point, is held, is breast) for all tissue. Throws InputError where there is
@@ -130,17 +125,17 @@ void ForEachVoxelOfBreast(const LabelVolume& materials, const std::vector<bool>&
 {
   TissueExtent all(axes);
   const Vector3 half = HalfVoxel(materials, all);
-  ForEachVoxel(materials, held,
+  ForEachTissueVoxel(materials, held,
     [&](std::size_t, const Vector3& point, bool isHeld) { all.Add(point, half, isHeld); });
   if (all.IsEmpty())
   {
     throw InputError("pose: expected tissue in the volume, found only air");
   }
   BreastColumns columns(all.Low, all.High, 2 * std::max(half[0], half[2]));
-  ForEachVoxel(materials, held,
+  ForEachTissueVoxel(materials, held,
     [&](std::size_t, const Vector3& point, bool isHeld) { columns.Add(all.Place(point), isHeld); });
   columns.Find();
-  ForEachVoxel(materials, held,
+  ForEachTissueVoxel(materials, held,
     [&](std::size_t voxel, const Vector3& point, bool isHeld)
     { visit(voxel, point, isHeld, columns.IsBreast(all.Place(point))); });
 }

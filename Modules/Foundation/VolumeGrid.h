@@ -31,6 +31,22 @@ struct MAMMORAYFOUNDATION_EXPORT VolumeGrid
   {
     return (static_cast<std::size_t>(k) * this->Size[1] + j) * this->Size[0] + i;
   }
+  /// Calls visit(i, j, k, place in the array) for every voxel, in the order of the array.
+  template <typename Visit>
+  void ForEachVoxel(const Visit& visit) const
+  {
+    std::size_t index = 0;
+    for (int k = 0; k < this->Size[2]; ++k)
+    {
+      for (int j = 0; j < this->Size[1]; ++j)
+      {
+        for (int i = 0; i < this->Size[0]; ++i)
+        {
+          visit(i, j, k, index++);
+        }
+      }
+    }
+  }
   /// "voxel (i, j, k)" of a place in the array, for messages.
   std::string VoxelName(std::size_t index) const;
   /// Volume of a voxel, mm^3.

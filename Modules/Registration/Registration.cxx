@@ -125,14 +125,17 @@ private:
       }
       const bool goesOn = this->Levels(predictors, 0, finest);
       // A stop takes effect once the simulation itself has been where the predictor got to.
-      for (MammogramSearch& mammogram : this->Joint.Mammograms)
+      for (std::size_t number = 0; number < predictors.size(); ++number)
       {
-        AdoptPredicted(mammogram, goesOn ? this->Progress : ProgressCallback());
+        MammogramSearch& mammogram = this->Joint.Mammograms[number];
         if (goesOn)
         {
-          ChooseEquilibrium(CoarsenTo(*mammogram.Given->Target, this->Options.PixelSizesMm.back()),
+          // A cold start of the simulation itself would double the time of a search.
+          ChooseEquilibrium(predictors[number],
+            CoarsenTo(*mammogram.Given->Target, this->Options.PixelSizesMm.back()),
             this->Bounded(mammogram), mammogram, this->Progress);
         }
+        AdoptPredicted(mammogram, goesOn ? this->Progress : ProgressCallback());
       }
       if (goesOn)
       {

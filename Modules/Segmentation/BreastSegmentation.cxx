@@ -191,17 +191,12 @@ private:
     const VolumeGrid points = this->Order.GridOf(grid);
     std::vector<float> values;
     values.reserve(CountOf(grid));
-    for (int k = 0; k < points.Size[2]; ++k)
-    {
-      for (int j = 0; j < points.Size[1]; ++j)
+    points.ForEachVoxel(
+      [&](int i, int j, int k, std::size_t)
       {
-        for (int i = 0; i < points.Size[0]; ++i)
-        {
-          values.push_back(
-            std::max(0.0f, this->Second->ValueAt(points.PointAt(i, j, k)).value_or(0.0f)));
-        }
-      }
-    }
+        values.push_back(
+          std::max(0.0f, this->Second->ValueAt(points.PointAt(i, j, k)).value_or(0.0f)));
+      });
     this->Order.ForEachVoxel(SizeOf(grid),
       [&](std::size_t inImage, std::size_t inVolume)
       { image->GetBufferPointer()[inImage] = values[inVolume]; });

@@ -7,6 +7,7 @@
 #include "ProjectionTables.h"
 #include "SceneFile.h"
 #include "SurfaceShapes.h"
+#include "TextFile.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/IO/ScratchFolder.h"
 #include "mammoray/IO/ShippedData.h"
@@ -99,14 +100,6 @@ Json SweepRates(const std::string& method, double budget)
     sweep["triangles"].push_back(MeasureRates(Balls(level, 600, 600), projection, budget));
   }
   return sweep;
-}
-
-void WriteText(const std::string& text, const std::string& path)
-{
-  if (!(std::ofstream(path) << text << std::flush))
-  {
-    throw Error(path + ": cannot be written");
-  }
 }
 
 void WriteJson(const Json& value, const std::string& path)

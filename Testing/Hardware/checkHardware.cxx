@@ -4,6 +4,7 @@
 #include "ChildProcess.h"
 #include "HardwareReport.h"
 #include "ProjectionTables.h"
+#include "TextFile.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/XRay/PathLengthProjector.h"
 
@@ -87,14 +88,6 @@ Json ReadJson(const fs::path& path)
   return Json::parse(file);
 }
 
-void WriteText(const std::string& text, const fs::path& path)
-{
-  if (!(std::ofstream(path) << text << std::flush))
-  {
-    throw Error(path.string() + ": cannot be written");
-  }
-}
-
 /// What a program of proofs says; nothing where it is not there (built without its library).
 void RunProofs(const std::string& program, const fs::path& programs, const Arguments& arguments,
   Json& report)
@@ -158,8 +151,9 @@ void Run(const Arguments& arguments)
     RunProofs(program, programs, arguments, report);
   }
   report["benchmark"] = RunBenchmark(programs, arguments);
-  WriteText(report.dump(2) + "\n", fs::path(arguments.Folder) / "hardware.json");
-  WriteText(hardware::HardwarePage(report), fs::path(arguments.Folder) / "hardware.html");
+  benchmarks::WriteText(report.dump(2) + "\n", fs::path(arguments.Folder) / "hardware.json");
+  benchmarks::WriteText(hardware::HardwarePage(report),
+    fs::path(arguments.Folder) / "hardware.html");
   const std::string verdict = hardware::Verdict(report);
   if (!report["benchmark"].contains("error"))
   {

@@ -56,20 +56,14 @@ std::vector<Vector3> GlandVoxels(const LabelVolume& materials, const MaterialTab
 {
   const std::vector<int> gland = table.Glandular();
   std::vector<Vector3> points;
-  for (int k = 0; k < materials.Size[2]; ++k)
-  {
-    for (int j = 0; j < materials.Size[1]; ++j)
+  materials.ForEachVoxel(
+    [&](int i, int j, int k, std::size_t voxel)
     {
-      for (int i = 0; i < materials.Size[0]; ++i)
+      if (std::find(gland.begin(), gland.end(), materials.Voxels[voxel]) != gland.end())
       {
-        const int material = materials.Voxels[materials.Index(i, j, k)];
-        if (std::find(gland.begin(), gland.end(), material) != gland.end())
-        {
-          points.push_back(materials.PointAt(i, j, k));
-        }
+        points.push_back(materials.PointAt(i, j, k));
       }
-    }
-  }
+    });
   return points;
 }
 }

@@ -21,22 +21,12 @@ struct Range
 
   double Middle() const { return 0.5 * (this->Low + this->High); }
   double Length() const { return this->High - this->Low; }
-};
-
-template <typename Visitor>
-void ForEachVoxel(const VolumeGrid& grid, const Visitor& visit)
-{
-  for (int k = 0; k < grid.Size[2]; ++k)
+  void Add(double at)
   {
-    for (int j = 0; j < grid.Size[1]; ++j)
-    {
-      for (int i = 0; i < grid.Size[0]; ++i)
-      {
-        visit(i, j, k, grid.Index(i, j, k));
-      }
-    }
+    this->Low = std::min(this->Low, at);
+    this->High = std::max(this->High, at);
   }
-}
+};
 
 /// Half a voxel along a direction, mm.
 double HalfVoxel(const VolumeGrid& grid, const Vector3& direction)
@@ -52,14 +42,12 @@ double HalfVoxel(const VolumeGrid& grid, const Vector3& direction)
 Range TissueRange(const LabelVolume& labels, const Vector3& direction)
 {
   Range range;
-  ForEachVoxel(labels,
+  labels.ForEachVoxel(
     [&](int i, int j, int k, std::size_t index)
     {
       if (labels.Voxels[index] != 0)
       {
-        const double at = Dot(labels.PointAt(i, j, k), direction);
-        range.Low = std::min(range.Low, at);
-        range.High = std::max(range.High, at);
+        range.Add(Dot(labels.PointAt(i, j, k), direction));
       }
     });
   if (range.Low > range.High)
@@ -77,7 +65,7 @@ char NaturalSide(const LabelVolume& materials, const std::vector<bool>& held,
 {
   double towardsLeft = 0;
   double count = 0;
-  ForEachVoxel(materials,
+  materials.ForEachVoxel(
     [&](int i, int j, int k, std::size_t index)
     {
       if (held[materials.Voxels[index]])
@@ -126,7 +114,7 @@ LabelVolume PlaceOnChest(const LabelVolume& materials, const MaterialTable& tabl
   }
   placed.Origin = low;
   placed.Voxels.resize(static_cast<std::size_t>(placed.Size[0]) * placed.Size[1] * placed.Size[2]);
-  ForEachVoxel(placed,
+  placed.ForEachVoxel(
     [&](int i, int j, int k, std::size_t index)
     {
       const Vector3 at = placed.PointAt(i, j, k);
@@ -189,8 +177,7 @@ LabelVolume Widened(const LabelVolume& placed, int sides, int behind)
   wide.Size = { placed.Size[0] + 2 * sides, placed.Size[1] + behind, placed.Size[2] + 2 * sides };
   wide.Origin = placed.PointAt(-sides, 0, -sides);
   wide.Voxels.assign(static_cast<std::size_t>(wide.Size[0]) * wide.Size[1] * wide.Size[2], 0);
-  ForEachVoxel(placed,
-    [&](int i, int j, int k, std::size_t index)
+  placed.ForEachVoxel([&](int i, int j, int k, std::size_t index)
     { wide.Voxels[wide.Index(i + sides, j, k + sides)] = placed.Voxels[index]; });
   return wide;
 }
@@ -219,7 +206,7 @@ LabelVolume SurroundByChest(const LabelVolume& placed, const MaterialTable& tabl
   const int behind = std::max(0, static_cast<int>(std::ceil((curve.At(edge) - last) / step)));
   const LabelVolume wide = Widened(placed, sides, behind);
   std::vector<char> full(static_cast<std::size_t>(wide.Size[0]) * wide.Size[2], 0);
-  ForEachVoxel(wide,
+  wide.ForEachVoxel(
     [&](int i, int, int k, std::size_t index)
     {
       const Tissue tissue = tissues[wide.Voxels[index]];
@@ -228,7 +215,7 @@ LabelVolume SurroundByChest(const LabelVolume& placed, const MaterialTable& tabl
     });
   const std::vector<int> nearest = NearestFullColumn(full, wide.Size[0]);
   LabelVolume surrounded = wide;
-  ForEachVoxel(wide,
+  wide.ForEachVoxel(
     [&](int i, int j, int k, std::size_t index)
     {
       constexpr double FatMm = 8;
@@ -288,7 +275,7 @@ struct Lattice
     }
     std::vector<bool> full(
       static_cast<std::size_t>(this->Count[0]) * this->Count[1] * this->Count[2]);
-    ForEachVoxel(labels,
+    labels.ForEachVoxel(
       [&](int i, int j, int k, std::size_t index)
       {
         if (labels.Voxels[index] != 0)
@@ -507,7 +494,7 @@ LabelVolume JoinBody(const LabelVolume& breast, const std::vector<Tissue>& tissu
 {
   LabelVolume patient = breast;
   const double halfWidth = both ? 170 : 1e9;
-  ForEachVoxel(breast,
+  breast.ForEachVoxel(
     [&](int i, int j, int k, std::size_t index)
     {
       const Vector3 at = breast.PointAt(i, j, k);
@@ -530,6 +517,21 @@ LabelVolume JoinBody(const LabelVolume& breast, const std::vector<Tissue>& tissu
       patient.Voxels[index] = static_cast<std::uint16_t>(tissue);
     });
   return patient;
+}
+
+double HeightMm(const LabelVolume& materials, const std::vector<bool>& held, const Vector3& axis)
+{
+  Range range;
+  materials.ForEachVoxel(
+    [&](int i, int j, int k, std::size_t index)
+    {
+      const std::size_t material = materials.Voxels[index];
+      if (material != 0 && !held[material])
+      {
+        range.Add(Dot(materials.PointAt(i, j, k), axis));
+      }
+    });
+  return range.Length();
 }
 
 double WallThicknessMm(const LabelVolume& placed, const std::vector<bool>& held)

@@ -84,6 +84,9 @@ MAMMORAYEVIDENCE_EXPORT std::vector<Tissue> TissuesOf(const MaterialTable& table
 MAMMORAYEVIDENCE_EXPORT LabelVolume JoinBody(const LabelVolume& breast,
   const std::vector<Tissue>& tissues, const ChestCurve& curve, double wallMm, bool both);
 
+/// Height of what is not held along a direction, mm, between the middles of its voxels.
+double HeightMm(const LabelVolume& materials, const std::vector<bool>& held, const Vector3& axis);
+
 /// Mean thickness of the held tissue where there is any, along the posterior direction, mm.
 double WallThicknessMm(const LabelVolume& placed, const std::vector<bool>& held);
 }

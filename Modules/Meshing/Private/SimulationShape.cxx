@@ -152,16 +152,10 @@ void ReleaseAhead(const VoxelMask& tissue, const VoxelField& heldFraction, Voxel
   const Vector3 normal = MeanNormal(Without(tissue, front), Both(tissue, front));
   const auto forEach = [&](auto&& visit)
   {
-    for (int k = 0; k < front.Size[2]; ++k)
-    {
-      for (int j = 0; j < front.Size[1]; ++j)
-      {
-        for (int i = 0; i < front.Size[0]; ++i)
-        {
-          visit(front.Index(i, j, k), Dot(normal, { double(i), double(j), double(k) }));
-        }
-      }
-    }
+    front.ForEachVoxel(
+      [&](int i, int j, int k, std::size_t voxel) {
+        visit(voxel, Dot(normal, { double(i), double(j), double(k) }));
+      });
   };
   double most = -std::numeric_limits<double>::infinity();
   forEach([&](std::size_t voxel, double height)

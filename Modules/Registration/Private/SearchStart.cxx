@@ -280,14 +280,13 @@ void AdoptPredicted(MammogramSearch& search, const ProgressCallback& progress)
   search.Result.MechanicsSeconds += SecondsSince(begin);
 }
 
-void ChooseEquilibrium(const RegistrationTarget& target, const RegistrationOptions& options,
-  MammogramSearch& search, const ProgressCallback& progress)
+void ChooseEquilibrium(const SearchedBreast& breast, const RegistrationTarget& target,
+  const RegistrationOptions& options, MammogramSearch& search, const ProgressCallback& progress)
 {
   std::shared_ptr<EvaluatedState> other;
   try
   {
-    other =
-      CompressForStart(search.Breast(), search.Result.Values, nullptr, search.Result, progress);
+    other = CompressForStart(breast, search.Result.Values, nullptr, search.Result, progress);
   }
   catch (const ConvergenceError&)
   {

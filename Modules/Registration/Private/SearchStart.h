@@ -40,10 +40,10 @@ std::shared_ptr<EvaluatedState> CompressForStart(const SearchedBreast& breast,
 /// as above. A cold start may find another equilibrium than the one that was searched with.
 void AdoptPredicted(MammogramSearch& search, const ProgressCallback& progress);
 
-/// Compresses the breast cold where Here is: of two equilibria the one whose picture matches
-/// `target` better goes into Here, and how far they are apart into the result.
-void ChooseEquilibrium(const RegistrationTarget& target, const RegistrationOptions& options,
-  MammogramSearch& search, const ProgressCallback& progress);
+/// Compresses `breast` cold where Here, an equilibrium of it, is: of the two the one whose picture
+/// matches `target` better goes into Here, and how far they are apart into the result.
+void ChooseEquilibrium(const SearchedBreast& breast, const RegistrationTarget& target,
+  const RegistrationOptions& options, MammogramSearch& search, const ProgressCallback& progress);
 
 /// The equilibrium at the result's values into Here; opened, with a warning, where there is none.
 void CompressStart(MammogramSearch& search, const ProgressCallback& progress);
