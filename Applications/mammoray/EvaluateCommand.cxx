@@ -58,18 +58,30 @@ void PrintRow(const std::string& method, const char* group, const ErrorSummary& 
 }
 
 #ifdef MAMMORAY_HAS_MESHING
+void PrintPointErrors(const std::string& view, const char* group, const PointErrors& errors)
+{
+  if (errors.InSpaceMm.empty())
+  {
+    return;
+  }
+  std::printf("%-8s %-7s %6zu ", view.c_str(), group, errors.InSpaceMm.size());
+  for (const std::vector<double>& of : { errors.InSpaceMm, errors.OnReceptorMm })
+  {
+    std::printf(" %7.2f %7.2f %7.2f  ", Quantile(of, 0.5), Quantile(of, 0.95), Quantile(of, 1));
+  }
+  std::printf("\n");
+}
+
 void PrintStudyErrors(const EvaluateArguments& arguments)
 {
   const VirtualStudyTruth truth = ReadVirtualStudyTruth(CheckInputFile(arguments.Study));
-  std::printf("%-8s %6s  %23s   %23s\n", "error, mm", "", "in 3D", "on the receptor");
-  std::printf("%-8s %6s  %7s %7s %7s   %7s %7s %7s\n", "view", "points", "median", "95 %", "max",
-    "median", "95 %", "max");
+  std::printf("%-16s %6s  %23s   %23s\n", "error, mm", "", "in 3D", "on the receptor");
+  std::printf("%-8s %-7s %6s  %7s %7s %7s   %7s %7s %7s\n", "view", "", "points", "median", "95 %",
+    "max", "median", "95 %", "max");
   for (const StudyViewErrors& errors : MeasureStudy(truth, arguments.Result))
   {
-    std::printf("%-8s %6zu  %7.2f %7.2f %7.2f   %7.2f %7.2f %7.2f\n", errors.View.c_str(),
-      errors.InSpaceMm.size(), Quantile(errors.InSpaceMm, 0.5), Quantile(errors.InSpaceMm, 0.95),
-      Quantile(errors.InSpaceMm, 1), Quantile(errors.OnReceptorMm, 0.5),
-      Quantile(errors.OnReceptorMm, 0.95), Quantile(errors.OnReceptorMm, 1));
+    PrintPointErrors(errors.View, "imaged", errors.Imaged);
+    PrintPointErrors(errors.View, "not", errors.Behind);
   }
 }
 #endif

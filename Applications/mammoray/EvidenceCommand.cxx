@@ -7,6 +7,7 @@
 #include "mammoray/Evidence/EvidenceFile.h"
 #include "mammoray/Evidence/EvidenceTables.h"
 #include "mammoray/Foundation/Error.h"
+#include "mammoray/Foundation/NearNames.h"
 #include "mammoray/IO/WholeOutput.h"
 
 #include <algorithm>
@@ -33,6 +34,7 @@ struct EvidenceArguments
   std::string Output;
   std::string Table;
   int Studies = 20;
+  std::vector<std::string> Anatomies;
   bool Resume = false;
   bool Overwrite = false;
 
@@ -60,9 +62,12 @@ void Declare(const OptionList& add, EvidenceArguments& arguments)
     "true poses of each phantom for which searches are compared");
   add("--studies", arguments.Studies, NonNegative(),
     "virtual studies: a clinic's export each, of the phantoms and the patients' MRI of the data");
+  add("--anatomy", arguments.Anatomies, "only virtual studies of these, e.g. uta11-a");
+  add("--keep", input.KeepStudiesIn, "folder that keeps the virtual studies and results");
   add("--seed", input.Twin.Seed, "of the true poses, starts and noise");
-  add("--model-fineness", input.Twin.ModelFineness, Positive(),
-    "cells of the model's mechanics: edge of a cube as large as the breast, over this");
+  add("--model-fineness", input.Twin.ModelFineness, NonNegative(),
+    "cells of the model's mechanics: edge of a cube as large as the breast, over this; 0: as "
+    "register makes them");
   add("--target-fineness", input.Twin.TargetFineness, Positive(),
     "the same for the mechanics of the true breast");
   AddComparisonOptions(add, input.Twin.Registration);
@@ -89,6 +94,31 @@ std::vector<EvidencePhantom> ParsePhantoms(const EvidenceArguments& arguments)
     phantom.Labels.SpacingMm = arguments.LabelSpacingMm;
   }
   return phantoms;
+}
+
+/// Those of the named anatomies; all where none is named.
+void KeepAnatomies(const std::vector<std::string>& names, std::vector<EvidenceStudy>& studies)
+{
+  std::vector<std::string> known;
+  for (const EvidenceStudy& study : studies)
+  {
+    if (std::find(known.begin(), known.end(), study.Phantom) == known.end())
+    {
+      known.push_back(study.Phantom);
+    }
+  }
+  for (const std::string& name : names)
+  {
+    if (std::find(known.begin(), known.end(), name) == known.end())
+    {
+      throw InputError(
+        "--anatomy: there is no virtual study of '" + name + "'; " + SuggestNames(name, known));
+    }
+  }
+  std::erase_if(studies,
+    [&](const EvidenceStudy& study) {
+      return !names.empty() && std::find(names.begin(), names.end(), study.Phantom) == names.end();
+    });
 }
 
 void AddWanted(EvidenceArguments& arguments)
@@ -118,6 +148,7 @@ void AddWanted(EvidenceArguments& arguments)
   if (arguments.Wants("studies"))
   {
     input.Studies = StudiesOfEvidence(input.Phantoms, arguments.Data, arguments.Studies);
+    KeepAnatomies(arguments.Anatomies, input.Studies);
   }
 }
 

@@ -119,13 +119,23 @@ nlohmann::json ToJson(const MammogramEvidence& found)
     { "trust", found.Trust }, { "seconds", found.Seconds }, { "failure", found.Failure } };
 }
 
+nlohmann::json ToJson(const PointErrors& errors)
+{
+  return { { "in3dMm", errors.InSpaceMm }, { "onReceptorMm", errors.OnReceptorMm } };
+}
+
+PointErrors PointErrorsFrom(const nlohmann::json& json)
+{
+  return { Numbers(json.at("in3dMm")), Numbers(json.at("onReceptorMm")) };
+}
+
 nlohmann::json ToJson(const StudyRun& run)
 {
   nlohmann::json views = nlohmann::json::array();
   for (const StudyViewErrors& view : run.Views)
   {
-    views.push_back({ { "view", view.View }, { "in3dMm", view.InSpaceMm },
-      { "onReceptorMm", view.OnReceptorMm }, { "meanOutlineDistanceMm", view.MeanOutlineMm },
+    views.push_back({ { "view", view.View }, { "imaged", ToJson(view.Imaged) },
+      { "behind", ToJson(view.Behind) }, { "meanOutlineDistanceMm", view.MeanOutlineMm },
       { "correlation", view.Correlation }, { "trust", view.Trust } });
   }
   return { { "phantom", run.Phantom }, { "seed", run.Seed },
@@ -141,8 +151,8 @@ StudyRun StudyRunFrom(const nlohmann::json& json)
   run.Laterality = json.at("laterality").get<std::string>() == "R" ? 'R' : 'L';
   for (const nlohmann::json& view : json.at("views"))
   {
-    run.Views.push_back({ view.at("view").get<std::string>(), Numbers(view.at("in3dMm")),
-      Numbers(view.at("onReceptorMm")), Number(view.at("meanOutlineDistanceMm")),
+    run.Views.push_back({ view.at("view").get<std::string>(), PointErrorsFrom(view.at("imaged")),
+      PointErrorsFrom(view.at("behind")), Number(view.at("meanOutlineDistanceMm")),
       Number(view.at("correlation")), view.at("trust").get<std::string>() });
   }
   run.Seconds = Number(json.at("seconds"));

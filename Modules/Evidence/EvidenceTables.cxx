@@ -276,13 +276,31 @@ std::string MammogramTable(const std::vector<MammogramEvidence>& found)
   return text + "\n";
 }
 
+void Append(std::vector<double>& all, const std::vector<double>& more)
+{
+  all.insert(all.end(), more.begin(), more.end());
+}
+
+std::string MedianCell(const std::vector<double>& errors)
+{
+  return errors.empty() ? " - |"
+                        : Line(" %.2f (%.2f) |", Quantile(errors, 0.5), Quantile(errors, 0.95));
+}
+
+std::string MedianText(const std::vector<double>& errors, const char* end)
+{
+  return errors.empty() ? std::string(" -") + end
+                        : Line(" %.2f mm in the middle, 95 %% below %.2f mm%s",
+                            Quantile(errors, 0.5), Quantile(errors, 0.95), end);
+}
+
 std::string StudyTable(const std::vector<StudyRun>& runs)
 {
   std::string text =
-    "| virtual study | side | CC: median (95 %), mm | MLO: median (95 %), mm | on the receptor: "
-    "median (95 %), mm | trust | time, s |\n|---|---|---|---|---|---|---|\n";
-  std::vector<double> space;
-  std::vector<double> receptor;
+    "| virtual study | side | CC, in 3D: median (95 %), mm | MLO, in 3D | on the receptor | not "
+    "imaged, in 3D | trust | time, s |\n|---|---|---|---|---|---|---|---|\n";
+  PointErrors imaged;
+  std::vector<double> behind;
   std::vector<double> seconds;
   int refused = 0;
   for (const StudyRun& run : runs)
@@ -292,10 +310,11 @@ std::string StudyTable(const std::vector<StudyRun>& runs)
     if (!run.Failure.empty())
     {
       ++refused;
-      text += " no result: " + run.Failure + " | | | | |\n";
+      text += " no result: " + run.Failure + " | | | | | |\n";
       continue;
     }
-    std::vector<double> own;
+    std::vector<double> onReceptor;
+    std::vector<double> unseen;
     std::string trust;
     for (const char* name : { "CC", "MLO" })
     {
@@ -306,24 +325,24 @@ std::string StudyTable(const std::vector<StudyRun>& runs)
         text += " - |";
         continue;
       }
-      text +=
-        Line(" %.2f (%.2f) |", Quantile(view->InSpaceMm, 0.5), Quantile(view->InSpaceMm, 0.95));
-      space.insert(space.end(), view->InSpaceMm.begin(), view->InSpaceMm.end());
-      own.insert(own.end(), view->OnReceptorMm.begin(), view->OnReceptorMm.end());
+      text += MedianCell(view->Imaged.InSpaceMm);
+      Append(imaged.InSpaceMm, view->Imaged.InSpaceMm);
+      Append(onReceptor, view->Imaged.OnReceptorMm);
+      Append(unseen, view->Behind.InSpaceMm);
       trust += (trust.empty() ? "" : ", ") + view->Trust;
     }
-    receptor.insert(receptor.end(), own.begin(), own.end());
+    Append(imaged.OnReceptorMm, onReceptor);
+    Append(behind, unseen);
     seconds.push_back(run.Seconds);
-    text += Line(" %.2f (%.2f) | %s | %.0f |\n", Quantile(own, 0.5), Quantile(own, 0.95),
-      trust.c_str(), run.Seconds);
+    text += MedianCell(onReceptor) + MedianCell(unseen) +
+      Line(" %s | %.0f |\n", trust.c_str(), run.Seconds);
   }
   return text +
-    Line(
-      "\nAll %zu points of %zu studies: in 3D %.2f mm in the middle, 95 %% below %.2f mm; on the "
-      "receptor %.2f and %.2f mm; %.0f s in the middle. %d without a result.\n\n",
-      space.size(), runs.size() - static_cast<std::size_t>(refused), Quantile(space, 0.5),
-      Quantile(space, 0.95), Quantile(receptor, 0.5), Quantile(receptor, 0.95),
-      Quantile(seconds, 0.5), refused);
+    Line("\nAll %zu imaged points of %zu studies: in 3D%s on the receptor%s those behind the "
+         "receptor's edge (%zu):%s %.0f s in the middle. %d without a result.\n\n",
+      imaged.InSpaceMm.size(), runs.size() - static_cast<std::size_t>(refused),
+      MedianText(imaged.InSpaceMm, ";").c_str(), MedianText(imaged.OnReceptorMm, ";").c_str(),
+      behind.size(), MedianText(behind, ".").c_str(), Quantile(seconds, 0.5), refused);
 }
 }
 

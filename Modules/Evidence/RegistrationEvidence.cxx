@@ -220,7 +220,8 @@ void GatherEvidence(const EvidenceOptions& options, RegistrationEvidence& eviden
           { return done.Phantom == study.Phantom && done.Seed == study.Options.Seed; }))
     {
       const std::string name = study.Phantom + " " + std::to_string(study.Options.Seed);
-      evidence.Studies.push_back(RunStudy(study, PartOf(progress, 0, 1, name)));
+      evidence.Studies.push_back(
+        RunStudy(study, options.KeepStudiesIn, PartOf(progress, 0, 1, name)));
       keep();
     }
   }

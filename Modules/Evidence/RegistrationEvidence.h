@@ -58,6 +58,8 @@ struct EvidenceOptions
   std::optional<EvidenceLandmarks> Landmarks;
   std::vector<EvidenceMammogram> Mammograms;
   std::vector<EvidenceStudy> Studies;
+  /// RunStudy's keepIn.
+  std::string KeepStudiesIn;
 };
 
 struct LandmarkEvidence

@@ -17,11 +17,14 @@
 #include <array>
 #include <chrono>
 #include <cmath>
+#include <filesystem>
 
 namespace mammoray
 {
 namespace
 {
+namespace fs = std::filesystem;
+
 /**
  * A breast coil squeezes a large breast from both sides: 50 to 65 mm wide and 170 to 190 mm high in
  * uta11-b. What is free of load is about as wide as it is high; so is this one then, by stretching
@@ -113,10 +116,11 @@ StudyViewErrors ErrorsIn(const VirtualStudyTruth& truth, const VirtualView& view
   for (std::size_t index = 0; index < moved.size(); ++index)
   {
     const Vector3& point = moved[index];
-    errors.InSpaceMm.push_back(Norm(breast.Placed.ToGantry(point) - view.Gantry[index]));
+    PointErrors& points = view.Receptor[index][1] < 0 ? errors.Behind : errors.Imaged;
+    points.InSpaceMm.push_back(Norm(breast.Placed.ToGantry(point) - view.Gantry[index]));
     const ReceptorPoint shadow =
       ProjectToReceptor({ point[0], point[1], point[2] }, breast.Placed, breast.Unit).front();
-    errors.OnReceptorMm.push_back(
+    points.OnReceptorMm.push_back(
       std::hypot(shadow[0] - view.Receptor[index][0], shadow[1] - view.Receptor[index][1]));
   }
   return errors;
@@ -143,10 +147,20 @@ std::vector<StudyViewErrors> MeasureStudy(const VirtualStudyTruth& truth,
   return errors;
 }
 
-StudyRun RunStudy(const EvidenceStudy& study, const ProgressCallback& progress)
+StudyRun RunStudy(const EvidenceStudy& study, const std::string& keepIn,
+  const ProgressCallback& progress)
 {
-  const ScratchFolder folder;
-  const VirtualStudyTruth truth = MakeStudy(study, folder.File("study"), ShareOf(progress, 0, 0.2));
+  const ScratchFolder scratch;
+  const fs::path folder = keepIn.empty()
+    ? fs::path(scratch.File("run"))
+    : fs::path(keepIn) / (study.Phantom + "-" + std::to_string(study.Options.Seed));
+  if (fs::exists(folder))
+  {
+    throw InputError(folder.string() + ": expected a folder that is not there yet, found it");
+  }
+  fs::create_directories(folder);
+  const VirtualStudyTruth truth =
+    MakeStudy(study, (folder / "study").string(), ShareOf(progress, 0, 0.2));
   StudyRun run;
   run.Phantom = study.Phantom;
   run.Seed = study.Options.Seed;
@@ -155,11 +169,11 @@ StudyRun RunStudy(const EvidenceStudy& study, const ProgressCallback& progress)
   try
   {
     RegistrationCase input;
-    TakeStudy(folder.File("study/export"), {}, input);
+    TakeStudy((folder / "study/export").string(), {}, input);
     const RegistrationCaseResult result = RunRegistrationCase(input, ShareOf(progress, 0.2, 1));
     run.Seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-    WriteRegistrationCase(input, result, folder.File("result"));
-    run.Views = MeasureStudy(truth, folder.File("result"));
+    WriteRegistrationCase(input, result, (folder / "result").string());
+    run.Views = MeasureStudy(truth, (folder / "result").string());
   }
   catch (const InputError& error)
   {

@@ -26,13 +26,21 @@ struct EvidenceStudy
   VirtualStudyOptions Options;
 };
 
-/// How far the points of a virtual study's truth were found from where they are in one mammogram.
-struct StudyViewErrors
+/// How far points of a virtual study's truth were found from where they are in one mammogram.
+struct PointErrors
 {
-  std::string View;
   /// Of each point: in the gantry frame, and of its shadow on the receptor, mm.
   std::vector<double> InSpaceMm;
   std::vector<double> OnReceptorMm;
+};
+
+struct StudyViewErrors
+{
+  std::string View;
+  /// Of the points whose shadow is in the mammogram, and of those behind the receptor's edge, which
+  /// nobody can look for in it.
+  PointErrors Imaged;
+  PointErrors Behind;
   double MeanOutlineMm = 0;
   double Correlation = 0;
   /// "good", "doubtful" or "none": what the report says of it.
@@ -60,12 +68,13 @@ MAMMORAYEVIDENCE_EXPORT std::vector<StudyViewErrors> MeasureStudy(const VirtualS
   const std::string& resultFolder);
 
 /**
- * Makes a virtual study in a folder of its own below the system's for temporary files, registers it
- * as 'mammoray register --study' does, without being told anything else, and measures. A refusal or
- * a search that fails is an answer (StudyRun::Failure). Throws InputError where the study cannot be
- * made; DeviceError, Interrupted.
+ * Makes a virtual study, registers it as 'mammoray register --study' does, without being told
+ * anything else, and measures. A refusal or a search that fails is an answer (StudyRun::Failure).
+ * `keepIn`: a folder, made where it is not there, that keeps "<phantom>-<seed>" with study and
+ * result; one of that name must not be there. Empty: nothing is kept. Throws InputError where the
+ * study cannot be made; DeviceError, Interrupted.
  */
-MAMMORAYEVIDENCE_EXPORT StudyRun RunStudy(const EvidenceStudy& study,
+MAMMORAYEVIDENCE_EXPORT StudyRun RunStudy(const EvidenceStudy& study, const std::string& keepIn,
   const ProgressCallback& progress = {});
 }
 

@@ -175,7 +175,8 @@ struct TwinExperiment::Internals
     , Volume(materials)
     , Table(table)
     , Options(options)
-    , Model(this->Volume, table, axes, EdgeOf(materials) / options.ModelFineness,
+    , Model(this->Volume, table, axes,
+        options.ModelFineness > 0 ? EdgeOf(materials) / options.ModelFineness : 0.0,
         options.ModelAnatomyMm, ElementType::Quadratic, Search::Predicted, options.ModelSpectrum,
         progress)
     , Target(this->Volume, table, axes, EdgeOf(materials) / options.TargetFineness,

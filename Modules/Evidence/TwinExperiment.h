@@ -100,10 +100,10 @@ struct TwinRun
 
 struct TwinOptions
 {
-  /// Cells are this part of the edge of a cube as large as the breast: of the model's mechanics
-  /// (quadratic elements), of the target's (linear ones).
-  double ModelFineness = 5.5;
-  double TargetFineness = 12.0;
+  /// Edge of a cube as large as the breast over the cells of the mechanics: of the model (quadratic
+  /// elements; 0: as a registration makes them), of the target (linear ones).
+  double ModelFineness = 0.0;
+  double TargetFineness = 14.5;
   /// Upper bounds of the cells of the pictured anatomy, mm.
   double ModelAnatomyMm = 4.0;
   double TargetAnatomyMm = 5.5;

@@ -227,7 +227,7 @@ private:
     pose.AnteriorMm = draws.Between(0, 8);
     pose.TiltDeg = 2;
     const VolumeFromGantry placed = this->Placement.At(pose);
-    pose.ThicknessMm = draws.Between(0.48, 0.65) * HeightAlong(breast, placed.Z);
+    pose.ThicknessMm = draws.Between(0.48, 0.65) * HeightBetweenPlates(breast, placed);
     return pose;
   }
 
@@ -235,7 +235,7 @@ private:
   void CloseFirmly(const TrueBreast& breast, BreastPose& pose, CompressionState& state,
     const ProgressCallback& progress)
   {
-    const double least = LeastPartOfHeight * HeightAlong(breast, this->Placement.At(pose).Z);
+    const double least = LeastPartOfHeight * HeightBetweenPlates(breast, this->Placement.At(pose));
     while (
       state.PaddleForceN < this->Options.LeastForceN && ClosingFactor * pose.ThicknessMm > least)
     {
@@ -255,11 +255,21 @@ private:
     }
   }
 
-  /// Of the breast alone: a patient's MRI holds the body beside it, too.
-  static double HeightAlong(const TrueBreast& breast, const Vector3& axis)
+  /// Of what the plates meet: of the breast alone, as a patient's MRI holds the body beside it, and
+  /// of that what is in front of their edges, mm.
+  static double HeightBetweenPlates(const TrueBreast& breast, const VolumeFromGantry& placed)
   {
     const std::vector<bool> held = breast.Table.Held();
-    return HeightMm(KeepBreast(breast.Phantom, held, PatientAxes), held, axis);
+    LabelVolume met = KeepBreast(breast.Phantom, held, PatientAxes);
+    met.ForEachVoxel(
+      [&](int i, int j, int k, std::size_t voxel)
+      {
+        if (placed.ToGantry(met.PointAt(i, j, k))[1] < 0)
+        {
+          met.Voxels[voxel] = 0;
+        }
+      });
+    return HeightMm(met, held, placed.Z);
   }
 
   Mammogram Picture(const Mammogram& hung, const CompressionState& state,

@@ -82,12 +82,12 @@ TEST_F(StudyCommand, LeadsFromThePatientsFilesToTheAnswer)
   for (const StudyViewErrors& errors :
     MeasureStudy(ReadVirtualStudyTruth(study + "/truth.json"), result))
   {
-    EXPECT_LT(Quantile(errors.InSpaceMm, 0.5), 5) << errors.View;
+    EXPECT_LT(Quantile(errors.Imaged.InSpaceMm, 0.5), 5) << errors.View;
     EXPECT_LT(errors.MeanOutlineMm, 2) << errors.View;
     EXPECT_GT(errors.Correlation, 0.9) << errors.View;
   }
   ASSERT_EQ(this->Run("evaluate --truth " + study + "/truth.json --result " + result), 0)
     << this->Errors;
-  EXPECT_THAT(this->Output, HasSubstr("MLO         100"));
+  EXPECT_THAT(this->Output, HasSubstr("MLO      imaged "));
   EXPECT_EQ(this->Run("evaluate --result " + result), 2);
 }

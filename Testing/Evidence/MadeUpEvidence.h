@@ -42,7 +42,8 @@ inline TwinRun MadeUpRun(const std::string& phantom, TwinKind kind, TwinSearch s
   return run;
 }
 
-/// Of both views, each with these errors, on the receptor half of them.
+/// Of both views, each with these errors, on the receptor half of them, and a point of 20 mm that
+/// is not imaged.
 inline StudyRun MadeUpStudyRun(const std::string& phantom, std::uint32_t seed,
   const std::vector<double>& errorsMm)
 {
@@ -54,11 +55,12 @@ inline StudyRun MadeUpStudyRun(const std::string& phantom, std::uint32_t seed,
   {
     StudyViewErrors& errors = run.Views.emplace_back();
     errors.View = view;
-    errors.InSpaceMm = errorsMm;
+    errors.Imaged.InSpaceMm = errorsMm;
     for (const double error : errorsMm)
     {
-      errors.OnReceptorMm.push_back(0.5 * error);
+      errors.Imaged.OnReceptorMm.push_back(0.5 * error);
     }
+    errors.Behind = { { 20 }, { 10 } };
     errors.MeanOutlineMm = 0.5;
     errors.Correlation = 0.97;
     errors.Trust = "good";

@@ -48,7 +48,8 @@ TEST_F(EvidenceFile, ReadsBackWhatItHolds)
   EXPECT_EQ(read.Studies[0].Seed, 4u);
   EXPECT_EQ(read.Studies[0].Laterality, 'R');
   EXPECT_EQ(read.Studies[0].Views.at(1).View, "MLO");
-  EXPECT_EQ(read.Studies[0].Views.at(1).InSpaceMm, (std::vector<double>{ 1, 2, 6 }));
+  EXPECT_EQ(read.Studies[0].Views.at(1).Imaged.InSpaceMm, (std::vector<double>{ 1, 2, 6 }));
+  EXPECT_EQ(read.Studies[0].Views.at(1).Behind.OnReceptorMm, std::vector<double>{ 10 });
   EXPECT_EQ(read.Studies[1].Failure, "no breast");
   ASSERT_EQ(read.Twins.size(), 2u);
   const TwinRun& run = read.Twins[0];

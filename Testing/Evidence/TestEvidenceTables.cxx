@@ -97,9 +97,11 @@ TEST(EvidenceTables, Studies)
   const std::string text = EvidenceTables(evidence);
   // 95 %: nine tenths of the way from the second of three to the last.
   EXPECT_THAT(text,
-    HasSubstr("| ball, 4 | right | 2.00 (5.60) | 2.00 (5.60) | 1.00 (3.00) | good, good | 75 |"));
+    HasSubstr("| ball, 4 | right | 2.00 (5.60) | 2.00 (5.60) | 1.00 (3.00) | 20.00 (20.00) | good, "
+              "good | 75 |"));
   EXPECT_THAT(text, HasSubstr("| cube, 5 | left | no result: no breast |"));
-  EXPECT_THAT(text, HasSubstr("All 6 points of 1 studies: in 3D 2.00 mm in the middle"));
+  EXPECT_THAT(text, HasSubstr("All 6 imaged points of 1 studies: in 3D 2.00 mm in the middle"));
+  EXPECT_THAT(text, HasSubstr("those behind the receptor's edge (2): 20.00 mm in the middle"));
   EXPECT_THAT(text, HasSubstr("1 without a result."));
 }
 
