@@ -3,6 +3,7 @@
 #define mammoray_ChestWall_h
 
 #include "Private/ItkImages.h"
+#include "mammoraySegmentationModule.h"
 
 #include <vector>
 
@@ -36,24 +37,25 @@ struct ChestWallSheet
  *
  * `body`: what air does not reach from the front; `tissue`: what is brighter than noise.
  */
-ChestWallSheet FindChestWall(const std::vector<FloatImage::Pointer>& channels,
-  const MaskImage* body, const MaskImage* tissue);
+MAMMORAYSEGMENTATION_EXPORT ChestWallSheet FindChestWall(
+  const std::vector<FloatImage::Pointer>& channels, const MaskImage* body, const MaskImage* tissue);
 
 /**
  * The same near a sheet that is known about. The channels are 1 in fat and 0 in all else, lung
  * included, so that fat behind the sheet speaks against it too: behind gland there is fat, behind
  * muscle hardly.
  */
-ChestWallSheet RefineChestWall(const std::vector<FloatImage::Pointer>& fatness,
-  const MaskImage* body, const MaskImage* tissue, const HeightMap* near);
+MAMMORAYSEGMENTATION_EXPORT ChestWallSheet RefineChestWall(
+  const std::vector<FloatImage::Pointer>& fatness, const MaskImage* body, const MaskImage* tissue,
+  const HeightMap* near);
 
 /**
  * A channel from an image as scanned: its logarithm, averaged over 2 mm of body, falling from fat
  * to muscle. The coil's sensitivity, which changes by a few per cent over 6 mm, does not matter.
  * `floor` is added before the logarithm is taken, so that noise counts little.
  */
-FloatImage::Pointer LogChannel(const FloatImage* image, const MaskImage* body, double floor,
-  bool fatBright);
+MAMMORAYSEGMENTATION_EXPORT FloatImage::Pointer LogChannel(const FloatImage* image,
+  const MaskImage* body, double floor, bool fatBright);
 
 /// From where to where behind a sheet, and the body before it that makes a column count; mm.
 struct Behind
@@ -64,14 +66,15 @@ struct Behind
 };
 
 /// The values of the tissue there.
-std::vector<float> BehindSheet(const FloatImage* image, const MaskImage* tissue,
-  const HeightMap* skin, const HeightMap* sheet, const Behind& behind);
+MAMMORAYSEGMENTATION_EXPORT std::vector<float> BehindSheet(const FloatImage* image,
+  const MaskImage* tissue, const HeightMap* skin, const HeightMap* sheet, const Behind& behind);
 
 /// Height, mm, of the front face of the foremost voxel of the mask in each column; -1: none.
-HeightMap::Pointer FrontOf(const MaskImage* mask);
+MAMMORAYSEGMENTATION_EXPORT HeightMap::Pointer FrontOf(const MaskImage* mask);
 
 /// The heights over the columns of another image of the same frame: bilinear, nearest outside.
-HeightMap::Pointer HeightsOver(const HeightMap* map, const itk::ImageBase<3>& image);
+MAMMORAYSEGMENTATION_EXPORT HeightMap::Pointer HeightsOver(const HeightMap* map,
+  const itk::ImageBase<3>& image);
 }
 
 #endif

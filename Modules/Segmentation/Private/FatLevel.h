@@ -3,6 +3,7 @@
 #define mammoray_FatLevel_h
 
 #include "Private/ItkImages.h"
+#include "mammoraySegmentationModule.h"
 
 namespace mammoray
 {
@@ -19,14 +20,15 @@ namespace mammoray
  * @param even  one level everywhere
  * @return null where there is hardly a voxel
  */
-FloatImage::Pointer FindFatLevel(const FloatImage* image, const MaskImage* mask, bool fatBright,
-  bool even);
+MAMMORAYSEGMENTATION_EXPORT FloatImage::Pointer FindFatLevel(const FloatImage* image,
+  const MaskImage* mask, bool fatBright, bool even);
 /// One image over the other, voxel by voxel.
-FloatImage::Pointer Divide(const FloatImage* image, const FloatImage* level);
+MAMMORAYSEGMENTATION_EXPORT FloatImage::Pointer Divide(const FloatImage* image,
+  const FloatImage* level);
 
 /// 1 in fat and 0 in muscle and beyond, and in lung and air; intensities are fractions of fat's.
-FloatImage::Pointer Fatness(const FloatImage* image, const MaskImage* tissue, double muscleLevel,
-  bool fatBright);
+MAMMORAYSEGMENTATION_EXPORT FloatImage::Pointer Fatness(const FloatImage* image,
+  const MaskImage* tissue, double muscleLevel, bool fatBright);
 
 /// Muscle may have this fraction of bright fat's intensity, and that of dark fat's; between them
 /// the two are not told apart.

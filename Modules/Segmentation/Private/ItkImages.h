@@ -4,6 +4,7 @@
 
 #include "mammoray/Foundation/IntensityVolume.h"
 #include "mammoray/Foundation/MammographyGeometry.h"
+#include "mammoraySegmentationModule.h"
 
 #include <itkImage.h>
 #include <itkRecursiveGaussianImageFilter.h>
@@ -19,7 +20,7 @@ using HeightMap = itk::Image<float, 2>;
  * How the axes of a volume are turned into patient order, x towards the left, y towards the front
  * and z towards the head, without interpolation: the axes nearest to these directions are taken.
  */
-class PatientOrder
+class MAMMORAYSEGMENTATION_EXPORT PatientOrder
 {
 public:
   PatientOrder(const VolumeGrid& grid, const AnatomicalAxes& axes);
@@ -63,20 +64,21 @@ private:
   std::array<bool, 3> Flipped;
 };
 
-std::array<int, 3> SizeOf(const itk::ImageBase<3>& image);
+MAMMORAYSEGMENTATION_EXPORT std::array<int, 3> SizeOf(const itk::ImageBase<3>& image);
 /// Number of its voxels.
-std::size_t CountOf(const itk::ImageBase<3>& image);
+MAMMORAYSEGMENTATION_EXPORT std::size_t CountOf(const itk::ImageBase<3>& image);
 
 /// The image on cubic voxels, same first corner: averaged where they are larger, else linear.
-FloatImage::Pointer Resample(const FloatImage* image, double spacingMm);
+MAMMORAYSEGMENTATION_EXPORT FloatImage::Pointer Resample(const FloatImage* image, double spacingMm);
 
 /// The image at the voxels of another grid of the same frame: linear, nearest outside.
-FloatImage::Pointer ResampleLike(const FloatImage* image, const itk::ImageBase<3>& grid);
+MAMMORAYSEGMENTATION_EXPORT FloatImage::Pointer ResampleLike(const FloatImage* image,
+  const itk::ImageBase<3>& grid);
 
 /// Means of blocks of voxels of about `spacingMm` (as they are where voxels are larger already).
-FloatImage::Pointer Shrink(const FloatImage* image, double spacingMm);
+MAMMORAYSEGMENTATION_EXPORT FloatImage::Pointer Shrink(const FloatImage* image, double spacingMm);
 
-FloatImage::Pointer ToFloat(const MaskImage* mask);
+MAMMORAYSEGMENTATION_EXPORT FloatImage::Pointer ToFloat(const MaskImage* mask);
 
 /// The image convolved with a Gaussian along all axes.
 template <typename Image>

@@ -3,6 +3,7 @@
 #define mammoray_Outline_h
 
 #include "Private/ItkImages.h"
+#include "mammoraySegmentationModule.h"
 
 namespace mammoray
 {
@@ -33,7 +34,8 @@ struct Outline
  * @param image  as scanned, patient order
  * @param work   the same on cubes
  */
-Outline FindOutline(const FloatImage* image, const FloatImage* work, double given);
+MAMMORAYSEGMENTATION_EXPORT Outline FindOutline(const FloatImage* image, const FloatImage* work,
+  double given);
 
 /**
  * The intensity at which a voxel is half full of skin, from the mean of the outer 4 mm of the body
@@ -41,7 +43,8 @@ Outline FindOutline(const FloatImage* image, const FloatImage* work, double give
  * 0.25 where it is bright, as skin, like muscle, has 0.35 of fat. No less than the outline's
  * threshold; on cubes.
  */
-FloatImage::Pointer SkinThreshold(const Outline& outline, const FloatImage* work, bool fatBright);
+MAMMORAYSEGMENTATION_EXPORT FloatImage::Pointer SkinThreshold(const Outline& outline,
+  const FloatImage* work, bool fatBright);
 }
 
 #endif

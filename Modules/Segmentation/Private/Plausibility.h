@@ -7,7 +7,7 @@
 namespace mammoray
 {
 /// Volumes of the labels, and gland's level over muscle's in the corrected image.
-void Measure(SegmentationResult& result);
+MAMMORAYSEGMENTATION_EXPORT void Measure(SegmentationResult& result);
 
 /**
  * Refuses, by InputError with its figure, what no breast is: less than 15 or more than 5000 cm3 of
@@ -16,7 +16,7 @@ void Measure(SegmentationResult& result);
  * or less than half as bright as muscle (no T1 weighting, or contrast medium).
  * `breasts`: how many the result holds; `glandGiven`: its threshold is the caller's own concern.
  */
-void Judge(SegmentationResult& result, int breasts, bool glandGiven);
+MAMMORAYSEGMENTATION_EXPORT void Judge(SegmentationResult& result, int breasts, bool glandGiven);
 }
 
 #endif

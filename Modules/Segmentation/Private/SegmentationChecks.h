@@ -3,6 +3,7 @@
 #define mammoray_SegmentationChecks_h
 
 #include "mammoray/Foundation/IntensityVolume.h"
+#include "mammoraySegmentationModule.h"
 
 #include <string>
 
@@ -12,7 +13,7 @@ namespace mammoray
 std::string Number(double value);
 
 /// Throws InputError unless the volume has at least 8 voxels along each axis and two intensities.
-void CheckImage(const IntensityVolume& image);
+MAMMORAYSEGMENTATION_EXPORT void CheckImage(const IntensityVolume& image);
 }
 
 #endif

@@ -3,6 +3,7 @@
 #define mammoray_Valley_h
 
 #include "Private/ItkImages.h"
+#include "mammoraySegmentationModule.h"
 
 namespace mammoray
 {
@@ -19,7 +20,8 @@ struct Valley
  * The deepest valley of the body's front seen from head or feet: the air line over the sternum.
  * Heights over the coronal plane, mm; columns with their skin behind the wall or the cut have none.
  */
-Valley DeepestValley(const HeightMap* skin, const HeightMap* wall, double cutMm);
+MAMMORAYSEGMENTATION_EXPORT Valley DeepestValley(const HeightMap* skin, const HeightMap* wall,
+  double cutMm);
 }
 
 #endif
