@@ -1,0 +1,271 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "MadeUpImages.h"
+#include "mammoray/Segmentation/Private/ChestWall.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <random>
+
+namespace
+{
+using namespace mammoray;
+using test::MadeUpHeights;
+using test::MadeUpImage;
+
+/// Cubes of 2 mm; 120 x 140 x 100 mm.
+constexpr std::array<int, 3> ChestSize{ 60, 70, 50 };
+
+using Heights = std::function<double(int, int)>;
+
+/// A body by formula: its skin and the front of its muscle, mm over the columns.
+struct MadeUpChest
+{
+  Heights Skin;
+  Heights Wall;
+
+  double HeightOf(int y) const { return 2 * (y + 0.5); }
+  bool InBody(int x, int y, int z) const { return this->HeightOf(y) < this->Skin(x, z); }
+  bool InMuscle(int x, int y, int z) const { return this->HeightOf(y) < this->Wall(x, z); }
+  MaskImage::Pointer Body() const
+  {
+    return MadeUpImage<MaskImage>(ChestSize, { 2, 2, 2 },
+      [&](int x, int y, int z) { return this->InBody(x, y, z) ? 1 : 0; });
+  }
+  /// Fat's intensity before the wall, muscle's behind it, and noise.
+  FloatImage::Pointer Image(double fat, double muscle, double deviation = 0) const
+  {
+    std::mt19937 generator(17);
+    std::normal_distribution<double> noise(0, 1);
+    return MadeUpImage<FloatImage>(ChestSize, { 2, 2, 2 },
+      [&](int x, int y, int z)
+      {
+        const double signal = !this->InBody(x, y, z) ? 0 : this->InMuscle(x, y, z) ? muscle : fat;
+        return std::abs(signal + deviation * noise(generator));
+      });
+  }
+};
+
+/// A breast of 60 mm on a chest wall that is bent like a thorax and tilted.
+MadeUpChest BreastOnThorax()
+{
+  const auto wall = [](int x, int z) { return 60 - 0.006 * (x - 25) * (x - 25) + 0.2 * (z - 25); };
+  return { [wall](int x, int z)
+    {
+      const double r = std::hypot(x - 30, z - 25) / 24;
+      return wall(x, z) + 12 + 50 * std::exp(-r * r);
+    },
+    wall };
+}
+
+/// Median and largest difference of a sheet and a formula, over columns within the rim.
+std::array<double, 2> SheetError(const HeightMap* sheet, const Heights& expected)
+{
+  std::vector<double> away;
+  for (int z = 4; z < ChestSize[2] - 4; ++z)
+  {
+    for (int x = 4; x < ChestSize[0] - 4; ++x)
+    {
+      away.push_back(std::abs(sheet->GetPixel({ { x, z } }) - expected(x, z)));
+    }
+  }
+  std::sort(away.begin(), away.end());
+  return { away[away.size() / 2], away.back() };
+}
+
+TEST(FrontOf, IsTheFrontFaceOfTheForemostVoxel)
+{
+  const MaskImage::Pointer mask = MadeUpImage<MaskImage>({ 3, 4, 2 }, { 1, 2.5, 4 },
+    [](int x, int y, int z) {
+      return x == 0 ? y == 3 : x == 1 ? y == 0 || (y == 2 && z == 1) : 0;
+    });
+  const HeightMap::Pointer front = FrontOf(mask);
+  EXPECT_EQ(front->GetSpacing()[0], 1);
+  EXPECT_EQ(front->GetSpacing()[1], 4);
+  EXPECT_EQ(front->GetPixel({ { 0, 0 } }), 10);
+  EXPECT_EQ(front->GetPixel({ { 1, 0 } }), 2.5);
+  EXPECT_EQ(front->GetPixel({ { 1, 1 } }), 7.5);
+  EXPECT_EQ(front->GetPixel({ { 2, 1 } }), -1);
+}
+
+TEST(HeightsOver, AreBilinearWithinAndNearestBeyond)
+{
+  const HeightMap::Pointer map =
+    MadeUpHeights(8, 6, 2, [](int x, int z) { return 5 + 3 * x - 2 * z; });
+  // Finer, larger and other spacings along x and z: a plane stays one, up to the outer centres.
+  const FloatImage::Pointer grid =
+    MadeUpImage<FloatImage>({ 25, 3, 12 }, { 0.8, 1, 1.5 }, [](int, int, int) { return 0; });
+  const HeightMap::Pointer over = HeightsOver(map, *grid);
+  ASSERT_EQ(over->GetLargestPossibleRegion().GetSize()[0], 25u);
+  ASSERT_EQ(over->GetLargestPossibleRegion().GetSize()[1], 12u);
+  for (int z = 0; z < 12; ++z)
+  {
+    for (int x = 0; x < 25; ++x)
+    {
+      const double i = std::clamp(0.8 * (x + 0.5) / 2 - 0.5, 0.0, 7.0);
+      const double k = std::clamp(1.5 * (z + 0.5) / 2 - 0.5, 0.0, 5.0);
+      EXPECT_NEAR(over->GetPixel({ { x, z } }), 5 + 3 * i - 2 * k, 1e-5) << x << ' ' << z;
+    }
+  }
+  const HeightMap::Pointer one = MadeUpHeights(1, 1, 2, [](int, int) { return 42; });
+  EXPECT_EQ(HeightsOver(one, *grid)->GetPixel({ { 24, 11 } }), 42);
+}
+
+TEST(BehindSheet, HoldsTheTissueOfALayerUnderTheBreast)
+{
+  // The image is its own height; the sheet lies at 20 mm, the skin at 60 mm, but for one column.
+  const FloatImage::Pointer image =
+    MadeUpImage<FloatImage>({ 2, 40, 1 }, { 2, 2, 2 }, [](int, int y, int) { return 2 * y + 1; });
+  const MaskImage::Pointer tissue = MadeUpImage<MaskImage>({ 2, 40, 1 }, { 2, 2, 2 },
+    [](int, int y, int) { return y != 6 ? 1 : 0; });
+  const HeightMap::Pointer skin =
+    MadeUpHeights(2, 1, 2, [](int x, int) { return x == 0 ? 60 : 50; });
+  const HeightMap::Pointer sheet = MadeUpHeights(2, 1, 2, [](int, int) { return 20; });
+  // 3 to 9 mm behind: the centres at 17, 15, 13, 11; that of 13 mm is no tissue.
+  EXPECT_THAT(BehindSheet(image, tissue, skin, sheet, { 3, 9, 35 }), testing::ElementsAre(15, 17));
+  EXPECT_THAT(BehindSheet(image, tissue, skin, sheet, { 3, 9.5, 35 }),
+    testing::ElementsAre(11, 15, 17));
+  EXPECT_THAT(BehindSheet(image, tissue, skin, sheet, { 3, 9, 40 }), testing::IsEmpty());
+  EXPECT_EQ(BehindSheet(image, tissue, skin, sheet, { 3, 9, 10 }).size(), 4u);
+}
+
+TEST(LogChannel, FallsFromFatToMuscleAndIgnoresTheCoil)
+{
+  const MadeUpChest chest{ [](int, int) { return 100; }, [](int, int) { return 50; } };
+  const MaskImage::Pointer body = chest.Body();
+  const FloatImage::Pointer bright = LogChannel(chest.Image(1000, 350), body, 1e-3, true);
+  const FloatImage::Pointer dark = LogChannel(chest.Image(100, 250), body, 1e-3, false);
+  // 12 mm from the step: nothing of it by a Gaussian of 2 mm, 1e-5 of the logarithm in floats.
+  const auto step = [](const FloatImage* log) {
+    return log->GetPixel({ { 30, 30, 25 } }) - log->GetPixel({ { 30, 18, 25 } });
+  };
+  EXPECT_NEAR(step(bright), std::log(1000.0 / 350), 2e-3);
+  EXPECT_NEAR(step(dark), std::log(250.0 / 100), 2e-3);
+  // The body's own mean beside the air: as if the fat went on.
+  EXPECT_NEAR(bright->GetPixel({ { 30, 49, 25 } }), std::log(1000.0), 0.01);
+  // Twice the sensitivity moves the logarithm and none of its steps.
+  const FloatImage::Pointer twice = LogChannel(chest.Image(2000, 700), body, 1e-3, true);
+  EXPECT_NEAR(step(twice), step(bright), 1e-3);
+  EXPECT_NEAR(twice->GetPixel({ { 30, 30, 25 } }) - bright->GetPixel({ { 30, 30, 25 } }),
+    std::log(2.0), 1e-3);
+}
+
+TEST(ChestWall, IsTheSheetBetweenFatAndMuscle)
+{
+  const MadeUpChest chest = BreastOnThorax();
+  const MaskImage::Pointer body = chest.Body();
+  for (const bool fatBright : { true, false })
+  {
+    const FloatImage::Pointer image =
+      fatBright ? chest.Image(1000, 350, 20) : chest.Image(150, 380, 20);
+    const ChestWallSheet sheet =
+      FindChestWall({ LogChannel(image, body, 20, fatBright) }, body, body);
+    const auto [median, largest] = SheetError(sheet.Front, chest.Wall);
+    // Steps beyond 0.4 are worth the same: of 1.05 that leaves 3.7 mm on either side, of which the
+    // front is taken (RefineChestWall goes on from there).
+    EXPECT_LT(median, 2) << fatBright;
+    EXPECT_LT(largest, 3.7) << fatBright;
+    // The step of the mean of 6 mm each, blurred by 2 mm (a quarter less): log(1000 / 350) = 1.05
+    // and log(400 / 170) = 0.86.
+    EXPECT_NEAR(sheet.Step, fatBright ? 0.8 : 0.65, 0.15) << fatBright;
+    EXPECT_GT(sheet.Support, 0) << fatBright;
+  }
+}
+
+TEST(ChestWall, StandsFirmInNoiseAndWithASecondChannel)
+{
+  const MadeUpChest chest = BreastOnThorax();
+  const MaskImage::Pointer body = chest.Body();
+  // Suppressed fat hardly darker than muscle, in noise half as loud as the step.
+  const FloatImage::Pointer weak = LogChannel(chest.Image(150, 200, 25), body, 20, false);
+  const ChestWallSheet alone = FindChestWall({ weak }, body, body);
+  EXPECT_LT(SheetError(alone.Front, chest.Wall)[0], 2);
+  const ChestWallSheet both =
+    FindChestWall({ LogChannel(chest.Image(1000, 350, 20), body, 20, true), weak }, body, body);
+  EXPECT_LT(SheetError(both.Front, chest.Wall)[1], 3);
+  EXPECT_GT(both.Step, alone.Step);
+}
+
+TEST(ChestWall, GlandBeforeItIsNoWall)
+{
+  // A ball of gland, as dark as muscle, 25 mm before the wall.
+  const MadeUpChest chest = BreastOnThorax();
+  const MaskImage::Pointer body = chest.Body();
+  const FloatImage::Pointer image = chest.Image(1000, 350, 20);
+  for (int z = 0; z < ChestSize[2]; ++z)
+  {
+    for (int y = 0; y < ChestSize[1]; ++y)
+    {
+      for (int x = 0; x < ChestSize[0]; ++x)
+      {
+        if (std::hypot(x - 30, y - 45, z - 25) < 7)
+        {
+          image->SetPixel({ { x, y, z } }, 380);
+        }
+      }
+    }
+  }
+  const ChestWallSheet sheet = FindChestWall({ LogChannel(image, body, 20, true) }, body, body);
+  EXPECT_LT(SheetError(sheet.Front, chest.Wall)[0], 2); // as above
+  EXPECT_LT(SheetError(sheet.Front, chest.Wall)[1], 3.7);
+}
+
+TEST(ChestWall, MirroredBodiesHaveMirroredSheets)
+{
+  const MadeUpChest chest = BreastOnThorax();
+  const auto mirror = [](const Heights& heights) -> Heights
+  { return [heights](int x, int z) { return heights(ChestSize[0] - 1 - x, z); }; };
+  const MadeUpChest mirrored{ mirror(chest.Skin), mirror(chest.Wall) };
+  const ChestWallSheet sheet = FindChestWall(
+    { LogChannel(chest.Image(1000, 350), chest.Body(), 20, true) }, chest.Body(), chest.Body());
+  const ChestWallSheet other =
+    FindChestWall({ LogChannel(mirrored.Image(1000, 350), mirrored.Body(), 20, true) },
+      mirrored.Body(), mirrored.Body());
+  const auto [median, largest] = SheetError(other.Front,
+    [&](int x, int z) {
+      return sheet.Front->GetPixel({ { ChestSize[0] - 1 - x, z } });
+    });
+  // The stiff plate's cells of 12 mm do not lie alike; where two heights cost the same, another is
+  // taken: a voxel at most, smoothed.
+  EXPECT_LT(median, 0.1);
+  EXPECT_LT(largest, 1);
+  EXPECT_NEAR(other.Step, sheet.Step, 0.02);
+}
+
+TEST(ChestWall, WithoutABreastThereIsNoStep)
+{
+  // 20 mm of fat all over: no column with 30 mm of body before the wall.
+  const MadeUpChest flat{ [](int, int) { return 80; }, [](int, int) { return 60; } };
+  const MaskImage::Pointer body = flat.Body();
+  const ChestWallSheet sheet =
+    FindChestWall({ LogChannel(flat.Image(1000, 350), body, 20, true) }, body, body);
+  EXPECT_LT(SheetError(sheet.Front, flat.Wall)[1], 3.7);
+  EXPECT_EQ(sheet.Step, 0);
+  EXPECT_EQ(sheet.Support, 0);
+  // Without any body: some sheet, of no step.
+  const MaskImage::Pointer none =
+    MadeUpImage<MaskImage>(ChestSize, { 2, 2, 2 }, [](int, int, int) { return 0; });
+  const ChestWallSheet nothing = FindChestWall({ flat.Image(0, 0) }, none, none);
+  EXPECT_EQ(nothing.Step, 0);
+  EXPECT_EQ(std::isfinite(nothing.Front->GetPixel({ { 30, 25 } })), true);
+}
+
+TEST(RefineChestWall, GoesFromANearbySheetToTheFront)
+{
+  const MadeUpChest chest = BreastOnThorax();
+  const MaskImage::Pointer body = chest.Body();
+  // 1 in fat, 0 in muscle; the sheet known about lies 8 mm too far in front.
+  const FloatImage::Pointer fatness = chest.Image(1, 0);
+  const HeightMap::Pointer near = MadeUpHeights(ChestSize[0], ChestSize[2], 2,
+    [&](int x, int z) { return chest.Wall(x, z) + 8; });
+  const ChestWallSheet sheet = RefineChestWall({ fatness }, body, body, near);
+  const auto [median, largest] = SheetError(sheet.Front, chest.Wall);
+  // Heights are whole voxels of 2 mm, smoothed over 20 mm.
+  EXPECT_LT(median, 0.7);
+  EXPECT_LT(largest, 3);
+  EXPECT_NEAR(sheet.Step, 1, 0.2);
+}
+}

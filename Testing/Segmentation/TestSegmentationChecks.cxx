@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "Refusals.h"
+#include "mammoray/Segmentation/BreastSegmentation.h"
+#include "mammoray/Segmentation/Private/SegmentationChecks.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <limits>
+
+namespace
+{
+using namespace mammoray;
+using testing::HasSubstr;
+using testing_support::NotRefused;
+using testing_support::RefusalOf;
+
+IntensityVolume TwoIntensities(const std::array<int, 3>& size, double spacing)
+{
+  IntensityVolume volume;
+  volume.Size = size;
+  volume.Spacing = { spacing, spacing, spacing };
+  volume.Voxels.assign(static_cast<std::size_t>(size[0]) * size[1] * size[2], 5);
+  volume.Voxels.back() = 6;
+  return volume;
+}
+
+std::string VerdictOn(const IntensityVolume& volume)
+{
+  return RefusalOf([&] { CheckImage(volume); });
+}
+
+TEST(CheckImage, WantsVoxelsAndTwoIntensities)
+{
+  EXPECT_EQ(VerdictOn(TwoIntensities({ 8, 8, 8 }, 5)), NotRefused);
+  EXPECT_THAT(VerdictOn(TwoIntensities({ 8, 7, 8 }, 5)), HasSubstr("found 8 x 7 x 8"));
+  EXPECT_THAT(VerdictOn(TwoIntensities({ 1, 60, 60 }, 5)), HasSubstr("found 1 x 60 x 60"));
+  IntensityVolume even = TwoIntensities({ 8, 8, 8 }, 5);
+  even.Voxels.back() = 5;
+  EXPECT_THAT(VerdictOn(even), HasSubstr("found the intensity 5 everywhere"));
+  IntensityVolume infinite = TwoIntensities({ 8, 8, 8 }, 5);
+  infinite.Voxels[9] = std::numeric_limits<float>::infinity();
+  EXPECT_THAT(VerdictOn(infinite), HasSubstr("voxel (1, 1, 0) holds inf"));
+}
+
+TEST(CheckSegmentationOptions, NamesTheOptionAndItsRange)
+{
+  const auto refusalOf = [](const std::function<void(SegmentationOptions&)>& change)
+  {
+    SegmentationOptions options;
+    change(options);
+    return RefusalOf([&] { options.Validate(); });
+  };
+  using Options = SegmentationOptions;
+  EXPECT_EQ(refusalOf([](Options&) {}), NotRefused);
+  EXPECT_THAT(refusalOf([](Options& o) { o.SpacingMm = -1; }), HasSubstr("spacing: expected 0 or"));
+  EXPECT_THAT(refusalOf([](Options& o) { o.SpacingMm = std::numeric_limits<double>::quiet_NaN(); }),
+    HasSubstr("found nan"));
+  EXPECT_THAT(refusalOf([](Options& o) { o.SkinThicknessMm = -0.1; }), HasSubstr("skin thickness"));
+  EXPECT_THAT(refusalOf([](Options& o) { o.ChestWallDepthMm = 0; }),
+    HasSubstr("chest wall depth: expected a positive number of mm, found 0"));
+  EXPECT_THAT(refusalOf([](Options& o) { o.Classes = 1; }), HasSubstr("classes: expected 2 to 5"));
+  EXPECT_THAT(refusalOf([](Options& o) { o.Classes = 6; }), HasSubstr("found 6"));
+  EXPECT_THAT(
+    refusalOf([](Options& o) { o.AirThreshold = std::numeric_limits<double>::infinity(); }),
+    HasSubstr("air threshold"));
+  EXPECT_THAT(refusalOf([](Options& o) { o.SmallestGlandMm3 = -1; }), HasSubstr("smallest gland"));
+  EXPECT_THAT(refusalOf([](Options& o) { o.GlandThreshold = 1; }), HasSubstr("gland threshold"));
+  EXPECT_THAT(refusalOf([](Options& o) { o.GlandThreshold = 1.5; }), HasSubstr("found 1.5"));
+  // Suppressed fat: gland lies above it, and may be given so.
+  const auto dark = [](double threshold)
+  {
+    return [threshold](Options& o)
+    {
+      o.Contrast = FatContrast::FatDark;
+      o.GlandThreshold = threshold;
+    };
+  };
+  EXPECT_EQ(refusalOf(dark(1.5)), NotRefused);
+  EXPECT_EQ(refusalOf(dark(0)), NotRefused);
+  EXPECT_THAT(refusalOf(dark(1)), HasSubstr("gland threshold"));
+}
+}
