@@ -29,6 +29,19 @@ FloatImage::Pointer WeightedMean(FloatImage::Pointer sums, FloatImage::Pointer w
   double sigmaMm, float otherwise)
 {
   constexpr float least = 1e-4f;
+  // No mean leaves what is averaged. The recursive filter's does, far from all weights: its tails
+  // change sign, and that of the sums not where that of the weights does.
+  float lowest = otherwise;
+  float highest = otherwise;
+  for (std::size_t n = 0; n < CountOf(*sums); ++n)
+  {
+    const float weight = weights->GetBufferPointer()[n];
+    if (weight > least)
+    {
+      lowest = std::min(lowest, sums->GetBufferPointer()[n] / weight);
+      highest = std::max(highest, sums->GetBufferPointer()[n] / weight);
+    }
+  }
   sums = GaussianMean<FloatImage>(sums, sigmaMm);
   weights = GaussianMean<FloatImage>(weights, sigmaMm);
   for (std::size_t n = 0; n < CountOf(*sums); ++n)
@@ -36,6 +49,7 @@ FloatImage::Pointer WeightedMean(FloatImage::Pointer sums, FloatImage::Pointer w
     const float weight = std::max(0.0f, weights->GetBufferPointer()[n]);
     float& sum = sums->GetBufferPointer()[n];
     sum = (weight > 0 ? sum + least * otherwise : least * otherwise) / (weight + least);
+    sum = std::clamp(sum, lowest, highest);
   }
   return sums;
 }
