@@ -6,8 +6,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <functional>
 #include <limits>
+#include <random>
 
 namespace
 {
@@ -42,6 +45,32 @@ TEST(CheckImage, WantsVoxelsAndTwoIntensities)
   IntensityVolume infinite = TwoIntensities({ 8, 8, 8 }, 5);
   infinite.Voxels[9] = std::numeric_limits<float>::infinity();
   EXPECT_THAT(VerdictOn(infinite), HasSubstr("voxel (1, 1, 0) holds inf"));
+}
+
+TEST(CheckImage, WantsAsManyMillimetresAsTheFiltersNeed)
+{
+  EXPECT_THAT(VerdictOn(TwoIntensities({ 64, 64, 29 }, 1)),
+    HasSubstr("at least 30 mm along each axis, found 64 x 64 x 29 mm"));
+  EXPECT_EQ(VerdictOn(TwoIntensities({ 64, 64, 30 }, 1)), NotRefused);
+  // No volume that is taken is too small for a filter on the way: air, fat and muscle in as little
+  // as there may be, on voxels of any size. What is found there is no breast, and said so.
+  for (const double spacing : { 0.3, 0.6, 1.0, 1.6, 2.3, 2.4, 2.5, 3.0, 3.9, 4.1, 6.0 })
+  {
+    IntensityVolume volume;
+    const int voxels = std::max(8, static_cast<int>(std::ceil(30 / spacing - 1e-9)));
+    volume.Size = { voxels, voxels, voxels };
+    volume.Spacing = { spacing, spacing, spacing };
+    std::mt19937 generator(1);
+    std::normal_distribution<double> noise(0, 10);
+    for (int voxel = 0; voxel < voxels * voxels * voxels; ++voxel)
+    {
+      const double part = static_cast<double>(voxel / voxels % voxels) / voxels;
+      const double signal = part < 0.2 ? 0 : part < 0.7 ? 1000 : 350; // the front lies at -y
+      volume.Voxels.push_back(static_cast<float>(std::abs(signal + noise(generator))));
+    }
+    const std::string verdict = RefusalOf([&] { SegmentBreast(volume, {}); });
+    EXPECT_THAT(verdict, testing::Not(HasSubstr("ITK"))) << spacing;
+  }
 }
 
 TEST(CheckSegmentationOptions, NamesTheOptionAndItsRange)

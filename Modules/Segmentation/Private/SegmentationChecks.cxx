@@ -17,6 +17,12 @@ std::string Number(double value)
   return text.str();
 }
 
+namespace
+{
+/// Noise is measured in blocks of about 6 mm, and the means over them want four along each axis.
+constexpr double SmallestExtentMm = 30.0;
+}
+
 void CheckImage(const IntensityVolume& image)
 {
   image.Validate("MRI");
@@ -34,6 +40,16 @@ void CheckImage(const IntensityVolume& image)
   {
     throw InputError(
       "MRI: expected air and tissue, found the intensity " + Number(*low) + " everywhere");
+  }
+  for (int a = 0; a < 3; ++a)
+  {
+    if (image.Size[a] * image.Spacing[a] < SmallestExtentMm)
+    {
+      throw InputError("MRI: expected a volume of at least " + Number(SmallestExtentMm) +
+        " mm along each axis, found " + Number(image.Size[0] * image.Spacing[0]) + " x " +
+        Number(image.Size[1] * image.Spacing[1]) + " x " +
+        Number(image.Size[2] * image.Spacing[2]) + " mm");
+    }
   }
 }
 

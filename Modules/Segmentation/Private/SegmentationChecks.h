@@ -12,7 +12,8 @@ namespace mammoray
 /// A number as short as it is.
 std::string Number(double value);
 
-/// Throws InputError unless the volume has at least 8 voxels along each axis and two intensities.
+/// Throws InputError unless the volume has at least 8 voxels and 30 mm along each axis and two
+/// intensities.
 MAMMORAYSEGMENTATION_EXPORT void CheckImage(const IntensityVolume& image);
 }
 
