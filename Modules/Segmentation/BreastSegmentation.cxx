@@ -440,6 +440,11 @@ private:
 
   void FindThresholds()
   {
+    const double given = this->Options.GlandThreshold;
+    if (!this->Second) // of two images it is one's
+    {
+      CheckGlandThreshold(given, this->Channels.front().FatBright);
+    }
     const MaskImage::Pointer tissue = this->Select(
       [&](std::size_t voxel) { return this->InBreast(voxel) || this->InMuscle(voxel); });
     for (Channel& channel : this->Channels)
@@ -463,9 +468,9 @@ private:
         value = std::min(value, BrightestGland);
       }
       const std::vector<double> thresholds = OtsuThresholds(values, this->Options.Classes);
-      channel.GlandThreshold = this->Options.GlandThreshold > 0 ? this->Options.GlandThreshold
-        : channel.FatBright                                     ? thresholds.back()
-                                                                : thresholds.front();
+      channel.GlandThreshold = IsThresholdOf(given, channel.FatBright) ? given
+        : channel.FatBright                                            ? thresholds.back()
+                                                                       : thresholds.front();
     }
   }
 

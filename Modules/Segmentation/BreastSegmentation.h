@@ -59,7 +59,8 @@ struct MAMMORAYSEGMENTATION_EXPORT SegmentationOptions
   /// Intensity of the MRI below which voxels that reach the front are air; 0: by Otsu's method.
   double AirThreshold = 0.0;
   /// Fraction of fat's intensity below which the breast is gland, (0, 1), or, where Contrast is
-  /// FatDark, above which it is, beyond 1; 0: by Otsu's method.
+  /// FatDark, above which it is, beyond 1; 0: by Otsu's method. Of two images it is that of the one
+  /// on whose side of 1 it lies.
   double GlandThreshold = 0.0;
   /// Smaller parts of gland become fat, mm^3.
   double SmallestGlandMm3 = 10.0;

@@ -406,6 +406,33 @@ TEST(BreastSegmentation, ThresholdsAndThicknessesAreTheOptions)
   EXPECT_GT(SegmentBreast(image, options).GlandThreshold, otsu.GlandThreshold);
 }
 
+TEST(BreastSegmentation, AGivenGlandThresholdIsThatOfItsOwnImage)
+{
+  const IntensityVolume plain = MakeMri(Phantom(), {});
+  const IntensityVolume suppressed = MakeMri(Phantom(), { .FatSuppressed = true });
+  SegmentationOptions options = PhantomOptions();
+  options.SpacingMm = 1.6;
+  options.SkinThicknessMm = 1.6;
+  const auto glandOf = [&](const SegmentationResult& result)
+  { return result.Labels.CountLabels().at(Label(TissueLabel::Gland)); };
+  // What Otsu finds, given back: of the plain image, and of the suppressed one beside it.
+  const SegmentationResult found = SegmentBreast(plain, suppressed, options);
+  options.GlandThreshold = found.GlandThreshold;
+  const SegmentationResult given = SegmentBreast(plain, suppressed, options);
+  EXPECT_EQ(given.GlandThreshold, found.GlandThreshold);
+  EXPECT_EQ(glandOf(given), glandOf(found));
+  // Suppressed fat is dark, and gland above it: a fraction below 1 says nothing of it.
+  EXPECT_THAT(MessageOf(suppressed, options),
+    testing::HasSubstr("gland threshold: expected more than 1 as fat is dark"));
+  options.Contrast = FatContrast::FatDark;
+  options.GlandThreshold = 1.6;
+  EXPECT_EQ(SegmentBreast(suppressed, options).GlandThreshold, 1.6);
+  // Of two images, that beyond 1 is the suppressed one's.
+  const SegmentationResult second = SegmentBreast(plain, suppressed, options);
+  EXPECT_EQ(second.GlandThreshold, found.GlandThreshold);
+  EXPECT_GT(glandOf(second), glandOf(found) / 2);
+}
+
 TEST(BreastSegmentation, RefusesInOneLine)
 {
   EXPECT_THAT(MessageOf({}), testing::HasSubstr("MRI: size along axis 0 is 0"));

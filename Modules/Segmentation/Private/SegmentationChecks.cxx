@@ -53,6 +53,16 @@ void CheckImage(const IntensityVolume& image)
   }
 }
 
+void CheckGlandThreshold(double given, bool fatBright)
+{
+  if (given > 0 && !IsThresholdOf(given, fatBright))
+  {
+    throw InputError("gland threshold: expected " +
+      std::string(fatBright ? "less than 1 as fat is bright" : "more than 1 as fat is dark") +
+      " in this MRI, found " + Number(given));
+  }
+}
+
 void SegmentationOptions::Validate() const
 {
   const auto check = [](bool good, const char* name, const char* expected, double found)

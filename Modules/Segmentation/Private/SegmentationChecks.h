@@ -15,6 +15,16 @@ std::string Number(double value);
 /// Throws InputError unless the volume has at least 8 voxels and 30 mm along each axis and two
 /// intensities.
 MAMMORAYSEGMENTATION_EXPORT void CheckImage(const IntensityVolume& image);
+
+/// Whether the caller's gland threshold (0: none) is an image's: gland is darker than bright fat,
+/// and brighter than dark.
+inline bool IsThresholdOf(double given, bool fatBright)
+{
+  return given > 0 && (given < 1) == fatBright;
+}
+
+/// Throws InputError where a threshold is given and not this image's.
+void CheckGlandThreshold(double given, bool fatBright);
 }
 
 #endif
