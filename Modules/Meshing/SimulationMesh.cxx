@@ -81,6 +81,10 @@ MeshingResult MeshForSimulation(const LabelVolume& materials, const std::vector<
   }
   materials.Validate("volume to mesh");
   const CommonestMaterials commonest(materials, held);
+  if (commonest.MovingVoxels == 0)
+  {
+    throw InputError("simulation mesh: expected tissue that is not held, found none");
+  }
   double size = cellSizeMm > 0
     ? cellSizeMm
     : std::cbrt(static_cast<double>(commonest.MovingVoxels) * materials.VoxelVolume()) / 7;
