@@ -3,6 +3,7 @@
 #define mammoray_LabelComponents_h
 
 #include "mammoray/Foundation/LabelVolume.h"
+#include "mammorayMeshingModule.h"
 
 namespace mammoray
 {
@@ -24,19 +25,19 @@ struct LabelComponents
 };
 
 /// Components of a volume, in the order of their first voxels; depths are left out.
-LabelComponents FindComponents(const LabelVolume& volume);
+MAMMORAYMESHING_EXPORT LabelComponents FindComponents(const LabelVolume& volume);
 
 /**
  * Gives every component below `smallestMm3` to the material it shares the most area with among
  * larger ones; the lowest wins a tie. Returns the number of voxels that changed.
  */
-std::size_t MergeSmallComponents(LabelVolume& volume, double smallestMm3);
+MAMMORAYMESHING_EXPORT std::size_t MergeSmallComponents(LabelVolume& volume, double smallestMm3);
 
 /**
  * Distance of every voxel's centre to the nearest interface, mm, by chamfer steps over faces, edges
  * and corners (at most 8 % too long on cubic voxels).
  */
-std::vector<float> InterfaceDistance(const LabelVolume& volume);
+MAMMORAYMESHING_EXPORT std::vector<float> InterfaceDistance(const LabelVolume& volume);
 }
 
 #endif

@@ -3,6 +3,7 @@
 #define mammoray_LabelField_h
 
 #include "mammoray/Foundation/LabelVolume.h"
+#include "mammorayMeshingModule.h"
 
 namespace mammoray
 {
@@ -16,7 +17,7 @@ namespace mammoray
  * (i, j, k). Outside the volume is air; give it a margin of air, so that all tissue is closed
  * within.
  */
-class LabelField
+class MAMMORAYMESHING_EXPORT LabelField
 {
 public:
   LabelField(const LabelVolume& volume, double smoothingVoxels);

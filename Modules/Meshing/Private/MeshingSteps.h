@@ -6,6 +6,7 @@
 #include "Private/LabelComponents.h"
 #include "mammoray/Meshing/LabelMesher.h"
 #include "mammoray/Meshing/MeshCheck.h"
+#include "mammorayMeshingModule.h"
 
 #include <cstdio>
 #include <string>
@@ -21,27 +22,28 @@ inline std::string FormattedText(const char* format, double a, double b = 0, dou
 }
 
 /// The volume's tissue with a margin of air around it, in voxels.
-LabelVolume PrepareVolume(const LabelVolume& materials, int margin);
+MAMMORAYMESHING_EXPORT LabelVolume PrepareVolume(const LabelVolume& materials, int margin);
 
 /**
  * MergeSmallComponents; throws InputError where nothing but air is left. Returns the number of
  * voxels that changed.
  */
-std::size_t MergeTissue(LabelVolume& volume, double smallestMm3);
+MAMMORAYMESHING_EXPORT std::size_t MergeTissue(LabelVolume& volume, double smallestMm3);
 
 /**
  * Throws ConvergenceError, naming material, place and volume, unless every component of tissue
  * holds a cell of its material. The mesh is in the grid frame (LabelField); depths and deepest
  * voxels of the components are for the message.
  */
-void CheckComponents(const TetrahedralMesh& mesh, const LabelVolume& volume,
+MAMMORAYMESHING_EXPORT void CheckComponents(const TetrahedralMesh& mesh, const LabelVolume& volume,
   const LabelComponents& found);
 
 /// CheckSurface; throws InputError, with places, where a boundary has holes.
-MeshCheck CheckClosed(const SurfaceMesh& surfaces);
+MAMMORAYMESHING_EXPORT MeshCheck CheckClosed(const SurfaceMesh& surfaces);
 
 /// How far interfaces may move: half a voxel, or half the facet distance where that is more, mm.
-double LargestShift(const LabelVolume& materials, const MeshingOptions& options);
+MAMMORAYMESHING_EXPORT double LargestShift(const LabelVolume& materials,
+  const MeshingOptions& options);
 
 /**
  * What both ways from labels end with, in the grid frame: slivers are taken away down to
@@ -50,17 +52,18 @@ double LargestShift(const LabelVolume& materials, const MeshingOptions& options)
  * `materials`, those of merged components included. The mesh may come with cells of air (material
  * 0), which keep its surface from cutting itself.
  */
-void FinishMesh(const LabelVolume& materials, const MeshingOptions& options, TetrahedralMesh& mesh,
-  const ProgressCallback& progress);
+MAMMORAYMESHING_EXPORT void FinishMesh(const LabelVolume& materials, const MeshingOptions& options,
+  TetrahedralMesh& mesh, const ProgressCallback& progress);
 
 /// The part of a progress from `begin` to `end`.
-ProgressCallback Within(const ProgressCallback& progress, double begin, double end);
+MAMMORAYMESHING_EXPORT ProgressCallback Within(const ProgressCallback& progress, double begin,
+  double end);
 
 /// Carries a mesh from the grid frame to the volume frame.
-void PlaceInVolumeFrame(const LabelVolume& volume, TetrahedralMesh& mesh);
+MAMMORAYMESHING_EXPORT void PlaceInVolumeFrame(const LabelVolume& volume, TetrahedralMesh& mesh);
 
 /// Volumes of the voxels and of the cells, and the cells' quality.
-std::vector<MaterialReport> ReportMaterials(const LabelVolume& materials,
+MAMMORAYMESHING_EXPORT std::vector<MaterialReport> ReportMaterials(const LabelVolume& materials,
   const TetrahedralMesh& mesh);
 }
 

@@ -4,6 +4,7 @@
 
 #include "Private/EditableMesh.h"
 #include "mammoray/Foundation/Progress.h"
+#include "mammorayMeshingModule.h"
 
 namespace mammoray
 {
@@ -13,7 +14,7 @@ namespace mammoray
  * the first, and for every edge the pairs of its triangles beyond the first pair. 0: every boundary
  * is a 2-manifold at the point.
  */
-int PinchExcess(const EditableMesh& mesh, std::int32_t point);
+MAMMORAYMESHING_EXPORT int PinchExcess(const EditableMesh& mesh, std::int32_t point);
 
 /**
  * Makes the boundary of every material, and of all of them together, a 2-manifold. First cells go
@@ -30,7 +31,8 @@ int PinchExcess(const EditableMesh& mesh, std::int32_t point);
  * has changed. Points with several pinched edges are taken first, after which each pinched edge
  * that is left stands alone. Returns the number of points that were pinched.
  */
-std::size_t RepairPinches(EditableMesh& mesh, const ProgressCallback& progress);
+MAMMORAYMESHING_EXPORT std::size_t RepairPinches(EditableMesh& mesh,
+  const ProgressCallback& progress);
 }
 
 #endif

@@ -4,6 +4,7 @@
 
 #include "Private/LabelComponents.h"
 #include "mammoray/Meshing/MeshingOptions.h"
+#include "mammorayMeshingModule.h"
 
 #include <cstddef>
 #include <vector>
@@ -22,7 +23,7 @@ struct SeedPlan
   std::vector<float> Distance;
 };
 
-SeedPlan PlanSeeds(const LabelVolume& volume, const MeshingOptions& options);
+MAMMORAYMESHING_EXPORT SeedPlan PlanSeeds(const LabelVolume& volume, const MeshingOptions& options);
 }
 
 #endif

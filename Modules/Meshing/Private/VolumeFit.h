@@ -4,6 +4,7 @@
 
 #include "Private/EditableMesh.h"
 #include "mammoray/Foundation/Progress.h"
+#include "mammorayMeshingModule.h"
 
 #include <map>
 
@@ -16,8 +17,9 @@ namespace mammoray
  * normals around it). No point moves by more than `shiftMm` in all, nor so far that a cell around
  * it gets a dihedral angle below `leastDeg` that it did not have.
  */
-void FitVolumes(EditableMesh& mesh, const std::map<std::int32_t, double>& volumesMm3,
-  double shiftMm, double leastDeg, const ProgressCallback& progress);
+MAMMORAYMESHING_EXPORT void FitVolumes(EditableMesh& mesh,
+  const std::map<std::int32_t, double>& volumesMm3, double shiftMm, double leastDeg,
+  const ProgressCallback& progress);
 }
 
 #endif
