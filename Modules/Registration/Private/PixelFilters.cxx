@@ -59,6 +59,8 @@ std::vector<float> Refine(const PixelGrid& grid, std::vector<float>& values, con
   vtkNew<vtkImageReslice> reslice;
   reslice->SetInputData(Wrap(grid, values));
   reslice->SetInterpolator(linear);
+  // Which it tells the interpolator otherwise.
+  reslice->SetInterpolationModeToLinear();
   reslice->SetOutputSpacing(fine.ColumnSpacing, fine.RowSpacing, 1);
   reslice->SetOutputExtent(0, fine.Columns - 1, 0, fine.Rows - 1, 0, 0);
   const int half = factor / 2;
