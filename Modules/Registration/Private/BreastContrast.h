@@ -5,6 +5,7 @@
 #include "Private/PixelMask.h"
 #include "mammoray/Foundation/Mammogram.h"
 #include "mammoray/Registration/TargetPreparation.h"
+#include "mammorayRegistrationModule.h"
 
 #include <string>
 #include <vector>
@@ -23,8 +24,8 @@ struct BreastContrast
 };
 
 /// Throws InputError where there is no breast beside air.
-BreastContrast FindBreastContrast(const Mammogram& mammogram, const PixelGrid& grid,
-  const TargetOptions& options, std::vector<std::string>& warnings);
+MAMMORAYREGISTRATION_EXPORT BreastContrast FindBreastContrast(const Mammogram& mammogram,
+  const PixelGrid& grid, const TargetOptions& options, std::vector<std::string>& warnings);
 }
 
 #endif

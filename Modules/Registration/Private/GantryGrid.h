@@ -5,6 +5,7 @@
 #include "Private/PixelMask.h"
 #include "mammoray/Foundation/Mammogram.h"
 #include "mammoray/Registration/RegistrationTarget.h"
+#include "mammorayRegistrationModule.h"
 
 #include <array>
 #include <string>
@@ -13,7 +14,7 @@ namespace mammoray
 {
 /// What the letters of a patient direction ("L", "FR") mean along gantry +x of a unit rolled by
 /// `rollDeg`: > 0 with it, < 0 against it.
-double AlongX(const std::string& direction, double rollDeg);
+MAMMORAYREGISTRATION_EXPORT double AlongX(const std::string& direction, double rollDeg);
 
 /**
  * Places the target's pixel grid in the gantry frame, by the header and, where it leaves something
@@ -21,7 +22,7 @@ double AlongX(const std::string& direction, double rollDeg);
  * mammograms are hung, with a warning each. Answers the roll of the view, as said or assumed,
  * degrees.
  */
-double PlaceInGantry(const Mammogram& mammogram, const PixelGrid& grid,
+MAMMORAYREGISTRATION_EXPORT double PlaceInGantry(const Mammogram& mammogram, const PixelGrid& grid,
   const std::array<double, 4>& touched, RegistrationTarget& target);
 }
 

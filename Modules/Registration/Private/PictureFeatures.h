@@ -4,6 +4,7 @@
 
 #include "Private/ZScores.h"
 #include "mammoray/Registration/RegistrationResiduals.h"
+#include "mammorayRegistrationModule.h"
 
 #include <array>
 #include <cstddef>
@@ -13,7 +14,7 @@ namespace mammoray
 {
 /// What is compared of a picture at some pixels, free of its scale and offset; see
 /// PictureComparison.
-class PictureFeatures
+class MAMMORAYREGISTRATION_EXPORT PictureFeatures
 {
 public:
   /// `pixels`: those compared, rising, of a picture on `grid`'s pixels. `windowMm`: edge of

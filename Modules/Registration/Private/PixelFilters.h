@@ -3,18 +3,20 @@
 #define mammoray_PixelFilters_h
 
 #include "Private/PixelMask.h"
+#include "mammorayRegistrationModule.h"
 
 #include <vector>
 
 namespace mammoray
 {
 /// The median of each pixel and its neighbours. `values` are only read.
-std::vector<float> Median3x3(const PixelGrid& grid, std::vector<float>& values);
+MAMMORAYREGISTRATION_EXPORT std::vector<float> Median3x3(const PixelGrid& grid,
+  std::vector<float>& values);
 
 /// The picture between its pixels: `factor` (odd) times as fine, by linear interpolation. `values`
 /// are only read.
-std::vector<float> Refine(const PixelGrid& grid, std::vector<float>& values, const PixelGrid& fine,
-  int factor);
+MAMMORAYREGISTRATION_EXPORT std::vector<float> Refine(const PixelGrid& grid,
+  std::vector<float>& values, const PixelGrid& fine, int factor);
 }
 
 #endif

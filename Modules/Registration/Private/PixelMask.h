@@ -2,6 +2,8 @@
 #ifndef mammoray_PixelMask_h
 #define mammoray_PixelMask_h
 
+#include "mammorayRegistrationModule.h"
+
 #include <array>
 #include <cstddef>
 #include <vector>
@@ -44,30 +46,34 @@ using PixelMask = std::vector<unsigned char>;
 
 /// The distance of each set pixel's centre to the nearest centre of a clear one, mm; 0 at clear
 /// pixels, infinite where there is none. The border of the picture is nothing special.
-std::vector<float> DistanceToClear(const PixelGrid& grid, const PixelMask& mask);
+MAMMORAYREGISTRATION_EXPORT std::vector<float> DistanceToClear(const PixelGrid& grid,
+  const PixelMask& mask);
 
 /// Signed distance to the outline of a mask, mm, negative inside; its border with the picture is
 /// none.
-std::vector<float> SignedDistance(const PixelGrid& grid, const PixelMask& mask);
+MAMMORAYREGISTRATION_EXPORT std::vector<float> SignedDistance(const PixelGrid& grid,
+  const PixelMask& mask);
 
 /// How far a mask touches each side of the picture, in the order of Side, mm.
-std::array<double, 4> TouchedSides(const PixelGrid& grid, const PixelMask& mask);
+MAMMORAYREGISTRATION_EXPORT std::array<double, 4> TouchedSides(const PixelGrid& grid,
+  const PixelMask& mask);
 
 /**
  * A dark frame along a side of the picture (rows that the detector does not read) is no air: where
  * the breast touches the line 1 mm inside the side much more than the side itself, the stripe
  * between is filled.
  */
-void FillDarkFrame(const PixelGrid& grid, PixelMask& mask);
+MAMMORAYREGISTRATION_EXPORT void FillDarkFrame(const PixelGrid& grid, PixelMask& mask);
 
 /// What is thicker than `thinnest` mm, with everything of the mask near it.
-PixelMask WithoutThinParts(const PixelGrid& grid, PixelMask mask, double thinnest);
+MAMMORAYREGISTRATION_EXPORT PixelMask WithoutThinParts(const PixelGrid& grid, PixelMask mask,
+  double thinnest);
 
 /// Keeps the largest of the pieces whose pixels share edges. Throws InputError on an empty mask.
-void KeepLargestPiece(const PixelGrid& grid, PixelMask& mask);
+MAMMORAYREGISTRATION_EXPORT void KeepLargestPiece(const PixelGrid& grid, PixelMask& mask);
 
 /// Clear pieces that touch no side of the picture become part of the mask.
-void FillHoles(const PixelGrid& grid, PixelMask& mask);
+MAMMORAYREGISTRATION_EXPORT void FillHoles(const PixelGrid& grid, PixelMask& mask);
 }
 
 #endif

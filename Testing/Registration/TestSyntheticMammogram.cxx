@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mammoray/Registration/SyntheticMammogram.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+namespace
+{
+using namespace mammoray;
+
+/// 40 x 60 pixels of 1 mm, the breast below y = 25 mm; its outline is that line.
+RegistrationTarget StraightTarget()
+{
+  RegistrationTarget target;
+  target.Columns = 40;
+  target.Rows = 60;
+  target.Origin = { -29.5, 0.5 };
+  target.ColumnStep = { 0, 1 };
+  target.RowStep = { 1, 0 };
+  std::mt19937 generator(12);
+  std::normal_distribution<float> normal(2.0f, 0.4f);
+  for (int row = 0; row < 60; ++row)
+  {
+    for (int column = 0; column < 40; ++column)
+    {
+      const double y = column + 0.5;
+      target.BreastMask.push_back(y < 25 ? 1 : 0);
+      target.SignedDistanceMm.push_back(static_cast<float>(y - 25));
+      target.LogAttenuation.push_back(y < 25 ? normal(generator) : 0.0f);
+    }
+  }
+  return target;
+}
+
+/// Its picture up to scale and offset, and a line at another height, from +x to -x.
+SyntheticMammogram PictureOf(const RegistrationTarget& target, double heightMm)
+{
+  SyntheticMammogram synthetic;
+  for (std::size_t pixel = 0; pixel < target.LogAttenuation.size(); ++pixel)
+  {
+    synthetic.LogAttenuation.push_back(
+      target.BreastMask[pixel] ? 0.5f * target.LogAttenuation[pixel] + 3 : 0.0f);
+  }
+  for (double x = 25; x > -25.5; x -= 2)
+  {
+    synthetic.Outline.push_back({ x, heightMm });
+  }
+  return synthetic;
+}
+
+TEST(Compare, MeasuresTheOutlinesAndThePictures)
+{
+  const RegistrationTarget target = StraightTarget();
+  const Agreement same = Compare(PictureOf(target, 25), target);
+  EXPECT_NEAR(same.MeanOutlineDistanceMm, 0, 1e-6);
+  // 1e-6 is added to the deviations of 0.4 and 0.2.
+  EXPECT_NEAR(same.Correlation, 1, 1e-5);
+  for (const double height : { 22.0, 28.0 })
+  {
+    const Agreement beside = Compare(PictureOf(target, height), target);
+    EXPECT_NEAR(beside.MeanOutlineDistanceMm, 3, 1e-5) << height; // on either side
+    EXPECT_NEAR(beside.LargestOutlineDistanceMm, 3, 1e-5) << height;
+  }
+  SyntheticMammogram inverted = PictureOf(target, 25);
+  for (float& value : inverted.LogAttenuation)
+  {
+    value = value > 0 ? 10 - value : 0;
+  }
+  EXPECT_NEAR(Compare(inverted, target).Correlation, -1, 1e-5);
+}
+
+TEST(Compare, WeighsTheOutlineByItsLength)
+{
+  const RegistrationTarget target = StraightTarget();
+  SyntheticMammogram synthetic = PictureOf(target, 25);
+  // 40 mm on the line; 5 mm with ten times as many points 4 mm beside it.
+  synthetic.Outline.clear();
+  for (double x = 20; x > -20.5; x -= 2)
+  {
+    synthetic.Outline.push_back({ x, 25 });
+  }
+  for (double x = -20; x > -25.01; x -= 0.2)
+  {
+    synthetic.Outline.push_back({ x, 29 });
+  }
+  const Agreement agreement = Compare(synthetic, target);
+  // The step of 4 mm between the two lies 2 mm away in its middle.
+  EXPECT_NEAR(agreement.MeanOutlineDistanceMm, (4 * 2 + 5 * 4) / (40 + 4 + 5.0), 1e-3);
+  EXPECT_NEAR(agreement.LargestOutlineDistanceMm, 4, 1e-5);
+}
+
+TEST(Compare, LeavesOutWhatIsNotCompared)
+{
+  RegistrationTarget target = StraightTarget();
+  SyntheticMammogram synthetic = PictureOf(target, 25);
+  // A marker: excluded, it does not disturb the correlation.
+  target.Excluded.assign(target.BreastMask.size(), 0);
+  for (std::size_t pixel = 5; pixel < target.BreastMask.size(); pixel += 7)
+  {
+    target.Excluded[pixel] = 1;
+    target.LogAttenuation[pixel] = 100;
+  }
+  EXPECT_NEAR(Compare(synthetic, target).Correlation, 1, 1e-5);
+  target.Excluded.clear();
+  EXPECT_LT(Compare(synthetic, target).Correlation, 0.5);
+  // An outline behind where they are compared, or outside the picture, has no distance.
+  target.OutlineFromMm = 30;
+  EXPECT_TRUE(std::isnan(Compare(synthetic, target).MeanOutlineDistanceMm));
+  EXPECT_TRUE(std::isnan(Compare(synthetic, target).LargestOutlineDistanceMm));
+  target.OutlineFromMm = 0;
+  for (ReceptorPoint& point : synthetic.Outline)
+  {
+    point[1] = 45;
+  }
+  EXPECT_TRUE(std::isnan(Compare(synthetic, target).MeanOutlineDistanceMm));
+  // Where the synthetic breast is not, there is nothing to compare.
+  synthetic.LogAttenuation.assign(synthetic.LogAttenuation.size(), 0.0f);
+  EXPECT_EQ(Compare(synthetic, target).Correlation, 0);
+}
+}
