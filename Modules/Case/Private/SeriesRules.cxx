@@ -11,6 +11,12 @@
 #include <map>
 #include <set>
 
+// Letters beyond ASCII in UTF-8 and in Latin 1, small and large: a bracket would hold their bytes,
+// of which UTF-8 has two.
+#define A_UMLAUT "\xc3[\xa4\x84]|[\xe4\xc4]"
+#define E_ACUTE "\xc3[\xa9\x89]|[\xe9\xc9]"
+#define E_GRAVE "\xc3[\xa8\x88]|[\xe8\xc8]"
+
 namespace mammoray
 {
 namespace
@@ -46,8 +52,8 @@ const OtherKind OtherKinds[] = {
     "subs?\\d*|subtr\\w*|sottr\\w*|sustr\\w*|resta|ph ?\\d+ ph ?\\d+|phase ?\\d+ phase ?\\d+|"
     "dyn ?\\d+ dyn ?\\d+|post ?\\d* pre" },
   { "localizer", { "SURVEY", "SCOUT" }, { "LOCALI" },
-    "locs?|localiz\\w*|localis\\w*|lokali\\w*|scouts?|survey\\w*|surv|rep[eé]rage|3 ?plane\\w*|3 "
-    "?pl" },
+    "locs?|localiz\\w*|localis\\w*|lokali\\w*|scouts?|survey\\w*|surv|rep(?:e|" E_ACUTE
+    ")rage|3 ?plane\\w*|3 ?pl" },
   { "calibration", {}, {},
     "cal|calib\\w*|asset|shim\\w*|b1 ?map\\w*|prescan|smartbrain|coilsurvey|ref" },
   { "diffusion", { "ADC" }, { "DIFFUSION", "TRACE", "ADC_" },
@@ -468,13 +474,18 @@ void TellByWords(SeriesCandidate& candidate)
     series.ContrastEvidence = evidence;
   };
   const std::string pre = FindWords(words,
-    "pre|pre ?c\\w*|pre ?g\\w*|pre ?km|nati[fv]\\w*|nativ|unenhanced|basale?|non ?contrast|nonc|"
-    "(?:w o|wo|without|ohne|vor|sans|sin|sem|senza) "
-    "?(?:c|ce|contrast\\w*|gad\\w*|gd|iv|km|mdc|inj\\w*)");
-  const std::string post = FindWords(words,
-    "post\\w*|gad\\w*|gd|\\+ ?c\\w*|c\\+|(?:mit|nach) ?km|km|contrast|delay\\w*|late|sp[aä]t\\w*|"
+    "pre ?c\\w*|pre ?g\\w*|pre ?km|pre|nati[fv]\\w*|nativ|unenhanced|basale?|non ?contrast|nonc|"
+    "(?:w o|wo|without|ohne|vor|sans|avant|sin|sem|senza) "
+    "?(?:iv )?(?:c|ce|contrast\\w*|kontrast\\w*|gad\\w*|gd|iv|km|mdc|inj\\w*)");
+  // Not the contrast that it is without: "pre contrast", "ohne KM".
+  const std::size_t denied = pre.empty() ? words.size() : (' ' + words).find(' ' + pre);
+  const std::string others =
+    words.substr(0, denied) + words.substr(std::min(words.size(), denied + pre.size()));
+  const std::string post = FindWords(others,
+    "post\\w*|gad\\w*|gd|\\+ ?c\\w*|c\\+|(?:mit|nach) ?km|km|contrast|kontrast\\w*|delay\\w*|late|"
+    "sp(?:ae?|" A_UMLAUT ")t(?:e\\w*|phase\\w*)?|"
     "tardi\\w*|dotarem|magnevist|gadovist|prohance|multihance|\\d(?:st|nd|rd|th) pass|"
-    "(?:with|avec|con|com|after|apr[eè]s) ?(?:c|contrast\\w*|gad\\w*|inj\\w*|mdc)");
+    "(?:with|avec|con|com|after|apr(?:e|" E_GRAVE ")s) ?(?:c|contrast\\w*|gad\\w*|inj\\w*|mdc)");
   std::smatch plus;
   const std::regex counted("(?:^| )(\\d)\\+(\\d+)(?= |$)");
   if (std::regex_search(words, plus, counted))
