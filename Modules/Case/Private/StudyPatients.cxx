@@ -28,13 +28,24 @@ struct Patient
   }
 };
 
+/// However it is written: a name's empty parts may be there or not ("DOE^JANE^^^").
+std::string Written(const std::string& text)
+{
+  std::string words = HeaderWords(text);
+  if (words.ends_with(' '))
+  {
+    words.pop_back();
+  }
+  return words;
+}
+
 Patient PatientOf(const DicomHeader& header)
 {
   const DicomIdentity& identity = header.Identity;
   const std::string sex = HeaderWords(identity.PatientSex);
   // O: other, and what anonymisation leaves.
-  return { HeaderWords(identity.PatientId), HeaderWords(identity.PatientName),
-    identity.PatientBirthDate, sex == "f" || sex == "m" ? sex : std::string(), 1, header.Path };
+  return { Written(identity.PatientId), Written(identity.PatientName), identity.PatientBirthDate,
+    sex == "f" || sex == "m" ? sex : std::string(), 1, header.Path };
 }
 
 enum class Relation
