@@ -4,21 +4,23 @@
 
 #include "mammoray/Case/Intake.h"
 #include "mammoray/IO/DicomHeader.h"
+#include "mammorayCaseModule.h"
 
 namespace mammoray
 {
 /// Whether a header is one of an X-ray of the breast, from the unit or made of one.
-bool IsMammogram(const DicomHeader& header);
+MAMMORAYCASE_EXPORT bool IsMammogram(const DicomHeader& header);
 
-StudyMammogram DescribeMammogram(const DicomHeader& header);
+MAMMORAYCASE_EXPORT StudyMammogram DescribeMammogram(const DicomHeader& header);
 
 /**
  * The mammogram of a side and view to take: single exposures before what tomosynthesis computes,
  * the newest first, of one exposure's forms For Processing. Fills in why for it and for all others
  * of that side and view; an index, or nothing.
  */
-std::optional<std::size_t> ChooseMammogram(const std::vector<StudyMammogram>& mammograms, char side,
-  const std::string& view, std::vector<std::string>& reasons);
+MAMMORAYCASE_EXPORT std::optional<std::size_t> ChooseMammogram(
+  const std::vector<StudyMammogram>& mammograms, char side, const std::string& view,
+  std::vector<std::string>& reasons);
 }
 
 #endif

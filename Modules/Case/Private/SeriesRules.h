@@ -4,6 +4,7 @@
 
 #include "mammoray/Case/Intake.h"
 #include "mammoray/IO/DicomHeader.h"
+#include "mammorayCaseModule.h"
 
 #include <string>
 #include <vector>
@@ -22,21 +23,21 @@ struct SeriesCandidate
 
 /// Sequence, position and fat suppression of a series by the header of one of its slices, and why
 /// it cannot be one of breast tissue, as far as its header tells.
-void DescribeSeries(SeriesCandidate& candidate);
+MAMMORAYCASE_EXPORT void DescribeSeries(SeriesCandidate& candidate);
 
 /// Why the volume is none of a breast by its grid or the lack of one; empty where it is.
-std::string WhyNoBreastVolume(const SeriesCandidate& candidate);
+MAMMORAYCASE_EXPORT std::string WhyNoBreastVolume(const SeriesCandidate& candidate);
 
 /// A series whose scan options do not name fat suppression has none where those of others of the
 /// same examination do.
-void CompareScanOptions(std::vector<SeriesCandidate>& candidates);
+MAMMORAYCASE_EXPORT void CompareScanOptions(std::vector<SeriesCandidate>& candidates);
 
 /// Fills in the contrast phases, each of which follows from all series, in their order of time.
-void FindContrastPhases(std::vector<SeriesCandidate>& candidates);
+MAMMORAYCASE_EXPORT void FindContrastPhases(std::vector<SeriesCandidate>& candidates);
 
 /// When a slice was taken, in order as a text: date and time of acquisition, else of the series;
 /// empty where none is said.
-std::string MomentOf(const DicomHeader& header);
+MAMMORAYCASE_EXPORT std::string MomentOf(const DicomHeader& header);
 }
 
 #endif

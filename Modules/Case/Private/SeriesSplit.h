@@ -3,6 +3,7 @@
 #define mammoray_Private_SeriesSplit_h
 
 #include "Private/SeriesRules.h"
+#include "mammorayCaseModule.h"
 
 #include <vector>
 
@@ -14,7 +15,8 @@ namespace mammoray
  * phases apart: temporal position, acquisition, trigger, time, or else their order. Files in the
  * order of the grid; no grid where the slices make no regular volume.
  */
-std::vector<SeriesCandidate> SplitIntoVolumes(const std::vector<DicomHeader>& slices);
+MAMMORAYCASE_EXPORT std::vector<SeriesCandidate> SplitIntoVolumes(
+  const std::vector<DicomHeader>& slices);
 }
 
 #endif

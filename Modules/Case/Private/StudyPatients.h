@@ -3,6 +3,7 @@
 #define mammoray_Private_StudyPatients_h
 
 #include "mammoray/IO/DicomHeader.h"
+#include "mammorayCaseModule.h"
 
 #include <string>
 #include <vector>
@@ -16,7 +17,7 @@ namespace mammoray
  * line of warning is answered for these. No identity is shown: patients are told apart by a number
  * made of it, numbers of images and the folder of the first one.
  */
-std::vector<std::string> CheckOnePatient(const std::vector<DicomHeader>& images,
+MAMMORAYCASE_EXPORT std::vector<std::string> CheckOnePatient(const std::vector<DicomHeader>& images,
   const std::string& folder);
 }
 
