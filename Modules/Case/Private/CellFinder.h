@@ -3,6 +3,7 @@
 #define mammoray_CellFinder_h
 
 #include "mammoray/Foundation/Vector3.h"
+#include "mammorayCaseModule.h"
 
 #include "vtkGenericCell.h"
 #include "vtkIdList.h"
@@ -18,7 +19,7 @@ class vtkUnstructuredGrid;
 namespace mammoray
 {
 /// A cell of a tetrahedral grid and the weights of its corners at a place.
-struct PlaceInCell
+struct MAMMORAYCASE_EXPORT PlaceInCell
 {
   /// -1: in none.
   vtkIdType Cell = -1;
@@ -30,7 +31,7 @@ struct PlaceInCell
 };
 
 /// Finds the cells of a grid of linear tetrahedra, which must outlive it.
-class CellFinder
+class MAMMORAYCASE_EXPORT CellFinder
 {
 public:
   explicit CellFinder(vtkUnstructuredGrid* grid);
