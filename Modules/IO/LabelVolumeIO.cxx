@@ -2,6 +2,7 @@
 #include "mammoray/IO/LabelVolumeIO.h"
 
 #include "Private/DicomVolume.h"
+#include "Private/Guard/GuardedRead.h"
 #include "Private/VolumeFile.h"
 
 #include <algorithm>
@@ -21,17 +22,20 @@ bool IsDicom(const std::string& path)
   }
   return std::filesystem::is_directory(path) || VolumeExtension(path) == ".dcm";
 }
+
+/// Both ways between processes.
+template <typename Parcel, typename Volume>
+void Exchange(Parcel& parcel, Volume&& volume)
+{
+  parcel(volume.Size, volume.Origin, volume.Spacing, volume.Direction, volume.Voxels);
 }
 
-LabelVolume ReadLabelVolume(const std::string& path, VolumeAxes axes)
+LabelVolume DecodeLabels(const std::string& path, VolumeAxes axes)
 {
-  if (IsDicom(path))
-  {
-    return ReadDicomLabels(path);
-  }
   const VolumeFile file(path, "a label volume", axes);
   LabelVolume volume;
   static_cast<VolumeGrid&>(volume) = file.Grid();
+  volume.Voxels.reserve(file.NumberOfVoxels());
   file.Decode(
     [&](const double* values, std::size_t count)
     {
@@ -44,6 +48,32 @@ LabelVolume ReadLabelVolume(const std::string& path, VolumeAxes axes)
         volume.Voxels.push_back(static_cast<std::uint16_t>(values[n]));
       }
     });
+  return volume;
+}
+
+IntensityVolume DecodeIntensities(const std::string& path, VolumeAxes axes)
+{
+  const VolumeFile file(path, "a volume", axes);
+  IntensityVolume volume;
+  static_cast<VolumeGrid&>(volume) = file.Grid();
+  volume.Voxels.reserve(file.NumberOfVoxels());
+  file.Decode([&](const double* values, std::size_t count)
+    { volume.Voxels.insert(volume.Voxels.end(), values, values + count); });
+  return volume;
+}
+}
+
+LabelVolume ReadLabelVolume(const std::string& path, VolumeAxes axes)
+{
+  if (IsDicom(path))
+  {
+    return ReadDicomLabels(path);
+  }
+  LabelVolume volume;
+  ReadGuarded(
+    path, "a label volume", ReadLimits::Of({ path }),
+    [&](ParcelWriter& parcel) { Exchange(parcel, DecodeLabels(path, axes)); },
+    [&](ParcelReader& parcel) { Exchange(parcel, volume); });
   volume.Validate(path);
   return volume;
 }
@@ -54,11 +84,11 @@ IntensityVolume ReadIntensityVolume(const std::string& path, VolumeAxes axes)
   {
     return ReadDicomIntensities(path);
   }
-  const VolumeFile file(path, "a volume", axes);
   IntensityVolume volume;
-  static_cast<VolumeGrid&>(volume) = file.Grid();
-  file.Decode([&](const double* values, std::size_t count)
-    { volume.Voxels.insert(volume.Voxels.end(), values, values + count); });
+  ReadGuarded(
+    path, "a volume", ReadLimits::Of({ path }),
+    [&](ParcelWriter& parcel) { Exchange(parcel, DecodeIntensities(path, axes)); },
+    [&](ParcelReader& parcel) { Exchange(parcel, volume); });
   volume.Validate(path);
   return volume;
 }

@@ -2,6 +2,7 @@
 #include "mammoray/IO/MammogramIO.h"
 
 #include "Private/DicomFile.h"
+#include "Private/Guard/MammogramParcel.h"
 #include "Private/MammogramViews.h"
 #include "Private/QuietGdcm.h"
 #include "mammoray/Foundation/Error.h"
@@ -226,6 +227,39 @@ void ReadPixels(DcmItem& data, const std::string& path, Mammogram& mammogram)
         "expected 8, 16 or 32 bits per pixel, found " + std::to_string(format.GetBitsAllocated()));
   }
 }
+
+/// Memory for as many pixels as the file can hold, of which GDCM keeps several copies.
+void AllowPixels(DcmItem& data, const std::string& path)
+{
+  // Detectors of 0.02 mm and 300 mm have 15000; OpenJPEG asks for all that a header says.
+  constexpr int most = 16384;
+  const int columns = DicomShort(data, DCM_Columns).value_or(0);
+  const int rows = DicomShort(data, DCM_Rows).value_or(0);
+  if (columns < 1 || rows < 1 || columns > most || rows > most)
+  {
+    Refuse(path,
+      "expected 1 to " + std::to_string(most) + " columns and rows, found " +
+        std::to_string(columns) + " x " + std::to_string(rows));
+  }
+  // No compression of a mammogram without loss reaches a hundredth.
+  const std::uint64_t pixels = std::min<std::uint64_t>(static_cast<std::uint64_t>(columns) * rows,
+    1000 * std::filesystem::file_size(path));
+  AllowMemory(ReadLimits::Of({ path }).MemoryBytes + 32 * pixels);
+}
+
+Mammogram ReadHere(const std::string& path)
+{
+  // The header first: what is no mammogram is refused before its pixels are looked at.
+  const DicomFile file(path, "a DICOM mammogram");
+  CheckIsProjection(file.Data(), path);
+  Mammogram mammogram;
+  ReadIntensityScale(file.Data(), path, mammogram);
+  ReadSpacing(file.Data(), path, mammogram);
+  ReadAcquisition(file.Data(), mammogram);
+  AllowPixels(file.Data(), path);
+  ReadPixels(file.Data(), path, mammogram);
+  return mammogram;
+}
 }
 
 Mammogram ReadMammogram(const std::string& path)
@@ -235,14 +269,6 @@ Mammogram ReadMammogram(const std::string& path)
   {
     Refuse(path, "expected a DICOM mammogram, found no file that can be read");
   }
-  // The header first: what is no mammogram is refused before its pixels are looked at.
-  const DicomFile file(path, "a DICOM mammogram");
-  CheckIsProjection(file.Data(), path);
-  Mammogram mammogram;
-  ReadIntensityScale(file.Data(), path, mammogram);
-  ReadSpacing(file.Data(), path, mammogram);
-  ReadAcquisition(file.Data(), mammogram);
-  ReadPixels(file.Data(), path, mammogram);
-  return mammogram;
+  return ReadMammogramGuarded(path, "a DICOM mammogram", [&path] { return ReadHere(path); });
 }
 }

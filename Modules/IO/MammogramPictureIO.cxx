@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mammoray/IO/MammogramPictureIO.h"
 
+#include "Private/Guard/MammogramParcel.h"
 #include "mammoray/Foundation/Error.h"
 
 #include "vtkDataArray.h"
@@ -24,32 +25,18 @@ namespace
 {
   throw InputError(path + ": " + why);
 }
+
+/// libjpeg and libpng fill what they cannot decode with grey, and only print that they did.
+void RefuseDamaged(const std::string& path, const std::string& content)
+{
+  if (const std::string said = SaidByLibraries(); !said.empty())
+  {
+    throw InputError(path + ": expected " + content + ", found damaged data (" + said + ")");
+  }
 }
 
-bool IsPicturePath(const std::string& path)
+Mammogram DecodePicture(const std::string& path, const PictureDescription& description)
 {
-  const std::string extension = std::filesystem::path(path).extension().string();
-  return extension == ".jpg" || extension == ".jpeg" || extension == ".png";
-}
-
-Mammogram ReadMammogramPicture(const std::string& path, const PictureDescription& description)
-{
-  std::string missing;
-  const auto need = [&missing](bool given, const char* what)
-  { missing += given ? "" : (missing.empty() ? "" : ", ") + std::string(what); };
-  need(description.PixelSpacingMm.has_value(), "pixel spacing");
-  need(!description.View.empty(), "view");
-  need(description.Laterality == 'L' || description.Laterality == 'R', "laterality");
-  if (!missing.empty())
-  {
-    RefusePicture(path, "a picture has no header: expected its " + missing + " to be given");
-  }
-  if (!(*description.PixelSpacingMm > 0))
-  {
-    RefusePicture(path,
-      "expected a positive pixel spacing, found " + std::to_string(*description.PixelSpacingMm) +
-        " mm");
-  }
   vtkSmartPointer<vtkImageReader2> reader = vtkSmartPointer<vtkJPEGReader>::New();
   if (std::filesystem::path(path).extension() == ".png")
   {
@@ -67,6 +54,7 @@ Mammogram ReadMammogramPicture(const std::string& path, const PictureDescription
   {
     RefusePicture(path, "expected a picture that can be decoded");
   }
+  RefuseDamaged(path, "a picture");
   Mammogram mammogram;
   mammogram.Columns = image->GetDimensions()[0];
   mammogram.Rows = image->GetDimensions()[1];
@@ -97,7 +85,7 @@ Mammogram ReadMammogramPicture(const std::string& path, const PictureDescription
   return mammogram;
 }
 
-std::vector<unsigned char> ReadMask(const std::string& path, int columns, int rows)
+std::vector<unsigned char> DecodeMask(const std::string& path, int columns, int rows)
 {
   if (!std::filesystem::is_regular_file(path))
   {
@@ -119,6 +107,7 @@ std::vector<unsigned char> ReadMask(const std::string& path, int columns, int ro
   }
   reader->SetFileName(path.c_str());
   reader->Update();
+  RefuseDamaged(path, "a mask");
   vtkImageData* image = reader->GetOutput();
   vtkDataArray* values = image->GetPointData()->GetScalars();
   const int* size = image->GetDimensions();
@@ -140,6 +129,44 @@ std::vector<unsigned char> ReadMask(const std::string& path, int columns, int ro
       mask[static_cast<std::size_t>(row) * columns + column] = values->GetComponent(id, 0) != 0;
     }
   }
+  return mask;
+}
+}
+
+bool IsPicturePath(const std::string& path)
+{
+  const std::string extension = std::filesystem::path(path).extension().string();
+  return extension == ".jpg" || extension == ".jpeg" || extension == ".png";
+}
+
+Mammogram ReadMammogramPicture(const std::string& path, const PictureDescription& description)
+{
+  std::string missing;
+  const auto need = [&missing](bool given, const char* what)
+  { missing += given ? "" : (missing.empty() ? "" : ", ") + std::string(what); };
+  need(description.PixelSpacingMm.has_value(), "pixel spacing");
+  need(!description.View.empty(), "view");
+  need(description.Laterality == 'L' || description.Laterality == 'R', "laterality");
+  if (!missing.empty())
+  {
+    RefusePicture(path, "a picture has no header: expected its " + missing + " to be given");
+  }
+  if (!(*description.PixelSpacingMm > 0))
+  {
+    RefusePicture(path,
+      "expected a positive pixel spacing, found " + std::to_string(*description.PixelSpacingMm) +
+        " mm");
+  }
+  return ReadMammogramGuarded(path, "a picture", [&] { return DecodePicture(path, description); });
+}
+
+std::vector<unsigned char> ReadMask(const std::string& path, int columns, int rows)
+{
+  std::vector<unsigned char> mask;
+  ReadGuarded(
+    path, "a mask", ReadLimits::Of({ path }),
+    [&](ParcelWriter& parcel) { parcel(DecodeMask(path, columns, rows)); },
+    [&](ParcelReader& parcel) { parcel(mask); });
   return mask;
 }
 }

@@ -105,8 +105,13 @@ Json ParseFile(const std::string& path)
   // The parser keeps the last of repeated keys silently.
   std::vector<std::set<std::string>> open;
   std::string repeated;
-  const auto watch = [&](int, Json::parse_event_t event, Json& parsed)
+  const auto watch = [&](int depth, Json::parse_event_t event, Json& parsed)
   {
+    // A table has four levels; what is done with thousands of them ends the process.
+    if (depth > 16)
+    {
+      throw InputError(path + ": expected a material table, found JSON nested deeper than 16");
+    }
     if (event == Json::parse_event_t::object_start)
     {
       open.emplace_back();

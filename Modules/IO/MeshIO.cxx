@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mammoray/IO/MeshIO.h"
 
+#include "Private/Guard/GuardedRead.h"
+#include "Private/Guard/MeshParcel.h"
+#include "Private/TextTable.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/IO/WholeOutput.h"
 
@@ -24,8 +27,11 @@
 #include "vtkXMLUnstructuredGridWriter.h"
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <sstream>
+#include <type_traits>
 
 namespace mammoray
 {
@@ -135,17 +141,62 @@ void Write(vtkPointSet* mesh, const std::string& path)
     });
 }
 
+/// VTK takes a vertex of an OBJ or STL file in text that it cannot read for 0 or for the one
+/// before.
+void CheckVertices(const std::string& path, const std::string& keyword)
+{
+  std::ifstream file(path);
+  std::string line;
+  for (std::size_t number = 1; std::getline(file, line); ++number)
+  {
+    std::istringstream words(line);
+    std::string word;
+    if (!(words >> word) || word != keyword)
+    {
+      continue;
+    }
+    for (int axis = 0; axis < 3; ++axis)
+    {
+      double value = 0;
+      if (!(words >> word) || !ToNumber(word.substr(word.starts_with('+') ? 1 : 0), value) ||
+        !std::isfinite(value))
+      {
+        throw InputError(LineName(path, number) + ": expected three numbers for a vertex, found '" +
+          line.substr(0, 60) + "'");
+      }
+    }
+  }
+}
+
+/// VTK's readers end the process on damaged PLY files, and some VTU and legacy ones.
 template <typename Reader>
 auto Read(const std::string& path)
 {
-  vtkNew<Reader> reader;
-  reader->SetFileName(path.c_str());
-  Run(reader.Get(), path, "expected a mesh, found data that cannot be read");
-  auto mesh = vtkSmartPointer(reader->GetOutput());
-  if (!mesh || mesh->GetNumberOfPoints() == 0 || mesh->GetNumberOfCells() == 0)
-  {
-    throw InputError(path + ": expected a mesh, found no points or no cells");
-  }
+  using Mesh = std::remove_pointer_t<decltype(vtkNew<Reader>()->GetOutput())>;
+  auto mesh = vtkSmartPointer<Mesh>::New();
+  ReadGuarded(
+    path, "a mesh", ReadLimits::Of({ path }),
+    [&path](ParcelWriter& parcel)
+    {
+      if constexpr (std::is_same_v<Reader, vtkOBJReader>)
+      {
+        CheckVertices(path, "v");
+      }
+      if constexpr (std::is_same_v<Reader, vtkSTLReader>)
+      {
+        CheckVertices(path, "vertex");
+      }
+      vtkNew<Reader> reader;
+      reader->SetFileName(path.c_str());
+      Run(reader.Get(), path, "expected a mesh, found data that cannot be read");
+      Mesh* const found = reader->GetOutput();
+      if (!found || found->GetNumberOfPoints() == 0 || found->GetNumberOfCells() == 0)
+      {
+        throw InputError(path + ": expected a mesh, found no points or no cells");
+      }
+      PackMesh(found, path, parcel);
+    },
+    [&](ParcelReader& parcel) { UnpackMesh(parcel, path, mesh); });
   return mesh;
 }
 }

@@ -84,3 +84,26 @@ TEST(MammogramPictureIO, PathsTellPictures)
   EXPECT_TRUE(IsPicturePath("a.jpg") && IsPicturePath("a.jpeg") && IsPicturePath("a.png"));
   EXPECT_FALSE(IsPicturePath("a.dcm") || IsPicturePath("png"));
 }
+
+TEST(MammogramPictureIO, DamagedPicturesAreRefusedInOneLine)
+{
+  const TemporaryFolder folder;
+  const PictureDescription description{ .PixelSpacingMm = 0.1, .View = "MLO", .Laterality = 'L' };
+  const std::string whole = testing_support::ReadFile(WritePicture(folder.File("a.png"), { 200 }));
+  // Signature, chunk's kind, width, data, checksum; each of which libpng answers in its own way.
+  for (const std::size_t at :
+    { std::size_t{ 1 }, std::size_t{ 12 }, std::size_t{ 18 }, whole.size() / 2, whole.size() - 14 })
+  {
+    std::string damaged = whole;
+    damaged[at] = static_cast<char>(damaged[at] ^ 0x55);
+    const std::string path = folder.Write("damaged.png", damaged);
+    const auto read = [&] { ReadMammogramPicture(path, description); };
+    EXPECT_THAT(RefusalOf(read), testing::StartsWith(path + ": expected ")) << at;
+    EXPECT_THAT(RefusalOf([&] { ReadMask(path, 40, 30); }),
+      testing::StartsWith(path + ": expected "))
+      << at;
+  }
+  const std::string cut = folder.Write("cut.png", whole.substr(0, whole.size() / 2));
+  EXPECT_THAT(RefusalOf([&] { ReadMammogramPicture(cut, description); }),
+    testing::StartsWith(cut + ": expected a picture"));
+}

@@ -123,3 +123,16 @@ TEST(MaterialTableIO, RefusesWhatIsWrongByKey)
     HasSubstr("unknown key 'held'"));
   EXPECT_THROW(ReadMaterialTable("/nowhere/table.json"), InputError);
 }
+
+TEST(MaterialTableIO, RefusesDeepNesting)
+{
+  for (const std::string bracket : { "[", "{\"a\":" })
+  {
+    std::string json = R"({"materials": )";
+    for (int level = 0; level < 300000; ++level)
+    {
+      json += bracket;
+    }
+    EXPECT_THAT(MaterialsRefusal(json), testing::HasSubstr("found JSON nested deeper than 16"));
+  }
+}

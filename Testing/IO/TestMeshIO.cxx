@@ -119,3 +119,52 @@ TEST(MeshIO, RefusesInOneLine)
   folder.Write("cut.vtu", whole.substr(0, whole.size() / 2));
   EXPECT_THAT(RefusalOf([&] { ReadMesh(path); }), HasSubstr("cut.vtu: expected a mesh"));
 }
+
+TEST(MeshIO, RefusesWhatVtkDiesOf)
+{
+  const TemporaryFolder folder;
+  const auto legacy = [&](const std::string& points, const std::string& cells)
+  {
+    return folder.Write("mesh.vtk",
+      "# vtk DataFile Version 3.0\nby hand\nASCII\nDATASET UNSTRUCTURED_GRID\n" + points + cells +
+        "CELL_TYPES 1\n10\n");
+  };
+  const std::string points = "POINTS 4 float\n0 0 0 1 0 0 0 1 0 0 0 2\n";
+  EXPECT_THAT(RefusalOf([&] { ReadMesh(legacy(points, "CELLS 1 5\n4 0 1 2 4\n")); }),
+    testing::EndsWith("mesh.vtk: cell 0: expected points 0 to 3, found 4"));
+  EXPECT_THAT(RefusalOf([&] { ReadMesh(legacy(points, "CELLS 1 4\n3 0 1 2\n")); }),
+    testing::EndsWith("cell 0: expected the four points of a tetrahedron, found 3"));
+  EXPECT_THAT(
+    RefusalOf(
+      [&] { ReadMesh(legacy("POINTS 4000000000000 float\n0 0 0\n", "CELLS 1 5\n4 0 1 2 3\n")); }),
+    testing::HasSubstr("mesh.vtk: expected a mesh, found"));
+  // A point far outside: VTK 9.1 looks there.
+  EXPECT_THAT(RefusalOf(
+                [&]
+                {
+                  ReadSurface(folder.Write("faces.ply",
+                    "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
+                    "property float z\nelement face 1\nproperty list uchar int vertex_indices\n"
+                    "end_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 70000\n"));
+                }),
+    testing::HasSubstr("faces.ply: "));
+}
+
+TEST(MeshIO, RefusesVerticesThatAreNowhere)
+{
+  const TemporaryFolder folder;
+  for (const std::string number : { "nan", "inf", "1e400", "", "x" })
+  {
+    EXPECT_THAT(RefusalOf(
+                  [&] {
+                    ReadSurface(
+                      folder.Write("a.obj", "v 0 0 0\nv 1 0 0\nv 0 " + number + " 0\nf 1 2 3\n"));
+                  }),
+      testing::HasSubstr("a.obj: line 3: expected three numbers for a vertex, found 'v 0 "))
+      << number;
+  }
+  EXPECT_THAT(
+    RefusalOf(
+      [&] { ReadSurface(folder.Write("b.obj", "v 0 0 0\nv 1 0 0\nv 0 -1e30 0\nf 1 2 3\n")); }),
+    testing::HasSubstr("b.obj: point 2: expected coordinates below 1e9 mm, found"));
+}

@@ -4,6 +4,7 @@
 #include "Private/DicomVolume.h"
 
 #include "Private/DicomFile.h"
+#include "Private/Guard/GuardedRead.h"
 #include "Private/SliceStack.h"
 #include "Private/VolumeFile.h"
 #include "mammoray/Foundation/Error.h"
@@ -11,6 +12,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <optional>
 
 namespace mammoray
 {
@@ -189,22 +191,73 @@ VolumeSlice ReadSlice(const std::string& path, std::string& series)
   return slice;
 }
 
+/// Both ways between processes.
+template <typename Parcel, typename Slice>
+void ExchangeSlice(Parcel& parcel, Slice& slice)
+{
+  parcel(slice.Name, slice.Columns, slice.Rows, slice.Position, slice.AlongRow, slice.AlongColumn,
+    slice.RowSpacing, slice.ColumnSpacing, slice.SliceSpacing, slice.Values);
+}
+
+/// Slices of one series, of which `series` is the name; taken from the first where it has none.
+void ReadSomeSlices(const std::vector<std::string>& paths, const std::string& first,
+  std::optional<std::string>& series, std::vector<VolumeSlice>& slices)
+{
+  ReadGuarded(
+    paths.size() == 1 ? paths.front() : fs::path(paths.front()).parent_path().string(), "slices",
+    ReadLimits::Of(paths),
+    [&](ParcelWriter& parcel)
+    {
+      for (const std::string& path : paths)
+      {
+        std::string own;
+        const VolumeSlice slice = ReadSlice(path, own);
+        if (own != series.value_or(own))
+        {
+          throw InputError(
+            path + ": expected the slices of one series, found one of another than " + first);
+        }
+        series = own;
+        ExchangeSlice(parcel, slice);
+      }
+      parcel(*series);
+    },
+    [&](ParcelReader& parcel)
+    {
+      for (std::size_t slice = 0; slice < paths.size(); ++slice)
+      {
+        ExchangeSlice(parcel, slices.emplace_back());
+      }
+      parcel(series.emplace());
+    });
+}
+
 std::vector<VolumeSlice> ReadSlices(const std::vector<std::string>& paths,
   const ProgressCallback& progress = {})
 {
   std::vector<VolumeSlice> slices;
-  std::string first;
-  for (const std::string& path : paths)
+  std::optional<std::string> series;
+  // A process for each slice would be a tenth of the time.
+  constexpr std::size_t together = 16;
+  for (std::size_t done = 0; done < paths.size(); done += together)
   {
-    ReportProgress(progress, static_cast<double>(slices.size()) / static_cast<double>(paths.size()),
+    ReportProgress(progress, static_cast<double>(done) / static_cast<double>(paths.size()),
       "reading slices");
-    std::string series;
-    slices.push_back(ReadSlice(path, series));
-    first = slices.size() == 1 ? series : first;
-    if (series != first)
+    const auto from = paths.begin() + static_cast<std::ptrdiff_t>(done);
+    const auto count = static_cast<std::ptrdiff_t>(std::min(together, paths.size() - done));
+    const std::vector<std::string> some(from, from + count);
+    try
     {
-      throw InputError(
-        path + ": expected the slices of one series, found one of another than " + paths.front());
+      ReadSomeSlices(some, paths.front(), series, slices);
+    }
+    catch (const InputError&)
+    {
+      // One by one: where a reader dies, only then is it known at which.
+      slices.resize(done);
+      for (const std::string& path : some)
+      {
+        ReadSomeSlices({ path }, paths.front(), series, slices);
+      }
     }
   }
   return slices;
@@ -248,7 +301,37 @@ void CheckLabels(const std::vector<VolumeSlice>& slices)
 LabelVolume ReadDicomLabels(const std::string& path)
 {
   const bool isFolder = fs::is_directory(path);
-  const std::vector<VolumeSlice> slices = isFolder ? ReadSeries(path) : ReadSegmentation(path);
+  std::vector<VolumeSlice> slices;
+  if (isFolder)
+  {
+    slices = ReadSeries(path);
+  }
+  else
+  {
+    // Of a segmentation, one bit becomes a number of four bytes.
+    ReadLimits limits = ReadLimits::Of({ path });
+    limits.MemoryBytes *= 2;
+    ReadGuarded(
+      path, "a DICOM segmentation", limits,
+      [&](ParcelWriter& parcel)
+      {
+        const std::vector<VolumeSlice> frames = ReadSegmentation(path);
+        parcel(std::uint64_t{ frames.size() });
+        for (const VolumeSlice& frame : frames)
+        {
+          ExchangeSlice(parcel, frame);
+        }
+      },
+      [&](ParcelReader& parcel)
+      {
+        std::uint64_t count = 0;
+        parcel(count);
+        for (std::uint64_t frame = 0; frame < count; ++frame)
+        {
+          ExchangeSlice(parcel, slices.emplace_back());
+        }
+      });
+  }
   CheckLabels(slices);
   const IntensityVolume values = StackSlices(slices, !isFolder);
   LabelVolume labels;

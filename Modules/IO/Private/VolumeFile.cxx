@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Private/VolumeFile.h"
 
+#include "Private/Guard/GuardedRead.h"
 #include "Private/QuietGdcm.h"
 #include "Private/QuietStandardError.h"
 #include "Private/StoredVoxels.h"
@@ -439,13 +440,21 @@ VolumeFile::VolumeFile(const std::string& path, const std::string& what, VolumeA
     throw InputError(path + ": expected " + what +
       " (.nrrd, .nhdr, .mha, .mhd, .nii, .nii.gz, DICOM), found the extension '" + extension + "'");
   }
-  std::uint64_t voxelCount = 1;
+  storedBytes = storedBytes > 0 ? storedBytes : this->Itk->Itk->GetComponentSize();
+  stored.CheckPresent(path, this->NumberOfVoxels(), storedBytes);
+  // ITK's formats keep up to three copies, the asking reader one of four bytes.
+  AllowMemory(ReadLimits::Of({ path }).MemoryBytes +
+    this->NumberOfVoxels() * (4 * std::max<std::uint64_t>(storedBytes, 8) + 8));
+}
+
+std::size_t VolumeFile::NumberOfVoxels() const
+{
+  std::size_t count = 1;
   for (const int size : this->HeaderGrid.Size)
   {
-    voxelCount *= static_cast<std::uint64_t>(size);
+    count *= static_cast<std::size_t>(size);
   }
-  stored.CheckPresent(path, voxelCount,
-    storedBytes > 0 ? storedBytes : this->Itk->Itk->GetComponentSize());
+  return count;
 }
 
 VolumeFile::~VolumeFile() = default;

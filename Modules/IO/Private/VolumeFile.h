@@ -26,6 +26,8 @@ public:
 
   /// The grid of the header, not yet validated.
   const VolumeGrid& Grid() const { return this->HeaderGrid; }
+  /// All of which are there.
+  std::size_t NumberOfVoxels() const;
   /// Hands over all values in their order, some at a time. Throws InputError on a damaged file.
   void Decode(const std::function<void(const double* values, std::size_t count)>& sink) const;
 

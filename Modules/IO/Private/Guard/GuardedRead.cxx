@@ -1,0 +1,370 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "Private/Guard/GuardedRead.h"
+
+#include <fcntl.h>
+#include <poll.h>
+#include <sys/mman.h>
+#include <sys/prctl.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <sys/syscall.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <chrono>
+#include <cmath>
+#include <csignal>
+#include <cstdio>
+#include <cstring>
+#include <exception>
+#include <filesystem>
+#include <fstream>
+#include <new>
+#include <utility>
+
+namespace mammoray
+{
+namespace
+{
+/// A sanitizer reserves more addresses than any limit allows.
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+constexpr bool LimitsAddresses = false;
+#elif defined(__has_feature)
+#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
+constexpr bool LimitsAddresses = false;
+#else
+constexpr bool LimitsAddresses = true;
+#endif
+#else
+constexpr bool LimitsAddresses = true;
+#endif
+
+/// How the reader's process ends on its own; not as one that a library ends by exit().
+enum Ending : int
+{
+  Read = 70,
+  Refused = 71,
+  OutOfMemory = 72
+};
+
+/// True in a reader's process.
+bool IsReader = false;
+/// Addresses that the reader had when it began, and could have had without limits of ours, bytes.
+std::uint64_t AddressesAtStart = 0;
+rlim_t MostAddresses = RLIM_INFINITY;
+
+class Descriptor
+{
+public:
+  explicit Descriptor(int file)
+    : File(file)
+  {
+  }
+  ~Descriptor()
+  {
+    if (this->File >= 0)
+    {
+      close(this->File);
+    }
+  }
+  Descriptor(const Descriptor&) = delete;
+  Descriptor& operator=(const Descriptor&) = delete;
+  int Get() const { return this->File; }
+
+private:
+  int File;
+};
+
+/// A file's bytes in memory.
+class Mapping
+{
+public:
+  Mapping(int file, std::uint64_t bytes)
+    : Bytes(bytes)
+    , Start(bytes > 0 ? mmap(nullptr, bytes, PROT_READ, MAP_PRIVATE, file, 0) : nullptr)
+  {
+    if (this->Start == MAP_FAILED)
+    {
+      throw std::bad_alloc();
+    }
+  }
+  ~Mapping()
+  {
+    if (this->Start)
+    {
+      munmap(this->Start, this->Bytes);
+    }
+  }
+  Mapping(const Mapping&) = delete;
+  Mapping& operator=(const Mapping&) = delete;
+  ParcelReader Reader(const std::string& what) const
+  {
+    return { static_cast<const unsigned char*>(this->Start), this->Bytes, what };
+  }
+
+private:
+  const std::uint64_t Bytes;
+  void* const Start;
+};
+
+std::uint64_t AddressesInUse()
+{
+  std::uint64_t pages = 0;
+  std::ifstream("/proc/self/statm") >> pages;
+  return pages * static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE));
+}
+
+/// Limits what this process may take, of which the hard limit stays as it is.
+void Limit(__rlimit_resource resource, std::uint64_t most)
+{
+  rlimit limit{};
+  if (getrlimit(resource, &limit) == 0)
+  {
+    limit.rlim_cur = std::min<rlim_t>(most, limit.rlim_max);
+    setrlimit(resource, &limit);
+  }
+}
+
+std::uint64_t AddressesAllowed()
+{
+  rlimit limit{};
+  return getrlimit(RLIMIT_AS, &limit) == 0 ? limit.rlim_cur : RLIM_INFINITY;
+}
+
+/// The rest of a reader's process.
+[[noreturn]] void RunReader(int result, const ReadLimits& limits,
+  const std::function<void(ParcelWriter&)>& read)
+{
+  IsReader = true;
+  // Whoever asked may be killed.
+  prctl(PR_SET_PDEATHSIG, SIGKILL);
+  // Handlers of the asking process would save its work here.
+  for (const int death : { SIGSEGV, SIGABRT, SIGFPE, SIGBUS, SIGILL, SIGTERM, SIGXCPU })
+  {
+    std::signal(death, SIG_DFL);
+  }
+  // Ctrl-C reaches all of a terminal's processes; the asking one decides.
+  std::signal(SIGINT, SIG_IGN);
+  Limit(RLIMIT_CORE, 0);
+  AddressesAtStart = AddressesInUse();
+  MostAddresses = AddressesAllowed();
+  if (LimitsAddresses)
+  {
+    Limit(RLIMIT_AS, std::min<rlim_t>(AddressesAtStart + limits.MemoryBytes, MostAddresses));
+  }
+  Limit(RLIMIT_CPU, static_cast<std::uint64_t>(std::ceil(limits.Seconds)) + 1);
+  if (const int said = memfd_create("mammoray-said", MFD_CLOEXEC); said >= 0)
+  {
+    dup2(said, STDOUT_FILENO);
+    dup2(said, STDERR_FILENO);
+  }
+  ParcelWriter parcel(result);
+  int ending = Ending::Read;
+  std::string why;
+  try
+  {
+    read(parcel);
+    parcel.Flush();
+  }
+  catch (const std::bad_alloc&)
+  {
+    ending = Ending::OutOfMemory;
+  }
+  catch (const std::exception& error)
+  {
+    ending = Ending::Refused;
+    why = error.what();
+  }
+  if (ending == Ending::Refused)
+  {
+    // In place of what was written before.
+    if (ftruncate(result, 0) == 0 && lseek(result, 0, SEEK_SET) == 0)
+    {
+      ParcelWriter message(result);
+      message(why);
+      message.Flush();
+    }
+  }
+  _exit(ending);
+}
+
+/// Waits for the reader's end; false where it took too long and was killed.
+bool WaitFor(pid_t reader, double seconds, int& status)
+{
+  const Descriptor ended(static_cast<int>(syscall(SYS_pidfd_open, reader, 0)));
+  const auto until = std::chrono::steady_clock::now() + std::chrono::duration<double>(seconds);
+  bool inTime = true;
+  while (inTime)
+  {
+    const double left =
+      std::chrono::duration<double>(until - std::chrono::steady_clock::now()).count();
+    pollfd event{ ended.Get(), POLLIN, 0 };
+    // Without the descriptor (Linux before 5.3) the end is asked for every 5 ms.
+    const int most = ended.Get() >= 0 ? 1000 : 5;
+    poll(&event, ended.Get() >= 0 ? 1 : 0, std::clamp(static_cast<int>(1e3 * left), 0, most));
+    const pid_t found = waitpid(reader, &status, WNOHANG);
+    if (found == reader || (found < 0 && errno != EINTR))
+    {
+      return found == reader;
+    }
+    inTime = left > 0;
+  }
+  kill(reader, SIGKILL);
+  while (waitpid(reader, &status, 0) < 0 && errno == EINTR)
+  {
+  }
+  return false;
+}
+
+/// What the reader's end says of the file; nothing where it has read it.
+std::string Finding(int status, bool inTime, const ReadLimits& limits)
+{
+  const std::string taken = " (" + std::to_string(limits.MemoryBytes >> 20) + " MiB)";
+  if (!inTime || (WIFSIGNALED(status) && WTERMSIG(status) == SIGXCPU))
+  {
+    return "data that takes longer to read than a file of this size may (" +
+      std::to_string(static_cast<long>(limits.Seconds)) + " s)";
+  }
+  if (WIFSIGNALED(status))
+  {
+    return std::string("damaged data, at which its reader ended with '") +
+      strsignal(WTERMSIG(status)) + "'";
+  }
+  if (WEXITSTATUS(status) == Ending::OutOfMemory)
+  {
+    return "data that asks for more memory than a file of this size may" + taken;
+  }
+  return WEXITSTATUS(status) == Ending::Read ? "" : "damaged data, at which its reader ended";
+}
+}
+
+void ParcelWriter::Block(const void* bytes, std::uint64_t count)
+{
+  constexpr std::uint64_t Small = 1 << 12;
+  if (count > Small)
+  {
+    this->Flush();
+    this->WriteAll(bytes, count);
+    return;
+  }
+  const auto* const first = static_cast<const char*>(bytes);
+  this->Kept.insert(this->Kept.end(), first, first + count);
+  if (this->Kept.size() > 16 * Small)
+  {
+    this->Flush();
+  }
+}
+
+void ParcelWriter::Flush()
+{
+  this->WriteAll(this->Kept.data(), this->Kept.size());
+  this->Kept.clear();
+}
+
+void ParcelWriter::WriteAll(const void* bytes, std::uint64_t count) const
+{
+  const char* next = static_cast<const char*>(bytes);
+  while (count > 0)
+  {
+    const ssize_t written = write(this->File, next, count);
+    if (written < 0 && errno == EINTR)
+    {
+      continue;
+    }
+    if (written <= 0)
+    {
+      throw std::bad_alloc();
+    }
+    next += written;
+    count -= static_cast<std::uint64_t>(written);
+  }
+}
+
+ReadLimits ReadLimits::Of(const std::vector<std::string>& files)
+{
+  std::uint64_t bytes = 0;
+  for (const std::string& file : files)
+  {
+    std::error_code problem;
+    const std::uint64_t size = std::filesystem::file_size(file, problem);
+    bytes += problem ? 0 : size;
+  }
+  return { (std::uint64_t{ 512 } << 20) + 64 * bytes, 60 + 1e-6 * static_cast<double>(bytes) };
+}
+
+std::string SaidByLibraries()
+{
+  if (!IsReader)
+  {
+    return {};
+  }
+  std::fflush(stdout);
+  char text[200];
+  const ssize_t count = pread(STDERR_FILENO, text, sizeof text, 0);
+  const std::string said(text, static_cast<std::size_t>(std::max<ssize_t>(count, 0)));
+  return said.substr(0, said.find('\n'));
+}
+
+void AllowMemory(std::uint64_t bytes)
+{
+  const rlim_t most = std::min<rlim_t>(AddressesAtStart + bytes, MostAddresses);
+  if (IsReader && LimitsAddresses && AddressesAllowed() < most)
+  {
+    Limit(RLIMIT_AS, most);
+  }
+}
+
+void ReadGuarded(const std::string& what, const std::string& content, const ReadLimits& limits,
+  const std::function<void(ParcelWriter&)>& read, const std::function<void(ParcelReader&)>& unpack)
+{
+  const Descriptor result(memfd_create("mammoray-read", MFD_CLOEXEC));
+  if (result.Get() < 0)
+  {
+    throw Error(what + ": expected a file in memory, found none (" + std::strerror(errno) + ")");
+  }
+  // Where this is a reader's process already, the one that asks is guarded.
+  int status = Ending::Read << 8;
+  bool inTime = true;
+  if (IsReader)
+  {
+    ParcelWriter parcel(result.Get());
+    read(parcel);
+    parcel.Flush();
+  }
+  else
+  {
+    const pid_t reader = fork();
+    if (reader < 0)
+    {
+      throw Error(what + ": expected a process of its own for its reader, found none (" +
+        std::strerror(errno) + ")");
+    }
+    if (reader == 0)
+    {
+      RunReader(result.Get(), limits, read);
+    }
+    inTime = WaitFor(reader, limits.Seconds, status);
+  }
+  struct stat found
+  {
+  };
+  fstat(result.Get(), &found);
+  const bool refused = inTime && WIFEXITED(status) && WEXITSTATUS(status) == Ending::Refused;
+  const std::string finding = refused ? "" : Finding(status, inTime, limits);
+  if (!finding.empty())
+  {
+    throw InputError(what + ": expected " + content + ", found " + finding);
+  }
+  const Mapping bytes(result.Get(), static_cast<std::uint64_t>(found.st_size));
+  ParcelReader parcel = bytes.Reader(what);
+  if (refused)
+  {
+    std::string why;
+    parcel(why);
+    throw InputError(why);
+  }
+  unpack(parcel);
+}
+}

@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "Private/Guard/GuardedRead.h"
+#include "Refusals.h"
+
+#include <atomic>
+#include <csignal>
+#include <cstdio>
+#include <cstdlib>
+#include <new>
+
+namespace
+{
+using namespace mammoray;
+using testing::HasSubstr;
+using testing_support::RefusalOf;
+
+// Enough for a reader of nothing, of which those that never end are soon seen.
+constexpr ReadLimits Small{ std::uint64_t{ 64 } << 20, 0.5 };
+
+std::string RefusalOfReader(const std::function<void(ParcelWriter&)>& read)
+{
+  return RefusalOf([&] { ReadGuarded("a file", "numbers", Small, read, [](ParcelReader&) {}); });
+}
+
+TEST(GuardedRead, BringsWhatWasRead)
+{
+  std::vector<float> numbers(100000, 1.5f);
+  std::vector<std::string> names;
+  std::optional<double> given;
+  std::optional<double> absent = 1;
+  std::array<int, 3> size{};
+  bool flag = false;
+  ReadGuarded(
+    "a file", "numbers", Small,
+    [](ParcelWriter& parcel)
+    {
+      parcel(std::vector<float>(70000, 2.5f), std::vector<std::string>{ "a", "", "ccc" },
+        std::optional<double>(3.5), std::optional<double>(), std::array<int, 3>{ 4, 5, 6 }, true);
+    },
+    [&](ParcelReader& parcel) { parcel(numbers, names, given, absent, size, flag); });
+  EXPECT_EQ(numbers, std::vector<float>(70000, 2.5f));
+  EXPECT_EQ(names, (std::vector<std::string>{ "a", "", "ccc" }));
+  EXPECT_EQ(given, 3.5);
+  EXPECT_FALSE(absent.has_value());
+  EXPECT_EQ(size, (std::array<int, 3>{ 4, 5, 6 }));
+  EXPECT_TRUE(flag);
+}
+
+TEST(GuardedRead, ARefusalArrivesAsItWas)
+{
+  EXPECT_EQ(RefusalOfReader(
+              [](ParcelWriter& parcel)
+              {
+                parcel(std::vector<float>(70000, 1.0f));
+                throw InputError("a file: line 3: expected 1, found 2");
+              }),
+    "a file: line 3: expected 1, found 2");
+}
+
+TEST(GuardedRead, DeathIsOneLine)
+{
+  for (const int death : { SIGSEGV, SIGABRT, SIGFPE, SIGKILL })
+  {
+    EXPECT_EQ(RefusalOfReader([death](ParcelWriter&) { std::raise(death); }),
+      std::string(
+        "a file: expected numbers, found damaged data, at which its reader ended with '") +
+        strsignal(death) + "'");
+  }
+  // libjpeg's way, unless it is told another.
+  for (const int status : { 0, 1 })
+  {
+    EXPECT_EQ(RefusalOfReader([status](ParcelWriter&) { std::exit(status); }),
+      "a file: expected numbers, found damaged data, at which its reader ended");
+  }
+}
+
+TEST(GuardedRead, NeverEndingIsOneLine)
+{
+  EXPECT_THAT(RefusalOfReader(
+                [](ParcelWriter&)
+                {
+                  while (true)
+                  {
+                    std::atomic_signal_fence(std::memory_order_seq_cst);
+                  }
+                }),
+    HasSubstr("longer to read than a file of this size may (0 s)"));
+}
+
+TEST(GuardedRead, MemoryIsLimitedUntilItIsAllowed)
+{
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  GTEST_SKIP() << "sanitizers take more addresses than any limit";
+#endif
+  constexpr std::size_t much = std::size_t{ 200 } << 20;
+  const auto take = [](ParcelWriter& parcel)
+  {
+    const std::vector<char> taken(much);
+    parcel(taken.size());
+  };
+  EXPECT_THAT(RefusalOfReader(take),
+    HasSubstr("more memory than a file of this size may (64 MiB)"));
+  EXPECT_EQ(RefusalOfReader(
+              [&](ParcelWriter& parcel)
+              {
+                AllowMemory(much + Small.MemoryBytes);
+                take(parcel);
+              }),
+    testing_support::NotRefused);
+}
+
+TEST(GuardedRead, WhatLibrariesPrintIsHeardByTheReaderOnly)
+{
+  std::string said;
+  ReadGuarded(
+    "a file", "numbers", Small,
+    [](ParcelWriter& parcel)
+    {
+      std::puts("Corrupt data");
+      std::fputs("twice\n", stderr);
+      parcel(SaidByLibraries());
+    },
+    [&](ParcelReader& parcel) { parcel(said); });
+  EXPECT_THAT(said, testing::AnyOf("Corrupt data", "twice"));
+  EXPECT_EQ(SaidByLibraries(), "");
+}
+
+TEST(GuardedRead, AnAnswerIsBelievedAsFarAsItGoes)
+{
+  const auto refusalOfAnswer = [](auto sent, auto asked)
+  {
+    return RefusalOf(
+      [&]
+      {
+        ReadGuarded(
+          "a file", "numbers", Small, [&](ParcelWriter& parcel) { parcel(sent); },
+          [&](ParcelReader& parcel) { parcel(asked); });
+      });
+  };
+  const std::string cut =
+    "a file: expected a whole answer of its reader, found one that is cut short";
+  EXPECT_EQ(refusalOfAnswer(std::uint8_t{ 1 }, std::uint32_t{}), cut);
+  // Lengths that nothing follows.
+  for (const std::uint64_t length : { std::uint64_t{ 1 }, ~std::uint64_t{ 0 } })
+  {
+    EXPECT_EQ(refusalOfAnswer(length, std::string()), cut);
+    EXPECT_EQ(refusalOfAnswer(length, std::vector<double>()), cut);
+    EXPECT_EQ(refusalOfAnswer(length, std::vector<std::string>()), cut);
+  }
+}
+
+TEST(GuardedRead, ReadersInReadersReadWhereTheyAre)
+{
+  int answer = 0;
+  ReadGuarded(
+    "a file", "numbers", Small,
+    [](ParcelWriter& outer)
+    {
+      int inner = 0;
+      ReadGuarded(
+        "another", "numbers", Small, [](ParcelWriter& parcel) { parcel(42); },
+        [&](ParcelReader& parcel) { parcel(inner); });
+      outer(inner);
+    },
+    [&](ParcelReader& parcel) { parcel(answer); });
+  EXPECT_EQ(answer, 42);
+}
+}
