@@ -236,15 +236,15 @@ void RunCheck(const MeshArguments& arguments)
   }
   WriteReportFiles(arguments, CheckReport(check, names), check, names, grid);
   PrintCheck(check, names);
-  std::string message;
   for (const MeshTrouble& trouble : check.Troubles)
   {
-    message +=
-      (message.empty() ? "" : "\nmammoray: ") + arguments.Check + ": " + trouble.Text(names);
-  }
-  if (!message.empty())
-  {
-    throw ConvergenceError(message);
+    // The last is told as the error that it is.
+    const ConvergenceError error(arguments.Check + ": " + trouble.Text(names));
+    if (&trouble == &check.Troubles.back())
+    {
+      throw error;
+    }
+    std::fprintf(stderr, "mammoray: %s\n", error.what());
   }
   std::printf("sound: every cell is upright, every boundary a closed surface\n");
 }

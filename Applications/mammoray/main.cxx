@@ -3,6 +3,7 @@
 #include "Help.h"
 #include "Manual.h"
 #include "ProgressBar.h"
+#include "mammoray/Foundation/Error.h"
 
 #include <CLI/CLI.hpp>
 
@@ -15,6 +16,8 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <new>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -71,6 +74,18 @@ int CheckPrinted(int status)
   return status == 0 ? 1 : status;
 }
 
+/// CLI11's lines; what they repeat of a configuration may hold anything.
+void ExplainMisuse(const CLI::App& application, const CLI::ParseError& error)
+{
+  std::ostringstream ignored;
+  std::stringstream lines;
+  application.exit(error, ignored, lines);
+  for (std::string line; std::getline(lines, line);)
+  {
+    std::fprintf(stderr, "%s\n", mammoray::Printable(line).c_str());
+  }
+}
+
 int Run(int argc, char* argv[])
 {
   PreferFastBlasKernels(argv);
@@ -120,7 +135,7 @@ int Run(int argc, char* argv[])
   }
   catch (const CLI::ParseError& error)
   {
-    application.exit(error);
+    ExplainMisuse(application, error);
     return 2;
   }
   return 0;
@@ -133,9 +148,15 @@ int main(int argc, char* argv[])
   {
     return CheckPrinted(Run(argc, argv));
   }
+  catch (const std::bad_alloc&)
+  {
+    std::fputs("mammoray: expected memory for the work, found less free, or allowed (ulimit -v), "
+               "than it takes\n",
+      stderr);
+  }
   catch (const std::exception& error)
   {
-    std::fprintf(stderr, "mammoray: %s\n", error.what());
+    std::fprintf(stderr, "mammoray: %s\n", mammoray::Printable(error.what()).c_str());
   }
   catch (...)
   {

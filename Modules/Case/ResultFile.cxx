@@ -3,6 +3,7 @@
 
 #include "Private/ResultFields.h"
 #include "mammoray/Foundation/Error.h"
+#include "mammoray/Foundation/Plausible.h"
 #include "mammoray/Foundation/PoseParameters.h"
 #include "mammoray/IO/WholeOutput.h"
 
@@ -46,7 +47,7 @@ Json Parse(const std::string& path)
   Json json;
   try
   {
-    json = Json::parse(file);
+    json = Json::parse(file, PlausibleNesting{ path });
   }
   catch (const Json::exception& error)
   {

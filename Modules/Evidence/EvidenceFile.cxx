@@ -2,6 +2,7 @@
 #include "mammoray/Evidence/EvidenceFile.h"
 
 #include "mammoray/Foundation/Error.h"
+#include "mammoray/Foundation/Plausible.h"
 #include "mammoray/IO/Sha256.h"
 
 #include <nlohmann/json.hpp>
@@ -224,7 +225,7 @@ RegistrationEvidence ReadEvidence(const std::string& path, const std::string& se
   RegistrationEvidence evidence;
   try
   {
-    const nlohmann::json json = nlohmann::json::parse(file);
+    const nlohmann::json json = nlohmann::json::parse(file, PlausibleNesting{ path });
     if (json.at("settings") != nlohmann::json::parse(settings))
     {
       throw InputError(path + ": expected evidence gathered with the same settings, " + settings +

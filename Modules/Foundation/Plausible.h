@@ -2,6 +2,7 @@
 #ifndef mammoray_Plausible_h
 #define mammoray_Plausible_h
 
+#include "mammoray/Foundation/Error.h"
 #include "mammorayFoundationModule.h"
 
 #include <string>
@@ -34,6 +35,26 @@ inline constexpr PlausibleRange Density{ "density", 0.5, 3, "g/cm3" };
 /// the value is in the range; NaN is in none.
 MAMMORAYFOUNDATION_EXPORT void CheckPlausible(const PlausibleRange& range, double value,
   const std::string& where, const std::string& overrule);
+
+/**
+ * Watches a JSON parser (the callback of nlohmann's): throws InputError, which names the file,
+ * where brackets open in more than 64 others, as in none of our files. Thousands end the process
+ * when such a value is printed or copied.
+ */
+struct PlausibleNesting
+{
+  std::string Path;
+
+  template <typename Event, typename Json>
+  bool operator()(int depth, Event, Json&) const
+  {
+    if (depth > 64)
+    {
+      throw InputError(this->Path + ": expected JSON, found it nested deeper than 64");
+    }
+    return true;
+  }
+};
 }
 
 #endif

@@ -22,7 +22,7 @@ std::vector<std::string> Values(DcmItem& data, const DcmTagKey& tag)
     data.findAndGetElement(tag, element).good() && element ? element->getVM() : 0;
   for (unsigned long index = 0; index < count; ++index)
   {
-    values.push_back(DicomText(data, tag, index));
+    values.push_back(Printable(DicomText(data, tag, index)));
   }
   return values;
 }
@@ -40,19 +40,19 @@ void ReadImage(DcmItem& data, DicomHeader& header)
   header.SeriesInstanceUid = DicomText(data, DCM_SeriesInstanceUID);
   header.FrameOfReferenceUid = DicomText(data, DCM_FrameOfReferenceUID);
   header.Identity = ReadIdentity(data);
-  header.Modality = DicomText(data, DCM_Modality);
-  header.Manufacturer = DicomTexts(data, DCM_Manufacturer);
+  header.Modality = Printable(DicomText(data, DCM_Modality));
+  header.Manufacturer = Printable(DicomTexts(data, DCM_Manufacturer));
   header.ImageType = Values(data, DCM_ImageType);
-  header.SeriesDescription = DicomTexts(data, DCM_SeriesDescription);
-  header.ProtocolName = DicomTexts(data, DCM_ProtocolName);
+  header.SeriesDescription = Printable(DicomTexts(data, DCM_SeriesDescription));
+  header.ProtocolName = Printable(DicomTexts(data, DCM_ProtocolName));
   header.SeriesNumber = DicomNumber(data, DCM_SeriesNumber);
   header.InstanceNumber = DicomNumber(data, DCM_InstanceNumber);
   header.AcquisitionNumber = DicomNumber(data, DCM_AcquisitionNumber);
-  header.SeriesDate = DicomText(data, DCM_SeriesDate);
-  header.SeriesTime = DicomText(data, DCM_SeriesTime);
-  header.AcquisitionDate = DicomText(data, DCM_AcquisitionDate);
-  header.AcquisitionTime = DicomText(data, DCM_AcquisitionTime);
-  header.ContentTime = DicomText(data, DCM_ContentTime);
+  header.SeriesDate = Printable(DicomText(data, DCM_SeriesDate));
+  header.SeriesTime = Printable(DicomText(data, DCM_SeriesTime));
+  header.AcquisitionDate = Printable(DicomText(data, DCM_AcquisitionDate));
+  header.AcquisitionTime = Printable(DicomText(data, DCM_AcquisitionTime));
+  header.ContentTime = Printable(DicomText(data, DCM_ContentTime));
   header.Rows = DicomShort(data, DCM_Rows).value_or(0);
   header.Columns = DicomShort(data, DCM_Columns).value_or(0);
   header.Frames = Whole(data, DCM_NumberOfFrames, 1);
@@ -64,7 +64,7 @@ void ReadSlice(DcmItem& data, DicomHeader& header)
   const std::vector<double> at = DicomNumbers(data, DCM_ImagePositionPatient, 3);
   const std::vector<double> axes = DicomNumbers(data, DCM_ImageOrientationPatient, 6);
   const std::vector<double> spacing = DicomNumbers(data, DCM_PixelSpacing, 2);
-  header.PatientPosition = DicomText(data, DCM_PatientPosition);
+  header.PatientPosition = Printable(DicomText(data, DCM_PatientPosition));
   if (at.empty() || axes.empty() || spacing.empty() || !(spacing[0] > 0) || !(spacing[1] > 0))
   {
     return;
@@ -82,8 +82,8 @@ void ReadResonance(DcmItem& data, DicomHeader& header)
   header.ScanningSequence = Values(data, DCM_ScanningSequence);
   header.ScanOptions = Values(data, DCM_ScanOptions);
   header.HasScanOptions = data.tagExists(DCM_ScanOptions);
-  header.SequenceName = DicomText(data, DCM_SequenceName);
-  header.AcquisitionType = DicomText(data, DCM_MRAcquisitionType);
+  header.SequenceName = Printable(DicomText(data, DCM_SequenceName));
+  header.AcquisitionType = Printable(DicomText(data, DCM_MRAcquisitionType));
   header.RepetitionTimeMs = DicomNumber(data, DCM_RepetitionTime);
   header.EchoTimeMs = DicomNumber(data, DCM_EchoTime);
   header.InversionTimeMs = DicomNumber(data, DCM_InversionTime);
@@ -93,7 +93,7 @@ void ReadResonance(DcmItem& data, DicomHeader& header)
   {
     header.DiffusionBValue = diffusion;
   }
-  header.ContrastAgent = DicomTexts(data, DCM_ContrastBolusAgent);
+  header.ContrastAgent = Printable(DicomTexts(data, DCM_ContrastBolusAgent));
   header.TemporalPosition = DicomNumber(data, DCM_TemporalPositionIdentifier);
   header.TriggerTimeMs = DicomNumber(data, DCM_TriggerTime);
 }
@@ -107,7 +107,7 @@ void ReadMammography(DcmItem& data, DicomHeader& header)
   header.BodyPartThicknessMm = DicomNumber(data, DCM_BodyPartThickness);
   header.PositionerPrimaryAngleDeg = DicomNumber(data, DCM_PositionerPrimaryAngle);
   header.Magnification = DicomNumber(data, DCM_EstimatedRadiographicMagnificationFactor);
-  header.PaddleDescription = DicomTexts(data, DCM_PaddleDescription);
+  header.PaddleDescription = Printable(DicomTexts(data, DCM_PaddleDescription));
   header.PartialView = DicomText(data, DCM_PartialView) == "YES";
   header.ImplantPresent = DicomText(data, DCM_BreastImplantPresent) == "YES";
 }

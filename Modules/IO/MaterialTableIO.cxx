@@ -68,7 +68,7 @@ public:
     {
       this->Refuse(key, "a text that is not empty");
     }
-    return found->get<std::string>();
+    return Printable(found->get<std::string>());
   }
 
   /// Leaves `value` alone when the key is absent.

@@ -3,6 +3,7 @@
 
 #include "Help.h"
 #include "mammoray/Foundation/NearNames.h"
+#include "mammoray/Foundation/Plausible.h"
 
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
@@ -78,7 +79,7 @@ public:
     nlohmann::json values;
     try
     {
-      values = nlohmann::json::parse(input);
+      values = nlohmann::json::parse(input, mammoray::PlausibleNesting{ "configuration" });
     }
     catch (const nlohmann::json::parse_error& error)
     {

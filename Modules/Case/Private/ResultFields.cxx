@@ -69,7 +69,7 @@ void FieldReader::Read(const Json* json, const std::string& field, char& value) 
 void FieldReader::Read(const Json* json, const std::string& field, std::string& value) const
 {
   this->Check(json && json->is_string(), json, field, "a text");
-  json->get_to(value);
+  value = Printable(json->get_ref<const std::string&>());
 }
 
 void FieldReader::Read(const Json* json, const std::string& field, Trust& value) const

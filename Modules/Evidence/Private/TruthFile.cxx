@@ -2,6 +2,7 @@
 #include "Private/TruthFile.h"
 
 #include "mammoray/Foundation/Error.h"
+#include "mammoray/Foundation/Plausible.h"
 #include "mammoray/Foundation/PoseParameters.h"
 #include "mammoray/IO/WholeOutput.h"
 
@@ -95,7 +96,7 @@ VirtualStudyTruth ReadVirtualStudyTruth(const std::string& path)
   VirtualStudyTruth truth;
   try
   {
-    const Json json = Json::parse(file);
+    const Json json = Json::parse(file, PlausibleNesting{ path });
     if (json.at("truth_version") != TruthVersion)
     {
       throw InputError(path + ": expected version " + std::to_string(TruthVersion) +

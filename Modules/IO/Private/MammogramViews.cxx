@@ -42,7 +42,7 @@ std::string ModifierOf(DcmItem& item)
       return known.Meaning;
     }
   }
-  const std::string meaning = DicomText(item, DCM_CodeMeaning);
+  const std::string meaning = Printable(DicomText(item, DCM_CodeMeaning));
   return meaning.empty() ? code : meaning;
 }
 
@@ -60,7 +60,7 @@ void AddModifiers(DcmItem& data, std::vector<std::string>& modifiers)
 
 std::string MammogramViewOf(DcmItem& data)
 {
-  std::string position = DicomText(data, DCM_ViewPosition);
+  std::string position = Printable(DicomText(data, DCM_ViewPosition));
   DcmItem* item = DicomFirstItem(data, DCM_ViewCodeSequence);
   if (!position.empty() || !item)
   {
@@ -74,7 +74,7 @@ std::string MammogramViewOf(DcmItem& data)
       return view.Name;
     }
   }
-  return DicomText(*item, DCM_CodeMeaning);
+  return Printable(DicomText(*item, DCM_CodeMeaning));
 }
 
 std::vector<std::string> MammogramViewModifiers(DcmItem& data)

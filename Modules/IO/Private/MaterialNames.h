@@ -2,6 +2,7 @@
 #ifndef mammoray_Private_MaterialNames_h
 #define mammoray_Private_MaterialNames_h
 
+#include "mammoray/Foundation/Error.h"
 #include "mammoray/IO/MeshConversion.h"
 
 #include "vtkDataObject.h"
@@ -35,7 +36,7 @@ inline std::vector<std::string> FindMaterialNames(vtkDataObject* data)
   {
     for (vtkIdType index = 0; index < array->GetNumberOfValues(); ++index)
     {
-      names.push_back(array->GetValue(index));
+      names.push_back(Printable(array->GetValue(index)));
     }
   }
   return names;
