@@ -66,20 +66,33 @@ void ReadAcquisition(DcmItem& data, Mammogram& mammogram)
 {
   mammogram.View = MammogramViewOf(data);
   mammogram.Laterality = MammogramLaterality(data);
-  mammogram.RowDirection = DicomText(data, DCM_PatientOrientation, 0);
-  mammogram.ColumnDirection = DicomText(data, DCM_PatientOrientation, 1);
+  mammogram.RowDirection = Printable(DicomText(data, DCM_PatientOrientation, 0));
+  mammogram.ColumnDirection = Printable(DicomText(data, DCM_PatientOrientation, 1));
   mammogram.BodyPartThicknessMm = PositiveNumber(data, DCM_BodyPartThickness);
   mammogram.PositionerPrimaryAngleDeg = DicomNumber(data, DCM_PositionerPrimaryAngle);
   mammogram.SourceToDetectorMm = PositiveNumber(data, DCM_DistanceSourceToDetector);
   mammogram.SourceToPatientMm = PositiveNumber(data, DCM_DistanceSourceToPatient);
   mammogram.PeakKilovoltage = PositiveNumber(data, DCM_KVP);
-  mammogram.AnodeMaterial = DicomText(data, DCM_AnodeTargetMaterial);
-  mammogram.FilterMaterial = DicomText(data, DCM_FilterMaterial);
+  mammogram.AnodeMaterial = Printable(DicomText(data, DCM_AnodeTargetMaterial));
+  mammogram.FilterMaterial = Printable(DicomText(data, DCM_FilterMaterial));
 }
 
 void ReadIntensityScale(DcmItem& data, const std::string& path, Mammogram& mammogram)
 {
   mammogram.PresentationIntent = MammogramIntent(data);
+  // What is taken for the other is registered with a wrong thickness, and looks right.
+  const std::string storage = DicomText(data, DCM_SOPClassUID);
+  const bool isRaw = mammogram.PresentationIntent == Mammogram::Intent::ForProcessing;
+  if (storage ==
+    (isRaw ? UID_DigitalMammographyXRayImageStorageForPresentation
+           : UID_DigitalMammographyXRayImageStorageForProcessing))
+  {
+    Refuse(path,
+      std::string("expected Presentation Intent Type (0008,0068) and SOP Class (0008,0016) of one "
+                  "kind, found FOR ") +
+        (isRaw ? "PROCESSING for what is stored as For Presentation"
+               : "PRESENTATION for what is stored as For Processing"));
+  }
   const std::string photometric = DicomText(data, DCM_PhotometricInterpretation);
   if (photometric != "MONOCHROME1" && photometric != "MONOCHROME2")
   {
@@ -182,12 +195,22 @@ std::vector<char> DecodePixels(gdcm::ImageReader& reader, const std::string& pat
   // Uncompressed data that ends early is read without complaint; its length tells.
   const gdcm::ByteValue* stored =
     reader.GetFile().GetDataSet().GetDataElement(gdcm::Tag(0x7fe0, 0x0010)).GetByteValue();
+  const std::size_t needed = columns * rows * format.GetBitsAllocated() / 8;
   if (columns * rows == 0 || image.GetBufferLength() != columns * rows * format.GetPixelSize() ||
-    (stored && stored->GetLength() < columns * rows * format.GetBitsAllocated() / 8))
+    (stored && stored->GetLength() < needed))
   {
     Refuse(path,
       "expected " + std::to_string(columns) + " x " + std::to_string(rows) +
         " pixels, found fewer (cut short)");
+  }
+  const bool isPlain = !reader.GetFile().GetHeader().GetDataSetTransferSyntax().IsEncapsulated();
+  // A row more or less would pass for a damaged end; other columns turn the picture into another.
+  if (isPlain && stored && stored->GetLength() >= needed + columns)
+  {
+    Refuse(path,
+      "expected " + std::to_string(columns) + " x " + std::to_string(rows) + " pixels (" +
+        std::to_string(needed) + " bytes), found " + std::to_string(stored->GetLength()) +
+        " bytes");
   }
   std::vector<char> buffer(image.GetBufferLength());
   if (!image.GetBuffer(buffer.data()))
@@ -196,6 +219,12 @@ std::vector<char> DecodePixels(gdcm::ImageReader& reader, const std::string& pat
       "expected pixel data that can be decoded, found transfer syntax " +
         std::string(reader.GetFile().GetHeader().GetDataSetTransferSyntax().GetString()) +
         " that could not (not supported, or damaged)");
+  }
+  // GDCM's decoders of JPEG go on where data is damaged, and only print that they did.
+  if (const std::string said = SaidByLibraries();
+      said.find("orrupt") != std::string::npos || said.find("remature") != std::string::npos)
+  {
+    Refuse(path, "expected pixel data that can be decoded, found damaged data (" + said + ")");
   }
   return buffer;
 }

@@ -9,6 +9,7 @@
 
 #include "vtkCommand.h"
 #include "vtkExecutive.h"
+#include "vtkFieldData.h"
 #include "vtkNew.h"
 #include "vtkOBJReader.h"
 #include "vtkOBJWriter.h"
@@ -238,6 +239,8 @@ void WriteMesh(vtkPointSet* mesh, const std::string& path)
   }
   else if (extension == ".obj")
   {
+    // VTK 9.1 takes names of materials for its own textures, and dies of them.
+    triangles->GetOutput()->GetFieldData()->Initialize();
     Write<vtkOBJWriter>(triangles->GetOutput(), path);
   }
   else

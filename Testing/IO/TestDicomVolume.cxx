@@ -268,3 +268,23 @@ TEST(DicomLabels, SegmentationOfSeveralSegments)
   EXPECT_LE(counts[5], 64296u);
   EXPECT_GE(counts[5], 64296u - 4099u);
 }
+
+TEST(DicomLabels, RefusesASegmentationOfOtherSizesThanItsPixels)
+{
+  TemporaryFolder folder;
+  const std::vector<int> values{ 1, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0 };
+  const std::string whole =
+    SegmentationFile({ { 0, 1, values }, { 1, 1, values }, { 2, 1, values }, { 3, 1, values } }, 8);
+  const auto with = [&](const std::string& was, const std::string& is)
+  {
+    std::string changed = whole;
+    changed.replace(changed.find(was), was.size(), is);
+    return folder.Write("seg.dcm", changed);
+  };
+  const std::string columns = Element(0x28, 0x11, "US", Us(4));
+  EXPECT_EQ(LabelsRefusal(with(columns, columns)), testing_support::NotRefused);
+  EXPECT_THAT(LabelsRefusal(with(columns, Element(0x28, 0x11, "US", Us(2)))),
+    HasSubstr("expected 24 bytes of uncompressed pixels, found 48"));
+  EXPECT_THAT(LabelsRefusal(with(Element(0x28, 8, "IS", "4"), Element(0x28, 8, "IS", "8"))),
+    HasSubstr("expected functional groups for each of 8 frames, found 4"));
+}

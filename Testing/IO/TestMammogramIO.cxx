@@ -227,6 +227,26 @@ TEST(MammogramIO, RefusesWhatItWouldHaveToGuess)
   ExpectRefusal(TemporaryFile(Replaced(whole, "MONOCHROME1 ", "RGB         ")).Path, "found 'RGB'");
 }
 
+TEST(MammogramIO, RefusesHeadersThatContradictThemselves)
+{
+  SKIP_WITHOUT(VictreMammogram);
+  const std::vector<char> whole = Bytes(VictreMammogram);
+  ExpectRefusal(TemporaryFile(Replaced(whole, "FOR PROCESSING", "FOR PRESENTATI")).Path,
+    "expected");
+  using namespace std::string_literals;
+  // Half as many columns: the rest would be taken for nothing.
+  const std::string columns = "\x28\x00\x11\x00US\x02\x00"s;
+  const auto at = std::search(whole.begin(), whole.end(), columns.begin(), columns.end());
+  ASSERT_NE(at, whole.end());
+  std::vector<char> halved = whole;
+  auto* const count = &halved[static_cast<std::size_t>(at - whole.begin()) + columns.size()];
+  const int found =
+    static_cast<unsigned char>(count[0]) + 256 * static_cast<unsigned char>(count[1]);
+  count[0] = static_cast<char>(found / 2 & 0xff);
+  count[1] = static_cast<char>(found / 2 >> 8);
+  ExpectRefusal(TemporaryFile(halved).Path, "bytes), found ");
+}
+
 TEST(MammogramIO, TakesTheSpacingAtTheReceptorFromTheMagnification)
 {
   SKIP_WITHOUT(VictreMammogram);

@@ -7,6 +7,7 @@
 #include <cstring>
 #include <fstream>
 #include <locale>
+#include <mutex>
 #include <sstream>
 
 namespace mammoray
@@ -26,6 +27,21 @@ private:
   OFLogger Logger = OFLog::getLogger("dcmtk");
   const dcmtk::log4cplus::LogLevel Level = this->Logger.getLogLevel();
 };
+
+/// The one that lives, however many files are open.
+std::shared_ptr<void> SilenceDcmtk()
+{
+  static std::mutex access;
+  static std::weak_ptr<QuietDcmtk> living;
+  const std::lock_guard<std::mutex> alone(access);
+  std::shared_ptr<QuietDcmtk> quiet = living.lock();
+  if (!quiet)
+  {
+    quiet = std::make_shared<QuietDcmtk>();
+    living = quiet;
+  }
+  return quiet;
+}
 }
 
 bool HasDicomHeader(const std::string& path)
@@ -37,13 +53,13 @@ bool HasDicomHeader(const std::string& path)
 }
 
 DicomFile::DicomFile(const std::string& path, const std::string& what, DicomExtent extent)
-  : File(std::make_unique<DcmFileFormat>())
+  : Quiet(SilenceDcmtk())
+  , File(std::make_unique<DcmFileFormat>())
 {
   if (!HasDicomHeader(path))
   {
     throw InputError(path + ": expected " + what + ", found no DICOM header");
   }
-  const QuietDcmtk quiet;
   const bool whole = extent == DicomExtent::Whole;
   const OFCondition read = this->File->loadFileUntilTag(path.c_str(), EXS_Unknown, EGL_noChange,
     DCM_MaxReadLength, ERM_fileOnly, whole ? DCM_UndefinedTagKey : DCM_PixelData);

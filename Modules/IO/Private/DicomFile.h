@@ -43,6 +43,8 @@ public:
   std::string StorageClass() const;
 
 private:
+  /// Values that are taken from the data set are remarked on, too.
+  std::shared_ptr<void> Quiet;
   std::unique_ptr<DcmFileFormat> File;
 };
 

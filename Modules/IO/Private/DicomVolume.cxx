@@ -97,6 +97,14 @@ SegmentFrames FindFrames(DcmDataset& data, const std::string& path)
   {
     frames.Half = (most + 1) / 2;
   }
+  const double said =
+    DicomNumber(data, DCM_NumberOfFrames).value_or(static_cast<double>(frames.Groups->card()));
+  if (said != static_cast<double>(frames.Groups->card()))
+  {
+    throw InputError(path + ": expected functional groups for each of " +
+      std::to_string(static_cast<long>(said)) + " frames, found " +
+      std::to_string(frames.Groups->card()));
+  }
   const std::size_t needed =
     (frames.Groups->card() * frames.PixelsPerFrame() * static_cast<std::size_t>(frames.Bits) + 7) /
     8;
@@ -108,7 +116,8 @@ SegmentFrames FindFrames(DcmDataset& data, const std::string& path)
     frames.Pixels = reinterpret_cast<const unsigned char*>(words);
     found *= sizeof *words;
   }
-  if (!frames.Pixels || found < needed)
+  // One more fills an odd number up.
+  if (!frames.Pixels || found < needed || found > needed + 1)
   {
     throw InputError(path + ": expected " + std::to_string(needed) +
       " bytes of uncompressed pixels, found " +

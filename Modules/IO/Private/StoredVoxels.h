@@ -2,6 +2,8 @@
 #ifndef mammoray_Private_StoredVoxels_h
 #define mammoray_Private_StoredVoxels_h
 
+#include "mammorayIOModule.h"
+
 #include <cstdint>
 #include <map>
 #include <string>
@@ -9,7 +11,7 @@
 namespace mammoray
 {
 /// The fields of a header made of lines of text, and where the header ends.
-struct TextHeader
+struct MAMMORAYIO_EXPORT TextHeader
 {
   std::string Path;
   /// Keys in lower case and without blanks: "space directions" is "spacedirections".
@@ -35,7 +37,7 @@ struct TextHeader
  * that is cut short or damaged with zeros, without a word, and asks for the memory that any header
  * promises; so their presence is checked here first.
  */
-struct StoredVoxels
+struct MAMMORAYIO_EXPORT StoredVoxels
 {
   std::string Path;
   /// Bytes before them in the file, or, where the whole file is compressed, in what it inflates to.

@@ -49,11 +49,13 @@ enum Ending : int
   OutOfMemory = 72
 };
 
-/// True in a reader's process.
+/// True in a reader's process, and where guarded reads are to read where they are.
 bool IsReader = false;
+bool IsUnguarded = false;
 /// Addresses that the reader had when it began, and could have had without limits of ours, bytes.
 std::uint64_t AddressesAtStart = 0;
 rlim_t MostAddresses = RLIM_INFINITY;
+double SecondsAllowed = 0;
 
 class Descriptor
 {
@@ -154,7 +156,8 @@ std::uint64_t AddressesAllowed()
   {
     Limit(RLIMIT_AS, std::min<rlim_t>(AddressesAtStart + limits.MemoryBytes, MostAddresses));
   }
-  Limit(RLIMIT_CPU, static_cast<std::uint64_t>(std::ceil(limits.Seconds)) + 1);
+  SecondsAllowed = std::ceil(limits.Seconds);
+  Limit(RLIMIT_CPU, static_cast<std::uint64_t>(SecondsAllowed));
   if (const int said = memfd_create("mammoray-said", MFD_CLOEXEC); said >= 0)
   {
     dup2(said, STDOUT_FILENO);
@@ -291,7 +294,12 @@ ReadLimits ReadLimits::Of(const std::vector<std::string>& files)
     const std::uint64_t size = std::filesystem::file_size(file, problem);
     bytes += problem ? 0 : size;
   }
-  return { (std::uint64_t{ 512 } << 20) + 64 * bytes, 60 + 1e-6 * static_cast<double>(bytes) };
+  return { (std::uint64_t{ 512 } << 20) + 64 * bytes, 10 + 1e-6 * static_cast<double>(bytes) };
+}
+
+void ReadWithoutGuard()
+{
+  IsUnguarded = true;
 }
 
 std::string SaidByLibraries()
@@ -309,8 +317,14 @@ std::string SaidByLibraries()
 
 void AllowMemory(std::uint64_t bytes)
 {
+  if (!IsReader)
+  {
+    return;
+  }
+  Limit(RLIMIT_CPU,
+    static_cast<std::uint64_t>(SecondsAllowed + std::ceil(static_cast<double>(bytes) / 20e6)));
   const rlim_t most = std::min<rlim_t>(AddressesAtStart + bytes, MostAddresses);
-  if (IsReader && LimitsAddresses && AddressesAllowed() < most)
+  if (LimitsAddresses && AddressesAllowed() < most)
   {
     Limit(RLIMIT_AS, most);
   }
@@ -327,7 +341,7 @@ void ReadGuarded(const std::string& what, const std::string& content, const Read
   // Where this is a reader's process already, the one that asks is guarded.
   int status = Ending::Read << 8;
   bool inTime = true;
-  if (IsReader)
+  if (IsReader || IsUnguarded)
   {
     ParcelWriter parcel(result.Get());
     read(parcel);
@@ -345,7 +359,7 @@ void ReadGuarded(const std::string& what, const std::string& content, const Read
     {
       RunReader(result.Get(), limits, read);
     }
-    inTime = WaitFor(reader, limits.Seconds, status);
+    inTime = WaitFor(reader, 10 * limits.Seconds + 60, status);
   }
   struct stat found
   {

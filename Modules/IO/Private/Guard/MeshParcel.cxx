@@ -59,8 +59,12 @@ vtkSmartPointer<vtkDataArray> UnpackNumbers(ParcelReader& parcel, const std::str
   int components = 0;
   std::uint64_t tuples = 0;
   parcel(name, type, components, tuples);
-  auto array = vtkSmartPointer<vtkDataArray>::Take(vtkDataArray::CreateDataArray(type));
-  if (!array || array->GetDataType() != type || components < 1 || components > 1024 ||
+  // VTK makes doubles of a type that it does not know, and prints so.
+  const bool isKnown = (type >= VTK_CHAR && type <= VTK_ID_TYPE) || type == VTK_SIGNED_CHAR ||
+    type == VTK_LONG_LONG || type == VTK_UNSIGNED_LONG_LONG;
+  auto array =
+    vtkSmartPointer<vtkDataArray>::Take(vtkDataArray::CreateDataArray(isKnown ? type : VTK_DOUBLE));
+  if (!isKnown || array->GetDataType() != type || components < 1 || components > 1024 ||
     tuples > (std::uint64_t{ 1 } << 40))
   {
     throw InputError(path + ": array '" + name + "': expected numbers of 1 to 1024 components");

@@ -3,6 +3,7 @@
 #define mammoray_Private_MeshParcel_h
 
 #include "Private/Guard/Parcel.h"
+#include "mammorayIOModule.h"
 
 #include <string>
 
@@ -18,8 +19,9 @@ void PackMesh(vtkPolyData* mesh, const std::string& path, ParcelWriter& parcel);
 
 /// Takes it out. Throws InputError, which names `path` and the place, where a cell has a point that
 /// is not there, a coordinate is not finite, or an array has another length than it should.
-void UnpackMesh(ParcelReader& parcel, const std::string& path, vtkUnstructuredGrid* mesh);
-void UnpackMesh(ParcelReader& parcel, const std::string& path, vtkPolyData* mesh);
+MAMMORAYIO_EXPORT void UnpackMesh(ParcelReader& parcel, const std::string& path,
+  vtkUnstructuredGrid* mesh);
+MAMMORAYIO_EXPORT void UnpackMesh(ParcelReader& parcel, const std::string& path, vtkPolyData* mesh);
 }
 
 #endif
