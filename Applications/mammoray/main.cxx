@@ -9,6 +9,7 @@
 
 #include <dlfcn.h>
 #include <fcntl.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -60,6 +61,24 @@ void SettleStreams()
   std::signal(SIGXFSZ, SIG_IGN);
 }
 
+/**
+ * Below a limit on addresses (ulimit -v) at which nothing of ours can run, OpenBLAS's threads wait
+ * for memory for ever, and whoever waits for them. Ends the process there, with a line.
+ */
+void CheckAddresses()
+{
+  constexpr rlim_t least = 1 << 30;
+  rlimit limit{};
+  if (getrlimit(RLIMIT_AS, &limit) == 0 && limit.rlim_cur < least)
+  {
+    std::fprintf(stderr,
+      "mammoray: expected at least 1024 MiB of addresses (ulimit -v), found %lu\n",
+      static_cast<unsigned long>(limit.rlim_cur >> 20));
+    // Not exit, at which OpenBLAS waits for its threads.
+    _exit(1);
+  }
+}
+
 /// The exit status, once all that was printed is out: 1, with a line, where it is not.
 int CheckPrinted(int status)
 {
@@ -88,8 +107,9 @@ void ExplainMisuse(const CLI::App& application, const CLI::ParseError& error)
 
 int Run(int argc, char* argv[])
 {
-  PreferFastBlasKernels(argv);
   SettleStreams();
+  CheckAddresses();
+  PreferFastBlasKernels(argv);
   CLI::App application{ "MammoRay " MAMMORAY_VERSION
                         ": synthetic X-rays of meshes, and registration of breast MRI with "
                         "mammograms.\nLengths in mm, pressures in kPa, energies in keV, angles in "

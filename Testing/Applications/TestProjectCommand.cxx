@@ -221,6 +221,25 @@ TEST_F(ProjectCommand, RefusesInOneLine)
   EXPECT_FALSE(std::filesystem::exists(this->Image));
 }
 
+TEST_F(ProjectCommand, WhatAFileSaysIsShownAsLetters)
+{
+  this->Folder.Write("table.json", R"({"materials": [{"name": "air", "labels": [0]},
+      {"name": "fat", "labels": [1], "attenuation": "\u001b[2J\nmammoray: done"}]})");
+  this->ExpectRefused(this->Inputs + " -o " + this->Image, "'\\x1b[2J\\x0amammoray: done'");
+}
+
+TEST_F(ProjectCommand, ALimitOnAddressesIsTold)
+{
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  GTEST_SKIP() << "sanitizers take more addresses than any limit";
+#endif
+  const std::string line = "ulimit -v 500000; exec " + testing_support::MammorayExecutable() +
+    " devices 2>" + this->Folder.File("err");
+  EXPECT_EQ(WEXITSTATUS(std::system(line.c_str())), 1);
+  EXPECT_EQ(ReadFile(this->Folder.File("err")),
+    "mammoray: expected at least 1024 MiB of addresses (ulimit -v), found 488\n");
+}
+
 TEST_F(ProjectCommand, AFullDiskIsToldAndLeavesNothing)
 {
   const auto run = [this](const std::string& arguments)
