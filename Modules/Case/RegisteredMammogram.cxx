@@ -7,12 +7,6 @@
 #include "mammoray/IO/MammogramSynthesis.h"
 #include "mammoray/IO/Sha256.h"
 
-#include "vtkFloatArray.h"
-#include "vtkImageData.h"
-#include "vtkMetaImageReader.h"
-#include "vtkNew.h"
-#include "vtkPointData.h"
-
 #include <filesystem>
 #include <optional>
 
@@ -53,21 +47,7 @@ std::vector<float> ReadLogAttenuation(const std::string& path, const Mammogram& 
   {
     throw InputError(path + ": no such file");
   }
-  vtkNew<vtkMetaImageReader> reader;
-  reader->SetFileName(path.c_str());
-  reader->Update();
-  vtkImageData* image = reader->GetOutput();
-  auto* values = vtkFloatArray::SafeDownCast(image->GetPointData()->GetScalars());
-  const int* size = image->GetDimensions();
-  if (!values || size[0] != real.Columns || size[1] != real.Rows || size[2] != 1)
-  {
-    throw InputError(path + ": expected the mammogram's " + std::to_string(real.Columns) + " x " +
-      std::to_string(real.Rows) + " pixels, found " +
-      (values ? std::to_string(size[0]) + " x " + std::to_string(size[1]) : "no floats") +
-      "; is it the mammogram that was registered?");
-  }
-  const float* begin = values->GetPointer(0);
-  return { begin, begin + values->GetNumberOfValues() };
+  return ReadFloatPicture(path, real.Columns, real.Rows);
 }
 
 /// Nothing where a result is of this mammogram, by its checksum; else the name of the one it is of.

@@ -5,10 +5,12 @@
 #include "mammoray/Foundation/Error.h"
 
 #include "vtkDataArray.h"
+#include "vtkFloatArray.h"
 #include "vtkImageData.h"
 #include "vtkImageReader2.h"
 #include "vtkJPEGReader.h"
 #include "vtkMetaImageReader.h"
+#include "vtkNew.h"
 #include "vtkPNGReader.h"
 #include "vtkPointData.h"
 #include "vtkSmartPointer.h"
@@ -131,6 +133,29 @@ std::vector<unsigned char> DecodeMask(const std::string& path, int columns, int 
   }
   return mask;
 }
+
+std::vector<float> DecodeFloats(const std::string& path, int columns, int rows)
+{
+  vtkNew<vtkMetaImageReader> reader;
+  if (!std::filesystem::is_regular_file(path) || reader->CanReadFile(path.c_str()) == 0)
+  {
+    throw InputError(path + ": expected an image of floats (.mha) that can be read");
+  }
+  reader->SetFileName(path.c_str());
+  reader->Update();
+  RefuseDamaged(path, "an image of floats");
+  auto* values = vtkFloatArray::SafeDownCast(reader->GetOutput()->GetPointData()->GetScalars());
+  const int* size = reader->GetOutput()->GetDimensions();
+  if (!values || size[0] != columns || size[1] != rows || size[2] != 1)
+  {
+    throw InputError(path + ": expected the mammogram's " + std::to_string(columns) + " x " +
+      std::to_string(rows) + " pixels, found " +
+      (values ? std::to_string(size[0]) + " x " + std::to_string(size[1]) : "no floats") +
+      "; is it the mammogram that was registered?");
+  }
+  const float* begin = values->GetPointer(0);
+  return { begin, begin + values->GetNumberOfValues() };
+}
 }
 
 bool IsPicturePath(const std::string& path)
@@ -168,5 +193,15 @@ std::vector<unsigned char> ReadMask(const std::string& path, int columns, int ro
     [&](ParcelWriter& parcel) { parcel(DecodeMask(path, columns, rows)); },
     [&](ParcelReader& parcel) { parcel(mask); });
   return mask;
+}
+
+std::vector<float> ReadFloatPicture(const std::string& path, int columns, int rows)
+{
+  std::vector<float> pixels;
+  ReadGuarded(
+    path, "an image of floats", ReadLimits::Of({ path }),
+    [&](ParcelWriter& parcel) { parcel(DecodeFloats(path, columns, rows)); },
+    [&](ParcelReader& parcel) { parcel(pixels); });
+  return pixels;
 }
 }

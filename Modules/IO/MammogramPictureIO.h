@@ -39,6 +39,13 @@ MAMMORAYIO_EXPORT Mammogram ReadMammogramPicture(const std::string& path,
  */
 MAMMORAYIO_EXPORT std::vector<unsigned char> ReadMask(const std::string& path, int columns,
   int rows);
+
+/**
+ * Reads an image of `columns` x `rows` floats (.mha), as WriteProjection writes it: rows * columns
+ * values, in the file's order. Throws InputError that names the file.
+ */
+MAMMORAYIO_EXPORT std::vector<float> ReadFloatPicture(const std::string& path, int columns,
+  int rows);
 }
 
 #endif

@@ -234,6 +234,8 @@ void WritePictures(
     nothing);
   WriteBy<vtkMetaImageWriter>(SomePicture(VTK_UNSIGNED_CHAR, 20, 30).Get(), place("mask.mha", mask),
     nothing);
+  WriteBy<vtkMetaImageWriter>(SomePicture(VTK_FLOAT, 20, 30).Get(),
+    place("floats.mha", [](const std::string& path) { ReadFloatPicture(path, 20, 30); }), nothing);
 }
 }
 

@@ -107,3 +107,18 @@ TEST(MammogramPictureIO, DamagedPicturesAreRefusedInOneLine)
   EXPECT_THAT(RefusalOf([&] { ReadMammogramPicture(cut, description); }),
     testing::StartsWith(cut + ": expected a picture"));
 }
+
+TEST(MammogramPictureIO, FloatsComeBackInTheirOrder)
+{
+  const TemporaryFolder folder;
+  const std::string header = "ObjectType = Image\nNDims = 2\nBinaryData = True\nDimSize = 2 3\n"
+                             "ElementType = MET_FLOAT\nElementDataFile = LOCAL\n";
+  const std::vector<float> pixels{ 1.5F, -2, 3, 4, 5, 6 };
+  const std::string bytes(reinterpret_cast<const char*>(pixels.data()), 6 * sizeof(float));
+  const std::string path = folder.Write("a.mha", header + bytes);
+  EXPECT_EQ(ReadFloatPicture(path, 2, 3), pixels);
+  EXPECT_THAT(RefusalOf([&] { ReadFloatPicture(path, 3, 2); }),
+    HasSubstr("a.mha: expected the mammogram's 3 x 2 pixels, found 2 x 3"));
+  const std::string cut = folder.Write("cut.mha", header + bytes.substr(0, 10));
+  EXPECT_THAT(RefusalOf([&] { ReadFloatPicture(cut, 2, 3); }), testing::StartsWith(cut + ": "));
+}
