@@ -168,3 +168,18 @@ TEST(MeshIO, RefusesVerticesThatAreNowhere)
       [&] { ReadSurface(folder.Write("b.obj", "v 0 0 0\nv 1 0 0\nv 0 -1e30 0\nf 1 2 3\n")); }),
     testing::HasSubstr("b.obj: point 2: expected coordinates below 1e9 mm, found"));
 }
+
+TEST(MeshIO, NamesOfMaterialsDoNotHinderAnyFormat)
+{
+  const TemporaryFolder folder;
+  SurfaceMesh surface;
+  surface.Points = { 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1 };
+  surface.Triangles = { 0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3 };
+  surface.FrontMaterials.assign(4, 0);
+  surface.BackMaterials.assign(4, 1);
+  for (const char* const name : { "a.vtp", "a.stl", "a.ply", "a.obj" })
+  {
+    WriteMesh(ToPolyData(surface, { "air", "fat" }), folder.File(name));
+    EXPECT_EQ(FromPolyData(ReadSurface(folder.File(name))).NumberOfTriangles(), 4u) << name;
+  }
+}
