@@ -67,7 +67,8 @@ void Declare(const OptionList& add, SegmentArguments& arguments)
     "intensity classes of the breast, 2 to 5; the brightest (suppressed: the darkest) is fat, the "
     "others are gland");
   add("--gland-threshold", options.GlandThreshold,
-    "fraction of fat's intensity below which the breast is gland; 0: by Otsu's method");
+    "fraction of fat's intensity below which the breast is gland or, beyond 1, above which it is "
+    "(fat-suppressed); 0: by Otsu's method");
   add("--air-threshold", options.AirThreshold,
     "intensity of the MRI below which it is air; 0: by Otsu's method");
   add("--smallest-gland", options.SmallestGlandMm3, "mm3", "smaller parts of gland become fat");
