@@ -12,7 +12,7 @@ namespace mammoray
 /**
  * The text as it may be shown on a terminal or in a log, whatever file it came from: control
  * characters (line feeds and escape sequences among them), marks that turn the direction of
- * writing, and bytes that are no UTF-8 become \xNN, one for each byte.
+ * writing, and bytes that are no UTF-8 become a backslash, x and two digits, one for each byte.
  */
 MAMMORAYFOUNDATION_EXPORT std::string Printable(const std::string& text);
 

@@ -137,9 +137,9 @@ std::vector<double> Aligned(EvaluatedState& breast, const RegistrationTarget& ta
 
 /**
  * Compresses the breast at `aligned`, where the outlines meet; without an equilibrium there only
- * sideways of Here, which the plates do not feel, or not at all.
+ * sideways of Here, which the plates do not feel. False without one there, too.
  */
-void MoveTo(const SearchedBreast& breast, const std::vector<double>& aligned,
+bool MoveTo(const SearchedBreast& breast, const std::vector<double>& aligned,
   MammogramSearch& search, const ProgressCallback& progress)
 {
   std::vector<double> sideways = search.Result.Values;
@@ -150,12 +150,45 @@ void MoveTo(const SearchedBreast& breast, const std::vector<double>& aligned,
     {
       search.Here = CompressForStart(breast, values, search.Here.get(), search.Result, progress);
       search.Result.Values = values;
-      return;
+      return true;
     }
     catch (const ConvergenceError&)
     {
       // The next, or none.
     }
+  }
+  return false;
+}
+
+/**
+ * Moves the breast to `aligned`, and on as long as its outline comes nearer: plates farther in
+ * front of the chest wall hold less of it, so that its tip does not stay where the shift had put
+ * it. 9 mm too far, a search ended in a dent of the cost 13 mm of thickness away from its bottom.
+ */
+void Align(const SearchedBreast& breast, const RegistrationTarget& target,
+  const RegistrationResiduals& compared, std::vector<double> aligned, MammogramSearch& search,
+  const ProgressCallback& progress)
+{
+  constexpr int LargestNumberOfMoves = 4;
+  double least = std::numeric_limits<double>::infinity();
+  for (int move = 0; move < LargestNumberOfMoves; ++move)
+  {
+    const std::vector<double> values = search.Result.Values;
+    const std::shared_ptr<EvaluatedState> here = search.Here;
+    if (!MoveTo(breast, aligned, search, progress))
+    {
+      return;
+    }
+    const double cost = compared.Costs(compared.Evaluate(*search.Here)).Sum();
+    ++search.Result.Projections;
+    if (cost >= least)
+    {
+      search.Result.Values = values;
+      search.Here = here;
+      return;
+    }
+    least = cost;
+    aligned = Aligned(*search.Here, target, search.Result.Parameters);
   }
 }
 
@@ -374,6 +407,6 @@ void ChooseStart(const SearchedBreast& breast, const RegistrationTarget& target,
   }
   search.Result.Values = ValuesOf(best->Pose());
   search.Here = best;
-  MoveTo(breast, aligned, search, progress);
+  Align(breast, target, compared, std::move(aligned), search, progress);
 }
 }
