@@ -54,11 +54,13 @@ inline AttenuationTable Constant(const char* name, double mu20, double mu30)
 /// A model of the breast, and the unit around it.
 struct Twin
 {
-  Twin(int simulationCount, int anatomyCount, double energyKeV, bool predicted = true)
+  Twin(int simulationCount, int anatomyCount, double energyKeV, bool predicted = true,
+    const CompressionOptions& compression = {})
     : Model(MakeAnatomy(anatomyCount), Materials(), { 3 },
         { .Field = AnatomyAt,
           .SimulationMesh = MakeHalfEllipsoidMesh(HalfAxes[0], HalfAxes[1], HalfAxes[2],
             std::array{ simulationCount, 4, simulationCount }),
+          .Compression = compression,
           .Predicted = predicted })
     // The test mesh has +x lateral, +y anterior, +z up: a left-handed (L, A, S) is avoided by
     // calling its +x the patient's right.

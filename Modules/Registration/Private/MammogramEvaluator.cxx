@@ -27,6 +27,7 @@ MammogramEvaluator::MammogramEvaluator(SearchedMammogram mammogram,
   : Mammogram(std::move(mammogram))
   , Compared(this->Mammogram.Target, this->Mammogram.Options)
   , Progress(progress)
+  , Accepted(this->Mammogram.Here)
   , HereIsAt(this->Mammogram.Values)
 {
 }
@@ -39,7 +40,7 @@ MammogramEvaluator::Answer MammogramEvaluator::Compress()
     return Answer::Found;
   }
   const SearchedBreast& breast = this->Mammogram.Breast;
-  const CompressionState& near = this->Mammogram.Here->State();
+  const CompressionState& near = this->Accepted->State();
   const double travelMm = TravelFrom(near, breast.Placement, PoseOf(values));
   if (travelMm > this->LongestTravelMm)
   {
@@ -97,6 +98,7 @@ void MammogramEvaluator::ReturnTo(const std::vector<double>& values,
   this->Mammogram.Here =
     same ? std::move(state) : this->Mammogram.Breast.At(values, state->State());
   this->HereIsAt = values;
+  this->Accept();
 }
 
 std::vector<double> MammogramEvaluator::Beside(const std::vector<double>& values)

@@ -4,6 +4,7 @@
 
 #include "mammoray/Foundation/Progress.h"
 #include "mammoray/Registration/Registration.h"
+#include "mammorayRegistrationModule.h"
 
 #include <chrono>
 #include <memory>
@@ -27,7 +28,7 @@ double TravelFrom(const CompressionState& state, const UnitPlacement& placement,
 
 /// The breast of one mammogram: the model, that of its bodies which a search compresses, and the
 /// unit.
-struct SearchedBreast
+struct MAMMORAYREGISTRATION_EXPORT SearchedBreast
 {
   BreastModel* Model = nullptr;
   BreastBody* Body = nullptr;
@@ -49,7 +50,7 @@ struct SearchedMammogram
 };
 
 /// The residuals of one mammogram, with the equilibrium they belong to.
-class MammogramEvaluator
+class MAMMORAYREGISTRATION_EXPORT MammogramEvaluator
 {
 public:
   MammogramEvaluator(SearchedMammogram mammogram, const ProgressCallback& progress);
@@ -58,14 +59,17 @@ public:
   enum class Answer
   {
     Found,
-    /// Too far from the last equilibrium to be tried.
+    /// Too far from the accepted equilibrium to be tried.
     Refused,
     NoEquilibrium,
     Stopped
   };
 
-  /// Compresses at Values, from the nearest state, unless Here belongs to them.
+  /// Compresses at Values, from the accepted state, unless Here belongs to them.
   Answer Compress();
+  /// Steps are taken from Here on. Not from a step that was refused: one that went too far can fall
+  /// to the breast's other side between the plates, and all shorter ones from there would stay.
+  void Accept() { this->Accepted = this->Mammogram.Here; }
   /// Residuals at Here.
   void Compare();
   /// Columns[parameter] of those numbered in `wanted`, at Here.
@@ -87,7 +91,8 @@ public:
 
 private:
   const ProgressCallback& Progress;
-  /// A longer way of the plates from Here is refused unseen: half of what failed last, twice of
+  std::shared_ptr<EvaluatedState> Accepted;
+  /// A longer way of the plates from it is refused unseen: half of what failed last, twice of
   /// what succeeded. The first is a step that a phantom's compression still follows.
   double LongestTravelMm = 20;
   /// The values whose equilibrium Here is.

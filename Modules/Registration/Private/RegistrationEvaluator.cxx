@@ -198,6 +198,10 @@ void RegistrationEvaluator::EvaluateJacobian()
   {
     return; // zeros; see Stop
   }
+  for (const std::unique_ptr<MammogramEvaluator>& mammogram : this->Mammograms)
+  {
+    mammogram->Accept(); // Ceres asks for the Jacobian where it takes a step
+  }
   if (!this->IsExact())
   {
     const auto begin = Clock::now();

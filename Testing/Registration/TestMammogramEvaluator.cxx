@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: Apache-2.0
+// With friction at the plates an equilibrium depends on the way to it, which tells where it came
+// from.
+#include "RegistrationTwin.h"
+#include "mammoray/Registration/Private/MammogramEvaluator.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <string>
+#include <vector>
+
+using namespace mammoray;
+using namespace mammoray::test;
+
+namespace
+{
+double LargestDifference(const CompressionState& a, const CompressionState& b)
+{
+  double largest = 0;
+  for (std::size_t c = 0; c < a.Positions.size(); ++c)
+  {
+    largest = std::max(largest, std::abs(a.Positions[c] - b.Positions[c]));
+  }
+  return largest;
+}
+
+BreastPose Closed(double byMm)
+{
+  BreastPose pose = Truth();
+  pose.ThicknessMm -= byMm;
+  return pose;
+}
+}
+
+TEST(MammogramEvaluator, TakesEveryStepFromTheAcceptedState)
+{
+  std::string reason;
+  if (ListDevices(&reason).empty())
+  {
+    GTEST_SKIP() << reason;
+  }
+  CompressionOptions rubbing;
+  rubbing.Friction = 0.5;
+  Twin twin(4, 8, 20.0, false, rubbing);
+  const SearchedBreast breast{ &twin.Model, &twin.Model.Body(), twin.Placement };
+  const CompressionState start = twin.Model.Body().Compress(twin.Placement, Truth(), nullptr);
+  const CompressionState far = twin.Model.Body().Compress(twin.Placement, Closed(5), &start);
+  const CompressionState near = twin.Model.Body().Compress(twin.Placement, Closed(0.5), &start);
+  const CompressionState back = twin.Model.Body().Compress(twin.Placement, Closed(0.5), &far);
+  ASSERT_GT(LargestDifference(near, back), 0.05);
+
+  RegistrationOptions options;
+  options.Parameters = DefaultParameters(Truth());
+  const std::vector<double> values = ValuesOf(Truth());
+  const ProgressCallback progress;
+  MammogramEvaluator evaluator(
+    { breast, MakeTarget(twin, Truth()), options, values, breast.At(values, start) }, progress);
+  using Answer = MammogramEvaluator::Answer;
+  evaluator.Mammogram.Values = ValuesOf(Closed(5));
+  ASSERT_EQ(evaluator.Compress(), Answer::Found);
+  // That step was refused; a shorter one does not begin where it ended.
+  evaluator.Mammogram.Values = ValuesOf(Closed(0.5));
+  ASSERT_EQ(evaluator.Compress(), Answer::Found);
+  // Newton's method ends within 1e-6 of the forces.
+  EXPECT_LT(LargestDifference(evaluator.Mammogram.Here->State(), near), 1e-3);
+  // Once a step is taken the next one begins there.
+  evaluator.Mammogram.Values = ValuesOf(Closed(5));
+  ASSERT_EQ(evaluator.Compress(), Answer::Found);
+  evaluator.Accept();
+  evaluator.Mammogram.Values = ValuesOf(Closed(0.5));
+  ASSERT_EQ(evaluator.Compress(), Answer::Found);
+  EXPECT_LT(LargestDifference(evaluator.Mammogram.Here->State(), back), 1e-3);
+}
