@@ -63,42 +63,19 @@ std::size_t RegistrationResiduals::NumberOfResiduals() const
 void RegistrationResiduals::ChooseOutlineSamples()
 {
   this->Centre = ChestWallCentre(this->Target);
-  const double pixel = std::hypot(this->Target.ColumnStep[0], this->Target.ColumnStep[1]);
-  const double diagonal =
-    std::hypot(this->Target.ColumnStep[0], this->Target.ColumnStep[1]) * this->Target.Columns +
-    std::hypot(this->Target.RowStep[0], this->Target.RowStep[1]) * this->Target.Rows;
+  const std::vector<ReceptorPoint> directions =
+    HalfCircleDirections(this->Options.OutlineDirections);
+  const auto outline = OutlineAlong(this->Target, this->Centre, directions);
   double length = 0;
   std::optional<ReceptorPoint> previous;
-  for (const ReceptorPoint& direction : HalfCircleDirections(this->Options.OutlineDirections))
+  for (std::size_t index = 0; index < directions.size(); ++index)
   {
-    // The farthest place inside the breast along the direction, where the image still shows both
-    // sides of it. The image may begin a little in front of the chest wall.
-    double radius = 0;
-    bool entered = false;
-    for (double r = 0; r <= diagonal; r += 0.5 * pixel)
+    if (const std::optional<ReceptorPoint>& end = outline[index])
     {
-      const ReceptorPoint point{ this->Centre[0] + r * direction[0],
-        this->Centre[1] + r * direction[1] };
-      const bool contained = Contains(this->Target, point, 0);
-      if (entered && !contained)
-      {
-        break;
-      }
-      entered = entered || contained;
-      if (SignedDistanceAt(this->Target, point) < 0)
-      {
-        radius = r;
-      }
-    }
-    const ReceptorPoint end{ this->Centre[0] + radius * direction[0],
-      this->Centre[1] + radius * direction[1] };
-    if (radius > 0 && end[1] >= this->Target.OutlineFromMm &&
-      Contains(this->Target, end, 2.0 + pixel))
-    {
-      this->Directions.push_back(direction);
+      this->Directions.push_back(directions[index]);
       if (previous)
       {
-        length += std::hypot(end[0] - (*previous)[0], end[1] - (*previous)[1]);
+        length += std::hypot((*end)[0] - (*previous)[0], (*end)[1] - (*previous)[1]);
       }
       previous = end;
     }

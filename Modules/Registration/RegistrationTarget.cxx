@@ -236,4 +236,43 @@ ReceptorPoint ChestWallCentre(const RegistrationTarget& target)
   }
   return { 0.5 * (low + high), 0.0 };
 }
+
+std::vector<std::optional<ReceptorPoint>> OutlineAlong(const RegistrationTarget& target,
+  const ReceptorPoint& centre, const std::vector<ReceptorPoint>& directions)
+{
+  const double pixel = std::hypot(target.ColumnStep[0], target.ColumnStep[1]);
+  const double step = 0.5 * pixel;
+  const double diagonal = std::hypot(target.ColumnStep[0], target.ColumnStep[1]) * target.Columns +
+    std::hypot(target.RowStep[0], target.RowStep[1]) * target.Rows;
+  std::vector<std::optional<ReceptorPoint>> outline;
+  for (const ReceptorPoint& direction : directions)
+  {
+    const auto at = [&](double r) -> ReceptorPoint {
+      return { centre[0] + r * direction[0], centre[1] + r * direction[1] };
+    };
+    double radius = 0;
+    bool entered = false; // the image may begin a little in front of the chest wall
+    for (double r = 0; r <= diagonal; r += step)
+    {
+      const bool contained = Contains(target, at(r), 0);
+      if (entered && !contained)
+      {
+        break;
+      }
+      entered = entered || contained;
+      if (SignedDistanceAt(target, at(r)) < 0)
+      {
+        radius = r;
+      }
+    }
+    const double inside = SignedDistanceAt(target, at(radius));
+    const double outside = SignedDistanceAt(target, at(radius + step));
+    const ReceptorPoint end =
+      at(outside >= 0 && inside < 0 ? radius + step * inside / (inside - outside) : radius);
+    const bool seen =
+      radius > 0 && end[1] >= target.OutlineFromMm && Contains(target, end, 2.0 + pixel);
+    outline.push_back(seen ? std::optional(end) : std::nullopt);
+  }
+  return outline;
+}
 }

@@ -7,6 +7,7 @@
 
 #include <array>
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -91,6 +92,15 @@ MAMMORAYREGISTRATION_EXPORT bool Contains(const RegistrationTarget& target,
 /// Middle of the breast mask across where outlines are compared, on the receptor's chest-wall edge:
 /// (x, 0). Throws InputError on an empty mask.
 MAMMORAYREGISTRATION_EXPORT ReceptorPoint ChestWallCentre(const RegistrationTarget& target);
+
+/**
+ * The breast's outline along unit directions from `centre`: of each the farthest place inside the
+ * breast, mm, where outlines are compared (OutlineFromMm) and the image shows both sides of it (2
+ * mm and a pixel from its borders), or nothing. Linear between steps of half a pixel.
+ */
+MAMMORAYREGISTRATION_EXPORT std::vector<std::optional<ReceptorPoint>> OutlineAlong(
+  const RegistrationTarget& target, const ReceptorPoint& centre,
+  const std::vector<ReceptorPoint>& directions);
 }
 
 #endif

@@ -9,6 +9,15 @@
 
 namespace mammoray
 {
+namespace
+{
+/// In which outlines are drawn and measured.
+std::vector<ReceptorPoint> DrawnDirections()
+{
+  return HalfCircleDirections(360);
+}
+}
+
 SyntheticMammogram Synthesize(EvaluatedState& breast, const RegistrationTarget& grid, int samples)
 {
   SyntheticMammogram synthetic;
@@ -17,7 +26,7 @@ SyntheticMammogram Synthesize(EvaluatedState& breast, const RegistrationTarget& 
   synthetic.InconsistentRays = picture.Lengths.NumberOfInconsistentRays();
 
   const ReceptorPoint centre = ChestWallCentre(grid);
-  const auto directions = HalfCircleDirections(360);
+  const auto directions = DrawnDirections();
   const std::vector<double>& radii = breast.SilhouetteFrom(centre, directions).Radii;
   for (std::size_t index = 0; index < directions.size(); ++index)
   {
@@ -30,34 +39,57 @@ SyntheticMammogram Synthesize(EvaluatedState& breast, const RegistrationTarget& 
   return synthetic;
 }
 
-Agreement Compare(const SyntheticMammogram& synthetic, const RegistrationTarget& target)
+namespace
 {
-  Agreement agreement;
+/// From a point to a line of at least one point, mm.
+double DistanceToLine(const ReceptorPoint& point, const std::vector<ReceptorPoint>& line)
+{
+  double least = std::hypot(point[0] - line[0][0], point[1] - line[0][1]);
+  for (std::size_t index = 0; index + 1 < line.size(); ++index)
+  {
+    const ReceptorPoint& a = line[index];
+    const ReceptorPoint way{ line[index + 1][0] - a[0], line[index + 1][1] - a[1] };
+    const ReceptorPoint off{ point[0] - a[0], point[1] - a[1] };
+    const double square = way[0] * way[0] + way[1] * way[1];
+    const double part =
+      square > 0 ? std::clamp((off[0] * way[0] + off[1] * way[1]) / square, 0.0, 1.0) : 0.0;
+    least = std::min(least, std::hypot(off[0] - part * way[0], off[1] - part * way[1]));
+  }
+  return least;
+}
+
+void CompareOutlines(const SyntheticMammogram& synthetic, const RegistrationTarget& target,
+  Agreement& agreement)
+{
+  const auto outline = OutlineAlong(target, ChestWallCentre(target), DrawnDirections());
   double distances = 0;
   double length = 0;
   // Weighted by arc length, so that dense directions near the centre do not count more.
-  for (std::size_t index = 0; index + 1 < synthetic.Outline.size(); ++index)
+  for (std::size_t index = 0; index + 1 < outline.size() && !synthetic.Outline.empty(); ++index)
   {
-    const ReceptorPoint& a = synthetic.Outline[index];
-    const ReceptorPoint& b = synthetic.Outline[index + 1];
-    const ReceptorPoint middle{ 0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1]) };
-    if (!Contains(target, middle, 0) || middle[1] < target.OutlineFromMm)
+    if (!outline[index] || !outline[index + 1])
     {
       continue;
     }
+    const ReceptorPoint& a = *outline[index];
+    const ReceptorPoint& b = *outline[index + 1];
     const double arc = std::hypot(b[0] - a[0], b[1] - a[1]);
-    const double distance = std::abs(SignedDistanceAt(target, middle));
+    const double distance =
+      DistanceToLine({ 0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1]) }, synthetic.Outline);
     distances += arc * distance;
     length += arc;
     agreement.LargestOutlineDistanceMm = std::max(agreement.LargestOutlineDistanceMm, distance);
   }
   const double nan = std::numeric_limits<double>::quiet_NaN();
   agreement.MeanOutlineDistanceMm = length > 0 ? distances / length : nan;
-  if (!(length > 0))
-  {
-    agreement.LargestOutlineDistanceMm = nan;
-  }
+  agreement.LargestOutlineDistanceMm = length > 0 ? agreement.LargestOutlineDistanceMm : nan;
+}
+}
 
+Agreement Compare(const SyntheticMammogram& synthetic, const RegistrationTarget& target)
+{
+  Agreement agreement;
+  CompareOutlines(synthetic, target, agreement);
   std::vector<std::size_t> pixels;
   for (std::size_t pixel = 0; pixel < target.BreastMask.size(); ++pixel)
   {

@@ -34,11 +34,15 @@ struct Agreement
 {
   /// Normalised cross-correlation of log attenuation inside both outlines, [-1, 1].
   double Correlation = 0;
-  /// Distances from the synthetic outline to the real one where it lies in the image, mm.
+  /**
+   * Distances from the real outline, where it is compared (OutlineAlong), to the synthetic one, mm.
+   * Not the other way: what an MRI holds of the body beside the breast need not be in the picture.
+   */
   double MeanOutlineDistanceMm = 0;
   double LargestOutlineDistanceMm = 0;
 };
 
+/// NaN where there is no outline to compare. Throws InputError on an empty mask.
 MAMMORAYREGISTRATION_EXPORT Agreement Compare(const SyntheticMammogram& synthetic,
   const RegistrationTarget& target);
 }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mammoray/Registration/SyntheticMammogram.h"
 
+#include "mammoray/Foundation/Error.h"
+
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -43,7 +45,7 @@ SyntheticMammogram PictureOf(const RegistrationTarget& target, double heightMm)
     synthetic.LogAttenuation.push_back(
       target.BreastMask[pixel] ? 0.5f * target.LogAttenuation[pixel] + 3 : 0.0f);
   }
-  for (double x = 25; x > -25.5; x -= 2)
+  for (double x = 41; x > -41.5; x -= 2)
   {
     synthetic.Outline.push_back({ x, heightMm });
   }
@@ -75,20 +77,36 @@ TEST(Compare, WeighsTheOutlineByItsLength)
 {
   const RegistrationTarget target = StraightTarget();
   SyntheticMammogram synthetic = PictureOf(target, 25);
-  // 40 mm on the line; 5 mm with ten times as many points 4 mm beside it.
+  // From x = -7 on the line ends and goes on 4 mm farther out, with ten times as many points.
   synthetic.Outline.clear();
-  for (double x = 20; x > -20.5; x -= 2)
+  for (double x = 41; x > -7.5; x -= 2)
   {
     synthetic.Outline.push_back({ x, 25 });
   }
-  for (double x = -20; x > -25.01; x -= 0.2)
+  for (double x = -7; x > -41.01; x -= 0.2)
   {
     synthetic.Outline.push_back({ x, 29 });
   }
+  // The outline is seen from x = -27 to 27, 3 mm from the picture's borders, in pieces of up to
+  // 0.25 mm; for 4 mm beside the step the line's end is nearest.
   const Agreement agreement = Compare(synthetic, target);
-  // The step of 4 mm between the two lies 2 mm away in its middle.
-  EXPECT_NEAR(agreement.MeanOutlineDistanceMm, (4 * 2 + 5 * 4) / (40 + 4 + 5.0), 1e-3);
+  EXPECT_NEAR(agreement.MeanOutlineDistanceMm, (4 * 2 + 16 * 4) / 54.0, 0.02);
   EXPECT_NEAR(agreement.LargestOutlineDistanceMm, 4, 1e-5);
+}
+
+TEST(Compare, LeavesOutTheBodyBesideTheBreast)
+{
+  const RegistrationTarget target = StraightTarget();
+  SyntheticMammogram synthetic = PictureOf(target, 25);
+  // The model goes on where the mammogram shows no outline, and has a spike that it does not show.
+  synthetic.Outline.insert(synthetic.Outline.begin(), { { 41, 10 }, { 80, 10 }, { 80, 25 } });
+  EXPECT_NEAR(Compare(synthetic, target).LargestOutlineDistanceMm, 0, 1e-6);
+  // A bulge instead of the outline is a distance.
+  for (ReceptorPoint& point : synthetic.Outline)
+  {
+    point[1] += std::abs(point[0]) < 10 ? 8 : 0;
+  }
+  EXPECT_NEAR(Compare(synthetic, target).LargestOutlineDistanceMm, 8, 1e-5);
 }
 
 TEST(Compare, LeavesOutWhatIsNotCompared)
@@ -105,16 +123,19 @@ TEST(Compare, LeavesOutWhatIsNotCompared)
   EXPECT_NEAR(Compare(synthetic, target).Correlation, 1, 1e-5);
   target.Excluded.clear();
   EXPECT_LT(Compare(synthetic, target).Correlation, 0.5);
-  // An outline behind where they are compared, or outside the picture, has no distance.
+  // A breast behind where outlines are compared has none.
   target.OutlineFromMm = 30;
-  EXPECT_TRUE(std::isnan(Compare(synthetic, target).MeanOutlineDistanceMm));
-  EXPECT_TRUE(std::isnan(Compare(synthetic, target).LargestOutlineDistanceMm));
+  EXPECT_THROW(Compare(synthetic, target), InputError);
   target.OutlineFromMm = 0;
+  // One outside the picture is as far as it is; none has no distance.
   for (ReceptorPoint& point : synthetic.Outline)
   {
     point[1] = 45;
   }
+  EXPECT_NEAR(Compare(synthetic, target).MeanOutlineDistanceMm, 20, 1e-5);
+  synthetic.Outline.clear();
   EXPECT_TRUE(std::isnan(Compare(synthetic, target).MeanOutlineDistanceMm));
+  EXPECT_TRUE(std::isnan(Compare(synthetic, target).LargestOutlineDistanceMm));
   // Where the synthetic breast is not, there is nothing to compare.
   synthetic.LogAttenuation.assign(synthetic.LogAttenuation.size(), 0.0f);
   EXPECT_EQ(Compare(synthetic, target).Correlation, 0);
