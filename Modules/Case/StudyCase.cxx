@@ -111,6 +111,8 @@ void TakeStudy(const std::string& folder, std::optional<char> laterality, Regist
   input.ChestWall = ChestWallMode::Sliding;
   input.Targets.ChestWallMarginMm = StudyChestWallMarginMm;
   input.RollSigmaDeg = StudyRollSigmaDeg;
+  // Three of these beside it a breast fits as well, toppled to its other side.
+  input.Options.RollOffsetsDeg.clear();
   input.Study = std::make_shared<const StudyIntake>(std::move(study));
 }
 

@@ -255,8 +255,7 @@ TEST_F(RegisterCommand, GoesOnFromWhereItWasKilled)
   fs::copy_file(folder + "/uncompressed.vtu", this->Folder.File("anatomy.vtu"));
   const std::string meshed = this->Register(Labels, Materials, MammogramFile,
     coarse + " --overwrite --anatomy-mesh " + this->Folder.File("anatomy.vtu"));
-  ASSERT_EQ(this->RunAndKill(meshed + " --resume " + folder, checkpoint, SIGTERM), 0)
-    << ReadFile(this->Folder.File("err"));
+  ASSERT_EQ(this->RunAndKill(meshed, checkpoint, SIGTERM), 0) << ReadFile(this->Folder.File("err"));
   EXPECT_THAT(nlohmann::json::parse(ReadFile(folder + "/result.json")).at("stopReason"),
     testing::HasSubstr("best pose so far"));
   EXPECT_FALSE(fs::exists(checkpoint));

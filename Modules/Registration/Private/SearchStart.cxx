@@ -68,54 +68,67 @@ struct Reach
   double Low = std::numeric_limits<double>::infinity();
   double High = -std::numeric_limits<double>::infinity();
   double Tip = 0;
+
+  void Add(const ReceptorPoint& point)
+  {
+    this->Low = std::min(this->Low, point[0]);
+    this->High = std::max(this->High, point[0]);
+    this->Tip = std::max(this->Tip, point[1]);
+  }
 };
 
-Reach ReachOf(EvaluatedState& breast, const ReceptorPoint& centre, double outlineFromMm)
+/// Of the silhouette, farther than `fromMm` from the chest wall.
+Reach ReachOf(EvaluatedState& breast, const ReceptorPoint& centre, double fromMm)
 {
   const auto directions = HalfCircleDirections(180);
   const std::vector<double>& radii = breast.SilhouetteFrom(centre, directions).Radii;
   Reach reach;
   for (std::size_t index = 0; index < directions.size(); ++index)
   {
-    if (centre[1] + radii[index] * directions[index][1] < outlineFromMm)
+    const ReceptorPoint end{ centre[0] + radii[index] * directions[index][0],
+      centre[1] + radii[index] * directions[index][1] };
+    if (end[1] >= fromMm)
     {
-      continue;
+      reach.Add(end);
     }
-    reach.Low = std::min(reach.Low, centre[0] + radii[index] * directions[index][0]);
-    reach.High = std::max(reach.High, centre[0] + radii[index] * directions[index][0]);
-    reach.Tip = std::max(reach.Tip, centre[1] + radii[index] * directions[index][1]);
   }
   return reach;
 }
 
-double TipOf(const RegistrationTarget& target)
+/// Of the mammogram's breast.
+Reach ReachOf(const RegistrationTarget& target, double fromMm)
 {
-  double tip = 0;
+  Reach reach;
   for (int row = 0; row < target.Rows; ++row)
   {
     for (int column = 0; column < target.Columns; ++column)
     {
-      if (target.BreastMask[static_cast<std::size_t>(row) * target.Columns + column])
+      const ReceptorPoint point = PixelPosition(target, column, row);
+      if (target.BreastMask[static_cast<std::size_t>(row) * target.Columns + column] &&
+        point[1] >= fromMm)
       {
-        tip = std::max(tip, PixelPosition(target, column, row)[1]);
+        reach.Add(point);
       }
     }
   }
-  return tip;
+  return reach;
 }
 
 /**
  * The values at which the unit is shifted so that the silhouette has its middle and its tip where
  * the mammogram's outline has them: cheap, and it spares the optimiser the long way from a wrong
- * position.
+ * position. The middle of what is a third of the tip's way and more from the chest wall: behind,
+ * the MRI's breast may go on into the body beside it.
  */
 std::vector<double> Aligned(EvaluatedState& breast, const RegistrationTarget& target,
   const std::vector<RegistrationParameter>& parameters)
 {
   std::vector<double> values = ValuesOf(breast.Pose());
-  const ReceptorPoint centre = ChestWallCentre(target);
-  const Reach reach = ReachOf(breast, centre, target.OutlineFromMm);
-  if (reach.Low > reach.High)
+  const double margin = target.OutlineFromMm;
+  const double from = margin > 0 ? std::max(margin, ReachOf(target, 0).Tip / 3) : 0;
+  const Reach wanted = ReachOf(target, from);
+  const Reach reach = ReachOf(breast, ChestWallCentre(target), from);
+  if (reach.Low > reach.High || wanted.Low > wanted.High)
   {
     return values;
   }
@@ -130,8 +143,9 @@ std::vector<double> Aligned(EvaluatedState& breast, const RegistrationTarget& ta
       values[index] = std::clamp(values[index] + by, parameter.Lower, parameter.Upper);
     }
   };
-  shift(LateralParameter, (0.5 * (reach.Low + reach.High) - centre[0]) / magnification);
-  shift(AnteriorParameter, (reach.Tip - TipOf(target)) / magnification);
+  shift(LateralParameter,
+    0.5 * (reach.Low + reach.High - wanted.Low - wanted.High) / magnification);
+  shift(AnteriorParameter, (reach.Tip - wanted.Tip) / magnification);
   return values;
 }
 
@@ -160,36 +174,45 @@ bool MoveTo(const SearchedBreast& breast, const std::vector<double>& aligned,
   return false;
 }
 
+/// Where a search may begin.
+struct Start
+{
+  std::vector<double> Values;
+  std::shared_ptr<EvaluatedState> State;
+  double Cost = 0;
+};
+
 /**
- * Moves the breast to `aligned`, and on as long as its outline comes nearer: plates farther in
- * front of the chest wall hold less of it, so that its tip does not stay where the shift had put
- * it. 9 mm too far, a search ended in a dent of the cost 13 mm of thickness away from its bottom.
+ * Where so many moves, each to where the outlines would meet, lead from Here, as long as the cost
+ * falls. Plates farther in front of the chest wall hold less of the breast, so that its tip does
+ * not stay where a shift had put it: 9 mm too far, a search ended in a dent of the cost 13 mm of
+ * thickness away from its bottom.
  */
-void Align(const SearchedBreast& breast, const RegistrationTarget& target,
-  const RegistrationResiduals& compared, std::vector<double> aligned, MammogramSearch& search,
+Start Align(const SearchedBreast& breast, const RegistrationTarget& target,
+  const RegistrationResiduals& compared, int moves, MammogramSearch& search,
   const ProgressCallback& progress)
 {
-  constexpr int LargestNumberOfMoves = 4;
-  double least = std::numeric_limits<double>::infinity();
-  for (int move = 0; move < LargestNumberOfMoves; ++move)
+  const auto here = [&]() -> Start
   {
-    const std::vector<double> values = search.Result.Values;
-    const std::shared_ptr<EvaluatedState> here = search.Here;
-    if (!MoveTo(breast, aligned, search, progress))
-    {
-      return;
-    }
-    const double cost = compared.Costs(compared.Evaluate(*search.Here)).Sum();
     ++search.Result.Projections;
-    if (cost >= least)
+    return { search.Result.Values, search.Here,
+      compared.Costs(compared.Evaluate(*search.Here)).Sum() };
+  };
+  Start best = here();
+  for (int move = 0; move < moves; ++move)
+  {
+    if (!MoveTo(breast, Aligned(*search.Here, target, search.Result.Parameters), search, progress))
     {
-      search.Result.Values = values;
-      search.Here = here;
-      return;
+      break;
     }
-    least = cost;
-    aligned = Aligned(*search.Here, target, search.Result.Parameters);
+    Start moved = here();
+    if (moved.Cost >= best.Cost)
+    {
+      break;
+    }
+    best = std::move(moved);
   }
+  return best;
 }
 
 /// Nearer than this, equilibria are one, folded a little otherwise at the plates' edges, mm.
@@ -379,34 +402,31 @@ void CompressStart(MammogramSearch& search, const ProgressCallback& progress)
 void ChooseStart(const SearchedBreast& breast, const RegistrationTarget& target,
   const RegistrationOptions& options, MammogramSearch& search, const ProgressCallback& progress)
 {
+  constexpr int MovesOfEach = 2;
+  constexpr int MovesOfBest = 2;
   const RegistrationResiduals compared(target, options);
-  double least = std::numeric_limits<double>::infinity();
-  std::shared_ptr<EvaluatedState> best;
-  std::vector<double> aligned;
+  const auto beginAt = [&](std::vector<double> values, std::shared_ptr<EvaluatedState> state)
+  {
+    search.Result.Values = std::move(values);
+    search.Here = std::move(state);
+  };
+  const Start nominal{ search.Result.Values, search.Here, std::numeric_limits<double>::infinity() };
+  Start best = nominal;
   for (const double offset : RollOffsets(options, search.Result))
   {
-    const std::shared_ptr<EvaluatedState> beginning = Rolled(breast, offset, search, progress);
-    if (!beginning)
+    beginAt(nominal.Values, nominal.State);
+    if (const std::shared_ptr<EvaluatedState> rolled = Rolled(breast, offset, search, progress))
     {
-      continue;
-    }
-    std::vector<double> values = Aligned(*beginning, target, search.Result.Parameters);
-    EvaluatedState moved = beginning->MovedTo(PoseOf(values));
-    const double cost = compared.Costs(compared.Evaluate(moved)).Sum();
-    ++search.Result.Projections;
-    if (cost < least)
-    {
-      least = cost;
-      best = beginning;
-      aligned = std::move(values);
+      beginAt(ValuesOf(rolled->Pose()), rolled);
+      Start start = Align(breast, target, compared, MovesOfEach, search, progress);
+      if (start.Cost < best.Cost)
+      {
+        best = std::move(start);
+      }
     }
   }
-  if (!best)
-  {
-    return;
-  }
-  search.Result.Values = ValuesOf(best->Pose());
-  search.Here = best;
-  Align(breast, target, compared, std::move(aligned), search, progress);
+  beginAt(best.Values, best.State);
+  best = Align(breast, target, compared, MovesOfBest, search, progress);
+  beginAt(best.Values, best.State);
 }
 }
