@@ -402,31 +402,36 @@ void CompressStart(MammogramSearch& search, const ProgressCallback& progress)
 void ChooseStart(const SearchedBreast& breast, const RegistrationTarget& target,
   const RegistrationOptions& options, MammogramSearch& search, const ProgressCallback& progress)
 {
-  constexpr int MovesOfEach = 2;
-  constexpr int MovesOfBest = 2;
+  constexpr int LargestNumberOfMoves = 4;
   const RegistrationResiduals compared(target, options);
-  const auto beginAt = [&](std::vector<double> values, std::shared_ptr<EvaluatedState> state)
-  {
-    search.Result.Values = std::move(values);
-    search.Here = std::move(state);
-  };
-  const Start nominal{ search.Result.Values, search.Here, std::numeric_limits<double>::infinity() };
-  Start best = nominal;
+  double least = std::numeric_limits<double>::infinity();
+  std::shared_ptr<EvaluatedState> best;
   for (const double offset : RollOffsets(options, search.Result))
   {
-    beginAt(nominal.Values, nominal.State);
-    if (const std::shared_ptr<EvaluatedState> rolled = Rolled(breast, offset, search, progress))
+    const std::shared_ptr<EvaluatedState> rolled = Rolled(breast, offset, search, progress);
+    if (!rolled)
     {
-      beginAt(ValuesOf(rolled->Pose()), rolled);
-      Start start = Align(breast, target, compared, MovesOfEach, search, progress);
-      if (start.Cost < best.Cost)
-      {
-        best = std::move(start);
-      }
+      continue;
+    }
+    // Rated as it is, moved but not compressed anew: what the plates do to it there would hide
+    // which roll it looks like.
+    EvaluatedState moved =
+      rolled->MovedTo(PoseOf(Aligned(*rolled, target, search.Result.Parameters)));
+    const double cost = compared.Costs(compared.Evaluate(moved)).Sum();
+    ++search.Result.Projections;
+    if (cost < least)
+    {
+      least = cost;
+      best = rolled;
     }
   }
-  beginAt(best.Values, best.State);
-  best = Align(breast, target, compared, MovesOfBest, search, progress);
-  beginAt(best.Values, best.State);
+  if (best)
+  {
+    search.Result.Values = ValuesOf(best->Pose());
+    search.Here = best;
+    const Start start = Align(breast, target, compared, LargestNumberOfMoves, search, progress);
+    search.Result.Values = start.Values;
+    search.Here = start.State;
+  }
 }
 }
