@@ -2,6 +2,7 @@
 #include "Private/MammogramViews.h"
 
 #include "Private/DicomFile.h"
+#include "mammoray/Foundation/Error.h"
 
 namespace mammoray
 {

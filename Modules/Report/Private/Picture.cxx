@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Private/Picture.h"
 
+#include "mammoray/Foundation/Error.h"
 #include "mammoray/IO/WholeOutput.h"
 
 #include "vtkFreeTypeTools.h"
