@@ -242,8 +242,8 @@ std::vector<std::optional<ReceptorPoint>> OutlineAlong(const RegistrationTarget&
 {
   const double pixel = std::hypot(target.ColumnStep[0], target.ColumnStep[1]);
   const double step = 0.5 * pixel;
-  const double diagonal = std::hypot(target.ColumnStep[0], target.ColumnStep[1]) * target.Columns +
-    std::hypot(target.RowStep[0], target.RowStep[1]) * target.Rows;
+  const double diagonal =
+    pixel * target.Columns + std::hypot(target.RowStep[0], target.RowStep[1]) * target.Rows;
   std::vector<std::optional<ReceptorPoint>> outline;
   for (const ReceptorPoint& direction : directions)
   {

@@ -2,6 +2,9 @@
 #include "mammoray/Registration/SyntheticMammogram.h"
 
 #include "Private/ZScores.h"
+#include "mammoray/Foundation/Vector3.h"
+
+#include "vtkLine.h"
 
 #include <algorithm>
 #include <cmath>
@@ -44,16 +47,14 @@ namespace
 /// From a point to a line of at least one point, mm.
 double DistanceToLine(const ReceptorPoint& point, const std::vector<ReceptorPoint>& line)
 {
+  const auto inSpace = [](const ReceptorPoint& at) -> Vector3 { return { at[0], at[1], 0 }; };
   double least = std::hypot(point[0] - line[0][0], point[1] - line[0][1]);
   for (std::size_t index = 0; index + 1 < line.size(); ++index)
   {
-    const ReceptorPoint& a = line[index];
-    const ReceptorPoint way{ line[index + 1][0] - a[0], line[index + 1][1] - a[1] };
-    const ReceptorPoint off{ point[0] - a[0], point[1] - a[1] };
-    const double square = way[0] * way[0] + way[1] * way[1];
-    const double part =
-      square > 0 ? std::clamp((off[0] * way[0] + off[1] * way[1]) / square, 0.0, 1.0) : 0.0;
-    least = std::min(least, std::hypot(off[0] - part * way[0], off[1] - part * way[1]));
+    double along = 0;
+    least = std::min(least,
+      std::sqrt(vtkLine::DistanceToLine(inSpace(point).data(), inSpace(line[index]).data(),
+        inSpace(line[index + 1]).data(), along, nullptr)));
   }
   return least;
 }

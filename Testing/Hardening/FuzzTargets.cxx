@@ -67,13 +67,21 @@ Target OfFile(const std::string& name, const std::function<void(const std::strin
     });
 }
 
-/// Of a header in text: that its voxels are there.
-void CheckVoxels(const StoredVoxels& voxels)
+/// A header in text, its sizes, and that its voxels are there.
+Target OfHeader(const char* name, TextHeader (*read)(const std::string&), const char* sizes,
+  StoredVoxels (*voxelsOf)(const TextHeader&))
 {
-  for (const std::uint64_t count : { 1, 1000 })
-  {
-    voxels.CheckPresent(voxels.Path, count, 2);
-  }
+  return OfFile(name,
+    [read, sizes, voxelsOf](const std::string& path)
+    {
+      const TextHeader header = read(path);
+      header.CheckSizes(sizes);
+      const StoredVoxels voxels = voxelsOf(header);
+      for (const std::uint64_t count : { 1, 1000 })
+      {
+        voxels.CheckPresent(voxels.Path, count, 2);
+      }
+    });
 }
 
 template <typename Mesh>
@@ -95,21 +103,8 @@ const std::map<std::string, Target>& FuzzTargets()
       OfFile("a.dcm", [](const std::string& path) { ReadLabelVolume(path); }) },
     { "materials", OfFile("a.json", [](const std::string& path) { ReadMaterialTable(path); }) },
     { "metaimage",
-      OfFile("a.mha",
-        [](const std::string& path)
-        {
-          const TextHeader header = TextHeader::ReadMetaImage(path);
-          header.CheckSizes("dimsize");
-          CheckVoxels(StoredVoxels::OfMetaImage(header));
-        }) },
-    { "nrrd",
-      OfFile("a.nrrd",
-        [](const std::string& path)
-        {
-          const TextHeader header = TextHeader::ReadNrrd(path);
-          header.CheckSizes("sizes");
-          CheckVoxels(StoredVoxels::OfNrrd(header));
-        }) },
+      OfHeader("a.mha", TextHeader::ReadMetaImage, "dimsize", StoredVoxels::OfMetaImage) },
+    { "nrrd", OfHeader("a.nrrd", TextHeader::ReadNrrd, "sizes", StoredVoxels::OfNrrd) },
     { "parcel-grid", Refusing(Unpack<vtkUnstructuredGrid>) },
     { "parcel-surface", Refusing(Unpack<vtkPolyData>) },
     { "printable",

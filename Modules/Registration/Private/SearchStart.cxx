@@ -174,45 +174,39 @@ bool MoveTo(const SearchedBreast& breast, const std::vector<double>& aligned,
   return false;
 }
 
-/// Where a search may begin.
-struct Start
-{
-  std::vector<double> Values;
-  std::shared_ptr<EvaluatedState> State;
-  double Cost = 0;
-};
-
 /**
- * Where so many moves, each to where the outlines would meet, lead from Here, as long as the cost
- * falls. Plates farther in front of the chest wall hold less of the breast, so that its tip does
- * not stay where a shift had put it: 9 mm too far, a search ended in a dent of the cost 13 mm of
- * thickness away from its bottom.
+ * Moves so often from Here to where the outlines would meet, as long as the cost falls. Plates
+ * farther in front of the chest wall hold less of the breast, so that its tip does not stay where a
+ * shift had put it: 9 mm too far, a search ended in a dent of the cost 13 mm of thickness away from
+ * its bottom.
  */
-Start Align(const SearchedBreast& breast, const RegistrationTarget& target,
+void Align(const SearchedBreast& breast, const RegistrationTarget& target,
   const RegistrationResiduals& compared, int moves, MammogramSearch& search,
   const ProgressCallback& progress)
 {
-  const auto here = [&]() -> Start
+  const auto costHere = [&]
   {
     ++search.Result.Projections;
-    return { search.Result.Values, search.Here,
-      compared.Costs(compared.Evaluate(*search.Here)).Sum() };
+    return compared.Costs(compared.Evaluate(*search.Here)).Sum();
   };
-  Start best = here();
+  double least = costHere();
   for (int move = 0; move < moves; ++move)
   {
-    if (!MoveTo(breast, Aligned(*search.Here, target, search.Result.Parameters), search, progress))
+    const std::vector<double> values = search.Result.Values;
+    const std::shared_ptr<EvaluatedState> here = search.Here;
+    if (!MoveTo(breast, Aligned(*here, target, search.Result.Parameters), search, progress))
     {
-      break;
+      return;
     }
-    Start moved = here();
-    if (moved.Cost >= best.Cost)
+    const double cost = costHere();
+    if (cost >= least)
     {
-      break;
+      search.Result.Values = values;
+      search.Here = here;
+      return;
     }
-    best = std::move(moved);
+    least = cost;
   }
-  return best;
 }
 
 /// Nearer than this, equilibria are one, folded a little otherwise at the plates' edges, mm.
@@ -429,9 +423,7 @@ void ChooseStart(const SearchedBreast& breast, const RegistrationTarget& target,
   {
     search.Result.Values = ValuesOf(best->Pose());
     search.Here = best;
-    const Start start = Align(breast, target, compared, LargestNumberOfMoves, search, progress);
-    search.Result.Values = start.Values;
-    search.Here = start.State;
+    Align(breast, target, compared, LargestNumberOfMoves, search, progress);
   }
 }
 }
