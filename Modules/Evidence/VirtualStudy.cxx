@@ -276,11 +276,17 @@ private:
     const std::vector<double>& points, VirtualView& taken, Draws& draws)
   {
     // Lateral or head up: gantry +x on the left, -x on the right.
-    const RegistrationTarget grid =
-      ImitatedDetector(this->Options.MammogramPixelMm, hung.Laterality == 'L' ? 1 : -1);
+    const double up = hung.Laterality == 'L' ? 1 : -1;
     EvaluatedState seen(this->Model, this->Model.Body(), this->Placement, taken.Pose, state);
-    Mammogram mammogram = Develop(hung, Synthesize(seen, grid, 2).LogAttenuation, grid,
-      this->Options.MammogramNoise, draws);
+    RegistrationTarget grid = ImitatedDetector(this->Options.MammogramPixelMm, up);
+    SyntheticMammogram picture = Synthesize(seen, grid, 2);
+    if (IsCutAtFront(picture.LogAttenuation, grid))
+    {
+      grid = ImitatedDetector(this->Options.MammogramPixelMm, up, LargeField);
+      picture = Synthesize(seen, grid, 2);
+    }
+    Mammogram mammogram =
+      Develop(hung, picture.LogAttenuation, grid, this->Options.MammogramNoise, draws);
     taken.HeaderThicknessMm = std::round(taken.Pose.ThicknessMm + draws.Between(-4, 4));
     mammogram.BodyPartThicknessMm = taken.HeaderThicknessMm;
     mammogram.SourceToDetectorMm = taken.Unit.SourceToDetectorMm;

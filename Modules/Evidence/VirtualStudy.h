@@ -108,8 +108,9 @@ struct VirtualStudyTruth
  * sensitivity that falls with depth, Rician noise, partial volume; T1 with and without fat
  * suppression among a localizer, T2, a phase after contrast, its subtraction and projection. It is
  * compressed standing, the paddle tilted by 2 degrees, on another mesh of other elements (linear,
- * patch-averaged) and X-rayed as CC and MLO: For Presentation (12 bits, a display curve), noise,
- * another spectrum than the default, a header whose thickness is off by up to 4 mm.
+ * patch-averaged) and X-rayed as CC and MLO, on a field of 24 x 18 cm or, where that cuts the
+ * breast off at its front, 30 x 24: For Presentation (12 bits, a display curve), noise, another
+ * spectrum than the default, a header whose thickness is off by up to 4 mm.
  *
  * `materials`: indices of `table`, some held, in a frame of these `axes`. Throws InputError, also
  * where FOLDER is not empty; ConvergenceError where no equilibrium was found for three drawn

@@ -6,11 +6,11 @@
 
 namespace mammoray
 {
-RegistrationTarget ImitatedDetector(double pixelMm, double up)
+RegistrationTarget ImitatedDetector(double pixelMm, double up, const DetectorField& field)
 {
   RegistrationTarget grid;
-  grid.Columns = static_cast<int>(180 / pixelMm);
-  grid.Rows = static_cast<int>(240 / pixelMm);
+  grid.Columns = static_cast<int>(field.DepthMm / pixelMm);
+  grid.Rows = static_cast<int>(field.WidthMm / pixelMm);
   grid.Origin = { up * 0.5 * (grid.Rows - 1) * pixelMm, 0.5 * pixelMm };
   grid.ColumnStep = { 0, pixelMm };
   grid.RowStep = { -up * pixelMm, 0 };
@@ -21,6 +21,19 @@ RegistrationTarget ImitatedDetector(double pixelMm, double up)
   grid.LogAttenuation.assign(pixels, 0);
   grid.SignedDistanceMm.assign(pixels, 0);
   return grid;
+}
+
+bool IsCutAtFront(const std::vector<float>& logAttenuation, const RegistrationTarget& grid)
+{
+  const auto columns = static_cast<std::size_t>(grid.Columns);
+  for (std::size_t last = columns - 1; last < logAttenuation.size(); last += columns)
+  {
+    if (logAttenuation[last] > 0)
+    {
+      return true;
+    }
+  }
+  return false;
 }
 
 Mammogram Develop(Mammogram header, const std::vector<float>& logAttenuation,

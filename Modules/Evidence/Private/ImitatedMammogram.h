@@ -4,6 +4,7 @@
 
 #include "mammoray/Foundation/Mammogram.h"
 #include "mammoray/Registration/RegistrationTarget.h"
+#include "mammorayEvidenceModule.h"
 
 #include <cstdint>
 #include <random>
@@ -32,11 +33,23 @@ private:
   std::mt19937 Generator;
 };
 
-/**
- * A detector of 24 x 18 cm, its rows from chest wall to nipple, hung with the side of the body up
- * that `up` (1 or -1 along gantry x) names.
- */
-RegistrationTarget ImitatedDetector(double pixelMm, double up = 1);
+/// The fields that a unit has: along the chest wall and from there to the nipple, mm.
+struct DetectorField
+{
+  double WidthMm;
+  double DepthMm;
+};
+inline constexpr DetectorField SmallField{ 240, 180 };
+inline constexpr DetectorField LargeField{ 300, 240 };
+
+/// A detector, its rows from chest wall to nipple, hung with the side of the body up that `up` (1
+/// or -1 along gantry x) names.
+MAMMORAYEVIDENCE_EXPORT RegistrationTarget ImitatedDetector(double pixelMm, double up = 1,
+  const DetectorField& field = SmallField);
+
+/// Whether a picture on such a detector shows tissue at its border opposite the chest wall.
+MAMMORAYEVIDENCE_EXPORT bool IsCutAtFront(const std::vector<float>& logAttenuation,
+  const RegistrationTarget& grid);
 
 /// As a unit stores it for display: noisy intensities through a sigmoid, 12 bits. `header`: what
 /// else the image says.
