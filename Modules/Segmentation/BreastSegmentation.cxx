@@ -249,8 +249,7 @@ private:
   /// The sheet, and the coronal plane behind which the result has nothing.
   void TakeWall(const ChestWallSheet& sheet)
   {
-    this->WorkWall = sheet.Front;
-    this->StiffWall = sheet.Stiff;
+    this->WorkWall = sheet;
     this->ChestWall = HeightsOver(sheet.Front, this->Grid());
     const HeightMap::Pointer skin = FrontOf(this->Air.Body);
     std::vector<float> heights;
@@ -319,7 +318,7 @@ private:
     {
       for (int x = 0; x < size[0]; ++x)
       {
-        const double wallMm = this->WorkWall->GetPixel({ { x, z } });
+        const double wallMm = this->WorkWall.Front->GetPixel({ { x, z } });
         for (int y = 0; y < size[1]; ++y)
         {
           const double heightMm = (y + 0.5) * WorkMm;
@@ -352,7 +351,8 @@ private:
         Fatness(channel.Work, this->Air.Tissue, channel.MuscleLevel, channel.FatBright));
     }
     // Now what is darker than muscle, lung, or brighter is no step any more.
-    this->TakeWall(RefineChestWall(fatness, this->Air.Body, this->Air.Tissue, this->StiffWall));
+    this->TakeWall(
+      RefineChestWall(fatness, this->Air.Body, this->Air.Tissue, this->WorkWall.Stiff));
   }
 
   double MuscleLevelOf(const Channel& channel) const
@@ -420,7 +420,7 @@ private:
     {
       for (int x = 0; x < size[0]; ++x)
       {
-        const int front = static_cast<int>(this->WorkWall->GetPixel({ { x, z } }) / WorkMm);
+        const int front = static_cast<int>(this->WorkWall.Front->GetPixel({ { x, z } }) / WorkMm);
         bool found = false;
         for (int y = std::max(0, front - 3); y <= std::min(front + 1, size[1] - 1); ++y)
         {
@@ -634,8 +634,7 @@ private:
   /// The intensity of voxels half full of skin, as scanned.
   FloatImage::Pointer HalfSkin;
   Outline Air;
-  HeightMap::Pointer WorkWall;
-  HeightMap::Pointer StiffWall;
+  ChestWallSheet WorkWall;
   HeightMap::Pointer ChestWall;
   /// Columns where a breast stands before the chest wall.
   std::vector<bool> Thick;

@@ -123,13 +123,19 @@ TEST(BehindSheet, HoldsTheTissueOfALayerUnderTheBreast)
     [](int, int y, int) { return y != 6 ? 1 : 0; });
   const HeightMap::Pointer skin =
     MadeUpHeights(2, 1, 2, [](int x, int) { return x == 0 ? 60 : 50; });
-  const HeightMap::Pointer sheet = MadeUpHeights(2, 1, 2, [](int, int) { return 20; });
+  ChestWallSheet sheet;
+  sheet.Front = MadeUpHeights(2, 1, 2, [](int, int) { return 20; });
+  sheet.Steps = MadeUpHeights(2, 1, 2, [](int x, int) { return x == 0 ? 0.6 : 0.35; });
+  sheet.LargeStep = 0.6;
   // 3 to 9 mm behind: the centres at 17, 15, 13, 11; that of 13 mm is no tissue.
   EXPECT_THAT(BehindSheet(image, tissue, skin, sheet, { 3, 9, 35 }), testing::ElementsAre(15, 17));
   EXPECT_THAT(BehindSheet(image, tissue, skin, sheet, { 3, 9.5, 35 }),
     testing::ElementsAre(11, 15, 17));
   EXPECT_THAT(BehindSheet(image, tissue, skin, sheet, { 3, 9, 40 }), testing::IsEmpty());
   EXPECT_EQ(BehindSheet(image, tissue, skin, sheet, { 3, 9, 10 }).size(), 4u);
+  // Less than half the large step is no muscle.
+  sheet.LargeStep = 0.8;
+  EXPECT_EQ(BehindSheet(image, tissue, skin, sheet, { 3, 9, 10 }).size(), 2u);
 }
 
 TEST(LogChannel, FallsFromFatToMuscleAndIgnoresTheCoil)

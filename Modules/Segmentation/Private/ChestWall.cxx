@@ -358,18 +358,24 @@ private:
 
   void MeasureSteps(ChestWallSheet& sheet) const
   {
+    sheet.Steps = HeightMap::New();
+    sheet.Steps->CopyInformation(sheet.Front);
+    sheet.Steps->SetRegions(sheet.Front->GetLargestPossibleRegion());
+    sheet.Steps->Allocate();
     std::vector<float> steps;
     for (std::size_t column = 0; column < sheet.Front->GetBufferedRegion().GetNumberOfPixels();
          ++column)
     {
       const float height = sheet.Front->GetBufferPointer()[column];
+      sheet.Steps->GetBufferPointer()[column] = this->StepAt(column, height);
       if (this->Skin->GetBufferPointer()[column] > height + BreastMm)
       {
-        steps.push_back(this->StepAt(column, height));
+        steps.push_back(sheet.Steps->GetBufferPointer()[column]);
         sheet.Support += std::min<double>(steps.back(), LargestLogStep);
       }
     }
     sheet.Step = steps.empty() ? 0.0 : Quantile(steps, 0.5);
+    sheet.LargeStep = steps.empty() ? 0.0 : Quantile(steps, 0.9);
   }
 
   static constexpr float None = -1e9f;
@@ -440,7 +446,7 @@ HeightMap::Pointer HeightsOver(const HeightMap* map, const itk::ImageBase<3>& im
 }
 
 std::vector<float> BehindSheet(const FloatImage* image, const MaskImage* tissue,
-  const HeightMap* skin, const HeightMap* sheet, const Behind& behind)
+  const HeightMap* skin, const ChestWallSheet& sheet, const Behind& behind)
 {
   const std::array<int, 3> size = SizeOf(*image);
   std::vector<float> values;
@@ -448,8 +454,9 @@ std::vector<float> BehindSheet(const FloatImage* image, const MaskImage* tissue,
   {
     for (int x = 0; x < size[0]; ++x)
     {
-      const float wallMm = sheet->GetPixel({ { x, z } });
-      const bool counts = skin->GetPixel({ { x, z } }) > wallMm + behind.BodyMm;
+      const float wallMm = sheet.Front->GetPixel({ { x, z } });
+      const bool counts = skin->GetPixel({ { x, z } }) > wallMm + behind.BodyMm &&
+        sheet.Steps->GetPixel({ { x, z } }) >= 0.5 * sheet.LargeStep;
       for (int y = 0; counts && y < size[1]; ++y)
       {
         const double depth = wallMm - (y + 0.5) * image->GetSpacing()[1];

@@ -21,6 +21,10 @@ struct ChestWallSheet
   double Step = 0;
   /// Sum of the steps there over the columns.
   double Support = 0;
+  /// The step from fat to muscle in every column; 0 where there is none.
+  HeightMap::Pointer Steps;
+  /// What the tenth of those columns with the largest steps has at least.
+  double LargeStep = 0;
 };
 
 /**
@@ -65,9 +69,13 @@ struct Behind
   double BodyMm;
 };
 
-/// The values of the tissue there.
+/**
+ * The values of the tissue there, in columns where the sheet has at least half of its large step:
+ * a sheet that could not follow the chest wall as it recedes at the sides has fat behind it.
+ */
 MAMMORAYSEGMENTATION_EXPORT std::vector<float> BehindSheet(const FloatImage* image,
-  const MaskImage* tissue, const HeightMap* skin, const HeightMap* sheet, const Behind& behind);
+  const MaskImage* tissue, const HeightMap* skin, const ChestWallSheet& sheet,
+  const Behind& behind);
 
 /// Height, mm, of the front face of the foremost voxel of the mask in each column; -1: none.
 MAMMORAYSEGMENTATION_EXPORT HeightMap::Pointer FrontOf(const MaskImage* mask);
