@@ -1,23 +1,35 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "FuzzTargets.h"
 
+#include "Configuration.h"
 #include "Private/AttenuationTableIO.h"
+#include "Private/Checkpoint.h"
 #include "Private/Guard/GuardedRead.h"
 #include "Private/Guard/MeshParcel.h"
 #include "Private/SpectrumIO.h"
 #include "Private/StoredVoxels.h"
+#include "mammoray/Case/ResultFile.h"
+#include "mammoray/Evidence/LandmarkEvaluation.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/IO/DicomHeader.h"
 #include "mammoray/IO/LabelVolumeIO.h"
 #include "mammoray/IO/MaterialTableIO.h"
 #include "mammoray/IO/ScratchFolder.h"
 
+#ifdef MAMMORAY_HAS_MESHING
+#include "mammoray/Evidence/EvidenceFile.h"
+#include "mammoray/Evidence/VirtualStudy.h"
+#endif
+
 #include "vtkNew.h"
 #include "vtkPolyData.h"
 #include "vtkUnstructuredGrid.h"
 
+#include <CLI/CLI.hpp>
+
 #include <cstdio>
 #include <cstdlib>
+#include <filesystem>
 #include <fstream>
 
 namespace mammoray::hardening
@@ -84,6 +96,36 @@ Target OfHeader(const char* name, TextHeader (*read)(const std::string&), const 
     });
 }
 
+/// A result folder that holds this result.json; the one of a mammogram has it, too.
+void ReadResult(const std::string& path)
+{
+  ReadResultFiles(std::filesystem::path(path).parent_path().string());
+}
+
+/// A file of options of every kind.
+void ParseConfiguration(const std::string& path)
+{
+  CLI::App app;
+  std::string text, file;
+  double number = 0;
+  std::vector<double> numbers;
+  bool flag = false;
+  app.add_option("--name", text);
+  app.add_option("--input", file)->type_name(InputTypeName);
+  app.add_option("--number", number)->check(CLI::PositiveNumber);
+  app.add_option("--numbers", numbers);
+  app.add_flag("--flag", flag);
+  AddConfigurationOptions(app);
+  try
+  {
+    app.parse(std::vector<std::string>{ path, "--config" });
+  }
+  catch (const CLI::ParseError&)
+  {
+    // Shown by CommandLine.cxx as letters only.
+  }
+}
+
 template <typename Mesh>
 void Unpack(const std::string& bytes)
 {
@@ -98,9 +140,17 @@ const std::map<std::string, Target>& FuzzTargets()
   ReadWithoutGuard();
   static const std::map<std::string, Target> targets{
     { "attenuation", OfFile("a.csv", [](const std::string& path) { ReadAttenuationTable(path); }) },
+    { "checkpoint", OfFile("checkpoint.json", ReadSearchPoints) },
+    { "configuration", OfFile("c.json", ParseConfiguration) },
     { "dicom-header", OfFile("a.dcm", [](const std::string& path) { ReadDicomHeader(path); }) },
     { "dicom-segmentation",
       OfFile("a.dcm", [](const std::string& path) { ReadLabelVolume(path); }) },
+#ifdef MAMMORAY_HAS_MESHING
+    { "evidence",
+      OfFile("e.json", [](const std::string& path) { ReadEvidence(path, R"({"seed":1})"); }) },
+    { "study-truth", OfFile("truth.json", ReadVirtualStudyTruth) },
+#endif
+    { "landmarks", OfFile("l.csv", ReadLandmarks) },
     { "materials", OfFile("a.json", [](const std::string& path) { ReadMaterialTable(path); }) },
     { "metaimage",
       OfHeader("a.mha", TextHeader::ReadMetaImage, "dimsize", StoredVoxels::OfMetaImage) },
@@ -115,6 +165,7 @@ const std::map<std::string, Target>& FuzzTargets()
           Fail(shown);
         }
       } },
+    { "result", OfFile(ResultFileName, ReadResult) },
     { "spectrum", OfFile("a.spc", [](const std::string& path) { ReadSpectrum(path); }) },
   };
   return targets;

@@ -81,7 +81,7 @@ public:
     {
       values = nlohmann::json::parse(input, mammoray::PlausibleNesting{ "configuration" });
     }
-    catch (const nlohmann::json::parse_error& error)
+    catch (const nlohmann::json::exception& error)
     {
       throw CLI::ConversionError(std::string("configuration: not JSON: ") + error.what());
     }

@@ -26,7 +26,7 @@ void WriteCheckpoint(const std::vector<SearchPoint>& points, const std::string& 
 
 /// Of a checkpoint, of the one that a folder has (CheckpointPath), or of the result in the folder.
 /// Throws InputError as ReadResultFile.
-std::vector<SearchPoint> ReadSearchPoints(const std::string& path);
+MAMMORAYCASE_EXPORT std::vector<SearchPoint> ReadSearchPoints(const std::string& path);
 }
 
 #endif
