@@ -1,4 +1,4 @@
-# The Python package `mammoray`: the wrapped modules beside VTK's own vtkmodules.
+# The wrapped modules of the Python package `mammoray`, whose other parts are Wrapping/Python.
 set(MAMMORAY_PYTHON_DESTINATION
   "lib/python${Python3_VERSION_MAJOR}.${Python3_VERSION_MINOR}/site-packages" CACHE STRING
   "Folder of the Python package below the prefix")
@@ -15,5 +15,4 @@ vtk_module_wrap_python(
   WRAPPED_MODULES wrapped_modules
   TARGET MammoRay::Python
   INSTALL_EXPORT MammoRay)
-configure_file(python/__init__.py "${CMAKE_BINARY_DIR}/${package_destination}/mammoray/__init__.py" COPYONLY)
-install(FILES python/__init__.py DESTINATION "${package_destination}/mammoray" COMPONENT python)
+set(MAMMORAY_PYTHON_RPATH "${CMAKE_INSTALL_RPATH}" PARENT_SCOPE)

@@ -51,9 +51,9 @@ set(development_depends "${libraries} ${same_version}, libvtk9-dev")
 if (MAMMORAY_WRAP_PYTHON)
   # The CMake files name its module, too, and CMake wants to see it.
   string(APPEND development_depends ", python3-mammoray ${same_version}")
-  mammoray_package(python python3-mammoray python "${libraries} ${same_version}, python3, python3-vtk9"
-    "X-ray projection and breast registration, VTK filters for Python"
-    "${about}\n\nThis package has the VTK filters for Python 3.")
+  mammoray_package(python python3-mammoray python "${libraries} ${same_version}, python3, python3-numpy, python3-vtk9"
+    "X-ray projection and breast registration for Python"
+    "${about}\n\nThis package has the Python 3 module: functions of arrays, and VTK filters.")
 endif ()
 mammoray_package(development libmammoray-dev libdevel
   "${development_depends}"

@@ -36,6 +36,8 @@ struct HeldMaterial
 {
   ElasticMaterial Elastic;
   bool Held = false;
+
+  bool operator==(const HeldMaterial&) const = default;
 };
 
 /// What the model is made of.
@@ -256,6 +258,16 @@ vtkBreastCompression::~vtkBreastCompression()
   delete this->Internal;
 }
 
+void vtkBreastCompression::SetMaterialTable(const char* pathOrName)
+{
+  SetProperty(this, this->MaterialTable, std::string(pathOrName ? pathOrName : ""));
+}
+
+void vtkBreastCompression::SetOrientation(const char* axes)
+{
+  SetProperty(this, this->Orientation, std::string(axes ? axes : ""));
+}
+
 void vtkBreastCompression::SetSimulationMeshConnection(vtkAlgorithmOutput* mesh)
 {
   this->SetInputConnection(1, mesh);
@@ -279,16 +291,14 @@ void vtkBreastCompression::SetMaterial(int material, double youngsModulusKPa, do
     vtkErrorMacro(<< "SetMaterial: expected a material in [1, 65535], found " << material);
     return;
   }
-  this->Internal->Given[material] = {
-    { youngsModulusKPa, poissonRatio, fungExponent, densityGPerCm3 }, held
-  };
-  this->Modified();
+  auto given = this->Internal->Given;
+  given[material] = { { youngsModulusKPa, poissonRatio, fungExponent, densityGPerCm3 }, held };
+  SetProperty(this, this->Internal->Given, std::move(given));
 }
 
 void vtkBreastCompression::ClearMaterials()
 {
-  this->Internal->Given.clear();
-  this->Modified();
+  SetProperty(this, this->Internal->Given, {});
 }
 
 int vtkBreastCompression::RequestInformation(vtkInformation*, vtkInformationVector**,

@@ -55,7 +55,7 @@ public:
    * Path of a material table (JSON), or the name of a shipped one, with the elastic constants of
    * materials 1, 2, ... and which are held. Empty: only what SetMaterial says. Default empty.
    */
-  vtkSetStdStringFromCharMacro(MaterialTable);
+  void SetMaterialTable(const char* pathOrName);
   vtkGetCharFromStdStringMacro(MaterialTable);
   ///@}
 
@@ -63,7 +63,7 @@ public:
   /**
    * Directions of the input's +x, +y, +z: one letter each of L/R, A/P, S/I. Default "LPS".
    */
-  vtkSetStdStringFromCharMacro(Orientation);
+  void SetOrientation(const char* axes);
   vtkGetCharFromStdStringMacro(Orientation);
   ///@}
 

@@ -51,6 +51,11 @@ vtkStandardNewMacro(vtkBreastMesher);
 vtkBreastMesher::vtkBreastMesher() = default;
 vtkBreastMesher::~vtkBreastMesher() = default;
 
+void vtkBreastMesher::SetMaterialTable(const char* pathOrName)
+{
+  SetProperty(this, this->MaterialTable, std::string(pathOrName ? pathOrName : ""));
+}
+
 int vtkBreastMesher::FillInputPortInformation(int, vtkInformation* info)
 {
   info->Set(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkImageData");

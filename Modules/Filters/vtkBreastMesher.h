@@ -36,7 +36,7 @@ public:
    * Path of a material table (JSON), or the name of a shipped one. Empty: labels are material
    * indices. Default empty.
    */
-  vtkSetStdStringFromCharMacro(MaterialTable);
+  void SetMaterialTable(const char* pathOrName);
   vtkGetCharFromStdStringMacro(MaterialTable);
   ///@}
 

@@ -248,6 +248,31 @@ vtkBreastRegistration::~vtkBreastRegistration()
   delete this->Internal;
 }
 
+void vtkBreastRegistration::SetMaterialTable(const char* pathOrName)
+{
+  SetProperty(this, this->MaterialTable, std::string(pathOrName ? pathOrName : ""));
+}
+
+void vtkBreastRegistration::SetSpectrum(const char* pathOrName)
+{
+  SetProperty(this, this->Spectrum, std::string(pathOrName ? pathOrName : ""));
+}
+
+void vtkBreastRegistration::SetOrientation(const char* axes)
+{
+  SetProperty(this, this->Orientation, std::string(axes ? axes : ""));
+}
+
+void vtkBreastRegistration::SetFreeParameters(const char* names)
+{
+  SetProperty(this, this->FreeParameters, std::string(names ? names : ""));
+}
+
+void vtkBreastRegistration::SetDeviceName(const char* name)
+{
+  SetProperty(this, this->DeviceName, std::string(name ? name : ""));
+}
+
 void vtkBreastRegistration::SetMammogramConnection(vtkAlgorithmOutput* mammogram)
 {
   this->SetInputConnection(1, mammogram);

@@ -49,7 +49,7 @@ public:
   /**
    * Path of a material table (JSON), or the name of a shipped one. Required.
    */
-  vtkSetStdStringFromCharMacro(MaterialTable);
+  void SetMaterialTable(const char* pathOrName);
   vtkGetCharFromStdStringMacro(MaterialTable);
   ///@}
 
@@ -57,7 +57,7 @@ public:
   /**
    * Path of a spectrum (.spc) or the name of a shipped one. Default "W28kVp_Rh50um_Be1mm".
    */
-  vtkSetStdStringFromCharMacro(Spectrum);
+  void SetSpectrum(const char* pathOrName);
   vtkGetCharFromStdStringMacro(Spectrum);
   ///@}
 
@@ -65,7 +65,7 @@ public:
   /**
    * Directions of the input's +x, +y, +z: one letter each of L/R, A/P, S/I. Default "LPS".
    */
-  vtkSetStdStringFromCharMacro(Orientation);
+  void SetOrientation(const char* axes);
   vtkGetCharFromStdStringMacro(Orientation);
   ///@}
 
@@ -74,7 +74,7 @@ public:
    * Names of the parameters that are found, with blanks between: thickness, roll, pitch, yaw,
    * lateral, anterior, vertical, tilt, stiffness. Default "thickness roll lateral anterior".
    */
-  vtkSetStdStringFromCharMacro(FreeParameters);
+  void SetFreeParameters(const char* names);
   vtkGetCharFromStdStringMacro(FreeParameters);
   ///@}
 
@@ -132,7 +132,7 @@ public:
   /**
    * Part of the wanted Vulkan device's name; empty takes the most capable one. Default empty.
    */
-  vtkSetStdStringFromCharMacro(DeviceName);
+  void SetDeviceName(const char* name);
   vtkGetCharFromStdStringMacro(DeviceName);
   ///@}
 

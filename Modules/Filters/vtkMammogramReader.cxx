@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mammoray/Filters/vtkMammogramReader.h"
 
+#include "Private/FilterRequest.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/IO/ImageConversion.h"
 #include "mammoray/IO/MammogramIO.h"
@@ -29,6 +30,11 @@ vtkMammogramReader::vtkMammogramReader()
 vtkMammogramReader::~vtkMammogramReader()
 {
   delete this->Internal;
+}
+
+void vtkMammogramReader::SetFileName(const char* path)
+{
+  mammoray::SetProperty(this, this->FileName, std::string(path ? path : ""));
 }
 
 void vtkMammogramReader::PrintSelf(ostream& os, vtkIndent indent)

@@ -31,7 +31,7 @@ public:
   /**
    * Path of the DICOM file.
    */
-  vtkSetStdStringFromCharMacro(FileName);
+  void SetFileName(const char* path);
   vtkGetCharFromStdStringMacro(FileName);
   ///@}
 

@@ -142,6 +142,8 @@ struct vtkXRayProjector::Internals
     std::string Table; ///< empty: the constant coefficient counts
     double DensityGPerCm3 = 1.0;
     double MuPerMm = 0.0;
+
+    bool operator==(const Attenuation&) const = default;
   };
 
   mammoray::Spectrum Photons = mammoray::Spectrum::Monochromatic(20);
@@ -158,6 +160,7 @@ struct vtkXRayProjector::Internals
   std::vector<std::int32_t> PointIds;
   TopologyStamp Topology;
 
+  void SetPhotons(vtkXRayProjector* filter, mammoray::Spectrum photons);
   void Upload(SurfaceMesh surface);
   void UploadGrid(vtkUnstructuredGrid* grid);
   std::string NameOf(int material) const;
@@ -165,6 +168,15 @@ struct vtkXRayProjector::Internals
   Beam MakeBeamFor(int materialCount, const std::map<int, Attenuation>& attenuations,
     const mammoray::Spectrum& photons, DetectorResponse response) const;
 };
+
+void vtkXRayProjector::Internals::SetPhotons(vtkXRayProjector* filter, mammoray::Spectrum photons)
+{
+  if (this->Photons.EnergiesKeV != photons.EnergiesKeV || this->Photons.Weights != photons.Weights)
+  {
+    this->Photons = std::move(photons);
+    filter->Modified();
+  }
+}
 
 void vtkXRayProjector::Internals::Upload(SurfaceMesh surface)
 {
@@ -301,16 +313,32 @@ vtkXRayProjector::~vtkXRayProjector()
   delete this->Internal;
 }
 
+void vtkXRayProjector::SetDeviceName(const char* name)
+{
+  SetProperty(this, this->DeviceName, std::string(name ? name : ""));
+}
+
+void vtkXRayProjector::SetMaterialTable(const char* pathOrName)
+{
+  SetProperty(this, this->MaterialTable, std::string(pathOrName ? pathOrName : ""));
+}
+
+void vtkXRayProjector::SetSpectrum(const char* pathOrName)
+{
+  SetProperty(this, this->Spectrum, std::string(pathOrName ? pathOrName : ""));
+}
+
 void vtkXRayProjector::SetMonochromatic(double energyKeV)
 {
-  this->ClearSpectrum();
-  this->AddSpectrumLine(energyKeV, 1.0);
+  mammoray::Spectrum line;
+  line.EnergiesKeV = { energyKeV };
+  line.Weights = { 1.0 };
+  this->Internal->SetPhotons(this, std::move(line));
 }
 
 void vtkXRayProjector::ClearSpectrum()
 {
-  this->Internal->Photons = {};
-  this->Modified();
+  this->Internal->SetPhotons(this, {});
 }
 
 void vtkXRayProjector::AddSpectrumLine(double energyKeV, double photons)
@@ -323,20 +351,21 @@ void vtkXRayProjector::AddSpectrumLine(double energyKeV, double photons)
 void vtkXRayProjector::SetAttenuationTable(int material, const std::string& table,
   double densityGPerCm3)
 {
-  this->Internal->Attenuations[material] = { table, densityGPerCm3, 0.0 };
-  this->Modified();
+  auto attenuations = this->Internal->Attenuations;
+  attenuations[material] = { table, densityGPerCm3, 0.0 };
+  SetProperty(this, this->Internal->Attenuations, std::move(attenuations));
 }
 
 void vtkXRayProjector::SetLinearAttenuation(int material, double muPerMm)
 {
-  this->Internal->Attenuations[material] = { "", 1.0, muPerMm };
-  this->Modified();
+  auto attenuations = this->Internal->Attenuations;
+  attenuations[material] = { "", 1.0, muPerMm };
+  SetProperty(this, this->Internal->Attenuations, std::move(attenuations));
 }
 
 void vtkXRayProjector::ClearAttenuation()
 {
-  this->Internal->Attenuations.clear();
-  this->Modified();
+  SetProperty(this, this->Internal->Attenuations, {});
 }
 
 int vtkXRayProjector::FillInputPortInformation(int, vtkInformation* info)

@@ -150,7 +150,7 @@ public:
   /**
    * Part of the wanted Vulkan device's name; empty takes the most capable one. Default empty.
    */
-  vtkSetStdStringFromCharMacro(DeviceName);
+  void SetDeviceName(const char* name);
   vtkGetCharFromStdStringMacro(DeviceName);
   ///@}
 
@@ -175,7 +175,7 @@ public:
    * the input's materials: by name where the input names them, else by index. SetAttenuationTable
    * and SetLinearAttenuation go before it. Empty: only what these say. Default empty.
    */
-  vtkSetStdStringFromCharMacro(MaterialTable);
+  void SetMaterialTable(const char* pathOrName);
   vtkGetCharFromStdStringMacro(MaterialTable);
   ///@}
 
@@ -184,7 +184,7 @@ public:
    * Path of a spectrum (.spc) or the name of a shipped one. Empty: what SetMonochromatic or
    * AddSpectrumLine said. Default empty.
    */
-  vtkSetStdStringFromCharMacro(Spectrum);
+  void SetSpectrum(const char* pathOrName);
   vtkGetCharFromStdStringMacro(Spectrum);
   ///@}
 

@@ -5,7 +5,6 @@
 #include "Private/SpectrumIO.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/Foundation/NearNames.h"
-#include "mammoray/IO/LabelVolumeIO.h"
 #include "mammoray/IO/MaterialTableIO.h"
 #include "mammoray/XRay/Composition.h"
 
@@ -163,28 +162,5 @@ Beam MakeBeam(const MaterialTable& materials, const Spectrum& spectrum, Detector
     densities[material] = materials.Materials[material].DensityGPerCm3;
   }
   return Beam(spectrum, response, pointers, densities);
-}
-
-ExampleScene MakeExampleScene(const std::string& name)
-{
-  if (name == "test")
-  {
-    return MakePlateScene();
-  }
-  if (name == "boxes")
-  {
-    return MakeBoxesScene();
-  }
-  if (name == "veins")
-  {
-    return MakeVeinsScene();
-  }
-  if (name == "breast")
-  {
-    const std::string folder = DataDirectory();
-    return MakeBreastScene(ReadLabelVolume(folder + "/victre-phantom-1/labels.nrrd"),
-      ReadMaterialTable(folder + "/materials/victre.json"));
-  }
-  throw InputError("unknown example '" + name + "'; " + SuggestNames(name, ExampleNames()));
 }
 }

@@ -101,7 +101,7 @@ def check_rooms(root, modules, wrong):
             if name not in listed and str(path.relative_to(folder).with_suffix("")) not in listed:
                 wrong.append(f"Modules/{module}/CMakeLists.txt: does not list {name}")
     for entry in sorted((root / "Modules").iterdir()):
-        if entry.is_dir() and entry.name not in MAY_INCLUDE and entry.name != "python":
+        if entry.is_dir() and entry.name not in MAY_INCLUDE:
             wrong.append(f"Modules/{entry.name}: a module that checkArchitecture.py does not know")
 
 

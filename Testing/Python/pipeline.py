@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the Python tests share: numpy arrays to VTK and back, a small breast, and errors that end the test."""
+"""What the Python tests share: numpy arrays to VTK and back, and a small breast."""
 import numpy
 from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
 from vtkmodules.vtkCommonDataModel import vtkImageData
@@ -42,15 +42,11 @@ def points(grid):
     return vtk_to_numpy(grid.GetPoints().GetData())
 
 
+def cells(grid):
+    """Corners of the tetrahedra of a grid, m x 4."""
+    return vtk_to_numpy(grid.GetCells().GetConnectivityArray()).reshape(-1, 4)
+
+
 def field(grid, name):
     """Field array of a grid."""
     return vtk_to_numpy(grid.GetFieldData().GetArray(name))
-
-
-def stop_on_error(algorithm):
-    """The next error of the algorithm ends the program with its text."""
-    def fail(caller, event, text=""):
-        raise SystemExit(f"{caller.GetClassName()}: {text}")
-    fail.CallDataType = "string0"
-    algorithm.AddObserver("ErrorEvent", fail)
-    return algorithm

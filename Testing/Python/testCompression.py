@@ -7,18 +7,18 @@ import mammoray
 import numpy
 from vtkmodules.util.numpy_support import vtk_to_numpy
 
-from pipeline import TABLE, field, half_ball_labels, image, points, stop_on_error
+from pipeline import TABLE, field, half_ball_labels, image, points
 
 labels, origin = half_ball_labels()
 with tempfile.NamedTemporaryFile("w", suffix=".json") as table:
     table.write(TABLE)
     table.flush()
-    mesher = stop_on_error(mammoray.vtkBreastMesher())
+    mesher = mammoray.vtkBreastMesher()
     mesher.SetInputData(image(labels, origin, 2.0))
     mesher.SetMaterialTable(table.name)
     mesher.ForMechanicsOn()
     mesher.SetCellSizeMm(11)
-    compression = stop_on_error(mammoray.vtkBreastCompression())
+    compression = mammoray.vtkBreastCompression()
     compression.SetInputConnection(mesher.GetOutputPort())
     compression.SetMaterialTable(table.name)
     compression.SetOrientation("LAS")

@@ -5,10 +5,10 @@ import math
 import mammoray
 from vtkmodules.util.numpy_support import vtk_to_numpy
 
-from pipeline import field, half_ball_labels, image, points, stop_on_error
+from pipeline import field, half_ball_labels, image, points
 
 labels, origin = half_ball_labels()
-mesher = stop_on_error(mammoray.vtkBreastMesher())
+mesher = mammoray.vtkBreastMesher()
 mesher.SetInputData(image(labels, origin, 2.0))
 mesher.SetCellSizeMm(6)
 mesher.Update()

@@ -9,6 +9,7 @@
 #include "vtkDataObject.h"
 
 #include <exception>
+#include <utility>
 
 namespace mammoray
 {
@@ -20,6 +21,17 @@ inline ProgressCallback ProgressOf(vtkAlgorithm* filter, double from = 0, double
     filter->UpdateProgress(from + (to - from) * fraction);
     return filter->GetAbortExecute() == 0;
   };
+}
+
+/// Sets a property of a filter, which is to be made anew only where the value is another.
+template <typename Value>
+void SetProperty(vtkAlgorithm* filter, Value& property, Value value)
+{
+  if (!(property == value))
+  {
+    property = std::move(value);
+    filter->Modified();
+  }
 }
 
 /**

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+// Apart from the other shipped data, which a build without readers of volumes has, too
+// (Wrapping/Python).
+#include "mammoray/Foundation/Error.h"
+#include "mammoray/Foundation/NearNames.h"
+#include "mammoray/IO/LabelVolumeIO.h"
+#include "mammoray/IO/MaterialTableIO.h"
+#include "mammoray/IO/ShippedData.h"
+
+namespace mammoray
+{
+ExampleScene MakeExampleScene(const std::string& name)
+{
+  if (name == "test")
+  {
+    return MakePlateScene();
+  }
+  if (name == "boxes")
+  {
+    return MakeBoxesScene();
+  }
+  if (name == "veins")
+  {
+    return MakeVeinsScene();
+  }
+  if (name == "breast")
+  {
+    const std::string folder = DataDirectory();
+    return MakeBreastScene(ReadLabelVolume(folder + "/victre-phantom-1/labels.nrrd"),
+      ReadMaterialTable(folder + "/materials/victre.json"));
+  }
+  throw InputError("unknown example '" + name + "'; " + SuggestNames(name, ExampleNames()));
+}
+}
