@@ -16,8 +16,8 @@ struct TargetOptions
    * of its edge.
    */
   double EdgeFraction = 0.03;
-  /// The same in robust standard deviations of the air (after a median over 3 x 3 pixels); the
-  /// larger of the two counts. Positive.
+  /// The same in robust standard deviations of the air within a centimetre (after a median over 3 x
+  /// 3 pixels); the larger of the two counts. Positive.
   double EdgeSigmas = 6;
   /// Thinner things hanging on the breast (frames of the detector, markers that touch) are dropped,
   /// mm.
@@ -48,15 +48,16 @@ struct TargetOptions
  * open is taken from the picture and from how mammograms are hung (lateral or head up), with a
  * warning each.
  *
- * *Log attenuation.* Linear images: -ln(I / I0), I0 the median of the air beside the breast, so 0
- * is air. Logarithmic and For Presentation images: the stored values, turned so that more
- * attenuation is more, with the median of the air at 0. The header's window (VOI LUT) is for eyes
- * and is not applied.
+ * *Log attenuation.* Linear images: -ln(I / I0), I0 a smooth level fitted to the air beside the
+ * breast (heel effect, inverse square), so 0 is air. Logarithmic and For Presentation images: the
+ * stored values, turned so that more attenuation is more, less such a level of the air. The
+ * header's window (VOI LUT) is for eyes and is not applied.
  *
- * *Breast.* Above the air's level by TargetOptions' threshold, connected, the piece that occupies
- * most of the chest-wall side's neighbourhood, holes filled. SignedDistanceMm counts only the
- * outline within the picture: its borders, which cut the breast, are not outline, as if the breast
- * went on beyond them. Good to about a third of OutlineGridMm or of a pixel, whichever is smaller.
+ * *Breast.* Above the air's level there, what scatter adds beside the breast included, by
+ * TargetOptions' threshold, connected, the piece that occupies most of the chest-wall side's
+ * neighbourhood, holes filled. SignedDistanceMm counts only the outline within the picture: its
+ * borders, which cut the breast, are not outline, as if the breast went on beyond them. Good to
+ * about a third of OutlineGridMm or of a pixel, whichever is smaller.
  *
  * Throws InputError when the image is flat, shows no air or no breast, or cuts the breast off at
  * its front.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Private/BreastContrast.h"
 
+#include "Private/AirLevel.h"
 #include "Private/PixelFilters.h"
 #include "mammoray/Foundation/Error.h"
 
@@ -128,49 +129,73 @@ std::vector<float> ToLogAttenuation(const Mammogram& mammogram, std::vector<std:
   return result;
 }
 
-/// Level and noise of the air, and the level of the breast, as its median.
-struct Levels
+/// Air that lies away from what is as bright as `threshold`, if there is enough of it.
+PixelMask FarAir(const PixelGrid& grid, const std::vector<float>& smooth, const PixelMask& measured,
+  float threshold)
 {
-  float Air = 0;
-  double AirSigma = 0;
-  double Contrast = 0;
-};
-
-/// By what is below and above Otsu's threshold of the measured pixels, air away from the breast.
-Levels FindLevels(const PixelGrid& grid, const std::vector<float>& smooth,
-  const PixelMask& measured, float threshold)
-{
+  constexpr float EdgeZoneMm = 5; // the bulge's edge and the scatter beside it
   PixelMask air(smooth.size());
-  PixelMask body(smooth.size());
   for (std::size_t i = 0; i < smooth.size(); ++i)
   {
     air[i] = measured[i] && smooth[i] < threshold ? 1 : 0;
-    body[i] = measured[i] && smooth[i] >= threshold ? 1 : 0;
   }
-  constexpr double EdgeZoneMm = 5; // the bulge's edge and the scatter beside it
   const std::vector<float> depth = DistanceToClear(grid, air);
   PixelMask farAir(smooth.size());
   std::transform(depth.begin(), depth.end(), farAir.begin(),
     [](float distance) { return distance > EdgeZoneMm ? 1 : 0; });
-  std::vector<float> airValues = Select(smooth, farAir);
-  if (airValues.size() < 64)
+  constexpr std::ptrdiff_t Enough = 64;
+  return std::count(farAir.begin(), farAir.end(), 1) < Enough ? air : farAir;
+}
+
+/// A level for each pixel taken from its value.
+void Subtract(const PixelGrid& grid, const AirLevel& level, double (AirLevel::*at)(int, int) const,
+  std::vector<float>& values)
+{
+  for (int row = 0; row < grid.Rows; ++row)
   {
-    airValues = Select(smooth, air);
+    for (int column = 0; column < grid.Columns; ++column)
+    {
+      values[grid.Index(column, row)] -= static_cast<float>((level.*at)(column, row));
+    }
   }
+}
+
+/// Brings air to 0, in the picture and in its medians, and finds where the breast begins. What is
+/// above `threshold` is breast, though not yet all of it.
+void FlattenAir(const PixelGrid& grid, const PixelMask& measured, float threshold,
+  const TargetOptions& options, BreastContrast& contrast)
+{
+  const std::vector<float> smooth = contrast.Smooth;
+  PixelMask body(smooth.size());
+  for (std::size_t i = 0; i < smooth.size(); ++i)
+  {
+    body[i] = measured[i] && smooth[i] >= threshold ? 1 : 0;
+  }
+  PixelMask air = FarAir(grid, smooth, measured, threshold);
   const std::vector<float> bodyValues = Select(smooth, body);
+  const std::vector<float> airValues = Select(smooth, air);
   if (airValues.empty() || bodyValues.empty())
   {
     throw InputError("mammogram: expected a breast and air, found only one of them");
   }
-  Levels levels;
-  levels.Air = Quantile(airValues, 0.5);
-  for (float& value : airValues)
+  double breast = Quantile(bodyValues, 0.5) - Quantile(airValues, 0.5);
+  // All that is below Otsu's threshold holds the thin margin of the breast, too; what is below the
+  // edge over the level found of that does not.
+  for (int round = 0; round < 2; ++round)
   {
-    value = std::abs(value - levels.Air);
+    const AirLevel level(grid, smooth, air, breast);
+    contrast.Smooth = smooth;
+    Subtract(grid, level, &AirLevel::LocalAt, contrast.Smooth);
+    breast = Quantile(Select(contrast.Smooth, body), 0.5);
+    contrast.EdgeLevel = static_cast<float>(
+      std::max(options.EdgeFraction * breast, options.EdgeSigmas * level.Sigma()));
+    if (round == 0)
+    {
+      air = FarAir(grid, contrast.Smooth, measured, contrast.EdgeLevel);
+      continue;
+    }
+    Subtract(grid, level, &AirLevel::At, contrast.LogAttenuation);
   }
-  levels.AirSigma = 1.4826 * Quantile(airValues, 0.5);
-  levels.Contrast = Quantile(bodyValues, 0.5) - levels.Air;
-  return levels;
 }
 }
 
@@ -200,18 +225,11 @@ BreastContrast FindBreastContrast(const Mammogram& mammogram, const PixelGrid& g
     log[i] = measured[i] ? log[i] : low;
   }
   contrast.Smooth = Median3x3(grid, log);
-  const Levels levels =
-    FindLevels(grid, contrast.Smooth, measured, OtsuThreshold(valid, low, high));
-  contrast.EdgeLevel = static_cast<float>(levels.Air +
-    std::max(options.EdgeFraction * levels.Contrast, options.EdgeSigmas * levels.AirSigma));
-  for (float& value : log)
-  {
-    value -= levels.Air;
-  }
+  FlattenAir(grid, measured, OtsuThreshold(valid, low, high), options, contrast);
   for (std::size_t i = 0; i < log.size(); ++i)
   {
     log[i] = measured[i] ? log[i] : 0.0F;
-    contrast.Smooth[i] = measured[i] ? contrast.Smooth[i] : levels.Air;
+    contrast.Smooth[i] = measured[i] ? contrast.Smooth[i] : 0.0F;
   }
   return contrast;
 }

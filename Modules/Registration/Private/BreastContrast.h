@@ -15,10 +15,11 @@ namespace mammoray
 /// A mammogram as log attenuation, and where in it the breast begins.
 struct BreastContrast
 {
-  /// Up to scale and offset, rising with what is absorbed; air is at 0, and so is padding.
+  /// Up to scale, rising with what is absorbed; air is at 0 by its smooth level (AirLevel::At), and
+  /// so is padding.
   std::vector<float> LogAttenuation;
-  /// Its medians over 3 x 3 pixels before air came to 0, padding at the air's level; breast is
-  /// above EdgeLevel.
+  /// Its medians over 3 x 3 pixels, air at 0 by its local level (AirLevel::LocalAt), and so is
+  /// padding; breast is above EdgeLevel.
   std::vector<float> Smooth;
   float EdgeLevel = 0;
 };
