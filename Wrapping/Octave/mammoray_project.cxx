@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The projector as a function of Octave and MATLAB; mammoray_project.m is its manual.
 #include "mammoray/Foundation/Error.h"
+#include "mammoray/Foundation/NearNames.h"
 #include "mammoray/XRay/Beam.h"
 #include "mammoray/XRay/DeviceError.h"
 #include "mammoray/XRay/Exposure.h"
@@ -10,8 +11,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <cstdio>
 #include <cstring>
+#include <initializer_list>
 #include <string>
 #include <vector>
 
@@ -19,39 +22,108 @@ namespace
 {
 using namespace mammoray;
 
-/// A real matrix of doubles, columns first.
+/// A real matrix, columns first; of more dimensions, the later ones count as columns.
 struct Matrix
 {
-  const double* Values = nullptr;
-  std::size_t Rows = 0;
-  std::size_t Columns = 0;
+  std::vector<double> Values;
+  std::vector<std::size_t> Size;
 
+  std::size_t Rows() const { return this->Size[0]; }
+  std::size_t Columns() const
+  {
+    return this->Values.size() / std::max<std::size_t>(this->Size[0], 1);
+  }
   double At(std::size_t row, std::size_t column) const
   {
-    return this->Values[column * this->Rows + row];
+    return this->Values[column * this->Size[0] + row];
   }
 };
 
 std::string SizeOf(const Matrix& matrix)
 {
-  return std::to_string(matrix.Rows) + " x " + std::to_string(matrix.Columns);
+  std::string text;
+  for (const std::size_t length : matrix.Size)
+  {
+    text += (text.empty() ? "" : " x ") + std::to_string(length);
+  }
+  return text;
+}
+
+template <typename Value>
+std::vector<double> ValuesOf(const mxArray* array)
+{
+  const auto* values = static_cast<const Value*>(mxGetData(array));
+  return { values, values + mxGetNumberOfElements(array) };
+}
+
+/// Of doubles, singles or whole numbers of any size.
+std::vector<double> NumbersOf(const mxArray* array, const std::string& name)
+{
+  switch (mxGetClassID(array))
+  {
+    case mxDOUBLE_CLASS:
+      return ValuesOf<double>(array);
+    case mxSINGLE_CLASS:
+      return ValuesOf<float>(array);
+    case mxINT8_CLASS:
+      return ValuesOf<std::int8_t>(array);
+    case mxUINT8_CLASS:
+      return ValuesOf<std::uint8_t>(array);
+    case mxINT16_CLASS:
+      return ValuesOf<std::int16_t>(array);
+    case mxUINT16_CLASS:
+      return ValuesOf<std::uint16_t>(array);
+    case mxINT32_CLASS:
+      return ValuesOf<std::int32_t>(array);
+    case mxUINT32_CLASS:
+      return ValuesOf<std::uint32_t>(array);
+    case mxINT64_CLASS:
+      return ValuesOf<std::int64_t>(array);
+    case mxUINT64_CLASS:
+      return ValuesOf<std::uint64_t>(array);
+    default:
+      throw InputError(name + ": expected a matrix of numbers, found " + mxGetClassName(array));
+  }
+}
+
+Matrix ToArray(const mxArray* array, const std::string& name, std::size_t mostDimensions)
+{
+  if (!array || mxIsComplex(array) || mxIsSparse(array) ||
+    static_cast<std::size_t>(mxGetNumberOfDimensions(array)) > mostDimensions)
+  {
+    throw InputError(name + ": expected a full real matrix, found " +
+      (!array                  ? std::string("nothing")
+          : mxIsSparse(array)  ? "a sparse one"
+          : mxIsComplex(array) ? "a complex one"
+                               : std::to_string(mxGetNumberOfDimensions(array)) + " dimensions"));
+  }
+  const mwSize* size = mxGetDimensions(array);
+  return { NumbersOf(array, name), { size, size + mxGetNumberOfDimensions(array) } };
 }
 
 Matrix ToMatrix(const mxArray* array, const std::string& name)
 {
-  if (!array || !mxIsDouble(array) || mxIsComplex(array) || mxIsSparse(array) ||
-    mxGetNumberOfDimensions(array) != 2)
+  return ToArray(array, name, 2);
+}
+
+/// Throws InputError, with what may have been meant, where the struct has other fields.
+void CheckFields(const mxArray* array, const std::string& name,
+  const std::vector<std::string>& known)
+{
+  for (int field = 0; field < mxGetNumberOfFields(array); ++field)
   {
-    throw InputError(name + ": expected a full real matrix of doubles, found " +
-      (array ? mxGetClassName(array) : "nothing"));
+    const std::string found = mxGetFieldNameByNumber(array, field);
+    if (std::find(known.begin(), known.end(), found) == known.end())
+    {
+      throw InputError(name + ": no field '" + found + "'; " + SuggestNames(found, known));
+    }
   }
-  return { mxGetPr(array), mxGetM(array), mxGetN(array) };
 }
 
 Vector3 ToVector(const mxArray* array, const std::string& name)
 {
   const Matrix matrix = ToMatrix(array, name);
-  if (matrix.Rows * matrix.Columns != 3)
+  if (matrix.Values.size() != 3)
   {
     throw InputError(name + ": expected three numbers, found " + SizeOf(matrix));
   }
@@ -76,7 +148,7 @@ int ToWhole(double value, int least, int most, const char* name, std::size_t row
 int ToCount(const mxArray* array, int most, const char* name)
 {
   const Matrix matrix = ToMatrix(array, name);
-  if (matrix.Rows * matrix.Columns != 1)
+  if (matrix.Values.size() != 1)
   {
     throw InputError(std::string(name) + ": expected one number, found " + SizeOf(matrix));
   }
@@ -89,33 +161,33 @@ SurfaceMesh ToSurface(const mxArray* vertexArray, const mxArray* faceArray,
   const Matrix vertices = ToMatrix(vertexArray, "vertices");
   const Matrix faces = ToMatrix(faceArray, "faces");
   const Matrix regions = ToMatrix(regionArray, "regions");
-  if (vertices.Columns != 3 || faces.Columns != 3)
+  if (vertices.Columns() != 3 || faces.Columns() != 3)
   {
     throw InputError("expected n x 3 vertices and m x 3 faces, found " + SizeOf(vertices) +
       " and " + SizeOf(faces));
   }
-  if (regions.Rows != faces.Rows || (regions.Columns != 1 && regions.Columns != 2))
+  if (regions.Rows() != faces.Rows() || (regions.Columns() != 1 && regions.Columns() != 2))
   {
-    throw InputError(
-      "regions: expected " + std::to_string(faces.Rows) + " x 2 or x 1, found " + SizeOf(regions));
+    throw InputError("regions: expected " + std::to_string(faces.Rows()) + " x 2 or x 1, found " +
+      SizeOf(regions));
   }
-  const auto vertexCount = static_cast<int>(std::min<std::size_t>(vertices.Rows, 2147483647));
+  const auto vertexCount = static_cast<int>(std::min<std::size_t>(vertices.Rows(), 2147483647));
   SurfaceMesh surface;
-  for (std::size_t vertex = 0; vertex < vertices.Rows; ++vertex)
+  for (std::size_t vertex = 0; vertex < vertices.Rows(); ++vertex)
   {
     for (std::size_t axis = 0; axis < 3; ++axis)
     {
       surface.Points.push_back(vertices.At(vertex, axis));
     }
   }
-  for (std::size_t face = 0; face < faces.Rows; ++face)
+  for (std::size_t face = 0; face < faces.Rows(); ++face)
   {
     for (std::size_t corner = 0; corner < 3; ++corner)
     {
       surface.Triangles.push_back(static_cast<std::uint32_t>(
         ToWhole(faces.At(face, corner), 1, vertexCount, "faces", face + 1) - 1));
     }
-    const std::size_t back = regions.Columns - 1;
+    const std::size_t back = regions.Columns() - 1;
     const auto region = [&](std::size_t column)
     {
       return static_cast<std::uint16_t>(
@@ -133,6 +205,7 @@ XRaySource ToSource(const mxArray* array)
   XRaySource source;
   if (mxIsStruct(array))
   {
+    CheckFields(array, "source", { "direction" });
     source.Type = XRaySource::Kind::Parallel;
     source.Direction = ToVector(mxGetField(array, 0, "direction"), "source.direction");
   }
@@ -149,6 +222,8 @@ XRayDetector ToDetector(const mxArray* array)
   {
     throw InputError(std::string("detector: expected a struct, found ") + mxGetClassName(array));
   }
+  CheckFields(array, "detector",
+    { "origin", "column_step", "row_step", "columns", "rows", "samples" });
   const auto field = [&](const char* name) { return mxGetField(array, 0, name); };
   XRayDetector detector;
   detector.Origin = ToVector(field("origin"), "detector.origin");
@@ -167,29 +242,29 @@ XRayDetector ToDetector(const mxArray* array)
 Beam ToBeam(const Matrix& attenuation, const mxArray* weightArray)
 {
   Spectrum spectrum;
-  for (std::size_t energy = 0; energy < attenuation.Columns; ++energy)
+  for (std::size_t energy = 0; energy < attenuation.Columns(); ++energy)
   {
     spectrum.EnergiesKeV.push_back(static_cast<double>(energy + 1));
   }
-  spectrum.Weights.assign(attenuation.Columns, 1.0);
-  if (weightArray)
+  spectrum.Weights.assign(attenuation.Columns(), 1.0);
+  if (weightArray && !mxIsEmpty(weightArray))
   {
     const Matrix weights = ToMatrix(weightArray, "weights");
-    if (weights.Rows * weights.Columns != attenuation.Columns)
+    if (weights.Values.size() != attenuation.Columns())
     {
       throw InputError("weights: expected one for each of the " +
-        std::to_string(attenuation.Columns) + " energies, found " + SizeOf(weights));
+        std::to_string(attenuation.Columns()) + " energies, found " + SizeOf(weights));
     }
-    spectrum.Weights.assign(weights.Values, weights.Values + attenuation.Columns);
+    spectrum.Weights = weights.Values;
   }
-  std::vector<AttenuationTable> tables(attenuation.Rows + 1);
+  std::vector<AttenuationTable> tables(attenuation.Rows() + 1);
   std::vector<const AttenuationTable*> pointers{ nullptr };
-  for (std::size_t region = 1; region <= attenuation.Rows; ++region)
+  for (std::size_t region = 1; region <= attenuation.Rows(); ++region)
   {
     AttenuationTable& table = tables[region];
     table.Name = "region " + std::to_string(region);
     table.EnergiesKeV = spectrum.EnergiesKeV;
-    for (std::size_t energy = 0; energy < attenuation.Columns; ++energy)
+    for (std::size_t energy = 0; energy < attenuation.Columns(); ++energy)
     {
       table.MuPerMm.push_back(attenuation.At(region - 1, energy));
     }
@@ -211,44 +286,178 @@ void Transpose(const float* values, std::size_t rows, std::size_t columns, doubl
   }
 }
 
-void Project(int outputCount, mxArray* outputs[], int inputCount, const mxArray* inputs[])
+/// Pictures, one after the other, as an array of this size.
+mxArray* ToPictures(const std::vector<float>& values, const std::vector<mwSize>& size)
 {
-  if (inputCount < 6 || inputCount > 7 || outputCount > 2)
+  mxArray* array =
+    mxCreateNumericArray(static_cast<mwSize>(size.size()), size.data(), mxDOUBLE_CLASS, mxREAL);
+  const auto rows = static_cast<std::size_t>(size[0]);
+  const auto columns = static_cast<std::size_t>(size[1]);
+  for (std::size_t begin = 0; begin < values.size(); begin += rows * columns)
   {
-    throw InputError("expected 6 or 7 arguments and at most 2 results, found " +
+    Transpose(values.data() + begin, rows, columns, mxGetPr(array) + begin);
+  }
+  return array;
+}
+
+/// Of all pictures of an image's materials those of regions 1 to `regions`; the surface may use
+/// fewer, of which the others are 0. `fields`: how often all materials follow each other.
+std::vector<float> OfRegions(const std::vector<float>& pictures, std::size_t pixels,
+  std::size_t materials, std::size_t regions, std::size_t fields = 1)
+{
+  std::vector<float> chosen(fields * regions * pixels, 0.0F);
+  for (std::size_t field = 0; field < fields; ++field)
+  {
+    std::copy_n(pictures.begin() + static_cast<std::ptrdiff_t>((field * materials + 1) * pixels),
+      (materials - 1) * pixels,
+      chosen.begin() + static_cast<std::ptrdiff_t>(field * regions * pixels));
+  }
+  return chosen;
+}
+
+/// Velocities of a surface's points, field by field; n x 3 x fields in Octave.
+std::vector<double> ToVelocities(const mxArray* array, std::size_t points)
+{
+  const Matrix matrix = ToArray(array, "velocities", 3);
+  if (matrix.Size[0] != points || matrix.Size[1] != 3 || matrix.Values.empty())
+  {
+    throw InputError("velocities: expected " + std::to_string(points) +
+      " x 3 x parameters, found " + SizeOf(matrix));
+  }
+  std::vector<double> velocities;
+  velocities.reserve(matrix.Values.size());
+  for (std::size_t field = 0; field < matrix.Columns() / 3; ++field)
+  {
+    for (std::size_t point = 0; point < points; ++point)
+    {
+      for (std::size_t axis = 0; axis < 3; ++axis)
+      {
+        velocities.push_back(matrix.At(point, 3 * field + axis));
+      }
+    }
+  }
+  return velocities;
+}
+
+/// What is projected, and the picture of it.
+struct Projected
+{
+  SurfaceMesh Surface;
+  XRaySource Source;
+  XRayDetector Detector;
+  Beam Law;
+  std::size_t Regions = 0;
+  Exposure Image;
+
+  std::vector<mwSize> Size(std::initializer_list<std::size_t> further = {}) const
+  {
+    std::vector<mwSize> size{ static_cast<mwSize>(this->Detector.Rows),
+      static_cast<mwSize>(this->Detector.Columns) };
+    size.insert(size.end(), further.begin(), further.end());
+    return size;
+  }
+};
+
+/// The fourth and fifth result: how path lengths and image change with each parameter.
+void AddDerivatives(const Projected& projected, PathLengthProjector& projector,
+  const std::vector<double>& velocities, int outputCount, mxArray* outputs[])
+{
+  const auto fields = static_cast<int>(velocities.size() / projected.Surface.Points.size());
+  PathLengthDerivatives derivatives;
+  const PathLengthImage image =
+    projector.Project(projected.Source, projected.Detector, velocities, fields, derivatives);
+  const std::size_t pixels = image.NumberOfPixels();
+  const auto materials = static_cast<std::size_t>(image.Materials);
+  const auto count = static_cast<std::size_t>(fields);
+  outputs[3] =
+    ToPictures(OfRegions(derivatives.Lengths, pixels, materials, projected.Regions, count),
+      projected.Size({ projected.Regions, count }));
+  if (outputCount < 5)
+  {
+    return;
+  }
+  // I = exp(-A): dI = -I sum_m dA/dL_m dL_m.
+  const std::vector<float> transmission = projected.Law.Transmission(image);
+  const std::vector<float> attenuation = projected.Law.MeanAttenuation(image);
+  std::vector<float> change(count * pixels, 0.0F);
+  for (std::size_t field = 0; field < count; ++field)
+  {
+    for (std::size_t material = 1; material < materials; ++material)
+    {
+      for (std::size_t pixel = 0; pixel < pixels; ++pixel)
+      {
+        change[field * pixels + pixel] -= transmission[pixel] *
+          attenuation[material * pixels + pixel] *
+          derivatives.Lengths[(field * materials + material) * pixels + pixel];
+      }
+    }
+  }
+  outputs[4] = ToPictures(change, projected.Size({ count }));
+}
+
+mxArray* ToConsistency(const Projected& projected)
+{
+  mxArray* array = mxCreateLogicalMatrix(static_cast<mwSize>(projected.Detector.Rows),
+    static_cast<mwSize>(projected.Detector.Columns));
+  const auto rows = static_cast<std::size_t>(projected.Detector.Rows);
+  const auto columns = static_cast<std::size_t>(projected.Detector.Columns);
+  for (std::size_t pixel = 0; pixel < rows * columns; ++pixel)
+  {
+    mxGetLogicals(array)[pixel % columns * rows + pixel / columns] =
+      projected.Image.Lengths.Inconsistent[pixel] == 0;
+  }
+  return array;
+}
+
+void CheckCounts(int outputCount, int inputCount)
+{
+  if (inputCount < 6 || inputCount > 8 || outputCount > 5)
+  {
+    throw InputError("expected 6 to 8 arguments and at most 5 results, found " +
       std::to_string(inputCount) + " and " + std::to_string(outputCount) +
       "; see 'help mammoray_project'");
   }
+  if (outputCount > 3 && inputCount < 8)
+  {
+    throw InputError("velocities: expected them as argument 8 for more than 3 results");
+  }
+}
+
+void Project(int outputCount, mxArray* outputs[], int inputCount, const mxArray* inputs[])
+{
+  CheckCounts(outputCount, inputCount);
   const Matrix attenuation = ToMatrix(inputs[3], "attenuation");
-  if (attenuation.Rows < 1 || attenuation.Rows > 65535 || attenuation.Columns < 1)
+  if (attenuation.Rows() < 1 || attenuation.Rows() > 65535 || attenuation.Columns() < 1)
   {
     throw InputError("attenuation: expected regions x energies, found " + SizeOf(attenuation));
   }
-  const SurfaceMesh surface =
-    ToSurface(inputs[0], inputs[1], inputs[2], static_cast<int>(attenuation.Rows));
-  const XRaySource source = ToSource(inputs[4]);
-  const XRayDetector detector = ToDetector(inputs[5]);
-  const Beam beam = ToBeam(attenuation, inputCount > 6 ? inputs[6] : nullptr);
+  Projected projected{ ToSurface(inputs[0], inputs[1], inputs[2],
+                         static_cast<int>(attenuation.Rows())),
+    ToSource(inputs[4]), ToDetector(inputs[5]),
+    ToBeam(attenuation, inputCount > 6 ? inputs[6] : nullptr), attenuation.Rows(), {} };
+  const std::vector<double> velocities = inputCount > 7
+    ? ToVelocities(inputs[7], projected.Surface.NumberOfPoints())
+    : std::vector<double>();
   const auto projector = MakeProjector();
-  projector->SetSurface(surface);
-  const Exposure exposure = Expose(*projector, source, detector, beam);
-  const auto rows = static_cast<std::size_t>(detector.Rows);
-  const auto columns = static_cast<std::size_t>(detector.Columns);
-  outputs[0] = mxCreateDoubleMatrix(rows, columns, mxREAL);
-  Transpose(exposure.Transmission.data(), rows, columns, mxGetPr(outputs[0]));
+  projector->SetSurface(projected.Surface);
+  projected.Image = Expose(*projector, projected.Source, projected.Detector, projected.Law);
+  const PathLengthImage& lengths = projected.Image.Lengths;
+  outputs[0] = ToPictures(projected.Image.Transmission, projected.Size());
   if (outputCount > 1)
   {
-    const mwSize size[3] = { static_cast<mwSize>(rows), static_cast<mwSize>(columns),
-      static_cast<mwSize>(attenuation.Rows) };
-    outputs[1] = mxCreateNumericArray(3, size, mxDOUBLE_CLASS, mxREAL);
-    // The surface may use fewer regions than the table has; the others stay 0.
-    for (int region = 1; region < exposure.Lengths.Materials; ++region)
-    {
-      Transpose(exposure.Lengths.Material(region), rows, columns,
-        mxGetPr(outputs[1]) + static_cast<std::size_t>(region - 1) * rows * columns);
-    }
+    outputs[1] = ToPictures(OfRegions(lengths.Lengths, lengths.NumberOfPixels(),
+                              static_cast<std::size_t>(lengths.Materials), projected.Regions),
+      projected.Size({ projected.Regions }));
   }
-  if (const std::string warning = exposure.Lengths.InconsistencyWarning(); !warning.empty())
+  if (outputCount > 2)
+  {
+    outputs[2] = ToConsistency(projected);
+  }
+  if (outputCount > 3)
+  {
+    AddDerivatives(projected, *projector, velocities, outputCount, outputs);
+  }
+  if (const std::string warning = lengths.InconsistencyWarning(); !warning.empty())
   {
     mexWarnMsgIdAndTxt("mammoray:open", "%s", warning.c_str());
   }

@@ -1,7 +1,8 @@
 % MAMMORAY_PROJECT  Synthetic X-ray of a triangle mesh.
 %
 %   IMAGE = mammoray_project (VERTICES, FACES, REGIONS, ATTENUATION, SOURCE, DETECTOR)
-%   [IMAGE, LENGTHS] = mammoray_project (..., WEIGHTS)
+%   [IMAGE, LENGTHS, CONSISTENCY] = mammoray_project (..., WEIGHTS)
+%   [..., DLENGTHS, DIMAGE] = mammoray_project (..., WEIGHTS, VELOCITIES)
 %
 %   Sends an X-ray from the source to every pixel, sums its length in each region between the
 %   triangles and applies the Beer-Lambert law. The first Vulkan device of 'mammoray devices' works.
@@ -22,10 +23,18 @@
 %                  columns, rows        number of pixels, 1 to 65535
 %                  samples     (optional) samples x samples rays per pixel, 1 to 16, default 1
 %   WEIGHTS      1 x E, what the detector counts of each energy without the object, any common
-%                factor, not negative; default: all energies the same.
+%                factor, not negative; default, also of []: all energies the same.
+%   VELOCITIES   n x 3 x P, how the vertices move with each of P parameters, mm per unit of it.
+%
+%   Numbers may be double, single or of any whole type.
 %
 %   IMAGE        rows x columns, transmission I / I0, 0 to 1.
 %   LENGTHS      rows x columns x K, length of each X-ray in each region, mm.
+%   CONSISTENCY  rows x columns, true where the rays of the pixel crossed closed surfaces; elsewhere
+%                the mesh leaks, which is warned of (mammoray:open), and values are estimated.
+%   DLENGTHS     rows x columns x K x P, how LENGTHS change with each parameter, mm per unit of it.
+%   DIMAGE       rows x columns x P, how IMAGE changes, per unit of it; with several samples per
+%                pixel that of the mean path lengths.
 %
 %   Errors have the identifiers mammoray:input (unusable arguments) and mammoray:device (no Vulkan
 %   device, or one that failed).
