@@ -19,7 +19,7 @@ setup(
     install_requires=["numpy"],
     packages=["mammoray"],
     package_dir={"": "Wrapping/Python"},
-    package_data={"mammoray": ["py.typed"]},
+    package_data={"mammoray": ["_xray.pyi", "py.typed"]},
     cmake_source_dir="Wrapping/Python/projector",
     cmake_install_dir="Wrapping/Python",
     cmake_args=[f"-DPython3_EXECUTABLE={sys.executable}"],

@@ -1,40 +1,11 @@
 # What goes into which Debian package (cpack, generator DEB), with the manual pages, the completion script, copyright
 # and changelog that Debian's policy asks for. The components are those of the install rules.
-set(CPACK_GENERATOR DEB)
-set(CPACK_PACKAGE_VENDOR MammoRay)
-set(CPACK_PACKAGE_CONTACT "MammoRay maintainers <maintainers@mammoray.example>")
-set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "synthetic X-rays of meshes, registration of breast MRI with mammograms")
-set(CPACK_PACKAGE_VERSION "${PROJECT_VERSION}")
-set(CPACK_PACKAGING_INSTALL_PREFIX "/usr")
-set(CPACK_STRIP_FILES ON)
-set(CPACK_DEB_COMPONENT_INSTALL ON)
-set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
-set(CPACK_DEBIAN_PACKAGE_HOMEPAGE "https://mammoray.example")
-set(CPACK_DEBIAN_PACKAGE_SECTION science)
-set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
+include("${CMAKE_CURRENT_SOURCE_DIR}/Packaging/Settings.cmake")
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS_PRIVATE_DIRS "${CMAKE_BINARY_DIR}/${CMAKE_INSTALL_LIBDIR}")
-set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
-set(CPACK_INSTALL_DEFAULT_DIRECTORY_PERMISSIONS
-  OWNER_READ OWNER_WRITE OWNER_EXECUTE GROUP_READ GROUP_EXECUTE WORLD_READ WORLD_EXECUTE)
 
 set(soversion "${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR}")
 set(libraries "libmammoray${soversion}")
-set(same_version "(= ${PROJECT_VERSION})")
 
-# mammoray_package(<component> <package> <section> <depends> <summary> <description>)
-macro (mammoray_package component package section depends summary description)
-  string(TOUPPER "${component}" upper)
-  list(APPEND CPACK_COMPONENTS_ALL ${component})
-  set(package_of_${component} "${package}")
-  set(CPACK_DEBIAN_${upper}_PACKAGE_NAME "${package}")
-  set(CPACK_DEBIAN_${upper}_PACKAGE_SECTION "${section}")
-  set(CPACK_DEBIAN_${upper}_PACKAGE_DEPENDS "${depends}")
-  set(CPACK_DEBIAN_${upper}_DESCRIPTION "${summary}\n${description}")
-endmacro ()
-set(CPACK_COMPONENTS_ALL)
-set(about "MammoRay meshes a segmented breast MRI, compresses it between the plates of a
-mammography unit, X-rays it by Vulkan ray tracing, and fits the compression
-until the synthetic mammogram matches a real one.")
 mammoray_package(data mammoray-data science ""
   "attenuation tables, spectra and a phantom for MammoRay"
   "${about}\n\nThis package has the tables that its X-rays need, and a phantom breast with its\nmammogram.")
@@ -85,13 +56,6 @@ configure_file(Packaging/overrides.in "${CMAKE_BINARY_DIR}/packaging/overrides" 
 install(FILES "${CMAKE_BINARY_DIR}/packaging/overrides" DESTINATION "${CMAKE_INSTALL_DATADIR}/lintian/overrides"
   RENAME ${libraries} COMPONENT runtime)
 
-set(documents "${CMAKE_BINARY_DIR}/packaging")
-find_program(GZIP gzip REQUIRED)
-add_custom_command(OUTPUT "${documents}/changelog.gz"
-  COMMAND "${CMAKE_COMMAND}" -D "SOURCE=${CMAKE_CURRENT_SOURCE_DIR}/Packaging/changelog" -D "TARGET=${documents}/changelog.gz"
-    -D "GZIP=${GZIP}" -P "${CMAKE_CURRENT_SOURCE_DIR}/Packaging/Compress.cmake"
-  DEPENDS Packaging/changelog VERBATIM)
-set(package_documents "${documents}/changelog.gz")
 if (TARGET mammoray)
   # A page for the program and for each of its commands; the program itself says which they are.
   add_custom_command(OUTPUT "${documents}/manual.stamp"
@@ -105,10 +69,5 @@ if (TARGET mammoray)
     RENAME mammoray COMPONENT program OPTIONAL)
 endif ()
 add_custom_target(packageDocuments DEPENDS ${package_documents})
-foreach (component IN LISTS CPACK_COMPONENTS_ALL)
-  install(FILES Packaging/copyright DESTINATION "${CMAKE_INSTALL_DATADIR}/doc/${package_of_${component}}"
-    COMPONENT ${component})
-  install(FILES "${documents}/changelog.gz" DESTINATION "${CMAKE_INSTALL_DATADIR}/doc/${package_of_${component}}"
-    COMPONENT ${component} OPTIONAL)
-endforeach ()
+mammoray_package_documents(copyright)
 include(CPack)

@@ -31,6 +31,7 @@ cp -r "$packages" "$root/packages"
 inside() { chroot "$root" env DEBIAN_FRONTEND=noninteractive LC_ALL=C.UTF-8 "$@"; }
 inside apt-get update -q
 inside apt-get install -y -q --no-install-recommends -t bookworm-backports mesa-vulkan-drivers
+# Takes patterns of packages' names.
 install() { (cd "$root/packages" && inside apt-get install -y -q --no-install-recommends $(printf '/packages/%s ' $1)); }
 install 'mammoray_*.deb mammoray-data_*.deb libmammoray[0-9]*.deb python3-mammoray_*.deb'
 inside sh -c 'id user >/dev/null 2>&1 || useradd --create-home --shell /bin/bash user'
@@ -38,9 +39,11 @@ as_user() { inside su - user -c "$1"; }
 
 as_user 'if command -v cc c++; then echo "expected no compiler"; exit 1; fi'
 as_user 'time mammoray demo --overwrite && test -s demo-result/report.html'
+as_user 'mammoray locate --result demo-result --lesion /usr/share/mammoray/victre-phantom-1/lesion.nrrd --axes-as-given -o outline.csv && test -s outline.csv'
 as_user 'zgrep -q "mammoray.-register" /usr/share/man/man1/mammoray.1.gz'
 as_user 'bash -n /usr/share/bash-completion/completions/mammoray'
-as_user 'python3 -c "import mammoray; print(mammoray.vtkXRayProjector().GetClassName())"'
+cp "$top/Testing/Python/testProject.py" "$top/Testing/Python/testProjectBox.py" "$root/home/user"
+as_user 'python3 testProject.py && python3 testProjectBox.py'
 
 install 'libmammoray-dev_*.deb'
 inside apt-get install -y -q --no-install-recommends cmake g++ make nlohmann-json3-dev
@@ -48,4 +51,14 @@ rm -rf "$root/home/user/consumer"
 cp -r "$top/Testing/Package/consumer" "$root/home/user/consumer"
 inside chown -R user /home/user/consumer
 as_user 'cmake -S consumer -B consumer/build && cmake --build consumer/build -j2 && consumer/build/pipeline'
+inside apt-get install -y -q --no-install-recommends pkg-config
+as_user 'c++ -std=c++20 consumer/xray.cxx -o xray $(pkg-config --cflags --libs mammoray-xray) && ./xray'
+
+# The second set takes the place of python3-mammoray, and needs neither VTK nor the libraries of the first.
+if compgen -G "$packages/without-copyleft/python3-mammoray-xray_*.deb" >/dev/null; then
+  inside apt-get purge -y -q 'libmammoray*' mammoray python3-mammoray
+  inside apt-get autoremove -y -q
+  install 'without-copyleft/python3-mammoray-xray_*.deb'
+  as_user 'if python3 -c "import vtkmodules" 2>/dev/null; then echo "expected no VTK"; exit 1; fi; python3 testProject.py'
+fi
 echo "try.sh: all of $(cd "$packages" && echo *.deb) work"

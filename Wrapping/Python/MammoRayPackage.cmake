@@ -5,7 +5,9 @@ set(MAMMORAY_PYTHON_SOURCES)
 foreach (name IN ITEMS __init__ _breast _errors _filters _projection)
   list(APPEND MAMMORAY_PYTHON_SOURCES "${CMAKE_CURRENT_LIST_DIR}/mammoray/${name}.py")
 endforeach ()
-list(APPEND MAMMORAY_PYTHON_SOURCES "${CMAKE_CURRENT_LIST_DIR}/mammoray/py.typed")
+foreach (name IN ITEMS _xray.pyi py.typed)
+  list(APPEND MAMMORAY_PYTHON_SOURCES "${CMAKE_CURRENT_LIST_DIR}/mammoray/${name}")
+endforeach ()
 execute_process(COMMAND "${Python3_EXECUTABLE}" -c
   "import numpy, os; print(os.path.dirname(os.path.dirname(numpy.__file__)), end='')"
   OUTPUT_VARIABLE MAMMORAY_PYTHON_PACKAGES COMMAND_ERROR_IS_FATAL ANY)

@@ -257,10 +257,8 @@ def _one_of(value: str, known: Sequence[str], name: str) -> int:
 def _simulation_mesh(mesh: Union[Mesh, tuple[ArrayLike, ArrayLike, ArrayLike], None], algorithm: Any, port: int) -> None:
     if mesh is None:
         return
-    parts = (mesh.points, mesh.tetrahedra, mesh.regions) if isinstance(mesh, Mesh) else tuple(mesh)
-    if len(parts) != 3:
-        raise InputError(f"simulation_mesh: expected points, tetrahedra and regions, found {len(parts)} parts")
-    algorithm.SetInputData(port, _grid(*parts, what="simulation_mesh: "))
+    points, tetrahedra, regions = (mesh.points, mesh.tetrahedra, mesh.regions) if isinstance(mesh, Mesh) else mesh
+    algorithm.SetInputData(port, _grid(points, tetrahedra, regions, "simulation_mesh: "))
 
 
 def compress(points: ArrayLike, tetrahedra: ArrayLike, regions: ArrayLike, *, materials: Materials, thickness: float = 50.0,

@@ -104,7 +104,7 @@ class _Algorithm:
     """What the wrapped classes are given."""
     __slots__ = ()
 
-    def __new__(cls, **properties: Any) -> Any:
+    def __new__(cls, **properties: Any) -> Any:  # VTK's own takes no keywords
         return super().__new__(cls)
 
     def __init__(self, **properties: Any) -> None:

@@ -182,8 +182,10 @@ def materials_of(materials: Materials) -> dict[int, Material]:
         raise InputError(f"materials: expected a table's name, a dict by region or a list, found {materials!r}")
     made = {}
     for region, entry in entries.items():
-        plain = isinstance(entry, (str, int, float, numpy.number)) and not isinstance(entry, bool)
-        made[region] = Material(attenuation=entry) if plain else made_from(Material, entry, f"materials[{region}]")
+        if isinstance(entry, (str, int, float, numpy.number)) and not isinstance(entry, bool):
+            made[region] = Material(attenuation=entry)
+        else:
+            made[region] = made_from(Material, entry, f"materials[{region}]")
     return made
 
 
@@ -195,15 +197,15 @@ def spectrum_of(spectrum: Spectrum) -> tuple[list[float], list[float]]:
     if isinstance(spectrum, (int, float, numpy.number)):
         return [float(spectrum)], [1.0]
     try:
-        energies, photons = spectrum
+        energies_given, photons_given = spectrum
     except (TypeError, ValueError) as error:
         raise InputError("spectrum: expected a name, an energy in keV, or energies and photons") from error
-    energies = array_of(energies, "spectrum: energies", (None,))
-    return energies.tolist(), array_of(photons, "spectrum: photons", (len(energies),)).tolist()
+    lines = array_of(energies_given, "spectrum: energies", (None,))
+    return lines.tolist(), array_of(photons_given, "spectrum: photons", (len(lines),)).tolist()
 
 
 def _attenuation(material: Material, region: int, energies: int) -> tuple[str, float, list[float]]:
-    value = material.attenuation
+    value: Any = material.attenuation
     if isinstance(value, str):
         return value, float(material.density), []
     name = f"materials[{region}].attenuation"

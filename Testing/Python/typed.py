@@ -1,0 +1,14 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Read by mypy only (testTypes.py): what is right and, where a line is marked, what is wrong."""
+import mammoray
+import numpy
+
+image = mammoray.project(numpy.zeros((3, 3)), [(0, 1, 2)], materials={1: 0.05}, source=(0, 0, 1),
+                         detector=mammoray.Detector((0, 0, 0), (1, 0, 0), (0, 1, 0), 1, 1))
+pixels: numpy.ndarray = image.transmission
+thickness: float = mammoray.compress([(0, 0, 0)], [(0, 0, 0, 0)], [1], materials="victre").thickness
+mammoray.vtkXRayProjector().SetSamples(3)
+mammoray.project(numpy.zeros((3, 3)), [(0, 1, 2)], materials={1: 0.05}, source=(0, 0, 1))  # wrong: no detector
+mammoray.compress([(0, 0, 0)], [(0, 0, 0, 0)], [1], materials="victre", thicknes=3)  # wrong: a name
+mammoray.vtkXRayProjector().SetSamples("three")  # wrong: a type
+name: int = mammoray.__version__  # wrong: a type
