@@ -101,6 +101,9 @@ MammogramPane::MammogramPane(const ViewedBreast& viewed, LiveMammogram& live)
   this->Texture->SetInputData(this->Image);
   this->Texture->SetColorModeToDirectScalars();
   this->Texture->InterpolateOn();
+  // Else the interpolation at one edge mixes in the other, the chest wall beside the air.
+  this->Texture->RepeatOff();
+  this->Texture->EdgeClampOn();
   vtkNew<vtkPoints> points;
   vtkNew<vtkFloatArray> coordinates;
   coordinates->SetNumberOfComponents(2);

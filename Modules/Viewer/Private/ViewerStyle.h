@@ -42,6 +42,9 @@ public:
   void OnMouseWheelBackward() override;
   void OnKeyPress() override;
   void OnChar() override {}
+  /// The viewer's timer is not the style's: VTK would move the camera on at every tick, for as long
+  /// as a button is held.
+  void OnTimer() override {}
 
   /// Required; must outlive the style.
   MouseTarget* Target = nullptr;
