@@ -63,7 +63,7 @@ void DeclareUnit(const OptionList& add, CompressArguments& arguments)
     ->excludes(thickness);
   CLI::Option* view = add.Word("--view", input.View, { "CC", "MLO", "LMO", "ML", "LM" },
     "CC, or turned by 45 (MLO, LMO) or 90 degrees (ML, LM); --roll is added");
-  add.Word("--side", input.Side, { "L", "R" }, "the breast: which way --view turns")->needs(view);
+  AddSideOption(add, input.Side, "the patient's own breast: which way --view turns")->needs(view);
   AddPoseOptions(add, input.Pose);
   AddPlateOptions(add, input.Unit.SupportEdgeMm, input.Unit.PaddleEdgeMm, input.Unit.EdgeRadiusMm);
 }

@@ -19,7 +19,7 @@ struct DicomArguments
 {
   std::string Result;
   std::string Mammogram;
-  std::string Laterality;
+  std::optional<char> Laterality;
   DicomPatient Patient;
   bool ForProcessing = false;
   std::string Output;
@@ -49,11 +49,11 @@ void Run(DicomArguments& arguments)
   CheckOutputFile(arguments.Output, arguments.Overwrite);
   const DicomIdentity identity = arguments.Patient.Identity();
   Mammogram real = ReadMammogram(CheckInputFile(arguments.Mammogram));
-  real.Laterality = arguments.Laterality.empty() ? real.Laterality : arguments.Laterality.front();
+  real.Laterality = arguments.Laterality.value_or(real.Laterality);
   if (real.Laterality == '?')
   {
     throw InputError(arguments.Mammogram +
-      ": expected Image Laterality (0020,0062), found none; --laterality L or R says it");
+      ": expected Image Laterality (0020,0062), found none; --side left or right says it");
   }
   const ResultFile result = ReadResultFile(arguments.Result);
   WarnOfDistrust(result.Folder, result.Trust);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "DicomOptions.h"
 
+#include "SharedOptions.h"
+
 #include "mammoray/IO/MammogramSynthesis.h"
 
 #include <cstdio>
@@ -36,11 +38,11 @@ void AddDicomPatientOptions(const OptionList& add, DicomPatient& patient, bool m
   }
 }
 
-void AddDicomPictureOptions(const OptionList& add, std::string& laterality, bool& forProcessing,
-  const std::string& remark)
+void AddDicomPictureOptions(const OptionList& add, std::optional<char>& laterality,
+  bool& forProcessing, const std::string& remark)
 {
   const OptionList dicom = add.Group("DICOM");
-  dicom.Word("--laterality", laterality, { "L", "R" }, "the breast's side; " + remark);
+  AddSideOption(dicom, laterality, "the patient's own breast; " + remark);
   dicom.Flag("--for-processing", forProcessing,
     "store the transmission, linear, instead of a picture For Presentation");
 }

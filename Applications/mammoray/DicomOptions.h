@@ -6,6 +6,7 @@
 #include "OptionList.h"
 #include "mammoray/IO/DicomIdentity.h"
 
+#include <optional>
 #include <string>
 
 namespace mammoray
@@ -25,9 +26,9 @@ struct DicomPatient
 /// Adds --patient-name and --patient-id, and, where a mammogram is given, --same-patient.
 void AddDicomPatientOptions(const OptionList& add, DicomPatient& patient, bool mammogramGiven);
 
-/// Adds --laterality and --for-processing of a synthetic mammogram.
-void AddDicomPictureOptions(const OptionList& add, std::string& laterality, bool& forProcessing,
-  const std::string& remark);
+/// Adds --side ('L' or 'R') and --for-processing of a synthetic mammogram.
+void AddDicomPictureOptions(const OptionList& add, std::optional<char>& laterality,
+  bool& forProcessing, const std::string& remark);
 
 /// True for the extension .dcm.
 bool IsDicomPath(const std::string& path);

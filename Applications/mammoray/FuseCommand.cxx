@@ -84,8 +84,11 @@ void Run(FuseArguments& arguments)
   const IntensityVolume image = ReadIntensityVolume(arguments.Image,
     arguments.AxesAsGiven ? VolumeAxes::AsGiven : VolumeAxes::Patient);
   const ProgressCallback progress = MakeProgressBar();
-  const CompressedVolume compressed = CompressVolume(image, breast, arguments.SpacingMm, progress);
-  const vtkSmartPointer<vtkImageData> projection = ProjectVolume(compressed, breast, progress);
+  const CompressedVolume compressed =
+    CompressVolume(image, breast, arguments.SpacingMm, ShareOf(progress, 0, 0.4));
+  const vtkSmartPointer<vtkImageData> projection =
+    ProjectVolume(compressed, breast, ShareOf(progress, 0.4, 1));
+  ReportProgress(progress, 1.0, "done"); // ends the bar before what follows
   const auto write = [](const std::string& path, const auto& writer)
   {
     if (!path.empty())

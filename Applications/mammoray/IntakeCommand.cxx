@@ -26,7 +26,7 @@ void Declare(const OptionList& add, IntakeArguments& arguments)
   add("folder", arguments.Folder,
     "folder of a clinic's export: MRI and mammograms, in whatever files and folders")
     ->required();
-  add.Choice<std::optional<char>>("--side", arguments.Side, { { "left", 'L' }, { "right", 'R' } },
+  AddSideOption(add, arguments.Side,
     "the patient's own breast to register; without it that of all mammograms");
   add("--json", arguments.Json, "write the same as a file (.json), with the names of all files");
   AddOverwriteFlag(add, arguments.Overwrite);

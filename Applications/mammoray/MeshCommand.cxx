@@ -88,7 +88,7 @@ void DeclareFiles(const OptionList& add, MeshArguments& arguments)
 void DeclareSizes(const OptionList& add, MeshArguments& arguments)
 {
   MeshingOptions& options = arguments.Case.Options;
-  add("--spacing", arguments.Case.Labels.SpacingMm, "mm",
+  add("--label-spacing", arguments.Case.Labels.SpacingMm, "mm",
     "resample to cubic voxels of this size first; 0 does not")
     ->check(*NonNegative().Range);
   arguments.CellSize =

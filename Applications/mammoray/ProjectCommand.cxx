@@ -52,7 +52,7 @@ struct ProjectArguments
   std::optional<std::array<double, 2>> FocalSpot;
   ExposureOptions Exposure;
   ProjectorOptions Projector;
-  std::string Laterality;
+  std::optional<char> Laterality;
   std::string View;
   bool ForProcessing = false;
   DicomPatient Patient;
@@ -239,7 +239,7 @@ Mammogram DescribeMammogram(const ProjectArguments& arguments, const XRaySource&
   const XRayDetector& detector)
 {
   Mammogram mammogram = DescribeProjection(source, detector,
-    AnatomicalAxes::FromCode(arguments.Orientation), arguments.Laterality.front());
+    AnatomicalAxes::FromCode(arguments.Orientation), *arguments.Laterality);
   mammogram.View = arguments.View.empty() ? mammogram.View : arguments.View;
   if (mammogram.View.empty())
   {
@@ -261,10 +261,10 @@ void CheckOutputs(const ProjectArguments& arguments)
 {
   if (IsDicomPath(arguments.Output))
   {
-    if (arguments.Laterality.empty())
+    if (!arguments.Laterality)
     {
       throw InputError("output " + arguments.Output +
-        ": expected --laterality L or R for a DICOM mammogram, found none");
+        ": expected --side left or right for a DICOM mammogram, found none");
     }
     arguments.Patient.Identity();
   }

@@ -57,7 +57,7 @@ void Declare(const OptionList& add, SegmentArguments& arguments)
     { { "auto", FatContrast::Auto }, { "fat-bright", FatContrast::FatBright },
       { "fat-dark", FatContrast::FatDark } },
     "fat is bright (plain T1) or dark (suppressed: SPAIR, SPIR, Dixon water); auto finds out");
-  add("--spacing", options.SpacingMm, "mm",
+  add("--label-spacing", options.SpacingMm, "mm",
     "cubic voxels of the result; 0 keeps the grid of the MRI");
   add("--skin-thickness", options.SkinThicknessMm, "mm",
     "layer below the air that becomes skin, at least a voxel; 0: none");

@@ -132,6 +132,13 @@ void AddImagePositionOption(const OptionList& add, std::optional<PatientPosition
     "its weight and compressed under that of the standing patient; none: no weight");
 }
 
+CLI::Option* AddSideOption(const OptionList& add, std::optional<char>& side,
+  const std::string& help)
+{
+  return add.Choice<std::optional<char>>("--side", side, { { "left", 'L' }, { "right", 'R' } },
+    help);
+}
+
 void AddOverwriteFlag(const OptionList& add, bool& overwrite, const std::string& what)
 {
   add.Flag("--overwrite", overwrite, "replace " + what);

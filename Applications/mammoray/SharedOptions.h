@@ -65,6 +65,10 @@ void AddChestWallOption(const OptionList& add, ChestWallMode& mode);
 /// Adds --mri-position.
 void AddImagePositionOption(const OptionList& add, std::optional<PatientPosition>& position);
 
+/// Adds --side left|right: 'L' or 'R', the patient's own; nothing: not given. Gives the option.
+CLI::Option* AddSideOption(const OptionList& add, std::optional<char>& side,
+  const std::string& help);
+
 /// Adds --overwrite.
 void AddOverwriteFlag(const OptionList& add, bool& overwrite,
   const std::string& what = "output files");

@@ -31,11 +31,11 @@ double RollOfView(const CompressionCase& input)
   }
   Mammogram mammogram;
   mammogram.View = input.View;
-  mammogram.Laterality = input.Side.empty() ? '?' : input.Side.front();
+  mammogram.Laterality = input.Side.value_or('?');
   const std::optional<double> roll = NominalRollDeg(mammogram);
   if (!roll)
   {
-    throw InputError("--view " + input.View + ": expected --side L or R beside it");
+    throw InputError("--view " + input.View + ": expected --side left or right beside it");
   }
   return *roll;
 }

@@ -40,9 +40,9 @@ struct CompressionCase
   BreastPose Pose;
   /// Force of the paddle whose thickness is found, N, positive.
   std::optional<double> ForceN;
-  /// Standard view ("CC", "MLO", ...) and side ("L", "R"), whose roll is added; empty: none.
+  /// Standard view ("CC", "MLO", ...) and side ('L', 'R'), whose roll is added; empty: none.
   std::string View;
-  std::string Side;
+  std::optional<char> Side;
   /// Elements, chest wall and friction; weight and pull are filled in from the following.
   CompressionOptions Loading;
   /// Force that draws the breast forwards, spread over its volume, N.

@@ -155,7 +155,7 @@ TEST_F(CompressCommand, TakesLinearElements)
 TEST_F(CompressCommand, FindsTheThicknessOfAForceInAnObliqueView)
 {
   const std::string oblique = "compress " + this->Coarse + " --view MLO --anterior 5 --tilt 3";
-  ASSERT_EQ(this->Run(oblique + " --side L --force 6"), 0) << this->Errors;
+  ASSERT_EQ(this->Run(oblique + " --side left --force 6"), 0) << this->Errors;
   vtkSmartPointer<vtkUnstructuredGrid> grid = ReadMesh(this->Result);
   const auto value = [&](const char* name)
   { return grid->GetFieldData()->GetArray(name)->GetTuple1(0); };
@@ -276,7 +276,7 @@ TEST_F(CompressCommand, RefusesInOneLine)
 TEST_F(CompressCommand, ReadsBackItsConfiguration)
 {
   ASSERT_EQ(this->Run("compress " + this->Coarse +
-              " --force 61 --view MLO --side R --roll -12.5 --print-config"),
+              " --force 61 --view MLO --side right --roll -12.5 --print-config"),
     0)
     << this->Errors;
   std::filesystem::copy_file(this->Folder.File("out"), this->Folder.File("config.json"));

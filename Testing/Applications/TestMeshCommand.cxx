@@ -80,7 +80,7 @@ TEST_F(MeshCommand, WritesMeshReportAndTable)
   EXPECT_EQ(this->Run("mesh " + this->Inputs + " -o " + this->Mesh), 1);
   EXPECT_THAT(this->Errors, testing::HasSubstr("--overwrite"));
   EXPECT_EQ(this->Run("mesh " + this->Inputs +
-              " --overwrite --spacing 2 --thin fat --cell-size-of gland=2 -o " + this->Mesh),
+              " --overwrite --label-spacing 2 --thin fat --cell-size-of gland=2 -o " + this->Mesh),
     0)
     << this->Errors;
 }

@@ -218,7 +218,7 @@ TEST_P(PhantomMeshes, BothWaysAreSoundKeepVolumesAndAgree)
 INSTANTIATE_TEST_SUITE_P(All, PhantomMeshes,
   testing::Values(Phantom{ "example",
                     testing_support::DataFolder() + "/victre-phantom-1/labels.nrrd", Victre, "",
-                    "--spacing 0.8 --crop 90: 80:150 80:150 --thin skin", 0.8 },
+                    "--label-spacing 0.8 --crop 90: 80:150 80:150 --thin skin", 0.8 },
     Phantom{ "scattered", Shared + "/breastphantom-scattered-1001/labels.nrrd", Victre, "",
       "--thin skin", 0.5 },
     Phantom{ "hetero", Shared + "/breastphantom-hetero-2002/labels.nrrd", Victre, "", "--thin skin",

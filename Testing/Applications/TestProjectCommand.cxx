@@ -120,16 +120,16 @@ TEST_F(ProjectCommand, WritesADicomMammogram)
   const std::string path = this->Folder.File("image.dcm");
   const std::string options = this->Inputs +
     " --kev 20 --thickness 21 --columns 5 --rows 3 --pixel-spacing 2 --overwrite -o " + path;
-  this->ExpectRefused(options, "expected --laterality L or R");
-  this->ExpectRefused(options + " --laterality L --patient-id 'a\\b'", "--patient-id");
-  EXPECT_EQ(this->Run(options + " --laterality B"), 2);
+  this->ExpectRefused(options, "expected --side left or right");
+  this->ExpectRefused(options + " --side left --patient-id 'a\\b'", "--patient-id");
+  EXPECT_EQ(this->Run(options + " --side B"), 2);
   EXPECT_FALSE(std::filesystem::exists(path));
   if (!HasDevice())
   {
     GTEST_SKIP() << "no Vulkan device";
   }
-  this->ExpectRefused(options + " --laterality L --roll 135", "expected --view");
-  ASSERT_EQ(this->Run(options + " --laterality L --patient-name Phantom^Brick"), 0) << this->Errors;
+  this->ExpectRefused(options + " --side left --roll 135", "expected --view");
+  ASSERT_EQ(this->Run(options + " --side left --patient-name Phantom^Brick"), 0) << this->Errors;
   testing_support::ExpectValidDicom(path);
   EXPECT_EQ(testing_support::DicomTextOf(path, 0x0010, 0x0010), "Phantom^Brick");
   const Mammogram mammogram = ReadMammogram(path);
@@ -142,7 +142,7 @@ TEST_F(ProjectCommand, WritesADicomMammogram)
   EXPECT_EQ(mammogram.ColumnSpacingMm, 2);
   // Straight below the source but for 1 mm: 20 mm of fat, times 4000, rounded.
   EXPECT_NEAR(mammogram.Pixels[5], 4000 * 0.0512551 * 20, 1);
-  ASSERT_EQ(this->Run(options + " --laterality R --roll 50 --for-processing"), 0) << this->Errors;
+  ASSERT_EQ(this->Run(options + " --side right --roll 50 --for-processing"), 0) << this->Errors;
   testing_support::ExpectValidDicom(path);
   EXPECT_EQ(ReadMammogram(path).View, "MLO");
 }
@@ -258,7 +258,7 @@ TEST_F(ProjectCommand, AFullDiskIsToldAndLeavesNothing)
     GTEST_SKIP() << "no Vulkan device, or mounting is not allowed";
   }
   const std::string options =
-    this->Inputs + " --kev 20 --columns 200 --rows 300 --photons 1000 --laterality L -o ";
+    this->Inputs + " --kev 20 --columns 200 --rows 300 --photons 1000 --side left -o ";
   for (const std::string name : { "x.vti", "x.mha", "x.nrrd", "x.png", "x.dcm" })
   {
     this->ExpectRefused(options + disk + "/" + name,

@@ -66,7 +66,7 @@ TEST_F(SegmentCommand, MakesLabelsThatMeshTakes)
   const std::string picture = this->Folder.File("slices.png");
   const std::string mri = this->WriteMri("mri.nrrd", Breast);
   const std::string arguments = "segment --image " + mri + " -o " + this->Labels +
-    " --spacing 0 --skin-thickness 2 --picture " + picture;
+    " --label-spacing 0 --skin-thickness 2 --picture " + picture;
   ASSERT_EQ(this->Run(arguments), 0) << this->Errors;
   EXPECT_EQ(this->Errors, "");
   EXPECT_THAT(this->Output,
@@ -107,7 +107,7 @@ TEST_F(SegmentCommand, TakesBothImagesOfASession)
       return value > 900 ? 0.2f * value : value > 300 ? 1.5f * value : value;
     });
   const std::string arguments =
-    "segment --image " + plain + " -o " + this->Labels + " --spacing 0 --suppressed-image ";
+    "segment --image " + plain + " -o " + this->Labels + " --label-spacing 0 --suppressed-image ";
   ASSERT_EQ(this->Run(arguments + suppressed), 0) << this->Errors;
   const LabelVolume labels = ReadLabelVolume(this->Labels);
   EXPECT_EQ(labels.Voxels[labels.Index(30, 20, 25)], 2);

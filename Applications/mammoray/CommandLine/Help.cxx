@@ -36,7 +36,7 @@ constexpr std::pair<const char*, const char*> Examples[] = {
     "fuse --result result --image t1-series/ -o compressed.nrrd --maximum-picture maximum.png" },
   { "intake", "intake export/ --side left" },
   { "locate", "locate --result result --point 30 12 -10" },
-  { "mesh", "mesh --labels labels.nrrd --materials victre --spacing 0.5 -o breast.vtu" },
+  { "mesh", "mesh --labels labels.nrrd --materials victre --label-spacing 0.5 -o breast.vtu" },
   { "project", "project --mesh breast.vtu --materials victre --orientation ALS -o breast.mha" },
   { "register", "register --study export/ --side left -o result" },
   { "segment", "segment --image t1-series/ -o labels.nii.gz --picture labels.png" },
