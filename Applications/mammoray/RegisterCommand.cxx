@@ -48,7 +48,7 @@ void DeclareInputs(const OptionList& add, RegisterArguments& arguments)
       "mammogram, DICOM MG; repeated for several of the same breast (CC and MLO), which are "
       "registered together with one stiffness of gland")
     ->excludes(study);
-  add.Choice<std::optional<char>>("--side", arguments.Side, { { "left", 'L' }, { "right", 'R' } },
+  AddSideOption(add, arguments.Side,
     "the patient's own breast: which one of a study; of mammograms, in place of the header's");
 }
 
@@ -71,6 +71,24 @@ void DeclareMammograms(const OptionList& add, RegisterArguments& arguments)
   mammogram("--chest-wall-margin", arguments.ChestWallMarginMm, NonNegative("mm"),
     "depth of a strip along the chest wall that is not compared, picture and outline; default: 0, "
     "of a --study 10");
+}
+
+/// What the report begins with.
+void DeclareQuestion(const OptionList& add, RegistrationCase& input)
+{
+  const OptionList question = add.Group("Question");
+  question.Numbers("--point", input.Point, "X Y Z",
+    "the report begins with where the mammograms show this place in the frame of the volume, mm, "
+    "and with slices through it");
+  question.Input("--lesion", input.Lesions,
+    "label volume in the same frame (.nrrd .mha .nii .nii.gz, DICOM SEG): the same for each label, "
+    "with its outline");
+  question.Input("--image", input.Image,
+    "MRI in the frame of --labels (.nrrd .mha .nii .nii.gz, DICOM series) for the slices, kept "
+    "beside the result; a --study has its own");
+  question.Flag("--same-patient", input.NamePatient,
+    "the report says name, ID, birth date and accession number as the first mammogram's header "
+    "does; otherwise nothing of the patient but dates of examinations");
 }
 
 void DeclareMeshes(const OptionList& add, RegistrationCase& input)
@@ -141,6 +159,7 @@ void Declare(const OptionList& add, RegisterArguments& arguments)
   add("-o,--output", arguments.Output, "folder for meshes, pictures, result.json and report.html")
     ->required();
   AddOverwriteFlag(add, arguments.Overwrite, "an earlier result folder");
+  DeclareQuestion(add, input);
   const OptionList xrays = add.Group("X-rays");
   AddSpectrumOption(xrays, input.Spectrum);
   AddProjectorOptions(xrays, arguments.Projector);
@@ -175,6 +194,13 @@ void CheckInputs(const RegistrationCase& input)
   }
   CheckInputFileIfAny(input.AnatomyMesh);
   CheckInputFileIfAny(input.SimulationMesh);
+  for (const std::string& volume : { input.Lesions, input.Image })
+  {
+    if (!std::filesystem::is_directory(volume))
+    {
+      CheckInputFileIfAny(volume);
+    }
+  }
   if (!input.Study && !std::filesystem::is_directory(input.Labels.Path))
   {
     CheckInputFile(input.Labels.Path);
@@ -267,6 +293,10 @@ void Run(RegisterArguments& arguments)
     (input.Labels.Path.empty() || input.Materials.empty() || input.Mammograms.empty()))
   {
     throw CLI::RequiredError("--study, or --labels, --materials and --mammogram together,");
+  }
+  if (!arguments.Study.empty() && !input.Image.empty())
+  {
+    throw CLI::ExcludesError("--image", "--study");
   }
   CheckNoInputWithin(arguments.Output);
   CheckResultFolder(arguments.Output, arguments.Overwrite);

@@ -10,6 +10,23 @@
 
 namespace mammoray
 {
+void DescribeUnit(const ResultFile& result, BreastInUnit& breast)
+{
+  breast.Placed = result.Placed;
+  breast.Unit = result.Unit;
+  breast.Grid.Columns = result.Grid.Columns;
+  breast.Grid.Rows = result.Grid.Rows;
+  breast.Grid.Origin = result.Grid.OriginMm;
+  breast.Grid.ColumnStep = result.Grid.ColumnStepMm;
+  breast.Grid.RowStep = result.Grid.RowStepMm;
+  for (const ResultParameter& parameter : result.Parameters)
+  {
+    breast.Parameters.push_back(parameter.Name);
+  }
+  breast.Covariance =
+    result.ConsideredCovariance.empty() ? result.Covariance : result.ConsideredCovariance;
+}
+
 BreastInUnit ReadBreastInUnit(const ResultFile& result)
 {
   BreastInUnit breast;
@@ -27,19 +44,7 @@ BreastInUnit ReadBreastInUnit(const ResultFile& result)
     throw InputError(
       result.Folder + ": expected compressed.vtu and uncompressed.vtu of the same mesh");
   }
-  breast.Placed = result.Placed;
-  breast.Unit = result.Unit;
-  breast.Grid.Columns = result.Grid.Columns;
-  breast.Grid.Rows = result.Grid.Rows;
-  breast.Grid.Origin = result.Grid.OriginMm;
-  breast.Grid.ColumnStep = result.Grid.ColumnStepMm;
-  breast.Grid.RowStep = result.Grid.RowStepMm;
-  for (const ResultParameter& parameter : result.Parameters)
-  {
-    breast.Parameters.push_back(parameter.Name);
-  }
-  breast.Covariance =
-    result.ConsideredCovariance.empty() ? result.Covariance : result.ConsideredCovariance;
+  DescribeUnit(result, breast);
   return breast;
 }
 }

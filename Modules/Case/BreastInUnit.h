@@ -37,6 +37,9 @@ struct BreastInUnit
   std::vector<double> Covariance;
 };
 
+/// Fills all but the meshes from what a result says.
+MAMMORAYCASE_EXPORT void DescribeUnit(const ResultFile& result, BreastInUnit& breast);
+
 /// Takes what a result says of it and reads the meshes from the result's folder. Throws InputError
 /// that names the file.
 MAMMORAYCASE_EXPORT BreastInUnit ReadBreastInUnit(const ResultFile& result);

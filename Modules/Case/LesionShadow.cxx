@@ -2,15 +2,8 @@
 #include "mammoray/Case/LesionShadow.h"
 
 #include "mammoray/Foundation/Error.h"
+#include "mammoray/Report/ContourLines.h"
 #include "mammoray/XRay/LabelSurface.h"
-
-#include "vtkCellArray.h"
-#include "vtkContourFilter.h"
-#include "vtkIdList.h"
-#include "vtkImageData.h"
-#include "vtkNew.h"
-#include "vtkPolyData.h"
-#include "vtkStripper.h"
 
 #include <algorithm>
 #include <cstdio>
@@ -24,49 +17,6 @@ namespace
 constexpr double LargestShareOutside = 0.5;
 /// They take the stairs off a lesion's voxel surface.
 constexpr int SmoothingSteps = 5;
-
-/// The closed outlines of the pixels where `values` is positive, continuous column and row.
-std::vector<std::vector<std::array<double, 2>>> OutlinesOf(const float* values, int columns,
-  int rows)
-{
-  // A border of nothing lets outlines close at the image's edges.
-  vtkNew<vtkImageData> mask;
-  mask->SetExtent(-1, columns, -1, rows, 0, 0);
-  mask->AllocateScalars(VTK_FLOAT, 1);
-  auto* inside = static_cast<float*>(mask->GetScalarPointer());
-  std::fill_n(inside, mask->GetNumberOfPoints(), 0.0F);
-  for (int row = 0; row < rows; ++row)
-  {
-    for (int column = 0; column < columns; ++column)
-    {
-      const std::size_t pixel = static_cast<std::size_t>(row) * columns + column;
-      inside[static_cast<std::size_t>(row + 1) * (columns + 2) + column + 1] =
-        values[pixel] > 0 ? 1.0F : 0.0F;
-    }
-  }
-  vtkNew<vtkContourFilter> contour;
-  contour->SetInputData(mask);
-  contour->SetValue(0, 0.5);
-  vtkNew<vtkStripper> loops;
-  loops->SetInputConnection(contour->GetOutputPort());
-  loops->JoinContiguousSegmentsOn();
-  loops->SetMaximumLength(VTK_INT_MAX);
-  loops->Update();
-  std::vector<std::vector<std::array<double, 2>>> outlines;
-  vtkCellArray* lines = loops->GetOutput()->GetLines();
-  vtkNew<vtkIdList> ids;
-  for (lines->InitTraversal(); lines->GetNextCell(ids) != 0;)
-  {
-    std::vector<std::array<double, 2>>& outline = outlines.emplace_back();
-    for (vtkIdType index = 0; index < ids->GetNumberOfIds(); ++index)
-    {
-      double point[3];
-      loops->GetOutput()->GetPoint(ids->GetId(index), point);
-      outline.push_back({ point[0], point[1] });
-    }
-  }
-  return outlines;
-}
 
 /// The voxels of one label as material 1.
 LabelVolume OnlyLabel(const LabelVolume& labels, int label)
@@ -149,7 +99,8 @@ LesionShadow ProjectLesion(const RegisteredBreast& breast, const LabelVolume& le
   imaged.AreaMm2 = static_cast<double>(std::count(imaged.Shadow.begin(), imaged.Shadow.end(), 1)) *
     Norm(Cross(detector.ColumnStep, detector.RowStep));
   imaged.LargestThicknessMm = *std::max_element(lesionMm, lesionMm + lengths.NumberOfPixels());
-  imaged.Outlines = OutlinesOf(lesionMm, detector.Columns, detector.Rows);
+  const std::vector<float> inside(imaged.Shadow.begin(), imaged.Shadow.end());
+  imaged.Outlines = ContourLines(inside.data(), detector.Columns, detector.Rows, 0.5F, 0.0F);
   return imaged;
 }
 }

@@ -41,6 +41,29 @@ UncertaintyEllipse EllipseOf(double a, double b, double c)
 }
 }
 
+std::vector<std::array<double, 2>> EllipsePoints(const UncertaintyEllipse& ellipse,
+  const std::array<double, 2>& middle, const RegistrationTarget& grid, double deviations)
+{
+  constexpr int Steps = 48;
+  const double columnLength = std::hypot(grid.ColumnStep[0], grid.ColumnStep[1]);
+  const double rowLength = std::hypot(grid.RowStep[0], grid.RowStep[1]);
+  const double turn = ellipse.AngleDeg * std::numbers::pi / 180;
+  std::vector<std::array<double, 2>> points;
+  for (int step = 0; step < Steps; ++step)
+  {
+    const double angle = 2 * std::numbers::pi * step / Steps;
+    const double major = deviations * ellipse.MajorMm * std::cos(angle);
+    const double minor = deviations * ellipse.MinorMm * std::sin(angle);
+    const double alongColumns = major * std::cos(turn) - minor * std::sin(turn);
+    const double alongRows = major * std::sin(turn) + minor * std::cos(turn);
+    points.push_back({ middle[0] + alongColumns * grid.ColumnStep[0] / columnLength +
+        alongRows * grid.RowStep[0] / rowLength,
+      middle[1] + alongColumns * grid.ColumnStep[1] / columnLength +
+        alongRows * grid.RowStep[1] / rowLength });
+  }
+  return points;
+}
+
 struct RegisteredBreast::Internals
 {
   BreastInUnit Breast;

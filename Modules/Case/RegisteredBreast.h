@@ -28,6 +28,16 @@ struct UncertaintyEllipse
   double AngleDeg = 0;
 };
 
+/// Half axes of the ellipse that holds a place with a probability of 95 %, in standard deviations:
+/// the root of chi squared's quantile for two degrees of freedom, -2 ln 0.05.
+inline constexpr double Deviations95 = 2.4477;
+
+/// Points of the ellipse around a place of the receptor, gantry x and y, mm; half its axes are
+/// `deviations` of its standard deviations. `grid`: the mammogram's, to which its angle refers.
+MAMMORAYCASE_EXPORT std::vector<std::array<double, 2>> EllipsePoints(
+  const UncertaintyEllipse& ellipse, const std::array<double, 2>& middle,
+  const RegistrationTarget& grid, double deviations);
+
 /// Where a point of the volume lies in the mammogram.
 struct ImagedPoint
 {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mammoray/Case/RegistrationCase.h"
 
+#include "Private/AskedPlaces.h"
 #include "Private/Checkpoint.h"
 #include "mammoray/Biomechanics/ElasticTable.h"
 #include "mammoray/Case/StudyCase.h"
@@ -533,6 +534,14 @@ std::vector<CaseInput> CaseInputs(const RegistrationCase& input, const std::stri
   }
   add(MaterialTableRole, FindMaterialTablePath(input.Materials));
   add(MammogramRole, mammogram);
+  for (const auto& [role, path] :
+    { std::pair{ "MRI", &input.Image }, { "Lesions", &input.Lesions } })
+  {
+    if (!path->empty())
+    {
+      add(role, *path);
+    }
+  }
   if (!input.AnatomyMesh.empty())
   {
     add("Anatomy mesh", input.AnatomyMesh);
@@ -572,8 +581,10 @@ RegistrationCaseResult RunRegistrationCase(const RegistrationCase& input,
     MakeProjector({ .Projection = MethodFromName(input.Projector), .Device = input.Device });
   result.Device = projector->DeviceName() + ", " + MethodName(projector->Method());
   ReportProgress(progress, 0, "read");
+  ReadAsked(input, result);
   BreastModelOptions options;
   options.Volume = ReadTissue(input, result, ShareOf(whole, 0, segmenting));
+  CheckAsked(input, *options.Volume, result);
   result.Anchor = FindPoseAnchor(*options.Volume, held, result.Axes);
   stopwatch.Stage("read");
 

@@ -5,6 +5,7 @@
 #include "mammoray/Biomechanics/PlacedPlates.h"
 #include "mammoray/Biomechanics/WallAttachment.h"
 #include "mammoray/Case/LabelSource.h"
+#include "mammoray/Foundation/IntensityVolume.h"
 #include "mammoray/Foundation/Mammogram.h"
 #include "mammoray/Foundation/MaterialTable.h"
 #include "mammoray/Foundation/PoseParameters.h"
@@ -89,6 +90,15 @@ struct RegistrationCase
   std::string Resume;
   /// File that always holds the last accepted step of the search (see CheckpointPath); empty: none.
   std::string Checkpoint;
+  /// What the report begins with: a point of the volume, mm, and each label of a volume of lesions
+  /// (path; its axes are taken as those of Labels); where each mammogram shows them.
+  std::optional<Vector3> Point;
+  std::string Lesions;
+  /// MRI in the frame of Labels (path), which the report shows around them and the result keeps; a
+  /// study has its own. Empty: tissues are shown in colour.
+  std::string Image;
+  /// The report says patient and study, as the first mammogram's header names them.
+  bool NamePatient = false;
   /// The search itself; its Parameters are filled from the above.
   RegistrationOptions Options;
 };
@@ -122,6 +132,12 @@ struct RegistrationCaseResult
   AnatomicalAxes Axes;
   /// What a study's MRI was segmented into; null where labels were given.
   std::shared_ptr<const StudyTissue> Tissue;
+  /// Where something was asked for: what was registered, material indices, and the lesions; null
+  /// where they are not needed.
+  std::shared_ptr<const LabelVolume> Volume;
+  std::shared_ptr<const LabelVolume> Lesions;
+  /// The case's Image; null: none was given.
+  std::shared_ptr<const IntensityVolume> Image;
   Vector3 Anchor{ 0, 0, 0 };
   /// At rest, volume frame.
   TetrahedralMesh Anatomy;

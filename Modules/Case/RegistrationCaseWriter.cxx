@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mammoray/Case/RegistrationCaseWriter.h"
 
+#include "Private/AskedPlaces.h"
 #include "Private/Checkpoint.h"
 #include "mammoray/Case/BreastInUnit.h"
 #include "mammoray/Case/ResultFile.h"
 #include "mammoray/Case/StudyCase.h"
 #include "mammoray/Foundation/Error.h"
+#include "mammoray/IO/DicomHeader.h"
 #include "mammoray/IO/LabelVolumeIO.h"
 #include "mammoray/IO/MeshConversion.h"
 #include "mammoray/IO/MeshIO.h"
@@ -155,6 +157,56 @@ RegistrationReport ReportOf(const RegisteredView& registered, const ResultFile& 
   return report;
 }
 
+/// "2024-03-01" of DICOM's 20240301; as it is where it is no such date.
+std::string DateText(const std::string& date)
+{
+  return date.size() == 8 ? date.substr(0, 4) + '-' + date.substr(4, 2) + '-' + date.substr(6)
+                          : date;
+}
+
+/// When the pictures were made; of whom only where that is wanted.
+std::vector<std::pair<std::string, std::string>> ExaminationOf(const RegistrationCase& input)
+{
+  std::vector<std::pair<std::string, std::string>> lines;
+  const auto add = [&](const char* name, const std::string& text)
+  {
+    if (!text.empty())
+    {
+      lines.emplace_back(name, text);
+    }
+  };
+  if (input.Study)
+  {
+    const StudyChoice& choice = input.Study->Choice;
+    const std::optional<StudySeries>& taken = choice.Plain ? choice.Plain
+      : choice.FatSuppressed                               ? choice.FatSuppressed
+                                                           : choice.Undetermined;
+    add("MRI of", taken ? DateText(taken->Date) : "");
+  }
+  std::optional<DicomHeader> header;
+  try
+  {
+    header = ReadDicomHeader(input.Mammograms.front());
+  }
+  catch (const InputError&) // it was a picture without a header
+  {
+  }
+  if (header)
+  {
+    const DicomIdentity& identity = header->Identity;
+    add("mammogram of",
+      DateText(header->AcquisitionDate.empty() ? identity.StudyDate : header->AcquisitionDate));
+    if (input.NamePatient)
+    {
+      add("patient", Printable(identity.PatientName));
+      add("ID", Printable(identity.PatientId));
+      add("born", DateText(Printable(identity.PatientBirthDate)));
+      add("accession number", Printable(identity.AccessionNumber));
+    }
+  }
+  return lines;
+}
+
 JointResultFile JointOf(const RegistrationCaseResult& result,
   const std::vector<std::string>& folders, const std::vector<ResultFile>& files)
 {
@@ -203,6 +255,12 @@ void WriteInto(const std::string& folder, const RegistrationCase& input,
     WriteIntensityVolume(result.Tissue->Mri, folder + "/mri.nrrd");
     report.Sections.push_back(StudySection(*input.Study, *result.Tissue));
   }
+  else if (result.Image)
+  {
+    WriteIntensityVolume(*result.Image, folder + "/mri.nrrd");
+  }
+  const std::vector<AskedPlace> asked = AskedOf(input, result);
+  const auto examination = ExaminationOf(input);
   for (std::size_t number = 0; number < result.Views.size(); ++number)
   {
     const RegisteredView& registered = result.Views[number];
@@ -211,7 +269,11 @@ void WriteInto(const std::string& folder, const RegistrationCase& input,
     WriteMeshes(result, registered, own);
     WriteSynthetic(registered, own + "/synthetic.mha");
     files.push_back(ResultOf(input, result, registered));
-    report.Mammograms.push_back(ReportOf(registered, files.back()));
+    RegistrationReport& told = report.Mammograms.emplace_back(ReportOf(registered, files.back()));
+    told.Examination = examination;
+    told.Asked = asked;
+    told.Places = PlacesIn(input, result, registered, files.back(), asked);
+    told.BetweenPlates = PictureBetweenPlates(result, registered, files.back(), asked);
     for (const ReportSection& section : report.Sections)
     {
       // Those of the study are told in its section.

@@ -40,7 +40,8 @@ MAMMORAYCASE_EXPORT void CheckResultFolder(const std::string& folder, bool overw
  * synthetic.mha (log attenuation on the mammogram's pixel grid, float), the result file, and what
  * WriteRegistrationReport writes. For several: a folder with that for each of them
  * (MammogramFolders), their joint result file, and what WriteJointReport writes. Of a study besides
- * labels.nrrd and mri.nrrd (StudyTissue), and a section of the report. Throws InputError
+ * labels.nrrd and mri.nrrd (StudyTissue), and a section of the report;
+ * mri.nrrd is the case's Image, too. Throws InputError
  * as CheckResultFolder, and when a file cannot be written or an input no longer be read. Once all
  * is written the case's checkpoint is removed.
  */

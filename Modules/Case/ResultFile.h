@@ -81,7 +81,8 @@ struct ResultMammogram
 struct ResultInput
 {
   /// "Label volume" or, of a study, "MRI", "MRI without fat suppression" and "MRI with fat
-  /// suppression"; "Material table", "Mammogram", "Anatomy mesh" or "Simulation mesh".
+  /// suppression"; "Material table", "Mammogram", "MRI" of labels, "Lesions", "Anatomy mesh" or
+  /// "Simulation mesh".
   std::string Role;
   /// The file's name without its folder; of an MRI, its series' description.
   std::string File;

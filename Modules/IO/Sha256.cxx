@@ -34,6 +34,30 @@ std::vector<std::string> FilesOf(const std::string& path)
   std::sort(files.begin(), files.end());
   return files;
 }
+
+using Context = std::unique_ptr<EVP_MD_CTX, decltype(&EVP_MD_CTX_free)>;
+
+Context NewContext()
+{
+  Context context(EVP_MD_CTX_new(), EVP_MD_CTX_free);
+  EVP_DigestInit_ex(context.get(), EVP_sha256(), nullptr);
+  return context;
+}
+
+std::string DigestOf(EVP_MD_CTX* context)
+{
+  unsigned char digest[EVP_MAX_MD_SIZE];
+  unsigned int size = 0;
+  EVP_DigestFinal_ex(context, digest, &size);
+  static constexpr char Digits[] = "0123456789abcdef";
+  std::string text;
+  for (unsigned int index = 0; index < size; ++index)
+  {
+    text += Digits[digest[index] >> 4];
+    text += Digits[digest[index] & 15];
+  }
+  return text;
+}
 }
 
 std::string Sha256OfFile(const std::string& path)
@@ -43,9 +67,7 @@ std::string Sha256OfFile(const std::string& path)
 
 std::string Sha256OfFiles(const std::vector<std::string>& paths)
 {
-  const std::unique_ptr<EVP_MD_CTX, decltype(&EVP_MD_CTX_free)> context(EVP_MD_CTX_new(),
-    EVP_MD_CTX_free);
-  EVP_DigestInit_ex(context.get(), EVP_sha256(), nullptr);
+  const Context context = NewContext();
   std::vector<char> buffer(1 << 20);
   for (const std::string& part : paths)
   {
@@ -60,16 +82,13 @@ std::string Sha256OfFiles(const std::vector<std::string>& paths)
       throw InputError(part + ": cannot be read");
     }
   }
-  unsigned char digest[EVP_MAX_MD_SIZE];
-  unsigned int size = 0;
-  EVP_DigestFinal_ex(context.get(), digest, &size);
-  static constexpr char Digits[] = "0123456789abcdef";
-  std::string text;
-  for (unsigned int index = 0; index < size; ++index)
-  {
-    text += Digits[digest[index] >> 4];
-    text += Digits[digest[index] & 15];
-  }
-  return text;
+  return DigestOf(context.get());
+}
+
+std::string Sha256OfText(const std::string& text)
+{
+  const Context context = NewContext();
+  EVP_DigestUpdate(context.get(), text.data(), text.size());
+  return DigestOf(context.get());
 }
 }

@@ -16,6 +16,9 @@ MAMMORAYIO_EXPORT std::string Sha256OfFile(const std::string& path);
 
 /// That of files one after the other, in this order.
 MAMMORAYIO_EXPORT std::string Sha256OfFiles(const std::vector<std::string>& paths);
+
+/// That of a text's bytes.
+MAMMORAYIO_EXPORT std::string Sha256OfText(const std::string& text);
 }
 
 #endif

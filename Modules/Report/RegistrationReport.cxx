@@ -2,6 +2,7 @@
 #include "mammoray/Report/RegistrationReport.h"
 
 #include "Private/ConvergencePlot.h"
+#include "Private/ReportAnswer.h"
 #include "Private/ReportPage.h"
 #include "Private/ReportPictures.h"
 #include "Private/ReportSections.h"
@@ -29,6 +30,12 @@ void Validate(const RegistrationReport& report)
     throw InputError("report: expected " + std::to_string(target.Columns) + " x " +
       std::to_string(target.Rows) + " pixels in target and synthetic image, found " +
       std::to_string(report.Synthetic.size()) + " synthetic ones");
+  }
+  if (report.Places.size() != report.Asked.size())
+  {
+    throw InputError("report: expected an answer to each of " +
+      std::to_string(report.Asked.size()) + " places, found " +
+      std::to_string(report.Places.size()));
   }
   const RegistrationResult& result = *report.Result;
   if (result.Values.size() != result.Parameters.size() ||
@@ -71,10 +78,13 @@ void WriteParts(const RegistrationReport& report, const Composed& parts, const s
   const Mammogram& mammogram = *report.RealMammogram;
   const std::string subtitle =
     BreastText(mammogram) + (mammogram.View.empty() ? "" : ", " + mammogram.View + " view");
-  const std::pair<const char*, std::string> files[] = { { "real.png", parts.Pictures.Real },
-    { "synthetic.png", parts.Pictures.Synthetic }, { "overlay.png", parts.Pictures.Overlay },
-    { "difference.png", parts.Pictures.Difference }, { "convergence.svg", parts.Plot },
-    { "report.html", PageHtml(report.Title, subtitle, parts.Html) } };
+  const std::string html =
+    AnswerHtml(report.Asked, { { TitleOf(mammogram, 0), &report, &parts.Pictures } }) + parts.Html;
+  const auto& pictures = parts.Pictures.Files;
+  const std::pair<const char*, std::string> files[] = { { "real.png", pictures[0] },
+    { "synthetic.png", pictures[1] }, { "overlay.png", pictures[2] },
+    { "difference.png", pictures[3] }, { "convergence.svg", parts.Plot },
+    { "report.html", PageHtml(report.Title, subtitle, report.Examination, html) } };
 
   std::error_code code;
   std::filesystem::create_directories(folder, code);
@@ -103,13 +113,16 @@ void WriteJointReport(const JointReport& report, const std::string& folder)
       std::to_string(report.Folders.size()));
   }
   std::vector<Composed> parts;
-  std::string html = SharedHtml(report.Shared);
+  parts.reserve(report.Mammograms.size());
+  std::vector<AnsweredMammogram> answered;
+  std::string html;
   std::string titles;
   for (std::size_t number = 0; number < report.Mammograms.size(); ++number)
   {
     const RegistrationReport& told = report.Mammograms[number];
     const std::string title = TitleOf(*told.RealMammogram, number);
     parts.push_back(Compose(told));
+    answered.push_back({ title, &told, &parts.back().Pictures });
     html += MammogramHeading(title) + parts.back().Html;
     titles += (number == 0 ? "" : ", ") + title;
   }
@@ -117,9 +130,11 @@ void WriteJointReport(const JointReport& report, const std::string& folder)
   {
     WriteParts(report.Mammograms[number], parts[number], folder + "/" + report.Folders[number]);
   }
-  html += SectionsHtml(report.Sections);
   const RegistrationReport& first = report.Mammograms.front();
+  html = AnswerHtml(first.Asked, answered) + html + SharedHtml(report.Shared) +
+    SectionsHtml(report.Sections);
   WriteWholeFile((std::filesystem::path(folder) / "report.html").string(),
-    PageHtml(first.Title, BreastText(*first.RealMammogram) + ", " + titles, html));
+    PageHtml(first.Title, BreastText(*first.RealMammogram) + ", " + titles, first.Examination,
+      html));
 }
 }

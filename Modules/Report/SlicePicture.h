@@ -5,6 +5,7 @@
 #include "mammoray/Foundation/IntensityVolume.h"
 #include "mammoray/Foundation/LabelVolume.h"
 #include "mammoray/Foundation/MammographyGeometry.h"
+#include "mammoray/Report/LayeredPicture.h"
 #include "mammorayReportModule.h"
 
 #include <string>
@@ -26,6 +27,30 @@ MAMMORAYREPORT_EXPORT void WriteSlicePicture(const IntensityVolume& image,
 /// The bytes of that picture; throws as that.
 MAMMORAYREPORT_EXPORT std::string SlicePicturePng(const IntensityVolume& image,
   const LabelVolume& labels, const AnatomicalAxes& axes, const std::vector<std::string>& names);
+
+/// What three slices through a point show.
+struct PointSlices
+{
+  /// In grey, from 0 to the 99.5th percentile of the labels' box; null: tissues in colour.
+  const IntensityVolume* Image = nullptr;
+  /// Tissue; what is shown is the box of what is not 0. Required.
+  const LabelVolume* Labels = nullptr;
+  AnatomicalAxes Axes;
+  /// By label, for the legend of tissues in colour.
+  std::vector<std::string> Names;
+  /// Frame of the volumes, mm, in or near the box; marked in each slice.
+  Vector3 Point{ 0, 0, 0 };
+  /// Volume whose label `LesionLabel` is outlined; null: none.
+  const LabelVolume* Lesions = nullptr;
+  int LesionLabel = 0;
+};
+
+/**
+ * Draws slices across the patient (axial), from the front (coronal) and from the patient's left
+ * (sagittal) through the point, side by side to one scale, with a bar of it and letters of the
+ * patient's directions. No display is needed. Throws InputError when no label is there.
+ */
+MAMMORAYREPORT_EXPORT LayeredPicture DrawPointSlices(const PointSlices& slices);
 }
 
 #endif

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Files.h"
 #include "mammoray/Foundation/Error.h"
+#include "mammoray/IO/Sha256.h"
 #include "mammoray/Report/RegistrationReport.h"
 
 #include "vtkImageData.h"
@@ -150,6 +151,97 @@ TEST(RegistrationReport, WritesEverythingItIsGiven)
   {
     EXPECT_NE(entry.path().extension(), ".part");
   }
+}
+
+TEST(RegistrationReport, BeginsWithTheAnswerWhereOneWasAskedFor)
+{
+  const testing_support::TemporaryFolder folder;
+  MadeUp made;
+  LayeredPicture slices{ "no picture", 30, 20, "<path d=\"M1 2L3 4\"/>" };
+  made.Report.Asked = { { "Lesion 3", "3", { 12, 34, -5 }, 523, slices },
+    { "Lesion 4", "4", { 1, 2, 3 }, 10, {} } };
+  PlaceInMammogram place;
+  place.Material = "gland";
+  place.ReceptorMm = { 6, 18 };
+  place.Column = 60;
+  place.Row = 160;
+  place.HalfAxesMm = { 4.14, 2.86 };
+  place.Ellipse = { { 10, 18 }, { 6, 21 }, { 2, 18 }, { 6, 15 } };
+  PlaceInMammogram lost;
+  lost.Problem = "It <lies> beside the breast.";
+  made.Report.Places = { place, lost };
+  made.Report.Examination = { { "mammogram of", "2024-03-01" } };
+  WriteRegistrationReport(made.Report, folder.File("report"));
+  const std::string html = testing_support::ReadFile(folder.File("report/report.html"));
+  const std::size_t answer =
+    html.find("Lesion 3 <small>523 mm³ around (12.0, 34.0, −5.0) mm, in gland");
+  ASSERT_NE(answer, std::string::npos);
+  EXPECT_LT(answer, html.find("The two mammograms match"));
+  // The outline's foremost point is at x = -2, y = 39.
+  EXPECT_THAT(html,
+    HasSubstr(
+      "21 mm behind the breast’s foremost point, 8 mm to L of it; pixel column 60, row 160; "
+      "<b>within 4.1 × 2.9 mm</b>"));
+  EXPECT_THAT(html, HasSubstr("not found: It &lt;lies&gt; beside the breast."));
+  EXPECT_THAT(html, HasSubstr("mammogram of 2024-03-01"));
+  EXPECT_THAT(html, HasSubstr("M1 2L3 4"));
+  EXPECT_THAT(html, HasSubstr(">3</text>"));
+  // Doubt is told beside the place.
+  EXPECT_THAT(html, Not(HasSubstr("class=\"warning\"")));
+  made.Result.After.Correlation = 0.6;
+  WriteRegistrationReport(made.Report, folder.File("doubtful"));
+  EXPECT_THAT(testing_support::ReadFile(folder.File("doubtful/report.html")),
+    HasSubstr("<b class=\"warning\">The match should be checked by eye.</b>"));
+  made.Report.Places.pop_back();
+  EXPECT_THROW(WriteRegistrationReport(made.Report, folder.File("other")), InputError);
+}
+
+TEST(RegistrationReport, SaysWhatTheHeaderSaysBesideWhatWasFound)
+{
+  const testing_support::TemporaryFolder folder;
+  MadeUp made;
+  made.Picture.View = "MLO"; // 45 degrees where the header says none
+  WriteRegistrationReport(made.Report, folder.File("report"));
+  const std::string html = testing_support::ReadFile(folder.File("report/report.html"));
+  EXPECT_THAT(html, HasSubstr("compressed thickness; the header says 52.0 mm"));
+  EXPECT_THAT(html, HasSubstr("angle of the unit; the header says −45°"));
+}
+
+TEST(RegistrationReport, LoadsNothingAndRunsNoScriptsButItsOwn)
+{
+  const testing_support::TemporaryFolder folder;
+  WriteRegistrationReport(MadeUp().Report, folder.File("report"));
+  const std::string html = testing_support::ReadFile(folder.File("report/report.html"));
+  EXPECT_THAT(html, HasSubstr("content=\"default-src 'none'; img-src data:; style-src 'sha256-"));
+  // What the policy forbids is not there to be missed: style attributes and handlers in the markup,
+  // addresses.
+  const std::string markup = html.substr(html.find("</style>"));
+  const std::string body = markup.substr(0, markup.find("<script>"));
+  EXPECT_THAT(body, Not(HasSubstr(" style=")));
+  EXPECT_THAT(body, Not(testing::ContainsRegex(" on[a-z]*=")));
+  EXPECT_THAT(html, Not(testing::ContainsRegex("(src|href)=\"[^d#]")));
+  EXPECT_THAT(html, Not(HasSubstr("unsafe")));
+  // The hash is that of the very text between the tags.
+  const auto between = [&](const std::string& from, const std::string& to)
+  {
+    const std::size_t begin = html.find(from) + from.size();
+    return html.substr(begin, html.find(to, begin) - begin);
+  };
+  const std::string hex = Sha256OfText(between("<script>", "</script>"));
+  const std::string base64 = between("script-src 'sha256-", "'");
+  std::string decoded;
+  unsigned int bits = 0;
+  int count = 0;
+  for (const char letter : base64.substr(0, base64.find('=')))
+  {
+    const std::string alphabet = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    bits = bits << 6 | static_cast<unsigned int>(alphabet.find(letter));
+    for (count += 6; count >= 4; count -= 4)
+    {
+      decoded += "0123456789abcdef"[bits >> (count - 4) & 15];
+    }
+  }
+  EXPECT_EQ(decoded.substr(0, 64), hex);
 }
 
 TEST(RegistrationReport, PicturesShowWhatDiffersWhereItDoes)

@@ -3,6 +3,8 @@
 
 #include "Private/Hanging.h"
 #include "Private/Picture.h"
+#include "Private/SvgLines.h"
+#include "mammoray/Report/ContourLines.h"
 
 #include <algorithm>
 #include <cmath>
@@ -11,9 +13,6 @@ namespace mammoray
 {
 namespace
 {
-// Orange and blue add up to white and are told apart by the colour-blind.
-constexpr PictureColor RealColor{ 255, 140, 26 };
-constexpr PictureColor SyntheticColor{ 26, 166, 255 };
 constexpr PictureColor ExcludedColor{ 191, 191, 199 };
 constexpr PictureColor Black{ 0, 0, 0 };
 constexpr PictureColor Paper{ 247, 247, 250 };
@@ -207,32 +206,88 @@ void DrawDifferenceScale(Picture& picture, const Hanging& hanging)
   }
 }
 
-/// A line where `distance` changes its sign.
-void DrawRealOutline(Picture& picture, const std::vector<float>& distance, const Hanging& hanging)
+/// Lines of a picture, pixels from its lower left corner.
+using PictureLines = std::vector<std::vector<PicturePoint>>;
+
+PictureLines LinesOf(const std::vector<std::vector<std::array<double, 2>>>& receptor,
+  const Hanging& hanging)
 {
-  for (int y = 0; y < picture.Height(); ++y)
+  PictureLines lines;
+  for (const auto& line : receptor)
   {
-    for (int x = 0; x < picture.Width(); ++x)
+    std::vector<PicturePoint>& points = lines.emplace_back();
+    for (const auto& [x, y] : line)
     {
-      const std::size_t pixel = static_cast<std::size_t>(y) * picture.Width() + x;
-      picture.Blend(x, y, RealColor,
-        0.5 * OutlineWidth + 0.5 - std::abs(distance[pixel]) / hanging.PixelMm);
+      const auto at = hanging.ToPicture(x, y);
+      points.push_back({ at[0], at[1] });
+    }
+  }
+  return lines;
+}
+
+/// Where `distance` changes its sign.
+PictureLines OutlineOf(const std::vector<float>& distance, const Hanging& hanging)
+{
+  PictureLines lines;
+  for (const auto& line : ContourLines(distance.data(), hanging.Width, hanging.Height, 0))
+  {
+    std::vector<PicturePoint>& points = lines.emplace_back();
+    for (const auto& [x, y] : line)
+    {
+      points.push_back({ x + 0.5, y + 0.5 });
+    }
+  }
+  return lines;
+}
+
+void DrawLines(Picture& picture, const PictureLines& lines, const PictureColor& color)
+{
+  for (const auto& line : lines)
+  {
+    for (std::size_t point = 1; point < line.size(); ++point)
+    {
+      picture.Line(line[point - 1], line[point], OutlineWidth, color);
     }
   }
 }
 
-void DrawSyntheticOutline(Picture& picture, const RegistrationReport& report,
-  const Hanging& hanging)
+std::string SvgOf(const Hanging& hanging,
+  const std::vector<std::pair<const PictureLines*, PictureColor>>& parts)
 {
-  for (const auto& line : report.SyntheticOutline)
+  SvgLines svg(hanging.Height);
+  for (const auto& [lines, color] : parts)
   {
-    for (std::size_t i = 1; i < line.size(); ++i)
+    for (const auto& line : *lines)
     {
-      const auto a = hanging.ToPicture(line[i - 1][0], line[i - 1][1]);
-      const auto b = hanging.ToPicture(line[i][0], line[i][1]);
-      picture.Line({ a[0], a[1] }, { b[0], b[1] }, OutlineWidth, SyntheticColor);
+      svg.Path(line, false, color);
     }
   }
+  return svg.Elements();
+}
+
+/// Crosses, ellipses and shadows of what was asked for, and the breast's outline.
+std::string AnswerLines(const RegistrationReport& report, const Hanging& hanging)
+{
+  SvgLines svg(hanging.Height);
+  for (std::size_t index = 0; index < report.Places.size(); ++index)
+  {
+    const PlaceInMammogram& place = report.Places[index];
+    if (!place.Problem.empty())
+    {
+      continue;
+    }
+    for (const auto& outline : LinesOf(place.Outlines, hanging))
+    {
+      svg.Path(outline, true, MarkColor);
+    }
+    for (const auto& ellipse : LinesOf({ place.Ellipse }, hanging))
+    {
+      svg.Path(ellipse, true, MarkColor);
+    }
+    const auto at = hanging.ToPicture(place.ReceptorMm[0], place.ReceptorMm[1]);
+    svg.Cross({ at[0], at[1] }, report.Asked[index].ShortName, 26, MarkColor);
+  }
+  return svg.Elements();
 }
 }
 
@@ -265,20 +320,42 @@ ReportPictures DrawPictures(const RegistrationReport& report)
       difference.Set(x, y, DifferenceColor(hung, pixel));
     }
   }
-  DrawRealOutline(real, hung.Distance, hanging);
-  DrawSyntheticOutline(synthetic, report, hanging);
-  for (Picture* picture : { &overlay, &difference })
-  {
-    DrawRealOutline(*picture, hung.Distance, hanging);
-    DrawSyntheticOutline(*picture, report, hanging);
-  }
   DrawDifferenceScale(difference, hanging);
   for (Picture* picture : { &real, &synthetic, &overlay })
   {
     Annotate(*picture, hanging, Light, Black);
   }
   Annotate(difference, hanging, Ink, Paper);
-  return { real.Png(), synthetic.Png(), overlay.Png(), difference.Png(),
-    hanging.Width > 0.95 * hanging.Height };
+
+  const PictureLines realOutline = OutlineOf(hung.Distance, hanging);
+  const PictureLines syntheticOutline = LinesOf(report.SyntheticOutline, hanging);
+  const std::pair<const PictureLines*, PictureColor> ofReal{ &realOutline, RealColor };
+  const std::pair<const PictureLines*, PictureColor> ofSynthetic{ &syntheticOutline,
+    SyntheticColor };
+  const auto layered = [&](Picture& picture, const std::string& lines) {
+    return LayeredPicture{ picture.Png(), hanging.Width, hanging.Height, lines };
+  };
+  ReportPictures pictures;
+  pictures.Real = layered(real, SvgOf(hanging, { ofReal }));
+  pictures.Synthetic = layered(synthetic, SvgOf(hanging, { ofSynthetic }));
+  pictures.Overlay = layered(overlay, SvgOf(hanging, { ofReal, ofSynthetic }));
+  pictures.Difference = layered(difference, SvgOf(hanging, { ofReal, ofSynthetic }));
+  if (!report.Places.empty())
+  {
+    pictures.Answer = layered(real, AnswerLines(report, hanging));
+  }
+  for (Picture* picture : { &real, &overlay, &difference })
+  {
+    DrawLines(*picture, realOutline, RealColor);
+  }
+  for (Picture* picture : { &synthetic, &overlay, &difference })
+  {
+    DrawLines(*picture, syntheticOutline, SyntheticColor);
+  }
+  pictures.Files = { real.Png(), synthetic.Png(), overlay.Png(), difference.Png() };
+  pictures.Wide = hanging.Width > 0.95 * hanging.Height;
+  pictures.Letters = hanging.Letters;
+  pictures.Up = hanging.Up;
+  return pictures;
 }
 }

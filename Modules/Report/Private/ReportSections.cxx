@@ -2,9 +2,8 @@
 #include "Private/ReportSections.h"
 
 #include "Private/ReportText.h"
+#include "mammoray/Foundation/PoseParameters.h"
 #include "mammoray/Report/Assessment.h"
-
-#include "vtkBase64Utilities.h"
 
 #include <algorithm>
 #include <cmath>
@@ -19,15 +18,6 @@ namespace mammoray
 namespace
 {
 using Lines = std::vector<std::pair<std::string, std::string>>;
-
-std::string Base64(const std::string& bytes)
-{
-  std::vector<unsigned char> encoded(bytes.size() / 3 * 4 + 8);
-  const unsigned long length =
-    vtkBase64Utilities::Encode(reinterpret_cast<const unsigned char*>(bytes.data()),
-      static_cast<unsigned long>(bytes.size()), encoded.data());
-  return { encoded.begin(), encoded.begin() + static_cast<std::ptrdiff_t>(length) };
-}
 
 /// Tells from which iteration on which pixels were compared: costs of different sizes cannot be.
 std::string ResolutionNote(const RegistrationResult& result)
@@ -81,52 +71,78 @@ std::string VerdictHtml(const Assessment& assessment)
     (assessment.Reasons.empty() ? std::string() : Sentences(assessment.Reasons)) + "</section>\n";
 }
 
-std::string FiguresHtml(const RegistrationResult& result)
+/// What the header says of a parameter; nothing where it is silent.
+std::optional<double> HeaderValue(const Mammogram& mammogram, const std::string& parameter)
 {
+  return parameter == PoseParameters[ThicknessParameter].Name ? mammogram.BodyPartThicknessMm
+    : parameter == PoseParameters[RollParameter].Name         ? NominalRollDeg(mammogram)
+                                                              : std::nullopt;
+}
+
+std::string FiguresHtml(const RegistrationReport& report)
+{
+  const RegistrationResult& result = *report.Result;
   const auto figure = [](const std::string& value, const std::string& unit, const std::string& name)
   {
     return "<div class=\"figure\"><b>" + value + " <small>" + unit + "</small></b><span>" + name +
       "</span></div>\n";
   };
+  const auto header = [&](int parameter, int digits)
+  {
+    const PoseParameter& known = PoseParameters[parameter];
+    const auto value = HeaderValue(*report.RealMammogram, known.Name);
+    return value ? "; the header says " + NumberText(*value, digits) +
+        (std::string(known.Unit) == "deg" ? "" : " ") + UnitText(known.Unit)
+                 : std::string("; the header does not say it");
+  };
   return "<div class=\"figures\">\n" +
     figure(NumberText(result.After.Correlation, 3), "",
       "correlation inside the breast (1 is best)") +
     figure(NumberText(result.After.MeanOutlineDistanceMm, 2), "mm",
-      "mean distance of the outlines") +
-    figure(NumberText(result.After.LargestOutlineDistanceMm, 2), "mm",
-      "largest distance of the outlines") +
-    figure(NumberText(result.Pose.ThicknessMm, 1), "mm", "compressed thickness") + "</div>\n";
+      "mean distance of the outlines, " + NumberText(result.After.LargestOutlineDistanceMm, 2) +
+        " mm the largest") +
+    figure(NumberText(result.Pose.ThicknessMm, 1), "mm",
+      "compressed thickness" + header(ThicknessParameter, 1)) +
+    figure(NumberText(result.Pose.RollDeg, 1), "°",
+      "angle of the unit" + header(RollParameter, 0)) +
+    "</div>\n";
 }
 
 std::string PicturesHtml(const ReportPictures& pictures)
 {
-  const auto picture = [](const std::string& png, const std::string& name, const std::string& text)
-  {
-    return "<figure><img alt=\"" + name + "\" src=\"data:image/png;base64," + Base64(png) +
-      "\">\n<figcaption><b>" + name + "</b>" + text + "</figcaption></figure>\n";
-  };
-  const auto key = [](const char* color)
-  { return std::string("<span class=\"key\" style=\"background:") + color + "\"></span>"; };
+  const auto key = [](const char* name)
+  { return std::string("<span class=\"key ") + name + "\"></span>"; };
   return std::string("<section>\n<h2>Pictures</h2>\n<div class=\"pictures") +
     (pictures.Wide ? " wide" : "") + "\">\n" +
-    picture(pictures.Real, "Real mammogram",
-      "Log attenuation; the breast's outline " + key("#ff8c1a") + "as found in it. " +
-        key("#9e6bab") + "Left out of the comparison.") +
-    picture(pictures.Synthetic, "Synthetic mammogram",
-      "The MRI's breast, compressed; its outline " + key("#1aa6ff") + "in the same grey window.") +
-    picture(pictures.Overlay, "Overlay",
-      key("#ff8c1a") + "real and " + key("#1aa6ff") + "synthetic; grey where they agree.") +
-    picture(pictures.Difference, "Difference",
-      "Synthetic minus real in standard deviations, grey where left out: " + key("#b2182b") +
-        "synthetic absorbs more, " + key("#2166ac") + "less. Full " + key("#ff8c1a") + "or " +
-        key("#1aa6ff") + ": breast in the real or the synthetic one only.") +
-    "</div>\n<p style=\"color:var(--quiet);font-size:13px;margin:12px 0 0\">Letters are patient "
-    "directions: A anterior, P posterior, L left, R right, H head, F feet.</p>\n</section>\n";
+    FigureHtml(pictures.Real, "Real mammogram", "Real mammogram",
+      "Log attenuation; the breast's outline " + key("real") + "as found in it. " +
+        key("excluded") + "Left out of the comparison.") +
+    FigureHtml(pictures.Synthetic, "Synthetic mammogram", "Synthetic mammogram",
+      "The MRI's breast, compressed; its outline " + key("synthetic") +
+        "in the same grey window.") +
+    FigureHtml(pictures.Overlay, "Overlay", "Overlay",
+      key("real") + "real and " + key("synthetic") + "synthetic; grey where they agree.") +
+    FigureHtml(pictures.Difference, "Difference", "Difference",
+      "Synthetic minus real in standard deviations, grey where left out: " + key("more") +
+        "synthetic absorbs more, " + key("less") + "less. Full " + key("real") + "or " +
+        key("synthetic") + ": breast in the real or the synthetic one only.") +
+    "</div>\n<p class=\"hint\">Letters are patient directions: A anterior, P posterior, L left, R "
+    "right, H head, F feet.</p>\n</section>\n";
 }
 
-/// Both pictures in one place; the script takes them from the figures above, so that each is in the
-/// file once.
-constexpr const char* Comparison = R"html(<section hidden>
+std::string BetweenPlatesHtml(const LayeredPicture& picture)
+{
+  return picture.Png.empty() ? std::string()
+                             : "<section class=\"scene\">\n<h2>Between the plates</h2>\n" +
+      FigureHtml(picture, "The breast between the plates", "As the mechanics squeeze it",
+        "What was found of thickness, angle and place; the skin and the plates are looked "
+        "through.") +
+      "</section>\n";
+}
+
+/// Both pictures in one place; the page's script takes them from the figures before it, so that
+/// each is in the file once, and shows the section.
+constexpr const char* Comparison = R"html(<section class="compare" hidden>
 <h2>Compare</h2>
 <form class="controls">
 <label><input type="radio" name="mode" value="blend" checked> blend, real
@@ -135,21 +151,6 @@ constexpr const char* Comparison = R"html(<section hidden>
 <label><input type="radio" name="mode" value="flicker"> flicker</label>
 </form>
 <div class="stage"><img alt="Real mammogram"><img alt="Synthetic mammogram"></div>
-<script>
-{
-const section = document.currentScript.parentElement;
-const pictures = section.previousElementSibling;
-const stage = section.querySelector(".stage");
-const range = section.querySelector("[type=range]");
-const blend = () => stage.style.setProperty("--blend", range.value + "%");
-stage.querySelectorAll("img").forEach(image => {
-  image.src = pictures.querySelector(`img[alt="${image.alt}"]`).src; });
-section.querySelectorAll("[name=mode]").forEach(button => {
-  button.onchange = () => { stage.className = "stage " + button.value; }; });
-range.oninput = () => { section.querySelector("[value=blend]").click(); blend(); };
-section.hidden = false;
-}
-</script>
 </section>
 )html";
 
@@ -162,25 +163,31 @@ double ConsideredDeviation(const RegistrationResult& result, std::size_t paramet
   return variance > 0 ? std::sqrt(variance) : std::numeric_limits<double>::quiet_NaN();
 }
 
-std::string ParametersHtml(const RegistrationResult& result)
+std::string ParametersHtml(const RegistrationReport& report)
 {
+  const RegistrationResult& result = *report.Result;
   std::string html = "<section>\n<h2>What was found</h2>\n<table>\n<tr><th>Parameter</th>"
-                     "<th class=\"number\">Result</th><th class=\"number\">± (1 SD)</th>"
-                     "<th class=\"number\">± with what is held</th>"
-                     "<th class=\"number\">Start</th><th class=\"number\">Allowed</th>"
+                     "<th class=\"number\">Found</th><th class=\"number\">± (1 SD)</th>"
+                     "<th class=\"number\">By the header</th>"
+                     "<th class=\"number wide\">± with what is held</th>"
+                     "<th class=\"number wide\">Start</th><th class=\"number wide\">Allowed</th>"
                      "<th>Unit</th><th></th></tr>\n";
   for (std::size_t i = 0; i < result.Parameters.size(); ++i)
   {
     const RegistrationParameter& parameter = result.Parameters[i];
-    const auto cell = [](const std::string& text)
-    { return "<td class=\"number\">" + text + "</td>"; };
+    const auto cell = [](const std::string& text, const char* kind = "number")
+    { return std::string("<td class=\"") + kind + "\">" + text + "</td>"; };
+    const auto header = HeaderValue(*report.RealMammogram, parameter.Name);
     html += "<tr><td>" + Escape(ParameterTitle(parameter.Name)) + "</td>" +
       cell("<b>" + NumberText(result.Values[i], 2) + "</b>") +
       cell(NumberText(result.StandardDeviations[i], 2)) +
-      cell(NumberText(ConsideredDeviation(result, i), 2)) + cell(NumberText(parameter.Start, 2)) +
+      cell(header ? NumberText(*header, 1) : "") +
+      cell(NumberText(ConsideredDeviation(result, i), 2), "number wide") +
+      cell(NumberText(parameter.Start, 2), "number wide") +
       cell(parameter.Fixed
           ? "–"
-          : NumberText(parameter.Lower, 1) + " … " + NumberText(parameter.Upper, 1)) +
+          : NumberText(parameter.Lower, 1) + " … " + NumberText(parameter.Upper, 1),
+        "number wide") +
       "<td>" + Escape(UnitText(parameter.Unit)) + "</td><td>" +
       (parameter.Fixed                           ? "<span class=\"flag\">held fixed</span>"
           : AtBound(parameter, result.Values[i]) ? "<span class=\"flag\">at its bound</span>"
@@ -188,7 +195,7 @@ std::string ParametersHtml(const RegistrationResult& result)
       "</td></tr>\n";
   }
   return html +
-    "</table>\n<p style=\"color:var(--quiet);font-size:13px;margin:10px 0 0\">± is the standard "
+    "</table>\n<p class=\"hint\">± is the standard "
     "deviation by the covariance at the solution: it tells how sharply the pictures determine a "
     "parameter, not how well the model holds. The second one also counts what is not known of the "
     "parameters that were held fixed: their allowance, and how far the others would have followed. "
@@ -240,13 +247,13 @@ Lines SearchLines(const RegistrationResult& result)
 
 std::string CourseHtml(const RegistrationResult& result, const std::string& plot)
 {
-  return "<section>\n<h2>Course of the search</h2>\n" + plot + "<p class=\"hint\">" +
-    ResolutionNote(result) + "</p></section>\n";
+  return "<section class=\"screen\">\n<h2>Course of the search</h2>\n" + plot +
+    "<p class=\"hint\">" + ResolutionNote(result) + "</p></section>\n";
 }
 
 std::string SourcesHtml(const RegistrationReport& report)
 {
-  std::string html = "<section>\n<h2>Where it comes from</h2>\n<table>\n";
+  std::string html = "<section class=\"sources\">\n<h2>Where it comes from</h2>\n<table>\n";
   for (const ReportInput& input : report.Inputs)
   {
     html += "<tr><td>" + Escape(input.Role) + "</td><td>" + Escape(input.File) +
@@ -276,9 +283,10 @@ std::string MammogramHtml(const RegistrationReport& report, const ReportPictures
   const std::string& plot)
 {
   const RegistrationResult& result = *report.Result;
-  std::string html = VerdictHtml(Assess(result)) + FiguresHtml(result) + PicturesHtml(pictures) +
-    Comparison + ParametersHtml(result) + CourseHtml(result, plot);
-  html += "<div class=\"columns\">\n<section>\n<h2>Search and compression</h2>\n" +
+  std::string html = VerdictHtml(Assess(result)) + FiguresHtml(report) + PicturesHtml(pictures) +
+    Comparison + BetweenPlatesHtml(report.BetweenPlates) + ParametersHtml(report) +
+    CourseHtml(result, plot);
+  html += "<div class=\"columns screen\">\n<section>\n<h2>Search and compression</h2>\n" +
     Rows(SearchLines(result)) + "</section>\n<section>\n<h2>Mammogram</h2>\n" +
     Rows(MammogramLines(*report.RealMammogram, report.ShareExcluded)) + "</section>\n</div>\n";
   if (!report.Warnings.empty())
@@ -294,13 +302,13 @@ std::string SectionsHtml(const std::vector<ReportSection>& sections)
   std::string html;
   for (const ReportSection& section : sections)
   {
-    html += "<section>\n<h2>" + Escape(section.Title) + "</h2>\n";
+    html += "<section class=\"further\">\n<h2>" + Escape(section.Title) + "</h2>\n";
     html += section.Rows.empty() ? std::string() : Rows(section.Rows);
     if (!section.Picture.empty())
     {
-      html += "<figure><img alt=\"" + Escape(section.Title) + "\" src=\"data:image/png;base64," +
-        Base64(section.Picture) + "\">\n<figcaption>" + Escape(section.Caption) +
-        "</figcaption></figure>\n";
+      html += "<figure class=\"further\"><div class=\"layers\"><img alt=\"" +
+        Escape(section.Title) + "\" src=\"data:image/png;base64," + Base64(section.Picture) +
+        "\"></div>\n<figcaption>" + Escape(section.Caption) + "</figcaption></figure>\n";
     }
     html += section.Notes.empty() ? std::string() : Sentences(section.Notes);
     html += "</section>\n";

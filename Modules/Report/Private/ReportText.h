@@ -2,6 +2,8 @@
 #ifndef mammoray_ReportText_h
 #define mammoray_ReportText_h
 
+#include "mammoray/Report/LayeredPicture.h"
+
 #include <string>
 
 namespace mammoray
@@ -18,6 +20,13 @@ std::string ParameterTitle(const std::string& name);
 
 /// The text with HTML's own characters as entities.
 std::string Escape(const std::string& text);
+
+/// Bytes as base64.
+std::string Base64(const std::string& bytes);
+
+/// A figure that holds its picture: `alt` in words, title and caption as HTML.
+std::string FigureHtml(const LayeredPicture& picture, const std::string& alt,
+  const std::string& title, const std::string& caption);
 }
 
 #endif
