@@ -37,7 +37,14 @@ void DeclareInput(const OptionList& add, ViewInput& input)
   addWhat.Input("--series", input.Series,
     "series of 'mammoray compress' (.pvd): the thickness slider goes through it");
   what->require_option(1);
-  add.Input("--mammogram", input.Mammogram, "mammogram (DICOM MG), of a result the registered one");
+  add.Input("--mammogram", input.Mammograms,
+    "mammogram (DICOM MG), of a result the registered one; repeated where several were registered "
+    "together");
+  add.Input("--image", input.Image,
+    "MRI in the frame of the mesh, shown in three slices (.nrrd .mha .nii .nii.gz, DICOM series); "
+    "default: the result's own, else the tissues of --labels");
+  add.Input("--lesion", input.Lesions,
+    "label volume of lesions in that frame (.nrrd .mha .nii .nii.gz, DICOM SEG), to go to each");
   AddMaterialsOption(add, input.Materials)
     ->description("material table: a file (.json) or a shipped one's name; default: the result's");
   AddSpectrumOption(add, input.Spectrum, "; default: the result's, or W28kVp_Rh50um_Be1mm");
@@ -52,7 +59,8 @@ void DeclareInput(const OptionList& add, ViewInput& input)
   add("--pixel-spacing", input.PixelSpacingMm, Positive("mm"),
     "of the picture where there is no mammogram");
   AddLabelOptions(add, input.Labels)
-    ->description("label volume whose materials the mechanics feel; default: the mesh's own");
+    ->description("label volume whose materials the mechanics feel and the slices show; default: "
+                  "the mesh's own");
   add.Input("--simulation-mesh", input.SimulationMesh,
     "coarse mesh for the mechanics (.vtu); default: made from the labels or the mesh");
 }
@@ -71,7 +79,7 @@ void Declare(const OptionList& add, ViewArguments& arguments)
   add.Numbers("--pixel", arguments.Pixel, "COLUMN ROW",
     "mark what lies behind this pixel of the mammogram");
   add.Numbers("--size", arguments.Size, "W H", "width and height of the window, pixels")
-    ->check(*Between(200, 8192).Range);
+    ->check(*Between(400, 8192).Range);
   add("--pictures", arguments.Viewer.PictureFolder, "folder where the key s saves pictures");
   add("--screenshot", arguments.Screenshot,
     "write the window's picture there (.png) and stop; nothing is shown");
@@ -85,10 +93,13 @@ void Declare(const OptionList& add, ViewArguments& arguments)
 void CheckInputs(const ViewArguments& arguments)
 {
   const ViewInput& input = arguments.Input;
-  for (const std::string& path :
-    { input.Mesh, input.Series, input.Mammogram, input.SimulationMesh })
+  for (const std::string& path : { input.Mesh, input.Series, input.SimulationMesh })
   {
     CheckInputFileIfAny(path);
+  }
+  for (const std::string& path : input.Mammograms)
+  {
+    CheckInputFile(path);
   }
   CheckPictureFile(arguments.Screenshot, arguments.Overwrite);
   if (!std::filesystem::is_directory(arguments.Viewer.PictureFolder))
@@ -100,11 +111,22 @@ void CheckInputs(const ViewArguments& arguments)
 void Run(ViewArguments& arguments)
 {
   CheckInputs(arguments);
-  const ViewedBreast viewed = ReadViewedBreast(arguments.Input);
-  WarnOfDistrust(arguments.Input.Result, viewed.Trust);
+  const std::vector<ViewedBreast> viewed = ReadViewedBreasts(arguments.Input);
+  for (const ViewedBreast& one : viewed)
+  {
+    WarnOfDistrust((std::filesystem::path(arguments.Input.Result) / one.View).string(), one.Trust);
+  }
   ViewerOptions& options = arguments.Viewer;
   options.OffScreen = !arguments.Screenshot.empty() || arguments.BenchmarkFrames;
   options.Stop = InterruptRequested;
+  if (!options.OffScreen)
+  {
+    options.Marked = [](const std::string& found)
+    {
+      std::printf("%s\n", found.c_str());
+      std::fflush(stdout);
+    };
+  }
   options.SourceOffset = arguments.Source.value_or(options.SourceOffset);
   options.Width = arguments.Size[0];
   options.Height = arguments.Size[1];

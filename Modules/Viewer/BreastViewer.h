@@ -8,7 +8,9 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
+#include <vector>
 
 class vtkRenderWindow;
 
@@ -30,13 +32,16 @@ struct ViewerOptions
   Vector3 SourceOffset{ 0, 0, 0 };
   /// Where the key s saves pictures.
   std::string PictureFolder = ".";
+  /// Called with what was found whenever something is marked.
+  std::function<void(const std::string&)> Marked;
   /// Asked many times a second; true closes the window.
   std::function<bool()> Stop;
 };
 
 /**
- * An interactive window: the breast with plates and source, the breast at rest, and the mammogram,
- * synthetic and real. What each key and button does is in ViewerHelpText.
+ * An interactive window: the breast with plates and source, the breast at rest, three slices of the
+ * MRI or its tissues, and the mammograms, synthetic and real. What each key and button does is in
+ * ViewerHelpText.
  *
  * One viewer of a process may Run, and once: VTK's event loop for X keeps every interactor that was
  * initialised, also after its end, and crashes on it in the next loop (VTK 9.1). Any number may
@@ -49,7 +54,8 @@ class MAMMORAYVIEWER_EXPORT BreastViewer
 {
 public:
   /// Throws InputError where there is no display (see RequireDisplay), and DeviceError.
-  BreastViewer(const ViewedBreast& viewed, const ViewerOptions& options);
+  /// `viewed`: one for each mammogram, of one breast; at least one. It must outlive the viewer.
+  BreastViewer(const std::vector<ViewedBreast>& viewed, const ViewerOptions& options);
   ~BreastViewer();
 
   /// Shows the window until it is closed.
@@ -68,7 +74,8 @@ public:
   void MoveSource(const Vector3& offset);
   /// Marks a point of the breast at rest, mm, volume frame; false where there is no breast.
   bool MarkPoint(const Vector3& point);
-  /// Marks what lies behind a pixel, continuous position; false beside the breast.
+  /// Marks what lies behind a pixel of the active mammogram (the first, or the last one clicked),
+  /// continuous position; false beside the breast.
   bool MarkPixel(double column, double row);
   void ClearMark();
   /// A click at a place of the window, pixels from its lower left corner.

@@ -4,6 +4,7 @@
 #include "mammoray/Case/RegisteredMammogram.h"
 #include "mammoray/Case/ResultFile.h"
 #include "mammoray/Foundation/Error.h"
+#include "mammoray/IO/LabelVolumeIO.h"
 #include "mammoray/IO/MammogramIO.h"
 #include "mammoray/IO/MeshConversion.h"
 #include "mammoray/IO/MeshIO.h"
@@ -26,6 +27,8 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <map>
+#include <utility>
 
 namespace mammoray
 {
@@ -86,9 +89,8 @@ void AddMammogram(const Mammogram& mammogram, ViewedBreast& viewed)
   viewed.Laterality = mammogram.Laterality;
 }
 
-ViewedBreast ReadResult(const ViewInput& input)
+ViewedBreast ReadResult(const ViewInput& input, const ResultFile& result)
 {
-  const ResultFile result = ReadResultFile(input.Result);
   ViewedBreast viewed;
   viewed.Breast = ReadBreastInUnit(result);
   viewed.Trust = result.Trust;
@@ -98,9 +100,13 @@ ViewedBreast ReadResult(const ViewInput& input)
   viewed.Axes = result.Axes;
   viewed.Anchor = result.Anchor;
   viewed.Laterality = result.Mammogram.Laterality;
-  if (!input.Mammogram.empty())
+  for (const std::string& mammogram : input.Mammograms)
   {
-    AddMammogram(ReadRegisteredMammogram(result, input.Mammogram), viewed);
+    if (input.Mammograms.size() == 1 || IsRegisteredMammogram(result, mammogram))
+    {
+      AddMammogram(ReadRegisteredMammogram(result, mammogram), viewed);
+      break;
+    }
   }
   return viewed;
 }
@@ -199,9 +205,9 @@ ViewedBreast ReadMeshes(const ViewInput& input)
   viewed.Pose.ThicknessMm = thickness.value_or(BreastPose().ThicknessMm);
   viewed.Anchor =
     FindPoseAnchor(FromGrid(viewed.Breast.Uncompressed), viewed.Materials.Held(), viewed.Axes);
-  if (!input.Mammogram.empty())
+  if (!input.Mammograms.empty())
   {
-    AddMammogram(ReadMammogram(input.Mammogram), viewed);
+    AddMammogram(ReadMammogram(input.Mammograms.front()), viewed);
   }
   return viewed;
 }
@@ -243,12 +249,63 @@ RegistrationTarget GridAround(const ViewedBreast& viewed, double spacingMm)
   grid.Origin = { high[0] + MarginMm - 0.5 * spacingMm, 0.5 * spacingMm };
   return grid;
 }
+/// What stands beside a result, empty where there is nothing.
+std::string BesideResult(const ViewInput& input, const char* name)
+{
+  const fs::path path = fs::path(input.Result) / name;
+  return !input.Result.empty() && fs::is_regular_file(path) ? path.string() : "";
 }
 
-ViewedBreast ReadViewedBreast(const ViewInput& input)
+/// The volumes that the slices show.
+void ReadVolumes(const ViewInput& input, ViewedBreast& viewed)
 {
-  ViewedBreast viewed = input.Result.empty() ? ReadMeshes(input) : ReadResult(input);
-  viewed.Name = fs::path(input.Result + input.Mesh + input.Series).lexically_normal().string();
+  const VolumeAxes axes = input.Labels.AxesAsGiven ? VolumeAxes::AsGiven : VolumeAxes::Patient;
+  const std::string image = input.Image.empty() ? BesideResult(input, "mri.nrrd") : input.Image;
+  if (!image.empty())
+  {
+    viewed.Image = std::make_shared<const IntensityVolume>(ReadIntensityVolume(image, axes));
+  }
+  if (!input.Labels.Path.empty())
+  {
+    viewed.Mechanics.Volume = ReadMaterials(input.Labels, viewed.Materials);
+    viewed.Tissue = std::make_shared<const LabelVolume>(*viewed.Mechanics.Volume);
+  }
+  else if (const std::string labels = BesideResult(input, "labels.nrrd"); !labels.empty())
+  {
+    viewed.Tissue = std::make_shared<const LabelVolume>(
+      viewed.Materials.ToMaterials(ReadLabelVolume(labels), labels));
+  }
+  if (input.Lesions.empty())
+  {
+    return;
+  }
+  const auto lesions = std::make_shared<const LabelVolume>(ReadLabelVolume(input.Lesions, axes));
+  viewed.Lesions = lesions;
+  std::map<int, ViewedLesion> found;
+  lesions->ForEachVoxel(
+    [&](int i, int j, int k, std::size_t voxel)
+    {
+      if (lesions->Voxels[voxel] != 0)
+      {
+        ViewedLesion& lesion = found[lesions->Voxels[voxel]];
+        lesion.VolumeMm3 += lesions->VoxelVolume();
+        lesion.Centre = lesion.Centre + lesions->VoxelVolume() * lesions->PointAt(i, j, k);
+      }
+    });
+  for (auto& [label, lesion] : found)
+  {
+    viewed.LesionList.push_back(
+      { label, lesion.VolumeMm3, (1 / lesion.VolumeMm3) * lesion.Centre });
+  }
+  if (found.empty())
+  {
+    throw InputError(input.Lesions + ": expected voxels that are not 0, found none");
+  }
+}
+
+/// The pose that is asked for, and what follows of it.
+void Complete(const ViewInput& input, ViewedBreast& viewed)
+{
   viewed.Anatomy = FromGrid(viewed.Breast.Uncompressed);
   std::vector<std::string> names;
   FromGrid(viewed.Breast.Compressed, &names);
@@ -276,14 +333,51 @@ ViewedBreast ReadViewedBreast(const ViewInput& input)
   {
     viewed.Breast.Grid = GridAround(viewed, input.PixelSpacingMm);
   }
-  if (!input.Labels.Path.empty())
-  {
-    viewed.Mechanics.Volume = ReadMaterials(input.Labels, viewed.Materials);
-  }
   if (!input.SimulationMesh.empty())
   {
     viewed.Mechanics.SimulationMesh = FromGrid(ReadMesh(input.SimulationMesh));
   }
-  return viewed;
+}
+}
+
+std::vector<ViewedBreast> ReadViewedBreasts(const ViewInput& input)
+{
+  std::vector<ViewedBreast> all;
+  if (input.Result.empty())
+  {
+    all.push_back(ReadMeshes(input));
+  }
+  else
+  {
+    const std::vector<ResultFile> results = ReadResultFiles(input.Result);
+    for (const std::string& mammogram : input.Mammograms)
+    {
+      if (results.size() > 1 &&
+        std::none_of(results.begin(), results.end(),
+          [&](const ResultFile& result) { return IsRegisteredMammogram(result, mammogram); }))
+      {
+        throw InputError(mammogram +
+          ": expected a mammogram that was registered there, found "
+          "another");
+      }
+    }
+    for (const ResultFile& result : results)
+    {
+      ViewedBreast& viewed = all.emplace_back(ReadResult(input, result));
+      viewed.View = results.size() > 1 ? fs::path(result.Folder).filename().string() : "";
+    }
+  }
+  ReadVolumes(input, all.front());
+  for (ViewedBreast& viewed : all)
+  {
+    viewed.Name = fs::path(input.Result + input.Mesh + input.Series).lexically_normal().string();
+    viewed.Image = all.front().Image;
+    viewed.Tissue = all.front().Tissue;
+    viewed.Lesions = all.front().Lesions;
+    viewed.LesionList = all.front().LesionList;
+    viewed.Mechanics.Volume = all.front().Mechanics.Volume;
+    Complete(input, viewed);
+  }
+  return all;
 }
 }

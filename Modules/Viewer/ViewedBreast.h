@@ -4,6 +4,8 @@
 
 #include "mammoray/Case/BreastInUnit.h"
 #include "mammoray/Case/LabelSource.h"
+#include "mammoray/Foundation/IntensityVolume.h"
+#include "mammoray/Foundation/LabelVolume.h"
 #include "mammoray/Foundation/Mammogram.h"
 #include "mammoray/Foundation/MaterialTable.h"
 #include "mammoray/Foundation/PoseParameters.h"
@@ -14,6 +16,7 @@
 #include "mammorayViewerModule.h"
 
 #include <array>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -28,8 +31,12 @@ struct ViewInput
   std::string Result;
   std::string Mesh;
   std::string Series;
-  /// DICOM MG, the one registered of a result; empty: none is shown.
-  std::string Mammogram;
+  /// DICOM MG, those registered of a result, in any order; empty: none is shown.
+  std::vector<std::string> Mammograms;
+  /// MRI in the frame of the mesh (see ReadIntensityVolume); empty: the result's mri.nrrd, if any.
+  std::string Image;
+  /// Label volume of lesions in that frame; empty: none.
+  std::string Lesions;
   /// Material table, a path or a shipped one's name; of a result: empty takes the one that it was
   /// made with, if that is shipped.
   std::string Materials;
@@ -55,11 +62,27 @@ struct CompressionStep
   std::vector<double> Points;
 };
 
-/// Everything that a viewer needs to know of a breast.
+/// A lesion that can be gone to.
+struct ViewedLesion
+{
+  int Label = 0;
+  double VolumeMm3 = 0;
+  /// Of its voxels, mm.
+  Vector3 Centre{ 0, 0, 0 };
+};
+
+/// Everything that a viewer needs to know of a breast in one unit.
 struct ViewedBreast
 {
   /// For titles.
   std::string Name;
+  /// "cc", of several mammograms; empty: there is one.
+  std::string View;
+  /// MRI, tissues (material indices) and lesions, which the slices show; null where there are none.
+  std::shared_ptr<const IntensityVolume> Image;
+  std::shared_ptr<const LabelVolume> Tissue;
+  std::shared_ptr<const LabelVolume> Lesions;
+  std::vector<ViewedLesion> LesionList;
   /// As it stands at the beginning; compressed may be uncompressed. The grid is the mammogram's, or
   /// one that holds the breast.
   BreastInUnit Breast;
@@ -82,8 +105,9 @@ struct ViewedBreast
   BreastModelOptions Mechanics;
 };
 
-/// Reads it. Throws InputError, one line, on anything unusable.
-MAMMORAYVIEWER_EXPORT ViewedBreast ReadViewedBreast(const ViewInput& input);
+/// Reads it: of a joint result one for each mammogram, in its order, else one. Throws InputError,
+/// one line, on anything unusable.
+MAMMORAYVIEWER_EXPORT std::vector<ViewedBreast> ReadViewedBreasts(const ViewInput& input);
 }
 
 #endif

@@ -36,7 +36,7 @@ protected:
     {
       GTEST_SKIP() << "no Xvfb";
     }
-    this->Viewed = ReadViewedBreast(test::WriteSmallBreast(this->Folder));
+    this->Viewed = ReadViewedBreasts(test::WriteSmallBreast(this->Folder));
     this->Options.Width = 1000;
     this->Options.Height = 700;
     this->Options.PictureFolder = this->Folder.File("");
@@ -72,7 +72,7 @@ protected:
   }
 
   testing_support::TemporaryFolder Folder;
-  ViewedBreast Viewed;
+  std::vector<ViewedBreast> Viewed;
   ViewerOptions Options;
 };
 
@@ -94,10 +94,12 @@ TEST_F(BreastViewerTest, CompressesWhenTheThicknessIsDragged)
   viewer.Tick();
   const std::vector<double> before = viewer.Points();
   const double thickness = viewer.Pose().ThicknessMm;
-  // The uppermost slider from its middle towards thicker plates, so that they hardly touch.
-  const double left = 0.22 + 0.36 * 0.33;
-  const double right = 0.22 + 0.97 * 0.33;
-  Drag(viewer, 0.5 * (left + right), 0.88 * 0.34, 0.8 * right + 0.2 * left, 0.88 * 0.34);
+  // The first slider from its middle towards thicker plates, so that they hardly touch: one of
+  // three across 1000 pixels, in the upper row of the strip of 136.
+  const double left = 0.149;
+  const double right = 0.320;
+  const double y = 108.0 / 700;
+  Drag(viewer, 0.5 * (left + right), y, 0.8 * right + 0.2 * left, y);
   EXPECT_GT(viewer.Pose().ThicknessMm, thickness + 5);
   EXPECT_EQ(viewer.Points(), before);
   const auto begin = std::chrono::steady_clock::now();
@@ -149,12 +151,12 @@ TEST_F(BreastViewerTest, MarksWhatIsClickedInEveryView)
 {
   BreastViewer viewer(this->Viewed, this->Options);
   viewer.Tick();
-  Drag(viewer, 0.65, 0.5, 0.65, 0.5);
+  Drag(viewer, 0.73, 0.6, 0.73, 0.6); // the middle of the mammogram
   viewer.Tick();
   EXPECT_THAT(viewer.Status(), testing::StartsWith("pixel ("));
   EXPECT_THAT(viewer.Status(), testing::HasSubstr("gland"));
   EXPECT_THAT(viewer.Status(), testing::HasSubstr("uncertainty unknown")); // nothing registered
-  Drag(viewer, 0.11, 0.17, 0.11, 0.17); // the breast at rest, in the middle of its view
+  Drag(viewer, 0.23, 0.35, 0.23, 0.35); // the breast at rest, in the middle of its view
   viewer.Tick();
   EXPECT_THAT(viewer.Status(), testing::HasSubstr("mm in "));
   viewer.Key("Escape");
@@ -162,6 +164,95 @@ TEST_F(BreastViewerTest, MarksWhatIsClickedInEveryView)
   EXPECT_EQ(viewer.Status(), "");
   EXPECT_FALSE(viewer.MarkPoint({ 500, 0, 0 }));
   EXPECT_THAT(viewer.Message(), testing::HasSubstr("expected a place in the breast"));
+}
+
+/// A volume around the small breast whose grey is its x.
+std::shared_ptr<IntensityVolume> Ramp()
+{
+  auto volume = std::make_shared<IntensityVolume>();
+  volume->Size = { 60, 40, 60 };
+  volume->Spacing = { 2, 2, 2 };
+  volume->Origin = { -60, -20, -60 };
+  volume->ForEachVoxel([&](int i, int, int, std::size_t) { volume->Voxels.push_back(i); });
+  return volume;
+}
+
+TEST_F(BreastViewerTest, SlicesFollowAMarkAndAreMarkedThemselves)
+{
+  this->Viewed.front().Image = Ramp();
+  BreastViewer viewer(this->Viewed, this->Options);
+  viewer.Tick();
+  ASSERT_TRUE(viewer.MarkPoint({ 5, 20, 3 }));
+  const auto sagittalAt5 = this->Shot(viewer);
+  ASSERT_TRUE(viewer.MarkPoint({ -25, 20, 3 }));
+  const auto sagittalAt25 = this->Shot(viewer);
+  // The lowest of the three slices shows one x: 30 mm less is 15 of 59 steps darker, within 2 of
+  // 255 for rounding.
+  EXPECT_NEAR(Grey(sagittalAt5, 0.36, 0.32) - Grey(sagittalAt25, 0.36, 0.32), 255 * 15 / 59.0, 2);
+  // A click in the middle of the axial slice, the uppermost: on the slice through the mark.
+  Drag(viewer, 0.405, 0.865, 0.405, 0.865);
+  viewer.Tick();
+  double x = 0;
+  double y = 0;
+  double z = 0;
+  ASSERT_EQ(std::sscanf(viewer.Status().c_str(), "(%lf, %lf, %lf) mm in", &x, &y, &z), 3)
+    << viewer.Status();
+  EXPECT_NEAR(z, 3, 0.06); // as it is printed
+  EXPECT_NEAR(x, 0, 2);    // the breast's middle is framed, half a pixel is 0.2 mm
+  EXPECT_NEAR(y, 15, 9);   // from the chest wall, 15 mm behind, to the nipple at 45
+}
+
+TEST_F(BreastViewerTest, WheelGoesThroughSlicesAndDragsChangeTheirGrey)
+{
+  this->Viewed.front().Image = Ramp();
+  BreastViewer viewer(this->Viewed, this->Options);
+  viewer.Tick();
+  const auto before = this->Shot(viewer);
+  for (int step = 0; step < 10; ++step)
+  {
+    Mouse(viewer, 0.36, 0.32, vtkCommand::MouseWheelForwardEvent);
+  }
+  const auto scrolled = this->Shot(viewer);
+  // Towards the patient's right, 10 voxels of 59.
+  EXPECT_NEAR(Grey(before, 0.36, 0.32) - Grey(scrolled, 0.36, 0.32), 255 * 10 / 59.0, 2);
+  Drag(viewer, 0.36, 0.30, 0.36, 0.34); // up: brighter
+  const auto brighter = this->Shot(viewer);
+  EXPECT_GT(Grey(brighter, 0.36, 0.32), Grey(scrolled, 0.36, 0.32) + 10);
+  viewer.Key("r");
+  const auto back = this->Shot(viewer);
+  EXPECT_EQ(Grey(back, 0.36, 0.32), Grey(before, 0.36, 0.32));
+}
+
+TEST_F(BreastViewerTest, MarksInBothMammogramsOfAJointResult)
+{
+  this->Viewed.push_back(this->Viewed.front());
+  this->Viewed[0].View = "cc";
+  this->Viewed[1].View = "mlo";
+  this->Viewed[1].Pose.RollDeg = -45;
+  BreastViewer viewer(this->Viewed, this->Options);
+  viewer.Tick();
+  Drag(viewer, 0.595, 0.6, 0.595, 0.6); // the middle of the first one
+  EXPECT_THAT(viewer.Status(), testing::StartsWith("cc: pixel ("));
+  EXPECT_EQ(viewer.Pose().RollDeg, 0);
+  Drag(viewer, 0.865, 0.6, 0.865, 0.6);
+  EXPECT_THAT(viewer.Status(), testing::StartsWith("mlo: pixel ("));
+  EXPECT_EQ(viewer.Pose().RollDeg, -45); // its unit is the one between the plates now
+  ASSERT_TRUE(viewer.MarkPoint({ 5, 20, 3 }));
+  EXPECT_THAT(viewer.Status(), testing::HasSubstr("cc: pixel ("));
+  EXPECT_THAT(viewer.Status(), testing::HasSubstr("mlo: pixel ("));
+}
+
+TEST_F(BreastViewerTest, GoesToLesions)
+{
+  auto lesions = std::make_shared<LabelVolume>();
+  lesions->Size = { 1, 1, 1 };
+  lesions->Origin = { 5, 20, 3 };
+  lesions->Voxels = { 4 };
+  this->Viewed.front().Lesions = lesions;
+  this->Viewed.front().LesionList = { { 4, 1, { 5, 20, 3 } } };
+  BreastViewer viewer(this->Viewed, this->Options);
+  viewer.Key("n");
+  EXPECT_THAT(viewer.Status(), testing::StartsWith("(5.0, 20.0, 3.0) mm in gland"));
 }
 
 TEST_F(BreastViewerTest, SavesPicturesUnderFreeNames)

@@ -24,7 +24,7 @@ protected:
     {
       GTEST_SKIP() << "no Vulkan device";
     }
-    this->Viewed = ReadViewedBreast(test::WriteSmallBreast(this->Folder));
+    this->Viewed = ReadViewedBreasts(test::WriteSmallBreast(this->Folder)).front();
   }
   testing_support::TemporaryFolder Folder;
   ViewedBreast Viewed;

@@ -14,31 +14,6 @@ namespace mammoray
 {
 namespace
 {
-/// Points of the ellipse on the receptor, `deviations` of its standard deviations large; gantry x,
-/// y.
-std::vector<ReceptorPoint> LoopOf(const UncertaintyEllipse& ellipse, const ReceptorPoint& middle,
-  const RegistrationTarget& grid, double deviations)
-{
-  constexpr int Steps = 48;
-  const double columnLength = std::hypot(grid.ColumnStep[0], grid.ColumnStep[1]);
-  const double rowLength = std::hypot(grid.RowStep[0], grid.RowStep[1]);
-  const double turn = ellipse.AngleDeg * std::numbers::pi / 180;
-  std::vector<ReceptorPoint> loop;
-  for (int step = 0; step < Steps; ++step)
-  {
-    const double angle = 2 * std::numbers::pi * step / Steps;
-    const double major = deviations * ellipse.MajorMm * std::cos(angle);
-    const double minor = deviations * ellipse.MinorMm * std::sin(angle);
-    const double alongColumns = major * std::cos(turn) - minor * std::sin(turn);
-    const double alongRows = major * std::sin(turn) + minor * std::cos(turn);
-    loop.push_back({ middle[0] + alongColumns * grid.ColumnStep[0] / columnLength +
-        alongRows * grid.RowStep[0] / rowLength,
-      middle[1] + alongColumns * grid.ColumnStep[1] / columnLength +
-        alongRows * grid.RowStep[1] / rowLength });
-  }
-  return loop;
-}
-
 std::string UncertaintyText(const std::optional<UncertaintyEllipse>& uncertainty)
 {
   if (!uncertainty)
@@ -62,15 +37,45 @@ std::vector<Vector3> Thinned(const std::vector<Vector3>& curve)
   }
   return places;
 }
-}
 
-BreastMark::BreastMark(LiveMammogram& live, BreastScene& squeezed, BreastScene& atRest,
-  MammogramPane& pane)
-  : Live(live)
-  , Squeezed(squeezed)
-  , AtRest(atRest)
-  , Pane(pane)
+constexpr double MarkDeviations[] = { 1, 2 };
+
+/// Ellipses around a place: on the receptor, in the compressed breast and at rest.
+struct UncertaintyLoops
 {
+  std::vector<std::vector<ReceptorPoint>> Receptor;
+  std::vector<Loop> Compressed;
+  std::vector<Loop> Rest;
+};
+
+UncertaintyLoops LoopsAround(const LiveMammogram& live, const Vector3& rest,
+  const ImagedPoint& imaged)
+{
+  UncertaintyLoops loops;
+  if (!imaged.Uncertainty)
+  {
+    return loops;
+  }
+  const VolumeFromGantry placed = live.Placed();
+  const Vector3 source = placed.ToGantry(live.SourcePosition());
+  const RegistrationTarget& grid = live.Grid(1);
+  const ReceptorPoint at = PixelPosition(grid, imaged.Column, imaged.Row);
+  // From the receptor back to the point's height.
+  const double share = 1 - placed.ToGantry(imaged.Compressed)[2] / source[2];
+  for (const double deviations : MarkDeviations)
+  {
+    loops.Receptor.push_back(EllipsePoints(*imaged.Uncertainty, at, grid, deviations));
+    Loop& there = loops.Compressed.emplace_back();
+    Loop& before = loops.Rest.emplace_back();
+    for (const auto& [x, y] : loops.Receptor.back())
+    {
+      there.push_back(placed.Point(source + share * (Vector3{ x, y, 0 } - source)));
+      // As far from the point as between the plates; the tissue's turn and stretch left out.
+      before.push_back(rest + there.back() - imaged.Compressed);
+    }
+  }
+  return loops;
+}
 }
 
 void BreastMark::Set(const Vector3& point)
@@ -79,10 +84,11 @@ void BreastMark::Set(const Vector3& point)
   this->Pixel.reset();
 }
 
-void BreastMark::Set(const std::array<double, 2>& pixel)
+void BreastMark::Set(const std::array<double, 2>& pixel, std::size_t mammogram)
 {
   this->Point.reset();
   this->Pixel = pixel;
+  this->PixelOf = mammogram;
 }
 
 void BreastMark::Clear()
@@ -94,48 +100,67 @@ void BreastMark::Clear()
 void BreastMark::Update()
 {
   this->Found.clear();
-  if (!this->Point && !this->Pixel)
-  {
-    this->DrawNothing();
-    this->Pane.SetMark({}, {});
-    return;
-  }
-  const RegisteredBreast breast(this->Live.InUnit());
+  this->Centre.reset();
   if (this->Point)
   {
-    this->UpdatePoint(breast);
+    this->UpdatePoint();
+  }
+  else if (this->Pixel)
+  {
+    this->UpdatePixel();
   }
   else
   {
-    this->UpdatePixel(breast);
+    this->DrawNothing();
   }
 }
 
 void BreastMark::DrawNothing()
 {
-  this->Squeezed.SetMark({}, {}, {});
   this->AtRest.SetMark({}, {}, {});
+  for (const MarkedMammogram& mammogram : this->Mammograms)
+  {
+    mammogram.Squeezed->SetMark({}, {}, {});
+    mammogram.Pane->SetMark({}, {});
+  }
 }
 
-void BreastMark::UpdatePoint(const RegisteredBreast& breast)
+void BreastMark::UpdatePoint()
 {
-  const ImagedPoint imaged = breast.ToMammogram(*this->Point);
   char text[240];
-  std::snprintf(text, sizeof text, "(%.1f, %.1f, %.1f) mm in %s; pixel (%.1f, %.1f)%s\n%s",
-    (*this->Point)[0], (*this->Point)[1], (*this->Point)[2], imaged.Material.c_str(), imaged.Column,
-    imaged.Row, imaged.InImage ? "" : ", beside the picture",
-    UncertaintyText(imaged.Uncertainty).c_str());
-  this->Draw(breast, { *this->Point }, imaged.Column, imaged.Row);
-  this->Found = text;
+  for (const MarkedMammogram& mammogram : this->Mammograms)
+  {
+    const RegisteredBreast breast(mammogram.Live->InUnit());
+    const ImagedPoint imaged = breast.ToMammogram(*this->Point);
+    if (this->Found.empty())
+    {
+      std::snprintf(text, sizeof text, "(%.1f, %.1f, %.1f) mm in %s", (*this->Point)[0],
+        (*this->Point)[1], (*this->Point)[2], imaged.Material.c_str());
+      this->Found = text;
+    }
+    std::snprintf(text, sizeof text, "%spixel (%.1f, %.1f)%s, %s", mammogram.Prefix.c_str(),
+      imaged.Column, imaged.Row, imaged.InImage ? "" : ", beside the picture",
+      UncertaintyText(imaged.Uncertainty).c_str());
+    this->Found += "\n";
+    this->Found += text;
+    const UncertaintyLoops loops = LoopsAround(*mammogram.Live, *this->Point, imaged);
+    mammogram.Squeezed->SetMark({ imaged.Compressed }, { imaged.Compressed }, loops.Compressed);
+    mammogram.Pane->SetMark({ PixelPosition(mammogram.Live->Grid(1), imaged.Column, imaged.Row) },
+      loops.Receptor);
+    this->AtRest.SetMark({ *this->Point }, { *this->Point }, loops.Rest);
+  }
+  this->Centre = this->Point;
 }
 
 /// The tissues along the X-ray; the uncertainty in its middle.
-void BreastMark::UpdatePixel(const RegisteredBreast& breast)
+void BreastMark::UpdatePixel()
 {
+  const MarkedMammogram& marked = this->Mammograms[this->PixelOf];
   const auto [column, row] = *this->Pixel;
+  const RegisteredBreast breast(marked.Live->InUnit());
   const std::vector<TissueStretch> stretches = breast.ToVolume(column, row, 1.0);
   char text[240];
-  std::snprintf(text, sizeof text, "pixel (%.1f, %.1f): ", column, row);
+  std::snprintf(text, sizeof text, "%spixel (%.1f, %.1f): ", marked.Prefix.c_str(), column, row);
   this->Found = text;
   std::map<std::string, double> lengths;
   std::vector<Vector3> curve;
@@ -148,7 +173,7 @@ void BreastMark::UpdatePixel(const RegisteredBreast& breast)
   {
     this->Found += "the X-ray misses the breast";
     this->DrawNothing();
-    this->Pane.SetMark({ PixelPosition(this->Live.Grid(1), column, row) }, {});
+    marked.Pane->SetMark({ PixelPosition(marked.Live->Grid(1), column, row) }, {});
     return;
   }
   for (const auto& [material, length] : lengths)
@@ -158,57 +183,51 @@ void BreastMark::UpdatePixel(const RegisteredBreast& breast)
   }
   this->Found.replace(this->Found.size() - 2, 2, " mm");
   const std::vector<Vector3> places = Thinned(curve);
+  this->Centre = curve[curve.size() / 2];
   this->Found += '\n';
   this->Found += UncertaintyText(breast.ToMammogram(places[places.size() / 2]).Uncertainty);
-  this->Draw(breast, places, column, row);
+  for (const MarkedMammogram& mammogram : this->Mammograms)
+  {
+    const bool own = &mammogram == &marked;
+    const RegisteredBreast other(own ? marked.Live->InUnit() : mammogram.Live->InUnit());
+    this->DrawLine(mammogram, other, places, own);
+  }
 }
 
-/// Points of the breast at rest.
-void BreastMark::Draw(const RegisteredBreast& breast, const std::vector<Vector3>& points,
-  double column, double row)
+/// Points of the breast at rest, along the ray of a pixel of this mammogram or of another.
+void BreastMark::DrawLine(const MarkedMammogram& mammogram, const RegisteredBreast& breast,
+  const std::vector<Vector3>& places, bool ofPixel)
 {
-  constexpr double Deviations[] = { 1, 2 };
-  const RegistrationTarget& grid = this->Live.Grid(1);
-  const VolumeFromGantry placed = this->Live.Placed();
-  const Vector3 source = placed.ToGantry(this->Live.SourcePosition());
   std::vector<Vector3> squeezed;
   std::vector<Loop> squeezedLoops;
   std::vector<Loop> restLoops;
+  std::vector<ReceptorPoint> seen;
   std::vector<std::vector<ReceptorPoint>> receptorLoops;
-  const std::size_t middle = points.size() / 2;
-  for (std::size_t index = 0; index < points.size(); ++index)
+  for (std::size_t index = 0; index < places.size(); ++index)
   {
-    const ImagedPoint imaged = breast.ToMammogram(points[index]);
+    const ImagedPoint imaged = breast.ToMammogram(places[index]);
     squeezed.push_back(imaged.Compressed);
-    if (!imaged.Uncertainty)
+    seen.push_back(PixelPosition(mammogram.Live->Grid(1), imaged.Column, imaged.Row));
+    const UncertaintyLoops loops = LoopsAround(*mammogram.Live, places[index], imaged);
+    squeezedLoops.insert(squeezedLoops.end(), loops.Compressed.begin(), loops.Compressed.end());
+    restLoops.insert(restLoops.end(), loops.Rest.begin(), loops.Rest.end());
+    if (index == places.size() / 2)
     {
-      continue;
-    }
-    const ReceptorPoint at = PixelPosition(grid, imaged.Column, imaged.Row);
-    // From the receptor back to the point's height.
-    const double share = 1 - placed.ToGantry(imaged.Compressed)[2] / source[2];
-    for (const double deviations : Deviations)
-    {
-      const std::vector<ReceptorPoint> loop = LoopOf(*imaged.Uncertainty, at, grid, deviations);
-      Loop there;
-      Loop before;
-      for (const auto& [x, y] : loop)
-      {
-        there.push_back(placed.Point(source + share * (Vector3{ x, y, 0 } - source)));
-        // As far from the point as between the plates; the tissue's turn and stretch left out.
-        before.push_back(points[index] + there.back() - imaged.Compressed);
-      }
-      squeezedLoops.push_back(there);
-      restLoops.push_back(before);
-      if (index == middle)
-      {
-        receptorLoops.push_back(loop);
-      }
+      receptorLoops = loops.Receptor;
     }
   }
-  const bool single = points.size() == 1;
-  this->Squeezed.SetMark(single ? squeezed : std::vector<Vector3>{}, squeezed, squeezedLoops);
-  this->AtRest.SetMark(single ? points : std::vector<Vector3>{}, points, restLoops);
-  this->Pane.SetMark({ PixelPosition(grid, column, row) }, receptorLoops);
+  mammogram.Squeezed->SetMark({}, squeezed, squeezedLoops);
+  if (ofPixel)
+  {
+    const RegistrationTarget& grid = mammogram.Live->Grid(1);
+    mammogram.Pane->SetMark({ PixelPosition(grid, (*this->Pixel)[0], (*this->Pixel)[1]) },
+      receptorLoops);
+    this->AtRest.SetMark({}, places, restLoops);
+  }
+  else
+  {
+    // In the middle of the line, as far as it may lie off to the sides.
+    mammogram.Pane->SetMark({}, receptorLoops, seen);
+  }
 }
 }

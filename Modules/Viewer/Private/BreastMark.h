@@ -15,39 +15,58 @@ namespace mammoray
 {
 class RegisteredBreast;
 
+/// A mammogram in which a mark is drawn, and its breast between the plates; what it refers to must
+/// outlive the mark.
+struct MarkedMammogram
+{
+  /// "cc: " and the like; empty where there is only one.
+  std::string Prefix;
+  LiveMammogram* Live = nullptr;
+  BreastScene* Squeezed = nullptr;
+  MammogramPane* Pane = nullptr;
+};
+
 /**
- * What the user marked, a point of the breast at rest or a pixel, and how it is drawn in all views
- * of the window: the points concerned, and ellipses of one and two standard deviations around
- * them. What it refers to must outlive it.
+ * What the user marked, a point of the breast at rest or a pixel of a mammogram, and how it is
+ * drawn in all views of the window: the points concerned, and ellipses of one and two standard
+ * deviations around them; what lies behind a pixel is a line in the other mammograms.
  */
 class BreastMark
 {
 public:
-  BreastMark(LiveMammogram& live, BreastScene& squeezed, BreastScene& atRest, MammogramPane& pane);
+  explicit BreastMark(BreastScene& atRest)
+    : AtRest(atRest)
+  {
+  }
+  void Add(const MarkedMammogram& mammogram) { this->Mammograms.push_back(mammogram); }
 
-  /// Points: volume frame, mm. Pixels: continuous column and row. Both take effect with Update.
+  /// Points: volume frame, mm. Pixels: continuous column and row of one of the mammograms, by its
+  /// number. Both take effect with Update.
   void Set(const Vector3& point);
-  void Set(const std::array<double, 2>& pixel);
+  void Set(const std::array<double, 2>& pixel, std::size_t mammogram);
   void Clear();
   /// Finds what is marked in the breast as it stands, and draws it. Throws InputError beside the
   /// breast and the picture.
   void Update();
   /// What was found, for the user; lines without an end. Empty: nothing is marked.
   const std::string& Text() const { return this->Found; }
+  /// The marked point, or the middle of what lies behind the pixel, at rest; nothing where nothing
+  /// was found.
+  const std::optional<Vector3>& Middle() const { return this->Centre; }
 
 private:
-  void UpdatePoint(const RegisteredBreast& breast);
-  void UpdatePixel(const RegisteredBreast& breast);
-  void Draw(const RegisteredBreast& breast, const std::vector<Vector3>& points, double column,
-    double row);
+  void UpdatePoint();
+  void UpdatePixel();
+  void DrawLine(const MarkedMammogram& mammogram, const RegisteredBreast& breast,
+    const std::vector<Vector3>& places, bool ofPixel);
   void DrawNothing();
 
-  LiveMammogram& Live;
-  BreastScene& Squeezed;
   BreastScene& AtRest;
-  MammogramPane& Pane;
+  std::vector<MarkedMammogram> Mammograms;
   std::optional<Vector3> Point;
   std::optional<std::array<double, 2>> Pixel;
+  std::size_t PixelOf = 0;
+  std::optional<Vector3> Centre;
   std::string Found;
 };
 }

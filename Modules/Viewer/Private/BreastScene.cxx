@@ -3,8 +3,10 @@
 
 #include "mammoray/Registration/EvaluatedState.h"
 #include "mammoray/Registration/RegistrationTarget.h"
+#include "mammoray/Report/BreastPicture.h"
 
 #include "vtkActor.h"
+#include "vtkBillboardTextActor3D.h"
 #include "vtkCell.h"
 #include "vtkCellArray.h"
 #include "vtkCellPicker.h"
@@ -18,6 +20,7 @@
 #include "vtkProperty.h"
 #include "vtkQuadricClustering.h"
 #include "vtkSphereSource.h"
+#include "vtkTextProperty.h"
 #include "vtkTexture.h"
 
 #include <algorithm>
@@ -33,7 +36,9 @@ constexpr Color SkinColor{ 0.93, 0.76, 0.66 };
 constexpr Color PlateColor{ 0.55, 0.75, 0.95 };
 constexpr Color BeamColor{ 1.0, 0.85, 0.2 };
 constexpr Color MarkColor{ 0.1, 0.9, 0.45 };
-/// Of what lies inside, in the materials' order; the first is fat's neighbour in most tables.
+/// Of the material that lies around the others, fat in a breast.
+constexpr Color HostColor{ 0.93, 0.82, 0.50 };
+/// Of what lies inside, in the materials' order.
 constexpr Color InnerColors[] = { { 0.80, 0.30, 0.35 }, { 0.60, 0.35, 0.65 }, { 0.25, 0.55, 0.60 },
   { 0.85, 0.60, 0.20 }, { 0.30, 0.40, 0.75 }, { 0.45, 0.60, 0.25 } };
 /// Edges of the triangles drawn, mm: no frame is to wait for them.
@@ -134,21 +139,22 @@ vtkSmartPointer<vtkPolyData> NewPictureRectangle()
   rectangle->GetPointData()->SetTCoords(coordinates);
   return rectangle;
 }
-
-/// Of the two materials beside a triangle in the body the one that there is less of, not a thin
-/// one: it lies in the other. 0 for the outer surface and for thin layers.
-int InnerMaterial(const SurfaceMesh& surface, std::size_t triangle, const MaterialTable& table,
-  const std::map<int, double>& volumes)
-{
-  const int front = surface.FrontMaterials[triangle];
-  const int back = surface.BackMaterials[triangle];
-  if (front == 0 || back == 0 || table.Materials[static_cast<std::size_t>(front)].Thin ||
-    table.Materials[static_cast<std::size_t>(back)].Thin)
-  {
-    return 0;
-  }
-  return volumes.at(front) < volumes.at(back) ? front : back;
 }
+
+std::vector<Color> TissueColors(const ViewedBreast& viewed)
+{
+  int host = 0;
+  EnclosedMaterials(ExtractInterfaces(viewed.Anatomy), viewed.Materials, &host);
+  std::vector<Color> colors{ { 0, 0, 0 } };
+  std::size_t inner = 0;
+  for (std::size_t material = 1; material < viewed.Materials.Materials.size(); ++material)
+  {
+    const bool around = static_cast<int>(material) == host;
+    const bool thin = viewed.Materials.Materials[material].Thin;
+    colors.push_back(around ? HostColor : thin ? SkinColor : InnerColors[inner]);
+    inner = around || thin ? inner : (inner + 1) % std::size(InnerColors);
+  }
+  return colors;
 }
 
 BreastScene::BreastScene(const LiveMammogram& live, const ViewedBreast& viewed)
@@ -161,16 +167,12 @@ BreastScene::BreastScene(const LiveMammogram& live, const ViewedBreast& viewed)
   this->Front->SetActiveCamera(this->View->GetActiveCamera());
   this->Points->SetDataTypeToFloat();
   this->Points->SetNumberOfPoints(static_cast<vtkIdType>(this->PointIds.size()));
-  std::map<int, double> volumes;
-  for (std::size_t cell = 0; cell < viewed.Anatomy.NumberOfCells(); ++cell)
-  {
-    volumes[viewed.Anatomy.Materials[cell]] += viewed.Anatomy.CellVolume(cell);
-  }
+  const std::vector<int> enclosed = EnclosedMaterials(this->Surface, viewed.Materials);
   std::map<int, std::vector<std::size_t>> inner;
   std::vector<std::size_t> outer;
   for (std::size_t triangle = 0; triangle < this->Surface.NumberOfTriangles(); ++triangle)
   {
-    const int material = InnerMaterial(this->Surface, triangle, viewed.Materials, volumes);
+    const int material = enclosed[triangle];
     const bool air =
       this->Surface.FrontMaterials[triangle] == 0 || this->Surface.BackMaterials[triangle] == 0;
     if (material > 0)
@@ -182,10 +184,10 @@ BreastScene::BreastScene(const LiveMammogram& live, const ViewedBreast& viewed)
       outer.push_back(triangle);
     }
   }
-  std::size_t color = 0;
+  const std::vector<Color> colors = TissueColors(viewed);
   for (const auto& [material, triangles] : inner)
   {
-    this->AddPart(triangles, InnerCellMm, InnerColors[color++ % std::size(InnerColors)], 1);
+    this->AddPart(triangles, InnerCellMm, colors[static_cast<std::size_t>(material)], 1);
   }
   this->AddPart(outer, SkinCellMm, SkinColor, inner.empty() ? 1 : SkinOpacity);
 
@@ -280,6 +282,47 @@ void BreastScene::AddPart(const std::vector<std::size_t>& triangles, double cell
   data->SetPoints(this->Points);
   data->SetPolys(cells);
   this->Parts.push_back({ AddActor(this->View, data, color, opacity), corners });
+}
+
+void BreastScene::AddLetters(const AnatomicalAxes& axes, const std::vector<double>& points)
+{
+  constexpr double BesideMm = 8;
+  const std::pair<Vector3, const char*> named[] = { { axes.Left, "LR" }, { axes.Anterior, "AP" },
+    { axes.Superior, "HF" } };
+  std::array<double, 3> low{ 1e30, 1e30, 1e30 };
+  std::array<double, 3> high{ -1e30, -1e30, -1e30 };
+  for (std::size_t id = 0; id < points.size(); id += 3)
+  {
+    for (std::size_t axis = 0; axis < 3; ++axis)
+    {
+      const double at = Dot({ points[id], points[id + 1], points[id + 2] }, named[axis].first);
+      low[axis] = std::min(low[axis], at);
+      high[axis] = std::max(high[axis], at);
+    }
+  }
+  for (std::size_t axis = 0; axis < 3; ++axis)
+  {
+    for (const int end : { 0, 1 })
+    {
+      Vector3 at{ 0, 0, 0 };
+      for (std::size_t other = 0; other < 3; ++other)
+      {
+        const double along = other != axis ? 0.5 * (low[other] + high[other])
+          : end == 0                       ? high[other] + BesideMm
+                                           : low[other] - BesideMm;
+        at = at + along * named[other].first;
+      }
+      vtkNew<vtkBillboardTextActor3D> letter;
+      letter->SetInput(std::string(1, named[axis].second[end]).c_str());
+      letter->SetPosition(at.data());
+      letter->GetTextProperty()->SetFontSize(16);
+      letter->GetTextProperty()->SetColor(0.85, 0.87, 0.90);
+      letter->GetTextProperty()->SetJustificationToCentered();
+      letter->GetTextProperty()->SetVerticalJustificationToCentered();
+      letter->PickableOff();
+      this->View->AddActor(letter);
+    }
+  }
 }
 
 void BreastScene::SetPoints(const std::vector<double>& points)

@@ -23,6 +23,10 @@ namespace mammoray
 /// A closed line in space.
 using Loop = std::vector<Vector3>;
 
+/// A colour for each material of the table, in all views: the one that there is most of lies around
+/// the others.
+std::vector<std::array<double, 3>> TissueColors(const ViewedBreast& viewed);
+
 /**
  * A breast in a renderer: the skin to look through, what lies inside, and, where wanted, the unit
  * around it. Volume frame, mm.
@@ -40,6 +44,8 @@ public:
   /// Plates, receptor with `picture` on it, beam and source; the source is drawn on the beam's axis
   /// `shownSource` of the way to where it is.
   void SetUnit(const LiveMammogram& live, vtkTexture* picture, double shownSource);
+  /// Letters of the patient's directions around the breast at `points`.
+  void AddLetters(const AnatomicalAxes& axes, const std::vector<double>& points);
   /// Where the source is drawn.
   const Vector3& ShownSource() const { return this->SourceShown; }
   /// The middle of the picture on the receptor.

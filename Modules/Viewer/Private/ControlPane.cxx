@@ -11,6 +11,7 @@
 #include "vtkTextProperty.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace mammoray
 {
@@ -29,30 +30,27 @@ public:
   std::function<void(double)> Changed;
 };
 
-// Heights in the pane, of 1.
-constexpr double FirstSlider = 0.88;
-constexpr double SliderStep = 0.165;
-constexpr double ButtonHeight = 0.20;
-constexpr double StatusHeight = 0.03;
-
-void Place(vtkCoordinate* coordinate, double x, double y)
-{
-  coordinate->SetCoordinateSystemToNormalizedViewport();
-  coordinate->SetValue(x, y);
-}
+// Pixels.
+constexpr int StatusLines = 4;
+constexpr int StatusLineHeight = 15;
+constexpr int RowHeight = 26;
+constexpr int SliderHeight = 40;
+constexpr int Border = 10;
+constexpr int LeastSliderWidth = 230;
+/// Share of a slider's place that its title has.
+constexpr double TitleShare = 0.42;
 }
 
-ControlPane::ControlPane(const std::array<double, 4>& viewport)
-  : Viewport(viewport)
-  , Status(vtkSmartPointer<vtkTextActor>::New())
+ControlPane::ControlPane()
+  : Status(vtkSmartPointer<vtkTextActor>::New())
 {
-  this->View->SetViewport(viewport[0], viewport[1], viewport[2], viewport[3]);
   this->Front->SetLayer(1);
   this->Front->InteractiveOff();
   this->View->SetBackground(0.16, 0.17, 0.20);
-  Place(this->Status->GetPositionCoordinate(), 0.03, StatusHeight);
+  this->Status->GetPositionCoordinate()->SetCoordinateSystemToViewport();
   this->Status->GetTextProperty()->SetFontSize(12);
   this->Status->GetTextProperty()->SetColor(0.85, 0.87, 0.90);
+  this->Status->GetTextProperty()->SetVerticalJustificationToTop();
   this->View->AddActor(this->Status);
 }
 
@@ -61,33 +59,26 @@ ControlPane::~ControlPane() = default;
 int ControlPane::AddSlider(const std::string& title, const char* format, double low, double high,
   double value, std::function<void(double)> changed)
 {
-  const double y = FirstSlider - SliderStep * static_cast<double>(this->Sliders.size());
   vtkNew<vtkTextActor> name;
   name->SetInput(title.c_str());
   name->GetTextProperty()->SetFontSize(13);
   name->GetTextProperty()->SetVerticalJustificationToCentered();
-  Place(name->GetPositionCoordinate(), 0.03, y);
+  name->GetPositionCoordinate()->SetCoordinateSystemToViewport();
   this->View->AddActor(name);
   vtkNew<vtkSliderRepresentation2D> slider;
   slider->SetMinimumValue(low);
   slider->SetMaximumValue(high);
   slider->SetValue(value);
   slider->SetLabelFormat(format);
-  const auto inWindow = [this](double share, int axis)
-  { return this->Viewport[axis] + share * (this->Viewport[axis + 2] - this->Viewport[axis]); };
-  Place(slider->GetPoint1Coordinate(), inWindow(0.36, 0), inWindow(y, 1));
-  Place(slider->GetPoint2Coordinate(), inWindow(0.97, 0), inWindow(y, 1));
-  slider->SetSliderLength(0.012);
-  slider->SetSliderWidth(0.018);
-  slider->SetTubeWidth(0.004);
-  slider->SetEndCapLength(0.002);
-  slider->SetEndCapWidth(0.012);
-  slider->SetLabelHeight(0.014);
   slider->GetLabelProperty()->SetShadow(0);
   slider->GetLabelProperty()->BoldOff();
   slider->GetTubeProperty()->SetColor(0.45, 0.48, 0.55);
   slider->GetSliderProperty()->SetColor(0.95, 0.80, 0.25);
   slider->GetSelectedProperty()->SetColor(1, 1, 1);
+  for (vtkCoordinate* end : { slider->GetPoint1Coordinate(), slider->GetPoint2Coordinate() })
+  {
+    end->SetCoordinateSystemToNormalizedViewport();
+  }
   vtkNew<vtkSliderWidget> widget;
   widget->SetRepresentation(slider);
   widget->SetAnimationModeToJump();
@@ -95,7 +86,7 @@ int ControlPane::AddSlider(const std::string& title, const char* format, double 
   vtkNew<SliderObserver> observer;
   observer->Changed = std::move(changed);
   widget->AddObserver(vtkCommand::InteractionEvent, observer);
-  this->Sliders.push_back(widget.Get());
+  this->Sliders.push_back({ name.Get(), widget.Get() });
   return static_cast<int>(this->Sliders.size()) - 1;
 }
 
@@ -110,16 +101,102 @@ void ControlPane::AddButton(const std::string& title, std::function<void()> pres
   text->FrameOn();
   text->SetFrameColor(0.55, 0.58, 0.65);
   text->SetVerticalJustificationToCentered();
-  Place(label->GetPositionCoordinate(), 0.03 + 0.25 * static_cast<double>(this->Buttons.size()),
-    ButtonHeight);
+  label->GetPositionCoordinate()->SetCoordinateSystemToViewport();
   this->View->AddActor(label);
   this->Buttons.push_back({ label.Get(), std::move(pressed) });
 }
 
+void ControlPane::AddLegend(const std::string& name, const std::array<double, 3>& color)
+{
+  this->AddButton(name, {});
+  vtkTextProperty* text = this->Buttons.back().Label->GetTextProperty();
+  text->FrameOff();
+  text->SetBackgroundColor(color[0], color[1], color[2]);
+  // Black or white, whichever is told from it.
+  const double bright = 0.3 * color[0] + 0.6 * color[1] + 0.1 * color[2];
+  const double ink = bright > 0.45 ? 0 : 1;
+  text->SetColor(ink, ink, ink);
+}
+
+int ControlPane::Lay(int width, int height)
+{
+  // Buttons in as many rows as they need, from above.
+  const auto widthOf = [this](const Button& button)
+  {
+    double box[4];
+    button.Label->GetBoundingBox(this->View, box);
+    return static_cast<int>(box[1] - box[0]) + 6;
+  };
+  int rows = 1;
+  int x = Border;
+  std::vector<std::array<int, 2>> places;
+  for (const Button& button : this->Buttons)
+  {
+    const int needed = widthOf(button);
+    if (x + needed > width - Border && x > Border)
+    {
+      ++rows;
+      x = Border;
+    }
+    places.push_back({ x, rows });
+    x += needed + 4;
+  }
+  const int columns =
+    std::clamp(width / LeastSliderWidth, 1, std::max(1, static_cast<int>(this->Sliders.size())));
+  const int sliderRows =
+    (static_cast<int>(this->Sliders.size()) + columns - 1) / std::max(columns, 1);
+  const int strip = std::min(
+    sliderRows * SliderHeight + rows * RowHeight + StatusLines * StatusLineHeight + 10, height);
+  this->View->SetViewport(0, 0, 1, static_cast<double>(strip) / height);
+
+  for (std::size_t index = 0; index < this->Sliders.size(); ++index)
+  {
+    Slider& slider = this->Sliders[index];
+    const double cell = static_cast<double>(width - Border) / columns;
+    const double left =
+      Border + cell * static_cast<double>(index % static_cast<std::size_t>(columns));
+    const double row = std::floor(static_cast<double>(index) / columns);
+    const double y = strip - SliderHeight * (row + 1) + 12;
+    slider.Left = left + TitleShare * cell;
+    slider.Right = left + cell - 2 * Border;
+    slider.Height = y;
+    slider.Title->GetPositionCoordinate()->SetValue(left, y);
+    auto* shown = static_cast<vtkSliderRepresentation2D*>(slider.Widget->GetRepresentation());
+    shown->GetPoint1Coordinate()->SetValue(slider.Left / width, y / height);
+    shown->GetPoint2Coordinate()->SetValue(slider.Right / width, y / height);
+    shown->SetSliderLength(12.0 / width);
+    shown->SetSliderWidth(14.0 / height);
+    shown->SetTubeWidth(3.0 / height);
+    shown->SetEndCapLength(2.0 / width);
+    shown->SetEndCapWidth(10.0 / height);
+    shown->SetLabelHeight(11.0 / height);
+    shown->BuildRepresentation();
+  }
+  const int top = strip - sliderRows * SliderHeight;
+  for (std::size_t index = 0; index < this->Buttons.size(); ++index)
+  {
+    this->Buttons[index].Label->GetPositionCoordinate()->SetValue(places[index][0],
+      top - RowHeight * (places[index][1] - 0.5));
+  }
+  this->Status->GetPositionCoordinate()->SetValue(Border, top - RowHeight * rows - 3);
+  return strip;
+}
+
+std::array<int, 2> ControlPane::KnobOf(int slider, double value) const
+{
+  const Slider& placed = this->Sliders[static_cast<std::size_t>(slider)];
+  auto* shown = static_cast<vtkSliderRepresentation2D*>(placed.Widget->GetRepresentation());
+  const double share =
+    (value - shown->GetMinimumValue()) / (shown->GetMaximumValue() - shown->GetMinimumValue());
+  return { static_cast<int>(placed.Left + share * (placed.Right - placed.Left)),
+    static_cast<int>(placed.Height) };
+}
+
 void ControlPane::Attach(vtkRenderWindowInteractor* interactor)
 {
-  for (vtkSliderWidget* slider : this->Sliders)
+  for (const Slider& placed : this->Sliders)
   {
+    vtkSliderWidget* slider = placed.Widget;
     if (!interactor)
     {
       slider->EnabledOff();
@@ -136,8 +213,16 @@ void ControlPane::Attach(vtkRenderWindowInteractor* interactor)
 void ControlPane::SetSlider(int slider, double value)
 {
   static_cast<vtkSliderRepresentation*>(
-    this->Sliders[static_cast<std::size_t>(slider)]->GetRepresentation())
+    this->Sliders[static_cast<std::size_t>(slider)].Widget->GetRepresentation())
     ->SetValue(value);
+}
+
+void ControlPane::SetRange(int slider, double low, double high)
+{
+  auto* shown = static_cast<vtkSliderRepresentation*>(
+    this->Sliders[static_cast<std::size_t>(slider)].Widget->GetRepresentation());
+  shown->SetMinimumValue(low);
+  shown->SetMaximumValue(high);
 }
 
 void ControlPane::SetStatus(const std::string& text)
@@ -155,7 +240,7 @@ bool ControlPane::Press(int x, int y)
     const int* at = button.Label->GetPositionCoordinate()->GetComputedViewportValue(this->View);
     const double inX = x - origin[0] - at[0];
     const double inY = y - origin[1] - at[1];
-    if (inX >= box[0] && inX <= box[1] && inY >= box[2] && inY <= box[3])
+    if (button.Pressed && inX >= box[0] && inX <= box[1] && inY >= box[2] && inY <= box[3])
     {
       button.Pressed();
       return true;

@@ -17,12 +17,11 @@ class vtkTextActor;
 
 namespace mammoray
 {
-/// Sliders, buttons and lines of text, from top to bottom, in a part of the window.
+/// A strip along the window's lower edge: a row of sliders, rows of buttons, lines of text.
 class ControlPane
 {
 public:
-  /// `viewport`: left, bottom, right and top in the window, of 1.
-  explicit ControlPane(const std::array<double, 4>& viewport);
+  ControlPane();
   ~ControlPane();
 
   vtkRenderer* Renderer() { return this->View; }
@@ -33,24 +32,39 @@ public:
   int AddSlider(const std::string& title, const char* format, double low, double high, double value,
     std::function<void(double)> changed);
   void AddButton(const std::string& title, std::function<void()> pressed);
+  /// A name on its colour, beside the buttons.
+  void AddLegend(const std::string& name, const std::array<double, 3>& color);
+  /// Places all of it in a window of this size, pixels; answers the strip's height.
+  int Lay(int width, int height);
   /// Makes the sliders listen; null: no longer.
   void Attach(vtkRenderWindowInteractor* interactor);
   /// Moves a slider without telling anyone; within its range.
   void SetSlider(int slider, double value);
+  void SetRange(int slider, double low, double high);
   void SetStatus(const std::string& text);
   /// Presses the button at a place of the window, pixels; false where there is none.
   bool Press(int x, int y);
+  /// The middle of a slider's knob, pixels of the window.
+  std::array<int, 2> KnobOf(int slider, double value) const;
 
 private:
+  struct Slider
+  {
+    vtkSmartPointer<vtkTextActor> Title;
+    vtkSmartPointer<vtkSliderWidget> Widget;
+    double Left = 0;
+    double Right = 0;
+    double Height = 0;
+  };
   struct Button
   {
     vtkSmartPointer<vtkTextActor> Label;
+    /// Nothing: a legend.
     std::function<void()> Pressed;
   };
-  std::array<double, 4> Viewport;
   vtkNew<vtkRenderer> View;
   vtkNew<vtkRenderer> Front;
-  std::vector<vtkSmartPointer<vtkSliderWidget>> Sliders;
+  std::vector<Slider> Sliders;
   std::vector<Button> Buttons;
   vtkSmartPointer<vtkTextActor> Status;
 };

@@ -19,6 +19,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <tuple>
 
 namespace mammoray
 {
@@ -62,6 +63,7 @@ GreyLevel LevelOf(const std::vector<float>& values, const Inside& inside)
 
 MammogramPane::MammogramPane(const ViewedBreast& viewed, LiveMammogram& live)
   : Grid(live.Grid(1))
+  , Over(this->View)
   , Marks(vtkSmartPointer<vtkPolyData>::New())
 {
   // Chest wall left for the left breast; where the side is not known, as the pixels run.
@@ -74,6 +76,11 @@ MammogramPane::MammogramPane(const ViewedBreast& viewed, LiveMammogram& live)
   const double up = oblique ? head : (rightBreast ? -1 : 1) * std::cos(roll);
   this->Right = rightBreast ? -1 : 1;
   this->Up = up > 0 ? 1 : -1;
+  const VolumeFromGantry placed = live.Placed();
+  const auto letters = [&](double sign, const Vector3& direction)
+  { return DirectionLetters(sign * direction, viewed.Axes); };
+  this->Over.SetLetters({ letters(-this->Right, placed.Y), letters(this->Right, placed.Y),
+    letters(this->Up, placed.X), letters(-this->Up, placed.X) });
 
   this->Synthetic = live.Project(1);
   const GreyLevel level = LevelOf(this->Synthetic,
@@ -82,6 +89,7 @@ MammogramPane::MammogramPane(const ViewedBreast& viewed, LiveMammogram& live)
   this->White = level.Mean + WindowSigmas * level.Deviation;
   if (viewed.Real)
   {
+    this->Breast = viewed.Real->BreastMask;
     // Its grey has an arbitrary scale where the picture was made for presentation.
     const GreyLevel real = LevelOf(viewed.Real->LogAttenuation,
       [&](std::size_t pixel) { return viewed.Real->BreastMask[pixel] != 0; });
@@ -157,6 +165,22 @@ void MammogramPane::SetBlend(double real)
   this->Compose();
 }
 
+void MammogramPane::Adjust(double windowFactor, double levelShare)
+{
+  const double window = this->High - this->Low;
+  const double level = 0.5 * (this->Low + this->High) + levelShare * window;
+  this->Low = level - 0.5 * windowFactor * window;
+  this->High = level + 0.5 * windowFactor * window;
+  this->Compose();
+}
+
+void MammogramPane::ResetWindow()
+{
+  this->Low = 0;
+  this->High = 1;
+  this->Compose();
+}
+
 void MammogramPane::Compose()
 {
   const int columns = this->Grid.Columns / this->Divisor;
@@ -172,6 +196,8 @@ void MammogramPane::Compose()
   auto* grey = static_cast<unsigned char*>(this->Image->GetScalarPointer());
   const auto black = static_cast<float>(this->Black);
   const auto scale = static_cast<float>(1 / (this->White - this->Black));
+  const auto low = static_cast<float>(this->Low);
+  const auto stretch = static_cast<float>(1 / (this->High - this->Low));
   const auto share = static_cast<float>(this->Real);
   const std::vector<float>& real = this->RealGrey[static_cast<std::size_t>(this->Divisor - 1)];
   for (std::size_t pixel = 0; pixel < this->Synthetic.size(); ++pixel)
@@ -181,15 +207,16 @@ void MammogramPane::Compose()
     {
       value += share * (real[pixel] - value);
     }
+    value = (value - low) * stretch;
     grey[pixel] = static_cast<unsigned char>(255.0F * std::clamp(value, 0.0F, 1.0F) + 0.5F);
   }
   this->Image->Modified();
 }
 
 void MammogramPane::SetMark(const std::vector<ReceptorPoint>& points,
-  const std::vector<std::vector<ReceptorPoint>>& loops)
+  const std::vector<std::vector<ReceptorPoint>>& loops, const std::vector<ReceptorPoint>& drawn)
 {
-  constexpr double ArmMm = 1.5;
+  constexpr double ArmMm = 3;
   vtkNew<vtkPoints> places;
   vtkNew<vtkCellArray> lines;
   // Between the picture and the camera, which stands on either side.
@@ -216,14 +243,47 @@ void MammogramPane::SetMark(const std::vector<ReceptorPoint>& points,
   {
     add(loop, true);
   }
+  if (drawn.size() > 1)
+  {
+    add(drawn, false);
+  }
   this->Marks->SetPoints(places);
   this->Marks->SetLines(lines);
 }
 
+/// All of the breast, in either picture, and the chest wall's edge.
 void MammogramPane::Frame()
 {
-  const ReceptorPoint middle =
-    PixelPosition(this->Grid, 0.5 * (this->Grid.Columns - 1), 0.5 * (this->Grid.Rows - 1));
+  constexpr double MarginMm = 8;
+  ReceptorPoint low{ 1e9, 0 };
+  ReceptorPoint high{ -1e9, 0 };
+  const int columns = this->Grid.Columns / this->Divisor;
+  for (std::size_t pixel = 0; pixel < this->Synthetic.size(); ++pixel)
+  {
+    const int column = static_cast<int>(pixel % static_cast<std::size_t>(columns)) * this->Divisor;
+    const int row = static_cast<int>(pixel / static_cast<std::size_t>(columns)) * this->Divisor;
+    const bool real = !this->Breast.empty() &&
+      this->Breast[static_cast<std::size_t>(row) * this->Grid.Columns + column] != 0;
+    if (this->Synthetic[pixel] > LeastBreast || real)
+    {
+      const ReceptorPoint at = PixelPosition(this->Grid, column, row);
+      for (std::size_t axis = 0; axis < 2; ++axis)
+      {
+        low[axis] = std::min(low[axis], at[axis]);
+        high[axis] = std::max(high[axis], at[axis]);
+      }
+    }
+  }
+  if (!(high[0] > low[0]))
+  {
+    low = PixelPosition(this->Grid, 0, 0);
+    high = PixelPosition(this->Grid, this->Grid.Columns - 1, this->Grid.Rows - 1);
+    for (std::size_t axis = 0; axis < 2; ++axis)
+    {
+      std::tie(low[axis], high[axis]) = std::minmax(low[axis], high[axis]);
+    }
+  }
+  const ReceptorPoint middle{ 0.5 * (low[0] + high[0]), 0.5 * (low[1] + high[1]) };
   // Gantry y runs to the right or left, x up or down: seen from above or from below.
   const double side = -this->Right * this->Up;
   vtkCamera* camera = this->View->GetActiveCamera();
@@ -231,12 +291,10 @@ void MammogramPane::Frame()
   camera->SetFocalPoint(middle[0], middle[1], 0);
   camera->SetPosition(middle[0], middle[1], 500 * side);
   camera->SetViewUp(this->Up, 0, 0);
-  const double height = std::abs(this->Grid.ColumnStep[0]) * this->Grid.Columns +
-    std::abs(this->Grid.RowStep[0]) * this->Grid.Rows;
-  const double width = std::abs(this->Grid.ColumnStep[1]) * this->Grid.Columns +
-    std::abs(this->Grid.RowStep[1]) * this->Grid.Rows;
+  const double height = high[0] - low[0] + 2 * MarginMm;
+  const double width = high[1] - low[1] + 2 * MarginMm;
   const double aspect = this->View->GetTiledAspectRatio();
-  camera->SetParallelScale(0.5 * 1.04 * std::max(height, width / (aspect > 0 ? aspect : 1)));
+  camera->SetParallelScale(0.5 * std::max(height, width / (aspect > 0 ? aspect : 1)));
   this->View->ResetCameraClippingRange();
 }
 

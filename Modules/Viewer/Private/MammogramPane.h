@@ -3,6 +3,7 @@
 #define mammoray_MammogramPane_h
 
 #include "Private/LiveMammogram.h"
+#include "Private/PaneOverlay.h"
 
 #include "vtkImageData.h"
 #include "vtkNew.h"
@@ -26,6 +27,7 @@ public:
   MammogramPane(const ViewedBreast& viewed, LiveMammogram& live);
 
   vtkRenderer* Renderer() { return this->View; }
+  PaneOverlay& Overlay() { return this->Over; }
   /// The blended picture, row 0 first.
   vtkTexture* Picture() { return this->Texture; }
   /// Takes the picture that `live` has now.
@@ -33,10 +35,14 @@ public:
   /// 0: synthetic only, 1: real only.
   void SetBlend(double real);
   double Blend() const { return this->Real; }
-  /// Closed lines and crosses on the receptor, gantry x and y.
+  /// Changes grey: window and level by shares of the window.
+  void Adjust(double windowFactor, double levelShare);
+  void ResetWindow();
+  /// Crosses, closed lines and an open one on the receptor, gantry x and y.
   void SetMark(const std::vector<ReceptorPoint>& points,
-    const std::vector<std::vector<ReceptorPoint>>& loops);
-  /// All of the picture in its pane.
+    const std::vector<std::vector<ReceptorPoint>>& loops,
+    const std::vector<ReceptorPoint>& line = {});
+  /// All of the breast in its pane.
   void Frame();
   /// Continuous column and row at a place of the window, pixels; false beside the picture.
   bool PixelAt(int x, int y, double& column, double& row) const;
@@ -55,9 +61,15 @@ private:
   double Black = 0;
   double White = 1;
   double Real = 0;
+  /// Of the grey between them, what is black and white; 0 and 1 at the beginning.
+  double Low = 0;
+  double High = 1;
   std::vector<float> Synthetic;
+  /// Pixels of the real breast, not 0; empty without one.
+  std::vector<unsigned char> Breast;
   int Divisor = 1;
   vtkNew<vtkRenderer> View;
+  PaneOverlay Over;
   vtkNew<vtkImageData> Image;
   vtkNew<vtkTexture> Texture;
   vtkSmartPointer<vtkPolyData> Marks;

@@ -19,8 +19,12 @@ vtkStandardNewMacro(ViewerStyle);
 void ViewerStyle::OnLeftButtonDown()
 {
   this->Start = this->Place();
-  this->Taken = this->Target->OnPress(this->Start[0], this->Start[1]);
-  if (!this->Taken && this->Target->Turns(this->Start[0], this->Start[1]))
+  this->Last = this->Start;
+  const auto [x, y] = this->Start;
+  this->Taken = this->Target->OnPress(x, y, this->Interactor->GetShiftKey() != 0);
+  const MouseTarget::Kind kind = this->Target->KindAt(x, y);
+  this->Windows = !this->Taken && kind == MouseTarget::Kind::Picture;
+  if (!this->Taken && kind == MouseTarget::Kind::Scene)
   {
     this->Superclass::OnLeftButtonDown();
   }
@@ -28,10 +32,21 @@ void ViewerStyle::OnLeftButtonDown()
 
 void ViewerStyle::OnMouseMove()
 {
+  const auto [x, y] = this->Place();
   if (this->Taken)
   {
-    const auto [x, y] = this->Place();
     this->Target->OnDrag(x, y);
+    return;
+  }
+  if (this->Windows)
+  {
+    // A click that trembles is not to change the grey.
+    if (std::abs(x - this->Start[0]) > ClickPixels || std::abs(y - this->Start[1]) > ClickPixels ||
+      this->Last != this->Start)
+    {
+      this->Target->OnWindow(x - this->Last[0], y - this->Last[1]);
+      this->Last = { x, y };
+    }
     return;
   }
   this->Superclass::OnMouseMove();
@@ -45,6 +60,7 @@ void ViewerStyle::OnLeftButtonUp()
     this->Target->OnRelease();
     return;
   }
+  this->Windows = false;
   this->Superclass::OnLeftButtonUp();
   const auto [x, y] = this->Place();
   if (std::abs(x - this->Start[0]) <= ClickPixels && std::abs(y - this->Start[1]) <= ClickPixels)
@@ -71,15 +87,26 @@ void ViewerStyle::OnRightButtonDown()
 
 void ViewerStyle::OnMouseWheelForward()
 {
-  if (this->MovesHere())
-  {
-    this->Superclass::OnMouseWheelForward();
-  }
+  this->Wheel(1);
 }
 
 void ViewerStyle::OnMouseWheelBackward()
 {
-  if (this->MovesHere())
+  this->Wheel(-1);
+}
+
+void ViewerStyle::Wheel(int steps)
+{
+  const auto [x, y] = this->Place();
+  if (!this->MovesHere() || this->Target->OnWheel(x, y, steps))
+  {
+    return;
+  }
+  if (steps > 0)
+  {
+    this->Superclass::OnMouseWheelForward();
+  }
+  else
   {
     this->Superclass::OnMouseWheelBackward();
   }
@@ -99,6 +126,6 @@ std::array<int, 2> ViewerStyle::Place() const
 bool ViewerStyle::MovesHere() const
 {
   const auto [x, y] = this->Place();
-  return this->Target->Moves(x, y);
+  return this->Target->KindAt(x, y) != MouseTarget::Kind::None;
 }
 }

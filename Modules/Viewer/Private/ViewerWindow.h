@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: Apache-2.0
+#ifndef mammoray_ViewerWindow_h
+#define mammoray_ViewerWindow_h
+
+#include "Private/BreastMark.h"
+#include "Private/BreastScene.h"
+#include "Private/CompressionWorker.h"
+#include "Private/ControlPane.h"
+#include "Private/LiveMammogram.h"
+#include "Private/MammogramPane.h"
+#include "Private/SlicePanes.h"
+#include "Private/ViewerStyle.h"
+#include "mammoray/Viewer/BreastViewer.h"
+
+#include "vtkNew.h"
+#include "vtkRenderWindow.h"
+#include "vtkRenderWindowInteractor.h"
+#include "vtkSmartPointer.h"
+
+#include <chrono>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+class vtkTextActor;
+
+namespace mammoray
+{
+/// One mammogram with the unit that makes it: its picture, and the breast between its plates.
+struct ViewedUnit
+{
+  ViewedUnit(const ViewedBreast& viewed, const ViewerOptions& options);
+
+  const ViewedBreast& Viewed;
+  LiveMammogram Live;
+  CompressionWorker Worker;
+  MammogramPane Pane;
+  BreastScene Squeezed;
+  /// Where the unit was and how thick the breast is, in words.
+  vtkSmartPointer<vtkTextActor> UnitText;
+};
+
+/**
+ * The parts of the window and what the mouse does to them. Of several mammograms all are shown; one
+ * of them is active: its unit is in the scene between the plates, and the sliders move it.
+ */
+struct ViewerWindow : MouseTarget
+{
+  ViewerWindow(BreastViewer& viewer, const std::vector<ViewedBreast>& viewed,
+    const ViewerOptions& options);
+  ~ViewerWindow() override;
+
+  Kind KindAt(int x, int y) override;
+  bool OnPress(int x, int y, bool shift) override;
+  void OnDrag(int x, int y) override;
+  void OnRelease() override { this->Dragging = Drag::Nothing; }
+  void OnClick(int x, int y) override { this->Viewer.Click(x, y); }
+  void OnWindow(int right, int up) override;
+  bool OnWheel(int x, int y, int steps) override;
+  void OnKey(const std::string& name) override { this->Viewer.Key(name); }
+
+  ViewedUnit& Active() { return *this->Units[this->ActiveUnit]; }
+  const ViewedUnit& Active() const { return *this->Units[this->ActiveUnit]; }
+  static bool In(vtkRenderer* renderer, int x, int y)
+  {
+    return renderer->GetRenderWindow() && renderer->GetDraw() != 0 &&
+      renderer->IsInViewport(x, y) != 0;
+  }
+  /// The number of the mammogram or slice there; nothing beside them.
+  std::optional<std::size_t> MammogramAt(int x, int y) const;
+  std::optional<int> SliceAt(int x, int y);
+  /// The overlay of the picture there; null where there is none.
+  PaneOverlay* PictureAt(int x, int y);
+
+  void AddControls();
+  /// Divides the window, by its size, among the renderers.
+  void Lay();
+  void Activate(std::size_t unit);
+  /// Cameras and greys as at the beginning.
+  void LookAt();
+  /// Something that the picture shows has changed.
+  void Moved();
+  void Draw(int divisor);
+  void Compress(ViewedUnit& unit);
+  void TakeEquilibria();
+  /// Draws the mark in all views, takes the slices there, and tells of it.
+  void UpdateMark();
+  /// False, with the reason as message, where there is nothing to mark.
+  bool TryMark();
+  void TellStatus();
+  void SavePictures();
+  void MoveBy(const std::string& key);
+  /// What is being computed; empty: nothing.
+  std::string Stage() const;
+  /// Goes to the next lesion of the list.
+  void NextLesion();
+
+  enum class Drag
+  {
+    Nothing,
+    Source,
+    Ruler,
+    Controls
+  };
+
+  BreastViewer& Viewer;
+  ViewerOptions Options;
+  std::vector<std::unique_ptr<ViewedUnit>> Units;
+  std::size_t ActiveUnit = 0;
+  BreastScene AtRest;
+  std::unique_ptr<SlicePanes> Slices;
+  BreastMark Mark;
+  ControlPane Controls;
+  vtkNew<vtkRenderer> HelpView;
+  vtkNew<vtkRenderWindow> Window;
+  vtkSmartPointer<vtkRenderWindowInteractor> Interactor;
+  vtkNew<ViewerStyle> Style;
+  vtkSmartPointer<vtkTextActor> Help;
+  int ThicknessSlider = 0;
+  int RollSlider = 0;
+  int BlendSlider = -1;
+  int KilovoltageSlider = 0;
+
+  double ShownSource = 0.3;
+  Drag Dragging = Drag::Nothing;
+  PaneOverlay* Ruled = nullptr;
+  PaneOverlay* Pressed = nullptr;
+  std::array<int, 2> Size{ 0, 0 };
+  std::size_t Lesion = 0;
+  bool Moving = false;
+  bool Dirty = true;
+  std::chrono::steady_clock::time_point LastMove = std::chrono::steady_clock::now();
+  std::string Message;
+  std::string StatusText;
+};
+
+/// Share of the way to the source at which it is drawn beside the breast.
+inline constexpr double NearSource = 0.3;
+}
+
+#endif
