@@ -104,6 +104,29 @@ protected:
     return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
   }
 
+  /// The report begins with where lesion 3 is, as 'locate' says it; a lesion elsewhere is refused.
+  void ExpectAnswered(const std::string& result, const std::string& lesion)
+  {
+    ASSERT_EQ(this->Run("locate --result " + result + " --lesion " + lesion), 0) << this->Errors;
+    const std::size_t pixel = this->Output.find("pixel ");
+    ASSERT_NE(pixel, std::string::npos);
+    double column = 0;
+    double row = 0;
+    ASSERT_EQ(std::sscanf(this->Output.c_str() + pixel, "pixel %lf %lf", &column, &row), 2);
+    char answer[80];
+    std::snprintf(answer, sizeof answer, "; pixel column %.0f, row %.0f; <b>within ", column, row);
+    const std::string report = ReadFile(result + "/report.html");
+    const std::size_t answered = report.find(answer);
+    EXPECT_NE(answered, std::string::npos) << answer;
+    EXPECT_LT(report.find("Lesion 3 <small>"), answered);
+    EXPECT_LT(answered, report.find("Outline and picture of the synthetic mammogram agree"));
+    WriteLabelVolume(Ball({ 30, 12, 190 }, 4), this->Folder.File("elsewhere.nrrd"));
+    this->CommandTest::ExpectRefused("register --labels " + Labels + " --materials " + Materials +
+        " --mammogram " + MammogramFile + " --orientation ALS --output " +
+        this->Folder.File("other") + " --lesion " + this->Folder.File("elsewhere.nrrd"),
+      "expected lesion 3 in the tissue that is registered, found 0 % of it there");
+  }
+
   void ExpectRefused(const std::string& arguments, const std::string& text,
     const std::string& environment = "")
   {
@@ -300,12 +323,16 @@ TEST_F(RegisterCommand, RegistersTheShippedPhantom)
     EXPECT_EQ(placed->Y, result.at("placement").at("y").get<Vector3>());
   }
 
-  // Gone on from, it has little left to do; another volume's result is refused.
+  // Gone on from, it has little left to do; another volume's result is refused. What is asked for
+  // is answered at the head of the report.
+  const std::string asked = this->Folder.File("asked.nrrd");
+  WriteLabelVolume(Ball({ 30, 12, -10 }, 4), asked);
   const std::string again = Register(Labels, Materials, MammogramFile,
     "--label-spacing 1 --anatomy-cell-size 6 --simulation-cell-size 13 --pixel-sizes 3 "
-    "--iterations 6 --overwrite --resume " +
-      folder);
+    "--iterations 6 --overwrite --lesion " +
+      asked + " --resume " + folder);
   ASSERT_EQ(this->Run(again), 0) << this->Errors;
+  this->ExpectAnswered(folder, asked);
   const nlohmann::json resumed = nlohmann::json::parse(ReadFile(folder + "/result.json"));
   EXPECT_EQ(resumed.at("iterations").at(0).at("parameters"),
     result.at("iterations").back().at("parameters"));

@@ -47,7 +47,7 @@ MaterialTable Tissues()
 /// A cube of fat, 40 mm, whose upper half in z is wall where `wall`, with gland in its middle.
 SurfaceMesh Cube(bool wall)
 {
-  TetrahedralMesh mesh = MakeBoxMesh({ 0, 0, 0 }, { 40, 40, 40 }, { 8, 8, 8 });
+  TetrahedralMesh mesh = test::MakeBoxMesh({ 0, 0, 0 }, { 40, 40, 40 }, { 8, 8, 8 });
   for (std::size_t cell = 0; cell < mesh.NumberOfCells(); ++cell)
   {
     Vector3 middle{ 0, 0, 0 };

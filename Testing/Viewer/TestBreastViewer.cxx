@@ -232,12 +232,15 @@ TEST_F(BreastViewerTest, MarksInBothMammogramsOfAJointResult)
   BreastViewer viewer(this->Viewed, this->Options);
   viewer.Tick();
   Drag(viewer, 0.595, 0.6, 0.595, 0.6); // the middle of the first one
+  viewer.Tick();
   EXPECT_THAT(viewer.Status(), testing::StartsWith("cc: pixel ("));
   EXPECT_EQ(viewer.Pose().RollDeg, 0);
   Drag(viewer, 0.865, 0.6, 0.865, 0.6);
+  viewer.Tick();
   EXPECT_THAT(viewer.Status(), testing::StartsWith("mlo: pixel ("));
   EXPECT_EQ(viewer.Pose().RollDeg, -45); // its unit is the one between the plates now
   ASSERT_TRUE(viewer.MarkPoint({ 5, 20, 3 }));
+  viewer.Tick();
   EXPECT_THAT(viewer.Status(), testing::HasSubstr("cc: pixel ("));
   EXPECT_THAT(viewer.Status(), testing::HasSubstr("mlo: pixel ("));
 }
@@ -252,6 +255,7 @@ TEST_F(BreastViewerTest, GoesToLesions)
   this->Viewed.front().LesionList = { { 4, 1, { 5, 20, 3 } } };
   BreastViewer viewer(this->Viewed, this->Options);
   viewer.Key("n");
+  viewer.Tick();
   EXPECT_THAT(viewer.Status(), testing::StartsWith("(5.0, 20.0, 3.0) mm in gland"));
 }
 

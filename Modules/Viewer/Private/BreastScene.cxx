@@ -320,6 +320,7 @@ void BreastScene::AddLetters(const AnatomicalAxes& axes, const std::vector<doubl
       letter->GetTextProperty()->SetJustificationToCentered();
       letter->GetTextProperty()->SetVerticalJustificationToCentered();
       letter->PickableOff();
+      letter->UseBoundsOff(); // of its pixels: the camera that frames the breast would follow them
       this->View->AddActor(letter);
     }
   }
