@@ -205,10 +205,10 @@ xdotool key q; wait $view
   EXPECT_NEAR(moved.X - first.X, 10, 1.5); // the middle button takes what it holds with it
   EXPECT_NEAR(moved.Y, first.Y, 1.5);
   EXPECT_NEAR(moved.Pixels, first.Pixels, 0.05 * first.Pixels);
-  // VTK's dolly: away by 1.1 to the power of 10 times the move over half the pane's height of 213,
-  // of lengths; perspective and the letters take a little of the area.
+  // VTK's dolly: away by 1.1 to the power of 10 times the move over the height of the pane's middle
+  // in the window, 243, of lengths; perspective and the letters take a little of the area.
   const Shown zoomed = shot(3);
-  EXPECT_NEAR(zoomed.Pixels / moved.Pixels, std::pow(1.1, -2 * 10 * 20 / 106.5), 0.06);
+  EXPECT_NEAR(zoomed.Pixels / moved.Pixels, std::pow(1.1, -2 * 10 * 20 / 243.0), 0.02);
   const Shown turned = shot(4);
   EXPECT_GT(turned.Pixels, 0.5 * zoomed.Pixels);
   const Shown back = shot(5);
