@@ -61,6 +61,8 @@ th { font-weight: 600; font-size: 13px; color: var(--quiet); }
 td.value { text-align: right; padding-right: 0; }
 td.number, th.number { text-align: right; white-space: nowrap; }
 th.number { white-space: normal; }
+.found { display: grid; grid-template-columns: minmax(0, 2fr) minmax(0, 3fr); gap: 16px; align-items: start; }
+.found section:only-child { grid-column: 1 / -1; }
 .columns { display: grid; grid-template-columns: 1fr 1fr; gap: 16px; }
 .stage { position: relative; max-width: 560px; margin-top: 12px; --blend: 50%; }
 .stage img { display: block; width: 100%; border-radius: 6px; }
@@ -87,35 +89,42 @@ dialog button { position: absolute; top: 8px; right: 8px; font: 14px system-ui, 
 dialog p { position: absolute; left: 12px; bottom: 6px; margin: 0; color: #d9dee6; font-size: 13px;
   pointer-events: none; text-shadow: 0 0 4px #000; }
 @media (max-width: 820px) { .pictures, .figures { grid-template-columns: 1fr 1fr; }
-  .columns { grid-template-columns: 1fr; } .wide { display: none; } .pictures.wide { display: grid; } }
+  .columns, .found { grid-template-columns: minmax(0, 1fr); } .wide { display: none; } .pictures.wide { display: grid; } }
 @media (max-width: 480px) { main { padding: 16px 10px 30px; } section { padding: 14px 12px; }
   h1 { font-size: 22px; } .figure { padding: 10px 12px; } .figure b { font-size: 20px; }
   .pictures.wide { grid-template-columns: 1fr; } th, td { padding-right: 8px; font-size: 14px; }
   td.value { overflow-wrap: anywhere; } }
 @page { size: A4; margin: 10mm 11mm; }
 @media print {
-  body { background: #fff; font-size: 8pt; line-height: 1.3; print-color-adjust: exact;
+  body { background: #fff; font-size: 7.5pt; line-height: 1.25; print-color-adjust: exact;
     -webkit-print-color-adjust: exact; }
   main { padding: 0; max-width: none; }
   section, .figure, figure, tr { break-inside: avoid; }
-  section { padding: 5px 8px; margin-top: 5px; border-radius: 4px; }
-  h1 { font-size: 14pt; } h1.view { font-size: 12pt; margin-top: 8px; break-after: avoid; }
-  h2 { font-size: 10pt; margin-bottom: 3px; } .answer h2 { font-size: 11pt; } h2 small { font-size: 8pt; }
-  .figures { margin-top: 5px; gap: 6px; grid-template-columns: repeat(4, 1fr); }
-  .figure { padding: 4px 8px; border-radius: 4px; } .figure b { font-size: 11pt; }
-  .figure span, figcaption, .hint, code, th, .flag, footer { font-size: 7pt; }
-  .figure b small, figcaption b { font-size: 7.5pt; }
-  figcaption, .hint { margin-top: 2px; } footer { margin-top: 6px; }
-  th, td { padding-top: 1px; padding-bottom: 1px; }
+  section { padding: 4px 8px; margin-top: 4px; border-radius: 4px; }
+  h1 { font-size: 13pt; } h1.view { font-size: 11pt; margin-top: 6px; break-after: avoid; }
+  h2 { font-size: 9pt; margin-bottom: 2px; } .answer h2 { font-size: 10.5pt; } h2 small { font-size: 8pt; }
+  .figures { margin-top: 4px; gap: 5px; grid-template-columns: repeat(4, 1fr); }
+  .figure { padding: 3px 8px; border-radius: 4px; } .figure b { font-size: 10pt; }
+  .figure span, figcaption, .hint, th, .flag, footer { font-size: 6.5pt; }
+  .figure b small, figcaption b { font-size: 7pt; }
+  figcaption, .hint { margin-top: 1px; } footer { margin-top: 4px; }
+  th, td { padding: 0 6px 0 0; }
   .pictures, .pictures.wide { display: grid; grid-template-columns: repeat(4, 1fr); gap: 6px; }
-  .answer-pictures { gap: 8px; margin: 4px 0 0; flex-wrap: nowrap; }
-  .answer-mammograms { gap: 6px; flex-wrap: nowrap; } .answer-slices { gap: 6px; }
-  .pictures .layers, .answer-mammograms .layers { width: fit-content; max-width: 100%; }
-  .pictures img { width: auto; max-width: 100%; max-height: 56mm; }
-  .answer-mammograms img { width: auto; max-width: 100%; max-height: 75mm; }
-  .answer-slices .layers { width: fit-content; } .answer-slices img { width: auto; max-width: 100%; max-height: 42mm; }
-  .control, .compare, .screen, .wide, dialog { display: none !important; }
-  .scene figure, figure.further { max-width: 90mm; }
+  .answer p { margin-bottom: 2px; }
+  .answer-pictures { gap: 8px; margin: 3px 0 0; flex-wrap: nowrap; }
+  .answer-mammograms { gap: 6px; flex-wrap: nowrap; } .answer-slices { gap: 4px; }
+  .layers { width: fit-content; max-width: 100%; }
+  .pictures img { width: auto; max-width: 100%; max-height: 42mm; }
+  .answer-mammograms img { width: auto; max-width: 100%; max-height: 55mm; }
+  .answer-slices img { width: auto; max-width: 100%; max-height: 38mm; }
+  .found, .columns { gap: 4px; grid-template-columns: minmax(0, 1fr) minmax(0, 2fr); }
+  .scene img { max-height: 36mm; width: auto; max-width: 100%; }
+  .further img { width: auto; max-width: 100%; max-height: 42mm; }
+  .pictures figcaption span, .scene figcaption span, .sources code, .sources br, .further table,
+  .found .hint, .pictures + .hint, .control, .compare, .screen, .wide, dialog { display: none !important; }
+  .sources table, .sources tbody { display: block; } .sources tr { display: inline; }
+  .sources td { display: inline; border: 0; padding: 0 4px 0 0; } .sources td:last-child { padding-right: 14px; }
+  .sources td:first-child { color: var(--quiet); }
 }
 )css";
 

@@ -284,8 +284,8 @@ std::string MammogramHtml(const RegistrationReport& report, const ReportPictures
 {
   const RegistrationResult& result = *report.Result;
   std::string html = VerdictHtml(Assess(result)) + FiguresHtml(report) + PicturesHtml(pictures) +
-    Comparison + BetweenPlatesHtml(report.BetweenPlates) + ParametersHtml(report) +
-    CourseHtml(result, plot);
+    Comparison + "<div class=\"found\">\n" + BetweenPlatesHtml(report.BetweenPlates) +
+    ParametersHtml(report) + "</div>\n" + CourseHtml(result, plot);
   html += "<div class=\"columns screen\">\n<section>\n<h2>Search and compression</h2>\n" +
     Rows(SearchLines(result)) + "</section>\n<section>\n<h2>Mammogram</h2>\n" +
     Rows(MammogramLines(*report.RealMammogram, report.ShareExcluded)) + "</section>\n</div>\n";

@@ -81,6 +81,7 @@ std::string FigureHtml(const LayeredPicture& picture, const std::string& alt,
     html += "<svg class=\"lines\" viewBox=\"0 0 " + std::to_string(picture.Width) + ' ' +
       std::to_string(picture.Height) + "\">\n" + picture.Lines + "</svg>";
   }
-  return html + "</div>\n<figcaption><b>" + title + "</b>" + caption + "</figcaption></figure>\n";
+  return html + "</div>\n<figcaption><b>" + title + "</b><span>" + caption +
+    "</span></figcaption></figure>\n";
 }
 }

@@ -87,7 +87,8 @@ PaneOverlay::PaneOverlay(vtkRenderer* view)
   this->BarText = this->AddText(12, 0, 0, 1, -1);
   this->RulerText = this->AddText(13, 0, 0, -1, -1);
   this->RulerText->GetTextProperty()->SetColor(OverlayRuler[0], OverlayRuler[1], OverlayRuler[2]);
-  for (vtkTextActor* placed : { this->BarText.Get(), this->RulerText.Get() })
+  for (vtkTextActor* placed :
+    { this->BarText.Get(), this->RulerText.Get(), this->Warning.Get(), this->Letters[2].Get() })
   {
     placed->GetPositionCoordinate()->SetCoordinateSystemToViewport();
   }
@@ -143,6 +144,14 @@ double PaneOverlay::MmPerPixel() const
 void PaneOverlay::Update()
 {
   const int* size = this->View->GetSize();
+  // Below each other at the upper edge: title, warning, letter.
+  constexpr int Narrow = 260;
+  constexpr double LinePixels = 20;
+  const bool warns = this->Warning->GetInput() && *this->Warning->GetInput() != 0;
+  this->Warning->GetTextProperty()->SetFontSize(size[0] < Narrow ? 11 : 13);
+  this->Warning->GetPositionCoordinate()->SetValue(6, size[1] - LinePixels);
+  this->Letters[2]->GetPositionCoordinate()->SetValue(0.5 * size[0],
+    size[1] - (warns ? 2 : 1) * LinePixels);
   // 1, 2 or 5 times a power of ten, about BarPixels long.
   const double wanted = BarPixels * this->MmPerPixel();
   const double power = std::pow(10.0, std::floor(std::log10(wanted)));
