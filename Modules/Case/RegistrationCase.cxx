@@ -228,6 +228,10 @@ void ResumeFrom(const RegistrationCase& input, const SearchPoint& earlier,
 {
   for (const CaseInput& given : CaseInputs(input, mammogram))
   {
+    if (given.Role == "Lesions" || (given.Role == "MRI" && !input.Study))
+    {
+      continue; // what is asked and shown may change, the search does not know it
+    }
     for (const ResultInput& entry : earlier.Inputs)
     {
       if (entry.Role == given.Role && entry.Sha256 != given.Sha256())

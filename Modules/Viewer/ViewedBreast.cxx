@@ -205,6 +205,11 @@ ViewedBreast ReadMeshes(const ViewInput& input)
   viewed.Pose.ThicknessMm = thickness.value_or(BreastPose().ThicknessMm);
   viewed.Anchor =
     FindPoseAnchor(FromGrid(viewed.Breast.Uncompressed), viewed.Materials.Held(), viewed.Axes);
+  if (input.Mammograms.size() > 1)
+  {
+    throw InputError(path + ": expected one mammogram at most beside a mesh, found " +
+      std::to_string(input.Mammograms.size()));
+  }
   if (!input.Mammograms.empty())
   {
     AddMammogram(ReadMammogram(input.Mammograms.front()), viewed);
