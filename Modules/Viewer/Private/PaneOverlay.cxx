@@ -87,8 +87,8 @@ PaneOverlay::PaneOverlay(vtkRenderer* view)
   this->BarText = this->AddText(12, 0, 0, 1, -1);
   this->RulerText = this->AddText(13, 0, 0, -1, -1);
   this->RulerText->GetTextProperty()->SetColor(OverlayRuler[0], OverlayRuler[1], OverlayRuler[2]);
-  for (vtkTextActor* placed :
-    { this->BarText.Get(), this->RulerText.Get(), this->Warning.Get(), this->Letters[2].Get() })
+  for (vtkTextActor* placed : { this->BarText.Get(), this->RulerText.Get(), this->Title.Get(),
+         this->Warning.Get(), this->Letters[2].Get() })
   {
     placed->GetPositionCoordinate()->SetCoordinateSystemToViewport();
   }
@@ -147,11 +147,14 @@ void PaneOverlay::Update()
   // Below each other at the upper edge: title, warning, letter.
   constexpr int Narrow = 260;
   constexpr double LinePixels = 20;
+  constexpr double TopPixels = 4;
+  const double top = size[1] - TopPixels;
   const bool warns = this->Warning->GetInput() && *this->Warning->GetInput() != 0;
   this->Warning->GetTextProperty()->SetFontSize(size[0] < Narrow ? 11 : 13);
-  this->Warning->GetPositionCoordinate()->SetValue(6, size[1] - LinePixels);
+  this->Title->GetPositionCoordinate()->SetValue(6, top);
+  this->Warning->GetPositionCoordinate()->SetValue(6, top - LinePixels);
   this->Letters[2]->GetPositionCoordinate()->SetValue(0.5 * size[0],
-    size[1] - (warns ? 2 : 1) * LinePixels);
+    top - (warns ? 2 : 1) * LinePixels);
   // 1, 2 or 5 times a power of ten, about BarPixels long.
   const double wanted = BarPixels * this->MmPerPixel();
   const double power = std::pow(10.0, std::floor(std::log10(wanted)));

@@ -112,8 +112,7 @@ ViewerWindow::ViewerWindow(BreastViewer& viewer, const std::vector<ViewedBreast>
   this->Help = AddText(this->HelpView, ViewerHelpText(), 0.5, 0.5, 14);
   vtkTextProperty* text = this->Help->GetTextProperty();
   text->SetFontFamilyToCourier();
-  text->SetJustificationToCentered();
-  text->SetVerticalJustificationToCentered();
+  this->Help->GetPositionCoordinate()->SetCoordinateSystemToViewport();
   text->SetBackgroundColor(0.05, 0.06, 0.08);
   text->SetBackgroundOpacity(1);
   text->FrameOn();
@@ -252,6 +251,11 @@ void ViewerWindow::Lay()
     this->Units[unit]->Pane.Renderer()->SetViewport(middle + width * static_cast<double>(unit),
       bottom, middle + width * static_cast<double>(unit + 1), 1);
   }
+  // In the middle, its lines beginning below each other.
+  double box[4];
+  this->Help->GetBoundingBox(this->HelpView, box);
+  this->Help->GetPositionCoordinate()->SetValue(0.5 * (size[0] - (box[1] - box[0])),
+    0.5 * (size[1] + (box[3] - box[2])));
   if (first)
   {
     this->LookAt(); // pictures fill their panes, whose sizes are known only now
