@@ -25,6 +25,15 @@ def output_of(*command):
     return subprocess.run(command, check=True, capture_output=True, text=True).stdout
 
 
+def package_of(path):
+    """The package a file is from; /lib and /usr/lib are one folder, of which Debian knows one name."""
+    for name in (path, path.removeprefix("/usr")):
+        found = subprocess.run(["dpkg", "-S", name], capture_output=True, text=True, check=False)
+        if found.returncode == 0:
+            return found.stdout.split(":")[0]
+    raise SystemExit(f"{path}: expected a file of a Debian package")
+
+
 def main():
     if len(sys.argv) != 2:
         print(__doc__, file=sys.stderr)
@@ -39,7 +48,7 @@ def main():
         libraries = {pathlib.Path(found).resolve() for binary in binaries
                      for found in re.findall(r"=> (/\S+)", output_of("ldd", str(binary)))}
         for library in sorted(libraries):
-            package = output_of("dpkg", "-S", f"*/{library.name}").split(":")[0]
+            package = package_of(str(library))
             page = pathlib.Path(f"/usr/share/doc/{package}/copyright")
             copyleft = not page.exists() or COPYLEFT.search(page.read_text(errors="replace"))
             if copyleft and package not in READ:
