@@ -76,7 +76,7 @@ def __getattr__(name: str) -> Any:
     if name not in _WITH_VTK:
         raise AttributeError(f"module 'mammoray' has no attribute '{name}'")
     if not _build.WITH_VTK:
-        raise AttributeError(f"mammoray.{name} needs VTK, and this copy is the projector alone (pip install): it is in the "
+        raise AttributeError(f"mammoray.{name} needs VTK, and this copy is the projector alone: it is in the "
                              "package python3-mammoray and in a build of the whole project")
     _find("vtkmodules.util.numpy_support", "python3-vtk9")
     value = getattr(importlib.import_module("." + _WITH_VTK[name], __name__), name)
