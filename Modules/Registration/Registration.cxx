@@ -6,6 +6,8 @@
 #include "mammoray/Foundation/Error.h"
 
 #include <algorithm>
+#include <cmath>
+#include <memory>
 #include <utility>
 
 namespace mammoray
@@ -17,6 +19,43 @@ namespace
 /// from the best cost this much more. The predictor is off by more than two.
 constexpr double NegligibleFall = 0.125;
 constexpr double NegligibleFallOfPredictor = 2;
+
+/// Where stages of a search end, as parts of its time: the start chosen, coarse resolutions
+/// searched by the predictor, the simulation itself where that got to.
+constexpr double StartEnds = 0.2;
+constexpr double CoarseEnds = 0.45;
+constexpr double AdoptedEnds = 0.55;
+/// Equilibria that a stage takes for each mammogram, by experience.
+constexpr double EquilibriaOfStart = 5;
+constexpr double EquilibriaOfLevel = 6;
+
+/**
+ * Of a stage that takes from `from` to `to` of the whole, in equilibria that each tell of
+ * themselves from 0 to 1: how many it needs is not known, so that it draws near its end, never
+ * back.
+ */
+ProgressCallback Counted(const ProgressCallback& progress, double from, double to,
+  double expectedEquilibria)
+{
+  if (!progress)
+  {
+    return {};
+  }
+  struct Count
+  {
+    int Done = 0;
+    double Begun = 0;
+  };
+  // One for all copies of the callback.
+  return [=, count = std::make_shared<Count>()](double fraction, const char* stage)
+  {
+    // Newton's method begins at 0 within an equilibrium, too, which ends with 1.
+    count->Done += fraction >= 1 ? 1 : 0;
+    count->Begun = fraction >= 1 ? 0 : std::max(count->Begun, fraction);
+    const double part = 1 - std::exp(-(count->Done + count->Begun) / expectedEquilibria);
+    return progress(from + (to - from) * part, stage);
+  };
+}
 
 /// The steps of RegisterTogether.
 class Search
@@ -49,15 +88,16 @@ public:
     }
     for (MammogramSearch& mammogram : this->Joint.Mammograms)
     {
-      CompressStart(mammogram, this->Progress);
+      const ProgressCallback progress = this->OfMammogram(mammogram, 0, StartEnds);
+      CompressStart(mammogram, progress);
       this->KeepBefore(mammogram);
       if (chooses)
       {
-        this->Choose(mammogram.Breast(), mammogram);
+        this->Choose(mammogram.Breast(), mammogram, progress);
       }
     }
     this->Joint.CollectUnknowns(); // a start may have been opened
-    this->Levels(this->Bodies(), 0, this->Options.PixelSizesMm.size());
+    this->Levels(this->Bodies(), 0, this->Options.PixelSizesMm.size(), StartEnds);
   }
 
   /// What Run has found, with how well its end agrees.
@@ -118,28 +158,30 @@ private:
       {
         starts.push_back(mammogram.Result.Values);
         predictors.push_back(mammogram.PredictedBreast());
+        const ProgressCallback progress = this->OfMammogram(mammogram, 0, StartEnds);
         mammogram.Here = CompressForStart(predictors.back(), mammogram.Result.Values, nullptr,
-          mammogram.Result, this->Progress);
+          mammogram.Result, progress);
         this->KeepBefore(mammogram);
-        this->Choose(predictors.back(), mammogram);
+        this->Choose(predictors.back(), mammogram, progress);
       }
-      const bool goesOn = this->Levels(predictors, 0, finest);
+      const bool goesOn = this->Levels(predictors, 0, finest, StartEnds, CoarseEnds);
       // A stop takes effect once the simulation itself has been where the predictor got to.
       for (std::size_t number = 0; number < predictors.size(); ++number)
       {
         MammogramSearch& mammogram = this->Joint.Mammograms[number];
+        const ProgressCallback progress = this->OfMammogram(mammogram, CoarseEnds, AdoptedEnds);
         if (goesOn)
         {
           // A cold start of the simulation itself would double the time of a search.
           ChooseEquilibrium(predictors[number],
             CoarsenTo(*mammogram.Given->Target, this->Options.PixelSizesMm.back()),
-            this->Bounded(mammogram), mammogram, this->Progress);
+            this->Bounded(mammogram), mammogram, progress);
         }
-        AdoptPredicted(mammogram, goesOn ? this->Progress : ProgressCallback());
+        AdoptPredicted(mammogram, goesOn ? progress : ProgressCallback());
       }
       if (goesOn)
       {
-        this->Levels(this->Bodies(), finest, finest + 1);
+        this->Levels(this->Bodies(), finest, finest + 1, AdoptedEnds);
       }
       return true;
     }
@@ -174,10 +216,20 @@ private:
     mammogram.Result.Before = this->AgreementOf(mammogram);
   }
 
-  void Choose(const SearchedBreast& breast, MammogramSearch& mammogram)
+  /// Of one mammogram's share in a stage that takes them one by one.
+  ProgressCallback OfMammogram(const MammogramSearch& mammogram, double from, double to) const
+  {
+    const std::vector<MammogramSearch>& all = this->Joint.Mammograms;
+    const double share = (to - from) / static_cast<double>(all.size());
+    const double begin = from + share * static_cast<double>(&mammogram - all.data());
+    return Counted(this->Progress, begin, begin + share, EquilibriaOfStart);
+  }
+
+  void Choose(const SearchedBreast& breast, MammogramSearch& mammogram,
+    const ProgressCallback& progress)
   {
     ChooseStart(breast, CoarsenTo(*mammogram.Given->Target, this->Options.PixelSizesMm.front()),
-      this->Bounded(mammogram), mammogram, this->Progress);
+      this->Bounded(mammogram), mammogram, progress);
   }
 
   /// Where the search stands, with the prior of a shared parameter counted once.
@@ -202,16 +254,11 @@ private:
   }
 
   /// Searches resolutions from `first` to before `last`; false when stopped by the user.
-  bool Levels(const std::vector<SearchedBreast>& breasts, std::size_t first, std::size_t last)
+  bool Levels(const std::vector<SearchedBreast>& breasts, std::size_t first, std::size_t last,
+    double from, double to = 1)
   {
-    const ProgressCallback progress = [this](double, const char* stage)
-    {
-      const auto iterations =
-        static_cast<double>(this->Joint.Mammograms.front().Result.Iterations.size());
-      // A typical number.
-      const double expected = 6.0 * static_cast<double>(this->Options.PixelSizesMm.size());
-      return !this->Progress || this->Progress(iterations / (iterations + expected), stage);
-    };
+    const ProgressCallback progress = Counted(this->Progress, from, to,
+      EquilibriaOfLevel * static_cast<double>((last - first) * breasts.size()));
     const bool predicted = breasts.front().Body == breasts.front().Model->Predictor();
     for (std::size_t number = first; number < last && !this->Joint.Unknowns.empty(); ++number)
     {

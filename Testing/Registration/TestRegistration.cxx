@@ -150,10 +150,25 @@ TEST_F(Registration, PredictedSearchEndsWhereTheSimulationAloneEnds)
   start.LateralMm = 0;
   RegistrationOptions options = OptionsFrom(start);
   options.PixelSizesMm = { 4.0, 3.0 };
+  // Told of, either goes on and never back.
+  std::vector<double> fractions;
+  const ProgressCallback keep = [&](double fraction, const char*)
+  {
+    fractions.push_back(fraction);
+    return true;
+  };
+  const auto goesOn = [&]
+  {
+    return std::is_sorted(fractions.begin(), fractions.end()) && fractions.front() >= 0 &&
+      fractions.back() <= 1 && fractions.back() > 0.4;
+  };
   const RegistrationResult predicted =
-    Register(Model->Model, Model->Placement, *Target, options, {});
+    Register(Model->Model, Model->Placement, *Target, options, keep);
+  EXPECT_TRUE(goesOn());
+  fractions.clear();
   Twin direct(6, 12, 20.0, false);
-  const RegistrationResult alone = Register(direct.Model, direct.Placement, *Target, options, {});
+  const RegistrationResult alone = Register(direct.Model, direct.Placement, *Target, options, keep);
+  EXPECT_TRUE(goesOn());
   EXPECT_TRUE(predicted.Converged) << predicted.StopReason;
   EXPECT_TRUE(alone.Converged) << alone.StopReason;
   // Lower than wide, it lies in one way only; folds at the plates' edges may differ.
