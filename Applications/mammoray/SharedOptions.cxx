@@ -13,14 +13,15 @@ CLI::Option* AddLabelOptions(const OptionList& add, LabelSource& source)
     "included, : for all; e.g. --crop 0:199 : 12:")
     ->expected(3)
     ->needs(labels);
-  CLI::Option* skin = add("--skin", source.Skin,
+  add("--skin", source.Skin,
     "THICKNESS[=MATERIAL]: a layer of that many mm below the air becomes skin (default: the "
-    "table's thin material), not at held tissue nor at the volume's border");
-  skin->needs(labels);
+    "table's thin material), not at held tissue nor at the volume's border")
+    ->needs(labels);
   add("--cut-side", source.CutSides,
     "i-, i+, j-, j+, k- or k+: end of an axis of --labels at which the tissue was cut flat, with "
-    "air behind (before the chest wall, say), and gets no --skin; may be given for several")
-    ->needs(skin);
+    "air behind (before the chest wall, say): it gets no --skin and does not move there; may be "
+    "given for several")
+    ->needs(labels);
   add
     .Flag("--axes-as-given", source.AxesAsGiven,
       "take the axes of the header of --labels as they are, with no conversion to LPS")

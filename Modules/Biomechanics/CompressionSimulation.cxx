@@ -115,18 +115,18 @@ double PenetrationLimitMm(const PlatePair& plates)
 
 CompressionSimulation::CompressionSimulation(const TetrahedralMesh& mesh,
   const std::vector<ElasticMaterial>& materials, const std::vector<bool>& held,
-  const MaterialField& field, const CompressionOptions& options)
+  const MaterialField& field, const CompressionOptions& options, const BodyField& beside)
 {
   CheckOptions(options);
   ElasticBody body(mesh, materials, field, held, options.Element);
   this->Internal = std::make_unique<Internals>(std::move(body), CellsOf(mesh, held),
-    mesh.NumberOfPoints(), options);
+    mesh.NumberOfPoints(), options, beside);
   if (options.Element == ElementType::Quadratic && CanBePredicted(options))
   {
     CompressionOptions linear = options;
     linear.Element = ElementType::PatchAveragedLinear;
     this->SetPredictor(
-      std::make_unique<CompressionSimulation>(mesh, materials, held, field, linear));
+      std::make_unique<CompressionSimulation>(mesh, materials, held, field, linear, beside));
   }
 }
 

@@ -159,11 +159,17 @@ public:
    * where it answers 0 or a held material fall back on the cell's material). `held[m]` tells
    * whether material m does not move: every node of a cell of such a material is fixed. Unless the
    * chest wall is Held, nodes that other cells share belong to those and move along with them: the
-   * held cells at the wall are then only drawn along. Throws InputError.
+   * held cells at the wall are then only drawn along.
+   *
+   * With `beside`, tissue whose border was cut rather than grown is held there, whatever the chest
+   * wall does: a face of the boundary whose middle, half a side farther out, lies where the body
+   * goes on has nodes that do not move. What goes on is as stiff as what was cut and hangs on to
+   * the rest of the body: a free face would let it swing, and it does not glide either. Throws
+   * InputError.
    */
   CompressionSimulation(const TetrahedralMesh& mesh, const std::vector<ElasticMaterial>& materials,
     const std::vector<bool>& held, const MaterialField& field = {},
-    const CompressionOptions& options = {});
+    const CompressionOptions& options = {}, const BodyField& beside = {});
   ~CompressionSimulation();
   CompressionSimulation(CompressionSimulation&&) noexcept;
   CompressionSimulation& operator=(CompressionSimulation&&) noexcept;

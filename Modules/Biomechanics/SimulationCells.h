@@ -21,6 +21,10 @@ struct CellMeasures
 /// Material index at a position of the undeformed body (mm, frame of the mesh); 0 = outside.
 using MaterialField = std::function<int(const Vector3&)>;
 
+/// Whether the body that the mesh was cut out of goes on at a place beside the mesh (mm, frame of
+/// the mesh).
+using BodyField = std::function<bool(const Vector3&)>;
+
 /// How tetrahedra carry the displacement and share the volume constraint.
 enum class ElementType
 {

@@ -3,6 +3,7 @@
 
 #include "mammoray/Biomechanics/ElasticTable.h"
 #include "mammoray/Case/CompressionGrids.h"
+#include "mammoray/Case/CutTissue.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/Foundation/Mammogram.h"
 #include "mammoray/IO/MeshConversion.h"
@@ -41,10 +42,14 @@ double RollOfView(const CompressionCase& input)
 }
 
 BreastModelOptions ModelOptions(const CompressionCase& input, const AnatomicalAxes& axes,
-  const std::optional<LabelVolume>& volume)
+  const std::optional<LabelVolume>& volume, const MaterialTable& materials)
 {
   BreastModelOptions options;
   options.Volume = volume;
+  if (volume)
+  {
+    options.Beside = InCutTissue(*volume, materials, input.Labels.CutSides);
+  }
   if (!input.SimulationMesh.empty())
   {
     options.SimulationMesh = FromGrid(ReadMesh(input.SimulationMesh));
@@ -143,7 +148,7 @@ CompressionCaseResult RunCompressionCase(const CompressionCase& input,
   pose.RollDeg += RollOfView(input);
 
   const BreastModel model(mesh, ElasticTable(result.Materials), {},
-    ModelOptions(input, placement.Axes, volume), progress);
+    ModelOptions(input, placement.Axes, volume, result.Materials), progress);
   const CompressionSimulation& simulation = model.Body().Simulation();
   result.SimulationCells = model.NumberOfSimulationCells();
   result.Unknowns = simulation.NumberOfUnknowns();

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mammoray/Case/LabelSource.h"
 
+#include "mammoray/Case/CutTissue.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/Foundation/LabelResampling.h"
 #include "mammoray/Foundation/LabelSkin.h"
@@ -79,14 +80,8 @@ LabelVolume CutAt(const LabelVolume& materials, const std::vector<std::string>& 
   std::for_each(kept.Last.begin(), kept.Last.end(), [](int& last) { --last; });
   for (const std::string& side : sides)
   {
-    const std::size_t axis =
-      side.size() == 2 ? std::string("ijk").find(side[0]) : std::string::npos;
-    if (axis == std::string::npos || (side[1] != '-' && side[1] != '+'))
-    {
-      throw InputError("cut side: expected i-, i+, j-, j+, k- or k+, found '" + side + "'");
-    }
-    (side[1] == '-' ? kept.First : kept.Last)[axis] =
-      (side[1] == '-' ? tissue.First : tissue.Last)[axis];
+    const auto [axis, atEnd] = FindGridSide(side);
+    (atEnd ? kept.Last : kept.First)[axis] = (atEnd ? tissue.Last : tissue.First)[axis];
   }
   return CropToBox(materials, kept);
 }

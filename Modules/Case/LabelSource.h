@@ -33,8 +33,9 @@ struct LabelSource
   std::string Skin;
   /**
    * Sides of the grid at which the tissue was cut flat, "i-", "i+" to "k+": the air behind its last
-   * voxels there goes, so that the cut gets no skin. A cut, as before a chest wall that is not in
-   * the volume, cannot be told from the flat skin of a breast between plates.
+   * voxels there goes, so that the cut gets no skin, and it does not move there (CutTissue). A cut,
+   * as before a chest wall that is not in the volume, cannot be told from the flat skin of a breast
+   * between plates.
    */
   std::vector<std::string> CutSides;
   /// What no patient has (Plausible) is taken, too, of the volume and of what is done with it.

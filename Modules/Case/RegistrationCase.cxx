@@ -4,6 +4,7 @@
 #include "Private/AskedPlaces.h"
 #include "Private/Checkpoint.h"
 #include "mammoray/Biomechanics/ElasticTable.h"
+#include "mammoray/Case/CutTissue.h"
 #include "mammoray/Case/StudyCase.h"
 #include "mammoray/Foundation/Plausible.h"
 #include "mammoray/IO/MammogramIO.h"
@@ -604,6 +605,9 @@ RegistrationCaseResult RunRegistrationCase(const RegistrationCase& input,
   result.SimulationCells = options.SimulationMesh->NumberOfCells();
   stopwatch.Stage("mesh for the mechanics");
 
+  options.Beside = result.Tissue
+    ? InCutTissue(result.Tissue->Cut)
+    : InCutTissue(*options.Volume, result.Materials, input.Labels.CutSides);
   options.Predicted = true;
   options.Compression.ChestWall = input.ChestWall;
   if (input.ImagePosition)

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mammoray/Case/StudyCase.h"
 
+#include "mammoray/Case/CutTissue.h"
 #include "mammoray/IO/LabelVolumeIO.h"
 #include "mammoray/IO/ShippedData.h"
 #include "mammoray/Report/SlicePicture.h"
@@ -36,10 +37,10 @@ StudyTissue TissueOf(SegmentationResult&& found, const MaterialTable& table)
   StudyTissue tissue;
   tissue.Labels = std::move(found.Labels);
   tissue.Mri = std::move(found.Corrected);
-  tissue.Breast =
-    KeepBreast(table.ToMaterials(tissue.Labels, "the study's MRI"), table.Held(), AnatomicalAxes());
+  const LabelVolume all = table.ToMaterials(tissue.Labels, "the study's MRI");
   const std::vector<bool> held = table.Held();
-  HoldCutTissue(tissue.Breast, held);
+  tissue.Breast = KeepBreast(all, held, AnatomicalAxes());
+  tissue.Cut = CutTissue(all, tissue.Breast, table, GridSides());
   const std::vector<int> gland = table.Glandular();
   double glandCm3 = 0;
   for (const auto& [material, count] : tissue.Breast.CountLabels())
@@ -114,64 +115,6 @@ void TakeStudy(const std::string& folder, std::optional<char> laterality, Regist
   // Three of these beside it a breast fits as well, toppled to its other side.
   input.Options.RollOffsetsDeg.clear();
   input.Study = std::make_shared<const StudyIntake>(std::move(study));
-}
-
-void HoldCutTissue(LabelVolume& materials, const std::vector<bool>& held)
-{
-  constexpr double LayerMm = 12;
-  const auto wall = std::find(held.begin(), held.end(), true);
-  if (wall == held.end())
-  {
-    return;
-  }
-  std::size_t depth = 0;
-  for (std::size_t axis = 1; axis < 3; ++axis)
-  {
-    const bool nearer =
-      std::abs(materials.Direction[axis][1]) > std::abs(materials.Direction[depth][1]);
-    depth = nearer ? axis : depth;
-  }
-  const bool backwards = materials.Direction[depth][1] > 0;
-  const int size = materials.Size[depth];
-  const int layer = std::min(size, static_cast<int>(std::ceil(LayerMm / materials.Spacing[depth])));
-  // Voxels from the front on.
-  const auto place = [&](std::array<int, 3> column, int step)
-  {
-    column[depth] = backwards ? step : size - 1 - step;
-    return materials.Index(column[0], column[1], column[2]);
-  };
-  std::vector<std::pair<std::array<int, 3>, int>> backs;
-  int cut = 0;
-  materials.ForEachVoxel(
-    [&](int i, int j, int k, std::size_t)
-    {
-      std::array<int, 3> column{ i, j, k };
-      if (column[depth] != 0)
-      {
-        return;
-      }
-      int back = size - 1;
-      while (back >= 0 && materials.Voxels[place(column, back)] == 0)
-      {
-        --back;
-      }
-      if (back >= 0)
-      {
-        backs.emplace_back(column, back);
-        cut = std::max(cut, back);
-      }
-    });
-  for (const auto& [column, back] : backs)
-  {
-    if (back + 1 >= cut && !held[materials.Voxels[place(column, back)]])
-    {
-      const int first = std::min(back + 1, size - layer);
-      for (int step = first; step < first + layer; ++step)
-      {
-        materials.Voxels[place(column, step)] = static_cast<std::uint16_t>(wall - held.begin());
-      }
-    }
-  }
 }
 
 ReportSection StudySection(const StudyIntake& study, const StudyTissue& tissue)

@@ -38,6 +38,8 @@ struct StudyTissue
   /// What is registered: the breast and the chest wall behind it without the body beside them
   /// (KeepBreast); material indices.
   LabelVolume Breast;
+  /// What of the body was cut off beside and behind it (CutTissue).
+  LabelVolume Cut;
   /// Its fat, gland and skin, and gland's part in them, [0, 1].
   double BreastCm3 = 0;
   double GlandFraction = 0;
@@ -65,16 +67,6 @@ MAMMORAYCASE_EXPORT void TakeStudy(const std::string& folder, std::optional<char
  */
 MAMMORAYCASE_EXPORT StudyTissue SegmentStudy(const StudyChoice& choice, const MaterialTable& table,
   const ProgressCallback& progress = {});
-
-/**
- * Tissue that a segmentation cut off at its coronal plane (SegmentationOptions::ChestWallDepthMm)
- * goes on to ribs farther back, at the sides, where the chest recedes. Without them it would hang
- * free there, and the breast would swing to the side between the plates: 41 mm instead of 11 in a
- * virtual study of uta11-a, CC. Held tissue (the first held material), 12 mm deep, is put behind
- * what ends at the hindmost plane, or in place of it where the volume ends. `materials`: indices,
- * 0 = air, DICOM LPS.
- */
-MAMMORAYCASE_EXPORT void HoldCutTissue(LabelVolume& materials, const std::vector<bool>& held);
 
 /// What a report tells of a study: what was taken and what was left out, and why; the tissue that
 /// was found, with a picture of it (SlicePicture); what is to be known of both.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mammoray/Evidence/StudyEvidence.h"
 
+#include "Private/PatientTissue.h"
 #include "mammoray/Case/BreastInUnit.h"
 #include "mammoray/Case/RegistrationCaseWriter.h"
 #include "mammoray/Case/ResultFile.h"
@@ -86,7 +87,9 @@ LabelVolume BreastOfMri(const EvidenceStudy& study, const MaterialTable& table,
     throw InputError(study.Mri + ": expected a T1-weighted MRI, found none");
   }
   choice.Laterality = study.Options.Laterality;
-  return FreeOfCoil(SegmentStudy(choice, table, progress).Breast, table.Held());
+  LabelVolume breast = SegmentStudy(choice, table, progress).Breast;
+  HoldCutTissue(breast, table.Held());
+  return FreeOfCoil(std::move(breast), table.Held());
 }
 
 VirtualStudyTruth MakeStudy(const EvidenceStudy& study, const std::string& folder,

@@ -135,7 +135,7 @@ BreastModel::BreastModel(TetrahedralMesh&& anatomy, const ElasticTable& material
   const ProgressCallback& progress)
   : Tissue(std::move(anatomy))
   , Full(CompressionSimulation(basis.Mesh ? *basis.Mesh : this->Tissue, materials.Elastic,
-           materials.Held, basis.Field, options.Compression),
+           materials.Held, basis.Field, options.Compression, options.Beside),
       materials.Elastic, gland)
 {
   const TetrahedralMesh& mesh = basis.Mesh ? *basis.Mesh : this->Tissue;
@@ -154,8 +154,8 @@ BreastModel::BreastModel(TetrahedralMesh&& anatomy, const ElasticTable& material
   {
     CompressionOptions linear = options.Compression;
     linear.Element = ElementType::PatchAveragedLinear;
-    this->Cheap.emplace(
-      CompressionSimulation(mesh, materials.Elastic, materials.Held, basis.Field, linear),
+    this->Cheap.emplace(CompressionSimulation(mesh, materials.Elastic, materials.Held, basis.Field,
+                          linear, options.Beside),
       materials.Elastic, std::move(gland));
     if (unloaded)
     {

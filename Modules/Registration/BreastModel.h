@@ -52,6 +52,8 @@ struct BreastModelOptions
   std::optional<LabelVolume> Volume;
   /// Samples stiffness in place of a volume, where given.
   MaterialField Field;
+  /// Where the body goes on that the tissue was cut out of (CompressionSimulation); none: nowhere.
+  BodyField Beside;
   /// Tetrahedra to simulate on; none: the anatomy itself up to MostSimulationCells, else a mesh
   /// that is made of the volume (MakeSimulationMesh) with this cell size, mm.
   std::optional<TetrahedralMesh> SimulationMesh;

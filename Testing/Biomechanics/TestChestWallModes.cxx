@@ -220,6 +220,87 @@ TEST_P(ElementChestWall, SensitivitiesToTheLoadingMatchCentralDifferences)
   }
 }
 
+/// What lies beyond the block's end away from the wall.
+bool BeyondTheBlock(const Vector3& place)
+{
+  return place[1] > 20;
+}
+
+/// The block's wall, and a layer beyond its other end that is held, too.
+TetrahedralMesh BlockBetweenWalls(int bricks)
+{
+  TetrahedralMesh mesh = test::MakeBoxMesh({ 0, -5, 0 }, { 20, 25, 20 }, { bricks, 6, bricks });
+  for (std::size_t cell = 0; cell < mesh.NumberOfCells(); ++cell)
+  {
+    double middle = 0;
+    for (int corner = 0; corner < 4; ++corner)
+    {
+      middle += 0.25 * mesh.Point(mesh.Cells[4 * cell + corner])[1];
+    }
+    mesh.Materials[cell] = middle < 0 || middle > 20 ? 2 : 1;
+  }
+  return mesh;
+}
+
+TEST(CompressionSimulation, HoldsWhatWasCutAsAHeldBodyBehindItWould)
+{
+  CompressionOptions options;
+  options.PullN = { 0.1, 0, 0.2 };
+  const std::vector<bool> held{ false, false, true };
+  const TetrahedralMesh block = BlockOnAWall(3), between = BlockBetweenWalls(3);
+  const CompressionSimulation cut(block, Soft, held, {}, options, BeyondTheBlock);
+  const CompressionSimulation whole(between, Soft, held, {}, options);
+  const CompressionState state = cut.Compress(WidePlates(17));
+  const CompressionState expected = whole.Compress(WidePlates(17));
+  EXPECT_NEAR(state.PaddleForceN, expected.PaddleForceN, 1e-6 * expected.PaddleForceN);
+  std::size_t compared = 0;
+  for (std::size_t a = 0; a < cut.NumberOfNodes(); ++a)
+  {
+    for (std::size_t b = 0; b < whole.NumberOfNodes(); ++b)
+    {
+      const auto at = [](const std::vector<double>& x, std::size_t node) {
+        return Vector3{ x[3 * node], x[3 * node + 1], x[3 * node + 2] };
+      };
+      if (Norm(at(cut.RestPositions(), a) - at(whole.RestPositions(), b)) < 1e-9)
+      {
+        // Forces to 1e-8 of their scale, on tissue of 5 kPa and 20 mm.
+        EXPECT_LT(Norm(at(state.Positions, a) - at(expected.Positions, b)), 1e-5);
+        ++compared;
+      }
+    }
+  }
+  EXPECT_EQ(compared, cut.NumberOfNodes());
+}
+
+TEST(CompressionSimulation, NeitherGlidesNorHangsFreeWhereItWasCut)
+{
+  CompressionOptions options;
+  options.ChestWall = ChestWallMode::Sliding;
+  options.GravityMPerS2 = { 0, 0, -9.81 };
+  const TetrahedralMesh mesh = BlockOnAWall(3);
+  CompressionSimulation simulation(mesh, Soft, { false, false, true }, {}, options, BeyondTheBlock);
+  simulation.Unload({ 0, 9.81, 0 });
+  const CompressionState state = simulation.Compress(WidePlates(18));
+  double largest = 0, across = 0;
+  for (std::size_t node = 0; node < simulation.NumberOfNodes(); ++node)
+  {
+    const double* image = &simulation.ImagePositions()[3 * node];
+    const double* now = &state.Positions[3 * node];
+    const Vector3 way{ now[0] - image[0], now[1] - image[1], now[2] - image[2] };
+    if (node < mesh.NumberOfPoints() && mesh.Point(static_cast<std::int32_t>(node))[1] == 20)
+    {
+      // Its place in the image, at rest and between the plates.
+      EXPECT_EQ(Norm(way), 0) << node;
+      EXPECT_EQ(simulation.RestPositions()[3 * node + 1], 20);
+    }
+    largest = std::max(largest, Norm(way));
+    across = std::max(across, std::abs(way[0]));
+  }
+  EXPECT_GT(largest, 0.5); // plates that come 1 mm nearer on either side
+  EXPECT_GT(across, 0.1);  // the faces at the sides have grown: they are free
+  EXPECT_GT(state.LargestWallGlideMm, 0.05);
+}
+
 TEST(CompressionSimulation, RefusesBadLoading)
 {
   const TetrahedralMesh mesh = BlockOnAWall(1);

@@ -211,3 +211,52 @@ TEST(ImitatedMri, SignalsSensitivityAndNoise)
   EXPECT_NEAR(fat, 800, 8);
   EXPECT_NEAR(std::sqrt(squares - fat * fat), 20, 3);
 }
+
+TEST(HoldCutTissue, PutsTheHeldTissueBehindWhatWasCut)
+{
+  const std::vector<bool> held{ false, false, true };
+  for (const double backwards : { 1.0, -1.0 })
+  {
+    // Rows of 3 mm from the front: tissue before muscle in the first column, tissue that ends with
+    // it in the second, tissue that ends before it in the third, and air.
+    LabelVolume volume;
+    volume.Size = { 4, 10, 1 };
+    volume.Spacing = { 1, 3, 1 };
+    volume.Direction[1] = { 0, backwards, 0 };
+    volume.Voxels.assign(40, 0);
+    const auto voxel = [&](int column, int row) -> std::uint16_t&
+    { return volume.Voxels[volume.Index(column, backwards > 0 ? row : 9 - row, 0)]; };
+    for (int row = 1; row < 4; ++row)
+    {
+      voxel(0, row) = row < 3 ? 1 : 2;
+      voxel(1, row) = 1;
+      voxel(2, row) = row < 2 ? 1 : 0;
+    }
+    const LabelVolume before = volume;
+    for (int row = 4; row < 8; ++row)
+    {
+      voxel(1, row) = 2;
+    }
+    const LabelVolume expected = volume;
+    volume = before;
+    HoldCutTissue(volume, held);
+    EXPECT_EQ(volume.Voxels, expected.Voxels);
+    // Again: nothing that is not held ends there any more.
+    HoldCutTissue(volume, held);
+    EXPECT_EQ(volume.Voxels, expected.Voxels);
+  }
+}
+
+TEST(HoldCutTissue, TakesThePlaceOfTissueWhereTheVolumeEnds)
+{
+  LabelVolume volume;
+  volume.Size = { 1, 6, 1 };
+  volume.Spacing = { 1, 4, 1 };
+  volume.Voxels.assign(6, 1);
+  HoldCutTissue(volume, { false, false, true });
+  EXPECT_EQ(volume.Voxels, (std::vector<std::uint16_t>{ 1, 1, 1, 2, 2, 2 }));
+  // Nothing is held: nothing to hold with.
+  volume.Voxels.assign(6, 1);
+  HoldCutTissue(volume, { false, false, false });
+  EXPECT_EQ(volume.Voxels, std::vector<std::uint16_t>(6, 1));
+}

@@ -28,11 +28,40 @@ WallStiffness WallOf(const CompressionOptions& options)
                                                 : options.Wall.Tangential };
 }
 
-/// Every coordinate of a node of a held cell, unless the breast can move along the chest wall.
+/// Whether the body goes on behind a face of the boundary.
+bool IsCut(const ElasticBody& body, const ElasticBody::BoundaryFace& face, const BodyField& beside)
+{
+  const std::span<const std::int32_t> nodes = body.NodesOf(face.Element);
+  Vector3 corners[3];
+  for (int c = 0; c < 3; ++c)
+  {
+    corners[c] = NodePosition(body.RestPositions(), nodes[face.LocalNodes[c]]);
+  }
+  const Vector3 sides[3] = { corners[1] - corners[0], corners[2] - corners[1],
+    corners[0] - corners[2] };
+  const Vector3 normal = Cross(sides[0], sides[1]);
+  const Vector3 middle = (1 / 3.0) * (corners[0] + corners[1] + corners[2]);
+  const double side = (Norm(sides[0]) + Norm(sides[1]) + Norm(sides[2])) / 3;
+  return beside(middle + (0.5 * side / Norm(normal)) * normal);
+}
+
+/// Every coordinate of a node of a held cell, unless the breast can move along the chest wall, and
+/// of a face behind which the body goes on.
 std::vector<bool> FixedCoordinates(const ElasticBody& body, const std::vector<bool>& heldCells,
-  ChestWallMode mode)
+  ChestWallMode mode, const BodyField& beside)
 {
   std::vector<bool> fixed(3 * body.NumberOfNodes(), false);
+  for (const ElasticBody::BoundaryFace& face : body.Faces())
+  {
+    // No element holds cells of both kinds.
+    const bool cut =
+      beside && !heldCells[body.CellsOf(face.Element).front()] && IsCut(body, face, beside);
+    for (int a = 0; cut && a < body.NodesPerFace(); ++a)
+    {
+      const std::int32_t node = body.NodesOf(face.Element)[face.LocalNodes[a]];
+      fixed[3 * node] = fixed[3 * node + 1] = fixed[3 * node + 2] = true;
+    }
+  }
   for (std::size_t cell = 0; cell < heldCells.size() && mode == ChestWallMode::Held; ++cell)
   {
     for (int a = 0; a < body.NodesPerCell() && heldCells[cell]; ++a)
@@ -46,11 +75,11 @@ std::vector<bool> FixedCoordinates(const ElasticBody& body, const std::vector<bo
 }
 
 CompressionSimulation::Internals::Internals(ElasticBody body, std::vector<bool> heldCells,
-  std::size_t pointCount, const CompressionOptions& options)
+  std::size_t pointCount, const CompressionOptions& options, const BodyField& beside)
   : Body(std::move(body))
   , Options(options)
   , HeldCells(std::move(heldCells))
-  , Fixed(FixedCoordinates(Body, HeldCells, options.ChestWall))
+  , Fixed(FixedCoordinates(Body, HeldCells, options.ChestWall, beside))
   , Solver(Body, Fixed, options.ContactStiffness, HeldCells)
   , Given(Body.Materials())
   , Image(Body.RestPositions())

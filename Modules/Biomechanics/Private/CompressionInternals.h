@@ -59,7 +59,7 @@ struct CompressionSimulation::Internals
   std::unique_ptr<Embedding> InPredictor;
 
   Internals(ElasticBody body, std::vector<bool> heldCells, std::size_t pointCount,
-    const CompressionOptions& options);
+    const CompressionOptions& options, const BodyField& beside);
 
   /// Finds the middles in held cells, of sides that end on a wall that is not held.
   void FindFollowers();

@@ -53,6 +53,14 @@ MAMMORAYEVIDENCE_EXPORT LabelVolume PlaceOnChest(const LabelVolume& materials,
   const ChestCurve& curve);
 
 /**
+ * A patient's breast that a segmentation cut off at a coronal plane gets something to hang on to,
+ * as a phantom has it: held tissue (the first held material), 12 mm deep, behind what ends at the
+ * hindmost plane, or in place of it where the volume ends. `materials`: indices, 0 = air, DICOM
+ * LPS.
+ */
+MAMMORAYEVIDENCE_EXPORT void HoldCutTissue(LabelVolume& materials, const std::vector<bool>& held);
+
+/**
  * What was cut out of a body goes on beside it: `reachMm` farther to the sides, head and feet on a
  * chest wall as thick as the phantom's (`wallMm`), tissue falls off from the edge of the phantom to
  * subcutaneous fat of 8 mm, without skin (AddSkin gives it). Skin of the phantom that this buries
