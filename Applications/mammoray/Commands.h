@@ -14,10 +14,12 @@ void AddCompressCommand(CLI::App& application);
 void AddDemoCommand(CLI::App& application);
 void AddDevicesCommand(CLI::App& application);
 void AddDicomCommand(CLI::App& application);
+void AddDisplacementCommand(CLI::App& application);
 void AddEvaluateCommand(CLI::App& application);
 /// Only where there is the Meshing module.
 void AddEvidenceCommand(CLI::App& application);
 void AddExampleCommand(CLI::App& application);
+void AddFetchCommand(CLI::App& application);
 void AddFuseCommand(CLI::App& application);
 void AddIntakeCommand(CLI::App& application);
 void AddLocateCommand(CLI::App& application);
@@ -27,6 +29,7 @@ void AddProjectCommand(CLI::App& application);
 void AddRegisterCommand(CLI::App& application);
 /// Says that it is not there where there is no Segmentation module.
 void AddSegmentCommand(CLI::App& application);
+void AddSendCommand(CLI::App& application);
 /// Only where there is the Viewer module.
 void AddViewCommand(CLI::App& application);
 }

@@ -1,15 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "ArchiveOptions.h"
 #include "Commands.h"
 #include "DicomOptions.h"
 #include "OutputFiles.h"
+#include "ProgressBar.h"
 #include "ResultNotes.h"
 #include "SharedOptions.h"
+#include "mammoray/Archive/ResultObjects.h"
 #include "mammoray/Case/RegisteredMammogram.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/IO/DicomWriter.h"
+#include "mammoray/IO/LabelVolumeIO.h"
 #include "mammoray/IO/MammogramIO.h"
+#include "mammoray/IO/WholeOutput.h"
 
 #include <cstdio>
+#include <filesystem>
+#include <optional>
 
 namespace mammoray
 {
@@ -22,6 +29,13 @@ struct DicomArguments
   std::optional<char> Laterality;
   DicomPatient Patient;
   bool ForProcessing = false;
+  std::optional<Vector3> Point;
+  std::string Lesion;
+  bool AxesAsGiven = false;
+  ProjectorOptions Projector;
+  std::string Mri;
+  double MriSpacingMm = ResultObjects{}.MriSpacingMm;
+  double FieldSpacingMm = ResultObjects{}.FieldSpacingMm;
   std::string Output;
   bool Overwrite = false;
 };
@@ -36,27 +50,35 @@ void Declare(const OptionList& add, DicomArguments& arguments)
   AddDicomPictureOptions(add, arguments.Laterality, arguments.ForProcessing,
     "default: what the header of --mammogram says");
   AddDicomPatientOptions(add, arguments.Patient, true);
-  add("-o,--output", arguments.Output, "DICOM MG (.dcm)")->required();
+  const OptionList shown = add.Group("Of a folder");
+  shown.Numbers("--point", arguments.Point, "X Y Z",
+    "a place in the frame of the label volume, mm, to be shown on the mammogram");
+  shown.Input("--lesion", arguments.Lesion,
+    "label volume in the same frame (.nrrd .mha .nii .nii.gz, DICOM SEG): each label is shown");
+  shown.Flag("--axes-as-given", arguments.AxesAsGiven,
+    "take the header's axes of --lesion as they are, with no conversion to LPS");
+  AddProjectorOptions(shown, arguments.Projector);
+  shown.Input("--mri", arguments.Mri,
+    "folder with the slices of the MRI, DICOM, in whose frame the label volume is: adds it between "
+    "the plates, and the registration that leads to it");
+  shown("--mri-spacing", arguments.MriSpacingMm, Positive("mm"), "voxels of that MRI");
+  shown("--field-spacing", arguments.FieldSpacingMm, Positive("mm"), "voxels of that registration");
+  add("-o,--output", arguments.Output,
+    "a file (.dcm) for the synthetic mammogram alone, or a new folder for all objects; default: "
+    "the folder dicom in that of --result");
   AddOverwriteFlag(add, arguments.Overwrite, "the output file");
 }
 
-void Run(DicomArguments& arguments)
+void WriteSynthetic(const DicomArguments& arguments, const ResultFile& result,
+  const DicomIdentity& identity, const std::string& path)
 {
-  if (!IsDicomPath(arguments.Output))
-  {
-    throw InputError(arguments.Output + ": expected the extension .dcm");
-  }
-  CheckOutputFile(arguments.Output, arguments.Overwrite);
-  const DicomIdentity identity = arguments.Patient.Identity();
-  Mammogram real = ReadMammogram(CheckInputFile(arguments.Mammogram));
+  Mammogram real = ReadMammogram(arguments.Mammogram);
   real.Laterality = arguments.Laterality.value_or(real.Laterality);
   if (real.Laterality == '?')
   {
     throw InputError(arguments.Mammogram +
       ": expected Image Laterality (0020,0062), found none; --side left or right says it");
   }
-  const ResultFile result = ReadResultFile(arguments.Result);
-  WarnOfDistrust(result.Folder, result.Trust);
   const Mammogram synthetic = ReadSyntheticMammogram(result, real,
     arguments.ForProcessing ? Mammogram::Intent::ForProcessing
                             : Mammogram::Intent::ForPresentation);
@@ -70,19 +92,85 @@ void Run(DicomArguments& arguments)
     writing.Imitated = ReadDicomReference(arguments.Mammogram);
     writing.Identity = writing.Imitated->Identity;
   }
-  WriteMammogram(synthetic, writing, arguments.Output);
-  std::printf("wrote %s: %d x %d pixels, %c %s, %.1f mm thick\n", arguments.Output.c_str(),
-    synthetic.Columns, synthetic.Rows, synthetic.Laterality, synthetic.View.c_str(),
-    *synthetic.BodyPartThicknessMm);
+  WriteMammogram(synthetic, writing, path);
+  std::printf("%s %s: %d x %d pixels, %c %s, %.1f mm thick\n",
+    path == arguments.Output ? "wrote" : "made", arguments.Output.c_str(), synthetic.Columns,
+    synthetic.Rows, synthetic.Laterality, synthetic.View.c_str(), *synthetic.BodyPartThicknessMm);
+}
+
+/// All of them lie in the mammogram's study, or could not refer to it.
+void WriteFolder(const DicomArguments& arguments, const ResultFile& result)
+{
+  ResultObjects objects;
+  objects.Mammogram = arguments.Mammogram;
+  if (arguments.Point)
+  {
+    objects.Points.push_back(*arguments.Point);
+  }
+  if (!arguments.Lesion.empty())
+  {
+    objects.Lesions = ReadLabelVolume(arguments.Lesion,
+      arguments.AxesAsGiven ? VolumeAxes::AsGiven : VolumeAxes::Patient);
+  }
+  objects.Mri = arguments.Mri;
+  objects.MriSpacingMm = arguments.MriSpacingMm;
+  objects.FieldSpacingMm = arguments.FieldSpacingMm;
+  const RegisteredBreast breast(ReadBreastInUnit(result));
+  WriteWholeFolder(arguments.Output,
+    [&](const std::string& folder)
+    {
+      WriteSynthetic(arguments, result, {}, folder + "/synthetic.dcm");
+      WriteResultObjects(result, breast, objects, arguments.Projector, folder, MakeProgressBar());
+    });
+  std::printf("wrote %s\n", arguments.Output.c_str());
+}
+
+void Run(DicomArguments& arguments)
+{
+  const bool alone = IsDicomPath(arguments.Output);
+  if (!alone && std::filesystem::path(arguments.Output).has_extension())
+  {
+    throw InputError(
+      arguments.Output + ": expected the extension .dcm of a file, or none of a folder");
+  }
+  if (alone && (arguments.Point || !arguments.Lesion.empty() || !arguments.Mri.empty()))
+  {
+    throw InputError(arguments.Output + ": expected a folder for --point, --lesion and --mri");
+  }
+  if (!alone && !arguments.Patient.Same)
+  {
+    throw InputError("output: expected --same-patient for a folder of objects, which refer to the "
+                     "mammogram, or a file (.dcm) for the synthetic one alone");
+  }
+  CheckInputFile(arguments.Mammogram);
+  if (alone)
+  {
+    CheckOutputFile(arguments.Output, arguments.Overwrite);
+  }
+  const DicomIdentity identity = arguments.Patient.Identity();
+  const ResultFile result = ReadResultFile(arguments.Result);
+  WarnOfDistrust(result.Folder, result.Trust);
+  if (alone)
+  {
+    WriteSynthetic(arguments, result, identity, arguments.Output);
+    return;
+  }
+  if (arguments.Output.empty())
+  {
+    arguments.Output = (std::filesystem::path(result.Folder) / ObjectsFolderName).string();
+  }
+  CheckNewFolder(arguments.Output);
+  WriteFolder(arguments, result);
 }
 }
 
 void AddDicomCommand(CLI::App& application)
 {
   AddCommand<DicomArguments>(application, "dicom",
-    "Write the synthetic mammogram of a registration as a DICOM mammogram.\nNothing of the patient "
-    "is "
-    "taken from --mammogram, and no reference to it, unless --same-patient says so.",
+    "Write a registration as DICOM objects\nThe synthetic mammogram, and in a folder also where a "
+    "point or a lesion is found (segmentation, presentation state, report) and the MRI between the "
+    "plates. Nothing of the patient is taken from --mammogram, and no reference to it, unless "
+    "--same-patient says so.",
     Declare, Run);
 }
 }

@@ -153,6 +153,17 @@ void CheckPictureFile(const std::string& path, bool overwrite)
   }
 }
 
+void CheckNewFolder(const std::string& path)
+{
+  std::error_code none;
+  if (path.empty() || (fs::exists(path, none) && (!fs::is_directory(path) || !fs::is_empty(path))))
+  {
+    throw InputError("output " + path + ": expected a new or an empty folder, found " +
+      (path.empty() ? "none" : "one that holds something, or a file"));
+  }
+  ClaimFolder(path);
+}
+
 void CheckNoInputWithin(const std::string& folder)
 {
   for (const fs::path& given : GivenPaths())

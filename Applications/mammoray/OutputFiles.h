@@ -41,6 +41,10 @@ void CheckOutputFile(const std::string& path, bool overwrite, const std::string&
 /// CheckOutputFile for a picture (.png) where one is asked for: an empty path passes.
 void CheckPictureFile(const std::string& path, bool overwrite);
 
+/// Throws InputError unless `path` can become a folder of its own: it is not there yet, or empty.
+/// Claims it (ClaimFolder).
+void CheckNewFolder(const std::string& path);
+
 /// Throws InputError where something that the options were given is in the folder, which is to be
 /// replaced.
 void CheckNoInputWithin(const std::string& folder);

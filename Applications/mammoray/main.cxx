@@ -120,11 +120,13 @@ int Run(int argc, char* argv[])
   mammoray::AddDemoCommand(application);
   mammoray::AddDevicesCommand(application);
   mammoray::AddDicomCommand(application);
+  mammoray::AddDisplacementCommand(application);
   mammoray::AddEvaluateCommand(application);
 #ifdef MAMMORAY_HAS_MESHING
   mammoray::AddEvidenceCommand(application);
 #endif
   mammoray::AddExampleCommand(application);
+  mammoray::AddFetchCommand(application);
   mammoray::AddFuseCommand(application);
   mammoray::AddIntakeCommand(application);
   mammoray::AddLocateCommand(application);
@@ -132,6 +134,7 @@ int Run(int argc, char* argv[])
   mammoray::AddProjectCommand(application);
   mammoray::AddRegisterCommand(application);
   mammoray::AddSegmentCommand(application);
+  mammoray::AddSendCommand(application);
 #ifdef MAMMORAY_HAS_VIEWER
   mammoray::AddViewCommand(application);
 #endif

@@ -31,11 +31,12 @@ Vector3 PointOf(vtkUnstructuredGrid* grid, vtkIdType id)
   return point;
 }
 
-/// Voxels along the image's axes around the grid's points.
-VolumeGrid GridAround(vtkUnstructuredGrid* breast, const IntensityVolume& image, double spacingMm)
+/// Voxels along these axes around the breast's points, and so far beyond.
+VolumeGrid GridAround(vtkUnstructuredGrid* breast, const std::array<Vector3, 3>& axes,
+  double spacingMm, double marginMm = 0)
 {
   VolumeGrid grid;
-  grid.Direction = image.Direction;
+  grid.Direction = axes;
   grid.Spacing = { spacingMm, spacingMm, spacingMm };
   Vector3 low = grid.ContinuousIndex(PointOf(breast, 0));
   Vector3 high = low;
@@ -48,10 +49,22 @@ VolumeGrid GridAround(vtkUnstructuredGrid* breast, const IntensityVolume& image,
       high[a] = std::max(high[a], index[a]);
     }
   }
-  grid.Origin = grid.PointAt(low[0], low[1], low[2]);
+  const double margin = marginMm / spacingMm;
+  grid.Origin = grid.PointAt(low[0] - margin, low[1] - margin, low[2] - margin);
+  double count = 1;
   for (int a = 0; a < 3; ++a)
   {
-    grid.Size[a] = 1 + static_cast<int>(std::ceil(high[a] - low[a]));
+    const double size = 1 + std::ceil(high[a] - low[a] + 2 * margin);
+    count *= size;
+    grid.Size[a] = static_cast<int>(std::min(size, 1e9));
+  }
+  if (count > 1e8)
+  {
+    char text[160];
+    std::snprintf(text, sizeof text,
+      "voxels of %g mm: expected at most 100 million around the breast, found %.3g", spacingMm,
+      count);
+    throw InputError(text);
   }
   return grid;
 }
@@ -174,7 +187,8 @@ CompressedVolume CompressVolume(const IntensityVolume& image, const RegisteredBr
   }
   ReportProgress(progress, 0, "finding the tissue");
   CompressedVolume result;
-  static_cast<VolumeGrid&>(result.Values) = GridAround(breast.Compressed(), image, spacingMm);
+  static_cast<VolumeGrid&>(result.Values) =
+    GridAround(breast.Compressed(), image.Direction, spacingMm);
   const vtkSmartPointer<vtkDataSet> voxels = FindPlaces(breast, result.Values);
   ReportProgress(progress, 0.8, "sampling the image");
   vtkDataArray* places = voxels->GetPointData()->GetArray(PlaceArrayName);
@@ -240,5 +254,34 @@ vtkSmartPointer<vtkImageData> ProjectVolume(const CompressedVolume& compressed,
     }
   }
   return image;
+}
+
+DisplacementField FindDisplacement(const RegisteredBreast& breast, DisplacementDirection direction,
+  double spacingMm, double marginMm, const ProgressCallback& progress)
+{
+  if (!(spacingMm > 0) || !std::isfinite(spacingMm) || !(marginMm >= 0) || !std::isfinite(marginMm))
+  {
+    throw InputError("displacement: expected positive voxels and a margin of at least 0, found " +
+      std::to_string(spacingMm) + " and " + std::to_string(marginMm) + " mm");
+  }
+  const bool back = direction == DisplacementDirection::CompressedToVolume;
+  DisplacementField field;
+  static_cast<VolumeGrid&>(field) = GridAround(back ? breast.Compressed() : breast.Uncompressed(),
+    VolumeGrid{}.Direction, spacingMm, marginMm);
+  field.Vectors.resize(3 * static_cast<std::size_t>(field.Size[0]) * field.Size[1] * field.Size[2]);
+  field.ForEachVoxel(
+    [&](int i, int j, int k, std::size_t voxel)
+    {
+      if (i == 0)
+      {
+        ReportProgress(progress, static_cast<double>(3 * voxel) / field.Vectors.size(),
+          "finding the displacement");
+      }
+      const Vector3 point = field.PointAt(i, j, k);
+      const CarriedPoint carried = back ? breast.CarryBack(point) : breast.Carry(point);
+      std::copy(carried.Displacement.begin(), carried.Displacement.end(),
+        &field.Vectors[3 * voxel]);
+    });
+  return field;
 }
 }

@@ -5,6 +5,7 @@
 #include "mammoray/Case/RegisteredBreast.h"
 #include "mammoray/Foundation/IntensityVolume.h"
 #include "mammoray/Foundation/Progress.h"
+#include "mammoray/IO/LabelVolumeIO.h"
 #include "mammorayCaseModule.h"
 
 #include "vtkSmartPointer.h"
@@ -43,6 +44,27 @@ MAMMORAYCASE_EXPORT CompressedVolume CompressVolume(const IntensityVolume& image
  */
 MAMMORAYCASE_EXPORT vtkSmartPointer<vtkImageData> ProjectVolume(const CompressedVolume& compressed,
   const RegisteredBreast& breast, const ProgressCallback& progress = {});
+
+/// Which points a displacement field moves, and where to.
+enum class DisplacementDirection
+{
+  /// Points of the compressed breast to where their tissue lay in the volume: what resamples an
+  /// image of the volume into the compressed breast.
+  CompressedToVolume,
+  /// Points of the volume to where their tissue lies in the compressed breast: what moves points
+  /// and meshes, and resamples an image of the compressed breast into the volume.
+  VolumeToCompressed
+};
+
+/**
+ * The deformation as a field, voxels of `spacingMm` (positive) along the axes of the volume frame,
+ * around the breast that the points lie in and `marginMm` (at least 0) beyond: linear in each
+ * tetrahedron, and outside the breast the displacement of the nearest tissue. Throws InputError on
+ * another spacing or margin and where that is more than 100 million voxels, Interrupted.
+ */
+MAMMORAYCASE_EXPORT DisplacementField FindDisplacement(const RegisteredBreast& breast,
+  DisplacementDirection direction, double spacingMm, double marginMm,
+  const ProgressCallback& progress = {});
 }
 
 #endif

@@ -101,6 +101,19 @@ struct RegisteredBreast::Internals
   }
   std::optional<UncertaintyEllipse> UncertaintyAt(const PlaceInCell& place,
     const Vector3& compressed) const;
+  /// The displacement of the tissue at a point of the grid that `cells` finds places in.
+  CarriedPoint CarryIn(CellFinder& cells, const Vector3& point) const
+  {
+    CarriedPoint carried;
+    PlaceInCell place = cells.Find(point, OutsideMm);
+    if (place.Cell < 0)
+    {
+      carried.Outside = true;
+      place = cells.Find(point, std::numeric_limits<double>::max());
+    }
+    carried.Displacement = place.Interpolate(this->Displacement);
+    return carried;
+  }
 };
 
 /// Keeps the part of the covariance whose parameters have sensitivities.
@@ -255,15 +268,13 @@ ImagedPoint RegisteredBreast::ToMammogram(const Vector3& point) const
 
 CarriedPoint RegisteredBreast::Carry(const Vector3& point) const
 {
-  const Internals& internal = *this->Internal;
-  CarriedPoint carried;
-  PlaceInCell place = internal.AtRest->Find(point, OutsideMm);
-  if (place.Cell < 0)
-  {
-    carried.Outside = true;
-    place = internal.AtRest->Find(point, std::numeric_limits<double>::max());
-  }
-  carried.Displacement = place.Interpolate(internal.Displacement);
+  return this->Internal->CarryIn(*this->Internal->AtRest, point);
+}
+
+CarriedPoint RegisteredBreast::CarryBack(const Vector3& point) const
+{
+  CarriedPoint carried = this->Internal->CarryIn(*this->Internal->Squeezed, point);
+  carried.Displacement = -1.0 * carried.Displacement;
   return carried;
 }
 

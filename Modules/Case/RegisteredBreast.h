@@ -56,10 +56,10 @@ struct ImagedPoint
   std::optional<UncertaintyEllipse> Uncertainty;
 };
 
-/// How the compression moves a point.
+/// How a point moves with the tissue.
 struct CarriedPoint
 {
-  /// It leads from the breast at rest into the compressed one, volume frame, mm.
+  /// Of Carry, it leads from the breast at rest into the compressed one; volume frame, mm.
   Vector3 Displacement{ 0, 0, 0 };
   /// More than a millimetre outside the breast; moved with the nearest tissue.
   bool Outside = false;
@@ -98,6 +98,10 @@ public:
 
   /// Where tissue at a point of the label volume's frame (mm) goes.
   CarriedPoint Carry(const Vector3& point) const;
+
+  /// Where tissue at a point of the compressed breast (volume frame, mm) came from: the
+  /// displacement leads back, to the breast at rest.
+  CarriedPoint CarryBack(const Vector3& point) const;
 
   /**
    * What lies behind a pixel (continuous position): the tissues that the X-ray crosses, from the

@@ -6,6 +6,7 @@
 #include "mammoray/IO/MammogramPictureIO.h"
 #include "mammoray/IO/MammogramSynthesis.h"
 #include "mammoray/IO/Sha256.h"
+#include "mammoray/IO/ShippedData.h"
 
 #include <filesystem>
 #include <optional>
@@ -39,6 +40,19 @@ Mammogram DescribeRegistration(const ResultFile& result, char laterality)
   mammogram.BodyPartThicknessMm = pose.ThicknessMm;
   mammogram.SourceToPatientMm = unit.SourceToDetectorMm - unit.SupportHeightMm;
   return mammogram;
+}
+
+/// Where a beam's photons end, as many keV as the tube has kV: a bin beyond the last one that has
+/// any.
+double PeakEnergyKeV(const Spectrum& spectrum)
+{
+  const std::vector<double>& energies = spectrum.EnergiesKeV;
+  std::size_t last = energies.size() - 1;
+  while (last > 0 && !(spectrum.Weights[last] > 0))
+  {
+    --last;
+  }
+  return last > 0 ? 2 * energies[last] - energies[last - 1] : energies[last];
 }
 
 std::vector<float> ReadLogAttenuation(const std::string& path, const Mammogram& real)
@@ -79,6 +93,14 @@ Mammogram ReadSyntheticMammogram(const ResultFile& result, const Mammogram& real
   prefer(synthetic.View, real.View);
   prefer(synthetic.RowDirection, real.RowDirection);
   prefer(synthetic.ColumnDirection, real.ColumnDirection);
+  try
+  {
+    synthetic.PeakKilovoltage = PeakEnergyKeV(FindSpectrum(result.Spectrum));
+  }
+  catch (const InputError&)
+  {
+    // A table of the user's that is no longer there: the voltage is left out.
+  }
   SetPixels(synthetic, ReadLogAttenuation(result.Folder + "/synthetic.mha", real), intent);
   return synthetic;
 }

@@ -13,9 +13,10 @@ namespace mammoray
 /**
  * The synthetic mammogram in a result's folder, with SetPixels' pixels and a header of the unit and
  * pose that were found. View and patient orientation are those of `real`, the mammogram that was
- * registered, where its header says them; its laterality must be 'L' or 'R'. The beam's voltage and
- * materials are left out: the spectrum was another. Throws InputError that names the file, on
- * another laterality, and where the picture has other rows and columns than `real`.
+ * registered, where its header says them; its laterality must be 'L' or 'R'. The tube's voltage is
+ * where the synthetic beam's spectrum ends; its materials are left out. Throws InputError that
+ * names the file, on another laterality, and where the picture has other rows and columns than
+ * `real`.
  */
 MAMMORAYCASE_EXPORT Mammogram ReadSyntheticMammogram(const ResultFile& result,
   const Mammogram& real, Mammogram::Intent intent);

@@ -6,8 +6,10 @@
 #include "mammoray/Foundation/Mammogram.h"
 #include "mammoray/IO/DicomHeader.h"
 #include "mammoray/IO/DicomIdentity.h"
+#include "mammoray/IO/LabelVolumeIO.h"
 #include "mammorayIOModule.h"
 
+#include <array>
 #include <optional>
 #include <string>
 #include <vector>
@@ -45,6 +47,8 @@ struct DicomSegment
   std::string Label;
   /// 1 inside, 0 outside; Rows * Columns values of the image, row by row.
   std::vector<unsigned char> Mask;
+  /// Where the lesion may be, instead of where it was found.
+  bool Uncertainty = false;
 };
 
 /**
@@ -72,6 +76,72 @@ MAMMORAYIO_EXPORT std::string NewDicomUid();
  */
 MAMMORAYIO_EXPORT void WriteMrSeries(const IntensityVolume& volume, const DicomHeader& header,
   const std::vector<std::string>& paths);
+
+/// A place of the MRI that was found on a mammogram. Pixels: continuous column and row, from 0 at
+/// the centre of the first pixel.
+struct DicomFinding
+{
+  using Pixel = std::array<double, 2>;
+  /// Two ends of the major and two of the minor axis of an ellipse, as both standards of drawing
+  /// want them.
+  struct Ellipse
+  {
+    std::array<Pixel, 4> Ends{};
+    /// One standard deviation along the axes, mm on the receptor, whatever the ellipse holds.
+    double MajorSigmaMm = 0;
+    double MinorSigmaMm = 0;
+  };
+  /// At most 64 bytes.
+  std::string Label;
+  Pixel Centre{ 0, 0 };
+  /// In the MRI, DICOM LPS, mm.
+  Vector3 VolumePoint{ 0, 0, 0 };
+  std::optional<Ellipse> Uncertainty;
+  /// Closed polygons around a lesion's shadow.
+  std::vector<std::vector<Pixel>> Outlines;
+};
+
+/**
+ * Writes a Grayscale Softcopy Presentation State (PS3.3 section A.33.1): the mammogram in the file
+ * `mammogram` as its own header shows it (window or table of values, polarity), with each finding's
+ * outlines and ellipse and, beside its centre, its text (`texts`, as many as findings). Patient and
+ * study are the mammogram's, as the standard wants. Throws InputError where the mammogram cannot be
+ * read or the file not be written.
+ */
+MAMMORAYIO_EXPORT void WritePresentationState(const std::vector<DicomFinding>& findings,
+  const std::vector<std::string>& texts, const std::string& mammogram, const std::string& path);
+
+/// What a report says beside its findings.
+struct DicomReportContext
+{
+  /// 'L' or 'R'.
+  char Laterality = 'L';
+  /// The frame of reference of the findings' points in the MRI; empty: they are left out.
+  std::string VolumeFrameUid;
+  /// "good", "doubtful" or "none", and why not better.
+  std::string Trust;
+  std::vector<std::string> Reasons;
+};
+
+/**
+ * Writes the findings as a measurement report (TID 1500 of PS3.16) in a Comprehensive 3D SR (PS3.3
+ * section A.35.13), a measurement group (TID 1501) each: its point in the MRI, its point and
+ * ellipse on the mammogram, standard deviations along the ellipse's axes, and how far the
+ * registration is to be trusted; the observer is this software. In the mammogram's study. Throws
+ * InputError without findings and when the file cannot be written.
+ */
+MAMMORAYIO_EXPORT void WriteMeasurementReport(const std::vector<DicomFinding>& findings,
+  const DicomReportContext& context, const DicomReference& mammogram, const std::string& path);
+
+/**
+ * Writes a Deformable Spatial Registration (PS3.3 section A.39.2): `field` leads from points of the
+ * frame of reference `registeredUid`, in which its grid lies, to those of `sourceUid` (DICOM LPS,
+ * mm), so that what lies in the latter can be shown in the former. Throws InputError on a field
+ * that is none and when the file cannot be written.
+ */
+MAMMORAYIO_EXPORT void WriteSpatialRegistration(const DisplacementField& field,
+  const std::string& registeredUid, const std::string& sourceUid, const DicomIdentity& identity,
+  const std::string& path);
 }
 
 #endif

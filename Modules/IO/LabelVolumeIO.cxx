@@ -2,10 +2,12 @@
 #include "mammoray/IO/LabelVolumeIO.h"
 
 #include "Private/DicomVolume.h"
+#include "Private/DisplacementTransform.h"
 #include "Private/Guard/GuardedRead.h"
 #include "Private/VolumeFile.h"
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 
 namespace mammoray
@@ -127,5 +129,36 @@ void WriteIntensityVolume(const IntensityVolume& volume, const std::string& path
   volume.Validate(path);
   CheckLabelVolumeExtension(path);
   WriteVolumeFile(path, volume, volume.Voxels.data());
+}
+
+void CheckDisplacementExtension(const std::string& path)
+{
+  const std::string extension = VolumeExtension(path);
+  if (!IsTransformExtension(extension) && extension != ".nrrd" && extension != ".mha" &&
+    extension != ".nii.gz")
+  {
+    throw InputError(path +
+      ": expected the extension .nrrd, .mha, .nii.gz, .h5 or .tfm for a displacement, found '" +
+      extension + "'");
+  }
+}
+
+void WriteDisplacement(const DisplacementField& field, const std::string& path)
+{
+  CheckDisplacementExtension(path);
+  field.ValidateGrid(path, field.Vectors.size() / 3);
+  const auto bad = std::find_if_not(field.Vectors.begin(), field.Vectors.end(),
+    [](float value) { return std::isfinite(value); });
+  if (field.Vectors.size() % 3 != 0 || bad != field.Vectors.end())
+  {
+    throw InputError(path + ": expected three finite numbers for each voxel, found " +
+      (bad != field.Vectors.end() ? "others" : std::to_string(field.Vectors.size()) + " numbers"));
+  }
+  if (IsTransformExtension(VolumeExtension(path)))
+  {
+    WriteDisplacementTransform(field, path);
+    return;
+  }
+  WriteVolumeFile(path, field, field.Vectors.data(), 3);
 }
 }

@@ -68,6 +68,24 @@ MAMMORAYIO_EXPORT void WriteLabelVolume(const LabelVolume& volume, const std::st
 
 /// The same of intensities, as 32-bit floats.
 MAMMORAYIO_EXPORT void WriteIntensityVolume(const IntensityVolume& volume, const std::string& path);
+
+/// A point transform on a grid: the point at a voxel's centre goes by the voxel's vector.
+struct DisplacementField : VolumeGrid
+{
+  /// mm in the volume frame: x, y, z of one voxel, then of the next, i fastest.
+  std::vector<float> Vectors;
+};
+
+/// Throws InputError unless WriteDisplacement knows the path's extension.
+MAMMORAYIO_EXPORT void CheckDisplacementExtension(const std::string& path);
+
+/**
+ * Writes the field as an image of three values for each voxel (.nrrd, .mha, .nii.gz; in NIfTI the
+ * vectors are LPS, too, as ITK and ANTs have them) or as an ITK transform file, a
+ * DisplacementFieldTransform of doubles (.h5, .tfm). The frame is called LPS. Throws InputError
+ * where the grid or a vector is none, on another extension, and when the file cannot be written.
+ */
+MAMMORAYIO_EXPORT void WriteDisplacement(const DisplacementField& field, const std::string& path);
 }
 
 #endif

@@ -26,6 +26,7 @@ MAY_INCLUDE = {
     "IO": SOLVERS,
     "Report": SOLVERS | {"Registration", "IO"},
     "Case": SOLVERS | {"Registration", "IO", "Report"},
+    "Archive": SOLVERS | {"Registration", "IO", "Report", "Case"},
     "Filters": SOLVERS | {"Registration", "IO", "Report", "Case"},
     "Viewer": SOLVERS | {"Registration", "IO", "Report", "Case"},
     "Evidence": SOLVERS | {"Registration", "IO", "Report", "Case"},

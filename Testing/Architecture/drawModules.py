@@ -11,7 +11,7 @@ import sys
 
 FLOORS = (
     ("what people run", ("Applications",)),
-    ("what they link, see, are measured by", ("Filters", "Viewer", "Evidence")),
+    ("what they link, see, send, are measured by", ("Filters", "Viewer", "Archive", "Evidence")),
     ("files in, result out", ("Case",)),
     ("pictures, HTML", ("Report",)),
     ("the problem; the file formats", ("Registration", "IO")),

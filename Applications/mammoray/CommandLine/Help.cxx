@@ -29,9 +29,11 @@ constexpr std::pair<const char*, const char*> Examples[] = {
   { "demo", "demo" },
   { "devices", "devices" },
   { "dicom", "dicom --result result --mammogram mg.dcm -o synthetic.dcm" },
+  { "displacement", "displacement --result result -o displacement.nrrd" },
   { "evaluate", "evaluate --result result --landmarks landmarks.csv" },
   { "evidence", "evidence --data ../shared/data --twins 1 -o evidence.json" },
   { "example", "example study -o study --seed 1" },
+  { "fetch", "fetch --pacs pacs.example.org:104 --accession A123 -o export" },
   { "fuse",
     "fuse --result result --image t1-series/ -o compressed.nrrd --maximum-picture maximum.png" },
   { "intake", "intake export/ --side left" },
@@ -40,6 +42,7 @@ constexpr std::pair<const char*, const char*> Examples[] = {
   { "project", "project --mesh breast.vtu --materials victre --orientation ALS -o breast.mha" },
   { "register", "register --study export/ --side left -o result" },
   { "segment", "segment --image t1-series/ -o labels.nii.gz --picture labels.png" },
+  { "send", "send --result result --pacs pacs.example.org:104" },
   { "view", "view --result result" },
 };
 

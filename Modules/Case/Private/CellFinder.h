@@ -8,10 +8,13 @@
 #include "vtkGenericCell.h"
 #include "vtkIdList.h"
 #include "vtkNew.h"
+#include "vtkPolyData.h"
 #include "vtkStaticCellLocator.h"
+#include "vtkStaticPointLocator.h"
 #include "vtkType.h"
 
 #include <array>
+#include <vector>
 
 class vtkDataArray;
 class vtkUnstructuredGrid;
@@ -40,8 +43,16 @@ public:
   PlaceInCell Find(Vector3 point, double toleranceMm);
 
 private:
+  void FindSurface();
+  PlaceInCell FindOnSurface(Vector3 point, double toleranceMm);
+
   vtkUnstructuredGrid* Grid;
   vtkNew<vtkStaticCellLocator> Locator;
+  /// The grid's outside and the cells behind its triangles; made when first asked for.
+  vtkNew<vtkPolyData> Surface;
+  std::vector<vtkIdType> SurfaceCells;
+  vtkNew<vtkStaticCellLocator> SurfaceLocator;
+  vtkNew<vtkStaticPointLocator> PointLocator;
   vtkNew<vtkGenericCell> Cell;
   vtkNew<vtkIdList> Ids;
 };

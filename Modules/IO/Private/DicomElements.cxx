@@ -63,6 +63,11 @@ void AddBytes(gdcm::DataSet& data, const gdcm::Tag& tag, gdcm::VR::VRType repres
   data.Replace(element);
 }
 
+void AddFloats(gdcm::DataSet& data, const gdcm::Tag& tag, const std::vector<float>& values)
+{
+  AddBytes(data, tag, gdcm::VR::FL, values.data(), sizeof(float) * values.size());
+}
+
 void AddShort(gdcm::DataSet& data, const gdcm::Tag& tag, std::uint16_t value)
 {
   AddBytes(data, tag, gdcm::VR::US, &value, sizeof value);
@@ -140,6 +145,14 @@ gdcm::DataSet ImageReference(const DicomReference& image)
     { { { 0x0008, 0x1150 }, gdcm::VR::UI, image.SopClassUid },
       { { 0x0008, 0x1155 }, gdcm::VR::UI, image.SopInstanceUid } });
   return item;
+}
+
+gdcm::DataSet SeriesReference(const DicomReference& image, const gdcm::Tag& images)
+{
+  gdcm::DataSet series;
+  AddSequence(series, images, { ImageReference(image) });
+  AddTexts(series, { { { 0x0020, 0x000e }, gdcm::VR::UI, image.SeriesInstanceUid } });
+  return series;
 }
 
 std::string DecimalString(double value)

@@ -31,12 +31,18 @@ void AddTexts(gdcm::DataSet& data, const std::vector<DicomTextElement>& elements
 void AddBytes(gdcm::DataSet& data, const gdcm::Tag& tag, gdcm::VR::VRType representation,
   const void* bytes, std::size_t count);
 
+/// Adds single precision numbers (FL).
+void AddFloats(gdcm::DataSet& data, const gdcm::Tag& tag, const std::vector<float>& values);
+
 /// Adds an unsigned short (US).
 void AddShort(gdcm::DataSet& data, const gdcm::Tag& tag, std::uint16_t value);
 
 /// Adds a sequence; one without items is present and empty.
 void AddSequence(gdcm::DataSet& data, const gdcm::Tag& tag,
   const std::vector<gdcm::DataSet>& items);
+
+/// The scheme of codes that no public one has.
+inline constexpr const char* OwnCodes = "99MAMMORAY";
 
 /// The item of a code sequence, of SNOMED CT or another scheme.
 gdcm::DataSet DicomCode(const std::string& value, const std::string& meaning,
@@ -49,8 +55,9 @@ gdcm::DataSet DicomCode(const std::string& value, const std::string& meaning,
 void AddCommon(gdcm::DataSet& data, const std::string& sopClassUid, const std::string& modality,
   const std::string& seriesDescription, const DicomIdentity& identity);
 
-/// The item that refers to an image.
+/// The item that refers to an image, and the one that refers to it as a member of its series.
 gdcm::DataSet ImageReference(const DicomReference& image);
+gdcm::DataSet SeriesReference(const DicomReference& image, const gdcm::Tag& images);
 
 /// A decimal string: at most 16 characters, ten digits.
 std::string DecimalString(double value);

@@ -45,9 +45,14 @@ gdcm::DataSet Description(const DicomSegment& segment, std::uint16_t number)
       // Someone drew it in the volume; software carried it over.
       { { 0x0062, 0x0008 }, VR::CS, "SEMIAUTOMATIC" },
       { { 0x0062, 0x0009 }, VR::LO, "MammoRay registration" } });
-  const std::array<std::uint16_t, 3> red{ 0x8a3d, 0xd0a4, 0xc2ae }; // CIELab of sRGB 255 0 0
-  AddBytes(item, { 0x0062, 0x000d }, VR::US, red.data(), sizeof red);
-  AddSequence(item, { 0x0062, 0x000f }, { DicomCode("52988006", "Lesion") });
+  // CIELab of sRGB 255 0 0 and 255 255 0.
+  using Colour = std::array<std::uint16_t, 3>;
+  const Colour colour =
+    segment.Uncertainty ? Colour{ 0xf8c6, 0x6a44, 0xdf1e } : Colour{ 0x8a3d, 0xd0a4, 0xc2ae };
+  AddBytes(item, { 0x0062, 0x000d }, VR::US, colour.data(), sizeof colour);
+  AddSequence(item, { 0x0062, 0x000f },
+    { segment.Uncertainty ? DicomCode("uncertainty", "Where the lesion may be", OwnCodes)
+                          : DicomCode("52988006", "Lesion") });
   return item;
 }
 
@@ -93,9 +98,7 @@ void AddDimensions(gdcm::DataSet& data)
 /// Common Instance Reference module: the image's series, in this study or in another.
 void AddReferencedSeries(gdcm::DataSet& data, const DicomReference& image)
 {
-  gdcm::DataSet series;
-  AddSequence(series, { 0x0008, 0x114a }, { ImageReference(image) });
-  AddTexts(series, { { { 0x0020, 0x000e }, VR::UI, image.SeriesInstanceUid } });
+  const gdcm::DataSet series = SeriesReference(image, { 0x0008, 0x114a });
   if (DicomText(data, { 0x0020, 0x000d }) == image.Identity.StudyInstanceUid)
   {
     AddSequence(data, { 0x0008, 0x1115 }, { series });

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the sub-commands that speak to an archive share. No algorithms here.
+#ifndef mammoray_ArchiveOptions_h
+#define mammoray_ArchiveOptions_h
+
+#include "OptionList.h"
+#include "mammoray/Archive/DicomNode.h"
+
+#include <string>
+
+namespace mammoray
+{
+/// Where 'dicom' puts the objects of a result, and 'send' looks for them, within its folder.
+inline constexpr const char* ObjectsFolderName = "dicom";
+
+/// Adds --pacs; gives the option.
+inline CLI::Option* AddPacsOption(const OptionList& add, std::string& address)
+{
+  return add("--pacs", address,
+    "HOST:PORT of the archive's DICOM service; what goes there is not encrypted");
+}
+
+/// Adds --called-title, --calling-title and --timeout.
+inline void AddNodeOptions(const OptionList& add, DicomNode& node)
+{
+  add("--called-title", node.CalledTitle, "application entity title of the archive");
+  add("--calling-title", node.CallingTitle, "application entity title of this program");
+  add("--timeout", node.TimeoutSeconds, Between(1, 3600, "s"),
+    "longest wait for the connection, and for each answer");
+}
+}
+
+#endif

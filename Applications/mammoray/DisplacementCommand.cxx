@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "Commands.h"
+#include "OutputFiles.h"
+#include "ProgressBar.h"
+#include "ResultNotes.h"
+#include "SharedOptions.h"
+#include "mammoray/Case/CompressedVolume.h"
+#include "mammoray/IO/LabelVolumeIO.h"
+
+#include <cstdio>
+
+namespace mammoray
+{
+namespace
+{
+struct DisplacementArguments
+{
+  std::string Result;
+  DisplacementDirection Direction = DisplacementDirection::CompressedToVolume;
+  double SpacingMm = 2;
+  double MarginMm = 10;
+  std::string Output;
+  bool Overwrite = false;
+};
+
+void Declare(const OptionList& add, DisplacementArguments& arguments)
+{
+  AddResultOption(add, arguments.Result)->required();
+  add.Choice("--direction", arguments.Direction,
+    { { "compressed-to-volume", DisplacementDirection::CompressedToVolume },
+      { "volume-to-compressed", DisplacementDirection::VolumeToCompressed } },
+    "which points are moved, and where to: those between the plates to their place in the volume, "
+    "which is what resampling takes to bring the MRI into the compressed breast; or those of the "
+    "volume, which moves points and meshes between the plates");
+  add("--spacing", arguments.SpacingMm, Positive("mm"), "voxels of the field");
+  add("--margin", arguments.MarginMm, NonNegative("mm"),
+    "how far the field reaches beyond the breast; there, points move with the nearest tissue");
+  add("-o,--output", arguments.Output,
+    "displacement field (.nrrd .mha .nii.gz) or ITK transform file (.h5 .tfm), mm, LPS, of points")
+    ->required();
+  AddOverwriteFlag(add, arguments.Overwrite, "the output file");
+}
+
+void Run(DisplacementArguments& arguments)
+{
+  CheckDisplacementExtension(arguments.Output);
+  CheckOutputFile(arguments.Output, arguments.Overwrite);
+  const ResultFile result = ReadResultFile(arguments.Result);
+  WarnOfDistrust(result.Folder, result.Trust);
+  const RegisteredBreast breast(ReadBreastInUnit(result));
+  const DisplacementField field = FindDisplacement(breast, arguments.Direction, arguments.SpacingMm,
+    arguments.MarginMm, MakeProgressBar());
+  WriteDisplacement(field, arguments.Output);
+  std::printf("wrote %s: %d x %d x %d voxels\n", arguments.Output.c_str(), field.Size[0],
+    field.Size[1], field.Size[2]);
+}
+}
+
+void AddDisplacementCommand(CLI::App& application)
+{
+  AddCommand<DisplacementArguments>(application, "displacement",
+    "Write the deformation as a displacement field for SimpleITK, elastix, ANTs or 3D Slicer",
+    Declare, Run);
+}
+}

@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ArchiveOptions.h"
+#include "Commands.h"
+#include "ProgressBar.h"
+#include "SharedOptions.h"
+#include "mammoray/Archive/DicomWeb.h"
+#include "mammoray/Case/ResultFile.h"
+#include "mammoray/Foundation/Error.h"
+
+#include <cstdio>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace mammoray
+{
+namespace
+{
+struct SendArguments
+{
+  std::string Result;
+  std::vector<std::string> Files;
+  std::string Pacs;
+  DicomNode Node;
+  DicomWebServer Web;
+};
+
+void Declare(const OptionList& add, SendArguments& arguments)
+{
+  CLI::Option_group* what = add.App().add_option_group("what", "what to send; one of");
+  const OptionList addWhat(*what);
+  AddResultOption(addWhat, arguments.Result)
+    ->description("folder of a registration: the objects that 'mammoray dicom' has written there");
+  addWhat.Input("--files", arguments.Files, "DICOM files, and folders of them");
+  what->require_option(1);
+  CLI::Option_group* where = add.App().add_option_group("where", "where to; one of");
+  const OptionList addWhere(*where);
+  AddPacsOption(addWhere, arguments.Pacs);
+  addWhere("--web", arguments.Web.Url,
+    "address of the archive's DICOMweb service, https://pacs.example.org/dicom-web; name and "
+    "password: ~/.netrc");
+  where->require_option(1);
+  AddNodeOptions(add, arguments.Node);
+  add.Input("--authorities", arguments.Web.AuthoritiesFile,
+    "certificates (PEM) that may vouch for the server of --web; default: the system's");
+}
+
+/// The objects of all mammograms of a result.
+std::vector<std::string> ObjectsOf(const std::string& result)
+{
+  std::vector<std::string> folders;
+  for (const ResultFile& one : ReadResultFiles(result))
+  {
+    const std::string folder = one.Folder + "/" + ObjectsFolderName;
+    if (std::filesystem::is_directory(folder))
+    {
+      folders.push_back(folder);
+    }
+  }
+  if (folders.empty())
+  {
+    throw InputError(result + ": expected objects to send, found none; 'mammoray dicom --result " +
+      result + " --same-patient ...' writes them");
+  }
+  return folders;
+}
+
+void Run(SendArguments& arguments)
+{
+  if (!arguments.Pacs.empty())
+  {
+    SetAddress(arguments.Node, arguments.Pacs);
+  }
+  const std::vector<std::string> files =
+    FindDicomFiles(arguments.Result.empty() ? arguments.Files : ObjectsOf(arguments.Result));
+  const StoredCallback stored = [](const std::string& file)
+  {
+    std::printf("stored %s\n", file.c_str());
+    std::fflush(stdout);
+  };
+  if (!arguments.Pacs.empty())
+  {
+    StoreFiles(files, arguments.Node, stored, InterruptRequested);
+  }
+  else
+  {
+    arguments.Web.TimeoutSeconds = arguments.Node.TimeoutSeconds;
+    StoreFilesOnWeb(files, arguments.Web, stored, InterruptRequested);
+  }
+  std::printf("stored all %zu\n", files.size());
+}
+}
+
+void AddSendCommand(CLI::App& application)
+{
+  AddCommand<SendArguments>(application, "send",
+    "Store DICOM objects of a registration in an archive (PACS)\nby C-STORE or DICOMweb. Only what "
+    "is named is sent, and only there.",
+    Declare, Run);
+}
+}

@@ -1,0 +1,142 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: Apache-2.0
+"""A result goes to a real Orthanc and comes back.
+
+askOrthanc.py MAMMORAY FOLDER: FOLDER holds a result, mammogram.dcm, mri-series/ and lesion.nrrd (see ArchivedBox.h). Orthanc
+(Debian's orthanc and orthanc-dicomweb) runs in a network of its own that has the loopback address only.
+Exit 125: something of this is not there. MAMMORAY_KEEP_PREVIEWS: a folder for the pictures that Orthanc makes."""
+import json
+import os
+import pathlib
+import shutil
+import subprocess
+import sys
+import time
+import urllib.request
+
+PLUGIN = "/usr/share/orthanc/plugins/libOrthancDicomWeb.so"
+HTTP, DICOM = 8042, 4242
+ANSWER = f"http://127.0.0.1:{HTTP}"
+
+program, folder = sys.argv[1], pathlib.Path(sys.argv[2])
+if not shutil.which("Orthanc") or not os.path.exists(PLUGIN):
+    sys.exit(125)
+if "MAMMORAY_ALONE" not in os.environ:
+    if subprocess.run(["unshare", "-rn", "ip", "link", "set", "lo", "up"], check=False, capture_output=True).returncode:
+        print("no network of its own")
+        sys.exit(125)
+    os.environ["MAMMORAY_ALONE"] = "1"
+    for name in ("http_proxy", "https_proxy", "HTTP_PROXY", "HTTPS_PROXY", "all_proxy", "ALL_PROXY"):
+        os.environ.pop(name, None)
+    os.execvp("unshare", ["unshare", "-rn", "sh", "-c", 'ip link set lo up; exec "$@"', "sh", sys.executable, *sys.argv])
+
+
+def run(*words, status=0):
+    done = subprocess.run([program, *map(str, words)], capture_output=True, text=True, check=False)
+    if status is not None and done.returncode != status:
+        sys.exit(f"{words}: expected exit status {status}, found {done.returncode}: {done.stdout}{done.stderr}")
+    if status == 1 and done.stderr.count("\n") != 1:
+        sys.exit(f"{words}: expected one line, found {done.stderr}")
+    return done.stdout + done.stderr
+
+
+def ask(path, raw=False):
+    with urllib.request.urlopen(ANSWER + path, timeout=30) as answer:
+        return answer.read() if raw else json.load(answer)
+
+
+def expect(what, expected, found):
+    if expected != found:
+        sys.exit(f"{what}: expected {expected}, found {found}")
+
+
+def start():
+    store = folder / "orthanc"
+    store.mkdir()
+    (folder / "orthanc.json").write_text(json.dumps({
+        "StorageDirectory": str(store), "IndexDirectory": str(store), "Plugins": [PLUGIN],
+        "HttpPort": HTTP, "DicomPort": DICOM, "RemoteAccessAllowed": False, "AuthenticationEnabled": False,
+        "DicomModalities": {"us": ["MAMMORAY", "127.0.0.1", 1]}, "DicomCheckModalityHost": True}))
+    server = subprocess.Popen(["Orthanc", str(folder / "orthanc.json")], stdout=(folder / "log").open("w"),
+                              stderr=subprocess.STDOUT)
+    for _ in range(300):
+        try:
+            ask("/system")
+            return server
+        except OSError:
+            time.sleep(0.1)
+    server.kill()
+    sys.exit("Orthanc does not begin:\n" + (folder / "log").read_text())
+
+
+def previews():
+    """One picture of each series that has pixels."""
+    kept = os.environ.get("MAMMORAY_KEEP_PREVIEWS")
+    for series in ask("/series?expand"):
+        modality = series["MainDicomTags"]["Modality"]
+        if modality in ("MG", "MR"):
+            instances = sorted(series["Instances"], key=lambda i: int(ask(f"/instances/{i}")["MainDicomTags"]["InstanceNumber"]))
+            picture = ask(f"/instances/{instances[len(instances) // 2]}/preview", raw=True)
+            expect(f"preview of {modality}", b"\x89PNG", picture[:4])
+            if kept:
+                name = f"{modality}-{series['MainDicomTags'].get('SeriesDescription', '')}.png".replace("/", "_")
+                (pathlib.Path(kept) / name).write_bytes(picture)
+
+
+def check():
+    node = f"127.0.0.1:{DICOM}"
+    mammogram, mri = folder / "mammogram.dcm", folder / "mri-series"
+    run("dicom", "--result", folder, "--mammogram", mammogram, "--same-patient", "--point", 8, 20, 0, "--lesion",
+        folder / "lesion.nrrd", "--mri", mri)
+    objects = sorted(p.name for p in (folder / "dicom").glob("*.dcm"))
+    expect("objects", ["lesions.dcm", "presentation.dcm", "registration.dcm", "report.dcm", "synthetic.dcm"], objects)
+    slices = len(list((folder / "dicom" / "mri").iterdir()))
+
+    # By both ways; what is there already is stored again.
+    run("send", "--files", mammogram, mri, "--pacs", node)
+    said = run("send", "--result", folder, "--pacs", node)
+    expect("lines", slices + 5 + 1, said.count("stored "))
+    expect("instances", 1 + 30 + 5 + slices, ask("/statistics")["CountInstances"])
+    expect("patients", 1, ask("/statistics")["CountPatients"])
+    for instance in ask("/instances"):
+        urllib.request.urlopen(urllib.request.Request(f"{ANSWER}/instances/{instance}", method="DELETE"), timeout=30)
+    expect("instances after removal", 0, ask("/statistics")["CountInstances"])
+    run("send", "--files", mammogram, mri, "--web", ANSWER + "/dicom-web")
+    run("send", "--result", folder, "--web", ANSWER + "/dicom-web")
+    expect("instances", 1 + 30 + 5 + slices, ask("/statistics")["CountInstances"])
+
+    # In the patient's studies: the mammogram's holds all that is new.
+    studies = {s["MainDicomTags"]["AccessionNumber"]: s for s in ask("/studies?expand")}
+    expect("studies", {"A-100", "A-200"}, set(studies))
+    modalities = sorted(ask(f"/series/{s}")["MainDicomTags"]["Modality"] for s in studies["A-100"]["Series"])
+    expect("modalities", ["MG", "MG", "MR", "PR", "REG", "SEG", "SR"], modalities)
+    for instance in ask("/instances"):
+        tags = ask(f"/instances/{instance}/simplified-tags")
+        expect("patient", ("P-17", "Doe^Jane"), (tags["PatientID"], tags["PatientName"]))
+        if tags["Modality"] == "MG":
+            expect("KVP", 28 if "Synthetic" in tags["SeriesDescription"] else 29, float(tags["KVP"]))
+    previews()
+
+    # And back: each file as it was, wherever the archive keeps it.
+    run("fetch", "--pacs", node, "--accession", "A-100", "--accession", "A-200", "-o", folder / "export")
+    fetched = [p for p in (folder / "export").rglob("*") if p.is_file()]
+    expect("fetched", 1 + 30 + 5 + slices, len(fetched))
+    seen = run("intake", folder / "export", status=None)  # a box is no breast, which it may say
+    expect("intake leaves out what is between the plates", 1, seen.count("left out: reformat of another series"))
+    expect("intake sees MRI and mammograms", True, "MRI: 2 volumes" in seen and "mammograms: 2" in seen)
+    refused = run("fetch", "--pacs", node, "--accession", "A-300", "-o", folder / "none", status=1)
+    expect("no such study", True, "found none" in refused)
+    run("fetch", "--pacs", node, "--accession", "A-1*", "-o", folder / "none", status=1)
+    run("fetch", "--pacs", node, "--accession", "A-100", "--calling-title", "STRANGER", "-o", folder / "none", status=1)
+    run("fetch", "--pacs", node, "--accession", "A-100", "-o", folder / "export", status=1)
+    run("fetch", "--pacs", f"127.0.0.1:{DICOM + 1}", "--accession", "A-100", "-o", folder / "none", status=1)
+    run("send", "--result", folder, "--web", ANSWER + "/nowhere", status=1)
+    expect("nothing half written", False, (folder / "none").exists())
+
+
+server = start()
+try:
+    check()
+finally:
+    server.terminate()
+    server.wait()
