@@ -165,7 +165,8 @@ std::string DateText(const std::string& date)
 }
 
 /// When the pictures were made; of whom only where that is wanted.
-std::vector<std::pair<std::string, std::string>> ExaminationOf(const RegistrationCase& input)
+std::vector<std::pair<std::string, std::string>> ExaminationOf(const RegistrationCase& input,
+  const std::string& mammogram)
 {
   std::vector<std::pair<std::string, std::string>> lines;
   const auto add = [&](const char* name, const std::string& text)
@@ -186,7 +187,7 @@ std::vector<std::pair<std::string, std::string>> ExaminationOf(const Registratio
   std::optional<DicomHeader> header;
   try
   {
-    header = ReadDicomHeader(input.Mammograms.front());
+    header = ReadDicomHeader(mammogram);
   }
   catch (const InputError&) // it was a picture without a header
   {
@@ -260,7 +261,6 @@ void WriteInto(const std::string& folder, const RegistrationCase& input,
     WriteIntensityVolume(*result.Image, folder + "/mri.nrrd");
   }
   const std::vector<AskedPlace> asked = AskedOf(input, result);
-  const auto examination = ExaminationOf(input);
   for (std::size_t number = 0; number < result.Views.size(); ++number)
   {
     const RegisteredView& registered = result.Views[number];
@@ -270,7 +270,7 @@ void WriteInto(const std::string& folder, const RegistrationCase& input,
     WriteSynthetic(registered, own + "/synthetic.mha");
     files.push_back(ResultOf(input, result, registered));
     RegistrationReport& told = report.Mammograms.emplace_back(ReportOf(registered, files.back()));
-    told.Examination = examination;
+    told.Examination = ExaminationOf(input, registered.Path);
     told.Asked = asked;
     told.Places = PlacesIn(input, result, registered, files.back(), asked);
     told.BetweenPlates = PictureBetweenPlates(result, registered, files.back(), asked);

@@ -8,6 +8,7 @@
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/Foundation/PoseParameters.h"
 #include "mammoray/IO/LabelVolumeIO.h"
+#include "mammoray/IO/MaterialTableIO.h"
 #include "mammoray/IO/Sha256.h"
 
 #include "vtkDataArray.h"
@@ -40,6 +41,7 @@ protected:
   {
     this->Input.Labels.Path = this->Folder.Write("labels.nrrd", "labels");
     this->Input.Materials = testing_support::DataFolder() + "/materials/victre.json";
+    this->Result.Materials = ReadMaterialTable(this->Input.Materials);
     this->Result.Axes = AnatomicalAxes::FromCode("ALS");
     this->Result.Anchor = { 1, 2, 3 };
     this->Result.Anatomy = test::MakeBoxMesh({ 0, 0, 0 }, { 20, 20, 20 }, { 2, 2, 2 });
