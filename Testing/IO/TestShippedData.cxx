@@ -50,6 +50,28 @@ TEST(ShippedData, BeamOfTheShippedTable)
     1e-4); // the six digits of the source
 }
 
+TEST(ShippedData, BreastSegNetsLabelsHaveTheirTissuesAndImplantsNone)
+{
+  const MaterialTable table = FindMaterialTable("breastsegnet");
+  // Gland, vessel, muscle, bone, lesion, lymph node, heart, liver, implant; 10: fat from elsewhere.
+  const std::vector<std::string> tissues = { "air", "gland", "gland", "chest-wall", "chest-wall",
+    "gland", "gland", "chest-wall", "chest-wall", "", "fat" };
+  LabelVolume labels;
+  labels.Size = { 2, 1, 1 }; // the second voxel is fat: air alone is refused
+  for (std::uint16_t label = 0; label < tissues.size(); ++label)
+  {
+    labels.Voxels = { label, 10 };
+    if (tissues[label].empty())
+    {
+      ExpectRefused([&] { table.ToMaterials(labels, "labels"); }, std::to_string(label));
+      continue;
+    }
+    EXPECT_EQ(table.ToMaterials(labels, "labels").Voxels.front(), table.IndexOf(tissues[label]))
+      << label;
+  }
+  EXPECT_TRUE(table.Held()[static_cast<std::size_t>(table.IndexOf("chest-wall"))]);
+}
+
 TEST(ShippedData, ShippedTablesAreFoundByName)
 {
   const Spectrum spectrum = Spectrum::Monochromatic(20);
