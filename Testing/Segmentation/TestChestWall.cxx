@@ -274,4 +274,54 @@ TEST(RefineChestWall, GoesFromANearbySheetToTheFront)
   EXPECT_LT(largest, 3);
   EXPECT_NEAR(sheet.Step, 1, 0.2);
 }
+
+/// How far a sheet lies before (positive) the wall of a thorax that falls back to its sides, mm:
+/// the largest of the medians over rows of columns 2 mm wide, 60 to 100 mm aside of the middle.
+double BeforeTheSides(double step, double skinStep)
+{
+  constexpr std::array<int, 3> size{ 130, 80, 40 };
+  constexpr double radius = 130;
+  constexpr double fatMm = 14;
+  const auto aside = [&](int x) { return 2 * (x + 0.5) - size[0]; };
+  // Circles about (0, -20); at 100 mm aside the wall falls by 1.2 mm/mm and the fat is 22 mm thick.
+  const auto circle = [&](int x, double r)
+  { return std::sqrt(std::max(0.0, r * r - aside(x) * aside(x))) - 20; };
+  const auto skin = [&](int x, int z)
+  {
+    const double breast = std::hypot(std::abs(aside(x)) - 60, 2 * (z - 20)) / 32;
+    return circle(x, radius + fatMm) + 30 * std::exp(-std::pow(breast, 4.0));
+  };
+  const auto height = [](int y) { return 2 * (y + 0.5); };
+  const MaskImage::Pointer body = MadeUpImage<MaskImage>(size, { 2, 2, 2 },
+    [&](int x, int y, int z) { return height(y) < skin(x, z) ? 1 : 0; });
+  // Bright skin before suppressed fat is a step, too, to the wrong side.
+  const FloatImage::Pointer channel = MadeUpImage<FloatImage>(size, { 2, 2, 2 },
+    [&](int x, int y, int z)
+    {
+      const double depth = skin(x, z) - height(y);
+      return depth < 0 ? 0.0 : depth < 3 ? -skinStep : height(y) < circle(x, radius) ? -step : 0.0;
+    });
+  const ChestWallSheet sheet = FindChestWall({ channel }, body, body);
+  double largest = 0;
+  for (int x = 0; x < size[0]; ++x)
+  {
+    std::vector<double> before;
+    for (int z = 5; z < size[2] - 5; ++z)
+    {
+      before.push_back(sheet.Front->GetPixel({ { x, z } }) - circle(x, radius));
+    }
+    std::nth_element(before.begin(), before.begin() + 15, before.end());
+    const bool side = std::abs(aside(x)) > 60 && std::abs(aside(x)) < 100;
+    largest = side ? std::max(largest, before[15]) : largest;
+  }
+  return largest;
+}
+
+TEST(FindChestWall, FollowsAThoraxToItsSidesWhereStepsAreSmall)
+{
+  // A plate stiff over 220 mm bends hardly more than a line there: near it alone the sheet leaves
+  // steps of 0.2 for the skin. A voxel of the steep wall, and what the plate of 20 mm smooths.
+  EXPECT_LT(BeforeTheSides(0.2, 0.2), 5);
+  EXPECT_LT(BeforeTheSides(0.8, 0.8), 5);
+}
 }

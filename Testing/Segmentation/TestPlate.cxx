@@ -137,4 +137,21 @@ TEST(FitRobustPlate, OutliersDoNotCount)
   // Without that they pull by their mean, 40 / 9.
   EXPECT_GT(LargestAway(FitPlate(heights, weights, 20), plane), 3);
 }
+
+TEST(FitParaboloid, IsTheOneGivenAndGoesOnWhereNothingIsKnown)
+{
+  const auto bowl = [](int x, int z)
+  { return 80 + 0.3 * x - 0.2 * z - 0.02 * x * x + 0.004 * x * z - 0.01 * z * z; };
+  const HeightMap::Pointer heights =
+    MadeUpHeights(40, 24, 2, [&](int x, int z) { return x < 30 ? bowl(x, z) : 1e4; });
+  const HeightMap::Pointer weights =
+    MadeUpHeights(40, 24, 2, [](int x, int) { return x < 30 ? 0.5 : 0; });
+  // The share of a millionth that settles what heights leave open, of heights of 90 mm.
+  EXPECT_LT(LargestAway(FitParaboloid(heights, weights), bowl), 0.05);
+  // The plate of this shape is not bent; a flat one goes on straight and misses by 0.02 10^2 or so.
+  const HeightMap::Pointer curved =
+    FitRobustPlate(heights, weights, 20, { 20, 15 }, PlateShape::Paraboloid);
+  EXPECT_LT(LargestAway(curved, bowl), 0.1);
+  EXPECT_GT(LargestAway(FitRobustPlate(heights, weights, 20, { 20, 15 }), bowl), 1);
+}
 }

@@ -16,6 +16,12 @@ namespace
 constexpr double WindowMm = 6.0;
 /// Skin, at most 3 mm, and what a voxel of it smears lie in front of every chest wall.
 constexpr double SkinMm = 4.0;
+/// Skin and fat before the chest wall where they are thin, over sternum and sides, mm; what less of
+/// them costs.
+constexpr float ThinnestMm = 8.0f;
+constexpr double ThinPrice = 0.15;
+/// A stiff sheet that lies before the skin by half of this has left the body, mm.
+constexpr float LeavingMm = 16.0f;
 /// Steps of the logarithm beyond this are no better: fat to muscle is 0.3 (suppressed) to 1.
 constexpr double LargestLogStep = 0.4;
 /// What a whole step from fat to none is worth, and fat all along FatBehindMm behind the front.
@@ -95,7 +101,8 @@ public:
     this->Forbid(tissue);
     this->MakeCosts(
       [](float step) { return std::clamp<double>(step, -LargestLogStep, LargestLogStep); });
-    return this->FitNear(this->StiffPlate(this->Cheapest(this->Costs)));
+    const HeightMap::Pointer flat = this->StiffPlate(this->Cheapest(this->Costs));
+    return this->FitNear(this->ThoraxPlate(this->CheapestNear(flat)));
   }
 
   ChestWallSheet FindByFatness(const std::vector<FloatImage::Pointer>& channels,
@@ -113,7 +120,7 @@ public:
     }
     WallCosts costs = this->Costs;
     this->Attract(costs, near);
-    return this->FitNear(this->StiffPlate(this->Cheapest(costs)));
+    return this->FitNear(this->ThoraxPlate(this->Cheapest(costs)));
   }
 
 private:
@@ -196,7 +203,8 @@ private:
         for (int y = 0; hasBody && y < this->Size[1]; ++y)
         {
           const double depth = this->DepthMm(x, z, y);
-          cost[y] = static_cast<float>((depth < SkinMm ? 0.3 : 0.0) -
+          const double thin = std::clamp((ThinnestMm - depth) / (ThinnestMm - SkinMm), 0.0, 1.0);
+          cost[y] = static_cast<float>((depth < SkinMm ? 0.3 : ThinPrice * thin) -
             (fit[y] == None ? 0.0 : worth(fit[y])) +
             PricePerMm * std::clamp(depth, 0.0, DeepestMm));
         }
@@ -231,11 +239,24 @@ private:
     return FitRobustPlate(heights, this->Weights(heights, 0.0f), StiffMm, { 50, 30, 20 });
   }
 
-  ChestWallSheet FitNear(const HeightMap::Pointer& stiff) const
+  /// The same through heights near it, which goes on falling where the thorax curves back to the
+  /// sides: steps that are small there (suppressed fat) lie farther than 20 mm behind a flat one.
+  HeightMap::Pointer ThoraxPlate(const HeightMap* heights) const
+  {
+    return FitRobustPlate(heights, this->Weights(heights, 0.0f), StiffMm, { 20, 15 },
+      PlateShape::Paraboloid);
+  }
+
+  HeightMap::Pointer CheapestNear(const HeightMap* sheet) const
   {
     WallCosts costs = this->Costs;
-    this->Attract(costs, stiff);
-    const HeightMap::Pointer heights = this->Cheapest(costs);
+    this->Attract(costs, sheet);
+    return this->Cheapest(costs);
+  }
+
+  ChestWallSheet FitNear(const HeightMap::Pointer& stiff) const
+  {
+    const HeightMap::Pointer heights = this->CheapestNear(stiff);
     ChestWallSheet sheet;
     sheet.Stiff = stiff;
     sheet.Front = FitRobustPlate(heights, this->Weights(heights, 0.02f), SheetMm, { 15, 8 });
@@ -243,7 +264,8 @@ private:
     return sheet;
   }
 
-  /// Makes heights away from the sheet dearer, 0.3 at 20 mm, no more than 2.
+  /// Makes heights away from the sheet dearer, 0.3 at 20 mm, no more than 2. Where the sheet, stiff
+  /// as it is, leaves the body that falls back to the sides, it says less and less.
   void Attract(WallCosts& costs, const HeightMap* sheet) const
   {
     for (int z = 0; z < this->Size[2]; ++z)
@@ -251,10 +273,14 @@ private:
       for (int x = 0; x < this->Size[0]; ++x)
       {
         float* cost = costs.Column(this->Column(x, z));
+        const float skin = this->Skin->GetPixel({ { x, z } });
+        const float height = sheet->GetPixel({ { x, z } });
+        const float near = skin > 0 ? std::min(height, skin - ThinnestMm) : height;
+        const double trust = std::max(0.0f, 1 - (height - near) / LeavingMm);
         for (int y = 0; y < this->Size[1]; ++y)
         {
-          const double away = (y * this->StepMm - sheet->GetPixel({ { x, z } })) / 20;
-          cost[y] += static_cast<float>(std::min(2.0, 0.3 * away * away));
+          const double away = (y * this->StepMm - near) / 20;
+          cost[y] += static_cast<float>(trust * std::min(2.0, 0.3 * away * away));
         }
       }
     }

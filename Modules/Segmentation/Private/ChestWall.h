@@ -37,7 +37,8 @@ struct ChestWallSheet
  * programming along x and z both ways (semi-global matching: Hirschmueller, IEEE PAMI 30, 2008)
  * with a price on slopes. Gland has fronts like that too, but none that continue over breasts,
  * sternum and sides: the sheet is looked for again near a stiff plate (220 mm) through the first,
- * and the plate of 20 mm through that is the answer (see FitRobustPlate).
+ * then near one whose shape is a paraboloid, as the thorax falls back to the sides, and the plate
+ * of 20 mm through that is the answer (see FitRobustPlate).
  *
  * `body`: what air does not reach from the front; `tissue`: what is brighter than noise.
  */

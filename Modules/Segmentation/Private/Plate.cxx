@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Private/Plate.h"
 
+#include <Eigen/Cholesky>
+#include <Eigen/Core>
+
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 namespace mammoray
@@ -209,10 +213,73 @@ HeightMap::Pointer FitPlate(const HeightMap* heights, const HeightMap* weights, 
   return plate;
 }
 
-HeightMap::Pointer FitRobustPlate(const HeightMap* heights, const HeightMap* weights,
-  double wavelengthMm, const std::vector<double>& scalesMm)
+HeightMap::Pointer FitParaboloid(const HeightMap* heights, const HeightMap* weights)
 {
-  HeightMap::Pointer plate = FitPlate(heights, weights, wavelengthMm);
+  constexpr int terms = 6;
+  using Terms = Eigen::Matrix<double, terms, 1>;
+  const auto size = heights->GetLargestPossibleRegion().GetSize();
+  const int columns = static_cast<int>(size[0]);
+  const int rows = static_cast<int>(size[1]);
+  const double halfMm = 0.5 * heights->GetSpacing()[0] * std::max(columns, rows);
+  const auto termsAt = [&](int x, int z)
+  {
+    const double u = (x - 0.5 * (columns - 1)) * heights->GetSpacing()[0] / halfMm;
+    const double w = (z - 0.5 * (rows - 1)) * heights->GetSpacing()[1] / halfMm;
+    return (Terms() << 1, u, w, u * u, u * w, w * w).finished();
+  };
+  Eigen::Matrix<double, terms, terms> normal = Eigen::Matrix<double, terms, terms>::Zero();
+  Terms right = Terms::Zero();
+  for (int z = 0; z < rows; ++z)
+  {
+    for (int x = 0; x < columns; ++x)
+    {
+      const double weight = weights->GetPixel({ { x, z } });
+      const Terms t = termsAt(x, z);
+      normal += weight * t * t.transpose();
+      right += weight * heights->GetPixel({ { x, z } }) * t;
+    }
+  }
+  // What the heights do not settle stays 0.
+  normal.diagonal().array() += 1e-6 * normal(0, 0) + std::numeric_limits<double>::min();
+  const Terms found = normal.ldlt().solve(right);
+  HeightMap::Pointer paraboloid = EmptyLike(heights);
+  for (int z = 0; z < rows; ++z)
+  {
+    for (int x = 0; x < columns; ++x)
+    {
+      paraboloid->SetPixel({ { x, z } }, static_cast<float>(found.dot(termsAt(x, z))));
+    }
+  }
+  return paraboloid;
+}
+
+HeightMap::Pointer FitCurvedPlate(const HeightMap* heights, const HeightMap* weights,
+  double wavelengthMm)
+{
+  const HeightMap::Pointer paraboloid = FitParaboloid(heights, weights);
+  HeightMap::Pointer rest = EmptyLike(heights);
+  for (std::size_t n = 0; n < heights->GetBufferedRegion().GetNumberOfPixels(); ++n)
+  {
+    rest->GetBufferPointer()[n] =
+      heights->GetBufferPointer()[n] - paraboloid->GetBufferPointer()[n];
+  }
+  HeightMap::Pointer plate = FitPlate(rest, weights, wavelengthMm);
+  for (std::size_t n = 0; n < heights->GetBufferedRegion().GetNumberOfPixels(); ++n)
+  {
+    plate->GetBufferPointer()[n] += paraboloid->GetBufferPointer()[n];
+  }
+  return plate;
+}
+
+HeightMap::Pointer FitRobustPlate(const HeightMap* heights, const HeightMap* weights,
+  double wavelengthMm, const std::vector<double>& scalesMm, PlateShape shape)
+{
+  const auto fit = [&](const HeightMap* trusted)
+  {
+    return shape == PlateShape::Flat ? FitPlate(heights, trusted, wavelengthMm)
+                                     : FitCurvedPlate(heights, trusted, wavelengthMm);
+  };
+  HeightMap::Pointer plate = fit(weights);
   HeightMap::Pointer trusted = EmptyLike(heights);
   for (const double scale : scalesMm)
   {
@@ -222,7 +289,7 @@ HeightMap::Pointer FitRobustPlate(const HeightMap* heights, const HeightMap* wei
       const double trust = std::abs(r) < 1 ? (1 - r * r) * (1 - r * r) : 0.0;
       trusted->GetBufferPointer()[n] = static_cast<float>(weights->GetBufferPointer()[n] * trust);
     }
-    plate = FitPlate(heights, trusted, wavelengthMm);
+    plate = fit(trusted);
   }
   return plate;
 }

@@ -22,12 +22,24 @@ namespace mammoray
 MAMMORAYSEGMENTATION_EXPORT HeightMap::Pointer FitPlate(const HeightMap* heights,
   const HeightMap* weights, double wavelengthMm);
 
+/// A plate's shape without a force.
+enum class PlateShape
+{
+  Flat,
+  Paraboloid ///< that of FitParaboloid
+};
+
+/// Of the heights a + b x + c z + d x^2 + e x z + f z^2 those nearest to the given ones, by weight.
+MAMMORAYSEGMENTATION_EXPORT HeightMap::Pointer FitParaboloid(const HeightMap* heights,
+  const HeightMap* weights);
+
 /**
  * The same without outliers: fitted once for each scale, falling, mm, then with the weights times
  * Tukey's biweight (1 - (r / scale)^2)^2 of the residuals r, 0 beyond the scale.
  */
 MAMMORAYSEGMENTATION_EXPORT HeightMap::Pointer FitRobustPlate(const HeightMap* heights,
-  const HeightMap* weights, double wavelengthMm, const std::vector<double>& scalesMm);
+  const HeightMap* weights, double wavelengthMm, const std::vector<double>& scalesMm,
+  PlateShape shape = PlateShape::Flat);
 }
 
 #endif
