@@ -291,6 +291,7 @@ void OutlineLesion(const PointSlices& shown, const Slices& slices, const Plane& 
   for (const auto& loop : ContourLines(inside.data(), width, height, 0.5F, 0.0F))
   {
     std::vector<PicturePoint> points;
+    points.reserve(loop.size());
     for (const auto& [x, y] : loop)
     {
       points.push_back({ left + x + 0.5, low + y + 0.5 });

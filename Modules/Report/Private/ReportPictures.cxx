@@ -216,6 +216,7 @@ PictureLines LinesOf(const std::vector<std::vector<std::array<double, 2>>>& rece
   for (const auto& line : receptor)
   {
     std::vector<PicturePoint>& points = lines.emplace_back();
+    points.reserve(line.size());
     for (const auto& [x, y] : line)
     {
       const auto at = hanging.ToPicture(x, y);
@@ -232,6 +233,7 @@ PictureLines OutlineOf(const std::vector<float>& distance, const Hanging& hangin
   for (const auto& line : ContourLines(distance.data(), hanging.Width, hanging.Height, 0))
   {
     std::vector<PicturePoint>& points = lines.emplace_back();
+    points.reserve(line.size());
     for (const auto& [x, y] : line)
     {
       points.push_back({ x + 0.5, y + 0.5 });
