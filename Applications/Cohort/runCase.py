@@ -43,7 +43,6 @@ def errors_of(text):
 def run(program, name, row, base, record):
     """Raises where another try may help: the program was killed, or there was no memory."""
     result = pathlib.Path("results") / name
-    pathlib.Path("logs").mkdir(exist_ok=True)
     pathlib.Path("results").mkdir(exist_ok=True)
     begin = time.time()
     kept = {"case": name, "study": row["study"], "side": row["side"], "state": "done", "why": "", "trust": {}, "errorMm": {}}

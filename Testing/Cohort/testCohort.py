@@ -20,11 +20,12 @@ count, seeds = (int(text) for text in (sys.argv[3:] + ["6", "1"][len(sys.argv) -
 cohort = pathlib.Path(__file__).resolve().parents[2] / "Applications" / "Cohort"
 if not shutil.which("snakemake") or (mode == "slurm" and not (shutil.which("slurmctld") and shutil.which("slurmd"))):
     sys.exit(125)
+# Slurm's daemons want to be root, a host whose name is known, and get a network that has the loopback address only.
 if mode == "slurm" and "MAMMORAY_ALONE" not in os.environ:
-    if subprocess.run(["unshare", "-rn", "ip", "link", "set", "lo", "up"], check=False, capture_output=True).returncode:
+    if subprocess.run(["unshare", "-nu", "ip", "link", "set", "lo", "up"], check=False, capture_output=True).returncode:
         sys.exit(125)
     os.environ["MAMMORAY_ALONE"] = "1"
-    os.execvp("unshare", ["unshare", "-rn", "sh", "-c", 'ip link set lo up; exec "$@"', "sh", sys.executable, *sys.argv])
+    os.execvp("unshare", ["unshare", "-nu", "sh", "-c", 'hostname localhost; ip link set lo up; ip addr add 192.0.2.1/32 dev lo; exec "$@"', "sh", sys.executable, *sys.argv])
 
 STUDY = ("--mri-pixel 3 --mri-slice 4 --mammogram-pixel 0.3 --label-spacing 1.5 --anatomy-cell 10 --gravity-fineness 4 "
          "--compression-fineness 5").split()
