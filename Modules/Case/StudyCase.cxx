@@ -32,6 +32,18 @@ BreastSide SideToSegment(const StudySeries& series, char laterality)
   return laterality == 'L' ? BreastSide::Left : BreastSide::Right;
 }
 
+/// The end of the grid's axis that leads backwards most; DICOM LPS.
+std::string PosteriorSide(const VolumeGrid& grid)
+{
+  std::size_t depth = 0;
+  for (std::size_t axis = 1; axis < 3; ++axis)
+  {
+    const bool nearer = std::abs(grid.Direction[axis][1]) > std::abs(grid.Direction[depth][1]);
+    depth = nearer ? axis : depth;
+  }
+  return GridSides()[2 * depth + (grid.Direction[depth][1] > 0 ? 1 : 0)];
+}
+
 StudyTissue TissueOf(SegmentationResult&& found, const MaterialTable& table)
 {
   StudyTissue tissue;
@@ -40,7 +52,8 @@ StudyTissue TissueOf(SegmentationResult&& found, const MaterialTable& table)
   const LabelVolume all = table.ToMaterials(tissue.Labels, "the study's MRI");
   const std::vector<bool> held = table.Held();
   tissue.Breast = KeepBreast(all, held, AnatomicalAxes());
-  tissue.Cut = CutTissue(all, tissue.Breast, table, GridSides());
+  // Beside the breast, in front of the chest wall, the plates push what was cut before them.
+  tissue.Cut = CutTissue(all, all, table, { PosteriorSide(all) });
   const std::vector<int> gland = table.Glandular();
   double glandCm3 = 0;
   for (const auto& [material, count] : tissue.Breast.CountLabels())

@@ -38,7 +38,7 @@ struct StudyTissue
   /// What is registered: the breast and the chest wall behind it without the body beside them
   /// (KeepBreast); material indices.
   LabelVolume Breast;
-  /// What of the body was cut off beside and behind it (CutTissue).
+  /// What of the body was cut off behind it (CutTissue).
   LabelVolume Cut;
   /// Its fat, gland and skin, and gland's part in them, [0, 1].
   double BreastCm3 = 0;
