@@ -11,6 +11,15 @@ export LD_LIBRARY_PATH=$prefix/lib/x86_64-linux-gnu${LD_LIBRARY_PATH:+:$LD_LIBRA
 export PYTHONPATH=$prefix/lib/python3/dist-packages
 export PV_PLUGIN_PATH=$root/build/paraview/lib/MammoRay
 if [ -z "${DISPLAY:-}" ]; then
-  exec xvfb-run -a "$prefix/bin/pvpython" "$@"
+  # The server itself takes a number that is free: xvfb-run -a looks for one first, and two at once find the same.
+  exec {number}< <(exec Xvfb -displayfd 1 -screen 0 1400x1000x24 -noreset -nolisten tcp 2>/dev/null)
+  server=$!
+  trap 'kill "$server" 2>/dev/null' EXIT
+  if ! read -r -t 60 display <&"$number"; then
+    echo "expected an X server (Debian: xvfb), found none that starts" >&2
+    exit 1
+  fi
+  DISPLAY=:$display "$prefix/bin/pvpython" "$@"
+  exit
 fi
 exec "$prefix/bin/pvpython" "$@"

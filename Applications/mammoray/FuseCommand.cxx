@@ -6,6 +6,7 @@
 #include "SharedOptions.h"
 #include "mammoray/Case/CompressedVolume.h"
 #include "mammoray/Foundation/Error.h"
+#include "mammoray/Foundation/Plausible.h"
 #include "mammoray/IO/LabelVolumeIO.h"
 #include "mammoray/IO/ProjectionImage.h"
 
@@ -23,6 +24,7 @@ struct FuseArguments
   std::string Result;
   std::string Image;
   bool AxesAsGiven = false;
+  bool AcceptUnusual = false;
   double SpacingMm = 1.0;
   std::string Output;
   std::string Projection;
@@ -42,6 +44,7 @@ void Declare(const OptionList& add, FuseArguments& arguments)
     ->required();
   add.Flag("--axes-as-given", arguments.AxesAsGiven,
     "take the header's axes of --image as they are, with no conversion to LPS");
+  AddAcceptUnusualFlag(add, arguments.AcceptUnusual);
   add("--spacing", arguments.SpacingMm, Positive("mm"), "voxels of the compressed image");
   add("-o,--output", arguments.Output,
     "write the image in the compressed breast there (.nrrd .mha .nii.gz), 0 outside");
@@ -78,11 +81,22 @@ void Run(FuseArguments& arguments)
   {
     CheckProjectionExtension(arguments.Projection);
   }
+  if (!arguments.AcceptUnusual)
+  {
+    CheckPlausible(Plausible::VoxelSpacing, arguments.SpacingMm, "--spacing", AcceptUnusualHint);
+  }
   const ResultFile result = ReadResultFile(arguments.Result);
   WarnOfDistrust(result.Folder, result.Trust);
   const RegisteredBreast breast(ReadBreastInUnit(result));
   const IntensityVolume image = ReadIntensityVolume(arguments.Image,
     arguments.AxesAsGiven ? VolumeAxes::AsGiven : VolumeAxes::Patient);
+  if (!arguments.AcceptUnusual)
+  {
+    for (const double spacing : image.Spacing)
+    {
+      CheckPlausible(Plausible::VoxelSpacing, spacing, arguments.Image, AcceptUnusualHint);
+    }
+  }
   const ProgressCallback progress = MakeProgressBar();
   const CompressedVolume compressed =
     CompressVolume(image, breast, arguments.SpacingMm, ShareOf(progress, 0, 0.4));

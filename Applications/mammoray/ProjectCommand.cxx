@@ -4,6 +4,7 @@
 #include "OutputFiles.h"
 #include "ProgressBar.h"
 #include "SharedOptions.h"
+#include "mammoray/Foundation/Plausible.h"
 #include "mammoray/IO/DicomWriter.h"
 #include "mammoray/IO/MammogramSynthesis.h"
 #include "mammoray/IO/MeshConversion.h"
@@ -31,6 +32,7 @@ struct ProjectArguments
   std::string Mesh;
   std::string Materials;
   std::vector<std::string> Attenuations;
+  bool AcceptUnusual = false;
   std::string Spectrum = "W28kVp_Rh50um_Be1mm";
   /// In place of the spectrum.
   std::optional<double> EnergyKeV;
@@ -74,6 +76,7 @@ void DeclareInput(const OptionList& add, ProjectArguments& arguments)
     "NIST compound, a formula, or mass fractions ('gland=H:0.102 C:0.184 N:0.032 O:0.682@1.04')")
     ->type_name("MATERIAL=ATTENUATION[@DENSITY]")
     ->allow_extra_args(false);
+  AddAcceptUnusualFlag(add, arguments.AcceptUnusual);
   add("-o,--output", arguments.Output,
     "transmission, 0 to 1 (.mha .nrrd .png); .vti holds path lengths and consistency too; .dcm: a "
     "DICOM mammogram")
@@ -158,9 +161,9 @@ Vector3 ToUnitVector(const Vector3& vector, const char* option)
 }
 
 /// Each of them "material=attenuation" or "material=attenuation@density".
-void ReplaceAttenuations(const std::vector<std::string>& texts, MaterialTable& table)
+void ReplaceAttenuations(const ProjectArguments& arguments, MaterialTable& table)
 {
-  for (const std::string& text : texts)
+  for (const std::string& text : arguments.Attenuations)
   {
     const std::size_t equals = text.find('=');
     const std::size_t at = std::min(text.rfind('@'), text.size());
@@ -171,6 +174,10 @@ void ReplaceAttenuations(const std::vector<std::string>& texts, MaterialTable& t
       const char* const end = text.data() + text.size();
       const auto parsed = std::from_chars(text.data() + at + 1, end, density);
       usable = parsed.ec == std::errc() && parsed.ptr == end && density > 0;
+      if (usable && !arguments.AcceptUnusual)
+      {
+        CheckPlausible(Plausible::Density, density, "--attenuation " + text, AcceptUnusualHint);
+      }
     }
     if (!usable)
     {
@@ -205,6 +212,22 @@ SurfaceMesh ReadInterfaces(const std::string& path, std::vector<std::string>& na
   return FromPolyData(ReadSurface(path), &names);
 }
 
+/// Whether no position is given explicitly.
+bool IsPlacedByUnit(const ProjectArguments& arguments)
+{
+  return !arguments.Source && !arguments.BeamDirection && !arguments.DetectorOrigin &&
+    !arguments.ColumnDirection && !arguments.RowDirection;
+}
+
+/// The picture turned by 180 degrees: a right breast is hung with its chest wall at the right.
+void TurnHalf(XRayDetector& detector)
+{
+  detector.Origin = detector.Origin + (detector.Columns - 1.0) * detector.ColumnStep +
+    (detector.Rows - 1.0) * detector.RowStep;
+  detector.ColumnStep = -1.0 * detector.ColumnStep;
+  detector.RowStep = -1.0 * detector.RowStep;
+}
+
 /// Detector and source as a mammography unit has them, or as the explicit options say; mesh frame.
 void PlaceBeam(const ProjectArguments& arguments, const SurfaceMesh& surface,
   const MaterialTable& table, XRaySource& source, XRayDetector& detector)
@@ -224,6 +247,10 @@ void PlaceBeam(const ProjectArguments& arguments, const SurfaceMesh& surface,
   if (arguments.RowDirection)
   {
     detector.RowStep = spacing * ToUnitVector(*arguments.RowDirection, "--row-direction");
+  }
+  if (IsDicomPath(arguments.Output) && arguments.Laterality == 'R' && IsPlacedByUnit(arguments))
+  {
+    TurnHalf(detector);
   }
   source.Position =
     arguments.Source.value_or(gantry.Point({ 0, 0, arguments.Unit.SourceToDetectorMm }));
@@ -246,9 +273,7 @@ Mammogram DescribeMammogram(const ProjectArguments& arguments, const XRaySource&
     throw InputError("output " + arguments.Output +
       ": expected --view for a DICOM mammogram of this roll, found none");
   }
-  const bool placedByUnit = !arguments.Source && !arguments.BeamDirection &&
-    !arguments.DetectorOrigin && !arguments.ColumnDirection && !arguments.RowDirection;
-  if (placedByUnit)
+  if (IsPlacedByUnit(arguments))
   {
     mammogram.BodyPartThicknessMm = arguments.Pose.ThicknessMm;
     mammogram.SourceToPatientMm =
@@ -298,7 +323,7 @@ void Run(ProjectArguments& arguments)
   CheckOutputs(arguments);
   const ProgressCallback progress = MakeProgressBar();
   MaterialTable table = FindMaterialTable(arguments.Materials);
-  ReplaceAttenuations(arguments.Attenuations, table);
+  ReplaceAttenuations(arguments, table);
   const Spectrum spectrum = arguments.EnergyKeV ? Spectrum::Monochromatic(*arguments.EnergyKeV)
                                                 : FindSpectrum(arguments.Spectrum);
   const Beam beam = MakeBeam(table, spectrum, arguments.Response);
@@ -355,7 +380,8 @@ void AddProjectCommand(CLI::App& application)
     "by --orientation and the pose options: the gantry frame has its origin at the middle of the "
     "receptor's chest-wall edge, +x along it (patient left in CC), +y to the nipple, +z to the "
     "source; "
-    "columns run along +y, rows along -x. Explicit positions replace that.",
+    "columns run along +y, rows along -x (of a right breast's .dcm against them, as it is hung). "
+    "Explicit positions replace that.",
     Declare, Run);
 }
 }

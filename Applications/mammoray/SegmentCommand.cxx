@@ -73,6 +73,7 @@ void Declare(const OptionList& add, SegmentArguments& arguments)
     "intensity of the MRI below which it is air; 0: by Otsu's method");
   add("--smallest-gland", options.SmallestGlandMm3, "mm3", "smaller parts of gland become fat");
   add.FlagOff("--no-bias-correction", options.CorrectBias, "the intensities are even already");
+  AddAcceptUnusualFlag(add, options.AcceptUnusual);
   AddOverwriteFlag(add, arguments.Overwrite);
 }
 

@@ -26,9 +26,14 @@ CLI::Option* AddLabelOptions(const OptionList& add, LabelSource& source)
     .Flag("--axes-as-given", source.AxesAsGiven,
       "take the axes of the header of --labels as they are, with no conversion to LPS")
     ->needs(labels);
-  add.Flag("--accept-unusual", source.AcceptUnusual,
-    "take what no patient has, too, such as voxels of 100 mm: a refusal says where it is needed");
+  AddAcceptUnusualFlag(add, source.AcceptUnusual);
   return labels;
+}
+
+void AddAcceptUnusualFlag(const OptionList& add, bool& accept)
+{
+  add.Flag("--accept-unusual", accept,
+    "take what no patient has, too, such as voxels of 100 mm: a refusal says where it is needed");
 }
 
 CLI::Option* AddMaterialsOption(const OptionList& add, std::string& pathOrName)

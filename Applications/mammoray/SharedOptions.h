@@ -20,6 +20,9 @@ namespace mammoray
 /// option --labels.
 CLI::Option* AddLabelOptions(const OptionList& add, LabelSource& source);
 
+/// Adds --accept-unusual: what is not Plausible is taken, too.
+void AddAcceptUnusualFlag(const OptionList& add, bool& accept);
+
 /// Adds --materials: a file or a shipped table's name (see FindMaterialTable); gives the option.
 CLI::Option* AddMaterialsOption(const OptionList& add, std::string& pathOrName);
 

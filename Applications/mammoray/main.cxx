@@ -18,7 +18,6 @@
 #include <cstdlib>
 #include <cstring>
 #include <new>
-#include <sstream>
 #include <string>
 #include <vector>
 
@@ -93,16 +92,11 @@ int CheckPrinted(int status)
   return status == 0 ? 1 : status;
 }
 
-/// CLI11's lines; what they repeat of a configuration may hold anything.
-void ExplainMisuse(const CLI::App& application, const CLI::ParseError& error)
+/// CLI11's two lines; what the first repeats of a configuration may hold anything.
+void ExplainMisuse(const CLI::ParseError& error)
 {
-  std::ostringstream ignored;
-  std::stringstream lines;
-  application.exit(error, ignored, lines);
-  for (std::string line; std::getline(lines, line);)
-  {
-    std::fprintf(stderr, "%s\n", mammoray::Printable(line).c_str());
-  }
+  std::fprintf(stderr, "%s\nRun with --help for more information.\n",
+    mammoray::Printable(error.what()).c_str());
 }
 
 int Run(int argc, char* argv[])
@@ -158,7 +152,7 @@ int Run(int argc, char* argv[])
   }
   catch (const CLI::ParseError& error)
   {
-    ExplainMisuse(application, error);
+    ExplainMisuse(error);
     return 2;
   }
   return 0;

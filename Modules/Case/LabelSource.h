@@ -42,9 +42,6 @@ struct LabelSource
   bool AcceptUnusual = false;
 };
 
-/// How that is said in refusals: "--accept-unusual takes it".
-inline constexpr const char* AcceptUnusualHint = "--accept-unusual takes it";
-
 /**
  * The volume of material indices: read, cropped, labels replaced by materials, resampled, cut at
  * its CutSides and given its skin. Throws InputError, one line, on all that can be wrong with it.

@@ -7,6 +7,7 @@
 #include "mammoray/Biomechanics/PlacedPlates.h"
 #include "mammoray/Case/CompressionGrids.h"
 #include "mammoray/Foundation/MammographyGeometry.h"
+#include "mammoray/Foundation/Plausible.h"
 #include "mammoray/IO/MeshConversion.h"
 #include "mammoray/IO/ShippedData.h"
 #include "mammoray/Registration/BreastModel.h"
@@ -349,6 +350,11 @@ void vtkBreastCompression::Compress(vtkUnstructuredGrid* input, vtkUnstructuredG
     throw InputError(
       "expected a positive ThicknessMm, and an EdgeRadiusMm and a ForceN of at least 0");
   }
+  if (!this->AcceptUnusual && !(this->ForceN > 0))
+  {
+    CheckPlausible(Plausible::Thickness, this->ThicknessMm, "ThicknessMm",
+      "AcceptUnusual takes it");
+  }
   Internals& internal = *this->Internal;
   internal.Prepare(internal.SetupOf(*this, input, coarse), ProgressOf(this));
   UnitPlacement placement;
@@ -401,4 +407,5 @@ void vtkBreastCompression::PrintSelf(ostream& os, vtkIndent indent)
   os << indent << "ImagePosition: " << this->ImagePosition << "\n";
   os << indent << "Gravity: " << this->Gravity << "\n";
   os << indent << "NumberOfTimeSteps: " << this->NumberOfTimeSteps << "\n";
+  os << indent << "AcceptUnusual: " << this->AcceptUnusual << "\n";
 }

@@ -278,6 +278,15 @@ public:
   vtkGetMacro(NumberOfTimeSteps, int);
   ///@}
 
+  ///@{
+  /**
+   * Take what no patient has (mammoray/Foundation/Plausible.h), too. Default off.
+   */
+  vtkSetMacro(AcceptUnusual, bool);
+  vtkGetMacro(AcceptUnusual, bool);
+  vtkBooleanMacro(AcceptUnusual, bool);
+  ///@}
+
 protected:
   vtkBreastCompression();
   ~vtkBreastCompression() override;
@@ -320,6 +329,7 @@ private:
 
   struct Internals;
   Internals* Internal;
+  bool AcceptUnusual = false;
 };
 
 #endif

@@ -4,6 +4,7 @@
 #include "Private/FilterRequest.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/Foundation/LabelResampling.h"
+#include "mammoray/Foundation/Plausible.h"
 #include "mammoray/IO/ImageConversion.h"
 #include "mammoray/IO/MeshConversion.h"
 #include "mammoray/IO/ShippedData.h"
@@ -84,6 +85,13 @@ void vtkBreastMesher::Mesh(vtkImageData* input, vtkUnstructuredGrid* output)
 {
 #ifdef MAMMORAY_HAS_MESHING
   const LabelVolume labels = ToLabelVolume(input);
+  for (const double spacing : labels.Spacing)
+  {
+    if (!this->AcceptUnusual)
+    {
+      CheckPlausible(Plausible::VoxelSpacing, spacing, "input", "AcceptUnusual takes it");
+    }
+  }
   const mammoray::MaterialTable table =
     this->MaterialTable.empty() ? TableOfIndices(labels) : FindMaterialTable(this->MaterialTable);
   LabelVolume materials = table.ToMaterials(labels, "input");
@@ -128,4 +136,5 @@ void vtkBreastMesher::PrintSelf(ostream& os, vtkIndent indent)
   os << indent << "CellSizeMm: " << this->CellSizeMm << "\n";
   os << indent << "NumberOfTriangles: " << this->NumberOfTriangles << "\n";
   os << indent << "ForMechanics: " << this->ForMechanics << "\n";
+  os << indent << "AcceptUnusual: " << this->AcceptUnusual << "\n";
 }

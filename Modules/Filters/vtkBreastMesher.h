@@ -77,6 +77,15 @@ public:
   vtkBooleanMacro(ForMechanics, bool);
   ///@}
 
+  ///@{
+  /**
+   * Take what no patient has (mammoray/Foundation/Plausible.h), too. Default off.
+   */
+  vtkSetMacro(AcceptUnusual, bool);
+  vtkGetMacro(AcceptUnusual, bool);
+  vtkBooleanMacro(AcceptUnusual, bool);
+  ///@}
+
 protected:
   vtkBreastMesher();
   ~vtkBreastMesher() override;
@@ -98,6 +107,7 @@ private:
   double CellSizeMm = 4;
   int NumberOfTriangles = 0;
   bool ForMechanics = false;
+  bool AcceptUnusual = false;
 };
 
 #endif

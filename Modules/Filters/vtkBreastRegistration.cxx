@@ -5,6 +5,7 @@
 #include "mammoray/Case/RegisteredBreast.h"
 #include "mammoray/Filters/vtkBreastMesher.h"
 #include "mammoray/Foundation/Error.h"
+#include "mammoray/Foundation/Plausible.h"
 #include "mammoray/IO/ImageConversion.h"
 #include "mammoray/IO/MeshConversion.h"
 #include "mammoray/IO/ShippedData.h"
@@ -338,6 +339,12 @@ int vtkBreastRegistration::RequestData(vtkInformation*, vtkInformationVector** i
     start.ThicknessMm = this->ThicknessMm > 0
       ? this->ThicknessMm
       : internal.Mammogram.BodyPartThicknessMm.value_or(start.ThicknessMm);
+    // Pixels of images in a pipeline may be binned to any size.
+    if (!this->AcceptUnusual)
+    {
+      CheckPlausible(Plausible::Thickness, start.ThicknessMm, "ThicknessMm",
+        "AcceptUnusual takes it");
+    }
     start.RollDeg = NominalRollDeg(internal.Mammogram).value_or(0) + this->RollDeg;
     start.AnteriorMm = this->AnteriorMm;
     RegistrationOptions options;
@@ -349,6 +356,7 @@ int vtkBreastRegistration::RequestData(vtkInformation*, vtkInformationVector** i
     vtkSmartPointer<vtkUnstructuredGrid> grid = vtkUnstructuredGrid::GetData(inputs[0]);
     if (!grid)
     {
+      internal.Mesher->SetAcceptUnusual(this->AcceptUnusual);
       grid = internal.MeshLabels(vtkImageData::GetData(inputs[0]), this->MaterialTable);
     }
     RegistrationSetup setup{ FromGrid(grid), {}, this->MaterialTable, this->DeviceName };
@@ -371,6 +379,11 @@ int vtkBreastRegistration::RequestData(vtkInformation*, vtkInformationVector** i
     placement.Unit.SourceToDetectorMm = this->SourceToDetectorMm > 0
       ? this->SourceToDetectorMm
       : internal.Mammogram.SourceToDetectorMm.value_or(placement.Unit.SourceToDetectorMm);
+    if (!this->AcceptUnusual)
+    {
+      CheckPlausible(Plausible::SourceDistance, placement.Unit.SourceToDetectorMm,
+        "SourceToDetectorMm", "AcceptUnusual takes it");
+    }
     const RegistrationResult result =
       mammoray::Register(model, placement, internal.Target, options, progress);
 
@@ -397,4 +410,5 @@ void vtkBreastRegistration::PrintSelf(ostream& os, vtkIndent indent)
   os << indent << "MaximumIterations: " << this->MaximumIterations << "\n";
   os << indent << "DeviceName: " << this->DeviceName << "\n";
   os << indent << "NumberOfSetups: " << this->NumberOfSetups << "\n";
+  os << indent << "AcceptUnusual: " << this->AcceptUnusual << "\n";
 }

@@ -141,6 +141,15 @@ public:
    */
   vtkGetMacro(NumberOfSetups, int);
 
+  ///@{
+  /**
+   * Take what no patient has (mammoray/Foundation/Plausible.h), too. Default off.
+   */
+  vtkSetMacro(AcceptUnusual, bool);
+  vtkGetMacro(AcceptUnusual, bool);
+  vtkBooleanMacro(AcceptUnusual, bool);
+  ///@}
+
 protected:
   vtkBreastRegistration();
   ~vtkBreastRegistration() override;
@@ -169,6 +178,7 @@ private:
 
   struct Internals;
   Internals* Internal;
+  bool AcceptUnusual = false;
 };
 
 #endif

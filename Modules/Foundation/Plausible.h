@@ -20,16 +20,21 @@ struct PlausibleRange
 };
 
 /// All of them: paddles close to 10 to 130 mm, detectors have 0.05 to 0.1 mm (0.02 magnified, more
-/// where they are binned), breast tissue 0.5 to 60 kPa, tumours up to 300, calcium 2.7 g/cm3.
+/// where they are binned) and are 300 mm wide at most, breast tissue 0.5 to 60 kPa, tumours up to
+/// 300, calcium 2.7 g/cm3.
 namespace Plausible
 {
 inline constexpr PlausibleRange Thickness{ "compressed thickness", 5, 150, "mm" };
 inline constexpr PlausibleRange PixelSpacing{ "pixel spacing", 0.02, 0.3, "mm" };
 inline constexpr PlausibleRange VoxelSpacing{ "voxel spacing", 0.05, 10, "mm" };
 inline constexpr PlausibleRange SourceDistance{ "source to detector distance", 300, 1500, "mm" };
+inline constexpr PlausibleRange BreastWidth{ "breast width", 30, 300, "mm" };
 inline constexpr PlausibleRange YoungsModulus{ "Young's modulus", 0.05, 500, "kPa" };
 inline constexpr PlausibleRange Density{ "density", 0.5, 3, "g/cm3" };
 }
+
+/// How commands let all be taken, as refusals say it.
+inline constexpr const char* AcceptUnusualHint = "--accept-unusual takes it";
 
 /// Throws InputError, which names `where`, the range, what was found and how to overrule it, unless
 /// the value is in the range; NaN is in none.

@@ -656,10 +656,10 @@ SegmentationResult Segment(const IntensityVolume& image, const IntensityVolume* 
   const SegmentationOptions& options, const ProgressCallback& progress)
 {
   options.Validate();
-  CheckImage(image);
+  CheckImage(image, options.AcceptUnusual);
   if (fatSuppressed)
   {
-    CheckImage(*fatSuppressed);
+    CheckImage(*fatSuppressed, options.AcceptUnusual);
   }
   try
   {

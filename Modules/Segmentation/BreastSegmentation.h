@@ -66,6 +66,8 @@ struct MAMMORAYSEGMENTATION_EXPORT SegmentationOptions
   double SmallestGlandMm3 = 10.0;
   /// False: the intensities are even already.
   bool CorrectBias = true;
+  /// What no patient's MRI has (Plausible::VoxelSpacing) is taken, too.
+  bool AcceptUnusual = false;
 
   /// Throws InputError that names the option and its range.
   void Validate() const;

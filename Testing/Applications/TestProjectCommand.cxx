@@ -144,7 +144,9 @@ TEST_F(ProjectCommand, WritesADicomMammogram)
   EXPECT_NEAR(mammogram.Pixels[5], 4000 * 0.0512551 * 20, 1);
   ASSERT_EQ(this->Run(options + " --side right --roll 50 --for-processing"), 0) << this->Errors;
   testing_support::ExpectValidDicom(path);
-  EXPECT_EQ(ReadMammogram(path).View, "MLO");
+  const Mammogram right = ReadMammogram(path);
+  EXPECT_EQ(right.View, "MLO");
+  EXPECT_EQ(right.RowDirection, "P"); // hung with its chest wall at the right
 }
 
 TEST_F(ProjectCommand, CompositionsReplaceTables)
@@ -211,6 +213,8 @@ TEST_F(ProjectCommand, RefusesInOneLine)
       output,
     "no such file");
   this->ExpectRefused(this->Inputs + " -o " + this->Folder.File("image.jpg"), ".png");
+  this->ExpectRefused(this->Inputs + " -o " + this->Image + " --attenuation fat=adipose@920",
+    "expected a density from 0.5 to 3 g/cm3, found 920; --accept-unusual takes it");
   this->ExpectRefused(this->Inputs + output + " --spectrum W99", "W28kVp");
   this->ExpectRefused(this->Inputs + output + " --orientation XYZ", "orientation");
   this->ExpectRefused(this->Inputs + output + " --kev 3", "keV");
@@ -226,6 +230,10 @@ TEST_F(ProjectCommand, WhatAFileSaysIsShownAsLetters)
   this->Folder.Write("table.json", R"({"materials": [{"name": "air", "labels": [0]},
       {"name": "fat", "labels": [1], "attenuation": "\u001b[2J\nmammoray: done"}]})");
   this->ExpectRefused(this->Inputs + " -o " + this->Image, "'\\x1b[2J\\x0amammoray: done'");
+  // A line feed in a configuration makes no line of ours.
+  const std::string config = this->Folder.Write("config.json", R"({"a\nmammoray: forged": 1})");
+  EXPECT_EQ(this->Run("project --config " + config), 2);
+  EXPECT_THAT(this->Errors, testing::HasSubstr("unknown option 'a\\x0amammoray: forged'"));
 }
 
 TEST_F(ProjectCommand, ALimitOnAddressesIsTold)

@@ -336,6 +336,11 @@ TEST_F(BreastCompression, RefusesOnceAndEmptiesTheOutput)
   this->Filter->Update();
   EXPECT_EQ(this->Errors->Count, 1);
   EXPECT_GT(this->Filter->GetOutput()->GetNumberOfCells(), 0);
+  this->Filter->SetThicknessMm(500);
+  this->Filter->Update();
+  EXPECT_EQ(this->Errors->Count, 2);
+  EXPECT_NE(this->Errors->Text.find("thickness from 5 to 150 mm, found 500"), std::string::npos)
+    << this->Errors->Text;
 }
 
 TEST_F(BreastCompression, StopsWhenAsked)

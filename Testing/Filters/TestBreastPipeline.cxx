@@ -141,12 +141,18 @@ TEST_F(BreastPipeline, MesherRefusesOnceAndStopsWhenAsked)
   EXPECT_THAT(watch.Errors[0], testing::HasSubstr("no-such-table"));
   EXPECT_EQ(mesher->GetOutput()->GetNumberOfCells(), 0);
   mesher->SetMaterialTable(this->TablePath.c_str());
+  image->SetSpacing(2000, 2000, 2000); // um
+  mesher->Update();
+  ASSERT_EQ(watch.Errors.size(), 2u);
+  EXPECT_THAT(watch.Errors[1],
+    testing::HasSubstr("voxel spacing from 0.05 to 10 mm, found 2000; AcceptUnusual takes it"));
+  image->SetSpacing(2, 2, 2);
   vtkNew<vtkCallbackCommand> stop;
   stop->SetCallback([](vtkObject* caller, unsigned long, void*, void*)
     { vtkAlgorithm::SafeDownCast(caller)->SetAbortExecute(1); });
   mesher->AddObserver(vtkCommand::ProgressEvent, stop);
   mesher->Update();
-  EXPECT_EQ(watch.Errors.size(), 1u);
+  EXPECT_EQ(watch.Errors.size(), 2u);
   EXPECT_EQ(mesher->GetOutput()->GetNumberOfCells(), 0);
 }
 

@@ -31,7 +31,7 @@ IntensityVolume TwoIntensities(const std::array<int, 3>& size, double spacing)
 
 std::string VerdictOn(const IntensityVolume& volume)
 {
-  return RefusalOf([&] { CheckImage(volume); });
+  return RefusalOf([&] { CheckImage(volume, false); });
 }
 
 TEST(CheckImage, WantsVoxelsAndTwoIntensities)
@@ -45,6 +45,16 @@ TEST(CheckImage, WantsVoxelsAndTwoIntensities)
   IntensityVolume infinite = TwoIntensities({ 8, 8, 8 }, 5);
   infinite.Voxels[9] = std::numeric_limits<float>::infinity();
   EXPECT_THAT(VerdictOn(infinite), HasSubstr("voxel (1, 1, 0) holds inf"));
+}
+
+TEST(CheckImage, WantsVoxelsOfAPatient)
+{
+  EXPECT_THAT(VerdictOn(TwoIntensities({ 8, 8, 8 }, 3200)),
+    HasSubstr("MRI: expected a voxel spacing from 0.05 to 10 mm, found 3200; --accept-unusual"));
+  EXPECT_NO_THROW(CheckImage(TwoIntensities({ 8, 8, 8 }, 3200), true));
+  SegmentationOptions fine;
+  fine.SpacingMm = 1e-3;
+  EXPECT_THAT(RefusalOf([&] { fine.Validate(); }), HasSubstr("found 0.001"));
 }
 
 TEST(CheckImage, WantsAsManyMillimetresAsTheFiltersNeed)

@@ -2,6 +2,7 @@
 #include "Private/SegmentationChecks.h"
 
 #include "mammoray/Foundation/Error.h"
+#include "mammoray/Foundation/Plausible.h"
 #include "mammoray/Segmentation/BreastSegmentation.h"
 
 #include <algorithm>
@@ -23,9 +24,16 @@ namespace
 constexpr double SmallestExtentMm = 30.0;
 }
 
-void CheckImage(const IntensityVolume& image)
+void CheckImage(const IntensityVolume& image, bool acceptUnusual)
 {
   image.Validate("MRI");
+  for (const double spacing : image.Spacing)
+  {
+    if (!acceptUnusual)
+    {
+      CheckPlausible(Plausible::VoxelSpacing, spacing, "MRI", AcceptUnusualHint);
+    }
+  }
   for (int a = 0; a < 3; ++a)
   {
     if (image.Size[a] < 8)
@@ -74,6 +82,10 @@ void SegmentationOptions::Validate() const
   };
   const auto atLeastZero = [](double value) { return value >= 0 && std::isfinite(value); };
   check(atLeastZero(this->SpacingMm), "spacing", "0 or a positive number of mm", this->SpacingMm);
+  if (this->SpacingMm > 0 && !this->AcceptUnusual)
+  {
+    CheckPlausible(Plausible::VoxelSpacing, this->SpacingMm, "spacing", AcceptUnusualHint);
+  }
   check(atLeastZero(this->SkinThicknessMm), "skin thickness", "0 or a positive number of mm",
     this->SkinThicknessMm);
   check(atLeastZero(this->ChestWallDepthMm) && this->ChestWallDepthMm > 0, "chest wall depth",

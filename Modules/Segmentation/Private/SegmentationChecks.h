@@ -12,9 +12,9 @@ namespace mammoray
 /// A number as short as it is.
 std::string Number(double value);
 
-/// Throws InputError unless the volume has at least 8 voxels and 30 mm along each axis and two
-/// intensities.
-MAMMORAYSEGMENTATION_EXPORT void CheckImage(const IntensityVolume& image);
+/// Throws InputError unless the volume has at least 8 voxels and 30 mm along each axis, two
+/// intensities and, unless all is accepted, voxels of a plausible spacing.
+MAMMORAYSEGMENTATION_EXPORT void CheckImage(const IntensityVolume& image, bool acceptUnusual);
 
 /// Whether the caller's gland threshold (0: none) is an image's: gland is darker than bright fat,
 /// and brighter than dark.
