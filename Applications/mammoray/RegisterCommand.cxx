@@ -9,10 +9,12 @@
 #include "mammoray/Case/StudyCase.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/Foundation/PoseParameters.h"
+#include "mammoray/XRay/DeviceError.h"
 
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <new>
 
 namespace mammoray
 {
@@ -160,6 +162,9 @@ void Declare(const OptionList& add, RegisterArguments& arguments)
     ->required();
   AddOverwriteFlag(add, arguments.Overwrite, "an earlier result folder");
   DeclareQuestion(add, input);
+  add.Flag("--name-inputs", input.NameInputs,
+    "write the names of input files and the descriptions of series, which may hold a patient's "
+    "name, into result and report, and print them");
   const OptionList xrays = add.Group("X-rays");
   AddSpectrumOption(xrays, input.Spectrum);
   AddProjectorOptions(xrays, arguments.Projector);
@@ -268,21 +273,51 @@ void PrintTissue(const StudyTissue& tissue)
   }
 }
 
-/// Where it cannot be written, what was found is in the checkpoint.
-void WriteResult(const RegisterArguments& arguments, const RegistrationCaseResult& result)
+/// Searches and writes the result. Where the device fails, memory ends or the result cannot be
+/// written, what was found so far is in the checkpoint, and is told of.
+RegistrationCaseResult RegisterAndWrite(const RegisterArguments& arguments)
 {
+  const auto kept = [&arguments](const std::string& message)
+  {
+    return message + "; the search is kept: --resume " + arguments.Output + " goes on from " +
+      arguments.Case.Checkpoint;
+  };
+  const auto written = [&arguments]
+  {
+    std::error_code absent; // answered by the earliest time
+    return std::filesystem::last_write_time(arguments.Case.Checkpoint, absent);
+  };
+  const auto isKept = [&, before = written()] { return written() > before; };
   try
   {
+    RegistrationCaseResult result = RunRegistrationCase(arguments.Case, MakeProgressBar());
     WriteRegistrationCase(arguments.Case, result, arguments.Output, arguments.Overwrite);
+    return result;
   }
   catch (const InputError& error)
   {
-    if (!std::filesystem::exists(arguments.Case.Checkpoint))
+    if (!isKept())
     {
       throw;
     }
-    throw InputError(std::string(error.what()) + "; the search is kept: --resume " +
-      arguments.Output + " goes on from " + arguments.Case.Checkpoint);
+    throw InputError(kept(error.what()));
+  }
+  catch (const DeviceError& error)
+  {
+    if (!isKept())
+    {
+      throw;
+    }
+    throw DeviceError(kept(error.what()), error.ResultName());
+  }
+  catch (const std::bad_alloc&)
+  {
+    if (!isKept())
+    {
+      throw;
+    }
+    throw Error(kept("expected memory for the work, found less free, or allowed (ulimit -v), than "
+                     "it takes"));
   }
 }
 
@@ -317,8 +352,7 @@ void Run(RegisterArguments& arguments)
   input.Device = arguments.Projector.Device;
   input.Projector = MethodName(arguments.Projector.Projection);
   input.Checkpoint = CheckpointPath(arguments.Output);
-  const RegistrationCaseResult result = RunRegistrationCase(input, MakeProgressBar());
-  WriteResult(arguments, result);
+  const RegistrationCaseResult result = RegisterAndWrite(arguments);
 
   if (result.Tissue)
   {
@@ -329,7 +363,8 @@ void Run(RegisterArguments& arguments)
   {
     if (folders.size() > 1)
     {
-      std::printf("%s (%s)\n", folders[view].c_str(), result.Views[view].Path.c_str());
+      std::printf("%s (%s)\n", folders[view].c_str(),
+        ShownName(result.Views[view].Path, input.NameInputs).c_str());
     }
     PrintView(result.Views[view]);
   }

@@ -32,8 +32,9 @@ enum class ContrastPhase
 /// One volume of an MRI: a series, or one of several phases, echoes or kinds of image in it.
 struct StudySeries
 {
-  /// Of the series, as the header has it.
+  /// Of the series, as the header has it, and its number, where it has one.
   std::string Description;
+  std::optional<int> Number;
   std::string SeriesInstanceUid;
   std::string StudyInstanceUid;
   std::string FrameOfReferenceUid;

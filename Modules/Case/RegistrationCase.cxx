@@ -2,11 +2,11 @@
 #include "mammoray/Case/RegistrationCase.h"
 
 #include "Private/AskedPlaces.h"
+#include "Private/CaseChecks.h"
 #include "Private/Checkpoint.h"
 #include "mammoray/Biomechanics/ElasticTable.h"
 #include "mammoray/Case/CutTissue.h"
 #include "mammoray/Case/StudyCase.h"
-#include "mammoray/Foundation/Plausible.h"
 #include "mammoray/IO/MammogramIO.h"
 #include "mammoray/IO/MammogramPictureIO.h"
 #include "mammoray/IO/MeshConversion.h"
@@ -75,16 +75,6 @@ TetrahedralMesh MeshAnatomy(const LabelVolume&, const std::vector<int>&, double,
                    "simulation mesh made elsewhere");
 }
 #endif
-
-/// CheckPlausible, unless the case takes all; `instead`: how another value is given.
-void CheckUsual(const RegistrationCase& input, const PlausibleRange& range, double value,
-  const std::string& path, const char* instead)
-{
-  if (!input.Labels.AcceptUnusual)
-  {
-    CheckPlausible(range, value, path, std::string(instead) + ", " + AcceptUnusualHint);
-  }
-}
 
 MammographyUnit UnitOf(const RegistrationCase& input, const std::string& path,
   const Mammogram& mammogram, std::vector<std::string>& warnings)
@@ -237,8 +227,8 @@ void ResumeFrom(const RegistrationCase& input, const SearchPoint& earlier,
     {
       if (entry.Role == given.Role && entry.Sha256 != given.Sha256())
       {
-        throw InputError(
-          input.Resume + ": expected a result of " + given.Name + ", found one of another file");
+        throw InputError(input.Resume + ": expected a result of " + given.Files.front() +
+          ", found one of another file");
       }
     }
   }
@@ -290,41 +280,6 @@ Mammogram ReadCaseMammogram(const RegistrationCase& input, std::size_t number)
   return mammogram;
 }
 
-/// Throws InputError where the picture is an earlier one's, or its pixels are no detector's.
-void CheckMammogram(const RegistrationCase& input, const std::vector<RegisteredView>& views)
-{
-  const RegisteredView& latest = views.back();
-  for (const double spacing : { latest.Mammogram.ColumnSpacingMm, latest.Mammogram.RowSpacingMm })
-  {
-    CheckUsual(input, Plausible::PixelSpacing, spacing, latest.Path,
-      "--pixel-spacing gives another");
-  }
-  const std::vector<float>& pixels = latest.Mammogram.Pixels;
-  const auto same = [](float a, float b) { return a == b || (std::isnan(a) && std::isnan(b)); };
-  for (const RegisteredView& earlier : views)
-  {
-    const std::vector<float>& others = earlier.Mammogram.Pixels;
-    if (&earlier != &latest && !input.Labels.AcceptUnusual &&
-      std::equal(pixels.begin(), pixels.end(), others.begin(), others.end(), same))
-    {
-      throw InputError(latest.Path + ": expected another picture than " + earlier.Path +
-        ", found the same; " + AcceptUnusualHint);
-    }
-  }
-}
-
-/// Throws InputError unless the axes are those of a patient and not of their mirror image.
-void CheckHanded(const RegistrationCase& input, const AnatomicalAxes& axes)
-{
-  if (!input.Labels.AcceptUnusual && Dot(Cross(axes.Left, axes.Anterior), axes.Superior) > 0)
-  {
-    throw InputError("orientation " + input.Orientation +
-      ": expected axes that are right-handed, found a mirror image, whose left is the patient's "
-      "right; " +
-      AcceptUnusualHint);
-  }
-}
-
 /// Throws InputError unless there is one for each mammogram, or none.
 void CheckCount(const std::vector<std::string>& given, const RegistrationCase& input,
   const char* what)
@@ -374,6 +329,7 @@ std::vector<JointMammogram> ReadMammograms(const RegistrationCase& input,
         view.Mammogram.Laterality + ")");
     }
     view.Target = PrepareTarget(view.Mammogram, input.Targets);
+    CheckPicturedBreast(input, view);
     if (!input.Masks.empty())
     {
       ExcludePixels(ReadMask(input.Masks[number], view.Target.Columns, view.Target.Rows),
@@ -451,6 +407,8 @@ void Search(const RegistrationCase& input, BreastModel& model,
   {
     RegisteredView& registered = result.Views[number];
     registered.Registration = std::move(found.Mammograms[number]);
+    registered.Registration.HeaderThicknessMm = registered.Mammogram.BodyPartThicknessMm;
+    registered.Registration.Disagreements = registered.Target.Disagreements;
     registered.Warnings.insert(registered.Warnings.end(), registered.Registration.Warnings.begin(),
       registered.Registration.Warnings.end());
     const std::string note = StiffnessNote(registered.Registration.State.StiffnessFactor);
@@ -470,7 +428,7 @@ LabelVolume ReadTissue(const RegistrationCase& input, RegistrationCaseResult& re
     return ReadMaterials(input.Labels, result.Materials);
   }
   result.Tissue = std::make_shared<const StudyTissue>(
-    SegmentStudy(input.Study->Choice, result.Materials, progress));
+    SegmentStudy(input.Study->Choice, result.Materials, progress, input.Labels.AcceptUnusual));
   return result.Tissue->Breast;
 }
 
@@ -511,15 +469,23 @@ std::string CaseInput::Sha256() const
   return this->Files.size() == 1 ? Sha256OfFile(this->Files.front()) : Sha256OfFiles(this->Files);
 }
 
+std::string ShownName(const std::string& path, bool named)
+{
+  namespace fs = std::filesystem;
+  std::error_code code;
+  const fs::path whole = fs::weakly_canonical(path, code);
+  // A folder may be named with a slash at its end.
+  const fs::path file = whole.has_filename() ? whole : whole.parent_path();
+  const fs::path within = file.lexically_relative(fs::weakly_canonical(DataDirectory(), code));
+  const bool isShipped = !within.empty() && *within.begin() != "..";
+  return named || isShipped ? file.filename().string() : "*" + file.extension().string();
+}
+
 std::vector<CaseInput> CaseInputs(const RegistrationCase& input, const std::string& mammogram)
 {
   std::vector<CaseInput> inputs;
-  const auto add = [&](const char* role, const std::string& path)
-  {
-    // A folder may be named with a slash at its end.
-    const std::filesystem::path file(path);
-    inputs.push_back(
-      { role, (file.has_filename() ? file : file.parent_path()).filename().string(), { path } });
+  const auto add = [&](const char* role, const std::string& path) {
+    inputs.push_back({ role, ShownName(path, input.NameInputs), { path } });
   };
   if (input.Study)
   {
@@ -591,6 +557,7 @@ RegistrationCaseResult RunRegistrationCase(const RegistrationCase& input,
   options.Volume = ReadTissue(input, result, ShareOf(whole, 0, segmenting));
   CheckAsked(input, *options.Volume, result);
   result.Anchor = FindPoseAnchor(*options.Volume, held, result.Axes);
+  CheckTissue(input, *options.Volume, held, result.Axes, result.Views.front().Mammogram.Laterality);
   stopwatch.Stage("read");
 
   result.Anatomy = input.AnatomyMesh.empty()

@@ -88,6 +88,9 @@ struct RegistrationCase
   /// cut off and has a checkpoint, whose pose the search goes on from, in its bounds; or a
   /// checkpoint itself. Empty: none.
   std::string Resume;
+  /// Write the names of the inputs' files and series into results and reports: they may hold the
+  /// patient's name, so they are not written unless asked for. Those of shipped files are.
+  bool NameInputs = false;
   /// File that always holds the last accepted step of the search (see CheckpointPath); empty: none.
   std::string Checkpoint;
   /// What the report begins with: a point of the volume, mm, and each label of a volume of lesions
@@ -159,13 +162,18 @@ struct CaseInput
 {
   /// What it is used for (ResultInput::Role).
   std::string Role;
-  /// Of the file or folder, without the folder it is in; a series' description.
+  /// Of the file or folder, without the folder it is in, where it is named
+  /// (RegistrationCase::NameInputs) or a shipped one, else "*" and the file's extension; a series'
+  /// description.
   std::string Name;
   std::vector<std::string> Files;
 
   /// SHA-256 of all its bytes. Throws InputError when they cannot be read.
   std::string Sha256() const;
 };
+
+/// How results call an input file: see CaseInput::Name.
+MAMMORAYCASE_EXPORT std::string ShownName(const std::string& path, bool named);
 
 /// What was given, with one of the mammograms.
 MAMMORAYCASE_EXPORT std::vector<CaseInput> CaseInputs(const RegistrationCase& input,

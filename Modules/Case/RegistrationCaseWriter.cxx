@@ -128,7 +128,9 @@ ResultFile ResultOf(const RegistrationCase& input, const RegistrationCaseResult&
   file.ShareExcluded = ShareExcluded(target);
   file.Warnings = registered.Warnings;
   file.Inputs = HashedInputs(input, registered.Path);
-  file.Spectrum = input.Spectrum;
+  file.Spectrum = fs::path(input.Spectrum).has_extension()
+    ? ShownName(input.Spectrum, input.NameInputs)
+    : input.Spectrum;
   file.Versions = { { "MammoRay", MAMMORAY_VERSION }, { "VTK", vtkVersion::GetVTKVersion() },
     { "Vulkan device", result.Device },
     { "Anatomy",

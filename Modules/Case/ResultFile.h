@@ -84,7 +84,7 @@ struct ResultInput
   /// suppression"; "Material table", "Mammogram", "MRI" of labels, "Lesions", "Anatomy mesh" or
   /// "Simulation mesh".
   std::string Role;
-  /// The file's name without its folder; of an MRI, its series' description.
+  /// CaseInput::Name.
   std::string File;
   /// Sha256OfFile; of an MRI, Sha256OfFiles.
   std::string Sha256;

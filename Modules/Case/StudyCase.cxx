@@ -70,10 +70,11 @@ StudyTissue TissueOf(SegmentationResult&& found, const MaterialTable& table)
 }
 
 StudyTissue SegmentStudy(const StudyChoice& choice, const MaterialTable& table,
-  const ProgressCallback& progress)
+  const ProgressCallback& progress, bool acceptUnusual)
 {
   choice.Require();
   SegmentationOptions options;
+  options.AcceptUnusual = acceptUnusual;
   const StudySeries& first = choice.Plain ? *choice.Plain
     : choice.FatSuppressed                ? *choice.FatSuppressed
                                           : *choice.Undetermined;
@@ -95,18 +96,43 @@ StudyTissue SegmentStudy(const StudyChoice& choice, const MaterialTable& table,
     table);
 }
 #else
-StudyTissue SegmentStudy(const StudyChoice&, const MaterialTable&, const ProgressCallback&)
+StudyTissue SegmentStudy(const StudyChoice&, const MaterialTable&, const ProgressCallback&, bool)
 {
   throw InputError("study: this build has no Segmentation module (ITK 5 was not found, or "
                    "MAMMORAY_BUILD_SEGMENTATION was OFF); expected labels made elsewhere");
 }
 #endif
 
+namespace
+{
+/// Numbers in place of what somebody wrote into headers and names of files, which may be anything
+/// of the patient.
+void HideNames(Study& study)
+{
+  if (!study.Damaged.empty())
+  {
+    study.Damaged = { "damaged files among the export: " + std::to_string(study.Damaged.size()) +
+      "; intake names them" };
+  }
+  std::vector<StudySeries>& series = study.Series;
+  for (std::size_t index = 0; index < series.size(); ++index)
+  {
+    const std::optional<int> number = series[index].Number;
+    series[index].Description = number ? "series " + std::to_string(*number)
+                                       : "volume " + std::to_string(index + 1) + " of the MRI";
+  }
+}
+}
+
 void TakeStudy(const std::string& folder, std::optional<char> laterality, RegistrationCase& input,
   const ProgressCallback& progress)
 {
   StudyIntake study;
   study.Found = ReadStudy(folder, progress);
+  if (!input.NameInputs)
+  {
+    HideNames(study.Found);
+  }
   study.Choice = ChooseForRegistration(study.Found, laterality);
   study.Choice.Require();
   input.Mammograms.clear();

@@ -54,7 +54,8 @@ struct StudyTissue
  * fills what the case leaves open: the mammograms and their side, the patient's position in the
  * MRI, the table StudyMaterials, a chest wall along which the breast slides, what of the mammograms
  * is not compared there, and how far the roll may be off (StudyRollSigmaDeg). `laterality`: 'L',
- * 'R' or what all mammograms are of. The MRI is segmented when the case runs. Throws InputError,
+ * 'R' or what all mammograms are of. Series are told by their numbers, unless the case names its
+ * inputs. The MRI is segmented when the case runs. Throws InputError,
  * one line, where there is nothing that can be registered; Interrupted.
  */
 MAMMORAYCASE_EXPORT void TakeStudy(const std::string& folder, std::optional<char> laterality,
@@ -62,11 +63,11 @@ MAMMORAYCASE_EXPORT void TakeStudy(const std::string& folder, std::optional<char
 
 /**
  * Reads the MRI that was chosen and segments it (SegmentBreast), without and with fat suppression
- * together where there are both. `table`: of those labels. Throws as these, and InputError in a
- * build without Segmentation.
+ * together where there are both. `table`: of those labels; `acceptUnusual`: as in
+ * SegmentationOptions. Throws as these, and InputError in a build without Segmentation.
  */
 MAMMORAYCASE_EXPORT StudyTissue SegmentStudy(const StudyChoice& choice, const MaterialTable& table,
-  const ProgressCallback& progress = {});
+  const ProgressCallback& progress = {}, bool acceptUnusual = false);
 
 /// What a report tells of a study: what was taken and what was left out, and why; the tissue that
 /// was found, with a picture of it (SlicePicture); what is to be known of both.

@@ -169,12 +169,12 @@ public:
     VirtualView taken;
     taken.View = view;
     taken.Unit = this->Placement.Unit;
-    // Lateral or head up, the chest wall on the left.
+    // Lateral or head up, the left breast's chest wall on the left.
     const bool left = this->Options.Laterality == 'L';
     const bool oblique = view == "MLO";
     Mammogram hung{ .View = view,
       .Laterality = this->Options.Laterality,
-      .RowDirection = "A",
+      .RowDirection = left ? "A" : "P",
       .ColumnDirection = oblique ? "F"
         : left                   ? "R"
                                  : "L",

@@ -10,6 +10,7 @@
 #include <gdcmImageReader.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
@@ -61,20 +62,44 @@ void ReadSpacing(DcmItem& data, const std::string& path, Mammogram& mammogram)
   mammogram.ColumnSpacingMm = scale * *column;
 }
 
+/// Terms of the standard only are taken, since they are shown in reports: what somebody else wrote
+/// in their place may be anything of the patient. CC, MLO, AT and the like.
+std::string ViewTerm(const std::string& view)
+{
+  const bool isCode = view.size() <= 4 &&
+    std::all_of(view.begin(), view.end(),
+      [](char letter) { return letter >= 'A' && letter <= 'Z'; });
+  return isCode ? view : "OTHER";
+}
+
+/// Letters of Patient Orientation; nothing of what is none.
+std::string DirectionTerm(const std::string& direction)
+{
+  return direction.find_first_not_of("LRAPHF") == std::string::npos ? direction : "";
+}
+
+/// A metal of an anode or a filter (PS3.3, C.8.11.7 and CID 10006).
+std::string MetalTerm(const std::string& metal)
+{
+  constexpr std::array<const char*, 12> known{ "", "MOLYBDENUM", "RHODIUM", "TUNGSTEN", "ALUMINUM",
+    "COPPER", "SILVER", "NIOBIUM", "EUROPIUM", "LEAD", "TIN", "TITANIUM" };
+  return std::find(known.begin(), known.end(), metal) != known.end() ? metal : "OTHER";
+}
+
 /// What the header says of the breast and the unit.
 void ReadAcquisition(DcmItem& data, Mammogram& mammogram)
 {
-  mammogram.View = MammogramViewOf(data);
+  mammogram.View = ViewTerm(MammogramViewOf(data));
   mammogram.Laterality = MammogramLaterality(data);
-  mammogram.RowDirection = Printable(DicomText(data, DCM_PatientOrientation, 0));
-  mammogram.ColumnDirection = Printable(DicomText(data, DCM_PatientOrientation, 1));
+  mammogram.RowDirection = DirectionTerm(DicomText(data, DCM_PatientOrientation, 0));
+  mammogram.ColumnDirection = DirectionTerm(DicomText(data, DCM_PatientOrientation, 1));
   mammogram.BodyPartThicknessMm = PositiveNumber(data, DCM_BodyPartThickness);
   mammogram.PositionerPrimaryAngleDeg = DicomNumber(data, DCM_PositionerPrimaryAngle);
   mammogram.SourceToDetectorMm = PositiveNumber(data, DCM_DistanceSourceToDetector);
   mammogram.SourceToPatientMm = PositiveNumber(data, DCM_DistanceSourceToPatient);
   mammogram.PeakKilovoltage = PositiveNumber(data, DCM_KVP);
-  mammogram.AnodeMaterial = Printable(DicomText(data, DCM_AnodeTargetMaterial));
-  mammogram.FilterMaterial = Printable(DicomText(data, DCM_FilterMaterial));
+  mammogram.AnodeMaterial = MetalTerm(DicomText(data, DCM_AnodeTargetMaterial));
+  mammogram.FilterMaterial = MetalTerm(DicomText(data, DCM_FilterMaterial));
 }
 
 void ReadIntensityScale(DcmItem& data, const std::string& path, Mammogram& mammogram)

@@ -8,6 +8,7 @@
 #include "mammorayRegistrationModule.h"
 
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -60,6 +61,10 @@ struct RegistrationResult
   std::string StopReason;
   /// What the user should know of the search, a sentence each.
   std::vector<std::string> Warnings;
+  /// What the mammogram's header says of the compressed thickness, mm, and what else header,
+  /// picture and result disagree on, a sentence each; of whoever knows the header.
+  std::optional<double> HeaderThicknessMm;
+  std::vector<std::string> Disagreements;
   /// Equilibria solved and pictures compared, and the time each took, s.
   int Evaluations = 0;
   int Projections = 0;

@@ -42,6 +42,8 @@ struct RegistrationTarget
   double OutlineFromMm = 0;
   /// What had to be assumed because the header did not say, a sentence each.
   std::vector<std::string> Warnings;
+  /// What header and picture disagree on, a sentence each: reasons to doubt a match.
+  std::vector<std::string> Disagreements;
 };
 
 /// Whether a pixel's picture is not compared.

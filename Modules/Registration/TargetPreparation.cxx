@@ -210,6 +210,35 @@ void CheckWhole(const PixelGrid& grid, RegistrationTarget& target)
   }
 }
 
+/// Raw data that is taken for a picture made to be looked at is registered with another thickness,
+/// and looks right; so is the other way round. Its noise tells.
+void CheckIntent(const Mammogram& mammogram, const PixelGrid& grid, RegistrationTarget& target)
+{
+  if (mammogram.PresentationIntent == Mammogram::Intent::ForPresentation)
+  {
+    if (FindNoiseTrend(grid, target.LogAttenuation, target.SignedDistanceMm) == NoiseTrend::Falls)
+    {
+      target.Disagreements.emplace_back(
+        "The header says For Presentation, but the noise falls where more is absorbed, as in raw "
+        "data (For Processing): the values may not mean what they are taken for.");
+    }
+    return;
+  }
+  if (mammogram.IntensityRelationship == Mammogram::Relationship::Logarithmic)
+  {
+    return;
+  }
+  std::vector<float> intensity(target.LogAttenuation.size());
+  std::transform(target.LogAttenuation.begin(), target.LogAttenuation.end(), intensity.begin(),
+    [](float log) { return -std::exp(-log); });
+  if (FindNoiseTrend(grid, intensity, target.SignedDistanceMm) == NoiseTrend::Rises)
+  {
+    target.Disagreements.emplace_back(
+      "The header says For Processing, but the noise rises where more is absorbed, as in a picture "
+      "made to be looked at (For Presentation): the values may not mean what they are taken for.");
+  }
+}
+
 void WarnOfShare(const PixelGrid& grid, RegistrationTarget& target)
 {
   const double part = static_cast<double>(std::accumulate(target.BreastMask.begin(),
@@ -231,7 +260,7 @@ RegistrationTarget PrepareTarget(const Mammogram& mammogram, const TargetOptions
   target.Rows = mammogram.Rows;
   const PixelGrid grid{ mammogram.Columns, mammogram.Rows, mammogram.ColumnSpacingMm,
     mammogram.RowSpacingMm };
-  BreastContrast contrast = FindBreastContrast(mammogram, grid, options, target.Warnings);
+  BreastContrast contrast = FindBreastContrast(mammogram, grid, options, target);
   const FineBreast breast = OutlineBreast(grid, contrast, options);
   target.LogAttenuation = std::move(contrast.LogAttenuation);
   const double rollDeg =
@@ -242,6 +271,7 @@ RegistrationTarget PrepareTarget(const Mammogram& mammogram, const TargetOptions
   }
   KeepBreast(grid, breast, options, target);
   CheckWhole(grid, target);
+  CheckIntent(mammogram, grid, target);
   Exclude(mammogram, rollDeg, options, target);
   ExcludeChestWall(grid, options.ChestWallMarginMm, target);
   WarnOfShare(grid, target);

@@ -57,6 +57,27 @@ void AddMechanics(const RegistrationResult& result, const Add& add)
         " mm away on average: it may have toppled to the other side.");
   }
 }
+
+/// Adds what the header and the result disagree on.
+template <typename Add>
+void AddHeader(const RegistrationResult& result, const Add& add)
+{
+  if (result.HeaderThicknessMm)
+  {
+    const double off = std::abs(result.Pose.ThicknessMm - *result.HeaderThicknessMm);
+    if (off > 5)
+    {
+      add(off > 15 ? Trust::None : Trust::Doubtful,
+        "The breast was found " + NumberText(result.Pose.ThicknessMm, 1) +
+          " mm thick, the mammogram's header says " + NumberText(*result.HeaderThicknessMm, 1) +
+          " mm: they are " + NumberText(off, 1) + " mm apart, 5 mm or less is wanted.");
+    }
+  }
+  for (const std::string& disagreement : result.Disagreements)
+  {
+    add(Trust::Doubtful, disagreement);
+  }
+}
 }
 
 Assessment Assess(const RegistrationResult& result)
@@ -116,6 +137,7 @@ Assessment Assess(const RegistrationResult& result)
     }
   }
   AddMechanics(result, add);
+  AddHeader(result, add);
   return assessment;
 }
 

@@ -122,13 +122,23 @@ TEST_F(WrittenCase, HasEverythingOfOneMammogram)
   const auto mammogram = std::find_if(result.Inputs.begin(), result.Inputs.end(),
     [](const ResultInput& input) { return input.Role == MammogramRole; });
   ASSERT_NE(mammogram, result.Inputs.end());
-  EXPECT_EQ(mammogram->File, "mammogram.dcm");
+  EXPECT_EQ(mammogram->File, "*.dcm");             // its name may be a patient's
+  EXPECT_EQ(result.Inputs[1].File, "victre.json"); // a shipped one
   EXPECT_EQ(mammogram->Sha256, Sha256OfFile(this->Folder.File("mammogram.dcm")));
   const BreastInUnit breast = ReadBreastInUnit(result);
   EXPECT_EQ(breast.Uncompressed->GetPointData()->GetArray("Displacement")->GetComponent(7, 1), 1);
   EXPECT_EQ(breast.Uncompressed->GetPointData()->GetArray("Sensitivity_thickness")->GetTuple1(0),
     0.5);
   EXPECT_EQ(breast.Uncompressed->GetPointData()->GetArray("Sensitivity_stiffness"), nullptr);
+}
+
+TEST_F(WrittenCase, NamesItsInputsWhereAsked)
+{
+  this->Input.NameInputs = true;
+  const std::string folder = this->Folder.File("result");
+  WriteRegistrationCase(this->Input, this->Result, folder);
+  EXPECT_THAT(testing_support::ReadFile(folder + "/result.json"), HasSubstr("\"mammogram.dcm\""));
+  EXPECT_THAT(testing_support::ReadFile(folder + "/report.html"), HasSubstr("mammogram.dcm"));
 }
 
 TEST_F(WrittenCase, OfSeveralMammogramsHasAFolderForEach)

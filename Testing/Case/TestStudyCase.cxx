@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <filesystem>
 
 using namespace mammoray;
 using namespace mammoray::testing_support;
@@ -82,11 +83,19 @@ TEST(StudyCase, IsFilledFromTheExport)
   const std::vector<CaseInput> inputs = CaseInputs(input, input.Mammograms[0]);
   ASSERT_EQ(inputs.size(), 3u);
   EXPECT_EQ(inputs[0].Role, "MRI with fat suppression");
-  EXPECT_EQ(inputs[0].Name, "t1_fl3d_tra_spair_pre");
+  // What somebody wrote into the header is not written anywhere unless it is asked for.
+  EXPECT_EQ(inputs[0].Name, "series 5");
   EXPECT_EQ(inputs[0].Files.size(), 40u);
   EXPECT_EQ(inputs[0].Sha256().size(), 64u);
   EXPECT_EQ(inputs[1].Name, "segment.json");
   EXPECT_EQ(inputs[2].Role, "Mammogram");
+  EXPECT_THAT(inputs[2].Name, testing::StartsWith("*"));
+  RegistrationCase naming;
+  naming.NameInputs = true;
+  TakeStudy(study.Folder(), 'L', naming);
+  const std::vector<CaseInput> named = CaseInputs(naming, naming.Mammograms[0]);
+  EXPECT_EQ(named[0].Name, "t1_fl3d_tra_spair_pre");
+  EXPECT_EQ(named[2].Name, std::filesystem::path(naming.Mammograms[0]).filename().string());
 
   // A table of the user's own stays.
   input.Materials = "mine.json";
@@ -126,9 +135,8 @@ TEST(StudyCase, IsToldInTheReport)
   TakeStudy(study.Folder(), 'L', input);
   const ReportSection section = StudySection(*input.Study, Ball());
   EXPECT_THAT(section.Rows,
-    Contains(Pair("MRI: t1_fl3d_tra_spair_pre", StartsWith("taken: T1 with fat suppression"))));
-  EXPECT_THAT(section.Rows,
-    Contains(Pair("MRI: t1_fl3d_tra_SUB", StartsWith("left out: subtraction"))));
+    Contains(Pair("MRI: series 5", StartsWith("taken: T1 with fat suppression"))));
+  EXPECT_THAT(section.Rows, Contains(Pair("MRI: series 6", StartsWith("left out: subtraction"))));
   EXPECT_THAT(section.Rows,
     Contains(Pair("Mammogram: right CC, For Presentation", "left out: the right breast")));
   EXPECT_THAT(section.Rows, Contains(Pair("Patient in the MRI", "prone")));

@@ -14,13 +14,18 @@ TEST(ImitatedMammogram, AFieldBeginsAtTheChestWallAndIsCentredOnTheBreast)
 {
   for (const DetectorField& field : { SmallField, LargeField })
   {
-    const RegistrationTarget grid = ImitatedDetector(0.5, -1, field);
-    const ReceptorPoint first = PixelPosition(grid, 0, 0);
-    const ReceptorPoint last = PixelPosition(grid, grid.Columns - 1, grid.Rows - 1);
-    EXPECT_NEAR(first[0], -last[0], 1e-9);
-    EXPECT_NEAR(last[0] - first[0], field.WidthMm - 0.5, 1e-9);
-    EXPECT_NEAR(first[1], 0.25, 1e-9);
-    EXPECT_NEAR(last[1], field.DepthMm - 0.25, 1e-9);
+    for (const double up : { 1.0, -1.0 })
+    {
+      const RegistrationTarget grid = ImitatedDetector(0.5, up, field);
+      // The left breast's chest wall is at the left, the right one's at the right.
+      const int wall = up > 0 ? 0 : grid.Columns - 1;
+      const ReceptorPoint first = PixelPosition(grid, wall, 0);
+      const ReceptorPoint last = PixelPosition(grid, grid.Columns - 1 - wall, grid.Rows - 1);
+      EXPECT_NEAR(first[0], -last[0], 1e-9);
+      EXPECT_NEAR(up * (first[0] - last[0]), field.WidthMm - 0.5, 1e-9);
+      EXPECT_NEAR(first[1], 0.25, 1e-9);
+      EXPECT_NEAR(last[1], field.DepthMm - 0.25, 1e-9);
+    }
   }
 }
 
@@ -38,6 +43,10 @@ TEST(ImitatedMammogram, IsCutAtItsFrontAndNowhereElse)
   EXPECT_FALSE(IsCutAtFront(picture, grid));
   picture[7 * columns - 1] = 0.01F;
   EXPECT_TRUE(IsCutAtFront(picture, grid));
+  std::fill(picture.begin(), picture.end(), 0.0F);
+  picture[7 * columns] = 0.01F;
+  EXPECT_FALSE(IsCutAtFront(picture, grid));
+  EXPECT_TRUE(IsCutAtFront(picture, ImitatedDetector(10, -1)));
 }
 }
 }

@@ -54,12 +54,16 @@ struct FoundContrast
   double Air = 0;
   bool Parted = true;
   std::vector<std::string> Warnings;
+  std::vector<std::string> Disagreements;
 };
 
 FoundContrast ContrastOf(const Mammogram& mammogram, const TargetOptions& options = {})
 {
   FoundContrast found;
-  const BreastContrast contrast = FindBreastContrast(mammogram, FlatGrid, options, found.Warnings);
+  RegistrationTarget target;
+  const BreastContrast contrast = FindBreastContrast(mammogram, FlatGrid, options, target);
+  found.Warnings = target.Warnings;
+  found.Disagreements = target.Disagreements;
   for (int row = 0; row < FlatGrid.Rows; ++row)
   {
     for (int column = 0; column < FlatGrid.Columns; ++column)
@@ -142,7 +146,7 @@ TEST(BreastContrast, PicturesToLookAtAreShownRight)
       // 1000 (1 - exp(-2)) of contrast.
       EXPECT_NEAR(found.Breast, 864.7, 2) << inverted << ' ' << sign;
       EXPECT_TRUE(found.Parted);
-      EXPECT_EQ(found.Warnings.size(), sign == (inverted ? -1 : 1) ? 1u : 0u);
+      EXPECT_EQ(found.Disagreements.size(), sign == (inverted ? -1 : 1) ? 1u : 0u);
     }
   }
 }
@@ -170,8 +174,8 @@ TEST(BreastContrast, DeadPixelsStayFinite)
   {
     dead.Pixels[pixel] = 0;
   }
-  std::vector<std::string> warnings;
-  const BreastContrast contrast = FindBreastContrast(dead, FlatGrid, {}, warnings);
+  RegistrationTarget target;
+  const BreastContrast contrast = FindBreastContrast(dead, FlatGrid, {}, target);
   for (const float value : contrast.LogAttenuation)
   {
     ASSERT_TRUE(std::isfinite(value));
@@ -183,29 +187,29 @@ TEST(BreastContrast, DeadPixelsStayFinite)
 
 TEST(BreastContrast, TheEdgeLiesWhereTheOptionsSay)
 {
-  std::vector<std::string> warnings;
+  RegistrationTarget target;
   TargetOptions options;
   options.EdgeFraction = 0.25;
   options.EdgeSigmas = 1e-6;
-  const BreastContrast half = FindBreastContrast(FlatBreast(), FlatGrid, options, warnings);
+  const BreastContrast half = FindBreastContrast(FlatBreast(), FlatGrid, options, target);
   // A quarter of 2; the medians' own noise.
   EXPECT_NEAR(half.EdgeLevel, 0.5, 5e-3);
   options.EdgeFraction = 1e-6;
   options.EdgeSigmas = 20;
-  const BreastContrast sigmas = FindBreastContrast(FlatBreast(), FlatGrid, options, warnings);
+  const BreastContrast sigmas = FindBreastContrast(FlatBreast(), FlatGrid, options, target);
   // The median of nine values of 1 % has a deviation of 0.41 %; neighbours share them.
   EXPECT_NEAR(sigmas.EdgeLevel, 20 * 0.0041, 20 * 0.001);
 }
 
 TEST(BreastContrast, RefusesWhatIsNoMammogram)
 {
-  std::vector<std::string> warnings;
+  RegistrationTarget target;
   Mammogram flat = FlatBreast();
   std::fill(flat.Pixels.begin(), flat.Pixels.end(), 100.0f);
-  EXPECT_THAT(RefusalOf([&] { FindBreastContrast(flat, FlatGrid, {}, warnings); }),
+  EXPECT_THAT(RefusalOf([&] { FindBreastContrast(flat, FlatGrid, {}, target); }),
     HasSubstr("found a flat picture"));
   std::fill(flat.Pixels.begin(), flat.Pixels.end(), std::numeric_limits<float>::quiet_NaN());
-  EXPECT_THAT(RefusalOf([&] { FindBreastContrast(flat, FlatGrid, {}, warnings); }),
+  EXPECT_THAT(RefusalOf([&] { FindBreastContrast(flat, FlatGrid, {}, target); }),
     HasSubstr("found padding only"));
 }
 }

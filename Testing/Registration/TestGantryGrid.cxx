@@ -139,10 +139,10 @@ TEST(PlaceInGantry, AssumesWhatIsHungAndSaysSo)
     ElementsAre(HasSubstr("view 'AT' is not one of")));
 }
 
-TEST(PlaceInGantry, FollowsTheHeaderAgainstThePictureWithAWarning)
+TEST(PlaceInGantry, FollowsTheHeaderAgainstThePictureAndSaysSo)
 {
   const RegistrationTarget target = Placed(Header("CC", 'L', "A", "R"), Side::Right);
-  EXPECT_THAT(target.Warnings,
+  EXPECT_THAT(target.Disagreements,
     ElementsAre(HasSubstr("puts the chest wall at the left edge of the picture, but the breast "
                           "touches the right edge most")));
   EXPECT_THAT(target.ColumnStep, ElementsAre(0, 0.1));

@@ -349,7 +349,7 @@ TEST(TargetPreparation, SaysWhatItAssumesWithoutAHeader)
   ExpectAt(right, Columns - 1, Rows - 1, 0.5 * (Rows - 1) * Spacing, 0.5 * Spacing);
 
   mammogram.RowDirection = "A"; // contradicts the picture
-  EXPECT_THAT(PrepareTarget(mammogram).Warnings,
+  EXPECT_THAT(PrepareTarget(mammogram).Disagreements,
     Contains(HasSubstr("touches the right edge most")));
 }
 
@@ -403,7 +403,7 @@ TEST(TargetPreparation, LeavesOutAStripAlongTheChestWall)
 
 TEST(TargetPreparation, WhatIsMadeToBeLookedAtIsShownRight)
 {
-  // A display curve without logarithm, bright in the breast.
+  // A display curve without logarithm, bright in the breast; its noise is that of raw data.
   Mammogram shown = Lens();
   shown.PresentationIntent = Mammogram::Intent::ForPresentation;
   shown.IntensityRelationship = Mammogram::Relationship::Unknown;
@@ -418,7 +418,51 @@ TEST(TargetPreparation, WhatIsMadeToBeLookedAtIsShownRight)
   shown.IntensitySign = 1; // more X-ray where it is bright: the breast would be a hole
   const RegistrationTarget contradicted = PrepareTarget(shown);
   EXPECT_EQ(contradicted.BreastMask, right.BreastMask);
-  EXPECT_THAT(contradicted.Warnings, ElementsAre(HasSubstr("contradicts")));
+  EXPECT_THAT(contradicted.Disagreements,
+    ElementsAre(HasSubstr("contradicts"), HasSubstr("as in raw data")));
+}
+
+TEST(TargetPreparation, NoiseTellsRawDataFromWhatIsMadeToBeLookedAt)
+{
+  EXPECT_THAT(PrepareTarget(Lens()).Disagreements, IsEmpty());
+  // Raw data called For Presentation.
+  Mammogram raw = Lens();
+  raw.PresentationIntent = Mammogram::Intent::ForPresentation;
+  EXPECT_THAT(PrepareTarget(raw).Disagreements, ElementsAre(HasSubstr("as in raw data")));
+  // Its detector saturated in the air.
+  for (float& pixel : raw.Pixels)
+  {
+    pixel = std::min(pixel, 9000.0F);
+  }
+  EXPECT_THAT(PrepareTarget(raw).Disagreements, ElementsAre(HasSubstr("as in raw data")));
+  // The logarithm, bright in the breast.
+  Mammogram shown = Lens();
+  shown.InvertedForDisplay = false;
+  shown.PresentationIntent = Mammogram::Intent::ForPresentation;
+  shown.IntensityRelationship = Mammogram::Relationship::Logarithmic;
+  shown.IntensitySign = -1;
+  for (float& pixel : shown.Pixels)
+  {
+    pixel = std::round(1000.0F * std::log(16000.0F / std::max(pixel, 1.0F)));
+  }
+  EXPECT_THAT(PrepareTarget(shown).Disagreements, IsEmpty());
+  // The same called For Processing and linear in what is missing of the intensity.
+  shown.PresentationIntent = Mammogram::Intent::ForProcessing;
+  shown.IntensityRelationship = Mammogram::Relationship::Linear;
+  shown.IntensitySign = -1;
+  EXPECT_THAT(PrepareTarget(shown).Disagreements, ElementsAre(HasSubstr("made to be looked at")));
+  // Nothing to measure in a picture without noise.
+  Mammogram smooth = Lens();
+  smooth.PresentationIntent = Mammogram::Intent::ForPresentation;
+  for (int row = 0; row < Rows; ++row)
+  {
+    for (int column = 0; column < Columns; ++column)
+    {
+      smooth.Pixels[static_cast<std::size_t>(row) * Columns + column] = std::round(
+        12000.0F * static_cast<float>(std::exp(-LensAttenuation(RadiusAt(column, row)))));
+    }
+  }
+  EXPECT_THAT(PrepareTarget(smooth).Disagreements, IsEmpty());
 }
 
 TEST(TargetPreparation, RefusesPicturesWithoutBreastOrAir)

@@ -110,3 +110,21 @@ TEST(Assessment, LevelsHaveNames)
   EXPECT_STREQ(NameOf(Trust::Doubtful), "doubtful");
   EXPECT_STREQ(NameOf(Trust::None), "none");
 }
+
+TEST(Assessment, CountsWhatTheHeaderDisagreesOn)
+{
+  RegistrationResult result = GoodResult();
+  result.Pose.ThicknessMm = 50.4;
+  result.HeaderThicknessMm = 46;
+  EXPECT_EQ(Assess(result).Level, Trust::Good);
+  result.HeaderThicknessMm = 56;
+  EXPECT_EQ(Assess(result).Level, Trust::Doubtful);
+  EXPECT_THAT(Assess(result).Reasons,
+    ElementsAre(HasSubstr("found 50.4 mm thick, the mammogram's header says 56.0 mm")));
+  result.HeaderThicknessMm = 34;
+  EXPECT_EQ(Assess(result).Level, Trust::None);
+  result.HeaderThicknessMm.reset();
+  result.Disagreements = { "The side should be looked at." };
+  EXPECT_EQ(Assess(result).Level, Trust::Doubtful);
+  EXPECT_THAT(Assess(result).Reasons, ElementsAre("The side should be looked at."));
+}

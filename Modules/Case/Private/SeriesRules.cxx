@@ -394,6 +394,10 @@ void DescribeSeries(SeriesCandidate& candidate)
   StudySeries& series = candidate.Series;
   series.Description =
     header.SeriesDescription.empty() ? header.ProtocolName : header.SeriesDescription;
+  if (header.SeriesNumber && std::abs(*header.SeriesNumber) < 1e9)
+  {
+    series.Number = static_cast<int>(*header.SeriesNumber);
+  }
   series.SeriesInstanceUid = header.SeriesInstanceUid;
   series.StudyInstanceUid = header.Identity.StudyInstanceUid;
   series.FrameOfReferenceUid = header.FrameOfReferenceUid;

@@ -8,11 +8,14 @@ namespace mammoray
 {
 RegistrationTarget ImitatedDetector(double pixelMm, double up, const DetectorField& field)
 {
+  // The left breast's, whose up is +x, has its chest wall at the left.
+  const double inward = up;
   RegistrationTarget grid;
   grid.Columns = static_cast<int>(field.DepthMm / pixelMm);
   grid.Rows = static_cast<int>(field.WidthMm / pixelMm);
-  grid.Origin = { up * 0.5 * (grid.Rows - 1) * pixelMm, 0.5 * pixelMm };
-  grid.ColumnStep = { 0, pixelMm };
+  grid.Origin = { up * 0.5 * (grid.Rows - 1) * pixelMm,
+    (inward > 0 ? 0.5 : grid.Columns - 0.5) * pixelMm };
+  grid.ColumnStep = { 0, inward * pixelMm };
   grid.RowStep = { -up * pixelMm, 0 };
   const auto pixels = static_cast<std::size_t>(grid.Columns) * static_cast<std::size_t>(grid.Rows);
   // The middle of the chest-wall edge, around which Synthesize looks for the silhouette.
@@ -26,9 +29,10 @@ RegistrationTarget ImitatedDetector(double pixelMm, double up, const DetectorFie
 bool IsCutAtFront(const std::vector<float>& logAttenuation, const RegistrationTarget& grid)
 {
   const auto columns = static_cast<std::size_t>(grid.Columns);
-  for (std::size_t last = columns - 1; last < logAttenuation.size(); last += columns)
+  const std::size_t front = grid.ColumnStep[1] > 0 ? columns - 1 : 0;
+  for (std::size_t pixel = front; pixel < logAttenuation.size(); pixel += columns)
   {
-    if (logAttenuation[last] > 0)
+    if (logAttenuation[pixel] > 0)
     {
       return true;
     }

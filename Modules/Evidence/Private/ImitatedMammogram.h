@@ -42,8 +42,8 @@ struct DetectorField
 inline constexpr DetectorField SmallField{ 240, 180 };
 inline constexpr DetectorField LargeField{ 300, 240 };
 
-/// A detector, its rows from chest wall to nipple, hung with the side of the body up that `up` (1
-/// or -1 along gantry x) names.
+/// A detector, hung as mammograms are: with the side of the body up that `up` names, 1 (gantry +x,
+/// the left breast; chest wall at the left) or -1 (the right breast; chest wall at the right).
 MAMMORAYEVIDENCE_EXPORT RegistrationTarget ImitatedDetector(double pixelMm, double up = 1,
   const DetectorField& field = SmallField);
 

@@ -79,7 +79,7 @@ float OtsuThreshold(const std::vector<float>& values, float low, float high)
 }
 
 /// More where more is absorbed, by what the header says. Air is not at 0 yet.
-std::vector<float> ToLogAttenuation(const Mammogram& mammogram, std::vector<std::string>& warnings)
+std::vector<float> ToLogAttenuation(const Mammogram& mammogram, RegistrationTarget& target)
 {
   using Relationship = Mammogram::Relationship;
   const bool processing = mammogram.PresentationIntent == Mammogram::Intent::ForProcessing;
@@ -87,12 +87,13 @@ std::vector<float> ToLogAttenuation(const Mammogram& mammogram, std::vector<std:
   if (relationship == Relationship::Unknown && processing)
   {
     relationship = Relationship::Linear;
-    warnings.push_back("The header does not say how stored values follow X-ray intensity; a For "
-                       "Processing image is taken as linear.");
+    target.Warnings.push_back(
+      "The header does not say how stored values follow X-ray intensity; a For "
+      "Processing image is taken as linear.");
   }
   if (relationship == Relationship::Logarithmic && processing)
   {
-    warnings.push_back(
+    target.Warnings.push_back(
       "The header calls this For Processing image logarithmic: its values are used "
       "as log attenuation up to scale and offset.");
   }
@@ -103,7 +104,7 @@ std::vector<float> ToLogAttenuation(const Mammogram& mammogram, std::vector<std:
   const int sign = bySign != 0 && processing ? bySign : byDisplay;
   if (bySign != 0 && bySign != byDisplay && !processing)
   {
-    warnings.push_back(
+    target.Disagreements.emplace_back(
       "Pixel Intensity Relationship Sign contradicts the photometric interpretation of this For "
       "Presentation image; the latter is followed.");
   }
@@ -117,8 +118,9 @@ std::vector<float> ToLogAttenuation(const Mammogram& mammogram, std::vector<std:
   if (sign < 0)
   {
     // Linear and falling with intensity: counts are what is missing to the largest stored value.
-    warnings.push_back("Stored values fall linearly with X-ray intensity; they are subtracted from "
-                       "the largest value the stored bits can hold.");
+    target.Warnings.push_back(
+      "Stored values fall linearly with X-ray intensity; they are subtracted from "
+      "the largest value the stored bits can hold.");
   }
   const float full = std::ldexp(1.0F, mammogram.BitsStored) - 1;
   // Half a count stands for none, so that dead pixels stay finite.
@@ -200,11 +202,11 @@ void FlattenAir(const PixelGrid& grid, const PixelMask& measured, float threshol
 }
 
 BreastContrast FindBreastContrast(const Mammogram& mammogram, const PixelGrid& grid,
-  const TargetOptions& options, std::vector<std::string>& warnings)
+  const TargetOptions& options, RegistrationTarget& target)
 {
   BreastContrast contrast;
   std::vector<float>& log = contrast.LogAttenuation;
-  log = ToLogAttenuation(mammogram, warnings);
+  log = ToLogAttenuation(mammogram, target);
   // Padding was not exposed: it is no breast, and takes the air's value below.
   PixelMask measured(log.size());
   std::transform(log.begin(), log.end(), measured.begin(),

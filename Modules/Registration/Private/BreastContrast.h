@@ -24,9 +24,10 @@ struct BreastContrast
   float EdgeLevel = 0;
 };
 
-/// Throws InputError where there is no breast beside air.
+/// Throws InputError where there is no breast beside air. What had to be assumed, and what the
+/// header contradicts itself in, comes to the target's sentences.
 MAMMORAYREGISTRATION_EXPORT BreastContrast FindBreastContrast(const Mammogram& mammogram,
-  const PixelGrid& grid, const TargetOptions& options, std::vector<std::string>& warnings);
+  const PixelGrid& grid, const TargetOptions& options, RegistrationTarget& target);
 }
 
 #endif

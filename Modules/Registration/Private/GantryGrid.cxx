@@ -32,21 +32,21 @@ bool SideByHeader(const Mammogram& mammogram, Side& side)
 
 /// Where the chest wall is in the picture.
 Side ChestWallSide(const Mammogram& mammogram, const std::array<double, 4>& touched,
-  std::vector<std::string>& warnings)
+  RegistrationTarget& target)
 {
   const auto most = std::max_element(touched.begin(), touched.end());
   const Side seen = static_cast<Side>(most - touched.begin());
   Side side = seen;
   if (!SideByHeader(mammogram, side))
   {
-    warnings.push_back(std::string("The header gives no patient orientation; the chest wall is "
-                                   "taken to be at the ") +
+    target.Warnings.push_back(std::string("The header gives no patient orientation; the chest wall "
+                                          "is taken to be at the ") +
       NameOf(seen) + " edge of the picture, which the breast touches most.");
   }
   else if (touched[static_cast<int>(side)] < 0.5 * *most)
   {
-    warnings.push_back(std::string("The header puts the chest wall at the ") + NameOf(side) +
-      " edge of the picture, but the breast touches the " + NameOf(seen) +
+    target.Disagreements.push_back(std::string("The header puts the chest wall at the ") +
+      NameOf(side) + " edge of the picture, but the breast touches the " + NameOf(seen) +
       " edge most; the header is followed.");
   }
   return side;
@@ -150,7 +150,7 @@ double AlongX(const std::string& direction, double rollDeg)
 double PlaceInGantry(const Mammogram& mammogram, const PixelGrid& grid,
   const std::array<double, 4>& touched, RegistrationTarget& target)
 {
-  const Side side = ChestWallSide(mammogram, touched, target.Warnings);
+  const Side side = ChestWallSide(mammogram, touched, target);
   char laterality = mammogram.Laterality;
   const double roll = RollOf(mammogram, side, laterality, target.Warnings);
   const bool upright = side == Side::Left || side == Side::Right;

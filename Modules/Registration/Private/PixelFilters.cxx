@@ -11,6 +11,10 @@
 #include "vtkPointData.h"
 #include "vtkSmartPointer.h"
 
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+
 namespace mammoray
 {
 namespace
@@ -67,5 +71,95 @@ std::vector<float> Refine(const PixelGrid& grid, std::vector<float>& values, con
   reslice->SetOutputOrigin(-half * fine.ColumnSpacing, -half * fine.RowSpacing, 0);
   reslice->Update();
   return Copy(reslice->GetOutput());
+}
+
+namespace
+{
+constexpr int BlockSize = 8;
+constexpr double EdgeZoneMm = 5;
+/// Fewer blocks tell nothing.
+constexpr std::size_t FewestBlocks = 24;
+
+struct Block
+{
+  float Level = 0;
+  float Noise = 0;
+};
+
+template <typename Values>
+float Median(Values& values)
+{
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+Block Measure(const PixelGrid& grid, const std::vector<float>& values, int column, int row)
+{
+  std::vector<float> levels;
+  std::vector<float> differences;
+  for (int r = row; r < row + BlockSize; ++r)
+  {
+    for (int c = column; c < column + BlockSize; ++c)
+    {
+      const float* const at = values.data() + grid.Index(c, r);
+      levels.push_back(*at);
+      if (c >= 2 && c + 2 < grid.Columns)
+      {
+        differences.push_back(std::abs(at[-2] - 4 * at[-1] + 6 * at[0] - 4 * at[1] + at[2]));
+      }
+    }
+  }
+  // The median of absolute values, and the root of 1 + 16 + 36 + 16 + 1.
+  return { Median(levels), 1.4826F * Median(differences) / std::sqrt(70.0F) };
+}
+
+float MedianNoise(const std::vector<Block>& blocks, std::size_t first, std::size_t last)
+{
+  std::vector<float> noise;
+  for (std::size_t index = first; index < last; ++index)
+  {
+    noise.push_back(blocks[index].Noise);
+  }
+  return Median(noise);
+}
+}
+
+NoiseTrend FindNoiseTrend(const PixelGrid& grid, const std::vector<float>& values,
+  const std::vector<float>& signedDistanceMm)
+{
+  std::vector<Block> air;
+  std::vector<Block> breast;
+  for (int row = 0; row + BlockSize <= grid.Rows; row += BlockSize)
+  {
+    for (int column = 0; column + BlockSize <= grid.Columns; column += BlockSize)
+    {
+      const double distance =
+        signedDistanceMm[grid.Index(column + BlockSize / 2, row + BlockSize / 2)];
+      if (std::abs(distance) > EdgeZoneMm)
+      {
+        (distance > 0 ? air : breast).push_back(Measure(grid, values, column, row));
+      }
+    }
+  }
+  if (breast.size() < FewestBlocks)
+  {
+    return NoiseTrend::Unknown;
+  }
+  std::sort(breast.begin(), breast.end(),
+    [](const Block& a, const Block& b) { return a.Level < b.Level; });
+  const float dense = MedianNoise(breast, breast.size() / 2, breast.size());
+  float light = air.size() < FewestBlocks ? 0 : MedianNoise(air, 0, air.size());
+  const bool isSeenInAir = light > 0;
+  light = isSeenInAir ? light : MedianNoise(breast, 0, breast.size() / 4);
+  const float range = breast.back().Level - breast.front().Level;
+  // What rounding leaves of a picture without noise.
+  if (!(std::max(light, dense) > 1e-3F * range))
+  {
+    return NoiseTrend::Unknown;
+  }
+  return light > (isSeenInAir ? 2.0F : 1.35F) * dense ? NoiseTrend::Falls
+    : dense > 1.5F * light                            ? NoiseTrend::Rises
+                                                      : NoiseTrend::Unknown;
 }
 }

@@ -1,0 +1,243 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "Private/CaseChecks.h"
+
+#include "mammoray/Case/LabelSource.h"
+#include "mammoray/Foundation/Error.h"
+#include "mammoray/Foundation/MammographyGeometry.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+#include <optional>
+
+namespace mammoray
+{
+namespace
+{
+const char* NameOfSide(char laterality)
+{
+  return laterality == 'L' ? "left" : "right";
+}
+
+std::string Refused(const RegistrationCase& input, const std::string& text)
+{
+  return (input.Study ? std::string("the study's MRI") : input.Labels.Path) + ": " + text + "; " +
+    AcceptUnusualHint;
+}
+
+/// Which breast the picture is of by how mammograms are hung; nothing of one turned by 90 degrees.
+std::optional<char> HungAs(const RegistrationTarget& target)
+{
+  const double inward = target.ColumnStep[1];
+  return inward > 0 ? std::optional('L') : inward < 0 ? std::optional('R') : std::nullopt;
+}
+
+/// Whether a direction along an oblique view's receptor leads to the head and to the middle of the
+/// body at once, or away from both, as no receptor under that breast does.
+bool IsOfOtherBreast(const std::string& direction, char laterality)
+{
+  const auto has = [&](char letter) { return direction.find(letter) != std::string::npos; };
+  const bool tells = (has('H') || has('F')) && (has('L') || has('R'));
+  return tells && has('H') != has(laterality);
+}
+
+/// Ends of what was seen along a direction, mm.
+struct Breadth
+{
+  double First = std::numeric_limits<double>::infinity();
+  double Last = -std::numeric_limits<double>::infinity();
+
+  void Add(double place)
+  {
+    this->First = std::min(this->First, place);
+    this->Last = std::max(this->Last, place);
+  }
+  double Length() const { return this->Last - this->First; }
+};
+
+Breadth BreadthOf(const LabelVolume& volume, const Vector3& direction,
+  const std::vector<bool>* held)
+{
+  Breadth extent;
+  volume.ForEachVoxel(
+    [&](int i, int j, int k, std::size_t voxel)
+    {
+      const int material = volume.Voxels[voxel];
+      if (material != 0 && !(held && (*held)[static_cast<std::size_t>(material)]))
+      {
+        extent.Add(Dot(volume.PointAt(i, j, k), direction));
+      }
+    });
+  return extent;
+}
+
+/// From the middle of what is held to the middle of what is not; nothing where one is missing.
+std::optional<Vector3> HeldToFree(const LabelVolume& volume, const std::vector<bool>& held)
+{
+  std::array<Vector3, 2> sums{};
+  std::array<double, 2> counts{};
+  volume.ForEachVoxel(
+    [&](int i, int j, int k, std::size_t voxel)
+    {
+      if (const int material = volume.Voxels[voxel]; material != 0)
+      {
+        const std::size_t which = held[static_cast<std::size_t>(material)] ? 0 : 1;
+        sums[which] = sums[which] + volume.PointAt(i, j, k);
+        counts[which] += 1;
+      }
+    });
+  if (counts[0] == 0 || counts[1] == 0)
+  {
+    return std::nullopt;
+  }
+  return (1 / counts[1]) * sums[1] - (1 / counts[0]) * sums[0];
+}
+
+void CheckFront(const RegistrationCase& input, const LabelVolume& materials,
+  const std::vector<bool>& held, const AnatomicalAxes& axes)
+{
+  const std::optional<Vector3> way = HeldToFree(materials, held);
+  // A breast beside a body may lie mostly to the side of the body's middle, but never behind it.
+  if (way && Dot(*way, axes.Anterior) < 0.3 * Norm(*way))
+  {
+    char text[200];
+    std::snprintf(text, sizeof text,
+      "expected the breast in front of what holds it, found it %.0f mm to the left, %.0f mm to the "
+      "front and %.0f mm to the head of that; --orientation says where the axes lead",
+      Dot(*way, axes.Left), Dot(*way, axes.Anterior), Dot(*way, axes.Superior));
+    throw InputError(Refused(input, text));
+  }
+}
+
+void CheckSide(const RegistrationCase& input, const Breadth& breast, const Breadth& body,
+  char laterality)
+{
+  const double leftOfIt = body.Last - breast.Last;
+  const double rightOfIt = breast.First - body.First;
+  constexpr double MuchMm = 100; // an arm's or a chest's width
+  const double more = std::max(leftOfIt, rightOfIt);
+  if (more < MuchMm || std::min(leftOfIt, rightOfIt) > 0.5 * more)
+  {
+    return;
+  }
+  const char side = rightOfIt > leftOfIt ? 'L' : 'R';
+  if (laterality != '?' && laterality != side)
+  {
+    char text[200];
+    std::snprintf(text, sizeof text,
+      "expected the %s breast, which the mammogram shows, found the %s one: %.0f mm of the body "
+      "lie "
+      "to the left of it, %.0f mm to the right",
+      NameOfSide(laterality), NameOfSide(side), leftOfIt, rightOfIt);
+    throw InputError(Refused(input, text));
+  }
+}
+}
+
+void CheckUsual(const RegistrationCase& input, const PlausibleRange& range, double value,
+  const std::string& path, const char* instead)
+{
+  if (!input.Labels.AcceptUnusual)
+  {
+    CheckPlausible(range, value, path, std::string(instead) + ", " + AcceptUnusualHint);
+  }
+}
+
+void CheckMammogram(const RegistrationCase& input, const std::vector<RegisteredView>& views)
+{
+  const RegisteredView& latest = views.back();
+  for (const double spacing : { latest.Mammogram.ColumnSpacingMm, latest.Mammogram.RowSpacingMm })
+  {
+    CheckUsual(input, Plausible::PixelSpacing, spacing, latest.Path,
+      "--pixel-spacing gives another");
+  }
+  const std::vector<float>& pixels = latest.Mammogram.Pixels;
+  const auto same = [](float a, float b) { return a == b || (std::isnan(a) && std::isnan(b)); };
+  for (const RegisteredView& earlier : views)
+  {
+    const std::vector<float>& others = earlier.Mammogram.Pixels;
+    if (&earlier != &latest && !input.Labels.AcceptUnusual &&
+      std::equal(pixels.begin(), pixels.end(), others.begin(), others.end(), same))
+    {
+      throw InputError(latest.Path + ": expected another picture than " + earlier.Path +
+        ", found the same; " + AcceptUnusualHint);
+    }
+  }
+}
+
+void CheckPicturedBreast(const RegistrationCase& input, RegisteredView& view)
+{
+  RegistrationTarget& target = view.Target;
+  const Mammogram& mammogram = view.Mammogram;
+  Breadth across;
+  for (int row = 0; row < target.Rows; ++row)
+  {
+    for (int column = 0; column < target.Columns; ++column)
+    {
+      if (target.BreastMask[static_cast<std::size_t>(row) * target.Columns + column] != 0)
+      {
+        across.Add(PixelPosition(target, column, row)[0]);
+      }
+    }
+  }
+  CheckUsual(input, Plausible::BreastWidth, across.Length(), view.Path,
+    "--pixel-spacing gives another scale");
+  const bool isSided = mammogram.Laterality == 'L' || mammogram.Laterality == 'R';
+  const bool isOblique = mammogram.View == "MLO" || mammogram.View == "LMO";
+  if (isSided && isOblique && !input.Labels.AcceptUnusual)
+  {
+    for (const std::string& direction : { mammogram.RowDirection, mammogram.ColumnDirection })
+    {
+      if (IsOfOtherBreast(direction, mammogram.Laterality))
+      {
+        throw InputError(view.Path + ": expected an oblique view of the " +
+          NameOfSide(mammogram.Laterality) + " breast, found the Patient Orientation '" +
+          direction + "' of the other; " + AcceptUnusualHint);
+      }
+    }
+  }
+  const bool isSaid = !input.Study && !input.Laterality.empty();
+  const std::optional<char> hung = HungAs(target);
+  if (isSided && !isSaid && hung && *hung != mammogram.Laterality)
+  {
+    target.Disagreements.push_back(std::string("The header says ") +
+      NameOfSide(mammogram.Laterality) + " breast, but the chest wall is at the " +
+      NameOfSide(*hung) + " edge of the picture, as the " + NameOfSide(*hung) +
+      " breast is hung: the side should be looked at (--side says it).");
+  }
+}
+
+void CheckHanded(const RegistrationCase& input, const AnatomicalAxes& axes)
+{
+  if (!input.Labels.AcceptUnusual && Dot(Cross(axes.Left, axes.Anterior), axes.Superior) > 0)
+  {
+    throw InputError("orientation " + input.Orientation +
+      ": expected axes that are right-handed, found a mirror image, whose left is the patient's "
+      "right; " +
+      AcceptUnusualHint);
+  }
+}
+
+void CheckTissue(const RegistrationCase& input, const LabelVolume& materials,
+  const std::vector<bool>& held, const AnatomicalAxes& axes, char laterality)
+{
+  if (input.Labels.AcceptUnusual)
+  {
+    return;
+  }
+  CheckFront(input, materials, held, axes);
+  const LabelVolume kept = KeepBreast(materials, held, axes);
+  for (const Vector3& direction : { axes.Left, axes.Superior })
+  {
+    const Breadth breast = BreadthOf(kept, direction, &held);
+    if (breast.Length() >= 0)
+    {
+      CheckUsual(input, Plausible::BreastWidth, breast.Length(),
+        input.Study ? "the study's MRI" : input.Labels.Path, "--crop leaves some of it out");
+    }
+  }
+  CheckSide(input, BreadthOf(kept, axes.Left, &held), BreadthOf(materials, axes.Left, nullptr),
+    laterality);
+}
+}
