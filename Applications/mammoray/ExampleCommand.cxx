@@ -41,15 +41,34 @@ struct ExampleArguments
 #endif
 };
 
+/// Removes at the end of the process the folder that was made, where nothing came into it.
+class MadeFolder
+{
+public:
+  MadeFolder() = default;
+  MadeFolder(const MadeFolder&) = delete;
+  MadeFolder& operator=(const MadeFolder&) = delete;
+  ~MadeFolder()
+  {
+    std::error_code ignored;
+    fs::remove(this->Path, ignored); // an empty one only
+  }
+  std::string Path;
+};
+
 /// Makes the folder, if its parent is there; throws InputError where it or a file in it cannot be.
 void PrepareFolder(const std::string& folder, const std::vector<std::string>& files, bool overwrite)
 {
+  // Before the files are claimed, so that it goes after what their claims leave there.
+  static MadeFolder made;
   std::error_code failure;
-  if (!fs::is_directory(folder) && (!fs::create_directory(folder, failure) || failure))
+  const bool exists = fs::is_directory(folder);
+  if (!exists && (!fs::create_directory(folder, failure) || failure))
   {
     throw InputError(
       "output " + folder + ": expected a folder, or a name for one in a folder that exists");
   }
+  made.Path = exists ? "" : folder;
   for (const std::string& file : files)
   {
     CheckOutputFile(file, overwrite);
