@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// `replayCorpus FOLDER [COUNT]`: gives each target of FOLDER/<target>/ its files again, and COUNT
-// times each of them damaged. Ends as the target does where one is not survived.
+// `replayCorpus FOLDER [COUNT [SEED]]`: gives each target of FOLDER/<target>/ its files again, and
+// COUNT times each of them damaged. Ends as the target does where one is not survived.
 #include "Damage.h"
 #include "Files.h"
 #include "FuzzTargets.h"
@@ -37,7 +37,7 @@ int main(int argc, char* argv[])
   const int count = argc > 2 ? std::atoi(argv[2]) : 0;
   for (const auto& [name, target] : FuzzTargets())
   {
-    std::mt19937_64 random(1);
+    std::mt19937_64 random(argc > 3 ? std::strtoull(argv[3], nullptr, 10) : 1);
     std::size_t given = 0;
     for (const std::filesystem::path& file : FilesIn(std::filesystem::path(argv[1]) / name))
     {

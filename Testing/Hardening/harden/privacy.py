@@ -1,0 +1,127 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Marks in every text of a header and in names of files: none comes out again unless it is asked for."""
+import os
+import shutil
+
+from dicomBytes import DicomBytes
+from program import Count
+
+TEXTS = {b"AE", b"CS", b"LO", b"LT", b"PN", b"SH", b"ST", b"UC", b"UT", b"UR"}
+# What a reader has to understand to take the file.
+NEEDED = {(8, 0x60), (8, 0x68), (8, 0x08), (0x28, 4), (0x18, 0x5101), (0x20, 0x62), (0x20, 0x20), (0x28, 0x1040),
+          (0x18, 0x5100), (8, 5), (0x18, 0x20), (0x18, 0x22), (0x18, 0x23), (0x28, 0x301), (0x28, 0x1056)}
+# What exports hold beside what our own files do: of the patient, of who treats her, of the place, comments, private.
+FURTHER = [((8, 0x50), b"SH"), ((8, 0x70), b"LO"), ((8, 0x80), b"LO"), ((8, 0x81), b"ST"), ((8, 0x90), b"PN"),
+           ((8, 0x1010), b"SH"), ((8, 0x1030), b"LO"), ((8, 0x103E), b"LO"), ((8, 0x1040), b"LO"), ((8, 0x1048), b"PN"),
+           ((8, 0x1050), b"PN"), ((8, 0x1070), b"PN"), ((8, 0x1090), b"LO"), ((0x10, 0x10), b"PN"), ((0x10, 0x20), b"LO"),
+           ((0x10, 0x1000), b"LO"), ((0x10, 0x1001), b"PN"), ((0x10, 0x1005), b"PN"), ((0x10, 0x1040), b"LO"),
+           ((0x10, 0x2154), b"SH"), ((0x10, 0x2160), b"SH"), ((0x10, 0x21B0), b"LT"), ((0x10, 0x4000), b"LT"),
+           ((0x18, 0x1030), b"LO"), ((0x18, 0x1000), b"LO"), ((0x18, 0x1191), b"CS"), ((0x18, 0x7050), b"CS"),
+           ((0x20, 0x10), b"SH"), ((0x20, 0x4000), b"LT"), ((0x32, 0x1060), b"LO"), ((0x40, 0x253), b"SH"),
+           ((0x40, 0x254), b"LO"), ((0x9, 0x10), b"LO"), ((0x9, 0x1001), b"UT")]
+MARK = "Zq%sxMark%d^Anna"
+
+
+class Marks:
+    def __init__(self, draws):
+        self.draws = draws
+        self.made = []
+
+    def new(self):
+        self.made.append(MARK % (self.draws.choice("abcdefgh"), 100000 + len(self.made)))
+        return self.made[-1]
+
+    def plant(self, data):
+        """In every text that need not be understood, and in the further ones."""
+        file = DicomBytes(data)
+        for tag, vr in FURTHER:
+            if vr in TEXTS:
+                file.set(tag, vr, self.new())
+        for entry in file.walk():
+            if entry[1] in TEXTS and entry[0] not in NEEDED:
+                entry[2] = self.new().encode()
+        return file.bytes()
+
+    def found_in(self, data):
+        return [mark for mark in self.made if mark.encode() in data or mark.split("^")[0].encode() in data]
+
+
+def outputs(folder):
+    for place, _, names in os.walk(folder):
+        for name in names:
+            with open(os.path.join(place, name), "rb") as file:
+                yield os.path.join(place, name), name.encode() + b"\n" + file.read()
+
+
+def check(count, marks, what, answer, *paths):
+    count.add(answer.done(), what, answer.told())
+    found = marks.found_in(answer.out.encode() + answer.err.encode())
+    count.add(not found, what + ", terminal", found)
+    for path in paths:
+        for name, data in outputs(path) if os.path.isdir(path) else [(path, open(path, "rb").read())]:
+            found = marks.found_in(data)
+            count.add(not found, what + ", " + os.path.basename(name), found)
+
+
+def try_one_picture(program, marks, count):
+    """Files given by hand, with a patient's name in each of their names."""
+    folder = program.path("patient")
+    os.makedirs(folder)
+    names = {}
+    for option, source in (("--labels", program.phantom("labels.nrrd")),
+                           ("--materials", os.path.join(program.data, "materials", "victre.json"))):
+        names[option] = os.path.join(folder, marks.new() + os.path.splitext(source)[1])
+        shutil.copy(source, names[option])
+    names["--mammogram"] = os.path.join(folder, marks.new() + ".dcm")
+    with open(program.phantom("victre1_lcc_processing.dcm"), "rb") as source, open(names["--mammogram"], "wb") as file:
+        file.write(marks.plant(source.read()))
+    result = program.path("private")
+    given = [word for pair in names.items() for word in pair]
+    check(count, marks, "register", program.register(result, *given), result)
+    synthetic = program.path("private.dcm")
+    check(count, marks, "dicom", program.run("dicom", "--result", result, "--mammogram", names["--mammogram"], "-o", synthetic),
+          synthetic)
+    lesion = program.path("private-lesion.dcm")
+    check(count, marks, "locate", program.run("locate", "--result", result, "--point", 30, 12, -10))
+    check(count, marks, "fuse", program.run("fuse", "--result", result, "--image", names["--labels"], "--axes-as-given", "-o",
+                                            program.path("private.nrrd")), program.path("private.nrrd"))
+    asked = program.run("dicom", "--result", result, "--mammogram", names["--mammogram"], "--same-patient", "-o", lesion)
+    with open(lesion, "rb") as file:
+        count.add(asked.done() and marks.found_in(file.read()), "dicom --same-patient holds the patient", asked.told())
+
+
+def try_export(program, marks, count):
+    """A clinic's export: what intake prints is asked for, what register writes is not."""
+    study = program.path("study")
+    made = program.run("example", "study", "-o", study, "--seed", marks.draws.randrange(1, 9), seconds=1800)
+    count.add(made.done(), "example study", made.told())
+    export = program.path("export-of-a-patient")
+    for number, (_, data) in enumerate(outputs(os.path.join(study, "export"))):
+        data = data[data.index(b"\n") + 1:]
+        os.makedirs(export, exist_ok=True)
+        if data[128:132] == b"DICM":
+            if number == 0:
+                patient = (marks.new(), marks.new())
+            file = DicomBytes(marks.plant(data))
+            # One patient, and one description a series, as a clinic has them.
+            file.set((0x10, 0x10), b"PN", patient[0]).set((0x10, 0x20), b"LO", patient[1])
+            original = DicomBytes(data)
+            for tag in ((8, 0x103E), (0x18, 0x1030)):
+                if original.get(tag):
+                    file.set(tag, b"LO", original.get(tag).decode().strip()[:30] + " " + marks.made[0])
+            data = file.bytes()
+        with open(os.path.join(export, marks.new() + ".dcm"), "wb") as file:
+            file.write(data)
+    result = program.path("private-study")
+    answer = program.run("register", "--study", export, "--side", "left", "--iterations", 2, "-o", result, seconds=3600)
+    check(count, marks, "register --study", answer, result)
+
+
+def try_privacy(program, draws, quick):
+    count = Count("privacy")
+    marks = Marks(draws)
+    try_one_picture(program, marks, count)
+    if not quick:
+        try_export(program, marks, count)
+    count.notes.append("%d marks" % len(marks.made))
+    return count
