@@ -311,6 +311,18 @@ TEST(LabelVolumeIO, DamagedFilesAreRefusedInOneLine)
   std::string sheared = Nrrd("uint8", "\1\2");
   sheared.replace(sheared.find("(0,1,0)"), 7, "(1,1,0)");
   EXPECT_THAT(ReadMessage(folder.Write("s.nrrd", sheared)), HasSubstr("orthonormal"));
+  // Of lengths whose squares are infinite ITK makes spacings of 1.
+  for (const char* length : { "1e308", "nan", "inf", "-1e200" })
+  {
+    std::string endless = Nrrd("uint8", "\1\2");
+    endless.replace(endless.find("(0,1,0)"), 7, "(0," + std::string(length) + ",0)");
+    EXPECT_THAT(ReadMessage(folder.Write("e.nrrd", endless)),
+      HasSubstr("spacedirections: expected numbers of mm up to 1e6"));
+    std::string meta = mha + Bytes<std::int16_t>({ 5, 6 });
+    meta.replace(meta.find("1 1 1\nElementDataFile"), 5, "1 " + std::string(length) + " 1");
+    EXPECT_THAT(ReadMessage(folder.Write("e.mha", meta)),
+      HasSubstr("elementspacing: expected numbers of mm up to 1e6"));
+  }
   EXPECT_THAT(ReadMessage(folder.Write("d.nhdr", Nrrd("uint8", "", "data file: no.raw\n"))),
     HasSubstr("no.raw is missing"));
 }

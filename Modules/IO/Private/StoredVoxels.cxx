@@ -7,6 +7,8 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cmath>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <limits>
@@ -158,6 +160,32 @@ void TextHeader::CheckSizes(const std::string& key) const
     if (!(size >= 1))
     {
       this->Refuse(key, "whole numbers of at least 1");
+    }
+  }
+}
+
+void TextHeader::CheckLengths(const std::vector<std::string>& keys) const
+{
+  constexpr double most = 1e6; // mm; beyond a root of the largest number ITK's norms are none
+  for (const std::string& key : keys)
+  {
+    std::string text = this->Value(key);
+    std::replace_if(
+      text.begin(), text.end(),
+      [](char letter) { return letter == '(' || letter == ')' || letter == ','; }, ' ');
+    std::istringstream words(text);
+    for (std::string word; words >> word;)
+    {
+      char* end = nullptr;
+      if (word == "none") // an axis that is none of space
+      {
+        continue;
+      }
+      const double length = std::strtod(word.c_str(), &end);
+      if (*end != '\0' || !(std::abs(length) <= most))
+      {
+        this->Refuse(key, "numbers of mm up to 1e6");
+      }
     }
   }
 }

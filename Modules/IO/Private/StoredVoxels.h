@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <map>
 #include <string>
+#include <vector>
 
 namespace mammoray
 {
@@ -30,6 +31,9 @@ struct MAMMORAYIO_EXPORT TextHeader
   [[noreturn]] void Refuse(const std::string& key, const std::string& expected) const;
   /// Throws InputError unless the numbers of a field count voxels that a volume can have.
   void CheckSizes(const std::string& key) const;
+  /// Throws InputError unless all that stands in these fields are finite numbers that lengths in mm
+  /// can be: of larger ones ITK makes spacings of 1 without a word.
+  void CheckLengths(const std::vector<std::string>& keys) const;
 };
 
 /**

@@ -184,6 +184,7 @@ void CheckNrrd(const TextHeader& header)
     throw InputError(
       header.Path + ": expected the NRRD field 'space directions' or 'spacings', found neither");
   }
+  header.CheckLengths({ "spacedirections", "spacings", "spaceorigin" });
 }
 
 /// Headers hold floats: their rounding (0.2 -> 0.200000003) is taken back where seven digits say it
@@ -422,6 +423,8 @@ VolumeFile::VolumeFile(const std::string& path, const std::string& what, VolumeA
     this->Itk->Open<itk::MetaImageIO>("MetaImage");
     const TextHeader header = TextHeader::ReadMetaImage(path);
     header.CheckSizes("dimsize");
+    header.CheckLengths({ "elementspacing", "elementsize", "offset", "position", "origin",
+      "transformmatrix", "rotation", "orientation" });
     stored = StoredVoxels::OfMetaImage(header);
     this->Itk->ReadHeader();
     this->HeaderGrid = GridOf(*this->Itk->Itk, path);
