@@ -47,7 +47,7 @@ struct Arguments
 {
   std::uint64_t Seed = 1;
   int Count = 100;
-  int Seconds = 60;
+  int Seconds = 240;
   std::string Only;
   std::string Keep;
   std::string Write;

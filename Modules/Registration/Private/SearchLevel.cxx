@@ -4,6 +4,7 @@
 #include "Private/SearchCovariance.h"
 
 #include <ceres/ceres.h>
+#include <glog/logging.h>
 
 #include <string>
 #include <utility>
@@ -12,6 +13,19 @@ namespace mammoray
 {
 namespace
 {
+/// Ceres tells what it dislikes by glog, which prints it; its summary says the same.
+class QuietGlog
+{
+public:
+  QuietGlog() { FLAGS_minloglevel = google::GLOG_FATAL; }
+  QuietGlog(const QuietGlog&) = delete;
+  QuietGlog& operator=(const QuietGlog&) = delete;
+  ~QuietGlog() { FLAGS_minloglevel = this->Before; }
+
+private:
+  int Before = FLAGS_minloglevel;
+};
+
 /// One residual of an evaluator, so that Ceres can weigh each by its robust loss.
 class ResidualCost : public ceres::CostFunction
 {
@@ -191,6 +205,7 @@ LevelEnd SearchLevel(std::vector<SearchedMammogram> mammograms, const Level& lev
   IterationRecorder recorder(evaluator, level, search);
   solverOptions.callbacks.push_back(&recorder);
   ceres::Solver::Summary summary;
+  const QuietGlog quiet;
   ceres::Solve(solverOptions, &problem, &summary);
   const Ending ending = EndingOf(evaluator, summary);
   for (std::size_t mammogram = 0; mammogram < search.Mammograms.size(); ++mammogram)

@@ -137,7 +137,7 @@ class Meanings:
         file = DicomBytes(read(self.changed(*elements)))
         pixels = file.get((0x7FE0, 0x10))
         values = struct.unpack("<%dH" % (len(pixels) // 2), pixels)
-        level = sorted(values)[len(values) // 2]  # half of the picture is air
+        level = sorted(values)[int(0.9 * len(values))]  # of the air
         file.set((0x7FE0, 0x10), b"OW", struct.pack("<%dH" % len(values), *(min(value, int(0.8 * level)) for value in values)))
         return write(self.program.path("saturated.dcm"), file.bytes())
 
