@@ -68,7 +68,7 @@ DicomFinding FindingOf(const std::string& label, const Vector3& point, const Ima
   finding.VolumePoint = point;
   if (const auto axes = SemiAxes(imaged, detector))
   {
-    DicomFinding::Ellipse& ellipse = finding.Uncertainty.emplace();
+    DicomFinding::Ellipse ellipse;
     ellipse.MajorSigmaMm = imaged.Uncertainty->MajorMm;
     ellipse.MinorSigmaMm = imaged.Uncertainty->MinorMm;
     for (std::size_t axis = 0; axis < 2; ++axis)
@@ -77,6 +77,7 @@ DicomFinding FindingOf(const std::string& label, const Vector3& point, const Ima
       ellipse.Ends[2 * axis] = { imaged.Column - columns, imaged.Row - rows };
       ellipse.Ends[2 * axis + 1] = { imaged.Column + columns, imaged.Row + rows };
     }
+    finding.Uncertainty = ellipse;
   }
   return finding;
 }
@@ -94,7 +95,7 @@ std::vector<unsigned char> Widened(const std::vector<unsigned char>& mask,
   std::vector<std::pair<int, int>> spans(static_cast<std::size_t>(2 * reach + 1), { 1, 0 });
   for (int row = -reach; row <= reach; ++row)
   {
-    auto& [first, last] = spans[static_cast<std::size_t>(row + reach)];
+    auto& [first, last] = spans.at(row + reach);
     for (int column = -reach; column <= reach; ++column)
     {
       const double along = (column * minor[1] - row * minor[0]) / determinant;
@@ -125,13 +126,12 @@ std::vector<unsigned char> Widened(const std::vector<unsigned char>& mask,
       }
       for (int up = -reach; up <= reach; ++up)
       {
-        const auto [first, last] = spans[static_cast<std::size_t>(up + reach)];
+        const auto [first, last] = spans.at(up + reach);
         const int from = std::max(column + first, 0);
         const int to = std::min(column + last, detector.Columns - 1);
         if (row + up >= 0 && row + up < detector.Rows && from <= to)
         {
-          const auto start =
-            widened.begin() + static_cast<std::ptrdiff_t>(row + up) * detector.Columns;
+          const auto start = widened.begin() + std::ptrdiff_t{ row + up } * detector.Columns;
           std::fill(start + from, start + to + 1, static_cast<unsigned char>(1));
         }
       }
@@ -268,7 +268,7 @@ std::string FitValues(IntensityVolume& image)
   return " (rescaled)";
 }
 
-void WriteMri(DicomMri mri, const RegisteredBreast& breast, const ResultObjects& objects,
+void WriteMri(const DicomMri& mri, const RegisteredBreast& breast, const ResultObjects& objects,
   const DicomIdentity& identity, const std::string& folder, const ProgressCallback& progress)
 {
   const std::string source = mri.Header.FrameOfReferenceUid;
@@ -338,7 +338,7 @@ void WriteResultObjects(const ResultFile& result, const RegisteredBreast& breast
   }
   if (mri)
   {
-    WriteMri(std::move(*mri), breast, objects, mammogram.Identity, folder, progress);
+    WriteMri(*mri, breast, objects, mammogram.Identity, folder, progress);
   }
 }
 }

@@ -35,10 +35,10 @@ std::string WithoutCarriageReturn(std::string line)
 }
 
 /// The displacement of the body at a point: linear in the cell that holds it or lies nearest.
-class DisplacementField
+class DisplacementOfGrid
 {
 public:
-  explicit DisplacementField(vtkUnstructuredGrid* grid)
+  explicit DisplacementOfGrid(vtkUnstructuredGrid* grid)
     : Displacement(grid->GetPointData()->GetArray("Displacement"))
   {
     if (!this->Displacement || this->Displacement->GetNumberOfComponents() != 3)
@@ -238,7 +238,7 @@ LandmarkSummary SummariseImaged(const LandmarkErrors& errors,
 
 std::vector<Vector3> Displace(const std::vector<Vector3>& points, vtkUnstructuredGrid* body)
 {
-  DisplacementField field(body);
+  DisplacementOfGrid field(body);
   std::vector<Vector3> moved;
   moved.reserve(points.size());
   for (const Vector3& point : points)
@@ -278,7 +278,7 @@ std::vector<LandmarkErrors> EvaluateLandmarks(const std::vector<Landmark>& landm
       truth.SourceToDetectorMm,
       [&](const Vector3& point) { return truth.Placed.ToGantry(rigid(point)); });
   }
-  DisplacementField field(uncompressed);
+  DisplacementOfGrid field(uncompressed);
   add("registered", registeredSid,
     [&](const Vector3& point) { return registered.ToGantry(point + field.At(point)); });
   return methods;

@@ -126,6 +126,6 @@ std::array<int, 2> ViewerStyle::Place() const
 bool ViewerStyle::MovesHere() const
 {
   const auto [x, y] = this->Place();
-  return this->Target->KindAt(x, y) != MouseTarget::Kind::None;
+  return this->Target->KindAt(x, y) != MouseTarget::Kind::Nothing;
 }
 }

@@ -16,7 +16,7 @@ struct MouseTarget
   /// What is seen at a place of the window: nothing to move, a scene to turn, a flat picture.
   enum class Kind
   {
-    None,
+    Nothing,
     Scene,
     Picture
   };

@@ -87,6 +87,7 @@ ViewerWindow::ViewerWindow(BreastViewer& viewer, const std::vector<ViewedBreast>
       [&]
       {
         std::vector<std::unique_ptr<ViewedUnit>> units;
+        units.reserve(viewed.size());
         for (const ViewedBreast& one : viewed)
         {
           units.push_back(std::make_unique<ViewedUnit>(one, options));
@@ -399,7 +400,7 @@ std::string ViewerWindow::Stage() const
 {
   for (const auto& unit : this->Units)
   {
-    if (const std::string stage = unit->Worker.Stage(); !stage.empty())
+    if (std::string stage = unit->Worker.Stage(); !stage.empty())
     {
       return stage;
     }
@@ -461,7 +462,7 @@ MouseTarget::Kind ViewerWindow::KindAt(int x, int y)
   }
   return In(this->Active().Squeezed.Renderer(), x, y) || In(this->AtRest.Renderer(), x, y)
     ? Kind::Scene
-    : Kind::None;
+    : Kind::Nothing;
 }
 
 bool ViewerWindow::OnPress(int x, int y, bool shift)
