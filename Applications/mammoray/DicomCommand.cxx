@@ -7,6 +7,7 @@
 #include "ResultNotes.h"
 #include "SharedOptions.h"
 #include "mammoray/Archive/ResultObjects.h"
+#include "mammoray/Case/LesionShadow.h"
 #include "mammoray/Case/RegisteredMammogram.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/IO/DicomWriter.h"
@@ -51,12 +52,9 @@ void Declare(const OptionList& add, DicomArguments& arguments)
     "default: what the header of --mammogram says");
   AddDicomPatientOptions(add, arguments.Patient, true);
   const OptionList shown = add.Group("Of a folder");
-  shown.Numbers("--point", arguments.Point, "X Y Z",
-    "a place in the frame of the label volume, mm, to be shown on the mammogram");
-  shown.Input("--lesion", arguments.Lesion,
-    "label volume in the same frame (.nrrd .mha .nii .nii.gz, DICOM SEG): each label is shown");
-  shown.Flag("--axes-as-given", arguments.AxesAsGiven,
-    "take the header's axes of --lesion as they are, with no conversion to LPS");
+  AddPointOption(shown, arguments.Point, ", to be shown on the mammogram");
+  AddLesionOption(shown, arguments.Lesion, ": each label is shown");
+  AddLesionAxesFlag(shown, arguments.AxesAsGiven);
   AddProjectorOptions(shown, arguments.Projector);
   shown.Input("--mri", arguments.Mri,
     "folder with the slices of the MRI, DICOM, in whose frame the label volume is: adds it between "
@@ -109,8 +107,7 @@ void WriteFolder(const DicomArguments& arguments, const ResultFile& result)
   }
   if (!arguments.Lesion.empty())
   {
-    objects.Lesions = ReadLabelVolume(arguments.Lesion,
-      arguments.AxesAsGiven ? VolumeAxes::AsGiven : VolumeAxes::Patient);
+    objects.Lesions = ReadLesions(arguments.Lesion, AxesOf(arguments.AxesAsGiven));
   }
   objects.Mri = arguments.Mri;
   objects.MriSpacingMm = arguments.MriSpacingMm;

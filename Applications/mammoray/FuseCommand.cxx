@@ -88,14 +88,10 @@ void Run(FuseArguments& arguments)
   const ResultFile result = ReadResultFile(arguments.Result);
   WarnOfDistrust(result.Folder, result.Trust);
   const RegisteredBreast breast(ReadBreastInUnit(result));
-  const IntensityVolume image = ReadIntensityVolume(arguments.Image,
-    arguments.AxesAsGiven ? VolumeAxes::AsGiven : VolumeAxes::Patient);
+  const IntensityVolume image = ReadIntensityVolume(arguments.Image, AxesOf(arguments.AxesAsGiven));
   if (!arguments.AcceptUnusual)
   {
-    for (const double spacing : image.Spacing)
-    {
-      CheckPlausible(Plausible::VoxelSpacing, spacing, arguments.Image, AcceptUnusualHint);
-    }
+    CheckPlausible(Plausible::VoxelSpacing, image.Spacing, arguments.Image, AcceptUnusualHint);
   }
   const ProgressCallback progress = MakeProgressBar();
   const CompressedVolume compressed =

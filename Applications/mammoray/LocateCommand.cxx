@@ -47,17 +47,14 @@ void Declare(const OptionList& add, LocateArguments& arguments)
     "--point without it gives all");
   CLI::Option_group* place = add.App().add_option_group("place", "what to find; one of");
   const OptionList addPlace(*place);
-  addPlace.Numbers("--point", arguments.Point, "X Y Z",
-    "a place in the frame of the label volume, mm: gives its pixel with an uncertainty ellipse");
+  AddPointOption(addPlace, arguments.Point, ": gives its pixel with an uncertainty ellipse");
   addPlace.Numbers("--pixel", arguments.Pixel, "COLUMN ROW",
     "column and row of the mammogram, from 0 at the centre of the first pixel: gives the tissues "
     "along its X-ray and the curve through the uncompressed volume");
-  addPlace.Input("--lesion", arguments.Lesion,
-    "label volume in the same frame (.nrrd .mha .nii .nii.gz, DICOM SEG): gives the outline of "
-    "each label's shadow, its size, and where its centre is");
+  AddLesionOption(addPlace, arguments.Lesion,
+    ": gives the outline of each label's shadow, its size, and where its centre is");
   place->require_option(1);
-  add.Flag("--axes-as-given", arguments.AxesAsGiven,
-    "take the header's axes of --lesion as they are, with no conversion to LPS");
+  AddLesionAxesFlag(add, arguments.AxesAsGiven);
   AddProjectorOptions(add, arguments.Projector);
   add("--step", arguments.StepMm, Positive("mm"),
     "distance of the curve's points in the compressed breast");
@@ -245,20 +242,13 @@ void PrintLesions(const NamedBreast& registered, const LocateArguments& argument
   {
     image = ReadSegmentedImage(registered, arguments);
   }
-  const LabelVolume volume = ReadLabelVolume(arguments.Lesion,
-    arguments.AxesAsGiven ? VolumeAxes::AsGiven : VolumeAxes::Patient);
+  const LabelVolume volume = ReadLesions(arguments.Lesion, AxesOf(arguments.AxesAsGiven));
   const auto projector = MakeProjector(arguments.Projector);
   std::vector<std::pair<int, LesionShadow>> lesions;
-  for (const auto& [label, count] : volume.CountLabels())
+  for (const Lesion& found : FindLesions(volume))
   {
-    if (label != 0)
-    {
-      lesions.emplace_back(label, ProjectLesion(registered.Breast, volume, label, *projector));
-    }
-  }
-  if (lesions.empty())
-  {
-    throw InputError(arguments.Lesion + ": expected voxels that are not 0, found none");
+    lesions.emplace_back(found.Label,
+      ProjectLesion(registered.Breast, volume, found.Label, *projector));
   }
   for (const auto& [label, lesion] : lesions)
   {

@@ -79,12 +79,9 @@ void DeclareMammograms(const OptionList& add, RegisterArguments& arguments)
 void DeclareQuestion(const OptionList& add, RegistrationCase& input)
 {
   const OptionList question = add.Group("Question");
-  question.Numbers("--point", input.Point, "X Y Z",
-    "the report begins with where the mammograms show this place in the frame of the volume, mm, "
-    "and with slices through it");
-  question.Input("--lesion", input.Lesions,
-    "label volume in the same frame (.nrrd .mha .nii .nii.gz, DICOM SEG): the same for each label, "
-    "with its outline");
+  AddPointOption(question, input.Point,
+    ": the report begins with where the mammograms show it, and with slices through it");
+  AddLesionOption(question, input.Lesions, ": the same for each label, with its outline");
   question.Input("--image", input.Image,
     "MRI in the frame of --labels (.nrrd .mha .nii .nii.gz, DICOM series) for the slices, kept "
     "beside the result; a --study has its own");

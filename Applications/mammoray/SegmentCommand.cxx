@@ -118,7 +118,7 @@ void Run(SegmentArguments& arguments)
   arguments.Options.Axes = AnatomicalAxes::FromCode(arguments.Orientation);
   arguments.Options.Validate();
   const MaterialTable table = FindMaterialTable("segment");
-  const VolumeAxes axes = arguments.AxesAsGiven ? VolumeAxes::AsGiven : VolumeAxes::Patient;
+  const VolumeAxes axes = AxesOf(arguments.AxesAsGiven);
   const IntensityVolume image = ReadIntensityVolume(arguments.Image, axes);
   const SegmentationResult result = arguments.Suppressed.empty()
     ? SegmentBreast(image, arguments.Options, MakeProgressBar())

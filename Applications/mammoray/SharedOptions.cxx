@@ -138,6 +138,23 @@ void AddImagePositionOption(const OptionList& add, std::optional<PatientPosition
     "its weight and compressed under that of the standing patient; none: no weight");
 }
 
+void AddPointOption(const OptionList& add, std::optional<Vector3>& point, const std::string& use)
+{
+  add.Numbers("--point", point, "X Y Z", "a place in the frame of the label volume, mm" + use);
+}
+
+void AddLesionOption(const OptionList& add, std::string& path, const std::string& use)
+{
+  add.Input("--lesion", path,
+    "label volume in the same frame (.nrrd .mha .nii .nii.gz, DICOM SEG)" + use);
+}
+
+void AddLesionAxesFlag(const OptionList& add, bool& asGiven)
+{
+  add.Flag("--axes-as-given", asGiven,
+    "take the header's axes of --lesion as they are, with no conversion to LPS");
+}
+
 CLI::Option* AddSideOption(const OptionList& add, std::optional<char>& side,
   const std::string& help)
 {

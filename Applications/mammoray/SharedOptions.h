@@ -68,6 +68,16 @@ void AddChestWallOption(const OptionList& add, ChestWallMode& mode);
 /// Adds --mri-position.
 void AddImagePositionOption(const OptionList& add, std::optional<PatientPosition>& position);
 
+/// Adds --point: a place of the breast, mm; `use` ends the help: what is done with it.
+void AddPointOption(const OptionList& add, std::optional<Vector3>& point, const std::string& use);
+
+/// Adds --lesion: a volume of lesions (ReadLesions) in the frame of the label volume; `use` as
+/// above.
+void AddLesionOption(const OptionList& add, std::string& path, const std::string& use);
+
+/// Adds --axes-as-given of --lesion (AxesOf).
+void AddLesionAxesFlag(const OptionList& add, bool& asGiven);
+
 /// Adds --side left|right: 'L' or 'R', the patient's own; nothing: not given. Gives the option.
 CLI::Option* AddSideOption(const OptionList& add, std::optional<char>& side,
   const std::string& help);

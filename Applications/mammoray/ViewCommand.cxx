@@ -43,8 +43,7 @@ void DeclareInput(const OptionList& add, ViewInput& input)
   add.Input("--image", input.Image,
     "MRI in the frame of the mesh, shown in three slices (.nrrd .mha .nii .nii.gz, DICOM series); "
     "default: the result's own, else the tissues of --labels");
-  add.Input("--lesion", input.Lesions,
-    "label volume of lesions in that frame (.nrrd .mha .nii .nii.gz, DICOM SEG), to go to each");
+  AddLesionOption(add, input.Lesions, ": lesions, to go to each");
   AddMaterialsOption(add, input.Materials)
     ->description("material table: a file (.json) or a shipped one's name; default: the result's");
   AddSpectrumOption(add, input.Spectrum, "; default: the result's, or W28kVp_Rh50um_Be1mm");

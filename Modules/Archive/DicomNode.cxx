@@ -8,7 +8,6 @@
 #include <dcmtk/dcmdata/dctk.h>
 #include <dcmtk/dcmnet/dcmtrans.h>
 #include <dcmtk/dcmnet/scu.h>
-#include <dcmtk/oflog/oflog.h>
 
 #include <algorithm>
 #include <charconv>
@@ -24,20 +23,6 @@ namespace mammoray
 namespace
 {
 namespace fs = std::filesystem;
-
-/// DCMTK's remarks, which are for its own programs.
-class QuietNetwork
-{
-public:
-  QuietNetwork() { this->Logger.setLogLevel(OFLogger::OFF_LOG_LEVEL); }
-  ~QuietNetwork() { this->Logger.setLogLevel(this->Level); }
-  QuietNetwork(const QuietNetwork&) = delete;
-  QuietNetwork& operator=(const QuietNetwork&) = delete;
-
-private:
-  OFLogger Logger = OFLog::getLogger("dcmtk");
-  const dcmtk::log4cplus::LogLevel Level = this->Logger.getLogLevel();
-};
 
 std::string NameOf(const DicomNode& node)
 {
@@ -364,7 +349,7 @@ std::vector<std::string> FindDicomFiles(const std::vector<std::string>& paths)
 void StoreFiles(const std::vector<std::string>& files, const DicomNode& node,
   const StoredCallback& stored, const StopRequest& stop)
 {
-  const QuietNetwork quiet;
+  const std::shared_ptr<void> quiet = SilenceDcmtk();
   std::vector<FileKind> kinds;
   std::set<std::pair<std::string, std::string>> contexts;
   Association association(node);
@@ -419,7 +404,7 @@ void StoreFiles(const std::vector<std::string>& files, const DicomNode& node,
 std::vector<ArchivedStudy> FindStudies(const std::string& accessionNumber, const DicomNode& node)
 {
   CheckAccession(accessionNumber);
-  const QuietNetwork quiet;
+  const std::shared_ptr<void> quiet = SilenceDcmtk();
   Association association(node);
   association.addPresentationContext(UID_FINDStudyRootQueryRetrieveInformationModel,
     SyntaxList({ UID_LittleEndianExplicitTransferSyntax, UID_LittleEndianImplicitTransferSyntax }));
@@ -473,7 +458,7 @@ std::vector<ArchivedStudy> FindStudies(const std::string& accessionNumber, const
 std::size_t GetStudies(const std::vector<ArchivedStudy>& studies, const DicomNode& node,
   const std::string& folder, const ProgressCallback& progress)
 {
-  const QuietNetwork quiet;
+  const std::shared_ptr<void> quiet = SilenceDcmtk();
   std::size_t count = 0;
   WriteWholeFolder(folder,
     [&](const std::string& staged)

@@ -19,10 +19,6 @@ namespace
 {
 namespace fs = std::filesystem;
 
-/// The ellipse of so many standard deviations holds 95 % of a normal distribution in two
-/// dimensions.
-const double SigmasOfRegion = std::sqrt(-2 * std::log(0.05));
-
 /// Findings, and the segments of each.
 struct Findings
 {
@@ -43,8 +39,8 @@ std::optional<std::array<std::array<double, 2>, 2>> SemiAxes(const ImagedPoint& 
   const double angle = ellipse.AngleDeg * std::numbers::pi / 180;
   const double width = Norm(detector.ColumnStep);
   const double height = Norm(detector.RowStep);
-  const double major = std::max(leastMm, SigmasOfRegion * ellipse.MajorMm);
-  const double minor = std::max(leastMm, SigmasOfRegion * ellipse.MinorMm);
+  const double major = std::max(leastMm, Deviations95 * ellipse.MajorMm);
+  const double minor = std::max(leastMm, Deviations95 * ellipse.MinorMm);
   using Axis = std::array<double, 2>;
   return std::array<Axis, 2>{ Axis{ major * std::cos(angle) / width,
                                 major * std::sin(angle) / height },
@@ -183,15 +179,11 @@ Findings Find(const RegisteredBreast& breast, const ResultObjects& objects,
   if (objects.Lesions)
   {
     const auto projector = MakeProjector(options);
-    for (const auto& [label, count] : objects.Lesions->CountLabels())
+    for (const Lesion& found : FindLesions(*objects.Lesions))
     {
-      if (label == 0)
-      {
-        continue;
-      }
-      LesionShadow lesion = ProjectLesion(breast, *objects.Lesions, label, *projector);
-      DicomFinding finding =
-        FindingOf("Lesion " + std::to_string(label), lesion.Centre, lesion.ImagedCentre, detector);
+      LesionShadow lesion = ProjectLesion(breast, *objects.Lesions, found.Label, *projector);
+      DicomFinding finding = FindingOf("Lesion " + std::to_string(found.Label), lesion.Centre,
+        lesion.ImagedCentre, detector);
       finding.Outlines = std::move(lesion.Outlines);
       AddFinding(findings, finding, std::move(lesion.Shadow), true, lesion.ImagedCentre, detector);
     }
@@ -206,7 +198,7 @@ std::string TextOf(const DicomFinding& finding, Trust trust)
   if (finding.Uncertainty)
   {
     std::snprintf(text, sizeof text, "%s: +-%.1f mm (95 %%, of the parameters), trust: %s",
-      finding.Label.c_str(), SigmasOfRegion * finding.Uncertainty->MajorSigmaMm, NameOf(trust));
+      finding.Label.c_str(), Deviations95 * finding.Uncertainty->MajorSigmaMm, NameOf(trust));
   }
   else
   {

@@ -89,14 +89,10 @@ LabelVolume CutAt(const LabelVolume& materials, const std::vector<std::string>& 
 
 LabelVolume ReadMaterials(const LabelSource& source, const MaterialTable& table)
 {
-  LabelVolume volume =
-    ReadLabelVolume(source.Path, source.AxesAsGiven ? VolumeAxes::AsGiven : VolumeAxes::Patient);
-  for (const double spacing : volume.Spacing)
+  LabelVolume volume = ReadLabelVolume(source.Path, AxesOf(source.AxesAsGiven));
+  if (!source.AcceptUnusual)
   {
-    if (!source.AcceptUnusual)
-    {
-      CheckPlausible(Plausible::VoxelSpacing, spacing, source.Path, AcceptUnusualHint);
-    }
+    CheckPlausible(Plausible::VoxelSpacing, volume.Spacing, source.Path, AcceptUnusualHint);
   }
   if (!source.Crop.empty())
   {

@@ -8,13 +8,13 @@
 #include <algorithm>
 #include <cstdio>
 #include <iterator>
+#include <map>
+#include <utility>
 
 namespace mammoray
 {
 namespace
 {
-/// A lesion may touch the skin or the chest wall, no more.
-constexpr double LargestShareOutside = 0.5;
 /// They take the stairs off a lesion's voxel surface.
 constexpr int SmoothingSteps = 5;
 
@@ -27,23 +27,6 @@ LabelVolume OnlyLabel(const LabelVolume& labels, int label)
     voxel = voxel == label ? 1 : 0;
   }
   return only;
-}
-
-/// Middle of the voxels that are not 0, volume frame, mm.
-Vector3 CentreOf(const LabelVolume& volume)
-{
-  Vector3 sum{ 0, 0, 0 };
-  double count = 0;
-  volume.ForEachVoxel(
-    [&](int i, int j, int k, std::size_t voxel)
-    {
-      if (volume.Voxels[voxel] != 0)
-      {
-        sum = sum + volume.PointAt(i, j, k);
-        count += 1;
-      }
-    });
-  return (1 / count) * sum;
 }
 
 /// Moves a surface's points with the tissue, and answers the share of them that lie outside the
@@ -65,18 +48,52 @@ double CompressSurface(const RegisteredBreast& breast, SurfaceMesh& surface)
 }
 }
 
+std::vector<Lesion> FindLesions(const LabelVolume& volume)
+{
+  std::map<int, std::pair<double, Vector3>> sums;
+  volume.ForEachVoxel(
+    [&](int i, int j, int k, std::size_t voxel)
+    {
+      if (volume.Voxels[voxel] != 0)
+      {
+        auto& [count, places] = sums[volume.Voxels[voxel]];
+        count += 1;
+        places = places + volume.PointAt(i, j, k);
+      }
+    });
+  std::vector<Lesion> lesions;
+  lesions.reserve(sums.size());
+  for (const auto& [label, sum] : sums)
+  {
+    const auto& [count, places] = sum;
+    lesions.push_back({ label, count * volume.VoxelVolume(), (1 / count) * places });
+  }
+  return lesions;
+}
+
+LabelVolume ReadLesions(const std::string& path, VolumeAxes axes)
+{
+  LabelVolume volume = ReadLabelVolume(path, axes);
+  if (std::all_of(volume.Voxels.begin(), volume.Voxels.end(),
+        [](std::uint16_t label) { return label == 0; }))
+  {
+    throw InputError(path + ": expected voxels that are not 0, found none");
+  }
+  return volume;
+}
+
 LesionShadow ProjectLesion(const RegisteredBreast& breast, const LabelVolume& lesions, int label,
   PathLengthProjector& projector)
 {
   const LabelVolume lesion = OnlyLabel(lesions, label);
-  const auto voxels = std::count(lesion.Voxels.begin(), lesion.Voxels.end(), 1);
-  if (voxels == 0)
+  const std::vector<Lesion> found = FindLesions(lesion);
+  if (found.empty())
   {
     throw InputError("lesion: expected voxels of label " + std::to_string(label) + ", found none");
   }
   LesionShadow imaged;
-  imaged.VolumeMm3 = static_cast<double>(voxels) * lesion.VoxelVolume();
-  imaged.Centre = CentreOf(lesion);
+  imaged.VolumeMm3 = found.front().VolumeMm3;
+  imaged.Centre = found.front().Centre;
   const QuadMesh quads = ExtractInterfaces(lesion, SmoothingSteps);
   SurfaceMesh surface = quads.Triangulate(2 * quads.Quads.size());
   imaged.ShareOutside = CompressSurface(breast, surface);

@@ -4,14 +4,36 @@
 
 #include "mammoray/Case/RegisteredBreast.h"
 #include "mammoray/Foundation/LabelVolume.h"
+#include "mammoray/IO/LabelVolumeIO.h"
 #include "mammoray/XRay/PathLengthProjector.h"
 #include "mammorayCaseModule.h"
 
 #include <array>
+#include <string>
 #include <vector>
 
 namespace mammoray
 {
+/// The voxels of one label of a volume of lesions: their volume, mm^3, and centre, volume frame,
+/// mm.
+struct Lesion
+{
+  int Label = 0;
+  double VolumeMm3 = 0;
+  Vector3 Centre{ 0, 0, 0 };
+};
+
+/// All lesions of a volume, by label; label 0 is none.
+MAMMORAYCASE_EXPORT std::vector<Lesion> FindLesions(const LabelVolume& volume);
+
+/// Reads a volume of lesions. Throws InputError that names the file, also where it holds none.
+MAMMORAYCASE_EXPORT LabelVolume ReadLesions(const std::string& path,
+  VolumeAxes axes = VolumeAxes::Patient);
+
+/// Share of a lesion that may lie outside the tissue: it may touch the skin or the chest wall, no
+/// more.
+inline constexpr double LargestShareOutside = 0.5;
+
 /// A lesion's shadow on the mammogram.
 struct LesionShadow
 {

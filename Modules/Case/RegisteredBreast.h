@@ -30,7 +30,7 @@ struct UncertaintyEllipse
 
 /// Half axes of the ellipse that holds a place with a probability of 95 %, in standard deviations:
 /// the root of chi squared's quantile for two degrees of freedom, -2 ln 0.05.
-inline constexpr double Deviations95 = 2.4477;
+inline constexpr double Deviations95 = 2.4477468306808166;
 
 /// Points of the ellipse around a place of the receptor, gantry x and y, mm; half its axes are
 /// `deviations` of its standard deviations. `grid`: the mammogram's, to which its angle refers.

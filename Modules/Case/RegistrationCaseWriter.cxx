@@ -274,8 +274,9 @@ void WriteInto(const std::string& folder, const RegistrationCase& input,
     RegistrationReport& told = report.Mammograms.emplace_back(ReportOf(registered, files.back()));
     told.Examination = ExaminationOf(input, registered.Path);
     told.Asked = asked;
-    told.Places = PlacesIn(input, result, registered, files.back(), asked);
-    told.BetweenPlates = PictureBetweenPlates(result, registered, files.back(), asked);
+    const auto breast = BreastForAsked(result, registered, files.back(), asked);
+    told.Places = PlacesIn(input, result, registered, asked, breast);
+    told.BetweenPlates = PictureBetweenPlates(result, registered, asked, breast);
     for (const ReportSection& section : report.Sections)
     {
       // Those of the study are told in its section.

@@ -35,12 +35,7 @@ BreastSide SideToSegment(const StudySeries& series, char laterality)
 /// The end of the grid's axis that leads backwards most; DICOM LPS.
 std::string PosteriorSide(const VolumeGrid& grid)
 {
-  std::size_t depth = 0;
-  for (std::size_t axis = 1; axis < 3; ++axis)
-  {
-    const bool nearer = std::abs(grid.Direction[axis][1]) > std::abs(grid.Direction[depth][1]);
-    depth = nearer ? axis : depth;
-  }
+  const std::size_t depth = grid.AxisAlong({ 0, 1, 0 });
   return GridSides()[2 * depth + (grid.Direction[depth][1] > 0 ? 1 : 0)];
 }
 

@@ -85,12 +85,9 @@ void vtkBreastMesher::Mesh(vtkImageData* input, vtkUnstructuredGrid* output)
 {
 #ifdef MAMMORAY_HAS_MESHING
   const LabelVolume labels = ToLabelVolume(input);
-  for (const double spacing : labels.Spacing)
+  if (!this->AcceptUnusual)
   {
-    if (!this->AcceptUnusual)
-    {
-      CheckPlausible(Plausible::VoxelSpacing, spacing, "input", "AcceptUnusual takes it");
-    }
+    CheckPlausible(Plausible::VoxelSpacing, labels.Spacing, "input", "AcceptUnusual takes it");
   }
   const mammoray::MaterialTable table =
     this->MaterialTable.empty() ? TableOfIndices(labels) : FindMaterialTable(this->MaterialTable);

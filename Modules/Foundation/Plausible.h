@@ -3,6 +3,7 @@
 #define mammoray_Plausible_h
 
 #include "mammoray/Foundation/Error.h"
+#include "mammoray/Foundation/Vector3.h"
 #include "mammorayFoundationModule.h"
 
 #include <string>
@@ -39,6 +40,9 @@ inline constexpr const char* AcceptUnusualHint = "--accept-unusual takes it";
 /// Throws InputError, which names `where`, the range, what was found and how to overrule it, unless
 /// the value is in the range; NaN is in none.
 MAMMORAYFOUNDATION_EXPORT void CheckPlausible(const PlausibleRange& range, double value,
+  const std::string& where, const std::string& overrule);
+/// The same of each of three, such as a grid's spacings.
+MAMMORAYFOUNDATION_EXPORT void CheckPlausible(const PlausibleRange& range, const Vector3& values,
   const std::string& where, const std::string& overrule);
 
 /**

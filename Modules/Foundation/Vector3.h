@@ -2,8 +2,11 @@
 #ifndef mammoray_Vector3_h
 #define mammoray_Vector3_h
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
+#include <vector>
 
 namespace mammoray
 {
@@ -33,6 +36,37 @@ inline Vector3 Cross(const Vector3& a, const Vector3& b)
 inline double Norm(const Vector3& a)
 {
   return std::sqrt(Dot(a, a));
+}
+
+/// How far places reach along one direction, in their unit; of none it is endless and negative.
+struct Extent
+{
+  double Low = std::numeric_limits<double>::infinity();
+  double High = -std::numeric_limits<double>::infinity();
+
+  void Add(double place)
+  {
+    this->Low = std::min(this->Low, place);
+    this->High = std::max(this->High, place);
+  }
+  double Length() const { return this->High - this->Low; }
+  double Middle() const { return 0.5 * (this->Low + this->High); }
+};
+
+/// The extents of points, x y z interleaved, along each of some directions.
+template <std::size_t Count>
+std::array<Extent, Count> ExtentsAlong(const std::array<Vector3, Count>& directions,
+  const std::vector<double>& points)
+{
+  std::array<Extent, Count> extents;
+  for (std::size_t id = 0; id + 2 < points.size(); id += 3)
+  {
+    for (std::size_t axis = 0; axis < Count; ++axis)
+    {
+      extents[axis].Add(Dot({ points[id], points[id + 1], points[id + 2] }, directions[axis]));
+    }
+  }
+  return extents;
 }
 }
 

@@ -3,6 +3,8 @@
 
 #include "mammoray/Foundation/Error.h"
 
+#include <algorithm>
+#include <cmath>
 #include <sstream>
 
 namespace mammoray
@@ -28,6 +30,15 @@ Vector3 VolumeGrid::ContinuousIndex(const Vector3& point) const
   return { Dot(offset, this->Direction[0]) / this->Spacing[0],
     Dot(offset, this->Direction[1]) / this->Spacing[1],
     Dot(offset, this->Direction[2]) / this->Spacing[2] };
+}
+
+std::size_t VolumeGrid::AxisAlong(const Vector3& direction) const
+{
+  const auto leads = [&direction](const Vector3& axis) { return std::abs(Dot(axis, direction)); };
+  return static_cast<std::size_t>(
+    std::max_element(this->Direction.begin(), this->Direction.end(),
+      [&leads](const Vector3& a, const Vector3& b) { return leads(a) < leads(b); }) -
+    this->Direction.begin());
 }
 
 void VolumeGrid::ValidateGrid(const std::string& name, std::size_t voxelCount) const

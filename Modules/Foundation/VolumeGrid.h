@@ -55,6 +55,8 @@ struct MAMMORAYFOUNDATION_EXPORT VolumeGrid
   Vector3 PointAt(double i, double j, double k) const;
   /// Continuous index of a position (mm, volume frame).
   Vector3 ContinuousIndex(const Vector3& point) const;
+  /// The axis (0, 1 or 2) that leads most along a direction, or against it.
+  std::size_t AxisAlong(const Vector3& direction) const;
   /**
    * Throws InputError unless sizes, spacing, origin and direction make a grid of `voxelCount`
    * voxels.

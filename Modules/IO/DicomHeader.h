@@ -9,6 +9,7 @@
 #include "mammorayIOModule.h"
 
 #include <cstddef>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -106,6 +107,10 @@ struct SliceOrder
  * lie in parallel at even distances, each at a place of its own, as ReadIntensitySeries wants them.
  */
 MAMMORAYIO_EXPORT SliceOrder FindSliceOrder(const std::vector<DicomHeader>& slices);
+
+/// While one of these lives, DCMTK's log says nothing: what users need is in our exceptions. For
+/// any thread.
+MAMMORAYIO_EXPORT std::shared_ptr<void> SilenceDcmtk();
 }
 
 #endif

@@ -25,6 +25,12 @@ enum class VolumeAxes
   AsGiven
 };
 
+/// What --axes-as-given chooses.
+inline VolumeAxes AxesOf(bool asGiven)
+{
+  return asGiven ? VolumeAxes::AsGiven : VolumeAxes::Patient;
+}
+
 /**
  * Reads a label volume with its whole geometry, oblique axes included: NRRD (.nrrd; .nhdr with one
  * data file; raw or gzip), MetaImage (.mha; .mhd with one data file; raw or compressed), NIfTI-1

@@ -43,30 +43,20 @@ public:
   {
     this->Right = (1 / Norm(this->Right)) * this->Right;
     this->Up = Cross(this->Near, this->Right);
-    std::array<double, 2> low{ 1e30, 1e30 };
-    std::array<double, 2> high{ -1e30, -1e30 };
-    const auto hold = [&](const Vector3& point)
-    {
-      const std::array<double, 2> at{ Dot(point, this->Right), Dot(point, this->Up) };
-      for (int axis = 0; axis < 2; ++axis)
-      {
-        low[axis] = std::min(low[axis], at[axis]);
-        high[axis] = std::max(high[axis], at[axis]);
-      }
-    };
-    const SurfaceMesh& surface = *breast.Surface;
-    for (std::size_t id = 0; id < surface.NumberOfPoints(); ++id)
-    {
-      hold({ surface.Points[3 * id], surface.Points[3 * id + 1], surface.Points[3 * id + 2] });
-    }
+    auto [across, upwards] =
+      ExtentsAlong(std::array{ this->Right, this->Up }, breast.Surface->Points);
     for (const auto& plate : breast.Plates)
     {
-      std::for_each(plate.begin(), plate.end(), hold);
+      for (const Vector3& corner : plate)
+      {
+        across.Add(Dot(corner, this->Right));
+        upwards.Add(Dot(corner, this->Up));
+      }
     }
-    this->Low = low;
-    this->Scale = Oversampling * (SceneWidth - 2 * SceneMargin) / std::max(high[0] - low[0], 1e-6);
-    this->Height = static_cast<int>(std::ceil(this->Scale / Oversampling * (high[1] - low[1]))) +
-      2 * SceneMargin;
+    this->Low = { across.Low, upwards.Low };
+    this->Scale = Oversampling * (SceneWidth - 2 * SceneMargin) / std::max(across.Length(), 1e-6);
+    this->Height =
+      static_cast<int>(std::ceil(this->Scale / Oversampling * upwards.Length())) + 2 * SceneMargin;
   }
   Vector3 See(const Vector3& point) const
   {

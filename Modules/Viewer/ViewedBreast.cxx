@@ -27,7 +27,6 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <map>
 #include <utility>
 
 namespace mammoray
@@ -264,7 +263,7 @@ std::string BesideResult(const ViewInput& input, const char* name)
 /// The volumes that the slices show.
 void ReadVolumes(const ViewInput& input, ViewedBreast& viewed)
 {
-  const VolumeAxes axes = input.Labels.AxesAsGiven ? VolumeAxes::AsGiven : VolumeAxes::Patient;
+  const VolumeAxes axes = AxesOf(input.Labels.AxesAsGiven);
   const std::string image = input.Image.empty() ? BesideResult(input, "mri.nrrd") : input.Image;
   if (!image.empty())
   {
@@ -284,28 +283,8 @@ void ReadVolumes(const ViewInput& input, ViewedBreast& viewed)
   {
     return;
   }
-  const auto lesions = std::make_shared<const LabelVolume>(ReadLabelVolume(input.Lesions, axes));
-  viewed.Lesions = lesions;
-  std::map<int, ViewedLesion> found;
-  lesions->ForEachVoxel(
-    [&](int i, int j, int k, std::size_t voxel)
-    {
-      if (lesions->Voxels[voxel] != 0)
-      {
-        ViewedLesion& lesion = found[lesions->Voxels[voxel]];
-        lesion.VolumeMm3 += lesions->VoxelVolume();
-        lesion.Centre = lesion.Centre + lesions->VoxelVolume() * lesions->PointAt(i, j, k);
-      }
-    });
-  for (auto& [label, lesion] : found)
-  {
-    viewed.LesionList.push_back(
-      { label, lesion.VolumeMm3, (1 / lesion.VolumeMm3) * lesion.Centre });
-  }
-  if (found.empty())
-  {
-    throw InputError(input.Lesions + ": expected voxels that are not 0, found none");
-  }
+  viewed.Lesions = std::make_shared<const LabelVolume>(ReadLesions(input.Lesions, axes));
+  viewed.LesionList = FindLesions(*viewed.Lesions);
 }
 
 /// The pose that is asked for, and what follows of it.

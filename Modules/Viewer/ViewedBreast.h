@@ -4,6 +4,7 @@
 
 #include "mammoray/Case/BreastInUnit.h"
 #include "mammoray/Case/LabelSource.h"
+#include "mammoray/Case/LesionShadow.h"
 #include "mammoray/Foundation/IntensityVolume.h"
 #include "mammoray/Foundation/LabelVolume.h"
 #include "mammoray/Foundation/Mammogram.h"
@@ -62,15 +63,6 @@ struct CompressionStep
   std::vector<double> Points;
 };
 
-/// A lesion that can be gone to.
-struct ViewedLesion
-{
-  int Label = 0;
-  double VolumeMm3 = 0;
-  /// Of its voxels, mm.
-  Vector3 Centre{ 0, 0, 0 };
-};
-
 /// Everything that a viewer needs to know of a breast in one unit.
 struct ViewedBreast
 {
@@ -82,7 +74,7 @@ struct ViewedBreast
   std::shared_ptr<const IntensityVolume> Image;
   std::shared_ptr<const LabelVolume> Tissue;
   std::shared_ptr<const LabelVolume> Lesions;
-  std::vector<ViewedLesion> LesionList;
+  std::vector<Lesion> LesionList;
   /// As it stands at the beginning; compressed may be uncompressed. The grid is the mammogram's, or
   /// one that holds the breast.
   BreastInUnit Breast;

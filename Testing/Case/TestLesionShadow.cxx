@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "Files.h"
+#include "Refusals.h"
 #include "SqueezedBox.h"
 #include "mammoray/Case/LesionShadow.h"
 #include "mammoray/Foundation/Error.h"
@@ -82,4 +84,40 @@ TEST_F(ShadowInBox, RefusesWhatIsNotInTheBreast)
   };
   EXPECT_THAT(refusal(Ball({ 10, 25, 0 }), 4), HasSubstr("expected voxels of label 4, found none"));
   EXPECT_THAT(refusal(Ball({ 300, 25, 0 }), 3), HasSubstr("expected label 3 in the breast"));
+}
+
+TEST(FindLesions, MeasuresEachLabel)
+{
+  LabelVolume volume;
+  volume.Size = { 4, 3, 2 };
+  volume.Spacing = { 1, 2, 3 };
+  volume.Origin = { 10, 0, -5 };
+  volume.Voxels.assign(24, 0);
+  EXPECT_THAT(FindLesions(volume), ::testing::IsEmpty());
+  volume.Voxels[volume.Index(0, 0, 0)] = 7;
+  volume.Voxels[volume.Index(3, 2, 1)] = 7;
+  volume.Voxels[volume.Index(1, 1, 0)] = 2;
+  const std::vector<Lesion> lesions = FindLesions(volume);
+  ASSERT_EQ(lesions.size(), 2u);
+  EXPECT_EQ(lesions[0].Label, 2);
+  EXPECT_EQ(lesions[0].VolumeMm3, 6);
+  EXPECT_EQ(lesions[0].Centre, (Vector3{ 11, 2, -5 }));
+  EXPECT_EQ(lesions[1].Label, 7);
+  EXPECT_EQ(lesions[1].VolumeMm3, 12);
+  EXPECT_EQ(lesions[1].Centre, (Vector3{ 11.5, 2, -3.5 }));
+}
+
+TEST(FindLesions, AreReadFromFilesThatHoldSome)
+{
+  const testing_support::TemporaryFolder folder;
+  LabelVolume volume;
+  volume.Size = { 2, 2, 2 };
+  volume.Voxels.assign(8, 0);
+  const std::string path = folder.File("lesions.nrrd");
+  WriteLabelVolume(volume, path);
+  EXPECT_THAT(testing_support::RefusalOf([&] { ReadLesions(path); }),
+    HasSubstr("lesions.nrrd: expected voxels that are not 0, found none"));
+  volume.Voxels[5] = 1;
+  WriteLabelVolume(volume, path);
+  EXPECT_EQ(ReadLesions(path).Voxels, volume.Voxels);
 }

@@ -30,3 +30,15 @@ TEST(Plausible, SaysRangeFindingAndHowToOverruleIt)
     EXPECT_NE(check(unusual), NotRefused) << unusual;
   }
 }
+
+TEST(Plausible, LooksAtEachOfThree)
+{
+  const auto check = [](const Vector3& spacing)
+  {
+    return RefusalOf(
+      [&spacing] { CheckPlausible(Plausible::VoxelSpacing, spacing, "v.nrrd", "take it"); });
+  };
+  EXPECT_EQ(check({ 1, 0.05, 10 }), NotRefused);
+  EXPECT_EQ(check({ 1, 1, 3200 }),
+    "v.nrrd: expected a voxel spacing from 0.05 to 10 mm, found 3200; take it");
+}

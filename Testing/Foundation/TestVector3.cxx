@@ -35,4 +35,29 @@ TEST(Vector3, LagrangesIdentityHolds)
     EXPECT_NEAR(Dot(a, Cross(a, b)), 0, 1e-15);
   }
 }
+
+TEST(Extent, ReachesFromTheLowestToTheHighestPlace)
+{
+  Extent extent;
+  EXPECT_LT(extent.Length(), 0); // of nothing
+  extent.Add(3);
+  EXPECT_EQ(extent.Length(), 0);
+  extent.Add(-1);
+  extent.Add(2);
+  EXPECT_EQ(extent.Low, -1);
+  EXPECT_EQ(extent.High, 3);
+  EXPECT_EQ(extent.Length(), 4);
+  EXPECT_EQ(extent.Middle(), 1);
+}
+
+TEST(Extent, OfPointsIsThatOfTheirProjections)
+{
+  const std::vector<double> points{ 1, 2, 3, -4, 5, 0 };
+  const auto [along, across] =
+    ExtentsAlong(std::array<Vector3, 2>{ { { 0, 0.6, 0.8 }, { -1, 0, 0 } } }, points);
+  EXPECT_NEAR(along.Low, 3, 1e-15);
+  EXPECT_NEAR(along.High, 3.6, 1e-15);
+  EXPECT_EQ(across.Low, -1);
+  EXPECT_EQ(across.High, 4);
+}
 }

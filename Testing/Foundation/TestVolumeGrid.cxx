@@ -76,4 +76,13 @@ TEST(VolumeGrid, ValidateNamesWhatIsWrong)
   EXPECT_THAT(RefusalOf([&] { grid.ValidateGrid("v", 60); }),
     testing::HasSubstr("axes 0 and 1 have the scalar product 0.96"));
 }
+
+TEST(VolumeGrid, TellsWhichAxisLeadsAlongADirection)
+{
+  const VolumeGrid grid = ObliqueGrid();
+  EXPECT_EQ(grid.AxisAlong({ 0, 1, 0 }), 0u); // by 0.8, j by 0.6
+  EXPECT_EQ(grid.AxisAlong({ 0, -1, 0 }), 0u);
+  EXPECT_EQ(grid.AxisAlong({ 1, 0, 0 }), 1u);
+  EXPECT_EQ(grid.AxisAlong({ 0.5, 0, 0.7 }), 2u);
+}
 }

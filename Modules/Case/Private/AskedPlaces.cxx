@@ -3,7 +3,6 @@
 
 #include "mammoray/Case/BreastInUnit.h"
 #include "mammoray/Case/LesionShadow.h"
-#include "mammoray/Case/RegisteredBreast.h"
 #include "mammoray/Case/RegistrationCaseWriter.h"
 #include "mammoray/Case/StudyCase.h"
 #include "mammoray/Foundation/Error.h"
@@ -25,39 +24,26 @@ namespace mammoray
 {
 namespace
 {
-/// Share of a lesion's voxels that must lie in tissue; as much as ProjectLesion wants.
-constexpr double LeastShareInside = 0.5;
-
-VolumeAxes AxesOf(const RegistrationCase& input)
+/// Shares of each lesion's voxels that lie outside the tissue, by label.
+std::map<int, double> SharesOutside(const LabelVolume& lesions, const LabelVolume& tissue)
 {
-  return input.Labels.AxesAsGiven ? VolumeAxes::AsGiven : VolumeAxes::Patient;
-}
-
-/// Sums over the voxels of a lesion.
-struct LesionSums
-{
-  double Voxels = 0;
-  double Inside = 0;
-  Vector3 Places{ 0, 0, 0 };
-};
-
-/// By label.
-std::map<int, LesionSums> SumsOf(const LabelVolume& lesions, const LabelVolume& tissue)
-{
-  std::map<int, LesionSums> sums;
+  std::map<int, std::pair<double, double>> counts;
   lesions.ForEachVoxel(
     [&](int i, int j, int k, std::size_t voxel)
     {
       if (lesions.Voxels[voxel] != 0)
       {
-        LesionSums& lesion = sums[lesions.Voxels[voxel]];
-        const Vector3 point = lesions.PointAt(i, j, k);
-        lesion.Voxels += 1;
-        lesion.Inside += tissue.LabelAt(point) != 0 ? 1 : 0;
-        lesion.Places = lesion.Places + point;
+        auto& [all, outside] = counts[lesions.Voxels[voxel]];
+        all += 1;
+        outside += tissue.LabelAt(lesions.PointAt(i, j, k)) == 0 ? 1 : 0;
       }
     });
-  return sums;
+  std::map<int, double> shares;
+  for (const auto& [label, count] : counts)
+  {
+    shares[label] = count.second / count.first;
+  }
+  return shares;
 }
 
 LayeredPicture SlicesThrough(const RegistrationCaseResult& result, const Vector3& point, int lesion)
@@ -123,37 +109,19 @@ void AddOutlines(const LesionShadow& shadow, const RegistrationTarget& grid,
     }
   }
 }
-
-/// The labels of the lesions, in the order of AskedOf.
-std::vector<int> LabelsOf(const LabelVolume& lesions)
-{
-  std::vector<int> labels;
-  for (const auto& [label, count] : lesions.CountLabels())
-  {
-    if (label != 0)
-    {
-      labels.push_back(label);
-    }
-  }
-  return labels;
-}
 }
 
 void ReadAsked(const RegistrationCase& input, RegistrationCaseResult& result)
 {
   if (!input.Lesions.empty())
   {
-    result.Lesions =
-      std::make_shared<const LabelVolume>(ReadLabelVolume(input.Lesions, AxesOf(input)));
-    if (LabelsOf(*result.Lesions).empty())
-    {
-      throw InputError(input.Lesions + ": expected voxels that are not 0, found none");
-    }
+    result.Lesions = std::make_shared<const LabelVolume>(
+      ReadLesions(input.Lesions, AxesOf(input.Labels.AxesAsGiven)));
   }
   if (!input.Image.empty())
   {
-    result.Image =
-      std::make_shared<const IntensityVolume>(ReadIntensityVolume(input.Image, AxesOf(input)));
+    result.Image = std::make_shared<const IntensityVolume>(
+      ReadIntensityVolume(input.Image, AxesOf(input.Labels.AxesAsGiven)));
   }
 }
 
@@ -170,14 +138,14 @@ void CheckAsked(const RegistrationCase& input, const LabelVolume& tissue,
   }
   if (result.Lesions)
   {
-    for (const auto& [label, lesion] : SumsOf(*result.Lesions, tissue))
+    for (const auto& [label, outside] : SharesOutside(*result.Lesions, tissue))
     {
-      if (lesion.Inside < LeastShareInside * lesion.Voxels)
+      if (outside > LargestShareOutside)
       {
         std::snprintf(text, sizeof text,
           ": expected lesion %d in the tissue that is registered, found %.0f %% of it there; is it "
           "in the frame of that volume?",
-          label, 100 * lesion.Inside / lesion.Voxels);
+          label, 100 * (1 - outside));
         throw InputError(input.Lesions + text);
       }
     }
@@ -198,29 +166,35 @@ std::vector<AskedPlace> AskedOf(const RegistrationCase& input, const Registratio
   }
   if (result.Lesions)
   {
-    for (const auto& [label, lesion] : SumsOf(*result.Lesions, *result.Volume))
+    for (const Lesion& lesion : FindLesions(*result.Lesions))
     {
-      const Vector3 centre = (1 / lesion.Voxels) * lesion.Places;
-      const std::string number = std::to_string(label);
-      asked.push_back({ "Lesion " + number, number, centre,
-        lesion.Voxels * result.Lesions->VoxelVolume(), SlicesThrough(result, centre, label) });
+      const std::string number = std::to_string(lesion.Label);
+      asked.push_back({ "Lesion " + number, number, lesion.Centre, lesion.VolumeMm3,
+        SlicesThrough(result, lesion.Centre, lesion.Label) });
     }
   }
   return asked;
 }
 
+std::optional<RegisteredBreast> BreastForAsked(const RegistrationCaseResult& result,
+  const RegisteredView& registered, const ResultFile& file, const std::vector<AskedPlace>& asked)
+{
+  return asked.empty() ? std::nullopt
+                       : std::optional<RegisteredBreast>(InMemory(result, registered, file));
+}
+
 std::vector<PlaceInMammogram> PlacesIn(const RegistrationCase& input,
-  const RegistrationCaseResult& result, const RegisteredView& registered, const ResultFile& file,
-  const std::vector<AskedPlace>& asked)
+  const RegistrationCaseResult& result, const RegisteredView& registered,
+  const std::vector<AskedPlace>& asked, const std::optional<RegisteredBreast>& breast)
 {
   std::vector<PlaceInMammogram> places;
-  if (asked.empty())
+  if (!breast)
   {
     return places;
   }
-  const RegisteredBreast breast(InMemory(result, registered, file));
-  std::vector<int> labels = result.Lesions ? LabelsOf(*result.Lesions) : std::vector<int>{};
-  labels.insert(labels.begin(), asked.size() - labels.size(), 0);
+  const std::vector<Lesion> lesions =
+    result.Lesions ? FindLesions(*result.Lesions) : std::vector<Lesion>();
+  const std::size_t points = asked.size() - lesions.size();
   const auto projector = result.Lesions
     ? MakeProjector({ .Projection = MethodFromName(input.Projector), .Device = input.Device })
     : nullptr;
@@ -228,12 +202,13 @@ std::vector<PlaceInMammogram> PlacesIn(const RegistrationCase& input,
   {
     try
     {
-      if (labels[index] == 0)
+      if (index < points)
       {
-        places.push_back(PlaceOf(breast.ToMammogram(asked[index].Point), registered.Target));
+        places.push_back(PlaceOf(breast->ToMammogram(asked[index].Point), registered.Target));
         continue;
       }
-      const LesionShadow shadow = ProjectLesion(breast, *result.Lesions, labels[index], *projector);
+      const LesionShadow shadow =
+        ProjectLesion(*breast, *result.Lesions, lesions[index - points].Label, *projector);
       PlaceInMammogram place = PlaceOf(shadow.ImagedCentre, registered.Target);
       AddOutlines(shadow, registered.Target, place);
       places.push_back(std::move(place));
@@ -247,7 +222,8 @@ std::vector<PlaceInMammogram> PlacesIn(const RegistrationCase& input,
 }
 
 LayeredPicture PictureBetweenPlates(const RegistrationCaseResult& result,
-  const RegisteredView& registered, const ResultFile& file, const std::vector<AskedPlace>& asked)
+  const RegisteredView& registered, const std::vector<AskedPlace>& asked,
+  const std::optional<RegisteredBreast>& registeredBreast)
 {
   std::vector<std::int32_t> ids;
   SurfaceMesh surface = ExtractInterfaces(result.Anatomy, &ids);
@@ -264,17 +240,14 @@ LayeredPicture PictureBetweenPlates(const RegistrationCaseResult& result,
   const Vector3 eye = placed.Direction({ 0.75 * side, 0.62, 0.30 });
   breast.ToEye = (1 / Norm(eye)) * eye;
   breast.Up = placed.Z;
-  double low[2] = { 1e30, 0 };
-  double high[2] = { -1e30, 0 };
+  std::array<Extent, 2> reach;
+  reach[1].Add(0); // from the chest wall on
   for (std::size_t id = 0; id < surface.NumberOfPoints(); ++id)
   {
     const Vector3 at = placed.ToGantry(
       { surface.Points[3 * id], surface.Points[3 * id + 1], surface.Points[3 * id + 2] });
-    for (int axis = 0; axis < 2; ++axis)
-    {
-      low[axis] = std::min(low[axis], at[axis]);
-      high[axis] = std::max(high[axis], at[axis]);
-    }
+    reach[0].Add(at[0]);
+    reach[1].Add(at[1]);
   }
   const PlatePair plates = PlatesOf(placed, registered.Unit,
     registered.Registration.Pose.ThicknessMm, registered.Registration.Pose.TiltDeg);
@@ -283,18 +256,16 @@ LayeredPicture PictureBetweenPlates(const RegistrationCaseResult& result,
   {
     const auto corner = [&](double x, double depth)
     { return plate.Edge + x * placed.X + depth * plate.Inward; };
-    const double depth = high[1] + PlateMarginMm;
-    breast.Plates.push_back({ corner(low[0] - PlateMarginMm, 0), corner(high[0] + PlateMarginMm, 0),
-      corner(high[0] + PlateMarginMm, depth), corner(low[0] - PlateMarginMm, depth) });
+    const double depth = reach[1].High + PlateMarginMm;
+    const double from = reach[0].Low - PlateMarginMm;
+    const double to = reach[0].High + PlateMarginMm;
+    breast.Plates.push_back(
+      { corner(from, 0), corner(to, 0), corner(to, depth), corner(from, depth) });
   }
-  if (!asked.empty())
+  for (const AskedPlace& place : asked)
   {
-    const RegisteredBreast moved(InMemory(result, registered, file));
-    for (const AskedPlace& place : asked)
-    {
-      breast.Marks.emplace_back(place.ShortName,
-        place.Point + moved.Carry(place.Point).Displacement);
-    }
+    breast.Marks.emplace_back(place.ShortName,
+      place.Point + registeredBreast->Carry(place.Point).Displacement);
   }
   return DrawBreast(breast);
 }

@@ -3,10 +3,12 @@
 #ifndef mammoray_AskedPlaces_h
 #define mammoray_AskedPlaces_h
 
+#include "mammoray/Case/RegisteredBreast.h"
 #include "mammoray/Case/RegistrationCase.h"
 #include "mammoray/Case/ResultFile.h"
 #include "mammoray/Report/RegistrationReport.h"
 
+#include <optional>
 #include <vector>
 
 namespace mammoray
@@ -23,14 +25,20 @@ void CheckAsked(const RegistrationCase& input, const LabelVolume& tissue,
 std::vector<AskedPlace> AskedOf(const RegistrationCase& input,
   const RegistrationCaseResult& result);
 
-/// Where one mammogram shows each of them. What cannot be found there says so. Throws DeviceError.
+/// The breast of one mammogram, as its folder will hold it; nothing where nothing was asked for.
+std::optional<RegisteredBreast> BreastForAsked(const RegistrationCaseResult& result,
+  const RegisteredView& registered, const ResultFile& file, const std::vector<AskedPlace>& asked);
+
+/// Where one mammogram, whose breast is BreastForAsked, shows each of them. What cannot be found
+/// there says so. Throws DeviceError.
 std::vector<PlaceInMammogram> PlacesIn(const RegistrationCase& input,
-  const RegistrationCaseResult& result, const RegisteredView& registered, const ResultFile& file,
-  const std::vector<AskedPlace>& asked);
+  const RegistrationCaseResult& result, const RegisteredView& registered,
+  const std::vector<AskedPlace>& asked, const std::optional<RegisteredBreast>& breast);
 
 /// The breast between the plates, with what was asked for.
 LayeredPicture PictureBetweenPlates(const RegistrationCaseResult& result,
-  const RegisteredView& registered, const ResultFile& file, const std::vector<AskedPlace>& asked);
+  const RegisteredView& registered, const std::vector<AskedPlace>& asked,
+  const std::optional<RegisteredBreast>& registeredBreast);
 }
 
 #endif

@@ -8,7 +8,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <limits>
 #include <optional>
 
 namespace mammoray
@@ -42,24 +41,10 @@ bool IsOfOtherBreast(const std::string& direction, char laterality)
   return tells && has('H') != has(laterality);
 }
 
-/// Ends of what was seen along a direction, mm.
-struct Breadth
+/// Of what is not air along a direction, mm; nor what is held, where that is told.
+Extent ReachOf(const LabelVolume& volume, const Vector3& direction, const std::vector<bool>* held)
 {
-  double First = std::numeric_limits<double>::infinity();
-  double Last = -std::numeric_limits<double>::infinity();
-
-  void Add(double place)
-  {
-    this->First = std::min(this->First, place);
-    this->Last = std::max(this->Last, place);
-  }
-  double Length() const { return this->Last - this->First; }
-};
-
-Breadth BreadthOf(const LabelVolume& volume, const Vector3& direction,
-  const std::vector<bool>* held)
-{
-  Breadth extent;
+  Extent extent;
   volume.ForEachVoxel(
     [&](int i, int j, int k, std::size_t voxel)
     {
@@ -110,11 +95,11 @@ void CheckFront(const RegistrationCase& input, const LabelVolume& materials,
   }
 }
 
-void CheckSide(const RegistrationCase& input, const Breadth& breast, const Breadth& body,
+void CheckSide(const RegistrationCase& input, const Extent& breast, const Extent& body,
   char laterality)
 {
-  const double leftOfIt = body.Last - breast.Last;
-  const double rightOfIt = breast.First - body.First;
+  const double leftOfIt = body.High - breast.High;
+  const double rightOfIt = breast.Low - body.Low;
   constexpr double MuchMm = 100; // an arm's or a chest's width
   const double more = std::max(leftOfIt, rightOfIt);
   if (more < MuchMm || std::min(leftOfIt, rightOfIt) > 0.5 * more)
@@ -170,7 +155,7 @@ void CheckPicturedBreast(const RegistrationCase& input, RegisteredView& view)
 {
   RegistrationTarget& target = view.Target;
   const Mammogram& mammogram = view.Mammogram;
-  Breadth across;
+  Extent across;
   for (int row = 0; row < target.Rows; ++row)
   {
     for (int column = 0; column < target.Columns; ++column)
@@ -230,14 +215,14 @@ void CheckTissue(const RegistrationCase& input, const LabelVolume& materials,
   const LabelVolume kept = KeepBreast(materials, held, axes);
   for (const Vector3& direction : { axes.Left, axes.Superior })
   {
-    const Breadth breast = BreadthOf(kept, direction, &held);
+    const Extent breast = ReachOf(kept, direction, &held);
     if (breast.Length() >= 0)
     {
       CheckUsual(input, Plausible::BreastWidth, breast.Length(),
         input.Study ? "the study's MRI" : input.Labels.Path, "--crop leaves some of it out");
     }
   }
-  CheckSide(input, BreadthOf(kept, axes.Left, &held), BreadthOf(materials, axes.Left, nullptr),
+  CheckSide(input, ReachOf(kept, axes.Left, &held), ReachOf(materials, axes.Left, nullptr),
     laterality);
 }
 }

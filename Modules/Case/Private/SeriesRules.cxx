@@ -344,16 +344,16 @@ std::string PlaneOf(const DicomHeader& header)
   return "oblique";
 }
 
-/// Extent of a grid along the patient's axes (left, back, head), mm, and its middle.
-struct Extent
+/// GridExtent of a grid along the patient's axes (left, back, head), mm, and its middle.
+struct GridExtent
 {
   Vector3 Length{ 0, 0, 0 };
   Vector3 Middle{ 0, 0, 0 };
 };
 
-Extent ExtentOf(const VolumeGrid& grid)
+GridExtent ExtentOf(const VolumeGrid& grid)
 {
-  Extent extent;
+  GridExtent extent;
   extent.Middle =
     grid.PointAt(0.5 * (grid.Size[0] - 1), 0.5 * (grid.Size[1] - 1), 0.5 * (grid.Size[2] - 1));
   for (std::size_t axis = 0; axis < 3; ++axis)
@@ -369,7 +369,7 @@ Extent ExtentOf(const VolumeGrid& grid)
 
 char SideOf(const VolumeGrid& grid)
 {
-  const Extent extent = ExtentOf(grid);
+  const GridExtent extent = ExtentOf(grid);
   // Both breasts are wider than this together, and one is not.
   if (extent.Length[0] > 220)
   {
@@ -450,7 +450,7 @@ std::string WhyNoBreastVolume(const SeriesCandidate& candidate)
       WidestSpacingMm);
     return text;
   }
-  const Extent extent = ExtentOf(*series.Grid);
+  const GridExtent extent = ExtentOf(*series.Grid);
   static const char* const names[] = { "left to right", "front to back", "head to foot" };
   for (std::size_t axis = 0; axis < 3; ++axis)
   {

@@ -6,28 +6,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <unordered_map>
 
 namespace mammoray
 {
 namespace
 {
-/// Range of the tissue along a direction, mm, to the outer faces of the voxels.
-struct Range
-{
-  double Low = std::numeric_limits<double>::infinity();
-  double High = -std::numeric_limits<double>::infinity();
-
-  double Middle() const { return 0.5 * (this->Low + this->High); }
-  double Length() const { return this->High - this->Low; }
-  void Add(double at)
-  {
-    this->Low = std::min(this->Low, at);
-    this->High = std::max(this->High, at);
-  }
-};
-
 /// Half a voxel along a direction, mm.
 double HalfVoxel(const VolumeGrid& grid, const Vector3& direction)
 {
@@ -39,9 +23,10 @@ double HalfVoxel(const VolumeGrid& grid, const Vector3& direction)
   return half;
 }
 
-Range TissueRange(const LabelVolume& labels, const Vector3& direction)
+/// The tissue along a direction, mm, to the outer faces of the voxels.
+Extent TissueRange(const LabelVolume& labels, const Vector3& direction)
 {
-  Range range;
+  Extent range;
   labels.ForEachVoxel(
     [&](int i, int j, int k, std::size_t index)
     {
@@ -61,7 +46,7 @@ Range TissueRange(const LabelVolume& labels, const Vector3& direction)
 /// Whether the held tissue of the phantom reaches farther forwards on the patient's left: then that
 /// is where the breastbone is, and the breast is a right one. 0 where it is even.
 char NaturalSide(const LabelVolume& materials, const std::vector<bool>& held,
-  const AnatomicalAxes& axes, const Range& left)
+  const AnatomicalAxes& axes, const Extent& left)
 {
   double towardsLeft = 0;
   double count = 0;
@@ -90,9 +75,9 @@ double OffMidlineMm(const LabelVolume& materials, const AnatomicalAxes& axes)
 LabelVolume PlaceOnChest(const LabelVolume& materials, const MaterialTable& table,
   const AnatomicalAxes& axes, char side, double offMm, const ChestCurve& curve)
 {
-  const Range left = TissueRange(materials, axes.Left);
-  const Range front = TissueRange(materials, axes.Anterior);
-  const Range up = TissueRange(materials, axes.Superior);
+  const Extent left = TissueRange(materials, axes.Left);
+  const Extent front = TissueRange(materials, axes.Anterior);
+  const Extent up = TissueRange(materials, axes.Superior);
   const char natural = NaturalSide(materials, table.Held(), axes, left);
   const double turn = natural == '?' || natural == side ? 1 : -1;
   const double middle = side == 'L' ? offMm : -offMm;
@@ -191,13 +176,7 @@ void HoldCutTissue(LabelVolume& materials, const std::vector<bool>& held)
   {
     return;
   }
-  std::size_t depth = 0;
-  for (std::size_t axis = 1; axis < 3; ++axis)
-  {
-    const bool nearer =
-      std::abs(materials.Direction[axis][1]) > std::abs(materials.Direction[depth][1]);
-    depth = nearer ? axis : depth;
-  }
+  const std::size_t depth = materials.AxisAlong({ 0, 1, 0 });
   const bool backwards = materials.Direction[depth][1] > 0;
   const int size = materials.Size[depth];
   const int layer = std::min(size, static_cast<int>(std::ceil(LayerMm / materials.Spacing[depth])));
@@ -579,7 +558,7 @@ LabelVolume JoinBody(const LabelVolume& breast, const std::vector<Tissue>& tissu
 
 double HeightMm(const LabelVolume& materials, const std::vector<bool>& held, const Vector3& axis)
 {
-  Range range;
+  Extent range;
   materials.ForEachVoxel(
     [&](int i, int j, int k, std::size_t index)
     {

@@ -19,4 +19,13 @@ void CheckPlausible(const PlausibleRange& range, double value, const std::string
     range.Least, range.Most, range.Unit, value);
   throw InputError(where + text + "; " + overrule);
 }
+
+void CheckPlausible(const PlausibleRange& range, const Vector3& values, const std::string& where,
+  const std::string& overrule)
+{
+  for (const double value : values)
+  {
+    CheckPlausible(range, value, where, overrule);
+  }
+}
 }

@@ -147,6 +147,12 @@ gdcm::DataSet ImageReference(const DicomReference& image)
   return item;
 }
 
+void AppendPixel(std::vector<float>& points, const std::array<double, 2>& pixel)
+{
+  points.push_back(static_cast<float>(pixel[0] + 0.5));
+  points.push_back(static_cast<float>(pixel[1] + 0.5));
+}
+
 gdcm::DataSet SeriesReference(const DicomReference& image, const gdcm::Tag& images)
 {
   gdcm::DataSet series;

@@ -8,6 +8,7 @@
 #include <gdcmTag.h>
 #include <gdcmVR.h>
 
+#include <array>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -33,6 +34,10 @@ void AddBytes(gdcm::DataSet& data, const gdcm::Tag& tag, gdcm::VR::VRType repres
 
 /// Adds single precision numbers (FL).
 void AddFloats(gdcm::DataSet& data, const gdcm::Tag& tag, const std::vector<float>& values);
+
+/// Appends a place on an image as graphics want it, with 0 at the upper left corner of the first
+/// pixel (PS3.3 C.10.5.1.2); ours is 0 at that pixel's centre.
+void AppendPixel(std::vector<float>& points, const std::array<double, 2>& pixel);
 
 /// Adds an unsigned short (US).
 void AddShort(gdcm::DataSet& data, const gdcm::Tag& tag, std::uint16_t value);

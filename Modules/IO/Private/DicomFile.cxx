@@ -2,6 +2,7 @@
 #include "Private/DicomFile.h"
 
 #include "mammoray/Foundation/Error.h"
+#include "mammoray/IO/DicomHeader.h"
 
 #include <cmath>
 #include <cstring>
@@ -28,7 +29,8 @@ private:
   const dcmtk::log4cplus::LogLevel Level = this->Logger.getLogLevel();
 };
 
-/// The one that lives, however many files are open.
+}
+
 std::shared_ptr<void> SilenceDcmtk()
 {
   static std::mutex access;
@@ -41,7 +43,6 @@ std::shared_ptr<void> SilenceDcmtk()
     living = quiet;
   }
   return quiet;
-}
 }
 
 bool HasDicomHeader(const std::string& path)

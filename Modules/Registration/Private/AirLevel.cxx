@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Private/AirLevel.h"
 
+#include "Private/RobustStatistics.h"
 #include "mammoray/Foundation/Error.h"
 
 #include <Eigen/Cholesky>
@@ -35,25 +36,6 @@ using Terms = Eigen::Matrix<double, 6, 1>;
 Terms TermsAt(double x, double y)
 {
   return (Terms() << 1, x, y, x * x, x * y, y * y).finished();
-}
-
-template <class Value>
-double Median(std::vector<Value>& values)
-{
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
-/// Of a normal distribution with this median of absolute differences from `middle`.
-template <class Value>
-double SigmaOf(std::vector<Value> values, double middle)
-{
-  for (Value& value : values)
-  {
-    value = static_cast<Value>(std::abs(value - middle));
-  }
-  return 1.4826 * Median(values);
 }
 }
 
@@ -124,7 +106,8 @@ void AirLevel::GatherBlocks(const std::vector<float>& values, const PixelMask& a
       static_cast<int>(i) / this->CountAcross, values, air, found, all[i]);
     counts.push_back(found.size());
     whole[i] = 2 * found.size() > static_cast<std::size_t>(this->BlockColumns) * this->BlockRows;
-    deviations.push_back(found.empty() ? 0 : SigmaOf(found, all[i].Remainder));
+    deviations.push_back(
+      found.empty() ? 0 : RobustSigma(found, static_cast<float>(all[i].Remainder)));
   }
   const PixelGrid blocks{ this->CountAcross, this->CountDown,
     this->BlockColumns * this->Grid.ColumnSpacing, this->BlockRows * this->Grid.RowSpacing };
@@ -167,7 +150,7 @@ void AirLevel::FitPolynomial(double contrast)
     {
       remainders.push_back(block.Remainder - base - TermsAt(block.X, block.Y).dot(found));
     }
-    const double scale = std::max(SigmaOf(remainders, 0), LeastScatter * contrast);
+    const double scale = std::max(RobustSigma(remainders, 0.0), LeastScatter * contrast);
     Eigen::Matrix<double, 6, 6> normal = precision.asDiagonal();
     Terms right = Terms::Zero();
     for (std::size_t i = 0; i < this->Blocks.size(); ++i)

@@ -173,7 +173,7 @@ void FlattenAir(const PixelGrid& grid, const PixelMask& measured, float threshol
   {
     body[i] = measured[i] && smooth[i] >= threshold ? 1 : 0;
   }
-  PixelMask air = FarAir(grid, smooth, measured, threshold);
+  const PixelMask air = FarAir(grid, smooth, measured, threshold);
   const std::vector<float> bodyValues = Select(smooth, body);
   const std::vector<float> airValues = Select(smooth, air);
   if (airValues.empty() || bodyValues.empty())
@@ -181,23 +181,21 @@ void FlattenAir(const PixelGrid& grid, const PixelMask& measured, float threshol
     throw InputError("mammogram: expected a breast and air, found only one of them");
   }
   double breast = Quantile(bodyValues, 0.5) - Quantile(airValues, 0.5);
-  // All that is below Otsu's threshold holds the thin margin of the breast, too; what is below the
-  // edge over the level found of that does not.
-  for (int round = 0; round < 2; ++round)
+  const auto flattenBy = [&](const PixelMask& trusted)
   {
-    const AirLevel level(grid, smooth, air, breast);
+    AirLevel level(grid, smooth, trusted, breast);
     contrast.Smooth = smooth;
     Subtract(grid, level, &AirLevel::LocalAt, contrast.Smooth);
     breast = Quantile(Select(contrast.Smooth, body), 0.5);
     contrast.EdgeLevel = static_cast<float>(
       std::max(options.EdgeFraction * breast, options.EdgeSigmas * level.Sigma()));
-    if (round == 0)
-    {
-      air = FarAir(grid, contrast.Smooth, measured, contrast.EdgeLevel);
-      continue;
-    }
-    Subtract(grid, level, &AirLevel::At, contrast.LogAttenuation);
-  }
+    return level;
+  };
+  // All that is below Otsu's threshold holds the thin margin of the breast, too; what is below the
+  // edge over the level found of that does not.
+  flattenBy(air);
+  const AirLevel level = flattenBy(FarAir(grid, contrast.Smooth, measured, contrast.EdgeLevel));
+  Subtract(grid, level, &AirLevel::At, contrast.LogAttenuation);
 }
 }
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Private/PixelFilters.h"
 
+#include "Private/RobustStatistics.h"
+
 #include "vtkDataArray.h"
 #include "vtkFloatArray.h"
 #include "vtkImageData.h"
@@ -86,14 +88,6 @@ struct Block
   float Noise = 0;
 };
 
-template <typename Values>
-float Median(Values& values)
-{
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 Block Measure(const PixelGrid& grid, const std::vector<float>& values, int column, int row)
 {
   std::vector<float> levels;
@@ -106,12 +100,12 @@ Block Measure(const PixelGrid& grid, const std::vector<float>& values, int colum
       levels.push_back(*at);
       if (c >= 2 && c + 2 < grid.Columns)
       {
-        differences.push_back(std::abs(at[-2] - 4 * at[-1] + 6 * at[0] - 4 * at[1] + at[2]));
+        differences.push_back(at[-2] - 4 * at[-1] + 6 * at[0] - 4 * at[1] + at[2]);
       }
     }
   }
-  // The median of absolute values, and the root of 1 + 16 + 36 + 16 + 1.
-  return { Median(levels), 1.4826F * Median(differences) / std::sqrt(70.0F) };
+  // The root of 1 + 16 + 36 + 16 + 1.
+  return { Median(levels), RobustSigma(differences, 0.0F) / std::sqrt(70.0F) };
 }
 
 float MedianNoise(const std::vector<Block>& blocks, std::size_t first, std::size_t last)

@@ -27,12 +27,9 @@ constexpr double SmallestExtentMm = 30.0;
 void CheckImage(const IntensityVolume& image, bool acceptUnusual)
 {
   image.Validate("MRI");
-  for (const double spacing : image.Spacing)
+  if (!acceptUnusual)
   {
-    if (!acceptUnusual)
-    {
-      CheckPlausible(Plausible::VoxelSpacing, spacing, "MRI", AcceptUnusualHint);
-    }
+    CheckPlausible(Plausible::VoxelSpacing, image.Spacing, "MRI", AcceptUnusualHint);
   }
   for (int a = 0; a < 3; ++a)
   {

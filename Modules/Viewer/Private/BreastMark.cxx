@@ -188,9 +188,14 @@ void BreastMark::UpdatePixel()
   this->Found += UncertaintyText(breast.ToMammogram(places[places.size() / 2]).Uncertainty);
   for (const MarkedMammogram& mammogram : this->Mammograms)
   {
-    const bool own = &mammogram == &marked;
-    const RegisteredBreast other(own ? marked.Live->InUnit() : mammogram.Live->InUnit());
-    this->DrawLine(mammogram, other, places, own);
+    if (&mammogram == &marked)
+    {
+      this->DrawLine(mammogram, breast, places, true);
+    }
+    else
+    {
+      this->DrawLine(mammogram, RegisteredBreast(mammogram.Live->InUnit()), places, false);
+    }
   }
 }
 

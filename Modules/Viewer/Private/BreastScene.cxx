@@ -139,22 +139,21 @@ vtkSmartPointer<vtkPolyData> NewPictureRectangle()
   rectangle->GetPointData()->SetTCoords(coordinates);
   return rectangle;
 }
-}
 
-std::vector<Color> TissueColors(const ViewedBreast& viewed)
+/// Of a table's materials, `host` lying around the others.
+std::vector<Color> ColorsOf(const MaterialTable& table, int host)
 {
-  int host = 0;
-  EnclosedMaterials(ExtractInterfaces(viewed.Anatomy), viewed.Materials, &host);
   std::vector<Color> colors{ { 0, 0, 0 } };
   std::size_t inner = 0;
-  for (std::size_t material = 1; material < viewed.Materials.Materials.size(); ++material)
+  for (std::size_t material = 1; material < table.Materials.size(); ++material)
   {
     const bool around = static_cast<int>(material) == host;
-    const bool thin = viewed.Materials.Materials[material].Thin;
+    const bool thin = table.Materials[material].Thin;
     colors.push_back(around ? HostColor : thin ? SkinColor : InnerColors[inner]);
     inner = around || thin ? inner : (inner + 1) % std::size(InnerColors);
   }
   return colors;
+}
 }
 
 BreastScene::BreastScene(const LiveMammogram& live, const ViewedBreast& viewed)
@@ -167,7 +166,9 @@ BreastScene::BreastScene(const LiveMammogram& live, const ViewedBreast& viewed)
   this->Front->SetActiveCamera(this->View->GetActiveCamera());
   this->Points->SetDataTypeToFloat();
   this->Points->SetNumberOfPoints(static_cast<vtkIdType>(this->PointIds.size()));
-  const std::vector<int> enclosed = EnclosedMaterials(this->Surface, viewed.Materials);
+  int host = 0;
+  const std::vector<int> enclosed = EnclosedMaterials(this->Surface, viewed.Materials, &host);
+  this->Colors = ColorsOf(viewed.Materials, host);
   std::map<int, std::vector<std::size_t>> inner;
   std::vector<std::size_t> outer;
   for (std::size_t triangle = 0; triangle < this->Surface.NumberOfTriangles(); ++triangle)
@@ -184,10 +185,9 @@ BreastScene::BreastScene(const LiveMammogram& live, const ViewedBreast& viewed)
       outer.push_back(triangle);
     }
   }
-  const std::vector<Color> colors = TissueColors(viewed);
   for (const auto& [material, triangles] : inner)
   {
-    this->AddPart(triangles, InnerCellMm, colors[static_cast<std::size_t>(material)], 1);
+    this->AddPart(triangles, InnerCellMm, this->Colors[static_cast<std::size_t>(material)], 1);
   }
   this->AddPart(outer, SkinCellMm, SkinColor, inner.empty() ? 1 : SkinOpacity);
 
@@ -289,17 +289,8 @@ void BreastScene::AddLetters(const AnatomicalAxes& axes, const std::vector<doubl
   constexpr double BesideMm = 8;
   const std::pair<Vector3, const char*> named[] = { { axes.Left, "LR" }, { axes.Anterior, "AP" },
     { axes.Superior, "HF" } };
-  std::array<double, 3> low{ 1e30, 1e30, 1e30 };
-  std::array<double, 3> high{ -1e30, -1e30, -1e30 };
-  for (std::size_t id = 0; id < points.size(); id += 3)
-  {
-    for (std::size_t axis = 0; axis < 3; ++axis)
-    {
-      const double at = Dot({ points[id], points[id + 1], points[id + 2] }, named[axis].first);
-      low[axis] = std::min(low[axis], at);
-      high[axis] = std::max(high[axis], at);
-    }
-  }
+  const std::array<Extent, 3> reach =
+    ExtentsAlong(std::array{ axes.Left, axes.Anterior, axes.Superior }, points);
   for (std::size_t axis = 0; axis < 3; ++axis)
   {
     for (const int end : { 0, 1 })
@@ -307,9 +298,9 @@ void BreastScene::AddLetters(const AnatomicalAxes& axes, const std::vector<doubl
       Vector3 at{ 0, 0, 0 };
       for (std::size_t other = 0; other < 3; ++other)
       {
-        const double along = other != axis ? 0.5 * (low[other] + high[other])
-          : end == 0                       ? high[other] + BesideMm
-                                           : low[other] - BesideMm;
+        const double along = other != axis ? reach[other].Middle()
+          : end == 0                       ? reach[other].High + BesideMm
+                                           : reach[other].Low - BesideMm;
         at = at + along * named[other].first;
       }
       vtkNew<vtkBillboardTextActor3D> letter;

@@ -23,10 +23,6 @@ namespace mammoray
 /// A closed line in space.
 using Loop = std::vector<Vector3>;
 
-/// A colour for each material of the table, in all views: the one that there is most of lies around
-/// the others.
-std::vector<std::array<double, 3>> TissueColors(const ViewedBreast& viewed);
-
 /**
  * A breast in a renderer: the skin to look through, what lies inside, and, where wanted, the unit
  * around it. Volume frame, mm.
@@ -39,6 +35,9 @@ public:
   vtkRenderer* Renderer() { return this->View; }
   /// Lies over the other, in layer 1, with the marks, which nothing hides.
   vtkRenderer* MarkRenderer() { return this->Front; }
+  /// A colour for each material of the table, for all views: the one that there is most of lies
+  /// around the others.
+  const std::vector<std::array<double, 3>>& TissueColors() const { return this->Colors; }
   /// New places of the anatomy's points, 3 x pointCount.
   void SetPoints(const std::vector<double>& points);
   /// Plates, receptor with `picture` on it, beam and source; the source is drawn on the beam's axis
@@ -82,6 +81,7 @@ private:
   vtkNew<vtkRenderer> View;
   vtkNew<vtkRenderer> Front;
   vtkNew<vtkPoints> Points;
+  std::vector<std::array<double, 3>> Colors;
   /// The skin is the last one.
   std::vector<Part> Parts;
   vtkSmartPointer<vtkPolyData> Support;

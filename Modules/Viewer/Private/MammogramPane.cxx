@@ -19,7 +19,6 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <tuple>
 
 namespace mammoray
 {
@@ -255,8 +254,12 @@ void MammogramPane::SetMark(const std::vector<ReceptorPoint>& points,
 void MammogramPane::Frame()
 {
   constexpr double MarginMm = 8;
-  ReceptorPoint low{ 1e9, 0 };
-  ReceptorPoint high{ -1e9, 0 };
+  std::array<Extent, 2> reach;
+  const auto show = [&reach](const ReceptorPoint& at)
+  {
+    reach[0].Add(at[0]);
+    reach[1].Add(at[1]);
+  };
   const int columns = this->Grid.Columns / this->Divisor;
   for (std::size_t pixel = 0; pixel < this->Synthetic.size(); ++pixel)
   {
@@ -266,24 +269,20 @@ void MammogramPane::Frame()
       this->Breast[static_cast<std::size_t>(row) * this->Grid.Columns + column] != 0;
     if (this->Synthetic[pixel] > LeastBreast || real)
     {
-      const ReceptorPoint at = PixelPosition(this->Grid, column, row);
-      for (std::size_t axis = 0; axis < 2; ++axis)
-      {
-        low[axis] = std::min(low[axis], at[axis]);
-        high[axis] = std::max(high[axis], at[axis]);
-      }
+      show(PixelPosition(this->Grid, column, row));
     }
   }
-  if (!(high[0] > low[0]))
+  if (!(reach[0].Length() > 0))
   {
-    low = PixelPosition(this->Grid, 0, 0);
-    high = PixelPosition(this->Grid, this->Grid.Columns - 1, this->Grid.Rows - 1);
-    for (std::size_t axis = 0; axis < 2; ++axis)
-    {
-      std::tie(low[axis], high[axis]) = std::minmax(low[axis], high[axis]);
-    }
+    reach = {};
+    show(PixelPosition(this->Grid, 0, 0));
+    show(PixelPosition(this->Grid, this->Grid.Columns - 1, this->Grid.Rows - 1));
   }
-  const ReceptorPoint middle{ 0.5 * (low[0] + high[0]), 0.5 * (low[1] + high[1]) };
+  else
+  {
+    reach[1].Add(0);
+  }
+  const ReceptorPoint middle{ reach[0].Middle(), reach[1].Middle() };
   // Gantry y runs to the right or left, x up or down: seen from above or from below.
   const double side = -this->Right * this->Up;
   vtkCamera* camera = this->View->GetActiveCamera();
@@ -291,8 +290,8 @@ void MammogramPane::Frame()
   camera->SetFocalPoint(middle[0], middle[1], 0);
   camera->SetPosition(middle[0], middle[1], 500 * side);
   camera->SetViewUp(this->Up, 0, 0);
-  const double height = high[0] - low[0] + 2 * MarginMm;
-  const double width = high[1] - low[1] + 2 * MarginMm;
+  const double height = reach[0].Length() + 2 * MarginMm;
+  const double width = reach[1].Length() + 2 * MarginMm;
   const double aspect = this->View->GetTiledAspectRatio();
   camera->SetParallelScale(0.5 * std::max(height, width / (aspect > 0 ? aspect : 1)));
   this->View->ResetCameraClippingRange();

@@ -56,6 +56,26 @@ void SetPixelLines(vtkPolyData* data, const std::vector<std::vector<std::array<d
   data->SetPoints(points);
   data->SetLines(cells);
 }
+
+/// The plane that a camera looks at: the place in the middle of the view, and unit vectors to the
+/// right and up.
+struct ViewPlane
+{
+  Vector3 Focal;
+  Vector3 Right;
+  Vector3 Up;
+};
+
+ViewPlane PlaneOf(vtkCamera* camera)
+{
+  ViewPlane plane;
+  Vector3 along;
+  camera->GetFocalPoint(plane.Focal.data());
+  camera->GetViewUp(plane.Up.data());
+  camera->GetDirectionOfProjection(along.data());
+  plane.Right = Cross(along, plane.Up);
+  return plane;
+}
 }
 
 std::string DirectionLetters(const Vector3& direction, const AnatomicalAxes& axes)
@@ -198,14 +218,7 @@ void PaneOverlay::Update()
 
 Vector3 PaneOverlay::WorldAt(int x, int y) const
 {
-  vtkCamera* camera = this->View->GetActiveCamera();
-  Vector3 focal;
-  Vector3 up;
-  Vector3 along;
-  camera->GetFocalPoint(focal.data());
-  camera->GetViewUp(up.data());
-  camera->GetDirectionOfProjection(along.data());
-  const Vector3 right = Cross(along, up);
+  const auto [focal, right, up] = PlaneOf(this->View->GetActiveCamera());
   const int* origin = this->View->GetOrigin();
   const int* size = this->View->GetSize();
   const double mm = this->MmPerPixel();
@@ -215,17 +228,10 @@ Vector3 PaneOverlay::WorldAt(int x, int y) const
 
 std::array<double, 2> PaneOverlay::PixelOf(const Vector3& world) const
 {
-  vtkCamera* camera = this->View->GetActiveCamera();
-  Vector3 focal;
-  Vector3 up;
-  Vector3 along;
-  camera->GetFocalPoint(focal.data());
-  camera->GetViewUp(up.data());
-  camera->GetDirectionOfProjection(along.data());
+  const auto [focal, right, up] = PlaneOf(this->View->GetActiveCamera());
   const Vector3 offset = world - focal;
   const int* size = this->View->GetSize();
   const double mm = this->MmPerPixel();
-  return { 0.5 * size[0] + Dot(offset, Cross(along, up)) / mm,
-    0.5 * size[1] + Dot(offset, up) / mm };
+  return { 0.5 * size[0] + Dot(offset, right) / mm, 0.5 * size[1] + Dot(offset, up) / mm };
 }
 }

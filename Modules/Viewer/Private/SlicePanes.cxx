@@ -101,13 +101,7 @@ SlicePanes::SlicePanes(const ViewedBreast& viewed, const std::vector<std::array<
     pane.Over->SetLetters(
       { letters(-1.0 * across), letters(across), letters(pane.Up), letters(-1.0 * pane.Up) });
     // A step of the wheel is the voxel's edge that leads most along the normal.
-    double most = 0;
-    for (std::size_t axis = 0; axis < 3; ++axis)
-    {
-      const double leads = std::abs(Dot(this->Grid.Direction[axis], pane.Along));
-      pane.StepMm = leads > most ? this->Grid.Spacing[axis] : pane.StepMm;
-      most = std::max(most, leads);
-    }
+    pane.StepMm = this->Grid.Spacing[this->Grid.AxisAlong(pane.Along)];
     this->AddVolume(pane);
   }
   this->ResetWindow();
@@ -178,39 +172,40 @@ vtkSmartPointer<vtkImageProperty> SlicePanes::LabelProperty(
   return property;
 }
 
+Vector3 SlicePanes::Pane::Focal() const
+{
+  Vector3 focal;
+  this->View->GetActiveCamera()->GetFocalPoint(focal.data());
+  return focal;
+}
+
+void SlicePanes::Pane::LookThrough(const Vector3& focal)
+{
+  const Vector3 eye = focal - EyeDistanceMm * this->Along;
+  this->View->GetActiveCamera()->SetFocalPoint(focal.data());
+  this->View->GetActiveCamera()->SetPosition(eye.data());
+}
+
 void SlicePanes::Frame()
 {
   constexpr double MarginMm = 12;
-  const TetrahedralMesh& breast = this->Viewed.Anatomy;
   for (Pane& pane : this->Panes)
   {
     const std::array<Vector3, 3> axes{ Cross(pane.Along, pane.Up), pane.Up, pane.Along };
-    std::array<double, 3> low{ 1e30, 1e30, 1e30 };
-    std::array<double, 3> high{ -1e30, -1e30, -1e30 };
-    for (std::size_t id = 0; id < breast.NumberOfPoints(); ++id)
-    {
-      for (std::size_t axis = 0; axis < 3; ++axis)
-      {
-        const double at = Dot(breast.Point(id), axes[axis]);
-        low[axis] = std::min(low[axis], at);
-        high[axis] = std::max(high[axis], at);
-      }
-    }
+    const std::array<Extent, 3> reach = ExtentsAlong(axes, this->Viewed.Anatomy.Points);
     Vector3 through{ 0, 0, 0 };
     for (std::size_t axis = 0; axis < 3; ++axis)
     {
       const bool marked = axis == 2 && this->Point;
-      const double at = marked ? Dot(*this->Point, pane.Along) : 0.5 * (low[axis] + high[axis]);
+      const double at = marked ? Dot(*this->Point, pane.Along) : reach[axis].Middle();
       through = through + at * axes[axis];
     }
-    const Vector3 eye = through - EyeDistanceMm * pane.Along;
+    pane.LookThrough(through);
     vtkCamera* camera = pane.View->GetActiveCamera();
-    camera->SetFocalPoint(through.data());
-    camera->SetPosition(eye.data());
     camera->SetViewUp(pane.Up.data());
     const double aspect = pane.View->GetTiledAspectRatio();
     camera->SetParallelScale(
-      MarginMm + 0.5 * std::max(high[1] - low[1], (high[0] - low[0]) / (aspect > 0 ? aspect : 1)));
+      MarginMm + 0.5 * std::max(reach[1].Length(), reach[0].Length() / (aspect > 0 ? aspect : 1)));
     camera->SetClippingRange(1, 2 * EyeDistanceMm);
   }
 }
@@ -224,26 +219,15 @@ void SlicePanes::SetPoint(const std::optional<Vector3>& point)
     {
       continue;
     }
-    vtkCamera* camera = pane.View->GetActiveCamera();
-    Vector3 focal;
-    camera->GetFocalPoint(focal.data());
-    focal = focal + Dot(*point - focal, pane.Along) * pane.Along;
-    const Vector3 eye = focal - EyeDistanceMm * pane.Along;
-    camera->SetFocalPoint(focal.data());
-    camera->SetPosition(eye.data());
+    const Vector3 focal = pane.Focal();
+    pane.LookThrough(focal + Dot(*point - focal, pane.Along) * pane.Along);
   }
 }
 
 void SlicePanes::Scroll(int pane, int steps)
 {
   Pane& scrolled = this->Panes[static_cast<std::size_t>(pane)];
-  vtkCamera* camera = scrolled.View->GetActiveCamera();
-  Vector3 focal;
-  camera->GetFocalPoint(focal.data());
-  focal = focal + steps * scrolled.StepMm * scrolled.Along;
-  const Vector3 eye = focal - EyeDistanceMm * scrolled.Along;
-  camera->SetFocalPoint(focal.data());
-  camera->SetPosition(eye.data());
+  scrolled.LookThrough(scrolled.Focal() + steps * scrolled.StepMm * scrolled.Along);
 }
 
 void SlicePanes::Adjust(double windowFactor, double levelShare)
@@ -274,8 +258,7 @@ void SlicePanes::Update()
   for (Pane& pane : this->Panes)
   {
     vtkCamera* camera = pane.View->GetActiveCamera();
-    Vector3 focal;
-    camera->GetFocalPoint(focal.data());
+    const Vector3 focal = pane.Focal();
     camera->SetClippingRange(1, 2 * EyeDistanceMm);
     char title[80];
     std::snprintf(title, sizeof title, "%s %.1f mm", pane.Name,

@@ -59,6 +59,11 @@ private:
     Vector3 Along{ 0, 0, 1 };
     Vector3 Up{ 0, 1, 0 };
     double StepMm = 1;
+
+    /// The place that the slice goes through, in the middle of the pane.
+    Vector3 Focal() const;
+    /// Takes the slice there.
+    void LookThrough(const Vector3& focal);
   };
   void AddVolume(Pane& pane);
   vtkSmartPointer<vtkImageSlice> AddSlice(Pane& pane, class vtkImageData* data,

@@ -103,7 +103,7 @@ ViewerWindow::ViewerWindow(BreastViewer& viewer, const std::vector<ViewedBreast>
   AddText(this->AtRest.Renderer(), "uncompressed", 0.03, 0.97, 14);
   if (first.Image || first.Tissue)
   {
-    this->Slices = std::make_unique<SlicePanes>(first, TissueColors(first));
+    this->Slices = std::make_unique<SlicePanes>(first, this->AtRest.TissueColors());
   }
   for (const auto& unit : this->Units)
   {
@@ -205,14 +205,14 @@ void ViewerWindow::AddControls()
   this->Controls.AddButton("save pictures", [this] { this->Viewer.Key("s"); });
   this->Controls.AddButton("views back", [this] { this->Viewer.Key("r"); });
   this->Controls.AddButton("source back", [this] { this->Viewer.Key("Home"); });
-  for (const ViewedLesion& lesion : unit.Viewed.LesionList)
+  for (const Lesion& lesion : unit.Viewed.LesionList)
   {
     char text[80];
     std::snprintf(text, sizeof text, "lesion %d, %.0f mm3", lesion.Label, lesion.VolumeMm3);
     this->Controls.AddButton(text,
       [this, centre = lesion.Centre] { this->Viewer.MarkPoint(centre); });
   }
-  const std::vector<std::array<double, 3>> colors = TissueColors(unit.Viewed);
+  const std::vector<std::array<double, 3>>& colors = this->AtRest.TissueColors();
   for (std::size_t material = 1; material < colors.size(); ++material)
   {
     this->Controls.AddLegend(unit.Viewed.Materials.Materials[material].Name, colors[material]);
@@ -628,11 +628,11 @@ void ViewerWindow::MoveBy(const std::string& key)
 
 void ViewerWindow::NextLesion()
 {
-  const std::vector<ViewedLesion>& lesions = this->Active().Viewed.LesionList;
+  const std::vector<Lesion>& lesions = this->Active().Viewed.LesionList;
   if (!lesions.empty())
   {
-    this->Viewer.MarkPoint(lesions[this->Lesion % lesions.size()].Centre);
-    ++this->Lesion;
+    this->Viewer.MarkPoint(lesions[this->LesionNumber % lesions.size()].Centre);
+    ++this->LesionNumber;
   }
 }
 }

@@ -27,6 +27,9 @@ class vtkTextActor;
 
 namespace mammoray
 {
+/// Share of the way to the source at which it is drawn beside the breast.
+inline constexpr double NearSource = 0.3;
+
 /// One mammogram with the unit that makes it: its picture, and the breast between its plates.
 struct ViewedUnit
 {
@@ -122,21 +125,18 @@ struct ViewerWindow : MouseTarget
   int BlendSlider = -1;
   int KilovoltageSlider = 0;
 
-  double ShownSource = 0.3;
+  double ShownSource = NearSource;
   Drag Dragging = Drag::Nothing;
   PaneOverlay* Ruled = nullptr;
   PaneOverlay* Pressed = nullptr;
   std::array<int, 2> Size{ 0, 0 };
-  std::size_t Lesion = 0;
+  std::size_t LesionNumber = 0;
   bool Moving = false;
   bool Dirty = true;
   std::chrono::steady_clock::time_point LastMove = std::chrono::steady_clock::now();
   std::string Message;
   std::string StatusText;
 };
-
-/// Share of the way to the source at which it is drawn beside the breast.
-inline constexpr double NearSource = 0.3;
 }
 
 #endif

@@ -89,7 +89,7 @@ Item Image(const char* relation, const DicomReference& image)
   return item;
 }
 
-/// On the mammogram; 0 at the upper left corner of the first pixel.
+/// On the mammogram.
 Item Region(const char* relation, const Item& name, const char* type,
   const std::vector<DicomFinding::Pixel>& pixels, const DicomReference& image)
 {
@@ -97,8 +97,7 @@ Item Region(const char* relation, const Item& name, const char* type,
   std::vector<float> points;
   for (const DicomFinding::Pixel& pixel : pixels)
   {
-    points.push_back(static_cast<float>(pixel[0] + 0.5));
-    points.push_back(static_cast<float>(pixel[1] + 0.5));
+    AppendPixel(points, pixel);
   }
   AddFloats(item, { 0x0070, 0x0022 }, points);
   AddTexts(item, { { { 0x0070, 0x0023 }, VR::CS, type } });

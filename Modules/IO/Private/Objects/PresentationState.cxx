@@ -14,13 +14,6 @@ using gdcm::VR;
 
 constexpr const char* Layer = "FINDINGS";
 
-/// In units of pixels, with 0 at the upper left corner of the first one (PS3.3 C.10.5.1.2).
-void AppendPixel(std::vector<float>& points, const DicomFinding::Pixel& pixel)
-{
-  points.push_back(static_cast<float>(pixel[0] + 0.5));
-  points.push_back(static_cast<float>(pixel[1] + 0.5));
-}
-
 gdcm::DataSet Graphic(const std::string& type, const std::vector<float>& points)
 {
   gdcm::DataSet item;
