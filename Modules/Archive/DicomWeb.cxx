@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mammoray/Archive/DicomWeb.h"
 
+#include "Private/StoreAnswer.h"
+
 #include <curl/curl.h>
-#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <fstream>
@@ -33,29 +34,6 @@ int AskToStop(void* stop, curl_off_t, curl_off_t, curl_off_t, curl_off_t)
 {
   const auto& request = *static_cast<const StopRequest*>(stop);
   return request && request() ? 1 : 0;
-}
-
-/// Why the server did not take an object by its answer (PS3.18 section 10.5.3, PS3.3 C.30.1.2);
-/// empty where it did.
-std::string Refusal(long status, const std::string& answer)
-{
-  if (status != 200 && status != 202 && status != 409)
-  {
-    return "status " + std::to_string(status);
-  }
-  const auto json = nlohmann::json::parse(answer, nullptr, false);
-  if (json.is_object())
-  {
-    const auto failed = json.find("00081198");
-    if (failed != json.end() && failed->is_object() && failed->contains("Value") &&
-      !(*failed)["Value"].empty())
-    {
-      const auto& first = (*failed)["Value"].front();
-      const auto reason = first.is_object() ? first.find("00081197") : first.end();
-      return "reason " + (reason != first.end() ? reason->dump() : std::string("not given"));
-    }
-  }
-  return status == 409 ? "status 409" : std::string();
 }
 
 class Session
@@ -120,7 +98,7 @@ public:
     }
     long status = 0;
     curl_easy_getinfo(this->Handle.get(), CURLINFO_RESPONSE_CODE, &status);
-    return Refusal(status, answer.Text);
+    return WhyNotStored(status, answer.Text);
   }
 
 private:

@@ -137,6 +137,13 @@ void ReadIntensityScale(DcmItem& data, const std::string& path, Mammogram& mammo
   {
     Refuse(path, "expected a linear modality rescale, found a Modality LUT Sequence (0028,3000)");
   }
+  for (const DcmTagKey& tag : { DCM_RescaleSlope, DCM_RescaleIntercept })
+  {
+    if (const std::string text = DicomText(data, tag); !text.empty() && !DicomNumber(data, tag))
+    {
+      Refuse(path, "expected a number to rescale pixels by, found '" + text + "'");
+    }
+  }
 }
 
 /// One frame of `Stored` to floats: unused bits cleared, sign extended, rescaled, padding to NaN.

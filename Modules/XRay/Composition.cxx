@@ -19,6 +19,9 @@ namespace
 {
 constexpr double LowestKeV = 1;
 constexpr double HighestKeV = 200;
+/// xraylib follows brackets by recursion as deep as they go; formulas of tissues and metals are
+/// shorter.
+constexpr std::size_t MostLetters = 200;
 
 /// Mass fraction by atomic number.
 using MassFractions = std::map<int, double>;
@@ -26,6 +29,10 @@ using MassFractions = std::map<int, double>;
 /// A formula's or an element's mass fractions; empty when the text is neither.
 MassFractions ParseFormula(const std::string& text)
 {
+  if (text.size() > MostLetters)
+  {
+    return {};
+  }
   const std::unique_ptr<compoundData, decltype(&FreeCompoundData)> compound(
     CompoundParser(text.c_str(), nullptr), FreeCompoundData);
   MassFractions fractions;

@@ -178,6 +178,16 @@ TEST_F(ArchiveOf, WhatTheWebDoesNotTakeIsSaid)
   EXPECT_THAT(this->StoreOnWeb(answer("202 Accepted",
                 R"({"00081198":{"vr":"SQ","Value":[{"00081197":{"vr":"US","Value":[272]}}]}})")),
     HasSubstr("272"));
+  // Printed by recursion it would end the process.
+  const std::string deep = std::string(200000, '[') + std::string(200000, ']');
+  EXPECT_THAT(this->StoreOnWeb(answer("202 Accepted",
+                R"({"00081198":{"Value":[{"00081197":{"Value":[)" + deep + "]}}]}}")),
+    HasSubstr("nested deeper than 64"));
+  for (const char* const odd : { "\"x\"", "[7]", R"([{"00081197":7}])" })
+  {
+    const std::string body = R"({"00081198":{"Value":)" + std::string(odd) + "}}";
+    EXPECT_THAT(this->StoreOnWeb(answer("200 OK", body)), HasSubstr("not given"));
+  }
   EXPECT_THAT(this->StoreOnWeb(answer("302 Found\r\nLocation: http://127.0.0.2/", "")),
     HasSubstr("status 302"))
     << "what is sent goes nowhere else";

@@ -7,7 +7,9 @@
 #include "Private/Guard/GuardedRead.h"
 #include "Private/Guard/MeshParcel.h"
 #include "Private/SpectrumIO.h"
+#include "Private/StoreAnswer.h"
 #include "Private/StoredVoxels.h"
+#include "mammoray/Case/Intake.h"
 #include "mammoray/Case/ResultFile.h"
 #include "mammoray/Evidence/LandmarkEvaluation.h"
 #include "mammoray/Foundation/Error.h"
@@ -15,6 +17,7 @@
 #include "mammoray/IO/LabelVolumeIO.h"
 #include "mammoray/IO/MaterialTableIO.h"
 #include "mammoray/IO/ScratchFolder.h"
+#include "mammoray/XRay/Composition.h"
 
 #ifdef MAMMORAY_HAS_MESHING
 #include "mammoray/Evidence/EvidenceFile.h"
@@ -27,10 +30,12 @@
 
 #include <CLI/CLI.hpp>
 
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <sstream>
 
 namespace mammoray::hardening
 {
@@ -126,6 +131,32 @@ void ParseConfiguration(const std::string& path)
   }
 }
 
+/// An export of the files that the mark parts, which its choice follows from.
+void ReadExport(const std::string& bytes)
+{
+  static const std::string mark = "--FILE--";
+  const ScratchFolder folder;
+  std::size_t first = 0;
+  for (int number = 0; first <= bytes.size() && number < 16; ++number)
+  {
+    const std::size_t end = std::min(bytes.find(mark, first), bytes.size());
+    std::ofstream(folder.File(std::to_string(number)), std::ios::binary)
+      << bytes.substr(first, end - first);
+    first = end + mark.size();
+  }
+  const Study study = ReadStudy(folder.File(""));
+  const StudyChoice choice = ChooseForRegistration(study);
+  StudyJson(study, choice);
+  std::istringstream listing(StudyListing(study, choice));
+  for (std::string line; std::getline(listing, line);)
+  {
+    if (Printable(line) != line)
+    {
+      Fail(line);
+    }
+  }
+}
+
 template <typename Mesh>
 void Unpack(const std::string& bytes)
 {
@@ -139,8 +170,16 @@ const std::map<std::string, Target>& FuzzTargets()
 {
   ReadWithoutGuard();
   static const std::map<std::string, Target> targets{
+    { "archive-answer", Refusing([](const std::string& bytes) { WhyNotStored(200, bytes); }) },
     { "attenuation", OfFile("a.csv", [](const std::string& path) { ReadAttenuationTable(path); }) },
     { "checkpoint", OfFile("checkpoint.json", ReadSearchPoints) },
+    { "composition",
+      Refusing(
+        [](const std::string& bytes)
+        {
+          AttenuationTable table;
+          FindComposition(bytes, table);
+        }) },
     { "configuration", OfFile("c.json", ParseConfiguration) },
     { "dicom-header", OfFile("a.dcm", [](const std::string& path) { ReadDicomHeader(path); }) },
     { "dicom-segmentation",
@@ -167,6 +206,7 @@ const std::map<std::string, Target>& FuzzTargets()
       } },
     { "result", OfFile(ResultFileName, ReadResult) },
     { "spectrum", OfFile("a.spc", [](const std::string& path) { ReadSpectrum(path); }) },
+    { "study", Refusing(ReadExport) },
   };
   return targets;
 }

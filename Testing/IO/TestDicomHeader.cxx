@@ -112,6 +112,24 @@ TEST(DicomHeader, DamageIsNamedAndOtherFilesAreNone)
   EXPECT_THROW(ReadDicomHeader(folder.Write("promising", promising)), InputError);
 }
 
+TEST(DicomHeader, AHoleOfGigabytesIsNoHeader)
+{
+  TemporaryFolder folder;
+  const std::string whole = Slice(0);
+  const std::string path =
+    folder.Write("hole", whole.substr(0, whole.size() - 24 - 12)); // without its pixels
+  std::filesystem::resize_file(path, std::uintmax_t{ 1 } << 33);
+  try
+  {
+    ReadDicomHeader(path);
+    FAIL();
+  }
+  catch (const InputError& error)
+  {
+    EXPECT_THAT(error.what(), HasSubstr("a header of more than 8 MiB"));
+  }
+}
+
 TEST(DicomHeader, SlicesAreOrderedAlongTheirNormal)
 {
   TemporaryFolder folder;

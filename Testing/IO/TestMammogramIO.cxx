@@ -225,6 +225,16 @@ TEST(MammogramIO, RefusesWhatItWouldHaveToGuess)
   ExpectRefusal(TemporaryFile(Replaced(whole, "0.1\\0.1 ", "0.0\\0.1 ")).Path,
     "the size of a pixel is not known");
   ExpectRefusal(TemporaryFile(Replaced(whole, "MONOCHROME1 ", "RGB         ")).Path, "found 'RGB'");
+  // Rescale Slope, (0028,1053).
+  ExpectRefusal(TemporaryFile(Replaced(whole,
+                                "\x28\x00\x53\x10"
+                                "DS\x02\x00"
+                                "1 "s,
+                                "\x28\x00\x53\x10"
+                                "DS\x02\x00"
+                                "1x"s))
+                  .Path,
+    "found '1x'");
 }
 
 TEST(MammogramIO, RefusesHeadersThatContradictThemselves)

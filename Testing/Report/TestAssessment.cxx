@@ -115,14 +115,31 @@ TEST(Assessment, CountsWhatTheHeaderDisagreesOn)
 {
   RegistrationResult result = GoodResult();
   result.Pose.ThicknessMm = 50.4;
-  result.HeaderThicknessMm = 46;
-  EXPECT_EQ(Assess(result).Level, Trust::Good);
-  result.HeaderThicknessMm = 56;
+  // 15 % of the readout.
+  for (const double readout : { 44.0, 59.0 })
+  {
+    result.HeaderThicknessMm = readout;
+    EXPECT_EQ(Assess(result).Level, Trust::Good) << readout;
+  }
+  for (const double readout : { 43.0, 60.0 })
+  {
+    result.HeaderThicknessMm = readout;
+    EXPECT_EQ(Assess(result).Level, Trust::Doubtful) << readout;
+  }
   EXPECT_EQ(Assess(result).Level, Trust::Doubtful);
   EXPECT_THAT(Assess(result).Reasons,
-    ElementsAre(HasSubstr("found 50.4 mm thick, the mammogram's header says 56.0 mm")));
-  result.HeaderThicknessMm = 34;
-  EXPECT_EQ(Assess(result).Level, Trust::None);
+    ElementsAre(HasSubstr("found 50.4 mm thick, the mammogram's header says 60.0 mm")));
+  for (const double readout : { 34.0, 73.0 })
+  {
+    result.HeaderThicknessMm = readout;
+    EXPECT_EQ(Assess(result).Level, Trust::None) << readout;
+  }
+  // Of thin breasts 5 mm.
+  result.Pose.ThicknessMm = 22;
+  result.HeaderThicknessMm = 26.9;
+  EXPECT_EQ(Assess(result).Level, Trust::Good);
+  result.HeaderThicknessMm = 27.1;
+  EXPECT_EQ(Assess(result).Level, Trust::Doubtful);
   result.HeaderThicknessMm.reset();
   result.Disagreements = { "The side should be looked at." };
   EXPECT_EQ(Assess(result).Level, Trust::Doubtful);

@@ -123,6 +123,16 @@ TEST(Composition, UnknownNamesAreRefusedWithNearOnes)
   ExpectRefused("", "unknown attenuation ''");
 }
 
+TEST(Composition, BracketsWithoutEndAreNoFormula)
+{
+  AttenuationTable table;
+  EXPECT_TRUE(FindComposition(std::string(50, '(') + "H" + std::string(50, ')'), table));
+  // xraylib ends the process on it.
+  const std::string deep = std::string(200000, '(') + "H" + std::string(200000, ')');
+  EXPECT_FALSE(FindComposition(deep, table));
+  EXPECT_THROW(FindComposition(deep + ":1", table), InputError);
+}
+
 TEST(Composition, MaterialTablesTakeThem)
 {
   testing_support::TemporaryFolder folder;

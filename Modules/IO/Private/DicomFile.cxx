@@ -4,6 +4,8 @@
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/IO/DicomHeader.h"
 
+#include <dcmtk/dcmdata/dcistrmf.h>
+
 #include <cmath>
 #include <cstring>
 #include <fstream>
@@ -29,6 +31,28 @@ private:
   const dcmtk::log4cplus::LogLevel Level = this->Logger.getLogLevel();
 };
 
+/// A file that ends where more was read of it than headers hold: a terabyte of nothing takes no
+/// room on a disk, but hours as elements without values. Long values, the pixels among them, are
+/// passed over and do not count.
+class HeaderStream : public DcmInputFileStream
+{
+public:
+  using DcmInputFileStream::DcmInputFileStream;
+  bool IsTooLong() const { return this->Count > Most; }
+  OFBool eos() override { return this->IsTooLong() || DcmInputFileStream::eos(); }
+  offile_off_t avail() override { return this->IsTooLong() ? 0 : DcmInputFileStream::avail(); }
+  offile_off_t read(void* bytes, offile_off_t most) override
+  {
+    const offile_off_t count = DcmInputFileStream::read(bytes, most);
+    this->Count += count;
+    return count;
+  }
+
+private:
+  /// Those of a thousand slices in one object have a few MiB.
+  static constexpr offile_off_t Most = 8 << 20;
+  offile_off_t Count = 0;
+};
 }
 
 std::shared_ptr<void> SilenceDcmtk()
@@ -62,8 +86,16 @@ DicomFile::DicomFile(const std::string& path, const std::string& what, DicomExte
     throw InputError(path + ": expected " + what + ", found no DICOM header");
   }
   const bool whole = extent == DicomExtent::Whole;
-  const OFCondition read = this->File->loadFileUntilTag(path.c_str(), EXS_Unknown, EGL_noChange,
-    DCM_MaxReadLength, ERM_fileOnly, whole ? DCM_UndefinedTagKey : DCM_PixelData);
+  HeaderStream stream(path.c_str());
+  this->File->setReadMode(ERM_fileOnly);
+  this->File->transferInit();
+  const OFCondition read = this->File->readUntilTag(stream, EXS_Unknown, EGL_noChange,
+    DCM_MaxReadLength, whole ? DCM_UndefinedTagKey : DCM_PixelData);
+  this->File->transferEnd();
+  if (stream.IsTooLong())
+  {
+    throw InputError(path + ": expected " + what + ", found a header of more than 8 MiB");
+  }
   if (read.bad() || (whole && this->File->loadAllDataIntoMemory().bad()) ||
     this->File->getDataset()->card() == 0)
   {

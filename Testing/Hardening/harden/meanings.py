@@ -2,6 +2,7 @@
 """Files that are whole and mean something else: none may be called a match, none may take for ever."""
 import json
 import os
+import re
 import struct
 
 from dicomBytes import DicomBytes
@@ -32,6 +33,18 @@ def nrrd_with_spacing(data, spacing):
             vectors = line.split(b":")[1].split()
             vectors[0] = b"(" + spacing.encode() + b",0,0)"
             lines[index] = b"space directions: " + b" ".join(vectors)
+    return b"\n".join(lines)
+
+
+def nrrd_scaled(data, factor):
+    """The volume's spacings and origin times a factor."""
+    lines = data.split(b"\n")
+    for index, line in enumerate(lines):
+        key = line.split(b":")[0]
+        if key in (b"spacings", b"space directions", b"space origin"):
+            lines[index] = re.sub(rb"-?[0-9][0-9.e+-]*", lambda number: b"%.9g" % (float(number.group()) * factor), line)
+        if not line:
+            break
     return b"\n".join(lines)
 
 
@@ -95,10 +108,23 @@ class Meanings:
             for words in (["mesh", "--labels", path, "--materials", "victre", "-o", self.program.path("spacing.vtu")],
                           ["segment", "--image", path, "-o", self.program.path("spacing-labels.nrrd")]):
                 self.refused("voxels of %s mm, %s" % (spacing, words[0]), self.program.run(*words, seconds=60))
+        self.other_units(labels)
         mesh = self.program.path("meaning.obj")
         for vertex in ("nan", "1e400", "inf"):
             write(mesh, ("v %s 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n" % vertex).encode())
             self.refused("vertex " + vertex, self.program.run("mesh", "--check", mesh))
+
+    def other_units(self, labels):
+        """Whole volumes and headers in another unit, and rescaling that makes numbers none."""
+        register, out = self.program.register, self.program.path("meaning")
+        for unit, factor in (("m", 1e-3), ("cm", 0.1), ("um", 1e3)):
+            path = write(self.program.path("unit.nrrd"), nrrd_scaled(labels, factor))
+            self.refused("a volume in " + unit, register(out, "--labels", path))
+        for tag, text, what in (((0x18, 0x1110), "66", "source distance in cm"), ((0x18, 0x1164), "0.01\\0.01", "pixels in cm"),
+                                ((0x18, 0x11A0), "0.05", "thickness in m"), ((0x28, 0x1053), "0", "slope 0"),
+                                ((0x28, 0x1053), "nan", "slope nan"), ((0x28, 0x1053), "1e308", "slope 1e308"),
+                                ((0x28, 0x1052), "-1e308", "intercept -1e308")):
+            self.refused(what, register(out, "--mammogram", self.changed((tag, b"DS", text))))
 
     def without_crash(self):
         """What is taken on request still ends well."""
@@ -125,12 +151,42 @@ class Meanings:
             return
         self.doubted("the same, its air saturated", register(out, "--mammogram", self.saturated(intent)))
         self.doubted("left called right", register(out, "--mammogram", self.changed(((0x20, 0x62), b"CS", "R"))))
-        off = self.draws.choice([-1, 1]) * self.draws.uniform(9, 25)
+        off = self.draws.choice([-1, 1]) * self.draws.uniform(12, 25)
         self.doubted("header's thickness off by %.0f mm" % off,
                      register(out, "--mammogram", self.changed(((0x18, 0x11A0), b"DS", "%.0f" % (50 + off)))))
         for factor in (1.3, self.draws.uniform(1.2, 1.5), self.draws.uniform(0.6, 0.8)):
             self.doubted("pixels %.2f times too large" % factor, register(out, "--pixel-spacing", "%.4f" % (0.1 * factor)))
         self.doubted("not the left side up", register(out, "--mammogram", self.changed(((0x20, 0x20), b"CS", "A\\L"))))
+
+        self.doubted("CC called MLO", register(out, "--mammogram", self.changed(((0x18, 0x5101), b"CS", "MLO"))))
+        self.doubted("the other sign of intensities", register(out, "--mammogram", self.changed(((0x28, 0x1041), b"SS", b"\xff\xff"))))
+        self.doubted("signed pixels", register(out, "--mammogram", self.changed(((0x28, 0x103), b"US", b"\1\0"))))
+        self.doubted("slope -1", register(out, "--mammogram", self.changed(((0x28, 0x1053), b"DS", "-1"))))
+        self.doubted("a picture upside down", register(out, "--mammogram", self.turned(lambda rows: rows[::-1])))
+        self.doubted("a picture seen from behind",
+                     register(out, "--mammogram", self.turned(lambda rows: [row[::-1] for row in rows])))
+        self.doubted("a picture turned about", register(out, "--mammogram", self.turned(lambda rows: [row[::-1] for row in rows[::-1]])))
+        self.doubted("fat and gland exchanged", register(out, "--materials", self.exchanged("fat", "gland")))
+
+    def turned(self, turn):
+        """The pixels otherwise than the header says."""
+        file = DicomBytes(self.mammogram)
+        columns, = struct.unpack("<H", file.get((0x28, 0x11)))
+        pixels = file.get((0x7FE0, 0x10))
+        values = struct.unpack("<%dH" % (len(pixels) // 2), pixels)
+        rows = turn([values[start:start + columns] for start in range(0, len(values), columns)])
+        file.set((0x7FE0, 0x10), b"OW", b"".join(struct.pack("<%dH" % columns, *row) for row in rows))
+        return write(self.program.path("turned-%d.dcm" % self.count.tried), file.bytes())
+
+    def exchanged(self, one, other):
+        """The table with the labels of two materials exchanged."""
+        table = json.loads(json.dumps(self.table))
+        named = {material["name"]: material for material in table["materials"]}
+        named[one]["labels"], named[other]["labels"] = named[other]["labels"], named[one]["labels"]
+        path = self.program.path("exchanged.json")
+        with open(path, "w", encoding="utf-8") as file:
+            json.dump(table, file)
+        return path
 
     def saturated(self, elements):
         """Values of the air at one level, as of a detector that takes no more."""
