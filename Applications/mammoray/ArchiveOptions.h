@@ -17,16 +17,27 @@ inline constexpr const char* ObjectsFolderName = "dicom";
 inline CLI::Option* AddPacsOption(const OptionList& add, std::string& address)
 {
   return add("--pacs", address,
-    "HOST:PORT of the archive's DICOM service; what goes there is not encrypted");
+    "HOST:PORT of the archive's DICOM service; what goes there is encrypted with --tls only");
 }
 
-/// Adds --called-title, --calling-title and --timeout.
-inline void AddNodeOptions(const OptionList& add, DicomNode& node)
+/// Adds --called-title, --calling-title, --timeout, and --tls with its certificates. `web`: the help
+/// of --authorities names --web, too.
+inline void AddNodeOptions(const OptionList& add, DicomNode& node, bool web = false)
 {
   add("--called-title", node.CalledTitle, "application entity title of the archive");
   add("--calling-title", node.CallingTitle, "application entity title of this program");
   add("--timeout", node.TimeoutSeconds, Between(1, 3600, "s"),
     "longest wait for the connection, and for each answer");
+  CLI::Option* tls = add.Flag("--tls", node.Tls.Wanted,
+    "encrypt what goes to --pacs and comes from there; the archive must prove its name");
+  add.Input("--authorities", node.Tls.AuthoritiesFile,
+    std::string("certificates (PEM) that may vouch for the archive, with --tls") +
+      (web ? " or --web" : "") + "; default: the system's");
+  add
+    .Input("--certificate", node.Tls.CertificateFile,
+      "our own certificate (PEM), where the archive asks for one")
+    ->needs(tls);
+  add.Input("--key", node.Tls.KeyFile, "its key (PEM), without passphrase")->needs(tls);
 }
 }
 

@@ -40,9 +40,7 @@ void Declare(const OptionList& add, SendArguments& arguments)
     "address of the archive's DICOMweb service, https://pacs.example.org/dicom-web; name and "
     "password: ~/.netrc");
   where->require_option(1);
-  AddNodeOptions(add, arguments.Node);
-  add.Input("--authorities", arguments.Web.AuthoritiesFile,
-    "certificates (PEM) that may vouch for the server of --web; default: the system's");
+  AddNodeOptions(add, arguments.Node, true);
 }
 
 /// The objects of all mammograms of a result.
@@ -71,6 +69,10 @@ void Run(SendArguments& arguments)
   {
     SetAddress(arguments.Node, arguments.Pacs);
   }
+  else if (arguments.Node.Tls.Wanted)
+  {
+    throw CLI::ValidationError("--tls: expected with --pacs; --web is encrypted with https://");
+  }
   const std::vector<std::string> files =
     FindDicomFiles(arguments.Result.empty() ? arguments.Files : ObjectsOf(arguments.Result));
   const StoredCallback stored = [](const std::string& file)
@@ -85,6 +87,7 @@ void Run(SendArguments& arguments)
   else
   {
     arguments.Web.TimeoutSeconds = arguments.Node.TimeoutSeconds;
+    arguments.Web.AuthoritiesFile = arguments.Node.Tls.AuthoritiesFile;
     StoreFilesOnWeb(files, arguments.Web, stored, InterruptRequested);
   }
   std::printf("stored all %zu\n", files.size());

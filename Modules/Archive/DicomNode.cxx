@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mammoray/Archive/DicomNode.h"
 
+#include "Private/SecureLayer.h"
 #include "mammoray/IO/DicomHeader.h"
 #include "mammoray/IO/WholeOutput.h"
 
@@ -72,12 +73,21 @@ FileKind KindOf(const std::string& path)
   return kind;
 }
 
+/// A base, so that it outlives the connection.
+struct LayerOwner
+{
+  std::unique_ptr<DcmTransportLayer> Layer;
+};
+
 /// A connection to the archive that ends with this object.
-class Association : public DcmSCU
+class Association
+  : private LayerOwner
+  , public DcmSCU
 {
 public:
   explicit Association(const DicomNode& node)
-    : Node(node)
+    : LayerOwner{ MakeSecureLayer(node) }
+    , Node(node)
   {
     CheckTitle(node.CalledTitle);
     CheckTitle(node.CallingTitle);
@@ -113,6 +123,10 @@ public:
     if (OFCondition made = this->initNetwork(); made.bad())
     {
       throw NetworkError(NameOf(this->Node) + ": no network (" + ReasonOf(made) + ")");
+    }
+    if (this->Layer)
+    {
+      this->useSecureConnection(this->Layer.get());
     }
     if (OFCondition opened = this->negotiateAssociation(); opened.bad())
     {

@@ -13,7 +13,20 @@
 
 namespace mammoray
 {
-/// An archive that is asked by DICOM's own protocol (PS3.8), not encrypted.
+/// How a connection is encrypted. All files are PEM.
+struct TlsSettings
+{
+  /// Without it the connection is not encrypted, and no file may be named.
+  bool Wanted = false;
+  /// Certificates of the authorities that may vouch for the archive's; empty: the system's.
+  std::string AuthoritiesFile;
+  /// Our own certificate and its key, without passphrase, for archives that ask for them; both or
+  /// neither.
+  std::string CertificateFile;
+  std::string KeyFile;
+};
+
+/// An archive that is asked by DICOM's own protocol (PS3.8).
 struct DicomNode
 {
   std::string Host;
@@ -23,6 +36,8 @@ struct DicomNode
   std::string CallingTitle = "MAMMORAY";
   /// For the connection and for each answer, s; at least 1.
   int TimeoutSeconds = 30;
+  /// With TLS the archive must prove that it is `Host`.
+  TlsSettings Tls;
 };
 
 /// "HOST:PORT", an IPv6 address in brackets. Throws InputError on anything else.

@@ -50,13 +50,26 @@ def expect(what, expected, found):
         sys.exit(f"{what}: expected {expected}, found {found}")
 
 
-def start():
+def openssl(*words):
+    subprocess.run(["openssl", *map(str, words)], check=True, capture_output=True)
+
+
+def certify(name, *extensions):
+    """name.key and name.pem, of the authority ca.pem, or that itself."""
+    key, request = folder / f"{name}.key", folder / f"{name}.csr"
+    openssl("req", "-newkey", "rsa:2048", "-nodes", "-keyout", key, "-out", request, "-subj", f"/CN={name}")
+    (folder / "extensions").write_text("\n".join(extensions))
+    by = ["-signkey", key] if name.startswith("ca") else ["-CA", folder / "ca.pem", "-CAkey", folder / "ca.key", "-CAcreateserial"]
+    openssl("x509", "-req", "-in", request, "-days", 2, "-out", folder / f"{name}.pem", "-extfile", folder / "extensions", *by)
+
+
+def start(**more):
     store = folder / "orthanc"
-    store.mkdir()
+    store.mkdir(exist_ok=True)
     (folder / "orthanc.json").write_text(json.dumps({
         "StorageDirectory": str(store), "IndexDirectory": str(store), "Plugins": [PLUGIN],
         "HttpPort": HTTP, "DicomPort": DICOM, "RemoteAccessAllowed": False, "AuthenticationEnabled": False,
-        "DicomModalities": {"us": ["MAMMORAY", "127.0.0.1", 1]}, "DicomCheckModalityHost": True}))
+        "DicomModalities": {"us": ["MAMMORAY", "127.0.0.1", 1]}, "DicomCheckModalityHost": True, **more}))
     server = subprocess.Popen(["Orthanc", str(folder / "orthanc.json")], stdout=(folder / "log").open("w"),
                               stderr=subprocess.STDOUT)
     for _ in range(300):
@@ -134,9 +147,47 @@ def check():
     expect("nothing half written", False, (folder / "none").exists())
 
 
-server = start()
-try:
-    check()
-finally:
-    server.terminate()
-    server.wait()
+def check_encrypted():
+    """The archive asks for our certificate, we for its name."""
+    node, mammogram = f"127.0.0.1:{DICOM}", folder / "mammogram.dcm"
+    ours = ["--certificate", folder / "client.pem", "--key", folder / "client.key"]
+    theirs = ["--authorities", folder / "ca.pem"]
+    run("send", "--files", mammogram, "--pacs", node, "--tls", *theirs, *ours)
+    expect("instances by TLS", 1, ask("/statistics")["CountInstances"])
+    run("fetch", "--pacs", node, "--tls", *theirs, *ours, "--accession", "A-100", "-o", folder / "encrypted")
+    expect("fetched by TLS", 1, len(list((folder / "encrypted").rglob("*.dcm"))))
+    for case, options, expected in (
+            ("an authority that is not known", ["--tls", *ours], "certificate verify failed"),
+            ("an authority of another", ["--tls", "--authorities", folder / "ca2.pem", *ours], "certificate verify failed"),
+            ("no certificate of ours", ["--tls", *theirs], "found"),
+            ("another's key", ["--tls", *theirs, "--certificate", folder / "client.pem", "--key", folder / "server.key"],
+             "the key of"),
+            ("no TLS", [], "found none"),
+            ("no authorities", ["--tls", "--authorities", folder / "nowhere.pem", *ours], "no such file"),
+            ("certificates that are none", ["--tls", "--authorities", folder / "mammogram.dcm", *ours], "certificates (PEM)"),
+            ("authorities without TLS", theirs, "expected TLS")):
+        said = run("send", "--files", mammogram, "--pacs", node, "--timeout", 5, *options, status=1)
+        expect(f"{case}: {said}", True, expected in said)
+    # The certificate is for 127.0.0.1.
+    said = run("send", "--files", mammogram, "--pacs", f"127.0.0.2:{DICOM}", "--tls", *theirs, *ours, status=1)
+    expect(f"another name: {said}", True, "certificate verify failed" in said)
+    run("send", "--files", mammogram, "--web", ANSWER + "/dicom-web", "--tls", status=2)
+    expect("instances are as they were", 1, ask("/statistics")["CountInstances"])
+
+
+def during(server, what):
+    try:
+        what()
+    finally:
+        server.terminate()
+        server.wait()
+
+
+during(start(), check)
+shutil.rmtree(folder / "orthanc")
+for authority in ("ca", "ca2"):
+    certify(authority, "basicConstraints=critical,CA:TRUE")
+certify("server", "subjectAltName=IP:127.0.0.1")
+certify("client")
+during(start(DicomTlsEnabled=True, DicomTlsCertificate=str(folder / "server.pem"), DicomTlsPrivateKey=str(folder / "server.key"),
+             DicomTlsTrustedCertificates=str(folder / "ca.pem"), DicomTlsRemoteCertificateRequired=True), check_encrypted)
