@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Installs the packages in a bare Debian 12, which debootstrap makes, and uses them there as an ordinary user: the
-# demo, the manual, the completion, Python; then, with libmammoray-dev and the compiler that it brings, a C++ program.
-# Needs root, debootstrap and the network; some minutes, 5 GB.
+# demo, the manual, the completion, Python, Octave; then, with libmammoray-dev and the compiler that it brings, a C++ program;
+# then the projector alone, and the plugin in ParaView. Needs root, debootstrap and the network; some minutes, 6 GB.
 #
 #   Packaging/try.sh [FOLDER_OF_PACKAGES [ROOT]]     build/packages, and a new folder that is removed at the end
 set -euo pipefail
@@ -45,6 +45,12 @@ as_user 'bash -n /usr/share/bash-completion/completions/mammoray'
 cp "$top/Testing/Python/testProject.py" "$top/Testing/Python/testProjectBox.py" "$root/home/user"
 as_user 'python3 testProject.py && python3 testProjectBox.py'
 
+if compgen -G "$packages/octave-mammoray_*.deb" >/dev/null; then
+  install 'octave-mammoray_*.deb'
+  cp "$top/Testing/Octave/twoPlates.m" "$root/home/user"
+  as_user 'octave-cli --no-init-file --quiet --path $(echo /usr/lib/*/mammoray/octave) twoPlates.m'
+fi
+
 install 'libmammoray-dev_*.deb'
 inside apt-get install -y -q --no-install-recommends cmake g++ make nlohmann-json3-dev
 rm -rf "$root/home/user/consumer"
@@ -60,5 +66,18 @@ if compgen -G "$packages/without-copyleft/python3-mammoray-xray_*.deb" >/dev/nul
   inside apt-get autoremove -y -q
   install 'without-copyleft/python3-mammoray-xray_*.deb'
   as_user 'if python3 -c "import vtkmodules" 2>/dev/null; then echo "expected no VTK"; exit 1; fi; python3 testProject.py'
+fi
+# The plugin in Debian's ParaView, whose Python conflicts with that of VTK.
+if compgen -G "$packages/paraview/paraview-mammoray_*.deb" >/dev/null; then
+  inside sh -c 'apt-get purge -y -q $(dpkg-query -W -f "\${Package} " "python3-mammoray*" "python3-vtk*" 2>/dev/null)'
+  install 'mammoray-data_*.deb paraview/paraview-mammoray_*.deb'
+  inside apt-get install -y -q --no-install-recommends python3-paraview xauth xdotool xvfb
+  mkdir -p "$root/home/user/Applications"
+  ln -sfn /usr/share/mammoray "$root/home/user/Data"
+  cp -r "$top/Applications/ParaViewPlugin" "$root/home/user/Applications"
+  inside chown -R user /home/user/Applications
+  as_user 'set -e; export PV_PLUGIN_PATH=$(echo /usr/lib/*/paraview-5.11/plugins/MammoRay)
+    xvfb-run -a pvpython Applications/ParaViewPlugin/testPlugin.py plugin-test
+    Applications/ParaViewPlugin/testWindow.sh /usr/share/mammoray/paraview/demo.pvsm state.png'
 fi
 echo "try.sh: all of $(cd "$packages" && echo *.deb) work"

@@ -37,9 +37,13 @@ def plain(source, view, color, **properties):
     shown(source, view, ColorArrayName=["POINTS", ""], DiffuseColor=color, AmbientColor=color, **properties)
 
 
-def material_of(name):
-    """Of a shipped table by its name without extension, else the file."""
-    return os.path.splitext(name)[0] if os.path.dirname(name) == "" else name
+def choose(proxy, what, name):
+    """A shipped table or spectrum by its name without extension, else the file."""
+    shipped = os.path.splitext(name)[0] if os.path.dirname(name) == "" else name
+    if shipped in proxy.GetProperty(what).Available:
+        setattr(proxy, what, shipped)
+    else:
+        setattr(proxy, what + "File", name)
 
 
 def add_xray(squeezed, result, view):
@@ -50,8 +54,8 @@ def add_xray(squeezed, result, view):
     spacing = [math.hypot(*column), math.hypot(*row)]
     table = next(entry["file"] for entry in result["inputs"] if entry["role"] == "Material table")
     xray = simple.XrayProjector(registrationName="X-ray", Input=squeezed)
-    xray.MaterialTable = material_of(table)
-    xray.Spectrum = result["spectrum"]
+    choose(xray, "MaterialTable", table)
+    choose(xray, "Spectrum", result["spectrum"])
     xray.PlacedByInput = 0
     xray.SourcePosition = combine(origin, (unit["sourceToDetectorMm"], z))
     xray.DetectorOrigin = combine(origin, (grid["originMm"][0], x), (grid["originMm"][1], y))

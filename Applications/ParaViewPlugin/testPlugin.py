@@ -34,6 +34,18 @@ for name, label in (("BreastMesher", "Breast Mesher"), ("BreastCompression", "Br
     prototype = manager.GetPrototypeProxy("filters", name)
     assert prototype.GetXMLLabel() == label and prototype.GetHints().FindNestedElementByName("ShowInMenu")
 
+# What is shipped is there to choose from.
+def shipped(kind, extension):
+    return {os.path.splitext(name)[0] for name in os.listdir(os.path.join(root, "Data", kind)) if name.endswith(extension)}
+
+
+for name in ("BreastMesher", "BreastCompression", "XrayProjector", "BreastRegistration"):
+    chosen = getattr(simple.servermanager.filters, name)()
+    assert set(chosen.GetProperty("MaterialTable").Available) - {""} == shipped("materials", ".json")
+    assert chosen.MaterialTable == "victre"
+    if hasattr(chosen, "Spectrum"):
+        assert set(chosen.GetProperty("Spectrum").Available) - {""} == shipped("spectra", ".spc")
+
 # Labels to meshes, between the plates in steps, to an X-ray. LAS: +y to the front.
 axis = numpy.arange(-33, 33.1, 2.0)
 z, y, x = numpy.meshgrid(axis, axis[axis > -3], axis, indexing="ij")
@@ -56,9 +68,9 @@ scalars.SetName("Labels")
 volume.GetPointData().SetScalars(scalars)
 source = simple.TrivialProducer(registrationName="labels")
 source.GetClientSideObject().SetOutput(volume)
-anatomy = simple.BreastMesher(Input=source, MaterialTable=table, CellSizeMm=8)
-coarse = simple.BreastMesher(Input=source, MaterialTable=table, CellSizeMm=11, ForMechanics=1)
-compression = simple.BreastCompression(Input=anatomy, SimulationMesh=coarse, MaterialTable=table, Orientation="LAS",
+anatomy = simple.BreastMesher(Input=source, MaterialTableFile=table, CellSizeMm=8)
+coarse = simple.BreastMesher(Input=source, MaterialTableFile=table, CellSizeMm=11, ForMechanics=1)
+compression = simple.BreastCompression(Input=anatomy, SimulationMesh=coarse, MaterialTableFile=table, Orientation="LAS",
                                        ThicknessMm=52, NumberOfTimeSteps=3)
 compression.UpdatePipeline(1.0)
 assert list(compression.TimestepValues) == [0.0, 0.5, 1.0]
@@ -69,7 +81,7 @@ displacement = vtk_to_numpy(squeezed.GetPointData().GetArray("Displacement"))
 furthest = numpy.abs(displacement[:, 2]).max()
 # 58 mm high where the plates begin, and 60 at the chest wall, which is held.
 assert 1.5 < furthest < 4, f"58 mm to 52: {furthest} mm"
-xray = simple.XrayProjector(Input=closed, MaterialTable=table, PixelSpacing=[1, 1], DetectorSize=[45, 90])
+xray = simple.XrayProjector(Input=closed, MaterialTableFile=table, PixelSpacing=[1, 1], DetectorSize=[45, 90])
 xray.UpdatePipeline()
 picture = simple.servermanager.Fetch(xray)
 if picture.GetNumberOfPoints() == 0 or not picture.GetPointData().GetArray("LogAttenuation"):

@@ -139,7 +139,8 @@ CompressionSetup vtkBreastCompression::Internals::SetupOf(const vtkBreastCompres
   CompressionSetup setup;
   setup.Anatomy = FromGrid(input);
   setup.Anatomy.Validate("vtkBreastCompression's input");
-  setup.Materials = this->MaterialsOf(setup.Anatomy, filter.MaterialTable);
+  setup.Materials =
+    this->MaterialsOf(setup.Anatomy, FileOrName(filter.MaterialTableFile, filter.MaterialTable));
   if (coarse)
   {
     setup.Coarse = FromGrid(coarse);
@@ -264,6 +265,11 @@ void vtkBreastCompression::SetMaterialTable(const char* pathOrName)
   SetProperty(this, this->MaterialTable, std::string(pathOrName ? pathOrName : ""));
 }
 
+void vtkBreastCompression::SetMaterialTableFile(const char* path)
+{
+  SetProperty(this, this->MaterialTableFile, std::string(path ? path : ""));
+}
+
 void vtkBreastCompression::SetOrientation(const char* axes)
 {
   SetProperty(this, this->Orientation, std::string(axes ? axes : ""));
@@ -385,6 +391,7 @@ void vtkBreastCompression::PrintSelf(ostream& os, vtkIndent indent)
 {
   this->Superclass::PrintSelf(os, indent);
   os << indent << "MaterialTable: " << this->MaterialTable << "\n";
+  os << indent << "MaterialTableFile: " << this->MaterialTableFile << "\n";
   os << indent << "Orientation: " << this->Orientation << "\n";
   os << indent << "Element: " << (this->Element == LINEAR ? "linear" : "quadratic") << "\n";
   os << indent << "ThicknessMm: " << this->ThicknessMm << "\n";

@@ -61,6 +61,15 @@ public:
 
   ///@{
   /**
+   * Path of a material table's file, which goes before MaterialTable: for interfaces that offer the
+   * shipped ones as a list, as ParaView does. Empty, the default: none.
+   */
+  void SetMaterialTableFile(const char* path);
+  vtkGetCharFromStdStringMacro(MaterialTableFile);
+  ///@}
+
+  ///@{
+  /**
    * Directions of the input's +x, +y, +z: one letter each of L/R, A/P, S/I. Default "LPS".
    */
   void SetOrientation(const char* axes);
@@ -305,6 +314,7 @@ private:
     vtkUnstructuredGrid* output);
 
   std::string MaterialTable;
+  std::string MaterialTableFile;
   std::string Orientation = "LPS";
   int Element = QUADRATIC;
   double ThicknessMm = 50;

@@ -57,6 +57,11 @@ void vtkBreastMesher::SetMaterialTable(const char* pathOrName)
   SetProperty(this, this->MaterialTable, std::string(pathOrName ? pathOrName : ""));
 }
 
+void vtkBreastMesher::SetMaterialTableFile(const char* path)
+{
+  SetProperty(this, this->MaterialTableFile, std::string(path ? path : ""));
+}
+
 int vtkBreastMesher::FillInputPortInformation(int, vtkInformation* info)
 {
   info->Set(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkImageData");
@@ -89,8 +94,9 @@ void vtkBreastMesher::Mesh(vtkImageData* input, vtkUnstructuredGrid* output)
   {
     CheckPlausible(Plausible::VoxelSpacing, labels.Spacing, "input", "AcceptUnusual takes it");
   }
+  const std::string& name = FileOrName(this->MaterialTableFile, this->MaterialTable);
   const mammoray::MaterialTable table =
-    this->MaterialTable.empty() ? TableOfIndices(labels) : FindMaterialTable(this->MaterialTable);
+    name.empty() ? TableOfIndices(labels) : FindMaterialTable(name);
   LabelVolume materials = table.ToMaterials(labels, "input");
   if (this->LabelSpacingMm > *std::max_element(labels.Spacing.begin(), labels.Spacing.end()))
   {
@@ -129,6 +135,7 @@ void vtkBreastMesher::PrintSelf(ostream& os, vtkIndent indent)
 {
   this->Superclass::PrintSelf(os, indent);
   os << indent << "MaterialTable: " << this->MaterialTable << "\n";
+  os << indent << "MaterialTableFile: " << this->MaterialTableFile << "\n";
   os << indent << "LabelSpacingMm: " << this->LabelSpacingMm << "\n";
   os << indent << "CellSizeMm: " << this->CellSizeMm << "\n";
   os << indent << "NumberOfTriangles: " << this->NumberOfTriangles << "\n";

@@ -42,6 +42,15 @@ public:
 
   ///@{
   /**
+   * Path of a material table's file, which goes before MaterialTable: for interfaces that offer the
+   * shipped ones as a list, as ParaView does. Empty, the default: none.
+   */
+  void SetMaterialTableFile(const char* path);
+  vtkGetCharFromStdStringMacro(MaterialTableFile);
+  ///@}
+
+  ///@{
+  /**
    * Voxel size to which finer labels are resampled first, mm; 0 keeps them. Not negative; default
    * 0.
    */
@@ -103,6 +112,7 @@ private:
   void Mesh(vtkImageData* input, vtkUnstructuredGrid* output);
 
   std::string MaterialTable;
+  std::string MaterialTableFile;
   double LabelSpacingMm = 0;
   double CellSizeMm = 4;
   int NumberOfTriangles = 0;

@@ -254,9 +254,19 @@ void vtkBreastRegistration::SetMaterialTable(const char* pathOrName)
   SetProperty(this, this->MaterialTable, std::string(pathOrName ? pathOrName : ""));
 }
 
+void vtkBreastRegistration::SetMaterialTableFile(const char* path)
+{
+  SetProperty(this, this->MaterialTableFile, std::string(path ? path : ""));
+}
+
 void vtkBreastRegistration::SetSpectrum(const char* pathOrName)
 {
   SetProperty(this, this->Spectrum, std::string(pathOrName ? pathOrName : ""));
+}
+
+void vtkBreastRegistration::SetSpectrumFile(const char* path)
+{
+  SetProperty(this, this->SpectrumFile, std::string(path ? path : ""));
 }
 
 void vtkBreastRegistration::SetOrientation(const char* axes)
@@ -329,8 +339,10 @@ int vtkBreastRegistration::RequestData(vtkInformation*, vtkInformationVector** i
     const ProgressCallback progress = ProgressOf(this);
     // Everything that can be refused comes before anything is computed.
     const AnatomicalAxes axes = AnatomicalAxes::FromCode(this->Orientation);
-    const mammoray::Spectrum spectrum = FindSpectrum(this->Spectrum);
-    if (this->MaterialTable.empty())
+    const mammoray::Spectrum spectrum =
+      FindSpectrum(FileOrName(this->SpectrumFile, this->Spectrum));
+    const std::string& table = FileOrName(this->MaterialTableFile, this->MaterialTable);
+    if (table.empty())
     {
       throw InputError("expected a MaterialTable, found none");
     }
@@ -357,9 +369,9 @@ int vtkBreastRegistration::RequestData(vtkInformation*, vtkInformationVector** i
     if (!grid)
     {
       internal.Mesher->SetAcceptUnusual(this->AcceptUnusual);
-      grid = internal.MeshLabels(vtkImageData::GetData(inputs[0]), this->MaterialTable);
+      grid = internal.MeshLabels(vtkImageData::GetData(inputs[0]), table);
     }
-    RegistrationSetup setup{ FromGrid(grid), {}, this->MaterialTable, this->DeviceName };
+    RegistrationSetup setup{ FromGrid(grid), {}, table, this->DeviceName };
     setup.Anatomy.Validate("vtkBreastRegistration's input");
     if (vtkUnstructuredGrid* coarse = vtkUnstructuredGrid::GetData(inputs[2]))
     {
@@ -399,7 +411,9 @@ void vtkBreastRegistration::PrintSelf(ostream& os, vtkIndent indent)
 {
   this->Superclass::PrintSelf(os, indent);
   os << indent << "MaterialTable: " << this->MaterialTable << "\n";
+  os << indent << "MaterialTableFile: " << this->MaterialTableFile << "\n";
   os << indent << "Spectrum: " << this->Spectrum << "\n";
+  os << indent << "SpectrumFile: " << this->SpectrumFile << "\n";
   os << indent << "Orientation: " << this->Orientation << "\n";
   os << indent << "FreeParameters: " << this->FreeParameters << "\n";
   os << indent << "ThicknessMm: " << this->ThicknessMm << "\n";

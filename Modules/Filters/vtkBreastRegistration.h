@@ -55,10 +55,28 @@ public:
 
   ///@{
   /**
+   * Path of a material table's file, which goes before MaterialTable: for interfaces that offer the
+   * shipped ones as a list, as ParaView does. Empty, the default: none.
+   */
+  void SetMaterialTableFile(const char* path);
+  vtkGetCharFromStdStringMacro(MaterialTableFile);
+  ///@}
+
+  ///@{
+  /**
    * Path of a spectrum (.spc) or the name of a shipped one. Default "W28kVp_Rh50um_Be1mm".
    */
   void SetSpectrum(const char* pathOrName);
   vtkGetCharFromStdStringMacro(Spectrum);
+  ///@}
+
+  ///@{
+  /**
+   * Path of a spectrum's file, which goes before Spectrum: for interfaces that offer the shipped
+   * ones as a list, as ParaView does. Empty, the default: none.
+   */
+  void SetSpectrumFile(const char* path);
+  vtkGetCharFromStdStringMacro(SpectrumFile);
   ///@}
 
   ///@{
@@ -164,7 +182,9 @@ private:
   void operator=(const vtkBreastRegistration&) = delete;
 
   std::string MaterialTable;
+  std::string MaterialTableFile;
   std::string Spectrum = "W28kVp_Rh50um_Be1mm";
+  std::string SpectrumFile;
   std::string Orientation = "LPS";
   std::string FreeParameters = "thickness roll lateral anterior";
   double ThicknessMm = 0;

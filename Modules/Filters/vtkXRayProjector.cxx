@@ -323,9 +323,19 @@ void vtkXRayProjector::SetMaterialTable(const char* pathOrName)
   SetProperty(this, this->MaterialTable, std::string(pathOrName ? pathOrName : ""));
 }
 
+void vtkXRayProjector::SetMaterialTableFile(const char* path)
+{
+  SetProperty(this, this->MaterialTableFile, std::string(path ? path : ""));
+}
+
 void vtkXRayProjector::SetSpectrum(const char* pathOrName)
 {
   SetProperty(this, this->Spectrum, std::string(pathOrName ? pathOrName : ""));
+}
+
+void vtkXRayProjector::SetSpectrumFile(const char* path)
+{
+  SetProperty(this, this->SpectrumFile, std::string(path ? path : ""));
 }
 
 void vtkXRayProjector::SetMonochromatic(double energyKeV)
@@ -489,9 +499,11 @@ void vtkXRayProjector::Project(vtkDataObject* input, vtkImageData* output)
     internal.Detector = detector;
   }
   const int materialCount = internal.Surface.NumberOfMaterials();
+  const std::string& spectrum = FileOrName(this->SpectrumFile, this->Spectrum);
   const Beam beam = internal.MakeBeamFor(materialCount,
-    internal.AttenuationsOf(this->MaterialTable, materialCount),
-    this->Spectrum.empty() ? internal.Photons : FindSpectrum(this->Spectrum),
+    internal.AttenuationsOf(FileOrName(this->MaterialTableFile, this->MaterialTable),
+      materialCount),
+    spectrum.empty() ? internal.Photons : FindSpectrum(spectrum),
     this->PhotonCounting ? DetectorResponse::PhotonCounting : DetectorResponse::EnergyIntegrating);
   const Exposure exposure =
     Expose(*internal.Projector, source, detector, beam, {}, ProgressOf(this, 0.4, 0.8));
@@ -530,7 +542,9 @@ void vtkXRayProjector::PrintSelf(ostream& os, vtkIndent indent)
   os << indent << "Samples: " << this->Samples << "\n";
   os << indent << "PhotonCounting: " << this->PhotonCounting << "\n";
   os << indent << "MaterialTable: " << this->MaterialTable << "\n";
+  os << indent << "MaterialTableFile: " << this->MaterialTableFile << "\n";
   os << indent << "Spectrum: " << this->Spectrum << "\n";
+  os << indent << "SpectrumFile: " << this->SpectrumFile << "\n";
   os << indent << "DeviceName: " << this->DeviceName << "\n";
   os << indent << "ProjectionMethod: " << this->ProjectionMethod << "\n";
   print("Energies", this->Internal->Photons.EnergiesKeV);

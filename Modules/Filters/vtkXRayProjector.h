@@ -181,11 +181,29 @@ public:
 
   ///@{
   /**
+   * Path of a material table's file, which goes before MaterialTable: for interfaces that offer the
+   * shipped ones as a list, as ParaView does. Empty, the default: none.
+   */
+  void SetMaterialTableFile(const char* path);
+  vtkGetCharFromStdStringMacro(MaterialTableFile);
+  ///@}
+
+  ///@{
+  /**
    * Path of a spectrum (.spc) or the name of a shipped one. Empty: what SetMonochromatic or
    * AddSpectrumLine said. Default empty.
    */
   void SetSpectrum(const char* pathOrName);
   vtkGetCharFromStdStringMacro(Spectrum);
+  ///@}
+
+  ///@{
+  /**
+   * Path of a spectrum's file, which goes before Spectrum: for interfaces that offer the shipped
+   * ones as a list, as ParaView does. Empty, the default: none.
+   */
+  void SetSpectrumFile(const char* path);
+  vtkGetCharFromStdStringMacro(SpectrumFile);
   ///@}
 
   /**
@@ -263,7 +281,9 @@ private:
   int Samples = 1;
   bool PhotonCounting = false;
   std::string MaterialTable;
+  std::string MaterialTableFile;
   std::string Spectrum;
+  std::string SpectrumFile;
   std::string DeviceName;
   int ProjectionMethod = AUTO;
   vtkIdType NumberOfInconsistentPixels = 0;

@@ -2,33 +2,18 @@
 # SPDX-License-Identifier: Apache-2.0
 """A result goes to a real Orthanc and comes back.
 
-askOrthanc.py MAMMORAY FOLDER: FOLDER holds a result, mammogram.dcm, mri-series/ and lesion.nrrd (see ArchivedBox.h). Orthanc
-(Debian's orthanc and orthanc-dicomweb) runs in a network of its own that has the loopback address only.
-Exit 125: something of this is not there. MAMMORAY_KEEP_PREVIEWS: a folder for the pictures that Orthanc makes."""
-import json
+askOrthanc.py MAMMORAY FOLDER: FOLDER holds a result, mammogram.dcm, mri-series/ and lesion.nrrd (see ArchivedBox.h).
+Exit 125: no Orthanc (orthanc.py). MAMMORAY_KEEP_PREVIEWS: a folder for the pictures that Orthanc makes."""
 import os
 import pathlib
-import shutil
 import subprocess
 import sys
-import time
 import urllib.request
 
-PLUGIN = "/usr/share/orthanc/plugins/libOrthancDicomWeb.so"
-HTTP, DICOM = 8042, 4242
-ANSWER = f"http://127.0.0.1:{HTTP}"
+from orthanc import ANSWER, DICOM, ask, during, enter_own_network, start
 
 program, folder = sys.argv[1], pathlib.Path(sys.argv[2])
-if not shutil.which("Orthanc") or not os.path.exists(PLUGIN):
-    sys.exit(125)
-if "MAMMORAY_ALONE" not in os.environ:
-    if subprocess.run(["unshare", "-rn", "ip", "link", "set", "lo", "up"], check=False, capture_output=True).returncode:
-        print("no network of its own")
-        sys.exit(125)
-    os.environ["MAMMORAY_ALONE"] = "1"
-    for name in ("http_proxy", "https_proxy", "HTTP_PROXY", "HTTPS_PROXY", "all_proxy", "ALL_PROXY"):
-        os.environ.pop(name, None)
-    os.execvp("unshare", ["unshare", "-rn", "sh", "-c", 'ip link set lo up; exec "$@"', "sh", sys.executable, *sys.argv])
+enter_own_network()
 
 
 def run(*words, status=0):
@@ -38,11 +23,6 @@ def run(*words, status=0):
     if status == 1 and done.stderr.count("\n") != 1:
         sys.exit(f"{words}: expected one line, found {done.stderr}")
     return done.stdout + done.stderr
-
-
-def ask(path, raw=False):
-    with urllib.request.urlopen(ANSWER + path, timeout=30) as answer:
-        return answer.read() if raw else json.load(answer)
 
 
 def expect(what, expected, found):
@@ -61,25 +41,6 @@ def certify(name, *extensions):
     (folder / "extensions").write_text("\n".join(extensions))
     by = ["-signkey", key] if name.startswith("ca") else ["-CA", folder / "ca.pem", "-CAkey", folder / "ca.key", "-CAcreateserial"]
     openssl("x509", "-req", "-in", request, "-days", 2, "-out", folder / f"{name}.pem", "-extfile", folder / "extensions", *by)
-
-
-def start(**more):
-    store = folder / "orthanc"
-    store.mkdir(exist_ok=True)
-    (folder / "orthanc.json").write_text(json.dumps({
-        "StorageDirectory": str(store), "IndexDirectory": str(store), "Plugins": [PLUGIN],
-        "HttpPort": HTTP, "DicomPort": DICOM, "RemoteAccessAllowed": False, "AuthenticationEnabled": False,
-        "DicomModalities": {"us": ["MAMMORAY", "127.0.0.1", 1]}, "DicomCheckModalityHost": True, **more}))
-    server = subprocess.Popen(["Orthanc", str(folder / "orthanc.json")], stdout=(folder / "log").open("w"),
-                              stderr=subprocess.STDOUT)
-    for _ in range(300):
-        try:
-            ask("/system")
-            return server
-        except OSError:
-            time.sleep(0.1)
-    server.kill()
-    sys.exit("Orthanc does not begin:\n" + (folder / "log").read_text())
 
 
 def previews():
@@ -175,19 +136,10 @@ def check_encrypted():
     expect("instances are as they were", 1, ask("/statistics")["CountInstances"])
 
 
-def during(server, what):
-    try:
-        what()
-    finally:
-        server.terminate()
-        server.wait()
-
-
-during(start(), check)
-shutil.rmtree(folder / "orthanc")
+during(start(folder), check)
 for authority in ("ca", "ca2"):
     certify(authority, "basicConstraints=critical,CA:TRUE")
 certify("server", "subjectAltName=IP:127.0.0.1")
 certify("client")
-during(start(DicomTlsEnabled=True, DicomTlsCertificate=str(folder / "server.pem"), DicomTlsPrivateKey=str(folder / "server.key"),
+during(start(folder, DicomTlsEnabled=True, DicomTlsCertificate=str(folder / "server.pem"), DicomTlsPrivateKey=str(folder / "server.key"),
              DicomTlsTrustedCertificates=str(folder / "ca.pem"), DicomTlsRemoteCertificateRequired=True), check_encrypted)

@@ -127,6 +127,14 @@ TEST_F(BreastPipeline, MeshesAnObliqueImage)
   names = vtkStringArray::SafeDownCast(
     mesher->GetOutput()->GetFieldData()->GetAbstractArray("MaterialNames"));
   EXPECT_EQ(names->GetValue(2), "2");
+  // And a file goes before a name.
+  mesher->SetMaterialTable("no-such-table");
+  mesher->SetMaterialTableFile(this->TablePath.c_str());
+  mesher->Update();
+  names = vtkStringArray::SafeDownCast(
+    mesher->GetOutput()->GetFieldData()->GetAbstractArray("MaterialNames"));
+  ASSERT_TRUE(names);
+  EXPECT_EQ(names->GetValue(2), "wall");
 }
 
 TEST_F(BreastPipeline, MesherRefusesOnceAndStopsWhenAsked)

@@ -266,9 +266,20 @@ TEST_F(XRayProjectorFilter, TakesMaterialsAndSpectrumByName)
   lengths.Lengths[static_cast<std::size_t>(table.IndexOf("gland"))] = 12;
   // Both in float.
   EXPECT_NEAR(this->Value("LogAttenuation", 0), beam.LogAttenuation(lengths)[0], 1e-5);
+  const double byNames = this->Value("LogAttenuation", 0);
   this->Filter->SetMaterialTable("victor");
   this->Filter->Update();
   EXPECT_EQ(this->Errors->Count, 1);
+  // A file goes before a name.
+  this->Filter->SetMaterialTableFile(mammoray::FindMaterialTablePath("victre").c_str());
+  const std::string spectra = mammoray::DataDirectory() + "/spectra/";
+  this->Filter->SetSpectrumFile((spectra + "W28kVp_Rh50um_Be1mm.spc").c_str());
+  this->Filter->Update();
+  ASSERT_EQ(this->Errors->Count, 1) << this->Errors->Text;
+  EXPECT_GT(this->Value("LogAttenuation", 0), 1.01 * byNames) << "28 kV is softer than 30 kV";
+  this->Filter->SetSpectrumFile("");
+  this->Filter->Update();
+  EXPECT_EQ(this->Value("LogAttenuation", 0), byNames);
 }
 
 TEST_F(XRayProjectorFilter, PolyDataWithInsideMaterialInAnyOrientation)

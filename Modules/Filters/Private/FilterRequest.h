@@ -9,6 +9,7 @@
 #include "vtkDataObject.h"
 
 #include <exception>
+#include <string>
 #include <utility>
 
 namespace mammoray
@@ -32,6 +33,12 @@ void SetProperty(vtkAlgorithm* filter, Value& property, Value value)
     property = std::move(value);
     filter->Modified();
   }
+}
+
+/// A file that was named goes before what was chosen by name.
+inline const std::string& FileOrName(const std::string& file, const std::string& name)
+{
+  return file.empty() ? name : file;
 }
 
 /**
