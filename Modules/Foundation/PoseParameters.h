@@ -76,7 +76,7 @@ inline constexpr std::array<PoseParameter, ParameterCount> PoseParameters{ {
     &BreastPose::YawDeg, 0, 20, 0, NoBound, NoBound, 5, 5, false, false },
   { LateralParameter, "lateral", "mm", "Shift along the chest wall",
     "shift of the receptor along its chest-wall edge; positive towards the patient's left (CC)",
-    &BreastPose::LateralMm, 0, 50, 0, NoBound, NoBound, 5, 0, true, false },
+    &BreastPose::LateralMm, 0, 100, 0, NoBound, NoBound, 5, 0, true, false },
   // The plates cannot stand behind the front of the chest wall.
   { AnteriorParameter, "anterior", "mm", "Shift away from the chest wall",
     "distance of the receptor's edge from the chest wall", &BreastPose::AnteriorMm, 5, 50, 0, 0,

@@ -21,13 +21,13 @@ constexpr double NegligibleFall = 0.125;
 constexpr double NegligibleFallOfPredictor = 2;
 
 /// Where stages of a search end, as parts of its time: the start chosen, coarse resolutions
-/// searched by the predictor, the simulation itself where that got to.
-constexpr double StartEnds = 0.2;
-constexpr double CoarseEnds = 0.45;
-constexpr double AdoptedEnds = 0.55;
-/// Equilibria that a stage takes for each mammogram, by experience.
+/// searched by the predictor, the simulation itself where that got to. Of a study's 150 to 200 s.
+constexpr double StartEnds = 0.1;
+constexpr double CoarseEnds = 0.35;
+constexpr double AdoptedEnds = 0.45;
+/// Equilibria that a stage takes for each mammogram, by experience: a level 5 to 20.
 constexpr double EquilibriaOfStart = 5;
-constexpr double EquilibriaOfLevel = 6;
+constexpr double EquilibriaOfLevel = 9;
 
 /**
  * Of a stage that takes from `from` to `to` of the whole, in equilibria that each tell of

@@ -6,6 +6,7 @@
 #include <ceres/ceres.h>
 #include <glog/logging.h>
 
+#include <limits>
 #include <string>
 #include <utility>
 
@@ -60,7 +61,7 @@ private:
   std::size_t Index;
 };
 
-/// Keeps the accepted states, tells of progress and stops when asked.
+/// Keeps the best of the accepted states, tells of progress and stops when asked.
 class IterationRecorder : public ceres::IterationCallback
 {
 public:
@@ -78,8 +79,10 @@ public:
     {
       return ceres::SOLVER_ABORT;
     }
-    if (summary.iteration == 0 || summary.step_is_successful)
+    const bool accepted = summary.iteration == 0 || summary.step_is_successful;
+    if (accepted && summary.cost < this->Least)
     {
+      this->Least = summary.cost;
       // Ceres has just evaluated the Jacobian at the accepted point, so the evaluator stands there.
       for (std::size_t mammogram = 0; mammogram < this->Search.Mammograms.size(); ++mammogram)
       {
@@ -112,6 +115,7 @@ private:
   const RegistrationEvaluator& Source;
   const Level& Searched;
   JointSearch& Search;
+  double Least = std::numeric_limits<double>::infinity();
   bool Settled = false;
 };
 
@@ -124,6 +128,10 @@ ceres::Solver::Options SolverOptions(const Level& level)
   // A cost that falls by a thousandth tells nothing more: residuals are in standard deviations.
   options.function_tolerance = 1e-3;
   options.parameter_tolerance = 1e-3;
+  // Where tissue snaps round a plate's edge the cost jumps, however short the step: there the way
+  // down begins with a step up. The best state is kept.
+  options.use_nonmonotonic_steps = true;
+  options.max_consecutive_nonmonotonic_steps = 3;
   options.update_state_every_iteration = true;
   options.initial_trust_region_radius = 1e2;
   options.max_num_consecutive_invalid_steps = 10;
