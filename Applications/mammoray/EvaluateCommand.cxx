@@ -5,7 +5,7 @@
 #include "mammoray/Case/ResultFile.h"
 #include "mammoray/Evidence/LandmarkEvaluation.h"
 #ifdef MAMMORAY_HAS_MESHING
-#include "mammoray/Evidence/StudyEvidence.h"
+#include "mammoray/Evidence/StudyAnswers.h"
 #endif
 #include "mammoray/IO/MeshIO.h"
 
@@ -23,6 +23,7 @@ struct EvaluateArguments
   std::string Landmarks;
   /// Of a virtual study.
   std::string Study;
+  std::string Answers;
   std::string TruthOrientation = "LPS";
   Vector3 TruthOrigin{ 0, 0, 0 };
   LandmarkTruth Truth;
@@ -30,7 +31,7 @@ struct EvaluateArguments
 
 void Declare(const OptionList& add, EvaluateArguments& arguments)
 {
-  AddResultOption(add, arguments.Result)->required();
+  AddResultOption(add, arguments.Result);
   add.Input("--landmarks", arguments.Landmarks,
     "CSV: ux,uy,uz (uncompressed, frame of the label volume), cx,cy,cz (compressed, frame of the "
     "truth), imaged (0 or 1, may be left out); mm");
@@ -40,6 +41,12 @@ void Declare(const OptionList& add, EvaluateArguments& arguments)
       "truth.json of a virtual study ('example study'), in place of --landmarks; for the result of "
       "'register --study' on its export")
     ->excludes("--landmarks");
+  add
+    .Input("--answers", arguments.Answers,
+      "CSV of any method's answers to --truth, in place of --result: view,point,column,row, or "
+      "view,point,column,row,x,y,z (pixels; gantry frame, mm)")
+    ->needs("--truth")
+    ->excludes("--result");
 #endif
   add("--truth-orientation", arguments.TruthOrientation,
     "directions of the truth frame's axes, e.g. LPS or ALS");
@@ -60,34 +67,62 @@ void PrintRow(const std::string& method, const char* group, const ErrorSummary& 
 #ifdef MAMMORAY_HAS_MESHING
 void PrintPointErrors(const std::string& view, const char* group, const PointErrors& errors)
 {
-  if (errors.InSpaceMm.empty())
+  if (errors.OnReceptorMm.empty())
   {
     return;
   }
-  std::printf("%-8s %-7s %6zu ", view.c_str(), group, errors.InSpaceMm.size());
+  std::printf("%-8s %-7s %6zu ", view.c_str(), group, errors.OnReceptorMm.size());
   for (const std::vector<double>& of : { errors.InSpaceMm, errors.OnReceptorMm })
   {
+    if (of.empty()) // a method that tells no depth
+    {
+      std::printf(" %7s %7s %7s  ", "-", "-", "-");
+      continue;
+    }
     std::printf(" %7.2f %7.2f %7.2f  ", Quantile(of, 0.5), Quantile(of, 0.95), Quantile(of, 1));
   }
   std::printf("\n");
 }
 
-void PrintStudyErrors(const EvaluateArguments& arguments)
+std::vector<AnswerScore> ScoresOf(const EvaluateArguments& arguments)
 {
   const VirtualStudyTruth truth = ReadVirtualStudyTruth(CheckInputFile(arguments.Study));
+  if (!arguments.Answers.empty())
+  {
+    return ScoreAnswers(truth, ReadStudyAnswers(CheckInputFile(arguments.Answers)));
+  }
+  std::vector<AnswerScore> scores;
+  for (const StudyViewErrors& errors : MeasureStudy(truth, arguments.Result))
+  {
+    scores.push_back(ScoreOf(errors));
+  }
+  return scores;
+}
+
+void PrintStudyErrors(const EvaluateArguments& arguments)
+{
+  const std::vector<AnswerScore> scores = ScoresOf(arguments);
   std::printf("%-16s %6s  %23s   %23s\n", "error, mm", "", "in 3D", "on the receptor");
   std::printf("%-8s %-7s %6s  %7s %7s %7s   %7s %7s %7s\n", "view", "", "points", "median", "95 %",
     "max", "median", "95 %", "max");
-  for (const StudyViewErrors& errors : MeasureStudy(truth, arguments.Result))
+  for (const AnswerScore& score : scores)
   {
-    PrintPointErrors(errors.View, "imaged", errors.Imaged);
-    PrintPointErrors(errors.View, "not", errors.Behind);
+    PrintPointErrors(score.View, "imaged", score.Imaged);
+    PrintPointErrors(score.View, "not", score.Behind);
+    if (score.Missing > 0)
+    {
+      std::printf("%-8s %zu imaged points were not answered\n", score.View.c_str(), score.Missing);
+    }
   }
 }
 #endif
 
 void Run(EvaluateArguments& arguments)
 {
+  if (arguments.Result.empty() && arguments.Answers.empty())
+  {
+    throw CLI::RequiredError("--result or --answers");
+  }
 #ifdef MAMMORAY_HAS_MESHING
   if (!arguments.Study.empty())
   {

@@ -3,9 +3,11 @@
 #include "OutputFiles.h"
 #include "ProgressBar.h"
 #include "SharedOptions.h"
+#include "mammoray/Evidence/Benchmark.h"
 #include "mammoray/Evidence/EvidenceCases.h"
 #include "mammoray/Evidence/EvidenceFile.h"
 #include "mammoray/Evidence/EvidenceTables.h"
+#include "mammoray/Evidence/LandmarkEvaluation.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/Foundation/NearNames.h"
 #include "mammoray/IO/WholeOutput.h"
@@ -32,6 +34,7 @@ struct EvidenceArguments
   double LabelSpacingMm = 0.5;
   std::vector<std::string> Only = Parts;
   std::string Output;
+  std::string Export;
   std::string Table;
   int Studies = 20;
   std::vector<std::string> Anatomies;
@@ -64,7 +67,8 @@ void Declare(const OptionList& add, EvidenceArguments& arguments)
     "virtual studies: a clinic's export each, of the phantoms and the patients' MRI of the data");
   add("--anatomy", arguments.Anatomies, "only virtual studies of these, e.g. uta11-a");
   add("--keep", input.KeepStudiesIn, "folder that keeps the virtual studies and results");
-  add("--seed", input.Twin.Seed, "of the true poses, starts and noise");
+  add("--seed", input.Twin.Seed,
+    "of the true poses, starts and noise; virtual studies are numbered from it");
   add("--model-fineness", input.Twin.ModelFineness, NonNegative(),
     "cells of the model's mechanics: edge of a cube as large as the breast, over this; 0: as "
     "register makes them");
@@ -72,8 +76,11 @@ void Declare(const OptionList& add, EvidenceArguments& arguments)
     "the same for the mechanics of the true breast");
   AddComparisonOptions(add, input.Twin.Registration);
   add("-o,--output", arguments.Output,
-    "JSON of all runs, written after each; Ctrl-C leaves what is done")
-    ->required();
+    "JSON of all runs, written after each; Ctrl-C leaves what is done");
+  add("--export", arguments.Export,
+    "folder to write the virtual studies to as a benchmark for any method (DICOM, NIfTI, CSV, with "
+    "PROTOCOL.md), in place of running anything")
+    ->excludes("--output");
   add("--table", arguments.Table, "CSV with a row for each twin run");
   add.Flag("--resume", arguments.Resume, "go on from the runs in --output");
   AddOverwriteFlag(add, arguments.Overwrite, "--output and --table");
@@ -121,6 +128,19 @@ void KeepAnatomies(const std::vector<std::string>& names, std::vector<EvidenceSt
     });
 }
 
+std::vector<EvidenceStudy> WantedStudies(const EvidenceArguments& arguments)
+{
+  std::vector<EvidenceStudy> studies =
+    StudiesOfEvidence(ParsePhantoms(arguments), arguments.Data, arguments.Studies);
+  KeepAnatomies(arguments.Anatomies, studies);
+  // Others than those that tables are of.
+  for (EvidenceStudy& study : studies)
+  {
+    study.Options.Seed += arguments.Evidence.Twin.Seed - EvidenceArguments().Evidence.Twin.Seed;
+  }
+  return studies;
+}
+
 void AddWanted(EvidenceArguments& arguments)
 {
   EvidenceOptions& input = arguments.Evidence;
@@ -147,8 +167,7 @@ void AddWanted(EvidenceArguments& arguments)
   }
   if (arguments.Wants("studies"))
   {
-    input.Studies = StudiesOfEvidence(input.Phantoms, arguments.Data, arguments.Studies);
-    KeepAnatomies(arguments.Anatomies, input.Studies);
+    input.Studies = WantedStudies(arguments);
   }
 }
 
@@ -159,8 +178,42 @@ void WriteAndClaim(const std::string& path, const std::string& text)
   ClaimFile(path);
 }
 
+void RunExport(const EvidenceArguments& arguments)
+{
+  const std::vector<EvidenceStudy> studies = WantedStudies(arguments);
+  for (const EvidenceStudy& study : studies)
+  {
+    if (study.Mri.empty()) // a folder, else
+    {
+      CheckInputFile(study.Labels.Path);
+    }
+  }
+  const std::vector<BaselineScore> scores =
+    ExportBenchmark(studies, arguments.Export, MakeProgressBar());
+  std::printf("%s: %zu studies; see PROTOCOL.md\n", arguments.Export.c_str(), studies.size());
+  std::printf("%-24s %-8s %-4s  %s\n", "imaged points, mm", "", "", "in 3D: median (95 %)");
+  for (const BaselineScore& score : scores)
+  {
+    for (const AnswerScore& view : score.Views)
+    {
+      std::printf("%-24s %-8s %-4s  %.2f (%.2f)\n", score.Study.c_str(), score.Baseline.c_str(),
+        view.View.c_str(), Quantile(view.Imaged.InSpaceMm, 0.5),
+        Quantile(view.Imaged.InSpaceMm, 0.95));
+    }
+  }
+}
+
 void Run(EvidenceArguments& arguments)
 {
+  if (!arguments.Export.empty())
+  {
+    RunExport(arguments);
+    return;
+  }
+  if (arguments.Output.empty())
+  {
+    throw CLI::RequiredError("--output or --export");
+  }
   const bool wantsData = arguments.Phantoms.empty() || arguments.Wants("mammograms");
   if (wantsData && !fs::is_directory(arguments.Data))
   {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mammoray/Evidence/LandmarkEvaluation.h"
 
+#include "Private/CsvRows.h"
 #include "mammoray/Foundation/Error.h"
 
 #include "vtkDataArray.h"
@@ -13,10 +14,8 @@
 #include "vtkUnstructuredGrid.h"
 
 #include <algorithm>
-#include <fstream>
 #include <functional>
 #include <limits>
-#include <sstream>
 
 namespace mammoray
 {
@@ -24,15 +23,6 @@ namespace
 {
 constexpr const char* HeaderWithFlag = "ux,uy,uz,cx,cy,cz,imaged";
 constexpr const char* HeaderWithoutFlag = "ux,uy,uz,cx,cy,cz";
-
-std::string WithoutCarriageReturn(std::string line)
-{
-  if (!line.empty() && line.back() == '\r')
-  {
-    line.pop_back();
-  }
-  return line;
-}
 
 /// The displacement of the body at a point: linear in the cell that holds it or lies nearest.
 class DisplacementOfGrid
@@ -118,66 +108,16 @@ std::function<Vector3(const Vector3&)> BestRigidMotion(const std::vector<Landmar
 
 std::vector<Landmark> ReadLandmarks(const std::string& path)
 {
-  std::ifstream file(path);
-  if (!file)
-  {
-    throw InputError(path + ": no such file or not readable");
-  }
-  std::string line;
-  std::getline(file, line);
-  line = WithoutCarriageReturn(line);
-  const bool flagged = line == HeaderWithFlag;
-  if (!flagged && line != HeaderWithoutFlag)
-  {
-    throw InputError(
-      path + ": line 1: expected " + HeaderWithFlag + ", found '" + line.substr(0, 60) + "'");
-  }
-  const int columns = flagged ? 7 : 6;
+  const CsvRows read = ReadCsvRows(path, { HeaderWithFlag, HeaderWithoutFlag });
   std::vector<Landmark> landmarks;
-  for (int number = 2; std::getline(file, line); ++number)
+  for (const CsvRow& row : read.Rows)
   {
-    line = WithoutCarriageReturn(line);
-    if (line.empty())
+    const auto at = [&](std::size_t field)
     {
-      continue;
-    }
-    double values[7] = { 0, 0, 0, 0, 0, 0, 1 };
-    std::istringstream row(line);
-    std::string field;
-    int count = 0;
-    while (std::getline(row, field, ','))
-    {
-      std::size_t used = 0;
-      try
-      {
-        const double value = std::stod(field, &used);
-        if (count < columns && std::isfinite(value))
-        {
-          values[count] = value;
-        }
-        else
-        {
-          used = 0;
-        }
-      }
-      catch (const std::exception&)
-      {
-        used = 0;
-      }
-      if (used != field.size() || used == 0)
-      {
-        count = -1;
-        break;
-      }
-      ++count;
-    }
-    if (count != columns)
-    {
-      throw InputError(path + ": line " + std::to_string(number) + ": expected " +
-        std::to_string(columns) + " numbers, found '" + line.substr(0, 60) + "'");
-    }
-    landmarks.push_back(
-      { { values[0], values[1], values[2] }, { values[3], values[4], values[5] }, values[6] != 0 });
+      return Vector3{ read.Number(row, field), read.Number(row, field + 1),
+        read.Number(row, field + 2) };
+    };
+    landmarks.push_back({ at(0), at(3), read.Header == 1 || read.Number(row, 6) != 0 });
   }
   if (landmarks.size() < 3)
   {

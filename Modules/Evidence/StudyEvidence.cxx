@@ -92,20 +92,6 @@ LabelVolume BreastOfMri(const EvidenceStudy& study, const MaterialTable& table,
   return FreeOfCoil(std::move(breast), table.Held());
 }
 
-VirtualStudyTruth MakeStudy(const EvidenceStudy& study, const std::string& folder,
-  const ProgressCallback& progress)
-{
-  if (!study.Mri.empty())
-  {
-    const MaterialTable table = FindMaterialTable(StudyMaterials);
-    return MakeVirtualStudy(BreastOfMri(study, table, ShareOf(progress, 0, 0.3)), table,
-      AnatomicalAxes::FromCode("LPS"), study.Options, folder, ShareOf(progress, 0.3, 1));
-  }
-  const MaterialTable table = FindMaterialTable(study.Materials);
-  return MakeVirtualStudy(ReadMaterials(study.Labels, table), table,
-    AnatomicalAxes::FromCode(study.Orientation), study.Options, folder, progress);
-}
-
 StudyViewErrors ErrorsIn(const VirtualStudyTruth& truth, const VirtualView& view,
   const ResultFile& result)
 {
@@ -128,6 +114,20 @@ StudyViewErrors ErrorsIn(const VirtualStudyTruth& truth, const VirtualView& view
   }
   return errors;
 }
+}
+
+VirtualStudyTruth MakeEvidenceStudy(const EvidenceStudy& study, const std::string& folder,
+  const ProgressCallback& progress)
+{
+  if (!study.Mri.empty())
+  {
+    const MaterialTable table = FindMaterialTable(StudyMaterials);
+    return MakeVirtualStudy(BreastOfMri(study, table, ShareOf(progress, 0, 0.3)), table,
+      AnatomicalAxes::FromCode("LPS"), study.Options, folder, ShareOf(progress, 0.3, 1));
+  }
+  const MaterialTable table = FindMaterialTable(study.Materials);
+  return MakeVirtualStudy(ReadMaterials(study.Labels, table), table,
+    AnatomicalAxes::FromCode(study.Orientation), study.Options, folder, progress);
 }
 
 std::vector<StudyViewErrors> MeasureStudy(const VirtualStudyTruth& truth,
@@ -163,7 +163,7 @@ StudyRun RunStudy(const EvidenceStudy& study, const std::string& keepIn,
   }
   fs::create_directories(folder);
   const VirtualStudyTruth truth =
-    MakeStudy(study, (folder / "study").string(), ShareOf(progress, 0, 0.2));
+    MakeEvidenceStudy(study, (folder / "study").string(), ShareOf(progress, 0, 0.2));
   StudyRun run;
   run.Phantom = study.Phantom;
   run.Seed = study.Options.Seed;

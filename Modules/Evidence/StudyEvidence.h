@@ -67,6 +67,11 @@ struct StudyRun
 MAMMORAYEVIDENCE_EXPORT std::vector<StudyViewErrors> MeasureStudy(const VirtualStudyTruth& truth,
   const std::string& resultFolder);
 
+/// Makes a virtual study in a folder that is not there or empty (MakeVirtualStudy); of a patient's
+/// MRI the breast is segmented and freed of its coil first.
+MAMMORAYEVIDENCE_EXPORT VirtualStudyTruth MakeEvidenceStudy(const EvidenceStudy& study,
+  const std::string& folder, const ProgressCallback& progress = {});
+
 /**
  * Makes a virtual study, registers it as 'mammoray register --study' does, without being told
  * anything else, and measures. A refusal or a search that fails is an answer (StudyRun::Failure).

@@ -134,6 +134,13 @@ TEST_F(EvidenceCommand, RefusesUnusableInputInOneLine)
       " --only plain --resume -o " + this->Folder.File("other.json"),
     "expected what 'mammoray evidence' writes");
   EXPECT_EQ(this->Run("evidence --phantom a=b"), 2);
+  EXPECT_EQ(this->Run("evidence --export out -o " + this->Json), 2);
+  const std::string out = this->Folder.File("benchmark");
+  this->ExpectRefused("evidence --phantom a=missing.nrrd --export " + out, "missing.nrrd: no such");
+  this->ExpectRefused("evidence --phantom ball=" + this->Folder.File("breast.nrrd") +
+      " --anatomy bull --export " + out,
+    "did you mean ball?");
+  EXPECT_FALSE(fs::exists(out));
   EXPECT_EQ(this->Run(this->Twins("--only everything")), 2);
   EXPECT_EQ(this->Run(this->Twins("--twins -1")), 2);
   EXPECT_FALSE(fs::exists(this->Json));

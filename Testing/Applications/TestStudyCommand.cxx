@@ -89,5 +89,15 @@ TEST_F(StudyCommand, LeadsFromThePatientsFilesToTheAnswer)
   ASSERT_EQ(this->Run("evaluate --truth " + study + "/truth.json --result " + result), 0)
     << this->Errors;
   EXPECT_THAT(this->Output, HasSubstr("MLO      imaged "));
+  // Three lines of somebody else's.
+  const std::string answers =
+    this->Folder.Write("answers.csv", "view,point,column,row\nCC,0,100,100\nCC,1,150,300\n");
+  ASSERT_EQ(this->Run("evaluate --truth " + study + "/truth.json --answers " + answers), 0)
+    << this->Errors;
+  EXPECT_THAT(this->Output, HasSubstr("imaged points were not answered"));
+  EXPECT_EQ(this->Run("evaluate --answers " + answers), 2);
+  this->ExpectRefused("evaluate --truth " + study + "/truth.json --answers " +
+      this->Folder.Write("odd.csv", "view,point,column,row\nCC,0,100\n"),
+    "line 2: expected 4 values");
   EXPECT_EQ(this->Run("evaluate --result " + result), 2);
 }

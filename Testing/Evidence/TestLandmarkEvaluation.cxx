@@ -108,8 +108,8 @@ TEST(LandmarkEvaluation, RefusesUnusableFiles)
   EXPECT_THROW(ReadLandmarks(folder.File("missing.csv")), InputError);
   refused("", "line 1");
   refused("a,b,c\n", "line 1");
-  refused(header + "1,2,3,4,5,6\n", "line 2: expected 7 numbers");
-  refused(header + "1,2,3,4,5,6,1\n1,2,3,x,5,6,1\n", "line 3");
+  refused(header + "1,2,3,4,5,6\n", "line 2: expected 7 values (ux,uy,uz,cx,cy,cz,imaged)");
+  refused(header + "1,2,3,4,5,6,1\n1,2,3,x,5,6,1\n", "line 3: expected a number in column 4");
   refused(header + "1,2,3,4,5,nan,1\n", "line 2");
   refused(header + "1,2,3,4,5,6,1\n", "at least 3");
   EXPECT_EQ(ReadLandmarks(folder.Write("good.csv",

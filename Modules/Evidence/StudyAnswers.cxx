@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mammoray/Evidence/StudyAnswers.h"
+
+#include "Private/CsvRows.h"
+#include "mammoray/Foundation/Error.h"
+#include "mammoray/IO/WholeOutput.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <set>
+#include <utility>
+
+namespace mammoray
+{
+namespace
+{
+constexpr const char* HeaderFlat = "view,point,column,row";
+constexpr const char* HeaderInSpace = "view,point,column,row,x,y,z";
+
+/**
+ * Size of a view's pixels, mm: by the two points that lie farthest apart in its picture. The truth
+ * has each point on the receptor and in pixels, which are square.
+ */
+double PixelSizeMm(const VirtualView& view)
+{
+  double farthest = 0;
+  double sizeMm = 0;
+  for (std::size_t a = 0; a < view.Pixels.size(); ++a)
+  {
+    for (std::size_t b = 0; b < a; ++b)
+    {
+      const double pixels =
+        std::hypot(view.Pixels[a][0] - view.Pixels[b][0], view.Pixels[a][1] - view.Pixels[b][1]);
+      if (pixels > farthest)
+      {
+        farthest = pixels;
+        sizeMm = std::hypot(view.Receptor[a][0] - view.Receptor[b][0],
+                   view.Receptor[a][1] - view.Receptor[b][1]) /
+          pixels;
+      }
+    }
+  }
+  if (!(sizeMm > 0))
+  {
+    throw InputError(
+      "truth: expected points at different places of the view " + view.View + ", found none");
+  }
+  return sizeMm;
+}
+
+AnswerScore ScoreView(const VirtualView& view, const std::vector<const StudyAnswer*>& answers)
+{
+  const double sizeMm = PixelSizeMm(view);
+  const bool inSpace = std::all_of(answers.begin(), answers.end(),
+    [](const StudyAnswer* answer) { return answer->Gantry.has_value(); });
+  AnswerScore score;
+  score.View = view.View;
+  std::vector<bool> answered(view.Pixels.size(), false);
+  for (const StudyAnswer* answer : answers)
+  {
+    const std::size_t point = answer->Point;
+    answered[point] = true;
+    PointErrors& errors = view.Receptor[point][1] < 0 ? score.Behind : score.Imaged;
+    errors.OnReceptorMm.push_back(sizeMm *
+      std::hypot(answer->Pixel[0] - view.Pixels[point][0],
+        answer->Pixel[1] - view.Pixels[point][1]));
+    if (inSpace)
+    {
+      errors.InSpaceMm.push_back(Norm(*answer->Gantry - view.Gantry[point]));
+    }
+  }
+  for (std::size_t point = 0; point < answered.size(); ++point)
+  {
+    score.Missing += !answered[point] && view.Receptor[point][1] >= 0 ? 1 : 0;
+  }
+  return score;
+}
+}
+
+std::vector<StudyAnswer> ReadStudyAnswers(const std::string& path)
+{
+  const CsvRows read = ReadCsvRows(path, { HeaderFlat, HeaderInSpace });
+  std::vector<StudyAnswer> answers;
+  std::set<std::pair<std::string, std::size_t>> known;
+  for (const CsvRow& row : read.Rows)
+  {
+    StudyAnswer& answer = answers.emplace_back();
+    answer.View = row.Fields[0];
+    if (answer.View != "CC" && answer.View != "MLO")
+    {
+      throw InputError(read.Refusal(row, "the view CC or MLO"));
+    }
+    const double point = read.Number(row, 1);
+    if (!(point >= 0 && point < 1e9 && point == std::floor(point)))
+    {
+      throw InputError(read.Refusal(row, "a point's number, from 0 on"));
+    }
+    answer.Point = static_cast<std::size_t>(point);
+    if (!known.insert({ answer.View, answer.Point }).second)
+    {
+      throw InputError(read.Refusal(row, "each point once in a view"));
+    }
+    answer.Pixel = { read.Number(row, 2), read.Number(row, 3) };
+    if (read.Header == 1)
+    {
+      answer.Gantry = Vector3{ read.Number(row, 4), read.Number(row, 5), read.Number(row, 6) };
+    }
+  }
+  return answers;
+}
+
+void WriteStudyAnswers(const std::vector<StudyAnswer>& answers, const std::string& path)
+{
+  const bool inSpace = std::all_of(answers.begin(), answers.end(),
+    [](const StudyAnswer& answer) { return answer.Gantry.has_value(); });
+  std::string text = inSpace ? HeaderInSpace : HeaderFlat;
+  for (const StudyAnswer& answer : answers)
+  {
+    char line[200];
+    std::snprintf(line, sizeof line, "\n%s,%zu,%.3f,%.3f", answer.View.c_str(), answer.Point,
+      answer.Pixel[0], answer.Pixel[1]);
+    text += line;
+    if (inSpace)
+    {
+      const Vector3& at = *answer.Gantry;
+      std::snprintf(line, sizeof line, ",%.3f,%.3f,%.3f", at[0], at[1], at[2]);
+      text += line;
+    }
+  }
+  WriteWholeFile(path, text + '\n');
+}
+
+std::vector<AnswerScore> ScoreAnswers(const VirtualStudyTruth& truth,
+  const std::vector<StudyAnswer>& answers)
+{
+  std::vector<std::vector<const StudyAnswer*>> byView(truth.Views.size());
+  for (const StudyAnswer& answer : answers)
+  {
+    const auto view = std::find_if(truth.Views.begin(), truth.Views.end(),
+      [&](const VirtualView& known) { return known.View == answer.View; });
+    if (view == truth.Views.end() || answer.Point >= truth.MriPoints.size())
+    {
+      throw InputError("answers: expected the study's " + std::to_string(truth.MriPoints.size()) +
+        " points in its views, found point " + std::to_string(answer.Point) + " in " + answer.View);
+    }
+    byView[view - truth.Views.begin()].push_back(&answer);
+  }
+  std::vector<AnswerScore> scores;
+  for (std::size_t number = 0; number < byView.size(); ++number)
+  {
+    if (!byView[number].empty())
+    {
+      scores.push_back(ScoreView(truth.Views[number], byView[number]));
+    }
+  }
+  if (scores.empty())
+  {
+    throw InputError("answers: expected a point in a view, found none");
+  }
+  return scores;
+}
+
+AnswerScore ScoreOf(const StudyViewErrors& errors)
+{
+  return { errors.View, errors.Imaged, errors.Behind, 0 };
+}
+}
