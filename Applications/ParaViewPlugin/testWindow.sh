@@ -18,12 +18,14 @@ else
   exit 125
 fi
 command -v xdotool >/dev/null && command -v Xvfb >/dev/null || { echo "skipped: no xdotool or no Xvfb" >&2; exit 125; }
+[ -e "$1" ] || { echo "skipped: no $1" >&2; exit 125; }
 state=$(realpath "$1")
 picture=$(realpath -m "$2")
 mkdir -p "$(dirname "$picture")"
 work=$(mktemp -d)
-trap 'kill $(jobs -p) 2>/dev/null; rm -rf "$work"' EXIT
 exec {number}< <(exec Xvfb -displayfd 1 -screen 0 1400x1000x24 -noreset -nolisten tcp 2>/dev/null)
+server=$!
+trap 'kill ${paraview:-} "$server" 2>/dev/null; rm -rf "$work"' EXIT
 read -r -t 60 display <&"$number" || { echo "expected an X server, found none that starts" >&2; exit 1; }
 export DISPLAY=:$display
 # Without the welcome, which each new user gets once.

@@ -139,13 +139,14 @@ void Run(EvaluateArguments& arguments)
   const std::vector<Landmark> landmarks = ReadLandmarks(CheckInputFile(arguments.Landmarks));
   const AnatomicalAxes axes = AnatomicalAxes::FromCode(arguments.TruthOrientation);
   arguments.Truth.Placed = { arguments.TruthOrigin, axes.Left, axes.Anterior, axes.Superior };
+  const std::vector<LandmarkErrors> methods = EvaluateLandmarks(landmarks, arguments.Truth, grid,
+    result.Placed, result.Unit.SourceToDetectorMm);
 
   std::printf("Landmark error, mm             (landmarks are never used to fit)\n");
   std::printf("%-36s %-10s %3s  %23s   %23s\n", "", "", "", "in 3D", "on the receptor");
   std::printf("%-36s %-10s %3s  %7s %7s %7s   %7s %7s %7s\n", "method", "landmarks", "n", "median",
     "mean", "max", "median", "mean", "max");
-  for (const LandmarkErrors& errors : EvaluateLandmarks(landmarks, arguments.Truth, grid,
-         result.Placed, result.Unit.SourceToDetectorMm))
+  for (const LandmarkErrors& errors : methods)
   {
     const LandmarkSummary imaged = SummariseImaged(errors, landmarks);
     PrintRow(errors.Method, "imaged", imaged.InSpace, imaged.OnReceptor);

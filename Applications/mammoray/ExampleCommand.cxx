@@ -201,8 +201,7 @@ void AddExampleCommand(CLI::App& application)
     "  breast  the FDA's phantom 1, stretched to 50 mm thickness, 5,185,458 triangles, 1080 x 1080 "
     "pixels\n"
     "Writes NAME.vtp (mm, material on each triangle's front and back), NAME.mha (transmission, 0 "
-    "to "
-    "1) and\nNAME.png (logarithmic attenuation, dense is bright).\n"
+    "to 1) and NAME.png (logarithmic attenuation, dense is bright).\n"
     "  study   a patient's export with known truth: prone MRI among other series, CC and MLO, of a "
     "phantom\nWrites export/ (DICOM) and truth.json.",
     Declare, Run);

@@ -99,9 +99,16 @@ TEST_F(HelpCommand, EveryCommandHasAnExampleOfItsOwnOptionsAndFitsTheWidth)
       }
     }
     std::istringstream helpLines(help);
+    bool afterOption = false;
     while (std::getline(helpLines, line))
     {
       EXPECT_LE(line.size(), 100u) << name << ": " << line;
+      // What an option is for goes on in the second column.
+      EXPECT_TRUE(!afterOption || line.empty() || line.starts_with("  -") ||
+        line.starts_with('[') || line.starts_with(std::string(30, ' ')))
+        << name << ": " << line;
+      // A list of words may be longer than a line.
+      afterOption = line.starts_with("  -") && !line.ends_with(',');
     }
   }
   EXPECT_GE(commands, 13);

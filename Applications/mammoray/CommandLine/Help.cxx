@@ -70,6 +70,19 @@ public:
     return Wrapped(CLI::Formatter::make_help(command, std::move(name), mode), TerminalWidth());
   }
 
+  /// Below an option whose name leaves no two spaces before the second column.
+  std::string make_option(const CLI::Option* option, bool positional) const override
+  {
+    const std::string name =
+      "  " + this->make_option_name(option, positional) + this->make_option_opts(option);
+    if (name.size() + 2 <= this->get_column_width())
+    {
+      return CLI::Formatter::make_option(option, positional);
+    }
+    return name + "\n" + std::string(this->get_column_width(), ' ') +
+      this->make_option_desc(option) + "\n";
+  }
+
   /// In the list of commands the first line of what it does is enough.
   std::string make_subcommand(const CLI::App* command) const override
   {
