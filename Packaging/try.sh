@@ -25,6 +25,7 @@ if [ ! -x "$root/usr/bin/apt-get" ]; then
   debootstrap --variant=minbase bookworm "$root" "$mirror"
 fi
 echo "deb $mirror bookworm-backports main" >"$root/etc/apt/sources.list.d/backports.list"
+echo force-unsafe-io >"$root/etc/dpkg/dpkg.cfg.d/try" # need not survive a loss of power
 mountpoint -q "$root/proc" || mount -t proc proc "$root/proc"
 rm -rf "$root/packages"
 cp -r "$packages" "$root/packages"
