@@ -3,6 +3,7 @@
 
 #include "Private/MeshQuality.h"
 #include "mammoray/Foundation/FaceTable.h"
+#include "mammoray/Foundation/SurfaceOverlap.h"
 
 #include <algorithm>
 #include <cstdio>
@@ -30,6 +31,14 @@ public:
     if (kind == Kind::Holes || trouble.Places.size() < MeshTrouble::MostPlaces)
     {
       trouble.Places.push_back(place);
+    }
+  }
+  /// A trouble that was counted elsewhere.
+  void AddCounted(Kind kind, std::size_t count, const std::vector<MeshTrouble::Place>& places)
+  {
+    if (count > 0)
+    {
+      this->ByKind[kind] = { kind, count, places };
     }
   }
   std::vector<MeshTrouble> Finish()
@@ -427,6 +436,34 @@ void CheckBoundaries(const SurfaceMesh& surface, std::map<int, MaterialQuality>&
   }
 }
 
+/// Crossings, and parts that lie in each other.
+void CheckOverlap(const SurfaceMesh& surface, TroubleList& troubles,
+  const ProgressCallback& progress)
+{
+  const TriangleTree tree(surface);
+  const SurfaceOverlap overlap = FindOverlap(surface, tree, progress);
+  std::vector<MeshTrouble::Place> crossings;
+  for (std::size_t n = 0; n < overlap.CrossingPlaces.size(); ++n)
+  {
+    crossings.push_back({ overlap.CrossingPlaces[n], overlap.CrossingMaterials[n], 0 });
+  }
+  troubles.AddCounted(Kind::Crossings, overlap.Crossings, crossings);
+  for (const bool negative : { false, true })
+  {
+    std::vector<MeshTrouble::Place> places;
+    for (const SurfaceContradiction& stretch : overlap.Contradictions)
+    {
+      if (stretch.Negative == negative)
+      {
+        places.push_back({ stretch.Place, stretch.Materials.empty() ? -1 : stretch.Materials[0],
+          stretch.LengthMm });
+      }
+    }
+    troubles.AddCounted(negative ? Kind::InsideOutParts : Kind::DoubledParts,
+      negative ? overlap.NegativeParts : overlap.DoubledParts, places);
+  }
+}
+
 MeshCheck Finish(MeshCheck&& check, const std::map<int, MaterialQuality>& qualities,
   TroubleList& troubles, const ProgressCallback& progress)
 {
@@ -455,6 +492,12 @@ const char* Describe(Kind kind)
       return "triangles of no area";
     case Kind::Holes:
       return "holes in the boundary of a material";
+    case Kind::Crossings:
+      return "pairs of triangles that cross each other";
+    case Kind::DoubledParts:
+      return "parts inside of others whose labels say air there, which rays count twice";
+    case Kind::InsideOutParts:
+      return "parts turned inside out, which rays count negatively";
     default:
       return "edges or points where the boundary of a material touches itself";
   }
@@ -480,7 +523,8 @@ std::string MeshTrouble::Text(const std::vector<std::string>& names) const
     text += at;
     if (place.LengthMm > 0)
     {
-      std::snprintf(at, sizeof(at), ", border %.3g mm", place.LengthMm);
+      std::snprintf(at, sizeof(at), this->What == Kind::Holes ? ", border %.3g mm" : ", %.3g mm",
+        place.LengthMm);
       text += at;
     }
   }
@@ -543,7 +587,8 @@ MeshCheck CheckSurface(const SurfaceMesh& surface, const ProgressCallback& progr
     }
   }
   std::map<int, MaterialQuality> qualities;
-  CheckBoundaries(surface, qualities, true, troubles, progress);
+  CheckBoundaries(surface, qualities, true, troubles, ShareOf(progress, 0, 0.6));
+  CheckOverlap(surface, troubles, ShareOf(progress, 0.6, 1));
   return Finish(std::move(check), qualities, troubles, progress);
 }
 }

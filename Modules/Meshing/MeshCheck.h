@@ -31,14 +31,22 @@ struct MAMMORAYMESHING_EXPORT MeshTrouble
     Holes,
     /// Edges or points at which the boundary of a material, or of air, touches itself: X-rays do
     /// not mind, but tissue hangs together by a hinge there, and the boundary is no surface.
-    Pinches
+    Pinches,
+    /// Pairs of triangles of a surface that go through each other (FindOverlap).
+    Crossings,
+    /// Parts of a surface inside of another or of themselves though their labels say air: rays
+    /// count the stretch there twice.
+    DoubledParts,
+    /// Parts turned inside out: rays count the stretch there negatively.
+    InsideOutParts
   };
   struct Place
   {
     Vector3 Point{ 0, 0, 0 };
     /// The material concerned; -1 where there is none.
     int Material = -1;
-    /// Length of a hole's border, mm; 0 for other troubles.
+    /// Of a hole its border, of a doubled or negative part a stretch that rays count so, mm; 0 for
+    /// other troubles.
     double LengthMm = 0;
   };
 
@@ -107,8 +115,9 @@ MAMMORAYMESHING_EXPORT MeshCheck CheckMesh(const TetrahedralMesh& mesh,
   const ProgressCallback& progress = {});
 
 /**
- * The same of a surface: every material's boundary. Triangles with the same material on both sides
- * bound nothing; points may lie at the same place, as where closed surfaces touch.
+ * The same of a surface: every material's boundary, and whether it crosses or overlaps itself.
+ * Triangles with the same material on both sides bound nothing; points may lie at the same place,
+ * as where closed surfaces touch.
  */
 MAMMORAYMESHING_EXPORT MeshCheck CheckSurface(const SurfaceMesh& surface,
   const ProgressCallback& progress = {});

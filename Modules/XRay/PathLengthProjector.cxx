@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mammoray/XRay/PathLengthProjector.h"
 
+#include "Private/PriorityProjector.h"
 #include "Private/RasterisationProjector.h"
 #include "Private/RayTracingProjector.h"
 
@@ -92,11 +93,20 @@ std::unique_ptr<PathLengthProjector> MakeProjector(const ProjectorOptions& optio
     [&]() -> std::unique_ptr<PathLengthProjector>
     {
       auto device = std::make_unique<VulkanDevice>(options);
+      std::unique_ptr<PathLengthProjector> projector;
       if (device->TracesRays())
       {
-        return std::make_unique<RayTracingProjector>(std::move(device), options);
+        projector = std::make_unique<RayTracingProjector>(std::move(device), options);
       }
-      return std::make_unique<RasterisationProjector>(std::move(device), options);
+      else
+      {
+        projector = std::make_unique<RasterisationProjector>(std::move(device), options);
+      }
+      if (options.Priority.empty())
+      {
+        return projector;
+      }
+      return std::make_unique<PriorityProjector>(std::move(projector), options.Priority);
     });
 }
 

@@ -215,6 +215,37 @@ TEST(MeshCheck, TouchingSurfacesThatShareTheirInterface)
   EXPECT_FALSE(CheckSurface(turned).Sound()) << "a triangle that is turned round";
 }
 
+TEST(MeshCheck, SurfacesThatCrossAndPartsInsideOfOthers)
+{
+  SurfaceMesh surface;
+  AddSphere(surface, { -3, 0, 0 }, 5, 3, 1);
+  AddSphere(surface, { 3, 0, 0 }, 5, 3, 2);
+  MeshCheck check = CheckSurface(surface);
+  EXPECT_FALSE(check.Sound());
+  const MeshTrouble* crossings = check.Find(Kind::Crossings);
+  ASSERT_TRUE(crossings);
+  EXPECT_GT(crossings->Count, 50u);
+  EXPECT_EQ(crossings->Places.size(), MeshTrouble::MostPlaces);
+  // They meet in the circle of radius 4 at x = 0, to a facet of 0.8 mm.
+  EXPECT_NEAR(std::hypot(crossings->Places[0].Point[1], crossings->Places[0].Point[2]), 4, 0.8);
+  EXPECT_NE(crossings->Text({ "air", "a", "b" }).find("pairs of triangles that cross"),
+    std::string::npos);
+
+  surface = {};
+  AddSphere(surface, { 0, 0, 0 }, 5, 2, 1);
+  AddSphere(surface, { 0, 0, 1 }, 2, 2, 2); // says air around it
+  check = CheckSurface(surface);
+  EXPECT_FALSE(check.Find(Kind::Crossings));
+  ASSERT_TRUE(check.Find(Kind::DoubledParts));
+  EXPECT_EQ(check.Find(Kind::DoubledParts)->Count, 1u);
+  EXPECT_GT(check.Find(Kind::DoubledParts)->Places[0].LengthMm, 0.5);
+
+  surface = {};
+  AddSphere(surface, { 0, 0, 0 }, 5, 2, 1);
+  AddSphere(surface, { 0, 0, 1 }, 2, 2, 2, 1);
+  EXPECT_TRUE(CheckSurface(surface).Sound());
+}
+
 TEST(MeshCheck, RefusesWhatIsNoMesh)
 {
   EXPECT_THROW(CheckMesh({}), InputError);

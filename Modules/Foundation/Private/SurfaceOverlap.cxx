@@ -1,0 +1,303 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mammoray/Foundation/SurfaceOverlap.h"
+
+#include "Private/TriangleCrossing.h"
+
+#include <algorithm>
+#include <map>
+#include <numeric>
+#include <set>
+
+namespace mammoray
+{
+namespace
+{
+/// Lines through a part.
+constexpr std::size_t LinesPerPart = 16;
+/// Boxes that a ray is compared with; more are made one.
+constexpr std::size_t MostRegions = 64;
+
+using Box = std::array<Vector3, 2>;
+
+Vector3 CentreOf(const SurfaceMesh& surface, std::size_t triangle)
+{
+  Vector3 sum{ 0, 0, 0 };
+  for (std::size_t corner = 0; corner < 3; ++corner)
+  {
+    const double* at = &surface.Points[3 * std::size_t{ surface.Triangles[3 * triangle + corner] }];
+    sum = sum + Vector3{ at[0], at[1], at[2] };
+  }
+  return (1.0 / 3) * sum;
+}
+
+void Include(Box& box, const Vector3& point)
+{
+  for (std::size_t axis = 0; axis < 3; ++axis)
+  {
+    box[0][axis] = std::min(box[0][axis], point[axis]);
+    box[1][axis] = std::max(box[1][axis], point[axis]);
+  }
+}
+
+/// How often the line is inside of each material, air starting at once and the others at 0.
+class Insides
+{
+public:
+  void Cross(int left, int entered)
+  {
+    this->Change(left, -1);
+    this->Change(entered, 1);
+  }
+  /// Inside of nothing but air, once.
+  bool IsOutside() const
+  {
+    return std::all_of(this->Times.begin(), this->Times.end(),
+      [](const auto& entry) { return entry.second == (entry.first == 0 ? 1 : 0); });
+  }
+  /// Inside of nothing but one material, once.
+  bool IsLabelled() const { return this->Wrong == 0; }
+  SurfaceContradiction Describe() const
+  {
+    SurfaceContradiction found;
+    for (const auto& [material, times] : this->Times)
+    {
+      if (material != 0)
+      {
+        found.Negative = found.Negative || times < 0;
+        found.Materials.insert(found.Materials.end(), std::max(0, times), material);
+      }
+    }
+    return found;
+  }
+
+private:
+  /// 0 and 1 are right for every material: as the sum is always 1, one of them is inside then.
+  static int IsWrong(int times) { return times < 0 || times > 1 ? 1 : 0; }
+  void Change(int material, int by)
+  {
+    int& times = this->Times[material];
+    this->Wrong -= IsWrong(times);
+    times += by;
+    this->Wrong += IsWrong(times);
+  }
+
+  std::map<int, int> Times{ { 0, 1 } };
+  int Wrong = 0;
+};
+
+/// Visits the stretches between the crossings of a line: visit(first, last, insides) of those from
+/// hits[first] to hits[last] that are no labelled ones and not of no length. A line that does not
+/// end where it began, in air, ran through a hole and tells nothing.
+template <typename Visit>
+void ForEachContradiction(const SurfaceMesh& surface, const std::vector<LineHit>& hits,
+  const Visit& visit)
+{
+  const auto cross = [&](const LineHit& hit, Insides& insides)
+  {
+    const int front = surface.FrontMaterials[hit.Triangle];
+    const int back = surface.BackMaterials[hit.Triangle];
+    insides.Cross(hit.FacesBeginning ? front : back, hit.FacesBeginning ? back : front);
+  };
+  Insides whole;
+  for (const LineHit& hit : hits)
+  {
+    cross(hit, whole);
+  }
+  if (!whole.IsOutside())
+  {
+    return;
+  }
+  Insides insides;
+  // Surfaces that coincide have nothing between them, whichever comes first.
+  const double gap =
+    hits.empty() ? 0 : 1e-9 * (1 + std::max(std::abs(hits.front().T), std::abs(hits.back().T)));
+  for (std::size_t n = 0; n < hits.size(); ++n)
+  {
+    cross(hits[n], insides);
+    if (!insides.IsLabelled() && n + 1 < hits.size() && hits[n + 1].T - hits[n].T > gap)
+    {
+      visit(n, n + 1, insides);
+    }
+  }
+}
+
+/// Triangles that hang together by corners, and what is found of them.
+struct SurfaceParts
+{
+  explicit SurfaceParts(const SurfaceOnGrid& grid)
+    : PartOf(grid.NumberOfTriangles())
+  {
+    std::vector<std::uint32_t> parent(grid.NumberOfPlaces());
+    std::iota(parent.begin(), parent.end(), 0u);
+    const auto root = [&](std::uint32_t member)
+    {
+      while (parent[member] != member)
+      {
+        parent[member] = parent[parent[member]];
+        member = parent[member];
+      }
+      return member;
+    };
+    for (std::uint32_t triangle = 0; triangle < this->PartOf.size(); ++triangle)
+    {
+      const auto corners = grid.Corners(triangle);
+      parent[root(corners[1])] = root(corners[0]);
+      parent[root(corners[2])] = root(corners[0]);
+    }
+    std::map<std::uint32_t, std::uint32_t> numbers;
+    for (std::uint32_t triangle = 0; triangle < this->PartOf.size(); ++triangle)
+    {
+      const auto next = static_cast<std::uint32_t>(this->Triangles.size());
+      const auto [entry, isNew] = numbers.try_emplace(root(grid.Corners(triangle)[0]), next);
+      if (isNew)
+      {
+        this->Triangles.emplace_back();
+      }
+      this->PartOf[triangle] = entry->second;
+      this->Triangles[entry->second].push_back(triangle);
+    }
+  }
+
+  Box BoxOf(const SurfaceMesh& surface, std::uint32_t part) const
+  {
+    const Vector3 first = CentreOf(surface, this->Triangles[part].front());
+    Box box{ first, first };
+    for (const std::uint32_t triangle : this->Triangles[part])
+    {
+      for (std::size_t corner = 0; corner < 3; ++corner)
+      {
+        const double* at =
+          &surface.Points[3 * std::size_t{ surface.Triangles[3 * triangle + corner] }];
+        Include(box, { at[0], at[1], at[2] });
+      }
+    }
+    return box;
+  }
+
+  std::vector<std::uint32_t> PartOf;
+  std::vector<std::vector<std::uint32_t>> Triangles;
+};
+
+/// Of the parts whose surface bounds a contradiction, the longest one.
+using PartContradictions = std::map<std::uint32_t, SurfaceContradiction>;
+
+PartContradictions ProbeParts(const SurfaceMesh& surface, const TriangleTree& tree,
+  const SurfaceParts& parts, const ProgressCallback& progress)
+{
+  PartContradictions found;
+  // Along no axis and no diagonal, so that few lines graze.
+  const Vector3 skew{ 0.5257311, 0.2763932, 0.8045085 };
+  const Vector3 direction = (1 / Norm(skew)) * skew;
+  std::vector<LineHit> hits;
+  for (std::size_t part = 0; part < parts.Triangles.size(); ++part)
+  {
+    ReportProgress(progress, 0.5 + 0.5 * static_cast<double>(part) / parts.Triangles.size(),
+      "looking for overlaps");
+    const std::vector<std::uint32_t>& triangles = parts.Triangles[part];
+    const std::size_t lines = std::min(LinesPerPart, triangles.size());
+    for (std::size_t line = 0; line < lines; ++line)
+    {
+      const Vector3 begin = CentreOf(surface, triangles[line * triangles.size() / lines]);
+      tree.CrossLine(begin, direction, hits);
+      ForEachContradiction(surface, hits,
+        [&](std::size_t first, std::size_t last, const Insides& insides)
+        {
+          SurfaceContradiction stretch = insides.Describe();
+          stretch.LengthMm = hits[last].T - hits[first].T;
+          stretch.Place = begin + 0.5 * (hits[last].T + hits[first].T) * direction;
+          for (const std::size_t end : { first, last })
+          {
+            SurfaceContradiction& known = found[parts.PartOf[hits[end].Triangle]];
+            if (stretch.LengthMm > known.LengthMm)
+            {
+              known = stretch;
+            }
+          }
+        });
+    }
+  }
+  return found;
+}
+
+/// The boxes that parts share where they cross each other, and those of parts with contradictions.
+std::vector<Box> FindRegions(const SurfaceMesh& surface, const SurfaceParts& parts,
+  const std::vector<std::pair<std::uint32_t, std::uint32_t>>& crossings,
+  const PartContradictions& contradictions)
+{
+  std::set<std::pair<std::uint32_t, std::uint32_t>> together;
+  for (const auto& [one, other] : crossings)
+  {
+    together.insert(std::minmax(parts.PartOf[one], parts.PartOf[other]));
+  }
+  for (const auto& [part, stretch] : contradictions)
+  {
+    together.insert({ part, part });
+  }
+  std::vector<Box> regions;
+  for (const auto& [one, other] : together)
+  {
+    Box box = parts.BoxOf(surface, one);
+    const Box shared = parts.BoxOf(surface, other);
+    for (std::size_t axis = 0; axis < 3; ++axis)
+    {
+      box[0][axis] = std::max(box[0][axis], shared[0][axis]);
+      box[1][axis] = std::min(box[1][axis], shared[1][axis]);
+    }
+    regions.push_back(box);
+  }
+  if (regions.size() <= MostRegions)
+  {
+    return regions;
+  }
+  Box all = regions.front();
+  for (const Box& box : regions)
+  {
+    Include(all, box[0]);
+    Include(all, box[1]);
+  }
+  return { all };
+}
+}
+
+std::vector<SurfaceContradiction> FindContradictions(const SurfaceMesh& surface,
+  const Vector3& begin, const Vector3& direction, const std::vector<LineHit>& hits)
+{
+  std::vector<SurfaceContradiction> found;
+  ForEachContradiction(surface, hits,
+    [&](std::size_t first, std::size_t last, const Insides& insides)
+    {
+      found.push_back(insides.Describe());
+      found.back().LengthMm = hits[last].T - hits[first].T;
+      found.back().Place = begin + 0.5 * (hits[last].T + hits[first].T) * direction;
+    });
+  return found;
+}
+
+SurfaceOverlap FindOverlap(const SurfaceMesh& surface, const TriangleTree& tree,
+  const ProgressCallback& progress)
+{
+  ReportProgress(progress, 0, "looking for crossing triangles");
+  SurfaceOverlap overlap;
+  const SurfaceOnGrid grid(surface);
+  const auto crossings = grid.Crossings(tree.ClosePairs());
+  const SurfaceParts parts(grid);
+  overlap.Crossings = crossings.size();
+  for (std::size_t n = 0; n < std::min(crossings.size(), SurfaceOverlap::MostPlaces); ++n)
+  {
+    overlap.CrossingPlaces.push_back(
+      0.5 * (CentreOf(surface, crossings[n].first) + CentreOf(surface, crossings[n].second)));
+    overlap.CrossingMaterials.push_back(surface.BackMaterials[crossings[n].first]);
+  }
+  const PartContradictions contradictions = ProbeParts(surface, tree, parts, progress);
+  for (const auto& [part, stretch] : contradictions)
+  {
+    (stretch.Negative ? overlap.NegativeParts : overlap.DoubledParts) += 1;
+    if (overlap.Contradictions.size() < SurfaceOverlap::MostPlaces)
+    {
+      overlap.Contradictions.push_back(stretch);
+    }
+  }
+  overlap.Regions = FindRegions(surface, parts, crossings, contradictions);
+  return overlap;
+}
+}

@@ -1,0 +1,261 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mammoray/Foundation/TriangleTree.h"
+
+#include "mammoray/Foundation/ParallelFor.h"
+
+#include <algorithm>
+#include <cmath>
+#include <mutex>
+#include <numeric>
+
+namespace mammoray
+{
+namespace
+{
+constexpr std::uint32_t TrianglesPerLeaf = 4;
+
+/// Two directions across a line.
+std::array<Vector3, 2> Across(const Vector3& direction)
+{
+  std::size_t least = 0;
+  for (std::size_t axis = 1; axis < 3; ++axis)
+  {
+    least = std::abs(direction[axis]) < std::abs(direction[least]) ? axis : least;
+  }
+  Vector3 other{ 0, 0, 0 };
+  other[least] = 1;
+  const Vector3 u = Cross(direction, other);
+  const Vector3 first = (1 / Norm(u)) * u;
+  return { first, Cross(direction, first) };
+}
+
+using Place = std::array<double, 2>;
+
+/// a x b, exactly -(b x a), however the compiler contracts: twice the area between the line and the
+/// edge, seen along the line.
+double EdgeValue(const Place& a, const Place& b)
+{
+  return a < b ? a[0] * b[1] - a[1] * b[0] : -(b[0] * a[1] - b[1] * a[0]);
+}
+
+/// The edge's value, or its sign where the line runs an infinitesimal step beside, back along the
+/// first direction and infinitesimally less so along the second.
+double Decisive(double value, const Place& a, const Place& b)
+{
+  return value != 0 ? value : a[1] != b[1] ? b[1] - a[1] : a[0] - b[0];
+}
+}
+
+TriangleTree::TriangleTree(const SurfaceMesh& surface)
+  : Surface(&surface)
+  , Order(surface.NumberOfTriangles())
+{
+  std::iota(this->Order.begin(), this->Order.end(), 0u);
+  std::vector<Box> boxes(this->Order.size());
+  ParallelFor(boxes.size(),
+    [&](std::size_t triangle)
+    { boxes[triangle] = this->BoxOf(static_cast<std::uint32_t>(triangle)); });
+  this->Nodes.reserve(this->Order.size());
+  if (!this->Order.empty())
+  {
+    this->Build(0, static_cast<std::uint32_t>(this->Order.size()), boxes);
+  }
+}
+
+TriangleTree::Box TriangleTree::BoxOf(std::uint32_t triangle) const
+{
+  Box box;
+  for (std::size_t corner = 0; corner < 3; ++corner)
+  {
+    const double* at =
+      &this->Surface->Points[3 * std::size_t{ this->Surface->Triangles[3 * triangle + corner] }];
+    for (std::size_t axis = 0; axis < 3; ++axis)
+    {
+      box.Low[axis] = corner == 0 ? at[axis] : std::min(box.Low[axis], at[axis]);
+      box.High[axis] = corner == 0 ? at[axis] : std::max(box.High[axis], at[axis]);
+    }
+  }
+  return box;
+}
+
+void TriangleTree::Build(std::uint32_t begin, std::uint32_t end, std::vector<Box>& boxes)
+{
+  const std::size_t place = this->Nodes.size();
+  Node node;
+  node.Bounds = boxes[this->Order[begin]];
+  for (std::uint32_t n = begin + 1; n < end; ++n)
+  {
+    const Box& box = boxes[this->Order[n]];
+    for (std::size_t axis = 0; axis < 3; ++axis)
+    {
+      node.Bounds.Low[axis] = std::min(node.Bounds.Low[axis], box.Low[axis]);
+      node.Bounds.High[axis] = std::max(node.Bounds.High[axis], box.High[axis]);
+    }
+  }
+  node.First = begin;
+  node.Count = end - begin <= TrianglesPerLeaf ? end - begin : 0;
+  this->Nodes.push_back(node);
+  if (node.Count > 0)
+  {
+    return;
+  }
+  const Vector3 size = node.Bounds.High - node.Bounds.Low;
+  const auto axis =
+    static_cast<std::size_t>(std::max_element(size.begin(), size.end()) - size.begin());
+  const std::uint32_t middle = begin + (end - begin) / 2;
+  std::nth_element(this->Order.begin() + begin, this->Order.begin() + middle,
+    this->Order.begin() + end,
+    [&](std::uint32_t a, std::uint32_t b)
+    {
+      const double left = boxes[a].Low[axis] + boxes[a].High[axis];
+      const double right = boxes[b].Low[axis] + boxes[b].High[axis];
+      return left != right ? left < right : a < b;
+    });
+  this->Build(begin, middle, boxes);
+  this->Nodes[place].First = static_cast<std::uint32_t>(this->Nodes.size());
+  this->Build(middle, end, boxes);
+}
+
+bool TriangleTree::Touch(const Box& a, const Box& b)
+{
+  bool touch = true;
+  for (std::size_t axis = 0; axis < 3; ++axis)
+  {
+    touch = touch && a.Low[axis] <= b.High[axis] && b.Low[axis] <= a.High[axis];
+  }
+  return touch;
+}
+
+template <typename Meets, typename Visit>
+void TriangleTree::Descend(const Meets& meets, const Visit& visit) const
+{
+  if (this->Nodes.empty())
+  {
+    return;
+  }
+  // Halves are halved: 64 levels are more than 2^32 triangles need.
+  std::array<std::uint32_t, 64> waiting;
+  std::size_t count = 0;
+  waiting[count++] = 0;
+  while (count > 0)
+  {
+    const std::uint32_t place = waiting[--count];
+    const Node& node = this->Nodes[place];
+    if (!meets(node.Bounds))
+    {
+      continue;
+    }
+    if (node.Count == 0)
+    {
+      waiting[count++] = node.First;
+      waiting[count++] = place + 1;
+      continue;
+    }
+    for (std::uint32_t n = 0; n < node.Count; ++n)
+    {
+      visit(this->Order[node.First + n]);
+    }
+  }
+}
+
+void TriangleTree::CrossLine(const Vector3& begin, const Vector3& direction,
+  std::vector<LineHit>& hits) const
+{
+  hits.clear();
+  const auto [u, v] = Across(direction);
+  const auto meets = [&](const Box& box)
+  {
+    // Along each of the three directions across line and axes, the box's shadow must reach the
+    // line; with room for rounding.
+    const Vector3 half = 0.5 * (box.High - box.Low);
+    const Vector3 middle = 0.5 * (box.Low + box.High) - begin;
+    const double slack = 1e-12 * (Norm(half) + Norm(middle));
+    bool meet = true;
+    for (std::size_t axis = 0; axis < 3; ++axis)
+    {
+      const std::size_t next = (axis + 1) % 3;
+      const std::size_t last = (axis + 2) % 3;
+      meet = meet &&
+        std::abs(middle[next] * direction[last] - middle[last] * direction[next]) <=
+          half[next] * std::abs(direction[last]) + half[last] * std::abs(direction[next]) + slack;
+    }
+    return meet;
+  };
+  const auto visit = [&](std::uint32_t triangle)
+  {
+    std::array<Vector3, 3> points;
+    std::array<Place, 3> seen;
+    for (std::size_t corner = 0; corner < 3; ++corner)
+    {
+      const double* at =
+        &this->Surface->Points[3 * std::size_t{ this->Surface->Triangles[3 * triangle + corner] }];
+      points[corner] = Vector3{ at[0], at[1], at[2] } - begin;
+      seen[corner] = { Dot(points[corner], u), Dot(points[corner], v) };
+    }
+    // Value i lies opposite of corner i; together they are the barycentric coordinates.
+    std::array<double, 3> values{};
+    int positive = 0;
+    int negative = 0;
+    for (std::size_t i = 0; i < 3; ++i)
+    {
+      const Place& a = seen[(i + 1) % 3];
+      const Place& b = seen[(i + 2) % 3];
+      values[i] = EdgeValue(a, b);
+      const double side = Decisive(values[i], a, b);
+      positive += side > 0 ? 1 : 0;
+      negative += side < 0 ? 1 : 0;
+    }
+    if (positive < 3 && negative < 3)
+    {
+      return;
+    }
+    const double whole = values[0] + values[1] + values[2];
+    LineHit hit;
+    hit.Triangle = triangle;
+    hit.Weights = whole != 0
+      ? std::array<double, 3>{ values[0] / whole, values[1] / whole, values[2] / whole }
+      : std::array<double, 3>{ 1, 0, 0 };
+    hit.T = 0;
+    for (std::size_t i = 0; i < 3; ++i)
+    {
+      hit.T += hit.Weights[i] * Dot(points[i], direction);
+    }
+    // u, v and the direction are right-handed: corners that turn counter-clockwise show the front
+    // to whom the direction leads to.
+    hit.FacesBeginning = negative == 3;
+    hits.push_back(hit);
+  };
+  this->Descend(meets, visit);
+  std::sort(hits.begin(), hits.end(),
+    [](const LineHit& a, const LineHit& b)
+    { return a.T != b.T ? a.T < b.T : a.Triangle < b.Triangle; });
+}
+
+std::vector<std::pair<std::uint32_t, std::uint32_t>> TriangleTree::ClosePairs() const
+{
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs;
+  std::mutex guard;
+  ParallelRanges(this->Order.size(), 4096,
+    [&](std::size_t begin, std::size_t end)
+    {
+      std::vector<std::pair<std::uint32_t, std::uint32_t>> found;
+      for (std::size_t n = begin; n < end; ++n)
+      {
+        const std::uint32_t one = this->Order[n];
+        const Box box = this->BoxOf(one);
+        this->Descend([&](const Box& other) { return Touch(box, other); },
+          [&](std::uint32_t other)
+          {
+            if (one < other && Touch(box, this->BoxOf(other)))
+            {
+              found.emplace_back(one, other);
+            }
+          });
+      }
+      const std::scoped_lock lock(guard);
+      pairs.insert(pairs.end(), found.begin(), found.end());
+    });
+  std::sort(pairs.begin(), pairs.end());
+  return pairs;
+}
+}

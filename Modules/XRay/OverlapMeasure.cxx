@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mammoray/XRay/OverlapMeasure.h"
+
+#include "Private/ProjectionChecks.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdarg>
+#include <cstdio>
+
+namespace mammoray
+{
+namespace
+{
+constexpr int MostRaysAcross = 200;
+
+__attribute__((format(printf, 1, 2))) std::string Text(const char* format, ...)
+{
+  char text[240];
+  va_list arguments;
+  va_start(arguments, format);
+  std::vsnprintf(text, sizeof(text), format, arguments);
+  va_end(arguments);
+  return text;
+}
+
+std::string At(const Vector3& place)
+{
+  return Text("(%.4g, %.4g, %.4g) mm", place[0], place[1], place[2]);
+}
+
+std::string NamesOf(const std::vector<int>& materials, const std::vector<std::string>& names)
+{
+  std::string text;
+  for (const int material : materials)
+  {
+    const auto m = static_cast<std::size_t>(material);
+    text += text.empty() ? "" : " in ";
+    text += m < names.size() ? names[m] : "material " + std::to_string(material);
+  }
+  return text;
+}
+}
+
+std::string OverlapMeasure::Warning(const std::vector<std::string>& names) const
+{
+  if (this->Overlap.None())
+  {
+    return {};
+  }
+  std::string text;
+  if (this->Overlap.Crossings > 0)
+  {
+    text +=
+      Text("%zu pairs of triangles cross each other, the first at ", this->Overlap.Crossings) +
+      At(this->Overlap.CrossingPlaces.front());
+  }
+  if (this->Overlap.DoubledParts + this->Overlap.NegativeParts > 0)
+  {
+    const SurfaceContradiction& first = this->Overlap.Contradictions.front();
+    text += text.empty() ? "" : "; ";
+    text += Text("%zu parts lie in others though their labels say air, %zu are inside out, the "
+                 "first at ",
+              this->Overlap.DoubledParts, this->Overlap.NegativeParts) +
+      At(first.Place);
+    const std::string inside = NamesOf(first.Materials, names);
+    text += inside.empty() ? "" : " (" + inside + ")";
+  }
+  if (this->Contradicting == 0)
+  {
+    return text + "; no ray of this image is changed by it";
+  }
+  return text +
+    Text("; %.2g %% of the rays through the surface count %.3g mm on average twice or negatively",
+      100.0 * static_cast<double>(this->Contradicting) / static_cast<double>(this->Rays),
+      this->MeanMm) +
+    Text(", the longest stretch %.3g mm at ", this->Longest.LengthMm) + At(this->Longest.Place);
+}
+
+OverlapMeasure MeasureOverlap(const SurfaceMesh& surface, const XRaySource& source,
+  const XRayDetector& detector, const ProgressCallback& progress)
+{
+  CheckGeometry(source, detector);
+  OverlapMeasure measure;
+  const TriangleTree tree(surface);
+  measure.Overlap = FindOverlap(surface, tree, ShareOf(progress, 0, 0.7));
+  if (measure.Overlap.None())
+  {
+    return measure;
+  }
+  const int columns = std::min(detector.Columns, MostRaysAcross);
+  const int rows = std::min(detector.Rows, MostRaysAcross);
+  std::vector<LineHit> hits;
+  double sum = 0;
+  for (int row = 0; row < rows; ++row)
+  {
+    ReportProgress(progress, 0.7 + 0.3 * row / rows, "measuring overlaps");
+    for (int column = 0; column < columns; ++column)
+    {
+      const double u = (column + 0.5) * detector.Columns / columns - 0.5;
+      const double v = (row + 0.5) * detector.Rows / rows - 0.5;
+      const Vector3 pixel = detector.Origin + u * detector.ColumnStep + v * detector.RowStep;
+      const Vector3 way =
+        source.Type == XRaySource::Kind::Point ? pixel - source.Position : source.Direction;
+      const Vector3 direction = (1 / Norm(way)) * way;
+      tree.CrossLine(pixel, direction, hits);
+      double length = 0;
+      for (const SurfaceContradiction& stretch :
+        FindContradictions(surface, pixel, direction, hits))
+      {
+        length += stretch.LengthMm;
+        if (stretch.LengthMm > measure.Longest.LengthMm)
+        {
+          measure.Longest = stretch;
+        }
+      }
+      measure.Rays += hits.empty() ? 0 : 1;
+      measure.Contradicting += length > 0 ? 1 : 0;
+      sum += length;
+    }
+  }
+  measure.MeanMm = measure.Contradicting > 0 ? sum / static_cast<double>(measure.Contradicting) : 0;
+  return measure;
+}
+}

@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: Apache-2.0
+#ifndef mammoray_PriorityProjector_h
+#define mammoray_PriorityProjector_h
+
+#include "mammoray/Foundation/SurfaceOverlap.h"
+#include "mammoray/Foundation/TriangleTree.h"
+#include "mammoray/XRay/PathLengthProjector.h"
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+namespace mammoray
+{
+/**
+ * A projector that counts every stretch of a ray once, where parts overlap: another one projects,
+ * and the rays that pass a box in which parts overlap are followed again here, their hits sorted.
+ * See ProjectorOptions::Priority.
+ */
+class PriorityProjector : public PathLengthProjector
+{
+public:
+  PriorityProjector(std::unique_ptr<PathLengthProjector> projector, std::vector<int> priority);
+
+  void SetSurface(const SurfaceMesh& surface) override;
+  void UpdatePoints(const std::vector<double>& points) override;
+  PathLengthImage Project(const XRaySource& source, const XRayDetector& detector) override;
+  PathLengthImage Project(const XRaySource& source, const XRayDetector& detector,
+    const std::vector<double>& velocities, int fields, PathLengthDerivatives& derivatives) override;
+  PathLengthImage ProjectRays(const std::vector<XRayLine>& rays) override;
+  std::vector<float> Transmission(const Beam& beam) override;
+  std::string DeviceName() const override { return this->Projector->DeviceName(); }
+  ProjectorOptions::Method Method() const override { return this->Projector->Method(); }
+
+private:
+  /// The part of a line that counts: hits before From and behind To (mm along it) are taken as
+  /// there.
+  struct Ray
+  {
+    Vector3 Begin{ 0, 0, 0 };
+    /// Of length 1.
+    Vector3 Direction{ 0, 0, 1 };
+    double From = 0;
+    double To = 0;
+  };
+  /// Sums of one ray or more.
+  struct RaySums
+  {
+    /// By material, mm.
+    std::vector<double> Lengths;
+    /// [field * materials + material].
+    std::vector<double> Rates;
+  };
+  struct Work
+  {
+    const std::vector<double>* Velocities = nullptr;
+    int Fields = 0;
+    PathLengthDerivatives* Derivatives = nullptr;
+  };
+
+  void FindOverlaps();
+  Ray RayOf(const XRaySource& source, const XRayDetector& detector, double column,
+    double row) const;
+  bool PassesRegion(const Ray& ray) const;
+  /// Adds a ray's lengths and rates; false where its crossings do not cancel.
+  bool AddRay(const Ray& ray, const Work& work, std::vector<LineHit>& hits, RaySums& sums) const;
+  void AddRates(const Ray& ray, const LineHit& hit, int left, int entered, const Work& work,
+    RaySums& sums) const;
+  int OwnerOf(const std::vector<int>& insides) const;
+  /// The pixel's sums over its samples that close; their number, 0 where none passes a region.
+  int SumPixel(const XRaySource& source, const XRayDetector& detector, std::size_t pixel,
+    const Work& work, std::vector<LineHit>& hits, RaySums& sums) const;
+  void Correct(const XRaySource& source, const XRayDetector& detector, const Work& work,
+    PathLengthImage& image) const;
+
+  std::unique_ptr<PathLengthProjector> Projector;
+  std::vector<int> Priority;
+  SurfaceMesh Surface;
+  std::optional<TriangleTree> Tree;
+  SurfaceOverlap Overlap;
+  /// All materials of the surface but air, those that win first.
+  std::vector<int> Order;
+  /// The last image of this surface.
+  std::optional<PathLengthImage> LastImage;
+};
+}
+
+#endif

@@ -1,0 +1,234 @@
+// SPDX-License-Identifier: Apache-2.0
+// Where parts overlap: what is told, and the rule that counts every stretch once.
+#include "ProjectorTesting.h"
+#include "mammoray/Foundation/Error.h"
+#include "mammoray/XRay/OverlapMeasure.h"
+
+#include <gmock/gmock.h>
+
+namespace
+{
+using namespace mammoray;
+using namespace mammoray::shapes;
+
+const Vector3 Low1{ -30, -20, -10 };
+const Vector3 High1{ 10, 20, 10 };
+const Vector3 Low2{ -10, -15, 0 };
+const Vector3 High2{ 30, 15, 25 };
+const XRaySource Focus = PointSource({ 5, 3, 400 });
+
+XRayDetector Film(int samples = 1)
+{
+  XRayDetector detector = CentredDetector({ 0, 0, -50 }, { 1, 0, 0 }, { 0, 1, 0 }, 70, 50, 35, 25);
+  detector.Samples = samples;
+  return detector;
+}
+
+/// Two boxes, turned a little, that overlap, each in air.
+SurfaceMesh TwoBoxes()
+{
+  SurfaceMesh mesh;
+  AddBox(mesh, Low1, High1, 1, 0, Rotation(0.1, 0.05, 0));
+  AddBox(mesh, Low2, High2, 2, 0, Rotation(0, 0.1, 0.2));
+  return mesh;
+}
+
+/// Enters and leaves a convex box; both 0 where the ray misses it.
+std::array<double, 2> Interval(const Vector3& low, const Vector3& high,
+  const std::array<Vector3, 3>& axes, const Vector3& a, const Vector3& b)
+{
+  double enter = 0;
+  double leave = 1;
+  for (std::size_t axis = 0; axis < 3; ++axis)
+  {
+    // The axes are columns of the rotation: coordinates are dot products with them.
+    const double start = Dot(axes[axis], a);
+    const double run = Dot(axes[axis], b - a);
+    const double t0 = (low[axis] - start) / run;
+    const double t1 = (high[axis] - start) / run;
+    enter = std::max(enter, std::min(t0, t1));
+    leave = std::min(leave, std::max(t0, t1));
+  }
+  const double length = Norm(b - a);
+  return leave > enter ? std::array<double, 2>{ enter * length, leave * length }
+                       : std::array<double, 2>{ 0, 0 };
+}
+
+class OverlapTest : public ProjectorTest
+{
+protected:
+  std::unique_ptr<PathLengthProjector> WithPriority(const std::vector<int>& priority) const
+  {
+    return MakeProjector({ .Projection = this->GetParam().Projection,
+      .DoublePrecision = this->GetParam().Double,
+      .Validation = true,
+      .Priority = priority });
+  }
+};
+
+TEST_P(OverlapTest, EveryStretchCountsOnceForTheFirstMaterial)
+{
+  const SurfaceMesh mesh = TwoBoxes();
+  const XRayDetector detector = Film();
+  const PathLengthImage sums = this->Project(mesh, Focus, detector);
+  const double tolerance = this->GetParam().Double ? 3e-5 : 2e-3; // those of the projectors
+  int overlapped = 0;
+  for (const std::vector<int>& priority : { std::vector<int>{ 1 }, std::vector<int>{ 2 } })
+  {
+    const auto projector = this->WithPriority(priority);
+    projector->SetSurface(mesh);
+    const PathLengthImage image = projector->Project(Focus, detector);
+    EXPECT_EQ(image.NumberOfInconsistentRays(), 0u);
+    for (int row = 0; row < detector.Rows; ++row)
+    {
+      for (int column = 0; column < detector.Columns; ++column)
+      {
+        const Vector3 pixel = Pixel(detector, column, row);
+        const auto one = Interval(Low1, High1, Rotation(0.1, 0.05, 0), Focus.Position, pixel);
+        const auto other = Interval(Low2, High2, Rotation(0, 0.1, 0.2), Focus.Position, pixel);
+        const double common =
+          std::max(0.0, std::min(one[1], other[1]) - std::max(one[0], other[0]));
+        overlapped += common > 0 ? 1 : 0;
+        const auto n = static_cast<std::size_t>(row * detector.Columns + column);
+        const double first = one[1] - one[0];
+        const double second = other[1] - other[0];
+        // Each of the boxes alone, when they are summed.
+        ASSERT_NEAR(sums.Material(1)[n], first, tolerance);
+        ASSERT_NEAR(sums.Material(2)[n], second, tolerance);
+        ASSERT_NEAR(image.Material(1)[n], first - (priority[0] == 2 ? common : 0), tolerance);
+        ASSERT_NEAR(image.Material(2)[n], second - (priority[0] == 1 ? common : 0), tolerance);
+      }
+    }
+  }
+  EXPECT_GT(overlapped, 300);
+}
+
+TEST_P(OverlapTest, TheSameMaterialCountsOnceAndInsideOutNever)
+{
+  SurfaceMesh mesh;
+  AddSphere(mesh, { 0, 0, 0 }, 10, 3, 1);
+  AddSphere(mesh, { 2, 0, 0 }, 5, 2, 1);     // wholly inside
+  AddSphere(mesh, { 30, 0, 0 }, 4, 2, 0, 1); // inside out
+  const auto projector = this->WithPriority({ 1 });
+  projector->SetSurface(mesh);
+  const XRayDetector detector = Film();
+  const PathLengthImage image = projector->Project(Focus, detector);
+  SurfaceMesh alone;
+  AddSphere(alone, { 0, 0, 0 }, 10, 3, 1);
+  const PathLengthImage expected = this->Project(alone, Focus, detector);
+  EXPECT_EQ(image.NumberOfInconsistentRays(), 0u);
+  EXPECT_THAT(image.Lengths,
+    testing::Pointwise(testing::FloatNear(this->GetParam().Double ? 3e-5f : 2e-3f),
+      expected.Lengths));
+}
+
+TEST_P(OverlapTest, DerivativesAreThoseOfTheRule)
+{
+  SurfaceMesh mesh = TwoBoxes();
+  const auto projector = this->WithPriority({ 2 });
+  projector->SetSurface(mesh);
+  const XRayDetector detector = Film(2);
+  // Field 0 moves the first box, field 1 the second, each its own way.
+  const std::size_t count = mesh.Points.size();
+  std::vector<double> velocities(2 * count, 0.0);
+  for (std::size_t point = 0; point < mesh.NumberOfPoints(); ++point)
+  {
+    velocities[(point < 8 ? 0 : count) + 3 * point] = 0.4;
+    velocities[(point < 8 ? 0 : count) + 3 * point + 2] = point < 8 ? 1.0 : -0.7;
+  }
+  PathLengthDerivatives derivatives;
+  const PathLengthImage image = projector->Project(Focus, detector, velocities, 2, derivatives);
+  const double step = 1e-3;
+  std::size_t compared = 0;
+  for (int field = 0; field < 2; ++field)
+  {
+    std::array<PathLengthImage, 2> beside;
+    for (int side = 0; side < 2; ++side)
+    {
+      std::vector<double> points = mesh.Points;
+      for (std::size_t n = 0; n < count; ++n)
+      {
+        points[n] += (side == 0 ? -step : step) * velocities[field * count + n];
+      }
+      projector->UpdatePoints(points);
+      beside[static_cast<std::size_t>(side)] = projector->Project(Focus, detector);
+    }
+    for (int material = 1; material < 3; ++material)
+    {
+      for (std::size_t n = 0; n < image.NumberOfPixels(); ++n)
+      {
+        const double left = (image.Material(material)[n] - beside[0].Material(material)[n]) / step;
+        const double right = (beside[1].Material(material)[n] - image.Material(material)[n]) / step;
+        // Where an edge passes the ray the one-sided differences differ: no derivative there.
+        const double noise = this->GetParam().Double ? 0.03 : 2; // rounding of lengths, over step
+        if (std::abs(left - right) < noise)
+        {
+          ASSERT_NEAR(derivatives.Of(field, material)[n], 0.5 * (left + right), noise);
+          ++compared;
+        }
+      }
+    }
+  }
+  EXPECT_GT(compared, 3000u);
+}
+
+TEST_P(OverlapTest, RaysFollowTheRuleToo)
+{
+  if (this->GetParam().Projection == Method::Rasterisation)
+  {
+    GTEST_SKIP() << "lists of rays are traced only";
+  }
+  const auto projector = this->WithPriority({ 2 });
+  projector->SetSurface(TwoBoxes());
+  const XRayDetector detector = Film();
+  const PathLengthImage image = projector->Project(Focus, detector);
+  std::vector<XRayLine> rays;
+  for (int row = 0; row < detector.Rows; ++row)
+  {
+    for (int column = 0; column < detector.Columns; ++column)
+    {
+      rays.push_back({ Focus.Position, Pixel(detector, column, row) });
+    }
+  }
+  EXPECT_THAT(projector->ProjectRays(rays).Lengths,
+    testing::Pointwise(testing::FloatNear(this->GetParam().Double ? 3e-5f : 2e-3f), image.Lengths));
+}
+
+INSTANTIATE_TEST_SUITE_P(Projectors, OverlapTest, AllVariants(), VariantName);
+
+TEST(OverlapMeasure, CountsRaysAndLengths)
+{
+  // A sphere of radius 5 at the middle of one of 10, both of which say air around them.
+  SurfaceMesh mesh;
+  AddSphere(mesh, { 0, 0, 0 }, 10, 4, 1);
+  AddSphere(mesh, { 0, 0, 0 }, 5, 4, 2);
+  const XRayDetector detector =
+    CentredDetector({ 0, 0, -20 }, { 1, 0, 0 }, { 0, 1, 0 }, 30, 30, 300, 300);
+  const OverlapMeasure measure = MeasureOverlap(mesh, ParallelBeam({ 0, 0, -1 }), detector);
+  EXPECT_EQ(measure.Overlap.DoubledParts, 1u);
+  // A quarter of the rays; chords of a sphere are 4/3 r on average. 2 %: 5000 rays, facets.
+  EXPECT_NEAR(static_cast<double>(measure.Contradicting) / measure.Rays, 0.25, 0.005);
+  EXPECT_NEAR(measure.MeanMm, 20.0 / 3, 0.13);
+  EXPECT_NEAR(measure.Longest.LengthMm, 10, 0.05);
+  const std::string warning = measure.Warning({ "air", "water", "stone" });
+  EXPECT_THAT(warning, testing::HasSubstr("1 parts lie in others though their labels say air"));
+  EXPECT_THAT(warning, testing::HasSubstr("25 % of the rays"));
+  EXPECT_THAT(warning, testing::HasSubstr("water in stone"));
+
+  SurfaceMesh sound;
+  AddSphere(sound, { 0, 0, 0 }, 10, 4, 1);
+  AddSphere(sound, { 0, 0, 0 }, 5, 4, 2, 1);
+  EXPECT_EQ(MeasureOverlap(sound, ParallelBeam({ 0, 0, -1 }), detector).Warning({}), "");
+}
+
+TEST(OverlapPriority, RefusesAirAndRepetition)
+{
+  std::string reason;
+  if (ListDevices(&reason).empty())
+  {
+    GTEST_SKIP() << reason;
+  }
+  EXPECT_THROW(MakeProjector({ .Priority = { 0 } }), InputError);
+  EXPECT_THROW(MakeProjector({ .Priority = { 2, 1, 2 } }), InputError);
+}
+}
