@@ -1,0 +1,192 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mammoray/XRay/Tube.h"
+
+#include "Private/Physics/TubeCoefficients.h"
+#include "mammoray/Foundation/Error.h"
+#include "mammoray/XRay/Composition.h"
+
+#include <xraylib.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <sstream>
+
+namespace mammoray
+{
+namespace
+{
+constexpr double BinKeV = 0.5;
+constexpr double LowestKeV = 5;
+constexpr double LeastKilovolts = 18;
+constexpr double MostKilovolts = 42;
+
+std::string Number(double value)
+{
+  std::ostringstream text;
+  text << value;
+  return text.str();
+}
+
+bool ParseNumber(const std::string& text, double& value)
+{
+  const char* const end = text.data() + text.size();
+  const auto parsed = std::from_chars(text.data(), end, value);
+  return parsed.ec == std::errc() && parsed.ptr == end && std::isfinite(value);
+}
+
+const TubeAnode& FindAnode(const std::string& name)
+{
+  const auto& anodes = TubeAnodes();
+  const auto found = std::find_if(anodes.begin(), anodes.end(),
+    [&](const TubeAnode& anode) { return name == anode.Name; });
+  if (found == anodes.end())
+  {
+    throw InputError("tube: expected an anode of W, Mo or Rh, found '" + name + "'");
+  }
+  return *found;
+}
+
+AttenuationTable TableOf(const std::string& material)
+{
+  AttenuationTable table;
+  if (!FindComposition(material, table))
+  {
+    throw InputError("filter: expected an element, a formula, mass fractions or a NIST compound, "
+                     "found '" +
+      material + "'");
+  }
+  return table;
+}
+
+/// Air kerma per photon, in any unit.
+double KermaPerPhoton(double energyKeV)
+{
+  return energyKeV * CS_Energy_CP("Air, Dry (near sea level)", energyKeV, nullptr);
+}
+}
+
+XRayFilter XRayFilter::FromText(const std::string& text)
+{
+  XRayFilter filter;
+  const std::size_t colon = text.rfind(':');
+  bool usable = colon != std::string::npos && colon > 0 &&
+    ParseNumber(text.substr(colon + 1), filter.ThicknessMm) && filter.ThicknessMm >= 0;
+  if (usable)
+  {
+    filter.Material = text.substr(0, colon);
+    const std::size_t at = filter.Material.rfind('@');
+    if (at != std::string::npos)
+    {
+      usable = ParseNumber(filter.Material.substr(at + 1), filter.DensityGPerCm3) &&
+        filter.DensityGPerCm3 > 0;
+      filter.Material.resize(at);
+    }
+  }
+  if (!usable || filter.Material.empty())
+  {
+    throw InputError("filter: expected MATERIAL[@DENSITY]:MM, as in Rh:0.05, found '" + text + "'");
+  }
+  return filter;
+}
+
+void XRayTube::Validate() const
+{
+  FindAnode(this->Anode);
+  if (!(this->KilovoltagePeak >= LeastKilovolts && this->KilovoltagePeak <= MostKilovolts))
+  {
+    throw InputError("tube: expected " + Number(LeastKilovolts) + " to " + Number(MostKilovolts) +
+      " kVp, found " + Number(this->KilovoltagePeak));
+  }
+}
+
+std::string XRayTube::Name() const
+{
+  std::string name = this->Anode + " " + Number(this->KilovoltagePeak) + " kVp";
+  for (const XRayFilter& filter : this->Filters)
+  {
+    name += ", " + Number(filter.ThicknessMm) + " mm " + filter.Material;
+  }
+  return name;
+}
+
+Spectrum TubeSpectrum(const XRayTube& tube)
+{
+  tube.Validate();
+  const TubeAnode& anode = FindAnode(tube.Anode);
+  const double kilovolts = tube.KilovoltagePeak;
+  Spectrum spectrum;
+  for (std::size_t bin = 0; bin < anode.Bins->size(); ++bin)
+  {
+    const double energy = anode.FirstKeV + BinKeV * static_cast<double>(bin);
+    if (energy < LowestKeV || energy > kilovolts)
+    {
+      continue;
+    }
+    const TubePolynomial& a = (*anode.Bins)[bin];
+    spectrum.EnergiesKeV.push_back(energy);
+    spectrum.Weights.push_back(
+      std::max(0.0, a[0] + kilovolts * (a[1] + kilovolts * (a[2] + kilovolts * a[3]))));
+  }
+  for (const XRayFilter& filter : tube.Filters)
+  {
+    spectrum = FilterSpectrum(spectrum, filter);
+  }
+  spectrum.Name = tube.Name();
+  spectrum.Validate();
+  return spectrum;
+}
+
+Spectrum FilterSpectrum(const Spectrum& spectrum, const XRayFilter& filter)
+{
+  if (!(filter.ThicknessMm >= 0 && std::isfinite(filter.ThicknessMm)))
+  {
+    throw InputError("filter: expected a thickness that is not negative, found " +
+      Number(filter.ThicknessMm) + " mm of " + filter.Material);
+  }
+  const AttenuationTable table = TableOf(filter.Material);
+  const double density =
+    filter.DensityGPerCm3 > 0 ? filter.DensityGPerCm3 : table.NominalDensityGPerCm3;
+  Spectrum filtered = spectrum;
+  for (std::size_t bin = 0; bin < filtered.Weights.size(); ++bin)
+  {
+    filtered.Weights[bin] *=
+      std::exp(-filter.ThicknessMm * table.MuAt(filtered.EnergiesKeV[bin], density));
+  }
+  filtered.Validate();
+  return filtered;
+}
+
+double HalfValueLayerMm(const Spectrum& spectrum)
+{
+  spectrum.Validate();
+  const AttenuationTable aluminium = TableOf("Al");
+  std::vector<double> kerma;
+  std::vector<double> mu;
+  double whole = 0;
+  for (std::size_t bin = 0; bin < spectrum.Weights.size(); ++bin)
+  {
+    kerma.push_back(spectrum.Weights[bin] * KermaPerPhoton(spectrum.EnergiesKeV[bin]));
+    mu.push_back(aluminium.MuAt(spectrum.EnergiesKeV[bin], aluminium.NominalDensityGPerCm3));
+    whole += kerma.back();
+  }
+  const auto left = [&](double thickness)
+  {
+    double sum = 0;
+    for (std::size_t bin = 0; bin < kerma.size(); ++bin)
+    {
+      sum += kerma[bin] * std::exp(-mu[bin] * thickness);
+    }
+    return sum / whole;
+  };
+  // Between the layers of the most and the least absorbed photons.
+  double low = std::log(2.0) / *std::max_element(mu.begin(), mu.end());
+  double high = std::log(2.0) / *std::min_element(mu.begin(), mu.end());
+  for (int step = 0; step < 60; ++step)
+  {
+    const double middle = 0.5 * (low + high);
+    (left(middle) > 0.5 ? low : high) = middle;
+  }
+  return 0.5 * (low + high);
+}
+}
