@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mammoray/XRay/Exposure.h"
 
+#include "Private/Physics/DetectorBlur.h"
 #include "mammoray/Foundation/Error.h"
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <sstream>
 
 namespace mammoray
@@ -180,6 +182,38 @@ double NoisyTransmission(double mean, double variance, double photons, PixelRand
   const double scale = variance / mean;
   return scale / photons * PoissonNumber(photons * mean / scale, random);
 }
+
+/// From mean transmissions, and their variances where there is noise, to what is detected.
+void Detect(const XRayDetector& detector, const ExposureOptions& options,
+  const std::vector<double>& variance, std::vector<double>& transmission)
+{
+  for (std::size_t pixel = 0; pixel < transmission.size(); ++pixel)
+  {
+    const double open = options.OpenField.empty() ? 1.0 : options.OpenField[pixel];
+    transmission[pixel] *= open;
+    if (options.PhotonsPerPixel > 0)
+    {
+      PixelRandom random(options.Seed, pixel);
+      transmission[pixel] = NoisyTransmission(transmission[pixel], open * variance[pixel],
+        options.PhotonsPerPixel, random);
+    }
+  }
+  if (options.HalfModulationPerMm > 0)
+  {
+    Blur(transmission, detector.Columns, detector.Rows,
+      BlurKernel(options.HalfModulationPerMm, Norm(detector.ColumnStep)),
+      BlurKernel(options.HalfModulationPerMm, Norm(detector.RowStep)));
+  }
+  for (std::size_t pixel = 0; options.ElectronicNoisePhotons > 0 && pixel < transmission.size();
+       ++pixel)
+  {
+    // Two numbers of another stream make a normal one (Box and Muller 1958).
+    PixelRandom random(~options.Seed, pixel);
+    const double radius = std::sqrt(-2 * std::log(random.Uniform()));
+    const double normal = radius * std::cos(2 * std::numbers::pi * random.Uniform());
+    transmission[pixel] += options.ElectronicNoisePhotons / options.PhotonsPerPixel * normal;
+  }
+}
 }
 
 void ExposureOptions::Validate() const
@@ -188,6 +222,23 @@ void ExposureOptions::Validate() const
   CheckRange("a focal spot (mm)", this->FocalSpotRowMm, 0, 1e3);
   CheckRange("focal spot samples", this->FocalSpotSamples, 1, 32);
   CheckRange("photons per pixel", this->PhotonsPerPixel, 0, 1e12);
+  CheckRange("electronic noise (photons)", this->ElectronicNoisePhotons, 0, 1e6);
+  if (this->HalfModulationPerMm != 0)
+  {
+    CheckRange("half modulation (cycles per mm)", this->HalfModulationPerMm, 0.1, 1000);
+  }
+  if (this->ElectronicNoisePhotons > 0 && !(this->PhotonsPerPixel > 0))
+  {
+    throw InputError("exposure: expected photons per pixel for electronic noise, found none");
+  }
+  for (const float value : this->OpenField)
+  {
+    if (!(value >= 0) || !std::isfinite(value))
+    {
+      throw InputError(
+        "exposure: expected an open field that is not negative, found " + std::to_string(value));
+    }
+  }
 }
 
 Exposure Expose(PathLengthProjector& projector, const XRaySource& source,
@@ -198,15 +249,21 @@ Exposure Expose(PathLengthProjector& projector, const XRaySource& source,
   const std::vector<XRaySource> sources = SpotSources(source, detector, options);
   const std::vector<XRayDetector> detectors = SampleDetectors(detector);
   const bool noise = options.PhotonsPerPixel > 0;
+  const std::size_t pixelCount = static_cast<std::size_t>(detector.Columns) * detector.Rows;
+  if (!options.OpenField.empty() && options.OpenField.size() != pixelCount)
+  {
+    throw InputError("exposure: expected an open field of " + std::to_string(pixelCount) +
+      " pixels, found " + std::to_string(options.OpenField.size()));
+  }
   Exposure exposure;
-  if (sources.size() * detectors.size() == 1 && !noise)
+  if (sources.size() * detectors.size() == 1 && !noise && options.OpenField.empty() &&
+    options.HalfModulationPerMm == 0)
   {
     exposure.Lengths = projector.Project(sources.front(), detectors.front());
     exposure.Transmission = beam.Transmission(exposure.Lengths);
     exposure.LogAttenuation = beam.LogAttenuation(exposure.Lengths);
     return exposure;
   }
-  const std::size_t pixelCount = static_cast<std::size_t>(detector.Columns) * detector.Rows;
   std::vector<double> transmission(pixelCount, 0.0);
   std::vector<double> variance(noise ? pixelCount : 0, 0.0);
   const double weight = 1.0 / static_cast<double>(sources.size() * detectors.size());
@@ -222,20 +279,15 @@ Exposure Expose(PathLengthProjector& projector, const XRaySource& source,
       done += weight;
     }
   }
+  Detect(detector, options, variance, transmission);
+  const double least = noise ? 0.5 / options.PhotonsPerPixel : 1e-300;
   exposure.Transmission.resize(pixelCount);
   exposure.LogAttenuation.resize(pixelCount);
   for (std::size_t pixel = 0; pixel < pixelCount; ++pixel)
   {
-    double value = transmission[pixel];
-    double least = 1e-300;
-    if (noise)
-    {
-      PixelRandom random(options.Seed, pixel);
-      least = 0.5 / options.PhotonsPerPixel;
-      value = NoisyTransmission(value, variance[pixel], options.PhotonsPerPixel, random);
-    }
-    exposure.Transmission[pixel] = static_cast<float>(value);
-    exposure.LogAttenuation[pixel] = static_cast<float>(-std::log(std::max(value, least)));
+    exposure.Transmission[pixel] = static_cast<float>(std::max(transmission[pixel], 0.0));
+    exposure.LogAttenuation[pixel] =
+      static_cast<float>(-std::log(std::max(transmission[pixel], least)));
   }
   return exposure;
 }

@@ -23,6 +23,19 @@ struct MAMMORAYXRAY_EXPORT ExposureOptions
   /// Mean number of photons that meet a pixel without the object; 0 leaves quantum noise out. At
   /// most 1e12.
   double PhotonsPerPixel = 0;
+  /**
+   * The signal by pixel without the object, relative to that of PhotonsPerPixel: see OpenField.
+   * Rows * Columns values, finite and not negative; empty: 1 everywhere. Transmissions are
+   * multiplied by it.
+   */
+  std::vector<float> OpenField;
+  /// Frequency at which the detector's modulation transfer is 1/2, cycles per mm, besides that of
+  /// its pixels (which their samples make); exp(-ln 2 (f / half)^2). It blurs signal and quantum
+  /// noise. 0 leaves it out; else 0.1 to 1000.
+  double HalfModulationPerMm = 0;
+  /// Standard deviation of the detector's own noise, in mean signals of one photon; needs
+  /// PhotonsPerPixel. 0 to 1e6.
+  double ElectronicNoisePhotons = 0;
   /// Starts the noise: the same seed gives the same image, whatever the number of threads.
   std::uint64_t Seed = 0;
 
@@ -35,7 +48,7 @@ struct MAMMORAYXRAY_EXPORT Exposure
 {
   /// Mean over all rays of a pixel; inconsistent where one of them is.
   PathLengthImage Lengths;
-  /// I / I0; Rows * Columns values, row by row. With noise it may exceed 1.
+  /// I / I0; Rows * Columns values, row by row. With noise it may exceed 1; never negative.
   std::vector<float> Transmission;
   /// -ln of it. With noise, a pixel that detects nothing is taken for half a photon.
   std::vector<float> LogAttenuation;
@@ -49,9 +62,11 @@ struct MAMMORAYXRAY_EXPORT Exposure
  * Quantum noise: detected photons are Poisson distributed. Counting detectors and single energies
  * get that distribution; an energy-integrating one's sum over energies is given its mean and
  * variance exactly and the shape of a scaled Poisson distribution (Bohm and Zech, Nucl. Instrum.
- * Methods A 748, 2014). No electronic noise, no scatter, no correlation between pixels.
+ * Methods A 748, 2014). The detector's blur
+ * then joins pixels, its own noise comes last. No scatter.
  *
- * Throws InputError on options out of range and on a focal spot with a parallel beam.
+ * Throws InputError on options out of range, on an open field of another size and on a focal spot
+ * with a parallel beam.
  */
 MAMMORAYXRAY_EXPORT Exposure Expose(PathLengthProjector& projector, const XRaySource& source,
   const XRayDetector& detector, const Beam& beam, const ExposureOptions& options = {},

@@ -7,6 +7,7 @@
 
 #include <cmath>
 #include <functional>
+#include <numbers>
 #include <random>
 
 namespace
@@ -121,6 +122,90 @@ Moments NoiseBehindTissue(const Beam& beam, double photons)
   options.Seed = 7;
   return MomentsOf(Expose(projector, {}, detector, beam, options).Transmission);
 }
+}
+
+TEST(Exposure, ModulationTransferIsTheStatedOne)
+{
+  // A wave of transmission of 8 pixels per period, f = 1.25 / mm, and one of 4 pixels.
+  const Beam beam = MakeBeam(Spectrum::Monochromatic(20), DetectorResponse::PhotonCounting);
+  for (const double period : { 8.0, 4.0 })
+  {
+    AnalyticProjector projector(
+      [&](const Vector3&, const Vector3& pixel)
+      {
+        const double column = pixel[0] / 0.1 + 200;
+        return -std::log(0.5 + 0.4 * std::cos(2 * std::numbers::pi * column / period)) / 0.05;
+      });
+    XRayDetector detector = Row(400, 0.1);
+    ExposureOptions options;
+    options.HalfModulationPerMm = 2;
+    const auto seen = Expose(projector, {}, detector, beam, options).Transmission;
+    const auto sharp = Expose(projector, {}, detector, beam).Transmission;
+    const double f = 1 / (0.1 * period);
+    const double transfer = std::exp(-std::log(2.0) * (f / 2) * (f / 2));
+    for (std::size_t column = 100; column < 300; ++column)
+    {
+      // The transfer is exact but for the kernel's ends: 1e-7.
+      EXPECT_NEAR(seen[column] - 0.5, transfer * (sharp[column] - 0.5), 2e-6);
+    }
+    // What is even stays even, up to the edges.
+    AnalyticProjector even([](const Vector3&, const Vector3&) { return 20.0; });
+    for (const float value : Expose(even, {}, detector, beam, options).Transmission)
+    {
+      EXPECT_NEAR(value, std::exp(-1.0), 1e-6);
+    }
+  }
+}
+
+TEST(Exposure, BlurJoinsNoiseAndElectronicNoiseComesLast)
+{
+  const Beam beam = MakeBeam(Spectrum::Monochromatic(20), DetectorResponse::PhotonCounting);
+  AnalyticProjector projector([](const Vector3&, const Vector3&) { return 20.0; });
+  XRayDetector detector = Row(200, 0.1);
+  detector.Rows = 200;
+  ExposureOptions options;
+  options.PhotonsPerPixel = 1000;
+  options.HalfModulationPerMm = 2.5;
+  const double mean = std::exp(-1.0);
+  // White noise through the transfer keeps the mean of its square: over |f| < 1/2 per pixel, in
+  // both directions. Half modulation at a quarter of a cycle: MTF^2 = exp(-2 ln2 (4 c)^2).
+  double kept = 0;
+  for (int n = 0; n < 10000; ++n)
+  {
+    const double cycles = 0.5 * (n + 0.5) / 10000;
+    kept += std::exp(-2 * std::log(2.0) * 16 * cycles * cycles) / 10000;
+  }
+  const Moments blurred = MomentsOf(Expose(projector, {}, detector, beam, options).Transmission);
+  // 40,000 pixels, of which about a quarter are independent: 5 standard deviations.
+  EXPECT_NEAR(blurred.Mean, mean, 5 * std::sqrt(mean / 1000 / 40000));
+  EXPECT_NEAR(blurred.Variance / (mean / 1000), kept * kept, 5 * kept * kept * std::sqrt(8e-4 / 4));
+  options.ElectronicNoisePhotons = 30;
+  const Moments both = MomentsOf(Expose(projector, {}, detector, beam, options).Transmission);
+  EXPECT_NEAR(both.Variance - blurred.Variance, 30.0 * 30 / 1e6,
+    5 * 9e-4 * std::sqrt(2.0 / 4e4) * 2);
+  options.PhotonsPerPixel = 0;
+  EXPECT_THROW(Expose(projector, {}, detector, beam, options), InputError);
+}
+
+TEST(Exposure, AnOpenFieldScalesSignalAndNoise)
+{
+  const Beam beam = MakeBeam(Spectrum::Monochromatic(20), DetectorResponse::PhotonCounting);
+  AnalyticProjector projector([](const Vector3&, const Vector3&) { return 20.0; });
+  XRayDetector detector = Row(200, 0.1);
+  detector.Rows = 200;
+  ExposureOptions options;
+  options.OpenField.assign(40000, 0.25f);
+  const Exposure quiet = Expose(projector, {}, detector, beam, options);
+  EXPECT_FLOAT_EQ(quiet.Transmission[77], static_cast<float>(0.25 * std::exp(-1.0)));
+  EXPECT_FLOAT_EQ(quiet.LogAttenuation[77], static_cast<float>(1 + std::log(4.0)));
+  options.PhotonsPerPixel = 1000;
+  const Moments noisy = MomentsOf(Expose(projector, {}, detector, beam, options).Transmission);
+  const double variance = 0.25 * std::exp(-1.0) / 1000; // of as many photons as come
+  EXPECT_NEAR(noisy.Variance / variance, 1, 5 * std::sqrt(2.0 / 4e4));
+  options.OpenField.pop_back();
+  EXPECT_THROW(Expose(projector, {}, detector, beam, options), InputError);
+  options.OpenField.assign(40000, -1.0f);
+  EXPECT_THROW(Expose(projector, {}, detector, beam, options), InputError);
 }
 
 TEST(Exposure, AveragesTransmissionsNotPathLengths)
