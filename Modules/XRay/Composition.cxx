@@ -132,6 +132,26 @@ std::vector<double> EnergyGrid(const MassFractions& fractions)
   }
   return { energies.begin(), energies.lower_bound(std::nextafter(HighestKeV, 1e9)) };
 }
+
+/// Any of the three; empty when the text is none of them. `densityGPerCm3`: of compounds and
+/// elements.
+MassFractions ParseComposition(const std::string& text, double& densityGPerCm3)
+{
+  MassFractions fractions = ParseNistName(text, densityGPerCm3);
+  if (fractions.empty() && text.find(':') != std::string::npos)
+  {
+    fractions = ParseMixture(text);
+  }
+  if (fractions.empty())
+  {
+    fractions = ParseFormula(text);
+    if (fractions.size() == 1)
+    {
+      densityGPerCm3 = ElementDensity(fractions.begin()->first, nullptr);
+    }
+  }
+  return fractions;
+}
 }
 
 std::vector<std::string> NistCompoundNames()
@@ -148,22 +168,16 @@ std::vector<std::string> NistCompoundNames()
   return names;
 }
 
+std::map<int, double> MassFractionsOf(const std::string& text)
+{
+  double density = 1;
+  return ParseComposition(text, density);
+}
+
 bool FindComposition(const std::string& text, AttenuationTable& table)
 {
   double density = 1;
-  MassFractions fractions = ParseNistName(text, density);
-  if (fractions.empty() && text.find(':') != std::string::npos)
-  {
-    fractions = ParseMixture(text);
-  }
-  if (fractions.empty())
-  {
-    fractions = ParseFormula(text);
-    if (fractions.size() == 1)
-    {
-      density = ElementDensity(fractions.begin()->first, nullptr);
-    }
-  }
+  const MassFractions fractions = ParseComposition(text, density);
   if (fractions.empty())
   {
     return false;

@@ -5,6 +5,7 @@
 #include "mammoray/XRay/Beam.h"
 #include "mammorayXRayModule.h"
 
+#include <map>
 #include <string>
 #include <vector>
 
@@ -24,6 +25,9 @@ MAMMORAYXRAY_EXPORT std::vector<std::string> NistCompoundNames();
  * on mass fractions that are unusable; where the text is none of these, answers false.
  */
 MAMMORAYXRAY_EXPORT bool FindComposition(const std::string& text, AttenuationTable& table);
+
+/// Mass fraction by atomic number of such a text; empty where it is none of these. They sum to 1.
+MAMMORAYXRAY_EXPORT std::map<int, double> MassFractionsOf(const std::string& text);
 }
 
 #endif
