@@ -25,7 +25,7 @@ cmake -S Applications/ParaViewPlugin -B build/paraview -G Ninja -DCMAKE_BUILD_TY
   -DPython3_EXECUTABLE=/usr/bin/python3 -DParaView_DIR="$prefix/usr/lib/x86_64-linux-gnu/cmake/paraview-5.11"
 cmake --build build/paraview
 # A state to open, for here and for the package.
-if [ build/paraview/demo.pvsm -ot build/paraview/lib/MammoRay/MammoRay.so ]; then
+if [ build/paraview/demo.pvsm -ot build/paraview/lib/MammoRay/MammoRay.so ] || [ build/paraview/demo.pvsm -ot Applications/ParaViewPlugin/makeState.py ]; then
   mkdir -p build/paraview/packaged
   Applications/ParaViewPlugin/pvpython.sh Applications/ParaViewPlugin/makeState.py build/paraview/demo.pvsm Data/victre-phantom-1/labels.nrrd
   sed "s|$PWD/Data|/usr/share/mammoray|g" build/paraview/demo.pvsm >build/paraview/packaged/demo.pvsm
