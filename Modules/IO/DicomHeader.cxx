@@ -2,6 +2,7 @@
 #include "mammoray/IO/DicomHeader.h"
 
 #include "Private/DicomFile.h"
+#include "Private/Frames/DicomFrames.h"
 #include "Private/MammogramViews.h"
 #include "Private/SliceStack.h"
 #include "mammoray/Foundation/Error.h"
@@ -9,6 +10,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <memory>
 
 namespace mammoray
 {
@@ -98,6 +100,95 @@ void ReadResonance(DcmItem& data, DicomHeader& header)
   header.TriggerTimeMs = DicomNumber(data, DCM_TriggerTime);
 }
 
+/// A double (FD), which most numbers of enhanced objects are.
+std::optional<double> Double(DcmItem& data, const DcmTagKey& tag)
+{
+  Float64 value = 0;
+  return data.findAndGetFloat64(tag, value).good() && std::isfinite(value) ? std::optional(value)
+                                                                           : std::nullopt;
+}
+
+bool Says(DcmItem& data, const DcmTagKey& tag, const char* what)
+{
+  return DicomText(data, tag) == what;
+}
+
+/// YYYYMMDD and HHMMSS.FFFFFF of a date and time (DT), as far as it goes.
+void SplitMoment(const std::string& moment, std::string& date, std::string& time)
+{
+  if (moment.size() >= 14)
+  {
+    date = moment.substr(0, 8);
+    time = moment.substr(8, moment.find_first_of("+-&") - 8);
+  }
+}
+
+/// What enhanced MR objects say in other elements than the older ones.
+void ReadEnhanced(DcmItem& data, DicomHeader& header)
+{
+  header.SpectralSuppression = Printable(DicomText(data, DCM_SpectrallySelectedSuppression));
+  header.AcquisitionContrast = Printable(DicomText(data, DCM_AcquisitionContrast));
+  if (const auto echo = Double(data, DCM_EffectiveEchoTime); echo && !header.EchoTimeMs)
+  {
+    header.EchoTimeMs = echo;
+  }
+  if (const auto inversion = Double(data, DCM_InversionTimes); inversion && !header.InversionTimeMs)
+  {
+    header.InversionTimeMs = inversion;
+  }
+  if (header.ScanningSequence.empty())
+  {
+    const std::string echo = DicomText(data, DCM_EchoPulseSequence);
+    const auto add = [&header](bool said, const char* term)
+    {
+      if (said)
+      {
+        header.ScanningSequence.emplace_back(term);
+      }
+    };
+    add(echo == "SPIN" || echo == "BOTH", "SE");
+    add(echo == "GRADIENT" || echo == "BOTH", "GR");
+    add(Says(data, DCM_InversionRecovery, "YES"), "IR");
+    add(Says(data, DCM_EchoPlanarPulseSequence, "YES"), "EP");
+  }
+  if (header.SequenceName.empty())
+  {
+    header.SequenceName = Printable(DicomText(data, DCM_PulseSequenceName));
+  }
+  // What a frame is made of counts before what the object is called.
+  if (const std::vector<std::string> type = Values(data, DCM_FrameType); !type.empty())
+  {
+    header.ImageType = type;
+  }
+  const std::string component = DicomText(data, DCM_ComplexImageComponent);
+  if (component == "PHASE" || component == "REAL" || component == "IMAGINARY")
+  {
+    header.ImageType.push_back(component == "PHASE" ? "P" : component.substr(0, 1));
+  }
+  SplitMoment(DicomText(data, DCM_AcquisitionDateTime), header.AcquisitionDate,
+    header.AcquisitionTime);
+  SplitMoment(DicomText(data, DCM_FrameAcquisitionDateTime), header.AcquisitionDate,
+    header.AcquisitionTime);
+  if (const auto temporal = DicomUnsigned(data, DCM_TemporalPositionIndex))
+  {
+    header.TemporalPosition = *temporal;
+  }
+  if (const auto acquisition = DicomShort(data, DCM_FrameAcquisitionNumber))
+  {
+    header.AcquisitionNumber = *acquisition;
+  }
+  if (const auto delay = Double(data, DCM_NominalCardiacTriggerDelayTime))
+  {
+    header.TriggerTimeMs = delay;
+  }
+  if (Says(data, DCM_ContrastBolusAgentAdministered, "YES") && header.ContrastAgent.empty())
+  {
+    header.ContrastAgent = "administered";
+  }
+  const std::string side = DicomText(data, DCM_FrameLaterality);
+  header.Laterality = side == "L" || side == "R" ? side[0] : header.Laterality;
+}
+
 void ReadMammography(DcmItem& data, DicomHeader& header)
 {
   header.View = MammogramViewOf(data);
@@ -128,34 +219,89 @@ bool LacksPixels(const DicomFile& file, const DicomHeader& header)
   const double least = header.SamplesPerPixel > 1 ? bytes / 2 : bytes;
   std::error_code problem;
   const auto size = std::filesystem::file_size(header.Path, problem);
-  // 132: the preamble.
-  return !problem && static_cast<double>(size) < 132 + least;
-}
+  return !problem && static_cast<double>(size) < least;
 }
 
-std::optional<DicomHeader> ReadDicomHeader(const std::string& path)
+/// Null for what is no DICOM.
+std::unique_ptr<DicomFile> OpenHeader(const std::string& path)
 {
   if (!HasDicomHeader(path))
   {
-    return std::nullopt;
+    return nullptr;
   }
-  const DicomFile file(path, "DICOM", DicomExtent::Header);
+  try
+  {
+    auto file = std::make_unique<DicomFile>(path, "DICOM", DicomExtent::Header);
+    return file->HasPreamble() || file->Data().tagExists(DCM_Modality) ? std::move(file) : nullptr;
+  }
+  catch (const InputError&)
+  {
+    // What only looked as if a data set began there is something else.
+    if (!HasDicomPreamble(path))
+    {
+      return nullptr;
+    }
+    throw;
+  }
+}
+
+DicomHeader ReadElements(DcmItem& data, const std::string& path)
+{
   DicomHeader header;
   header.Path = path;
-  ReadImage(file.Data(), header);
+  ReadImage(data, header);
+  ReadSlice(data, header);
+  ReadResonance(data, header);
+  ReadMammography(data, header);
+  ReadEnhanced(data, header);
+  return header;
+}
+
+DicomHeader ReadObject(const DicomFile& file, const std::string& path)
+{
+  DicomHeader header = ReadElements(file.Data(), path);
   if (header.SopClassUid.empty())
   {
     // A DICOMDIR has it in its meta information only.
     header.SopClassUid = file.StorageClass();
   }
-  ReadSlice(file.Data(), header);
-  ReadResonance(file.Data(), header);
-  ReadMammography(file.Data(), header);
   if (LacksPixels(file, header))
   {
     throw InputError(path + ": expected DICOM, found a file that is cut short");
   }
   return header;
+}
+}
+
+std::optional<DicomHeader> ReadDicomHeader(const std::string& path)
+{
+  const std::unique_ptr<DicomFile> file = OpenHeader(path);
+  return file ? std::optional(ReadObject(*file, path)) : std::nullopt;
+}
+
+std::vector<DicomHeader> ReadDicomHeaders(const std::string& path)
+{
+  const std::unique_ptr<DicomFile> file = OpenHeader(path);
+  if (!file)
+  {
+    return {};
+  }
+  const DicomHeader whole = ReadObject(*file, path);
+  if (!HasResonanceFrames(file->Data()))
+  {
+    return { whole };
+  }
+  const DicomFrames frames(file->Data(), path);
+  std::vector<DicomHeader> headers;
+  headers.reserve(frames.Count());
+  for (std::size_t frame = 0; frame < frames.Count(); ++frame)
+  {
+    const std::unique_ptr<DcmItem> data = frames.Flat(frame);
+    DicomHeader header = ReadElements(*data, path);
+    header.Frame = static_cast<int>(frame) + 1;
+    headers.push_back(std::move(header));
+  }
+  return headers;
 }
 
 SliceOrder FindSliceOrder(const std::vector<DicomHeader>& slices)

@@ -21,6 +21,8 @@ namespace mammoray
 struct DicomHeader
 {
   std::string Path;
+  /// Of a multi-frame object, from 1; 0: of all its frames, or of a single one.
+  int Frame = 0;
   std::string SopClassUid;
   std::string SopInstanceUid;
   std::string SeriesInstanceUid;
@@ -71,6 +73,9 @@ struct DicomHeader
   std::optional<double> FlipAngleDeg;
   std::optional<double> DiffusionBValue; ///< s/mm^2
   std::string ContrastAgent;
+  /// Of enhanced objects: "FAT", "WATER", "NONE" and the like, and "T1", "T2", "DIFFUSION" ...
+  std::string SpectralSuppression;
+  std::string AcquisitionContrast;
   std::optional<double> TemporalPosition;
   std::optional<double> TriggerTimeMs;
 
@@ -90,10 +95,19 @@ struct DicomHeader
 
 /**
  * Reads a DICOM file up to its pixels: a fraction of a millisecond. Nothing for a file that does
- * not begin as DICOM files do (PS3.10). Throws InputError, one line with the file, where it cannot
- * be read, or is shorter than its header or its uncompressed pixels need.
+ * not begin as DICOM files do (PS3.10, or a data set alone, as older software stored it). Throws
+ * InputError, one line with the file, where it cannot be read, or is shorter than its header or its
+ * uncompressed pixels need.
  */
 MAMMORAYIO_EXPORT std::optional<DicomHeader> ReadDicomHeader(const std::string& path);
+
+/**
+ * The same of each image in the file: of an enhanced multi-frame MR object (Enhanced MR Image
+ * Storage, Legacy Converted Enhanced MR) one for each frame, in their order, with what its
+ * functional groups say of it; of any other the one that ReadDicomHeader reads. Empty for a file
+ * that is no DICOM.
+ */
+MAMMORAYIO_EXPORT std::vector<DicomHeader> ReadDicomHeaders(const std::string& path);
 
 /// The grid that slices lie on, and which of them lies on its first layer, its second, ...
 struct SliceOrder

@@ -95,10 +95,21 @@ IntensityVolume ReadIntensityVolume(const std::string& path, VolumeAxes axes)
   return volume;
 }
 
+IntensityVolume ReadIntensitySlices(const std::vector<DicomSlice>& slices,
+  const ProgressCallback& progress)
+{
+  return ReadDicomIntensities(slices, progress);
+}
+
 IntensityVolume ReadIntensitySeries(const std::vector<std::string>& files,
   const ProgressCallback& progress)
 {
-  return ReadDicomIntensities(files, progress);
+  std::vector<DicomSlice> slices;
+  for (const std::string& file : files)
+  {
+    slices.push_back({ file });
+  }
+  return ReadDicomIntensities(slices, progress);
 }
 
 void CheckLabelVolumeExtension(const std::string& path)

@@ -54,10 +54,25 @@ MAMMORAYIO_EXPORT LabelVolume ReadLabelVolume(const std::string& path,
 MAMMORAYIO_EXPORT IntensityVolume ReadIntensityVolume(const std::string& path,
   VolumeAxes axes = VolumeAxes::Patient);
 
+/// A slice of a DICOM series: a file, or a frame, from 1, of an enhanced multi-frame MR object.
+struct DicomSlice
+{
+  std::string Path;
+  /// 0: the file is the slice.
+  int Frame = 0;
+};
+
 /**
- * Reads a DICOM series from its files, whatever else lies in their folders: slices of one series in
- * any order, evenly spaced, each at a place of its own (see FindSliceOrder); values after
- * rescaling, DICOM LPS. Throws InputError, one line with the file, on anything else, Interrupted.
+ * Reads a DICOM series from its slices, in any order, evenly spaced, each at a place of its own
+ * (see FindSliceOrder); values after rescaling, DICOM LPS. Throws InputError, one line with the
+ * file, on anything else, Interrupted.
+ */
+MAMMORAYIO_EXPORT IntensityVolume ReadIntensitySlices(const std::vector<DicomSlice>& slices,
+  const ProgressCallback& progress = {});
+
+/**
+ * Reads a DICOM series from its files, whatever else lies in their folders: each a slice of one
+ * series. Throws as ReadIntensitySlices.
  */
 MAMMORAYIO_EXPORT IntensityVolume ReadIntensitySeries(const std::vector<std::string>& files,
   const ProgressCallback& progress = {});

@@ -2,6 +2,7 @@
 #include "mammoray/IO/MammogramIO.h"
 
 #include "Private/DicomFile.h"
+#include "Private/Frames/StoredPixel.h"
 #include "Private/Guard/MammogramParcel.h"
 #include "Private/MammogramViews.h"
 #include "Private/QuietGdcm.h"
@@ -153,25 +154,14 @@ void Convert(const std::vector<char>& buffer, DcmItem& data, const gdcm::PixelFo
 {
   const double slope = DicomNumber(data, DCM_RescaleSlope).value_or(1);
   const double intercept = DicomNumber(data, DCM_RescaleIntercept).value_or(0);
-  const int bits = format.GetBitsStored();
-  const int shift = std::max(0, format.GetHighBit() + 1 - bits);
-  const bool isSigned = format.GetPixelRepresentation() == 1;
-  const auto value = [&](std::uint64_t raw) -> std::int64_t
-  {
-    std::int64_t v = static_cast<std::int64_t>((raw >> shift) & ((std::uint64_t{ 1 } << bits) - 1));
-    if (isSigned && (v >> (bits - 1)) != 0)
-    {
-      v -= std::int64_t{ 1 } << bits;
-    }
-    return v;
-  };
+  const StoredPixel stored(format);
   std::int64_t paddingLow = 1;
   std::int64_t paddingHigh = 0;
   if (const auto padding = DicomShort(data, DCM_PixelPaddingValue))
   {
     const auto limit = DicomShort(data, DCM_PixelPaddingRangeLimit).value_or(*padding);
     const auto typed = [&](std::uint16_t v) -> std::int64_t
-    { return isSigned ? static_cast<std::int16_t>(v) : static_cast<std::int64_t>(v); };
+    { return stored.IsSigned ? static_cast<std::int16_t>(v) : static_cast<std::int64_t>(v); };
     paddingLow = std::min(typed(*padding), typed(limit));
     paddingHigh = std::max(typed(*padding), typed(limit));
   }
@@ -179,10 +169,10 @@ void Convert(const std::vector<char>& buffer, DcmItem& data, const gdcm::PixelFo
   {
     Stored raw{};
     std::memcpy(&raw, buffer.data() + pixel * sizeof(Stored), sizeof(Stored));
-    const std::int64_t stored = value(raw);
-    pixels[pixel] = stored >= paddingLow && stored <= paddingHigh
+    const std::int64_t value = stored.ValueOf(raw);
+    pixels[pixel] = value >= paddingLow && value <= paddingHigh
       ? std::numeric_limits<float>::quiet_NaN()
-      : static_cast<float>(slope * static_cast<double>(stored) + intercept);
+      : static_cast<float>(slope * static_cast<double>(value) + intercept);
   }
 }
 

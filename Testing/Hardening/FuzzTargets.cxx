@@ -181,7 +181,7 @@ const std::map<std::string, Target>& FuzzTargets()
           FindComposition(bytes, table);
         }) },
     { "configuration", OfFile("c.json", ParseConfiguration) },
-    { "dicom-header", OfFile("a.dcm", [](const std::string& path) { ReadDicomHeader(path); }) },
+    { "dicom-header", OfFile("a.dcm", [](const std::string& path) { ReadDicomHeaders(path); }) },
     { "dicom-segmentation",
       OfFile("a.dcm", [](const std::string& path) { ReadLabelVolume(path); }) },
 #ifdef MAMMORAY_HAS_MESHING

@@ -136,7 +136,7 @@ TEST(DicomHeader, SlicesAreOrderedAlongTheirNormal)
   std::vector<DicomHeader> slices;
   for (const double height : { 12.0, 8.0, 10.0 })
   {
-    slices.push_back(Read(folder.Write("s" + std::to_string(height), Slice(height))));
+    slices.push_back(Read(folder.Write(std::to_string(height), Slice(height))));
   }
   const SliceOrder order = FindSliceOrder(slices);
   EXPECT_THAT(order.Order, ElementsAre(1, 2, 0));

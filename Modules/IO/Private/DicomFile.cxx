@@ -69,17 +69,56 @@ std::shared_ptr<void> SilenceDcmtk()
   return quiet;
 }
 
-bool HasDicomHeader(const std::string& path)
+namespace
+{
+bool IsPreamble(const std::string& bytes)
+{
+  return bytes.size() == 132 && bytes.compare(128, 4, "DICM") == 0;
+}
+
+/// The first 132 bytes, fewer of a shorter file.
+std::string Beginning(const std::string& path)
 {
   std::ifstream file(path, std::ios::binary);
-  char bytes[132] = {};
-  file.read(bytes, sizeof bytes);
-  return file.gcount() == sizeof bytes && std::memcmp(bytes + 128, "DICM", 4) == 0;
+  std::string bytes(132, '\0');
+  file.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  bytes.resize(static_cast<std::size_t>(file.gcount()));
+  return bytes;
+}
+
+/// Whether an element of group 2 or 8 comes first, whose value is as short as those there are.
+bool IsDataSet(const std::string& bytes)
+{
+  if (bytes.size() < 132)
+  {
+    return false;
+  }
+  const auto at = [&bytes](std::size_t n) { return static_cast<unsigned char>(bytes[n]); };
+  const bool isGroup = (at(0) == 2 || at(0) == 8) && at(1) == 0;
+  const bool isElement = at(2) <= 0x60 && at(3) == 0;
+  const std::string vr = bytes.substr(4, 2);
+  const bool isExplicit = vr == "UL" || vr == "CS" || vr == "UI" || vr == "DA" || vr == "SH" ||
+    vr == "LO" || vr == "TM" || vr == "DT" || vr == "OB";
+  const bool isImplicit = at(4) > 0 && at(4) <= 64 && at(5) == 0 && at(6) == 0 && at(7) == 0;
+  return isGroup && isElement && (isExplicit || isImplicit);
+}
+}
+
+bool HasDicomPreamble(const std::string& path)
+{
+  return IsPreamble(Beginning(path));
+}
+
+bool HasDicomHeader(const std::string& path)
+{
+  const std::string bytes = Beginning(path);
+  return IsPreamble(bytes) || IsDataSet(bytes);
 }
 
 DicomFile::DicomFile(const std::string& path, const std::string& what, DicomExtent extent)
   : Quiet(SilenceDcmtk())
   , File(std::make_unique<DcmFileFormat>())
+  , Preamble(HasDicomPreamble(path))
 {
   if (!HasDicomHeader(path))
   {
@@ -87,7 +126,7 @@ DicomFile::DicomFile(const std::string& path, const std::string& what, DicomExte
   }
   const bool whole = extent == DicomExtent::Whole;
   HeaderStream stream(path.c_str());
-  this->File->setReadMode(ERM_fileOnly);
+  this->File->setReadMode(this->Preamble ? ERM_fileOnly : ERM_autoDetect);
   this->File->transferInit();
   const OFCondition read = this->File->readUntilTag(stream, EXS_Unknown, EGL_noChange,
     DCM_MaxReadLength, whole ? DCM_UndefinedTagKey : DCM_PixelData);
@@ -168,6 +207,13 @@ std::optional<std::uint16_t> DicomShort(DcmItem& data, const DcmTagKey& tag)
     return static_cast<std::uint16_t>(number);
   }
   return std::nullopt;
+}
+
+std::optional<std::uint32_t> DicomUnsigned(DcmItem& data, const DcmTagKey& tag)
+{
+  Uint32 value = 0;
+  return data.findAndGetUint32(tag, value).good() ? std::optional<std::uint32_t>(value)
+                                                  : std::nullopt;
 }
 
 double DicomSliceSpacing(DcmItem& data)

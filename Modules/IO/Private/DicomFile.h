@@ -15,7 +15,11 @@
 
 namespace mammoray
 {
-/// True where a file begins as DICOM files do.
+/// True where a file begins as DICOM files do (PS3.10).
+bool HasDicomPreamble(const std::string& path);
+
+/// True where it does, or begins as a data set or meta information do in little endian: files of
+/// older software have no preamble.
 bool HasDicomHeader(const std::string& path);
 
 /// How much of a file is read.
@@ -39,6 +43,7 @@ public:
     DicomExtent extent = DicomExtent::Whole);
 
   DcmDataset& Data() const { return *this->File->getDataset(); }
+  bool HasPreamble() const { return this->Preamble; }
   /// Media Storage SOP Class UID of the meta information; empty where there is none.
   std::string StorageClass() const;
 
@@ -46,6 +51,7 @@ private:
   /// Values that are taken from the data set are remarked on, too.
   std::shared_ptr<void> Quiet;
   std::unique_ptr<DcmFileFormat> File;
+  bool Preamble;
 };
 
 /// A value of an element without its padding; empty where there is none.
@@ -62,6 +68,9 @@ std::vector<double> DicomNumbers(DcmItem& data, const DcmTagKey& tag, unsigned l
 
 /// The bits of a short (US, SS); nothing when it is absent.
 std::optional<std::uint16_t> DicomShort(DcmItem& data, const DcmTagKey& tag);
+
+/// The value of a long (UL); nothing when it is absent.
+std::optional<std::uint32_t> DicomUnsigned(DcmItem& data, const DcmTagKey& tag);
 
 /// The distance of slices that a header tells, mm; 0 where it tells none.
 double DicomSliceSpacing(DcmItem& data);

@@ -4,14 +4,18 @@
 #include "Private/DicomVolume.h"
 
 #include "Private/DicomFile.h"
+#include "Private/Frames/DicomFrames.h"
+#include "Private/Frames/FramePixels.h"
 #include "Private/Guard/GuardedRead.h"
 #include "Private/SliceStack.h"
 #include "Private/VolumeFile.h"
 #include "mammoray/Foundation/Error.h"
+#include "mammoray/IO/DicomHeader.h"
 
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <memory>
 #include <optional>
 
 namespace mammoray
@@ -208,32 +212,90 @@ void ExchangeSlice(Parcel& parcel, Slice& slice)
     slice.RowSpacing, slice.ColumnSpacing, slice.SliceSpacing, slice.Values);
 }
 
+/// Frames of one multi-frame object, each after its own rescaling.
+std::vector<VolumeSlice> ReadFrames(const std::vector<DicomSlice>& wanted, std::string& series)
+{
+  const std::string& path = wanted.front().Path;
+  const DicomFile file(path, "DICOM");
+  series = DicomText(file.Data(), DCM_SeriesInstanceUID);
+  if (!HasResonanceFrames(file.Data()))
+  {
+    throw InputError(path + ": expected an MR object of frames, found none");
+  }
+  const DicomFrames frames(file.Data(), path);
+  const std::size_t pixels =
+    static_cast<std::size_t>(DicomShort(file.Data(), DCM_Rows).value_or(0)) *
+    DicomShort(file.Data(), DCM_Columns).value_or(0);
+  const FramePixels stored(path, frames.Count(), pixels);
+  std::vector<VolumeSlice> slices;
+  for (const DicomSlice& each : wanted)
+  {
+    if (each.Frame < 1 || static_cast<std::size_t>(each.Frame) > frames.Count())
+    {
+      throw InputError(path + ": expected frames 1 to " + std::to_string(frames.Count()) +
+        ", found number " + std::to_string(each.Frame));
+    }
+    const auto number = static_cast<std::size_t>(each.Frame) - 1;
+    const std::unique_ptr<DcmItem> data = frames.Flat(number);
+    VolumeSlice& slice = slices.emplace_back();
+    slice.Name = path + ": frame " + std::to_string(each.Frame);
+    slice.Rows = DicomShort(file.Data(), DCM_Rows).value_or(0);
+    slice.Columns = DicomShort(file.Data(), DCM_Columns).value_or(0);
+    SetGeometry(slice, *data, *data, *data);
+    slice.Values = stored.Values(number, DicomNumber(*data, DCM_RescaleSlope).value_or(1),
+      DicomNumber(*data, DCM_RescaleIntercept).value_or(0));
+  }
+  return slices;
+}
+
 /// Slices of one series, of which `series` is the name; taken from the first where it has none.
-void ReadSomeSlices(const std::vector<std::string>& paths, const std::string& first,
+/// Frames are all of one object.
+void ReadSomeSlices(const std::vector<DicomSlice>& some, const std::string& first,
   std::optional<std::string>& series, std::vector<VolumeSlice>& slices)
 {
+  const std::string& path = some.front().Path;
+  std::vector<std::string> paths;
+  for (const DicomSlice& slice : some)
+  {
+    if (paths.empty() || paths.back() != slice.Path)
+    {
+      paths.push_back(slice.Path);
+    }
+  }
+  const auto check = [&](const std::string& own, const std::string& name)
+  {
+    if (own != series.value_or(own))
+    {
+      throw InputError(
+        name + ": expected the slices of one series, found one of another than " + first);
+    }
+    series = own;
+  };
   ReadGuarded(
-    paths.size() == 1 ? paths.front() : fs::path(paths.front()).parent_path().string(), "slices",
+    paths.size() == 1 ? path : fs::path(path).parent_path().string(), "slices",
     ReadLimits::Of(paths),
     [&](ParcelWriter& parcel)
     {
-      for (const std::string& path : paths)
+      std::string own;
+      if (some.front().Frame > 0)
       {
-        std::string own;
-        const VolumeSlice slice = ReadSlice(path, own);
-        if (own != series.value_or(own))
+        for (const VolumeSlice& slice : ReadFrames(some, own))
         {
-          throw InputError(
-            path + ": expected the slices of one series, found one of another than " + first);
+          ExchangeSlice(parcel, slice);
         }
-        series = own;
+        check(own, path);
+      }
+      for (std::size_t n = 0; some.front().Frame == 0 && n < some.size(); ++n)
+      {
+        const VolumeSlice slice = ReadSlice(some[n].Path, own);
+        check(own, some[n].Path);
         ExchangeSlice(parcel, slice);
       }
       parcel(*series);
     },
     [&](ParcelReader& parcel)
     {
-      for (std::size_t slice = 0; slice < paths.size(); ++slice)
+      for (std::size_t slice = 0; slice < some.size(); ++slice)
       {
         ExchangeSlice(parcel, slices.emplace_back());
       }
@@ -241,35 +303,66 @@ void ReadSomeSlices(const std::vector<std::string>& paths, const std::string& fi
     });
 }
 
-std::vector<VolumeSlice> ReadSlices(const std::vector<std::string>& paths,
+/// As many slices as are read together, from one on.
+std::size_t NumberTogether(const std::vector<DicomSlice>& slices, std::size_t from)
+{
+  // A process for each slice would be a tenth of the time; an object is opened once.
+  constexpr std::size_t together = 16;
+  std::size_t end = from + 1;
+  const bool isFrame = slices[from].Frame > 0;
+  while (end < slices.size() && (slices[end].Frame > 0) == isFrame &&
+    (isFrame ? slices[end].Path == slices[from].Path : end < from + together))
+  {
+    ++end;
+  }
+  return end - from;
+}
+
+std::vector<VolumeSlice> ReadSlices(std::vector<DicomSlice> wanted,
   const ProgressCallback& progress = {})
 {
+  std::stable_sort(wanted.begin(), wanted.end(),
+    [](const DicomSlice& a, const DicomSlice& b)
+    { return a.Frame > 0 && b.Frame > 0 ? a.Path < b.Path : a.Frame == 0 && b.Frame > 0; });
   std::vector<VolumeSlice> slices;
   std::optional<std::string> series;
-  // A process for each slice would be a tenth of the time.
-  constexpr std::size_t together = 16;
-  for (std::size_t done = 0; done < paths.size(); done += together)
+  const std::string first = wanted.front().Path;
+  for (std::size_t done = 0; done < wanted.size();)
   {
-    ReportProgress(progress, static_cast<double>(done) / static_cast<double>(paths.size()),
+    ReportProgress(progress, static_cast<double>(done) / static_cast<double>(wanted.size()),
       "reading slices");
-    const auto from = paths.begin() + static_cast<std::ptrdiff_t>(done);
-    const auto count = static_cast<std::ptrdiff_t>(std::min(together, paths.size() - done));
-    const std::vector<std::string> some(from, from + count);
+    const auto from = wanted.begin() + static_cast<std::ptrdiff_t>(done);
+    const std::size_t count = NumberTogether(wanted, done);
+    const std::vector<DicomSlice> some(from, from + static_cast<std::ptrdiff_t>(count));
     try
     {
-      ReadSomeSlices(some, paths.front(), series, slices);
+      ReadSomeSlices(some, first, series, slices);
     }
     catch (const InputError&)
     {
+      if (some.front().Frame > 0)
+      {
+        throw;
+      }
       // One by one: where a reader dies, only then is it known at which.
       slices.resize(done);
-      for (const std::string& path : some)
+      for (const DicomSlice& slice : some)
       {
-        ReadSomeSlices({ path }, paths.front(), series, slices);
+        ReadSomeSlices({ slice }, first, series, slices);
       }
     }
+    done += count;
   }
   return slices;
+}
+
+/// The file as a slice, or the frames that it holds.
+void AddSlicesOf(const std::string& path, std::vector<DicomSlice>& slices)
+{
+  for (const DicomHeader& header : ReadDicomHeaders(path))
+  {
+    slices.push_back({ path, header.Frame });
+  }
 }
 
 std::vector<VolumeSlice> ReadSeries(const std::string& folder)
@@ -283,11 +376,16 @@ std::vector<VolumeSlice> ReadSeries(const std::string& folder)
     }
   }
   std::sort(paths.begin(), paths.end());
-  if (paths.empty())
+  std::vector<DicomSlice> slices;
+  for (const std::string& path : paths)
+  {
+    AddSlicesOf(path, slices);
+  }
+  if (slices.empty())
   {
     throw InputError(folder + ": expected a folder of DICOM slices, found none");
   }
-  return ReadSlices(paths);
+  return ReadSlices(slices);
 }
 
 /// Throws where a value is no label.
@@ -351,20 +449,27 @@ LabelVolume ReadDicomLabels(const std::string& path)
 
 IntensityVolume ReadDicomIntensities(const std::string& path)
 {
-  if (!fs::is_directory(path))
+  if (fs::is_directory(path))
   {
-    throw InputError(path + ": expected the folder of a DICOM series, found a single file");
+    return StackSlices(ReadSeries(path), false);
   }
-  return StackSlices(ReadSeries(path), false);
+  std::vector<DicomSlice> slices;
+  AddSlicesOf(path, slices);
+  if (slices.empty() || slices.front().Frame == 0)
+  {
+    throw InputError(path +
+      ": expected the folder of a DICOM series or a multi-frame MR object, found a single image");
+  }
+  return StackSlices(ReadSlices(slices), false);
 }
 
-IntensityVolume ReadDicomIntensities(const std::vector<std::string>& files,
+IntensityVolume ReadDicomIntensities(const std::vector<DicomSlice>& slices,
   const ProgressCallback& progress)
 {
-  if (files.empty())
+  if (slices.empty())
   {
     throw InputError("DICOM series: expected files of slices, found none");
   }
-  return StackSlices(ReadSlices(files, progress), false);
+  return StackSlices(ReadSlices(slices, progress), false);
 }
 }

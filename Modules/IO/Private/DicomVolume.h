@@ -5,6 +5,7 @@
 #include "mammoray/Foundation/IntensityVolume.h"
 #include "mammoray/Foundation/LabelVolume.h"
 #include "mammoray/Foundation/Progress.h"
+#include "mammoray/IO/LabelVolumeIO.h"
 
 #include <string>
 #include <vector>
@@ -21,13 +22,13 @@ namespace mammoray
 LabelVolume ReadDicomLabels(const std::string& path);
 
 /**
- * A series of slices in a folder, with their intensities after rescaling, otherwise as above.
- * Throws InputError on a single file too.
+ * A series of slices in a folder, or the frames of one MR object, with their intensities after
+ * rescaling, otherwise as above. Throws InputError on a file of a single image too.
  */
 IntensityVolume ReadDicomIntensities(const std::string& path);
 
 /// The same of slices that are named, in any order, of one series.
-IntensityVolume ReadDicomIntensities(const std::vector<std::string>& files,
+IntensityVolume ReadDicomIntensities(const std::vector<DicomSlice>& slices,
   const ProgressCallback& progress);
 }
 

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+#ifndef mammoray_Private_StoredPixel_h
+#define mammoray_Private_StoredPixel_h
+
+#include <gdcmPixelFormat.h>
+
+#include <algorithm>
+#include <cstdint>
+
+namespace mammoray
+{
+/// What the bits of a pixel mean: unused ones are cleared, the sign is extended (PS3.5 8.1.1).
+struct StoredPixel
+{
+  explicit StoredPixel(const gdcm::PixelFormat& format)
+    : Bits(format.GetBitsStored())
+    , Shift(std::max(0, format.GetHighBit() + 1 - format.GetBitsStored()))
+    , IsSigned(format.GetPixelRepresentation() == 1)
+  {
+  }
+
+  std::int64_t ValueOf(std::uint64_t raw) const
+  {
+    auto value =
+      static_cast<std::int64_t>((raw >> this->Shift) & ((std::uint64_t{ 1 } << this->Bits) - 1));
+    if (this->IsSigned && (value >> (this->Bits - 1)) != 0)
+    {
+      value -= std::int64_t{ 1 } << this->Bits;
+    }
+    return value;
+  }
+
+  int Bits;
+  int Shift;
+  bool IsSigned;
+};
+}
+
+#endif
