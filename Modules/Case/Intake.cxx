@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <iterator>
 #include <set>
 #include <utility>
 
@@ -66,16 +67,17 @@ std::vector<DicomHeader> ReadHeaders(const std::vector<std::string>& files, Stud
   {
     ReportProgress(progress, static_cast<double>(index) / static_cast<double>(files.size()),
       "reading headers");
-    std::optional<DicomHeader> header;
+    std::vector<DicomHeader> headers;
     try
     {
-      header = ReadDicomHeader(files[index]);
+      headers = ReadDicomHeaders(files[index]);
     }
     catch (const InputError& error)
     {
       study.Damaged.emplace_back(error.what());
       continue;
     }
+    const DicomHeader* header = headers.empty() ? nullptr : &headers.front();
     if (!header)
     {
       ++study.NotDicom;
@@ -94,7 +96,7 @@ std::vector<DicomHeader> ReadHeaders(const std::vector<std::string>& files, Stud
     }
     else
     {
-      images.push_back(std::move(*header));
+      std::move(headers.begin(), headers.end(), std::back_inserter(images));
     }
   }
   return images;

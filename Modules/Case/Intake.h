@@ -6,6 +6,7 @@
 #include "mammoray/Foundation/Mammogram.h"
 #include "mammoray/Foundation/Progress.h"
 #include "mammoray/Foundation/VolumeGrid.h"
+#include "mammoray/IO/LabelVolumeIO.h"
 #include "mammorayCaseModule.h"
 
 #include <cstddef>
@@ -40,7 +41,9 @@ struct StudySeries
   std::string FrameOfReferenceUid;
   /// YYYYMMDD; empty where the header says none.
   std::string Date;
-  /// In the order of the grid's layers where there is a grid. What ReadIntensitySeries reads.
+  /// In the order of the grid's layers where there is a grid. What ReadIntensitySlices reads.
+  std::vector<DicomSlice> Slices;
+  /// Those that hold them, each once, in their order.
   std::vector<std::string> Files;
   /// DICOM LPS, mm; nothing where the slices make no regular volume.
   std::optional<VolumeGrid> Grid;

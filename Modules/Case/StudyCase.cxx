@@ -22,10 +22,11 @@ namespace mammoray
 #ifdef MAMMORAY_HAS_SEGMENTATION
 namespace
 {
-/// The side is asked for where both breasts may be there.
+/// The side is asked for where both breasts are there: where they are not, the field holds one,
+/// although it may not be told which.
 BreastSide SideToSegment(const StudySeries& series, char laterality)
 {
-  if (series.Side == laterality)
+  if (series.Side != 'B')
   {
     return BreastSide::Both;
   }
@@ -78,10 +79,10 @@ StudyTissue SegmentStudy(const StudyChoice& choice, const MaterialTable& table,
     : choice.FatSuppressed        ? FatContrast::FatDark
                                   : FatContrast::Auto;
   const IntensityVolume image =
-    ReadIntensitySeries(first.Files, PartOf(progress, 0, 0.1, "read the MRI"));
+    ReadIntensitySlices(first.Slices, PartOf(progress, 0, 0.1, "read the MRI"));
   if (choice.Plain && choice.FatSuppressed)
   {
-    const IntensityVolume suppressed = ReadIntensitySeries(choice.FatSuppressed->Files,
+    const IntensityVolume suppressed = ReadIntensitySlices(choice.FatSuppressed->Slices,
       PartOf(progress, 0.1, 0.2, "read the fat-suppressed MRI"));
     return TissueOf(
       SegmentBreast(image, suppressed, options, PartOf(progress, 0.2, 1, "segment the MRI")),

@@ -29,7 +29,7 @@ SeriesCandidate PlainCandidate(const std::string& description = "t1")
   header.Rows = header.Columns = 320;
   header.Position = Vector3{ -160, -160, 0 };
   header.PatientPosition = "HFP";
-  candidate.Series.Files.assign(60, "file");
+  candidate.Series.Slices.assign(60, { "file" });
   VolumeGrid grid;
   grid.Size = { 320, 320, 60 };
   grid.Spacing = { 1, 1, 2 };
@@ -224,7 +224,7 @@ TEST(SeriesRules, VolumesOfNoBreastSayWhy)
 {
   EXPECT_THAT(WhyNoBreastVolume(PlainCandidate()), IsEmpty());
   SeriesCandidate few = PlainCandidate();
-  few.Series.Files.resize(FewestSlicesOfBreast - 1);
+  few.Series.Slices.resize(FewestSlicesOfBreast - 1);
   EXPECT_THAT(WhyNoBreastVolume(few), HasSubstr("too few slices (11)"));
   SeriesCandidate irregular = PlainCandidate();
   irregular.Series.Grid.reset();

@@ -52,6 +52,10 @@ std::string WhyLeftOut(const DicomHeader& header)
       return text + " view";
     }
   }
+  if (!FindWords(words, "id|implant displaced|eklund|cc ?id|mlo ?id|[lr]ccid|[lr]mloid").empty())
+  {
+    return "implant displaced view";
+  }
   if (header.Magnification.value_or(1) > 1.3 ||
     !FindWords(words, "mag|m?magnif\\w*|\\w+mag").empty())
   {
@@ -70,6 +74,19 @@ std::string WhyLeftOut(const DicomHeader& header)
     return "implant (its mechanics are not known)";
   }
   return header.View.empty() ? "its header names no view" : std::string();
+}
+
+/// "L CC", "R-MLO", "Mamografia esquerda": the side that only the description names.
+char SideByWords(const DicomHeader& header)
+{
+  const std::string words = HeaderWords(header.SeriesDescription);
+  const bool left =
+    !FindWords(words, "l|left|lt|lcc|lmlo|links|gauche|esquerd\\w*|izquierd\\w*|sinistr\\w*")
+       .empty();
+  const bool right =
+    !FindWords(words, "r|right|rt|rcc|rmlo|rechts|droit\\w*|direit\\w*|derech\\w*|destr\\w*")
+       .empty();
+  return left == right ? '?' : left ? 'L' : 'R';
 }
 
 /// Seconds of the day of HHMMSS; negative where there is none.
@@ -109,7 +126,7 @@ StudyMammogram DescribeMammogram(const DicomHeader& header)
   StudyMammogram mammogram;
   mammogram.File = header.Path;
   mammogram.View = header.View;
-  mammogram.Laterality = header.Laterality;
+  mammogram.Laterality = header.Laterality == '?' ? SideByWords(header) : header.Laterality;
   mammogram.Intent = header.PresentationIntent;
   const std::string words = HeaderWords(header.SeriesDescription);
   mammogram.Synthetic = !FindPart(header.ImageType, { "GENERATED_2D" }).empty() ||

@@ -149,6 +149,11 @@ void FindFatSuppression(const DicomHeader& header, StudySeries& series)
   {
     return tell(FatSuppression::Present, ScanOptionEvidence + option);
   }
+  // WATER: what is suppressed, which leaves fat.
+  if (header.SpectralSuppression == "FAT")
+  {
+    return tell(FatSuppression::Present, "Spectrally Selected Suppression FAT");
+  }
   std::string words = HeaderWords(header.SeriesDescription) + ' ';
   words += HeaderWords(header.ProtocolName) + ' ' + HeaderWords(header.SequenceName);
   if (const std::string none = FindWords(words,
@@ -164,6 +169,10 @@ void FindFatSuppression(const DicomHeader& header, StudySeries& series)
       !some.empty())
   {
     return tell(FatSuppression::Present, "description '" + some + "'");
+  }
+  if (header.SpectralSuppression == "NONE")
+  {
+    return tell(FatSuppression::Absent, "Spectrally Selected Suppression NONE");
   }
   // Siemens writes the option wherever fat is suppressed.
   const std::string maker = HeaderWords(header.Manufacturer);
@@ -242,6 +251,11 @@ Weighting FindWeighting(const DicomHeader& header, std::string& evidence)
   {
     return Weighting::ProtonDensity;
   }
+  if (header.AcquisitionContrast == "T1")
+  {
+    evidence = "Acquisition Contrast T1";
+    return Weighting::T1;
+  }
   evidence = FindWords(words,
     "\\w*vibe\\w*|vibrant\\w*|e?thrive\\w*|\\w*flash\\w*|fl3d\\w*|lava\\w*|bliss|f?spgr\\w*|"
     "dyn\\w*");
@@ -279,7 +293,7 @@ std::string WhyNoTissue(const DicomHeader& header, Weighting weighting, const st
   }
   if (header.Frames > 1)
   {
-    return "multi-frame object (enhanced MR is not read; export it as single slices)";
+    return "multi-frame object without functional groups";
   }
   const std::string words = WordsOf(header);
   for (const OtherKind& kind : OtherKinds)
@@ -367,7 +381,22 @@ GridExtent ExtentOf(const VolumeGrid& grid)
   return extent;
 }
 
-char SideOf(const VolumeGrid& grid)
+/// The side that the header names: of the frame or series, or in words.
+char NamedSide(const DicomHeader& header)
+{
+  if (header.Laterality != '?')
+  {
+    return header.Laterality;
+  }
+  const std::string words = WordsOf(header);
+  const bool left =
+    !FindWords(words, "left|lt|links|gauche|esquerd\\w*|izquierd\\w*|sinistr\\w*").empty();
+  const bool right =
+    !FindWords(words, "right|rt|rechts|droit\\w*|direit\\w*|derech\\w*|destr\\w*").empty();
+  return left == right ? '?' : left ? 'L' : 'R';
+}
+
+char SideOf(const VolumeGrid& grid, const DicomHeader& header)
 {
   const GridExtent extent = ExtentOf(grid);
   // Both breasts are wider than this together, and one is not.
@@ -375,7 +404,8 @@ char SideOf(const VolumeGrid& grid)
   {
     return 'B';
   }
-  return std::abs(extent.Middle[0]) < 25 ? '?' : extent.Middle[0] > 0 ? 'L' : 'R';
+  // One breast that was moved to the magnet's middle is told by words only.
+  return std::abs(extent.Middle[0]) < 25 ? NamedSide(header) : extent.Middle[0] > 0 ? 'L' : 'R';
 }
 }
 
@@ -415,7 +445,7 @@ void DescribeSeries(SeriesCandidate& candidate)
   {
     series.Position = PatientPosition::Supine;
   }
-  series.Side = series.Grid ? SideOf(*series.Grid) : '?';
+  series.Side = series.Grid ? SideOf(*series.Grid, header) : '?';
   FindFatSuppression(header, series);
   std::string evidence;
   const Weighting weighting = FindWeighting(header, evidence);
@@ -434,13 +464,16 @@ std::string WhyNoBreastVolume(const SeriesCandidate& candidate)
   {
     return "no place in the patient (position, orientation or pixel spacing missing)";
   }
-  if (series.Files.size() < FewestSlicesOfBreast)
+  if (series.Slices.size() < FewestSlicesOfBreast)
   {
-    return "too few slices (" + std::to_string(series.Files.size()) + ")";
+    return "too few slices (" + std::to_string(series.Slices.size()) + ")";
   }
   if (!series.Grid)
   {
-    return "missing slices or irregular distances";
+    std::snprintf(text, sizeof text,
+      "missing slices or irregular distances (%zu slices, %.2f mm apart on average)",
+      series.Slices.size(), series.SliceSpacingMm);
+    return text;
   }
   const Vector3& spacing = series.Grid->Spacing;
   if (const double widest = std::max({ spacing[0], spacing[1], spacing[2] });
@@ -531,7 +564,7 @@ std::string DynamicKey(const SeriesCandidate& candidate)
   char numbers[128];
   std::snprintf(numbers, sizeof numbers, "|%g|%g|%g|%dx%dx%zu", header.RepetitionTimeMs.value_or(0),
     header.EchoTimeMs.value_or(0), header.FlipAngleDeg.value_or(0), header.Columns, header.Rows,
-    candidate.Series.Files.size());
+    candidate.Series.Slices.size());
   return words + numbers;
 }
 

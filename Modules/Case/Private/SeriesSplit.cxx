@@ -159,7 +159,7 @@ SeriesCandidate CandidateOf(Slices slices)
     [](const DicomHeader& a, const DicomHeader& b) { return MomentOf(a) < MomentOf(b); });
   for (const DicomHeader& slice : slices)
   {
-    candidate.Series.Files.push_back(slice.Path);
+    candidate.Series.Slices.push_back({ slice.Path, slice.Frame });
   }
   if (slices.size() > 1 && slices.front().Position)
   {
@@ -172,14 +172,56 @@ SeriesCandidate CandidateOf(Slices slices)
     candidate.Series.Grid = order.Grid;
     for (std::size_t layer = 0; layer < order.Order.size(); ++layer)
     {
-      candidate.Series.Files[layer] = slices[order.Order[layer]].Path;
+      const DicomHeader& slice = slices[order.Order[layer]];
+      candidate.Series.Slices[layer] = { slice.Path, slice.Frame };
     }
   }
   catch (const InputError&)
   {
     candidate.Series.Grid.reset();
   }
+  std::set<std::string> known;
+  for (const DicomSlice& slice : candidate.Series.Slices)
+  {
+    if (known.insert(slice.Path).second)
+    {
+      candidate.Series.Files.push_back(slice.Path);
+    }
+  }
   return candidate;
+}
+
+/// Slabs of slices that are apart by more than three of their distances, each a volume of its own:
+/// sagittal slices of both breasts in one series. One where there are no such slabs.
+std::vector<Slices> SplitSlabs(Slices slices)
+{
+  std::stable_sort(slices.begin(), slices.end(),
+    [](const DicomHeader& a, const DicomHeader& b) { return HeightOf(a) < HeightOf(b); });
+  std::vector<double> gaps;
+  for (std::size_t n = 1; n < slices.size(); ++n)
+  {
+    gaps.push_back(HeightOf(slices[n]) - HeightOf(slices[n - 1]));
+  }
+  if (gaps.size() < 2 * FewestSlicesOfBreast)
+  {
+    return { slices };
+  }
+  std::vector<double> sorted = gaps;
+  std::nth_element(sorted.begin(), sorted.begin() + sorted.size() / 2, sorted.end());
+  const double usual = sorted[sorted.size() / 2];
+  std::vector<Slices> slabs{ { slices.front() } };
+  for (std::size_t n = 1; n < slices.size(); ++n)
+  {
+    if (gaps[n - 1] > 3 * usual)
+    {
+      slabs.emplace_back();
+    }
+    slabs.back().push_back(slices[n]);
+  }
+  // Of what misses slices here and there, no part is a breast.
+  const bool whole = std::all_of(slabs.begin(), slabs.end(),
+    [](const Slices& slab) { return slab.size() >= FewestSlicesOfBreast; });
+  return whole && usual > 0 ? slabs : std::vector<Slices>{ slices };
 }
 
 /// Directions of the slices of a series, as far as planes of a body differ.
@@ -226,9 +268,12 @@ std::vector<SeriesCandidate> SplitIntoVolumes(const std::vector<DicomHeader>& sl
       const std::vector<Slices> phases = SplitPhases(alike);
       for (std::size_t phase = 0; phase < phases.size(); ++phase)
       {
-        volumes.push_back(CandidateOf(phases[phase]));
-        volumes.back().Series.Phase = static_cast<int>(phase) + 1;
-        volumes.back().Series.Phases = static_cast<int>(phases.size());
+        for (Slices& slab : SplitSlabs(phases[phase]))
+        {
+          volumes.push_back(CandidateOf(std::move(slab)));
+          volumes.back().Series.Phase = static_cast<int>(phase) + 1;
+          volumes.back().Series.Phases = static_cast<int>(phases.size());
+        }
       }
     }
   }

@@ -52,7 +52,7 @@ void AddSeriesLine(const StudySeries& series, const std::string& reason, std::st
     : "";
   char line[512];
   std::snprintf(line, sizeof line, "  %-34s %4zu  %-19s %-8s %-4s %-38s %-7s %-7s  ",
-    Shortened(name, 34).c_str(), series.Files.size(), SpacingOf(series).c_str(),
+    Shortened(name, 34).c_str(), series.Slices.size(), SpacingOf(series).c_str(),
     series.Plane.empty() ? "-" : series.Plane.c_str(),
     series.PositionCode.empty() ? "-" : series.PositionCode.c_str(),
     Shortened(series.Sequence, 38).c_str(), FatColumn(series.Fat), ContrastColumn(series.Contrast));
@@ -76,7 +76,7 @@ void AddMammogramLine(const StudyMammogram& image, const std::string& reason, st
 Json JsonOf(const StudySeries& series, const std::string& reason)
 {
   Json json{ { "description", series.Description }, { "series_uid", series.SeriesInstanceUid },
-    { "date", series.Date }, { "slices", series.Files.size() }, { "plane", series.Plane },
+    { "date", series.Date }, { "slices", series.Slices.size() }, { "plane", series.Plane },
     { "patient_position", series.PositionCode }, { "sequence", series.Sequence },
     { "fat_suppression", FatColumn(series.Fat) }, { "fat_suppression_from", series.FatEvidence },
     { "contrast", ContrastColumn(series.Contrast) }, { "contrast_from", series.ContrastEvidence },
@@ -90,6 +90,14 @@ Json JsonOf(const StudySeries& series, const std::string& reason)
   }
   json["reason"] = reason;
   json["files"] = series.Files;
+  if (!series.Slices.empty() && series.Slices.front().Frame > 0)
+  {
+    Json& frames = json["frames"] = Json::array();
+    for (const DicomSlice& slice : series.Slices)
+    {
+      frames.push_back(slice.Frame);
+    }
+  }
   return json;
 }
 
@@ -113,7 +121,7 @@ std::string StudyListing(const Study& study, const StudyChoice& choice)
   std::size_t slices = 0;
   for (const StudySeries& series : study.Series)
   {
-    slices += series.Files.size();
+    slices += series.Slices.size();
   }
   std::snprintf(line, sizeof line, "MRI: %zu volumes, %zu images\n", study.Series.size(), slices);
   text += line;
