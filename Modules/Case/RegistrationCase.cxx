@@ -558,6 +558,7 @@ RegistrationCaseResult RunRegistrationCase(const RegistrationCase& input,
   CheckAsked(input, *options.Volume, result);
   result.Anchor = FindPoseAnchor(*options.Volume, held, result.Axes);
   CheckTissue(input, *options.Volume, held, result.Axes, result.Views.front().Mammogram.Laterality);
+  CheckSizes(input, result.Tissue ? result.Tissue->BreastCm3 : 0, result.Views);
   stopwatch.Stage("read");
 
   result.Anatomy = input.AnatomyMesh.empty()

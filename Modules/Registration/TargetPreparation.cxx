@@ -206,7 +206,7 @@ void CheckWhole(const PixelGrid& grid, RegistrationTarget& target)
       "The picture cuts the breast off at both ends along the chest wall, over %.0f and %.0f mm: "
       "its outline says nothing of where it lies between them.",
       cut.LowerEndMm, cut.UpperEndMm);
-    target.Warnings.emplace_back(text);
+    target.Disagreements.emplace_back(text);
   }
 }
 

@@ -2,6 +2,7 @@
 // From a clinic's export to the answer, on a virtual one made coarse enough for a minute.
 #include "CommandTest.h"
 #include "Files.h"
+#include "MadeUpStudy.h"
 #include "mammoray/Evidence/LandmarkEvaluation.h"
 #include "mammoray/Evidence/StudyEvidence.h"
 #include "mammoray/IO/LabelVolumeIO.h"
@@ -13,6 +14,7 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <fstream>
 
 using namespace mammoray;
 using testing::HasSubstr;
@@ -40,6 +42,39 @@ TEST_F(StudyCommand, AnExportTakesThePlaceOfLabelsAndMammograms)
   EXPECT_FALSE(fs::exists(this->Folder.File("result")));
 }
 
+TEST_F(StudyCommand, WhatFilesTellIsRefusedBeforeAnyWork)
+{
+  using namespace testing_support;
+  const auto refused = [&](const MadeUpStudy& files, const std::string& message)
+  {
+    for (const char* command :
+      { "register --side left -o nowhere/result --study ", "intake --side left " })
+    {
+      this->ExpectRefused(command + files.Folder(), message);
+    }
+  };
+  MadeUpStudy otherPatient;
+  otherPatient.AddSlices(MadeUpMr("1.2.5", "t1"));
+  otherPatient.Add(MadeUpMammogram("L", "CC").Set(0x10, 0x30, "DA", "19650203"), "MG");
+  refused(otherPatient, "expected the images of one patient, found those of 2");
+
+  MadeUpStudy otherSide;
+  otherSide.AddSlices(MadeUpMr("1.2.5", "t1"));
+  otherSide.Add(MadeUpMammogram("R", "CC"));
+  refused(otherSide, "expected a CC or MLO mammogram of the left breast, found right CC");
+
+  MadeUpStudy noView;
+  noView.AddSlices(MadeUpMr("1.2.5", "t1"));
+  refused(noView, "expected a mammogram, found none");
+  noView.Add(MadeUpMammogram("L", "XCCL"));
+  refused(noView, "expected a CC or MLO mammogram of the left breast, found left XCCL");
+
+  MadeUpStudy subtraction;
+  subtraction.AddSlices(MadeUpMr("1.2.5", "t1_sub"));
+  subtraction.Add(MadeUpMammogram("L", "CC"));
+  refused(subtraction, "found only: subtraction");
+}
+
 TEST_F(StudyCommand, LeadsFromThePatientsFilesToTheAnswer)
 {
   if (ListDevices().empty())
@@ -47,7 +82,7 @@ TEST_F(StudyCommand, LeadsFromThePatientsFilesToTheAnswer)
     GTEST_SKIP() << "no Vulkan device";
   }
   const std::string study = this->Folder.File("study");
-  ASSERT_EQ(this->Run("example study --mri-pixel 2 --mri-slice 3 --mammogram-pixel 0.5 "
+  ASSERT_EQ(this->Run("example study --mri-pixel 2 --mri-slice 3 --mammogram-pixel 0.3 "
                       "--label-spacing 1 --anatomy-cell 8 --gravity-fineness 5 "
                       "--compression-fineness 7 -o " +
               study),
@@ -55,10 +90,26 @@ TEST_F(StudyCommand, LeadsFromThePatientsFilesToTheAnswer)
     << this->Errors;
   const std::string result = this->Folder.File("result");
   const std::string arguments = "register --study " + study +
-    "/export --anatomy-cell-size 8 --simulation-cell-size 16 --pixel-sizes 3 "
-    "--accept-unusual -o " +
-    result; // pixels of 0.5 mm
+    "/export --anatomy-cell-size 8 --simulation-cell-size 16 --pixel-sizes 3 -o " + result;
   this->ExpectRefused(arguments + " --side right", "of the right breast, found left CC, left MLO");
+  // Mammograms of a breast of 0.4 of its size, as those of another patient with her header.
+  const std::string other = this->Folder.File("other");
+  fs::copy(study + "/export", other, fs::copy_options::recursive);
+  std::size_t forged = 0;
+  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(other))
+  {
+    std::string bytes = entry.is_regular_file() ? ReadFile(entry.path()) : std::string();
+    const std::string spacing = testing_support::Element(0x18, 0x1164, "DS", "0.3\\0.3");
+    if (const std::size_t at = bytes.find(spacing); at != std::string::npos)
+    {
+      bytes.replace(at, spacing.size(), testing_support::Element(0x18, 0x1164, "DS", ".12\\.12"));
+      std::ofstream(entry.path(), std::ios::binary) << bytes;
+      ++forged;
+    }
+  }
+  ASSERT_GE(forged, 2u);
+  this->ExpectRefused("register --side left -o " + result + " --study " + other,
+    "of another breast, or of a part of it");
   ASSERT_EQ(this->Run(arguments + " --side left"), 0) << this->Errors;
   EXPECT_THAT(this->Output, HasSubstr("taken: T1 without fat suppression"));
   EXPECT_THAT(this->Output, HasSubstr("MLO taken"));

@@ -97,6 +97,42 @@ TEST(CaseChecks, AnObliqueViewIsOfTheBreastItsDirectionsSay)
   }
 }
 
+TEST(CaseChecks, PicturesShowAsMuchBreastAsTheMri)
+{
+  RegistrationCase input;
+  input.Study = std::make_shared<const StudyIntake>();
+  const auto viewed = [](const char* name, double widthMm)
+  {
+    RegisteredView view = Pictured('L', widthMm - 1);
+    view.Mammogram.View = name;
+    view.Mammogram.BodyPartThicknessMm = 50; // 20 mm deep: a cm3 for each mm of width
+    return view;
+  };
+  const auto disagreements = [&](double breastCm3, std::vector<RegisteredView> views)
+  {
+    CheckSizes(input, breastCm3, views);
+    return views.back().Target.Disagreements;
+  };
+  EXPECT_THAT(disagreements(200, { viewed("CC", 100), viewed("MLO", 130) }), IsEmpty());
+  EXPECT_THAT(disagreements(200, { viewed("CC", 55) }),
+    ElementsAre(HasSubstr("shows 55 cm3 of breast (area times thickness), the MRI 200 cm3")));
+  EXPECT_THAT(disagreements(80, { viewed("CC", 100) }), ElementsAre(HasSubstr("another breast")));
+  EXPECT_THAT(disagreements(80, { viewed("MLO", 100) }), IsEmpty());
+  EXPECT_THAT(disagreements(150, { viewed("CC", 60), viewed("MLO", 140) }),
+    ElementsAre(HasSubstr("28 cm2 in MLO and 12 in CC")));
+  const auto refusal = [&](double breastCm3)
+  { return RefusalOf([&] { disagreements(breastCm3, { viewed("CC", 100) }); }); };
+  EXPECT_THAT(refusal(700),
+    HasSubstr(
+      "m.dcm: expected a picture of the breast in the MRI (700 cm3), found one of 100 cm3"));
+  EXPECT_THAT(refusal(45), HasSubstr("of another breast"));
+  input.Labels.AcceptUnusual = true;
+  EXPECT_EQ(refusal(700), NotRefused);
+  input.Labels.AcceptUnusual = false;
+  input.Study.reset();
+  EXPECT_EQ(refusal(700), NotRefused);
+}
+
 /// LPS, voxels of 4 mm: chest wall (2) from `first` to `last` of 100, 12 deep, behind a breast (1)
 /// of 100 x 80 x 100 mm in the middle. `turned`: the breast is behind the chest wall.
 LabelVolume Body(int first, int last, bool turned = false)

@@ -375,7 +375,7 @@ TEST(TargetPreparation, RefusesAPictureThatCutsTheBreastOff)
     HasSubstr("cut off at its front: 36 mm"));
   EXPECT_THAT(PrepareTarget(cut(145, 0, Rows)).Warnings, IsEmpty());
   // 18 mm to either side of the middle the lens is 24 mm deep.
-  EXPECT_THAT(PrepareTarget(cut(Columns, 110, 180)).Warnings,
+  EXPECT_THAT(PrepareTarget(cut(Columns, 110, 180)).Disagreements,
     ElementsAre(HasSubstr("both ends along the chest wall, over 24 and 24 mm")));
 }
 

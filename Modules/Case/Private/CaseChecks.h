@@ -39,6 +39,14 @@ void CheckHanded(const RegistrationCase& input, const AnatomicalAxes& axes);
  */
 MAMMORAYCASE_EXPORT void CheckTissue(const RegistrationCase& input, const LabelVolume& materials,
   const std::vector<bool>& held, const AnatomicalAxes& axes, char laterality);
+
+/**
+ * Compares how much breast the pictures of a study show, area times the header's thickness, with
+ * its MRI, and the pictures with each other. Throws InputError where they cannot be of one breast;
+ * what is unusual is told by the targets' Disagreements.
+ */
+MAMMORAYCASE_EXPORT void CheckSizes(const RegistrationCase& input, double breastCm3,
+  std::vector<RegisteredView>& views);
 }
 
 #endif
