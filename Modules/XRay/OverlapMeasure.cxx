@@ -70,9 +70,10 @@ std::string OverlapMeasure::Warning(const std::vector<std::string>& names) const
   {
     return text + "; no ray of this image is changed by it";
   }
-  return text +
-    Text("; %.2g %% of the rays through the surface count %.3g mm on average twice or negatively",
-      100.0 * static_cast<double>(this->Contradicting) / static_cast<double>(this->Rays),
+  const double percent =
+    100.0 * static_cast<double>(this->Contradicting) / static_cast<double>(this->Rays);
+  return text + Text(percent < 10 ? "; %.2g" : "; %.0f", percent) +
+    Text(" %% of the rays through the surface count %.3g mm on average twice or negatively",
       this->MeanMm) +
     Text(", the longest stretch %.3g mm at ", this->Longest.LengthMm) + At(this->Longest.Place);
 }
