@@ -12,6 +12,10 @@
 #include "mammoray/IO/ProjectionImage.h"
 #include "mammoray/IO/ShippedData.h"
 #include "mammoray/XRay/Exposure.h"
+#include "mammoray/XRay/OpenField.h"
+#include "mammoray/XRay/OverlapMeasure.h"
+#include "mammoray/XRay/Refraction.h"
+#include "mammoray/XRay/Tube.h"
 
 #include "vtkImageData.h"
 #include "vtkPolyData.h"
@@ -36,6 +40,9 @@ struct ProjectArguments
   std::string Spectrum = "W28kVp_Rh50um_Be1mm";
   /// In place of the spectrum.
   std::optional<double> EnergyKeV;
+  std::string Anode;
+  XRayTube Tube;
+  std::vector<std::string> Filters;
   DetectorResponse Response = DetectorResponse::EnergyIntegrating;
   std::string Orientation = "LPS";
   MammographyUnit Unit;
@@ -53,7 +60,16 @@ struct ProjectArguments
   int Samples = 1;
   std::optional<std::array<double, 2>> FocalSpot;
   ExposureOptions Exposure;
+  OpenFieldOptions Field;
+  /// Target angle, degrees, and depth, micrometres.
+  std::optional<std::array<double, 2>> Heel;
+  /// None: rays are straight.
+  std::string RefractionLaw;
+  /// Where given, instead of from the middle of the mesh.
+  std::optional<double> BendDistanceMm;
+  std::string Deflection;
   ProjectorOptions Projector;
+  std::vector<std::string> OverlapPriority;
   std::optional<char> Laterality;
   std::string View;
   bool ForProcessing = false;
@@ -86,6 +102,15 @@ void DeclareInput(const OptionList& add, ProjectArguments& arguments)
   AddSpectrumOption(add, arguments.Spectrum);
   add("--kev", arguments.EnergyKeV, Positive("keV"),
     "a single photon energy instead of a spectrum");
+  add.Word("--tube", arguments.Anode, { "W", "Mo", "Rh" },
+    "instead, the spectrum of a tube with this anode and a beryllium window, 18 to 42 kV (Boone, "
+    "Fewell and Jennings 1997)");
+  add("--kvp", arguments.Tube.KilovoltagePeak, Between(18, 42, "kV"), "voltage of --tube");
+  add("--filter", arguments.Filters,
+    "a layer that all photons pass, an element, a formula or a NIST compound ('Air, Dry (near sea "
+    "level):600'); may be given for several")
+    ->type_name("MATERIAL[@DENSITY]:MM")
+    ->allow_extra_args(false);
   add.Choice<DetectorResponse>("--response", arguments.Response,
     { { "energy", DetectorResponse::EnergyIntegrating },
       { "counting", DetectorResponse::PhotonCounting } },
@@ -132,8 +157,33 @@ void DeclareDetector(const OptionList& add, ProjectArguments& arguments)
     "n x n source points for the focal spot; each costs a projection");
   add("--photons", arguments.Exposure.PhotonsPerPixel, Between(0, 1e12),
     "photons that meet a pixel without the object, on average; adds quantum noise, 0 adds none");
+  add("--electronic-noise", arguments.Exposure.ElectronicNoisePhotons, Between(0, 1e6),
+    "standard deviation of the detector's own noise, in signals of one photon; needs --photons");
+  add("--half-modulation", arguments.Exposure.HalfModulationPerMm, Between(0, 1000, "1/mm"),
+    "frequency at which the detector's modulation transfer is 1/2, a Gaussian, besides that of its "
+    "pixels (--samples); blurs signal and quantum noise, 0 does not");
+  add.Flag("--inverse-square", arguments.Field.InverseSquare,
+    "fewer photons farther from the focus, and where they come in obliquely; 1 where they come in "
+    "at right angles");
+  add.Numbers("--heel", arguments.Heel, "DEG UM",
+    "heel effect: angle between target and central ray, depth at which photons are made in the "
+    "target, micrometres ('22 0.5'); the anode lies along the columns' direction");
+  add.Word("--refraction", arguments.RefractionLaw, { "geometric", "near-field" },
+    "bend rays where they pass bodies, by geometric optics or by the near field of the transport "
+    "of "
+    "intensity; materials need compositions (--attenuation)");
+  add("--bend-distance", arguments.BendDistanceMm, NonNegative("mm"),
+    "from where rays are bent to the detector; default: from the middle of the mesh");
+  add("--deflection", arguments.Deflection,
+    "write the angles by which --refraction bends rays there, radians along columns and rows, two "
+    "channels (.mha .nrrd .vti)");
   add("--seed", arguments.Exposure.Seed, "of the noise: the same seed, the same image");
   AddProjectorOptions(add, arguments.Projector);
+  add("--overlap-priority", arguments.OverlapPriority,
+    "where parts overlap though their surfaces say air, count the first of these MATERIALs that is "
+    "there, once; others follow in the table's order. Default: such stretches count for each part, "
+    "with a warning. Rays through overlaps are followed twice, on the host")
+    ->type_name("MATERIAL ...");
 }
 
 void Declare(const OptionList& add, ProjectArguments& arguments)
@@ -189,6 +239,50 @@ void ReplaceAttenuations(const ProjectArguments& arguments, MaterialTable& table
     material.Attenuation = text.substr(equals + 1, at - equals - 1);
     material.DensityGPerCm3 = at < text.size() ? density : material.DensityGPerCm3;
   }
+}
+
+/// The spectrum that the options ask for, behind its filters.
+Spectrum ToSpectrum(const ProjectArguments& arguments)
+{
+  std::vector<XRayFilter> filters;
+  for (const std::string& text : arguments.Filters)
+  {
+    filters.push_back(XRayFilter::FromText(text));
+  }
+  if (!arguments.Anode.empty() && arguments.EnergyKeV)
+  {
+    throw InputError("--tube: expected no --kev beside it, found both");
+  }
+  if (!arguments.Anode.empty())
+  {
+    XRayTube tube = arguments.Tube;
+    tube.Anode = arguments.Anode;
+    tube.Filters = filters;
+    return TubeSpectrum(tube);
+  }
+  Spectrum spectrum = arguments.EnergyKeV ? Spectrum::Monochromatic(*arguments.EnergyKeV)
+                                          : FindSpectrum(arguments.Spectrum);
+  for (const XRayFilter& filter : filters)
+  {
+    spectrum = FilterSpectrum(spectrum, filter);
+  }
+  return spectrum;
+}
+
+/// What reaches the pixels in air; empty where it is the same everywhere.
+std::vector<float> ToOpenField(const ProjectArguments& arguments, const XRaySource& source,
+  const XRayDetector& detector, const Spectrum& spectrum)
+{
+  OpenFieldOptions options = arguments.Field;
+  if (arguments.Heel)
+  {
+    options.Heel.TargetAngleDeg = (*arguments.Heel)[0];
+    options.Heel.DepthMm = 1e-3 * (*arguments.Heel)[1];
+    options.Heel.Target = arguments.Anode.empty() ? options.Heel.Target : arguments.Anode;
+  }
+  return arguments.Heel || options.InverseSquare
+    ? OpenField(source, detector, spectrum, arguments.Response, options)
+    : std::vector<float>();
 }
 
 ExposureOptions ToExposure(const ProjectArguments& arguments)
@@ -282,8 +376,65 @@ Mammogram DescribeMammogram(const ProjectArguments& arguments, const XRaySource&
   return mammogram;
 }
 
+/// From the middle of the mesh to the detector's plane, mm.
+double DistanceToDetector(const SurfaceMesh& surface, const XRayDetector& detector)
+{
+  const Vector3 normal = Cross(detector.ColumnStep, detector.RowStep);
+  const Extent extent = ExtentsAlong<1>({ (1 / Norm(normal)) * normal }, surface.Points)[0];
+  return std::abs(extent.Middle() - Dot(normal, detector.Origin) / Norm(normal));
+}
+
+/// The image with rays that are bent; writes their deflection where it is wanted.
+Exposure ExposeRefracted(const ProjectArguments& arguments, PathLengthProjector& projector,
+  const SurfaceMesh& surface, const XRaySource& source, const XRayDetector& detector,
+  const Beam& beam, const std::vector<double>& decrements, const ProgressCallback& progress)
+{
+  RefractionOptions options;
+  options.Method = arguments.RefractionLaw == "geometric" ? RefractionOptions::Law::Geometric
+                                                          : RefractionOptions::Law::NearField;
+  options.DistanceMm = arguments.BendDistanceMm.value_or(DistanceToDetector(surface, detector));
+  const RefractedImage refracted = Refract(projector, surface.NumberOfPoints(), source, detector,
+    beam, decrements, options, progress);
+  if (!arguments.Deflection.empty())
+  {
+    WriteProjection(ToDeflectionImage(refracted, detector), arguments.Deflection);
+  }
+  return ToExposure(refracted);
+}
+
+/// Refuses what refraction does not go together with.
+void CheckRefraction(const ProjectArguments& arguments)
+{
+  if (arguments.RefractionLaw.empty())
+  {
+    if (!arguments.Deflection.empty())
+    {
+      throw InputError("--deflection: expected --refraction beside it, found none");
+    }
+    return;
+  }
+  const ExposureOptions& exposure = arguments.Exposure;
+  if (exposure.PhotonsPerPixel > 0 || exposure.HalfModulationPerMm > 0 || arguments.FocalSpot ||
+    arguments.Heel || arguments.Field.InverseSquare)
+  {
+    throw InputError("--refraction: expected no noise, blur, focal spot, heel or inverse square "
+                     "beside it, found some");
+  }
+  if (!arguments.Deflection.empty())
+  {
+    const std::string extension = std::filesystem::path(arguments.Deflection).extension().string();
+    if (extension == ".png")
+    {
+      throw InputError("--deflection: expected .mha, .nrrd or .vti, found " + arguments.Deflection);
+    }
+    CheckProjectionExtension(arguments.Deflection);
+    CheckOutputFile(arguments.Deflection, arguments.Overwrite);
+  }
+}
+
 void CheckOutputs(const ProjectArguments& arguments)
 {
+  CheckRefraction(arguments);
   if (IsDicomPath(arguments.Output))
   {
     if (!arguments.Laterality)
@@ -324,9 +475,10 @@ void Run(ProjectArguments& arguments)
   const ProgressCallback progress = MakeProgressBar();
   MaterialTable table = FindMaterialTable(arguments.Materials);
   ReplaceAttenuations(arguments, table);
-  const Spectrum spectrum = arguments.EnergyKeV ? Spectrum::Monochromatic(*arguments.EnergyKeV)
-                                                : FindSpectrum(arguments.Spectrum);
+  const Spectrum spectrum = ToSpectrum(arguments);
   const Beam beam = MakeBeam(table, spectrum, arguments.Response);
+  const std::vector<double> decrements =
+    arguments.RefractionLaw.empty() ? std::vector<double>() : RefractiveDecrements(spectrum, table);
   ReportProgress(progress, 0.0, "reading the mesh");
   std::vector<std::string> names;
   const SurfaceMesh surface = ReadInterfaces(arguments.Mesh, names);
@@ -340,12 +492,23 @@ void Run(ProjectArguments& arguments)
     mammogram = DescribeMammogram(arguments, source, detector);
   }
 
+  const std::string overlap = arguments.OverlapPriority.empty()
+    ? MeasureOverlap(surface, source, detector, ShareOf(progress, 0.1, 0.2)).Warning(table.Names())
+    : std::string();
   ReportProgress(progress, 0.2, "tracing rays");
-  const auto projector = MakeProjector(arguments.Projector);
+  ProjectorOptions options = arguments.Projector;
+  for (const std::string& name : arguments.OverlapPriority)
+  {
+    options.Priority.push_back(table.IndexOf(name));
+  }
+  const auto projector = MakeProjector(options);
   projector->SetSurface(surface);
-  const Exposure exposure = Expose(*projector, source, detector, beam, ToExposure(arguments),
-    [&](double fraction, const char* stage)
-    { return !progress || progress(0.2 + 0.6 * fraction, stage); });
+  const ProgressCallback tracing = ShareOf(progress, 0.2, 0.8);
+  ExposureOptions exposing = ToExposure(arguments);
+  exposing.OpenField = ToOpenField(arguments, source, detector, spectrum);
+  const Exposure exposure = arguments.RefractionLaw.empty()
+    ? Expose(*projector, source, detector, beam, exposing, tracing)
+    : ExposeRefracted(arguments, *projector, surface, source, detector, beam, decrements, tracing);
   const PathLengthImage& lengths = exposure.Lengths;
   ReportProgress(progress, 0.8, "writing");
   const auto image = ToImage(exposure, detector, table.Names());
@@ -362,12 +525,19 @@ void Run(ProjectArguments& arguments)
     WriteProjection(image, arguments.PathLengths, true);
   }
   ReportProgress(progress, 1.0, "done");
-  std::printf("%d x %d pixels, %zu triangles, %s, mean %.1f keV, on %s, %s\n", lengths.Columns,
-    lengths.Rows, surface.NumberOfTriangles(), spectrum.Name.c_str(), spectrum.MeanEnergyKeV(),
-    projector->DeviceName().c_str(), MethodName(projector->Method()).c_str());
+  std::printf(
+    "%d x %d pixels, %zu triangles, %s, mean %.1f keV, half-value layer %.3g mm Al, on %s, %s\n",
+    lengths.Columns, lengths.Rows, surface.NumberOfTriangles(), spectrum.Name.c_str(),
+    spectrum.MeanEnergyKeV(), HalfValueLayerMm(spectrum), projector->DeviceName().c_str(),
+    MethodName(projector->Method()).c_str());
   if (const std::string warning = lengths.InconsistencyWarning(); !warning.empty())
   {
     std::fprintf(stderr, "mammoray: warning: %s\n", warning.c_str());
+  }
+  if (!overlap.empty())
+  {
+    std::fprintf(stderr, "mammoray: warning: %s; --overlap-priority counts them once\n",
+      overlap.c_str());
   }
 }
 }

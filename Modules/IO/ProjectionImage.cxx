@@ -62,12 +62,19 @@ void WriteFloats(vtkImageData* image, const std::string& path, bool pathLengths)
   const std::vector<vtkFloatArray*> channels = Channels(image, pathLengths);
   std::vector<float> values;
   const vtkIdType count = image->GetNumberOfPoints();
-  values.reserve(static_cast<std::size_t>(count) * channels.size());
+  unsigned components = 0;
+  for (vtkFloatArray* channel : channels)
+  {
+    components += static_cast<unsigned>(channel->GetNumberOfComponents());
+  }
+  values.reserve(static_cast<std::size_t>(count) * components);
   for (vtkIdType pixel = 0; pixel < count; ++pixel)
   {
     for (vtkFloatArray* channel : channels)
     {
-      values.push_back(channel->GetValue(pixel));
+      const vtkIdType width = channel->GetNumberOfComponents();
+      const float* first = channel->GetPointer(pixel * width);
+      values.insert(values.end(), first, first + width);
     }
   }
   VolumeGrid grid;
@@ -79,7 +86,7 @@ void WriteFloats(vtkImageData* image, const std::string& path, bool pathLengths)
     grid.Spacing[axis] = image->GetSpacing()[axis];
     grid.Direction[axis] = { matrix[axis], matrix[3 + axis], matrix[6 + axis] };
   }
-  WriteVolumeFile(path, grid, values.data(), static_cast<unsigned>(channels.size()), false);
+  WriteVolumeFile(path, grid, values.data(), components, false);
 }
 
 /// `values` from 0 to `white` as 16-bit grey, row 0 on top.
@@ -169,6 +176,25 @@ vtkSmartPointer<vtkImageData> ToImage(const Exposure& exposure, const XRayDetect
     consistency->GetPointer(0),
     [](unsigned char inconsistent) { return static_cast<unsigned char>(1 - inconsistent); });
   data->AddArray(consistency);
+  return image;
+}
+
+vtkSmartPointer<vtkImageData> ToDeflectionImage(const RefractedImage& refracted,
+  const XRayDetector& detector)
+{
+  auto image = MakeDetectorImage(detector);
+  const std::size_t pixelCount = refracted.Transmission.size();
+  vtkNew<vtkFloatArray> deflection;
+  deflection->SetName("Deflection");
+  deflection->SetNumberOfComponents(2);
+  deflection->SetNumberOfTuples(static_cast<vtkIdType>(pixelCount));
+  for (std::size_t pixel = 0; pixel < pixelCount; ++pixel)
+  {
+    float* target = deflection->GetPointer(2 * static_cast<vtkIdType>(pixel));
+    target[0] = refracted.Deflection[pixel];
+    target[1] = refracted.Deflection[pixelCount + pixel];
+  }
+  image->GetPointData()->SetScalars(deflection);
   return image;
 }
 

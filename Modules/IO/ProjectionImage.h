@@ -3,6 +3,7 @@
 #define mammoray_ProjectionImage_h
 
 #include "mammoray/XRay/Exposure.h"
+#include "mammoray/XRay/Refraction.h"
 #include "mammorayIOModule.h"
 
 #include "vtkSmartPointer.h"
@@ -29,6 +30,11 @@ MAMMORAYIO_EXPORT vtkSmartPointer<vtkImageData> MakeDetectorImage(const XRayDete
 MAMMORAYIO_EXPORT vtkSmartPointer<vtkImageData> ToImage(const Exposure& exposure,
   const XRayDetector& detector, const std::vector<std::string>& materialNames);
 
+/// The deflection of an image with refraction, lying where the detector is: scalars "Deflection"
+/// (float, radians), two components, along columns and rows. Steps as of ToImage.
+MAMMORAYIO_EXPORT vtkSmartPointer<vtkImageData> ToDeflectionImage(const RefractedImage& refracted,
+  const XRayDetector& detector);
+
 /// What a picture shows white: the value that one pixel in a thousand exceeds, 1 where that is not
 /// positive. `count` finite values, at least one.
 MAMMORAYIO_EXPORT float FindWhite(const float* values, std::size_t count);
@@ -50,9 +56,9 @@ MAMMORAYIO_EXPORT void CheckProjectionExtension(const std::string& path, bool pa
 
 /**
  * Writes by extension, row 0 first. .vti: all arrays, with the detector's pose. .mha, .nrrd: the
- * scalars as floats with the pose, or, with `pathLengths`, one channel per path length. .png: the
- * scalars, [0, 1] to 16-bit grey; row 0 on top. Throws InputError on another extension and when the
- * file cannot be written.
+ * scalars as floats with the pose, a channel per component, or, with `pathLengths`, one channel per
+ * path length. .png: the scalars, [0, 1] to 16-bit grey; row 0 on top. Throws InputError on another
+ * extension and when the file cannot be written.
  */
 MAMMORAYIO_EXPORT void WriteProjection(vtkImageData* image, const std::string& path,
   bool pathLengths = false);

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "CommandTest.h"
 #include "DicomTesting.h"
+#include "SurfaceShapes.h"
 #include "mammoray/IO/MammogramIO.h"
 #include "mammoray/IO/MeshConversion.h"
 #include "mammoray/IO/MeshIO.h"
 #include "mammoray/XRay/PathLengthProjector.h"
 
+#include "vtkPolyData.h"
 #include "vtkUnstructuredGrid.h"
 
 #include <sys/mount.h>
@@ -167,6 +169,76 @@ TEST_F(ProjectCommand, CompositionsReplaceTables)
   this->ExpectRefused(geometry + " --attenuation fat=Watr", "unknown attenuation 'Watr'");
   this->ExpectRefused(geometry + " --attenuation fat", "MATERIAL=ATTENUATION");
   this->ExpectRefused(geometry + " --attenuation bone=Ca@2", "bone");
+}
+
+TEST_F(ProjectCommand, OverlapIsToldAndFollowsTheRule)
+{
+  if (!HasDevice())
+  {
+    GTEST_SKIP() << "no Vulkan device";
+  }
+  // Slabs of fat, 0 to 10 mm, and of stone, 5 to 12 mm, each a box that says air around it.
+  SurfaceMesh slabs;
+  shapes::AddBox(slabs, { -50, -50, 0 }, { 50, 50, 10 }, 1);
+  shapes::AddBox(slabs, { -50, -50, 5 }, { 50, 50, 12 }, 2);
+  const std::string surface = this->Folder.File("slabs.vtp");
+  WriteMesh(ToPolyData(slabs, { "air", "fat", "stone" }), surface);
+  this->Folder.Write("table.json", R"({"materials": [{"name": "air", "labels": [0]},
+      {"name": "fat", "labels": [1], "attenuation": "adipose", "density_g_per_cm3": 0.92},
+      {"name": "stone", "labels": [2], "attenuation": "CaC2O4", "density_g_per_cm3": 2}]})");
+  const std::string options = "project --mesh " + surface + " --materials " +
+    this->Folder.File("table.json") +
+    " --kev 20 --beam-direction 0 0 -1 --detector-origin 0 0 -1 --column-direction 1 0 0 "
+    "--row-direction 0 1 0 --columns 3 --rows 2 --overwrite -o " +
+    this->Image + " --path-lengths " + this->Folder.File("lengths.mha");
+  ASSERT_EQ(this->Run(options), 0) << this->Errors;
+  EXPECT_THAT(this->Errors, testing::StartsWith("mammoray: warning: "));
+  EXPECT_THAT(this->Errors,
+    testing::HasSubstr("2 parts lie in others though their labels say air"));
+  EXPECT_THAT(this->Errors, testing::HasSubstr("100 % of the rays"));
+  EXPECT_THAT(this->Errors, testing::HasSubstr("5 mm on average"));
+  EXPECT_EQ(std::count(this->Errors.begin(), this->Errors.end(), '\n'), 1) << this->Errors;
+  const auto lengths = [&] { return MhaValues(this->Folder.File("lengths.mha")); };
+  EXPECT_THAT(lengths().front(), testing::FloatNear(10, 1e-4f));
+  EXPECT_THAT(lengths().back(), testing::FloatNear(7, 1e-4f));
+  ASSERT_EQ(this->Run(options + " --overlap-priority stone"), 0) << this->Errors;
+  EXPECT_EQ(this->Errors, "");
+  EXPECT_THAT(lengths().front(), testing::FloatNear(5, 1e-4f));
+  EXPECT_THAT(lengths().back(), testing::FloatNear(7, 1e-4f));
+  ASSERT_EQ(this->Run(options + " --overlap-priority fat"), 0) << this->Errors;
+  EXPECT_THAT(lengths().front(), testing::FloatNear(10, 1e-4f));
+  EXPECT_THAT(lengths().back(), testing::FloatNear(2, 1e-4f));
+  this->ExpectRefused(options + " --overlap-priority bone", "bone");
+}
+
+TEST_F(ProjectCommand, TubeFiltersAndWhatAUnitAdds)
+{
+  if (!HasDevice())
+  {
+    GTEST_SKIP() << "no Vulkan device";
+  }
+  const std::string options = this->Inputs +
+    " --thickness 20 --columns 30 --rows 11 --pixel-spacing 2 --overwrite -o " + this->Image;
+  ASSERT_EQ(this->Run(options + " --tube Mo --kvp 28 --filter Mo:0.03"), 0) << this->Errors;
+  // 0.287 mm without air; TestTube has the published ones.
+  EXPECT_THAT(this->Output,
+    testing::HasSubstr("Mo 28 kVp, 0.03 mm Mo, mean 16.7 keV, half-value layer 0.287 mm Al"));
+  const std::vector<float> plain = MhaValues(this->Image);
+  ASSERT_EQ(this->Run(options +
+              " --tube Mo --kvp 28 --filter Mo:0.03 --inverse-square --heel 22 0.5"
+              " --half-modulation 0.2"),
+    0)
+    << this->Errors;
+  const std::vector<float> unit = MhaValues(this->Image);
+  // Row 5 runs from the focus' foot to the nipple: there the beam is weaker by distance and heel.
+  EXPECT_NEAR(unit[5 * 30] / plain[5 * 30], 1, 0.01);
+  EXPECT_LT(unit[5 * 30 + 25], plain[5 * 30 + 25] * 0.99);
+  this->ExpectRefused(options + " --tube Mo --filter Mo", "MATERIAL[@DENSITY]:MM");
+  this->ExpectRefused(options + " --tube Mo --kev 20", "--kev");
+  this->ExpectRefused(options + " --electronic-noise 3", "photons per pixel");
+  this->ExpectRefused(options + " --heel 95 1", "target angle");
+  EXPECT_EQ(this->Run(options + " --tube Cu"), 2);
+  EXPECT_EQ(this->Run(options + " --tube W --kvp 50"), 2);
 }
 
 TEST_F(ProjectCommand, NoiseAndFocalSpot)
