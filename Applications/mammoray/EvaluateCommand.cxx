@@ -21,6 +21,7 @@ struct EvaluateArguments
 {
   std::string Result;
   std::string Landmarks;
+  std::string SecondReader;
   /// Of a virtual study.
   std::string Study;
   std::string Answers;
@@ -35,6 +36,11 @@ void Declare(const OptionList& add, EvaluateArguments& arguments)
   add.Input("--landmarks", arguments.Landmarks,
     "CSV: ux,uy,uz (uncompressed, frame of the label volume), cx,cy,cz (compressed, frame of the "
     "truth), imaged (0 or 1, may be left out); mm");
+  add
+    .Input("--second-reader", arguments.SecondReader,
+      "the same landmarks in the same order, marked by somebody else: how far two readers' marks "
+      "lie apart is printed beside the errors")
+    ->needs("--landmarks");
 #ifdef MAMMORAY_HAS_MESHING
   add
     .Input("--truth", arguments.Study,
@@ -151,6 +157,16 @@ void Run(EvaluateArguments& arguments)
     const LandmarkSummary imaged = SummariseImaged(errors, landmarks);
     PrintRow(errors.Method, "imaged", imaged.InSpace, imaged.OnReceptor);
     PrintRow("", "all", Summarise(errors.InSpace), Summarise(errors.OnReceptor));
+  }
+  if (!arguments.SecondReader.empty())
+  {
+    const ReaderDistances apart = DistancesBetween(landmarks,
+      ReadLandmarks(CheckInputFile(arguments.SecondReader)), arguments.Truth);
+    PrintRow("two readers, compressed", "all", Summarise(apart.Compressed),
+      Summarise(apart.OnReceptor));
+    const ErrorSummary before = Summarise(apart.Uncompressed);
+    std::printf("%-36s %-10s %3d  %7.2f %7.2f %7.2f\n", "two readers, uncompressed", "all",
+      before.Count, before.Median, before.Mean, before.Largest);
   }
   std::printf("Mean distance of the outlines: %.2f mm\n", result.After.MeanOutlineDistanceMm);
 }

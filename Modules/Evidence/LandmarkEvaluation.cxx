@@ -160,6 +160,26 @@ ErrorSummary Summarise(std::vector<double> errors)
   return summary;
 }
 
+ReaderDistances DistancesBetween(const std::vector<Landmark>& first,
+  const std::vector<Landmark>& second, const LandmarkTruth& truth)
+{
+  if (first.size() != second.size())
+  {
+    throw InputError("landmarks: expected both readers to have marked the same, found " +
+      std::to_string(first.size()) + " and " + std::to_string(second.size()));
+  }
+  const auto shadow = [&](const Landmark& landmark)
+  { return OnReceptor(truth.Placed.ToGantry(landmark.Compressed), truth.SourceToDetectorMm); };
+  ReaderDistances distances;
+  for (std::size_t index = 0; index < first.size(); ++index)
+  {
+    distances.Uncompressed.push_back(Norm(first[index].Uncompressed - second[index].Uncompressed));
+    distances.Compressed.push_back(Norm(first[index].Compressed - second[index].Compressed));
+    distances.OnReceptor.push_back(Norm(shadow(first[index]) - shadow(second[index])));
+  }
+  return distances;
+}
+
 LandmarkSummary SummariseImaged(const LandmarkErrors& errors,
   const std::vector<Landmark>& landmarks)
 {

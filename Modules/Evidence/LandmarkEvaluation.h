@@ -59,6 +59,28 @@ struct LandmarkErrors
   std::vector<double> OnReceptor;
 };
 
+/// Which unit the truth was taken in: its placement in the truth's frame and where its focal spot
+/// is.
+struct LandmarkTruth
+{
+  VolumeFromGantry Placed;
+  double SourceToDetectorMm = 650;
+};
+
+/**
+ * How far two readers' marks of the same landmarks, in the same order, lie apart, mm: in the
+ * uncompressed breast, compressed, and of the latter on the receptor of `truth`. No method can be
+ * measured more closely. Throws InputError where they are not as many.
+ */
+struct ReaderDistances
+{
+  std::vector<double> Uncompressed;
+  std::vector<double> Compressed;
+  std::vector<double> OnReceptor;
+};
+MAMMORAYEVIDENCE_EXPORT ReaderDistances DistancesBetween(const std::vector<Landmark>& first,
+  const std::vector<Landmark>& second, const LandmarkTruth& truth);
+
 /// The errors of a way at the landmarks that the mammogram shows.
 struct LandmarkSummary
 {
@@ -68,14 +90,6 @@ struct LandmarkSummary
 };
 MAMMORAYEVIDENCE_EXPORT LandmarkSummary SummariseImaged(const LandmarkErrors& errors,
   const std::vector<Landmark>& landmarks);
-
-/// Which unit the truth was taken in: its placement in the truth's frame and where its focal spot
-/// is.
-struct LandmarkTruth
-{
-  VolumeFromGantry Placed;
-  double SourceToDetectorMm = 650;
-};
 
 /**
  * Errors of the identity, of the best rigid motion (fitted to the truth itself, over the imaged

@@ -347,9 +347,11 @@ TEST_F(RegisterCommand, RegistersTheShippedPhantom)
 
   ASSERT_EQ(this->Run("evaluate --result " + folder + " --landmarks " + Data +
               "/victre-phantom-1/landmarks.csv --truth-orientation ALS --truth-origin 8.4 7.4466 "
-              "-27.3184"),
+              "-27.3184 --second-reader " +
+              Data + "/victre-phantom-1/landmarks.csv"),
     0)
     << this->Errors;
+  EXPECT_THAT(this->Output, testing::ContainsRegex("two readers, compressed +all +[0-9]+ +0.00"));
   const std::size_t line = this->Output.find("registered");
   ASSERT_NE(line, std::string::npos);
   std::istringstream row(this->Output.substr(line));

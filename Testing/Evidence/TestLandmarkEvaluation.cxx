@@ -118,6 +118,22 @@ TEST(LandmarkEvaluation, RefusesUnusableFiles)
     3u);
 }
 
+TEST(LandmarkEvaluation, TwoReadersLieApart)
+{
+  LandmarkTruth truth;
+  truth.SourceToDetectorMm = 600;
+  // The second reader marks 3 mm beside, and between the plates 4 mm to the side at half the way to
+  // the source, where shadows are twice as large.
+  const std::vector<Landmark> first{ { { 0, 0, 0 }, { 10, 20, 300 } } };
+  const std::vector<Landmark> second{ { { 0, 3, 0 }, { 14, 20, 300 } } };
+  const ReaderDistances apart = DistancesBetween(first, second, truth);
+  EXPECT_EQ(apart.Uncompressed, std::vector<double>{ 3 });
+  EXPECT_EQ(apart.Compressed, std::vector<double>{ 4 });
+  EXPECT_NEAR(apart.OnReceptor.at(0), 8, 1e-12);
+  EXPECT_THAT(testing_support::RefusalOf([&] { DistancesBetween(first, {}, truth); }),
+    testing::HasSubstr("found 1 and 0"));
+}
+
 TEST(LandmarkEvaluation, SummaryCountsWhatIsImaged)
 {
   std::vector<Landmark> landmarks(4);
