@@ -103,8 +103,9 @@ std::vector<float> OpenField(const XRaySource& source, const XRayDetector& detec
   for (std::size_t pixel = 0; pixel < pixelCount; ++pixel)
   {
     const auto columns = static_cast<std::size_t>(detector.Columns);
+    const std::size_t row = pixel / columns;
     const Vector3 way = offset + static_cast<double>(pixel % columns) * detector.ColumnStep +
-      static_cast<double>(pixel / columns) * detector.RowStep;
+      static_cast<double>(row) * detector.RowStep;
     const double length = Norm(way);
     double signal = options.InverseSquare ? std::pow(distance / length, 3) : 1.0;
     if (hasHeel)

@@ -44,8 +44,9 @@ struct RefractionSums
     const double top = std::floor(row);
     for (int n = 0; n < 4; ++n)
     {
+      const int below = n / 2;
       const double c = left + n % 2;
-      const double r = top + n / 2;
+      const double r = top + below;
       if (c >= 0 && r >= 0 && c < this->Columns && r < this->Rows)
       {
         this
@@ -119,7 +120,8 @@ public:
     {
       const auto columns = static_cast<std::size_t>(wide.Columns);
       const double c = static_cast<double>(pixel % columns);
-      const double r = static_cast<double>(pixel / columns);
+      const std::size_t rowIndex = pixel / columns;
+      const auto r = static_cast<double>(rowIndex);
       const Vector3 way = this->WayOf(wide, c, r);
       for (std::size_t energy = 0; energy < energies; ++energy)
       {
@@ -325,7 +327,8 @@ RefractedImage Refract(PathLengthProjector& projector, std::size_t pointCount,
   {
     ReportProgress(progress, weight * sample, "bending rays");
     const double column = (sample % samples + 0.5) / samples - 0.5;
-    const double row = (sample / samples + 0.5) / samples - 0.5;
+    const int sampleRow = sample / samples;
+    const double row = (sampleRow + 0.5) / samples - 0.5;
     const XRayDetector wide = WithMargin(detector, column, row);
     const PathLengthImage image = projector.Project(source, wide, velocities, 2, derivatives);
     beam.CheckMaterials(image.Materials);

@@ -162,7 +162,9 @@ void TriangleTree::CrossLine(const Vector3& begin, const Vector3& direction,
   std::vector<LineHit>& hits) const
 {
   hits.clear();
-  const auto [u, v] = Across(direction);
+  const std::array<Vector3, 2> across = Across(direction);
+  const Vector3& u = across[0];
+  const Vector3& v = across[1];
   const auto meets = [&](const Box& box)
   {
     // Along each of the three directions across line and axes, the box's shadow must reach the

@@ -256,14 +256,15 @@ int PriorityProjector::SumPixel(const XRaySource& source, const XRayDetector& de
   std::size_t pixel, const Work& work, std::vector<LineHit>& hits, RaySums& sums) const
 {
   const auto columns = static_cast<std::size_t>(detector.Columns);
+  const std::size_t pixelRow = pixel / columns;
   const int samples = detector.Samples;
   std::vector<Ray> rays;
   for (int sample = 0; sample < samples * samples; ++sample)
   {
     const double column =
       static_cast<double>(pixel % columns) - 0.5 + (sample % samples + 0.5) / samples;
-    const double row =
-      static_cast<double>(pixel / columns) - 0.5 + (sample / samples + 0.5) / samples;
+    const int sampleRow = sample / samples;
+    const double row = static_cast<double>(pixelRow) - 0.5 + (sampleRow + 0.5) / samples;
     rays.push_back(this->RayOf(source, detector, column, row));
   }
   int good = 0;
