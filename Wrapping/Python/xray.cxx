@@ -286,7 +286,12 @@ PYBIND11_MODULE(_xray, module)
     .def(py::init(
       [](const std::array<double, 2>& spot, int spotSamples, double photons, std::uint64_t seed)
       {
-        ExposureOptions options{ spot[0], spot[1], spotSamples, photons, seed };
+        ExposureOptions options;
+        options.FocalSpotColumnMm = spot[0];
+        options.FocalSpotRowMm = spot[1];
+        options.FocalSpotSamples = spotSamples;
+        options.PhotonsPerPixel = photons;
+        options.Seed = seed;
         options.Validate();
         return options;
       }));
