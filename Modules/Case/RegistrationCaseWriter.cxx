@@ -159,11 +159,13 @@ RegistrationReport ReportOf(const RegisteredView& registered, const ResultFile& 
   return report;
 }
 
-/// "2024-03-01" of DICOM's 20240301; as it is where it is no such date.
+/// "2024-03-01" of DICOM's 20240301; empty where it is no such date.
 std::string DateText(const std::string& date)
 {
-  return date.size() == 8 ? date.substr(0, 4) + '-' + date.substr(4, 2) + '-' + date.substr(6)
-                          : date;
+  // What is none may be a name.
+  const bool isDate = date.size() == 8 && date.find_first_not_of("0123456789") == std::string::npos;
+  return isDate ? date.substr(0, 4) + '-' + date.substr(4, 2) + '-' + date.substr(6)
+                : std::string();
 }
 
 /// When the pictures were made; of whom only where that is wanted.

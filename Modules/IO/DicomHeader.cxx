@@ -16,15 +16,23 @@ namespace mammoray
 {
 namespace
 {
+/// What may be shown of a text. Of more than any of DICOM's short texts holds nothing is kept: who
+/// looks for patterns in it takes a stack as deep as it is long.
+std::string Shown(const std::string& text)
+{
+  constexpr std::size_t most = 256;
+  return Printable(text.substr(0, most));
+}
+
 std::vector<std::string> Values(DcmItem& data, const DcmTagKey& tag)
 {
   std::vector<std::string> values;
   DcmElement* element = nullptr;
   const unsigned long count =
     data.findAndGetElement(tag, element).good() && element ? element->getVM() : 0;
-  for (unsigned long index = 0; index < count; ++index)
+  for (unsigned long index = 0; index < std::min(count, 32UL); ++index)
   {
-    values.push_back(Printable(DicomText(data, tag, index)));
+    values.push_back(Shown(DicomText(data, tag, index)));
   }
   return values;
 }
@@ -42,19 +50,19 @@ void ReadImage(DcmItem& data, DicomHeader& header)
   header.SeriesInstanceUid = DicomText(data, DCM_SeriesInstanceUID);
   header.FrameOfReferenceUid = DicomText(data, DCM_FrameOfReferenceUID);
   header.Identity = ReadIdentity(data);
-  header.Modality = Printable(DicomText(data, DCM_Modality));
-  header.Manufacturer = Printable(DicomTexts(data, DCM_Manufacturer));
+  header.Modality = Shown(DicomText(data, DCM_Modality));
+  header.Manufacturer = Shown(DicomTexts(data, DCM_Manufacturer));
   header.ImageType = Values(data, DCM_ImageType);
-  header.SeriesDescription = Printable(DicomTexts(data, DCM_SeriesDescription));
-  header.ProtocolName = Printable(DicomTexts(data, DCM_ProtocolName));
+  header.SeriesDescription = Shown(DicomTexts(data, DCM_SeriesDescription));
+  header.ProtocolName = Shown(DicomTexts(data, DCM_ProtocolName));
   header.SeriesNumber = DicomNumber(data, DCM_SeriesNumber);
   header.InstanceNumber = DicomNumber(data, DCM_InstanceNumber);
   header.AcquisitionNumber = DicomNumber(data, DCM_AcquisitionNumber);
-  header.SeriesDate = Printable(DicomText(data, DCM_SeriesDate));
-  header.SeriesTime = Printable(DicomText(data, DCM_SeriesTime));
-  header.AcquisitionDate = Printable(DicomText(data, DCM_AcquisitionDate));
-  header.AcquisitionTime = Printable(DicomText(data, DCM_AcquisitionTime));
-  header.ContentTime = Printable(DicomText(data, DCM_ContentTime));
+  header.SeriesDate = Shown(DicomText(data, DCM_SeriesDate));
+  header.SeriesTime = Shown(DicomText(data, DCM_SeriesTime));
+  header.AcquisitionDate = Shown(DicomText(data, DCM_AcquisitionDate));
+  header.AcquisitionTime = Shown(DicomText(data, DCM_AcquisitionTime));
+  header.ContentTime = Shown(DicomText(data, DCM_ContentTime));
   header.Rows = DicomShort(data, DCM_Rows).value_or(0);
   header.Columns = DicomShort(data, DCM_Columns).value_or(0);
   header.Frames = Whole(data, DCM_NumberOfFrames, 1);
@@ -66,7 +74,7 @@ void ReadSlice(DcmItem& data, DicomHeader& header)
   const std::vector<double> at = DicomNumbers(data, DCM_ImagePositionPatient, 3);
   const std::vector<double> axes = DicomNumbers(data, DCM_ImageOrientationPatient, 6);
   const std::vector<double> spacing = DicomNumbers(data, DCM_PixelSpacing, 2);
-  header.PatientPosition = Printable(DicomText(data, DCM_PatientPosition));
+  header.PatientPosition = Shown(DicomText(data, DCM_PatientPosition));
   if (at.empty() || axes.empty() || spacing.empty() || !(spacing[0] > 0) || !(spacing[1] > 0))
   {
     return;
@@ -84,8 +92,8 @@ void ReadResonance(DcmItem& data, DicomHeader& header)
   header.ScanningSequence = Values(data, DCM_ScanningSequence);
   header.ScanOptions = Values(data, DCM_ScanOptions);
   header.HasScanOptions = data.tagExists(DCM_ScanOptions);
-  header.SequenceName = Printable(DicomText(data, DCM_SequenceName));
-  header.AcquisitionType = Printable(DicomText(data, DCM_MRAcquisitionType));
+  header.SequenceName = Shown(DicomText(data, DCM_SequenceName));
+  header.AcquisitionType = Shown(DicomText(data, DCM_MRAcquisitionType));
   header.RepetitionTimeMs = DicomNumber(data, DCM_RepetitionTime);
   header.EchoTimeMs = DicomNumber(data, DCM_EchoTime);
   header.InversionTimeMs = DicomNumber(data, DCM_InversionTime);
@@ -95,7 +103,7 @@ void ReadResonance(DcmItem& data, DicomHeader& header)
   {
     header.DiffusionBValue = diffusion;
   }
-  header.ContrastAgent = Printable(DicomTexts(data, DCM_ContrastBolusAgent));
+  header.ContrastAgent = Shown(DicomTexts(data, DCM_ContrastBolusAgent));
   header.TemporalPosition = DicomNumber(data, DCM_TemporalPositionIdentifier);
   header.TriggerTimeMs = DicomNumber(data, DCM_TriggerTime);
 }
@@ -126,8 +134,8 @@ void SplitMoment(const std::string& moment, std::string& date, std::string& time
 /// What enhanced MR objects say in other elements than the older ones.
 void ReadEnhanced(DcmItem& data, DicomHeader& header)
 {
-  header.SpectralSuppression = Printable(DicomText(data, DCM_SpectrallySelectedSuppression));
-  header.AcquisitionContrast = Printable(DicomText(data, DCM_AcquisitionContrast));
+  header.SpectralSuppression = Shown(DicomText(data, DCM_SpectrallySelectedSuppression));
+  header.AcquisitionContrast = Shown(DicomText(data, DCM_AcquisitionContrast));
   if (const auto echo = Double(data, DCM_EffectiveEchoTime); echo && !header.EchoTimeMs)
   {
     header.EchoTimeMs = echo;
@@ -153,7 +161,7 @@ void ReadEnhanced(DcmItem& data, DicomHeader& header)
   }
   if (header.SequenceName.empty())
   {
-    header.SequenceName = Printable(DicomText(data, DCM_PulseSequenceName));
+    header.SequenceName = Shown(DicomText(data, DCM_PulseSequenceName));
   }
   // What a frame is made of counts before what the object is called.
   if (const std::vector<std::string> type = Values(data, DCM_FrameType); !type.empty())
@@ -198,7 +206,7 @@ void ReadMammography(DcmItem& data, DicomHeader& header)
   header.BodyPartThicknessMm = DicomNumber(data, DCM_BodyPartThickness);
   header.PositionerPrimaryAngleDeg = DicomNumber(data, DCM_PositionerPrimaryAngle);
   header.Magnification = DicomNumber(data, DCM_EstimatedRadiographicMagnificationFactor);
-  header.PaddleDescription = Printable(DicomTexts(data, DCM_PaddleDescription));
+  header.PaddleDescription = Shown(DicomTexts(data, DCM_PaddleDescription));
   header.PartialView = DicomText(data, DCM_PartialView) == "YES";
   header.ImplantPresent = DicomText(data, DCM_BreastImplantPresent) == "YES";
 }

@@ -14,6 +14,7 @@
 #include <gtest/gtest.h>
 
 #include <functional>
+#include <sstream>
 
 using namespace mammoray;
 using namespace mammoray::testing_support;
@@ -195,6 +196,24 @@ TEST(Intake, ScanOptionsThatNameFatSuppressionInOneSeriesDenyItInOthers)
   const StudyChoice choice = ChooseForRegistration(ReadStudy(files.Folder()));
   ASSERT_TRUE(choice.Plain && choice.FatSuppressed);
   EXPECT_EQ(choice.Plain->SeriesInstanceUid, "1.2.4");
+}
+
+TEST(Intake, TextsOfAnyLengthAndKindAreShown)
+{
+  MadeUpStudy files;
+  // A pattern that is looked for in 65,000 letters ends the process.
+  files.AddSlices(MadeUpMr("1.2.4", "1+" + std::string(65000, '1')));
+  files.AddSlices(MadeUpMr("1.2.5", std::string(30, 'a') + "\xc3\xbc\xc3\xbc\xc3\xbc")
+                    .Set(0x20, 0x12, "IS", "1e300"));
+  files.Add(MadeUpMammogram("L", "CC").Set(8, 0x20, "DA", "2026\xf0\x31\x32\x35"), "MG");
+  const Study study = ReadStudy(files.Folder());
+  const StudyChoice choice = ChooseForRegistration(study, 'L');
+  std::istringstream listing(StudyListing(study, choice));
+  for (std::string line; std::getline(listing, line);)
+  {
+    EXPECT_EQ(Printable(line), line);
+  }
+  EXPECT_THAT(listing.str(), HasSubstr(std::string(30, 'a') + "..."));
 }
 
 TEST(Intake, PhasesOfOneSeriesAreToldApart)

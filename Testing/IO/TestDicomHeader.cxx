@@ -2,6 +2,7 @@
 // Headers up to the pixels, and the order of slices that they give.
 #include "DicomBytes.h"
 #include "Files.h"
+#include "Refusals.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/IO/DicomHeader.h"
 
@@ -128,6 +129,30 @@ TEST(DicomHeader, AHoleOfGigabytesIsNoHeader)
   {
     EXPECT_THAT(error.what(), HasSubstr("a header of more than 8 MiB"));
   }
+}
+
+TEST(DicomHeader, PlacesThatLeadBesideTheirStackAreRefused)
+{
+  TemporaryFolder folder;
+  const auto refusal = [&](const std::string& orientation, double step)
+  {
+    std::vector<DicomHeader> slices;
+    for (int number = 0; number < 3; ++number)
+    {
+      std::string bytes = Slice(number * step);
+      const std::string axes = Element(0x20, 0x37, "DS", "1\\0\\0\\0\\1\\0");
+      bytes.replace(bytes.find(axes), axes.size(), Element(0x20, 0x37, "DS", orientation));
+      slices.push_back(Read(folder.Write(std::to_string(number), bytes)));
+    }
+    return RefusalOf([&] { FindSliceOrder(slices); });
+  };
+  EXPECT_EQ(refusal("1\\0\\0\\0\\1\\0", 2), NotRefused);
+  // Heights of a tenth: the third slice would be the twentieth.
+  EXPECT_THAT(refusal("0.1\\0\\0\\0\\1\\0", 0.02), HasSubstr("found others"));
+  EXPECT_THAT(refusal("0\\0\\0\\0\\0\\0", 2), HasSubstr("found others"));
+  EXPECT_THAT(refusal("1\\0\\0\\1\\0\\0", 2), HasSubstr("found others"));
+  EXPECT_THAT(refusal("1e200\\0\\0\\0\\1\\0", 2), HasSubstr("found others"));
+  EXPECT_THAT(refusal("1\\0\\0\\0\\1\\0", 1e300), HasSubstr("found others"));
 }
 
 TEST(DicomHeader, SlicesAreOrderedAlongTheirNormal)

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cctype>
 #include <initializer_list>
+#include <map>
 #include <regex>
 #include <string>
 #include <vector>
@@ -35,9 +36,15 @@ inline std::string HeaderWords(const std::string& text)
 /// The first match of a pattern of whole words in HeaderWords; empty where there is none.
 inline std::string FindWords(const std::string& words, const char* pattern)
 {
+  // Made once: that takes longer than all looking.
+  thread_local std::map<std::string, std::regex> made;
+  const auto [whole, isNew] = made.try_emplace(pattern);
+  if (isNew)
+  {
+    whole->second = std::regex(std::string("(?:^| )(") + pattern + ")(?= |$)");
+  }
   std::smatch match;
-  const std::regex whole(std::string("(?:^| )(") + pattern + ")(?= |$)");
-  return std::regex_search(words, match, whole) ? match[1].str() : std::string();
+  return std::regex_search(words, match, whole->second) ? match[1].str() : std::string();
 }
 
 /// The first of a header's values that is one of these; empty where none is.

@@ -524,15 +524,15 @@ void TellByWords(SeriesCandidate& candidate)
     "tardi\\w*|dotarem|magnevist|gadovist|prohance|multihance|\\d(?:st|nd|rd|th) pass|"
     "(?:with|avec|con|com|after|apr(?:e|" E_GRAVE ")s) ?(?:c|contrast\\w*|gad\\w*|inj\\w*|mdc)");
   std::smatch plus;
-  const std::regex counted("(?:^| )(\\d)\\+(\\d+)(?= |$)");
+  static const std::regex counted("(?:^| )(\\d)\\+(\\d+)(?= |$)");
   if (std::regex_search(words, plus, counted))
   {
     // "1+5": one volume before contrast and five after it.
     const double number = series.Phases > 1 ? series.Phase : header.AcquisitionNumber.value_or(1);
     const bool before = number <= std::stod(plus[1].str());
     return tell(before,
-      "acquisition " + std::to_string(static_cast<int>(number)) + " of " + plus[1].str() + "+" +
-        plus[2].str());
+      "acquisition " + std::to_string(static_cast<int>(std::clamp(number, 0., 1e6))) + " of " +
+        plus[1].str() + "+" + plus[2].str());
   }
   if (!pre.empty() && post.empty())
   {
@@ -560,12 +560,13 @@ std::string DynamicKey(const SeriesCandidate& candidate)
 {
   const DicomHeader& header = candidate.First;
   std::string words = WordsOf(header);
-  words = std::regex_replace(words, std::regex("\\d(?:st|nd|rd|th)|\\d+"), "#");
-  char numbers[128];
-  std::snprintf(numbers, sizeof numbers, "|%g|%g|%g|%dx%dx%zu", header.RepetitionTimeMs.value_or(0),
+  static const std::regex numbers("\\d(?:st|nd|rd|th)|\\d+");
+  words = std::regex_replace(words, numbers, "#");
+  char sizes[128];
+  std::snprintf(sizes, sizeof sizes, "|%g|%g|%g|%dx%dx%zu", header.RepetitionTimeMs.value_or(0),
     header.EchoTimeMs.value_or(0), header.FlipAngleDeg.value_or(0), header.Columns, header.Rows,
     candidate.Series.Slices.size());
-  return words + numbers;
+  return words + sizes;
 }
 
 /// Of several volumes of one protocol the first is before contrast, unless one before it says so of

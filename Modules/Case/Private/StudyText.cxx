@@ -30,7 +30,16 @@ const char* IntentColumn(Mammogram::Intent intent)
 
 std::string Shortened(const std::string& text, std::size_t most)
 {
-  return text.size() <= most ? text : text.substr(0, most - 3) + "...";
+  if (text.size() <= most)
+  {
+    return text;
+  }
+  std::size_t end = most - 3;
+  while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xc0) == 0x80) // within a letter
+  {
+    --end;
+  }
+  return text.substr(0, end) + "...";
 }
 
 std::string SpacingOf(const StudySeries& series)

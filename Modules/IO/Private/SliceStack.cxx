@@ -12,6 +12,27 @@ namespace mammoray
 {
 namespace
 {
+/// Throws unless places and axes are those of a picture: numbers that make no heights of slices, or
+/// others than the grid's, would lead beside it.
+void CheckPlace(const VolumeSlice& slice)
+{
+  constexpr double farthest = 1e6; // mm
+  // A hundredth: what few decimals leave of a direction's length.
+  constexpr double rounding = 0.01;
+  const bool near = std::all_of(slice.Position.begin(), slice.Position.end(),
+                      [](double value) { return std::abs(value) <= farthest; }) &&
+    slice.RowSpacing <= farthest && slice.ColumnSpacing <= farthest;
+  const bool square = std::abs(Norm(slice.AlongRow) - 1) <= rounding &&
+    std::abs(Norm(slice.AlongColumn) - 1) <= rounding &&
+    std::abs(Dot(slice.AlongRow, slice.AlongColumn)) <= rounding;
+  if (!near || !square)
+  {
+    throw InputError(slice.Name +
+      ": expected image position and orientation of a picture (mm up to 1e6, two perpendicular "
+      "directions of length 1), found others");
+  }
+}
+
 /// Throws unless the slices lie in parallel on one grid.
 void CheckParallel(const std::vector<VolumeSlice>& slices, const Vector3& normal)
 {
@@ -130,7 +151,9 @@ std::vector<const VolumeSlice*> PaintingOrder(const std::vector<VolumeSlice>& sl
 VolumeGrid FindSliceGrid(const std::vector<VolumeSlice>& slices, bool gapsAllowed)
 {
   const VolumeSlice& first = slices.front();
-  const Vector3 normal = Cross(first.AlongRow, first.AlongColumn);
+  std::for_each(slices.begin(), slices.end(), CheckPlace);
+  const Vector3 across = Cross(first.AlongRow, first.AlongColumn);
+  const Vector3 normal = (1 / Norm(across)) * across;
   CheckParallel(slices, normal);
   std::vector<double> heights;
   heights.reserve(slices.size());

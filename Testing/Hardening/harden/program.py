@@ -2,6 +2,7 @@
 """Runs the program and judges how it answered."""
 import os
 import re
+import resource
 import signal
 import subprocess
 import tempfile
@@ -26,7 +27,7 @@ class Answer:
                                         for line in self.lines)
 
     def told(self):
-        how = "without end" if self.status is None else \
+        how = "without end" if self.status in (None, -signal.SIGXCPU) else \
             "signal %d" % -self.status if self.status < 0 else "exit status %d" % self.status
         return "%s: %s" % (how, (self.err + self.out)[-300:].strip().replace("\n", " | "))
 
@@ -48,15 +49,22 @@ class Program:
         return os.path.join(self.data, "victre-phantom-1", name)
 
     def run(self, *words, seconds=300, environment=None, shell=None, limits=None):
-        """mammoray with these words; `shell`: a command line around {}, in place of running it directly."""
+        """mammoray with these words; `shell`: a command line around {}, in place of running it directly. `seconds` of a
+        processor, on the clock ten times as many: others may be at work here."""
+
+        def limit():
+            resource.setrlimit(resource.RLIMIT_CPU, (seconds, resource.RLIM_INFINITY))
+            if limits:
+                limits()
+
         words = [self.mammoray, *map(str, words)]
         env = dict(os.environ, **(environment or {}))
         if shell:
             words = ["bash", "-c", shell.replace("{}", '"$@"'), "bash", *words]
         process = subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.PIPE, env=env, cwd=self.scratch,
-                                   start_new_session=True, preexec_fn=limits)
+                                   start_new_session=True, preexec_fn=limit)
         try:
-            out, err = process.communicate(timeout=seconds)
+            out, err = process.communicate(timeout=10 * seconds)
             status = process.returncode
         except subprocess.TimeoutExpired:
             os.killpg(process.pid, signal.SIGKILL)
