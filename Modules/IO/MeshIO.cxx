@@ -124,10 +124,11 @@ void Write(vtkPointSet* mesh, const std::string& path)
 {
   vtkNew<Writer> writer;
   writer->SetInputData(mesh);
-  if constexpr (requires { writer->SetDataModeToAppended(); })
+  if constexpr (requires { writer->SetDataModeToBinary(); })
   {
-    writer->SetDataModeToAppended();
-    writer->EncodeAppendedDataOff();
+    // Well-formed XML: raw appended bytes are not, and ParaView 5.11 opens none of them since
+    // expat's update of 2025 (2.5.0-1+deb12u2).
+    writer->SetDataModeToBinary();
     writer->SetCompressorTypeToZLib();
   }
   if constexpr (requires { writer->SetFileTypeToBinary(); })
