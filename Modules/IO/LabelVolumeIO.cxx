@@ -105,6 +105,7 @@ IntensityVolume ReadIntensitySeries(const std::vector<std::string>& files,
   const ProgressCallback& progress)
 {
   std::vector<DicomSlice> slices;
+  slices.reserve(files.size());
   for (const std::string& file : files)
   {
     slices.push_back({ file });
