@@ -46,11 +46,11 @@ void Run(IntakeArguments& arguments)
   }
   std::fputs(StudyListing(study, choice).c_str(), stdout);
   std::fflush(stdout);
+  choice.Require(); // whose line is all there is to say then
   for (const std::string& warning : choice.Warnings)
   {
     std::fprintf(stderr, "warning: %s\n", warning.c_str());
   }
-  choice.Require();
 }
 }
 

@@ -19,7 +19,8 @@ struct MAMMORAYXRAY_EXPORT XRayFilter
   /// g/cm^3; 0 takes the composition's own.
   double DensityGPerCm3 = 0;
 
-  /// "Rh:0.05", "SiO2@2.2:1": MATERIAL[@DENSITY]:MM. Throws InputError on anything else.
+  /// "Rh:0.05", "SiO2@2.2:1": MATERIAL:MM, with \@DENSITY after the material where it is not the
+  /// composition's own. Throws InputError on anything else.
   static XRayFilter FromText(const std::string& text);
 };
 

@@ -47,8 +47,9 @@ TEST_F(StudyCommand, WhatFilesTellIsRefusedBeforeAnyWork)
   using namespace testing_support;
   const auto refused = [&](const MadeUpStudy& files, const std::string& message)
   {
-    for (const char* command :
-      { "register --side left -o nowhere/result --study ", "intake --side left " })
+    for (const std::string& command :
+      { "register --side left -o " + this->Folder.File("result") + " --study ",
+        std::string("intake --side left ") })
     {
       this->ExpectRefused(command + files.Folder(), message);
     }
