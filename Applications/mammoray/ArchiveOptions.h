@@ -20,8 +20,8 @@ inline CLI::Option* AddPacsOption(const OptionList& add, std::string& address)
     "HOST:PORT of the archive's DICOM service; what goes there is encrypted with --tls only");
 }
 
-/// Adds --called-title, --calling-title, --timeout, and --tls with its certificates. `web`: the help
-/// of --authorities names --web, too.
+/// Adds --called-title, --calling-title, --timeout, and --tls with its certificates. `web`: the
+/// help of --authorities names --web, too.
 inline void AddNodeOptions(const OptionList& add, DicomNode& node, bool web = false)
 {
   add("--called-title", node.CalledTitle, "application entity title of the archive");
