@@ -30,7 +30,7 @@ struct MadeUpFrame
   double Slope = 1;
   double Intercept = 0;
   /// Frame Type.
-  std::string Type = "ORIGINAL\\PRIMARY\\M\\NONE";
+  const char* Type = "ORIGINAL\\PRIMARY\\M\\NONE";
 };
 
 struct MadeUpObject
