@@ -5,25 +5,16 @@
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/Foundation/LabelResampling.h"
 #include "mammoray/Foundation/LabelSkin.h"
+#include "mammoray/Foundation/Numbers.h"
 #include "mammoray/Foundation/Plausible.h"
 #include "mammoray/IO/LabelVolumeIO.h"
 
 #include <algorithm>
-#include <charconv>
 
 namespace mammoray
 {
 namespace
 {
-/// False unless the whole text is a number.
-template <typename T>
-bool ToNumber(const std::string& text, T& value)
-{
-  const char* const end = text.data() + text.size();
-  const auto [rest, error] = std::from_chars(text.data(), end, value);
-  return error == std::errc() && rest == end;
-}
-
 VoxelBox ParseBox(const std::vector<std::string>& texts, const std::array<int, 3>& size)
 {
   VoxelBox box;

@@ -5,6 +5,7 @@
 #include "Private/Guard/MeshParcel.h"
 #include "Private/TextTable.h"
 #include "mammoray/Foundation/Error.h"
+#include "mammoray/Foundation/Numbers.h"
 #include "mammoray/IO/WholeOutput.h"
 
 #include "vtkCommand.h"

@@ -3,6 +3,7 @@
 
 #include "Private/Picture.h"
 #include "mammoray/Foundation/Error.h"
+#include "mammoray/Foundation/Numbers.h"
 
 #include <algorithm>
 #include <cmath>
@@ -18,13 +19,6 @@ constexpr int HistogramRight = 20;
 constexpr int HistogramTop = 44;
 constexpr int HistogramBottom = 70;
 constexpr int HistogramLegendWidth = 190;
-
-std::string Number(double value)
-{
-  char text[32];
-  std::snprintf(text, sizeof(text), "%g", value);
-  return text;
-}
 
 void DrawPanel(Picture& picture, const HistogramPanel& panel, int offset)
 {
@@ -64,7 +58,7 @@ void DrawPanel(Picture& picture, const HistogramPanel& panel, int offset)
   {
     const double x = x0 + width * value / range;
     picture.Box(x - 1, HistogramBottom - 7, x + 1, HistogramBottom, PictureInk);
-    picture.Text(x, HistogramBottom - 18, 0.5, Number(value));
+    picture.Text(x, HistogramBottom - 18, 0.5, NumberText(value));
   }
   for (const double share : { 0.01, 0.1, 0.5, 1.0 })
   {
@@ -72,7 +66,7 @@ void DrawPanel(Picture& picture, const HistogramPanel& panel, int offset)
     if (count >= 1 && (share == 1 || up(most) - up(count) > 20))
     {
       picture.Box(x0 - 7, up(count) - 1, x0, up(count) + 1, PictureInk);
-      picture.Text(x0 - 12, up(count), 1, Number(count));
+      picture.Text(x0 - 12, up(count), 1, NumberText(count));
     }
   }
   picture.Text(x0 + width / 2, 18, 0.5, panel.Title);

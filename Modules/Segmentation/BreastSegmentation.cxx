@@ -12,11 +12,11 @@
 #include "Private/Valley.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/Foundation/LabelSkin.h"
+#include "mammoray/Foundation/Numbers.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <sstream>
 
 namespace mammoray
 {
@@ -210,12 +210,12 @@ private:
     if (inside.size() == CountOf(*this->Air.Body))
     {
       throw InputError("MRI: expected air in front of the breast, found none at a threshold of " +
-        Number(this->Air.AirThreshold));
+        NumberText(this->Air.AirThreshold));
     }
     if (!(this->Air.Contrast >= SmallestContrast))
     {
-      throw InputError("MRI: expected tissue at least " + Number(SmallestContrast) +
-        " times as bright as the air in front of it, found " + Number(this->Air.Contrast));
+      throw InputError("MRI: expected tissue at least " + NumberText(SmallestContrast) +
+        " times as bright as the air in front of it, found " + NumberText(this->Air.Contrast));
     }
   }
 
@@ -268,7 +268,7 @@ private:
     if (farthest < SmallestBreastMm)
     {
       throw InputError("MRI: expected a breast, found tissue that stands at most " +
-        Number(std::round(farthest)) + " mm before the chest wall");
+        NumberText(std::round(farthest)) + " mm before the chest wall");
     }
     if (sheet.Step < SmallestStep)
     {
@@ -453,14 +453,14 @@ private:
       if (!channel.FatBright && channel.MuscleLevel < DarkestSuppressedMuscle)
       {
         throw InputError("MRI: expected muscle behind the breast at least " +
-          Number(DarkestSuppressedMuscle) + " times as bright as suppressed fat, found " +
-          Number(channel.MuscleLevel));
+          NumberText(DarkestSuppressedMuscle) + " times as bright as suppressed fat, found " +
+          NumberText(channel.MuscleLevel));
       }
       if (channel.FatBright && channel.MuscleLevel > BrightestMuscle)
       {
         throw InputError("MRI: expected muscle behind the breast at most " +
-          Number(BrightestMuscle) + " times as bright as fat, found " +
-          Number(channel.MuscleLevel));
+          NumberText(BrightestMuscle) + " times as bright as fat, found " +
+          NumberText(channel.MuscleLevel));
       }
       std::vector<float> values = ValuesIn(channel.Image, tissue);
       for (float& value : values)

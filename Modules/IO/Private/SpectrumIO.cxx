@@ -2,6 +2,7 @@
 #include "Private/SpectrumIO.h"
 
 #include "Private/TextTable.h"
+#include "mammoray/Foundation/Numbers.h"
 
 #include <algorithm>
 #include <sstream>

@@ -5,7 +5,6 @@
 
 #include "mammoray/Foundation/Error.h"
 
-#include <charconv>
 #include <filesystem>
 #include <fstream>
 #include <string>
@@ -27,14 +26,6 @@ inline std::ifstream OpenText(const std::string& path)
     throw InputError(path + ": cannot be opened for reading");
   }
   return file;
-}
-
-/// True when the whole text is a number, in any locale, which `value` receives.
-inline bool ToNumber(const std::string& text, double& value)
-{
-  const char* end = text.data() + text.size();
-  const auto [rest, error] = std::from_chars(text.data(), end, value);
-  return error == std::errc() && rest == end;
 }
 }
 

@@ -13,7 +13,7 @@ namespace
 {
 std::string Rounded(double value, double digits)
 {
-  return Number(std::round(value * digits) / digits);
+  return NumberText(std::round(value * digits) / digits);
 }
 
 void Refuse(bool bad, const std::string& expected, const std::string& found)

@@ -2,22 +2,15 @@
 #include "Private/SegmentationChecks.h"
 
 #include "mammoray/Foundation/Error.h"
+#include "mammoray/Foundation/Numbers.h"
 #include "mammoray/Foundation/Plausible.h"
 #include "mammoray/Segmentation/BreastSegmentation.h"
 
 #include <algorithm>
 #include <cmath>
-#include <sstream>
 
 namespace mammoray
 {
-std::string Number(double value)
-{
-  std::ostringstream text;
-  text << value;
-  return text.str();
-}
-
 namespace
 {
 /// Noise is measured in blocks of about 6 mm, and the means over them want four along each axis.
@@ -44,16 +37,16 @@ void CheckImage(const IntensityVolume& image, bool acceptUnusual)
   if (*low == *high)
   {
     throw InputError(
-      "MRI: expected air and tissue, found the intensity " + Number(*low) + " everywhere");
+      "MRI: expected air and tissue, found the intensity " + NumberText(*low) + " everywhere");
   }
   for (int a = 0; a < 3; ++a)
   {
     if (image.Size[a] * image.Spacing[a] < SmallestExtentMm)
     {
-      throw InputError("MRI: expected a volume of at least " + Number(SmallestExtentMm) +
-        " mm along each axis, found " + Number(image.Size[0] * image.Spacing[0]) + " x " +
-        Number(image.Size[1] * image.Spacing[1]) + " x " +
-        Number(image.Size[2] * image.Spacing[2]) + " mm");
+      throw InputError("MRI: expected a volume of at least " + NumberText(SmallestExtentMm) +
+        " mm along each axis, found " + NumberText(image.Size[0] * image.Spacing[0]) + " x " +
+        NumberText(image.Size[1] * image.Spacing[1]) + " x " +
+        NumberText(image.Size[2] * image.Spacing[2]) + " mm");
     }
   }
 }
@@ -64,7 +57,7 @@ void CheckGlandThreshold(double given, bool fatBright)
   {
     throw InputError("gland threshold: expected " +
       std::string(fatBright ? "less than 1 as fat is bright" : "more than 1 as fat is dark") +
-      " in this MRI, found " + Number(given));
+      " in this MRI, found " + NumberText(given));
   }
 }
 
@@ -74,7 +67,8 @@ void SegmentationOptions::Validate() const
   {
     if (!good)
     {
-      throw InputError(std::string(name) + ": expected " + expected + ", found " + Number(found));
+      throw InputError(
+        std::string(name) + ": expected " + expected + ", found " + NumberText(found));
     }
   };
   const auto atLeastZero = [](double value) { return value >= 0 && std::isfinite(value); };

@@ -5,13 +5,8 @@
 #include "mammoray/Foundation/IntensityVolume.h"
 #include "mammoraySegmentationModule.h"
 
-#include <string>
-
 namespace mammoray
 {
-/// A number as short as it is.
-std::string Number(double value);
-
 /// Throws InputError unless the volume has at least 8 voxels and 30 mm along each axis, two
 /// intensities and, unless all is accepted, voxels of a plausible spacing.
 MAMMORAYSEGMENTATION_EXPORT void CheckImage(const IntensityVolume& image, bool acceptUnusual);
