@@ -4,6 +4,7 @@
 #include "OutputFiles.h"
 #include "ProgressBar.h"
 #include "SharedOptions.h"
+#include "mammoray/Foundation/Numbers.h"
 #include "mammoray/Foundation/Plausible.h"
 #include "mammoray/IO/DicomWriter.h"
 #include "mammoray/IO/MammogramSynthesis.h"
@@ -21,7 +22,6 @@
 #include "vtkPolyData.h"
 #include "vtkUnstructuredGrid.h"
 
-#include <charconv>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
@@ -221,9 +221,7 @@ void ReplaceAttenuations(const ProjectArguments& arguments, MaterialTable& table
     bool usable = equals != std::string::npos && equals > 0 && at > equals + 1;
     if (usable && at < text.size())
     {
-      const char* const end = text.data() + text.size();
-      const auto parsed = std::from_chars(text.data() + at + 1, end, density);
-      usable = parsed.ec == std::errc() && parsed.ptr == end && density > 0;
+      usable = ToNumber(text.substr(at + 1), density) && density > 0;
       if (usable && !arguments.AcceptUnusual)
       {
         CheckPlausible(Plausible::Density, density, "--attenuation " + text, AcceptUnusualHint);

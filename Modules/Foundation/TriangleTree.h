@@ -25,6 +25,14 @@ struct LineHit
   std::array<double, 3> Weights{};
 };
 
+/// The material that the line leaves at a hit, and that which it enters.
+inline std::pair<int, int> MaterialsAt(const SurfaceMesh& surface, const LineHit& hit)
+{
+  const int front = surface.FrontMaterials[hit.Triangle];
+  const int back = surface.BackMaterials[hit.Triangle];
+  return hit.FacesBeginning ? std::pair{ front, back } : std::pair{ back, front };
+}
+
 /**
  * The triangles of a surface in a tree of boxes, on the host. What it finds does not depend on the
  * number of threads. Thread-safe once made.

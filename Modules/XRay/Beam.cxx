@@ -2,6 +2,7 @@
 #include "mammoray/XRay/Beam.h"
 
 #include "mammoray/Foundation/Error.h"
+#include "mammoray/Foundation/Numbers.h"
 #include "mammoray/Foundation/ParallelFor.h"
 
 #include <algorithm>
@@ -9,19 +10,11 @@
 #include <bit>
 #include <cmath>
 #include <cstdint>
-#include <sstream>
 
 namespace mammoray
 {
 namespace
 {
-std::string Number(double value)
-{
-  std::ostringstream text;
-  text << value;
-  return text.str();
-}
-
 /// Throws unless the energies are positive, finite and ascending.
 void CheckEnergies(const std::vector<double>& energies, std::size_t valueCount,
   const std::string& what)
@@ -37,7 +30,7 @@ void CheckEnergies(const std::vector<double>& energies, std::size_t valueCount,
       !std::isfinite(energies[index]))
     {
       throw InputError(what + ": expected positive, ascending energies, found " +
-        Number(energies[index]) + " keV at position " + std::to_string(index));
+        NumberText(energies[index]) + " keV at position " + std::to_string(index));
     }
   }
 }
@@ -177,7 +170,7 @@ struct Block
 Spectrum Spectrum::Monochromatic(double energyKeV)
 {
   Spectrum spectrum;
-  spectrum.Name = Number(energyKeV) + " keV";
+  spectrum.Name = NumberText(energyKeV) + " keV";
   spectrum.EnergiesKeV = { energyKeV };
   spectrum.Weights = { 1.0 };
   spectrum.Validate();
@@ -206,7 +199,7 @@ void Spectrum::Validate() const
     if (!(weight >= 0) || !std::isfinite(weight))
     {
       throw InputError(
-        what + ": expected photon numbers that are not negative, found " + Number(weight));
+        what + ": expected photon numbers that are not negative, found " + NumberText(weight));
     }
     sum += weight;
   }
@@ -221,11 +214,11 @@ double AttenuationTable::MuAt(double energyKeV, double densityGPerCm3) const
   const std::vector<double>& energies = this->EnergiesKeV;
   if (energies.empty() || !(energyKeV >= energies.front() && energyKeV <= energies.back()))
   {
-    throw InputError("attenuation table '" + this->Name + "': no value at " + Number(energyKeV) +
-      " keV" +
+    throw InputError("attenuation table '" + this->Name + "': no value at " +
+      NumberText(energyKeV) + " keV" +
       (energies.empty() ? std::string()
-                        : "; it reaches from " + Number(energies.front()) + " to " +
-            Number(energies.back()) + " keV"));
+                        : "; it reaches from " + NumberText(energies.front()) + " to " +
+            NumberText(energies.back()) + " keV"));
   }
   const double scale = densityGPerCm3 / this->NominalDensityGPerCm3;
   const auto above = static_cast<std::size_t>(
@@ -250,13 +243,14 @@ void AttenuationTable::Validate() const
   {
     if (!(mu > 0) || !std::isfinite(mu))
     {
-      throw InputError(what + ": expected positive coefficients, found " + Number(mu) + " / mm");
+      throw InputError(
+        what + ": expected positive coefficients, found " + NumberText(mu) + " / mm");
     }
   }
   if (!(this->NominalDensityGPerCm3 > 0) || !std::isfinite(this->NominalDensityGPerCm3))
   {
     throw InputError(what + ": expected a positive nominal density, found " +
-      Number(this->NominalDensityGPerCm3) + " g/cm3");
+      NumberText(this->NominalDensityGPerCm3) + " g/cm3");
   }
 }
 
@@ -281,7 +275,7 @@ Beam::Beam(const Spectrum& spectrum, DetectorResponse response,
     if (!(densities[material] > 0) || !std::isfinite(densities[material]))
     {
       throw InputError("beam: expected a positive density of material " + std::to_string(material) +
-        ", found " + Number(densities[material]) + " g/cm3");
+        ", found " + NumberText(densities[material]) + " g/cm3");
     }
   }
   double sum = 0;

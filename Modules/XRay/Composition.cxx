@@ -2,11 +2,11 @@
 #include "mammoray/XRay/Composition.h"
 
 #include "mammoray/Foundation/Error.h"
+#include "mammoray/Foundation/Numbers.h"
 
 #include <xraylib.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <map>
 #include <memory>
@@ -61,13 +61,10 @@ MassFractions ParseMixture(const std::string& text)
   {
     const std::size_t colon = std::min(word.find(':'), word.size());
     const std::string name = word.substr(0, colon);
-    const char* const end = word.data() + word.size();
     double fraction = 0;
-    const auto parsed =
-      std::from_chars(word.data() + std::min(colon + 1, word.size()), end, fraction);
     const MassFractions part = ParseFormula(name);
-    if (parsed.ec != std::errc() || parsed.ptr != end || !(fraction > 0 && fraction <= 1) ||
-      part.empty())
+    if (!ToNumber(word.substr(std::min(colon + 1, word.size())), fraction) ||
+      !(fraction > 0 && fraction <= 1) || part.empty())
     {
       refuse("'" + word + "'");
     }
@@ -133,24 +130,30 @@ std::vector<double> EnergyGrid(const MassFractions& fractions)
   return { energies.begin(), energies.lower_bound(std::nextafter(HighestKeV, 1e9)) };
 }
 
-/// Any of the three; empty when the text is none of them. `densityGPerCm3`: of compounds and
-/// elements.
-MassFractions ParseComposition(const std::string& text, double& densityGPerCm3)
+/// Any of the three; without fractions when the text is none of them.
+CompositionParts Parse(const std::string& text)
 {
-  MassFractions fractions = ParseNistName(text, densityGPerCm3);
-  if (fractions.empty() && text.find(':') != std::string::npos)
+  CompositionParts found;
+  found.MassFractions = ParseNistName(text, found.DensityGPerCm3);
+  if (found.MassFractions.empty() && text.find(':') != std::string::npos)
   {
-    fractions = ParseMixture(text);
+    found.MassFractions = ParseMixture(text);
   }
-  if (fractions.empty())
+  if (found.MassFractions.empty())
   {
-    fractions = ParseFormula(text);
-    if (fractions.size() == 1)
+    found.MassFractions = ParseFormula(text);
+    if (found.MassFractions.size() == 1)
     {
-      densityGPerCm3 = ElementDensity(fractions.begin()->first, nullptr);
+      found.DensityGPerCm3 = ElementDensity(found.MassFractions.begin()->first, nullptr);
     }
   }
-  return fractions;
+  return found;
+}
+
+InputError NoComposition(const std::string& text, const std::string& who)
+{
+  return InputError(who +
+    ": expected an element, a formula, mass fractions or a NIST compound, found '" + text + "'");
 }
 }
 
@@ -168,16 +171,29 @@ std::vector<std::string> NistCompoundNames()
   return names;
 }
 
-std::map<int, double> MassFractionsOf(const std::string& text)
+CompositionParts ParseComposition(const std::string& text, const std::string& who)
 {
-  double density = 1;
-  return ParseComposition(text, density);
+  CompositionParts found = Parse(text);
+  if (found.MassFractions.empty())
+  {
+    throw NoComposition(text, who);
+  }
+  return found;
+}
+
+AttenuationTable RequireComposition(const std::string& text, const std::string& who)
+{
+  AttenuationTable table;
+  if (!FindComposition(text, table))
+  {
+    throw NoComposition(text, who);
+  }
+  return table;
 }
 
 bool FindComposition(const std::string& text, AttenuationTable& table)
 {
-  double density = 1;
-  const MassFractions fractions = ParseComposition(text, density);
+  const auto [fractions, density] = Parse(text);
   if (fractions.empty())
   {
     return false;

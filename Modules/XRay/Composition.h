@@ -26,8 +26,21 @@ MAMMORAYXRAY_EXPORT std::vector<std::string> NistCompoundNames();
  */
 MAMMORAYXRAY_EXPORT bool FindComposition(const std::string& text, AttenuationTable& table);
 
-/// Mass fraction by atomic number of such a text; empty where it is none of these. They sum to 1.
-MAMMORAYXRAY_EXPORT std::map<int, double> MassFractionsOf(const std::string& text);
+/// The same; throws InputError "WHO: expected an element, ..., found 'TEXT'" where it is none.
+MAMMORAYXRAY_EXPORT AttenuationTable RequireComposition(const std::string& text,
+  const std::string& who);
+
+/// What such a text is made of.
+struct CompositionParts
+{
+  /// By atomic number; they sum to 1.
+  std::map<int, double> MassFractions;
+  /// The nominal one.
+  double DensityGPerCm3 = 1;
+};
+/// Throws InputError as RequireComposition does.
+MAMMORAYXRAY_EXPORT CompositionParts ParseComposition(const std::string& text,
+  const std::string& who);
 }
 
 #endif

@@ -2,6 +2,7 @@
 #include "mammoray/XRay/Exposure.h"
 
 #include "Private/Physics/DetectorBlur.h"
+#include "Private/SampleGrid.h"
 #include "mammoray/Foundation/Error.h"
 
 #include <algorithm>
@@ -93,18 +94,6 @@ void CheckRange(const char* name, double value, double low, double high)
   }
 }
 
-/// Offsets of a centred grid of n points on an edge.
-std::vector<double> GridOffsets(int n, double edge)
-{
-  std::vector<double> offsets;
-  offsets.reserve(n);
-  for (int index = 0; index < n; ++index)
-  {
-    offsets.push_back(((index + 0.5) / n - 0.5) * edge);
-  }
-  return offsets;
-}
-
 std::vector<XRaySource> SpotSources(const XRaySource& source, const XRayDetector& detector,
   const ExposureOptions& options)
 {
@@ -137,15 +126,12 @@ std::vector<XRayDetector> SampleDetectors(const XRayDetector& detector)
 {
   CheckRange("samples", detector.Samples, 1, 16);
   std::vector<XRayDetector> detectors;
-  for (const double row : GridOffsets(detector.Samples, 1))
+  for (const auto& [column, row] : SampleOffsets(detector.Samples))
   {
-    for (const double column : GridOffsets(detector.Samples, 1))
-    {
-      detectors.push_back(detector);
-      detectors.back().Samples = 1;
-      detectors.back().Origin =
-        detector.Origin + column * detector.ColumnStep + row * detector.RowStep;
-    }
+    detectors.push_back(detector);
+    detectors.back().Samples = 1;
+    detectors.back().Origin =
+      detector.Origin + column * detector.ColumnStep + row * detector.RowStep;
   }
   return detectors;
 }

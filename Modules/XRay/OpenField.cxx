@@ -3,13 +3,13 @@
 
 #include "Private/ProjectionChecks.h"
 #include "mammoray/Foundation/Error.h"
+#include "mammoray/Foundation/Numbers.h"
 #include "mammoray/XRay/Composition.h"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <optional>
-#include <sstream>
 
 namespace mammoray
 {
@@ -21,11 +21,10 @@ void CheckHeel(const HeelEffect& heel)
     std::isfinite(heel.DepthMm);
   if (!good)
   {
-    std::ostringstream text;
-    text << "heel effect: expected a target angle between 0 and 90 degrees and a depth that is not "
-            "negative, found "
-         << heel.TargetAngleDeg << " degrees and " << heel.DepthMm << " mm";
-    throw InputError(text.str());
+    throw InputError(
+      "heel effect: expected a target angle between 0 and 90 degrees and a depth that is not "
+      "negative, found " +
+      NumberText(heel.TargetAngleDeg) + " degrees and " + NumberText(heel.DepthMm) + " mm");
   }
 }
 
@@ -35,11 +34,7 @@ class TargetAbsorption
 public:
   TargetAbsorption(const HeelEffect& heel, const Spectrum& spectrum, DetectorResponse response)
   {
-    AttenuationTable target;
-    if (!FindComposition(heel.Target, target))
-    {
-      throw InputError("heel effect: unknown target '" + heel.Target + "'");
-    }
+    const AttenuationTable target = RequireComposition(heel.Target, "heel effect's target");
     for (std::size_t bin = 0; bin < spectrum.Weights.size(); ++bin)
     {
       const double energy = spectrum.EnergiesKeV[bin];

@@ -2,7 +2,9 @@
 #include "mammoray/XRay/Refraction.h"
 
 #include "Private/ProjectionChecks.h"
+#include "Private/SampleGrid.h"
 #include "mammoray/Foundation/Error.h"
+#include "mammoray/Foundation/Numbers.h"
 #include "mammoray/XRay/Composition.h"
 
 #include <xraylib.h>
@@ -10,7 +12,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <sstream>
+#include <numbers>
 
 namespace mammoray
 {
@@ -232,17 +234,10 @@ Exposure ToExposure(const RefractedImage& refracted)
 
 double RefractiveDecrement(const std::string& composition, double energyKeV, double densityGPerCm3)
 {
-  AttenuationTable table;
-  if (!FindComposition(composition, table))
-  {
-    throw InputError(
-      "refraction: expected an element, a formula, mass fractions or a NIST compound "
-      "for its index, found '" +
-      composition + "'");
-  }
-  const double density = densityGPerCm3 > 0 ? densityGPerCm3 : table.NominalDensityGPerCm3;
+  const auto [fractions, nominal] = ParseComposition(composition, "refraction");
+  const double density = densityGPerCm3 > 0 ? densityGPerCm3 : nominal;
   double delta = 0;
-  for (const auto& [element, fraction] : MassFractionsOf(composition))
+  for (const auto& [element, fraction] : fractions)
   {
     xrl_error* failure = nullptr;
     const double f = Fi(element, energyKeV, &failure);
@@ -258,7 +253,7 @@ double RefractiveDecrement(const std::string& composition, double energyKeV, dou
   // r_e lambda^2 N_A / (2 pi) at 1 keV, cm^3 / mol: r_e = 2.8179403e-13 cm, lambda = 12.398420e-8
   // cm.
   constexpr double perMole =
-    2.8179403e-13 * 12.398420e-8 * 12.398420e-8 * 6.02214076e23 / (2 * 3.14159265358979323846);
+    2.8179403e-13 * 12.398420e-8 * 12.398420e-8 * 6.02214076e23 / (2 * std::numbers::pi);
   return perMole * density * delta / (energyKeV * energyKeV);
 }
 
@@ -304,10 +299,8 @@ RefractedImage Refract(PathLengthProjector& projector, std::size_t pointCount,
   }
   if (!(options.DistanceMm >= 0 && std::isfinite(options.DistanceMm)))
   {
-    std::ostringstream text;
-    text << "refraction: expected a distance that is not negative, found " << options.DistanceMm
-         << " mm";
-    throw InputError(text.str());
+    throw InputError("refraction: expected a distance that is not negative, found " +
+      NumberText(options.DistanceMm) + " mm");
   }
   const DetectorAxes axes(detector);
   std::vector<double> velocities(6 * pointCount);
@@ -320,15 +313,14 @@ RefractedImage Refract(PathLengthProjector& projector, std::size_t pointCount,
     }
   }
   Refraction refraction(source, detector, beam, decrements, options);
-  const int samples = detector.Samples;
-  const double weight = 1.0 / (samples * samples);
+  const std::vector<std::array<double, 2>> samples = SampleOffsets(detector.Samples);
+  const double weight = 1.0 / static_cast<double>(samples.size());
   PathLengthDerivatives derivatives;
-  for (int sample = 0; sample < samples * samples; ++sample)
+  double done = 0;
+  for (const auto& [column, row] : samples)
   {
-    ReportProgress(progress, weight * sample, "bending rays");
-    const double column = (sample % samples + 0.5) / samples - 0.5;
-    const int sampleRow = sample / samples;
-    const double row = (sampleRow + 0.5) / samples - 0.5;
+    ReportProgress(progress, done, "bending rays");
+    done += weight;
     const XRayDetector wide = WithMargin(detector, column, row);
     const PathLengthImage image = projector.Project(source, wide, velocities, 2, derivatives);
     beam.CheckMaterials(image.Materials);

@@ -3,14 +3,13 @@
 
 #include "Private/Physics/TubeCoefficients.h"
 #include "mammoray/Foundation/Error.h"
+#include "mammoray/Foundation/Numbers.h"
 #include "mammoray/XRay/Composition.h"
 
 #include <xraylib.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
-#include <sstream>
 
 namespace mammoray
 {
@@ -20,20 +19,6 @@ constexpr double BinKeV = 0.5;
 constexpr double LowestKeV = 5;
 constexpr double LeastKilovolts = 18;
 constexpr double MostKilovolts = 42;
-
-std::string Number(double value)
-{
-  std::ostringstream text;
-  text << value;
-  return text.str();
-}
-
-bool ParseNumber(const std::string& text, double& value)
-{
-  const char* const end = text.data() + text.size();
-  const auto parsed = std::from_chars(text.data(), end, value);
-  return parsed.ec == std::errc() && parsed.ptr == end && std::isfinite(value);
-}
 
 const TubeAnode& FindAnode(const std::string& name)
 {
@@ -45,18 +30,6 @@ const TubeAnode& FindAnode(const std::string& name)
     throw InputError("tube: expected an anode of W, Mo or Rh, found '" + name + "'");
   }
   return *found;
-}
-
-AttenuationTable TableOf(const std::string& material)
-{
-  AttenuationTable table;
-  if (!FindComposition(material, table))
-  {
-    throw InputError("filter: expected an element, a formula, mass fractions or a NIST compound, "
-                     "found '" +
-      material + "'");
-  }
-  return table;
 }
 
 /// Air kerma per photon, in any unit.
@@ -71,15 +44,16 @@ XRayFilter XRayFilter::FromText(const std::string& text)
   XRayFilter filter;
   const std::size_t colon = text.rfind(':');
   bool usable = colon != std::string::npos && colon > 0 &&
-    ParseNumber(text.substr(colon + 1), filter.ThicknessMm) && filter.ThicknessMm >= 0;
+    ToNumber(text.substr(colon + 1), filter.ThicknessMm) && filter.ThicknessMm >= 0 &&
+    std::isfinite(filter.ThicknessMm);
   if (usable)
   {
     filter.Material = text.substr(0, colon);
     const std::size_t at = filter.Material.rfind('@');
     if (at != std::string::npos)
     {
-      usable = ParseNumber(filter.Material.substr(at + 1), filter.DensityGPerCm3) &&
-        filter.DensityGPerCm3 > 0;
+      usable = ToNumber(filter.Material.substr(at + 1), filter.DensityGPerCm3) &&
+        filter.DensityGPerCm3 > 0 && std::isfinite(filter.DensityGPerCm3);
       filter.Material.resize(at);
     }
   }
@@ -95,17 +69,17 @@ void XRayTube::Validate() const
   FindAnode(this->Anode);
   if (!(this->KilovoltagePeak >= LeastKilovolts && this->KilovoltagePeak <= MostKilovolts))
   {
-    throw InputError("tube: expected " + Number(LeastKilovolts) + " to " + Number(MostKilovolts) +
-      " kVp, found " + Number(this->KilovoltagePeak));
+    throw InputError("tube: expected " + NumberText(LeastKilovolts) + " to " +
+      NumberText(MostKilovolts) + " kVp, found " + NumberText(this->KilovoltagePeak));
   }
 }
 
 std::string XRayTube::Name() const
 {
-  std::string name = this->Anode + " " + Number(this->KilovoltagePeak) + " kVp";
+  std::string name = this->Anode + " " + NumberText(this->KilovoltagePeak) + " kVp";
   for (const XRayFilter& filter : this->Filters)
   {
-    name += ", " + Number(filter.ThicknessMm) + " mm " + filter.Material;
+    name += ", " + NumberText(filter.ThicknessMm) + " mm " + filter.Material;
   }
   return name;
 }
@@ -142,9 +116,9 @@ Spectrum FilterSpectrum(const Spectrum& spectrum, const XRayFilter& filter)
   if (!(filter.ThicknessMm >= 0 && std::isfinite(filter.ThicknessMm)))
   {
     throw InputError("filter: expected a thickness that is not negative, found " +
-      Number(filter.ThicknessMm) + " mm of " + filter.Material);
+      NumberText(filter.ThicknessMm) + " mm of " + filter.Material);
   }
-  const AttenuationTable table = TableOf(filter.Material);
+  const AttenuationTable table = RequireComposition(filter.Material, "filter");
   const double density =
     filter.DensityGPerCm3 > 0 ? filter.DensityGPerCm3 : table.NominalDensityGPerCm3;
   Spectrum filtered = spectrum;
@@ -160,7 +134,7 @@ Spectrum FilterSpectrum(const Spectrum& spectrum, const XRayFilter& filter)
 double HalfValueLayerMm(const Spectrum& spectrum)
 {
   spectrum.Validate();
-  const AttenuationTable aluminium = TableOf("Al");
+  const AttenuationTable aluminium = RequireComposition("Al", "half-value layer");
   std::vector<double> kerma;
   std::vector<double> mu;
   double whole = 0;

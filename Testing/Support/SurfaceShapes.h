@@ -66,14 +66,16 @@ inline void AddBox(SurfaceMesh& mesh, const Vector3& low, const Vector3& high, i
   }
 }
 
-/// Chord of the segment from `a` to `b` in a box of AddBox, by its three pairs of planes.
-inline double BoxChord(const Vector3& low, const Vector3& high, const std::array<Vector3, 3>& axes,
-  const Vector3& a, const Vector3& b)
+/// Where the segment from `a` to `b` enters and leaves a box of AddBox, by its three pairs of
+/// planes, as lengths from `a`; both 0 where it misses it.
+inline std::array<double, 2> BoxInterval(const Vector3& low, const Vector3& high,
+  const std::array<Vector3, 3>& axes, const Vector3& a, const Vector3& b)
 {
   double enter = 0;
   double leave = 1;
   for (std::size_t axis = 0; axis < 3; ++axis)
   {
+    // The axes are columns of the rotation: coordinates are dot products with them.
     const double start = Dot(axes[axis], a);
     const double run = Dot(axes[axis], b - a);
     const double t0 = (low[axis] - start) / run;
@@ -81,7 +83,17 @@ inline double BoxChord(const Vector3& low, const Vector3& high, const std::array
     enter = std::max(enter, std::min(t0, t1));
     leave = std::min(leave, std::max(t0, t1));
   }
-  return std::max(0.0, leave - enter) * Norm(b - a);
+  const double length = Norm(b - a);
+  return leave > enter ? std::array<double, 2>{ enter * length, leave * length }
+                       : std::array<double, 2>{ 0, 0 };
+}
+
+/// Chord of that segment in the box.
+inline double BoxChord(const Vector3& low, const Vector3& high, const std::array<Vector3, 3>& axes,
+  const Vector3& a, const Vector3& b)
+{
+  const auto [enter, leave] = BoxInterval(low, high, axes, a, b);
+  return leave - enter;
 }
 
 /// Slabs stacked along z that share their interfaces: material m + 1 between heights[m] and

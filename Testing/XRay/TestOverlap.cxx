@@ -33,27 +33,6 @@ SurfaceMesh TwoBoxes()
   return mesh;
 }
 
-/// Enters and leaves a convex box; both 0 where the ray misses it.
-std::array<double, 2> Interval(const Vector3& low, const Vector3& high,
-  const std::array<Vector3, 3>& axes, const Vector3& a, const Vector3& b)
-{
-  double enter = 0;
-  double leave = 1;
-  for (std::size_t axis = 0; axis < 3; ++axis)
-  {
-    // The axes are columns of the rotation: coordinates are dot products with them.
-    const double start = Dot(axes[axis], a);
-    const double run = Dot(axes[axis], b - a);
-    const double t0 = (low[axis] - start) / run;
-    const double t1 = (high[axis] - start) / run;
-    enter = std::max(enter, std::min(t0, t1));
-    leave = std::min(leave, std::max(t0, t1));
-  }
-  const double length = Norm(b - a);
-  return leave > enter ? std::array<double, 2>{ enter * length, leave * length }
-                       : std::array<double, 2>{ 0, 0 };
-}
-
 class OverlapTest : public ProjectorTest
 {
 protected:
@@ -84,8 +63,8 @@ TEST_P(OverlapTest, EveryStretchCountsOnceForTheFirstMaterial)
       for (int column = 0; column < detector.Columns; ++column)
       {
         const Vector3 pixel = Pixel(detector, column, row);
-        const auto one = Interval(Low1, High1, Rotation(0.1, 0.05, 0), Focus.Position, pixel);
-        const auto other = Interval(Low2, High2, Rotation(0, 0.1, 0.2), Focus.Position, pixel);
+        const auto one = BoxInterval(Low1, High1, Rotation(0.1, 0.05, 0), Focus.Position, pixel);
+        const auto other = BoxInterval(Low2, High2, Rotation(0, 0.1, 0.2), Focus.Position, pixel);
         const double common =
           std::max(0.0, std::min(one[1], other[1]) - std::max(one[0], other[0]));
         overlapped += common > 0 ? 1 : 0;

@@ -85,18 +85,17 @@ private:
   int Wrong = 0;
 };
 
-/// Visits the stretches between the crossings of a line: visit(first, last, insides) of those from
-/// hits[first] to hits[last] that are no labelled ones and not of no length. A line that does not
-/// end where it began, in air, ran through a hole and tells nothing.
+/// Visits the stretches between the crossings of a line: visit(first, last, contradiction) of those
+/// from one hit to the next that are no labelled ones and not of no length. A line that does
+/// not end where it began, in air, ran through a hole and tells nothing.
 template <typename Visit>
-void ForEachContradiction(const SurfaceMesh& surface, const std::vector<LineHit>& hits,
-  const Visit& visit)
+void ForEachContradiction(const SurfaceMesh& surface, const Vector3& begin,
+  const Vector3& direction, const std::vector<LineHit>& hits, const Visit& visit)
 {
   const auto cross = [&](const LineHit& hit, Insides& insides)
   {
-    const int front = surface.FrontMaterials[hit.Triangle];
-    const int back = surface.BackMaterials[hit.Triangle];
-    insides.Cross(hit.FacesBeginning ? front : back, hit.FacesBeginning ? back : front);
+    const auto [left, entered] = MaterialsAt(surface, hit);
+    insides.Cross(left, entered);
   };
   Insides whole;
   for (const LineHit& hit : hits)
@@ -116,7 +115,10 @@ void ForEachContradiction(const SurfaceMesh& surface, const std::vector<LineHit>
     cross(hits[n], insides);
     if (!insides.IsLabelled() && n + 1 < hits.size() && hits[n + 1].T - hits[n].T > gap)
     {
-      visit(n, n + 1, insides);
+      SurfaceContradiction stretch = insides.Describe();
+      stretch.LengthMm = hits[n + 1].T - hits[n].T;
+      stretch.Place = begin + 0.5 * (hits[n + 1].T + hits[n].T) * direction;
+      visit(hits[n], hits[n + 1], stretch);
     }
   }
 }
@@ -199,15 +201,12 @@ PartContradictions ProbeParts(const SurfaceMesh& surface, const TriangleTree& tr
     {
       const Vector3 begin = CentreOf(surface, triangles[line * triangles.size() / lines]);
       tree.CrossLine(begin, direction, hits);
-      ForEachContradiction(surface, hits,
-        [&](std::size_t first, std::size_t last, const Insides& insides)
+      ForEachContradiction(surface, begin, direction, hits,
+        [&](const LineHit& first, const LineHit& last, const SurfaceContradiction& stretch)
         {
-          SurfaceContradiction stretch = insides.Describe();
-          stretch.LengthMm = hits[last].T - hits[first].T;
-          stretch.Place = begin + 0.5 * (hits[last].T + hits[first].T) * direction;
-          for (const std::size_t end : { first, last })
+          for (const LineHit* end : { &first, &last })
           {
-            SurfaceContradiction& known = found[parts.PartOf[hits[end].Triangle]];
+            SurfaceContradiction& known = found[parts.PartOf[end->Triangle]];
             if (stretch.LengthMm > known.LengthMm)
             {
               known = stretch;
@@ -263,13 +262,9 @@ std::vector<SurfaceContradiction> FindContradictions(const SurfaceMesh& surface,
   const Vector3& begin, const Vector3& direction, const std::vector<LineHit>& hits)
 {
   std::vector<SurfaceContradiction> found;
-  ForEachContradiction(surface, hits,
-    [&](std::size_t first, std::size_t last, const Insides& insides)
-    {
-      found.push_back(insides.Describe());
-      found.back().LengthMm = hits[last].T - hits[first].T;
-      found.back().Place = begin + 0.5 * (hits[last].T + hits[first].T) * direction;
-    });
+  ForEachContradiction(surface, begin, direction, hits,
+    [&](const LineHit&, const LineHit&, const SurfaceContradiction& stretch)
+    { found.push_back(stretch); });
   return found;
 }
 

@@ -2,6 +2,7 @@
 #include "Private/PriorityProjector.h"
 
 #include "Grazing.h"
+#include "Private/SampleGrid.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/Foundation/ParallelFor.h"
 #include "mammoray/XRay/Beam.h"
@@ -181,10 +182,9 @@ bool PriorityProjector::AddRay(const Ray& ray, const Work& work, std::vector<Lin
   int owner = 0;
   for (const LineHit& hit : hits)
   {
-    const int front = this->Surface.FrontMaterials[hit.Triangle];
-    const int back = this->Surface.BackMaterials[hit.Triangle];
-    insides[static_cast<std::size_t>(hit.FacesBeginning ? front : back)] -= 1;
-    insides[static_cast<std::size_t>(hit.FacesBeginning ? back : front)] += 1;
+    const auto [left, entered] = MaterialsAt(this->Surface, hit);
+    insides[static_cast<std::size_t>(left)] -= 1;
+    insides[static_cast<std::size_t>(entered)] += 1;
     const int next = this->OwnerOf(insides);
     if (next == owner)
     {
@@ -257,15 +257,11 @@ int PriorityProjector::SumPixel(const XRaySource& source, const XRayDetector& de
 {
   const auto columns = static_cast<std::size_t>(detector.Columns);
   const std::size_t pixelRow = pixel / columns;
-  const int samples = detector.Samples;
   std::vector<Ray> rays;
-  for (int sample = 0; sample < samples * samples; ++sample)
+  for (const auto& [column, row] : SampleOffsets(detector.Samples))
   {
-    const double column =
-      static_cast<double>(pixel % columns) - 0.5 + (sample % samples + 0.5) / samples;
-    const int sampleRow = sample / samples;
-    const double row = static_cast<double>(pixelRow) - 0.5 + (sampleRow + 0.5) / samples;
-    rays.push_back(this->RayOf(source, detector, column, row));
+    rays.push_back(this->RayOf(source, detector, static_cast<double>(pixel % columns) + column,
+      static_cast<double>(pixelRow) + row));
   }
   int good = 0;
   if (std::any_of(rays.begin(), rays.end(),
