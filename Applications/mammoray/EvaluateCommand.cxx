@@ -12,6 +12,7 @@
 #include "vtkUnstructuredGrid.h"
 
 #include <cstdio>
+#include <optional>
 
 namespace mammoray
 {
@@ -147,6 +148,12 @@ void Run(EvaluateArguments& arguments)
   arguments.Truth.Placed = { arguments.TruthOrigin, axes.Left, axes.Anterior, axes.Superior };
   const std::vector<LandmarkErrors> methods = EvaluateLandmarks(landmarks, arguments.Truth, grid,
     result.Placed, result.Unit.SourceToDetectorMm);
+  std::optional<ReaderDistances> apart;
+  if (!arguments.SecondReader.empty())
+  {
+    apart = DistancesBetween(landmarks, ReadLandmarks(CheckInputFile(arguments.SecondReader)),
+      arguments.Truth);
+  }
 
   std::printf("Landmark error, mm             (landmarks are never used to fit)\n");
   std::printf("%-36s %-10s %3s  %23s   %23s\n", "", "", "", "in 3D", "on the receptor");
@@ -158,13 +165,11 @@ void Run(EvaluateArguments& arguments)
     PrintRow(errors.Method, "imaged", imaged.InSpace, imaged.OnReceptor);
     PrintRow("", "all", Summarise(errors.InSpace), Summarise(errors.OnReceptor));
   }
-  if (!arguments.SecondReader.empty())
+  if (apart)
   {
-    const ReaderDistances apart = DistancesBetween(landmarks,
-      ReadLandmarks(CheckInputFile(arguments.SecondReader)), arguments.Truth);
-    PrintRow("two readers, compressed", "all", Summarise(apart.Compressed),
-      Summarise(apart.OnReceptor));
-    const ErrorSummary before = Summarise(apart.Uncompressed);
+    PrintRow("two readers, compressed", "all", Summarise(apart->Compressed),
+      Summarise(apart->OnReceptor));
+    const ErrorSummary before = Summarise(apart->Uncompressed);
     std::printf("%-36s %-10s %3d  %7.2f %7.2f %7.2f\n", "two readers, uncompressed", "all",
       before.Count, before.Median, before.Mean, before.Largest);
   }

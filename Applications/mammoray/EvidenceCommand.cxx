@@ -128,10 +128,11 @@ void KeepAnatomies(const std::vector<std::string>& names, std::vector<EvidenceSt
     });
 }
 
-std::vector<EvidenceStudy> WantedStudies(const EvidenceArguments& arguments)
+std::vector<EvidenceStudy> WantedStudies(const EvidenceArguments& arguments,
+  const std::vector<EvidencePhantom>& phantoms)
 {
   std::vector<EvidenceStudy> studies =
-    StudiesOfEvidence(ParsePhantoms(arguments), arguments.Data, arguments.Studies);
+    StudiesOfEvidence(phantoms, arguments.Data, arguments.Studies);
   KeepAnatomies(arguments.Anatomies, studies);
   // Others than those that tables are of.
   for (EvidenceStudy& study : studies)
@@ -167,7 +168,7 @@ void AddWanted(EvidenceArguments& arguments)
   }
   if (arguments.Wants("studies"))
   {
-    input.Studies = WantedStudies(arguments);
+    input.Studies = WantedStudies(arguments, input.Phantoms);
   }
 }
 
@@ -180,7 +181,7 @@ void WriteAndClaim(const std::string& path, const std::string& text)
 
 void RunExport(const EvidenceArguments& arguments)
 {
-  const std::vector<EvidenceStudy> studies = WantedStudies(arguments);
+  const std::vector<EvidenceStudy> studies = WantedStudies(arguments, ParsePhantoms(arguments));
   for (const EvidenceStudy& study : studies)
   {
     if (study.Mri.empty()) // a folder, else

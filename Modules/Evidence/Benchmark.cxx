@@ -15,7 +15,6 @@
 #include "mammoray/Registration/TargetPreparation.h"
 
 #include <algorithm>
-#include <cctype>
 #include <cstdio>
 #include <filesystem>
 #include <utility>
@@ -83,13 +82,6 @@ std::string NameOf(const EvidenceStudy& study)
   return name;
 }
 
-std::string LowerCase(std::string text)
-{
-  std::transform(text.begin(), text.end(), text.begin(),
-    [](unsigned char letter) { return static_cast<char>(std::tolower(letter)); });
-  return text;
-}
-
 /// The answers that have no error.
 std::vector<StudyAnswer> TrueAnswers(const VirtualStudyTruth& truth)
 {
@@ -129,11 +121,12 @@ public:
       }
     }
     WriteLabelVolume(this->Tissue.Labels, this->Folder + "/labels.nii.gz");
-    for (const auto* view : { &this->Choice.Cc, &this->Choice.Mlo })
+    for (const auto& [name, view] :
+      { std::pair{ "cc", &this->Choice.Cc }, { "mlo", &this->Choice.Mlo } })
     {
       if (*view)
       {
-        fs::copy_file((*view)->File, this->Folder + '/' + LowerCase((*view)->View) + ".dcm");
+        fs::copy_file((*view)->File, this->Folder + '/' + name + ".dcm");
       }
     }
     std::string points = "point,x,y,z\n";
@@ -263,12 +256,7 @@ std::string ExportStudy(const EvidenceStudy& study, const std::string& folder,
 std::vector<BaselineScore> ExportBenchmark(const std::vector<EvidenceStudy>& studies,
   const std::string& folder, const ProgressCallback& progress)
 {
-  std::error_code problem;
-  if (fs::exists(folder, problem) && !fs::is_empty(folder, problem))
-  {
-    throw InputError(folder + ": expected an empty folder, found files in it");
-  }
-  ClaimFolder(folder);
+  ClaimEmptyFolder(folder);
   std::vector<BaselineScore> scores;
   WriteWholeFolder(folder,
     [&](const std::string& written)

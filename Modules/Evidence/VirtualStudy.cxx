@@ -17,7 +17,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <numbers>
 #include <utility>
 
@@ -355,7 +354,6 @@ std::vector<Vector3> AsPoints(const std::vector<double>& flat)
 void CheckStudyOptions(const VirtualStudyOptions& options, const MaterialTable& table,
   const std::string& folder)
 {
-  namespace fs = std::filesystem;
   if (options.Laterality != 'L' && options.Laterality != 'R')
   {
     throw InputError("virtual study: expected the side L or R, found '" +
@@ -372,12 +370,7 @@ void CheckStudyOptions(const VirtualStudyOptions& options, const MaterialTable& 
     throw InputError("virtual study: expected a material that is held (chest wall) in the table " +
       table.Name + ", found none");
   }
-  std::error_code problem;
-  if (fs::exists(folder, problem) && !fs::is_empty(folder, problem))
-  {
-    throw InputError(folder + ": expected an empty folder, found files in it");
-  }
-  ClaimFolder(folder);
+  ClaimEmptyFolder(folder);
 }
 }
 

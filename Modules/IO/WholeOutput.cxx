@@ -499,6 +499,16 @@ bool ClaimFolder(const std::string& path)
   return Claims::All().Add(path, true);
 }
 
+void ClaimEmptyFolder(const std::string& path)
+{
+  std::error_code problem;
+  if (fs::exists(path, problem) && !fs::is_empty(path, problem))
+  {
+    throw InputError(path + ": expected an empty folder, found files in it");
+  }
+  ClaimFolder(path);
+}
+
 void WriteWholeFile(const std::string& path, std::string_view bytes)
 {
   const std::unique_ptr<Claim> claim = Claims::All().Take(path, false);

@@ -28,6 +28,9 @@ MAMMORAYIO_EXPORT bool ClaimFile(const std::string& path);
  */
 MAMMORAYIO_EXPORT bool ClaimFolder(const std::string& path);
 
+/// ClaimFolder of one that is not there or empty; throws InputError where files are in it.
+MAMMORAYIO_EXPORT void ClaimEmptyFolder(const std::string& path);
+
 /**
  * Writes a file of these bytes: on the disk, checked and synchronised, before it gets its name. One
  * that is there is replaced. Claims it where that has not been done. Throws InputError where it

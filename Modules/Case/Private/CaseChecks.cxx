@@ -255,10 +255,9 @@ bool IsWithin(double value, const double (&limits)[2])
   return value >= limits[0] && value <= limits[1];
 }
 
-void CheckSize(double breastCm3, RegisteredView& view)
+void CheckSize(double breastCm3, double areaCm2, RegisteredView& view)
 {
-  const double thicknessMm = view.Mammogram.BodyPartThicknessMm.value_or(0);
-  const double picturedCm3 = AreaCm2(view.Target) * thicknessMm / 10;
+  const double picturedCm3 = areaCm2 * view.Mammogram.BodyPartThicknessMm.value_or(0) / 10;
   if (!(picturedCm3 > 0) || !(breastCm3 > 0))
   {
     return;
@@ -292,28 +291,26 @@ void CheckSizes(const RegistrationCase& input, double breastCm3, std::vector<Reg
   {
     return;
   }
-  const RegisteredView* cc = nullptr;
+  double ccCm2 = 0;
+  RegisteredView* mlo = nullptr;
+  double mloCm2 = 0;
   for (RegisteredView& view : views)
   {
-    CheckSize(breastCm3, view);
-    cc = view.Mammogram.View == "CC" ? &view : cc;
+    const double areaCm2 = AreaCm2(view.Target);
+    CheckSize(breastCm3, areaCm2, view);
+    ccCm2 = view.Mammogram.View == "CC" ? areaCm2 : ccCm2;
+    mlo = view.Mammogram.View == "MLO" ? &view : mlo;
+    mloCm2 = mlo == &view ? areaCm2 : mloCm2;
   }
-  for (RegisteredView& view : views)
+  const double ratio = mloCm2 / std::max(1e-9, ccCm2);
+  if (mlo && ccCm2 > 0 && (ratio < LeastAreaRatio || ratio > MostAreaRatio))
   {
-    if (!cc || view.Mammogram.View != "MLO")
-    {
-      continue;
-    }
-    const double ratio = AreaCm2(view.Target) / std::max(1e-9, AreaCm2(cc->Target));
-    if (ratio < LeastAreaRatio || ratio > MostAreaRatio)
-    {
-      char text[200];
-      std::snprintf(text, sizeof text,
-        "The breast is %.0f cm2 in MLO and %.0f in CC: they may be of two breasts, or one shows a "
-        "part only.",
-        AreaCm2(view.Target), AreaCm2(cc->Target));
-      view.Target.Disagreements.emplace_back(text);
-    }
+    char text[200];
+    std::snprintf(text, sizeof text,
+      "The breast is %.0f cm2 in MLO and %.0f in CC: they may be of two breasts, or one shows a "
+      "part only.",
+      mloCm2, ccCm2);
+    mlo->Target.Disagreements.emplace_back(text);
   }
 }
 }

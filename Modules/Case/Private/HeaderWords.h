@@ -47,6 +47,18 @@ inline std::string FindWords(const std::string& words, const char* pattern)
   return std::regex_search(words, match, whole->second) ? match[1].str() : std::string();
 }
 
+/// The side that HeaderWords name in one of several languages, 'L' or 'R', where given also by a
+/// further pattern for each; '?' where they name none or both.
+inline char SideInWords(const std::string& words, const char* alsoLeft = nullptr,
+  const char* alsoRight = nullptr)
+{
+  const auto names = [&words](const char* pattern, const char* also)
+  { return !FindWords(words, pattern).empty() || (also && !FindWords(words, also).empty()); };
+  const bool left = names("left|lt|links|gauche|esquerd\\w*|izquierd\\w*|sinistr\\w*", alsoLeft);
+  const bool right = names("right|rt|rechts|droit\\w*|direit\\w*|derech\\w*|destr\\w*", alsoRight);
+  return left == right ? '?' : left ? 'L' : 'R';
+}
+
 /// The first of a header's values that is one of these; empty where none is.
 inline std::string FindValue(const std::vector<std::string>& values,
   std::initializer_list<const char*> wanted)

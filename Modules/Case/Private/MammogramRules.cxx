@@ -76,19 +76,6 @@ std::string WhyLeftOut(const DicomHeader& header)
   return header.View.empty() ? "its header names no view" : std::string();
 }
 
-/// "L CC", "R-MLO", "Mamografia esquerda": the side that only the description names.
-char SideByWords(const DicomHeader& header)
-{
-  const std::string words = HeaderWords(header.SeriesDescription);
-  const bool left =
-    !FindWords(words, "l|left|lt|lcc|lmlo|links|gauche|esquerd\\w*|izquierd\\w*|sinistr\\w*")
-       .empty();
-  const bool right =
-    !FindWords(words, "r|right|rt|rcc|rmlo|rechts|droit\\w*|direit\\w*|derech\\w*|destr\\w*")
-       .empty();
-  return left == right ? '?' : left ? 'L' : 'R';
-}
-
 /// Seconds of the day of HHMMSS; negative where there is none.
 double SecondsOf(const std::string& time)
 {
@@ -126,9 +113,11 @@ StudyMammogram DescribeMammogram(const DicomHeader& header)
   StudyMammogram mammogram;
   mammogram.File = header.Path;
   mammogram.View = header.View;
-  mammogram.Laterality = header.Laterality == '?' ? SideByWords(header) : header.Laterality;
-  mammogram.Intent = header.PresentationIntent;
   const std::string words = HeaderWords(header.SeriesDescription);
+  // "L CC", "R-MLO", "Mamografia esquerda": the side that only the description names.
+  mammogram.Laterality =
+    header.Laterality == '?' ? SideInWords(words, "l|lcc|lmlo", "r|rcc|rmlo") : header.Laterality;
+  mammogram.Intent = header.PresentationIntent;
   mammogram.Synthetic = !FindPart(header.ImageType, { "GENERATED_2D" }).empty() ||
     !FindWords(words, "c view|cview|intelligent 2d|v preview|insight 2d|synth\\w*|s2d").empty();
   if (header.BodyPartThicknessMm.value_or(0) > 0)

@@ -358,7 +358,7 @@ std::string PlaneOf(const DicomHeader& header)
   return "oblique";
 }
 
-/// GridExtent of a grid along the patient's axes (left, back, head), mm, and its middle.
+/// How far a grid reaches along the patient's axes (left, back, head), mm, and its middle.
 struct GridExtent
 {
   Vector3 Length{ 0, 0, 0 };
@@ -384,16 +384,7 @@ GridExtent ExtentOf(const VolumeGrid& grid)
 /// The side that the header names: of the frame or series, or in words.
 char NamedSide(const DicomHeader& header)
 {
-  if (header.Laterality != '?')
-  {
-    return header.Laterality;
-  }
-  const std::string words = WordsOf(header);
-  const bool left =
-    !FindWords(words, "left|lt|links|gauche|esquerd\\w*|izquierd\\w*|sinistr\\w*").empty();
-  const bool right =
-    !FindWords(words, "right|rt|rechts|droit\\w*|direit\\w*|derech\\w*|destr\\w*").empty();
-  return left == right ? '?' : left ? 'L' : 'R';
+  return header.Laterality != '?' ? header.Laterality : SideInWords(WordsOf(header));
 }
 
 char SideOf(const VolumeGrid& grid, const DicomHeader& header)

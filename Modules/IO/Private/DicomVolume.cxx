@@ -285,11 +285,14 @@ void ReadSomeSlices(const std::vector<DicomSlice>& some, const std::string& firs
         }
         check(own, path);
       }
-      for (std::size_t n = 0; some.front().Frame == 0 && n < some.size(); ++n)
+      else
       {
-        const VolumeSlice slice = ReadSlice(some[n].Path, own);
-        check(own, some[n].Path);
-        ExchangeSlice(parcel, slice);
+        for (const DicomSlice& each : some)
+        {
+          const VolumeSlice slice = ReadSlice(each.Path, own);
+          check(own, each.Path);
+          ExchangeSlice(parcel, slice);
+        }
       }
       parcel(*series);
     },
