@@ -15,6 +15,7 @@
 #include "vtkOBJReader.h"
 #include "vtkOBJWriter.h"
 #include "vtkObject.h"
+#include "vtkObjectFactory.h"
 #include "vtkPLYReader.h"
 #include "vtkPLYWriter.h"
 #include "vtkPolyData.h"
@@ -120,6 +121,39 @@ void CheckReadable(const std::string& path)
   }
 }
 
+/// VTK's writers set these up for appended data alone, and delete them after any error: a full disk
+/// ended in a crash (VTK 9.1, vtkXMLUnstructuredDataWriter::WriteAPiece).
+class GridWriter : public vtkXMLUnstructuredGridWriter
+{
+public:
+  static GridWriter* New();
+
+protected:
+  GridWriter()
+  {
+    this->NumberOfPointsPositions = nullptr;
+    this->NumberOfCellsPositions = nullptr;
+  }
+};
+vtkStandardNewMacro(GridWriter);
+
+class SurfaceWriter : public vtkXMLPolyDataWriter
+{
+public:
+  static SurfaceWriter* New();
+
+protected:
+  SurfaceWriter()
+  {
+    this->NumberOfPointsPositions = nullptr;
+    this->NumberOfVertsPositions = nullptr;
+    this->NumberOfLinesPositions = nullptr;
+    this->NumberOfStripsPositions = nullptr;
+    this->NumberOfPolysPositions = nullptr;
+  }
+};
+vtkStandardNewMacro(SurfaceWriter);
+
 template <typename Writer>
 void Write(vtkPointSet* mesh, const std::string& path)
 {
@@ -213,7 +247,7 @@ void WriteMesh(vtkPointSet* mesh, const std::string& path)
     {
       RefuseExtension(path, "a volume mesh", ".vtu");
     }
-    Write<vtkXMLUnstructuredGridWriter>(mesh, path);
+    Write<GridWriter>(mesh, path);
     return;
   }
   auto* surface = vtkPolyData::SafeDownCast(mesh);
@@ -223,7 +257,7 @@ void WriteMesh(vtkPointSet* mesh, const std::string& path)
   }
   if (extension == ".vtp")
   {
-    Write<vtkXMLPolyDataWriter>(surface, path);
+    Write<SurfaceWriter>(surface, path);
     return;
   }
   vtkNew<vtkTriangleFilter> triangles;

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "FileSizeLimit.h"
 #include "Files.h"
 #include "TestMeshes.h"
 #include "mammoray/Case/BreastInUnit.h"
@@ -16,14 +17,12 @@
 #include "vtkUnstructuredGrid.h"
 
 #include <sys/mount.h>
-#include <sys/resource.h>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
-#include <csignal>
 #include <filesystem>
 
 using namespace mammoray;
@@ -251,21 +250,17 @@ TEST_F(WrittenCase, AFullDiskLosesNothing)
   const std::string before = testing_support::ReadFile(folder + "/report.html");
   const std::vector<std::string> written = this->Written();
   this->Result.Anchor = { 7, 8, 9 };
-  std::signal(SIGXFSZ, SIG_IGN);
-  rlimit unlimited{};
-  getrlimit(RLIMIT_FSIZE, &unlimited);
   // Each file of a result is larger than one of these, smaller than another.
   for (rlim_t most = 16; most < before.size(); most *= 2)
   {
-    const rlimit limit{ most, unlimited.rlim_max };
-    setrlimit(RLIMIT_FSIZE, &limit);
-    EXPECT_THROW(WriteRegistrationCase(this->Input, this->Result, folder, true), InputError)
-      << most;
-    setrlimit(RLIMIT_FSIZE, &unlimited);
+    {
+      const testing_support::FileSizeLimit limit(most);
+      EXPECT_THROW(WriteRegistrationCase(this->Input, this->Result, folder, true), InputError)
+        << most;
+    }
     EXPECT_EQ(this->Written(), written);
     EXPECT_EQ(testing_support::ReadFile(folder + "/report.html"), before);
   }
-  std::signal(SIGXFSZ, SIG_DFL);
 }
 
 TEST_F(WrittenCase, AMountPointIsFilledOrRefused)

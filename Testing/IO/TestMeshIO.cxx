@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "FileSizeLimit.h"
 #include "Files.h"
 #include "Refusals.h"
 #include "mammoray/Foundation/Error.h"
@@ -9,12 +10,14 @@
 #include "vtkNew.h"
 #include "vtkPoints.h"
 #include "vtkPolyData.h"
+#include "vtkSmartPointer.h"
 #include "vtkUnstructuredGrid.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <functional>
+#include <string>
 
 using mammoray::testing_support::RefusalOf;
 using namespace mammoray;
@@ -31,6 +34,21 @@ TetrahedralMesh FatAndGland()
   return mesh;
 }
 
+/// One polygon, 2 x 1 mm.
+vtkSmartPointer<vtkPolyData> Rectangle()
+{
+  auto surface = vtkSmartPointer<vtkPolyData>::New();
+  vtkNew<vtkPoints> points;
+  points->InsertNextPoint(0, 0, 0);
+  points->InsertNextPoint(2, 0, 0);
+  points->InsertNextPoint(2, 1, 0);
+  points->InsertNextPoint(0, 1, 0);
+  vtkNew<vtkCellArray> polygons;
+  polygons->InsertNextCell({ 0, 1, 2, 3 });
+  surface->SetPoints(points);
+  surface->SetPolys(polygons);
+  return surface;
+}
 }
 
 TEST(MeshIO, VolumeMeshComesBack)
@@ -72,16 +90,7 @@ TEST(MeshIO, ReadsLegacyFiles)
 TEST(MeshIO, SurfacesComeBackInEveryFormat)
 {
   const TemporaryFolder folder;
-  vtkNew<vtkPolyData> surface;
-  vtkNew<vtkPoints> points;
-  points->InsertNextPoint(0, 0, 0);
-  points->InsertNextPoint(2, 0, 0);
-  points->InsertNextPoint(2, 1, 0);
-  points->InsertNextPoint(0, 1, 0);
-  vtkNew<vtkCellArray> polygons;
-  polygons->InsertNextCell({ 0, 1, 2, 3 });
-  surface->SetPoints(points);
-  surface->SetPolys(polygons);
+  const auto surface = Rectangle();
   for (const char* name : { "s.vtp", "s.stl", "s.ply", "s.OBJ" })
   {
     WriteMesh(surface, folder.File(name));
@@ -90,6 +99,26 @@ TEST(MeshIO, SurfacesComeBackInEveryFormat)
     read->GetBounds(bounds);
     EXPECT_THAT(bounds, testing::ElementsAre(0, 2, 0, 1, 0, 0)) << name;
     EXPECT_EQ(read->GetNumberOfCells(), std::string(name) == "s.vtp" ? 1 : 2) << name;
+  }
+}
+
+TEST(MeshIO, FullDisksAreNamedForEveryFormat)
+{
+  const TemporaryFolder folder;
+  const auto surface = Rectangle();
+  const auto grid = ToGrid(FatAndGland(), { "air", "fat", "gland" });
+  for (const std::string name : { "s.vtp", "s.stl", "s.ply", "s.obj", "s.vtu" })
+  {
+    const std::string path = folder.File(name);
+    const auto write = [&] { name == "s.vtu" ? WriteMesh(grid, path) : WriteMesh(surface, path); };
+    write();
+    const std::string whole = testing_support::ReadFile(path);
+    for (std::size_t most = 8; most < whole.size(); most *= 2)
+    {
+      const testing_support::FileSizeLimit limit(most);
+      EXPECT_THROW(write(), InputError) << name << " at " << most;
+    }
+    EXPECT_EQ(testing_support::ReadFile(path), whole) << name;
   }
 }
 

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Full disks are imitated by a limit of file sizes: the kernel cuts at it as it does at a disk's
-// end.
+#include "FileSizeLimit.h"
 #include "Files.h"
 #include "Refusals.h"
 #include "mammoray/Foundation/Error.h"
@@ -8,7 +7,6 @@
 
 #include <sys/file.h>
 #include <sys/ptrace.h>
-#include <sys/resource.h>
 #include <sys/wait.h>
 
 #include <gmock/gmock.h>
@@ -17,7 +15,6 @@
 #include <fcntl.h>
 #include <unistd.h>
 
-#include <csignal>
 #include <filesystem>
 #include <fstream>
 #include <functional>
@@ -26,6 +23,7 @@
 
 using namespace mammoray;
 using testing::ElementsAre;
+using testing_support::FileSizeLimit;
 using testing_support::ReadFile;
 namespace fs = std::filesystem;
 
@@ -100,29 +98,6 @@ bool KillAtCall(int stop, const std::function<void()>& work)
   }
   return false;
 }
-
-/// No file of this process gets larger meanwhile.
-class FileSizeLimit
-{
-public:
-  explicit FileSizeLimit(rlim_t bytes)
-  {
-    std::signal(SIGXFSZ, SIG_IGN);
-    getrlimit(RLIMIT_FSIZE, &this->Before);
-    const rlimit limit{ bytes, this->Before.rlim_max };
-    setrlimit(RLIMIT_FSIZE, &limit);
-  }
-  FileSizeLimit(const FileSizeLimit&) = delete;
-  FileSizeLimit& operator=(const FileSizeLimit&) = delete;
-  ~FileSizeLimit()
-  {
-    setrlimit(RLIMIT_FSIZE, &this->Before);
-    std::signal(SIGXFSZ, SIG_DFL);
-  }
-
-private:
-  rlimit Before{};
-};
 }
 
 TEST_F(WholeOutput, ReplacesAFileByAWholeOne)
