@@ -60,19 +60,40 @@ void SettleStreams()
   std::signal(SIGXFSZ, SIG_IGN);
 }
 
+/// What the process has mapped, bytes; 0 where the system does not tell.
+rlim_t MappedBytes()
+{
+  unsigned long pages = 0;
+  std::FILE* const file = std::fopen("/proc/self/statm", "r");
+  if (!file)
+  {
+    return 0;
+  }
+  const bool read = std::fscanf(file, "%lu", &pages) == 1;
+  std::fclose(file);
+  return read ? rlim_t{ pages } * static_cast<rlim_t>(sysconf(_SC_PAGESIZE)) : 0;
+}
+
 /**
- * Below a limit on addresses (ulimit -v) at which nothing of ours can run, OpenBLAS's threads wait
- * for memory for ever, and whoever waits for them. Ends the process there, with a line.
+ * Ends the process, with a line, at a limit on addresses (ulimit -v) that leaves little beside the
+ * libraries: OpenBLAS's threads wait for memory for ever there, and whoever waits for them, and
+ * Mesa's driver ends by a signal where the 0.65 GiB are not to be had that it takes for its
+ * compiler and threads.
  */
 void CheckAddresses()
 {
-  constexpr rlim_t least = 1 << 30;
+  constexpr rlim_t beside = rlim_t{ 1 } << 30;
   rlimit limit{};
-  if (getrlimit(RLIMIT_AS, &limit) == 0 && limit.rlim_cur < least)
+  if (getrlimit(RLIMIT_AS, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY)
+  {
+    return;
+  }
+  const rlim_t least = MappedBytes() + beside;
+  if (limit.rlim_cur < least)
   {
     std::fprintf(stderr,
-      "mammoray: expected at least 1024 MiB of addresses (ulimit -v), found %lu\n",
-      static_cast<unsigned long>(limit.rlim_cur >> 20));
+      "mammoray: expected at least %lu MiB of addresses (ulimit -v), found %lu\n",
+      static_cast<unsigned long>(least >> 20), static_cast<unsigned long>(limit.rlim_cur >> 20));
     // Not exit, at which OpenBLAS waits for its threads.
     _exit(1);
   }

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <exception>
+#include <system_error>
 #include <thread>
 #include <vector>
 
@@ -12,21 +14,50 @@ namespace mammoray
 /**
  * Calls work(begin, end) for contiguous ranges that together make [0, count), each on a core of its
  * own and of at least `grain` (positive) items unless it is the only one; returns when all are
- * done. The work must not throw, and must write to places that no other range touches. Where it
- * computes every item by itself, the result does not depend on the number of cores.
+ * done. The work must write to places that no other range touches. Where it computes every item by
+ * itself, the result does not depend on the number of cores. Where ranges throw, passes on, when
+ * all are done, what the first of them threw.
  */
 template <typename Work>
 void ParallelRanges(std::size_t count, std::size_t grain, const Work& work)
 {
   const std::size_t cores = std::max(1u, std::thread::hardware_concurrency());
   const std::size_t parts = std::clamp<std::size_t>(count / grain, 1, cores);
-  std::vector<std::jthread> threads;
-  threads.reserve(parts - 1);
-  for (std::size_t part = 1; part < parts; ++part)
+  std::vector<std::exception_ptr> thrown(parts);
+  const auto workOn = [&](std::size_t part)
   {
-    threads.emplace_back(work, count * part / parts, count * (part + 1) / parts);
+    try
+    {
+      work(count * part / parts, count * (part + 1) / parts);
+    }
+    catch (...)
+    {
+      thrown[part] = std::current_exception();
+    }
+  };
+  {
+    std::vector<std::jthread> threads;
+    threads.reserve(parts - 1);
+    for (std::size_t part = 1; part < parts; ++part)
+    {
+      try
+      {
+        threads.emplace_back(workOn, part);
+      }
+      catch (const std::system_error&) // no thread is to be had
+      {
+        workOn(part);
+      }
+    }
+    workOn(0);
   }
-  work(std::size_t{ 0 }, count / parts);
+  for (const std::exception_ptr& exception : thrown)
+  {
+    if (exception)
+    {
+      std::rethrow_exception(exception);
+    }
+  }
 }
 
 /// The same with body(i) for every i in [0, count), which should take a microsecond or more.

@@ -5,7 +5,10 @@
 
 #include <mutex>
 #include <set>
+#include <stdexcept>
+#include <string>
 #include <utility>
+#include <vector>
 
 namespace
 {
@@ -42,6 +45,33 @@ TEST(ParallelFor, RangesFollowOneAnotherAndAreNotSmallerThanTheGrain)
     }
     EXPECT_EQ(next, count);
     EXPECT_LE(ranges.size(), std::max(1u, std::thread::hardware_concurrency()));
+  }
+}
+
+TEST(ParallelFor, PassesOnWhatTheFirstRangeThrows)
+{
+  // In no thread of its own, which would end the process: a want of memory, above all.
+  for (const std::size_t last : { 0, 999 })
+  {
+    std::vector<int> visits(1000, 0);
+    try
+    {
+      ParallelFor(visits.size(),
+        [&](std::size_t i)
+        {
+          ++visits[i];
+          if (i == last || i == 999)
+          {
+            throw std::out_of_range(std::to_string(i));
+          }
+        });
+      ADD_FAILURE() << "expected it to throw";
+    }
+    catch (const std::out_of_range& thrown)
+    {
+      EXPECT_EQ(thrown.what(), std::to_string(last));
+    }
+    EXPECT_EQ(visits[999], last == 999 || std::thread::hardware_concurrency() > 1 ? 1 : 0);
   }
 }
 }
