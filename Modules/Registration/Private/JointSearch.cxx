@@ -16,6 +16,16 @@ std::vector<std::size_t> JointSearch::MammogramsOf(int parameter, std::size_t ma
   return all;
 }
 
+std::vector<std::shared_ptr<EvaluatedState>> JointSearch::States() const
+{
+  std::vector<std::shared_ptr<EvaluatedState>> states;
+  for (const MammogramSearch& mammogram : this->Mammograms)
+  {
+    states.push_back(mammogram.Here);
+  }
+  return states;
+}
+
 void JointSearch::Observe() const
 {
   if (!this->Observer)

@@ -6,6 +6,7 @@
 #include "Private/SearchStart.h"
 
 #include <cstddef>
+#include <memory>
 #include <vector>
 
 namespace mammoray
@@ -20,6 +21,9 @@ struct JointSearch
   Clock::time_point Begin = Clock::now();
   /// May be empty.
   SearchObserver Observer;
+
+  /// Where each mammogram's search stands.
+  std::vector<std::shared_ptr<EvaluatedState>> States() const;
 
   /// Tells the observer, if there is one.
   void Observe() const;

@@ -164,12 +164,7 @@ void KeepParts(const std::vector<SearchUnknown>& unknowns, JointSearch& search)
 
 void KeepCovariance(ceres::Problem& problem, RegistrationEvaluator& evaluator, JointSearch& search)
 {
-  std::vector<std::shared_ptr<EvaluatedState>> states;
-  for (const MammogramSearch& mammogram : search.Mammograms)
-  {
-    states.push_back(mammogram.Here);
-  }
-  evaluator.ReturnTo(states);
+  evaluator.ReturnTo(search.States());
   ceres::Covariance covariance{ ceres::Covariance::Options() };
   const std::vector<const double*> blocks{ evaluator.Block.data() };
   if (!covariance.Compute(blocks, &problem))

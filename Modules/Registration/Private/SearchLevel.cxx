@@ -61,7 +61,7 @@ private:
   std::size_t Index;
 };
 
-/// Keeps the best of the accepted states, tells of progress and stops when asked.
+/// Keeps the best of the accepted states and stops when asked.
 class IterationRecorder : public ceres::IterationCallback
 {
 public:
@@ -89,10 +89,16 @@ public:
         this->Keep(*this->Source.Mammograms[mammogram], this->Search.Mammograms[mammogram]);
       }
       this->Search.Observe();
-      this->Settled = this->Source.PredictedFall() < this->Searched.NegligibleFall;
+      this->Fall = this->Source.PredictedFall();
     }
-    return this->Settled ? ceres::SOLVER_TERMINATE_SUCCESSFULLY : ceres::SOLVER_CONTINUE;
+    return this->Fall < this->EndsBelow ? ceres::SOLVER_TERMINATE_SUCCESSFULLY
+                                        : ceres::SOLVER_CONTINUE;
   }
+
+  /// Ends where the best state can be expected to fall by less.
+  double EndsBelow = 0;
+  /// By how much the best state can be expected to fall.
+  double Fall = std::numeric_limits<double>::infinity();
 
 private:
   void Keep(const MammogramEvaluator& evaluator, MammogramSearch& search) const
@@ -116,22 +122,16 @@ private:
   const Level& Searched;
   JointSearch& Search;
   double Least = std::numeric_limits<double>::infinity();
-  bool Settled = false;
 };
 
-ceres::Solver::Options SolverOptions(const Level& level)
+ceres::Solver::Options SolverOptions()
 {
   ceres::Solver::Options options;
-  options.max_num_iterations = level.MaximumIterations;
   options.linear_solver_type = ceres::DENSE_QR;
   options.logging_type = ceres::SILENT;
   // A cost that falls by a thousandth tells nothing more: residuals are in standard deviations.
   options.function_tolerance = 1e-3;
   options.parameter_tolerance = 1e-3;
-  // Where tissue snaps round a plate's edge the cost jumps, however short the step: there the way
-  // down begins with a step up. The best state is kept.
-  options.use_nonmonotonic_steps = true;
-  options.max_consecutive_nonmonotonic_steps = 3;
   options.update_state_every_iteration = true;
   options.initial_trust_region_radius = 1e2;
   options.max_num_consecutive_invalid_steps = 10;
@@ -139,6 +139,48 @@ ceres::Solver::Options SolverOptions(const Level& level)
   // bounds, spends an equilibrium on each of many dents of the cost.
   options.max_num_line_search_step_size_iterations = 0;
   return options;
+}
+
+/// What is left of the cost where each of the parameters is as far off as one may be.
+double NearFall(const Level& level, const RegistrationEvaluator& evaluator)
+{
+  return level.NegligibleFall * static_cast<double>(evaluator.Unknowns.size());
+}
+
+/**
+ * Searches with steps up: where tissue snaps round a plate's edge the cost jumps, however short the
+ * step, and there the way down begins with a step up. But each of them lengthens the next, and near
+ * the bottom they swing from one side of it to the other: the finest level goes on from there by
+ * short steps down, at most a third as many.
+ */
+ceres::Solver::Summary Minimise(const Level& level, RegistrationEvaluator& evaluator,
+  const JointSearch& search, ceres::Problem& problem, IterationRecorder& recorder)
+{
+  ceres::Solver::Options options = SolverOptions();
+  options.callbacks.push_back(&recorder);
+  options.max_num_iterations = level.MaximumIterations;
+  options.use_nonmonotonic_steps = true;
+  options.max_consecutive_nonmonotonic_steps = 3;
+  recorder.EndsBelow = level.Finest ? NearFall(level, evaluator) : level.NegligibleFall;
+  ceres::Solver::Summary summary;
+  ceres::Solve(options, &problem, &summary);
+  const bool spent = summary.termination_type == ceres::NO_CONVERGENCE;
+  const bool isNear = summary.termination_type == ceres::USER_SUCCESS;
+  if (!level.Finest || !(spent || isNear) || recorder.Fall < level.NegligibleFall ||
+    evaluator.Stopped)
+  {
+    return summary;
+  }
+  const int failures = evaluator.Failures;
+  evaluator.ReturnTo(search.States());
+  evaluator.Failures = failures;
+  recorder.EndsBelow = level.NegligibleFall;
+  options.max_num_iterations = (level.MaximumIterations + 2) / 3;
+  options.use_nonmonotonic_steps = false;
+  // Ceres scales by the diagonal of the Hessian: at 1 steps are about half as long.
+  options.initial_trust_region_radius = 1;
+  ceres::Solve(options, &problem, &summary);
+  return summary;
 }
 
 void AddResiduals(RegistrationEvaluator& evaluator, ceres::Problem& problem)
@@ -167,7 +209,8 @@ struct Ending
   std::string Reason;
 };
 
-Ending EndingOf(const RegistrationEvaluator& evaluator, const ceres::Solver::Summary& summary)
+Ending EndingOf(const RegistrationEvaluator& evaluator, const ceres::Solver::Summary& summary,
+  bool settled)
 {
   if (evaluator.Stopped)
   {
@@ -180,11 +223,11 @@ Ending EndingOf(const RegistrationEvaluator& evaluator, const ceres::Solver::Sum
         " poses on the way to a better match had no equilibrium; this is the best pose that has "
         "one" };
   }
-  const bool settled = summary.termination_type == ceres::USER_SUCCESS;
-  return { summary.termination_type == ceres::FAILURE ? LevelEnd::Failed : LevelEnd::Reached,
-    summary.IsSolutionUsable() && (summary.termination_type == ceres::CONVERGENCE || settled),
+  const bool failed = summary.termination_type == ceres::FAILURE && !settled;
+  return { failed ? LevelEnd::Failed : LevelEnd::Reached,
+    settled || summary.termination_type == ceres::CONVERGENCE,
     // Like our own reasons, without a full stop.
-    settled ? "the parameters are within half a standard deviation of the best match"
+    settled ? "the parameters are, as a whole, within half a standard deviation of the best match"
             : summary.message.substr(0, summary.message.find_last_not_of(". ") + 1) };
 }
 
@@ -209,13 +252,11 @@ LevelEnd SearchLevel(std::vector<SearchedMammogram> mammograms, const Level& lev
   problemOptions.evaluation_callback = &evaluator;
   ceres::Problem problem(problemOptions);
   AddResiduals(evaluator, problem);
-  ceres::Solver::Options solverOptions = SolverOptions(level);
   IterationRecorder recorder(evaluator, level, search);
-  solverOptions.callbacks.push_back(&recorder);
-  ceres::Solver::Summary summary;
   const QuietGlog quiet;
-  ceres::Solve(solverOptions, &problem, &summary);
-  const Ending ending = EndingOf(evaluator, summary);
+  const ceres::Solver::Summary summary = Minimise(level, evaluator, search, problem, recorder);
+  const Ending ending = EndingOf(evaluator, summary,
+    recorder.Fall < (level.Finest ? NearFall(level, evaluator) : level.NegligibleFall));
   for (std::size_t mammogram = 0; mammogram < search.Mammograms.size(); ++mammogram)
   {
     KeepEnd(*evaluator.Mammograms[mammogram], ending, search.Mammograms[mammogram].Result);
