@@ -91,12 +91,10 @@ public:
       this->Search.Observe();
       this->Fall = this->Source.PredictedFall();
     }
-    return this->Fall < this->EndsBelow ? ceres::SOLVER_TERMINATE_SUCCESSFULLY
-                                        : ceres::SOLVER_CONTINUE;
+    return this->Fall < this->Searched.NegligibleFall ? ceres::SOLVER_TERMINATE_SUCCESSFULLY
+                                                      : ceres::SOLVER_CONTINUE;
   }
 
-  /// Ends where the best state can be expected to fall by less.
-  double EndsBelow = 0;
   /// By how much the best state can be expected to fall.
   double Fall = std::numeric_limits<double>::infinity();
 
@@ -141,17 +139,11 @@ ceres::Solver::Options SolverOptions()
   return options;
 }
 
-/// What is left of the cost where each of the parameters is as far off as one may be.
-double NearFall(const Level& level, const RegistrationEvaluator& evaluator)
-{
-  return level.NegligibleFall * static_cast<double>(evaluator.Unknowns.size());
-}
-
 /**
  * Searches with steps up: where tissue snaps round a plate's edge the cost jumps, however short the
- * step, and there the way down begins with a step up. But each of them lengthens the next, and near
- * the bottom they swing from one side of it to the other: the finest level goes on from there by
- * short steps down, at most a third as many.
+ * step, and there the way down begins with a step up. But each of them lengthens the next, so that
+ * near the bottom they may swing from one side of it to the other: where its iterations are spent,
+ * the finest level goes on from the best state by short steps down, at most a third as many.
  */
 ceres::Solver::Summary Minimise(const Level& level, RegistrationEvaluator& evaluator,
   const JointSearch& search, ceres::Problem& problem, IterationRecorder& recorder)
@@ -161,20 +153,15 @@ ceres::Solver::Summary Minimise(const Level& level, RegistrationEvaluator& evalu
   options.max_num_iterations = level.MaximumIterations;
   options.use_nonmonotonic_steps = true;
   options.max_consecutive_nonmonotonic_steps = 3;
-  recorder.EndsBelow = level.Finest ? NearFall(level, evaluator) : level.NegligibleFall;
   ceres::Solver::Summary summary;
   ceres::Solve(options, &problem, &summary);
-  const bool spent = summary.termination_type == ceres::NO_CONVERGENCE;
-  const bool isNear = summary.termination_type == ceres::USER_SUCCESS;
-  if (!level.Finest || !(spent || isNear) || recorder.Fall < level.NegligibleFall ||
-    evaluator.Stopped)
+  if (!level.Finest || summary.termination_type != ceres::NO_CONVERGENCE)
   {
     return summary;
   }
   const int failures = evaluator.Failures;
   evaluator.ReturnTo(search.States());
   evaluator.Failures = failures;
-  recorder.EndsBelow = level.NegligibleFall;
   options.max_num_iterations = (level.MaximumIterations + 2) / 3;
   options.use_nonmonotonic_steps = false;
   // Ceres scales by the diagonal of the Hessian: at 1 steps are about half as long.
@@ -255,8 +242,9 @@ LevelEnd SearchLevel(std::vector<SearchedMammogram> mammograms, const Level& lev
   IterationRecorder recorder(evaluator, level, search);
   const QuietGlog quiet;
   const ceres::Solver::Summary summary = Minimise(level, evaluator, search, problem, recorder);
-  const Ending ending = EndingOf(evaluator, summary,
-    recorder.Fall < (level.Finest ? NearFall(level, evaluator) : level.NegligibleFall));
+  // As a whole: each of the parameters as far off as one may be.
+  const double left = level.NegligibleFall * static_cast<double>(search.Unknowns.size());
+  const Ending ending = EndingOf(evaluator, summary, recorder.Fall < left);
   for (std::size_t mammogram = 0; mammogram < search.Mammograms.size(); ++mammogram)
   {
     KeepEnd(*evaluator.Mammograms[mammogram], ending, search.Mammograms[mammogram].Result);
