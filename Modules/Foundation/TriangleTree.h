@@ -34,6 +34,31 @@ inline std::pair<int, int> MaterialsAt(const SurfaceMesh& surface, const LineHit
 }
 
 /**
+ * A line and what of it every triangle is compared with. A line through an edge or a corner of a
+ * closed surface counts as if it ran a little beside, the same for all triangles there, so that it
+ * leaves each body as often as it enters it.
+ */
+class MAMMORAYFOUNDATION_EXPORT CrossingLine
+{
+public:
+  /// The whole line through `begin` (mm) along `direction` (of length 1).
+  CrossingLine(const Vector3& begin, const Vector3& direction);
+
+  const Vector3& Begin() const { return this->Origin; }
+  const Vector3& Direction() const { return this->Along; }
+  /// Whether the line crosses the triangle; `hit` is set only then.
+  bool Cross(const SurfaceMesh& surface, std::uint32_t triangle, LineHit& hit) const;
+  /// By T, those of one place by triangle.
+  static void Sort(std::vector<LineHit>& hits);
+
+private:
+  Vector3 Origin;
+  Vector3 Along;
+  /// Two directions across the line; right-handed with it.
+  std::array<Vector3, 2> Across;
+};
+
+/**
  * The triangles of a surface in a tree of boxes, on the host. What it finds does not depend on the
  * number of threads. Thread-safe once made.
  */
@@ -44,10 +69,8 @@ public:
   explicit TriangleTree(const SurfaceMesh& surface);
 
   /**
-   * Every crossing of the whole line through `begin` (mm) along `direction` (of length 1), sorted
-   * by T. A line through an edge or a corner of a closed surface counts as if it ran a little
-   * beside, the same for all triangles there, so that it leaves each body as often as it enters it.
-   * `hits` is cleared first.
+   * Every crossing of the whole line through `begin` (mm) along `direction` (of length 1), as by
+   * CrossingLine, sorted. `hits` is cleared first.
    */
   void CrossLine(const Vector3& begin, const Vector3& direction, std::vector<LineHit>& hits) const;
 

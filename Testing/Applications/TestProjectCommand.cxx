@@ -211,6 +211,34 @@ TEST_F(ProjectCommand, OverlapIsToldAndFollowsTheRule)
   this->ExpectRefused(options + " --overlap-priority bone", "bone");
 }
 
+TEST_F(ProjectCommand, ASmallOverlapInALargeSurfaceIsTold)
+{
+  if (!HasDevice())
+  {
+    GTEST_SKIP() << "no Vulkan device";
+  }
+  SurfaceMesh bodies;
+  shapes::AddSphere(bodies, { 0, 0, 0 }, 40, 6, 1);
+  ASSERT_GT(bodies.NumberOfTriangles(), 20000u);
+  const std::string surface = this->Folder.File("bodies.vtp");
+  const std::string options = "project --mesh " + surface + " --materials " +
+    this->Folder.Write("table.json", R"({"materials": [{"name": "air", "labels": [0]},
+      {"name": "fat", "labels": [1], "attenuation": "adipose", "density_g_per_cm3": 0.92},
+      {"name": "stone", "labels": [2], "attenuation": "CaC2O4", "density_g_per_cm3": 2}]})") +
+    " --kev 20 --beam-direction 0 0 -1 --detector-origin -40 -40 -50 --column-direction 1 0 0 "
+    "--row-direction 0 1 0 --columns 8 --rows 8 --pixel-spacing 10 --overwrite -o " +
+    this->Image;
+  WriteMesh(ToPolyData(bodies, { "air", "fat" }), surface);
+  ASSERT_EQ(this->Run(options), 0) << this->Errors;
+  EXPECT_EQ(this->Errors, "");
+  shapes::AddSphere(bodies, { 5.3, 5.2, -8 }, 0.1, 1, 2); // between the rays of all pixels
+  WriteMesh(ToPolyData(bodies, { "air", "fat", "stone" }), surface);
+  ASSERT_EQ(this->Run(options), 0) << this->Errors;
+  EXPECT_THAT(this->Errors,
+    testing::HasSubstr("1 parts lie in others though their labels say air"));
+  EXPECT_THAT(this->Errors, testing::HasSubstr("no ray of this image is changed by it"));
+}
+
 TEST_F(ProjectCommand, TubeFiltersAndWhatAUnitAdds)
 {
   if (!HasDevice())

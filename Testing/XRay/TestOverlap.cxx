@@ -15,7 +15,7 @@ const Vector3 Low1{ -30, -20, -10 };
 const Vector3 High1{ 10, 20, 10 };
 const Vector3 Low2{ -10, -15, 0 };
 const Vector3 High2{ 30, 15, 25 };
-const XRaySource Focus = PointSource({ 5, 3, 400 });
+const XRaySource Tube = PointSource({ 5, 3, 400 });
 
 XRayDetector Film(int samples = 1)
 {
@@ -49,22 +49,22 @@ TEST_P(OverlapTest, EveryStretchCountsOnceForTheFirstMaterial)
 {
   const SurfaceMesh mesh = TwoBoxes();
   const XRayDetector detector = Film();
-  const PathLengthImage sums = this->Project(mesh, Focus, detector);
+  const PathLengthImage sums = this->Project(mesh, Tube, detector);
   const double tolerance = this->GetParam().Double ? 3e-5 : 2e-3; // those of the projectors
   int overlapped = 0;
   for (const std::vector<int>& priority : { std::vector<int>{ 1 }, std::vector<int>{ 2 } })
   {
     const auto projector = this->WithPriority(priority);
     projector->SetSurface(mesh);
-    const PathLengthImage image = projector->Project(Focus, detector);
+    const PathLengthImage image = projector->Project(Tube, detector);
     EXPECT_EQ(image.NumberOfInconsistentRays(), 0u);
     for (int row = 0; row < detector.Rows; ++row)
     {
       for (int column = 0; column < detector.Columns; ++column)
       {
         const Vector3 pixel = Pixel(detector, column, row);
-        const auto one = BoxInterval(Low1, High1, Rotation(0.1, 0.05, 0), Focus.Position, pixel);
-        const auto other = BoxInterval(Low2, High2, Rotation(0, 0.1, 0.2), Focus.Position, pixel);
+        const auto one = BoxInterval(Low1, High1, Rotation(0.1, 0.05, 0), Tube.Position, pixel);
+        const auto other = BoxInterval(Low2, High2, Rotation(0, 0.1, 0.2), Tube.Position, pixel);
         const double common =
           std::max(0.0, std::min(one[1], other[1]) - std::max(one[0], other[0]));
         overlapped += common > 0 ? 1 : 0;
@@ -91,10 +91,10 @@ TEST_P(OverlapTest, TheSameMaterialCountsOnceAndInsideOutNever)
   const auto projector = this->WithPriority({ 1 });
   projector->SetSurface(mesh);
   const XRayDetector detector = Film();
-  const PathLengthImage image = projector->Project(Focus, detector);
+  const PathLengthImage image = projector->Project(Tube, detector);
   SurfaceMesh alone;
   AddSphere(alone, { 0, 0, 0 }, 10, 3, 1);
-  const PathLengthImage expected = this->Project(alone, Focus, detector);
+  const PathLengthImage expected = this->Project(alone, Tube, detector);
   EXPECT_EQ(image.NumberOfInconsistentRays(), 0u);
   EXPECT_THAT(image.Lengths,
     testing::Pointwise(testing::FloatNear(this->GetParam().Double ? 3e-5f : 2e-3f),
@@ -116,7 +116,7 @@ TEST_P(OverlapTest, DerivativesAreThoseOfTheRule)
     velocities[(point < 8 ? 0 : count) + 3 * point + 2] = point < 8 ? 1.0 : -0.7;
   }
   PathLengthDerivatives derivatives;
-  const PathLengthImage image = projector->Project(Focus, detector, velocities, 2, derivatives);
+  const PathLengthImage image = projector->Project(Tube, detector, velocities, 2, derivatives);
   const double step = 1e-3;
   std::size_t compared = 0;
   for (int field = 0; field < 2; ++field)
@@ -130,7 +130,7 @@ TEST_P(OverlapTest, DerivativesAreThoseOfTheRule)
         points[n] += (side == 0 ? -step : step) * velocities[field * count + n];
       }
       projector->UpdatePoints(points);
-      beside[static_cast<std::size_t>(side)] = projector->Project(Focus, detector);
+      beside[static_cast<std::size_t>(side)] = projector->Project(Tube, detector);
     }
     for (int material = 1; material < 3; ++material)
     {
@@ -160,13 +160,13 @@ TEST_P(OverlapTest, RaysFollowTheRuleToo)
   const auto projector = this->WithPriority({ 2 });
   projector->SetSurface(TwoBoxes());
   const XRayDetector detector = Film();
-  const PathLengthImage image = projector->Project(Focus, detector);
+  const PathLengthImage image = projector->Project(Tube, detector);
   std::vector<XRayLine> rays;
   for (int row = 0; row < detector.Rows; ++row)
   {
     for (int column = 0; column < detector.Columns; ++column)
     {
-      rays.push_back({ Focus.Position, Pixel(detector, column, row) });
+      rays.push_back({ Tube.Position, Pixel(detector, column, row) });
     }
   }
   EXPECT_THAT(projector->ProjectRays(rays).Lengths,
@@ -198,6 +198,35 @@ TEST(OverlapMeasure, CountsRaysAndLengths)
   AddSphere(sound, { 0, 0, 0 }, 10, 4, 1);
   AddSphere(sound, { 0, 0, 0 }, 5, 4, 2, 1);
   EXPECT_EQ(MeasureOverlap(sound, ParallelBeam({ 0, 0, -1 }), detector).Warning({}), "");
+}
+
+TEST(OverlapMeasure, LargeSurfacesAreSearchedWhereLinesMeetContradictions)
+{
+  SurfaceMesh mesh;
+  AddSphere(mesh, { 0, 0, 0 }, 40, 6, 1);
+  ASSERT_GT(mesh.NumberOfTriangles(), 20000u);
+  const XRayDetector detector =
+    CentredDetector({ 0, 0, -60 }, { 1, 0, 0 }, { 0, 1, 0 }, 90, 90, 7, 7);
+  const XRaySource outside = PointSource({ 5, 3, 400 });
+  EXPECT_TRUE(MeasureOverlap(mesh, outside, detector).Overlap.None());
+  // 80 triangles in 81,920, which no ray of the picture comes near.
+  AddSphere(mesh, { 10.3, 5.2, -8 }, 0.1, 1, 2);
+  for (const XRaySource& source :
+    { outside, ParallelBeam({ 0.1, 0, -1 }), PointSource({ 1, 2, 3 }) })
+  {
+    const OverlapMeasure within = MeasureOverlap(mesh, source, detector);
+    EXPECT_EQ(within.Overlap.DoubledParts, 1u);
+    EXPECT_EQ(within.Overlap.Crossings, 0u);
+    EXPECT_EQ(within.Contradicting, 0u);
+    EXPECT_THAT(within.Warning({}), testing::HasSubstr("; no ray of this image is changed by it"));
+  }
+  // One that sticks out by half: the same counts as those of the search itself.
+  AddSphere(mesh, { 0, 40, 0 }, 0.5, 2, 3);
+  const OverlapMeasure crossing = MeasureOverlap(mesh, outside, detector);
+  const SurfaceOverlap expected = FindOverlap(mesh, TriangleTree(mesh));
+  EXPECT_GT(crossing.Overlap.Crossings, 0u);
+  EXPECT_EQ(crossing.Overlap.Crossings, expected.Crossings);
+  EXPECT_EQ(crossing.Overlap.DoubledParts, expected.DoubledParts);
 }
 
 TEST(OverlapPriority, RefusesAirAndRepetition)

@@ -15,7 +15,7 @@ namespace
 constexpr std::uint32_t TrianglesPerLeaf = 4;
 
 /// Two directions across a line.
-std::array<Vector3, 2> Across(const Vector3& direction)
+std::array<Vector3, 2> DirectionsAcross(const Vector3& direction)
 {
   std::size_t least = 0;
   for (std::size_t axis = 1; axis < 3; ++axis)
@@ -44,6 +44,63 @@ double Decisive(double value, const Place& a, const Place& b)
 {
   return value != 0 ? value : a[1] != b[1] ? b[1] - a[1] : a[0] - b[0];
 }
+}
+
+CrossingLine::CrossingLine(const Vector3& begin, const Vector3& direction)
+  : Origin(begin)
+  , Along(direction)
+  , Across(DirectionsAcross(direction))
+{
+}
+
+bool CrossingLine::Cross(const SurfaceMesh& surface, std::uint32_t triangle, LineHit& hit) const
+{
+  std::array<Vector3, 3> points;
+  std::array<Place, 3> seen;
+  for (std::size_t corner = 0; corner < 3; ++corner)
+  {
+    const double* at =
+      &surface.Points[3 * std::size_t{ surface.Triangles[3 * std::size_t{ triangle } + corner] }];
+    points[corner] = Vector3{ at[0], at[1], at[2] } - this->Origin;
+    seen[corner] = { Dot(points[corner], this->Across[0]), Dot(points[corner], this->Across[1]) };
+  }
+  // Value i lies opposite of corner i; together they are the barycentric coordinates.
+  std::array<double, 3> values{};
+  int positive = 0;
+  int negative = 0;
+  for (std::size_t i = 0; i < 3; ++i)
+  {
+    const Place& a = seen[(i + 1) % 3];
+    const Place& b = seen[(i + 2) % 3];
+    values[i] = EdgeValue(a, b);
+    const double side = Decisive(values[i], a, b);
+    positive += side > 0 ? 1 : 0;
+    negative += side < 0 ? 1 : 0;
+  }
+  if (positive < 3 && negative < 3)
+  {
+    return false;
+  }
+  const double whole = values[0] + values[1] + values[2];
+  hit.Triangle = triangle;
+  hit.Weights = whole != 0
+    ? std::array<double, 3>{ values[0] / whole, values[1] / whole, values[2] / whole }
+    : std::array<double, 3>{ 1, 0, 0 };
+  hit.T = 0;
+  for (std::size_t i = 0; i < 3; ++i)
+  {
+    hit.T += hit.Weights[i] * Dot(points[i], this->Along);
+  }
+  // Corners that turn counter-clockwise show the front to whom the direction leads to.
+  hit.FacesBeginning = negative == 3;
+  return true;
+}
+
+void CrossingLine::Sort(std::vector<LineHit>& hits)
+{
+  std::sort(hits.begin(), hits.end(),
+    [](const LineHit& a, const LineHit& b)
+    { return a.T != b.T ? a.T < b.T : a.Triangle < b.Triangle; });
 }
 
 TriangleTree::TriangleTree(const SurfaceMesh& surface)
@@ -162,9 +219,6 @@ void TriangleTree::CrossLine(const Vector3& begin, const Vector3& direction,
   std::vector<LineHit>& hits) const
 {
   hits.clear();
-  const std::array<Vector3, 2> across = Across(direction);
-  const Vector3& u = across[0];
-  const Vector3& v = across[1];
   const auto meets = [&](const Box& box)
   {
     // Along each of the three directions across line and axes, the box's shadow must reach the
@@ -183,54 +237,17 @@ void TriangleTree::CrossLine(const Vector3& begin, const Vector3& direction,
     }
     return meet;
   };
-  const auto visit = [&](std::uint32_t triangle)
-  {
-    std::array<Vector3, 3> points;
-    std::array<Place, 3> seen;
-    for (std::size_t corner = 0; corner < 3; ++corner)
+  const CrossingLine line(begin, direction);
+  LineHit hit;
+  this->Descend(meets,
+    [&](std::uint32_t triangle)
     {
-      const double* at =
-        &this->Surface->Points[3 * std::size_t{ this->Surface->Triangles[3 * triangle + corner] }];
-      points[corner] = Vector3{ at[0], at[1], at[2] } - begin;
-      seen[corner] = { Dot(points[corner], u), Dot(points[corner], v) };
-    }
-    // Value i lies opposite of corner i; together they are the barycentric coordinates.
-    std::array<double, 3> values{};
-    int positive = 0;
-    int negative = 0;
-    for (std::size_t i = 0; i < 3; ++i)
-    {
-      const Place& a = seen[(i + 1) % 3];
-      const Place& b = seen[(i + 2) % 3];
-      values[i] = EdgeValue(a, b);
-      const double side = Decisive(values[i], a, b);
-      positive += side > 0 ? 1 : 0;
-      negative += side < 0 ? 1 : 0;
-    }
-    if (positive < 3 && negative < 3)
-    {
-      return;
-    }
-    const double whole = values[0] + values[1] + values[2];
-    LineHit hit;
-    hit.Triangle = triangle;
-    hit.Weights = whole != 0
-      ? std::array<double, 3>{ values[0] / whole, values[1] / whole, values[2] / whole }
-      : std::array<double, 3>{ 1, 0, 0 };
-    hit.T = 0;
-    for (std::size_t i = 0; i < 3; ++i)
-    {
-      hit.T += hit.Weights[i] * Dot(points[i], direction);
-    }
-    // u, v and the direction are right-handed: corners that turn counter-clockwise show the front
-    // to whom the direction leads to.
-    hit.FacesBeginning = negative == 3;
-    hits.push_back(hit);
-  };
-  this->Descend(meets, visit);
-  std::sort(hits.begin(), hits.end(),
-    [](const LineHit& a, const LineHit& b)
-    { return a.T != b.T ? a.T < b.T : a.Triangle < b.Triangle; });
+      if (line.Cross(*this->Surface, triangle, hit))
+      {
+        hits.push_back(hit);
+      }
+    });
+  CrossingLine::Sort(hits);
 }
 
 std::vector<std::pair<std::uint32_t, std::uint32_t>> TriangleTree::ClosePairs() const

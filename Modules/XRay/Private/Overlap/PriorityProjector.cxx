@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "Private/PriorityProjector.h"
+#include "Private/Overlap/PriorityProjector.h"
 
 #include "Grazing.h"
 #include "Private/SampleGrid.h"
