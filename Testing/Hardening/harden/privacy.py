@@ -193,12 +193,11 @@ def try_export(program, marks, count):
     made = program.run("example", "study", "-o", study, "--seed", marks.draws.randrange(1, 9), seconds=1800)
     count.add(made.done(), "example study", made.told())
     export = program.path("export-of-a-patient")
-    for number, (_, data) in enumerate(outputs(os.path.join(study, "export"))):
+    patient = (marks.new(), marks.new())
+    for _, data in outputs(os.path.join(study, "export")):
         data = data[data.index(b"\n") + 1:]
         os.makedirs(export, exist_ok=True)
         if data[128:132] == b"DICM":
-            if number == 0:
-                patient = (marks.new(), marks.new())
             file = DicomBytes(marks.plant(data))
             # One patient, and one description a series, as a clinic has them.
             file.set((0x10, 0x10), b"PN", patient[0]).set((0x10, 0x20), b"LO", patient[1])
