@@ -183,9 +183,8 @@ void DeclareDetector(const OptionList& add, ProjectArguments& arguments)
     "where parts overlap though their surfaces say air, count the first of these MATERIALs that is "
     "there, once; others follow in the table's order. Default: such stretches count for each part, "
     "with a warning (beyond 20,000 triangles where lines through the picture and through each "
-    "part "
-    "meet some; mesh --check finds every crossing). Rays through overlaps are followed twice, on "
-    "the host")
+    "part meet some; mesh --check finds every crossing). Rays through overlaps are followed twice, "
+    "on the host")
     ->type_name("MATERIAL ...");
 }
 

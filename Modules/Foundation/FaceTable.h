@@ -9,6 +9,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <numeric>
 #include <span>
 #include <tuple>
 #include <vector>
@@ -80,6 +81,32 @@ private:
   /// is quick.
   std::vector<std::size_t> GroupBegin;
   std::vector<Entry> Entries;
+};
+
+/// Sets of the numbers [0, count) that are joined pair by pair; at first each is alone.
+class DisjointSets
+{
+public:
+  explicit DisjointSets(std::size_t count)
+    : Parent(count)
+  {
+    std::iota(this->Parent.begin(), this->Parent.end(), std::uint32_t{ 0 });
+  }
+  /// The same for all members of a set.
+  std::uint32_t Root(std::uint32_t member)
+  {
+    while (this->Parent[member] != member)
+    {
+      this->Parent[member] = this->Parent[this->Parent[member]];
+      member = this->Parent[member];
+    }
+    return member;
+  }
+  /// The set of `a` gets the root of that of `b`.
+  void Join(std::uint32_t a, std::uint32_t b) { this->Parent[this->Root(a)] = this->Root(b); }
+
+private:
+  std::vector<std::uint32_t> Parent;
 };
 }
 

@@ -46,6 +46,8 @@ public:
 
   const Vector3& Begin() const { return this->Origin; }
   const Vector3& Direction() const { return this->Along; }
+  /// Two directions across the line; right-handed with it.
+  const std::array<Vector3, 2>& Across() const { return this->Sideways; }
   /// Whether the line crosses the triangle; `hit` is set only then.
   bool Cross(const SurfaceMesh& surface, std::uint32_t triangle, LineHit& hit) const;
   /// By T, those of one place by triangle.
@@ -54,8 +56,7 @@ public:
 private:
   Vector3 Origin;
   Vector3 Along;
-  /// Two directions across the line; right-handed with it.
-  std::array<Vector3, 2> Across;
+  std::array<Vector3, 2> Sideways;
 };
 
 /**

@@ -58,30 +58,6 @@ private:
   std::map<Kind, MeshTrouble> ByKind;
 };
 
-/// Sets of numbers that are joined pair by pair.
-class DisjointSets
-{
-public:
-  explicit DisjointSets(std::size_t count)
-    : Parent(count)
-  {
-    std::iota(this->Parent.begin(), this->Parent.end(), std::uint32_t{ 0 });
-  }
-  std::uint32_t Root(std::uint32_t member)
-  {
-    while (this->Parent[member] != member)
-    {
-      this->Parent[member] = this->Parent[this->Parent[member]];
-      member = this->Parent[member];
-    }
-    return member;
-  }
-  void Join(std::uint32_t a, std::uint32_t b) { this->Parent[this->Root(a)] = this->Root(b); }
-
-private:
-  std::vector<std::uint32_t> Parent;
-};
-
 /// Edges and points that were told, each once though several materials may be pinched there.
 struct PinchedPlaces
 {

@@ -2,10 +2,10 @@
 #include "mammoray/Foundation/SurfaceOverlap.h"
 
 #include "Private/TriangleCrossing.h"
+#include "mammoray/Foundation/FaceTable.h"
 
 #include <algorithm>
 #include <map>
-#include <numeric>
 #include <set>
 
 namespace mammoray
@@ -129,28 +129,18 @@ struct SurfaceParts
   explicit SurfaceParts(const SurfaceOnGrid& grid)
     : PartOf(grid.NumberOfTriangles())
   {
-    std::vector<std::uint32_t> parent(grid.NumberOfPlaces());
-    std::iota(parent.begin(), parent.end(), 0u);
-    const auto root = [&](std::uint32_t member)
-    {
-      while (parent[member] != member)
-      {
-        parent[member] = parent[parent[member]];
-        member = parent[member];
-      }
-      return member;
-    };
+    DisjointSets places(grid.NumberOfPlaces());
     for (std::uint32_t triangle = 0; triangle < this->PartOf.size(); ++triangle)
     {
       const auto corners = grid.Corners(triangle);
-      parent[root(corners[1])] = root(corners[0]);
-      parent[root(corners[2])] = root(corners[0]);
+      places.Join(corners[1], corners[0]);
+      places.Join(corners[2], corners[0]);
     }
     std::map<std::uint32_t, std::uint32_t> numbers;
     for (std::uint32_t triangle = 0; triangle < this->PartOf.size(); ++triangle)
     {
       const auto next = static_cast<std::uint32_t>(this->Triangles.size());
-      const auto [entry, isNew] = numbers.try_emplace(root(grid.Corners(triangle)[0]), next);
+      const auto [entry, isNew] = numbers.try_emplace(places.Root(grid.Corners(triangle)[0]), next);
       if (isNew)
       {
         this->Triangles.emplace_back();

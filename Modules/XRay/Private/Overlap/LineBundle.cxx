@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Private/Overlap/LineBundle.h"
 
+#include "mammoray/Foundation/FaceTable.h"
 #include "mammoray/Foundation/ParallelFor.h"
 #include "mammoray/Foundation/SurfaceOverlap.h"
 
@@ -40,17 +41,10 @@ public:
         ExtentsAlong<3>({ { { 1, 0, 0 }, { 0, 1, 0 }, { 0, 0, 1 } } }, surface.Points);
       way = Vector3{ axes[0].Middle(), axes[1].Middle(), axes[2].Middle() } - source.Position;
     }
-    std::size_t least = 0;
-    for (std::size_t axis = 1; axis < 3; ++axis)
-    {
-      least = std::abs(way[axis]) < std::abs(way[least]) ? axis : least;
-    }
-    Vector3 other{ 0, 0, 0 };
-    other[least] = 1;
     this->Forward = (1 / Norm(way)) * way;
-    const Vector3 u = Cross(this->Forward, other);
-    this->U = (1 / Norm(u)) * u;
-    this->V = Cross(this->Forward, this->U);
+    const CrossingLine axis(this->Origin, this->Forward);
+    this->U = axis.Across()[0];
+    this->V = axis.Across()[1];
   }
 
   /// Whether the surface lies before the source, not so near that shadows lose their digits.
@@ -243,33 +237,18 @@ CrossingLine LineThrough(const XRaySource& source, const Vector3& place)
 std::optional<std::vector<std::uint32_t>> SampleParts(const SurfaceMesh& surface,
   std::size_t wanted, std::size_t fewest)
 {
-  std::vector<std::uint32_t> parent(surface.NumberOfPoints());
-  std::iota(parent.begin(), parent.end(), 0u);
-  const auto root = [&](std::uint32_t member)
-  {
-    while (parent[member] != member)
-    {
-      parent[member] = parent[parent[member]];
-      member = parent[member];
-    }
-    return member;
-  };
+  DisjointSets points(surface.NumberOfPoints());
   const std::vector<std::uint32_t>& corners = surface.Triangles;
   for (std::size_t n = 0; n < corners.size(); n += 3)
   {
-    const std::uint32_t first = root(corners[n]);
-    parent[root(corners[n + 1])] = first;
-    parent[root(corners[n + 2])] = first;
-  }
-  for (std::uint32_t point = 0; point < parent.size(); ++point)
-  {
-    parent[point] = root(point);
+    points.Join(corners[n + 1], corners[n]);
+    points.Join(corners[n + 2], corners[n]);
   }
   // By root: triangles of the part.
-  std::vector<std::uint32_t> sizes(parent.size(), 0);
+  std::vector<std::uint32_t> sizes(surface.NumberOfPoints(), 0);
   for (std::size_t n = 0; n < corners.size(); n += 3)
   {
-    sizes[parent[corners[n]]] += 1;
+    sizes[points.Root(corners[n])] += 1;
   }
   const auto parts = static_cast<std::size_t>(
     std::count_if(sizes.begin(), sizes.end(), [](std::uint32_t size) { return size > 0; }));
@@ -278,11 +257,11 @@ std::optional<std::vector<std::uint32_t>> SampleParts(const SurfaceMesh& surface
     return {};
   }
   const std::size_t share = wanted / std::max<std::size_t>(1, parts);
-  std::vector<std::uint32_t> met(parent.size(), 0);
+  std::vector<std::uint32_t> met(sizes.size(), 0);
   std::vector<std::uint32_t> sample;
   for (std::size_t n = 0; n < corners.size(); n += 3)
   {
-    const std::uint32_t part = parent[corners[n]];
+    const std::uint32_t part = points.Root(corners[n]);
     const std::size_t step = std::max<std::size_t>(1, sizes[part] / share);
     if (met[part]++ % step == 0)
     {
