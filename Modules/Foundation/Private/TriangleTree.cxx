@@ -62,7 +62,8 @@ bool CrossingLine::Cross(const SurfaceMesh& surface, std::uint32_t triangle, Lin
     const double* at =
       &surface.Points[3 * std::size_t{ surface.Triangles[3 * std::size_t{ triangle } + corner] }];
     points[corner] = Vector3{ at[0], at[1], at[2] } - this->Origin;
-    seen[corner] = { Dot(points[corner], this->Sideways[0]), Dot(points[corner], this->Sideways[1]) };
+    seen[corner] = { Dot(points[corner], this->Sideways[0]),
+      Dot(points[corner], this->Sideways[1]) };
   }
   // Value i lies opposite of corner i; together they are the barycentric coordinates.
   std::array<double, 3> values{};
