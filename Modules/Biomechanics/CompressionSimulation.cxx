@@ -20,6 +20,8 @@ namespace
 {
 /// Part of the largest load step that is taken after a cold start failed.
 constexpr double SmallerLoadStep = 0.37;
+/// Of an equilibrium's progress: where the plates are closed.
+constexpr double ClosedPart = 0.9;
 
 std::vector<bool> CellsOf(const TetrahedralMesh& mesh, const std::vector<bool>& held)
 {
@@ -309,7 +311,8 @@ CompressionState CompressionSimulation::Run(const PlatePair& plates, const Compr
   internal.Solver.SetLoads(internal.Loads(options.GravityMPerS2, options.PullN));
   LaggedFriction solver(internal.Solver, internal.Body, options.Friction, from.Positions,
     from.Plates, start ? start->Friction.get() : nullptr);
-  LoadPath path(solver, options, plates, std::move(from), progress);
+  // Where the plates are closed, contact is still to be hardened: the end is told once, below.
+  LoadPath path(solver, options, plates, std::move(from), ShareOf(progress, 0, ClosedPart));
   if (!start && predicted.empty())
   {
     predicted = this->PredictedPositions(plates, progress);

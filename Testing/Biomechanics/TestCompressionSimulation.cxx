@@ -466,6 +466,24 @@ TEST(CompressionSimulation, RefusesTwoMillimetresWithTheLastGoodThickness)
   }
 }
 
+TEST(CompressionSimulation, TellsItsEndOnce)
+{
+  const CompressionSimulation simulation = MakeBreast({}, 0.49, 4);
+  int ends = 0;
+  double last = 0;
+  const ProgressCallback count = [&](double fraction, const char*)
+  {
+    ends += fraction >= 1 ? 1 : 0;
+    last = fraction;
+    return true;
+  };
+  const CompressionState state = simulation.Compress(MakePlates(60), nullptr, count);
+  EXPECT_EQ(ends, 1);
+  EXPECT_EQ(last, 1);
+  simulation.Compress(MakePlates(59), &state, count);
+  EXPECT_EQ(ends, 2);
+}
+
 TEST(CompressionSimulation, StopsWhenAsked)
 {
   const CompressionSimulation simulation = MakeBreast();
