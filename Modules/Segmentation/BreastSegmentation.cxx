@@ -217,6 +217,10 @@ private:
       throw InputError("MRI: expected tissue at least " + NumberText(SmallestContrast) +
         " times as bright as the air in front of it, found " + NumberText(this->Air.Contrast));
     }
+    if (this->Options.AirThreshold == 0)
+    {
+      CheckSteps(this->Volume, this->Air.AirThreshold);
+    }
   }
 
   /// The logarithms of the images, falling from fat to muscle.

@@ -83,6 +83,26 @@ TEST(CheckImage, WantsAsManyMillimetresAsTheFiltersNeed)
   }
 }
 
+TEST(CheckSteps, WantsAirThatIsMoreThanZeros)
+{
+  IntensityVolume volume = TwoIntensities({ 8, 8, 8 }, 5);
+  for (std::size_t voxel = 0; voxel < volume.Voxels.size(); ++voxel)
+  {
+    volume.Voxels[voxel] = 0.5f * static_cast<float>(voxel % 16);
+  }
+  const auto verdict = [&](double airThreshold)
+  { return RefusalOf([&] { CheckSteps(volume, airThreshold); }); };
+  EXPECT_THAT(verdict(0.4), HasSubstr("found air to end at 0.4 and steps of 0.5"));
+  EXPECT_EQ(verdict(0.5), NotRefused);
+  // A value between steps: no such steps. A drawing in few intensities has no noise.
+  volume.Voxels[7] = 1.2f;
+  EXPECT_EQ(verdict(0.4), NotRefused);
+  volume.Voxels.assign(volume.Voxels.size(), 0.0f);
+  volume.Voxels[7] = 100;
+  volume.Voxels[8] = 200;
+  EXPECT_EQ(verdict(10), NotRefused);
+}
+
 TEST(CheckSegmentationOptions, NamesTheOptionAndItsRange)
 {
   const auto refusalOf = [](const std::function<void(SegmentationOptions&)>& change)

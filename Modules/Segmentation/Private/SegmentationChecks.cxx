@@ -8,6 +8,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <set>
 
 namespace mammoray
 {
@@ -48,6 +50,40 @@ void CheckImage(const IntensityVolume& image, bool acceptUnusual)
         NumberText(image.Size[1] * image.Spacing[1]) + " x " +
         NumberText(image.Size[2] * image.Spacing[2]) + " mm");
     }
+  }
+}
+
+void CheckSteps(const IntensityVolume& image, double airThreshold)
+{
+  constexpr std::size_t fewestMultiples = 16;
+  float step = std::numeric_limits<float>::infinity();
+  for (const float value : image.Voxels)
+  {
+    step = value > 0 ? std::min(step, value) : step;
+  }
+  if (!(airThreshold < static_cast<double>(step)))
+  {
+    return;
+  }
+  std::set<float> multiples;
+  for (const float value : image.Voxels)
+  {
+    const float multiple = std::round(value / step);
+    if (std::abs(value - multiple * step) > 1e-3f * step)
+    {
+      return;
+    }
+    if (multiples.size() < fewestMultiples)
+    {
+      multiples.insert(multiple);
+    }
+  }
+  if (multiples.size() == fewestMultiples)
+  {
+    throw InputError("MRI: expected intensities in steps finer than the noise of air, found air to "
+                     "end at " +
+      NumberText(airThreshold) + " and steps of " + NumberText(step) +
+      "; export it with its whole range of values");
   }
 }
 

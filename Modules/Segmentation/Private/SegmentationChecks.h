@@ -11,6 +11,10 @@ namespace mammoray
 /// intensities and, unless all is accepted, voxels of a plausible spacing.
 MAMMORAYSEGMENTATION_EXPORT void CheckImage(const IntensityVolume& image, bool acceptUnusual);
 
+/// Throws InputError where an image's values are whole multiples (16 of them at least) of a step
+/// and air ends below the first: rounded so, noise has no distribution left by which it is known.
+MAMMORAYSEGMENTATION_EXPORT void CheckSteps(const IntensityVolume& image, double airThreshold);
+
 /// Whether the caller's gland threshold (0: none) is an image's: gland is darker than bright fat,
 /// and brighter than dark.
 inline bool IsThresholdOf(double given, bool fatBright)
