@@ -165,11 +165,6 @@ vtkSmartPointer<vtkUnstructuredGrid> CompressionGrids::At(const CompressionState
   return result;
 }
 
-std::size_t CompressionGrids::NumberOfInvertedCells(vtkUnstructuredGrid* grid)
-{
-  return static_cast<std::size_t>(grid->GetFieldData()->GetArray("InvertedCells")->GetTuple1(0));
-}
-
 double TimeOf(std::size_t step, std::size_t count)
 {
   return count > 1 ? static_cast<double>(step) / static_cast<double>(count - 1) : 1;

@@ -44,8 +44,6 @@ public:
   /// `thicknessMm`: to be told as such; the distance of the plates where it is not given.
   vtkSmartPointer<vtkUnstructuredGrid> At(const CompressionState& state,
     std::optional<double> thicknessMm = {}) const;
-  /// Cells of a grid made here whose corners are turned inside out.
-  static std::size_t NumberOfInvertedCells(vtkUnstructuredGrid* grid);
 
 private:
   vtkSmartPointer<vtkUnstructuredGrid> Grid;
