@@ -25,9 +25,9 @@ constexpr double NegligibleFallOfPredictor = 2;
 constexpr double StartEnds = 0.1;
 constexpr double CoarseEnds = 0.35;
 constexpr double AdoptedEnds = 0.45;
-/// Equilibria that a stage takes for each mammogram, by experience: a level 5 to 20.
+/// Equilibria that a stage takes for each mammogram, by experience: a level 8 to 25.
 constexpr double EquilibriaOfStart = 5;
-constexpr double EquilibriaOfLevel = 9;
+constexpr double EquilibriaOfLevel = 12;
 
 /**
  * Of a stage that takes from `from` to `to` of the whole, in equilibria that each tell of
