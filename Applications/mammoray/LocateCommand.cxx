@@ -45,7 +45,7 @@ void Declare(const OptionList& add, LocateArguments& arguments)
   add("--view", arguments.View,
     "which mammogram, where several were registered together: the name of its folder, such as mlo; "
     "--point without it gives all");
-  CLI::Option_group* place = add.App().add_option_group("place", "what to find; one of");
+  CLI::Option_group* place = add.App().add_option_group("place", "what to find, one of");
   const OptionList addPlace(*place);
   AddPointOption(addPlace, arguments.Point, ": gives its pixel with an uncertainty ellipse");
   addPlace.Numbers("--pixel", arguments.Pixel, "COLUMN ROW",

@@ -27,13 +27,13 @@ struct SendArguments
 
 void Declare(const OptionList& add, SendArguments& arguments)
 {
-  CLI::Option_group* what = add.App().add_option_group("what", "what to send; one of");
+  CLI::Option_group* what = add.App().add_option_group("what", "what to send, one of");
   const OptionList addWhat(*what);
   AddResultOption(addWhat, arguments.Result)
     ->description("folder of a registration: the objects that 'mammoray dicom' has written there");
   addWhat.Input("--files", arguments.Files, "DICOM files, and folders of them");
   what->require_option(1);
-  CLI::Option_group* where = add.App().add_option_group("where", "where to; one of");
+  CLI::Option_group* where = add.App().add_option_group("where", "where to, one of");
   const OptionList addWhere(*where);
   AddPacsOption(addWhere, arguments.Pacs);
   addWhere("--web", arguments.Web.Url,

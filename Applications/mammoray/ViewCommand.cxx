@@ -29,7 +29,7 @@ struct ViewArguments
 
 void DeclareInput(const OptionList& add, ViewInput& input)
 {
-  CLI::Option_group* what = add.App().add_option_group("what", "to look at; one of");
+  CLI::Option_group* what = add.App().add_option_group("what", "what to look at, one of");
   const OptionList addWhat(*what);
   AddResultOption(addWhat, input.Result);
   addWhat.Input("--mesh", input.Mesh,

@@ -98,6 +98,8 @@ TEST_F(HelpCommand, EveryCommandHasAnExampleOfItsOwnOptionsAndFitsTheWidth)
         EXPECT_THAT(help.substr(0, example), HasSubstr(word)) << name;
       }
     }
+    EXPECT_EQ(help.find("Option Group"), std::string::npos) << name;
+    EXPECT_EQ(help.find("--help "), help.rfind("--help ")) << name << " tells it once";
     std::istringstream helpLines(help);
     bool afterOption = false;
     while (std::getline(helpLines, line))
@@ -105,7 +107,7 @@ TEST_F(HelpCommand, EveryCommandHasAnExampleOfItsOwnOptionsAndFitsTheWidth)
       EXPECT_LE(line.size(), 100u) << name << ": " << line;
       // What an option is for goes on in the second column.
       EXPECT_TRUE(!afterOption || line.empty() || line.starts_with("  -") ||
-        line.starts_with('[') || line.starts_with(std::string(30, ' ')))
+        line.starts_with(std::string(30, ' ')))
         << name << ": " << line;
       // A list of words may be longer than a line.
       afterOption = line.starts_with("  -") && !line.ends_with(',');

@@ -9,6 +9,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cstdlib>
 #include <memory>
 #include <sstream>
@@ -81,6 +82,22 @@ public:
     }
     return name + "\n" + std::string(this->get_column_width(), ' ') +
       this->make_option_desc(option) + "\n";
+  }
+
+  /// A group of which one option is required: its description and the options, as of any heading.
+  std::string make_expanded(const CLI::App* group) const override
+  {
+    if (!group->get_name().empty())
+    {
+      return CLI::Formatter::make_expanded(group);
+    }
+    std::string text = "\n" + group->get_description() + ":\n";
+    text[1] = static_cast<char>(std::toupper(static_cast<unsigned char>(text[1])));
+    for (const CLI::Option* option : group->get_options({}))
+    {
+      text += option == group->get_help_ptr() ? "" : this->make_option(option, false);
+    }
+    return text;
   }
 
   /// In the list of commands the first line of what it does is enough.
