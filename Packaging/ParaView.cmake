@@ -3,7 +3,7 @@ include("${CMAKE_CURRENT_LIST_DIR}/Settings.cmake")
 mammoray_package(paraview paraview-mammoray science
   "mammoray-data ${same_version}, libvulkan1, paraview (>= 5.11), paraview (<< 5.12)"
   "X-ray projection and breast registration in ParaView"
-  "${about}\n\nThis package has the filters as a plugin for ParaView, which 'paraview-mammoray'\nstarts with it.")
+  "${about}\n\nThis package has the filters as a plugin for ParaView;\n'paraview-mammoray' starts ParaView with it.")
 set(CPACK_DEBIAN_PARAVIEW_PACKAGE_RECOMMENDS "mesa-vulkan-drivers (>= 24.1) | vulkan-icd")
 cmake_path(GET ParaView_DIR PARENT_PATH paraview_libraries) # of .../lib/<triplet>/cmake/paraview-5.11
 cmake_path(GET paraview_libraries PARENT_PATH paraview_libraries)
