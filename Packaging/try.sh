@@ -24,6 +24,7 @@ if [ ! -x "$root/usr/bin/apt-get" ]; then
   command -v debootstrap >/dev/null || die "expected debootstrap (Debian: debootstrap), found none"
   debootstrap --variant=minbase bookworm "$root" "$mirror"
 fi
+chmod 755 "$root" # mktemp's is closed to the user inside
 echo "deb $mirror bookworm-backports main" >"$root/etc/apt/sources.list.d/backports.list"
 echo force-unsafe-io >"$root/etc/dpkg/dpkg.cfg.d/try" # need not survive a loss of power
 mountpoint -q "$root/proc" || mount -t proc proc "$root/proc"
