@@ -150,7 +150,8 @@ TEST_F(Registration, PredictedSearchEndsWhereTheSimulationAloneEnds)
   start.LateralMm = 0;
   RegistrationOptions options = OptionsFrom(start);
   options.PixelSizesMm = { 4.0, 3.0 };
-  // Told of, either goes on and never back.
+  // Told of, either goes on and never back, beyond the start's tenth; these two need few of the
+  // equilibria that a breast's takes.
   std::vector<double> fractions;
   const ProgressCallback keep = [&](double fraction, const char*)
   {
@@ -160,7 +161,7 @@ TEST_F(Registration, PredictedSearchEndsWhereTheSimulationAloneEnds)
   const auto goesOn = [&]
   {
     return std::is_sorted(fractions.begin(), fractions.end()) && fractions.front() >= 0 &&
-      fractions.back() <= 1 && fractions.back() > 0.4;
+      fractions.back() <= 1 && fractions.back() > 0.2;
   };
   const RegistrationResult predicted =
     Register(Model->Model, Model->Placement, *Target, options, keep);
