@@ -13,6 +13,7 @@
 #include "mammoray/Foundation/TetrahedralMesh.h"
 #include "mammoray/Registration/Registration.h"
 #include "mammoray/Registration/TargetPreparation.h"
+#include "mammoray/Registration/UnitPlacement.h"
 #include "mammorayCaseModule.h"
 
 #include <array>
@@ -67,7 +68,7 @@ struct RegistrationCase
   std::optional<double> SupportHeightMm;
   double SupportEdgeMm = 0.0;
   double PaddleEdgeMm = 0.0;
-  double EdgeRadiusMm = 3.0;
+  double EdgeRadiusMm = SearchedEdgeRadiusMm;
 
   /// How the patient lay in the volume: the breast is unloaded of the weight it hangs or lies under
   /// there, and compressed under that of the standing patient. None: the volume is free of load.

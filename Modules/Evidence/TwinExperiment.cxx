@@ -184,6 +184,7 @@ struct TwinExperiment::Internals
         options.TargetSpectrum, progress)
     , HeightMm(mammoray::HeightMm(materials, table.Held(), axes.Superior))
   {
+    this->Model.Placement.Unit.EdgeRadiusMm = SearchedEdgeRadiusMm;
   }
 
   /// Materials of the target for a kind: the model knows nothing of the wrong one.

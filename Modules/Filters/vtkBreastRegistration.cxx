@@ -391,6 +391,7 @@ int vtkBreastRegistration::RequestData(vtkInformation*, vtkInformationVector** i
     placement.Unit.SourceToDetectorMm = this->SourceToDetectorMm > 0
       ? this->SourceToDetectorMm
       : internal.Mammogram.SourceToDetectorMm.value_or(placement.Unit.SourceToDetectorMm);
+    placement.Unit.EdgeRadiusMm = SearchedEdgeRadiusMm;
     if (!this->AcceptUnusual)
     {
       CheckPlausible(Plausible::SourceDistance, placement.Unit.SourceToDetectorMm,

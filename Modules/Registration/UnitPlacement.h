@@ -10,6 +10,13 @@
 
 namespace mammoray
 {
+/**
+ * Radius of the plates' chest-wall edges in a search, mm: more than a unit's 3, and than the 6 mm
+ * between the nodes of a patient's mechanics. A sharper edge is passed node by node, in jumps of
+ * some mm that no derivative tells of.
+ */
+inline constexpr double SearchedEdgeRadiusMm = 8.0;
+
 /// A unit that can be placed around a breast by a pose: the unit, and what the pose refers to.
 struct MAMMORAYREGISTRATION_EXPORT UnitPlacement
 {
