@@ -161,7 +161,7 @@ TEST_F(Registration, PredictedSearchEndsWhereTheSimulationAloneEnds)
   const auto goesOn = [&]
   {
     return std::is_sorted(fractions.begin(), fractions.end()) && fractions.front() >= 0 &&
-      fractions.back() <= 1 && fractions.back() > 0.2;
+      fractions.back() <= 1 && fractions.back() > 0.1;
   };
   const RegistrationResult predicted =
     Register(Model->Model, Model->Placement, *Target, options, keep);
