@@ -78,8 +78,8 @@ if compgen -G "$packages/paraview/paraview-mammoray_*.deb" >/dev/null; then
   ln -sfn /usr/share/mammoray "$root/home/user/Data"
   cp -r "$top/Applications/ParaViewPlugin" "$root/home/user/Applications"
   inside chown -R user /home/user/Applications
-  as_user 'set -e; export PV_PLUGIN_PATH=$(echo /usr/lib/*/paraview-5.11/plugins/MammoRay)
-    xvfb-run -a pvpython Applications/ParaViewPlugin/testPlugin.py plugin-test
+  as_user 'set -e
+    Applications/ParaViewPlugin/pvpython.sh Applications/ParaViewPlugin/testPlugin.py plugin-test
     Applications/ParaViewPlugin/testWindow.sh /usr/share/mammoray/paraview/demo.pvsm state.png'
 fi
 echo "try.sh: all of $(cd "$packages" && echo *.deb) work"

@@ -12,6 +12,7 @@
 #include "mammoray/Registration/BreastModel.h"
 #include "mammoray/Registration/Registration.h"
 #include "mammoray/Registration/TargetPreparation.h"
+#include "mammoray/Registration/UnitPlacement.h"
 
 #include "vtkDoubleArray.h"
 #include "vtkFieldData.h"
@@ -239,7 +240,8 @@ void vtkBreastRegistration::Internals::Prepare(vtkImageData* mammogram)
 vtkStandardNewMacro(vtkBreastRegistration);
 
 vtkBreastRegistration::vtkBreastRegistration()
-  : Internal(new Internals)
+  : EdgeRadiusMm(SearchedEdgeRadiusMm)
+  , Internal(new Internals)
 {
   this->SetNumberOfInputPorts(3);
 }
@@ -391,7 +393,7 @@ int vtkBreastRegistration::RequestData(vtkInformation*, vtkInformationVector** i
     placement.Unit.SourceToDetectorMm = this->SourceToDetectorMm > 0
       ? this->SourceToDetectorMm
       : internal.Mammogram.SourceToDetectorMm.value_or(placement.Unit.SourceToDetectorMm);
-    placement.Unit.EdgeRadiusMm = SearchedEdgeRadiusMm;
+    placement.Unit.EdgeRadiusMm = this->EdgeRadiusMm;
     if (!this->AcceptUnusual)
     {
       CheckPlausible(Plausible::SourceDistance, placement.Unit.SourceToDetectorMm,
@@ -421,6 +423,7 @@ void vtkBreastRegistration::PrintSelf(ostream& os, vtkIndent indent)
   os << indent << "RollDeg: " << this->RollDeg << "\n";
   os << indent << "AnteriorMm: " << this->AnteriorMm << "\n";
   os << indent << "SourceToDetectorMm: " << this->SourceToDetectorMm << "\n";
+  os << indent << "EdgeRadiusMm: " << this->EdgeRadiusMm << "\n";
   os << indent << "PixelSizesMm: " << this->PixelSizesMm[0] << " " << this->PixelSizesMm[1] << "\n";
   os << indent << "MaximumIterations: " << this->MaximumIterations << "\n";
   os << indent << "DeviceName: " << this->DeviceName << "\n";

@@ -131,6 +131,16 @@ public:
 
   ///@{
   /**
+   * Radius of the plates' chest-wall edges, mm; not negative. Default 8, wider than a unit's, which
+   * is what a patient's mechanics can follow (mammoray/Registration/UnitPlacement.h); where the
+   * body or its cells are much smaller, take the unit's own 3.
+   */
+  vtkSetMacro(EdgeRadiusMm, double);
+  vtkGetMacro(EdgeRadiusMm, double);
+  ///@}
+
+  ///@{
+  /**
    * Pixels in which the pictures are compared, first coarse, then fine, mm. Positive; default (3,
    * 1.5).
    */
@@ -191,6 +201,7 @@ private:
   double RollDeg = 0;
   double AnteriorMm = 5;
   double SourceToDetectorMm = 0;
+  double EdgeRadiusMm;
   double PixelSizesMm[2] = { 3, 1.5 };
   int MaximumIterations = 15;
   std::string DeviceName;

@@ -311,6 +311,7 @@ protected:
     this->Filter->SetOrientation("LAS");
     this->Filter->SetFreeParameters("thickness lateral");
     this->Filter->SetSourceToDetectorMm(650);
+    this->Filter->SetEdgeRadiusMm(MammographyUnit().EdgeRadiusMm); // of the mammogram's plates
   }
   double Field(const char* name, vtkIdType index = 0)
   {

@@ -14,6 +14,8 @@ from pipeline import TABLE, cells, field, half_ball_labels, image, points
 
 TRUTH = {"thickness": 48.0, "roll": 5.0, "lateral": 3.0, "anterior": 3.0}
 START_THICKNESS = 52.0
+# That of the compression: a ball of 40 mm is too small for the wider one that a patient's breast is searched with.
+UNIT_EDGE = 3.0
 
 
 def mechanics_mesh(labels, table, cell_size):
@@ -82,6 +84,7 @@ with tempfile.NamedTemporaryFile("w", suffix=".json") as table:
     registration.SetMaterialTable(table.name)
     registration.SetOrientation("LAS")
     registration.SetThicknessMm(START_THICKNESS)
+    registration.SetEdgeRadiusMm(UNIT_EDGE)
     registration.Update()
     result = registration.GetOutput()
     names = [result.GetFieldData().GetAbstractArray("ParameterNames").GetValue(index) for index in range(9)]
@@ -118,7 +121,8 @@ with tempfile.NamedTemporaryFile("w", suffix=".json") as table:
         rest.points, rest.tetrahedra, rest.regions,
         mammoray.Mammogram(pixels, (0.5, 0.5), view="CC", side="L", row_direction="A", column_direction="R", for_processing=True,
                            intensity_sign=1),
-        materials=table.name, orientation="LAS", thickness=START_THICKNESS, simulation_mesh=simulated["coarse"])
+        materials=table.name, orientation="LAS", thickness=START_THICKNESS, edge_radius=UNIT_EDGE,
+        simulation_mesh=simulated["coarse"])
     for name, value in found.items():
         assert abs(again.parameters[name] - value) < 1e-3, (name, again.parameters[name], value)
     assert again.converged and again.covariance.shape == (9, 9) and again.sensitivities["roll"].shape == rest.points.shape

@@ -341,7 +341,7 @@ def _mammogram_image(mammogram: Mammogram) -> Any:
 def register(points: ArrayLike, tetrahedra: ArrayLike, regions: ArrayLike, mammogram: Union[str, os.PathLike[str], Mammogram], *,
              materials: Materials, spectrum: str = "W28kVp_Rh50um_Be1mm", orientation: str = "LPS",
              free: Sequence[str] = ("thickness", "roll", "lateral", "anterior"), thickness: float = 0.0, roll: float = 0.0,
-             anterior: float = 5.0, source_to_detector: float = 0.0,
+             anterior: float = 5.0, source_to_detector: float = 0.0, edge_radius: float = 8.0,
              simulation_mesh: Union[Mesh, tuple[ArrayLike, ArrayLike, ArrayLike], None] = None,
              pixel_sizes: tuple[float, float] = (3.0, 1.5), iterations: int = 15, device: str = "",
              progress: Optional[Progress] = None) -> Registration:
@@ -356,6 +356,7 @@ def register(points: ArrayLike, tetrahedra: ArrayLike, regions: ArrayLike, mammo
     thickness: where the search begins; 0: the mammogram's, else 50
     roll: beside the nominal one of the mammogram's view; anterior: of the receptor's edge from the chest wall
     source_to_detector: 0: the mammogram's, else 650
+    edge_radius: of the plates; wider than a unit's 3, which is what a breast's mechanics can follow
     simulation_mesh: a coarse one of the same breast (mesh with for_mechanics); default: made of this one
     pixel_sizes: in which the pictures are compared, first coarse, then fine
     iterations: at each pixel size, at most
@@ -367,8 +368,8 @@ def register(points: ArrayLike, tetrahedra: ArrayLike, regions: ArrayLike, mammo
     with _table_of(materials) as table:
         registration = _told(_filters.vtkBreastRegistration(
             MaterialTable=table, Spectrum=spectrum, Orientation=orientation, FreeParameters=" ".join(free), ThicknessMm=thickness,
-            RollDeg=roll, AnteriorMm=anterior, SourceToDetectorMm=source_to_detector, PixelSizesMm=pixel_sizes,
-            MaximumIterations=iterations, DeviceName=device), progress)
+            RollDeg=roll, AnteriorMm=anterior, SourceToDetectorMm=source_to_detector, EdgeRadiusMm=edge_radius,
+            PixelSizesMm=pixel_sizes, MaximumIterations=iterations, DeviceName=device), progress)
         registration.SetInputData(0, _grid(points, tetrahedra, regions))
         if isinstance(mammogram, (str, os.PathLike)):
             reader = _filters.vtkMammogramReader(FileName=os.fspath(mammogram))
