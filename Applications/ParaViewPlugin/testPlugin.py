@@ -102,6 +102,7 @@ for name, grid in (("uncompressed", rest), ("compressed", squeezed)):
     writer = vtk.vtkXMLUnstructuredGridWriter()
     writer.SetFileName(os.path.join(result, name + ".vtu"))
     writer.SetInputData(grid)
+    writer.SetDataModeToBinary()  # inline, as MammoRay writes it: VTK 9.1 cannot read what it appends raw with a newer expat
     assert writer.Write() == 1
 placement = vtk_to_numpy(squeezed.GetFieldData().GetArray("Placement")).tolist()
 with open(os.path.join(result, "result.json"), "w", encoding="utf-8") as file:
