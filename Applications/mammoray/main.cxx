@@ -60,44 +60,53 @@ void SettleStreams()
   std::signal(SIGXFSZ, SIG_IGN);
 }
 
-/// What the process has mapped, bytes; 0 where the system does not tell.
-rlim_t MappedBytes()
-{
-  unsigned long pages = 0;
-  std::FILE* const file = std::fopen("/proc/self/statm", "r");
-  if (!file)
-  {
-    return 0;
-  }
-  const bool read = std::fscanf(file, "%lu", &pages) == 1;
-  std::fclose(file);
-  return read ? rlim_t{ pages } * static_cast<rlim_t>(sysconf(_SC_PAGESIZE)) : 0;
-}
-
 /**
  * Ends the process, with a line, at a limit on addresses (ulimit -v) that leaves little beside the
- * libraries: OpenBLAS's threads wait for memory for ever there, and whoever waits for them, and
- * Mesa's driver ends by a signal where the 0.65 GiB are not to be had that it takes for its
- * compiler and threads.
+ * libraries: OpenBLAS's threads wait for memory for ever there, or it raises SIGINT, static objects
+ * end in terminate, and Mesa's driver ends by a signal where the 0.65 GiB are not to be had that it
+ * takes for its compiler and threads. Before any library's set-up, hence system calls alone, none
+ * of them watched by a sanitizer that is not set up either.
  */
-void CheckAddresses()
+__attribute__((no_sanitize("address", "thread", "undefined"))) void CheckAddresses(int, char**,
+  char** environment)
 {
-  constexpr rlim_t beside = rlim_t{ 1 } << 30;
+  // Of the work, and of each thread of OpenBLAS beyond the first: stack, arena and buffer.
+  constexpr rlim_t ofWork = rlim_t{ 1 } << 30;
+  constexpr rlim_t ofThread = rlim_t{ 140 } << 20;
+  constexpr char threadsGiven[] = "OPENBLAS_NUM_THREADS=";
+  constexpr long mostThreads = 64; // Debian's
   rlimit limit{};
-  if (getrlimit(RLIMIT_AS, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY)
+  char text[160] = "0";
+  const int file = open("/proc/self/statm", O_RDONLY | O_CLOEXEC);
+  const ssize_t length = file < 0 ? 0 : read(file, text, sizeof text - 1);
+  close(file);
+  if (length < 0 || getrlimit(RLIMIT_AS, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY)
   {
     return;
   }
-  const rlim_t least = MappedBytes() + beside;
+  const rlim_t mapped =
+    rlim_t{ std::strtoul(text, nullptr, 10) } * static_cast<rlim_t>(sysconf(_SC_PAGESIZE));
+  long threads = sysconf(_SC_NPROCESSORS_ONLN);
+  for (char** variable = environment; *variable; ++variable)
+  {
+    if (std::strncmp(*variable, threadsGiven, sizeof threadsGiven - 1) == 0)
+    {
+      threads = std::strtol(*variable + sizeof threadsGiven - 1, nullptr, 10);
+    }
+  }
+  threads = threads < 1 ? 1 : threads > mostThreads ? mostThreads : threads;
+  const rlim_t least = mapped + ofWork + static_cast<rlim_t>(threads - 1) * ofThread;
   if (limit.rlim_cur < least)
   {
-    std::fprintf(stderr,
+    const int size = std::snprintf(text, sizeof text,
       "mammoray: expected at least %lu MiB of addresses (ulimit -v), found %lu\n",
       static_cast<unsigned long>(least >> 20), static_cast<unsigned long>(limit.rlim_cur >> 20));
-    // Not exit, at which OpenBLAS waits for its threads.
-    _exit(1);
+    const ssize_t written = write(STDERR_FILENO, text, static_cast<std::size_t>(size));
+    _exit(written == size ? 1 : 2);
   }
 }
+[[gnu::section(".preinit_array"), gnu::used]] void (*const CheckedBeforeAll)(int, char**,
+  char**) = &CheckAddresses;
 
 /// The exit status, once all that was printed is out: 1, with a line, where it is not.
 int CheckPrinted(int status)
@@ -123,7 +132,6 @@ void ExplainMisuse(const CLI::ParseError& error)
 int Run(int argc, char* argv[])
 {
   SettleStreams();
-  CheckAddresses();
   PreferFastBlasKernels(argv);
   CLI::App application{ "MammoRay " MAMMORAY_VERSION
                         ": synthetic X-rays of meshes, and registration of breast MRI with "
