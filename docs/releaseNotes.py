@@ -19,7 +19,7 @@ def sections():
 def check():
     version = re.search(r"^project\(MammoRay\s+VERSION\s+([\d.]+)", (root / "CMakeLists.txt").read_text(), re.MULTILINE | re.IGNORECASE).group(1)
     cited = re.search(r"^version: (\S+)$", (root / "CITATION.cff").read_text(), re.MULTILINE).group(1)
-    first = next(iter(sections()))
+    first = next(name for name in sections() if name != "Unreleased")
     if {version, cited, first} != {version}:
         sys.exit(f"expected one version, found {version} in CMakeLists.txt, {cited} in CITATION.cff, {first} in CHANGELOG.md")
 

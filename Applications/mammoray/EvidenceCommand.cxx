@@ -23,7 +23,7 @@ namespace
 namespace fs = std::filesystem;
 
 const std::vector<std::string> Parts{ "landmarks", "search", "plain", "wrong-material",
-  "wrong-start", "every-parameter", "mammograms", "studies" };
+  "wrong-start", "every-parameter", "wrong-pairs", "mammograms", "studies" };
 
 struct EvidenceArguments
 {
@@ -36,6 +36,7 @@ struct EvidenceArguments
   std::string Output;
   std::string Export;
   std::string Table;
+  std::string Curve;
   int Studies = 20;
   std::vector<std::string> Anatomies;
   bool Resume = false;
@@ -82,8 +83,10 @@ void Declare(const OptionList& add, EvidenceArguments& arguments)
     "PROTOCOL.md), in place of running anything")
     ->excludes("--output");
   add("--table", arguments.Table, "CSV with a row for each twin run");
+  add("--curve", arguments.Curve,
+    "SVG of the share of right results that are trusted against that of wrong ones");
   add.Flag("--resume", arguments.Resume, "go on from the runs in --output");
-  AddOverwriteFlag(add, arguments.Overwrite, "--output and --table");
+  AddOverwriteFlag(add, arguments.Overwrite, "--output, --table and --curve");
 }
 
 std::vector<EvidencePhantom> ParsePhantoms(const EvidenceArguments& arguments)
@@ -151,6 +154,10 @@ void AddWanted(EvidenceArguments& arguments)
     CheckInputFile(phantom.Labels.Path);
   }
   std::erase_if(input.Kinds, [&](TwinKind kind) { return !arguments.Wants(NameOf(kind)); });
+  if (arguments.Wants("wrong-pairs"))
+  {
+    input.Kinds.insert(input.Kinds.end(), WrongPairs.begin(), WrongPairs.end());
+  }
   input.SearchTwins = arguments.Wants("search") ? input.SearchTwins : 0;
   if (arguments.Wants("landmarks"))
   {
@@ -226,6 +233,10 @@ void Run(EvidenceArguments& arguments)
   {
     CheckOutputFile(arguments.Table, arguments.Overwrite || arguments.Resume);
   }
+  if (!arguments.Curve.empty())
+  {
+    CheckOutputFile(arguments.Curve, arguments.Overwrite || arguments.Resume);
+  }
   AddWanted(arguments);
   const std::string settings = EvidenceSettings(arguments.Evidence);
   RegistrationEvidence evidence;
@@ -239,6 +250,10 @@ void Run(EvidenceArguments& arguments)
     if (!arguments.Table.empty())
     {
       WriteAndClaim(arguments.Table, TwinTable(evidence.Twins));
+    }
+    if (!arguments.Curve.empty())
+    {
+      WriteAndClaim(arguments.Curve, TrustCurveSvg(evidence));
     }
   };
   try

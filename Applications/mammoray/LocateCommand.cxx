@@ -13,6 +13,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <optional>
@@ -28,6 +29,8 @@ struct LocateArguments
   std::string Result;
   std::optional<Vector3> Point;
   std::optional<std::array<double, 2>> Pixel;
+  /// VIEW=COLUMN,ROW
+  std::string Also;
   std::string View;
   std::string Lesion;
   bool AxesAsGiven = false;
@@ -56,6 +59,10 @@ void Declare(const OptionList& add, LocateArguments& arguments)
   place->require_option(1);
   AddLesionAxesFlag(add, arguments.AxesAsGiven);
   AddProjectorOptions(add, arguments.Projector);
+  add("--also", arguments.Also,
+    "VIEW=COLUMN,ROW: where another mammogram of the same result shows what --pixel does, for "
+    "example "
+    "mlo=640,710: the one place in the volume that is behind both");
   add("--step", arguments.StepMm, Positive("mm"),
     "distance of the curve's points in the compressed breast");
   add("-o,--output", arguments.Output,
@@ -81,10 +88,11 @@ void PrintImaged(const Vector3& point, const ImagedPoint& imaged)
     imaged.InImage ? "" : "; outside the mammogram");
   if (imaged.Uncertainty)
   {
-    std::printf("uncertainty %9.2f x %.2f mm (1 sd), %.0f degrees from columns towards rows; of "
-                "the parameters only, those held with their priors; the model's own error is not "
-                "in it\n",
+    const std::array<double, 9>& covariance = *imaged.Covariance;
+    std::printf("uncertainty %9.2f x %.2f mm (1 sd), %.0f degrees from columns towards rows\n",
       imaged.Uncertainty->MajorMm, imaged.Uncertainty->MinorMm, imaged.Uncertainty->AngleDeg);
+    std::printf("in 3D       %9.2f %9.2f %9.2f mm (1 sd, gantry x, y, z)\n",
+      std::sqrt(covariance[0]), std::sqrt(covariance[4]), std::sqrt(covariance[8]));
   }
   else
   {
@@ -141,7 +149,7 @@ void PrintInOther(const NamedBreast& other, const std::vector<TissueStretch>& st
     from.Column, from.Row, to.Column, to.Row);
   if (from.Uncertainty && to.Uncertainty)
   {
-    std::printf(", +- %.1f mm (1 sd of that view's parameters)",
+    std::printf(", +- %.1f mm (1 sd)",
       std::max(from.Uncertainty->MajorMm, to.Uncertainty->MajorMm));
   }
   std::printf("\n");
@@ -181,6 +189,49 @@ void PrintPixel(const RegisteredBreast& breast, const std::vector<NamedBreast>& 
     WriteCurve(stretches, others, arguments.Output);
     std::printf("wrote %s\n", arguments.Output.c_str());
   }
+}
+
+std::string NamesOf(const std::vector<NamedBreast>& breasts)
+{
+  std::string names;
+  for (const NamedBreast& breast : breasts)
+  {
+    names += (names.empty() ? "" : ", ") + breast.Name;
+  }
+  return names;
+}
+
+/// Where it is in the volume, and, by the same registration, in both mammograms.
+void PrintInBoth(const RegisteredBreast& breast, const std::vector<NamedBreast>& others,
+  const LocateArguments& arguments)
+{
+  const auto [view, place] =
+    SplitAssignment(arguments.Also, "--also", "VIEW=COLUMN,ROW, for example mlo=640,710");
+  std::array<double, 2> pixel{};
+  int end = 0;
+  if (std::sscanf(place.c_str(), "%lf,%lf%n", &pixel[0], &pixel[1], &end) != 2 ||
+    static_cast<std::size_t>(end) != place.size())
+  {
+    throw InputError("--also: expected VIEW=COLUMN,ROW, for example mlo=640,710, found '" +
+      Printable(arguments.Also) + "'");
+  }
+  const auto other = std::find_if(others.begin(), others.end(),
+    [&view = view](const NamedBreast& each) { return each.Name == view; });
+  if (other == others.end())
+  {
+    throw InputError("--also: expected one of the result's other views, " + NamesOf(others) +
+      ", found '" + Printable(view) + "'");
+  }
+  const auto found = FindInTwoViews({ &breast, *arguments.Pixel }, { &other->Breast, pixel });
+  if (!found)
+  {
+    std::printf("behind both: nothing; an X-ray misses the breast\n");
+    return;
+  }
+  const Vector3& point = found->Point;
+  std::printf("behind both: %.2f %.2f %.2f mm; the X-rays' tissue passes each other by %.1f mm "
+              "there\n",
+    point[0], point[1], point[2], found->GapMm);
 }
 
 /// Closed polygons, one after the other.
@@ -292,16 +343,6 @@ void CheckDicomOptions(const LocateArguments& arguments)
   arguments.Patient.Identity();
 }
 
-std::string NamesOf(const std::vector<NamedBreast>& breasts)
-{
-  std::string names;
-  for (const NamedBreast& breast : breasts)
-  {
-    names += (names.empty() ? "" : ", ") + breast.Name;
-  }
-  return names;
-}
-
 /// In the view that was asked for, or in all.
 void PrintPoint(const Vector3& point, const std::optional<NamedBreast>& asked,
   const std::vector<NamedBreast>& others)
@@ -319,6 +360,10 @@ void PrintPoint(const Vector3& point, const std::optional<NamedBreast>& asked,
 
 void Run(LocateArguments& arguments)
 {
+  if (!arguments.Also.empty() && !arguments.Pixel)
+  {
+    throw InputError("--also: expected --pixel beside it, found none");
+  }
   if (!arguments.Output.empty())
   {
     CheckOutputFile(arguments.Output, arguments.Overwrite);
@@ -365,6 +410,10 @@ void Run(LocateArguments& arguments)
   else
   {
     PrintPixel(asked->Breast, others, arguments);
+    if (!arguments.Also.empty())
+    {
+      PrintInBoth(asked->Breast, others, arguments);
+    }
   }
 }
 }

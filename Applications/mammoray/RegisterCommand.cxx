@@ -225,9 +225,15 @@ void PrintView(const RegisteredView& view)
     std::printf("%-10s %8.2f %-4s %s\n", parameter.Name.c_str(), registration.Values[index],
       parameter.Unit.c_str(), deviation);
   }
-  std::printf("outline distance %.2f mm mean, %.2f mm largest; correlation %.3f\n",
+  std::printf(
+    "outline distance %.2f mm mean, %.2f mm largest; correlation %.3f, of the tissue %.2f\n",
     registration.After.MeanOutlineDistanceMm, registration.After.LargestOutlineDistanceMm,
-    registration.After.Correlation);
+    registration.After.Correlation, registration.After.TissueCorrelation);
+  if (registration.Expected)
+  {
+    std::printf("expected error in 3D: half of the tissue within %.1f mm, 95 %% within %.1f mm\n",
+      registration.Expected->MedianMm, registration.Expected->Most95Mm);
+  }
   std::printf("%d equilibria in %.1f s, %d pictures in %.1f s, derivatives in %.1f s\n",
     registration.Evaluations, registration.MechanicsSeconds, registration.Projections,
     registration.ProjectionSeconds, registration.JacobianSeconds);

@@ -8,11 +8,14 @@
 #include "mammoray/Registration/RegistrationTarget.h"
 #include "mammoray/Registration/Silhouette.h"
 
+#include "vtkCell.h"
 #include "vtkCellData.h"
 #include "vtkDataArray.h"
 #include "vtkDoubleArray.h"
+#include "vtkLandmarkTransform.h"
 #include "vtkNew.h"
 #include "vtkPointData.h"
+#include "vtkPoints.h"
 #include "vtkUnstructuredGrid.h"
 
 #include <algorithm>
@@ -20,6 +23,7 @@
 #include <cstdio>
 #include <limits>
 #include <numbers>
+#include <numeric>
 
 namespace mammoray
 {
@@ -38,6 +42,60 @@ UncertaintyEllipse EllipseOf(double a, double b, double c)
   ellipse.MinorMm = std::sqrt(std::max(middle - spread, 0.0));
   ellipse.AngleDeg = 0.5 * std::atan2(2 * b, a - c) * 180 / std::numbers::pi;
   return ellipse;
+}
+
+/// The distance below which this part of some points lie that are normally distributed, each alike
+/// in all directions with its own deviation: of Maxwell's distributions together.
+double DistanceQuantile(const std::vector<double>& sigmas, double part)
+{
+  const auto below = [&](double distance)
+  {
+    double sum = 0;
+    for (const double sigma : sigmas)
+    {
+      const double x = distance / sigma;
+      sum += std::erf(x / std::numbers::sqrt2) -
+        std::sqrt(2 / std::numbers::pi) * x * std::exp(-0.5 * x * x);
+    }
+    return sum / static_cast<double>(sigmas.size());
+  };
+  // A normal distribution has next to nothing beyond ten deviations.
+  double low = 0;
+  double high = 10 * *std::max_element(sigmas.begin(), sigmas.end());
+  for (int halving = 0; halving < 40; ++halving)
+  {
+    const double middle = 0.5 * (low + high);
+    (below(middle) < part ? low : high) = middle;
+  }
+  return high;
+}
+
+/// A rigid motion is found from so many points: a hundredth of a millimetre of scatter.
+constexpr double RigidPoints = 2000;
+
+Vector3 CornerOf(vtkUnstructuredGrid* grid, vtkIdType cell, int corner)
+{
+  vtkIdType count = 0;
+  const vtkIdType* corners = nullptr;
+  grid->GetCellPoints(cell, count, corners);
+  Vector3 point{};
+  grid->GetPoint(corners[corner], point.data());
+  return point;
+}
+
+Vector3 MiddleOf(vtkUnstructuredGrid* grid, vtkIdType cell)
+{
+  return 0.25 *
+    (CornerOf(grid, cell, 0) + CornerOf(grid, cell, 1) + CornerOf(grid, cell, 2) +
+      CornerOf(grid, cell, 3));
+}
+
+double VolumeOf(vtkUnstructuredGrid* grid, vtkIdType cell)
+{
+  const Vector3 corner = CornerOf(grid, cell, 0);
+  return std::abs(Dot(CornerOf(grid, cell, 1) - corner,
+           Cross(CornerOf(grid, cell, 2) - corner, CornerOf(grid, cell, 3) - corner))) /
+    6;
 }
 }
 
@@ -99,8 +157,16 @@ struct RegisteredBreast::Internals
     return column >= -0.5 && row >= -0.5 && column <= this->Breast.Grid.Columns - 0.5 &&
       row <= this->Breast.Grid.Rows - 0.5;
   }
-  std::optional<UncertaintyEllipse> UncertaintyAt(const PlaceInCell& place,
-    const Vector3& compressed) const;
+  /// Cells that stand for equal shares of the tissue between the plates, and the rigid motion
+  /// nearest to theirs.
+  std::vector<vtkIdType> CellsBetween;
+  vtkNew<vtkLandmarkTransform> Rigid;
+
+  void FindRigidPart();
+  /// The model's own error where a point at rest went to, mm.
+  double ModelSigmaAt(const Vector3& point, const Vector3& compressed) const;
+  /// Of a place that `point`, at rest, is in; needs the compressed point.
+  void AddUncertainty(const PlaceInCell& place, const Vector3& point, ImagedPoint& imaged) const;
   /// The displacement of the tissue at a point of the grid that `cells` finds places in.
   CarriedPoint CarryIn(CellFinder& cells, const Vector3& point) const
   {
@@ -139,41 +205,113 @@ void RegisteredBreast::Internals::PickCovariance()
   }
 }
 
-std::optional<UncertaintyEllipse> RegisteredBreast::Internals::UncertaintyAt(
-  const PlaceInCell& place, const Vector3& compressed) const
+void RegisteredBreast::Internals::FindRigidPart()
+{
+  const BreastInUnit& breast = this->Breast;
+  vtkNew<vtkPoints> rest;
+  vtkNew<vtkPoints> moved;
+  rest->SetDataTypeToDouble();
+  moved->SetDataTypeToDouble();
+  // Cells of equal shares of the tissue between the plates.
+  std::vector<double> volumes;
+  for (const bool between : { true, false })
+  {
+    volumes.assign(static_cast<std::size_t>(breast.Compressed->GetNumberOfCells()), 0.0);
+    for (vtkIdType cell = 0; cell < breast.Compressed->GetNumberOfCells(); ++cell)
+    {
+      if (!between || breast.Placed.ToGantry(MiddleOf(breast.Compressed, cell))[1] > 0)
+      {
+        volumes[static_cast<std::size_t>(cell)] = VolumeOf(breast.Uncompressed, cell);
+      }
+    }
+    if (std::any_of(volumes.begin(), volumes.end(), [](double volume) { return volume > 0; }))
+    {
+      break; // else all tissue lies behind the plates' edge
+    }
+  }
+  const double share = std::accumulate(volumes.begin(), volumes.end(), 0.0) / RigidPoints;
+  double sum = 0;
+  for (std::size_t cell = 0; cell < volumes.size(); ++cell)
+  {
+    sum += volumes[cell];
+    if (sum >= 0.5 * share)
+    {
+      sum -= share;
+      const auto id = static_cast<vtkIdType>(cell);
+      this->CellsBetween.push_back(id);
+      rest->InsertNextPoint(MiddleOf(breast.Uncompressed, id).data());
+      moved->InsertNextPoint(MiddleOf(breast.Compressed, id).data());
+    }
+  }
+  this->Rigid->SetModeToRigidBody();
+  this->Rigid->SetSourceLandmarks(rest);
+  this->Rigid->SetTargetLandmarks(moved);
+  this->Rigid->Update();
+}
+
+double RegisteredBreast::Internals::ModelSigmaAt(const Vector3& point,
+  const Vector3& compressed) const
+{
+  Vector3 rigid{};
+  this->Rigid->InternalTransformPoint(point.data(), rigid.data());
+  return std::hypot(ModelErrorMm, ModelErrorShare * Norm(compressed - rigid));
+}
+
+void RegisteredBreast::Internals::AddUncertainty(const PlaceInCell& place, const Vector3& point,
+  ImagedPoint& imaged) const
 {
   if (this->Covariance.empty())
   {
-    return std::nullopt;
+    return;
   }
   const RegistrationTarget& grid = this->Breast.Grid;
-  const std::vector<double> point(compressed.begin(), compressed.end());
-  // Velocities on the receptor along the image's columns and rows.
-  std::vector<std::array<double, 2>> rates;
-  const double columnLength = std::hypot(grid.ColumnStep[0], grid.ColumnStep[1]);
-  const double rowLength = std::hypot(grid.RowStep[0], grid.RowStep[1]);
+  const VolumeFromGantry& placed = this->Breast.Placed;
+  // How the point moves, seen from the unit, with each parameter and, by its own error, each way.
+  std::vector<Vector3> velocities;
   for (vtkDataArray* sensitivity : this->Sensitivities)
   {
-    const Vector3 velocity = place.Interpolate(sensitivity);
+    velocities.push_back(place.Interpolate(sensitivity));
+  }
+  const std::size_t parameters = velocities.size();
+  const double model = this->ModelSigmaAt(point, imaged.Compressed);
+  for (const Vector3& axis : { placed.X, placed.Y, placed.Z })
+  {
+    velocities.push_back(model * axis);
+  }
+  const std::vector<double> at(imaged.Compressed.begin(), imaged.Compressed.end());
+  // In the gantry frame, and on the receptor along the image's columns and rows.
+  std::vector<std::array<double, 5>> rates;
+  const double columnLength = std::hypot(grid.ColumnStep[0], grid.ColumnStep[1]);
+  const double rowLength = std::hypot(grid.RowStep[0], grid.RowStep[1]);
+  for (const Vector3& velocity : velocities)
+  {
     const ReceptorPoint rate =
-      ReceptorVelocities(point, velocity.data(), this->Breast.Placed, this->Breast.Unit).front();
-    rates.push_back({ (rate[0] * grid.ColumnStep[0] + rate[1] * grid.ColumnStep[1]) / columnLength,
+      ReceptorVelocities(at, velocity.data(), placed, this->Breast.Unit).front();
+    rates.push_back({ Dot(velocity, placed.X), Dot(velocity, placed.Y), Dot(velocity, placed.Z),
+      (rate[0] * grid.ColumnStep[0] + rate[1] * grid.ColumnStep[1]) / columnLength,
       (rate[0] * grid.RowStep[0] + rate[1] * grid.RowStep[1]) / rowLength });
   }
-  double a = 0;
-  double b = 0;
-  double c = 0;
-  for (std::size_t i = 0; i < rates.size(); ++i)
+  const auto shared = [&](std::size_t a, std::size_t b)
   {
-    for (std::size_t j = 0; j < rates.size(); ++j)
+    double sum = 0;
+    for (std::size_t i = 0; i < rates.size(); ++i)
     {
-      const double shared = this->Covariance[i * rates.size() + j];
-      a += rates[i][0] * shared * rates[j][0];
-      b += rates[i][0] * shared * rates[j][1];
-      c += rates[i][1] * shared * rates[j][1];
+      for (std::size_t j = 0; j < rates.size(); ++j)
+      {
+        const bool own = i >= parameters || j >= parameters;
+        const double covariance = own ? (i == j ? 1.0 : 0.0) : this->Covariance[i * parameters + j];
+        sum += rates[i][a] * covariance * rates[j][b];
+      }
     }
+    return sum;
+  };
+  std::array<double, 9> inSpace{};
+  for (std::size_t index = 0; index < inSpace.size(); ++index)
+  {
+    inSpace[index] = shared(index / 3, index % 3);
   }
-  return EllipseOf(a, b, c);
+  imaged.Covariance = inSpace;
+  imaged.Uncertainty = EllipseOf(shared(3, 3), shared(3, 4), shared(4, 4));
 }
 
 RegisteredBreast::RegisteredBreast(const std::string& folder)
@@ -207,6 +345,7 @@ RegisteredBreast::RegisteredBreast(const BreastInUnit& breast)
   if (!breast.Covariance.empty())
   {
     internal.PickCovariance();
+    internal.FindRigidPart();
   }
   internal.AtRest = std::make_unique<CellFinder>(breast.Uncompressed);
   internal.Squeezed = std::make_unique<CellFinder>(breast.Compressed);
@@ -236,6 +375,34 @@ XRayDetector RegisteredBreast::Detector() const
   return DetectorOf(this->Internal->Breast.Placed, this->Internal->Breast.Grid, 1);
 }
 
+std::optional<ExpectedError> RegisteredBreast::Expected() const
+{
+  const Internals& internal = *this->Internal;
+  if (internal.Covariance.empty())
+  {
+    return std::nullopt;
+  }
+  std::vector<double> sigmas;
+  for (const vtkIdType cell : internal.CellsBetween)
+  {
+    const Vector3 point = MiddleOf(internal.Breast.Uncompressed, cell);
+    PlaceInCell place;
+    place.Cell = cell;
+    for (int corner = 0; corner < 4; ++corner)
+    {
+      place.Corners[static_cast<std::size_t>(corner)] =
+        internal.Breast.Uncompressed->GetCell(cell)->GetPointId(corner);
+    }
+    place.Weights.fill(0.25);
+    ImagedPoint imaged;
+    imaged.Compressed = MiddleOf(internal.Breast.Compressed, cell);
+    internal.AddUncertainty(place, point, imaged);
+    const std::array<double, 9>& covariance = *imaged.Covariance;
+    sigmas.push_back(std::sqrt((covariance[0] + covariance[4] + covariance[8]) / 3));
+  }
+  return ExpectedError{ DistanceQuantile(sigmas, 0.5), DistanceQuantile(sigmas, 0.95) };
+}
+
 ImagedPoint RegisteredBreast::ToMammogram(const Vector3& point) const
 {
   const Internals& internal = *this->Internal;
@@ -262,7 +429,7 @@ ImagedPoint RegisteredBreast::ToMammogram(const Vector3& point) const
   imaged.Column = pixel[0];
   imaged.Row = pixel[1];
   imaged.InImage = internal.Contains(pixel[0], pixel[1]);
-  imaged.Uncertainty = internal.UncertaintyAt(place, imaged.Compressed);
+  internal.AddUncertainty(place, point, imaged);
   return imaged;
 }
 
@@ -342,5 +509,46 @@ std::vector<TissueStretch> RegisteredBreast::ToVolume(double column, double row,
     stretch.Uncompressed.push_back(rest);
   }
   return stretches;
+}
+
+namespace
+{
+std::vector<Vector3> CurveBehind(const SeenInView& seen, double stepMm)
+{
+  std::vector<Vector3> curve;
+  for (const TissueStretch& stretch : seen.Breast->ToVolume(seen.Pixel[0], seen.Pixel[1], stepMm))
+  {
+    curve.insert(curve.end(), stretch.Uncompressed.begin(), stretch.Uncompressed.end());
+  }
+  return curve;
+}
+}
+
+std::optional<TissueInTwoViews> FindInTwoViews(const SeenInView& first, const SeenInView& second,
+  double stepMm)
+{
+  const std::vector<Vector3> curve = CurveBehind(first, stepMm);
+  const std::vector<Vector3> other = CurveBehind(second, stepMm);
+  std::optional<TissueInTwoViews> nearest;
+  double least = std::numeric_limits<double>::infinity();
+  for (const Vector3& a : curve)
+  {
+    for (const Vector3& b : other)
+    {
+      const double gap = Norm(a - b);
+      if (gap < least)
+      {
+        least = gap;
+        nearest = TissueInTwoViews{ 0.5 * (a + b), gap };
+      }
+    }
+  }
+  return nearest;
+}
+
+std::optional<Vector3> MiddleBehind(const SeenInView& seen, double stepMm)
+{
+  const std::vector<Vector3> curve = CurveBehind(seen, stepMm);
+  return curve.empty() ? std::nullopt : std::optional(curve[curve.size() / 2]);
 }
 }

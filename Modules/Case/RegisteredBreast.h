@@ -4,6 +4,7 @@
 
 #include "mammoray/Case/BreastInUnit.h"
 #include "mammoray/Foundation/Vector3.h"
+#include "mammoray/Registration/Registration.h"
 #include "mammoray/XRay/PathLengthProjector.h"
 #include "mammorayCaseModule.h"
 
@@ -38,6 +39,16 @@ MAMMORAYCASE_EXPORT std::vector<std::array<double, 2>> EllipsePoints(
   const UncertaintyEllipse& ellipse, const std::array<double, 2>& middle,
   const RegistrationTarget& grid, double deviations);
 
+/**
+ * What a model of tissue gets wrong beyond the parameters that are found (stiffness, chest wall,
+ * segmentation, the shape without load): standard deviation of each coordinate of a compressed
+ * point, by so much anywhere, mm, and by this share of how far it was deformed, its displacement
+ * less the rigid motion of the tissue between the plates. Measured on virtual studies of six
+ * anatomies (docs/accuracy.md, "How sure").
+ */
+inline constexpr double ModelErrorMm = 0.4;
+inline constexpr double ModelErrorShare = 0.16;
+
 /// Where a point of the volume lies in the mammogram.
 struct ImagedPoint
 {
@@ -50,10 +61,12 @@ struct ImagedPoint
   double Column = 0;
   double Row = 0;
   bool InImage = false;
-  /// It follows from the covariance of the registration's parameters, those held fixed with their
-  /// priors, which knows nothing of what the model leaves out; empty where the registration has
-  /// none.
+  /// They follow from the covariance of the registration's parameters, those held fixed with their
+  /// priors, and from the model's own error (ModelErrorMm); empty where the registration has no
+  /// covariance. Of the point's shadow, and of the point between the plates: mm^2, gantry frame,
+  /// row by row.
   std::optional<UncertaintyEllipse> Uncertainty;
+  std::optional<std::array<double, 9>> Covariance;
 };
 
 /// How a point moves with the tissue.
@@ -96,6 +109,10 @@ public:
   /// than a millimetre outside the breast.
   ImagedPoint ToMammogram(const Vector3& point) const;
 
+  /// Of points all over the tissue between the plates, by the covariance of each
+  /// (ImagedPoint::Covariance); nothing where the registration has none.
+  std::optional<ExpectedError> Expected() const;
+
   /// Where tissue at a point of the label volume's frame (mm) goes.
   CarriedPoint Carry(const Vector3& point) const;
 
@@ -121,6 +138,38 @@ private:
   struct Internals;
   std::unique_ptr<Internals> Internal;
 };
+
+/// Where a registered mammogram shows something: continuous column and row.
+struct SeenInView
+{
+  const RegisteredBreast* Breast = nullptr;
+  std::array<double, 2> Pixel{ 0, 0 };
+};
+
+/// Tissue that two mammograms show.
+struct TissueInTwoViews
+{
+  /// At rest, frame of the label volume, mm.
+  Vector3 Point{ 0, 0, 0 };
+  /// How far the X-rays' curves through the tissue at rest pass each other there, mm: what
+  /// registrations or marks are off by at least.
+  double GapMm = 0;
+};
+
+/**
+ * The tissue at rest that lies behind a pixel of one mammogram and behind one of another of the
+ * same breast: each X-ray leads through the compressed breast, whose tissue is a curve in the
+ * breast at rest; the middle between the curves where they are nearest, to `stepMm`. One picture
+ * alone tells nothing of the place along its X-ray. Nothing where an X-ray misses the breast.
+ * Throws InputError where a pixel lies outside its mammogram.
+ */
+MAMMORAYCASE_EXPORT std::optional<TissueInTwoViews> FindInTwoViews(const SeenInView& first,
+  const SeenInView& second, double stepMm = 0.5);
+
+/// The middle of the tissue behind a pixel, at rest: what one mammogram alone has to go by. Nothing
+/// where the X-ray misses the breast.
+MAMMORAYCASE_EXPORT std::optional<Vector3> MiddleBehind(const SeenInView& seen,
+  double stepMm = 0.5);
 }
 
 #endif

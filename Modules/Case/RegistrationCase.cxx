@@ -599,6 +599,7 @@ RegistrationCaseResult RunRegistrationCase(const RegistrationCase& input,
   for (RegisteredView& view : result.Views)
   {
     Picture(model, { result.Axes, result.Anchor, view.Unit }, view);
+    view.Registration.Expected = BreastOf(result, view).Expected();
   }
   stopwatch.Stage("synthetic mammogram");
   tell(1);

@@ -114,6 +114,11 @@ ResultFile ResultOf(const RegistrationCase& input, const RegistrationCaseResult&
   file.Placed = registered.Placed;
   file.Unit = registered.Unit;
   file.After = found.After;
+  file.Misfit = found.Misfit;
+  if (found.Expected)
+  {
+    file.Expected = *found.Expected;
+  }
   file.Converged = found.Converged;
   file.StopReason = found.StopReason;
   file.Evaluations = found.Evaluations;
@@ -276,7 +281,7 @@ void WriteInto(const std::string& folder, const RegistrationCase& input,
     RegistrationReport& told = report.Mammograms.emplace_back(ReportOf(registered, files.back()));
     told.Examination = ExaminationOf(input, registered.Path);
     told.Asked = asked;
-    const auto breast = BreastForAsked(result, registered, files.back(), asked);
+    const RegisteredBreast breast = BreastOf(result, registered);
     told.Places = PlacesIn(input, result, registered, asked, breast);
     told.BetweenPlates = PictureBetweenPlates(result, registered, asked, breast);
     for (const ReportSection& section : report.Sections)

@@ -19,7 +19,7 @@ namespace mammoray
 /// The name of the file that ends a result folder, and by which such a folder is known.
 inline constexpr const char* ResultFileName = "result.json";
 /// Its "formatVersion": of both kinds, raised whenever a field changes its meaning or is added.
-inline constexpr int ResultFormatVersion = 2;
+inline constexpr int ResultFormatVersion = 3;
 
 /// Roles of the inputs that are asked for by them.
 inline constexpr const char* MammogramRole = "Mammogram";
@@ -115,6 +115,10 @@ struct ResultFile
   VolumeFromGantry Placed;
   MammographyUnit Unit;
   Agreement After;
+  RegistrationMisfit Misfit;
+  /// NaN where it is not known.
+  ExpectedError Expected{ std::numeric_limits<double>::quiet_NaN(),
+    std::numeric_limits<double>::quiet_NaN() };
   bool Converged = false;
   std::string StopReason;
   int Evaluations = 0;

@@ -22,7 +22,9 @@ nlohmann::json ToJson(const TwinRun& run)
     { "targetCells", run.TargetCells }, { "parameters", run.Names }, { "truth", run.Truth },
     { "start", run.Start }, { "found", run.Found }, { "sigma", run.Sigma },
     { "medianErrorMm", run.MedianErrorMm }, { "largestErrorMm", run.LargestErrorMm },
-    { "meanOutlineDistanceMm", run.MeanOutlineMm }, { "correlation", run.Correlation },
+    { "coordinatesWithin", run.CoordinatesWithin }, { "meanOutlineDistanceMm", run.MeanOutlineMm },
+    { "largestOutlineDistanceMm", run.LargestOutlineMm }, { "correlation", run.Correlation },
+    { "tissueCorrelation", run.TissueCorrelation }, { "trust", run.Trust },
     { "iterations", run.Iterations }, { "equilibria", run.Equilibria }, { "seconds", run.Seconds },
     { "iterationSeconds", run.IterationSeconds }, { "iterationCosts", run.IterationCosts },
     { "converged", run.Converged }, { "stopReason", run.StopReason } };
@@ -60,8 +62,12 @@ TwinRun TwinRunFrom(const nlohmann::json& json)
   run.Sigma = Numbers(json.at("sigma"));
   run.MedianErrorMm = Number(json.at("medianErrorMm"));
   run.LargestErrorMm = Number(json.at("largestErrorMm"));
+  run.CoordinatesWithin = Number(json.at("coordinatesWithin"));
   run.MeanOutlineMm = Number(json.at("meanOutlineDistanceMm"));
+  run.LargestOutlineMm = Number(json.at("largestOutlineDistanceMm"));
   run.Correlation = Number(json.at("correlation"));
+  run.TissueCorrelation = Number(json.at("tissueCorrelation"));
+  run.Trust = json.at("trust").get<std::string>();
   run.Iterations = json.at("iterations").get<int>();
   run.Equilibria = json.at("equilibria").get<int>();
   run.Seconds = Number(json.at("seconds"));
@@ -136,11 +142,15 @@ nlohmann::json ToJson(const StudyRun& run)
   for (const StudyViewErrors& view : run.Views)
   {
     views.push_back({ { "view", view.View }, { "imaged", ToJson(view.Imaged) },
-      { "behind", ToJson(view.Behind) }, { "meanOutlineDistanceMm", view.MeanOutlineMm },
-      { "correlation", view.Correlation }, { "trust", view.Trust } });
+      { "behind", ToJson(view.Behind) }, { "coordinatesWithin", view.CoordinatesWithin },
+      { "meanOutlineDistanceMm", view.MeanOutlineMm }, { "correlation", view.Correlation },
+      { "tissueCorrelation", view.TissueCorrelation },
+      { "expectedMedianMm", view.ExpectedMedianMm }, { "expected95Mm", view.Expected95Mm },
+      { "trust", view.Trust } });
   }
   return { { "phantom", run.Phantom }, { "seed", run.Seed },
     { "laterality", std::string(1, run.Laterality) }, { "views", views },
+    { "oneViewMm", run.Together.OneViewMm }, { "bothViewsMm", run.Together.BothViewsMm },
     { "seconds", run.Seconds }, { "failure", run.Failure } };
 }
 
@@ -153,9 +163,12 @@ StudyRun StudyRunFrom(const nlohmann::json& json)
   for (const nlohmann::json& view : json.at("views"))
   {
     run.Views.push_back({ view.at("view").get<std::string>(), PointErrorsFrom(view.at("imaged")),
-      PointErrorsFrom(view.at("behind")), Number(view.at("meanOutlineDistanceMm")),
-      Number(view.at("correlation")), view.at("trust").get<std::string>() });
+      PointErrorsFrom(view.at("behind")), Number(view.at("coordinatesWithin")),
+      Number(view.at("meanOutlineDistanceMm")), Number(view.at("correlation")),
+      Number(view.at("tissueCorrelation")), Number(view.at("expectedMedianMm")),
+      Number(view.at("expected95Mm")), view.at("trust").get<std::string>() });
   }
+  run.Together = { Numbers(json.at("oneViewMm")), Numbers(json.at("bothViewsMm")) };
   run.Seconds = Number(json.at("seconds"));
   run.Failure = json.at("failure").get<std::string>();
   return run;

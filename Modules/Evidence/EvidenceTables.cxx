@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mammoray/Evidence/EvidenceTables.h"
 
+#include "Private/TableText.h"
+#include "Private/TrustTables.h"
+
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <cstdarg>
-#include <cstdio>
 #include <limits>
 #include <map>
 
@@ -14,28 +16,6 @@ namespace
 {
 /// A run converges when the median error of its points is below this, mm.
 constexpr double ConvergedMm = 3;
-
-/// One line of text.
-__attribute__((format(printf, 1, 2))) std::string Line(const char* format, ...)
-{
-  char text[1000];
-  std::va_list arguments;
-  va_start(arguments, format);
-  std::vsnprintf(text, sizeof text, format, arguments);
-  va_end(arguments);
-  return text;
-}
-
-double Median(const std::vector<double>& values)
-{
-  return values.empty() ? std::numeric_limits<double>::quiet_NaN() : Summarise(values).Median;
-}
-
-double Largest(const std::vector<double>& values)
-{
-  return values.empty() ? std::numeric_limits<double>::quiet_NaN()
-                        : *std::max_element(values.begin(), values.end());
-}
 
 /// Of some runs.
 struct TwinSummary
@@ -81,18 +61,10 @@ struct TwinSummary
   }
 };
 
-int Percent(double part, double whole)
-{
-  return whole > 0 ? static_cast<int>(std::lround(100 * part / whole)) : 0;
-}
-
 /// By kind, then by phantom, the last of which is "all".
 using TwinSummaries = std::map<std::string, std::map<std::string, TwinSummary>>;
 
 constexpr const char* AllPhantoms = "all";
-constexpr TwinKind AllKinds[] = { TwinKind::Plain, TwinKind::WrongMaterial, TwinKind::WrongStart,
-  TwinKind::EveryParameter };
-
 std::string RunTable(const TwinSummaries& summaries)
 {
   std::string text = "| twins | phantom | cells | runs | 3D error: median (largest), mm | below 3 "
@@ -109,7 +81,7 @@ std::string RunTable(const TwinSummaries& summaries)
         Median(of.Iterations), Largest(of.Iterations), Median(of.Equilibria), Median(of.Seconds),
         Percent(of.WithinAll, of.ParametersAll));
   };
-  for (const TwinKind kind : AllKinds)
+  for (const TwinKind kind : RightTwins)
   {
     const auto found = summaries.find(NameOf(kind));
     if (found == summaries.end())
@@ -132,7 +104,7 @@ std::string ParameterTable(const TwinSummaries& summaries)
 {
   std::string text = "| error: median (largest); true value within 2 sigma |";
   std::string rule = "|---|";
-  for (const TwinKind kind : AllKinds)
+  for (const TwinKind kind : RightTwins)
   {
     if (summaries.count(NameOf(kind)) != 0)
     {
@@ -145,7 +117,7 @@ std::string ParameterTable(const TwinSummaries& summaries)
   {
     std::string row;
     bool any = false;
-    for (const TwinKind kind : AllKinds)
+    for (const TwinKind kind : RightTwins)
     {
       if (summaries.count(NameOf(kind)) == 0)
       {
@@ -174,7 +146,7 @@ std::string TwinTables(const std::vector<TwinRun>& runs)
   TwinSummaries summaries;
   for (const TwinRun& run : runs)
   {
-    if (run.Search == NameOf(TwinSearch::Register))
+    if (run.Search == NameOf(TwinSearch::Register) && IsRight(run))
     {
       summaries[run.Kind][run.Phantom].Add(run);
       summaries[run.Kind][AllPhantoms].Add(run);
@@ -344,6 +316,125 @@ std::string StudyTable(const std::vector<StudyRun>& runs)
       MedianText(imaged.InSpaceMm, ";").c_str(), MedianText(imaged.OnReceptorMm, ";").c_str(),
       behind.size(), MedianText(behind, ".").c_str(), Quantile(seconds, 0.5), refused);
 }
+
+/// Of the points' coordinates and of the parameters, by anatomy.
+std::string CoverageTable(const RegistrationEvidence& evidence)
+{
+  struct Shares
+  {
+    std::vector<double> Points;
+    int Within = 0;
+    int Parameters = 0;
+  };
+  std::map<std::string, std::array<Shares, 2>> all; // twins, studies
+  const auto addPoints = [&](const std::string& phantom, std::size_t column, double share)
+  {
+    if (std::isfinite(share))
+    {
+      all[phantom][column].Points.push_back(share);
+      all[AllPhantoms][column].Points.push_back(share);
+    }
+  };
+  for (const TwinRun& run : evidence.Twins)
+  {
+    if (run.Search != NameOf(TwinSearch::Register) || !IsRight(run))
+    {
+      continue;
+    }
+    addPoints(run.Phantom, 0, run.CoordinatesWithin);
+    for (std::size_t index = 0; index < run.Names.size(); ++index)
+    {
+      if (std::isfinite(run.Sigma[index]))
+      {
+        const bool within = std::abs(run.Found[index] - run.Truth[index]) <= 2 * run.Sigma[index];
+        for (const std::string& phantom : { run.Phantom, std::string(AllPhantoms) })
+        {
+          all[phantom][0].Within += within ? 1 : 0;
+          ++all[phantom][0].Parameters;
+        }
+      }
+    }
+  }
+  for (const StudyRun& run : evidence.Studies)
+  {
+    for (const StudyViewErrors& view : run.Views)
+    {
+      addPoints(run.Phantom, 1, view.CoordinatesWithin);
+    }
+  }
+  if (all.empty())
+  {
+    return "";
+  }
+  std::string text = "| within 2 sigma | parameters, twins | points' coordinates, twins | points' "
+                     "coordinates, studies |\n|---|---|---|---|\n";
+  const auto cell = [](const std::vector<double>& shares)
+  {
+    double sum = 0;
+    for (const double share : shares)
+    {
+      sum += share;
+    }
+    return shares.empty()
+      ? std::string("-")
+      : Line("%.1f %% (%zu)", 100 * sum / static_cast<double>(shares.size()), shares.size());
+  };
+  for (const auto& [phantom, columns] : all)
+  {
+    text += Line("| %s | %s | %s | %s |\n", phantom.c_str(),
+      columns[0].Parameters > 0
+        ? Line("%.1f %% (%d)", 100.0 * columns[0].Within / columns[0].Parameters,
+            columns[0].Parameters)
+            .c_str()
+        : "-",
+      cell(columns[0].Points).c_str(), cell(columns[1].Points).c_str());
+  }
+  return text + "\n";
+}
+
+/// What a second mammogram adds of the place along the X-ray.
+std::string TwoViewText(const std::vector<StudyRun>& runs)
+{
+  TwoViewErrors all;
+  for (const StudyRun& run : runs)
+  {
+    Append(all.OneViewMm, run.Together.OneViewMm);
+    Append(all.BothViewsMm, run.Together.BothViewsMm);
+  }
+  return all.OneViewMm.empty()
+    ? ""
+    : Line("From the places of %zu shadows back into the MRI: from CC alone (the middle of the "
+           "tissue behind it)%s from CC and MLO%s\n\n",
+        all.OneViewMm.size(), MedianText(all.OneViewMm, ";").c_str(),
+        MedianText(all.BothViewsMm, ".").c_str());
+}
+
+/// Errors beside what the results themselves expect.
+std::string ExpectedText(const std::vector<StudyRun>& runs)
+{
+  std::vector<double> medians;
+  std::vector<double> below;
+  for (const StudyRun& run : runs)
+  {
+    for (const StudyViewErrors& view : run.Views)
+    {
+      const std::vector<double>& errors = view.Imaged.InSpaceMm;
+      if (std::isfinite(view.ExpectedMedianMm) && !errors.empty())
+      {
+        medians.push_back(Quantile(errors, 0.5) / view.ExpectedMedianMm);
+        below.push_back(static_cast<double>(std::count_if(errors.begin(), errors.end(),
+                          [&](double error) { return error <= view.Expected95Mm; })) /
+          static_cast<double>(errors.size()));
+      }
+    }
+  }
+  return medians.empty()
+    ? ""
+    : Line("Median error over what the result expects: %.2f in the middle of %zu views (%.2f to "
+           "%.2f); %.1f %% of the points lie within what 95 %% are expected to.\n\n",
+        Quantile(medians, 0.5), medians.size(), Quantile(medians, 0), Quantile(medians, 1),
+        100 * Summarise(below).Mean);
+}
 }
 
 std::string TwinTable(const std::vector<TwinRun>& runs)
@@ -388,8 +479,9 @@ std::string EvidenceTables(const RegistrationEvidence& evidence)
   }
   if (!evidence.Studies.empty())
   {
-    text += StudyTable(evidence.Studies);
+    text +=
+      StudyTable(evidence.Studies) + ExpectedText(evidence.Studies) + TwoViewText(evidence.Studies);
   }
-  return text;
+  return text + CoverageTable(evidence) + TrustTable(evidence) + ScoreText(evidence);
 }
 }

@@ -28,6 +28,9 @@ TwinRun FailedRun(const std::string& phantom, const char* kind, const char* sear
   run.Number = number;
   run.MedianErrorMm = std::numeric_limits<double>::quiet_NaN();
   run.LargestErrorMm = run.MedianErrorMm;
+  run.CoordinatesWithin = run.MedianErrorMm;
+  run.TissueCorrelation = run.MedianErrorMm;
+  run.Trust = NameOf(Trust::None);
   run.StopReason = reason;
   return run;
 }
@@ -104,10 +107,35 @@ private:
       {
         run = FailedRun(phantom.Name, NameOf(kind), NameOf(search), number, error.what());
       }
+      catch (const InputError& error)
+      {
+        if (!IsWrongPair(kind))
+        {
+          throw;
+        }
+        run = FailedRun(phantom.Name, NameOf(kind), NameOf(search), number, error.what());
+      }
       budget = std::max(run.Equilibria, 1);
       this->Evidence.Twins.push_back(run);
       this->Keep();
     }
+  }
+
+  /// The next phantom's, for TwinKind::OtherBreast; nothing where there is but one or it is not
+  /// asked for.
+  std::optional<LabelVolume> BreastBeside(const EvidencePhantom& phantom,
+    const MaterialTable& table) const
+  {
+    const std::vector<EvidencePhantom>& all = this->Options.Phantoms;
+    const std::vector<TwinKind>& kinds = this->Options.Kinds;
+    if (all.size() < 2 ||
+      std::find(kinds.begin(), kinds.end(), TwinKind::OtherBreast) == kinds.end())
+    {
+      return std::nullopt;
+    }
+    const auto here = std::find_if(all.begin(), all.end(),
+      [&](const EvidencePhantom& each) { return each.Name == phantom.Name; });
+    return ReadMaterials((here + 1 == all.end() ? all.front() : *(here + 1)).Labels, table);
   }
 
   TwinExperiment& ExperimentOn(const EvidencePhantom& phantom)
@@ -116,9 +144,11 @@ private:
     if (!experiment)
     {
       const MaterialTable table = FindMaterialTable(this->Options.Materials);
+      const std::optional<LabelVolume> other = this->BreastBeside(phantom, table);
       experiment =
         std::make_unique<TwinExperiment>(phantom.Name, ReadMaterials(phantom.Labels, table), table,
-          AnatomicalAxes::FromCode(this->Options.Orientation), this->Options.Twin, this->Progress);
+          AnatomicalAxes::FromCode(this->Options.Orientation), this->Options.Twin, this->Progress,
+          other ? &*other : nullptr);
     }
     return *experiment;
   }

@@ -49,8 +49,7 @@ struct EvidenceOptions
   /// Of all phantoms.
   std::string Materials = "victre";
   std::string Orientation = "ALS";
-  std::vector<TwinKind> Kinds{ TwinKind::Plain, TwinKind::WrongMaterial, TwinKind::WrongStart,
-    TwinKind::EveryParameter };
+  std::vector<TwinKind> Kinds{ RightTwins.begin(), RightTwins.end() };
   /// Truths of each kind and phantom, and truths of each phantom with which searches are compared.
   int Twins = 20;
   int SearchTwins = 2;

@@ -2,7 +2,9 @@
 #include "mammoray/Evidence/StudyEvidence.h"
 
 #include "Private/PatientTissue.h"
+#include "Private/PointCoverage.h"
 #include "mammoray/Case/BreastInUnit.h"
+#include "mammoray/Case/RegisteredBreast.h"
 #include "mammoray/Case/RegistrationCaseWriter.h"
 #include "mammoray/Case/ResultFile.h"
 #include "mammoray/Case/StudyCase.h"
@@ -101,17 +103,28 @@ StudyViewErrors ErrorsIn(const VirtualStudyTruth& truth, const VirtualView& view
   errors.View = view.View;
   errors.MeanOutlineMm = result.After.MeanOutlineDistanceMm;
   errors.Correlation = result.After.Correlation;
+  errors.TissueCorrelation = result.After.TissueCorrelation;
+  errors.ExpectedMedianMm = result.Expected.MedianMm;
+  errors.Expected95Mm = result.Expected.Most95Mm;
   errors.Trust = NameOf(result.Trust.Level);
+  PointCoverage coverage(breast);
   for (std::size_t index = 0; index < moved.size(); ++index)
   {
     const Vector3& point = moved[index];
-    PointErrors& points = view.Receptor[index][1] < 0 ? errors.Behind : errors.Imaged;
-    points.InSpaceMm.push_back(Norm(breast.Placed.ToGantry(point) - view.Gantry[index]));
+    const Vector3 error = breast.Placed.ToGantry(point) - view.Gantry[index];
+    const bool imaged = view.Receptor[index][1] >= 0;
+    PointErrors& points = imaged ? errors.Imaged : errors.Behind;
+    points.InSpaceMm.push_back(Norm(error));
+    if (imaged)
+    {
+      coverage.Add(truth.MriPoints[index], error);
+    }
     const ReceptorPoint shadow =
       ProjectToReceptor({ point[0], point[1], point[2] }, breast.Placed, breast.Unit).front();
     points.OnReceptorMm.push_back(
       std::hypot(shadow[0] - view.Receptor[index][0], shadow[1] - view.Receptor[index][1]));
   }
+  errors.CoordinatesWithin = coverage.Share();
   return errors;
 }
 }
@@ -150,6 +163,46 @@ std::vector<StudyViewErrors> MeasureStudy(const VirtualStudyTruth& truth,
   return errors;
 }
 
+TwoViewErrors MeasureTwoViews(const VirtualStudyTruth& truth, const std::string& resultFolder)
+{
+  struct Registered
+  {
+    const VirtualView* View;
+    RegisteredBreast Breast;
+  };
+  std::vector<Registered> views;
+  for (const char* name : { "CC", "MLO" })
+  {
+    const auto view = std::find_if(truth.Views.begin(), truth.Views.end(),
+      [&](const VirtualView& known) { return known.View == name; });
+    for (const ResultFile& result : ReadResultFiles(resultFolder))
+    {
+      if (view != truth.Views.end() && result.Mammogram.View == name)
+      {
+        views.push_back({ &*view, RegisteredBreast(ReadBreastInUnit(result)) });
+      }
+    }
+  }
+  TwoViewErrors errors;
+  for (std::size_t index = 0; views.size() == 2 && index < truth.MriPoints.size(); ++index)
+  {
+    if (views[0].View->Receptor[index][1] < 0 || views[1].View->Receptor[index][1] < 0)
+    {
+      continue;
+    }
+    const SeenInView first{ &views[0].Breast, views[0].View->Pixels[index] };
+    const SeenInView second{ &views[1].Breast, views[1].View->Pixels[index] };
+    const std::optional<Vector3> middle = MiddleBehind(first);
+    const std::optional<TissueInTwoViews> both = FindInTwoViews(first, second);
+    if (middle && both)
+    {
+      errors.OneViewMm.push_back(Norm(*middle - truth.MriPoints[index]));
+      errors.BothViewsMm.push_back(Norm(both->Point - truth.MriPoints[index]));
+    }
+  }
+  return errors;
+}
+
 StudyRun RunStudy(const EvidenceStudy& study, const std::string& keepIn,
   const ProgressCallback& progress)
 {
@@ -177,6 +230,7 @@ StudyRun RunStudy(const EvidenceStudy& study, const std::string& keepIn,
     run.Seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     WriteRegistrationCase(input, result, (folder / "result").string());
     run.Views = MeasureStudy(truth, (folder / "result").string());
+    run.Together = MeasureTwoViews(truth, (folder / "result").string());
   }
   catch (const InputError& error)
   {

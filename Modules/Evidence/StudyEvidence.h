@@ -41,10 +41,26 @@ struct StudyViewErrors
   /// nobody can look for in it.
   PointErrors Imaged;
   PointErrors Behind;
+  /// Of the imaged points' coordinates in the gantry frame the share within two of their standard
+  /// deviations of the truth.
+  double CoordinatesWithin = 0;
   double MeanOutlineMm = 0;
   double Correlation = 0;
+  double TissueCorrelation = 0;
+  /// What the result says of its error (ExpectedError), mm; NaN where it says nothing.
+  double ExpectedMedianMm = 0;
+  double Expected95Mm = 0;
   /// "good", "doubtful" or "none": what the report says of it.
   std::string Trust;
+};
+
+/// How far points that both mammograms show were found in the MRI from where they are, by the true
+/// places of their shadows, mm: from CC alone, in the middle of the tissue behind it, and from both
+/// (FindInTwoViews).
+struct TwoViewErrors
+{
+  std::vector<double> OneViewMm;
+  std::vector<double> BothViewsMm;
 };
 
 /// What came of a virtual study.
@@ -54,6 +70,7 @@ struct StudyRun
   std::uint32_t Seed = 0;
   char Laterality = 'L';
   std::vector<StudyViewErrors> Views;
+  TwoViewErrors Together;
   double Seconds = 0;
   /// Empty, or why there is no result.
   std::string Failure;
@@ -65,6 +82,10 @@ struct StudyRun
  * Throws InputError where the result is of other mammograms.
  */
 MAMMORAYEVIDENCE_EXPORT std::vector<StudyViewErrors> MeasureStudy(const VirtualStudyTruth& truth,
+  const std::string& resultFolder);
+
+/// Of its CC and MLO, at the points that both show; nothing where either is missing.
+MAMMORAYEVIDENCE_EXPORT TwoViewErrors MeasureTwoViews(const VirtualStudyTruth& truth,
   const std::string& resultFolder);
 
 /// Makes a virtual study in a folder that is not there or empty (MakeVirtualStudy); of a patient's

@@ -3,17 +3,30 @@
 
 #include "Private/ImitatedMammogram.h"
 #include "Private/PatientTissue.h"
+#include "Private/PointCoverage.h"
+#include "Private/WrongLabels.h"
 #include "mammoray/Biomechanics/Embedding.h"
+#include "mammoray/Case/BreastInUnit.h"
 #include "mammoray/Case/RegistrationCase.h"
 #include "mammoray/Evidence/LandmarkEvaluation.h"
 #include "mammoray/Foundation/Error.h"
+#include "mammoray/IO/MeshConversion.h"
 #include "mammoray/IO/ShippedData.h"
 #include "mammoray/Meshing/LabelMesher.h"
 #include "mammoray/Registration/Annealing.h"
 #include "mammoray/Registration/TargetPreparation.h"
+#include "mammoray/Report/Assessment.h"
+
+#include "vtkDoubleArray.h"
+#include "vtkNew.h"
+#include "vtkPointData.h"
+#include "vtkPoints.h"
+#include "vtkUnstructuredGrid.h"
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <map>
 #include <utility>
 
 namespace mammoray
@@ -21,6 +34,8 @@ namespace mammoray
 namespace
 {
 constexpr double WrongFatFactor = 1.5;
+constexpr double WrongSizes[] = { 0.85, 1.2 };
+constexpr double WrongThicknessMm = 15;
 constexpr int LargestNumberOfDraws = 10;
 
 TetrahedralMesh MeshAnatomy(const LabelVolume& materials, const MaterialTable& table,
@@ -106,7 +121,7 @@ std::vector<double> DrawTruth(Draws& draws, TwinKind kind, double heightMm)
   return truth;
 }
 
-std::vector<RegistrationParameter> DrawParameters(Draws& draws, TwinKind kind,
+std::vector<RegistrationParameter> DrawParameters(Draws& draws, TwinKind kind, int number,
   const std::vector<double>& truth)
 {
   BreastPose start;
@@ -123,6 +138,11 @@ std::vector<RegistrationParameter> DrawParameters(Draws& draws, TwinKind kind,
     start.ThicknessMm = truth[ThicknessParameter] + draws.Between(-3, 3);
     start.RollDeg = truth[RollParameter] + draws.Between(-10, 10);
     start.AnteriorMm = 5;
+    if (kind == TwinKind::WrongThickness)
+    {
+      start.ThicknessMm =
+        truth[ThicknessParameter] + (number % 2 == 0 ? WrongThicknessMm : -WrongThicknessMm);
+    }
   }
   std::vector<RegistrationParameter> parameters = DefaultParameters(start);
   if (kind == TwinKind::EveryParameter)
@@ -135,6 +155,63 @@ std::vector<RegistrationParameter> DrawParameters(Draws& draws, TwinKind kind,
   return parameters;
 }
 
+/// The half of a picture, hung with its rows along the chest wall from larger to smaller x; what is
+/// shown lies so much farther along x in the frame of the half's middle, mm.
+double KeepHalf(bool upper, Mammogram& picture)
+{
+  const int rows = picture.Rows / 2;
+  const int first = upper ? 0 : picture.Rows - rows;
+  const auto begin = picture.Pixels.begin() + static_cast<std::ptrdiff_t>(first) * picture.Columns;
+  picture.Pixels = std::vector(begin, begin + static_cast<std::ptrdiff_t>(rows) * picture.Columns);
+  const double middle = 0.5 * picture.Rows - (first + 0.5 * rows);
+  picture.Rows = rows;
+  return -middle * picture.RowSpacingMm;
+}
+
+vtkSmartPointer<vtkDoubleArray> PointVectors(const std::string& name,
+  const std::vector<double>& values)
+{
+  auto array = vtkSmartPointer<vtkDoubleArray>::New();
+  array->SetName(name.c_str());
+  array->SetNumberOfComponents(3);
+  array->SetNumberOfTuples(static_cast<vtkIdType>(values.size() / 3));
+  std::copy(values.begin(), values.end(), array->GetPointer(0));
+  return array;
+}
+
+/// A result as 'locate' has it.
+BreastInUnit InUnit(BreastModel& model, const UnitPlacement& placement,
+  const RegistrationTarget& target, const RegistrationResult& result)
+{
+  BreastInUnit breast;
+  breast.Uncompressed = ToGrid(model.Anatomy(), {});
+  TetrahedralMesh compressed = model.Anatomy();
+  compressed.Points = model.AnatomyPoints().Map(result.State.Positions);
+  breast.Compressed = ToGrid(compressed, {});
+  breast.Placed = placement.At(result.Pose);
+  breast.Unit = placement.Unit;
+  breast.Grid = target;
+  breast.Covariance = result.ConsideredCovariance;
+  std::vector<int> all;
+  for (const PoseParameter& parameter : PoseParameters)
+  {
+    breast.Parameters.emplace_back(parameter.Name);
+    all.push_back(parameter.Index);
+  }
+  const std::vector<std::vector<double>> velocities = model.Body().VelocitiesSeenFromUnit(placement,
+    result.Pose, result.State, model.AnatomyPoints(), compressed.Points, all);
+  for (const PoseParameter& parameter : PoseParameters)
+  {
+    breast.Uncompressed->GetPointData()->AddArray(PointVectors(
+      std::string(SensitivityArrayPrefix) + parameter.Name, velocities[parameter.Index]));
+  }
+  return breast;
+}
+}
+
+bool IsWrongPair(TwinKind kind)
+{
+  return std::find(WrongPairs.begin(), WrongPairs.end(), kind) != WrongPairs.end();
 }
 
 const char* NameOf(TwinKind kind)
@@ -147,8 +224,20 @@ const char* NameOf(TwinKind kind)
       return "wrong-material";
     case TwinKind::WrongStart:
       return "wrong-start";
-    default:
+    case TwinKind::EveryParameter:
       return "every-parameter";
+    case TwinKind::OtherBreast:
+      return "other-breast";
+    case TwinKind::OtherSide:
+      return "other-side";
+    case TwinKind::WrongSize:
+      return "wrong-size";
+    case TwinKind::LostTissue:
+      return "lost-tissue";
+    case TwinKind::WrongThickness:
+      return "wrong-thickness";
+    default:
+      return "half-picture";
   }
 }
 
@@ -170,21 +259,65 @@ const char* NameOf(TwinSearch search)
 struct TwinExperiment::Internals
 {
   Internals(const std::string& phantom, const LabelVolume& materials, const MaterialTable& table,
-    const AnatomicalAxes& axes, const TwinOptions& options, const ProgressCallback& progress)
+    const AnatomicalAxes& axes, const TwinOptions& options, const ProgressCallback& progress,
+    const LabelVolume* other)
     : Phantom(phantom)
     , Volume(materials)
+    , Other(other ? std::optional(*other) : std::nullopt)
     , Table(table)
+    , Axes(axes)
     , Options(options)
-    , Model(this->Volume, table, axes,
-        options.ModelFineness > 0 ? EdgeOf(materials) / options.ModelFineness : 0.0,
-        options.ModelAnatomyMm, ElementType::Quadratic, Search::Predicted, options.ModelSpectrum,
-        progress)
     , Target(this->Volume, table, axes, EdgeOf(materials) / options.TargetFineness,
         options.TargetAnatomyMm, ElementType::PatchAveragedLinear, Search::Direct,
         options.TargetSpectrum, progress)
     , HeightMm(mammoray::HeightMm(materials, table.Held(), axes.Superior))
   {
-    this->Model.Placement.Unit.EdgeRadiusMm = SearchedEdgeRadiusMm;
+    this->ModelOf(TwinKind::Plain, 0, progress);
+  }
+
+  /// What is registered: the pictured breast, unless the kind says otherwise.
+  LabelVolume LabelsOf(TwinKind kind, int number) const
+  {
+    const std::vector<bool> held = this->Table.Held();
+    const bool even = number % 2 == 0;
+    switch (kind)
+    {
+      case TwinKind::OtherBreast:
+        if (!this->Other)
+        {
+          throw InputError("twins: expected the labels of another breast, found none");
+        }
+        return Resized(*this->Other,
+          std::cbrt(BreastVolume(this->Volume, held) / BreastVolume(*this->Other, held)));
+      case TwinKind::OtherSide:
+        return Mirrored(this->Volume, this->Axes.Left);
+      case TwinKind::WrongSize:
+        return Resized(this->Volume, WrongSizes[even ? 0 : 1]);
+      case TwinKind::LostTissue:
+        return WithoutQuarter(this->Volume, held, even ? this->Axes.Anterior : this->Axes.Superior);
+      default:
+        return this->Volume;
+    }
+  }
+
+  /// Made when first asked for.
+  Side& ModelOf(TwinKind kind, int number, const ProgressCallback& progress)
+  {
+    const bool own = kind == TwinKind::OtherBreast || kind == TwinKind::OtherSide ||
+      kind == TwinKind::WrongSize || kind == TwinKind::LostTissue;
+    const bool byNumber = kind == TwinKind::WrongSize || kind == TwinKind::LostTissue;
+    std::unique_ptr<Side>& model =
+      this->Models[{ own ? kind : TwinKind::Plain, byNumber ? number % 2 : 0 }];
+    if (!model)
+    {
+      const LabelVolume labels = this->LabelsOf(kind, number);
+      const double fineness = this->Options.ModelFineness;
+      model = std::make_unique<Side>(labels, this->Table, this->Axes,
+        fineness > 0 ? EdgeOf(labels) / fineness : 0.0, this->Options.ModelAnatomyMm,
+        ElementType::Quadratic, Search::Predicted, this->Options.ModelSpectrum, progress);
+      model->Placement.Unit.EdgeRadiusMm = SearchedEdgeRadiusMm;
+    }
+    return *model;
   }
 
   /// Materials of the target for a kind: the model knows nothing of the wrong one.
@@ -204,9 +337,17 @@ struct TwinExperiment::Internals
     this->Target.Model.Body().SetElastic(std::move(elastic));
   }
 
-  /// Centres of voxels of the breast whose points are between the plates and in the picture.
-  void DrawPoints(TwinProblem& problem, const CompressionState& state, Draws& draws) const
+  /// Centres of voxels of the breast whose points are between the plates and in the picture, which
+  /// lies `shiftMm` farther along x in its own frame.
+  void DrawPoints(TwinProblem& problem, const CompressionState& state, double shiftMm,
+    Draws& draws) const
   {
+    if (problem.Kind == TwinKind::OtherBreast || problem.Kind == TwinKind::OtherSide)
+    {
+      return;
+    }
+    const LabelVolume known = this->LabelsOf(problem.Kind, problem.Number);
+    const double size = problem.Kind == TwinKind::WrongSize ? WrongSizes[problem.Number % 2] : 1.0;
     const BreastPose pose = PoseOf(problem.Truth);
     const std::vector<bool> held = this->Table.Held();
     while (static_cast<int>(problem.TruePositions.size()) < this->Options.NumberOfPoints)
@@ -216,47 +357,74 @@ struct TwinExperiment::Internals
       const int i = along(0);
       const int j = along(1);
       const int k = along(2);
-      const int material = this->Volume.Voxels[this->Volume.Index(i, j, k)];
-      if (material == 0 || held[material])
+      const std::size_t voxel = this->Volume.Index(i, j, k);
+      const int material = this->Volume.Voxels[voxel];
+      if (material == 0 || held[material] || known.Voxels[voxel] == 0)
       {
         continue;
       }
       const Vector3 point = this->Volume.PointAt(i, j, k);
       const std::vector<double> rest(point.begin(), point.end());
-      const Vector3 gantry = this->Target.ToGantry(pose, state, rest).front();
-      if (gantry[1] > 0)
+      Vector3 gantry = this->Target.ToGantry(pose, state, rest).front();
+      gantry[0] += shiftMm;
+      const double sid = this->Target.Placement.Unit.SourceToDetectorMm;
+      const ReceptorPoint shadow{ gantry[0] * sid / (sid - gantry[2]),
+        gantry[1] * sid / (sid - gantry[2]) };
+      if (gantry[1] > 0 && Contains(problem.Target, shadow, 0))
       {
-        problem.Points.insert(problem.Points.end(), rest.begin(), rest.end());
+        for (const double coordinate : rest)
+        {
+          problem.Points.push_back(size * coordinate);
+        }
         problem.TruePositions.push_back(gantry);
       }
     }
   }
 
-  std::vector<double> Errors(const TwinProblem& problem, const RegistrationResult& result) const
+  /// Where the points are found, into the run.
+  void MeasurePoints(const TwinProblem& problem, Side& model, const RegistrationResult& result,
+    TwinRun& run) const
   {
-    const std::vector<Vector3> found =
-      this->Model.ToGantry(result.Pose, result.State, problem.Points);
+    run.MedianErrorMm = std::numeric_limits<double>::quiet_NaN();
+    run.LargestErrorMm = run.MedianErrorMm;
+    run.CoordinatesWithin = run.MedianErrorMm;
+    if (problem.TruePositions.empty())
+    {
+      return;
+    }
+    PointCoverage coverage(InUnit(model.Model, model.Placement, problem.Target, result));
+    const std::vector<Vector3> found = model.ToGantry(result.Pose, result.State, problem.Points);
     std::vector<double> errors;
     for (std::size_t index = 0; index < found.size(); ++index)
     {
-      errors.push_back(Norm(found[index] - problem.TruePositions[index]));
+      const Vector3 error = found[index] - problem.TruePositions[index];
+      errors.push_back(Norm(error));
+      coverage.Add(
+        { problem.Points[3 * index], problem.Points[3 * index + 1], problem.Points[3 * index + 2] },
+        error);
     }
-    return errors;
+    run.CoordinatesWithin = coverage.Share();
+    const ErrorSummary summary = Summarise(std::move(errors));
+    run.MedianErrorMm = summary.Median;
+    run.LargestErrorMm = summary.Largest;
   }
 
   std::string Phantom;
   LabelVolume Volume;
+  std::optional<LabelVolume> Other;
   MaterialTable Table;
+  AnatomicalAxes Axes;
   TwinOptions Options;
-  Side Model;
+  /// By the kinds that have one of their own, and their version.
+  std::map<std::pair<TwinKind, int>, std::unique_ptr<Side>> Models;
   Side Target;
   double HeightMm;
 };
 
 TwinExperiment::TwinExperiment(const std::string& phantom, const LabelVolume& materials,
   const MaterialTable& table, const AnatomicalAxes& axes, const TwinOptions& options,
-  const ProgressCallback& progress)
-  : Internal(std::make_unique<Internals>(phantom, materials, table, axes, options, progress))
+  const ProgressCallback& progress, const LabelVolume* other)
+  : Internal(std::make_unique<Internals>(phantom, materials, table, axes, options, progress, other))
 {
 }
 
@@ -280,8 +448,7 @@ TwinProblem TwinExperiment::Draw(TwinKind kind, int number, const ProgressCallba
       BreastModel& model = self.Target.Model;
       const CompressionState state =
         model.Body().Compress(self.Target.Placement, pose, nullptr, progress);
-      problem.Parameters = DrawParameters(draws, kind, problem.Truth);
-      self.DrawPoints(problem, state, draws);
+      problem.Parameters = DrawParameters(draws, kind, number, problem.Truth);
       const RegistrationTarget grid = ImitatedDetector(self.Options.PixelMm);
       EvaluatedState breast(model, model.Body(), self.Target.Placement, pose, state);
       const SyntheticMammogram synthetic = Synthesize(breast, grid, 2);
@@ -289,8 +456,12 @@ TwinProblem TwinExperiment::Draw(TwinKind kind, int number, const ProgressCallba
         .Laterality = 'L',
         .RowDirection = "A",
         .ColumnDirection = "R" };
-      problem.Target =
-        PrepareTarget(Develop(header, synthetic.LogAttenuation, grid, self.Options.Noise, draws));
+      Mammogram picture =
+        Develop(header, synthetic.LogAttenuation, grid, self.Options.Noise, draws);
+      const double shiftMm =
+        kind == TwinKind::HalfPicture ? KeepHalf(number % 2 == 0, picture) : 0.0;
+      problem.Target = PrepareTarget(picture);
+      self.DrawPoints(problem, state, shiftMm, draws);
       return problem;
     }
     catch (const ConvergenceError&)
@@ -321,10 +492,13 @@ TwinRun TwinExperiment::Run(const TwinProblem& problem, TwinSearch search, int b
   {
     options.Derivatives = RegistrationDerivatives::CentralDifferences;
   }
-  const RegistrationResult result = search == TwinSearch::Annealing
-    ? Anneal(self.Model.Model, self.Model.Placement, problem.Target, options,
+  Side& model = self.ModelOf(problem.Kind, problem.Number, progress);
+  RegistrationResult result = search == TwinSearch::Annealing
+    ? Anneal(model.Model, model.Placement, problem.Target, options,
         { .Equilibria = budget, .Seed = self.Options.Seed }, progress)
-    : mammoray::Register(self.Model.Model, self.Model.Placement, problem.Target, options, progress);
+    : mammoray::Register(model.Model, model.Placement, problem.Target, options, progress);
+  result.HeaderThicknessMm = problem.Parameters[ThicknessParameter].Start;
+  result.Disagreements = problem.Target.Disagreements;
   ReportProgress(progress, 1, "registered");
 
   TwinRun run;
@@ -333,7 +507,7 @@ TwinRun TwinExperiment::Run(const TwinProblem& problem, TwinSearch search, int b
   run.Search = NameOf(search);
   run.Number = problem.Number;
   run.Redrawn = problem.Redrawn;
-  run.ModelCells = self.Model.Model.NumberOfSimulationCells();
+  run.ModelCells = model.Model.NumberOfSimulationCells();
   run.TargetCells = self.Target.Model.NumberOfSimulationCells();
   run.Truth = problem.Truth;
   for (const RegistrationParameter& parameter : problem.Parameters)
@@ -343,11 +517,12 @@ TwinRun TwinExperiment::Run(const TwinProblem& problem, TwinSearch search, int b
   }
   run.Found = result.Values;
   run.Sigma = result.StandardDeviations;
-  const ErrorSummary errors = Summarise(self.Errors(problem, result));
-  run.MedianErrorMm = errors.Median;
-  run.LargestErrorMm = errors.Largest;
+  self.MeasurePoints(problem, model, result, run);
   run.MeanOutlineMm = result.After.MeanOutlineDistanceMm;
+  run.LargestOutlineMm = result.After.LargestOutlineDistanceMm;
   run.Correlation = result.After.Correlation;
+  run.TissueCorrelation = result.After.TissueCorrelation;
+  run.Trust = NameOf(Assess(result).Level);
   run.Iterations = static_cast<int>(result.Iterations.size());
   run.Equilibria = result.Evaluations;
   run.Seconds = result.Seconds;

@@ -9,6 +9,7 @@
 #include "mammoray/Registration/RegistrationTarget.h"
 #include "mammorayEvidenceModule.h"
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -27,10 +28,32 @@ enum class TwinKind
   /// The start is off by 5 mm, 20 degrees and, each way, 15 mm.
   WrongStart,
   /// Pitch, yaw, tilt and the stiffness of gland are off and to be found, too.
-  EveryParameter
+  EveryParameter,
+  // Wrong pairs, else as Plain: what is registered is not what was pictured.
+  /// Another phantom's breast, made as large.
+  OtherBreast,
+  /// The mirror image: a patient's other breast.
+  OtherSide,
+  /// 0.85 (even numbers) or 1.2 times as large in each direction.
+  WrongSize,
+  /// A segmentation that lost the front (even numbers) or the upper quarter of the breast.
+  LostTissue,
+  /// A header that says 15 mm more (even numbers) or less.
+  WrongThickness,
+  /// A mammogram that shows a half of the breast, the one of larger (even numbers) or smaller x.
+  HalfPicture
 };
 
-/// "plain", "wrong-material", "wrong-start", "every-parameter".
+inline constexpr std::array<TwinKind, 4> RightTwins{ TwinKind::Plain, TwinKind::WrongMaterial,
+  TwinKind::WrongStart, TwinKind::EveryParameter };
+inline constexpr std::array<TwinKind, 6> WrongPairs{ TwinKind::OtherBreast, TwinKind::OtherSide,
+  TwinKind::WrongSize, TwinKind::LostTissue, TwinKind::WrongThickness, TwinKind::HalfPicture };
+
+/// Whether it is one of WrongPairs.
+MAMMORAYEVIDENCE_EXPORT bool IsWrongPair(TwinKind kind);
+
+/// "plain", "wrong-material", "wrong-start", "every-parameter", "other-breast", "other-side",
+/// "wrong-size", "lost-tissue", "wrong-thickness", "half-picture".
 MAMMORAYEVIDENCE_EXPORT const char* NameOf(TwinKind kind);
 
 enum class TwinSearch
@@ -57,8 +80,8 @@ struct TwinProblem
   RegistrationTarget Target;
   /// Bounds, priors and what is free, around the start.
   std::vector<RegistrationParameter> Parameters;
-  /// Points of the imaged tissue at rest, 3 x pointCount, volume frame, mm, and where the truth has
-  /// them, gantry frame.
+  /// Points of the imaged tissue at rest, 3 x pointCount, frame of the model's volume, mm, and
+  /// where the truth has them, gantry frame. None where the model is of another breast.
   std::vector<double> Points;
   std::vector<Vector3> TruePositions;
   /// Truths drawn before this one that the target's mechanics could not reach.
@@ -86,8 +109,15 @@ struct TwinRun
   /// NaN where the search found nothing.
   double MedianErrorMm = 0;
   double LargestErrorMm = 0;
+  /// Of the points' coordinates in the gantry frame the share that is within two of their standard
+  /// deviations of the truth (ImagedPoint::Covariance); NaN where there are none.
+  double CoordinatesWithin = 0;
   double MeanOutlineMm = 0;
+  double LargestOutlineMm = 0;
   double Correlation = 0;
+  double TissueCorrelation = 0;
+  /// "good", "doubtful" or "none": what a report says of it, the start being its header's.
+  std::string Trust;
   int Iterations = 0;
   int Equilibria = 0;
   double Seconds = 0;
@@ -131,14 +161,15 @@ struct TwinOptions
 class MAMMORAYEVIDENCE_EXPORT TwinExperiment
 {
 public:
-  /// `materials`: indices of `table`. Throws InputError, DeviceError, Interrupted.
+  /// `materials`: indices of `table`; `other`: those of the breast of TwinKind::OtherBreast, in
+  /// another frame of the same axes. Throws InputError, DeviceError, Interrupted.
   TwinExperiment(const std::string& phantom, const LabelVolume& materials,
     const MaterialTable& table, const AnatomicalAxes& axes, const TwinOptions& options,
-    const ProgressCallback& progress = {});
+    const ProgressCallback& progress = {}, const LabelVolume* other = nullptr);
   ~TwinExperiment();
 
   /// Number 0, 1, ... of a kind. Throws ConvergenceError where ten truths in turn could not be
-  /// reached.
+  /// reached, and InputError where a wrong pair is refused.
   TwinProblem Draw(TwinKind kind, int number, const ProgressCallback& progress = {});
 
   /// `budget`: equilibria, for annealing. Throws as Register; Interrupted also during the search.

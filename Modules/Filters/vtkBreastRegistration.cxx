@@ -178,6 +178,7 @@ void AddResult(vtkUnstructuredGrid* output, const RegistrationResult& result,
   AddDoubles(fields, "Covariance", result.Covariance, static_cast<int>(names.size()));
   AddPlacement(output, placed);
   AddDoubles(fields, "Correlation", { result.After.Correlation });
+  AddDoubles(fields, "TissueCorrelation", { result.After.TissueCorrelation });
   AddDoubles(fields, "MeanOutlineDistanceMm", { result.After.MeanOutlineDistanceMm });
   AddDoubles(fields, "LargestOutlineDistanceMm", { result.After.LargestOutlineDistanceMm });
   AddDoubles(fields, "PaddleForceN", { result.State.PaddleForceN });

@@ -16,8 +16,8 @@
  * "ParameterDeviations" (n doubles, NaN where fixed), "Covariance" (n x n doubles, row by row, 0
  * for fixed ones; no values where it is not known), "Placement" (4 x 3 doubles: the gantry's
  * origin, mm, and its x, y and z axes in the frame of the input), "Correlation",
- * "MeanOutlineDistanceMm", "LargestOutlineDistanceMm", "PaddleForceN", "Converged" (0 or 1) and
- * "StopReason" (string).
+ * "TissueCorrelation", "MeanOutlineDistanceMm", "LargestOutlineDistanceMm", "PaddleForceN",
+ * "Converged" (0 or 1) and "StopReason" (string).
  *
  * Meshes, simulation, mammogram and Vulkan device are kept: another mammogram does not mesh again,
  * another start neither. An abort during the search ends it with the best pose so far, before it

@@ -28,16 +28,39 @@ struct RegistrationIteration
   double Seconds = 0;
 };
 
+/**
+ * What is left between the pictures where a search ended, as its residuals tell (Private/
+ * VarianceComponents.h): standard deviation of the outline, mm, and of what is compared of the
+ * picture (RegistrationOptions::Comparison), and the length and the edge of the square over which
+ * these are alike, mm. All 0 where it is not known.
+ */
+struct RegistrationMisfit
+{
+  double OutlineSigmaMm = 0;
+  double OutlineScaleMm = 0;
+  double PictureSigma = 0;
+  double PictureScaleMm = 0;
+};
+
+/// How far tissue may lie from where it is found, mm: in the middle, and 95 % of it.
+struct ExpectedError
+{
+  double MedianMm = 0;
+  double Most95Mm = 0;
+};
+
 struct RegistrationResult
 {
   BreastPose Pose;
   /// These are as given, but for what Warnings tell.
   std::vector<RegistrationParameter> Parameters;
   std::vector<double> Values;
+  RegistrationMisfit Misfit;
   /// Standard deviation of each parameter by the covariance at the solution; NaN where fixed.
   std::vector<double> StandardDeviations;
-  /// Covariance of all parameters at the solution, Covariance[i * parameterCount + j], in their
-  /// units; 0 for fixed ones. Empty where it is not known.
+  /// Covariance of all parameters at the solution, by Misfit and the priors,
+  /// Covariance[i * parameterCount + j], in their units; 0 for fixed ones. Empty where it is not
+  /// known.
   std::vector<double> Covariance;
   /**
    * The same with what is not known of the fixed parameters that have a prior: their own variance,
@@ -65,6 +88,9 @@ struct RegistrationResult
   /// picture and result disagree on, a sentence each; of whoever knows the header.
   std::optional<double> HeaderThicknessMm;
   std::vector<std::string> Disagreements;
+  /// Of points of the breast between the plates, where picture and volume are of one breast; of
+  /// whoever knows the model's own error.
+  std::optional<ExpectedError> Expected;
   /// Equilibria solved and pictures compared, and the time each took, s.
   int Evaluations = 0;
   int Projections = 0;

@@ -117,11 +117,14 @@ void RegistrationResiduals::ChoosePixels()
   const double area = std::abs(this->Target.ColumnStep[0] * this->Target.RowStep[1] -
     this->Target.ColumnStep[1] * this->Target.RowStep[0]);
   const double alike = this->Options.CorrelationLengthMm * this->Options.CorrelationLengthMm;
-  // Gradients are two for a pixel.
-  const double perFeature =
-    static_cast<double>(this->Pixels.size()) / static_cast<double>(this->TargetFeatures.size());
-  this->IntensityWeight = std::sqrt(std::min(1.0, perFeature * area / alike)) /
+  this->IntensityWeight = std::sqrt(std::min(1.0, this->PixelsPerFeature() * area / alike)) /
     (this->Options.IntensitySigma * std::sqrt(std::max(square, 1e-12)));
+}
+
+double RegistrationResiduals::PixelsPerFeature() const
+{
+  return static_cast<double>(this->Pixels.size()) /
+    static_cast<double>(this->TargetFeatures.size());
 }
 
 ReceptorPoint RegistrationResiduals::OnOutline(std::size_t direction, double radius) const
@@ -156,6 +159,32 @@ std::vector<double> RegistrationResiduals::Evaluate(EvaluatedState& breast) cons
       parameter.PriorSigma > 0 ? (values[index] - parameter.Start) / parameter.PriorSigma : 0.0);
   }
   return residuals;
+}
+
+std::vector<ReceptorPoint> RegistrationResiduals::OutlinePlaces(EvaluatedState& breast) const
+{
+  const std::vector<double>& radii = breast.SilhouetteFrom(this->Centre, this->Directions).Radii;
+  std::vector<ReceptorPoint> places;
+  places.reserve(radii.size());
+  for (std::size_t index = 0; index < radii.size(); ++index)
+  {
+    places.push_back(this->OnOutline(index, radii[index]));
+  }
+  return places;
+}
+
+std::vector<ReceptorPoint> RegistrationResiduals::IntensityPlaces() const
+{
+  std::vector<ReceptorPoint> places;
+  places.reserve(this->TargetFeatures.size());
+  for (const std::size_t index : this->Features->Places())
+  {
+    const auto columns = static_cast<std::size_t>(this->Target.Columns);
+    const std::size_t pixel = this->Pixels[index];
+    places.push_back(PixelPosition(this->Target, static_cast<double>(pixel % columns),
+      static_cast<double>(pixel / columns)));
+  }
+  return places;
 }
 
 RegistrationCosts RegistrationResiduals::Costs(const std::vector<double>& residuals) const

@@ -131,6 +131,15 @@ public:
 
   std::vector<double> Evaluate(EvaluatedState& breast) const;
 
+  /// What distances of the outline, mm, and differences of the picture are multiplied by.
+  double OutlineFactor() const { return this->OutlineWeight; }
+  double IntensityFactor() const { return this->IntensityWeight; }
+  /// Where on the receptor the residuals of the outline and of the picture lie, mm.
+  std::vector<ReceptorPoint> OutlinePlaces(EvaluatedState& breast) const;
+  std::vector<ReceptorPoint> IntensityPlaces() const;
+  /// Gradients are two for a pixel.
+  double PixelsPerFeature() const;
+
   RegistrationCosts Costs(const std::vector<double>& residuals) const;
 
   /**

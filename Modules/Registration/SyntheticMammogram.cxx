@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mammoray/Registration/SyntheticMammogram.h"
 
+#include "Private/Pictures/PixelFilters.h"
 #include "Private/ZScores.h"
 #include "mammoray/Foundation/Vector3.h"
 
@@ -87,6 +88,63 @@ void CompareOutlines(const SyntheticMammogram& synthetic, const RegistrationTarg
 }
 }
 
+namespace
+{
+/// Half of the distance of the plates is 15 to 40 mm: there a breast bulges out between them.
+constexpr double BulgeMm = 20;
+constexpr double TissuePixelMm = 1.5;
+constexpr double DetailMm = 3;
+constexpr double LeastAreaMm2 = 100;
+
+/// Pearson's, of the values at some pixels, at least one.
+double CorrelationAt(const std::vector<std::size_t>& pixels, const std::vector<float>& first,
+  const std::vector<float>& second)
+{
+  const ZScores a(first, pixels);
+  const ZScores b(second, pixels);
+  double sum = 0;
+  for (std::size_t index = 0; index < pixels.size(); ++index)
+  {
+    sum += a.Scores[index] * b.Scores[index];
+  }
+  return sum / static_cast<double>(pixels.size());
+}
+
+/// In pixels large enough for little noise; those that are breast in both pictures and compared.
+double CorrelateTissue(const SyntheticMammogram& synthetic, const RegistrationTarget& target)
+{
+  const RegistrationTarget real = CoarsenTo(target, TissuePixelMm);
+  RegistrationTarget fine = target;
+  fine.LogAttenuation = synthetic.LogAttenuation;
+  const std::vector<float> model = CoarsenTo(fine, TissuePixelMm).LogAttenuation;
+  const PixelGrid grid{ real.Columns, real.Rows, std::hypot(real.ColumnStep[0], real.ColumnStep[1]),
+    std::hypot(real.RowStep[0], real.RowStep[1]) };
+  PixelMask mask(grid.Count(), 0);
+  double deepest = 0;
+  for (std::size_t pixel = 0; pixel < mask.size(); ++pixel)
+  {
+    mask[pixel] = real.BreastMask[pixel] != 0 && !IsExcluded(real, pixel) && model[pixel] > 0;
+    deepest = mask[pixel] != 0
+      ? std::max(deepest, -static_cast<double>(real.SignedDistanceMm[pixel]))
+      : deepest;
+  }
+  std::vector<std::size_t> inner;
+  for (std::size_t pixel = 0; pixel < mask.size(); ++pixel)
+  {
+    if (mask[pixel] != 0 && -real.SignedDistanceMm[pixel] >= std::min(BulgeMm, 0.5 * deepest))
+    {
+      inner.push_back(pixel);
+    }
+  }
+  if (static_cast<double>(inner.size()) * grid.ColumnSpacing * grid.RowSpacing < LeastAreaMm2)
+  {
+    return std::numeric_limits<double>::quiet_NaN();
+  }
+  return CorrelationAt(inner, Details(grid, model, mask, DetailMm),
+    Details(grid, real.LogAttenuation, mask, DetailMm));
+}
+}
+
 Agreement Compare(const SyntheticMammogram& synthetic, const RegistrationTarget& target)
 {
   Agreement agreement;
@@ -100,14 +158,10 @@ Agreement Compare(const SyntheticMammogram& synthetic, const RegistrationTarget&
       pixels.push_back(pixel);
     }
   }
+  agreement.TissueCorrelation = CorrelateTissue(synthetic, target);
   if (!pixels.empty())
   {
-    const ZScores a(synthetic.LogAttenuation, pixels);
-    const ZScores b(target.LogAttenuation, pixels);
-    for (std::size_t index = 0; index < pixels.size(); ++index)
-    {
-      agreement.Correlation += a.Scores[index] * b.Scores[index] / pixels.size();
-    }
+    agreement.Correlation = CorrelationAt(pixels, synthetic.LogAttenuation, target.LogAttenuation);
   }
   return agreement;
 }

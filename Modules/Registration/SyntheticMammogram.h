@@ -40,6 +40,13 @@ struct Agreement
    */
   double MeanOutlineDistanceMm = 0;
   double LargestOutlineDistanceMm = 0;
+  /**
+   * Correlation of the tissue alone: in pixels of 1.5 mm, of what stands out of its surroundings (3
+   * mm) where a breast is as thick as the plates are apart, 20 mm and more from its outline, in one
+   * that is smaller over half of the largest distance. Breasts of one size and shape have all else
+   * in common. NaN where that is less than 1 cm^2.
+   */
+  double TissueCorrelation = 0;
 };
 
 /// NaN where there is no outline to compare. Throws InputError on an empty mask.

@@ -58,6 +58,27 @@ void AddMechanics(const RegistrationResult& result, const Add& add)
   }
 }
 
+/// Adds what the tissue inside tells of whose breast is pictured.
+template <typename Add>
+void AddTissue(const RegistrationResult& result, const Add& add)
+{
+  const double tissue = result.After.TissueCorrelation;
+  if (std::isnan(tissue))
+  {
+    add(Trust::Doubtful,
+      "Too little of the breast is as thick as the plates are apart to tell it from another by its "
+      "tissue.");
+  }
+  else if (tissue < GoodTissueCorrelation)
+  {
+    add(tissue < LeastTissueCorrelation ? Trust::None : Trust::Doubtful,
+      "The tissue inside looks little alike in both pictures, as in those of two breasts: its "
+      "correlation is " +
+        NumberText(tissue, 2) + ", " + NumberText(GoodTissueCorrelation, 1) +
+        " or more is wanted.");
+  }
+}
+
 /// How far the thickness found may lie from a unit's readout, mm: what quality control asks of the
 /// indicator (ACR, Digital Mammography QC Manual 2016: 5 mm), or, of thick breasts more, what rigid
 /// paddles were measured to be off by (Hauge et al., Med. Phys. 39, 263, 2012: up to 14.3 % of the
@@ -106,11 +127,12 @@ Assessment Assess(const RegistrationResult& result)
   {
     add(Trust::None, "The agreement of the pictures could not be computed.");
   }
-  if (result.After.Correlation < 0.7)
+  AddTissue(result, add);
+  if (result.After.Correlation < 0.5)
   {
-    add(result.After.Correlation < 0.5 ? Trust::None : Trust::Doubtful,
+    add(Trust::Doubtful,
       "The pictures look little alike inside the breast: their correlation is " +
-        NumberText(result.After.Correlation, 2) + ", 0.7 or more is wanted.");
+        NumberText(result.After.Correlation, 2) + ", 0.5 or more is wanted.");
   }
   if (result.After.MeanOutlineDistanceMm > 1.5)
   {

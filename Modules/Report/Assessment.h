@@ -32,8 +32,16 @@ struct Assessment
   std::vector<std::string> Reasons;
 };
 
+/// Tissue correlations (Agreement::TissueCorrelation) from which on pictures are those of one
+/// breast, and below which they are not: on 40 mammograms of virtual studies of six anatomies and
+/// on pairs of two breasts of much the same size (docs/accuracy.md, "Trust").
+inline constexpr double GoodTissueCorrelation = 0.6;
+inline constexpr double LeastTissueCorrelation = 0.3;
+
 /**
- * Judges a result by its figures: correlation below 0.7 (0.5: none), mean outline distance
+ * Judges a result by its figures. Whether picture and volume are of one breast, the correlation of
+ * the tissue tells: below GoodTissueCorrelation doubtful, below LeastTissueCorrelation none. What
+ * else is doubtful: a correlation of the whole below 0.5, mean outline distance
  * above 1.5 mm (3 mm: none), largest above 5 mm (10 mm: none), a search that did not converge, a
  * parameter at its bound or more than three standard deviations of its prior away from where it was
  * expected, figures that are not numbers (none). Doubtful, too, is what mechanics do not settle: a

@@ -541,6 +541,14 @@ TEST_F(RegisterCommand, RegistersTheShippedPhantom)
     0)
     << this->Errors;
   EXPECT_THAT(this->Output, testing::HasSubstr("in cc-2: on the line from pixel"));
+  const std::string seen = "locate --result " + joint + " --view cc --pixel 300 500 --also ";
+  ASSERT_EQ(this->Run(seen + "cc-2=300,500"), 0) << this->Errors;
+  EXPECT_THAT(this->Output, testing::HasSubstr("behind both: "));
+  this->CommandTest::ExpectRefused(seen + "mlo=300,500",
+    "expected one of the result's other views, cc-2, found 'mlo'");
+  this->CommandTest::ExpectRefused(seen + "cc-2=300", "expected VIEW=COLUMN,ROW");
+  this->CommandTest::ExpectRefused("locate --result " + joint + " --point 30 10 -5 --also cc-2=1,2",
+    "expected --pixel beside it");
   EXPECT_THAT(ReadFile(this->Folder.File("line.csv")),
     testing::StartsWith("x_mm,y_mm,z_mm,material,cc-2_column,cc-2_row,cc-2_sigma_mm\n"));
   this->CommandTest::ExpectRefused("fuse --result " + joint + " --image " + Labels + " -o " +

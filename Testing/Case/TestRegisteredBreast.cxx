@@ -4,6 +4,8 @@
 
 #include <gmock/gmock.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <filesystem>
 
@@ -36,16 +38,43 @@ TEST_F(RegisteredBox, APointIsSeenWhereTheRayThroughItEnds)
   EXPECT_EQ(imaged.Material, "fat");
 }
 
-TEST_F(RegisteredBox, UncertaintyIsThatOfTheParameterAlongItsVelocity)
+TEST_F(RegisteredBox, UncertaintyIsOfTheParameterAlongItsVelocityAndOfTheModelAllAround)
 {
   const Vector3 point{ 12, 20, -6 };
   const ImagedPoint imaged = this->Breast->ToMammogram(point);
   ASSERT_TRUE(imaged.Uncertainty.has_value());
-  // Along x, which is along the rows' step: 90 degrees from the columns'.
-  EXPECT_NEAR(imaged.Uncertainty->MajorMm, ThicknessSigmaMm * Magnification(Squeezed(point)[2]),
-    1e-9);
-  EXPECT_NEAR(imaged.Uncertainty->MinorMm, 0, 1e-6);
-  EXPECT_NEAR(std::abs(imaged.Uncertainty->AngleDeg), 90, 1e-6);
+  ASSERT_TRUE(imaged.Covariance.has_value());
+  // The nearest rigid motion is a shift: the point is a quarter of its x and half of its z off.
+  // Middles of some cells stand for the tissue, which turns it by a degree or two.
+  const double model = std::hypot(ModelErrorMm, ModelErrorShare * std::hypot(3, 3));
+  const std::array<double, 9>& covariance = *imaged.Covariance;
+  EXPECT_NEAR(covariance[0], ThicknessSigmaMm * ThicknessSigmaMm + model * model, 0.03);
+  EXPECT_NEAR(covariance[4], model * model, 0.03);
+  EXPECT_NEAR(covariance[8], covariance[4], 1e-12);
+  EXPECT_NEAR(covariance[1], 0, 1e-12);
+  // Along x, which is along the rows' step: 90 degrees from the columns'. Rays are aslant by 2
+  // degrees.
+  const double factor = Magnification(Squeezed(point)[2]);
+  EXPECT_NEAR(imaged.Uncertainty->MajorMm, factor * std::sqrt(covariance[0]), 0.002);
+  EXPECT_NEAR(imaged.Uncertainty->MinorMm, factor * std::sqrt(covariance[4]), 0.002);
+  EXPECT_NEAR(std::abs(imaged.Uncertainty->AngleDeg), 90, 0.1);
+}
+
+TEST_F(RegisteredBox, ExpectsTheErrorThatItsCovarianceSays)
+{
+  // Without deformation all points have the model's least error, each way: Maxwell's median and 95
+  // % are 1.5382 and 2.7955 deviations.
+  BreastInUnit still = ReadBreastInUnit(ReadResultFile(this->Folder.File("")));
+  still.Compressed = still.Uncompressed;
+  std::fill(still.Covariance.begin(), still.Covariance.end(), 0.0);
+  const std::optional<ExpectedError> expected = RegisteredBreast(still).Expected();
+  ASSERT_TRUE(expected.has_value());
+  EXPECT_NEAR(expected->MedianMm, 1.5382 * ModelErrorMm, 1e-3 * ModelErrorMm);
+  EXPECT_NEAR(expected->Most95Mm, 2.7955 * ModelErrorMm, 1e-3 * ModelErrorMm);
+  // Squeezed and with a parameter's deviation of 2 mm it is more; without covariance unknown.
+  EXPECT_GT(this->Breast->Expected()->MedianMm, 1.5);
+  still.Covariance.clear();
+  EXPECT_FALSE(RegisteredBreast(still).Expected());
 }
 
 TEST_F(RegisteredBox, APixelHasTheTissueOfItsRayBehindIt)
@@ -65,6 +94,32 @@ TEST_F(RegisteredBox, APixelHasTheTissueOfItsRayBehindIt)
     nearest = std::min(nearest, Norm(point - Vector3{ 12, 20, -6 }));
   }
   EXPECT_LT(nearest, 0.15); // half a step, stretched by 2
+}
+
+TEST_F(RegisteredBox, TwoViewsKnowThePlaceAlongTheXRay)
+{
+  // A unit that looks along x, its receptor beside the box.
+  BreastInUnit turned = ReadBreastInUnit(ReadResultFile(this->Folder.File("")));
+  turned.Placed = { { -40, 0, 12 }, { 0, 0, -1 }, { 0, 1, 0 }, { 1, 0, 0 } };
+  const RegisteredBreast other(turned);
+  const Vector3 point{ 12, 20, -6 };
+  const auto seenIn = [&](const RegisteredBreast& breast)
+  {
+    const ImagedPoint imaged = breast.ToMammogram(point);
+    return SeenInView{ &breast, { imaged.Column, imaged.Row } };
+  };
+  const auto found = FindInTwoViews(seenIn(*this->Breast), seenIn(other));
+  ASSERT_TRUE(found.has_value());
+  // Steps of 0.5 mm, stretched by 2 along z.
+  EXPECT_LT(Norm(found->Point - point), 0.6);
+  EXPECT_LT(found->GapMm, 0.7);
+  // One alone takes the middle of 40 mm.
+  const auto middle = MiddleBehind(seenIn(*this->Breast));
+  ASSERT_TRUE(middle.has_value());
+  EXPECT_NEAR((*middle)[2], 0, 1.5);
+  // Beside the box there is nothing.
+  EXPECT_FALSE(FindInTwoViews({ this->Breast.get(), { 29, 2 } }, seenIn(other)));
+  EXPECT_FALSE(MiddleBehind({ this->Breast.get(), { 29, 2 } }));
 }
 
 TEST_F(RegisteredBox, TissueIsCarriedAndWhatLiesOutsideGoesWithTheNearest)
@@ -110,7 +165,9 @@ TEST_F(RegisteredBox, TakesTheWiderCovarianceWhereThereIsOne)
   result.ConsideredCovariance = test::OnlyThickness(3);
   const RegisteredBreast breast(ReadBreastInUnit(result));
   const Vector3 point{ 12, 20, -6 };
-  EXPECT_NEAR(breast.ToMammogram(point).Uncertainty->MajorMm, 3 * Magnification(Squeezed(point)[2]),
+  // That of the parameter, 4, becomes 9 beside the model's own.
+  EXPECT_NEAR((*breast.ToMammogram(point).Covariance)[0],
+    (*this->Breast->ToMammogram(point).Covariance)[0] + 9 - ThicknessSigmaMm * ThicknessSigmaMm,
     1e-9);
   result.Covariance.clear();
   result.ConsideredCovariance.clear();

@@ -79,7 +79,7 @@ protected:
     found.Parameters = DefaultParameters(BreastPose());
     found.Values = ValuesOf(found.Pose);
     found.StandardDeviations.assign(ParameterCount, 0.25);
-    found.After = { 0.9, 0.5, 1.5 };
+    found.After = { 0.9, 0.5, 1.5, 0.9 };
     found.Converged = true;
     registered.Sensitivities = { std::vector<double>(this->Result.Anatomy.Points.size(), 0.5), {} };
     registered.Warnings = { "Something had to be assumed." };

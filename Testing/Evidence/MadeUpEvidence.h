@@ -32,6 +32,9 @@ inline TwinRun MadeUpRun(const std::string& phantom, TwinKind kind, TwinSearch s
   run.LargestErrorMm = 2 * medianErrorMm;
   run.MeanOutlineMm = 0.5;
   run.Correlation = 0.95;
+  run.TissueCorrelation = 0.9;
+  run.CoordinatesWithin = 0.97;
+  run.Trust = "good";
   run.Iterations = 12;
   run.Equilibria = 20;
   run.Seconds = 8;
@@ -63,8 +66,13 @@ inline StudyRun MadeUpStudyRun(const std::string& phantom, std::uint32_t seed,
     errors.Behind = { { 20 }, { 10 } };
     errors.MeanOutlineMm = 0.5;
     errors.Correlation = 0.97;
+    errors.TissueCorrelation = 0.8;
+    errors.CoordinatesWithin = 0.94;
+    errors.ExpectedMedianMm = 2;
+    errors.Expected95Mm = 5;
     errors.Trust = "good";
   }
+  run.Together = { { 10, 12, 14 }, { 1, 3, 2 } };
   run.Seconds = 75;
   return run;
 }

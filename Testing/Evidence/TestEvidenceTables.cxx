@@ -103,6 +103,69 @@ TEST(EvidenceTables, Studies)
   EXPECT_THAT(text, HasSubstr("All 6 imaged points of 1 studies: in 3D 2.00 mm in the middle"));
   EXPECT_THAT(text, HasSubstr("those behind the receptor's edge (2): 20.00 mm in the middle"));
   EXPECT_THAT(text, HasSubstr("1 without a result."));
+  EXPECT_THAT(text,
+    HasSubstr(
+      "3 shadows back into the MRI: from CC alone (the middle of the tissue behind it) 12.00 mm "
+      "in the middle, 95 % below 13.80 mm; from CC and MLO 2.00 mm"));
+}
+
+namespace
+{
+/// A wrong pair whose tissue correlates so.
+TwinRun MadeUpPair(TwinKind kind, int number, double tissue, const char* trust)
+{
+  TwinRun run = MadeUpRun("a", kind, TwinSearch::Register, number, test::Nothing, 0);
+  run.TissueCorrelation = tissue;
+  run.Trust = trust;
+  return run;
+}
+}
+
+TEST(EvidenceTables, TrustByWhatIsRightAndWrong)
+{
+  RegistrationEvidence evidence;
+  for (int number = 0; number < 4; ++number)
+  {
+    evidence.Twins.push_back(
+      MadeUpRun("a", TwinKind::Plain, TwinSearch::Register, number, 1 + number, 0));
+  }
+  evidence.Twins[3].TissueCorrelation = 0.5;
+  evidence.Twins[3].Trust = "doubtful";
+  evidence.Twins.push_back(MadeUpPair(TwinKind::OtherBreast, 0, 0.45, "doubtful"));
+  evidence.Twins.push_back(MadeUpPair(TwinKind::OtherBreast, 1, 0.65, "good"));
+  evidence.Twins.push_back(MadeUpPair(TwinKind::HalfPicture, 0, test::Nothing, "none"));
+  const std::string text = EvidenceTables(evidence);
+  EXPECT_THAT(text, HasSubstr("| twins | 4 | 3 | 1 | 0 | 2.00 (3.00) |"));
+  EXPECT_THAT(text, HasSubstr("| other-breast | 2 | 1 | 1 | 0 | - |"));
+  EXPECT_THAT(text, HasSubstr("| half-picture | 1 | 0 | 0 | 1 | - |"));
+  // 0.46 keeps the wrong ones of even numbers out, not that of number 1; of number 3 it is passed.
+  EXPECT_THAT(text, HasSubstr("4 right results (3D error below 5 mm in the middle) and 3 wrong"));
+  EXPECT_THAT(text,
+    HasSubstr("Limit of 0.46, chosen on even numbers: 0 % of the wrong and 100 % of "
+              "the right ones pass; of odd numbers 100 % of the wrong and 100 %"));
+  EXPECT_THAT(text, HasSubstr("of odd ones 100 % of the wrong and 50 % of the right ones."));
+  // Wrong pairs are no twins of a table of errors.
+  EXPECT_THAT(text, Not(HasSubstr("| other-breast | a |")));
+  const std::string curve = TrustCurveSvg(evidence);
+  EXPECT_THAT(curve, testing::StartsWith("<svg"));
+  EXPECT_THAT(curve, Not(HasSubstr("nan")));
+  // Of the odd numbers one of one is wrong, one of two right: the middle of the right edge.
+  EXPECT_THAT(curve, HasSubstr("<circle cx=\"460.0\" cy=\"220.0\""));
+}
+
+TEST(EvidenceTables, HowOftenTheTruthIsWithinTwoSigma)
+{
+  RegistrationEvidence evidence;
+  evidence.Twins.push_back(MadeUpRun("a", TwinKind::Plain, TwinSearch::Register, 0, 1, 0.5));
+  evidence.Twins.push_back(MadeUpRun("b", TwinKind::Plain, TwinSearch::Register, 0, 1, 3));
+  evidence.Twins[1].CoordinatesWithin = 0.87;
+  evidence.Studies.push_back(test::MadeUpStudyRun("b", 4, { 1, 2, 6 }));
+  const std::string text = EvidenceTables(evidence);
+  EXPECT_THAT(text, HasSubstr("| a | 100.0 % (2) | 97.0 % (1) | - |"));
+  EXPECT_THAT(text, HasSubstr("| b | 50.0 % (2) | 87.0 % (1) | 94.0 % (2) |"));
+  EXPECT_THAT(text, HasSubstr("| all | 75.0 % (4) | 92.0 % (2) | 94.0 % (2) |"));
+  // 2 mm expected and found; two of three within the 5 mm of 95 %.
+  EXPECT_THAT(text, HasSubstr("expects: 1.00 in the middle of 2 views (1.00 to 1.00); 66.7 % of"));
 }
 
 TEST(Quantile, IsLinearBetweenValues)

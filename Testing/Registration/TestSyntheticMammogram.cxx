@@ -73,6 +73,72 @@ TEST(Compare, MeasuresTheOutlinesAndThePictures)
   EXPECT_NEAR(Compare(inverted, target).Correlation, -1, 1e-5);
 }
 
+/// 100 x 100 pixels of 1.5 mm, breast in front of y = 105 mm, as thick as the plates are apart but
+/// for a bulge of 20 mm, with lumps of tissue where `lumps` says so.
+RegistrationTarget BulgingTarget(double (*lumps)(double x, double y))
+{
+  RegistrationTarget target;
+  target.Columns = 100;
+  target.Rows = 100;
+  target.Origin = { -74.25, 0.75 };
+  target.ColumnStep = { 0, 1.5 };
+  target.RowStep = { 1.5, 0 };
+  for (int row = 0; row < 100; ++row)
+  {
+    for (int column = 0; column < 100; ++column)
+    {
+      const double x = -74.25 + 1.5 * row;
+      const double y = 0.75 + 1.5 * column;
+      const double deep = 105 - y;
+      const double bulge =
+        deep >= 20 ? 1 : std::sqrt(std::max(0.0, 1 - std::pow(1 - deep / 20, 2)));
+      target.BreastMask.push_back(deep > 0 ? 1 : 0);
+      target.SignedDistanceMm.push_back(static_cast<float>(-deep));
+      target.LogAttenuation.push_back(
+        deep > 0 ? static_cast<float>(bulge * (2 + 0.2 * lumps(x, y))) : 0.0F);
+    }
+  }
+  return target;
+}
+
+double Lumps(double x, double y)
+{
+  return std::sin(x / 5) * std::sin(y / 4);
+}
+
+double OtherLumps(double x, double y)
+{
+  return std::cos(x / 4.5) * std::cos(y / 5.5);
+}
+
+TEST(Compare, TellsTwoBreastsOfOneShapeByTheirTissue)
+{
+  const RegistrationTarget target = BulgingTarget(Lumps);
+  const auto pictureOf = [](const RegistrationTarget& breast)
+  {
+    SyntheticMammogram picture;
+    for (const float value : breast.LogAttenuation)
+    {
+      picture.LogAttenuation.push_back(
+        value > 0 ? 0.5F * value + 1 : 0.0F); // up to scale and offset
+    }
+    picture.Outline = { { 75, 105 }, { -75, 105 } };
+    return picture;
+  };
+  const Agreement same = Compare(pictureOf(target), target);
+  EXPECT_NEAR(same.TissueCorrelation, 1, 1e-3);
+  // Another breast agrees in shape and thickness, and so in all of the picture.
+  const Agreement other = Compare(pictureOf(BulgingTarget(OtherLumps)), target);
+  EXPECT_GT(other.Correlation, 0.8);
+  EXPECT_LT(std::abs(other.TissueCorrelation), 0.1);
+  EXPECT_NEAR(other.MeanOutlineDistanceMm, 0, 1e-5);
+  // Where next to nothing is compared, it is not known.
+  RegistrationTarget covered = target;
+  covered.Excluded.assign(target.BreastMask.size(), 1);
+  covered.Excluded[0] = 0;
+  EXPECT_TRUE(std::isnan(Compare(pictureOf(target), covered).TissueCorrelation));
+}
+
 TEST(Compare, WeighsTheOutlineByItsLength)
 {
   const RegistrationTarget target = StraightTarget();

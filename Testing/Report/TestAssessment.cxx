@@ -17,7 +17,7 @@ RegistrationResult GoodResult()
   RegistrationResult result;
   result.Parameters = { { "thickness", "mm", 52, 40, 64, 2 }, { "roll", "deg", 0, -15, 15, 3 } };
   result.Values = { 50.4, -1.25 };
-  result.After = { 0.93, 0.62, 2.1 };
+  result.After = { 0.93, 0.62, 2.1, 0.8 };
   result.Converged = true;
   return result;
 }
@@ -38,11 +38,14 @@ TEST(Assessment, FallsWithEachFigure)
     Trust Level;
   };
   const double unknown = std::numeric_limits<double>::quiet_NaN();
-  for (const Case& bad : { Case{ { 0.69, 0.6, 2 }, Trust::Doubtful },
-         Case{ { 0.49, 0.6, 2 }, Trust::None }, Case{ { 0.9, 1.6, 2 }, Trust::Doubtful },
-         Case{ { 0.9, 3.1, 2 }, Trust::None }, Case{ { 0.9, 0.6, 5.1 }, Trust::Doubtful },
-         Case{ { 0.9, 0.6, 10.1 }, Trust::None }, Case{ { unknown, 0.6, 2 }, Trust::None },
-         Case{ { 0.9, unknown, 2 }, Trust::None }, Case{ { 0.9, 0.6, unknown }, Trust::None } })
+  for (const Case& bad :
+    { Case{ { 0.49, 0.6, 2, 0.8 }, Trust::Doubtful },
+      Case{ { 0.9, 0.6, 2, 0.59 }, Trust::Doubtful }, Case{ { 0.9, 0.6, 2, 0.29 }, Trust::None },
+      Case{ { 0.9, 0.6, 2, unknown }, Trust::Doubtful },
+      Case{ { 0.9, 1.6, 2, 0.8 }, Trust::Doubtful }, Case{ { 0.9, 3.1, 2, 0.8 }, Trust::None },
+      Case{ { 0.9, 0.6, 5.1, 0.8 }, Trust::Doubtful }, Case{ { 0.9, 0.6, 10.1, 0.8 }, Trust::None },
+      Case{ { unknown, 0.6, 2, 0.8 }, Trust::None }, Case{ { 0.9, unknown, 2, 0.8 }, Trust::None },
+      Case{ { 0.9, 0.6, unknown, 0.8 }, Trust::None } })
   {
     RegistrationResult result = GoodResult();
     result.After = bad.After;
@@ -55,12 +58,12 @@ TEST(Assessment, FallsWithEachFigure)
 TEST(Assessment, TellsEveryReasonAndTheWorstCounts)
 {
   RegistrationResult result = GoodResult();
-  result.After.Correlation = 0.4;
+  result.After.TissueCorrelation = 0.14;
   result.Converged = false;
   result.StopReason = "stopped by the user";
   const Assessment assessment = Assess(result);
   EXPECT_EQ(assessment.Level, Trust::None);
-  EXPECT_THAT(assessment.Reasons, ElementsAre(HasSubstr("0.40"), HasSubstr("stopped by the user")));
+  EXPECT_THAT(assessment.Reasons, ElementsAre(HasSubstr("0.14"), HasSubstr("stopped by the user")));
 }
 
 TEST(Assessment, AParameterAtItsBoundIsDoubtful)

@@ -93,6 +93,8 @@ struct MadeUp
     this->Result.After.Correlation = 0.93;
     this->Result.After.MeanOutlineDistanceMm = 0.62;
     this->Result.After.LargestOutlineDistanceMm = 2.1;
+    this->Result.After.TissueCorrelation = 0.86;
+    this->Result.Expected = ExpectedError{ 1.4, 3.75 };
     this->Result.Converged = true;
     this->Result.StopReason = "the cost changes by less than 1e-4 of itself";
     this->Result.Evaluations = 43;
@@ -188,7 +190,7 @@ TEST(RegistrationReport, BeginsWithTheAnswerWhereOneWasAskedFor)
   EXPECT_THAT(html, HasSubstr(">3</text>"));
   // Doubt is told beside the place.
   EXPECT_THAT(html, Not(HasSubstr("class=\"warning\"")));
-  made.Result.After.Correlation = 0.6;
+  made.Result.After.TissueCorrelation = 0.5;
   WriteRegistrationReport(made.Report, folder.File("doubtful"));
   EXPECT_THAT(testing_support::ReadFile(folder.File("doubtful/report.html")),
     HasSubstr("<b class=\"warning\">The match should be checked by eye.</b>"));
@@ -279,7 +281,7 @@ TEST(RegistrationReport, SaysWhenTheMatchIsNotToBeTrusted)
   const testing_support::TemporaryFolder folder;
   const std::string report = folder.File("report");
   MadeUp made;
-  made.Result.After.Correlation = 0.4;
+  made.Result.After.TissueCorrelation = 0.2;
   made.Result.Converged = false;
   made.Result.StopReason = "stopped by the user";
   WriteRegistrationReport(made.Report, report);

@@ -59,9 +59,7 @@ LayeredPicture SlicesThrough(const RegistrationCaseResult& result, const Vector3
   return DrawPointSlices(slices);
 }
 
-/// The registered breast as its folder will hold it.
-BreastInUnit InMemory(const RegistrationCaseResult& result, const RegisteredView& registered,
-  const ResultFile& file)
+BreastInUnit InMemory(const RegistrationCaseResult& result, const RegisteredView& registered)
 {
   BreastInUnit breast;
   breast.Uncompressed = UncompressedGrid(result, registered);
@@ -75,7 +73,16 @@ BreastInUnit InMemory(const RegistrationCaseResult& result, const RegisteredView
   vtkNew<vtkPoints> points;
   points->SetData(values);
   breast.Compressed->SetPoints(points);
-  DescribeUnit(file, breast);
+  breast.Placed = registered.Placed;
+  breast.Unit = registered.Unit;
+  breast.Grid = registered.Target;
+  const RegistrationResult& found = registered.Registration;
+  for (const RegistrationParameter& parameter : found.Parameters)
+  {
+    breast.Parameters.push_back(parameter.Name);
+  }
+  breast.Covariance =
+    found.ConsideredCovariance.empty() ? found.Covariance : found.ConsideredCovariance;
   return breast;
 }
 
@@ -176,22 +183,16 @@ std::vector<AskedPlace> AskedOf(const RegistrationCase& input, const Registratio
   return asked;
 }
 
-std::optional<RegisteredBreast> BreastForAsked(const RegistrationCaseResult& result,
-  const RegisteredView& registered, const ResultFile& file, const std::vector<AskedPlace>& asked)
+RegisteredBreast BreastOf(const RegistrationCaseResult& result, const RegisteredView& registered)
 {
-  return asked.empty() ? std::nullopt
-                       : std::optional<RegisteredBreast>(InMemory(result, registered, file));
+  return RegisteredBreast(InMemory(result, registered));
 }
 
 std::vector<PlaceInMammogram> PlacesIn(const RegistrationCase& input,
   const RegistrationCaseResult& result, const RegisteredView& registered,
-  const std::vector<AskedPlace>& asked, const std::optional<RegisteredBreast>& breast)
+  const std::vector<AskedPlace>& asked, const RegisteredBreast& breast)
 {
   std::vector<PlaceInMammogram> places;
-  if (!breast)
-  {
-    return places;
-  }
   const std::vector<Lesion> lesions =
     result.Lesions ? FindLesions(*result.Lesions) : std::vector<Lesion>();
   const std::size_t points = asked.size() - lesions.size();
@@ -204,11 +205,11 @@ std::vector<PlaceInMammogram> PlacesIn(const RegistrationCase& input,
     {
       if (index < points)
       {
-        places.push_back(PlaceOf(breast->ToMammogram(asked[index].Point), registered.Target));
+        places.push_back(PlaceOf(breast.ToMammogram(asked[index].Point), registered.Target));
         continue;
       }
       const LesionShadow shadow =
-        ProjectLesion(*breast, *result.Lesions, lesions[index - points].Label, *projector);
+        ProjectLesion(breast, *result.Lesions, lesions[index - points].Label, *projector);
       PlaceInMammogram place = PlaceOf(shadow.ImagedCentre, registered.Target);
       AddOutlines(shadow, registered.Target, place);
       places.push_back(std::move(place));
@@ -223,7 +224,7 @@ std::vector<PlaceInMammogram> PlacesIn(const RegistrationCase& input,
 
 LayeredPicture PictureBetweenPlates(const RegistrationCaseResult& result,
   const RegisteredView& registered, const std::vector<AskedPlace>& asked,
-  const std::optional<RegisteredBreast>& registeredBreast)
+  const RegisteredBreast& registeredBreast)
 {
   std::vector<std::int32_t> ids;
   SurfaceMesh surface = ExtractInterfaces(result.Anatomy, &ids);
@@ -265,7 +266,7 @@ LayeredPicture PictureBetweenPlates(const RegistrationCaseResult& result,
   for (const AskedPlace& place : asked)
   {
     breast.Marks.emplace_back(place.ShortName,
-      place.Point + registeredBreast->Carry(place.Point).Displacement);
+      place.Point + registeredBreast.Carry(place.Point).Displacement);
   }
   return DrawBreast(breast);
 }

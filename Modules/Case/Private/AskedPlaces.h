@@ -5,10 +5,8 @@
 
 #include "mammoray/Case/RegisteredBreast.h"
 #include "mammoray/Case/RegistrationCase.h"
-#include "mammoray/Case/ResultFile.h"
 #include "mammoray/Report/RegistrationReport.h"
 
-#include <optional>
 #include <vector>
 
 namespace mammoray
@@ -25,20 +23,19 @@ void CheckAsked(const RegistrationCase& input, const LabelVolume& tissue,
 std::vector<AskedPlace> AskedOf(const RegistrationCase& input,
   const RegistrationCaseResult& result);
 
-/// The breast of one mammogram, as its folder will hold it; nothing where nothing was asked for.
-std::optional<RegisteredBreast> BreastForAsked(const RegistrationCaseResult& result,
-  const RegisteredView& registered, const ResultFile& file, const std::vector<AskedPlace>& asked);
+/// The breast of one mammogram, as its folder will hold it.
+RegisteredBreast BreastOf(const RegistrationCaseResult& result, const RegisteredView& registered);
 
-/// Where one mammogram, whose breast is BreastForAsked, shows each of them. What cannot be found
+/// Where one mammogram, whose breast is BreastOf, shows each of them. What cannot be found
 /// there says so. Throws DeviceError.
 std::vector<PlaceInMammogram> PlacesIn(const RegistrationCase& input,
   const RegistrationCaseResult& result, const RegisteredView& registered,
-  const std::vector<AskedPlace>& asked, const std::optional<RegisteredBreast>& breast);
+  const std::vector<AskedPlace>& asked, const RegisteredBreast& breast);
 
 /// The breast between the plates, with what was asked for.
 LayeredPicture PictureBetweenPlates(const RegistrationCaseResult& result,
   const RegisteredView& registered, const std::vector<AskedPlace>& asked,
-  const std::optional<RegisteredBreast>& registeredBreast);
+  const RegisteredBreast& registeredBreast);
 }
 
 #endif

@@ -122,6 +122,22 @@ void ListFields(Fields& fields, RegistrationIteration& iteration)
 }
 
 template <typename Fields>
+void ListFields(Fields& fields, RegistrationMisfit& misfit)
+{
+  fields("outlineSigmaMm", misfit.OutlineSigmaMm);
+  fields("outlineScaleMm", misfit.OutlineScaleMm);
+  fields("pictureSigma", misfit.PictureSigma);
+  fields("pictureScaleMm", misfit.PictureScaleMm);
+}
+
+template <typename Fields>
+void ListFields(Fields& fields, ExpectedError& expected)
+{
+  fields("medianMm", NumberOrNull{ expected.MedianMm });
+  fields("most95Mm", NumberOrNull{ expected.Most95Mm });
+}
+
+template <typename Fields>
 void ListFields(Fields& fields, ResultCompression& compression)
 {
   fields("paddleForceN", compression.PaddleForceN);
@@ -169,6 +185,9 @@ void ListFields(Fields& fields, ResultFile& result)
   fields("correlation", NumberOrNull{ result.After.Correlation });
   fields("meanOutlineDistanceMm", NumberOrNull{ result.After.MeanOutlineDistanceMm });
   fields("largestOutlineDistanceMm", NumberOrNull{ result.After.LargestOutlineDistanceMm });
+  fields("tissueCorrelation", NumberOrNull{ result.After.TissueCorrelation });
+  fields("misfit", result.Misfit);
+  fields("expectedError", result.Expected);
   fields("converged", result.Converged);
   fields("stopReason", result.StopReason);
   fields("evaluations", result.Evaluations);

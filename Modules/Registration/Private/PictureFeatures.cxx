@@ -105,6 +105,16 @@ std::size_t PictureFeatures::Size() const
   return this->Kind == PictureComparison::Gradient ? this->Pairs.size() : this->Pixels.size();
 }
 
+std::vector<std::size_t> PictureFeatures::Places() const
+{
+  std::vector<std::size_t> places(this->Size());
+  for (std::size_t index = 0; index < places.size(); ++index)
+  {
+    places[index] = this->Kind == PictureComparison::Gradient ? this->Pairs[index][0] : index;
+  }
+  return places;
+}
+
 double PictureFeatures::MeanOver(std::size_t window, const std::vector<double>& values) const
 {
   double sum = 0;

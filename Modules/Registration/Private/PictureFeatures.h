@@ -33,6 +33,8 @@ public:
   };
 
   std::size_t Size() const;
+  /// The pixel of each feature, as a number in `pixels`; of a difference its first.
+  std::vector<std::size_t> Places() const;
   Found Of(const std::vector<float>& image) const;
   /// Derivatives of the features at a picture, from those of its values at the pixels.
   std::vector<double> Differentiate(const Found& at, std::vector<double> derivatives) const;

@@ -4,13 +4,15 @@
 
 #include "Private/JointSearch.h"
 
-#include <ceres/problem.h>
-
 namespace mammoray
 {
-/// Finds the covariance of the unknowns where the search stands, for all mammograms and each of
-/// them, also with what is not known of the parameters that are held (consider covariance).
-void KeepCovariance(ceres::Problem& problem, RegistrationEvaluator& evaluator, JointSearch& search);
+/**
+ * Finds the covariance of the unknowns where the search stands, for all mammograms and each of
+ * them, also with what is not known of the parameters that are held (consider covariance). How
+ * much outline and picture tell follows from their own residuals there (EstimateVariances), not
+ * from the weights of the search.
+ */
+void KeepCovariance(RegistrationEvaluator& evaluator, JointSearch& search);
 }
 
 #endif

@@ -251,7 +251,7 @@ LevelEnd SearchLevel(std::vector<SearchedMammogram> mammograms, const Level& lev
   }
   if (ending.End == LevelEnd::Reached && level.Finest)
   {
-    KeepCovariance(problem, evaluator, search);
+    KeepCovariance(evaluator, search);
   }
   return ending.End;
 }

@@ -58,8 +58,17 @@ std::string Sentences(const std::vector<std::string>& sentences)
   return html + "</ul>\n";
 }
 
-std::string VerdictHtml(const Assessment& assessment)
+std::string ExpectedHtml(const std::optional<ExpectedError>& expected)
 {
+  return expected ? "<p>If both are of one breast, half of its tissue lies within " +
+      NumberText(expected->MedianMm, 1) + " mm of where this result places it, 95 % within " +
+      NumberText(expected->Most95Mm, 1) + " mm, as in virtual studies with known truth.</p>\n"
+                  : std::string();
+}
+
+std::string VerdictHtml(const RegistrationResult& result)
+{
+  const Assessment assessment = Assess(result);
   static const char* const Texts[] = {
     "Outline and picture of the synthetic mammogram agree with the real one.",
     "Places found by this registration may be off by more than usual:",
@@ -68,7 +77,8 @@ std::string VerdictHtml(const Assessment& assessment)
   const int level = static_cast<int>(assessment.Level);
   return std::string("<section class=\"verdict ") + NameOf(assessment.Level) + "\">\n<h2>" +
     VerdictOf(assessment.Level) + "</h2>\n" + Texts[level] + "\n" +
-    (assessment.Reasons.empty() ? std::string() : Sentences(assessment.Reasons)) + "</section>\n";
+    (assessment.Reasons.empty() ? std::string() : Sentences(assessment.Reasons)) +
+    ExpectedHtml(result.Expected) + "</section>\n";
 }
 
 /// What the header says of a parameter; nothing where it is silent.
@@ -96,8 +106,9 @@ std::string FiguresHtml(const RegistrationReport& report)
                  : std::string("; the header does not say it");
   };
   return "<div class=\"figures\">\n" +
-    figure(NumberText(result.After.Correlation, 3), "",
-      "correlation inside the breast (1 is best)") +
+    figure(NumberText(result.After.TissueCorrelation, 2), "",
+      "correlation of the tissue (of one breast " + NumberText(GoodTissueCorrelation, 1) +
+        " or more), " + NumberText(result.After.Correlation, 3) + " of all of the picture") +
     figure(NumberText(result.After.MeanOutlineDistanceMm, 2), "mm",
       "mean distance of the outlines, " + NumberText(result.After.LargestOutlineDistanceMm, 2) +
         " mm the largest") +
@@ -283,7 +294,7 @@ std::string MammogramHtml(const RegistrationReport& report, const ReportPictures
   const std::string& plot)
 {
   const RegistrationResult& result = *report.Result;
-  std::string html = VerdictHtml(Assess(result)) + FiguresHtml(report) + PicturesHtml(pictures) +
+  std::string html = VerdictHtml(result) + FiguresHtml(report) + PicturesHtml(pictures) +
     Comparison + "<div class=\"found\">\n" + BetweenPlatesHtml(report.BetweenPlates) +
     ParametersHtml(report) + "</div>\n" + CourseHtml(result, plot);
   html += "<div class=\"columns screen\">\n<section>\n<h2>Search and compression</h2>\n" +

@@ -125,7 +125,8 @@ class Registration:
     covariance: of the parameters in the order of `parameters`; none where it is not known
     sensitivities: of each parameter that was looked for, n x 3, mm per mm or degree, seen from the unit
     placement: where the unit stands
-    correlation: of synthetic and real mammogram; mean_outline_distance, largest_outline_distance: of their outlines, mm
+    correlation: of synthetic and real mammogram; tissue_correlation: of the tissue alone, of one breast 0.6 and more
+    mean_outline_distance, largest_outline_distance: of their outlines, mm
     force: of the paddle, N
     converged: whether the search ended by itself; stop_reason: why it ended
     """
@@ -137,6 +138,7 @@ class Registration:
     sensitivities: dict[str, NDArray[numpy.float64]]
     placement: Placement
     correlation: float
+    tissue_correlation: float
     mean_outline_distance: float
     largest_outline_distance: float
     force: float
@@ -389,6 +391,7 @@ def register(points: ArrayLike, tetrahedra: ArrayLike, regions: ArrayLike, mammo
     return Registration(
         _points(grid), _values(data, "Displacement"), dict(zip(names, _field(grid, "Parameters").tolist())),
         dict(zip(names, _field(grid, "ParameterDeviations").tolist())), covariance if covariance.size else None, sensitivities,
-        _placement(grid), float(_field(grid, "Correlation")[0]), float(_field(grid, "MeanOutlineDistanceMm")[0]),
+        _placement(grid), float(_field(grid, "Correlation")[0]), float(_field(grid, "TissueCorrelation")[0]),
+        float(_field(grid, "MeanOutlineDistanceMm")[0]),
         float(_field(grid, "LargestOutlineDistanceMm")[0]), float(_field(grid, "PaddleForceN")[0]),
         bool(_field(grid, "Converged")[0]), grid.GetFieldData().GetAbstractArray("StopReason").GetValue(0))

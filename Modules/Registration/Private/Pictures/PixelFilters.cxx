@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "Private/PixelFilters.h"
+#include "Private/Pictures/PixelFilters.h"
 
-#include "Private/RobustStatistics.h"
+#include "Private/Pictures/RobustStatistics.h"
 
 #include "vtkDataArray.h"
 #include "vtkFloatArray.h"
 #include "vtkImageData.h"
+#include "vtkImageGaussianSmooth.h"
 #include "vtkImageInterpolator.h"
 #include "vtkImageMedian3D.h"
 #include "vtkImageReslice.h"
@@ -38,6 +39,17 @@ std::vector<float> Copy(vtkImageData* image)
   vtkDataArray* array = image->GetPointData()->GetScalars();
   const auto* values = static_cast<const float*>(array->GetVoidPointer(0));
   return { values, values + array->GetNumberOfValues() };
+}
+
+std::vector<float> GaussianSmooth(const PixelGrid& grid, std::vector<float>& values, double sigmaMm)
+{
+  vtkNew<vtkImageGaussianSmooth> smooth;
+  smooth->SetInputData(Wrap(grid, values));
+  smooth->SetDimensionality(2);
+  smooth->SetStandardDeviations(sigmaMm / grid.ColumnSpacing, sigmaMm / grid.RowSpacing, 0);
+  smooth->SetRadiusFactors(3, 3, 0);
+  smooth->Update();
+  return Copy(smooth->GetOutput());
 }
 }
 
@@ -73,6 +85,26 @@ std::vector<float> Refine(const PixelGrid& grid, std::vector<float>& values, con
   reslice->SetOutputOrigin(-half * fine.ColumnSpacing, -half * fine.RowSpacing, 0);
   reslice->Update();
   return Copy(reslice->GetOutput());
+}
+
+std::vector<float> Details(const PixelGrid& grid, const std::vector<float>& values,
+  const PixelMask& mask, double sigmaMm)
+{
+  std::vector<float> inside(values.size(), 0.0F);
+  std::vector<float> weight(values.size(), 0.0F);
+  for (std::size_t pixel = 0; pixel < values.size(); ++pixel)
+  {
+    inside[pixel] = mask[pixel] != 0 ? values[pixel] : 0.0F;
+    weight[pixel] = mask[pixel] != 0 ? 1.0F : 0.0F;
+  }
+  const std::vector<float> sum = GaussianSmooth(grid, inside, sigmaMm);
+  const std::vector<float> share = GaussianSmooth(grid, weight, sigmaMm);
+  for (std::size_t pixel = 0; pixel < values.size(); ++pixel)
+  {
+    // The pixel itself has a share.
+    inside[pixel] -= mask[pixel] != 0 ? sum[pixel] / share[pixel] : 0.0F;
+  }
+  return inside;
 }
 
 namespace

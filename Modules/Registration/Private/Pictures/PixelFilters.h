@@ -2,7 +2,7 @@
 #ifndef mammoray_PixelFilters_h
 #define mammoray_PixelFilters_h
 
-#include "Private/PixelMask.h"
+#include "Private/Pictures/PixelMask.h"
 #include "mammorayRegistrationModule.h"
 
 #include <vector>
@@ -17,6 +17,11 @@ MAMMORAYREGISTRATION_EXPORT std::vector<float> Median3x3(const PixelGrid& grid,
 /// are only read.
 MAMMORAYREGISTRATION_EXPORT std::vector<float> Refine(const PixelGrid& grid,
   std::vector<float>& values, const PixelGrid& fine, int factor);
+
+/// What stands out of its surroundings in a picture: each pixel of `mask` less the mean around it,
+/// by a Gaussian of `sigmaMm` over the pixels of the mask; 0 elsewhere.
+MAMMORAYREGISTRATION_EXPORT std::vector<float> Details(const PixelGrid& grid,
+  const std::vector<float>& values, const PixelMask& mask, double sigmaMm);
 
 /// How the noise of a picture goes with attenuation.
 enum class NoiseTrend

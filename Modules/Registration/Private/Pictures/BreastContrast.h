@@ -2,7 +2,7 @@
 #ifndef mammoray_BreastContrast_h
 #define mammoray_BreastContrast_h
 
-#include "Private/PixelMask.h"
+#include "Private/Pictures/PixelMask.h"
 #include "mammoray/Foundation/Mammogram.h"
 #include "mammoray/Registration/TargetPreparation.h"
 #include "mammorayRegistrationModule.h"

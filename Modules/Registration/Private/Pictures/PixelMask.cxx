@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "Private/PixelMask.h"
+#include "Private/Pictures/PixelMask.h"
 
 #include "mammoray/Foundation/Error.h"
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "Private/AirLevel.h"
+#include "Private/Pictures/AirLevel.h"
 
-#include "Private/RobustStatistics.h"
+#include "Private/Pictures/RobustStatistics.h"
 #include "mammoray/Foundation/Error.h"
 
 #include <Eigen/Cholesky>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "Private/BreastContrast.h"
+#include "Private/Pictures/BreastContrast.h"
 
-#include "Private/AirLevel.h"
-#include "Private/PixelFilters.h"
+#include "Private/Pictures/AirLevel.h"
+#include "Private/Pictures/PixelFilters.h"
 #include "mammoray/Foundation/Error.h"
 
 #include <algorithm>

@@ -2,7 +2,7 @@
 #ifndef mammoray_GantryGrid_h
 #define mammoray_GantryGrid_h
 
-#include "Private/PixelMask.h"
+#include "Private/Pictures/PixelMask.h"
 #include "mammoray/Foundation/Mammogram.h"
 #include "mammoray/Registration/RegistrationTarget.h"
 #include "mammorayRegistrationModule.h"

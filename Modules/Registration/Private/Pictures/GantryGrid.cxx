@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "Private/GantryGrid.h"
+#include "Private/Pictures/GantryGrid.h"
 
 #include <algorithm>
 #include <cmath>

@@ -2,7 +2,7 @@
 #ifndef mammoray_AirLevel_h
 #define mammoray_AirLevel_h
 
-#include "Private/PixelMask.h"
+#include "Private/Pictures/PixelMask.h"
 #include "mammorayRegistrationModule.h"
 
 #include <array>

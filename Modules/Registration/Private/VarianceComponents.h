@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+#ifndef mammoray_VarianceComponents_h
+#define mammoray_VarianceComponents_h
+
+#include "mammorayRegistrationModule.h"
+
+#include <Eigen/Core>
+
+#include <array>
+#include <vector>
+
+namespace mammoray
+{
+/// Residuals of one kind, such as the outline's, of unknown variance and alike where they are near
+/// each other.
+struct ResidualGroup
+{
+  /// In their own unit, not weighted.
+  Eigen::VectorXd Residuals;
+  /// d Residuals / d unknowns.
+  Eigen::MatrixXd Jacobian;
+  /// Where they lie, mm: along a line (y = 0) or in a plane.
+  std::vector<std::array<double, 2>> Places;
+  /// Of the space they lie in: 1 or 2.
+  int Dimension = 1;
+  /// The length or area that each of them stands for, mm or mm^2. Positive.
+  double Extent = 1;
+  /// Variance times length or area over which it is alike that counts at least, however small the
+  /// residuals are.
+  double LeastScatter = 0;
+};
+
+struct VarianceComponents
+{
+  /// Of each group: standard deviation, in its unit, and the length or area over which its
+  /// residuals are as good as one, mm or mm^2, at least Extent.
+  std::vector<double> Sigmas;
+  std::vector<double> Correlated;
+  /// Of the unknowns; false where residuals and precision together do not tell all of them.
+  Eigen::MatrixXd Covariance;
+  bool Determined = false;
+
+  /// What the squares of a group's residuals count.
+  double Weight(const std::vector<ResidualGroup>& groups, std::size_t group) const;
+};
+
+/**
+ * The length or area over which residuals are alike: the integral of their autocorrelation up to
+ * where it is lost in its own noise, 0.1 (the integral scale; of a stationary series of n, as many
+ * values are as good as n / scale independent ones, Bartlett 1946), at least Extent. Of more than
+ * some thousand residuals a part is taken, every so many.
+ */
+MAMMORAYREGISTRATION_EXPORT double IntegralScale(const ResidualGroup& group);
+
+/**
+ * Variances of groups of residuals at a minimum of their weighted squares, from the residuals
+ * themselves: iterated almost unbiased estimation, sigma^2 = r^T r / (n - tr(C N)), each group
+ * counting as many residuals as are independent (Förstner 1979; where it settles it is the
+ * restricted maximum likelihood of Patterson and Thompson 1971). `precision`: what is known of the
+ * unknowns beforehand, the inverse of their covariance. A group is left at least one residual to
+ * tell its variance by.
+ */
+MAMMORAYREGISTRATION_EXPORT VarianceComponents EstimateVariances(
+  const std::vector<ResidualGroup>& groups, const Eigen::MatrixXd& precision);
+}
+
+#endif
