@@ -114,11 +114,12 @@ void RegistrationResiduals::ChoosePixels()
   {
     square += feature * feature / static_cast<double>(this->TargetFeatures.size());
   }
+  this->FeatureRms = std::sqrt(std::max(square, 1e-12));
   const double area = std::abs(this->Target.ColumnStep[0] * this->Target.RowStep[1] -
     this->Target.ColumnStep[1] * this->Target.RowStep[0]);
   const double alike = this->Options.CorrelationLengthMm * this->Options.CorrelationLengthMm;
   this->IntensityWeight = std::sqrt(std::min(1.0, this->PixelsPerFeature() * area / alike)) /
-    (this->Options.IntensitySigma * std::sqrt(std::max(square, 1e-12)));
+    (this->Options.IntensitySigma * this->FeatureRms);
 }
 
 double RegistrationResiduals::PixelsPerFeature() const

@@ -134,6 +134,8 @@ public:
   /// What distances of the outline, mm, and differences of the picture are multiplied by.
   double OutlineFactor() const { return this->OutlineWeight; }
   double IntensityFactor() const { return this->IntensityWeight; }
+  /// Root mean square of what is compared of the target's picture.
+  double TargetRms() const { return this->FeatureRms; }
   /// Where on the receptor the residuals of the outline and of the picture lie, mm.
   std::vector<ReceptorPoint> OutlinePlaces(EvaluatedState& breast) const;
   std::vector<ReceptorPoint> IntensityPlaces() const;
@@ -166,6 +168,7 @@ private:
   std::vector<double> TargetFeatures;
   double OutlineWeight = 1;
   double IntensityWeight = 1;
+  double FeatureRms = 1;
 };
 }
 

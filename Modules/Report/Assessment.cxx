@@ -74,7 +74,7 @@ void AddTissue(const RegistrationResult& result, const Add& add)
     add(tissue < LeastTissueCorrelation ? Trust::None : Trust::Doubtful,
       "The tissue inside looks little alike in both pictures, as in those of two breasts: its "
       "correlation is " +
-        NumberText(tissue, 2) + ", " + NumberText(GoodTissueCorrelation, 1) +
+        NumberText(tissue, 2) + ", " + NumberText(GoodTissueCorrelation, 2) +
         " or more is wanted.");
   }
 }

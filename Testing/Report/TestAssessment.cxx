@@ -40,7 +40,7 @@ TEST(Assessment, FallsWithEachFigure)
   const double unknown = std::numeric_limits<double>::quiet_NaN();
   for (const Case& bad :
     { Case{ { 0.49, 0.6, 2, 0.8 }, Trust::Doubtful },
-      Case{ { 0.9, 0.6, 2, 0.59 }, Trust::Doubtful }, Case{ { 0.9, 0.6, 2, 0.29 }, Trust::None },
+      Case{ { 0.9, 0.6, 2, 0.54 }, Trust::Doubtful }, Case{ { 0.9, 0.6, 2, 0.29 }, Trust::None },
       Case{ { 0.9, 0.6, 2, unknown }, Trust::Doubtful },
       Case{ { 0.9, 1.6, 2, 0.8 }, Trust::Doubtful }, Case{ { 0.9, 3.1, 2, 0.8 }, Trust::None },
       Case{ { 0.9, 0.6, 5.1, 0.8 }, Trust::Doubtful }, Case{ { 0.9, 0.6, 10.1, 0.8 }, Trust::None },

@@ -87,10 +87,10 @@ struct ComparedGroups
 
 /**
  * What mechanics and pictures of another mesh and other elements are apart by at least where they
- * should agree: outlines 0.25 mm, alike over 30 mm, pictures a tenth of their deviation over 14 mm
- * (medians of twins). A target that happens to be made like the model tells no more: a ball
- * compressed and searched on nearly the same mesh was found 3.4 mm too thick, six of the deviations
- * that its small residuals gave.
+ * should agree: outlines 0.25 mm, alike over 30 mm, pictures a tenth of what is compared (root mean
+ * square) over 14 mm (medians of twins). A target that happens to be made like the model tells no
+ * more: a ball compressed and searched on nearly the same mesh was found 3.4 mm too thick, six of
+ * the deviations that its small residuals gave.
  */
 constexpr double LeastOutlineScatter = 2.0;
 constexpr double LeastPictureScatter = 2.0;
@@ -134,7 +134,7 @@ ComparedGroups GroupsOf(RegistrationEvaluator& evaluator, const Eigen::MatrixXd&
     ResidualGroup& plane = add(outline, picture, residuals.IntensityFactor());
     plane.Places = residuals.IntensityPlaces();
     plane.Dimension = 2;
-    plane.LeastScatter = LeastPictureScatter;
+    plane.LeastScatter = LeastPictureScatter * residuals.TargetRms() * residuals.TargetRms();
     const RegistrationTarget& grid = mammogram->Mammogram.Target;
     plane.Extent =
       std::abs(grid.ColumnStep[0] * grid.RowStep[1] - grid.ColumnStep[1] * grid.RowStep[0]) *

@@ -107,7 +107,7 @@ std::string FiguresHtml(const RegistrationReport& report)
   };
   return "<div class=\"figures\">\n" +
     figure(NumberText(result.After.TissueCorrelation, 2), "",
-      "correlation of the tissue (of one breast " + NumberText(GoodTissueCorrelation, 1) +
+      "correlation of the tissue (of one breast " + NumberText(GoodTissueCorrelation, 2) +
         " or more), " + NumberText(result.After.Correlation, 3) + " of all of the picture") +
     figure(NumberText(result.After.MeanOutlineDistanceMm, 2), "mm",
       "mean distance of the outlines, " + NumberText(result.After.LargestOutlineDistanceMm, 2) +

@@ -125,7 +125,7 @@ class Registration:
     covariance: of the parameters in the order of `parameters`; none where it is not known
     sensitivities: of each parameter that was looked for, n x 3, mm per mm or degree, seen from the unit
     placement: where the unit stands
-    correlation: of synthetic and real mammogram; tissue_correlation: of the tissue alone, of one breast 0.6 and more
+    correlation: of synthetic and real mammogram; tissue_correlation: of the tissue alone, of one breast 0.55 and more
     mean_outline_distance, largest_outline_distance: of their outlines, mm
     force: of the paddle, N
     converged: whether the search ended by itself; stop_reason: why it ended
