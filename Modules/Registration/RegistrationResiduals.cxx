@@ -182,8 +182,9 @@ std::vector<ReceptorPoint> RegistrationResiduals::IntensityPlaces() const
   {
     const auto columns = static_cast<std::size_t>(this->Target.Columns);
     const std::size_t pixel = this->Pixels[index];
-    places.push_back(PixelPosition(this->Target, static_cast<double>(pixel % columns),
-      static_cast<double>(pixel / columns)));
+    const std::size_t row = pixel / columns;
+    places.push_back(PixelPosition(this->Target, static_cast<double>(pixel - row * columns),
+      static_cast<double>(row)));
   }
   return places;
 }
