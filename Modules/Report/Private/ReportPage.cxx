@@ -22,7 +22,7 @@ h2 small { font-weight: 400; font-size: 14px; color: var(--quiet); }
 section { background: var(--paper); border: 1px solid var(--line); border-radius: 10px;
   padding: 18px 20px; margin-top: 16px; min-width: 0; }
 .verdict { border-left: 6px solid; }
-.verdict h2 { margin-bottom: 6px; }
+.verdict h2 { margin-bottom: 6px; } .verdict p { margin: 6px 0 0; }
 .verdict ul, .notes ul { margin: 6px 0 0; padding-left: 20px; }
 .good { border-left-color: #059669; } .doubtful { border-left-color: #d97706; background: #fffbeb; }
 .none { border-left-color: #dc2626; background: #fef2f2; }
