@@ -8,7 +8,6 @@
 #include "mammoray/Registration/RegistrationTarget.h"
 #include "mammoray/Registration/Silhouette.h"
 
-#include "vtkCell.h"
 #include "vtkCellData.h"
 #include "vtkDataArray.h"
 #include "vtkDoubleArray.h"
@@ -385,19 +384,8 @@ std::optional<ExpectedError> RegisteredBreast::Expected() const
   std::vector<double> sigmas;
   for (const vtkIdType cell : internal.CellsBetween)
   {
-    const Vector3 point = MiddleOf(internal.Breast.Uncompressed, cell);
-    PlaceInCell place;
-    place.Cell = cell;
-    for (int corner = 0; corner < 4; ++corner)
-    {
-      place.Corners[static_cast<std::size_t>(corner)] =
-        internal.Breast.Uncompressed->GetCell(cell)->GetPointId(corner);
-    }
-    place.Weights.fill(0.25);
-    ImagedPoint imaged;
-    imaged.Compressed = MiddleOf(internal.Breast.Compressed, cell);
-    internal.AddUncertainty(place, point, imaged);
-    const std::array<double, 9>& covariance = *imaged.Covariance;
+    const std::array<double, 9> covariance =
+      *this->ToMammogram(MiddleOf(internal.Breast.Uncompressed, cell)).Covariance;
     sigmas.push_back(std::sqrt((covariance[0] + covariance[4] + covariance[8]) / 3));
   }
   return ExpectedError{ DistanceQuantile(sigmas, 0.5), DistanceQuantile(sigmas, 0.95) };

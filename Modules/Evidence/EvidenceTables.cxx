@@ -65,6 +65,7 @@ struct TwinSummary
 using TwinSummaries = std::map<std::string, std::map<std::string, TwinSummary>>;
 
 constexpr const char* AllPhantoms = "all";
+
 std::string RunTable(const TwinSummaries& summaries)
 {
   std::string text = "| twins | phantom | cells | runs | 3D error: median (largest), mm | below 3 "
@@ -323,8 +324,7 @@ std::string CoverageTable(const RegistrationEvidence& evidence)
   struct Shares
   {
     std::vector<double> Points;
-    int Within = 0;
-    int Parameters = 0;
+    TwinSummary Runs;
   };
   std::map<std::string, std::array<Shares, 2>> all; // twins, studies
   const auto addPoints = [&](const std::string& phantom, std::size_t column, double share)
@@ -342,18 +342,8 @@ std::string CoverageTable(const RegistrationEvidence& evidence)
       continue;
     }
     addPoints(run.Phantom, 0, run.CoordinatesWithin);
-    for (std::size_t index = 0; index < run.Names.size(); ++index)
-    {
-      if (std::isfinite(run.Sigma[index]))
-      {
-        const bool within = std::abs(run.Found[index] - run.Truth[index]) <= 2 * run.Sigma[index];
-        for (const std::string& phantom : { run.Phantom, std::string(AllPhantoms) })
-        {
-          all[phantom][0].Within += within ? 1 : 0;
-          ++all[phantom][0].Parameters;
-        }
-      }
-    }
+    all[run.Phantom][0].Runs.Add(run);
+    all[AllPhantoms][0].Runs.Add(run);
   }
   for (const StudyRun& run : evidence.Studies)
   {
@@ -381,10 +371,10 @@ std::string CoverageTable(const RegistrationEvidence& evidence)
   };
   for (const auto& [phantom, columns] : all)
   {
+    const TwinSummary& runs = columns[0].Runs;
     text += Line("| %s | %s | %s | %s |\n", phantom.c_str(),
-      columns[0].Parameters > 0
-        ? Line("%.1f %% (%d)", 100.0 * columns[0].Within / columns[0].Parameters,
-            columns[0].Parameters)
+      runs.ParametersAll > 0
+        ? Line("%.1f %% (%d)", 100.0 * runs.WithinAll / runs.ParametersAll, runs.ParametersAll)
             .c_str()
         : "-",
       cell(columns[0].Points).c_str(), cell(columns[1].Points).c_str());
