@@ -56,7 +56,11 @@ public:
       {
         for (const EvidencePhantom& phantom : this->Options.Phantoms)
         {
-          this->RunMissing(phantom, kind, number, { TwinSearch::Register });
+          // One phantom has no other beside it: no pair, and none that was refused.
+          if (kind != TwinKind::OtherBreast || this->Options.Phantoms.size() > 1)
+          {
+            this->RunMissing(phantom, kind, number, { TwinSearch::Register });
+          }
         }
       }
     }
