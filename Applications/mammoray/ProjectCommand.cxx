@@ -3,15 +3,16 @@
 #include "DicomOptions.h"
 #include "OutputFiles.h"
 #include "ProgressBar.h"
+#include "Project/SeriesOptions.h"
+#include "Project/SurfaceScene.h"
 #include "SharedOptions.h"
 #include "mammoray/Foundation/Numbers.h"
 #include "mammoray/Foundation/Plausible.h"
 #include "mammoray/IO/DicomWriter.h"
 #include "mammoray/IO/MammogramSynthesis.h"
-#include "mammoray/IO/MeshConversion.h"
-#include "mammoray/IO/MeshIO.h"
 #include "mammoray/IO/ProjectionImage.h"
 #include "mammoray/IO/ShippedData.h"
+#include "mammoray/IO/WholeOutput.h"
 #include "mammoray/XRay/Exposure.h"
 #include "mammoray/XRay/OpenField.h"
 #include "mammoray/XRay/OverlapMeasure.h"
@@ -19,8 +20,6 @@
 #include "mammoray/XRay/Tube.h"
 
 #include "vtkImageData.h"
-#include "vtkPolyData.h"
-#include "vtkUnstructuredGrid.h"
 
 #include <cmath>
 #include <cstdio>
@@ -34,6 +33,8 @@ namespace
 struct ProjectArguments
 {
   std::string Mesh;
+  /// In place of it, MATERIAL=FILE each.
+  std::vector<std::string> Surfaces;
   std::string Materials;
   std::vector<std::string> Attenuations;
   bool AcceptUnusual = false;
@@ -68,6 +69,7 @@ struct ProjectArguments
   /// Where given, instead of from the middle of the mesh.
   std::optional<double> BendDistanceMm;
   std::string Deflection;
+  SeriesArguments Series;
   ProjectorOptions Projector;
   std::vector<std::string> OverlapPriority;
   std::optional<char> Laterality;
@@ -82,11 +84,14 @@ struct ProjectArguments
 /// What is X-rayed, with what, and what is written.
 void DeclareInput(const OptionList& add, ProjectArguments& arguments)
 {
-  add
-    .Input("--mesh", arguments.Mesh,
-      "tetrahedra (.vtu, cell array Material) or triangles (.vtp, .stl, .ply, .obj)")
-    ->required();
-  AddMaterialsOption(add, arguments.Materials)->required();
+  add.Input("--mesh", arguments.Mesh,
+    "tetrahedra (.vtu, cell array Material) or triangles (.vtp, .stl, .ply, .obj), of --materials");
+  add("--surface", arguments.Surfaces,
+    "in place of --mesh, closed surfaces of one material each: one of --materials, or what it is "
+    "made of, with the density in g/cm3 where that does not tell it ('Ti90Al6V4@4.43=matrix.stl'); "
+    "where they overlap see --overlap-priority")
+    ->type_name("MATERIAL=FILE ...");
+  AddMaterialsOption(add, arguments.Materials);
   add("--attenuation", arguments.Attenuations,
     "another attenuation of a material of the table, and density, g/cm3: a shipped table's name, a "
     "NIST compound, a formula, or mass fractions ('gland=H:0.102 C:0.184 N:0.032 O:0.682@1.04')")
@@ -94,7 +99,8 @@ void DeclareInput(const OptionList& add, ProjectArguments& arguments)
     ->allow_extra_args(false);
   AddAcceptUnusualFlag(add, arguments.AcceptUnusual);
   add("-o,--output", arguments.Output,
-    "transmission, 0 to 1 (.mha .nrrd .png); .vti holds path lengths and consistency too; .dcm: a "
+    "transmission, 0 to 1 (.mha .nrrd .tif .png); .vti holds path lengths and consistency too; "
+    ".dcm: a "
     "DICOM mammogram")
     ->required();
   add("--path-lengths", arguments.PathLengths,
@@ -178,6 +184,7 @@ void DeclareDetector(const OptionList& add, ProjectArguments& arguments)
     "write the angles by which --refraction bends rays there, radians along columns and rows, two "
     "channels (.mha .nrrd .vti)");
   add("--seed", arguments.Exposure.Seed, "of the noise: the same seed, the same image");
+  DeclareSeries(add, arguments.Series);
   AddProjectorOptions(add, arguments.Projector);
   add("--overlap-priority", arguments.OverlapPriority,
     "where parts overlap though their surfaces say air, count the first of these MATERIALs that is "
@@ -297,15 +304,6 @@ ExposureOptions ToExposure(const ProjectArguments& arguments)
   return options;
 }
 
-SurfaceMesh ReadInterfaces(const std::string& path, std::vector<std::string>& names)
-{
-  if (std::filesystem::path(path).extension() == ".vtu")
-  {
-    return ExtractInterfaces(FromGrid(ReadMesh(path), &names));
-  }
-  return FromPolyData(ReadSurface(path), &names);
-}
-
 /// Whether no position is given explicitly.
 bool IsPlacedByUnit(const ProjectArguments& arguments)
 {
@@ -323,7 +321,8 @@ void TurnHalf(XRayDetector& detector)
 }
 
 /// Detector and source as a mammography unit has them, or as the explicit options say; mesh frame.
-void PlaceBeam(const ProjectArguments& arguments, const SurfaceMesh& surface,
+/// Where the unit stands.
+VolumeFromGantry PlaceBeam(const ProjectArguments& arguments, const SurfaceMesh& surface,
   const MaterialTable& table, XRaySource& source, XRayDetector& detector)
 {
   const AnatomicalAxes axes = AnatomicalAxes::FromCode(arguments.Orientation);
@@ -353,6 +352,7 @@ void PlaceBeam(const ProjectArguments& arguments, const SurfaceMesh& surface,
     source.Type = XRaySource::Kind::Parallel;
     source.Direction = *arguments.BeamDirection;
   }
+  return gantry;
 }
 
 /// Detector and patient as a mammogram's header says them; throws where it could not.
@@ -423,7 +423,7 @@ void CheckRefraction(const ProjectArguments& arguments)
   if (!arguments.Deflection.empty())
   {
     const std::string extension = std::filesystem::path(arguments.Deflection).extension().string();
-    if (extension == ".png")
+    if (extension == ".png" || extension == ".tif")
     {
       throw InputError("--deflection: expected .mha, .nrrd or .vti, found " + arguments.Deflection);
     }
@@ -432,10 +432,40 @@ void CheckRefraction(const ProjectArguments& arguments)
   }
 }
 
+void CheckInputs(const ProjectArguments& arguments)
+{
+  if (arguments.Mesh.empty() == arguments.Surfaces.empty())
+  {
+    throw InputError(std::string("project: expected either --mesh or --surface, found ") +
+      (arguments.Mesh.empty() ? "neither" : "both"));
+  }
+  if (!arguments.Mesh.empty())
+  {
+    CheckInputFile(arguments.Mesh);
+    if (arguments.Materials.empty())
+    {
+      throw InputError("--mesh: expected --materials beside it, found none");
+    }
+  }
+}
+
 void CheckOutputs(const ProjectArguments& arguments)
 {
   CheckRefraction(arguments);
-  if (IsDicomPath(arguments.Output))
+  CheckSeries(arguments.Series, arguments.Output);
+  if (arguments.Series.IsAsked())
+  {
+    if (!arguments.PathLengths.empty() || !arguments.Deflection.empty())
+    {
+      throw InputError("series: expected no --path-lengths or --deflection beside it, found one");
+    }
+    CheckOutputFile(SeriesDescriptionPath(arguments.Output), arguments.Overwrite);
+    if (arguments.Series.FlatFields > 0)
+    {
+      CheckOutputFile(FlatFieldPath(arguments.Output), arguments.Overwrite);
+    }
+  }
+  else if (IsDicomPath(arguments.Output))
   {
     if (!arguments.Laterality)
     {
@@ -468,24 +498,134 @@ void WriteMammogramFile(const ProjectArguments& arguments, Mammogram mammogram,
   WriteMammogram(mammogram, options, arguments.Output);
 }
 
+/// What makes pictures from anywhere.
+struct Camera
+{
+  const ProjectArguments& Arguments;
+  PathLengthProjector& Projector;
+  const SurfaceMesh& Surface;
+  const Beam& XRays;
+  const std::vector<double>& Decrements;
+  const Spectrum& Energies;
+
+  /// The `number`-th of a series, with noise of its own.
+  ExposureOptions Options(const XRaySource& source, const XRayDetector& detector, int number) const
+  {
+    ExposureOptions options = ToExposure(this->Arguments);
+    options.OpenField = ToOpenField(this->Arguments, source, detector, this->Energies);
+    options.Seed += static_cast<std::uint64_t>(number);
+    return options;
+  }
+
+  Exposure Take(const XRaySource& source, const XRayDetector& detector, int number,
+    const ProgressCallback& progress) const
+  {
+    return this->Arguments.RefractionLaw.empty()
+      ? Expose(this->Projector, source, detector, this->XRays,
+          this->Options(source, detector, number), progress)
+      : ExposeRefracted(this->Arguments, this->Projector, this->Surface, source, detector,
+          this->XRays, this->Decrements, progress);
+  }
+};
+
+/// Writes one picture; what is to be warned of, or nothing.
+std::string RunOne(const Camera& camera, const XRaySource& source, const XRayDetector& detector,
+  const MaterialTable& table, std::optional<Mammogram> mammogram, const ProgressCallback& progress)
+{
+  const ProjectArguments& arguments = camera.Arguments;
+  const Exposure exposure = camera.Take(source, detector, 0, ShareOf(progress, 0.2, 0.8));
+  ReportProgress(progress, 0.8, "writing");
+  const auto image = ToImage(exposure, detector, table.Names());
+  if (mammogram)
+  {
+    WriteMammogramFile(arguments, std::move(*mammogram), exposure);
+  }
+  else
+  {
+    WriteProjection(image, arguments.Output);
+  }
+  if (!arguments.PathLengths.empty())
+  {
+    WriteProjection(image, arguments.PathLengths, true);
+  }
+  return exposure.Lengths.InconsistencyWarning();
+}
+
+/// Writes a series and what stands beside it; the first warning of a projection, or nothing.
+std::string RunSeries(const Camera& camera, const XRaySource& source, const XRayDetector& detector,
+  const VolumeFromGantry& gantry, const ProgressCallback& progress)
+{
+  const ProjectArguments& arguments = camera.Arguments;
+  Vector3 middle{ 0, 0, 0 };
+  const auto extents =
+    ExtentsAlong<3>({ { { 1, 0, 0 }, { 0, 1, 0 }, { 0, 0, 1 } } }, camera.Surface.Points);
+  for (std::size_t axis = 0; axis < 3; ++axis)
+  {
+    middle[axis] = extents[axis].Middle();
+  }
+  const ProjectionSeries series = MakeSeries(arguments.Series, source, detector, middle, gantry);
+  ProjectionStack stack{ .Columns = detector.Columns,
+    .Rows = detector.Rows,
+    .ColumnSpacingMm = Norm(detector.ColumnStep),
+    .RowSpacingMm = Norm(detector.RowStep) };
+  ProjectionStack flats = stack;
+  const auto add = [](ProjectionStack& to, const Exposure& exposure)
+  {
+    to.Values.insert(to.Values.end(), exposure.Transmission.begin(), exposure.Transmission.end());
+    ++to.Number;
+  };
+  std::string warning;
+  const int count = static_cast<int>(series.Views.size());
+  for (const ProjectionView& view : series.Views)
+  {
+    ReportProgress(progress, 0.2 + 0.6 * stack.Number / count, "projecting");
+    const Exposure exposure = camera.Take(view.Source, view.Detector, stack.Number, {});
+    const std::string found = exposure.Lengths.InconsistencyWarning();
+    if (warning.empty() && !found.empty())
+    {
+      warning = "projection " + std::to_string(stack.Number) + ": " + found;
+    }
+    add(stack, exposure);
+  }
+  while (flats.Number < arguments.Series.FlatFields)
+  {
+    ReportProgress(progress, 0.8, "flat fields");
+    add(flats,
+      ExposeAir(source, detector, camera.XRays,
+        camera.Options(source, detector, count + flats.Number)));
+  }
+  ReportProgress(progress, 0.85, "writing");
+  WriteProjectionStack(stack, arguments.Output);
+  if (flats.Number > 0)
+  {
+    WriteProjectionStack(flats, FlatFieldPath(arguments.Output));
+  }
+  WriteWholeFile(SeriesDescriptionPath(arguments.Output),
+    DescribeSeries(arguments.Series, series, source, detector));
+  return warning;
+}
+
 void Run(ProjectArguments& arguments)
 {
-  CheckInputFile(arguments.Mesh);
+  CheckInputs(arguments);
   CheckOutputs(arguments);
   const ProgressCallback progress = MakeProgressBar();
-  MaterialTable table = FindMaterialTable(arguments.Materials);
-  ReplaceAttenuations(arguments, table);
+  MaterialTable known =
+    arguments.Materials.empty() ? MaterialTable() : FindMaterialTable(arguments.Materials);
+  ReplaceAttenuations(arguments, known);
   const Spectrum spectrum = ToSpectrum(arguments);
+  ReportProgress(progress, 0.0, "reading the mesh");
+  const SurfaceScene scene = arguments.Mesh.empty()
+    ? ReadSurfaceScene(arguments.Surfaces, std::move(known))
+    : ReadMeshScene(arguments.Mesh, known);
+  const MaterialTable& table = scene.Materials;
+  const SurfaceMesh& surface = scene.Surface;
   const Beam beam = MakeBeam(table, spectrum, arguments.Response);
   const std::vector<double> decrements =
     arguments.RefractionLaw.empty() ? std::vector<double>() : RefractiveDecrements(spectrum, table);
-  ReportProgress(progress, 0.0, "reading the mesh");
-  std::vector<std::string> names;
-  const SurfaceMesh surface = ReadInterfaces(arguments.Mesh, names);
-  table.CheckMesh(surface, names, arguments.Mesh);
   XRaySource source;
   XRayDetector detector;
-  PlaceBeam(arguments, surface, table, source, detector);
+  const VolumeFromGantry gantry = PlaceBeam(arguments, surface, table, source, detector);
   std::optional<Mammogram> mammogram;
   if (IsDicomPath(arguments.Output))
   {
@@ -503,34 +643,17 @@ void Run(ProjectArguments& arguments)
   }
   const auto projector = MakeProjector(options);
   projector->SetSurface(surface);
-  const ProgressCallback tracing = ShareOf(progress, 0.2, 0.8);
-  ExposureOptions exposing = ToExposure(arguments);
-  exposing.OpenField = ToOpenField(arguments, source, detector, spectrum);
-  const Exposure exposure = arguments.RefractionLaw.empty()
-    ? Expose(*projector, source, detector, beam, exposing, tracing)
-    : ExposeRefracted(arguments, *projector, surface, source, detector, beam, decrements, tracing);
-  const PathLengthImage& lengths = exposure.Lengths;
-  ReportProgress(progress, 0.8, "writing");
-  const auto image = ToImage(exposure, detector, table.Names());
-  if (mammogram)
-  {
-    WriteMammogramFile(arguments, std::move(*mammogram), exposure);
-  }
-  else
-  {
-    WriteProjection(image, arguments.Output);
-  }
-  if (!arguments.PathLengths.empty())
-  {
-    WriteProjection(image, arguments.PathLengths, true);
-  }
+  const Camera camera{ arguments, *projector, surface, beam, decrements, spectrum };
+  const std::string warning = arguments.Series.IsAsked()
+    ? RunSeries(camera, source, detector, gantry, progress)
+    : RunOne(camera, source, detector, table, std::move(mammogram), progress);
   ReportProgress(progress, 1.0, "done");
   std::printf(
     "%d x %d pixels, %zu triangles, %s, mean %.1f keV, half-value layer %.3g mm Al, on %s, %s\n",
-    lengths.Columns, lengths.Rows, surface.NumberOfTriangles(), spectrum.Name.c_str(),
+    detector.Columns, detector.Rows, surface.NumberOfTriangles(), spectrum.Name.c_str(),
     spectrum.MeanEnergyKeV(), HalfValueLayerMm(spectrum), projector->DeviceName().c_str(),
     MethodName(projector->Method()).c_str());
-  if (const std::string warning = lengths.InconsistencyWarning(); !warning.empty())
+  if (!warning.empty())
   {
     std::fprintf(stderr, "mammoray: warning: %s\n", warning.c_str());
   }

@@ -11,6 +11,7 @@
 #include "vtkNew.h"
 #include "vtkPNGWriter.h"
 #include "vtkPointData.h"
+#include "vtkTIFFWriter.h"
 #include "vtkUnsignedCharArray.h"
 #include "vtkUnsignedShortArray.h"
 #include "vtkXMLImageDataWriter.h"
@@ -112,6 +113,48 @@ void WritePng(vtkImageData* image, vtkFloatArray* values, float white, const std
   picture->SetDimensions(size);
   picture->GetPointData()->SetScalars(grey);
   WritePicture(picture, path);
+}
+
+bool IsTiff(const std::string& path)
+{
+  const std::string extension = VolumeExtension(path);
+  return extension == ".tif" || extension == ".tiff";
+}
+
+void WriteTiff(const ProjectionStack& stack, const std::string& path)
+{
+  const auto columns = static_cast<std::ptrdiff_t>(stack.Columns);
+  const std::ptrdiff_t size = columns * stack.Rows;
+  vtkNew<vtkFloatArray> values;
+  values->SetNumberOfValues(static_cast<vtkIdType>(stack.Values.size()));
+  // VTK's writer puts the last row on top.
+  for (std::ptrdiff_t page = 0; page < stack.Number; ++page)
+  {
+    for (std::ptrdiff_t row = 0; row < stack.Rows; ++row)
+    {
+      const float* from = stack.Values.data() + page * size + row * columns;
+      std::copy(from, from + columns,
+        values->GetPointer(page * size + (stack.Rows - 1 - row) * columns));
+    }
+  }
+  vtkNew<vtkImageData> image;
+  image->SetDimensions(stack.Columns, stack.Rows, stack.Number);
+  image->SetSpacing(stack.ColumnSpacingMm, stack.RowSpacingMm, 1);
+  image->GetPointData()->SetScalars(values);
+  WriteWholeFile(path,
+    [&](const std::string& staged)
+    {
+      vtkNew<vtkTIFFWriter> writer;
+      writer->SetInputData(image);
+      writer->SetFileName(staged.c_str());
+      writer->SetFileDimensionality(3);
+      writer->SetCompressionToNoCompression();
+      writer->Write();
+      if (writer->GetErrorCode() != 0)
+      {
+        throw InputError(path + ": cannot be written");
+      }
+    });
 }
 }
 
@@ -225,10 +268,10 @@ void CheckProjectionExtension(const std::string& path, bool pathLengths)
 {
   const std::string extension = std::filesystem::path(path).extension().string();
   if (extension != ".vti" && extension != ".mha" && extension != ".nrrd" &&
-    (extension != ".png" || pathLengths))
+    ((extension != ".png" && extension != ".tif") || pathLengths))
   {
     throw InputError(path + ": expected the extension .vti, .mha" +
-      (pathLengths ? " or .nrrd" : ", .nrrd or .png"));
+      (pathLengths ? " or .nrrd" : ", .nrrd, .tif or .png"));
   }
 }
 
@@ -254,9 +297,49 @@ void WriteProjection(vtkImageData* image, const std::string& path, bool pathLeng
   {
     WriteFloats(image, path, pathLengths);
   }
+  else if (extension == ".tif")
+  {
+    vtkFloatArray* values = Channels(image, false).front();
+    const double* spacing = image->GetSpacing();
+    const float* begin = values->GetPointer(0);
+    WriteProjectionStack({ image->GetDimensions()[0], image->GetDimensions()[1], 1, spacing[0],
+                           spacing[1], { begin, begin + values->GetNumberOfValues() } },
+      path);
+  }
   else
   {
     WritePng(image, Channels(image, false).front(), 1.0f, path);
   }
+}
+
+void CheckStackExtension(const std::string& path)
+{
+  const std::string extension = VolumeExtension(path);
+  if (!IsTiff(path) && extension != ".mha" && extension != ".nrrd")
+  {
+    throw InputError(
+      "output " + path + ": expected .tif, .mha or .nrrd for a series of projections");
+  }
+}
+
+void WriteProjectionStack(const ProjectionStack& stack, const std::string& path)
+{
+  CheckStackExtension(path);
+  const std::size_t expected =
+    static_cast<std::size_t>(stack.Columns) * stack.Rows * static_cast<std::size_t>(stack.Number);
+  if (expected == 0 || stack.Values.size() != expected)
+  {
+    throw InputError("projections: expected " + std::to_string(expected) + " values, found " +
+      std::to_string(stack.Values.size()));
+  }
+  if (IsTiff(path))
+  {
+    WriteTiff(stack, path);
+    return;
+  }
+  VolumeGrid grid;
+  grid.Size = { stack.Columns, stack.Rows, stack.Number };
+  grid.Spacing = { stack.ColumnSpacingMm, stack.RowSpacingMm, 1 };
+  WriteVolumeFile(path, grid, stack.Values.data(), 1, false);
 }
 }

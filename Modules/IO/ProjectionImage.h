@@ -57,11 +57,36 @@ MAMMORAYIO_EXPORT void CheckProjectionExtension(const std::string& path, bool pa
 /**
  * Writes by extension, row 0 first. .vti: all arrays, with the detector's pose. .mha, .nrrd: the
  * scalars as floats with the pose, a channel per component, or, with `pathLengths`, one channel per
- * path length. .png: the scalars, [0, 1] to 16-bit grey; row 0 on top. Throws InputError on another
- * extension and when the file cannot be written.
+ * path length. .tif: the scalars as floats, row 0 on top (WriteProjectionStack). .png: the scalars,
+ * [0, 1] to 16-bit grey; row 0 on top. Throws InputError on another extension and when the file
+ * cannot be written.
  */
 MAMMORAYIO_EXPORT void WriteProjection(vtkImageData* image, const std::string& path,
   bool pathLengths = false);
+
+/// Projections of one size, one after the other.
+struct ProjectionStack
+{
+  int Columns = 0;
+  int Rows = 0;
+  int Number = 0;
+  /// Of a pixel, along columns and rows, mm.
+  double ColumnSpacingMm = 1;
+  double RowSpacingMm = 1;
+  /// Number x Rows x Columns, columns fastest.
+  std::vector<float> Values;
+};
+
+/// Throws InputError unless WriteProjectionStack knows the path's extension.
+MAMMORAYIO_EXPORT void CheckStackExtension(const std::string& path);
+
+/**
+ * Writes by extension, as 32-bit floats: .tif and .tiff, a page for each projection, row 0 on top,
+ * with the pixels' size as resolution (BigTIFF beyond 2 GB); .mha and .nrrd, a volume of columns,
+ * rows and projections, whose third spacing is 1. Throws InputError on another extension, on values
+ * that are not as many, and when the file cannot be written.
+ */
+MAMMORAYIO_EXPORT void WriteProjectionStack(const ProjectionStack& stack, const std::string& path);
 }
 
 #endif

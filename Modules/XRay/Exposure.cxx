@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <numbers>
 #include <sstream>
 
@@ -200,6 +201,58 @@ void Detect(const XRayDetector& detector, const ExposureOptions& options,
     transmission[pixel] += options.ElectronicNoisePhotons / options.PhotonsPerPixel * normal;
   }
 }
+/// Expose with any way to path lengths.
+Exposure ExposeBy(
+  const std::function<PathLengthImage(const XRaySource&, const XRayDetector&)>& project,
+  const XRaySource& source, const XRayDetector& detector, const Beam& beam,
+  const ExposureOptions& options, const ProgressCallback& progress)
+{
+  options.Validate();
+  const std::vector<XRaySource> sources = SpotSources(source, detector, options);
+  const std::vector<XRayDetector> detectors = SampleDetectors(detector);
+  const bool noise = options.PhotonsPerPixel > 0;
+  const std::size_t pixelCount = static_cast<std::size_t>(detector.Columns) * detector.Rows;
+  if (!options.OpenField.empty() && options.OpenField.size() != pixelCount)
+  {
+    throw InputError("exposure: expected an open field of " + std::to_string(pixelCount) +
+      " pixels, found " + std::to_string(options.OpenField.size()));
+  }
+  Exposure exposure;
+  if (sources.size() * detectors.size() == 1 && !noise && options.OpenField.empty() &&
+    options.HalfModulationPerMm == 0)
+  {
+    exposure.Lengths = project(sources.front(), detectors.front());
+    exposure.Transmission = beam.Transmission(exposure.Lengths);
+    exposure.LogAttenuation = beam.LogAttenuation(exposure.Lengths);
+    return exposure;
+  }
+  std::vector<double> transmission(pixelCount, 0.0);
+  std::vector<double> variance(noise ? pixelCount : 0, 0.0);
+  const double weight = 1.0 / static_cast<double>(sources.size() * detectors.size());
+  double done = 0;
+  for (const XRaySource& point : sources)
+  {
+    for (const XRayDetector& sample : detectors)
+    {
+      ReportProgress(progress, done, "projecting");
+      const PathLengthImage image = project(point, sample);
+      AddLengths(image, static_cast<float>(weight), exposure.Lengths);
+      beam.AddTransmission(image, weight, transmission, noise ? &variance : nullptr);
+      done += weight;
+    }
+  }
+  Detect(detector, options, variance, transmission);
+  const double least = noise ? 0.5 / options.PhotonsPerPixel : 1e-300;
+  exposure.Transmission.resize(pixelCount);
+  exposure.LogAttenuation.resize(pixelCount);
+  for (std::size_t pixel = 0; pixel < pixelCount; ++pixel)
+  {
+    exposure.Transmission[pixel] = static_cast<float>(std::max(transmission[pixel], 0.0));
+    exposure.LogAttenuation[pixel] =
+      static_cast<float>(-std::log(std::max(transmission[pixel], least)));
+  }
+  return exposure;
+}
 }
 
 void ExposureOptions::Validate() const
@@ -231,50 +284,24 @@ Exposure Expose(PathLengthProjector& projector, const XRaySource& source,
   const XRayDetector& detector, const Beam& beam, const ExposureOptions& options,
   const ProgressCallback& progress)
 {
-  options.Validate();
-  const std::vector<XRaySource> sources = SpotSources(source, detector, options);
-  const std::vector<XRayDetector> detectors = SampleDetectors(detector);
-  const bool noise = options.PhotonsPerPixel > 0;
-  const std::size_t pixelCount = static_cast<std::size_t>(detector.Columns) * detector.Rows;
-  if (!options.OpenField.empty() && options.OpenField.size() != pixelCount)
+  return ExposeBy([&](const XRaySource& from, const XRayDetector& onto)
+    { return projector.Project(from, onto); },
+    source, detector, beam, options, progress);
+}
+
+Exposure ExposeAir(const XRaySource& source, const XRayDetector& detector, const Beam& beam,
+  const ExposureOptions& options)
+{
+  const auto air = [&](const XRaySource&, const XRayDetector& onto)
   {
-    throw InputError("exposure: expected an open field of " + std::to_string(pixelCount) +
-      " pixels, found " + std::to_string(options.OpenField.size()));
-  }
-  Exposure exposure;
-  if (sources.size() * detectors.size() == 1 && !noise && options.OpenField.empty() &&
-    options.HalfModulationPerMm == 0)
-  {
-    exposure.Lengths = projector.Project(sources.front(), detectors.front());
-    exposure.Transmission = beam.Transmission(exposure.Lengths);
-    exposure.LogAttenuation = beam.LogAttenuation(exposure.Lengths);
-    return exposure;
-  }
-  std::vector<double> transmission(pixelCount, 0.0);
-  std::vector<double> variance(noise ? pixelCount : 0, 0.0);
-  const double weight = 1.0 / static_cast<double>(sources.size() * detectors.size());
-  double done = 0;
-  for (const XRaySource& point : sources)
-  {
-    for (const XRayDetector& sample : detectors)
-    {
-      ReportProgress(progress, done, "projecting");
-      const PathLengthImage image = projector.Project(point, sample);
-      AddLengths(image, static_cast<float>(weight), exposure.Lengths);
-      beam.AddTransmission(image, weight, transmission, noise ? &variance : nullptr);
-      done += weight;
-    }
-  }
-  Detect(detector, options, variance, transmission);
-  const double least = noise ? 0.5 / options.PhotonsPerPixel : 1e-300;
-  exposure.Transmission.resize(pixelCount);
-  exposure.LogAttenuation.resize(pixelCount);
-  for (std::size_t pixel = 0; pixel < pixelCount; ++pixel)
-  {
-    exposure.Transmission[pixel] = static_cast<float>(std::max(transmission[pixel], 0.0));
-    exposure.LogAttenuation[pixel] =
-      static_cast<float>(-std::log(std::max(transmission[pixel], least)));
-  }
-  return exposure;
+    PathLengthImage image;
+    image.Columns = onto.Columns;
+    image.Rows = onto.Rows;
+    image.Materials = beam.NumberOfMaterials();
+    image.Lengths.assign(image.NumberOfPixels() * static_cast<std::size_t>(image.Materials), 0.0F);
+    image.Inconsistent.assign(image.NumberOfPixels(), 0);
+    return image;
+  };
+  return ExposeBy(air, source, detector, beam, options, {});
 }
 }

@@ -71,6 +71,10 @@ struct MAMMORAYXRAY_EXPORT Exposure
 MAMMORAYXRAY_EXPORT Exposure Expose(PathLengthProjector& projector, const XRaySource& source,
   const XRayDetector& detector, const Beam& beam, const ExposureOptions& options = {},
   const ProgressCallback& progress = {});
+
+/// The same with nothing in the beam: a flat field. Throws as Expose.
+MAMMORAYXRAY_EXPORT Exposure ExposeAir(const XRaySource& source, const XRayDetector& detector,
+  const Beam& beam, const ExposureOptions& options = {});
 }
 
 #endif

@@ -109,7 +109,7 @@ TEST_F(ProjectCommand, UnitAroundABrickMatchesClosedForm)
   std::filesystem::remove(this->Image);
   ASSERT_EQ(this->Run("project --config " + config), 0) << this->Errors;
   EXPECT_EQ(ReadFile(this->Image), before);
-  for (const char* name : { "image.png", "image.vti", "image.nrrd" })
+  for (const char* name : { "image.png", "image.vti", "image.nrrd", "image.tif" })
   {
     EXPECT_EQ(this->Run(this->Inputs + geometry + " -o " + this->Folder.File(name)), 0)
       << this->Errors;

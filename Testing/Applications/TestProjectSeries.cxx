@@ -1,0 +1,213 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "CommandTest.h"
+#include "SurfaceShapes.h"
+#include "mammoray/IO/LabelVolumeIO.h"
+#include "mammoray/IO/MeshConversion.h"
+#include "mammoray/IO/MeshIO.h"
+#include "mammoray/XRay/PathLengthProjector.h"
+
+#include "vtkPolyData.h"
+
+#include <nlohmann/json.hpp>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+using namespace mammoray;
+using testing_support::ReadFile;
+
+namespace
+{
+class ProjectSeries : public testing_support::CommandTest
+{
+protected:
+  void SetUp() override
+  {
+    if (ListDevices().empty())
+    {
+      GTEST_SKIP() << "no Vulkan device";
+    }
+  }
+
+  /// A closed box in a file.
+  std::string Box(const std::string& name, const Vector3& low, const Vector3& high)
+  {
+    SurfaceMesh mesh;
+    shapes::AddBox(mesh, low, high, 1);
+    WriteMesh(ToPolyData(mesh, {}), this->Folder.File(name));
+    return this->Folder.File(name);
+  }
+
+  std::string Stack = this->Folder.File("stack.mha");
+};
+
+/// A parallel beam along +y onto columns along +x and rows along -z.
+const std::string Parallel = " --kev 20 --beam-direction 0 1 0 --column-direction 1 0 0 "
+                             "--row-direction 0 0 -1 --detector-origin -24.5 60 4.5 --columns 50 "
+                             "--rows 10 --pixel-spacing 1";
+}
+
+TEST_F(ProjectSeries, ATurnedBoxIsSeenFromItsSides)
+{
+  const std::string box = this->Box("box.vtp", { -10, -5, -20 }, { 10, 5, 20 });
+  ASSERT_EQ(this->Run("project --surface 'Water, Liquid=" + box + "'" + Parallel +
+              " --turn 8 --span 360 --axis z --axis-point 0 0 0 -o " + this->Stack),
+    0)
+    << this->Errors;
+  EXPECT_EQ(this->Errors, "");
+  const IntensityVolume stack = ReadIntensityVolume(this->Stack);
+  ASSERT_EQ(stack.Size, (std::array<int, 3>{ 50, 10, 8 }));
+  const auto at = [&](int projection, int column)
+  { return stack.Voxels[static_cast<std::size_t>((projection * 10 + 5) * 50 + column)]; };
+  // 10 mm thick and 20 wide, then 20 thick and 10 wide; on the diagonal what both faces leave.
+  const double mu = -std::log(at(0, 25)) / 10;
+  EXPECT_NEAR(mu, 0.081, 0.001); // NIST: 0.810 cm2/g
+  EXPECT_NEAR(-std::log(at(2, 25)), 20 * mu, 1e-4);
+  EXPECT_EQ(at(0, 14), 1);
+  EXPECT_LT(at(0, 15), 1);
+  EXPECT_EQ(at(2, 19), 1);
+  EXPECT_LT(at(2, 20), 1);
+  EXPECT_NEAR(-std::log(at(1, 25)), 10 * std::numbers::sqrt2 * mu, 1e-4);
+  // Half a turn later all is mirrored about the axis' shadow.
+  const nlohmann::json series = nlohmann::json::parse(ReadFile(this->Folder.File("stack.json")));
+  EXPECT_NEAR(series.at("axis").at("columnInFirstRow").get<double>(), 24.5, 1e-9);
+  EXPECT_NEAR(series.at("axis").at("columnInLastRow").get<double>(), 24.5, 1e-9);
+  ASSERT_EQ(series.at("projections").size(), 8u);
+  EXPECT_EQ(series.at("projections").at(3).at("angleDeg"), 135);
+  for (int projection = 0; projection < 4; ++projection)
+  {
+    for (int column = 0; column < 50; ++column)
+    {
+      EXPECT_NEAR(at(projection, column), at(projection + 4, 49 - column), 1e-5)
+        << projection << ", " << column;
+    }
+  }
+}
+
+TEST_F(ProjectSeries, SurfacesOfTheirOwnMaterials)
+{
+  // Beside each other along x.
+  const std::string titanium = this->Box("titanium.vtp", { -20, -1, -20 }, { 0, 1, 20 });
+  const std::string water = this->Box("water.stl", { 2, -10, -20 }, { 20, 10, 20 });
+  const std::string surfaces = "project --surface 'Ti90Al6V4@4.43=" + titanium +
+    "' --surface 'Water, Liquid=" + water + "'" + Parallel;
+  ASSERT_EQ(this->Run(surfaces + " -o " + this->Stack), 0) << this->Errors;
+  EXPECT_EQ(this->Errors, "");
+  const IntensityVolume image = ReadIntensityVolume(this->Stack);
+  const double throughTitanium = -std::log(image.Voxels[5 * 50 + 10]);
+  const double throughWater = -std::log(image.Voxels[5 * 50 + 35]);
+  EXPECT_EQ(image.Voxels[5 * 50 + 25], 1); // between them
+  // NIST's mass attenuation at 20 keV, cm2/g: Ti 15.85, Al 3.441, V 17.68; fractions by mass of
+  // 90, 6 and 4 atoms.
+  const double mass = 90 * 47.867 + 6 * 26.982 + 4 * 50.942;
+  const double perGram = (90 * 47.867 * 15.85 + 6 * 26.982 * 3.441 + 4 * 50.942 * 17.68) / mass;
+  EXPECT_NEAR(throughTitanium, 0.2 * 4.43 * perGram, 0.03 * throughTitanium);
+  EXPECT_NEAR(throughWater, 2 * 0.8096, 0.01 * throughWater);
+
+  this->ExpectRefused(surfaces + " --mesh " + titanium + " -o " + this->Stack, "found both");
+  this->ExpectRefused("project -o " + this->Stack, "found neither");
+  const std::string output = " --overwrite -o " + this->Stack;
+  this->ExpectRefused("project --surface butter=" + titanium + output, "butter");
+  this->ExpectRefused("project --surface " + titanium + output, "MATERIAL=FILE");
+  this->ExpectRefused("project --surface Ti@x=" + titanium + output, "density");
+}
+
+TEST_F(ProjectSeries, TomosynthesisMovesWhatIsHighMost)
+{
+  // Thin plates whose edges are at gantry x = 0, at heights of 10 and 40 mm over the receptor.
+  const std::string options = " --orientation LAS --anchor 0 0 0 --thickness 46 --kev 20 "
+                              "--columns 2 --rows 400 --pixel-spacing 0.5 --tomosynthesis 5 "
+                              "--span 40 --overwrite -o " +
+    this->Stack;
+  // The receptor's plane is half of the thickness and 2 mm under the anchor.
+  const auto edgesOf = [&](double height)
+  {
+    const double z = height - 25;
+    const std::string plate = this->Box("plate.vtp", { 0, -200, z - 0.01 }, { 300, 200, z + 0.01 });
+    EXPECT_EQ(this->Run("project --surface Pb=" + plate + options), 0) << this->Errors;
+    const IntensityVolume stack = ReadIntensityVolume(this->Stack);
+    std::vector<double> edges;
+    for (int projection = 0; projection < 5; ++projection)
+    {
+      int covered = 0;
+      for (int row = 0; row < 400; ++row)
+      {
+        covered +=
+          stack.Voxels[static_cast<std::size_t>((projection * 400 + row) * 2)] < 0.9 ? 1 : 0;
+      }
+      edges.push_back(0.5 * covered);
+    }
+    return edges;
+  };
+  const nlohmann::json::json_pointer angle("/projections/4/angleDeg");
+  for (const double height : { 10.0, 40.0 })
+  {
+    const std::vector<double> edges = edgesOf(height);
+    const nlohmann::json series = nlohmann::json::parse(ReadFile(this->Folder.File("stack.json")));
+    EXPECT_EQ(series.at(angle), 20);
+    for (int projection = 0; projection < 5; ++projection)
+    {
+      // A source at 650 (sin a, cos a) throws the edge by height tan a' the other way.
+      const double turn = (projection - 2) * 10 * std::numbers::pi / 180;
+      const double shift = height * 650 * std::sin(turn) / (650 * std::cos(turn) - height);
+      EXPECT_NEAR(std::abs(edges[projection] - edges[2]), std::abs(shift), 0.5 + 1e-6)
+        << height << ", " << projection;
+    }
+    EXPECT_LT((edges[0] - edges[2]) * (edges[4] - edges[2]), 0);
+  }
+}
+
+TEST_F(ProjectSeries, FlatFieldsAndNoiseAreEachOnesOwn)
+{
+  const std::string box = this->Box("box.vtp", { -10, -5, -20 }, { 10, 5, 20 });
+  ASSERT_EQ(this->Run("project --surface 'Water, Liquid=" + box + "'" + Parallel +
+              " --photons 1000 --turn 2 --span 360 --axis 0 0 1 --axis-point 0 0 0 --flat-fields "
+              "20 -o " +
+              this->Folder.File("scan.mha")),
+    0)
+    << this->Errors;
+  const IntensityVolume scan = ReadIntensityVolume(this->Folder.File("scan.mha"));
+  const IntensityVolume flat = ReadIntensityVolume(this->Folder.File("scan_flat.mha"));
+  ASSERT_EQ(flat.Size, (std::array<int, 3>{ 50, 10, 20 }));
+  double sum = 0;
+  double squares = 0;
+  for (const float value : flat.Voxels)
+  {
+    sum += value;
+    squares += (value - 1) * (value - 1);
+  }
+  const double count = 10000;
+  // Four standard deviations of the mean of 10,000 pixels and of their variance.
+  EXPECT_NEAR(sum / count, 1, 4 * std::sqrt(0.001 / count));
+  EXPECT_NEAR(squares / count, 0.001, 4 * 0.001 * std::sqrt(2 / count));
+  // No two pictures have the same noise.
+  for (int pixel = 0; pixel < 50; ++pixel)
+  {
+    if (flat.Voxels[pixel] != flat.Voxels[500 + pixel])
+    {
+      break;
+    }
+    EXPECT_LT(pixel, 20);
+  }
+  EXPECT_NE(scan.Voxels, flat.Voxels);
+}
+
+TEST_F(ProjectSeries, RefusesWhatDoesNotGoTogether)
+{
+  const std::string box = this->Box("box.vtp", { -10, -5, -20 }, { 10, 5, 20 });
+  const std::string inputs = "project --surface 'Water, Liquid=" + box + "' -o " + this->Stack;
+  this->ExpectRefused(inputs + " --turn 4 --tomosynthesis 3", "found both");
+  this->ExpectRefused(inputs + " --span 20", "found neither");
+  this->ExpectRefused(inputs + " --turn 4 --axis w", "expected x, y, z or three numbers");
+  this->ExpectRefused(inputs + " --turn 4 --axis 0 0 0", "without length");
+  this->ExpectRefused(inputs + " --tomosynthesis 4 --axis z", "--pivot-height");
+  this->ExpectRefused(inputs + " --tomosynthesis 4 --beam-direction 0 0 -1", "parallel");
+  this->ExpectRefused("project --surface 'Water, Liquid=" + box + "' --turn 2 -o " +
+      this->Folder.File("stack.png"),
+    "expected .tif, .mha or .nrrd");
+  EXPECT_FALSE(std::filesystem::exists(this->Stack));
+  EXPECT_FALSE(std::filesystem::exists(this->Folder.File("stack.json")));
+}
