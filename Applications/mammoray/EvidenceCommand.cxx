@@ -75,6 +75,15 @@ void Declare(const OptionList& add, EvidenceArguments& arguments)
     "register makes them");
   add("--target-fineness", input.Twin.TargetFineness, Positive(),
     "the same for the mechanics of the true breast");
+  std::vector<std::pair<std::string, PictureKind>> kinds;
+  kinds.reserve(PictureKinds.size());
+  for (const PictureKind kind : PictureKinds)
+  {
+    kinds.emplace_back(NameOf(kind), kind);
+  }
+  add.Choice<PictureKind>("--picture", input.Twin.Picture, kinds,
+    "what the twins' mammograms are: for display, evened out for display, raw, or raw with heel "
+    "and scatter");
   AddComparisonOptions(add, input.Twin.Registration);
   add("-o,--output", arguments.Output,
     "JSON of all runs, written after each; Ctrl-C leaves what is done");
@@ -162,12 +171,15 @@ void AddWanted(EvidenceArguments& arguments)
   if (arguments.Wants("landmarks"))
   {
     input.Landmarks = LandmarksOfEvidence(arguments.Data);
-    input.Landmarks->Case.Options.Comparison = input.Twin.Registration.Comparison;
-    input.Landmarks->Case.Options.WindowMm = input.Twin.Registration.WindowMm;
+    for (EvidenceLandmarks& landmarks : input.Landmarks)
+    {
+      landmarks.Case.Options.Comparison = input.Twin.Registration.Comparison;
+      landmarks.Case.Options.WindowMm = input.Twin.Registration.WindowMm;
+    }
   }
   if (arguments.Wants("mammograms"))
   {
-    input.Mammograms = MammogramsOfEvidence(arguments.Data);
+    input.Mammograms = MammogramsOfEvidence(input.Phantoms, arguments.Data);
     for (const EvidenceMammogram& mammogram : input.Mammograms)
     {
       CheckInputFile(mammogram.Case.Mammograms.front());

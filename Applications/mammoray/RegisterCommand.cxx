@@ -136,8 +136,7 @@ void DeclareSearch(const OptionList& add, RegistrationCase& input)
   }
   search("--free", input.Free,
     "parameters that are found; the others keep their start: " + PoseParameterNames() +
-      " (one for all mammograms); default: " + free +
-      "of a --study pitch, yaw and tilt, too, and stiffness with more than one mammogram");
+      " (one for all mammograms); default: " + free + "and stiffness with more than one mammogram");
   search.Input("--resume", input.Resume,
     "go on from the pose in this earlier result folder of the same inputs, or from the last step "
     "of a run for that folder that was cut off");

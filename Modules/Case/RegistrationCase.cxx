@@ -194,16 +194,6 @@ std::vector<std::string> FreeNames(const RegistrationCase& input, const Material
   if (names.empty())
   {
     names = FreePoseParameterNames();
-    if (input.Study)
-    {
-      // A patient stands neither as she lay nor quite straight, and paddles bend: kept at 0, these
-      // bent the breast instead.
-      for (const int index : { PitchParameter, YawParameter, TiltParameter })
-      {
-        names.emplace_back(PoseParameters[index].Name);
-      }
-    }
-    // One picture hardly tells the stiffness from the others.
     if (input.Mammograms.size() > 1 && !materials.Glandular().empty())
     {
       names.emplace_back(PoseParameters[StiffnessParameter].Name);

@@ -80,8 +80,8 @@ struct RegistrationCase
   /// else PoseParameter::Start.
   std::array<std::vector<double>, ParameterCount> Start;
   /// Names of the parameters that are found; the others keep their start. Empty: those with
-  /// PoseParameter::Free of each mammogram, of a study pitch, yaw and tilt, too, and, of several
-  /// mammograms, the stiffness of gland (if any), which they share.
+  /// PoseParameter::Free of each mammogram, and, of several mammograms, the stiffness of gland (if
+  /// any), which they share.
   std::vector<std::string> Free;
   /// Standard deviation of the roll about what the header says, degrees; 0: nothing is assumed.
   double RollSigmaDeg = 0;

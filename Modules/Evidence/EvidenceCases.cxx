@@ -68,22 +68,33 @@ std::vector<EvidencePhantom> PhantomsOfEvidence(const std::string& publicData, d
   return phantoms;
 }
 
-EvidenceLandmarks LandmarksOfEvidence(const std::string& publicData)
+std::vector<EvidenceLandmarks> LandmarksOfEvidence(const std::string& publicData)
 {
-  const std::string folder = DataDirectory() + "/victre-phantom-1/";
-  EvidenceLandmarks landmarks;
-  landmarks.Case = CaseOf(folder + "labels.nrrd", folder + "victre1_lcc_processing.dcm");
-  landmarks.Landmarks = folder + "landmarks.csv";
-  landmarks.Truth = ReadTruth(folder + "evaluate.json");
+  const auto caseIn = [](const std::string& name, const std::string& folder, const char* mammogram)
+  {
+    const std::string path = DataDirectory() + "/" + folder + "/";
+    EvidenceLandmarks landmarks;
+    landmarks.Name = name;
+    landmarks.Case = CaseOf(path + "labels.nrrd", path + mammogram);
+    landmarks.Landmarks = path + "landmarks.csv";
+    landmarks.Truth = ReadTruth(path + "evaluate.json");
+    return landmarks;
+  };
+  std::vector<EvidenceLandmarks> cases{ caseIn("victre-1, CC, FEBio", "victre-phantom-1",
+    "victre1_lcc_processing.dcm") };
   const std::string compressed = publicData + "/victre-pipeline-phantom-1/pc_1_crop.nhdr";
   if (std::filesystem::exists(compressed))
   {
-    landmarks.CompressedLabels.Path = compressed;
-    landmarks.CompressedLabels.AxesAsGiven = true;
+    cases.back().CompressedLabels.Path = compressed;
+    cases.back().CompressedLabels.AxesAsGiven = true;
     // Its header repeats the origin of the volume it was cut from.
-    landmarks.CompressedOrigin = Vector3{ 8.4, -46.4534, -26.3184 };
+    cases.back().CompressedOrigin = Vector3{ 8.4, -46.4534, -26.3184 };
   }
-  return landmarks;
+  const std::string oblique = "scattered-1001, MLO, CalculiX, ";
+  cases.push_back(caseIn(oblique + "true stiffness", "scattered-1001-mlo", "mammogram.dcm"));
+  cases.back().Case.Start[StiffnessParameter] = { 2 };
+  cases.push_back(caseIn(oblique + "gland half as stiff", "scattered-1001-mlo", "mammogram.dcm"));
+  return cases;
 }
 
 std::vector<EvidenceStudy> StudiesOfEvidence(const std::vector<EvidencePhantom>& phantoms,
@@ -123,15 +134,42 @@ std::vector<EvidenceStudy> StudiesOfEvidence(const std::vector<EvidencePhantom>&
   return studies;
 }
 
-std::vector<EvidenceMammogram> MammogramsOfEvidence(const std::string& publicData)
+std::vector<EvidenceMammogram> MammogramsOfEvidence(const std::vector<EvidencePhantom>& phantoms,
+  const std::string& publicData)
 {
   std::vector<EvidenceMammogram> mammograms;
+  const auto add = [&](const std::string& name, RegistrationCase input)
+  {
+    for (const EvidencePhantom& phantom : phantoms)
+    {
+      input.Labels = phantom.Labels;
+      input.Labels.AcceptUnusual = true; // pixels of 1 mm
+      mammograms.push_back({ name + ", " + phantom.Name, input });
+    }
+  };
   for (const char* name : { "mg_processing_mono1_explicitLE", "mg_presentation_mono2_explicitLE" })
   {
-    mammograms.push_back({ name,
-      CaseOf(publicData + "/breastphantom-scattered-1001/labels.nrrd",
-        publicData + "/digibreast/dicom/" + name + ".dcm") });
-    mammograms.back().Case.Labels.AcceptUnusual = true; // pixels of 1 mm
+    add(name, CaseOf("", publicData + "/digibreast/dicom/" + name + ".dcm"));
+  }
+  // Views and sides by the markers in the pictures. Pixels are assumed: 0.07 mm as of the detector
+  // whose matrix the larger pictures have, and the same field in the pictures of tomosynthesis.
+  struct Picture
+  {
+    const char* Name;
+    const char* Side;
+    const char* View;
+    double SpacingMm;
+  };
+  constexpr double Field = 3328 * 0.07;
+  for (const Picture& picture : { Picture{ "sample_A1", "R", "CC", Field / 1996 },
+         { "sample_A2", "L", "CC", Field / 1996 }, { "sample_A4", "L", "CC", 0.07 },
+         { "sample_B1", "R", "MLO", 0.07 }, { "sample_C4", "L", "MLO", 0.07 } })
+  {
+    RegistrationCase input = CaseOf("", publicData + "/monai-mammograms/" + picture.Name + ".jpg");
+    input.Laterality = picture.Side;
+    input.MammogramViews = { picture.View };
+    input.PixelSpacingMm = picture.SpacingMm;
+    add(picture.Name, input);
   }
   return mammograms;
 }

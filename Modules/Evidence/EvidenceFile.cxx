@@ -98,14 +98,16 @@ nlohmann::json ToJson(const LandmarkEvidence& found)
     rows.push_back({ { "method", row.Method }, { "in3dMm", ToJson(row.InSpace) },
       { "onReceptorMm", ToJson(row.OnReceptor) } });
   }
-  return { { "rows", rows }, { "glandDice", found.GlandDice },
-    { "glandDiceAtRest", found.GlandDiceAtRest }, { "iterations", found.Iterations },
+  return { { "name", found.Name }, { "rows", rows }, { "glandDice", found.GlandDice },
+    { "glandDiceAtRest", found.GlandDiceAtRest }, { "trust", found.Trust },
+    { "expectedMedianMm", found.ExpectedMedianMm }, { "iterations", found.Iterations },
     { "equilibria", found.Equilibria }, { "seconds", found.Seconds } };
 }
 
 LandmarkEvidence LandmarkEvidenceFrom(const nlohmann::json& json)
 {
   LandmarkEvidence found;
+  found.Name = json.at("name").get<std::string>();
   for (const nlohmann::json& row : json.at("rows"))
   {
     found.Rows.push_back({ row.at("method").get<std::string>(), SummaryFrom(row.at("in3dMm")),
@@ -113,6 +115,8 @@ LandmarkEvidence LandmarkEvidenceFrom(const nlohmann::json& json)
   }
   found.GlandDice = Number(json.at("glandDice"));
   found.GlandDiceAtRest = Number(json.at("glandDiceAtRest"));
+  found.Trust = json.at("trust").get<std::string>();
+  found.ExpectedMedianMm = Number(json.at("expectedMedianMm"));
   found.Iterations = json.at("iterations").get<int>();
   found.Equilibria = json.at("equilibria").get<int>();
   found.Seconds = Number(json.at("seconds"));
@@ -123,7 +127,8 @@ nlohmann::json ToJson(const MammogramEvidence& found)
 {
   return { { "name", found.Name }, { "meanOutlineDistanceMm", found.MeanOutlineMm },
     { "largestOutlineDistanceMm", found.LargestOutlineMm }, { "correlation", found.Correlation },
-    { "trust", found.Trust }, { "seconds", found.Seconds }, { "failure", found.Failure } };
+    { "tissueCorrelation", found.TissueCorrelation }, { "trust", found.Trust },
+    { "seconds", found.Seconds }, { "failure", found.Failure } };
 }
 
 nlohmann::json ToJson(const PointErrors& errors)
@@ -178,8 +183,8 @@ MammogramEvidence MammogramEvidenceFrom(const nlohmann::json& json)
 {
   return { json.at("name").get<std::string>(), Number(json.at("meanOutlineDistanceMm")),
     Number(json.at("largestOutlineDistanceMm")), Number(json.at("correlation")),
-    json.at("trust").get<std::string>(), Number(json.at("seconds")),
-    json.at("failure").get<std::string>() };
+    Number(json.at("tissueCorrelation")), json.at("trust").get<std::string>(),
+    Number(json.at("seconds")), json.at("failure").get<std::string>() };
 }
 }
 
@@ -197,7 +202,8 @@ std::string EvidenceSettings(const EvidenceOptions& options)
     { "orientation", options.Orientation }, { "seed", twin.Seed },
     { "modelFineness", twin.ModelFineness }, { "targetFineness", twin.TargetFineness },
     { "modelAnatomyMm", twin.ModelAnatomyMm }, { "targetAnatomyMm", twin.TargetAnatomyMm },
-    { "noise", twin.Noise }, { "pixelSizesMm", twin.Registration.PixelSizesMm },
+    { "noise", twin.Noise }, { "picture", NameOf(twin.Picture) },
+    { "pixelSizesMm", twin.Registration.PixelSizesMm },
     { "comparison", static_cast<int>(twin.Registration.Comparison) },
     { "windowMm", twin.Registration.WindowMm }
   }.dump();
@@ -207,14 +213,14 @@ std::string EvidenceJson(const RegistrationEvidence& evidence, const std::string
 {
   nlohmann::json json{ { "settings", nlohmann::json::parse(settings) },
     { "version", MAMMORAY_VERSION }, { "twins", nlohmann::json::array() },
-    { "mammograms", nlohmann::json::array() } };
+    { "landmarks", nlohmann::json::array() }, { "mammograms", nlohmann::json::array() } };
   for (const TwinRun& run : evidence.Twins)
   {
     json["twins"].push_back(ToJson(run));
   }
-  if (evidence.Landmarks)
+  for (const LandmarkEvidence& landmarks : evidence.Landmarks)
   {
-    json["landmarks"] = ToJson(*evidence.Landmarks);
+    json["landmarks"].push_back(ToJson(landmarks));
   }
   for (const MammogramEvidence& mammogram : evidence.Mammograms)
   {
@@ -248,9 +254,9 @@ RegistrationEvidence ReadEvidence(const std::string& path, const std::string& se
     {
       evidence.Twins.push_back(TwinRunFrom(run));
     }
-    if (json.contains("landmarks"))
+    for (const nlohmann::json& landmarks : json.value("landmarks", nlohmann::json::array()))
     {
-      evidence.Landmarks = LandmarkEvidenceFrom(json.at("landmarks"));
+      evidence.Landmarks.push_back(LandmarkEvidenceFrom(landmarks));
     }
     for (const nlohmann::json& mammogram : json.at("mammograms"))
     {

@@ -217,33 +217,38 @@ std::string SearchTable(const RegistrationEvidence& evidence)
 
 std::string LandmarkTable(const LandmarkEvidence& found)
 {
-  std::string text = "| imaged landmarks: median (largest) error, mm | in 3D | on the receptor |\n"
-                     "|---|---|---|\n";
+  std::string text = Line("| %s, imaged landmarks: median (largest) error, mm | in 3D | on the "
+                          "receptor |\n|---|---|---|\n",
+    found.Name.c_str());
   for (const LandmarkSummary& row : found.Rows)
   {
     text += Line("| %s | %.2f (%.2f) | %.2f (%.2f) |\n", row.Method.c_str(), row.InSpace.Median,
       row.InSpace.Largest, row.OnReceptor.Median, row.OnReceptor.Largest);
   }
+  text += "\n";
   if (std::isfinite(found.GlandDice))
   {
     text +=
-      Line("\nGland overlap (Dice) %.2f, at rest %.2f. ", found.GlandDice, found.GlandDiceAtRest);
+      Line("Gland overlap (Dice) %.2f, at rest %.2f. ", found.GlandDice, found.GlandDiceAtRest);
   }
   return text +
-    Line("%d iterations, %d equilibria, %.0f s.\n\n", found.Iterations, found.Equilibria,
-      found.Seconds);
+    Line("Trust: %s, expected: %s mm. %d iterations, %d equilibria, %.0f s.\n\n",
+      found.Trust.c_str(),
+      std::isfinite(found.ExpectedMedianMm) ? Line("%.2f", found.ExpectedMedianMm).c_str() : "-",
+      found.Iterations, found.Equilibria, found.Seconds);
 }
 
 std::string MammogramTable(const std::vector<MammogramEvidence>& found)
 {
   std::string text =
-    "| real mammogram | outline: mean (largest), mm | correlation | trust that the "
-    "report claims | time, s |\n|---|---|---|---|---|\n";
+    "| real mammogram with another breast | outline: mean (largest), mm | correlation, of tissue "
+    "| trust that the report claims | time, s |\n|---|---|---|---|---|\n";
   for (const MammogramEvidence& row : found)
   {
     text += row.Failure.empty()
-      ? Line("| %s | %.2f (%.2f) | %.2f | %s | %.0f |\n", row.Name.c_str(), row.MeanOutlineMm,
-          row.LargestOutlineMm, row.Correlation, row.Trust.c_str(), row.Seconds)
+      ? Line("| %s | %.2f (%.2f) | %.2f, %.2f | %s | %.0f |\n", row.Name.c_str(), row.MeanOutlineMm,
+          row.LargestOutlineMm, row.Correlation, row.TissueCorrelation, row.Trust.c_str(),
+          row.Seconds)
       : Line("| %s | - | - | no result: %s | - |\n", row.Name.c_str(), row.Failure.c_str());
   }
   return text + "\n";
@@ -458,9 +463,9 @@ std::string TwinTable(const std::vector<TwinRun>& runs)
 std::string EvidenceTables(const RegistrationEvidence& evidence)
 {
   std::string text;
-  if (evidence.Landmarks)
+  for (const LandmarkEvidence& landmarks : evidence.Landmarks)
   {
-    text += LandmarkTable(*evidence.Landmarks);
+    text += LandmarkTable(landmarks);
   }
   text += TwinTables(evidence.Twins) + SearchTable(evidence);
   if (!evidence.Mammograms.empty())

@@ -170,7 +170,11 @@ LandmarkEvidence MeasureLandmarks(const EvidenceLandmarks& input, const Progress
   const RegistrationCaseResult result = RunRegistrationCase(input.Case, progress);
   ReportProgress(progress, 1, "registered");
   LandmarkEvidence found;
+  found.Name = input.Name;
   const RegisteredView& view = result.Views.front();
+  found.Trust = NameOf(Assess(view.Registration).Level);
+  found.ExpectedMedianMm = view.Registration.Expected ? view.Registration.Expected->MedianMm
+                                                      : std::numeric_limits<double>::quiet_NaN();
   found.Iterations = static_cast<int>(view.Registration.Iterations.size());
   found.Equilibria = view.Registration.Evaluations;
   found.Seconds = view.Registration.Seconds;
@@ -203,10 +207,15 @@ MammogramEvidence MeasureMammogram(const EvidenceMammogram& input, const Progres
     found.MeanOutlineMm = registered.After.MeanOutlineDistanceMm;
     found.LargestOutlineMm = registered.After.LargestOutlineDistanceMm;
     found.Correlation = registered.After.Correlation;
+    found.TissueCorrelation = registered.After.TissueCorrelation;
     found.Seconds = registered.Seconds;
     found.Trust = NameOf(Assess(registered).Level);
   }
   catch (const ConvergenceError& error)
+  {
+    found.Failure = error.what();
+  }
+  catch (const InputError& error)
   {
     found.Failure = error.what();
   }
@@ -230,10 +239,14 @@ const TwinRun* RegistrationEvidence::Find(const std::string& phantom, const std:
 void GatherEvidence(const EvidenceOptions& options, RegistrationEvidence& evidence,
   const std::function<void()>& keep, const ProgressCallback& progress)
 {
-  if (options.Landmarks && !evidence.Landmarks)
+  for (const EvidenceLandmarks& landmarks : options.Landmarks)
   {
-    evidence.Landmarks = MeasureLandmarks(*options.Landmarks, progress);
-    keep();
+    if (std::none_of(evidence.Landmarks.begin(), evidence.Landmarks.end(),
+          [&](const LandmarkEvidence& done) { return done.Name == landmarks.Name; }))
+    {
+      evidence.Landmarks.push_back(MeasureLandmarks(landmarks, progress));
+      keep();
+    }
   }
   TwinBench bench(options, evidence, keep, progress);
   bench.CompareSearches();

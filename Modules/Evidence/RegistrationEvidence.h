@@ -24,7 +24,7 @@ struct EvidencePhantom
   LabelSource Labels{ .SpacingMm = 0.5, .OnlyCoarsen = true };
 };
 
-/// A real mammogram and the phantom it is registered to for want of its own volume.
+/// A real mammogram and the phantom it is registered to for want of its own volume: a wrong pair.
 struct EvidenceMammogram
 {
   std::string Name;
@@ -34,6 +34,8 @@ struct EvidenceMammogram
 /// A registration whose truth is known at landmarks.
 struct EvidenceLandmarks
 {
+  /// Whose compression it is, and what the model is told of it.
+  std::string Name;
   RegistrationCase Case;
   std::string Landmarks;
   LandmarkTruth Truth;
@@ -54,7 +56,7 @@ struct EvidenceOptions
   int Twins = 20;
   int SearchTwins = 2;
   TwinOptions Twin;
-  std::optional<EvidenceLandmarks> Landmarks;
+  std::vector<EvidenceLandmarks> Landmarks;
   std::vector<EvidenceMammogram> Mammograms;
   std::vector<EvidenceStudy> Studies;
   /// RunStudy's keepIn.
@@ -63,12 +65,18 @@ struct EvidenceOptions
 
 struct LandmarkEvidence
 {
+  /// EvidenceLandmarks::Name.
+  std::string Name;
   /// At the imaged landmarks, of the identity, the best rigid motion and the registration.
   std::vector<LandmarkSummary> Rows;
   /// Dice's coefficient of gland in the picture, counted in cubes of 0.8 mm: registered, and at
   /// rest; NaN where not measured.
   double GlandDice = 0;
   double GlandDiceAtRest = 0;
+  /// "good", "doubtful" or "none", and the error in 3D in the middle that the report tells one to
+  /// expect, mm; NaN where it tells none.
+  std::string Trust;
+  double ExpectedMedianMm = 0;
   int Iterations = 0;
   int Equilibria = 0;
   double Seconds = 0;
@@ -80,6 +88,8 @@ struct MammogramEvidence
   double MeanOutlineMm = 0;
   double LargestOutlineMm = 0;
   double Correlation = 0;
+  /// Agreement::TissueCorrelation.
+  double TissueCorrelation = 0;
   /// "good", "doubtful" or "none": what the report says of it.
   std::string Trust;
   double Seconds = 0;
@@ -90,7 +100,7 @@ struct MammogramEvidence
 struct MAMMORAYEVIDENCE_EXPORT RegistrationEvidence
 {
   std::vector<TwinRun> Twins;
-  std::optional<LandmarkEvidence> Landmarks;
+  std::vector<LandmarkEvidence> Landmarks;
   std::vector<MammogramEvidence> Mammograms;
   std::vector<StudyRun> Studies;
 

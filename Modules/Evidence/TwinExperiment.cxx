@@ -110,14 +110,12 @@ std::vector<double> DrawTruth(Draws& draws, TwinKind kind, double heightMm)
   truth[RollParameter] = draws.Between(-30, 30);
   truth[LateralParameter] = draws.Between(-15, 15);
   truth[AnteriorParameter] = draws.Between(0, 15);
-  truth[StiffnessParameter] = 1;
-  if (kind == TwinKind::EveryParameter)
-  {
-    truth[PitchParameter] = draws.Between(-10, 10);
-    truth[YawParameter] = draws.Between(-10, 10);
-    truth[TiltParameter] = draws.Between(-4, 4);
-    truth[StiffnessParameter] = std::exp2(draws.Between(-1, 1));
-  }
+  const double far = kind == TwinKind::EveryParameter ? 2 : 1;
+  truth[PitchParameter] = draws.Between(-5 * far, 5 * far);
+  truth[YawParameter] = draws.Between(-5 * far, 5 * far);
+  truth[TiltParameter] = draws.Between(-2 * far, 2 * far);
+  truth[StiffnessParameter] =
+    kind == TwinKind::EveryParameter ? std::exp2(draws.Between(-1, 1)) : 1.0;
   return truth;
 }
 
@@ -147,10 +145,7 @@ std::vector<RegistrationParameter> DrawParameters(Draws& draws, TwinKind kind, i
   std::vector<RegistrationParameter> parameters = DefaultParameters(start);
   if (kind == TwinKind::EveryParameter)
   {
-    for (const int index : { PitchParameter, YawParameter, TiltParameter, StiffnessParameter })
-    {
-      parameters[index].Fixed = false;
-    }
+    parameters[StiffnessParameter].Fixed = false;
   }
   return parameters;
 }
@@ -238,6 +233,21 @@ const char* NameOf(TwinKind kind)
       return "wrong-thickness";
     default:
       return "half-picture";
+  }
+}
+
+const char* NameOf(PictureKind kind)
+{
+  switch (kind)
+  {
+    case PictureKind::Display:
+      return "display";
+    case PictureKind::Equalised:
+      return "equalised";
+    case PictureKind::Raw:
+      return "raw";
+    default:
+      return "scattered";
   }
 }
 
@@ -456,8 +466,8 @@ TwinProblem TwinExperiment::Draw(TwinKind kind, int number, const ProgressCallba
         .Laterality = 'L',
         .RowDirection = "A",
         .ColumnDirection = "R" };
-      Mammogram picture =
-        Develop(header, synthetic.LogAttenuation, grid, self.Options.Noise, draws);
+      Mammogram picture = Develop(header, synthetic.LogAttenuation, grid,
+        { .Kind = self.Options.Picture, .Noise = self.Options.Noise }, draws);
       const double shiftMm =
         kind == TwinKind::HalfPicture ? KeepHalf(number % 2 == 0, picture) : 0.0;
       problem.Target = PrepareTarget(picture);

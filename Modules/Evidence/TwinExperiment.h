@@ -21,13 +21,13 @@ namespace mammoray
 enum class TwinKind
 {
   /// The start is off as a header is: thickness by up to 3 mm, roll by up to 10 degrees, shifts
-  /// unknown.
+  /// unknown, pitch and yaw by up to 5 degrees, tilt by up to 2.
   Plain,
   /// The target's fat is 1.5 times as stiff as the model's.
   WrongMaterial,
   /// The start is off by 5 mm, 20 degrees and, each way, 15 mm.
   WrongStart,
-  /// Pitch, yaw, tilt and the stiffness of gland are off and to be found, too.
+  /// Pitch, yaw, tilt and the stiffness of gland are off, and all to be found.
   EveryParameter,
   // Wrong pairs, else as Plain: what is registered is not what was pictured.
   /// Another phantom's breast, made as large.
@@ -55,6 +55,29 @@ MAMMORAYEVIDENCE_EXPORT bool IsWrongPair(TwinKind kind);
 /// "plain", "wrong-material", "wrong-start", "every-parameter", "other-breast", "other-side",
 /// "wrong-size", "lost-tissue", "wrong-thickness", "half-picture".
 MAMMORAYEVIDENCE_EXPORT const char* NameOf(TwinKind kind);
+
+/// As what kind of picture a unit stores the target, for each of which `--residual` may serve
+/// better or worse.
+enum class PictureKind
+{
+  /// For Presentation: logarithm, then a sigmoid.
+  Display,
+  /// For Presentation, as vendors even pictures out: of what varies over more than 12 mm within the
+  /// breast 0.7 are taken off before the sigmoid.
+  Equalised,
+  /// For Processing: intensities.
+  Raw,
+  /// For Processing with a tube's heel, which takes 20 % of the intensity towards the nipple, and
+  /// scatter: half of the primary radiation behind the breast, spread over 15 mm. (Boone 2000: 0.3
+  /// to 1 without a grid.)
+  Scattered
+};
+
+inline constexpr std::array<PictureKind, 4> PictureKinds{ PictureKind::Display,
+  PictureKind::Equalised, PictureKind::Raw, PictureKind::Scattered };
+
+/// "display", "equalised", "raw", "scattered".
+MAMMORAYEVIDENCE_EXPORT const char* NameOf(PictureKind kind);
 
 enum class TwinSearch
 {
@@ -140,6 +163,7 @@ struct TwinOptions
   /// Pixels of the target, mm, and standard deviation of its intensities' noise, of the intensity.
   double PixelMm = 0.4;
   double Noise = 0.02;
+  PictureKind Picture = PictureKind::Display;
   std::string ModelSpectrum = "W28kVp_Rh50um_Be1mm";
   std::string TargetSpectrum = "W30kVp_Rh50um_Be1mm";
   int NumberOfPoints = 100;
@@ -151,12 +175,12 @@ struct TwinOptions
 /**
  * Registers one phantom to mammograms of itself whose truth is known. The target shares nothing
  * with the model but the label volume: it is compressed on another mesh with the other element type
- * (patch-averaged linear), pictured from another mesh of the anatomy with another spectrum, noise
- * and a display curve (a sigmoid, For Presentation, 12 bits), and outlined as a real mammogram.
+ * (patch-averaged linear), pictured from another mesh of the anatomy with another spectrum and
+ * noise, stored in 12 bits as TwinOptions::Picture says, and outlined as a real mammogram.
  * Meshes are made once. Truths are drawn over: thickness 0.52 to 0.72 of the breast's height, roll
- * 30 degrees and lateral 15 mm to both sides, anterior 0 to 15 mm; with TwinKind::EveryParameter
- * pitch and yaw 10, tilt 4 degrees to both sides, and stiffness 0.5 to 2. The same numbers give the
- * same truth in every kind.
+ * 30 degrees and lateral 15 mm to both sides, anterior 0 to 15 mm, pitch and yaw 5, tilt 2 degrees
+ * to both sides; with TwinKind::EveryParameter pitch and yaw 10, tilt 4 degrees, and stiffness 0.5
+ * to 2. The same numbers give the same truth in every other kind.
  */
 class MAMMORAYEVIDENCE_EXPORT TwinExperiment
 {

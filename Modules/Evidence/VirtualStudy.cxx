@@ -285,7 +285,7 @@ private:
       picture = Synthesize(seen, grid, 2);
     }
     Mammogram mammogram =
-      Develop(hung, picture.LogAttenuation, grid, this->Options.MammogramNoise, draws);
+      Develop(hung, picture.LogAttenuation, grid, { .Noise = this->Options.MammogramNoise }, draws);
     taken.HeaderThicknessMm = std::round(taken.Pose.ThicknessMm + draws.Between(-4, 4));
     mammogram.BodyPartThicknessMm = taken.HeaderThicknessMm;
     mammogram.SourceToDetectorMm = taken.Unit.SourceToDetectorMm;

@@ -6,6 +6,7 @@
 #include "mammoray/Filters/vtkBreastMesher.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/Foundation/Plausible.h"
+#include "mammoray/Foundation/PoseParameters.h"
 #include "mammoray/IO/ImageConversion.h"
 #include "mammoray/IO/MeshConversion.h"
 #include "mammoray/IO/ShippedData.h"
@@ -245,6 +246,10 @@ vtkBreastRegistration::vtkBreastRegistration()
   , Internal(new Internals)
 {
   this->SetNumberOfInputPorts(3);
+  for (const std::string& name : FreePoseParameterNames())
+  {
+    this->FreeParameters += (this->FreeParameters.empty() ? "" : " ") + name;
+  }
 }
 
 vtkBreastRegistration::~vtkBreastRegistration()

@@ -90,7 +90,8 @@ public:
   ///@{
   /**
    * Names of the parameters that are found, with blanks between: thickness, roll, pitch, yaw,
-   * lateral, anterior, vertical, tilt, stiffness. Default "thickness roll lateral anterior".
+   * lateral, anterior, vertical, tilt, stiffness. Default "thickness roll pitch yaw lateral
+   * anterior tilt", as of 'mammoray register'.
    */
   void SetFreeParameters(const char* names);
   vtkGetCharFromStdStringMacro(FreeParameters);
@@ -196,7 +197,7 @@ private:
   std::string Spectrum = "W28kVp_Rh50um_Be1mm";
   std::string SpectrumFile;
   std::string Orientation = "LPS";
-  std::string FreeParameters = "thickness roll lateral anterior";
+  std::string FreeParameters;
   double ThicknessMm = 0;
   double RollDeg = 0;
   double AnteriorMm = 5;

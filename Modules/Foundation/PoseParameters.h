@@ -67,13 +67,14 @@ inline constexpr std::array<PoseParameter, ParameterCount> PoseParameters{ {
     "rotation of the unit about the anterior axis; 0 is CC, positive turns the source towards the "
     "patient's left",
     &BreastPose::RollDeg, 0, 30, 0, NoBound, NoBound, 5, 0, true, true },
-  // One picture hardly tells pitch, yaw, tilt and stiffness from the others.
+  // A patient stands neither as she lay nor quite straight, and paddles bend: kept at 0, pitch, yaw
+  // and tilt bent the breast instead. One picture hardly tells them, so that they have priors.
   { PitchParameter, "pitch", "deg", "Rotation about the chest wall's edge",
     "rotation of the rolled unit about its lateral axis; positive turns the source to the front",
-    &BreastPose::PitchDeg, 0, 20, 0, NoBound, NoBound, 5, 5, false, false },
+    &BreastPose::PitchDeg, 0, 20, 0, NoBound, NoBound, 5, 5, true, false },
   { YawParameter, "yaw", "deg", "Rotation about the beam",
     "rotation of the unit about its vertical axis; positive turns it to the patient's left (CC)",
-    &BreastPose::YawDeg, 0, 20, 0, NoBound, NoBound, 5, 5, false, false },
+    &BreastPose::YawDeg, 0, 20, 0, NoBound, NoBound, 5, 5, true, false },
   { LateralParameter, "lateral", "mm", "Shift along the chest wall",
     "shift of the receptor along its chest-wall edge; positive towards the patient's left (CC)",
     &BreastPose::LateralMm, 0, 100, 0, NoBound, NoBound, 5, 0, true, false },
@@ -87,8 +88,8 @@ inline constexpr std::array<PoseParameter, ParameterCount> PoseParameters{ {
     &BreastPose::VerticalMm, 0, 30, 0, NoBound, NoBound, 5, 0, false, false },
   { TiltParameter, "tilt", "deg", "Tilt of the paddle",
     "turn of the paddle about its chest-wall edge; positive opens it towards the nipple",
-    &BreastPose::TiltDeg, 0, 10, 0, NoBound, NoBound, 2, 2, false, false },
-  // Published ratios of gland to fat span as much.
+    &BreastPose::TiltDeg, 0, 10, 0, NoBound, NoBound, 2, 2, true, false },
+  // Published ratios of gland to fat span as much. One picture hardly tells it from the others.
   { StiffnessParameter, "stiffness", "", "Stiffness of gland, times the table's",
     "factor on the stiffness of gland", &BreastPose::Stiffness, 1, 0, 0, 0.25, 4, 0.5, 1, false,
     false },

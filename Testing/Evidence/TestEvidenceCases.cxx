@@ -23,7 +23,9 @@ TEST(EvidenceCases, PhantomsAreOfTheProjectAndOfThePublicData)
 
 TEST(EvidenceCases, TheUnitOfTheLandmarksStandsAsDataSays)
 {
-  const EvidenceLandmarks landmarks = LandmarksOfEvidence("/nowhere");
+  const std::vector<EvidenceLandmarks> cases = LandmarksOfEvidence("/nowhere");
+  ASSERT_EQ(cases.size(), 3u);
+  const EvidenceLandmarks& landmarks = cases[0];
   EXPECT_TRUE(std::filesystem::exists(landmarks.Case.Labels.Path));
   EXPECT_TRUE(std::filesystem::exists(landmarks.Case.Mammograms.at(0)));
   EXPECT_EQ(ReadLandmarks(landmarks.Landmarks).size(), 24u);
@@ -36,10 +38,37 @@ TEST(EvidenceCases, TheUnitOfTheLandmarksStandsAsDataSays)
   EXPECT_NEAR(gantry[2], 30 + 27.3184, 1e-12);
 }
 
-TEST(EvidenceCases, ForeignMammogramsAreRegisteredToAnotherBreast)
+TEST(EvidenceCases, AnotherProgramsCompressionIsSoughtWithTrueAndWrongStiffness)
 {
-  const std::vector<EvidenceMammogram> mammograms = MammogramsOfEvidence("/public");
-  ASSERT_EQ(mammograms.size(), 2u);
-  EXPECT_NE(mammograms[0].Case.Mammograms, mammograms[1].Case.Mammograms);
-  EXPECT_EQ(mammograms[0].Case.Labels.Path, mammograms[1].Case.Labels.Path);
+  const std::vector<EvidenceLandmarks> cases = LandmarksOfEvidence("/nowhere");
+  ASSERT_EQ(cases.size(), 3u);
+  EXPECT_TRUE(std::filesystem::exists(cases[1].Case.Labels.Path));
+  EXPECT_TRUE(std::filesystem::exists(cases[1].Case.Mammograms.at(0)));
+  EXPECT_EQ(cases[1].Case.Mammograms, cases[2].Case.Mammograms);
+  EXPECT_EQ(cases[1].Case.Start[StiffnessParameter], std::vector<double>{ 2 });
+  EXPECT_TRUE(cases[2].Case.Start[StiffnessParameter].empty());
+  EXPECT_NE(cases[1].Name, cases[2].Name);
+  // Data/README.md: y, x and z of the gantry frame.
+  EXPECT_EQ(cases[1].Truth.Placed.ToGantry({ 10, 20, 30 }), (Vector3{ 20, 10, 30 }));
+  int imaged = 0;
+  for (const Landmark& landmark : ReadLandmarks(cases[1].Landmarks))
+  {
+    imaged += landmark.Imaged ? 1 : 0;
+    // Between the plates, whose distance is 58.3 mm and which stand 2 mm over the receptor.
+    EXPECT_TRUE(!landmark.Imaged || (landmark.Compressed[2] > 2 && landmark.Compressed[2] < 60.3));
+  }
+  EXPECT_GT(imaged, 20);
+}
+
+TEST(EvidenceCases, ForeignMammogramsAreRegisteredToEachPhantom)
+{
+  const std::vector<EvidencePhantom> phantoms = PhantomsOfEvidence("/public", 0.5);
+  const std::vector<EvidenceMammogram> mammograms = MammogramsOfEvidence(phantoms, "/public");
+  ASSERT_EQ(mammograms.size(), 21u);
+  EXPECT_EQ(mammograms[0].Case.Mammograms, mammograms[2].Case.Mammograms);
+  EXPECT_EQ(mammograms[1].Case.Labels.Path, phantoms[1].Labels.Path);
+  EXPECT_NE(mammograms[2].Case.Mammograms, mammograms[3].Case.Mammograms);
+  EXPECT_EQ(mammograms.back().Case.MammogramViews, std::vector<std::string>{ "MLO" });
+  EXPECT_EQ(mammograms.back().Case.Laterality, "L");
+  EXPECT_NEAR(*mammograms[6].Case.PixelSpacingMm, 0.1167, 1e-4);
 }

@@ -33,10 +33,11 @@ TEST_F(EvidenceFile, ReadsBackWhatItHolds)
     test::MadeUpRun("ball", TwinKind::Plain, TwinSearch::Register, 3, 1.25, 0.5));
   evidence.Twins.push_back(
     test::MadeUpRun("ball", TwinKind::WrongStart, TwinSearch::Exact, 0, test::Nothing, 0));
-  evidence.Landmarks = LandmarkEvidence{ { { "identity", { 12, 9.2, 9.3, 14 }, { 12, 5, 6, 7 } } },
-    0.6, test::Nothing, 14, 25, 30.5 };
-  evidence.Mammograms.push_back({ "real", 2.5, 7, 0.8, "doubtful", 12, "" });
-  evidence.Mammograms.push_back({ "other", 0, 0, 0, "", 0, "no equilibrium" });
+  evidence.Landmarks.push_back(
+    { "ball, CC", { { "identity", { 12, 9.2, 9.3, 14 }, { 12, 5, 6, 7 } } }, 0.6, test::Nothing,
+      "good", 1.5, 14, 25, 30.5 });
+  evidence.Mammograms.push_back({ "real", 2.5, 7, 0.8, 0.4, "doubtful", 12, "" });
+  evidence.Mammograms.push_back({ "other", 0, 0, 0, 0, "", 0, "no equilibrium" });
   evidence.Studies.push_back(test::MadeUpStudyRun("ball", 4, { 1, 2, 6 }));
   StudyRun& refused = evidence.Studies.emplace_back();
   refused.Phantom = "cube";
@@ -66,13 +67,16 @@ TEST_F(EvidenceFile, ReadsBackWhatItHolds)
   EXPECT_EQ(run.Sigma[1], 1);
   EXPECT_TRUE(std::isnan(run.Sigma[2]));
   EXPECT_TRUE(std::isnan(read.Twins[1].MedianErrorMm));
-  ASSERT_TRUE(read.Landmarks);
-  EXPECT_EQ(read.Landmarks->Rows.at(0).Method, "identity");
-  EXPECT_EQ(read.Landmarks->Rows.at(0).InSpace.Median, 9.2);
-  EXPECT_EQ(read.Landmarks->Rows.at(0).OnReceptor.Largest, 7);
-  EXPECT_TRUE(std::isnan(read.Landmarks->GlandDiceAtRest));
+  ASSERT_EQ(read.Landmarks.size(), 1u);
+  EXPECT_EQ(read.Landmarks[0].Name, "ball, CC");
+  EXPECT_EQ(read.Landmarks[0].Rows.at(0).Method, "identity");
+  EXPECT_EQ(read.Landmarks[0].Rows.at(0).InSpace.Median, 9.2);
+  EXPECT_EQ(read.Landmarks[0].Rows.at(0).OnReceptor.Largest, 7);
+  EXPECT_TRUE(std::isnan(read.Landmarks[0].GlandDiceAtRest));
+  EXPECT_EQ(read.Landmarks[0].ExpectedMedianMm, 1.5);
   ASSERT_EQ(read.Mammograms.size(), 2u);
   EXPECT_EQ(read.Mammograms[0].Trust, "doubtful");
+  EXPECT_EQ(read.Mammograms[0].TissueCorrelation, 0.4);
   EXPECT_EQ(read.Mammograms[1].Failure, "no equilibrium");
   // And the same again.
   EXPECT_EQ(EvidenceJson(read, this->Settings), EvidenceJson(evidence, this->Settings));

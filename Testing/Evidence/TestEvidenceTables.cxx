@@ -74,16 +74,25 @@ TEST(EvidenceTables, SearchesToTheCostOfTheExactOne)
 TEST(EvidenceTables, LandmarksAndMammograms)
 {
   RegistrationEvidence evidence;
-  evidence.Landmarks =
-    LandmarkEvidence{ { { "registered", { 12, 1.06, 1.2, 2.5 }, { 12, 0.74, 0.8, 1.42 } } }, 0.61,
-      0.25, 14, 25, 30 };
-  evidence.Mammograms.push_back({ "real", 2.5, 7, 0.8, "doubtful", 12, "" });
-  evidence.Mammograms.push_back({ "other", 0, 0, 0, "", 0, "no equilibrium" });
+  evidence.Landmarks.push_back(
+    { "ball, CC", { { "registered", { 12, 1.06, 1.2, 2.5 }, { 12, 0.74, 0.8, 1.42 } } }, 0.61, 0.25,
+      "good", 1.5, 14, 25, 30 });
+  evidence.Landmarks.push_back(
+    { "ball, MLO", { { "registered", { 12, 2.06, 2.2, 3.5 }, { 12, 1.74, 1.8, 2.42 } } },
+      test::Nothing, test::Nothing, "none", test::Nothing, 14, 25, 30 });
+  evidence.Mammograms.push_back({ "real", 2.5, 7, 0.8, 0.4, "doubtful", 12, "" });
+  evidence.Mammograms.push_back({ "other", 0, 0, 0, 0, "", 0, "no equilibrium" });
   const std::string text = EvidenceTables(evidence);
   EXPECT_THAT(text, HasSubstr("| registered | 1.06 (2.50) | 0.74 (1.42) |"));
-  EXPECT_THAT(text, HasSubstr("Gland overlap (Dice) 0.61, at rest 0.25. 14 iterations"));
-  EXPECT_THAT(text, HasSubstr("| real | 2.50 (7.00) | 0.80 | doubtful | 12 |"));
+  EXPECT_THAT(text, HasSubstr("| ball, CC, imaged landmarks: median (largest) error, mm |"));
+  EXPECT_THAT(text,
+    HasSubstr("Gland overlap (Dice) 0.61, at rest 0.25. Trust: good, expected: 1.50 mm. 14 iter"));
+  EXPECT_THAT(text, HasSubstr("| ball, MLO, imaged landmarks"));
+  EXPECT_THAT(text, HasSubstr("\nTrust: none, expected: - mm. 14 iterations"));
+  EXPECT_THAT(text, HasSubstr("| real | 2.50 (7.00) | 0.80, 0.40 | doubtful | 12 |"));
   EXPECT_THAT(text, HasSubstr("| other | - | - | no result: no equilibrium | - |"));
+  // They are wrong pairs, whether registered or refused.
+  EXPECT_THAT(text, HasSubstr("| real mammograms, another breast | 2 | 0 | 1 | 1 | - |"));
 }
 
 TEST(EvidenceTables, Studies)

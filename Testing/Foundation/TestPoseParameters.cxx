@@ -48,7 +48,8 @@ TEST(PoseParameters, AreFoundByNameWithTheNearestInTheError)
   EXPECT_EQ(PoseParameterNames(" "),
     "thickness roll pitch yaw lateral anterior vertical tilt stiffness");
   EXPECT_EQ(FreePoseParameterNames(),
-    (std::vector<std::string>{ "thickness", "roll", "lateral", "anterior" }));
+    (std::vector<std::string>{ "thickness", "roll", "pitch", "yaw", "lateral", "anterior",
+      "tilt" }));
 }
 
 TEST(PoseParameters, NamesInCommandsAndFiltersAndValuesWithUnits)

@@ -323,20 +323,20 @@ TEST_F(Registration, TwoMammogramsShareTheStiffnessAndKnowItBetter)
   EXPECT_EQ(joint.Mammograms[0].StandardDeviations[StiffnessParameter],
     joint.Mammograms[1].StandardDeviations[StiffnessParameter]);
 
-  // Four of each mammogram and the shared one; their own covariances are parts of the joint one.
-  ASSERT_EQ(joint.Unknowns.size(), 9u);
-  ASSERT_EQ(joint.Covariance.size(), 81u);
+  // Seven of each mammogram and the shared one; their own covariances are parts of the joint one.
+  ASSERT_EQ(joint.Unknowns.size(), 15u);
+  ASSERT_EQ(joint.Covariance.size(), 225u);
   EXPECT_EQ(std::count_if(joint.Unknowns.begin(), joint.Unknowns.end(),
               [](const JointUnknown& unknown) { return unknown.Shared; }),
     1);
-  for (std::size_t i = 0; i < 9; ++i)
+  for (std::size_t i = 0; i < 15; ++i)
   {
     const JointUnknown& row = joint.Unknowns[i];
     const RegistrationResult& result = joint.Mammograms[row.Mammogram];
-    EXPECT_EQ(joint.Covariance[i * 10], result.Covariance[row.Parameter * (ParameterCount + 1)]);
+    EXPECT_EQ(joint.Covariance[i * 16], result.Covariance[row.Parameter * (ParameterCount + 1)]);
     // What is held with a prior makes nothing surer.
     EXPECT_GE(result.ConsideredCovariance[row.Parameter * (ParameterCount + 1)],
-      joint.Covariance[i * 10]);
+      joint.Covariance[i * 16]);
   }
 }
 
@@ -360,11 +360,12 @@ TEST_F(Registration, MammogramsThatShareNothingFreeEndWhereEachAloneEnds)
     }
   }
   // No entry between the one and the other.
-  for (std::size_t i = 0; i < 4; ++i)
+  ASSERT_EQ(joint.Covariance.size(), 196u);
+  for (std::size_t i = 0; i < 7; ++i)
   {
-    for (std::size_t j = 4; j < 8; ++j)
+    for (std::size_t j = 7; j < 14; ++j)
     {
-      EXPECT_NEAR(joint.Covariance[i * 8 + j], 0, 1e-9);
+      EXPECT_NEAR(joint.Covariance[i * 14 + j], 0, 1e-9);
     }
   }
   EXPECT_THROW(RegisterTogether({}, near), InputError);
@@ -377,6 +378,10 @@ TEST_F(Registration, MammogramsThatShareNothingFreeEndWhereEachAloneEnds)
 TEST_F(Registration, ConsideredParametersMoveTheOthersAsPredicted)
 {
   RegistrationOptions options = OptionsNearTruth();
+  for (const int held : { PitchParameter, YawParameter, TiltParameter })
+  {
+    options.Parameters[held].Fixed = true;
+  }
   // Smooth enough to tell: no robust kinks, and a minimum found beyond the usual end.
   options.Parameters[PitchParameter].PriorSigma = 2;
   options.Parameters[YawParameter].PriorSigma = 0;

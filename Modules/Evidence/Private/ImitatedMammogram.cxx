@@ -1,11 +1,158 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Private/ImitatedMammogram.h"
 
+#include "vtkFloatArray.h"
+#include "vtkImageData.h"
+#include "vtkImageGaussianSmooth.h"
+#include "vtkNew.h"
+#include "vtkPointData.h"
+
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 
 namespace mammoray
 {
+namespace
+{
+constexpr double LargestStored = 4095;
+
+std::vector<float> Intensities(const std::vector<float>& logAttenuation)
+{
+  std::vector<float> intensities(logAttenuation.size());
+  std::transform(logAttenuation.begin(), logAttenuation.end(), intensities.begin(),
+    [](float attenuation) { return std::exp(-attenuation); });
+  return intensities;
+}
+
+std::vector<float> LogAttenuationOf(const std::vector<float>& intensities)
+{
+  std::vector<float> logarithms(intensities.size());
+  std::transform(intensities.begin(), intensities.end(), logarithms.begin(),
+    [](float intensity) { return -std::log(std::max(intensity, 1e-6F)); });
+  return logarithms;
+}
+
+/// Spread by a Gaussian.
+std::vector<float> Spread(std::vector<float> values, const RegistrationTarget& grid, double sigmaMm)
+{
+  vtkNew<vtkImageData> image;
+  image->SetDimensions(grid.Columns, grid.Rows, 1);
+  vtkNew<vtkFloatArray> array;
+  array->SetArray(values.data(), static_cast<vtkIdType>(values.size()), 1);
+  image->GetPointData()->SetScalars(array);
+  const double pixels = sigmaMm / std::hypot(grid.ColumnStep[0], grid.ColumnStep[1]);
+  vtkNew<vtkImageGaussianSmooth> spread;
+  spread->SetInputData(image);
+  spread->SetDimensionality(2);
+  spread->SetStandardDeviations(pixels, pixels, 0);
+  spread->SetRadiusFactors(3, 3, 0);
+  spread->Update();
+  auto* found = vtkFloatArray::SafeDownCast(spread->GetOutput()->GetPointData()->GetScalars());
+  const float* begin = found->GetPointer(0);
+  return { begin, begin + found->GetNumberOfValues() };
+}
+
+/// PictureKind::Scattered.
+std::vector<float> WithHeelAndScatter(const std::vector<float>& primary,
+  const std::vector<float>& logAttenuation, const RegistrationTarget& grid)
+{
+  constexpr double HeelAtFront = 0.2;
+  constexpr double ScatterToPrimary = 0.5;
+  constexpr double ScatterMm = 15;
+  std::vector<float> heeled = primary;
+  const double inward = std::copysign(1.0, grid.ColumnStep[1]);
+  for (std::size_t pixel = 0; pixel < heeled.size(); ++pixel)
+  {
+    const auto column = static_cast<int>(pixel % static_cast<std::size_t>(grid.Columns));
+    const int depth = inward > 0 ? column : grid.Columns - 1 - column;
+    heeled[pixel] *= static_cast<float>(1 - HeelAtFront * depth / grid.Columns);
+  }
+  std::vector<float> behind = heeled;
+  for (std::size_t pixel = 0; pixel < behind.size(); ++pixel)
+  {
+    behind[pixel] = logAttenuation[pixel] > 0 ? behind[pixel] : 0.0F;
+  }
+  const std::vector<float> scatter = Spread(behind, grid, ScatterMm);
+  for (std::size_t pixel = 0; pixel < heeled.size(); ++pixel)
+  {
+    heeled[pixel] += static_cast<float>(ScatterToPrimary) * scatter[pixel];
+  }
+  return heeled;
+}
+
+/// PictureKind::Equalised: takes most of what varies slowly within the breast off `values`. Both
+/// are of the same pixels; the breast is where `logAttenuation` is positive.
+void Equalise(const std::vector<float>& logAttenuation, const RegistrationTarget& grid,
+  std::vector<float>& values)
+{
+  constexpr float TakenOff = 0.7F;
+  constexpr double SlowMm = 12;
+  std::vector<float> share(values.size());
+  std::vector<float> inside(values.size());
+  double sum = 0;
+  double count = 0;
+  for (std::size_t pixel = 0; pixel < values.size(); ++pixel)
+  {
+    share[pixel] = logAttenuation[pixel] > 0 ? 1.0F : 0.0F;
+    inside[pixel] = share[pixel] * values[pixel];
+    sum += inside[pixel];
+    count += share[pixel];
+  }
+  const std::vector<float> shares = Spread(share, grid, SlowMm);
+  const std::vector<float> means = Spread(inside, grid, SlowMm);
+  const auto level = static_cast<float>(sum / std::max(count, 1.0));
+  for (std::size_t pixel = 0; pixel < values.size(); ++pixel)
+  {
+    if (share[pixel] > 0)
+    {
+      values[pixel] -= TakenOff * (means[pixel] / shares[pixel] - level);
+    }
+  }
+}
+
+/// Intensities as whole numbers; air, 1, is well below the largest.
+std::vector<float> Stored(const std::vector<float>& intensities)
+{
+  constexpr double Air = 0.85 * LargestStored;
+  std::vector<float> stored(intensities.size());
+  std::transform(intensities.begin(), intensities.end(), stored.begin(),
+    [](float intensity)
+    { return static_cast<float>(std::clamp(std::round(Air * intensity), 0.0, LargestStored)); });
+  return stored;
+}
+
+/// `attenuation` through a sigmoid whose window shows the whole breast, which is where
+/// `logAttenuation` is positive and of which `clean` are the values without noise.
+std::vector<float> Displayed(const std::vector<float>& attenuation, const std::vector<float>& clean,
+  const std::vector<float>& logAttenuation)
+{
+  double sum = 0;
+  double squares = 0;
+  double count = 0;
+  for (std::size_t pixel = 0; pixel < clean.size(); ++pixel)
+  {
+    if (logAttenuation[pixel] > 0)
+    {
+      sum += clean[pixel];
+      squares += clean[pixel] * clean[pixel];
+      count += 1;
+    }
+  }
+  const double centre = sum / count;
+  const double deviation = std::sqrt(std::max(squares / count - centre * centre, 1e-12));
+  const double width = 8 * deviation;
+  std::vector<float> shown(attenuation.size());
+  std::transform(attenuation.begin(), attenuation.end(), shown.begin(),
+    [&](float value)
+    {
+      return static_cast<float>(
+        std::round(LargestStored / (1 + std::exp(-4 * (value - centre) / width))));
+    });
+  return shown;
+}
+}
+
 RegistrationTarget ImitatedDetector(double pixelMm, double up, const DetectorField& field)
 {
   // The left breast's, whose up is +x, has its chest wall at the left.
@@ -41,39 +188,41 @@ bool IsCutAtFront(const std::vector<float>& logAttenuation, const RegistrationTa
 }
 
 Mammogram Develop(Mammogram header, const std::vector<float>& logAttenuation,
-  const RegistrationTarget& grid, double noise, Draws& draws)
+  const RegistrationTarget& grid, const DevelopOptions& options, Draws& draws)
 {
-  std::normal_distribution<double> normal(0, noise);
-  std::vector<double> seen;
-  double sum = 0;
-  double squares = 0;
-  double count = 0;
-  for (const float attenuation : logAttenuation)
+  const std::vector<float> primary = Intensities(logAttenuation);
+  const std::vector<float> reaching = options.Kind == PictureKind::Scattered
+    ? WithHeelAndScatter(primary, logAttenuation, grid)
+    : primary;
+  std::normal_distribution<double> normal(0, options.Noise);
+  std::vector<float> seen;
+  seen.reserve(reaching.size());
+  for (const float intensity : reaching)
   {
-    const double intensity = std::exp(-attenuation) * (1 + normal(draws.Bits()));
-    seen.push_back(-std::log(std::max(intensity, 1e-6)));
-    if (attenuation > 0)
-    {
-      sum += attenuation;
-      squares += attenuation * attenuation;
-      count += 1;
-    }
+    seen.push_back(static_cast<float>(intensity * (1 + normal(draws.Bits()))));
   }
-  const double centre = sum / count;
-  const double deviation = std::sqrt(std::max(squares / count - centre * centre, 1e-12));
-  // A window that shows the whole breast.
-  const double width = 8 * deviation;
   header.Columns = grid.Columns;
   header.Rows = grid.Rows;
-  for (const double attenuation : seen)
-  {
-    header.Pixels.push_back(
-      static_cast<float>(std::round(4095 / (1 + std::exp(-4 * (attenuation - centre) / width)))));
-  }
   header.BitsStored = 12;
-  header.IntensitySign = -1;
   header.ColumnSpacingMm = std::hypot(grid.ColumnStep[0], grid.ColumnStep[1]);
   header.RowSpacingMm = header.ColumnSpacingMm;
+  if (options.Kind == PictureKind::Raw || options.Kind == PictureKind::Scattered)
+  {
+    header.PresentationIntent = Mammogram::Intent::ForProcessing;
+    header.IntensityRelationship = Mammogram::Relationship::Linear;
+    header.IntensitySign = 1;
+    header.Pixels = Stored(seen);
+    return header;
+  }
+  header.IntensitySign = -1;
+  std::vector<float> attenuation = LogAttenuationOf(seen);
+  std::vector<float> clean = logAttenuation;
+  if (options.Kind == PictureKind::Equalised)
+  {
+    Equalise(logAttenuation, grid, attenuation);
+    Equalise(logAttenuation, grid, clean);
+  }
+  header.Pixels = Displayed(attenuation, clean, logAttenuation);
   return header;
 }
 }

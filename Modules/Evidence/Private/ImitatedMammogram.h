@@ -2,6 +2,7 @@
 #ifndef mammoray_Private_ImitatedMammogram_h
 #define mammoray_Private_ImitatedMammogram_h
 
+#include "mammoray/Evidence/TwinExperiment.h"
 #include "mammoray/Foundation/Mammogram.h"
 #include "mammoray/Registration/RegistrationTarget.h"
 #include "mammorayEvidenceModule.h"
@@ -51,10 +52,17 @@ MAMMORAYEVIDENCE_EXPORT RegistrationTarget ImitatedDetector(double pixelMm, doub
 MAMMORAYEVIDENCE_EXPORT bool IsCutAtFront(const std::vector<float>& logAttenuation,
   const RegistrationTarget& grid);
 
-/// As a unit stores it for display: noisy intensities through a sigmoid, 12 bits. `header`: what
-/// else the image says.
-Mammogram Develop(Mammogram header, const std::vector<float>& logAttenuation,
-  const RegistrationTarget& grid, double noise, Draws& draws);
+struct DevelopOptions
+{
+  PictureKind Kind = PictureKind::Display;
+  /// Standard deviation of intensities, of the intensity.
+  double Noise = 0.02;
+};
+
+/// As a unit stores it, 12 bits. `header`: what else the image says.
+MAMMORAYEVIDENCE_EXPORT Mammogram Develop(Mammogram header,
+  const std::vector<float>& logAttenuation, const RegistrationTarget& grid,
+  const DevelopOptions& options, Draws& draws);
 }
 
 #endif

@@ -42,6 +42,7 @@ struct JudgedResult
 std::vector<JudgedResult> JudgedResults(const RegistrationEvidence& evidence)
 {
   constexpr double RightMm = 5;
+  constexpr double nan = std::numeric_limits<double>::quiet_NaN();
   std::vector<JudgedResult> results;
   const auto add = [&](double errorMm, int number, double score)
   {
@@ -61,6 +62,11 @@ std::vector<JudgedResult> JudgedResults(const RegistrationEvidence& evidence)
     {
       add(Quantile(view.Imaged.InSpaceMm, 0.5), static_cast<int>(run.Seed), view.TissueCorrelation);
     }
+  }
+  for (std::size_t index = 0; index < evidence.Mammograms.size(); ++index)
+  {
+    const MammogramEvidence& run = evidence.Mammograms[index];
+    add(nan, static_cast<int>(index), run.Failure.empty() ? run.TissueCorrelation : nan);
   }
   return results;
 }
@@ -109,6 +115,11 @@ std::string TrustTable(const RegistrationEvidence& evidence)
     {
       add("virtual studies", view.Trust, Quantile(view.Imaged.InSpaceMm, 0.5));
     }
+  }
+  for (const MammogramEvidence& run : evidence.Mammograms)
+  {
+    add("real mammograms, another breast", run.Failure.empty() ? run.Trust : NameOf(Trust::None),
+      std::numeric_limits<double>::quiet_NaN());
   }
   if (groups.empty())
   {

@@ -342,7 +342,7 @@ def _mammogram_image(mammogram: Mammogram) -> Any:
 
 def register(points: ArrayLike, tetrahedra: ArrayLike, regions: ArrayLike, mammogram: Union[str, os.PathLike[str], Mammogram], *,
              materials: Materials, spectrum: str = "W28kVp_Rh50um_Be1mm", orientation: str = "LPS",
-             free: Sequence[str] = ("thickness", "roll", "lateral", "anterior"), thickness: float = 0.0, roll: float = 0.0,
+             free: Optional[Sequence[str]] = None, thickness: float = 0.0, roll: float = 0.0,
              anterior: float = 5.0, source_to_detector: float = 0.0, edge_radius: float = 8.0,
              simulation_mesh: Union[Mesh, tuple[ArrayLike, ArrayLike, ArrayLike], None] = None,
              pixel_sizes: tuple[float, float] = (3.0, 1.5), iterations: int = 15, device: str = "",
@@ -354,7 +354,8 @@ def register(points: ArrayLike, tetrahedra: ArrayLike, regions: ArrayLike, mammo
     materials: a table's name or file; or Materials of the regions, one of which is held
     spectrum: name or file of a spectrum
     orientation: directions of +x, +y, +z in the patient: a letter each of L/R, A/P, S/I
-    free: what is looked for: thickness, roll, pitch, yaw, lateral, anterior, vertical, tilt, stiffness
+    free: what is looked for: thickness, roll, pitch, yaw, lateral, anterior, vertical, tilt, stiffness; default: all but the
+        vertical place and stiffness
     thickness: where the search begins; 0: the mammogram's, else 50
     roll: beside the nominal one of the mammogram's view; anterior: of the receptor's edge from the chest wall
     source_to_detector: 0: the mammogram's, else 650
@@ -369,9 +370,11 @@ def register(points: ArrayLike, tetrahedra: ArrayLike, regions: ArrayLike, mammo
     """
     with _table_of(materials) as table:
         registration = _told(_filters.vtkBreastRegistration(
-            MaterialTable=table, Spectrum=spectrum, Orientation=orientation, FreeParameters=" ".join(free), ThicknessMm=thickness,
-            RollDeg=roll, AnteriorMm=anterior, SourceToDetectorMm=source_to_detector, EdgeRadiusMm=edge_radius,
+            MaterialTable=table, Spectrum=spectrum, Orientation=orientation, ThicknessMm=thickness, RollDeg=roll,
+            AnteriorMm=anterior, SourceToDetectorMm=source_to_detector, EdgeRadiusMm=edge_radius,
             PixelSizesMm=pixel_sizes, MaximumIterations=iterations, DeviceName=device), progress)
+        if free is not None:
+            registration.SetFreeParameters(" ".join(free))
         registration.SetInputData(0, _grid(points, tetrahedra, regions))
         if isinstance(mammogram, (str, os.PathLike)):
             reader = _filters.vtkMammogramReader(FileName=os.fspath(mammogram))
