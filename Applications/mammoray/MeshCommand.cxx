@@ -15,6 +15,7 @@
 #include "vtkPolyData.h"
 #include "vtkUnstructuredGrid.h"
 
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
@@ -192,14 +193,38 @@ void WriteReportFiles(const MeshArguments& arguments, const std::string& report,
   }
 }
 
+/// In which volumes are printed, so that of a fibre's parts digits are left.
+struct VolumeUnit
+{
+  const char* Name;
+  double PerMm3;
+
+  explicit VolumeUnit(double largestMm3)
+    : Name(largestMm3 >= 100   ? "cm3"
+          : largestMm3 >= 1e-4 ? "mm3"
+                               : "um3")
+    , PerMm3(largestMm3 >= 100 ? 1e-3
+          : largestMm3 >= 1e-4 ? 1
+                               : 1e9)
+  {
+  }
+  std::string Heading(const char* what) const { return what + (" [" + std::string(Name)) + "]"; }
+};
+
 void PrintCheck(const MeshCheck& check, const std::vector<std::string>& names)
 {
-  std::printf("%-16s %12s %10s %10s %12s %12s\n", "material", "volume [cm3]", "triangles", "cells",
-    "dihedral", "radius/edge");
+  double largest = 0;
+  for (const MaterialQuality& entry : check.Materials)
+  {
+    largest = std::max(largest, entry.VolumeMm3);
+  }
+  const VolumeUnit unit(largest);
+  std::printf("%-16s %12s %10s %10s %12s %12s\n", "material", unit.Heading("volume").c_str(),
+    "triangles", "cells", "dihedral", "radius/edge");
   for (const MaterialQuality& entry : check.Materials)
   {
     std::printf("%-16s %12.3f %10zu", NameOfMaterial(entry.Material, names).c_str(),
-      entry.VolumeMm3 / 1000, entry.BoundaryTriangles);
+      unit.PerMm3 * entry.VolumeMm3, entry.BoundaryTriangles);
     if (entry.Cells > 0)
     {
       std::printf(" %10zu %8.2f deg %12.2f", entry.Cells, entry.SmallestDihedralDeg,
@@ -249,16 +274,27 @@ void RunCheck(const MeshArguments& arguments)
   std::printf("sound: every cell is upright, every boundary a closed surface\n");
 }
 
+VolumeUnit UnitOf(const MeshCaseResult& result)
+{
+  double largest = 0;
+  for (const MaterialReport& entry : result.Meshed.Reports)
+  {
+    largest = std::max(largest, entry.VolumeInMm3);
+  }
+  return VolumeUnit(largest);
+}
+
 void PrintMesh(const MeshCaseResult& result)
 {
   const std::vector<std::string> names = result.Materials.Names();
-  std::printf("%-16s %12s %12s %8s %10s %12s %12s\n", "material", "in [cm3]", "out [cm3]", "out/in",
-    "cells", "dihedral", "radius/edge");
+  const VolumeUnit unit = UnitOf(result);
+  std::printf("%-16s %12s %12s %8s %10s %12s %12s\n", "material", unit.Heading("in").c_str(),
+    unit.Heading("out").c_str(), "out/in", "cells", "dihedral", "radius/edge");
   for (const MaterialReport& entry : result.Meshed.Reports)
   {
     std::printf("%-16s %12.3f %12.3f %7.1f%% %10zu %8.2f deg %12.2f\n",
-      NameOfMaterial(entry.Material, names).c_str(), entry.VolumeInMm3 / 1000,
-      entry.VolumeOutMm3 / 1000, 100 * entry.VolumeOutMm3 / entry.VolumeInMm3, entry.Cells,
+      NameOfMaterial(entry.Material, names).c_str(), unit.PerMm3 * entry.VolumeInMm3,
+      unit.PerMm3 * entry.VolumeOutMm3, 100 * entry.VolumeOutMm3 / entry.VolumeInMm3, entry.Cells,
       entry.SmallestDihedralDeg, entry.LargestRadiusEdgeRatio);
   }
   std::printf("%zu points, %zu tetrahedra, %zu interface triangles, %zu components, %.1f s\n",
@@ -278,15 +314,16 @@ void PrintMesh(const MeshCaseResult& result)
 void WarnOfLosses(const MeshCaseResult& result)
 {
   const std::vector<std::string> names = result.Materials.Names();
+  const VolumeUnit unit = UnitOf(result);
   for (const MaterialReport& entry : result.Meshed.Reports)
   {
     if (!entry.KeepsVolume())
     {
       std::fprintf(stderr,
-        "mammoray: warning: %s: expected its voxels' %.3f cm3, reached %.3f; smaller "
+        "mammoray: warning: %s: expected its voxels' %.3f %s, reached %.3f; smaller "
         "--facet-size-of and --smallest-component, or finer voxels, keep more\n",
-        NameOfMaterial(entry.Material, names).c_str(), entry.VolumeInMm3 / 1000,
-        entry.VolumeOutMm3 / 1000);
+        NameOfMaterial(entry.Material, names).c_str(), unit.PerMm3 * entry.VolumeInMm3, unit.Name,
+        unit.PerMm3 * entry.VolumeOutMm3);
     }
   }
   for (const MaterialQuality& entry : result.TooThin)

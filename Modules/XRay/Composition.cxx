@@ -18,7 +18,7 @@ namespace mammoray
 namespace
 {
 constexpr double LowestKeV = 1;
-constexpr double HighestKeV = 200;
+constexpr double HighestKeV = 500;
 /// xraylib follows brackets by recursion as deep as they go; formulas of tissues and metals are
 /// shorter.
 constexpr std::size_t MostLetters = 200;

@@ -16,7 +16,7 @@ MAMMORAYXRAY_EXPORT std::vector<std::string> NistCompoundNames();
 
 /**
  * Attenuation of a composition, from xraylib's cross sections (photoelectric, Rayleigh, Compton;
- * Schoonjans et al., Spectrochimica Acta B 66, 2011), 1 to 200 keV, absorption edges resolved:
+ * Schoonjans et al., Spectrochimica Acta B 66, 2011), 1 to 500 keV, absorption edges resolved:
  *  - a compound of NistCompoundNames, with NIST's density as the nominal one;
  *  - an element or a formula, "Al", "CaC2O4", "Ca5(PO4)3OH";
  *  - mass fractions, "H:0.102 C:0.184 N:0.032 O:0.677 S:0.005": elements or formulas, each once,

@@ -85,6 +85,29 @@ TEST_F(MeshCommand, WritesMeshReportAndTable)
     << this->Errors;
 }
 
+TEST_F(MeshCommand, VolumesAreInUnitsThatFit)
+{
+  // Boxes of 100, 1 and 0.01 mm.
+  for (const auto& [edge, expected] :
+    { std::pair{ "100", "[cm3]" }, { "1", "[mm3]" }, { "0.01", "[um3]" } })
+  {
+    std::string box;
+    for (int corner = 0; corner < 8; ++corner)
+    {
+      const auto at = [&](int bit) { return (corner & bit) != 0 ? std::string(edge) : "0"; };
+      box += "v " + at(1) + " " + at(2) + " " + at(4) + "\n";
+    }
+    box +=
+      "f 1 3 4\nf 1 4 2\nf 5 6 8\nf 5 8 7\nf 1 2 6\nf 1 6 5\nf 3 7 8\nf 3 8 4\nf 1 5 7\nf 1 7 3\n"
+      "f 2 4 8\nf 2 8 6\n";
+    ASSERT_EQ(this->Run("mesh --check " + this->Folder.Write("box.obj", box)), 0) << this->Errors;
+    EXPECT_THAT(this->Output, testing::HasSubstr(std::string("volume ") + expected));
+    // 1000 cm3, 1 mm3, 1000 um3.
+    EXPECT_THAT(this->Output,
+      testing::HasSubstr(edge == std::string("1") ? " 1.000" : " 1000.000"));
+  }
+}
+
 TEST_F(MeshCommand, ChecksMeshesAndSurfaces)
 {
   const std::string report = this->Folder.File("report.json");
