@@ -85,7 +85,7 @@ struct ProjectArguments
 void DeclareInput(const OptionList& add, ProjectArguments& arguments)
 {
   add.Input("--mesh", arguments.Mesh,
-    "tetrahedra (.vtu, cell array Material) or triangles (.vtp, .stl, .ply, .obj), of --materials");
+    "tetrahedra (.vtu, cell array Material) or triangles (.vtp, .stl, .ply, .obj, .glb), of --materials");
   add("--surface", arguments.Surfaces,
     "in place of --mesh, closed surfaces of one material each: one of --materials, or what it is "
     "made of, with the density in g/cm3 where that does not tell it ('Ti90Al6V4@4.43=matrix.stl'); "

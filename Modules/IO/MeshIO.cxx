@@ -8,9 +8,14 @@
 #include "mammoray/Foundation/Numbers.h"
 #include "mammoray/IO/WholeOutput.h"
 
+#include "vtkAppendPolyData.h"
+#include "vtkCleanPolyData.h"
 #include "vtkCommand.h"
+#include "vtkCompositeDataIterator.h"
 #include "vtkExecutive.h"
 #include "vtkFieldData.h"
+#include "vtkGLTFReader.h"
+#include "vtkMultiBlockDataSet.h"
 #include "vtkNew.h"
 #include "vtkOBJReader.h"
 #include "vtkOBJWriter.h"
@@ -205,11 +210,62 @@ void CheckVertices(const std::string& path, const std::string& keyword)
   }
 }
 
+/// All parts of a scene in one surface, mm: glTF has metres, and a vertex for each normal at a
+/// point.
+vtkSmartPointer<vtkPolyData> Join(vtkMultiBlockDataSet* scene)
+{
+  vtkNew<vtkAppendPolyData> all;
+  const auto parts = vtk::TakeSmartPointer(scene->NewIterator());
+  for (parts->InitTraversal(); !parts->IsDoneWithTraversal(); parts->GoToNextItem())
+  {
+    if (auto* const part = vtkPolyData::SafeDownCast(parts->GetCurrentDataObject()))
+    {
+      vtkNew<vtkPolyData> shape;
+      shape->CopyStructure(part);
+      all->AddInputData(shape);
+    }
+  }
+  if (all->GetNumberOfInputConnections(0) == 0)
+  {
+    return vtkSmartPointer<vtkPolyData>::New();
+  }
+  vtkNew<vtkTriangleFilter> triangles;
+  triangles->PassLinesOff();
+  triangles->PassVertsOff();
+  triangles->SetInputConnection(all->GetOutputPort());
+  vtkNew<vtkCleanPolyData> joined;
+  joined->SetTolerance(0);
+  joined->ConvertPolysToLinesOff();
+  joined->ConvertLinesToPointsOff();
+  joined->SetInputConnection(triangles->GetOutputPort());
+  joined->Update();
+  const vtkSmartPointer<vtkPolyData> surface = joined->GetOutput();
+  for (vtkIdType id = 0; id < surface->GetNumberOfPoints(); ++id)
+  {
+    const double* metres = surface->GetPoint(id);
+    surface->GetPoints()->SetPoint(id, 1000 * metres[0], 1000 * metres[1], 1000 * metres[2]);
+  }
+  return surface;
+}
+
+template <typename Reader>
+auto OutputOf(Reader* reader)
+{
+  if constexpr (std::is_same_v<Reader, vtkGLTFReader>)
+  {
+    return Join(reader->GetOutput());
+  }
+  else
+  {
+    return reader->GetOutput();
+  }
+}
+
 /// VTK's readers end the process on damaged PLY files, and some VTU and legacy ones.
 template <typename Reader>
 auto Read(const std::string& path)
 {
-  using Mesh = std::remove_pointer_t<decltype(vtkNew<Reader>()->GetOutput())>;
+  using Mesh = std::remove_reference_t<decltype(*OutputOf(vtkNew<Reader>().Get()))>;
   auto mesh = vtkSmartPointer<Mesh>::New();
   ReadGuarded(
     path, "a mesh", ReadLimits::Of({ path }),
@@ -226,7 +282,7 @@ auto Read(const std::string& path)
       vtkNew<Reader> reader;
       reader->SetFileName(path.c_str());
       Run(reader.Get(), path, "expected a mesh, found data that cannot be read");
-      Mesh* const found = reader->GetOutput();
+      const vtkSmartPointer<Mesh> found = OutputOf(reader.Get());
       if (!found || found->GetNumberOfPoints() == 0 || found->GetNumberOfCells() == 0)
       {
         throw InputError(path + ": expected a mesh, found no points or no cells");
@@ -320,6 +376,10 @@ vtkSmartPointer<vtkPolyData> ReadSurface(const std::string& path)
   {
     return Read<vtkOBJReader>(path);
   }
-  RefuseExtension(path, "a surface", ".vtp, .stl, .ply or .obj");
+  if (extension == ".glb")
+  {
+    return Read<vtkGLTFReader>(path);
+  }
+  RefuseExtension(path, "a surface", ".vtp, .stl, .ply, .obj or .glb");
 }
 }

@@ -3,6 +3,7 @@
 
 #include "DicomBytes.h"
 #include "Files.h"
+#include "GlbBytes.h"
 #include "mammoray/IO/DicomHeader.h"
 #include "mammoray/IO/DicomWriter.h"
 #include "mammoray/IO/LabelVolumeIO.h"
@@ -213,6 +214,8 @@ void WriteMeshes(
   {
     WriteMesh(surface, place(name, ReadSurfaceMesh));
   }
+  std::ofstream(place("scene.glb", ReadSurfaceMesh), std::ios::binary)
+    << testing_support::GlbOfTetrahedron();
   WriteBy<vtkPLYWriter>(surface.Get(), place("text.ply", ReadSurfaceMesh),
     [](auto* writer) { writer->SetFileTypeToASCII(); });
   WriteBy<vtkSTLWriter>(surface.Get(), place("text.stl", ReadSurfaceMesh),

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "FileSizeLimit.h"
 #include "Files.h"
+#include "GlbBytes.h"
 #include "Refusals.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/IO/MeshConversion.h"
@@ -122,6 +123,36 @@ TEST(MeshIO, FullDisksAreNamedForEveryFormat)
   }
 }
 
+TEST(MeshIO, ScenesOfGltfAreOneSurfaceInMillimetres)
+{
+  const TemporaryFolder folder;
+  const auto surface = ReadSurface(folder.Write("scene.glb", testing_support::GlbOfTetrahedron()));
+  // Its faces meet again where its vertices are the same.
+  EXPECT_EQ(surface->GetNumberOfPoints(), 4);
+  EXPECT_EQ(surface->GetNumberOfCells(), 4);
+  double bounds[6];
+  surface->GetBounds(bounds);
+  EXPECT_THAT(bounds, testing::ElementsAre(1000, 3000, 2000, 4000, 3000, 5000));
+  const SurfaceMesh mesh = FromPolyData(surface);
+  EXPECT_EQ(mesh.NumberOfTriangles(), 4u);
+
+  const std::string vessels =
+    testing_support::SharedDataFolder() + "/hra-vasculature-mesh/VH_F_Vasculature.glb";
+  if (!std::filesystem::exists(vessels))
+  {
+    GTEST_SKIP() << "no " << vessels;
+  }
+  // As its README says; parts.csv counts 218,216 triangles.
+  const auto read = ReadSurface(vessels);
+  EXPECT_EQ(read->GetNumberOfCells(), 218216);
+  read->GetBounds(bounds);
+  const double expected[6] = { -77.31, 117.67, -12.43, 570.70, -110.51, 55.08 };
+  for (int side = 0; side < 6; ++side)
+  {
+    EXPECT_NEAR(bounds[side], expected[side], 0.006);
+  }
+}
+
 TEST(MeshIO, RefusesInOneLine)
 {
   using testing::HasSubstr;
@@ -138,10 +169,12 @@ TEST(MeshIO, RefusesInOneLine)
     HasSubstr("bad.vtu: expected a mesh"));
   EXPECT_THAT(RefusalOf([&] { ReadSurface(folder.Write("bad.stl", "garbage")); }),
     HasSubstr("bad.stl: expected a mesh"));
+  EXPECT_THAT(RefusalOf([&] { ReadSurface(folder.Write("bad.glb", "garbage")); }),
+    HasSubstr("bad.glb: expected a mesh"));
   EXPECT_THAT(RefusalOf([&] { ReadSurface(folder.Write("bad.ply", "garbage")); }),
     HasSubstr("bad.ply: expected a mesh"));
   EXPECT_THAT(RefusalOf([&] { ReadSurface(folder.Write("s.xyz", "1 2 3")); }),
-    HasSubstr(".vtp, .stl, .ply or .obj"));
+    HasSubstr(".vtp, .stl, .ply"));
   const std::string path = folder.File("cut.vtu");
   WriteMesh(grid, path);
   const std::string whole = testing_support::ReadFile(path);
