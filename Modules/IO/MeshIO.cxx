@@ -239,7 +239,7 @@ vtkSmartPointer<vtkPolyData> Join(vtkMultiBlockDataSet* scene)
   joined->ConvertLinesToPointsOff();
   joined->SetInputConnection(triangles->GetOutputPort());
   joined->Update();
-  const vtkSmartPointer<vtkPolyData> surface = joined->GetOutput();
+  vtkSmartPointer<vtkPolyData> surface = joined->GetOutput();
   for (vtkIdType id = 0; id < surface->GetNumberOfPoints(); ++id)
   {
     const double* metres = surface->GetPoint(id);

@@ -25,7 +25,8 @@ MAMMORAYIO_EXPORT void WriteMesh(vtkPointSet* mesh, const std::string& path);
 /// damaged or empty file.
 MAMMORAYIO_EXPORT vtkSmartPointer<vtkUnstructuredGrid> ReadMesh(const std::string& path);
 
-/// Reads .vtp, .stl, .ply, .obj, or all parts of a .glb (binary glTF; its metres become mm). Throws InputError on a missing, damaged or empty file.
+/// Reads .vtp, .stl, .ply, .obj, or all parts of a .glb (binary glTF; its metres become mm). Throws
+/// InputError on a missing, damaged or empty file.
 MAMMORAYIO_EXPORT vtkSmartPointer<vtkPolyData> ReadSurface(const std::string& path);
 }
 
