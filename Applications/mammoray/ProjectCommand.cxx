@@ -3,16 +3,17 @@
 #include "DicomOptions.h"
 #include "OutputFiles.h"
 #include "ProgressBar.h"
+#include "Project/MaterialChanges.h"
 #include "Project/SeriesOptions.h"
+#include "Project/SpectrumOptions.h"
 #include "Project/SurfaceScene.h"
 #include "SharedOptions.h"
-#include "mammoray/Foundation/Numbers.h"
-#include "mammoray/Foundation/Plausible.h"
 #include "mammoray/IO/DicomWriter.h"
 #include "mammoray/IO/MammogramSynthesis.h"
 #include "mammoray/IO/ProjectionImage.h"
 #include "mammoray/IO/ShippedData.h"
 #include "mammoray/IO/WholeOutput.h"
+#include "mammoray/XRay/DualEnergy.h"
 #include "mammoray/XRay/Exposure.h"
 #include "mammoray/XRay/OpenField.h"
 #include "mammoray/XRay/OverlapMeasure.h"
@@ -38,12 +39,8 @@ struct ProjectArguments
   std::string Materials;
   std::vector<std::string> Attenuations;
   bool AcceptUnusual = false;
-  std::string Spectrum = "W28kVp_Rh50um_Be1mm";
-  /// In place of the spectrum.
-  std::optional<double> EnergyKeV;
-  std::string Anode;
-  XRayTube Tube;
-  std::vector<std::string> Filters;
+  SpectrumArguments XRays;
+  DualEnergyArguments DualEnergy;
   DetectorResponse Response = DetectorResponse::EnergyIntegrating;
   std::string Orientation = "LPS";
   MammographyUnit Unit;
@@ -85,7 +82,8 @@ struct ProjectArguments
 void DeclareInput(const OptionList& add, ProjectArguments& arguments)
 {
   add.Input("--mesh", arguments.Mesh,
-    "tetrahedra (.vtu, cell array Material) or triangles (.vtp, .stl, .ply, .obj, .glb), of --materials");
+    "tetrahedra (.vtu, cell array Material) or triangles (.vtp, .stl, .ply, .obj, .glb), of "
+    "--materials");
   add("--surface", arguments.Surfaces,
     "in place of --mesh, closed surfaces of one material each: one of --materials, or what it is "
     "made of, with the density in g/cm3 where that does not tell it ('Ti90Al6V4@4.43=matrix.stl'); "
@@ -105,18 +103,7 @@ void DeclareInput(const OptionList& add, ProjectArguments& arguments)
     ->required();
   add("--path-lengths", arguments.PathLengths,
     "write path lengths there, mm, one channel per material but air (.mha .nrrd .vti)");
-  AddSpectrumOption(add, arguments.Spectrum);
-  add("--kev", arguments.EnergyKeV, Positive("keV"),
-    "a single photon energy instead of a spectrum");
-  add.Word("--tube", arguments.Anode, { "W", "Mo", "Rh" },
-    "instead, the spectrum of a tube with this anode and a beryllium window, 18 to 42 kV (Boone, "
-    "Fewell and Jennings 1997)");
-  add("--kvp", arguments.Tube.KilovoltagePeak, Between(18, 42, "kV"), "voltage of --tube");
-  add("--filter", arguments.Filters,
-    "a layer that all photons pass, an element, a formula or a NIST compound ('Air, Dry (near sea "
-    "level):600'); may be given for several")
-    ->type_name("MATERIAL[@DENSITY]:MM")
-    ->allow_extra_args(false);
+  DeclareSpectrum(add, arguments.XRays);
   add.Choice<DetectorResponse>("--response", arguments.Response,
     { { "energy", DetectorResponse::EnergyIntegrating },
       { "counting", DetectorResponse::PhotonCounting } },
@@ -185,6 +172,7 @@ void DeclareDetector(const OptionList& add, ProjectArguments& arguments)
     "channels (.mha .nrrd .vti)");
   add("--seed", arguments.Exposure.Seed, "of the noise: the same seed, the same image");
   DeclareSeries(add, arguments.Series);
+  DeclareDualEnergy(add, arguments.DualEnergy);
   AddProjectorOptions(add, arguments.Projector);
   add("--overlap-priority", arguments.OverlapPriority,
     "where parts overlap though their surfaces say air, count the first of these MATERIALs that is "
@@ -219,63 +207,6 @@ Vector3 ToUnitVector(const Vector3& vector, const char* option)
   return (1 / length) * vector;
 }
 
-/// Each of them "material=attenuation" or "material=attenuation@density".
-void ReplaceAttenuations(const ProjectArguments& arguments, MaterialTable& table)
-{
-  for (const std::string& text : arguments.Attenuations)
-  {
-    const std::size_t equals = text.find('=');
-    const std::size_t at = std::min(text.rfind('@'), text.size());
-    double density = 1;
-    bool usable = equals != std::string::npos && equals > 0 && at > equals + 1;
-    if (usable && at < text.size())
-    {
-      usable = ToNumber(text.substr(at + 1), density) && density > 0;
-      if (usable && !arguments.AcceptUnusual)
-      {
-        CheckPlausible(Plausible::Density, density, "--attenuation " + text, AcceptUnusualHint);
-      }
-    }
-    if (!usable)
-    {
-      throw InputError(
-        "--attenuation: expected MATERIAL=ATTENUATION[@DENSITY], found '" + text + "'");
-    }
-    Material& material =
-      table.Materials[static_cast<std::size_t>(table.IndexOf(text.substr(0, equals)))];
-    material.Attenuation = text.substr(equals + 1, at - equals - 1);
-    material.DensityGPerCm3 = at < text.size() ? density : material.DensityGPerCm3;
-  }
-}
-
-/// The spectrum that the options ask for, behind its filters.
-Spectrum ToSpectrum(const ProjectArguments& arguments)
-{
-  std::vector<XRayFilter> filters;
-  for (const std::string& text : arguments.Filters)
-  {
-    filters.push_back(XRayFilter::FromText(text));
-  }
-  if (!arguments.Anode.empty() && arguments.EnergyKeV)
-  {
-    throw InputError("--tube: expected no --kev beside it, found both");
-  }
-  if (!arguments.Anode.empty())
-  {
-    XRayTube tube = arguments.Tube;
-    tube.Anode = arguments.Anode;
-    tube.Filters = filters;
-    return TubeSpectrum(tube);
-  }
-  Spectrum spectrum = arguments.EnergyKeV ? Spectrum::Monochromatic(*arguments.EnergyKeV)
-                                          : FindSpectrum(arguments.Spectrum);
-  for (const XRayFilter& filter : filters)
-  {
-    spectrum = FilterSpectrum(spectrum, filter);
-  }
-  return spectrum;
-}
-
 /// What reaches the pixels in air; empty where it is the same everywhere.
 std::vector<float> ToOpenField(const ProjectArguments& arguments, const XRaySource& source,
   const XRayDetector& detector, const Spectrum& spectrum)
@@ -285,7 +216,8 @@ std::vector<float> ToOpenField(const ProjectArguments& arguments, const XRaySour
   {
     options.Heel.TargetAngleDeg = (*arguments.Heel)[0];
     options.Heel.DepthMm = 1e-3 * (*arguments.Heel)[1];
-    options.Heel.Target = arguments.Anode.empty() ? options.Heel.Target : arguments.Anode;
+    options.Heel.Target =
+      arguments.XRays.Anode.empty() ? options.Heel.Target : arguments.XRays.Anode;
   }
   return arguments.Heel || options.InverseSquare
     ? OpenField(source, detector, spectrum, arguments.Response, options)
@@ -453,6 +385,19 @@ void CheckOutputs(const ProjectArguments& arguments)
 {
   CheckRefraction(arguments);
   CheckSeries(arguments.Series, arguments.Output);
+  CheckDualEnergy(arguments.DualEnergy);
+  if (arguments.DualEnergy.IsAsked())
+  {
+    const std::string extension = std::filesystem::path(arguments.Output).extension().string();
+    if (arguments.Series.IsAsked() || !arguments.RefractionLaw.empty() || extension == ".png" ||
+      IsDicomPath(arguments.Output))
+    {
+      throw InputError("dual energy: expected one picture (.mha .nrrd .tif .vti) without "
+                       "--refraction, found another");
+    }
+    CheckOutputFile(BesideOutput(arguments.Output, "_low"), arguments.Overwrite);
+    CheckOutputFile(BesideOutput(arguments.Output, "_high"), arguments.Overwrite);
+  }
   if (arguments.Series.IsAsked())
   {
     if (!arguments.PathLengths.empty() || !arguments.Deflection.empty())
@@ -551,6 +496,38 @@ std::string RunOne(const Camera& camera, const XRaySource& source, const XRayDet
   return exposure.Lengths.InconsistencyWarning();
 }
 
+/// Writes two exposures and what they are recombined to; what is to be warned of, or nothing.
+std::string RunDualEnergy(const Camera& camera, const XRaySource& source,
+  const XRayDetector& detector, const MaterialTable& table, const ProgressCallback& progress)
+{
+  const ProjectArguments& arguments = camera.Arguments;
+  const std::vector<std::string> pair = arguments.DualEnergy.Cancel.empty()
+    ? std::vector<std::string>{ "fat", "gland" }
+    : arguments.DualEnergy.Cancel;
+  const Spectrum spectrum = ToHighSpectrum(arguments.DualEnergy, arguments.XRays);
+  const Beam high = MakeBeam(table, spectrum, arguments.Response);
+  const double weight = CancellingWeight(camera.XRays, high, table.IndexOf(pair[0]),
+    table.IndexOf(pair[1]), arguments.DualEnergy.ThicknessMm);
+  const Camera second{ arguments, camera.Projector, camera.Surface, high, camera.Decrements,
+    spectrum };
+  const Exposure atLow = camera.Take(source, detector, 0, ShareOf(progress, 0.2, 0.5));
+  const Exposure atHigh = second.Take(source, detector, 1, ShareOf(progress, 0.5, 0.8));
+  ReportProgress(progress, 0.8, "writing");
+  WriteProjection(ToImage(Recombine(atLow, atHigh, weight), "Recombined", detector),
+    arguments.Output);
+  WriteProjection(ToImage(atLow, detector, table.Names()), BesideOutput(arguments.Output, "_low"));
+  const auto image = ToImage(atHigh, detector, table.Names());
+  WriteProjection(image, BesideOutput(arguments.Output, "_high"));
+  if (!arguments.PathLengths.empty())
+  {
+    WriteProjection(image, arguments.PathLengths, true);
+  }
+  std::printf("%s, mean %.1f keV, less %.4f times the first: %s and %s of %g mm look the same\n",
+    spectrum.Name.c_str(), spectrum.MeanEnergyKeV(), weight, pair[0].c_str(), pair[1].c_str(),
+    arguments.DualEnergy.ThicknessMm);
+  return atLow.Lengths.InconsistencyWarning();
+}
+
 /// Writes a series and what stands beside it; the first warning of a projection, or nothing.
 std::string RunSeries(const Camera& camera, const XRaySource& source, const XRayDetector& detector,
   const VolumeFromGantry& gantry, const ProgressCallback& progress)
@@ -612,8 +589,9 @@ void Run(ProjectArguments& arguments)
   const ProgressCallback progress = MakeProgressBar();
   MaterialTable known =
     arguments.Materials.empty() ? MaterialTable() : FindMaterialTable(arguments.Materials);
-  ReplaceAttenuations(arguments, known);
-  const Spectrum spectrum = ToSpectrum(arguments);
+  ReplaceAttenuations(arguments.Attenuations, arguments.AcceptUnusual, known);
+  AddIodine(arguments.DualEnergy.Iodine, known);
+  const Spectrum spectrum = ToSpectrum(arguments.XRays);
   ReportProgress(progress, 0.0, "reading the mesh");
   const SurfaceScene scene = arguments.Mesh.empty()
     ? ReadSurfaceScene(arguments.Surfaces, std::move(known))
@@ -646,6 +624,8 @@ void Run(ProjectArguments& arguments)
   const Camera camera{ arguments, *projector, surface, beam, decrements, spectrum };
   const std::string warning = arguments.Series.IsAsked()
     ? RunSeries(camera, source, detector, gantry, progress)
+    : arguments.DualEnergy.IsAsked()
+    ? RunDualEnergy(camera, source, detector, table, progress)
     : RunOne(camera, source, detector, table, std::move(mammogram), progress);
   ReportProgress(progress, 1.0, "done");
   std::printf(

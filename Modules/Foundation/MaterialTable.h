@@ -23,6 +23,8 @@ struct Material
   std::string Attenuation;
   /// Mass density, g/cm^3; scales the attenuation table from its nominal density. Positive.
   double DensityGPerCm3 = 1.0;
+  /// Iodine that it has taken up besides, mg per ml, [0, 500]: a contrast agent.
+  double IodineMgPerMl = 0.0;
   /// Young's modulus at small strain, kPa. Positive.
   double YoungsModulusKPa = 5.0;
   /// Poisson's ratio, [0, 0.5).

@@ -219,8 +219,8 @@ MaterialTable ReadMaterialTable(const std::string& path)
     const std::string place = path + ": material " + std::to_string(index);
     Material material;
     const Entry entry((*materials)[index], place,
-      { "name", "labels", "attenuation", "density_g_per_cm3", "youngs_modulus_kpa", "poisson_ratio",
-        "fung_exponent", "held", "thin", "unusual" });
+      { "name", "labels", "attenuation", "density_g_per_cm3", "iodine_mg_per_ml",
+        "youngs_modulus_kpa", "poisson_ratio", "fung_exponent", "held", "thin", "unusual" });
     material.Name = entry.Text("name");
     if (index == 0)
     {
@@ -244,6 +244,9 @@ MaterialTable ReadMaterialTable(const std::string& path)
     bool unusual = false;
     const auto positive = [](double value) { return value > 0; };
     entry.Number("density_g_per_cm3", "a positive number", positive, material.DensityGPerCm3);
+    entry.Number(
+      "iodine_mg_per_ml", "a number from 0 to 500",
+      [](double value) { return value >= 0 && value <= 500; }, material.IodineMgPerMl);
     entry.Number("youngs_modulus_kpa", "a positive number", positive, material.YoungsModulusKPa);
     entry.Number(
       "poisson_ratio", "a number of at least 0 and below 0.5",

@@ -222,6 +222,19 @@ vtkSmartPointer<vtkImageData> ToImage(const Exposure& exposure, const XRayDetect
   return image;
 }
 
+vtkSmartPointer<vtkImageData> ToImage(const std::vector<float>& values, const std::string& name,
+  const XRayDetector& detector)
+{
+  auto image = MakeDetectorImage(detector);
+  if (values.size() != static_cast<std::size_t>(image->GetNumberOfPoints()))
+  {
+    throw InputError(name + ": expected " + std::to_string(image->GetNumberOfPoints()) +
+      " values, found " + std::to_string(values.size()));
+  }
+  image->GetPointData()->SetScalars(FloatArray(name, values.data(), values.size()));
+  return image;
+}
+
 vtkSmartPointer<vtkImageData> ToDeflectionImage(const RefractedImage& refracted,
   const XRayDetector& detector)
 {

@@ -30,6 +30,11 @@ MAMMORAYIO_EXPORT vtkSmartPointer<vtkImageData> MakeDetectorImage(const XRayDete
 MAMMORAYIO_EXPORT vtkSmartPointer<vtkImageData> ToImage(const Exposure& exposure,
   const XRayDetector& detector, const std::vector<std::string>& materialNames);
 
+/// Any values of a detector's pixels, row by row, as scalars of that name. Steps as above; throws
+/// InputError unless there is one for each pixel.
+MAMMORAYIO_EXPORT vtkSmartPointer<vtkImageData> ToImage(const std::vector<float>& values,
+  const std::string& name, const XRayDetector& detector);
+
 /// The deflection of an image with refraction, lying where the detector is: scalars "Deflection"
 /// (float, radians), two components, along columns and rows. Steps as of ToImage.
 MAMMORAYIO_EXPORT vtkSmartPointer<vtkImageData> ToDeflectionImage(const RefractedImage& refracted,

@@ -152,7 +152,12 @@ Beam MakeBeam(const MaterialTable& materials, const Spectrum& spectrum, Detector
   {
     try
     {
-      tables[material] = FindAttenuationTable(materials.Materials[material].Attenuation);
+      const Material& of = materials.Materials[material];
+      tables[material] = FindAttenuationTable(of.Attenuation);
+      if (of.IodineMgPerMl > 0)
+      {
+        tables[material] = WithIodine(tables[material], of.DensityGPerCm3, of.IodineMgPerMl);
+      }
     }
     catch (const InputError& error)
     {

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <map>
 #include <memory>
 #include <set>
@@ -221,5 +222,35 @@ bool FindComposition(const std::string& text, AttenuationTable& table)
   }
   table.Validate();
   return true;
+}
+
+AttenuationTable WithIodine(const AttenuationTable& table, double densityGPerCm3,
+  double iodineMgPerMl)
+{
+  if (!(densityGPerCm3 > 0) || !std::isfinite(densityGPerCm3) || !(iodineMgPerMl >= 0) ||
+    !std::isfinite(iodineMgPerMl))
+  {
+    throw InputError("iodine: expected a positive density and mg per ml of at least 0");
+  }
+  const AttenuationTable iodine = RequireComposition("I", "iodine");
+  const double lowest = std::max(table.EnergiesKeV.front(), iodine.EnergiesKeV.front());
+  const double highest = std::min(table.EnergiesKeV.back(), iodine.EnergiesKeV.back());
+  std::set<double> energies{ lowest, highest };
+  for (const AttenuationTable* part : { &table, &iodine })
+  {
+    std::copy_if(part->EnergiesKeV.begin(), part->EnergiesKeV.end(),
+      std::inserter(energies, energies.end()),
+      [&](double energy) { return energy > lowest && energy < highest; });
+  }
+  AttenuationTable mixed;
+  mixed.Name = table.Name + " with iodine";
+  mixed.NominalDensityGPerCm3 = densityGPerCm3;
+  mixed.EnergiesKeV.assign(energies.begin(), energies.end());
+  for (const double energy : mixed.EnergiesKeV)
+  {
+    mixed.MuPerMm.push_back(
+      table.MuAt(energy, densityGPerCm3) + iodine.MuAt(energy, 1e-3 * iodineMgPerMl));
+  }
+  return mixed;
 }
 }

@@ -30,6 +30,14 @@ MAMMORAYXRAY_EXPORT bool FindComposition(const std::string& text, AttenuationTab
 MAMMORAYXRAY_EXPORT AttenuationTable RequireComposition(const std::string& text,
   const std::string& who);
 
+/**
+ * The same material at this density, g/cm^3, which becomes its nominal one, with iodine taken up
+ * besides, mg per ml of it: linear attenuations add up. Throws InputError unless both are finite,
+ * the density positive and the iodine not negative.
+ */
+MAMMORAYXRAY_EXPORT AttenuationTable WithIodine(const AttenuationTable& table,
+  double densityGPerCm3, double iodineMgPerMl);
+
 /// What such a text is made of.
 struct CompositionParts
 {

@@ -272,6 +272,10 @@ std::vector<double> RefractiveDecrements(const Spectrum& spectrum, const Materia
       const Material& material = materials.Materials[m];
       try
       {
+        if (material.IodineMgPerMl > 0)
+        {
+          throw InputError("expected no iodine beside refraction, found some");
+        }
         decrements.push_back(RefractiveDecrement(material.Attenuation, spectrum.EnergiesKeV[bin],
           material.DensityGPerCm3));
       }

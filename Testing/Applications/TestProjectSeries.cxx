@@ -195,6 +195,60 @@ TEST_F(ProjectSeries, FlatFieldsAndNoiseAreEachOnesOwn)
   EXPECT_NE(scan.Voxels, flat.Voxels);
 }
 
+TEST_F(ProjectSeries, DualEnergyLeavesTheIodine)
+{
+  // 40 mm of fat beside 40 mm of gland, beside gland with iodine.
+  SurfaceMesh slabs;
+  shapes::AddBox(slabs, { -30, -20, -20 }, { -10, 20, 20 }, 1);
+  shapes::AddBox(slabs, { -9, -20, -20 }, { 9, 20, 20 }, 2);
+  shapes::AddBox(slabs, { 10, -20, -20 }, { 30, 20, 20 }, 3);
+  WriteMesh(ToPolyData(slabs, { "air", "fat", "gland", "enhanced" }),
+    this->Folder.File("slabs.vtp"));
+  this->Folder.Write("table.json", R"({"materials": [{"name": "air", "labels": [0]},
+    {"name": "fat", "labels": [1], "attenuation": "adipose", "density_g_per_cm3": 0.92},
+    {"name": "gland", "labels": [2], "attenuation": "glandular", "density_g_per_cm3": 1.04},
+    {"name": "enhanced", "labels": [3], "attenuation": "glandular", "density_g_per_cm3": 1.04,
+     "iodine_mg_per_ml": 0.5}]})");
+  const std::string inputs = "project --mesh " + this->Folder.File("slabs.vtp") + " --materials " +
+    this->Folder.File("table.json") +
+    " --beam-direction 0 1 0 --column-direction 1 0 0 --row-direction 0 0 -1 --detector-origin -20 "
+    "60 "
+    "0 --columns 3 --rows 1 --pixel-spacing 20 --overwrite --cancel fat gland --cancel-thickness "
+    "40";
+  ASSERT_EQ(this->Run(inputs +
+              " --tube W --kvp 28 --filter Rh:0.05 --high-kvp 42 --high-filter Cu:0.3 "
+              "--iodine enhanced=2 -o " +
+              this->Stack),
+    0)
+    << this->Errors;
+  EXPECT_EQ(this->Errors, "");
+  EXPECT_THAT(this->Output, testing::HasSubstr("fat and gland of 40 mm look the same"));
+  const std::vector<float> recombined = ReadIntensityVolume(this->Stack).Voxels;
+  const auto logOf = [&](const char* name)
+  {
+    std::vector<float> values = ReadIntensityVolume(this->Folder.File(name)).Voxels;
+    for (float& value : values)
+    {
+      value = -std::log(value);
+    }
+    return values;
+  };
+  const std::vector<float> low = logOf("stack_low.mha");
+  const std::vector<float> high = logOf("stack_high.mha");
+  EXPECT_NEAR(recombined[0], recombined[1], 1e-5);
+  EXPECT_GT(low[1] - low[0], 0.5);
+  EXPECT_GT(high[1] - high[0], 0.05);
+  // 40 mm of 2 mg/ml; tables' 0.5 is replaced.
+  EXPECT_GT(recombined[2] - recombined[1], 0.05);
+
+  this->ExpectRefused(inputs + " -o " + this->Stack, "found none");
+  this->ExpectRefused(inputs + " --high-kev 35 --high-kvp 40 -o " + this->Stack, "found several");
+  this->ExpectRefused(inputs + " --high-kvp 40 -o " + this->Stack, "--tube");
+  this->ExpectRefused(inputs + " --high-kev 35 --iodine enhanced=-1 -o " + this->Stack, "0 to 500");
+  this->ExpectRefused(inputs + " --high-kev 35 -o " + this->Folder.File("a.png"), "one picture");
+  this->ExpectRefused(inputs + " --high-kev 35 --turn 3 -o " + this->Stack, "one picture");
+}
+
 TEST_F(ProjectSeries, RefusesWhatDoesNotGoTogether)
 {
   const std::string box = this->Box("box.vtp", { -10, -5, -20 }, { 10, 5, 20 });

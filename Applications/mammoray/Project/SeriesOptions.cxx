@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Project/SeriesOptions.h"
 
+#include "Project/SpectrumOptions.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/Foundation/Numbers.h"
 #include "mammoray/IO/ProjectionImage.h"
@@ -13,13 +14,6 @@ namespace mammoray
 {
 namespace
 {
-std::string Beside(const std::string& output, const std::string& ending)
-{
-  std::filesystem::path path(output);
-  path.replace_extension();
-  return path.string() + ending;
-}
-
 /// "x", "y", "z" or three numbers.
 Vector3 AxisDirection(const std::vector<std::string>& words)
 {
@@ -103,12 +97,12 @@ void CheckSeries(const SeriesArguments& arguments, const std::string& output)
 
 std::string SeriesDescriptionPath(const std::string& output)
 {
-  return Beside(output, ".json");
+  return std::filesystem::path(output).replace_extension(".json").string();
 }
 
 std::string FlatFieldPath(const std::string& output)
 {
-  return Beside(output, "_flat" + std::filesystem::path(output).extension().string());
+  return BesideOutput(output, "_flat");
 }
 
 ProjectionSeries MakeSeries(const SeriesArguments& arguments, const XRaySource& source,
