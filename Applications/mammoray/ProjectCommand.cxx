@@ -41,7 +41,7 @@ struct ProjectArguments
   bool AcceptUnusual = false;
   SpectrumArguments XRays;
   DualEnergyArguments DualEnergy;
-  DetectorResponse Response = DetectorResponse::EnergyIntegrating;
+  ResponseArguments Response;
   std::string Orientation = "LPS";
   MammographyUnit Unit;
   BreastPose Pose;
@@ -104,10 +104,7 @@ void DeclareInput(const OptionList& add, ProjectArguments& arguments)
   add("--path-lengths", arguments.PathLengths,
     "write path lengths there, mm, one channel per material but air (.mha .nrrd .vti)");
   DeclareSpectrum(add, arguments.XRays);
-  add.Choice<DetectorResponse>("--response", arguments.Response,
-    { { "energy", DetectorResponse::EnergyIntegrating },
-      { "counting", DetectorResponse::PhotonCounting } },
-    "what the detector adds up: energy, or photons by counting");
+  DeclareResponse(add, arguments.Response);
 }
 
 /// Where source and detector stand.
@@ -220,7 +217,7 @@ std::vector<float> ToOpenField(const ProjectArguments& arguments, const XRaySour
       arguments.XRays.Anode.empty() ? options.Heel.Target : arguments.XRays.Anode;
   }
   return arguments.Heel || options.InverseSquare
-    ? OpenField(source, detector, spectrum, arguments.Response, options)
+    ? OpenField(source, detector, spectrum, ToResponse(arguments.Response), options)
     : std::vector<float>();
 }
 
@@ -505,7 +502,7 @@ std::string RunDualEnergy(const Camera& camera, const XRaySource& source,
     ? std::vector<std::string>{ "fat", "gland" }
     : arguments.DualEnergy.Cancel;
   const Spectrum spectrum = ToHighSpectrum(arguments.DualEnergy, arguments.XRays);
-  const Beam high = MakeBeam(table, spectrum, arguments.Response);
+  const Beam high = MakeBeam(table, spectrum, ToResponse(arguments.Response));
   const double weight = CancellingWeight(camera.XRays, high, table.IndexOf(pair[0]),
     table.IndexOf(pair[1]), arguments.DualEnergy.ThicknessMm);
   const Camera second{ arguments, camera.Projector, camera.Surface, high, camera.Decrements,
@@ -598,7 +595,7 @@ void Run(ProjectArguments& arguments)
     : ReadMeshScene(arguments.Mesh, known);
   const MaterialTable& table = scene.Materials;
   const SurfaceMesh& surface = scene.Surface;
-  const Beam beam = MakeBeam(table, spectrum, arguments.Response);
+  const Beam beam = MakeBeam(table, spectrum, ToResponse(arguments.Response));
   const std::vector<double> decrements =
     arguments.RefractionLaw.empty() ? std::vector<double>() : RefractiveDecrements(spectrum, table);
   XRaySource source;
@@ -628,6 +625,10 @@ void Run(ProjectArguments& arguments)
     ? RunDualEnergy(camera, source, detector, table, progress)
     : RunOne(camera, source, detector, table, std::move(mammogram), progress);
   ReportProgress(progress, 1.0, "done");
+  if (arguments.Series.IsAsked())
+  {
+    std::printf("%d projections of ", arguments.Series.Number());
+  }
   std::printf(
     "%d x %d pixels, %zu triangles, %s, mean %.1f keV, half-value layer %.3g mm Al, on %s, %s\n",
     detector.Columns, detector.Rows, surface.NumberOfTriangles(), spectrum.Name.c_str(),

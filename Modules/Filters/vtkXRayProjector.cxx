@@ -166,7 +166,7 @@ struct vtkXRayProjector::Internals
   std::string NameOf(int material) const;
   std::map<int, Attenuation> AttenuationsOf(const std::string& table, int materialCount) const;
   Beam MakeBeamFor(int materialCount, const std::map<int, Attenuation>& attenuations,
-    const mammoray::Spectrum& photons, DetectorResponse response) const;
+    const mammoray::Spectrum& photons, const DetectorResponse& response) const;
 };
 
 void vtkXRayProjector::Internals::SetPhotons(vtkXRayProjector* filter, mammoray::Spectrum photons)
@@ -259,7 +259,7 @@ std::map<int, vtkXRayProjector::Internals::Attenuation> vtkXRayProjector::Intern
 
 Beam vtkXRayProjector::Internals::MakeBeamFor(int materialCount,
   const std::map<int, Attenuation>& attenuations, const mammoray::Spectrum& photons,
-  DetectorResponse response) const
+  const DetectorResponse& response) const
 {
   std::vector<AttenuationTable> tables(static_cast<std::size_t>(materialCount));
   std::vector<const AttenuationTable*> pointers(tables.size(), nullptr);

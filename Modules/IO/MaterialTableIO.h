@@ -21,7 +21,8 @@ namespace mammoray
  * numbers in [0, 65535], at least one; a thin material may leave them out and be made by AddSkin)
  * and attenuation: a name or composition for
  * FindAttenuationTable, or an object of mass fractions, { "H": 0.112, "O": 0.888 }; density,
- * elastic constants, "held" and "thin" default to those of Material. "name" of the table defaults
+ * "iodine_mg_per_ml", elastic constants ("fung_exponent" among them), "held" and "thin" default to
+ * those of Material. "name" of the table defaults
  * to the file's name. A density or modulus that no tissue has (Plausible) is taken of a material
  * with "unusual": true only. Throws InputError, with file and key, on anything else: a wrong type
  * or range, an unknown or repeated key, a label or name used twice.

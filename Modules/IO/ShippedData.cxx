@@ -143,7 +143,8 @@ MaterialTable FindMaterialTable(const std::string& pathOrName)
   return ReadMaterialTable(FindMaterialTablePath(pathOrName));
 }
 
-Beam MakeBeam(const MaterialTable& materials, const Spectrum& spectrum, DetectorResponse response)
+Beam MakeBeam(const MaterialTable& materials, const Spectrum& spectrum,
+  const DetectorResponse& response)
 {
   std::vector<AttenuationTable> tables(materials.Materials.size());
   std::vector<const AttenuationTable*> pointers(tables.size(), nullptr);

@@ -40,10 +40,14 @@ MAMMORAYIO_EXPORT MaterialTable FindMaterialTable(const std::string& pathOrName)
 /// The path of that table's file.
 MAMMORAYIO_EXPORT std::string FindMaterialTablePath(const std::string& pathOrName);
 
+/// Reads what a detector adds up of a photon: lines of an energy (keV), a comma and the signal, any
+/// factor; `#` begins a comment. Throws InputError that names the line.
+MAMMORAYIO_EXPORT DetectorResponse ReadDetectorResponse(const std::string& path);
+
 /// The beam for path lengths in the table's materials. Throws InputError on an unknown attenuation
 /// table.
 MAMMORAYIO_EXPORT Beam MakeBeam(const MaterialTable& materials, const Spectrum& spectrum,
-  DetectorResponse response);
+  const DetectorResponse& response);
 
 /**
  * The example of that name (see ExampleNames). "breast" is made from the FDA phantom of the data

@@ -254,11 +254,54 @@ void AttenuationTable::Validate() const
   }
 }
 
-Beam::Beam(const Spectrum& spectrum, DetectorResponse response,
+double DetectorResponse::Signal(double energyKeV) const
+{
+  const double signal = this->ByEnergy ? energyKeV : 1.0;
+  if (this->EnergiesKeV.empty())
+  {
+    return signal;
+  }
+  const auto above =
+    std::upper_bound(this->EnergiesKeV.begin(), this->EnergiesKeV.end(), energyKeV);
+  if (above == this->EnergiesKeV.begin() || above == this->EnergiesKeV.end())
+  {
+    return signal *
+      (above == this->EnergiesKeV.begin() ? this->Efficiency.front() : this->Efficiency.back());
+  }
+  const auto upper = static_cast<std::size_t>(above - this->EnergiesKeV.begin());
+  const double low = this->EnergiesKeV[upper - 1];
+  return signal *
+    std::lerp(this->Efficiency[upper - 1], this->Efficiency[upper],
+      (energyKeV - low) / (this->EnergiesKeV[upper] - low));
+}
+
+void DetectorResponse::Validate() const
+{
+  if (this->Efficiency.size() != this->EnergiesKeV.size())
+  {
+    throw InputError("detector's response: expected a value for each of " +
+      std::to_string(this->EnergiesKeV.size()) + " energies, found " +
+      std::to_string(this->Efficiency.size()));
+  }
+  for (std::size_t index = 0; index < this->EnergiesKeV.size(); ++index)
+  {
+    if (!(this->EnergiesKeV[index] > (index > 0 ? this->EnergiesKeV[index - 1] : 0)) ||
+      !std::isfinite(this->EnergiesKeV[index]) || !(this->Efficiency[index] >= 0) ||
+      !std::isfinite(this->Efficiency[index]))
+    {
+      throw InputError("detector's response: expected ascending energies (keV) and values that are "
+                       "not negative, found " +
+        NumberText(this->EnergiesKeV[index]) + " keV, " + NumberText(this->Efficiency[index]));
+    }
+  }
+}
+
+Beam::Beam(const Spectrum& spectrum, const DetectorResponse& response,
   const std::vector<const AttenuationTable*>& tables, const std::vector<double>& densities)
   : MaterialCount(static_cast<int>(tables.size()))
 {
   spectrum.Validate();
+  response.Validate();
   if (tables.empty() || densities.size() != tables.size())
   {
     throw InputError("beam: expected one density per material and at least air, found " +
@@ -287,7 +330,7 @@ Beam::Beam(const Spectrum& spectrum, DetectorResponse response,
       continue;
     }
     const double energy = spectrum.EnergiesKeV[bin];
-    const double detected = response == DetectorResponse::EnergyIntegrating ? energy : 1.0;
+    const double detected = response.Signal(energy);
     this->Weights.push_back(spectrum.Weights[bin] * detected);
     this->VarianceWeights.push_back(spectrum.Weights[bin] * detected * detected);
     sum += this->Weights.back();
@@ -297,6 +340,10 @@ Beam::Beam(const Spectrum& spectrum, DetectorResponse response,
     {
       this->Mu.push_back(tables[material]->MuAt(energy, densities[material]));
     }
+  }
+  if (!(sum > 0))
+  {
+    throw InputError("beam: expected a detector that responds to the spectrum, found none");
   }
   for (double& weight : this->Weights)
   {

@@ -41,12 +41,26 @@ struct MAMMORAYXRAY_EXPORT AttenuationTable
   void Validate() const;
 };
 
-/// What the detector counts.
-enum class DetectorResponse
+/// What the detector adds up of a photon that meets it, D(E).
+struct MAMMORAYXRAY_EXPORT DetectorResponse
 {
-  EnergyIntegrating, ///< D(E) = E
-  PhotonCounting     ///< D(E) = 1
+  /// The photon's energy, keV, or 1.
+  bool ByEnergy = true;
+  /// A factor on that, not negative: at these energies, ascending, keV; between them linear, beyond
+  /// them as at the nearest. Empty: 1.
+  std::vector<double> EnergiesKeV;
+  std::vector<double> Efficiency;
+
+  double Signal(double energyKeV) const;
+  /// Throws InputError unless the factor is as above.
+  void Validate() const;
+  bool operator==(const DetectorResponse&) const = default;
+
+  static const DetectorResponse EnergyIntegrating; ///< D(E) = E
+  static const DetectorResponse PhotonCounting;    ///< D(E) = 1
 };
+inline const DetectorResponse DetectorResponse::EnergyIntegrating{ true, {}, {} };
+inline const DetectorResponse DetectorResponse::PhotonCounting{ false, {}, {} };
 
 /**
  * The polychromatic Beer-Lambert law of a beam and a set of materials:
@@ -57,9 +71,10 @@ class MAMMORAYXRAY_EXPORT Beam
 public:
   /**
    * `tables[m]` is the attenuation of material m (null for material 0, air, whose attenuation is
-   * neglected) and `densities[m]` its density, g/cm^3.
+   * neglected) and `densities[m]` its density, g/cm^3. Throws InputError on any of them, and where
+   * the detector responds to no photon of the spectrum.
    */
-  Beam(const Spectrum& spectrum, DetectorResponse response,
+  Beam(const Spectrum& spectrum, const DetectorResponse& response,
     const std::vector<const AttenuationTable*>& tables, const std::vector<double>& densities);
 
   /**

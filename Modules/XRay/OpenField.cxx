@@ -32,14 +32,14 @@ void CheckHeel(const HeelEffect& heel)
 class TargetAbsorption
 {
 public:
-  TargetAbsorption(const HeelEffect& heel, const Spectrum& spectrum, DetectorResponse response)
+  TargetAbsorption(const HeelEffect& heel, const Spectrum& spectrum,
+    const DetectorResponse& response)
   {
     const AttenuationTable target = RequireComposition(heel.Target, "heel effect's target");
     for (std::size_t bin = 0; bin < spectrum.Weights.size(); ++bin)
     {
       const double energy = spectrum.EnergiesKeV[bin];
-      const double detected = response == DetectorResponse::EnergyIntegrating ? energy : 1;
-      this->Weights.push_back(spectrum.Weights[bin] * detected);
+      this->Weights.push_back(spectrum.Weights[bin] * response.Signal(energy));
       this->Mu.push_back(target.MuAt(energy, target.NominalDensityGPerCm3));
       this->Whole += this->Weights.back();
     }
@@ -63,7 +63,7 @@ private:
 }
 
 std::vector<float> OpenField(const XRaySource& source, const XRayDetector& detector,
-  const Spectrum& spectrum, DetectorResponse response, const OpenFieldOptions& options)
+  const Spectrum& spectrum, const DetectorResponse& response, const OpenFieldOptions& options)
 {
   CheckGeometry(source, detector);
   spectrum.Validate();

@@ -51,7 +51,7 @@ struct MAMMORAYXRAY_EXPORT OpenFieldOptions
  * in any pixel.
  */
 MAMMORAYXRAY_EXPORT std::vector<float> OpenField(const XRaySource& source,
-  const XRayDetector& detector, const Spectrum& spectrum, DetectorResponse response,
+  const XRayDetector& detector, const Spectrum& spectrum, const DetectorResponse& response,
   const OpenFieldOptions& options);
 }
 

@@ -32,6 +32,17 @@ const TubeAnode& FindAnode(const std::string& name)
   return *found;
 }
 
+/// The attenuation of a layer's material; refuses a thickness that is none.
+AttenuationTable TableOf(const XRayFilter& layer, const std::string& who)
+{
+  if (!(layer.ThicknessMm >= 0 && std::isfinite(layer.ThicknessMm)))
+  {
+    throw InputError(who + ": expected a thickness that is not negative, found " +
+      NumberText(layer.ThicknessMm) + " mm of " + layer.Material);
+  }
+  return RequireComposition(layer.Material, who);
+}
+
 /// Air kerma per photon, in any unit.
 double KermaPerPhoton(double energyKeV)
 {
@@ -113,12 +124,7 @@ Spectrum TubeSpectrum(const XRayTube& tube)
 
 Spectrum FilterSpectrum(const Spectrum& spectrum, const XRayFilter& filter)
 {
-  if (!(filter.ThicknessMm >= 0 && std::isfinite(filter.ThicknessMm)))
-  {
-    throw InputError("filter: expected a thickness that is not negative, found " +
-      NumberText(filter.ThicknessMm) + " mm of " + filter.Material);
-  }
-  const AttenuationTable table = RequireComposition(filter.Material, "filter");
+  const AttenuationTable table = TableOf(filter, "filter");
   const double density =
     filter.DensityGPerCm3 > 0 ? filter.DensityGPerCm3 : table.NominalDensityGPerCm3;
   Spectrum filtered = spectrum;
@@ -129,6 +135,20 @@ Spectrum FilterSpectrum(const Spectrum& spectrum, const XRayFilter& filter)
   }
   filtered.Validate();
   return filtered;
+}
+
+DetectorResponse AbsorbingDetector(const XRayFilter& layer)
+{
+  const AttenuationTable table = TableOf(layer, "detector");
+  const double density =
+    layer.DensityGPerCm3 > 0 ? layer.DensityGPerCm3 : table.NominalDensityGPerCm3;
+  DetectorResponse response = DetectorResponse::EnergyIntegrating;
+  response.EnergiesKeV = table.EnergiesKeV;
+  for (const double energy : table.EnergiesKeV)
+  {
+    response.Efficiency.push_back(-std::expm1(-layer.ThicknessMm * table.MuAt(energy, density)));
+  }
+  return response;
 }
 
 double HalfValueLayerMm(const Spectrum& spectrum)

@@ -55,6 +55,11 @@ MAMMORAYXRAY_EXPORT Spectrum TubeSpectrum(const XRayTube& tube);
 /// is negative or not finite, or when nothing is left.
 MAMMORAYXRAY_EXPORT Spectrum FilterSpectrum(const Spectrum& spectrum, const XRayFilter& filter);
 
+/// A detector that adds up the energy of the photons that a layer of it absorbs (a scintillator, an
+/// amorphous semiconductor): D(E) = E (1 - exp(-mu t)). Fluorescence that escapes counts as
+/// absorbed. Throws InputError as FilterSpectrum.
+MAMMORAYXRAY_EXPORT DetectorResponse AbsorbingDetector(const XRayFilter& layer);
+
 /**
  * The first half-value layer, mm of aluminium (2.70 g/cm^3): so much of it halves the air kerma
  * (energy times mass energy-absorption coefficient of air, xraylib). Throws InputError on an

@@ -195,6 +195,33 @@ TEST_F(ProjectSeries, FlatFieldsAndNoiseAreEachOnesOwn)
   EXPECT_NE(scan.Voxels, flat.Voxels);
 }
 
+TEST_F(ProjectSeries, DetectorsOfLayersAndTables)
+{
+  const std::string box = this->Box("box.vtp", { -10, -5, -20 }, { 10, 5, 20 });
+  const auto through = [&](const std::string& response)
+  {
+    EXPECT_EQ(this->Run("project --surface 'Water, Liquid=" + box +
+                "' --beam-direction 0 1 0 --column-direction 1 0 0 --row-direction 0 0 -1 "
+                "--detector-origin 0 60 0 --columns 1 --rows 1 --overwrite -o " +
+                this->Stack + response),
+      0)
+      << this->Errors;
+    return ReadIntensityVolume(this->Stack).Voxels.at(0);
+  };
+  // A thick layer detects all, a thin one the softer photons rather; a table says so itself.
+  EXPECT_NEAR(through(" --scintillator CsI@4.51:20"), through(""), 1e-6);
+  EXPECT_LT(through(" --scintillator CsI@4.51:0.01"), 0.99 * through(""));
+  this->Folder.Write("energy.csv", "1, 1\n100, 100\n");
+  EXPECT_NEAR(through(" --response-table " + this->Folder.File("energy.csv")), through(""), 1e-6);
+  this->Folder.Write("one.csv", "20, 1\n");
+  EXPECT_NEAR(through(" --response-table " + this->Folder.File("one.csv")),
+    through(" --response counting"), 1e-6);
+  this->ExpectRefused("project --surface 'Water, Liquid=" + box +
+      "' --scintillator CsI:1 --response-table " + this->Folder.File("one.csv") +
+      " --overwrite -o " + this->Stack,
+    "found both");
+}
+
 TEST_F(ProjectSeries, DualEnergyLeavesTheIodine)
 {
   // 40 mm of fat beside 40 mm of gland, beside gland with iodine.

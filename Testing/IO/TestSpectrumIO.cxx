@@ -3,6 +3,7 @@
 #include "Refusals.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/IO/Private/SpectrumIO.h"
+#include "mammoray/IO/ShippedData.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -27,6 +28,22 @@ TEST(SpectrumIO, EachValueStandsForTheIntervalUpToTheNextEnergy)
   EXPECT_EQ(spectrum.Name, "two");
   EXPECT_THAT(spectrum.EnergiesKeV, testing::ElementsAre(10, 12));
   EXPECT_THAT(spectrum.Weights, testing::ElementsAre(10, 7));
+}
+
+TEST(SpectrumIO, ResponsesAreLinesOfEnergyAndSignal)
+{
+  const TemporaryFolder folder;
+  const DetectorResponse response =
+    ReadDetectorResponse(folder.Write("r.csv", "# keV, signal\n10, 0.5\n30, 1.5 # end\n"));
+  EXPECT_NEAR(response.Signal(20), 1, 1e-12);
+  EXPECT_EQ(response.Signal(5), 0.5);
+  EXPECT_EQ(response.Signal(99), 1.5);
+  for (const char* damaged :
+    { "", "10\n", "10, x\n", "10, 1, 2\n", "10, 1\n9, 1\n", "10, -1\n", "10, nan\n", "-1, 1\n" })
+  {
+    EXPECT_THROW(ReadDetectorResponse(folder.Write("d.csv", damaged)), InputError) << damaged;
+  }
+  EXPECT_THROW(ReadDetectorResponse(folder.File("absent.csv")), InputError);
 }
 
 TEST(SpectrumIO, DamagedFilesAreRefusedByLine)

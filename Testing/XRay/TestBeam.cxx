@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace
@@ -89,6 +90,24 @@ TEST(Beam, SpectrumIsWeightedByTheDetector)
   const Beam counting(spectrum, DetectorResponse::PhotonCounting, { nullptr, &table }, { 0, 1 });
   EXPECT_NEAR(integrating.Transmission(lengths), expected([](double e) { return e; }), 1e-14);
   EXPECT_NEAR(counting.Transmission(lengths), expected([](double) { return 1.0; }), 1e-14);
+  // Any response, here one that falls linearly from 1 to 0 where the spectrum lies.
+  const DetectorResponse falling{ false, { 5, 100 }, { 1, 0 } };
+  const Beam tabulated(spectrum, falling, { nullptr, &table }, { 0, 1 });
+  EXPECT_NEAR(tabulated.Transmission(lengths),
+    expected([](double e) { return std::clamp((100 - e) / 95, 0.0, 1.0); }), 1e-14);
+}
+
+TEST(Beam, RefusesResponsesThatAreNone)
+{
+  const AttenuationTable table = PowerLaw(0.05);
+  const auto make = [&](const DetectorResponse& response) {
+    return Beam(Spectrum::Monochromatic(20), response, { nullptr, &table }, { 0, 1 });
+  };
+  EXPECT_NO_THROW(make({ true, { 10, 30 }, { 0, 1 } }));
+  EXPECT_THROW(make({ true, { 10, 30 }, { 1 } }), InputError);
+  EXPECT_THROW(make({ true, { 30, 10 }, { 1, 1 } }), InputError);
+  EXPECT_THROW(make({ true, { 10, 30 }, { 1, -1 } }), InputError);
+  EXPECT_THROW(make({ true, { 10, 30 }, { 0, 0 } }), InputError); // nothing is detected
 }
 
 TEST(Beam, MeanAttenuationIsTheDerivativeOfLogAttenuation)

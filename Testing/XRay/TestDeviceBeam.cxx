@@ -28,7 +28,7 @@ protected:
       this->Photons.Weights.push_back(energy * (50 - energy));
     }
   }
-  Beam MakeBeam(int materials, DetectorResponse response, double denserBy = 0.3) const
+  Beam MakeBeam(int materials, const DetectorResponse& response, double denserBy = 0.3) const
   {
     std::vector<const AttenuationTable*> tables{ nullptr };
     std::vector<double> densities{ 0 };
@@ -53,7 +53,7 @@ TEST_P(DeviceBeamTest, AgreesWithTheHostForEveryBeamOfOneProjection)
   this->Projector->SetSurface(mesh);
   this->Detector.Samples = 2;
   const PathLengthImage lengths = this->Projector->Project(this->Source, this->Detector);
-  for (const DetectorResponse response :
+  for (const DetectorResponse& response :
     { DetectorResponse::EnergyIntegrating, DetectorResponse::PhotonCounting })
   {
     const Beam beam = this->MakeBeam(mesh.NumberOfMaterials() + 1, response);

@@ -75,7 +75,7 @@ AttenuationTable Tissue()
   return table;
 }
 
-Beam MakeBeam(const Spectrum& spectrum, DetectorResponse response)
+Beam MakeBeam(const Spectrum& spectrum, const DetectorResponse& response)
 {
   static const AttenuationTable table = Tissue();
   return Beam(spectrum, response, { nullptr, &table }, { 0, 1 });

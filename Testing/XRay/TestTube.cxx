@@ -138,4 +138,17 @@ TEST(Tube, FiltersAreReadAndRefused)
   EXPECT_THROW(TubeSpectrum({ "W", 28, { { "butter", 1 } } }), InputError);
   EXPECT_THROW(TubeSpectrum({ "W", 28, { { "Pb", 1e4 } } }), InputError) << "nothing is left";
 }
+
+TEST(Tube, ALayerDetectsWhatItAbsorbs)
+{
+  // 0.15 mm of CsI: mu by NIST at 60 keV 7.92 cm2/g of 4.51 g/cm3; 3 %.
+  const DetectorResponse layer = AbsorbingDetector({ "CsI", 0.15, 4.51 });
+  EXPECT_NEAR(layer.Signal(60), 60 * (1 - std::exp(-0.015 * 4.51 * 7.92)), 0.03 * layer.Signal(60));
+  // More just above the K edge of caesium, 35.98 keV, than below it.
+  EXPECT_GT(layer.Signal(36.1), 1.5 * layer.Signal(33.0));
+  // A thick layer detects all, none nothing.
+  EXPECT_NEAR(AbsorbingDetector({ "CsI", 50, 4.51 }).Signal(20), 20, 1e-9);
+  EXPECT_EQ(AbsorbingDetector({ "CsI", 0, 4.51 }).Signal(20), 0);
+  EXPECT_THROW(AbsorbingDetector({ "CsI", -1, 4.51 }), InputError);
+}
 }

@@ -18,6 +18,39 @@ CLI::Option* DeclareFilters(const OptionList& add, const std::string& name,
 }
 }
 
+void DeclareResponse(const OptionList& add, ResponseArguments& arguments)
+{
+  add.Choice<DetectorResponse>("--response", arguments.Response,
+    { { "energy", DetectorResponse::EnergyIntegrating },
+      { "counting", DetectorResponse::PhotonCounting } },
+    "what the detector adds up: energy, or photons by counting");
+  add("--scintillator", arguments.Layer,
+    "the same of the photons alone that a layer of the detector absorbs ('CsI@4.51:0.15', "
+    "'Se@4.3:0.2')")
+    ->type_name("MATERIAL[@DENSITY]:MM");
+  add.Input("--response-table", arguments.Table,
+    "instead, what it adds up of a photon by its energy: lines of keV, a comma and the signal");
+}
+
+DetectorResponse ToResponse(const ResponseArguments& arguments)
+{
+  if (!arguments.Table.empty())
+  {
+    if (!arguments.Layer.empty())
+    {
+      throw InputError("--response-table: expected no --scintillator beside it, found both");
+    }
+    return ReadDetectorResponse(arguments.Table);
+  }
+  DetectorResponse response = arguments.Response;
+  if (!arguments.Layer.empty())
+  {
+    response = AbsorbingDetector(XRayFilter::FromText(arguments.Layer));
+    response.ByEnergy = arguments.Response.ByEnergy;
+  }
+  return response;
+}
+
 void DeclareSpectrum(const OptionList& add, SpectrumArguments& arguments)
 {
   AddSpectrumOption(add, arguments.Spectrum);

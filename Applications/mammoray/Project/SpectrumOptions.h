@@ -22,6 +22,17 @@ struct SpectrumArguments
   std::vector<std::string> Filters;
 };
 
+/// What the detector makes of photons.
+struct ResponseArguments
+{
+  DetectorResponse Response = DetectorResponse::EnergyIntegrating;
+  std::string Table;
+  std::string Layer;
+};
+
+void DeclareResponse(const OptionList& add, ResponseArguments& arguments);
+DetectorResponse ToResponse(const ResponseArguments& arguments);
+
 void DeclareSpectrum(const OptionList& add, SpectrumArguments& arguments);
 
 /// The spectrum that the options ask for, behind its filters.

@@ -3,8 +3,10 @@
 
 #include "Private/TextTable.h"
 #include "mammoray/Foundation/Numbers.h"
+#include "mammoray/IO/ShippedData.h"
 
 #include <algorithm>
+#include <cmath>
 #include <sstream>
 #include <vector>
 
@@ -59,5 +61,48 @@ Spectrum ReadSpectrum(const std::string& path)
   spectrum.EnergiesKeV.pop_back();
   spectrum.Validate();
   return spectrum;
+}
+
+DetectorResponse ReadDetectorResponse(const std::string& path)
+{
+  std::ifstream file = OpenText(path);
+  DetectorResponse response;
+  response.ByEnergy = false;
+  std::string line;
+  for (std::size_t lineNumber = 1; std::getline(file, line); ++lineNumber)
+  {
+    line.erase(std::min(line.find('#'), line.size()));
+    std::replace(line.begin(), line.end(), ',', ' ');
+    std::istringstream words(line);
+    std::string energyText;
+    std::string signalText;
+    std::string rest;
+    if (!(words >> energyText))
+    {
+      continue;
+    }
+    double energy = 0;
+    double signal = 0;
+    if (!(words >> signalText) || (words >> rest) || !ToNumber(energyText, energy) ||
+      !ToNumber(signalText, signal))
+    {
+      throw InputError(LineName(path, lineNumber) + ": expected an energy (keV) and a signal");
+    }
+    if (!(energy > 0) || !(signal >= 0) || !std::isfinite(energy) || !std::isfinite(signal) ||
+      (!response.EnergiesKeV.empty() && !(energy > response.EnergiesKeV.back())))
+    {
+      throw InputError(LineName(path, lineNumber) +
+        ": expected a positive energy above the one before and a signal that is not negative, "
+        "found " +
+        energyText + " keV, " + signalText);
+    }
+    response.EnergiesKeV.push_back(energy);
+    response.Efficiency.push_back(signal);
+  }
+  if (response.EnergiesKeV.empty())
+  {
+    throw InputError(path + ": expected lines of an energy (keV) and a signal, found none");
+  }
+  return response;
 }
 }
