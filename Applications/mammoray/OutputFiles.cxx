@@ -175,4 +175,12 @@ void CheckNoInputWithin(const std::string& folder)
     }
   }
 }
+
+std::string BesideOutput(const std::string& output, const std::string& suffix)
+{
+  fs::path path(output);
+  const std::string extension = path.extension().string();
+  path.replace_extension();
+  return path.string() + suffix + extension;
+}
 }

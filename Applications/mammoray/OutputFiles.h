@@ -48,6 +48,9 @@ void CheckNewFolder(const std::string& path);
 /// Throws InputError where something that the options were given is in the folder, which is to be
 /// replaced.
 void CheckNoInputWithin(const std::string& folder);
+
+/// "scan_low.mha" of "scan.mha" and "_low": an output beside another.
+std::string BesideOutput(const std::string& output, const std::string& suffix);
 }
 
 #endif

@@ -206,7 +206,7 @@ Vector3 ToUnitVector(const Vector3& vector, const char* option)
 
 /// What reaches the pixels in air; empty where it is the same everywhere.
 std::vector<float> ToOpenField(const ProjectArguments& arguments, const XRaySource& source,
-  const XRayDetector& detector, const Spectrum& spectrum)
+  const XRayDetector& detector, const Spectrum& spectrum, const DetectorResponse& response)
 {
   OpenFieldOptions options = arguments.Field;
   if (arguments.Heel)
@@ -217,7 +217,7 @@ std::vector<float> ToOpenField(const ProjectArguments& arguments, const XRaySour
       arguments.XRays.Anode.empty() ? options.Heel.Target : arguments.XRays.Anode;
   }
   return arguments.Heel || options.InverseSquare
-    ? OpenField(source, detector, spectrum, ToResponse(arguments.Response), options)
+    ? OpenField(source, detector, spectrum, response, options)
     : std::vector<float>();
 }
 
@@ -449,12 +449,14 @@ struct Camera
   const Beam& XRays;
   const std::vector<double>& Decrements;
   const Spectrum& Energies;
+  const DetectorResponse& Response;
 
   /// The `number`-th of a series, with noise of its own.
   ExposureOptions Options(const XRaySource& source, const XRayDetector& detector, int number) const
   {
     ExposureOptions options = ToExposure(this->Arguments);
-    options.OpenField = ToOpenField(this->Arguments, source, detector, this->Energies);
+    options.OpenField =
+      ToOpenField(this->Arguments, source, detector, this->Energies, this->Response);
     options.Seed += static_cast<std::uint64_t>(number);
     return options;
   }
@@ -502,11 +504,11 @@ std::string RunDualEnergy(const Camera& camera, const XRaySource& source,
     ? std::vector<std::string>{ "fat", "gland" }
     : arguments.DualEnergy.Cancel;
   const Spectrum spectrum = ToHighSpectrum(arguments.DualEnergy, arguments.XRays);
-  const Beam high = MakeBeam(table, spectrum, ToResponse(arguments.Response));
+  const Beam high = MakeBeam(table, spectrum, camera.Response);
   const double weight = CancellingWeight(camera.XRays, high, table.IndexOf(pair[0]),
     table.IndexOf(pair[1]), arguments.DualEnergy.ThicknessMm);
   const Camera second{ arguments, camera.Projector, camera.Surface, high, camera.Decrements,
-    spectrum };
+    spectrum, camera.Response };
   const Exposure atLow = camera.Take(source, detector, 0, ShareOf(progress, 0.2, 0.5));
   const Exposure atHigh = second.Take(source, detector, 1, ShareOf(progress, 0.5, 0.8));
   ReportProgress(progress, 0.8, "writing");
@@ -595,7 +597,8 @@ void Run(ProjectArguments& arguments)
     : ReadMeshScene(arguments.Mesh, known);
   const MaterialTable& table = scene.Materials;
   const SurfaceMesh& surface = scene.Surface;
-  const Beam beam = MakeBeam(table, spectrum, ToResponse(arguments.Response));
+  const DetectorResponse response = ToResponse(arguments.Response);
+  const Beam beam = MakeBeam(table, spectrum, response);
   const std::vector<double> decrements =
     arguments.RefractionLaw.empty() ? std::vector<double>() : RefractiveDecrements(spectrum, table);
   XRaySource source;
@@ -618,7 +621,7 @@ void Run(ProjectArguments& arguments)
   }
   const auto projector = MakeProjector(options);
   projector->SetSurface(surface);
-  const Camera camera{ arguments, *projector, surface, beam, decrements, spectrum };
+  const Camera camera{ arguments, *projector, surface, beam, decrements, spectrum, response };
   const std::string warning = arguments.Series.IsAsked()
     ? RunSeries(camera, source, detector, gantry, progress)
     : arguments.DualEnergy.IsAsked()

@@ -67,30 +67,12 @@ MeshingOptions OptionsOf(const MeshCase& input, const MaterialTable& table)
   return options;
 }
 
-/// Adds the closed boundary of a material.
-void Append(const SurfaceMesh& boundary, int material, SurfaceMesh& all)
-{
-  const auto base = static_cast<std::uint32_t>(all.NumberOfPoints());
-  all.Points.insert(all.Points.end(), boundary.Points.begin(), boundary.Points.end());
-  for (const std::uint32_t id : boundary.Triangles)
-  {
-    all.Triangles.push_back(base + id);
-  }
-  const auto side = [material](std::uint16_t other)
-  { return static_cast<std::uint16_t>(other == 0 ? 0 : material); };
-  for (std::size_t triangle = 0; triangle < boundary.NumberOfTriangles(); ++triangle)
-  {
-    all.FrontMaterials.push_back(side(boundary.FrontMaterials[triangle]));
-    all.BackMaterials.push_back(side(boundary.BackMaterials[triangle]));
-  }
-}
-
 SurfaceMesh ReadSurfaces(const MeshCase& input, const MaterialTable& table)
 {
   SurfaceMesh all;
   for (const auto& [name, path] : input.Surfaces)
   {
-    Append(FromPolyData(ReadSurface(path)), table.IndexOf(name), all);
+    AppendBoundary(FromPolyData(ReadSurface(path)), table.IndexOf(name), all);
   }
   return all;
 }

@@ -213,4 +213,21 @@ SurfaceMesh ExtractInterfaces(const TetrahedralMesh& mesh, std::vector<std::int3
   turned.Check();
   return interfaces.Finish(pointIds);
 }
+
+void AppendBoundary(const SurfaceMesh& boundary, int material, SurfaceMesh& all)
+{
+  const auto base = static_cast<std::uint32_t>(all.NumberOfPoints());
+  all.Points.insert(all.Points.end(), boundary.Points.begin(), boundary.Points.end());
+  for (const std::uint32_t id : boundary.Triangles)
+  {
+    all.Triangles.push_back(base + id);
+  }
+  const auto side = [material](std::uint16_t other)
+  { return static_cast<std::uint16_t>(other == 0 ? 0 : material); };
+  for (std::size_t triangle = 0; triangle < boundary.NumberOfTriangles(); ++triangle)
+  {
+    all.FrontMaterials.push_back(side(boundary.FrontMaterials[triangle]));
+    all.BackMaterials.push_back(side(boundary.BackMaterials[triangle]));
+  }
+}
 }

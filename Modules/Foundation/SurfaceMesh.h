@@ -44,6 +44,11 @@ struct MAMMORAYFOUNDATION_EXPORT SurfaceMesh
  */
 MAMMORAYFOUNDATION_EXPORT SurfaceMesh ExtractInterfaces(const TetrahedralMesh& mesh,
   std::vector<std::int32_t>* pointIds = nullptr);
+
+/// Adds the closed boundary of a material: `boundary` says which of its sides are air (0), all
+/// others are `material`.
+MAMMORAYFOUNDATION_EXPORT void AppendBoundary(const SurfaceMesh& boundary, int material,
+  SurfaceMesh& all);
 }
 
 #endif

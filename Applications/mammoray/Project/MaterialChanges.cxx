@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Project/MaterialChanges.h"
 
+#include "CommandLine/OptionList.h"
 #include "SharedOptions.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/Foundation/Numbers.h"
@@ -43,15 +44,14 @@ void AddIodine(const std::vector<std::string>& additions, MaterialTable& table)
 {
   for (const std::string& text : additions)
   {
-    const std::size_t equals = text.find('=');
+    const std::string form = "MATERIAL=MG_PER_ML, 0 to 500";
+    const auto [name, number] = SplitAssignment(text, "--iodine", form);
     double iodine = 0;
-    if (equals == std::string::npos || !ToNumber(text.substr(equals + 1), iodine) ||
-      !(iodine >= 0 && iodine <= 500))
+    if (!ToNumber(number, iodine) || !(iodine >= 0 && iodine <= 500))
     {
-      throw InputError("--iodine: expected MATERIAL=MG_PER_ML, 0 to 500, found '" + text + "'");
+      throw InputError("--iodine: expected " + form + ", found '" + text + "'");
     }
-    table.Materials[static_cast<std::size_t>(table.IndexOf(text.substr(0, equals)))].IodineMgPerMl =
-      iodine;
+    table.Materials[static_cast<std::size_t>(table.IndexOf(name))].IodineMgPerMl = iodine;
   }
 }
 }

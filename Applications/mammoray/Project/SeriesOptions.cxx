@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Project/SeriesOptions.h"
 
-#include "Project/SpectrumOptions.h"
+#include "OutputFiles.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/Foundation/Numbers.h"
 #include "mammoray/IO/ProjectionImage.h"

@@ -5,8 +5,6 @@
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/IO/ShippedData.h"
 
-#include <filesystem>
-
 namespace mammoray
 {
 namespace
@@ -148,13 +146,5 @@ void CheckDualEnergy(const DualEnergyArguments& arguments)
     throw InputError("dual energy: expected --high-spectrum, --high-kev or --high-kvp beside "
                      "--cancel and --high-filter, found none");
   }
-}
-
-std::string BesideOutput(const std::string& output, const std::string& suffix)
-{
-  std::filesystem::path path(output);
-  const std::string extension = path.extension().string();
-  path.replace_extension();
-  return path.string() + suffix + extension;
 }
 }

@@ -63,9 +63,6 @@ Spectrum ToHighSpectrum(const DualEnergyArguments& arguments, const SpectrumArgu
 
 /// Refuses what does not go together.
 void CheckDualEnergy(const DualEnergyArguments& arguments);
-
-/// "scan.mha" has "scan_low.mha" and "scan_high.mha" beside it.
-std::string BesideOutput(const std::string& output, const std::string& suffix);
 }
 
 #endif

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Project/SurfaceScene.h"
 
+#include "CommandLine/OptionList.h"
 #include "OutputFiles.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/Foundation/Numbers.h"
@@ -42,23 +43,6 @@ int MaterialFor(const std::string& text, MaterialTable& table)
   table.Materials.push_back(material);
   return static_cast<int>(table.Materials.size()) - 1;
 }
-
-void Append(const SurfaceMesh& part, int material, SurfaceMesh& all)
-{
-  const auto first = static_cast<std::uint32_t>(all.NumberOfPoints());
-  all.Points.insert(all.Points.end(), part.Points.begin(), part.Points.end());
-  for (const std::uint32_t corner : part.Triangles)
-  {
-    all.Triangles.push_back(first + corner);
-  }
-  // Which side is inside FromPolyData has found out.
-  const auto named = [&](std::uint16_t side)
-  { return side == 0 ? side : static_cast<std::uint16_t>(material); };
-  std::transform(part.FrontMaterials.begin(), part.FrontMaterials.end(),
-    std::back_inserter(all.FrontMaterials), named);
-  std::transform(part.BackMaterials.begin(), part.BackMaterials.end(),
-    std::back_inserter(all.BackMaterials), named);
-}
 }
 
 SurfaceScene ReadMeshScene(const std::string& path, const MaterialTable& table)
@@ -83,14 +67,10 @@ SurfaceScene ReadSurfaceScene(const std::vector<std::string>& surfaces, Material
   }
   for (const std::string& text : surfaces)
   {
-    // Mass fractions have no '=' and a path may have one.
-    const std::size_t equals = text.find('=');
-    if (equals == std::string::npos || equals == 0 || equals + 1 == text.size())
-    {
-      throw InputError("--surface: expected MATERIAL=FILE, found '" + text + "'");
-    }
-    const std::string path = CheckInputFile(text.substr(equals + 1));
-    const int material = MaterialFor(text.substr(0, equals), table);
+    // Mass fractions have no '=', and a path may have one.
+    const auto [name, path] = SplitAssignment(text, "--surface", "MATERIAL=FILE");
+    CheckInputFile(path);
+    const int material = MaterialFor(name, table);
     if (material == 0)
     {
       throw InputError("--surface " + text + ": expected a material, found air");
@@ -104,7 +84,7 @@ SurfaceScene ReadSurfaceScene(const std::vector<std::string>& surfaces, Material
       throw InputError("--surface " + text +
         ": expected a surface of one material, found several; --mesh takes it with a table");
     }
-    Append(part, material, scene.Surface);
+    AppendBoundary(part, material, scene.Surface);
   }
   scene.Materials = std::move(table);
   return scene;
