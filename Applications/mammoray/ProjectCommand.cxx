@@ -10,6 +10,7 @@
 #include "SharedOptions.h"
 #include "mammoray/IO/DicomWriter.h"
 #include "mammoray/IO/MammogramSynthesis.h"
+#include "mammoray/IO/MeshConversion.h"
 #include "mammoray/IO/ProjectionImage.h"
 #include "mammoray/IO/ShippedData.h"
 #include "mammoray/IO/WholeOutput.h"
