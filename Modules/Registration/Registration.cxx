@@ -4,6 +4,7 @@
 #include "Private/SearchLevel.h"
 #include "Private/ValidateRegistration.h"
 #include "mammoray/Foundation/Error.h"
+#include "mammoray/Foundation/Numbers.h"
 
 #include <algorithm>
 #include <cmath>
@@ -19,6 +20,11 @@ namespace
 /// from the best cost this much more. The predictor is off by more than two.
 constexpr double NegligibleFall = 0.125;
 constexpr double NegligibleFallOfPredictor = 2;
+
+/// Outlines that are so far apart on average when the coarse resolutions have been searched are not
+/// of one breast: right ones are within 3 mm then. The finest, which takes most of the time, is
+/// left out.
+constexpr double HopelessOutlineMm = 10;
 
 /// Where stages of a search end, as parts of its time: the start chosen, coarse resolutions
 /// searched by the predictor, the simulation itself where that got to. Of a study's 150 to 200 s.
@@ -164,8 +170,9 @@ private:
         this->KeepBefore(mammogram);
         this->Choose(predictors.back(), mammogram, progress);
       }
-      const bool goesOn = this->Levels(predictors, 0, finest, StartEnds, CoarseEnds);
-      // A stop takes effect once the simulation itself has been where the predictor got to.
+      const bool goesOn =
+        this->Levels(predictors, 0, finest, StartEnds, CoarseEnds) && !this->EndsHopeless();
+      // An end takes effect once the simulation itself has been where the predictor got to.
       for (std::size_t number = 0; number < predictors.size(); ++number)
       {
         MammogramSearch& mammogram = this->Joint.Mammograms[number];
@@ -193,6 +200,27 @@ private:
       }
       return false;
     }
+  }
+
+  /// Whether outlines are too far apart to be searched on; says so in the results, then.
+  bool EndsHopeless()
+  {
+    double apart = 0;
+    for (MammogramSearch& mammogram : this->Joint.Mammograms)
+    {
+      apart = std::fmax(apart, this->AgreementOf(mammogram).MeanOutlineDistanceMm);
+    }
+    if (!(apart > HopelessOutlineMm))
+    {
+      return false;
+    }
+    for (MammogramSearch& mammogram : this->Joint.Mammograms)
+    {
+      mammogram.Result.Converged = false;
+      mammogram.Result.StopReason = "the outlines are still " + NumberText(std::round(apart)) +
+        " mm apart after the coarse search, and the fine one was left out";
+    }
+    return true;
   }
 
   /// What the options say, with the bounds of a mammogram's result.

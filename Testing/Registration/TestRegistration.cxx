@@ -193,6 +193,34 @@ TEST_F(Registration, PredictedSearchEndsWhereTheSimulationAloneEnds)
   }
 }
 
+TEST_F(Registration, OutlinesFarApartEndTheSearchBeforeItsFinestPixels)
+{
+  // The picture of a breast more than twice as large.
+  RegistrationTarget larger = *Target;
+  for (std::size_t axis = 0; axis < 2; ++axis)
+  {
+    larger.Origin[axis] *= 2.2;
+    larger.ColumnStep[axis] *= 2.2;
+    larger.RowStep[axis] *= 2.2;
+  }
+  for (float& distance : larger.SignedDistanceMm)
+  {
+    distance *= 2.2F;
+  }
+  RegistrationOptions options = OptionsFrom(Truth());
+  options.PixelSizesMm = { 6.0, 4.0 };
+  const RegistrationResult result = Register(Model->Model, Model->Placement, larger, options, {});
+  EXPECT_FALSE(result.Converged);
+  EXPECT_NE(result.StopReason.find("the fine one was left out"), std::string::npos)
+    << result.StopReason;
+  EXPECT_GT(result.After.MeanOutlineDistanceMm, 10);
+  for (const RegistrationIteration& iteration : result.Iterations)
+  {
+    EXPECT_EQ(iteration.PixelSizeMm, 6);
+  }
+  EXPECT_FALSE(result.State.Positions.empty());
+}
+
 TEST_F(Registration, DifferencesEndWhereExactDerivativesEndAtMoreEquilibria)
 {
   RegistrationOptions options = OptionsNearTruth();
