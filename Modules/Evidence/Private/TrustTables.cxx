@@ -198,15 +198,17 @@ std::string TrustCurveSvg(const RegistrationEvidence& evidence)
     }
     text += "\"/>\n";
   }
-  const auto mark = [&](double limit)
+  // Marks may coincide, as where all right results and no wrong ones pass: labels one below
+  // another.
+  const auto mark = [&](double limit, int line)
   {
     const double x = Left + Edge * ShareAbove(results, false, false, limit);
     const double y = Top + Edge * (1 - ShareAbove(results, true, false, limit));
     return Line("<circle cx=\"%.1f\" cy=\"%.1f\" r=\"4\" fill=\"#0284c7\"/><text x=\"%.1f\" "
                 "y=\"%.1f\">%.2f</text>\n",
-      x, y, x + 8, y + 16, limit);
+      x, y, x + 8, y + 16 + 14 * line, limit);
   };
-  return text + mark(LeastTissueCorrelation) + mark(GoodTissueCorrelation) +
+  return text + mark(LeastTissueCorrelation, 0) + mark(GoodTissueCorrelation, 1) +
     Line("<text x=\"%.0f\" y=\"%.0f\" text-anchor=\"middle\">share of wrong results that pass, 0 "
          "to 1</text>\n<text transform=\"translate(22 %.0f) rotate(-90)\" "
          "text-anchor=\"middle\">share of right results that pass, 0 to 1</text>\n<text x=\"%.0f\" "
