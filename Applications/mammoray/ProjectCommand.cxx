@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Commands.h"
-#include "DicomOptions.h"
 #include "OutputFiles.h"
 #include "ProgressBar.h"
 #include "Project/MaterialChanges.h"
-#include "Project/SeriesOptions.h"
-#include "Project/SpectrumOptions.h"
+#include "Project/ProjectOptions.h"
 #include "Project/SurfaceScene.h"
 #include "SharedOptions.h"
 #include "mammoray/IO/DicomWriter.h"
@@ -14,6 +12,7 @@
 #include "mammoray/IO/ProjectionImage.h"
 #include "mammoray/IO/ShippedData.h"
 #include "mammoray/IO/WholeOutput.h"
+#include "mammoray/XRay/Display.h"
 #include "mammoray/XRay/DualEnergy.h"
 #include "mammoray/XRay/Exposure.h"
 #include "mammoray/XRay/OpenField.h"
@@ -32,168 +31,6 @@ namespace mammoray
 {
 namespace
 {
-struct ProjectArguments
-{
-  std::string Mesh;
-  /// In place of it, MATERIAL=FILE each.
-  std::vector<std::string> Surfaces;
-  std::string Materials;
-  std::vector<std::string> Attenuations;
-  bool AcceptUnusual = false;
-  SpectrumArguments XRays;
-  DualEnergyArguments DualEnergy;
-  ResponseArguments Response;
-  std::string Orientation = "LPS";
-  MammographyUnit Unit;
-  BreastPose Pose;
-  /// Where given, in place of what unit and pose say.
-  std::optional<Vector3> Anchor;
-  std::optional<Vector3> Source;
-  std::optional<Vector3> BeamDirection;
-  std::optional<Vector3> DetectorOrigin;
-  std::optional<Vector3> ColumnDirection;
-  std::optional<Vector3> RowDirection;
-  int Columns = 720;
-  int Rows = 1080;
-  double PixelSpacingMm = 0.1;
-  int Samples = 1;
-  std::optional<std::array<double, 2>> FocalSpot;
-  ExposureOptions Exposure;
-  OpenFieldOptions Field;
-  /// Target angle, degrees, and depth, micrometres.
-  std::optional<std::array<double, 2>> Heel;
-  /// None: rays are straight.
-  std::string RefractionLaw;
-  /// Where given, instead of from the middle of the mesh.
-  std::optional<double> BendDistanceMm;
-  std::string Deflection;
-  SeriesArguments Series;
-  ProjectorOptions Projector;
-  std::vector<std::string> OverlapPriority;
-  std::optional<char> Laterality;
-  std::string View;
-  bool ForProcessing = false;
-  DicomPatient Patient;
-  std::string Output;
-  std::string PathLengths;
-  bool Overwrite = false;
-};
-
-/// What is X-rayed, with what, and what is written.
-void DeclareInput(const OptionList& add, ProjectArguments& arguments)
-{
-  add.Input("--mesh", arguments.Mesh,
-    "tetrahedra (.vtu, cell array Material) or triangles (.vtp, .stl, .ply, .obj, .glb), of "
-    "--materials");
-  add("--surface", arguments.Surfaces,
-    "in place of --mesh, closed surfaces of one material each: one of --materials, or what it is "
-    "made of, with the density in g/cm3 where that does not tell it ('Ti90Al6V4@4.43=matrix.stl'); "
-    "where they overlap see --overlap-priority")
-    ->type_name("MATERIAL=FILE ...");
-  AddMaterialsOption(add, arguments.Materials);
-  add("--attenuation", arguments.Attenuations,
-    "another attenuation of a material of the table, and density, g/cm3: a shipped table's name, a "
-    "NIST compound, a formula, or mass fractions ('gland=H:0.102 C:0.184 N:0.032 O:0.682@1.04')")
-    ->type_name("MATERIAL=ATTENUATION[@DENSITY]")
-    ->allow_extra_args(false);
-  AddAcceptUnusualFlag(add, arguments.AcceptUnusual);
-  add("-o,--output", arguments.Output,
-    "transmission, 0 to 1 (.mha .nrrd .tif .png); .vti holds path lengths and consistency too; "
-    ".dcm: a "
-    "DICOM mammogram")
-    ->required();
-  add("--path-lengths", arguments.PathLengths,
-    "write path lengths there, mm, one channel per material but air (.mha .nrrd .vti)");
-  DeclareSpectrum(add, arguments.XRays);
-  DeclareResponse(add, arguments.Response);
-}
-
-/// Where source and detector stand.
-void DeclareGeometry(const OptionList& add, ProjectArguments& arguments)
-{
-  AddOrientationOption(add, arguments.Orientation, "the mesh");
-  add("--source-to-detector", arguments.Unit.SourceToDetectorMm, Positive("mm"),
-    "source to receptor plane");
-  add("--support-height", arguments.Unit.SupportHeightMm, NonNegative("mm"),
-    "breast support above the receptor");
-  AddPoseOption(add, PoseParameters[ThicknessParameter], arguments.Pose.ThicknessMm,
-    "; the anchor lies in the middle");
-  AddPoseOptions(add, arguments.Pose);
-  add.Numbers("--anchor", arguments.Anchor, "X Y Z",
-    "point the pose refers to; default: middle of the mesh at the chest wall");
-  add.Numbers("--source", arguments.Source, "X Y Z",
-    "position of the source, instead of the unit's");
-  add.Numbers("--beam-direction", arguments.BeamDirection, "X Y Z",
-    "parallel X-rays that travel in this direction, instead of a point source");
-  add.Numbers("--detector-origin", arguments.DetectorOrigin, "X Y Z",
-    "centre of the pixel in column 0 and row 0, instead of the unit's");
-  add.Numbers("--column-direction", arguments.ColumnDirection, "X Y Z",
-    "from a pixel to that of the next column");
-  add.Numbers("--row-direction", arguments.RowDirection, "X Y Z",
-    "from a pixel to that of the next row");
-}
-
-void DeclareDetector(const OptionList& add, ProjectArguments& arguments)
-{
-  add("--columns", arguments.Columns, Between(1, 65535), "pixels per row");
-  add("--rows", arguments.Rows, Between(1, 65535), "pixels per column");
-  add("--pixel-spacing", arguments.PixelSpacingMm, Positive("mm"), "distance of pixel centres");
-  add("--samples", arguments.Samples, Between(1, 16),
-    "samples x samples rays per pixel; their transmissions are averaged");
-  add
-    .Numbers("--focal-spot", arguments.FocalSpot, "W H",
-      "edges of the focal spot along columns and rows, mm; default: a point")
-    ->check(*Between(0, 100).Range);
-  add("--focal-spot-samples", arguments.Exposure.FocalSpotSamples, Between(1, 32),
-    "n x n source points for the focal spot; each costs a projection");
-  add("--photons", arguments.Exposure.PhotonsPerPixel, Between(0, 1e12),
-    "photons that meet a pixel without the object, on average; adds quantum noise, 0 adds none");
-  add("--electronic-noise", arguments.Exposure.ElectronicNoisePhotons, Between(0, 1e6),
-    "standard deviation of the detector's own noise, in signals of one photon; needs --photons");
-  add("--half-modulation", arguments.Exposure.HalfModulationPerMm, Between(0, 1000, "1/mm"),
-    "frequency at which the detector's modulation transfer is 1/2, a Gaussian, besides that of its "
-    "pixels (--samples); blurs signal and quantum noise, 0 does not");
-  add.Flag("--inverse-square", arguments.Field.InverseSquare,
-    "fewer photons farther from the focus, and where they come in obliquely; 1 where they come in "
-    "at right angles");
-  add.Numbers("--heel", arguments.Heel, "DEG UM",
-    "heel effect: angle between target and central ray, depth at which photons are made in the "
-    "target, micrometres ('22 0.5'); the anode lies along the columns' direction");
-  add.Word("--refraction", arguments.RefractionLaw, { "geometric", "near-field" },
-    "bend rays where they pass bodies, by geometric optics or by the near field of the transport "
-    "of "
-    "intensity; materials need compositions (--attenuation)");
-  add("--bend-distance", arguments.BendDistanceMm, NonNegative("mm"),
-    "from where rays are bent to the detector; default: from the middle of the mesh");
-  add("--deflection", arguments.Deflection,
-    "write the angles by which --refraction bends rays there, radians along columns and rows, two "
-    "channels (.mha .nrrd .vti)");
-  add("--seed", arguments.Exposure.Seed, "of the noise: the same seed, the same image");
-  DeclareSeries(add, arguments.Series);
-  DeclareDualEnergy(add, arguments.DualEnergy);
-  AddProjectorOptions(add, arguments.Projector);
-  add("--overlap-priority", arguments.OverlapPriority,
-    "where parts overlap though their surfaces say air, count the first of these MATERIALs that is "
-    "there, once; others follow in the table's order. Default: such stretches count for each part, "
-    "with a warning (beyond 20,000 triangles where lines through the picture and through each "
-    "part meet some; mesh --check finds every crossing). Rays through overlaps are followed twice, "
-    "on the host")
-    ->type_name("MATERIAL ...");
-}
-
-void Declare(const OptionList& add, ProjectArguments& arguments)
-{
-  DeclareInput(add, arguments);
-  DeclareGeometry(add, arguments);
-  DeclareDetector(add, arguments);
-  AddDicomPictureOptions(add, arguments.Laterality, arguments.ForProcessing,
-    "needed for a mammogram");
-  add.Group("DICOM").Word("--view", arguments.View, { "CC", "MLO", "ML", "LM", "LMO", "FB" },
-    "the mammogram's view; default: the one of the roll");
-  AddDicomPatientOptions(add, arguments.Patient, false);
-  AddOverwriteFlag(add, arguments.Overwrite);
-}
-
 /// Of length 1.
 Vector3 ToUnitVector(const Vector3& vector, const char* option)
 {
@@ -345,10 +182,10 @@ void CheckRefraction(const ProjectArguments& arguments)
   }
   const ExposureOptions& exposure = arguments.Exposure;
   if (exposure.PhotonsPerPixel > 0 || exposure.HalfModulationPerMm > 0 || arguments.FocalSpot ||
-    arguments.Heel || arguments.Field.InverseSquare)
+    arguments.Heel || arguments.Field.InverseSquare || !arguments.Scatter.Method.empty())
   {
-    throw InputError("--refraction: expected no noise, blur, focal spot, heel or inverse square "
-                     "beside it, found some");
+    throw InputError("--refraction: expected no noise, blur, focal spot, heel, inverse square or "
+                     "scatter beside it, found some");
   }
   if (!arguments.Deflection.empty())
   {
@@ -382,6 +219,12 @@ void CheckInputs(const ProjectArguments& arguments)
 void CheckOutputs(const ProjectArguments& arguments)
 {
   CheckRefraction(arguments);
+  CheckScatter(arguments.Scatter, IsPlacedByUnit(arguments));
+  if (arguments.Display &&
+    (arguments.ForProcessing || arguments.Series.IsAsked() || arguments.DualEnergy.IsAsked()))
+  {
+    throw InputError("--display: expected one picture, not For Processing, found another");
+  }
   CheckSeries(arguments.Series, arguments.Output);
   CheckDualEnergy(arguments.DualEnergy);
   if (arguments.DualEnergy.IsAsked())
@@ -430,11 +273,18 @@ void CheckOutputs(const ProjectArguments& arguments)
 }
 
 void WriteMammogramFile(const ProjectArguments& arguments, Mammogram mammogram,
-  const Exposure& exposure)
+  const Exposure& exposure, const XRayDetector& detector)
 {
-  SetPixels(mammogram, exposure.LogAttenuation,
-    arguments.ForProcessing ? Mammogram::Intent::ForProcessing
-                            : Mammogram::Intent::ForPresentation);
+  if (arguments.Display)
+  {
+    SetDisplayPixels(mammogram, DisplayValues(exposure, detector));
+  }
+  else
+  {
+    SetPixels(mammogram, exposure.LogAttenuation,
+      arguments.ForProcessing ? Mammogram::Intent::ForProcessing
+                              : Mammogram::Intent::ForPresentation);
+  }
   DicomMammogramOptions options;
   options.Identity = arguments.Patient.Identity();
   options.Derivation = SyntheticDerivation(arguments.ForProcessing, "a breast");
@@ -451,6 +301,7 @@ struct Camera
   const std::vector<double>& Decrements;
   const Spectrum& Energies;
   const DetectorResponse& Response;
+  const ScatterSource& Scatter;
 
   /// The `number`-th of a series, with noise of its own.
   ExposureOptions Options(const XRaySource& source, const XRayDetector& detector, int number) const
@@ -459,6 +310,8 @@ struct Camera
     options.OpenField =
       ToOpenField(this->Arguments, source, detector, this->Energies, this->Response);
     options.Seed += static_cast<std::uint64_t>(number);
+    options.Secondary =
+      this->Scatter.Onto(source, detector, this->Arguments.Field.InverseSquare, options.Seed);
     return options;
   }
 
@@ -483,7 +336,12 @@ std::string RunOne(const Camera& camera, const XRaySource& source, const XRayDet
   const auto image = ToImage(exposure, detector, table.Names());
   if (mammogram)
   {
-    WriteMammogramFile(arguments, std::move(*mammogram), exposure);
+    WriteMammogramFile(arguments, std::move(*mammogram), exposure, detector);
+  }
+  else if (arguments.Display)
+  {
+    WriteProjection(ToImage(DisplayValues(exposure, detector), "Display", detector),
+      arguments.Output);
   }
   else
   {
@@ -508,8 +366,9 @@ std::string RunDualEnergy(const Camera& camera, const XRaySource& source,
   const Beam high = MakeBeam(table, spectrum, camera.Response);
   const double weight = CancellingWeight(camera.XRays, high, table.IndexOf(pair[0]),
     table.IndexOf(pair[1]), arguments.DualEnergy.ThicknessMm);
+  const ScatterSource scatter = camera.Scatter.Of(spectrum);
   const Camera second{ arguments, camera.Projector, camera.Surface, high, camera.Decrements,
-    spectrum, camera.Response };
+    spectrum, camera.Response, scatter };
   const Exposure atLow = camera.Take(source, detector, 0, ShareOf(progress, 0.2, 0.5));
   const Exposure atHigh = second.Take(source, detector, 1, ShareOf(progress, 0.5, 0.8));
   ReportProgress(progress, 0.8, "writing");
@@ -584,6 +443,7 @@ std::string RunSeries(const Camera& camera, const XRaySource& source, const XRay
 
 void Run(ProjectArguments& arguments)
 {
+  ApplyUnit(arguments);
   CheckInputs(arguments);
   CheckOutputs(arguments);
   const ProgressCallback progress = MakeProgressBar();
@@ -622,13 +482,31 @@ void Run(ProjectArguments& arguments)
   }
   const auto projector = MakeProjector(options);
   projector->SetSurface(surface);
-  const Camera camera{ arguments, *projector, surface, beam, decrements, spectrum, response };
+  const std::shared_ptr<const VoxelScene> voxels = arguments.Scatter.NeedsVoxels()
+    ? MakeVoxelScene(arguments.Scatter, surface, table, ShareOf(progress, 0.2, 0.3))
+    : nullptr;
+  const ScatterSource scatter(arguments.Scatter, arguments.Unit.SupportHeightMm, spectrum, response,
+    voxels);
+  const Camera camera{ arguments, *projector, surface, beam, decrements, spectrum, response,
+    scatter };
   const std::string warning = arguments.Series.IsAsked()
     ? RunSeries(camera, source, detector, gantry, progress)
     : arguments.DualEnergy.IsAsked()
     ? RunDualEnergy(camera, source, detector, table, progress)
     : RunOne(camera, source, detector, table, std::move(mammogram), progress);
+  const std::string dose = arguments.Scatter.Dose
+    ? DescribeDose(arguments.Scatter, *voxels, table, source, detector, spectrum,
+        arguments.Exposure.PhotonsPerPixel,
+        IsPlacedByUnit(arguments)
+          ? std::optional(arguments.Unit.SupportHeightMm + arguments.Pose.ThicknessMm)
+          : std::nullopt,
+        ShareOf(progress, 0.85, 1.0))
+    : std::string();
   ReportProgress(progress, 1.0, "done");
+  if (!dose.empty())
+  {
+    std::printf("%s\n", dose.c_str());
+  }
   if (arguments.Series.IsAsked())
   {
     std::printf("%d projections of ", arguments.Series.Number());
@@ -660,6 +538,6 @@ void AddProjectCommand(CLI::App& application)
     "source; "
     "columns run along +y, rows along -x (of a right breast's .dcm against them, as it is hung). "
     "Explicit positions replace that.",
-    Declare, Run);
+    DeclareProject, Run);
 }
 }

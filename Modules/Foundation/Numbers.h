@@ -2,6 +2,8 @@
 #ifndef mammoray_Numbers_h
 #define mammoray_Numbers_h
 
+#include "mammoray/Foundation/Error.h"
+
 #include <charconv>
 #include <cstdio>
 #include <string>
@@ -24,6 +26,17 @@ inline std::string NumberText(double value)
   char text[32];
   std::snprintf(text, sizeof text, "%g", value);
   return text;
+}
+
+/// Throws InputError "WHERE: expected NAME from LOW to HIGH, found VALUE" unless it is; NaN is not.
+inline void RequireBetween(const std::string& where, const std::string& name, double value,
+  double low, double high)
+{
+  if (!(value >= low && value <= high))
+  {
+    throw InputError(where + ": expected " + name + " from " + NumberText(low) + " to " +
+      NumberText(high) + ", found " + NumberText(value));
+  }
 }
 }
 

@@ -47,6 +47,19 @@ std::string ViewOfRoll(double rollDeg, char laterality)
   static constexpr const char* Views[] = { "FB", "", "LM", "LMO", "CC", "MLO", "ML", "", "FB" };
   return Views[std::lround((medial + 180) / 45)];
 }
+
+/// The number of pixels that the mammogram says and the values have.
+std::size_t CheckedPixelCount(const Mammogram& mammogram, const std::vector<float>& values)
+{
+  const std::size_t pixelCount =
+    static_cast<std::size_t>(mammogram.Columns) * static_cast<std::size_t>(mammogram.Rows);
+  if (values.size() != pixelCount)
+  {
+    throw InputError("mammogram: expected " + std::to_string(pixelCount) + " pixels, found " +
+      std::to_string(values.size()));
+  }
+  return pixelCount;
+}
 }
 
 XRayDetector DetectorOfUnit(const VolumeFromGantry& placed, int columns, int rows,
@@ -104,13 +117,7 @@ Mammogram DescribeProjection(const XRaySource& source, const XRayDetector& detec
 void SetPixels(Mammogram& mammogram, const std::vector<float>& logAttenuation,
   Mammogram::Intent intent)
 {
-  const std::size_t pixelCount =
-    static_cast<std::size_t>(mammogram.Columns) * static_cast<std::size_t>(mammogram.Rows);
-  if (logAttenuation.size() != pixelCount)
-  {
-    throw InputError("mammogram: expected " + std::to_string(pixelCount) + " pixels, found " +
-      std::to_string(logAttenuation.size()));
-  }
+  const std::size_t pixelCount = CheckedPixelCount(mammogram, logAttenuation);
   const bool processing = intent == Mammogram::Intent::ForProcessing;
   mammogram.PresentationIntent = intent;
   mammogram.InvertedForDisplay = processing;
@@ -130,6 +137,26 @@ void SetPixels(Mammogram& mammogram, const std::vector<float>& logAttenuation,
     const double stored = processing ? ProcessingValuesPerTransmission * std::exp(-value)
                                      : PresentationValuesPerLogAttenuation * value;
     mammogram.Pixels[pixel] = static_cast<float>(std::round(std::clamp(stored, 0.0, 65535.0)));
+  }
+}
+
+void SetDisplayPixels(Mammogram& mammogram, const std::vector<float>& values)
+{
+  const std::size_t pixelCount = CheckedPixelCount(mammogram, values);
+  mammogram.PresentationIntent = Mammogram::Intent::ForPresentation;
+  mammogram.InvertedForDisplay = false;
+  mammogram.IntensityRelationship = Mammogram::Relationship::Unknown;
+  mammogram.IntensitySign = -1;
+  mammogram.BitsStored = 12;
+  mammogram.Pixels.resize(pixelCount);
+  for (std::size_t pixel = 0; pixel < pixelCount; ++pixel)
+  {
+    if (!(values[pixel] >= 0 && values[pixel] <= 1))
+    {
+      throw InputError("mammogram: expected values of 0 to 1, found " +
+        std::to_string(values[pixel]) + " in pixel " + std::to_string(pixel));
+    }
+    mammogram.Pixels[pixel] = std::round(4095 * values[pixel]);
   }
 }
 }

@@ -45,6 +45,10 @@ MAMMORAYIO_EXPORT Mammogram DescribeProjection(const XRaySource& source,
  */
 MAMMORAYIO_EXPORT void SetPixels(Mammogram& mammogram, const std::vector<float>& logAttenuation,
   Mammogram::Intent intent);
+
+/// The same For Presentation, 12 bits, of what a unit shows: values of 0, black, to 1
+/// (DisplayValues). Throws InputError on another number of them and on values out of that range.
+MAMMORAYIO_EXPORT void SetDisplayPixels(Mammogram& mammogram, const std::vector<float>& values);
 }
 
 #endif

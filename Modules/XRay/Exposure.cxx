@@ -4,42 +4,18 @@
 #include "Private/Physics/DetectorBlur.h"
 #include "Private/SampleGrid.h"
 #include "mammoray/Foundation/Error.h"
+#include "mammoray/Foundation/Numbers.h"
+#include "mammoray/XRay/RandomStream.h"
 
 #include <algorithm>
 #include <cmath>
 #include <functional>
 #include <numbers>
-#include <sstream>
 
 namespace mammoray
 {
 namespace
 {
-/// Random numbers of one pixel: splitmix64 (Steele, Lea, Flood 2014) from seed and pixel.
-class PixelRandom
-{
-public:
-  PixelRandom(std::uint64_t seed, std::uint64_t pixel)
-    : State(Mix(seed + 0x9e3779b97f4a7c15) ^ Mix(pixel * 0x9e3779b97f4a7c15 + 1))
-  {
-  }
-  /// A number in (0, 1), evenly spread, of 53 bits.
-  double Uniform()
-  {
-    this->State += 0x9e3779b97f4a7c15;
-    return (static_cast<double>(Mix(this->State) >> 11) + 0.5) * 0x1p-53;
-  }
-
-private:
-  static std::uint64_t Mix(std::uint64_t value)
-  {
-    value = (value ^ (value >> 30)) * 0xbf58476d1ce4e5b9;
-    value = (value ^ (value >> 27)) * 0x94d049bb133111eb;
-    return value ^ (value >> 31);
-  }
-  std::uint64_t State;
-};
-
 /// ln k!
 double LogFactorial(double k)
 {
@@ -49,7 +25,7 @@ double LogFactorial(double k)
 
 /// A number of a Poisson distribution. Uniform numbers are multiplied below a mean of 10; above it
 /// Hormann's transformed rejection PTRS is used (Insurance: Mathematics and Economics 12, 1993).
-double PoissonNumber(double mean, PixelRandom& random)
+double PoissonNumber(double mean, RandomStream& random)
 {
   if (mean < 10)
   {
@@ -84,17 +60,6 @@ double PoissonNumber(double mean, PixelRandom& random)
   }
 }
 
-void CheckRange(const char* name, double value, double low, double high)
-{
-  if (!(value >= low && value <= high))
-  {
-    std::ostringstream text;
-    text << "exposure: expected " << name << " from " << low << " to " << high << ", found "
-         << value;
-    throw InputError(text.str());
-  }
-}
-
 std::vector<XRaySource> SpotSources(const XRaySource& source, const XRayDetector& detector,
   const ExposureOptions& options)
 {
@@ -125,7 +90,7 @@ std::vector<XRaySource> SpotSources(const XRaySource& source, const XRayDetector
 /// One detector per sample within the pixels.
 std::vector<XRayDetector> SampleDetectors(const XRayDetector& detector)
 {
-  CheckRange("samples", detector.Samples, 1, 16);
+  RequireBetween("exposure", "samples", detector.Samples, 1, 16);
   std::vector<XRayDetector> detectors;
   for (const auto& [column, row] : SampleOffsets(detector.Samples))
   {
@@ -159,7 +124,7 @@ void AddLengths(const PathLengthImage& image, float weight, PathLengthImage& mea
 }
 
 /// `mean` photons' worth of signal with `variance`, both per incident photon.
-double NoisyTransmission(double mean, double variance, double photons, PixelRandom& random)
+double NoisyTransmission(double mean, double variance, double photons, RandomStream& random)
 {
   if (!(mean > 0 && variance > 0))
   {
@@ -170,20 +135,50 @@ double NoisyTransmission(double mean, double variance, double photons, PixelRand
   return scale / photons * PoissonNumber(photons * mean / scale, random);
 }
 
+/// Adds the open field and what comes beside primary radiation to transmissions, and to their
+/// variances where there are any.
+void AddFields(const ExposureOptions& options, const PathLengthImage& lengths,
+  std::vector<double>& variance, std::vector<double>& transmission)
+{
+  for (std::size_t pixel = 0; pixel < options.OpenField.size(); ++pixel)
+  {
+    transmission[pixel] *= options.OpenField[pixel];
+    if (!variance.empty())
+    {
+      variance[pixel] *= options.OpenField[pixel];
+    }
+  }
+  if (!options.Secondary)
+  {
+    return;
+  }
+  const std::vector<double> secondary = options.Secondary(lengths, transmission);
+  if (secondary.size() != transmission.size())
+  {
+    throw InputError("exposure: expected secondary radiation of " +
+      std::to_string(transmission.size()) + " pixels, found " + std::to_string(secondary.size()));
+  }
+  for (std::size_t pixel = 0; pixel < transmission.size(); ++pixel)
+  {
+    const double primary = transmission[pixel];
+    transmission[pixel] += secondary[pixel];
+    if (!variance.empty())
+    {
+      variance[pixel] =
+        primary > 0 ? variance[pixel] * transmission[pixel] / primary : transmission[pixel];
+    }
+  }
+}
+
 /// From mean transmissions, and their variances where there is noise, to what is detected.
 void Detect(const XRayDetector& detector, const ExposureOptions& options,
   const std::vector<double>& variance, std::vector<double>& transmission)
 {
-  for (std::size_t pixel = 0; pixel < transmission.size(); ++pixel)
+  for (std::size_t pixel = 0; options.PhotonsPerPixel > 0 && pixel < transmission.size(); ++pixel)
   {
-    const double open = options.OpenField.empty() ? 1.0 : options.OpenField[pixel];
-    transmission[pixel] *= open;
-    if (options.PhotonsPerPixel > 0)
-    {
-      PixelRandom random(options.Seed, pixel);
-      transmission[pixel] = NoisyTransmission(transmission[pixel], open * variance[pixel],
-        options.PhotonsPerPixel, random);
-    }
+    RandomStream random(options.Seed, pixel);
+    transmission[pixel] =
+      NoisyTransmission(transmission[pixel], variance[pixel], options.PhotonsPerPixel, random);
   }
   if (options.HalfModulationPerMm > 0)
   {
@@ -195,7 +190,7 @@ void Detect(const XRayDetector& detector, const ExposureOptions& options,
        ++pixel)
   {
     // Two numbers of another stream make a normal one (Box and Muller 1958).
-    PixelRandom random(~options.Seed, pixel);
+    RandomStream random(~options.Seed, pixel);
     const double radius = std::sqrt(-2 * std::log(random.Uniform()));
     const double normal = radius * std::cos(2 * std::numbers::pi * random.Uniform());
     transmission[pixel] += options.ElectronicNoisePhotons / options.PhotonsPerPixel * normal;
@@ -219,7 +214,7 @@ Exposure ExposeBy(
   }
   Exposure exposure;
   if (sources.size() * detectors.size() == 1 && !noise && options.OpenField.empty() &&
-    options.HalfModulationPerMm == 0)
+    options.HalfModulationPerMm == 0 && !options.Secondary)
   {
     exposure.Lengths = project(sources.front(), detectors.front());
     exposure.Transmission = beam.Transmission(exposure.Lengths);
@@ -241,6 +236,7 @@ Exposure ExposeBy(
       done += weight;
     }
   }
+  AddFields(options, exposure.Lengths, variance, transmission);
   Detect(detector, options, variance, transmission);
   const double least = noise ? 0.5 / options.PhotonsPerPixel : 1e-300;
   exposure.Transmission.resize(pixelCount);
@@ -257,14 +253,15 @@ Exposure ExposeBy(
 
 void ExposureOptions::Validate() const
 {
-  CheckRange("a focal spot (mm)", this->FocalSpotColumnMm, 0, 1e3);
-  CheckRange("a focal spot (mm)", this->FocalSpotRowMm, 0, 1e3);
-  CheckRange("focal spot samples", this->FocalSpotSamples, 1, 32);
-  CheckRange("photons per pixel", this->PhotonsPerPixel, 0, 1e12);
-  CheckRange("electronic noise (photons)", this->ElectronicNoisePhotons, 0, 1e6);
+  RequireBetween("exposure", "a focal spot (mm)", this->FocalSpotColumnMm, 0, 1e3);
+  RequireBetween("exposure", "a focal spot (mm)", this->FocalSpotRowMm, 0, 1e3);
+  RequireBetween("exposure", "focal spot samples", this->FocalSpotSamples, 1, 32);
+  RequireBetween("exposure", "photons per pixel", this->PhotonsPerPixel, 0, 1e12);
+  RequireBetween("exposure", "electronic noise (photons)", this->ElectronicNoisePhotons, 0, 1e6);
   if (this->HalfModulationPerMm != 0)
   {
-    CheckRange("half modulation (cycles per mm)", this->HalfModulationPerMm, 0.1, 1000);
+    RequireBetween("exposure", "half modulation (cycles per mm)", this->HalfModulationPerMm, 0.1,
+      1000);
   }
   if (this->ElectronicNoisePhotons > 0 && !(this->PhotonsPerPixel > 0))
   {

@@ -8,6 +8,7 @@
 #include "mammorayXRayModule.h"
 
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 namespace mammoray
@@ -29,6 +30,12 @@ struct MAMMORAYXRAY_EXPORT ExposureOptions
    * multiplied by it.
    */
   std::vector<float> OpenField;
+  /**
+   * What else reaches the pixels, as scatter (ScatterModel): called with the mean path lengths and
+   * the mean transmissions, the open field's included, of which it returns what is to be added,
+   * Rows * Columns values that are not negative. Quantum noise is that of primary photons.
+   */
+  std::function<std::vector<double>(const PathLengthImage&, const std::vector<double>&)> Secondary;
   /// Frequency at which the detector's modulation transfer is 1/2, cycles per mm, besides that of
   /// its pixels (which their samples make); exp(-ln 2 (f / half)^2). It blurs signal and quantum
   /// noise. 0 leaves it out; else 0.1 to 1000.
@@ -63,10 +70,10 @@ struct MAMMORAYXRAY_EXPORT Exposure
  * get that distribution; an energy-integrating one's sum over energies is given its mean and
  * variance exactly and the shape of a scaled Poisson distribution (Bohm and Zech, Nucl. Instrum.
  * Methods A 748, 2014). The detector's blur
- * then joins pixels, its own noise comes last. No scatter.
+ * then joins pixels, its own noise comes last.
  *
- * Throws InputError on options out of range, on an open field of another size and on a focal spot
- * with a parallel beam.
+ * Throws InputError on options out of range, on an open field or secondary radiation of another
+ * size and on a focal spot with a parallel beam.
  */
 MAMMORAYXRAY_EXPORT Exposure Expose(PathLengthProjector& projector, const XRaySource& source,
   const XRayDetector& detector, const Beam& beam, const ExposureOptions& options = {},

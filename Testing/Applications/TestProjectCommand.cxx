@@ -269,6 +269,74 @@ TEST_F(ProjectCommand, TubeFiltersAndWhatAUnitAdds)
   EXPECT_EQ(this->Run(options + " --tube W --kvp 50"), 2);
 }
 
+TEST_F(ProjectCommand, ScatterByKernelsAndByPhotonsThatAreFollowed)
+{
+  this->ExpectRefused(this->Inputs + " --grid 5 31 65 -o " + this->Image, "expected --scatter");
+  this->ExpectRefused(this->Inputs + " --scatter kernels --source 0 0 600 -o " + this->Image,
+    "expected --air-gap");
+  this->ExpectRefused(this->Inputs +
+      " --scatter kernels --refraction geometric --attenuation fat=H2O -o " + this->Image,
+    "or scatter");
+  this->ExpectRefused(this->Inputs + " --scatter kernels --grid 0.1 31 65 -o " + this->Image,
+    "expected a ratio");
+  if (!HasDevice())
+  {
+    GTEST_SKIP() << "no Vulkan device";
+  }
+  // The middle of the brick, which has 20 mm of fat all around.
+  const std::string options = this->Inputs +
+    " --kev 20 --thickness 20 --support-height 15 --columns 30 --rows 20 --pixel-spacing 2 "
+    "--overwrite -o " +
+    this->Image;
+  const auto middle = [&](const std::string& more)
+  {
+    EXPECT_EQ(this->Run(options + more), 0) << this->Errors;
+    const std::vector<float> values = MhaValues(this->Image);
+    double sum = 0;
+    for (int place = 0; place < 64; ++place)
+    {
+      sum += values[static_cast<std::size_t>((6 + place / 8) * 30 + 11 + place % 8)];
+    }
+    return sum / 64;
+  };
+  const double primary = middle("");
+  const double kernels = middle(" --scatter kernels") - primary;
+  const double followed = middle(" --scatter monte-carlo --mc-photons 1e6") - primary;
+  EXPECT_GT(kernels, 0.03 * primary);
+  // Fat where the kernels have 25 % of gland, and a brick as small as what scatter travels: 15 %.
+  EXPECT_NEAR(kernels, followed, 0.15 * followed);
+  EXPECT_LT(middle(" --scatter kernels --grid 5 31 65") - primary, 0.4 * kernels);
+  EXPECT_LT(middle(" --scatter kernels --air-gap 100") - primary, 0.7 * kernels);
+}
+
+TEST_F(ProjectCommand, DoseAndTheUnitThatIsLikeARealOne)
+{
+  const std::string picture = this->Folder.File("picture.png");
+  const std::string options =
+    this->Inputs + " --thickness 20 --columns 80 --rows 40 --pixel-spacing 1 --overwrite -o ";
+  this->ExpectRefused(options + picture + " --display --turn 3", "--display: expected one picture");
+  if (!HasDevice())
+  {
+    GTEST_SKIP() << "no Vulkan device";
+  }
+  ASSERT_EQ(this->Run(options + picture + " --unit realistic --display --dose --mc-photons 1e5"), 0)
+    << this->Errors;
+  EXPECT_THAT(this->Output, testing::HasSubstr("W 29 kVp, 0.05 mm Rh"));
+  EXPECT_THAT(this->Output, testing::HasSubstr("22.0 mm above the detector; "));
+  EXPECT_THAT(this->Output, testing::ContainsRegex("fat +44.2 g +0\\.[2-6]"));
+  // Dark air, a bright brick.
+  const std::string shown = this->Folder.File("shown.mha");
+  ASSERT_EQ(this->Run(options + shown + " --display"), 0) << this->Errors;
+  const std::vector<float> values = MhaValues(shown);
+  EXPECT_LT(values[20 * 80 + 75], 0.2F);
+  EXPECT_GT(values[20 * 80 + 30], 0.3F);
+  const std::string dicom = this->Folder.File("shown.dcm");
+  ASSERT_EQ(this->Run(options + dicom + " --display --side left"), 0) << this->Errors;
+  testing_support::ExpectValidDicom(dicom);
+  const Mammogram mammogram = ReadMammogram(dicom);
+  EXPECT_EQ(mammogram.PresentationIntent, Mammogram::Intent::ForPresentation);
+}
+
 TEST_F(ProjectCommand, NoiseAndFocalSpot)
 {
   if (!HasDevice())

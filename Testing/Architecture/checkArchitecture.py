@@ -15,10 +15,11 @@ import re
 import sys
 
 # What each module may include beside itself and Foundation.
-SOLVERS = {"Biomechanics", "XRay", "Meshing", "Segmentation"}
+SOLVERS = {"Biomechanics", "XRay", "Scatter", "Meshing", "Segmentation"}
 MAY_INCLUDE = {
     "Foundation": set(),
     "XRay": set(),
+    "Scatter": {"XRay"},
     "Segmentation": set(),
     "Meshing": set(),
     "Biomechanics": set(),

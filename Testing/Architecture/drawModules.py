@@ -9,12 +9,14 @@ import pathlib
 import re
 import sys
 
+# None: a place that is left free, so that arrows pass.
 FLOORS = (
     ("what people run", ("Applications",)),
     ("what they link, see, send, are measured by", ("Filters", "Viewer", "Archive", "Evidence")),
     ("files in, result out", ("Case",)),
     ("pictures, HTML", ("Report",)),
     ("the problem; the file formats", ("Registration", "IO")),
+    ("X-rays that were turned", (None, None, "Scatter", None)),
     ("physics and geometry", ("Biomechanics", "XRay", "Meshing", "Segmentation")),
     ("what all share", ("Foundation",)),
 )
@@ -25,7 +27,7 @@ def dependencies(root):
     """Module -> what its sources include, Applications as one."""
     found = {}
     for _, modules in FLOORS:
-        for module in modules:
+        for module in filter(None, modules):
             folder = root / "Applications" / "mammoray" if module == "Applications" else root / "Modules" / module
             text = "".join(p.read_text() for p in sorted(folder.rglob("*")) if p.suffix in (".h", ".cxx"))
             found[module] = set(re.findall(r'#include "mammoray/(\w+)/', text)) - {module}
@@ -49,7 +51,8 @@ def draw(root):
         lines.append(f'<text x="16" y="{y + 22}" class="title">{title}</text>')
         step = (WIDTH - LEFT) / len(modules)
         for number, module in enumerate(modules):
-            place[module] = (LEFT + (number + 0.5) * step, y)
+            if module:
+                place[module] = (LEFT + (number + 0.5) * step, y)
     arrows = []
     for module, targets in without_implied(dependencies(root)).items():
         x, y = place[module]

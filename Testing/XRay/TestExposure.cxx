@@ -208,6 +208,31 @@ TEST(Exposure, AnOpenFieldScalesSignalAndNoise)
   EXPECT_THROW(Expose(projector, {}, detector, beam, options), InputError);
 }
 
+TEST(Exposure, SecondaryRadiationIsAddedToSignalAndNoise)
+{
+  const Beam beam = MakeBeam(Spectrum::Monochromatic(20), DetectorResponse::PhotonCounting);
+  AnalyticProjector projector([](const Vector3&, const Vector3&) { return 20.0; });
+  XRayDetector detector = Row(200, 0.1);
+  detector.Rows = 200;
+  ExposureOptions options;
+  options.OpenField.assign(40000, 0.5f);
+  options.Secondary = [](const PathLengthImage& lengths, const std::vector<double>& primary)
+  {
+    EXPECT_FLOAT_EQ(lengths.Material(1)[5], 20);
+    EXPECT_NEAR(primary[5], 0.5 * std::exp(-1.0), 1e-9);
+    return std::vector<double>(primary.size(), 0.3);
+  };
+  const double mean = 0.3 + 0.5 * std::exp(-1.0);
+  EXPECT_FLOAT_EQ(Expose(projector, {}, detector, beam, options).Transmission[77],
+    static_cast<float>(mean));
+  options.PhotonsPerPixel = 1000;
+  const Moments noisy = MomentsOf(Expose(projector, {}, detector, beam, options).Transmission);
+  EXPECT_NEAR(noisy.Variance / (mean / 1000), 1, 5 * std::sqrt(2.0 / 4e4));
+  options.Secondary = [](const PathLengthImage&, const std::vector<double>&)
+  { return std::vector<double>(3); };
+  EXPECT_THROW(Expose(projector, {}, detector, beam, options), InputError);
+}
+
 TEST(Exposure, AveragesTransmissionsNotPathLengths)
 {
   // Half of the middle pixel is behind 60 mm, as half of its 4 x 4 samples are.

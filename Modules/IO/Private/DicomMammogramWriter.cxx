@@ -70,9 +70,8 @@ void AddImage(gdcm::DataSet& data, const Mammogram& mammogram)
       { { 0x0028, 0x0004 }, VR::CS, mammogram.InvertedForDisplay ? "MONOCHROME1" : "MONOCHROME2" },
       { { 0x0028, 0x0301 }, VR::CS, "NO" }, // burned in annotation
       { { 0x0028, 0x1040 }, VR::CS,
-        relationship == Mammogram::Relationship::Linear          ? "LIN"
-          : relationship == Mammogram::Relationship::Logarithmic ? "LOG"
-                                                                 : "DISP" },
+        // Of what is made for display neither is true; the standard allows no third (C.8.11.3).
+        relationship == Mammogram::Relationship::Linear ? "LIN" : "LOG" },
       { { 0x0028, 0x1052 }, VR::DS, "0" }, { { 0x0028, 0x1053 }, VR::DS, "1" },
       { { 0x0028, 0x1054 }, VR::LO, "US" }, { { 0x0028, 0x2110 }, VR::CS, "00" }, // not lossy
       { { 0x2050, 0x0020 }, VR::CS, mammogram.InvertedForDisplay ? "INVERSE" : "IDENTITY" } });

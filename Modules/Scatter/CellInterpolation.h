@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+#ifndef mammoray_CellInterpolation_h
+#define mammoray_CellInterpolation_h
+
+#include <algorithm>
+#include <cstddef>
+#include <utility>
+#include <vector>
+
+namespace mammoray
+{
+/// Between the values of cells, row by row, linearly; `column` and `row` are whole numbers at their
+/// middles. Beyond the outermost middles as at them.
+template <typename Value>
+double BetweenCells(const std::vector<Value>& values, int columns, int rows, double column,
+  double row)
+{
+  const auto split = [](double place, int count)
+  {
+    const double within = std::clamp(place, 0.0, count - 1.0);
+    const int low = std::min(static_cast<int>(within), std::max(count - 2, 0));
+    return std::pair{ low, within - low };
+  };
+  const auto [left, right] = split(column, columns);
+  const auto [top, down] = split(row, rows);
+  const auto at = [&](int c, int r)
+  {
+    return static_cast<double>(
+      values[static_cast<std::size_t>(std::min(r, rows - 1)) * static_cast<std::size_t>(columns) +
+        static_cast<std::size_t>(std::min(c, columns - 1))]);
+  };
+  return (1 - down) * ((1 - right) * at(left, top) + right * at(left + 1, top)) +
+    down * ((1 - right) * at(left, top + 1) + right * at(left + 1, top + 1));
+}
+}
+
+#endif
