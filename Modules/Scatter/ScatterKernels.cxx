@@ -30,7 +30,9 @@ void CheckAxis(const char* name, const std::vector<double>& axis, std::size_t le
 {
   const bool ascends =
     std::adjacent_find(axis.begin(), axis.end(), std::greater_equal<>()) == axis.end();
-  if (axis.size() < least || !ascends || !(axis.front() >= low) || !std::isfinite(axis.back()))
+  constexpr std::size_t Most = 1000; // so that numbers of shares can be multiplied
+  if (axis.size() < least || axis.size() > Most || !ascends || !(axis.front() >= low) ||
+    !std::isfinite(axis.back()))
   {
     throw InputError(
       std::string("scatter kernels: expected ascending ") + name + ", found others or none");

@@ -16,6 +16,7 @@
 #include "mammoray/IO/DicomHeader.h"
 #include "mammoray/IO/LabelVolumeIO.h"
 #include "mammoray/IO/MaterialTableIO.h"
+#include "mammoray/IO/ScatterData.h"
 #include "mammoray/IO/ScratchFolder.h"
 #include "mammoray/XRay/Composition.h"
 
@@ -171,6 +172,7 @@ const std::map<std::string, Target>& FuzzTargets()
   ReadWithoutGuard();
   static const std::map<std::string, Target> targets{
     { "archive-answer", Refusing([](const std::string& bytes) { WhyNotStored(200, bytes); }) },
+    { "scatter", OfFile("a.csv", [](const std::string& path) { ReadScatterKernels(path); }) },
     { "attenuation", OfFile("a.csv", [](const std::string& path) { ReadAttenuationTable(path); }) },
     { "checkpoint", OfFile("checkpoint.json", ReadSearchPoints) },
     { "composition",
