@@ -6,8 +6,12 @@
 #include "mammoray/IO/MammogramSynthesis.h"
 #include "mammoray/IO/MeshConversion.h"
 #include "mammoray/IO/ProjectionImage.h"
+#include "mammoray/IO/ScatterData.h"
 #include "mammoray/IO/ShippedData.h"
+#include "mammoray/Scatter/ScatterModel.h"
+#include "mammoray/XRay/Composition.h"
 #include "mammoray/XRay/Exposure.h"
+#include "mammoray/XRay/Refraction.h"
 
 #include "vtkCellArray.h"
 #include "vtkCellData.h"
@@ -17,6 +21,7 @@
 #include "vtkInformationVector.h"
 #include "vtkMatrix3x3.h"
 #include "vtkObjectFactory.h"
+#include "vtkPointData.h"
 #include "vtkPolyData.h"
 #include "vtkSmartPointer.h"
 #include "vtkStreamingDemandDrivenPipeline.h"
@@ -142,6 +147,7 @@ struct vtkXRayProjector::Internals
     std::string Table; ///< empty: the constant coefficient counts
     double DensityGPerCm3 = 1.0;
     double MuPerMm = 0.0;
+    double IodineMgPerMl = 0.0;
 
     bool operator==(const Attenuation&) const = default;
   };
@@ -165,6 +171,9 @@ struct vtkXRayProjector::Internals
   void UploadGrid(vtkUnstructuredGrid* grid);
   std::string NameOf(int material) const;
   std::map<int, Attenuation> AttenuationsOf(const std::string& table, int materialCount) const;
+  /// What refracts, by the same.
+  std::vector<double> DecrementsFor(int materialCount,
+    const std::map<int, Attenuation>& attenuations, const mammoray::Spectrum& photons) const;
   Beam MakeBeamFor(int materialCount, const std::map<int, Attenuation>& attenuations,
     const mammoray::Spectrum& photons, const DetectorResponse& response) const;
 };
@@ -251,7 +260,8 @@ std::map<int, vtkXRayProjector::Internals::Attenuation> vtkXRayProjector::Intern
     if (found < materials.Materials.size())
     {
       const Material& entry = materials.Materials[found];
-      attenuations.insert({ material, { entry.Attenuation, entry.DensityGPerCm3, 0.0 } });
+      attenuations.insert(
+        { material, { entry.Attenuation, entry.DensityGPerCm3, 0.0, entry.IodineMgPerMl } });
     }
   }
   return attenuations;
@@ -286,6 +296,10 @@ Beam vtkXRayProjector::Internals::MakeBeamFor(int materialCount,
     {
       tables[index] = FindAttenuationTable(found->second.Table);
       densities[index] = found->second.DensityGPerCm3;
+      if (found->second.IodineMgPerMl > 0)
+      {
+        tables[index] = WithIodine(tables[index], densities[index], found->second.IodineMgPerMl);
+      }
     }
     else
     {
@@ -298,6 +312,24 @@ Beam vtkXRayProjector::Internals::MakeBeamFor(int materialCount,
     pointers[index] = &tables[index];
   }
   return Beam(photons, response, pointers, densities);
+}
+
+std::vector<double> vtkXRayProjector::Internals::DecrementsFor(int materialCount,
+  const std::map<int, Attenuation>& attenuations, const mammoray::Spectrum& photons) const
+{
+  mammoray::MaterialTable table;
+  for (int material = 0; material < materialCount; ++material)
+  {
+    Material& entry = table.Materials.emplace_back();
+    entry.Name = this->NameOf(material);
+    const auto found = attenuations.find(material);
+    if (material > 0 && found != attenuations.end())
+    {
+      entry.Attenuation = found->second.Table;
+      entry.DensityGPerCm3 = found->second.DensityGPerCm3;
+    }
+  }
+  return RefractiveDecrements(photons, table);
 }
 
 vtkStandardNewMacro(vtkXRayProjector);
@@ -362,14 +394,14 @@ void vtkXRayProjector::SetAttenuationTable(int material, const std::string& tabl
   double densityGPerCm3)
 {
   auto attenuations = this->Internal->Attenuations;
-  attenuations[material] = { table, densityGPerCm3, 0.0 };
+  attenuations[material] = { table, densityGPerCm3, 0.0, 0.0 };
   SetProperty(this, this->Internal->Attenuations, std::move(attenuations));
 }
 
 void vtkXRayProjector::SetLinearAttenuation(int material, double muPerMm)
 {
   auto attenuations = this->Internal->Attenuations;
-  attenuations[material] = { "", 1.0, muPerMm };
+  attenuations[material] = { "", 1.0, muPerMm, 0.0 };
   SetProperty(this, this->Internal->Attenuations, std::move(attenuations));
 }
 
@@ -465,6 +497,43 @@ int vtkXRayProjector::RequestData(vtkInformation*, vtkInformationVector** inputs
     });
 }
 
+ExposureOptions vtkXRayProjector::MakeExposureOptions(const XRaySource& source,
+  const XRayDetector& detector, const mammoray::Spectrum& photons,
+  const DetectorResponse& response) const
+{
+  ExposureOptions options;
+  options.PhotonsPerPixel = this->PhotonsPerPixel;
+  options.Seed = static_cast<std::uint64_t>(this->NoiseSeed);
+  options.Validate();
+  if (this->Refraction != NO_REFRACTION && (this->Scatter || this->PhotonsPerPixel > 0))
+  {
+    throw InputError("Refraction: expected neither Scatter nor PhotonsPerPixel, found one");
+  }
+  if (!this->Scatter)
+  {
+    if (this->Grid[0] != 0)
+    {
+      throw InputError("Grid: expected Scatter beside it, found none");
+    }
+    return options;
+  }
+  std::optional<AntiscatterGrid> grid;
+  if (this->Grid[0] != 0)
+  {
+    AntiscatterGridOptions made;
+    made.Ratio = this->Grid[0];
+    made.LinesPerMm = 0.1 * this->Grid[1];
+    made.SeptumMm = 1e-3 * this->Grid[2];
+    grid.emplace(made);
+  }
+  options.Secondary =
+    [source, detector,
+      model = ScatterModel(FindScatterKernels(), photons, response, this->AirGapMm, grid)](
+      const PathLengthImage& lengths, const std::vector<double>& primary)
+  { return model.Scatter(source, detector, TissueThickness(lengths), primary); };
+  return options;
+}
+
 void vtkXRayProjector::Project(vtkDataObject* input, vtkImageData* output)
 {
   XRaySource source;
@@ -500,15 +569,33 @@ void vtkXRayProjector::Project(vtkDataObject* input, vtkImageData* output)
   }
   const int materialCount = internal.Surface.NumberOfMaterials();
   const std::string& spectrum = FileOrName(this->SpectrumFile, this->Spectrum);
-  const Beam beam = internal.MakeBeamFor(materialCount,
-    internal.AttenuationsOf(FileOrName(this->MaterialTableFile, this->MaterialTable),
-      materialCount),
-    spectrum.empty() ? internal.Photons : FindSpectrum(spectrum),
-    this->PhotonCounting ? DetectorResponse::PhotonCounting : DetectorResponse::EnergyIntegrating);
-  const Exposure exposure =
-    Expose(*internal.Projector, source, detector, beam, {}, ProgressOf(this, 0.4, 0.8));
+  const mammoray::Spectrum photons = spectrum.empty() ? internal.Photons : FindSpectrum(spectrum);
+  const DetectorResponse response =
+    this->PhotonCounting ? DetectorResponse::PhotonCounting : DetectorResponse::EnergyIntegrating;
+  const auto attenuations = internal.AttenuationsOf(
+    FileOrName(this->MaterialTableFile, this->MaterialTable), materialCount);
+  const Beam beam = internal.MakeBeamFor(materialCount, attenuations, photons, response);
+  const ExposureOptions options = this->MakeExposureOptions(source, detector, photons, response);
+  RefractedImage refracted;
+  if (this->Refraction != NO_REFRACTION)
+  {
+    const RefractionOptions bend{ this->Refraction == GEOMETRIC ? RefractionOptions::Law::Geometric
+                                                                : RefractionOptions::Law::NearField,
+      this->BendDistanceMm };
+    refracted = Refract(*internal.Projector, internal.Surface.NumberOfPoints(), source, detector,
+      beam, internal.DecrementsFor(materialCount, attenuations, photons), bend,
+      ProgressOf(this, 0.4, 0.8));
+  }
+  const Exposure exposure = this->Refraction != NO_REFRACTION
+    ? ToExposure(refracted)
+    : Expose(*internal.Projector, source, detector, beam, options, ProgressOf(this, 0.4, 0.8));
   this->UpdateProgress(0.8);
   output->ShallowCopy(ToImage(exposure, detector, internal.MaterialNames));
+  if (this->Refraction != NO_REFRACTION)
+  {
+    output->GetPointData()->AddArray(
+      ToDeflectionImage(refracted, detector)->GetPointData()->GetArray("Deflection"));
+  }
   this->NumberOfInconsistentPixels =
     static_cast<vtkIdType>(exposure.Lengths.NumberOfInconsistentRays());
   if (this->NumberOfInconsistentPixels > 0)
@@ -541,6 +628,13 @@ void vtkXRayProjector::PrintSelf(ostream& os, vtkIndent indent)
   print("DetectorSize", this->DetectorSize);
   os << indent << "Samples: " << this->Samples << "\n";
   os << indent << "PhotonCounting: " << this->PhotonCounting << "\n";
+  os << indent << "PhotonsPerPixel: " << this->PhotonsPerPixel << "\n";
+  os << indent << "NoiseSeed: " << this->NoiseSeed << "\n";
+  os << indent << "Scatter: " << this->Scatter << "\n";
+  os << indent << "AirGapMm: " << this->AirGapMm << "\n";
+  print("Grid", this->Grid);
+  os << indent << "Refraction: " << this->Refraction << "\n";
+  os << indent << "BendDistanceMm: " << this->BendDistanceMm << "\n";
   os << indent << "MaterialTable: " << this->MaterialTable << "\n";
   os << indent << "MaterialTableFile: " << this->MaterialTableFile << "\n";
   os << indent << "Spectrum: " << this->Spectrum << "\n";

@@ -15,6 +15,8 @@
  * air, and "Consistency" (unsigned char, 1 = every ray of the pixel crossed closed surfaces, 0 =
  * the mesh leaks there and the value is estimated from neighbours).
  *
+ * With Refraction "Deflection" (float, radians along columns and rows) comes with them.
+ *
  * The Vulkan device and the mesh on it live across updates: moved points refit the structure, a
  * moved source or detector only traces again, and another beam or attenuation does not even that
  * (as long as the path lengths of all samples fit into 512 MiB). Unusable input, a material without
@@ -29,6 +31,9 @@
 
 namespace mammoray
 {
+struct DetectorResponse;
+struct ExposureOptions;
+struct Spectrum;
 struct XRayDetector;
 struct XRaySource;
 }
@@ -144,6 +149,58 @@ public:
   vtkSetMacro(PhotonCounting, bool);
   vtkGetMacro(PhotonCounting, bool);
   vtkBooleanMacro(PhotonCounting, bool);
+  ///@}
+
+  ///@{
+  /**
+   * Mean number of photons that meet a pixel without the object, 0 to 1e12; quantum noise of them
+   * is added from NoiseSeed. Default 0, no noise.
+   */
+  vtkSetMacro(PhotonsPerPixel, double);
+  vtkGetMacro(PhotonsPerPixel, double);
+  vtkSetMacro(NoiseSeed, int);
+  vtkGetMacro(NoiseSeed, int);
+  ///@}
+
+  ///@{
+  /**
+   * True where what breast tissue scatters is added, by the thickness along each ray
+   * (mammoray/Scatter/ScatterModel.h), AirGapMm from the back of the tissue to the detector, 0 to
+   * 200 mm. Defaults false, 17.
+   */
+  vtkSetMacro(Scatter, bool);
+  vtkGetMacro(Scatter, bool);
+  vtkBooleanMacro(Scatter, bool);
+  vtkSetMacro(AirGapMm, double);
+  vtkGetMacro(AirGapMm, double);
+  ///@}
+
+  ///@{
+  /**
+   * Anti-scatter grid of lead and fibre, focused on the source, before a detector with Scatter:
+   * ratio (0: no grid, the default; else 1 to 30), lines per cm (5 to 200), thickness of the septa,
+   * micrometres. Transmissions are relative to air behind it. Septa run along the rows' direction.
+   */
+  vtkSetVector3Macro(Grid, double);
+  vtkGetVector3Macro(Grid, double);
+  ///@}
+
+  enum RefractionType
+  {
+    NO_REFRACTION = 0,
+    GEOMETRIC = 1,
+    NEAR_FIELD = 2
+  };
+  ///@{
+  /**
+   * Whether rays are bent where they pass bodies (mammoray/XRay/Refraction.h), BendDistanceMm
+   * before the detector, not negative; materials need attenuations that are compositions. Without
+   * noise and scatter. Defaults NO_REFRACTION, 0.
+   */
+  vtkSetClampMacro(Refraction, int, NO_REFRACTION, NEAR_FIELD);
+  vtkGetMacro(Refraction, int);
+  vtkSetMacro(BendDistanceMm, double);
+  vtkGetMacro(BendDistanceMm, double);
   ///@}
 
   ///@{
@@ -264,6 +321,10 @@ private:
   void Project(vtkDataObject* input, vtkImageData* output);
   void PlaceBeam(vtkDataObject* input, mammoray::XRaySource& source,
     mammoray::XRayDetector& detector) const;
+  /// What the properties ask for beside primary radiation. Throws InputError.
+  mammoray::ExposureOptions MakeExposureOptions(const mammoray::XRaySource& source,
+    const mammoray::XRayDetector& detector, const mammoray::Spectrum& photons,
+    const mammoray::DetectorResponse& response) const;
 
   vtkXRayProjector(const vtkXRayProjector&) = delete;
   void operator=(const vtkXRayProjector&) = delete;
@@ -280,6 +341,13 @@ private:
   int DetectorSize[2] = { 256, 256 };
   int Samples = 1;
   bool PhotonCounting = false;
+  double PhotonsPerPixel = 0;
+  int NoiseSeed = 0;
+  bool Scatter = false;
+  double AirGapMm = 17;
+  double Grid[3] = { 0, 31, 65 };
+  int Refraction = NO_REFRACTION;
+  double BendDistanceMm = 0;
   std::string MaterialTable;
   std::string MaterialTableFile;
   std::string Spectrum;

@@ -131,6 +131,55 @@ TEST_F(XRayProjectorFilter, BrickMatchesClosedFormAndLiesAtTheDetector)
   EXPECT_DOUBLE_EQ(corner[2], -5);
 }
 
+TEST_F(XRayProjectorFilter, ScatterIsAddedAndAGridTakesItAway)
+{
+  this->Filter->SetInputData(Brick(100, 100, 40));
+  this->Filter->SetDetectorOrigin(2.5, 2.5, -17);
+  this->Filter->SetPixelSpacing(5, 5);
+  this->Filter->SetDetectorSize(20, 20);
+  const auto middle = [&]()
+  {
+    this->Filter->Update();
+    return this->Value("Transmission", 10 * 20 + 10);
+  };
+  const float primary = middle();
+  EXPECT_NEAR(primary, std::exp(-2.0), 1e-6);
+  this->Filter->ScatterOn();
+  const float scatter = middle() - primary;
+  // Boone and Cooper's ratio of 10 cm and 4 cm is 0.36.
+  EXPECT_NEAR(scatter / primary, 0.36, 0.06);
+  this->Filter->SetGrid(5, 31, 65);
+  EXPECT_LT(middle() - primary, 0.3F * scatter);
+  this->Filter->SetPhotonsPerPixel(1e4);
+  EXPECT_NE(middle(), primary);
+  EXPECT_NEAR(middle(), primary, 0.2 * primary); // noise of 3 %, and scatter
+  EXPECT_EQ(this->Errors->Count, 0) << this->Errors->Text;
+  this->Filter->ScatterOff();
+  this->Filter->Update();
+  EXPECT_EQ(this->Errors->Count, 1);
+  EXPECT_NE(this->Errors->Text.find("Grid: expected Scatter"), std::string::npos)
+    << this->Errors->Text;
+}
+
+TEST_F(XRayProjectorFilter, RefractionBendsRaysAtASlope)
+{
+  // A tetrahedron's faces are wedges: the deflection is delta times the tangent, and one image has
+  // no more than the angles of its faces.
+  this->Filter->SetInputData(Brick(10, 20, 12));
+  this->Filter->SetAttenuationTable(1, "H2O", 1);
+  this->Filter->SetRefraction(vtkXRayProjector::GEOMETRIC);
+  this->Filter->SetBeamDirection(0.05, 0, -1);
+  this->Filter->Update();
+  EXPECT_EQ(this->Errors->Count, 0) << this->Errors->Text;
+  ASSERT_NE(this->Filter->GetOutput()->GetPointData()->GetArray("Deflection"), nullptr);
+  // Between parallel faces rays go on as they came.
+  EXPECT_NEAR(this->Value("Deflection", 6), 0, 1e-9);
+  EXPECT_LT(this->Value("Transmission", 6), 1);
+  this->Filter->SetLinearAttenuation(1, 0.05);
+  this->Filter->Update();
+  EXPECT_EQ(this->Errors->Count, 1); // of no composition
+}
+
 TEST_F(XRayProjectorFilter, AnotherBeamDoesNotTraceAgain)
 {
   this->Filter->SetInputData(Brick(10, 20, 12));
