@@ -115,7 +115,8 @@ protected:
     { return triangulation.is_infinite(cell) ? 0 : this->Label(triangulation.dual(cell)); };
     const int a = materialOf(facet.first);
     const int b = materialOf(facet.first->neighbor(facet.second));
-    const auto& patch = boost::get<Domain::Surface_patch_index>(
+    // Answered by value: a reference into it would outlive it.
+    const Domain::Surface_patch_index patch = boost::get<Domain::Surface_patch_index>(
       facet.first->get_facet_surface_center_index(facet.second));
     return patch.first == std::min(a, b) && patch.second == std::max(a, b)
       ? Is_bad()

@@ -488,7 +488,7 @@ std::string MeshTrouble::Text(const std::vector<std::string>& names) const
   {
     const Place& place = this->Places[n];
     char at[120];
-    std::snprintf(at, sizeof(at), "(%.2f, %.2f, %.2f) mm", place.Point[0], place.Point[1],
+    std::snprintf(at, sizeof(at), "(%.6g, %.6g, %.6g) mm", place.Point[0], place.Point[1],
       place.Point[2]);
     text += n > 0 ? "; " : "";
     if (place.Material >= 0)

@@ -150,7 +150,7 @@ void RefuseCuts(const TriangleComplex& complex)
     char text[256];
     std::snprintf(text, sizeof(text),
       "surfaces: expected triangles that meet at common edges, found %zu that cut others, the "
-      "first at (%.2f, %.2f, %.2f) mm; labelling voxels by them (--surface-voxels) joins them",
+      "first at (%.6g, %.6g, %.6g) mm; labelling voxels by them (--surface-voxels) joins them",
       cutting.size(), place[0], place[1], place[2]);
     throw InputError(text);
   }

@@ -7,6 +7,7 @@
 #include <xraylib.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <iterator>
 #include <map>
@@ -30,7 +31,13 @@ using MassFractions = std::map<int, double>;
 /// A formula's or an element's mass fractions; empty when the text is neither.
 MassFractions ParseFormula(const std::string& text)
 {
-  if (text.size() > MostLetters)
+  // Of what is no formula xraylib's parser loses some bytes: only what may be one gets there.
+  const bool mayBeFormula = !text.empty() && text.size() <= MostLetters &&
+    (std::isupper(static_cast<unsigned char>(text[0])) != 0 || text[0] == '(') &&
+    std::all_of(text.begin(), text.end(),
+      [](unsigned char letter)
+      { return std::isalnum(letter) != 0 || letter == '.' || letter == '(' || letter == ')'; });
+  if (!mayBeFormula)
   {
     return {};
   }
