@@ -65,7 +65,8 @@ def main():
         sys.exit(__doc__)
     program = pathlib.Path(sys.argv[1]) / "mammoray"
     result, docs = pathlib.Path(sys.argv[2]), pathlib.Path(sys.argv[3])
-    work = pathlib.Path(tempfile.mkdtemp(prefix="xrays-"))
+    folder = tempfile.TemporaryDirectory(prefix="xrays-")
+    work = pathlib.Path(folder.name)
 
     def project(*arguments):
         subprocess.run([program, "project", *map(str, arguments)], check=True, stdout=subprocess.DEVNULL)

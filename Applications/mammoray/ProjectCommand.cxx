@@ -304,14 +304,15 @@ struct Camera
   const ScatterSource& Scatter;
 
   /// The `number`-th of a series, with noise of its own.
-  ExposureOptions Options(const XRaySource& source, const XRayDetector& detector, int number) const
+  ExposureOptions Options(const XRaySource& source, const XRayDetector& detector, int number,
+    const ProgressCallback& progress) const
   {
     ExposureOptions options = ToExposure(this->Arguments);
     options.OpenField =
       ToOpenField(this->Arguments, source, detector, this->Energies, this->Response);
     options.Seed += static_cast<std::uint64_t>(number);
-    options.Secondary =
-      this->Scatter.Onto(source, detector, this->Arguments.Field.InverseSquare, options.Seed);
+    options.Secondary = this->Scatter.Onto(source, detector, this->Arguments.Field.InverseSquare,
+      options.Seed, progress);
     return options;
   }
 
@@ -320,7 +321,7 @@ struct Camera
   {
     return this->Arguments.RefractionLaw.empty()
       ? Expose(this->Projector, source, detector, this->XRays,
-          this->Options(source, detector, number), progress)
+          this->Options(source, detector, number, progress), progress)
       : ExposeRefracted(this->Arguments, this->Projector, this->Surface, source, detector,
           this->XRays, this->Decrements, progress);
   }
@@ -415,7 +416,8 @@ std::string RunSeries(const Camera& camera, const XRaySource& source, const XRay
   for (const ProjectionView& view : series.Views)
   {
     ReportProgress(progress, 0.2 + 0.6 * stack.Number / count, "projecting");
-    const Exposure exposure = camera.Take(view.Source, view.Detector, stack.Number, {});
+    const Exposure exposure = camera.Take(view.Source, view.Detector, stack.Number,
+      ShareOf(progress, 0.2 + 0.6 * stack.Number / count, 0.2 + 0.6 * (stack.Number + 1) / count));
     const std::string found = exposure.Lengths.InconsistencyWarning();
     if (warning.empty() && !found.empty())
     {
@@ -428,7 +430,7 @@ std::string RunSeries(const Camera& camera, const XRaySource& source, const XRay
     ReportProgress(progress, 0.8, "flat fields");
     add(flats,
       ExposeAir(source, detector, camera.XRays,
-        camera.Options(source, detector, count + flats.Number)));
+        camera.Options(source, detector, count + flats.Number, {})));
   }
   ReportProgress(progress, 0.85, "writing");
   WriteProjectionStack(stack, arguments.Output);

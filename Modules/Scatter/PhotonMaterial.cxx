@@ -19,8 +19,6 @@ constexpr double ElectronRestKeV = 510.99895;
 /// keV times Angstrom.
 constexpr double WavelengthKeV = 12.398419843;
 constexpr double MostTransfer = PhotonMaterial::HighestKeV / WavelengthKeV;
-/// mGy of 1 keV per mm^2 times mm^2 / g: 1.602e-16 J / 1e-3 kg, in mGy.
-constexpr double MilligrayPerKeVPerGram = 1.602176634e-10;
 
 double TransferOf(int index)
 {
@@ -199,7 +197,7 @@ double AirKermaPerFluence(double energyKeV)
 {
   static const PhotonMaterial air("Air, Dry (near sea level)", 0.001205);
   // 1/mm to mm^2/g.
-  return MilligrayPerKeVPerGram * energyKeV * air.EnergyTransfer(energyKeV) /
+  return MilligrayGramPerKeV * energyKeV * air.EnergyTransfer(energyKeV) /
     (1e-3 * air.DensityGPerCm3());
 }
 }

@@ -72,6 +72,9 @@ private:
 /// A photon's energy after a Compton collision with an electron at rest, keV.
 MAMMORAYSCATTER_EXPORT double ComptonEnergy(double energyKeV, double cosine);
 
+/// mGy of 1 keV in 1 g.
+inline constexpr double MilligrayGramPerKeV = 1.602176634e-10;
+
 /// Kerma of a photon fluence of 1 per mm^2 in air near sea level, mGy (EnergyTransfer). 1 to 150
 /// keV.
 MAMMORAYSCATTER_EXPORT double AirKermaPerFluence(double energyKeV);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mammoray/Scatter/ScatterKernels.h"
 
+#include "Private/AxisPlace.h"
 #include "Private/SlabScatter.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/Foundation/ParallelFor.h"
@@ -14,16 +15,10 @@ namespace mammoray
 {
 namespace
 {
-/// The node before a value and the share of the next, within the axis.
-std::pair<std::size_t, double> PlaceOn(const std::vector<double>& axis, double value)
+/// As at its ends beyond them.
+double Within(const std::vector<double>& axis, double value)
 {
-  if (axis.size() == 1 || value <= axis.front())
-  {
-    return { 0, 0.0 };
-  }
-  const auto above = std::upper_bound(axis.begin(), axis.end() - 1, value);
-  const auto index = static_cast<std::size_t>(above - axis.begin()) - 1;
-  return { index, std::clamp((value - axis[index]) / (axis[index + 1] - axis[index]), 0.0, 1.0) };
+  return std::clamp(value, axis.front(), axis.back());
 }
 
 void CheckAxis(const char* name, const std::vector<double>& axis, std::size_t least, double low)
@@ -42,8 +37,9 @@ void CheckAxis(const char* name, const std::vector<double>& axis, std::size_t le
 
 std::vector<double> ScatterKernels::At(double energyKeV, std::size_t thickness, double gapMm) const
 {
-  const auto [energy, energyShare] = PlaceOn(this->EnergiesKeV, energyKeV);
-  const auto [gap, gapShare] = PlaceOn(this->GapsMm, gapMm);
+  const auto [energy, energyShare] =
+    PlaceOn(this->EnergiesKeV, Within(this->EnergiesKeV, energyKeV));
+  const auto [gap, gapShare] = PlaceOn(this->GapsMm, Within(this->GapsMm, gapMm));
   std::vector<double> shares(this->NumberOfRings() * this->NumberOfAngles());
   const auto add = [&](std::size_t e, std::size_t g, double weight)
   {
@@ -62,7 +58,7 @@ std::vector<double> ScatterKernels::At(double energyKeV, std::size_t thickness, 
 
 double ScatterKernels::MultipleAt(double energyKeV, std::size_t thickness) const
 {
-  const auto [energy, share] = PlaceOn(this->EnergiesKeV, energyKeV);
+  const auto [energy, share] = PlaceOn(this->EnergiesKeV, Within(this->EnergiesKeV, energyKeV));
   const auto at = [&](std::size_t e)
   { return this->Multiple[e * this->ThicknessesMm.size() + thickness]; };
   return at(energy) + (share > 0 ? share * (at(energy + 1) - at(energy)) : 0);

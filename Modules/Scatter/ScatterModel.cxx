@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mammoray/Scatter/ScatterModel.h"
 
+#include "Private/AxisPlace.h"
 #include "Private/FastFourier.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/Foundation/Vector3.h"
@@ -73,14 +74,6 @@ struct Cells
   double ColumnMm = 0;
   double RowMm = 0;
 };
-
-/// The node before a thickness and the share of the next; beyond the last the line goes on.
-std::pair<std::size_t, double> PlaceOf(const std::vector<double>& nodes, double thickness)
-{
-  const auto above = std::upper_bound(nodes.begin() + 1, nodes.end() - 1, std::max(thickness, 0.0));
-  const auto index = static_cast<std::size_t>(above - nodes.begin()) - 1;
-  return { index, (std::max(thickness, 0.0) - nodes[index]) / (nodes[index + 1] - nodes[index]) };
-}
 
 /// The thickness that a tenth of the tissue's pixels reaches: rays through the chest wall, beside
 /// the plates, are longer than between them. Half of what a ray lacks of it is air on either side.
@@ -338,12 +331,14 @@ ScatterModel::ScatterModel(const ScatterKernels& kernels, const Spectrum& spectr
 ScatterModel::RingShares ScatterModel::RingsAt(std::size_t node, double missingMm) const
 {
   const double gap = this->GapMm + 0.5 * std::max(missingMm, 0.0);
-  const auto [before, beyond] = PlaceOf(this->Gaps, std::min(gap, this->Gaps.back()));
+  const auto [before, beyond] =
+    PlaceOn(this->Gaps, std::clamp(gap, this->Gaps.front(), this->Gaps.back()));
+  const std::size_t next = std::min(before + 1, this->Gaps.size() - 1);
   RingShares rings(this->Radii.size() - 1);
   for (std::size_t ring = 0; ring < rings.size(); ++ring)
   {
     rings[ring] =
-      (1 - beyond) * this->Rings[node][before][ring] + beyond * this->Rings[node][before + 1][ring];
+      (1 - beyond) * this->Rings[node][before][ring] + beyond * this->Rings[node][next][ring];
   }
   return rings;
 }
@@ -351,7 +346,7 @@ ScatterModel::RingShares ScatterModel::RingsAt(std::size_t node, double missingM
 double ScatterModel::ScatterToPrimary(double thicknessMm, double diameterMm) const
 {
   // What the middle gets from all around is what a beam at the middle sends all around.
-  const auto [node, share] = PlaceOf(this->Thicknesses, thicknessMm);
+  const auto [node, share] = PlaceOn(this->Thicknesses, std::max(thicknessMm, 0.0));
   const RingShares low = this->RingsAt(node, 0);
   const RingShares high = this->RingsAt(node + 1, 0);
   const double edge = 0.5 * diameterMm;
@@ -394,7 +389,7 @@ ScatterModel::SentSignal ScatterModel::Gather(const XRaySource& source,
         continue;
       }
       const double share = std::min(thickness / signal.ThickestMm, 1.0);
-      const auto [node, beyond] = PlaceOf(this->Thicknesses, thickness);
+      const auto [node, beyond] = PlaceOn(this->Thicknesses, thickness);
       signal.Tissue[cell] += share;
       signal.Multiple[cell] +=
         share * ((1 - beyond) * this->Multiple[node] + beyond * this->Multiple[node + 1]);

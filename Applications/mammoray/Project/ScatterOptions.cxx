@@ -4,6 +4,7 @@
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/IO/ScatterData.h"
 #include "mammoray/Scatter/CellInterpolation.h"
+#include "mammoray/XRay/OpenField.h"
 #ifdef MAMMORAY_HAS_MESHING
 #include "mammoray/Meshing/SurfaceVoxels.h"
 #endif
@@ -137,7 +138,8 @@ ScatterSource::ScatterSource(const ScatterArguments& arguments, double gapMm,
 }
 
 std::vector<double> ScatterSource::FollowOnto(const XRaySource& source,
-  const XRayDetector& detector, bool inverseSquare, std::uint64_t seed) const
+  const XRayDetector& detector, bool inverseSquare, std::uint64_t seed,
+  const ProgressCallback& progress) const
 {
   const XRayDetector coarse = Gathering(detector);
   MonteCarloOptions options;
@@ -145,8 +147,13 @@ std::vector<double> ScatterSource::FollowOnto(const XRaySource& source,
   options.Seed = seed;
   options.Grid = this->Grid;
   const MonteCarloResult followed =
-    FollowPhotons(*this->Scene, source, coarse, this->Energies, this->Response, options);
-  const Vector3 normal = TowardsSource(source, detector);
+    FollowPhotons(*this->Scene, source, coarse, this->Energies, this->Response, options, progress);
+  // Photons that are followed fall with the distance.
+  std::vector<float> fall;
+  if (!inverseSquare)
+  {
+    fall = OpenField(source, detector, this->Energies, this->Response, { .InverseSquare = true });
+  }
   std::vector<double> scatter;
   scatter.reserve(static_cast<std::size_t>(detector.Columns) * detector.Rows);
   const double columnRatio = static_cast<double>(coarse.Columns) / detector.Columns;
@@ -155,23 +162,17 @@ std::vector<double> ScatterSource::FollowOnto(const XRaySource& source,
   {
     for (int column = 0; column < detector.Columns; ++column)
     {
-      double value = BetweenCells(followed.Scatter, coarse.Columns, coarse.Rows,
+      const double value = BetweenCells(followed.Scatter, coarse.Columns, coarse.Rows,
         (column + 0.5) * columnRatio - 0.5, (row + 0.5) * rowRatio - 0.5);
-      if (!inverseSquare)
-      {
-        const Vector3 way = source.Position -
-          (detector.Origin + static_cast<double>(column) * detector.ColumnStep +
-            static_cast<double>(row) * detector.RowStep);
-        value /= std::pow(Dot(normal, way) / Norm(way), 3);
-      }
-      scatter.push_back(value);
+      scatter.push_back(fall.empty() ? value : value / fall[scatter.size()]);
     }
   }
   return scatter;
 }
 
 decltype(ExposureOptions::Secondary) ScatterSource::Onto(const XRaySource& source,
-  const XRayDetector& detector, bool inverseSquare, std::uint64_t seed) const
+  const XRayDetector& detector, bool inverseSquare, std::uint64_t seed,
+  const ProgressCallback& progress) const
 {
   if (this->Model)
   {
@@ -183,14 +184,14 @@ decltype(ExposureOptions::Secondary) ScatterSource::Onto(const XRaySource& sourc
   {
     return {};
   }
-  return [this, source, detector, inverseSquare, seed](const PathLengthImage& lengths,
+  return [this, source, detector, inverseSquare, seed, progress](const PathLengthImage& lengths,
            const std::vector<double>& primary)
   {
     // A flat field has nothing in the beam.
     const bool empty = std::all_of(lengths.Lengths.begin(), lengths.Lengths.end(),
       [](float length) { return length == 0; });
     return empty ? std::vector<double>(primary.size())
-                 : this->FollowOnto(source, detector, inverseSquare, seed);
+                 : this->FollowOnto(source, detector, inverseSquare, seed, progress);
   };
 }
 
@@ -227,8 +228,6 @@ std::string DescribeDose(const ScatterArguments& arguments, const VoxelScene& sc
     photons += spectrum.Weights[bin];
   }
   const double kermaPerPhoton = kerma / photons * share * nearer;
-  // keV to mJ, over kg.
-  constexpr double MilligrayGramPerKeV = 1.602176634e-10;
   const std::vector<double> masses = scene.MassesG();
   char line[200];
   std::snprintf(line, sizeof line,

@@ -47,9 +47,10 @@ public:
     const DetectorResponse& response, std::shared_ptr<const VoxelScene> scene);
 
   /// For ExposureOptions: what comes beside the primary radiation; none where none is asked for.
-  /// `inverseSquare`: whether the primary radiation falls with the distance.
+  /// `inverseSquare`: whether the primary radiation falls with the distance. `progress`: of
+  /// following photons.
   decltype(ExposureOptions::Secondary) Onto(const XRaySource& source, const XRayDetector& detector,
-    bool inverseSquare, std::uint64_t seed) const;
+    bool inverseSquare, std::uint64_t seed, const ProgressCallback& progress) const;
 
   /// The same with another spectrum.
   ScatterSource Of(const Spectrum& spectrum) const
@@ -59,7 +60,7 @@ public:
 
 private:
   std::vector<double> FollowOnto(const XRaySource& source, const XRayDetector& detector,
-    bool inverseSquare, std::uint64_t seed) const;
+    bool inverseSquare, std::uint64_t seed, const ProgressCallback& progress) const;
 
   ScatterArguments Arguments;
   double GapMm;
