@@ -12,6 +12,7 @@
 #include "mammoray/IO/ProjectionImage.h"
 #include "mammoray/IO/ShippedData.h"
 #include "mammoray/IO/WholeOutput.h"
+#include "mammoray/XRay/DetectorPlane.h"
 #include "mammoray/XRay/Display.h"
 #include "mammoray/XRay/DualEnergy.h"
 #include "mammoray/XRay/Exposure.h"
@@ -144,11 +145,12 @@ Mammogram DescribeMammogram(const ProjectArguments& arguments, const XRaySource&
 }
 
 /// From the middle of the mesh to the detector's plane, mm.
-double DistanceToDetector(const SurfaceMesh& surface, const XRayDetector& detector)
+double DistanceToDetector(const SurfaceMesh& surface, const XRaySource& source,
+  const XRayDetector& detector)
 {
-  const Vector3 normal = Cross(detector.ColumnStep, detector.RowStep);
-  const Extent extent = ExtentsAlong<1>({ (1 / Norm(normal)) * normal }, surface.Points)[0];
-  return std::abs(extent.Middle() - Dot(normal, detector.Origin) / Norm(normal));
+  const Vector3 normal = DetectorPlane(source, detector).Normal;
+  const Extent extent = ExtentsAlong<1>({ normal }, surface.Points)[0];
+  return std::abs(extent.Middle() - Dot(normal, detector.Origin));
 }
 
 /// The image with rays that are bent; writes their deflection where it is wanted.
@@ -159,7 +161,8 @@ Exposure ExposeRefracted(const ProjectArguments& arguments, PathLengthProjector&
   RefractionOptions options;
   options.Method = arguments.RefractionLaw == "geometric" ? RefractionOptions::Law::Geometric
                                                           : RefractionOptions::Law::NearField;
-  options.DistanceMm = arguments.BendDistanceMm.value_or(DistanceToDetector(surface, detector));
+  options.DistanceMm =
+    arguments.BendDistanceMm.value_or(DistanceToDetector(surface, source, detector));
   const RefractedImage refracted = Refract(projector, surface.NumberOfPoints(), source, detector,
     beam, decrements, options, progress);
   if (!arguments.Deflection.empty())

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mammoray/Scatter/AntiscatterGrid.h"
 
+#include "mammoray/Foundation/Error.h"
 #include "mammoray/Foundation/Numbers.h"
 
 #include <algorithm>
@@ -9,6 +10,31 @@
 
 namespace mammoray
 {
+AntiscatterGridOptions AntiscatterGridOptions::OfLead(const std::array<double, 3>& numbers,
+  const std::string& interspace)
+{
+  AntiscatterGridOptions options;
+  options.Ratio = numbers[0];
+  options.LinesPerMm = 0.1 * numbers[1];
+  options.SeptumMm = 1e-3 * numbers[2];
+  if (interspace == "air")
+  {
+    options.Interspace = "Air, Dry (near sea level)";
+    options.InterspaceDensityGPerCm3 = 0.001205;
+  }
+  else if (interspace == "aluminium")
+  {
+    options.Interspace = "Al";
+    options.InterspaceDensityGPerCm3 = 2.699;
+  }
+  else if (interspace != "fibre")
+  {
+    throw InputError(
+      "grid: expected fibre, air or aluminium between its septa, found '" + interspace + "'");
+  }
+  return options;
+}
+
 AntiscatterGrid::AntiscatterGrid(const AntiscatterGridOptions& options)
   : Options(options)
   , Septa(options.Septa, options.SeptaDensityGPerCm3)

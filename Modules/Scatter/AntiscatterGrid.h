@@ -5,6 +5,7 @@
 #include "mammoray/Scatter/PhotonMaterial.h"
 #include "mammorayScatterModule.h"
 
+#include <array>
 #include <string>
 
 namespace mammoray
@@ -26,6 +27,11 @@ struct MAMMORAYSCATTER_EXPORT AntiscatterGridOptions
   /// Septa run along the detector's rows of constant column (a unit's: along the chest wall), or
   /// along the columns' direction.
   bool AlongChestWall = true;
+
+  /// A grid of lead by the numbers it is sold by: ratio, lines per cm, thickness of a septum in
+  /// micrometres; between the septa "fibre", "air" or "aluminium". Throws InputError on another.
+  static AntiscatterGridOptions OfLead(const std::array<double, 3>& numbers,
+    const std::string& interspace = "fibre");
 };
 
 /**

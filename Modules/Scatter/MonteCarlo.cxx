@@ -4,6 +4,7 @@
 #include "Private/PhotonDirection.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/Foundation/ParallelFor.h"
+#include "mammoray/XRay/DetectorPlane.h"
 
 #include <algorithm>
 #include <array>
@@ -97,11 +98,10 @@ private:
 class PixelPlane
 {
 public:
-  explicit PixelPlane(const XRayDetector& detector)
+  PixelPlane(const XRaySource& source, const XRayDetector& detector)
     : Detector(detector)
+    , Normal(DetectorPlane(source, detector).Normal)
   {
-    const Vector3 across = Cross(detector.ColumnStep, detector.RowStep);
-    this->Normal = (1 / Norm(across)) * across;
     this->Column = (1 / Norm(detector.ColumnStep)) * detector.ColumnStep;
     this->Row = (1 / Norm(detector.RowStep)) * detector.RowStep;
   }
@@ -225,7 +225,7 @@ public:
     : Scene(scene)
     , Focus(source.Position)
     , Detector(detector)
-    , Plane(detector)
+    , Plane(source, detector)
     , Energies(spectrum)
     , Response(response)
     , Options(options)
@@ -492,7 +492,7 @@ std::vector<double> VoxelScene::MassesG() const
 double CentralFluence(const XRaySource& source, const XRayDetector& detector)
 {
   // The mean over the pixels of cos^3, by which they are chosen.
-  const PixelPlane plane(detector);
+  const PixelPlane plane(source, detector);
   double sum = 0;
   constexpr int Points = 200;
   for (int row = 0; row < Points; ++row)

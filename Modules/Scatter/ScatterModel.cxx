@@ -2,264 +2,119 @@
 #include "mammoray/Scatter/ScatterModel.h"
 
 #include "Private/AxisPlace.h"
-#include "Private/FastFourier.h"
+#include "Private/ScatterCells.h"
 #include "mammoray/Foundation/Error.h"
-#include "mammoray/Foundation/Vector3.h"
+#include "mammoray/Foundation/ParallelFor.h"
 #include "mammoray/Scatter/CellInterpolation.h"
+#include "mammoray/XRay/DetectorPlane.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <complex>
 #include <numbers>
+#include <string>
+#include <tuple>
 
 namespace mammoray
 {
 namespace
 {
-/// Scatter is smooth over some mm; finer cells of the plane change it by less than the table's
-/// noise.
-constexpr double CellMm = 2;
-
 /// Of the thickness, how high over the back of the tissue what reaches the detector was scattered
 /// last, as far as the beam's divergence goes: of 0, 1/4 and 1/2, that by which slabs of 54 mm
 /// agree best with photons that are followed (within 4 %, 0 and 1/2 within 8 %).
 constexpr double ScatterHeight = 0.25;
 
-/// Pixels gathered to cells.
-struct Cells
-{
-  explicit Cells(const XRayDetector& detector)
-  {
-    const auto gather = [](double pixelMm)
-    { return std::max(1, static_cast<int>(std::lround(CellMm / pixelMm))); };
-    this->PerColumn = gather(Norm(detector.ColumnStep));
-    this->PerRow = gather(Norm(detector.RowStep));
-    this->ColumnMm = this->PerColumn * Norm(detector.ColumnStep);
-    this->RowMm = this->PerRow * Norm(detector.RowStep);
-    this->Columns = (detector.Columns + this->PerColumn - 1) / this->PerColumn;
-    this->Rows = (detector.Rows + this->PerRow - 1) / this->PerRow;
-  }
-  std::size_t Count() const { return static_cast<std::size_t>(this->Columns) * this->Rows; }
-  /// Adds to the four cells around a place, in pixels from the middle of the first.
-  void Spread(double column, double row, double value, std::vector<double>& to) const
-  {
-    const double x = (column + 0.5) / this->PerColumn - 0.5;
-    const double y = (row + 0.5) / this->PerRow - 0.5;
-    const int left = static_cast<int>(std::floor(x));
-    const int top = static_cast<int>(std::floor(y));
-    for (int down = 0; down < 2; ++down)
-    {
-      for (int right = 0; right < 2; ++right)
-      {
-        const int c = std::clamp(left + right, 0, this->Columns - 1);
-        const int r = std::clamp(top + down, 0, this->Rows - 1);
-        to[static_cast<std::size_t>(r) * static_cast<std::size_t>(this->Columns) +
-          static_cast<std::size_t>(c)] +=
-          value * (1 - std::abs(x - left - right)) * (1 - std::abs(y - top - down));
-      }
-    }
-  }
-
-  std::size_t CellOf(int column, int row) const
-  {
-    return static_cast<std::size_t>(row / this->PerRow) * this->Columns +
-      static_cast<std::size_t>(column / this->PerColumn);
-  }
-
-  int PerColumn = 1;
-  int PerRow = 1;
-  int Columns = 0;
-  int Rows = 0;
-  double ColumnMm = 0;
-  double RowMm = 0;
-};
-
-/// The thickness that a tenth of the tissue's pixels reaches: rays through the chest wall, beside
-/// the plates, are longer than between them. Half of what a ray lacks of it is air on either side.
-double PlateDistance(const std::vector<double>& thicknessesMm)
-{
-  std::vector<double> tissue;
-  std::copy_if(thicknessesMm.begin(), thicknessesMm.end(), std::back_inserter(tissue),
-    [](double thickness) { return thickness > 0; });
-  if (tissue.empty())
-  {
-    return 0;
-  }
-  const auto place = tissue.begin() + static_cast<std::ptrdiff_t>(9 * tissue.size() / 10);
-  std::nth_element(tissue.begin(), place, tissue.end());
-  return *place;
-}
-
-/// Where the ray from the source meets the detector at right angles, in pixels, and how much nearer
-/// to it rays are per mm of height.
-struct Foot
-{
-  Foot(const XRaySource& source, const XRayDetector& detector)
-  {
-    if (source.Type == XRaySource::Kind::Parallel)
-    {
-      return;
-    }
-    const Vector3 normal = Cross(detector.ColumnStep, detector.RowStep);
-    const Vector3 way = source.Position - detector.Origin;
-    const auto along = [&](const Vector3& step) { return Dot(way, step) / Dot(step, step); };
-    this->Column = along(detector.ColumnStep);
-    this->Row = along(detector.RowStep);
-    this->PerHeight = Norm(normal) / std::abs(Dot(way, normal));
-  }
-  double Column = 0;
-  double Row = 0;
-  double PerHeight = 0;
-};
-
-/// Values of the cells of a picture with a margin around, which repeats itself; or their Fourier
-/// transform.
-class CellPlane
+/**
+ * The thickness between the plates: the mean of those that are exceeded by 5 to 15 % of the tissue,
+ * since rays through the chest wall, beside the plates, are longer. Tissue that is thinner than 5
+ * mm counts the less the thinner it is: nothing jumps where it comes into sight.
+ */
+class PlateDistance
 {
 public:
-  /// What is farther away than `reachMm` does not matter.
-  CellPlane(const Cells& cells, double reachMm)
-    : Grid(cells)
+  /// `thicknessesMm`: by cells.
+  explicit PlateDistance(const std::vector<double>& thicknessesMm)
+    : Thicknesses(thicknessesMm)
   {
-    const auto padded = [&](int count, double cellMm)
+    std::vector<std::size_t> order;
+    for (std::size_t cell = 0; cell < thicknessesMm.size(); ++cell)
     {
-      const int reach = static_cast<int>(std::ceil(reachMm / cellMm));
-      return FourierSize(count + std::min(count, reach) + 1);
-    };
-    this->Columns = padded(cells.Columns, cells.ColumnMm);
-    this->Rows = padded(cells.Rows, cells.RowMm);
-    this->Values.resize(
-      static_cast<std::size_t>(this->Columns) * static_cast<std::size_t>(this->Rows));
-  }
-  /// Nothing in the margin.
-  void Put(const std::vector<double>& values)
-  {
-    std::fill(this->Values.begin(), this->Values.end(), 0);
-    for (int row = 0; row < this->Grid.Rows; ++row)
-    {
-      std::copy_n(values.begin() + static_cast<std::ptrdiff_t>(row) * this->Grid.Columns,
-        this->Grid.Columns, this->Values.begin() + static_cast<std::ptrdiff_t>(this->At(0, row)));
-    }
-  }
-  /// The margin as the nearer border.
-  void PutWithBorder(const std::vector<double>& values)
-  {
-    const auto within = [](int place, int count, int size) {
-      return place < count ? place : place < (count + size) / 2 ? count - 1 : 0;
-    };
-    this->Fill(
-      [&](int column, int row)
+      if (thicknessesMm[cell] > 0)
       {
-        const int c = within(column, this->Grid.Columns, this->Columns);
-        const int r = within(row, this->Grid.Rows, this->Rows);
-        return values[static_cast<std::size_t>(r) * static_cast<std::size_t>(this->Grid.Columns) +
-          static_cast<std::size_t>(c)];
-      });
-  }
-  /// What a cell sends to those around it: each ring's share spread evenly over its area.
-  void PutKernel(const std::vector<double>& rings, const std::vector<double>& radii)
-  {
-    std::vector<double> density(rings.size());
-    for (std::size_t ring = 0; ring < rings.size(); ++ring)
-    {
-      density[ring] = rings[ring] /
-        (std::numbers::pi * (radii[ring + 1] * radii[ring + 1] - radii[ring] * radii[ring]));
+        order.push_back(cell);
+        this->Weight += std::min(thicknessesMm[cell] / Full, 1.0);
+      }
     }
-    const auto at = [&](double radius)
+    std::sort(order.begin(), order.end(),
+      [&](std::size_t a, std::size_t b) { return thicknessesMm[a] < thicknessesMm[b]; });
+    double done = 0;
+    for (const std::size_t cell : order)
     {
-      const auto above = std::upper_bound(radii.begin(), radii.end(), radius);
-      const auto ring = static_cast<std::size_t>(above - radii.begin()) - 1;
-      return ring < density.size() ? density[ring] : 0.0;
-    };
-    const double area = this->Grid.ColumnMm * this->Grid.RowMm;
-    this->Fill(
-      [&](int column, int row)
+      const double begin = std::max(done, First * this->Weight);
+      done += std::min(thicknessesMm[cell] / Full, 1.0);
+      const double share =
+        (std::min(done, Last * this->Weight) - begin) / ((Last - First) * this->Weight);
+      if (share > 0)
       {
-        const double x = Signed(column, this->Columns) * this->Grid.ColumnMm;
-        const double y = Signed(row, this->Rows) * this->Grid.RowMm;
-        // Where rings are narrower than a cell, many points of it.
-        const int points = std::hypot(x, y) < 12 * CellMm ? 12 : 3;
-        const auto offset = [points](int point) { return (point + 0.5) / points - 0.5; };
-        double sum = 0;
-        for (int down = 0; down < points; ++down)
-        {
-          for (int right = 0; right < points; ++right)
-          {
-            sum += at(std::hypot(x + offset(right) * this->Grid.ColumnMm,
-              y + offset(down) * this->Grid.RowMm));
-          }
-        }
-        return area * sum / (points * points);
-      });
-  }
-  void ToFrequencies() { Transform(this->Values, this->Columns, this->Rows, false); }
-  void FromFrequencies() { Transform(this->Values, this->Columns, this->Rows, true); }
-  /// Of frequencies.
-  void AddProduct(const CellPlane& a, const CellPlane& b)
-  {
-    for (std::size_t place = 0; place < this->Values.size(); ++place)
-    {
-      this->Values[place] += a.Values[place] * b.Values[place];
-    }
-  }
-  /// Of frequencies.
-  void SpreadGaussian(double sigmaMm)
-  {
-    const auto damping = [&](int place, int count, double cellMm)
-    {
-      const double wave = 2 * std::numbers::pi * Signed(place, count) / (count * cellMm);
-      return 0.5 * wave * wave * sigmaMm * sigmaMm;
-    };
-    for (int row = 0; row < this->Rows; ++row)
-    {
-      for (int column = 0; column < this->Columns; ++column)
-      {
-        this->Values[this->At(column, row)] *=
-          std::exp(-damping(row, this->Rows, this->Grid.RowMm) -
-            damping(column, this->Columns, this->Grid.ColumnMm));
+        this->Mm += share * thicknessesMm[cell];
+        this->Counted.emplace_back(cell, share);
       }
     }
   }
-  /// Without the margin.
-  std::vector<double> Take() const
+  /// By the rates of the thicknesses; exact where the plates are more than 5 mm apart.
+  double RateOf(const std::vector<double>& rates) const
   {
-    std::vector<double> values;
-    values.reserve(this->Grid.Count());
-    for (int row = 0; row < this->Grid.Rows; ++row)
+    double rate = 0;
+    for (const auto& [cell, share] : this->Counted)
     {
-      for (int column = 0; column < this->Grid.Columns; ++column)
-      {
-        values.push_back(this->Values[this->At(column, row)].real());
-      }
+      rate += share * rates[cell];
     }
-    return values;
+    double weightRate = 0;
+    for (std::size_t cell = 0; cell < rates.size(); ++cell)
+    {
+      weightRate += this->Thicknesses[cell] > 0 && this->Thicknesses[cell] < Full ? rates[cell] : 0;
+    }
+    if (!this->Counted.empty())
+    {
+      // More of what is thinner: what counts lies lower among the rest.
+      const double low = this->Thicknesses[this->Counted.front().first];
+      const double high = this->Thicknesses[this->Counted.back().first];
+      rate += weightRate / Full / this->Weight *
+        (((1 - First) * low - (1 - Last) * high) / (Last - First) - this->Mm);
+    }
+    return rate;
   }
+
+  double Mm = 0;
 
 private:
-  static int Signed(int place, int count) { return place <= count / 2 ? place : place - count; }
-  std::size_t At(int column, int row) const
+  static constexpr double Full = 5;
+  static constexpr double First = 0.85;
+  static constexpr double Last = 0.95;
+
+  std::vector<double> Thicknesses;
+  double Weight = 0;
+  /// Cells and their shares of the mean, from the thinnest on.
+  std::vector<std::pair<std::size_t, double>> Counted;
+};
+
+/// visit(column, row, pixel) of the pixels that see tissue.
+template <typename Visit>
+void ForEachTissuePixel(const XRayDetector& detector, const std::vector<double>& thicknessesMm,
+  const Visit& visit)
+{
+  std::size_t pixel = 0;
+  for (int row = 0; row < detector.Rows; ++row)
   {
-    return static_cast<std::size_t>(row) * static_cast<std::size_t>(this->Columns) +
-      static_cast<std::size_t>(column);
-  }
-  template <typename Value>
-  void Fill(const Value& value)
-  {
-    for (int row = 0; row < this->Rows; ++row)
+    for (int column = 0; column < detector.Columns; ++column, ++pixel)
     {
-      for (int column = 0; column < this->Columns; ++column)
+      if (thicknessesMm[pixel] > 0)
       {
-        this->Values[this->At(column, row)] = value(column, row);
+        visit(column, row, pixel);
       }
     }
   }
-
-  Cells Grid;
-  int Columns;
-  int Rows;
-  std::vector<std::complex<double>> Values;
-};
+}
 }
 
 ScatterModel::ScatterModel(const ScatterKernels& kernels, const Spectrum& spectrum,
@@ -343,6 +198,22 @@ ScatterModel::RingShares ScatterModel::RingsAt(std::size_t node, double missingM
   return rings;
 }
 
+ScatterModel::RingShares ScatterModel::RingRatesAt(std::size_t node, double missingMm) const
+{
+  const double gap = this->GapMm + 0.5 * missingMm;
+  RingShares rates(this->Radii.size() - 1);
+  if (missingMm > 0 && gap > this->Gaps.front() && gap < this->Gaps.back())
+  {
+    const std::size_t before = PlaceOn(this->Gaps, gap).first;
+    for (std::size_t ring = 0; ring < rates.size(); ++ring)
+    {
+      rates[ring] = 0.5 * (this->Rings[node][before + 1][ring] - this->Rings[node][before][ring]) /
+        (this->Gaps[before + 1] - this->Gaps[before]);
+    }
+  }
+  return rates;
+}
+
 double ScatterModel::ScatterToPrimary(double thicknessMm, double diameterMm) const
 {
   // What the middle gets from all around is what a beam at the middle sends all around.
@@ -362,59 +233,234 @@ double ScatterModel::ScatterToPrimary(double thicknessMm, double diameterMm) con
   return sum;
 }
 
-ScatterModel::SentSignal ScatterModel::Gather(const XRaySource& source,
-  const XRayDetector& detector, const std::vector<double>& thicknessesMm,
-  const std::vector<double>& primary) const
+/// What the sums over a picture need besides what its pixels send.
+struct ScatterModel::Geometry
 {
-  const Cells cells(detector);
-  const Foot foot(source, detector);
-  SentSignal signal;
-  signal.ThickestMm = PlateDistance(thicknessesMm);
-  signal.ByThickness.resize(this->Thicknesses.size());
-  signal.Tissue.resize(cells.Count());
-  signal.Multiple.resize(cells.Count());
-  std::vector<double> pixels(cells.Count());
-  // A cell sends the sum of its pixels over the number it has in the picture's midst.
-  const double pixelsOfCell = static_cast<double>(cells.PerColumn) * cells.PerRow;
-  std::size_t pixel = 0;
-  for (int row = 0; row < detector.Rows; ++row)
+  Geometry(const ScatterModel& model, const XRaySource& source, const XRayDetector& detector,
+    const std::vector<double>& thicknessesMm)
+    : Detector(detector)
+    , Cells(detector)
+    , Over(source, detector)
+    , Pixels(PixelsOf(Cells, detector))
+    , Plates(this->CellMeans(thicknessesMm))
+    // Beyond the largest ring nothing is sent; a margin of the picture's size keeps ends apart.
+    , Plane(Cells, model.Radii.back())
+    , Rings(Plane, model.Radii)
   {
-    for (int column = 0; column < detector.Columns; ++column, ++pixel)
+  }
+  /// The transform of what a cell sends.
+  ScatterPlane KernelOf(const RingShares& shares) const
+  {
+    ScatterPlane kernel = this->Plane;
+    this->Rings.PutKernel(shares, kernel);
+    kernel.ToFrequencies();
+    return kernel;
+  }
+  std::vector<double> CellMeans(const std::vector<double>& pixels) const
+  {
+    std::vector<double> means(this->Cells.Count());
+    std::size_t pixel = 0;
+    for (int row = 0; row < this->Detector.Rows; ++row)
     {
-      const double thickness = thicknessesMm[pixel];
-      const std::size_t cell = cells.CellOf(column, row);
-      pixels[cell] += 1;
-      if (!(thickness > 0))
+      for (int column = 0; column < this->Detector.Columns; ++column, ++pixel)
       {
-        continue;
-      }
-      const double share = std::min(thickness / signal.ThickestMm, 1.0);
-      const auto [node, beyond] = PlaceOn(this->Thicknesses, thickness);
-      signal.Tissue[cell] += share;
-      signal.Multiple[cell] +=
-        share * ((1 - beyond) * this->Multiple[node] + beyond * this->Multiple[node + 1]);
-      const double closer =
-        1 - foot.PerHeight * (this->GapMm + ScatterHeight * std::max(signal.ThickestMm, thickness));
-      for (const auto& [at, weight] :
-        { std::pair{ node, 1 - beyond }, std::pair{ node + 1, beyond } })
-      {
-        signal.ByThickness[at].resize(cells.Count());
-        cells.Spread(foot.Column + closer * (column - foot.Column),
-          foot.Row + closer * (row - foot.Row), weight * primary[pixel] / pixelsOfCell,
-          signal.ByThickness[at]);
+        means[this->Cells.CellOf(column, row)] += pixels[pixel];
       }
     }
+    this->DivideByPixels(means);
+    return means;
   }
-  for (std::size_t cell = 0; cell < pixels.size(); ++cell)
+  void DivideByPixels(std::vector<double>& cells) const
   {
-    signal.Tissue[cell] /= pixels[cell];
-    signal.Multiple[cell] /= pixels[cell];
+    for (std::size_t cell = 0; cell < cells.size(); ++cell)
+    {
+      cells[cell] /= this->Pixels[cell];
+    }
   }
+  /// The value of each pixel between those of the cells.
+  std::vector<double> ToPixels(const std::vector<double>& cells) const
+  {
+    std::vector<double> image(static_cast<std::size_t>(this->Detector.Columns) *
+      static_cast<std::size_t>(this->Detector.Rows));
+    ParallelFor(static_cast<std::size_t>(this->Detector.Rows),
+      [&](std::size_t row)
+      {
+        for (int column = 0; column < this->Detector.Columns; ++column)
+        {
+          image[row * static_cast<std::size_t>(this->Detector.Columns) +
+            static_cast<std::size_t>(column)] =
+            BetweenCells(cells, this->Cells.Columns, this->Cells.Rows, this->Cells.ColumnOf(column),
+              this->Cells.RowOf(static_cast<double>(row)));
+        }
+      });
+    return image;
+  }
+
+  static std::vector<double> PixelsOf(const ScatterCells& cells, const XRayDetector& detector)
+  {
+    std::vector<double> pixels(cells.Count());
+    for (int row = 0; row < detector.Rows; ++row)
+    {
+      for (int column = 0; column < detector.Columns; ++column)
+      {
+        pixels[cells.CellOf(column, row)] += 1;
+      }
+    }
+    return pixels;
+  }
+
+  XRayDetector Detector;
+  ScatterCells Cells;
+  DetectorPlane Over;
+  /// How many a cell has.
+  std::vector<double> Pixels;
+  PlateDistance Plates;
+  ScatterPlane Plane;
+  ScatterRings Rings;
+};
+
+/// By cells of the plane; or their rates.
+struct ScatterModel::SentSignal
+{
+  SentSignal(std::size_t nodes, std::size_t cells)
+    : ByThickness(nodes)
+    , Tissue(cells)
+    , Multiple(cells)
+  {
+  }
+  /// What tissue of each node of the thickness sends on; empty where there is none.
+  std::vector<std::vector<double>> ByThickness;
+  /// How much of the space between the plates is tissue, 0 to 1.
+  std::vector<double> Tissue;
+  /// What of its scatter has been scattered more than once, with Tissue as a weight.
+  std::vector<double> Multiple;
+};
+
+/// What a pixel's tissue sends on, and from where.
+struct ScatterModel::SendingPixel
+{
+  SendingPixel(const ScatterModel& model, const Geometry& geometry, double thickness)
+  {
+    std::tie(this->Node, this->Beyond) = PlaceOn(model.Thicknesses, thickness);
+    this->Share = std::min(thickness / geometry.Plates.Mm, 1.0);
+    this->Closer = 1 -
+      (model.GapMm + ScatterHeight * std::max(geometry.Plates.Mm, thickness)) /
+        geometry.Over.HeightMm;
+    this->Multiple = (1 - this->Beyond) * model.Multiple[this->Node] +
+      this->Beyond * model.Multiple[this->Node + 1];
+  }
+  /// Of the thickness' axis, and how far towards the next.
+  std::size_t Node = 0;
+  double Beyond = 0;
+  /// Of the space between the plates.
+  double Share = 0;
+  double Multiple = 0;
+  /// The way from the source's foot, over that on the detector.
+  double Closer = 1;
+};
+
+ScatterModel::SentSignal ScatterModel::Gather(const Geometry& geometry,
+  const std::vector<double>& thicknessesMm, const std::vector<double>& primary) const
+{
+  const ScatterCells& cells = geometry.Cells;
+  SentSignal signal(this->Thicknesses.size(), cells.Count());
+  // A cell sends the sum of its pixels over the number it has in the picture's midst.
+  const double pixelsOfCell = static_cast<double>(cells.PerColumn) * cells.PerRow;
+  const DetectorPlane& over = geometry.Over;
+  ForEachTissuePixel(geometry.Detector, thicknessesMm,
+    [&](int column, int row, std::size_t pixel)
+    {
+      const SendingPixel sent(*this, geometry, thicknessesMm[pixel]);
+      const std::size_t cell = cells.CellOf(column, row);
+      signal.Tissue[cell] += sent.Share;
+      signal.Multiple[cell] += sent.Share * sent.Multiple;
+      const ScatterCells::Shares shares =
+        cells.SharesAt(over.FootColumn + sent.Closer * (column - over.FootColumn),
+          over.FootRow + sent.Closer * (row - over.FootRow));
+      const double value = primary[pixel] / pixelsOfCell;
+      for (const std::size_t next : { 0, 1 })
+      {
+        std::vector<double>& to = signal.ByThickness[sent.Node + next];
+        to.resize(cells.Count());
+        const double weighted = value * (next == 0 ? 1 - sent.Beyond : sent.Beyond);
+        for (std::size_t corner = 0; corner < 4; ++corner)
+        {
+          to[shares.Cells[corner]] += weighted * shares.Values[corner];
+        }
+      }
+    });
+  geometry.DivideByPixels(signal.Tissue);
+  geometry.DivideByPixels(signal.Multiple);
   return signal;
 }
 
-std::vector<double> ScatterModel::Scatter(const XRaySource& source, const XRayDetector& detector,
-  const std::vector<double>& thicknessesMm, const std::vector<double>& primary) const
+ScatterModel::SentSignal ScatterModel::GatherRates(const Geometry& geometry,
+  const std::vector<double>& thicknessesMm, const std::vector<double>& primary,
+  const SignalRates& rates) const
+{
+  const ScatterCells& cells = geometry.Cells;
+  SentSignal signal(this->Thicknesses.size(), cells.Count());
+  const double pixelsOfCell = static_cast<double>(cells.PerColumn) * cells.PerRow;
+  const DetectorPlane& over = geometry.Over;
+  const double plates = geometry.Plates.Mm;
+  const double plateRate = geometry.Plates.RateOf(geometry.CellMeans(rates.ThicknessesMm));
+  ForEachTissuePixel(geometry.Detector, thicknessesMm,
+    [&](int column, int row, std::size_t pixel)
+    {
+      const double thickness = thicknessesMm[pixel];
+      const double rate = rates.ThicknessesMm[pixel];
+      const SendingPixel sent(*this, geometry, thickness);
+      const std::size_t node = sent.Node;
+      const double beyondRate = rate / (this->Thicknesses[node + 1] - this->Thicknesses[node]);
+      const double shareRate =
+        thickness < plates ? (rate - thickness / plates * plateRate) / plates : 0;
+      const double closerRate =
+        -ScatterHeight * (thickness > plates ? rate : plateRate) / over.HeightMm;
+      const std::size_t cell = cells.CellOf(column, row);
+      signal.Tissue[cell] += shareRate;
+      signal.Multiple[cell] += shareRate * sent.Multiple +
+        sent.Share * beyondRate * (this->Multiple[node + 1] - this->Multiple[node]);
+      const double fromFoot = column - over.FootColumn;
+      const double belowFoot = row - over.FootRow;
+      const ScatterCells::Shares shares = cells.SharesAt(over.FootColumn + sent.Closer * fromFoot,
+        over.FootRow + sent.Closer * belowFoot, closerRate * fromFoot, closerRate * belowFoot);
+      const double value = primary[pixel] / pixelsOfCell;
+      const double valueRate = rates.Primary[pixel] / pixelsOfCell;
+      for (const std::size_t next : { 0, 1 })
+      {
+        std::vector<double>& to = signal.ByThickness[node + next];
+        to.resize(cells.Count());
+        const double weight = next == 0 ? 1 - sent.Beyond : sent.Beyond;
+        const double weightRate = next == 0 ? -beyondRate : beyondRate;
+        const double weightedRate = weight * valueRate + weightRate * value;
+        for (std::size_t corner = 0; corner < 4; ++corner)
+        {
+          to[shares.Cells[corner]] +=
+            weightedRate * shares.Values[corner] + weight * value * shares.Rates[corner];
+        }
+      }
+    });
+  geometry.DivideByPixels(signal.Tissue);
+  geometry.DivideByPixels(signal.Multiple);
+  return signal;
+}
+
+std::array<std::vector<double>, 2> ScatterModel::TissueAround(const Geometry& geometry,
+  const std::array<const std::vector<double>*, 2>& tissue) const
+{
+  ScatterPlane plane = geometry.Plane;
+  plane.PutWithBorder(tissue);
+  plane.ToFrequencies();
+  plane.SpreadGaussian(2 * this->FreePathMm);
+  plane.FromFrequencies();
+  return plane.Take();
+}
+
+namespace
+{
+/// Throws InputError unless there are values for all of the detector's pixels.
+void CheckPixels(const XRayDetector& detector, const std::vector<double>& thicknessesMm,
+  const std::vector<double>& primary)
 {
   const std::size_t pixels = static_cast<std::size_t>(detector.Columns) * detector.Rows;
   if (thicknessesMm.size() != pixels || primary.size() != pixels)
@@ -423,49 +469,106 @@ std::vector<double> ScatterModel::Scatter(const XRaySource& source, const XRayDe
       " pixels, found " + std::to_string(thicknessesMm.size()) + " and " +
       std::to_string(primary.size()));
   }
-  const Cells cells(detector);
-  const SentSignal signal = this->Gather(source, detector, thicknessesMm, primary);
-  // Beyond the largest ring nothing is sent; a margin of the picture's size keeps ends apart.
-  CellPlane plane(cells, this->Radii.back());
-  CellPlane sum = plane;
+}
+}
+
+std::vector<double> ScatterModel::Scatter(const XRaySource& source, const XRayDetector& detector,
+  const std::vector<double>& thicknessesMm, const std::vector<double>& primary) const
+{
+  CheckPixels(detector, thicknessesMm, primary);
+  const Geometry geometry(*this, source, detector, thicknessesMm);
+  const SentSignal signal = this->Gather(geometry, thicknessesMm, primary);
+  ScatterPlane plane = geometry.Plane;
+  ScatterPlane sum = geometry.Plane;
+  for (std::size_t node = 1; node < signal.ByThickness.size(); ++node)
+  {
+    if (!signal.ByThickness[node].empty())
+    {
+      plane.Put({ &signal.ByThickness[node], nullptr });
+      plane.ToFrequencies();
+      sum.AddProduct(plane,
+        geometry.KernelOf(this->RingsAt(node, geometry.Plates.Mm - this->Thicknesses[node])));
+    }
+  }
+  sum.FromFrequencies();
+  std::vector<double> scatter = sum.Take()[0];
+  // What is scattered more than once needs tissue around.
+  const std::vector<double> around = this->TissueAround(geometry, { &signal.Tissue, nullptr })[0];
+  for (std::size_t cell = 0; cell < scatter.size(); ++cell)
+  {
+    scatter[cell] *= 1 - (1 - std::clamp(around[cell], 0.0, 1.0)) * signal.Multiple[cell];
+    scatter[cell] = std::max(scatter[cell], 0.0);
+  }
+  return geometry.ToPixels(scatter);
+}
+
+std::vector<std::vector<double>> ScatterModel::Differentiate(const XRaySource& source,
+  const XRayDetector& detector, const std::vector<double>& thicknessesMm,
+  const std::vector<double>& primary, const std::vector<SignalRates>& rates) const
+{
+  CheckPixels(detector, thicknessesMm, primary);
+  const Geometry geometry(*this, source, detector, thicknessesMm);
+  const SentSignal signal = this->Gather(geometry, thicknessesMm, primary);
+  std::vector<SentSignal> changes;
+  for (const SignalRates& rate : rates)
+  {
+    CheckPixels(detector, rate.ThicknessesMm, rate.Primary);
+    changes.push_back(this->GatherRates(geometry, thicknessesMm, primary, rate));
+  }
+  // In pairs, as real and imaginary parts: first the signal itself and what it changes by with the
+  // distance of the plates.
+  const std::size_t pairs = (rates.size() + 1) / 2;
+  std::vector<ScatterPlane> sums(pairs + 2, geometry.Plane);
+  ScatterPlane plane = geometry.Plane;
   for (std::size_t node = 1; node < signal.ByThickness.size(); ++node)
   {
     if (signal.ByThickness[node].empty())
     {
       continue;
     }
-    plane.Put(signal.ByThickness[node]);
+    const double missing = geometry.Plates.Mm - this->Thicknesses[node];
+    const ScatterPlane kernel = geometry.KernelOf(this->RingsAt(node, missing));
+    plane.Put({ &signal.ByThickness[node], nullptr });
     plane.ToFrequencies();
-    CellPlane kernel = plane;
-    kernel.PutKernel(this->RingsAt(node, signal.ThickestMm - this->Thicknesses[node]), this->Radii);
-    kernel.ToFrequencies();
-    sum.AddProduct(plane, kernel);
-  }
-  sum.FromFrequencies();
-  std::vector<double> scatter = sum.Take();
-  // What is scattered more than once needs tissue around.
-  plane.PutWithBorder(signal.Tissue);
-  plane.ToFrequencies();
-  plane.SpreadGaussian(2 * this->FreePathMm);
-  plane.FromFrequencies();
-  const std::vector<double> around = plane.Take();
-  for (std::size_t cell = 0; cell < scatter.size(); ++cell)
-  {
-    scatter[cell] *= 1 - (1 - std::clamp(around[cell], 0.0, 1.0)) * signal.Multiple[cell];
-  }
-  std::vector<double> image;
-  image.reserve(pixels);
-  for (int row = 0; row < detector.Rows; ++row)
-  {
-    for (int column = 0; column < detector.Columns; ++column)
+    sums[pairs].AddProduct(plane, kernel);
+    sums[pairs + 1].AddProduct(plane, geometry.KernelOf(this->RingRatesAt(node, missing)));
+    for (std::size_t pair = 0; pair < pairs; ++pair)
     {
-      image.push_back(
-        std::max(BetweenCells(scatter, cells.Columns, cells.Rows,
-                   (column + 0.5) / cells.PerColumn - 0.5, (row + 0.5) / cells.PerRow - 0.5),
-          0.0));
+      const auto of = [&](std::size_t field)
+      { return field < changes.size() ? &changes[field].ByThickness[node] : nullptr; };
+      plane.Put({ of(2 * pair), of(2 * pair + 1) });
+      plane.ToFrequencies();
+      sums[pair].AddProduct(plane, kernel);
     }
   }
-  return image;
+  for (ScatterPlane& sum : sums)
+  {
+    sum.FromFrequencies();
+  }
+  const std::vector<double> scatter = sums[pairs].Take()[0];
+  const std::vector<double> perPlates = sums[pairs + 1].Take()[0];
+  const std::vector<double> around = this->TissueAround(geometry, { &signal.Tissue, nullptr })[0];
+  std::vector<std::vector<double>> images;
+  for (std::size_t field = 0; field < rates.size(); ++field)
+  {
+    const std::vector<double> changed = sums[field / 2].Take()[field % 2];
+    const SentSignal& change = changes[field];
+    const std::vector<double> aroundRate =
+      this->TissueAround(geometry, { &change.Tissue, nullptr })[0];
+    const double plateRate = geometry.Plates.RateOf(geometry.CellMeans(rates[field].ThicknessesMm));
+    std::vector<double> cells(scatter.size());
+    for (std::size_t cell = 0; cell < cells.size(); ++cell)
+    {
+      const double air = 1 - std::clamp(around[cell], 0.0, 1.0);
+      const double airRate = around[cell] > 0 && around[cell] < 1 ? -aroundRate[cell] : 0;
+      cells[cell] = scatter[cell] > 0
+        ? (changed[cell] + plateRate * perPlates[cell]) * (1 - air * signal.Multiple[cell]) -
+          scatter[cell] * (airRate * signal.Multiple[cell] + air * change.Multiple[cell])
+        : 0;
+    }
+    images.push_back(geometry.ToPixels(cells));
+  }
+  return images;
 }
 
 std::vector<double> TissueThickness(const PathLengthImage& image)

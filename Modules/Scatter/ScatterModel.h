@@ -8,6 +8,7 @@
 #include "mammoray/XRay/PathLengthProjector.h"
 #include "mammorayScatterModule.h"
 
+#include <array>
 #include <optional>
 #include <vector>
 
@@ -42,28 +43,43 @@ public:
   std::vector<double> Scatter(const XRaySource& source, const XRayDetector& detector,
     const std::vector<double>& thicknessesMm, const std::vector<double>& primary) const;
 
+  /// How thickness, mm, and primary signal of each pixel change with a parameter.
+  struct SignalRates
+  {
+    std::vector<double> ThicknessesMm;
+    std::vector<double> Primary;
+  };
+  /**
+   * How the scattered signal of each pixel changes with each of these parameters, for the rays of
+   * `source` and `detector`: exact but for where Scatter has kinks, which is where a thickness is
+   * one of the table's, or that between the plates, and where a pixel's place meets the middle of a
+   * cell. Throws InputError on sizes that do not fit.
+   */
+  std::vector<std::vector<double>> Differentiate(const XRaySource& source,
+    const XRayDetector& detector, const std::vector<double>& thicknessesMm,
+    const std::vector<double>& primary, const std::vector<SignalRates>& rates) const;
+
   /// Scattered over primary signal on the axis of a parallel beam of this diameter, mm, through a
   /// slab without end.
   double ScatterToPrimary(double thicknessMm, double diameterMm) const;
 
 private:
   using RingShares = std::vector<double>;
-  /// By cells of the plane.
-  struct SentSignal
-  {
-    /// What tissue of each node of the thickness sends on; empty where there is none.
-    std::vector<std::vector<double>> ByThickness;
-    /// How much of the space between the plates is tissue, 0 to 1.
-    std::vector<double> Tissue;
-    /// What of its scatter has been scattered more than once, with Tissue as a weight.
-    std::vector<double> Multiple;
-    /// Between the plates.
-    double ThickestMm = 0;
-  };
-  SentSignal Gather(const XRaySource& source, const XRayDetector& detector,
-    const std::vector<double>& thicknessesMm, const std::vector<double>& primary) const;
+  struct Geometry;
+  struct SentSignal;
+  struct SendingPixel;
+  SentSignal Gather(const Geometry& geometry, const std::vector<double>& thicknessesMm,
+    const std::vector<double>& primary) const;
+  SentSignal GatherRates(const Geometry& geometry, const std::vector<double>& thicknessesMm,
+    const std::vector<double>& primary, const SignalRates& rates) const;
+  /// How much of the space around each cell, as far as photons fly that are scattered more than
+  /// once, is tissue; of two fields.
+  std::array<std::vector<double>, 2> TissueAround(const Geometry& geometry,
+    const std::array<const std::vector<double>*, 2>& tissue) const;
   /// The share of each ring at a node of the thickness, `missingMm` less than the thickest.
   RingShares RingsAt(std::size_t node, double missingMm) const;
+  /// Its derivative with what is missing, 1/mm.
+  RingShares RingRatesAt(std::size_t node, double missingMm) const;
 
   std::vector<double> Radii;
   /// 0 first, where nothing scatters.

@@ -5,6 +5,7 @@
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/Foundation/Numbers.h"
 #include "mammoray/XRay/Composition.h"
+#include "mammoray/XRay/DetectorPlane.h"
 
 #include <algorithm>
 #include <cmath>
@@ -82,11 +83,9 @@ std::vector<float> OpenField(const XRaySource& source, const XRayDetector& detec
   {
     throw InputError("open field: expected a point source, found a parallel beam");
   }
-  const Vector3 normal = Cross(detector.ColumnStep, detector.RowStep);
+  const DetectorPlane plane(source, detector);
   const Vector3 offset = detector.Origin - source.Position;
-  const double side = Dot(offset, normal) > 0 ? 1 : -1;
-  const Vector3 central = (side / Norm(normal)) * normal;
-  const double distance = Dot(offset, central);
+  const Vector3 central = -1.0 * plane.Normal;
   const Vector3 toAnode = (1 / Norm(detector.ColumnStep)) * detector.ColumnStep;
   const double angle = options.Heel.TargetAngleDeg * std::numbers::pi / 180;
   const Vector3 surface = std::sin(angle) * central - std::cos(angle) * toAnode;
@@ -102,7 +101,7 @@ std::vector<float> OpenField(const XRaySource& source, const XRayDetector& detec
     const Vector3 way = offset + static_cast<double>(pixel % columns) * detector.ColumnStep +
       static_cast<double>(row) * detector.RowStep;
     const double length = Norm(way);
-    double signal = options.InverseSquare ? std::pow(distance / length, 3) : 1.0;
+    double signal = options.InverseSquare ? std::pow(plane.HeightMm / length, 3) : 1.0;
     if (hasHeel)
     {
       const double leaving = Dot(way, surface) / length;

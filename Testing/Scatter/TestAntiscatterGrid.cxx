@@ -114,4 +114,15 @@ TEST(AntiscatterGrid, RefusesWhatIsNone)
   options.Interspace = "nothing";
   EXPECT_THROW(AntiscatterGrid{ options }, InputError);
 }
+
+TEST(AntiscatterGrid, IsMadeOfTheNumbersItIsSoldBy)
+{
+  const AntiscatterGridOptions options = AntiscatterGridOptions::OfLead({ 4, 40, 50 }, "air");
+  EXPECT_DOUBLE_EQ(options.Ratio, 4);
+  EXPECT_DOUBLE_EQ(options.LinesPerMm, 4);
+  EXPECT_DOUBLE_EQ(options.SeptumMm, 0.05);
+  // 20 keV: 0.2 mm of septa's height, of which air takes nothing and a fifth is lead.
+  EXPECT_NEAR(AntiscatterGrid(options).PrimaryTransmission(20), 0.8, 1e-3);
+  EXPECT_THROW(AntiscatterGridOptions::OfLead({ 4, 40, 50 }, "wood"), InputError);
+}
 }

@@ -209,6 +209,82 @@ TEST(ScatterModel, ABlockScattersAsPhotonsThatAreFollowed)
   }
 }
 
+/// A breast between plates: round towards both of them, and beside what rays see of its thickness
+/// and of what comes through, how both change with the distance of the plates and with the way of
+/// the breast along the rows.
+struct Mound
+{
+  std::vector<double> Thickness;
+  std::vector<double> Primary;
+  std::vector<ScatterModel::SignalRates> Rates{ 2 };
+
+  explicit Mound(double platesMm, double shiftMm = 0)
+  {
+    for (int row = 0; row < 60; ++row)
+    {
+      for (int column = 0; column < 40; ++column)
+      {
+        const double x = 3.0 * column;
+        const double y = 3.0 * (row - 30) - shiftMm;
+        // Half of the square of the way from the outline, an ellipse.
+        const double depth = 50 * (1 - x * x / 6400 - y * y / 4900);
+        const double root = std::sqrt(std::max(depth, 0.0) * std::max(depth, 0.0) + 1);
+        const double bulge = std::max(depth, 0.0) / root;
+        const double bulgeRate = depth > 0 ? 1 / (root * root * root) : 0;
+        // A ray is the longer the more it slants.
+        const double slant = std::sqrt(1 + (x * x + y * y) / (650.0 * 650.0));
+        this->Thickness.push_back(platesMm * bulge * slant);
+        this->Primary.push_back(std::exp(-0.06 * this->Thickness.back()));
+        const double depthRate = 50 * 2 * y / 4900;
+        const double slantRate = -y / (650.0 * 650.0) / slant;
+        const double rates[2] = { bulge * slant,
+          platesMm * (bulgeRate * depthRate * slant + bulge * slantRate) };
+        for (const std::size_t field : { 0, 1 })
+        {
+          this->Rates[field].ThicknessesMm.push_back(rates[field]);
+          this->Rates[field].Primary.push_back(-0.06 * this->Primary.back() * rates[field]);
+        }
+      }
+    }
+  }
+};
+
+TEST(ScatterModel, DerivativesAgreeWithDifferences)
+{
+  XRaySource source;
+  source.Position = { 0, 90, 650 };
+  const XRayDetector detector = MakeDetector(40, 60, 3);
+  for (const auto& grid : { std::optional<AntiscatterGrid>(), std::optional(AntiscatterGrid({})) })
+  {
+    const ScatterModel model = MakeModel(12, grid);
+    const Mound here(47);
+    const auto rates =
+      model.Differentiate(source, detector, here.Thickness, here.Primary, here.Rates);
+    ASSERT_EQ(rates.size(), 2U);
+    for (const std::size_t field : { 0, 1 })
+    {
+      const double step = 1e-4; // mm: fewer kinks than pixels, more than rounding
+      const auto beside = [&](double sign)
+      {
+        const Mound moved(47 + (field == 0 ? sign * step : 0), field == 1 ? sign * step : 0);
+        return model.Scatter(source, detector, moved.Thickness, moved.Primary);
+      };
+      const std::vector<double> plus = beside(1);
+      const std::vector<double> minus = beside(-1);
+      double largest = 0;
+      double off = 0;
+      for (std::size_t pixel = 0; pixel < plus.size(); ++pixel)
+      {
+        const double difference = (plus[pixel] - minus[pixel]) / (2 * step);
+        largest = std::max(largest, std::abs(difference));
+        off = std::max(off, std::abs(difference - rates[field][pixel]));
+      }
+      EXPECT_GT(largest, 1e-5);
+      EXPECT_LT(off, 1e-6 * largest) << field;
+    }
+  }
+}
+
 TEST(ScatterModel, RefusesWhatDoesNotFit)
 {
   EXPECT_THROW(MakeModel(-1), InputError);
@@ -216,6 +292,9 @@ TEST(ScatterModel, RefusesWhatDoesNotFit)
   const XRayDetector detector = MakeDetector(4, 4, 1);
   EXPECT_THROW(
     MakeModel(10).Scatter(Parallel(), detector, std::vector<double>(15), std::vector<double>(16)),
+    InputError);
+  EXPECT_THROW(MakeModel(10).Differentiate(Parallel(), detector, std::vector<double>(16),
+                 std::vector<double>(16), { {} }),
     InputError);
 }
 }

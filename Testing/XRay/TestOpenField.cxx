@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/XRay/Composition.h"
+#include "mammoray/XRay/DetectorPlane.h"
 #include "mammoray/XRay/OpenField.h"
 
 #include <gmock/gmock.h>
@@ -32,6 +33,29 @@ XRaySource Focus()
 }
 
 const auto Counting = DetectorResponse::PhotonCounting;
+
+TEST(DetectorPlane, FindsTheFootAlsoOfSkewSteps)
+{
+  XRayDetector detector = Receptor();
+  detector.RowStep = { -10, 4, 0 };
+  XRaySource source = Focus();
+  const DetectorPlane above(source, detector);
+  EXPECT_NEAR(above.Normal[2], 1, 1e-15);
+  EXPECT_DOUBLE_EQ(above.HeightMm, 650);
+  // 10 rows lead from x = 100 to 0, and by 40 mm along y, which 4 columns go back.
+  EXPECT_NEAR(above.FootRow, 10, 1e-12);
+  EXPECT_NEAR(above.FootColumn, -4, 1e-12);
+  source.Position = { 0, 0, -300 };
+  const DetectorPlane below(source, detector);
+  EXPECT_NEAR(below.Normal[2], -1, 1e-15);
+  EXPECT_DOUBLE_EQ(below.HeightMm, 300);
+  EXPECT_NEAR(below.FootRow, 10, 1e-12);
+  source.Type = XRaySource::Kind::Parallel;
+  source.Direction = { 1, 0, -2 };
+  const DetectorPlane parallel(source, detector);
+  EXPECT_NEAR(parallel.Normal[2], 1, 1e-15);
+  EXPECT_TRUE(std::isinf(parallel.HeightMm));
+}
 
 TEST(OpenField, InverseSquareIsClosedForm)
 {

@@ -4,6 +4,7 @@
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/IO/ScatterData.h"
 #include "mammoray/Scatter/CellInterpolation.h"
+#include "mammoray/XRay/DetectorPlane.h"
 #include "mammoray/XRay/OpenField.h"
 #ifdef MAMMORAY_HAS_MESHING
 #include "mammoray/Meshing/SurfaceVoxels.h"
@@ -19,25 +20,6 @@ namespace
 {
 /// Pixels of this size gather photons that are followed; scatter changes little within.
 constexpr double GatheringMm = 4;
-
-AntiscatterGrid MakeGrid(const ScatterArguments& arguments)
-{
-  AntiscatterGridOptions options;
-  options.Ratio = (*arguments.Grid)[0];
-  options.LinesPerMm = 0.1 * (*arguments.Grid)[1];
-  options.SeptumMm = 1e-3 * (*arguments.Grid)[2];
-  if (arguments.Interspace == "air")
-  {
-    options.Interspace = "Air, Dry (near sea level)";
-    options.InterspaceDensityGPerCm3 = 0.001205;
-  }
-  else if (arguments.Interspace == "aluminium")
-  {
-    options.Interspace = "Al";
-    options.InterspaceDensityGPerCm3 = 2.699;
-  }
-  return AntiscatterGrid(options);
-}
 
 /// The detector with larger pixels over the same field.
 XRayDetector Gathering(const XRayDetector& detector)
@@ -57,14 +39,30 @@ XRayDetector Gathering(const XRayDetector& detector)
   coarse.Samples = 1;
   return coarse;
 }
-
-/// Of the normal of a detector, towards the source.
-Vector3 TowardsSource(const XRaySource& source, const XRayDetector& detector)
-{
-  Vector3 normal = Cross(detector.ColumnStep, detector.RowStep);
-  normal = (1 / Norm(normal)) * normal;
-  return Dot(normal, source.Position - detector.Origin) < 0 ? -1.0 * normal : normal;
 }
+
+void DeclareKernelScatter(const OptionList& scatter, KernelScatterArguments& arguments)
+{
+  scatter("--air-gap", arguments.AirGapMm, Between(0, 200, "mm"),
+    "of --scatter kernels: from the back of the tissue to the detector; default: the height of the "
+    "unit's support");
+  scatter.Numbers("--grid", arguments.Grid, "RATIO LINES UM",
+    "anti-scatter grid of lead, focused: ratio, lines per cm, micrometres of a septum ('5 31 "
+    "65'); septa run along the chest wall. Transmissions are relative to air behind the grid");
+  scatter.Word("--grid-interspace", arguments.Interspace, { "fibre", "air", "aluminium" },
+    "what is between the septa");
+}
+
+void CheckKernelScatter(const KernelScatterArguments& arguments)
+{
+  if (arguments.Method.empty() && (arguments.Grid || arguments.AirGapMm))
+  {
+    throw InputError("--grid, --air-gap: expected --scatter beside them, found none");
+  }
+  if (arguments.Grid)
+  {
+    AntiscatterGrid(AntiscatterGridOptions::OfLead(*arguments.Grid, arguments.Interspace));
+  }
 }
 
 void DeclareScatter(const OptionList& add, ScatterArguments& arguments)
@@ -74,14 +72,7 @@ void DeclareScatter(const OptionList& add, ScatterArguments& arguments)
     "add what tissue scatters onto the detector: by kernels, tabulated for breast tissue by the "
     "thickness along each ray, or by following --mc-photons photons through the materials, whose "
     "compositions must be known");
-  scatter("--air-gap", arguments.AirGapMm, Between(0, 200, "mm"),
-    "of --scatter kernels: from the back of the tissue to the detector; default: the height of the "
-    "unit's support");
-  scatter.Numbers("--grid", arguments.Grid, "RATIO LINES UM",
-    "anti-scatter grid of lead, focused: ratio, lines per cm, micrometres of a septum ('5 31 "
-    "65'); septa run along the chest wall. Transmissions are relative to air behind the grid");
-  scatter.Word("--grid-interspace", arguments.Interspace, { "fibre", "air", "aluminium" },
-    "what is between the septa");
+  DeclareKernelScatter(scatter, arguments);
   scatter.Flag("--dose", arguments.Dose,
     "print the mean dose of each material, by following --mc-photons photons");
   scatter("--mc-photons", arguments.Photons, Between(1, 1e12),
@@ -92,10 +83,7 @@ void DeclareScatter(const OptionList& add, ScatterArguments& arguments)
 
 void CheckScatter(const ScatterArguments& arguments, bool isPlacedByUnit)
 {
-  if (arguments.Method.empty() && (arguments.Grid || arguments.AirGapMm))
-  {
-    throw InputError("--grid, --air-gap: expected --scatter beside them, found none");
-  }
+  CheckKernelScatter(arguments);
   if (arguments.Method == "kernels" && !isPlacedByUnit && !arguments.AirGapMm)
   {
     throw InputError("--scatter kernels: expected --air-gap beside explicit positions, found none");
@@ -128,7 +116,7 @@ ScatterSource::ScatterSource(const ScatterArguments& arguments, double gapMm,
 {
   if (arguments.Grid)
   {
-    this->Grid = MakeGrid(arguments);
+    this->Grid.emplace(AntiscatterGridOptions::OfLead(*arguments.Grid, arguments.Interspace));
   }
   if (arguments.Method == "kernels")
   {
@@ -209,17 +197,16 @@ std::string DescribeDose(const ScatterArguments& arguments, const VoxelScene& sc
   // and of a plane through the tissue's top.
   const double pixelMm2 = Norm(detector.ColumnStep) * Norm(detector.RowStep);
   const double share = CentralFluence(source, coarse);
-  const Vector3 normal = TowardsSource(source, detector);
+  const DetectorPlane plane(source, detector);
   double top = heightMm.value_or(0);
   for (int corner = 0; !heightMm && corner < 8; ++corner)
   {
     const Vector3 point{ (corner & 1) != 0 ? scene.High()[0] : scene.Low()[0],
       (corner & 2) != 0 ? scene.High()[1] : scene.Low()[1],
       (corner & 4) != 0 ? scene.High()[2] : scene.Low()[2] };
-    top = std::max(top, Dot(normal, point - detector.Origin));
+    top = std::max(top, Dot(plane.Normal, point - detector.Origin));
   }
-  const double height = Dot(normal, source.Position - detector.Origin);
-  const double nearer = std::pow(height / (height - top), 2);
+  const double nearer = std::pow(plane.HeightMm / (plane.HeightMm - top), 2);
   double kerma = 0;
   double photons = 0;
   for (std::size_t bin = 0; bin < spectrum.Weights.size(); ++bin)

@@ -15,15 +15,25 @@
 
 namespace mammoray
 {
-/// Scatter, grid and dose of 'mammoray project'.
-struct ScatterArguments
+/// What every command says of scatter: 'mammoray project' and 'mammoray register'.
+struct KernelScatterArguments
 {
-  /// Empty: none; "kernels" or "monte-carlo".
+  /// Empty: none; "kernels", or of 'mammoray project' "monte-carlo".
   std::string Method;
   std::optional<double> AirGapMm;
   /// Ratio, lines per cm, septum in micrometres.
   std::optional<std::array<double, 3>> Grid;
   std::string Interspace = "fibre";
+};
+
+/// --air-gap, --grid and --grid-interspace.
+void DeclareKernelScatter(const OptionList& scatter, KernelScatterArguments& arguments);
+/// Refuses them without a method, and a grid that cannot be.
+void CheckKernelScatter(const KernelScatterArguments& arguments);
+
+/// Scatter, grid and dose of 'mammoray project'.
+struct ScatterArguments : KernelScatterArguments
+{
   /// By Monte Carlo.
   bool Dose = false;
   double Photons = 1e7;
