@@ -8,6 +8,7 @@
 #include "mammoray/Foundation/SurfaceMesh.h"
 #include "mammoray/Foundation/TetrahedralMesh.h"
 #include "mammoray/Registration/BreastBody.h"
+#include "mammoray/Scatter/ScatterModel.h"
 #include "mammoray/XRay/Beam.h"
 #include "mammoray/XRay/PathLengthProjector.h"
 #include "mammorayRegistrationModule.h"
@@ -16,6 +17,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <utility>
 #include <vector>
 
 namespace mammoray
@@ -101,6 +103,10 @@ public:
   void SetXRays(SurfaceMesh surface, std::unique_ptr<PathLengthProjector> projector, Beam beam);
   /// Another spectrum or detector.
   void SetBeam(Beam beam);
+  /// What of the same beam scatters onto its pictures; nothing, as at first: pictures are of the
+  /// primary radiation alone.
+  void SetScatter(std::optional<ScatterModel> scatter) { this->Secondary = std::move(scatter); }
+  const std::optional<ScatterModel>& Scatter() const { return this->Secondary; }
   bool HasXRays() const { return this->Projector != nullptr; }
   const SurfaceMesh& Surface() const { return this->Interfaces; }
   /// The edges between skin and air of the surface (OuterEdges).
@@ -129,6 +135,7 @@ private:
   std::vector<std::array<std::uint32_t, 2>> Edges;
   std::unique_ptr<PathLengthProjector> Projector;
   std::optional<Beam> Rays;
+  std::optional<ScatterModel> Secondary;
 };
 }
 

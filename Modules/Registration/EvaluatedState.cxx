@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mammoray/Registration/EvaluatedState.h"
 
+#include "Private/DetectedPicture.h"
+
 #include <utility>
 
 namespace mammoray
@@ -80,10 +82,11 @@ bool EvaluatedState::Shows(const XRayDetector& detector) const
   return this->Shown && this->Detector == detector;
 }
 
-void EvaluatedState::KeepPicture(const XRayDetector& detector, PathLengthImage lengths)
+void EvaluatedState::KeepPicture(const XRaySource& source, const XRayDetector& detector,
+  PathLengthImage lengths)
 {
   this->Detector = detector;
-  std::vector<float> attenuation = this->Breast.XRays().LogAttenuation(lengths);
+  std::vector<float> attenuation = DetectedAttenuation(this->Breast, source, detector, lengths);
   this->Shown = Picture{ std::move(lengths), std::move(attenuation) };
 }
 
@@ -94,9 +97,9 @@ const EvaluatedState::Picture& EvaluatedState::PictureOn(const RegistrationTarge
   if (!this->Shows(detector))
   {
     ++this->Projections;
-    this->KeepPicture(detector,
-      this->Breast.Project(this->SurfacePoints(), SourceOf(this->UnitHere, this->Around.Unit),
-        detector));
+    const XRaySource source = SourceOf(this->UnitHere, this->Around.Unit);
+    this->KeepPicture(source, detector,
+      this->Breast.Project(this->SurfacePoints(), source, detector));
   }
   return *this->Shown;
 }
@@ -111,14 +114,17 @@ EvaluatedState::Derivatives EvaluatedState::Differentiate(const RegistrationTarg
     derivatives.Velocities.insert(derivatives.Velocities.end(), field.begin(), field.end());
   }
   const XRayDetector detector = DetectorOf(this->UnitHere, grid, samples);
-  PathLengthImage lengths =
-    this->Breast.Project(this->SurfacePoints(), SourceOf(this->UnitHere, this->Around.Unit),
-      detector, derivatives.Velocities, static_cast<int>(wanted.size()), derivatives.Lengths);
+  const XRaySource source = SourceOf(this->UnitHere, this->Around.Unit);
+  PathLengthDerivatives rates;
+  PathLengthImage lengths = this->Breast.Project(this->SurfacePoints(), source, detector,
+    derivatives.Velocities, static_cast<int>(wanted.size()), rates);
   if (!this->Shows(detector))
   {
     ++this->Projections;
-    this->KeepPicture(detector, std::move(lengths));
+    this->KeepPicture(source, detector, std::move(lengths));
   }
+  derivatives.LogAttenuation = DetectedRates(this->Breast, source, detector, this->Shown->Lengths,
+    this->Shown->LogAttenuation, rates);
   return derivatives;
 }
 }

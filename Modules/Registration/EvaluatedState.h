@@ -60,7 +60,7 @@ public:
   struct Picture
   {
     PathLengthImage Lengths;
-    /// -ln(I / I0) of each pixel.
+    /// -ln(I / I0) of each pixel, with what scatters where the model has that.
     std::vector<float> LogAttenuation;
   };
   const Picture& PictureOn(const RegistrationTarget& grid, int samples);
@@ -70,7 +70,8 @@ public:
   {
     /// How the surface's points move, seen from the unit; one field after the other.
     std::vector<double> Velocities;
-    PathLengthDerivatives Lengths;
+    /// The picture's LogAttenuation, by pixel, one field after the other.
+    std::vector<std::vector<double>> LogAttenuation;
   };
   /// With respect to the parameters numbered in `wanted`, at least one; nothing of it is kept but
   /// the picture, which the same pass gives.
@@ -82,7 +83,7 @@ public:
 
 private:
   bool Shows(const XRayDetector& detector) const;
-  void KeepPicture(const XRayDetector& detector, PathLengthImage lengths);
+  void KeepPicture(const XRaySource& source, const XRayDetector& detector, PathLengthImage lengths);
 
   BreastModel& Breast;
   BreastBody& Body;

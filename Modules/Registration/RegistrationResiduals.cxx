@@ -244,9 +244,7 @@ RegistrationResiduals::Jacobian RegistrationResiduals::Differentiate(EvaluatedSt
   const EvaluatedState::Derivatives derivatives =
     breast.Differentiate(this->Target, this->Options.Samples, wanted);
   const EvaluatedState::Picture& picture = breast.PictureOn(this->Target, this->Options.Samples);
-  const PathLengthImage& lengths = picture.Lengths;
   const PictureFeatures::Found features = this->Features->Of(picture.LogAttenuation);
-  const std::vector<float> attenuation = breast.Model().XRays().MeanAttenuation(lengths);
   const int fields = static_cast<int>(wanted.size());
   for (int field = 0; field < fields; ++field)
   {
@@ -255,15 +253,11 @@ RegistrationResiduals::Jacobian RegistrationResiduals::Differentiate(EvaluatedSt
     this->AddOutlineRates(breast, &derivatives.Velocities[field * breast.SurfacePoints().size()],
       column);
 
-    std::vector<double> rates(this->Pixels.size(), 0.0);
-    for (int material = 1; material < lengths.Materials; ++material)
+    std::vector<double> rates;
+    rates.reserve(this->Pixels.size());
+    for (const std::size_t pixel : this->Pixels)
     {
-      const float* mu = attenuation.data() + material * lengths.NumberOfPixels();
-      const float* rate = derivatives.Lengths.Of(field, material);
-      for (std::size_t index = 0; index < rates.size(); ++index)
-      {
-        rates[index] += static_cast<double>(mu[this->Pixels[index]]) * rate[this->Pixels[index]];
-      }
+      rates.push_back(derivatives.LogAttenuation[static_cast<std::size_t>(field)][pixel]);
     }
     for (const double rate : this->Features->Differentiate(features, std::move(rates)))
     {

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "RegistrationTwin.h"
+#include "mammoray/IO/ScatterData.h"
 #include "mammoray/Registration/EvaluatedState.h"
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <string>
 
 using namespace mammoray;
@@ -40,7 +43,7 @@ TEST(EvaluatedState, ComputesEachThingOnceAndAnewForAnotherGrid)
   const EvaluatedState::Derivatives derivatives =
     here.Differentiate(grid, 2, { ThicknessParameter, LateralParameter });
   EXPECT_EQ(derivatives.Velocities.size(), 2 * here.SurfacePoints().size());
-  EXPECT_EQ(derivatives.Lengths.Fields, 2);
+  EXPECT_EQ(derivatives.LogAttenuation.size(), 2U);
   EXPECT_EQ(here.NumberOfProjections(), 1);
   here.PictureOn(Grid(4), 2);
   here.PictureOn(Grid(4), 1);
@@ -53,6 +56,39 @@ TEST(EvaluatedState, ComputesEachThingOnceAndAnewForAnotherGrid)
   first.Differentiate(grid, 2, { ThicknessParameter });
   EXPECT_EQ(first.PictureOn(grid, 2).LogAttenuation, picture);
   EXPECT_EQ(first.NumberOfProjections(), 1);
+}
+
+TEST(EvaluatedState, AddsWhatScatters)
+{
+  std::string reason;
+  if (ListDevices(&reason).empty())
+  {
+    GTEST_SKIP() << reason;
+  }
+  Twin twin(4, 8, 20.0, false);
+  EvaluatedState here = twin.At(Truth());
+  const RegistrationTarget grid = Grid(2);
+  const EvaluatedState::Picture primary = here.PictureOn(grid, 2);
+  const ScatterModel scatter(FindScatterKernels(), Spectrum::Monochromatic(20),
+    DetectorResponse::EnergyIntegrating, 12);
+  twin.Model.SetScatter(scatter);
+  EvaluatedState scattering = here.MovedTo(Truth());
+  const std::vector<float> both = scattering.PictureOn(grid, 2).LogAttenuation;
+  std::vector<double> through;
+  for (const float attenuation : primary.LogAttenuation)
+  {
+    through.push_back(std::exp(-static_cast<double>(attenuation)));
+  }
+  const std::vector<double> added = scatter.Scatter(SourceOf(here.Placed(), here.Placement().Unit),
+    DetectorOf(here.Placed(), grid, 2), TissueThickness(primary.Lengths), through);
+  double largest = 0;
+  for (std::size_t pixel = 0; pixel < both.size(); ++pixel)
+  {
+    // Floats.
+    EXPECT_NEAR(both[pixel], -std::log(through[pixel] + added[pixel]), 1e-5);
+    largest = std::max(largest, added[pixel] / through[pixel]);
+  }
+  EXPECT_GT(largest, 0.3) << "scatter over primary behind 47 mm";
 }
 
 TEST(EvaluatedState, MovedElsewhereKeepsThePointsAndShiftsThePicture)

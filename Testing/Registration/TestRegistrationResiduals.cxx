@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "RegistrationTwin.h"
 #include "SurfaceShapes.h"
+#include "mammoray/IO/ScatterData.h"
 #include "mammoray/Registration/RegistrationResiduals.h"
 
 #include <gtest/gtest.h>
@@ -159,6 +160,62 @@ TEST(RegistrationResiduals, JacobianAgreesWithDifferencesOfSolvedStates)
     // A pixel is in many windows, where its part is small, and in four gradients.
     EXPECT_LT(fewestOff[1], 0.02) << options.Parameters[parameter].Name;
     EXPECT_LT(fewestOff[2], 0.08) << options.Parameters[parameter].Name;
+  }
+}
+
+TEST(RegistrationResiduals, JacobianWithScatterAgreesWithDifferencesOfSolvedStates)
+{
+  std::string reason;
+  if (ListDevices(&reason).empty())
+  {
+    GTEST_SKIP() << reason;
+  }
+  Twin twin(6, 10, 20.0, false);
+  const Beam beam = twin.Model.XRays();
+  twin.Model.SetXRays(SmoothAnatomy(), MakeProjector(), beam);
+  const RegistrationTarget target = Coarsen(MakeTarget(twin, Truth()), 4);
+  BreastPose pose = Truth();
+  pose.ThicknessMm = 49;
+  pose.RollDeg = 3;
+  RegistrationOptions options;
+  options.Parameters = DefaultParameters(pose);
+  const RegistrationResiduals residuals(target, options);
+  EvaluatedState here = twin.At(pose);
+  const std::vector<int> wanted{ ThicknessParameter, RollParameter, LateralParameter,
+    TiltParameter };
+  const RegistrationResiduals::Jacobian primary = residuals.Differentiate(here, wanted);
+  twin.Model.SetScatter(ScatterModel(FindScatterKernels(), Spectrum::Monochromatic(20),
+    DetectorResponse::EnergyIntegrating, 12));
+  EvaluatedState scattered = here.MovedTo(pose);
+  const RegistrationResiduals::Jacobian jacobian = residuals.Differentiate(scattered, wanted);
+  const std::size_t begin = residuals.NumberOfOutlineResiduals();
+  const std::size_t end = begin + residuals.NumberOfIntensityResiduals();
+  for (const int parameter : wanted)
+  {
+    const std::vector<double>& column = jacobian.Columns[static_cast<std::size_t>(parameter)];
+    double fewestOff = 1;
+    for (const double step : { 0.01, 0.003 })
+    {
+      std::vector<double> sides[2];
+      for (const int side : { 0, 1 })
+      {
+        std::vector<double> moved = ValuesOf(pose);
+        moved[static_cast<std::size_t>(parameter)] += side == 0 ? -step : step;
+        EvaluatedState beside = twin.At(PoseOf(moved), &here.State());
+        sides[side] = residuals.Evaluate(beside);
+      }
+      std::vector<double> differences(column.size());
+      for (std::size_t index = 0; index < column.size(); ++index)
+      {
+        differences[index] = (sides[1][index] - sides[0][index]) / (2 * step);
+      }
+      fewestOff = std::min(fewestOff, ShareOff(column, differences, begin, end));
+    }
+    // As above: kinks of path lengths.
+    EXPECT_LT(fewestOff, 0.02) << options.Parameters[parameter].Name;
+    EXPECT_GT(ShareOff(primary.Columns[static_cast<std::size_t>(parameter)], column, begin, end),
+      0.2)
+      << "scatter matters to " << options.Parameters[parameter].Name;
   }
 }
 
