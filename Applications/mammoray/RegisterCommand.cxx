@@ -2,6 +2,7 @@
 #include "Commands.h"
 #include "OutputFiles.h"
 #include "ProgressBar.h"
+#include "Project/ScatterOptions.h"
 #include "ResultNotes.h"
 #include "SharedOptions.h"
 #include "mammoray/Case/RegistrationCase.h"
@@ -30,6 +31,7 @@ struct RegisterArguments
   std::optional<ChestWallMode> ChestWall;
   std::optional<std::optional<PatientPosition>> ImagePosition;
   std::optional<double> ChestWallMarginMm;
+  KernelScatterArguments Scatter;
   ProjectorOptions Projector;
   std::string Output;
   bool Overwrite = false;
@@ -164,6 +166,11 @@ void Declare(const OptionList& add, RegisterArguments& arguments)
   const OptionList xrays = add.Group("X-rays");
   AddSpectrumOption(xrays, input.Spectrum);
   AddProjectorOptions(xrays, arguments.Projector);
+  xrays.Word("--scatter", arguments.Scatter.Method, { "kernels" },
+    "the synthetic mammogram has what tissue scatters onto the detector, by kernels that are "
+    "tabulated for breast tissue by the thickness along each ray; default: primary radiation "
+    "alone");
+  DeclareKernelScatter(xrays, arguments.Scatter);
   DeclareMeshes(add, input);
   DeclareUnit(add, input);
   const OptionList loading = add.Group("Loading");
@@ -334,6 +341,12 @@ void Run(RegisterArguments& arguments)
   if (!arguments.Study.empty() && !input.Image.empty())
   {
     throw CLI::ExcludesError("--image", "--study");
+  }
+  CheckKernelScatter(arguments.Scatter);
+  if (!arguments.Scatter.Method.empty())
+  {
+    input.Scatter = { arguments.Scatter.AirGapMm, arguments.Scatter.Grid,
+      arguments.Scatter.Interspace };
   }
   CheckNoInputWithin(arguments.Output);
   CheckResultFolder(arguments.Output, arguments.Overwrite);

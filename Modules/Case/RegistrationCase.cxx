@@ -11,6 +11,7 @@
 #include "mammoray/IO/MammogramPictureIO.h"
 #include "mammoray/IO/MeshConversion.h"
 #include "mammoray/IO/MeshIO.h"
+#include "mammoray/IO/ScatterData.h"
 #include "mammoray/IO/Sha256.h"
 #include "mammoray/IO/ShippedData.h"
 #include "mammoray/Registration/MammogramMask.h"
@@ -514,6 +515,25 @@ std::vector<CaseInput> CaseInputs(const RegistrationCase& input, const std::stri
   return inputs;
 }
 
+namespace
+{
+/// What the case says of scatter, for its beam.
+std::optional<ScatterModel> MakeScatter(const RegistrationCase& input, double supportHeightMm)
+{
+  if (!input.Scatter)
+  {
+    return std::nullopt;
+  }
+  std::optional<AntiscatterGrid> grid;
+  if (input.Scatter->Grid)
+  {
+    grid.emplace(AntiscatterGridOptions::OfLead(*input.Scatter->Grid, input.Scatter->Interspace));
+  }
+  return ScatterModel(FindScatterKernels(), FindSpectrum(input.Spectrum),
+    DetectorResponse::EnergyIntegrating, input.Scatter->AirGapMm.value_or(supportHeightMm), grid);
+}
+}
+
 RegistrationCaseResult RunRegistrationCase(const RegistrationCase& input,
   const ProgressCallback& whole)
 {
@@ -538,6 +558,8 @@ RegistrationCaseResult RunRegistrationCase(const RegistrationCase& input,
   std::vector<JointMammogram> mammograms = ReadMammograms(input, result);
   Beam beam =
     MakeBeam(result.Materials, FindSpectrum(input.Spectrum), DetectorResponse::EnergyIntegrating);
+  std::optional<ScatterModel> scatter =
+    MakeScatter(input, mammograms.front().Placement.Unit.SupportHeightMm);
   auto projector =
     MakeProjector({ .Projection = MethodFromName(input.Projector), .Device = input.Device });
   result.Device = projector->DeviceName() + ", " + MethodName(projector->Method());
@@ -578,6 +600,7 @@ RegistrationCaseResult RunRegistrationCase(const RegistrationCase& input,
   SurfaceMesh surface = ExtractInterfaces(result.Anatomy);
   result.SurfaceTriangles = surface.NumberOfTriangles();
   model.SetXRays(std::move(surface), std::move(projector), std::move(beam));
+  model.SetScatter(std::move(scatter));
   stopwatch.Stage("prepare");
   Search(input, model, mammograms, result, PartOf(progress, 0.25, 0.95, "register"));
   stopwatch.Stage("register");

@@ -27,6 +27,17 @@ namespace mammoray
 struct StudyIntake;
 struct StudyTissue;
 
+/// What synthetic mammograms have of scatter: by kernels.
+struct RegisteredScatter
+{
+  /// From the back of the tissue to the detector, 0 to 200 mm; nothing: as high as the unit's
+  /// support.
+  std::optional<double> AirGapMm;
+  /// AntiscatterGridOptions::OfLead; nothing: no grid.
+  std::optional<std::array<double, 3>> Grid;
+  std::string Interspace = "fibre";
+};
+
 /// Everything that says what is registered to what, by files; the members carry the defaults.
 struct RegistrationCase
 {
@@ -49,6 +60,8 @@ struct RegistrationCase
   TargetOptions Targets;
   /// Spectrum: a path (.spc) or the name of a shipped one.
   std::string Spectrum = "W28kVp_Rh50um_Be1mm";
+  /// What scatters onto the synthetic mammograms (ScatterModel); nothing: primary radiation alone.
+  std::optional<RegisteredScatter> Scatter;
   /// Directions of the volume's axes (AnatomicalAxes::FromCode).
   std::string Orientation = "LPS";
   /// Meshes made before (mammoray mesh), used instead of meshing; empty: mesh.

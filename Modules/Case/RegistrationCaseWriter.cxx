@@ -136,6 +136,11 @@ ResultFile ResultOf(const RegistrationCase& input, const RegistrationCaseResult&
   file.Spectrum = fs::path(input.Spectrum).has_extension()
     ? ShownName(input.Spectrum, input.NameInputs)
     : input.Spectrum;
+  if (input.Scatter)
+  {
+    file.Scatter = { "kernels", input.Scatter->AirGapMm.value_or(registered.Unit.SupportHeightMm),
+      input.Scatter->Grid.value_or(std::array<double, 3>{}), input.Scatter->Interspace };
+  }
   file.Versions = { { "MammoRay", MAMMORAY_VERSION }, { "VTK", vtkVersion::GetVTKVersion() },
     { "Vulkan device", result.Device },
     { "Anatomy",

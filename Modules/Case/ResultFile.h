@@ -19,7 +19,7 @@ namespace mammoray
 /// The name of the file that ends a result folder, and by which such a folder is known.
 inline constexpr const char* ResultFileName = "result.json";
 /// Its "formatVersion": of both kinds, raised whenever a field changes its meaning or is added.
-inline constexpr int ResultFormatVersion = 3;
+inline constexpr int ResultFormatVersion = 4;
 
 /// Roles of the inputs that are asked for by them.
 inline constexpr const char* MammogramRole = "Mammogram";
@@ -78,6 +78,18 @@ struct ResultMammogram
   std::optional<double> PeakKilovoltage;
 };
 
+/// What scattered onto the synthetic mammogram.
+struct ResultScatter
+{
+  /// "none" or "kernels"; of none the others mean nothing.
+  std::string Method = "none";
+  double AirGapMm = 0;
+  /// Of the grid: ratio, lines per cm, micrometres of a septum; a ratio of 0: none.
+  std::array<double, 3> Grid{ 0, 0, 0 };
+  /// "fibre", "air" or "aluminium".
+  std::string Interspace = "fibre";
+};
+
 struct ResultInput
 {
   /// "Label volume" or, of a study, "MRI", "MRI without fat suppression" and "MRI with fat
@@ -134,6 +146,7 @@ struct ResultFile
   std::vector<ResultInput> Inputs;
   /// Name of a shipped spectrum or path of another.
   std::string Spectrum;
+  ResultScatter Scatter;
   /// What took part, and its version or size.
   std::vector<std::pair<std::string, std::string>> Versions;
 };

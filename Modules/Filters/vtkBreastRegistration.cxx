@@ -2,6 +2,7 @@
 #include "mammoray/Filters/vtkBreastRegistration.h"
 
 #include "Private/FilterRequest.h"
+#include "Private/ScatterProperties.h"
 #include "mammoray/Case/RegisteredBreast.h"
 #include "mammoray/Filters/vtkBreastMesher.h"
 #include "mammoray/Foundation/Error.h"
@@ -189,6 +190,7 @@ void AddResult(vtkUnstructuredGrid* output, const RegistrationResult& result,
 
 struct vtkBreastRegistration::Internals
 {
+  ScatterProperties Secondary;
   /// Of labels at input 0.
   vtkNew<vtkBreastMesher> Mesher;
   vtkImageData* Labels = nullptr;
@@ -349,6 +351,9 @@ int vtkBreastRegistration::RequestData(vtkInformation*, vtkInformationVector** i
     const AnatomicalAxes axes = AnatomicalAxes::FromCode(this->Orientation);
     const mammoray::Spectrum spectrum =
       FindSpectrum(FileOrName(this->SpectrumFile, this->Spectrum));
+    std::optional<ScatterModel> scatter = internal.Secondary.ModelOf(this->Scatter, this->AirGapMm,
+      { this->Grid[0], this->Grid[1], this->Grid[2] }, spectrum,
+      DetectorResponse::EnergyIntegrating);
     const std::string& table = FileOrName(this->MaterialTableFile, this->MaterialTable);
     if (table.empty())
     {
@@ -394,6 +399,7 @@ int vtkBreastRegistration::RequestData(vtkInformation*, vtkInformationVector** i
     PreparedBreast& breast = *internal.Breast;
     BreastModel& model = breast.Model;
     model.SetBeam(breast.BeamOf(spectrum));
+    model.SetScatter(std::move(scatter));
     UnitPlacement placement{ axes, FindPoseAnchor(breast.Made.Anatomy, breast.Table.Held(), axes),
       {} };
     placement.Unit.SourceToDetectorMm = this->SourceToDetectorMm > 0
@@ -423,6 +429,9 @@ void vtkBreastRegistration::PrintSelf(ostream& os, vtkIndent indent)
   os << indent << "MaterialTableFile: " << this->MaterialTableFile << "\n";
   os << indent << "Spectrum: " << this->Spectrum << "\n";
   os << indent << "SpectrumFile: " << this->SpectrumFile << "\n";
+  os << indent << "Scatter: " << this->Scatter << "\n";
+  os << indent << "AirGapMm: " << this->AirGapMm << "\n";
+  os << indent << "Grid: " << this->Grid[0] << " " << this->Grid[1] << " " << this->Grid[2] << "\n";
   os << indent << "Orientation: " << this->Orientation << "\n";
   os << indent << "FreeParameters: " << this->FreeParameters << "\n";
   os << indent << "ThicknessMm: " << this->ThicknessMm << "\n";

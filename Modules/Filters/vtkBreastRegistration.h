@@ -81,6 +81,29 @@ public:
 
   ///@{
   /**
+   * True where the picture that is compared has what breast tissue scatters, by the thickness along
+   * each ray (mammoray/Scatter/ScatterModel.h), AirGapMm from the back of the tissue to the
+   * detector, 0 to 200 mm. Defaults false, 17.
+   */
+  vtkSetMacro(Scatter, bool);
+  vtkGetMacro(Scatter, bool);
+  vtkBooleanMacro(Scatter, bool);
+  vtkSetMacro(AirGapMm, double);
+  vtkGetMacro(AirGapMm, double);
+  ///@}
+
+  ///@{
+  /**
+   * Anti-scatter grid of lead and fibre, focused on the source, before the detector of a mammogram
+   * that is compared with Scatter: ratio (0: no grid, the default; else 1 to 30), lines per cm (5
+   * to 200), thickness of the septa, micrometres.
+   */
+  vtkSetVector3Macro(Grid, double);
+  vtkGetVector3Macro(Grid, double);
+  ///@}
+
+  ///@{
+  /**
    * Directions of the input's +x, +y, +z: one letter each of L/R, A/P, S/I. Default "LPS".
    */
   void SetOrientation(const char* axes);
@@ -196,6 +219,9 @@ private:
   std::string MaterialTableFile;
   std::string Spectrum = "W28kVp_Rh50um_Be1mm";
   std::string SpectrumFile;
+  bool Scatter = false;
+  double AirGapMm = 17;
+  double Grid[3] = { 0, 31, 65 };
   std::string Orientation = "LPS";
   std::string FreeParameters;
   double ThicknessMm = 0;

@@ -2,13 +2,12 @@
 #include "mammoray/Filters/vtkXRayProjector.h"
 
 #include "Private/FilterRequest.h"
+#include "Private/ScatterProperties.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/IO/MammogramSynthesis.h"
 #include "mammoray/IO/MeshConversion.h"
 #include "mammoray/IO/ProjectionImage.h"
-#include "mammoray/IO/ScatterData.h"
 #include "mammoray/IO/ShippedData.h"
-#include "mammoray/Scatter/ScatterModel.h"
 #include "mammoray/XRay/Composition.h"
 #include "mammoray/XRay/Exposure.h"
 #include "mammoray/XRay/Refraction.h"
@@ -154,6 +153,7 @@ struct vtkXRayProjector::Internals
 
   mammoray::Spectrum Photons = mammoray::Spectrum::Monochromatic(20);
   std::map<int, Attenuation> Attenuations;
+  ScatterProperties Secondary;
   std::unique_ptr<RememberingProjector> Projector;
   /// Of the last update.
   XRaySource Source;
@@ -509,28 +509,14 @@ ExposureOptions vtkXRayProjector::MakeExposureOptions(const XRaySource& source,
   {
     throw InputError("Refraction: expected neither Scatter nor PhotonsPerPixel, found one");
   }
-  if (!this->Scatter)
+  const std::optional<ScatterModel> model = this->Internal->Secondary.ModelOf(this->Scatter,
+    this->AirGapMm, ToVector(this->Grid), photons, response);
+  if (model)
   {
-    if (this->Grid[0] != 0)
-    {
-      throw InputError("Grid: expected Scatter beside it, found none");
-    }
-    return options;
+    options.Secondary =
+      [source, detector, model](const PathLengthImage& lengths, const std::vector<double>& primary)
+    { return model->Scatter(source, detector, TissueThickness(lengths), primary); };
   }
-  std::optional<AntiscatterGrid> grid;
-  if (this->Grid[0] != 0)
-  {
-    AntiscatterGridOptions made;
-    made.Ratio = this->Grid[0];
-    made.LinesPerMm = 0.1 * this->Grid[1];
-    made.SeptumMm = 1e-3 * this->Grid[2];
-    grid.emplace(made);
-  }
-  options.Secondary =
-    [source, detector,
-      model = ScatterModel(FindScatterKernels(), photons, response, this->AirGapMm, grid)](
-      const PathLengthImage& lengths, const std::vector<double>& primary)
-  { return model.Scatter(source, detector, TissueThickness(lengths), primary); };
   return options;
 }
 

@@ -118,6 +118,7 @@ TEST_F(WrittenCase, HasEverythingOfOneMammogram)
   EXPECT_EQ(result.Pose.Stiffness, 1.5);
   EXPECT_EQ(result.ShareExcluded, 0.25);
   EXPECT_EQ(result.Spectrum, this->Input.Spectrum);
+  EXPECT_EQ(result.Scatter.Method, "none");
   const auto mammogram = std::find_if(result.Inputs.begin(), result.Inputs.end(),
     [](const ResultInput& input) { return input.Role == MammogramRole; });
   ASSERT_NE(mammogram, result.Inputs.end());
@@ -129,6 +130,19 @@ TEST_F(WrittenCase, HasEverythingOfOneMammogram)
   EXPECT_EQ(breast.Uncompressed->GetPointData()->GetArray("Sensitivity_thickness")->GetTuple1(0),
     0.5);
   EXPECT_EQ(breast.Uncompressed->GetPointData()->GetArray("Sensitivity_stiffness"), nullptr);
+}
+
+TEST_F(WrittenCase, SaysWhatScattered)
+{
+  this->Input.Scatter = RegisteredScatter{ {}, std::array{ 5.0, 31.0, 65.0 }, "air" };
+  this->Result.Views[0].Unit.SupportHeightMm = 21;
+  const std::string folder = this->Folder.File("result");
+  WriteRegistrationCase(this->Input, this->Result, folder);
+  const ResultScatter scatter = ReadResultFile(folder).Scatter;
+  EXPECT_EQ(scatter.Method, "kernels");
+  EXPECT_EQ(scatter.AirGapMm, 21);
+  EXPECT_EQ(scatter.Grid[1], 31);
+  EXPECT_EQ(scatter.Interspace, "air");
 }
 
 TEST_F(WrittenCase, NamesItsInputsWhereAsked)

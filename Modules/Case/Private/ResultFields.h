@@ -163,6 +163,15 @@ void ListFields(Fields& fields, ResultMammogram& mammogram)
 }
 
 template <typename Fields>
+void ListFields(Fields& fields, ResultScatter& scatter)
+{
+  fields("method", scatter.Method);
+  fields("airGapMm", scatter.AirGapMm);
+  fields("grid", scatter.Grid);
+  fields("gridInterspace", scatter.Interspace);
+}
+
+template <typename Fields>
 void ListFields(Fields& fields, ResultInput& input)
 {
   fields("role", input.Role);
@@ -200,6 +209,7 @@ void ListFields(Fields& fields, ResultFile& result)
   fields("warnings", result.Warnings);
   fields("inputs", result.Inputs);
   fields("spectrum", result.Spectrum);
+  fields("scatter", result.Scatter);
   fields("versions", NamedTexts{ result.Versions });
 }
 
