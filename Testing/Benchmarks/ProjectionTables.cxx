@@ -151,6 +151,32 @@ Table CaseTable(const Json& report)
   return table;
 }
 
+Table UnitTable(const Json& report)
+{
+  Table table{ "What a unit adds to a picture, and refraction",
+    { "example", "method", "pixels", "plain, ms", "heel's field", "scatter and grid",
+      "noise and blur", "all of these", "refraction, geometric", "near field" },
+    {} };
+  for (const Json& row : report["results"])
+  {
+    if (!row.contains("unit"))
+    {
+      continue;
+    }
+    std::vector<std::string> cells{ row["example"].get<std::string>(),
+      row["method"].get<std::string>(), Pixels(row), Cell(row, "unit/plain/medianMs", "%.0f") };
+    for (const char* work : { "openField", "scatterAndGrid", "noiseAndBlur", "unit",
+           "refractionGeometric", "refractionNearField" })
+    {
+      const std::string key = std::string("unit/") + work;
+      cells.push_back(
+        Cell(row, key + "/medianMs", "%.0f") + " (" + Cell(row, key + "/ratio", "%.2f") + ")");
+    }
+    table.Rows.push_back(cells);
+  }
+  return table;
+}
+
 Table PublishedTable(const Json& report)
 {
   Table table{ "The paper's table 1 (RTX 2070 Super) beside this machine",

@@ -22,6 +22,10 @@ struct Table
 Table CaseTable(const nlohmann::ordered_json& report);
 
 /// The paper's table 1 beside ours, ms.
+/// What a realistic unit and refraction add to a plain picture of `breast`, as times and as ratios
+/// to it.
+Table UnitTable(const nlohmann::ordered_json& report);
+
 Table PublishedTable(const nlohmann::ordered_json& report);
 
 /// Frames per second against resolution and against triangles; no rows where none were measured.

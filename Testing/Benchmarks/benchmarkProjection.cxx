@@ -8,6 +8,7 @@
 #include "SceneFile.h"
 #include "SurfaceShapes.h"
 #include "TextFile.h"
+#include "UnitMeasurements.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/IO/ScratchFolder.h"
 #include "mammoray/IO/ShippedData.h"
@@ -57,8 +58,13 @@ Json RunCase(const ExampleScene& scene, const std::string& sceneFile, const std:
   {
     row["coldStartMs"] = ColdStart(sceneFile, method, folder);
     const std::string result = folder.File("case.json");
-    RunSelf({ "--case", sceneFile, "--methods", method, "--seconds", std::to_string(budget), "-o",
-      result });
+    std::vector<std::string> words{ "--case", sceneFile, "--methods", method, "--seconds",
+      std::to_string(budget), "-o", result };
+    if (scene.Name == "breast")
+    {
+      words.emplace_back("--unit");
+    }
+    RunSelf(words);
     std::ifstream file(result);
     row.update(Json::parse(file));
   }
@@ -118,6 +124,7 @@ struct Arguments
   /// Of the processes that this one starts.
   std::string Case;
   std::string Once;
+  bool Unit = false;
 };
 
 void RunAll(const Arguments& arguments)
@@ -136,7 +143,10 @@ void RunAll(const Arguments& arguments)
       report["results"].push_back(RunCase(scene, sceneFile, method, arguments.Budget, folder));
     }
   }
-  std::fputs((Markdown(CaseTable(report)) + Markdown(PublishedTable(report))).c_str(), stdout);
+  std::fputs(
+    (Markdown(CaseTable(report)) + Markdown(UnitTable(report)) + Markdown(PublishedTable(report)))
+      .c_str(),
+    stdout);
   if (arguments.Rates || !arguments.Plot.empty())
   {
     for (const std::string& method : arguments.Methods)
@@ -161,7 +171,12 @@ void Run(const Arguments& arguments)
   const ProjectorOptions::Method method = MethodFromName(arguments.Methods.front());
   if (!arguments.Case.empty())
   {
-    WriteJson(MeasureScene(arguments.Case, method, arguments.Budget), arguments.Output);
+    Json row = MeasureScene(arguments.Case, method, arguments.Budget);
+    if (arguments.Unit)
+    {
+      row["unit"] = MeasureUnit(ReadScene(arguments.Case), method, arguments.Budget);
+    }
+    WriteJson(row, arguments.Output);
   }
   else if (!arguments.Once.empty())
   {
@@ -191,6 +206,7 @@ int main(int argc, char** argv)
   application.add_option("--plot", arguments.Plot, "draw them, as .svg");
   application.add_option("--case", arguments.Case)->group("");
   application.add_option("--once", arguments.Once)->group("");
+  application.add_flag("--unit", arguments.Unit)->group("");
   CLI11_PARSE(application, argc, argv);
   try
   {

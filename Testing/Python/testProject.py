@@ -110,6 +110,24 @@ noisy = [mammoray.project(POINTS, TRIANGLES, photons_per_pixel=1e4, seed=seed, *
 assert (noisy[0] == noisy[1]).all() and (noisy[0] != noisy[2]).any()
 assert abs((noisy[0] - image.transmission).mean()) < 5 * math.sqrt(image.transmission.mean() / 1e4 / 200)
 
+# Refraction: a wedge bends all rays by delta times its slope, to where it is thinner; delta of water at 20 keV: 5.77e-7 (CXRO).
+wedge = POINTS + [0, 0, 1] * (POINTS[:, :1] / 8 * (POINTS[:, 2:] > 20))
+bent = mammoray.project(wedge, TRIANGLES, **{**SCENE, "materials": ["H2O"], "source": mammoray.ParallelBeam((0, 0, -1))},
+                        refraction="geometric", bend_distance=1000)
+assert bent.deflection.shape == (2, 10, 20) and image.deflection is None
+assert numpy.allclose(bent.deflection[0], -5.77e-7 / 8, rtol=5e-3), bent.deflection[0].mean()
+assert numpy.allclose(bent.deflection[1], 0, atol=1e-10)
+straight = mammoray.project(wedge, TRIANGLES, **{**SCENE, "materials": ["H2O"], "source": mammoray.ParallelBeam((0, 0, -1))})
+# By less than a tenthousandth of a pixel.
+assert numpy.allclose(bent.transmission, straight.transmission, rtol=1e-4)
+
+# Dual energy: what the weight cancels is gone at single energies, whatever the thickness; calcium stays.
+weight = mammoray.cancelling_weight("adipose", "glandular", low=20, high=35)
+pairs = [[mammoray.project(POINTS, TRIANGLES, spectrum=energy, **{**SCENE, "materials": [name]}) for energy in (20, 35)]
+         for name in ("adipose", "glandular", "Ca5(PO4)3OH")]
+left = [mammoray.recombine(low, high, weight) for low, high in pairs]
+assert numpy.allclose(left[0], left[1], atol=1e-5) and abs(left[2] - left[0]).min() > 0.2
+
 # A box without its top leaks; it is told and marked.
 with warnings.catch_warnings(record=True) as told:
     warnings.simplefilter("always")
@@ -137,6 +155,9 @@ refused("detector.rows: expected 1 to 65535, found 0", detector=mammoray.Detecto
 refused("detector.columns: expected a whole number", detector=mammoray.Detector((0, 0, 0), (1, 0, 0), (0, 1, 0), 1.5, 1))
 refused("spectrum", spectrum="W28")
 refused("spectrum: photons: expected 2 values, found 1", spectrum=([18, 25], [1]))
+refused("refraction: expected geometric or near-field, found 'straight'", refraction="straight")
+refused("materials[1].attenuation: expected a composition beside refraction", refraction="geometric")
+refused("refraction: expected no noise", refraction="geometric", photons_per_pixel=10)
 refused("velocities: expected n x 8 x 3", velocities=numpy.zeros((1, 7, 3)))
 refused("expected auto, ray-tracing or rasterisation", method="fast")
 refused("photons per pixel", photons_per_pixel=-1)

@@ -7,8 +7,10 @@
 #include "mammoray/IO/ShippedData.h"
 #include "mammoray/XRay/Beam.h"
 #include "mammoray/XRay/DeviceError.h"
+#include "mammoray/XRay/DualEnergy.h"
 #include "mammoray/XRay/Exposure.h"
 #include "mammoray/XRay/PathLengthProjector.h"
+#include "mammoray/XRay/Refraction.h"
 
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
@@ -78,6 +80,30 @@ Beam MakeBeamOf(const std::vector<double>& energies, const std::vector<double>& 
     densities };
 }
 
+/// The law of refraction, the distance from body to detector, mm, and what Refract takes as
+/// decrements.
+using Bend = std::tuple<std::string, double, std::vector<double>>;
+
+/// Of the same attenuations as MakeBeamOf: 0 of those that are numbers.
+std::vector<double> DecrementsOf(const std::vector<double>& energies,
+  const std::vector<double>& photons, const std::vector<Attenuation>& attenuations)
+{
+  std::vector<double> decrements;
+  for (std::size_t bin = 0; bin < energies.size(); ++bin)
+  {
+    if (photons[bin] == 0)
+    {
+      continue;
+    }
+    decrements.push_back(0);
+    for (const auto& [name, density, coefficients] : attenuations)
+    {
+      decrements.push_back(name.empty() ? 0.0 : RefractiveDecrement(name, energies[bin], density));
+    }
+  }
+  return decrements;
+}
+
 /// A mesh on a device.
 class MeshProjector
 {
@@ -124,13 +150,23 @@ public:
 
   /// `velocities`: fields x points x 3.
   py::dict Project(const XRaySource& source, const XRayDetector& detector, const Beam& beam,
-    const ExposureOptions& options, const std::optional<Array<double>>& velocities)
+    const ExposureOptions& options, const std::optional<Array<double>>& velocities,
+    const std::optional<Bend>& bend)
   {
     beam.CheckMaterials(this->Surface.NumberOfMaterials());
     Exposure exposure;
+    RefractedImage refracted;
     {
       const py::gil_scoped_release released;
-      exposure = Expose(*this->Projector, source, detector, beam, options, GoesOn);
+      if (bend)
+      {
+        refracted = this->Refracted(source, detector, beam, *bend);
+        exposure = ToExposure(refracted);
+      }
+      else
+      {
+        exposure = Expose(*this->Projector, source, detector, beam, options, GoesOn);
+      }
     }
     const PathLengthImage& lengths = exposure.Lengths;
     py::dict result;
@@ -140,6 +176,10 @@ public:
       ToArray(lengths.Lengths, { lengths.Materials, lengths.Rows, lengths.Columns });
     result["inconsistent"] = ToArray(lengths.Inconsistent, { lengths.Rows, lengths.Columns });
     result["warning"] = lengths.InconsistencyWarning();
+    if (bend)
+    {
+      result["deflection"] = ToArray(refracted.Deflection, { 2, lengths.Rows, lengths.Columns });
+    }
     if (velocities)
     {
       this->AddDerivatives(source, detector, beam, *velocities, result);
@@ -167,6 +207,17 @@ private:
         values + 3 * static_cast<std::ptrdiff_t>(point) + 3);
     }
     return chosen;
+  }
+
+  RefractedImage Refracted(const XRaySource& source, const XRayDetector& detector, const Beam& beam,
+    const Bend& bend)
+  {
+    const auto& [law, distance, decrements] = bend;
+    const RefractionOptions options{ law == "geometric" ? RefractionOptions::Law::Geometric
+                                                        : RefractionOptions::Law::NearField,
+      distance };
+    return Refract(*this->Projector, this->Surface.NumberOfPoints(), source, detector, beam,
+      decrements, options, GoesOn);
   }
 
   void AddDerivatives(const XRaySource& source, const XRayDetector& detector, const Beam& beam,
@@ -310,5 +361,7 @@ PYBIND11_MODULE(_xray, module)
       const Spectrum spectrum = FindSpectrum(pathOrName);
       return std::pair(spectrum.EnergiesKeV, spectrum.Weights);
     });
+  module.def("decrements", &DecrementsOf);
+  module.def("cancelling_weight", &CancellingWeight);
   module.def("devices", &Devices);
 }

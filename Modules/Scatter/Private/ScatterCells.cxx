@@ -149,10 +149,10 @@ void ScatterPlane::SpreadGaussian(double sigmaMm)
     const double wave = 2 * std::numbers::pi * Signed(place, count) / (count * cellMm);
     return std::exp(-0.5 * wave * wave * sigmaMm * sigmaMm);
   };
-  std::vector<double> across;
+  std::vector<double> across(static_cast<std::size_t>(this->Columns));
   for (int column = 0; column < this->Columns; ++column)
   {
-    across.push_back(damping(column, this->Columns, this->Grid.ColumnMm));
+    across[static_cast<std::size_t>(column)] = damping(column, this->Columns, this->Grid.ColumnMm);
   }
   for (int row = 0; row < this->Rows; ++row)
   {

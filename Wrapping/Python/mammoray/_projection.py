@@ -150,6 +150,8 @@ class Projection:
         estimated from the neighbours
     path_length_derivatives: parameters x (1 + regions) x rows x columns, mm per unit of the parameter; none without velocities
     log_attenuation_derivatives: parameters x rows x columns, per unit of the parameter
+    deflection: 2 x rows x columns, angles by which rays are bent along the detector's columns and rows, radians; none without
+        refraction
     """
     transmission: NDArray[numpy.float32]
     log_attenuation: NDArray[numpy.float32]
@@ -157,6 +159,7 @@ class Projection:
     consistency: NDArray[numpy.bool_]
     path_length_derivatives: Optional[NDArray[numpy.float32]] = None
     log_attenuation_derivatives: Optional[NDArray[numpy.float32]] = None
+    deflection: Optional[NDArray[numpy.float32]] = None
 
 
 Materials = Union[str, Mapping[int, Union[Material, float, str, Mapping[str, Any]]],
@@ -202,6 +205,26 @@ def spectrum_of(spectrum: Spectrum) -> tuple[list[float], list[float]]:
         raise InputError("spectrum: expected a name, an energy in keV, or energies and photons") from error
     lines = array_of(energies_given, "spectrum: energies", (None,))
     return lines.tolist(), array_of(photons_given, "spectrum: photons", (len(lines),)).tolist()
+
+
+def _beam_of(materials: Materials, regions: set[int], spectrum: Spectrum, photon_counting: bool,
+             refracted: bool = False) -> tuple[Any, list[float]]:
+    """The beam, and where rays are to be bent the decrements of the refractive index."""
+    energies, photons = spectrum_of(spectrum)
+    known = materials_of(materials)
+    attenuations = []
+    for region in range(1, max(regions, default=0) + 1):
+        if region not in regions:
+            attenuations.append(("", 1.0, [1.0] * len(energies)))  # of no length, whatever it is
+        elif region not in known or known[region].attenuation is None:
+            raise InputError(f"materials: region {region} of the mesh has no attenuation; regions "
+                             f"{', '.join(str(r) for r, m in sorted(known.items()) if m.attenuation is not None)} have one")
+        elif refracted and not isinstance(known[region].attenuation, str):
+            raise InputError(f"materials[{region}].attenuation: expected a composition beside refraction, found numbers")
+        else:
+            attenuations.append(_attenuation(known[region], region, len(energies)))
+    decrements = _xray.decrements(energies, photons, attenuations) if refracted else []
+    return _xray.Beam(energies, photons, bool(photon_counting), attenuations), decrements
 
 
 def _attenuation(material: Material, region: int, energies: int) -> tuple[str, float, list[float]]:
@@ -253,30 +276,18 @@ class Projector:
         """New positions of the same points, n x 3, mm; the device refits what it has."""
         self._native.move(array_of(points, "points", (self._points, 3)))
 
-    def _beam(self, materials: Materials, spectrum: Spectrum, photon_counting: bool) -> Any:
-        energies, photons = spectrum_of(spectrum)
-        known = materials_of(materials)
-        attenuations = []
-        for region in range(1, max(self._used, default=0) + 1):
-            if region not in self._used:
-                attenuations.append(("", 1.0, [1.0] * len(energies)))  # of no length, whatever it is
-            elif region not in known or known[region].attenuation is None:
-                raise InputError(f"materials: region {region} of the mesh has no attenuation; regions "
-                                 f"{', '.join(str(r) for r, m in sorted(known.items()) if m.attenuation is not None)} have one")
-            else:
-                attenuations.append(_attenuation(known[region], region, len(energies)))
-        return _xray.Beam(energies, photons, bool(photon_counting), attenuations)
-
     def project(self, *, materials: Materials, source: Union[ArrayLike, ParallelBeam],
                 detector: Union[Detector, Mapping[str, Any]], spectrum: Spectrum = 20.0, photon_counting: bool = False,
                 focal_spot: tuple[float, float] = (0.0, 0.0), focal_spot_samples: int = 5, photons_per_pixel: float = 0.0,
-                seed: int = 0, velocities: Optional[ArrayLike] = None) -> Projection:
+                seed: int = 0, refraction: Optional[str] = None, bend_distance: float = 0.0,
+                velocities: Optional[ArrayLike] = None) -> Projection:
         """An image of the mesh as it stands; see project."""
         return self._project(materials, source, detector, spectrum, photon_counting, focal_spot, focal_spot_samples,
-                             photons_per_pixel, seed, velocities)
+                             photons_per_pixel, seed, refraction, bend_distance, velocities)
 
     def _project(self, materials: Materials, source: Any, detector: Any, spectrum: Spectrum, photon_counting: bool, focal_spot: Any,
-                 focal_spot_samples: int, photons_per_pixel: float, seed: int, velocities: Optional[ArrayLike]) -> Projection:
+                 focal_spot_samples: int, photons_per_pixel: float, seed: int, refraction: Optional[str], bend_distance: float,
+                 velocities: Optional[ArrayLike]) -> Projection:
         if isinstance(source, ParallelBeam):
             native_source = _xray.Source(True, three(source.direction, "source.direction"))
         else:
@@ -290,21 +301,29 @@ class Projector:
             velocities = array_of(velocities, "velocities", (None, self._points, 3))
             if len(velocities) == 0:
                 raise InputError("velocities: expected those of one parameter at least, found none")
-        answer = self._native.project(native_source, native_detector, self._beam(materials, spectrum, photon_counting), exposure,
-                                      velocities)
+        if refraction is not None:
+            if refraction not in ("geometric", "near-field"):
+                raise InputError(f"refraction: expected geometric or near-field, found {refraction!r}")
+            if photons_per_pixel or spot.any() or velocities is not None:
+                raise InputError("refraction: expected no noise, focal spot or velocities beside it, found some")
+        beam, decrements = _beam_of(materials, self._used, spectrum, photon_counting, refraction is not None)
+        distance = float(array_of([bend_distance], "bend_distance", (1,))[0])
+        answer = self._native.project(native_source, native_detector, beam, exposure, velocities,
+                                      None if refraction is None else (refraction, distance, decrements))
         if answer["warning"]:
             warnings.warn(answer["warning"], RuntimeWarning, stacklevel=3)
         changes = answer.get("path_length_derivatives")
         return Projection(
             answer["transmission"], answer["log_attenuation"], answer["path_lengths"], answer["inconsistent"] == 0, changes,
-            None if changes is None else numpy.einsum("mrc,fmrc->frc", answer["mean_attenuation"], changes))
+            None if changes is None else numpy.einsum("mrc,fmrc->frc", answer["mean_attenuation"], changes),
+            answer.get("deflection"))
 
 
 def project(points: ArrayLike, triangles: ArrayLike, regions: Optional[ArrayLike] = None, *, materials: Materials,
             source: Union[ArrayLike, ParallelBeam], detector: Union[Detector, Mapping[str, Any]], spectrum: Spectrum = 20.0,
             photon_counting: bool = False, focal_spot: tuple[float, float] = (0.0, 0.0), focal_spot_samples: int = 5,
-            photons_per_pixel: float = 0.0, seed: int = 0, velocities: Optional[ArrayLike] = None, method: str = "auto",
-            device: str = "") -> Projection:
+            photons_per_pixel: float = 0.0, seed: int = 0, refraction: Optional[str] = None, bend_distance: float = 0.0,
+            velocities: Optional[ArrayLike] = None, method: str = "auto", device: str = "") -> Projection:
     """X-rays a body of several materials. Lengths are mm, all in the frame of the points.
 
     points: n x 3
@@ -319,6 +338,9 @@ def project(points: ArrayLike, triangles: ArrayLike, regions: Optional[ArrayLike
     photon_counting: whether the detector counts photons instead of adding up their energy
     focal_spot: its edges along the detector's columns and rows; focal_spot_samples^2 points stand for it
     photons_per_pixel: mean number that meets a pixel without the object, which gives quantum noise from `seed`; 0: none
+    refraction: "geometric" (each ray carries its intensity to where it goes) or "near-field" (transport of intensity): rays are
+        bent where they pass bodies, bend_distance (mm) before the detector; attenuations must be compositions. Without noise,
+        focal spot and velocities
     velocities: parameters x n x 3, how the points move with each of some parameters, mm per unit of it: derivatives come along,
         exact, of the image of a point source without noise
     method: "auto", "ray-tracing" or "rasterisation"
@@ -329,7 +351,24 @@ def project(points: ArrayLike, triangles: ArrayLike, regions: Optional[ArrayLike
     I / I0 = sum_E w_E exp(-sum_m mu_m(E) L_m). For several images of one mesh use a Projector, which keeps it on the device.
     """
     return Projector(points, triangles, regions, method=method, device=device)._project(
-        materials, source, detector, spectrum, photon_counting, focal_spot, focal_spot_samples, photons_per_pixel, seed, velocities)
+        materials, source, detector, spectrum, photon_counting, focal_spot, focal_spot_samples, photons_per_pixel, seed, refraction,
+        bend_distance, velocities)
+
+
+def cancelling_weight(first: Union[Material, str], second: Union[Material, str], *, low: Spectrum, high: Spectrum,
+                      thickness: float = 40.0, photon_counting: bool = False) -> float:
+    """The weight w with which two exposures, of spectra `low` and `high`, are recombined to high.log_attenuation - w *
+    low.log_attenuation so that slabs of the two materials, `thickness` mm each, look the same (weighted logarithmic subtraction)."""
+    beams = [_beam_of([first, second], {1, 2}, spectrum, photon_counting)[0] for spectrum in (low, high)]
+    return float(_xray.cancelling_weight(beams[0], beams[1], 1, 2, float(array_of([thickness], "thickness", (1,))[0])))
+
+
+def recombine(low: Projection, high: Projection, weight: float) -> NDArray[numpy.float32]:
+    """high.log_attenuation - weight * low.log_attenuation: what cancelling_weight does not cancel is left of two exposures."""
+    if low.log_attenuation.shape != high.log_attenuation.shape:
+        raise InputError(f"dual energy: expected pictures of one size, found {low.log_attenuation.shape} and "
+                         f"{high.log_attenuation.shape}")
+    return high.log_attenuation - numpy.float32(weight) * low.log_attenuation
 
 
 def devices() -> list[dict[str, Any]]:

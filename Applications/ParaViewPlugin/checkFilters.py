@@ -1,0 +1,77 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""What filters.xml.in says of the filters against their headers, without ParaView: every property's setter is there and takes so many
+values, every setter is offered, each property is documented, and its default lies in its range."""
+import pathlib
+import re
+import sys
+import xml.etree.ElementTree
+
+HERE = pathlib.Path(__file__).resolve().parent
+HEADERS = HERE.parent.parent / "Modules" / "Filters"
+# Offered in other ways: inputs; what Spectrum, MaterialTable and the tables they name say in ParaView.
+ELSEWHERE = {"SetMammogramConnection", "SetSimulationMeshConnection", "SetMonochromatic", "SetAttenuationTable",
+             "SetLinearAttenuation", "SetMaterial"}
+
+
+def setters(header):
+    """Name -> number of values, of a header's properties."""
+    text = re.sub(r"/\*.*?\*/|//[^\n]*", "", header, flags=re.S)
+    found = {}
+    for kind, name in re.findall(r"vtkSet(Clamp|Vector2|Vector3|FilePath)?Macro\((\w+)", text):
+        found["Set" + name] = {"Vector2": 2, "Vector3": 3}.get(kind, 1)
+    for name, arguments in re.findall(r"void (Set\w+)\(([^)]*)\)", text):
+        found[name] = arguments.count(",") + 1
+    # SetElementToLinear says a value of SetElement.
+    return {name: count for name, count in found.items() if name.split("To")[0] not in found or "To" not in name}
+
+
+def troubles(proxy, known):
+    """Lines, none where all is well."""
+    name = proxy.get("name")
+    offered = {}
+    for entry in proxy:
+        if not entry.tag.endswith("VectorProperty") or entry.get("information_only") == "1":
+            continue
+        where = f"{name}.{entry.get('name')}"
+        command = entry.get("command")
+        count = int(entry.get("number_of_elements", "1"))
+        offered[command] = count
+        if command in known and known[command] != count:
+            yield f"{where}: {command} takes {known[command]} values, found {count}"
+        if command not in known:
+            yield f"{where}: no {command} in the header"
+        if not (entry.findtext("Documentation") or "").strip():
+            yield f"{where}: no documentation"
+        if entry.tag == "StringVectorProperty":
+            continue
+        defaults = [float(value) for value in entry.get("default_values", "").split()]
+        if len(defaults) != count:
+            yield f"{where}: {count} values, {len(defaults)} defaults"
+        for domain in entry.findall("DoubleRangeDomain") + entry.findall("IntRangeDomain"):
+            for bound, beyond in (("min", lambda value, limit: value < limit), ("max", lambda value, limit: value > limit)):
+                limits = [float(value) for value in domain.get(bound, "").split()]
+                if any(beyond(value, limit) for value, limit in zip(defaults, limits)):
+                    yield f"{where}: default {defaults} beyond {bound} {limits}"
+    for command in sorted(set(known) - set(offered) - ELSEWHERE):
+        yield f"{name}: {command} of the header is not offered"
+
+
+def main():
+    text = re.sub(r"@[A-Z_]+@", "", (HERE / "MammoRay" / "filters.xml.in").read_text(encoding="utf-8"))
+    found = []
+    proxies = xml.etree.ElementTree.fromstring(text).iter("SourceProxy")
+    count = 0
+    for proxy in proxies:
+        header = HEADERS / (proxy.get("class") + ".h")
+        if header.exists():
+            count += 1
+            found += troubles(proxy, setters(header.read_text(encoding="utf-8")))
+    for line in found:
+        print(f"filters.xml.in: {line}")
+    print(f"{count} filters, {len(found)} troubles")
+    return 1 if found or count == 0 else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
