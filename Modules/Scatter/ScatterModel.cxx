@@ -14,6 +14,7 @@
 #include <numbers>
 #include <string>
 #include <tuple>
+#include <utility>
 
 namespace mammoray
 {
@@ -98,19 +99,19 @@ private:
   std::vector<std::pair<std::size_t, double>> Counted;
 };
 
-/// visit(column, row, pixel) of the pixels that see tissue.
+/// visit(column, row, pixel) of the pixels of some rows that see tissue.
 template <typename Visit>
-void ForEachTissuePixel(const XRayDetector& detector, const std::vector<double>& thicknessesMm,
-  const Visit& visit)
+void ForEachTissuePixel(const XRayDetector& detector, std::size_t firstRow, std::size_t endRow,
+  const std::vector<double>& thicknessesMm, const Visit& visit)
 {
-  std::size_t pixel = 0;
-  for (int row = 0; row < detector.Rows; ++row)
+  std::size_t pixel = firstRow * static_cast<std::size_t>(detector.Columns);
+  for (std::size_t row = firstRow; row < endRow; ++row)
   {
     for (int column = 0; column < detector.Columns; ++column, ++pixel)
     {
       if (thicknessesMm[pixel] > 0)
       {
-        visit(column, row, pixel);
+        visit(column, static_cast<double>(row), pixel);
       }
     }
   }
@@ -328,6 +329,23 @@ struct ScatterModel::SentSignal
     , Multiple(cells)
   {
   }
+  void Add(const SentSignal& other)
+  {
+    const auto add = [](const std::vector<double>& from, std::vector<double>& to)
+    {
+      to.resize(std::max(to.size(), from.size()));
+      for (std::size_t cell = 0; cell < from.size(); ++cell)
+      {
+        to[cell] += from[cell];
+      }
+    };
+    add(other.Tissue, this->Tissue);
+    add(other.Multiple, this->Multiple);
+    for (std::size_t node = 0; node < this->ByThickness.size(); ++node)
+    {
+      add(other.ByThickness[node], this->ByThickness[node]);
+    }
+  }
   /// What tissue of each node of the thickness sends on; empty where there is none.
   std::vector<std::vector<double>> ByThickness;
   /// How much of the space between the plates is tissue, 0 to 1.
@@ -359,19 +377,47 @@ struct ScatterModel::SendingPixel
   double Closer = 1;
 };
 
+template <typename Add>
+ScatterModel::SentSignal ScatterModel::SumOfBands(const Geometry& geometry,
+  const std::vector<double>& thicknessesMm, const Add& add) const
+{
+  // As many whatever the number of cores: rounding is always the same.
+  constexpr std::size_t Bands = 8;
+  const auto rows = static_cast<std::size_t>(geometry.Detector.Rows);
+  std::vector<SentSignal> bands(Bands,
+    SentSignal(this->Thicknesses.size(), geometry.Cells.Count()));
+  ParallelRanges(Bands, 1,
+    [&](std::size_t begin, std::size_t end)
+    {
+      for (std::size_t band = begin; band < end; ++band)
+      {
+        ForEachTissuePixel(geometry.Detector, rows * band / Bands, rows * (band + 1) / Bands,
+          thicknessesMm,
+          [&](int column, double row, std::size_t pixel) { add(column, row, pixel, bands[band]); });
+      }
+    });
+  SentSignal sum = std::move(bands.front());
+  for (std::size_t band = 1; band < Bands; ++band)
+  {
+    sum.Add(bands[band]);
+  }
+  geometry.DivideByPixels(sum.Tissue);
+  geometry.DivideByPixels(sum.Multiple);
+  return sum;
+}
+
 ScatterModel::SentSignal ScatterModel::Gather(const Geometry& geometry,
   const std::vector<double>& thicknessesMm, const std::vector<double>& primary) const
 {
   const ScatterCells& cells = geometry.Cells;
-  SentSignal signal(this->Thicknesses.size(), cells.Count());
   // A cell sends the sum of its pixels over the number it has in the picture's midst.
   const double pixelsOfCell = static_cast<double>(cells.PerColumn) * cells.PerRow;
   const DetectorPlane& over = geometry.Over;
-  ForEachTissuePixel(geometry.Detector, thicknessesMm,
-    [&](int column, int row, std::size_t pixel)
+  return this->SumOfBands(geometry, thicknessesMm,
+    [&](int column, double row, std::size_t pixel, SentSignal& signal)
     {
       const SendingPixel sent(*this, geometry, thicknessesMm[pixel]);
-      const std::size_t cell = cells.CellOf(column, row);
+      const std::size_t cell = cells.CellOf(column, static_cast<int>(row));
       signal.Tissue[cell] += sent.Share;
       signal.Multiple[cell] += sent.Share * sent.Multiple;
       const ScatterCells::Shares shares =
@@ -389,9 +435,6 @@ ScatterModel::SentSignal ScatterModel::Gather(const Geometry& geometry,
         }
       }
     });
-  geometry.DivideByPixels(signal.Tissue);
-  geometry.DivideByPixels(signal.Multiple);
-  return signal;
 }
 
 ScatterModel::SentSignal ScatterModel::GatherRates(const Geometry& geometry,
@@ -399,13 +442,12 @@ ScatterModel::SentSignal ScatterModel::GatherRates(const Geometry& geometry,
   const SignalRates& rates) const
 {
   const ScatterCells& cells = geometry.Cells;
-  SentSignal signal(this->Thicknesses.size(), cells.Count());
   const double pixelsOfCell = static_cast<double>(cells.PerColumn) * cells.PerRow;
   const DetectorPlane& over = geometry.Over;
   const double plates = geometry.Plates.Mm;
   const double plateRate = geometry.Plates.RateOf(geometry.CellMeans(rates.ThicknessesMm));
-  ForEachTissuePixel(geometry.Detector, thicknessesMm,
-    [&](int column, int row, std::size_t pixel)
+  return this->SumOfBands(geometry, thicknessesMm,
+    [&](int column, double row, std::size_t pixel, SentSignal& signal)
     {
       const double thickness = thicknessesMm[pixel];
       const double rate = rates.ThicknessesMm[pixel];
@@ -416,7 +458,7 @@ ScatterModel::SentSignal ScatterModel::GatherRates(const Geometry& geometry,
         thickness < plates ? (rate - thickness / plates * plateRate) / plates : 0;
       const double closerRate =
         -ScatterHeight * (thickness > plates ? rate : plateRate) / over.HeightMm;
-      const std::size_t cell = cells.CellOf(column, row);
+      const std::size_t cell = cells.CellOf(column, static_cast<int>(row));
       signal.Tissue[cell] += shareRate;
       signal.Multiple[cell] += shareRate * sent.Multiple +
         sent.Share * beyondRate * (this->Multiple[node + 1] - this->Multiple[node]);
@@ -440,9 +482,6 @@ ScatterModel::SentSignal ScatterModel::GatherRates(const Geometry& geometry,
         }
       }
     });
-  geometry.DivideByPixels(signal.Tissue);
-  geometry.DivideByPixels(signal.Multiple);
-  return signal;
 }
 
 std::array<std::vector<double>, 2> ScatterModel::TissueAround(const Geometry& geometry,

@@ -68,6 +68,10 @@ private:
   struct Geometry;
   struct SentSignal;
   struct SendingPixel;
+  /// add(column, row, pixel, signal) of the pixels that see tissue, on several threads.
+  template <typename Add>
+  SentSignal SumOfBands(const Geometry& geometry, const std::vector<double>& thicknessesMm,
+    const Add& add) const;
   SentSignal Gather(const Geometry& geometry, const std::vector<double>& thicknessesMm,
     const std::vector<double>& primary) const;
   SentSignal GatherRates(const Geometry& geometry, const std::vector<double>& thicknessesMm,

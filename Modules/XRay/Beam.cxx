@@ -1,15 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mammoray/XRay/Beam.h"
 
+#include "Private/Physics/FastExp.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/Foundation/Numbers.h"
 #include "mammoray/Foundation/ParallelFor.h"
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
-#include <cstdint>
 
 namespace mammoray
 {
@@ -37,47 +36,6 @@ void CheckEnergies(const std::vector<double>& energies, std::size_t valueCount,
 
 /// Fewer pixels than this do not pay for a thread.
 constexpr std::size_t PixelsPerThread = 8192;
-
-// The loop below is most of a polychromatic image; GCC makes a version of it for each of these.
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) &&                             \
-  !defined(__SANITIZE_ADDRESS__)
-#define MAMMORAY_VECTOR_CLONES __attribute__((target_clones("default", "avx2", "avx512f")))
-#else
-#define MAMMORAY_VECTOR_CLONES
-#endif
-// A function that is not part of the clones would be called once per pixel.
-#if defined(__GNUC__)
-#define MAMMORAY_ALWAYS_INLINE __attribute__((always_inline)) inline
-#else
-#define MAMMORAY_ALWAYS_INLINE inline
-#endif
-
-/**
- * exp(x) for x <= 0 in a form that compilers vectorise: x = n ln 2 + r, 2^n by its bits and
- * Taylor's series to r^9; relative error 1e-11, since |r| <= 0.35. Below -690 it stays at
- * exp(-690).
- */
-MAMMORAY_ALWAYS_INLINE double FastExp(double x)
-{
-  constexpr double shift = 6755399441055744.0; // 1.5 * 2^52: rounds to a whole number
-  x = x < -690 ? -690 : x;
-  const double shifted = x * 1.4426950408889634 + shift;
-  const double n = shifted - shift;
-  const double r = (x - n * 0.693147180369123816490) - n * 1.90821492927058770002e-10;
-  double series = 1.0 / 362880;
-  series = series * r + 1.0 / 40320;
-  series = series * r + 1.0 / 5040;
-  series = series * r + 1.0 / 720;
-  series = series * r + 1.0 / 120;
-  series = series * r + 1.0 / 24;
-  series = series * r + 1.0 / 6;
-  series = series * r + 0.5;
-  series = series * r + 1.0;
-  series = series * r + 1.0;
-  return series *
-    std::bit_cast<double>(
-      (std::bit_cast<std::uint64_t>(shifted) << 52) + std::bit_cast<std::uint64_t>(1.0));
-}
 
 constexpr std::size_t BlockSize = 256;
 

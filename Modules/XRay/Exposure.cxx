@@ -5,6 +5,7 @@
 #include "Private/SampleGrid.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/Foundation/Numbers.h"
+#include "mammoray/Foundation/ParallelFor.h"
 #include "mammoray/XRay/RandomStream.h"
 
 #include <algorithm>
@@ -170,15 +171,33 @@ void AddFields(const ExposureOptions& options, const PathLengthImage& lengths,
   }
 }
 
+/// visit(pixel) for all of them, on several threads.
+template <typename Visit>
+void ForEachPixel(std::size_t count, const Visit& visit)
+{
+  ParallelRanges(count, 16384,
+    [&visit](std::size_t begin, std::size_t end)
+    {
+      for (std::size_t pixel = begin; pixel < end; ++pixel)
+      {
+        visit(pixel);
+      }
+    });
+}
+
 /// From mean transmissions, and their variances where there is noise, to what is detected.
 void Detect(const XRayDetector& detector, const ExposureOptions& options,
   const std::vector<double>& variance, std::vector<double>& transmission)
 {
-  for (std::size_t pixel = 0; options.PhotonsPerPixel > 0 && pixel < transmission.size(); ++pixel)
+  if (options.PhotonsPerPixel > 0)
   {
-    RandomStream random(options.Seed, pixel);
-    transmission[pixel] =
-      NoisyTransmission(transmission[pixel], variance[pixel], options.PhotonsPerPixel, random);
+    ForEachPixel(transmission.size(),
+      [&](std::size_t pixel)
+      {
+        RandomStream random(options.Seed, pixel);
+        transmission[pixel] =
+          NoisyTransmission(transmission[pixel], variance[pixel], options.PhotonsPerPixel, random);
+      });
   }
   if (options.HalfModulationPerMm > 0)
   {
@@ -186,16 +205,20 @@ void Detect(const XRayDetector& detector, const ExposureOptions& options,
       BlurKernel(options.HalfModulationPerMm, Norm(detector.ColumnStep)),
       BlurKernel(options.HalfModulationPerMm, Norm(detector.RowStep)));
   }
-  for (std::size_t pixel = 0; options.ElectronicNoisePhotons > 0 && pixel < transmission.size();
-       ++pixel)
+  if (options.ElectronicNoisePhotons > 0)
   {
-    // Two numbers of another stream make a normal one (Box and Muller 1958).
-    RandomStream random(~options.Seed, pixel);
-    const double radius = std::sqrt(-2 * std::log(random.Uniform()));
-    const double normal = radius * std::cos(2 * std::numbers::pi * random.Uniform());
-    transmission[pixel] += options.ElectronicNoisePhotons / options.PhotonsPerPixel * normal;
+    ForEachPixel(transmission.size(),
+      [&](std::size_t pixel)
+      {
+        // Two numbers of another stream make a normal one (Box and Muller 1958).
+        RandomStream random(~options.Seed, pixel);
+        const double radius = std::sqrt(-2 * std::log(random.Uniform()));
+        const double normal = radius * std::cos(2 * std::numbers::pi * random.Uniform());
+        transmission[pixel] += options.ElectronicNoisePhotons / options.PhotonsPerPixel * normal;
+      });
   }
 }
+
 /// Expose with any way to path lengths.
 Exposure ExposeBy(
   const std::function<PathLengthImage(const XRaySource&, const XRayDetector&)>& project,
@@ -241,12 +264,13 @@ Exposure ExposeBy(
   const double least = noise ? 0.5 / options.PhotonsPerPixel : 1e-300;
   exposure.Transmission.resize(pixelCount);
   exposure.LogAttenuation.resize(pixelCount);
-  for (std::size_t pixel = 0; pixel < pixelCount; ++pixel)
-  {
-    exposure.Transmission[pixel] = static_cast<float>(std::max(transmission[pixel], 0.0));
-    exposure.LogAttenuation[pixel] =
-      static_cast<float>(-std::log(std::max(transmission[pixel], least)));
-  }
+  ForEachPixel(pixelCount,
+    [&](std::size_t pixel)
+    {
+      exposure.Transmission[pixel] = static_cast<float>(std::max(transmission[pixel], 0.0));
+      exposure.LogAttenuation[pixel] =
+        static_cast<float>(-std::log(std::max(transmission[pixel], least)));
+    });
   return exposure;
 }
 }

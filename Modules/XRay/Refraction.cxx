@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mammoray/XRay/Refraction.h"
 
+#include "Private/Physics/FastExp.h"
 #include "Private/ProjectionChecks.h"
 #include "Private/SampleGrid.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/Foundation/Numbers.h"
+#include "mammoray/Foundation/ParallelFor.h"
 #include "mammoray/XRay/Composition.h"
 
 #include <xraylib.h>
@@ -13,6 +15,8 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <utility>
+#include <vector>
 
 namespace mammoray
 {
@@ -22,6 +26,94 @@ namespace
 constexpr int Margin = 16;
 
 using Law = RefractionOptions::Law;
+
+/// What the four pixels around a place, of which this is the first, get.
+struct Landing
+{
+  double Column = 0;
+  double Row = 0;
+  std::array<double, 4> Shares{};
+};
+
+/// exponents -= mu length, bends += delta rate, energy by energy.
+MAMMORAY_VECTOR_CLONES
+void AddMaterial(std::size_t energies, const double* mu, const double* delta, double length,
+  double columnRate, double rowRate, double* exponents, double* columnBends, double* rowBends)
+{
+  for (std::size_t energy = 0; energy < energies; ++energy)
+  {
+    exponents[energy] -= mu[energy] * length;
+    columnBends[energy] += delta[energy] * columnRate;
+    rowBends[energy] += delta[energy] * rowRate;
+  }
+}
+
+/// From exponents to intensities.
+MAMMORAY_VECTOR_CLONES
+void Attenuate(std::size_t energies, const double* weights, double* exponents)
+{
+  for (std::size_t energy = 0; energy < energies; ++energy)
+  {
+    exponents[energy] = weights[energy] * FastExp(exponents[energy]);
+  }
+}
+
+/// A ray at each energy: where it goes, and how strong it is.
+struct BentRay
+{
+  explicit BentRay(std::size_t energies)
+    : Intensities(energies)
+    , Moved{ std::vector<double>(energies), std::vector<double>(energies) }
+  {
+  }
+
+  /// What reaches the pixels around, from a ray that would meet the place (column, row).
+  void Land(double column, double row, std::vector<Landing>& landings) const
+  {
+    const auto [leastColumn, mostColumn] =
+      std::minmax_element(this->Moved[0].begin(), this->Moved[0].end());
+    const auto [leastRow, mostRow] =
+      std::minmax_element(this->Moved[1].begin(), this->Moved[1].end());
+    const double left = std::floor(column + *leastColumn);
+    const double top = std::floor(row + *leastRow);
+    if (left == std::floor(column + *mostColumn) && top == std::floor(row + *mostRow))
+    {
+      // Between the same pixels at all energies: shares are products of two linear functions.
+      landings.push_back(this->Share(left, top, column, row, 0, this->Intensities.size()));
+      return;
+    }
+    for (std::size_t energy = 0; energy < this->Intensities.size(); ++energy)
+    {
+      landings.push_back(this->Share(std::floor(column + this->Moved[0][energy]),
+        std::floor(row + this->Moved[1][energy]), column, row, energy, energy + 1));
+    }
+  }
+
+  /// By energy.
+  std::vector<double> Intensities;
+  /// Along columns and rows, pixels.
+  std::array<std::vector<double>, 2> Moved;
+
+private:
+  Landing Share(double left, double top, double column, double row, std::size_t begin,
+    std::size_t end) const
+  {
+    double sum = 0;
+    double right = 0;
+    double lower = 0;
+    double both = 0;
+    for (std::size_t energy = begin; energy < end; ++energy)
+    {
+      const double across = column + this->Moved[0][energy] - left;
+      const double down = row + this->Moved[1][energy] - top;
+      sum += this->Intensities[energy];
+      right += this->Intensities[energy] * across;
+      lower += this->Intensities[energy] * down;
+      both += this->Intensities[energy] * across * down;
+    }
+    return { left, top, { sum - right - lower + both, right - both, lower - both, both } };
+  }
+};
 
 /// Sums over the pixels of a detector with its margin.
 struct RefractionSums
@@ -39,21 +131,17 @@ struct RefractionSums
     }
   }
 
-  /// Shares an intensity among the four pixels around a place, in pixels.
-  void Deposit(double column, double row, double intensity)
+  void Deposit(const Landing& landing)
   {
-    const double left = std::floor(column);
-    const double top = std::floor(row);
-    for (int n = 0; n < 4; ++n)
+    for (std::size_t corner = 0; corner < 4; ++corner)
     {
-      const int below = n / 2;
-      const double c = left + n % 2;
-      const double r = top + below;
+      const double c = landing.Column + static_cast<double>(corner % 2);
+      const double r = landing.Row + static_cast<double>(corner / 2);
       if (c >= 0 && r >= 0 && c < this->Columns && r < this->Rows)
       {
         this
           ->Intensity[static_cast<std::size_t>(r) * this->Columns + static_cast<std::size_t>(c)] +=
-          intensity * (1 - std::abs(column - c)) * (1 - std::abs(row - r));
+          landing.Shares[corner];
       }
     }
   }
@@ -76,6 +164,34 @@ XRayDetector WithMargin(const XRayDetector& detector, double column, double row)
   wide.Origin =
     detector.Origin + (column - Margin) * detector.ColumnStep + (row - Margin) * detector.RowStep;
   return wide;
+}
+
+/// Adds an image with a margin to the mean of the detector's own pixels.
+void AddWithin(const PathLengthImage& wide, float weight, const XRayDetector& detector,
+  PathLengthImage& mean)
+{
+  if (mean.Lengths.empty())
+  {
+    mean.Columns = detector.Columns;
+    mean.Rows = detector.Rows;
+    mean.Materials = wide.Materials;
+    mean.Lengths.resize(mean.NumberOfPixels() * static_cast<std::size_t>(mean.Materials));
+    mean.Inconsistent.resize(mean.NumberOfPixels());
+  }
+  for (int row = 0; row < mean.Rows; ++row)
+  {
+    const std::size_t to = static_cast<std::size_t>(row) * mean.Columns;
+    const std::size_t from = static_cast<std::size_t>(row + Margin) * wide.Columns + Margin;
+    for (std::size_t column = 0; column < static_cast<std::size_t>(mean.Columns); ++column)
+    {
+      mean.Inconsistent[to + column] |= wide.Inconsistent[from + column];
+      for (int material = 1; material < mean.Materials; ++material)
+      {
+        mean.Lengths[static_cast<std::size_t>(material) * mean.NumberOfPixels() + to + column] +=
+          weight * wide.Material(material)[from + column];
+      }
+    }
+  }
 }
 
 /// The directions of a detector, of length 1.
@@ -103,11 +219,21 @@ public:
     const std::vector<double>& decrements, const RefractionOptions& options)
     : Source(source)
     , Axes(detector)
-    , Rays(beam)
-    , Decrements(decrements)
     , Options(options)
+    , Weights(beam.EnergyWeights())
     , Sums(detector, options.Method)
   {
+    const auto stride = static_cast<std::size_t>(beam.NumberOfMaterials());
+    for (std::size_t material = 0; material < stride; ++material)
+    {
+      this->MeanDecrements.push_back(0);
+      for (std::size_t energy = 0; energy < this->Weights.size(); ++energy)
+      {
+        this->Mu.push_back(beam.MuPerMm(energy, static_cast<int>(material)));
+        this->Decrements.push_back(decrements[energy * stride + material]);
+        this->MeanDecrements.back() += this->Weights[energy] * this->Decrements.back();
+      }
+    }
   }
 
   /// Adds the rays of one sample of every pixel, each with this weight; `column` and `row` are the
@@ -115,42 +241,31 @@ public:
   void Add(const XRayDetector& wide, const PathLengthImage& image,
     const PathLengthDerivatives& derivatives, double column, double row, double weight)
   {
-    const auto materials = static_cast<std::size_t>(image.Materials);
-    const std::size_t energies = this->Rays.EnergyWeights().size();
-    const std::size_t stride = static_cast<std::size_t>(this->Rays.NumberOfMaterials());
-    for (std::size_t pixel = 0; pixel < image.NumberOfPixels(); ++pixel)
+    // Rays by several threads, what they leave on others' pixels by one.
+    constexpr int Band = 128;
+    std::vector<std::vector<Landing>> landings(Band);
+    for (int first = 0; first < wide.Rows; first += Band)
     {
-      const auto columns = static_cast<std::size_t>(wide.Columns);
-      const double c = static_cast<double>(pixel % columns);
-      const std::size_t rowIndex = pixel / columns;
-      const auto r = static_cast<double>(rowIndex);
-      const Vector3 way = this->WayOf(wide, c, r);
-      for (std::size_t energy = 0; energy < energies; ++energy)
+      const int count = std::min(Band, wide.Rows - first);
+      ParallelRanges(static_cast<std::size_t>(count), 8,
+        [&](std::size_t begin, std::size_t end)
+        {
+          BentRay ray(this->Weights.size());
+          for (std::size_t line = begin; line < end; ++line)
+          {
+            landings[line].clear();
+            for (int c = 0; c < wide.Columns; ++c)
+            {
+              this->AddRay(wide, image, derivatives, c, first + static_cast<int>(line),
+                { column, row }, weight, ray, landings[line]);
+            }
+          }
+        });
+      for (int line = 0; line < count; ++line)
       {
-        double exponent = 0;
-        double bend[2] = { 0, 0 };
-        for (std::size_t material = 1; material < materials; ++material)
+        for (const Landing& landing : landings[static_cast<std::size_t>(line)])
         {
-          const int m = static_cast<int>(material);
-          const double delta = this->Decrements[energy * stride + material];
-          exponent -= this->Rays.MuPerMm(energy, m) * image.Material(m)[pixel];
-          bend[0] += delta * derivatives.Of(0, m)[pixel];
-          bend[1] += delta * derivatives.Of(1, m)[pixel];
-        }
-        const double open = weight * this->Rays.EnergyWeights()[energy];
-        const double intensity = open * std::exp(exponent);
-        this->Sums.Deflection[0][pixel] += open * bend[0];
-        this->Sums.Deflection[1][pixel] += open * bend[1];
-        const std::array<double, 2> moved = this->Displacement(way, bend);
-        if (this->Options.Method == Law::Geometric)
-        {
-          this->Sums.Deposit(c + column + moved[0], r + row + moved[1], intensity);
-        }
-        else
-        {
-          this->Sums.Intensity[pixel] += intensity;
-          this->Sums.Flux[0][pixel] += intensity * moved[0];
-          this->Sums.Flux[1][pixel] += intensity * moved[1];
+          this->Sums.Deposit(landing);
         }
       }
     }
@@ -196,24 +311,87 @@ private:
     return (1 / Norm(way)) * way;
   }
 
-  /// How far a bent ray meets the detector beside where it would, columns and rows.
-  std::array<double, 2> Displacement(const Vector3& way, const double (&bend)[2]) const
+  /// Writes its pixel's sums and, by geometric optics, what goes elsewhere.
+  void AddRay(const XRayDetector& wide, const PathLengthImage& image,
+    const PathLengthDerivatives& derivatives, int column, int row,
+    const std::array<double, 2>& offset, double weight, BentRay& ray,
+    std::vector<Landing>& landings)
+  {
+    const std::size_t pixel = static_cast<std::size_t>(row) * wide.Columns + column;
+    const std::size_t energies = this->Weights.size();
+    std::fill(ray.Intensities.begin(), ray.Intensities.end(), 0);
+    std::fill(ray.Moved[0].begin(), ray.Moved[0].end(), 0);
+    std::fill(ray.Moved[1].begin(), ray.Moved[1].end(), 0);
+    bool isAir = true;
+    for (int material = 1; material < image.Materials; ++material)
+    {
+      const double length = image.Material(material)[pixel];
+      const double rates[2] = { derivatives.Of(0, material)[pixel],
+        derivatives.Of(1, material)[pixel] };
+      if (length == 0 && rates[0] == 0 && rates[1] == 0)
+      {
+        continue;
+      }
+      isAir = false;
+      const auto m = static_cast<std::size_t>(material);
+      AddMaterial(energies, &this->Mu[m * energies], &this->Decrements[m * energies], length,
+        rates[0], rates[1], ray.Intensities.data(), ray.Moved[0].data(), ray.Moved[1].data());
+      this->Sums.Deflection[0][pixel] += weight * this->MeanDecrements[m] * rates[0];
+      this->Sums.Deflection[1][pixel] += weight * this->MeanDecrements[m] * rates[1];
+    }
+    if (isAir && this->Options.Method == Law::NearField)
+    {
+      this->Sums.Intensity[pixel] += weight;
+      return;
+    }
+    Attenuate(energies, this->Weights.data(), ray.Intensities.data());
+    const std::array<std::array<double, 2>, 2> toPixels =
+      this->PixelsPerBend(this->WayOf(wide, column, row));
+    for (std::size_t energy = 0; energy < energies; ++energy)
+    {
+      const double bend[2] = { ray.Moved[0][energy], ray.Moved[1][energy] };
+      ray.Intensities[energy] *= weight;
+      ray.Moved[0][energy] = toPixels[0][0] * bend[0] + toPixels[0][1] * bend[1];
+      ray.Moved[1][energy] = toPixels[1][0] * bend[0] + toPixels[1][1] * bend[1];
+    }
+    if (this->Options.Method == Law::Geometric)
+    {
+      ray.Land(column + offset[0], row + offset[1], landings);
+      return;
+    }
+    for (std::size_t energy = 0; energy < energies; ++energy)
+    {
+      this->Sums.Intensity[pixel] += ray.Intensities[energy];
+      this->Sums.Flux[0][pixel] += ray.Intensities[energy] * ray.Moved[0][energy];
+      this->Sums.Flux[1][pixel] += ray.Intensities[energy] * ray.Moved[1][energy];
+    }
+  }
+
+  /// How far a bent ray meets the detector beside where it would, [columns or rows], by the bend
+  /// along columns and rows.
+  std::array<std::array<double, 2>, 2> PixelsPerBend(const Vector3& way) const
   {
     const double u = Dot(way, this->Axes.U);
     const double v = Dot(way, this->Axes.V);
     const double n = Dot(way, this->Axes.N);
-    // The bend is at right angles to the ray.
-    const double along = -(bend[0] * u + bend[1] * v) / n;
+    // The bend is at right angles to the ray: along the normal it has -(u a + v b) / n.
     const double length = this->Options.DistanceMm / std::abs(n);
-    return { length * (bend[0] - u * along / n) / this->Axes.ColumnMm,
-      length * (bend[1] - v * along / n) / this->Axes.RowMm };
+    const double columns = length / this->Axes.ColumnMm;
+    const double rows = length / this->Axes.RowMm;
+    return { { { columns * (1 + u * u / (n * n)), columns * u * v / (n * n) },
+      { rows * u * v / (n * n), rows * (1 + v * v / (n * n)) } } };
   }
 
   const XRaySource& Source;
   DetectorAxes Axes;
-  const Beam& Rays;
-  const std::vector<double>& Decrements;
   const RefractionOptions& Options;
+  /// Of the energies.
+  std::vector<double> Weights;
+  /// [material * energies + energy].
+  std::vector<double> Mu;
+  std::vector<double> Decrements;
+  /// By material, weighted as energies are detected in the open beam.
+  std::vector<double> MeanDecrements;
   RefractionSums Sums;
 };
 }
@@ -320,6 +498,7 @@ RefractedImage Refract(PathLengthProjector& projector, std::size_t pointCount,
   const std::vector<std::array<double, 2>> samples = SampleOffsets(detector.Samples);
   const double weight = 1.0 / static_cast<double>(samples.size());
   PathLengthDerivatives derivatives;
+  PathLengthImage lengths;
   double done = 0;
   for (const auto& [column, row] : samples)
   {
@@ -329,9 +508,10 @@ RefractedImage Refract(PathLengthProjector& projector, std::size_t pointCount,
     const PathLengthImage image = projector.Project(source, wide, velocities, 2, derivatives);
     beam.CheckMaterials(image.Materials);
     refraction.Add(wide, image, derivatives, column, row, weight);
+    AddWithin(image, static_cast<float>(weight), detector, lengths);
   }
   RefractedImage result = refraction.Finish(detector);
-  result.Lengths = projector.Project(source, detector);
+  result.Lengths = std::move(lengths);
   return result;
 }
 }
