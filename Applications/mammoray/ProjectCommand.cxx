@@ -305,14 +305,17 @@ struct Camera
   const Spectrum& Energies;
   const DetectorResponse& Response;
   const ScatterSource& Scatter;
+  /// What reaches the pixels in air, where it is known already.
+  const std::vector<float>* KnownField = nullptr;
 
   /// The `number`-th of a series, with noise of its own.
   ExposureOptions Options(const XRaySource& source, const XRayDetector& detector, int number,
     const ProgressCallback& progress) const
   {
     ExposureOptions options = ToExposure(this->Arguments);
-    options.OpenField =
-      ToOpenField(this->Arguments, source, detector, this->Energies, this->Response);
+    options.OpenField = this->KnownField
+      ? *this->KnownField
+      : ToOpenField(this->Arguments, source, detector, this->Energies, this->Response);
     options.Seed += static_cast<std::uint64_t>(number);
     options.Secondary = this->Scatter.Onto(source, detector, this->Arguments.Field.InverseSquare,
       options.Seed, progress);
@@ -414,12 +417,18 @@ std::string RunSeries(const Camera& camera, const XRaySource& source, const XRay
     to.Values.insert(to.Values.end(), exposure.Transmission.begin(), exposure.Transmission.end());
     ++to.Number;
   };
+  // Where the sample turns, source and detector stand to each other as in the flat fields.
+  const std::vector<float> field =
+    ToOpenField(arguments, source, detector, camera.Energies, camera.Response);
+  Camera standing = camera;
+  standing.KnownField = &field;
+  const Camera& moving = arguments.Series.Turn > 0 ? standing : camera;
   std::string warning;
   const int count = static_cast<int>(series.Views.size());
   for (const ProjectionView& view : series.Views)
   {
     ReportProgress(progress, 0.2 + 0.6 * stack.Number / count, "projecting");
-    const Exposure exposure = camera.Take(view.Source, view.Detector, stack.Number,
+    const Exposure exposure = moving.Take(view.Source, view.Detector, stack.Number,
       ShareOf(progress, 0.2 + 0.6 * stack.Number / count, 0.2 + 0.6 * (stack.Number + 1) / count));
     const std::string found = exposure.Lengths.InconsistencyWarning();
     if (warning.empty() && !found.empty())
@@ -433,7 +442,7 @@ std::string RunSeries(const Camera& camera, const XRaySource& source, const XRay
     ReportProgress(progress, 0.8, "flat fields");
     add(flats,
       ExposeAir(source, detector, camera.XRays,
-        camera.Options(source, detector, count + flats.Number, {})));
+        standing.Options(source, detector, count + flats.Number, {})));
   }
   ReportProgress(progress, 0.85, "writing");
   WriteProjectionStack(stack, arguments.Output);

@@ -6,6 +6,7 @@
 
 #include <charconv>
 #include <cstdio>
+#include <istream>
 #include <string>
 #include <string_view>
 
@@ -18,6 +19,20 @@ bool ToNumber(std::string_view text, Value& value)
   const char* const end = text.data() + text.size();
   const auto [rest, error] = std::from_chars(text.data(), end, value);
   return error == std::errc() && rest == end;
+}
+
+/// The next line of a text, without its end, that of Windows too; false where there is none.
+inline bool ReadLine(std::istream& text, std::string& line)
+{
+  if (!std::getline(text, line))
+  {
+    return false;
+  }
+  if (!line.empty() && line.back() == '\r')
+  {
+    line.pop_back();
+  }
+  return true;
 }
 
 /// At most six digits, for people: "0.05", "1e+09".

@@ -35,6 +35,18 @@ struct Landing
   std::array<double, 4> Shares{};
 };
 
+/// Of a ray of all energies together that goes straight to a place.
+Landing StraightLanding(double column, double row, double intensity)
+{
+  const double left = std::floor(column);
+  const double top = std::floor(row);
+  const double across = column - left;
+  const double down = row - top;
+  return { left, top,
+    { intensity * (1 - across) * (1 - down), intensity * across * (1 - down),
+      intensity * (1 - across) * down, intensity * across * down } };
+}
+
 /// exponents -= mu length, bends += delta rate, energy by energy.
 MAMMORAY_VECTOR_CLONES
 void AddMaterial(std::size_t energies, const double* mu, const double* delta, double length,
@@ -339,9 +351,16 @@ private:
       this->Sums.Deflection[0][pixel] += weight * this->MeanDecrements[m] * rates[0];
       this->Sums.Deflection[1][pixel] += weight * this->MeanDecrements[m] * rates[1];
     }
-    if (isAir && this->Options.Method == Law::NearField)
+    if (isAir)
     {
-      this->Sums.Intensity[pixel] += weight;
+      if (this->Options.Method == Law::NearField)
+      {
+        this->Sums.Intensity[pixel] += weight;
+      }
+      else
+      {
+        landings.push_back(StraightLanding(column + offset[0], row + offset[1], weight));
+      }
       return;
     }
     Attenuate(energies, this->Weights.data(), ray.Intensities.data());

@@ -151,6 +151,10 @@ TEST_F(RegisterCommand, RefusesUnusableInputInOneLine)
   fs::create_directory(this->Folder.File("empty"));
   this->ExpectRefused(this->Register(this->Folder.File("empty"), Materials, MammogramFile),
     "expected a folder of DICOM slices, found none");
+  this->ExpectRefused(this->Register(Labels, Materials, MammogramFile, "--grid 5 31 65"),
+    "expected --scatter beside them");
+  this->ExpectRefused(
+    this->Register(Labels, Materials, MammogramFile, "--scatter kernels --grid 99 31 65"), "99");
   this->ExpectRefused(this->Register(Labels, Materials, MammogramFile, "--crop 0:500 : :"),
     "within the volume's voxels 0:186 0:223 0:224");
   const std::string mr =

@@ -34,7 +34,7 @@ TEST(SpectrumIO, ResponsesAreLinesOfEnergyAndSignal)
 {
   const TemporaryFolder folder;
   const DetectorResponse response =
-    ReadDetectorResponse(folder.Write("r.csv", "# keV, signal\n10, 0.5\n30, 1.5 # end\n"));
+    ReadDetectorResponse(folder.Write("r.csv", "# keV, signal\n10, 0.5\n30, 1.5 # end\r\n"));
   EXPECT_NEAR(response.Signal(20), 1, 1e-12);
   EXPECT_EQ(response.Signal(5), 0.5);
   EXPECT_EQ(response.Signal(99), 1.5);

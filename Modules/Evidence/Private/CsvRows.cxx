@@ -2,6 +2,7 @@
 #include "Private/CsvRows.h"
 
 #include "mammoray/Foundation/Error.h"
+#include "mammoray/Foundation/Numbers.h"
 
 #include <algorithm>
 #include <cmath>
@@ -12,15 +13,6 @@ namespace mammoray
 {
 namespace
 {
-std::string WithoutCarriageReturn(std::string line)
-{
-  if (!line.empty() && line.back() == '\r')
-  {
-    line.pop_back();
-  }
-  return line;
-}
-
 std::vector<std::string> FieldsOf(const std::string& line)
 {
   std::vector<std::string> fields;
@@ -77,8 +69,7 @@ CsvRows ReadCsvRows(const std::string& path, const std::vector<std::string>& hea
     throw InputError(path + ": no such file or not readable");
   }
   std::string line;
-  std::getline(file, line);
-  line = WithoutCarriageReturn(line);
+  ReadLine(file, line);
   const auto header = std::find(headers.begin(), headers.end(), line);
   if (header == headers.end())
   {
@@ -87,9 +78,8 @@ CsvRows ReadCsvRows(const std::string& path, const std::vector<std::string>& hea
   }
   CsvRows read{ path, static_cast<std::size_t>(header - headers.begin()), {} };
   const std::size_t columns = FieldsOf(*header).size();
-  for (int number = 2; std::getline(file, line); ++number)
+  for (int number = 2; ReadLine(file, line); ++number)
   {
-    line = WithoutCarriageReturn(line);
     if (line.empty())
     {
       continue;

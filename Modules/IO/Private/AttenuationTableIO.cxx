@@ -21,12 +21,8 @@ AttenuationTable ReadAttenuationTable(const std::string& path)
   std::size_t muColumn = 0;
   bool hasDensity = false;
   bool hasHeader = false;
-  for (std::size_t lineNumber = 1; std::getline(file, line); ++lineNumber)
+  for (std::size_t lineNumber = 1; ReadLine(file, line); ++lineNumber)
   {
-    if (!line.empty() && line.back() == '\r')
-    {
-      line.pop_back();
-    }
     if (line.empty() || line[0] == '#')
     {
       static const std::string key = "nominal density ";

@@ -66,12 +66,8 @@ ScatterKernels ReadScatterKernels(const std::string& path)
     { "gaps_mm", &kernels.GapsMm }, { "radii_mm", &kernels.RadiiMm },
     { "angles_deg", &kernels.AnglesDeg }, { "shares", &shares }, { "multiple", &multiple } };
   std::string line;
-  for (std::size_t number = 1; std::getline(file, line); ++number)
+  for (std::size_t number = 1; ReadLine(file, line); ++number)
   {
-    if (!line.empty() && line.back() == '\r')
-    {
-      line.pop_back();
-    }
     if (line.empty() || line[0] == '#')
     {
       continue;

@@ -12,44 +12,75 @@
 
 namespace mammoray
 {
-Spectrum ReadSpectrum(const std::string& path)
+namespace
+{
+/// A line of two numbers.
+struct EnergyLine
+{
+  double Energy = 0;
+  double Value = 0;
+  std::string EnergyText;
+  std::string ValueText;
+  /// "path: line n".
+  std::string Name;
+};
+
+/// visit(line) for each line that is not empty, as long as it answers true; numbers are parted by
+/// blanks or a comma, `#` begins a comment. Throws InputError, which says what is `expected`, on
+/// lines of another form.
+template <typename Visit>
+void ForEachEnergyLine(const std::string& path, const char* expected, const Visit& visit)
 {
   std::ifstream file = OpenText(path);
-  Spectrum spectrum;
-  spectrum.Name = std::filesystem::path(path).stem().string();
-  std::vector<double> density;
-  bool ended = false;
-  std::string line;
-  for (std::size_t lineNumber = 1; !ended && std::getline(file, line); ++lineNumber)
+  std::string text;
+  for (std::size_t number = 1; ReadLine(file, text); ++number)
   {
-    line.erase(std::min(line.find('#'), line.size()));
-    std::istringstream words(line);
-    std::string energyText;
-    std::string photonsText;
+    text.erase(std::min(text.find('#'), text.size()));
+    std::replace(text.begin(), text.end(), ',', ' ');
+    std::istringstream words(text);
+    EnergyLine line;
     std::string rest;
-    if (!(words >> energyText))
+    if (!(words >> line.EnergyText))
     {
       continue;
     }
-    double energy = 0;
-    double photons = 0;
-    if (!(words >> photonsText) || (words >> rest) || !ToNumber(energyText, energy) ||
-      !ToNumber(photonsText, photons))
+    line.Name = LineName(path, number);
+    if (!(words >> line.ValueText) || (words >> rest) || !ToNumber(line.EnergyText, line.Energy) ||
+      !ToNumber(line.ValueText, line.Value))
     {
-      throw InputError(
-        LineName(path, lineNumber) + ": expected an energy (eV) and a number of photons");
+      throw InputError(line.Name + ": expected " + expected);
     }
-    if (!(energy > 0) ||
-      (!spectrum.EnergiesKeV.empty() && !(energy * 1e-3 > spectrum.EnergiesKeV.back())))
+    if (!visit(line))
     {
-      throw InputError(LineName(path, lineNumber) +
-        ": expected a positive energy above the one before, found " + energyText + " eV");
+      return;
     }
-    spectrum.EnergiesKeV.push_back(energy * 1e-3);
-    density.push_back(photons);
-    ended = photons < 0;
   }
-  if (!ended || density.size() < 2)
+}
+
+bool IsAbove(double energy, const std::vector<double>& before)
+{
+  return energy > 0 && std::isfinite(energy) && (before.empty() || energy > before.back());
+}
+}
+
+Spectrum ReadSpectrum(const std::string& path)
+{
+  Spectrum spectrum;
+  spectrum.Name = std::filesystem::path(path).stem().string();
+  std::vector<double> density;
+  ForEachEnergyLine(path, "an energy (eV) and a number of photons",
+    [&](const EnergyLine& line)
+    {
+      if (!IsAbove(line.Energy * 1e-3, spectrum.EnergiesKeV))
+      {
+        throw InputError(line.Name + ": expected a positive energy above the one before, found " +
+          line.EnergyText + " eV");
+      }
+      spectrum.EnergiesKeV.push_back(line.Energy * 1e-3);
+      density.push_back(line.Value);
+      return !(line.Value < 0);
+    });
+  if (density.size() < 2 || !(density.back() < 0))
   {
     throw InputError(path + ": expected a list of photons that ends with a negative value");
   }
@@ -65,40 +96,23 @@ Spectrum ReadSpectrum(const std::string& path)
 
 DetectorResponse ReadDetectorResponse(const std::string& path)
 {
-  std::ifstream file = OpenText(path);
   DetectorResponse response;
   response.ByEnergy = false;
-  std::string line;
-  for (std::size_t lineNumber = 1; std::getline(file, line); ++lineNumber)
-  {
-    line.erase(std::min(line.find('#'), line.size()));
-    std::replace(line.begin(), line.end(), ',', ' ');
-    std::istringstream words(line);
-    std::string energyText;
-    std::string signalText;
-    std::string rest;
-    if (!(words >> energyText))
+  ForEachEnergyLine(path, "an energy (keV) and a signal",
+    [&](const EnergyLine& line)
     {
-      continue;
-    }
-    double energy = 0;
-    double signal = 0;
-    if (!(words >> signalText) || (words >> rest) || !ToNumber(energyText, energy) ||
-      !ToNumber(signalText, signal))
-    {
-      throw InputError(LineName(path, lineNumber) + ": expected an energy (keV) and a signal");
-    }
-    if (!(energy > 0) || !(signal >= 0) || !std::isfinite(energy) || !std::isfinite(signal) ||
-      (!response.EnergiesKeV.empty() && !(energy > response.EnergiesKeV.back())))
-    {
-      throw InputError(LineName(path, lineNumber) +
-        ": expected a positive energy above the one before and a signal that is not negative, "
-        "found " +
-        energyText + " keV, " + signalText);
-    }
-    response.EnergiesKeV.push_back(energy);
-    response.Efficiency.push_back(signal);
-  }
+      if (!IsAbove(line.Energy, response.EnergiesKeV) || !(line.Value >= 0) ||
+        !std::isfinite(line.Value))
+      {
+        throw InputError(line.Name +
+          ": expected a positive energy above the one before and a signal that is not negative, "
+          "found " +
+          line.EnergyText + " keV, " + line.ValueText);
+      }
+      response.EnergiesKeV.push_back(line.Energy);
+      response.Efficiency.push_back(line.Value);
+      return true;
+    });
   if (response.EnergiesKeV.empty())
   {
     throw InputError(path + ": expected lines of an energy (keV) and a signal, found none");
