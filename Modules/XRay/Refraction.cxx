@@ -147,8 +147,9 @@ struct RefractionSums
   {
     for (std::size_t corner = 0; corner < 4; ++corner)
     {
+      const std::size_t below = corner / 2;
       const double c = landing.Column + static_cast<double>(corner % 2);
-      const double r = landing.Row + static_cast<double>(corner / 2);
+      const double r = landing.Row + static_cast<double>(below);
       if (c >= 0 && r >= 0 && c < this->Columns && r < this->Rows)
       {
         this
