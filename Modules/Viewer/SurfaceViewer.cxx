@@ -23,8 +23,8 @@ namespace
 /// A drag across so many pixels takes the grey's window to e times its width.
 constexpr double GreyWindowPixels = 250;
 constexpr double TurnStepDeg = 5;
-/// A step of an arrow key, in shares of the source's way to the detector.
-constexpr double SourceStep = 0.01;
+/// A step of an arrow key moves the shadow by this share of the picture's height.
+constexpr double SourceStep = 0.05;
 /// Share of the window's width that the scene has.
 constexpr double SceneShare = 0.46;
 
@@ -346,7 +346,7 @@ void SurfaceViewer::Key(const std::string& name)
   const XRayDetector& grid = internal.Viewed.Detector;
   const Vector3 across = (1 / Norm(grid.ColumnStep)) * grid.ColumnStep;
   const Vector3 down = (1 / Norm(grid.RowStep)) * grid.RowStep;
-  const double step = SourceStep * Norm(internal.Viewed.Source.Position - grid.Origin);
+  const double step = SourceStep * Norm(grid.RowStep) * grid.Rows * internal.Live.SourceGain();
   const Vector3 towards = Cross(across, down);
   const std::map<std::string, Vector3> steps{ { "Left", -1.0 * across }, { "Right", across },
     { "Up", -1.0 * down }, { "Down", down }, { "Prior", -1.0 * towards }, { "Next", towards } };

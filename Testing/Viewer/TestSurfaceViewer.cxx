@@ -160,6 +160,22 @@ TEST(LiveProjection, PlacesSourceAndDetectorAroundTheSamples)
     }
     EXPECT_GT(inside, 0.05 * 512 * 512);
   }
+  // The source at 4 diagonals, the detector at 1.5: its shadow goes as far when it goes 4 / 1.5.
+  EXPECT_NEAR(live.SourceGain(), 4 / 1.5, 1e-9);
+  live.SetTurn(0);
+  const auto firstColumn = [&live]
+  {
+    const float* row = &live.Project(1)[256 * 512];
+    return std::find_if(row, row + 512, [](float value) { return value > 0; }) - row;
+  };
+  const auto before = firstColumn();
+  const double step = 20 * Norm(scene.Detector.ColumnStep) * live.SourceGain();
+  live.SetSourceOffset({ step, 0, 0 });
+  // At its left is the edge of the face that the rays meet first, 0.01 mm before the middle.
+  const double diagonal = Norm(Vector3{ 0.01, 0.02, 0.04 });
+  const double shift = step * (1.5 * diagonal + 0.01) / (4 * diagonal - 0.01);
+  EXPECT_NEAR(static_cast<double>(before - firstColumn()), shift / Norm(scene.Detector.ColumnStep),
+    1); // whole pixels
   // A tube's spectrum has its voltage.
   scene.Spectrum = FindSpectrum("W28kVp_Rh50um_Be1mm");
   LiveProjection tube(scene, {});

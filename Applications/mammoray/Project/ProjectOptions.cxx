@@ -11,7 +11,7 @@ namespace
 void DeclareInput(const OptionList& add, ProjectArguments& arguments)
 {
   add.Input("--mesh", arguments.Mesh,
-    "tetrahedra (.vtu, cell array Material) or triangles (.vtp, .stl, .ply, .obj, .glb), of "
+    "tetrahedra (.vtu, cell array Material) or triangles (.vtp, .stl, .ply, .obj, .glb, .gltf), of "
     "--materials");
   add("--surface", arguments.Surfaces,
     "in place of --mesh, closed surfaces of one material each: one of --materials, or what it is "

@@ -112,6 +112,17 @@ void LiveProjection::SetSourceOffset(const Vector3& offset)
   this->RaysStale = true;
 }
 
+double LiveProjection::SourceGain() const
+{
+  constexpr double Most = 20;
+  const XRayDetector& grid = this->Viewed.Detector;
+  const Vector3 normal = Cross(grid.ColumnStep, grid.RowStep);
+  const double before = Dot(this->TurnAxis.Point - this->Viewed.Source.Position, normal);
+  const double behind = Dot(grid.Origin - this->TurnAxis.Point, normal);
+  const double gain = before / behind;
+  return gain > 0 && gain < Most ? gain : Most;
+}
+
 void LiveProjection::SetEnergy(double energy)
 {
   energy = std::clamp(energy, this->Range[0], this->Range[1]);
@@ -160,10 +171,15 @@ std::string LiveProjection::Describe(int column, int row)
   char text[60];
   std::snprintf(text, sizeof text, "transmission %.4g", std::exp(-this->Picture[pixel]));
   std::string found = text;
+  double sum = 0;
+  for (int material = 1; material < this->Lengths.Materials; ++material)
+  {
+    sum += this->Lengths.Material(material)[pixel];
+  }
   for (int material = 1; material < this->Lengths.Materials; ++material)
   {
     const double length = this->Lengths.Material(material)[pixel];
-    if (length > 0)
+    if (length > 1e-6 * sum) // less is rounding, where parts overlap
     {
       found += ", " + this->Viewed.Materials.Materials[static_cast<std::size_t>(material)].Name +
         " " + LengthText(length);

@@ -28,6 +28,8 @@ public:
   /// Ignored of a parallel beam.
   void SetSourceOffset(const Vector3& offset);
   const Vector3& SourceOffset() const { return this->Offset; }
+  /// How far the source goes for the shadow of the samples' middle to go 1, at most 20.
+  double SourceGain() const;
   /// keV of a single energy, kV of a tube; kept in EnergyRange.
   void SetEnergy(double energy);
   double Energy() const { return this->EnergyNow; }

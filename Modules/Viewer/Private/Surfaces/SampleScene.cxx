@@ -139,11 +139,15 @@ void SampleScene::Update(const LiveProjection& live, bool whole)
   const XRaySource& source = live.Source();
   const XRayDetector& grid = live.Detector(1);
   const bool point = source.Type == XRaySource::Kind::Point;
-  const Vector3 towards = point ? source.Position - this->Middle : -1.0 * source.Direction;
+  // Where the source stands when it is not moved.
+  const Vector3 towards =
+    point ? source.Position - live.SourceOffset() - this->Middle : -1.0 * source.Direction;
   const Vector3 up = (1 / Norm(towards)) * towards;
   const double distance = point ? Norm(towards) : SourceDiagonals * this->Diagonal;
-  this->Share = whole ? 1 : std::min(1.0, SourceDiagonals * this->Diagonal / distance);
-  this->SourceShown = this->Middle + (this->Share * distance) * up;
+  const double shownDistance =
+    whole ? distance : std::min(distance, SourceDiagonals * this->Diagonal);
+  this->Share = shownDistance < distance ? 1 / live.SourceGain() : 1;
+  this->SourceShown = this->Middle + shownDistance * up + this->Share * live.SourceOffset();
 
   // The plane nearer the samples, along each corner's ray.
   const Vector3 normal = Cross(grid.ColumnStep, grid.RowStep);

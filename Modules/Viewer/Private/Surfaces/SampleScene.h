@@ -37,7 +37,8 @@ public:
   /// True at the drawn source.
   bool OnSource(int x, int y);
   const Vector3& ShownSource() const { return this->SourceShown; }
-  /// The drawn source is moved by so much less than the source.
+  /// By so much less than the source the drawn one is moved: as far as its shadow, unless all is
+  /// drawn where it is.
   double SourceShare() const { return this->Share; }
 
 private:
