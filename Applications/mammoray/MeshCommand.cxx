@@ -52,8 +52,8 @@ void DeclareFiles(const OptionList& add, MeshArguments& arguments)
   MeshCase& input = arguments.Case;
   AddLabelOptions(add, input.Labels);
   CLI::Option* surface = add("--surface", arguments.Surfaces,
-    "MATERIAL=FILE: closed surface of a material (.vtp .stl .ply .obj .glb) instead of labels; may "
-    "be given for several, nested or touching at common triangles; filled by TetGen");
+    "MATERIAL=FILE: closed surface of a material (.vtp .stl .ply .obj .glb .gltf) instead of "
+    "labels; may be given for several, nested or touching at common triangles; filled by TetGen");
   add("--surface-voxels", input.SurfaceVoxelsMm, Positive("mm"),
     "for surfaces that cut each other: label cubic voxels of this size by them, and mesh those; "
     "overlapping pieces of a material become one")
@@ -71,7 +71,7 @@ void DeclareFiles(const OptionList& add, MeshArguments& arguments)
     ->excludes(surface);
   add("-o,--output", arguments.Output, "volume mesh to write (.vtu)");
   add.Input("--check", arguments.Check,
-    "check this mesh (.vtu, or legacy .vtk) or surface (.vtp .stl .ply .obj .glb) instead of "
+    "check this mesh (.vtu, or legacy .vtk) or surface (.vtp .stl .ply .obj .glb .gltf) instead of "
     "making one: cells upright and joined, boundaries closed; exit code 1 and a line for each kind "
     "of trouble");
   add("--report", arguments.Report,

@@ -135,6 +135,20 @@ void CheckOutputFile(const std::string& path, bool overwrite)
   }
 }
 
+void CheckOutputBeside(const std::string& path, bool overwrite)
+{
+  for (const fs::path& given : GivenPaths())
+  {
+    std::error_code none;
+    if (fs::equivalent(given, path, none))
+    {
+      throw InputError(
+        "output " + path + ": expected a file that is not an input, found " + given.string());
+    }
+  }
+  CheckOutputFile(path, overwrite);
+}
+
 void CheckOutputFile(const std::string& path, bool overwrite, const std::string& extension,
   const std::string& kind)
 {

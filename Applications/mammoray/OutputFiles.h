@@ -31,6 +31,10 @@ void CheckOutputPlace(const std::string& path, bool overwrite);
 /// CheckOutputPlace, and claims the file (ClaimFile). Throws InputError where it is another output.
 void CheckOutputFile(const std::string& path, bool overwrite);
 
+/// The same of a file that no option names, as it lies beside an output: every one that is named is
+/// an input.
+void CheckOutputBeside(const std::string& path, bool overwrite);
+
 /**
  * CheckOutputFile, and throws InputError unless the path ends in `extension` (with its dot), which
  * files of this `kind` ("a picture") have.

@@ -4,7 +4,7 @@
 #include "ProgressBar.h"
 #include "Project/MaterialChanges.h"
 #include "Project/ProjectOptions.h"
-#include "Project/SurfaceScene.h"
+#include "Project/SceneOptions.h"
 #include "SharedOptions.h"
 #include "mammoray/IO/DicomWriter.h"
 #include "mammoray/IO/MammogramSynthesis.h"
@@ -204,9 +204,11 @@ void CheckRefraction(const ProjectArguments& arguments)
 
 void CheckInputs(const ProjectArguments& arguments)
 {
-  if (arguments.Mesh.empty() == arguments.Surfaces.empty())
+  if (arguments.Mesh.empty() == arguments.SurfaceSamples.empty())
   {
-    throw InputError(std::string("project: expected either --mesh or --surface, found ") +
+    throw InputError(
+      std::string(
+        "project: expected either --mesh or --surface, or a --scene with samples, found ") +
       (arguments.Mesh.empty() ? "neither" : "both"));
   }
   if (!arguments.Mesh.empty())
@@ -239,8 +241,8 @@ void CheckOutputs(const ProjectArguments& arguments)
       throw InputError("dual energy: expected one picture (.mha .nrrd .tif .vti) without "
                        "--refraction, found another");
     }
-    CheckOutputFile(BesideOutput(arguments.Output, "_low"), arguments.Overwrite);
-    CheckOutputFile(BesideOutput(arguments.Output, "_high"), arguments.Overwrite);
+    CheckOutputBeside(BesideOutput(arguments.Output, "_low"), arguments.Overwrite);
+    CheckOutputBeside(BesideOutput(arguments.Output, "_high"), arguments.Overwrite);
   }
   if (arguments.Series.IsAsked())
   {
@@ -248,10 +250,10 @@ void CheckOutputs(const ProjectArguments& arguments)
     {
       throw InputError("series: expected no --path-lengths or --deflection beside it, found one");
     }
-    CheckOutputFile(SeriesDescriptionPath(arguments.Output), arguments.Overwrite);
+    CheckOutputBeside(SeriesDescriptionPath(arguments.Output), arguments.Overwrite);
     if (arguments.Series.FlatFields > 0)
     {
-      CheckOutputFile(FlatFieldPath(arguments.Output), arguments.Overwrite);
+      CheckOutputBeside(FlatFieldPath(arguments.Output), arguments.Overwrite);
     }
   }
   else if (IsDicomPath(arguments.Output))
@@ -457,6 +459,7 @@ std::string RunSeries(const Camera& camera, const XRaySource& source, const XRay
 
 void Run(ProjectArguments& arguments)
 {
+  ApplyScene(arguments);
   ApplyUnit(arguments);
   CheckInputs(arguments);
   CheckOutputs(arguments);
@@ -468,7 +471,7 @@ void Run(ProjectArguments& arguments)
   const Spectrum spectrum = ToSpectrum(arguments.XRays);
   ReportProgress(progress, 0.0, "reading the mesh");
   const SurfaceScene scene = arguments.Mesh.empty()
-    ? ReadSurfaceScene(arguments.Surfaces, std::move(known))
+    ? ReadSurfaces(arguments.SurfaceSamples, std::move(known))
     : ReadMeshScene(arguments.Mesh, known);
   const MaterialTable& table = scene.Materials;
   const SurfaceMesh& surface = scene.Surface;

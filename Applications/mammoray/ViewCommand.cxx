@@ -4,9 +4,12 @@
 #include "ProgressBar.h"
 #include "ResultNotes.h"
 #include "SharedOptions.h"
+#include "View/SurfaceView.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/Viewer/BreastViewer.h"
+#include "mammoray/XRay/OverlapMeasure.h"
 
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 
@@ -17,6 +20,9 @@ namespace
 struct ViewArguments
 {
   ViewInput Input;
+  /// In place of the breast.
+  SurfaceViewInput Surfaces;
+  const CLI::App* Command = nullptr;
   ViewerOptions Viewer;
   std::array<int, 2> Size{ 1280, 800 };
   std::optional<Vector3> Source;
@@ -27,7 +33,7 @@ struct ViewArguments
   std::optional<int> BenchmarkFrames;
 };
 
-void DeclareInput(const OptionList& add, ViewInput& input)
+void DeclareInput(const OptionList& add, ViewInput& input, SurfaceViewInput& surfaces)
 {
   CLI::Option_group* what = add.App().add_option_group("what", "what to look at, one of");
   const OptionList addWhat(*what);
@@ -36,6 +42,12 @@ void DeclareInput(const OptionList& add, ViewInput& input)
     "tetrahedra with materials (.vtu), also as 'mammoray compress' wrote them");
   addWhat.Input("--series", input.Series,
     "series of 'mammoray compress' (.pvd): the thickness slider goes through it");
+  addWhat("--surface", surfaces.Surfaces,
+    "closed surfaces of one material each, as 'mammoray project' has them; source and detector are "
+    "placed around them")
+    ->type_name("MATERIAL=FILE ...");
+  addWhat.Input("--scene", surfaces.Scene,
+    "surfaces before a source and a detector (.json, docs/scene.md)");
   what->require_option(1);
   add.Input("--mammogram", input.Mammograms,
     "mammogram (DICOM MG), of a result the registered one; repeated where several were registered "
@@ -47,6 +59,8 @@ void DeclareInput(const OptionList& add, ViewInput& input)
   AddMaterialsOption(add, input.Materials)
     ->description("material table: a file (.json) or a shipped one's name; default: the result's");
   AddSpectrumOption(add, input.Spectrum, "; default: the result's, or W28kVp_Rh50um_Be1mm");
+  add("--kev", surfaces.EnergyKeV, Positive("keV"),
+    "a single photon energy instead of a spectrum; of surfaces");
   AddOrientationOption(add, input.Orientation, "the mesh (a result knows its own)");
   for (const PoseParameter& parameter : PoseParameters)
   {
@@ -66,17 +80,20 @@ void DeclareInput(const OptionList& add, ViewInput& input)
 
 void Declare(const OptionList& add, ViewArguments& arguments)
 {
-  DeclareInput(add, arguments.Input);
+  arguments.Command = &add.App();
+  DeclareInput(add, arguments.Input, arguments.Surfaces);
   add("--blend", arguments.Viewer.Blend, Between(0, 1),
     "share of the real mammogram at the beginning, 0 to 1");
   add("--kvp", arguments.Viewer.Kilovoltage, "kV",
-    "tube voltage at the beginning; default: the spectrum's");
+    "tube voltage at the beginning (photon energy, keV, where it is a single one); default: the "
+    "spectrum's");
   add.Numbers("--source", arguments.Source, "X Y Z",
-    "of the source beside its place at the beginning, gantry x, y and z, mm");
+    "of the source beside its place at the beginning, gantry x, y and z (of surfaces: of their "
+    "scene), mm");
   add.Numbers("--point", arguments.Point, "X Y Z",
     "mark this point of the uncompressed breast, mm");
   add.Numbers("--pixel", arguments.Pixel, "COLUMN ROW",
-    "mark what lies behind this pixel of the mammogram");
+    "mark what lies behind this pixel of the mammogram, or tell what it sees of surfaces");
   add.Numbers("--size", arguments.Size, "W H", "width and height of the window, pixels")
     ->check(*Between(400, 8192).Range);
   add("--pictures", arguments.Viewer.PictureFolder, "folder where the key s saves pictures");
@@ -107,15 +124,9 @@ void CheckInputs(const ViewArguments& arguments)
   }
 }
 
-void Run(ViewArguments& arguments)
+ViewerOptions ToViewerOptions(const ViewArguments& arguments)
 {
-  CheckInputs(arguments);
-  const std::vector<ViewedBreast> viewed = ReadViewedBreasts(arguments.Input);
-  for (const ViewedBreast& one : viewed)
-  {
-    WarnOfDistrust((std::filesystem::path(arguments.Input.Result) / one.View).string(), one.Trust);
-  }
-  ViewerOptions& options = arguments.Viewer;
+  ViewerOptions options = arguments.Viewer;
   options.OffScreen = !arguments.Screenshot.empty() || arguments.BenchmarkFrames;
   options.Stop = InterruptRequested;
   if (!options.OffScreen)
@@ -129,17 +140,17 @@ void Run(ViewArguments& arguments)
   options.SourceOffset = arguments.Source.value_or(options.SourceOffset);
   options.Width = arguments.Size[0];
   options.Height = arguments.Size[1];
-  BreastViewer viewer(viewed, options);
-  const bool marked = (!arguments.Point || viewer.MarkPoint(*arguments.Point)) &&
-    (!arguments.Pixel || viewer.MarkPixel((*arguments.Pixel)[0], (*arguments.Pixel)[1]));
-  if (!marked)
-  {
-    throw InputError(viewer.Message());
-  }
+  return options;
+}
+
+/// What either viewer is asked for.
+template <typename Viewer>
+void Show(const ViewArguments& arguments, Viewer& viewer, const char* moves)
+{
   if (arguments.BenchmarkFrames)
   {
-    std::printf("%.1f frames per second at half resolution while the source moves (%d frames)\n",
-      viewer.Benchmark(*arguments.BenchmarkFrames), *arguments.BenchmarkFrames);
+    std::printf("%.1f frames per second at half resolution while the %s (%d frames)\n",
+      viewer.Benchmark(*arguments.BenchmarkFrames), moves, *arguments.BenchmarkFrames);
   }
   if (!arguments.Screenshot.empty())
   {
@@ -152,15 +163,92 @@ void Run(ViewArguments& arguments)
     viewer.Run();
   }
 }
+
+void RunBreast(const ViewArguments& arguments)
+{
+  if (arguments.Surfaces.EnergyKeV)
+  {
+    throw InputError("--kev: expected --surface or --scene beside it, found neither");
+  }
+  const std::vector<ViewedBreast> viewed = ReadViewedBreasts(arguments.Input);
+  for (const ViewedBreast& one : viewed)
+  {
+    WarnOfDistrust((std::filesystem::path(arguments.Input.Result) / one.View).string(), one.Trust);
+  }
+  BreastViewer viewer(viewed, ToViewerOptions(arguments));
+  const bool marked = (!arguments.Point || viewer.MarkPoint(*arguments.Point)) &&
+    (!arguments.Pixel || viewer.MarkPixel((*arguments.Pixel)[0], (*arguments.Pixel)[1]));
+  if (!marked)
+  {
+    throw InputError(viewer.Message());
+  }
+  Show(arguments, viewer, "source moves");
+}
+
+/// Refuses what is of breasts only.
+void CheckSurfaceOptions(const CLI::App& command)
+{
+  const std::vector<std::string> known{ "surface", "scene", "materials", "spectrum", "kev", "kvp",
+    "source", "pixel", "size", "pictures", "screenshot", "overwrite", "benchmark", "device",
+    "projector", "config" };
+  for (const CLI::Option* option : command.get_options({}))
+  {
+    const std::string name =
+      option->get_lnames().empty() ? std::string() : option->get_lnames().front();
+    if (option->count() > 0 && std::find(known.begin(), known.end(), name) == known.end())
+    {
+      throw InputError("--" + name + ": expected a breast to look at, found surfaces");
+    }
+  }
+}
+
+void RunSurfaces(const ViewArguments& arguments)
+{
+  CheckSurfaceOptions(*arguments.Command);
+  SurfaceViewInput input = arguments.Surfaces;
+  input.Spectrum = arguments.Input.Spectrum;
+  input.Materials = arguments.Input.Materials;
+  ViewerOptions options = ToViewerOptions(arguments);
+  const auto isGiven = [&arguments](const std::string& option)
+  {
+    const CLI::Option* found = arguments.Command->get_option_no_throw(option);
+    return found && found->count() > 0;
+  };
+  const ViewedScene viewed = ReadViewedScene(input, isGiven, options.Projector.Priority);
+  if (options.Projector.Priority.empty())
+  {
+    const std::string overlap = MeasureOverlap(viewed.Surface, viewed.Source, viewed.Detector)
+                                  .Warning(viewed.Materials.Names());
+    if (!overlap.empty())
+    {
+      std::fprintf(stderr,
+        "mammoray: warning: %s; \"overlap-priority\" of a scene counts them once\n",
+        overlap.c_str());
+    }
+  }
+  SurfaceViewer viewer(viewed, options);
+  if (arguments.Pixel && !viewer.MarkPixel((*arguments.Pixel)[0], (*arguments.Pixel)[1]))
+  {
+    throw InputError("--pixel: " + viewer.Message());
+  }
+  Show(arguments, viewer, "samples turn");
+}
+
+void Run(ViewArguments& arguments)
+{
+  CheckInputs(arguments);
+  arguments.Surfaces.IsAsked() ? RunSurfaces(arguments) : RunBreast(arguments);
+}
 }
 
 void AddViewCommand(CLI::App& application)
 {
   AddCommand<ViewArguments>(application, "view",
-    "A window on a breast between the plates, its live synthetic mammogram and the real one.\n"
+    "A window on a breast between the plates, its live synthetic mammogram and the real one; or on "
+    "surfaces that turn before a source and a detector, and their live X-ray.\n"
     "Sliders for thickness, roll, tube voltage and the blend of both; the yellow ball is the X-ray "
     "source. Positions are mm in the frame of the mesh.\n" +
-      ViewerHelpText(),
+      ViewerHelpText() + "\nOf surfaces:\n" + SurfaceViewerHelpText(),
     Declare, Run);
 }
 }

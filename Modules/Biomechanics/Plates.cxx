@@ -5,22 +5,6 @@
 
 namespace mammoray
 {
-namespace
-{
-/// Rodrigues' formula; `rotation` is axis times angle in radians.
-Vector3 Rotated(const Vector3& v, const Vector3& rotation)
-{
-  const double angle = Norm(rotation);
-  if (angle == 0)
-  {
-    return v;
-  }
-  const Vector3 axis = (1 / angle) * rotation;
-  return std::cos(angle) * v + std::sin(angle) * Cross(axis, v) +
-    ((1 - std::cos(angle)) * Dot(axis, v)) * axis;
-}
-}
-
 PlateDistance DistanceToPlate(const Plate& plate, const Vector3& x)
 {
   // In the plane of Inward and Normal the plate is a quarter-plane whose corner is rounded about

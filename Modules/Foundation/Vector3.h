@@ -38,6 +38,20 @@ inline double Norm(const Vector3& a)
   return std::sqrt(Dot(a, a));
 }
 
+/// Turned right-handedly about the origin by Rodrigues' formula; `rotation` is the axis times the
+/// angle in radians.
+inline Vector3 Rotated(const Vector3& v, const Vector3& rotation)
+{
+  const double angle = Norm(rotation);
+  if (angle == 0)
+  {
+    return v;
+  }
+  const Vector3 axis = (1 / angle) * rotation;
+  return std::cos(angle) * v + std::sin(angle) * Cross(axis, v) +
+    ((1 - std::cos(angle)) * Dot(axis, v)) * axis;
+}
+
 /// How far places reach along one direction, in their unit; of none it is endless and negative.
 struct Extent
 {

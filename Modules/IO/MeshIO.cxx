@@ -3,19 +3,15 @@
 
 #include "Private/Guard/GuardedRead.h"
 #include "Private/Guard/MeshParcel.h"
+#include "Private/Json/GltfReader.h"
 #include "Private/TextTable.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/Foundation/Numbers.h"
 #include "mammoray/IO/WholeOutput.h"
 
-#include "vtkAppendPolyData.h"
-#include "vtkCleanPolyData.h"
 #include "vtkCommand.h"
-#include "vtkCompositeDataIterator.h"
 #include "vtkExecutive.h"
 #include "vtkFieldData.h"
-#include "vtkGLTFReader.h"
-#include "vtkMultiBlockDataSet.h"
 #include "vtkNew.h"
 #include "vtkOBJReader.h"
 #include "vtkOBJWriter.h"
@@ -102,6 +98,12 @@ std::string Extension(const std::string& path)
   std::transform(extension.begin(), extension.end(), extension.begin(),
     [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   return extension;
+}
+
+bool IsGltf(const std::string& path)
+{
+  const std::string extension = Extension(path);
+  return extension == ".glb" || extension == ".gltf";
 }
 
 [[noreturn]] void RefuseExtension(const std::string& path, const char* what, const char* known)
@@ -210,62 +212,11 @@ void CheckVertices(const std::string& path, const std::string& keyword)
   }
 }
 
-/// All parts of a scene in one surface, mm: glTF has metres, and a vertex for each normal at a
-/// point.
-vtkSmartPointer<vtkPolyData> Join(vtkMultiBlockDataSet* scene)
-{
-  vtkNew<vtkAppendPolyData> all;
-  const auto parts = vtk::TakeSmartPointer(scene->NewIterator());
-  for (parts->InitTraversal(); !parts->IsDoneWithTraversal(); parts->GoToNextItem())
-  {
-    if (auto* const part = vtkPolyData::SafeDownCast(parts->GetCurrentDataObject()))
-    {
-      vtkNew<vtkPolyData> shape;
-      shape->CopyStructure(part);
-      all->AddInputData(shape);
-    }
-  }
-  if (all->GetNumberOfInputConnections(0) == 0)
-  {
-    return vtkSmartPointer<vtkPolyData>::New();
-  }
-  vtkNew<vtkTriangleFilter> triangles;
-  triangles->PassLinesOff();
-  triangles->PassVertsOff();
-  triangles->SetInputConnection(all->GetOutputPort());
-  vtkNew<vtkCleanPolyData> joined;
-  joined->SetTolerance(0);
-  joined->ConvertPolysToLinesOff();
-  joined->ConvertLinesToPointsOff();
-  joined->SetInputConnection(triangles->GetOutputPort());
-  joined->Update();
-  vtkSmartPointer<vtkPolyData> surface = joined->GetOutput();
-  for (vtkIdType id = 0; id < surface->GetNumberOfPoints(); ++id)
-  {
-    const double* metres = surface->GetPoint(id);
-    surface->GetPoints()->SetPoint(id, 1000 * metres[0], 1000 * metres[1], 1000 * metres[2]);
-  }
-  return surface;
-}
-
-template <typename Reader>
-auto OutputOf(Reader* reader)
-{
-  if constexpr (std::is_same_v<Reader, vtkGLTFReader>)
-  {
-    return Join(reader->GetOutput());
-  }
-  else
-  {
-    return reader->GetOutput();
-  }
-}
-
 /// VTK's readers end the process on damaged PLY files, and some VTU and legacy ones.
 template <typename Reader>
 auto Read(const std::string& path)
 {
-  using Mesh = std::remove_reference_t<decltype(*OutputOf(vtkNew<Reader>().Get()))>;
+  using Mesh = std::remove_reference_t<decltype(*vtkNew<Reader>()->GetOutput())>;
   auto mesh = vtkSmartPointer<Mesh>::New();
   ReadGuarded(
     path, "a mesh", ReadLimits::Of({ path }),
@@ -282,7 +233,7 @@ auto Read(const std::string& path)
       vtkNew<Reader> reader;
       reader->SetFileName(path.c_str());
       Run(reader.Get(), path, "expected a mesh, found data that cannot be read");
-      const vtkSmartPointer<Mesh> found = OutputOf(reader.Get());
+      Mesh* const found = reader->GetOutput();
       if (!found || found->GetNumberOfPoints() == 0 || found->GetNumberOfCells() == 0)
       {
         throw InputError(path + ": expected a mesh, found no points or no cells");
@@ -376,10 +327,21 @@ vtkSmartPointer<vtkPolyData> ReadSurface(const std::string& path)
   {
     return Read<vtkOBJReader>(path);
   }
-  if (extension == ".glb")
+  if (IsGltf(path))
   {
-    return Read<vtkGLTFReader>(path);
+    // Ours, but a mesh that stands in many places may need all memory.
+    auto mesh = vtkSmartPointer<vtkPolyData>::New();
+    ReadGuarded(
+      path, "a mesh", ReadLimits::Of({ path }),
+      [&path](ParcelWriter& parcel) { PackMesh(ReadGltf(path), path, parcel); },
+      [&](ParcelReader& parcel) { UnpackMesh(parcel, path, mesh); });
+    return mesh;
   }
-  RefuseExtension(path, "a surface", ".vtp, .stl, .ply, .obj or .glb");
+  RefuseExtension(path, "a surface", ".vtp, .stl, .ply, .obj, .glb or .gltf");
+}
+
+double NativeUnitMm(const std::string& path)
+{
+  return IsGltf(path) ? GltfUnitMm : 1;
 }
 }

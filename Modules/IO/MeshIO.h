@@ -25,9 +25,13 @@ MAMMORAYIO_EXPORT void WriteMesh(vtkPointSet* mesh, const std::string& path);
 /// damaged or empty file.
 MAMMORAYIO_EXPORT vtkSmartPointer<vtkUnstructuredGrid> ReadMesh(const std::string& path);
 
-/// Reads .vtp, .stl, .ply, .obj, or all parts of a .glb (binary glTF; its metres become mm). Throws
-/// InputError on a missing, damaged or empty file.
+/// Reads .vtp, .stl, .ply, .obj, or all parts of the scene of a .glb or .gltf (glTF 2.0; its metres
+/// become mm). Throws InputError on a missing, damaged or empty file, and on what of glTF cannot be
+/// shown as it is (Private/Json/GltfReader.h).
 MAMMORAYIO_EXPORT vtkSmartPointer<vtkPolyData> ReadSurface(const std::string& path);
+
+/// The unit that ReadSurface takes the numbers of a file of this name to be in, mm.
+MAMMORAYIO_EXPORT double NativeUnitMm(const std::string& path);
 }
 
 #endif

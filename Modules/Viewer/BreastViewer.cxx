@@ -6,10 +6,6 @@
 #include "Private/WindowPicture.h"
 #include "mammoray/Foundation/Error.h"
 
-#include "vtkCallbackCommand.h"
-#include "vtkCommand.h"
-#include "vtkTextActor.h"
-
 #include <chrono>
 #include <cmath>
 #include <numbers>
@@ -21,8 +17,6 @@ namespace
 {
 using Clock = std::chrono::steady_clock;
 
-/// Without a move for so long things are at rest, s.
-constexpr double RestSeconds = 0.25;
 constexpr int TickMilliseconds = 10;
 
 double SecondsSince(Clock::time_point begin)
@@ -50,17 +44,7 @@ BreastViewer::~BreastViewer() = default;
 
 void BreastViewer::Run()
 {
-  vtkNew<vtkCallbackCommand> tick;
-  tick->SetClientData(this);
-  tick->SetCallback(
-    [](vtkObject*, unsigned long, void* self, void*) { static_cast<BreastViewer*>(self)->Tick(); });
-  this->Internal->Interactor->AddObserver(vtkCommand::TimerEvent, tick);
-  // Not before: VTK's event loop goes through all interactors that were ever initialised and did
-  // not run, also those that are gone.
-  this->Internal->Interactor->Initialize();
-  this->Internal->Interactor->CreateRepeatingTimer(TickMilliseconds);
-  this->Tick();
-  this->Internal->Interactor->Start();
+  this->Internal->Run([this] { this->Tick(); });
 }
 
 bool BreastViewer::Tick()
@@ -72,11 +56,9 @@ bool BreastViewer::Tick()
     return false;
   }
   internal.TakeEquilibria();
-  if (internal.Moving && SecondsSince(internal.LastMove) > RestSeconds)
+  if (internal.ComesToRest())
   {
-    internal.Moving = false;
     internal.UpdateMark();
-    internal.Dirty = true;
   }
   const std::string before = internal.StatusText;
   internal.TellStatus();
@@ -287,8 +269,7 @@ void BreastViewer::Key(const std::string& name)
   }
   else if (name == "h")
   {
-    internal.Help->SetVisibility(internal.Help->GetVisibility() != 0 ? 0 : 1);
-    internal.Dirty = true;
+    internal.ToggleHelp();
   }
   else if (name == "Escape")
   {

@@ -18,7 +18,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
-#include <cstring>
 
 using namespace mammoray;
 using testing_support::ReadFile;
@@ -49,17 +48,6 @@ protected:
     WriteMesh(ToGrid(mesh, { "air", "fat" }), this->Mesh);
     this->Folder.Write("table.json", R"({"materials": [{"name": "air", "labels": [0]},
       {"name": "fat", "labels": [1], "attenuation": "adipose", "density_g_per_cm3": 0.92}]})");
-  }
-
-  /// The floats behind the header of a raw .mha.
-  static std::vector<float> MhaValues(const std::string& path)
-  {
-    const std::string bytes = ReadFile(path);
-    const std::string key = "ElementDataFile = LOCAL\n";
-    const std::size_t start = bytes.find(key) + key.size();
-    std::vector<float> values((bytes.size() - start) / sizeof(float));
-    std::memcpy(values.data(), bytes.data() + start, values.size() * sizeof(float));
-    return values;
   }
 
   std::string Mesh = this->Folder.File("mesh.vtu");

@@ -6,6 +6,7 @@
 #include "Private/Checkpoint.h"
 #include "Private/Guard/GuardedRead.h"
 #include "Private/Guard/MeshParcel.h"
+#include "Private/Json/GltfReader.h"
 #include "Private/SpectrumIO.h"
 #include "Private/StoreAnswer.h"
 #include "Private/StoredVoxels.h"
@@ -18,6 +19,7 @@
 #include "mammoray/IO/MaterialTableIO.h"
 #include "mammoray/IO/ScatterData.h"
 #include "mammoray/IO/ScratchFolder.h"
+#include "mammoray/IO/SurfaceSceneIO.h"
 #include "mammoray/XRay/Composition.h"
 
 #ifdef MAMMORAY_HAS_MESHING
@@ -191,6 +193,7 @@ const std::map<std::string, Target>& FuzzTargets()
       OfFile("e.json", [](const std::string& path) { ReadEvidence(path, R"({"seed":1})"); }) },
     { "study-truth", OfFile("truth.json", ReadVirtualStudyTruth) },
 #endif
+    { "gltf", OfFile("a.gltf", [](const std::string& path) { ReadGltf(path); }) },
     { "landmarks", OfFile("l.csv", ReadLandmarks) },
     { "materials", OfFile("a.json", [](const std::string& path) { ReadMaterialTable(path); }) },
     { "metaimage",
@@ -207,6 +210,7 @@ const std::map<std::string, Target>& FuzzTargets()
         }
       } },
     { "result", OfFile(ResultFileName, ReadResult) },
+    { "scene", OfFile("a.json", [](const std::string& path) { ReadScene(path); }) },
     { "spectrum", OfFile("a.spc", [](const std::string& path) { ReadSpectrum(path); }) },
     { "study", Refusing(ReadExport) },
   };

@@ -82,23 +82,25 @@ TEST(MaterialTableIO, RefusesWhatIsWrongByKey)
   EXPECT_EQ(MaterialsRefusal(WithFat(good)), NotRefused);
   EXPECT_THAT(MaterialsRefusal("{"), HasSubstr("JSON"));
   EXPECT_THAT(MaterialsRefusal("[]"), HasSubstr("expected a JSON object"));
-  EXPECT_THAT(MaterialsRefusal("{}"), HasSubstr("'materials'"));
-  EXPECT_THAT(MaterialsRefusal(R"({"name": 3, "materials": []})"), HasSubstr("'name'"));
-  EXPECT_THAT(MaterialsRefusal(WithFat(R"("labels": [1])")), HasSubstr("'attenuation'"));
-  EXPECT_THAT(MaterialsRefusal(WithFat(R"("attenuation": "adipose")")), HasSubstr("'labels'"));
+  EXPECT_THAT(MaterialsRefusal("{}"), HasSubstr(": materials: expected"));
+  EXPECT_THAT(MaterialsRefusal(R"({"name": 3, "materials": []})"), HasSubstr(": name: expected"));
+  EXPECT_THAT(MaterialsRefusal(WithFat(R"("labels": [1])")),
+    HasSubstr("materials[1].attenuation: expected"));
+  EXPECT_THAT(MaterialsRefusal(WithFat(R"("attenuation": "adipose")")),
+    HasSubstr("materials[1].labels: expected"));
   EXPECT_THAT(MaterialsRefusal(WithFat(R"("labels": [0], "attenuation": "a")")),
     HasSubstr("in 'air' already"));
   for (const char* labels : { "[]", "[1.5]", "[-1]", "[65536]", "[\"1\"]", "1", "[1e30]" })
   {
     EXPECT_THAT(
       MaterialsRefusal(WithFat(R"("attenuation": "a", "labels": )" + std::string(labels))),
-      HasSubstr("'labels'"))
+      HasSubstr("materials[1].labels: expected"))
       << labels;
   }
   EXPECT_THAT(MaterialsRefusal(WithFat(good + R"(, "density_g_per_cm3": 0)")),
-    HasSubstr("'density_g_per_cm3': expected a positive number, found 0"));
+    HasSubstr("materials[1].density_g_per_cm3: expected a positive number, found 0"));
   EXPECT_THAT(MaterialsRefusal(WithFat(good + R"(, "youngs_modulus_kpa": "5")")),
-    HasSubstr("'youngs_modulus_kpa'"));
+    HasSubstr("materials[1].youngs_modulus_kpa: expected"));
   // kg/m3 and Pa, say.
   EXPECT_THAT(MaterialsRefusal(WithFat(good + R"(, "density_g_per_cm3": 920)")),
     HasSubstr("material 'fat': expected a density from 0.5 to 3 g/cm3, found 920; \"unusual\""));

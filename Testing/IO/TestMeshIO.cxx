@@ -17,8 +17,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <fstream>
 #include <functional>
 #include <string>
+#include <tuple>
+#include <vector>
 
 using mammoray::testing_support::RefusalOf;
 using namespace mammoray;
@@ -151,6 +155,117 @@ TEST(MeshIO, ScenesOfGltfAreOneSurfaceInMillimetres)
   {
     EXPECT_NEAR(bounds[side], expected[side], 0.006);
   }
+}
+
+TEST(MeshIO, NodesOfGltfPlaceTheirMeshes)
+{
+  using testing::ElementsAre;
+  using testing::HasSubstr;
+  const TemporaryFolder folder;
+  const std::string buffer = testing_support::TetrahedronBuffer();
+  const auto read = [&](const std::string& text)
+  { return ReadSurface(folder.Write("scene.glb", testing_support::Glb(text, buffer))); };
+  const auto boundsOf = [](vtkPolyData* surface)
+  {
+    std::vector<double> bounds(6);
+    surface->GetBounds(bounds.data());
+    for (double& bound : bounds)
+    {
+      bound = std::round(1e6 * bound) / 1e6; // of sines
+    }
+    return bounds;
+  };
+  const auto placed = [&](const std::string& nodes)
+  { return boundsOf(read(testing_support::GltfText(nodes))); };
+  // Scaled, then turned by 90 degrees about z, then moved; mm.
+  EXPECT_THAT(placed(R"([{"mesh":0,"rotation":[0,0,0.7071067811865476,0.7071067811865476],
+    "translation":[10,0,0],"scale":[1,2,3]}])"),
+    ElementsAre(8000, 10000, 0, 1000, 0, 3000));
+  // The same by columns of a matrix.
+  EXPECT_THAT(placed(R"([{"mesh":0,"matrix":[0,1,0,0, -2,0,0,0, 0,0,3,0, 10,0,0,1]}])"),
+    ElementsAre(8000, 10000, 0, 1000, 0, 3000));
+  // One mesh in two places of a tree; the second is mirrored, and keeps what is inside inside.
+  const auto two = read(testing_support::GltfText(
+    R"([{"children":[1,2],"scale":[2,2,2],"translation":[10,0,0]},
+    {"mesh":0,"translation":[1,0,0]},{"mesh":0,"translation":[5,0,0],"scale":[1,1,-3]}])"));
+  EXPECT_THAT(boundsOf(two), ElementsAre(12000, 22000, 0, 2000, -6000, 2000));
+  const SurfaceMesh mesh = FromPolyData(two);
+  ASSERT_EQ(mesh.NumberOfTriangles(), 8u);
+  double volumes[2] = { 0, 0 };
+  for (std::size_t triangle = 0; triangle < 8; ++triangle)
+  {
+    const auto point = [&](int corner)
+    {
+      const std::size_t id = mesh.Triangles[3 * triangle + corner];
+      return Vector3{ mesh.Points[3 * id], mesh.Points[3 * id + 1], mesh.Points[3 * id + 2] };
+    };
+    volumes[point(0)[0] > 17000 ? 1 : 0] += Dot(point(0), Cross(point(1), point(2))) / 6e9;
+  }
+  EXPECT_NEAR(volumes[0], 8 / 6.0, 1e-9);
+  EXPECT_NEAR(volumes[1], 24 / 6.0, 1e-9);
+
+  // Buffers within JSON, and in a file beside it.
+  std::ofstream(folder.File("part 1.bin"), std::ios::binary) << buffer;
+  EXPECT_THAT(
+    boundsOf(ReadSurface(folder.Write("scene.gltf",
+      testing_support::GltfText(R"([{"mesh":0}])", R"("attributes":{"POSITION":0},"indices":1)",
+        R"("byteLength":168,"uri":"part%201.bin")")))),
+    ElementsAre(0, 1000, 0, 1000, 0, 1000));
+  // Two triangles of a strip, one of a fan of three corners: base64 of (0 0 0) (1 0 0) (0 1 0).
+  const std::string three = R"("byteLength":36,"uri":"data:application/octet-stream;base64,)"
+                            R"(AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA")";
+  std::string fan =
+    testing_support::GltfText(R"([{"mesh":0}])", R"("attributes":{"POSITION":0},"mode":6)", three);
+  fan.replace(fan.find("\"byteLength\":144"), 16, "\"byteLength\":36")
+    .replace(fan.find("\"count\":12"), 10, "\"count\":3");
+  EXPECT_EQ(ReadSurface(folder.Write("fan.gltf", fan))->GetNumberOfCells(), 1);
+}
+
+TEST(MeshIO, RefusesOfGltfWhatItCannotShow)
+{
+  using testing::HasSubstr;
+  const TemporaryFolder folder;
+  const std::string good = testing_support::GltfText(R"([{"mesh":0}])");
+  const auto refusal = [&](const std::string& what, const std::string& by)
+  {
+    std::string text = good;
+    text.replace(text.find(what), what.size(), by);
+    const std::string path =
+      folder.Write("bad.glb", testing_support::Glb(text, testing_support::TetrahedronBuffer()));
+    const std::string message = RefusalOf([&] { ReadSurface(path); });
+    EXPECT_THAT(message, testing::StartsWith(path + ": expected "));
+    return message;
+  };
+  const std::tuple<const char*, const char*, const char*> wrong[] = {
+    { "{\"asset\"", R"({"extensionsRequired":["KHR_draco_mesh_compression"],"asset")",
+      "without required extensions, found KHR_draco_mesh_compression" },
+    { "\"2.0\"", "\"1.0\"", "version 2 of glTF, found 1.0" },
+    { "\"indices\":1", "\"indices\":1,\"mode\":1", "triangles, found points or lines" },
+    { "\"indices\":1", "\"indices\":7", "accessor 7, found 2" },
+    { "{\"mesh\":0}", R"({"mesh":0,"skin":0})", "found a skin in node 0" },
+    { "{\"mesh\":0}", R"({"mesh":0,"weights":[0,0.5]})", "found morph targets" },
+    { "{\"mesh\":0}", R"({"mesh":0,"children":[0]})", "node 0 in several places" },
+    { "{\"mesh\":0}", R"({"mesh":0,"scale":[1,2]})", "3 numbers of a node's scale" },
+    { "{\"mesh\":0}", R"({"mesh":-1})", "a whole number of at least 0, found -1" },
+    { "\"nodes\":[0]", "\"nodes\":[]", "found no triangles" },
+    { "5126", "5123", "positions in floats" },
+    { "\"count\":12", "\"count\":13", "accessor 0 to lie in its buffer, found 13 elements" },
+    { "\"count\":12", "\"count\":12,\"byteOffset\":24", "to lie in its buffer" },
+    { "\"count\":12", "\"count\":18446744073709551615", "to lie in its buffer" },
+    { "\"count\":12", "\"count\":12,\"sparse\":{}", "to be a plain VEC3" },
+    { "\"byteLength\":168", "\"byteLength\":169", "a buffer of 169 bytes, found 168" },
+    { "\"byteLength\":168", R"("byteLength":168,"uri":"http://x.org/a.bin")", "in a file beside" },
+    { "\"byteLength\":168", R"("byteLength":168,"uri":"none.bin")", "no such file" },
+    { "\"type\":\"VEC3\"", "\"typ\":\"VEC3\"", "a mesh in glTF: " },
+    { "{\"asset\"", "{\"asset", "a mesh in glTF: " },
+  };
+  for (const auto& [what, by, text] : wrong)
+  {
+    EXPECT_THAT(refusal(what, by), HasSubstr(text)) << by;
+  }
+  const std::string whole = testing_support::Glb(good, testing_support::TetrahedronBuffer());
+  EXPECT_THAT(RefusalOf([&] { ReadSurface(folder.Write("cut.glb", whole.substr(0, 400))); }),
+    HasSubstr("an end before its own"));
 }
 
 TEST(MeshIO, RefusesInOneLine)

@@ -11,8 +11,10 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <cstring>
 #include <sstream>
 #include <string>
+#include <vector>
 
 namespace mammoray::testing_support
 {
@@ -47,6 +49,17 @@ protected:
     EXPECT_THAT(this->Errors, testing::StartsWith("mammoray: "));
     EXPECT_THAT(this->Errors, testing::HasSubstr(text));
     EXPECT_EQ(std::count(this->Errors.begin(), this->Errors.end(), '\n'), 1) << this->Errors;
+  }
+
+  /// The floats behind the header of a raw .mha.
+  static std::vector<float> MhaValues(const std::string& path)
+  {
+    const std::string bytes = ReadFile(path);
+    const std::string key = "ElementDataFile = LOCAL\n";
+    const std::size_t start = bytes.find(key) + key.size();
+    std::vector<float> values((bytes.size() - start) / sizeof(float));
+    std::memcpy(values.data(), bytes.data() + start, values.size() * sizeof(float));
+    return values;
   }
 
   TemporaryFolder Folder;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "CommandTest.h"
 #include "SmallBreast.h"
+#include "SurfaceShapes.h"
 #include "TestResults.h"
 #include "VirtualDisplay.h"
 
@@ -12,6 +13,7 @@
 #include "vtkPNGReader.h"
 #include "vtkPointData.h"
 #include "vtkPoints.h"
+#include "vtkPolyData.h"
 
 #include <algorithm>
 #include <cmath>
@@ -131,6 +133,41 @@ TEST_F(ViewCommand, LocatesInAResult)
   std::snprintf(expected, sizeof expected, "+- %.2f x %.2f mm (1 sd)", major, minor);
   EXPECT_THAT(seen, testing::HasSubstr(expected));
   EXPECT_GT(major, 0.05);
+}
+
+TEST_F(ViewCommand, ShowsSurfacesAndScenes)
+{
+  if (!this->CanShow())
+  {
+    GTEST_SKIP() << "no Vulkan device or no Xvfb";
+  }
+  SurfaceMesh box;
+  shapes::AddBox(box, { -50, -50, -100 }, { 50, 50, 100 }, 1);
+  const std::string file = this->Folder.File("box.stl");
+  WriteMesh(ToPolyData(box, {}), file);
+  const std::string scene = this->Folder.Write("scene.json", R"({ "unit": "um",
+    "source": { "beam-direction": [0, 1, 0] },
+    "detector": { "origin": [-63, 500, 63], "column-direction": [1, 0, 0],
+      "row-direction": [0, 0, -1], "columns": 64, "rows": 64, "pixel-spacing": 2 },
+    "beam": { "kev": 30 },
+    "samples": [ { "file": "box.stl", "unit": "um", "material": "Ti" } ] })");
+  const std::string picture = this->Folder.File("view.png");
+  const std::string output = " --overwrite --size 600 500 --screenshot " + picture;
+  ASSERT_EQ(this->Run("view --scene " + scene + " --pixel 32 32" + output), 0) << this->Errors;
+  EXPECT_EQ(this->Errors, "");
+  EXPECT_THAT(this->Output, testing::HasSubstr("pixel (32.0, 32.0): transmission "));
+  EXPECT_THAT(this->Output, testing::HasSubstr(", Ti 100 um\n"));
+  EXPECT_GT(std::filesystem::file_size(picture), 5000u);
+  ASSERT_EQ(this->Run("view --surface Ti=" + file + " --kev 100 --pixel 255 255" + output), 0)
+    << this->Errors;
+  EXPECT_THAT(this->Output, testing::HasSubstr(", Ti 100.0 mm\n"));
+  this->ExpectRefused("view --scene " + scene + " --kev 20" + output, "found beam in ");
+  this->ExpectRefused("view --scene " + scene + " --blend 0.2" + output,
+    "--blend: expected a breast");
+  this->ExpectRefused("view --scene " + scene + " --pixel 64 0" + output, "64 x 64");
+  this->ExpectRefused(this->MeshArguments + " --kev 20" + output, "--kev: expected --surface");
+  this->ExpectRefused("view --scene " + this->Folder.Write("none.json", "{}") + output,
+    "expected a --scene with samples");
 }
 
 /// How many pixels of the left half of a saved window, above the controls and below the upper

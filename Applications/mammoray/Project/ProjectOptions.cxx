@@ -11,13 +11,16 @@ namespace
 void DeclareInput(const OptionList& add, ProjectArguments& arguments)
 {
   add.Input("--mesh", arguments.Mesh,
-    "tetrahedra (.vtu, cell array Material) or triangles (.vtp, .stl, .ply, .obj, .glb), of "
+    "tetrahedra (.vtu, cell array Material) or triangles (.vtp, .stl, .ply, .obj, .glb, .gltf), of "
     "--materials");
   add("--surface", arguments.Surfaces,
     "in place of --mesh, closed surfaces of one material each: one of --materials, or what it is "
     "made of, with the density in g/cm3 where that does not tell it ('Ti90Al6V4@4.43=matrix.stl'); "
     "where they overlap see --overlap-priority")
     ->type_name("MATERIAL=FILE ...");
+  add.Input("--scene", arguments.Scene,
+    "file (.json) that says what of this page it holds: source, detector, beam, and samples with "
+    "their files, materials, units (um to m) and places; the rest are options (docs/scene.md)");
   AddMaterialsOption(add, arguments.Materials);
   add("--attenuation", arguments.Attenuations,
     "another attenuation of a material of the table, and density, g/cm3: a shipped table's name, a "
@@ -122,6 +125,8 @@ void DeclareDetector(const OptionList& add, ProjectArguments& arguments)
 
 void DeclareProject(const OptionList& add, ProjectArguments& arguments)
 {
+  arguments.IsGiven = [&command = add.App()](const std::string& option)
+  { return command.count(option) > 0; };
   DeclareInput(add, arguments);
   DeclareGeometry(add, arguments);
   DeclareDetector(add, arguments);

@@ -8,10 +8,12 @@
 #include "Project/SeriesOptions.h"
 #include "Project/SpectrumOptions.h"
 #include "mammoray/Foundation/MammographyGeometry.h"
+#include "mammoray/IO/SurfaceSceneIO.h"
 #include "mammoray/XRay/Exposure.h"
 #include "mammoray/XRay/OpenField.h"
 
 #include <array>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -24,6 +26,12 @@ struct ProjectArguments
   std::string Mesh;
   /// In place of it, MATERIAL=FILE each.
   std::vector<std::string> Surfaces;
+  /// Or a file that says what stands where (ApplyScene).
+  std::string Scene;
+  /// Those of --surface or of the scene; empty of a mesh.
+  std::vector<SurfaceSample> SurfaceSamples;
+  /// Whether an option was given, "--source".
+  std::function<bool(const std::string&)> IsGiven;
   std::string Materials;
   std::vector<std::string> Attenuations;
   bool AcceptUnusual = false;

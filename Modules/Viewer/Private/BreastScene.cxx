@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Private/BreastScene.h"
 
+#include "Private/Shapes/SceneShapes.h"
 #include "mammoray/Registration/EvaluatedState.h"
 #include "mammoray/Registration/RegistrationTarget.h"
 #include "mammoray/Report/BreastPicture.h"
@@ -11,15 +12,12 @@
 #include "vtkCellArray.h"
 #include "vtkCellPicker.h"
 #include "vtkDataSet.h"
-#include "vtkFloatArray.h"
 #include "vtkIdList.h"
 #include "vtkMapper.h"
-#include "vtkPointData.h"
 #include "vtkPolyData.h"
 #include "vtkPolyDataMapper.h"
 #include "vtkProperty.h"
 #include "vtkQuadricClustering.h"
-#include "vtkSphereSource.h"
 #include "vtkTextProperty.h"
 #include "vtkTexture.h"
 
@@ -30,11 +28,8 @@ namespace mammoray
 {
 namespace
 {
-using Color = std::array<double, 3>;
-
 constexpr Color SkinColor{ 0.93, 0.76, 0.66 };
 constexpr Color PlateColor{ 0.55, 0.75, 0.95 };
-constexpr Color BeamColor{ 1.0, 0.85, 0.2 };
 constexpr Color MarkColor{ 0.1, 0.9, 0.45 };
 /// Of the material that lies around the others, fat in a breast.
 constexpr Color HostColor{ 0.93, 0.82, 0.50 };
@@ -47,45 +42,6 @@ constexpr double SkinCellMm = 4;
 constexpr double SkinOpacity = 0.28;
 constexpr double PlateOpacity = 0.35;
 constexpr double PlateThicknessMm = 3;
-
-vtkSmartPointer<vtkPolyData> NewLines()
-{
-  auto lines = vtkSmartPointer<vtkPolyData>::New();
-  lines->SetPoints(vtkNew<vtkPoints>());
-  lines->SetLines(vtkNew<vtkCellArray>());
-  return lines;
-}
-
-void AddLine(vtkPolyData* data, const std::vector<Vector3>& line, bool closed)
-{
-  vtkCellArray* cells = data->GetLines();
-  cells->InsertNextCell(static_cast<int>(line.size()) + (closed ? 1 : 0));
-  const vtkIdType first = data->GetNumberOfPoints();
-  for (const Vector3& point : line)
-  {
-    cells->InsertCellPoint(data->GetPoints()->InsertNextPoint(point.data()));
-  }
-  if (closed)
-  {
-    cells->InsertCellPoint(first);
-  }
-}
-
-void SetLines(vtkPolyData* data, const std::vector<std::vector<Vector3>>& lines, bool closed)
-{
-  data->GetPoints()->Reset();
-  data->GetLines()->Reset();
-  for (const std::vector<Vector3>& line : lines)
-  {
-    if (line.size() > 1)
-    {
-      AddLine(data, line, closed);
-    }
-  }
-  data->GetPoints()->Modified();
-  data->GetLines()->Modified();
-  data->Modified();
-}
 
 /// A box whose corners SetBox places.
 vtkSmartPointer<vtkPolyData> NewBox()
@@ -117,27 +73,6 @@ void SetPlate(vtkPolyData* box, const Plate& plate, const Vector3& along, double
     box->GetPoints()->SetPoint(corner, point.data());
   }
   box->GetPoints()->Modified();
-}
-
-/// A rectangle with the picture's texture coordinates.
-vtkSmartPointer<vtkPolyData> NewPictureRectangle()
-{
-  auto rectangle = vtkSmartPointer<vtkPolyData>::New();
-  vtkNew<vtkPoints> points;
-  points->SetNumberOfPoints(4);
-  rectangle->SetPoints(points);
-  vtkNew<vtkCellArray> faces;
-  constexpr vtkIdType corners[4] = { 0, 1, 3, 2 };
-  faces->InsertNextCell(4, corners);
-  rectangle->SetPolys(faces);
-  vtkNew<vtkFloatArray> coordinates;
-  coordinates->SetNumberOfComponents(2);
-  for (int corner = 0; corner < 4; ++corner)
-  {
-    coordinates->InsertNextTuple2(corner & 1, corner >> 1);
-  }
-  rectangle->GetPointData()->SetTCoords(coordinates);
-  return rectangle;
 }
 
 /// Of a table's materials, `host` lying around the others.
@@ -193,12 +128,7 @@ BreastScene::BreastScene(const LiveMammogram& live, const ViewedBreast& viewed)
 
   this->MarkedLine = NewLines();
   this->MarkedLoops = NewLines();
-  vtkNew<vtkSphereSource> ball;
-  ball->SetRadius(1.5);
-  ball->SetThetaResolution(16);
-  ball->SetPhiResolution(16);
-  ball->Update();
-  this->MarkedPoint = AddActor(this->Front, ball->GetOutput(), MarkColor, 1);
+  this->MarkedPoint = AddActor(this->Front, NewBall(1.5), MarkColor, 1);
   this->MarkedPoint->VisibilityOff();
   for (vtkPolyData* lines : { this->MarkedLine.Get(), this->MarkedLoops.Get() })
   {
@@ -206,20 +136,6 @@ BreastScene::BreastScene(const LiveMammogram& live, const ViewedBreast& viewed)
     actor->GetProperty()->LightingOff();
     actor->GetProperty()->SetLineWidth(2);
   }
-}
-
-vtkSmartPointer<vtkActor> BreastScene::AddActor(vtkRenderer* view, vtkPolyData* data,
-  const Color& color, double opacity)
-{
-  vtkNew<vtkPolyDataMapper> mapper;
-  mapper->SetInputData(data);
-  mapper->ScalarVisibilityOff();
-  vtkNew<vtkActor> actor;
-  actor->SetMapper(mapper);
-  actor->GetProperty()->SetColor(color[0], color[1], color[2]);
-  actor->GetProperty()->SetOpacity(opacity);
-  view->AddActor(actor);
-  return actor.Get();
 }
 
 /// Fewer triangles over some of the same points, for software OpenGL: Lindstrom's quadric
@@ -347,12 +263,7 @@ void BreastScene::SetUnit(const LiveMammogram& live, vtkTexture* picture, double
     this->ReceptorActor->SetTexture(picture);
     this->BeamEdges = NewLines();
     AddActor(this->View, this->BeamEdges, BeamColor, 1)->GetProperty()->LightingOff();
-    vtkNew<vtkSphereSource> ball;
-    ball->SetRadius(6);
-    ball->SetThetaResolution(24);
-    ball->SetPhiResolution(24);
-    ball->Update();
-    this->Source = AddActor(this->View, ball->GetOutput(), BeamColor, 1);
+    this->Source = AddActor(this->View, NewBall(6), BeamColor, 1);
   }
   const VolumeFromGantry placed = live.Placed();
   const RegistrationTarget& grid = live.Grid(1);

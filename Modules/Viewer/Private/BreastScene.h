@@ -73,8 +73,6 @@ private:
   void AddPart(const std::vector<std::size_t>& triangles, double cellMm,
     const std::array<double, 3>& color, double opacity);
   std::vector<vtkIdType> Thinned(const std::vector<std::size_t>& triangles, double cellMm) const;
-  static vtkSmartPointer<vtkActor> AddActor(vtkRenderer* view, vtkPolyData* data,
-    const std::array<double, 3>& color, double opacity);
 
   const SurfaceMesh& Surface;
   const std::vector<std::int32_t>& PointIds;

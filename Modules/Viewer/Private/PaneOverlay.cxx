@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Private/PaneOverlay.h"
 
+#include "mammoray/Foundation/Numbers.h"
+
 #include "vtkActor2D.h"
 #include "vtkCamera.h"
 #include "vtkCellArray.h"
@@ -76,6 +78,13 @@ ViewPlane PlaneOf(vtkCamera* camera)
   plane.Right = Cross(along, plane.Up);
   return plane;
 }
+}
+
+std::string LengthText(double mm)
+{
+  char text[40];
+  std::snprintf(text, sizeof text, mm < 1 ? "%.4g um" : "%.1f mm", mm < 1 ? 1000 * mm : mm);
+  return text;
 }
 
 std::string DirectionLetters(const Vector3& direction, const AnatomicalAxes& axes)
@@ -187,9 +196,8 @@ void PaneOverlay::Update()
   SetPixelLines(this->Bar,
     { { { right - length, Low + Tick }, { right - length, Low }, { right, Low },
       { right, Low + Tick } } });
-  char text[40];
-  std::snprintf(text, sizeof text, "%g mm", lengthMm);
-  this->BarText->SetInput(text);
+  this->BarText->SetInput(
+    (lengthMm < 1 ? NumberText(1000 * lengthMm) + " um" : NumberText(lengthMm) + " mm").c_str());
   this->BarText->GetPositionCoordinate()->SetValue(right, Low + Tick + 2);
 
   std::vector<std::vector<std::array<double, 2>>> ruler;
@@ -199,8 +207,7 @@ void PaneOverlay::Update()
     const auto from = this->PixelOf((*this->Ruler)[0]);
     const auto to = this->PixelOf((*this->Ruler)[1]);
     ruler.push_back({ from, to });
-    std::snprintf(text, sizeof text, "%.1f mm", Norm((*this->Ruler)[1] - (*this->Ruler)[0]));
-    this->RulerText->SetInput(text);
+    this->RulerText->SetInput(LengthText(Norm((*this->Ruler)[1] - (*this->Ruler)[0])).c_str());
     this->RulerText->GetPositionCoordinate()->SetValue(to[0] + 6, to[1] + 4);
   }
   SetPixelLines(this->RulerLine, ruler);

@@ -4,6 +4,7 @@
 
 #include "mammoray/Foundation/MammographyGeometry.h"
 #include "mammoray/Foundation/Vector3.h"
+#include "mammorayViewerModule.h"
 
 #include "vtkNew.h"
 #include "vtkRenderer.h"
@@ -20,6 +21,9 @@ class vtkTextActor;
 
 namespace mammoray
 {
+/// "12.3 mm", and below a millimetre "123.4 um": samples may be small.
+MAMMORAYVIEWER_EXPORT std::string LengthText(double mm);
+
 /// The letters of a direction: "L", "HL"; parts of less than a quarter are left out.
 std::string DirectionLetters(const Vector3& direction, const AnatomicalAxes& axes);
 

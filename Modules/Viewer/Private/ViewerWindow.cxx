@@ -2,15 +2,13 @@
 #include "Private/ViewerWindow.h"
 
 #include "Private/KilovoltageSpectrum.h"
+#include "Private/Shapes/SceneShapes.h"
 #include "Private/WindowPicture.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/Report/Assessment.h"
 
-#include "vtkCallbackCommand.h"
 #include "vtkCamera.h"
-#include "vtkCommand.h"
 #include "vtkTextActor.h"
-#include "vtkTextProperty.h"
 
 #include <algorithm>
 #include <cmath>
@@ -29,19 +27,6 @@ constexpr double SourceStepMm = 10;
 constexpr double WindowPixels = 250;
 /// Share of the left column that the breast between the plates has.
 constexpr double SqueezedShare = 0.62;
-
-vtkSmartPointer<vtkTextActor> AddText(vtkRenderer* renderer, const std::string& text, double x,
-  double y, int size)
-{
-  vtkNew<vtkTextActor> actor;
-  actor->SetInput(text.c_str());
-  actor->GetTextProperty()->SetFontSize(size);
-  actor->GetTextProperty()->SetVerticalJustificationToTop();
-  actor->GetPositionCoordinate()->SetCoordinateSystemToNormalizedViewport();
-  actor->GetPositionCoordinate()->SetValue(x, y);
-  renderer->AddActor(actor);
-  return actor.Get();
-}
 
 std::pair<double, double> ThicknessRange(const ViewedBreast& viewed)
 {
@@ -110,21 +95,6 @@ ViewerWindow::ViewerWindow(BreastViewer& viewer, const std::vector<ViewedBreast>
     const std::string& name = unit->Viewed.View;
     this->Mark.Add({ name.empty() ? "" : name + ": ", &unit->Live, &unit->Squeezed, &unit->Pane });
   }
-  this->Help = AddText(this->HelpView, ViewerHelpText(), 0.5, 0.5, 14);
-  vtkTextProperty* text = this->Help->GetTextProperty();
-  text->SetFontFamilyToCourier();
-  this->Help->GetPositionCoordinate()->SetCoordinateSystemToViewport();
-  text->SetBackgroundColor(0.05, 0.06, 0.08);
-  text->SetBackgroundOpacity(1);
-  text->FrameOn();
-  text->SetFrameColor(0.55, 0.58, 0.65);
-  this->Help->VisibilityOff();
-
-  this->Window->SetWindowName(("mammoray view: " + first.Name).c_str());
-  this->Window->SetOffScreenRendering(options.OffScreen ? 1 : 0);
-  this->Window->SetSize(options.Width, options.Height);
-  this->Window->SetMultiSamples(0); // software OpenGL draws every sample by itself
-  this->Window->SetNumberOfLayers(3);
   const auto add = [this](vtkRenderer* renderer) { this->Window->AddRenderer(renderer); };
   for (const auto& unit : this->Units)
   {
@@ -138,26 +108,8 @@ ViewerWindow::ViewerWindow(BreastViewer& viewer, const std::vector<ViewedBreast>
   {
     add(this->Slices->Renderer(pane));
   }
-  add(this->Controls.Renderer());
-  add(this->Controls.SliderRenderer());
-  this->HelpView->SetLayer(2);
-  this->HelpView->InteractiveOff();
-  add(this->HelpView);
   this->AddControls();
-  this->Interactor = vtkSmartPointer<vtkRenderWindowInteractor>::New();
-  this->Interactor->SetRenderWindow(this->Window);
-  this->Style->Target = this;
-  this->Interactor->SetInteractorStyle(this->Style);
-  // Events come faster than frames: all of them are taken first, then one frame is drawn (Tick).
-  this->Interactor->EnableRenderOff();
-  vtkNew<vtkCallbackCommand> wantsFrame;
-  wantsFrame->SetClientData(this);
-  wantsFrame->SetCallback([](vtkObject*, unsigned long, void* self, void*)
-    { static_cast<ViewerWindow*>(self)->Dirty = true; });
-  this->Interactor->AddObserver(vtkCommand::RenderEvent, wantsFrame);
-  this->Interactor->AddObserver(vtkCommand::ConfigureEvent, wantsFrame);
-  this->Interactor->AddObserver(vtkCommand::ExposeEvent, wantsFrame);
-  this->Controls.Attach(this->Interactor);
+  this->Open("mammoray view: " + first.Name, ViewerHelpText(), options);
   for (const auto& unit : this->Units)
   {
     unit->Squeezed.SetUnit(unit->Live, unit->Pane.Picture(), this->ShownSource);
@@ -170,15 +122,9 @@ ViewerWindow::ViewerWindow(BreastViewer& viewer, const std::vector<ViewedBreast>
   this->LookAt();
 }
 
-/// Window and interactor hold each other.
 ViewerWindow::~ViewerWindow()
 {
-  this->Controls.Attach(nullptr);
-  this->Interactor->RemoveAllObservers();
-  this->Interactor->SetInteractorStyle(nullptr);
-  this->Interactor->SetRenderWindow(nullptr);
-  this->Window->SetInteractor(nullptr);
-  this->Window->Finalize();
+  this->Close();
 }
 
 void ViewerWindow::AddControls()
@@ -222,15 +168,13 @@ void ViewerWindow::AddControls()
 /// Scenes at the left, then the slices below each other, then the mammograms; controls below all.
 void ViewerWindow::Lay()
 {
-  const int* size = this->Window->GetSize();
-  if (this->Size == std::array{ size[0], size[1] })
+  const bool first = this->Size[0] == 0;
+  const std::optional<double> strip = this->LayControls();
+  if (!strip)
   {
     return;
   }
-  const bool first = this->Size[0] == 0;
-  this->Size = { size[0], size[1] };
-  const double bottom =
-    static_cast<double>(this->Controls.Lay(size[0], size[1])) / std::max(size[1], 1);
+  const double bottom = *strip;
   const double left = this->Slices ? 0.29 : 0.46;
   const double middle = this->Slices ? 0.52 : left;
   const double parting = bottom + (1 - SqueezedShare) * (1 - bottom);
@@ -252,11 +196,6 @@ void ViewerWindow::Lay()
     this->Units[unit]->Pane.Renderer()->SetViewport(middle + width * static_cast<double>(unit),
       bottom, middle + width * static_cast<double>(unit + 1), 1);
   }
-  // In the middle, its lines beginning below each other.
-  double box[4];
-  this->Help->GetBoundingBox(this->HelpView, box);
-  this->Help->GetPositionCoordinate()->SetValue(0.5 * (size[0] - (box[1] - box[0])),
-    0.5 * (size[1] + (box[3] - box[2])));
   if (first)
   {
     this->LookAt(); // pictures fill their panes, whose sizes are known only now
@@ -319,13 +258,6 @@ void ViewerWindow::LookAt()
     }
   }
   this->Dirty = true;
-}
-
-void ViewerWindow::Moved()
-{
-  this->Moving = true;
-  this->Dirty = true;
-  this->LastMove = std::chrono::steady_clock::now();
 }
 
 void ViewerWindow::Compress(ViewedUnit& unit)
@@ -467,15 +399,8 @@ MouseTarget::Kind ViewerWindow::KindAt(int x, int y)
 
 bool ViewerWindow::OnPress(int x, int y, bool shift)
 {
-  if (this->Help->GetVisibility() != 0)
+  if (this->TakesPress(x, y))
   {
-    this->Viewer.Key("h"); // any click closes it
-    this->Dragging = Drag::Controls;
-    return true;
-  }
-  if (In(this->Controls.Renderer(), x, y))
-  {
-    this->Controls.Press(x, y);
     this->Dragging = Drag::Controls;
     return true;
   }

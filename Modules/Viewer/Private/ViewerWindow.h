@@ -5,19 +5,15 @@
 #include "Private/BreastMark.h"
 #include "Private/BreastScene.h"
 #include "Private/CompressionWorker.h"
-#include "Private/ControlPane.h"
 #include "Private/LiveMammogram.h"
 #include "Private/MammogramPane.h"
 #include "Private/SlicePanes.h"
-#include "Private/ViewerStyle.h"
+#include "Private/ViewerFrame.h"
 #include "mammoray/Viewer/BreastViewer.h"
 
 #include "vtkNew.h"
-#include "vtkRenderWindow.h"
-#include "vtkRenderWindowInteractor.h"
 #include "vtkSmartPointer.h"
 
-#include <chrono>
 #include <map>
 #include <memory>
 #include <string>
@@ -48,7 +44,7 @@ struct ViewedUnit
  * The parts of the window and what the mouse does to them. Of several mammograms all are shown; one
  * of them is active: its unit is in the scene between the plates, and the sliders move it.
  */
-struct ViewerWindow : MouseTarget
+struct ViewerWindow : ViewerFrame
 {
   ViewerWindow(BreastViewer& viewer, const std::vector<ViewedBreast>& viewed,
     const ViewerOptions& options);
@@ -65,11 +61,6 @@ struct ViewerWindow : MouseTarget
 
   ViewedUnit& Active() { return *this->Units[this->ActiveUnit]; }
   const ViewedUnit& Active() const { return *this->Units[this->ActiveUnit]; }
-  static bool In(vtkRenderer* renderer, int x, int y)
-  {
-    return renderer->GetRenderWindow() && renderer->GetDraw() != 0 &&
-      renderer->IsInViewport(x, y) != 0;
-  }
   /// The number of the mammogram or slice there; nothing beside them.
   std::optional<std::size_t> MammogramAt(int x, int y) const;
   std::optional<int> SliceAt(int x, int y);
@@ -82,8 +73,6 @@ struct ViewerWindow : MouseTarget
   void Activate(std::size_t unit);
   /// Cameras and greys as at the beginning.
   void LookAt();
-  /// Something that the picture shows has changed.
-  void Moved();
   void Draw(int divisor);
   void Compress(ViewedUnit& unit);
   void TakeEquilibria();
@@ -114,12 +103,6 @@ struct ViewerWindow : MouseTarget
   BreastScene AtRest;
   std::unique_ptr<SlicePanes> Slices;
   BreastMark Mark;
-  ControlPane Controls;
-  vtkNew<vtkRenderer> HelpView;
-  vtkNew<vtkRenderWindow> Window;
-  vtkSmartPointer<vtkRenderWindowInteractor> Interactor;
-  vtkNew<ViewerStyle> Style;
-  vtkSmartPointer<vtkTextActor> Help;
   int ThicknessSlider = 0;
   int RollSlider = 0;
   int BlendSlider = -1;
@@ -129,11 +112,7 @@ struct ViewerWindow : MouseTarget
   Drag Dragging = Drag::Nothing;
   PaneOverlay* Ruled = nullptr;
   PaneOverlay* Pressed = nullptr;
-  std::array<int, 2> Size{ 0, 0 };
   std::size_t LesionNumber = 0;
-  bool Moving = false;
-  bool Dirty = true;
-  std::chrono::steady_clock::time_point LastMove = std::chrono::steady_clock::now();
   std::string Message;
   std::string StatusText;
 };

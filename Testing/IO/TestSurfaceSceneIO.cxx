@@ -1,0 +1,228 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mammoray/IO/SurfaceSceneIO.h"
+
+#include "Files.h"
+#include "GlbBytes.h"
+#include "Refusals.h"
+#include "SurfaceShapes.h"
+#include "mammoray/IO/MeshConversion.h"
+#include "mammoray/IO/MeshIO.h"
+
+#include "vtkPolyData.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace
+{
+using namespace mammoray;
+using testing::DoubleNear;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing_support::RefusalOf;
+using testing_support::TemporaryFolder;
+
+/// A scene of one sample with some of its text replaced.
+std::string Scene(const std::string& what = "", const std::string& by = "")
+{
+  std::string text = R"({ "description": "a rod", "unit": "um",
+    "source": { "position": [0, -500000, 3], "focal-spot": [50, 25] },
+    "detector": { "origin": [-16, 200, 6], "column-direction": [1, 0, 0],
+      "row-direction": [0, 0, -1], "columns": 320, "rows": 60, "pixel-spacing": 100 },
+    "beam": { "kev": 60, "filter": ["Al:1"] },
+    "materials": "table.json",
+    "samples": [ { "file": "parts/rod.stl", "material": "Ti90Al6V4@4.43", "unit": "cm",
+      "rotation": { "axis": [0, 0, 2], "angle": 30 }, "translation": [1, 2, 3] } ],
+    "overlap-priority": ["stone", "water"] })";
+  const std::size_t at = text.find(what);
+  EXPECT_NE(at, std::string::npos) << what;
+  return text.replace(at, what.size(), by);
+}
+
+std::string SceneRefusal(const std::string& json)
+{
+  const TemporaryFolder folder;
+  const std::string path = folder.Write("scene.json", json);
+  const std::string message = RefusalOf([&] { ReadScene(path); });
+  EXPECT_THAT(message, testing::StartsWith(path + ": ")) << json;
+  return message.substr(std::min(path.size() + 2, message.size()));
+}
+
+std::array<Extent, 3> Bounds(const SurfaceMesh& mesh)
+{
+  return ExtentsAlong<3>({ { { 1, 0, 0 }, { 0, 1, 0 }, { 0, 0, 1 } } }, mesh.Points);
+}
+
+TEST(SurfaceSceneIO, LengthsBecomeMillimetres)
+{
+  const TemporaryFolder folder;
+  const SceneDescription scene = ReadScene(folder.Write("scene.json", Scene()));
+  ASSERT_TRUE(scene.Source && scene.Detector && scene.Beam);
+  EXPECT_EQ(scene.Source->PositionMm, (Vector3{ 0, -500, 0.003 }));
+  EXPECT_FALSE(scene.Source->Direction);
+  EXPECT_EQ(scene.Source->FocalSpotMm, (std::array<double, 2>{ 0.05, 0.025 }));
+  EXPECT_EQ(scene.Detector->OriginMm, (Vector3{ -0.016, 0.2, 0.006 }));
+  EXPECT_EQ(scene.Detector->ColumnDirection, (Vector3{ 1, 0, 0 })); // no length
+  EXPECT_EQ(scene.Detector->RowDirection, (Vector3{ 0, 0, -1 }));
+  EXPECT_EQ(scene.Detector->Columns, 320);
+  EXPECT_EQ(scene.Detector->Rows, 60);
+  EXPECT_EQ(scene.Detector->PixelSpacingMm, 0.1);
+  EXPECT_EQ(scene.Beam->EnergyKeV, 60);
+  EXPECT_THAT(scene.Beam->Filters, ElementsAre("Al:1"));
+  EXPECT_EQ(scene.Materials, "table.json"); // not beside it: may be a shipped one's name
+  EXPECT_THAT(scene.OverlapPriority, ElementsAre("stone", "water"));
+  ASSERT_EQ(scene.Samples.size(), 1u);
+  const SurfaceSample& sample = scene.Samples.front();
+  EXPECT_EQ(sample.File, folder.File("parts/rod.stl"));
+  EXPECT_EQ(sample.Material, "Ti90Al6V4@4.43");
+  EXPECT_EQ(sample.UnitMm, 10);
+  EXPECT_EQ(sample.RotationDeg, 30);
+  EXPECT_EQ(sample.TranslationMm, (Vector3{ 0.001, 0.002, 0.003 }));
+
+  folder.Write("table.json", "");
+  const SceneDescription tube =
+    ReadScene(folder.Write("scene.json", Scene("\"kev\": 60", R"("tube": "W", "kvp": 40)")));
+  EXPECT_EQ(tube.Materials, folder.File("table.json"));
+  EXPECT_EQ(tube.Beam->Anode, "W");
+  EXPECT_EQ(tube.Beam->KilovoltagePeak, 40);
+  // What is left out is left to options.
+  const SceneDescription empty = ReadScene(folder.Write("scene.json", "{}"));
+  EXPECT_FALSE(empty.Source || empty.Detector || empty.Beam);
+  EXPECT_TRUE(empty.Samples.empty());
+}
+
+TEST(SurfaceSceneIO, RefusesByPlace)
+{
+  const struct
+  {
+    const char* What;
+    const char* By;
+    const char* Text;
+  } wrong[] = {
+    { "\"um\"", "\"inch\"", R"(unit: expected one of "um", "mm", "cm", "m", found "inch")" },
+    { "\"cm\"", "10", R"(samples[0].unit: expected one of "um", "mm", "cm", "m", found 10)" },
+    { "\"columns\"", "\"colums\"", "detector: unknown key 'colums', expected origin, " },
+    { "\"angle\"", "\"angel\"", "samples[0].rotation: unknown key 'angel'" },
+    { "-500000", "null",
+      "source.position: expected three numbers within 1e+09 um of 0, found [0,null,3]" },
+    { "-500000", "1e10", "source.position: expected three numbers within" },
+    { "0, -500000, 3", "0, 3", "source.position: expected three numbers" },
+    { "\"position\": [0, -500000, 3], ", "",
+      "source: expected either position or beam-direction, found neither" },
+    { "\"focal-spot\"", "\"beam-direction\": [0, 1, 0], \"focal-spot\"", "found both" },
+    { "[50, 25]", "[50, -25]", "source.focal-spot: expected two numbers from 0 to 100000 um" },
+    { "[1, 0, 0]", "[0, 0, 0]",
+      "detector.column-direction: expected three numbers from -1e6 to 1e6 that are not all 0" },
+    { "320", "0", "detector.columns: expected a whole number from 1 to 65535, found 0" },
+    { "320", "32.5", "detector.columns: expected a whole number" },
+    { "320", "1e300", "detector.columns: expected a whole number" },
+    { ", \"rows\": 60", "", "detector.rows: expected a whole number" },
+    { "\"pixel-spacing\": 100", "\"pixel-spacing\": 0",
+      "detector.pixel-spacing: expected a number from 0.001 um to 1e+06 um, found 0" },
+    { ", \"pixel-spacing\": 100", "", "detector.pixel-spacing: expected a number" },
+    { "\"kev\": 60", "\"kev\": 501", "beam.kev: expected a number from 1 to 500, found 501" },
+    { "\"kev\": 60", "\"kev\": \"60\"", "beam.kev: expected a number from 1 to 500" },
+    { "\"kev\": 60, ", "", "beam: expected one of kev, spectrum, and tube with kvp" },
+    { "\"kev\": 60", R"("kev": 60, "spectrum": "W")", "found several" },
+    { "\"kev\": 60", R"("tube": "W")", "beam: expected one of" },
+    { "\"kev\": 60", R"("tube": "Cu", "kvp": 30)", R"(beam.tube: expected one of "W")" },
+    { "\"kev\": 60", R"("tube": "W", "kvp": 300)", "beam.kvp: expected a number from 18 to 42" },
+    { "[\"Al:1\"]", "\"Al:1\"", "beam.filter: expected a list of texts" },
+    { "\"parts/rod.stl\"", "\"\"", "samples[0].file: expected a text that is not empty" },
+    { "\"material\": \"Ti90Al6V4@4.43\", ", "", "samples[0].material: expected a text" },
+    { "\"angle\": 30", "\"angle\": 4000",
+      "samples[0].rotation.angle: expected a number of degrees from -3600 to 3600, found 4000" },
+    { ", \"angle\": 30", "", "samples[0].rotation.angle: expected a number of degrees" },
+    { "[1, 2, 3]", "[1, 2, true]", "samples[0].translation: expected three numbers" },
+    { "[\"stone\", \"water\"]", "[]", "overlap-priority: expected a list of texts" },
+    { "\"a rod\"", "7", "description: expected a text" },
+    { "-500000", "NaN", "expected a scene in JSON" },
+    { "\"rows\": 60", "\"rows\": 60, \"rows\": 61", "key 'rows': expected once" },
+  };
+  for (const auto& [what, by, text] : wrong)
+  {
+    EXPECT_THAT(SceneRefusal(Scene(what, by)), HasSubstr(text));
+  }
+  EXPECT_THAT(SceneRefusal("[]"), HasSubstr("expected a JSON object"));
+  EXPECT_THAT(SceneRefusal("{\"samples\": []}"), HasSubstr("samples: expected a list of at least"));
+  EXPECT_THAT(SceneRefusal("{\"samples\": {}}"), HasSubstr("samples: expected a list of at least"));
+  EXPECT_THAT(SceneRefusal("{\"samples\": [3]}"), HasSubstr("samples[0]: expected a JSON object"));
+  EXPECT_THAT(RefusalOf([] { ReadScene("/nowhere/scene.json"); }), HasSubstr("no such file"));
+}
+
+TEST(SurfaceSceneIO, PlacesSurfacesByUnitTurnAndShift)
+{
+  const TemporaryFolder folder;
+  SurfaceMesh box;
+  shapes::AddBox(box, { 0, 0, 0 }, { 10, 20, 40 }, 1);
+  const std::string path = folder.File("box.stl");
+  WriteMesh(ToPolyData(box, {}), path);
+  const SurfaceSample as{ .Name = "a", .File = path, .Material = "Al" };
+  SurfaceSample micrometres = as;
+  micrometres.UnitMm = 1e-3;
+  micrometres.RotationAxis = { 0, 0, 5 };
+  micrometres.RotationDeg = 90;
+  micrometres.TranslationMm = { 1, 2, 3 };
+  micrometres.Material = "SiO2@2.2";
+  const SurfaceScene scene = ReadSurfaces({ as, micrometres }, {});
+  ASSERT_EQ(scene.Materials.Materials.size(), 3u);
+  EXPECT_EQ(scene.Materials.Materials[2].DensityGPerCm3, 2.2);
+  EXPECT_EQ(scene.Surface.NumberOfTriangles(), 24u);
+  EXPECT_EQ(scene.Surface.BackMaterials.front(), 1);
+  EXPECT_EQ(scene.Surface.BackMaterials.back(), 2);
+  SurfaceMesh second = scene.Surface;
+  second.Points.erase(second.Points.begin(),
+    second.Points.begin() + static_cast<std::ptrdiff_t>(second.Points.size() / 2));
+  // x to y, y to -x: the box lies between -20 and 0 um of x, 0 and 10 um of y.
+  const std::array<Extent, 3> at = Bounds(second);
+  EXPECT_THAT(at[0].Low, DoubleNear(1 - 0.02, 1e-12));
+  EXPECT_THAT(at[0].High, DoubleNear(1, 1e-12));
+  EXPECT_THAT(at[1].Low, DoubleNear(2, 1e-12));
+  EXPECT_THAT(at[1].High, DoubleNear(2.01, 1e-12));
+  EXPECT_THAT(at[2].Low, DoubleNear(3, 1e-12));
+  EXPECT_THAT(at[2].High, DoubleNear(3.04, 1e-12));
+  // About (1, 1, 1) by 120 degrees x becomes y, y becomes z, z becomes x.
+  SurfaceSample cycled = as;
+  cycled.RotationAxis = { 1, 1, 1 };
+  cycled.RotationDeg = 120;
+  const std::array<Extent, 3> turned = Bounds(ReadSurfaces({ cycled }, {}).Surface);
+  EXPECT_NEAR(turned[0].Length(), 40, 1e-12);
+  EXPECT_NEAR(turned[1].Length(), 10, 1e-12);
+  EXPECT_NEAR(turned[2].Length(), 20, 1e-12);
+}
+
+TEST(SurfaceSceneIO, GltfHasMetresUnlessSaidOtherwise)
+{
+  const TemporaryFolder folder;
+  SurfaceSample sample{ .Name = "a", .Material = "Al" };
+  sample.File = folder.Write("scene.glb", testing_support::GlbOfTetrahedron());
+  EXPECT_NEAR(Bounds(ReadSurfaces({ sample }, {}).Surface)[0].Low, 1000, 1e-9);
+  sample.UnitMm = 1e-3; // made by a program that has no unit
+  EXPECT_NEAR(Bounds(ReadSurfaces({ sample }, {}).Surface)[0].Low, 1e-3, 1e-12);
+}
+
+TEST(SurfaceSceneIO, RefusesSamplesByName)
+{
+  const TemporaryFolder folder;
+  SurfaceMesh box;
+  shapes::AddBox(box, { 0, 0, 0 }, { 10, 20, 40 }, 1);
+  SurfaceSample sample{ .Name = "s.json: samples[3]", .File = folder.File("b.stl") };
+  WriteMesh(ToPolyData(box, {}), sample.File);
+  const auto refusal = [&]
+  { return RefusalOf([&] { ReadSurfaces({ sample }, MaterialTable()); }); };
+  for (const auto& [material, text] : { std::pair{ "butter", "butter" },
+         std::pair{ "Al@0", "density" }, std::pair{ "Al@x", "density" },
+         std::pair{ "Al@inf", "density" }, std::pair{ "air", "found air" } })
+  {
+    sample.Material = material;
+    EXPECT_THAT(refusal(), testing::StartsWith("s.json: samples[3]: "));
+    EXPECT_THAT(refusal(), HasSubstr(text));
+  }
+  sample.Material = "Al";
+  sample.UnitMm = 1e6;
+  EXPECT_THAT(refusal(),
+    HasSubstr("expected a surface within 1e+06 mm of the origin, found a coordinate of 4e+07 mm"));
+}
+}
