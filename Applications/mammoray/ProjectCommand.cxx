@@ -26,6 +26,7 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <functional>
 #include <optional>
 
 namespace mammoray
@@ -244,20 +245,27 @@ void CheckOutputs(const ProjectArguments& arguments)
     CheckOutputBeside(BesideOutput(arguments.Output, "_low"), arguments.Overwrite);
     CheckOutputBeside(BesideOutput(arguments.Output, "_high"), arguments.Overwrite);
   }
-  if (arguments.Series.IsAsked())
+  const bool isDicom = IsDicomPath(arguments.Output);
+  if (arguments.Series.IsAsked() &&
+    (!arguments.PathLengths.empty() || !arguments.Deflection.empty()))
   {
-    if (!arguments.PathLengths.empty() || !arguments.Deflection.empty())
-    {
-      throw InputError("series: expected no --path-lengths or --deflection beside it, found one");
-    }
+    throw InputError("series: expected no --path-lengths or --deflection beside it, found one");
+  }
+  if (arguments.Series.IsAsked() && !isDicom)
+  {
     CheckOutputBeside(SeriesDescriptionPath(arguments.Output), arguments.Overwrite);
     if (arguments.Series.FlatFields > 0)
     {
       CheckOutputBeside(FlatFieldPath(arguments.Output), arguments.Overwrite);
     }
   }
-  else if (IsDicomPath(arguments.Output))
+  else if (isDicom)
   {
+    if (arguments.Series.IsAsked() && !IsPlacedByUnit(arguments))
+    {
+      throw InputError("output " + arguments.Output +
+        ": expected source and detector of a mammography unit, found explicit positions");
+    }
     if (!arguments.Laterality)
     {
       throw InputError("output " + arguments.Output +
@@ -277,6 +285,20 @@ void CheckOutputs(const ProjectArguments& arguments)
   }
 }
 
+Mammogram::Intent IntentOf(const ProjectArguments& arguments)
+{
+  return arguments.ForProcessing ? Mammogram::Intent::ForProcessing
+                                 : Mammogram::Intent::ForPresentation;
+}
+
+DicomMammogramOptions DicomOptions(const ProjectArguments& arguments)
+{
+  DicomMammogramOptions options;
+  options.Identity = arguments.Patient.Identity();
+  options.Derivation = SyntheticDerivation(arguments.ForProcessing, "a breast");
+  return options;
+}
+
 void WriteMammogramFile(const ProjectArguments& arguments, Mammogram mammogram,
   const Exposure& exposure, const XRayDetector& detector)
 {
@@ -286,14 +308,9 @@ void WriteMammogramFile(const ProjectArguments& arguments, Mammogram mammogram,
   }
   else
   {
-    SetPixels(mammogram, exposure.LogAttenuation,
-      arguments.ForProcessing ? Mammogram::Intent::ForProcessing
-                              : Mammogram::Intent::ForPresentation);
+    SetPixels(mammogram, exposure.LogAttenuation, IntentOf(arguments));
   }
-  DicomMammogramOptions options;
-  options.Identity = arguments.Patient.Identity();
-  options.Derivation = SyntheticDerivation(arguments.ForProcessing, "a breast");
-  WriteMammogram(mammogram, options, arguments.Output);
+  WriteMammogram(mammogram, DicomOptions(arguments), arguments.Output);
 }
 
 /// What makes pictures from anywhere.
@@ -396,19 +413,50 @@ std::string RunDualEnergy(const Camera& camera, const XRaySource& source,
   return atLow.Lengths.InconsistencyWarning();
 }
 
-/// Writes a series and what stands beside it; the first warning of a projection, or nothing.
-std::string RunSeries(const Camera& camera, const XRaySource& source, const XRayDetector& detector,
-  const VolumeFromGantry& gantry, const ProgressCallback& progress)
+/// The middle of a box around the surface.
+Vector3 MiddleOf(const SurfaceMesh& surface)
 {
-  const ProjectArguments& arguments = camera.Arguments;
   Vector3 middle{ 0, 0, 0 };
   const auto extents =
-    ExtentsAlong<3>({ { { 1, 0, 0 }, { 0, 1, 0 }, { 0, 0, 1 } } }, camera.Surface.Points);
+    ExtentsAlong<3>({ { { 1, 0, 0 }, { 0, 1, 0 }, { 0, 0, 1 } } }, surface.Points);
   for (std::size_t axis = 0; axis < 3; ++axis)
   {
     middle[axis] = extents[axis].Middle();
   }
-  const ProjectionSeries series = MakeSeries(arguments.Series, source, detector, middle, gantry);
+  return middle;
+}
+
+using TakeProjection = std::function<void(const ProjectionView& view, const Exposure& exposure)>;
+
+/// Takes all projections of a series; the first warning of one, or nothing.
+std::string TakeSeries(const Camera& camera, const ProjectionSeries& series,
+  const ProgressCallback& progress, const TakeProjection& take)
+{
+  std::string warning;
+  const int count = static_cast<int>(series.Views.size());
+  int number = 0;
+  for (const ProjectionView& view : series.Views)
+  {
+    const double begin = 0.2 + 0.6 * number / count;
+    ReportProgress(progress, begin, "projecting");
+    const Exposure exposure = camera.Take(view.Source, view.Detector, number,
+      ShareOf(progress, begin, 0.2 + 0.6 * (number + 1) / count));
+    const std::string found = exposure.Lengths.InconsistencyWarning();
+    if (warning.empty() && !found.empty())
+    {
+      warning = "projection " + std::to_string(number) + ": " + found;
+    }
+    take(view, exposure);
+    ++number;
+  }
+  return warning;
+}
+
+/// Writes a series as a stack and what stands beside it; what is to be warned of, or nothing.
+std::string RunStack(const Camera& camera, const ProjectionSeries& series, const XRaySource& source,
+  const XRayDetector& detector, const ProgressCallback& progress)
+{
+  const ProjectArguments& arguments = camera.Arguments;
   ProjectionStack stack{ .Columns = detector.Columns,
     .Rows = detector.Rows,
     .ColumnSpacingMm = Norm(detector.ColumnStep),
@@ -424,27 +472,14 @@ std::string RunSeries(const Camera& camera, const XRaySource& source, const XRay
     ToOpenField(arguments, source, detector, camera.Energies, camera.Response);
   Camera standing = camera;
   standing.KnownField = &field;
-  const Camera& moving = arguments.Series.Turn > 0 ? standing : camera;
-  std::string warning;
-  const int count = static_cast<int>(series.Views.size());
-  for (const ProjectionView& view : series.Views)
-  {
-    ReportProgress(progress, 0.2 + 0.6 * stack.Number / count, "projecting");
-    const Exposure exposure = moving.Take(view.Source, view.Detector, stack.Number,
-      ShareOf(progress, 0.2 + 0.6 * stack.Number / count, 0.2 + 0.6 * (stack.Number + 1) / count));
-    const std::string found = exposure.Lengths.InconsistencyWarning();
-    if (warning.empty() && !found.empty())
-    {
-      warning = "projection " + std::to_string(stack.Number) + ": " + found;
-    }
-    add(stack, exposure);
-  }
+  std::string warning = TakeSeries(arguments.Series.Turn > 0 ? standing : camera, series, progress,
+    [&](const ProjectionView&, const Exposure& exposure) { add(stack, exposure); });
   while (flats.Number < arguments.Series.FlatFields)
   {
     ReportProgress(progress, 0.8, "flat fields");
     add(flats,
       ExposeAir(source, detector, camera.XRays,
-        standing.Options(source, detector, count + flats.Number, {})));
+        standing.Options(source, detector, stack.Number + flats.Number, {})));
   }
   ReportProgress(progress, 0.85, "writing");
   WriteProjectionStack(stack, arguments.Output);
@@ -455,6 +490,39 @@ std::string RunSeries(const Camera& camera, const XRaySource& source, const XRay
   WriteWholeFile(SeriesDescriptionPath(arguments.Output),
     DescribeSeries(arguments.Series, series, source, detector));
   return warning;
+}
+
+/// Writes a tomosynthesis as one DICOM object; what is to be warned of, or nothing.
+std::string RunBreastProjections(const Camera& camera, const ProjectionSeries& series,
+  const Mammogram& described, const ProgressCallback& progress)
+{
+  const ProjectArguments& arguments = camera.Arguments;
+  std::vector<Mammogram> projections;
+  std::string warning = TakeSeries(camera, series, progress,
+    [&](const ProjectionView& view, const Exposure& exposure)
+    {
+      Mammogram& projection = projections.emplace_back(described);
+      const Vector3 over = view.Source.Position - view.Detector.Origin;
+      const Vector3 normal = Cross(view.Detector.ColumnStep, view.Detector.RowStep);
+      projection.SourceToDetectorMm = std::abs(Dot(over, normal)) / Norm(normal);
+      projection.SourceToPatientMm =
+        *projection.SourceToDetectorMm - arguments.Unit.SupportHeightMm;
+      projection.SourceFootPixel = SourceFoot(view.Source, view.Detector);
+      SetPixels(projection, exposure.LogAttenuation, IntentOf(arguments));
+    });
+  ReportProgress(progress, 0.85, "writing");
+  WriteProjections(projections, DicomOptions(arguments), arguments.Series.PivotHeightMm,
+    arguments.Output);
+  return warning;
+}
+
+/// Writes a series; what is to be warned of, or nothing. `mammogram`: the header of a DICOM object.
+std::string RunSeries(const Camera& camera, const ProjectionSeries& series,
+  const XRaySource& source, const XRayDetector& detector, const std::optional<Mammogram>& mammogram,
+  const ProgressCallback& progress)
+{
+  return mammogram ? RunBreastProjections(camera, series, *mammogram, progress)
+                   : RunStack(camera, series, source, detector, progress);
 }
 
 void Run(ProjectArguments& arguments)
@@ -486,6 +554,7 @@ void Run(ProjectArguments& arguments)
   if (IsDicomPath(arguments.Output))
   {
     mammogram = DescribeMammogram(arguments, source, detector);
+    mammogram->PeakKilovoltage = spectrum.PeakEnergyKeV();
   }
 
   const std::string overlap = arguments.OverlapPriority.empty()
@@ -507,7 +576,8 @@ void Run(ProjectArguments& arguments)
   const Camera camera{ arguments, *projector, surface, beam, decrements, spectrum, response,
     scatter };
   const std::string warning = arguments.Series.IsAsked()
-    ? RunSeries(camera, source, detector, gantry, progress)
+    ? RunSeries(camera, MakeSeries(arguments.Series, source, detector, MiddleOf(surface), gantry),
+        source, detector, mammogram, progress)
     : arguments.DualEnergy.IsAsked()
     ? RunDualEnergy(camera, source, detector, table, progress)
     : RunOne(camera, source, detector, table, std::move(mammogram), progress);

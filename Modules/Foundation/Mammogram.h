@@ -4,6 +4,7 @@
 
 #include "mammorayFoundationModule.h"
 
+#include <array>
 #include <optional>
 #include <string>
 #include <vector>
@@ -57,6 +58,9 @@ struct MAMMORAYFOUNDATION_EXPORT Mammogram
   std::optional<double> PositionerPrimaryAngleDeg;
   std::optional<double> SourceToDetectorMm;
   std::optional<double> SourceToPatientMm;
+  /// Continuous column and row of the pixel under the focal spot, SourceToDetectorMm above it: of
+  /// the projections of a tomosynthesis. Nothing: the middle of the chest-wall edge.
+  std::optional<std::array<double, 2>> SourceFootPixel;
   std::optional<double> PeakKilovoltage;
   std::string AnodeMaterial;
   std::string FilterMaterial;

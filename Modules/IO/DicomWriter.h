@@ -40,6 +40,22 @@ struct DicomMammogramOptions
 MAMMORAYIO_EXPORT void WriteMammogram(const Mammogram& mammogram,
   const DicomMammogramOptions& options, const std::string& path);
 
+/**
+ * Writes the projections of one compression (tomosynthesis) as a Breast Projection X-Ray Image
+ * (PS3.3 section A.74; For Presentation or For Processing as they say), a frame for each, 16 bits,
+ * not compressed. ReadProjections gives the same back. All say the same but for their pixels,
+ * SourceFootPixel and SourceToDetectorMm; what WriteMammogram asks of one is asked of each, and
+ * SourceFootPixel. They are hung as DescribeProjection says, seen from the source.
+ *
+ * `axisHeightMm`: of the axis about which the source went, over the receptor, along the middle of
+ * its pixels from the chest wall: the isocenter of the object lies where it leaves that edge.
+ *
+ * Throws InputError where WriteMammogram does, without projections and where they differ in what
+ * they share.
+ */
+MAMMORAYIO_EXPORT void WriteProjections(const std::vector<Mammogram>& projections,
+  const DicomMammogramOptions& options, double axisHeightMm, const std::string& path);
+
 /// A lesion's shadow on an image.
 struct DicomSegment
 {

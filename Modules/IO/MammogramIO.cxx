@@ -2,9 +2,12 @@
 #include "mammoray/IO/MammogramIO.h"
 
 #include "Private/DicomFile.h"
+#include "Private/Frames/DicomFrames.h"
+#include "Private/Frames/FramePixels.h"
 #include "Private/Frames/StoredPixel.h"
 #include "Private/Guard/MammogramParcel.h"
 #include "Private/MammogramViews.h"
+#include "Private/Objects/SourcePlace.h"
 #include "Private/QuietGdcm.h"
 #include "mammoray/Foundation/Error.h"
 
@@ -18,6 +21,8 @@
 #include <filesystem>
 #include <fstream>
 #include <limits>
+#include <memory>
+#include <utility>
 
 namespace mammoray
 {
@@ -109,9 +114,10 @@ void ReadIntensityScale(DcmItem& data, const std::string& path, Mammogram& mammo
   // What is taken for the other is registered with a wrong thickness, and looks right.
   const std::string storage = DicomText(data, DCM_SOPClassUID);
   const bool isRaw = mammogram.PresentationIntent == Mammogram::Intent::ForProcessing;
-  if (storage ==
-    (isRaw ? UID_DigitalMammographyXRayImageStorageForPresentation
-           : UID_DigitalMammographyXRayImageStorageForProcessing))
+  const bool isKnown = IsBreastProjection(storage) ||
+    storage == UID_DigitalMammographyXRayImageStorageForPresentation ||
+    storage == UID_DigitalMammographyXRayImageStorageForProcessing;
+  if (isKnown && IsForProcessingClass(storage) != isRaw)
   {
     Refuse(path,
       std::string("expected Presentation Intent Type (0008,0068) and SOP Class (0008,0016) of one "
@@ -147,6 +153,11 @@ void ReadIntensityScale(DcmItem& data, const std::string& path, Mammogram& mammo
   }
 }
 
+PixelPadding PaddingOf(DcmItem& data)
+{
+  return { DicomShort(data, DCM_PixelPaddingValue), DicomShort(data, DCM_PixelPaddingRangeLimit) };
+}
+
 /// One frame of `Stored` to floats: unused bits cleared, sign extended, rescaled, padding to NaN.
 template <typename Stored>
 void Convert(const std::vector<char>& buffer, DcmItem& data, const gdcm::PixelFormat& format,
@@ -155,16 +166,7 @@ void Convert(const std::vector<char>& buffer, DcmItem& data, const gdcm::PixelFo
   const double slope = DicomNumber(data, DCM_RescaleSlope).value_or(1);
   const double intercept = DicomNumber(data, DCM_RescaleIntercept).value_or(0);
   const StoredPixel stored(format);
-  std::int64_t paddingLow = 1;
-  std::int64_t paddingHigh = 0;
-  if (const auto padding = DicomShort(data, DCM_PixelPaddingValue))
-  {
-    const auto limit = DicomShort(data, DCM_PixelPaddingRangeLimit).value_or(*padding);
-    const auto typed = [&](std::uint16_t v) -> std::int64_t
-    { return stored.IsSigned ? static_cast<std::int16_t>(v) : static_cast<std::int64_t>(v); };
-    paddingLow = std::min(typed(*padding), typed(limit));
-    paddingHigh = std::max(typed(*padding), typed(limit));
-  }
+  const auto [paddingLow, paddingHigh] = PaddingOf(data).Range(stored.IsSigned);
   for (std::size_t pixel = 0; pixel < pixels.size(); ++pixel)
   {
     Stored raw{};
@@ -176,8 +178,8 @@ void Convert(const std::vector<char>& buffer, DcmItem& data, const gdcm::PixelFo
   }
 }
 
-/// Throws InputError on another modality, and on stacks.
-void CheckIsProjection(DcmItem& data, const std::string& path)
+/// Throws InputError on another modality.
+void CheckIsMammogram(DcmItem& data, const std::string& path)
 {
   const std::string modality = DicomText(data, DCM_Modality);
   if (modality != "MG")
@@ -186,6 +188,11 @@ void CheckIsProjection(DcmItem& data, const std::string& path)
       "expected a mammogram (modality MG), found modality '" +
         (modality.empty() ? std::string("none") : modality) + "'");
   }
+}
+
+/// Throws InputError on stacks.
+void CheckIsOne(DcmItem& data, const std::string& path)
+{
   const double frames = DicomNumber(data, DCM_NumberOfFrames).value_or(1);
   if (frames > 1 || DicomText(data, DCM_SOPClassUID) == UID_BreastTomosynthesisImageStorage)
   {
@@ -298,28 +305,202 @@ void AllowPixels(DcmItem& data, const std::string& path)
   AllowMemory(ReadLimits::Of({ path }).MemoryBytes + 32 * pixels);
 }
 
-Mammogram ReadHere(const std::string& path)
+/// Of the attributes of a frame's functional groups, all on one level.
+SourcePlace ReadSourcePlace(DcmItem& frame, const std::string& path)
+{
+  const auto number = [&](const DcmTagKey& tag, unsigned long index, const char* name)
+  {
+    const std::optional<double> value = DicomNumber(frame, tag, index);
+    // Angles of at most a turn, lengths of at most some metres.
+    if (!value || std::abs(*value) > 1e4)
+    {
+      Refuse(path,
+        std::string("expected where source and detector stood for each projection, found no "
+                    "usable ") +
+          name);
+    }
+    return *value;
+  };
+  const auto vector = [&](const DcmTagKey& tag, unsigned long first, const char* name)
+  {
+    return Vector3{ number(tag, first, name), number(tag, first + 1, name),
+      number(tag, first + 2, name) };
+  };
+  SourcePlace place;
+  place.SourceToIsocenterMm =
+    number(DCM_DistanceSourceToIsocenter, 0, "Distance Source to Isocenter (0018,9402)");
+  place.SourcePrimaryDeg =
+    number(DCM_XRaySourceIsocenterPrimaryAngle, 0, "X-Ray Source Isocenter Angle (0018,9543)");
+  place.SourceSecondaryDeg =
+    number(DCM_XRaySourceIsocenterSecondaryAngle, 0, "X-Ray Source Isocenter Angle (0018,9544)");
+  place.DetectorPrimaryDeg =
+    number(DCM_DetectorIsocenterPrimaryAngle, 0, "Detector Isocenter Angle (0018,9550)");
+  for (const DcmTagKey& tag :
+    { DCM_DetectorIsocenterSecondaryAngle, DCM_BreastSupportIsocenterSecondaryAngle })
+  {
+    if (DicomNumber(frame, tag).value_or(0) != 0)
+    {
+      Refuse(path, "expected a detector that turns about one axis, found one with a second angle");
+    }
+  }
+  place.Detector = { number(DCM_DetectorXPositionToIsocenter, 0, "Detector Position (0018,9552)"),
+    number(DCM_DetectorYPositionToIsocenter, 0, "Detector Position (0018,9553)"),
+    number(DCM_DetectorZPositionToIsocenter, 0, "Detector Position (0018,9554)") };
+  constexpr const char* first = "Detector Active Area TLHC Position (0018,9557)";
+  constexpr const char* axes = "Detector Active Area Orientation (0018,9558)";
+  place.FirstPixel = vector(DCM_DetectorActiveAreaTLHCPosition, 0, first);
+  place.Row = vector(DCM_DetectorActiveAreaOrientation, 0, axes);
+  place.Column = vector(DCM_DetectorActiveAreaOrientation, 3, axes);
+  if (std::abs(Norm(place.Row) - 1) > 1e-3 || std::abs(Norm(place.Column) - 1) > 1e-3 ||
+    std::abs(Dot(place.Row, place.Column)) > 1e-3 || std::abs(place.Row[2]) > 1e-3 ||
+    std::abs(place.Column[2]) > 1e-3)
+  {
+    Refuse(path,
+      std::string("expected directions of rows and columns at right angles on the detector, found "
+                  "others in ") +
+        axes);
+  }
+  return place;
+}
+
+/// What the header and its functional groups say of a frame but its pixels.
+Mammogram ReadFrame(DcmItem& frame, const std::string& view, const std::string& path)
+{
+  Mammogram mammogram;
+  ReadIntensityScale(frame, path, mammogram);
+  ReadSpacing(frame, path, mammogram);
+  ReadAcquisition(frame, mammogram);
+  mammogram.View = ViewTerm(view);
+  const SourcePlace place = ReadSourcePlace(frame, path);
+  const Vector3 over = SourceOverPixels(place, mammogram.ColumnSpacingMm, mammogram.RowSpacingMm);
+  if (!(over[2] > 0))
+  {
+    Refuse(path, "expected a source above the detector, found one below it");
+  }
+  mammogram.SourceFootPixel = { over[0], over[1] };
+  mammogram.SourceToDetectorMm = over[2];
+  // Of the breast's support; the source's own angle is another for each projection.
+  mammogram.PositionerPrimaryAngleDeg =
+    place.DetectorPrimaryDeg == 0 ? 0 : -place.DetectorPrimaryDeg;
+  return mammogram;
+}
+
+std::vector<Mammogram> ReadFrames(const DicomFile& file, const std::string& path)
+{
+  constexpr std::size_t most = 200; // units take 9 to 60
+  const DicomFrames frames(file.Data(), path);
+  if (frames.Count() < 2 || frames.Count() > most)
+  {
+    Refuse(path,
+      "expected 2 to " + std::to_string(most) + " projections, found " +
+        std::to_string(frames.Count()));
+  }
+  AllowPixels(file.Data(), path);
+  const int columns = DicomShort(file.Data(), DCM_Columns).value_or(0);
+  const int rows = DicomShort(file.Data(), DCM_Rows).value_or(0);
+  const std::string view = MammogramViewOf(file.Data());
+  std::vector<Mammogram> projections;
+  std::vector<std::unique_ptr<DcmItem>> headers;
+  for (std::size_t number = 0; number < frames.Count(); ++number)
+  {
+    headers.push_back(frames.Flat(number));
+    projections.push_back(ReadFrame(*headers.back(), view, path));
+  }
+  const FramePixels pixels(path, frames.Count(),
+    static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows));
+  for (std::size_t number = 0; number < frames.Count(); ++number)
+  {
+    Mammogram& projection = projections[number];
+    DcmItem& header = *headers[number];
+    projection.Columns = columns;
+    projection.Rows = rows;
+    projection.BitsStored = pixels.BitsStored();
+    projection.Pixels = pixels.Values(number, DicomNumber(header, DCM_RescaleSlope).value_or(1),
+      DicomNumber(header, DCM_RescaleIntercept).value_or(0), PaddingOf(header));
+  }
+  return projections;
+}
+
+std::vector<Mammogram> ReadHere(const std::string& path)
 {
   // The header first: what is no mammogram is refused before its pixels are looked at.
   const DicomFile file(path, "a DICOM mammogram");
-  CheckIsProjection(file.Data(), path);
+  CheckIsMammogram(file.Data(), path);
+  if (IsBreastProjection(DicomText(file.Data(), DCM_SOPClassUID)))
+  {
+    return ReadFrames(file, path);
+  }
+  CheckIsOne(file.Data(), path);
   Mammogram mammogram;
   ReadIntensityScale(file.Data(), path, mammogram);
   ReadSpacing(file.Data(), path, mammogram);
   ReadAcquisition(file.Data(), mammogram);
   AllowPixels(file.Data(), path);
   ReadPixels(file.Data(), path, mammogram);
-  return mammogram;
+  return { std::move(mammogram) };
 }
 }
 
-Mammogram ReadMammogram(const std::string& path)
+std::vector<Mammogram> ReadProjections(const std::string& path)
 {
   std::error_code code;
   if (!std::filesystem::is_regular_file(path, code) || !std::ifstream(path))
   {
     Refuse(path, "expected a DICOM mammogram, found no file that can be read");
   }
-  return ReadMammogramGuarded(path, "a DICOM mammogram", [&path] { return ReadHere(path); });
+  std::vector<Mammogram> projections;
+  ReadGuarded(
+    path, "a DICOM mammogram", ReadLimits::Of({ path }),
+    [&](ParcelWriter& parcel)
+    {
+      const std::vector<Mammogram> read = ReadHere(path);
+      parcel(std::uint64_t{ read.size() });
+      for (const Mammogram& projection : read)
+      {
+        ExchangeMammogram(parcel, projection);
+      }
+    },
+    [&](ParcelReader& parcel)
+    {
+      std::uint64_t count = 0;
+      parcel(count);
+      for (std::uint64_t number = 0; number < count; ++number)
+      {
+        ExchangeMammogram(parcel, projections.emplace_back());
+      }
+    });
+  return projections;
+}
+
+std::size_t MiddleProjection(const std::vector<Mammogram>& projections)
+{
+  // Of a picture without a foot there is one only.
+  const auto foot = [&](std::size_t number) {
+    return projections[number].SourceFootPixel.value_or(std::array<double, 2>{ 0, 0 });
+  };
+  std::array<double, 2> mean{ 0, 0 };
+  for (std::size_t number = 0; number < projections.size(); ++number)
+  {
+    mean[0] += foot(number)[0] / static_cast<double>(projections.size());
+    mean[1] += foot(number)[1] / static_cast<double>(projections.size());
+  }
+  std::size_t middle = 0;
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t number = 0; number < projections.size(); ++number)
+  {
+    const double away = std::hypot(foot(number)[0] - mean[0], foot(number)[1] - mean[1]);
+    if (away < least)
+    {
+      least = away;
+      middle = number;
+    }
+  }
+  return middle;
+}
+
+Mammogram ReadMammogram(const std::string& path)
+{
+  std::vector<Mammogram> projections = ReadProjections(path);
+  return std::move(projections[MiddleProjection(projections)]);
 }
 }

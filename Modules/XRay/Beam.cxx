@@ -147,6 +147,17 @@ double Spectrum::MeanEnergyKeV() const
   return sum / weightSum;
 }
 
+double Spectrum::PeakEnergyKeV() const
+{
+  const std::vector<double>& energies = this->EnergiesKeV;
+  std::size_t last = energies.size() - 1;
+  while (last > 0 && !(this->Weights[last] > 0))
+  {
+    --last;
+  }
+  return last > 0 ? 2 * energies[last] - energies[last - 1] : energies[last];
+}
+
 void Spectrum::Validate() const
 {
   const std::string what = "spectrum '" + this->Name + "'";

@@ -22,6 +22,8 @@ struct MAMMORAYXRAY_EXPORT Spectrum
   static Spectrum Monochromatic(double energyKeV);
   /// Mean photon energy, keV.
   double MeanEnergyKeV() const;
+  /// Where the photons end, as many keV as the tube has kV: a bin beyond the last one that has any.
+  double PeakEnergyKeV() const;
   void Validate() const;
 };
 

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "CommandTest.h"
+#include "DicomTesting.h"
 #include "SurfaceShapes.h"
 #include "mammoray/IO/LabelVolumeIO.h"
+#include "mammoray/IO/MammogramIO.h"
 #include "mammoray/IO/MeshConversion.h"
 #include "mammoray/IO/MeshIO.h"
 #include "mammoray/XRay/PathLengthProjector.h"
@@ -158,6 +160,64 @@ TEST_F(ProjectSeries, TomosynthesisMovesWhatIsHighMost)
     }
     EXPECT_LT((edges[0] - edges[2]) * (edges[4] - edges[2]), 0);
   }
+}
+
+TEST_F(ProjectSeries, TomosynthesisIsADicomObjectThatKnowsWhereItsSourcesStood)
+{
+  // The edge of a thin plate at gantry x = 0, 40 mm over the receptor.
+  const std::string plate = this->Box("plate.vtp", { 0, -200, 14.99 }, { 300, 200, 15.01 });
+  const std::string object = this->Folder.File("sweep.dcm");
+  const std::string inputs = "project --surface Pb=" + plate +
+    " --orientation LAS --anchor 0 0 0 --thickness 46 --kev 20 --columns 2 --rows 400 "
+    "--pixel-spacing 0.5 ";
+  for (const auto& [side, hung] : { std::pair{ "left", -1.0 }, { "right", 1.0 } })
+  {
+    ASSERT_EQ(this->Run(inputs + "--tomosynthesis 5 --span 40 --pivot-height 30 --side " + side +
+                " --for-processing --overwrite -o " + object),
+      0)
+      << this->Errors;
+    testing_support::ExpectValidDicom(object);
+    EXPECT_FALSE(std::filesystem::exists(this->Folder.File("sweep.json")));
+    const std::vector<Mammogram> projections = ReadProjections(object);
+    ASSERT_EQ(projections.size(), 5u);
+    EXPECT_EQ(MiddleProjection(projections), 2u);
+    EXPECT_EQ(projections[0].View, "CC");
+    EXPECT_EQ(projections[0].PeakKilovoltage, 20);
+    for (int number = 0; number < 5; ++number)
+    {
+      const Mammogram& projection = projections[static_cast<std::size_t>(number)];
+      const std::array<double, 2>& foot = *projection.SourceFootPixel;
+      const double height = *projection.SourceToDetectorMm;
+      // On an arc of 620 mm about the pivot, right-handed about gantry y in the mesh's frame, whose
+      // LAS is left-handed: positive angles lead to the patient's left.
+      const double turn = (number - 2) * 10 * std::numbers::pi / 180;
+      EXPECT_NEAR(height, 30 + 620 * std::cos(turn), 1e-3);
+      // x leads to the left: against the rows of a left breast, with those of a right one.
+      const auto xOf = [&](double row) { return hung * (row - 199.5) * 0.5; };
+      EXPECT_NEAR(xOf(foot[1]), 620 * std::sin(turn), 1e-3);
+      EXPECT_NEAR(*projection.SourceToPatientMm, height - 2, 1e-3);
+      // The object itself tells where the edge's shadow falls.
+      const double shadow = xOf(foot[1]) * (1 - height / (height - 40));
+      for (int row = 0; row < 400; ++row)
+      {
+        const bool covered = projection.Pixels[static_cast<std::size_t>(2 * row)] < 25000;
+        if (std::abs(xOf(row) - shadow) > 0.5)
+        {
+          EXPECT_EQ(covered, xOf(row) > shadow) << side << " " << number << " " << row;
+        }
+      }
+    }
+  }
+  this->ExpectRefused(inputs + "--tomosynthesis 5 -o " + this->Folder.File("other.dcm"),
+    "--side left or right");
+  this->ExpectRefused(inputs + "--tomosynthesis 5 --side left --flat-fields 2 -o " +
+      this->Folder.File("other.dcm"),
+    "--flat-fields");
+  this->ExpectRefused(inputs + "--turn 5 --side left -o " + this->Folder.File("other.dcm"),
+    "stack (.tif .mha .nrrd)");
+  this->ExpectRefused(inputs + "--tomosynthesis 5 --source 0 0 600 --side left -o " +
+      this->Folder.File("other.dcm"),
+    "explicit positions");
 }
 
 TEST_F(ProjectSeries, FlatFieldsAndNoiseAreEachOnesOwn)

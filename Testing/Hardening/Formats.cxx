@@ -115,6 +115,17 @@ Mammogram SomeMammogram()
   return mammogram;
 }
 
+/// Of a tomosynthesis, its source 200 mm to each side.
+std::vector<Mammogram> SomeProjections()
+{
+  std::vector<Mammogram> projections(3, SomeMammogram());
+  for (std::size_t number = 0; number < projections.size(); ++number)
+  {
+    projections[number].SourceFootPixel = { -0.5, 24.5 + 2000 * (static_cast<double>(number) - 1) };
+  }
+  return projections;
+}
+
 vtkNew<vtkImageData> SomePicture(int type, int columns, int rows)
 {
   vtkNew<vtkImageData> image;
@@ -255,6 +266,8 @@ std::vector<Format> MakeFormats(const std::string& folder)
   WritePictures(place);
   WriteMammogram(SomeMammogram(), {},
     place("mammogram.dcm", [](const std::string& path) { ReadMammogram(path); }));
+  WriteProjections(SomeProjections(), {}, 40,
+    place("projections.dcm", [](const std::string& path) { ReadProjections(path); }));
   WriteMrSeries(SomeIntensities(), {},
     { place("slice.dcm", [](const std::string& path) { ReadIntensitySeries({ path }); }),
       folder + "/2.dcm", folder + "/3.dcm", folder + "/4.dcm", folder + "/5.dcm", folder + "/6.dcm",

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Project/SeriesOptions.h"
 
+#include "DicomOptions.h"
 #include "OutputFiles.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/Foundation/Numbers.h"
@@ -51,7 +52,8 @@ void DeclareSeries(const OptionList& add, SeriesArguments& arguments)
     "source and detector, and where the axis' shadow stands");
   series("--tomosynthesis", arguments.Tomosynthesis, Between(0, 1000),
     "so many projections with the source going over --span about an axis along the receptor's y, "
-    "from -span/2 to span/2: a stack, as --turn");
+    "from -span/2 to span/2: a stack, as --turn, or a Breast Projection X-Ray Image (.dcm, with "
+    "--side), which register takes");
   series("--span", arguments.SpanDeg, Between(-3600, 3600, "deg"),
     "of --turn, its end not repeated (default: 360), or of --tomosynthesis (default: 50)");
   series("--axis", arguments.Axis,
@@ -92,7 +94,17 @@ void CheckSeries(const SeriesArguments& arguments, const std::string& output)
   {
     throw InputError("--pivot-height: expected --tomosynthesis beside it, found --turn");
   }
-  CheckStackExtension(output);
+  if (!IsDicomPath(output))
+  {
+    CheckStackExtension(output);
+  }
+  else if (arguments.Turn > 0 || arguments.FlatFields > 0)
+  {
+    throw InputError(
+      "series: expected a stack (.tif .mha .nrrd) of --turn and --flat-fields, found "
+      "output " +
+      output);
+  }
 }
 
 std::string SeriesDescriptionPath(const std::string& output)

@@ -68,6 +68,11 @@ void AddFloats(gdcm::DataSet& data, const gdcm::Tag& tag, const std::vector<floa
   AddBytes(data, tag, gdcm::VR::FL, values.data(), sizeof(float) * values.size());
 }
 
+void AddDoubles(gdcm::DataSet& data, const gdcm::Tag& tag, const std::vector<double>& values)
+{
+  AddBytes(data, tag, gdcm::VR::FD, values.data(), sizeof(double) * values.size());
+}
+
 void AddShort(gdcm::DataSet& data, const gdcm::Tag& tag, std::uint16_t value)
 {
   AddBytes(data, tag, gdcm::VR::US, &value, sizeof value);

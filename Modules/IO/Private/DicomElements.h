@@ -35,6 +35,9 @@ void AddBytes(gdcm::DataSet& data, const gdcm::Tag& tag, gdcm::VR::VRType repres
 /// Adds single precision numbers (FL).
 void AddFloats(gdcm::DataSet& data, const gdcm::Tag& tag, const std::vector<float>& values);
 
+/// Adds double precision numbers (FD).
+void AddDoubles(gdcm::DataSet& data, const gdcm::Tag& tag, const std::vector<double>& values);
+
 /// Appends a place on an image as graphics want it, with 0 at the upper left corner of the first
 /// pixel (PS3.3 C.10.5.1.2); ours is 0 at that pixel's centre.
 void AppendPixel(std::vector<float>& points, const std::array<double, 2>& pixel);

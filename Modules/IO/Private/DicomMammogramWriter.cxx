@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Private/DicomElements.h"
 #include "Private/MammogramViews.h"
+#include "Private/Objects/MammogramObject.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/IO/DicomWriter.h"
 #include "mammoray/IO/ProjectionImage.h"
@@ -27,65 +28,18 @@ const MammogramView& FindView(const std::string& name)
   return *view;
 }
 
-void Check(const Mammogram& mammogram)
-{
-  if (mammogram.Laterality != 'L' && mammogram.Laterality != 'R')
-  {
-    throw InputError("mammogram: expected the laterality L or R, found '" +
-      std::string(1, mammogram.Laterality) + "'");
-  }
-  if (mammogram.RowDirection.empty() || mammogram.ColumnDirection.empty())
-  {
-    throw InputError("mammogram: expected patient directions of rows and columns, found none");
-  }
-  if (!(mammogram.RowSpacingMm > 0) || !(mammogram.ColumnSpacingMm > 0))
-  {
-    throw InputError("mammogram: expected positive pixel spacings");
-  }
-  const auto inRange = [](int count) { return count > 0 && count <= 65535; };
-  if (!inRange(mammogram.Columns) || !inRange(mammogram.Rows) ||
-    mammogram.Pixels.size() !=
-      static_cast<std::size_t>(mammogram.Columns) * static_cast<std::size_t>(mammogram.Rows))
-  {
-    throw InputError(
-      "mammogram: expected 1 to 65535 rows and columns and all their pixels, found " +
-      std::to_string(mammogram.Columns) + " x " + std::to_string(mammogram.Rows) + " and " +
-      std::to_string(mammogram.Pixels.size()) + " pixels");
-  }
-  const auto bad = std::find_if_not(mammogram.Pixels.begin(), mammogram.Pixels.end(),
-    [](float pixel) { return pixel >= 0 && pixel <= 65535 && pixel == std::floor(pixel); });
-  if (bad != mammogram.Pixels.end())
-  {
-    throw InputError(
-      "mammogram: expected whole numbers from 0 to 65535 as pixels, found " + std::to_string(*bad));
-  }
-}
-
 void AddImage(gdcm::DataSet& data, const Mammogram& mammogram)
 {
   const bool processing = mammogram.PresentationIntent == Mammogram::Intent::ForProcessing;
-  const auto relationship = mammogram.IntensityRelationship;
   AddTexts(data,
     { { { 0x0008, 0x0068 }, VR::CS, processing ? "FOR PROCESSING" : "FOR PRESENTATION" },
-      { { 0x0028, 0x0004 }, VR::CS, mammogram.InvertedForDisplay ? "MONOCHROME1" : "MONOCHROME2" },
       { { 0x0028, 0x0301 }, VR::CS, "NO" }, // burned in annotation
-      { { 0x0028, 0x1040 }, VR::CS,
-        // Of what is made for display neither is true; the standard allows no third (C.8.11.3).
-        relationship == Mammogram::Relationship::Linear ? "LIN" : "LOG" },
+      { { 0x0028, 0x1040 }, VR::CS, PixelRelationship(mammogram) },
       { { 0x0028, 0x1052 }, VR::DS, "0" }, { { 0x0028, 0x1053 }, VR::DS, "1" },
       { { 0x0028, 0x1054 }, VR::LO, "US" }, { { 0x0028, 0x2110 }, VR::CS, "00" }, // not lossy
       { { 0x2050, 0x0020 }, VR::CS, mammogram.InvertedForDisplay ? "INVERSE" : "IDENTITY" } });
-  AddShort(data, { 0x0028, 0x0002 }, 1); // samples per pixel
-  AddShort(data, { 0x0028, 0x0010 }, static_cast<std::uint16_t>(mammogram.Rows));
-  AddShort(data, { 0x0028, 0x0011 }, static_cast<std::uint16_t>(mammogram.Columns));
-  AddShort(data, { 0x0028, 0x0100 }, 16);
-  AddShort(data, { 0x0028, 0x0101 }, 16);
-  AddShort(data, { 0x0028, 0x0102 }, 15);
-  AddShort(data, { 0x0028, 0x0103 }, 0); // unsigned
-  // Where nothing is said of it, what is shown bright is where little got through.
-  const int byDisplay = mammogram.InvertedForDisplay ? 1 : -1;
-  const auto sign =
-    static_cast<std::int16_t>(mammogram.IntensitySign != 0 ? mammogram.IntensitySign : byDisplay);
+  AddPixelDescription(data, mammogram);
+  const std::int16_t sign = PixelRelationshipSign(mammogram);
   AddBytes(data, { 0x0028, 0x1041 }, VR::SS, &sign, sizeof sign);
   if (!processing)
   {
@@ -128,18 +82,85 @@ void AddGeometry(gdcm::DataSet& data, const Mammogram& mammogram)
       { { 0x0020, 0x0062 }, VR::CS, std::string(1, mammogram.Laterality) },
       { { 0x0040, 0x0318 }, VR::CS, "BREAST" } });
   AddSequence(data, { 0x0008, 0x2218 }, { DicomCode("76752008", "Breast") });
-  const MammogramView& view = FindView(mammogram.View);
-  gdcm::DataSet code = DicomCode(view.SnomedCt, view.Meaning);
-  AddSequence(code, { 0x0054, 0x0222 }, {}); // no modifier
-  AddSequence(data, { 0x0054, 0x0220 }, { code });
+  AddSequence(data, { 0x0054, 0x0220 }, { MammogramViewItem(mammogram.View) });
   AddSequence(data, { 0x0040, 0x0555 }, {}); // acquisition context
 }
+}
+
+void CheckMammogramObject(const Mammogram& mammogram)
+{
+  if (mammogram.Laterality != 'L' && mammogram.Laterality != 'R')
+  {
+    throw InputError("mammogram: expected the laterality L or R, found '" +
+      std::string(1, mammogram.Laterality) + "'");
+  }
+  if (mammogram.RowDirection.empty() || mammogram.ColumnDirection.empty())
+  {
+    throw InputError("mammogram: expected patient directions of rows and columns, found none");
+  }
+  if (!(mammogram.RowSpacingMm > 0) || !(mammogram.ColumnSpacingMm > 0))
+  {
+    throw InputError("mammogram: expected positive pixel spacings");
+  }
+  const auto inRange = [](int count) { return count > 0 && count <= 65535; };
+  if (!inRange(mammogram.Columns) || !inRange(mammogram.Rows) ||
+    mammogram.Pixels.size() !=
+      static_cast<std::size_t>(mammogram.Columns) * static_cast<std::size_t>(mammogram.Rows))
+  {
+    throw InputError(
+      "mammogram: expected 1 to 65535 rows and columns and all their pixels, found " +
+      std::to_string(mammogram.Columns) + " x " + std::to_string(mammogram.Rows) + " and " +
+      std::to_string(mammogram.Pixels.size()) + " pixels");
+  }
+  const auto bad = std::find_if_not(mammogram.Pixels.begin(), mammogram.Pixels.end(),
+    [](float pixel) { return pixel >= 0 && pixel <= 65535 && pixel == std::floor(pixel); });
+  if (bad != mammogram.Pixels.end())
+  {
+    throw InputError(
+      "mammogram: expected whole numbers from 0 to 65535 as pixels, found " + std::to_string(*bad));
+  }
+}
+
+gdcm::DataSet MammogramViewItem(const std::string& name)
+{
+  const MammogramView& view = FindView(name);
+  gdcm::DataSet code = DicomCode(view.SnomedCt, view.Meaning);
+  AddSequence(code, { 0x0054, 0x0222 }, {}); // no modifier
+  return code;
+}
+
+const char* PixelRelationship(const Mammogram& mammogram)
+{
+  // Of what is made for display neither is true; the standard allows no third (C.8.11.3).
+  return mammogram.IntensityRelationship == Mammogram::Relationship::Linear ? "LIN" : "LOG";
+}
+
+std::int16_t PixelRelationshipSign(const Mammogram& mammogram)
+{
+  // Where nothing is said of it, what is shown bright is where little got through.
+  const int byDisplay = mammogram.InvertedForDisplay ? 1 : -1;
+  return static_cast<std::int16_t>(
+    mammogram.IntensitySign != 0 ? mammogram.IntensitySign : byDisplay);
+}
+
+void AddPixelDescription(gdcm::DataSet& data, const Mammogram& mammogram)
+{
+  AddTexts(data,
+    { { { 0x0028, 0x0004 }, VR::CS,
+      mammogram.InvertedForDisplay ? "MONOCHROME1" : "MONOCHROME2" } });
+  AddShort(data, { 0x0028, 0x0002 }, 1); // samples per pixel
+  AddShort(data, { 0x0028, 0x0010 }, static_cast<std::uint16_t>(mammogram.Rows));
+  AddShort(data, { 0x0028, 0x0011 }, static_cast<std::uint16_t>(mammogram.Columns));
+  AddShort(data, { 0x0028, 0x0100 }, 16);
+  AddShort(data, { 0x0028, 0x0101 }, 16);
+  AddShort(data, { 0x0028, 0x0102 }, 15);
+  AddShort(data, { 0x0028, 0x0103 }, 0); // unsigned
 }
 
 void WriteMammogram(const Mammogram& mammogram, const DicomMammogramOptions& options,
   const std::string& path)
 {
-  Check(mammogram);
+  CheckMammogramObject(mammogram);
   gdcm::DataSet data;
   AddCommon(data,
     mammogram.PresentationIntent == Mammogram::Intent::ForProcessing

@@ -92,7 +92,7 @@ std::vector<std::string> MammogramViewModifiers(DcmItem& data)
 
 char MammogramLaterality(DcmItem& data)
 {
-  for (const DcmTagKey& laterality : { DCM_ImageLaterality, DCM_Laterality })
+  for (const DcmTagKey& laterality : { DCM_ImageLaterality, DCM_Laterality, DCM_FrameLaterality })
   {
     const std::string value = DicomText(data, laterality);
     if (value == "L" || value == "R")
@@ -103,12 +103,23 @@ char MammogramLaterality(DcmItem& data)
   return '?';
 }
 
+bool IsForProcessingClass(const std::string& sopClass)
+{
+  return sopClass == UID_DigitalMammographyXRayImageStorageForProcessing ||
+    sopClass == UID_BreastProjectionXRayImageStorageForProcessing;
+}
+
+bool IsBreastProjection(const std::string& sopClass)
+{
+  return sopClass == UID_BreastProjectionXRayImageStorageForProcessing ||
+    sopClass == UID_BreastProjectionXRayImageStorageForPresentation;
+}
+
 Mammogram::Intent MammogramIntent(DcmItem& data)
 {
   const std::string intent = DicomText(data, DCM_PresentationIntentType);
-  const bool processing = intent.empty()
-    ? DicomText(data, DCM_SOPClassUID) == UID_DigitalMammographyXRayImageStorageForProcessing
-    : intent == "FOR PROCESSING";
+  const bool processing = intent.empty() ? IsForProcessingClass(DicomText(data, DCM_SOPClassUID))
+                                         : intent == "FOR PROCESSING";
   return processing ? Mammogram::Intent::ForProcessing : Mammogram::Intent::ForPresentation;
 }
 }

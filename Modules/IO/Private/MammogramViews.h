@@ -40,6 +40,11 @@ std::vector<std::string> MammogramViewModifiers(DcmItem& data);
 /// 'L', 'R' or '?'.
 char MammogramLaterality(DcmItem& data);
 
+/// Whether a SOP class is one of a mammogram's or a tomosynthesis' projections For Processing, and
+/// whether it is one of projections (PS3.3 A.74).
+bool IsForProcessingClass(const std::string& sopClass);
+bool IsBreastProjection(const std::string& sopClass);
+
 /// By Presentation Intent Type, or by the class of the object.
 Mammogram::Intent MammogramIntent(DcmItem& data);
 }

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Private/Frames/FramePixels.h"
 
-#include "Private/Frames/StoredPixel.h"
 #include "Private/Guard/GuardedRead.h"
 #include "mammoray/Foundation/Error.h"
 
 #include <algorithm>
 #include <cstring>
 #include <filesystem>
+#include <limits>
 
 namespace mammoray
 {
@@ -43,18 +43,27 @@ FramePixels::FramePixels(const std::string& path, std::size_t frames, std::size_
   }
 }
 
-std::vector<float> FramePixels::Values(std::size_t frame, double slope, double intercept) const
+int FramePixels::BitsStored() const
+{
+  return this->Reader.GetImage().GetPixelFormat().GetBitsStored();
+}
+
+std::vector<float> FramePixels::Values(std::size_t frame, double slope, double intercept,
+  const PixelPadding& padding) const
 {
   const gdcm::PixelFormat& format = this->Reader.GetImage().GetPixelFormat();
   const StoredPixel stored(format);
+  const auto [low, high] = padding.Range(stored.IsSigned);
   const std::size_t bytes = format.GetPixelSize();
   std::vector<float> values(this->PixelsPerFrame);
   for (std::size_t pixel = 0; pixel < values.size(); ++pixel)
   {
     std::uint16_t raw = 0;
     std::memcpy(&raw, this->Buffer.data() + (frame * this->PixelsPerFrame + pixel) * bytes, bytes);
-    values[pixel] =
-      static_cast<float>(slope * static_cast<double>(stored.ValueOf(raw)) + intercept);
+    const std::int64_t value = stored.ValueOf(raw);
+    values[pixel] = value >= low && value <= high
+      ? std::numeric_limits<float>::quiet_NaN()
+      : static_cast<float>(slope * static_cast<double>(value) + intercept);
   }
   return values;
 }

@@ -2,6 +2,7 @@
 #ifndef mammoray_Private_FramePixels_h
 #define mammoray_Private_FramePixels_h
 
+#include "Private/Frames/StoredPixel.h"
 #include "Private/QuietGdcm.h"
 
 #include <gdcmImageReader.h>
@@ -20,8 +21,10 @@ public:
   /// or they cannot be decoded.
   FramePixels(const std::string& path, std::size_t frames, std::size_t pixelsPerFrame);
 
-  /// Those of a frame, from 0, rescaled.
-  std::vector<float> Values(std::size_t frame, double slope, double intercept) const;
+  /// Those of a frame, from 0, rescaled; NaN for stored values of the padding.
+  std::vector<float> Values(std::size_t frame, double slope, double intercept,
+    const PixelPadding& padding = {}) const;
+  int BitsStored() const;
 
 private:
   const QuietGdcm Quiet;

@@ -6,6 +6,8 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <optional>
+#include <utility>
 
 namespace mammoray
 {
@@ -33,6 +35,26 @@ struct StoredPixel
   int Bits;
   int Shift;
   bool IsSigned;
+};
+
+/// Stored values where no X-ray was measured, by a header's Pixel Padding Value and Range Limit, as
+/// the bits of a short.
+struct PixelPadding
+{
+  std::optional<std::uint16_t> Value;
+  std::optional<std::uint16_t> Limit;
+
+  /// From the least to the greatest of them; empty where there are none.
+  std::pair<std::int64_t, std::int64_t> Range(bool isSigned) const
+  {
+    if (!this->Value)
+    {
+      return { 1, 0 };
+    }
+    const auto typed = [isSigned](std::uint16_t bits) -> std::int64_t
+    { return isSigned ? static_cast<std::int16_t>(bits) : static_cast<std::int64_t>(bits); };
+    return std::minmax({ typed(*this->Value), typed(this->Limit.value_or(*this->Value)) });
+  }
 };
 }
 

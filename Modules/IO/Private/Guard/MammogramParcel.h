@@ -19,7 +19,7 @@ void ExchangeMammogram(Exchange& exchange, Image& mammogram)
     mammogram.Laterality, mammogram.RowDirection, mammogram.ColumnDirection,
     mammogram.BodyPartThicknessMm, mammogram.PositionerPrimaryAngleDeg,
     mammogram.SourceToDetectorMm, mammogram.SourceToPatientMm, mammogram.PeakKilovoltage,
-    mammogram.AnodeMaterial, mammogram.FilterMaterial);
+    mammogram.AnodeMaterial, mammogram.FilterMaterial, mammogram.SourceFootPixel);
 }
 
 /// Reads a mammogram's file by `read` in a process of its own.
