@@ -146,8 +146,8 @@ void Run(EvaluateArguments& arguments)
   const std::vector<Landmark> landmarks = ReadLandmarks(CheckInputFile(arguments.Landmarks));
   const AnatomicalAxes axes = AnatomicalAxes::FromCode(arguments.TruthOrientation);
   arguments.Truth.Placed = { arguments.TruthOrigin, axes.Left, axes.Anterior, axes.Superior };
-  const std::vector<LandmarkErrors> methods = EvaluateLandmarks(landmarks, arguments.Truth, grid,
-    result.Placed, result.Unit.SourceToDetectorMm);
+  const std::vector<LandmarkErrors> methods =
+    EvaluateLandmarks(landmarks, arguments.Truth, grid, result.Placed, result.Unit);
   std::optional<ReaderDistances> apart;
   if (!arguments.SecondReader.empty())
   {

@@ -39,6 +39,7 @@ struct EvidenceArguments
   std::string Curve;
   int Studies = 20;
   std::vector<std::string> Anatomies;
+  int Projections = 0;
   bool Resume = false;
   bool Overwrite = false;
 
@@ -67,6 +68,9 @@ void Declare(const OptionList& add, EvidenceArguments& arguments)
   add("--studies", arguments.Studies, NonNegative(),
     "virtual studies: a clinic's export each, of the phantoms and the patients' MRI of the data");
   add("--anatomy", arguments.Anatomies, "only virtual studies of these, e.g. uta11-a");
+  add("--projections", arguments.Projections, Between(0, 60),
+    "of each virtual study's CC as a tomosynthesis over 25 deg, registered beside CC alone and CC "
+    "with MLO; less than 2: none");
   add("--keep", input.KeepStudiesIn, "folder that keeps the virtual studies and results");
   add("--seed", input.Twin.Seed,
     "of the true poses, starts and noise; virtual studies are numbered from it");
@@ -150,6 +154,7 @@ std::vector<EvidenceStudy> WantedStudies(const EvidenceArguments& arguments,
   for (EvidenceStudy& study : studies)
   {
     study.Options.Seed += arguments.Evidence.Twin.Seed - EvidenceArguments().Evidence.Twin.Seed;
+    study.Options.Projections = arguments.Projections;
   }
   return studies;
 }

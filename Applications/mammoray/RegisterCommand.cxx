@@ -50,7 +50,9 @@ void DeclareInputs(const OptionList& add, RegisterArguments& arguments)
   add
     .Input("--mammogram", input.Mammograms,
       "mammogram, DICOM MG; repeated for several of the same breast (CC and MLO), which are "
-      "registered together with one stiffness of gland")
+      "registered together with one stiffness of gland; of a tomosynthesis (Breast Projection "
+      "X-Ray "
+      "Image) all projections against one compression")
     ->excludes(study);
   AddSideOption(add, arguments.Side,
     "the patient's own breast: which one of a study; of mammograms, in place of the header's");

@@ -35,24 +35,11 @@ Mammogram DescribeRegistration(const ResultFile& result, char laterality)
   detector.ColumnStep = gantry.Direction({ grid.ColumnStepMm[0], grid.ColumnStepMm[1], 0 });
   detector.RowStep = gantry.Direction({ grid.RowStepMm[0], grid.RowStepMm[1], 0 });
   XRaySource source;
-  source.Position = gantry.Point({ 0, 0, unit.SourceToDetectorMm });
+  source.Position = gantry.Point(unit.FocalSpot());
   Mammogram mammogram = DescribeProjection(source, detector, axes, laterality);
   mammogram.BodyPartThicknessMm = pose.ThicknessMm;
   mammogram.SourceToPatientMm = unit.SourceToDetectorMm - unit.SupportHeightMm;
   return mammogram;
-}
-
-/// Where a beam's photons end, as many keV as the tube has kV: a bin beyond the last one that has
-/// any.
-double PeakEnergyKeV(const Spectrum& spectrum)
-{
-  const std::vector<double>& energies = spectrum.EnergiesKeV;
-  std::size_t last = energies.size() - 1;
-  while (last > 0 && !(spectrum.Weights[last] > 0))
-  {
-    --last;
-  }
-  return last > 0 ? 2 * energies[last] - energies[last - 1] : energies[last];
 }
 
 std::vector<float> ReadLogAttenuation(const std::string& path, const Mammogram& real)
@@ -95,7 +82,7 @@ Mammogram ReadSyntheticMammogram(const ResultFile& result, const Mammogram& real
   prefer(synthetic.ColumnDirection, real.ColumnDirection);
   try
   {
-    synthetic.PeakKilovoltage = PeakEnergyKeV(FindSpectrum(result.Spectrum));
+    synthetic.PeakKilovoltage = FindSpectrum(result.Spectrum).PeakEnergyKeV();
   }
   catch (const InputError&)
   {

@@ -3,18 +3,16 @@
 
 #include "Private/AskedPlaces.h"
 #include "Private/CaseChecks.h"
+#include "Private/CasePictures.h"
 #include "Private/Checkpoint.h"
 #include "mammoray/Biomechanics/ElasticTable.h"
 #include "mammoray/Case/CutTissue.h"
 #include "mammoray/Case/StudyCase.h"
-#include "mammoray/IO/MammogramIO.h"
-#include "mammoray/IO/MammogramPictureIO.h"
 #include "mammoray/IO/MeshConversion.h"
 #include "mammoray/IO/MeshIO.h"
 #include "mammoray/IO/ScatterData.h"
 #include "mammoray/IO/Sha256.h"
 #include "mammoray/IO/ShippedData.h"
-#include "mammoray/Registration/MammogramMask.h"
 #include "mammoray/Registration/TargetPreparation.h"
 
 #ifdef MAMMORAY_HAS_MESHING
@@ -76,43 +74,6 @@ TetrahedralMesh MeshAnatomy(const LabelVolume&, const std::vector<int>&, double,
                    "simulation mesh made elsewhere");
 }
 #endif
-
-MammographyUnit UnitOf(const RegistrationCase& input, const std::string& path,
-  const Mammogram& mammogram, std::vector<std::string>& warnings)
-{
-  MammographyUnit unit;
-  if (input.SourceToDetectorMm)
-  {
-    unit.SourceToDetectorMm = *input.SourceToDetectorMm;
-  }
-  else if (mammogram.SourceToDetectorMm)
-  {
-    unit.SourceToDetectorMm = *mammogram.SourceToDetectorMm;
-  }
-  else
-  {
-    warnings.push_back("The header does not say the source to detector distance; " +
-      std::to_string(static_cast<int>(unit.SourceToDetectorMm)) + " mm is assumed.");
-  }
-  if (input.SupportHeightMm)
-  {
-    unit.SupportHeightMm = *input.SupportHeightMm;
-  }
-  if (!(unit.SourceToDetectorMm > 0) || !(unit.SupportHeightMm >= 0))
-  {
-    throw InputError(
-      "unit: expected a positive source to detector distance and a support height of at "
-      "least 0, found " +
-      std::to_string(unit.SourceToDetectorMm) + " and " + std::to_string(unit.SupportHeightMm) +
-      " mm");
-  }
-  CheckUsual(input, Plausible::SourceDistance, unit.SourceToDetectorMm, path,
-    "--source-to-detector gives another");
-  unit.SupportEdgeMm = input.SupportEdgeMm;
-  unit.PaddleEdgeMm = input.PaddleEdgeMm;
-  unit.EdgeRadiusMm = input.EdgeRadiusMm;
-  return unit;
-}
 
 /// What the case says where a parameter starts; nothing where it does not.
 std::optional<double> GivenStart(const RegistrationCase& input, std::size_t mammogram,
@@ -243,34 +204,6 @@ void ResumeFrom(const RegistrationCase& input, const SearchPoint& earlier,
   }
 }
 
-Mammogram ReadCaseMammogram(const RegistrationCase& input, std::size_t number)
-{
-  const std::string& path = input.Mammograms[number];
-  PictureDescription given{ input.PixelSpacingMm,
-    input.MammogramViews.empty() ? "" : input.MammogramViews[number],
-    input.Laterality.empty() ? '?' : input.Laterality.front() };
-  if (IsPicturePath(path))
-  {
-    return ReadMammogramPicture(path, given);
-  }
-  Mammogram mammogram = ReadMammogram(path);
-  if (given.PixelSpacingMm)
-  {
-    mammogram.ColumnSpacingMm = *given.PixelSpacingMm;
-    mammogram.RowSpacingMm = *given.PixelSpacingMm;
-  }
-  if (given.Laterality != '?' && mammogram.Laterality != '?' &&
-    given.Laterality != mammogram.Laterality && !input.Labels.AcceptUnusual)
-  {
-    throw InputError(path + ": expected a mammogram of the " +
-      (given.Laterality == 'L' ? "left" : "right") + " breast, as --side says, found " +
-      mammogram.Laterality + " in its header; " + AcceptUnusualHint + " as --side says");
-  }
-  mammogram.View = given.View.empty() ? mammogram.View : given.View;
-  mammogram.Laterality = given.Laterality == '?' ? mammogram.Laterality : given.Laterality;
-  return mammogram;
-}
-
 /// Throws InputError unless there is one for each mammogram, or none.
 void CheckCount(const std::vector<std::string>& given, const RegistrationCase& input,
   const char* what)
@@ -310,24 +243,7 @@ std::vector<JointMammogram> ReadMammograms(const RegistrationCase& input,
     const std::size_t number = mammograms.size();
     RegisteredView& view = result.Views.emplace_back();
     view.Path = path;
-    view.Mammogram = ReadCaseMammogram(input, number);
-    CheckMammogram(input, result.Views);
-    const char side = result.Views.front().Mammogram.Laterality;
-    if (view.Mammogram.Laterality != side && view.Mammogram.Laterality != '?' && side != '?')
-    {
-      throw InputError(path + ": expected a mammogram of the same breast as " +
-        result.Views.front().Path + " (" + side + "), found one of the other (" +
-        view.Mammogram.Laterality + ")");
-    }
-    view.Target = PrepareTarget(view.Mammogram, input.Targets);
-    CheckPicturedBreast(input, view);
-    if (!input.Masks.empty())
-    {
-      ExcludePixels(ReadMask(input.Masks[number], view.Target.Columns, view.Target.Rows),
-        view.Target);
-    }
-    view.Warnings = view.Target.Warnings;
-    view.Unit = UnitOf(input, path, view.Mammogram, view.Warnings);
+    ReadCasePictures(input, result.Views);
     JointMammogram& searched = mammograms.emplace_back();
     searched.Parameters = DefaultParameters(StartOf(input, number, view.Mammogram, view.Warnings));
     searched.Parameters[RollParameter].PriorSigma = input.RollSigmaDeg;
@@ -384,6 +300,10 @@ void Search(const RegistrationCase& input, BreastModel& model,
     mammogram.Model = &model;
     mammogram.Placement = { result.Axes, result.Anchor, result.Views[number].Unit };
     mammogram.Target = &result.Views[number].Target;
+    for (const RegisteredProjection& other : result.Views[number].Others)
+    {
+      mammogram.Others.push_back({ &other.Target, other.FocalSpotMm });
+    }
   }
   std::string failure;
   JointRegistrationResult found =
@@ -431,6 +351,11 @@ void Picture(BreastModel& model, const UnitPlacement& placement, RegisteredView&
   view.Placed = breast.Placed();
   view.Synthetic = Synthesize(breast, view.Target, 1);
   found.After = Compare(view.Synthetic, view.Target);
+  for (RegisteredProjection& other : view.Others)
+  {
+    EvaluatedState& seen = breast.SeenFrom(other.FocalSpotMm);
+    other.After = Compare(Synthesize(seen, other.Target, 1), other.Target);
+  }
   if (view.Synthetic.InconsistentRays > 0)
   {
     view.Warnings.push_back(std::to_string(view.Synthetic.InconsistentRays) +

@@ -47,7 +47,8 @@ struct RegistrationCase
   LabelSource Labels{ .SpacingMm = 0.5, .OnlyCoarsen = true };
   /// Material table: a path (.json) or the name of a shipped one.
   std::string Materials;
-  /// DICOM MG; more than one of the same breast are registered together.
+  /// DICOM MG, one exposure or the projections of a tomosynthesis (ReadProjections) each; more than
+  /// one of the same breast are registered together.
   std::vector<std::string> Mammograms;
   /// Of mammograms that are pictures (.jpg, .png), and in place of what a header says: mm at the
   /// receptor; "CC", "MLO", ..., one for each mammogram; 'L' or 'R'.
@@ -120,6 +121,17 @@ struct RegistrationCase
   RegistrationOptions Options;
 };
 
+/// A further projection of a mammogram that is a tomosynthesis.
+struct RegisteredProjection
+{
+  /// Gantry frame, mm.
+  Vector3 FocalSpotMm{ 0, 0, 0 };
+  /// In the finest pixels that the search compares.
+  RegistrationTarget Target;
+  /// On that grid.
+  Agreement After;
+};
+
 /// What a run made of one mammogram.
 struct RegisteredView
 {
@@ -127,6 +139,8 @@ struct RegisteredView
   std::string Path;
   mammoray::Mammogram Mammogram;
   RegistrationTarget Target;
+  /// Of a tomosynthesis, whose middle projection is Mammogram, the others, in their order.
+  std::vector<RegisteredProjection> Others;
   /// The anatomy's points after compression, 3 x pointCount, mm; volume frame.
   std::vector<double> CompressedPoints;
   /// How they change with each parameter of Registration, seen from the unit; mm per mm or degree;

@@ -28,7 +28,9 @@
 #include <array>
 #include <cctype>
 #include <cmath>
+#include <cstdio>
 #include <filesystem>
+#include <numbers>
 #include <optional>
 #include <string_view>
 
@@ -114,6 +116,10 @@ ResultFile ResultOf(const RegistrationCase& input, const RegistrationCaseResult&
   file.Placed = registered.Placed;
   file.Unit = registered.Unit;
   file.After = found.After;
+  for (const RegisteredProjection& other : registered.Others)
+  {
+    file.Projections.push_back({ other.FocalSpotMm, other.After });
+  }
   file.Misfit = found.Misfit;
   if (found.Expected)
   {
@@ -167,6 +173,41 @@ RegistrationReport ReportOf(const RegisteredView& registered, const ResultFile& 
   report.Versions.emplace_back("Spectrum", file.Spectrum);
   report.Warnings = file.Warnings;
   return report;
+}
+
+/// How each projection of a tomosynthesis agrees with the one compression.
+ReportSection ProjectionSection(const RegisteredView& registered)
+{
+  ReportSection section;
+  section.Title = "Projections of the tomosynthesis";
+  const auto add = [&](const Vector3& spot, const Agreement& after)
+  {
+    const double angle = std::atan2(spot[0], spot[2]) * 180 / std::numbers::pi;
+    char row[2][80];
+    std::snprintf(row[0], sizeof row[0], "Source at %.1f°", angle);
+    std::snprintf(row[1], sizeof row[1], "correlation %.3f, outlines %.2f mm apart",
+      after.Correlation, after.MeanOutlineDistanceMm);
+    section.Rows.emplace_back(row[0], row[1]);
+  };
+  // Those before the middle one come first in the object.
+  const double middle = registered.Unit.FocalSpotMm[0];
+  bool told = false;
+  for (const RegisteredProjection& other : registered.Others)
+  {
+    const bool before =
+      (other.FocalSpotMm[0] < middle) == (registered.Others.front().FocalSpotMm[0] < middle);
+    if (!before && !told)
+    {
+      add(registered.Unit.FocalSpot(), registered.Registration.After);
+      told = true;
+    }
+    add(other.FocalSpotMm, other.After);
+  }
+  section.Notes = { "Angles are those of the focal spot over the middle of the receptor's "
+                    "chest-wall edge, positive along gantry x. All projections were compared with "
+                    "one compressed breast; pictures and figures above are those of the middle "
+                    "one." };
+  return section;
 }
 
 /// "2024-03-01" of DICOM's 20240301; empty where it is no such date.
@@ -296,10 +337,15 @@ void WriteInto(const std::string& folder, const RegistrationCase& input,
         section.Notes.end());
     }
     WriteResultFile(files.back(), own);
+    if (!registered.Others.empty())
+    {
+      told.Sections.push_back(ProjectionSection(registered));
+    }
   }
   if (result.Views.size() == 1)
   {
-    report.Mammograms.front().Sections = report.Sections;
+    std::vector<ReportSection>& sections = report.Mammograms.front().Sections;
+    sections.insert(sections.begin(), report.Sections.begin(), report.Sections.end());
     WriteRegistrationReport(report.Mammograms.front(), folder);
     return;
   }

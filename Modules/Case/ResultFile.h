@@ -78,6 +78,14 @@ struct ResultMammogram
   std::optional<double> PeakKilovoltage;
 };
 
+/// A further projection of a tomosynthesis.
+struct ResultProjection
+{
+  /// Of its focal spot, gantry frame.
+  Vector3 FocalSpotMm{ 0, 0, 0 };
+  Agreement After;
+};
+
 /// What scattered onto the synthetic mammogram.
 struct ResultScatter
 {
@@ -127,6 +135,8 @@ struct ResultFile
   VolumeFromGantry Placed;
   MammographyUnit Unit;
   Agreement After;
+  /// Beside the mammogram above, which is the middle one; empty unless it is a tomosynthesis.
+  std::vector<ResultProjection> Projections;
   RegistrationMisfit Misfit;
   /// NaN where it is not known.
   ExpectedError Expected{ std::numeric_limits<double>::quiet_NaN(),

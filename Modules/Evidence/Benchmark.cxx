@@ -163,10 +163,8 @@ public:
       for (std::size_t point = 0; point < moved.size(); ++point)
       {
         const Vector3& at = moved[point];
-        const double enlarged =
-          placement.Unit.SourceToDetectorMm / (placement.Unit.SourceToDetectorMm - at[2]);
         answers.push_back(
-          { (*view)->View, point, PixelOf(target, { enlarged * at[0], enlarged * at[1] }), at });
+          { (*view)->View, point, PixelOf(target, ShadowOf(at, placement.Unit)), at });
       }
     }
     return answers;
@@ -187,7 +185,8 @@ std::string ScoreTable(const std::vector<BaselineScore>& scores)
   {
     for (const AnswerScore& view : score.Views)
     {
-      const auto& [space, receptor] = view.Imaged;
+      const std::vector<double>& space = view.Imaged.InSpaceMm;
+      const std::vector<double>& receptor = view.Imaged.OnReceptorMm;
       char line[200];
       std::snprintf(line, sizeof line, "%s,%s,%s,%zu,%.2f,%.2f,%.2f,%.2f\n", score.Study.c_str(),
         score.Baseline.c_str(), view.View.c_str(), receptor.size(), Quantile(space, 0.5),

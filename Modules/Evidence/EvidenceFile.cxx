@@ -133,18 +133,20 @@ nlohmann::json ToJson(const MammogramEvidence& found)
 
 nlohmann::json ToJson(const PointErrors& errors)
 {
-  return { { "in3dMm", errors.InSpaceMm }, { "onReceptorMm", errors.OnReceptorMm } };
+  return { { "in3dMm", errors.InSpaceMm }, { "onReceptorMm", errors.OnReceptorMm },
+    { "alongBeamMm", errors.AlongBeamMm } };
 }
 
 PointErrors PointErrorsFrom(const nlohmann::json& json)
 {
-  return { Numbers(json.at("in3dMm")), Numbers(json.at("onReceptorMm")) };
+  return { Numbers(json.at("in3dMm")), Numbers(json.at("onReceptorMm")),
+    Numbers(json.at("alongBeamMm")) };
 }
 
-nlohmann::json ToJson(const StudyRun& run)
+nlohmann::json ToJson(const std::vector<StudyViewErrors>& found)
 {
   nlohmann::json views = nlohmann::json::array();
-  for (const StudyViewErrors& view : run.Views)
+  for (const StudyViewErrors& view : found)
   {
     views.push_back({ { "view", view.View }, { "imaged", ToJson(view.Imaged) },
       { "behind", ToJson(view.Behind) }, { "coordinatesWithin", view.CoordinatesWithin },
@@ -153,8 +155,28 @@ nlohmann::json ToJson(const StudyRun& run)
       { "expectedMedianMm", view.ExpectedMedianMm }, { "expected95Mm", view.Expected95Mm },
       { "trust", view.Trust } });
   }
+  return views;
+}
+
+std::vector<StudyViewErrors> ViewErrorsFrom(const nlohmann::json& views)
+{
+  std::vector<StudyViewErrors> found;
+  for (const nlohmann::json& view : views)
+  {
+    found.push_back({ view.at("view").get<std::string>(), PointErrorsFrom(view.at("imaged")),
+      PointErrorsFrom(view.at("behind")), Number(view.at("coordinatesWithin")),
+      Number(view.at("meanOutlineDistanceMm")), Number(view.at("correlation")),
+      Number(view.at("tissueCorrelation")), Number(view.at("expectedMedianMm")),
+      Number(view.at("expected95Mm")), view.at("trust").get<std::string>() });
+  }
+  return found;
+}
+
+nlohmann::json ToJson(const StudyRun& run)
+{
   return { { "phantom", run.Phantom }, { "seed", run.Seed },
-    { "laterality", std::string(1, run.Laterality) }, { "views", views },
+    { "laterality", std::string(1, run.Laterality) }, { "views", ToJson(run.Views) },
+    { "ccAlone", ToJson(run.CcAlone) }, { "projections", ToJson(run.Swept) },
     { "oneViewMm", run.Together.OneViewMm }, { "bothViewsMm", run.Together.BothViewsMm },
     { "seconds", run.Seconds }, { "failure", run.Failure } };
 }
@@ -165,14 +187,9 @@ StudyRun StudyRunFrom(const nlohmann::json& json)
   run.Phantom = json.at("phantom").get<std::string>();
   run.Seed = json.at("seed").get<std::uint32_t>();
   run.Laterality = json.at("laterality").get<std::string>() == "R" ? 'R' : 'L';
-  for (const nlohmann::json& view : json.at("views"))
-  {
-    run.Views.push_back({ view.at("view").get<std::string>(), PointErrorsFrom(view.at("imaged")),
-      PointErrorsFrom(view.at("behind")), Number(view.at("coordinatesWithin")),
-      Number(view.at("meanOutlineDistanceMm")), Number(view.at("correlation")),
-      Number(view.at("tissueCorrelation")), Number(view.at("expectedMedianMm")),
-      Number(view.at("expected95Mm")), view.at("trust").get<std::string>() });
-  }
+  run.Views = ViewErrorsFrom(json.at("views"));
+  run.CcAlone = ViewErrorsFrom(json.at("ccAlone"));
+  run.Swept = ViewErrorsFrom(json.at("projections"));
   run.Together = { Numbers(json.at("oneViewMm")), Numbers(json.at("bothViewsMm")) };
   run.Seconds = Number(json.at("seconds"));
   run.Failure = json.at("failure").get<std::string>();
@@ -205,7 +222,8 @@ std::string EvidenceSettings(const EvidenceOptions& options)
     { "noise", twin.Noise }, { "picture", NameOf(twin.Picture) },
     { "pixelSizesMm", twin.Registration.PixelSizesMm },
     { "comparison", static_cast<int>(twin.Registration.Comparison) },
-    { "windowMm", twin.Registration.WindowMm }
+    { "windowMm", twin.Registration.WindowMm },
+    { "projections", options.Studies.empty() ? 0 : options.Studies.front().Options.Projections }
   }.dump();
 }
 

@@ -404,6 +404,56 @@ std::string TwoViewText(const std::vector<StudyRun>& runs)
         MedianText(all.BothViewsMm, ".").c_str());
 }
 
+/// What a second mammogram and what projections of one compression add to a CC.
+std::string SweepTable(const std::vector<StudyRun>& runs)
+{
+  struct Row
+  {
+    const char* Name;
+    PointErrors Errors;
+    std::vector<double> Within;
+  };
+  std::vector<Row> rows{ { "CC alone", {}, {} }, { "CC with MLO", {}, {} },
+    { "projections of the CC's compression", {}, {} } };
+  const auto add = [](Row& row, const std::vector<StudyViewErrors>& views)
+  {
+    for (const StudyViewErrors& view : views)
+    {
+      if (view.View == "CC")
+      {
+        Append(row.Errors.InSpaceMm, view.Imaged.InSpaceMm);
+        Append(row.Errors.AlongBeamMm, view.Imaged.AlongBeamMm);
+        Append(row.Errors.OnReceptorMm, view.Imaged.OnReceptorMm);
+        row.Within.push_back(view.CoordinatesWithin);
+      }
+    }
+  };
+  for (const StudyRun& run : runs)
+  {
+    if (!run.Swept.empty())
+    {
+      add(rows[0], run.CcAlone);
+      add(rows[1], run.Views);
+      add(rows[2], run.Swept);
+    }
+  }
+  if (rows[2].Errors.InSpaceMm.empty())
+  {
+    return "";
+  }
+  std::string text =
+    Line("| imaged points of %zu studies' CC: median (95 %%), mm | in 3D | along the beam | on the "
+         "receptor | coordinates within 2 sigma |\n|---|---|---|---|---|\n",
+      rows[2].Within.size());
+  for (const Row& row : rows)
+  {
+    text += std::string("| ") + row.Name + " |" + MedianCell(row.Errors.InSpaceMm) +
+      MedianCell(row.Errors.AlongBeamMm) + MedianCell(row.Errors.OnReceptorMm) +
+      Line(" %.1f %% |\n", 100 * Summarise(row.Within).Mean);
+  }
+  return text + "\n";
+}
+
 /// Errors beside what the results themselves expect.
 std::string ExpectedText(const std::vector<StudyRun>& runs)
 {
@@ -474,8 +524,8 @@ std::string EvidenceTables(const RegistrationEvidence& evidence)
   }
   if (!evidence.Studies.empty())
   {
-    text +=
-      StudyTable(evidence.Studies) + ExpectedText(evidence.Studies) + TwoViewText(evidence.Studies);
+    text += StudyTable(evidence.Studies) + ExpectedText(evidence.Studies) +
+      TwoViewText(evidence.Studies) + SweepTable(evidence.Studies);
   }
   return text + CoverageTable(evidence) + TrustTable(evidence) + ScoreText(evidence);
 }

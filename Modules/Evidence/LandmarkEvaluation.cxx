@@ -3,6 +3,7 @@
 
 #include "Private/CsvRows.h"
 #include "mammoray/Foundation/Error.h"
+#include "mammoray/Registration/Silhouette.h"
 
 #include "vtkDataArray.h"
 #include "vtkGenericCell.h"
@@ -69,10 +70,17 @@ private:
   vtkNew<vtkGenericCell> Cell;
 };
 
-Vector3 OnReceptor(const Vector3& gantry, double sid)
+Vector3 OnReceptor(const Vector3& gantry, const MammographyUnit& unit)
 {
-  const double magnification = sid / (sid - gantry[2]);
-  return { magnification * gantry[0], magnification * gantry[1], 0 };
+  const ReceptorPoint shadow = ShadowOf(gantry, unit);
+  return { shadow[0], shadow[1], 0 };
+}
+
+MammographyUnit TrueUnit(const LandmarkTruth& truth)
+{
+  MammographyUnit unit;
+  unit.SourceToDetectorMm = truth.SourceToDetectorMm;
+  return unit;
 }
 
 /// The rigid motion that takes the chosen landmarks nearest to the truth in the sense of least
@@ -169,7 +177,7 @@ ReaderDistances DistancesBetween(const std::vector<Landmark>& first,
       std::to_string(first.size()) + " and " + std::to_string(second.size()));
   }
   const auto shadow = [&](const Landmark& landmark)
-  { return OnReceptor(truth.Placed.ToGantry(landmark.Compressed), truth.SourceToDetectorMm); };
+  { return OnReceptor(truth.Placed.ToGantry(landmark.Compressed), TrueUnit(truth)); };
   ReaderDistances distances;
   for (std::size_t index = 0; index < first.size(); ++index)
   {
@@ -210,12 +218,13 @@ std::vector<Vector3> Displace(const std::vector<Vector3>& points, vtkUnstructure
 
 std::vector<LandmarkErrors> EvaluateLandmarks(const std::vector<Landmark>& landmarks,
   const LandmarkTruth& truth, vtkUnstructuredGrid* uncompressed, const VolumeFromGantry& registered,
-  double registeredSid)
+  const MammographyUnit& registeredUnit)
 {
   std::vector<LandmarkErrors> methods;
   // `carry` takes an uncompressed point into the gantry frame.
-  const auto add =
-    [&](const std::string& name, double sid, const std::function<Vector3(const Vector3&)>& carry)
+  const MammographyUnit trueUnit = TrueUnit(truth);
+  const auto add = [&](const std::string& name, const MammographyUnit& unit,
+                     const std::function<Vector3(const Vector3&)>& carry)
   {
     LandmarkErrors errors;
     errors.Method = name;
@@ -224,22 +233,19 @@ std::vector<LandmarkErrors> EvaluateLandmarks(const std::vector<Landmark>& landm
       const Vector3 expected = truth.Placed.ToGantry(landmark.Compressed);
       const Vector3 found = carry(landmark.Uncompressed);
       errors.InSpace.push_back(Norm(found - expected));
-      errors.OnReceptor.push_back(
-        Norm(OnReceptor(found, sid) - OnReceptor(expected, truth.SourceToDetectorMm)));
+      errors.OnReceptor.push_back(Norm(OnReceptor(found, unit) - OnReceptor(expected, trueUnit)));
     }
     methods.push_back(errors);
   };
-  add("identity", truth.SourceToDetectorMm,
-    [&](const Vector3& point) { return truth.Placed.ToGantry(point); });
+  add("identity", trueUnit, [&](const Vector3& point) { return truth.Placed.ToGantry(point); });
   for (const bool imagedOnly : { true, false })
   {
     const auto rigid = BestRigidMotion(landmarks, imagedOnly);
     add(imagedOnly ? "rigid, fitted to the imaged truth" : "rigid, fitted to all of the truth",
-      truth.SourceToDetectorMm,
-      [&](const Vector3& point) { return truth.Placed.ToGantry(rigid(point)); });
+      trueUnit, [&](const Vector3& point) { return truth.Placed.ToGantry(rigid(point)); });
   }
   DisplacementOfGrid field(uncompressed);
-  add("registered", registeredSid,
+  add("registered", registeredUnit,
     [&](const Vector3& point) { return registered.ToGantry(point + field.At(point)); });
   return methods;
 }

@@ -100,7 +100,8 @@ MAMMORAYEVIDENCE_EXPORT LandmarkSummary SummariseImaged(const LandmarkErrors& er
  */
 MAMMORAYEVIDENCE_EXPORT std::vector<LandmarkErrors> EvaluateLandmarks(
   const std::vector<Landmark>& landmarks, const LandmarkTruth& truth,
-  vtkUnstructuredGrid* uncompressed, const VolumeFromGantry& registered, double registeredSid);
+  vtkUnstructuredGrid* uncompressed, const VolumeFromGantry& registered,
+  const MammographyUnit& registeredUnit);
 }
 
 #endif

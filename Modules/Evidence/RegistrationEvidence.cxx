@@ -180,7 +180,7 @@ LandmarkEvidence MeasureLandmarks(const EvidenceLandmarks& input, const Progress
   found.Seconds = view.Registration.Seconds;
   const auto grid = UncompressedGrid(result, view);
   for (const LandmarkErrors& errors :
-    EvaluateLandmarks(landmarks, input.Truth, grid, view.Placed, view.Unit.SourceToDetectorMm))
+    EvaluateLandmarks(landmarks, input.Truth, grid, view.Placed, view.Unit))
   {
     found.Rows.push_back(SummariseImaged(errors, landmarks));
   }

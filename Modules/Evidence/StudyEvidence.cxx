@@ -115,6 +115,7 @@ StudyViewErrors ErrorsIn(const VirtualStudyTruth& truth, const VirtualView& view
     const bool imaged = view.Receptor[index][1] >= 0;
     PointErrors& points = imaged ? errors.Imaged : errors.Behind;
     points.InSpaceMm.push_back(Norm(error));
+    points.AlongBeamMm.push_back(std::abs(error[2]));
     if (imaged)
     {
       coverage.Add(truth.MriPoints[index], error);
@@ -226,11 +227,28 @@ StudyRun RunStudy(const EvidenceStudy& study, const std::string& keepIn,
   {
     RegistrationCase input;
     TakeStudy((folder / "study/export").string(), {}, input);
-    const RegistrationCaseResult result = RunRegistrationCase(input, ShareOf(progress, 0.2, 1));
+    const bool sweeps = study.Options.Projections > 1;
+    const double both = sweeps ? 0.5 : 1;
+    const RegistrationCaseResult result = RunRegistrationCase(input, ShareOf(progress, 0.2, both));
     run.Seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     WriteRegistrationCase(input, result, (folder / "result").string());
     run.Views = MeasureStudy(truth, (folder / "result").string());
     run.Together = MeasureTwoViews(truth, (folder / "result").string());
+    const auto alone = [&](const std::string& mammogram, const std::string& name, double from)
+    {
+      RegistrationCase one = input;
+      one.Mammograms = { mammogram };
+      const std::string output = (folder / name).string();
+      WriteRegistrationCase(one, RunRegistrationCase(one, ShareOf(progress, from, from + 0.25)),
+        output);
+      return MeasureStudy(truth, output);
+    };
+    if (sweeps)
+    {
+      run.CcAlone = alone(input.Mammograms.front(), "result-cc", 0.5);
+      run.Swept =
+        alone((folder / "study" / StudyProjectionsFile).string(), "result-projections", 0.75);
+    }
   }
   catch (const InputError& error)
   {

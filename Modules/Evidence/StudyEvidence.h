@@ -32,6 +32,8 @@ struct PointErrors
   /// Of each point: in the gantry frame, and of its shadow on the receptor, mm.
   std::vector<double> InSpaceMm;
   std::vector<double> OnReceptorMm;
+  /// How far along gantry z, nearly the beam, which one picture shows least of.
+  std::vector<double> AlongBeamMm;
 };
 
 struct StudyViewErrors
@@ -71,6 +73,10 @@ struct StudyRun
   char Laterality = 'L';
   std::vector<StudyViewErrors> Views;
   TwoViewErrors Together;
+  /// Where the study has a tomosynthesis (VirtualStudyOptions::Projections): its CC registered
+  /// alone, and all projections together; one each.
+  std::vector<StudyViewErrors> CcAlone;
+  std::vector<StudyViewErrors> Swept;
   double Seconds = 0;
   /// Empty, or why there is no result.
   std::string Failure;

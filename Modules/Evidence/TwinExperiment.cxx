@@ -377,9 +377,7 @@ struct TwinExperiment::Internals
       const std::vector<double> rest(point.begin(), point.end());
       Vector3 gantry = this->Target.ToGantry(pose, state, rest).front();
       gantry[0] += shiftMm;
-      const double sid = this->Target.Placement.Unit.SourceToDetectorMm;
-      const ReceptorPoint shadow{ gantry[0] * sid / (sid - gantry[2]),
-        gantry[1] * sid / (sid - gantry[2]) };
+      const ReceptorPoint shadow = ShadowOf(gantry, this->Target.Placement.Unit);
       if (gantry[1] > 0 && Contains(problem.Target, shadow, 0))
       {
         for (const double coordinate : rest)

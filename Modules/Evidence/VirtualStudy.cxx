@@ -8,6 +8,7 @@
 #include "mammoray/Biomechanics/PlacedPlates.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/Foundation/LabelSkin.h"
+#include "mammoray/IO/DicomWriter.h"
 #include "mammoray/IO/ShippedData.h"
 #include "mammoray/IO/WholeOutput.h"
 #include "mammoray/Meshing/LabelMesher.h"
@@ -161,6 +162,9 @@ public:
       MakeBeam(breast.Table, FindSpectrum(options.Spectrum), DetectorResponse::EnergyIntegrating));
   }
 
+  /// Of the CC, once it is taken; empty unless wanted.
+  std::vector<Mammogram> Projections;
+
   /// Compresses at the view's pose, less where that has no equilibrium, and pictures it.
   std::pair<VirtualView, Mammogram> Take(const std::string& view, const TrueBreast& breast,
     const std::vector<double>& points, Draws& draws, const ProgressCallback& progress)
@@ -292,6 +296,10 @@ private:
     mammogram.SourceToPatientMm = taken.Unit.SourceToDetectorMm - taken.Unit.SupportHeightMm;
     mammogram.PeakKilovoltage = 30;
     taken.PaddleForceN = state.PaddleForceN;
+    if (taken.View == "CC" && this->Options.Projections > 1)
+    {
+      this->Sweep(seen, mammogram, grid);
+    }
 
     const std::vector<double> moved =
       Embedding(this->Model.Body().Simulation(), points).Map(state.Positions);
@@ -299,15 +307,34 @@ private:
     for (std::size_t index = 0; index < moved.size(); index += 3)
     {
       const Vector3 at = placed.ToGantry({ moved[index], moved[index + 1], moved[index + 2] });
-      // Along the ray from the source above the middle of the receptor's edge.
-      const double enlarged =
-        taken.Unit.SourceToDetectorMm / (taken.Unit.SourceToDetectorMm - at[2]);
-      const std::array<double, 2> shadow{ enlarged * at[0], enlarged * at[1] };
       taken.Gantry.push_back(at);
-      taken.Receptor.push_back(shadow);
-      taken.Pixels.push_back(PixelOf(grid, { shadow[0], shadow[1] }));
+      taken.Receptor.push_back(ShadowOf(at, taken.Unit));
+      taken.Pixels.push_back(PixelOf(grid, taken.Receptor.back()));
     }
     return mammogram;
+  }
+
+  /// The same compression from along an arc of the source.
+  void Sweep(EvaluatedState& breast, const Mammogram& header, const RegistrationTarget& grid)
+  {
+    // Numbers of its own: those of the study are the same with and without it.
+    Draws draws(this->Options.Seed, 1, 0);
+    const int count = this->Options.Projections;
+    const double radius = breast.Placement().Unit.SourceToDetectorMm - TomosynthesisAxisMm;
+    for (int number = 0; number < count; ++number)
+    {
+      const double angle = this->Options.SpanDeg * std::numbers::pi / 180 *
+        (static_cast<double>(number) / (count - 1) - 0.5);
+      const Vector3 spot{ radius * std::sin(angle), 0,
+        TomosynthesisAxisMm + radius * std::cos(angle) };
+      const SyntheticMammogram picture = Synthesize(breast.SeenFrom(spot), grid, 2);
+      Mammogram& projection = this->Projections.emplace_back(Develop(header, picture.LogAttenuation,
+        grid, { .Noise = std::sqrt(static_cast<double>(count)) * this->Options.MammogramNoise },
+        draws));
+      projection.SourceToDetectorMm = spot[2];
+      projection.SourceToPatientMm = spot[2] - breast.Placement().Unit.SupportHeightMm;
+      projection.SourceFootPixel = PixelOf(grid, { spot[0], spot[1] });
+    }
   }
 
   VirtualStudyOptions Options;
@@ -399,6 +426,7 @@ VirtualStudyTruth MakeVirtualStudy(const LabelVolume& materials, const MaterialT
 
   // Between the plates first: what cannot be compressed needs no MRI.
   std::vector<Mammogram> mammograms;
+  std::vector<Mammogram> projections;
   {
     PressedBreast pressed(breast, options, PartOf(progress, 0, 0.2));
     double done = 0.2;
@@ -410,6 +438,7 @@ VirtualStudyTruth MakeVirtualStudy(const LabelVolume& materials, const MaterialT
       truth.Views.push_back(std::move(taken));
       mammograms.push_back(std::move(mammogram));
     }
+    projections = std::move(pressed.Projections);
   }
   const HangingBreast hanging(breast, options, PatientPosition::Prone, PartOf(progress, 0.7, 0.85));
   truth.MriPoints = AsPoints(hanging.Move(points));
@@ -421,6 +450,11 @@ VirtualStudyTruth MakeVirtualStudy(const LabelVolume& materials, const MaterialT
   const StudyPatient patient{ breast.Rest, breast.Table, breast.Curve, breast.OffMm,
     [&hanging](const std::vector<double>& rest) { return hanging.Move(rest); } };
   WriteStudyFiles(patient, mammograms, options, draws, folder, truth, PartOf(progress, 0.85, 1));
+  if (!projections.empty())
+  {
+    WriteProjections(projections, { .Derivation = "Computed from a label phantom." },
+      TomosynthesisAxisMm, folder + "/" + StudyProjectionsFile);
+  }
   ReportProgress(progress, 1, "done");
   return truth;
 }

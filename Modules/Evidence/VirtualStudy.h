@@ -58,7 +58,17 @@ struct VirtualStudyOptions
   double LeastForceN = 0;
   std::string Spectrum = "W30kVp_Rh50um_Be1mm";
   int NumberOfPoints = 100;
+  /// The CC's compression is pictured as a tomosynthesis, too, by so many projections over SpanDeg
+  /// about an axis TomosynthesisAxisMm above the receptor, which share the dose of one mammogram;
+  /// less than 2: none. FOLDER/cc-projections.dcm, beside the export.
+  int Projections = 0;
+  double SpanDeg = 25;
 };
+
+/// Height of the axis about which a unit's source goes, over the receptor, mm: 40 of the GE
+/// SenoClaire, 0 to 50 of others (Sechopoulos, Med. Phys. 40, 014301, 2013).
+inline constexpr double TomosynthesisAxisMm = 40;
+inline constexpr const char* StudyProjectionsFile = "cc-projections.dcm";
 
 /// A mammogram of a virtual study and where it has the points.
 struct VirtualView

@@ -36,8 +36,11 @@ struct MAMMORAYFOUNDATION_EXPORT AnatomicalAxes
 /// The mammography unit: what the DICOM header says and what is fixed by its construction; mm.
 struct MammographyUnit
 {
-  /// Source to image receptor plane; positive.
+  /// Focal spot to image receptor plane; positive.
   double SourceToDetectorMm = 650.0;
+  /// x and y of the focal spot in the gantry frame: over the middle of the chest-wall edge, but for
+  /// the projections of a tomosynthesis.
+  std::array<double, 2> FocalSpotMm{ 0, 0 };
   /// Height of the breast support's upper face above the image receptor plane; not negative.
   double SupportHeightMm = 2.0;
   /// y of the plates' chest-wall edges in the gantry frame.
@@ -45,7 +48,21 @@ struct MammographyUnit
   double PaddleEdgeMm = 0.0;
   /// Radius of the plates' chest-wall edges.
   double EdgeRadiusMm = 3.0;
+
+  /// The focal spot, gantry frame.
+  Vector3 FocalSpot() const
+  {
+    return { this->FocalSpotMm[0], this->FocalSpotMm[1], this->SourceToDetectorMm };
+  }
 };
+
+/// The same unit with its focal spot elsewhere, gantry frame, mm.
+inline MammographyUnit WithFocalSpot(MammographyUnit unit, const Vector3& spot)
+{
+  unit.FocalSpotMm = { spot[0], spot[1] };
+  unit.SourceToDetectorMm = spot[2];
+  return unit;
+}
 
 /// The parameters of BreastPose, in the order in which their values are kept (see
 /// PoseParameters.h).

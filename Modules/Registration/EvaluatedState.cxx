@@ -10,7 +10,7 @@ namespace mammoray
 XRaySource SourceOf(const VolumeFromGantry& placed, const MammographyUnit& unit)
 {
   XRaySource source;
-  source.Position = placed.Point({ 0, 0, unit.SourceToDetectorMm });
+  source.Position = placed.Point(unit.FocalSpot());
   return source;
 }
 
@@ -42,6 +42,24 @@ EvaluatedState EvaluatedState::MovedTo(const BreastPose& pose)
   EvaluatedState moved(this->Breast, this->Body, this->Around, pose, this->Equilibrium);
   moved.Points = this->SurfacePoints();
   return moved;
+}
+
+EvaluatedState& EvaluatedState::SeenFrom(const Vector3& focalSpotMm)
+{
+  for (const std::shared_ptr<EvaluatedState>& other : this->Others)
+  {
+    if (other->Around.Unit.FocalSpot() == focalSpotMm)
+    {
+      return *other;
+    }
+  }
+  UnitPlacement placement = this->Around;
+  placement.Unit = WithFocalSpot(placement.Unit, focalSpotMm);
+  auto other = std::make_shared<EvaluatedState>(this->Breast, this->Body, placement, this->At,
+    this->Equilibrium);
+  other->Points = this->SurfacePoints();
+  this->Others.push_back(std::move(other));
+  return *this->Others.back();
 }
 
 const std::vector<double>& EvaluatedState::SurfacePoints()
@@ -104,27 +122,41 @@ const EvaluatedState::Picture& EvaluatedState::PictureOn(const RegistrationTarge
   return *this->Shown;
 }
 
-EvaluatedState::Derivatives EvaluatedState::Differentiate(const RegistrationTarget& grid,
-  int samples, const std::vector<int>& wanted)
+std::vector<double> EvaluatedState::Velocities(const std::vector<int>& wanted)
 {
-  Derivatives derivatives;
+  std::vector<double> velocities;
   for (const std::vector<double>& field : this->Body.VelocitiesSeenFromUnit(this->Around, this->At,
          this->Equilibrium, this->Body.Surface(), this->SurfacePoints(), wanted))
   {
-    derivatives.Velocities.insert(derivatives.Velocities.end(), field.begin(), field.end());
+    velocities.insert(velocities.end(), field.begin(), field.end());
   }
+  return velocities;
+}
+
+std::vector<std::vector<double>> EvaluatedState::DifferentiatePicture(
+  const RegistrationTarget& grid, int samples, const std::vector<double>& velocities, int fields)
+{
   const XRayDetector detector = DetectorOf(this->UnitHere, grid, samples);
   const XRaySource source = SourceOf(this->UnitHere, this->Around.Unit);
   PathLengthDerivatives rates;
-  PathLengthImage lengths = this->Breast.Project(this->SurfacePoints(), source, detector,
-    derivatives.Velocities, static_cast<int>(wanted.size()), rates);
+  PathLengthImage lengths =
+    this->Breast.Project(this->SurfacePoints(), source, detector, velocities, fields, rates);
   if (!this->Shows(detector))
   {
     ++this->Projections;
     this->KeepPicture(source, detector, std::move(lengths));
   }
-  derivatives.LogAttenuation = DetectedRates(this->Breast, source, detector, this->Shown->Lengths,
+  return DetectedRates(this->Breast, source, detector, this->Shown->Lengths,
     this->Shown->LogAttenuation, rates);
-  return derivatives;
+}
+
+int EvaluatedState::NumberOfProjections() const
+{
+  int count = this->Projections;
+  for (const std::shared_ptr<EvaluatedState>& other : this->Others)
+  {
+    count += other->NumberOfProjections();
+  }
+  return count;
 }
 }

@@ -8,6 +8,7 @@
 #include "mammorayRegistrationModule.h"
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -36,6 +37,9 @@ public:
 
   /// The same state and points in a unit that stands elsewhere.
   EvaluatedState MovedTo(const BreastPose& pose);
+  /// The same in the same unit with its focal spot elsewhere (gantry frame, mm), as a tomosynthesis
+  /// has it; kept with this one.
+  EvaluatedState& SeenFrom(const Vector3& focalSpotMm);
 
   const BreastPose& Pose() const { return this->At; }
   const CompressionState& State() const { return this->Equilibrium; }
@@ -65,21 +69,17 @@ public:
   };
   const Picture& PictureOn(const RegistrationTarget& grid, int samples);
 
-  /// How the surface and its picture change with parameters.
-  struct Derivatives
-  {
-    /// How the surface's points move, seen from the unit; one field after the other.
-    std::vector<double> Velocities;
-    /// The picture's LogAttenuation, by pixel, one field after the other.
-    std::vector<std::vector<double>> LogAttenuation;
-  };
-  /// With respect to the parameters numbered in `wanted`, at least one; nothing of it is kept but
-  /// the picture, which the same pass gives.
-  Derivatives Differentiate(const RegistrationTarget& grid, int samples,
-    const std::vector<int>& wanted);
+  /// How the surface's points move with the parameters numbered in `wanted`, seen from the unit, mm
+  /// per unit of each; one field after the other. Not kept.
+  std::vector<double> Velocities(const std::vector<int>& wanted);
+  /// How the picture's LogAttenuation changes with so many fields of the surface's velocities, by
+  /// pixel, one field after the other; nothing of it is kept but the picture, which the same pass
+  /// gives.
+  std::vector<std::vector<double>> DifferentiatePicture(const RegistrationTarget& grid, int samples,
+    const std::vector<double>& velocities, int fields);
 
-  /// Pictures that were computed.
-  int NumberOfProjections() const { return this->Projections; }
+  /// Pictures that were computed, from other focal spots too.
+  int NumberOfProjections() const;
 
 private:
   bool Shows(const XRayDetector& detector) const;
@@ -100,6 +100,8 @@ private:
   XRayDetector Detector;
   std::optional<Picture> Shown;
   int Projections = 0;
+  /// Seen from elsewhere.
+  std::vector<std::shared_ptr<EvaluatedState>> Others;
 };
 }
 

@@ -269,7 +269,12 @@ private:
     {
       const MammogramSearch& mammogram = this->Joint.Mammograms[number];
       searched.push_back({ breasts[number], CoarsenTo(*mammogram.Given->Target, pixelSizeMm),
-        this->Bounded(mammogram), mammogram.Result.Values, mammogram.Here });
+        this->Bounded(mammogram), mammogram.Result.Values, mammogram.Here, {} });
+      for (const ProjectionTarget& other : mammogram.Given->Others)
+      {
+        searched.back().Others.push_back(
+          { CoarsenTo(*other.Target, pixelSizeMm), other.FocalSpotMm });
+      }
       for (int index = 0; index < ParameterCount; ++index)
       {
         if (IsShared(index) && number > 0)
@@ -328,7 +333,8 @@ RegistrationResult Register(BreastModel& model, const UnitPlacement& placement,
   const RegistrationTarget& target, const RegistrationOptions& options,
   const ProgressCallback& progress)
 {
-  const JointMammogram mammogram{ &model, placement, &target, options.Parameters, options.From };
+  const JointMammogram mammogram{ &model, placement, &target, options.Parameters, options.From,
+    {} };
   return std::move(RegisterTogether({ mammogram }, options, progress).Mammograms.front());
 }
 }

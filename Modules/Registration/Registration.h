@@ -102,6 +102,14 @@ struct RegistrationResult
   double Seconds = 0;
 };
 
+/// A further projection of one compression: what it shows, in the gantry frame, and where its focal
+/// spot stood there, mm.
+struct ProjectionTarget
+{
+  const RegistrationTarget* Target = nullptr;
+  Vector3 FocalSpotMm{ 0, 0, 0 };
+};
+
 /// One of the mammograms of a breast that are registered together. The model may be that of the
 /// others, which is then used by one after the other; model and target must outlive the search.
 struct JointMammogram
@@ -112,6 +120,13 @@ struct JointMammogram
   /// They mean what those of RegistrationOptions do, for this mammogram.
   std::vector<RegistrationParameter> Parameters;
   std::vector<double> From;
+  /**
+   * Projections of a tomosynthesis beside Target, which is one of them, taken from the unit's own
+   * focal spot: one pose and one equilibrium, seen from many sides. All together count as much as
+   * one mammogram (RegistrationResiduals). Starts are chosen by Target alone, and agreement is that
+   * with it. They must outlive the search.
+   */
+  std::vector<ProjectionTarget> Others;
 };
 
 /// A free parameter of mammograms registered together.

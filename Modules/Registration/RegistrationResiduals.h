@@ -6,6 +6,7 @@
 #include "mammorayRegistrationModule.h"
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -101,19 +102,30 @@ struct RegistrationCosts
 MAMMORAYREGISTRATION_EXPORT std::vector<RegistrationParameter> DefaultParameters(
   const BreastPose& start);
 
-class PictureFeatures;
+class PictureResiduals;
+
+/// A picture that a compressed breast is compared with, and the focal spot it was taken from, in
+/// the gantry frame, mm; nothing: the unit's own.
+struct ComparedProjection
+{
+  const RegistrationTarget* Target = nullptr;
+  std::optional<Vector3> FocalSpotMm;
+};
 
 /**
  * What the registration minimises: outline, intensity and prior residuals of a compressed breast
- * against a target at one resolution, in standard deviations, with exact derivatives through
- * mechanics (implicit function theorem), projection (derivative images) and silhouette (the crossed
- * edges). Target and options must outlive it.
+ * against a target, or several projections of one compression, at one resolution, in standard
+ * deviations, with exact derivatives through mechanics (implicit function theorem), projection
+ * (derivative images) and silhouette (the crossed edges). Projections of one compression share the
+ * model's errors, so that all together count as much as one. Targets and options must outlive it.
  */
 class MAMMORAYREGISTRATION_EXPORT RegistrationResiduals
 {
 public:
-  /// Throws InputError where the target's breast is too small or its outline outside the image.
+  /// Throws InputError where a target's breast is too small or its outline outside the image.
   RegistrationResiduals(const RegistrationTarget& target, const RegistrationOptions& options);
+  RegistrationResiduals(const std::vector<ComparedProjection>& projections,
+    const RegistrationOptions& options);
 
   /// One parameter at a time, in the order of the options; fixed ones too.
   struct Jacobian
@@ -123,24 +135,22 @@ public:
     std::vector<std::vector<double>> Columns;
   };
 
-  /// Outline, then intensity, then one prior per parameter (0 where it has none).
+  /// Of each projection outline, then intensity; at the end one prior per parameter (0 where it has
+  /// none).
   std::size_t NumberOfResiduals() const;
-  std::size_t NumberOfOutlineResiduals() const { return this->Directions.size(); }
-  std::size_t NumberOfIntensityResiduals() const { return this->TargetFeatures.size(); }
   std::size_t NumberOfPriors() const { return this->Options.Parameters.size(); }
+  /// What is compared of each projection.
+  const std::vector<std::shared_ptr<const PictureResiduals>>& Pictures() const
+  {
+    return this->Compared;
+  }
+  /// Beyond which size each residual counts linearly; infinite of priors.
+  std::vector<double> RobustWidths() const;
+
+  /// The breast seen from where a projection was taken.
+  EvaluatedState& Seen(EvaluatedState& breast, std::size_t projection) const;
 
   std::vector<double> Evaluate(EvaluatedState& breast) const;
-
-  /// What distances of the outline, mm, and differences of the picture are multiplied by.
-  double OutlineFactor() const { return this->OutlineWeight; }
-  double IntensityFactor() const { return this->IntensityWeight; }
-  /// Root mean square of what is compared of the target's picture.
-  double TargetRms() const { return this->FeatureRms; }
-  /// Where on the receptor the residuals of the outline and of the picture lie, mm.
-  std::vector<ReceptorPoint> OutlinePlaces(EvaluatedState& breast) const;
-  std::vector<ReceptorPoint> IntensityPlaces() const;
-  /// Gradients are two for a pixel.
-  double PixelsPerFeature() const;
 
   RegistrationCosts Costs(const std::vector<double>& residuals) const;
 
@@ -151,24 +161,9 @@ public:
   Jacobian Differentiate(EvaluatedState& breast, const std::vector<int>& wanted) const;
 
 private:
-  void ChooseOutlineSamples();
-  void ChoosePixels();
-  ReceptorPoint OnOutline(std::size_t direction, double radius) const;
-  /// What a field of velocities of the surface adds to a column.
-  void AddOutlineRates(EvaluatedState& breast, const double* velocities,
-    std::vector<double>& column) const;
-
-  const RegistrationTarget& Target;
+  std::vector<ComparedProjection> Projections;
   const RegistrationOptions& Options;
-  /// Directions from Centre that hit an outline inside the image.
-  std::vector<ReceptorPoint> Directions;
-  ReceptorPoint Centre{ 0, 0 };
-  std::vector<std::size_t> Pixels;
-  std::shared_ptr<const PictureFeatures> Features;
-  std::vector<double> TargetFeatures;
-  double OutlineWeight = 1;
-  double IntensityWeight = 1;
-  double FeatureRms = 1;
+  std::vector<std::shared_ptr<const PictureResiduals>> Compared;
 };
 }
 

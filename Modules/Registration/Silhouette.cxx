@@ -19,18 +19,22 @@ double Cross(const ReceptorPoint& a, const ReceptorPoint& b)
 }
 }
 
+ReceptorPoint ShadowOf(const Vector3& gantry, const MammographyUnit& unit)
+{
+  const auto [x, y, sid] = unit.FocalSpot();
+  const double magnification =
+    gantry[2] < sid ? sid / (sid - gantry[2]) : std::numeric_limits<double>::quiet_NaN();
+  return { x + magnification * (gantry[0] - x), y + magnification * (gantry[1] - y) };
+}
+
 std::vector<ReceptorPoint> ProjectToReceptor(const std::vector<double>& points,
   const VolumeFromGantry& placed, const MammographyUnit& unit)
 {
   std::vector<ReceptorPoint> projected(points.size() / 3);
-  const double sid = unit.SourceToDetectorMm;
   for (std::size_t index = 0; index < projected.size(); ++index)
   {
-    const Vector3 gantry =
-      placed.ToGantry({ points[3 * index], points[3 * index + 1], points[3 * index + 2] });
-    const double magnification =
-      gantry[2] < sid ? sid / (sid - gantry[2]) : std::numeric_limits<double>::quiet_NaN();
-    projected[index] = { magnification * gantry[0], magnification * gantry[1] };
+    projected[index] = ShadowOf(
+      placed.ToGantry({ points[3 * index], points[3 * index + 1], points[3 * index + 2] }), unit);
   }
   return projected;
 }
@@ -39,7 +43,7 @@ std::vector<ReceptorPoint> ReceptorVelocities(const std::vector<double>& points,
   const double* velocities, const VolumeFromGantry& placed, const MammographyUnit& unit)
 {
   std::vector<ReceptorPoint> moved(points.size() / 3);
-  const double sid = unit.SourceToDetectorMm;
+  const auto [x, y, sid] = unit.FocalSpot();
   for (std::size_t index = 0; index < moved.size(); ++index)
   {
     const Vector3 gantry =
@@ -49,8 +53,8 @@ std::vector<ReceptorPoint> ReceptorVelocities(const std::vector<double>& points,
     const double magnification = sid / (sid - gantry[2]);
     // d magnification = magnification^2 / sid dz
     const double growth = magnification * magnification / sid * Dot(velocity, placed.Z);
-    moved[index] = { magnification * Dot(velocity, placed.X) + growth * gantry[0],
-      magnification * Dot(velocity, placed.Y) + growth * gantry[1] };
+    moved[index] = { magnification * Dot(velocity, placed.X) + growth * (gantry[0] - x),
+      magnification * Dot(velocity, placed.Y) + growth * (gantry[1] - y) };
   }
   return moved;
 }

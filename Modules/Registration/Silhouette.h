@@ -15,8 +15,12 @@ namespace mammoray
 /// A point of the receptor plane (z = 0) in the gantry frame: x, y; mm.
 using ReceptorPoint = std::array<double, 2>;
 
+/// The shadow of a point of the gantry frame, seen from the unit's focal spot. NaN at or above it.
+MAMMORAYREGISTRATION_EXPORT ReceptorPoint ShadowOf(const Vector3& gantry,
+  const MammographyUnit& unit);
+
 /**
- * Projects points from the focal spot (0, 0, SourceToDetectorMm) onto the receptor plane.
+ * Projects points from the unit's focal spot onto the receptor plane.
  * `points`: 3 x pointCount, volume frame, mm. Points at or above the focal spot become NaN.
  */
 MAMMORAYREGISTRATION_EXPORT std::vector<ReceptorPoint> ProjectToReceptor(

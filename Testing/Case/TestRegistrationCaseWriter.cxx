@@ -132,6 +132,31 @@ TEST_F(WrittenCase, HasEverythingOfOneMammogram)
   EXPECT_EQ(breast.Uncompressed->GetPointData()->GetArray("Sensitivity_stiffness"), nullptr);
 }
 
+TEST_F(WrittenCase, TellsOfEachProjection)
+{
+  RegisteredView& view = this->Result.Views[0];
+  view.Unit = WithFocalSpot(view.Unit, { 2, 0, 650 });
+  // 610 tan 10 degrees to each side.
+  view.Others = { { { -105.56, 0, 600.7 }, {}, { 0.91, 0.4, 1, 0.8 } },
+    { { 109.56, 0, 600.7 }, {}, { 0.87, 0.6, 1, 0.8 } } };
+  const std::string folder = this->Folder.File("result");
+  WriteRegistrationCase(this->Input, this->Result, folder);
+  const ResultFile result = ReadResultFile(folder);
+  EXPECT_EQ(result.Unit.FocalSpot(), (Vector3{ 2, 0, 650 }));
+  ASSERT_EQ(result.Projections.size(), 2u);
+  EXPECT_EQ(result.Projections[1].FocalSpotMm, (Vector3{ 109.56, 0, 600.7 }));
+  EXPECT_EQ(result.Projections[1].After.Correlation, 0.87);
+  EXPECT_EQ(result.Projections[0].After.MeanOutlineDistanceMm, 0.4);
+  const std::string report = testing_support::ReadFile(folder + "/report.html");
+  const std::size_t first = report.find("Source at -10.0°");
+  const std::size_t middle = report.find("Source at 0.2°");
+  const std::size_t last = report.find("Source at 10.3°");
+  ASSERT_NE(last, std::string::npos);
+  EXPECT_LT(first, middle);
+  EXPECT_LT(middle, last);
+  EXPECT_LT(report.find("correlation 0.910, outlines 0.40 mm apart"), middle);
+}
+
 TEST_F(WrittenCase, SaysWhatScattered)
 {
   this->Input.Scatter = RegisteredScatter{ {}, std::array{ 5.0, 31.0, 65.0 }, "air" };

@@ -62,8 +62,9 @@ inline StudyRun MadeUpStudyRun(const std::string& phantom, std::uint32_t seed,
     for (const double error : errorsMm)
     {
       errors.Imaged.OnReceptorMm.push_back(0.5 * error);
+      errors.Imaged.AlongBeamMm.push_back(0.25 * error);
     }
-    errors.Behind = { { 20 }, { 10 } };
+    errors.Behind = { { 20 }, { 10 }, { 5 } };
     errors.MeanOutlineMm = 0.5;
     errors.Correlation = 0.97;
     errors.TissueCorrelation = 0.8;

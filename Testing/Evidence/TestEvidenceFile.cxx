@@ -39,6 +39,8 @@ TEST_F(EvidenceFile, ReadsBackWhatItHolds)
   evidence.Mammograms.push_back({ "real", 2.5, 7, 0.8, 0.4, "doubtful", 12, "" });
   evidence.Mammograms.push_back({ "other", 0, 0, 0, 0, "", 0, "no equilibrium" });
   evidence.Studies.push_back(test::MadeUpStudyRun("ball", 4, { 1, 2, 6 }));
+  evidence.Studies.back().CcAlone = { evidence.Studies.back().Views[0] };
+  evidence.Studies.back().Swept = { evidence.Studies.back().Views[0] };
   StudyRun& refused = evidence.Studies.emplace_back();
   refused.Phantom = "cube";
   refused.Failure = "no breast";
@@ -51,6 +53,9 @@ TEST_F(EvidenceFile, ReadsBackWhatItHolds)
   EXPECT_EQ(read.Studies[0].Views.at(1).View, "MLO");
   EXPECT_EQ(read.Studies[0].Views.at(1).Imaged.InSpaceMm, (std::vector<double>{ 1, 2, 6 }));
   EXPECT_EQ(read.Studies[0].Views.at(1).Behind.OnReceptorMm, std::vector<double>{ 10 });
+  EXPECT_EQ(read.Studies[0].CcAlone.at(0).Imaged.AlongBeamMm,
+    (std::vector<double>{ 0.25, 0.5, 1.5 }));
+  EXPECT_EQ(read.Studies[0].Swept.at(0).View, "CC");
   EXPECT_EQ(read.Studies[1].Failure, "no breast");
   ASSERT_EQ(read.Twins.size(), 2u);
   const TwinRun& run = read.Twins[0];

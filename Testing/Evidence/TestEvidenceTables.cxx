@@ -196,3 +196,20 @@ TEST(TwinTable, ARowForEachRun)
     HasSubstr("\na,plain,register,0,1.2500,2.5000,0.5000,0.9500,12,20,8.00,1,50.00000,52.00000,"
               "50.50000,1.00000,"));
 }
+
+TEST(EvidenceTables, TellWhatProjectionsAddToACc)
+{
+  RegistrationEvidence evidence;
+  evidence.Studies.push_back(test::MadeUpStudyRun("ball", 4, { 1, 2, 6 }));
+  EXPECT_THAT(EvidenceTables(evidence), Not(HasSubstr("along the beam")));
+  StudyRun& run = evidence.Studies.back();
+  run.CcAlone = { test::MadeUpStudyRun("ball", 4, { 4, 8, 12 }).Views[0] };
+  run.Swept = { test::MadeUpStudyRun("ball", 4, { 1, 1, 1 }).Views[0] };
+  const std::string tables = EvidenceTables(evidence);
+  EXPECT_THAT(tables, HasSubstr("imaged points of 1 studies' CC"));
+  EXPECT_THAT(tables,
+    HasSubstr("| CC alone | 8.00 (11.60) | 2.00 (2.90) | 4.00 (5.80) | 94.0 % |"));
+  EXPECT_THAT(tables, HasSubstr("| CC with MLO | 2.00 (5.60) | 0.50 (1.40) |"));
+  EXPECT_THAT(tables,
+    HasSubstr("| projections of the CC's compression | 1.00 (1.00) | 0.25 (0.25) |"));
+}

@@ -54,7 +54,8 @@ TEST(LandmarkEvaluation, KnowsTheErrorOfAKnownDeformation)
   truth.SourceToDetectorMm = 600;
   VolumeFromGantry registered;
   registered.Origin = { 0, 0, -20 };
-  const auto methods = EvaluateLandmarks(landmarks, truth, StretchedTetrahedron(), registered, 600);
+  const auto methods = EvaluateLandmarks(landmarks, truth, StretchedTetrahedron(), registered,
+    { .SourceToDetectorMm = 600 });
   ASSERT_EQ(methods.size(), 4u);
   EXPECT_EQ(methods[0].Method, "identity");
   EXPECT_EQ(methods[3].Method, "registered");
@@ -78,8 +79,8 @@ TEST(LandmarkEvaluation, RigidFitFindsARigidMotion)
   {
     landmarks.push_back({ p, { -p[1] + 4, p[0] - 2, p[2] + 9 }, true });
   }
-  const auto methods =
-    EvaluateLandmarks(landmarks, LandmarkTruth{}, StretchedTetrahedron(), VolumeFromGantry{}, 650);
+  const auto methods = EvaluateLandmarks(landmarks, LandmarkTruth{}, StretchedTetrahedron(),
+    VolumeFromGantry{}, MammographyUnit{});
   for (const double error : methods[1].InSpace)
   {
     EXPECT_NEAR(error, 0, 1e-9); // double, points of size 10

@@ -4,15 +4,21 @@
 #include "LabelShapes.h"
 #include "Refusals.h"
 #include "mammoray/Case/Intake.h"
+#include "mammoray/Case/RegistrationCaseWriter.h"
+#include "mammoray/Case/StudyCase.h"
+#include "mammoray/Evidence/LandmarkEvaluation.h"
 #include "mammoray/Evidence/VirtualStudy.h"
 #include "mammoray/IO/LabelVolumeIO.h"
 #include "mammoray/IO/MammogramIO.h"
 #include "mammoray/IO/ShippedData.h"
 #include "mammoray/XRay/PathLengthProjector.h"
 
+#include "vtkUnstructuredGrid.h"
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <filesystem>
 
@@ -51,6 +57,8 @@ VirtualStudyOptions SmallStudy()
   options.GravityFineness = 4;
   options.CompressionFineness = 6;
   options.AnatomyMm = 8;
+  options.Projections = 3;
+  options.SpanDeg = 30;
   return options;
 }
 
@@ -58,6 +66,86 @@ VirtualStudyTruth MakeSmallStudy(const std::string& folder, const ProgressCallba
 {
   return MakeVirtualStudy(test::LabelledCube(48, 2, EllipsoidMaterial), FindMaterialTable("victre"),
     AnatomicalAxes::FromCode("LPS"), SmallStudy(), folder, progress);
+}
+}
+
+namespace
+{
+/// Every point of the CC's compression lies in the breast's shadow of each projection, too, where
+/// the place of the source puts it.
+void ExpectProjectionsOf(const VirtualView& view, const std::string& path)
+{
+  const std::vector<Mammogram> projections = ReadProjections(path);
+  ASSERT_EQ(projections.size(), 3u);
+  const Mammogram& middle = projections[MiddleProjection(projections)];
+  const auto enlarged = [](const Mammogram& projection, double height)
+  { return 1 / (1 - height / *projection.SourceToDetectorMm); };
+  for (const Mammogram& projection : projections)
+  {
+    EXPECT_EQ(projection.View, "CC");
+    EXPECT_EQ(projection.BodyPartThicknessMm, view.HeaderThicknessMm);
+    const float air = projection.Pixels.front();
+    for (std::size_t index = 0; index < view.Gantry.size(); ++index)
+    {
+      const double height = view.Gantry[index][2];
+      std::array<long, 2> pixel{};
+      for (std::size_t axis = 0; axis < 2; ++axis)
+      {
+        const double from = (*middle.SourceFootPixel)[axis];
+        const double under = from + (view.Pixels[index][axis] - from) / enlarged(middle, height);
+        const double foot = (*projection.SourceFootPixel)[axis];
+        pixel[axis] = std::lround(foot + enlarged(projection, height) * (under - foot));
+      }
+      if (pixel[0] >= 0 && pixel[0] < projection.Columns)
+      {
+        EXPECT_GT(
+          projection.Pixels[static_cast<std::size_t>(pixel[1] * projection.Columns + pixel[0])],
+          air + 100)
+          << index;
+      }
+    }
+  }
+}
+
+/// The three as one mammogram of the study's MRI, in coarse meshes and pixels.
+void ExpectRegisteredTogether(const VirtualStudyTruth& truth, const std::string& path)
+{
+  RegistrationCase input;
+  TakeStudy(path + "/export", {}, input);
+  input.Mammograms = { path + "/" + StudyProjectionsFile };
+  input.Labels.AcceptUnusual = true; // pixels of 1 mm
+  input.AnatomyCellSizeMm = 8;
+  input.SimulationCellSizeMm = 14;
+  input.Options.PixelSizesMm = { 4 };
+  input.Options.MaximumIterations = 4;
+  const RegistrationCaseResult result = RunRegistrationCase(input);
+  ASSERT_EQ(result.Views.size(), 1u);
+  const RegisteredView& view = result.Views[0];
+  // 610 mm about 40 mm above the receptor, 15 degrees to each side.
+  EXPECT_NEAR(view.Unit.FocalSpotMm[0], 0, 1e-3);
+  ASSERT_EQ(view.Others.size(), 2u);
+  EXPECT_NEAR(std::abs(view.Others[0].FocalSpotMm[0]), 610 * 0.258819, 1e-3);
+  EXPECT_NEAR(view.Others[0].FocalSpotMm[0], -view.Others[1].FocalSpotMm[0], 1e-3);
+  EXPECT_NEAR(view.Others[0].FocalSpotMm[2], 40 + 610 * 0.965926, 1e-3);
+  // A compression that fits the middle one fits the others as well, whichever side they are of: a
+  // source on the wrong side would put the outlines 10 mm apart.
+  EXPECT_LT(view.Registration.After.MeanOutlineDistanceMm, 2);
+  for (const RegisteredProjection& other : view.Others)
+  {
+    EXPECT_LT(other.After.MeanOutlineDistanceMm, 1 + view.Registration.After.MeanOutlineDistanceMm);
+    EXPECT_GT(other.After.Correlation, 0.8);
+  }
+  std::vector<double> errors;
+  const std::vector<Vector3> moved = Displace(truth.MriPoints, UncompressedGrid(result, view));
+  for (std::size_t index = 0; index < moved.size(); ++index)
+  {
+    if (truth.Views[0].Receptor[index][1] >= 0)
+    {
+      errors.push_back(Norm(view.Placed.ToGantry(moved[index]) - truth.Views[0].Gantry[index]));
+    }
+  }
+  // Voxels of 2 mm, cells of 14 and four iterations.
+  EXPECT_LT(Quantile(errors, 0.5), 6);
 }
 }
 
@@ -130,6 +218,9 @@ TEST(VirtualStudy, WhatIsWrittenIsWhatItsTruthSays)
       }
     }
   }
+
+  ExpectProjectionsOf(truth.Views[0], path + "/" + StudyProjectionsFile);
+  ExpectRegisteredTogether(truth, path);
 
   const VirtualStudyTruth read = ReadVirtualStudyTruth(path + "/truth.json");
   EXPECT_EQ(read.MriPoints, truth.MriPoints);

@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <random>
 
 /// A small half-ellipsoid "breast" with a glandular ball in it, and targets made of it.
@@ -102,8 +103,10 @@ inline BreastPose Truth()
   return pose;
 }
 
-/// The mammogram of the true pose: 0.5 mm pixels, mask and exact distances to the true outline.
-inline RegistrationTarget MakeTarget(Twin& twin, const BreastPose& pose)
+/// The mammogram of the true pose: 0.5 mm pixels, mask and exact distances to the true outline;
+/// from another focal spot than the unit's where one is given, gantry frame.
+inline RegistrationTarget MakeTarget(Twin& twin, const BreastPose& pose,
+  const std::optional<Vector3>& focalSpotMm = {})
 {
   RegistrationTarget target;
   target.Columns = 130;
@@ -117,7 +120,8 @@ inline RegistrationTarget MakeTarget(Twin& twin, const BreastPose& pose)
   target.SignedDistanceMm.assign(pixels, 0);
   target.BreastMask[120 * 130] = 1; // the centre of the silhouette that Synthesize looks for
   EvaluatedState breast = twin.At(pose);
-  const SyntheticMammogram synthetic = Synthesize(breast, target, 1);
+  const SyntheticMammogram synthetic =
+    Synthesize(focalSpotMm ? breast.SeenFrom(*focalSpotMm) : breast, target, 1);
   EXPECT_EQ(synthetic.InconsistentRays, 0u);
 
   std::mt19937 generator(7);

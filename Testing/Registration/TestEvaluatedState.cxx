@@ -40,10 +40,9 @@ TEST(EvaluatedState, ComputesEachThingOnceAndAnewForAnotherGrid)
   EXPECT_EQ(here.PictureOn(grid, 2).LogAttenuation, picture);
   EXPECT_EQ(here.NumberOfProjections(), 1);
   // Derivatives need a pass of their own, whose picture is the one at hand.
-  const EvaluatedState::Derivatives derivatives =
-    here.Differentiate(grid, 2, { ThicknessParameter, LateralParameter });
-  EXPECT_EQ(derivatives.Velocities.size(), 2 * here.SurfacePoints().size());
-  EXPECT_EQ(derivatives.LogAttenuation.size(), 2U);
+  const std::vector<double> velocities = here.Velocities({ ThicknessParameter, LateralParameter });
+  EXPECT_EQ(velocities.size(), 2 * here.SurfacePoints().size());
+  EXPECT_EQ(here.DifferentiatePicture(grid, 2, velocities, 2).size(), 2U);
   EXPECT_EQ(here.NumberOfProjections(), 1);
   here.PictureOn(Grid(4), 2);
   here.PictureOn(Grid(4), 1);
@@ -53,7 +52,7 @@ TEST(EvaluatedState, ComputesEachThingOnceAndAnewForAnotherGrid)
 
   // Where the derivatives come first, they bring the same picture.
   EvaluatedState first = here.MovedTo(Truth());
-  first.Differentiate(grid, 2, { ThicknessParameter });
+  first.DifferentiatePicture(grid, 2, first.Velocities({ ThicknessParameter }), 1);
   EXPECT_EQ(first.PictureOn(grid, 2).LogAttenuation, picture);
   EXPECT_EQ(first.NumberOfProjections(), 1);
 }
@@ -117,4 +116,57 @@ TEST(EvaluatedState, MovedElsewhereKeepsThePointsAndShiftsThePicture)
   const std::vector<double> radii = here.SilhouetteFrom(centre, directions).Radii;
   EXPECT_EQ(here.SilhouetteFrom(centre, directions).Radii, radii);
   EXPECT_NE(here.SilhouetteFrom({ 1, 0 }, directions).Radii, radii);
+}
+
+TEST(EvaluatedState, SeenFromAnotherFocalSpotKeepsTheBreastAndMovesItsShadow)
+{
+  std::string reason;
+  if (ListDevices(&reason).empty())
+  {
+    GTEST_SKIP() << reason;
+  }
+  Twin twin(4, 8, 20.0, false);
+  EvaluatedState here = twin.At(Truth());
+  const Vector3 spot{ -120, 5, 610 };
+  EvaluatedState& aside = here.SeenFrom(spot);
+  EXPECT_EQ(&here.SeenFrom(spot), &aside);
+  EXPECT_NE(&here.SeenFrom({ 120, 5, 610 }), &aside);
+  EXPECT_EQ(aside.SurfacePoints(), here.SurfacePoints());
+  EXPECT_EQ(aside.Placed().Origin, here.Placed().Origin);
+  for (std::size_t point = 0; point < here.SurfaceOnReceptor().size(); point += 100)
+  {
+    const double* at = here.SurfacePoints().data() + 3 * point;
+    const Vector3 gantry = here.Placed().ToGantry({ at[0], at[1], at[2] });
+    // Where the line from the focal spot through the point meets z = 0.
+    const double along = spot[2] / (spot[2] - gantry[2]);
+    EXPECT_NEAR(aside.SurfaceOnReceptor()[point][0], spot[0] + along * (gantry[0] - spot[0]), 1e-9);
+    EXPECT_NEAR(aside.SurfaceOnReceptor()[point][1], spot[1] + along * (gantry[1] - spot[1]), 1e-9);
+  }
+  // The picture and the silhouette are of the same rays: beyond the silhouette nothing is in the
+  // beam, a millimetre within it the breast is.
+  const RegistrationTarget grid = Grid(2);
+  const std::vector<float> picture = aside.PictureOn(grid, 1).LogAttenuation;
+  const ReceptorPoint centre{ 10, 0 };
+  const std::vector<ReceptorPoint> directions = HalfCircleDirections(20);
+  const std::vector<double>& radii = aside.SilhouetteFrom(centre, directions).Radii;
+  for (int row = 0; row < grid.Rows; ++row)
+  {
+    for (int column = 0; column < grid.Columns; ++column)
+    {
+      const ReceptorPoint pixel = PixelPosition(grid, column, row);
+      const double radius = std::hypot(pixel[0] - centre[0], pixel[1] - centre[1]);
+      for (std::size_t index = 0; index < directions.size(); ++index)
+      {
+        const double across = std::abs((pixel[0] - centre[0]) * directions[index][1] -
+          (pixel[1] - centre[1]) * directions[index][0]);
+        if (across < 0.5 && std::abs(radius - radii[index]) > 2)
+        {
+          const std::size_t number = static_cast<std::size_t>(row) * grid.Columns + column;
+          EXPECT_EQ(picture[number] > 0, radius < radii[index])
+            << pixel[0] << " " << pixel[1] << " " << radius << " " << radii[index];
+        }
+      }
+    }
+  }
+  EXPECT_EQ(here.NumberOfProjections(), 1);
 }

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "Private/PictureResiduals.h"
 #include "RegistrationTwin.h"
 #include "SurfaceShapes.h"
 #include "mammoray/IO/ScatterData.h"
@@ -91,7 +92,12 @@ TEST(RegistrationResiduals, JacobianAgreesWithDifferencesOfSolvedStates)
   const RegistrationResiduals residuals(target, kinds[0]);
   const RegistrationResiduals local(target, kinds[1]);
   const RegistrationResiduals gradient(target, kinds[2]);
-  const std::array<const RegistrationResiduals*, 3> all{ &residuals, &local, &gradient };
+  // The same target from 15 degrees to either side: any picture will do for derivatives.
+  const RegistrationResiduals swept({ { &target, std::nullopt },
+                                      { &target, Vector3{ 160, 3, 620 } },
+                                      { &target, Vector3{ -160, 0, 620 } } },
+    kinds[0]);
+  const std::array<const RegistrationResiduals*, 4> all{ &residuals, &local, &gradient, &swept };
   std::vector<double> values;
   for (const RegistrationParameter& parameter : DefaultParameters(pose))
   {
@@ -103,26 +109,37 @@ TEST(RegistrationResiduals, JacobianAgreesWithDifferencesOfSolvedStates)
   std::iota(wanted.begin(), wanted.end(), 0);
   // Another order than that of the parameters.
   std::rotate(wanted.begin(), wanted.end() - 1, wanted.end());
-  std::array<RegistrationResiduals::Jacobian, 3> jacobians;
+  std::array<RegistrationResiduals::Jacobian, 4> jacobians;
   for (std::size_t kind = 0; kind < all.size(); ++kind)
   {
     jacobians[kind] = all[kind]->Differentiate(here, wanted);
   }
 
-  const std::size_t outline = residuals.NumberOfOutlineResiduals();
+  const auto picture = [&](std::size_t kind, std::size_t projection) -> const PictureResiduals&
+  { return *all[kind]->Pictures()[projection]; };
+  const std::size_t outline = picture(0, 0).NumberOfOutlineResiduals();
+  const std::size_t intensity = picture(0, 0).NumberOfIntensityResiduals();
   ASSERT_GT(outline, 50u);
-  ASSERT_GT(residuals.NumberOfIntensityResiduals(), 100u);
-  EXPECT_EQ(local.NumberOfIntensityResiduals(), residuals.NumberOfIntensityResiduals());
+  ASSERT_GT(intensity, 100u);
+  EXPECT_EQ(picture(1, 0).NumberOfIntensityResiduals(), intensity);
   // Two neighbours of each pixel but those at the edge.
-  EXPECT_GT(gradient.NumberOfIntensityResiduals(), 1.7 * residuals.NumberOfIntensityResiduals());
-  EXPECT_LT(gradient.NumberOfIntensityResiduals(), 2 * residuals.NumberOfIntensityResiduals());
+  EXPECT_GT(picture(2, 0).NumberOfIntensityResiduals(), 1.7 * intensity);
+  EXPECT_LT(picture(2, 0).NumberOfIntensityResiduals(), 2 * intensity);
+  ASSERT_EQ(swept.Pictures().size(), 3u);
+  EXPECT_EQ(swept.NumberOfResiduals(), 3 * (outline + intensity) + swept.NumberOfPriors());
   for (const int parameter : wanted)
   {
-    double bestOutline = 1e9;
-    std::array<double, 3> fewestOff{ 1, 1, 1 };
+    // Of each kind and projection.
+    std::array<std::array<double, 3>, 4> bestOutline{};
+    std::array<std::array<double, 3>, 4> fewestOff{};
+    for (std::size_t kind = 0; kind < all.size(); ++kind)
+    {
+      bestOutline[kind].fill(1e9);
+      fewestOff[kind].fill(1);
+    }
     for (const double step : { 0.1, 0.01, 0.003, 0.001, 0.0001 })
     {
-      std::array<std::vector<double>, 3> sides[2];
+      std::array<std::vector<double>, 4> sides[2];
       for (int side = 0; side < 2; ++side)
       {
         std::vector<double> moved = values;
@@ -141,26 +158,74 @@ TEST(RegistrationResiduals, JacobianAgreesWithDifferencesOfSolvedStates)
           differences[index] = (sides[1][kind][index] - sides[0][kind][index]) / (2 * step);
         }
         const std::vector<double>& column = jacobians[kind].Columns[parameter];
-        const std::size_t compared = outline + all[kind]->NumberOfIntensityResiduals();
-        bestOutline = std::min(bestOutline, Difference(column, differences, 0, outline));
-        fewestOff[kind] =
-          std::min(fewestOff[kind], ShareOff(column, differences, outline, compared));
-        for (std::size_t prior = compared; prior < column.size(); ++prior)
+        ASSERT_EQ(column.size(), differences.size());
+        std::size_t first = 0;
+        for (std::size_t projection = 0; projection < all[kind]->Pictures().size(); ++projection)
+        {
+          const std::size_t pictures = first + picture(kind, projection).NumberOfOutlineResiduals();
+          const std::size_t end = pictures + picture(kind, projection).NumberOfIntensityResiduals();
+          bestOutline[kind][projection] = std::min(bestOutline[kind][projection],
+            Difference(column, differences, first, pictures));
+          fewestOff[kind][projection] =
+            std::min(fewestOff[kind][projection], ShareOff(column, differences, pictures, end));
+          first = end;
+        }
+        for (std::size_t prior = first; prior < column.size(); ++prior)
         {
           EXPECT_NEAR(column[prior], differences[prior], 1e-9);
         }
       }
     }
-    // The outline is smooth between kinks: what is left is the equilibrium's own tolerance.
-    EXPECT_LT(bestOutline, 1e-4) << options.Parameters[parameter].Name;
-    // Path lengths have kinks where a ray goes over an edge: the fewer rays do within a step, the
-    // fewer pixels are off; below 0.003 mm differences drown in the rounding of path lengths, 1e-6
-    // mm.
-    EXPECT_LT(fewestOff[0], 0.02) << options.Parameters[parameter].Name;
-    // A pixel is in many windows, where its part is small, and in four gradients.
-    EXPECT_LT(fewestOff[1], 0.02) << options.Parameters[parameter].Name;
-    EXPECT_LT(fewestOff[2], 0.08) << options.Parameters[parameter].Name;
+    const std::string& name = options.Parameters[parameter].Name;
+    for (std::size_t kind = 0; kind < all.size(); ++kind)
+    {
+      for (std::size_t projection = 0; projection < all[kind]->Pictures().size(); ++projection)
+      {
+        // The outline is smooth between kinks: what is left is the equilibrium's own tolerance.
+        EXPECT_LT(bestOutline[kind][projection], 1e-4) << name << " " << kind << " " << projection;
+        // Path lengths have kinks where a ray goes over an edge: the fewer rays do within a step,
+        // the fewer pixels are off; below 0.003 mm differences drown in the rounding of path
+        // lengths, 1e-6 mm. A pixel is in many windows, where its part is small, and in four
+        // gradients.
+        EXPECT_LT(fewestOff[kind][projection], kind == 2 ? 0.08 : 0.02)
+          << name << " " << kind << " " << projection;
+      }
+    }
   }
+}
+
+TEST(RegistrationResiduals, ProjectionsOfOneCompressionCountAsOne)
+{
+  std::string reason;
+  if (ListDevices(&reason).empty())
+  {
+    GTEST_SKIP() << reason;
+  }
+  Twin twin(4, 8, 20.0, false);
+  const RegistrationTarget target = Coarsen(MakeTarget(twin, Truth()), 4);
+  BreastPose pose = Truth();
+  pose.LateralMm += 6; // some residuals are beyond the robust width
+  RegistrationOptions options;
+  options.Parameters = DefaultParameters(Truth());
+  options.Parameters[LateralParameter].PriorSigma = 2;
+  EvaluatedState here = twin.At(pose);
+  const RegistrationResiduals one(target, options);
+  const RegistrationCosts alone = one.Costs(one.Evaluate(here));
+  EXPECT_GT(alone.Outline, 1);
+  EXPECT_NEAR(alone.Prior, 4.5, 1e-9);
+  // Four times the same picture tells what one tells.
+  const RegistrationResiduals four(std::vector<ComparedProjection>(4, { &target, std::nullopt }),
+    options);
+  const std::vector<double> residuals = four.Evaluate(here);
+  const RegistrationCosts together = four.Costs(residuals);
+  EXPECT_NEAR(together.Outline, alone.Outline, 1e-9 * alone.Outline);
+  EXPECT_NEAR(together.Intensity, alone.Intensity, 1e-9 * alone.Intensity);
+  EXPECT_NEAR(together.Prior, alone.Prior, 1e-9);
+  // Huber's loss begins at the same distance of the outline.
+  const std::vector<double> widths = four.RobustWidths();
+  ASSERT_EQ(widths.size(), residuals.size());
+  EXPECT_DOUBLE_EQ(widths.front(), 0.5 * options.RobustWidth);
+  EXPECT_TRUE(std::isinf(widths.back()));
 }
 
 TEST(RegistrationResiduals, JacobianWithScatterAgreesWithDifferencesOfSolvedStates)
@@ -188,8 +253,8 @@ TEST(RegistrationResiduals, JacobianWithScatterAgreesWithDifferencesOfSolvedStat
     DetectorResponse::EnergyIntegrating, 12));
   EvaluatedState scattered = here.MovedTo(pose);
   const RegistrationResiduals::Jacobian jacobian = residuals.Differentiate(scattered, wanted);
-  const std::size_t begin = residuals.NumberOfOutlineResiduals();
-  const std::size_t end = begin + residuals.NumberOfIntensityResiduals();
+  const std::size_t begin = residuals.Pictures()[0]->NumberOfOutlineResiduals();
+  const std::size_t end = begin + residuals.Pictures()[0]->NumberOfIntensityResiduals();
   for (const int parameter : wanted)
   {
     const std::vector<double>& column = jacobian.Columns[static_cast<std::size_t>(parameter)];

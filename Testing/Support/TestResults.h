@@ -48,6 +48,7 @@ inline ResultFile MakeResultFile()
   result.Grid = { 30, 50, { 48, 1 }, { 0, 2 }, { -2, 0 } };
   result.Placed = { { 0.1, 0.2, 0.3 }, { 1, 0, 0 }, { 0, 1, 0 }, { 0, 0, 1 } };
   result.Unit = { 660, 3, 1, 2, 4 };
+  result.Projections = { { { 105, 0, 630 }, { 0.9, 0.5, 1, 0.8 } } };
   result.After = { 0.93, 0.62, unknown };
   result.Converged = true;
   result.StopReason = "it was near enough";

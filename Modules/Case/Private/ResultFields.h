@@ -94,10 +94,19 @@ template <typename Fields>
 void ListFields(Fields& fields, MammographyUnit& unit)
 {
   fields("sourceToDetectorMm", unit.SourceToDetectorMm);
+  fields("focalSpotMm", unit.FocalSpotMm);
   fields("supportHeightMm", unit.SupportHeightMm);
   fields("supportEdgeMm", unit.SupportEdgeMm);
   fields("paddleEdgeMm", unit.PaddleEdgeMm);
   fields("edgeRadiusMm", unit.EdgeRadiusMm);
+}
+
+template <typename Fields>
+void ListFields(Fields& fields, ResultProjection& projection)
+{
+  fields("focalSpotMm", projection.FocalSpotMm);
+  fields("correlation", NumberOrNull{ projection.After.Correlation });
+  fields("meanOutlineDistanceMm", NumberOrNull{ projection.After.MeanOutlineDistanceMm });
 }
 
 /// A stage of the case and its wall time.
@@ -195,6 +204,7 @@ void ListFields(Fields& fields, ResultFile& result)
   fields("meanOutlineDistanceMm", NumberOrNull{ result.After.MeanOutlineDistanceMm });
   fields("largestOutlineDistanceMm", NumberOrNull{ result.After.LargestOutlineDistanceMm });
   fields("tissueCorrelation", NumberOrNull{ result.After.TissueCorrelation });
+  fields("projections", result.Projections);
   fields("misfit", result.Misfit);
   fields("expectedError", result.Expected);
   fields("converged", result.Converged);

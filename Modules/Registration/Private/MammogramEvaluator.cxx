@@ -22,10 +22,20 @@ std::shared_ptr<EvaluatedState> SearchedBreast::At(const std::vector<double>& va
     PoseOf(values), std::move(state));
 }
 
+std::vector<ComparedProjection> SearchedMammogram::Projections() const
+{
+  std::vector<ComparedProjection> projections{ { &this->Target, std::nullopt } };
+  for (const Projection& other : this->Others)
+  {
+    projections.push_back({ &other.Target, other.FocalSpotMm });
+  }
+  return projections;
+}
+
 MammogramEvaluator::MammogramEvaluator(SearchedMammogram mammogram,
   const ProgressCallback& progress)
   : Mammogram(std::move(mammogram))
-  , Compared(this->Mammogram.Target, this->Mammogram.Options)
+  , Compared(this->Mammogram.Projections(), this->Mammogram.Options)
   , Progress(progress)
   , Accepted(this->Mammogram.Here)
   , HereIsAt(this->Mammogram.Values)

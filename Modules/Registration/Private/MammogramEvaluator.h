@@ -41,12 +41,23 @@ struct MAMMORAYREGISTRATION_EXPORT SearchedBreast
 /// What one mammogram brings to a search at one resolution.
 struct SearchedMammogram
 {
+  struct Projection
+  {
+    RegistrationTarget Target;
+    Vector3 FocalSpotMm{ 0, 0, 0 };
+  };
+
   SearchedBreast Breast;
   RegistrationTarget Target;
   RegistrationOptions Options;
   /// All parameters where the search stands, and the breast there.
   std::vector<double> Values;
   std::shared_ptr<EvaluatedState> Here;
+  /// Of the same compression (JointMammogram::Others).
+  std::vector<Projection> Others;
+
+  /// Target, then Others.
+  std::vector<ComparedProjection> Projections() const;
 };
 
 /// The residuals of one mammogram, with the equilibrium they belong to.

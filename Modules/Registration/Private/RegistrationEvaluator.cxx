@@ -39,10 +39,9 @@ RegistrationEvaluator::RegistrationEvaluator(std::vector<SearchedMammogram> mamm
     MammogramEvaluator& evaluator = *this->Mammograms[mammogram];
     evaluator.Mammogram.Values = this->ValuesAt(mammogram);
     evaluator.ReturnTo(evaluator.Mammogram.Values, evaluator.Mammogram.Here);
-    this->First.push_back(this->Robust.size());
-    const std::size_t priors = evaluator.Compared.NumberOfPriors();
-    this->Robust.insert(this->Robust.end(), evaluator.Compared.NumberOfResiduals() - priors, true);
-    this->Robust.insert(this->Robust.end(), priors, false);
+    this->First.push_back(this->RobustWidths.size());
+    const std::vector<double> widths = evaluator.Compared.RobustWidths();
+    this->RobustWidths.insert(this->RobustWidths.end(), widths.begin(), widths.end());
   }
 }
 
@@ -84,14 +83,13 @@ void RegistrationEvaluator::ReturnTo(const std::vector<std::shared_ptr<Evaluated
 
 std::vector<double> RegistrationEvaluator::Weights() const
 {
-  const double width = this->Mammograms.front()->Mammogram.Options.RobustWidth;
   std::vector<double> weights(this->Residuals.size(), 1.0);
   for (std::size_t index = 0; index < weights.size(); ++index)
   {
     const double size = std::abs(this->Residuals[index]);
-    if (this->Robust[index] && size > width)
+    if (size > this->RobustWidths[index])
     {
-      weights[index] = width / size;
+      weights[index] = this->RobustWidths[index] / size;
     }
   }
   return weights;
@@ -192,7 +190,7 @@ bool RegistrationEvaluator::Evaluate(bool withJacobian)
 
 void RegistrationEvaluator::EvaluateJacobian()
 {
-  this->Jacobian.assign(this->Unknowns.size(), std::vector<double>(this->Robust.size(), 0.0));
+  this->Jacobian.assign(this->Unknowns.size(), std::vector<double>(this->RobustWidths.size(), 0.0));
   this->HasJacobian = true;
   if (this->Stopped)
   {

@@ -59,8 +59,8 @@ public:
   std::vector<double> Block;
   /// Those of all mammograms follow one after the other.
   std::vector<double> Residuals;
-  /// Which of them the robust loss weighs: all but the priors.
-  std::vector<bool> Robust;
+  /// Beyond which size the robust loss counts each linearly; infinite of priors.
+  std::vector<double> RobustWidths;
   /// Column u is d residuals / d Block[u].
   std::vector<std::vector<double>> Jacobian;
   bool Valid = false;

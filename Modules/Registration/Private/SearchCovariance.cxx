@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Private/SearchCovariance.h"
 
+#include "Private/PictureResiduals.h"
 #include "Private/VarianceComponents.h"
 
 #include <Eigen/Dense>
@@ -75,12 +76,13 @@ Eigen::MatrixXd ColumnsOf(RegistrationEvaluator& evaluator,
   return columns;
 }
 
-/// The residuals of the outline and of the picture of each mammogram, and where each group begins
-/// among all residuals.
+/// The residuals of the outline and of the picture of each projection of each mammogram, and where
+/// each group begins among all residuals.
 struct ComparedGroups
 {
   std::vector<ResidualGroup> Groups;
   std::vector<Eigen::Index> First;
+  std::vector<std::size_t> Mammogram;
   /// What each group's residuals are multiplied by in the search.
   std::vector<double> Factors;
 };
@@ -110,38 +112,54 @@ double AlongLine(const std::vector<ReceptorPoint>& places,
   return length / static_cast<double>(places.size());
 }
 
+/// Appends the outline and the picture of one projection, whose residuals begin at `first`.
+void AddGroups(const PictureResiduals& compared, EvaluatedState& seen,
+  const Eigen::VectorXd& residuals, const Eigen::MatrixXd& jacobian, Eigen::Index first,
+  ComparedGroups& groups)
+{
+  const auto outline = static_cast<Eigen::Index>(compared.NumberOfOutlineResiduals());
+  const auto picture = static_cast<Eigen::Index>(compared.NumberOfIntensityResiduals());
+  const auto add = [&](Eigen::Index begin, Eigen::Index count, double factor) -> ResidualGroup&
+  {
+    groups.First.push_back(begin);
+    groups.Factors.push_back(factor);
+    ResidualGroup& group = groups.Groups.emplace_back(ResidualGroup{
+      residuals.segment(begin, count) / factor, jacobian.middleRows(begin, count) / factor, {} });
+    group.Share = compared.Share();
+    return group;
+  };
+  ResidualGroup& line = add(first, outline, compared.OutlineFactor());
+  line.Extent = AlongLine(compared.OutlinePlaces(seen), line.Places);
+  line.LeastScatter = LeastOutlineScatter;
+  ResidualGroup& plane = add(first + outline, picture, compared.IntensityFactor());
+  plane.Places = compared.IntensityPlaces();
+  plane.Dimension = 2;
+  plane.Extent = compared.AreaPerFeature();
+  plane.LeastScatter = LeastPictureScatter * compared.TargetRms() * compared.TargetRms();
+}
+
 ComparedGroups GroupsOf(RegistrationEvaluator& evaluator, const Eigen::MatrixXd& jacobian)
 {
-  ComparedGroups compared;
+  ComparedGroups groups;
+  const Eigen::Map<const Eigen::VectorXd> residuals(evaluator.Residuals.data(),
+    static_cast<Eigen::Index>(evaluator.Residuals.size()));
   Eigen::Index first = 0;
-  for (const std::unique_ptr<MammogramEvaluator>& mammogram : evaluator.Mammograms)
+  for (std::size_t number = 0; number < evaluator.Mammograms.size(); ++number)
   {
-    const RegistrationResiduals& residuals = mammogram->Compared;
-    const Eigen::Map<const Eigen::VectorXd> all(mammogram->Residuals.data(),
-      static_cast<Eigen::Index>(mammogram->Residuals.size()));
-    const auto outline = static_cast<Eigen::Index>(residuals.NumberOfOutlineResiduals());
-    const auto picture = static_cast<Eigen::Index>(residuals.NumberOfIntensityResiduals());
-    const auto add = [&](Eigen::Index begin, Eigen::Index count, double factor) -> ResidualGroup&
+    const MammogramEvaluator& mammogram = *evaluator.Mammograms[number];
+    const auto& pictures = mammogram.Compared.Pictures();
+    Eigen::Index begin = first;
+    for (std::size_t projection = 0; projection < pictures.size(); ++projection)
     {
-      compared.First.push_back(first + begin);
-      compared.Factors.push_back(factor);
-      return compared.Groups.emplace_back(ResidualGroup{ all.segment(begin, count) / factor,
-        jacobian.middleRows(first + begin, count) / factor, {}, 1, 1 });
-    };
-    ResidualGroup& line = add(0, outline, residuals.OutlineFactor());
-    line.Extent = AlongLine(residuals.OutlinePlaces(*mammogram->Mammogram.Here), line.Places);
-    line.LeastScatter = LeastOutlineScatter;
-    ResidualGroup& plane = add(outline, picture, residuals.IntensityFactor());
-    plane.Places = residuals.IntensityPlaces();
-    plane.Dimension = 2;
-    plane.LeastScatter = LeastPictureScatter * residuals.TargetRms() * residuals.TargetRms();
-    const RegistrationTarget& grid = mammogram->Mammogram.Target;
-    plane.Extent =
-      std::abs(grid.ColumnStep[0] * grid.RowStep[1] - grid.ColumnStep[1] * grid.RowStep[0]) *
-      residuals.PixelsPerFeature();
-    first += all.size();
+      AddGroups(*pictures[projection],
+        mammogram.Compared.Seen(*mammogram.Mammogram.Here, projection), residuals, jacobian, begin,
+        groups);
+      groups.Mammogram.resize(groups.Groups.size(), number);
+      begin += static_cast<Eigen::Index>(pictures[projection]->NumberOfResiduals());
+    }
+    first += static_cast<Eigen::Index>(mammogram.Residuals.size());
   }
-  return compared;
+  return groups;
 }
 
 /**
@@ -154,16 +172,23 @@ constexpr double EdgeSigmaMm = 0.4;
 /// The covariance of the unknowns, of the residuals and of all outlines' common error.
 Eigen::MatrixXd CovarianceOf(const ComparedGroups& compared, const VarianceComponents& variances)
 {
-  Eigen::MatrixXd covariance = variances.Covariance;
+  // Of a mammogram's projections the same.
+  std::vector<Eigen::VectorXd> pulls(compared.Mammogram.back() + 1,
+    Eigen::VectorXd::Zero(variances.Covariance.rows()));
   for (std::size_t number = 0; number < compared.Groups.size(); ++number)
   {
     const ResidualGroup& group = compared.Groups[number];
     if (group.Dimension == 1)
     {
-      const Eigen::VectorXd shift = EdgeSigmaMm * variances.Weight(compared.Groups, number) *
-        (variances.Covariance * group.Jacobian.colwise().sum().transpose());
-      covariance += shift * shift.transpose();
+      pulls[compared.Mammogram[number]] += EdgeSigmaMm * variances.Weight(compared.Groups, number) *
+        group.Jacobian.colwise().sum().transpose();
     }
+  }
+  Eigen::MatrixXd covariance = variances.Covariance;
+  for (const Eigen::VectorXd& pull : pulls)
+  {
+    const Eigen::VectorXd shift = variances.Covariance * pull;
+    covariance += shift * shift.transpose();
   }
   return covariance;
 }
@@ -225,9 +250,9 @@ void KeepConsidered(RegistrationEvaluator& evaluator, const ComparedGroups& comp
 Eigen::MatrixXd PriorRows(const RegistrationEvaluator& evaluator, const Eigen::MatrixXd& jacobian)
 {
   std::vector<Eigen::Index> rows;
-  for (std::size_t index = 0; index < evaluator.Robust.size(); ++index)
+  for (std::size_t index = 0; index < evaluator.RobustWidths.size(); ++index)
   {
-    if (!evaluator.Robust[index])
+    if (!std::isfinite(evaluator.RobustWidths[index]))
     {
       rows.push_back(static_cast<Eigen::Index>(index));
     }
@@ -235,14 +260,17 @@ Eigen::MatrixXd PriorRows(const RegistrationEvaluator& evaluator, const Eigen::M
   return jacobian(rows, Eigen::all);
 }
 
-/// Groups are in pairs: outline and picture of each mammogram.
-void KeepMisfit(const VarianceComponents& variances, std::size_t mammogram,
-  RegistrationMisfit& misfit)
+/// Groups are in pairs, outline and picture; of a mammogram that of Target comes first.
+void KeepMisfit(const ComparedGroups& compared, const VarianceComponents& variances,
+  std::size_t mammogram, RegistrationMisfit& misfit)
 {
-  misfit.OutlineSigmaMm = variances.Sigmas[2 * mammogram];
-  misfit.OutlineScaleMm = variances.Correlated[2 * mammogram];
-  misfit.PictureSigma = variances.Sigmas[2 * mammogram + 1];
-  misfit.PictureScaleMm = std::sqrt(variances.Correlated[2 * mammogram + 1]);
+  const auto first = static_cast<std::size_t>(
+    std::find(compared.Mammogram.begin(), compared.Mammogram.end(), mammogram) -
+    compared.Mammogram.begin());
+  misfit.OutlineSigmaMm = variances.Sigmas[first];
+  misfit.OutlineScaleMm = variances.Correlated[first];
+  misfit.PictureSigma = variances.Sigmas[first + 1];
+  misfit.PictureScaleMm = std::sqrt(variances.Correlated[first + 1]);
 }
 
 /// The parts of the unknowns' covariance that belong to each mammogram.
@@ -299,7 +327,7 @@ void KeepCovariance(RegistrationEvaluator& evaluator, JointSearch& search)
   }
   for (std::size_t mammogram = 0; mammogram < search.Mammograms.size(); ++mammogram)
   {
-    KeepMisfit(variances, mammogram, search.Mammograms[mammogram].Result.Misfit);
+    KeepMisfit(compared, variances, mammogram, search.Mammograms[mammogram].Result.Misfit);
   }
   const Eigen::MatrixXd covariance = CovarianceOf(compared, variances);
   const std::size_t n = unknowns.size();

@@ -6,6 +6,7 @@
 #include <ceres/ceres.h>
 #include <glog/logging.h>
 
+#include <cmath>
 #include <limits>
 #include <string>
 #include <utility>
@@ -172,11 +173,11 @@ ceres::Solver::Summary Minimise(const Level& level, RegistrationEvaluator& evalu
 
 void AddResiduals(RegistrationEvaluator& evaluator, ceres::Problem& problem)
 {
-  const double width = evaluator.Mammograms.front()->Mammogram.Options.RobustWidth;
-  for (std::size_t index = 0; index < evaluator.Robust.size(); ++index)
+  for (std::size_t index = 0; index < evaluator.RobustWidths.size(); ++index)
   {
+    const double width = evaluator.RobustWidths[index];
     problem.AddResidualBlock(new ResidualCost(evaluator, index),
-      evaluator.Robust[index] ? new ceres::HuberLoss(width) : nullptr, evaluator.Block.data());
+      std::isfinite(width) ? new ceres::HuberLoss(width) : nullptr, evaluator.Block.data());
   }
   for (std::size_t u = 0; u < evaluator.Unknowns.size(); ++u)
   {

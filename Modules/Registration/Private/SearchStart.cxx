@@ -133,7 +133,7 @@ std::vector<double> Aligned(EvaluatedState& breast, const RegistrationTarget& ta
     return values;
   }
   const MammographyUnit& unit = breast.Placement().Unit;
-  const double sid = unit.SourceToDetectorMm;
+  const double sid = unit.SourceToDetectorMm; // shadows move so much wherever the focal spot is
   const double magnification = sid / (sid - unit.SupportHeightMm - 0.5 * breast.Pose().ThicknessMm);
   const auto shift = [&](int index, double by)
   {

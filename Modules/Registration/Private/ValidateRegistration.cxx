@@ -26,6 +26,15 @@ void ValidateMammograms(const std::vector<JointMammogram>& mammograms,
     own.From = mammogram.From;
     ValidateRegistration(*mammogram.Model, own);
     ValidateTarget(*mammogram.Target);
+    for (const ProjectionTarget& other : mammogram.Others)
+    {
+      if (!other.Target || !(other.FocalSpotMm[2] > 0))
+      {
+        throw InputError("registration: expected a target and a focal spot above the receptor of "
+                         "each projection, found one missing");
+      }
+      ValidateTarget(*other.Target);
+    }
     for (int index = 0; index < ParameterCount; ++index)
     {
       if (IsShared(index) &&

@@ -75,7 +75,7 @@ double IntegralScale(const ResidualGroup& group)
 
 double VarianceComponents::Weight(const std::vector<ResidualGroup>& groups, std::size_t group) const
 {
-  return groups[group].Extent /
+  return groups[group].Share * groups[group].Extent /
     std::max(groups[group].LeastScatter,
       this->Correlated[group] * this->Sigmas[group] * this->Sigmas[group]);
 }
@@ -109,7 +109,8 @@ VarianceComponents EstimateVariances(const std::vector<ResidualGroup>& groups,
     double change = 0;
     for (std::size_t group = 0; group < groups.size(); ++group)
     {
-      const double independent = groups[group].Extent / found.Correlated[group];
+      const double independent =
+        groups[group].Share * groups[group].Extent / found.Correlated[group];
       const double told = found.Weight(groups, group) * (found.Covariance * normals[group]).trace();
       const double left =
         std::max(1.0, independent * static_cast<double>(groups[group].Residuals.size()) - told);

@@ -25,6 +25,8 @@ struct ResidualGroup
   int Dimension = 1;
   /// The length or area that each of them stands for, mm or mm^2. Positive.
   double Extent = 1;
+  /// The part of what it tells that counts, (0, 1]: groups that share an error tell it once.
+  double Share = 1;
   /// Variance times length or area over which it is alike that counts at least, however small the
   /// residuals are.
   double LeastScatter = 0;

@@ -162,18 +162,14 @@ PlatePair LiveMammogram::Plates() const
 
 Vector3 LiveMammogram::SourcePosition() const
 {
-  return this->Placed().Point(
-    Vector3{ 0, 0, this->Viewed.Breast.Unit.SourceToDetectorMm } + this->Offset);
+  return this->Placed().Point(this->Viewed.Breast.Unit.FocalSpot() + this->Offset);
 }
 
 BreastInUnit LiveMammogram::InUnit() const
 {
   BreastInUnit breast = this->Viewed.Breast;
   breast.Placed = this->Placed();
-  breast.Placed.Origin = breast.Placed.Point({ this->Offset[0], this->Offset[1], 0 });
-  breast.Unit.SourceToDetectorMm += this->Offset[2];
-  breast.Grid.Origin[0] -= this->Offset[0];
-  breast.Grid.Origin[1] -= this->Offset[1];
+  breast.Unit = WithFocalSpot(breast.Unit, breast.Unit.FocalSpot() + this->Offset);
   vtkNew<vtkDoubleArray> values;
   values->SetNumberOfComponents(3);
   values->SetNumberOfTuples(static_cast<vtkIdType>(this->Moved.size() / 3));

@@ -448,7 +448,7 @@ void ViewerWindow::OnDrag(int x, int y)
   const Vector3& middle = unit.Squeezed.ReceptorMiddle();
   const Vector3 source = middle + (1 / this->ShownSource) * (to - middle);
   const Vector3 gantry = unit.Live.Placed().ToGantry(source);
-  this->Viewer.MoveSource(gantry - Vector3{ 0, 0, unit.Viewed.Breast.Unit.SourceToDetectorMm });
+  this->Viewer.MoveSource(gantry - unit.Viewed.Breast.Unit.FocalSpot());
 }
 
 void ViewerWindow::OnWindow(int right, int up)

@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "Private/CasePictures.h"
+
+#include "Private/CaseChecks.h"
+#include "mammoray/Foundation/Error.h"
+#include "mammoray/IO/MammogramIO.h"
+#include "mammoray/IO/MammogramPictureIO.h"
+#include "mammoray/Registration/MammogramMask.h"
+#include "mammoray/Registration/TargetPreparation.h"
+
+#include <utility>
+
+namespace mammoray
+{
+namespace
+{
+MammographyUnit UnitOf(const RegistrationCase& input, const std::string& path,
+  const Mammogram& mammogram, std::vector<std::string>& warnings)
+{
+  MammographyUnit unit;
+  if (mammogram.SourceFootPixel && input.SourceToDetectorMm)
+  {
+    throw InputError(path +
+      ": expected no other source to detector distance beside projections, "
+      "which each say their own, found one");
+  }
+  if (input.SourceToDetectorMm)
+  {
+    unit.SourceToDetectorMm = *input.SourceToDetectorMm;
+  }
+  else if (mammogram.SourceToDetectorMm)
+  {
+    unit.SourceToDetectorMm = *mammogram.SourceToDetectorMm;
+  }
+  else
+  {
+    warnings.push_back("The header does not say the source to detector distance; " +
+      std::to_string(static_cast<int>(unit.SourceToDetectorMm)) + " mm is assumed.");
+  }
+  if (input.SupportHeightMm)
+  {
+    unit.SupportHeightMm = *input.SupportHeightMm;
+  }
+  if (!(unit.SourceToDetectorMm > 0) || !(unit.SupportHeightMm >= 0))
+  {
+    throw InputError(
+      "unit: expected a positive source to detector distance and a support height of at "
+      "least 0, found " +
+      std::to_string(unit.SourceToDetectorMm) + " and " + std::to_string(unit.SupportHeightMm) +
+      " mm");
+  }
+  CheckUsual(input, Plausible::SourceDistance, unit.SourceToDetectorMm, path,
+    "--source-to-detector gives another");
+  unit.SupportEdgeMm = input.SupportEdgeMm;
+  unit.PaddleEdgeMm = input.PaddleEdgeMm;
+  unit.EdgeRadiusMm = input.EdgeRadiusMm;
+  return unit;
+}
+
+/// What is given in place of what the header says.
+void Describe(const RegistrationCase& input, const std::string& path,
+  const PictureDescription& given, Mammogram& mammogram)
+{
+  if (given.PixelSpacingMm)
+  {
+    mammogram.ColumnSpacingMm = *given.PixelSpacingMm;
+    mammogram.RowSpacingMm = *given.PixelSpacingMm;
+  }
+  if (given.Laterality != '?' && mammogram.Laterality != '?' &&
+    given.Laterality != mammogram.Laterality && !input.Labels.AcceptUnusual)
+  {
+    throw InputError(path + ": expected a mammogram of the " +
+      (given.Laterality == 'L' ? "left" : "right") + " breast, as --side says, found " +
+      mammogram.Laterality + " in its header; " + AcceptUnusualHint + " as --side says");
+  }
+  mammogram.View = given.View.empty() ? mammogram.View : given.View;
+  mammogram.Laterality = given.Laterality == '?' ? mammogram.Laterality : given.Laterality;
+}
+
+/// One mammogram, or the projections of one compression.
+std::vector<Mammogram> ReadCaseMammograms(const RegistrationCase& input, std::size_t number)
+{
+  const std::string& path = input.Mammograms[number];
+  PictureDescription given{ input.PixelSpacingMm,
+    input.MammogramViews.empty() ? "" : input.MammogramViews[number],
+    input.Laterality.empty() ? '?' : input.Laterality.front() };
+  if (IsPicturePath(path))
+  {
+    return { ReadMammogramPicture(path, given) };
+  }
+  std::vector<Mammogram> mammograms = ReadProjections(path);
+  for (Mammogram& mammogram : mammograms)
+  {
+    Describe(input, path, given, mammogram);
+  }
+  return mammograms;
+}
+
+/// Where the source of a projection stood, gantry frame.
+Vector3 FocalSpotOf(const Mammogram& projection, const RegistrationTarget& target)
+{
+  const std::array<double, 2>& foot = projection.SourceFootPixel.value();
+  const ReceptorPoint over = PixelPosition(target, foot[0], foot[1]);
+  return { over[0], over[1], projection.SourceToDetectorMm.value() };
+}
+}
+
+void ReadCasePictures(const RegistrationCase& input, std::vector<RegisteredView>& views)
+{
+  const std::size_t number = views.size() - 1;
+  RegisteredView& view = views.back();
+  const std::string& path = input.Mammograms[number];
+  std::vector<Mammogram> projections = ReadCaseMammograms(input, number);
+  const std::size_t middle = MiddleProjection(projections);
+  view.Mammogram = std::move(projections[middle]);
+  CheckMammogram(input, views);
+  const char side = views.front().Mammogram.Laterality;
+  if (view.Mammogram.Laterality != side && view.Mammogram.Laterality != '?' && side != '?')
+  {
+    throw InputError(path + ": expected a mammogram of the same breast as " + views.front().Path +
+      " (" + side + "), found one of the other (" + view.Mammogram.Laterality + ")");
+  }
+  view.Target = PrepareTarget(view.Mammogram, input.Targets);
+  CheckPicturedBreast(input, view);
+  if (!input.Masks.empty())
+  {
+    ExcludePixels(ReadMask(input.Masks[number], view.Target.Columns, view.Target.Rows),
+      view.Target);
+  }
+  view.Warnings = view.Target.Warnings;
+  view.Unit = UnitOf(input, path, view.Mammogram, view.Warnings);
+  if (projections.size() == 1)
+  {
+    return;
+  }
+  if (!input.Masks.empty())
+  {
+    throw InputError(path + ": expected no mask beside projections, found " + input.Masks[number]);
+  }
+  view.Unit = WithFocalSpot(view.Unit, FocalSpotOf(view.Mammogram, view.Target));
+  for (std::size_t other = 0; other < projections.size(); ++other)
+  {
+    if (other != middle)
+    {
+      const RegistrationTarget target = PrepareTarget(projections[other], input.Targets);
+      const Vector3 spot = FocalSpotOf(projections[other], target);
+      view.Others.push_back({ spot, CoarsenTo(target, input.Options.PixelSizesMm.back()), {} });
+      projections[other] = {}; // a series of a real unit has a gigabyte
+    }
+  }
+}
+}
