@@ -205,8 +205,8 @@ ReportSection ProjectionSection(const RegisteredView& registered)
   }
   section.Notes = { "Angles are those of the focal spot over the middle of the receptor's "
                     "chest-wall edge, positive along gantry x. All projections were compared with "
-                    "one compressed breast; pictures and figures above are those of the middle "
-                    "one." };
+                    "one compressed breast, here in the finest pixels of the search; the middle "
+                    "one, whose pictures and figures stand above, in its own." };
   return section;
 }
 
