@@ -47,7 +47,7 @@ protected:
   std::string Twins(const std::string& rest) const
   {
     return "evidence --phantom ball=" + this->Folder.File("breast.nrrd") +
-      " --orientation LPS --model-fineness 3 --target-fineness 8 --pixel-sizes 3 -o " + this->Json +
+      " --orientation LPS --model-fineness 3 --target-fineness 8 --pixel-sizes 5 -o " + this->Json +
       " " + rest;
   }
 
