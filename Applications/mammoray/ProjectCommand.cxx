@@ -502,12 +502,11 @@ std::string RunBreastProjections(const Camera& camera, const ProjectionSeries& s
     [&](const ProjectionView& view, const Exposure& exposure)
     {
       Mammogram& projection = projections.emplace_back(described);
-      const Vector3 over = view.Source.Position - view.Detector.Origin;
-      const Vector3 normal = Cross(view.Detector.ColumnStep, view.Detector.RowStep);
-      projection.SourceToDetectorMm = std::abs(Dot(over, normal)) / Norm(normal);
+      const DetectorPlane plane(view.Source, view.Detector);
+      projection.SourceToDetectorMm = plane.HeightMm;
       projection.SourceToPatientMm =
         *projection.SourceToDetectorMm - arguments.Unit.SupportHeightMm;
-      projection.SourceFootPixel = SourceFoot(view.Source, view.Detector);
+      projection.SourceFootPixel = { plane.FootColumn, plane.FootRow };
       SetPixels(projection, exposure.LogAttenuation, IntentOf(arguments));
     });
   ReportProgress(progress, 0.85, "writing");

@@ -484,7 +484,7 @@ RegistrationCaseResult RunRegistrationCase(const RegistrationCase& input,
   Beam beam =
     MakeBeam(result.Materials, FindSpectrum(input.Spectrum), DetectorResponse::EnergyIntegrating);
   std::optional<ScatterModel> scatter =
-    MakeScatter(input, mammograms.front().Placement.Unit.SupportHeightMm);
+    MakeScatter(input, result.Views.front().Unit.SupportHeightMm);
   auto projector =
     MakeProjector({ .Projection = MethodFromName(input.Projector), .Device = input.Device });
   result.Device = projector->DeviceName() + ", " + MethodName(projector->Method());

@@ -33,6 +33,8 @@
 #include <numbers>
 #include <optional>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 namespace mammoray
 {
@@ -180,7 +182,15 @@ ReportSection ProjectionSection(const RegisteredView& registered)
 {
   ReportSection section;
   section.Title = "Projections of the tomosynthesis";
-  const auto add = [&](const Vector3& spot, const Agreement& after)
+  std::vector<std::pair<Vector3, Agreement>> projections{ { registered.Unit.FocalSpot(),
+    registered.Registration.After } };
+  for (const RegisteredProjection& other : registered.Others)
+  {
+    projections.emplace_back(other.FocalSpotMm, other.After);
+  }
+  std::sort(projections.begin(), projections.end(),
+    [](const auto& a, const auto& b) { return a.first[0] < b.first[0]; });
+  for (const auto& [spot, after] : projections)
   {
     const double angle = std::atan2(spot[0], spot[2]) * 180 / std::numbers::pi;
     char row[2][80];
@@ -188,20 +198,6 @@ ReportSection ProjectionSection(const RegisteredView& registered)
     std::snprintf(row[1], sizeof row[1], "correlation %.3f, outlines %.2f mm apart",
       after.Correlation, after.MeanOutlineDistanceMm);
     section.Rows.emplace_back(row[0], row[1]);
-  };
-  // Those before the middle one come first in the object.
-  const double middle = registered.Unit.FocalSpotMm[0];
-  bool told = false;
-  for (const RegisteredProjection& other : registered.Others)
-  {
-    const bool before =
-      (other.FocalSpotMm[0] < middle) == (registered.Others.front().FocalSpotMm[0] < middle);
-    if (!before && !told)
-    {
-      add(registered.Unit.FocalSpot(), registered.Registration.After);
-      told = true;
-    }
-    add(other.FocalSpotMm, other.After);
   }
   section.Notes = { "Angles are those of the focal spot over the middle of the receptor's "
                     "chest-wall edge, positive along gantry x. All projections were compared with "

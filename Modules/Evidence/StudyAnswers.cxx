@@ -67,7 +67,9 @@ AnswerScore ScoreView(const VirtualView& view, const std::vector<const StudyAnsw
         answer->Pixel[1] - view.Pixels[point][1]));
     if (inSpace)
     {
-      errors.InSpaceMm.push_back(Norm(*answer->Gantry - view.Gantry[point]));
+      const Vector3 error = *answer->Gantry - view.Gantry[point];
+      errors.InSpaceMm.push_back(Norm(error));
+      errors.AlongBeamMm.push_back(std::abs(error[2]));
     }
   }
   for (std::size_t point = 0; point < answered.size(); ++point)

@@ -114,13 +114,6 @@ Mammogram DescribeProjection(const XRaySource& source, const XRayDetector& detec
   return mammogram;
 }
 
-std::array<double, 2> SourceFoot(const XRaySource& source, const XRayDetector& detector)
-{
-  const Vector3 from = source.Position - detector.Origin;
-  const auto along = [&](const Vector3& step) { return Dot(from, step) / Dot(step, step); };
-  return { along(detector.ColumnStep), along(detector.RowStep) };
-}
-
 void SetPixels(Mammogram& mammogram, const std::vector<float>& logAttenuation,
   Mammogram::Intent intent)
 {

@@ -37,11 +37,6 @@ MAMMORAYIO_EXPORT XRayDetector DetectorOfUnit(const VolumeFromGantry& placed, in
 MAMMORAYIO_EXPORT Mammogram DescribeProjection(const XRaySource& source,
   const XRayDetector& detector, const AnatomicalAxes& axes, char laterality);
 
-/// Mammogram::SourceFootPixel of a point source over a detector of columns and rows at right
-/// angles.
-MAMMORAYIO_EXPORT std::array<double, 2> SourceFoot(const XRaySource& source,
-  const XRayDetector& detector);
-
 /**
  * Gives a mammogram pixels of 16 bits from log attenuations (Rows * Columns values, row by row) and
  * says what they mean: For Presentation, logarithmic, bright where more is absorbed; For

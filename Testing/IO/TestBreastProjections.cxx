@@ -8,6 +8,7 @@
 #include "mammoray/IO/DicomWriter.h"
 #include "mammoray/IO/MammogramIO.h"
 #include "mammoray/IO/MammogramSynthesis.h"
+#include "mammoray/XRay/DetectorPlane.h"
 #include "mammoray/XRay/ProjectionSeries.h"
 
 #include <gdcmReader.h>
@@ -59,7 +60,8 @@ Sweep MakeSweep(double rollDeg, char laterality,
   for (const ProjectionView& view : SweepSource(source, detector, axis, 5, 50))
   {
     Mammogram projection = DescribeProjection(view.Source, view.Detector, axes, laterality);
-    projection.SourceFootPixel = SourceFoot(view.Source, view.Detector);
+    const DetectorPlane plane(view.Source, view.Detector);
+    projection.SourceFootPixel = { plane.FootColumn, plane.FootRow };
     projection.BodyPartThicknessMm = 51;
     std::vector<float> values;
     for (int pixel = 0; pixel < 35; ++pixel)
