@@ -4,6 +4,7 @@
 #include "Private/SegmentationChecks.h"
 #include "Private/Thresholds.h"
 #include "mammoray/Foundation/Error.h"
+#include "mammoray/Foundation/Numbers.h"
 
 #include <cmath>
 

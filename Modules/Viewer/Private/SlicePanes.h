@@ -13,6 +13,7 @@
 #include <optional>
 #include <vector>
 
+class vtkImageData;
 class vtkImageProperty;
 class vtkImageSlice;
 class vtkImageStack;
@@ -66,7 +67,7 @@ private:
     void LookThrough(const Vector3& focal);
   };
   void AddVolume(Pane& pane);
-  vtkSmartPointer<vtkImageSlice> AddSlice(Pane& pane, class vtkImageData* data,
+  vtkSmartPointer<vtkImageSlice> AddSlice(Pane& pane, vtkImageData* data,
     const VolumeGrid& grid, vtkImageProperty* property, int layer);
   static vtkSmartPointer<vtkImageProperty> LabelProperty(
     const std::vector<std::array<double, 3>>& colors, double opacity);
