@@ -22,8 +22,10 @@ struct NewtonResult
 };
 
 /**
- * Newton's method with a line search and a sparse Cholesky factorisation. Keeps the last evaluation
- * with its Hessian and the last factor for what comes next.
+ * Newton's method with a line search. A step is solved for by conjugate gradients as far as it is
+ * worth (Eisenstat & Walker 1996), with the last sparse Cholesky factor for preconditioner, and by
+ * a new factor where that one is too old. Keeps the last evaluation with its Hessian and the last
+ * factor for what comes next.
  */
 class MAMMORAYBIOMECHANICS_EXPORT NewtonSolver
 {
@@ -57,7 +59,8 @@ public:
   const FactorCache& Factor() const { return this->Cache; }
 
 private:
-  bool FindStep(const std::vector<double>& x, std::vector<double>& step);
+  /// The step from `x`, its equations solved to `forcing` of their right-hand side at least.
+  bool FindStep(const std::vector<double>& x, double forcing, std::vector<double>& step);
   bool SearchAlong(const std::vector<double>& step, std::vector<double>& x, double& length);
   /**
    * Minimises over the part with the largest residual, the others fixed. Tissue folds and slips at
@@ -70,6 +73,8 @@ private:
   Objective& Function;
   FactorCache Cache;
   Evaluation Current;
+  /// Whether the last step is of a stiffer matrix than the Hessian.
+  bool Stiffer = false;
   /// What Current is of; empty: of nothing.
   std::vector<double> CurrentPositions;
   std::uint64_t CurrentVersion = 0;
