@@ -18,8 +18,8 @@ namespace mammoray
 class MAMMORAYBIOMECHANICS_EXPORT FactorCache
 {
 public:
-  /// A factor of positions this near, mm, gives sensitivities to the last digits in a few products,
-  /// or not at all.
+  /// A factor of positions this near, mm, says whether the Hessian is positive definite, and gives
+  /// sensitivities to the last digits in a few products, or not at all.
   static constexpr double NearMm = 0.01;
 
   /// The pattern must outlive the cache.

@@ -25,6 +25,8 @@ constexpr double LargestForcing = 0.25;
 constexpr double ForcingGain = 0.9;
 constexpr double SmallestForcing = 1e-3;
 constexpr double ForcingAtTheEnd = 0.3;
+/// A solution to this is one to keep: a factor of positions nearby must have shown a minimum.
+constexpr double EndTolerance = 1e-5;
 /// How well and how long a part is relaxed.
 constexpr double PartTolerance = 1e-2;
 constexpr int PartNewtonSteps = 10;
@@ -74,7 +76,8 @@ bool NewtonSolver::FactorizeAt(const std::vector<double>& x, bool stiffer)
   return current.Valid && this->Cache.FactorizeMixed(current.Hessian, x, projected, stiffer);
 }
 
-bool NewtonSolver::FindStep(const std::vector<double>& x, double forcing, std::vector<double>& step)
+bool NewtonSolver::FindStep(const std::vector<double>& x, Factors factors, double forcing,
+  std::vector<double>& step)
 {
   const std::vector<std::int32_t>& coordinates = this->Function.Coordinates();
   std::vector<double> force(coordinates.size());
@@ -83,7 +86,8 @@ bool NewtonSolver::FindStep(const std::vector<double>& x, double forcing, std::v
     force[u] = -this->Current.Gradient[coordinates[u]];
   }
   this->Stiffer = false;
-  if (this->Cache.SolveByGradients(this->Current.Hessian, force, forcing, step) &&
+  const bool serves = factors == Factors::Old || this->Cache.DistanceMm(x) < FactorCache::NearMm;
+  if (serves && this->Cache.SolveByGradients(this->Current.Hessian, force, forcing, step) &&
     LargestMagnitude(step) <= LargestStepMm)
   {
     return true;
@@ -174,7 +178,11 @@ NewtonResult NewtonSolver::Minimize(std::vector<double>& x, double tolerance, in
     ReportProgress(progress, 0, "equilibrium");
     const double forcing = ForcingTerm(residual, before, tolerance);
     before = residual;
-    if (!this->FindStep(x, forcing, step))
+    // Conjugate gradients may miss where the Hessian is indefinite, and tissue that could fold two
+    // ways would stay between them: warm and cold starts ended apart five times as often.
+    const Factors factors =
+      result.Steps == 0 || tolerance <= EndTolerance ? Factors::Near : Factors::Old;
+    if (!this->FindStep(x, factors, forcing, step))
     {
       result.Reason = "the stiffness matrix is singular";
       return result;

@@ -17,9 +17,11 @@ namespace
 /// Operations of a factorisation from which on several threads are worth their waiting: those of
 /// some twenty thousand unknowns (40,000: 8e10, by two threads in 0.6 of the time).
 constexpr double ManyOperations = 2e10;
-/// What one core does: operations of a factorisation a second, which the BLAS keeps in its caches,
-/// and seconds for an entry of the factor, read twice from memory, and of the matrix.
-constexpr double OperationsPerSecond = 2e10;
+/// What two threads of one core do: operations of a factorisation a second, most of them products
+/// of blocks that the caches hold, with as many more as its small blocks cost; and seconds for an
+/// entry of the factor, read twice from memory, and of the matrix.
+constexpr double OperationsPerSecond = 4e10;
+constexpr double OperationsOfSmallBlocks = 1e8;
 constexpr double SecondsPerFactorEntry = 2e-9;
 constexpr double SecondsPerEntry = 2.5e-9;
 }
@@ -160,7 +162,8 @@ double SparseCholesky::SolutionsPerFactorization() const
 {
   const double solution = SecondsPerFactorEntry * this->Internal->FactorEntries +
     SecondsPerEntry * static_cast<double>(this->Rows.size());
-  return this->Internal->Operations / OperationsPerSecond / std::max(solution, 1e-12);
+  return (this->Internal->Operations + OperationsOfSmallBlocks) / OperationsPerSecond /
+    std::max(solution, 1e-12);
 }
 
 double SparseCholesky::PeakBytes() const
