@@ -53,6 +53,11 @@ public:
       this->Low = this->Low.cwiseMin(corners.rowwise().minCoeff());
       this->High = this->High.cwiseMax(corners.rowwise().maxCoeff());
     }
+    this->Cells.reserve(cellCount);
+    for (std::size_t cell = 0; cell < cellCount; ++cell)
+    {
+      this->Cells.emplace_back(this->Corners(cell));
+    }
     const Eigen::Vector3d extent = (this->High - this->Low).cwiseMax(1e-9);
     // About one cell in a bin.
     this->Width = std::cbrt(extent.prod() / static_cast<double>(cellCount));
@@ -94,11 +99,7 @@ public:
 
   Eigen::Vector4d Barycentric(std::size_t cell, const Eigen::Vector3d& point) const
   {
-    const auto corners = this->Corners(cell);
-    Eigen::Matrix3d edges;
-    edges << corners.col(1) - corners.col(0), corners.col(2) - corners.col(0),
-      corners.col(3) - corners.col(0);
-    const Eigen::Vector3d l = edges.inverse() * (point - corners.col(0));
+    const Eigen::Vector3d l = this->Cells[cell].Inverse * (point - this->Cells[cell].Corner);
     return { 1 - l.sum(), l[0], l[1], l[2] };
   }
 
@@ -144,6 +145,10 @@ public:
             }
             for (const std::int32_t cell : this->Bins[this->Index(i, j, k)])
             {
+              if (this->Cells[cell].DistanceToBox(point) >= bestDistance)
+              {
+                continue;
+              }
               const Eigen::Vector3d candidate = this->NearestInCell(cell, point);
               const double distance = (candidate - point).norm();
               if (distance < bestDistance)
@@ -161,6 +166,28 @@ public:
   }
 
 private:
+  /// What every search asks of a cell.
+  struct Cell
+  {
+    /// Of the sides from corner 0.
+    Eigen::Matrix3d Inverse;
+    Eigen::Vector3d Corner;
+    Eigen::Vector3d Low;
+    Eigen::Vector3d High;
+
+    explicit Cell(const Eigen::Matrix<double, 3, 4>& corners)
+      : Inverse((corners.rightCols<3>().colwise() - corners.col(0)).inverse())
+      , Corner(corners.col(0))
+      , Low(corners.rowwise().minCoeff())
+      , High(corners.rowwise().maxCoeff())
+    {
+    }
+    double DistanceToBox(const Eigen::Vector3d& point) const
+    {
+      return (point - point.cwiseMax(this->Low).cwiseMin(this->High)).norm();
+    }
+  };
+
   Eigen::Vector3i BinOf(const Eigen::Vector3d& point) const
   {
     Eigen::Vector3i bin;
@@ -224,6 +251,7 @@ private:
 
   const ElasticBody& Body;
   const std::vector<double>& Positions;
+  std::vector<Cell> Cells;
   Eigen::Vector3d Low;
   Eigen::Vector3d High;
   double Width = 1;
@@ -253,7 +281,7 @@ Embedding::Embedding(const CompressionSimulation& simulation, const std::vector<
     [&](std::size_t p)
     {
       const Eigen::Vector3d point(points[3 * p], points[3 * p + 1], points[3 * p + 2]);
-      Eigen::Vector3d nearest;
+      Eigen::Vector3d nearest = point;
       const std::int32_t cell = locator.Find(point, nearest);
       this->CellIndices[p] = cell;
       distances[p] = (point - nearest).norm();
