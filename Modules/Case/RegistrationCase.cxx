@@ -394,7 +394,7 @@ std::string ShownName(const std::string& path, bool named)
   const fs::path file = whole.has_filename() ? whole : whole.parent_path();
   const fs::path within = file.lexically_relative(fs::weakly_canonical(DataDirectory(), code));
   const bool isShipped = !within.empty() && *within.begin() != "..";
-  return named || isShipped ? file.filename().string() : "*" + file.extension().string();
+  return named || isShipped ? file.filename().string() : '*' + file.extension().string();
 }
 
 std::vector<CaseInput> CaseInputs(const RegistrationCase& input, const std::string& mammogram)
