@@ -2,6 +2,7 @@
 #include "Private/LabelComponents.h"
 
 #include <algorithm>
+#include <array>
 #include <limits>
 
 namespace mammoray
@@ -27,41 +28,169 @@ void ForFaceNeighbours(const LabelVolume& volume, std::size_t voxel, Visit visit
     }
   }
 }
+
+/// Voxels of one label next to each other in a row, joined where their faces meet.
+class Runs
+{
+public:
+  explicit Runs(const LabelVolume& volume)
+    : RowLength(volume.Size[0])
+  {
+    const std::size_t rows = static_cast<std::size_t>(volume.Size[1]) * volume.Size[2];
+    this->FirstOfRow.reserve(rows + 1);
+    for (std::size_t row = 0; row < rows; ++row)
+    {
+      this->FirstOfRow.push_back(this->Count());
+      const std::uint16_t* voxels = &volume.Voxels[row * this->RowLength];
+      for (int i = 0; i < this->RowLength; ++i)
+      {
+        if (i == 0 || voxels[i] != voxels[i - 1])
+        {
+          this->All.push_back({ i, this->Count(), voxels[i] });
+        }
+      }
+      this->Join(row, row % volume.Size[1] > 0 ? row - 1 : row);
+      this->Join(row, row >= static_cast<std::size_t>(volume.Size[1]) ? row - volume.Size[1] : row);
+    }
+  }
+
+  std::uint32_t Count() const { return static_cast<std::uint32_t>(this->All.size()); }
+  int Length(std::uint32_t run) const { return this->End(run) - this->All[run].Begin; }
+  /// The first run of those joined.
+  std::uint32_t Root(std::uint32_t run)
+  {
+    while (this->All[run].Parent != run)
+    {
+      this->All[run].Parent = this->All[this->All[run].Parent].Parent;
+      run = this->All[run].Parent;
+    }
+    return run;
+  }
+
+private:
+  struct Run
+  {
+    int Begin; // in its row
+    std::uint32_t Parent;
+    std::uint16_t Label;
+  };
+
+  int End(std::uint32_t run) const
+  {
+    return run + 1 < this->Count() && this->All[run + 1].Begin > 0 ? this->All[run + 1].Begin
+                                                                   : this->RowLength;
+  }
+
+  /// Joins the last row with one before.
+  void Join(std::size_t row, std::size_t before)
+  {
+    if (before == row)
+    {
+      return;
+    }
+    std::uint32_t a = this->FirstOfRow[row];
+    std::uint32_t b = this->FirstOfRow[before];
+    while (a < this->Count())
+    {
+      if (this->All[a].Label == this->All[b].Label)
+      {
+        const std::uint32_t rootA = this->Root(a);
+        const std::uint32_t rootB = this->Root(b);
+        this->All[std::max(rootA, rootB)].Parent = std::min(rootA, rootB);
+      }
+      const int endA = this->End(a);
+      const int endB = this->End(b);
+      a += endA <= endB ? 1 : 0;
+      b += endB <= endA ? 1 : 0;
+    }
+  }
+
+  int RowLength;
+  std::vector<Run> All;
+  std::vector<std::uint32_t> FirstOfRow;
+};
+
+/// Calls visit(row, its first voxel) for all rows along i, forth or back; row[0] is 0.
+template <typename Visit>
+void ForRows(const LabelVolume& volume, bool forward, Visit visit)
+{
+  const int rows = volume.Size[1] * volume.Size[2];
+  for (int n = 0; n < rows; ++n)
+  {
+    const int row = forward ? n : rows - 1 - n;
+    const int j = row % volume.Size[1];
+    const int k = row / volume.Size[1];
+    visit(std::array<int, 3>{ 0, j, k }, volume.Index(0, j, k));
+  }
+}
+
+/// Lowers the distances in a row to those of the neighbours before it, in the order of a sweep that
+/// goes forth (1) or back (-1), and a step.
+void SpreadInto(const LabelVolume& volume, const std::array<int, 3>& row, int forth,
+  std::vector<float>& distance)
+{
+  const int count = volume.Size[0];
+  const auto stepTo = [&](int di, int dj, int dk)
+  {
+    return static_cast<float>(
+      Norm({ di * volume.Spacing[0], dj * volume.Spacing[1], dk * volume.Spacing[2] }));
+  };
+  const std::size_t first = volume.Index(0, row[1], row[2]);
+  float* here = &distance[first];
+  const std::uint16_t* labels = &volume.Voxels[first];
+  constexpr int before[4][2] = { { -1, 0 }, { -1, -1 }, { 0, -1 }, { 1, -1 } };
+  for (const auto& [dj, dk] : before)
+  {
+    const int j = row[1] + forth * dj;
+    const int k = row[2] + forth * dk;
+    if (j < 0 || k < 0 || j >= volume.Size[1] || k >= volume.Size[2])
+    {
+      continue;
+    }
+    const float* there = &distance[volume.Index(0, j, k)];
+    const std::uint16_t* theirLabels = &volume.Voxels[volume.Index(0, j, k)];
+    for (const int di : { -1, 0, 1 })
+    {
+      const float step = stepTo(di, dj, dk);
+      const int end = count - std::max(0, di);
+      for (int i = std::max(0, -di); i < end; ++i)
+      {
+        const float way = std::min(here[i], there[i + di] + step);
+        here[i] = labels[i] == theirLabels[i + di] ? way : here[i];
+      }
+    }
+  }
+  const float step = stepTo(1, 0, 0);
+  for (int n = 1; n < count; ++n)
+  {
+    const int i = forth > 0 ? n : count - 1 - n;
+    if (labels[i] == labels[i - forth])
+    {
+      here[i] = std::min(here[i], here[i - forth] + step);
+    }
+  }
+}
 }
 
 LabelComponents FindComponents(const LabelVolume& volume)
 {
-  constexpr auto none = std::numeric_limits<std::uint32_t>::max();
+  Runs runs(volume);
   LabelComponents found;
-  found.OfVoxel.assign(volume.NumberOfVoxels(), none);
-  std::vector<std::size_t> stack;
-  for (std::size_t start = 0; start < volume.NumberOfVoxels(); ++start)
+  found.OfVoxel.resize(volume.NumberOfVoxels());
+  std::vector<std::uint32_t> ids(runs.Count());
+  std::size_t voxel = 0;
+  for (std::uint32_t run = 0; run < runs.Count(); ++run)
   {
-    if (found.OfVoxel[start] != none)
+    const std::uint32_t root = runs.Root(run);
+    if (root == run)
     {
-      continue;
+      ids[run] = static_cast<std::uint32_t>(found.Components.size());
+      found.Components.emplace_back().Material = volume.Voxels[voxel];
     }
-    const auto id = static_cast<std::uint32_t>(found.Components.size());
-    LabelComponent component;
-    component.Material = volume.Voxels[start];
-    found.OfVoxel[start] = id;
-    stack.push_back(start);
-    while (!stack.empty())
-    {
-      const std::size_t voxel = stack.back();
-      stack.pop_back();
-      ++component.Voxels;
-      ForFaceNeighbours(volume, voxel,
-        [&](std::size_t neighbour, int)
-        {
-          if (found.OfVoxel[neighbour] == none && volume.Voxels[neighbour] == component.Material)
-          {
-            found.OfVoxel[neighbour] = id;
-            stack.push_back(neighbour);
-          }
-        });
-    }
-    found.Components.push_back(component);
+    const std::size_t length = runs.Length(run);
+    found.Components[ids[root]].Voxels += length;
+    std::fill_n(found.OfVoxel.begin() + static_cast<std::ptrdiff_t>(voxel), length, ids[root]);
+    voxel += length;
   }
   return found;
 }
@@ -76,23 +205,24 @@ std::size_t MergeSmallComponents(LabelVolume& volume, double smallestMm3)
   {
     changed = false;
     const LabelComponents found = FindComponents(volume);
-    const auto isSmall = [&](std::uint32_t id)
+    std::vector<char> isSmall;
+    for (const LabelComponent& component : found.Components)
     {
       // 1e-9: a component of exactly the limit is kept whatever the rounding of the voxel's volume.
-      return static_cast<double>(found.Components[id].Voxels) * volume.VoxelVolume() <
-        smallestMm3 * (1 - 1e-9);
-    };
+      isSmall.push_back(
+        static_cast<double>(component.Voxels) * volume.VoxelVolume() < smallestMm3 * (1 - 1e-9));
+    }
     std::map<std::uint32_t, std::map<int, double>> contacts;
     for (std::size_t voxel = 0; voxel < volume.NumberOfVoxels(); ++voxel)
     {
       const std::uint32_t id = found.OfVoxel[voxel];
-      if (isSmall(id))
+      if (isSmall[id])
       {
         ForFaceNeighbours(volume, voxel,
           [&](std::size_t neighbour, int axis)
           {
             const std::uint32_t other = found.OfVoxel[neighbour];
-            if (other != id && !isSmall(other))
+            if (other != id && !isSmall[other])
             {
               contacts[id][volume.Voxels[neighbour]] += areas[axis];
             }
@@ -108,7 +238,8 @@ std::size_t MergeSmallComponents(LabelVolume& volume, double smallestMm3)
     }
     for (std::size_t voxel = 0; !target.empty() && voxel < volume.NumberOfVoxels(); ++voxel)
     {
-      const auto place = target.find(found.OfVoxel[voxel]);
+      const std::uint32_t id = found.OfVoxel[voxel];
+      const auto place = isSmall[id] ? target.find(id) : target.end();
       if (place != target.end())
       {
         volume.Voxels[voxel] = place->second;
@@ -122,65 +253,37 @@ std::size_t MergeSmallComponents(LabelVolume& volume, double smallestMm3)
 
 std::vector<float> InterfaceDistance(const LabelVolume& volume)
 {
-  const int nx = volume.Size[0];
-  const int ny = volume.Size[1];
-  const int nz = volume.Size[2];
-  std::vector<float> distance(volume.NumberOfVoxels(), std::numeric_limits<float>::max());
-  for (std::size_t voxel = 0; voxel < distance.size(); ++voxel)
-  {
-    ForFaceNeighbours(volume, voxel,
-      [&](std::size_t neighbour, int axis)
-      {
-        if (volume.Voxels[neighbour] != volume.Voxels[voxel])
-        {
-          distance[voxel] =
-            std::min(distance[voxel], static_cast<float>(0.5 * volume.Spacing[axis]));
-        }
-      });
-  }
-  // Two sweeps with half of the 26 neighbours each.
-  const auto sweep = [&](bool forward)
-  {
-    for (int n = 0; n < nz; ++n)
+  constexpr float far = std::numeric_limits<float>::max();
+  std::vector<float> distance(volume.NumberOfVoxels(), far);
+  const std::size_t step[3] = { 1, static_cast<std::size_t>(volume.Size[0]),
+    static_cast<std::size_t>(volume.Size[0]) * volume.Size[1] };
+  const std::uint16_t* labels = volume.Voxels.data();
+  ForRows(volume, true,
+    [&](const std::array<int, 3>& row, std::size_t first)
     {
-      const int k = forward ? n : nz - 1 - n;
-      for (int m = 0; m < ny; ++m)
+      for (int axis = 0; axis < 3; ++axis)
       {
-        const int j = forward ? m : ny - 1 - m;
-        for (int l = 0; l < nx; ++l)
+        if (axis > 0 && row[axis] == 0)
         {
-          const int i = forward ? l : nx - 1 - l;
-          float& here = distance[volume.Index(i, j, k)];
-          for (int dk = -1; dk <= 0; ++dk)
-          {
-            for (int dj = -1; dj <= (dk < 0 ? 1 : 0); ++dj)
-            {
-              for (int di = -1; di <= (dk < 0 || dj < 0 ? 1 : -1); ++di)
-              {
-                const int s = forward ? 1 : -1;
-                const int ni = i + s * di;
-                const int nj = j + s * dj;
-                const int nk = k + s * dk;
-                if (ni < 0 || nj < 0 || nk < 0 || ni >= nx || nj >= ny || nk >= nz)
-                {
-                  continue;
-                }
-                const std::size_t neighbour = volume.Index(ni, nj, nk);
-                if (volume.Voxels[neighbour] == volume.Voxels[volume.Index(i, j, k)])
-                {
-                  const double step = Norm(
-                    { di * volume.Spacing[0], dj * volume.Spacing[1], dk * volume.Spacing[2] });
-                  here = std::min(here, distance[neighbour] + static_cast<float>(step));
-                }
-              }
-            }
-          }
+          continue;
+        }
+        const auto half = static_cast<float>(0.5 * volume.Spacing[axis]);
+        const std::size_t end = first + step[1];
+        for (std::size_t voxel = first + (axis == 0 ? 1 : 0); voxel < end; ++voxel)
+        {
+          const float found = labels[voxel] != labels[voxel - step[axis]] ? half : far;
+          distance[voxel] = std::min(distance[voxel], found);
+          distance[voxel - step[axis]] = std::min(distance[voxel - step[axis]], found);
         }
       }
-    }
-  };
-  sweep(true);
-  sweep(false);
+    });
+  // Two sweeps with half of the 26 neighbours each.
+  for (const bool forward : { true, false })
+  {
+    ForRows(volume, forward,
+      [&](const std::array<int, 3>& row, std::size_t)
+      { SpreadInto(volume, row, forward ? 1 : -1, distance); });
+  }
   return distance;
 }
 }
