@@ -2,6 +2,7 @@
 #include "Private/LabelField.h"
 
 #include "mammoray/Foundation/Error.h"
+#include "mammoray/Foundation/ParallelFor.h"
 
 #include <algorithm>
 #include <limits>
@@ -10,21 +11,43 @@ namespace mammoray
 {
 namespace
 {
-/// Calls line(first voxel, voxels, step) for every row of voxels along an axis.
-template <typename Line>
-void ForLines(const LabelVolume& volume, int axis, Line line)
+/**
+ * Replaces the values along an axis line by line, those of lines side by side together. Calls
+ * filter(padded, lanes, result): result has a row of values, one of each lane, for every voxel
+ * along the axis, padded `radius` rows more at either end, where the last ones are continued.
+ * Values stay where the filter answers false.
+ */
+template <typename Value, typename Filter>
+void FilterLines(const LabelVolume& volume, int axis, int radius, std::vector<Value>& values,
+  Filter filter)
 {
-  const std::size_t step[3] = { 1, static_cast<std::size_t>(volume.Size[0]),
-    static_cast<std::size_t>(volume.Size[0]) * volume.Size[1] };
-  const int u = (axis + 1) % 3;
-  const int v = (axis + 2) % 3;
-  for (int b = 0; b < volume.Size[v]; ++b)
-  {
-    for (int a = 0; a < volume.Size[u]; ++a)
+  const std::size_t row = volume.Size[0];
+  const std::size_t slice = row * volume.Size[1];
+  const std::size_t lanes = axis == 0 ? 1 : row;
+  const std::size_t step = axis == 0 ? 1 : axis == 1 ? row : slice;
+  const std::size_t toNext = axis == 1 ? slice : row;
+  const int count = volume.Size[axis];
+  const std::size_t sheets = volume.NumberOfVoxels() / (count * lanes);
+  ParallelRanges(sheets, 16,
+    [&](std::size_t begin, std::size_t end)
     {
-      line(a * step[u] + b * step[v], volume.Size[axis], step[axis]);
-    }
-  }
+      std::vector<Value> padded((count + 2 * radius) * lanes);
+      std::vector<Value> result(count * lanes);
+      for (std::size_t sheet = begin; sheet < end; ++sheet)
+      {
+        Value* first = &values[sheet * toNext];
+        for (int n = 0; n < count + 2 * radius; ++n)
+        {
+          std::copy_n(first + std::clamp(n - radius, 0, count - 1) * step, lanes,
+            &padded[n * lanes]);
+        }
+        const bool changed = filter(padded, lanes, result);
+        for (int n = 0; changed && n < count; ++n)
+        {
+          std::copy_n(&result[n * lanes], lanes, first + n * step);
+        }
+      }
+    });
 }
 
 /// True for voxels with another label within `radius` voxels along every axis.
@@ -32,28 +55,29 @@ std::vector<char> NearInterface(const LabelVolume& volume, int radius)
 {
   std::vector<std::uint16_t> low = volume.Voxels;
   std::vector<std::uint16_t> high = volume.Voxels;
-  std::vector<std::uint16_t> row;
+  const auto fold = [=](auto choose)
+  {
+    return [=](const std::vector<std::uint16_t>& padded, std::size_t lanes,
+             std::vector<std::uint16_t>& result)
+    {
+      std::copy_n(padded.begin(), result.size(), result.begin());
+      for (int t = 1; t <= 2 * radius; ++t)
+      {
+        const std::uint16_t* shifted = &padded[t * lanes];
+        for (std::size_t n = 0; n < result.size(); ++n)
+        {
+          result[n] = choose(result[n], shifted[n]);
+        }
+      }
+      return true;
+    };
+  };
   for (int axis = 0; axis < 3; ++axis)
   {
-    for (auto* values : { &low, &high })
-    {
-      ForLines(volume, axis,
-        [&](std::size_t first, int count, std::size_t step)
-        {
-          row.resize(count);
-          for (int n = 0; n < count; ++n)
-          {
-            row[n] = (*values)[first + n * step];
-          }
-          for (int n = 0; n < count; ++n)
-          {
-            const auto begin = row.begin() + std::max(0, n - radius);
-            const auto end = row.begin() + std::min(count, n + radius + 1);
-            (*values)[first + n * step] =
-              values == &low ? *std::min_element(begin, end) : *std::max_element(begin, end);
-          }
-        });
-    }
+    FilterLines(volume, axis, radius, low,
+      fold([](std::uint16_t a, std::uint16_t b) { return std::min(a, b); }));
+    FilterLines(volume, axis, radius, high,
+      fold([](std::uint16_t a, std::uint16_t b) { return std::max(a, b); }));
   }
   std::vector<char> near(volume.NumberOfVoxels());
   for (std::size_t voxel = 0; voxel < near.size(); ++voxel)
@@ -63,33 +87,57 @@ std::vector<char> NearInterface(const LabelVolume& volume, int radius)
   return near;
 }
 
+/// Blurs a sheet of lines but those that are constant, which rounding would change; false where all
+/// are.
+bool BlurLines(const std::vector<float>& padded, std::size_t lanes,
+  const std::vector<float>& kernel, std::vector<float>& result)
+{
+  std::vector<std::int32_t> constant(lanes, 1);
+  for (std::size_t n = lanes; n < padded.size(); n += lanes)
+  {
+    for (std::size_t lane = 0; lane < lanes; ++lane)
+    {
+      constant[lane] &= padded[n + lane] == padded[lane] ? 1 : 0;
+    }
+  }
+  if (std::find(constant.begin(), constant.end(), 0) == constant.end())
+  {
+    return false;
+  }
+  constexpr std::size_t block = 1024; // values that stay near
+  for (std::size_t begin = 0; begin < result.size(); begin += block)
+  {
+    const std::size_t end = std::min(result.size(), begin + block);
+    std::fill(&result[begin], &result[0] + end, 0.0f);
+    for (std::size_t t = 0; t < kernel.size(); ++t)
+    {
+      const float weight = kernel[t];
+      const float* shifted = &padded[t * lanes];
+      for (std::size_t n = begin; n < end; ++n)
+      {
+        result[n] += weight * shifted[n];
+      }
+    }
+  }
+  for (std::size_t n = 0; n < result.size(); n += lanes)
+  {
+    for (std::size_t lane = 0; lane < lanes; ++lane)
+    {
+      result[n + lane] = constant[lane] ? padded[lane] : result[n + lane];
+    }
+  }
+  return true;
+}
+
 void Blur(const LabelVolume& volume, const std::vector<float>& kernel, std::vector<float>& values)
 {
   const int radius = static_cast<int>(kernel.size() / 2);
-  std::vector<float> row;
   for (int axis = 0; axis < 3 && radius > 0; ++axis)
   {
-    ForLines(volume, axis,
-      [&](std::size_t first, int count, std::size_t step)
-      {
-        // The ends are continued: only their margin of air is there.
-        row.resize(count + 2 * radius);
-        bool constant = true;
-        for (int n = 0; n < count + 2 * radius; ++n)
-        {
-          row[n] = values[first + std::clamp(n - radius, 0, count - 1) * step];
-          constant = constant && row[n] == row[0];
-        }
-        for (int n = 0; n < count && !constant; ++n)
-        {
-          float sum = 0;
-          for (int t = 0; t <= 2 * radius; ++t)
-          {
-            sum += kernel[t] * row[n + t];
-          }
-          values[first + n * step] = sum;
-        }
-      });
+    // The ends are continued: only their margin of air is there.
+    FilterLines(volume, axis, radius, values,
+      [&](const std::vector<float>& padded, std::size_t lanes, std::vector<float>& result)
+      { return BlurLines(padded, lanes, kernel, result); });
   }
 }
 }
@@ -118,25 +166,19 @@ LabelField::LabelField(const LabelVolume& volume, double smoothingVoxels)
     this->Materials.push_back(material);
   }
   const std::size_t columns = this->Materials.size();
-  // At least 1: where all eight voxels around a point are far from others, no weights are needed.
-  const std::vector<char> near = NearInterface(volume, std::max(1, radius));
+  // Between eight voxels of one material no weights are needed.
+  const std::vector<char> touching = NearInterface(volume, 1);
   this->Row.resize(volume.NumberOfVoxels());
   std::size_t rows = 0;
-  for (std::size_t voxel = 0; voxel < near.size(); ++voxel)
+  for (std::size_t voxel = 0; voxel < touching.size(); ++voxel)
   {
-    this->Row[voxel] =
-      near[voxel] ? static_cast<std::int32_t>(rows++) : -1 - place[volume.Voxels[voxel]];
+    this->Row[voxel] = touching[voxel] ? static_cast<std::int32_t>(rows++) : -1;
   }
-  if (rows + columns > static_cast<std::size_t>(std::numeric_limits<std::int32_t>::max()))
+  if (rows > static_cast<std::size_t>(std::numeric_limits<std::int32_t>::max()))
   {
     throw InputError("volume to mesh: expected fewer voxels at interfaces; resample it coarser");
   }
-  this->Weights.assign((rows + columns) * columns, 0.0f);
-  this->FirstUnitRow = static_cast<std::int32_t>(rows);
-  for (std::size_t column = 0; column < columns; ++column)
-  {
-    this->Weights[(rows + column) * columns + column] = 1.0f;
-  }
+  this->Weights.assign(rows * columns + Lanes, 0.0f);
   std::vector<float> indicator(volume.NumberOfVoxels());
   for (std::size_t column = 0; column < columns; ++column)
   {
@@ -154,17 +196,15 @@ LabelField::LabelField(const LabelVolume& volume, double smoothingVoxels)
     }
   }
   indicator = {};
-  this->Balance(place);
+  this->Balance(place, NearInterface(volume, std::max(1, radius)));
 }
 
-void LabelField::Balance(const std::vector<std::int32_t>& place)
+std::vector<LabelField::Sample> LabelField::Samples(const std::vector<char>& near) const
 {
-  const std::size_t columns = this->Materials.size();
+  std::vector<Sample> samples;
   const Vector3& spacing = this->Volume.Spacing;
-  const std::vector<float> blurred = this->Weights;
-  std::vector<double> voxelCount(columns, 0.0);
-  std::vector<double> surface(columns, 1.0);
-  std::vector<std::array<int, 3>> samples;
+  Vector3 spread{ 0.5, 0.5, 0.5 };
+  constexpr Vector3 step{ 0.8191725133961645, 0.6710436067037893, 0.5497004779019703 };
   for (int k = 1; k + 1 < this->Volume.Size[2]; ++k)
   {
     for (int j = 1; j + 1 < this->Volume.Size[1]; ++j)
@@ -172,25 +212,49 @@ void LabelField::Balance(const std::vector<std::int32_t>& place)
       for (int i = 1; i + 1 < this->Volume.Size[0]; ++i)
       {
         const std::size_t voxel = this->Volume.Index(i, j, k);
+        if (!near[voxel])
+        {
+          continue;
+        }
+        for (int a = 0; a < 3; ++a)
+        {
+          spread[a] += step[a]; // of two numbers below 1
+          spread[a] -= spread[a] >= 1 ? 1 : 0;
+        }
         if (this->Row[voxel] >= 0)
         {
-          samples.push_back({ i, j, k });
-          const std::int32_t own = place[this->Volume.Voxels[voxel]];
-          voxelCount[own] += 1;
-          surface[own] += this->Volume.Voxels[voxel] != this->Volume.Voxels[voxel - 1];
-          surface[own] += this->Volume.Voxels[voxel] != this->Volume.Voxels[voxel + 1];
+          samples.push_back({ voxel,
+            { (i + spread[0] - 0.5) * spacing[0], (j + spread[1] - 0.5) * spacing[1],
+              (k + spread[2] - 0.5) * spacing[2] } });
         }
       }
     }
+  }
+  return samples;
+}
+
+void LabelField::Balance(const std::vector<std::int32_t>& place, const std::vector<char>& near)
+{
+  const std::size_t columns = this->Materials.size();
+  const std::vector<std::uint16_t>& labels = this->Volume.Voxels;
+  const std::vector<float> blurred = this->Weights;
+  const std::vector<Sample> samples = this->Samples(near);
+  std::vector<double> voxelCount(columns, 0.0);
+  std::vector<double> surface(columns, 1.0);
+  for (const Sample& sample : samples)
+  {
+    const std::uint16_t label = labels[sample.Voxel];
+    voxelCount[place[label]] += 1;
+    surface[place[label]] += label != labels[sample.Voxel - 1];
+    surface[place[label]] += label != labels[sample.Voxel + 1];
   }
   std::vector<double> bias(columns, 0.0);
   const int rounds = 5;
   for (int round = 0;; ++round)
   {
-    for (const std::array<int, 3>& sample : samples)
+    for (const Sample& sample : samples)
     {
-      const std::size_t voxel = this->Volume.Index(sample[0], sample[1], sample[2]);
-      const std::size_t row = this->Row[voxel] * columns;
+      const std::size_t row = this->Row[sample.Voxel] * columns;
       float* weights = &this->Weights[row];
       for (std::size_t column = 0; column < columns; ++column)
       {
@@ -198,7 +262,7 @@ void LabelField::Balance(const std::vector<std::int32_t>& place)
       }
       // Where another material won, the own one now wins by as much; by 0.02, not by rounding,
       // elsewhere.
-      float& own = weights[place[this->Volume.Voxels[voxel]]];
+      float& own = weights[place[labels[sample.Voxel]]];
       const float largest = *std::max_element(weights, weights + columns);
       own = largest + std::max(0.02f, largest - own);
     }
@@ -206,20 +270,10 @@ void LabelField::Balance(const std::vector<std::int32_t>& place)
     {
       return;
     }
-    // Volumes by one point per voxel, spread over the voxels by three irrational steps.
     std::vector<double> count(columns, 0.0);
-    double spread[3] = { 0.5, 0.5, 0.5 };
-    constexpr double step[3] = { 0.8191725133961645, 0.6710436067037893, 0.5497004779019703 };
-    for (const std::array<int, 3>& sample : samples)
+    for (const Sample& sample : samples)
     {
-      for (int a = 0; a < 3; ++a)
-      {
-        spread[a] += step[a];
-        spread[a] -= std::floor(spread[a]);
-      }
-      count[place[this->MaterialAt((sample[0] + spread[0] - 0.5) * spacing[0],
-        (sample[1] + spread[1] - 0.5) * spacing[1], (sample[2] + spread[2] - 0.5) * spacing[2])]] +=
-        1;
+      count[place[this->MaterialAt(sample.Point[0], sample.Point[1], sample.Point[2])]] += 1;
     }
     for (std::size_t column = 0; column < columns; ++column)
     {
@@ -246,22 +300,22 @@ int LabelField::MaterialAt(double x, double y, double z) const
     index[a] = std::min(static_cast<int>(position[a]), this->Volume.Size[a] - 2);
     fraction[a] = static_cast<float>(position[a] - index[a]);
   }
-  std::int32_t rows[8];
-  bool pure = true;
-  for (int corner = 0; corner < 8; ++corner)
+  const std::size_t first = this->Volume.Index(index[0], index[1], index[2]);
+  const std::size_t row = this->Volume.Size[0];
+  const std::size_t slice = row * this->Volume.Size[1];
+  const std::size_t corners[4] = { first, first + row, first + slice, first + slice + row };
+  // Where all eight voxels are of one material, it wins at all of them, and so between them.
+  const std::uint16_t label = this->Volume.Voxels[first];
+  unsigned differences = 0;
+  for (const std::size_t corner : corners)
   {
-    rows[corner] = this->Row[this->Volume.Index(index[0] + (corner & 1),
-      index[1] + (corner >> 1 & 1), index[2] + (corner >> 2))];
-    pure = pure && rows[corner] < 0 && rows[corner] == rows[0];
+    const std::uint16_t* pair = &this->Volume.Voxels[corner];
+    differences |= (pair[0] ^ label) | (pair[1] ^ label);
   }
-  if (pure)
-  {
-    return this->Materials[-1 - rows[0]];
-  }
-  return this->Blend(rows, fraction);
+  return differences == 0 ? label : this->Blend(corners, fraction);
 }
 
-int LabelField::Blend(const std::int32_t (&rows)[8], const float (&fraction)[3]) const
+int LabelField::Blend(const std::size_t (&corners)[4], const float (&fraction)[3]) const
 {
   const std::size_t columns = this->Materials.size();
   float shares[8];
@@ -271,30 +325,27 @@ int LabelField::Blend(const std::int32_t (&rows)[8], const float (&fraction)[3])
     shares[corner] = ((corner & 1) ? fraction[0] : 1 - fraction[0]) *
       ((corner & 2) ? fraction[1] : 1 - fraction[1]) *
       ((corner & 4) ? fraction[2] : 1 - fraction[2]);
-    const std::int32_t row =
-      rows[corner] >= 0 ? rows[corner] : this->FirstUnitRow - 1 - rows[corner];
-    weights[corner] = &this->Weights[static_cast<std::size_t>(row) * columns];
+    const auto row = static_cast<std::size_t>(this->Row[corners[corner >> 1] + (corner & 1)]);
+    weights[corner] = &this->Weights[row * columns];
   }
   float best = -1;
   int material = 0;
-  constexpr std::size_t block = 16; // sums that stay in registers
-  for (std::size_t begin = 0; begin < columns; begin += block)
+  for (std::size_t begin = 0; begin < columns; begin += Lanes)
   {
-    const std::size_t count = std::min(block, columns - begin);
-    float sums[block] = {};
+    float sums[Lanes] = {};
     for (int corner = 0; corner < 8; ++corner)
     {
-      for (std::size_t column = 0; column < count; ++column)
+      for (std::size_t lane = 0; lane < Lanes; ++lane)
       {
-        sums[column] += shares[corner] * weights[corner][begin + column];
+        sums[lane] += shares[corner] * weights[corner][begin + lane];
       }
     }
-    for (std::size_t column = 0; column < count; ++column)
+    for (std::size_t lane = 0; lane < std::min(Lanes, columns - begin); ++lane)
     {
-      if (sums[column] > best)
+      if (sums[lane] > best)
       {
-        best = sums[column];
-        material = this->Materials[begin + column];
+        best = sums[lane];
+        material = this->Materials[begin + lane];
       }
     }
   }

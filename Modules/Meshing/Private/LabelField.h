@@ -24,18 +24,29 @@ public:
   int MaterialAt(double x, double y, double z) const;
 
 private:
-  void Balance(const std::vector<std::int32_t>& place);
-  /// The material with the largest weight between eight voxels.
-  int Blend(const std::int32_t (&rows)[8], const float (&fraction)[3]) const;
+  /// Columns of Weights that are added up at once.
+  static constexpr std::size_t Lanes = 4;
+  /// A voxel whose row of Weights is balanced, and a point in it.
+  struct Sample
+  {
+    std::size_t Voxel;
+    Vector3 Point;
+  };
+  /// Points spread over the voxels near interfaces by three irrational steps; those in voxels with
+  /// a row.
+  std::vector<Sample> Samples(const std::vector<char>& near) const;
+  void Balance(const std::vector<std::int32_t>& place, const std::vector<char>& near);
+  /// The material with the largest weight between eight voxels, pairs along i that begin at the
+  /// corners.
+  int Blend(const std::size_t (&corners)[4], const float (&fraction)[3]) const;
 
   const LabelVolume& Volume;
   /// The materials that occur, ascending.
   std::vector<int> Materials;
-  /// Row of Weights for voxels near an interface; -1 - (place in Materials) elsewhere.
+  /// Row of Weights for voxels that touch one of another material; -1 elsewhere.
   std::vector<std::int32_t> Row;
-  /// Materials.size() weights per row; the last rows are those of voxels of one material only.
+  /// Materials.size() weights per row, and Lanes more at the end.
   std::vector<float> Weights;
-  std::int32_t FirstUnitRow = 0;
 };
 }
 
