@@ -172,6 +172,7 @@ void Write(vtkPointSet* mesh, const std::string& path)
     // expat's update of 2025 (2.5.0-1+deb12u2).
     writer->SetDataModeToBinary();
     writer->SetCompressorTypeToZLib();
+    writer->SetCompressionLevel(1); // most of a file is coordinates, which hardly get smaller
   }
   if constexpr (requires { writer->SetFileTypeToBinary(); })
   {

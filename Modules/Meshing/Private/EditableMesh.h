@@ -92,8 +92,9 @@ public:
 
 private:
   static constexpr std::int32_t Nothing = -1;
-  /// All edges of a point's link, with Nothing in place of a second material where cells end.
-  std::vector<Arc> LinkEdges(std::int32_t point) const;
+  /// All edges of a point's link, in no order, with Nothing in place of a second material where
+  /// cells end; valid until the thread's next call.
+  const std::vector<Arc>& LinkEdges(std::int32_t point) const;
 
   std::vector<Cell> Cells;
   std::vector<std::vector<std::int32_t>> Stars;

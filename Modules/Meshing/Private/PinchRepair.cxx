@@ -191,9 +191,17 @@ private:
     const std::array<std::int32_t, 4>& ids = this->Mesh[cell].Ids;
     for (int left = 0; left < 4; ++left)
     {
-      const std::int32_t a = ids[(left + 1) % 4];
-      const std::int32_t b = ids[(left + 2) % 4];
-      const std::int32_t c = ids[(left + 3) % 4];
+      std::int32_t a = ids[(left + 1) % 4];
+      std::int32_t b = ids[(left + 2) % 4];
+      std::int32_t c = ids[(left + 3) % 4];
+      // The fewest cells are looked at.
+      for (std::int32_t* other : { &b, &c })
+      {
+        if (this->Mesh.Star(*other).size() < this->Mesh.Star(a).size())
+        {
+          std::swap(a, *other);
+        }
+      }
       for (const std::int32_t other : this->Mesh.Star(a))
       {
         if (other != cell && Contains(this->Mesh[other].Ids, b) &&
