@@ -42,6 +42,30 @@ std::vector<Footprint> FootprintsAlong(int oldSize, double oldSpacing, double ne
   return footprints;
 }
 
+/// True where all voxels under a new one, of a footprint along each axis, have the label of the
+/// first.
+bool IsUniform(const LabelVolume& labels, const Footprint& fx, const Footprint& fy,
+  const Footprint& fz)
+{
+  const std::uint16_t label = labels.Voxels[labels.Index(fx.First, fy.First, fz.First)];
+  for (std::size_t k = 0; k < fz.Shares.size(); ++k)
+  {
+    for (std::size_t j = 0; j < fy.Shares.size(); ++j)
+    {
+      const std::uint16_t* row = &labels.Voxels[labels.Index(fx.First,
+        fy.First + static_cast<int>(j), fz.First + static_cast<int>(k))];
+      for (std::size_t i = 0; i < fx.Shares.size(); ++i)
+      {
+        if (row[i] != label)
+        {
+          return false;
+        }
+      }
+    }
+  }
+  return true;
+}
+
 std::string BoxText(const VoxelBox& box)
 {
   std::string text;
@@ -87,6 +111,13 @@ LabelVolume ResampleLabels(const LabelVolume& labels, double spacingMm)
     {
       for (const Footprint& fx : footprints[0])
       {
+        // The last ones may reach beyond the volume.
+        if (&fx != &footprints[0].back() && &fy != &footprints[1].back() &&
+          &fz != &footprints[2].back() && IsUniform(labels, fx, fy, fz))
+        {
+          result.Voxels[voxel++] = labels.Voxels[labels.Index(fx.First, fy.First, fz.First)];
+          continue;
+        }
         double inside = 0;
         candidates.clear();
         for (std::size_t k = 0; k < fz.Shares.size(); ++k)

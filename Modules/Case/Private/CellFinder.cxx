@@ -28,8 +28,6 @@ Vector3 PlaceInCell::Interpolate(vtkDataArray* values) const
 CellFinder::CellFinder(vtkUnstructuredGrid* grid)
   : Grid(grid)
 {
-  this->Locator->SetDataSet(grid);
-  this->Locator->BuildLocator();
 }
 
 /// Triangles of the outside, of the grid's own points.
@@ -92,6 +90,11 @@ PlaceInCell CellFinder::FindOnSurface(Vector3 point, double toleranceMm)
 
 PlaceInCell CellFinder::Find(Vector3 point, double toleranceMm)
 {
+  if (!this->Locator->GetDataSet())
+  {
+    this->Locator->SetDataSet(this->Grid);
+    this->Locator->BuildLocator();
+  }
   PlaceInCell place;
   double parametric[3];
   place.Cell =

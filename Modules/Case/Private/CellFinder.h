@@ -47,8 +47,9 @@ private:
   PlaceInCell FindOnSurface(Vector3 point, double toleranceMm);
 
   vtkUnstructuredGrid* Grid;
+  /// Made when first asked for, as what follows: not all breasts are asked for places.
   vtkNew<vtkStaticCellLocator> Locator;
-  /// The grid's outside and the cells behind its triangles; made when first asked for.
+  /// The grid's outside and the cells behind its triangles.
   vtkNew<vtkPolyData> Surface;
   std::vector<vtkIdType> SurfaceCells;
   vtkNew<vtkStaticCellLocator> SurfaceLocator;

@@ -232,22 +232,29 @@ VoxelField DistanceTo(const VoxelMask& mask, std::uint16_t value)
   {
     const Lines lines(mask.Size, axis);
     const auto count = static_cast<std::size_t>(mask.Size[axis]);
-    ParallelFor(lines.Count,
-      [&](std::size_t line)
+    ParallelRanges(lines.Count, 64,
+      [&](std::size_t begin, std::size_t end)
       {
-        float* first = &field.Values[lines.First(line)];
         std::vector<float> values(count);
         std::vector<float> result(count);
         std::vector<int> places(count);
         std::vector<float> bounds(count);
-        for (std::size_t n = 0; n < count; ++n)
+        for (std::size_t line = begin; line < end; ++line)
         {
-          values[n] = first[n * lines.Stride];
-        }
-        SpreadLine(values, result, places, bounds);
-        for (std::size_t n = 0; n < count; ++n)
-        {
-          first[n * lines.Stride] = result[n];
+          float* first = &field.Values[lines.First(line)];
+          for (std::size_t n = 0; n < count; ++n)
+          {
+            values[n] = first[n * lines.Stride];
+          }
+          if (std::all_of(values.begin(), values.end(), [&](float v) { return v == values[0]; }))
+          {
+            continue; // nothing is nearer than what lies across
+          }
+          SpreadLine(values, result, places, bounds);
+          for (std::size_t n = 0; n < count; ++n)
+          {
+            first[n * lines.Stride] = result[n];
+          }
         }
       });
   }

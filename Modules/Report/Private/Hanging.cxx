@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Private/Hanging.h"
 
+#include "mammoray/Foundation/ParallelFor.h"
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -152,25 +154,25 @@ std::vector<float> Resample(const RegistrationTarget& target, const std::vector<
   const double step = std::min(std::hypot(target.ColumnStep[0], target.ColumnStep[1]),
     std::hypot(target.RowStep[0], target.RowStep[1]));
   const int samples = std::clamp(static_cast<int>(std::ceil(hanging.PixelMm / step)), 1, 6);
-  std::vector<float> result;
-  result.reserve(
-    static_cast<std::size_t>(hanging.Width) * static_cast<std::size_t>(hanging.Height));
-  for (int y = 0; y < hanging.Height; ++y)
-  {
-    for (int x = 0; x < hanging.Width; ++x)
+  const auto width = static_cast<std::size_t>(hanging.Width);
+  std::vector<float> result(width * static_cast<std::size_t>(hanging.Height));
+  ParallelFor(static_cast<std::size_t>(hanging.Height),
+    [&](std::size_t y)
     {
-      double sum = 0;
-      for (int s = 0; s < samples * samples; ++s)
+      for (std::size_t x = 0; x < width; ++x)
       {
-        const int across = s % samples;
-        const int down = s / samples;
-        const auto point =
-          hanging.ToGantry(x + (across + 0.5) / samples, y + (down + 0.5) / samples);
-        sum += ValueAt(target, image, point[0], point[1]);
+        double sum = 0;
+        for (int s = 0; s < samples * samples; ++s)
+        {
+          const int across = s % samples;
+          const int down = s / samples;
+          const auto point = hanging.ToGantry(static_cast<double>(x) + (across + 0.5) / samples,
+            static_cast<double>(y) + (down + 0.5) / samples);
+          sum += ValueAt(target, image, point[0], point[1]);
+        }
+        result[y * width + x] = static_cast<float>(sum / (samples * samples));
       }
-      result.push_back(static_cast<float>(sum / (samples * samples)));
-    }
-  }
+    });
   return result;
 }
 }
