@@ -85,7 +85,8 @@ LabelVolume ResampleLabels(const LabelVolume& labels, double spacingMm)
     throw InputError(
       "spacing: expected a positive number of mm, found " + std::to_string(spacingMm));
   }
-  LabelVolume result = labels;
+  LabelVolume result;
+  static_cast<VolumeGrid&>(result) = labels;
   std::array<std::vector<Footprint>, 3> footprints;
   double voxelCount = 1;
   for (int a = 0; a < 3; ++a)
@@ -213,6 +214,7 @@ LabelVolume CropToBox(const LabelVolume& labels, const VoxelBox& box)
     result.Size[a] = box.Last[a] - box.First[a] + 1;
   }
   result.Origin = labels.PointAt(box.First[0], box.First[1], box.First[2]);
+  result.Voxels.reserve(static_cast<std::size_t>(result.Size[0]) * result.Size[1] * result.Size[2]);
   for (int k = box.First[2]; k <= box.Last[2]; ++k)
   {
     for (int j = box.First[1]; j <= box.Last[1]; ++j)

@@ -310,6 +310,7 @@ int LabelField::MaterialAt(double x, double y, double z) const
   for (const std::size_t corner : corners)
   {
     const std::uint16_t* pair = &this->Volume.Voxels[corner];
+    __builtin_prefetch(&this->Row[corner]); // far away; most often it is wanted
     differences |= (pair[0] ^ label) | (pair[1] ^ label);
   }
   return differences == 0 ? label : this->Blend(corners, fraction);

@@ -15,8 +15,9 @@ namespace mammoray
 {
 LabelVolume PrepareVolume(const LabelVolume& materials, int margin)
 {
-  LabelVolume tissue = CropToTissue(materials, 0);
-  LabelVolume padded = tissue;
+  const LabelVolume tissue = CropToTissue(materials, 0);
+  LabelVolume padded;
+  static_cast<VolumeGrid&>(padded) = tissue;
   for (int a = 0; a < 3; ++a)
   {
     padded.Size[a] += 2 * margin;

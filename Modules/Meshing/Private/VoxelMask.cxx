@@ -66,6 +66,23 @@ std::vector<Overlap> Overlaps(int newCount, double start, double step, int oldCo
   return overlaps;
 }
 
+/// Squared distance along a row to the nearest voxel of a value, in voxels.
+void MeasureRow(const std::uint16_t* voxels, std::size_t count, std::uint16_t value, float* result)
+{
+  float way = Far;
+  for (std::size_t n = 0; n < count; ++n)
+  {
+    way = voxels[n] == value ? 0 : way + 1;
+    result[n] = way * way;
+  }
+  way = Far;
+  for (std::size_t n = count; n-- > 0;)
+  {
+    way = voxels[n] == value ? 0 : way + 1;
+    result[n] = std::min(result[n], way * way);
+  }
+}
+
 /**
  * Squared distance transform of a line, in voxels, by the lower envelope of parabolas.
  */
@@ -226,9 +243,12 @@ VoxelField DistanceTo(const VoxelMask& mask, std::uint16_t value)
   VoxelField field;
   static_cast<VolumeGrid&>(field) = mask;
   field.Values.resize(mask.Voxels.size());
-  std::transform(mask.Voxels.begin(), mask.Voxels.end(), field.Values.begin(),
-    [=](std::uint16_t voxel) { return voxel == value ? 0.0f : Far; });
-  for (int axis = 0; axis < 3; ++axis)
+  const auto length = static_cast<std::size_t>(mask.Size[0]);
+  for (std::size_t row = 0; row < field.Values.size(); row += length)
+  {
+    MeasureRow(&mask.Voxels[row], length, value, &field.Values[row]);
+  }
+  for (int axis = 1; axis < 3; ++axis)
   {
     const Lines lines(mask.Size, axis);
     const auto count = static_cast<std::size_t>(mask.Size[axis]);
@@ -321,7 +341,9 @@ VoxelMask WithoutHoles(const VoxelMask& mask)
 
 VoxelMask OpenedLargest(const VoxelMask& mask, double radiusMm)
 {
-  const VoxelMask core = LargestPiece(Above(DepthIn(mask), radiusMm));
+  const auto half = static_cast<float>(0.5 * mask.Spacing[0]);
+  const VoxelMask core =
+    LargestPiece(MaskWhere(DistanceTo(mask, 0), [=](float way) { return way - half > radiusMm; }));
   // The region's outermost centres lie half a voxel below its border.
   const double reach = radiusMm + 0.5 * mask.Spacing[0];
   VoxelMask opened = MaskWhere(DistanceTo(core, 1), [=](float way) { return way <= reach; });
