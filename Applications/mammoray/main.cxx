@@ -9,6 +9,7 @@
 
 #include <dlfcn.h>
 #include <fcntl.h>
+#include <malloc.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
@@ -43,6 +44,16 @@ void PreferFastBlasKernels(char* argv[])
   execv("/proc/self/exe", argv); // comes back only when it fails, and then this goes on as it is
 #else
   static_cast<void>(argv);
+#endif
+}
+
+/// Large buffers come and go at every step: what is freed is kept for the next, where it came page
+/// by page, zeroed, from the kernel.
+void KeepFreedMemory()
+{
+#if defined(__GLIBC__)
+  mallopt(M_MMAP_THRESHOLD, 256 << 20);
+  mallopt(M_TRIM_THRESHOLD, 512 << 20);
 #endif
 }
 
@@ -133,6 +144,7 @@ int Run(int argc, char* argv[])
 {
   SettleStreams();
   PreferFastBlasKernels(argv);
+  KeepFreedMemory();
   CLI::App application{ "MammoRay " MAMMORAY_VERSION
                         ": synthetic X-rays of meshes, and registration of breast MRI with "
                         "mammograms.\nLengths in mm, pressures in kPa, energies in keV, angles in "
