@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Refusals.h"
+#include "mammoray/Case/Intake.h"
 #include "mammoray/Case/Private/CaseChecks.h"
 
 #include <gmock/gmock.h>
