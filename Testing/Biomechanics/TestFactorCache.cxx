@@ -47,32 +47,13 @@ TEST(FactorCache, SolvesForMatricesNearby)
   {
     EXPECT_NEAR(solution[k], exact[k], 1e-9 * (k < n ? 1 : 1e4));
   }
-  // The factor alone leaves 1e-3 of the right-hand side; conjugate gradients as little as asked.
-  const std::vector<double> single(right.begin(), right.begin() + n);
-  ASSERT_TRUE(cache.SolveByGradients(near, single, 1e-9, solution));
+  ASSERT_TRUE(cache.SolveNearby(near, { right.begin(), right.begin() + n }, solution));
   for (int k = 0; k < n; ++k)
   {
-    EXPECT_NEAR(solution[k], exact[k], 1e-9);
+    EXPECT_NEAR(solution[k], exact[k], 1e-3);
   }
   cache.Forget();
   EXPECT_TRUE(std::isinf(cache.DistanceMm(x)));
-}
-
-TEST(FactorCache, GradientsEndWhereTheMatrixIsIndefinite)
-{
-  SparsePattern pattern;
-  pattern.Rows = { 0, 1, 2 };
-  pattern.Starts = { 0, 1, 2, 3 };
-  FactorCache cache(pattern);
-  std::vector<double> solution;
-  EXPECT_FALSE(cache.SolveByGradients({ 1, 1, 1 }, { 1, 1, 1 }, 0.1, solution)) << "no factor";
-  ASSERT_TRUE(cache.Factorize({ 1, 1, 1 }, { 0, 0, 0 }));
-  // Curved upwards along the right-hand side, downwards along the next direction.
-  const std::vector<double> values = { 1, 4, -1 };
-  const std::vector<double> right = { 1, 1, 1e-3 };
-  ASSERT_TRUE(cache.SolveByGradients(values, right, 1e-9, solution));
-  EXPECT_GT(solution[0] * right[0] + solution[1] * right[1] + solution[2] * right[2], 0);
-  EXPECT_FALSE(cache.SolveByGradients({ -1, -1, 1 }, right, 1e-9, solution)) << "from the start";
 }
 
 TEST(FactorCache, MixesInAsLittleAsNeeded)

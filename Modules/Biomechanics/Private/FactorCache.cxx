@@ -13,13 +13,8 @@ namespace
 {
 /// Least share of the positive definite matrix worth mixing in.
 constexpr double SmallestShare = 1.0 / 64;
-/// Conjugate gradients may take this part of a factorisation's time, and these steps; they are
-/// given up after the first ones where at their pace they would take that much longer.
-constexpr double GradientsShare = 0.7;
-constexpr double FewestGradientsSteps = 4;
-constexpr double MostGradientsSteps = 60;
-constexpr int GradientsTrial = 3;
-constexpr double GradientsDelay = 1.5;
+constexpr double GradientsTolerance = 1e-3;
+constexpr int MostGradientsSteps = 6;
 constexpr int MostRefinements = 8;
 constexpr double RefinementTolerance = 1e-9;
 }
@@ -100,47 +95,42 @@ double FactorCache::DistanceMm(const std::vector<double>& x) const
   return farthest;
 }
 
-bool FactorCache::SolveByGradients(const std::vector<double>& values,
-  const std::vector<double>& right, double tolerance, std::vector<double>& solution)
+bool FactorCache::SolveNearby(const std::vector<double>& values, const std::vector<double>& right,
+  std::vector<double>& solution)
 {
-  if (!this->Cholesky.Usable())
-  {
-    return false;
-  }
-  const double most = std::clamp(GradientsShare * this->Cholesky.SolutionsPerFactorization(),
-    FewestGradientsSteps, MostGradientsSteps);
   const auto size = static_cast<Eigen::Index>(right.size());
   const auto view = [size](std::vector<double>& v)
   { return Eigen::Map<Eigen::VectorXd>(v.data(), size); };
   std::vector<double> residual = right;
   std::vector<double> preconditioned = right;
-  std::vector<double> direction(right.size(), 0.0);
+  std::vector<double> direction;
   std::vector<double> product(right.size());
   solution.assign(right.size(), 0.0);
-  const double first = view(residual).norm();
-  double before = 1;
-  for (int step = 1; step <= most; ++step)
+  const double enough = GradientsTolerance * view(residual).norm();
+  double before = 0;
+  for (int iteration = 0; iteration < MostGradientsSteps; ++iteration)
   {
     this->Cholesky.Solve(preconditioned);
     const double now = view(residual).dot(view(preconditioned));
-    view(direction) = view(preconditioned) + now / before * view(direction);
+    if (iteration == 0)
+    {
+      direction = preconditioned;
+    }
+    else
+    {
+      view(direction) = view(preconditioned) + now / before * view(direction);
+    }
     this->Cholesky.Multiply(values, direction.data(), product.data());
     const double curvature = view(direction).dot(view(product));
     if (!(curvature > 0))
     {
-      return step > 1;
+      return false;
     }
     view(solution) += now / curvature * view(direction);
     view(residual) -= now / curvature * view(product);
-    const double left = view(residual).norm() / first;
-    if (left <= tolerance)
+    if (view(residual).norm() <= enough)
     {
       return true;
-    }
-    if (step >= GradientsTrial &&
-      !(step * std::log(tolerance) / std::log(left) <= GradientsDelay * most && left < 1))
-    {
-      return false;
     }
     preconditioned = residual;
     before = now;

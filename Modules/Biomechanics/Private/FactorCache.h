@@ -18,8 +18,8 @@ namespace mammoray
 class MAMMORAYBIOMECHANICS_EXPORT FactorCache
 {
 public:
-  /// A factor of positions this near, mm, says whether the Hessian is positive definite, and gives
-  /// sensitivities to the last digits in a few products, or not at all.
+  /// A factor of positions this near, mm, gives Newton steps and sensitivities to the last digits
+  /// in a few products, or not at all.
   static constexpr double NearMm = 0.01;
 
   /// The pattern must outlive the cache.
@@ -47,17 +47,12 @@ public:
   /// Solves for `columns` right-hand sides stored one after the other, in place.
   void Solve(std::vector<double>& columns) { this->Cholesky.Solve(columns); }
   /**
-   * The solution for the matrix `values` of whatever positions by conjugate gradients with the last
-   * factor for preconditioner, until the residual is `tolerance` of the right-hand side. Where the
-   * matrix turns out indefinite, what was found until then, along which a function with minus
-   * `right` for gradient falls (Steihaug 1983). Answers false where that is nothing, where there is
-   * no factor, and where a new one would be cheaper.
+   * The solution for the matrix `values` of positions nearby by conjugate gradients, to a
+   * thousandth. Answers false where they do not get there in a few steps.
    */
-  bool SolveByGradients(const std::vector<double>& values, const std::vector<double>& right,
-    double tolerance, std::vector<double>& solution);
-  /// The solutions for the matrix of positions nearby and `count` right-hand sides by iterative
-  /// refinement, each to 1e-9 of its own size. Answers false where they do not get there in a few
-  /// steps.
+  bool SolveNearby(const std::vector<double>& values, const std::vector<double>& right,
+    std::vector<double>& solution);
+  /// The same for `count` right-hand sides by iterative refinement, each to 1e-9 of its own size.
   bool RefineNearby(const std::vector<double>& values, const std::vector<double>& right,
     std::size_t count, std::vector<double>& solution);
   /// y = A x of the symmetric matrix with these values.

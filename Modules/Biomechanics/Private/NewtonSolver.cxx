@@ -18,26 +18,9 @@ constexpr double LargestStepMm = 5;
 constexpr int MostHalvings = 30;
 /// Part of the energy that a step's slope promises which it must keep.
 constexpr double SufficientDecrease = 1e-4;
-/// How well a step's equations are solved: at most so badly, with a gain on the square of what the
-/// last step left of the residual (Eisenstat & Walker 1996, choice 2), no better than that part of
-/// the whole, nor than this multiple of what is still asked for.
-constexpr double LargestForcing = 0.25;
-constexpr double ForcingGain = 0.9;
-constexpr double SmallestForcing = 1e-3;
-constexpr double ForcingAtTheEnd = 0.3;
-/// A solution to this is one to keep: a factor of positions nearby must have shown a minimum.
-constexpr double EndTolerance = 1e-5;
 /// How well and how long a part is relaxed.
 constexpr double PartTolerance = 1e-2;
 constexpr int PartNewtonSteps = 10;
-
-/// How well to solve for a step where `residual` is left, of `before` at the last one (0: none).
-double ForcingTerm(double residual, double before, double tolerance)
-{
-  const double ratio = before > 0 ? residual / before : 1;
-  const double least = std::max(SmallestForcing, ForcingAtTheEnd * tolerance / residual);
-  return std::clamp(ForcingGain * ratio * ratio, std::min(least, LargestForcing), LargestForcing);
-}
 
 double LargestMagnitude(const std::vector<double>& v)
 {
@@ -76,8 +59,7 @@ bool NewtonSolver::FactorizeAt(const std::vector<double>& x, bool stiffer)
   return current.Valid && this->Cache.FactorizeMixed(current.Hessian, x, projected, stiffer);
 }
 
-bool NewtonSolver::FindStep(const std::vector<double>& x, Factors factors, double forcing,
-  std::vector<double>& step)
+bool NewtonSolver::FindStep(const std::vector<double>& x, std::vector<double>& step)
 {
   const std::vector<std::int32_t>& coordinates = this->Function.Coordinates();
   std::vector<double> force(coordinates.size());
@@ -85,10 +67,8 @@ bool NewtonSolver::FindStep(const std::vector<double>& x, Factors factors, doubl
   {
     force[u] = -this->Current.Gradient[coordinates[u]];
   }
-  this->Stiffer = false;
-  const bool serves = factors == Factors::Old || this->Cache.DistanceMm(x) < FactorCache::NearMm;
-  if (serves && this->Cache.SolveByGradients(this->Current.Hessian, force, forcing, step) &&
-    LargestMagnitude(step) <= LargestStepMm)
+  if (this->Cache.DistanceMm(x) < FactorCache::NearMm &&
+    this->Cache.SolveNearby(this->Current.Hessian, force, step))
   {
     return true;
   }
@@ -102,7 +82,6 @@ bool NewtonSolver::FindStep(const std::vector<double>& x, Factors factors, doubl
     }
     step = force;
     this->Cache.Solve(step);
-    this->Stiffer = this->Cache.Share() > 0;
     if (this->Cache.Share() == 1 || LargestMagnitude(step) <= LargestStepMm)
     {
       return true;
@@ -157,7 +136,6 @@ NewtonResult NewtonSolver::Minimize(std::vector<double>& x, double tolerance, in
     return result;
   }
   std::vector<double> step;
-  double before = 0;
   for (;; ++result.Steps)
   {
     const double residual = this->At(x).RelativeResidual();
@@ -176,13 +154,7 @@ NewtonResult NewtonSolver::Minimize(std::vector<double>& x, double tolerance, in
       return result;
     }
     ReportProgress(progress, 0, "equilibrium");
-    const double forcing = ForcingTerm(residual, before, tolerance);
-    before = residual;
-    // Conjugate gradients may miss where the Hessian is indefinite, and tissue that could fold two
-    // ways would stay between them: warm and cold starts ended apart five times as often.
-    const Factors factors =
-      result.Steps == 0 || tolerance <= EndTolerance ? Factors::Near : Factors::Old;
-    if (!this->FindStep(x, factors, forcing, step))
+    if (!this->FindStep(x, step))
     {
       result.Reason = "the stiffness matrix is singular";
       return result;
@@ -193,7 +165,7 @@ NewtonResult NewtonSolver::Minimize(std::vector<double>& x, double tolerance, in
       result.Reason = "no step lowers the energy";
       return result;
     }
-    const bool struggles = this->Stiffer || length < 1;
+    const bool struggles = this->Cache.Share() > 0 || length < 1;
     if (parts == Parts::Relaxed && struggles && this->At(x).RelativeResidual() > tolerance)
     {
       this->RelaxWorstPart(x, progress);

@@ -22,11 +22,8 @@ struct NewtonResult
 };
 
 /**
- * Newton's method with a line search. First steps, and the last of a solution to keep, are solved
- * for by a new sparse Cholesky factor, or one from nearby, which tells minima from saddles. Others
- * by conjugate gradients as far as it is worth (Eisenstat & Walker 1996), with the last factor for
- * preconditioner, and by a new one where that is too old. Keeps the last evaluation with its
- * Hessian and the last factor for what comes next.
+ * Newton's method with a line search and a sparse Cholesky factorisation. Keeps the last evaluation
+ * with its Hessian and the last factor for what comes next.
  */
 class MAMMORAYBIOMECHANICS_EXPORT NewtonSolver
 {
@@ -60,15 +57,7 @@ public:
   const FactorCache& Factor() const { return this->Cache; }
 
 private:
-  /// Of which positions a factor may be that a step is solved for with.
-  enum class Factors
-  {
-    Old,
-    Near
-  };
-  /// The step from `x`, its equations solved to `forcing` of their right-hand side at least.
-  bool FindStep(const std::vector<double>& x, Factors factors, double forcing,
-    std::vector<double>& step);
+  bool FindStep(const std::vector<double>& x, std::vector<double>& step);
   bool SearchAlong(const std::vector<double>& step, std::vector<double>& x, double& length);
   /**
    * Minimises over the part with the largest residual, the others fixed. Tissue folds and slips at
@@ -81,8 +70,6 @@ private:
   Objective& Function;
   FactorCache Cache;
   Evaluation Current;
-  /// Whether the last step is of a stiffer matrix than the Hessian.
-  bool Stiffer = false;
   /// What Current is of; empty: of nothing.
   std::vector<double> CurrentPositions;
   std::uint64_t CurrentVersion = 0;

@@ -17,13 +17,6 @@ namespace
 /// Operations of a factorisation from which on several threads are worth their waiting: those of
 /// some twenty thousand unknowns (40,000: 8e10, by two threads in 0.6 of the time).
 constexpr double ManyOperations = 2e10;
-/// What two threads of one core do: operations of a factorisation a second, most of them products
-/// of blocks that the caches hold, with as many more as its small blocks cost; and seconds for an
-/// entry of the factor, read twice from memory, and of the matrix.
-constexpr double OperationsPerSecond = 4e10;
-constexpr double OperationsOfSmallBlocks = 1e8;
-constexpr double SecondsPerFactorEntry = 2e-9;
-constexpr double SecondsPerEntry = 2.5e-9;
 }
 
 struct SparseCholesky::Internals
@@ -33,9 +26,8 @@ struct SparseCholesky::Internals
   cholmod_dense* Solution = nullptr;
   cholmod_dense* Work = nullptr;
   cholmod_dense* MoreWork = nullptr;
-  /// What one factorisation takes, and what it leaves.
+  /// What one factorisation takes.
   double Operations = 0;
-  double FactorEntries = 0;
 
   Internals() { cholmod_start(&this->Common); }
   ~Internals()
@@ -97,7 +89,6 @@ SparseCholesky::SparseCholesky(const std::vector<int>& starts, const std::vector
   this->Internal->Factor = cholmod_analyze(&matrix, &common);
   this->Internal->Check("the ordering");
   this->Internal->Operations = common.fl;
-  this->Internal->FactorEntries = common.lnz;
 }
 
 SparseCholesky::~SparseCholesky() = default;
@@ -156,14 +147,6 @@ void SparseCholesky::Multiply(const std::vector<double>& values, const double* x
     }
     y[c] += sum;
   }
-}
-
-double SparseCholesky::SolutionsPerFactorization() const
-{
-  const double solution = SecondsPerFactorEntry * this->Internal->FactorEntries +
-    SecondsPerEntry * static_cast<double>(this->Rows.size());
-  return (this->Internal->Operations + OperationsOfSmallBlocks) / OperationsPerSecond /
-    std::max(solution, 1e-12);
 }
 
 double SparseCholesky::PeakBytes() const

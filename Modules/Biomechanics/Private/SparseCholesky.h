@@ -30,9 +30,6 @@ public:
   /// y = A x of the symmetric matrix with these values.
   void Multiply(const std::vector<double>& values, const double* x, double* y) const;
   bool Usable() const { return this->Valid; }
-  /// How many single right-hand sides, each with a product, take as long as one factorisation; by
-  /// its operations, so that it is the same in every run.
-  double SolutionsPerFactorization() const;
   /// Most memory taken so far for factor and working space, bytes.
   double PeakBytes() const;
 
