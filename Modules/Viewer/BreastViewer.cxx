@@ -6,18 +6,16 @@
 #include "Private/WindowPicture.h"
 #include "mammoray/Foundation/Error.h"
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <numbers>
-#include <thread>
 
 namespace mammoray
 {
 namespace
 {
 using Clock = std::chrono::steady_clock;
-
-constexpr int TickMilliseconds = 10;
 
 double SecondsSince(Clock::time_point begin)
 {
@@ -74,15 +72,7 @@ bool BreastViewer::Tick()
 void BreastViewer::WriteScreenshot(const std::string& path)
 {
   Internals& internal = *this->Internal;
-  while (!internal.Stage().empty())
-  {
-    if (internal.Options.Stop && internal.Options.Stop())
-    {
-      throw Interrupted();
-    }
-    std::this_thread::sleep_for(std::chrono::milliseconds(TickMilliseconds));
-  }
-  internal.TakeEquilibria();
+  internal.AwaitEquilibria();
   internal.Moving = false;
   internal.UpdateMark();
   internal.Draw(1);
@@ -105,6 +95,51 @@ double BreastViewer::Benchmark(int frames)
   }
   internal.Window->WaitForCompletion();
   return frames / SecondsSince(begin);
+}
+
+std::optional<PaddleMotion> BreastViewer::BenchmarkPaddle(int frames)
+{
+  constexpr double WayMm = 6;
+  constexpr int FramesPerTurn = 60;
+  Internals& internal = *this->Internal;
+  ViewedUnit& unit = internal.Active();
+  if (!unit.Viewed.Series.empty())
+  {
+    return std::nullopt;
+  }
+  const double closed = unit.Live.Pose().ThicknessMm;
+  for (const double thickness : { closed, closed + WayMm })
+  {
+    this->SetThickness(thickness);
+    internal.AwaitEquilibria();
+  }
+  const auto begin = Clock::now();
+  for (int frame = 0; frame < frames; ++frame)
+  {
+    const double angle = 2 * std::numbers::pi * frame / FramesPerTurn;
+    this->SetThickness(closed + 0.5 * WayMm * (1 + std::cos(angle)));
+    internal.Draw(2);
+  }
+  internal.Window->WaitForCompletion();
+  PaddleMotion motion;
+  motion.PerSecond = frames / SecondsSince(begin);
+
+  this->SetThickness(closed + 0.4 * WayMm);
+  const std::vector<double> shown = unit.Live.Points();
+  const auto rest = Clock::now();
+  internal.AwaitEquilibria([&unit] { return unit.Reduced.empty(); });
+  motion.ExactSeconds = SecondsSince(rest);
+  const std::vector<double>& exact = unit.Live.Points();
+  std::vector<double> distances;
+  for (std::size_t c = 0; c < exact.size(); c += 3)
+  {
+    distances.push_back(
+      std::hypot(exact[c] - shown[c], exact[c + 1] - shown[c + 1], exact[c + 2] - shown[c + 2]));
+  }
+  std::sort(distances.begin(), distances.end());
+  motion.MedianMm = distances[distances.size() / 2];
+  motion.PercentileMm95 = distances[distances.size() * 95 / 100];
+  return motion;
 }
 
 void BreastViewer::SetThickness(double thicknessMm)

@@ -38,6 +38,18 @@ struct ViewerOptions
   std::function<bool()> Stop;
 };
 
+/// What a moving paddle shows, and how near the truth that is.
+struct PaddleMotion
+{
+  /// Equilibria shown a second.
+  double PerSecond = 0;
+  /// From the last motion until the exact equilibrium is there.
+  double ExactSeconds = 0;
+  /// Distance of the anatomy's points shown last from those of the exact one, mm.
+  double MedianMm = 0;
+  double PercentileMm95 = 0;
+};
+
 /**
  * An interactive window: the breast with plates and source, the breast at rest, three slices of the
  * MRI or its tissues, and the mammograms, synthetic and real. What each key and button does is in
@@ -48,7 +60,9 @@ struct ViewerOptions
  * draw without it.
  *
  * While something moves the mammogram is projected at half resolution, at rest at the full one; a
- * moved thickness or roll asks for a new equilibrium beside the window's thread.
+ * moved thickness asks for a new equilibrium beside the window's thread. Near others found before
+ * these tell at once about how it will be, and the window says that it is so; the exact one follows
+ * when the plates have come to rest.
  */
 class MAMMORAYVIEWER_EXPORT BreastViewer
 {
@@ -65,6 +79,9 @@ public:
   /// Moves the source on a circle for so many frames (positive), all drawn, at half resolution;
   /// frames per second.
   double Benchmark(int frames);
+  /// Moves the paddle up and down by 6 mm for so many frames (positive), all drawn, at half
+  /// resolution, and lets it come to rest. Nothing for a series, whose equilibria are given.
+  std::optional<PaddleMotion> BenchmarkPaddle(int frames);
 
   /// Events, as the window's widgets and keys send them.
   void SetThickness(double thicknessMm);

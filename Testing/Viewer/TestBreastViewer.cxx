@@ -110,7 +110,7 @@ TEST_F(BreastViewerTest, CompressesWhenTheThicknessIsDragged)
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
   }
   ASSERT_NE(viewer.Points(), before) << viewer.Status();
-  EXPECT_THAT(viewer.Status(), testing::HasSubstr(" N, compressed in "));
+  EXPECT_THAT(viewer.Message(), testing::HasSubstr(" N, compressed in "));
   double high = -1e9;
   double low = 1e9;
   for (std::size_t index = 0; index < viewer.Points().size(); index += 3)
@@ -122,6 +122,24 @@ TEST_F(BreastViewerTest, CompressesWhenTheThicknessIsDragged)
     }
   }
   EXPECT_LT(high - low, viewer.Pose().ThicknessMm);
+}
+
+TEST_F(BreastViewerTest, FollowsThePaddleByEquilibriaThatItKnows)
+{
+  this->Options.OffScreen = true;
+  BreastViewer viewer(this->Viewed, this->Options);
+  const double thickness = viewer.Pose().ThicknessMm;
+  const auto motion = viewer.BenchmarkPaddle(3);
+  ASSERT_TRUE(motion.has_value());
+  EXPECT_NEAR(viewer.Pose().ThicknessMm, thickness + 2.4, 1e-9);
+  // The tissue moves by up to 2 mm from either end to there; to second order it is 0.2 at most.
+  EXPECT_LT(motion->PercentileMm95, 0.4);
+  EXPECT_GT(motion->MedianMm, 0);
+  EXPECT_THAT(viewer.Message(), testing::HasSubstr(" N, compressed in "));
+  // Where the paddle goes on from there it is shown at once, and said so.
+  const std::vector<double> exact = viewer.Points();
+  viewer.SetThickness(thickness + 3);
+  EXPECT_NE(viewer.Points(), exact);
 }
 
 TEST_F(BreastViewerTest, FollowsTheDraggedSource)

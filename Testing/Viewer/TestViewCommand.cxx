@@ -95,6 +95,7 @@ TEST_F(ViewCommand, WritesAScreenshotOfAMesh)
     0)
     << this->Errors;
   EXPECT_THAT(this->Output, testing::HasSubstr("frames per second"));
+  EXPECT_THAT(this->Output, testing::HasSubstr("equilibria per second while the paddle moves"));
   EXPECT_THAT(this->Output, testing::HasSubstr("pixel (60.0, 80.0): "));
   EXPECT_GT(std::filesystem::file_size(picture), 10000u);
   this->ExpectRefused(this->MeshArguments + " --screenshot " + picture, "exists already");

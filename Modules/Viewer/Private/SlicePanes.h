@@ -67,8 +67,8 @@ private:
     void LookThrough(const Vector3& focal);
   };
   void AddVolume(Pane& pane);
-  vtkSmartPointer<vtkImageSlice> AddSlice(Pane& pane, vtkImageData* data,
-    const VolumeGrid& grid, vtkImageProperty* property, int layer);
+  vtkSmartPointer<vtkImageSlice> AddSlice(Pane& pane, vtkImageData* data, const VolumeGrid& grid,
+    vtkImageProperty* property, int layer);
   static vtkSmartPointer<vtkImageProperty> LabelProperty(
     const std::vector<std::array<double, 3>>& colors, double opacity);
 

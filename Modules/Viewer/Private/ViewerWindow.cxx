@@ -11,8 +11,10 @@
 #include "vtkTextActor.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <thread>
 
 namespace mammoray
 {
@@ -27,6 +29,7 @@ constexpr double SourceStepMm = 10;
 constexpr double WindowPixels = 250;
 /// Share of the left column that the breast between the plates has.
 constexpr double SqueezedShare = 0.62;
+constexpr int WaitMilliseconds = 10;
 
 std::pair<double, double> ThicknessRange(const ViewedBreast& viewed)
 {
@@ -270,6 +273,31 @@ void ViewerWindow::Compress(ViewedUnit& unit)
     return;
   }
   unit.Worker.Ask(unit.Live.Pose());
+  if (const std::optional<CompressedAnatomy> reduced = unit.Worker.Reduced(unit.Live.Pose()))
+  {
+    this->Show(unit, *reduced);
+  }
+}
+
+void ViewerWindow::Show(ViewedUnit& unit, const CompressedAnatomy& answer)
+{
+  char text[160];
+  if (answer.ReducedFrom > 0)
+  {
+    std::snprintf(text, sizeof text,
+      "about %.1f N: between %d equilibria, the nearest %.1f away; the exact one follows",
+      answer.PaddleForceN, answer.ReducedFrom, answer.Nearest);
+    unit.Reduced = text;
+  }
+  else
+  {
+    std::snprintf(text, sizeof text, "%.1f mm, %.1f N, compressed in %.1f s",
+      answer.Pose.ThicknessMm, answer.PaddleForceN, answer.Seconds);
+    this->Message = text;
+    unit.Reduced.clear();
+  }
+  unit.Live.SetPoints(answer.Points);
+  unit.Squeezed.SetPoints(answer.Points);
 }
 
 void ViewerWindow::TakeEquilibria()
@@ -287,14 +315,29 @@ void ViewerWindow::TakeEquilibria()
       this->TellStatus();
       continue;
     }
-    char text[120];
-    std::snprintf(text, sizeof text, "%.1f mm, %.1f N, compressed in %.1f s",
-      answer->Pose.ThicknessMm, answer->PaddleForceN, answer->Seconds);
-    this->Message = text;
-    unit->Live.SetPoints(answer->Points);
-    unit->Squeezed.SetPoints(answer->Points);
+    // The plates may have moved on while it was being solved.
+    const BreastPose& pose = unit->Live.Pose();
+    const bool late =
+      answer->Pose.ThicknessMm != pose.ThicknessMm || answer->Pose.RollDeg != pose.RollDeg;
+    const std::optional<CompressedAnatomy> reduced =
+      late ? unit->Worker.Reduced(pose) : std::nullopt;
+    this->Show(*unit, reduced ? *reduced : *answer);
     this->Moved();
   }
+}
+
+void ViewerWindow::AwaitEquilibria(const std::function<bool()>& enough)
+{
+  while (!this->Stage().empty() && !(enough && enough()))
+  {
+    this->TakeEquilibria();
+    if (this->Options.Stop && this->Options.Stop())
+    {
+      throw Interrupted();
+    }
+    std::this_thread::sleep_for(std::chrono::milliseconds(WaitMilliseconds));
+  }
+  this->TakeEquilibria();
 }
 
 void ViewerWindow::Draw(int divisor)
@@ -308,11 +351,12 @@ void ViewerWindow::Draw(int divisor)
     unit->Pane.Overlay().Update();
     unit->Squeezed.SetUnit(unit->Live, unit->Pane.Picture(), this->ShownSource);
     const Vector3& offset = unit->Live.SourceOffset();
-    char text[160];
+    char text[320];
     std::snprintf(text, sizeof text,
-      "%.1f mm, roll %.1f deg, %.1f kV\nsource %+.0f %+.0f %+.0f mm%s",
+      "%.1f mm, roll %.1f deg, %.1f kV\nsource %+.0f %+.0f %+.0f mm%s%s%s",
       unit->Live.Pose().ThicknessMm, unit->Live.Pose().RollDeg, unit->Live.Kilovoltage(), offset[0],
-      offset[1], offset[2], this->ShownSource < 1 ? ", drawn at 0.3 of its way" : "");
+      offset[1], offset[2], this->ShownSource < 1 ? ", drawn at 0.3 of its way" : "",
+      unit->Reduced.empty() ? "" : "\n", unit->Reduced.c_str());
     unit->UnitText->SetInput(text);
     unit->Squeezed.Renderer()->ResetCameraClippingRange();
   }

@@ -14,6 +14,7 @@
 #include "vtkNew.h"
 #include "vtkSmartPointer.h"
 
+#include <functional>
 #include <map>
 #include <memory>
 #include <string>
@@ -38,6 +39,8 @@ struct ViewedUnit
   BreastScene Squeezed;
   /// Where the unit was and how thick the breast is, in words.
   vtkSmartPointer<vtkTextActor> UnitText;
+  /// What the points shown are made of where they were not solved for, in words.
+  std::string Reduced;
 };
 
 /**
@@ -75,7 +78,11 @@ struct ViewerWindow : ViewerFrame
   void LookAt();
   void Draw(int divisor);
   void Compress(ViewedUnit& unit);
+  void Show(ViewedUnit& unit, const CompressedAnatomy& answer);
   void TakeEquilibria();
+  /// Waits for those under way and takes them, until nothing is computed any more or `enough` says
+  /// so. Throws Interrupted.
+  void AwaitEquilibria(const std::function<bool()>& enough = {});
   /// Draws the mark in all views, takes the slices there, and tells of it.
   void UpdateMark();
   /// False, with the reason as message, where there is nothing to mark.
