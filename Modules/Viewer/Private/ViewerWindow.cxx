@@ -285,7 +285,7 @@ void ViewerWindow::Show(ViewedUnit& unit, const CompressedAnatomy& answer)
   if (answer.ReducedFrom > 0)
   {
     std::snprintf(text, sizeof text,
-      "about %.1f N: between %d equilibria, the nearest %.1f away; the exact one follows",
+      "about %.1f N: between %d equilibria, the nearest %.1f mm or deg away; the exact one follows",
       answer.PaddleForceN, answer.ReducedFrom, answer.Nearest);
     unit.Reduced = text;
   }
