@@ -10,6 +10,7 @@
 #include <chrono>
 #include <cmath>
 #include <numbers>
+#include <thread>
 
 namespace mammoray
 {
@@ -112,6 +113,10 @@ std::optional<PaddleMotion> BreastViewer::BenchmarkPaddle(int frames)
   {
     this->SetThickness(thickness);
     internal.AwaitEquilibria();
+    while (!unit.Worker.Waits())
+    {
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
   }
   const auto begin = Clock::now();
   for (int frame = 0; frame < frames; ++frame)
@@ -127,7 +132,7 @@ std::optional<PaddleMotion> BreastViewer::BenchmarkPaddle(int frames)
   this->SetThickness(closed + 0.4 * WayMm);
   const std::vector<double> shown = unit.Live.Points();
   const auto rest = Clock::now();
-  internal.AwaitEquilibria([&unit] { return unit.Reduced.empty(); });
+  internal.AwaitEquilibria();
   motion.ExactSeconds = SecondsSince(rest);
   const std::vector<double>& exact = unit.Live.Points();
   std::vector<double> distances;

@@ -110,7 +110,7 @@ TEST_F(BreastViewerTest, CompressesWhenTheThicknessIsDragged)
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
   }
   ASSERT_NE(viewer.Points(), before) << viewer.Status();
-  EXPECT_THAT(viewer.Message(), testing::HasSubstr(" N, compressed in "));
+  EXPECT_THAT(viewer.Status(), testing::HasSubstr(" N, compressed in "));
   double high = -1e9;
   double low = 1e9;
   for (std::size_t index = 0; index < viewer.Points().size(); index += 3)
@@ -136,7 +136,7 @@ TEST_F(BreastViewerTest, FollowsThePaddleByEquilibriaThatItKnows)
   EXPECT_LT(motion->PercentileMm95, 0.4);
   EXPECT_GT(motion->MedianMm, 0);
   EXPECT_THAT(viewer.Message(), testing::HasSubstr(" N, compressed in "));
-  // Where the paddle goes on from there it is shown at once, and said so.
+  // Where the paddle goes on from there it is shown at once.
   const std::vector<double> exact = viewer.Points();
   viewer.SetThickness(thickness + 3);
   EXPECT_NE(viewer.Points(), exact);

@@ -56,6 +56,12 @@ std::string CompressionWorker::Stage() const
   return this->Doing;
 }
 
+bool CompressionWorker::Waits() const
+{
+  const std::lock_guard lock(this->Mutex);
+  return this->Waiting;
+}
+
 bool CompressionWorker::GoesOn(const char* stage)
 {
   const std::lock_guard lock(this->Mutex);
@@ -67,6 +73,7 @@ bool CompressionWorker::GoesOn(const char* stage)
 std::optional<BreastPose> CompressionWorker::NextPose()
 {
   std::unique_lock lock(this->Mutex);
+  this->Waiting = true;
   this->Wake.wait(lock, [this] { return this->Asked || this->Ending; });
   while (!this->Ending && this->Known.Distance(*this->Asked) < FarFromKnown)
   {
@@ -78,6 +85,7 @@ std::optional<BreastPose> CompressionWorker::NextPose()
       break;
     }
   }
+  this->Waiting = false;
   std::optional<BreastPose> pose;
   if (!this->Ending)
   {
@@ -95,28 +103,27 @@ void CompressionWorker::Run()
     {
       const std::lock_guard lock(this->Mutex);
       this->Finished = std::move(answer);
+      this->Doing = this->Asked ? "compression" : "";
     }
     if (found)
     {
-      this->Remember(); // after the answer, which need not wait for it
+      this->Remember(*pose); // after the answer, which need not wait for it
     }
-    const std::lock_guard lock(this->Mutex);
-    this->Doing = this->Asked ? "compression" : "";
   }
 }
 
-/// Adds the State to what is known.
-void CompressionWorker::Remember()
+/// Adds the State, of that pose, to what is known.
+void CompressionWorker::Remember(const BreastPose& pose)
 {
   try
   {
     const UnitPlacement placement{ this->Viewed.Axes, this->Viewed.Anchor,
       this->Viewed.Breast.Unit };
-    const std::vector<PlatePairVelocity> all = placement.PlateVelocitiesAt(this->StatePose);
+    const std::vector<PlatePairVelocity> all = placement.PlateVelocitiesAt(pose);
     const std::vector<PlatePairVelocity> moved{ all[ThicknessParameter], all[RollParameter] };
     const CompressionSimulation& simulation = this->Model->Body().Simulation();
     KnownEquilibrium known;
-    known.Pose = this->StatePose;
+    known.Pose = pose;
     known.State = *this->State;
     std::vector<std::vector<double>> rates = simulation.Sensitivities(*this->State, moved);
     for (int p = 0; p < 2; ++p)
@@ -194,7 +201,6 @@ CompressedAnatomy CompressionWorker::Compress(const BreastPose& pose)
         progress);
     }
     this->State = this->Equilibrium(pose, progress);
-    this->StatePose = pose;
     answer.Points = this->Model->AnatomyPoints().Map(this->State->Positions);
     answer.PaddleForceN = this->State->PaddleForceN;
   }

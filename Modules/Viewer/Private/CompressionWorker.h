@@ -49,11 +49,13 @@ public:
   std::optional<CompressedAnatomy> Take();
   /// What it does, for the user; empty when it rests.
   std::string Stage() const;
+  /// Whether all that was found is known, too; it takes a moment longer than the answer.
+  bool Waits() const;
 
 private:
   void Run();
   std::optional<BreastPose> NextPose();
-  void Remember();
+  void Remember(const BreastPose& pose);
   CompressedAnatomy Compress(const BreastPose& pose);
   CompressionState Equilibrium(const BreastPose& pose, const ProgressCallback& progress);
   bool GoesOn(const char* stage);
@@ -62,7 +64,6 @@ private:
   // Of the worker's thread only.
   std::optional<BreastModel> Model;
   std::optional<CompressionState> State;
-  BreastPose StatePose;
 
   mutable std::mutex Mutex;
   std::condition_variable Wake;
@@ -74,6 +75,7 @@ private:
   /// The anatomy in the Model, once something is known.
   const Embedding* Anatomy = nullptr;
   std::string Doing;
+  bool Waiting = true;
   bool Ending = false;
   std::thread Thread;
 };

@@ -326,11 +326,10 @@ void ViewerWindow::TakeEquilibria()
   }
 }
 
-void ViewerWindow::AwaitEquilibria(const std::function<bool()>& enough)
+void ViewerWindow::AwaitEquilibria()
 {
-  while (!this->Stage().empty() && !(enough && enough()))
+  while (!this->Stage().empty())
   {
-    this->TakeEquilibria();
     if (this->Options.Stop && this->Options.Stop())
     {
       throw Interrupted();

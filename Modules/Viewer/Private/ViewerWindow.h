@@ -14,7 +14,6 @@
 #include "vtkNew.h"
 #include "vtkSmartPointer.h"
 
-#include <functional>
 #include <map>
 #include <memory>
 #include <string>
@@ -80,9 +79,8 @@ struct ViewerWindow : ViewerFrame
   void Compress(ViewedUnit& unit);
   void Show(ViewedUnit& unit, const CompressedAnatomy& answer);
   void TakeEquilibria();
-  /// Waits for those under way and takes them, until nothing is computed any more or `enough` says
-  /// so. Throws Interrupted.
-  void AwaitEquilibria(const std::function<bool()>& enough = {});
+  /// Waits for those under way and takes them. Throws Interrupted.
+  void AwaitEquilibria();
   /// Draws the mark in all views, takes the slices there, and tells of it.
   void UpdateMark();
   /// False, with the reason as message, where there is nothing to mark.
