@@ -10,8 +10,8 @@ layout(set = 0, binding = MAMMORAY_RASTER_LENGTHS, std430) writeonly buffer Leng
 {
   float lengths[];
 };
-// Number of samples per pixel whose crossings do not cancel.
-layout(set = 0, binding = MAMMORAY_RASTER_FAILURES, std430) writeonly buffer FailureBuffer
+// Number of samples per pixel whose crossings do not cancel; then the number of pixels in work that have any.
+layout(set = 0, binding = MAMMORAY_RASTER_FAILURES, std430) buffer FailureBuffer
 {
   uint failures[];
 };
@@ -48,6 +48,10 @@ void main()
     }
   }
   failures[pixel] = failed;
+  if (failed > 0u)
+  {
+    atomicAdd(failures[parameters.PixelCount], 1u);
+  }
   const uint good = samples * samples - failed;
   const Real share = good > 0u ? 1 / Real(good) : Real(0);
   const Real mmShare = share / parameters.Scales.z;

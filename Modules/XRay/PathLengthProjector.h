@@ -180,8 +180,14 @@ public:
   /// not hold them all. Throws InputError on a degenerate detector or source, and on an image of
   /// more than 2^30 path lengths.
   virtual PathLengthImage Project(const XRaySource& source, const XRayDetector& detector) = 0;
+  /// The same for Transmission alone: path lengths stay on the device, which spares a discrete one
+  /// the way to the host.
+  virtual void Render(const XRaySource& source, const XRayDetector& detector)
+  {
+    this->Project(source, detector);
+  }
   /**
-   * The same, and in the same pass derivatives with respect to `fields` parameters, at least 1.
+   * Project, and in the same pass derivatives with respect to `fields` parameters, at least 1.
    * Velocities are those of every point per unit of the parameter, mm;
    * velocities[(field * pointCount + point) * 3 + axis]. Up to 8 fields are done at once (fewer
    * where memory or many materials ask for it), more in further passes. Keep `derivatives` from one
@@ -198,12 +204,12 @@ public:
    */
   virtual PathLengthImage ProjectRays(const std::vector<XRayLine>& rays);
   /**
-   * Transmission I / I0 of each pixel of the last Project by the Beer-Lambert law, computed on the
-   * device from the path lengths that are still there: another spectrum or material traces no ray,
-   * and one image is read back whatever the number of materials (of an image made in strips: on the
-   * host). Rows * Columns values. Single precision: relative error 1e-6 times 1 + the log
-   * attenuation, or so. Throws InputError before the first Project, after another mesh, moved
-   * points or a list of rays, and when the beam lacks a material of the surface.
+   * Transmission I / I0 of each pixel of the last Project or Render by the Beer-Lambert law,
+   * computed on the device from the path lengths that are still there: another spectrum or material
+   * traces no ray, and one image is read back whatever the number of materials (of an image made in
+   * strips: on the host). Rows * Columns values. Single precision: relative error 1e-6 times 1 +
+   * the log attenuation, or so. Throws InputError before the first of them, after another mesh,
+   * moved points or a list of rays, and when the beam lacks a material of the surface.
    */
   virtual std::vector<float> Transmission(const Beam& beam) = 0;
   /// Name of the device that does the work, for reports.

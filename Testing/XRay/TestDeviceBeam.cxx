@@ -4,8 +4,11 @@
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/XRay/Beam.h"
 
+#include <gmock/gmock.h>
+
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 
 namespace
 {
@@ -87,11 +90,11 @@ TEST_P(DeviceBeamTest, DerivativesLeaveTheSamePathLengths)
   }
 }
 
-TEST_P(DeviceBeamTest, AHoleIsNotBright)
+/// A ball of 30 mm without the triangles that touch its highest point.
+SurfaceMesh OpenBall()
 {
   SurfaceMesh closed;
   AddSphere(closed, { 0, 0, 0 }, 30, 3, 1);
-  // Without the triangles that touch the highest point.
   std::uint32_t top = 0;
   for (std::uint32_t point = 1; point < closed.NumberOfPoints(); ++point)
   {
@@ -107,7 +110,12 @@ TEST_P(DeviceBeamTest, AHoleIsNotBright)
       AddTriangle(mesh, ids[0], ids[1], ids[2], 1, 0);
     }
   }
-  this->Projector->SetSurface(mesh);
+  return mesh;
+}
+
+TEST_P(DeviceBeamTest, AHoleIsNotBright)
+{
+  this->Projector->SetSurface(OpenBall());
   this->Detector = CentredDetector({ 0, 0, -80 }, { 1, 0, 0 }, { 0, 1, 0 }, 60, 60, 61, 61);
   this->Source = ParallelBeam({ 0, 0, -1 });
   const PathLengthImage lengths = this->Projector->Project(this->Source, this->Detector);
@@ -120,6 +128,54 @@ TEST_P(DeviceBeamTest, AHoleIsNotBright)
     // In holes the mean of the neighbours' transmissions, not that of their mean path.
     const double tolerance = lengths.Inconsistent[pixel] ? 0.05 : 1e-5;
     ASSERT_NEAR(found[pixel], expected[pixel], tolerance) << pixel;
+  }
+}
+
+TEST_P(DeviceBeamTest, RenderingLeavesWhatProjectingReads)
+{
+  this->Source = ParallelBeam({ 0, 0, -1 });
+  for (const SurfaceMesh& mesh : { OpenBall(), NestedBodies() })
+  {
+    this->Projector->SetSurface(mesh);
+    const Beam beam = this->MakeBeam(mesh.NumberOfMaterials(), DetectorResponse::PhotonCounting);
+    this->Projector->Project(this->Source, this->Detector);
+    const std::vector<float> expected = this->Projector->Transmission(beam);
+    this->Projector->UpdatePoints(mesh.Points);
+    this->Projector->Render(this->Source, this->Detector);
+    // The order of hits along a ray may be another.
+    EXPECT_THAT(this->Projector->Transmission(beam),
+      testing::Pointwise(testing::FloatNear(1e-6F), expected));
+  }
+}
+
+TEST_P(DeviceBeamTest, ResultsComeFromTheDevicesOwnMemoryToo)
+{
+  setenv("MAMMORAY_SEPARATE_MEMORY", "1", 1);
+  const auto separate = MakeProjector({ .Projection = this->GetParam().Projection,
+    .DoublePrecision = this->GetParam().Double,
+    .Validation = true });
+  unsetenv("MAMMORAY_SEPARATE_MEMORY");
+  this->Detector.Samples = 2;
+  for (const SurfaceMesh& mesh : { OpenBall(), NestedBodies() })
+  {
+    const Beam beam = this->MakeBeam(mesh.NumberOfMaterials(), DetectorResponse::PhotonCounting);
+    const std::vector<double> velocities(3 * mesh.Points.size(), 1.0);
+    std::vector<PathLengthImage> images;
+    std::vector<PathLengthDerivatives> rates(2);
+    std::vector<std::vector<float>> transmissions;
+    for (PathLengthProjector* projector : { this->Projector, separate.get() })
+    {
+      projector->SetSurface(mesh);
+      images.push_back(
+        projector->Project(this->Source, this->Detector, velocities, 3, rates[images.size()]));
+      transmissions.push_back(projector->Transmission(beam));
+    }
+    using testing::FloatNear;
+    using testing::Pointwise;
+    EXPECT_EQ(images[1].Inconsistent, images[0].Inconsistent);
+    EXPECT_THAT(images[1].Lengths, Pointwise(FloatNear(1e-4F), images[0].Lengths));
+    EXPECT_THAT(rates[1].Lengths, Pointwise(FloatNear(1e-4F), rates[0].Lengths));
+    EXPECT_THAT(transmissions[1], Pointwise(FloatNear(1e-6F), transmissions[0]));
   }
 }
 

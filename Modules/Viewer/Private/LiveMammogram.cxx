@@ -189,7 +189,7 @@ const std::vector<float>& LiveMammogram::Project(int divisor)
   {
     XRaySource source;
     source.Position = this->SourcePosition();
-    this->Projector->Project(source, DetectorOf(this->Placed(), this->Grid(divisor), 1));
+    this->Projector->Render(source, DetectorOf(this->Placed(), this->Grid(divisor), 1));
   }
   if (this->RaysStale || this->BeamStale || divisor != this->PictureDivisor)
   {

@@ -2,6 +2,7 @@
 #include "Private/Buffer.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace mammoray
 {
@@ -26,6 +27,9 @@ std::vector<std::uint32_t> MemoryTypes(const VulkanDevice& device, std::uint32_t
     case MemoryUse::Download:
       preferences = { host | Flag::eHostCached, host };
       break;
+    case MemoryUse::Result:
+      preferences = { host | Flag::eHostCached | Flag::eDeviceLocal, Flag::eDeviceLocal, {} };
+      break;
   }
   std::vector<std::uint32_t> types;
   for (const vk::MemoryPropertyFlags preference : preferences)
@@ -43,17 +47,24 @@ std::vector<std::uint32_t> MemoryTypes(const VulkanDevice& device, std::uint32_t
   return types;
 }
 
+struct Allocation
+{
+  vk::raii::DeviceMemory Memory;
+  std::uint32_t Type = 0;
+};
+
 /// Of the best type that has room: many devices show the host no more than 256 MiB of their own.
-vk::raii::DeviceMemory Allocate(const VulkanDevice& device,
-  const vk::MemoryRequirements& requirements, MemoryUse use, bool addressed)
+Allocation Allocate(const VulkanDevice& device, const vk::MemoryRequirements& requirements,
+  MemoryUse use, bool addressed)
 {
   const vk::MemoryAllocateFlagsInfo flags(
     addressed ? vk::MemoryAllocateFlagBits::eDeviceAddress : vk::MemoryAllocateFlags());
   const std::vector<std::uint32_t> types = MemoryTypes(device, requirements.memoryTypeBits, use);
   const auto allocate = [&](std::uint32_t type)
   {
-    return vk::raii::DeviceMemory(device.Device(),
-      vk::MemoryAllocateInfo(requirements.size, type, &flags));
+    return Allocation{ vk::raii::DeviceMemory(device.Device(),
+                         vk::MemoryAllocateInfo(requirements.size, type, &flags)),
+      type };
   };
   for (auto type = types.begin(); type + 1 != types.end(); ++type)
   {
@@ -67,6 +78,16 @@ vk::raii::DeviceMemory Allocate(const VulkanDevice& device,
   }
   return allocate(types.back());
 }
+
+/// Whether the host is to work in memory of such a type.
+bool IsMapped(const VulkanDevice& device, vk::MemoryPropertyFlags type, MemoryUse use)
+{
+  using Flag = vk::MemoryPropertyFlagBits;
+  const vk::MemoryPropertyFlags shared =
+    Flag::eHostVisible | Flag::eHostCoherent | Flag::eHostCached;
+  return use == MemoryUse::Result ? device.SharesMemory() && (type & shared) == shared
+                                  : use != MemoryUse::Device;
+}
 }
 
 Buffer::Buffer(const VulkanDevice& device, vk::DeviceSize bytes, vk::BufferUsageFlags usage,
@@ -75,14 +96,15 @@ Buffer::Buffer(const VulkanDevice& device, vk::DeviceSize bytes, vk::BufferUsage
 {
   const bool addressed = static_cast<bool>(usage & vk::BufferUsageFlagBits::eShaderDeviceAddress);
   this->Object.emplace(device.Device(), vk::BufferCreateInfo({}, bytes, usage));
-  this->Memory.emplace(Allocate(device, this->Object->getMemoryRequirements(), use, addressed));
+  Allocation allocation = Allocate(device, this->Object->getMemoryRequirements(), use, addressed);
+  this->Memory.emplace(std::move(allocation.Memory));
   this->Object->bindMemory(**this->Memory, 0);
   if (addressed)
   {
     this->DeviceAddress =
       device.Device().getBufferAddress(vk::BufferDeviceAddressInfo(**this->Object));
   }
-  if (use != MemoryUse::Device)
+  if (IsMapped(device, device.MemoryFlags(allocation.Type), use))
   {
     this->Mapped = this->Memory->mapMemory(0, VK_WHOLE_SIZE);
   }
@@ -99,5 +121,37 @@ bool Reserve(Buffer& buffer, const VulkanDevice& device, vk::DeviceSize bytes,
   buffer = Buffer(); // frees the old memory before the new is asked for
   buffer = Buffer(device, wanted, usage, use);
   return true;
+}
+
+bool ResultBuffer::Reserve(const VulkanDevice& device, vk::DeviceSize bytes)
+{
+  using Usage = vk::BufferUsageFlagBits;
+  return mammoray::Reserve(this->Written, device, bytes,
+    Usage::eStorageBuffer | Usage::eTransferSrc | Usage::eTransferDst, MemoryUse::Result);
+}
+
+void ResultBuffer::Fetch(VulkanDevice& device, const std::vector<Range>& ranges)
+{
+  if (ranges.empty() || this->Written.Data<char>())
+  {
+    return;
+  }
+  mammoray::Reserve(this->Copy, device, this->Written.Bytes(),
+    vk::BufferUsageFlagBits::eTransferDst, MemoryUse::Download);
+  std::vector<vk::BufferCopy> copies;
+  copies.reserve(ranges.size());
+  for (const Range& range : ranges)
+  {
+    copies.emplace_back(range.Begin, range.Begin, range.Count);
+  }
+  device.Run(
+    [&](const vk::raii::CommandBuffer& commands)
+    {
+      using Stage = vk::PipelineStageFlagBits;
+      using Access = vk::AccessFlagBits;
+      commands.copyBuffer(this->Written.Handle(), this->Copy.Handle(), copies);
+      const vk::MemoryBarrier copied(Access::eTransferWrite, Access::eHostRead);
+      commands.pipelineBarrier(Stage::eTransfer, Stage::eHost, {}, copied, nullptr, nullptr);
+    });
 }
 }

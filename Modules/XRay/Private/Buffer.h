@@ -5,6 +5,7 @@
 #include "Private/VulkanDevice.h"
 
 #include <cstddef>
+#include <vector>
 
 namespace mammoray
 {
@@ -12,11 +13,11 @@ enum class MemoryUse
 {
   Device,   ///< only the device touches it
   Upload,   ///< the host writes, the device reads
-  Download, ///< the device writes, the host reads
+  Download, ///< the device writes a little, the host reads it
+  Result,   ///< the device writes; the host reads it where that is as fast as its own memory
 };
 
-/// A buffer with its memory, mapped unless only the device uses it. Empty when made without
-/// arguments.
+/// A buffer with its memory, mapped where the host uses it. Empty when made without arguments.
 class Buffer
 {
 public:
@@ -27,7 +28,8 @@ public:
   vk::DeviceSize Bytes() const { return this->Size; }
   vk::Buffer Handle() const { return **this->Object; }
   vk::DeviceAddress Address() const { return this->DeviceAddress; }
-  /// The mapped memory; coherent. Null for MemoryUse::Device.
+  /// The mapped memory; coherent. Null for MemoryUse::Device, and for MemoryUse::Result where the
+  /// device's memory is not the host's.
   template <typename T>
   T* Data() const
   {
@@ -46,6 +48,37 @@ private:
 /// made.
 bool Reserve(Buffer& buffer, const VulkanDevice& device, vk::DeviceSize bytes,
   vk::BufferUsageFlags usage, MemoryUse use);
+
+/// What shaders write and the host may ask for. On a discrete device it stays in that device's own
+/// memory until it is fetched; elsewhere host and device see the same memory and fetching is free.
+class ResultBuffer
+{
+public:
+  /// Consecutive bytes.
+  struct Range
+  {
+    vk::DeviceSize Begin = 0;
+    vk::DeviceSize Count = 0;
+  };
+
+  /// As mammoray::Reserve, for a storage buffer.
+  bool Reserve(const VulkanDevice& device, vk::DeviceSize bytes);
+  const Buffer& OnDevice() const { return this->Written; }
+  /// Makes these bytes of what the device has written, none where two ranges overlap, those of
+  /// Data.
+  void Fetch(VulkanDevice& device, const std::vector<Range>& ranges);
+  /// Holds what was fetched.
+  template <typename T>
+  const T* Data() const
+  {
+    const T* own = this->Written.Data<T>();
+    return own ? own : this->Copy.Data<T>();
+  }
+
+private:
+  Buffer Written;
+  Buffer Copy;
+};
 }
 
 #endif

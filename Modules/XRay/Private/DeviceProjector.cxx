@@ -35,7 +35,9 @@ DeviceProjector::DeviceProjector(std::unique_ptr<VulkanDevice> device,
 {
   // Shaders without derivatives are bound to these as well.
   Reserve(this->Velocities, this->Device, 1, Usage::eStorageBuffer, MemoryUse::Upload);
-  Reserve(this->Rates, this->Device, 1, Usage::eStorageBuffer, MemoryUse::Download);
+  this->Rates.Reserve(this->Device, 1);
+  Reserve(this->FailedCount, this->Device, sizeof(std::uint32_t), Usage::eTransferDst,
+    MemoryUse::Download);
 }
 
 void DeviceProjector::SetSurface(const SurfaceMesh& surface)
@@ -139,9 +141,11 @@ PathLengthImage DeviceProjector::ProjectStrips(const XRayDetector& detector, con
   for (int row = 0; row < detector.Rows;)
   {
     const Strip strip = this->StripAt(detector, row);
-    render(strip);
-    const std::vector<std::size_t> found =
-      ReadLengths(this->Output(), strip.Pixels(), detector.Samples, image);
+    const std::uint32_t failed = render(strip);
+    const PixelRange pixels = strip.Pixels();
+    const ProjectionOutput output =
+      WithDeviceErrors([&] { return this->FetchOutput(pixels.Count, failed); });
+    const std::vector<std::size_t> found = ReadLengths(output, pixels, detector.Samples, image);
     holes.insert(holes.end(), found.begin(), found.end());
     row += strip.Part.Rows;
   }
@@ -154,11 +158,32 @@ PathLengthImage DeviceProjector::ProjectStrips(const XRayDetector& detector, con
   return image;
 }
 
+void DeviceProjector::Render(const XRaySource& source, const XRayDetector& detector)
+{
+  this->CheckImage(source, detector);
+  const Strip strip = this->StripAt(detector, 0);
+  if (strip.Part.Rows < detector.Rows)
+  {
+    this->Project(source, detector); // no buffer of the device keeps it
+    return;
+  }
+  this->Forget();
+  const std::size_t pixels = strip.Pixels().Count;
+  std::vector<std::size_t> holes;
+  if (this->FillStrip(source, strip.Part, 0) > 0)
+  {
+    const std::uint32_t* failures = WithDeviceErrors([&] { return this->FetchFailures(pixels); });
+    holes = FindHoles(failures, pixels, detector.Samples);
+  }
+  this->LastImage = DeviceImage{ detector.Columns, detector.Rows,
+    static_cast<int>(this->Surface.MaterialCount), std::move(holes) };
+}
+
 PathLengthImage DeviceProjector::Project(const XRaySource& source, const XRayDetector& detector)
 {
   this->CheckImage(source, detector);
   return this->ProjectStrips(detector,
-    [&](const Strip& strip) { this->RenderStrip(source, strip.Part, 0); });
+    [&](const Strip& strip) { return this->FillStrip(source, strip.Part, 0); });
 }
 
 PathLengthImage DeviceProjector::Project(const XRaySource& source, const XRayDetector& detector,
@@ -171,6 +196,7 @@ PathLengthImage DeviceProjector::Project(const XRaySource& source, const XRayDet
   PathLengthImage image = this->ProjectStrips(detector,
     [&](const Strip& strip)
     {
+      std::uint32_t failed = 0;
       for (int next = 0; next < fields;)
       {
         const FieldBatch batch = this->NextBatch(velocities, next, fields, atOnce);
@@ -183,10 +209,14 @@ PathLengthImage DeviceProjector::Project(const XRaySource& source, const XRayDet
           });
         WriteVelocities(velocities, this->Surface.PointCount, batch,
           this->Velocities.Data<float>());
-        this->RenderStrip(source, strip.Part, batch.Count);
-        ReadRates(this->Rates.Data<float>(), batch, strip.Pixels(), derivatives);
+        failed = this->FillStrip(source, strip.Part, batch.Count);
+        const PixelRange pixels = strip.Pixels();
+        const float* rates =
+          WithDeviceErrors([&] { return this->FetchRates(pixels.Count, batch.Count); });
+        ReadRates(rates, batch, pixels, derivatives);
         next = batch.First + batch.Count;
       }
+      return failed;
     });
   FillFromNeighbours(derivatives.Lengths, image.Columns, image.Rows, this->LastImage->Holes);
   return image;
@@ -209,14 +239,64 @@ int DeviceProjector::FieldsAtOnce(const XRayDetector& part, int fields) const
   return FieldsPerPass(fields, static_cast<int>(count));
 }
 
-void DeviceProjector::RenderStrip(const XRaySource& source, const XRayDetector& part, int fields)
+std::uint32_t DeviceProjector::FillStrip(const XRaySource& source, const XRayDetector& part,
+  int fields)
 {
-  WithDeviceErrors(
+  return WithDeviceErrors(
     [&]
     {
       this->ReserveOutput(PixelCount(part), fields);
-      this->Render(source, part, fields);
+      return this->Fill(source, part, fields);
     });
+}
+
+void DeviceProjector::RecordClearing(const vk::raii::CommandBuffer& commands,
+  std::uint64_t pixels) const
+{
+  commands.fillBuffer(this->Failures.OnDevice().Handle(), pixels * sizeof(std::uint32_t),
+    sizeof(std::uint32_t), 0);
+}
+
+void DeviceProjector::RecordResults(const vk::raii::CommandBuffer& commands,
+  vk::PipelineStageFlagBits stage, std::uint64_t pixels) const
+{
+  using Stage = vk::PipelineStageFlagBits;
+  using Access = vk::AccessFlagBits;
+  const vk::MemoryBarrier written(Access::eShaderWrite,
+    Access::eShaderRead | Access::eTransferRead | Access::eHostRead);
+  commands.pipelineBarrier(stage, Stage::eComputeShader | Stage::eTransfer | Stage::eHost, {},
+    written, nullptr, nullptr);
+  commands.copyBuffer(this->Failures.OnDevice().Handle(), this->FailedCount.Handle(),
+    vk::BufferCopy(pixels * sizeof(std::uint32_t), 0, sizeof(std::uint32_t)));
+  const vk::MemoryBarrier copied(Access::eTransferWrite, Access::eHostRead);
+  commands.pipelineBarrier(Stage::eTransfer, Stage::eHost, {}, copied, nullptr, nullptr);
+}
+
+const std::uint32_t* DeviceProjector::FetchFailures(std::uint64_t pixels)
+{
+  this->Failures.Fetch(this->Device, { { 0, pixels * sizeof(std::uint32_t) } });
+  return this->Failures.Data<std::uint32_t>();
+}
+
+ProjectionOutput DeviceProjector::FetchOutput(std::uint64_t pixels, std::uint32_t failed)
+{
+  const vk::DeviceSize plane = pixels * sizeof(float);
+  this->Lengths.Fetch(this->Device, { { plane, plane * (this->Surface.MaterialCount - 1) } });
+  return { this->Lengths.Data<float>(), failed > 0 ? this->FetchFailures(pixels) : nullptr };
+}
+
+const float* DeviceProjector::FetchRates(std::uint64_t pixels, int fields)
+{
+  const vk::DeviceSize plane = pixels * sizeof(float);
+  std::vector<ResultBuffer::Range> ranges;
+  for (int field = 0; field < fields; ++field)
+  {
+    const vk::DeviceSize begin =
+      plane * this->Surface.MaterialCount * static_cast<vk::DeviceSize>(field);
+    ranges.push_back({ begin + plane, plane * (this->Surface.MaterialCount - 1) });
+  }
+  this->Rates.Fetch(this->Device, ranges);
+  return this->Rates.Data<float>();
 }
 
 std::uint64_t DeviceProjector::MostBytes() const
@@ -233,14 +313,20 @@ void DeviceProjector::Ensure(Buffer& buffer, vk::DeviceSize bytes, vk::BufferUsa
   }
 }
 
+void DeviceProjector::Ensure(ResultBuffer& buffer, vk::DeviceSize bytes)
+{
+  if (buffer.Reserve(this->Device, bytes))
+  {
+    this->BindingsStale = true;
+  }
+}
+
 void DeviceProjector::ReserveOutput(std::uint64_t pixels, int fields)
 {
   const std::uint64_t lengthBytes = pixels * this->Surface.MaterialCount * sizeof(float);
-  this->Ensure(this->Lengths, lengthBytes, Usage::eStorageBuffer, MemoryUse::Download);
-  this->Ensure(this->Failures, pixels * sizeof(std::uint32_t), Usage::eStorageBuffer,
-    MemoryUse::Download);
-  this->Ensure(this->Rates, lengthBytes * static_cast<std::uint64_t>(fields), Usage::eStorageBuffer,
-    MemoryUse::Download);
+  this->Ensure(this->Lengths, lengthBytes);
+  this->Ensure(this->Failures, (pixels + 1) * sizeof(std::uint32_t));
+  this->Ensure(this->Rates, lengthBytes * static_cast<std::uint64_t>(fields));
 }
 
 std::vector<float> DeviceProjector::Transmission(const Beam& beam)
@@ -263,7 +349,7 @@ std::vector<float> DeviceProjector::Transmission(const Beam& beam)
       {
         this->BeamOnDevice.emplace(this->Device);
       }
-      return this->BeamOnDevice->Transmission(this->Lengths, *this->LastImage, beam);
+      return this->BeamOnDevice->Transmission(this->Lengths.OnDevice(), *this->LastImage, beam);
     });
 }
 }

@@ -25,6 +25,7 @@ class DeviceProjector : public PathLengthProjector
 public:
   void SetSurface(const SurfaceMesh& surface) final;
   void UpdatePoints(const std::vector<double>& points) final;
+  void Render(const XRaySource& source, const XRayDetector& detector) final;
   PathLengthImage Project(const XRaySource& source, const XRayDetector& detector) final;
   PathLengthImage Project(const XRaySource& source, const XRayDetector& detector,
     const std::vector<double>& velocities, int fields, PathLengthDerivatives& derivatives) final;
@@ -36,8 +37,9 @@ protected:
   DeviceProjector(std::unique_ptr<VulkanDevice> device, const ProjectorOptions& options,
     vk::BufferUsageFlags surfaceUsage);
 
-  /// The order in which triangles lie on the device: order[n] is the number of the nth one.
-  virtual std::vector<std::uint32_t> TriangleOrder(const SurfaceMesh& surface) const = 0;
+  /// The order in which triangles lie on the device: order[n] is the number of the nth one. Empty:
+  /// as they come.
+  virtual std::vector<std::uint32_t> TriangleOrder(const SurfaceMesh&) const { return {}; }
   /// The device's buffers hold a new surface or, with `moved`, the same one with other points.
   virtual void SurfaceChanged(const std::vector<double>& points, bool moved) = 0;
   /// Whether an image of this detector can be rendered at once.
@@ -47,8 +49,10 @@ protected:
   /// The batch that does field `next` of all, at most `atOnce` of them.
   virtual FieldBatch NextBatch(const std::vector<double>& velocities, int next, int fields,
     int atOnce) const = 0;
-  /// Fills Lengths, Failures and, for the fields of Velocities, Rates, which have room.
-  virtual void Render(const XRaySource& source, const XRayDetector& detector, int fields) = 0;
+  /// Fills Lengths, Failures and, for the fields of Velocities, Rates, which have room. Gives the
+  /// number of pixels with samples that failed.
+  virtual std::uint32_t Fill(const XRaySource& source, const XRayDetector& detector,
+    int fields) = 0;
 
   /// Throws InputError when there is no surface.
   void RequireSurface() const;
@@ -58,12 +62,22 @@ protected:
   std::uint64_t MostBytes() const;
   /// Reserves a buffer; the shaders' bindings are stale when it was made anew.
   void Ensure(Buffer& buffer, vk::DeviceSize bytes, vk::BufferUsageFlags usage, MemoryUse use);
+  void Ensure(ResultBuffer& buffer, vk::DeviceSize bytes);
   /// Makes room for the results of so many pixels or rays.
   void ReserveOutput(std::uint64_t pixels, int fields);
-  ProjectionOutput Output() const
-  {
-    return { this->Lengths.Data<float>(), this->Failures.Data<std::uint32_t>() };
-  }
+  /// Records that the number of failed pixels, which shaders count behind Failures' last pixel, is
+  /// 0; a barrier must follow.
+  void RecordClearing(const vk::raii::CommandBuffer& commands, std::uint64_t pixels) const;
+  /// Records that what shaders of this stage and transfers have written can be read, and that the
+  /// number of failed pixels goes to the host.
+  void RecordResults(const vk::raii::CommandBuffer& commands, vk::PipelineStageFlagBits stage,
+    std::uint64_t pixels) const;
+  /// What was counted.
+  std::uint32_t FailedPixels() const { return *this->FailedCount.Data<std::uint32_t>(); }
+  /// Failures of so many pixels, on the host.
+  const std::uint32_t* FetchFailures(std::uint64_t pixels);
+  /// Path lengths and, where there are any, failures of so many pixels, on the host.
+  ProjectionOutput FetchOutput(std::uint64_t pixels, std::uint32_t failed);
   /// Notes that Lengths are no longer those of an image.
   void Forget()
   {
@@ -75,10 +89,11 @@ protected:
   VulkanDevice& Device;
   bool Doubles = false;
   DeviceSurface Surface;
-  Buffer Lengths;
-  Buffer Failures;
+  ResultBuffer Lengths;
+  /// A number for each pixel, then that of all pixels that have failures.
+  ResultBuffer Failures;
   Buffer Velocities;
-  Buffer Rates;
+  ResultBuffer Rates;
   bool BindingsStale = true;
 
 private:
@@ -96,14 +111,18 @@ private:
   Strip StripAt(const XRayDetector& detector, int firstRow) const;
   /// Throws InputError where no image can be made.
   void CheckImage(const XRaySource& source, const XRayDetector& detector) const;
-  /// Calls render(strip) for the detector's strips and reads the path lengths that each leaves.
+  /// Calls render(strip), which gives the number of failed pixels, for the detector's strips and
+  /// reads the path lengths that each leaves.
   template <typename Work>
   PathLengthImage ProjectStrips(const XRayDetector& detector, const Work& render);
-  void RenderStrip(const XRaySource& source, const XRayDetector& part, int fields);
+  std::uint32_t FillStrip(const XRaySource& source, const XRayDetector& part, int fields);
+  /// Rates of a batch, but for those in air, on the host.
+  const float* FetchRates(std::uint64_t pixels, int fields);
   /// Fields that are done in one pass; throws InputError when there is no room for one.
   int FieldsAtOnce(const XRayDetector& part, int fields) const;
 
   vk::BufferUsageFlags SurfaceUsage;
+  Buffer FailedCount;
   bool HasSurface = false;
   /// Made when first used.
   std::optional<DeviceBeam> BeamOnDevice;

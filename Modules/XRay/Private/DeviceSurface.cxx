@@ -28,8 +28,9 @@ void DeviceSurface::Set(const VulkanDevice& device, const SurfaceMesh& mesh,
   this->Move(mesh.Points, doubles);
   std::uint32_t* triangles = this->Triangles.Data<std::uint32_t>();
   std::uint32_t* materials = this->Materials.Data<std::uint32_t>();
-  for (const std::uint32_t triangle : order)
+  for (std::uint32_t place = 0; place < this->TriangleCount; ++place)
   {
+    const std::uint32_t triangle = order.empty() ? place : order[place];
     triangles = std::copy_n(&mesh.Triangles[3 * std::size_t{ triangle }], 3, triangles);
     *materials++ = mesh.FrontMaterials[triangle] |
       static_cast<std::uint32_t>(mesh.BackMaterials[triangle]) << 16;

@@ -32,8 +32,8 @@ struct DeviceSurface
   /// TriangleCount 32-bit words: front material in the lower, back material in the upper 16 bits.
   Buffer Materials;
 
-  /// Replaces the surface; triangle n is the mesh's triangle order[n]. Throws DeviceError where one
-  /// of the buffers would be larger than the device takes.
+  /// Replaces the surface; triangle n is the mesh's triangle order[n], or n where there is no
+  /// order. Throws DeviceError where one of the buffers would be larger than the device takes.
   void Set(const VulkanDevice& device, const SurfaceMesh& mesh,
     const std::vector<std::uint32_t>& order, bool doubles, vk::BufferUsageFlags usage);
   /// New positions (3 x PointCount, mm) for the same triangles, and the local frame with them.

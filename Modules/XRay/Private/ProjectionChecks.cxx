@@ -2,6 +2,7 @@
 #include "Private/ProjectionChecks.h"
 
 #include "mammoray/Foundation/Error.h"
+#include "mammoray/Foundation/ParallelFor.h"
 
 #include <algorithm>
 #include <cmath>
@@ -12,6 +13,9 @@ namespace mammoray
 {
 namespace
 {
+/// Checked by one core in a tenth of a millisecond.
+constexpr std::size_t ValuesAtOnce = 1u << 17;
+
 bool IsFinite(const Vector3& vector)
 {
   return std::isfinite(vector[0]) && std::isfinite(vector[1]) && std::isfinite(vector[2]);
@@ -112,14 +116,19 @@ void CheckVelocities(const std::vector<double>& velocities, int fields, std::siz
       " points in at least one field, 3 values each, found " + std::to_string(velocities.size()) +
       " values for " + std::to_string(fields) + " fields");
   }
-  for (std::size_t index = 0; index < velocities.size(); ++index)
-  {
-    if (!std::isfinite(velocities[index]))
+  // Of all that are not finite, the first is told.
+  ParallelRanges(velocities.size(), ValuesAtOnce,
+    [&](std::size_t begin, std::size_t end)
     {
-      throw InputError("projector: field " + std::to_string(index / (3 * pointCount)) + ", point " +
-        std::to_string(index / 3 % pointCount) + ": expected a finite velocity, found " +
-        std::to_string(velocities[index]));
-    }
-  }
+      for (std::size_t index = begin; index < end; ++index)
+      {
+        if (!std::isfinite(velocities[index]))
+        {
+          throw InputError("projector: field " + std::to_string(index / (3 * pointCount)) +
+            ", point " + std::to_string(index / 3 % pointCount) +
+            ": expected a finite velocity, found " + std::to_string(velocities[index]));
+        }
+      }
+    });
 }
 }

@@ -29,14 +29,30 @@ std::vector<std::size_t> ReadLengths(const ProjectionOutput& output, const Pixel
     }
   }
   image.Inconsistent.resize(pixelCount);
+  if (!output.Failures)
+  {
+    return {};
+  }
+  std::transform(output.Failures, output.Failures + range.Count,
+    image.Inconsistent.data() + range.First,
+    [](std::uint32_t failed) -> unsigned char { return failed > 0 ? 1 : 0; });
+  std::vector<std::size_t> holes = FindHoles(output.Failures, range.Count, samples);
+  for (std::size_t& pixel : holes)
+  {
+    pixel += range.First;
+  }
+  return holes;
+}
+
+std::vector<std::size_t> FindHoles(const std::uint32_t* failures, std::size_t count, int samples)
+{
   const auto most = static_cast<std::uint32_t>(samples * samples);
   std::vector<std::size_t> holes;
-  for (std::size_t pixel = 0; pixel < range.Count; ++pixel)
+  for (std::size_t pixel = 0; pixel < count; ++pixel)
   {
-    image.Inconsistent[range.First + pixel] = output.Failures[pixel] > 0 ? 1 : 0;
-    if (output.Failures[pixel] == most)
+    if (failures[pixel] == most)
     {
-      holes.push_back(range.First + pixel);
+      holes.push_back(pixel);
     }
   }
   return holes;

@@ -24,7 +24,7 @@ struct ProjectionOutput
 {
   /// mm, a plane for each material; that of air is not written.
   const float* Lengths = nullptr;
-  /// Number of samples of each pixel that failed.
+  /// Number of samples of each pixel that failed; null where none did.
   const std::uint32_t* Failures = nullptr;
 };
 
@@ -35,6 +35,10 @@ struct ProjectionOutput
  */
 MAMMORAYXRAY_EXPORT std::vector<std::size_t> ReadLengths(const ProjectionOutput& output,
   const PixelRange& range, int samples, PathLengthImage& image);
+
+/// The pixels among the first `count` all of whose samples failed, so many a row and a column.
+MAMMORAYXRAY_EXPORT std::vector<std::size_t> FindHoles(const std::uint32_t* failures,
+  std::size_t count, int samples);
 
 /**
  * Gives pixels without any trusted ray the mean of the nearest pixels that have one: ring by ring

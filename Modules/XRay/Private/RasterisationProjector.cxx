@@ -22,7 +22,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
 #include <utility>
 
 namespace mammoray
@@ -104,13 +103,6 @@ const RasterisationProjector::Programs& RasterisationProjector::ProgramsFor(bool
   return known.emplace(std::move(programs));
 }
 
-std::vector<std::uint32_t> RasterisationProjector::TriangleOrder(const SurfaceMesh& surface) const
-{
-  std::vector<std::uint32_t> order(surface.NumberOfTriangles());
-  std::iota(order.begin(), order.end(), 0u);
-  return order;
-}
-
 void RasterisationProjector::SurfaceChanged(const std::vector<double>&, bool)
 {
   // Room for the rounding of positions in single precision.
@@ -130,10 +122,10 @@ void RasterisationProjector::UpdateBindings()
   buffers[MAMMORAY_RASTER_MATERIALS] = &this->Surface.Materials;
   buffers[MAMMORAY_RASTER_SUMS] = &this->Sums;
   buffers[MAMMORAY_RASTER_TILES] = &this->Tiles;
-  buffers[MAMMORAY_RASTER_LENGTHS] = &this->Lengths;
-  buffers[MAMMORAY_RASTER_FAILURES] = &this->Failures;
+  buffers[MAMMORAY_RASTER_LENGTHS] = &this->Lengths.OnDevice();
+  buffers[MAMMORAY_RASTER_FAILURES] = &this->Failures.OnDevice();
   buffers[MAMMORAY_RASTER_VELOCITIES] = &this->Velocities;
-  buffers[MAMMORAY_RASTER_RATES] = &this->Rates;
+  buffers[MAMMORAY_RASTER_RATES] = &this->Rates.OnDevice();
   buffers[MAMMORAY_RASTER_MARKS] = &this->Marks;
   this->Bindings.Update(buffers);
   this->BindingsStale = false;
@@ -228,6 +220,8 @@ std::uint32_t RasterisationProjector::Submit(const XRayDetector& detector, const
   using Access = vk::AccessFlagBits;
   const std::uint64_t rays = std::uint64_t(detector.Columns) *
     static_cast<std::uint64_t>(work.RowCount * detector.Samples * detector.Samples);
+  const std::uint64_t pixels =
+    std::uint64_t(detector.Columns) * static_cast<std::uint64_t>(detector.Rows);
   const Programs& programs = this->ProgramsFor(work.Fields > 0);
   const int samples = detector.Samples;
   const auto groups = [](int columns)
@@ -245,6 +239,7 @@ std::uint32_t RasterisationProjector::Submit(const XRayDetector& detector, const
         commands.pipelineBarrier(from, to, {}, barrier, nullptr, nullptr);
       };
       const vk::AccessFlags both = Access::eShaderRead | Access::eShaderWrite;
+      this->RecordClearing(commands, pixels);
       this->Bindings.Bind(commands, vk::PipelineBindPoint::eCompute);
       if (!work.KeepsTiles)
       {
@@ -284,8 +279,7 @@ std::uint32_t RasterisationProjector::Submit(const XRayDetector& detector, const
       commands.bindPipeline(vk::PipelineBindPoint::eCompute, **programs[2]);
       commands.dispatch(groups(work.Right - work.Left + 1),
         static_cast<std::uint32_t>(work.Bottom - work.Top + 1), 1);
-      wait(Stage::eComputeShader, Access::eShaderWrite, Stage::eHost, Access::eHostRead);
-      wait(Stage::eTransfer, Access::eTransferWrite, Stage::eHost, Access::eHostRead);
+      this->RecordResults(commands, Stage::eComputeShader, pixels);
     });
   return *this->TileCount.Data<std::uint32_t>();
 }
@@ -328,9 +322,10 @@ FieldBatch RasterisationProjector::NextBatch(const std::vector<double>& velociti
   return batch;
 }
 
-void RasterisationProjector::Render(const XRaySource& source, const XRayDetector& detector,
+std::uint32_t RasterisationProjector::Fill(const XRaySource& source, const XRayDetector& detector,
   int fields)
 {
+  std::uint32_t failed = 0;
   const std::uint64_t rowBytes = std::max<std::uint64_t>(8, this->RowBytes(detector, fields));
   int band = static_cast<int>(std::min<std::uint64_t>(this->MostBytes() / rowBytes,
     static_cast<std::uint64_t>(std::min(detector.Rows, MostRowsAtOnce / detector.Samples))));
@@ -342,7 +337,7 @@ void RasterisationProjector::Render(const XRaySource& source, const XRayDetector
     std::uint64_t tiles = 0;
     if (this->Run(source, detector, work, tiles))
     {
-      this->RunAgain(source, detector, work);
+      failed += this->RunAgain(source, detector, work);
       firstRow += rowCount;
     }
     else if (band > 1)
@@ -356,6 +351,7 @@ void RasterisationProjector::Render(const XRaySource& source, const XRayDetector
         this->Device.Name() + " has room for");
     }
   }
+  return failed;
 }
 
 bool RasterisationProjector::Run(const XRaySource& source, const XRayDetector& detector, Work work,
@@ -394,13 +390,14 @@ bool RasterisationProjector::Run(const XRaySource& source, const XRayDetector& d
   }
 }
 
-void RasterisationProjector::RunAgain(const XRaySource& source, const XRayDetector& detector,
-  Work work)
+std::uint32_t RasterisationProjector::RunAgain(const XRaySource& source,
+  const XRayDetector& detector, Work work)
 {
-  const std::uint32_t* failures = this->Failures.Data<std::uint32_t>();
   const int last = work.FirstRow + work.RowCount - 1;
-  for (work.Attempt = 1; work.Attempt < MostAttempts; ++work.Attempt)
+  for (work.Attempt = 1; work.Attempt<MostAttempts&& this->FailedPixels()> 0; ++work.Attempt)
   {
+    const std::uint32_t* failures =
+      this->FetchFailures(std::uint64_t(detector.Columns) * static_cast<std::uint64_t>(last + 1));
     work.Left = detector.Columns;
     work.Right = -1;
     work.Top = last + 1;
@@ -419,10 +416,6 @@ void RasterisationProjector::RunAgain(const XRaySource& source, const XRayDetect
         }
       }
     }
-    if (work.Right < 0)
-    {
-      return;
-    }
     this->Ensure(this->Marks,
       sizeof(std::uint32_t) * static_cast<std::uint64_t>(work.RowCount) *
         static_cast<std::uint64_t>(detector.Columns) *
@@ -436,5 +429,6 @@ void RasterisationProjector::RunAgain(const XRaySource& source, const XRayDetect
     }
     work.KeepsTiles = true;
   }
+  return this->FailedPixels();
 }
 }

@@ -46,13 +46,12 @@ private:
     bool KeepsTiles = false;
   };
 
-  std::vector<std::uint32_t> TriangleOrder(const SurfaceMesh& surface) const override;
   void SurfaceChanged(const std::vector<double>& points, bool moved) override;
   bool HasRoomFor(const XRayDetector& detector) const override;
   int MostFields(const XRayDetector& detector) const override;
   FieldBatch NextBatch(const std::vector<double>& velocities, int next, int fields,
     int atOnce) const override;
-  void Render(const XRaySource& source, const XRayDetector& detector, int fields) override;
+  std::uint32_t Fill(const XRaySource& source, const XRayDetector& detector, int fields) override;
 
   const Programs& ProgramsFor(bool withRates);
   /// Bytes of the sums of one row of the detector.
@@ -65,8 +64,9 @@ private:
   void UpdateBindings();
   /// Gives the number of tiles that the list should have held.
   std::uint32_t Submit(const XRayDetector& detector, const Work& work);
-  /// Traces rays of the rows that failed again, a little beside, a few times.
-  void RunAgain(const XRaySource& source, const XRayDetector& detector, Work work);
+  /// Traces rays of the rows that failed again, a little beside, a few times; gives the number of
+  /// pixels with rays that fail still.
+  std::uint32_t RunAgain(const XRaySource& source, const XRayDetector& detector, Work work);
 
   ShaderBindings Bindings;
   /// Without and with derivatives; the latter made when first used.

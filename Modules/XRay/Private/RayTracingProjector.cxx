@@ -119,7 +119,8 @@ const RayTracingProjector::Program& RayTracingProjector::ProgramFor(const Kind& 
 
 std::vector<std::uint32_t> RayTracingProjector::TriangleOrder(const SurfaceMesh& surface) const
 {
-  return SpatialOrder(surface);
+  // Drivers of hardware sort by themselves, in far less time.
+  return this->Device.IsSoftware() ? SpatialOrder(surface) : std::vector<std::uint32_t>();
 }
 
 void RayTracingProjector::SurfaceChanged(const std::vector<double>& points, bool moved)
@@ -194,10 +195,10 @@ void RayTracingProjector::UpdateBindings()
   buffers[MAMMORAY_BINDING_POSITIONS] = &this->Surface.Positions;
   buffers[MAMMORAY_BINDING_TRIANGLES] = &this->Surface.Triangles;
   buffers[MAMMORAY_BINDING_MATERIALS] = &this->Surface.Materials;
-  buffers[MAMMORAY_BINDING_LENGTHS] = &this->Lengths;
-  buffers[MAMMORAY_BINDING_FAILURES] = &this->Failures;
+  buffers[MAMMORAY_BINDING_LENGTHS] = &this->Lengths.OnDevice();
+  buffers[MAMMORAY_BINDING_FAILURES] = &this->Failures.OnDevice();
   buffers[MAMMORAY_BINDING_VELOCITIES] = &this->Velocities;
-  buffers[MAMMORAY_BINDING_RATES] = &this->Rates;
+  buffers[MAMMORAY_BINDING_RATES] = &this->Rates.OnDevice();
   buffers[MAMMORAY_BINDING_RAYS] = &this->Rays;
   this->Bindings.Update(buffers, this->Scene->Handle());
   this->BindingsStale = false;
@@ -267,7 +268,8 @@ FieldBatch RayTracingProjector::NextBatch(const std::vector<double>&, int next, 
   return { std::min(next, fields - atOnce), atOnce };
 }
 
-void RayTracingProjector::Render(const XRaySource& source, const XRayDetector& detector, int fields)
+std::uint32_t RayTracingProjector::Fill(const XRaySource& source, const XRayDetector& detector,
+  int fields)
 {
   this->UpdateBindings();
   if (this->Doubles)
@@ -278,26 +280,33 @@ void RayTracingProjector::Render(const XRaySource& source, const XRayDetector& d
   {
     this->WriteParameters<float>(source, detector);
   }
-  this->Submit({ this->Capacity(), static_cast<std::uint32_t>(fields), false },
-    8 * TileCount(detector.Columns, MAMMORAY_TILE_COLUMNS),
-    TileCount(detector.Rows, MAMMORAY_TILE_ROWS));
+  return this->Submit({ this->Capacity(), static_cast<std::uint32_t>(fields), false },
+    std::uint64_t(detector.Columns) * static_cast<std::uint64_t>(detector.Rows),
+    { 8 * TileCount(detector.Columns, MAMMORAY_TILE_COLUMNS),
+      TileCount(detector.Rows, MAMMORAY_TILE_ROWS) });
 }
 
-void RayTracingProjector::Submit(const Kind& kind, std::uint32_t width, std::uint32_t height)
+std::uint32_t RayTracingProjector::Submit(const Kind& kind, std::uint64_t pixels,
+  const std::array<std::uint32_t, 2>& launch)
 {
   const Program& program = this->ProgramFor(kind);
   this->Device.Run(
     [&](const vk::raii::CommandBuffer& commands)
     {
+      using Stage = vk::PipelineStageFlagBits;
+      using Access = vk::AccessFlagBits;
+      this->RecordClearing(commands, pixels);
+      const vk::MemoryBarrier cleared(Access::eTransferWrite,
+        Access::eShaderRead | Access::eShaderWrite);
+      commands.pipelineBarrier(Stage::eTransfer, Stage::eRayTracingShaderKHR, {}, cleared, nullptr,
+        nullptr);
       commands.bindPipeline(vk::PipelineBindPoint::eRayTracingKHR, **program.Pipeline);
       this->Bindings.Bind(commands, vk::PipelineBindPoint::eRayTracingKHR);
-      commands.traceRaysKHR(program.Regions[0], program.Regions[1], program.Regions[2], {}, width,
-        height, 1);
-      const vk::MemoryBarrier written(vk::AccessFlagBits::eShaderWrite,
-        vk::AccessFlagBits::eHostRead);
-      commands.pipelineBarrier(vk::PipelineStageFlagBits::eRayTracingShaderKHR,
-        vk::PipelineStageFlagBits::eHost, {}, written, nullptr, nullptr);
+      commands.traceRaysKHR(program.Regions[0], program.Regions[1], program.Regions[2], {},
+        launch[0], launch[1], 1);
+      this->RecordResults(commands, Stage::eRayTracingShaderKHR, pixels);
     });
+  return this->FailedPixels();
 }
 
 template <typename Real>
@@ -320,7 +329,7 @@ void RayTracingProjector::WriteRays(const XRayLine* rays, std::size_t count)
   this->WriteParameters<Real>({}, detector);
 }
 
-void RayTracingProjector::RenderRays(const XRayLine* rays, std::size_t count)
+std::uint32_t RayTracingProjector::FillRays(const XRayLine* rays, std::size_t count)
 {
   this->ReserveOutput(count, 0);
   this->Ensure(this->Rays, 6 * count * (this->Doubles ? sizeof(double) : sizeof(float)),
@@ -335,8 +344,8 @@ void RayTracingProjector::RenderRays(const XRayLine* rays, std::size_t count)
     this->WriteRays<float>(rays, count);
   }
   const auto width = static_cast<std::uint32_t>(std::min(count, RaysPerRow));
-  this->Submit({ this->Capacity(), 0, true }, width,
-    static_cast<std::uint32_t>((count + width - 1) / width));
+  return this->Submit({ this->Capacity(), 0, true }, count,
+    { width, static_cast<std::uint32_t>((count + width - 1) / width) });
 }
 
 PathLengthImage RayTracingProjector::ProjectRays(const std::vector<XRayLine>& rays)
@@ -351,8 +360,9 @@ PathLengthImage RayTracingProjector::ProjectRays(const std::vector<XRayLine>& ra
   for (std::size_t first = 0; first < rays.size(); first += atOnce)
   {
     const std::size_t count = std::min(atOnce, rays.size() - first);
-    WithDeviceErrors([&] { this->RenderRays(rays.data() + first, count); });
-    ReadLengths(this->Output(), { first, count }, 1, image);
+    const ProjectionOutput output = WithDeviceErrors(
+      [&] { return this->FetchOutput(count, this->FillRays(rays.data() + first, count)); });
+    ReadLengths(output, { first, count }, 1, image);
   }
   return image;
 }

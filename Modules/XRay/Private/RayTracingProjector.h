@@ -43,7 +43,7 @@ private:
   int MostFields(const XRayDetector& detector) const override;
   FieldBatch NextBatch(const std::vector<double>& velocities, int next, int fields,
     int atOnce) const override;
-  void Render(const XRaySource& source, const XRayDetector& detector, int fields) override;
+  std::uint32_t Fill(const XRaySource& source, const XRayDetector& detector, int fields) override;
 
   const Program& ProgramFor(const Kind& kind);
   /// Makes the acceleration structures anew.
@@ -54,13 +54,15 @@ private:
   std::uint32_t Capacity() const;
   template <typename Real>
   void WriteParameters(const XRaySource& source, const XRayDetector& detector);
-  /// Fills Lengths and Failures for `count` rays.
-  void RenderRays(const XRayLine* rays, std::size_t count);
+  /// Fills Lengths and Failures for `count` rays; gives the number of those that failed.
+  std::uint32_t FillRays(const XRayLine* rays, std::size_t count);
   template <typename Real>
   void WriteRays(const XRayLine* rays, std::size_t count);
   void UpdateBindings();
-  /// Traces width x height rays.
-  void Submit(const Kind& kind, std::uint32_t width, std::uint32_t height);
+  /// Traces the rays of so many pixels by a launch of width x height; gives the number of pixels
+  /// with rays that failed.
+  std::uint32_t Submit(const Kind& kind, std::uint64_t pixels,
+    const std::array<std::uint32_t, 2>& launch);
 
   ShaderBindings Bindings;
   std::map<Kind, Program> Programs;

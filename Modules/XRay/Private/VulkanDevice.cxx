@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Private/VulkanDevice.h"
 
+#include "Private/VulkanInstance.h"
+
 #include <algorithm>
 #include <array>
 #include <cctype>
@@ -16,70 +18,6 @@ constexpr std::array<const char*, 3> RequiredExtensions{
   VK_KHR_RAY_TRACING_PIPELINE_EXTENSION_NAME,
   VK_KHR_DEFERRED_HOST_OPERATIONS_EXTENSION_NAME,
 };
-constexpr const char* ValidationLayer = "VK_LAYER_KHRONOS_validation";
-
-constexpr const char* NoDevice =
-  "no Vulkan: the loader found no driver for any device (Debian: mesa-vulkan-drivers)";
-
-VKAPI_ATTR VkBool32 VKAPI_CALL OnValidationMessage(VkDebugUtilsMessageSeverityFlagBitsEXT,
-  VkDebugUtilsMessageTypeFlagsEXT, const VkDebugUtilsMessengerCallbackDataEXT* data, void* messages)
-{
-  try
-  {
-    static_cast<std::vector<std::string>*>(messages)->emplace_back(data->pMessage);
-  }
-  catch (...) // must not cross the driver; the message is lost, the call goes on
-  {
-  }
-  return VK_FALSE;
-}
-
-vk::raii::Context OpenLoader()
-{
-  try
-  {
-    return vk::raii::Context();
-  }
-  catch (const std::exception&)
-  {
-    throw DeviceError("no Vulkan: the loader (libvulkan.so.1) cannot be opened");
-  }
-}
-
-vk::raii::Instance MakeInstance(const vk::raii::Context& context, bool validation)
-{
-  const vk::ApplicationInfo application("mammoray", 1, "mammoray", 1, VK_API_VERSION_1_2);
-  std::vector<const char*> layers;
-  std::vector<const char*> extensions;
-  if (validation)
-  {
-    const auto available = context.enumerateInstanceLayerProperties();
-    if (std::none_of(available.begin(), available.end(),
-          [](const vk::LayerProperties& layer)
-          { return std::strcmp(layer.layerName, ValidationLayer) == 0; }))
-    {
-      throw DeviceError(std::string("Vulkan: validation was asked for, but there is no layer ") +
-        ValidationLayer + " (Debian: vulkan-validationlayers)");
-    }
-    layers.push_back(ValidationLayer);
-    extensions.push_back(VK_EXT_DEBUG_UTILS_EXTENSION_NAME);
-    extensions.push_back(VK_EXT_VALIDATION_FEATURES_EXTENSION_NAME);
-  }
-  const vk::ValidationFeatureEnableEXT synchronization =
-    vk::ValidationFeatureEnableEXT::eSynchronizationValidation;
-  const vk::ValidationFeaturesEXT features(synchronization);
-  vk::InstanceCreateInfo info({}, &application, layers, extensions);
-  info.pNext = validation ? &features : nullptr;
-  try
-  {
-    return vk::raii::Instance(context, info);
-  }
-  catch (const vk::IncompatibleDriverError&)
-  {
-    throw DeviceError(NoDevice, "VK_ERROR_INCOMPATIBLE_DRIVER");
-  }
-}
-
 std::vector<vk::raii::PhysicalDevice> Devices(const vk::raii::Instance& instance)
 {
   try
@@ -199,9 +137,8 @@ std::vector<DeviceDescription> ListDevices(std::string* reason)
     WithDeviceErrors(
       [&]
       {
-        const vk::raii::Context context = OpenLoader();
-        const vk::raii::Instance instance = MakeInstance(context, false);
-        for (const vk::raii::PhysicalDevice& device : RankedDevices(instance))
+        for (const vk::raii::PhysicalDevice& device :
+          RankedDevices(VulkanInstance::Get(false).Handle()))
         {
           const auto properties =
             device
@@ -234,24 +171,12 @@ std::vector<DeviceDescription> ListDevices(std::string* reason)
 }
 
 VulkanDevice::VulkanDevice(const ProjectorOptions& options)
-  : Context(OpenLoader())
-{
 #ifdef MAMMORAY_VULKAN_VALIDATION
-  const bool validation = true;
+  : Instance(VulkanInstance::Get(true))
 #else
-  const bool validation = options.Validation;
+  : Instance(VulkanInstance::Get(options.Validation))
 #endif
-  this->Instance = MakeInstance(this->Context, validation);
-  if (validation)
-  {
-    const vk::DebugUtilsMessengerCreateInfoEXT info({},
-      vk::DebugUtilsMessageSeverityFlagBitsEXT::eError |
-        vk::DebugUtilsMessageSeverityFlagBitsEXT::eWarning,
-      vk::DebugUtilsMessageTypeFlagBitsEXT::eValidation |
-        vk::DebugUtilsMessageTypeFlagBitsEXT::ePerformance,
-      OnValidationMessage, &this->Messages);
-    this->Messenger.emplace(*this->Instance, info);
-  }
+{
   this->ChooseDevice(WantedDevice(options), options.Projection);
   this->MakeDevice();
   this->CheckValidation();
@@ -261,7 +186,7 @@ void VulkanDevice::ChooseDevice(const std::string& wanted, ProjectorOptions::Met
 {
   using Method = ProjectorOptions::Method;
   std::string found;
-  for (vk::raii::PhysicalDevice& device : RankedDevices(*this->Instance))
+  for (vk::raii::PhysicalDevice& device : RankedDevices(this->Instance.Handle()))
   {
     const vk::PhysicalDeviceProperties properties = device.getProperties();
     const std::string name = properties.deviceName.data();
@@ -277,6 +202,9 @@ void VulkanDevice::ChooseDevice(const std::string& wanted, ProjectorOptions::Met
       const bool isHardware = properties.deviceType != vk::PhysicalDeviceType::eCpu;
       this->ForRayTracing =
         tracesRays && (method == Method::RayTracing || (method == Method::Auto && isHardware));
+      this->Software = !isHardware;
+      this->Sharing = properties.deviceType != vk::PhysicalDeviceType::eDiscreteGpu &&
+        !std::getenv("MAMMORAY_SEPARATE_MEMORY");
       this->PhysicalDevice = std::move(device);
       this->DeviceName = name;
       return;
@@ -388,10 +316,9 @@ void VulkanDevice::Run(const std::function<void(const vk::raii::CommandBuffer&)>
 
 void VulkanDevice::CheckValidation()
 {
-  if (!this->Messages.empty())
+  std::string message = this->Instance.TakeMessage();
+  if (!message.empty())
   {
-    std::string message = this->Messages.front();
-    this->Messages.clear();
     std::replace(message.begin(), message.end(), '\n', ' ');
     throw DeviceError("Vulkan validation: " + message);
   }

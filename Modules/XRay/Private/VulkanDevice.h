@@ -44,9 +44,12 @@ auto WithDeviceErrors(const Function& function)
   }
 }
 
+class VulkanInstance;
+
 /**
- * A Vulkan instance, one device of it, able to do what the options ask for, and one queue. Members
- * are declared in creation order. Not copied, not moved: the other types keep references to it.
+ * One device of this process's Vulkan instance, able to do what the options ask for, and one queue.
+ * Members are declared in creation order. Not copied, not moved: the other types keep references to
+ * it.
  */
 class VulkanDevice
 {
@@ -61,6 +64,11 @@ public:
   bool HasDoubles() const { return this->Doubles; }
   /// True when shaders may add 64-bit integers in buffers atomically.
   bool HasLongAtomics() const { return this->LongAtomics; }
+  /// True when the device is a processor whose driver plays a GPU.
+  bool IsSoftware() const { return this->Software; }
+  /// True when the host may read the device's memory where it can; false on discrete devices, which
+  /// the environment variable MAMMORAY_SEPARATE_MEMORY lets others play (for tests).
+  bool SharesMemory() const { return this->Sharing; }
   /// True when the device was made for ray tracing: it can, and the options want it.
   bool TracesRays() const { return this->ForRayTracing; }
   const vk::PhysicalDeviceRayTracingPipelinePropertiesKHR& RayTracingProperties() const
@@ -74,27 +82,30 @@ public:
   const vk::PhysicalDeviceLimits& Limits() const { return this->DeviceLimits; }
 
   /// Index of the first memory type among `typeBits` with all of the properties; empty if none has.
+  vk::MemoryPropertyFlags MemoryFlags(std::uint32_t type) const
+  {
+    return this->Memory.memoryTypes[type].propertyFlags;
+  }
   std::optional<std::uint32_t> FindMemoryType(std::uint32_t typeBits,
     vk::MemoryPropertyFlags properties) const;
 
   /// Records commands, submits them and waits. Throws DeviceError, also for validation messages.
   void Run(const std::function<void(const vk::raii::CommandBuffer&)>& record);
-  /// Throws DeviceError with the first message of the validation layer, if there was one.
+  /// Throws DeviceError with the first message of the validation layer, if there was one: one of
+  /// this device or of another of the process.
   void CheckValidation();
 
 private:
   void ChooseDevice(const std::string& wanted, ProjectorOptions::Method method);
   void MakeDevice();
 
-  vk::raii::Context Context;
-  /// Messages of the validation layer, written by the messenger's callback; outlives the instance.
-  std::vector<std::string> Messages;
-  std::optional<vk::raii::Instance> Instance;
-  std::optional<vk::raii::DebugUtilsMessengerEXT> Messenger;
+  VulkanInstance& Instance;
   std::optional<vk::raii::PhysicalDevice> PhysicalDevice;
   std::string DeviceName;
   bool Doubles = false;
   bool LongAtomics = false;
+  bool Software = false;
+  bool Sharing = true;
   bool ForRayTracing = false;
   std::uint32_t QueueFamily = 0;
   vk::PhysicalDeviceLimits DeviceLimits;

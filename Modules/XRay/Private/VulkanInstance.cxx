@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "Private/VulkanInstance.h"
+
+#include "mammoray/XRay/DeviceError.h"
+
+#include <algorithm>
+#include <cstring>
+#include <utility>
+
+namespace mammoray
+{
+namespace
+{
+constexpr const char* ValidationLayer = "VK_LAYER_KHRONOS_validation";
+
+vk::raii::Context OpenLoader()
+{
+  try
+  {
+    return vk::raii::Context();
+  }
+  catch (const std::exception&)
+  {
+    throw DeviceError("no Vulkan: the loader (libvulkan.so.1) cannot be opened");
+  }
+}
+
+vk::raii::Instance MakeInstance(const vk::raii::Context& context, bool validation)
+{
+  const vk::ApplicationInfo application("mammoray", 1, "mammoray", 1, VK_API_VERSION_1_2);
+  std::vector<const char*> layers;
+  std::vector<const char*> extensions;
+  if (validation)
+  {
+    const auto available = context.enumerateInstanceLayerProperties();
+    if (std::none_of(available.begin(), available.end(),
+          [](const vk::LayerProperties& layer)
+          { return std::strcmp(layer.layerName, ValidationLayer) == 0; }))
+    {
+      throw DeviceError(std::string("Vulkan: validation was asked for, but there is no layer ") +
+        ValidationLayer + " (Debian: vulkan-validationlayers)");
+    }
+    layers.push_back(ValidationLayer);
+    extensions.push_back(VK_EXT_DEBUG_UTILS_EXTENSION_NAME);
+    extensions.push_back(VK_EXT_VALIDATION_FEATURES_EXTENSION_NAME);
+  }
+  const vk::ValidationFeatureEnableEXT synchronization =
+    vk::ValidationFeatureEnableEXT::eSynchronizationValidation;
+  const vk::ValidationFeaturesEXT features(synchronization);
+  vk::InstanceCreateInfo info({}, &application, layers, extensions);
+  info.pNext = validation ? &features : nullptr;
+  try
+  {
+    return vk::raii::Instance(context, info);
+  }
+  catch (const vk::IncompatibleDriverError&)
+  {
+    throw DeviceError(NoDevice, "VK_ERROR_INCOMPATIBLE_DRIVER");
+  }
+}
+}
+
+VulkanInstance& VulkanInstance::Get(bool validation)
+{
+  // Not destroyed at the process's end: the drivers' own libraries may have gone before.
+  if (validation)
+  {
+    static VulkanInstance* const validated = new VulkanInstance(true);
+    return *validated;
+  }
+  static VulkanInstance* const plain = new VulkanInstance(false);
+  return *plain;
+}
+
+VulkanInstance::VulkanInstance(bool validation)
+  : Context(OpenLoader())
+  , Instance(MakeInstance(this->Context, validation))
+{
+  if (validation)
+  {
+    using Severity = vk::DebugUtilsMessageSeverityFlagBitsEXT;
+    using Type = vk::DebugUtilsMessageTypeFlagBitsEXT;
+    this->Messenger.emplace(*this->Instance,
+      vk::DebugUtilsMessengerCreateInfoEXT({}, Severity::eError | Severity::eWarning,
+        Type::eValidation | Type::ePerformance, OnMessage, this));
+  }
+}
+
+VKAPI_ATTR VkBool32 VKAPI_CALL VulkanInstance::OnMessage(VkDebugUtilsMessageSeverityFlagBitsEXT,
+  VkDebugUtilsMessageTypeFlagsEXT, const VkDebugUtilsMessengerCallbackDataEXT* data, void* self)
+{
+  try
+  {
+    auto* instance = static_cast<VulkanInstance*>(self);
+    const std::lock_guard lock(instance->Mutex);
+    instance->Messages.emplace_back(data->pMessage);
+  }
+  catch (...) // must not cross the driver; the message is lost, the call goes on
+  {
+  }
+  return VK_FALSE;
+}
+
+std::string VulkanInstance::TakeMessage()
+{
+  const std::lock_guard lock(this->Mutex);
+  const std::vector<std::string> messages = std::exchange(this->Messages, {});
+  return messages.empty() ? std::string() : messages.front();
+}
+}

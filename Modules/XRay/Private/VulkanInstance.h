@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+#ifndef mammoray_VulkanInstance_h
+#define mammoray_VulkanInstance_h
+
+#include "Private/Vulkan.h"
+
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace mammoray
+{
+/**
+ * The process's Vulkan instance: one for all devices, kept to the end. Making it loads the drivers,
+ * which takes a tenth of a second, and a driver that is loaded again and again loses something each
+ * time: NVIDIA's 580 cannot be loaded any more after some two hundred times. Thread-safe.
+ */
+class VulkanInstance
+{
+public:
+  /// Without or with the Khronos validation layer; made when first asked for. Throws DeviceError
+  /// where there is no loader, driver or layer, and tries again the next time.
+  static VulkanInstance& Get(bool validation);
+
+  const vk::raii::Instance& Handle() const { return *this->Instance; }
+  /// The first message of the validation layer since this was asked last, empty where there is
+  /// none.
+  std::string TakeMessage();
+
+private:
+  explicit VulkanInstance(bool validation);
+  static VKAPI_ATTR VkBool32 VKAPI_CALL OnMessage(VkDebugUtilsMessageSeverityFlagBitsEXT,
+    VkDebugUtilsMessageTypeFlagsEXT, const VkDebugUtilsMessengerCallbackDataEXT* data, void* self);
+
+  vk::raii::Context Context;
+  std::mutex Mutex;
+  std::vector<std::string> Messages;
+  std::optional<vk::raii::Instance> Instance;
+  std::optional<vk::raii::DebugUtilsMessengerEXT> Messenger;
+};
+
+/// What is said where the loader finds no device.
+inline constexpr const char* NoDevice =
+  "no Vulkan: the loader found no driver for any device (Debian: mesa-vulkan-drivers)";
+}
+
+#endif
