@@ -1,7 +1,9 @@
 # One GoogleTest executable per module, its tests discovered and labelled.
 #
-#   mammoray_add_test(<name> SOURCES ... LIBRARIES ... [LABELS ...] [TIMEOUT seconds])
+#   mammoray_add_test(<name> SOURCES ... LIBRARIES ... [LABELS ...] [TIMEOUT seconds] [BY_SUITE])
 #
+# BY_SUITE makes one test of each suite, in one process, where many are quick and none disturbs another; else each is
+# a process of its own.
 # The folders' names are given to one source only: on every command line they would make each checkout compile all
 # tests anew where a compiler cache serves.
 set(MAMMORAY_SHARED_DATA_DIR "${PROJECT_SOURCE_DIR}/../shared/data" CACHE PATH
@@ -20,8 +22,10 @@ target_compile_options(mammorayTestSupport PRIVATE -fPIE)
 set_source_files_properties("${CMAKE_CURRENT_LIST_DIR}/Support/Places.cxx" PROPERTIES COMPILE_DEFINITIONS
   "MAMMORAY_DATA_DIR=\"${PROJECT_SOURCE_DIR}/Data\";MAMMORAY_SHARED_DATA_DIR=\"${MAMMORAY_SHARED_DATA_DIR}\";MAMMORAY_EXECUTABLE=\"$<$<TARGET_EXISTS:mammoray>:$<TARGET_FILE:mammoray>>\";MAMMORAY_XVFB=\"$<$<BOOL:${MAMMORAY_XVFB}>:${MAMMORAY_XVFB}>\"")
 function (mammoray_add_test name)
-  cmake_parse_arguments(PARSE_ARGV 1 test "" "TIMEOUT" "SOURCES;LIBRARIES;LABELS")
-  if (NOT test_TIMEOUT)
+  cmake_parse_arguments(PARSE_ARGV 1 test "BY_SUITE" "TIMEOUT" "SOURCES;LIBRARIES;LABELS")
+  if (NOT test_TIMEOUT AND test_BY_SUITE)
+    set(test_TIMEOUT 900)
+  elseif (NOT test_TIMEOUT)
     set(test_TIMEOUT 300)
   endif ()
   add_executable(${name} ${test_SOURCES})
@@ -29,7 +33,21 @@ function (mammoray_add_test name)
   target_precompile_headers(${name} REUSE_FROM mammorayTestSupport)
   target_include_directories(${name} PRIVATE "${PROJECT_SOURCE_DIR}/Testing/Support")
   target_link_libraries(${name} PRIVATE ${test_LIBRARIES} mammorayTestSupport GTest::gmock GTest::gtest_main)
-  gtest_discover_tests(${name}
-    DISCOVERY_TIMEOUT 60
-    PROPERTIES TIMEOUT ${test_TIMEOUT} LABELS "${test_LABELS}")
+  if (test_BY_SUITE)
+    set(discovered "${CMAKE_CURRENT_BINARY_DIR}/${name}Suites.cmake")
+    set(script "${PROJECT_SOURCE_DIR}/Testing/DiscoverSuites.cmake")
+    add_custom_command(TARGET ${name} POST_BUILD
+      COMMAND "${CMAKE_COMMAND}" -D "PROGRAM=$<TARGET_FILE:${name}>" -D "OUTPUT=${discovered}"
+              -D "LABELS=${test_LABELS}" -D TIMEOUT=${test_TIMEOUT} -P "${script}"
+      VERBATIM)
+    set_property(TARGET ${name} PROPERTY LINK_DEPENDS "${script}")
+    file(WRITE "${CMAKE_CURRENT_BINARY_DIR}/${name}Tests.cmake"
+      "if (EXISTS [[${discovered}]])\n  include([[${discovered}]])\nelse ()\n"
+      "  add_test(${name}_NOT_BUILT ${name}_NOT_BUILT)\nendif ()\n")
+    set_property(DIRECTORY APPEND PROPERTY TEST_INCLUDE_FILES "${CMAKE_CURRENT_BINARY_DIR}/${name}Tests.cmake")
+  else ()
+    gtest_discover_tests(${name}
+      DISCOVERY_TIMEOUT 60
+      PROPERTIES TIMEOUT ${test_TIMEOUT} LABELS "${test_LABELS}")
+  endif ()
 endfunction ()

@@ -132,7 +132,7 @@ bool ResultBuffer::Reserve(const VulkanDevice& device, vk::DeviceSize bytes)
 
 void ResultBuffer::Fetch(VulkanDevice& device, const std::vector<Range>& ranges)
 {
-  if (ranges.empty() || this->Written.Data<char>())
+  if (this->Written.Data<char>())
   {
     return;
   }
@@ -142,7 +142,14 @@ void ResultBuffer::Fetch(VulkanDevice& device, const std::vector<Range>& ranges)
   copies.reserve(ranges.size());
   for (const Range& range : ranges)
   {
-    copies.emplace_back(range.Begin, range.Begin, range.Count);
+    if (range.Count > 0)
+    {
+      copies.emplace_back(range.Begin, range.Begin, range.Count);
+    }
+  }
+  if (copies.empty())
+  {
+    return;
   }
   device.Run(
     [&](const vk::raii::CommandBuffer& commands)

@@ -394,8 +394,12 @@ std::uint32_t RasterisationProjector::RunAgain(const XRaySource& source,
   const XRayDetector& detector, Work work)
 {
   const int last = work.FirstRow + work.RowCount - 1;
-  for (work.Attempt = 1; work.Attempt<MostAttempts&& this->FailedPixels()> 0; ++work.Attempt)
+  for (work.Attempt = 1; work.Attempt < MostAttempts; ++work.Attempt)
   {
+    if (this->FailedPixels() == 0)
+    {
+      return 0;
+    }
     const std::uint32_t* failures =
       this->FetchFailures(std::uint64_t(detector.Columns) * static_cast<std::uint64_t>(last + 1));
     work.Left = detector.Columns;
