@@ -18,6 +18,7 @@ constexpr std::array<const char*, 3> RequiredExtensions{
   VK_KHR_RAY_TRACING_PIPELINE_EXTENSION_NAME,
   VK_KHR_DEFERRED_HOST_OPERATIONS_EXTENSION_NAME,
 };
+
 std::vector<vk::raii::PhysicalDevice> Devices(const vk::raii::Instance& instance)
 {
   try
