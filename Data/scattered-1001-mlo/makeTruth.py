@@ -14,11 +14,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-import gmsh
 import numpy as np
-import vtk
-from scipy import ndimage
-from vtk.util.numpy_support import numpy_to_vtk
 
 HERE = Path(__file__).resolve().parent
 
@@ -81,6 +77,10 @@ def gantry_axes():
 
 def write_skin(labels, path):
     """The closed surface of all tissue, smoothed, as STL."""
+    import vtk
+    from scipy import ndimage
+    from vtk.util.numpy_support import numpy_to_vtk
+
     pad = 6
     mask = ndimage.gaussian_filter(np.pad(labels.values > 0, pad).astype(np.float32), 1.6)
     image = vtk.vtkImageData()
@@ -106,6 +106,8 @@ def write_skin(labels, path):
 
 def tetrahedra(skin):
     """Linear tetrahedra within a surface."""
+    import gmsh
+
     gmsh.initialize()
     gmsh.option.setNumber("General.Terminal", 0)
     gmsh.merge(str(skin))
@@ -140,11 +142,11 @@ def shares(labels, nodes, cells):
     return np.isin(found, GLAND).sum(1) / tissue, (found == MUSCLE).sum(1) / tissue
 
 
-def plate(height, direction, first):
+def plate(height, direction, first, radius):
     """Nodes and hexahedra of a plate whose face, at z = `height`, looks along `direction`; its edge, at y = 0, is round."""
     turns = np.radians([90, 67.5, 45, 22.5, 0])
-    profiles = [[(EDGE_RADIUS - r * np.sin(a), r * np.cos(a) - EDGE_RADIUS) for a in turns] + [(150.0, r - EDGE_RADIUS)]
-                for r in (EDGE_RADIUS, EDGE_RADIUS - 2)]
+    profiles = [[(radius - r * np.sin(a), r * np.cos(a) - radius) for a in turns] + [(150.0, r - radius)]
+                for r in (radius, radius - 2)]
     nodes = np.array([(x, y, height + direction * h) for x in (-140.0, 140.0) for profile in profiles for y, h in profile])
     count, elements = len(profiles[0]), []
     for i in range(count - 1):
@@ -157,9 +159,10 @@ def plate(height, direction, first):
     return nodes, elements
 
 
-def write_input(nodes, cells, gland, muscle, path):
-    """CalculiX's input; `nodes` in the gantry's axes."""
-    soft = muscle <= 0.5
+def write_input(nodes, cells, young, soft, ends, radius, largest_step, path):
+    """CalculiX's input; `nodes` in the gantry's axes. For each cell Young's modulus, kPa, and whether it is not held; where
+    the plates' faces end, along z."""
+    middle = np.mean(ends)
     held = np.unique(cells[~soft]) + 1
     faces = np.sort(np.stack([cells[:, list(face)] for face in FACES], 1).reshape(-1, 3), axis=1)
     _, where, count = np.unique(faces, axis=0, return_inverse=True, return_counts=True)
@@ -170,25 +173,23 @@ def write_input(nodes, cells, gland, muscle, path):
     low, high = height.min() - 0.5, height.max() + 0.5
     plates = {}
     first = len(nodes) + 1
-    for name, at, direction, end in (("SUPPORT", low, 1, MIDDLE - THICKNESS / 2), ("PADDLE", high, -1, MIDDLE + THICKNESS / 2)):
-        corners, elements = plate(at, direction, first)
+    for name, at, direction, end in (("SUPPORT", low, 1, ends[0]), ("PADDLE", high, -1, ends[1])):
+        corners, elements = plate(at, direction, first, radius)
         plates[name] = (first, corners, elements, end - at)
         first += len(corners)
-    bins = np.rint(gland * 20).astype(int)
     with open(path, "w") as file:
         say = lambda text: file.write(text + "\n")
         rows = lambda numbers: say(", ".join(str(n) for n in numbers))
         say("*NODE")
         for i, p in enumerate(np.vstack([nodes, *(each[1] for each in plates.values())])):
             say(f"{i + 1}, {p[0]:.9g}, {p[1]:.9g}, {p[2]:.9g}")
-        for part in np.unique(bins):
+        for part, modulus in enumerate(np.unique(young)):
             say(f"*ELEMENT, TYPE=C3D10, ELSET=TISSUE{part}")
-            for cell in np.flatnonzero(bins == part):
+            for cell in np.flatnonzero(young == modulus):
                 rows([cell + 1, *(cells[cell] + 1)])
-            young = FAT_KPA + part / 20 * (GLAND_KPA - FAT_KPA)
             say(f"*MATERIAL, NAME=M{part}\n*HYPERELASTIC, NEO HOOKE")
             # mu / 2 and 2 / kappa
-            say(f"{young / (4 * (1 + POISSON)):.9g}, {6 * (1 - 2 * POISSON) / young:.9g}")
+            say(f"{modulus / (4 * (1 + POISSON)):.9g}, {6 * (1 - 2 * POISSON) / modulus:.9g}")
             say(f"*SOLID SECTION, ELSET=TISSUE{part}, MATERIAL=M{part}")
         say("*MATERIAL, NAME=STIFF\n*ELASTIC\n1e6, 0.3")
         say("*SURFACE INTERACTION, NAME=SMOOTH\n*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR")
@@ -202,7 +203,7 @@ def write_input(nodes, cells, gland, muscle, path):
             say(f"*SOLID SECTION, ELSET={name}, MATERIAL=STIFF")
             say(f"*NSET, NSET=N{name}, GENERATE\n{begin}, {begin + len(corners) - 1}, 1")
             say(f"*SURFACE, NAME=F{name}\n{name}, S2")
-        for name, side in (("SUPPORT", centre[..., 2] < MIDDLE + 12), ("PADDLE", centre[..., 2] > MIDDLE - 12)):
+        for name, side in (("SUPPORT", centre[..., 2] < middle + 12), ("PADDLE", centre[..., 2] > middle - 12)):
             say(f"*SURFACE, NAME=SKIN{name}")
             for cell, face in np.argwhere(outer & side):
                 say(f"{cell + 1}, S{face + 1}")
@@ -211,7 +212,7 @@ def write_input(nodes, cells, gland, muscle, path):
         for i in range(0, len(held), 8):
             rows(held[i : i + 8])
         say("*BOUNDARY\nHELD, 1, 3, 0")
-        say("*STEP, NLGEOM, INC=2000\n*STATIC\n0.01, 1.0, 1e-6, 0.03\n*BOUNDARY")
+        say(f"*STEP, NLGEOM, INC=2000\n*STATIC\n0.01, 1.0, 1e-6, {largest_step:g}\n*BOUNDARY")
         for name, (*_, way) in plates.items():
             say(f"N{name}, 1, 2, 0\nN{name}, 3, 3, {way:.9g}")
         say("*NODE PRINT, NSET=BREAST, FREQUENCY=1000\nU")
@@ -342,7 +343,9 @@ def main():
     # The gantry's frame is left-handed.
     nodes, cells = with_edge_nodes(nodes, cells[:, [0, 2, 1, 3]])
     gantry = nodes @ gantry_axes().T - [LATERAL, EDGE, 0]
-    write_input(gantry, cells, gland, muscle, work / "breast.inp")
+    young = FAT_KPA + np.rint(gland * 20) / 20 * (GLAND_KPA - FAT_KPA)
+    ends = MIDDLE - THICKNESS / 2, MIDDLE + THICKNESS / 2
+    write_input(gantry, cells, young, muscle <= 0.5, ends, EDGE_RADIUS, 0.03, work / "breast.inp")
     if not (work / "breast.dat").exists() or not (work / "breast.dat").read_text().strip():
         with open(work / "ccx.log", "w") as log:
             subprocess.run(["ccx", "-i", "breast"], cwd=work, check=True, stdout=log)

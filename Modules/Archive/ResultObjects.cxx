@@ -162,7 +162,7 @@ Findings Find(const RegisteredBreast& breast, const ResultObjects& objects,
   const ProjectorOptions& options)
 {
   const XRayDetector detector = breast.Detector();
-  const std::size_t pixelCount = static_cast<std::size_t>(detector.Columns) * detector.Rows;
+  const std::size_t pixelCount = detector.NumberOfPixels();
   Findings findings;
   for (std::size_t index = 0; index < objects.Points.size(); ++index)
   {

@@ -527,7 +527,7 @@ MonteCarloResult FollowPhotons(const PhotonScene& scene, const XRaySource& sourc
   }
   const Follower follower(scene, source, detector, spectrum, response, options);
   const std::size_t regions = scene.Materials().size();
-  const std::size_t pixels = static_cast<std::size_t>(detector.Columns) * detector.Rows;
+  const std::size_t pixels = detector.NumberOfPixels();
   Tally all(regions, pixels);
   const auto photons = static_cast<std::size_t>(options.Photons);
   const std::size_t turn = BatchPhotons * std::max(1U, std::thread::hardware_concurrency());

@@ -281,8 +281,7 @@ struct ScatterModel::Geometry
   /// The value of each pixel between those of the cells.
   std::vector<double> ToPixels(const std::vector<double>& cells) const
   {
-    std::vector<double> image(static_cast<std::size_t>(this->Detector.Columns) *
-      static_cast<std::size_t>(this->Detector.Rows));
+    std::vector<double> image(this->Detector.NumberOfPixels());
     ParallelFor(static_cast<std::size_t>(this->Detector.Rows),
       [&](std::size_t row)
       {
@@ -501,7 +500,7 @@ namespace
 void CheckPixels(const XRayDetector& detector, const std::vector<double>& thicknessesMm,
   const std::vector<double>& primary)
 {
-  const std::size_t pixels = static_cast<std::size_t>(detector.Columns) * detector.Rows;
+  const std::size_t pixels = detector.NumberOfPixels();
   if (thicknessesMm.size() != pixels || primary.size() != pixels)
   {
     throw InputError("scatter: expected thickness and signal of " + std::to_string(pixels) +

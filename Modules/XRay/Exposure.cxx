@@ -229,7 +229,7 @@ Exposure ExposeBy(
   const std::vector<XRaySource> sources = SpotSources(source, detector, options);
   const std::vector<XRayDetector> detectors = SampleDetectors(detector);
   const bool noise = options.PhotonsPerPixel > 0;
-  const std::size_t pixelCount = static_cast<std::size_t>(detector.Columns) * detector.Rows;
+  const std::size_t pixelCount = detector.NumberOfPixels();
   if (!options.OpenField.empty() && options.OpenField.size() != pixelCount)
   {
     throw InputError("exposure: expected an open field of " + std::to_string(pixelCount) +

@@ -108,7 +108,7 @@ std::vector<float> OpenField(const XRaySource& source, const XRayDetector& detec
   {
     CheckHeel(options.Heel);
   }
-  const std::size_t pixelCount = static_cast<std::size_t>(detector.Columns) * detector.Rows;
+  const std::size_t pixelCount = detector.NumberOfPixels();
   std::vector<float> field(pixelCount, 1.0f);
   if (!hasHeel && !options.InverseSquare)
   {

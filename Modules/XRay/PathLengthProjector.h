@@ -45,6 +45,10 @@ struct XRayDetector
   /// Expose their transmissions. 1 to 16.
   int Samples = 1;
 
+  std::size_t NumberOfPixels() const
+  {
+    return static_cast<std::size_t>(this->Columns) * this->Rows;
+  }
   bool operator==(const XRayDetector&) const = default;
 };
 

@@ -289,7 +289,7 @@ public:
     RefractedImage result;
     result.Columns = detector.Columns;
     result.Rows = detector.Rows;
-    const std::size_t count = static_cast<std::size_t>(detector.Columns) * detector.Rows;
+    const std::size_t count = detector.NumberOfPixels();
     result.Deflection.resize(2 * count);
     result.Transmission.resize(count);
     for (int row = 0; row < detector.Rows; ++row)

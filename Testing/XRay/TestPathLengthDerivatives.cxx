@@ -118,8 +118,7 @@ double CompareWithDifferences(const PathLengthDerivatives& rates, const SurfaceM
       });
   }
   return static_cast<double>(compared) /
-    static_cast<double>(motions.size() * static_cast<std::size_t>(detector.Columns) *
-      static_cast<std::size_t>(detector.Rows));
+    static_cast<double>(motions.size() * detector.NumberOfPixels());
 }
 
 /// Smooth fields of speeds up to about 1 mm.

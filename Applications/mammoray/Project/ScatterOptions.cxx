@@ -143,7 +143,7 @@ std::vector<double> ScatterSource::FollowOnto(const XRaySource& source,
     fall = OpenField(source, detector, this->Energies, this->Response, { .InverseSquare = true });
   }
   std::vector<double> scatter;
-  scatter.reserve(static_cast<std::size_t>(detector.Columns) * detector.Rows);
+  scatter.reserve(detector.NumberOfPixels());
   const double columnRatio = static_cast<double>(coarse.Columns) / detector.Columns;
   const double rowRatio = static_cast<double>(coarse.Rows) / detector.Rows;
   for (int row = 0; row < detector.Rows; ++row)

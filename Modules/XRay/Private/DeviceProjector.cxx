@@ -19,11 +19,6 @@ using Usage = vk::BufferUsageFlagBits;
 /// Path lengths of an image, 4 GiB: more is a slip of the keyboard.
 constexpr std::uint64_t MostLengths = 1u << 30;
 constexpr std::uint64_t MostWorkBytes = 256u << 20;
-
-std::uint64_t PixelCount(const XRayDetector& detector)
-{
-  return std::uint64_t(detector.Columns) * std::uint64_t(detector.Rows);
-}
 }
 
 DeviceProjector::DeviceProjector(std::unique_ptr<VulkanDevice> device,
@@ -84,7 +79,7 @@ void DeviceProjector::CheckImage(const XRaySource& source, const XRayDetector& d
 {
   CheckGeometry(source, detector);
   this->RequireSurface();
-  const std::uint64_t pixels = PixelCount(detector);
+  const std::uint64_t pixels = detector.NumberOfPixels();
   if (pixels * this->Surface.MaterialCount > MostLengths)
   {
     throw InputError("detector: " + std::to_string(pixels) + " pixels of " +
@@ -225,7 +220,7 @@ PathLengthImage DeviceProjector::Project(const XRaySource& source, const XRayDet
 int DeviceProjector::FieldsAtOnce(const XRayDetector& part, int fields) const
 {
   const std::uint64_t most = this->MostBytes();
-  const std::uint64_t rates = PixelCount(part) * this->Surface.MaterialCount * sizeof(float);
+  const std::uint64_t rates = part.NumberOfPixels() * this->Surface.MaterialCount * sizeof(float);
   const std::uint64_t velocities = 3 * this->Surface.PointCount * sizeof(float);
   const std::uint64_t count = std::min(
     { static_cast<std::uint64_t>(this->MostFields(part)), std::uint64_t{ MostFieldsPerPass },
@@ -245,7 +240,7 @@ std::uint32_t DeviceProjector::FillStrip(const XRaySource& source, const XRayDet
   return WithDeviceErrors(
     [&]
     {
-      this->ReserveOutput(PixelCount(part), fields);
+      this->ReserveOutput(part.NumberOfPixels(), fields);
       return this->Fill(source, part, fields);
     });
 }

@@ -197,8 +197,7 @@ void RasterisationProjector::WriteParameters(const XRaySource& source, const XRa
   parameters.FirstRow = static_cast<std::uint32_t>(samples * work.FirstRow);
   parameters.RowCount = static_cast<std::uint32_t>(samples * work.RowCount);
   parameters.Samples = static_cast<std::uint32_t>(samples);
-  parameters.PixelCount =
-    static_cast<std::uint32_t>(detector.Columns) * static_cast<std::uint32_t>(detector.Rows);
+  parameters.PixelCount = static_cast<std::uint32_t>(detector.NumberOfPixels());
   parameters.Materials = this->Surface.MaterialCount;
   parameters.Triangles = this->Surface.TriangleCount;
   parameters.TileCapacity =
@@ -220,8 +219,7 @@ std::uint32_t RasterisationProjector::Submit(const XRayDetector& detector, const
   using Access = vk::AccessFlagBits;
   const std::uint64_t rays = std::uint64_t(detector.Columns) *
     static_cast<std::uint64_t>(work.RowCount * detector.Samples * detector.Samples);
-  const std::uint64_t pixels =
-    std::uint64_t(detector.Columns) * static_cast<std::uint64_t>(detector.Rows);
+  const std::uint64_t pixels = detector.NumberOfPixels();
   const Programs& programs = this->ProgramsFor(work.Fields > 0);
   const int samples = detector.Samples;
   const auto groups = [](int columns)

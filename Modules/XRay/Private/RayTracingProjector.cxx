@@ -281,7 +281,7 @@ std::uint32_t RayTracingProjector::Fill(const XRaySource& source, const XRayDete
     this->WriteParameters<float>(source, detector);
   }
   return this->Submit({ this->Capacity(), static_cast<std::uint32_t>(fields), false },
-    std::uint64_t(detector.Columns) * static_cast<std::uint64_t>(detector.Rows),
+    detector.NumberOfPixels(),
     { 8 * TileCount(detector.Columns, MAMMORAY_TILE_COLUMNS),
       TileCount(detector.Rows, MAMMORAY_TILE_ROWS) });
 }

@@ -30,8 +30,7 @@ void PrepareDerivatives(const XRayDetector& detector, int materials, int fields,
   derivatives.Materials = materials;
   derivatives.Fields = fields;
   derivatives.Lengths.resize(static_cast<std::size_t>(fields) *
-    static_cast<std::size_t>(materials) * static_cast<std::size_t>(detector.Columns) *
-    static_cast<std::size_t>(detector.Rows));
+    static_cast<std::size_t>(materials) * detector.NumberOfPixels());
 }
 
 double LargestSpeed(const std::vector<double>& velocities, std::size_t pointCount, int field)
