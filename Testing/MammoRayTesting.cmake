@@ -8,6 +8,7 @@
 # tests anew where a compiler cache serves.
 set(MAMMORAY_SHARED_DATA_DIR "${PROJECT_SOURCE_DIR}/../shared/data" CACHE PATH
   "Folder with real inputs that are not part of the project; tests that need it skip when it is absent")
+set(MAMMORAY_TIMEOUT_FACTOR 1 CACHE STRING "How much longer a test may take than in a release build: a whole number")
 find_program(MAMMORAY_XVFB Xvfb DOC "X server without a screen, for the tests of windows")
 add_library(mammorayTestSupport STATIC "${CMAKE_CURRENT_LIST_DIR}/Support/Places.cxx")
 mammoray_configure_target(mammorayTestSupport)
@@ -17,7 +18,9 @@ target_precompile_headers(mammorayTestSupport PRIVATE
   <algorithm> <array> <cmath> <filesystem> <fstream> <functional> <numbers> <random> <sstream> <string> <vector>
   <gmock/gmock.h> <gtest/gtest.h>)
 set_target_properties(mammorayTestSupport PROPERTIES POSITION_INDEPENDENT_CODE OFF)
-target_compile_options(mammorayTestSupport PRIVATE -fPIE)
+# What is tested is compiled as it is shipped; the tests themselves, four of ten lines, in two thirds of the time.
+set(MAMMORAY_TEST_OPTIONS "$<$<CONFIG:Release>:-O1>")
+target_compile_options(mammorayTestSupport PRIVATE -fPIE ${MAMMORAY_TEST_OPTIONS})
 # For the one source: a precompiled header wants the same definitions, too.
 set_source_files_properties("${CMAKE_CURRENT_LIST_DIR}/Support/Places.cxx" PROPERTIES COMPILE_DEFINITIONS
   "MAMMORAY_DATA_DIR=\"${PROJECT_SOURCE_DIR}/Data\";MAMMORAY_SHARED_DATA_DIR=\"${MAMMORAY_SHARED_DATA_DIR}\";MAMMORAY_EXECUTABLE=\"$<$<TARGET_EXISTS:mammoray>:$<TARGET_FILE:mammoray>>\";MAMMORAY_XVFB=\"$<$<BOOL:${MAMMORAY_XVFB}>:${MAMMORAY_XVFB}>\"")
@@ -28,8 +31,10 @@ function (mammoray_add_test name)
   elseif (NOT test_TIMEOUT)
     set(test_TIMEOUT 300)
   endif ()
+  math(EXPR test_TIMEOUT "${test_TIMEOUT} * ${MAMMORAY_TIMEOUT_FACTOR}")
   add_executable(${name} ${test_SOURCES})
   mammoray_configure_target(${name})
+  target_compile_options(${name} PRIVATE ${MAMMORAY_TEST_OPTIONS})
   target_precompile_headers(${name} REUSE_FROM mammorayTestSupport)
   target_include_directories(${name} PRIVATE "${PROJECT_SOURCE_DIR}/Testing/Support")
   target_link_libraries(${name} PRIVATE ${test_LIBRARIES} mammorayTestSupport GTest::gmock GTest::gtest_main)
