@@ -169,63 +169,65 @@ ComparedGroups GroupsOf(RegistrationEvaluator& evaluator, const Eigen::MatrixXd&
  */
 constexpr double EdgeSigmaMm = 0.4;
 
-/// The covariance of the unknowns, of the residuals and of all outlines' common error.
-Eigen::MatrixXd CovarianceOf(const ComparedGroups& compared, const VarianceComponents& variances)
+/// The search as an estimate, whose covariance also has what moves all of an outline.
+WeightedEstimate EstimateOf(const ComparedGroups& compared, const VarianceComponents& variances,
+  const Eigen::MatrixXd& priors)
 {
+  std::vector<double> weights;
   // Of a mammogram's projections the same.
   std::vector<Eigen::VectorXd> pulls(compared.Mammogram.back() + 1,
-    Eigen::VectorXd::Zero(variances.Covariance.rows()));
+    Eigen::VectorXd::Zero(priors.rows()));
   for (std::size_t number = 0; number < compared.Groups.size(); ++number)
   {
     const ResidualGroup& group = compared.Groups[number];
+    const double weight = compared.Factors[number] * compared.Factors[number];
+    weights.push_back(weight);
     if (group.Dimension == 1)
     {
-      pulls[compared.Mammogram[number]] += EdgeSigmaMm * variances.Weight(compared.Groups, number) *
-        group.Jacobian.colwise().sum().transpose();
+      pulls[compared.Mammogram[number]] +=
+        EdgeSigmaMm * weight * group.Jacobian.colwise().sum().transpose();
     }
   }
-  Eigen::MatrixXd covariance = variances.Covariance;
+  WeightedEstimate estimate(compared.Groups, weights, variances, priors);
   for (const Eigen::VectorXd& pull : pulls)
   {
-    const Eigen::VectorXd shift = variances.Covariance * pull;
-    covariance += shift * shift.transpose();
+    const Eigen::VectorXd shift = estimate.Inverse * pull;
+    estimate.Covariance += shift * shift.transpose();
   }
-  return covariance;
+  return estimate;
 }
 
 /// The covariance of the unknowns and of what is considered, in units of their scales and priors:
-/// an error c of the latter moves the minimum by S c, S = -(J^T W J)^-1 J^T W J_c (consider
-/// covariance, Schmidt 1966; Tapley, Schutz and Born 2004, section 6.2).
+/// an error c of the latter moves the minimum by S c, S = -A^-1 J^T W J_c (consider covariance,
+/// Schmidt 1966; Tapley, Schutz and Born 2004, section 6.2).
 Eigen::MatrixXd ConsiderCovariance(RegistrationEvaluator& evaluator,
   const std::vector<SearchUnknown>& considered, const ComparedGroups& compared,
-  const VarianceComponents& variances, const Eigen::MatrixXd& ofUnknowns)
+  const WeightedEstimate& estimate)
 {
   const Eigen::MatrixXd columns = ColumnsOf(evaluator, considered);
-  const Eigen::Index count = variances.Covariance.rows();
+  const Eigen::Index count = estimate.Inverse.rows();
   const Eigen::Index held = columns.cols();
   Eigen::MatrixXd pull = Eigen::MatrixXd::Zero(count, held);
   for (std::size_t number = 0; number < compared.Groups.size(); ++number)
   {
     const ResidualGroup& group = compared.Groups[number];
     // The columns are in the search's weights, as its residuals are.
-    const double factor = compared.Factors[number];
-    pull += variances.Weight(compared.Groups, number) / factor * group.Jacobian.transpose() *
+    pull += compared.Factors[number] * group.Jacobian.transpose() *
       columns.middleRows(compared.First[number], group.Residuals.size());
   }
-  const Eigen::MatrixXd shift = -variances.Covariance * pull;
+  const Eigen::MatrixXd shift = -estimate.Inverse * pull;
   Eigen::MatrixXd covariance = Eigen::MatrixXd::Identity(count + held, count + held);
-  covariance.topLeftCorner(count, count) = ofUnknowns + shift * shift.transpose();
+  covariance.topLeftCorner(count, count) = estimate.Covariance + shift * shift.transpose();
   covariance.topRightCorner(count, held) = shift;
   covariance.bottomLeftCorner(held, count) = shift.transpose();
   return covariance;
 }
 
 void KeepConsidered(RegistrationEvaluator& evaluator, const ComparedGroups& compared,
-  const VarianceComponents& variances, const Eigen::MatrixXd& ofUnknowns, JointSearch& search)
+  const WeightedEstimate& estimate, JointSearch& search)
 {
   const std::vector<SearchUnknown> considered = Considered(search);
-  const Eigen::MatrixXd covariance =
-    ConsiderCovariance(evaluator, considered, compared, variances, ofUnknowns);
+  const Eigen::MatrixXd covariance = ConsiderCovariance(evaluator, considered, compared, estimate);
   std::vector<SearchUnknown> all = evaluator.Unknowns;
   all.insert(all.end(), considered.begin(), considered.end());
   for (std::size_t mammogram = 0; mammogram < search.Mammograms.size(); ++mammogram)
@@ -318,9 +320,9 @@ void KeepCovariance(RegistrationEvaluator& evaluator, JointSearch& search)
       evaluator.Jacobian[static_cast<std::size_t>(u)].data(), jacobian.rows());
   }
   const ComparedGroups compared = GroupsOf(evaluator, jacobian);
-  const Eigen::MatrixXd priors = PriorRows(evaluator, jacobian);
-  const VarianceComponents variances =
-    EstimateVariances(compared.Groups, priors.transpose() * priors);
+  const Eigen::MatrixXd priorRows = PriorRows(evaluator, jacobian);
+  const Eigen::MatrixXd priors = priorRows.transpose() * priorRows;
+  const VarianceComponents variances = EstimateVariances(compared.Groups, priors);
   if (!variances.Determined)
   {
     return;
@@ -329,7 +331,7 @@ void KeepCovariance(RegistrationEvaluator& evaluator, JointSearch& search)
   {
     KeepMisfit(compared, variances, mammogram, search.Mammograms[mammogram].Result.Misfit);
   }
-  const Eigen::MatrixXd covariance = CovarianceOf(compared, variances);
+  const WeightedEstimate estimate = EstimateOf(compared, variances, priors);
   const std::size_t n = unknowns.size();
   search.Covariance.resize(n * n);
   for (std::size_t i = 0; i < n; ++i)
@@ -337,10 +339,10 @@ void KeepCovariance(RegistrationEvaluator& evaluator, JointSearch& search)
     for (std::size_t j = 0; j < n; ++j)
     {
       search.Covariance[i * n + j] = unknowns[i].Scale * unknowns[j].Scale *
-        covariance(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j));
+        estimate.Covariance(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j));
     }
   }
   KeepParts(unknowns, search);
-  KeepConsidered(evaluator, compared, variances, covariance, search);
+  KeepConsidered(evaluator, compared, estimate, search);
 }
 }

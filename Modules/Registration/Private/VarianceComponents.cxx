@@ -127,4 +127,20 @@ VarianceComponents EstimateVariances(const std::vector<ResidualGroup>& groups,
   }
   return found;
 }
+
+WeightedEstimate::WeightedEstimate(const std::vector<ResidualGroup>& groups,
+  const std::vector<double>& weights, const VarianceComponents& variances,
+  const Eigen::MatrixXd& precision)
+{
+  Eigen::MatrixXd normal = precision;
+  Eigen::MatrixXd scatter = precision;
+  for (std::size_t group = 0; group < groups.size(); ++group)
+  {
+    const Eigen::MatrixXd squares = groups[group].Jacobian.transpose() * groups[group].Jacobian;
+    normal += weights[group] * squares;
+    scatter += weights[group] * weights[group] / variances.Weight(groups, group) * squares;
+  }
+  this->Inverse = normal.ldlt().solve(Eigen::MatrixXd::Identity(normal.rows(), normal.cols()));
+  this->Covariance = this->Inverse * scatter * this->Inverse;
+}
 }

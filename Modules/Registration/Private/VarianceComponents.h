@@ -64,6 +64,23 @@ MAMMORAYREGISTRATION_EXPORT double IntegralScale(const ResidualGroup& group);
  */
 MAMMORAYREGISTRATION_EXPORT VarianceComponents EstimateVariances(
   const std::vector<ResidualGroup>& groups, const Eigen::MatrixXd& precision);
+
+/**
+ * The minimum of squares with any weights w as an estimate of the unknowns. Errors e of the
+ * residuals move it by -A^-1 J^T w e, A = J^T w J + P, P the precision of what is known beforehand;
+ * so its covariance is A^-1 (J^T w S w J + P) A^-1, S that of the residuals (the sandwich, Huber
+ * 1967). That of EstimateVariances, (J^T S^-1 J + P)^-1, is less unless w is S^-1.
+ */
+struct MAMMORAYREGISTRATION_EXPORT WeightedEstimate
+{
+  /// A^-1.
+  Eigen::MatrixXd Inverse;
+  Eigen::MatrixXd Covariance;
+
+  /// `weights`: of the squares of each group's residuals. The variances must be Determined.
+  WeightedEstimate(const std::vector<ResidualGroup>& groups, const std::vector<double>& weights,
+    const VarianceComponents& variances, const Eigen::MatrixXd& precision);
+};
 }
 
 #endif
