@@ -71,7 +71,8 @@ void Declare(const OptionList& add, EvidenceArguments& arguments)
   add("--projections", arguments.Projections, Between(0, 60),
     "of each virtual study's CC as a tomosynthesis over 25 deg, registered beside CC alone and CC "
     "with MLO; less than 2: none");
-  add("--keep", input.KeepStudiesIn, "folder that keeps the virtual studies and results");
+  add("--keep", input.KeepStudiesIn,
+    "folder that keeps the virtual studies and results; a study that is there is registered again");
   add("--seed", input.Twin.Seed,
     "of the true poses, starts and noise; virtual studies are numbered from it");
   add("--model-fineness", input.Twin.ModelFineness, NonNegative(),
@@ -155,6 +156,7 @@ std::vector<EvidenceStudy> WantedStudies(const EvidenceArguments& arguments,
   {
     study.Options.Seed += arguments.Evidence.Twin.Seed - EvidenceArguments().Evidence.Twin.Seed;
     study.Options.Projections = arguments.Projections;
+    study.Registration = arguments.Evidence.Twin.Registration;
   }
   return studies;
 }

@@ -113,8 +113,9 @@ void AddComparisonOptions(const OptionList& add, RegistrationOptions& options)
   add("--pixel-sizes", options.PixelSizesMm, Positive("mm"),
     "pixels in which the pictures are compared, coarse to fine");
   add.Choice<PictureComparison>("--residual", options.Comparison,
-    { { "global", PictureComparison::Global }, { "local", PictureComparison::Local },
-      { "gradient", PictureComparison::Gradient } },
+    { { NameOf(PictureComparison::Global), PictureComparison::Global },
+      { NameOf(PictureComparison::Local), PictureComparison::Local },
+      { NameOf(PictureComparison::Gradient), PictureComparison::Gradient } },
     "how pictures are compared: log attenuation normalised globally or locally (in windows), or "
     "its gradient");
   add("--window", options.WindowMm, Positive("mm"), "edge of the windows of --residual local");

@@ -211,43 +211,48 @@ StudyRun RunStudy(const EvidenceStudy& study, const std::string& keepIn,
   const fs::path folder = keepIn.empty()
     ? fs::path(scratch.File("run"))
     : fs::path(keepIn) / (study.Phantom + "-" + std::to_string(study.Options.Seed));
-  if (fs::exists(folder))
+  const std::string resultName = std::string("result-") + NameOf(study.Registration.Comparison);
+  if (fs::exists(folder / resultName))
   {
-    throw InputError(folder.string() + ": expected a folder that is not there yet, found it");
+    throw InputError(
+      (folder / resultName).string() + ": expected a folder that is not there yet, found it");
   }
   fs::create_directories(folder);
-  const VirtualStudyTruth truth =
-    MakeEvidenceStudy(study, (folder / "study").string(), ShareOf(progress, 0, 0.2));
+  const std::string made = (folder / "study").string();
+  const VirtualStudyTruth truth = fs::exists(folder / "study/truth.json")
+    ? ReadVirtualStudyTruth(made + "/truth.json")
+    : MakeEvidenceStudy(study, made, ShareOf(progress, 0, 0.2));
   StudyRun run;
   run.Phantom = study.Phantom;
   run.Seed = study.Options.Seed;
   run.Laterality = study.Options.Laterality;
+  const std::string result = (folder / resultName).string();
   const auto begin = std::chrono::steady_clock::now();
   try
   {
     RegistrationCase input;
+    input.Options = study.Registration;
     TakeStudy((folder / "study/export").string(), {}, input);
     const bool sweeps = study.Options.Projections > 1;
     const double both = sweeps ? 0.5 : 1;
-    const RegistrationCaseResult result = RunRegistrationCase(input, ShareOf(progress, 0.2, both));
+    const RegistrationCaseResult found = RunRegistrationCase(input, ShareOf(progress, 0.2, both));
     run.Seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-    WriteRegistrationCase(input, result, (folder / "result").string());
-    run.Views = MeasureStudy(truth, (folder / "result").string());
-    run.Together = MeasureTwoViews(truth, (folder / "result").string());
+    WriteRegistrationCase(input, found, result);
+    run.Views = MeasureStudy(truth, result);
+    run.Together = MeasureTwoViews(truth, result);
     const auto alone = [&](const std::string& mammogram, const std::string& name, double from)
     {
       RegistrationCase one = input;
       one.Mammograms = { mammogram };
-      const std::string output = (folder / name).string();
+      const std::string output = result + name;
       WriteRegistrationCase(one, RunRegistrationCase(one, ShareOf(progress, from, from + 0.25)),
         output);
       return MeasureStudy(truth, output);
     };
     if (sweeps)
     {
-      run.CcAlone = alone(input.Mammograms.front(), "result-cc", 0.5);
-      run.Swept =
-        alone((folder / "study" / StudyProjectionsFile).string(), "result-projections", 0.75);
+      run.CcAlone = alone(input.Mammograms.front(), "-cc", 0.5);
+      run.Swept = alone((folder / "study" / StudyProjectionsFile).string(), "-projections", 0.75);
     }
   }
   catch (const InputError& error)

@@ -5,6 +5,7 @@
 #include "mammoray/Case/LabelSource.h"
 #include "mammoray/Evidence/VirtualStudy.h"
 #include "mammoray/Foundation/Progress.h"
+#include "mammoray/Registration/RegistrationResiduals.h"
 #include "mammorayEvidenceModule.h"
 
 #include <string>
@@ -24,6 +25,8 @@ struct EvidenceStudy
   std::string Materials = "victre";
   std::string Orientation = "ALS";
   VirtualStudyOptions Options;
+  /// Of the registration: how pictures are compared, in which pixels.
+  RegistrationOptions Registration;
 };
 
 /// How far points of a virtual study's truth were found from where they are in one mammogram.
@@ -100,10 +103,11 @@ MAMMORAYEVIDENCE_EXPORT VirtualStudyTruth MakeEvidenceStudy(const EvidenceStudy&
   const std::string& folder, const ProgressCallback& progress = {});
 
 /**
- * Makes a virtual study, registers it as 'mammoray register --study' does, without being told
- * anything else, and measures. A refusal or a search that fails is an answer (StudyRun::Failure).
- * `keepIn`: a folder, made where it is not there, that keeps "<phantom>-<seed>" with study and
- * result; one of that name must not be there. Empty: nothing is kept. Throws InputError where the
+ * Makes a virtual study, registers it as 'mammoray register --study' does, told nothing but how to
+ * compare, and measures. A refusal or a search that fails is an answer (StudyRun::Failure).
+ * `keepIn`: a folder, made where it is not there, that keeps "<phantom>-<seed>" with "study" and,
+ * named after the comparison, "result-global". A study that is there is registered again as it is;
+ * a result of that name must not be there. Empty: nothing is kept. Throws InputError where the
  * study cannot be made; DeviceError, Interrupted.
  */
 MAMMORAYEVIDENCE_EXPORT StudyRun RunStudy(const EvidenceStudy& study, const std::string& keepIn,

@@ -9,21 +9,17 @@
 
 namespace mammoray
 {
-PictureComparison ComparisonFromName(const std::string& name)
+const char* NameOf(PictureComparison comparison)
 {
-  if (name == "global")
+  switch (comparison)
   {
-    return PictureComparison::Global;
+    case PictureComparison::Local:
+      return "local";
+    case PictureComparison::Gradient:
+      return "gradient";
+    default:
+      return "global";
   }
-  if (name == "local")
-  {
-    return PictureComparison::Local;
-  }
-  if (name == "gradient")
-  {
-    return PictureComparison::Gradient;
-  }
-  throw InputError("comparison '" + name + "': expected global, local or gradient");
 }
 
 std::vector<RegistrationParameter> DefaultParameters(const BreastPose& start)

@@ -48,8 +48,8 @@ enum class PictureComparison
   Gradient
 };
 
-/// "global", "local" or "gradient". Throws InputError on another name.
-MAMMORAYREGISTRATION_EXPORT PictureComparison ComparisonFromName(const std::string& name);
+/// "global", "local" or "gradient".
+MAMMORAYREGISTRATION_EXPORT const char* NameOf(PictureComparison comparison);
 
 struct RegistrationOptions
 {
