@@ -25,6 +25,17 @@ namespace fs = std::filesystem;
 const std::vector<std::string> Parts{ "landmarks", "search", "plain", "wrong-material",
   "wrong-start", "every-parameter", "wrong-pairs", "mammograms", "studies" };
 
+/// Parts, and the kinds of wrong pairs one by one.
+std::vector<std::string> PartsByName()
+{
+  std::vector<std::string> names = Parts;
+  for (const TwinKind kind : WrongPairs)
+  {
+    names.emplace_back(NameOf(kind));
+  }
+  return names;
+}
+
 struct EvidenceArguments
 {
   EvidenceOptions Evidence;
@@ -61,7 +72,9 @@ void Declare(const OptionList& add, EvidenceArguments& arguments)
   AddOrientationOption(add, input.Orientation, "the phantoms");
   add("--label-spacing", arguments.LabelSpacingMm, Positive("mm"),
     "phantoms that are finer are resampled to voxels of this size");
-  add("--only", arguments.Only, "parts to run")->check(CLI::IsMember(Parts))->delimiter(',');
+  add("--only", arguments.Only, "parts to run, or kinds of wrong pairs")
+    ->check(CLI::IsMember(PartsByName()))
+    ->delimiter(',');
   add("--twins", input.Twins, NonNegative(), "true poses of each kind and phantom");
   add("--search-twins", input.SearchTwins, NonNegative(),
     "true poses of each phantom for which searches are compared");
@@ -170,9 +183,12 @@ void AddWanted(EvidenceArguments& arguments)
     CheckInputFile(phantom.Labels.Path);
   }
   std::erase_if(input.Kinds, [&](TwinKind kind) { return !arguments.Wants(NameOf(kind)); });
-  if (arguments.Wants("wrong-pairs"))
+  for (const TwinKind kind : WrongPairs)
   {
-    input.Kinds.insert(input.Kinds.end(), WrongPairs.begin(), WrongPairs.end());
+    if (arguments.Wants("wrong-pairs") || arguments.Wants(NameOf(kind)))
+    {
+      input.Kinds.push_back(kind);
+    }
   }
   input.SearchTwins = arguments.Wants("search") ? input.SearchTwins : 0;
   if (arguments.Wants("landmarks"))

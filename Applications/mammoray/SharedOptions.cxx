@@ -113,11 +113,11 @@ void AddComparisonOptions(const OptionList& add, RegistrationOptions& options)
   add("--pixel-sizes", options.PixelSizesMm, Positive("mm"),
     "pixels in which the pictures are compared, coarse to fine");
   add.Choice<PictureComparison>("--residual", options.Comparison,
-    { { NameOf(PictureComparison::Global), PictureComparison::Global },
-      { NameOf(PictureComparison::Local), PictureComparison::Local },
-      { NameOf(PictureComparison::Gradient), PictureComparison::Gradient } },
-    "how pictures are compared: log attenuation normalised globally or locally (in windows), or "
-    "its gradient");
+    { { NameOf(PictureComparison::Gradient), PictureComparison::Gradient },
+      { NameOf(PictureComparison::Global), PictureComparison::Global },
+      { NameOf(PictureComparison::Local), PictureComparison::Local } },
+    "how pictures are compared at last: the gradient of log attenuation, or log attenuation "
+    "normalised globally or locally (in windows)");
   add("--window", options.WindowMm, Positive("mm"), "edge of the windows of --residual local");
 }
 

@@ -236,6 +236,7 @@ StudyRun RunStudy(const EvidenceStudy& study, const std::string& keepIn,
     const bool sweeps = study.Options.Projections > 1;
     const double both = sweeps ? 0.5 : 1;
     const RegistrationCaseResult found = RunRegistrationCase(input, ShareOf(progress, 0.2, both));
+    ReportProgress(progress, both, "registered"); // a search that is stopped gives what it has
     run.Seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     WriteRegistrationCase(input, found, result);
     run.Views = MeasureStudy(truth, result);

@@ -34,6 +34,7 @@ public:
     : Breast(breast)
     , Compared(target, options)
     , PixelSizeMm(options.PixelSizesMm.back())
+    , Comparison(NameOf(options.Comparison))
     , Result(result)
     , Progress(progress)
   {
@@ -71,6 +72,7 @@ public:
     row.Number = static_cast<int>(this->Result.Iterations.size());
     row.Parameters = best.Values;
     row.PixelSizeMm = this->PixelSizeMm;
+    row.Comparison = this->Comparison;
     row.Cost = best.Costs.Sum();
     row.OutlineCost = best.Costs.Outline;
     row.IntensityCost = best.Costs.Intensity;
@@ -89,6 +91,7 @@ private:
   std::shared_ptr<EvaluatedState> Best;
   const RegistrationResiduals Compared;
   double PixelSizeMm;
+  std::string Comparison;
   RegistrationResult& Result;
   const ProgressCallback& Progress;
   Clock::time_point Begin = Clock::now();

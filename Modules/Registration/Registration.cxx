@@ -8,7 +8,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <memory>
+#include <tuple>
 #include <utility>
 
 namespace mammoray
@@ -19,12 +21,15 @@ namespace
 /// quadratic model. Residuals are in standard deviations: parameters that are half of their own
 /// from the best cost this much more. The predictor is off by more than two.
 constexpr double NegligibleFall = 0.125;
-constexpr double NegligibleFallOfPredictor = 2;
+constexpr double NegligibleFallOfPredictor = 2; // and of what another comparison goes on from
 
 /// Outlines that are so far apart on average when the coarse resolutions have been searched are not
 /// of one breast: right ones are within 3 mm then. The finest, which takes most of the time, is
 /// left out.
 constexpr double HopelessOutlineMm = 10;
+
+/// Of the tissue's correlation so much is lost by chance.
+constexpr double LostTissueCorrelation = 0.02;
 
 /// Where stages of a search end, as parts of its time: the start chosen, coarse resolutions
 /// searched by the predictor, the simulation itself where that got to. Of a study's 150 to 200 s.
@@ -61,6 +66,15 @@ ProgressCallback Counted(const ProgressCallback& progress, double from, double t
     const double part = 1 - std::exp(-(count->Done + count->Begun) / expectedEquilibria);
     return progress(from + (to - from) * part, stage);
   };
+}
+
+void ForgetCovariance(RegistrationResult& result)
+{
+  result.Covariance.clear();
+  result.ConsideredCovariance.clear();
+  std::fill(result.StandardDeviations.begin(), result.StandardDeviations.end(),
+    std::numeric_limits<double>::quiet_NaN());
+  result.Misfit = {};
 }
 
 /// The steps of RegisterTogether.
@@ -182,7 +196,7 @@ private:
           // A cold start of the simulation itself would double the time of a search.
           ChooseEquilibrium(predictors[number],
             CoarsenTo(*mammogram.Given->Target, this->Options.PixelSizesMm.back()),
-            this->Bounded(mammogram), mammogram, progress);
+            this->Bounded(mammogram, this->FirstComparison()), mammogram, progress);
         }
         AdoptPredicted(mammogram, goesOn ? progress : ProgressCallback());
       }
@@ -223,11 +237,22 @@ private:
     return true;
   }
 
+  /**
+   * How pictures are compared until they match but for the last millimetres. Gradients match where
+   * structures overlap: by them alone two of four patients' views were 8 and 9 mm off.
+   */
+  PictureComparison FirstComparison() const
+  {
+    return this->Options.Comparison == PictureComparison::Local ? PictureComparison::Local
+                                                                : PictureComparison::Global;
+  }
+
   /// What the options say, with the bounds of a mammogram's result.
-  RegistrationOptions Bounded(const MammogramSearch& mammogram) const
+  RegistrationOptions Bounded(const MammogramSearch& mammogram, PictureComparison comparison) const
   {
     RegistrationOptions bounded = this->Options;
     bounded.Parameters = mammogram.Result.Parameters;
+    bounded.Comparison = comparison;
     return bounded;
   }
 
@@ -257,19 +282,19 @@ private:
     const ProgressCallback& progress)
   {
     ChooseStart(breast, CoarsenTo(*mammogram.Given->Target, this->Options.PixelSizesMm.front()),
-      this->Bounded(mammogram), mammogram, progress);
+      this->Bounded(mammogram, this->FirstComparison()), mammogram, progress);
   }
 
   /// Where the search stands, with the prior of a shared parameter counted once.
   std::vector<SearchedMammogram> Searched(const std::vector<SearchedBreast>& breasts,
-    double pixelSizeMm) const
+    double pixelSizeMm, PictureComparison comparison) const
   {
     std::vector<SearchedMammogram> searched;
     for (std::size_t number = 0; number < this->Joint.Mammograms.size(); ++number)
     {
       const MammogramSearch& mammogram = this->Joint.Mammograms[number];
       searched.push_back({ breasts[number], CoarsenTo(*mammogram.Given->Target, pixelSizeMm),
-        this->Bounded(mammogram), mammogram.Result.Values, mammogram.Here, {} });
+        this->Bounded(mammogram, comparison), mammogram.Result.Values, mammogram.Here, {} });
       for (const ProjectionTarget& other : mammogram.Given->Others)
       {
         searched.back().Others.push_back(
@@ -296,16 +321,75 @@ private:
     for (std::size_t number = first; number < last && !this->Joint.Unknowns.empty(); ++number)
     {
       const double pixelSizeMm = this->Options.PixelSizesMm[number];
-      const Level level{ pixelSizeMm, predicted ? NegligibleFallOfPredictor : NegligibleFall,
-        this->Options.MaximumIterations, pixelSizeMm == this->Options.PixelSizesMm.back() };
-      const LevelEnd end =
-        SearchLevel(this->Searched(breasts, pixelSizeMm), level, this->Joint, progress);
+      const bool finest = pixelSizeMm == this->Options.PixelSizesMm.back();
+      const bool refined = finest && this->Options.Comparison != this->FirstComparison();
+      LevelEnd end = SearchLevel(this->Searched(breasts, pixelSizeMm, this->FirstComparison()),
+        { pixelSizeMm, this->FirstComparison(),
+          predicted || refined ? NegligibleFallOfPredictor : NegligibleFall,
+          this->Options.MaximumIterations, finest && !refined },
+        this->Joint, progress);
+      if (end == LevelEnd::Reached && refined)
+      {
+        end = this->Refine(breasts, progress);
+      }
       if (end != LevelEnd::Reached)
       {
         return end != LevelEnd::Stopped;
       }
     }
     return true;
+  }
+
+  /**
+   * From where the first comparison has led, by the one that is wanted; back, and to the first
+   * one's end, where that has no equilibrium or tissue looks less alike then. Edges of tissue that
+   * the model has elsewhere than the breast mislead gradients more: what they find is taken where
+   * tissue can tell that it is no worse.
+   */
+  LevelEnd Refine(const std::vector<SearchedBreast>& breasts, const ProgressCallback& progress)
+  {
+    const double pixelSizeMm = this->Options.PixelSizesMm.back();
+    const auto search = [&](PictureComparison comparison)
+    {
+      return SearchLevel(this->Searched(breasts, pixelSizeMm, comparison),
+        { pixelSizeMm, comparison, NegligibleFall, this->Options.MaximumIterations, true },
+        this->Joint, progress);
+    };
+    const double before = this->TissueCorrelation();
+    std::vector<std::pair<std::vector<double>, std::shared_ptr<EvaluatedState>>> places;
+    for (const MammogramSearch& mammogram : this->Joint.Mammograms)
+    {
+      places.emplace_back(mammogram.Result.Values, mammogram.Here);
+    }
+    if (std::isnan(before))
+    {
+      return search(this->FirstComparison());
+    }
+    const LevelEnd end = search(this->Options.Comparison);
+    if (end == LevelEnd::Stopped ||
+      (end == LevelEnd::Reached && this->TissueCorrelation() >= before - LostTissueCorrelation))
+    {
+      return end;
+    }
+    this->Joint.Covariance.clear();
+    for (std::size_t number = 0; number < places.size(); ++number)
+    {
+      MammogramSearch& mammogram = this->Joint.Mammograms[number];
+      std::tie(mammogram.Result.Values, mammogram.Here) = places[number];
+      ForgetCovariance(mammogram.Result);
+    }
+    return search(this->FirstComparison());
+  }
+
+  /// Of all mammograms on average; NaN where one of them does not tell.
+  double TissueCorrelation()
+  {
+    double sum = 0;
+    for (MammogramSearch& mammogram : this->Joint.Mammograms)
+    {
+      sum += this->AgreementOf(mammogram).TissueCorrelation;
+    }
+    return sum / static_cast<double>(this->Joint.Mammograms.size());
   }
 
   const RegistrationOptions& Options;

@@ -44,7 +44,8 @@ enum class PictureComparison
   /// The same in a window around each pixel: what changes slowly, such as scatter or a display
   /// curve, cancels.
   Local,
-  /// Differences of neighbouring pixels of the globally normalised picture.
+  /// Differences of neighbouring pixels of the globally normalised picture. It matches where
+  /// structures overlap: a search compares globally until then.
   Gradient
 };
 
@@ -73,7 +74,7 @@ struct RegistrationOptions
    */
   double OutlineSigmaMm = 1.0;
   double IntensitySigma = 0.5;
-  PictureComparison Comparison = PictureComparison::Global;
+  PictureComparison Comparison = PictureComparison::Gradient;
   /// Edge of the windows of PictureComparison::Local, mm.
   double WindowMm = 20.0;
   double CorrelationLengthMm = 5.0;

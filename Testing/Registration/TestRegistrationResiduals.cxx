@@ -86,6 +86,7 @@ TEST(RegistrationResiduals, JacobianAgreesWithDifferencesOfSolvedStates)
   options.Parameters = DefaultParameters(pose);
   // A prior away from its middle, so that its derivative is seen.
   options.Parameters[ThicknessParameter].Start = 47;
+  options.Comparison = PictureComparison::Global;
   std::vector<RegistrationOptions> kinds(3, options);
   kinds[1].Comparison = PictureComparison::Local;
   kinds[2].Comparison = PictureComparison::Gradient;
@@ -244,6 +245,7 @@ TEST(RegistrationResiduals, JacobianWithScatterAgreesWithDifferencesOfSolvedStat
   pose.RollDeg = 3;
   RegistrationOptions options;
   options.Parameters = DefaultParameters(pose);
+  options.Comparison = PictureComparison::Global;
   const RegistrationResiduals residuals(target, options);
   EvaluatedState here = twin.At(pose);
   const std::vector<int> wanted{ ThicknessParameter, RollParameter, LateralParameter,

@@ -2,6 +2,7 @@
 #include "Private/VarianceComponents.h"
 
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -207,5 +208,51 @@ TEST(VarianceComponents, FindOverWhatAPictureIsAlike)
   }
   // 49 pixels; 60 discs fit into the picture.
   EXPECT_NEAR(IntegralScale(group), 49, 15);
+}
+
+TEST(SmoothScatter, IsTheSumOverAllPairs)
+{
+  // Places on the cells' lattice, each twice: 60 mm an eighth apart, so that none are merged with
+  // others.
+  std::normal_distribution<double> normal(0, 1);
+  const double alike = 60;
+  std::vector<std::array<double, 2>> places;
+  for (int column = 0; column < 9; ++column)
+  {
+    for (int row = 0; row < 7; ++row)
+    {
+      const std::array<double, 2> place{ column * alike / 8, row * alike / 8 };
+      places.insert(places.end(), { place, place });
+    }
+  }
+  const auto count = static_cast<Eigen::Index>(places.size());
+  const Eigen::MatrixXd scores =
+    Eigen::MatrixXd::NullaryExpr(count, 3, [&]() { return normal(Generator); });
+  Eigen::MatrixXd correlation(count, count);
+  for (std::size_t i = 0; i < places.size(); ++i)
+  {
+    for (std::size_t j = 0; j < places.size(); ++j)
+    {
+      correlation(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) =
+        std::exp(-std::hypot(places[i][0] - places[j][0], places[i][1] - places[j][1]) / alike);
+    }
+  }
+  const Eigen::MatrixXd expected = scores.transpose() * correlation * scores;
+  const Eigen::MatrixXd found = SmoothScatter(places, scores, alike);
+  EXPECT_LT((found - expected).norm(), 1e-12 * expected.norm());
+  EXPECT_GT(Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(found).eigenvalues().minCoeff(), 0);
+}
+
+TEST(SmoothScatter, OfPlacesWithinACellIsThatOfTheirSum)
+{
+  std::uniform_real_distribution<double> within(-0.05, 0.05);
+  std::vector<std::array<double, 2>> places(50);
+  for (std::array<double, 2>& place : places)
+  {
+    place = { within(Generator), within(Generator) };
+  }
+  const Eigen::MatrixXd scores = Eigen::MatrixXd::Random(50, 2);
+  const Eigen::VectorXd sum = scores.colwise().sum().transpose();
+  EXPECT_LT((SmoothScatter(places, scores, 1.0) - sum * sum.transpose()).norm(), 1e-12);
 }
 }

@@ -85,8 +85,9 @@ struct MadeUp
     {
       const double outlineCost = 800 * std::exp(-0.7 * i) + 20;
       const double intensityCost = 300 * std::exp(-0.4 * i) + 120;
-      this->Result.Iterations.push_back({ i, this->Result.Values, outlineCost + intensityCost,
-        outlineCost, intensityCost, 1.5 * i });
+      this->Result.Iterations.push_back(
+        { i, this->Result.Values, 1.5, i < 5 ? "global" : "gradient", outlineCost + intensityCost,
+          outlineCost, intensityCost, 0, 1.5 * i });
     }
     this->Result.State.PaddleForceN = 87;
     this->Result.State.VolumeRatio = 0.9987;
@@ -143,6 +144,9 @@ TEST(RegistrationReport, WritesEverythingItIsGiven)
   EXPECT_THAT(html, HasSubstr("The header does not say &lt;this&gt; &amp; that."));
   EXPECT_THAT(html, HasSubstr("input &lt;1&gt;.txt<br><code>SHA-256 ba7816bf"));
   EXPECT_THAT(html, HasSubstr("none, made up"));
+  EXPECT_THAT(html,
+    HasSubstr("Compared in pixels of 1.5 mm (global) from iteration 0; 1.5 mm (gradient) from "
+              "iteration 5."));
   // What the script of the comparison looks for.
   EXPECT_THAT(html, HasSubstr("<img alt=\"Real mammogram\" width=\""));
   EXPECT_THAT(html, HasSubstr("<img alt=\"Synthetic mammogram\" width=\""));

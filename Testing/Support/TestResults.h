@@ -55,8 +55,8 @@ inline ResultFile MakeResultFile()
   result.Evaluations = 9;
   result.Seconds = 44.25;
   result.Timings = { { "read", 0.5 }, { "register", 44 } };
-  result.Iterations = { { 0, { 50, 1.25 }, 3, 12.5, 8, 4, 0.5, 1.25 },
-    { 1, { 51.5, 1.25 }, 1.5, 6.5, 3, 3, 0.5, 2.5 } };
+  result.Iterations = { { 0, { 50, 1.25 }, 3, "global", 12.5, 8, 4, 0.5, 1.25 },
+    { 1, { 51.5, 1.25 }, 1.5, "gradient", 6.5, 3, 3, 0.5, 2.5 } };
   result.Compression = { 87, 0.99, 0.5, 1.5, 0.02, 1e-9 };
   result.Mammogram = { "MLO", 'L', 30, 50, 2.0, 2.5, 52.0, std::nullopt, 28.0 };
   result.ShareExcluded = 0.125;

@@ -122,6 +122,7 @@ void ListFields(Fields& fields, RegistrationIteration& iteration)
 {
   fields("number", iteration.Number);
   fields("pixelSizeMm", iteration.PixelSizeMm);
+  fields("comparison", iteration.Comparison);
   fields("cost", NumberOrNull{ iteration.Cost });
   fields("outlineCost", NumberOrNull{ iteration.OutlineCost });
   fields("intensityCost", NumberOrNull{ iteration.IntensityCost });

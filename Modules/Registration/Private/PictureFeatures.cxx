@@ -115,6 +115,18 @@ std::vector<std::size_t> PictureFeatures::Places() const
   return places;
 }
 
+std::vector<double> PictureFeatures::Differences(const std::vector<double>& values) const
+{
+  std::vector<double> found;
+  found.reserve(this->Pairs.size());
+  for (std::size_t pair = 0; pair < this->Pairs.size(); ++pair)
+  {
+    found.push_back(
+      (values[this->Pairs[pair][1]] - values[this->Pairs[pair][0]]) / this->Distances[pair]);
+  }
+  return found;
+}
+
 double PictureFeatures::MeanOver(std::size_t window, const std::vector<double>& values) const
 {
   double sum = 0;
@@ -135,11 +147,7 @@ PictureFeatures::Found PictureFeatures::Of(const std::vector<float>& image) cons
       found.Values = scores;
       break;
     case PictureComparison::Gradient:
-      for (std::size_t pair = 0; pair < this->Pairs.size(); ++pair)
-      {
-        found.Values.push_back(
-          (scores[this->Pairs[pair][1]] - scores[this->Pairs[pair][0]]) / this->Distances[pair]);
-      }
+      found.Values = this->Differences(scores);
       break;
     case PictureComparison::Local:
     {
@@ -167,21 +175,16 @@ std::vector<double> PictureFeatures::Differentiate(const Found& at,
   std::vector<double> derivatives) const
 {
   at.Whole.Differentiate(derivatives);
-  std::vector<double> rates;
   switch (this->Kind)
   {
     case PictureComparison::Global:
       return derivatives;
     case PictureComparison::Gradient:
-      for (std::size_t pair = 0; pair < this->Pairs.size(); ++pair)
-      {
-        rates.push_back((derivatives[this->Pairs[pair][1]] - derivatives[this->Pairs[pair][0]]) /
-          this->Distances[pair]);
-      }
-      return rates;
+      return this->Differences(derivatives);
     default:
       break;
   }
+  std::vector<double> rates;
   // d deviation = mean((score - mean) d score) / deviation.
   const std::vector<double>& scores = at.Whole.Scores;
   std::vector<double> products(scores.size());

@@ -46,6 +46,8 @@ private:
 
   void FindWindows(const RegistrationTarget& grid, double windowMm);
   void FindNeighbours(const RegistrationTarget& grid);
+  /// Of pairs, over their distances.
+  std::vector<double> Differences(const std::vector<double>& values) const;
   double MeanOver(std::size_t window, const std::vector<double>& values) const;
 
   PictureComparison Kind;
@@ -55,7 +57,8 @@ private:
   /// - 1].
   std::vector<std::size_t> First;
   std::vector<std::size_t> Members;
-  /// Gradient: pairs of pixels (numbers in Pixels) beside each other, and their distance, mm.
+  /// Gradient: pairs of pixels (numbers in Pixels) beside each other, and their distance,
+  /// mm.
   std::vector<std::array<std::size_t, 2>> Pairs;
   std::vector<double> Distances;
 };

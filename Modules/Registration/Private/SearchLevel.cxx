@@ -107,6 +107,7 @@ private:
     row.Number = static_cast<int>(search.Result.Iterations.size());
     row.Parameters = evaluator.Mammogram.Values;
     row.PixelSizeMm = this->Searched.PixelSizeMm;
+    row.Comparison = NameOf(this->Searched.Comparison);
     row.OutlineCost = costs.Outline;
     row.IntensityCost = costs.Intensity;
     row.PriorCost = costs.Prior;
@@ -144,7 +145,7 @@ ceres::Solver::Options SolverOptions()
  * Searches with steps up: where tissue snaps round a plate's edge the cost jumps, however short the
  * step, and there the way down begins with a step up. But each of them lengthens the next, so that
  * near the bottom they may swing from one side of it to the other: where its iterations are spent,
- * the finest level goes on from the best state by short steps down, at most a third as many.
+ * the last level goes on from the best state by short steps down, at most a third as many.
  */
 ceres::Solver::Summary Minimise(const Level& level, RegistrationEvaluator& evaluator,
   const JointSearch& search, ceres::Problem& problem, IterationRecorder& recorder)
@@ -156,7 +157,7 @@ ceres::Solver::Summary Minimise(const Level& level, RegistrationEvaluator& evalu
   options.max_consecutive_nonmonotonic_steps = 3;
   ceres::Solver::Summary summary;
   ceres::Solve(options, &problem, &summary);
-  if (!level.Finest || summary.termination_type != ceres::NO_CONVERGENCE)
+  if (!level.Last || summary.termination_type != ceres::NO_CONVERGENCE)
   {
     return summary;
   }
@@ -250,7 +251,7 @@ LevelEnd SearchLevel(std::vector<SearchedMammogram> mammograms, const Level& lev
   {
     KeepEnd(*evaluator.Mammograms[mammogram], ending, search.Mammograms[mammogram].Result);
   }
-  if (ending.End == LevelEnd::Reached && level.Finest)
+  if (ending.End == LevelEnd::Reached && level.Last)
   {
     KeepCovariance(evaluator, search);
   }

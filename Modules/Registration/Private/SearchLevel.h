@@ -21,13 +21,15 @@ enum class LevelEnd
 struct Level
 {
   double PixelSizeMm = 0;
+  PictureComparison Comparison = PictureComparison::Global;
   double NegligibleFall = 0;
   int MaximumIterations = 0;
-  bool Finest = false;
+  /// The finest resolution as the result is to compare it.
+  bool Last = false;
 };
 
 /// Searches at one resolution, from `mammograms`; the accepted states go into `search`, and at the
-/// finest level the covariance.
+/// last level the covariance.
 LevelEnd SearchLevel(std::vector<SearchedMammogram> mammograms, const Level& level,
   JointSearch& search, const ProgressCallback& progress);
 }

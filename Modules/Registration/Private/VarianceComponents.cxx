@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numbers>
 
 namespace mammoray
@@ -126,6 +127,45 @@ VarianceComponents EstimateVariances(const std::vector<ResidualGroup>& groups,
     }
   }
   return found;
+}
+
+Eigen::MatrixXd SmoothScatter(const std::vector<std::array<double, 2>>& places,
+  const Eigen::MatrixXd& scores, double alikeMm)
+{
+  struct Cell
+  {
+    Eigen::VectorXd Score;
+    std::array<double, 2> PlaceSum{ 0, 0 };
+    double Count = 0;
+  };
+  std::map<std::array<long, 2>, Cell> cells;
+  for (std::size_t index = 0; index < places.size(); ++index)
+  {
+    const std::array<double, 2>& place = places[index];
+    Cell& cell =
+      cells[{ std::lround(8 * place[0] / alikeMm), std::lround(8 * place[1] / alikeMm) }];
+    if (cell.Count == 0)
+    {
+      cell.Score = Eigen::VectorXd::Zero(scores.cols());
+    }
+    cell.Score += scores.row(static_cast<Eigen::Index>(index)).transpose();
+    cell.PlaceSum = { cell.PlaceSum[0] + place[0], cell.PlaceSum[1] + place[1] };
+    ++cell.Count;
+  }
+  Eigen::MatrixXd scatter = Eigen::MatrixXd::Zero(scores.cols(), scores.cols());
+  for (const auto& [key, here] : cells)
+  {
+    Eigen::VectorXd alike = Eigen::VectorXd::Zero(scores.cols());
+    for (const auto& [other, there] : cells)
+    {
+      alike += std::exp(-std::hypot(here.PlaceSum[0] / here.Count - there.PlaceSum[0] / there.Count,
+                          here.PlaceSum[1] / here.Count - there.PlaceSum[1] / there.Count) /
+                 alikeMm) *
+        there.Score;
+    }
+    scatter += here.Score * alike.transpose();
+  }
+  return scatter;
 }
 
 WeightedEstimate::WeightedEstimate(const std::vector<ResidualGroup>& groups,

@@ -66,6 +66,14 @@ MAMMORAYREGISTRATION_EXPORT VarianceComponents EstimateVariances(
   const std::vector<ResidualGroup>& groups, const Eigen::MatrixXd& precision);
 
 /**
+ * The covariance of sums over places of `scores` (one row each) times an unknown field of variance
+ * 1 that is alike over `alikeMm`: the sum of exp(-distance / alikeMm) s_i^T s_j over all pairs (of
+ * Matern's fields the one with nu = 1/2). Places within an eighth of that length count as one.
+ */
+MAMMORAYREGISTRATION_EXPORT Eigen::MatrixXd SmoothScatter(
+  const std::vector<std::array<double, 2>>& places, const Eigen::MatrixXd& scores, double alikeMm);
+
+/**
  * The minimum of squares with any weights w as an estimate of the unknowns. Errors e of the
  * residuals move it by -A^-1 J^T w e, A = J^T w J + P, P the precision of what is known beforehand;
  * so its covariance is A^-1 (J^T w S w J + P) A^-1, S that of the residuals (the sandwich, Huber

@@ -19,22 +19,23 @@ namespace
 {
 using Lines = std::vector<std::pair<std::string, std::string>>;
 
-/// Tells from which iteration on which pixels were compared: costs of different sizes cannot be.
+/// Tells from which iteration on which pixels were compared how: costs of different ones cannot be.
 std::string ResolutionNote(const RegistrationResult& result)
 {
   std::string note;
-  double previous = 0;
+  const RegistrationIteration* previous = nullptr;
   for (const RegistrationIteration& iteration : result.Iterations)
   {
-    if (iteration.PixelSizeMm != previous)
+    if (!previous || iteration.PixelSizeMm != previous->PixelSizeMm ||
+      iteration.Comparison != previous->Comparison)
     {
       note += (note.empty() ? "Compared in pixels of " : "; ") +
-        NumberText(iteration.PixelSizeMm, 1) + " mm from iteration " +
-        std::to_string(iteration.Number);
-      previous = iteration.PixelSizeMm;
+        NumberText(iteration.PixelSizeMm, 1) + " mm (" + iteration.Comparison +
+        ") from iteration " + std::to_string(iteration.Number);
     }
+    previous = &iteration;
   }
-  return note.empty() ? note : note + ". Costs of different pixels are different quantities.";
+  return note.empty() ? note : note + ". Costs of different ones are different quantities.";
 }
 
 std::string Rows(const Lines& lines)
