@@ -315,14 +315,17 @@ private:
   bool Levels(const std::vector<SearchedBreast>& breasts, std::size_t first, std::size_t last,
     double from, double to = 1)
   {
+    const bool refines = this->Options.Comparison != this->FirstComparison();
+    const std::size_t searches =
+      last - first + (refines && last == this->Options.PixelSizesMm.size() ? 1 : 0);
     const ProgressCallback progress = Counted(this->Progress, from, to,
-      EquilibriaOfLevel * static_cast<double>((last - first) * breasts.size()));
+      EquilibriaOfLevel * static_cast<double>(searches * breasts.size()));
     const bool predicted = breasts.front().Body == breasts.front().Model->Predictor();
     for (std::size_t number = first; number < last && !this->Joint.Unknowns.empty(); ++number)
     {
       const double pixelSizeMm = this->Options.PixelSizesMm[number];
       const bool finest = pixelSizeMm == this->Options.PixelSizesMm.back();
-      const bool refined = finest && this->Options.Comparison != this->FirstComparison();
+      const bool refined = finest && refines;
       LevelEnd end = SearchLevel(this->Searched(breasts, pixelSizeMm, this->FirstComparison()),
         { pixelSizeMm, this->FirstComparison(),
           predicted || refined ? NegligibleFallOfPredictor : NegligibleFall,

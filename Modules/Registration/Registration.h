@@ -18,8 +18,8 @@ struct RegistrationIteration
 {
   int Number = 0;
   std::vector<double> Parameters;
-  /// Edge length of the compared pixels, mm, and how they were compared (NameOf). Costs of different
-  /// ones are different quantities.
+  /// Edge length of the compared pixels, mm, and how they were compared (NameOf). Costs of
+  /// different ones are different quantities.
   double PixelSizeMm = 0;
   std::string Comparison;
   /// Half the sum of squared residuals: of everything, the outline, the intensities and the priors.
