@@ -239,7 +239,7 @@ private:
 
   /**
    * How pictures are compared until they match but for the last millimetres. Gradients match where
-   * structures overlap: by them alone two of four patients' views were 8 and 9 mm off.
+   * structures overlap: by them alone two views of patients' studies were 8 and 9 mm off.
    */
   PictureComparison FirstComparison() const
   {
@@ -359,14 +359,14 @@ private:
         this->Joint, progress);
     };
     const double before = this->TissueCorrelation();
+    if (std::isnan(before))
+    {
+      return search(this->FirstComparison());
+    }
     std::vector<std::pair<std::vector<double>, std::shared_ptr<EvaluatedState>>> places;
     for (const MammogramSearch& mammogram : this->Joint.Mammograms)
     {
       places.emplace_back(mammogram.Result.Values, mammogram.Here);
-    }
-    if (std::isnan(before))
-    {
-      return search(this->FirstComparison());
     }
     const LevelEnd end = search(this->Options.Comparison);
     if (end == LevelEnd::Stopped ||
