@@ -219,7 +219,7 @@ StudyRun RunStudy(const EvidenceStudy& study, const std::string& keepIn,
   }
   fs::create_directories(folder);
   const std::string made = (folder / "study").string();
-  const VirtualStudyTruth truth = fs::exists(folder / "study/truth.json")
+  const VirtualStudyTruth truth = fs::exists(made + "/truth.json")
     ? ReadVirtualStudyTruth(made + "/truth.json")
     : MakeEvidenceStudy(study, made, ShareOf(progress, 0, 0.2));
   StudyRun run;
@@ -232,11 +232,16 @@ StudyRun RunStudy(const EvidenceStudy& study, const std::string& keepIn,
   {
     RegistrationCase input;
     input.Options = study.Registration;
-    TakeStudy((folder / "study/export").string(), {}, input);
+    TakeStudy(made + "/export", {}, input);
     const bool sweeps = study.Options.Projections > 1;
     const double both = sweeps ? 0.5 : 1;
-    const RegistrationCaseResult found = RunRegistrationCase(input, ShareOf(progress, 0.2, both));
-    ReportProgress(progress, both, "registered"); // a search that is stopped gives what it has
+    const auto registered = [&](const RegistrationCase& one, double from, double to)
+    {
+      RegistrationCaseResult found = RunRegistrationCase(one, ShareOf(progress, from, to));
+      ReportProgress(progress, to, "registered"); // a search that is stopped gives what it has
+      return found;
+    };
+    const RegistrationCaseResult found = registered(input, 0.2, both);
     run.Seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     WriteRegistrationCase(input, found, result);
     run.Views = MeasureStudy(truth, result);
@@ -246,14 +251,13 @@ StudyRun RunStudy(const EvidenceStudy& study, const std::string& keepIn,
       RegistrationCase one = input;
       one.Mammograms = { mammogram };
       const std::string output = result + name;
-      WriteRegistrationCase(one, RunRegistrationCase(one, ShareOf(progress, from, from + 0.25)),
-        output);
+      WriteRegistrationCase(one, registered(one, from, from + 0.25), output);
       return MeasureStudy(truth, output);
     };
     if (sweeps)
     {
       run.CcAlone = alone(input.Mammograms.front(), "-cc", 0.5);
-      run.Swept = alone((folder / "study" / StudyProjectionsFile).string(), "-projections", 0.75);
+      run.Swept = alone(made + "/" + StudyProjectionsFile, "-projections", 0.75);
     }
   }
   catch (const InputError& error)

@@ -19,9 +19,10 @@ namespace
 {
 /// A level of the search has ended where so much is left of the cost, to the bottom of its
 /// quadratic model. Residuals are in standard deviations: parameters that are half of their own
-/// from the best cost this much more. The predictor is off by more than two.
+/// from the best cost this much more. The predictor is off by more than two, and what another
+/// comparison goes on from need be no nearer.
 constexpr double NegligibleFall = 0.125;
-constexpr double NegligibleFallOfPredictor = 2; // and of what another comparison goes on from
+constexpr double NegligibleFallOnTheWay = 2;
 
 /// Outlines that are so far apart on average when the coarse resolutions have been searched are not
 /// of one breast: right ones are within 3 mm then. The finest, which takes most of the time, is
@@ -328,7 +329,7 @@ private:
       const bool refined = finest && refines;
       LevelEnd end = SearchLevel(this->Searched(breasts, pixelSizeMm, this->FirstComparison()),
         { pixelSizeMm, this->FirstComparison(),
-          predicted || refined ? NegligibleFallOfPredictor : NegligibleFall,
+          predicted || refined ? NegligibleFallOnTheWay : NegligibleFall,
           this->Options.MaximumIterations, finest && !refined },
         this->Joint, progress);
       if (end == LevelEnd::Reached && refined)

@@ -10,6 +10,7 @@
 #include <cmath>
 #include <memory>
 #include <numbers>
+#include <numeric>
 
 namespace mammoray
 {
@@ -193,37 +194,40 @@ Eigen::MatrixXd DisplacementScatter(RegistrationEvaluator& evaluator,
   const ComparedGroups& compared, Eigen::Index count)
 {
   // The picture moves with the receptor as it does where all tissue is displaced.
+  std::vector<std::size_t> all(evaluator.Mammograms.size());
+  std::iota(all.begin(), all.end(), std::size_t{ 0 });
+  const Eigen::MatrixXd moved = ColumnsOf(evaluator,
+    { { LateralParameter, all }, { AnteriorParameter, all }, { RollParameter, all },
+      { PitchParameter, all } });
   Eigen::MatrixXd scatter = Eigen::MatrixXd::Zero(count, count);
-  for (std::size_t mammogram = 0; mammogram < evaluator.Mammograms.size(); ++mammogram)
+  for (const std::size_t mammogram : all)
   {
-    const std::vector<std::size_t> one{ mammogram };
     const double shear =
       ShearDeg(evaluator.Mammograms[mammogram]->Mammogram.Here->Pose().ThicknessMm);
-    const Eigen::MatrixXd moved = ColumnsOf(evaluator,
-      { { LateralParameter, one, 0, 0, DisplacementMm },
-        { AnteriorParameter, one, 0, 0, DisplacementMm }, { RollParameter, one, 0, 0, shear },
-        { PitchParameter, one, 0, 0, shear } });
+    std::vector<std::array<double, 2>> places;
+    std::vector<Eigen::Index> rows;
+    Eigen::MatrixXd weighted(0, count);
+    for (std::size_t number = 0; number < compared.Groups.size(); ++number)
+    {
+      const ResidualGroup& group = compared.Groups[number];
+      if (compared.Mammogram[number] == mammogram && group.Dimension == 2)
+      {
+        places.insert(places.end(), group.Places.begin(), group.Places.end());
+        for (Eigen::Index row = 0; row < group.Residuals.size(); ++row)
+        {
+          rows.push_back(compared.First[number] + row);
+        }
+        weighted.conservativeResize(weighted.rows() + group.Residuals.size(), Eigen::NoChange);
+        // The columns are in the search's weights, as its residuals are.
+        weighted.bottomRows(group.Residuals.size()) = compared.Factors[number] * group.Jacobian;
+      }
+    }
+    const double sizes[] = { DisplacementMm, DisplacementMm, shear, shear };
     for (Eigen::Index way = 0; way < moved.cols(); ++way)
     {
-      std::vector<std::array<double, 2>> places;
-      Eigen::MatrixXd scores(0, count);
-      for (std::size_t number = 0; number < compared.Groups.size(); ++number)
-      {
-        const ResidualGroup& group = compared.Groups[number];
-        if (compared.Mammogram[number] != mammogram || group.Dimension != 2)
-        {
-          continue;
-        }
-        places.insert(places.end(), group.Places.begin(), group.Places.end());
-        const Eigen::Index begin = scores.rows();
-        scores.conservativeResize(begin + group.Residuals.size(), Eigen::NoChange);
-        // The columns are in the search's weights, as its residuals are.
-        scores.bottomRows(group.Residuals.size()) = compared.Factors[number] *
-          (group.Jacobian.array().colwise() *
-            moved.col(way).segment(compared.First[number], group.Residuals.size()).array())
-            .matrix();
-      }
-      scatter += SmoothScatter(places, scores, DisplacementAlikeMm);
+      const Eigen::ArrayXd moves = sizes[way] * moved.col(way)(rows).array();
+      scatter +=
+        SmoothScatter(places, (weighted.array().colwise() * moves).matrix(), DisplacementAlikeMm);
     }
   }
   return scatter;
