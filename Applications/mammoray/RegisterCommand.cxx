@@ -147,10 +147,10 @@ void DeclareSearch(const OptionList& add, RegistrationCase& input)
   search("--iterations", input.Options.MaximumIterations, Positive(),
     "most iterations at each pixel size");
   search("--outline-sigma", input.Options.OutlineSigmaMm, Positive("mm"),
-    "expected error of the model's outline");
+    "expected error of the model's outline; where gradients are compared the pictures tell it");
   AddComparisonOptions(search, input.Options);
   search("--intensity-sigma", input.Options.IntensitySigma, Positive(),
-    "expected error of the model's picture, in its standard deviations");
+    "expected error of the model's picture, in its standard deviations, until then");
 }
 
 void Declare(const OptionList& add, RegisterArguments& arguments)

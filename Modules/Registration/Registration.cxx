@@ -356,7 +356,8 @@ private:
     const auto search = [&](PictureComparison comparison)
     {
       return SearchLevel(this->Searched(breasts, pixelSizeMm, comparison),
-        { pixelSizeMm, comparison, NegligibleFall, this->Options.MaximumIterations, true },
+        { pixelSizeMm, comparison, NegligibleFall, this->Options.MaximumIterations, true,
+          comparison != this->FirstComparison() },
         this->Joint, progress);
     };
     const double before = this->TissueCorrelation();

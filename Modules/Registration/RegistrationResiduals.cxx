@@ -55,7 +55,7 @@ RegistrationResiduals::RegistrationResiduals(const std::vector<ComparedProjectio
   for (const ComparedProjection& projection : projections)
   {
     this->Compared.push_back(
-      std::make_shared<const PictureResiduals>(*projection.Target, options, share));
+      std::make_shared<PictureResiduals>(*projection.Target, options, share));
   }
 }
 
@@ -86,6 +86,25 @@ EvaluatedState& RegistrationResiduals::Seen(EvaluatedState& breast, std::size_t 
 {
   const std::optional<Vector3>& spot = this->Projections[projection].FocalSpotMm;
   return spot ? breast.SeenFrom(*spot) : breast;
+}
+
+std::vector<double> RegistrationResiduals::Weigh(const std::vector<double>& factors)
+{
+  std::vector<double> changes;
+  changes.reserve(this->NumberOfResiduals());
+  for (std::size_t number = 0; number < this->Compared.size(); ++number)
+  {
+    PictureResiduals& picture = *this->Compared[number];
+    const double outline = factors[2 * number];
+    const double intensity = factors[2 * number + 1];
+    changes.insert(changes.end(), picture.NumberOfOutlineResiduals(),
+      outline / picture.OutlineFactor());
+    changes.insert(changes.end(), picture.NumberOfIntensityResiduals(),
+      intensity / picture.IntensityFactor());
+    picture.Weigh(outline, intensity);
+  }
+  changes.insert(changes.end(), this->NumberOfPriors(), 1.0);
+  return changes;
 }
 
 std::vector<double> RegistrationResiduals::Evaluate(EvaluatedState& breast) const

@@ -70,7 +70,8 @@ struct RegistrationOptions
   /**
    * Standard deviation of the model's error on the outline, mm, and of what is compared of the
    * picture, in root mean squares of the target's, and the distance over which these errors are
-   * alike, mm: neighbouring samples share their weight.
+   * alike, mm: neighbouring samples share their weight. Where gradients are compared at last,
+   * residuals tell their own (ComparedGroups).
    */
   double OutlineSigmaMm = 1.0;
   double IntensitySigma = 0.5;
@@ -141,15 +142,23 @@ public:
   std::size_t NumberOfResiduals() const;
   std::size_t NumberOfPriors() const { return this->Options.Parameters.size(); }
   /// What is compared of each projection.
-  const std::vector<std::shared_ptr<const PictureResiduals>>& Pictures() const
+  const PictureResiduals& Picture(std::size_t projection) const
   {
-    return this->Compared;
+    return *this->Compared[projection];
   }
+  std::size_t NumberOfProjections() const { return this->Compared.size(); }
   /// Beyond which size each residual counts linearly; infinite of priors.
   std::vector<double> RobustWidths() const;
 
   /// The breast seen from where a projection was taken.
   EvaluatedState& Seen(EvaluatedState& breast, std::size_t projection) const;
+
+  /**
+   * Multiplies outline and picture of each projection by other factors than the options say
+   * (PictureResiduals), in this order, two for each projection. Returns what that changes each
+   * residual, and its derivatives, by: 1 of priors.
+   */
+  std::vector<double> Weigh(const std::vector<double>& factors);
 
   std::vector<double> Evaluate(EvaluatedState& breast) const;
 
@@ -164,7 +173,7 @@ public:
 private:
   std::vector<ComparedProjection> Projections;
   const RegistrationOptions& Options;
-  std::vector<std::shared_ptr<const PictureResiduals>> Compared;
+  std::vector<std::shared_ptr<PictureResiduals>> Compared;
 };
 }
 

@@ -117,7 +117,7 @@ TEST(RegistrationResiduals, JacobianAgreesWithDifferencesOfSolvedStates)
   }
 
   const auto picture = [&](std::size_t kind, std::size_t projection) -> const PictureResiduals&
-  { return *all[kind]->Pictures()[projection]; };
+  { return all[kind]->Picture(projection); };
   const std::size_t outline = picture(0, 0).NumberOfOutlineResiduals();
   const std::size_t intensity = picture(0, 0).NumberOfIntensityResiduals();
   ASSERT_GT(outline, 50u);
@@ -126,7 +126,7 @@ TEST(RegistrationResiduals, JacobianAgreesWithDifferencesOfSolvedStates)
   // Two neighbours of each pixel but those at the edge.
   EXPECT_GT(picture(2, 0).NumberOfIntensityResiduals(), 1.7 * intensity);
   EXPECT_LT(picture(2, 0).NumberOfIntensityResiduals(), 2 * intensity);
-  ASSERT_EQ(swept.Pictures().size(), 3u);
+  ASSERT_EQ(swept.NumberOfProjections(), 3u);
   EXPECT_EQ(swept.NumberOfResiduals(), 3 * (outline + intensity) + swept.NumberOfPriors());
   for (const int parameter : wanted)
   {
@@ -161,7 +161,8 @@ TEST(RegistrationResiduals, JacobianAgreesWithDifferencesOfSolvedStates)
         const std::vector<double>& column = jacobians[kind].Columns[parameter];
         ASSERT_EQ(column.size(), differences.size());
         std::size_t first = 0;
-        for (std::size_t projection = 0; projection < all[kind]->Pictures().size(); ++projection)
+        for (std::size_t projection = 0; projection < all[kind]->NumberOfProjections();
+             ++projection)
         {
           const std::size_t pictures = first + picture(kind, projection).NumberOfOutlineResiduals();
           const std::size_t end = pictures + picture(kind, projection).NumberOfIntensityResiduals();
@@ -180,7 +181,7 @@ TEST(RegistrationResiduals, JacobianAgreesWithDifferencesOfSolvedStates)
     const std::string& name = options.Parameters[parameter].Name;
     for (std::size_t kind = 0; kind < all.size(); ++kind)
     {
-      for (std::size_t projection = 0; projection < all[kind]->Pictures().size(); ++projection)
+      for (std::size_t projection = 0; projection < all[kind]->NumberOfProjections(); ++projection)
       {
         // The outline is smooth between kinks: what is left is the equilibrium's own tolerance.
         EXPECT_LT(bestOutline[kind][projection], 1e-4) << name << " " << kind << " " << projection;
@@ -229,6 +230,45 @@ TEST(RegistrationResiduals, ProjectionsOfOneCompressionCountAsOne)
   EXPECT_TRUE(std::isinf(widths.back()));
 }
 
+TEST(RegistrationResiduals, WeighMultipliesOutlineAndPictureOfEachProjection)
+{
+  std::string reason;
+  if (ListDevices(&reason).empty())
+  {
+    GTEST_SKIP() << reason;
+  }
+  Twin twin(4, 8, 20.0, false);
+  const RegistrationTarget target = Coarsen(MakeTarget(twin, Truth()), 4);
+  RegistrationOptions options;
+  options.Parameters = DefaultParameters(Truth());
+  options.Parameters[LateralParameter].PriorSigma = 2;
+  BreastPose pose = Truth();
+  pose.LateralMm += 1;
+  EvaluatedState here = twin.At(pose);
+  RegistrationResiduals residuals({ { &target, std::nullopt }, { &target, std::nullopt } },
+    options);
+  const auto column = [&]
+  { return residuals.Differentiate(here, { LateralParameter }).Columns[LateralParameter]; };
+  const std::vector<double> before = residuals.Evaluate(here);
+  const std::vector<double> rates = column();
+  const std::vector<double> changes = residuals.Weigh({ 0.3, 0.05, 2.0, 0.7 });
+  const std::vector<double> after = residuals.Evaluate(here);
+  const std::vector<double> changed = column();
+  ASSERT_EQ(changes.size(), before.size());
+  EXPECT_DOUBLE_EQ(residuals.Picture(0).OutlineFactor(), 0.3);
+  EXPECT_DOUBLE_EQ(residuals.Picture(1).IntensityFactor(), 0.7);
+  for (std::size_t index = 0; index < before.size(); ++index)
+  {
+    EXPECT_NEAR(after[index], changes[index] * before[index], 1e-12 * std::abs(after[index]));
+    EXPECT_NEAR(changed[index], changes[index] * rates[index], 1e-12 * std::abs(changed[index]));
+  }
+  // Of one picture, weighed twice: 2 / 0.3 of the outline, 0.7 / 0.05 of the picture.
+  const std::size_t half = residuals.Picture(0).NumberOfResiduals();
+  EXPECT_NEAR(changes[half] / changes[0], 2 / 0.3, 1e-12);
+  EXPECT_NEAR(changes[2 * half - 1] / changes[half - 1], 14, 1e-12);
+  EXPECT_EQ(changes.back(), 1);
+}
+
 TEST(RegistrationResiduals, JacobianWithScatterAgreesWithDifferencesOfSolvedStates)
 {
   std::string reason;
@@ -255,8 +295,8 @@ TEST(RegistrationResiduals, JacobianWithScatterAgreesWithDifferencesOfSolvedStat
     DetectorResponse::EnergyIntegrating, 12));
   EvaluatedState scattered = here.MovedTo(pose);
   const RegistrationResiduals::Jacobian jacobian = residuals.Differentiate(scattered, wanted);
-  const std::size_t begin = residuals.Pictures()[0]->NumberOfOutlineResiduals();
-  const std::size_t end = begin + residuals.Pictures()[0]->NumberOfIntensityResiduals();
+  const std::size_t begin = residuals.Picture(0).NumberOfOutlineResiduals();
+  const std::size_t end = begin + residuals.Picture(0).NumberOfIntensityResiduals();
   for (const int parameter : wanted)
   {
     const std::vector<double>& column = jacobian.Columns[static_cast<std::size_t>(parameter)];

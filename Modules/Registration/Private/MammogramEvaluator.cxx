@@ -4,6 +4,7 @@
 #include "mammoray/Foundation/Error.h"
 
 #include <algorithm>
+#include <functional>
 #include <utility>
 
 namespace mammoray
@@ -99,6 +100,14 @@ RegistrationResiduals::Jacobian MammogramEvaluator::Differentiate(const std::vec
   this->JacobianSeconds += SecondsSince(begin);
   this->Projections += this->Mammogram.Here->NumberOfProjections() - before;
   return jacobian;
+}
+
+std::vector<double> MammogramEvaluator::Weigh(const std::vector<double>& factors)
+{
+  std::vector<double> changes = this->Compared.Weigh(factors);
+  std::transform(this->Residuals.begin(), this->Residuals.end(), changes.begin(),
+    this->Residuals.begin(), std::multiplies<>());
+  return changes;
 }
 
 void MammogramEvaluator::ReturnTo(const std::vector<double>& values,

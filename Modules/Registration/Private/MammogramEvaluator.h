@@ -85,6 +85,8 @@ public:
   void Compare();
   /// Columns[parameter] of those numbered in `wanted`, at Here.
   RegistrationResiduals::Jacobian Differentiate(const std::vector<int>& wanted);
+  /// See RegistrationResiduals::Weigh.
+  std::vector<double> Weigh(const std::vector<double>& factors);
   /// Back to an equilibrium, that of the values given.
   void ReturnTo(const std::vector<double>& values, std::shared_ptr<EvaluatedState> state);
   /// Residuals beside Here. Throws ConvergenceError, Interrupted.
@@ -92,7 +94,7 @@ public:
   RegistrationCosts Costs() const { return this->Compared.Costs(this->Residuals); }
 
   SearchedMammogram Mammogram;
-  const RegistrationResiduals Compared;
+  RegistrationResiduals Compared;
   std::vector<double> Residuals;
   int Evaluations = 0;
   int Projections = 0;

@@ -44,9 +44,15 @@ public:
   void AppendRates(EvaluatedState& seen, const std::vector<double>& velocities,
     const std::vector<std::vector<double>*>& columns) const;
 
-  /// What distances of the outline, mm, and differences of the picture are multiplied by.
+  /// What distances of the outline, mm, and differences of the picture are multiplied by: by the
+  /// options, unless Weigh has said otherwise.
   double OutlineFactor() const { return this->OutlineWeight; }
   double IntensityFactor() const { return this->IntensityWeight; }
+  void Weigh(double outlineFactor, double intensityFactor)
+  {
+    this->OutlineWeight = outlineFactor;
+    this->IntensityWeight = intensityFactor;
+  }
   /// Root mean square of what is compared of the target's picture.
   double TargetRms() const { return this->FeatureRms; }
   /// Where on the receptor the residuals of the outline and of the picture lie, mm.

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <utility>
 
 namespace mammoray
@@ -93,6 +94,23 @@ std::vector<double> RegistrationEvaluator::Weights() const
     }
   }
   return weights;
+}
+
+void RegistrationEvaluator::Weigh(const std::vector<std::vector<double>>& factors)
+{
+  std::vector<double> changes;
+  for (std::size_t mammogram = 0; mammogram < this->Mammograms.size(); ++mammogram)
+  {
+    const std::vector<double> own = this->Mammograms[mammogram]->Weigh(factors[mammogram]);
+    changes.insert(changes.end(), own.begin(), own.end());
+  }
+  const auto multiply = [&changes](std::vector<double>& values)
+  {
+    std::transform(values.begin(), values.end(), changes.begin(), values.begin(),
+      std::multiplies<>());
+  };
+  multiply(this->Residuals);
+  std::for_each(this->Jacobian.begin(), this->Jacobian.end(), multiply);
 }
 
 double RegistrationEvaluator::PredictedFall() const

@@ -25,7 +25,7 @@ struct SearchUnknown
 };
 
 /// The residuals of all mammograms for Ceres, one parameter block for all unknowns.
-class RegistrationEvaluator : public ceres::EvaluationCallback
+class MAMMORAYREGISTRATION_EXPORT RegistrationEvaluator : public ceres::EvaluationCallback
 {
 public:
   /// Poses without an equilibrium, of one resolution, after which a search ends: each costs many
@@ -39,6 +39,10 @@ public:
 
   /// Back to equilibria, those of the unknowns as they are now.
   void ReturnTo(const std::vector<std::shared_ptr<EvaluatedState>>& states);
+
+  /// Of each mammogram what MammogramEvaluator::Weigh takes, at the evaluated point, which has its
+  /// Jacobian; there and from there on.
+  void Weigh(const std::vector<std::vector<double>>& factors);
 
   /**
    * How far the cost falls from the evaluated point to the bottom of its Gauss-Newton model,

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Private/SearchCovariance.h"
 
-#include "Private/PictureResiduals.h"
-#include "Private/VarianceComponents.h"
+#include "Private/ComparedGroups.h"
 
 #include <Eigen/Dense>
 
@@ -78,92 +77,6 @@ Eigen::MatrixXd ColumnsOf(RegistrationEvaluator& evaluator,
   return columns;
 }
 
-/// The residuals of the outline and of the picture of each projection of each mammogram, and where
-/// each group begins among all residuals.
-struct ComparedGroups
-{
-  std::vector<ResidualGroup> Groups;
-  std::vector<Eigen::Index> First;
-  std::vector<std::size_t> Mammogram;
-  /// What each group's residuals are multiplied by in the search.
-  std::vector<double> Factors;
-};
-
-/**
- * What mechanics and pictures of another mesh and other elements are apart by at least where they
- * should agree: outlines 0.25 mm, alike over 30 mm, pictures a tenth of what is compared (root mean
- * square) over 14 mm (medians of twins). A target that happens to be made like the model tells no
- * more: a ball compressed and searched on nearly the same mesh was found 3.4 mm too thick, six of
- * the deviations that its small residuals gave.
- */
-constexpr double LeastOutlineScatter = 2.0;
-constexpr double LeastPictureScatter = 2.0;
-
-/// Distances along a line through places, mm, and their mean.
-double AlongLine(const std::vector<ReceptorPoint>& places,
-  std::vector<std::array<double, 2>>& distances)
-{
-  double length = 0;
-  for (std::size_t index = 0; index < places.size(); ++index)
-  {
-    length += index == 0 ? 0
-                         : std::hypot(places[index][0] - places[index - 1][0],
-                             places[index][1] - places[index - 1][1]);
-    distances.push_back({ length, 0 });
-  }
-  return length / static_cast<double>(places.size());
-}
-
-/// Appends the outline and the picture of one projection, whose residuals begin at `first`.
-void AddGroups(const PictureResiduals& compared, EvaluatedState& seen,
-  const Eigen::VectorXd& residuals, const Eigen::MatrixXd& jacobian, Eigen::Index first,
-  ComparedGroups& groups)
-{
-  const auto outline = static_cast<Eigen::Index>(compared.NumberOfOutlineResiduals());
-  const auto picture = static_cast<Eigen::Index>(compared.NumberOfIntensityResiduals());
-  const auto add = [&](Eigen::Index begin, Eigen::Index count, double factor) -> ResidualGroup&
-  {
-    groups.First.push_back(begin);
-    groups.Factors.push_back(factor);
-    ResidualGroup& group = groups.Groups.emplace_back(ResidualGroup{
-      residuals.segment(begin, count) / factor, jacobian.middleRows(begin, count) / factor, {} });
-    group.Share = compared.Share();
-    return group;
-  };
-  ResidualGroup& line = add(first, outline, compared.OutlineFactor());
-  line.Extent = AlongLine(compared.OutlinePlaces(seen), line.Places);
-  line.LeastScatter = LeastOutlineScatter;
-  ResidualGroup& plane = add(first + outline, picture, compared.IntensityFactor());
-  plane.Places = compared.IntensityPlaces();
-  plane.Dimension = 2;
-  plane.Extent = compared.AreaPerFeature();
-  plane.LeastScatter = LeastPictureScatter * compared.TargetRms() * compared.TargetRms();
-}
-
-ComparedGroups GroupsOf(RegistrationEvaluator& evaluator, const Eigen::MatrixXd& jacobian)
-{
-  ComparedGroups groups;
-  const Eigen::Map<const Eigen::VectorXd> residuals(evaluator.Residuals.data(),
-    static_cast<Eigen::Index>(evaluator.Residuals.size()));
-  Eigen::Index first = 0;
-  for (std::size_t number = 0; number < evaluator.Mammograms.size(); ++number)
-  {
-    const MammogramEvaluator& mammogram = *evaluator.Mammograms[number];
-    const auto& pictures = mammogram.Compared.Pictures();
-    Eigen::Index begin = first;
-    for (std::size_t projection = 0; projection < pictures.size(); ++projection)
-    {
-      AddGroups(*pictures[projection],
-        mammogram.Compared.Seen(*mammogram.Mammogram.Here, projection), residuals, jacobian, begin,
-        groups);
-      groups.Mammogram.resize(groups.Groups.size(), number);
-      begin += static_cast<Eigen::Index>(pictures[projection]->NumberOfResiduals());
-    }
-    first += static_cast<Eigen::Index>(mammogram.Residuals.size());
-  }
-  return groups;
-}
-
 /**
  * The breast's edge in a picture and in a mesh: a voxel, a facet's distance, the rounder edges of
  * the model's plates and where air ends put all of an outline a little in or out, alike in all
@@ -235,13 +148,12 @@ Eigen::MatrixXd DisplacementScatter(RegistrationEvaluator& evaluator,
 
 /// The search as an estimate, whose covariance also has what moves all of an outline, and tissue
 /// in the picture.
-WeightedEstimate EstimateOf(RegistrationEvaluator& evaluator, const ComparedGroups& compared,
-  const VarianceComponents& variances, const Eigen::MatrixXd& priors)
+WeightedEstimate EstimateOf(RegistrationEvaluator& evaluator, const ComparedGroups& compared)
 {
   std::vector<double> weights;
   // Of a mammogram's projections the same.
   std::vector<Eigen::VectorXd> pulls(compared.Mammogram.back() + 1,
-    Eigen::VectorXd::Zero(priors.rows()));
+    Eigen::VectorXd::Zero(compared.Priors.rows()));
   for (std::size_t number = 0; number < compared.Groups.size(); ++number)
   {
     const ResidualGroup& group = compared.Groups[number];
@@ -253,8 +165,8 @@ WeightedEstimate EstimateOf(RegistrationEvaluator& evaluator, const ComparedGrou
         EdgeSigmaMm * weight * group.Jacobian.colwise().sum().transpose();
     }
   }
-  WeightedEstimate estimate(compared.Groups, weights, variances, priors);
-  Eigen::MatrixXd scatter = DisplacementScatter(evaluator, compared, priors.rows());
+  WeightedEstimate estimate(compared.Groups, weights, compared.Variances, compared.Priors);
+  Eigen::MatrixXd scatter = DisplacementScatter(evaluator, compared, compared.Priors.rows());
   for (const Eigen::VectorXd& pull : pulls)
   {
     scatter += pull * pull.transpose();
@@ -314,31 +226,16 @@ void KeepConsidered(RegistrationEvaluator& evaluator, const ComparedGroups& comp
   }
 }
 
-/// Rows of the Jacobian that belong to priors: in their standard deviations.
-Eigen::MatrixXd PriorRows(const RegistrationEvaluator& evaluator, const Eigen::MatrixXd& jacobian)
-{
-  std::vector<Eigen::Index> rows;
-  for (std::size_t index = 0; index < evaluator.RobustWidths.size(); ++index)
-  {
-    if (!std::isfinite(evaluator.RobustWidths[index]))
-    {
-      rows.push_back(static_cast<Eigen::Index>(index));
-    }
-  }
-  return jacobian(rows, Eigen::all);
-}
-
 /// Groups are in pairs, outline and picture; of a mammogram that of Target comes first.
-void KeepMisfit(const ComparedGroups& compared, const VarianceComponents& variances,
-  std::size_t mammogram, RegistrationMisfit& misfit)
+void KeepMisfit(const ComparedGroups& compared, std::size_t mammogram, RegistrationMisfit& misfit)
 {
   const auto first = static_cast<std::size_t>(
     std::find(compared.Mammogram.begin(), compared.Mammogram.end(), mammogram) -
     compared.Mammogram.begin());
-  misfit.OutlineSigmaMm = variances.Sigmas[first];
-  misfit.OutlineScaleMm = variances.Correlated[first];
-  misfit.PictureSigma = variances.Sigmas[first + 1];
-  misfit.PictureScaleMm = std::sqrt(variances.Correlated[first + 1]);
+  misfit.OutlineSigmaMm = compared.Variances.Sigmas[first];
+  misfit.OutlineScaleMm = compared.Variances.Correlated[first];
+  misfit.PictureSigma = compared.Variances.Sigmas[first + 1];
+  misfit.PictureScaleMm = std::sqrt(compared.Variances.Correlated[first + 1]);
 }
 
 /// The parts of the unknowns' covariance that belong to each mammogram.
@@ -372,32 +269,18 @@ void KeepParts(const std::vector<SearchUnknown>& unknowns, JointSearch& search)
 void KeepCovariance(RegistrationEvaluator& evaluator, JointSearch& search)
 {
   evaluator.ReturnTo(search.States());
-  evaluator.PrepareForEvaluation(true, true);
+  const std::optional<ComparedGroups> found = CompareGroups(evaluator);
+  if (!found)
+  {
+    return;
+  }
+  const ComparedGroups& compared = *found;
   const std::vector<SearchUnknown>& unknowns = evaluator.Unknowns;
-  const auto count = static_cast<Eigen::Index>(unknowns.size());
-  if (!evaluator.Valid || evaluator.Stopped)
-  {
-    return;
-  }
-  Eigen::MatrixXd jacobian(static_cast<Eigen::Index>(evaluator.Residuals.size()), count);
-  for (Eigen::Index u = 0; u < count; ++u)
-  {
-    jacobian.col(u) = Eigen::Map<const Eigen::VectorXd>(
-      evaluator.Jacobian[static_cast<std::size_t>(u)].data(), jacobian.rows());
-  }
-  const ComparedGroups compared = GroupsOf(evaluator, jacobian);
-  const Eigen::MatrixXd priorRows = PriorRows(evaluator, jacobian);
-  const Eigen::MatrixXd priors = priorRows.transpose() * priorRows;
-  const VarianceComponents variances = EstimateVariances(compared.Groups, priors);
-  if (!variances.Determined)
-  {
-    return;
-  }
   for (std::size_t mammogram = 0; mammogram < search.Mammograms.size(); ++mammogram)
   {
-    KeepMisfit(compared, variances, mammogram, search.Mammograms[mammogram].Result.Misfit);
+    KeepMisfit(compared, mammogram, search.Mammograms[mammogram].Result.Misfit);
   }
-  const WeightedEstimate estimate = EstimateOf(evaluator, compared, variances, priors);
+  const WeightedEstimate estimate = EstimateOf(evaluator, compared);
   const std::size_t n = unknowns.size();
   search.Covariance.resize(n * n);
   for (std::size_t i = 0; i < n; ++i)

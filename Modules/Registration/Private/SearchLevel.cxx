@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Private/SearchLevel.h"
 
+#include "Private/ComparedGroups.h"
 #include "Private/SearchCovariance.h"
 
 #include <ceres/ceres.h>
@@ -8,6 +9,7 @@
 
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -241,6 +243,10 @@ LevelEnd SearchLevel(std::vector<SearchedMammogram> mammograms, const Level& lev
   problemOptions.evaluation_callback = &evaluator;
   ceres::Problem problem(problemOptions);
   AddResiduals(evaluator, problem);
+  if (const auto groups = level.Reweighed ? CompareGroups(evaluator) : std::nullopt)
+  {
+    evaluator.Weigh(groups->EstimatedFactors());
+  }
   IterationRecorder recorder(evaluator, level, search);
   const QuietGlog quiet;
   const ceres::Solver::Summary summary = Minimise(level, evaluator, search, problem, recorder);

@@ -26,6 +26,14 @@ struct Level
   int MaximumIterations = 0;
   /// The finest resolution as the result is to compare it.
   bool Last = false;
+  /**
+   * Residuals count as their variances tell where the level begins, which is where another
+   * comparison has converged: generalised least squares with an estimated covariance, in two
+   * stages (Carroll and Ruppert 1988, chapter 2, where more cycles gain nothing to first order).
+   * Estimated anew at the end it would run away: outlines that count less fit less, and count
+   * still less then.
+   */
+  bool Reweighed = false;
 };
 
 /// Searches at one resolution, from `mammograms`; the accepted states go into `search`, and at the

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+#ifndef mammoray_ComparedGroups_h
+#define mammoray_ComparedGroups_h
+
+#include "Private/RegistrationEvaluator.h"
+#include "Private/VarianceComponents.h"
+
+#include <Eigen/Core>
+
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+namespace mammoray
+{
+/// The residuals of the outline and of the picture, in turn, of each projection of each mammogram.
+struct MAMMORAYREGISTRATION_EXPORT ComparedGroups
+{
+  std::vector<ResidualGroup> Groups;
+  /// Where each begins among all residuals, and its mammogram.
+  std::vector<Eigen::Index> First;
+  std::vector<std::size_t> Mammogram;
+  /// What each group's residuals are multiplied by in the search.
+  std::vector<double> Factors;
+  /// The precision of what is known of the unknowns beforehand, in their scales.
+  Eigen::MatrixXd Priors;
+  /// What the residuals themselves tell.
+  VarianceComponents Variances;
+
+  /// What would make each group's residuals standard deviations by Variances: of each mammogram, as
+  /// RegistrationEvaluator::Weigh takes them.
+  std::vector<std::vector<double>> EstimatedFactors() const;
+};
+
+/// Where the evaluator stands, by its Jacobian there; nothing where that does not tell all of the
+/// unknowns, or the user has stopped it.
+MAMMORAYREGISTRATION_EXPORT std::optional<ComparedGroups> CompareGroups(
+  RegistrationEvaluator& evaluator);
+}
+
+#endif
