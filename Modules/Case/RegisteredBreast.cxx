@@ -310,6 +310,7 @@ void RegisteredBreast::Internals::AddUncertainty(const PlaceInCell& place, const
     inSpace[index] = shared(index / 3, index % 3);
   }
   imaged.Covariance = inSpace;
+  imaged.ModelSigmaMm = model;
   imaged.Uncertainty = EllipseOf(shared(3, 3), shared(3, 4), shared(4, 4));
 }
 

@@ -67,6 +67,9 @@ struct ImagedPoint
   /// row by row.
   std::optional<UncertaintyEllipse> Uncertainty;
   std::optional<std::array<double, 9>> Covariance;
+  /// What of that, each way, is the model's own error, as a standard deviation, mm; 0 where there
+  /// is no covariance.
+  double ModelSigmaMm = 0;
 };
 
 /// How a point moves with the tissue.

@@ -150,6 +150,7 @@ nlohmann::json ToJson(const std::vector<StudyViewErrors>& found)
   {
     views.push_back({ { "view", view.View }, { "imaged", ToJson(view.Imaged) },
       { "behind", ToJson(view.Behind) }, { "coordinatesWithin", view.CoordinatesWithin },
+      { "modelErrorNeeded", view.ModelErrorNeeded },
       { "meanOutlineDistanceMm", view.MeanOutlineMm }, { "correlation", view.Correlation },
       { "tissueCorrelation", view.TissueCorrelation },
       { "expectedMedianMm", view.ExpectedMedianMm }, { "expected95Mm", view.Expected95Mm },
@@ -165,9 +166,10 @@ std::vector<StudyViewErrors> ViewErrorsFrom(const nlohmann::json& views)
   {
     found.push_back({ view.at("view").get<std::string>(), PointErrorsFrom(view.at("imaged")),
       PointErrorsFrom(view.at("behind")), Number(view.at("coordinatesWithin")),
-      Number(view.at("meanOutlineDistanceMm")), Number(view.at("correlation")),
-      Number(view.at("tissueCorrelation")), Number(view.at("expectedMedianMm")),
-      Number(view.at("expected95Mm")), view.at("trust").get<std::string>() });
+      Numbers(view.at("modelErrorNeeded")), Number(view.at("meanOutlineDistanceMm")),
+      Number(view.at("correlation")), Number(view.at("tissueCorrelation")),
+      Number(view.at("expectedMedianMm")), Number(view.at("expected95Mm")),
+      view.at("trust").get<std::string>() });
   }
   return found;
 }

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <map>
 
@@ -323,6 +324,37 @@ std::string StudyTable(const std::vector<StudyRun>& runs)
       behind.size(), MedianText(behind, ".").c_str(), Quantile(seconds, 0.5), refused);
 }
 
+/// What the model's own error must be multiplied by for two deviations to hold 95 % of the
+/// coordinates of studies whose anatomy and number are wanted; NaN where there are none.
+double ModelErrorFor95(const std::vector<StudyRun>& runs,
+  const std::function<bool(const StudyRun&)>& wanted)
+{
+  std::vector<double> needed;
+  for (const StudyRun& run : runs)
+  {
+    for (const StudyViewErrors& view : run.Views)
+    {
+      if (wanted(run))
+      {
+        Append(needed, view.ModelErrorNeeded);
+      }
+    }
+  }
+  return needed.empty() ? std::numeric_limits<double>::quiet_NaN() : Quantile(needed, 0.95);
+}
+
+/// What the model's own error is calibrated by: one half of the numbers and the other.
+std::string ModelErrorText(const std::vector<StudyRun>& runs)
+{
+  const auto half = [&](std::uint32_t odd)
+  { return ModelErrorFor95(runs, [odd](const StudyRun& run) { return run.Seed % 2 == odd; }); };
+  return std::isfinite(half(0)) && std::isfinite(half(1))
+    ? Line("For 95 %%: the model's own error times %.2f by studies of even numbers, times %.2f by "
+           "those of odd ones.\n\n",
+        half(0), half(1))
+    : "";
+}
+
 /// Of the points' coordinates and of the parameters, by anatomy.
 std::string CoverageTable(const RegistrationEvidence& evidence)
 {
@@ -362,7 +394,8 @@ std::string CoverageTable(const RegistrationEvidence& evidence)
     return "";
   }
   std::string text = "| within 2 sigma | parameters, twins | points' coordinates, twins | points' "
-                     "coordinates, studies |\n|---|---|---|---|\n";
+                     "coordinates, studies | of studies 95 % with the model's own error times "
+                     "|\n|---|---|---|---|---|\n";
   const auto cell = [](const std::vector<double>& shares)
   {
     double sum = 0;
@@ -377,14 +410,18 @@ std::string CoverageTable(const RegistrationEvidence& evidence)
   for (const auto& [phantom, columns] : all)
   {
     const TwinSummary& runs = columns[0].Runs;
-    text += Line("| %s | %s | %s | %s |\n", phantom.c_str(),
+    const double times = ModelErrorFor95(evidence.Studies,
+      [&name = phantom](const StudyRun& run)
+      { return name == AllPhantoms || name == run.Phantom; });
+    text += Line("| %s | %s | %s | %s | %s |\n", phantom.c_str(),
       runs.ParametersAll > 0
         ? Line("%.1f %% (%d)", 100.0 * runs.WithinAll / runs.ParametersAll, runs.ParametersAll)
             .c_str()
         : "-",
-      cell(columns[0].Points).c_str(), cell(columns[1].Points).c_str());
+      cell(columns[0].Points).c_str(), cell(columns[1].Points).c_str(),
+      std::isfinite(times) ? Line("%.2f", times).c_str() : "-");
   }
-  return text + "\n";
+  return text + "\n" + ModelErrorText(evidence.Studies);
 }
 
 /// What a second mammogram adds of the place along the X-ray.

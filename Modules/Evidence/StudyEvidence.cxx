@@ -126,6 +126,7 @@ StudyViewErrors ErrorsIn(const VirtualStudyTruth& truth, const VirtualView& view
       std::hypot(shadow[0] - view.Receptor[index][0], shadow[1] - view.Receptor[index][1]));
   }
   errors.CoordinatesWithin = coverage.Share();
+  errors.ModelErrorNeeded = std::move(coverage.ModelErrorNeeded);
   return errors;
 }
 }

@@ -49,6 +49,9 @@ struct StudyViewErrors
   /// Of the imaged points' coordinates in the gantry frame the share within two of their standard
   /// deviations of the truth.
   double CoordinatesWithin = 0;
+  /// Of each of these coordinates what the model's own error (ModelErrorMm of Case) would have to
+  /// be multiplied by for that: 0 where the parameters' covariance alone suffices.
+  std::vector<double> ModelErrorNeeded;
   double MeanOutlineMm = 0;
   double Correlation = 0;
   double TissueCorrelation = 0;

@@ -51,6 +51,7 @@ TEST_F(RegisteredBox, UncertaintyIsOfTheParameterAlongItsVelocityAndOfTheModelAl
   EXPECT_NEAR(covariance[0], ThicknessSigmaMm * ThicknessSigmaMm + model * model, 0.03);
   EXPECT_NEAR(covariance[4], model * model, 0.03);
   EXPECT_NEAR(covariance[8], covariance[4], 1e-12);
+  EXPECT_NEAR(covariance[4], imaged.ModelSigmaMm * imaged.ModelSigmaMm, 1e-12);
   EXPECT_NEAR(covariance[1], 0, 1e-12);
   // Along x, which is along the rows' step: 90 degrees from the columns'. Rays are aslant by 2
   // degrees.

@@ -69,6 +69,7 @@ inline StudyRun MadeUpStudyRun(const std::string& phantom, std::uint32_t seed,
     errors.Correlation = 0.97;
     errors.TissueCorrelation = 0.8;
     errors.CoordinatesWithin = 0.94;
+    errors.ModelErrorNeeded = { 0, 0.5, 1 };
     errors.ExpectedMedianMm = 2;
     errors.Expected95Mm = 5;
     errors.Trust = "good";

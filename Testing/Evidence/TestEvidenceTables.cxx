@@ -170,11 +170,21 @@ TEST(EvidenceTables, HowOftenTheTruthIsWithinTwoSigma)
   evidence.Twins[1].CoordinatesWithin = 0.87;
   evidence.Studies.push_back(test::MadeUpStudyRun("b", 4, { 1, 2, 6 }));
   const std::string text = EvidenceTables(evidence);
-  EXPECT_THAT(text, HasSubstr("| a | 100.0 % (2) | 97.0 % (1) | - |"));
-  EXPECT_THAT(text, HasSubstr("| b | 50.0 % (2) | 87.0 % (1) | 94.0 % (2) |"));
-  EXPECT_THAT(text, HasSubstr("| all | 75.0 % (4) | 92.0 % (2) | 94.0 % (2) |"));
+  EXPECT_THAT(text, HasSubstr("| a | 100.0 % (2) | 97.0 % (1) | - | - |"));
+  EXPECT_THAT(text, HasSubstr("| b | 50.0 % (2) | 87.0 % (1) | 94.0 % (2) | 1.00 |"));
+  EXPECT_THAT(text, HasSubstr("| all | 75.0 % (4) | 92.0 % (2) | 94.0 % (2) | 1.00 |"));
+  EXPECT_THAT(text, Not(HasSubstr("For 95 %")));
   // 2 mm expected and found; two of three within the 5 mm of 95 %.
   EXPECT_THAT(text, HasSubstr("expects: 1.00 in the middle of 2 views (1.00 to 1.00); 66.7 % of"));
+  // The other half of the numbers.
+  evidence.Studies.push_back(test::MadeUpStudyRun("b", 5, { 1, 2, 6 }));
+  for (StudyViewErrors& view : evidence.Studies.back().Views)
+  {
+    view.ModelErrorNeeded = { 2.0 };
+  }
+  EXPECT_THAT(EvidenceTables(evidence),
+    HasSubstr("For 95 %: the model's own error times 1.00 by studies of even numbers, times 2.00 by "
+              "those of odd ones."));
 }
 
 TEST(Quantile, IsLinearBetweenValues)

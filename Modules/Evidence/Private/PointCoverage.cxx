@@ -3,6 +3,7 @@
 
 #include "mammoray/Foundation/Error.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -10,12 +11,11 @@ namespace mammoray
 {
 namespace
 {
-std::optional<std::array<double, 9>> CovarianceAt(const RegisteredBreast& breast,
-  const Vector3& point)
+std::optional<ImagedPoint> PlaceOf(const RegisteredBreast& breast, const Vector3& point)
 {
   try
   {
-    return breast.ToMammogram(point).Covariance;
+    return breast.ToMammogram(point);
   }
   catch (const InputError&) // outside the mesh
   {
@@ -26,11 +26,15 @@ std::optional<std::array<double, 9>> CovarianceAt(const RegisteredBreast& breast
 
 void PointCoverage::Add(const Vector3& point, const Vector3& error)
 {
-  const auto covariance = CovarianceAt(this->Breast, point);
-  for (std::size_t axis = 0; covariance && axis < 3; ++axis)
+  const std::optional<ImagedPoint> found = PlaceOf(this->Breast, point);
+  for (std::size_t axis = 0; found && found->Covariance && axis < 3; ++axis)
   {
+    const double variance = (*found->Covariance)[4 * axis];
+    const double own = found->ModelSigmaMm * found->ModelSigmaMm;
     this->All += 1;
-    this->Within += std::abs(error[axis]) <= 2 * std::sqrt((*covariance)[4 * axis]) ? 1 : 0;
+    this->Within += std::abs(error[axis]) <= 2 * std::sqrt(variance) ? 1 : 0;
+    this->ModelErrorNeeded.push_back(
+      std::sqrt(std::max(0.0, 0.25 * error[axis] * error[axis] - (variance - own)) / own));
   }
 }
 

@@ -4,6 +4,8 @@
 
 #include "mammoray/Case/RegisteredBreast.h"
 
+#include <vector>
+
 namespace mammoray
 {
 /// Counts the coordinates of points that were found within two of their standard deviations.
@@ -20,6 +22,10 @@ public:
   void Add(const Vector3& point, const Vector3& error);
   /// Of those that count, [0, 1]; NaN of none.
   double Share() const;
+
+  /// Of each coordinate: what the model's own error (ModelErrorMm of Case) must be multiplied by
+  /// for it to be within two deviations. 0: it is by the covariance of the parameters alone.
+  std::vector<double> ModelErrorNeeded;
 
 private:
   RegisteredBreast Breast;
