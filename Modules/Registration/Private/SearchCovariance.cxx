@@ -10,6 +10,7 @@
 #include <memory>
 #include <numbers>
 #include <numeric>
+#include <optional>
 
 namespace mammoray
 {
@@ -41,7 +42,20 @@ std::vector<SearchUnknown> Considered(const JointSearch& search)
   return considered;
 }
 
-/// d residuals / d parameters in units of their scales, at the evaluator's point.
+/// The number, among the unknowns, of a parameter of a mammogram; none where it is held.
+std::optional<std::size_t> UnknownOf(const std::vector<SearchUnknown>& unknowns, int parameter,
+  std::size_t mammogram)
+{
+  const auto found = std::find_if(unknowns.begin(), unknowns.end(),
+    [&](const SearchUnknown& unknown)
+    { return unknown.Parameter == parameter && IsOf(unknown, mammogram); });
+  return found == unknowns.end()
+    ? std::nullopt
+    : std::optional(static_cast<std::size_t>(found - unknowns.begin()));
+}
+
+/// d residuals / d parameters in units of their scales, at the evaluated point, whose Jacobian has
+/// those of the unknowns.
 Eigen::MatrixXd ColumnsOf(RegistrationEvaluator& evaluator,
   const std::vector<SearchUnknown>& parameters)
 {
@@ -51,28 +65,40 @@ Eigen::MatrixXd ColumnsOf(RegistrationEvaluator& evaluator,
   std::size_t first = 0;
   for (std::size_t mammogram = 0; mammogram < evaluator.Mammograms.size(); ++mammogram)
   {
+    const std::size_t count = evaluator.Mammograms[mammogram]->Residuals.size();
+    const auto put = [&](std::size_t index, const double* column, double scale)
+    {
+      columns.col(static_cast<Eigen::Index>(index))
+        .segment(static_cast<Eigen::Index>(first), static_cast<Eigen::Index>(count)) =
+        scale * Eigen::Map<const Eigen::VectorXd>(column, static_cast<Eigen::Index>(count));
+    };
     std::vector<int> wanted;
-    std::vector<Eigen::Index> places;
+    std::vector<std::size_t> places;
     for (std::size_t index = 0; index < parameters.size(); ++index)
     {
-      const std::vector<std::size_t>& mammograms = parameters[index].Mammograms;
-      if (std::find(mammograms.begin(), mammograms.end(), mammogram) != mammograms.end())
+      const SearchUnknown& parameter = parameters[index];
+      if (!IsOf(parameter, mammogram))
       {
-        wanted.push_back(parameters[index].Parameter);
-        places.push_back(static_cast<Eigen::Index>(index));
+        continue;
+      }
+      if (const auto known = UnknownOf(evaluator.Unknowns, parameter.Parameter, mammogram))
+      {
+        put(index, evaluator.Jacobian[*known].data() + first,
+          parameter.Scale / evaluator.Unknowns[*known].Scale);
+      }
+      else
+      {
+        wanted.push_back(parameter.Parameter);
+        places.push_back(index);
       }
     }
     const RegistrationResiduals::Jacobian jacobian =
       evaluator.Mammograms[mammogram]->Differentiate(wanted);
     for (std::size_t index = 0; index < wanted.size(); ++index)
     {
-      const std::vector<double>& column = jacobian.Columns[wanted[index]];
-      columns.col(places[index])
-        .segment(static_cast<Eigen::Index>(first), static_cast<Eigen::Index>(column.size())) =
-        parameters[static_cast<std::size_t>(places[index])].Scale *
-        Eigen::Map<const Eigen::VectorXd>(column.data(), static_cast<Eigen::Index>(column.size()));
+      put(places[index], jacobian.Columns[wanted[index]].data(), parameters[places[index]].Scale);
     }
-    first += evaluator.Mammograms[mammogram]->Residuals.size();
+    first += count;
   }
   return columns;
 }
