@@ -154,7 +154,7 @@ nlohmann::json ToJson(const std::vector<StudyViewErrors>& found)
       { "meanOutlineDistanceMm", view.MeanOutlineMm }, { "correlation", view.Correlation },
       { "tissueCorrelation", view.TissueCorrelation },
       { "expectedMedianMm", view.ExpectedMedianMm }, { "expected95Mm", view.Expected95Mm },
-      { "trust", view.Trust } });
+      { "trust", view.Trust }, { "reasons", view.Reasons } });
   }
   return views;
 }
@@ -169,7 +169,7 @@ std::vector<StudyViewErrors> ViewErrorsFrom(const nlohmann::json& views)
       Numbers(view.at("modelErrorNeeded")), Number(view.at("meanOutlineDistanceMm")),
       Number(view.at("correlation")), Number(view.at("tissueCorrelation")),
       Number(view.at("expectedMedianMm")), Number(view.at("expected95Mm")),
-      view.at("trust").get<std::string>() });
+      view.at("trust").get<std::string>(), view.at("reasons").get<std::vector<std::string>>() });
   }
   return found;
 }

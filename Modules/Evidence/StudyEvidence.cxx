@@ -107,6 +107,7 @@ StudyViewErrors ErrorsIn(const VirtualStudyTruth& truth, const VirtualView& view
   errors.ExpectedMedianMm = result.Expected.MedianMm;
   errors.Expected95Mm = result.Expected.Most95Mm;
   errors.Trust = NameOf(result.Trust.Level);
+  errors.Reasons = result.Trust.Reasons;
   PointCoverage coverage(breast);
   for (std::size_t index = 0; index < moved.size(); ++index)
   {

@@ -58,8 +58,9 @@ struct StudyViewErrors
   /// What the result says of its error (ExpectedError), mm; NaN where it says nothing.
   double ExpectedMedianMm = 0;
   double Expected95Mm = 0;
-  /// "good", "doubtful" or "none": what the report says of it.
+  /// "good", "doubtful" or "none": what the report says of it, and why it is not better.
   std::string Trust;
+  std::vector<std::string> Reasons;
 };
 
 /// How far points that both mammograms show were found in the MRI from where they are, by the true

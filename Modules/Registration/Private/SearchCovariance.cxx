@@ -112,10 +112,9 @@ constexpr double EdgeSigmaMm = 0.4;
 
 /**
  * Tissue in the model lies beside the true by a smooth displacement that no residual shows, since
- * the parameters have absorbed it: standard deviation each way, as of ModelErrorMm of Case, mm, and
- * the length over which it is alike, mm. What a picture tells is no better than that: where it is
- * compared by its gradients, ten twins' parameters were within two of their deviations in 64 %
- * without it, in 97 with it.
+ * the parameters have absorbed it: standard deviation each way, mm, and the length over which it is
+ * alike, mm. What a picture tells is no better than that: where it is compared by its gradients,
+ * ten twins' parameters were within two of their deviations in 64 % without it, in 97 with it.
  */
 constexpr double DisplacementMm = 0.4;
 constexpr double DisplacementAlikeMm = 30;
