@@ -183,8 +183,9 @@ TEST(EvidenceTables, HowOftenTheTruthIsWithinTwoSigma)
     view.ModelErrorNeeded = { 2.0 };
   }
   EXPECT_THAT(EvidenceTables(evidence),
-    HasSubstr("For 95 %: the model's own error times 1.00 by studies of even numbers, times 2.00 by "
-              "those of odd ones."));
+    HasSubstr(
+      "For 95 %: the model's own error times 1.00 by studies of even numbers, times 2.00 by "
+      "those of odd ones."));
 }
 
 TEST(Quantile, IsLinearBetweenValues)

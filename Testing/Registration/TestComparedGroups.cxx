@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "RegistrationTwin.h"
 #include "mammoray/Registration/Private/ComparedGroups.h"
+#include "mammoray/Registration/Private/SearchCovariance.h"
 
 #include <gtest/gtest.h>
 
@@ -57,6 +58,14 @@ TEST(ComparedGroups, TellTheSameVariancesWhateverTheyAreWeighedBy)
     EXPECT_NEAR(evaluator.Jacobian[1][first], change * column[first],
       1e-12 * std::abs(evaluator.Jacobian[1][first]));
   }
+  // Weighed by variances, the covariance is that of the weights and what parameters absorb.
+  const auto covariance = CovarianceAt(evaluator);
+  ASSERT_TRUE(covariance);
+  for (Eigen::Index unknown = 0; unknown < 2; ++unknown)
+  {
+    EXPECT_GT((*covariance)(unknown, unknown), after->Variances.Covariance(unknown, unknown));
+  }
+
   // What was scaled is what is found when it is computed again.
   const std::vector<double> weighed = evaluator.Residuals;
   const std::vector<double> weighedColumn = evaluator.Jacobian[1];
@@ -64,6 +73,15 @@ TEST(ComparedGroups, TellTheSameVariancesWhateverTheyAreWeighedBy)
   evaluator.Block[1] += 0.1;
   evaluator.PrepareForEvaluation(true, true);
   EXPECT_NE(evaluator.Residuals, weighed);
+  // 1 mm beside: at the bottom that is predicted there is little left to fall.
+  evaluator.Block[1] += 0.4;
+  evaluator.PrepareForEvaluation(true, true);
+  const RegistrationEvaluator::Bottom bottom = evaluator.PredictedBottom();
+  EXPECT_GT(bottom.Fall, 1);
+  evaluator.Block[0] += bottom.Step[0];
+  evaluator.Block[1] += bottom.Step[1];
+  evaluator.PrepareForEvaluation(true, true);
+  EXPECT_LT(evaluator.PredictedBottom().Fall, 0.2 * bottom.Fall);
   evaluator.Block = block;
   evaluator.ReturnTo({ breast.At(values, twin.At(Truth()).State()) });
   evaluator.PrepareForEvaluation(true, true);

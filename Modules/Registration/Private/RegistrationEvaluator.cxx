@@ -113,7 +113,7 @@ void RegistrationEvaluator::Weigh(const std::vector<std::vector<double>>& factor
   std::for_each(this->Jacobian.begin(), this->Jacobian.end(), multiply);
 }
 
-double RegistrationEvaluator::PredictedFall() const
+RegistrationEvaluator::Bottom RegistrationEvaluator::PredictedBottom() const
 {
   const auto count = static_cast<Eigen::Index>(this->Unknowns.size());
   Eigen::MatrixXd hessian = Eigen::MatrixXd::Zero(count, count);
@@ -139,7 +139,10 @@ double RegistrationEvaluator::PredictedFall() const
       hessian(u, u) = 1;
     }
   }
-  return 0.5 * gradient.dot(hessian.ldlt().solve(gradient));
+  Bottom bottom;
+  bottom.Step = -hessian.ldlt().solve(gradient);
+  bottom.Fall = -0.5 * gradient.dot(bottom.Step);
+  return bottom;
 }
 
 bool RegistrationEvaluator::IsExact() const

@@ -4,6 +4,7 @@
 
 #include "Private/MammogramEvaluator.h"
 
+#include <Eigen/Core>
 #include <ceres/evaluation_callback.h>
 
 #include <cstddef>
@@ -44,12 +45,15 @@ public:
   /// Jacobian; there and from there on.
   void Weigh(const std::vector<std::vector<double>>& factors);
 
-  /**
-   * How far the cost falls from the evaluated point to the bottom of its Gauss-Newton model,
-   * g^T H^-1 g / 2, residuals weighted as by the robust loss. Parameters that are at a bound and
-   * would go beyond it stay.
-   */
-  double PredictedFall() const;
+  /// The bottom of the cost's Gauss-Newton model, residuals weighted as by the robust loss, seen
+  /// from the evaluated point: the way there, -H^-1 g, in the block's units, and how far the cost
+  /// falls, g^T H^-1 g / 2. Parameters that are at a bound and would go beyond it stay.
+  struct Bottom
+  {
+    Eigen::VectorXd Step;
+    double Fall = 0;
+  };
+  Bottom PredictedBottom() const;
   /// By which the robust loss multiplies the square of each residual.
   std::vector<double> Weights() const;
 

@@ -291,6 +291,12 @@ void KeepParts(const std::vector<SearchUnknown>& unknowns, JointSearch& search)
 }
 }
 
+std::optional<Eigen::MatrixXd> CovarianceAt(RegistrationEvaluator& evaluator)
+{
+  const std::optional<ComparedGroups> compared = CompareGroups(evaluator);
+  return compared ? std::optional(EstimateOf(evaluator, *compared).Covariance) : std::nullopt;
+}
+
 void KeepCovariance(RegistrationEvaluator& evaluator, JointSearch& search)
 {
   evaluator.ReturnTo(search.States());

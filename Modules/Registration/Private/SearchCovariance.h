@@ -4,8 +4,17 @@
 
 #include "Private/JointSearch.h"
 
+#include <Eigen/Core>
+
+#include <optional>
+
 namespace mammoray
 {
+/// Of the unknowns over their scales, where the evaluator stands; nothing where that does not tell
+/// all of them.
+MAMMORAYREGISTRATION_EXPORT std::optional<Eigen::MatrixXd> CovarianceAt(
+  RegistrationEvaluator& evaluator);
+
 /**
  * Finds the covariance of the unknowns where the search stands, for all mammograms and each of
  * them, also with what is not known of the parameters that are held (consider covariance). How

@@ -4,6 +4,7 @@
 #include "Private/ComparedGroups.h"
 #include "Private/SearchCovariance.h"
 
+#include <Eigen/Dense>
 #include <ceres/ceres.h>
 #include <glog/logging.h>
 
@@ -68,11 +69,17 @@ private:
 class IterationRecorder : public ceres::IterationCallback
 {
 public:
-  IterationRecorder(const RegistrationEvaluator& evaluator, const Level& level, JointSearch& search)
+  /// `covariance`: of the unknowns over their scales, where it is known.
+  IterationRecorder(const RegistrationEvaluator& evaluator, const Level& level, JointSearch& search,
+    const std::optional<Eigen::MatrixXd>& covariance)
     : Source(evaluator)
     , Searched(level)
     , Search(search)
   {
+    if (covariance)
+    {
+      this->Measure.compute(*covariance);
+    }
   }
 
   ceres::CallbackReturnType operator()(const ceres::IterationSummary& summary) override
@@ -92,14 +99,23 @@ public:
         this->Keep(*this->Source.Mammograms[mammogram], this->Search.Mammograms[mammogram]);
       }
       this->Search.Observe();
-      this->Fall = this->Source.PredictedFall();
+      const RegistrationEvaluator::Bottom bottom = this->Source.PredictedBottom();
+      this->Fall = bottom.Fall;
+      this->Left = this->Measure.cols() == bottom.Step.size()
+        ? 0.5 * bottom.Step.dot(this->Measure.solve(bottom.Step))
+        : bottom.Fall;
     }
     return this->Fall < this->Searched.NegligibleFall ? ceres::SOLVER_TERMINATE_SUCCESSFULLY
                                                       : ceres::SOLVER_CONTINUE;
   }
 
-  /// By how much the best state can be expected to fall.
-  double Fall = std::numeric_limits<double>::infinity();
+  /// Whether the best state is as near to the bottom as is wanted: as a whole, each of the
+  /// parameters as far off as one may be.
+  bool Settled() const
+  {
+    return this->Left <
+      this->Searched.NegligibleFall * static_cast<double>(this->Source.Unknowns.size());
+  }
 
 private:
   void Keep(const MammogramEvaluator& evaluator, MammogramSearch& search) const
@@ -123,7 +139,12 @@ private:
   const RegistrationEvaluator& Source;
   const Level& Searched;
   JointSearch& Search;
+  Eigen::LDLT<Eigen::MatrixXd> Measure;
   double Least = std::numeric_limits<double>::infinity();
+  /// By how much the best state can be expected to fall: half the square of the way to the bottom
+  /// in deviations as the weights alone have them; and in those of the covariance.
+  double Fall = std::numeric_limits<double>::infinity();
+  double Left = std::numeric_limits<double>::infinity();
 };
 
 ceres::Solver::Options SolverOptions()
@@ -243,16 +264,16 @@ LevelEnd SearchLevel(std::vector<SearchedMammogram> mammograms, const Level& lev
   problemOptions.evaluation_callback = &evaluator;
   ceres::Problem problem(problemOptions);
   AddResiduals(evaluator, problem);
+  std::optional<Eigen::MatrixXd> covariance;
   if (const auto groups = level.Reweighed ? CompareGroups(evaluator) : std::nullopt)
   {
     evaluator.Weigh(groups->EstimatedFactors());
+    covariance = CovarianceAt(evaluator);
   }
-  IterationRecorder recorder(evaluator, level, search);
+  IterationRecorder recorder(evaluator, level, search, covariance);
   const QuietGlog quiet;
   const ceres::Solver::Summary summary = Minimise(level, evaluator, search, problem, recorder);
-  // As a whole: each of the parameters as far off as one may be.
-  const double left = level.NegligibleFall * static_cast<double>(search.Unknowns.size());
-  const Ending ending = EndingOf(evaluator, summary, recorder.Fall < left);
+  const Ending ending = EndingOf(evaluator, summary, recorder.Settled());
   for (std::size_t mammogram = 0; mammogram < search.Mammograms.size(); ++mammogram)
   {
     KeepEnd(*evaluator.Mammograms[mammogram], ending, search.Mammograms[mammogram].Result);

@@ -22,6 +22,7 @@ struct Level
 {
   double PixelSizeMm = 0;
   PictureComparison Comparison = PictureComparison::Global;
+  /// Half the square of the way to the bottom, in standard deviations: with less left it ends.
   double NegligibleFall = 0;
   int MaximumIterations = 0;
   /// The finest resolution as the result is to compare it.
@@ -31,7 +32,8 @@ struct Level
    * comparison has converged: generalised least squares with an estimated covariance, in two
    * stages (Carroll and Ruppert 1988, chapter 2, where more cycles gain nothing to first order).
    * Estimated anew at the end it would run away: outlines that count less fit less, and count
-   * still less then.
+   * still less then. Whether it has settled where its iterations are spent, the
+   * deviations tell that a result has: those of the weights alone lack what parameters absorb.
    */
   bool Reweighed = false;
 };
