@@ -332,12 +332,13 @@ double ModelErrorFor95(const std::vector<StudyRun>& runs,
   std::vector<double> needed;
   for (const StudyRun& run : runs)
   {
+    if (!wanted(run))
+    {
+      continue;
+    }
     for (const StudyViewErrors& view : run.Views)
     {
-      if (wanted(run))
-      {
-        Append(needed, view.ModelErrorNeeded);
-      }
+      Append(needed, view.ModelErrorNeeded);
     }
   }
   return needed.empty() ? std::numeric_limits<double>::quiet_NaN() : Quantile(needed, 0.95);
@@ -348,10 +349,12 @@ std::string ModelErrorText(const std::vector<StudyRun>& runs)
 {
   const auto half = [&](std::uint32_t odd)
   { return ModelErrorFor95(runs, [odd](const StudyRun& run) { return run.Seed % 2 == odd; }); };
-  return std::isfinite(half(0)) && std::isfinite(half(1))
+  const double even = half(0);
+  const double odd = half(1);
+  return std::isfinite(even) && std::isfinite(odd)
     ? Line("For 95 %%: the model's own error times %.2f by studies of even numbers, times %.2f by "
            "those of odd ones.\n\n",
-        half(0), half(1))
+        even, odd)
     : "";
 }
 

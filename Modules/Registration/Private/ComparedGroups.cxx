@@ -99,15 +99,15 @@ Eigen::MatrixXd PriorRows(const RegistrationEvaluator& evaluator, const Eigen::M
 }
 }
 
-std::vector<std::vector<double>> ComparedGroups::EstimatedFactors() const
+void ComparedGroups::WeighByVariances(RegistrationEvaluator& evaluator)
 {
-  std::vector<std::vector<double>> factors(this->Mammogram.back() + 1);
+  std::vector<std::vector<double>> factors(evaluator.Mammograms.size());
   for (std::size_t group = 0; group < this->Groups.size(); ++group)
   {
-    factors[this->Mammogram[group]].push_back(
-      std::sqrt(this->Variances.Weight(this->Groups, group)));
+    this->Factors[group] = std::sqrt(this->Variances.Weight(this->Groups, group));
+    factors[this->Mammogram[group]].push_back(this->Factors[group]);
   }
-  return factors;
+  evaluator.Weigh(factors);
 }
 
 std::optional<ComparedGroups> CompareGroups(RegistrationEvaluator& evaluator)

@@ -27,9 +27,9 @@ struct MAMMORAYREGISTRATION_EXPORT ComparedGroups
   /// What the residuals themselves tell.
   VarianceComponents Variances;
 
-  /// What would make each group's residuals standard deviations by Variances: of each mammogram, as
-  /// RegistrationEvaluator::Weigh takes them.
-  std::vector<std::vector<double>> EstimatedFactors() const;
+  /// Makes each group's residuals standard deviations by Variances, here as in the evaluator, which
+  /// stands where these were compared; Groups and Variances are what they were.
+  void WeighByVariances(RegistrationEvaluator& evaluator);
 };
 
 /// Where the evaluator stands, by its Jacobian there; nothing where that does not tell all of the

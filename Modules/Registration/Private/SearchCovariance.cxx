@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Private/SearchCovariance.h"
 
-#include "Private/ComparedGroups.h"
-
 #include <Eigen/Dense>
 
 #include <algorithm>
@@ -291,10 +289,9 @@ void KeepParts(const std::vector<SearchUnknown>& unknowns, JointSearch& search)
 }
 }
 
-std::optional<Eigen::MatrixXd> CovarianceAt(RegistrationEvaluator& evaluator)
+Eigen::MatrixXd CovarianceOf(RegistrationEvaluator& evaluator, const ComparedGroups& compared)
 {
-  const std::optional<ComparedGroups> compared = CompareGroups(evaluator);
-  return compared ? std::optional(EstimateOf(evaluator, *compared).Covariance) : std::nullopt;
+  return EstimateOf(evaluator, compared).Covariance;
 }
 
 void KeepCovariance(RegistrationEvaluator& evaluator, JointSearch& search)

@@ -2,18 +2,16 @@
 #ifndef mammoray_SearchCovariance_h
 #define mammoray_SearchCovariance_h
 
+#include "Private/ComparedGroups.h"
 #include "Private/JointSearch.h"
 
 #include <Eigen/Core>
 
-#include <optional>
-
 namespace mammoray
 {
-/// Of the unknowns over their scales, where the evaluator stands; nothing where that does not tell
-/// all of them.
-MAMMORAYREGISTRATION_EXPORT std::optional<Eigen::MatrixXd> CovarianceAt(
-  RegistrationEvaluator& evaluator);
+/// Of the unknowns over their scales, where the evaluator stands and its groups were compared.
+MAMMORAYREGISTRATION_EXPORT Eigen::MatrixXd CovarianceOf(RegistrationEvaluator& evaluator,
+  const ComparedGroups& compared);
 
 /**
  * Finds the covariance of the unknowns where the search stands, for all mammograms and each of

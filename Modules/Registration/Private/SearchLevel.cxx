@@ -265,10 +265,10 @@ LevelEnd SearchLevel(std::vector<SearchedMammogram> mammograms, const Level& lev
   ceres::Problem problem(problemOptions);
   AddResiduals(evaluator, problem);
   std::optional<Eigen::MatrixXd> covariance;
-  if (const auto groups = level.Reweighed ? CompareGroups(evaluator) : std::nullopt)
+  if (auto groups = level.Reweighed ? CompareGroups(evaluator) : std::nullopt)
   {
-    evaluator.Weigh(groups->EstimatedFactors());
-    covariance = CovarianceAt(evaluator);
+    groups->WeighByVariances(evaluator);
+    covariance = CovarianceOf(evaluator, *groups);
   }
   IterationRecorder recorder(evaluator, level, search, covariance);
   const QuietGlog quiet;

@@ -32,8 +32,9 @@ struct Level
    * comparison has converged: generalised least squares with an estimated covariance, in two
    * stages (Carroll and Ruppert 1988, chapter 2, where more cycles gain nothing to first order).
    * Estimated anew at the end it would run away: outlines that count less fit less, and count
-   * still less then. Whether it has settled where its iterations are spent, the
-   * deviations tell that a result has: those of the weights alone lack what parameters absorb.
+   * still less then. Whether it has settled where its iterations are spent, a
+   * covariance tells that is made as a result's, of where the level begins: that of the weights
+   * alone lacks what parameters absorb.
    */
   bool Reweighed = false;
 };
