@@ -24,13 +24,18 @@ import sys
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 # The version that the style was written for: others format and warn otherwise.
 FORMAT, TIDY = "clang-format-14", "clang-tidy-14"
-# What a source defines at the left margin under a name without `::`: its types, functions, constants and macros.
+# What a source defines at the left margin under a name without `::`: its types, functions, constants and macros; a
+# function with what it takes, for others of its name may stand beside it; another name of a type with what it is.
 OWN_NAMES = re.compile(
     r"^(?!namespace\b|using namespace\b|return\b|else\b)"
     r"(?:\[\[\w+\]\] )?(?:(?:template|inline|static|constexpr|const)\b[^\n(]*?)?"
-    r"(?:(?:struct|class|enum class|enum|using)[ ]+(\w+)"
+    r"(?:using[ ]+(\w+)[ ]*=([^;]*);"
+    r"|(?:struct|class|enum class|enum)[ ]+(\w+)"
     r"|#define[ ]+(\w+)"
-    r"|[A-Za-z_][\w:<>,&* ]*?[ &*](\w+)[ ]*(?:\(|\{|=|\[|$))", re.MULTILINE)
+    r"|[A-Za-z_][\w:<>,&* ]*?[ &*](\w+)[ ]*(?:\(([^)]*)\)|\{|=|\[|$))", re.MULTILINE)
+
+# Sources read together at most.
+LARGEST_PIECE = 40
 
 # ITK's headers, made for GCC, refuse clang by its name: for one of them it is a GCC 12.
 ITK = "".join([
@@ -73,6 +78,26 @@ def arguments_of(entry):
     return tuple(kept)
 
 
+def own_names(text):
+    """What each name of a source's own is: one alias or one set of parameters as text, else nothing."""
+    names = {}
+    for alias, type_name, class_name, macro, other, parameters in OWN_NAMES.findall(text):
+        if alias:
+            names[alias] = f"= {type_name.strip()}"
+        elif other and parameters:
+            # Of another source's functions of the name one may take the same.
+            names[f"{other}({' '.join(parameters.split())})"] = None
+            names.setdefault(other, "(")
+        else:
+            names[class_name or macro or other] = None
+    return names
+
+
+def disagree(one, other):
+    """Whether a name of both is not the same alias in both, nor functions that take something different."""
+    return any(one[name] is None or one[name] != other[name] for name in one.keys() & other.keys())
+
+
 def sources_of(path):
     """What is compiled: the file, or those that a unity build's file includes."""
     if path.parent.name != "Unity":
@@ -90,11 +115,13 @@ def pieces(build, wanted):
                 groups.setdefault((arguments_of(entry), entry["directory"]), []).append(path)
     for (arguments, directory), paths in groups.items():
         batches = []
-        for path in sorted(set(paths)):
-            names = {n for match in OWN_NAMES.findall(path.read_text()) for n in match if n}
+        # Xlib's macros change the words that come after.
+        texts = {path: path.read_text() for path in paths}
+        for path in sorted(texts, key=lambda path: ("<X11/" in texts[path], path)):
+            names = own_names(texts[path])
             for batch_names, batch in batches:
-                if not batch_names & names and len(batch) < 12:
-                    batch_names |= names
+                if len(batch) < LARGEST_PIECE and not disagree(batch_names, names):
+                    batch_names.update(names)
                     batch.append(path)
                     break
             else:
