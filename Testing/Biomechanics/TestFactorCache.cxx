@@ -47,13 +47,87 @@ TEST(FactorCache, SolvesForMatricesNearby)
   {
     EXPECT_NEAR(solution[k], exact[k], 1e-9 * (k < n ? 1 : 1e4));
   }
-  ASSERT_TRUE(cache.SolveNearby(near, { right.begin(), right.begin() + n }, solution));
+  ASSERT_TRUE(cache.SolveNearby(near, x, { right.begin(), right.begin() + n }, solution));
   for (int k = 0; k < n; ++k)
   {
     EXPECT_NEAR(solution[k], exact[k], 1e-3);
   }
   cache.Forget();
   EXPECT_TRUE(std::isinf(cache.DistanceMm(x)));
+}
+
+/// Second differences on a grid of side^3, on the diagonal with `more`, and a pattern for them.
+std::vector<double> GridMatrix(int side, double more, SparsePattern& pattern)
+{
+  pattern = {};
+  std::vector<double> values;
+  for (int c = 0; c < side * side * side; ++c)
+  {
+    const auto add = [&](int row, double value)
+    {
+      pattern.Rows.push_back(row);
+      values.push_back(value);
+    };
+    add(c, 6 + more);
+    if (c % side + 1 < side)
+    {
+      add(c + 1, -1);
+    }
+    if (c / side % side + 1 < side)
+    {
+      add(c + side, -1);
+    }
+    if (c / side / side + 1 < side)
+    {
+      add(c + side * side, -1);
+    }
+    pattern.Starts.push_back(static_cast<int>(pattern.Rows.size()));
+  }
+  return values;
+}
+
+TEST(FactorCache, AnExpensiveFactorServesFromFartherAway)
+{
+  for (const int side : { 12, 44 })
+  {
+    const bool expensive = side == 44;
+    SparsePattern pattern;
+    const std::vector<double> other = GridMatrix(side, 0.2, pattern);
+    const std::vector<double> values = GridMatrix(side, 0.1, pattern);
+    FactorCache cache(pattern);
+    const std::vector<double> at(pattern.Starts.size() - 1, 1.0);
+    const std::vector<double> away(at.size(), 1.4);
+    std::vector<double> right(at.size(), 0.0);
+    right[at.size() / 2] = 1;
+    std::vector<double> solution, product(at.size());
+    EXPECT_FALSE(cache.SolveNearby(values, at, right, solution)) << "of a factor that is not there";
+    const auto residual = [&]
+    {
+      cache.Multiply(values, solution.data(), product.data());
+      double squares = 0;
+      for (std::size_t k = 0; k < product.size(); ++k)
+      {
+        squares += (product[k] - right[k]) * (product[k] - right[k]);
+      }
+      return std::sqrt(squares);
+    };
+
+    ASSERT_TRUE(cache.Factorize(other, at));
+    EXPECT_EQ(cache.SolveNearby(values, away, right, solution), expensive);
+    EXPECT_TRUE(!expensive || residual() < 1e-2);
+    EXPECT_FALSE(cache.SolveNearby(values, std::vector<double>(at.size(), 1.6), right, solution));
+
+    // So does that of a mixed matrix, but nothing else is told of its positions.
+    std::vector<double> indefinite = values;
+    indefinite[0] = -1;
+    ASSERT_TRUE(cache.FactorizeMixed(indefinite, at, [&] { return other; }));
+    EXPECT_GT(cache.Share(), 0);
+    EXPECT_TRUE(std::isinf(cache.DistanceMm(at)));
+    EXPECT_EQ(cache.SolveNearby(values, at, right, solution), expensive);
+    right.assign(at.size(), 0.0);
+    right[0] = 1;
+    EXPECT_FALSE(cache.SolveNearby(indefinite, at, right, solution)) << "indefinite";
+  }
 }
 
 TEST(FactorCache, MixesInAsLittleAsNeeded)

@@ -59,7 +59,8 @@ bool NewtonSolver::FactorizeAt(const std::vector<double>& x, bool stiffer)
   return current.Valid && this->Cache.FactorizeMixed(current.Hessian, x, projected, stiffer);
 }
 
-bool NewtonSolver::FindStep(const std::vector<double>& x, std::vector<double>& step)
+std::optional<double> NewtonSolver::FindStep(const std::vector<double>& x,
+  std::vector<double>& step)
 {
   const std::vector<std::int32_t>& coordinates = this->Function.Coordinates();
   std::vector<double> force(coordinates.size());
@@ -67,10 +68,10 @@ bool NewtonSolver::FindStep(const std::vector<double>& x, std::vector<double>& s
   {
     force[u] = -this->Current.Gradient[coordinates[u]];
   }
-  if (this->Cache.DistanceMm(x) < FactorCache::NearMm &&
-    this->Cache.SolveNearby(this->Current.Hessian, force, step))
+  if (this->Cache.SolveNearby(this->Current.Hessian, x, force, step) &&
+    LargestMagnitude(step) <= LargestStepMm)
   {
-    return true;
+    return 0.0;
   }
   // A huge step comes from a matrix that is nearly singular; a stiffer one leads farther than a
   // small part of it.
@@ -78,13 +79,13 @@ bool NewtonSolver::FindStep(const std::vector<double>& x, std::vector<double>& s
   {
     if (!this->FactorizeAt(x, stiffer))
     {
-      return false;
+      return std::nullopt;
     }
     step = force;
     this->Cache.Solve(step);
     if (this->Cache.Share() == 1 || LargestMagnitude(step) <= LargestStepMm)
     {
-      return true;
+      return this->Cache.Share();
     }
   }
 }
@@ -154,7 +155,8 @@ NewtonResult NewtonSolver::Minimize(std::vector<double>& x, double tolerance, in
       return result;
     }
     ReportProgress(progress, 0, "equilibrium");
-    if (!this->FindStep(x, step))
+    const std::optional<double> share = this->FindStep(x, step);
+    if (!share)
     {
       result.Reason = "the stiffness matrix is singular";
       return result;
@@ -165,7 +167,7 @@ NewtonResult NewtonSolver::Minimize(std::vector<double>& x, double tolerance, in
       result.Reason = "no step lowers the energy";
       return result;
     }
-    const bool struggles = this->Cache.Share() > 0 || length < 1;
+    const bool struggles = *share > 0 || length < 1;
     if (parts == Parts::Relaxed && struggles && this->At(x).RelativeResidual() > tolerance)
     {
       this->RelaxWorstPart(x, progress);

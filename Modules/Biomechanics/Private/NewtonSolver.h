@@ -8,6 +8,7 @@
 #include "mammorayBiomechanicsModule.h"
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -57,7 +58,8 @@ public:
   const FactorCache& Factor() const { return this->Cache; }
 
 private:
-  bool FindStep(const std::vector<double>& x, std::vector<double>& step);
+  /// Answers the share of a stiffer matrix that the step took; none where the matrix is singular.
+  std::optional<double> FindStep(const std::vector<double>& x, std::vector<double>& step);
   bool SearchAlong(const std::vector<double>& step, std::vector<double>& x, double& length);
   /**
    * Minimises over the part with the largest residual, the others fixed. Tissue folds and slips at

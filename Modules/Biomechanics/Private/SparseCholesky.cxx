@@ -14,8 +14,9 @@ namespace mammoray
 {
 namespace
 {
-/// Operations of a factorisation from which on several threads are worth their waiting: those of
-/// some twenty thousand unknowns (40,000: 8e10, by two threads in 0.6 of the time).
+/// Operations of a factorisation from which on several threads are worth their waiting and the last
+/// factor serves from farther away: those of some twenty thousand unknowns (40,000: 8e10, by two
+/// threads in 0.6 of the time).
 constexpr double ManyOperations = 2e10;
 }
 
@@ -98,7 +99,7 @@ bool SparseCholesky::Factorize(const std::vector<double>& values)
   cholmod_sparse matrix = View(this->Starts, this->Rows, values.data());
   cholmod_common& common = this->Internal->Common;
   std::optional<SingleThreaded> single;
-  if (this->Internal->Operations < ManyOperations)
+  if (!this->Expensive())
   {
     single.emplace();
   }
@@ -107,6 +108,11 @@ bool SparseCholesky::Factorize(const std::vector<double>& values)
   this->Valid = common.status != CHOLMOD_NOT_POSDEF &&
     this->Internal->Factor->minor == this->Internal->Factor->n;
   return this->Valid;
+}
+
+bool SparseCholesky::Expensive() const
+{
+  return this->Internal->Operations >= ManyOperations;
 }
 
 void SparseCholesky::Solve(std::vector<double>& columns)

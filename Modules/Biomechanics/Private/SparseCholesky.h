@@ -29,6 +29,9 @@ public:
   void Solve(std::vector<double>& columns);
   /// y = A x of the symmetric matrix with these values.
   void Multiply(const std::vector<double>& values, const double* x, double* y) const;
+  /// Whether a factorisation takes as long as a score of solutions and more: 46,206 unknowns of a
+  /// breast, 25 to 30; 12,318 of one, 13.
+  bool Expensive() const;
   bool Usable() const { return this->Valid; }
   /// Most memory taken so far for factor and working space, bytes.
   double PeakBytes() const;
