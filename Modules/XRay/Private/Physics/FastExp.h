@@ -6,9 +6,9 @@
 #include <cstdint>
 
 // Loops over energies are most of a polychromatic image; GCC makes a version of a function that is
-// marked so for each of these.
+// marked so for each of these. Sanitizers are called by what chooses one, before they have begun.
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) &&                             \
-  !defined(__SANITIZE_ADDRESS__)
+  !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 #define MAMMORAY_VECTOR_CLONES __attribute__((target_clones("default", "avx2", "avx512f")))
 #else
 #define MAMMORAY_VECTOR_CLONES
