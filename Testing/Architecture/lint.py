@@ -79,22 +79,22 @@ def arguments_of(entry):
 
 
 def own_names(text):
-    """What each name of a source's own is: one alias or one set of parameters as text, else nothing."""
+    """What a source defines: by name an alias' type or "(" for functions, which may be told apart by what they take,
+    by name and parameters; with None what no other source may define."""
     names = {}
     for alias, type_name, class_name, macro, other, parameters in OWN_NAMES.findall(text):
         if alias:
-            names[alias] = f"= {type_name.strip()}"
+            names[alias] = type_name.strip()
         elif other and parameters:
-            # Of another source's functions of the name one may take the same.
-            names[f"{other}({' '.join(parameters.split())})"] = None
             names.setdefault(other, "(")
+            names[f"{other}({' '.join(parameters.split())})"] = None
         else:
             names[class_name or macro or other] = None
     return names
 
 
 def disagree(one, other):
-    """Whether a name of both is not the same alias in both, nor functions that take something different."""
+    """Whether two sources define something that cannot stand beside the other's."""
     return any(one[name] is None or one[name] != other[name] for name in one.keys() & other.keys())
 
 

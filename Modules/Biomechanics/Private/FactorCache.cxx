@@ -23,7 +23,7 @@ struct Reach
 };
 constexpr Reach OfCheap{ FactorCache::NearMm, 1e-3, 6 };
 /// From 0.3 to 0.6 mm away a hundredth takes 8 to 10 steps, a thousandth 10 to 13 (the FDA's
-/// phantom); two thousandths in 16 cost more in vain than they spared Newton steps.
+/// phantom).
 constexpr Reach OfExpensive{ 0.5, 1e-2, 14 };
 constexpr int MostRefinements = 8;
 constexpr double RefinementTolerance = 1e-9;

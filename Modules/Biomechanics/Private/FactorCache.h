@@ -49,9 +49,9 @@ public:
   /**
    * The solution for the matrix `values` of the positions `x` by conjugate gradients, to a
    * thousandth, where the factor's positions are near. An expensive factor, of a mixed matrix too,
-   * serves from 0.5 mm away, to a hundredth, in steps that take half a factorisation's time
-   * at most. Answers false where it is too far, the steps do not suffice or
-   * the matrix is found indefinite.
+   * serves from 0.5 mm away, to a hundredth, in steps that take some half of a factorisation's time
+   * at most. Answers false where it is too far, the steps do not suffice or the matrix is found
+   * indefinite.
    */
   bool SolveNearby(const std::vector<double>& values, const std::vector<double>& x,
     const std::vector<double>& right, std::vector<double>& solution);
