@@ -233,13 +233,12 @@ std::vector<std::vector<double>> EquilibriumSensitivities(const EquilibriumEnerg
   if (!(factor.DistanceMm(x) < FactorCache::NearMm) ||
     !factor.RefineNearby(current.Hessian, right, count, solution))
   {
-    if (!factor.Factorize(current.Hessian, x))
+    if (!factor.Factorize(current.Hessian, x) ||
+      !factor.RefineNearby(current.Hessian, right, count, solution))
     {
       throw ConvergenceError("sensitivities: expected a stable equilibrium, found a stiffness "
                              "matrix that is not positive definite");
     }
-    solution = right;
-    factor.Solve(solution);
   }
   const std::vector<std::int32_t>& coordinates = energy.Coordinates();
   const std::size_t n = coordinates.size();

@@ -81,8 +81,7 @@ std::optional<double> NewtonSolver::FindStep(const std::vector<double>& x,
     {
       return std::nullopt;
     }
-    step = force;
-    this->Cache.Solve(step);
+    this->Cache.SolveOwn(this->Current.Hessian, force, step);
     if (this->Cache.Share() == 1 || LargestMagnitude(step) <= LargestStepMm)
     {
       return this->Cache.Share();

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "Private/SparseLu.h"
+#include "Private/Factors/SparseLu.h"
 
-#include "Private/SingleThreaded.h"
+#include "Private/Factors/SingleThreaded.h"
 #include "mammoray/Foundation/Error.h"
 
 #include <umfpack.h>

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "Private/SparseCholesky.h"
+#include "Private/Factors/SparseCholesky.h"
 
-#include "Private/SingleThreaded.h"
+#include "Private/Factors/SingleThreaded.h"
+#include "Private/Factors/SupernodalFactor.h"
 #include "mammoray/Foundation/Error.h"
 
 #include <cholmod.h>
@@ -14,9 +15,9 @@ namespace mammoray
 {
 namespace
 {
-/// Operations of a factorisation from which on several threads are worth their waiting and the last
-/// factor serves from farther away: those of some twenty thousand unknowns (40,000: 8e10, by two
-/// threads in 0.6 of the time).
+/// Operations of a factorisation from which on single precision and several threads are worth it,
+/// and the last factor serves from farther away: those of some twenty thousand unknowns (40,000:
+/// 8e10, by two threads in 0.6 of the time).
 constexpr double ManyOperations = 2e10;
 }
 
@@ -29,6 +30,8 @@ struct SparseCholesky::Internals
   cholmod_dense* MoreWork = nullptr;
   /// What one factorisation takes.
   double Operations = 0;
+  /// An expensive factor, which Factor has analysed.
+  std::optional<SupernodalFactor> Single;
 
   Internals() { cholmod_start(&this->Common); }
   ~Internals()
@@ -73,6 +76,23 @@ cholmod_sparse View(const std::vector<int>& starts, const std::vector<int>& rows
   matrix.packed = 1;
   return matrix;
 }
+
+/// What CHOLMOD's analysis has found.
+Supernodes Copied(const cholmod_factor& factor)
+{
+  const auto copy = [](auto& target, const void* source, std::size_t size)
+  {
+    const auto* values = static_cast<const int*>(source);
+    target.assign(values, values + size);
+  };
+  Supernodes nodes;
+  copy(nodes.Order, factor.Perm, factor.n);
+  copy(nodes.FirstColumns, factor.super, factor.nsuper + 1);
+  copy(nodes.RowStarts, factor.pi, factor.nsuper + 1);
+  copy(nodes.ValueStarts, factor.px, factor.nsuper + 1);
+  copy(nodes.Rows, factor.s, factor.ssize);
+  return nodes;
+}
 }
 
 SparseCholesky::SparseCholesky(const std::vector<int>& starts, const std::vector<int>& rows)
@@ -90,19 +110,25 @@ SparseCholesky::SparseCholesky(const std::vector<int>& starts, const std::vector
   this->Internal->Factor = cholmod_analyze(&matrix, &common);
   this->Internal->Check("the ordering");
   this->Internal->Operations = common.fl;
+  if (this->Expensive())
+  {
+    this->Internal->Single.emplace(Copied(*this->Internal->Factor), starts, rows);
+    cholmod_free_factor(&this->Internal->Factor, &common);
+  }
 }
 
 SparseCholesky::~SparseCholesky() = default;
 
 bool SparseCholesky::Factorize(const std::vector<double>& values)
 {
+  if (this->Internal->Single)
+  {
+    this->Valid = this->Internal->Single->Factorize(values);
+    return this->Valid;
+  }
   cholmod_sparse matrix = View(this->Starts, this->Rows, values.data());
   cholmod_common& common = this->Internal->Common;
-  std::optional<SingleThreaded> single;
-  if (!this->Expensive())
-  {
-    single.emplace();
-  }
+  const SingleThreaded single;
   cholmod_factorize(&matrix, this->Internal->Factor, &common);
   this->Internal->Check("the factorisation");
   this->Valid = common.status != CHOLMOD_NOT_POSDEF &&
@@ -117,6 +143,12 @@ bool SparseCholesky::Expensive() const
 
 void SparseCholesky::Solve(std::vector<double>& columns)
 {
+  const SingleThreaded single;
+  if (this->Internal->Single)
+  {
+    this->Internal->Single->Solve(columns);
+    return;
+  }
   const std::size_t n = this->Starts.size() - 1;
   cholmod_dense right{};
   right.nrow = n;
@@ -127,7 +159,6 @@ void SparseCholesky::Solve(std::vector<double>& columns)
   right.xtype = CHOLMOD_REAL;
   right.dtype = CHOLMOD_DOUBLE;
   Internals& internal = *this->Internal;
-  const SingleThreaded single;
   cholmod_solve2(CHOLMOD_A, internal.Factor, &right, nullptr, &internal.Solution, nullptr,
     &internal.Work, &internal.MoreWork, &internal.Common);
   internal.Check("the back-substitution");
@@ -157,6 +188,7 @@ void SparseCholesky::Multiply(const std::vector<double>& values, const double* x
 
 double SparseCholesky::PeakBytes() const
 {
-  return static_cast<double>(this->Internal->Common.memory_usage);
+  return static_cast<double>(this->Internal->Common.memory_usage) +
+    (this->Internal->Single ? this->Internal->Single->Bytes() : 0);
 }
 }
