@@ -109,17 +109,28 @@ void AddDeterminantHessian(const Eigen::Matrix3d& f, double s, Matrix9& a)
   }
 }
 
+/// Adds v w^T, column by column: Eigen makes a matrix of it first.
+void AddOuterProduct(const Vector9& v, const Vector9& w, Matrix9& a)
+{
+  for (int j = 0; j < 9; ++j)
+  {
+    a.col(j) += w[j] * v;
+  }
+}
+
 /// Adds to `a` what makes it positive semidefinite on the space spanned by `basis`, orthonormal,
 /// that it maps into itself.
 template <int Size>
 void ProjectOn(const Eigen::Matrix<double, 9, Size>& basis, Matrix9& a)
 {
-  const Eigen::Matrix<double, Size, Size> block = basis.transpose() * a * basis;
+  // Eigen's product of matrices packs them, which takes longer than these do.
+  const Eigen::Matrix<double, 9, Size> image = a.lazyProduct(basis);
+  const Eigen::Matrix<double, Size, Size> block = basis.transpose().lazyProduct(image);
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, Size, Size>> eigen(block);
   for (int k = 0; k < Size && eigen.eigenvalues()[k] < 0; ++k)
   {
     const Vector9 direction = basis * eigen.eigenvectors().col(k);
-    a -= eigen.eigenvalues()[k] * direction * direction.transpose();
+    AddOuterProduct(direction, -eigen.eigenvalues()[k] * direction, a);
   }
 }
 
@@ -352,18 +363,18 @@ Matrix9 PointStiffness(const PointState<Cell>& state, const ShapeEnergy& law, co
   const double invariant = power.Value * trace - 3;
   const double ratio = trace / (3 * power.SlopeJ);
   const double scale = 2 * power.Value * law.Slope(invariant);
-  const Eigen::Map<const Vector9> fVector(state.F.data());
-  const Eigen::Map<const Vector9> cVector(state.Cofactor.data());
-  Matrix9 a = Matrix9::Identity();
-  a -= (2 / (3 * power.SlopeJ)) * (fVector * cVector.transpose() + cVector * fVector.transpose());
-  a += (5 * ratio / (3 * power.CurvatureJ)) * cVector * cVector.transpose();
-  a *= scale;
-  a += pointKappa * cVector * cVector.transpose();
+  const Vector9 f = Eigen::Map<const Vector9>(state.F.data());
+  const Vector9 c = Eigen::Map<const Vector9>(state.Cofactor.data());
+  const double mixed = -2 * scale / (3 * power.SlopeJ);
+  const double square = 5 * scale * ratio / (3 * power.CurvatureJ) + pointKappa;
+  Matrix9 a = scale * Matrix9::Identity();
+  AddOuterProduct(f, mixed * c, a);
+  AddOuterProduct(c, mixed * f + square * c, a);
   AddDeterminantHessian(state.F, pressure - scale * ratio, a);
   if (law.Exponent > 0)
   {
-    const Eigen::Map<const Vector9> d(direction.data());
-    a += 4 * power.Value * power.Value * law.Curvature(invariant) * d * d.transpose();
+    const Vector9 d = Eigen::Map<const Vector9>(direction.data());
+    AddOuterProduct(d, 4 * power.Value * power.Value * law.Curvature(invariant) * d, a);
   }
   return a;
 }
