@@ -119,7 +119,7 @@ std::vector<double> Beside(const std::vector<double>& values,
   return beside;
 }
 
-void Search(Walk& walk, Place here, const RegistrationOptions& options,
+void AnnealFrom(Walk& walk, Place here, const RegistrationOptions& options,
   const AnnealingOptions& annealing, const ProgressCallback& progress)
 {
   std::mt19937 generator(annealing.Seed);
@@ -187,7 +187,7 @@ RegistrationResult Anneal(BreastModel& model, const UnitPlacement& placement,
   result.StopReason = "the equilibria are spent";
   try
   {
-    Search(walk, first, options, annealing, progress);
+    AnnealFrom(walk, first, options, annealing, progress);
   }
   catch (const Interrupted&)
   {

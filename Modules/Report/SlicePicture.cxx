@@ -18,7 +18,7 @@ namespace
 constexpr int SlicesPerPlane = 3;
 constexpr int PanelPixels = 360; // the longer side
 constexpr int SliceMargin = 12;
-constexpr int TitleHeight = 28;
+constexpr int PlaneTitleHeight = 28;
 constexpr int SliceLegendWidth = 170;
 constexpr double BorderMm = 5.0;
 /// Of letters on a slice.
@@ -222,7 +222,7 @@ Picture SlicePicture(const IntensityVolume& image, const LabelVolume& labels,
   for (const Plane& plane : Planes)
   {
     rowWidth = std::max(rowWidth, SlicesPerPlane * (slices.Pixels(plane.Right) + SliceMargin));
-    height += slices.Pixels(plane.Up) + TitleHeight;
+    height += slices.Pixels(plane.Up) + PlaneTitleHeight;
   }
   width += rowWidth;
   Picture picture(width, height);
@@ -237,9 +237,10 @@ Picture SlicePicture(const IntensityVolume& image, const LabelVolume& labels,
       slices.Draw(picture, left, top, plane, place);
       char title[80];
       std::snprintf(title, sizeof(title), "%s, %s %.0f mm", plane.Name, plane.Direction, place);
-      picture.Text(left + 0.5 * slices.Pixels(plane.Right), top - 0.5 * TitleHeight, 0.5, title);
+      picture.Text(left + 0.5 * slices.Pixels(plane.Right), top - 0.5 * PlaneTitleHeight, 0.5,
+        title);
     }
-    top -= TitleHeight;
+    top -= PlaneTitleHeight;
   }
   std::size_t row = 0;
   for (const auto& [label, count] : labels.CountLabels())
@@ -269,7 +270,7 @@ void AnnotateSlice(Picture& picture, const Slices& slices, const Plane& plane, i
   picture.Text(left + 0.5 * width, low + Inset, 0.5, plane.Letters[3], style);
   char title[80];
   std::snprintf(title, sizeof title, "%s, %s %.0f mm", plane.Name, plane.Direction, place);
-  picture.Text(left + 0.5 * width, low - 0.5 * TitleHeight, 0.5, title);
+  picture.Text(left + 0.5 * width, low - 0.5 * PlaneTitleHeight, 0.5, title);
 }
 
 /// Outlines of a lesion in a slice whose lower left corner is at `left`, `low`.
@@ -313,7 +314,7 @@ LayeredPicture DrawPointSlices(const PointSlices& shown)
   }
   const auto present = shown.Image ? std::map<int, std::size_t>{} : shown.Labels->CountLabels();
   width += shown.Image ? 0 : SliceLegendWidth;
-  height += TitleHeight + SliceMargin;
+  height += PlaneTitleHeight + SliceMargin;
   Picture picture(width, height);
   SvgLines lines(height);
   int left = SliceMargin;

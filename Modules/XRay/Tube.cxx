@@ -16,7 +16,7 @@ namespace mammoray
 namespace
 {
 constexpr double BinKeV = 0.5;
-constexpr double LowestKeV = 5;
+constexpr double LowestTubeKeV = 5;
 constexpr double LeastKilovolts = 18;
 constexpr double MostKilovolts = 42;
 
@@ -104,7 +104,7 @@ Spectrum TubeSpectrum(const XRayTube& tube)
   for (std::size_t bin = 0; bin < anode.Bins->size(); ++bin)
   {
     const double energy = anode.FirstKeV + BinKeV * static_cast<double>(bin);
-    if (energy < LowestKeV || energy > kilovolts)
+    if (energy < LowestTubeKeV || energy > kilovolts)
     {
       continue;
     }

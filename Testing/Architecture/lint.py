@@ -39,8 +39,9 @@ LARGEST_PIECE = 40
 
 # ITK's headers, made for GCC, refuse clang by its name: for one of them it is a GCC 12.
 ITK = "".join([
+    "// NOLINTBEGIN\n",
     *(f'#pragma push_macro("{name}")\n#undef {name}\n' for name in ("__clang__", "__GNUC__", "__GNUC_MINOR__")),
-    "// NOLINTBEGIN\n#define __GNUC__ 12\n#define __GNUC_MINOR__ 2\n// NOLINTEND\n#include <itk_compiler_detection.h>\n",
+    "#define __GNUC__ 12\n#define __GNUC_MINOR__ 2\n// NOLINTEND\n#include <itk_compiler_detection.h>\n",
     *(f'#pragma pop_macro("{name}")\n' for name in ("__clang__", "__GNUC__", "__GNUC_MINOR__"))])
 
 

@@ -25,7 +25,7 @@ constexpr double ShortestStep = 1.0 / 8;
 constexpr double FastContraction = 0.1;
 /// Linear solutions: relative residual, and how often they are refined.
 constexpr double LinearTolerance = 1e-11;
-constexpr int MostRefinements = 12;
+constexpr int MostLinearRefinements = 12;
 
 double NormOf(const std::vector<double>& v)
 {
@@ -194,7 +194,7 @@ std::vector<double> RestShape::SolveExactly(const std::vector<double>& right)
     std::vector<double> solution(right.size(), 0.0);
     std::vector<double> residual = right;
     double last = size;
-    for (int pass = 0; pass < MostRefinements; ++pass)
+    for (int pass = 0; pass < MostLinearRefinements; ++pass)
     {
       this->Factor.Solve(residual);
       std::transform(solution.begin(), solution.end(), residual.begin(), solution.begin(),

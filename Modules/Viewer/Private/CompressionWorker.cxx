@@ -10,7 +10,7 @@ namespace mammoray
 namespace
 {
 /// A pose that stays for so long is at rest.
-constexpr std::chrono::milliseconds RestTime{ 150 };
+constexpr std::chrono::milliseconds PoseRestTime{ 150 };
 /// Farther from known equilibria, mm or degrees, one is solved for on the way, too.
 constexpr double FarFromKnown = 5;
 }
@@ -79,7 +79,7 @@ std::optional<BreastPose> CompressionWorker::NextPose()
   {
     const long before = this->Asks;
     const bool moves =
-      this->Wake.wait_for(lock, RestTime, [&] { return this->Asks != before || this->Ending; });
+      this->Wake.wait_for(lock, PoseRestTime, [&] { return this->Asks != before || this->Ending; });
     if (!moves)
     {
       break;

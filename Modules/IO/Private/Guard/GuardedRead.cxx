@@ -57,22 +57,22 @@ std::uint64_t AddressesAtStart = 0;
 rlim_t MostAddresses = RLIM_INFINITY;
 double SecondsAllowed = 0;
 
-class Descriptor
+class OwnedDescriptor
 {
 public:
-  explicit Descriptor(int file)
+  explicit OwnedDescriptor(int file)
     : File(file)
   {
   }
-  ~Descriptor()
+  ~OwnedDescriptor()
   {
     if (this->File >= 0)
     {
       close(this->File);
     }
   }
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
+  OwnedDescriptor(const OwnedDescriptor&) = delete;
+  OwnedDescriptor& operator=(const OwnedDescriptor&) = delete;
   int Get() const { return this->File; }
 
 private:
@@ -196,7 +196,7 @@ std::uint64_t AddressesAllowed()
 /// Waits for the reader's end; false where it took too long and was killed.
 bool WaitFor(pid_t reader, double seconds, int& status)
 {
-  const Descriptor ended(static_cast<int>(syscall(SYS_pidfd_open, reader, 0)));
+  const OwnedDescriptor ended(static_cast<int>(syscall(SYS_pidfd_open, reader, 0)));
   const auto until = std::chrono::steady_clock::now() + std::chrono::duration<double>(seconds);
   bool inTime = true;
   while (inTime)
@@ -333,7 +333,7 @@ void AllowMemory(std::uint64_t bytes)
 void ReadGuarded(const std::string& what, const std::string& content, const ReadLimits& limits,
   const std::function<void(ParcelWriter&)>& read, const std::function<void(ParcelReader&)>& unpack)
 {
-  const Descriptor result(memfd_create("mammoray-read", MFD_CLOEXEC));
+  const OwnedDescriptor result(memfd_create("mammoray-read", MFD_CLOEXEC));
   if (result.Get() < 0)
   {
     throw Error(what + ": expected a file in memory, found none (" + std::strerror(errno) + ")");
