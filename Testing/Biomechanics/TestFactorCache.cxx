@@ -84,7 +84,7 @@ TEST(FactorCache, AnExpensiveFactorServesFromFartherAway)
     };
 
     ASSERT_TRUE(cache.Factorize(other, at));
-    cache.SolveOwn(other, right, solution);
+    ASSERT_TRUE(cache.SolveOwn(other, right, 1, solution));
     EXPECT_LT(residual(other), 1e-8);
     EXPECT_EQ(cache.SolveNearby(values, away, right, solution), expensive);
     EXPECT_TRUE(!expensive || residual(values) < 1e-2);

@@ -233,11 +233,15 @@ std::vector<std::vector<double>> EquilibriumSensitivities(const EquilibriumEnerg
   if (!(factor.DistanceMm(x) < FactorCache::NearMm) ||
     !factor.RefineNearby(current.Hessian, right, count, solution))
   {
-    if (!factor.Factorize(current.Hessian, x) ||
-      !factor.RefineNearby(current.Hessian, right, count, solution))
+    if (!factor.Factorize(current.Hessian, x))
     {
       throw ConvergenceError("sensitivities: expected a stable equilibrium, found a stiffness "
                              "matrix that is not positive definite");
+    }
+    if (!factor.SolveOwn(current.Hessian, right, count, solution))
+    {
+      throw ConvergenceError("sensitivities: expected to solve by a factor in single precision, "
+                             "found a stiffness matrix that is too ill-conditioned for it");
     }
   }
   const std::vector<std::int32_t>& coordinates = energy.Coordinates();

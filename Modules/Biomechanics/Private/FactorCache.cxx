@@ -25,10 +25,6 @@ constexpr Reach OfCheap{ FactorCache::NearMm, 1e-3, 6 };
 /// From 0.3 to 0.6 mm away a hundredth takes 8 to 10 steps, a thousandth 10 to 13 (the FDA's
 /// phantom).
 constexpr Reach OfExpensive{ 0.5, 1e-2, 14 };
-/// How well the matrix of a factor in single precision is solved for, and in how many steps at
-/// most; two do. Newton's last step leaves this part of the residual.
-constexpr double OwnTolerance = 1e-8;
-constexpr int MostOwnSteps = 8;
 constexpr int MostRefinements = 8;
 constexpr double RefinementTolerance = 1e-9;
 
@@ -119,30 +115,27 @@ double FactorCache::DistanceMm(const std::vector<double>& x) const
                     : std::numeric_limits<double>::infinity();
 }
 
+bool FactorCache::SolveOwn(const std::vector<double>& values, const std::vector<double>& right,
+  std::size_t count, std::vector<double>& solution)
+{
+  if (this->Pure && this->Cholesky.Expensive())
+  {
+    return this->RefineNearby(values, right, count, solution);
+  }
+  solution = right;
+  this->Solve(solution);
+  return true;
+}
+
 bool FactorCache::SolveNearby(const std::vector<double>& values, const std::vector<double>& x,
   const std::vector<double>& right, std::vector<double>& solution)
 {
   const bool expensive = this->Cholesky.Expensive();
   const Reach& reach = expensive ? OfExpensive : OfCheap;
-  return (this->Pure || expensive) && LargestDifference(x, this->Positions) < reach.Mm &&
-    this->SolveByGradients(values, right, reach.Tolerance, reach.MostSteps, solution);
-}
-
-void FactorCache::SolveOwn(const std::vector<double>& values, const std::vector<double>& right,
-  std::vector<double>& solution)
-{
-  if (!(this->Pure && this->Cholesky.Expensive()) ||
-    !this->SolveByGradients(values, right, OwnTolerance, MostOwnSteps, solution))
+  if (!(this->Pure || expensive) || !(LargestDifference(x, this->Positions) < reach.Mm))
   {
-    solution = right;
-    this->Solve(solution);
+    return false;
   }
-}
-
-/// Answers false where the steps do not suffice or the matrix is found indefinite.
-bool FactorCache::SolveByGradients(const std::vector<double>& values,
-  const std::vector<double>& right, double tolerance, int mostSteps, std::vector<double>& solution)
-{
   const auto size = static_cast<Eigen::Index>(right.size());
   const auto view = [size](std::vector<double>& v)
   { return Eigen::Map<Eigen::VectorXd>(v.data(), size); };
@@ -151,9 +144,9 @@ bool FactorCache::SolveByGradients(const std::vector<double>& values,
   std::vector<double> direction;
   std::vector<double> product(right.size());
   solution.assign(right.size(), 0.0);
-  const double enough = tolerance * view(residual).norm();
+  const double enough = reach.Tolerance * view(residual).norm();
   double before = 0;
-  for (int iteration = 0; iteration < mostSteps; ++iteration)
+  for (int iteration = 0; iteration < reach.MostSteps; ++iteration)
   {
     this->Cholesky.Solve(preconditioned);
     const double now = view(residual).dot(view(preconditioned));

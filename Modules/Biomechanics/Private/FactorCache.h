@@ -47,11 +47,13 @@ public:
   /// Solves for `columns` right-hand sides stored one after the other, in place, to the
   /// factor's precision.
   void Solve(std::vector<double>& columns) { this->Cholesky.Solve(columns); }
-  /// The solution for the matrix `values` that the factor is of, where that is in single precision
-  /// to 1e-8 of the right-hand side by conjugate gradients; of a mixed matrix, whose values are not
-  /// kept, as Solve gives it.
-  void SolveOwn(const std::vector<double>& values, const std::vector<double>& right,
-    std::vector<double>& solution);
+  /**
+   * The solutions for the matrix `values` that the factor is of; those of one in single precision
+   * refined as by RefineNearby, and false where that fails. Of a mixed matrix, whose values are not
+   * kept, as Solve gives them.
+   */
+  bool SolveOwn(const std::vector<double>& values, const std::vector<double>& right,
+    std::size_t count, std::vector<double>& solution);
   /**
    * The solution for the matrix `values` of the positions `x` by conjugate gradients, to a
    * thousandth, where the factor's positions are near. An expensive factor, of a mixed matrix too,
@@ -73,9 +75,6 @@ public:
   double PeakBytes() const { return this->Cholesky.PeakBytes(); }
 
 private:
-  bool SolveByGradients(const std::vector<double>& values, const std::vector<double>& right,
-    double tolerance, int mostSteps, std::vector<double>& solution);
-
   SparseCholesky Cholesky;
   /// Empty: the factor is of no positions.
   std::vector<double> Positions;

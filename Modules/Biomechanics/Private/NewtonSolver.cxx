@@ -81,7 +81,11 @@ std::optional<double> NewtonSolver::FindStep(const std::vector<double>& x,
     {
       return std::nullopt;
     }
-    this->Cache.SolveOwn(this->Current.Hessian, force, step);
+    if (!this->Cache.SolveOwn(this->Current.Hessian, force, 1, step))
+    {
+      step = force;
+      this->Cache.Solve(step);
+    }
     if (this->Cache.Share() == 1 || LargestMagnitude(step) <= LargestStepMm)
     {
       return this->Cache.Share();
