@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mammoray/IO/WholeOutput.h"
 
+#include "Private/Guard/OwnedDescriptor.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/IO/ScratchFolder.h"
 
@@ -36,43 +37,18 @@ constexpr const char* PartialSuffix = ".partial";
   throw InputError(told + ": cannot be written (" + std::generic_category().message(errno) + ")");
 }
 
-/// An open file or folder.
-class Descriptor
+OwnedDescriptor OpenFolder(const fs::path& folder)
 {
-public:
-  explicit Descriptor(int number)
-    : Number(number)
-  {
-  }
-  Descriptor(Descriptor&& other) noexcept
-    : Number(std::exchange(other.Number, -1))
-  {
-  }
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
-  Descriptor& operator=(Descriptor&&) = delete;
-  ~Descriptor()
-  {
-    if (this->Number >= 0)
-    {
-      close(this->Number);
-    }
-  }
-  int Number;
-};
-
-Descriptor OpenFolder(const fs::path& folder)
-{
-  return Descriptor(open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  return OwnedDescriptor(open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
 }
 
 /// So that names are on the disk, too. File systems that cannot do that with folders say so.
 void Synchronise(const fs::path& folder)
 {
-  const Descriptor opened = OpenFolder(folder);
-  if (opened.Number >= 0)
+  const OwnedDescriptor opened = OpenFolder(folder);
+  if (opened.Get() >= 0)
   {
-    fsync(opened.Number);
+    fsync(opened.Get());
   }
 }
 
@@ -173,7 +149,7 @@ public:
   {
     if (!this->Folder)
     {
-      if (ftruncate(this->Locked.Number, 0) != 0)
+      if (ftruncate(this->Locked.Get(), 0) != 0)
       {
         RefuseToWrite(this->Told);
       }
@@ -190,7 +166,7 @@ public:
   {
     while (!bytes.empty())
     {
-      const ssize_t count = write(this->Locked.Number, bytes.data(), bytes.size());
+      const ssize_t count = write(this->Locked.Get(), bytes.data(), bytes.size());
       if (count < 0 && errno != EINTR)
       {
         RefuseToWrite(this->Told);
@@ -207,7 +183,7 @@ public:
       this->PutFolder();
       return;
     }
-    if (fsync(this->Locked.Number) != 0 || rename(this->Partial.c_str(), this->Place.c_str()) != 0)
+    if (fsync(this->Locked.Get()) != 0 || rename(this->Partial.c_str(), this->Place.c_str()) != 0)
     {
       RefuseToWrite(this->Told);
     }
@@ -276,7 +252,7 @@ private:
     return within;
   }
 
-  Descriptor Lock() const
+  OwnedDescriptor Lock() const
   {
     for (;;)
     {
@@ -285,24 +261,24 @@ private:
         RefuseToWrite(this->Told);
       }
       const int flags = this->Folder ? O_RDONLY | O_DIRECTORY : O_WRONLY | O_CREAT;
-      Descriptor opened(open(this->Partial.c_str(), flags | O_NOFOLLOW | O_CLOEXEC, 0666));
-      if (opened.Number < 0 && this->Folder && errno == ENOENT)
+      OwnedDescriptor opened(open(this->Partial.c_str(), flags | O_NOFOLLOW | O_CLOEXEC, 0666));
+      if (opened.Get() < 0 && this->Folder && errno == ENOENT)
       {
         continue; // its writer has just put it in its place
       }
-      if (opened.Number < 0)
+      if (opened.Get() < 0)
       {
         RefuseToWrite(this->Told);
       }
       // A file system without locks has other errors.
-      if (flock(opened.Number, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK)
+      if (flock(opened.Get(), LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK)
       {
         throw InputError(
           "output " + this->Told + ": another run is writing it (" + this->Partial.string() + ")");
       }
       struct stat locked = {};
       struct stat named = {};
-      if (fstat(opened.Number, &locked) == 0 && stat(this->Partial.c_str(), &named) == 0 &&
+      if (fstat(opened.Get(), &locked) == 0 && stat(this->Partial.c_str(), &named) == 0 &&
         locked.st_ino == named.st_ino && locked.st_dev == named.st_dev)
       {
         return opened;
@@ -319,7 +295,7 @@ private:
         Synchronise(entry.path());
       }
     }
-    if (fsync(this->Locked.Number) != 0 && errno != EINVAL)
+    if (fsync(this->Locked.Get()) != 0 && errno != EINVAL)
     {
       RefuseToWrite(this->Told);
     }
@@ -355,8 +331,8 @@ private:
   void Exchange()
   {
     // What was there becomes the partial folder, which is nobody's until it is removed.
-    const Descriptor old = OpenFolder(this->Place);
-    flock(old.Number, LOCK_EX | LOCK_NB);
+    const OwnedDescriptor old = OpenFolder(this->Place);
+    flock(old.Get(), LOCK_EX | LOCK_NB);
     fs::path aside = this->Partial;
     if (renameat2(AT_FDCWD, this->Partial.c_str(), AT_FDCWD, this->Place.c_str(),
           RENAME_EXCHANGE) != 0)
@@ -385,7 +361,7 @@ private:
   std::string Told;
   bool Folder;
   fs::path Partial;
-  Descriptor Locked;
+  OwnedDescriptor Locked;
   bool IsPut = false;
 };
 
@@ -444,8 +420,8 @@ public:
     : Told(path)
     , Memory(memfd_create("mammoray", MFD_CLOEXEC))
   {
-    const std::string memory = "/proc/self/fd/" + std::to_string(this->Memory.Number);
-    if (this->Memory.Number < 0 || symlink(memory.c_str(), this->Name().c_str()) != 0)
+    const std::string memory = "/proc/self/fd/" + std::to_string(this->Memory.Get());
+    if (this->Memory.Get() < 0 || symlink(memory.c_str(), this->Name().c_str()) != 0)
     {
       RefuseToWrite(path);
     }
@@ -458,7 +434,7 @@ public:
   {
     struct stat found = {};
     rlimit limit = {};
-    if (fstat(this->Memory.Number, &found) != 0 || found.st_size == 0)
+    if (fstat(this->Memory.Get(), &found) != 0 || found.st_size == 0)
     {
       throw InputError(this->Told + ": cannot be written");
     }
@@ -472,7 +448,7 @@ public:
     std::vector<char> bytes(std::min<std::size_t>(size, std::size_t{ 1 } << 20));
     for (off_t offset = 0; offset < found.st_size;)
     {
-      const ssize_t count = pread(this->Memory.Number, bytes.data(), bytes.size(), offset);
+      const ssize_t count = pread(this->Memory.Get(), bytes.data(), bytes.size(), offset);
       if (count <= 0)
       {
         RefuseToWrite(this->Told);
@@ -484,7 +460,7 @@ public:
 
 private:
   std::string Told;
-  Descriptor Memory;
+  OwnedDescriptor Memory;
   ScratchFolder Folder;
 };
 }

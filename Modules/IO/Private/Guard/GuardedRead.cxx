@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Private/Guard/GuardedRead.h"
 
+#include "Private/Guard/OwnedDescriptor.h"
+
 #include <fcntl.h>
 #include <poll.h>
 #include <sys/mman.h>
@@ -56,28 +58,6 @@ bool IsUnguarded = false;
 std::uint64_t AddressesAtStart = 0;
 rlim_t MostAddresses = RLIM_INFINITY;
 double SecondsAllowed = 0;
-
-class OwnedDescriptor
-{
-public:
-  explicit OwnedDescriptor(int file)
-    : File(file)
-  {
-  }
-  ~OwnedDescriptor()
-  {
-    if (this->File >= 0)
-    {
-      close(this->File);
-    }
-  }
-  OwnedDescriptor(const OwnedDescriptor&) = delete;
-  OwnedDescriptor& operator=(const OwnedDescriptor&) = delete;
-  int Get() const { return this->File; }
-
-private:
-  int File;
-};
 
 /// A file's bytes in memory.
 class Mapping
