@@ -127,7 +127,8 @@ TEST_F(WrittenCase, HasEverythingOfOneMammogram)
   EXPECT_EQ(mammogram->Sha256, Sha256OfFile(this->Folder.File("mammogram.dcm")));
   const BreastInUnit breast = ReadBreastInUnit(result);
   EXPECT_EQ(breast.Uncompressed->GetPointData()->GetArray("Displacement")->GetComponent(7, 1), 1);
-  EXPECT_EQ(breast.Uncompressed->GetPointData()->GetArray("Sensitivity_thickness")->GetTuple1(0),
+  EXPECT_EQ(
+    breast.Uncompressed->GetPointData()->GetArray("Sensitivity_thickness")->GetComponent(0, 0),
     0.5);
   EXPECT_EQ(breast.Uncompressed->GetPointData()->GetArray("Sensitivity_stiffness"), nullptr);
 }

@@ -187,25 +187,43 @@ void EquilibriumEnergy::EvaluateElement(std::size_t moving, const std::vector<do
   ElementWork& work = this->Elements[moving];
   const auto element = static_cast<std::size_t>(this->Moving.Elements()[moving]);
   const std::size_t rows = 3 * this->NodesOf(moving).size();
-  work.OfBody = {};
-  work.OfContact = {};
+  PieceTerms ofBody;
+  PieceTerms ofContact;
   if (order >= EnergyOrder::Gradient)
   {
     work.BodyGradient.assign(rows, 0.0);
     work.ContactGradient.assign(rows, 0.0);
-    work.OfBody.Gradient = work.BodyGradient;
-    work.OfContact.Gradient = work.ContactGradient;
+    ofBody.Gradient = work.BodyGradient;
+    ofContact.Gradient = work.ContactGradient;
   }
+  // In the processor's cache, for one element after the other.
+  thread_local std::vector<double> hessian;
   if (order >= EnergyOrder::Hessian)
   {
-    work.Hessian.assign(rows * rows, 0.0);
-    work.OfBody.Hessian = work.OfContact.Hessian = work.Hessian;
+    hessian.assign(rows * rows, 0.0);
+    ofBody.Hessian = ofContact.Hessian = hessian;
   }
-  work.Valid = this->OfBody.Add(element, x, order, work.OfBody);
-  if (work.Valid && this->Plated)
+  work.Valid = this->OfBody.Add(element, x, order, ofBody);
+  if (!work.Valid)
   {
-    this->OfContact.Add(element, x, order, work.OfContact);
-    this->OfFriction.Add(element, x, order, work.OfContact);
+    return;
+  }
+  if (this->Plated)
+  {
+    this->OfContact.Add(element, x, order, ofContact);
+    this->OfFriction.Add(element, x, order, ofContact);
+  }
+  work.Value = ofBody.Value + ofContact.Value;
+  work.Measures = ofBody.Measures;
+  work.Measures.Add(ofContact.Measures);
+  if (order >= EnergyOrder::Hessian)
+  {
+    work.LowerHalf.resize(rows * (rows + 1) / 2);
+    auto to = work.LowerHalf.begin();
+    for (std::size_t c = 0; c < rows; ++c)
+    {
+      to = std::copy_n(hessian.begin() + rows * c + c, rows - c, to);
+    }
   }
 }
 
@@ -249,9 +267,8 @@ void EquilibriumEnergy::SumElements(EnergyOrder order, Evaluation& result, Force
   result.Measures.Volume = this->Moving.RigidVolume();
   for (const ElementWork& work : this->Elements)
   {
-    result.Energy += work.OfBody.Value + work.OfContact.Value;
-    result.Measures.Add(work.OfBody.Measures);
-    result.Measures.Add(work.OfContact.Measures);
+    result.Energy += work.Value;
+    result.Measures.Add(work.Measures);
   }
   if (order == EnergyOrder::Value)
   {
@@ -354,17 +371,13 @@ void EquilibriumEnergy::ScatterHessians(Evaluation& result) const
   for (std::size_t moving = 0; moving < this->Elements.size(); ++moving)
   {
     const std::int32_t* scatter = &this->Scatter[this->ScatterStarts[moving]];
-    const double* hessian = this->Elements[moving].Hessian.data();
-    const std::size_t rows = 3 * this->NodesOf(moving).size();
-    for (std::size_t c = 0; c < rows; ++c)
+    for (const double entry : this->Elements[moving].LowerHalf)
     {
-      for (std::size_t r = c; r < rows; ++r, ++scatter)
+      if (*scatter >= 0)
       {
-        if (*scatter >= 0)
-        {
-          result.Hessian[*scatter] += hessian[rows * c + r];
-        }
+        result.Hessian[*scatter] += entry;
       }
+      ++scatter;
     }
   }
 }

@@ -65,15 +65,15 @@ public:
   std::unique_ptr<Objective> WorstPart(const std::vector<double>& gradient) const override;
 
 private:
-  /// What the energies make of one element: that of the body, and those of contact and friction,
-  /// whose Hessians are summed in one place.
+  /// What the energies make of one element: that of the body, and those of contact and friction.
   struct ElementWork
   {
-    PieceTerms OfBody;
-    PieceTerms OfContact;
+    double Value = 0;
+    PositionMeasures Measures;
     std::vector<double> BodyGradient;
     std::vector<double> ContactGradient;
-    std::vector<double> Hessian;
+    /// Of the sum's Hessian, column after column: half as much memory to go through.
+    std::vector<double> LowerHalf;
     bool Valid = false;
   };
   struct NodeWork
