@@ -196,16 +196,16 @@ void AddWanted(EvidenceArguments& arguments)
     input.Landmarks = LandmarksOfEvidence(arguments.Data);
     for (EvidenceLandmarks& landmarks : input.Landmarks)
     {
-      landmarks.Case.Options.Comparison = input.Twin.Registration.Comparison;
-      landmarks.Case.Options.WindowMm = input.Twin.Registration.WindowMm;
+      landmarks.Case.Options = input.Twin.Registration;
     }
   }
   if (arguments.Wants("mammograms"))
   {
     input.Mammograms = MammogramsOfEvidence(input.Phantoms, arguments.Data);
-    for (const EvidenceMammogram& mammogram : input.Mammograms)
+    for (EvidenceMammogram& mammogram : input.Mammograms)
     {
       CheckInputFile(mammogram.Case.Mammograms.front());
+      mammogram.Case.Options = input.Twin.Registration;
     }
   }
   if (arguments.Wants("studies"))

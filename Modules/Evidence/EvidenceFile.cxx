@@ -25,9 +25,10 @@ nlohmann::json ToJson(const TwinRun& run)
     { "coordinatesWithin", run.CoordinatesWithin }, { "meanOutlineDistanceMm", run.MeanOutlineMm },
     { "largestOutlineDistanceMm", run.LargestOutlineMm }, { "correlation", run.Correlation },
     { "tissueCorrelation", run.TissueCorrelation }, { "trust", run.Trust },
-    { "iterations", run.Iterations }, { "equilibria", run.Equilibria }, { "seconds", run.Seconds },
-    { "iterationSeconds", run.IterationSeconds }, { "iterationCosts", run.IterationCosts },
-    { "converged", run.Converged }, { "stopReason", run.StopReason } };
+    { "reasons", run.Reasons }, { "iterations", run.Iterations }, { "equilibria", run.Equilibria },
+    { "seconds", run.Seconds }, { "iterationSeconds", run.IterationSeconds },
+    { "iterationCosts", run.IterationCosts }, { "converged", run.Converged },
+    { "stopReason", run.StopReason } };
 }
 
 double Number(const nlohmann::json& value)
@@ -68,6 +69,7 @@ TwinRun TwinRunFrom(const nlohmann::json& json)
   run.Correlation = Number(json.at("correlation"));
   run.TissueCorrelation = Number(json.at("tissueCorrelation"));
   run.Trust = json.at("trust").get<std::string>();
+  run.Reasons = json.value("reasons", std::vector<std::string>()); // since 2026-11-27
   run.Iterations = json.at("iterations").get<int>();
   run.Equilibria = json.at("equilibria").get<int>();
   run.Seconds = Number(json.at("seconds"));

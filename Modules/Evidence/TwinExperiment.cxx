@@ -530,7 +530,9 @@ TwinRun TwinExperiment::Run(const TwinProblem& problem, TwinSearch search, int b
   run.LargestOutlineMm = result.After.LargestOutlineDistanceMm;
   run.Correlation = result.After.Correlation;
   run.TissueCorrelation = result.After.TissueCorrelation;
-  run.Trust = NameOf(Assess(result).Level);
+  const Assessment trust = Assess(result);
+  run.Trust = NameOf(trust.Level);
+  run.Reasons = trust.Reasons;
   run.Iterations = static_cast<int>(result.Iterations.size());
   run.Equilibria = result.Evaluations;
   run.Seconds = result.Seconds;

@@ -139,8 +139,9 @@ struct TwinRun
   double LargestOutlineMm = 0;
   double Correlation = 0;
   double TissueCorrelation = 0;
-  /// "good", "doubtful" or "none": what a report says of it, the start being its header's.
+  /// "good", "doubtful" or "none": what a report says of it, the start being its header's, and why.
   std::string Trust;
+  std::vector<std::string> Reasons;
   int Iterations = 0;
   int Equilibria = 0;
   double Seconds = 0;

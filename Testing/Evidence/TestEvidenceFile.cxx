@@ -33,6 +33,7 @@ TEST_F(EvidenceFile, ReadsBackWhatItHolds)
     test::MadeUpRun("ball", TwinKind::Plain, TwinSearch::Register, 3, 1.25, 0.5));
   evidence.Twins.push_back(
     test::MadeUpRun("ball", TwinKind::WrongStart, TwinSearch::Exact, 0, test::Nothing, 0));
+  evidence.Twins.back().Reasons = { "The breast glides by 40 mm." };
   evidence.Landmarks.push_back(
     { "ball, CC", { { "identity", { 12, 9.2, 9.3, 14 }, { 12, 5, 6, 7 } } }, 0.6, test::Nothing,
       "good", 1.5, 14, 25, 30.5 });
@@ -72,6 +73,7 @@ TEST_F(EvidenceFile, ReadsBackWhatItHolds)
   EXPECT_EQ(run.Sigma[1], 1);
   EXPECT_TRUE(std::isnan(run.Sigma[2]));
   EXPECT_TRUE(std::isnan(read.Twins[1].MedianErrorMm));
+  EXPECT_EQ(read.Twins[1].Reasons, evidence.Twins[1].Reasons);
   ASSERT_EQ(read.Landmarks.size(), 1u);
   EXPECT_EQ(read.Landmarks[0].Name, "ball, CC");
   EXPECT_EQ(read.Landmarks[0].Rows.at(0).Method, "identity");
