@@ -118,7 +118,7 @@ double FactorCache::DistanceMm(const std::vector<double>& x) const
 bool FactorCache::SolveOwn(const std::vector<double>& values, const std::vector<double>& right,
   std::size_t count, std::vector<double>& solution)
 {
-  if (this->Pure && this->Cholesky.Expensive())
+  if (this->Pure && this->Cholesky.InSinglePrecision())
   {
     return this->RefineNearby(values, right, count, solution);
   }

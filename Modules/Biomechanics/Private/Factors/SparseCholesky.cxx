@@ -15,9 +15,11 @@ namespace mammoray
 {
 namespace
 {
-/// Operations of a factorisation from which on single precision and several threads are worth it,
-/// and the last factor serves from farther away: those of some twenty thousand unknowns (40,000:
-/// 8e10, by two threads in 0.6 of the time).
+/// Operations of a factorisation from which on single precision and several threads are worth it:
+/// those of some 18,000 unknowns of quadratic cells (a breast's equilibrium in 0.7 of the time).
+constexpr double OperationsForSinglePrecision = 4e9;
+/// And from which on the last factor serves from farther away: 35,000 unknowns of quadratic cells
+/// (46,206 of linear ones: 8e10).
 constexpr double ManyOperations = 2e10;
 }
 
@@ -30,7 +32,7 @@ struct SparseCholesky::Internals
   cholmod_dense* MoreWork = nullptr;
   /// What one factorisation takes.
   double Operations = 0;
-  /// An expensive factor, which Factor has analysed.
+  /// A large factor, which Factor has analysed.
   std::optional<SupernodalFactor> Single;
 
   Internals() { cholmod_start(&this->Common); }
@@ -110,7 +112,7 @@ SparseCholesky::SparseCholesky(const std::vector<int>& starts, const std::vector
   this->Internal->Factor = cholmod_analyze(&matrix, &common);
   this->Internal->Check("the ordering");
   this->Internal->Operations = common.fl;
-  if (this->Expensive())
+  if (common.fl >= OperationsForSinglePrecision)
   {
     this->Internal->Single.emplace(Copied(*this->Internal->Factor), starts, rows);
     cholmod_free_factor(&this->Internal->Factor, &common);
@@ -134,6 +136,11 @@ bool SparseCholesky::Factorize(const std::vector<double>& values)
   this->Valid = common.status != CHOLMOD_NOT_POSDEF &&
     this->Internal->Factor->minor == this->Internal->Factor->n;
   return this->Valid;
+}
+
+bool SparseCholesky::InSinglePrecision() const
+{
+  return this->Internal->Single.has_value();
 }
 
 bool SparseCholesky::Expensive() const

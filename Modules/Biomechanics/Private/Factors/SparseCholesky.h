@@ -12,7 +12,7 @@ namespace mammoray
 /**
  * L L^T of symmetric positive definite matrices that share one pattern, ordered and analysed by
  * CHOLMOD once, factorised as often as wanted: by CHOLMOD's supernodal method, or, where that takes
- * long (Expensive), by SupernodalFactor in single precision.
+ * a fifth of a second and more, by SupernodalFactor in single precision.
  */
 class MAMMORAYBIOMECHANICS_EXPORT SparseCholesky
 {
@@ -32,8 +32,9 @@ public:
   /// y = A x of the symmetric matrix with these values.
   void Multiply(const std::vector<double>& values, const double* x, double* y) const;
   /// Whether a factorisation takes as long as a score of solutions and more: 46,206 unknowns of a
-  /// breast, 25 to 30; 12,318 of one, 13. Then it is in single precision.
+  /// breast, 25 to 30; 12,318 of one, 13.
   bool Expensive() const;
+  bool InSinglePrecision() const;
   bool Usable() const { return this->Valid; }
   /// Most memory taken so far for factor and working space, bytes.
   double PeakBytes() const;
