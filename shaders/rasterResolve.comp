@@ -54,7 +54,7 @@ void main()
   }
   const uint good = samples * samples - failed;
   const Real share = good > 0u ? 1 / Real(good) : Real(0);
-  const Real mmShare = share / parameters.Scales.z;
+  const Real depthShare = share / parameters.DepthOf.w;
   const uint fields = WithRates ? parameters.Fields : 0u;
   for (uint material = 1u; material < parameters.Materials; ++material)
   {
@@ -67,11 +67,12 @@ void main()
         const uint base = sumsOf(column, row);
         if (failed == 0u || isSound(base))
         {
-          sum += Real(max(loadPair(base + offset).x, 0));
+          const Real3 ray = rayOf(column, parameters.FirstRow + row);
+          sum += sqrt(dot(ray, ray)) * Real(max(loadPair(base + offset).x, 0));
         }
       }
     }
-    lengths[material * parameters.PixelCount + pixel] = float(sum * mmShare);
+    lengths[material * parameters.PixelCount + pixel] = float(sum * depthShare);
     [[dont_unroll]] for (uint field = 0u; field < fields; field += 2u)
     {
       vec2 rate = vec2(0);

@@ -13,7 +13,7 @@ void main()
   {
     Real3 corners[3];
     const uint index = tiles[2u * entry + 2u];
-    const Triangle triangle = loadTriangle(index, corners);
+    Triangle triangle = loadTriangle(index, corners);
     const uint tile = tiles[2u * entry + 3u];
     const uint column = (tile & 0xffffu) * MAMMORAY_RASTER_TILE + lane;
     const uint tileRow = (tile >> 16u) * MAMMORAY_RASTER_TILE;
@@ -30,9 +30,13 @@ void main()
           crossed |= 1u << (row - firstRow);
         }
       }
+      if (WithRates && crossed != 0u)
+      {
+        loadSpeeds(index, triangle);
+      }
       while (crossed != 0u)
       {
-        addCrossing(index, triangle, column, firstRow + uint(findLSB(crossed)));
+        addCrossing(triangle, column, firstRow + uint(findLSB(crossed)));
         crossed &= crossed - 1u;
       }
     }

@@ -16,8 +16,9 @@ void edgeRange(Real3 edge, Real column, Real row, out Real low, out Real high)
 
 // First the cheap search, up to 32 pixels in a row, then the work where there is a crossing: invocations that
 // run together wait for the one with most crossings, not for the one with most pixels.
-void addCrossings(uint triangleIndex, in Triangle triangle, uvec2 low, uvec2 extent)
+void addCrossings(uint triangleIndex, inout Triangle triangle, uvec2 low, uvec2 extent)
 {
+  bool hasSpeeds = !WithRates;
   const uint count = extent.x * extent.y;
   // index * inverse >> 16 is index / extent.x for boxes of so few pixels: CPUs divide one by one.
   const uint inverse = 65535u / extent.x + 1u;
@@ -32,12 +33,17 @@ void addCrossings(uint triangleIndex, in Triangle triangle, uvec2 low, uvec2 ext
         crossed |= 1u << (index - first);
       }
     }
+    if (crossed != 0u && !hasSpeeds)
+    {
+      loadSpeeds(triangleIndex, triangle);
+      hasSpeeds = true;
+    }
     while (crossed != 0u)
     {
       const uint index = first + uint(findLSB(crossed));
       crossed &= crossed - 1u;
       const uint row = index * inverse >> 16u;
-      addCrossing(triangleIndex, triangle, low.x + index - row * extent.x, low.y + row);
+      addCrossing(triangle, low.x + index - row * extent.x, low.y + row);
     }
   }
 }
@@ -66,7 +72,7 @@ void main()
     return;
   }
   Real3 corners[3];
-  const Triangle triangle = loadTriangle(index, corners);
+  Triangle triangle = loadTriangle(index, corners);
 
   const Real drift = parameters.Again == 0u
     ? Real(0)
@@ -82,10 +88,9 @@ void main()
   const Real limit = Real(1e-3);
   if (leastWeight > limit || mostWeight < -limit)
   {
-    const Real3 columns = Real3(corners[0].x / corners[0].z, corners[1].x / corners[1].z,
-      corners[2].x / corners[2].z);
-    const Real3 rows = Real3(corners[0].y / corners[0].z, corners[1].y / corners[1].z,
-      corners[2].y / corners[2].z);
+    const Real3 inverse = 1 / Real3(corners[0].z, corners[1].z, corners[2].z);
+    const Real3 columns = inverse * Real3(corners[0].x, corners[1].x, corners[2].x);
+    const Real3 rows = inverse * Real3(corners[0].y, corners[1].y, corners[2].y);
     // The nearer to the source's plane, the more rounding is magnified.
     const Real room = drift + parameters.Scales.w *
       (1 + 1 / min(abs(leastWeight), abs(mostWeight)));

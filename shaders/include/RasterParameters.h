@@ -28,6 +28,8 @@
 // of the detector: its list of tiles serves them all.
 #define MAMMORAY_RASTER_DRIFT 0.25
 
+// Velocity fields in one pass, at most.
+#define MAMMORAY_RASTER_FIELDS 8
 // Units of a rate's sum per largest speed of its field; sums of the rates of 16 hits at the guard's angle fit.
 #define MAMMORAY_RASTER_RATE_UNITS 524288
 
@@ -58,14 +60,20 @@ struct RasterParameters
   MAMMORAY_RASTER_REAL4(ColumnOf);
   MAMMORAY_RASTER_REAL4(RowOf);
   MAMMORAY_RASTER_REAL4(WeightOf);
+  // How far a point p lies from the local origin towards the detector: DepthOf . p, in mm along the rays of a
+  // parallel beam, in shares of the way from source to detector along any ray of a point source. Fourth: units
+  // of the sums per depth.
+  MAMMORAY_RASTER_REAL4(DepthOf);
   // Point source: its position, 1. Parallel beam: the direction of travel, 0.
   MAMMORAY_RASTER_REAL4(Source);
-  // Centre of pixel (0, 0); steps to the next column and the next row; fourth components unused.
+  // Centre of pixel (0, 0); fourth: the most negative sum that rounding explains, 1e-3 mm. Then the steps to the
+  // next column and the next row, fourth components unused.
   MAMMORAY_RASTER_REAL4(DetectorOrigin);
   MAMMORAY_RASTER_REAL4(ColumnStep);
   MAMMORAY_RASTER_REAL4(RowStep);
-  // x: sign of the pixel coordinates' determinant, +1 or -1. y: no part of the mesh is farther from the
-  // local origin, mm. z: units of the sums per mm. w: room around a bounding box for rounding, pixels.
+  // x: sign of the pixel coordinates' determinant, +1 or -1. y and z: least and largest depth of a hit that
+  // counts, between source and detector, as far as the mesh reaches. w: room around a bounding box for rounding,
+  // pixels.
   MAMMORAY_RASTER_REAL4(Scales);
   MAMMORAY_RASTER_UINT(Columns);
   // The rows of the fine grid in work: those from FirstRow on, as many as RowCount.
@@ -94,8 +102,8 @@ struct RasterParameters
 };
 
 #ifdef __cplusplus
-static_assert(sizeof(RasterParameters<float>) == 8 * 16 + 64);
-static_assert(sizeof(RasterParameters<double>) == 8 * 32 + 64);
+static_assert(sizeof(RasterParameters<float>) == 9 * 16 + 64);
+static_assert(sizeof(RasterParameters<double>) == 9 * 32 + 64);
 }
 #endif
 #endif

@@ -84,7 +84,12 @@ layout(set = 0, binding = MAMMORAY_RASTER_MARKS, std430) buffer MarkBuffer
 
 struct Triangle
 {
-  Real3 Points[3];
+  // Of the corners, as parameters.DepthOf measures it.
+  Real3 Depths;
+  // With derivatives only: the unit normal, 0 where the triangle has no area, and how fast the corners move
+  // along it, by field (loadSpeeds).
+  vec3 Normal;
+  vec3 Speeds[MAMMORAY_RASTER_FIELDS];
   // Edge functions: their factors of column, row and 1. Edge i lies opposite of point i.
   Real3 Edges[3];
   uint Front;
@@ -110,15 +115,15 @@ ivec2 loadPair(uint index)
 #endif
 }
 
-// Negative lengths come from a surface whose labels are inside out; the tolerance (mm) is far above the
-// rounding of hits that cancel.
+// Negative lengths come from a surface whose labels are inside out; the tolerance is far above the rounding of
+// hits that cancel.
 bool isSound(uint base)
 {
   bool sound = true;
   for (uint material = 1u; material < parameters.Materials; ++material)
   {
     const ivec2 pair = loadPair(base + (material - 1u) * pairsPerMaterial());
-    sound = sound && pair.y == 0 && float(pair.x) > -1e-3 * float(parameters.Scales.z);
+    sound = sound && pair.y == 0 && float(pair.x) > float(parameters.DetectorOrigin.w);
   }
   return sound;
 }
@@ -147,12 +152,13 @@ Real3 edgeFunction(Real3 a, Real3 b)
 Triangle loadTriangle(uint index, out Real3 corners[3])
 {
   Triangle triangle;
+  Real3 points[3];
   for (uint corner = 0u; corner < 3u; ++corner)
   {
     const uint first = 3u * triangles[3u * index + corner];
-    triangle.Points[corner] =
-      Real3(positions[first], positions[first + 1u], positions[first + 2u]);
-    corners[corner] = pixelCoordinates(triangle.Points[corner]);
+    points[corner] = Real3(positions[first], positions[first + 1u], positions[first + 2u]);
+    triangle.Depths[corner] = dot(parameters.DepthOf.xyz, points[corner]);
+    corners[corner] = pixelCoordinates(points[corner]);
   }
   triangle.Edges[0] = edgeFunction(corners[1], corners[2]);
   triangle.Edges[1] = edgeFunction(corners[2], corners[0]);
@@ -160,6 +166,12 @@ Triangle loadTriangle(uint index, out Real3 corners[3])
   const uint sides = materials[index];
   triangle.Front = sides & 0xffffu;
   triangle.Back = sides >> 16u;
+  if (WithRates)
+  {
+    const Real3 normal = cross(points[1] - points[0], points[2] - points[0]);
+    const Real size = sqrt(dot(normal, normal));
+    triangle.Normal = size > 0 ? vec3(normal / size) : vec3(0);
+  }
   return triangle;
 }
 
@@ -191,17 +203,22 @@ int crossing(in Triangle triangle, Real column, Real row)
                                                  : max(sides.x, max(sides.y, sides.z)) < 0 ? -1 : 0;
 }
 
-// How fast the point with these barycentric coordinates moves along a direction, by field.
-float speedAlong(vec3 direction, vec3 weights, uvec3 places)
+// Once for all crossings of a triangle: on CPUs each number is fetched by itself.
+void loadSpeeds(uint index, inout Triangle triangle)
 {
-  float speed = 0;
   for (uint corner = 0u; corner < 3u; ++corner)
   {
-    const uint place = places[corner];
-    speed += weights[corner] *
-      dot(direction, vec3(velocities[place], velocities[place + 1u], velocities[place + 2u]));
+    const uint first = 3u * parameters.Fields * triangles[3u * index + corner];
+    [[unroll]] for (uint field = 0u; field < MAMMORAY_RASTER_FIELDS; ++field)
+    {
+      if (field < parameters.Fields)
+      {
+        const uint place = first + 3u * field;
+        triangle.Speeds[field][corner] = dot(triangle.Normal,
+          vec3(velocities[place], velocities[place + 1u], velocities[place + 2u]));
+      }
+    }
   }
-  return speed;
 }
 
 // To the nearest; for absolute values below 2^31.
@@ -223,32 +240,30 @@ bool isTraced(uint column, uint row)
     marks[(row - parameters.FirstRow) * parameters.Columns + column] != 0u;
 }
 
+// From the source to the pixel, mm; of a parallel beam a unit vector: the ray's length per depth.
+Real3 rayOf(uint column, uint row)
+{
+  const Real3 pixel = parameters.DetectorOrigin.xyz + Real(column) * parameters.ColumnStep.xyz +
+    Real(row) * parameters.RowStep.xyz;
+  return parameters.Source.w != 0 ? pixel - parameters.Source.xyz : parameters.Source.xyz;
+}
+
 // Adds the crossing of a triangle by the ray of a pixel to the pixel's sums; there must be one.
-void addCrossing(uint triangleIndex, in Triangle triangle, uint columnIndex, uint rowIndex)
+void addCrossing(in Triangle triangle, uint columnIndex, uint rowIndex)
 {
   const Real column = Real(columnIndex);
   const Real row = Real(rowIndex);
   const Real3 values = edgeValues(triangle, column, row);
   const uint place = (rowIndex - parameters.FirstRow) * parameters.Columns + columnIndex;
-  const Real3 pixel = parameters.DetectorOrigin.xyz + column * parameters.ColumnStep.xyz +
-    row * parameters.RowStep.xyz;
-  const bool isPoint = parameters.Source.w != 0;
-  const Real3 along = isPoint ? pixel - parameters.Source.xyz : parameters.Source.xyz;
-  const Real3 direction = along * (1 / sqrt(dot(along, along)));
 
-  // The edges' values are the barycentric coordinates of the hit, all of one sign: t cannot leave the
-  // interval that the corners span, however steep the triangle. t is measured from the ray's point nearest to the
-  // local origin.
-  const Real3 t3 = Real3(dot(triangle.Points[0], direction), dot(triangle.Points[1], direction),
-    dot(triangle.Points[2], direction));
+  // The edges' values are the barycentric coordinates of the hit, all of one sign: its depth cannot leave the
+  // interval that the corners span, however steep the triangle.
   const Real whole = values.x + values.y + values.z;
-  const Real free = whole != 0 ? dot(values, t3) / whole : t3.x;
+  const Real free = whole != 0 ? dot(values, triangle.Depths) / whole : triangle.Depths.x;
   // Beyond source and pixel nothing counts; hits there must still cancel.
-  Real t = min(free, dot(pixel, direction));
-  t = isPoint ? max(t, min(dot(parameters.Source.xyz, direction), dot(pixel, direction))) : t;
-  const bool isFree = t == free;
-  t = clamp(t, -parameters.Scales.y, parameters.Scales.y);
-  const int units = roundToInt(t * parameters.Scales.z);
+  const Real depth = clamp(free, parameters.Scales.y, parameters.Scales.z);
+  const bool isFree = depth == free;
+  const int units = roundToInt(depth * parameters.DepthOf.w);
 
   const bool isPositive = decisive(values.x, triangle.Edges[0]) > 0;
   const bool facesSource = isPositive == (parameters.Scales.x < 0);
@@ -272,28 +287,26 @@ void addCrossing(uint triangleIndex, in Triangle triangle, uint columnIndex, uin
 
   // dt/dp = n . v / (n . d), v being the velocity where the ray hits.
   const vec3 weights = whole != 0 ? vec3(values / whole) : vec3(1, 0, 0);
-  const Real3 normal =
-    cross(triangle.Points[1] - triangle.Points[0], triangle.Points[2] - triangle.Points[0]);
-  const Real size = sqrt(dot(normal, normal));
-  const vec3 unitNormal = size > 0 ? vec3(normal / size) : vec3(0);
-  const float cosine = max(abs(dot(unitNormal, vec3(direction))), MAMMORAY_GRAZING_COSINE);
+  const Real3 along = rayOf(columnIndex, rowIndex);
+  const vec3 direction = vec3(along * (1 / sqrt(dot(along, along))));
+  const float cosine = max(abs(dot(triangle.Normal, direction)), MAMMORAY_GRAZING_COSINE);
   const vec3 factors = (facesSource ? -1.0 : 1.0) / cosine * weights;
-  const uvec3 places = 3u * parameters.Fields *
-    uvec3(triangles[3u * triangleIndex], triangles[3u * triangleIndex + 1u],
-      triangles[3u * triangleIndex + 2u]);
-  [[dont_unroll]] for (uint field = 0u; field < parameters.Fields; field += 2u)
+  [[unroll]] for (uint field = 0u; field < MAMMORAY_RASTER_FIELDS; field += 2u)
   {
-    const int low = int(roundEven(speedAlong(unitNormal, factors, places + 3u * field)));
-    const int high = field + 1u < parameters.Fields
-      ? int(roundEven(speedAlong(unitNormal, factors, places + 3u * field + 3u)))
-      : 0;
-    if (left != 0u)
+    if (field < parameters.Fields)
     {
-      addPair(leftSums + 1u + field / 2u, low, high);
-    }
-    if (entered != 0u)
-    {
-      addPair(enteredSums + 1u + field / 2u, -low, -high);
+      const int low = int(roundEven(dot(factors, triangle.Speeds[field])));
+      const int high = field + 1u < parameters.Fields
+        ? int(roundEven(dot(factors, triangle.Speeds[field + 1u])))
+        : 0;
+      if (left != 0u)
+      {
+        addPair(leftSums + 1u + field / 2u, low, high);
+      }
+      if (entered != 0u)
+      {
+        addPair(enteredSums + 1u + field / 2u, -low, -high);
+      }
     }
   }
 }

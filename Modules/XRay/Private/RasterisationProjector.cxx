@@ -40,6 +40,7 @@ constexpr int MostRowsAtOnce = 65535;
 constexpr int MostSamples = 65535 * MAMMORAY_RASTER_TILE;
 /// A ray is traced once, and again at most four times where its crossings do not cancel.
 constexpr int MostAttempts = 5;
+static_assert(MostFieldsPerPass == MAMMORAY_RASTER_FIELDS);
 
 /// Where an attempt tests for hits, pixels: at first in place, then up to a tenth beside, each
 /// time in another direction (by the golden angle, so that none is along rows or columns).
@@ -171,8 +172,8 @@ void RasterisationProjector::WriteParameters(const XRaySource& source, const XRa
   const int extent = samples * std::max(detector.Columns, detector.Rows);
   const auto columnOf = coordinate((1 / determinant) * Cross(v, w), 1);
   const auto rowOf = coordinate((1 / determinant) * Cross(w, u), 1);
-  const auto weightOf = isPoint ? coordinate((1 / determinant) * Cross(u, v), extent)
-                                : std::array<double, 4>{ 0, 0, 0, 1 };
+  const Vector3 depthOf = (1 / determinant) * Cross(u, v);
+  const auto weightOf = isPoint ? coordinate(depthOf, extent) : std::array<double, 4>{ 0, 0, 0, 1 };
   // Rays are tested a little beside, so that those of a symmetric set-up which are meant to run
   // through a corner do not see its triangles as rounding would have them. Their distances stay
   // exact. In single precision there is no room for more than the rounding itself.
@@ -189,9 +190,15 @@ void RasterisationProjector::WriteParameters(const XRaySource& source, const XRa
   }
 
   parameters.Scales[0] = determinant > 0 ? Real(1) : Real(-1);
-  parameters.Scales[1] = static_cast<Real>(this->Reach);
   // The longest path, twice the reach, is just below 2^31.
-  parameters.Scales[2] = static_cast<Real>(1073741824.0 / (1.001 * this->Reach));
+  const double unitsPerMm = 1073741824.0 / (1.001 * this->Reach);
+  set(parameters.DepthOf, depthOf, unitsPerMm / Norm(depthOf));
+  parameters.DetectorOrigin[3] = static_cast<Real>(-1e-3 * unitsPerMm);
+  const double most = Norm(depthOf) * this->Reach;
+  const auto within = [most](double depth)
+  { return static_cast<Real>(std::clamp(depth, -most, most)); };
+  parameters.Scales[1] = isPoint ? within(Dot(depthOf, base)) : static_cast<Real>(-most);
+  parameters.Scales[2] = within(Dot(depthOf, origin));
   parameters.Scales[3] = static_cast<Real>(1e-3 + beside + 16 * rounding);
   parameters.Columns = static_cast<std::uint32_t>(samples * detector.Columns);
   parameters.FirstRow = static_cast<std::uint32_t>(samples * work.FirstRow);
