@@ -31,6 +31,12 @@ nlohmann::json ToJson(const TwinRun& run)
     { "stopReason", run.StopReason } };
 }
 
+/// Files before 2026-11-27 hold none.
+std::vector<std::string> ReasonsFrom(const nlohmann::json& json)
+{
+  return json.value("reasons", std::vector<std::string>());
+}
+
 double Number(const nlohmann::json& value)
 {
   return value.is_null() ? std::numeric_limits<double>::quiet_NaN() : value.get<double>();
@@ -69,7 +75,7 @@ TwinRun TwinRunFrom(const nlohmann::json& json)
   run.Correlation = Number(json.at("correlation"));
   run.TissueCorrelation = Number(json.at("tissueCorrelation"));
   run.Trust = json.at("trust").get<std::string>();
-  run.Reasons = json.value("reasons", std::vector<std::string>()); // since 2026-11-27
+  run.Reasons = ReasonsFrom(json);
   run.Iterations = json.at("iterations").get<int>();
   run.Equilibria = json.at("equilibria").get<int>();
   run.Seconds = Number(json.at("seconds"));
@@ -102,8 +108,9 @@ nlohmann::json ToJson(const LandmarkEvidence& found)
   }
   return { { "name", found.Name }, { "rows", rows }, { "glandDice", found.GlandDice },
     { "glandDiceAtRest", found.GlandDiceAtRest }, { "trust", found.Trust },
-    { "expectedMedianMm", found.ExpectedMedianMm }, { "iterations", found.Iterations },
-    { "equilibria", found.Equilibria }, { "seconds", found.Seconds } };
+    { "expectedMedianMm", found.ExpectedMedianMm }, { "reasons", found.Reasons },
+    { "iterations", found.Iterations }, { "equilibria", found.Equilibria },
+    { "seconds", found.Seconds } };
 }
 
 LandmarkEvidence LandmarkEvidenceFrom(const nlohmann::json& json)
@@ -119,6 +126,7 @@ LandmarkEvidence LandmarkEvidenceFrom(const nlohmann::json& json)
   found.GlandDiceAtRest = Number(json.at("glandDiceAtRest"));
   found.Trust = json.at("trust").get<std::string>();
   found.ExpectedMedianMm = Number(json.at("expectedMedianMm"));
+  found.Reasons = ReasonsFrom(json);
   found.Iterations = json.at("iterations").get<int>();
   found.Equilibria = json.at("equilibria").get<int>();
   found.Seconds = Number(json.at("seconds"));
@@ -130,7 +138,7 @@ nlohmann::json ToJson(const MammogramEvidence& found)
   return { { "name", found.Name }, { "meanOutlineDistanceMm", found.MeanOutlineMm },
     { "largestOutlineDistanceMm", found.LargestOutlineMm }, { "correlation", found.Correlation },
     { "tissueCorrelation", found.TissueCorrelation }, { "trust", found.Trust },
-    { "seconds", found.Seconds }, { "failure", found.Failure } };
+    { "reasons", found.Reasons }, { "seconds", found.Seconds }, { "failure", found.Failure } };
 }
 
 nlohmann::json ToJson(const PointErrors& errors)
@@ -204,7 +212,7 @@ MammogramEvidence MammogramEvidenceFrom(const nlohmann::json& json)
 {
   return { json.at("name").get<std::string>(), Number(json.at("meanOutlineDistanceMm")),
     Number(json.at("largestOutlineDistanceMm")), Number(json.at("correlation")),
-    Number(json.at("tissueCorrelation")), json.at("trust").get<std::string>(),
+    Number(json.at("tissueCorrelation")), json.at("trust").get<std::string>(), ReasonsFrom(json),
     Number(json.at("seconds")), json.at("failure").get<std::string>() };
 }
 }

@@ -172,7 +172,9 @@ LandmarkEvidence MeasureLandmarks(const EvidenceLandmarks& input, const Progress
   LandmarkEvidence found;
   found.Name = input.Name;
   const RegisteredView& view = result.Views.front();
-  found.Trust = NameOf(Assess(view.Registration).Level);
+  const Assessment trust = Assess(view.Registration);
+  found.Trust = NameOf(trust.Level);
+  found.Reasons = trust.Reasons;
   found.ExpectedMedianMm = view.Registration.Expected ? view.Registration.Expected->MedianMm
                                                       : std::numeric_limits<double>::quiet_NaN();
   found.Iterations = static_cast<int>(view.Registration.Iterations.size());
@@ -209,7 +211,9 @@ MammogramEvidence MeasureMammogram(const EvidenceMammogram& input, const Progres
     found.Correlation = registered.After.Correlation;
     found.TissueCorrelation = registered.After.TissueCorrelation;
     found.Seconds = registered.Seconds;
-    found.Trust = NameOf(Assess(registered).Level);
+    const Assessment trust = Assess(registered);
+    found.Trust = NameOf(trust.Level);
+    found.Reasons = trust.Reasons;
   }
   catch (const ConvergenceError& error)
   {

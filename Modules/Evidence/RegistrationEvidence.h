@@ -77,6 +77,8 @@ struct LandmarkEvidence
   /// expect, mm; NaN where it tells none.
   std::string Trust;
   double ExpectedMedianMm = 0;
+  /// Why Trust is no better, one sentence each.
+  std::vector<std::string> Reasons;
   int Iterations = 0;
   int Equilibria = 0;
   double Seconds = 0;
@@ -92,6 +94,8 @@ struct MammogramEvidence
   double TissueCorrelation = 0;
   /// "good", "doubtful" or "none": what the report says of it.
   std::string Trust;
+  /// Why Trust is no better, one sentence each.
+  std::vector<std::string> Reasons;
   double Seconds = 0;
   /// Empty, or why there is no result.
   std::string Failure;

@@ -36,9 +36,9 @@ TEST_F(EvidenceFile, ReadsBackWhatItHolds)
   evidence.Twins.back().Reasons = { "The breast glides by 40 mm." };
   evidence.Landmarks.push_back(
     { "ball, CC", { { "identity", { 12, 9.2, 9.3, 14 }, { 12, 5, 6, 7 } } }, 0.6, test::Nothing,
-      "good", 1.5, 14, 25, 30.5 });
-  evidence.Mammograms.push_back({ "real", 2.5, 7, 0.8, 0.4, "doubtful", 12, "" });
-  evidence.Mammograms.push_back({ "other", 0, 0, 0, 0, "", 0, "no equilibrium" });
+      "good", 1.5, { "Far from the start." }, 14, 25, 30.5 });
+  evidence.Mammograms.push_back({ "real", 2.5, 7, 0.8, 0.4, "doubtful", { "It glides." }, 12, "" });
+  evidence.Mammograms.push_back({ "other", 0, 0, 0, 0, "", {}, 0, "no equilibrium" });
   evidence.Studies.push_back(test::MadeUpStudyRun("ball", 4, { 1, 2, 6 }));
   evidence.Studies.back().CcAlone = { evidence.Studies.back().Views[0] };
   evidence.Studies.back().Swept = { evidence.Studies.back().Views[0] };
@@ -81,8 +81,10 @@ TEST_F(EvidenceFile, ReadsBackWhatItHolds)
   EXPECT_EQ(read.Landmarks[0].Rows.at(0).OnReceptor.Largest, 7);
   EXPECT_TRUE(std::isnan(read.Landmarks[0].GlandDiceAtRest));
   EXPECT_EQ(read.Landmarks[0].ExpectedMedianMm, 1.5);
+  EXPECT_EQ(read.Landmarks[0].Reasons, evidence.Landmarks[0].Reasons);
   ASSERT_EQ(read.Mammograms.size(), 2u);
   EXPECT_EQ(read.Mammograms[0].Trust, "doubtful");
+  EXPECT_EQ(read.Mammograms[0].Reasons, evidence.Mammograms[0].Reasons);
   EXPECT_EQ(read.Mammograms[0].TissueCorrelation, 0.4);
   EXPECT_EQ(read.Mammograms[1].Failure, "no equilibrium");
   // And the same again.

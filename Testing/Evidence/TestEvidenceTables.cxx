@@ -76,12 +76,12 @@ TEST(EvidenceTables, LandmarksAndMammograms)
   RegistrationEvidence evidence;
   evidence.Landmarks.push_back(
     { "ball, CC", { { "registered", { 12, 1.06, 1.2, 2.5 }, { 12, 0.74, 0.8, 1.42 } } }, 0.61, 0.25,
-      "good", 1.5, 14, 25, 30 });
+      "good", 1.5, {}, 14, 25, 30 });
   evidence.Landmarks.push_back(
     { "ball, MLO", { { "registered", { 12, 2.06, 2.2, 3.5 }, { 12, 1.74, 1.8, 2.42 } } },
-      test::Nothing, test::Nothing, "none", test::Nothing, 14, 25, 30 });
-  evidence.Mammograms.push_back({ "real", 2.5, 7, 0.8, 0.4, "doubtful", 12, "" });
-  evidence.Mammograms.push_back({ "other", 0, 0, 0, 0, "", 0, "no equilibrium" });
+      test::Nothing, test::Nothing, "none", test::Nothing, {}, 14, 25, 30 });
+  evidence.Mammograms.push_back({ "real", 2.5, 7, 0.8, 0.4, "doubtful", {}, 12, "" });
+  evidence.Mammograms.push_back({ "other", 0, 0, 0, 0, "", {}, 0, "no equilibrium" });
   const std::string text = EvidenceTables(evidence);
   EXPECT_THAT(text, HasSubstr("| registered | 1.06 (2.50) | 0.74 (1.42) |"));
   EXPECT_THAT(text, HasSubstr("| ball, CC, imaged landmarks: median (largest) error, mm |"));
