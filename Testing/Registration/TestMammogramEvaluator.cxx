@@ -74,3 +74,45 @@ TEST(MammogramEvaluator, TakesEveryStepFromTheAcceptedState)
   ASSERT_EQ(evaluator.Compress(), Answer::Found);
   EXPECT_LT(LargestDifference(evaluator.Mammogram.Here->State(), back), 1e-3);
 }
+
+TEST(MammogramEvaluator, TellsTheResidualsOfOtherEdgesAndStaysWhereItIs)
+{
+  std::string reason;
+  if (ListDevices(&reason).empty())
+  {
+    GTEST_SKIP() << reason;
+  }
+  Twin twin(4, 8, 20.0, false);
+  const SearchedBreast breast{ &twin.Model, &twin.Model.Body(), twin.Placement };
+  RegistrationOptions options;
+  options.Parameters = DefaultParameters(Truth());
+  const std::vector<double> values = ValuesOf(Truth());
+  ProgressCallback progress;
+  MammogramEvaluator evaluator(
+    { breast, MakeTarget(twin, Truth()), options, values,
+      breast.At(values, twin.Model.Body().Compress(twin.Placement, Truth(), nullptr)) },
+    progress);
+  evaluator.Compare();
+  const std::shared_ptr<EvaluatedState> here = evaluator.Mammogram.Here;
+  const auto farthest = [&](const std::vector<double>& residuals)
+  {
+    double largest = 0;
+    for (std::size_t index = 0; index < residuals.size(); ++index)
+    {
+      largest = std::max(largest, std::abs(residuals[index] - evaluator.Residuals[index]));
+    }
+    return largest;
+  };
+  const double radiusMm = twin.Placement.Unit.EdgeRadiusMm;
+  const std::vector<double> same = evaluator.WithEdges(radiusMm);
+  const std::vector<double> rounder = evaluator.WithEdges(radiusMm + 5);
+  ASSERT_EQ(same.size(), evaluator.Residuals.size());
+  ASSERT_EQ(rounder.size(), evaluator.Residuals.size());
+  // Newton's method ends within 1e-6 of the forces; residuals are in standard deviations.
+  EXPECT_LT(farthest(same), 1e-2);
+  EXPECT_GT(farthest(rounder), 0.1);
+  EXPECT_EQ(evaluator.Mammogram.Here, here);
+  EXPECT_EQ(evaluator.Evaluations, 2);
+  progress = [](double, const char*) { return false; };
+  EXPECT_TRUE(evaluator.WithEdges(radiusMm + 5).empty());
+}

@@ -551,6 +551,27 @@ TEST_F(Registration, ConsideredParametersMoveTheOthersAsPredicted)
   }
 }
 
+TEST_F(Registration, DeviationsCountEdgesRounderThanAUnits)
+{
+  const RegistrationOptions options = OptionsNearTruth();
+  UnitPlacement round = Model->Placement;
+  round.Unit.EdgeRadiusMm = SearchedEdgeRadiusMm;
+  const RegistrationResult asTheUnit = Register(Model->Model, Model->Placement, *Target, options);
+  const RegistrationResult rounder = Register(Model->Model, round, *Target, options);
+  // The paddle tilts to press out what is too thick behind round edges.
+  const double moved = rounder.Values[TiltParameter] - asTheUnit.Values[TiltParameter];
+  EXPECT_GT(moved, 0.3);
+  const auto variance = [](const RegistrationResult& result)
+  { return std::pow(result.StandardDeviations[TiltParameter], 2); };
+  // Deviations know it by the model's derivatives: half to twice of what two searches, which stop
+  // within half a deviation, are apart.
+  const double counted = std::sqrt(std::max(0.0, variance(rounder) - variance(asTheUnit)));
+  EXPECT_GT(counted, 0.5 * moved);
+  EXPECT_LT(counted, 2 * moved);
+  EXPECT_NEAR(rounder.Values[TiltParameter], Truth().TiltDeg,
+    2 * rounder.StandardDeviations[TiltParameter]);
+}
+
 TEST_F(Registration, UnusableInputIsRefused)
 {
   RegistrationOptions options = OptionsFrom(Truth());

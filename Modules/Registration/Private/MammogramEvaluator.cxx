@@ -128,4 +128,36 @@ std::vector<double> MammogramEvaluator::Beside(const std::vector<double>& values
       this->Progress));
   return this->Compared.Evaluate(*beside);
 }
+
+std::vector<double> MammogramEvaluator::WithEdges(double radiusMm)
+{
+  SearchedBreast breast = this->Mammogram.Breast;
+  breast.Placement.Unit.EdgeRadiusMm = radiusMm;
+  const std::vector<double>& values = this->Mammogram.Values;
+  const auto begin = Clock::now();
+  ++this->Evaluations;
+  std::shared_ptr<EvaluatedState> state;
+  try
+  {
+    state = breast.At(values,
+      breast.Body->Compress(breast.Placement, PoseOf(values), &this->Mammogram.Here->State(),
+        this->Progress));
+  }
+  catch (const Interrupted&)
+  {
+  }
+  catch (const ConvergenceError&)
+  {
+  }
+  this->MechanicsSeconds += SecondsSince(begin);
+  if (!state)
+  {
+    return {};
+  }
+  const auto compressed = Clock::now();
+  std::vector<double> residuals = this->Compared.Evaluate(*state);
+  this->ProjectionSeconds += SecondsSince(compressed);
+  this->Projections += state->NumberOfProjections();
+  return residuals;
+}
 }

@@ -91,6 +91,9 @@ public:
   void ReturnTo(const std::vector<double>& values, std::shared_ptr<EvaluatedState> state);
   /// Residuals beside Here. Throws ConvergenceError, Interrupted.
   std::vector<double> Beside(const std::vector<double>& values);
+  /// Residuals where the plates' chest-wall edges are as round as this, at Here's values; counted.
+  /// Empty where there is no equilibrium, or when stopped.
+  std::vector<double> WithEdges(double radiusMm);
   RegistrationCosts Costs() const { return this->Compared.Costs(this->Residuals); }
 
   SearchedMammogram Mammogram;

@@ -198,6 +198,51 @@ WeightedEstimate EstimateOf(RegistrationEvaluator& evaluator, const ComparedGrou
   return estimate;
 }
 
+/**
+ * Adds what edges rounder than a unit's (SearchedEdgeRadiusMm), or sharper ones, do to the
+ * unknowns: all of what lies between the model's and a unit's, as one standard deviation of a
+ * considered parameter that no residual tells of (Schmidt 1966, as below), the same for all
+ * mammograms. By how much residuals change is told by another equilibrium of each; where one has
+ * none, nothing is added. Without it the paddle's tilt, which makes up for tissue that is too thick
+ * behind round edges, was 3 to 5 degrees off in twins, thickness by 1.2 mm, alike in all.
+ */
+void AddRoundEdges(RegistrationEvaluator& evaluator, const ComparedGroups& compared,
+  WeightedEstimate& estimate)
+{
+  Eigen::VectorXd changes(static_cast<Eigen::Index>(evaluator.Residuals.size()));
+  Eigen::Index first = 0;
+  for (const std::unique_ptr<MammogramEvaluator>& mammogram : evaluator.Mammograms)
+  {
+    const auto count = static_cast<Eigen::Index>(mammogram->Residuals.size());
+    const double radiusMm = MammographyUnit{}.EdgeRadiusMm;
+    if (mammogram->Mammogram.Breast.Placement.Unit.EdgeRadiusMm == radiusMm)
+    {
+      changes.segment(first, count).setZero();
+    }
+    else
+    {
+      const std::vector<double> residuals = mammogram->WithEdges(radiusMm);
+      if (residuals.empty())
+      {
+        return;
+      }
+      changes.segment(first, count) = Eigen::Map<const Eigen::VectorXd>(residuals.data(), count) -
+        Eigen::Map<const Eigen::VectorXd>(mammogram->Residuals.data(), count);
+    }
+    first += count;
+  }
+  Eigen::VectorXd pull = Eigen::VectorXd::Zero(estimate.Inverse.rows());
+  for (std::size_t number = 0; number < compared.Groups.size(); ++number)
+  {
+    const ResidualGroup& group = compared.Groups[number];
+    // The changes are in the search's weights, as its residuals are.
+    pull += compared.Factors[number] * group.Jacobian.transpose() *
+      changes.segment(compared.First[number], group.Residuals.size());
+  }
+  const Eigen::VectorXd shift = estimate.Inverse * pull;
+  estimate.Covariance += shift * shift.transpose();
+}
+
 /// The covariance of the unknowns and of what is considered, in units of their scales and priors:
 /// an error c of the latter moves the minimum by S c, S = -A^-1 J^T W J_c (consider covariance,
 /// Schmidt 1966; Tapley, Schutz and Born 2004, section 6.2).
@@ -308,7 +353,8 @@ void KeepCovariance(RegistrationEvaluator& evaluator, JointSearch& search)
   {
     KeepMisfit(compared, mammogram, search.Mammograms[mammogram].Result.Misfit);
   }
-  const WeightedEstimate estimate = EstimateOf(evaluator, compared);
+  WeightedEstimate estimate = EstimateOf(evaluator, compared);
+  AddRoundEdges(evaluator, compared, estimate);
   const std::size_t n = unknowns.size();
   search.Covariance.resize(n * n);
   for (std::size_t i = 0; i < n; ++i)

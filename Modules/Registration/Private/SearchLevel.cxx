@@ -274,13 +274,13 @@ LevelEnd SearchLevel(std::vector<SearchedMammogram> mammograms, const Level& lev
   const QuietGlog quiet;
   const ceres::Solver::Summary summary = Minimise(level, evaluator, search, problem, recorder);
   const Ending ending = EndingOf(evaluator, summary, recorder.Settled());
-  for (std::size_t mammogram = 0; mammogram < search.Mammograms.size(); ++mammogram)
-  {
-    KeepEnd(*evaluator.Mammograms[mammogram], ending, search.Mammograms[mammogram].Result);
-  }
   if (ending.End == LevelEnd::Reached && level.Last)
   {
     KeepCovariance(evaluator, search);
+  }
+  for (std::size_t mammogram = 0; mammogram < search.Mammograms.size(); ++mammogram)
+  {
+    KeepEnd(*evaluator.Mammograms[mammogram], ending, search.Mammograms[mammogram].Result);
   }
   return ending.End;
 }
