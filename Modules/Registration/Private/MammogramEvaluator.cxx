@@ -120,34 +120,37 @@ void MammogramEvaluator::ReturnTo(const std::vector<double>& values,
   this->Accept();
 }
 
-std::vector<double> MammogramEvaluator::Beside(const std::vector<double>& values)
+std::shared_ptr<EvaluatedState> MammogramEvaluator::CompressBeside(const SearchedBreast& breast,
+  const std::vector<double>& values) const
 {
-  const SearchedBreast& breast = this->Mammogram.Breast;
-  const auto beside = breast.At(values,
+  return breast.At(values,
     breast.Body->Compress(breast.Placement, PoseOf(values), &this->Mammogram.Here->State(),
       this->Progress));
-  return this->Compared.Evaluate(*beside);
+}
+
+std::vector<double> MammogramEvaluator::Beside(const std::vector<double>& values)
+{
+  return this->Compared.Evaluate(*this->CompressBeside(this->Mammogram.Breast, values));
 }
 
 std::vector<double> MammogramEvaluator::WithEdges(double radiusMm)
 {
   SearchedBreast breast = this->Mammogram.Breast;
   breast.Placement.Unit.EdgeRadiusMm = radiusMm;
-  const std::vector<double>& values = this->Mammogram.Values;
   const auto begin = Clock::now();
   ++this->Evaluations;
   std::shared_ptr<EvaluatedState> state;
   try
   {
-    state = breast.At(values,
-      breast.Body->Compress(breast.Placement, PoseOf(values), &this->Mammogram.Here->State(),
-        this->Progress));
+    state = this->CompressBeside(breast, this->Mammogram.Values);
   }
   catch (const Interrupted&)
   {
+    // What has been found so far stays.
   }
   catch (const ConvergenceError&)
   {
+    // Sharper edges can stop the elements.
   }
   this->MechanicsSeconds += SecondsSince(begin);
   if (!state)

@@ -106,6 +106,10 @@ public:
   double JacobianSeconds = 0;
 
 private:
+  /// The equilibrium of `breast` at these values, from Here. Throws ConvergenceError, Interrupted.
+  std::shared_ptr<EvaluatedState> CompressBeside(const SearchedBreast& breast,
+    const std::vector<double>& values) const;
+
   const ProgressCallback& Progress;
   std::shared_ptr<EvaluatedState> Accepted;
   /// A longer way of the plates from it is refused unseen: half of what failed last, twice of
