@@ -22,6 +22,9 @@ const char* VerdictOf(Trust trust)
 
 namespace
 {
+/// Of one plate's force the least that the other presses with where both hold the breast.
+constexpr double LeastShareOfForce = 0.05;
+
 bool FarFromPrior(const RegistrationParameter& parameter, double value)
 {
   return !parameter.Fixed && parameter.PriorSigma > 0 &&
@@ -36,11 +39,16 @@ void AddMechanics(const RegistrationResult& result, const Add& add)
   {
     return;
   }
-  if (result.State.PaddleForceN < 1)
+  // Forces follow a breast's size and the stiffness in the table, which is unknown by a factor of
+  // two: the two plates' are compared with each other.
+  const auto [least, most] = std::minmax(result.State.PaddleForceN, result.State.SupportForceN);
+  if (most <= 0 || least < LeastShareOfForce * most)
   {
     add(Trust::Doubtful,
       "The paddle presses with " + NumberText(result.State.PaddleForceN, 1) +
-        " N: what holds the breast in the model is not the plates. 1 N or more is wanted.");
+        " N, the support with " + NumberText(result.State.SupportForceN, 1) +
+        " N: what holds the breast in the model is not the plates. At least a twentieth of the "
+        "other's force is wanted of each.");
   }
   if (result.State.LargestWallGlideMm > 30)
   {

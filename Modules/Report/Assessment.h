@@ -45,12 +45,12 @@ inline constexpr double LeastTissueCorrelation = 0.3;
  * above 1.5 mm (3 mm: none), largest above 5 mm (10 mm: none), a search that did not converge, a
  * parameter at its bound or more than three standard deviations of its prior away from where it was
  * expected, figures that are not numbers (none). Doubtful, too, is what mechanics do not settle: a
- * paddle that presses with less than 1 N (98.6 % of 1972 mammograms: more than 50 N; Serwan et
- * al.), a breast that glides along the chest wall by more than 30 mm, and one that has another
- * equilibrium at this pose, 3 mm off on average or more. So is what the header disagrees on: a
- * thickness more than 5 mm from the one found, as far as units may be off (EUREF's protocol for
- * digital mammography; 15 mm: none), and RegistrationResult::Disagreements. The limits are rules of
- * thumb, not clinical validation.
+ * plate that presses with less than a twentieth of the other's force, where the chest wall holds
+ * the breast instead, a breast that glides along the chest wall by more than 30 mm, and one that
+ * has another equilibrium at this pose, 3 mm off on average or more. So is what the header
+ * disagrees on: a thickness more than 5 mm or 15 % from the one found, as far as units may be off
+ * (twice as much: none), and RegistrationResult::Disagreements. The limits are rules of thumb, not
+ * clinical validation.
  */
 MAMMORAYREPORT_EXPORT Assessment Assess(const RegistrationResult& result);
 

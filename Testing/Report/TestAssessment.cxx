@@ -94,9 +94,16 @@ TEST(Assessment, WhatMechanicsDoNotSettleIsDoubtful)
 {
   RegistrationResult result = GoodResult();
   result.State.Positions = { 0, 0, 0 };
+  EXPECT_THAT(Assess(result).Reasons, ElementsAre(HasSubstr("presses with 0.0 N")))
+    << "nothing touches the breast";
+  result.State.SupportForceN = 20;
   result.State.PaddleForceN = 0.9;
-  EXPECT_THAT(Assess(result).Reasons, ElementsAre(HasSubstr("paddle presses with 0.9 N")));
-  result.State.PaddleForceN = 12;
+  EXPECT_THAT(Assess(result).Reasons,
+    ElementsAre(HasSubstr("paddle presses with 0.9 N, the support with 20.0 N")));
+  result.State.SupportForceN = 0.04;
+  EXPECT_THAT(Assess(result).Reasons, ElementsAre(HasSubstr("the support with 0.0 N")));
+  result.State.SupportForceN = 4.7;
+  result.State.PaddleForceN = 0.7;
   result.State.LargestWallGlideMm = 29;
   result.OtherEquilibriumMm = 2.9;
   EXPECT_EQ(Assess(result).Level, Trust::Good);

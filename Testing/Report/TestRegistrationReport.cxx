@@ -90,6 +90,7 @@ struct MadeUp
           outlineCost, intensityCost, 0, 1.5 * i });
     }
     this->Result.State.PaddleForceN = 87;
+    this->Result.State.SupportForceN = 92;
     this->Result.State.VolumeRatio = 0.9987;
     this->Result.After.Correlation = 0.93;
     this->Result.After.MeanOutlineDistanceMm = 0.62;
