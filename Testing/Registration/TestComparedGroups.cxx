@@ -3,6 +3,7 @@
 #include "mammoray/Registration/Private/ComparedGroups.h"
 #include "mammoray/Registration/Private/SearchCovariance.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -93,4 +94,40 @@ TEST(ComparedGroups, TellTheSameVariancesWhateverTheyAreWeighedBy)
     EXPECT_NEAR(evaluator.Jacobian[1][index], weighedColumn[index],
       1e-2 * (1 + std::abs(weighedColumn[index])));
   }
+}
+
+TEST(ComparedGroups, ACovarianceWithoutTheUnitsEdgesIsToldOf)
+{
+  std::string reason;
+  if (ListDevices(&reason).empty())
+  {
+    GTEST_SKIP() << reason;
+  }
+  Twin twin(4, 8, 20.0, false);
+  const RegistrationTarget target = CoarsenTo(MakeTarget(twin, Truth()), 3.0);
+  SearchedBreast breast{ &twin.Model, &twin.Model.Body(), twin.Placement };
+  breast.Placement.Unit.EdgeRadiusMm = SearchedEdgeRadiusMm;
+  RegistrationOptions options;
+  options.Parameters = DefaultParameters(Truth());
+  const std::vector<double> values = ValuesOf(Truth());
+  // Stopped: there is no equilibrium beside this one.
+  bool goesOn = true;
+  const ProgressCallback progress = [&](double, const char*) { return goesOn; };
+  JointSearch search;
+  search.Mammograms.resize(1);
+  MammogramSearch& mammogram = search.Mammograms.front();
+  mammogram.Result.Parameters = options.Parameters;
+  mammogram.Result.Values = values;
+  mammogram.Result.StandardDeviations.resize(ParameterCount);
+  mammogram.Here = breast.At(values, breast.Body->Compress(breast.Placement, Truth(), nullptr));
+  search.Unknowns = { { ThicknessParameter, { 0 }, 20, 80, 3 } };
+  RegistrationEvaluator evaluator({ { breast, target, options, values, mammogram.Here } },
+    search.Unknowns, progress);
+  KeepCovariance(evaluator, search);
+  EXPECT_THAT(mammogram.Result.Warnings, testing::IsEmpty());
+  const double counted = mammogram.Result.StandardDeviations[ThicknessParameter];
+  goesOn = false;
+  KeepCovariance(evaluator, search);
+  EXPECT_THAT(mammogram.Result.Warnings, testing::ElementsAre(testing::HasSubstr("sharper edges")));
+  EXPECT_LT(mammogram.Result.StandardDeviations[ThicknessParameter], counted);
 }

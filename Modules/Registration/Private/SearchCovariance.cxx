@@ -218,11 +218,12 @@ Eigen::MatrixXd ShiftOf(const ComparedGroups& compared, const WeightedEstimate& 
  * Adds what edges rounder than a unit's (SearchedEdgeRadiusMm), or sharper ones, do to the
  * unknowns: all of what lies between the model's and a unit's, as one standard deviation of a
  * considered parameter that no residual tells of, the same for all mammograms. By how much
- * residuals change is told by another equilibrium of each; where one has none, nothing is added.
+ * residuals change is told by another equilibrium of each; where one has none, nothing is added,
+ * and false returned.
  * The paddle tilts to press out tissue that is too thick behind round edges: in twins it is 3 to 5
  * degrees off, thickness 1.2 mm, alike in all.
  */
-void AddRoundEdges(RegistrationEvaluator& evaluator, const ComparedGroups& compared,
+bool AddRoundEdges(RegistrationEvaluator& evaluator, const ComparedGroups& compared,
   WeightedEstimate& estimate)
 {
   const double radiusMm = MammographyUnit{}.EdgeRadiusMm;
@@ -237,7 +238,7 @@ void AddRoundEdges(RegistrationEvaluator& evaluator, const ComparedGroups& compa
       const std::vector<double> residuals = mammogram->WithEdges(radiusMm);
       if (residuals.empty())
       {
-        return;
+        return false;
       }
       changes.segment(first, count) = Eigen::Map<const Eigen::VectorXd>(residuals.data(), count) -
         Eigen::Map<const Eigen::VectorXd>(mammogram->Residuals.data(), count);
@@ -246,6 +247,7 @@ void AddRoundEdges(RegistrationEvaluator& evaluator, const ComparedGroups& compa
   }
   const Eigen::MatrixXd shift = ShiftOf(compared, estimate, changes);
   estimate.Covariance += shift * shift.transpose();
+  return true;
 }
 
 /// The covariance of the unknowns and of what is considered, in units of their scales and priors
@@ -349,7 +351,15 @@ void KeepCovariance(RegistrationEvaluator& evaluator, JointSearch& search)
     KeepMisfit(compared, mammogram, search.Mammograms[mammogram].Result.Misfit);
   }
   WeightedEstimate estimate = EstimateOf(evaluator, compared);
-  AddRoundEdges(evaluator, compared, estimate);
+  if (!AddRoundEdges(evaluator, compared, estimate))
+  {
+    for (MammogramSearch& mammogram : search.Mammograms)
+    {
+      mammogram.Result.Warnings.push_back(
+        "Between plates with a unit's sharper edges no equilibrium was found: standard deviations "
+        "do not count that the model's edges are rounder.");
+    }
+  }
   const std::size_t n = unknowns.size();
   search.Covariance.resize(n * n);
   for (std::size_t i = 0; i < n; ++i)
