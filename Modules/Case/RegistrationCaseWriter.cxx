@@ -30,6 +30,7 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <limits>
 #include <numbers>
 #include <optional>
 #include <string_view>
@@ -133,8 +134,16 @@ ResultFile ResultOf(const RegistrationCase& input, const RegistrationCaseResult&
   file.Seconds = found.Seconds;
   file.Timings = result.Timings;
   file.Iterations = found.Iterations;
-  file.Compression = { state.PaddleForceN, state.VolumeRatio, state.SmallestJ, state.LargestJ,
-    state.LargestPenetrationMm, state.RelativeResidual };
+  file.Compression = { .PaddleForceN = state.PaddleForceN,
+    .SupportForceN = state.SupportForceN,
+    .LargestWallGlideMm = state.LargestWallGlideMm,
+    .OtherEquilibriumMm = found.OtherEquilibriumMm >= 0 ? found.OtherEquilibriumMm
+                                                        : std::numeric_limits<double>::quiet_NaN(),
+    .VolumeRatio = state.VolumeRatio,
+    .SmallestJ = state.SmallestJ,
+    .LargestJ = state.LargestJ,
+    .LargestPenetrationMm = state.LargestPenetrationMm,
+    .RelativeResidual = state.RelativeResidual };
   file.Mammogram = { mammogram.View, mammogram.Laterality, mammogram.Columns, mammogram.Rows,
     mammogram.ColumnSpacingMm, mammogram.RowSpacingMm, mammogram.BodyPartThicknessMm,
     mammogram.SourceToDetectorMm, mammogram.PeakKilovoltage };

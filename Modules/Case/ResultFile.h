@@ -19,7 +19,7 @@ namespace mammoray
 /// The name of the file that ends a result folder, and by which such a folder is known.
 inline constexpr const char* ResultFileName = "result.json";
 /// Its "formatVersion": of both kinds, raised whenever a field changes its meaning or is added.
-inline constexpr int ResultFormatVersion = 4;
+inline constexpr int ResultFormatVersion = 5;
 
 /// Roles of the inputs that are asked for by them.
 inline constexpr const char* MammogramRole = "Mammogram";
@@ -55,6 +55,10 @@ struct ResultGrid
 struct ResultCompression
 {
   double PaddleForceN = 0;
+  double SupportForceN = 0;
+  double LargestWallGlideMm = 0;
+  /// RegistrationResult::OtherEquilibriumMm; NaN where it is not known.
+  double OtherEquilibriumMm = 0;
   double VolumeRatio = 1;
   double SmallestJ = 1;
   double LargestJ = 1;

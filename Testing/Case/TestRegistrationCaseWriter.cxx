@@ -81,6 +81,10 @@ protected:
     found.StandardDeviations.assign(ParameterCount, 0.25);
     found.After = { 0.9, 0.5, 1.5, 0.9 };
     found.Converged = true;
+    found.State.PaddleForceN = 11;
+    found.State.SupportForceN = 12;
+    found.State.LargestWallGlideMm = 4;
+    found.OtherEquilibriumMm = -1;
     registered.Sensitivities = { std::vector<double>(this->Result.Anatomy.Points.size(), 0.5), {} };
     registered.Warnings = { "Something had to be assumed." };
   }
@@ -117,6 +121,10 @@ TEST_F(WrittenCase, HasEverythingOfOneMammogram)
   EXPECT_EQ(result.Trust.Level, Trust::Good);
   EXPECT_EQ(result.Pose.Stiffness, 1.5);
   EXPECT_EQ(result.ShareExcluded, 0.25);
+  EXPECT_EQ(result.Compression.PaddleForceN, 11);
+  EXPECT_EQ(result.Compression.SupportForceN, 12);
+  EXPECT_EQ(result.Compression.LargestWallGlideMm, 4);
+  EXPECT_TRUE(std::isnan(result.Compression.OtherEquilibriumMm)) << "none was looked for";
   EXPECT_EQ(result.Spectrum, this->Input.Spectrum);
   EXPECT_EQ(result.Scatter.Method, "none");
   const auto mammogram = std::find_if(result.Inputs.begin(), result.Inputs.end(),

@@ -231,7 +231,7 @@ TEST(ResultFile, RefusesAnotherFileInOneLine)
     return refusal();
   };
   EXPECT_EQ(damaged("/formatVersion"_json_pointer, 1),
-    path + ": field 'formatVersion': expected 4, found 1");
+    path + ": field 'formatVersion': expected 5, found 1");
   EXPECT_EQ(damaged("/format"_json_pointer, "recipe"),
     path +
       ": field 'format': expected 'mammoray-registration-result' or "

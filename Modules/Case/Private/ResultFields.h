@@ -151,6 +151,9 @@ template <typename Fields>
 void ListFields(Fields& fields, ResultCompression& compression)
 {
   fields("paddleForceN", compression.PaddleForceN);
+  fields("supportForceN", compression.SupportForceN);
+  fields("largestWallGlideMm", compression.LargestWallGlideMm);
+  fields("otherEquilibriumMm", NumberOrNull{ compression.OtherEquilibriumMm });
   fields("volumeRatio", compression.VolumeRatio);
   fields("smallestJ", compression.SmallestJ);
   fields("largestJ", compression.LargestJ);
