@@ -25,10 +25,16 @@ namespace
 /// Of one plate's force the least that the other presses with where both hold the breast.
 constexpr double LeastShareOfForce = 0.05;
 
-bool FarFromPrior(const RegistrationParameter& parameter, double value)
+/// How many standard deviations a value lies from where its prior expects it: the prior's and,
+/// where it is known, the value's own; 0 without a prior.
+double DeviationsFromPrior(const RegistrationParameter& parameter, double value, double sigma)
 {
-  return !parameter.Fixed && parameter.PriorSigma > 0 &&
-    std::abs(value - parameter.Start) > 3 * parameter.PriorSigma;
+  if (parameter.Fixed || !(parameter.PriorSigma > 0))
+  {
+    return 0;
+  }
+  return std::abs(value - parameter.Start) /
+    std::hypot(parameter.PriorSigma, std::isfinite(sigma) ? sigma : 0.0);
 }
 
 /// Adds why a breast may lie otherwise than a match of pictures tells.
@@ -168,13 +174,13 @@ Assessment Assess(const RegistrationResult& result)
         ParameterTitle(result.Parameters[i].Name) +
           " ended at the limit of what was allowed: the best value may lie beyond it.");
     }
-    if (FarFromPrior(result.Parameters[i], result.Values[i]))
+    const double sigma =
+      i < result.StandardDeviations.size() ? result.StandardDeviations[i] : std::nan("");
+    const double deviations = DeviationsFromPrior(result.Parameters[i], result.Values[i], sigma);
+    if (deviations > 3)
     {
       add(Trust::Doubtful,
-        ParameterTitle(result.Parameters[i].Name) + " ended " +
-          NumberText(std::abs(result.Values[i] - result.Parameters[i].Start) /
-              result.Parameters[i].PriorSigma,
-            1) +
+        ParameterTitle(result.Parameters[i].Name) + " ended " + NumberText(deviations, 1) +
           " standard deviations from what was to be expected, 3 or less are wanted.");
     }
   }

@@ -43,11 +43,11 @@ inline constexpr double LeastTissueCorrelation = 0.3;
  * the tissue tells: below GoodTissueCorrelation doubtful, below LeastTissueCorrelation none. What
  * else is doubtful: a correlation of the whole below 0.5, mean outline distance
  * above 1.5 mm (3 mm: none), largest above 5 mm (10 mm: none), a search that did not converge, a
- * parameter at its bound or more than three standard deviations of its prior away from where it was
- * expected, figures that are not numbers (none). Doubtful, too, is what mechanics do not settle: a
- * plate that presses with less than a twentieth of the other's force, where the chest wall holds
- * the breast instead, a breast that glides along the chest wall by more than 30 mm, and one that
- * has another equilibrium at this pose, 3 mm off on average or more. So is what the header
+ * parameter at its bound or more than three standard deviations (its prior's and its own) away from
+ * where it was expected, figures that are not numbers (none). Doubtful, too, is what mechanics do
+ * not settle: a plate that presses with less than a twentieth of the other's force, where the chest
+ * wall holds the breast instead, a breast that glides along the chest wall by more than 30 mm, and
+ * one that has another equilibrium at this pose, 3 mm off on average or more. So is what the header
  * disagrees on: a thickness more than 5 mm or 15 % from the one found, as far as units may be off
  * (twice as much: none), and RegistrationResult::Disagreements. The limits are rules of thumb, not
  * clinical validation.

@@ -88,6 +88,11 @@ TEST(Assessment, AParameterFarFromWhatWasExpectedIsDoubtful)
   result.Parameters[1].PriorSigma = 4;
   EXPECT_EQ(Assess(result).Level, Trust::Doubtful);
   EXPECT_THAT(Assess(result).Reasons, ElementsAre(HasSubstr("ended 3.7 standard deviations")));
+  // A value that is hardly known is not far from anything.
+  result.StandardDeviations = { 0.1, 3, 0.1 };
+  EXPECT_EQ(Assess(result).Level, Trust::Good) << "14.9 is 2.98 times 5";
+  result.StandardDeviations[1] = 2.9;
+  EXPECT_THAT(Assess(result).Reasons, ElementsAre(HasSubstr("ended 3.0 standard deviations")));
 }
 
 TEST(Assessment, WhatMechanicsDoNotSettleIsDoubtful)
