@@ -30,7 +30,6 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
-#include <limits>
 #include <numbers>
 #include <optional>
 #include <string_view>
@@ -137,8 +136,7 @@ ResultFile ResultOf(const RegistrationCase& input, const RegistrationCaseResult&
   file.Compression = { .PaddleForceN = state.PaddleForceN,
     .SupportForceN = state.SupportForceN,
     .LargestWallGlideMm = state.LargestWallGlideMm,
-    .OtherEquilibriumMm = found.OtherEquilibriumMm >= 0 ? found.OtherEquilibriumMm
-                                                        : std::numeric_limits<double>::quiet_NaN(),
+    .OtherEquilibriumMm = found.OtherEquilibriumMm,
     .VolumeRatio = state.VolumeRatio,
     .SmallestJ = state.SmallestJ,
     .LargestJ = state.LargestJ,

@@ -57,7 +57,7 @@ struct ResultCompression
   double PaddleForceN = 0;
   double SupportForceN = 0;
   double LargestWallGlideMm = 0;
-  /// RegistrationResult::OtherEquilibriumMm; NaN where it is not known.
+  /// See RegistrationResult.
   double OtherEquilibriumMm = 0;
   double VolumeRatio = 1;
   double SmallestJ = 1;

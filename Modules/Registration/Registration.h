@@ -8,6 +8,7 @@
 #include "mammorayRegistrationModule.h"
 
 #include <functional>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -75,10 +76,10 @@ struct RegistrationResult
   /**
    * How far the breast lies from where a cold start at the same pose takes it, on average over its
    * nodes, mm, seen where the finest resolution began: 0 unless it has several equilibria there.
-   * The one whose picture matches better is searched from. -1 where that start has none or none was
-   * made.
+   * The one whose picture matches better is searched from. NaN where that start has none or none
+   * was made.
    */
-  double OtherEquilibriumMm = -1;
+  double OtherEquilibriumMm = std::numeric_limits<double>::quiet_NaN();
   /// Agreement at the start and at the end.
   Agreement Before;
   Agreement After;

@@ -84,7 +84,6 @@ protected:
     found.State.PaddleForceN = 11;
     found.State.SupportForceN = 12;
     found.State.LargestWallGlideMm = 4;
-    found.OtherEquilibriumMm = -1;
     registered.Sensitivities = { std::vector<double>(this->Result.Anatomy.Points.size(), 0.5), {} };
     registered.Warnings = { "Something had to be assumed." };
   }
