@@ -44,21 +44,20 @@ namespace mammoray::hardening
 {
 namespace
 {
-using Target = std::function<void(const std::string& bytes)>;
-
 [[noreturn]] void Fail(const std::string& why)
 {
   std::fprintf(stderr, "not one printable line of our own: %s\n", why.c_str());
   std::abort();
 }
 
-Target Refusing(const Target& target)
+FuzzTarget Refusing(const std::function<void(const std::string& bytes)>& read)
 {
-  return [target](const std::string& bytes)
+  return [read](const std::string& bytes) -> std::string
   {
     try
     {
-      target(bytes);
+      read(bytes);
+      return {};
     }
     catch (const Error& error)
     {
@@ -66,6 +65,7 @@ Target Refusing(const Target& target)
       {
         Fail(error.what());
       }
+      return error.what();
     }
     catch (const std::exception& error)
     {
@@ -75,7 +75,7 @@ Target Refusing(const Target& target)
 }
 
 /// A reader of files.
-Target OfFile(const std::string& name, const std::function<void(const std::string& path)>& read)
+FuzzTarget OfFile(const std::string& name, const std::function<void(const std::string& path)>& read)
 {
   return Refusing(
     [name, read](const std::string& bytes)
@@ -88,7 +88,7 @@ Target OfFile(const std::string& name, const std::function<void(const std::strin
 }
 
 /// A header in text, its sizes, and that its voxels are there.
-Target OfHeader(const char* name, TextHeader (*read)(const std::string&), const char* sizes,
+FuzzTarget OfHeader(const char* name, TextHeader (*read)(const std::string&), const char* sizes,
   StoredVoxels (*voxelsOf)(const TextHeader&))
 {
   return OfFile(name,
@@ -131,6 +131,7 @@ void ParseConfiguration(const std::string& path)
   catch (const CLI::ParseError&)
   {
     // Shown by CommandLine.cxx as letters only.
+    throw Error("options that are none");
   }
 }
 
@@ -169,10 +170,10 @@ void Unpack(const std::string& bytes)
 }
 }
 
-const std::map<std::string, Target>& FuzzTargets()
+const std::map<std::string, FuzzTarget>& FuzzTargets()
 {
   ReadWithoutGuard();
-  static const std::map<std::string, Target> targets{
+  static const std::map<std::string, FuzzTarget> targets{
     { "archive-answer", Refusing([](const std::string& bytes) { WhyNotStored(200, bytes); }) },
     { "scatter", OfFile("a.csv", [](const std::string& path) { ReadScatterKernels(path); }) },
     { "attenuation", OfFile("a.csv", [](const std::string& path) { ReadAttenuationTable(path); }) },
@@ -202,13 +203,14 @@ const std::map<std::string, Target>& FuzzTargets()
     { "parcel-grid", Refusing(Unpack<vtkUnstructuredGrid>) },
     { "parcel-surface", Refusing(Unpack<vtkPolyData>) },
     { "printable",
-      [](const std::string& bytes)
-      {
-        if (const std::string shown = Printable(bytes); Printable(shown) != shown)
+      Refusing(
+        [](const std::string& bytes)
         {
-          Fail(shown);
-        }
-      } },
+          if (const std::string shown = Printable(bytes); Printable(shown) != shown)
+          {
+            Fail(shown);
+          }
+        }) },
     { "result", OfFile(ResultFileName, ReadResult) },
     { "scene", OfFile("a.json", [](const std::string& path) { ReadScene(path); }) },
     { "spectrum", OfFile("a.spc", [](const std::string& path) { ReadSpectrum(path); }) },

@@ -9,9 +9,12 @@
 
 namespace mammoray::hardening
 {
-/// By name. Each returns, whatever the bytes; it ends the process where a refusal is not one
-/// printable line, or is no Error.
-const std::map<std::string, std::function<void(const std::string& bytes)>>& FuzzTargets();
+/// What the bytes are refused with, empty where they are taken. It returns, whatever they are; it
+/// ends the process where a refusal is not one printable line, or is no Error.
+using FuzzTarget = std::function<std::string(const std::string& bytes)>;
+
+/// By name.
+const std::map<std::string, FuzzTarget>& FuzzTargets();
 }
 
 #endif

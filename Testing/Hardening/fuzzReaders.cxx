@@ -8,7 +8,7 @@
 
 namespace
 {
-const std::function<void(const std::string&)>* Chosen = nullptr;
+const mammoray::hardening::FuzzTarget* Chosen = nullptr;
 }
 
 extern "C" int LLVMFuzzerInitialize(int* argc, char*** argv)

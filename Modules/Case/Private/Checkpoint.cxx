@@ -39,10 +39,13 @@ std::vector<SearchPoint> ReadCheckpoint(const std::string& path)
   int version = 0;
   reader("format", format);
   reader("formatVersion", version);
-  if (format != CheckpointFormat || version != ResultFormatVersion)
+  if (format != CheckpointFormat)
   {
-    reader.Refuse("format",
-      std::string("'") + CheckpointFormat + "' of version " + std::to_string(ResultFormatVersion));
+    reader.Refuse("format", std::string("'") + CheckpointFormat + "'");
+  }
+  if (version != ResultFormatVersion)
+  {
+    reader.Refuse("formatVersion", std::to_string(ResultFormatVersion));
   }
   std::vector<SearchPoint> points;
   reader("mammograms", points);
