@@ -65,12 +65,7 @@ Json Parse(const std::string& path)
   {
     reader.Refuse("format", std::string("'") + SingleFormat + "' or '" + JointFormat + "'");
   }
-  int version = 0;
-  reader("formatVersion", version);
-  if (version != ResultFormatVersion)
-  {
-    reader.Refuse("formatVersion", std::to_string(ResultFormatVersion));
-  }
+  reader.CheckVersion();
   return json;
 }
 

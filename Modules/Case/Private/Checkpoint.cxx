@@ -36,17 +36,12 @@ std::vector<SearchPoint> ReadCheckpoint(const std::string& path)
   }
   const FieldReader reader(json, path);
   std::string format;
-  int version = 0;
   reader("format", format);
-  reader("formatVersion", version);
   if (format != CheckpointFormat)
   {
     reader.Refuse("format", std::string("'") + CheckpointFormat + "'");
   }
-  if (version != ResultFormatVersion)
-  {
-    reader.Refuse("formatVersion", std::to_string(ResultFormatVersion));
-  }
+  reader.CheckVersion();
   std::vector<SearchPoint> points;
   reader("mammograms", points);
   return points;

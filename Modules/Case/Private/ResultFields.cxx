@@ -30,6 +30,16 @@ void FieldReader::Refuse(const std::string& field, const std::string& expected,
     ", found " + (!found.empty() ? found : Shown(at == this->Object.end() ? nullptr : &*at)));
 }
 
+void FieldReader::CheckVersion() const
+{
+  int version = 0;
+  (*this)("formatVersion", version);
+  if (version != ResultFormatVersion)
+  {
+    this->Refuse("formatVersion", std::to_string(ResultFormatVersion));
+  }
+}
+
 void FieldReader::Check(bool fits, const Json* json, const std::string& field,
   const char* expected) const
 {

@@ -351,6 +351,9 @@ public:
   [[noreturn]] void Refuse(const std::string& field, const std::string& expected,
     const std::string& found = "") const;
 
+  /// Throws unless "formatVersion" is ResultFormatVersion.
+  void CheckVersion() const;
+
 private:
   void Check(bool fits, const Json* json, const std::string& field, const char* expected) const;
 
