@@ -1,14 +1,16 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
 """What filters.xml.in says of the filters against their headers, without ParaView: every property's setter is there and takes so many
-values, every setter is offered, each property is documented, and its default lies in its range."""
+values, every setter is offered, each property is documented, and its default lies in its range. And that openResult.py opens result
+files of the version that is written."""
 import pathlib
 import re
 import sys
 import xml.etree.ElementTree
 
 HERE = pathlib.Path(__file__).resolve().parent
-HEADERS = HERE.parent.parent / "Modules" / "Filters"
+MODULES = HERE.parent.parent / "Modules"
+HEADERS = MODULES / "Filters"
 # Offered in other ways: inputs; what Spectrum, MaterialTable and the tables they name say in ParaView.
 ELSEWHERE = {"SetMammogramConnection", "SetSimulationMeshConnection", "SetMonochromatic", "SetAttenuationTable",
              "SetLinearAttenuation", "SetMaterial"}
@@ -57,6 +59,15 @@ def troubles(proxy, known):
         yield f"{name}: {command} of the header is not offered"
 
 
+def version_troubles():
+    """Lines, none where openResult.py knows the version of Case's ResultFile.h."""
+    versions = [re.search(pattern, path.read_text(encoding="utf-8")).group(1)
+                for pattern, path in ((r"ResultFormatVersion = (\d+);", MODULES / "Case" / "ResultFile.h"),
+                                      (r"(?m)^FORMAT_VERSION = (\d+)", HERE / "openResult.py"))]
+    if versions[0] != versions[1]:
+        yield f"openResult.py: expected FORMAT_VERSION {versions[0]}, found {versions[1]}"
+
+
 def main():
     text = re.sub(r"@[A-Z_]+@", "", (HERE / "MammoRay" / "filters.xml.in").read_text(encoding="utf-8"))
     found = []
@@ -66,9 +77,10 @@ def main():
         header = HEADERS / (proxy.get("class") + ".h")
         if header.exists():
             count += 1
-            found += troubles(proxy, setters(header.read_text(encoding="utf-8")))
+            found += [f"filters.xml.in: {line}" for line in troubles(proxy, setters(header.read_text(encoding="utf-8")))]
+    found += version_troubles()
     for line in found:
-        print(f"filters.xml.in: {line}")
+        print(line)
     print(f"{count} filters, {len(found)} troubles")
     return 1 if found or count == 0 else 0
 
