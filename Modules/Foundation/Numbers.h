@@ -4,6 +4,7 @@
 
 #include "mammoray/Foundation/Error.h"
 
+#include <algorithm>
 #include <charconv>
 #include <cstdio>
 #include <istream>
@@ -19,6 +20,18 @@ bool ToNumber(std::string_view text, Value& value)
   const char* const end = text.data() + text.size();
   const auto [rest, error] = std::from_chars(text.data(), end, value);
   return error == std::errc() && rest == end;
+}
+
+/// The same with blanks or a plus sign before it, as tables and headers of others have.
+template <typename Value>
+bool ToPaddedNumber(std::string_view text, Value& value)
+{
+  text.remove_prefix(std::min(text.find_first_not_of(" \t"), text.size()));
+  if (text.starts_with('+') && !text.starts_with("+-"))
+  {
+    text.remove_prefix(1);
+  }
+  return ToNumber(text, value);
 }
 
 /// The next line of a text, without its end, that of Windows too; false where there is none.

@@ -4,6 +4,7 @@
 #include "Files.h"
 #include "Refusals.h"
 #include "TestResults.h"
+#include "mammoray/Case/Private/Checkpoint.h"
 #include "mammoray/Case/ResultFile.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/Foundation/PoseParameters.h"
@@ -249,6 +250,21 @@ TEST(ResultFile, RefusesAnotherFileInOneLine)
       ", found 9, of which 1 are as expected");
   EXPECT_EQ(damaged("/grid/columns"_json_pointer, 1.5),
     path + ": field 'grid.columns': expected a whole number, found 1.5");
+}
+
+// A checkpoint is given to `--resume`, as a result is. What is shown of a field would be printed by
+// recursion.
+TEST(ResultFile, RefusesBracketsThatNoStackHolds)
+{
+  const testing_support::TemporaryFolder folder;
+  const std::size_t depth = 300'000;
+  const std::string nested =
+    R"({"format":)" + std::string(depth, '[') + std::string(depth, ']') + "}";
+  const std::string refusal = ": expected JSON, found it nested deeper than 64";
+  const std::string result = folder.Write("result.json", nested);
+  EXPECT_EQ(RefusalOf([&] { ReadResultFiles(folder.File("")); }), result + refusal);
+  const std::string checkpoint = folder.Write("checkpoint.json", nested);
+  EXPECT_EQ(RefusalOf([&] { ReadSearchPoints(checkpoint); }), checkpoint + refusal);
 }
 
 TEST(ResultFile, RefusesAFolderThatCannotBeWritten)

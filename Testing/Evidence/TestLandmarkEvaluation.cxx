@@ -114,7 +114,7 @@ TEST(LandmarkEvaluation, RefusesUnusableFiles)
   refused(header + "1,2,3,4,5,nan,1\n", "line 2");
   refused(header + "1,2,3,4,5,6,1\n", "at least 3");
   EXPECT_EQ(ReadLandmarks(folder.Write("good.csv",
-                            "ux,uy,uz,cx,cy,cz\r\n1,2,3,4,5,6\r\n1,2,3,4,5,6\r\n1,2,3,4,5,6\r\n"))
+                            "ux,uy,uz,cx,cy,cz\r\n1, 2,+3,4,5,6\r\n1,2,3,4,5,6\r\n1,2,3,4,5,6\r\n"))
               .size(),
     3u);
 }

@@ -38,17 +38,8 @@ std::string Joined(const std::vector<std::string>& texts, const char* separator)
 double CsvRows::Number(const CsvRow& row, std::size_t field) const
 {
   const std::string& text = row.Fields[field];
-  std::size_t used = 0;
   double value = 0;
-  try
-  {
-    value = std::stod(text, &used);
-  }
-  catch (const std::exception&)
-  {
-    used = 0;
-  }
-  if (used == 0 || used != text.size() || !std::isfinite(value))
+  if (!ToPaddedNumber(text, value) || !std::isfinite(value))
   {
     throw InputError(this->Refusal(row, "a number in column " + std::to_string(field + 1)));
   }

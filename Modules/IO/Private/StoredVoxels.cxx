@@ -2,13 +2,13 @@
 #include "Private/StoredVoxels.h"
 
 #include "mammoray/Foundation/Error.h"
+#include "mammoray/Foundation/Numbers.h"
 
 #include <zlib.h>
 
 #include <algorithm>
 #include <cctype>
 #include <cmath>
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <limits>
@@ -176,13 +176,12 @@ void TextHeader::CheckLengths(const std::vector<std::string>& keys) const
     std::istringstream words(text);
     for (std::string word; words >> word;)
     {
-      char* end = nullptr;
       if (word == "none") // an axis that is none of space
       {
         continue;
       }
-      const double length = std::strtod(word.c_str(), &end);
-      if (*end != '\0' || !(std::abs(length) <= most))
+      double length = 0;
+      if (!ToPaddedNumber(word, length) || !(std::abs(length) <= most))
       {
         this->Refuse(key, "numbers of mm up to 1e6");
       }

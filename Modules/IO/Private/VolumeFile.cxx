@@ -14,10 +14,12 @@
 #include <itkNrrdImageIO.h>
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <sstream>
 
 namespace mammoray
@@ -191,10 +193,11 @@ void CheckNrrd(const TextHeader& header)
 /// all.
 double AsWritten(double value)
 {
-  std::ostringstream text;
-  text.precision(7);
-  text << value;
-  const double shorter = std::strtod(text.str().c_str(), nullptr);
+  char text[32] = "";
+  const char* const end =
+    std::to_chars(std::begin(text), std::end(text), value, std::chars_format::general, 7).ptr;
+  double shorter = 0;
+  std::from_chars(text, end, shorter);
   return static_cast<float>(shorter) == static_cast<float>(value) ? shorter : value;
 }
 
