@@ -30,14 +30,16 @@ inline void AddNodeOptions(const OptionList& add, DicomNode& node, bool web = fa
     "longest wait for the connection, and for each answer");
   CLI::Option* tls = add.Flag("--tls", node.Tls.Wanted,
     "encrypt what goes to --pacs and comes from there; the archive must prove its name");
-  add.Input("--authorities", node.Tls.AuthoritiesFile,
+  // Through a pipe, too, as of what keeps secrets.
+  const auto pem = [&add](const char* name, std::string& file, const std::string& help)
+  { return add(name, file, help)->type_name(InputTypeName); };
+  pem("--authorities", node.Tls.AuthoritiesFile,
     std::string("certificates (PEM) that may vouch for the archive, with --tls") +
       (web ? " or --web" : "") + "; default: the system's");
-  add
-    .Input("--certificate", node.Tls.CertificateFile,
-      "our own certificate (PEM), where the archive asks for one")
+  pem("--certificate", node.Tls.CertificateFile,
+    "our own certificate (PEM), where the archive asks for one")
     ->needs(tls);
-  add.Input("--key", node.Tls.KeyFile, "its key (PEM), without passphrase")->needs(tls);
+  pem("--key", node.Tls.KeyFile, "its key (PEM), without passphrase")->needs(tls);
 }
 }
 

@@ -2,10 +2,13 @@
 // What an option's declaration promises: default and unit in the help, ranges, words, round trip.
 #include "Files.h"
 #include "OptionList.h"
+#include "Refusals.h"
 #include "mammoray/Foundation/Error.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include <sys/stat.h>
 
 #include <string>
 
@@ -125,6 +128,24 @@ TEST_F(OptionListTest, ConfigurationRoundTrips)
     EXPECT_THAT(printed, testing::HasSubstr(entry));
   }
   EXPECT_THAT(printed, testing::Not(testing::HasSubstr("force")));
+}
+
+TEST_F(OptionListTest, InputsAreFilesOrFolders)
+{
+  const testing_support::TemporaryFolder folder;
+  ASSERT_EQ(mkfifo(folder.File("pipe").c_str(), 0600), 0);
+  const auto refusal = [&](const std::string& path)
+  { return testing_support::RefusalOf([&] { this->Parse("--picture /none --picture " + path); }); };
+  EXPECT_EQ(refusal(folder.File("pipe")),
+    folder.File("pipe") + ": expected a file or a folder, found a pipe");
+  EXPECT_EQ(refusal("/dev/zero"), "/dev/zero: expected a file or a folder, found a device");
+  const std::string pipes = folder.Write("pipes.json", R"({ "mesh": "pipe" })");
+  EXPECT_EQ(testing_support::RefusalOf([&] { this->Parse("--config " + pipes); }),
+    folder.File("pipe") + ": expected a file or a folder, found a pipe");
+  for (const std::string& path : { folder.File(""), pipes, folder.File("none") })
+  {
+    EXPECT_EQ(refusal(path), testing_support::NotRefused);
+  }
 }
 
 TEST_F(OptionListTest, ConfigurationNamesWhatLiesBesideIt)

@@ -4,6 +4,7 @@
 #include "mammoray/Foundation/Error.h"
 
 #include <cmath>
+#include <filesystem>
 #include <sstream>
 
 namespace mammoray
@@ -47,6 +48,27 @@ Quantity Between(double least, double most, const char* unit)
   return { unit,
     NumberThat([least, most](double value) { return value >= least && value <= most; },
       "a number from " + range.str(), range.str()) };
+}
+
+CLI::Validator FileOrFolder()
+{
+  return CLI::Validator(
+    [](const std::string& path)
+    {
+      namespace fs = std::filesystem;
+      std::error_code ignored;
+      const fs::file_type type = fs::status(path, ignored).type();
+      const char* const found = type == fs::file_type::fifo                ? "a pipe"
+        : type == fs::file_type::socket                                    ? "a socket"
+        : type == fs::file_type::character || type == fs::file_type::block ? "a device"
+                                                                           : nullptr;
+      if (found)
+      {
+        throw InputError(path + ": expected a file or a folder, found " + found);
+      }
+      return std::string();
+    },
+    "");
 }
 
 std::pair<std::string, std::string> SplitAssignment(const std::string& text,

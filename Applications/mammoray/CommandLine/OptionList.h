@@ -45,6 +45,11 @@ Quantity NonNegative(const char* unit = "");
 /// Numbers from least to most.
 Quantity Between(double least, double most, const char* unit = "");
 
+/// Throws InputError at what is no file or folder: a pipe that nobody writes into is waited for
+/// without end, a device never ends, and inputs are read more than once. What is not there passes,
+/// as names of shipped files do; readers tell.
+CLI::Validator FileOrFolder();
+
 /**
  * Declares the options of a command. The variable's value is the default that --help and
  * --print-config show; an empty string, list or std::optional has none. The variables must outlive
@@ -77,7 +82,7 @@ public:
   template <typename T>
   CLI::Option* Input(const std::string& name, T& value, const std::string& help) const
   {
-    return (*this)(name, value, help)->type_name(InputTypeName);
+    return (*this)(name, value, help)->type_name(InputTypeName)->check(FileOrFolder());
   }
 
   /// `T`: a number, a list of numbers, or an optional number.

@@ -16,10 +16,23 @@ namespace mammoray
 namespace
 {
 volatile std::sig_atomic_t interruptCount = 0;
+volatile std::sig_atomic_t interruptSignal = 0;
+
+/// What does not ask whether it is to stop, as it waits for a pipe or a library, is ended then;
+/// more than the longest part of work between two questions takes.
+constexpr unsigned int SecondsUntilHeard = 120;
+
+void OnAlarm(int)
+{
+  std::signal(interruptSignal, SIG_DFL);
+  std::raise(interruptSignal);
+}
 
 void OnInterrupt(int signal)
 {
   interruptCount = interruptCount + 1;
+  interruptSignal = signal;
+  alarm(SecondsUntilHeard);
   if (interruptCount > 1)
   {
     // The second Ctrl-C does what the user is used to.
@@ -148,9 +161,15 @@ bool InterruptRequested()
         std::signal(signal, SIG_IGN); // as nohup wants it
       }
     }
+    std::signal(SIGALRM, OnAlarm);
     return true;
   }();
-  return installed && interruptCount > 0;
+  if (!installed || interruptCount == 0)
+  {
+    return false;
+  }
+  alarm(0); // heard
+  return true;
 }
 
 ProgressCallback MakeProgressBar()
