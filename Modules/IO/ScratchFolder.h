@@ -10,19 +10,27 @@
 
 namespace mammoray
 {
-/// A new folder below the system's for temporary files, removed at the end with all that is in it.
-/// Throws InputError where it cannot be made.
+/// A new folder below TMPDIR, or below the system's for temporary files where none can be made
+/// there, removed at the end with all that is in it. Throws InputError where none can be made at
+/// all.
 class ScratchFolder
 {
 public:
   ScratchFolder()
   {
-    std::string name = (std::filesystem::temp_directory_path() / "mammoray-XXXXXX").string();
-    if (!mkdtemp(name.data()))
+    const char* const wanted = std::getenv("TMPDIR");
+    for (const char* const parent : { wanted, "/tmp", "/var/tmp", "/dev/shm" })
     {
-      throw InputError(name + ": expected a folder that can be made");
+      std::string name = parent && *parent ? std::string(parent) + "/mammoray-XXXXXX" : "";
+      if (!name.empty() && mkdtemp(name.data()))
+      {
+        this->Path = name;
+        return;
+      }
     }
-    this->Path = name;
+    throw InputError("TMPDIR: expected a folder in which one can be made, found " +
+      (wanted ? "'" + std::string(wanted) + "'" : "none") +
+      ", and none in /tmp, /var/tmp and /dev/shm");
   }
   ScratchFolder(const ScratchFolder&) = delete;
   ScratchFolder& operator=(const ScratchFolder&) = delete;

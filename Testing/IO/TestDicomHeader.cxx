@@ -9,7 +9,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <zlib.h>
+
+#include <algorithm>
 #include <filesystem>
+#include <fstream>
+#include <functional>
+#include <vector>
 
 using namespace mammoray;
 using namespace mammoray::testing_support;
@@ -42,6 +48,11 @@ DicomHeader Read(const std::string& path)
   const std::optional<DicomHeader> header = ReadDicomHeader(path);
   EXPECT_TRUE(header) << path;
   return header.value_or(DicomHeader{});
+}
+
+std::string RefusalOfHeader(const std::string& path)
+{
+  return RefusalOf([&] { ReadDicomHeader(path); });
 }
 
 TEST(DicomHeader, TellsOfASlice)
@@ -120,15 +131,97 @@ TEST(DicomHeader, AHoleOfGigabytesIsNoHeader)
   const std::string path =
     folder.Write("hole", whole.substr(0, whole.size() - 24 - 12)); // without its pixels
   std::filesystem::resize_file(path, std::uintmax_t{ 1 } << 33);
-  try
+  EXPECT_THAT(RefusalOfHeader(path), HasSubstr("a header of more than 8 MiB"));
+}
+
+// DCMTK reads a sequence in a sequence by recursion.
+TEST(DicomHeader, SequencesThatNoStackHoldsAreNoHeader)
+{
+  TemporaryFolder folder;
+  const auto nested = [&folder](std::size_t depth)
   {
-    ReadDicomHeader(path);
-    FAIL();
-  }
-  catch (const InputError& error)
+    const std::string undefined = Little(0xffffffff, 4);
+    const std::string opened = Little(8, 2) + Little(0x1140, 2) + "SQ" + Little(0, 2) + undefined +
+      Little(0xfffe, 2) + Little(0xe000, 2) + undefined;
+    const std::string closed = Little(0xfffe, 2) + Little(0xe00d, 2) + Little(0, 4) +
+      Little(0xfffe, 2) + Little(0xe0dd, 2) + Little(0, 4);
+    std::string data = Element(8, 0x60, "CS", "MR");
+    for (std::size_t level = 0; level < depth; ++level)
+    {
+      data += opened;
+    }
+    for (std::size_t level = 0; level < depth; ++level)
+    {
+      data += closed;
+    }
+    return folder.Write("nested", DicomBytes(MrClass, "1.2.3.4", data));
+  };
+  EXPECT_EQ(Read(nested(20)).Modality, "MR");
+  for (const std::size_t depth : { 20'000, 400'000 })
   {
-    EXPECT_THAT(error.what(), HasSubstr("a header of more than 8 MiB"));
+    EXPECT_THAT(RefusalOfHeader(nested(depth)), HasSubstr("found sequences nested too deep"));
   }
+}
+
+/// The most memory that an action had taken at a time beyond what there was, in MiB.
+std::size_t MemoryOf(const std::function<void()>& action)
+{
+  const auto status = [](const std::string& name)
+  {
+    std::ifstream file("/proc/self/status");
+    std::string word;
+    while (file >> word && word != name)
+    {
+    }
+    std::size_t kilobytes = 0;
+    file >> kilobytes;
+    return kilobytes >> 10;
+  };
+  std::ofstream("/proc/self/clear_refs") << "5"; // the most from now on: proc(5)
+  const std::size_t before = status("VmRSS:");
+  action();
+  return std::max(status("VmHWM:"), before) - before;
+}
+
+TEST(DicomHeader, ADeflatedValueThatIsALongOneIsNoHeader)
+{
+  TemporaryFolder folder;
+  std::string file = DicomBytes(MrClass, "1.2.3.4", "");
+  const std::string syntax = Element(2, 0x10, "UI", "1.2.840.10008.1.2.1");
+  const std::string deflated = Element(2, 0x10, "UI", "1.2.840.10008.1.2.1.99");
+  file.replace(file.find(syntax), syntax.size(), deflated);
+  const std::size_t group = file.find(Element(2, 1, "OB", std::string("\0\1", 2))) - 4;
+  file.replace(group, 4, Little(static_cast<std::uint32_t>(file.size() - group - 4), 4));
+  z_stream stream{};
+  ASSERT_EQ(deflateInit2(&stream, 1, Z_DEFLATED, -MAX_WBITS, 8, Z_DEFAULT_STRATEGY), Z_OK);
+  std::vector<unsigned char> output(1 << 16);
+  const auto put = [&](std::string bytes, int flush)
+  {
+    stream.next_in = reinterpret_cast<unsigned char*>(bytes.data());
+    stream.avail_in = static_cast<unsigned int>(bytes.size());
+    do
+    {
+      stream.next_out = output.data();
+      stream.avail_out = static_cast<unsigned int>(output.size());
+      deflate(&stream, flush);
+      file.append(output.begin(), output.end() - stream.avail_out);
+    } while (stream.avail_out == 0);
+  };
+  constexpr std::uint32_t length = 256 << 20;
+  put(Element(8, 0x60, "CS", "MR") + Little(0x11, 2) + Little(0x10, 2) + "UN" + Little(0, 2) +
+      Little(length, 4),
+    Z_NO_FLUSH);
+  for (std::uint32_t part = 0; part < length >> 20; ++part)
+  {
+    put(std::string(1 << 20, '\0'), Z_NO_FLUSH);
+  }
+  put("", Z_FINISH);
+  deflateEnd(&stream);
+  const std::string path = folder.Write("deflated", file);
+  ASSERT_LT(file.size(), 4u << 20);
+  std::string refusal;
+  EXPECT_LT(MemoryOf([&] { refusal = RefusalOfHeader(path); }), 64u);
+  EXPECT_THAT(refusal, HasSubstr("found a header of more than 8 MiB"));
 }
 
 TEST(DicomHeader, PlacesThatLeadBesideTheirStackAreRefused)

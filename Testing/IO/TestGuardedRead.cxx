@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "FileSizeLimit.h"
 #include "Private/Guard/GuardedRead.h"
 #include "Refusals.h"
 
@@ -55,6 +56,15 @@ TEST(GuardedRead, ARefusalArrivesAsItWas)
                 throw InputError("a file: line 3: expected 1, found 2");
               }),
     "a file: line 3: expected 1, found 2");
+}
+
+// What is read comes back through a file in memory, which the limit holds for, too.
+TEST(GuardedRead, ALimitOfFileSizesIsCalledOne)
+{
+  const testing_support::FileSizeLimit limit(100'000);
+  EXPECT_EQ(RefusalOfReader([](ParcelWriter& parcel) { parcel(std::vector<float>(70000)); }),
+    "expected a limit of file sizes (ulimit -f) that holds what is read, in memory, too; found a "
+    "smaller one");
 }
 
 TEST(GuardedRead, DeathIsOneLine)

@@ -256,6 +256,9 @@ TEST(MeshIO, RefusesOfGltfWhatItCannotShow)
     { "\"byteLength\":168", "\"byteLength\":169", "a buffer of 169 bytes, found 168" },
     { "\"byteLength\":168", R"("byteLength":168,"uri":"http://x.org/a.bin")", "in a file beside" },
     { "\"byteLength\":168", R"("byteLength":168,"uri":"none.bin")", "no such file" },
+    { "\"byteLength\":168", R"("byteLength":168,"uri":"../a.bin")", "in a file beside" },
+    { "\"byteLength\":168", R"("byteLength":168,"uri":"b/%2e%2e/..%2Fa.bin")", "in a file beside" },
+    { "\"byteLength\":168", R"("byteLength":168,"uri":"%2Fetc/passwd")", "in a file beside" },
     { "\"type\":\"VEC3\"", "\"typ\":\"VEC3\"", "a mesh in glTF: " },
     { "{\"asset\"", "{\"asset", "a mesh in glTF: " },
   };

@@ -145,6 +145,24 @@ TEST_F(WholeOutput, LeavesNothingWhereItCannotWrite)
   EXPECT_THAT(this->Entries(), ElementsAre("taken", "taken/within"));
 }
 
+// As on a system that is read only, or with the TMPDIR of another machine: a result of hours would
+// be lost.
+TEST_F(WholeOutput, NeedsNoFolderForTemporaryFiles)
+{
+  const char* const before = std::getenv("TMPDIR");
+  const std::string kept = before ? before : "";
+  for (const std::string& none : { std::string("/nonexistent"), std::string("/proc"),
+         this->Folder.Write("file", ""), std::string() })
+  {
+    setenv("TMPDIR", none.c_str(), 1);
+    WriteWholeFile(this->Folder.File("a.txt"),
+      [](const std::string& staged) { std::ofstream(staged) << "new"; });
+    EXPECT_EQ(testing_support::ReadFile(this->Folder.File("a.txt")), "new") << none;
+    fs::remove(this->Folder.File("a.txt"));
+  }
+  before ? setenv("TMPDIR", kept.c_str(), 1) : unsetenv("TMPDIR");
+}
+
 TEST_F(WholeOutput, SeesAFullDisk)
 {
   const std::string path = this->Folder.Write("a.txt", "old");

@@ -6,7 +6,10 @@
 
 #include <dcmtk/dcmdata/dcistrmf.h>
 
+#include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <cstdlib>
 #include <cstring>
 #include <fstream>
 #include <locale>
@@ -32,26 +35,47 @@ private:
 };
 
 /// A file that ends where more was read of it than headers hold: a terabyte of nothing takes no
-/// room on a disk, but hours as elements without values. Long values, the pixels among them, are
-/// passed over and do not count.
+/// room on a disk, but hours as elements without values; a deflated value of gigabytes takes a
+/// thousandth of them. Long values that are not deflated, the pixels among them, are passed over
+/// and do not count. It ends, too, where sequences lie in one another so deep that DCMTK, which
+/// reads them by recursion, would leave its stack.
 class HeaderStream : public DcmInputFileStream
 {
 public:
   using DcmInputFileStream::DcmInputFileStream;
-  bool IsTooLong() const { return this->Count > Most; }
-  OFBool eos() override { return this->IsTooLong() || DcmInputFileStream::eos(); }
-  offile_off_t avail() override { return this->IsTooLong() ? 0 : DcmInputFileStream::avail(); }
+  /// What headers do not hold, empty where all is well.
+  const char* Excess() const
+  {
+    return this->IsTooDeep ? "sequences nested too deep"
+      : this->Count > Most ? "a header of more than 8 MiB"
+                           : "";
+  }
+  OFBool eos() override { return this->Ends() || DcmInputFileStream::eos(); }
+  offile_off_t avail() override { return this->Ends() ? 0 : DcmInputFileStream::avail(); }
   offile_off_t read(void* bytes, offile_off_t most) override
   {
-    const offile_off_t count = DcmInputFileStream::read(bytes, most);
+    const auto depth = std::abs(this->Base - static_cast<const char*>(__builtin_frame_address(0)));
+    this->IsTooDeep = this->IsTooDeep || depth > MostStack;
+    if (this->Ends())
+    {
+      return 0;
+    }
+    const offile_off_t count =
+      DcmInputFileStream::read(bytes, std::min(most, Most + 1 - this->Count));
     this->Count += count;
     return count;
   }
 
 private:
+  bool Ends() const { return this->IsTooDeep || this->Count > Most; }
+
   /// Those of a thousand slices in one object have a few MiB.
   static constexpr offile_off_t Most = 8 << 20;
+  /// Bytes, of a hundred sequences at least; standard objects have six in one another.
+  static constexpr std::ptrdiff_t MostStack = 512 << 10;
+  const char* const Base = static_cast<const char*>(__builtin_frame_address(0));
   offile_off_t Count = 0;
+  bool IsTooDeep = false;
 };
 }
 
@@ -131,9 +155,9 @@ DicomFile::DicomFile(const std::string& path, const std::string& what, DicomExte
   const OFCondition read = this->File->readUntilTag(stream, EXS_Unknown, EGL_noChange,
     DCM_MaxReadLength, whole ? DCM_UndefinedTagKey : DCM_PixelData);
   this->File->transferEnd();
-  if (stream.IsTooLong())
+  if (*stream.Excess() != '\0')
   {
-    throw InputError(path + ": expected " + what + ", found a header of more than 8 MiB");
+    throw InputError(path + ": expected " + what + ", found " + stream.Excess());
   }
   if (read.bad() || (whole && this->File->loadAllDataIntoMemory().bad()) ||
     this->File->getDataset()->card() == 0)

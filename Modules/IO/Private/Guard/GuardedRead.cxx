@@ -256,6 +256,11 @@ void ParcelWriter::WriteAll(const void* bytes, std::uint64_t count) const
     {
       continue;
     }
+    if (written < 0 && errno == EFBIG)
+    {
+      throw InputError("expected a limit of file sizes (ulimit -f) that holds what is read, in "
+                       "memory, too; found a smaller one");
+    }
     if (written <= 0)
     {
       throw std::bad_alloc();

@@ -246,13 +246,16 @@ private:
         {
           bytes = FromBase64(std::string_view(uri).substr(data + 8));
         }
-        else if (uri.find(':') != std::string::npos || fs::path(uri).is_absolute())
-        {
-          this->Refuse("a buffer in a file beside it", uri.substr(0, 60));
-        }
         else
         {
-          const fs::path file = fs::path(this->Path).parent_path() / FromPercents(uri);
+          const fs::path name = FromPercents(uri);
+          // Not one of another folder, whose bytes would come back as coordinates.
+          if (uri.find(':') != std::string::npos || name.is_absolute() ||
+            name.lexically_normal().string().starts_with(".."))
+          {
+            this->Refuse("a buffer in a file beside it", uri.substr(0, 60));
+          }
+          const fs::path file = fs::path(this->Path).parent_path() / name;
           if (!fs::is_regular_file(file))
           {
             this->Refuse("the buffer " + file.string(), "no such file");
