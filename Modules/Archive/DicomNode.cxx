@@ -353,6 +353,7 @@ std::vector<std::string> FindDicomFiles(const std::vector<std::string>& paths)
     {
       throw InputError(file + ": expected a DICOM file, found another");
     }
+    CheckDicomElements(file);
   }
   if (files.empty())
   {

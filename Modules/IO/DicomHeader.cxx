@@ -312,6 +312,11 @@ std::vector<DicomHeader> ReadDicomHeaders(const std::string& path)
   return headers;
 }
 
+void CheckDicomElements(const std::string& path)
+{
+  DicomFile(path, "DICOM", DicomExtent::Elements);
+}
+
 SliceOrder FindSliceOrder(const std::vector<DicomHeader>& slices)
 {
   std::vector<VolumeSlice> places;

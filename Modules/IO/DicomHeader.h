@@ -125,6 +125,11 @@ MAMMORAYIO_EXPORT SliceOrder FindSliceOrder(const std::vector<DicomHeader>& slic
 /// While one of these lives, DCMTK's log says nothing: what users need is in our exceptions. For
 /// any thread.
 MAMMORAYIO_EXPORT std::shared_ptr<void> SilenceDcmtk();
+
+/// Throws InputError, one line that names the file, unless all elements of a DICOM file can be
+/// read, those after the pixels, too: DCMTK leaves its stack at sequences that lie in one another
+/// thousandfold.
+MAMMORAYIO_EXPORT void CheckDicomElements(const std::string& path);
 }
 
 #endif

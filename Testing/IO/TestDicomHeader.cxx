@@ -138,14 +138,15 @@ TEST(DicomHeader, AHoleOfGigabytesIsNoHeader)
 TEST(DicomHeader, SequencesThatNoStackHoldsAreNoHeader)
 {
   TemporaryFolder folder;
-  const auto nested = [&folder](std::size_t depth)
+  const auto nested = [&folder](std::size_t depth, std::uint32_t group)
   {
     const std::string undefined = Little(0xffffffff, 4);
-    const std::string opened = Little(8, 2) + Little(0x1140, 2) + "SQ" + Little(0, 2) + undefined +
-      Little(0xfffe, 2) + Little(0xe000, 2) + undefined;
+    const std::string opened = Little(group, 2) + Little(0x1140, 2) + "SQ" + Little(0, 2) +
+      undefined + Little(0xfffe, 2) + Little(0xe000, 2) + undefined;
     const std::string closed = Little(0xfffe, 2) + Little(0xe00d, 2) + Little(0, 4) +
       Little(0xfffe, 2) + Little(0xe0dd, 2) + Little(0, 4);
     std::string data = Element(8, 0x60, "CS", "MR");
+    data += group > 8 ? Element(0x7fe0, 0x10, "OW", std::string(24, '\7')) : "";
     for (std::size_t level = 0; level < depth; ++level)
     {
       data += opened;
@@ -156,10 +157,17 @@ TEST(DicomHeader, SequencesThatNoStackHoldsAreNoHeader)
     }
     return folder.Write("nested", DicomBytes(MrClass, "1.2.3.4", data));
   };
-  EXPECT_EQ(Read(nested(20)).Modality, "MR");
+  constexpr std::uint32_t before = 8;
+  constexpr std::uint32_t after = 0x7fe1; // the pixels, where no header reaches
+  const std::string refusal = "found sequences nested too deep";
+  EXPECT_EQ(Read(nested(20, before)).Modality, "MR");
+  CheckDicomElements(nested(20, after));
   for (const std::size_t depth : { 20'000, 400'000 })
   {
-    EXPECT_THAT(RefusalOfHeader(nested(depth)), HasSubstr("found sequences nested too deep"));
+    EXPECT_THAT(RefusalOfHeader(nested(depth, before)), HasSubstr(refusal));
+    const std::string path = nested(depth, after);
+    EXPECT_EQ(Read(path).Modality, "MR");
+    EXPECT_THAT(RefusalOf([&] { CheckDicomElements(path); }), HasSubstr(refusal));
   }
 }
 

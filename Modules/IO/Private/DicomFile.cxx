@@ -12,6 +12,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <fstream>
+#include <limits>
 #include <locale>
 #include <mutex>
 #include <sstream>
@@ -42,7 +43,11 @@ private:
 class HeaderStream : public DcmInputFileStream
 {
 public:
-  using DcmInputFileStream::DcmInputFileStream;
+  HeaderStream(const std::string& path, offile_off_t most)
+    : DcmInputFileStream(path.c_str())
+    , Most(most)
+  {
+  }
   /// What headers do not hold, empty where all is well.
   const char* Excess() const
   {
@@ -61,7 +66,7 @@ public:
       return 0;
     }
     const offile_off_t count =
-      DcmInputFileStream::read(bytes, std::min(most, Most + 1 - this->Count));
+      DcmInputFileStream::read(bytes, std::min(most, this->Most + 1 - this->Count));
     this->Count += count;
     return count;
   }
@@ -69,11 +74,10 @@ public:
 private:
   bool Ends() const { return this->IsTooDeep || this->Count > Most; }
 
-  /// Those of a thousand slices in one object have a few MiB.
-  static constexpr offile_off_t Most = 8 << 20;
   /// Bytes, of a hundred sequences at least; standard objects have six in one another.
   static constexpr std::ptrdiff_t MostStack = 512 << 10;
   const char* const Base = static_cast<const char*>(__builtin_frame_address(0));
+  const offile_off_t Most;
   offile_off_t Count = 0;
   bool IsTooDeep = false;
 };
@@ -149,11 +153,14 @@ DicomFile::DicomFile(const std::string& path, const std::string& what, DicomExte
     throw InputError(path + ": expected " + what + ", found no DICOM header");
   }
   const bool whole = extent == DicomExtent::Whole;
-  HeaderStream stream(path.c_str());
+  // Headers of a thousand slices in one object have a few MiB.
+  const offile_off_t most =
+    extent == DicomExtent::Elements ? std::numeric_limits<offile_off_t>::max() - 1 : 8 << 20;
+  HeaderStream stream(path, most);
   this->File->setReadMode(this->Preamble ? ERM_fileOnly : ERM_autoDetect);
   this->File->transferInit();
   const OFCondition read = this->File->readUntilTag(stream, EXS_Unknown, EGL_noChange,
-    DCM_MaxReadLength, whole ? DCM_UndefinedTagKey : DCM_PixelData);
+    DCM_MaxReadLength, extent == DicomExtent::Header ? DCM_PixelData : DCM_UndefinedTagKey);
   this->File->transferEnd();
   if (*stream.Excess() != '\0')
   {

@@ -27,7 +27,9 @@ enum class DicomExtent
 {
   Whole,
   /// Up to the pixels.
-  Header
+  Header,
+  /// To its end, but of long values, the pixels among them, only where they are.
+  Elements
 };
 
 /**
