@@ -69,7 +69,7 @@ void Declare(const OptionList& add, LocateArguments& arguments)
     "write the curve of --pixel there (.csv: x_mm,y_mm,z_mm,material, and column, row and sigma_mm "
     "in each of the other mammograms), or the outlines of --lesion "
     "(.csv: label,polygon,column,row), or its shadow as a DICOM segmentation (.dcm)");
-  add.Group("DICOM")("--mammogram", arguments.Mammogram,
+  add.Group("DICOM").Input("--mammogram", arguments.Mammogram,
     "the mammogram that was registered, DICOM: a segmentation lies on its pixels and refers to it "
     "by the UIDs of instance, series and study");
   AddDicomPatientOptions(add, arguments.Patient, true);

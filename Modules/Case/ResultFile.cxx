@@ -3,11 +3,14 @@
 
 #include "Private/ResultFields.h"
 #include "mammoray/Foundation/Error.h"
+#include "mammoray/Foundation/Numbers.h"
 #include "mammoray/Foundation/Plausible.h"
 #include "mammoray/Foundation/PoseParameters.h"
 #include "mammoray/IO/WholeOutput.h"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 
@@ -82,6 +85,13 @@ void CheckCount(const FieldReader& reader, const char* name, const std::vector<d
     reader.Refuse(name, std::to_string(unknowns * unknowns) + " numbers",
       std::to_string(covariance.size()));
   }
+  for (std::size_t place = 0; place < covariance.size(); place += unknowns + 1)
+  {
+    if (!(covariance[place] >= 0))
+    {
+      reader.Refuse(name, "variances of at least 0", NumberText(covariance[place]));
+    }
+  }
 }
 
 /// Reads the pose off the parameters, which must be those of PoseParameters.
@@ -106,6 +116,72 @@ BreastPose PoseIn(const FieldReader& reader, const std::vector<ResultParameter>&
   return PoseOf(values);
 }
 
+/// Whether these are directions of a frame, as exact as they are written.
+bool AreAxes(const std::array<Vector3, 3>& axes)
+{
+  constexpr double rounding = 1e-6;
+  for (int a = 0; a < 3; ++a)
+  {
+    for (int b = a; b < 3; ++b)
+    {
+      if (!(std::abs(Dot(axes[a], axes[b]) - (a == b ? 1 : 0)) <= rounding))
+      {
+        return false;
+      }
+    }
+  }
+  return true;
+}
+
+/// Refuses numbers that no registration writes, with which places would be found all the same.
+void CheckGeometry(const FieldReader& reader, const ResultFile& result)
+{
+  constexpr int mostPixels = 65535; // of a DICOM picture
+  constexpr double farthestMm = 1e5;
+  const auto number = [&](const char* field, double value, double least, double most)
+  {
+    if (!(value >= least && value <= most))
+    {
+      reader.Refuse(field, NumberText(least) + " to " + NumberText(most), NumberText(value));
+    }
+  };
+  number("grid.columns", result.Grid.Columns, 1, mostPixels);
+  number("grid.rows", result.Grid.Rows, 1, mostPixels);
+  const auto& [cx, cy] = result.Grid.ColumnStepMm;
+  const auto& [rx, ry] = result.Grid.RowStepMm;
+  const double column = std::hypot(cx, cy);
+  const double row = std::hypot(rx, ry);
+  constexpr double shortestMm = 1e-3;
+  number("grid.columnStepMm", column, shortestMm, farthestMm);
+  number("grid.rowStepMm", row, shortestMm, farthestMm);
+  if (!(std::abs(cx * rx + cy * ry) <= 1e-6 * column * row))
+  {
+    reader.Refuse("grid.rowStepMm", "a step at a right angle to columnStepMm",
+      NumberText(rx) + ", " + NumberText(ry));
+  }
+  const VolumeFromGantry& placed = result.Placed;
+  if (!AreAxes({ placed.X, placed.Y, placed.Z }))
+  {
+    reader.Refuse("placement", "unit vectors at right angles to each other", "others");
+  }
+  if (!AreAxes({ result.Axes.Left, result.Axes.Anterior, result.Axes.Superior }))
+  {
+    reader.Refuse("axes", "unit vectors at right angles to each other", "others");
+  }
+  number("placement.originMm", Norm(placed.Origin), 0, farthestMm);
+  number("anchorMm", Norm(result.Anchor), 0, farthestMm);
+  number("unit.sourceToDetectorMm", result.Unit.SourceToDetectorMm, 1, farthestMm);
+  number("mammogram.columns", result.Mammogram.Columns, 1, mostPixels);
+  number("mammogram.rows", result.Mammogram.Rows, 1, mostPixels);
+  number("mammogram.columnSpacingMm", result.Mammogram.ColumnSpacingMm, shortestMm, farthestMm);
+  number("mammogram.rowSpacingMm", result.Mammogram.RowSpacingMm, shortestMm, farthestMm);
+  for (const ResultParameter& parameter : result.Parameters)
+  {
+    number("parameters[].value", parameter.Value, -farthestMm, farthestMm);
+  }
+  number("parameters[].value of the thickness", result.Pose.ThicknessMm, shortestMm, farthestMm);
+}
+
 ResultFile SingleOf(const Json& json, const std::string& path, const std::string& folder)
 {
   const FieldReader reader(json, path);
@@ -113,6 +189,7 @@ ResultFile SingleOf(const Json& json, const std::string& path, const std::string
   result.Folder = folder;
   ListFields(reader, result);
   result.Pose = PoseIn(reader, result.Parameters);
+  CheckGeometry(reader, result);
   CheckCount(reader, "covariance", result.Covariance, result.Parameters.size());
   CheckCount(reader, "consideredCovariance", result.ConsideredCovariance, result.Parameters.size());
   return result;

@@ -252,6 +252,40 @@ TEST(ResultFile, RefusesAnotherFileInOneLine)
     path + ": field 'grid.columns': expected a whole number, found 1.5");
 }
 
+// With which a point of the volume would still be "found" somewhere in the mammogram.
+TEST(ResultFile, RefusesGeometryThatNoRegistrationWrites)
+{
+  const testing_support::TemporaryFolder folder;
+  WriteResultFile(test::MakeResultFile(), folder.File(""));
+  const Json whole = ReadJson(folder);
+  const auto refusal = [&](const char* at, const Json& value)
+  {
+    Json json = whole;
+    json[Json::json_pointer(at)] = value;
+    folder.Write("result.json", json.dump());
+    const std::string told = RefusalOf([&] { ReadResultFiles(folder.File("")); });
+    return told.substr(std::min(told.find("field"), told.size()));
+  };
+  EXPECT_EQ(refusal("/grid/columns", -5), "field 'grid.columns': expected 1 to 65535, found -5");
+  EXPECT_THAT(refusal("/grid/rows", 2147483647), StartsWith("field 'grid.rows': expected 1 to"));
+  EXPECT_THAT(refusal("/grid/columnStepMm", { 0, 0 }), StartsWith("field 'grid.columnStepMm'"));
+  EXPECT_EQ(refusal("/grid/rowStepMm", { -2, 1 }),
+    "field 'grid.rowStepMm': expected a step at a right angle to columnStepMm, found -2, 1");
+  const std::string axes = "expected unit vectors at right angles to each other, found others";
+  EXPECT_EQ(refusal("/placement/x", { 0, 0, 0 }), "field 'placement': " + axes);
+  EXPECT_EQ(refusal("/placement/y", { 0, 0.9, 0.1 }), "field 'placement': " + axes);
+  EXPECT_EQ(refusal("/axes/left", { 1e308, 0, 0 }), "field 'axes': " + axes);
+  EXPECT_THAT(refusal("/placement/originMm", { 1e308, 1e308, 0 }),
+    StartsWith("field 'placement.originMm'"));
+  EXPECT_EQ(refusal("/unit/sourceToDetectorMm", -650),
+    "field 'unit.sourceToDetectorMm': expected 1 to 100000, found -650");
+  EXPECT_THAT(refusal("/mammogram/rowSpacingMm", 0), StartsWith("field 'mammogram.rowSpacingMm'"));
+  EXPECT_EQ(refusal("/covariance/10", -0.5),
+    "field 'covariance': expected variances of at least 0, found -0.5");
+  EXPECT_THAT(refusal("/parameters/0/value", 0), HasSubstr("of the thickness"));
+  EXPECT_THAT(refusal("/parameters/3/value", 1e308), StartsWith("field 'parameters[].value'"));
+}
+
 // A checkpoint is given to `--resume`, as a result is. What is shown of a field would be printed by
 // recursion.
 TEST(ResultFile, RefusesBracketsThatNoStackHolds)
