@@ -18,6 +18,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <filesystem>
 #include <new>
 #include <string>
 #include <vector>
@@ -211,6 +212,11 @@ int main(int argc, char* argv[])
     std::fputs("mammoray: expected memory for the work, found less free, or allowed (ulimit -v), "
                "than it takes\n",
       stderr);
+  }
+  catch (const std::filesystem::filesystem_error& error) // as of a name that is too long
+  {
+    std::fprintf(stderr, "mammoray: %s: cannot be looked for (%s)\n",
+      mammoray::Printable(error.path1().string()).c_str(), error.code().message().c_str());
   }
   catch (const std::exception& error)
   {

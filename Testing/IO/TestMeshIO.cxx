@@ -236,7 +236,7 @@ TEST(MeshIO, RefusesOfGltfWhatItCannotShow)
     EXPECT_THAT(message, testing::StartsWith(path + ": expected "));
     return message;
   };
-  const std::tuple<const char*, const char*, const char*> wrong[] = {
+  const std::tuple<const char*, std::string, const char*> wrong[] = {
     { "{\"asset\"", R"({"extensionsRequired":["KHR_draco_mesh_compression"],"asset")",
       "without required extensions, found KHR_draco_mesh_compression" },
     { "\"2.0\"", "\"1.0\"", "version 2 of glTF, found 1.0" },
@@ -256,6 +256,8 @@ TEST(MeshIO, RefusesOfGltfWhatItCannotShow)
     { "\"byteLength\":168", "\"byteLength\":169", "a buffer of 169 bytes, found 168" },
     { "\"byteLength\":168", R"("byteLength":168,"uri":"http://x.org/a.bin")", "in a file beside" },
     { "\"byteLength\":168", R"("byteLength":168,"uri":"none.bin")", "no such file" },
+    { "\"byteLength\":168", R"("byteLength":168,"uri":")" + std::string(300, 'n') + '"',
+      "no such" },
     { "\"byteLength\":168", R"("byteLength":168,"uri":"../a.bin")", "in a file beside" },
     { "\"byteLength\":168", R"("byteLength":168,"uri":"b/%2e%2e/..%2Fa.bin")", "in a file beside" },
     { "\"byteLength\":168", R"("byteLength":168,"uri":"%2Fetc/passwd")", "in a file beside" },

@@ -256,7 +256,8 @@ private:
             this->Refuse("a buffer in a file beside it", uri.substr(0, 60));
           }
           const fs::path file = fs::path(this->Path).parent_path() / name;
-          if (!fs::is_regular_file(file))
+          std::error_code unusable; // as a name that is too long
+          if (!fs::is_regular_file(file, unusable))
           {
             this->Refuse("the buffer " + file.string(), "no such file");
           }
