@@ -171,10 +171,6 @@ void CheckGeometry(const FieldReader& reader, const ResultFile& result)
   number("placement.originMm", Norm(placed.Origin), 0, farthestMm);
   number("anchorMm", Norm(result.Anchor), 0, farthestMm);
   number("unit.sourceToDetectorMm", result.Unit.SourceToDetectorMm, 1, farthestMm);
-  number("mammogram.columns", result.Mammogram.Columns, 1, mostPixels);
-  number("mammogram.rows", result.Mammogram.Rows, 1, mostPixels);
-  number("mammogram.columnSpacingMm", result.Mammogram.ColumnSpacingMm, shortestMm, farthestMm);
-  number("mammogram.rowSpacingMm", result.Mammogram.RowSpacingMm, shortestMm, farthestMm);
   for (const ResultParameter& parameter : result.Parameters)
   {
     number("parameters[].value", parameter.Value, -farthestMm, farthestMm);
