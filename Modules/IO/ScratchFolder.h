@@ -7,29 +7,33 @@
 #include <cstdlib>
 #include <filesystem>
 #include <string>
+#include <system_error>
 
 namespace mammoray
 {
-/// A new folder below TMPDIR, or below the system's for temporary files where none can be made
-/// there, removed at the end with all that is in it. Throws InputError where none can be made at
-/// all.
+/// A new folder below the one for temporary files (TMPDIR, TMP, TEMP or TEMPDIR), or below the
+/// system's where none can be made there, removed at the end with all that is in it. Throws
+/// InputError where none can be made at all.
 class ScratchFolder
 {
 public:
   ScratchFolder()
   {
-    const char* const wanted = std::getenv("TMPDIR");
-    for (const char* const parent : { wanted, "/tmp", "/var/tmp", "/dev/shm" })
+    namespace fs = std::filesystem;
+    std::error_code none;
+    const fs::path wanted = fs::temp_directory_path(none); // empty where it is not there
+    for (const fs::path& parent :
+      { wanted, fs::path("/tmp"), fs::path("/var/tmp"), fs::path("/dev/shm") })
     {
-      std::string name = parent && *parent ? std::string(parent) + "/mammoray-XXXXXX" : "";
-      if (!name.empty() && mkdtemp(name.data()))
+      std::string name = (parent / "mammoray-XXXXXX").string();
+      if (!parent.empty() && mkdtemp(name.data()))
       {
         this->Path = name;
         return;
       }
     }
     throw InputError("TMPDIR: expected a folder in which one can be made, found " +
-      (wanted ? "'" + std::string(wanted) + "'" : "none") +
+      (wanted.empty() ? "none" : "'" + wanted.string() + "'") +
       ", and none in /tmp, /var/tmp and /dev/shm");
   }
   ScratchFolder(const ScratchFolder&) = delete;
