@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mammoray/Archive/DicomNode.h"
 
+#include "Private/Conversation.h"
 #include "Private/SecureLayer.h"
 #include "mammoray/IO/DicomHeader.h"
 #include "mammoray/IO/WholeOutput.h"
@@ -15,6 +16,7 @@
 #include <charconv>
 #include <cstdio>
 #include <filesystem>
+#include <iterator>
 #include <map>
 #include <memory>
 #include <set>
@@ -170,10 +172,10 @@ constexpr const char* FetchedSyntaxes[] = { UID_LittleEndianExplicitTransferSynt
 class Getter : public Association
 {
 public:
-  Getter(const DicomNode& node, std::string folder, const ProgressCallback& progress)
+  Getter(const DicomNode& node, std::string folder, const TellCallback& tell)
     : Association(node)
     , Folder(std::move(folder))
-    , Progress(progress)
+    , Tell(tell)
   {
     this->setStorageMode(DCMSCU_STORAGE_DISK);
   }
@@ -189,10 +191,10 @@ protected:
     std::unique_ptr<DcmDataset> object(incomingObject);
     try
     {
-      ReportProgress(this->Progress, 0, "getting objects");
       this->Write(std::move(object));
       status = STATUS_Success;
       ++this->Count;
+      this->Tell("object");
     }
     catch (...)
     {
@@ -228,7 +230,7 @@ private:
   }
 
   std::string Folder;
-  const ProgressCallback& Progress;
+  const TellCallback& Tell;
   /// The number of each series, and of its objects so far.
   std::map<std::string, std::pair<std::size_t, std::size_t>> Series;
 };
@@ -244,6 +246,11 @@ void CheckAccession(const std::string& number)
       number + "'");
   }
 }
+
+/// What a study is sent as.
+constexpr std::string ArchivedStudy::*StudyTexts[] = { &ArchivedStudy::StudyInstanceUid,
+  &ArchivedStudy::AccessionNumber, &ArchivedStudy::PatientId, &ArchivedStudy::Date,
+  &ArchivedStudy::Description };
 
 std::string TextOf(DcmDataset& data, const DcmTagKey& tag)
 {
@@ -296,6 +303,136 @@ void GetStudy(Getter& getter, const ArchivedStudy& study, const DicomNode& node)
       ", found " + std::to_string(getter.Count - before) + ", and " +
       std::to_string(last.m_numberOfFailedSubops) + " that the archive did not give (status " +
       status + "h)");
+  }
+}
+
+/// Tells of each file that the archive has taken.
+void Store(const std::vector<std::string>& files, const DicomNode& node, const TellCallback& tell)
+{
+  const std::shared_ptr<void> quiet = SilenceDcmtk();
+  std::vector<FileKind> kinds;
+  std::set<std::pair<std::string, std::string>> contexts;
+  Association association(node);
+  for (const std::string& file : files)
+  {
+    kinds.push_back(KindOf(file));
+    const FileKind& kind = kinds.back();
+    if (contexts.emplace(kind.SopClass.c_str(), kind.Syntax.c_str()).second)
+    {
+      // What is not compressed may go in either order of bytes.
+      const bool plain = kind.Syntax == UID_LittleEndianExplicitTransferSyntax ||
+        kind.Syntax == UID_LittleEndianImplicitTransferSyntax;
+      association.addPresentationContext(kind.SopClass,
+        plain ? SyntaxList({ kind.Syntax.c_str(), UID_LittleEndianExplicitTransferSyntax,
+                  UID_LittleEndianImplicitTransferSyntax })
+              : SyntaxList({ kind.Syntax.c_str() }));
+    }
+  }
+  if (contexts.size() > 128)
+  {
+    throw InputError("archive: expected at most 128 kinds of objects at once, found " +
+      std::to_string(contexts.size()));
+  }
+  association.Open();
+  std::size_t count = 0;
+  for (const FileKind& kind : kinds)
+  {
+    Uint16 status = 0;
+    const T_ASC_PresentationContextID context =
+      association.findAnyPresentationContextID(kind.SopClass, kind.Syntax);
+    const OFCondition sent = context == 0
+      ? OFCondition(DIMSE_NOVALIDPRESENTATIONCONTEXTID)
+      : association.sendSTORERequest(context, kind.Path.c_str(), nullptr, status);
+    // Bxxx: stored, with a remark.
+    if (sent.bad() || (status != STATUS_Success && (status & 0xf000) != 0xb000))
+    {
+      char refused[40];
+      std::snprintf(refused, sizeof refused, "status %04xh", status);
+      throw NetworkError(NameOf(node) + ": expected that it stores " + kind.Path +
+        ", found that it does not (" + (sent.bad() ? ReasonOf(sent) : refused) + "); stored " +
+        std::to_string(count) + " of " + std::to_string(files.size()));
+    }
+    ++count;
+    tell(kind.Path);
+  }
+}
+
+std::vector<ArchivedStudy> Find(const std::string& accessionNumber, const DicomNode& node)
+{
+  const std::shared_ptr<void> quiet = SilenceDcmtk();
+  Association association(node);
+  association.addPresentationContext(UID_FINDStudyRootQueryRetrieveInformationModel,
+    SyntaxList({ UID_LittleEndianExplicitTransferSyntax, UID_LittleEndianImplicitTransferSyntax }));
+  association.Open();
+  DcmDataset keys;
+  keys.putAndInsertString(DCM_QueryRetrieveLevel, "STUDY");
+  keys.putAndInsertString(DCM_AccessionNumber, accessionNumber.c_str());
+  for (const DcmTagKey& tag :
+    { DCM_StudyInstanceUID, DCM_PatientID, DCM_StudyDate, DCM_StudyDescription })
+  {
+    keys.insertEmptyElement(tag);
+  }
+  Responses<QRResponse> responses;
+  const OFCondition found = association.sendFINDRequest(
+    association.findPresentationContextID(UID_FINDStudyRootQueryRetrieveInformationModel, ""),
+    &keys, &responses.List);
+  if (found.bad() || responses.List.empty() || responses.List.back()->m_status != STATUS_Success)
+  {
+    throw NetworkError(NameOf(node) + ": expected an answer to the search for accession number " +
+      accessionNumber + ", found none (" + ReasonOf(found) + ")");
+  }
+  std::vector<ArchivedStudy> studies;
+  for (QRResponse* response : responses.List)
+  {
+    if (DcmDataset* data = response->m_dataset)
+    {
+      ArchivedStudy study{ TextOf(*data, DCM_StudyInstanceUID), TextOf(*data, DCM_AccessionNumber),
+        TextOf(*data, DCM_PatientID), TextOf(*data, DCM_StudyDate),
+        TextOf(*data, DCM_StudyDescription) };
+      // An archive that does not know the key gives all it has.
+      if (study.AccessionNumber == accessionNumber && !study.StudyInstanceUid.empty())
+      {
+        studies.push_back(std::move(study));
+      }
+    }
+  }
+  if (studies.empty())
+  {
+    throw InputError(
+      NameOf(node) + ": expected a study of accession number " + accessionNumber + ", found none");
+  }
+  if (std::any_of(studies.begin(), studies.end(),
+        [&](const ArchivedStudy& study) { return study.PatientId != studies.front().PatientId; }))
+  {
+    throw InputError(NameOf(node) + ": expected one patient with the accession number " +
+      accessionNumber + ", found several");
+  }
+  return studies;
+}
+
+/// Gets the studies' objects into the folder, and tells of each.
+void Get(const std::vector<ArchivedStudy>& studies, const DicomNode& node,
+  const std::string& folder, const TellCallback& tell)
+{
+  const std::shared_ptr<void> quiet = SilenceDcmtk();
+  Getter getter(node, folder, tell);
+  getter.addPresentationContext(UID_GETStudyRootQueryRetrieveInformationModel,
+    SyntaxList({ UID_LittleEndianExplicitTransferSyntax, UID_LittleEndianImplicitTransferSyntax }));
+  for (const char* kind : FetchedClasses)
+  {
+    for (const char* syntax : FetchedSyntaxes)
+    {
+      getter.addPresentationContext(kind, SyntaxList({ syntax }), ASC_SC_ROLE_SCP);
+    }
+  }
+  getter.Open();
+  for (const ArchivedStudy& study : studies)
+  {
+    GetStudy(getter, study, node);
+  }
+  if (getter.Count == 0)
+  {
+    throw NetworkError(NameOf(node) + ": expected objects of the studies, found none");
   }
 }
 }
@@ -365,108 +502,62 @@ std::vector<std::string> FindDicomFiles(const std::vector<std::string>& paths)
 void StoreFiles(const std::vector<std::string>& files, const DicomNode& node,
   const StoredCallback& stored, const StopRequest& stop)
 {
-  const std::shared_ptr<void> quiet = SilenceDcmtk();
-  std::vector<FileKind> kinds;
-  std::set<std::pair<std::string, std::string>> contexts;
-  Association association(node);
-  for (const std::string& file : files)
-  {
-    kinds.push_back(KindOf(file));
-    const FileKind& kind = kinds.back();
-    if (contexts.emplace(kind.SopClass.c_str(), kind.Syntax.c_str()).second)
-    {
-      // What is not compressed may go in either order of bytes.
-      const bool plain = kind.Syntax == UID_LittleEndianExplicitTransferSyntax ||
-        kind.Syntax == UID_LittleEndianImplicitTransferSyntax;
-      association.addPresentationContext(kind.SopClass,
-        plain ? SyntaxList({ kind.Syntax.c_str(), UID_LittleEndianExplicitTransferSyntax,
-                  UID_LittleEndianImplicitTransferSyntax })
-              : SyntaxList({ kind.Syntax.c_str() }));
-    }
-  }
-  if (contexts.size() > 128)
-  {
-    throw InputError("archive: expected at most 128 kinds of objects at once, found " +
-      std::to_string(contexts.size()));
-  }
-  association.Open();
-  std::size_t count = 0;
-  for (const FileKind& kind : kinds)
+  const auto checkStop = [&stop]
   {
     if (stop && stop())
     {
       throw Interrupted();
     }
-    Uint16 status = 0;
-    const T_ASC_PresentationContextID context =
-      association.findAnyPresentationContextID(kind.SopClass, kind.Syntax);
-    const OFCondition sent = context == 0
-      ? OFCondition(DIMSE_NOVALIDPRESENTATIONCONTEXTID)
-      : association.sendSTORERequest(context, kind.Path.c_str(), nullptr, status);
-    // Bxxx: stored, with a remark.
-    if (sent.bad() || (status != STATUS_Success && (status & 0xf000) != 0xb000))
+  };
+  checkStop();
+  std::size_t left = files.size();
+  TalkTo(
+    NameOf(node),
+    [&](const TellCallback& tell) -> std::vector<std::string>
     {
-      char refused[40];
-      std::snprintf(refused, sizeof refused, "status %04xh", status);
-      throw NetworkError(NameOf(node) + ": expected that it stores " + kind.Path +
-        ", found that it does not (" + (sent.bad() ? ReasonOf(sent) : refused) + "); stored " +
-        std::to_string(count) + " of " + std::to_string(files.size()));
-    }
-    ++count;
-    stored(kind.Path);
-  }
+      Store(files, node, tell);
+      return {};
+    },
+    [&](const std::string& file)
+    {
+      // Between two files, so that each that the archive has taken has been told.
+      if (!file.empty())
+      {
+        stored(file);
+        if (--left > 0)
+        {
+          checkStop();
+        }
+      }
+    });
 }
 
 std::vector<ArchivedStudy> FindStudies(const std::string& accessionNumber, const DicomNode& node)
 {
   CheckAccession(accessionNumber);
-  const std::shared_ptr<void> quiet = SilenceDcmtk();
-  Association association(node);
-  association.addPresentationContext(UID_FINDStudyRootQueryRetrieveInformationModel,
-    SyntaxList({ UID_LittleEndianExplicitTransferSyntax, UID_LittleEndianImplicitTransferSyntax }));
-  association.Open();
-  DcmDataset keys;
-  keys.putAndInsertString(DCM_QueryRetrieveLevel, "STUDY");
-  keys.putAndInsertString(DCM_AccessionNumber, accessionNumber.c_str());
-  for (const DcmTagKey& tag :
-    { DCM_StudyInstanceUID, DCM_PatientID, DCM_StudyDate, DCM_StudyDescription })
-  {
-    keys.insertEmptyElement(tag);
-  }
-  Responses<QRResponse> responses;
-  const OFCondition found = association.sendFINDRequest(
-    association.findPresentationContextID(UID_FINDStudyRootQueryRetrieveInformationModel, ""),
-    &keys, &responses.List);
-  if (found.bad() || responses.List.empty() || responses.List.back()->m_status != STATUS_Success)
-  {
-    throw NetworkError(NameOf(node) + ": expected an answer to the search for accession number " +
-      accessionNumber + ", found none (" + ReasonOf(found) + ")");
-  }
-  std::vector<ArchivedStudy> studies;
-  for (QRResponse* response : responses.List)
-  {
-    if (DcmDataset* data = response->m_dataset)
+  const std::vector<std::string> texts = TalkTo(
+    NameOf(node),
+    [&](const TellCallback&)
     {
-      ArchivedStudy study{ TextOf(*data, DCM_StudyInstanceUID), TextOf(*data, DCM_AccessionNumber),
-        TextOf(*data, DCM_PatientID), TextOf(*data, DCM_StudyDate),
-        TextOf(*data, DCM_StudyDescription) };
-      // An archive that does not know the key gives all it has.
-      if (study.AccessionNumber == accessionNumber && !study.StudyInstanceUid.empty())
+      std::vector<std::string> found;
+      for (const ArchivedStudy& study : Find(accessionNumber, node))
       {
-        studies.push_back(std::move(study));
+        for (const std::string ArchivedStudy::*text : StudyTexts)
+        {
+          found.push_back(study.*text);
+        }
       }
+      return found;
+    },
+    [](const std::string&) {});
+  std::vector<ArchivedStudy> studies(texts.size() / std::size(StudyTexts));
+  auto text = texts.begin();
+  for (ArchivedStudy& study : studies)
+  {
+    for (std::string ArchivedStudy::*const member : StudyTexts)
+    {
+      study.*member = *text++;
     }
-  }
-  if (studies.empty())
-  {
-    throw InputError(
-      NameOf(node) + ": expected a study of accession number " + accessionNumber + ", found none");
-  }
-  if (std::any_of(studies.begin(), studies.end(),
-        [&](const ArchivedStudy& study) { return study.PatientId != studies.front().PatientId; }))
-  {
-    throw InputError(NameOf(node) + ": expected one patient with the accession number " +
-      accessionNumber + ", found several");
   }
   return studies;
 }
@@ -474,32 +565,23 @@ std::vector<ArchivedStudy> FindStudies(const std::string& accessionNumber, const
 std::size_t GetStudies(const std::vector<ArchivedStudy>& studies, const DicomNode& node,
   const std::string& folder, const ProgressCallback& progress)
 {
-  const std::shared_ptr<void> quiet = SilenceDcmtk();
   std::size_t count = 0;
   WriteWholeFolder(folder,
     [&](const std::string& staged)
     {
-      Getter getter(node, staged, progress);
-      getter.addPresentationContext(UID_GETStudyRootQueryRetrieveInformationModel,
-        SyntaxList(
-          { UID_LittleEndianExplicitTransferSyntax, UID_LittleEndianImplicitTransferSyntax }));
-      for (const char* kind : FetchedClasses)
-      {
-        for (const char* syntax : FetchedSyntaxes)
+      count = 0;
+      TalkTo(
+        NameOf(node),
+        [&](const TellCallback& tell) -> std::vector<std::string>
         {
-          getter.addPresentationContext(kind, SyntaxList({ syntax }), ASC_SC_ROLE_SCP);
-        }
-      }
-      getter.Open();
-      for (const ArchivedStudy& study : studies)
-      {
-        GetStudy(getter, study, node);
-      }
-      count = getter.Count;
-      if (count == 0)
-      {
-        throw NetworkError(NameOf(node) + ": expected objects of the studies, found none");
-      }
+          Get(studies, node, staged, tell);
+          return {};
+        },
+        [&](const std::string& object)
+        {
+          count += object.empty() ? 0 : 1;
+          ReportProgress(progress, 0, "getting objects");
+        });
     });
   return count;
 }

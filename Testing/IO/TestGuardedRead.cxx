@@ -1,13 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "FileSizeLimit.h"
+#include "Files.h"
 #include "Private/Guard/GuardedRead.h"
 #include "Refusals.h"
+#include "mammoray/IO/GuardedWork.h"
 
 #include <atomic>
+#include <chrono>
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
+#include <filesystem>
+#include <fstream>
 #include <new>
+#include <thread>
 
 namespace
 {
@@ -174,5 +180,79 @@ TEST(GuardedRead, ReadersInReadersReadWhereTheyAre)
     },
     [&](ParcelReader& parcel) { parcel(answer); });
   EXPECT_EQ(answer, 42);
+}
+
+/// What is asked of the work, and what is done at each text that it tells.
+std::string RefusalOfWork(
+  const std::function<std::vector<std::string>(const TellCallback&)>& work,
+  const TellCallback& heard = [](const std::string&) {})
+{
+  return RefusalOf([&] { WorkGuarded("an archive", "answers", Small.MemoryBytes, work, heard); });
+}
+
+TEST(GuardedWork, IsHeardWhileItGoesOnAndGivesAnAnswer)
+{
+  std::vector<std::string> heard;
+  int idle = 0;
+  const auto work = [](const TellCallback& tell) -> std::vector<std::string>
+  {
+    tell("a");
+    tell(std::string(100'000, 'b'));
+    std::this_thread::sleep_for(std::chrono::seconds(1));
+    tell(std::string("c\0d", 3));
+    return { "done", "" };
+  };
+  const auto hear = [&](const std::string& text)
+  {
+    idle += text.empty() ? 1 : 0;
+    if (!text.empty())
+    {
+      heard.push_back(text);
+    }
+  };
+  EXPECT_EQ(WorkGuarded("an archive", "answers", Small.MemoryBytes, work, hear),
+    (std::vector<std::string>{ "done", "" }));
+  EXPECT_EQ(heard,
+    (std::vector<std::string>{ "a", std::string(100'000, 'b'), std::string("c\0d", 3) }));
+  EXPECT_GE(idle, 1) << "a second without a word";
+}
+
+TEST(GuardedWork, WhatIsThrownWhereItIsHeardEndsIt)
+{
+  const testing_support::TemporaryFolder folder;
+  const std::string path = folder.File("after");
+  const auto work = [&](const TellCallback& tell) -> std::vector<std::string>
+  {
+    tell("stop me");
+    std::ofstream(path) << "not stopped";
+    return {};
+  };
+  EXPECT_THROW(WorkGuarded("an archive", "answers", Small.MemoryBytes, work,
+                 [](const std::string& text)
+                 {
+                   if (!text.empty())
+                   {
+                     throw Interrupted();
+                   }
+                 }),
+    Interrupted);
+  EXPECT_FALSE(std::filesystem::exists(path)) << "the work went on";
+}
+
+TEST(GuardedWork, ItsRefusalAndItsDeathAreOneLine)
+{
+  EXPECT_EQ(RefusalOfWork([](const TellCallback&) -> std::vector<std::string>
+              { throw InputError("a file: expected 1, found 2"); }),
+    "a file: expected 1, found 2");
+  EXPECT_EQ(RefusalOfWork(
+              [](const TellCallback& tell) -> std::vector<std::string>
+              {
+                tell("soon");
+                std::raise(SIGSEGV);
+                return {};
+              }),
+    std::string("an archive: expected answers, found damaged data, at which its reader ended "
+                "with '") +
+      strsignal(SIGSEGV) + "'");
 }
 }

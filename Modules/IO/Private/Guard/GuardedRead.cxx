@@ -2,12 +2,14 @@
 #include "Private/Guard/GuardedRead.h"
 
 #include "Private/Guard/OwnedDescriptor.h"
+#include "mammoray/IO/GuardedWork.h"
 
 #include <fcntl.h>
 #include <poll.h>
 #include <sys/mman.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
+#include <sys/socket.h>
 #include <sys/stat.h>
 #include <sys/syscall.h>
 #include <sys/wait.h>
@@ -23,6 +25,8 @@
 #include <exception>
 #include <filesystem>
 #include <fstream>
+#include <limits>
+#include <memory>
 #include <new>
 #include <utility>
 
@@ -136,8 +140,11 @@ std::uint64_t AddressesAllowed()
   {
     Limit(RLIMIT_AS, std::min<rlim_t>(AddressesAtStart + limits.MemoryBytes, MostAddresses));
   }
-  SecondsAllowed = std::ceil(limits.Seconds);
-  Limit(RLIMIT_CPU, static_cast<std::uint64_t>(SecondsAllowed));
+  if (std::isfinite(limits.Seconds))
+  {
+    SecondsAllowed = std::ceil(limits.Seconds);
+    Limit(RLIMIT_CPU, static_cast<std::uint64_t>(SecondsAllowed));
+  }
   if (const int said = memfd_create("mammoray-said", MFD_CLOEXEC); said >= 0)
   {
     dup2(said, STDOUT_FILENO);
@@ -173,33 +180,74 @@ std::uint64_t AddressesAllowed()
   _exit(ending);
 }
 
-/// Waits for the reader's end; false where it took too long and was killed.
-bool WaitFor(pid_t reader, double seconds, int& status)
+/// A reader's process, which does not outlive this.
+class ReaderProcess
 {
-  const OwnedDescriptor ended(static_cast<int>(syscall(SYS_pidfd_open, reader, 0)));
-  const auto until = std::chrono::steady_clock::now() + std::chrono::duration<double>(seconds);
-  bool inTime = true;
-  while (inTime)
+public:
+  explicit ReaderProcess(pid_t number)
+    : Number(number)
+    , Ended(static_cast<int>(syscall(SYS_pidfd_open, number, 0)))
   {
-    const double left =
-      std::chrono::duration<double>(until - std::chrono::steady_clock::now()).count();
-    pollfd event{ ended.Get(), POLLIN, 0 };
-    // Without the descriptor (Linux before 5.3) the end is asked for every 5 ms.
-    const int most = ended.Get() >= 0 ? 1000 : 5;
-    poll(&event, ended.Get() >= 0 ? 1 : 0, std::clamp(static_cast<int>(1e3 * left), 0, most));
-    const pid_t found = waitpid(reader, &status, WNOHANG);
-    if (found == reader || (found < 0 && errno != EINTR))
+  }
+  ~ReaderProcess() { this->Kill(); }
+  ReaderProcess(const ReaderProcess&) = delete;
+  ReaderProcess& operator=(const ReaderProcess&) = delete;
+
+  /// Waits for its end, and calls `heard` at each message at `messages` (if any) and five times a
+  /// second; false where it took longer than `seconds` and was killed.
+  bool WaitFor(double seconds, int messages, const std::function<void()>& heard)
+  {
+    using Clock = std::chrono::steady_clock;
+    const Clock::time_point start = Clock::now();
+    bool inTime = true;
+    while (inTime && this->Number > 0)
     {
-      return found == reader;
+      const double left = seconds - std::chrono::duration<double>(Clock::now() - start).count();
+      pollfd events[] = { { this->Ended.Get(), POLLIN, 0 }, { messages, POLLIN, 0 } };
+      // Without the descriptor (Linux before 5.3) the end is asked for every 5 ms; poll passes over
+      // descriptors below 0.
+      const double most = this->Ended.Get() < 0 ? 5 : heard ? 200 : 1000;
+      poll(events, 2, static_cast<int>(std::clamp(1e3 * left, 0.0, most)));
+      this->Wait(WNOHANG);
+      if (heard)
+      {
+        heard(); // also what was told just before the end
+      }
+      inTime = left > 0 || this->Number == 0;
     }
-    inTime = left > 0;
+    this->Kill();
+    return inTime;
   }
-  kill(reader, SIGKILL);
-  while (waitpid(reader, &status, 0) < 0 && errno == EINTR)
+  /// After its end, as waitpid gives it.
+  int Status() const { return this->StatusAtEnd; }
+
+private:
+  /// Sees whether it has ended.
+  void Wait(int options)
   {
+    const pid_t found = waitpid(this->Number, &this->StatusAtEnd, options);
+    if (found == this->Number || (found < 0 && errno != EINTR))
+    {
+      this->Number = 0;
+    }
   }
-  return false;
-}
+  void Kill()
+  {
+    if (this->Number > 0)
+    {
+      kill(this->Number, SIGKILL);
+    }
+    while (this->Number > 0)
+    {
+      this->Wait(0);
+    }
+  }
+
+  /// 0 after its end.
+  pid_t Number;
+  const OwnedDescriptor Ended;
+  int StatusAtEnd = SIGKILL;
+};
 
 /// What the reader's end says of the file; nothing where it has read it.
 std::string Finding(int status, bool inTime, const ReadLimits& limits)
@@ -315,8 +363,12 @@ void AllowMemory(std::uint64_t bytes)
   }
 }
 
-void ReadGuarded(const std::string& what, const std::string& content, const ReadLimits& limits,
-  const std::function<void(ParcelWriter&)>& read, const std::function<void(ParcelReader&)>& unpack)
+namespace
+{
+/// ReadGuarded; `heard` at each message at `messages`.
+void ReadElsewhere(const std::string& what, const std::string& content, const ReadLimits& limits,
+  const std::function<void(ParcelWriter&)>& read, const std::function<void(ParcelReader&)>& unpack,
+  int messages, const std::function<void()>& heard)
 {
   const OwnedDescriptor result(memfd_create("mammoray-read", MFD_CLOEXEC));
   if (result.Get() < 0)
@@ -334,17 +386,19 @@ void ReadGuarded(const std::string& what, const std::string& content, const Read
   }
   else
   {
-    const pid_t reader = fork();
-    if (reader < 0)
+    const pid_t number = fork();
+    if (number < 0)
     {
       throw Error(what + ": expected a process of its own for its reader, found none (" +
         std::strerror(errno) + ")");
     }
-    if (reader == 0)
+    if (number == 0)
     {
       RunReader(result.Get(), limits, read);
     }
-    inTime = WaitFor(reader, 10 * limits.Seconds + 60, status);
+    ReaderProcess reader(number);
+    inTime = reader.WaitFor(10 * limits.Seconds + 60, messages, heard);
+    status = reader.Status();
   }
   struct stat found
   {
@@ -365,5 +419,85 @@ void ReadGuarded(const std::string& what, const std::string& content, const Read
     throw InputError(why);
   }
   unpack(parcel);
+}
+
+/// A way for texts from a reader's process and for the word that each has been heard.
+class Messages
+{
+public:
+  explicit Messages(const std::string& what)
+  {
+    int ends[2];
+    if (socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, ends) != 0)
+    {
+      throw Error(what + ": expected a pair of sockets, found none (" + std::strerror(errno) + ")");
+    }
+    this->Ours = std::make_unique<OwnedDescriptor>(ends[0]);
+    this->Theirs = std::make_unique<OwnedDescriptor>(ends[1]);
+  }
+  int AskersEnd() const { return this->Ours->Get(); }
+
+  /// In the reader's process; waits until it has been heard.
+  void Tell(const std::string& text) const
+  {
+    // A message of no bytes could not be told from the end.
+    const std::string message = '>' + text;
+    char answer = 0;
+    if (send(this->Theirs->Get(), message.data(), message.size(), MSG_NOSIGNAL) < 0)
+    {
+      throw Error(std::string("a message cannot be sent (") + std::strerror(errno) + ")");
+    }
+    while (recv(this->Theirs->Get(), &answer, 1, 0) < 0 && errno == EINTR)
+    {
+    }
+  }
+  /// In the asking process: what has been told, or an empty text.
+  void Hear(const TellCallback& heard)
+  {
+    bool any = false;
+    for (ssize_t count = 0;
+         (count = recv(this->Ours->Get(), this->Text.data(), this->Text.size(), MSG_DONTWAIT)) > 0;
+         any = true)
+    {
+      heard(this->Text.substr(1, static_cast<std::size_t>(count) - 1));
+      send(this->Ours->Get(), "<", 1, MSG_NOSIGNAL);
+    }
+    if (!any)
+    {
+      heard("");
+    }
+  }
+
+private:
+  std::unique_ptr<OwnedDescriptor> Ours;
+  std::unique_ptr<OwnedDescriptor> Theirs;
+  std::string Text = std::string(100'001, '\0');
+};
+}
+
+void ReadGuarded(const std::string& what, const std::string& content, const ReadLimits& limits,
+  const std::function<void(ParcelWriter&)>& read, const std::function<void(ParcelReader&)>& unpack)
+{
+  ReadElsewhere(what, content, limits, read, unpack, -1, {});
+}
+
+std::vector<std::string> WorkGuarded(const std::string& what, const std::string& content,
+  std::uint64_t memoryBytes,
+  const std::function<std::vector<std::string>(const TellCallback& tell)>& work,
+  const TellCallback& heard)
+{
+  Messages messages(what);
+  TellCallback tell = heard;
+  if (!IsReader && !IsUnguarded)
+  {
+    tell = [&messages](const std::string& text) { messages.Tell(text); };
+  }
+  std::vector<std::string> answer;
+  ReadElsewhere(
+    what, content, { memoryBytes, std::numeric_limits<double>::infinity() },
+    [&](ParcelWriter& parcel) { parcel(work(tell)); },
+    [&](ParcelReader& parcel) { parcel(answer); }, messages.AskersEnd(),
+    [&] { messages.Hear(heard); });
+  return answer;
 }
 }
