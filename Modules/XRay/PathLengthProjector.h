@@ -34,9 +34,10 @@ struct XRaySource
 /// A flat pixel grid in any pose; in the frame of the mesh.
 struct XRayDetector
 {
-  /// Centre of pixel (column 0, row 0), mm.
+  /// Centre of pixel (column 0, row 0), mm; coordinates up to 1e12 mm, as all of a projection.
   Vector3 Origin{ 0, 0, 0 };
-  /// Lead from a pixel's centre to that of the next column, and of the next row, mm.
+  /// Lead from a pixel's centre to that of the next column, and of the next row; 1e-9 to 1e12 mm
+  /// long.
   Vector3 ColumnStep{ 0.1, 0, 0 };
   Vector3 RowStep{ 0, 0.1, 0 };
   int Columns = 1;

@@ -5,6 +5,7 @@
 
 #include <gmock/gmock.h>
 
+#include <cmath>
 #include <limits>
 
 namespace
@@ -30,9 +31,19 @@ TEST(ProjectionChecks, NameWhatIsWrongWithADetector)
   detector.RowStep = -2.0 * detector.ColumnStep;
   EXPECT_THAT(RefusalOf([&] { CheckGeometry(source, detector); }),
     testing::HasSubstr("span a plane"));
-  detector.RowStep = { 0, 0, Infinity };
-  EXPECT_THAT(RefusalOf([&] { CheckGeometry(source, detector); }),
-    testing::HasSubstr("span a plane"));
+  for (const double odd : { Infinity, -Infinity, std::nan(""), 1e13, 1e308, 1e-10, 0.0 })
+  {
+    detector.RowStep = { 0, odd, 0 };
+    EXPECT_THAT(RefusalOf([&] { CheckGeometry(source, detector); }),
+      testing::HasSubstr("span a plane"))
+      << odd;
+  }
+  detector.RowStep = XRayDetector().RowStep;
+  // The device would have made it infinite.
+  detector.Origin = { 1e308, 0, 0 };
+  EXPECT_EQ(RefusalOf([&] { CheckGeometry(source, detector); }),
+    "detector: expected coordinates up to 1e12 mm and steps from 1e-9 to 1e12 mm that span a "
+    "plane, found origin (1e+308, 0, 0), column step (0.1, 0, 0), row step (0, 0.1, 0) mm");
 }
 
 TEST(ProjectionChecks, NameWhatIsWrongWithASource)

@@ -2,6 +2,7 @@
 #include "Private/ProjectionChecks.h"
 
 #include "mammoray/Foundation/Error.h"
+#include "mammoray/Foundation/Numbers.h"
 #include "mammoray/Foundation/ParallelFor.h"
 
 #include <algorithm>
@@ -16,15 +17,26 @@ namespace
 /// Checked by one core in a tenth of a millisecond.
 constexpr std::size_t ValuesAtOnce = 1u << 17;
 
-bool IsFinite(const Vector3& vector)
+/// Beyond these a double no longer tells a pixel from its neighbour, and the device's numbers end.
+constexpr double MostMm = 1e12;
+constexpr double LeastStepMm = 1e-9;
+
+/// Whether all coordinates, in mm, can be computed with; no NaN is.
+bool IsWithinReach(const Vector3& vector)
 {
-  return std::isfinite(vector[0]) && std::isfinite(vector[1]) && std::isfinite(vector[2]);
+  return std::abs(vector[0]) <= MostMm && std::abs(vector[1]) <= MostMm &&
+    std::abs(vector[2]) <= MostMm;
+}
+
+bool IsStep(const Vector3& step)
+{
+  return IsWithinReach(step) && Norm(step) >= LeastStepMm;
 }
 
 std::string Text(const Vector3& vector)
 {
-  return "(" + std::to_string(vector[0]) + ", " + std::to_string(vector[1]) + ", " +
-    std::to_string(vector[2]) + ")";
+  return "(" + NumberText(vector[0]) + ", " + NumberText(vector[1]) + ", " + NumberText(vector[2]) +
+    ")";
 }
 }
 
@@ -43,11 +55,13 @@ void CheckGeometry(const XRaySource& source, const XRayDetector& detector)
   }
   const Vector3 normal = Cross(detector.ColumnStep, detector.RowStep);
   const double area = Norm(normal);
-  if (!IsFinite(detector.Origin) || !std::isfinite(area) ||
+  if (!IsWithinReach(detector.Origin) || !IsStep(detector.ColumnStep) ||
+    !IsStep(detector.RowStep) ||
     !(area > 1e-9 * Norm(detector.ColumnStep) * Norm(detector.RowStep)))
   {
     throw InputError(
-      "detector: expected finite coordinates and steps that span a plane, found origin " +
+      "detector: expected coordinates up to 1e12 mm and steps from 1e-9 to 1e12 mm that span a "
+      "plane, found origin " +
       Text(detector.Origin) + ", column step " + Text(detector.ColumnStep) + ", row step " +
       Text(detector.RowStep) + " mm");
   }
@@ -55,9 +69,10 @@ void CheckGeometry(const XRaySource& source, const XRayDetector& detector)
   {
     const double distance = Dot(source.Position - detector.Origin, normal) / area;
     const double step = std::max(Norm(detector.ColumnStep), Norm(detector.RowStep));
-    if (!IsFinite(source.Position) || !(std::abs(distance) > 1e-6 * step))
+    if (!IsWithinReach(source.Position) || !(std::abs(distance) > 1e-6 * step))
     {
-      throw InputError("source: expected a position off the detector's plane, found " +
+      throw InputError(
+        "source: expected a position within 1e12 mm off the detector's plane, found " +
         Text(source.Position) + " mm");
     }
   }
@@ -82,11 +97,11 @@ void CheckRays(const std::vector<XRayLine>& rays)
   for (std::size_t ray = 0; ray < rays.size(); ++ray)
   {
     const auto& [begin, end] = rays[ray];
-    if (!IsFinite(begin) || !IsFinite(end) || !(Norm(end - begin) > 0))
+    if (!IsWithinReach(begin) || !IsWithinReach(end) || !(Norm(end - begin) > 0))
     {
       throw InputError("projector: ray " + std::to_string(ray) +
-        ": expected two different finite points, found " + Text(begin) + " and " + Text(end) +
-        " mm");
+        ": expected two different points within 1e12 mm, found " + Text(begin) + " and " +
+        Text(end) + " mm");
     }
   }
 }
