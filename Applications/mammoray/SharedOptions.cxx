@@ -105,7 +105,8 @@ void AddPlateOptions(const OptionList& add, double& supportEdgeMm, double& paddl
     "chest-wall edge of the support, in front of the receptor's (gantry y)");
   add("--paddle-edge", paddleEdgeMm, "mm",
     "chest-wall edge of the paddle, in front of the receptor's (gantry y)");
-  add("--edge-radius", edgeRadiusMm, NonNegative("mm"), "radius of the plates' chest-wall edges");
+  add("--edge-radius", edgeRadiusMm, Between(0, 100, "mm"),
+    "radius of the plates' chest-wall edges");
 }
 
 void AddComparisonOptions(const OptionList& add, RegistrationOptions& options)

@@ -78,15 +78,20 @@ bool CanBePredicted(const CompressionOptions& options)
   return options.Friction == 0;
 }
 
+/// Paddles have 3 to 15 mm; of a metre nothing is left that presses.
+constexpr double MostEdgeRadiusMm = 100;
+
 void CheckPlate(const Plate& plate, const char* name)
 {
   const bool good = std::abs(Norm(plate.Normal) - 1) < 1e-6 &&
     std::abs(Norm(plate.Inward) - 1) < 1e-6 && std::abs(Dot(plate.Normal, plate.Inward)) < 1e-6 &&
-    plate.EdgeRadiusMm >= 0 && std::isfinite(Norm(plate.Edge));
+    plate.EdgeRadiusMm >= 0 && plate.EdgeRadiusMm <= MostEdgeRadiusMm &&
+    std::isfinite(Norm(plate.Edge));
   if (!good)
   {
     throw InputError(std::string(name) +
-      ": expected orthogonal unit vectors Normal and Inward and an edge radius of at least 0");
+      ": expected a finite Edge, orthogonal unit vectors Normal and Inward and an edge radius "
+      "from 0 to 100 mm");
   }
 }
 }

@@ -19,7 +19,7 @@ struct Plate
   Vector3 Normal{ 0, 0, 1 };
   /// Unit vector in the contact face from the chest-wall edge into the plate; orthogonal to Normal.
   Vector3 Inward{ 0, 1, 0 };
-  /// Radius of the chest-wall edge, mm; not negative.
+  /// Radius of the chest-wall edge, 0 to 100 mm.
   double EdgeRadiusMm = 3.0;
 
   bool operator==(const Plate&) const = default;

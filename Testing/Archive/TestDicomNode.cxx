@@ -1,19 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ArchivedBox.h"
+#include "LoopbackServer.h"
 #include "Refusals.h"
 #include "mammoray/Archive/DicomWeb.h"
-
-#include <arpa/inet.h>
-#include <netinet/in.h>
-#include <sys/socket.h>
-#include <unistd.h>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <chrono>
 #include <string>
-#include <thread>
 
 using mammoray::testing_support::RefusalOf;
 using namespace mammoray;
@@ -21,67 +16,33 @@ using ::testing::HasSubstr;
 
 namespace
 {
-/// A socket on the loopback address that takes connections and, after what comes first, answers
-/// what it is told to, or nothing.
-class Peer
+/// After what comes first from a connection answers what it is told to, or nothing.
+class Peer : public test::LoopbackServer
 {
 public:
-  explicit Peer(std::string answer = "", bool listening = true)
-    : Answer(std::move(answer))
+  explicit Peer(const std::string& answer = "")
+    : LoopbackServer([answer](int client) { Serve(client, answer); })
   {
-    this->Socket = socket(AF_INET, SOCK_STREAM, 0);
-    sockaddr_in address{};
-    address.sin_family = AF_INET;
-    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    socklen_t size = sizeof address;
-    EXPECT_EQ(bind(this->Socket, reinterpret_cast<sockaddr*>(&address), size), 0);
-    EXPECT_EQ(getsockname(this->Socket, reinterpret_cast<sockaddr*>(&address), &size), 0);
-    this->Port = ntohs(address.sin_port);
-    if (listening)
-    {
-      EXPECT_EQ(listen(this->Socket, 4), 0);
-      this->Server = std::thread([this] { this->Serve(); });
-    }
   }
-  ~Peer()
-  {
-    shutdown(this->Socket, SHUT_RDWR);
-    close(this->Socket);
-    if (this->Server.joinable())
-    {
-      this->Server.join();
-    }
-  }
-  Peer(const Peer&) = delete;
-  Peer& operator=(const Peer&) = delete;
-
-  int Port = 0;
 
 private:
-  void Serve()
+  static void Serve(int client, const std::string& answer)
   {
-    for (int client = 0; (client = accept(this->Socket, nullptr, nullptr)) >= 0; close(client))
+    const timeval patience{ 5, 0 };
+    setsockopt(client, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
+    std::string got;
+    char bytes[65536];
+    // Until the request's last boundary, or the other side has gone.
+    for (ssize_t count = 0; (count = recv(client, bytes, sizeof bytes, 0)) > 0;)
     {
-      const timeval patience{ 5, 0 };
-      setsockopt(client, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
-      std::string got;
-      char bytes[65536];
-      // Until the request's last boundary, or the other side has gone.
-      for (ssize_t count = 0; (count = recv(client, bytes, sizeof bytes, 0)) > 0;)
+      got.append(bytes, static_cast<std::size_t>(count));
+      if (!answer.empty() && got.ends_with("--\r\n"))
       {
-        got.append(bytes, static_cast<std::size_t>(count));
-        if (!this->Answer.empty() && got.ends_with("--\r\n"))
-        {
-          send(client, this->Answer.data(), this->Answer.size(), MSG_NOSIGNAL);
-          got.clear();
-        }
+        send(client, answer.data(), answer.size(), MSG_NOSIGNAL);
+        got.clear();
       }
     }
   }
-
-  std::string Answer;
-  int Socket = -1;
-  std::thread Server;
 };
 
 class ArchiveOf : public test::ArchivedBox
@@ -139,7 +100,7 @@ TEST(DicomNode, AsksForOneStudyOnly)
 
 TEST_F(ArchiveOf, AnArchiveThatIsNotThereIsToldInOneLine)
 {
-  const Peer closed("", false);
+  const test::LoopbackServer closed({});
   const std::string said = RefusalOf(
     [&] { StoreFiles({ this->MammogramPath() }, NodeAt(closed.Port), [](const std::string&) {}); });
   EXPECT_THAT(said, HasSubstr("archive 127.0.0.1:" + std::to_string(closed.Port)));

@@ -1,12 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // An archive that means harm: its answers are bytes that DCMTK would not send.
 #include "ArchivedBox.h"
+#include "LoopbackServer.h"
 #include "Refusals.h"
 #include "mammoray/Archive/DicomNode.h"
-
-#include <netinet/in.h>
-#include <sys/socket.h>
-#include <unistd.h>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -14,7 +11,6 @@
 #include <algorithm>
 #include <filesystem>
 #include <string>
-#include <thread>
 
 using mammoray::testing_support::RefusalOf;
 using namespace mammoray;
@@ -124,55 +120,33 @@ std::string Nested(bool isExplicit)
 }
 
 /// Accepts associations and answers each message that has a data set.
-class HostileArchive
+class HostileArchive : public test::LoopbackServer
 {
 public:
-  HostileArchive(const std::string& contexts, std::string answer)
-    : Accepting(Acceptance(contexts))
-    , Answer(std::move(answer))
-    , Socket(socket(AF_INET, SOCK_STREAM, 0))
+  HostileArchive(const std::string& contexts, const std::string& answer)
+    : LoopbackServer([accepting = Acceptance(contexts), answer](int client)
+        { Serve(client, accepting, answer); })
   {
-    sockaddr_in address{};
-    address.sin_family = AF_INET;
-    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    socklen_t size = sizeof address;
-    EXPECT_EQ(bind(this->Socket, reinterpret_cast<sockaddr*>(&address), size), 0);
-    EXPECT_EQ(getsockname(this->Socket, reinterpret_cast<sockaddr*>(&address), &size), 0);
-    EXPECT_EQ(listen(this->Socket, 4), 0);
     this->Node.Host = "127.0.0.1";
+    this->Node.Port = this->Port;
     this->Node.TimeoutSeconds = 10;
-    this->Node.Port = ntohs(address.sin_port);
-    this->Server = std::thread([this] { this->Serve(); });
   }
-  ~HostileArchive()
-  {
-    shutdown(this->Socket, SHUT_RDWR);
-    this->Server.join();
-    close(this->Socket);
-  }
-  HostileArchive(const HostileArchive&) = delete;
-  HostileArchive& operator=(const HostileArchive&) = delete;
 
   DicomNode Node;
 
 private:
-  void Serve() const
+  static void Serve(int client, const std::string& accepting, const std::string& answer)
   {
-    for (int client = 0; (client = accept(this->Socket, nullptr, nullptr)) >= 0; close(client))
+    for (std::string unit = Unit(client); !unit.empty(); unit = Unit(client))
     {
-      for (std::string unit = Unit(client); !unit.empty(); unit = Unit(client))
+      const bool isRequest = unit[0] == 1;
+      const bool isRelease = unit[0] == 5;
+      // The last fragment of a data set: neither a command's nor one that another follows.
+      const bool isData = unit[0] == 4 && unit.size() > 11 && unit[11] == 2;
+      const std::string& bytes = isRequest ? accepting : isRelease ? Released : answer;
+      if (isRequest || isData || isRelease)
       {
-        const bool isRequest = unit[0] == 1;
-        // The last fragment of a data set: neither a command's nor one that another follows.
-        const bool isData = unit[0] == 4 && unit.size() > 11 && unit[11] == 2;
-        const bool isRelease = unit[0] == 5;
-        const std::string& bytes = isRequest ? this->Accepting
-          : isRelease                        ? Released
-                                             : this->Answer;
-        if (isRequest || isData || isRelease)
-        {
-          send(client, bytes.data(), bytes.size(), MSG_NOSIGNAL);
-        }
+        send(client, bytes.data(), bytes.size(), MSG_NOSIGNAL);
       }
     }
   }
@@ -193,11 +167,6 @@ private:
     const auto got = recv(client, unit.data() + 6, length, MSG_WAITALL);
     return got == static_cast<ssize_t>(length) ? unit : "";
   }
-
-  const std::string Accepting;
-  const std::string Answer;
-  const int Socket;
-  std::thread Server;
 };
 
 class HostileArchiveOf : public test::ArchivedBox

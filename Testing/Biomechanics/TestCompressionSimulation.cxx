@@ -503,6 +503,9 @@ TEST(CompressionSimulation, RefusesBadInput)
   PlatePair plates = MakePlates(50);
   plates.Support.Normal = { 0, 0, 2 };
   EXPECT_THROW(simulation.Compress(plates), InputError);
+  plates = MakePlates(50);
+  plates.Paddle.EdgeRadiusMm = 1e300; // of which nothing presses
+  EXPECT_THROW(simulation.Compress(plates), InputError);
   CompressionState foreign;
   foreign.Positions.resize(9);
   EXPECT_THROW(simulation.Compress(MakePlates(50), &foreign), InputError);
