@@ -90,6 +90,19 @@ TEST(GuardedRead, DeathIsOneLine)
   }
 }
 
+// As in programs that a shell with `trap '' CHLD` began: no status of theirs is kept.
+TEST(GuardedRead, WorksWhereEndsOfProcessesAreIgnored)
+{
+  const auto before = std::signal(SIGCHLD, SIG_IGN);
+  EXPECT_EQ(RefusalOfReader([](ParcelWriter& parcel) { parcel(1); }), testing_support::NotRefused);
+  EXPECT_EQ(RefusalOfReader([](ParcelWriter&) { throw InputError("line 3"); }), "line 3");
+  EXPECT_THAT(RefusalOfReader([](ParcelWriter&) -> void { throw std::bad_alloc(); }),
+    HasSubstr("more memory"));
+  EXPECT_EQ(RefusalOfReader([](ParcelWriter&) { std::raise(SIGKILL); }),
+    "a file: expected numbers, found damaged data, at which its reader ended");
+  std::signal(SIGCHLD, before);
+}
+
 TEST(GuardedRead, NeverEndingIsOneLine)
 {
   EXPECT_THAT(RefusalOfReader(

@@ -28,6 +28,7 @@
 #include <limits>
 #include <memory>
 #include <new>
+#include <optional>
 #include <utility>
 
 namespace mammoray
@@ -50,6 +51,7 @@ constexpr bool LimitsAddresses = true;
 /// How the reader's process ends on its own; not as one that a library ends by exit().
 enum Ending : int
 {
+  Unknown = 1,
   Read = 70,
   Refused = 71,
   OutOfMemory = 72
@@ -119,8 +121,34 @@ std::uint64_t AddressesAllowed()
   return getrlimit(RLIMIT_AS, &limit) == 0 ? limit.rlim_cur : RLIM_INFINITY;
 }
 
+/// How a reader's process ended on its own, in memory that it shares with the one that asks: where
+/// that one ignores SIGCHLD, as `trap '' CHLD` in a shell has all its programs do, no status is
+/// kept.
+class ToldEnding
+{
+public:
+  ToldEnding()
+    : Place(
+        mmap(nullptr, sizeof(Ending), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0))
+  {
+    if (this->Place == MAP_FAILED)
+    {
+      throw std::bad_alloc();
+    }
+    this->Tell(Ending::Unknown);
+  }
+  ~ToldEnding() { munmap(this->Place, sizeof(Ending)); }
+  ToldEnding(const ToldEnding&) = delete;
+  ToldEnding& operator=(const ToldEnding&) = delete;
+  void Tell(Ending ending) const { *static_cast<Ending*>(this->Place) = ending; }
+  Ending Get() const { return *static_cast<const Ending*>(this->Place); }
+
+private:
+  void* const Place;
+};
+
 /// The rest of a reader's process.
-[[noreturn]] void RunReader(int result, const ReadLimits& limits,
+[[noreturn]] void RunReader(int result, const ToldEnding& told, const ReadLimits& limits,
   const std::function<void(ParcelWriter&)>& read)
 {
   IsReader = true;
@@ -151,7 +179,7 @@ std::uint64_t AddressesAllowed()
     dup2(said, STDERR_FILENO);
   }
   ParcelWriter parcel(result);
-  int ending = Ending::Read;
+  Ending ending = Ending::Read;
   std::string why;
   try
   {
@@ -177,6 +205,7 @@ std::uint64_t AddressesAllowed()
       message.Flush();
     }
   }
+  told.Tell(ending);
   _exit(ending);
 }
 
@@ -218,14 +247,19 @@ public:
     this->Kill();
     return inTime;
   }
-  /// After its end, as waitpid gives it.
-  int Status() const { return this->StatusAtEnd; }
+  /// After its end, as waitpid gives it; nothing where the system has thrown it away.
+  std::optional<int> Status() const { return this->StatusAtEnd; }
 
 private:
   /// Sees whether it has ended.
   void Wait(int options)
   {
-    const pid_t found = waitpid(this->Number, &this->StatusAtEnd, options);
+    int status = 0;
+    const pid_t found = waitpid(this->Number, &status, options);
+    if (found == this->Number)
+    {
+      this->StatusAtEnd = status;
+    }
     if (found == this->Number || (found < 0 && errno != EINTR))
     {
       this->Number = 0;
@@ -246,13 +280,15 @@ private:
   /// 0 after its end.
   pid_t Number;
   const OwnedDescriptor Ended;
-  int StatusAtEnd = SIGKILL;
+  std::optional<int> StatusAtEnd;
 };
 
 /// What the reader's end says of the file; nothing where it has read it.
 std::string Finding(int status, bool inTime, const ReadLimits& limits)
 {
   const std::string taken = " (" + std::to_string(limits.MemoryBytes >> 20) + " MiB)";
+  // Long work has a limit of its own.
+  const char* const limited = std::isfinite(limits.Seconds) ? "a file of this size" : "it";
   if (!inTime || (WIFSIGNALED(status) && WTERMSIG(status) == SIGXCPU))
   {
     return "data that takes longer to read than a file of this size may (" +
@@ -265,7 +301,7 @@ std::string Finding(int status, bool inTime, const ReadLimits& limits)
   }
   if (WEXITSTATUS(status) == Ending::OutOfMemory)
   {
-    return "data that asks for more memory than a file of this size may" + taken;
+    return std::string("data that asks for more memory than ") + limited + " may" + taken;
   }
   return WEXITSTATUS(status) == Ending::Read ? "" : "damaged data, at which its reader ended";
 }
@@ -386,6 +422,7 @@ void ReadElsewhere(const std::string& what, const std::string& content, const Re
   }
   else
   {
+    const ToldEnding told;
     const pid_t number = fork();
     if (number < 0)
     {
@@ -394,11 +431,11 @@ void ReadElsewhere(const std::string& what, const std::string& content, const Re
     }
     if (number == 0)
     {
-      RunReader(result.Get(), limits, read);
+      RunReader(result.Get(), told, limits, read);
     }
     ReaderProcess reader(number);
     inTime = reader.WaitFor(10 * limits.Seconds + 60, messages, heard);
-    status = reader.Status();
+    status = reader.Status().value_or(told.Get() << 8);
   }
   struct stat found
   {
