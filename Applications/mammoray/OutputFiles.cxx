@@ -33,7 +33,8 @@ bool IsWithin(const fs::path& path, const fs::path& folder)
   std::error_code none;
   const fs::path inner = fs::weakly_canonical(path, none);
   const fs::path outer = fs::weakly_canonical(folder, none);
-  return inner != outer &&
+  // Of a name that is too long, or links in a circle, there is none.
+  return !outer.empty() && inner != outer &&
     std::mismatch(outer.begin(), outer.end(), inner.begin(), inner.end()).first == outer.end();
 }
 

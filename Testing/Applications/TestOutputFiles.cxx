@@ -80,4 +80,6 @@ TEST_F(OutputFiles, AnInputIsNeverAnOutput)
   EXPECT_THROW(CheckNoInputWithin(this->Folder.File("result")), InputError);
   this->Give({ this->Folder.File("result"), image, "not a file" });
   EXPECT_NO_THROW(CheckNoInputWithin(this->Folder.File("result/")));
+  // A name that is too long is refused as one, where it is written to.
+  EXPECT_NO_THROW(CheckNoInputWithin(this->Folder.File(std::string(300, 'a'))));
 }

@@ -410,6 +410,29 @@ TEST_F(ProjectCommand, ALimitOnAddressesIsTold)
   }
 }
 
+TEST_F(ProjectCommand, ALimitOnTheStackIsTold)
+{
+  const std::string line = "ulimit -s 64; exec " + testing_support::MammorayExecutable() +
+    " devices 2>" + this->Folder.File("err");
+  EXPECT_EQ(WEXITSTATUS(std::system(line.c_str())), 1);
+  EXPECT_EQ(ReadFile(this->Folder.File("err")),
+    "mammoray: expected at least 1024 KiB of stack (ulimit -s), found 64\n");
+}
+
+// Where a container's user has none Mesa would say twice that it cannot keep its shaders.
+TEST_F(ProjectCommand, AUserWithoutAHomeReadsNothingOfLibraries)
+{
+  if (!HasDevice())
+  {
+    GTEST_SKIP() << "no Vulkan device";
+  }
+  const std::string line = "unset XDG_CACHE_HOME MESA_SHADER_CACHE_DIR; HOME=/nonexistent exec " +
+    testing_support::MammorayExecutable() + " " + this->Inputs + " -o " + this->Image +
+    " >/dev/null 2>" + this->Folder.File("err");
+  EXPECT_EQ(WEXITSTATUS(std::system(line.c_str())), 0);
+  EXPECT_THAT(ReadFile(this->Folder.File("err")), testing::Not(testing::HasSubstr("cache")));
+}
+
 TEST_F(ProjectCommand, AFullDiskIsToldAndLeavesNothing)
 {
   const auto run = [this](const std::string& arguments)
