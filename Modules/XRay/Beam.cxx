@@ -14,7 +14,14 @@ namespace mammoray
 {
 namespace
 {
-/// Throws unless the energies are positive, finite and ascending.
+/// Beyond any that there are, and within what sums, squares and the device's numbers hold.
+constexpr double LeastPhotons = 1e-100;
+constexpr double MostPhotons = 1e100;
+constexpr double MostKeV = 1e12;
+constexpr double MostEfficiency = 1e12;
+constexpr double MostPerMm = 1e12;
+
+/// Throws unless the energies are positive, ascending and not beyond any.
 void CheckEnergies(const std::vector<double>& energies, std::size_t valueCount,
   const std::string& what)
 {
@@ -26,9 +33,9 @@ void CheckEnergies(const std::vector<double>& energies, std::size_t valueCount,
   for (std::size_t index = 0; index < energies.size(); ++index)
   {
     if (!(energies[index] > (index == 0 ? 0.0 : energies[index - 1])) ||
-      !std::isfinite(energies[index]))
+      !(energies[index] <= MostKeV))
     {
-      throw InputError(what + ": expected positive, ascending energies, found " +
+      throw InputError(what + ": expected positive, ascending energies up to 1e12 keV, found " +
         NumberText(energies[index]) + " keV at position " + std::to_string(index));
     }
   }
@@ -176,6 +183,10 @@ void Spectrum::Validate() const
   {
     throw InputError(what + ": expected photons, found none");
   }
+  if (sum < LeastPhotons || sum > MostPhotons)
+  {
+    throw InputError(what + ": expected 1e-100 to 1e100 photons, found " + NumberText(sum));
+  }
 }
 
 double AttenuationTable::MuAt(double energyKeV, double densityGPerCm3) const
@@ -256,10 +267,10 @@ void DetectorResponse::Validate() const
   {
     if (!(this->EnergiesKeV[index] > (index > 0 ? this->EnergiesKeV[index - 1] : 0)) ||
       !std::isfinite(this->EnergiesKeV[index]) || !(this->Efficiency[index] >= 0) ||
-      !std::isfinite(this->Efficiency[index]))
+      !(this->Efficiency[index] <= MostEfficiency))
     {
       throw InputError("detector's response: expected ascending energies (keV) and values that are "
-                       "not negative, found " +
+                       "not negative, up to 1e12, found " +
         NumberText(this->EnergiesKeV[index]) + " keV, " + NumberText(this->Efficiency[index]));
     }
   }
@@ -308,6 +319,12 @@ Beam::Beam(const Spectrum& spectrum, const DetectorResponse& response,
     for (std::size_t material = 1; material < tables.size(); ++material)
     {
       this->Mu.push_back(tables[material]->MuAt(energy, densities[material]));
+      if (!(this->Mu.back() <= MostPerMm))
+      {
+        throw InputError("beam: expected an attenuation of material " + std::to_string(material) +
+          " up to 1e12 / mm, found " + NumberText(this->Mu.back()) + " at " + NumberText(energy) +
+          " keV");
+      }
     }
   }
   if (!(sum > 0))

@@ -16,7 +16,7 @@ struct MAMMORAYXRAY_EXPORT Spectrum
   std::string Name;
   /// Ascending, keV.
   std::vector<double> EnergiesKeV;
-  /// Photons per bin, any common factor; not negative, not all zero.
+  /// Photons per bin, any common factor; not negative, 1e-100 to 1e100 in all.
   std::vector<double> Weights;
 
   static Spectrum Monochromatic(double energyKeV);
@@ -48,7 +48,7 @@ struct MAMMORAYXRAY_EXPORT DetectorResponse
 {
   /// The photon's energy, keV, or 1.
   bool ByEnergy = true;
-  /// A factor on that, not negative: at these energies, ascending, keV; between them linear, beyond
+  /// A factor on that, 0 to 1e12: at these energies, ascending, keV; between them linear, beyond
   /// them as at the nearest. Empty: 1.
   std::vector<double> EnergiesKeV;
   std::vector<double> Efficiency;

@@ -25,7 +25,7 @@ struct XRaySource
   Kind Type = Kind::Point;
   /// Point source: its position, mm.
   Vector3 Position{ 0, 0, 650 };
-  /// Parallel beam: direction in which the X-rays travel; any length but zero.
+  /// Parallel beam: direction in which the X-rays travel; of any length from 1e-100 to 1e100.
   Vector3 Direction{ 0, 0, -1 };
 
   bool operator==(const XRaySource&) const = default;
@@ -177,9 +177,10 @@ class MAMMORAYXRAY_EXPORT PathLengthProjector
 {
 public:
   virtual ~PathLengthProjector() = default;
-  /// Replaces the mesh; builds what the device needs. Throws InputError on an unusable mesh.
+  /// Replaces the mesh; builds what the device needs. Throws InputError on an unusable mesh, as one
+  /// with coordinates beyond 1e12 mm.
   virtual void SetSurface(const SurfaceMesh& surface) = 0;
-  /// New positions (3 x pointCount, mm) for the same triangles; refits.
+  /// New positions (3 x pointCount, mm, up to 1e12) for the same triangles; refits.
   virtual void UpdatePoints(const std::vector<double>& points) = 0;
   /// Path lengths for the surface as it stands; in strips of rows where a buffer of the device does
   /// not hold them all. Throws InputError on a degenerate detector or source, and on an image of
@@ -197,7 +198,7 @@ public:
    * velocities[(field * pointCount + point) * 3 + axis]. Up to 8 fields are done at once (fewer
    * where memory or many materials ask for it), more in further passes. Keep `derivatives` from one
    * call to the next to spare its allocation. Throws InputError when sizes do not fit or a velocity
-   * is not finite.
+   * is beyond 1e12 mm.
    */
   virtual PathLengthImage Project(const XRaySource& source, const XRayDetector& detector,
     const std::vector<double>& velocities, int fields, PathLengthDerivatives& derivatives) = 0;

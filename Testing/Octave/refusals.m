@@ -33,6 +33,8 @@ refuses ('positive coefficients', vertices, faces, regions, 0, source, detector)
 refuses ('source: expected three numbers', vertices, faces, regions, 0.1, [0 0], detector);
 refuses ("source: no field 'diretion'; did you mean direction?", vertices, faces, regions, 0.1, struct ('diretion', [0 0 1]), detector);
 refuses ('source.direction', vertices, faces, regions, 0.1, struct ('direction', 1), detector);
+refuses ('source: expected one struct, found 0', vertices, faces, regions, 0.1, struct ('direction', {}), detector);
+refuses ('detector: expected one struct, found 2', vertices, faces, regions, 0.1, source, [detector, detector]);
 refuses ("detector: no field 'colums'; did you mean columns", vertices, faces, regions, 0.1, source, setfield (detector, 'colums', 2));
 refuses ("detector: no field 'sample'; did you mean samples?", vertices, faces, regions, 0.1, source, setfield (detector, 'sample', 2));
 refuses ('detector: expected a struct', vertices, faces, regions, 0.1, source, 5);

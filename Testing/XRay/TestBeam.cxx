@@ -154,6 +154,17 @@ TEST(Beam, RefusesUnusableInput)
   EXPECT_THROW(Beam(Spectrum::Monochromatic(20), response, { nullptr, &table }, { 0 }), InputError);
   EXPECT_THROW(Beam(Spectrum{}, response, { nullptr, &table }, { 0, 1 }), InputError);
   EXPECT_THROW(Spectrum::Monochromatic(-1), InputError);
+  // Whose sums or products are no numbers.
+  EXPECT_THROW(Beam({ "", { 20, 30 }, { 1e308, 1e308 } }, response, { nullptr, &table }, { 0, 1 }),
+    InputError);
+  EXPECT_THROW(Beam({ "", { 20 }, { 1e-320 } }, response, { nullptr, &table }, { 0, 1 }),
+    InputError);
+  EXPECT_THROW(Beam(Spectrum::Monochromatic(20), { true, { 10, 30 }, { 1, 1e308 } },
+                 { nullptr, &table }, { 0, 1 }),
+    InputError);
+  EXPECT_THROW(Beam(Spectrum::Monochromatic(20), response, { nullptr, &table }, { 0, 1e300 }),
+    InputError);
+  EXPECT_THROW(Spectrum::Monochromatic(1e300).Validate(), InputError);
   const Beam beam(Spectrum::Monochromatic(20), response, { nullptr, &table }, { 0, 1 });
   EXPECT_THROW(beam.Transmission(Image({ { 0 }, { 1 }, { 1 } })), InputError);
 }

@@ -58,6 +58,13 @@ TEST(ProjectionChecks, NameWhatIsWrongWithASource)
   source.Direction = { 1, 2, 0 };
   EXPECT_THAT(RefusalOf([&] { CheckGeometry(source, detector); }),
     testing::HasSubstr("crosses the detector's plane"));
+  for (const double odd : { 0.0, 1e-300, 1e300, Infinity, std::nan("") })
+  {
+    source.Direction = { 0, 0, odd };
+    EXPECT_THAT(RefusalOf([&] { CheckGeometry(source, detector); }),
+      testing::HasSubstr("of a length from 1e-100 to 1e100"))
+      << odd;
+  }
 }
 
 TEST(ProjectionChecks, NameTheRayPointOrField)
@@ -72,14 +79,20 @@ TEST(ProjectionChecks, NameTheRayPointOrField)
     testing::HasSubstr("ray 1"));
   EXPECT_THAT(RefusalOf(
                 [&] {
-                  CheckMovedPoints({ 1, 2, 3 }, 2);
+                  CheckPoints({ 1, 2, 3 }, 2);
                 }),
     testing::HasSubstr("expected 6 coordinates"));
   EXPECT_THAT(RefusalOf(
                 [&] {
-                  CheckMovedPoints({ 1, 2, 3, 4, Infinity, 6 }, 2);
+                  CheckPoints({ 1, 2, 3, 4, Infinity, 6 }, 2);
                 }),
     testing::HasSubstr("point 1"));
+  // A device would have made it infinite, and the picture no number.
+  EXPECT_EQ(RefusalOf(
+              [&] {
+                CheckPoints({ 1, 2, -5e31 }, 1);
+              }),
+    "projector: point 0: expected coordinates up to 1e12 mm, found -5e+31");
   EXPECT_THAT(RefusalOf(
                 [&] {
                   CheckVelocities({ 1, 2, 3 }, 0, 1);
@@ -90,5 +103,10 @@ TEST(ProjectionChecks, NameTheRayPointOrField)
                   CheckVelocities({ 1, 2, 3, 4, 5, -Infinity }, 2, 1);
                 }),
     testing::HasSubstr("field 1, point 0"));
+  EXPECT_EQ(RefusalOf(
+              [&] {
+                CheckVelocities({ 1, 1e13, 3 }, 1, 1);
+              }),
+    "projector: field 0, point 0: expected a velocity up to 1e12 mm per unit, found 1e+13");
 }
 }

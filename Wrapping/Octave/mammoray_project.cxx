@@ -106,10 +106,16 @@ Matrix ToMatrix(const mxArray* array, const std::string& name)
   return ToArray(array, name, 2);
 }
 
-/// Throws InputError, with what may have been meant, where the struct has other fields.
+/// Throws InputError where these are several structs or none, or, with what may have been meant,
+/// where there are other fields.
 void CheckFields(const mxArray* array, const std::string& name,
   const std::vector<std::string>& known)
 {
+  if (mxGetNumberOfElements(array) != 1)
+  {
+    throw InputError(
+      name + ": expected one struct, found " + std::to_string(mxGetNumberOfElements(array)));
+  }
   for (int field = 0; field < mxGetNumberOfFields(array); ++field)
   {
     const std::string found = mxGetFieldNameByNumber(array, field);
@@ -218,7 +224,7 @@ XRaySource ToSource(const mxArray* array)
 
 XRayDetector ToDetector(const mxArray* array)
 {
-  if (!mxIsStruct(array) || mxGetNumberOfElements(array) != 1)
+  if (!mxIsStruct(array))
   {
     throw InputError(std::string("detector: expected a struct, found ") + mxGetClassName(array));
   }

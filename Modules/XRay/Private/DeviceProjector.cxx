@@ -38,6 +38,7 @@ DeviceProjector::DeviceProjector(std::unique_ptr<VulkanDevice> device,
 void DeviceProjector::SetSurface(const SurfaceMesh& surface)
 {
   surface.Validate("surface");
+  CheckPoints(surface.Points, surface.NumberOfPoints());
   this->Forget();
   this->HasSurface = false; // until all is written
   WithDeviceErrors(
@@ -57,7 +58,7 @@ void DeviceProjector::UpdatePoints(const std::vector<double>& points)
   {
     throw InputError("projector: expected a surface before its points are moved, found none");
   }
-  CheckMovedPoints(points, this->Surface.PointCount);
+  CheckPoints(points, this->Surface.PointCount);
   this->Forget();
   WithDeviceErrors(
     [&]

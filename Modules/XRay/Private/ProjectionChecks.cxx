@@ -20,6 +20,9 @@ constexpr std::size_t ValuesAtOnce = 1u << 17;
 /// Beyond these a double no longer tells a pixel from its neighbour, and the device's numbers end.
 constexpr double MostMm = 1e12;
 constexpr double LeastStepMm = 1e-9;
+/// Of a direction, whose square is computed.
+constexpr double LeastLength = 1e-100;
+constexpr double MostLength = 1e100;
 
 /// Whether all coordinates, in mm, can be computed with; no NaN is.
 bool IsWithinReach(const Vector3& vector)
@@ -79,9 +82,11 @@ void CheckGeometry(const XRaySource& source, const XRayDetector& detector)
   else
   {
     const double length = Norm(source.Direction);
-    if (!std::isfinite(length) || !(std::abs(Dot(source.Direction, normal)) > 1e-9 * length * area))
+    if (!(length >= LeastLength && length <= MostLength) ||
+      !(std::abs(Dot(source.Direction, normal)) > 1e-9 * length * area))
     {
-      throw InputError("source: expected a direction that crosses the detector's plane, found " +
+      throw InputError("source: expected a direction of a length from 1e-100 to 1e100 that crosses "
+                       "the detector's plane, found " +
         Text(source.Direction));
     }
   }
@@ -106,7 +111,7 @@ void CheckRays(const std::vector<XRayLine>& rays)
   }
 }
 
-void CheckMovedPoints(const std::vector<double>& points, std::size_t pointCount)
+void CheckPoints(const std::vector<double>& points, std::size_t pointCount)
 {
   if (points.size() != 3 * pointCount)
   {
@@ -115,10 +120,10 @@ void CheckMovedPoints(const std::vector<double>& points, std::size_t pointCount)
   }
   for (std::size_t index = 0; index < points.size(); ++index)
   {
-    if (!std::isfinite(points[index]))
+    if (!(std::abs(points[index]) <= MostMm))
     {
       throw InputError("projector: point " + std::to_string(index / 3) +
-        ": expected finite coordinates, found " + std::to_string(points[index]));
+        ": expected coordinates up to 1e12 mm, found " + NumberText(points[index]));
     }
   }
 }
@@ -131,17 +136,17 @@ void CheckVelocities(const std::vector<double>& velocities, int fields, std::siz
       " points in at least one field, 3 values each, found " + std::to_string(velocities.size()) +
       " values for " + std::to_string(fields) + " fields");
   }
-  // Of all that are not finite, the first is told.
+  // Of all that are too fast, or no numbers, the first is told.
   ParallelRanges(velocities.size(), ValuesAtOnce,
     [&](std::size_t begin, std::size_t end)
     {
       for (std::size_t index = begin; index < end; ++index)
       {
-        if (!std::isfinite(velocities[index]))
+        if (!(std::abs(velocities[index]) <= MostMm))
         {
           throw InputError("projector: field " + std::to_string(index / (3 * pointCount)) +
             ", point " + std::to_string(index / 3 % pointCount) +
-            ": expected a finite velocity, found " + std::to_string(velocities[index]));
+            ": expected a velocity up to 1e12 mm per unit, found " + NumberText(velocities[index]));
         }
       }
     });

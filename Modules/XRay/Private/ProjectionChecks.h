@@ -17,11 +17,11 @@ MAMMORAYXRAY_EXPORT void CheckGeometry(const XRaySource& source, const XRayDetec
 /// Throws InputError unless there are 1 to 2^31 - 1 rays, all finite and longer than nothing.
 MAMMORAYXRAY_EXPORT void CheckRays(const std::vector<XRayLine>& rays);
 
-/// Throws InputError unless there are finite coordinates for `pointCount` points.
-MAMMORAYXRAY_EXPORT void CheckMovedPoints(const std::vector<double>& points,
-  std::size_t pointCount);
+/// Throws InputError unless there are coordinates up to 1e12 mm for `pointCount` points.
+MAMMORAYXRAY_EXPORT void CheckPoints(const std::vector<double>& points, std::size_t pointCount);
 
-/// Throws InputError unless there are finite velocities of `pointCount` points in 1 field or more.
+/// Throws InputError unless there are velocities up to 1e12 mm per unit of `pointCount` points in 1
+/// field or more.
 MAMMORAYXRAY_EXPORT void CheckVelocities(const std::vector<double>& velocities, int fields,
   std::size_t pointCount);
 }
