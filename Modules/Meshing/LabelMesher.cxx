@@ -326,6 +326,7 @@ public:
     }
     else
     {
+      CheckSizes(this->Volume, sizes);
       this->Begin(sizes, complex);
       Refine(this->MeshDomain, sizes, this->Label, complex);
     }

@@ -10,7 +10,8 @@
 
 namespace mammoray
 {
-/// What is asked of the mesh. Sizes are upper bounds that refinement keeps.
+/// What is asked of the mesh. Sizes are upper bounds that refinement keeps; meshing refuses those
+/// that give more cells or triangles than fit in the memory.
 struct MAMMORAYMESHING_EXPORT MeshingOptions
 {
   /// Upper bound of the circumradius of tetrahedra, mm.

@@ -4,7 +4,7 @@
 #include "mammoray/Meshing/MeshCheck.h"
 #include "mammoray/Meshing/SimulationMesh.h"
 
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
 
 #include <array>
 #include <cmath>
@@ -211,5 +211,13 @@ TEST(SimulationMesh, RefusesUnknownMaterialsAndSizes)
                 MeshForSimulation(Breast(), { false, false, false, true }, -1);
               }),
     "simulation mesh: expected a cell size of at least 0 mm, found -1.000000");
+  for (const double size : { 1e-3, 1e-9, 1e-300 })
+  {
+    EXPECT_THAT(RefusalOf(
+                  [&] {
+                    MeshForSimulation(Breast(), { false, false, false, true }, size);
+                  }),
+      testing::HasSubstr("GB of this machine"));
+  }
 }
 }

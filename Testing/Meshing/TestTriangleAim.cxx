@@ -3,7 +3,7 @@
 #include "Refusals.h"
 #include "mammoray/Meshing/Private/TriangleAim.h"
 
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
 
 #include <cmath>
 
@@ -72,5 +72,28 @@ TEST(TriangleAim, RefusesMoreThanVoxelsCanTell)
   options.Triangles = 1000000;
   EXPECT_EQ(RefusalOf([&] { TriangleAim(Ball(), options); }).find("triangles: expected at most "),
     0u);
+}
+
+TEST(CheckSizes, RefusesMoreThanTheMemoryHolds)
+{
+  const LabelVolume volume = Ball();
+  EXPECT_NO_THROW(CheckSizes(volume, MeshingOptions()));
+  for (const double size : { 1e-3, 1e-300 })
+  {
+    MeshingOptions cells;
+    cells.CellSizeMm = size;
+    MeshingOptions cellsOfOne;
+    cellsOfOne.CellSizeOfMaterialMm[1] = size;
+    MeshingOptions facets;
+    facets.FacetSizeMm = 1e-3 * size;
+    MeshingOptions facetsOfOne;
+    facetsOfOne.FacetSizeOfMaterialMm[0] = 1e-3 * size;
+    for (const MeshingOptions& options : { cells, cellsOfOne, facets, facetsOfOne })
+    {
+      EXPECT_THAT(RefusalOf([&] { CheckSizes(volume, options); }),
+        testing::AllOf(testing::HasSubstr("meshing: cell and facet sizes that give at least"),
+          testing::HasSubstr("GB of this machine")));
+    }
+  }
 }
 }

@@ -83,6 +83,13 @@ for algorithm, setters in (
 # Ctrl-C stops the work, which is done anew when it is asked for.
 table = {1: mammoray.Material(youngs_modulus=6), 2: mammoray.Material(held=True), 3: mammoray.Material(youngs_modulus=12)}
 mesh = mammoray.mesh(labels, (2, 2, 2), origin=origin, cell_size=5, materials=table)
+for odd, text in (({"cell_size": 1e-3}, "GB of this machine"), ({"label_spacing": -1}, "at least 0"),
+                  ({"triangles": 2**31}, "expected 0 to 2147483647"), ({"triangles": -1}, "expected 0 to")):
+    try:
+        mammoray.mesh(labels, (2, 2, 2), **odd)
+        raise AssertionError(f"{odd} taken")
+    except mammoray.Error as error:
+        assert text in str(error), error
 told = []
 
 

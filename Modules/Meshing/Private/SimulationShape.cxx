@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Private/SimulationShape.h"
 
+#include "Private/MeshingSteps.h"
+#include "Private/TriangleAim.h"
 #include "Private/VoxelMask.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/Foundation/LabelResampling.h"
@@ -18,6 +20,8 @@ namespace
 {
 /// Parts of an edge.
 constexpr double VoxelPart = 1.0 / 8;
+/// Two fields.
+constexpr double LeastBytesPerVoxel = 8;
 constexpr double BallPart = 1.0 / 3;
 constexpr double BlurPart = 0.25;
 /// The ball that fits into layers over the chest wall which are meshed.
@@ -39,6 +43,14 @@ VolumeGrid CubicGrid(const LabelVolume& box, double spacingMm, double marginMm)
   VolumeGrid grid;
   grid.Direction = box.Direction;
   grid.Spacing = { spacingMm, spacingMm, spacingMm };
+  double voxels = 1;
+  for (int axis = 0; axis < 3; ++axis)
+  {
+    voxels *= (box.Size[axis] * box.Spacing[axis] + 2 * marginMm) / spacingMm;
+  }
+  CheckMemory(FormattedText("simulation mesh: cells of %g mm, whose shape has %.3g voxels,",
+                spacingMm / VoxelPart, voxels),
+    LeastBytesPerVoxel * voxels);
   const int margin = static_cast<int>(std::ceil(marginMm / spacingMm));
   Vector3 first;
   for (int axis = 0; axis < 3; ++axis)

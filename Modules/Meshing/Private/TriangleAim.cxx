@@ -23,24 +23,54 @@ constexpr double FirstShare = 0.1;
 constexpr double Tolerance = 0.05;
 constexpr int MostAttempts = 10;
 
+/// Of what cells, and triangles with the cells at them, take at least.
+constexpr double LeastBytesPerCell = 200;
+constexpr double LeastBytesPerTriangle = 400;
+/// A regular tetrahedron and triangle of circumradius 1 hold the most.
+constexpr double MostOfCell = 0.513;
+constexpr double MostOfTriangle = 1.299;
+/// Stairs in all directions have 1.5 times the area of what they follow.
+constexpr double StairsFactor = 1.5;
+
+double SizeOf(int material, double size, const std::map<int, double>& ofMaterial)
+{
+  const auto found = ofMaterial.find(material);
+  return found == ofMaterial.end() ? size : found->second;
+}
+
+/// Calls `visit` with the materials on both sides of each face between two, and its area, mm^2.
+template <typename Visit>
+void ForEachInterfaceFace(const LabelVolume& volume, const Visit& visit)
+{
+  const std::size_t steps[3] = { 1, static_cast<std::size_t>(volume.Size[0]),
+    static_cast<std::size_t>(volume.Size[0]) * volume.Size[1] };
+  for (int axis = 0; axis < 3; ++axis)
+  {
+    const double area = volume.VoxelVolume() / volume.Spacing[axis];
+    for (std::size_t voxel = steps[axis]; voxel < volume.NumberOfVoxels(); ++voxel)
+    {
+      const int behind = volume.Voxels[voxel - steps[axis]];
+      const int ahead = volume.Voxels[voxel];
+      if (ahead != behind)
+      {
+        visit(behind, ahead, area);
+      }
+    }
+  }
+}
+
 /// Area of the interfaces, mm^2. Throws InputError where there are too few voxels for the
 /// triangles.
 double InterfaceArea(const LabelVolume& volume, double wanted)
 {
-  const std::size_t steps[3] = { 1, static_cast<std::size_t>(volume.Size[0]),
-    static_cast<std::size_t>(volume.Size[0]) * volume.Size[1] };
   std::size_t faces = 0;
   double area = 0;
-  for (int axis = 0; axis < 3; ++axis)
-  {
-    std::size_t ofAxis = 0;
-    for (std::size_t voxel = steps[axis]; voxel < volume.NumberOfVoxels(); ++voxel)
+  ForEachInterfaceFace(volume,
+    [&](int, int, double ofFace)
     {
-      ofAxis += volume.Voxels[voxel] != volume.Voxels[voxel - steps[axis]];
-    }
-    faces += ofAxis;
-    area += static_cast<double>(ofAxis) * volume.VoxelVolume() / volume.Spacing[axis];
-  }
+      ++faces;
+      area += ofFace;
+    });
   const double most = 16.0 * static_cast<double>(faces);
   if (wanted > most)
   {
@@ -49,22 +79,43 @@ double InterfaceArea(const LabelVolume& volume, double wanted)
                     "materials, found %.0f",
         most, wanted));
   }
-  return area / 1.5; // stairs in all directions have 1.5 times the area of what they follow
+  return area / StairsFactor;
+}
 }
 
-/// Throws InputError where the triangles do not fit in this machine's memory.
-void CheckMemory(double wanted)
+void CheckMemory(const std::string& what, double bytes)
 {
   const double memory = static_cast<double>(sysconf(_SC_PHYS_PAGES)) * sysconf(_SC_PAGESIZE);
-  const double needed = BytesPerTriangle * wanted;
-  if (needed > memory)
+  if (!(bytes <= memory))
   {
-    throw InputError(
-      FormattedText("triangles: %.0f of them take about %.0f GB, expected at most the %.0f GB "
-                    "of this machine",
-        wanted, needed / 1e9, memory / 1e9));
+    throw InputError(what +
+      FormattedText(" take about %.3g GB, expected at most the %.3g GB of this machine",
+        bytes / 1e9, memory / 1e9));
   }
 }
+
+void CheckSizes(const LabelVolume& volume, const MeshingOptions& options)
+{
+  double cells = 0;
+  for (const auto& [material, count] : volume.CountLabels())
+  {
+    const double size = SizeOf(material, options.CellSizeMm, options.CellSizeOfMaterialMm);
+    cells += material == 0
+      ? 0
+      : static_cast<double>(count) * volume.VoxelVolume() / (MostOfCell * std::pow(size, 3));
+  }
+  double triangles = 0;
+  ForEachInterfaceFace(volume,
+    [&](int a, int b, double area)
+    {
+      const double size = std::min(SizeOf(a, options.FacetSizeMm, options.FacetSizeOfMaterialMm),
+        SizeOf(b, options.FacetSizeMm, options.FacetSizeOfMaterialMm));
+      triangles += area / (StairsFactor * MostOfTriangle * size * size);
+    });
+  CheckMemory(
+    FormattedText("meshing: cell and facet sizes that give at least %.3g cells and %.3g triangles",
+      cells, triangles),
+    LeastBytesPerCell * cells + LeastBytesPerTriangle * triangles);
 }
 
 TriangleAim::TriangleAim(const LabelVolume& volume, const MeshingOptions& options)
@@ -74,7 +125,8 @@ TriangleAim::TriangleAim(const LabelVolume& volume, const MeshingOptions& option
   // A triangle has about 0.6 of the square of its circumradius.
   const double triangles =
     InterfaceArea(volume, this->Wanted) / (0.6 * std::pow(options.FacetSizeMm, 2));
-  CheckMemory(this->Wanted);
+  CheckMemory(FormattedText("triangles: %.0f of them", this->Wanted),
+    BytesPerTriangle * this->Wanted);
   this->Scale = std::sqrt(triangles / (FirstShare * this->Wanted));
 }
 

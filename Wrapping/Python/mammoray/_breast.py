@@ -19,7 +19,7 @@ from vtkmodules.vtkCommonExecutionModel import vtkTrivialProducer
 
 from . import _filters
 from ._errors import InputError
-from ._projection import Detector, Materials, array_of, made_from, material_table, materials_of, three, whole_array_of
+from ._projection import Detector, Materials, array_of, made_from, material_table, materials_of, three, whole, whole_array_of
 
 Progress = Callable[[float], Any]
 _TETRAHEDRON = 10
@@ -238,9 +238,12 @@ def mesh(labels: ArrayLike, spacing: ArrayLike, *, origin: ArrayLike = (0.0, 0.0
     if direction is not None:
         image.SetDirectionMatrix(array_of(direction, "direction", (3, 3)).ravel().tolist())
     image.GetPointData().SetScalars(numpy_to_vtk(numpy.ascontiguousarray(voxels, dtype=numpy.uint16).ravel(), deep=True))
+    if not 0 <= label_spacing < float("inf"):
+        raise InputError(f"label_spacing: expected a number of mm of at least 0, found {label_spacing}")
     with _table_of(materials, imaged=False) as table:
         mesher = _told(_filters.vtkBreastMesher(MaterialTable=table, CellSizeMm=cell_size, LabelSpacingMm=label_spacing,
-                                                NumberOfTriangles=triangles, ForMechanics=for_mechanics), progress)
+                                                NumberOfTriangles=whole(triangles, "triangles", 0, 2**31 - 1),
+                                                ForMechanics=for_mechanics), progress)
         mesher.SetInputData(image)
         mesher.Update()
     grid = mesher.GetOutput()
