@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "SharedOptions.h"
 
+#include "mammoray/Biomechanics/Plates.h"
+
 namespace mammoray
 {
 CLI::Option* AddLabelOptions(const OptionList& add, LabelSource& source)
@@ -105,7 +107,7 @@ void AddPlateOptions(const OptionList& add, double& supportEdgeMm, double& paddl
     "chest-wall edge of the support, in front of the receptor's (gantry y)");
   add("--paddle-edge", paddleEdgeMm, "mm",
     "chest-wall edge of the paddle, in front of the receptor's (gantry y)");
-  add("--edge-radius", edgeRadiusMm, Between(0, 100, "mm"),
+  add("--edge-radius", edgeRadiusMm, Between(0, MostEdgeRadiusMm, "mm"),
     "radius of the plates' chest-wall edges");
 }
 

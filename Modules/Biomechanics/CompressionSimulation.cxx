@@ -78,9 +78,6 @@ bool CanBePredicted(const CompressionOptions& options)
   return options.Friction == 0;
 }
 
-/// Paddles have 3 to 15 mm; of a metre nothing is left that presses.
-constexpr double MostEdgeRadiusMm = 100;
-
 void CheckPlate(const Plate& plate, const char* name)
 {
   const bool good = std::abs(Norm(plate.Normal) - 1) < 1e-6 &&
@@ -91,7 +88,8 @@ void CheckPlate(const Plate& plate, const char* name)
   {
     throw InputError(std::string(name) +
       ": expected a finite Edge, orthogonal unit vectors Normal and Inward and an edge radius "
-      "from 0 to 100 mm");
+      "from 0 to " +
+      std::to_string(static_cast<int>(MostEdgeRadiusMm)) + " mm");
   }
 }
 }

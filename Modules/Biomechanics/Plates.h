@@ -7,6 +7,9 @@
 
 namespace mammoray
 {
+/// Plates have edges of 3 to 15 mm; of one of a metre nothing is left that presses.
+inline constexpr double MostEdgeRadiusMm = 100;
+
 /**
  * A rigid plate: a slab that fills Dot(x - Edge, Normal) <= 0 and Dot(x - Edge, Inward) >= 0, its
  * chest-wall edge rounded; unlimited in every other direction. In the frame of the mesh.
@@ -19,7 +22,7 @@ struct Plate
   Vector3 Normal{ 0, 0, 1 };
   /// Unit vector in the contact face from the chest-wall edge into the plate; orthogonal to Normal.
   Vector3 Inward{ 0, 1, 0 };
-  /// Radius of the chest-wall edge, 0 to 100 mm.
+  /// Radius of the chest-wall edge, mm, 0 to MostEdgeRadiusMm.
   double EdgeRadiusMm = 3.0;
 
   bool operator==(const Plate&) const = default;

@@ -351,10 +351,11 @@ int vtkBreastCompression::RequestData(vtkInformation*, vtkInformationVector** in
 void vtkBreastCompression::Compress(vtkUnstructuredGrid* input, vtkUnstructuredGrid* coarse,
   double time, vtkUnstructuredGrid* output)
 {
-  if (!(this->ThicknessMm > 0) || !(this->EdgeRadiusMm >= 0) || !(this->ForceN >= 0))
+  const bool rounded = this->EdgeRadiusMm >= 0 && this->EdgeRadiusMm <= MostEdgeRadiusMm;
+  if (!(this->ThicknessMm > 0) || !rounded || !(this->ForceN >= 0))
   {
-    throw InputError(
-      "expected a positive ThicknessMm, and an EdgeRadiusMm and a ForceN of at least 0");
+    throw InputError("expected a positive ThicknessMm, an EdgeRadiusMm from 0 to " +
+      std::to_string(static_cast<int>(MostEdgeRadiusMm)) + " and a ForceN of at least 0");
   }
   if (!this->AcceptUnusual && !(this->ForceN > 0))
   {

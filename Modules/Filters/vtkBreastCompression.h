@@ -201,7 +201,7 @@ public:
 
   ///@{
   /**
-   * Radius of the plates' chest-wall edges, mm, not negative. Default 3.
+   * Radius of the plates' chest-wall edges, mm, 0 to 100. Default 3.
    */
   vtkSetMacro(EdgeRadiusMm, double);
   vtkGetMacro(EdgeRadiusMm, double);
