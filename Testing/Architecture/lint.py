@@ -106,14 +106,24 @@ def sources_of(path):
     return [pathlib.Path(name) for name in re.findall(r'#include "(/[^"]+\.cxx)"', path.read_text())]
 
 
-def pieces(build, wanted):
-    """Lists of sources that can be read together, with their arguments."""
-    groups = {}
+def compiled(build, wanted):
+    """How each of our sources is compiled; of those that tests compile once more, as what they are made for does, which
+    is told the most."""
+    found = {}
     for entry in json.loads((build / "compile_commands.json").read_text()):
+        arguments = arguments_of(entry)
         for path in sources_of(pathlib.Path(entry["directory"], entry["file"]).resolve()):
             inside = path.is_relative_to(ROOT) and path.relative_to(ROOT).parts[0] in ("Modules", "Applications")
             if inside and path.suffix == ".cxx" and not path.is_relative_to(build) and wanted(path):
-                groups.setdefault((arguments_of(entry), entry["directory"]), []).append(path)
+                found[path] = max(found.get(path, ((), "")), (arguments, entry["directory"]), key=lambda how: len(how[0]))
+    return found
+
+
+def pieces(build, wanted):
+    """Lists of sources that can be read together, with their arguments."""
+    groups = {}
+    for path, how in compiled(build, wanted).items():
+        groups.setdefault(how, []).append(path)
     for (arguments, directory), paths in groups.items():
         batches = []
         # Xlib's macros change the words that come after.
