@@ -169,14 +169,26 @@ def try_disk(program, makers):
     return disk
 
 
+# What a process may be born into; whether that is told, or the work done.
+SURROUNDINGS = (("SIGCHLD ignored", "trap '' CHLD; exec {}", False),
+                ("no home", "unset XDG_CACHE_HOME; HOME=/nonexistent exec {}", False),
+                ("a stack of 1 MiB", "ulimit -s 1024; exec {}", False),
+                ("a stack of 64 KiB", "ulimit -s 64; exec {}", True),
+                ("16 open files", "ulimit -n 16; exec {}", False),
+                ("no locale that is there", "LC_ALL=xx_YY.none exec {}", False))
+
+
 def try_machine(program, makers, draws, quick):
-    """Closed streams, limits on addresses, and a device that is lost or full at each of its calls."""
+    """Closed streams, odd surroundings, limits on addresses, and a device that is lost or full at each of its calls."""
     machine = Count("machine")
     for name in makers.commands:
         for closed in ("<&- >&- 2>&-",) if quick else ("<&-", ">&-", "2>&-", "<&- >&- 2>&-"):
             output = program.path("closed-" + name)
             answer = program.run(*makers.words(name, output, "--overwrite"), shell="{} " + closed)
             machine.add(answer.done(), "%s with %s" % (name, closed), answer.told())
+        for how, shell, refused in SURROUNDINGS[:2 if quick else None]:
+            answer = program.run(*makers.words(name, program.path("around-" + name), "--overwrite"), shell=shell)
+            machine.add(answer.refused() if refused else answer.done(), "%s with %s" % (name, how), answer.told())
     # Below 250 MiB the system's own loader ends, with its line, before the program begins.
     for mebibytes in range(250, 2000, 400 if quick else 100):
         limit = (mebibytes + draws.randrange(100)) << 20
