@@ -426,7 +426,7 @@ TEST_F(ProjectCommand, AUserWithoutAHomeReadsNothingOfLibraries)
   {
     GTEST_SKIP() << "no Vulkan device";
   }
-  const std::string line = "unset XDG_CACHE_HOME MESA_SHADER_CACHE_DIR; HOME=/nonexistent exec " +
+  const std::string line = "unset XDG_CACHE_HOME MESA_SHADER_CACHE_DIR; HOME=/dev/null exec " +
     testing_support::MammorayExecutable() + " " + this->Inputs + " -o " + this->Image +
     " >/dev/null 2>" + this->Folder.File("err");
   EXPECT_EQ(WEXITSTATUS(std::system(line.c_str())), 0);

@@ -198,9 +198,9 @@ void KeepNoShadersWithoutPlace()
   namespace fs = std::filesystem;
   fs::path place = PlaceOfShaders();
   std::error_code none;
-  if (!fs::exists(place, none))
+  while (!fs::exists(place, none) && place.has_relative_path())
   {
-    place = place.parent_path(); // Mesa makes one folder
+    place = place.parent_path(); // Mesa makes what is missing
   }
   if (!fs::is_directory(place, none) || access(place.c_str(), W_OK) != 0)
   {

@@ -171,7 +171,7 @@ def try_disk(program, makers):
 
 # What a process may be born into; whether that is told, or the work done.
 SURROUNDINGS = (("SIGCHLD ignored", "trap '' CHLD; exec {}", False),
-                ("no home", "unset XDG_CACHE_HOME; HOME=/nonexistent exec {}", False),
+                ("no home", "unset XDG_CACHE_HOME; HOME=/dev/null exec {}", False),
                 ("a stack of 1 MiB", "ulimit -s 1024; exec {}", False),
                 ("a stack of 64 KiB", "ulimit -s 64; exec {}", True),
                 ("16 open files", "ulimit -n 16; exec {}", False),
