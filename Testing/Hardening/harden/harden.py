@@ -175,7 +175,7 @@ SURROUNDINGS = (("SIGCHLD ignored", "trap '' CHLD; exec {}", False),
                 ("a stack of 1 MiB", "ulimit -s 1024; exec {}", False),
                 ("a stack of 64 KiB", "ulimit -s 64; exec {}", True),
                 ("16 open files", "ulimit -n 16; exec {}", False),
-                ("no locale that is there", "LC_ALL=xx_YY.none exec {}", False))
+                ("no locale that is there", "exec env LC_ALL=xx_YY.none {}", False))
 
 
 def try_machine(program, makers, draws, quick):
