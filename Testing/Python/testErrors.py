@@ -80,9 +80,7 @@ for algorithm, setters in (
         getattr(algorithm, name)(*values)
         assert algorithm.GetMTime() == changed, f"{name} again"
 
-# Ctrl-C stops the work, which is done anew when it is asked for.
-table = {1: mammoray.Material(youngs_modulus=6), 2: mammoray.Material(held=True), 3: mammoray.Material(youngs_modulus=12)}
-mesh = mammoray.mesh(labels, (2, 2, 2), origin=origin, cell_size=5, materials=table)
+# Sizes that nothing can be made of.
 for odd, text in (({"cell_size": 1e-3}, "GB of this machine"), ({"label_spacing": -1}, "at least 0"),
                   ({"triangles": 2**31}, "expected 0 to 2147483647"), ({"triangles": -1}, "expected 0 to")):
     try:
@@ -90,6 +88,10 @@ for odd, text in (({"cell_size": 1e-3}, "GB of this machine"), ({"label_spacing"
         raise AssertionError(f"{odd} taken")
     except mammoray.Error as error:
         assert text in str(error), error
+
+# Ctrl-C stops the work, which is done anew when it is asked for.
+table = {1: mammoray.Material(youngs_modulus=6), 2: mammoray.Material(held=True), 3: mammoray.Material(youngs_modulus=12)}
+mesh = mammoray.mesh(labels, (2, 2, 2), origin=origin, cell_size=5, materials=table)
 told = []
 
 

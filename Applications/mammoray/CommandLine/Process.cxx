@@ -215,8 +215,8 @@ void SetUpProcess(char* argv[])
   sigaction(SIGINT, &InterruptAtStart, nullptr);
 #endif
   SettleStreams();
-  KeepNoShadersWithoutPlace();
   PreferFastBlasKernels(argv);
+  KeepNoShadersWithoutPlace();
   KeepFreedMemory();
 }
 }
