@@ -211,12 +211,24 @@ TEST_F(RegisterCommand, RefusesWhatNoPatientHas)
       " --mammogram " + MammogramFile + " --orientation ALI --output " +
       this->Folder.File("result"),
     "orientation ALI: expected axes that are right-handed");
+  const std::string magnified = this->Folder.File("magnified.dcm");
+  testing_support::ChangeDicom(MammogramFile, magnified,
+    [](gdcm::DataSet& data)
+    {
+      gdcm::DataElement factor(gdcm::Tag(0x0018, 0x1114));
+      factor.SetVR(gdcm::VR::DS);
+      factor.SetByteValue("1.8 ", 4);
+      data.Replace(factor);
+    });
+  this->ExpectRefused(this->Register(Labels, Materials, magnified),
+    "expected a mammogram of a whole breast on the receptor, found 'magnification view' in its "
+    "header; --accept-unusual takes it");
   // What is to be taken comes further: to the volume.
   LabelVolume volume;
   volume.Size = { 3, 3, 3 };
   volume.Voxels.assign(27, 0);
   WriteLabelVolume(volume, this->Folder.File("air.nrrd"));
-  this->ExpectRefused(this->Register(this->Folder.File("air.nrrd"), Materials, MammogramFile,
+  this->ExpectRefused(this->Register(this->Folder.File("air.nrrd"), Materials, magnified,
                         "--side right --thickness 500 --pixel-spacing 0.31 --accept-unusual"),
     "only air");
 }

@@ -13,7 +13,6 @@
 
 #include <gdcmReader.h>
 #include <gdcmSequenceOfItems.h>
-#include <gdcmWriter.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -83,20 +82,12 @@ std::string Written(const Sweep& sweep, const TemporaryFolder& folder)
   return path;
 }
 
-/// Writes the file once more, with what `change` makes of its data set.
+/// The file once more, with what `change` makes of its data set.
 template <typename Change>
 std::string Changed(const std::string& path, const TemporaryFolder& folder, const Change& change)
 {
-  gdcm::Reader reader;
-  reader.SetFileName(path.c_str());
-  EXPECT_TRUE(reader.Read());
-  change(reader.GetFile().GetDataSet());
-  gdcm::Writer writer;
   std::string other = folder.File("changed.dcm");
-  writer.SetFileName(other.c_str());
-  writer.CheckFileMetaInformationOff();
-  writer.SetFile(reader.GetFile());
-  EXPECT_TRUE(writer.Write());
+  testing_support::ChangeDicom(path, other, change);
   return other;
 }
 

@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include <gdcmReader.h>
+#include <gdcmWriter.h>
 
 #include <cstdlib>
 #include <string>
@@ -30,6 +31,21 @@ inline std::string DicomTextOf(const std::string& path, std::uint16_t group, std
     text.pop_back();
   }
   return text;
+}
+
+/// Writes a file once more, with what `change` makes of its data set.
+template <typename Change>
+void ChangeDicom(const std::string& path, const std::string& changed, const Change& change)
+{
+  gdcm::Reader reader;
+  reader.SetFileName(path.c_str());
+  EXPECT_TRUE(reader.Read()) << path;
+  change(reader.GetFile().GetDataSet());
+  gdcm::Writer writer;
+  writer.SetFileName(changed.c_str());
+  writer.CheckFileMetaInformationOff();
+  writer.SetFile(reader.GetFile());
+  EXPECT_TRUE(writer.Write()) << changed;
 }
 
 /// The standard's attributes are there and have allowed values, as far as dciodvfy (Debian package

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Private/CaseChecks.h"
 
+#include "Private/MammogramRules.h"
 #include "mammoray/Case/LabelSource.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/Foundation/MammographyGeometry.h"
+#include "mammoray/IO/DicomHeader.h"
 
 #include <algorithm>
 #include <cmath>
@@ -126,6 +128,20 @@ void CheckUsual(const RegistrationCase& input, const PlausibleRange& range, doub
   if (!input.Labels.AcceptUnusual)
   {
     CheckPlausible(range, value, path, std::string(instead) + ", " + AcceptUnusualHint);
+  }
+}
+
+void CheckWholeBreast(const RegistrationCase& input, const std::string& path)
+{
+  if (input.Labels.AcceptUnusual)
+  {
+    return;
+  }
+  const std::optional<DicomHeader> header = ReadDicomHeader(path);
+  if (const std::string found = header ? WhyNotWholeBreast(*header) : ""; !found.empty())
+  {
+    throw InputError(path + ": expected a mammogram of a whole breast on the receptor, found '" +
+      Printable(found) + "' in its header; " + AcceptUnusualHint);
   }
 }
 

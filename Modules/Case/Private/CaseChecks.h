@@ -17,6 +17,10 @@ namespace mammoray
 void CheckUsual(const RegistrationCase& input, const PlausibleRange& range, double value,
   const std::string& path, const char* instead);
 
+/// Throws InputError where the header of a DICOM mammogram says that it is none of a whole breast
+/// as plates press it onto the receptor (WhyNotWholeBreast).
+void CheckWholeBreast(const RegistrationCase& input, const std::string& path);
+
 /// Throws InputError where the last view's picture is an earlier one's, or its pixels are no
 /// detector's.
 void CheckMammogram(const RegistrationCase& input, const std::vector<RegisteredView>& views);

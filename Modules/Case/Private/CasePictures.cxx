@@ -89,6 +89,7 @@ std::vector<Mammogram> ReadCaseMammograms(const RegistrationCase& input, std::si
     return { ReadMammogramPicture(path, given) };
   }
   std::vector<Mammogram> mammograms = ReadProjections(path);
+  CheckWholeBreast(input, path);
   for (Mammogram& mammogram : mammograms)
   {
     Describe(input, path, given, mammogram);

@@ -33,6 +33,34 @@ std::string WhyLeftOut(const DicomHeader& header)
   {
     return "single projection of a tomosynthesis";
   }
+  const std::string reason = WhyNotWholeBreast(header);
+  return reason.empty() && header.View.empty() ? "its header names no view" : reason;
+}
+
+/// Seconds of the day of HHMMSS; negative where there is none.
+double SecondsOf(const std::string& time)
+{
+  if (time.size() < 6)
+  {
+    return -1;
+  }
+  const double number = std::strtod(time.c_str(), nullptr);
+  const double hours = std::floor(number / 10000);
+  const double minutes = std::floor(number / 100) - 100 * hours;
+  return 3600 * hours + 60 * minutes + std::fmod(number, 100);
+}
+
+/// Forms of one exposure are stored within seconds of each other.
+bool SameExposure(const StudyMammogram& a, const StudyMammogram& b)
+{
+  const double first = SecondsOf(a.Time);
+  const double second = SecondsOf(b.Time);
+  return a.Date == b.Date && (first < 0 || second < 0 || std::abs(first - second) <= 10);
+}
+}
+
+std::string WhyNotWholeBreast(const DicomHeader& header)
+{
   const std::string words = HeaderWords(header.SeriesDescription) + ' ' + HeaderWords(header.View) +
     ' ' + HeaderWords(header.PaddleDescription);
   if (!FindValue(header.ImageType, { "SUBTRACTION", "RECOMBINED", "HIGH_ENERGY" }).empty() ||
@@ -73,29 +101,7 @@ std::string WhyLeftOut(const DicomHeader& header)
   {
     return "implant (its mechanics are not known)";
   }
-  return header.View.empty() ? "its header names no view" : std::string();
-}
-
-/// Seconds of the day of HHMMSS; negative where there is none.
-double SecondsOf(const std::string& time)
-{
-  if (time.size() < 6)
-  {
-    return -1;
-  }
-  const double number = std::strtod(time.c_str(), nullptr);
-  const double hours = std::floor(number / 10000);
-  const double minutes = std::floor(number / 100) - 100 * hours;
-  return 3600 * hours + 60 * minutes + std::fmod(number, 100);
-}
-
-/// Forms of one exposure are stored within seconds of each other.
-bool SameExposure(const StudyMammogram& a, const StudyMammogram& b)
-{
-  const double first = SecondsOf(a.Time);
-  const double second = SecondsOf(b.Time);
-  return a.Date == b.Date && (first < 0 || second < 0 || std::abs(first - second) <= 10);
-}
+  return {};
 }
 
 bool IsMammogram(const DicomHeader& header)

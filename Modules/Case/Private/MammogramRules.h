@@ -11,6 +11,10 @@ namespace mammoray
 /// Whether a header is one of an X-ray of the breast, from the unit or made of one.
 MAMMORAYCASE_EXPORT bool IsMammogram(const DicomHeader& header);
 
+/// Why a mammogram is none of a whole breast as plates press it onto the receptor, by its header:
+/// "magnification view"; empty where that does not say so.
+MAMMORAYCASE_EXPORT std::string WhyNotWholeBreast(const DicomHeader& header);
+
 MAMMORAYCASE_EXPORT StudyMammogram DescribeMammogram(const DicomHeader& header);
 
 /**

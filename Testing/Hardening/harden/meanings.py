@@ -100,6 +100,9 @@ class Meanings:
             self.refused("pixels of %s mm" % spacing, register(out, "--pixel-spacing", spacing))
         self.refused("an oblique view's directions of the other breast",
                      register(out, "--mammogram", self.changed(((0x18, 0x5101), b"CS", "MLO"), ((0x20, 0x20), b"CS", "A\\FL"))))
+        for what, tag, vr, value in (("a magnification", (0x18, 0x1114), b"DS", "1.8"), ("a part", (0x28, 0x1350), b"CS", "YES"),
+                                     ("an implant", (0x28, 0x1300), b"CS", "YES"), ("a spot paddle", (0x18, 0x11A4), b"LO", "SPOT 9CM")):
+            self.refused("a picture of %s" % what, register(out, "--mammogram", self.changed((tag, vr, value))))
         self.refused("half an intent", register(out, "--mammogram", self.changed(((8, 0x68), b"CS", "FOR PRESENTATION"))))
         labels = read(self.program.phantom("labels.nrrd"))
         for spacing in SPACINGS:
