@@ -50,9 +50,9 @@ def try_files(program, seed, count):
 
 
 class Makers:
-    """Commands that write, of a second each; {} is the output."""
+    """Commands that write, of one to five seconds each; those that begin with a result `quick` leaves out. {} is the output."""
 
-    def __init__(self, program):
+    def __init__(self, program, quick):
         self.program = program
         self.mesh = program.path("breast.vtu")
         labels = ["--labels", program.phantom("labels.nrrd"), "--materials", "victre"]
@@ -69,6 +69,19 @@ class Makers:
             "image.vti": [*project, "{}"],
             "image.dcm": [*project, "{}", "--side", "left"],
         }
+        if quick:
+            return
+        result = ["--result", program.path("made")]
+        made = program.register(program.path("made"))
+        assert made.done(), made.told()
+        self.commands.update({
+            "compressed.vtu": ["compress", "--mesh", self.mesh, "--materials", "victre", "--orientation", "ALS", "--thickness",
+                               85, "--simulation-cell-size", 12, "-o", "{}"],
+            "fused.nrrd": ["fuse", *result, "--image", program.phantom("labels.nrrd"), "--axes-as-given", "--spacing", 2, "-o", "{}"],
+            "field.nrrd": ["displacement", *result, "--spacing", 8, "-o", "{}"],
+            "field.h5": ["displacement", *result, "--spacing", 8, "-o", "{}"],
+            "synthetic.dcm": ["dicom", *result, "--mammogram", program.phantom("victre1_lcc_processing.dcm"), "-o", "{}"],
+        })
 
     def words(self, name, output, *rest):
         return [output if word == "{}" else word for word in self.commands[name]] + list(rest)
@@ -303,7 +316,7 @@ def main():
     os.chmod(program.scratch, 0o755)
     draws = random.Random(arguments.seed)
     classes = arguments.only.split(",")
-    makers = Makers(program) if set(classes) & {"kills", "disk", "machine", "texts"} else None
+    makers = Makers(program, arguments.quick) if set(classes) & {"kills", "disk", "machine", "texts"} else None
     counts = []
     for name in classes:
         begun = time.monotonic()
