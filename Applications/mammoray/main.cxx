@@ -2,6 +2,7 @@
 #include "Commands.h"
 #include "Help.h"
 #include "Manual.h"
+#include "MissingMemory.h"
 #include "Process.h"
 #include "ProgressBar.h"
 #include "mammoray/Foundation/Error.h"
@@ -105,9 +106,7 @@ int main(int argc, char* argv[])
   }
   catch (const std::bad_alloc&)
   {
-    std::fputs("mammoray: expected memory for the work, found less free, or allowed (ulimit -v), "
-               "than it takes\n",
-      stderr);
+    std::fputs(mammoray::MissingMemoryLine, stderr);
   }
   catch (const std::filesystem::filesystem_error& error) // as of a name that is too long
   {

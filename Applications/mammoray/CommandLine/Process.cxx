@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Process.h"
 
+#include "MissingMemory.h"
+
 #include <dlfcn.h>
 #include <fcntl.h>
 #include <malloc.h>
@@ -218,5 +220,6 @@ void SetUpProcess(char* argv[])
   PreferFastBlasKernels(argv);
   KeepNoShadersWithoutPlace();
   KeepFreedMemory();
+  TellOfMissingMemory();
 }
 }

@@ -13,6 +13,7 @@
 #include <cmath>
 #include <cstdio>
 #include <map>
+#include <new>
 #include <string>
 
 namespace mammoray
@@ -60,6 +61,10 @@ void Run(const std::string& switches, tetgenio& input, tetgenio& output)
   catch (const int code)
   {
     // The codes of terminatetetgen() in tetgen.h.
+    if (code == 1)
+    {
+      throw std::bad_alloc();
+    }
     if (code == 3)
     {
       throw InputError("surfaces: expected triangles that meet at common edges, found ones that "
@@ -70,8 +75,7 @@ void Run(const std::string& switches, tetgenio& input, tetgenio& output)
       throw InputError("surfaces: expected triangles apart from each other, found ones that nearly "
                        "touch");
     }
-    throw ConvergenceError("TetGen ended with its error " + std::to_string(code) +
-      (code == 1 ? " (out of memory)" : ""));
+    throw ConvergenceError("TetGen ended with its error " + std::to_string(code));
   }
 }
 

@@ -211,6 +211,15 @@ def try_machine(program, makers, draws, quick):
             # Without addresses for its driver a device is not there, which `devices` tells on its own.
             machine.add(answer.done() or answer.refused() or (words == ["devices"] and answer.status in (0, 1)),
                         "%s with %d MiB of addresses" % (words[0], limit >> 20), answer.told())
+    # Where the work begins, and ends somewhere in it.
+    for _ in range(0 if quick else 8):
+        limit = draws.randrange(1400, 1700) << 20
+        answers = [program.register(program.path("limited-result"), limits=lambda: resource.setrlimit(resource.RLIMIT_AS, (limit, limit)))]
+        answers += [program.run(*makers.words(name, program.path("limited-" + name), "--overwrite"),
+                                limits=lambda: resource.setrlimit(resource.RLIMIT_AS, (limit, limit)))
+                    for name in ("compressed.vtu", "fused.nrrd", "field.nrrd", "synthetic.dcm")]
+        for answer in answers:
+            machine.add(answer.done() or answer.refused(), "work with %d MiB of addresses" % (limit >> 20), answer.told())
     layer = os.path.join(program.binaries, "..", "Testing", "Hardening", "layer")
     if not os.path.isdir(layer):
         machine.notes.append("no fault layer built")

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Private/Factors/SparseCholesky.h"
 
+#include "Private/Factors/BlasBuffer.h"
 #include "Private/Factors/SingleThreaded.h"
 #include "Private/Factors/SupernodalFactor.h"
 #include "mammoray/Foundation/Error.h"
@@ -8,6 +9,7 @@
 #include <cholmod.h>
 
 #include <algorithm>
+#include <new>
 #include <optional>
 #include <string>
 
@@ -49,11 +51,14 @@ struct SparseCholesky::Internals
 
   void Check(const char* what) const
   {
+    if (this->Common.status == CHOLMOD_OUT_OF_MEMORY)
+    {
+      throw std::bad_alloc();
+    }
     if (this->Common.status < CHOLMOD_OK)
     {
       throw ConvergenceError(std::string("CHOLMOD: ") + what + " ended with status " +
-        std::to_string(this->Common.status) +
-        (this->Common.status == CHOLMOD_OUT_OF_MEMORY ? " (out of memory)" : ""));
+        std::to_string(this->Common.status));
     }
   }
 };
@@ -102,6 +107,7 @@ SparseCholesky::SparseCholesky(const std::vector<int>& starts, const std::vector
   , Starts(starts)
   , Rows(rows)
 {
+  ReserveBlasBuffer();
   cholmod_common& common = this->Internal->Common;
   common.supernodal = CHOLMOD_SUPERNODAL;
   common.print = 0;

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Private/Factors/SparseLu.h"
 
+#include "Private/Factors/BlasBuffer.h"
 #include "Private/Factors/SingleThreaded.h"
 #include "mammoray/Foundation/Error.h"
 
 #include <umfpack.h>
 
 #include <algorithm>
+#include <new>
 #include <string>
 
 namespace mammoray
@@ -28,10 +30,14 @@ namespace
 {
 void Check(int status, const char* what)
 {
+  if (status == UMFPACK_ERROR_out_of_memory)
+  {
+    throw std::bad_alloc();
+  }
   if (status < UMFPACK_OK)
   {
-    throw ConvergenceError(std::string("UMFPACK: ") + what + " ended with status " +
-      std::to_string(status) + (status == UMFPACK_ERROR_out_of_memory ? " (out of memory)" : ""));
+    throw ConvergenceError(
+      std::string("UMFPACK: ") + what + " ended with status " + std::to_string(status));
   }
 }
 }
@@ -41,6 +47,7 @@ SparseLu::SparseLu(const std::vector<int>& starts, const std::vector<int>& rows)
   , Starts(starts)
   , Rows(rows)
 {
+  ReserveBlasBuffer();
   umfpack_di_defaults(this->Internal->Control);
   this->Internal->Control[UMFPACK_STRATEGY] = UMFPACK_STRATEGY_SYMMETRIC;
   this->Internal->Control[UMFPACK_ORDERING] = UMFPACK_ORDERING_METIS;
