@@ -2,7 +2,6 @@
 #include "mammoray/Filters/vtkMammogramReader.h"
 
 #include "Private/FilterRequest.h"
-#include "mammoray/Foundation/Error.h"
 #include "mammoray/IO/ImageConversion.h"
 #include "mammoray/IO/MammogramIO.h"
 
@@ -57,9 +56,9 @@ bool vtkMammogramReader::Load()
   {
     in.Mammogram = mammoray::ReadMammogram(this->FileName);
   }
-  catch (const mammoray::Error& error)
+  catch (const std::exception& error)
   {
-    vtkErrorMacro(<< error.what());
+    vtkErrorMacro(<< mammoray::TextOf(error));
     return false;
   }
   in.LoadedFile = this->FileName;

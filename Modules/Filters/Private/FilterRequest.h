@@ -9,6 +9,7 @@
 #include "vtkDataObject.h"
 
 #include <exception>
+#include <new>
 #include <string>
 #include <utility>
 
@@ -41,6 +42,14 @@ inline const std::string& FileOrName(const std::string& file, const std::string&
   return file.empty() ? name : file;
 }
 
+/// What a failure is told as. All are caught: a bad_alloc must not cross the pipeline either.
+inline std::string TextOf(const std::exception& error)
+{
+  return dynamic_cast<const std::bad_alloc*>(&error)
+    ? "expected memory for the work, found less free than it takes"
+    : error.what();
+}
+
 /**
  * What RequestData answers that fills `output` by `work`. Where that throws, the output is emptied;
  * an interrupt is no failure, and an error is told by the filter's ErrorEvent.
@@ -58,10 +67,10 @@ int AnswerRequest(vtkAlgorithm* filter, vtkDataObject* output, const Work& work)
     output->Initialize();
     return 1;
   }
-  catch (const std::exception& error) // bad_alloc must not cross the pipeline either
+  catch (const std::exception& error)
   {
     output->Initialize();
-    vtkErrorWithObjectMacro(filter, << error.what());
+    vtkErrorWithObjectMacro(filter, << TextOf(error));
     return 0;
   }
 }
