@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Private/Factors/SparseCholesky.h"
 
-#include "Private/Factors/BlasBuffer.h"
+#include "Private/Factors/BlasBuffers.h"
 #include "Private/Factors/SingleThreaded.h"
 #include "Private/Factors/SupernodalFactor.h"
 #include "mammoray/Foundation/Error.h"
@@ -107,7 +107,7 @@ SparseCholesky::SparseCholesky(const std::vector<int>& starts, const std::vector
   , Starts(starts)
   , Rows(rows)
 {
-  ReserveBlasBuffer();
+  ReserveBlasBuffers();
   cholmod_common& common = this->Internal->Common;
   common.supernodal = CHOLMOD_SUPERNODAL;
   common.print = 0;

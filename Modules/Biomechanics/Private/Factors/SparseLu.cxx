@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Private/Factors/SparseLu.h"
 
-#include "Private/Factors/BlasBuffer.h"
+#include "Private/Factors/BlasBuffers.h"
 #include "Private/Factors/SingleThreaded.h"
 #include "mammoray/Foundation/Error.h"
 
@@ -47,7 +47,7 @@ SparseLu::SparseLu(const std::vector<int>& starts, const std::vector<int>& rows)
   , Starts(starts)
   , Rows(rows)
 {
-  ReserveBlasBuffer();
+  ReserveBlasBuffers();
   umfpack_di_defaults(this->Internal->Control);
   this->Internal->Control[UMFPACK_STRATEGY] = UMFPACK_STRATEGY_SYMMETRIC;
   this->Internal->Control[UMFPACK_ORDERING] = UMFPACK_ORDERING_METIS;
