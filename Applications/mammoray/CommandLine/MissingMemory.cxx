@@ -22,7 +22,7 @@ std::terminate_handler TerminateBefore = nullptr;
 rlim_t MostAddresses()
 {
   constexpr char Name[] = "VmPeak:";
-  char text[1024] = {};
+  char text[8192] = {}; // the groups of a user, some hundred of them, come before
   const int file = open("/proc/self/status", O_RDONLY | O_CLOEXEC);
   const ssize_t length = read(file, text, sizeof text - 1);
   close(file);
