@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Commands.h"
+#include "MissingMemory.h"
 #include "OutputFiles.h"
 #include "ProgressBar.h"
 #include "Project/ScatterOptions.h"
@@ -327,8 +328,7 @@ RegistrationCaseResult RegisterAndWrite(const RegisterArguments& arguments)
     {
       throw;
     }
-    throw Error(kept("expected memory for the work, found less free, or allowed (ulimit -v), than "
-                     "it takes"));
+    throw Error(kept(MissingMemory));
   }
 }
 

@@ -106,7 +106,7 @@ int main(int argc, char* argv[])
   }
   catch (const std::bad_alloc&)
   {
-    std::fputs(mammoray::MissingMemoryLine, stderr);
+    std::fprintf(stderr, "mammoray: %s\n", mammoray::MissingMemory);
   }
   catch (const std::filesystem::filesystem_error& error) // as of a name that is too long
   {

@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "AddressLimit.h"
 #include "MissingMemory.h"
 
 #include <gtest/gtest.h>
 
-#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <csignal>
-#include <fstream>
 #include <new>
 #include <thread>
 
@@ -17,17 +16,6 @@ using namespace mammoray;
 namespace
 {
 constexpr rlim_t MiB = rlim_t{ 1 } << 20;
-
-/// Limits the addresses to so many more than there are, and sets up as main does.
-void LeaveRoom(rlim_t bytes)
-{
-  std::size_t pages = 0;
-  std::ifstream("/proc/self/statm") >> pages;
-  const rlim_t limit = pages * static_cast<rlim_t>(sysconf(_SC_PAGESIZE)) + bytes;
-  const rlimit limits{ limit, limit };
-  setrlimit(RLIMIT_AS, &limits);
-  TellOfMissingMemory();
-}
 
 /// As where a library writes to what it was not given.
 void Fault()
@@ -57,7 +45,8 @@ void FaultInChild()
 template <typename Failure>
 void FailWithRoom(rlim_t bytes, const Failure& failure)
 {
-  LeaveRoom(bytes);
+  testing_support::LimitAddresses(bytes);
+  TellOfMissingMemory(); // as main does
   failure();
   _exit(0);
 }

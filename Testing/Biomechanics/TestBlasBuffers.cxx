@@ -1,15 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "AddressLimit.h"
 #include "mammoray/Biomechanics/Private/Factors/BlasBuffers.h"
 #include "mammoray/Biomechanics/Private/Factors/SparseCholesky.h"
 
 #include <gtest/gtest.h>
 
-#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <cstdlib>
-#include <fstream>
 #include <new>
 #include <vector>
 
@@ -20,6 +19,7 @@ extern "C" void sgemm_(const char* transposeA, const char* transposeB, const int
   __attribute__((weak));
 
 using namespace mammoray;
+using testing_support::LimitAddresses;
 
 namespace
 {
@@ -33,16 +33,6 @@ void MultiplyByAllThreads()
     product.data(), &size);
 }
 
-/// Limits the addresses to so many more than there are.
-void LeaveRoom(rlim_t bytes)
-{
-  std::size_t pages = 0;
-  std::ifstream("/proc/self/statm") >> pages;
-  const rlim_t limit = pages * static_cast<rlim_t>(sysconf(_SC_PAGESIZE)) + bytes;
-  const rlimit limits{ limit, limit };
-  setrlimit(RLIMIT_AS, &limits);
-}
-
 /// In a process of its own: how the use of BLAS ends with so much room for a factor's making.
 [[noreturn]] void FactorWithRoom(rlim_t bytes)
 {
@@ -53,13 +43,13 @@ void LeaveRoom(rlim_t bytes)
   }
   wait(nullptr);
   alarm(60); // a thread that asks for ever
-  LeaveRoom(bytes);
+  LimitAddresses(bytes);
   try
   {
     const std::vector<int> starts{ 0, 1 };
     const std::vector<int> rows{ 0 };
     SparseCholesky factor(starts, rows);
-    LeaveRoom(rlim_t{ 64 } << 20);
+    LimitAddresses(rlim_t{ 64 } << 20);
     std::vector<double> column{ 8 };
     const bool made = factor.Factorize({ 4 });
     factor.Solve(column);

@@ -44,8 +44,12 @@ bool IsNearLimit()
 
 [[noreturn]] void End()
 {
-  const ssize_t written = write(STDERR_FILENO, MissingMemoryLine, sizeof MissingMemoryLine - 1);
-  _exit(written > 0 ? 1 : 2);
+  bool isTold = true;
+  for (const char* part : { "mammoray: ", MissingMemory, "\n" })
+  {
+    isTold = write(STDERR_FILENO, part, std::strlen(part)) > 0 && isTold;
+  }
+  _exit(isTold ? 1 : 2);
 }
 
 void OnFault(int signal)

@@ -191,6 +191,11 @@ SURROUNDINGS = (("SIGCHLD ignored", "trap '' CHLD; exec {}", False),
                 ("no locale that is there", "exec env LC_ALL=xx_YY.none {}", False))
 
 
+def addresses(limit):
+    """Leaves a process no more of them, as ulimit -v does."""
+    return lambda: resource.setrlimit(resource.RLIMIT_AS, (limit, limit))
+
+
 def try_machine(program, makers, draws, quick):
     """Closed streams, odd surroundings, limits on addresses, and a device that is lost or full at each of its calls."""
     machine = Count("machine")
@@ -207,16 +212,16 @@ def try_machine(program, makers, draws, quick):
         limit = (mebibytes + draws.randrange(100)) << 20
         for words in (["devices"], makers.words("image.mha", program.path("limited.mha"), "--overwrite"),
                       makers.words("mesh.vtu", program.path("limited.vtu"), "--overwrite")):
-            answer = program.run(*words, seconds=120, limits=lambda: resource.setrlimit(resource.RLIMIT_AS, (limit, limit)))
+            answer = program.run(*words, seconds=120, limits=addresses(limit))
             # Without addresses for its driver a device is not there, which `devices` tells on its own.
             machine.add(answer.done() or answer.refused() or (words == ["devices"] and answer.status in (0, 1)),
                         "%s with %d MiB of addresses" % (words[0], limit >> 20), answer.told())
     # Where the work begins, and ends somewhere in it.
     for _ in range(0 if quick else 8):
         limit = draws.randrange(1400, 1700) << 20
-        answers = [program.register(program.path("limited-result"), limits=lambda: resource.setrlimit(resource.RLIMIT_AS, (limit, limit)))]
+        answers = [program.register(program.path("limited-result"), limits=addresses(limit))]
         answers += [program.run(*makers.words(name, program.path("limited-" + name), "--overwrite"),
-                                limits=lambda: resource.setrlimit(resource.RLIMIT_AS, (limit, limit)))
+                                limits=addresses(limit))
                     for name in ("compressed.vtu", "fused.nrrd", "field.nrrd", "synthetic.dcm")]
         for answer in answers:
             machine.add(answer.done() or answer.refused(), "work with %d MiB of addresses" % (limit >> 20), answer.told())

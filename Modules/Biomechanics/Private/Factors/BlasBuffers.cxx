@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Private/Factors/BlasBuffers.h"
 
+#include "Private/Factors/SingleThreaded.h" // openblas_get_num_threads
+
 #include <sys/mman.h>
 
 #include <cstddef>
@@ -11,7 +13,6 @@
 // OpenBLAS has these, if it is the BLAS of the process.
 extern "C" void* blas_memory_alloc(int) __attribute__((weak));
 extern "C" void blas_memory_free(void*) __attribute__((weak));
-extern "C" int openblas_get_num_threads() __attribute__((weak));
 extern "C" int blas_server_avail __attribute__((weak)); ///< Its threads run.
 
 namespace mammoray
