@@ -63,7 +63,7 @@ void DeclareMammograms(const OptionList& add, RegisterArguments& arguments)
 {
   RegistrationCase& input = arguments.Case;
   const OptionList mammogram = add.Group("Mammogram");
-  mammogram("--view", input.MammogramViews, "in place of the header's, one for each mammogram")
+  mammogram("--view", input.MammogramViews, "where the header says none, one for each mammogram")
     ->check(CLI::IsMember({ "CC", "MLO", "ML", "LM", "LMO", "FB" }));
   mammogram("--pixel-spacing", input.PixelSpacingMm, Positive("mm"),
     "of the mammogram's pixels at the receptor, in place of the header's; a picture without a "

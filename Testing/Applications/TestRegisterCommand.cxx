@@ -206,6 +206,7 @@ TEST_F(RegisterCommand, RefusesWhatNoPatientHas)
   refused("--pixel-spacing 1", "expected a pixel spacing from 0.02 to 0.3 mm, found 1");
   refused("--source-to-detector 65", "distance from 300 to 1500 mm, found 65");
   refused("--side right", "expected a mammogram of the right breast, as --side says, found L");
+  refused("--view MLO", "expected a mammogram of the view MLO, as --view says, found CC");
   refused("--mammogram " + MammogramFile, "expected another picture than");
   this->CommandTest::ExpectRefused("register --labels " + Labels + " --materials " + Materials +
       " --mammogram " + MammogramFile + " --orientation ALI --output " +
@@ -228,8 +229,9 @@ TEST_F(RegisterCommand, RefusesWhatNoPatientHas)
   volume.Size = { 3, 3, 3 };
   volume.Voxels.assign(27, 0);
   WriteLabelVolume(volume, this->Folder.File("air.nrrd"));
-  this->ExpectRefused(this->Register(this->Folder.File("air.nrrd"), Materials, magnified,
-                        "--side right --thickness 500 --pixel-spacing 0.31 --accept-unusual"),
+  this->ExpectRefused(
+    this->Register(this->Folder.File("air.nrrd"), Materials, magnified,
+      "--side right --view MLO --thickness 500 --pixel-spacing 0.31 --accept-unusual"),
     "only air");
 }
 

@@ -57,7 +57,8 @@ MammographyUnit UnitOf(const RegistrationCase& input, const std::string& path,
   return unit;
 }
 
-/// What is given in place of what the header says.
+/// What is given in place of what the header says. Throws InputError where the header says another
+/// breast, or a view for which the unit is turned otherwise.
 void Describe(const RegistrationCase& input, const std::string& path,
   const PictureDescription& given, Mammogram& mammogram)
 {
@@ -73,8 +74,19 @@ void Describe(const RegistrationCase& input, const std::string& path,
       (given.Laterality == 'L' ? "left" : "right") + " breast, as --side says, found " +
       mammogram.Laterality + " in its header; " + AcceptUnusualHint + " as --side says");
   }
-  mammogram.View = given.View.empty() ? mammogram.View : given.View;
   mammogram.Laterality = given.Laterality == '?' ? mammogram.Laterality : given.Laterality;
+  if (given.View.empty())
+  {
+    return;
+  }
+  const std::optional<double> rollDeg = NominalRollDeg(mammogram);
+  const std::string view = std::exchange(mammogram.View, given.View);
+  if (rollDeg && rollDeg != NominalRollDeg(mammogram) && !input.Labels.AcceptUnusual)
+  {
+    throw InputError(path + ": expected a mammogram of the view " + given.View +
+      ", as --view says, found " + view + " in its header; " + AcceptUnusualHint +
+      " as --view says");
+  }
 }
 
 /// One mammogram, or the projections of one compression.

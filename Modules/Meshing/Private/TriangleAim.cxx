@@ -3,13 +3,12 @@
 
 #include "Private/MeshingSteps.h"
 #include "mammoray/Foundation/Error.h"
+#include "mammoray/Foundation/MemoryLimit.h"
 
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <string>
-
-#include <unistd.h>
 
 namespace mammoray
 {
@@ -85,11 +84,11 @@ double InterfaceArea(const LabelVolume& volume, double wanted)
 
 void CheckMemory(const std::string& what, double bytes)
 {
-  const double memory = static_cast<double>(sysconf(_SC_PHYS_PAGES)) * sysconf(_SC_PAGESIZE);
+  const double memory = MemoryLimitBytes();
   if (!(bytes <= memory))
   {
     throw InputError(what +
-      FormattedText(" take about %.3g GB, expected at most the %.3g GB of this machine",
+      FormattedText(" take about %.3g GB, expected at most the %.3g GB that this process may have",
         bytes / 1e9, memory / 1e9));
   }
 }

@@ -11,11 +11,11 @@
 
 namespace mammoray
 {
-/// Throws InputError, of `what`, in the plural, where so many bytes are more than this machine has.
+/// Throws InputError, of `what`, in the plural, where so many bytes are more than MemoryLimitBytes.
 MAMMORAYMESHING_EXPORT void CheckMemory(const std::string& what, double bytes);
 
 /// Throws InputError where even the largest cells and triangles that keep to the sizes are more
-/// than fit in this machine's memory.
+/// than fit in the memory.
 MAMMORAYMESHING_EXPORT void CheckSizes(const LabelVolume& volume, const MeshingOptions& options);
 
 /// Finds the sizes that give a number of triangles, MeshingOptions::Triangles, coming from coarser

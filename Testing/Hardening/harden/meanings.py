@@ -98,6 +98,7 @@ class Meanings:
             self.count.add(register(out, "--thickness", thickness).status in (1, 2), "thickness " + thickness)
         for spacing in ("0.001", "70", "1e9"):
             self.refused("pixels of %s mm" % spacing, register(out, "--pixel-spacing", spacing))
+        self.refused("another view than the header's", register(out, "--view", self.draws.choice(("MLO", "LMO", "ML", "LM", "FB"))))
         self.refused("an oblique view's directions of the other breast",
                      register(out, "--mammogram", self.changed(((0x18, 0x5101), b"CS", "MLO"), ((0x20, 0x20), b"CS", "A\\FL"))))
         for what, tag, vr, value in (("a magnification", (0x18, 0x1114), b"DS", "1.8"), ("a part", (0x28, 0x1350), b"CS", "YES"),
