@@ -136,6 +136,12 @@ UNWATCHED void CheckAddresses(int, char**, char** environment)
   CheckLimit("addresses", "-v", least, limit.rlim_cur, "MiB", 20);
 }
 
+// Single pointers: an array may be aligned further, and what fills the section before it is called.
+using BeforeAll = void (*)(int, char**, char**);
+[[gnu::section(".preinit_array"), gnu::used]] const BeforeAll StackIsChecked = &CheckStack;
+[[gnu::section(".preinit_array"), gnu::used]] const BeforeAll AddressesAreChecked = &CheckAddresses;
+
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__) // they watch signals
 /// What SIGINT did when the process began.
 struct sigaction InterruptAtStart
 {
@@ -166,13 +172,9 @@ UNWATCHED void HearOfMissingThreads(int, char**, char**)
   sigaction(SIGINT, &early, &InterruptAtStart);
 }
 
-using BeforeAll = void (*)(int, char**, char**);
-[[gnu::section(".preinit_array"), gnu::used]] const BeforeAll DoneBeforeAll[] = {
-  &CheckStack, &CheckAddresses,
-#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
-  &HearOfMissingThreads // sanitizers watch signals
+[[gnu::section(".preinit_array"), gnu::used]] const BeforeAll ThreadsAreHeardOf =
+  &HearOfMissingThreads;
 #endif
-};
 
 /// Where Mesa keeps its shaders.
 std::filesystem::path PlaceOfShaders()
