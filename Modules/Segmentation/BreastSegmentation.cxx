@@ -44,8 +44,14 @@ constexpr double SmallestContrast = 3.0;
 /// Darker, muscle and suppressed fat are not told apart.
 constexpr double DarkestSuppressedMuscle = 1.05;
 /// Fat is dark where the sheet for dark fat has this part of the support of that for bright fat:
-/// measured 0.55 and 0.94 with suppression, 0.02 to 0.23 without.
+/// measured 0.55 and 0.94 with suppression, 0.02 to 0.23 without, 0.42 of a virtual patient.
 constexpr double FatDarkSupport = 0.35;
+
+/// Whether muscle can be so bright, in parts of fat.
+bool IsMuscle(double level, bool fatBright)
+{
+  return fatBright ? level <= BrightestMuscle : level >= DarkestSuppressedMuscle;
+}
 
 /// A mask of the voxels of which `accept(index)` holds.
 template <typename Accept>
@@ -97,8 +103,6 @@ public:
     this->FindBody();
     this->Report(0.3, "find the chest wall");
     this->FindWall();
-    this->Report(0.5, "even out the coil's sensitivity");
-    this->CorrectInFat();
     this->FindBreasts();
     this->Report(0.65, "find the skin line");
     this->RefineBody();
@@ -235,18 +239,49 @@ private:
     return channels;
   }
 
-  /// The chest wall's front where the images step, whatever fat's level.
+  /// The chest wall's front where the images step, whatever fat's level, and that level.
   void FindWall()
   {
-    if (this->Second)
+    if (!this->Second && this->Options.Contrast == FatContrast::Auto)
     {
-      this->Channels[0].FatBright = true;
-      this->Channels[1].FatBright = false;
-      this->TakeWall(FindChestWall(this->LogChannels(), this->Air.Body, this->Air.Tissue));
+      this->FindContrast();
+      return;
     }
-    else
+    this->Channels.back().FatBright = false;
+    this->CorrectInFat(this->FindWallOf(
+      this->Second != nullptr || this->Options.Contrast == FatContrast::FatBright));
+  }
+
+  /// Of the first image with so bright fat, and of the second.
+  ChestWallSheet FindWallOf(bool fatBright)
+  {
+    this->Channels[0].FatBright = fatBright;
+    return FindChestWall(this->LogChannels(), this->Air.Body, this->Air.Tissue);
+  }
+
+  /**
+   * Is fat bright or dark? Both sheets are looked for. Where fat is bright, what steps up from dark
+   * in front is the fat behind the skin, and no sheet follows that over a breast; where fat is
+   * dark, muscle steps up all over and its back, towards the lungs, steps down. Muscle has the last
+   * word: behind the right sheet it is darker, or brighter, than the fat before it.
+   */
+  void FindContrast()
+  {
+    const ChestWallSheet dark = this->FindWallOf(false);
+    this->Report(0.45, "find the chest wall");
+    const ChestWallSheet bright = this->FindWallOf(true);
+    const std::vector<Channel> scanned = this->Channels;
+    const auto fits = [&](bool fatBright)
     {
-      this->TakeWall(this->FindWallOfOne());
+      this->Channels = scanned;
+      this->Channels[0].FatBright = fatBright;
+      this->CorrectInFat(fatBright ? bright : dark);
+      return IsMuscle(this->MuscleLevelOf(this->Channels[0]), fatBright);
+    };
+    const bool fatBright = dark.Support < FatDarkSupport * bright.Support;
+    if (!fits(fatBright) && !fits(!fatBright))
+    {
+      fits(fatBright); // what is wrong with it is said further on
     }
   }
 
@@ -290,50 +325,12 @@ private:
     }
   }
 
-  /**
-   * Is fat bright or dark? Both sheets are looked for. Where fat is bright, what steps up from dark
-   * in front is the fat behind the skin, and no sheet follows that over a breast; where fat is
-   * dark, muscle steps up all over and its back, towards the lungs, steps down.
-   */
-  ChestWallSheet FindWallOfOne()
+  /// Takes the sheet, divides every image by the intensity that fat has before it, and looks again.
+  void CorrectInFat(const ChestWallSheet& sheet)
   {
-    const auto find = [&](bool fatBright)
-    {
-      this->Channels[0].FatBright = fatBright;
-      return FindChestWall(this->LogChannels(), this->Air.Body, this->Air.Tissue);
-    };
-    if (this->Options.Contrast != FatContrast::Auto)
-    {
-      return find(this->Options.Contrast == FatContrast::FatBright);
-    }
-    const ChestWallSheet dark = find(false);
-    this->Report(0.45, "find the chest wall");
-    const ChestWallSheet bright = find(true);
-    this->Channels[0].FatBright = dark.Support < FatDarkSupport * bright.Support;
-    return this->Channels[0].FatBright ? bright : dark;
-  }
-
-  /// Divides every image by the intensity that fat has there.
-  void CorrectInFat()
-  {
-    const MaskImage::Pointer inner = Complement(Dilate(Complement(this->Air.Body), 2 * WorkMm));
-    const std::array<int, 3> size = SizeOf(*inner);
-    for (int z = 0; z < size[2]; ++z)
-    {
-      for (int x = 0; x < size[0]; ++x)
-      {
-        const double wallMm = this->WorkWall.Front->GetPixel({ { x, z } });
-        for (int y = 0; y < size[1]; ++y)
-        {
-          const double heightMm = (y + 0.5) * WorkMm;
-          if (heightMm < wallMm + 2 * WorkMm || heightMm < this->CutMm)
-          {
-            inner->SetPixel({ { x, y, z } }, 0);
-          }
-        }
-      }
-    }
+    this->TakeWall(sheet);
     this->Report(0.55, "even out the coil's sensitivity");
+    const MaskImage::Pointer inner = BeforeSheet(this->Air.Body, sheet, 2 * WorkMm, this->CutMm);
     std::vector<FloatImage::Pointer> fatness;
     for (Channel& channel : this->Channels)
     {

@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // A phantom placed, moved and pictured, against closed forms.
+#include "Files.h"
 #include "LabelShapes.h"
 #include "mammoray/Evidence/Private/ImitatedMri.h"
 #include "mammoray/Evidence/Private/PatientTissue.h"
+#include "mammoray/IO/LabelVolumeIO.h"
+#include "mammoray/IO/MaterialTableIO.h"
+#include "mammoray/Segmentation/BreastSegmentation.h"
 
 #include <gtest/gtest.h>
 
@@ -210,6 +214,38 @@ TEST(ImitatedMri, SignalsSensitivityAndNoise)
   EXPECT_NEAR(air, 20 * std::sqrt(0.5 * std::numbers::pi), 0.4);
   EXPECT_NEAR(fat, 800, 8);
   EXPECT_NEAR(std::sqrt(squares - fat * fat), 20, 3);
+}
+
+TEST(ImitatedMri, ASegmentationFindsThatItsFatIsBright)
+{
+  // The step from dark skin to the fat behind it looks like one from suppressed fat to muscle.
+  const MaterialTable table =
+    ReadMaterialTable(testing_support::DataFolder() + "/materials/victre.json");
+  const LabelVolume phantom = table.ToMaterials(
+    ReadLabelVolume(testing_support::DataFolder() + "/victre-phantom-1/labels.nrrd"), "phantom");
+  const AnatomicalAxes axes = AnatomicalAxes::FromCode("ALS");
+  const double offMm = OffMidlineMm(phantom, axes);
+  const LabelVolume placed = PlaceOnChest(phantom, table, axes, 'L', offMm, {});
+  VolumeGrid fine;
+  fine.Size = { 352, 160, 120 };
+  fine.Spacing = { 1, 1, 1.5 };
+  fine.Origin = { -175.5, -90.5, -89.25 };
+  VolumeGrid grid;
+  grid.Size = { 176, 80, 60 };
+  grid.Spacing = { 2, 2, 3 };
+  grid.Origin = { -175, -90, -88.5 };
+  const PointMotion none = [](const std::vector<double>& points) { return points; };
+  const LabelVolume body = JoinBody(MoveLabels(placed, none, fine), TissuesOf(table), {},
+    WallThicknessMm(placed, table.Held()), true);
+  CoilPair coils;
+  coils.Centres = { { offMm, -60, 0 }, { -offMm, -60, 0 } };
+  coils.Reference = { offMm, -40, 0 };
+  Draws draws(1, 0, 0);
+  const IntensityVolume plain =
+    PictureTissue(body, grid, { PlainT1 }, coils, 1.0 / 30, 900, draws).front();
+  SegmentationOptions options;
+  options.SpacingMm = 2;
+  EXPECT_EQ(SegmentBreast(plain, options).Contrast, FatContrast::FatBright);
 }
 
 TEST(HoldCutTissue, PutsTheHeldTissueBehindWhatWasCut)

@@ -415,6 +415,29 @@ private:
 };
 }
 
+MaskImage::Pointer BeforeSheet(const MaskImage* body, const ChestWallSheet& sheet, double apartMm,
+  double cutMm)
+{
+  MaskImage::Pointer before = Complement(Dilate(Complement(body), apartMm));
+  const std::array<int, 3> size = SizeOf(*before);
+  for (int z = 0; z < size[2]; ++z)
+  {
+    for (int x = 0; x < size[0]; ++x)
+    {
+      const double wallMm = sheet.Front->GetPixel({ { x, z } });
+      for (int y = 0; y < size[1]; ++y)
+      {
+        const double heightMm = (y + 0.5) * before->GetSpacing()[1];
+        if (heightMm < wallMm + apartMm || heightMm < cutMm)
+        {
+          before->SetPixel({ { x, y, z } }, 0);
+        }
+      }
+    }
+  }
+  return before;
+}
+
 HeightMap::Pointer FrontOf(const MaskImage* mask)
 {
   HeightMap::Pointer front = MakeHeightMap(*mask);

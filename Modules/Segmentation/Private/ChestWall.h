@@ -78,6 +78,11 @@ MAMMORAYSEGMENTATION_EXPORT std::vector<float> BehindSheet(const FloatImage* ima
   const MaskImage* tissue, const HeightMap* skin, const ChestWallSheet& sheet,
   const Behind& behind);
 
+/// The body farther than `apartMm` from the air and before the sheet, and before the coronal plane
+/// at `cutMm`.
+MAMMORAYSEGMENTATION_EXPORT MaskImage::Pointer BeforeSheet(const MaskImage* body,
+  const ChestWallSheet& sheet, double apartMm, double cutMm);
+
 /// Height, mm, of the front face of the foremost voxel of the mask in each column; -1: none.
 MAMMORAYSEGMENTATION_EXPORT HeightMap::Pointer FrontOf(const MaskImage* mask);
 
