@@ -56,7 +56,7 @@ void DeclareInputs(const OptionList& add, RegisterArguments& arguments)
       "Image) all projections against one compression")
     ->excludes(study);
   AddSideOption(add, arguments.Side,
-    "the patient's own breast: which one of a study; of mammograms, in place of the header's");
+    "the patient's own breast: which one of a study; of mammograms, where the header says none");
 }
 
 void DeclareMammograms(const OptionList& add, RegisterArguments& arguments)
