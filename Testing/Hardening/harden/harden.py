@@ -196,17 +196,14 @@ def addresses(limit):
     return lambda: resource.setrlimit(resource.RLIMIT_AS, (limit, limit))
 
 
-def try_machine(program, makers, draws, quick):
-    """Closed streams, odd surroundings, limits on addresses, and a device that is lost or full at each of its calls."""
-    machine = Count("machine")
-    for name in makers.commands:
-        for closed in ("<&- >&- 2>&-",) if quick else ("<&-", ">&-", "2>&-", "<&- >&- 2>&-"):
-            output = program.path("closed-" + name)
-            answer = program.run(*makers.words(name, output, "--overwrite"), shell="{} " + closed)
-            machine.add(answer.done(), "%s with %s" % (name, closed), answer.told())
-        for how, shell, refused in SURROUNDINGS[:2 if quick else None]:
-            answer = program.run(*makers.words(name, program.path("around-" + name), "--overwrite"), shell=shell)
-            machine.add(answer.refused() if refused else answer.done(), "%s with %s" % (name, how), answer.told())
+def is_sanitized(program):
+    with open(os.path.join(program.binaries, "mammoray"), "rb") as file:
+        program_bytes = file.read()
+    return b"__tsan_init" in program_bytes or b"__asan_init" in program_bytes
+
+
+def try_addresses(program, makers, draws, quick, machine):
+    """Limits on addresses, from before the program begins to the middle of its work."""
     # Below 250 MiB the system's own loader ends, with its line, before the program begins.
     for mebibytes in range(250, 2000, 400 if quick else 100):
         limit = (mebibytes + draws.randrange(100)) << 20
@@ -225,6 +222,23 @@ def try_machine(program, makers, draws, quick):
                     for name in ("compressed.vtu", "fused.nrrd", "field.nrrd", "synthetic.dcm")]
         for answer in answers:
             machine.add(answer.done() or answer.refused(), "work with %d MiB of addresses" % (limit >> 20), answer.told())
+
+
+def try_machine(program, makers, draws, quick):
+    """Closed streams, odd surroundings, limits on addresses, and a device that is lost or full at each of its calls."""
+    machine = Count("machine")
+    for name in makers.commands:
+        for closed in ("<&- >&- 2>&-",) if quick else ("<&-", ">&-", "2>&-", "<&- >&- 2>&-"):
+            output = program.path("closed-" + name)
+            answer = program.run(*makers.words(name, output, "--overwrite"), shell="{} " + closed)
+            machine.add(answer.done(), "%s with %s" % (name, closed), answer.told())
+        for how, shell, refused in SURROUNDINGS[:2 if quick else None]:
+            answer = program.run(*makers.words(name, program.path("around-" + name), "--overwrite"), shell=shell)
+            machine.add(answer.refused() if refused else answer.done(), "%s with %s" % (name, how), answer.told())
+    if is_sanitized(program):
+        machine.notes.append("no limits on addresses, of which a sanitizer takes all")
+    else:
+        try_addresses(program, makers, draws, quick, machine)
     layer = os.path.join(program.binaries, "..", "Testing", "Hardening", "layer")
     if not os.path.isdir(layer):
         machine.notes.append("no fault layer built")
