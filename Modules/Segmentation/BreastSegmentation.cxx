@@ -451,17 +451,13 @@ private:
     for (Channel& channel : this->Channels)
     {
       channel.MuscleLevel = this->MuscleLevelOf(channel);
-      if (!channel.FatBright && channel.MuscleLevel < DarkestSuppressedMuscle)
+      if (!IsMuscle(channel.MuscleLevel, channel.FatBright))
       {
-        throw InputError("MRI: expected muscle behind the breast at least " +
-          NumberText(DarkestSuppressedMuscle) + " times as bright as suppressed fat, found " +
-          NumberText(channel.MuscleLevel));
-      }
-      if (channel.FatBright && channel.MuscleLevel > BrightestMuscle)
-      {
-        throw InputError("MRI: expected muscle behind the breast at most " +
-          NumberText(BrightestMuscle) + " times as bright as fat, found " +
-          NumberText(channel.MuscleLevel));
+        throw InputError("MRI: expected muscle behind the breast at " +
+          (channel.FatBright ? "most " + NumberText(BrightestMuscle) + " times as bright as fat"
+                             : "least " + NumberText(DarkestSuppressedMuscle) +
+                " times as bright as suppressed fat") +
+          ", found " + NumberText(channel.MuscleLevel));
       }
       std::vector<float> values = ValuesIn(channel.Image, tissue);
       for (float& value : values)
