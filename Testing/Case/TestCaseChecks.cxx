@@ -2,6 +2,8 @@
 #include "Refusals.h"
 #include "mammoray/Case/Intake.h"
 #include "mammoray/Case/Private/CaseChecks.h"
+#include "mammoray/Case/Private/CasePictures.h"
+#include "mammoray/IO/ShippedData.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -96,6 +98,25 @@ TEST(CaseChecks, AnObliqueViewIsOfTheBreastItsDirectionsSay)
     const std::string refusal = RefusalOf([&] { CheckPicturedBreast(input, view); });
     EXPECT_EQ(refusal != NotRefused, refused) << laterality << direction << ": " << refusal;
   }
+}
+
+TEST(CaseChecks, LengthsInPlaceOfTheHeadersAreTold)
+{
+  const auto warnings = [](double spacingMm, double distanceMm)
+  {
+    RegistrationCase input;
+    input.Mammograms = { DataDirectory() + "/victre-phantom-1/victre1_lcc_processing.dcm" };
+    input.PixelSpacingMm = spacingMm;
+    input.SourceToDetectorMm = distanceMm;
+    std::vector<RegisteredView> views(1);
+    ReadCasePictures(input, views);
+    return views[0].Warnings;
+  };
+  EXPECT_THAT(warnings(0.1004, 650), IsEmpty());
+  EXPECT_THAT(warnings(0.12, 660),
+    ElementsAre("Pixel spacing: 0.12 mm, as --pixel-spacing says; the header says 0.1 mm.",
+      "Source to detector distance: 660 mm, as --source-to-detector says; the header says 650 "
+      "mm."));
 }
 
 TEST(CaseChecks, PicturesShowAsMuchBreastAsTheMri)

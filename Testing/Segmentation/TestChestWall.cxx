@@ -138,6 +138,33 @@ TEST(BehindSheet, HoldsTheTissueOfALayerUnderTheBreast)
   EXPECT_EQ(BehindSheet(image, tissue, skin, sheet, { 3, 9, 10 }).size(), 2u);
 }
 
+TEST(BeforeSheet, IsWhatLiesApartFromWallAndSkinAndBeforeTheCut)
+{
+  // Body up to 60 mm, in one column to 40; the sheet lies at 20 mm.
+  const MaskImage::Pointer body = MadeUpImage<MaskImage>({ 20, 40, 1 }, { 2, 2, 2 },
+    [](int x, int y, int) { return y < (x == 0 ? 20 : 30) ? 1 : 0; });
+  ChestWallSheet sheet;
+  sheet.Front = MadeUpHeights(20, 1, 2, [](int, int) { return 20; });
+  const auto heights = [&](int x, double cutMm)
+  {
+    const MaskImage::Pointer before = BeforeSheet(body, sheet, 4, cutMm);
+    std::vector<int> found;
+    for (int y = 0; y < 40; ++y)
+    {
+      if (before->GetPixel({ { x, y, 0 } }) != 0)
+      {
+        found.push_back(2 * y + 1);
+      }
+    }
+    return found;
+  };
+  EXPECT_THAT(heights(10, 0),
+    testing::AllOf(testing::SizeIs(16), testing::Contains(25), testing::Contains(55)));
+  EXPECT_THAT(heights(0, 0), testing::ElementsAre(25, 27, 29, 31, 33, 35));
+  EXPECT_THAT(heights(0, 30), testing::ElementsAre(31, 33, 35));
+  EXPECT_THAT(heights(0, 40), testing::IsEmpty());
+}
+
 TEST(LogChannel, FallsFromFatToMuscleAndIgnoresTheCoil)
 {
   const MadeUpChest chest{ [](int, int) { return 100; }, [](int, int) { return 50; } };

@@ -3,17 +3,31 @@
 
 #include "Private/CaseChecks.h"
 #include "mammoray/Foundation/Error.h"
+#include "mammoray/Foundation/Numbers.h"
 #include "mammoray/IO/MammogramIO.h"
 #include "mammoray/IO/MammogramPictureIO.h"
 #include "mammoray/Registration/MammogramMask.h"
 #include "mammoray/Registration/TargetPreparation.h"
 
+#include <cmath>
 #include <utility>
 
 namespace mammoray
 {
 namespace
 {
+/// Tells of a length that an option gives in place of the header's, where they differ by more than
+/// the rounding of who typed it.
+void TellOther(const char* what, const char* option, double givenMm, double headerMm,
+  std::vector<std::string>& warnings)
+{
+  if (!(std::abs(givenMm - headerMm) <= 0.01 * headerMm))
+  {
+    warnings.push_back(std::string(what) + ": " + NumberText(givenMm) + " mm, as " + option +
+      " says; the header says " + NumberText(headerMm) + " mm.");
+  }
+}
+
 MammographyUnit UnitOf(const RegistrationCase& input, const std::string& path,
   const Mammogram& mammogram, std::vector<std::string>& warnings)
 {
@@ -27,6 +41,11 @@ MammographyUnit UnitOf(const RegistrationCase& input, const std::string& path,
   if (input.SourceToDetectorMm)
   {
     unit.SourceToDetectorMm = *input.SourceToDetectorMm;
+    if (mammogram.SourceToDetectorMm)
+    {
+      TellOther("Source to detector distance", "--source-to-detector", unit.SourceToDetectorMm,
+        *mammogram.SourceToDetectorMm, warnings);
+    }
   }
   else if (mammogram.SourceToDetectorMm)
   {
@@ -90,7 +109,8 @@ void Describe(const RegistrationCase& input, const std::string& path,
 }
 
 /// One mammogram, or the projections of one compression.
-std::vector<Mammogram> ReadCaseMammograms(const RegistrationCase& input, std::size_t number)
+std::vector<Mammogram> ReadCaseMammograms(const RegistrationCase& input, std::size_t number,
+  std::vector<std::string>& warnings)
 {
   const std::string& path = input.Mammograms[number];
   PictureDescription given{ input.PixelSpacingMm,
@@ -102,6 +122,11 @@ std::vector<Mammogram> ReadCaseMammograms(const RegistrationCase& input, std::si
   }
   std::vector<Mammogram> mammograms = ReadProjections(path);
   CheckWholeBreast(input, path);
+  if (given.PixelSpacingMm)
+  {
+    TellOther("Pixel spacing", "--pixel-spacing", *given.PixelSpacingMm,
+      mammograms.front().ColumnSpacingMm, warnings);
+  }
   for (Mammogram& mammogram : mammograms)
   {
     Describe(input, path, given, mammogram);
@@ -123,7 +148,7 @@ void ReadCasePictures(const RegistrationCase& input, std::vector<RegisteredView>
   const std::size_t number = views.size() - 1;
   RegisteredView& view = views.back();
   const std::string& path = input.Mammograms[number];
-  std::vector<Mammogram> projections = ReadCaseMammograms(input, number);
+  std::vector<Mammogram> projections = ReadCaseMammograms(input, number, view.Warnings);
   const std::size_t middle = MiddleProjection(projections);
   view.Mammogram = std::move(projections[middle]);
   CheckMammogram(input, views);
@@ -140,7 +165,8 @@ void ReadCasePictures(const RegistrationCase& input, std::vector<RegisteredView>
     ExcludePixels(ReadMask(input.Masks[number], view.Target.Columns, view.Target.Rows),
       view.Target);
   }
-  view.Warnings = view.Target.Warnings;
+  view.Warnings.insert(view.Warnings.end(), view.Target.Warnings.begin(),
+    view.Target.Warnings.end());
   view.Unit = UnitOf(input, path, view.Mammogram, view.Warnings);
   if (projections.size() == 1)
   {
