@@ -65,14 +65,15 @@ void Run(FuseArguments& arguments)
     throw InputError("fuse: expected --output, --projection, --maximum-picture or --mean-picture, "
                      "found none");
   }
-  for (const std::string* path :
-    { &arguments.Output, &arguments.Projection, &arguments.MaximumPicture, &arguments.MeanPicture })
+  for (const std::string* path : { &arguments.Output, &arguments.Projection })
   {
     if (!path->empty())
     {
       CheckOutputFile(*path, arguments.Overwrite);
     }
   }
+  CheckPictureFile(arguments.MaximumPicture, arguments.Overwrite);
+  CheckPictureFile(arguments.MeanPicture, arguments.Overwrite);
   if (!arguments.Output.empty())
   {
     CheckLabelVolumeExtension(arguments.Output);

@@ -27,6 +27,9 @@ struct Arguments
   double ThicknessMm = 50;
   std::optional<double> ForceN;
   std::vector<double> PixelSizesMm{ 3, 1.5 };
+  double ShiftMm = 0;
+  std::vector<int> Layers;
+  unsigned Seed = 1;
   std::optional<std::array<double, 3>> Point;
   std::array<int, 2> Size{ 1280, 800 };
   Wall Attachment = Wall::Held;
@@ -45,6 +48,9 @@ void Declare(const OptionList& add, Arguments& arguments)
   add("--thickness", arguments.ThicknessMm, Positive("mm"), "distance of the plates");
   add("--force", arguments.ForceN, Positive("N"), "of the paddle");
   add("--pixel-sizes", arguments.PixelSizesMm, Positive("mm"), "coarse to fine");
+  add("--shift", arguments.ShiftMm, "mm", "of the breast");
+  add("--layers", arguments.Layers, "whole numbers");
+  add("--seed", arguments.Seed, "of what is drawn");
   add.Numbers("--point", arguments.Point, "X Y Z", "a place");
   add.Numbers("--size", arguments.Size, "W H", "of the window");
   add.Choice<Wall>("--chest-wall", arguments.Attachment,
@@ -190,10 +196,38 @@ TEST_F(OptionListTest, CommandLineNamesWhatLiesInTheWorkingFolder)
 TEST_F(OptionListTest, RefusesWhatIsBeyondTheRange)
 {
   for (const char* unusable : { "--thickness 0", "--thickness nan", "--thickness inf",
-         "--pixel-sizes 3 -1", "--chest-wall loose", "--point 1 2", "--force many" })
+         "--pixel-sizes 3 -1", "--chest-wall loose", "--point 1 2", "--point 1 2 inf" })
   {
     EXPECT_THROW(this->Parse(unusable), CLI::ParseError) << unusable;
   }
+}
+
+TEST_F(OptionListTest, TellsWhichNumbersAreExpected)
+{
+  const auto refusal = [this](const std::string& arguments) -> std::string
+  {
+    try
+    {
+      this->Parse(arguments);
+    }
+    catch (const CLI::ParseError& error)
+    {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_EQ(refusal("--force many"), "--force: expected a number greater than 0, found many");
+  EXPECT_EQ(refusal("--shift x"), "--shift: expected a number, found x");
+  EXPECT_EQ(refusal("--shift=-inf"), "--shift: expected a number, found -inf");
+  EXPECT_EQ(refusal("--point 1 y 2"), "--point: expected a number, found y");
+  EXPECT_EQ(refusal("--layers 1 2.5"), "--layers: expected a whole number, found 2.5");
+  EXPECT_EQ(refusal("--layers 3e9"),
+    "--layers: expected a whole number from -2147483648 to 2147483647, found 3e9");
+  EXPECT_EQ(refusal("--seed=-1"), "--seed: expected a whole number from 0 to 4294967295, found -1");
+  EXPECT_EQ(refusal("--shift=-3 --layers 1 -2 --seed 7 --size 1 2"), "");
+  EXPECT_EQ(given.ShiftMm, -3);
+  EXPECT_EQ(given.Layers, (std::vector<int>{ 1, -2 }));
+  EXPECT_EQ(given.Seed, 7u);
 }
 
 TEST(Quantity, RangesIncludeTheirEnds)

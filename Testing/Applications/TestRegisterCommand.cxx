@@ -139,6 +139,16 @@ protected:
 };
 }
 
+TEST_F(RegisterCommand, FuseRefusesAnOutputBeforeItReadsAResult)
+{
+  for (const auto& [output, expected] : { std::pair{ "--mean-picture mean.jpg", ".png" },
+         std::pair{ "--maximum-picture maximum", ".png" }, std::pair{ "-o fused.png", ".nrrd" },
+         std::pair{ "--projection rays.jpg", ".vti" } })
+  {
+    this->ExpectRefused(std::string("fuse --result none --image none.nrrd ") + output, expected);
+  }
+}
+
 TEST_F(RegisterCommand, RefusesUnusableInputInOneLine)
 {
   this->ExpectRefused(this->Register("missing.nrrd", Materials, MammogramFile),

@@ -11,7 +11,6 @@ namespace mammoray
 {
 namespace
 {
-/// CLI11's own ranges take NaN and tell the largest double in full.
 template <typename Accepts>
 CLI::Validator NumberThat(const Accepts& accepts, const std::string& expected,
   const std::string& forHelp)
@@ -21,11 +20,15 @@ CLI::Validator NumberThat(const Accepts& accepts, const std::string& expected,
     {
       double value = 0;
       const bool isNumber = CLI::detail::lexical_cast(text, value) && std::isfinite(value);
-      return isNumber && accepts(value) ? std::string()
-                                        : "expected " + expected + ", found " + text;
+      return RefusalUnless(isNumber && accepts(value), expected, text);
     },
     forHelp);
 }
+}
+
+std::string RefusalUnless(bool isSo, const std::string& expected, const std::string& text)
+{
+  return isSo ? "" : "expected " + expected + ", found " + text;
 }
 
 Quantity Positive(const char* unit)

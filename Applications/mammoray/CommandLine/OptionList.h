@@ -10,6 +10,8 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -45,6 +47,41 @@ Quantity NonNegative(const char* unit = "");
 /// Numbers from least to most.
 Quantity Between(double least, double most, const char* unit = "");
 
+/// "expected WHAT, found TEXT" unless that is so. CLI11's own checks of numbers take NaN, tell the
+/// largest double in full, or do not tell what they expected.
+std::string RefusalUnless(bool isSo, const std::string& expected, const std::string& text);
+
+/// What can be a value of this type: whole numbers that it holds, or finite numbers.
+template <typename Number>
+CLI::Validator NumberOfType()
+{
+  return CLI::Validator(
+    [](const std::string& text)
+    {
+      Number value{};
+      double real = 0;
+      const bool isNumber = CLI::detail::lexical_cast(text, value);
+      const bool isReal = CLI::detail::lexical_cast(text, real) && std::isfinite(real);
+      if constexpr (std::is_integral_v<Number>)
+      {
+        using Limits = std::numeric_limits<Number>;
+        const bool isBeyond = isReal &&
+          (real < static_cast<double>(Limits::min()) || real > static_cast<double>(Limits::max()));
+        return RefusalUnless(isNumber,
+          "a whole number" +
+            (isBeyond
+                ? " from " + std::to_string(Limits::min()) + " to " + std::to_string(Limits::max())
+                : ""),
+          text);
+      }
+      else
+      {
+        return RefusalUnless(isNumber && isReal, "a number", text);
+      }
+    },
+    "");
+}
+
 /// Throws InputError at what is no file or folder: a pipe that nobody writes into is waited for
 /// without end, a device never ends, and inputs are read more than once. What is not there passes,
 /// as names of shipped files do; readers tell.
@@ -74,7 +111,7 @@ public:
   template <typename T>
   CLI::Option* operator()(const std::string& name, T& value, const std::string& help) const
   {
-    return this->Placed(WithDefault(this->Command->add_option(name, value, help), value));
+    return WithNumbers<T>(this->Declared(name, value, help));
   }
 
   /// Files or folders that are read, one or a list, or names of shipped ones: a configuration file
@@ -90,7 +127,7 @@ public:
   CLI::Option* operator()(const std::string& name, T& value, const Quantity& quantity,
     const std::string& help) const
   {
-    CLI::Option* option = (*this)(name, value, help);
+    CLI::Option* option = this->Declared(name, value, help);
     if (!quantity.Unit.empty())
     {
       option->type_name(quantity.Unit);
@@ -99,7 +136,7 @@ public:
     {
       option->check(*quantity.Range);
     }
-    return option;
+    return WithNumbers<T>(option);
   }
 
   /// So many numbers at once; `type` names them in --help: "X Y Z". Of an optional array --help
@@ -112,6 +149,7 @@ public:
     { std::copy(numbers.begin(), numbers.end(), value.emplace().begin()); };
     return this->Placed(this->Command->add_option_function<std::vector<Number>>(name, take, help)
                           ->expected(static_cast<int>(Count))
+                          ->check(NumberOfType<Number>())
                           ->type_name(type));
   }
   template <typename Number, std::size_t Count>
@@ -123,6 +161,7 @@ public:
     const std::vector<Number> standard(value.begin(), value.end());
     return this->Placed(this->Command->add_option_function<std::vector<Number>>(name, take, help)
                           ->expected(static_cast<int>(Count))
+                          ->check(NumberOfType<Number>())
                           ->type_name(type)
                           ->default_str("[" + CLI::detail::join(standard) + "]"));
   }
@@ -175,9 +214,33 @@ public:
   CLI::App& App() const { return *this->Command; }
 
 private:
+  template <typename T>
+  CLI::Option* Declared(const std::string& name, T& value, const std::string& help) const
+  {
+    return this->Placed(WithDefault(this->Command->add_option(name, value, help), value));
+  }
+
   CLI::Option* Placed(CLI::Option* option) const
   {
     return this->Heading.empty() ? option : option->group(this->Heading);
+  }
+
+  /// Checks numbers, those of lists and optional ones, after what else is asked of them.
+  template <typename T>
+  static CLI::Option* WithNumbers(CLI::Option* option)
+  {
+    if constexpr (std::is_arithmetic_v<T>)
+    {
+      return option->check(NumberOfType<T>());
+    }
+    else if constexpr (std::is_same_v<T, std::string>)
+    {
+      return option;
+    }
+    else
+    {
+      return WithNumbers<typename T::value_type>(option);
+    }
   }
 
   template <typename T>
