@@ -201,16 +201,20 @@ std::string NamesOf(const std::vector<NamedBreast>& breasts)
   return names;
 }
 
-/// Where it is in the volume, and, by the same registration, in both mammograms.
-void PrintInBoth(const RegisteredBreast& breast, const std::vector<NamedBreast>& others,
+/// The pixel of another view that --also names; nullopt where it is not given.
+std::optional<SeenInView> AlsoAsked(const std::vector<NamedBreast>& others,
   const LocateArguments& arguments)
 {
+  if (arguments.Also.empty())
+  {
+    return std::nullopt;
+  }
   const auto [view, place] =
     SplitAssignment(arguments.Also, "--also", "VIEW=COLUMN,ROW, for example mlo=640,710");
   std::array<double, 2> pixel{};
   int end = 0;
   if (std::sscanf(place.c_str(), "%lf,%lf%n", &pixel[0], &pixel[1], &end) != 2 ||
-    static_cast<std::size_t>(end) != place.size())
+    static_cast<std::size_t>(end) != place.size() || !std::isfinite(pixel[0] + pixel[1]))
   {
     throw InputError("--also: expected VIEW=COLUMN,ROW, for example mlo=640,710, found '" +
       Printable(arguments.Also) + "'");
@@ -222,7 +226,11 @@ void PrintInBoth(const RegisteredBreast& breast, const std::vector<NamedBreast>&
     throw InputError("--also: expected one of the result's other views, " + NamesOf(others) +
       ", found '" + Printable(view) + "'");
   }
-  const auto found = FindInTwoViews({ &breast, *arguments.Pixel }, { &other->Breast, pixel });
+  return SeenInView{ &other->Breast, pixel };
+}
+
+void PrintInBoth(const std::optional<TissueInTwoViews>& found)
+{
   if (!found)
   {
     std::printf("behind both: nothing; an X-ray misses the breast\n");
@@ -409,10 +417,13 @@ void Run(LocateArguments& arguments)
   }
   else
   {
+    const std::optional<SeenInView> also = AlsoAsked(others, arguments);
+    const std::optional<TissueInTwoViews> both =
+      also ? FindInTwoViews({ &asked->Breast, *arguments.Pixel }, *also) : std::nullopt;
     PrintPixel(asked->Breast, others, arguments);
-    if (!arguments.Also.empty())
+    if (also)
     {
-      PrintInBoth(asked->Breast, others, arguments);
+      PrintInBoth(both);
     }
   }
 }

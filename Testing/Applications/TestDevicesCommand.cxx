@@ -34,7 +34,7 @@ TEST_F(DevicesCommand, RefusesInOneLine)
     "VK_DRIVER_FILES=/nonexistent VK_ICD_FILENAMES=/nonexistent");
   if (!ListDevices().empty())
   {
-    this->ExpectRefused("devices --device 'abacus of bronze'", "abacus of bronze");
+    this->ExpectRefusedAfterListing("devices --device 'abacus of bronze'", "abacus of bronze");
   }
   EXPECT_EQ(this->Run("devices --projector guessing"), 2);
 }

@@ -34,7 +34,7 @@ TEST_F(IntakeCommand, SaysWhatIsTakenAndWhy)
   EXPECT_EQ(read.at("taken").at("position"), "prone");
 
   // What there is is listed even where it cannot be registered.
-  this->ExpectRefused("intake " + study.Folder(), "left CC, right CC");
+  this->ExpectRefusedAfterListing("intake " + study.Folder(), "left CC, right CC");
   EXPECT_THAT(this->Output, HasSubstr("mammograms: 2"));
   this->ExpectRefused("intake " + study.Folder() + " --side left --json " + json, "--overwrite");
   this->ExpectRefused("intake " + this->Folder.File("nowhere"), "found nothing there");

@@ -575,6 +575,7 @@ TEST_F(RegisterCommand, RegistersTheShippedPhantom)
   this->CommandTest::ExpectRefused(seen + "mlo=300,500",
     "expected one of the result's other views, cc-2, found 'mlo'");
   this->CommandTest::ExpectRefused(seen + "cc-2=300", "expected VIEW=COLUMN,ROW");
+  this->CommandTest::ExpectRefused(seen + "cc-2=300,nan", "expected VIEW=COLUMN,ROW");
   this->CommandTest::ExpectRefused("locate --result " + joint + " --point 30 10 -5 --also cc-2=1,2",
     "expected --pixel beside it");
   EXPECT_THAT(ReadFile(this->Folder.File("line.csv")),

@@ -51,7 +51,7 @@ TEST_F(StudyCommand, WhatFilesTellIsRefusedBeforeAnyWork)
       { "register --side left -o " + this->Folder.File("result") + " --study ",
         std::string("intake --side left ") })
     {
-      this->ExpectRefused(command + files.Folder(), message);
+      this->ExpectRefusedAfterListing(command + files.Folder(), message);
     }
   };
   MadeUpStudy otherPatient;
@@ -92,7 +92,8 @@ TEST_F(StudyCommand, LeadsFromThePatientsFilesToTheAnswer)
   const std::string result = this->Folder.File("result");
   const std::string arguments = "register --study " + study +
     "/export --anatomy-cell-size 8 --simulation-cell-size 16 --pixel-sizes 3 -o " + result;
-  this->ExpectRefused(arguments + " --side right", "of the right breast, found left CC, left MLO");
+  this->ExpectRefusedAfterListing(arguments + " --side right",
+    "of the right breast, found left CC, left MLO");
   // Mammograms of a breast of 0.4 of its size, as those of another patient with her header.
   const std::string other = this->Folder.File("other");
   fs::copy(study + "/export", other, fs::copy_options::recursive);
@@ -109,7 +110,7 @@ TEST_F(StudyCommand, LeadsFromThePatientsFilesToTheAnswer)
     }
   }
   ASSERT_GE(forged, 2u);
-  this->ExpectRefused("register --side left -o " + result + " --study " + other,
+  this->ExpectRefusedAfterListing("register --side left -o " + result + " --study " + other,
     "of another breast, or of a part of it");
   ASSERT_EQ(this->Run(arguments + " --side left"), 0) << this->Errors;
   EXPECT_THAT(this->Output, HasSubstr("taken: T1 without fat suppression"));

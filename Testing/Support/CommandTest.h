@@ -41,8 +41,16 @@ protected:
     return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
   }
 
-  /// One line that holds `text`, and exit status 1.
+  /// One line that holds `text`, nothing else, and exit status 1.
   void ExpectRefused(const std::string& arguments, const std::string& text,
+    const std::string& environment = "")
+  {
+    this->ExpectRefusedAfterListing(arguments, text, environment);
+    EXPECT_EQ(this->Output, "") << arguments;
+  }
+
+  /// The same of a command that first lists what there is.
+  void ExpectRefusedAfterListing(const std::string& arguments, const std::string& text,
     const std::string& environment = "")
   {
     EXPECT_EQ(this->Run(arguments, environment), 1) << arguments;

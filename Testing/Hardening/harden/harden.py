@@ -17,6 +17,7 @@ import time
 
 from dicomBytes import DicomBytes
 from meanings import try_meanings
+from options import try_options
 from privacy import try_privacy
 from program import Count, Program
 
@@ -122,7 +123,7 @@ def try_kills(program, makers, seed, count):
         for _ in range(count):
             old = draws.random() < 0.5
             if not old:
-                shutil.rmtree(output) if os.path.isdir(output) else os.remove(output)
+                program.remove(output)
             process = program.start(*makers.words(name, output, "--overwrite"))
             try:
                 process.wait(draws.uniform(0, 1.1 * lasts))
@@ -336,15 +337,16 @@ def main():
     parser.add_argument("binaries", help="folder with mammoray, damageFiles, replayCorpus and TestIO")
     parser.add_argument("--data", default=os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "..", "Data"))
     parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--count", type=int, default=150, help="damaged files of each format; a tenth of it kills of each command")
-    parser.add_argument("--only", default="files,kills,disk,machine,texts,meanings,privacy")
+    parser.add_argument("--count", type=int, default=150, help="damaged files of each format; a tenth of it kills of each "
+                        "command, a fortieth of it values of each option")
+    parser.add_argument("--only", default="files,kills,disk,machine,texts,options,meanings,privacy")
     parser.add_argument("--quick", action="store_true", help="fewer limits and faults")
     arguments = parser.parse_args()
     program = Program(arguments.binaries, arguments.data)
     os.chmod(program.scratch, 0o755)
     draws = random.Random(arguments.seed)
     classes = arguments.only.split(",")
-    makers = Makers(program, arguments.quick) if set(classes) & {"kills", "disk", "machine", "texts"} else None
+    makers = Makers(program, arguments.quick) if set(classes) & {"kills", "disk", "machine", "texts", "options"} else None
     counts = []
     for name in classes:
         begun = time.monotonic()
@@ -358,6 +360,8 @@ def main():
             found = [try_machine(program, makers, draws, arguments.quick)]
         elif name == "texts":
             found = [try_texts(program, makers)]
+        elif name == "options":
+            found = [try_options(program, makers, draws, arguments.count)]
         elif name == "meanings":
             found = [try_meanings(program, draws, arguments.quick)]
         elif name == "privacy":

@@ -3,6 +3,7 @@
 import os
 import re
 import resource
+import shutil
 import signal
 import subprocess
 import tempfile
@@ -71,6 +72,10 @@ class Program:
             out, err = process.communicate()
             status = None
         return Answer(status, out.decode(errors="replace"), err.decode(errors="replace"))
+
+    @staticmethod
+    def remove(path):
+        shutil.rmtree(path) if os.path.isdir(path) else os.remove(path)
 
     def start(self, *words):
         return subprocess.Popen([self.mammoray, *map(str, words)], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
