@@ -65,23 +65,18 @@ void Run(FuseArguments& arguments)
     throw InputError("fuse: expected --output, --projection, --maximum-picture or --mean-picture, "
                      "found none");
   }
-  for (const std::string* path : { &arguments.Output, &arguments.Projection })
-  {
-    if (!path->empty())
-    {
-      CheckOutputFile(*path, arguments.Overwrite);
-    }
-  }
-  CheckPictureFile(arguments.MaximumPicture, arguments.Overwrite);
-  CheckPictureFile(arguments.MeanPicture, arguments.Overwrite);
   if (!arguments.Output.empty())
   {
+    CheckOutputFile(arguments.Output, arguments.Overwrite);
     CheckLabelVolumeExtension(arguments.Output);
   }
   if (!arguments.Projection.empty())
   {
+    CheckOutputFile(arguments.Projection, arguments.Overwrite);
     CheckProjectionExtension(arguments.Projection);
   }
+  CheckPictureFile(arguments.MaximumPicture, arguments.Overwrite);
+  CheckPictureFile(arguments.MeanPicture, arguments.Overwrite);
   if (!arguments.AcceptUnusual)
   {
     CheckPlausible(Plausible::VoxelSpacing, arguments.SpacingMm, "--spacing", AcceptUnusualHint);
