@@ -7,6 +7,7 @@
 #include "mammoray/IO/MeshIO.h"
 #include "mammoray/IO/ProjectionImage.h"
 #include "mammoray/IO/ShippedData.h"
+#include "mammoray/IO/WholeOutput.h"
 
 #ifdef MAMMORAY_HAS_MESHING
 #include "mammoray/Evidence/VirtualStudy.h"
@@ -41,38 +42,39 @@ struct ExampleArguments
 #endif
 };
 
-/// Removes at the end of the process the folder that was made, where nothing came into it.
-class MadeFolder
+/// An example's files in a folder: mesh, transmission and picture.
+struct ExampleFiles
 {
-public:
-  MadeFolder() = default;
-  MadeFolder(const MadeFolder&) = delete;
-  MadeFolder& operator=(const MadeFolder&) = delete;
-  ~MadeFolder()
+  ExampleFiles(const std::string& folder, const std::string& name)
+    : Mesh((fs::path(folder) / (name + ".vtp")).string())
+    , Image((fs::path(folder) / (name + ".mha")).string())
+    , Picture((fs::path(folder) / (name + ".png")).string())
   {
-    std::error_code ignored;
-    fs::remove(this->Path, ignored); // an empty one only
   }
-  std::string Path;
+  std::string Mesh;
+  std::string Image;
+  std::string Picture;
 };
 
-/// Makes the folder, if its parent is there; throws InputError where it or a file in it cannot be.
-void PrepareFolder(const std::string& folder, const std::vector<std::string>& files, bool overwrite)
+/// Whether the folder is to be made, with all files at once; throws InputError where it cannot be,
+/// and where one is there that the files cannot be put into.
+bool IsFolderToBeMade(const std::string& folder, const ExampleFiles& files, bool overwrite)
 {
-  // Before the files are claimed, so that it goes after what their claims leave there.
-  static MadeFolder made;
-  std::error_code failure;
-  const bool exists = fs::is_directory(folder);
-  if (!exists && (!fs::create_directory(folder, failure) || failure))
+  std::error_code none;
+  if (!folder.empty() && !fs::exists(folder, none))
   {
-    throw InputError(
-      "output " + folder + ": expected a folder, or a name for one in a folder that exists");
+    ClaimFolder(folder);
+    return true;
   }
-  made.Path = exists ? "" : folder;
-  for (const std::string& file : files)
+  if (!fs::is_directory(folder, none))
+  {
+    throw InputError("output " + folder + ": expected a folder, or a name for a new one");
+  }
+  for (const std::string& file : { files.Mesh, files.Image, files.Picture })
   {
     CheckOutputFile(file, overwrite);
   }
+  return false;
 }
 
 #ifdef MAMMORAY_HAS_MESHING
@@ -165,11 +167,8 @@ void Run(ExampleArguments& arguments)
   const ExampleScene scene = MakeExampleScene(arguments.Name);
   const std::vector<std::string> names = scene.Materials.Names();
   const Beam beam = MakeBeam(scene.Materials, spectrum, DetectorResponse::EnergyIntegrating);
-  const std::string stem = (fs::path(arguments.Output) / scene.Name).string();
-  const std::string meshPath = stem + ".vtp";
-  const std::string imagePath = stem + ".mha";
-  const std::string picturePath = stem + ".png";
-  PrepareFolder(arguments.Output, { meshPath, imagePath, picturePath }, arguments.Overwrite);
+  const ExampleFiles files(arguments.Output, scene.Name);
+  const bool makesFolder = IsFolderToBeMade(arguments.Output, files, arguments.Overwrite);
 
   ReportProgress(progress, 0.3, "projecting");
   const auto projector = MakeProjector(arguments.Projector);
@@ -177,17 +176,29 @@ void Run(ExampleArguments& arguments)
   const Exposure exposure = Expose(*projector, scene.Source, scene.Detector, beam);
   const auto image = ToImage(exposure, scene.Detector, names);
 
-  ReportProgress(progress, 0.4, "writing");
-  WriteMesh(ToPolyData(scene.Surface, names), meshPath);
-  ReportProgress(progress, 0.9, "writing");
-  WriteProjection(image, imagePath);
-  WriteRadiograph(image, picturePath);
+  const auto write = [&](const std::string& folder)
+  {
+    const ExampleFiles into(folder, scene.Name);
+    ReportProgress(progress, 0.4, "writing");
+    WriteMesh(ToPolyData(scene.Surface, names), into.Mesh);
+    ReportProgress(progress, 0.9, "writing");
+    WriteProjection(image, into.Image);
+    WriteRadiograph(image, into.Picture);
+  };
+  if (makesFolder)
+  {
+    WriteWholeFolder(arguments.Output, write);
+  }
+  else
+  {
+    write(arguments.Output);
+  }
   ReportProgress(progress, 1.0, "done");
   std::printf("%s: %zu triangles, %zu materials, %d x %d pixels, on %s, %s\n%s\n%s\n%s\n",
     scene.Name.c_str(), scene.Surface.NumberOfTriangles(), scene.Materials.Materials.size() - 1,
     scene.Detector.Columns, scene.Detector.Rows, projector->DeviceName().c_str(),
-    MethodName(projector->Method()).c_str(), meshPath.c_str(), imagePath.c_str(),
-    picturePath.c_str());
+    MethodName(projector->Method()).c_str(), files.Mesh.c_str(), files.Image.c_str(),
+    files.Picture.c_str());
 }
 }
 

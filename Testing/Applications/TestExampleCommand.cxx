@@ -9,7 +9,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <cstdlib>
+#include <future>
 
 using namespace mammoray;
 using testing_support::ReadFile;
@@ -52,6 +54,28 @@ TEST_F(ExampleCommand, WritesMeshImageAndPicture)
   EXPECT_EQ(count, 3u);
 }
 
+// A folder that was not there appears with all that belongs into it: whoever looks before, or ends
+// the program then, finds none.
+TEST_F(ExampleCommand, MakesItsFolderWithAllFilesAtOnce)
+{
+  if (ListDevices().empty())
+  {
+    GTEST_SKIP() << "no Vulkan device";
+  }
+  const auto running =
+    std::async(std::launch::async, [&] { return this->Run("example test -o " + this->Target); });
+  while (!std::filesystem::exists(this->Target) &&
+    running.wait_for(std::chrono::milliseconds(1)) == std::future_status::timeout)
+  {
+  }
+  for (const char* file : { "/test.vtp", "/test.mha", "/test.png" })
+  {
+    EXPECT_TRUE(std::filesystem::exists(this->Target + file)) << file;
+  }
+  running.wait();
+  EXPECT_EQ(this->Errors, "");
+}
+
 TEST_F(ExampleCommand, RefusesInOneLine)
 {
   const auto refused = [&](const std::string& arguments, const std::string& text)
@@ -64,6 +88,7 @@ TEST_F(ExampleCommand, RefusesInOneLine)
   refused("brest -o " + this->Target, "did you mean breast?");
   refused("xylophone -o " + this->Target, "known are test, boxes, veins, breast");
   refused("test -o /nowhere/at/all", "/nowhere/at/all");
+  refused("test -o /dev/null", "expected a folder");
   refused("test --spectrum W99 -o " + this->Target, "W28kVp");
   refused("study --labels nowhere.nrrd -o " + this->Target, "nowhere.nrrd");
   // The test's own folder holds what the command printed.

@@ -419,6 +419,29 @@ TEST_F(ProjectCommand, ALimitOnTheStackIsTold)
     "mammoray: expected at least 1024 KiB of stack (ulimit -s), found 64\n");
 }
 
+// Where the limit on files is smaller than what drivers map of them, access ends in SIGBUS: at once
+// as in the middle of the work.
+TEST_F(ProjectCommand, ALimitOnFilesIsTold)
+{
+  if (!HasDevice())
+  {
+    GTEST_SKIP() << "no Vulkan device";
+  }
+  const std::string small = testing_support::MammorayExecutable() + " devices";
+  const std::string large =
+    testing_support::MammorayExecutable() + " example veins -o " + this->Folder.File("veins");
+  for (const auto& [kibibytes, command] : { std::pair(8, small), std::pair(20000, large) })
+  {
+    const std::string line = "bash -c 'ulimit -f " + std::to_string(kibibytes) + "; exec " +
+      command + "' >/dev/null 2>" + this->Folder.File("err");
+    EXPECT_EQ(WEXITSTATUS(std::system(line.c_str())), 1);
+    EXPECT_THAT(ReadFile(this->Folder.File("err")),
+      testing::ContainsRegex("mammoray: Vulkan: expected at least [0-9]* KiB of file size .ulimit "
+                             "-f., where drivers keep memory, found " +
+        std::to_string(kibibytes) + "\n$"));
+  }
+}
+
 // Where a container's user has none Mesa would say twice that it cannot keep its shaders.
 TEST_F(ProjectCommand, AUserWithoutAHomeReadsNothingOfLibraries)
 {

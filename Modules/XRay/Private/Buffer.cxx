@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Private/Buffer.h"
 
+#include "Private/VulkanInstance.h"
+
 #include <algorithm>
+#include <atomic>
 #include <utility>
 
 namespace mammoray
@@ -79,6 +82,17 @@ Allocation Allocate(const VulkanDevice& device, const vk::MemoryRequirements& re
   return allocate(types.back());
 }
 
+/// Counts memory of the software device until the last share is gone. Throws DeviceError where the
+/// limit on the size of files leaves too little.
+std::shared_ptr<void> ShareOfMemory(vk::DeviceSize bytes)
+{
+  static std::atomic<vk::DeviceSize> all = 0;
+  all += bytes;
+  std::shared_ptr<void> share(&all, [bytes](void*) { all -= bytes; });
+  CheckFileSizeLimit(all);
+  return share;
+}
+
 /// Whether the host is to work in memory of such a type.
 bool IsMapped(const VulkanDevice& device, vk::MemoryPropertyFlags type, MemoryUse use)
 {
@@ -96,7 +110,12 @@ Buffer::Buffer(const VulkanDevice& device, vk::DeviceSize bytes, vk::BufferUsage
 {
   const bool addressed = static_cast<bool>(usage & vk::BufferUsageFlagBits::eShaderDeviceAddress);
   this->Object.emplace(device.Device(), vk::BufferCreateInfo({}, bytes, usage));
-  Allocation allocation = Allocate(device, this->Object->getMemoryRequirements(), use, addressed);
+  const vk::MemoryRequirements requirements = this->Object->getMemoryRequirements();
+  if (device.IsSoftware())
+  {
+    this->Share = ShareOfMemory(requirements.size);
+  }
+  Allocation allocation = Allocate(device, requirements, use, addressed);
   this->Memory.emplace(std::move(allocation.Memory));
   this->Object->bindMemory(**this->Memory, 0);
   if (addressed)

@@ -5,6 +5,7 @@
 #include "Private/VulkanDevice.h"
 
 #include <cstddef>
+#include <memory>
 #include <vector>
 
 namespace mammoray
@@ -37,6 +38,7 @@ public:
   }
 
 private:
+  std::shared_ptr<void> Share; // in what the process has of the software device
   std::optional<vk::raii::DeviceMemory> Memory;
   std::optional<vk::raii::Buffer> Object;
   vk::DeviceSize Size = 0;

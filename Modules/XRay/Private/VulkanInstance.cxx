@@ -3,6 +3,8 @@
 
 #include "mammoray/XRay/DeviceError.h"
 
+#include <sys/resource.h>
+
 #include <algorithm>
 #include <cstring>
 #include <utility>
@@ -15,6 +17,7 @@ constexpr const char* ValidationLayer = "VK_LAYER_KHRONOS_validation";
 
 vk::raii::Context OpenLoader()
 {
+  CheckFileSizeLimit(0);
   try
   {
     return vk::raii::Context();
@@ -58,6 +61,21 @@ vk::raii::Instance MakeInstance(const vk::raii::Context& context, bool validatio
     throw DeviceError(NoDevice, "VK_ERROR_INCOMPATIBLE_DRIVER");
   }
 }
+}
+
+void CheckFileSizeLimit(vk::DeviceSize bytes)
+{
+  // The index of Mesa's cache of shaders has 1.3 MB; what pipelines and their sets take is less.
+  constexpr vk::DeviceSize ofDrivers = vk::DeviceSize{ 16 } << 20;
+  rlimit limit{};
+  const vk::DeviceSize least = ofDrivers + 2 * bytes;
+  if (getrlimit(RLIMIT_FSIZE, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY &&
+    limit.rlim_cur < least)
+  {
+    throw DeviceError("Vulkan: expected at least " + std::to_string((least + 1023) >> 10) +
+      " KiB of file size (ulimit -f), where drivers keep memory, found " +
+      std::to_string(limit.rlim_cur >> 10));
+  }
 }
 
 VulkanInstance& VulkanInstance::Get(bool validation)

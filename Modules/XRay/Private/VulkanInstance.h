@@ -40,6 +40,14 @@ private:
   std::optional<vk::raii::DebugUtilsMessengerEXT> Messenger;
 };
 
+/**
+ * Mesa's software device keeps its memory in one file without a name, and its drivers their caches
+ * in mapped ones: where the system does not let a file grow (RLIMIT_FSIZE, ulimit -f), the process
+ * ends by SIGBUS at the first access. Throws DeviceError where the limit leaves no room for so much
+ * memory of that device, as pieces that come and go may need up to twice as much.
+ */
+void CheckFileSizeLimit(vk::DeviceSize bytes);
+
 /// What is said where the loader finds no device.
 inline constexpr const char* NoDevice =
   "no Vulkan: the loader found no driver for any device (Debian: mesa-vulkan-drivers)";

@@ -197,6 +197,11 @@ def addresses(limit):
     return lambda: resource.setrlimit(resource.RLIMIT_AS, (limit, limit))
 
 
+def file_size(limit):
+    """Lets no file grow further, as ulimit -f does."""
+    return lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit))
+
+
 def is_sanitized(program):
     with open(os.path.join(program.binaries, "mammoray"), "rb") as file:
         program_bytes = file.read()
@@ -225,6 +230,20 @@ def try_addresses(program, makers, draws, quick, machine):
             machine.add(answer.done() or answer.refused(), "work with %d MiB of addresses" % (limit >> 20), answer.told())
 
 
+def try_file_sizes(program, makers, draws, quick, machine):
+    """Limits on the size of files, among them those that drivers map: from no file at all to large ones."""
+    for _ in range(2 if quick else 10):
+        limit = int(2 ** draws.uniform(12, 28))
+        names = ["example", "image.mha", "mesh.vtu", *([] if quick else ("compressed.vtu", "fused.nrrd", "synthetic.dcm"))]
+        answers = [program.run("devices", limits=file_size(limit))]
+        answers += [program.run(*makers.words(name, program.path("small-" + name), "--overwrite"), limits=file_size(limit))
+                    for name in names]
+        answers += [] if quick else [program.register(program.path("small-result"), limits=file_size(limit))]
+        for answer in answers:
+            machine.add(answer.done() or answer.refused() or (answer is answers[0] and answer.status in (0, 1)),
+                        "files of at most %d KiB" % (limit >> 10), answer.told())
+
+
 def try_machine(program, makers, draws, quick):
     """Closed streams, odd surroundings, limits on addresses, and a device that is lost or full at each of its calls."""
     machine = Count("machine")
@@ -240,6 +259,7 @@ def try_machine(program, makers, draws, quick):
         machine.notes.append("no limits on addresses, of which a sanitizer takes all")
     else:
         try_addresses(program, makers, draws, quick, machine)
+    try_file_sizes(program, makers, draws, quick, machine)
     layer = os.path.join(program.binaries, "..", "Testing", "Hardening", "layer")
     if not os.path.isdir(layer):
         machine.notes.append("no fault layer built")
