@@ -338,3 +338,12 @@ TEST_F(MeshCommand, WarnsOfPlatesThinnerThanTheirFacets)
   ASSERT_EQ(this->Run(command + " --overwrite --thin fat"), 0) << this->Errors;
   EXPECT_THAT(this->Errors, testing::Not(testing::HasSubstr("warning")));
 }
+
+// A limit that may be passed asks to stop, once and again with each further second of work.
+TEST_F(MeshCommand, EndsCleanlyAtALimitOnProcessorTime)
+{
+  const std::string fine = "mesh " + this->Inputs + " --cell-size 0.15 -o " + this->Mesh;
+  this->CommandTest::ExpectRefused(fine, "interrupted", "ulimit -St 1;");
+  EXPECT_FALSE(std::filesystem::exists(this->Mesh));
+  EXPECT_FALSE(std::filesystem::exists(this->Mesh + ".partial"));
+}

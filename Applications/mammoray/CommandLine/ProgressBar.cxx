@@ -30,6 +30,10 @@ void OnAlarm(int)
 
 void OnInterrupt(int signal)
 {
+  if (signal == SIGXCPU && interruptCount > 0)
+  {
+    return; // comes again with each second of the processor's
+  }
   interruptCount = interruptCount + 1;
   interruptSignal = signal;
   alarm(SecondsUntilHeard);
@@ -154,7 +158,7 @@ bool InterruptRequested()
 {
   static const bool installed = []
   {
-    for (const int signal : { SIGINT, SIGTERM, SIGHUP })
+    for (const int signal : { SIGINT, SIGTERM, SIGHUP, SIGXCPU })
     {
       if (std::signal(signal, OnInterrupt) == SIG_IGN)
       {

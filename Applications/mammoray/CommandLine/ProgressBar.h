@@ -15,8 +15,9 @@ namespace mammoray
  */
 ProgressCallback MakeProgressBar();
 
-/// True once the program was asked to stop, by Ctrl-C, SIGTERM or the end of its terminal; installs
-/// the handlers at the first call. The second time ends it at once.
+/// True once the program was asked to stop, by Ctrl-C, SIGTERM, the end of its terminal or a limit
+/// on its processor time that may be passed (ulimit -St); installs the handlers at the first call.
+/// The second time, but of that limit, ends it at once.
 bool InterruptRequested();
 }
 
