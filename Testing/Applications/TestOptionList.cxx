@@ -224,6 +224,15 @@ TEST_F(OptionListTest, TellsWhichNumbersAreExpected)
   EXPECT_EQ(refusal("--layers 3e9"),
     "--layers: expected a whole number from -2147483648 to 2147483647, found 3e9");
   EXPECT_EQ(refusal("--seed=-1"), "--seed: expected a whole number from 0 to 4294967295, found -1");
+  // Never 8, and never 16.
+  EXPECT_EQ(refusal("--seed 010"),
+    "--seed: expected a whole number without zeros before it, found 010");
+  EXPECT_EQ(refusal("--layers 1 0x10"),
+    "--layers: expected a whole number without zeros before it, found 0x10");
+  EXPECT_EQ(refusal("--force 0x10"), "--force: expected a number greater than 0, found 0x10");
+  EXPECT_EQ(refusal("--shift=-0x1p4"), "--shift: expected a number, found -0x1p4");
+  EXPECT_EQ(refusal("--seed 0 --layers -0 --shift 0.5 --force 05"), "");
+  EXPECT_EQ(given.ForceN, 5);
   EXPECT_EQ(refusal("--shift=-3 --layers 1 -2 --seed 7 --size 1 2"), "");
   EXPECT_EQ(given.ShiftMm, -3);
   EXPECT_EQ(given.Layers, (std::vector<int>{ 1, -2 }));

@@ -355,10 +355,12 @@ TEST_F(RegisterCommand, RegistersTheShippedPhantom)
   // is answered at the head of the report.
   const std::string asked = this->Folder.File("asked.nrrd");
   WriteLabelVolume(Ball({ 30, 12, -10 }, 4), asked);
+  const std::string anatomy = this->Folder.File("anatomy.vtu");
+  fs::copy_file(folder + "/uncompressed.vtu", anatomy);
   const std::string again = Register(Labels, Materials, MammogramFile,
-    "--label-spacing 1 --anatomy-cell-size 6 --simulation-cell-size 13 --pixel-sizes 3 "
-    "--iterations 6 --overwrite --lesion " +
-      asked + " --resume " + folder);
+    "--label-spacing 1 --anatomy-mesh " + anatomy +
+      " --simulation-cell-size 13 --pixel-sizes 3 --iterations 6 --overwrite --lesion " + asked +
+      " --resume " + folder);
   ASSERT_EQ(this->Run(again), 0) << this->Errors;
   this->ExpectAnswered(folder, asked);
   const nlohmann::json resumed = nlohmann::json::parse(ReadFile(folder + "/result.json"));

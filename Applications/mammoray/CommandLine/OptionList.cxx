@@ -3,6 +3,7 @@
 
 #include "mammoray/Foundation/Error.h"
 
+#include <cctype>
 #include <cmath>
 #include <filesystem>
 #include <sstream>
@@ -18,9 +19,8 @@ CLI::Validator NumberThat(const Accepts& accepts, const std::string& expected,
   return CLI::Validator(
     [accepts, expected](const std::string& text)
     {
-      double value = 0;
-      const bool isNumber = CLI::detail::lexical_cast(text, value) && std::isfinite(value);
-      return RefusalUnless(isNumber && accepts(value), expected, text);
+      const std::optional<double> number = ReadNumber(text);
+      return RefusalUnless(number && accepts(*number), expected, text);
     },
     forHelp);
 }
@@ -29,6 +29,22 @@ CLI::Validator NumberThat(const Accepts& accepts, const std::string& expected,
 std::string RefusalUnless(bool isSo, const std::string& expected, const std::string& text)
 {
   return isSo ? "" : "expected " + expected + ", found " + text;
+}
+
+std::optional<double> ReadNumber(const std::string& text)
+{
+  double value = 0;
+  const bool isDecimal = text.find_first_of("xX") == std::string::npos;
+  return isDecimal && CLI::detail::lexical_cast(text, value) && std::isfinite(value)
+    ? std::optional(value)
+    : std::nullopt;
+}
+
+bool IsPadded(const std::string& text)
+{
+  const std::size_t first = text.find_first_not_of("+-");
+  return first != std::string::npos && text[first] == '0' && first + 1 < text.size() &&
+    std::isalnum(static_cast<unsigned char>(text[first + 1]));
 }
 
 Quantity Positive(const char* unit)

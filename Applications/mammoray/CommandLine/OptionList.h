@@ -10,7 +10,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -51,6 +50,12 @@ Quantity Between(double least, double most, const char* unit = "");
 /// largest double in full, or do not tell what they expected.
 std::string RefusalUnless(bool isSo, const std::string& expected, const std::string& text);
 
+/// The finite number that a text is in decimal: CLI11 takes 0x10 for 16.
+std::optional<double> ReadNumber(const std::string& text);
+
+/// Whether a whole number is written with zeros before it, which CLI11 takes for octal, or as 0x10.
+bool IsPadded(const std::string& text);
+
 /// What can be a value of this type: whole numbers that it holds, or finite numbers.
 template <typename Number>
 CLI::Validator NumberOfType()
@@ -58,25 +63,25 @@ CLI::Validator NumberOfType()
   return CLI::Validator(
     [](const std::string& text)
     {
-      Number value{};
-      double real = 0;
-      const bool isNumber = CLI::detail::lexical_cast(text, value);
-      const bool isReal = CLI::detail::lexical_cast(text, real) && std::isfinite(real);
+      const std::optional<double> number = ReadNumber(text);
       if constexpr (std::is_integral_v<Number>)
       {
         using Limits = std::numeric_limits<Number>;
-        const bool isBeyond = isReal &&
-          (real < static_cast<double>(Limits::min()) || real > static_cast<double>(Limits::max()));
-        return RefusalUnless(isNumber,
+        const bool isBeyond = number &&
+          (*number < static_cast<double>(Limits::min()) ||
+            *number > static_cast<double>(Limits::max()));
+        Number value{};
+        return RefusalUnless(!IsPadded(text) && CLI::detail::lexical_cast(text, value),
           "a whole number" +
-            (isBeyond
+            (IsPadded(text) ? " without zeros before it"
+                : isBeyond
                 ? " from " + std::to_string(Limits::min()) + " to " + std::to_string(Limits::max())
                 : ""),
           text);
       }
       else
       {
-        return RefusalUnless(isNumber && isReal, "a number", text);
+        return RefusalUnless(number.has_value(), "a number", text);
       }
     },
     "");

@@ -3,7 +3,7 @@
 import os
 import re
 
-from program import Count
+from program import COARSELY, Count
 
 VALUES = ("", "-", "--", "-h", "=", "a=", "=a", "a=b", " 5", "5 ", "5mm", "1,5", "0x10", "\u0663", "true", "~", "@/etc/passwd",
           "nan", "inf", "-inf", "-1", "0", "-0", "0.5", "2", "1000", "1e9", "1e-9", "1e308", "-1e308", "1e-308", "1e400",
@@ -31,8 +31,7 @@ def commands(program, makers):
                                                       "field.nrrd", "synthetic.dcm")}
     words.update({
         "register": ["register", "--labels", program.phantom("labels.nrrd"), "--materials", "victre", "--mammogram", mammogram,
-                     "--orientation", "ALS", "--label-spacing", 1.5, "--anatomy-cell-size", 8, "--simulation-cell-size", 16,
-                     "--pixel-sizes", 3, "--iterations", 1, "-o", "{}"],
+                     "--orientation", "ALS", *COARSELY, "--iterations", 1, "-o", "{}"],
         "locate": ["locate", *made, "--pixel", 300, 500],
         "evaluate": ["evaluate", *made, "--landmarks", program.phantom("landmarks.csv")],
         "segmented.nrrd": ["segment", "--image", program.phantom("labels.nrrd"), "-o", "{}"],
@@ -55,10 +54,6 @@ def without(words, option):
     return words[:begin] + words[end + 1:]
 
 
-def is_misuse(answer):
-    return answer.status == 2 and answer.out == "" and len(answer.lines) == 2 and answer.lines[0].isprintable()
-
-
 def try_options(program, makers, draws, count):
     options = Count("options")
     for name, base in commands(program, makers).items():
@@ -72,7 +67,7 @@ def try_options(program, makers, draws, count):
                 left = set(os.listdir(program.scratch)) - before
                 if base[0] in ("devices", "intake"):
                     answer.out = ""  # what is there is told, also where something is wanting
-                good = answer.done() or ((answer.refused() or is_misuse(answer)) and not left)
+                good = answer.done() or ((answer.refused() or answer.misused()) and not left)
                 options.add(good, "%s %s %r" % (name, option, value[:40]),
                             answer.told() + ("; left %s" % sorted(left) if left else ""))
                 for path in left:

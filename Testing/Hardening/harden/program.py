@@ -11,6 +11,10 @@ import tempfile
 SILENT = re.compile(r"^ {2,}")  # the indented lines of the progress
 
 
+# A registration in 20 s of a processor.
+COARSELY = ("--label-spacing", "1.5", "--anatomy-cell-size", "8", "--simulation-cell-size", "16", "--pixel-sizes", "3")
+
+
 class Answer:
     def __init__(self, status, out, err):
         self.status = status
@@ -22,6 +26,10 @@ class Answer:
         """In one line of our own, of letters only."""
         return self.status == 1 and self.out == "" and len(self.lines) == 1 and \
             self.lines[0].startswith("mammoray: ") and self.lines[0].isprintable()
+
+    def misused(self):
+        """As refused, with a second line that names the help."""
+        return self.status == 2 and self.out == "" and len(self.lines) == 2 and self.lines[0].isprintable()
 
     def done(self):
         return self.status == 0 and all(line.startswith("mammoray: ") and line.isprintable()
@@ -82,15 +90,14 @@ class Program:
                                 cwd=self.scratch, start_new_session=True)
 
     def register(self, output, *rest, **options):
-        """Coarsely, in 20 s of a processor, to the shipped mammogram unless another is given."""
+        """To the shipped mammogram unless another is given."""
         options.setdefault("seconds", 900)
         words = list(rest)
         for option, value in (("--labels", self.phantom("labels.nrrd")), ("--materials", "victre"),
                               ("--mammogram", self.phantom("victre1_lcc_processing.dcm")), ("--orientation", "ALS")):
             if option not in words:
                 words += [option, value]
-        return self.run("register", *words, "--label-spacing", 1.5, "--anatomy-cell-size", 8, "--simulation-cell-size", 16,
-                        "--pixel-sizes", 3, "--iterations", 6, "--overwrite", "-o", output, **options)
+        return self.run("register", *words, *COARSELY, "--iterations", 6, "--overwrite", "-o", output, **options)
 
 
 class Count:
