@@ -160,6 +160,10 @@ void PrintPixel(const RegisteredBreast& breast, const std::vector<NamedBreast>& 
 {
   const auto [column, row] = *arguments.Pixel;
   const std::vector<TissueStretch> stretches = breast.ToVolume(column, row, arguments.StepMm);
+  if (!arguments.Output.empty())
+  {
+    WriteCurve(stretches, others, arguments.Output);
+  }
   if (stretches.empty())
   {
     std::printf("pixel %.1f %.1f: the X-ray misses the breast\n", column, row);
@@ -186,7 +190,6 @@ void PrintPixel(const RegisteredBreast& breast, const std::vector<NamedBreast>& 
   }
   if (!arguments.Output.empty())
   {
-    WriteCurve(stretches, others, arguments.Output);
     std::printf("wrote %s\n", arguments.Output.c_str());
   }
 }
@@ -309,6 +312,14 @@ void PrintLesions(const NamedBreast& registered, const LocateArguments& argument
     lesions.emplace_back(found.Label,
       ProjectLesion(registered.Breast, volume, found.Label, *projector));
   }
+  if (image)
+  {
+    WriteShadows(lesions, *image, arguments);
+  }
+  else if (!arguments.Output.empty())
+  {
+    WriteOutlines(lesions, arguments.Output);
+  }
   for (const auto& [label, lesion] : lesions)
   {
     std::printf(
@@ -323,14 +334,6 @@ void PrintLesions(const NamedBreast& registered, const LocateArguments& argument
   }
   if (!arguments.Output.empty())
   {
-    if (image)
-    {
-      WriteShadows(lesions, *image, arguments);
-    }
-    else
-    {
-      WriteOutlines(lesions, arguments.Output);
-    }
     std::printf("wrote %s\n", arguments.Output.c_str());
   }
 }

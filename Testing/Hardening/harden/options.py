@@ -28,14 +28,13 @@ def commands(program, makers):
     made = ["--result", program.path("made")]
     mammogram = program.phantom("victre1_lcc_processing.dcm")
     words = {name: makers.commands[name] for name in ("mesh.vtu", "example", "image.mha", "compressed.vtu", "fused.nrrd",
-                                                      "field.nrrd", "synthetic.dcm")}
+                                                      "field.nrrd", "synthetic.dcm", "segmented.nrrd", "view.png")
+             if name in makers.commands}
     words.update({
         "register": ["register", "--labels", program.phantom("labels.nrrd"), "--materials", "victre", "--mammogram", mammogram,
                      "--orientation", "ALS", *COARSELY, "--iterations", 1, "-o", "{}"],
         "locate": ["locate", *made, "--pixel", 300, 500],
         "evaluate": ["evaluate", *made, "--landmarks", program.phantom("landmarks.csv")],
-        "segmented.nrrd": ["segment", "--image", program.phantom("labels.nrrd"), "-o", "{}"],
-        "view.png": ["view", "--mesh", makers.mesh, "--materials", "victre", "--screenshot", "{}"],
         "devices": ["devices"],
         "intake": ["intake", program.phantom("")],
         "send": ["send", "--files", mammogram, "--web", "http://127.0.0.1:9"],
