@@ -31,10 +31,26 @@ nlohmann::json ToJson(const TwinRun& run)
     { "stopReason", run.StopReason } };
 }
 
+/// Tables are printed: letters only.
+std::string Text(const nlohmann::json& value)
+{
+  return Printable(value.get<std::string>());
+}
+
+std::vector<std::string> Texts(const nlohmann::json& values)
+{
+  std::vector<std::string> texts;
+  for (const nlohmann::json& value : values)
+  {
+    texts.push_back(Text(value));
+  }
+  return texts;
+}
+
 /// Files before 2026-11-27 hold none.
 std::vector<std::string> ReasonsFrom(const nlohmann::json& json)
 {
-  return json.value("reasons", std::vector<std::string>());
+  return Texts(json.value("reasons", nlohmann::json::array()));
 }
 
 double Number(const nlohmann::json& value)
@@ -55,14 +71,14 @@ std::vector<double> Numbers(const nlohmann::json& values)
 TwinRun TwinRunFrom(const nlohmann::json& json)
 {
   TwinRun run;
-  run.Phantom = json.at("phantom").get<std::string>();
-  run.Kind = json.at("kind").get<std::string>();
-  run.Search = json.at("search").get<std::string>();
+  run.Phantom = Text(json.at("phantom"));
+  run.Kind = Text(json.at("kind"));
+  run.Search = Text(json.at("search"));
   run.Number = json.at("number").get<int>();
   run.Redrawn = json.at("redrawn").get<int>();
   run.ModelCells = json.at("modelCells").get<std::size_t>();
   run.TargetCells = json.at("targetCells").get<std::size_t>();
-  run.Names = json.at("parameters").get<std::vector<std::string>>();
+  run.Names = Texts(json.at("parameters"));
   run.Truth = Numbers(json.at("truth"));
   run.Start = Numbers(json.at("start"));
   run.Found = Numbers(json.at("found"));
@@ -74,7 +90,7 @@ TwinRun TwinRunFrom(const nlohmann::json& json)
   run.LargestOutlineMm = Number(json.at("largestOutlineDistanceMm"));
   run.Correlation = Number(json.at("correlation"));
   run.TissueCorrelation = Number(json.at("tissueCorrelation"));
-  run.Trust = json.at("trust").get<std::string>();
+  run.Trust = Text(json.at("trust"));
   run.Reasons = ReasonsFrom(json);
   run.Iterations = json.at("iterations").get<int>();
   run.Equilibria = json.at("equilibria").get<int>();
@@ -82,8 +98,28 @@ TwinRun TwinRunFrom(const nlohmann::json& json)
   run.IterationSeconds = Numbers(json.at("iterationSeconds"));
   run.IterationCosts = Numbers(json.at("iterationCosts"));
   run.Converged = json.at("converged").get<bool>();
-  run.StopReason = json.at("stopReason").get<std::string>();
+  run.StopReason = Text(json.at("stopReason"));
   return run;
+}
+
+/// Tables go through these lists together.
+void CheckCounts(const TwinRun& run, const std::string& path)
+{
+  const auto check =
+    [&path](const char* name, std::size_t found, const char* other, std::size_t expected)
+  {
+    if (found != expected)
+    {
+      throw InputError(path + ": expected in '" + name + "' of a twin as many values as in '" +
+        other + "', " + std::to_string(expected) + ", found " + std::to_string(found));
+    }
+  };
+  check("truth", run.Truth.size(), "parameters", run.Names.size());
+  check("start", run.Start.size(), "parameters", run.Names.size());
+  check("found", run.Found.size(), "parameters", run.Names.size());
+  check("sigma", run.Sigma.size(), "parameters", run.Names.size());
+  check("iterationSeconds", run.IterationSeconds.size(), "iterationCosts",
+    run.IterationCosts.size());
 }
 
 nlohmann::json ToJson(const ErrorSummary& summary)
@@ -116,15 +152,15 @@ nlohmann::json ToJson(const LandmarkEvidence& found)
 LandmarkEvidence LandmarkEvidenceFrom(const nlohmann::json& json)
 {
   LandmarkEvidence found;
-  found.Name = json.at("name").get<std::string>();
+  found.Name = Text(json.at("name"));
   for (const nlohmann::json& row : json.at("rows"))
   {
-    found.Rows.push_back({ row.at("method").get<std::string>(), SummaryFrom(row.at("in3dMm")),
+    found.Rows.push_back({ Text(row.at("method")), SummaryFrom(row.at("in3dMm")),
       SummaryFrom(row.at("onReceptorMm")) });
   }
   found.GlandDice = Number(json.at("glandDice"));
   found.GlandDiceAtRest = Number(json.at("glandDiceAtRest"));
-  found.Trust = json.at("trust").get<std::string>();
+  found.Trust = Text(json.at("trust"));
   found.ExpectedMedianMm = Number(json.at("expectedMedianMm"));
   found.Reasons = ReasonsFrom(json);
   found.Iterations = json.at("iterations").get<int>();
@@ -174,12 +210,12 @@ std::vector<StudyViewErrors> ViewErrorsFrom(const nlohmann::json& views)
   std::vector<StudyViewErrors> found;
   for (const nlohmann::json& view : views)
   {
-    found.push_back({ view.at("view").get<std::string>(), PointErrorsFrom(view.at("imaged")),
+    found.push_back({ Text(view.at("view")), PointErrorsFrom(view.at("imaged")),
       PointErrorsFrom(view.at("behind")), Number(view.at("coordinatesWithin")),
       Numbers(view.at("modelErrorNeeded")), Number(view.at("meanOutlineDistanceMm")),
       Number(view.at("correlation")), Number(view.at("tissueCorrelation")),
-      Number(view.at("expectedMedianMm")), Number(view.at("expected95Mm")),
-      view.at("trust").get<std::string>(), view.at("reasons").get<std::vector<std::string>>() });
+      Number(view.at("expectedMedianMm")), Number(view.at("expected95Mm")), Text(view.at("trust")),
+      Texts(view.at("reasons")) });
   }
   return found;
 }
@@ -196,24 +232,24 @@ nlohmann::json ToJson(const StudyRun& run)
 StudyRun StudyRunFrom(const nlohmann::json& json)
 {
   StudyRun run;
-  run.Phantom = json.at("phantom").get<std::string>();
+  run.Phantom = Text(json.at("phantom"));
   run.Seed = json.at("seed").get<std::uint32_t>();
-  run.Laterality = json.at("laterality").get<std::string>() == "R" ? 'R' : 'L';
+  run.Laterality = Text(json.at("laterality")) == "R" ? 'R' : 'L';
   run.Views = ViewErrorsFrom(json.at("views"));
   run.CcAlone = ViewErrorsFrom(json.at("ccAlone"));
   run.Swept = ViewErrorsFrom(json.at("projections"));
   run.Together = { Numbers(json.at("oneViewMm")), Numbers(json.at("bothViewsMm")) };
   run.Seconds = Number(json.at("seconds"));
-  run.Failure = json.at("failure").get<std::string>();
+  run.Failure = Text(json.at("failure"));
   return run;
 }
 
 MammogramEvidence MammogramEvidenceFrom(const nlohmann::json& json)
 {
-  return { json.at("name").get<std::string>(), Number(json.at("meanOutlineDistanceMm")),
+  return { Text(json.at("name")), Number(json.at("meanOutlineDistanceMm")),
     Number(json.at("largestOutlineDistanceMm")), Number(json.at("correlation")),
-    Number(json.at("tissueCorrelation")), json.at("trust").get<std::string>(), ReasonsFrom(json),
-    Number(json.at("seconds")), json.at("failure").get<std::string>() };
+    Number(json.at("tissueCorrelation")), Text(json.at("trust")), ReasonsFrom(json),
+    Number(json.at("seconds")), Text(json.at("failure")) };
 }
 }
 
@@ -283,6 +319,7 @@ RegistrationEvidence ReadEvidence(const std::string& path, const std::string& se
     for (const nlohmann::json& run : json.at("twins"))
     {
       evidence.Twins.push_back(TwinRunFrom(run));
+      CheckCounts(evidence.Twins.back(), path);
     }
     for (const nlohmann::json& landmarks : json.value("landmarks", nlohmann::json::array()))
     {

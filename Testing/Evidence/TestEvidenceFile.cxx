@@ -111,6 +111,34 @@ TEST_F(EvidenceFile, RefusesOtherSettingsAndOtherFiles)
   EXPECT_THROW(ReadEvidence(this->Folder.File("none.json"), this->Settings), InputError);
 }
 
+TEST_F(EvidenceFile, RefusesListsOfDifferentLengths)
+{
+  for (std::vector<double> TwinRun::*list : { &TwinRun::Truth, &TwinRun::Start, &TwinRun::Found,
+         &TwinRun::Sigma, &TwinRun::IterationSeconds })
+  {
+    RegistrationEvidence evidence;
+    evidence.Twins.push_back(
+      test::MadeUpRun("ball", TwinKind::Plain, TwinSearch::Register, 3, 1.25, 0.5));
+    std::vector<double>& values = evidence.Twins[0].*list;
+    values.push_back(0);
+    EXPECT_THROW(ReadEvidence(this->Write(evidence, this->Settings), this->Settings), InputError);
+    values.clear();
+    EXPECT_THROW(ReadEvidence(this->Write(evidence, this->Settings), this->Settings), InputError);
+  }
+}
+
+TEST_F(EvidenceFile, TextsAreOfLettersOnly)
+{
+  RegistrationEvidence evidence;
+  evidence.Mammograms.push_back(
+    { "\x1b[2J", 2.5, 7, 0.8, 0.4, "none", { "a\nb" }, 12, "no\nmammogram" });
+  const RegistrationEvidence read =
+    ReadEvidence(this->Write(evidence, this->Settings), this->Settings);
+  EXPECT_EQ(read.Mammograms.at(0).Name, "\\x1b[2J");
+  EXPECT_EQ(read.Mammograms.at(0).Reasons, std::vector<std::string>{ "a\\x0ab" });
+  EXPECT_EQ(read.Mammograms.at(0).Failure, "no\\x0amammogram");
+}
+
 TEST_F(EvidenceFile, SettingsTellWhatTwoRunsMustShare)
 {
   EvidenceOptions options;

@@ -24,6 +24,7 @@
 
 #ifdef MAMMORAY_HAS_MESHING
 #include "mammoray/Evidence/EvidenceFile.h"
+#include "mammoray/Evidence/EvidenceTables.h"
 #include "mammoray/Evidence/VirtualStudy.h"
 #endif
 
@@ -191,7 +192,14 @@ const std::map<std::string, FuzzTarget>& FuzzTargets()
       OfFile("a.dcm", [](const std::string& path) { ReadLabelVolume(path); }) },
 #ifdef MAMMORAY_HAS_MESHING
     { "evidence",
-      OfFile("e.json", [](const std::string& path) { ReadEvidence(path, R"({"seed":1})"); }) },
+      OfFile("e.json",
+        [](const std::string& path)
+        {
+          const RegistrationEvidence evidence = ReadEvidence(path, R"({"seed":1})");
+          EvidenceTables(evidence);
+          TwinTable(evidence.Twins);
+          TrustCurveSvg(evidence);
+        }) },
     { "study-truth", OfFile("truth.json", ReadVirtualStudyTruth) },
 #endif
     { "gltf", OfFile("a.gltf", [](const std::string& path) { ReadGltf(path); }) },
