@@ -2,12 +2,12 @@
 #include "Commands.h"
 #include "OutputFiles.h"
 #include "SharedOptions.h"
+#include "mammoray/Case/BreastInUnit.h"
 #include "mammoray/Case/ResultFile.h"
 #include "mammoray/Evidence/LandmarkEvaluation.h"
 #ifdef MAMMORAY_HAS_MESHING
 #include "mammoray/Evidence/StudyAnswers.h"
 #endif
-#include "mammoray/IO/MeshIO.h"
 
 #include "vtkUnstructuredGrid.h"
 
@@ -142,7 +142,7 @@ void Run(EvaluateArguments& arguments)
     throw CLI::RequiredError("--landmarks or --truth");
   }
   const ResultFile result = ReadResultFile(arguments.Result);
-  const auto grid = ReadMesh(CheckInputFile(arguments.Result + "/uncompressed.vtu"));
+  const auto grid = ReadBreastInUnit(result).Uncompressed;
   const std::vector<Landmark> landmarks = ReadLandmarks(CheckInputFile(arguments.Landmarks));
   const AnatomicalAxes axes = AnatomicalAxes::FromCode(arguments.TruthOrientation);
   arguments.Truth.Placed = { arguments.TruthOrigin, axes.Left, axes.Anterior, axes.Superior };

@@ -41,7 +41,8 @@ struct BreastInUnit
 MAMMORAYCASE_EXPORT void DescribeUnit(const ResultFile& result, BreastInUnit& breast);
 
 /// Takes what a result says of it and reads the meshes from the result's folder. Throws InputError
-/// that names the file.
+/// that names the file, also where the two are not one mesh, displaced as the uncompressed one's
+/// point array "Displacement" (mm) says, or are placed elsewhere than the result says.
 MAMMORAYCASE_EXPORT BreastInUnit ReadBreastInUnit(const ResultFile& result);
 }
 

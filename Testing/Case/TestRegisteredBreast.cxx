@@ -1,6 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "SqueezedBox.h"
+#include "mammoray/Case/BreastInUnit.h"
 #include "mammoray/Foundation/Error.h"
+#include "mammoray/IO/MeshConversion.h"
+#include "mammoray/IO/MeshIO.h"
+
+#include "vtkUnstructuredGrid.h"
 
 #include <gmock/gmock.h>
 
@@ -20,6 +25,20 @@ using RegisteredBox = test::SqueezedBox;
 double Magnification(double z)
 {
   return 650 / (650 - z);
+}
+
+template <typename Ask>
+std::string Refusal(const Ask& ask)
+{
+  try
+  {
+    ask();
+  }
+  catch (const InputError& error)
+  {
+    return error.what();
+  }
+  return "nothing was refused";
 }
 }
 
@@ -136,28 +155,31 @@ TEST_F(RegisteredBox, TissueIsCarriedAndWhatLiesOutsideGoesWithTheNearest)
 
 TEST_F(RegisteredBox, RefusesPlacesOutside)
 {
-  const auto refusal = [](const auto& ask)
-  {
-    try
-    {
-      ask();
-    }
-    catch (const InputError& error)
-    {
-      return std::string(error.what());
-    }
-    return std::string("nothing was refused");
-  };
-  EXPECT_THAT(refusal(
+  EXPECT_THAT(Refusal(
                 [&] {
                   this->Breast->ToMammogram({ 100, 20, 0 });
                 }),
     HasSubstr("expected a place in the breast, found none within 1 mm"));
-  EXPECT_THAT(refusal([&] { this->Breast->ToVolume(30, 10); }), HasSubstr("columns 0 to 29"));
-  EXPECT_THAT(refusal([&] { this->Breast->ToVolume(3, 10, 0); }), HasSubstr("positive length"));
+  EXPECT_THAT(Refusal([&] { this->Breast->ToVolume(30, 10); }), HasSubstr("columns 0 to 29"));
+  EXPECT_THAT(Refusal([&] { this->Breast->ToVolume(3, 10, 0); }), HasSubstr("positive length"));
   std::filesystem::remove(this->Folder.File("compressed.vtu"));
-  EXPECT_THAT(refusal([&] { RegisteredBreast(this->Folder.File("")); }),
+  EXPECT_THAT(Refusal([&] { RegisteredBreast(this->Folder.File("")); }),
     HasSubstr("compressed.vtu: no such file"));
+}
+
+TEST_F(RegisteredBox, RefusesMeshesOfAnotherRegistration)
+{
+  const std::string uncompressed = this->Folder.File("uncompressed.vtu");
+  const auto read = [&] { ReadBreastInUnit(ReadResultFile(this->Folder.File(""))); };
+  const auto grid = ReadMesh(uncompressed);
+  WriteMesh(grid, this->Folder.File("compressed.vtu"));
+  EXPECT_THAT(Refusal(read),
+    HasSubstr("compressed.vtu: expected the points of uncompressed.vtu, displaced"));
+  VolumeFromGantry other = ReadResultFile(this->Folder.File("")).Placed;
+  other.Origin[1] += 0.1;
+  AddPlacement(grid, other);
+  WriteMesh(grid, uncompressed);
+  EXPECT_THAT(Refusal(read), HasSubstr("found one of another registration"));
 }
 
 TEST_F(RegisteredBox, TakesTheWiderCovarianceWhereThereIsOne)

@@ -20,6 +20,7 @@ from meanings import try_meanings
 from options import try_options
 from privacy import try_privacy
 from program import Count, Program
+from structures import try_structures
 
 FAULTS = {"submit": "VK_ERROR_DEVICE_LOST", "memory": "VK_ERROR_OUT_OF_DEVICE_MEMORY"}
 
@@ -357,19 +358,21 @@ def main():
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--count", type=int, default=150, help="damaged files of each format; a tenth of it kills of each "
                         "command, a fortieth of it values of each option")
-    parser.add_argument("--only", default="files,kills,disk,machine,texts,options,meanings,privacy")
+    parser.add_argument("--only", default="files,structures,kills,disk,machine,texts,options,meanings,privacy")
     parser.add_argument("--quick", action="store_true", help="fewer limits and faults")
     arguments = parser.parse_args()
     program = Program(arguments.binaries, arguments.data)
     os.chmod(program.scratch, 0o755)
     draws = random.Random(arguments.seed)
     classes = arguments.only.split(",")
-    makers = Makers(program, arguments.quick) if set(classes) & {"kills", "disk", "machine", "texts", "options"} else None
+    makers = Makers(program, arguments.quick) if set(classes) & {"structures", "kills", "disk", "machine", "texts", "options"} else None
     counts = []
     for name in classes:
         begun = time.monotonic()
         if name == "files":
             found = try_files(program, arguments.seed, arguments.count)
+        elif name == "structures":
+            found = [try_structures(program, makers, draws, arguments.count)]
         elif name == "kills":
             found = [try_kills(program, makers, arguments.seed, max(1, arguments.count // 10))]
         elif name == "disk":
