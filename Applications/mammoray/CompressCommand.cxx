@@ -3,11 +3,11 @@
 #include "OutputFiles.h"
 #include "ProgressBar.h"
 #include "SharedOptions.h"
-#include "mammoray/Case/CompressionCase.h"
-#include "mammoray/Case/CompressionGrids.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/Foundation/Plausible.h"
 #include "mammoray/IO/MeshIO.h"
+#include "mammoray/Study/CompressionCase.h"
+#include "mammoray/Study/CompressionGrids.h"
 
 #include "vtkCellData.h"
 #include "vtkDataArray.h"

@@ -7,13 +7,13 @@
 #include "ResultNotes.h"
 #include "SharedOptions.h"
 #include "mammoray/Archive/ResultObjects.h"
-#include "mammoray/Case/LesionShadow.h"
-#include "mammoray/Case/RegisteredMammogram.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/IO/DicomWriter.h"
 #include "mammoray/IO/LabelVolumeIO.h"
 #include "mammoray/IO/MammogramIO.h"
 #include "mammoray/IO/WholeOutput.h"
+#include "mammoray/Study/LesionShadow.h"
+#include "mammoray/Study/RegisteredMammogram.h"
 
 #include <cstdio>
 #include <filesystem>

@@ -4,8 +4,8 @@
 #include "ProgressBar.h"
 #include "ResultNotes.h"
 #include "SharedOptions.h"
-#include "mammoray/Case/CompressedVolume.h"
 #include "mammoray/IO/LabelVolumeIO.h"
+#include "mammoray/Study/CompressedVolume.h"
 
 #include <cstdio>
 

@@ -2,9 +2,9 @@
 #include "Commands.h"
 #include "OutputFiles.h"
 #include "SharedOptions.h"
-#include "mammoray/Case/BreastInUnit.h"
-#include "mammoray/Case/ResultFile.h"
 #include "mammoray/Evidence/LandmarkEvaluation.h"
+#include "mammoray/Study/BreastInUnit.h"
+#include "mammoray/Study/ResultFile.h"
 #ifdef MAMMORAY_HAS_MESHING
 #include "mammoray/Evidence/StudyAnswers.h"
 #endif

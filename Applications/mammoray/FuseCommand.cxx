@@ -4,11 +4,11 @@
 #include "ProgressBar.h"
 #include "ResultNotes.h"
 #include "SharedOptions.h"
-#include "mammoray/Case/CompressedVolume.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/Foundation/Plausible.h"
 #include "mammoray/IO/LabelVolumeIO.h"
 #include "mammoray/IO/ProjectionImage.h"
+#include "mammoray/Study/CompressedVolume.h"
 
 #include "vtkImageData.h"
 #include "vtkPointData.h"

@@ -4,8 +4,8 @@
 #include "OutputFiles.h"
 #include "ProgressBar.h"
 #include "SharedOptions.h"
-#include "mammoray/Case/Intake.h"
 #include "mammoray/IO/WholeOutput.h"
+#include "mammoray/Study/Intake.h"
 
 #include <cstdio>
 

@@ -4,12 +4,12 @@
 #include "OutputFiles.h"
 #include "ResultNotes.h"
 #include "SharedOptions.h"
-#include "mammoray/Case/LesionShadow.h"
-#include "mammoray/Case/RegisteredBreast.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/IO/DicomWriter.h"
 #include "mammoray/IO/LabelVolumeIO.h"
 #include "mammoray/IO/WholeOutput.h"
+#include "mammoray/Study/LesionShadow.h"
+#include "mammoray/Study/RegisteredBreast.h"
 
 #include <algorithm>
 #include <array>

@@ -7,10 +7,10 @@
 #include "OutputFiles.h"
 #include "ProgressBar.h"
 #include "SharedOptions.h"
-#include "mammoray/Case/MeshCase.h"
 #include "mammoray/IO/MeshConversion.h"
 #include "mammoray/IO/MeshIO.h"
 #include "mammoray/IO/WholeOutput.h"
+#include "mammoray/Study/MeshCase.h"
 
 #include "vtkPolyData.h"
 #include "vtkUnstructuredGrid.h"

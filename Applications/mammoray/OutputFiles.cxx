@@ -3,8 +3,8 @@
 
 #include "mammoray/Foundation/Error.h"
 
-#include "mammoray/Case/RegistrationCaseWriter.h"
 #include "mammoray/IO/WholeOutput.h"
+#include "mammoray/Study/RegistrationCaseWriter.h"
 
 #include <CLI/CLI.hpp>
 

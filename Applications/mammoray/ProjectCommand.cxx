@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Commands.h"
+#include "MaterialChanges.h"
 #include "OutputFiles.h"
 #include "ProgressBar.h"
-#include "Project/MaterialChanges.h"
-#include "Project/ProjectOptions.h"
-#include "Project/SceneOptions.h"
+#include "ProjectOptions.h"
+#include "SceneOptions.h"
 #include "SharedOptions.h"
 #include "mammoray/IO/DicomWriter.h"
 #include "mammoray/IO/MammogramSynthesis.h"

@@ -3,14 +3,14 @@
 #include "MissingMemory.h"
 #include "OutputFiles.h"
 #include "ProgressBar.h"
-#include "Project/ScatterOptions.h"
 #include "ResultNotes.h"
+#include "ScatterOptions.h"
 #include "SharedOptions.h"
-#include "mammoray/Case/RegistrationCase.h"
-#include "mammoray/Case/RegistrationCaseWriter.h"
-#include "mammoray/Case/StudyCase.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/Foundation/PoseParameters.h"
+#include "mammoray/Study/RegistrationCase.h"
+#include "mammoray/Study/RegistrationCaseWriter.h"
+#include "mammoray/Study/StudyCase.h"
 #include "mammoray/XRay/DeviceError.h"
 
 #include <cmath>

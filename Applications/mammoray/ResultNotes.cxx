@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ResultNotes.h"
 
-#include "mammoray/Case/RegisteredMammogram.h"
+#include "mammoray/Study/RegisteredMammogram.h"
 
 #include <cstdio>
 

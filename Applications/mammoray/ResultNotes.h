@@ -3,7 +3,7 @@
 #ifndef mammoray_ResultNotes_h
 #define mammoray_ResultNotes_h
 
-#include "mammoray/Case/ResultFile.h"
+#include "mammoray/Study/ResultFile.h"
 
 #include <string>
 

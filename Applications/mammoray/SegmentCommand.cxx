@@ -8,8 +8,8 @@
 #include "SharedOptions.h"
 #include "mammoray/IO/LabelVolumeIO.h"
 #include "mammoray/IO/ShippedData.h"
-#include "mammoray/Report/SlicePicture.h"
 #include "mammoray/Segmentation/BreastSegmentation.h"
+#include "mammoray/Study/SlicePicture.h"
 
 #include <cstdio>
 #endif

@@ -4,8 +4,8 @@
 #include "ProgressBar.h"
 #include "SharedOptions.h"
 #include "mammoray/Archive/DicomWeb.h"
-#include "mammoray/Case/ResultFile.h"
 #include "mammoray/Foundation/Error.h"
+#include "mammoray/Study/ResultFile.h"
 
 #include <cstdio>
 #include <filesystem>

@@ -6,9 +6,9 @@
 #include "OptionList.h"
 #include "mammoray/Biomechanics/PlacedPlates.h"
 #include "mammoray/Biomechanics/WallAttachment.h"
-#include "mammoray/Case/LabelSource.h"
 #include "mammoray/Foundation/PoseParameters.h"
 #include "mammoray/Registration/RegistrationResiduals.h"
+#include "mammoray/Study/LabelSource.h"
 #include "mammoray/XRay/PathLengthProjector.h"
 
 #include <optional>

@@ -4,9 +4,9 @@
 #include "ProgressBar.h"
 #include "ResultNotes.h"
 #include "SharedOptions.h"
-#include "View/SurfaceView.h"
+#include "SurfaceView.h"
+#include "mammoray/App/BreastViewer.h"
 #include "mammoray/Foundation/Error.h"
-#include "mammoray/Viewer/BreastViewer.h"
 #include "mammoray/XRay/OverlapMeasure.h"
 
 #include <algorithm>

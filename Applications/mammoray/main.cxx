@@ -68,7 +68,7 @@ int Run(int argc, char* argv[])
   mammoray::AddRegisterCommand(application);
   mammoray::AddSegmentCommand(application);
   mammoray::AddSendCommand(application);
-#ifdef MAMMORAY_HAS_VIEWER
+#ifdef MAMMORAY_HAS_APP
   mammoray::AddViewCommand(application);
 #endif
   mammoray::AddManualOptions(application);

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mammoray/Archive/ResultObjects.h"
 
-#include "mammoray/Case/CompressedVolume.h"
-#include "mammoray/Case/LesionShadow.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/IO/DicomWriter.h"
 #include "mammoray/IO/LabelVolumeIO.h"
+#include "mammoray/Study/CompressedVolume.h"
+#include "mammoray/Study/LesionShadow.h"
 
 #include <algorithm>
 #include <cmath>

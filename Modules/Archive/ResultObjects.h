@@ -2,10 +2,10 @@
 #ifndef mammoray_ResultObjects_h
 #define mammoray_ResultObjects_h
 
-#include "mammoray/Case/RegisteredBreast.h"
-#include "mammoray/Case/ResultFile.h"
 #include "mammoray/Foundation/LabelVolume.h"
 #include "mammoray/Foundation/Progress.h"
+#include "mammoray/Study/RegisteredBreast.h"
+#include "mammoray/Study/ResultFile.h"
 #include "mammoray/XRay/PathLengthProjector.h"
 #include "mammorayArchiveModule.h"
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mammoray/Biomechanics/Embedding.h"
 
+#include "Private/CellPatches.h"
 #include "Private/CompressionInternals.h"
-#include "Private/Energies/CellPatches.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/Foundation/ParallelFor.h"
 

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mammoray/Evidence/Benchmark.h"
 
-#include "mammoray/Case/RegistrationCase.h"
-#include "mammoray/Case/StudyCase.h"
 #include "mammoray/Evidence/LandmarkEvaluation.h"
 #include "mammoray/Evidence/OutlineBaseline.h"
 #include "mammoray/Foundation/Error.h"
@@ -13,6 +11,8 @@
 #include "mammoray/IO/WholeOutput.h"
 #include "mammoray/Registration/Silhouette.h"
 #include "mammoray/Registration/TargetPreparation.h"
+#include "mammoray/Study/RegistrationCase.h"
+#include "mammoray/Study/StudyCase.h"
 
 #include <algorithm>
 #include <cstdio>

@@ -2,10 +2,10 @@
 #include "mammoray/Evidence/RegistrationEvidence.h"
 
 #include "Private/GlandOverlap.h"
-#include "mammoray/Case/RegistrationCaseWriter.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/IO/ShippedData.h"
-#include "mammoray/Report/Assessment.h"
+#include "mammoray/Study/Assessment.h"
+#include "mammoray/Study/RegistrationCaseWriter.h"
 
 #include "vtkUnstructuredGrid.h"
 

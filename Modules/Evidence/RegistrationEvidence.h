@@ -2,12 +2,12 @@
 #ifndef mammoray_RegistrationEvidence_h
 #define mammoray_RegistrationEvidence_h
 
-#include "mammoray/Case/LabelSource.h"
-#include "mammoray/Case/RegistrationCase.h"
 #include "mammoray/Evidence/LandmarkEvaluation.h"
 #include "mammoray/Evidence/StudyEvidence.h"
 #include "mammoray/Evidence/TwinExperiment.h"
 #include "mammoray/Foundation/Progress.h"
+#include "mammoray/Study/LabelSource.h"
+#include "mammoray/Study/RegistrationCase.h"
 #include "mammorayEvidenceModule.h"
 
 #include <functional>

@@ -3,16 +3,16 @@
 
 #include "Private/PatientTissue.h"
 #include "Private/PointCoverage.h"
-#include "mammoray/Case/BreastInUnit.h"
-#include "mammoray/Case/RegisteredBreast.h"
-#include "mammoray/Case/RegistrationCaseWriter.h"
-#include "mammoray/Case/ResultFile.h"
-#include "mammoray/Case/StudyCase.h"
 #include "mammoray/Evidence/LandmarkEvaluation.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/IO/ScratchFolder.h"
 #include "mammoray/IO/ShippedData.h"
 #include "mammoray/Registration/Silhouette.h"
+#include "mammoray/Study/BreastInUnit.h"
+#include "mammoray/Study/RegisteredBreast.h"
+#include "mammoray/Study/RegistrationCaseWriter.h"
+#include "mammoray/Study/ResultFile.h"
+#include "mammoray/Study/StudyCase.h"
 
 #include "vtkUnstructuredGrid.h"
 

@@ -2,10 +2,10 @@
 #ifndef mammoray_StudyEvidence_h
 #define mammoray_StudyEvidence_h
 
-#include "mammoray/Case/LabelSource.h"
 #include "mammoray/Evidence/VirtualStudy.h"
 #include "mammoray/Foundation/Progress.h"
 #include "mammoray/Registration/RegistrationResiduals.h"
+#include "mammoray/Study/LabelSource.h"
 #include "mammorayEvidenceModule.h"
 
 #include <string>

@@ -3,7 +3,6 @@
 
 #include "Private/FilterRequest.h"
 #include "Private/ScatterProperties.h"
-#include "mammoray/Case/RegisteredBreast.h"
 #include "mammoray/Filters/vtkBreastMesher.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/Foundation/Plausible.h"
@@ -15,6 +14,7 @@
 #include "mammoray/Registration/Registration.h"
 #include "mammoray/Registration/TargetPreparation.h"
 #include "mammoray/Registration/UnitPlacement.h"
+#include "mammoray/Study/RegisteredBreast.h"
 
 #include "vtkDoubleArray.h"
 #include "vtkFieldData.h"

@@ -82,7 +82,7 @@ public:
   ///@{
   /**
    * True where the picture that is compared has what breast tissue scatters, by the thickness along
-   * each ray (mammoray/Scatter/ScatterModel.h), AirGapMm from the back of the tissue to the
+   * each ray (mammoray/XRay/Scatter/ScatterModel.h), AirGapMm from the back of the tissue to the
    * detector, 0 to 200 mm. Defaults false, 17.
    */
   vtkSetMacro(Scatter, bool);

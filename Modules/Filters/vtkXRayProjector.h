@@ -165,8 +165,8 @@ public:
   ///@{
   /**
    * True where what breast tissue scatters is added, by the thickness along each ray
-   * (mammoray/Scatter/ScatterModel.h), AirGapMm from the back of the tissue to the detector, 0 to
-   * 200 mm. Defaults false, 17.
+   * (mammoray/XRay/Scatter/ScatterModel.h), AirGapMm from the back of the tissue to the detector, 0
+   * to 200 mm. Defaults false, 17.
    */
   vtkSetMacro(Scatter, bool);
   vtkGetMacro(Scatter, bool);

@@ -2,7 +2,7 @@
 #include "mammoray/IO/DicomHeader.h"
 
 #include "Private/DicomFile.h"
-#include "Private/Frames/DicomFrames.h"
+#include "Private/DicomFrames.h"
 #include "Private/MammogramViews.h"
 #include "Private/SliceStack.h"
 #include "mammoray/Foundation/Error.h"

@@ -3,7 +3,7 @@
 
 #include "Private/DicomVolume.h"
 #include "Private/DisplacementTransform.h"
-#include "Private/Guard/GuardedRead.h"
+#include "Private/GuardedRead.h"
 #include "Private/VolumeFile.h"
 
 #include <algorithm>

@@ -2,13 +2,13 @@
 #include "mammoray/IO/MammogramIO.h"
 
 #include "Private/DicomFile.h"
-#include "Private/Frames/DicomFrames.h"
-#include "Private/Frames/FramePixels.h"
-#include "Private/Frames/StoredPixel.h"
-#include "Private/Guard/MammogramParcel.h"
+#include "Private/DicomFrames.h"
+#include "Private/FramePixels.h"
+#include "Private/MammogramParcel.h"
 #include "Private/MammogramViews.h"
-#include "Private/Objects/SourcePlace.h"
 #include "Private/QuietGdcm.h"
+#include "Private/SourcePlace.h"
+#include "Private/StoredPixel.h"
 #include "mammoray/Foundation/Error.h"
 
 #include <gdcmImageReader.h>

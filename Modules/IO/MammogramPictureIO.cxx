@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mammoray/IO/MammogramPictureIO.h"
 
-#include "Private/Guard/MammogramParcel.h"
+#include "Private/MammogramParcel.h"
 #include "mammoray/Foundation/Error.h"
 
 #include "vtkDataArray.h"

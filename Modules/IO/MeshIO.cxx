@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mammoray/IO/MeshIO.h"
 
-#include "Private/Guard/GuardedRead.h"
-#include "Private/Guard/MeshParcel.h"
-#include "Private/Json/GltfReader.h"
+#include "Private/GltfReader.h"
+#include "Private/GuardedRead.h"
+#include "Private/MeshParcel.h"
 #include "Private/TextTable.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/Foundation/Numbers.h"

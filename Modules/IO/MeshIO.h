@@ -27,7 +27,7 @@ MAMMORAYIO_EXPORT vtkSmartPointer<vtkUnstructuredGrid> ReadMesh(const std::strin
 
 /// Reads .vtp, .stl, .ply, .obj, or all parts of the scene of a .glb or .gltf (glTF 2.0; its metres
 /// become mm). Throws InputError on a missing, damaged or empty file, and on what of glTF cannot be
-/// shown as it is (Private/Json/GltfReader.h).
+/// shown as it is (Private/GltfReader.h).
 MAMMORAYIO_EXPORT vtkSmartPointer<vtkPolyData> ReadSurface(const std::string& path);
 
 /// The unit that ReadSurface takes the numbers of a file of this name to be in, mm.

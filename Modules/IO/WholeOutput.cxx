@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mammoray/IO/WholeOutput.h"
 
-#include "Private/Guard/OwnedDescriptor.h"
+#include "Private/OwnedDescriptor.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/IO/ScratchFolder.h"
 

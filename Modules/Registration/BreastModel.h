@@ -8,9 +8,9 @@
 #include "mammoray/Foundation/SurfaceMesh.h"
 #include "mammoray/Foundation/TetrahedralMesh.h"
 #include "mammoray/Registration/BreastBody.h"
-#include "mammoray/Scatter/ScatterModel.h"
 #include "mammoray/XRay/Beam.h"
 #include "mammoray/XRay/PathLengthProjector.h"
+#include "mammoray/XRay/Scatter/ScatterModel.h"
 #include "mammorayRegistrationModule.h"
 
 #include <array>

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mammoray/Registration/TargetPreparation.h"
 
-#include "Private/Pictures/BreastContrast.h"
-#include "Private/Pictures/GantryGrid.h"
-#include "Private/Pictures/PixelFilters.h"
-#include "Private/Pictures/PixelMask.h"
+#include "Private/BreastContrast.h"
+#include "Private/GantryGrid.h"
+#include "Private/PixelFilters.h"
+#include "Private/PixelMask.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/Registration/MammogramMask.h"
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mammoray/XRay/Beam.h"
 
-#include "Private/Physics/FastExp.h"
+#include "Private/FastExp.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/Foundation/Numbers.h"
 #include "mammoray/Foundation/ParallelFor.h"

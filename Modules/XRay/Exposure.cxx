@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mammoray/XRay/Exposure.h"
 
-#include "Private/Physics/DetectorBlur.h"
+#include "Private/DetectorBlur.h"
 #include "Private/SampleGrid.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/Foundation/Numbers.h"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mammoray/XRay/OverlapMeasure.h"
 
-#include "Private/Overlap/LineBundle.h"
+#include "Private/LineBundle.h"
 #include "Private/ProjectionChecks.h"
 
 #include <algorithm>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mammoray/XRay/PathLengthProjector.h"
 
-#include "Private/Overlap/PriorityProjector.h"
+#include "Private/PriorityProjector.h"
 #include "Private/RasterisationProjector.h"
 #include "Private/RayTracingProjector.h"
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mammoray/XRay/Refraction.h"
 
-#include "Private/Physics/FastExp.h"
+#include "Private/FastExp.h"
 #include "Private/ProjectionChecks.h"
 #include "Private/SampleGrid.h"
 #include "mammoray/Foundation/Error.h"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mammoray/XRay/Tube.h"
 
-#include "Private/Physics/TubeCoefficients.h"
+#include "Private/TubeCoefficients.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/Foundation/Numbers.h"
 #include "mammoray/XRay/Composition.h"

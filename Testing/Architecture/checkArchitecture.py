@@ -5,8 +5,7 @@
 - an include goes from an upper module to a lower one and never the other way, nor between neighbours;
 - a module names in its vtk.module what its public headers include;
 - private headers are included by their own module (and its tests) only;
-- a folder level holds at most 30 headers and sources, a source at most 700 lines;
-- every module has a README of at most a screen and a half, and every source of it is listed in CMakeLists.txt.
+- every module has a README, and every source of it is listed in CMakeLists.txt.
 
 usage: checkArchitecture.py PROJECT-FOLDER     exit 1: something is wrong
 """
@@ -15,26 +14,21 @@ import re
 import sys
 
 # What each module may include beside itself and Foundation.
-SOLVERS = {"Biomechanics", "XRay", "Scatter", "Meshing", "Segmentation"}
+SOLVERS = {"Biomechanics", "XRay", "Meshing", "Segmentation"}
 MAY_INCLUDE = {
     "Foundation": set(),
     "XRay": set(),
-    "Scatter": {"XRay"},
     "Segmentation": set(),
     "Meshing": set(),
     "Biomechanics": set(),
     "Registration": SOLVERS,
     "IO": SOLVERS,
-    "Report": SOLVERS | {"Registration", "IO"},
-    "Case": SOLVERS | {"Registration", "IO", "Report"},
-    "Archive": SOLVERS | {"Registration", "IO", "Report", "Case"},
-    "Filters": SOLVERS | {"Registration", "IO", "Report", "Case"},
-    "Viewer": SOLVERS | {"Registration", "IO", "Report", "Case"},
-    "Evidence": SOLVERS | {"Registration", "IO", "Report", "Case"},
+    "Study": SOLVERS | {"Registration", "IO"},
+    "Archive": SOLVERS | {"Registration", "IO", "Study"},
+    "Filters": SOLVERS | {"Registration", "IO", "Study"},
+    "App": SOLVERS | {"Registration", "IO", "Study"},
+    "Evidence": SOLVERS | {"Registration", "IO", "Study"},
 }
-MOST_FILES = 30
-MOST_LINES = 700
-MOST_README_LINES = 120
 INCLUDE = re.compile(r'^\s*#\s*include\s*["<]([^">]+)[">]', re.MULTILINE)
 
 
@@ -42,8 +36,12 @@ def sources(folder):
     return sorted(p for p in folder.rglob("*") if p.suffix in (".h", ".cxx"))
 
 
+def public_headers(folder):
+    return {str(p.relative_to(folder)) for p in folder.rglob("*.h") if "Private" not in p.parts}
+
+
 def check_includes(root, modules, wrong):
-    public = {m: {p.name for p in (root / "Modules" / m).glob("*.h")} for m in modules}
+    public = {m: public_headers(root / "Modules" / m) for m in modules}
     for module in modules:
         folder = root / "Modules" / module
         declared = set(re.findall(r"MammoRay::(\w+)", (folder / "vtk.module").read_text())) - {module}
@@ -51,13 +49,13 @@ def check_includes(root, modules, wrong):
             where = path.relative_to(root)
             for name in INCLUDE.findall(path.read_text()):
                 parts = name.split("/")
-                if parts[0] == "mammoray" and len(parts) == 3 and parts[1] in MAY_INCLUDE:
+                if parts[0] == "mammoray" and len(parts) >= 3 and parts[1] in MAY_INCLUDE:
                     target = parts[1]
                     if target != module and target != "Foundation" and target not in MAY_INCLUDE[module]:
                         wrong.append(f"{where}: {module} must not include {name}")
                     elif target != module and target not in declared and path.parent == folder and path.suffix == ".h":
                         wrong.append(f"{where}: includes {name}, but {module}/vtk.module does not name MammoRay::{target}")
-                    elif target in public and parts[2] not in public[target] and not parts[2].endswith("Module.h"):
+                    elif target in public and "/".join(parts[2:]) not in public[target] and not parts[-1].endswith("Module.h"):
                         wrong.append(f"{where}: {name} is no public header")
                 elif parts[0] == "mammoray":
                     wrong.append(f"{where}: {name} is no public header of a module")
@@ -77,26 +75,11 @@ def check_tests(root, wrong):
                     wrong.append(f"{path.relative_to(root)}: {name} is private to {parts[1]}")
 
 
-def check_sizes(root, wrong):
-    for top in ("Modules", "Applications"):
-        for folder in [root / top] + sorted(p for p in (root / top).rglob("*") if p.is_dir()):
-            level = [p for p in folder.iterdir() if p.suffix in (".h", ".cxx")]
-            if len(level) > MOST_FILES:
-                wrong.append(f"{folder.relative_to(root)}: expected at most {MOST_FILES} headers and sources, found {len(level)}")
-            for path in level:
-                lines = path.read_text().count("\n")
-                if lines > MOST_LINES:
-                    wrong.append(f"{path.relative_to(root)}: expected at most {MOST_LINES} lines, found {lines}")
-
-
 def check_rooms(root, modules, wrong):
     for module in modules:
         folder = root / "Modules" / module
-        readme = folder / "README.md"
-        if not readme.exists():
+        if not (folder / "README.md").exists():
             wrong.append(f"Modules/{module}: no README.md")
-        elif readme.read_text().count("\n") > MOST_README_LINES:
-            wrong.append(f"Modules/{module}/README.md: longer than {MOST_README_LINES} lines")
         listed = (folder / "CMakeLists.txt").read_text()
         for path in sources(folder):
             name = str(path.relative_to(folder))
@@ -116,7 +99,6 @@ def main():
     wrong = []
     check_includes(root, modules, wrong)
     check_tests(root, wrong)
-    check_sizes(root, wrong)
     check_rooms(root, modules, wrong)
     for line in wrong:
         print(line)

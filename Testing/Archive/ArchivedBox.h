@@ -4,10 +4,10 @@
 #define mammoray_ArchivedBox_h
 
 #include "SqueezedBox.h"
-#include "mammoray/Case/ResultFile.h"
 #include "mammoray/Foundation/LabelVolume.h"
 #include "mammoray/IO/DicomWriter.h"
 #include "mammoray/IO/LabelVolumeIO.h"
+#include "mammoray/Study/ResultFile.h"
 
 #include <cmath>
 #include <filesystem>

@@ -3,10 +3,10 @@
 
 #include "mammoray/IO/ScatterData.h"
 #include "mammoray/IO/ShippedData.h"
-#include "mammoray/Scatter/ScatterModel.h"
 #include "mammoray/XRay/Exposure.h"
 #include "mammoray/XRay/OpenField.h"
 #include "mammoray/XRay/Refraction.h"
+#include "mammoray/XRay/Scatter/ScatterModel.h"
 
 namespace mammoray::benchmarks
 {

@@ -8,11 +8,11 @@
 #include "mammoray/Biomechanics/ElasticTable.h"
 #include "mammoray/Biomechanics/Embedding.h"
 #include "mammoray/Biomechanics/PlacedPlates.h"
-#include "mammoray/Case/LabelSource.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/IO/ShippedData.h"
 #include "mammoray/Meshing/SimulationMesh.h"
 #include "mammoray/Registration/BreastModel.h"
+#include "mammoray/Study/LabelSource.h"
 
 #include <nlohmann/json.hpp>
 

@@ -2,7 +2,7 @@
 // Makes Data/scatter/breast.csv again, and prints what it says of published figures.
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/IO/ScatterData.h"
-#include "mammoray/Scatter/ScatterModel.h"
+#include "mammoray/XRay/Scatter/ScatterModel.h"
 #include "mammoray/XRay/Tube.h"
 
 #include <CLI/CLI.hpp>
@@ -71,7 +71,7 @@ int main(int argc, char** argv)
     std::fprintf(stderr, "\n");
     WriteScatterKernels(kernels,
       "made by tabulateScatter --photons " + std::to_string(photons) + " --seed " +
-        std::to_string(seed) + "; see Modules/Scatter/README.md",
+        std::to_string(seed) + "; see Modules/XRay/Scatter/README.md",
       output);
     PrintRatios(kernels);
   }

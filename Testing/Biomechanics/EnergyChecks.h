@@ -3,7 +3,7 @@
 #ifndef mammoray_Testing_EnergyChecks_h
 #define mammoray_Testing_EnergyChecks_h
 
-#include "mammoray/Biomechanics/Private/Energies/Energy.h"
+#include "mammoray/Biomechanics/Private/Energy.h"
 
 #include <gtest/gtest.h>
 

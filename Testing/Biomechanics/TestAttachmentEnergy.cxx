@@ -2,7 +2,7 @@
 #include "EnergyChecks.h"
 #include "EquilibriumChecks.h"
 #include "TestMeshes.h"
-#include "mammoray/Biomechanics/Private/Energies/AttachmentEnergy.h"
+#include "mammoray/Biomechanics/Private/AttachmentEnergy.h"
 
 #include <gtest/gtest.h>
 

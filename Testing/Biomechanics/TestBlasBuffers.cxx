@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "AddressLimit.h"
-#include "mammoray/Biomechanics/Private/Factors/BlasBuffers.h"
-#include "mammoray/Biomechanics/Private/Factors/SparseCholesky.h"
+#include "mammoray/Biomechanics/Private/BlasBuffers.h"
+#include "mammoray/Biomechanics/Private/SparseCholesky.h"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "TestMeshes.h"
-#include "mammoray/Biomechanics/Private/Energies/CellPatches.h"
+#include "mammoray/Biomechanics/Private/CellPatches.h"
 
 #include <gtest/gtest.h>
 

@@ -4,7 +4,7 @@
 #include "EveryElement.h"
 #include "TestMeshes.h"
 #include "mammoray/Biomechanics/CompressionSimulation.h"
-#include "mammoray/Biomechanics/Private/Energies/AttachmentEnergy.h"
+#include "mammoray/Biomechanics/Private/AttachmentEnergy.h"
 #include "mammoray/Foundation/Error.h"
 
 #include <gtest/gtest.h>

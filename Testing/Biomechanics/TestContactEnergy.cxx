@@ -2,7 +2,7 @@
 #include "EnergyChecks.h"
 #include "EquilibriumChecks.h"
 #include "EveryElement.h"
-#include "mammoray/Biomechanics/Private/Energies/ContactEnergy.h"
+#include "mammoray/Biomechanics/Private/ContactEnergy.h"
 
 #include <gtest/gtest.h>
 

@@ -2,7 +2,7 @@
 #include "EquilibriumChecks.h"
 #include "EveryElement.h"
 #include "TestMeshes.h"
-#include "mammoray/Biomechanics/Private/Energies/ElasticBody.h"
+#include "mammoray/Biomechanics/Private/ElasticBody.h"
 #include "mammoray/Foundation/Error.h"
 
 #include <gtest/gtest.h>

@@ -3,7 +3,7 @@
 #include "EquilibriumChecks.h"
 #include "EveryElement.h"
 #include "TestMeshes.h"
-#include "mammoray/Biomechanics/Private/Energies/ElasticEnergy.h"
+#include "mammoray/Biomechanics/Private/ElasticEnergy.h"
 
 #include <gtest/gtest.h>
 

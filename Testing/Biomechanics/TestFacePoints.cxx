@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mammoray/Biomechanics/Private/Energies/FacePoints.h"
+#include "mammoray/Biomechanics/Private/FacePoints.h"
 
 #include <gtest/gtest.h>
 

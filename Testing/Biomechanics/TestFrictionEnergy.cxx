@@ -2,7 +2,7 @@
 #include "EnergyChecks.h"
 #include "EquilibriumChecks.h"
 #include "EveryElement.h"
-#include "mammoray/Biomechanics/Private/Energies/FrictionEnergy.h"
+#include "mammoray/Biomechanics/Private/FrictionEnergy.h"
 
 #include <gtest/gtest.h>
 

@@ -3,7 +3,7 @@
 #include "EquilibriumChecks.h"
 #include "EveryElement.h"
 #include "TestMeshes.h"
-#include "mammoray/Biomechanics/Private/Energies/LoadEnergy.h"
+#include "mammoray/Biomechanics/Private/LoadEnergy.h"
 #include "mammoray/Foundation/Error.h"
 
 #include <gtest/gtest.h>

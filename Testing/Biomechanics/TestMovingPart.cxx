@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "EquilibriumChecks.h"
 #include "EveryElement.h"
-#include "mammoray/Biomechanics/Private/Energies/MovingPart.h"
+#include "mammoray/Biomechanics/Private/MovingPart.h"
 #include "mammoray/Foundation/Error.h"
 
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mammoray/Biomechanics/Private/Energies/PlateFriction.h"
+#include "mammoray/Biomechanics/Private/PlateFriction.h"
 
 #include <gtest/gtest.h>
 

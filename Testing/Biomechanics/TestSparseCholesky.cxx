@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mammoray/Biomechanics/Private/Factors/SparseCholesky.h"
+#include "mammoray/Biomechanics/Private/SparseCholesky.h"
 
 #include <gtest/gtest.h>
 

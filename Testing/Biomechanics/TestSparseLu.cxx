@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mammoray/Biomechanics/Private/Factors/SparseLu.h"
+#include "mammoray/Biomechanics/Private/SparseLu.h"
 
 #include <gtest/gtest.h>
 

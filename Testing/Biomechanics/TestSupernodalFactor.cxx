@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "GridMatrix.h"
-#include "mammoray/Biomechanics/Private/Factors/SparseCholesky.h"
-#include "mammoray/Biomechanics/Private/Factors/SupernodalFactor.h"
+#include "mammoray/Biomechanics/Private/SparseCholesky.h"
+#include "mammoray/Biomechanics/Private/SupernodalFactor.h"
 
 #include <gtest/gtest.h>
 

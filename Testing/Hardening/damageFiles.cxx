@@ -3,7 +3,7 @@
 #include "Damage.h"
 #include "Files.h"
 #include "Formats.h"
-#include "Private/Guard/GuardedRead.h"
+#include "Private/GuardedRead.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/IO/MammogramIO.h"
 #include "mammoray/IO/ScratchFolder.h"

@@ -3,7 +3,7 @@
 // definition of its coordinate systems.
 #include "DicomTesting.h"
 #include "Files.h"
-#include "Private/Objects/SourcePlace.h"
+#include "Private/SourcePlace.h"
 #include "Refusals.h"
 #include "mammoray/IO/DicomWriter.h"
 #include "mammoray/IO/MammogramIO.h"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "FileSizeLimit.h"
 #include "Files.h"
-#include "Private/Guard/GuardedRead.h"
+#include "Private/GuardedRead.h"
 #include "Refusals.h"
 #include "mammoray/IO/GuardedWork.h"
 

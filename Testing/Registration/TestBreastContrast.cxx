@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Refusals.h"
-#include "mammoray/Registration/Private/Pictures/BreastContrast.h"
+#include "mammoray/Registration/Private/BreastContrast.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mammoray/Registration/Private/Pictures/GantryGrid.h"
+#include "mammoray/Registration/Private/GantryGrid.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

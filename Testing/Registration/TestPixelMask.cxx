@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Refusals.h"
-#include "mammoray/Registration/Private/Pictures/PixelFilters.h"
-#include "mammoray/Registration/Private/Pictures/PixelMask.h"
+#include "mammoray/Registration/Private/PixelFilters.h"
+#include "mammoray/Registration/Private/PixelMask.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -7,8 +7,8 @@
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/IO/LabelVolumeIO.h"
 #include "mammoray/IO/ShippedData.h"
-#include "mammoray/Report/SlicePicture.h"
 #include "mammoray/Segmentation/BreastSegmentation.h"
+#include "mammoray/Study/SlicePicture.h"
 
 #include <gtest/gtest.h>
 

@@ -6,9 +6,9 @@
 #include "Files.h"
 #include "TestMeshes.h"
 #include "TestResults.h"
-#include "mammoray/Case/RegisteredBreast.h"
 #include "mammoray/IO/MeshConversion.h"
 #include "mammoray/IO/MeshIO.h"
+#include "mammoray/Study/RegisteredBreast.h"
 
 #include "vtkDoubleArray.h"
 #include "vtkNew.h"

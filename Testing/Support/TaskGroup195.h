@@ -4,7 +4,7 @@
 #ifndef mammoray_TaskGroup195_h
 #define mammoray_TaskGroup195_h
 
-#include "mammoray/Scatter/MonteCarlo.h"
+#include "mammoray/XRay/Scatter/MonteCarlo.h"
 
 #include <array>
 #include <cmath>

@@ -3,8 +3,8 @@
 #ifndef mammoray_Testing_TestResults_h
 #define mammoray_Testing_TestResults_h
 
-#include "mammoray/Case/ResultFile.h"
 #include "mammoray/Foundation/PoseParameters.h"
+#include "mammoray/Study/ResultFile.h"
 
 #include <limits>
 

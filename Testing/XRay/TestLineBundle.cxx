@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "SurfaceShapes.h"
 #include "mammoray/Foundation/SurfaceOverlap.h"
-#include "mammoray/XRay/Private/Overlap/LineBundle.h"
+#include "mammoray/XRay/Private/LineBundle.h"
 
 #include <gtest/gtest.h>
 

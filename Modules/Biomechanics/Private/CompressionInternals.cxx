@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Private/CompressionInternals.h"
 
-#include "Private/Energies/CellPatches.h"
-#include "Private/Energies/LoadEnergy.h"
+#include "Private/CellPatches.h"
+#include "Private/LoadEnergy.h"
 #include "Private/LoadPath.h"
 #include "mammoray/Foundation/Error.h"
 

@@ -2,8 +2,8 @@
 #ifndef mammoray_CompressionInternals_h
 #define mammoray_CompressionInternals_h
 
-#include "Private/Energies/AttachmentEnergy.h"
-#include "Private/Energies/ElasticBody.h"
+#include "Private/AttachmentEnergy.h"
+#include "Private/ElasticBody.h"
 #include "Private/EquilibriumSolver.h"
 #include "Private/InverseEquilibrium.h"
 #include "Private/RestShape.h"

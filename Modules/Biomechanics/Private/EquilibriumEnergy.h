@@ -2,12 +2,12 @@
 #ifndef mammoray_EquilibriumEnergy_h
 #define mammoray_EquilibriumEnergy_h
 
-#include "Private/Energies/AttachmentEnergy.h"
-#include "Private/Energies/ContactEnergy.h"
-#include "Private/Energies/ElasticEnergy.h"
-#include "Private/Energies/FrictionEnergy.h"
-#include "Private/Energies/LoadEnergy.h"
-#include "Private/Energies/MovingPart.h"
+#include "Private/AttachmentEnergy.h"
+#include "Private/ContactEnergy.h"
+#include "Private/ElasticEnergy.h"
+#include "Private/FrictionEnergy.h"
+#include "Private/LoadEnergy.h"
+#include "Private/MovingPart.h"
 #include "Private/Objective.h"
 #include "mammorayBiomechanicsModule.h"
 

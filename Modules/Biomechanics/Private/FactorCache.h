@@ -2,8 +2,8 @@
 #ifndef mammoray_FactorCache_h
 #define mammoray_FactorCache_h
 
-#include "Private/Factors/SparseCholesky.h"
 #include "Private/Objective.h"
+#include "Private/SparseCholesky.h"
 #include "mammorayBiomechanicsModule.h"
 
 #include <functional>

@@ -2,8 +2,8 @@
 #ifndef mammoray_InverseEquilibrium_h
 #define mammoray_InverseEquilibrium_h
 
-#include "Private/Energies/AttachmentEnergy.h"
-#include "Private/Energies/ElasticBody.h"
+#include "Private/AttachmentEnergy.h"
+#include "Private/ElasticBody.h"
 #include "Private/EquilibriumEnergy.h"
 #include "Private/EquilibriumSensitivities.h"
 #include "mammoray/Foundation/Vector3.h"

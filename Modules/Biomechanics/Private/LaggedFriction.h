@@ -2,8 +2,8 @@
 #ifndef mammoray_LaggedFriction_h
 #define mammoray_LaggedFriction_h
 
-#include "Private/Energies/FrictionEnergy.h"
 #include "Private/EquilibriumSolver.h"
+#include "Private/FrictionEnergy.h"
 #include "Private/LoadPath.h"
 #include "mammorayBiomechanicsModule.h"
 

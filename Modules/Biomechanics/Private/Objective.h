@@ -2,7 +2,7 @@
 #ifndef mammoray_Objective_h
 #define mammoray_Objective_h
 
-#include "Private/Energies/Energy.h"
+#include "Private/Energy.h"
 
 #include <cstdint>
 #include <memory>

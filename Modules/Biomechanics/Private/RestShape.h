@@ -3,8 +3,8 @@
 #define mammoray_RestShape_h
 
 #include "Private/EquilibriumSolver.h"
-#include "Private/Factors/SparseLu.h"
 #include "Private/InverseEquilibrium.h"
+#include "Private/SparseLu.h"
 #include "mammoray/Foundation/Progress.h"
 #include "mammorayBiomechanicsModule.h"
 

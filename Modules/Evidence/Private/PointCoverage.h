@@ -2,7 +2,7 @@
 #ifndef mammoray_Private_PointCoverage_h
 #define mammoray_Private_PointCoverage_h
 
-#include "mammoray/Case/RegisteredBreast.h"
+#include "mammoray/Study/RegisteredBreast.h"
 
 #include <vector>
 

@@ -3,7 +3,7 @@
 
 #include "Private/TableText.h"
 #include "mammoray/Evidence/EvidenceTables.h"
-#include "mammoray/Report/Assessment.h"
+#include "mammoray/Study/Assessment.h"
 
 #include <utility>
 

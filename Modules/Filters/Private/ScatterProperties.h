@@ -4,7 +4,7 @@
 
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/IO/ScatterData.h"
-#include "mammoray/Scatter/ScatterModel.h"
+#include "mammoray/XRay/Scatter/ScatterModel.h"
 
 #include <array>
 #include <optional>

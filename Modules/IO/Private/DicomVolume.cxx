@@ -4,9 +4,9 @@
 #include "Private/DicomVolume.h"
 
 #include "Private/DicomFile.h"
-#include "Private/Frames/DicomFrames.h"
-#include "Private/Frames/FramePixels.h"
-#include "Private/Guard/GuardedRead.h"
+#include "Private/DicomFrames.h"
+#include "Private/FramePixels.h"
+#include "Private/GuardedRead.h"
 #include "Private/SliceStack.h"
 #include "Private/VolumeFile.h"
 #include "mammoray/Foundation/Error.h"

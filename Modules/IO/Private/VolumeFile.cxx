@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Private/VolumeFile.h"
 
-#include "Private/Guard/GuardedRead.h"
+#include "Private/GuardedRead.h"
 #include "Private/QuietGdcm.h"
 #include "Private/QuietStandardError.h"
 #include "Private/StoredVoxels.h"

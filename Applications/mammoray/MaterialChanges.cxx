@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "MaterialChanges.h"
+
+#include "OptionList.h"
+#include "SharedOptions.h"
+#include "mammoray/Foundation/Error.h"
+#include "mammoray/Foundation/Numbers.h"
+#include "mammoray/Foundation/Plausible.h"
+
+#include <algorithm>
+
+namespace mammoray
+{
+void ReplaceAttenuations(const std::vector<std::string>& changes, bool acceptUnusual,
+  MaterialTable& table)
+{
+  for (const std::string& text : changes)
+  {
+    const std::size_t equals = text.find('=');
+    const std::size_t at = std::min(text.rfind('@'), text.size());
+    double density = 1;
+    bool usable = equals != std::string::npos && equals > 0 && at > equals + 1;
+    if (usable && at < text.size())
+    {
+      usable = ToNumber(text.substr(at + 1), density) && density > 0;
+      if (usable && !acceptUnusual)
+      {
+        CheckPlausible(Plausible::Density, density, "--attenuation " + text, AcceptUnusualHint);
+      }
+    }
+    if (!usable)
+    {
+      throw InputError(
+        "--attenuation: expected MATERIAL=ATTENUATION[@DENSITY], found '" + text + "'");
+    }
+    Material& material =
+      table.Materials[static_cast<std::size_t>(table.IndexOf(text.substr(0, equals)))];
+    material.Attenuation = text.substr(equals + 1, at - equals - 1);
+    material.DensityGPerCm3 = at < text.size() ? density : material.DensityGPerCm3;
+  }
+}
+
+void AddIodine(const std::vector<std::string>& additions, MaterialTable& table)
+{
+  for (const std::string& text : additions)
+  {
+    const std::string form = "MATERIAL=MG_PER_ML, 0 to 500";
+    const auto [name, number] = SplitAssignment(text, "--iodine", form);
+    double iodine = 0;
+    if (!ToNumber(number, iodine) || !(iodine >= 0 && iodine <= 500))
+    {
+      throw InputError("--iodine: expected " + form + ", found '" + text + "'");
+    }
+    table.Materials[static_cast<std::size_t>(table.IndexOf(name))].IodineMgPerMl = iodine;
+  }
+}
+}

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: Apache-2.0
+#ifndef mammoray_LiveProjection_h
+#define mammoray_LiveProjection_h
+
+#include "mammoray/App/SurfaceViewer.h"
+#include "mammoray/XRay/ProjectionSeries.h"
+#include "mammorayAppModule.h"
+
+#include <array>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace mammoray
+{
+/// The X-ray of surfaces that turn, of a source that is moved, of an energy that is changed. No
+/// windows.
+class MAMMORAYAPP_EXPORT LiveProjection
+{
+public:
+  /// Throws InputError and DeviceError. `viewed` must outlive this.
+  LiveProjection(const ViewedScene& viewed, const ProjectorOptions& options);
+
+  /// Of the samples about the axis, right-handed.
+  void SetTurn(double degrees);
+  double Turn() const { return this->TurnDeg; }
+  /// Ignored of a parallel beam.
+  void SetSourceOffset(const Vector3& offset);
+  const Vector3& SourceOffset() const { return this->Offset; }
+  /// How far the source goes for the shadow of the samples' middle to go 1, at most 20.
+  double SourceGain() const;
+  /// keV of a single energy, kV of a tube; kept in EnergyRange.
+  void SetEnergy(double energy);
+  double Energy() const { return this->EnergyNow; }
+  bool IsSingleEnergy() const { return this->SingleEnergy; }
+  const std::array<double, 2>& EnergyRange() const { return this->Range; }
+
+  /// Where the source is, and the detector, `divisor` (1 or 2) of whose pixels are one; scene.
+  const XRaySource& Source() const { return this->SourceNow; }
+  const XRayDetector& Detector(int divisor) const
+  {
+    return divisor == 1 ? this->Viewed.Detector : this->Half;
+  }
+  /// Through the middle of the samples' box, against the detector's rows.
+  const AxisLine& Axis() const { return this->TurnAxis; }
+  /// -ln(I / I0) on that grid; the same until something changes.
+  const std::vector<float>& Project(int divisor);
+  /// What a pixel of the full grid sees, by the resolution of the last picture: transmission and
+  /// path lengths.
+  std::string Describe(int column, int row);
+  std::string DeviceName() const { return this->Projector->DeviceName(); }
+
+private:
+  const ViewedScene& Viewed;
+  XRayDetector Half;
+  AxisLine TurnAxis;
+  std::unique_ptr<PathLengthProjector> Projector;
+  double TurnDeg = 0;
+  Vector3 Offset{ 0, 0, 0 };
+  XRaySource SourceNow;
+  bool SingleEnergy = false;
+  double EnergyNow = 0;
+  std::array<double, 2> Range{ 0, 0 };
+  std::optional<Beam> XRays;
+  PathLengthImage Lengths;
+  std::vector<float> Picture;
+  int PictureDivisor = 0;
+  /// What is out of date.
+  bool RaysStale = true;
+  bool BeamStale = true;
+};
+}
+
+#endif

@@ -1,0 +1,367 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mammoray/App/ViewedBreast.h"
+
+#include "mammoray/Foundation/Error.h"
+#include "mammoray/IO/LabelVolumeIO.h"
+#include "mammoray/IO/MammogramIO.h"
+#include "mammoray/IO/MeshConversion.h"
+#include "mammoray/IO/MeshIO.h"
+#include "mammoray/IO/Sha256.h"
+#include "mammoray/IO/ShippedData.h"
+#include "mammoray/Registration/RegistrationResiduals.h"
+#include "mammoray/Registration/Silhouette.h"
+#include "mammoray/Registration/TargetPreparation.h"
+#include "mammoray/Study/RegisteredMammogram.h"
+#include "mammoray/Study/ResultFile.h"
+
+#include "vtkDataArray.h"
+#include "vtkDoubleArray.h"
+#include "vtkFieldData.h"
+#include "vtkNew.h"
+#include "vtkPointData.h"
+#include "vtkPoints.h"
+#include "vtkUnstructuredGrid.h"
+#include "vtkXMLDataElement.h"
+#include "vtkXMLUtilities.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <utility>
+
+namespace mammoray
+{
+namespace
+{
+namespace fs = std::filesystem;
+
+constexpr const char* DefaultSpectrum = "W28kVp_Rh50um_Be1mm";
+
+std::vector<double> PointsOf(vtkUnstructuredGrid* grid)
+{
+  std::vector<double> points(3 * static_cast<std::size_t>(grid->GetNumberOfPoints()));
+  for (vtkIdType id = 0; id < grid->GetNumberOfPoints(); ++id)
+  {
+    grid->GetPoint(id, &points[3 * static_cast<std::size_t>(id)]);
+  }
+  return points;
+}
+
+/// The grid with other points, its arrays shared.
+vtkSmartPointer<vtkUnstructuredGrid> WithPoints(vtkUnstructuredGrid* grid,
+  const std::vector<double>& points)
+{
+  auto moved = vtkSmartPointer<vtkUnstructuredGrid>::New();
+  moved->ShallowCopy(grid);
+  vtkNew<vtkDoubleArray> values;
+  values->SetNumberOfComponents(3);
+  values->SetNumberOfTuples(grid->GetNumberOfPoints());
+  std::copy(points.begin(), points.end(), values->GetPointer(0));
+  vtkNew<vtkPoints> holder;
+  holder->SetData(values);
+  moved->SetPoints(holder);
+  return moved;
+}
+
+/// A shipped table is known by its checksum; any other must be named.
+MaterialTable TableOf(const ResultFile& result, const std::string& named)
+{
+  if (!named.empty())
+  {
+    return FindMaterialTable(named);
+  }
+  const auto table = std::find_if(result.Inputs.begin(), result.Inputs.end(),
+    [](const ResultInput& input) { return input.Role == MaterialTableRole; });
+  const std::string file = table == result.Inputs.end() ? "?" : table->File;
+  const fs::path shipped = fs::path(DataDirectory()) / "materials" / file;
+  if (fs::is_regular_file(shipped) && Sha256OfFile(shipped.string()) == table->Sha256)
+  {
+    return FindMaterialTable(shipped.string());
+  }
+  throw InputError("the result was made with the table " + file +
+    ", which is not a shipped one; name it with --materials");
+}
+
+void AddMammogram(const Mammogram& mammogram, ViewedBreast& viewed)
+{
+  viewed.Real = PrepareTarget(mammogram);
+  viewed.Laterality = mammogram.Laterality;
+}
+
+ViewedBreast ReadResult(const ViewInput& input, const ResultFile& result)
+{
+  ViewedBreast viewed;
+  viewed.Breast = ReadBreastInUnit(result);
+  viewed.Trust = result.Trust;
+  viewed.Materials = TableOf(result, input.Materials);
+  viewed.Spectrum = FindSpectrum(input.Spectrum.empty() ? result.Spectrum : input.Spectrum);
+  viewed.Pose = result.Pose;
+  viewed.Axes = result.Axes;
+  viewed.Anchor = result.Anchor;
+  viewed.Laterality = result.Mammogram.Laterality;
+  for (const std::string& mammogram : input.Mammograms)
+  {
+    if (input.Mammograms.size() == 1 || IsRegisteredMammogram(result, mammogram))
+    {
+      AddMammogram(ReadRegisteredMammogram(result, mammogram), viewed);
+      break;
+    }
+  }
+  return viewed;
+}
+
+/// The points before 'mammoray compress' moved them; the points themselves in another mesh.
+std::vector<double> RestPoints(vtkUnstructuredGrid* grid)
+{
+  std::vector<double> points = PointsOf(grid);
+  vtkDataArray* displacement = grid->GetPointData()->GetArray("Displacement");
+  if (displacement && displacement->GetNumberOfComponents() == 3)
+  {
+    for (std::size_t index = 0; index < points.size(); ++index)
+    {
+      points[index] -=
+        displacement->GetComponent(static_cast<vtkIdType>(index / 3), static_cast<int>(index % 3));
+    }
+  }
+  return points;
+}
+
+std::optional<double> ThicknessOf(vtkUnstructuredGrid* grid)
+{
+  vtkDataArray* thickness = grid->GetFieldData()->GetArray("ThicknessMm");
+  return thickness && thickness->GetNumberOfTuples() > 0
+    ? std::optional<double>(thickness->GetComponent(0, 0))
+    : std::nullopt;
+}
+
+/// The files of a ParaView collection, in their order.
+std::vector<std::string> FilesOf(const std::string& path)
+{
+  if (!fs::is_regular_file(path))
+  {
+    throw InputError(path + ": no such file");
+  }
+  const auto root =
+    vtkSmartPointer<vtkXMLDataElement>::Take(vtkXMLUtilities::ReadElementFromFile(path.c_str()));
+  vtkXMLDataElement* collection = root ? root->FindNestedElementWithName("Collection") : nullptr;
+  std::vector<std::string> files;
+  for (int index = 0; collection && index < collection->GetNumberOfNestedElements(); ++index)
+  {
+    if (const char* file = collection->GetNestedElement(index)->GetAttribute("file"))
+    {
+      files.push_back((fs::path(path).parent_path() / file).string());
+    }
+  }
+  if (files.empty())
+  {
+    throw InputError(path + ": expected a series of 'mammoray compress' (.pvd), found no files");
+  }
+  return files;
+}
+
+/// Fills the series and answers the closed grid, its last one.
+vtkSmartPointer<vtkUnstructuredGrid> ReadSeries(const std::string& path, ViewedBreast& viewed)
+{
+  vtkSmartPointer<vtkUnstructuredGrid> grid;
+  for (const std::string& file : FilesOf(path))
+  {
+    const auto next = ReadMesh(file);
+    const std::optional<double> thickness = ThicknessOf(next);
+    if (!thickness || (grid && next->GetNumberOfPoints() != grid->GetNumberOfPoints()))
+    {
+      throw InputError(file + ": expected the field 'ThicknessMm' and the points of the series");
+    }
+    grid = next;
+    viewed.Series.push_back({ *thickness, PointsOf(next) });
+  }
+  std::stable_sort(viewed.Series.begin(), viewed.Series.end(),
+    [](const CompressionStep& a, const CompressionStep& b)
+    { return a.ThicknessMm > b.ThicknessMm; });
+  return grid;
+}
+
+ViewedBreast ReadMeshes(const ViewInput& input)
+{
+  ViewedBreast viewed;
+  const std::string& path = input.Series.empty() ? input.Mesh : input.Series;
+  const auto grid = input.Series.empty() ? ReadMesh(path) : ReadSeries(path, viewed);
+  if (input.Materials.empty())
+  {
+    throw InputError(path + ": expected --materials beside a mesh");
+  }
+  viewed.Materials = FindMaterialTable(input.Materials);
+  viewed.Spectrum = FindSpectrum(input.Spectrum.empty() ? DefaultSpectrum : input.Spectrum);
+  viewed.Axes = AnatomicalAxes::FromCode(input.Orientation);
+  viewed.Breast.Compressed = grid;
+  viewed.Breast.Uncompressed = WithPoints(grid, RestPoints(grid));
+  const std::optional<double> thickness = ThicknessOf(grid);
+  for (const PoseParameter& parameter : PoseParameters)
+  {
+    viewed.Pose.*parameter.Value =
+      input.Pose[parameter.Index].value_or(viewed.Pose.*parameter.Value);
+  }
+  // The compressed grid is that of its own thickness, whatever is asked for.
+  viewed.Pose.ThicknessMm = thickness.value_or(BreastPose().ThicknessMm);
+  viewed.Anchor =
+    FindPoseAnchor(FromGrid(viewed.Breast.Uncompressed), viewed.Materials.Held(), viewed.Axes);
+  if (input.Mammograms.size() > 1)
+  {
+    throw InputError(path + ": expected one mammogram at most beside a mesh, found " +
+      std::to_string(input.Mammograms.size()));
+  }
+  if (!input.Mammograms.empty())
+  {
+    AddMammogram(ReadMammogram(input.Mammograms.front()), viewed);
+  }
+  return viewed;
+}
+
+/// Pixels that hold the breast's shadow, rows along the chest wall; without pictures.
+RegistrationTarget GridAround(const ViewedBreast& viewed, double spacingMm)
+{
+  if (!(spacingMm > 0))
+  {
+    throw InputError(
+      "pixel spacing: expected a positive length, found " + std::to_string(spacingMm) + " mm");
+  }
+  double low[2] = { 1e9, 0 };
+  double high[2] = { -1e9, 0 };
+  for (const ReceptorPoint& point :
+    ProjectToReceptor(PointsOf(viewed.Breast.Compressed), viewed.Breast.Placed, viewed.Breast.Unit))
+  {
+    for (int axis = 0; axis < 2 && std::isfinite(point[0]); ++axis)
+    {
+      low[axis] = std::min(low[axis], point[axis]);
+      high[axis] = std::max(high[axis], point[axis]);
+    }
+  }
+  // Room to move: the source, the unit, a breast that becomes flatter.
+  constexpr double MarginMm = 15;
+  RegistrationTarget grid;
+  grid.ColumnStep = { 0, spacingMm };
+  grid.RowStep = { -spacingMm, 0 };
+  grid.Columns = static_cast<int>(std::ceil((high[1] + MarginMm) / spacingMm));
+  grid.Rows = static_cast<int>(std::ceil((high[0] - low[0] + 2 * MarginMm) / spacingMm));
+  constexpr int Most = 8192;
+  if (!(high[0] > low[0]) || grid.Columns < 1 || grid.Columns > Most || grid.Rows > Most)
+  {
+    throw InputError(
+      "expected the breast in front of the receptor's edge and a picture of at most " +
+      std::to_string(Most) + " pixels along each side, found " + std::to_string(grid.Columns) +
+      " x " + std::to_string(grid.Rows) + "; see --orientation and --pixel-spacing");
+  }
+  grid.Origin = { high[0] + MarginMm - 0.5 * spacingMm, 0.5 * spacingMm };
+  return grid;
+}
+/// What stands beside a result, empty where there is nothing.
+std::string BesideResult(const ViewInput& input, const char* name)
+{
+  const fs::path path = fs::path(input.Result) / name;
+  return !input.Result.empty() && fs::is_regular_file(path) ? path.string() : "";
+}
+
+/// The volumes that the slices show.
+void ReadVolumes(const ViewInput& input, ViewedBreast& viewed)
+{
+  const VolumeAxes axes = AxesOf(input.Labels.AxesAsGiven);
+  const std::string image = input.Image.empty() ? BesideResult(input, "mri.nrrd") : input.Image;
+  if (!image.empty())
+  {
+    viewed.Image = std::make_shared<const IntensityVolume>(ReadIntensityVolume(image, axes));
+  }
+  if (!input.Labels.Path.empty())
+  {
+    viewed.Mechanics.Volume = ReadMaterials(input.Labels, viewed.Materials);
+    viewed.Tissue = std::make_shared<const LabelVolume>(*viewed.Mechanics.Volume);
+  }
+  else if (const std::string labels = BesideResult(input, "labels.nrrd"); !labels.empty())
+  {
+    viewed.Tissue = std::make_shared<const LabelVolume>(
+      viewed.Materials.ToMaterials(ReadLabelVolume(labels), labels));
+  }
+  if (input.Lesions.empty())
+  {
+    return;
+  }
+  viewed.Lesions = std::make_shared<const LabelVolume>(ReadLesions(input.Lesions, axes));
+  viewed.LesionList = FindLesions(*viewed.Lesions);
+}
+
+/// The pose that is asked for, and what follows of it.
+void Complete(const ViewInput& input, ViewedBreast& viewed)
+{
+  viewed.Anatomy = FromGrid(viewed.Breast.Uncompressed);
+  std::vector<std::string> names;
+  FromGrid(viewed.Breast.Compressed, &names);
+  viewed.Materials.CheckMesh(viewed.Anatomy, names, viewed.Name);
+  const bool uncompressed = PointsOf(viewed.Breast.Compressed) == viewed.Anatomy.Points;
+  viewed.PoseDiffers = uncompressed && input.Pose[ThicknessParameter];
+  for (const PoseParameter& parameter : PoseParameters)
+  {
+    double& value = viewed.Pose.*parameter.Value;
+    const double asked = input.Pose[parameter.Index].value_or(value);
+    viewed.PoseDiffers = viewed.PoseDiffers || asked != value;
+    value = asked;
+  }
+  if (!(viewed.Pose.ThicknessMm > 0))
+  {
+    throw InputError("thickness: expected a positive length, found " +
+      std::to_string(viewed.Pose.ThicknessMm) + " mm");
+  }
+  viewed.Breast.Placed = PlaceUnit(viewed.Axes, viewed.Anchor, viewed.Breast.Unit, viewed.Pose);
+  if (viewed.Real)
+  {
+    viewed.Breast.Grid = *viewed.Real;
+  }
+  else if (input.Result.empty())
+  {
+    viewed.Breast.Grid = GridAround(viewed, input.PixelSpacingMm);
+  }
+  if (!input.SimulationMesh.empty())
+  {
+    viewed.Mechanics.SimulationMesh = FromGrid(ReadMesh(input.SimulationMesh));
+  }
+}
+}
+
+std::vector<ViewedBreast> ReadViewedBreasts(const ViewInput& input)
+{
+  std::vector<ViewedBreast> all;
+  if (input.Result.empty())
+  {
+    all.push_back(ReadMeshes(input));
+  }
+  else
+  {
+    const std::vector<ResultFile> results = ReadResultFiles(input.Result);
+    for (const std::string& mammogram : input.Mammograms)
+    {
+      if (results.size() > 1 &&
+        std::none_of(results.begin(), results.end(),
+          [&](const ResultFile& result) { return IsRegisteredMammogram(result, mammogram); }))
+      {
+        throw InputError(mammogram +
+          ": expected a mammogram that was registered there, found "
+          "another");
+      }
+    }
+    for (const ResultFile& result : results)
+    {
+      ViewedBreast& viewed = all.emplace_back(ReadResult(input, result));
+      viewed.View = results.size() > 1 ? fs::path(result.Folder).filename().string() : "";
+    }
+  }
+  ReadVolumes(input, all.front());
+  for (ViewedBreast& viewed : all)
+  {
+    viewed.Name = fs::path(input.Result + input.Mesh + input.Series).lexically_normal().string();
+    viewed.Image = all.front().Image;
+    viewed.Tissue = all.front().Tissue;
+    viewed.Lesions = all.front().Lesions;
+    viewed.LesionList = all.front().LesionList;
+    viewed.Mechanics.Volume = all.front().Mechanics.Volume;
+    Complete(input, viewed);
+  }
+  return all;
+}
+}

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+#ifndef mammoray_MovingPart_h
+#define mammoray_MovingPart_h
+
+#include "Private/ElasticBody.h"
+#include "mammoray/Foundation/Vector3.h"
+#include "mammorayBiomechanicsModule.h"
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+namespace mammoray
+{
+/// The part of a body that can move: its elements, the faces that can touch, and its unknowns.
+class MAMMORAYBIOMECHANICS_EXPORT MovingPart
+{
+public:
+  /// `fixed`: 3 x nodeCount flags. Cells flagged in `rigid` (empty: none) take no part. The body
+  /// must outlive this. Throws InputError where nothing can move.
+  MovingPart(const ElasticBody& body, const std::vector<bool>& fixed,
+    const std::vector<bool>& rigid = {});
+
+  const ElasticBody& Body() const { return this->WholeBody; }
+  const std::vector<bool>& RigidCells() const { return this->Rigid; }
+  /// Elements with a free node, ascending.
+  const std::vector<std::int32_t>& Elements() const { return this->MovingElements; }
+  /// Boundary faces of an element that have a free node.
+  const std::vector<std::int32_t>& FacesOf(std::size_t element) const
+  {
+    return this->ElementFaces[element];
+  }
+  /// The element of a boundary face; -1 where the face cannot move.
+  std::int32_t ElementOfFace(std::int32_t face) const { return this->FaceElements[face]; }
+
+  /// Number of the unknown of each coordinate; -1 where it is fixed.
+  const std::vector<std::int32_t>& Unknowns() const { return this->UnknownOfCoordinate; }
+  /// Coordinate of each unknown, ascending.
+  const std::vector<std::int32_t>& Coordinates() const { return this->CoordinateOfUnknown; }
+  std::size_t NumberOfUnknowns() const { return this->CoordinateOfUnknown.size(); }
+
+  /// Undeformed volume of the elements that do not move, mm^3, as of construction.
+  double RigidVolume() const { return this->VolumeAtRest; }
+
+  /// Adds a force at a point of a boundary face with these shape functions to a column of unknowns.
+  void AddAtFace(const ElasticBody::BoundaryFace& face, const std::array<double, 6>& shape,
+    const Vector3& force, double* column) const;
+
+private:
+  const ElasticBody& WholeBody;
+  std::vector<bool> Rigid;
+  std::vector<std::int32_t> MovingElements;
+  std::vector<std::vector<std::int32_t>> ElementFaces;
+  std::vector<std::int32_t> FaceElements;
+  std::vector<std::int32_t> UnknownOfCoordinate;
+  std::vector<std::int32_t> CoordinateOfUnknown;
+  double VolumeAtRest = 0;
+};
+}
+
+#endif

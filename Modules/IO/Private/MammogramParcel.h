@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+#ifndef mammoray_Private_MammogramParcel_h
+#define mammoray_Private_MammogramParcel_h
+
+#include "Private/GuardedRead.h"
+#include "mammoray/Foundation/Mammogram.h"
+
+#include <string>
+
+namespace mammoray
+{
+/// Every member of a mammogram, on its way in either direction.
+template <typename Exchange, typename Image>
+void ExchangeMammogram(Exchange& exchange, Image& mammogram)
+{
+  exchange(mammogram.Columns, mammogram.Rows, mammogram.Pixels, mammogram.InvertedForDisplay,
+    mammogram.PresentationIntent, mammogram.IntensityRelationship, mammogram.IntensitySign,
+    mammogram.BitsStored, mammogram.ColumnSpacingMm, mammogram.RowSpacingMm, mammogram.View,
+    mammogram.Laterality, mammogram.RowDirection, mammogram.ColumnDirection,
+    mammogram.BodyPartThicknessMm, mammogram.PositionerPrimaryAngleDeg,
+    mammogram.SourceToDetectorMm, mammogram.SourceToPatientMm, mammogram.PeakKilovoltage,
+    mammogram.AnodeMaterial, mammogram.FilterMaterial, mammogram.SourceFootPixel);
+}
+
+/// Reads a mammogram's file by `read` in a process of its own.
+template <typename Read>
+Mammogram ReadMammogramGuarded(const std::string& path, const char* content, const Read& read)
+{
+  Mammogram mammogram;
+  ReadGuarded(
+    path, content, ReadLimits::Of({ path }),
+    [&](ParcelWriter& parcel) { ExchangeMammogram(parcel, static_cast<const Mammogram&>(read())); },
+    [&](ParcelReader& parcel) { ExchangeMammogram(parcel, mammogram); });
+  return mammogram;
+}
+}
+
+#endif

@@ -1,0 +1,198 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mammoray/Study/Assessment.h"
+
+#include "Private/ReportText.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace mammoray
+{
+const char* NameOf(Trust trust)
+{
+  return trust == Trust::Good ? "good" : trust == Trust::Doubtful ? "doubtful" : "none";
+}
+
+const char* VerdictOf(Trust trust)
+{
+  return trust == Trust::Good  ? "The two mammograms match"
+    : trust == Trust::Doubtful ? "The match should be checked by eye"
+                               : "The match is not to be trusted";
+}
+
+namespace
+{
+/// Of one plate's force the least that the other presses with where both hold the breast.
+constexpr double LeastShareOfForce = 0.05;
+
+/// How many standard deviations a value lies from where its prior expects it: the prior's and,
+/// where it is known, the value's own; 0 without a prior.
+double DeviationsFromPrior(const RegistrationParameter& parameter, double value, double sigma)
+{
+  if (parameter.Fixed || !(parameter.PriorSigma > 0))
+  {
+    return 0;
+  }
+  return std::abs(value - parameter.Start) /
+    std::hypot(parameter.PriorSigma, std::isfinite(sigma) ? sigma : 0.0);
+}
+
+/// Adds why a breast may lie otherwise than a match of pictures tells.
+template <typename Add>
+void AddMechanics(const RegistrationResult& result, const Add& add)
+{
+  if (result.State.Positions.empty())
+  {
+    return;
+  }
+  // Forces follow a breast's size and the stiffness in the table, which is unknown by a factor of
+  // two: the two plates' are compared with each other.
+  const auto [least, most] = std::minmax(result.State.PaddleForceN, result.State.SupportForceN);
+  if (most <= 0 || least < LeastShareOfForce * most)
+  {
+    add(Trust::Doubtful,
+      "The paddle presses with " + NumberText(result.State.PaddleForceN, 1) +
+        " N, the support with " + NumberText(result.State.SupportForceN, 1) +
+        " N: what holds the breast in the model is not the plates. At least a twentieth of the "
+        "other's force is wanted of each.");
+  }
+  if (result.State.LargestWallGlideMm > 30)
+  {
+    add(Trust::Doubtful,
+      "The breast has glided along the chest wall by " +
+        NumberText(result.State.LargestWallGlideMm, 0) +
+        " mm in the model, 30 mm or less is wanted: how it is held there is a guess.");
+  }
+  if (result.OtherEquilibriumMm > 3)
+  {
+    add(Trust::Doubtful,
+      "The breast can lie in another way between the same plates, " +
+        NumberText(result.OtherEquilibriumMm, 0) +
+        " mm away on average: it may have toppled to the other side.");
+  }
+}
+
+/// Adds what the tissue inside tells of whose breast is pictured.
+template <typename Add>
+void AddTissue(const RegistrationResult& result, const Add& add)
+{
+  const double tissue = result.After.TissueCorrelation;
+  if (std::isnan(tissue))
+  {
+    add(Trust::Doubtful,
+      "Too little of the breast is as thick as the plates are apart to tell it from another by its "
+      "tissue.");
+  }
+  else if (tissue < GoodTissueCorrelation)
+  {
+    add(tissue < LeastTissueCorrelation ? Trust::None : Trust::Doubtful,
+      "The tissue inside looks little alike in both pictures, as in those of two breasts: its "
+      "correlation is " +
+        NumberText(tissue, 2) + ", " + NumberText(GoodTissueCorrelation, 2) +
+        " or more is wanted.");
+  }
+}
+
+/// How far the thickness found may lie from a unit's readout, mm: what quality control asks of the
+/// indicator (ACR, Digital Mammography QC Manual 2016: 5 mm), or, of thick breasts more, what rigid
+/// paddles were measured to be off by (Hauge et al., Med. Phys. 39, 263, 2012: up to 14.3 % of the
+/// thickness, flexible ones 26 %).
+double ReadoutTolerance(double thicknessMm)
+{
+  return std::max(5.0, 0.15 * thicknessMm);
+}
+
+/// Adds what the header and the result disagree on.
+template <typename Add>
+void AddHeader(const RegistrationResult& result, const Add& add)
+{
+  if (result.HeaderThicknessMm)
+  {
+    const double off = std::abs(result.Pose.ThicknessMm - *result.HeaderThicknessMm);
+    const double most = ReadoutTolerance(*result.HeaderThicknessMm);
+    if (off > most)
+    {
+      // Twice as much no paddle's readout is off.
+      add(off > 2 * most ? Trust::None : Trust::Doubtful,
+        "The breast was found " + NumberText(result.Pose.ThicknessMm, 1) +
+          " mm thick, the mammogram's header says " + NumberText(*result.HeaderThicknessMm, 1) +
+          " mm: they are " + NumberText(off, 1) + " mm apart, " + NumberText(most, 1) +
+          " mm or less is wanted.");
+    }
+  }
+  for (const std::string& disagreement : result.Disagreements)
+  {
+    add(Trust::Doubtful, disagreement);
+  }
+}
+}
+
+Assessment Assess(const RegistrationResult& result)
+{
+  Assessment assessment;
+  const auto add = [&](Trust level, const std::string& reason)
+  {
+    assessment.Level = std::max(assessment.Level, level);
+    assessment.Reasons.push_back(reason);
+  };
+  if (!std::isfinite(result.After.Correlation) ||
+    !std::isfinite(result.After.MeanOutlineDistanceMm) ||
+    !std::isfinite(result.After.LargestOutlineDistanceMm))
+  {
+    add(Trust::None, "The agreement of the pictures could not be computed.");
+  }
+  AddTissue(result, add);
+  if (result.After.Correlation < 0.5)
+  {
+    add(Trust::Doubtful,
+      "The pictures look little alike inside the breast: their correlation is " +
+        NumberText(result.After.Correlation, 2) + ", 0.5 or more is wanted.");
+  }
+  if (result.After.MeanOutlineDistanceMm > 1.5)
+  {
+    add(result.After.MeanOutlineDistanceMm > 3 ? Trust::None : Trust::Doubtful,
+      "The outlines of the breast lie " + NumberText(result.After.MeanOutlineDistanceMm, 1) +
+        " mm apart on average, 1.5 mm or less is wanted.");
+  }
+  if (result.After.LargestOutlineDistanceMm > 5)
+  {
+    add(result.After.LargestOutlineDistanceMm > 10 ? Trust::None : Trust::Doubtful,
+      "At one place the outlines lie " + NumberText(result.After.LargestOutlineDistanceMm, 1) +
+        " mm apart, 5 mm or less is wanted.");
+  }
+  if (!result.Converged)
+  {
+    add(Trust::Doubtful,
+      "The search ended before it had settled" +
+        (result.StopReason.empty() ? std::string(".") : ": " + result.StopReason + "."));
+  }
+  for (std::size_t i = 0; i < std::min(result.Parameters.size(), result.Values.size()); ++i)
+  {
+    if (AtBound(result.Parameters[i], result.Values[i]))
+    {
+      add(Trust::Doubtful,
+        ParameterTitle(result.Parameters[i].Name) +
+          " ended at the limit of what was allowed: the best value may lie beyond it.");
+    }
+    const double sigma =
+      i < result.StandardDeviations.size() ? result.StandardDeviations[i] : std::nan("");
+    const double deviations = DeviationsFromPrior(result.Parameters[i], result.Values[i], sigma);
+    if (deviations > 3)
+    {
+      add(Trust::Doubtful,
+        ParameterTitle(result.Parameters[i].Name) + " ended " + NumberText(deviations, 1) +
+          " standard deviations from what was to be expected, 3 or less are wanted.");
+    }
+  }
+  AddMechanics(result, add);
+  AddHeader(result, add);
+  return assessment;
+}
+
+bool AtBound(const RegistrationParameter& parameter, double value)
+{
+  const double tolerance = 1e-3 * (parameter.Upper - parameter.Lower);
+  return !parameter.Fixed && parameter.Upper > parameter.Lower &&
+    (value - parameter.Lower < tolerance || parameter.Upper - value < tolerance);
+}
+}

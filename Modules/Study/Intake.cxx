@@ -1,0 +1,184 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mammoray/Study/Intake.h"
+
+#include "Private/MammogramRules.h"
+#include "Private/SeriesRules.h"
+#include "Private/SeriesSplit.h"
+#include "Private/StudyPatients.h"
+#include "mammoray/Foundation/Error.h"
+#include "mammoray/IO/DicomHeader.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <iterator>
+#include <set>
+#include <utility>
+
+namespace mammoray
+{
+namespace
+{
+namespace fs = std::filesystem;
+
+constexpr const char* DirectoryClass = "1.2.840.10008.1.3.10";
+
+/// All files below a folder, in the order of their paths.
+std::vector<std::string> FilesBelow(const std::string& folder)
+{
+  std::error_code problem;
+  if (!fs::exists(folder, problem))
+  {
+    throw InputError(folder + ": expected the folder of a study, found nothing there");
+  }
+  if (!fs::is_directory(folder, problem))
+  {
+    throw InputError(folder + ": expected the folder of a study, found a file");
+  }
+  std::vector<std::string> files;
+  fs::recursive_directory_iterator entry(folder, fs::directory_options::skip_permission_denied,
+    problem);
+  for (; !problem && entry != fs::recursive_directory_iterator(); entry.increment(problem))
+  {
+    std::error_code unreadable;
+    if (entry->is_regular_file(unreadable))
+    {
+      files.push_back(entry->path().string());
+    }
+  }
+  if (problem)
+  {
+    throw InputError(folder + ": cannot be read (" + problem.message() + ")");
+  }
+  if (files.empty())
+  {
+    throw InputError(folder + ": expected the folder of a study, found no file in it");
+  }
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+/// The headers of MRI and mammograms; everything else is counted.
+std::vector<DicomHeader> ReadHeaders(const std::vector<std::string>& files, Study& study,
+  const ProgressCallback& progress)
+{
+  std::vector<DicomHeader> images;
+  std::set<std::string> instances;
+  for (std::size_t index = 0; index < files.size(); ++index)
+  {
+    ReportProgress(progress, static_cast<double>(index) / static_cast<double>(files.size()),
+      "reading headers");
+    std::vector<DicomHeader> headers;
+    try
+    {
+      headers = ReadDicomHeaders(files[index]);
+    }
+    catch (const InputError& error)
+    {
+      study.Damaged.emplace_back(error.what());
+      continue;
+    }
+    const DicomHeader* header = headers.empty() ? nullptr : &headers.front();
+    if (!header)
+    {
+      ++study.NotDicom;
+    }
+    else if (header->SopClassUid == DirectoryClass)
+    {
+      ++study.Directories;
+    }
+    else if (header->Modality != "MR" && !IsMammogram(*header))
+    {
+      ++study.OtherObjects;
+    }
+    else if (!header->SopInstanceUid.empty() && !instances.insert(header->SopInstanceUid).second)
+    {
+      ++study.Copies;
+    }
+    else
+    {
+      std::move(headers.begin(), headers.end(), std::back_inserter(images));
+    }
+  }
+  return images;
+}
+
+/// Slices become series by time, then by their numbers.
+bool Earlier(const SeriesCandidate& a, const SeriesCandidate& b)
+{
+  const std::string left = MomentOf(a.First);
+  const std::string right = MomentOf(b.First);
+  if (!left.empty() && !right.empty() && left != right)
+  {
+    return left < right;
+  }
+  const double first = a.First.SeriesNumber.value_or(0);
+  const double second = b.First.SeriesNumber.value_or(0);
+  return first != second ? first < second : a.Series.Phase < b.Series.Phase;
+}
+
+/// What a folder without images holds, for the refusal.
+std::string Found(const Study& study, const std::vector<std::string>& files)
+{
+  const auto packed = std::count_if(files.begin(), files.end(),
+    [](const std::string& file)
+    {
+      const std::string extension = fs::path(file).extension().string();
+      return extension == ".zip" || extension == ".gz" || extension == ".7z" ||
+        extension == ".rar" || extension == ".tar" || extension == ".iso";
+    });
+  std::string text = std::to_string(files.size()) + " other file" + (files.size() > 1 ? "s" : "");
+  text += packed > 0 ? " (" + std::to_string(packed) + " packed: unpack first)" : "";
+  return study.Damaged.empty() ? text : text + ", first of damaged ones: " + study.Damaged.front();
+}
+}
+
+Study ReadStudy(const std::string& folder, const ProgressCallback& progress)
+{
+  Study study;
+  const fs::path given(folder);
+  // A DICOMDIR stands for the folder that it lists.
+  std::error_code problem;
+  study.Folder = given.filename() == "DICOMDIR" && fs::is_regular_file(given, problem)
+    ? given.parent_path().string()
+    : folder;
+  const std::vector<std::string> files = FilesBelow(study.Folder);
+  const std::vector<DicomHeader> images = ReadHeaders(files, study, progress);
+  if (images.empty())
+  {
+    throw InputError(study.Folder +
+      ": expected DICOM images of a breast (MRI and mammograms), found " + Found(study, files));
+  }
+  study.Warnings = CheckOnePatient(images, study.Folder);
+
+  std::vector<DicomHeader> slices;
+  for (const DicomHeader& image : images)
+  {
+    if (image.Modality == "MR")
+    {
+      slices.push_back(image);
+    }
+    else
+    {
+      study.Mammograms.push_back(DescribeMammogram(image));
+    }
+  }
+  std::vector<SeriesCandidate> candidates = SplitIntoVolumes(slices);
+  for (SeriesCandidate& candidate : candidates)
+  {
+    DescribeSeries(candidate);
+    if (candidate.Series.LeftOut.empty())
+    {
+      candidate.Series.LeftOut = WhyNoBreastVolume(candidate);
+    }
+  }
+  std::stable_sort(candidates.begin(), candidates.end(), Earlier);
+  CompareScanOptions(candidates);
+  FindContrastPhases(candidates);
+  for (SeriesCandidate& candidate : candidates)
+  {
+    study.Series.push_back(std::move(candidate.Series));
+  }
+  ReportProgress(progress, 1, "done");
+  return study;
+}
+}

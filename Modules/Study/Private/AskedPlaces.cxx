@@ -1,0 +1,273 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "Private/AskedPlaces.h"
+
+#include "mammoray/Foundation/Error.h"
+#include "mammoray/Foundation/SurfaceMesh.h"
+#include "mammoray/IO/LabelVolumeIO.h"
+#include "mammoray/Study/BreastInUnit.h"
+#include "mammoray/Study/BreastPicture.h"
+#include "mammoray/Study/LesionShadow.h"
+#include "mammoray/Study/RegistrationCaseWriter.h"
+#include "mammoray/Study/SlicePicture.h"
+#include "mammoray/Study/StudyCase.h"
+
+#include "vtkDoubleArray.h"
+#include "vtkNew.h"
+#include "vtkPoints.h"
+#include "vtkUnstructuredGrid.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <map>
+
+namespace mammoray
+{
+namespace
+{
+/// Shares of each lesion's voxels that lie outside the tissue, by label.
+std::map<int, double> SharesOutside(const LabelVolume& lesions, const LabelVolume& tissue)
+{
+  std::map<int, std::pair<double, double>> counts;
+  lesions.ForEachVoxel(
+    [&](int i, int j, int k, std::size_t voxel)
+    {
+      if (lesions.Voxels[voxel] != 0)
+      {
+        auto& [all, outside] = counts[lesions.Voxels[voxel]];
+        all += 1;
+        outside += tissue.LabelAt(lesions.PointAt(i, j, k)) == 0 ? 1 : 0;
+      }
+    });
+  std::map<int, double> shares;
+  for (const auto& [label, count] : counts)
+  {
+    shares[label] = count.second / count.first;
+  }
+  return shares;
+}
+
+LayeredPicture SlicesThrough(const RegistrationCaseResult& result, const Vector3& point, int lesion)
+{
+  PointSlices slices;
+  slices.Image = result.Tissue ? &result.Tissue->Mri : result.Image.get();
+  slices.Labels = result.Volume.get();
+  slices.Axes = result.Axes;
+  slices.Names = result.Materials.Names();
+  slices.Point = point;
+  slices.Lesions = lesion != 0 ? result.Lesions.get() : nullptr;
+  slices.LesionLabel = lesion;
+  return DrawPointSlices(slices);
+}
+
+BreastInUnit InMemory(const RegistrationCaseResult& result, const RegisteredView& registered)
+{
+  BreastInUnit breast;
+  breast.Uncompressed = UncompressedGrid(result, registered);
+  breast.Compressed = vtkSmartPointer<vtkUnstructuredGrid>::New();
+  breast.Compressed->ShallowCopy(breast.Uncompressed);
+  vtkNew<vtkDoubleArray> values;
+  values->SetNumberOfComponents(3);
+  values->SetNumberOfTuples(breast.Uncompressed->GetNumberOfPoints());
+  std::copy(registered.CompressedPoints.begin(), registered.CompressedPoints.end(),
+    values->GetPointer(0));
+  vtkNew<vtkPoints> points;
+  points->SetData(values);
+  breast.Compressed->SetPoints(points);
+  breast.Placed = registered.Placed;
+  breast.Unit = registered.Unit;
+  breast.Grid = registered.Target;
+  const RegistrationResult& found = registered.Registration;
+  for (const RegistrationParameter& parameter : found.Parameters)
+  {
+    breast.Parameters.push_back(parameter.Name);
+  }
+  breast.Covariance =
+    found.ConsideredCovariance.empty() ? found.Covariance : found.ConsideredCovariance;
+  return breast;
+}
+
+PlaceInMammogram PlaceOf(const ImagedPoint& imaged, const RegistrationTarget& grid)
+{
+  PlaceInMammogram place;
+  place.Material = imaged.Material;
+  place.ReceptorMm = imaged.ReceptorMm;
+  place.Column = imaged.Column;
+  place.Row = imaged.Row;
+  place.InImage = imaged.InImage;
+  if (imaged.Uncertainty)
+  {
+    place.HalfAxesMm = { Deviations95 * imaged.Uncertainty->MajorMm,
+      Deviations95 * imaged.Uncertainty->MinorMm };
+    place.Ellipse = EllipsePoints(*imaged.Uncertainty, imaged.ReceptorMm, grid, Deviations95);
+  }
+  return place;
+}
+
+void AddOutlines(const LesionShadow& shadow, const RegistrationTarget& grid,
+  PlaceInMammogram& place)
+{
+  for (const auto& outline : shadow.Outlines)
+  {
+    auto& receptor = place.Outlines.emplace_back();
+    for (const auto& [column, row] : outline)
+    {
+      receptor.push_back({ grid.Origin[0] + column * grid.ColumnStep[0] + row * grid.RowStep[0],
+        grid.Origin[1] + column * grid.ColumnStep[1] + row * grid.RowStep[1] });
+    }
+  }
+}
+}
+
+void ReadAsked(const RegistrationCase& input, RegistrationCaseResult& result)
+{
+  if (!input.Lesions.empty())
+  {
+    result.Lesions = std::make_shared<const LabelVolume>(
+      ReadLesions(input.Lesions, AxesOf(input.Labels.AxesAsGiven)));
+  }
+  if (!input.Image.empty())
+  {
+    result.Image = std::make_shared<const IntensityVolume>(
+      ReadIntensityVolume(input.Image, AxesOf(input.Labels.AxesAsGiven)));
+  }
+}
+
+void CheckAsked(const RegistrationCase& input, const LabelVolume& tissue,
+  RegistrationCaseResult& result)
+{
+  char text[200];
+  if (input.Point && tissue.LabelAt(*input.Point) == 0)
+  {
+    std::snprintf(text, sizeof text,
+      "point (%.2f, %.2f, %.2f): expected a place in the tissue that is registered, found none",
+      (*input.Point)[0], (*input.Point)[1], (*input.Point)[2]);
+    throw InputError(text);
+  }
+  if (result.Lesions)
+  {
+    for (const auto& [label, outside] : SharesOutside(*result.Lesions, tissue))
+    {
+      if (outside > LargestShareOutside)
+      {
+        std::snprintf(text, sizeof text,
+          ": expected lesion %d in the tissue that is registered, found %.0f %% of it there; is it "
+          "in the frame of that volume?",
+          label, 100 * (1 - outside));
+        throw InputError(input.Lesions + text);
+      }
+    }
+  }
+  if (input.Point || result.Lesions)
+  {
+    result.Volume = std::make_shared<const LabelVolume>(tissue);
+  }
+}
+
+std::vector<AskedPlace> AskedOf(const RegistrationCase& input, const RegistrationCaseResult& result)
+{
+  std::vector<AskedPlace> asked;
+  if (input.Point)
+  {
+    asked.push_back(
+      { "The point", "point", *input.Point, 0, SlicesThrough(result, *input.Point, 0) });
+  }
+  if (result.Lesions)
+  {
+    for (const Lesion& lesion : FindLesions(*result.Lesions))
+    {
+      const std::string number = std::to_string(lesion.Label);
+      asked.push_back({ "Lesion " + number, number, lesion.Centre, lesion.VolumeMm3,
+        SlicesThrough(result, lesion.Centre, lesion.Label) });
+    }
+  }
+  return asked;
+}
+
+RegisteredBreast BreastOf(const RegistrationCaseResult& result, const RegisteredView& registered)
+{
+  return RegisteredBreast(InMemory(result, registered));
+}
+
+std::vector<PlaceInMammogram> PlacesIn(const RegistrationCase& input,
+  const RegistrationCaseResult& result, const RegisteredView& registered,
+  const std::vector<AskedPlace>& asked, const RegisteredBreast& breast)
+{
+  std::vector<PlaceInMammogram> places;
+  const std::vector<Lesion> lesions =
+    result.Lesions ? FindLesions(*result.Lesions) : std::vector<Lesion>();
+  const std::size_t points = asked.size() - lesions.size();
+  const auto projector = result.Lesions
+    ? MakeProjector({ .Projection = MethodFromName(input.Projector), .Device = input.Device })
+    : nullptr;
+  for (std::size_t index = 0; index < asked.size(); ++index)
+  {
+    try
+    {
+      if (index < points)
+      {
+        places.push_back(PlaceOf(breast.ToMammogram(asked[index].Point), registered.Target));
+        continue;
+      }
+      const LesionShadow shadow =
+        ProjectLesion(breast, *result.Lesions, lesions[index - points].Label, *projector);
+      PlaceInMammogram place = PlaceOf(shadow.ImagedCentre, registered.Target);
+      AddOutlines(shadow, registered.Target, place);
+      places.push_back(std::move(place));
+    }
+    catch (const InputError& error) // the rest of the result is not lost for that
+    {
+      places.emplace_back().Problem = error.what();
+    }
+  }
+  return places;
+}
+
+LayeredPicture PictureBetweenPlates(const RegistrationCaseResult& result,
+  const RegisteredView& registered, const std::vector<AskedPlace>& asked,
+  const RegisteredBreast& registeredBreast)
+{
+  std::vector<std::int32_t> ids;
+  SurfaceMesh surface = ExtractInterfaces(result.Anatomy, &ids);
+  for (std::size_t id = 0; id < ids.size(); ++id)
+  {
+    std::copy_n(&registered.CompressedPoints[3 * static_cast<std::size_t>(ids[id])], 3,
+      &surface.Points[3 * id]);
+  }
+  const VolumeFromGantry& placed = registered.Placed;
+  BreastInSpace breast;
+  breast.Surface = &surface;
+  breast.Materials = &result.Materials;
+  const double side = registered.Mammogram.Laterality == 'R' ? -1 : 1;
+  const Vector3 eye = placed.Direction({ 0.75 * side, 0.62, 0.30 });
+  breast.ToEye = (1 / Norm(eye)) * eye;
+  breast.Up = placed.Z;
+  std::array<Extent, 2> reach;
+  reach[1].Add(0); // from the chest wall on
+  for (std::size_t id = 0; id < surface.NumberOfPoints(); ++id)
+  {
+    const Vector3 at = placed.ToGantry(
+      { surface.Points[3 * id], surface.Points[3 * id + 1], surface.Points[3 * id + 2] });
+    reach[0].Add(at[0]);
+    reach[1].Add(at[1]);
+  }
+  const PlatePair plates = PlatesOf(placed, registered.Unit,
+    registered.Registration.Pose.ThicknessMm, registered.Registration.Pose.TiltDeg);
+  constexpr double PlateMarginMm = 10;
+  for (const Plate& plate : { plates.Support, plates.Paddle })
+  {
+    const auto corner = [&](double x, double depth)
+    { return plate.Edge + x * placed.X + depth * plate.Inward; };
+    const double depth = reach[1].High + PlateMarginMm;
+    const double from = reach[0].Low - PlateMarginMm;
+    const double to = reach[0].High + PlateMarginMm;
+    breast.Plates.push_back(
+      { corner(from, 0), corner(to, 0), corner(to, depth), corner(from, depth) });
+  }
+  for (const AskedPlace& place : asked)
+  {
+    breast.Marks.emplace_back(place.ShortName,
+      place.Point + registeredBreast.Carry(place.Point).Displacement);
+  }
+  return DrawBreast(breast);
+}
+}

@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "Private/Checkpoint.h"
+
+#include "Private/ResultFields.h"
+#include "mammoray/Foundation/Error.h"
+#include "mammoray/Foundation/Plausible.h"
+#include "mammoray/IO/WholeOutput.h"
+#include "mammoray/Study/RegistrationCaseWriter.h"
+
+#include <filesystem>
+#include <fstream>
+#include <utility>
+
+namespace mammoray
+{
+namespace
+{
+constexpr const char* CheckpointFormat = "mammoray-registration-checkpoint";
+}
+
+template <typename Fields>
+void ListFields(Fields& fields, SearchPoint& point)
+{
+  fields("inputs", point.Inputs);
+  fields("parameters", point.Parameters);
+}
+
+namespace
+{
+std::vector<SearchPoint> ReadCheckpoint(const std::string& path)
+{
+  std::ifstream file(path);
+  const Json json = Json::parse(file, PlausibleNesting{ path }, false);
+  if (!json.is_object())
+  {
+    throw InputError(path + ": expected a checkpoint of 'mammoray register', found no JSON object");
+  }
+  const FieldReader reader(json, path);
+  std::string format;
+  reader("format", format);
+  if (format != CheckpointFormat)
+  {
+    reader.Refuse("format", std::string("'") + CheckpointFormat + "'");
+  }
+  reader.CheckVersion();
+  std::vector<SearchPoint> points;
+  reader("mammograms", points);
+  return points;
+}
+}
+
+std::vector<ResultParameter> ParametersOf(const RegistrationResult& found)
+{
+  std::vector<ResultParameter> parameters;
+  for (std::size_t index = 0; index < found.Parameters.size(); ++index)
+  {
+    const RegistrationParameter& parameter = found.Parameters[index];
+    const double value = found.Values[index];
+    parameters.push_back(
+      { parameter.Name, parameter.Unit, value, found.StandardDeviations[index], parameter.Start,
+        parameter.Lower, parameter.Upper, parameter.Fixed, AtBound(parameter, value) });
+  }
+  return parameters;
+}
+
+std::vector<ResultInput> HashedInputs(const RegistrationCase& input, const std::string& mammogram)
+{
+  std::vector<ResultInput> inputs;
+  for (const CaseInput& given : CaseInputs(input, mammogram))
+  {
+    inputs.push_back({ given.Role, given.Name, given.Sha256() });
+  }
+  return inputs;
+}
+
+void WriteCheckpoint(const std::vector<SearchPoint>& points, const std::string& path)
+{
+  Json json;
+  json["format"] = CheckpointFormat;
+  json["formatVersion"] = ResultFormatVersion;
+  FieldWriter writer(json);
+  std::vector<SearchPoint> copy = points; // see WriteResultFile
+  writer("mammograms", copy);
+  WriteWholeFile(path, json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
+}
+
+std::vector<SearchPoint> ReadSearchPoints(const std::string& path)
+{
+  const std::string beside = CheckpointPath(path);
+  if (std::filesystem::is_regular_file(path) || std::filesystem::exists(beside))
+  {
+    return ReadCheckpoint(std::filesystem::is_regular_file(path) ? path : beside);
+  }
+  std::vector<SearchPoint> points;
+  for (ResultFile& result : ReadResultFiles(path))
+  {
+    points.push_back({ std::move(result.Inputs), std::move(result.Parameters) });
+  }
+  return points;
+}
+}

@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mammoray/Study/RegisteredMammogram.h"
+
+#include "mammoray/Foundation/Error.h"
+#include "mammoray/IO/MammogramIO.h"
+#include "mammoray/IO/MammogramPictureIO.h"
+#include "mammoray/IO/MammogramSynthesis.h"
+#include "mammoray/IO/Sha256.h"
+#include "mammoray/IO/ShippedData.h"
+
+#include <filesystem>
+#include <optional>
+
+namespace mammoray
+{
+namespace
+{
+/// The header of the registered pose. Directions of the patient do not depend on the volume's
+/// frame, so any will do.
+Mammogram DescribeRegistration(const ResultFile& result, char laterality)
+{
+  // Shifts and the paddle's tilt say nothing of directions.
+  const BreastPose pose{ .ThicknessMm = result.Pose.ThicknessMm,
+    .RollDeg = result.Pose.RollDeg,
+    .PitchDeg = result.Pose.PitchDeg,
+    .YawDeg = result.Pose.YawDeg };
+  const MammographyUnit& unit = result.Unit;
+  const ResultGrid& grid = result.Grid;
+  const AnatomicalAxes axes;
+  const VolumeFromGantry gantry = PlaceUnit(axes, { 0, 0, 0 }, unit, pose);
+  XRayDetector detector;
+  detector.Columns = grid.Columns;
+  detector.Rows = grid.Rows;
+  detector.Origin = gantry.Point({ grid.OriginMm[0], grid.OriginMm[1], 0 });
+  detector.ColumnStep = gantry.Direction({ grid.ColumnStepMm[0], grid.ColumnStepMm[1], 0 });
+  detector.RowStep = gantry.Direction({ grid.RowStepMm[0], grid.RowStepMm[1], 0 });
+  XRaySource source;
+  source.Position = gantry.Point(unit.FocalSpot());
+  Mammogram mammogram = DescribeProjection(source, detector, axes, laterality);
+  mammogram.BodyPartThicknessMm = pose.ThicknessMm;
+  mammogram.SourceToPatientMm = unit.SourceToDetectorMm - unit.SupportHeightMm;
+  return mammogram;
+}
+
+std::vector<float> ReadLogAttenuation(const std::string& path, const Mammogram& real)
+{
+  if (!std::filesystem::is_regular_file(path))
+  {
+    throw InputError(path + ": no such file");
+  }
+  return ReadFloatPicture(path, real.Columns, real.Rows);
+}
+
+/// Nothing where a result is of this mammogram, by its checksum; else the name of the one it is of.
+std::optional<std::string> NameOfOther(const ResultFile& result, const std::string& mammogramPath)
+{
+  const std::string checksum = Sha256OfFile(mammogramPath);
+  std::string name;
+  for (const ResultInput& input : result.Inputs)
+  {
+    if (input.Role == MammogramRole)
+    {
+      if (input.Sha256 == checksum)
+      {
+        return {};
+      }
+      name = input.File;
+    }
+  }
+  return name;
+}
+}
+
+Mammogram ReadSyntheticMammogram(const ResultFile& result, const Mammogram& real,
+  Mammogram::Intent intent)
+{
+  Mammogram synthetic = DescribeRegistration(result, real.Laterality);
+  const auto prefer = [](std::string& found, const std::string& told)
+  { found = told.empty() ? found : told; };
+  prefer(synthetic.View, real.View);
+  prefer(synthetic.RowDirection, real.RowDirection);
+  prefer(synthetic.ColumnDirection, real.ColumnDirection);
+  try
+  {
+    synthetic.PeakKilovoltage = FindSpectrum(result.Spectrum).PeakEnergyKeV();
+  }
+  catch (const InputError&)
+  {
+    // A table of the user's that is no longer there: the voltage is left out.
+  }
+  SetPixels(synthetic, ReadLogAttenuation(result.Folder + "/synthetic.mha", real), intent);
+  return synthetic;
+}
+
+bool IsRegisteredMammogram(const ResultFile& result, const std::string& mammogramPath)
+{
+  return !NameOfOther(result, mammogramPath);
+}
+
+Mammogram ReadRegisteredMammogram(const ResultFile& result, const std::string& mammogramPath)
+{
+  if (const std::optional<std::string> other = NameOfOther(result, mammogramPath))
+  {
+    throw InputError(
+      mammogramPath + ": expected the mammogram of the result, " + *other + ", found another file");
+  }
+  const ResultMammogram& searched = result.Mammogram;
+  const PictureDescription known{ searched.ColumnSpacingMm, searched.View, searched.Laterality };
+  Mammogram mammogram = IsPicturePath(mammogramPath) ? ReadMammogramPicture(mammogramPath, known)
+                                                     : ReadMammogram(mammogramPath);
+  mammogram.ColumnSpacingMm = searched.ColumnSpacingMm;
+  mammogram.RowSpacingMm = searched.RowSpacingMm;
+  mammogram.View = searched.View;
+  mammogram.Laterality = searched.Laterality;
+  return mammogram;
+}
+}

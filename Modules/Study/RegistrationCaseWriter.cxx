@@ -1,0 +1,506 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mammoray/Study/RegistrationCaseWriter.h"
+
+#include "Private/AskedPlaces.h"
+#include "Private/Checkpoint.h"
+#include "mammoray/Foundation/Error.h"
+#include "mammoray/IO/DicomHeader.h"
+#include "mammoray/IO/LabelVolumeIO.h"
+#include "mammoray/IO/MeshConversion.h"
+#include "mammoray/IO/MeshIO.h"
+#include "mammoray/IO/WholeOutput.h"
+#include "mammoray/Study/BreastInUnit.h"
+#include "mammoray/Study/RegistrationReport.h"
+#include "mammoray/Study/ResultFile.h"
+#include "mammoray/Study/StudyCase.h"
+
+#include "vtkDoubleArray.h"
+#include "vtkFloatArray.h"
+#include "vtkImageData.h"
+#include "vtkMetaImageWriter.h"
+#include "vtkNew.h"
+#include "vtkPointData.h"
+#include "vtkPoints.h"
+#include "vtkUnstructuredGrid.h"
+#include "vtkVersion.h"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <numbers>
+#include <optional>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace mammoray
+{
+namespace
+{
+namespace fs = std::filesystem;
+
+/// All that WriteInto writes, in any folder.
+constexpr std::array<std::string_view, 12> ResultFolderFiles{ "uncompressed.vtu", "compressed.vtu",
+  "synthetic.mha", "labels.nrrd", "mri.nrrd", "real.png", "synthetic.png", "overlay.png",
+  "difference.png", "convergence.svg", "report.html", ResultFileName };
+
+void WriteMeshes(const RegistrationCaseResult& result, const RegisteredView& registered,
+  const std::string& folder)
+{
+  const auto grid = UncompressedGrid(result, registered);
+  WriteMesh(grid, folder + "/uncompressed.vtu");
+
+  vtkNew<vtkDoubleArray> compressed;
+  compressed->SetNumberOfComponents(3);
+  compressed->SetNumberOfTuples(grid->GetNumberOfPoints());
+  std::copy(registered.CompressedPoints.begin(), registered.CompressedPoints.end(),
+    compressed->GetPointer(0));
+  grid->GetPoints()->SetData(compressed);
+  grid->Modified();
+  WriteMesh(grid, folder + "/compressed.vtu");
+}
+
+void WriteSynthetic(const RegisteredView& registered, const std::string& path)
+{
+  vtkNew<vtkImageData> image;
+  image->SetDimensions(registered.Target.Columns, registered.Target.Rows, 1);
+  image->SetSpacing(registered.Mammogram.ColumnSpacingMm, registered.Mammogram.RowSpacingMm, 1.0);
+  image->AllocateScalars(VTK_FLOAT, 1);
+  std::copy(registered.Synthetic.LogAttenuation.begin(), registered.Synthetic.LogAttenuation.end(),
+    static_cast<float*>(image->GetScalarPointer()));
+  vtkNew<vtkMetaImageWriter> writer;
+  writer->SetInputData(image);
+  writer->SetCompression(true);
+  WriteWholeFile(path,
+    [&](const std::string& staged)
+    {
+      writer->SetFileName(staged.c_str());
+      writer->Write();
+      if (writer->GetErrorCode() != 0)
+      {
+        throw InputError(path + ": cannot be written");
+      }
+    });
+}
+
+/// Share of the breast's picture that is not compared, [0, 1].
+double ShareExcluded(const RegistrationTarget& target)
+{
+  std::size_t breast = 0;
+  std::size_t excluded = 0;
+  for (std::size_t pixel = 0; pixel < target.BreastMask.size(); ++pixel)
+  {
+    breast += target.BreastMask[pixel] != 0 ? 1 : 0;
+    excluded += target.BreastMask[pixel] != 0 && IsExcluded(target, pixel) ? 1 : 0;
+  }
+  return static_cast<double>(excluded) / static_cast<double>(std::max<std::size_t>(breast, 1));
+}
+
+ResultFile ResultOf(const RegistrationCase& input, const RegistrationCaseResult& result,
+  const RegisteredView& registered)
+{
+  const RegistrationResult& found = registered.Registration;
+  const RegistrationTarget& target = registered.Target;
+  const CompressionState& state = found.State;
+  const Mammogram& mammogram = registered.Mammogram;
+  ResultFile file;
+  file.Trust = Assess(found);
+  file.Axes = result.Axes;
+  file.Anchor = result.Anchor;
+  file.Pose = found.Pose;
+  file.Parameters = ParametersOf(found);
+  file.Covariance = found.Covariance;
+  file.ConsideredCovariance = found.ConsideredCovariance;
+  file.Grid = { target.Columns, target.Rows, target.Origin, target.ColumnStep, target.RowStep };
+  file.Placed = registered.Placed;
+  file.Unit = registered.Unit;
+  file.After = found.After;
+  for (const RegisteredProjection& other : registered.Others)
+  {
+    file.Projections.push_back({ other.FocalSpotMm, other.After });
+  }
+  file.Misfit = found.Misfit;
+  if (found.Expected)
+  {
+    file.Expected = *found.Expected;
+  }
+  file.Converged = found.Converged;
+  file.StopReason = found.StopReason;
+  file.Evaluations = found.Evaluations;
+  file.Seconds = found.Seconds;
+  file.Timings = result.Timings;
+  file.Iterations = found.Iterations;
+  file.Compression = { .PaddleForceN = state.PaddleForceN,
+    .SupportForceN = state.SupportForceN,
+    .LargestWallGlideMm = state.LargestWallGlideMm,
+    .OtherEquilibriumMm = found.OtherEquilibriumMm,
+    .VolumeRatio = state.VolumeRatio,
+    .SmallestJ = state.SmallestJ,
+    .LargestJ = state.LargestJ,
+    .LargestPenetrationMm = state.LargestPenetrationMm,
+    .RelativeResidual = state.RelativeResidual };
+  file.Mammogram = { mammogram.View, mammogram.Laterality, mammogram.Columns, mammogram.Rows,
+    mammogram.ColumnSpacingMm, mammogram.RowSpacingMm, mammogram.BodyPartThicknessMm,
+    mammogram.SourceToDetectorMm, mammogram.PeakKilovoltage };
+  file.ShareExcluded = ShareExcluded(target);
+  file.Warnings = registered.Warnings;
+  file.Inputs = HashedInputs(input, registered.Path);
+  file.Spectrum = fs::path(input.Spectrum).has_extension()
+    ? ShownName(input.Spectrum, input.NameInputs)
+    : input.Spectrum;
+  if (input.Scatter)
+  {
+    file.Scatter = { "kernels", input.Scatter->AirGapMm.value_or(registered.Unit.SupportHeightMm),
+      input.Scatter->Grid.value_or(std::array<double, 3>{}), input.Scatter->Interspace };
+  }
+  file.Versions = { { "MammoRay", MAMMORAY_VERSION }, { "VTK", vtkVersion::GetVTKVersion() },
+    { "Vulkan device", result.Device },
+    { "Anatomy",
+      std::to_string(result.Anatomy.NumberOfCells()) + " tetrahedra, " +
+        std::to_string(result.SurfaceTriangles) + " interface triangles" },
+    { "Mechanics", std::to_string(result.SimulationCells) + " quadratic tetrahedra" } };
+  return file;
+}
+
+RegistrationReport ReportOf(const RegisteredView& registered, const ResultFile& file)
+{
+  RegistrationReport report;
+  report.RealMammogram = &registered.Mammogram;
+  report.Target = &registered.Target;
+  report.Result = &registered.Registration;
+  report.Synthetic = registered.Synthetic.LogAttenuation;
+  report.SyntheticOutline = { registered.Synthetic.Outline };
+  report.ShareExcluded = file.ShareExcluded;
+  for (const ResultInput& input : file.Inputs)
+  {
+    report.Inputs.push_back({ input.Role, input.File, input.Sha256 });
+  }
+  report.Versions = file.Versions;
+  report.Versions.emplace_back("Spectrum", file.Spectrum);
+  report.Warnings = file.Warnings;
+  return report;
+}
+
+/// How each projection of a tomosynthesis agrees with the one compression.
+ReportSection ProjectionSection(const RegisteredView& registered)
+{
+  ReportSection section;
+  section.Title = "Projections of the tomosynthesis";
+  std::vector<std::pair<Vector3, Agreement>> projections{ { registered.Unit.FocalSpot(),
+    registered.Registration.After } };
+  for (const RegisteredProjection& other : registered.Others)
+  {
+    projections.emplace_back(other.FocalSpotMm, other.After);
+  }
+  std::sort(projections.begin(), projections.end(),
+    [](const auto& a, const auto& b) { return a.first[0] < b.first[0]; });
+  for (const auto& [spot, after] : projections)
+  {
+    const double angle = std::atan2(spot[0], spot[2]) * 180 / std::numbers::pi;
+    char row[2][80];
+    std::snprintf(row[0], sizeof row[0], "Source at %.1f°", angle);
+    std::snprintf(row[1], sizeof row[1], "correlation %.3f, outlines %.2f mm apart",
+      after.Correlation, after.MeanOutlineDistanceMm);
+    section.Rows.emplace_back(row[0], row[1]);
+  }
+  section.Notes = { "Angles are those of the focal spot over the middle of the receptor's "
+                    "chest-wall edge, positive along gantry x. All projections were compared with "
+                    "one compressed breast, here in the finest pixels of the search; the middle "
+                    "one, whose pictures and figures stand above, in its own." };
+  return section;
+}
+
+/// "2024-03-01" of DICOM's 20240301; empty where it is no such date.
+std::string DateText(const std::string& date)
+{
+  // What is none may be a name.
+  const bool isDate = date.size() == 8 && date.find_first_not_of("0123456789") == std::string::npos;
+  return isDate ? date.substr(0, 4) + '-' + date.substr(4, 2) + '-' + date.substr(6)
+                : std::string();
+}
+
+/// When the pictures were made; of whom only where that is wanted.
+std::vector<std::pair<std::string, std::string>> ExaminationOf(const RegistrationCase& input,
+  const std::string& mammogram)
+{
+  std::vector<std::pair<std::string, std::string>> lines;
+  const auto add = [&](const char* name, const std::string& text)
+  {
+    if (!text.empty())
+    {
+      lines.emplace_back(name, text);
+    }
+  };
+  if (input.Study)
+  {
+    const StudyChoice& choice = input.Study->Choice;
+    const std::optional<StudySeries>& taken = choice.Plain ? choice.Plain
+      : choice.FatSuppressed                               ? choice.FatSuppressed
+                                                           : choice.Undetermined;
+    add("MRI of", taken ? DateText(taken->Date) : "");
+  }
+  std::optional<DicomHeader> header;
+  try
+  {
+    header = ReadDicomHeader(mammogram);
+  }
+  catch (const InputError&) // it was a picture without a header
+  {
+  }
+  if (header)
+  {
+    const DicomIdentity& identity = header->Identity;
+    add("mammogram of",
+      DateText(header->AcquisitionDate.empty() ? identity.StudyDate : header->AcquisitionDate));
+    if (input.NamePatient)
+    {
+      add("patient", Printable(identity.PatientName));
+      add("ID", Printable(identity.PatientId));
+      add("born", DateText(Printable(identity.PatientBirthDate)));
+      add("accession number", Printable(identity.AccessionNumber));
+    }
+  }
+  return lines;
+}
+
+JointResultFile JointOf(const RegistrationCaseResult& result,
+  const std::vector<std::string>& folders, const std::vector<ResultFile>& files)
+{
+  JointResultFile joint;
+  for (std::size_t number = 0; number < files.size(); ++number)
+  {
+    const ResultFile& file = files[number];
+    joint.Mammograms.push_back({ folders[number], file.Mammogram.View, file.Mammogram.Laterality,
+      file.Trust.Level, file.After.Correlation, file.After.MeanOutlineDistanceMm });
+  }
+  const std::size_t count = result.Unknowns.size();
+  for (std::size_t index = 0; index < count; ++index)
+  {
+    const JointUnknown& unknown = result.Unknowns[index];
+    const ResultParameter& parameter = files[unknown.Mammogram].Parameters[unknown.Parameter];
+    JointResultFile::Unknown& told = joint.Unknowns.emplace_back();
+    told.Name = parameter.Name;
+    told.Unit = parameter.Unit;
+    told.Value = parameter.Value;
+    if (!unknown.Shared)
+    {
+      told.Folder = folders[unknown.Mammogram];
+    }
+    if (!result.Covariance.empty())
+    {
+      told.StandardDeviation = std::sqrt(result.Covariance[index * (count + 1)]);
+    }
+  }
+  joint.Covariance = result.Covariance;
+  joint.Converged = files.front().Converged;
+  joint.StopReason = files.front().StopReason;
+  joint.Seconds = files.front().Seconds;
+  return joint;
+}
+
+/// Everything of a result into a folder that exists.
+void WriteInto(const std::string& folder, const RegistrationCase& input,
+  const RegistrationCaseResult& result)
+{
+  const std::vector<std::string> folders = MammogramFolders(result);
+  std::vector<ResultFile> files;
+  JointReport report;
+  if (result.Tissue)
+  {
+    WriteLabelVolume(result.Tissue->Labels, folder + "/labels.nrrd");
+    WriteIntensityVolume(result.Tissue->Mri, folder + "/mri.nrrd");
+    report.Sections.push_back(StudySection(*input.Study, *result.Tissue));
+  }
+  else if (result.Image)
+  {
+    WriteIntensityVolume(*result.Image, folder + "/mri.nrrd");
+  }
+  const std::vector<AskedPlace> asked = AskedOf(input, result);
+  for (std::size_t number = 0; number < result.Views.size(); ++number)
+  {
+    const RegisteredView& registered = result.Views[number];
+    const std::string own = (fs::path(folder) / folders[number]).string();
+    fs::create_directories(own);
+    WriteMeshes(result, registered, own);
+    WriteSynthetic(registered, own + "/synthetic.mha");
+    files.push_back(ResultOf(input, result, registered));
+    RegistrationReport& told = report.Mammograms.emplace_back(ReportOf(registered, files.back()));
+    told.Examination = ExaminationOf(input, registered.Path);
+    told.Asked = asked;
+    const RegisteredBreast breast = BreastOf(result, registered);
+    told.Places = PlacesIn(input, result, registered, asked, breast);
+    told.BetweenPlates = PictureBetweenPlates(result, registered, asked, breast);
+    for (const ReportSection& section : report.Sections)
+    {
+      // Those of the study are told in its section.
+      files.back().Warnings.insert(files.back().Warnings.end(), section.Notes.begin(),
+        section.Notes.end());
+    }
+    WriteResultFile(files.back(), own);
+    if (!registered.Others.empty())
+    {
+      told.Sections.push_back(ProjectionSection(registered));
+    }
+  }
+  if (result.Views.size() == 1)
+  {
+    std::vector<ReportSection>& sections = report.Mammograms.front().Sections;
+    sections.insert(sections.begin(), report.Sections.begin(), report.Sections.end());
+    WriteRegistrationReport(report.Mammograms.front(), folder);
+    return;
+  }
+  const JointResultFile joint = JointOf(result, folders, files);
+  for (const JointResultFile::Unknown& unknown : joint.Unknowns)
+  {
+    if (!unknown.Folder)
+    {
+      report.Shared.push_back({ unknown.Name, unknown.Value, unknown.StandardDeviation });
+    }
+  }
+  report.Folders = folders;
+  WriteJointReport(report, folder);
+  WriteResultFile(joint, folder);
+}
+
+/// The first thing in the folder of an earlier result that no result has; nothing where there is
+/// none.
+std::optional<fs::path> FindForeign(const fs::path& folder)
+{
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder))
+  {
+    const std::string name = entry.path().filename().string();
+    if (entry.is_directory() && !entry.is_symlink() && fs::exists(entry.path() / ResultFileName))
+    {
+      if (auto foreign = FindForeign(entry.path()))
+      {
+        return foreign;
+      }
+    }
+    else if (!entry.is_regular_file() || !IsFileOfResult(name))
+    {
+      return entry.path();
+    }
+  }
+  return std::nullopt;
+}
+}
+
+vtkSmartPointer<vtkUnstructuredGrid> UncompressedGrid(const RegistrationCaseResult& result,
+  const RegisteredView& registered)
+{
+  auto grid = ToGrid(result.Anatomy, result.Materials.Names());
+  AddPlacement(grid, registered.Placed);
+  vtkNew<vtkDoubleArray> displacement;
+  displacement->SetName("Displacement");
+  displacement->SetNumberOfComponents(3);
+  displacement->SetNumberOfTuples(grid->GetNumberOfPoints());
+  double* values = displacement->GetPointer(0);
+  for (std::size_t index = 0; index < registered.CompressedPoints.size(); ++index)
+  {
+    values[index] = registered.CompressedPoints[index] - result.Anatomy.Points[index];
+  }
+  grid->GetPointData()->SetVectors(displacement);
+  for (std::size_t parameter = 0; parameter < registered.Sensitivities.size(); ++parameter)
+  {
+    const std::vector<double>& velocities = registered.Sensitivities[parameter];
+    if (velocities.empty())
+    {
+      continue;
+    }
+    // Floats: six digits of a derivative are plenty, and files stay half as large.
+    vtkNew<vtkFloatArray> sensitivity;
+    sensitivity->SetName(
+      (SensitivityArrayPrefix + registered.Registration.Parameters[parameter].Name).c_str());
+    sensitivity->SetNumberOfComponents(3);
+    sensitivity->SetNumberOfTuples(grid->GetNumberOfPoints());
+    std::copy(velocities.begin(), velocities.end(), sensitivity->GetPointer(0));
+    grid->GetPointData()->AddArray(sensitivity);
+  }
+  return grid;
+}
+
+std::vector<std::string> MammogramFolders(const RegistrationCaseResult& result)
+{
+  if (result.Views.size() == 1)
+  {
+    return { "" };
+  }
+  std::vector<std::string> folders;
+  for (const RegisteredView& registered : result.Views)
+  {
+    std::string name;
+    for (const char letter : registered.Mammogram.View)
+    {
+      if (std::isalnum(static_cast<unsigned char>(letter)) != 0)
+      {
+        name += static_cast<char>(std::tolower(static_cast<unsigned char>(letter)));
+      }
+    }
+    name = name.empty() ? "view" : name;
+    std::string unique = name;
+    for (int number = 2; std::find(folders.begin(), folders.end(), unique) != folders.end();
+         ++number)
+    {
+      unique = name + "-" + std::to_string(number);
+    }
+    folders.push_back(unique);
+  }
+  return folders;
+}
+
+bool IsFileOfResult(const std::string& name)
+{
+  return std::find(ResultFolderFiles.begin(), ResultFolderFiles.end(), name) !=
+    ResultFolderFiles.end();
+}
+
+std::string CheckpointPath(const std::string& folder)
+{
+  const fs::path named(folder);
+  return (named.has_filename() ? named : named.parent_path()).string() + ".checkpoint.json";
+}
+
+void CheckResultFolder(const std::string& path, bool overwrite)
+{
+  const fs::path folder(path);
+  if (fs::is_directory(folder) && fs::is_empty(folder))
+  {
+    ClaimFolder(path);
+    return;
+  }
+  if (fs::exists(folder))
+  {
+    if (!overwrite)
+    {
+      throw InputError("output " + path + ": exists already; --overwrite replaces it");
+    }
+    if (!fs::is_directory(folder) || !fs::exists(folder / ResultFileName))
+    {
+      throw InputError("output " + path +
+        ": expected an earlier result (a folder with result.json) to overwrite, found something "
+        "else");
+    }
+    if (const auto foreign = FindForeign(folder))
+    {
+      throw InputError("output " + path +
+        ": expected nothing but an earlier result, which is replaced as a whole, found " +
+        foreign->lexically_relative(folder).string() + "; it can be moved elsewhere");
+    }
+  }
+  ClaimFolder(path);
+}
+
+void WriteRegistrationCase(const RegistrationCase& input, const RegistrationCaseResult& result,
+  const std::string& path, bool overwrite)
+{
+  CheckResultFolder(path, overwrite);
+  WriteWholeFolder(path, [&](const std::string& folder) { WriteInto(folder, input, result); });
+  if (!input.Checkpoint.empty())
+  {
+    fs::remove(input.Checkpoint);
+  }
+}
+}

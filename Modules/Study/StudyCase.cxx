@@ -1,0 +1,200 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mammoray/Study/StudyCase.h"
+
+#include "mammoray/IO/LabelVolumeIO.h"
+#include "mammoray/IO/ShippedData.h"
+#include "mammoray/Study/CutTissue.h"
+#include "mammoray/Study/SlicePicture.h"
+
+#ifdef MAMMORAY_HAS_SEGMENTATION
+#include "mammoray/Segmentation/BreastSegmentation.h"
+#endif
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <utility>
+#include <vector>
+
+namespace mammoray
+{
+#ifdef MAMMORAY_HAS_SEGMENTATION
+namespace
+{
+/// The side is asked for where both breasts are there: where they are not, the field holds one,
+/// although it may not be told which.
+BreastSide SideToSegment(const StudySeries& series, char laterality)
+{
+  if (series.Side != 'B')
+  {
+    return BreastSide::Both;
+  }
+  return laterality == 'L' ? BreastSide::Left : BreastSide::Right;
+}
+
+/// The end of the grid's axis that leads backwards most; DICOM LPS.
+std::string PosteriorSide(const VolumeGrid& grid)
+{
+  const std::size_t depth = grid.AxisAlong({ 0, 1, 0 });
+  return GridSides()[2 * depth + (grid.Direction[depth][1] > 0 ? 1 : 0)];
+}
+
+StudyTissue TissueOf(SegmentationResult&& found, const MaterialTable& table)
+{
+  StudyTissue tissue;
+  tissue.Labels = std::move(found.Labels);
+  tissue.Mri = std::move(found.Corrected);
+  const LabelVolume all = table.ToMaterials(tissue.Labels, "the study's MRI");
+  const std::vector<bool> held = table.Held();
+  tissue.Breast = KeepBreast(all, held, AnatomicalAxes());
+  // Beside the breast, in front of the chest wall, the plates push what was cut before them.
+  tissue.Cut = CutTissue(all, all, table, { PosteriorSide(all) });
+  const std::vector<int> gland = table.Glandular();
+  double glandCm3 = 0;
+  for (const auto& [material, count] : tissue.Breast.CountLabels())
+  {
+    const double cm3 = static_cast<double>(count) * tissue.Breast.VoxelVolume() / 1000;
+    tissue.BreastCm3 += material != 0 && !held[material] ? cm3 : 0;
+    glandCm3 += std::find(gland.begin(), gland.end(), material) != gland.end() ? cm3 : 0;
+  }
+  tissue.GlandFraction = glandCm3 / std::max(tissue.BreastCm3, 1e-9);
+  tissue.DepthMm = found.Measures.DepthMm;
+  tissue.Warnings = std::move(found.Warnings);
+  return tissue;
+}
+}
+
+StudyTissue SegmentStudy(const StudyChoice& choice, const MaterialTable& table,
+  const ProgressCallback& progress, bool acceptUnusual)
+{
+  choice.Require();
+  SegmentationOptions options;
+  options.AcceptUnusual = acceptUnusual;
+  const StudySeries& first = choice.Plain ? *choice.Plain
+    : choice.FatSuppressed                ? *choice.FatSuppressed
+                                          : *choice.Undetermined;
+  options.Side = SideToSegment(first, choice.Laterality);
+  options.Contrast = choice.Plain ? FatContrast::FatBright
+    : choice.FatSuppressed        ? FatContrast::FatDark
+                                  : FatContrast::Auto;
+  const IntensityVolume image =
+    ReadIntensitySlices(first.Slices, PartOf(progress, 0, 0.1, "read the MRI"));
+  if (choice.Plain && choice.FatSuppressed)
+  {
+    const IntensityVolume suppressed = ReadIntensitySlices(choice.FatSuppressed->Slices,
+      PartOf(progress, 0.1, 0.2, "read the fat-suppressed MRI"));
+    return TissueOf(
+      SegmentBreast(image, suppressed, options, PartOf(progress, 0.2, 1, "segment the MRI")),
+      table);
+  }
+  return TissueOf(SegmentBreast(image, options, PartOf(progress, 0.1, 1, "segment the MRI")),
+    table);
+}
+#else
+StudyTissue SegmentStudy(const StudyChoice&, const MaterialTable&, const ProgressCallback&, bool)
+{
+  throw InputError("study: this build has no Segmentation module (ITK 5 was not found, or "
+                   "MAMMORAY_BUILD_SEGMENTATION was OFF); expected labels made elsewhere");
+}
+#endif
+
+namespace
+{
+/// Numbers in place of what somebody wrote into headers and names of files, which may be anything
+/// of the patient.
+void HideNames(Study& study)
+{
+  if (!study.Damaged.empty())
+  {
+    study.Damaged = { "damaged files among the export: " + std::to_string(study.Damaged.size()) +
+      "; intake names them" };
+  }
+  std::vector<StudySeries>& series = study.Series;
+  for (std::size_t index = 0; index < series.size(); ++index)
+  {
+    const std::optional<int> number = series[index].Number;
+    series[index].Description = number ? "series " + std::to_string(*number)
+                                       : "volume " + std::to_string(index + 1) + " of the MRI";
+  }
+}
+}
+
+void TakeStudy(const std::string& folder, std::optional<char> laterality, RegistrationCase& input,
+  const ProgressCallback& progress)
+{
+  StudyIntake study;
+  study.Found = ReadStudy(folder, progress);
+  if (!input.NameInputs)
+  {
+    HideNames(study.Found);
+  }
+  study.Choice = ChooseForRegistration(study.Found, laterality);
+  study.Choice.Require();
+  input.Mammograms.clear();
+  for (const std::optional<StudyMammogram>& view : { study.Choice.Cc, study.Choice.Mlo })
+  {
+    if (view)
+    {
+      input.Mammograms.push_back(view->File);
+    }
+  }
+  input.Laterality = study.Choice.Laterality;
+  input.Materials = input.Materials.empty() ? StudyMaterials : input.Materials;
+  input.Orientation = "LPS";
+  input.ImagePosition = study.Choice.Position;
+  // The pectoral muscle lets the breast glide; held there, it could not follow the plates.
+  input.ChestWall = ChestWallMode::Sliding;
+  input.Targets.ChestWallMarginMm = StudyChestWallMarginMm;
+  input.RollSigmaDeg = StudyRollSigmaDeg;
+  // Three of these beside it a breast fits as well, toppled to its other side.
+  input.Options.RollOffsetsDeg.clear();
+  input.Study = std::make_shared<const StudyIntake>(std::move(study));
+}
+
+ReportSection StudySection(const StudyIntake& study, const StudyTissue& tissue)
+{
+  ReportSection section;
+  section.Title = "The patient's files";
+  const auto number = [](const char* format, double value)
+  {
+    char text[64];
+    std::snprintf(text, sizeof text, format, value);
+    return std::string(text);
+  };
+  for (std::size_t index = 0; index < study.Found.Series.size(); ++index)
+  {
+    const StudySeries& series = study.Found.Series[index];
+    const std::string name = series.Description.empty() ? "no description" : series.Description;
+    const std::string phase = series.Phases > 1
+      ? ", " + std::to_string(series.Phase) + " of " + std::to_string(series.Phases)
+      : "";
+    section.Rows.emplace_back("MRI: " + name + phase, study.Choice.SeriesReasons[index]);
+  }
+  for (std::size_t index = 0; index < study.Found.Mammograms.size(); ++index)
+  {
+    const StudyMammogram& image = study.Found.Mammograms[index];
+    const std::string side = image.Laterality == 'L' ? "left "
+      : image.Laterality == 'R'                      ? "right "
+                                                     : "";
+    section.Rows.emplace_back("Mammogram: " + side + image.View +
+        (image.Intent == Mammogram::Intent::ForProcessing ? ", For Processing"
+                                                          : ", For Presentation"),
+      study.Choice.MammogramReasons[index]);
+  }
+  section.Rows.emplace_back("Patient in the MRI",
+    !study.Choice.Position                               ? "not stated: taken as without weight"
+      : *study.Choice.Position == PatientPosition::Prone ? "prone"
+                                                         : "supine");
+  section.Rows.emplace_back("Breast in the MRI", number("%.0f cm3", tissue.BreastCm3));
+  section.Rows.emplace_back("Gland in it", number("%.0f %%", 100 * tissue.GlandFraction));
+  section.Rows.emplace_back("Stands out by", number("%.0f mm", tissue.DepthMm));
+  section.Picture = SlicePicturePng(tissue.Mri, tissue.Labels, AnatomicalAxes::FromCode("LPS"),
+    FindMaterialTable(StudyMaterials).Names());
+  section.Caption = "The breast as it was found in the MRI. What is coloured wrong here is wrong "
+                    "everywhere: look at it first.";
+  section.Notes = study.Choice.Warnings;
+  section.Notes.insert(section.Notes.end(), tissue.Warnings.begin(), tissue.Warnings.end());
+  return section;
+}
+}

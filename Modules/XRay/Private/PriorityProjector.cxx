@@ -1,0 +1,315 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "Private/PriorityProjector.h"
+
+#include "Grazing.h"
+#include "Private/SampleGrid.h"
+#include "mammoray/Foundation/Error.h"
+#include "mammoray/Foundation/ParallelFor.h"
+#include "mammoray/XRay/Beam.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace mammoray
+{
+PriorityProjector::PriorityProjector(std::unique_ptr<PathLengthProjector> projector,
+  std::vector<int> priority)
+  : Projector(std::move(projector))
+  , Priority(std::move(priority))
+{
+  for (std::size_t n = 0; n < this->Priority.size(); ++n)
+  {
+    const auto end = this->Priority.begin() + static_cast<std::ptrdiff_t>(n);
+    if (this->Priority[n] < 1 || std::find(this->Priority.begin(), end, *end) != end)
+    {
+      throw InputError("priority: expected materials from 1, each once, found " +
+        std::to_string(this->Priority[n]));
+    }
+  }
+}
+
+void PriorityProjector::SetSurface(const SurfaceMesh& surface)
+{
+  this->Projector->SetSurface(surface);
+  this->Tree.reset();
+  this->Surface = surface;
+  this->Order = this->Priority;
+  for (int material = 1; material < surface.NumberOfMaterials(); ++material)
+  {
+    if (std::find(this->Priority.begin(), this->Priority.end(), material) == this->Priority.end())
+    {
+      this->Order.push_back(material);
+    }
+  }
+  std::erase_if(this->Order,
+    [&](int material) { return material >= this->Surface.NumberOfMaterials(); });
+  this->FindOverlaps();
+}
+
+void PriorityProjector::UpdatePoints(const std::vector<double>& points)
+{
+  this->Projector->UpdatePoints(points);
+  this->Tree.reset();
+  this->Surface.Points = points;
+  this->FindOverlaps();
+}
+
+void PriorityProjector::FindOverlaps()
+{
+  this->LastImage.reset();
+  this->Tree.emplace(this->Surface);
+  this->Overlap = FindOverlap(this->Surface, *this->Tree);
+}
+
+PathLengthImage PriorityProjector::Project(const XRaySource& source, const XRayDetector& detector)
+{
+  this->LastImage.reset();
+  PathLengthImage image = this->Projector->Project(source, detector);
+  this->Correct(source, detector, {}, image);
+  this->LastImage = image;
+  return image;
+}
+
+PathLengthImage PriorityProjector::Project(const XRaySource& source, const XRayDetector& detector,
+  const std::vector<double>& velocities, int fields, PathLengthDerivatives& derivatives)
+{
+  this->LastImage.reset();
+  PathLengthImage image =
+    this->Projector->Project(source, detector, velocities, fields, derivatives);
+  this->Correct(source, detector, { &velocities, fields, &derivatives }, image);
+  this->LastImage = image;
+  return image;
+}
+
+std::vector<float> PriorityProjector::Transmission(const Beam& beam)
+{
+  if (!this->LastImage)
+  {
+    throw InputError("projector: expected a projection before its transmission, found none");
+  }
+  return beam.Transmission(*this->LastImage);
+}
+
+PathLengthImage PriorityProjector::ProjectRays(const std::vector<XRayLine>& rays)
+{
+  this->LastImage.reset();
+  PathLengthImage image = this->Projector->ProjectRays(rays);
+  const auto materials = static_cast<std::size_t>(image.Materials);
+  ParallelRanges(rays.size(), 256,
+    [&](std::size_t begin, std::size_t end)
+    {
+      std::vector<LineHit> hits;
+      RaySums sums;
+      for (std::size_t n = begin; n < end; ++n)
+      {
+        const Vector3 way = rays[n].End - rays[n].Begin;
+        const double length = Norm(way);
+        const Ray ray{ rays[n].Begin, (1 / length) * way, 0, length };
+        sums.Lengths.assign(materials, 0);
+        if (this->PassesRegion(ray) && this->AddRay(ray, {}, hits, sums))
+        {
+          for (std::size_t material = 1; material < materials; ++material)
+          {
+            image.Lengths[material * rays.size() + n] = static_cast<float>(sums.Lengths[material]);
+          }
+          image.Inconsistent[n] = 0;
+        }
+      }
+    });
+  return image;
+}
+
+PriorityProjector::Ray PriorityProjector::RayOf(const XRaySource& source,
+  const XRayDetector& detector, double column, double row) const
+{
+  const Vector3 pixel = detector.Origin + column * detector.ColumnStep + row * detector.RowStep;
+  if (source.Type == XRaySource::Kind::Parallel)
+  {
+    return { pixel, (1 / Norm(source.Direction)) * source.Direction,
+      -std::numeric_limits<double>::infinity(), 0 };
+  }
+  const Vector3 way = pixel - source.Position;
+  const double length = Norm(way);
+  return { source.Position, (1 / length) * way, 0, length };
+}
+
+bool PriorityProjector::PassesRegion(const Ray& ray) const
+{
+  return std::any_of(this->Overlap.Regions.begin(), this->Overlap.Regions.end(),
+    [&](const std::array<Vector3, 2>& box)
+    {
+      double enter = ray.From;
+      double leave = ray.To;
+      for (std::size_t axis = 0; axis < 3; ++axis)
+      {
+        const double slack = 1e-9 * (1 + box[1][axis] - box[0][axis]);
+        const double low = box[0][axis] - slack - ray.Begin[axis];
+        const double high = box[1][axis] + slack - ray.Begin[axis];
+        const double way = ray.Direction[axis];
+        if (way == 0)
+        {
+          leave = low > 0 || high < 0 ? -std::numeric_limits<double>::infinity() : leave;
+          continue;
+        }
+        enter = std::max(enter, std::min(low / way, high / way));
+        leave = std::min(leave, std::max(low / way, high / way));
+      }
+      return enter <= leave;
+    });
+}
+
+/// The material that counts; `insides[m]` says how often the ray is inside of m.
+int PriorityProjector::OwnerOf(const std::vector<int>& insides) const
+{
+  for (const int material : this->Order)
+  {
+    if (insides[static_cast<std::size_t>(material)] > 0)
+    {
+      return material;
+    }
+  }
+  return 0;
+}
+
+bool PriorityProjector::AddRay(const Ray& ray, const Work& work, std::vector<LineHit>& hits,
+  RaySums& sums) const
+{
+  this->Tree->CrossLine(ray.Begin, ray.Direction, hits);
+  std::vector<int> insides(sums.Lengths.size(), 0);
+  RaySums own{ std::vector<double>(sums.Lengths.size(), 0.0),
+    std::vector<double>(sums.Rates.size(), 0.0) };
+  int owner = 0;
+  for (const LineHit& hit : hits)
+  {
+    const auto [left, entered] = MaterialsAt(this->Surface, hit);
+    insides[static_cast<std::size_t>(left)] -= 1;
+    insides[static_cast<std::size_t>(entered)] += 1;
+    const int next = this->OwnerOf(insides);
+    if (next == owner)
+    {
+      continue;
+    }
+    const double t = std::clamp(hit.T, ray.From, ray.To);
+    own.Lengths[static_cast<std::size_t>(owner)] += t;
+    own.Lengths[static_cast<std::size_t>(next)] -= t;
+    if (t == hit.T && work.Fields > 0)
+    {
+      this->AddRates(ray, hit, owner, next, work, own);
+    }
+    owner = next;
+  }
+  if (std::any_of(insides.begin(), insides.end(), [](int times) { return times != 0; }))
+  {
+    return false;
+  }
+  for (std::size_t n = 0; n < own.Lengths.size(); ++n)
+  {
+    sums.Lengths[n] += own.Lengths[n];
+  }
+  for (std::size_t n = 0; n < own.Rates.size(); ++n)
+  {
+    sums.Rates[n] += own.Rates[n];
+  }
+  return true;
+}
+
+/// dt/dp = n . v / (n . d) of a hit at which the ray goes over from one material to another.
+void PriorityProjector::AddRates(const Ray& ray, const LineHit& hit, int left, int entered,
+  const Work& work, RaySums& sums) const
+{
+  const std::uint32_t* corners = &this->Surface.Triangles[3 * std::size_t{ hit.Triangle }];
+  const auto valueOf = [&](const std::vector<double>& values, std::size_t first, std::size_t corner)
+  {
+    const double* at = &values[first + 3 * std::size_t{ corners[corner] }];
+    return Vector3{ at[0], at[1], at[2] };
+  };
+  const std::vector<double>& points = this->Surface.Points;
+  const Vector3 origin = valueOf(points, 0, 0);
+  const Vector3 normal = Cross(valueOf(points, 0, 1) - origin, valueOf(points, 0, 2) - origin);
+  const double size = Norm(normal);
+  if (!(size > 0))
+  {
+    return;
+  }
+  const Vector3 unit = (1 / size) * normal;
+  const double cosine = Dot(unit, ray.Direction);
+  const double guarded =
+    std::copysign(std::max(std::abs(cosine), double{ MAMMORAY_GRAZING_COSINE }), cosine);
+  const std::size_t materials = sums.Lengths.size();
+  for (int field = 0; field < work.Fields; ++field)
+  {
+    const std::size_t first = static_cast<std::size_t>(field) * points.size();
+    Vector3 velocity{ 0, 0, 0 };
+    for (std::size_t corner = 0; corner < 3; ++corner)
+    {
+      velocity = velocity + hit.Weights[corner] * valueOf(*work.Velocities, first, corner);
+    }
+    const double rate = Dot(unit, velocity) / guarded;
+    const std::size_t row = static_cast<std::size_t>(field) * materials;
+    sums.Rates[row + static_cast<std::size_t>(left)] += rate;
+    sums.Rates[row + static_cast<std::size_t>(entered)] -= rate;
+  }
+}
+
+int PriorityProjector::SumPixel(const XRaySource& source, const XRayDetector& detector,
+  std::size_t pixel, const Work& work, std::vector<LineHit>& hits, RaySums& sums) const
+{
+  const auto columns = static_cast<std::size_t>(detector.Columns);
+  const std::size_t pixelRow = pixel / columns;
+  std::vector<Ray> rays;
+  for (const auto& [column, row] : SampleOffsets(detector.Samples))
+  {
+    rays.push_back(this->RayOf(source, detector, static_cast<double>(pixel % columns) + column,
+      static_cast<double>(pixelRow) + row));
+  }
+  int good = 0;
+  if (std::any_of(rays.begin(), rays.end(),
+        [this](const Ray& ray) { return this->PassesRegion(ray); }))
+  {
+    for (const Ray& ray : rays)
+    {
+      good += this->AddRay(ray, work, hits, sums) ? 1 : 0;
+    }
+  }
+  return good;
+}
+
+void PriorityProjector::Correct(const XRaySource& source, const XRayDetector& detector,
+  const Work& work, PathLengthImage& image) const
+{
+  if (this->Overlap.Regions.empty())
+  {
+    return;
+  }
+  const auto materials = static_cast<std::size_t>(image.Materials);
+  const auto fields = static_cast<std::size_t>(work.Fields);
+  const std::size_t pixels = image.NumberOfPixels();
+  ParallelRanges(pixels, 256,
+    [&](std::size_t begin, std::size_t end)
+    {
+      std::vector<LineHit> hits;
+      RaySums sums;
+      for (std::size_t pixel = begin; pixel < end; ++pixel)
+      {
+        sums.Lengths.assign(materials, 0);
+        sums.Rates.assign(materials * fields, 0);
+        const int good = this->SumPixel(source, detector, pixel, work, hits, sums);
+        for (std::size_t material = 1; good > 0 && material < materials; ++material)
+        {
+          image.Lengths[material * pixels + pixel] =
+            static_cast<float>(sums.Lengths[material] / good);
+          for (std::size_t field = 0; field < fields; ++field)
+          {
+            work.Derivatives->Lengths[(field * materials + material) * pixels + pixel] =
+              static_cast<float>(sums.Rates[field * materials + material] / good);
+          }
+        }
+        if (good > 0)
+        {
+          image.Inconsistent[pixel] = good < detector.Samples * detector.Samples ? 1 : 0;
+        }
+      }
+    });
+}
+}
