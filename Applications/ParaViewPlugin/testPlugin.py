@@ -58,7 +58,7 @@ with open(table, "w", encoding="utf-8") as file:
         {"name": "air", "labels": [0]},
         {"name": "fat", "labels": [1], "attenuation": "adipose", "density_g_per_cm3": 0.92, "youngs_modulus_kpa": 6, "poisson_ratio": 0.48},
         {"name": "gland", "labels": [2], "attenuation": "glandular", "density_g_per_cm3": 1.03, "youngs_modulus_kpa": 12, "poisson_ratio": 0.48},
-        {"name": "wall", "labels": [3], "attenuation": "muscle", "density_g_per_cm3": 1.05, "held": True}]}, file)
+        {"name": "wall", "labels": [3], "attenuation": "muscle", "density_g_per_cm3": 1.05, "fixed": True}]}, file)
 volume = vtk.vtkImageData()
 volume.SetDimensions(labels.shape[::-1])
 volume.SetOrigin(axis[0], axis[axis > -3][0], axis[0])

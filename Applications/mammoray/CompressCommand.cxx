@@ -4,7 +4,7 @@
 #include "ProgressBar.h"
 #include "SharedOptions.h"
 #include "mammoray/Foundation/Error.h"
-#include "mammoray/Foundation/Plausible.h"
+#include "mammoray/Foundation/ValidRange.h"
 #include "mammoray/IO/MeshIO.h"
 #include "mammoray/Study/CompressionCase.h"
 #include "mammoray/Study/CompressionGrids.h"
@@ -125,11 +125,11 @@ void CheckOutputs(const CompressArguments& arguments)
   }
 }
 
-/// Apart for the breast and for held tissue, which has no mechanics: what glides along its front
+/// Apart for the breast and for fixed tissue, which has no mechanics: what glides along its front
 /// draws the corners there along.
 void PrintInvertedCells(const CompressionCaseResult& result)
 {
-  const std::vector<bool> held = result.Materials.Held();
+  const std::vector<bool> held = result.Materials.Fixed();
   vtkDataArray* ratios = result.Compressed->GetCellData()->GetArray("J");
   vtkDataArray* materials = result.Compressed->GetCellData()->GetArray("Material");
   struct
@@ -146,7 +146,7 @@ void PrintInvertedCells(const CompressionCaseResult& result)
     part.Inverted += ratio > 0 ? 0 : 1;
     part.Worst = std::min(part.Worst, ratio);
   }
-  const char* names[2] = { "the breast", "held tissue, whose front the breast draws along" };
+  const char* names[2] = { "the breast", "fixed tissue, whose front the breast draws along" };
   for (int p = 0; p < 2; ++p)
   {
     if (parts[p].Inverted > 0)
@@ -187,18 +187,18 @@ void PrintSummary(const CompressionCaseResult& result)
 /// Runs the case; of plates without an equilibrium it says where they might stand better.
 CompressionCaseResult Compress(const CompressionCase& input)
 {
-  // Plates at the very front of held tissue pinch what is between: less than this off it, mm.
-  constexpr double CloseToHeldMm = 2;
+  // Plates at the very front of fixed tissue pinch what is between: less than this off it, mm.
+  constexpr double CloseToFixedMm = 2;
   try
   {
     return RunCompressionCase(input, MakeProgressBar());
   }
   catch (const CompressionError& error)
   {
-    if (input.Loading.ChestWall == ChestWallMode::Held && input.Pose.AnteriorMm < CloseToHeldMm)
+    if (input.Loading.ChestWall == ChestWallMode::Fixed && input.Pose.AnteriorMm < CloseToFixedMm)
     {
       throw ConvergenceError(std::string(error.what()) +
-        "; the plates stand at the held tissue and pinch what is between: --anterior 5 moves them "
+        "; the plates stand at the fixed tissue and pinch what is between: --anterior 5 moves them "
         "off");
     }
     throw;
@@ -217,7 +217,8 @@ void Run(CompressArguments& arguments)
   CheckOutputs(arguments);
   if (arguments.ThicknessMm && !input.Labels.AcceptUnusual)
   {
-    CheckPlausible(Plausible::Thickness, *arguments.ThicknessMm, "--thickness", AcceptUnusualHint);
+    CheckValidRange(ValidRanges::Thickness, *arguments.ThicknessMm, "--thickness",
+      AcceptUnusualHint);
   }
   input.Pose.ThicknessMm = arguments.ThicknessMm.value_or(input.Pose.ThicknessMm);
   input.SeriesSteps = arguments.Series.empty() ? 0 : arguments.SeriesSteps;
@@ -239,7 +240,7 @@ void AddCompressCommand(CLI::App& application)
 {
   AddCommand<CompressArguments>(application, "compress",
     "Squeezes a breast between the plates of a mammography unit.\nIn and out in the frame of the "
-    "mesh, mm; the chest wall (held materials) does not move, unless the breast may glide along "
+    "mesh, mm; the chest wall (fixed materials) does not move, unless the breast may glide along "
     "it.",
     Declare, Run);
 }

@@ -2,8 +2,8 @@
 #include "Configuration.h"
 
 #include "Help.h"
-#include "mammoray/Foundation/NearNames.h"
-#include "mammoray/Foundation/Plausible.h"
+#include "mammoray/Foundation/SpellingSuggestions.h"
+#include "mammoray/Foundation/ValidRange.h"
 
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
@@ -79,7 +79,7 @@ public:
     nlohmann::json values;
     try
     {
-      values = nlohmann::json::parse(input, mammoray::PlausibleNesting{ "configuration" });
+      values = nlohmann::json::parse(input, mammoray::JsonNestingLimit{ "configuration" });
     }
     catch (const nlohmann::json::exception& error)
     {
@@ -159,7 +159,7 @@ void ReadConfiguration(CLI::App& command, const std::string& path)
     if (!option)
     {
       throw CLI::ConversionError(path + ": unknown option '" + item.name + "'; " +
-        SuggestNames("--" + item.name, LongOptions(command)));
+        SpellingHint("--" + item.name, LongOptions(command)));
     }
     if (!option->get_configurable())
     {

@@ -9,7 +9,7 @@
 #include "mammoray/Evidence/EvidenceTables.h"
 #include "mammoray/Evidence/LandmarkEvaluation.h"
 #include "mammoray/Foundation/Error.h"
-#include "mammoray/Foundation/NearNames.h"
+#include "mammoray/Foundation/SpellingSuggestions.h"
 #include "mammoray/IO/WholeOutput.h"
 
 #include <algorithm>
@@ -149,7 +149,7 @@ void KeepAnatomies(const std::vector<std::string>& names, std::vector<EvidenceSt
     if (std::find(known.begin(), known.end(), name) == known.end())
     {
       throw InputError(
-        "--anatomy: there is no virtual study of '" + name + "'; " + SuggestNames(name, known));
+        "--anatomy: there is no virtual study of '" + name + "'; " + SpellingHint(name, known));
     }
   }
   std::erase_if(studies,

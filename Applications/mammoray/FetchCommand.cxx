@@ -48,8 +48,8 @@ void Run(FetchArguments& arguments)
         throw InputError(arguments.Pacs + ": expected studies of one patient, found those of '" +
           studies.front().PatientId + "' and '" + study.PatientId + "'");
       }
-      std::printf("study %s of %s: %s\n", Printable(accession).c_str(),
-        Printable(study.Date).c_str(), Printable(study.Description).c_str());
+      std::printf("study %s of %s: %s\n", EscapeControls(accession).c_str(),
+        EscapeControls(study.Date).c_str(), EscapeControls(study.Description).c_str());
       studies.push_back(study);
     }
   }

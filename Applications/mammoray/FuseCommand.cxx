@@ -5,7 +5,7 @@
 #include "ResultNotes.h"
 #include "SharedOptions.h"
 #include "mammoray/Foundation/Error.h"
-#include "mammoray/Foundation/Plausible.h"
+#include "mammoray/Foundation/ValidRange.h"
 #include "mammoray/IO/LabelVolumeIO.h"
 #include "mammoray/IO/ProjectionImage.h"
 #include "mammoray/Study/CompressedVolume.h"
@@ -79,7 +79,7 @@ void Run(FuseArguments& arguments)
   CheckPictureFile(arguments.MeanPicture, arguments.Overwrite);
   if (!arguments.AcceptUnusual)
   {
-    CheckPlausible(Plausible::VoxelSpacing, arguments.SpacingMm, "--spacing", AcceptUnusualHint);
+    CheckValidRange(ValidRanges::VoxelSpacing, arguments.SpacingMm, "--spacing", AcceptUnusualHint);
   }
   const ResultFile result = ReadResultFile(arguments.Result);
   WarnOfDistrust(result.Folder, result.Trust);
@@ -87,7 +87,7 @@ void Run(FuseArguments& arguments)
   const IntensityVolume image = ReadIntensityVolume(arguments.Image, AxesOf(arguments.AxesAsGiven));
   if (!arguments.AcceptUnusual)
   {
-    CheckPlausible(Plausible::VoxelSpacing, image.Spacing, arguments.Image, AcceptUnusualHint);
+    CheckValidRange(ValidRanges::VoxelSpacing, image.Spacing, arguments.Image, AcceptUnusualHint);
   }
   const ProgressCallback progress = MakeProgressBar();
   const CompressedVolume compressed =

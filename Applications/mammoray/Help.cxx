@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Help.h"
 
-#include "mammoray/Foundation/NearNames.h"
+#include "mammoray/Foundation/SpellingSuggestions.h"
 
 #include <CLI/CLI.hpp>
 
@@ -208,7 +208,7 @@ void CheckWords(const CLI::App& application, const std::vector<std::string>& wor
   if (!command)
   {
     throw CLI::ValidationError(
-      "unknown command '" + words.front() + "'; " + SuggestNames(words.front(), known));
+      "unknown command '" + words.front() + "'; " + SpellingHint(words.front(), known));
   }
   const std::vector<std::string> options = LongOptions(*command);
   for (std::size_t word = 1; word < words.size(); ++word)
@@ -217,7 +217,7 @@ void CheckWords(const CLI::App& application, const std::vector<std::string>& wor
     if (name.starts_with("--") && name.size() > 2 &&
       std::find(options.begin(), options.end(), name) == options.end())
     {
-      throw CLI::ValidationError("unknown option '" + name + "'; " + SuggestNames(name, options));
+      throw CLI::ValidationError("unknown option '" + name + "'; " + SpellingHint(name, options));
     }
   }
 }

@@ -109,7 +109,7 @@ struct NamedBreast
 };
 
 /// Each point of the curve, and where the other mammograms show it.
-void WriteCurve(const std::vector<TissueStretch>& stretches, const std::vector<NamedBreast>& others,
+void WriteCurve(const std::vector<RaySegment>& stretches, const std::vector<NamedBreast>& others,
   const std::string& path)
 {
   std::ostringstream file;
@@ -119,7 +119,7 @@ void WriteCurve(const std::vector<TissueStretch>& stretches, const std::vector<N
     file << ',' << other.Name << "_column," << other.Name << "_row," << other.Name << "_sigma_mm";
   }
   file << '\n';
-  for (const TissueStretch& stretch : stretches)
+  for (const RaySegment& stretch : stretches)
   {
     for (const Vector3& point : stretch.Uncompressed)
     {
@@ -141,7 +141,7 @@ void WriteCurve(const std::vector<TissueStretch>& stretches, const std::vector<N
 
 /// Where another mammogram shows what lies behind the pixel: a line from the side of the source to
 /// that of the receptor.
-void PrintInOther(const NamedBreast& other, const std::vector<TissueStretch>& stretches)
+void PrintInOther(const NamedBreast& other, const std::vector<RaySegment>& stretches)
 {
   const ImagedPoint from = other.Breast.ToMammogram(stretches.front().Uncompressed.front());
   const ImagedPoint to = other.Breast.ToMammogram(stretches.back().Uncompressed.back());
@@ -159,7 +159,7 @@ void PrintPixel(const RegisteredBreast& breast, const std::vector<NamedBreast>& 
   const LocateArguments& arguments)
 {
   const auto [column, row] = *arguments.Pixel;
-  const std::vector<TissueStretch> stretches = breast.ToVolume(column, row, arguments.StepMm);
+  const std::vector<RaySegment> stretches = breast.ToVolume(column, row, arguments.StepMm);
   if (!arguments.Output.empty())
   {
     WriteCurve(stretches, others, arguments.Output);
@@ -173,7 +173,7 @@ void PrintPixel(const RegisteredBreast& breast, const std::vector<NamedBreast>& 
     std::printf("%-10s %8s  %-20s  %s\n", "tissue", "length", "height (receptor 0)",
       "uncompressed, from ... to (mm)");
   }
-  for (const TissueStretch& stretch : stretches)
+  for (const RaySegment& stretch : stretches)
   {
     const Vector3& first = stretch.Uncompressed.front();
     const Vector3& last = stretch.Uncompressed.back();
@@ -220,14 +220,14 @@ std::optional<SeenInView> AlsoAsked(const std::vector<NamedBreast>& others,
     static_cast<std::size_t>(end) != place.size() || !std::isfinite(pixel[0] + pixel[1]))
   {
     throw InputError("--also: expected VIEW=COLUMN,ROW, for example mlo=640,710, found '" +
-      Printable(arguments.Also) + "'");
+      EscapeControls(arguments.Also) + "'");
   }
   const auto other = std::find_if(others.begin(), others.end(),
     [&view = view](const NamedBreast& each) { return each.Name == view; });
   if (other == others.end())
   {
     throw InputError("--also: expected one of the result's other views, " + NamesOf(others) +
-      ", found '" + Printable(view) + "'");
+      ", found '" + EscapeControls(view) + "'");
   }
   return SeenInView{ &other->Breast, pixel };
 }

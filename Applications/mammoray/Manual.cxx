@@ -3,7 +3,7 @@
 
 #include "Help.h"
 #include "mammoray/Foundation/Error.h"
-#include "mammoray/Foundation/NearNames.h"
+#include "mammoray/Foundation/SpellingSuggestions.h"
 
 #include <CLI/CLI.hpp>
 
@@ -137,7 +137,7 @@ const CLI::App& FindCommand(const CLI::App& application, const std::string& name
     }
     known.push_back(command->get_name());
   }
-  throw InputError("--print-manual: unknown command '" + name + "'; " + SuggestNames(name, known));
+  throw InputError("--print-manual: unknown command '" + name + "'; " + SpellingHint(name, known));
 }
 
 /// The words of "TEXT:{left,right}"; none where it takes anything else.

@@ -5,7 +5,7 @@
 #include "SharedOptions.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/Foundation/Numbers.h"
-#include "mammoray/Foundation/Plausible.h"
+#include "mammoray/Foundation/ValidRange.h"
 
 #include <algorithm>
 
@@ -25,7 +25,7 @@ void ReplaceAttenuations(const std::vector<std::string>& changes, bool acceptUnu
       usable = ToNumber(text.substr(at + 1), density) && density > 0;
       if (usable && !acceptUnusual)
       {
-        CheckPlausible(Plausible::Density, density, "--attenuation " + text, AcceptUnusualHint);
+        CheckValidRange(ValidRanges::Density, density, "--attenuation " + text, AcceptUnusualHint);
       }
     }
     if (!usable)

@@ -65,7 +65,7 @@ void DeclareFiles(const OptionList& add, MeshArguments& arguments)
     "TetGen");
   add
     .Flag("--for-mechanics", arguments.ForMechanics,
-      "a coarse mesh of all tissue, held and free, for --simulation-mesh of compress and "
+      "a coarse mesh of all tissue, fixed and free, for --simulation-mesh of compress and "
       "register; of the sizes only --cell-size counts, by default one that gives 3000 to 6000 "
       "cells, however ragged the labels are")
     ->excludes(surface);

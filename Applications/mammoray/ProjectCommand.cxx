@@ -96,7 +96,7 @@ VolumeFromGantry PlaceBeam(const ProjectArguments& arguments, const SurfaceMesh&
 {
   const AnatomicalAxes axes = AnatomicalAxes::FromCode(arguments.Orientation);
   const Vector3 anchor =
-    arguments.Anchor ? *arguments.Anchor : FindPoseAnchor(surface, table.Held(), axes);
+    arguments.Anchor ? *arguments.Anchor : FindPoseAnchor(surface, table.Fixed(), axes);
   const VolumeFromGantry gantry = PlaceUnit(axes, anchor, arguments.Unit, arguments.Pose);
   const double spacing = arguments.PixelSpacingMm;
   detector = DetectorOfUnit(gantry, arguments.Columns, arguments.Rows, { spacing, spacing });

@@ -28,7 +28,7 @@ struct RegisterArguments
   std::string Study;
   /// Empty: by the mammograms.
   std::optional<char> Side;
-  /// Nothing: as a study says, else held and without weight.
+  /// Nothing: as a study says, else fixed and without weight.
   std::optional<ChestWallMode> ChestWall;
   std::optional<std::optional<PatientPosition>> ImagePosition;
   std::optional<double> ChestWallMarginMm;
@@ -178,10 +178,10 @@ void Declare(const OptionList& add, RegisterArguments& arguments)
   DeclareUnit(add, input);
   const OptionList loading = add.Group("Loading");
   loading.Choice<std::optional<ChestWallMode>>("--chest-wall", arguments.ChestWall,
-    { { "auto", std::nullopt }, { "held", ChestWallMode::Held },
+    { { "auto", std::nullopt }, { "fixed", ChestWallMode::Fixed },
       { "sliding", ChestWallMode::Sliding }, { "elastic", ChestWallMode::Elastic } },
-    "how the breast is attached to the held materials: held, sliding along their surface, or "
-    "elastic; auto: sliding in a --study, as along the pectoral muscle, else held");
+    "how the breast is attached to the fixed materials: fixed, sliding along their surface, or "
+    "elastic; auto: sliding in a --study, as along the pectoral muscle, else fixed");
   using Position = std::optional<PatientPosition>;
   loading.Choice<std::optional<Position>>("--mri-position", arguments.ImagePosition,
     { { "auto", std::nullopt }, { "none", Position() },

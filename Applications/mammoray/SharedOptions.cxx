@@ -17,7 +17,7 @@ CLI::Option* AddLabelOptions(const OptionList& add, LabelSource& source)
     ->needs(labels);
   add("--skin", source.Skin,
     "THICKNESS[=MATERIAL]: a layer of that many mm below the air becomes skin (default: the "
-    "table's thin material), not at held tissue nor at the volume's border")
+    "table's thin material), not at fixed tissue nor at the volume's border")
     ->needs(labels);
   add("--cut-side", source.CutSides,
     "i-, i+, j-, j+, k- or k+: end of an axis of --labels at which the tissue was cut flat, with "
@@ -127,9 +127,9 @@ void AddComparisonOptions(const OptionList& add, RegistrationOptions& options)
 void AddChestWallOption(const OptionList& add, ChestWallMode& mode)
 {
   add.Choice<ChestWallMode>("--chest-wall", mode,
-    { { "held", ChestWallMode::Held }, { "sliding", ChestWallMode::Sliding },
+    { { "fixed", ChestWallMode::Fixed }, { "sliding", ChestWallMode::Sliding },
       { "elastic", ChestWallMode::Elastic } },
-    "how the breast is attached to the held materials: held, sliding along their surface, or "
+    "how the breast is attached to the fixed materials: fixed, sliding along their surface, or "
     "elastic");
 }
 

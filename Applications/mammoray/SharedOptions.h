@@ -20,7 +20,7 @@ namespace mammoray
 /// option --labels.
 CLI::Option* AddLabelOptions(const OptionList& add, LabelSource& source);
 
-/// Adds --accept-unusual: what is not Plausible is taken, too.
+/// Adds --accept-unusual: values outside their ValidRange are accepted.
 void AddAcceptUnusualFlag(const OptionList& add, bool& accept);
 
 /// Adds --materials: a file or a shipped table's name (see FindMaterialTable); gives the option.

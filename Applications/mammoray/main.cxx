@@ -37,7 +37,7 @@ int CheckPrinted(int status)
 void ExplainMisuse(const CLI::ParseError& error)
 {
   std::fprintf(stderr, "%s\nRun with --help for more information.\n",
-    mammoray::Printable(error.what()).c_str());
+    mammoray::EscapeControls(error.what()).c_str());
 }
 
 int Run(int argc, char* argv[])
@@ -111,11 +111,11 @@ int main(int argc, char* argv[])
   catch (const std::filesystem::filesystem_error& error) // as of a name that is too long
   {
     std::fprintf(stderr, "mammoray: %s: cannot be looked for (%s)\n",
-      mammoray::Printable(error.path1().string()).c_str(), error.code().message().c_str());
+      mammoray::EscapeControls(error.path1().string()).c_str(), error.code().message().c_str());
   }
   catch (const std::exception& error)
   {
-    std::fprintf(stderr, "mammoray: %s\n", mammoray::Printable(error.what()).c_str());
+    std::fprintf(stderr, "mammoray: %s\n", mammoray::EscapeControls(error.what()).c_str());
   }
   catch (...)
   {

@@ -203,7 +203,7 @@ ViewedBreast ReadMeshes(const ViewInput& input)
   // The compressed grid is that of its own thickness, whatever is asked for.
   viewed.Pose.ThicknessMm = thickness.value_or(BreastPose().ThicknessMm);
   viewed.Anchor =
-    FindPoseAnchor(FromGrid(viewed.Breast.Uncompressed), viewed.Materials.Held(), viewed.Axes);
+    FindPoseAnchor(FromGrid(viewed.Breast.Uncompressed), viewed.Materials.Fixed(), viewed.Axes);
   if (input.Mammograms.size() > 1)
   {
     throw InputError(path + ": expected one mammogram at most beside a mesh, found " +

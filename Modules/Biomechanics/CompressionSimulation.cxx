@@ -18,23 +18,24 @@ namespace mammoray
 {
 namespace
 {
-/// Part of the largest load step that is taken after a cold start failed.
+/// Fraction of the largest load step that is used after a failed cold start.
 constexpr double SmallerLoadStep = 0.37;
-/// Of an equilibrium's progress: where the plates are closed.
+/// Progress [0, 1] that is reported when the plates are closed.
 constexpr double ClosedPart = 0.9;
 
-std::vector<bool> CellsOf(const TetrahedralMesh& mesh, const std::vector<bool>& held)
+std::vector<bool> CellsOf(const TetrahedralMesh& mesh, const std::vector<bool>& fixed)
 {
   std::vector<bool> cells(mesh.NumberOfCells(), false);
   for (std::size_t cell = 0; cell < cells.size(); ++cell)
   {
     const auto material = static_cast<std::size_t>(mesh.Materials[cell]);
-    cells[cell] = material < held.size() && held[material];
+    cells[cell] = material < fixed.size() && fixed[material];
   }
   if (std::find(cells.begin(), cells.end(), true) == cells.end())
   {
-    throw InputError("simulation mesh: expected cells of a held material (chest wall), found none: "
-                     "the body could float away");
+    throw InputError(
+      "simulation mesh: expected cells of a fixed material (chest wall), found none: "
+      "the body could float away");
   }
   return cells;
 }
@@ -72,7 +73,7 @@ void CheckOptions(const CompressionOptions& options)
   }
 }
 
-/// With friction where one arrives depends on the way.
+/// With friction the result depends on the path, so no initial guess may shortcut it.
 bool CanBePredicted(const CompressionOptions& options)
 {
   return options.Friction == 0;
@@ -119,19 +120,19 @@ double PenetrationLimitMm(const PlatePair& plates)
 }
 
 CompressionSimulation::CompressionSimulation(const TetrahedralMesh& mesh,
-  const std::vector<ElasticMaterial>& materials, const std::vector<bool>& held,
-  const MaterialField& field, const CompressionOptions& options, const BodyField& beside)
+  const std::vector<ElasticMaterial>& materials, const std::vector<bool>& fixed,
+  const MaterialField& field, const CompressionOptions& options, const BodyField& outsideTissue)
 {
   CheckOptions(options);
-  ElasticBody body(mesh, materials, field, held, options.Element);
-  this->Internal = std::make_unique<Internals>(std::move(body), CellsOf(mesh, held),
-    mesh.NumberOfPoints(), options, beside);
+  ElasticBody body(mesh, materials, field, fixed, options.Element);
+  this->Internal = std::make_unique<Internals>(std::move(body), CellsOf(mesh, fixed),
+    mesh.NumberOfPoints(), options, outsideTissue);
   if (options.Element == ElementType::Quadratic && CanBePredicted(options))
   {
     CompressionOptions linear = options;
     linear.Element = ElementType::PatchAveragedLinear;
-    this->SetPredictor(
-      std::make_unique<CompressionSimulation>(mesh, materials, held, field, linear, beside));
+    this->SetPredictor(std::make_unique<CompressionSimulation>(mesh, materials, fixed, field,
+      linear, outsideTissue));
   }
 }
 
@@ -202,7 +203,7 @@ CompressionState CompressionSimulation::Compress(const PlatePair& plates,
     {
       throw;
     }
-    // The way is gone with soft contact; what was reached there need not be an equilibrium.
+    // The path used soft contact, so its last gap need not have an equilibrium.
     throw NoEquilibrium(GapMm(plates), this->LeastGapMm(plates, error.LastGapMm(), progress),
       error.Reason());
   }
@@ -237,7 +238,7 @@ CompressionState CompressionSimulation::RunCold(const PlatePair& plates,
   {
     try
     {
-      // Where tissue folds, another way may lead past the fold.
+      // Where tissue folds, a path with other load steps may lead past the fold.
       return this->Run(plates, nullptr, Finish::Complete, progress, SmallerLoadStep);
     }
     catch (const CompressionError& second)
@@ -262,7 +263,7 @@ double CompressionSimulation::LeastGapMm(const PlatePair& plates, double fromMm,
     }
     catch (const CompressionError&)
     {
-      // Not here; more open.
+      // No equilibrium at this gap: open the plates further.
     }
   }
   return GapMm(open);
@@ -286,7 +287,7 @@ std::vector<double> CompressionSimulation::PredictedPositions(const PlatePair& p
     }
     catch (const ConvergenceError&)
     {
-      // What stops its elements need not stop these.
+      // This simulation may succeed without a guess although the predictor failed.
     }
   }
   return positions;
@@ -314,7 +315,7 @@ CompressionState CompressionSimulation::Run(const PlatePair& plates, const Compr
   internal.Solver.SetLoads(internal.Loads(options.GravityMPerS2, options.PullN));
   LaggedFriction solver(internal.Solver, internal.Body, options.Friction, from.Positions,
     from.Plates, start ? start->Friction.get() : nullptr);
-  // Where the plates are closed, contact is still to be hardened: the end is told once, below.
+  // The path ends when contact is hardened, not when the plates are closed; 1 is reported below.
   LoadPath path(solver, options, plates, std::move(from), ShareOf(progress, 0, ClosedPart));
   if (!start && predicted.empty())
   {
@@ -347,29 +348,29 @@ CompressionState CompressionSimulation::Run(const PlatePair& plates, const Compr
 
 std::vector<std::vector<double>> CompressionSimulation::Sensitivities(const CompressionState& state,
   const std::vector<PlatePairVelocity>& velocities,
-  const std::vector<MaterialVelocity>& materialVelocities,
-  const std::vector<LoadingVelocity>& loadingVelocities) const
+  const std::vector<MaterialDerivative>& materialDerivatives,
+  const std::vector<LoadingDerivative>& loadingDerivatives) const
 {
   if (state.Positions.size() != this->RestPositions().size())
   {
     throw InputError("sensitivities: expected a state of this simulation");
   }
   const Internals& internal = *this->Internal;
-  EquilibriumVelocities all{ velocities, materialVelocities, {}, {} };
-  for (MaterialVelocity& velocity : all.Materials)
+  EquilibriumDerivatives all{ velocities, materialDerivatives, {}, {} };
+  for (MaterialDerivative& velocity : all.Materials)
   {
-    for (ElasticMaterialRate& rate : velocity)
+    for (ElasticMaterialDerivative& rate : velocity)
     {
       rate.YoungsModulusKPa *= internal.Factor;
     }
   }
-  for (const LoadingVelocity& velocity : loadingVelocities)
+  for (const LoadingDerivative& velocity : loadingDerivatives)
   {
-    all.Holding.push_back(
+    all.Support.push_back(
       { { internal.Factor * velocity.Wall.Normal, internal.Factor * velocity.Wall.Tangential },
         velocity.Friction, internal.Loads(velocity.GravityMPerS2, velocity.PullN) });
   }
-  this->Internal->AddRestVelocities(all);
+  this->Internal->AddStressFreeVelocities(all);
   this->Internal->Recall(state);
   std::vector<std::vector<double>> rates =
     this->Internal->Solver.Sensitivities(state.Positions, state.Plates, all);
@@ -380,11 +381,12 @@ std::vector<std::vector<double>> CompressionSimulation::Sensitivities(const Comp
   return rates;
 }
 
-double CompressionSimulation::PaddleForceRate(const CompressionState& state,
+double CompressionSimulation::PaddleForceDerivative(const CompressionState& state,
   const PlatePairVelocity& velocity) const
 {
   const std::vector<double> rates = this->Sensitivities(state, { velocity }).front();
-  return this->Internal->Solver.PaddleForceRate(state.Positions, state.Plates, velocity, rates);
+  return this->Internal->Solver.PaddleForceDerivative(state.Positions, state.Plates, velocity,
+    rates);
 }
 
 std::vector<double> CompressionSimulation::ContactPressuresKPa(const CompressionState& state) const

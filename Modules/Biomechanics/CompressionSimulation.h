@@ -22,38 +22,43 @@ struct FrictionPoint;
 
 struct CompressionOptions
 {
-  /// Quadratic cells for accuracy on some thousand cells, patch-averaged linear ones where there
-  /// are tens of thousands.
+  /// Quadratic cells are accurate on a few thousand cells. Patch-averaged linear cells are for
+  /// meshes of tens of thousands.
   ElementType Element = ElementType::Quadratic;
-  ChestWallMode ChestWall = ChestWallMode::Held;
-  /// Counts for the elastic chest wall; a sliding one takes Normal from it, and along the wall
-  /// SlidingStiffness.
+  ChestWallMode ChestWall = ChestWallMode::Fixed;
+  /// Stiffness of the elastic chest wall. A sliding wall uses Normal from here and SlidingStiffness
+  /// along the wall. A fixed wall ignores both.
   WallStiffness Wall{ 1000.0, 1.0 };
-  /// kPa / mm; positive. Not 0: between plates without friction nothing else would hold the breast
-  /// sideways. The weight of a breast of 0.4 kg on a base of 80 cm^2 shears it by 0.5 kPa, so that
-  /// it glides by 17 mm, as is seen between lying and standing; a tenth of the pressures of
-  /// compression.
+  /**
+   * Tangential stiffness of a sliding chest wall, kPa / mm; positive. It must not be 0, because
+   * nothing else resists a sideways shift between plates without friction. With the default, the
+   * weight of a breast of 0.4 kg on a base of 80 cm^2 (0.5 kPa of shear) moves it by 17 mm, which
+   * is what is observed between lying and standing. It is a tenth of the pressures of compression.
+   */
   double SlidingStiffness = 0.03;
-  /// Coefficient of friction between breast and plates, not negative (smoothed Coulomb friction).
+  /// Coefficient of the smoothed Coulomb friction between breast and plates; not negative.
   double Friction = 0.0;
-  /// Acceleration of the patient's weight during compression, m/s^2, in the frame of the mesh.
+  /// Acceleration of gravity during compression, m/s^2, in the frame of the mesh.
   Vector3 GravityMPerS2{ 0, 0, 0 };
   /**
-   * Force with which the technologist draws the breast onto the receptor, N, in the frame of the
-   * mesh (the gantry's anterior direction): spread over the volume of what is not held, while the
-   * plates close and after. A displacement of the chest wall instead would be the same as a shift
-   * of the plates (BreastPose::AnteriorMm).
+   * Force with which the technologist pulls the breast onto the receptor, N, in the frame of the
+   * mesh (the gantry's anterior direction). It is distributed over the volume of the tissue that is
+   * not fixed and acts while and after the plates close. Displacing the chest wall instead would
+   * equal a shift of the plates (BreastPose::AnteriorMm).
    */
   Vector3 PullN{ 0, 0, 0 };
-  /// Contact: pressure = ContactStiffness * g^2, g the depth in a layer of 0.05 mm in front of each
-  /// plate; in the plate along the tangent of that, from 150 kPa on. kPa / mm^2. At a breast's mean
-  /// pressure of 1 to 10 kPa it rests 0.04 mm in front of the plates; where the plates' edges cut
-  /// into it more than 200 kPa were met.
+  /**
+   * Contact pressure = ContactStiffness * g^2, where g is the depth inside a layer of 0.05 mm in
+   * front of each plate; kPa / mm^2. Inside the plate the pressure follows the tangent of this
+   * parabola, from 150 kPa on. At a mean pressure of 1 to 10 kPa a breast rests 0.04 mm in front of
+   * the plates. At the plates' edges more than 200 kPa have been observed.
+   */
   double ContactStiffness = 60000.0;
-  /// Newton stops when the residual force falls below this fraction of the contact force (or of the
-  /// stiffness scale while there is no contact).
+  /// Newton's method stops when the norm of the residual force is below this fraction of the norm
+  /// of the contact force, or of a force derived from the stiffness while nothing touches.
   double RelativeTolerance = 1e-8;
-  /// Limits one solution; twice as many where contact has to be hardened in small steps.
+  /// Largest number of Newton steps of one solution. Twice as many are allowed where contact must
+  /// be hardened in small steps.
   int MaximumNewtonSteps = 60;
   /// Largest closing of the plates in one load step of a cold start, as a fraction of the open gap.
   double LargestLoadStep = 0.1;
@@ -61,8 +66,8 @@ struct CompressionOptions
   bool operator==(const CompressionOptions&) const = default;
 };
 
-/// Rate of change of the loading in CompressionOptions with a parameter, per unit of it.
-struct LoadingVelocity
+/// Derivative of the loading in CompressionOptions with respect to a parameter, per unit of it.
+struct LoadingDerivative
 {
   WallStiffness Wall;
   double Friction = 0.0;
@@ -70,7 +75,7 @@ struct LoadingVelocity
   Vector3 PullN{ 0, 0, 0 };
 };
 
-/// There is no equilibrium between the plates asked for, or it could not be reached.
+/// No equilibrium exists between the requested plates, or it could not be reached.
 class CompressionError : public ConvergenceError
 {
 public:
@@ -80,10 +85,10 @@ public:
     , Why(reason)
   {
   }
-  /// The last distance of the plates on the way that has an equilibrium, mm; of a refusal at once,
-  /// where the way ended.
+  /// The smallest distance of the plates on the way for which an equilibrium was found, mm. With
+  /// Refusal::AtOnce, the distance at which the solver gave up.
   double LastGapMm() const { return this->LastGap; }
-  /// What went wrong beyond it; part of the message.
+  /// Why the solver could not go further; also a part of the message.
   const std::string& Reason() const { return this->Why; }
 
 private:
@@ -91,223 +96,237 @@ private:
   std::string Why;
 };
 
-/// Distance of the faces, mm: of the paddle's edge from the face of the support.
+/// Distance from the face of the support to the paddle's edge, mm.
 MAMMORAYBIOMECHANICS_EXPORT double GapMm(const PlatePair& plates);
 
-/// A converged state of equilibrium.
+/// A converged equilibrium.
 struct CompressionState
 {
   /// Positions of the simulation nodes, 3 x nodeCount, mm.
   std::vector<double> Positions;
-  /// Plates of this state.
+  /// The plates between which the body is in equilibrium.
   PlatePair Plates;
   /// Force of the paddle on the breast along its normal, N (kPa mm^2 = 1e-3 N).
   double PaddleForceN = 0;
   double SupportForceN = 0;
-  /// Deepest penetration of a contact point, mm; at most PenetrationLimitMm(Plates).
+  /// Deepest penetration of a contact point into a plate, mm; at most PenetrationLimitMm(Plates).
   double LargestPenetrationMm = 0;
-  /// That of the options, or stiffer where that was needed to keep the limit; kPa / mm^2.
+  /// Contact stiffness that was used, kPa / mm^2: that of the options, or more where the
+  /// penetration limit required it.
   double ContactStiffness = 0;
   /// Smallest and largest det F over the quadrature points.
   double SmallestJ = 1;
   double LargestJ = 1;
-  /// Deformed / undeformed volume.
+  /// Deformed volume divided by undeformed volume.
   double VolumeRatio = 1;
-  /// See CompressionSimulation::StiffnessFactor.
+  /// Factor on all stiffness; see CompressionSimulation::StiffnessFactor.
   double StiffnessFactor = 1;
-  /// Norm of the residual force over that of the largest kind of force
-  /// (CompressionOptions::RelativeTolerance).
+  /// Norm of the residual force divided by the norm of the largest kind of force; compare
+  /// CompressionOptions::RelativeTolerance.
   double RelativeResidual = 0;
-  /// How far nodes have left or entered the chest wall and have glided along it at most, mm.
+  /// Largest distance that a node of the chest wall has moved across the wall and along it, mm.
   double LargestWallLiftMm = 0;
   double LargestWallGlideMm = 0;
-  /// Normal forces and anchors of friction that the state was found with; null without friction.
+  /// Normal forces and anchors of friction in this state; null without friction.
   std::shared_ptr<const std::vector<FrictionPoint>> Friction;
-  /// Those of the predictor of a cold start are not counted.
+  /// Newton steps and load steps of this simulation; those of a predictor are not counted.
   int NewtonSteps = 0;
   int LoadSteps = 0;
   double Seconds = 0;
-  /// Most memory that the sparse factorisation took, MiB.
+  /// Largest memory of the sparse factorisation, MiB.
   double FactorMiB = 0;
 };
 
-/// The sentence that tells of a CompressionSimulation::StiffnessFactor; empty for 1.
+/// A sentence for users that states a CompressionSimulation::StiffnessFactor above 1; empty for 1.
 MAMMORAYBIOMECHANICS_EXPORT std::string StiffnessNote(double factor);
 
-/// Deepest penetration that a state may have: 0.05 mm or 0.1 % of the plates' distance, whichever
-/// is larger.
+/// Largest penetration that a state may have, mm: 0.05 mm or 0.1 % of the plates' distance,
+/// whichever is larger.
 MAMMORAYBIOMECHANICS_EXPORT double PenetrationLimitMm(const PlatePair& plates);
 
 /**
- * Quasi-static compression of a nearly incompressible elastic body between two plates as a
- * minimum of energy (DESIGN.md section 6): psi = w(J^(-2/3) tr F^T F - 3) + kappa/2 (J - 1)^2, w
- * neo-Hookean or Fung's exponential (ElasticMaterial.h), on quadratic tetrahedra made from the
- * given linear ones or on these, most of kappa acting on the mean of J over a cell or a patch of
- * cells; contact by a C2 penalty, with smoothed Coulomb friction if wanted; the
- * breast is held by, glides along or is elastically attached to the chest wall. With
- * friction a state depends on the way to it: on the load steps and on the start.
+ * Quasi-static compression of a nearly incompressible elastic body between two rigid plates. The
+ * equilibrium minimises the potential energy
  *
- * One thread at a time: const functions share a solver, whose last factor and evaluation they keep
- * for the next call. That is a cache: it changes what they answer within the tolerance only.
+ *   E = sum_q w_q psi(F_q) + sum_s A_s b(g_s),   psi = w(J^(-2/3) tr F^T F - 3) + kappa/2 (J -
+ * 1)^2,
+ *
+ * where q are quadrature points with weights w_q, F_q is the deformation gradient, J = det F_q, and
+ * w is the neo-Hookean or Fung's exponential law (ShapeEnergy). b is a C2 penalty of the gap g_s
+ * between a surface point s of area A_s and a plate. Smoothed Coulomb friction, gravity and a pull
+ * are optional. Elements are quadratic tetrahedra made from the given linear ones, or these linear
+ * ones; most of kappa acts on the mean of J over a cell or a patch of cells, which prevents
+ * locking. The breast is fixed to the chest wall, slides along it, or is attached to it
+ * elastically.
+ *
+ * With friction a state depends on the load steps and on the start. Methods that solve change the
+ * solver's last factor and evaluation, so they are not const; later results differ by no more than
+ * the tolerance. One thread may use a simulation at a time. It uses all cores itself.
  */
 class MAMMORAYBIOMECHANICS_EXPORT CompressionSimulation
 {
 public:
   /**
-   * `mesh`: linear tetrahedra; its cell materials index `materials`. With a `field` the mesh need
-   * not follow the anatomy: stiffness is averaged around each quadrature point from it (positions
-   * where it answers 0 or a held material fall back on the cell's material). `held[m]` tells
-   * whether material m does not move: every node of a cell of such a material is fixed. Unless the
-   * chest wall is Held, nodes that other cells share belong to those and move along with them: the
-   * held cells at the wall are then only drawn along.
+   * `mesh` holds linear tetrahedra, mm; their materials index `materials`. With a `field` the mesh
+   * need not follow the anatomy: stiffness is averaged from the field around each quadrature point.
+   * Where the field answers 0 or a fixed material, the cell's own material is used. `fixed[m]` is
+   * true if material m does not move: all nodes of its cells are fixed. If the chest wall is not
+   * Fixed, nodes that such a cell shares with other cells move with those cells, and the fixed
+   * cells at the wall are only deformed along.
    *
-   * With `beside`, tissue whose border was cut rather than grown is held there, whatever the chest
-   * wall does: a face of the boundary whose middle, half a side farther out, lies where the body
-   * goes on has nodes that do not move. What goes on is as stiff as what was cut and hangs on to
-   * the rest of the body: a free face would let it swing, and it does not glide either. Throws
-   * InputError.
+   * `outsideTissue` tells where the body continues outside the mesh. A face of the boundary is a
+   * cut if the point half a side outside its centroid lies there. The nodes of a cut do not move,
+   * whatever the mode of the chest wall: the tissue outside is as stiff as the tissue inside and is
+   * connected with the rest of the body, so it neither swings nor slides. Throws InputError on an
+   * unusable mesh, material or option.
    */
   CompressionSimulation(const TetrahedralMesh& mesh, const std::vector<ElasticMaterial>& materials,
-    const std::vector<bool>& held, const MaterialField& field = {},
-    const CompressionOptions& options = {}, const BodyField& beside = {});
+    const std::vector<bool>& fixed, const MaterialField& field = {},
+    const CompressionOptions& options = {}, const BodyField& outsideTissue = {});
   ~CompressionSimulation();
   CompressionSimulation(CompressionSimulation&&) noexcept;
   CompressionSimulation& operator=(CompressionSimulation&&) noexcept;
 
   /**
-   * Another simulation of the same body, of as many materials, that is to go the way of cold starts
-   * first: on some thousand quadratic cells it takes seconds, where tens of thousands of cells
-   * would take minutes to fold at the plates' edges. From where it arrives this one needs some
-   * dozen steps. The meshes may differ by a part of a cell; the same equilibrium is found to the
-   * same tolerance, but for tissue that folds at the plates' edges and may fold in several ways
-   * (tenths of a mm apart, and some tenths of a per cent of the force, in the tests' breast). Does
-   * nothing where the breast rubs. SetMaterials and Unload change it too, and drop it where its
-   * elements have no shape without load. Throws InputError.
+   * Sets a coarser simulation of the same body, with as many materials, whose result a cold start
+   * uses as its initial guess. A few thousand quadratic cells take seconds; tens of thousands of
+   * cells would need minutes to fold at the plates' edges, but need only some dozen Newton steps
+   * from this guess. The meshes may differ by a fraction of a cell. The same equilibrium is found
+   * to the same tolerance, except where tissue folds at the plates' edges: it can fold in several
+   * ways, which differ by tenths of a millimetre and some tenths of a per cent of the force in the
+   * tests' breast. Has no effect with friction. SetMaterials and Unload are passed on to the
+   * predictor, which is dropped where its elements have no stress-free shape. Throws InputError.
    */
   void SetPredictor(std::unique_ptr<CompressionSimulation> predictor);
 
   /**
-   * Takes the mesh for the shape of a breast that hangs or lies under this gravity (m/s^2, frame of
-   * the mesh), as in an image, with the chest wall of the options, and finds the shape without load
-   * that gives it: equilibrium is solved in the known deformed shape (Govindjee & Mihalic 1996), at
-   * the points of the mesh exactly, as the forward problem does to UnloadToleranceMm. Materials
-   * keep their cells. SetMaterials finds the shape again that belongs to the new materials. Where
-   * tissue is too soft to bear its weight, StiffnessFactor tells of it. Throws ConvergenceError,
-   * Interrupted; things are then as before.
+   * Interprets the mesh as the shape of a breast under this gravity (m/s^2, frame of the mesh), as
+   * it was imaged, and finds the stress-free shape from which that gravity produces it. Equilibrium
+   * is solved in the known deformed shape (Govindjee & Mihalic 1996). It holds at the points of the
+   * mesh exactly in the inverse problem and to UnloadToleranceMm in the forward problem. Every cell
+   * keeps its material. SetMaterials repeats the search for the new materials. If the tissue is too
+   * soft to carry its weight, StiffnessFactor is above 1. Throws ConvergenceError or Interrupted
+   * and leaves the simulation unchanged then.
    */
   void Unload(const Vector3& gravityMPerS2, const ProgressCallback& progress = {});
   static constexpr double UnloadToleranceMm = 1e-3;
   /**
-   * What Unload has raised all stiffness by, that of the chest wall's layer too: 1, or the least
-   * factor (to a twentieth, never less) with which there is a shape without load from which the
-   * image's is a stable equilibrium. Materials and options are as they were given. It stays when
-   * the materials change, or rises where it must.
+   * The factor by which Unload has multiplied all stiffness, including that of the chest wall's
+   * layer: 1, or the least factor (to 5 %, never too small) for which a stress-free shape exists
+   * from which the imaged shape is a stable equilibrium. Materials() and the options stay as given.
+   * When the materials change the factor stays, or rises where it must.
    */
   double StiffnessFactor() const;
 
-  /// What a cold start that fails tells.
+  /// What a failed cold start reports.
   enum class Refusal
   {
-    /// The last gap that has an equilibrium: a search that takes several times as long as the
-    /// start.
+    /// The smallest gap that has an equilibrium. The search for it takes several times as long as
+    /// the start.
     WithLastGap,
-    /// Where the way with soft contact ended.
+    /// The gap at which the path with soft contact ended.
     AtOnce
   };
 
-  /// The plates opened along their normals until they touch nothing of the breast as it hangs free.
+  /// The plates, opened along their normals until they touch nothing of the freely hanging breast.
   PlatePair OpenedPlates(const PlatePair& plates, const ProgressCallback& progress = {}) const;
 
   /**
-   * Equilibrium between the plates. Cold: the breast first settles under gravity and pull, the
-   * plates opened along their normals until they touch nothing, then closed in load steps; without
-   * friction, quadratic elements let linear ones on the same cells, or the predictor, go this way
-   * and start from where these arrive, or go it themselves if that fails. Warm: starts at `start`
-   * (a state of this simulation) and goes straight to the new plates, in steps where that fails.
-   * Deterministic. Contact is made stiffer until the penetration is within its limit. Throws
-   * ConvergenceError that names the last gap reached or the limit that was missed and the value
-   * found, or Interrupted. What is answered has J > 0 at every quadrature point; corners of cells
-   * may still be turned over.
+   * Solves for the equilibrium between the plates.
+   *
+   * Without `start` (cold): the breast settles under gravity and pull while the plates are open.
+   * The plates then close in load steps. Without friction, quadratic elements first let linear
+   * elements on the same cells, or the predictor, find an initial guess; if that fails they follow
+   * the path themselves. With `start` (warm, a state of this simulation): goes to the new plates in
+   * one step, or in several where that fails. Contact is hardened until the penetration is within
+   * its limit.
+   *
+   * The result is deterministic and has J > 0 at every quadrature point; corners of cells may still
+   * be inverted. Throws CompressionError, which states the last gap or the violated limit and the
+   * value found, or Interrupted.
    */
   CompressionState Compress(const PlatePair& plates, const CompressionState* start = nullptr,
     const ProgressCallback& progress = {}, Refusal refusal = Refusal::WithLastGap) const;
 
   /**
-   * The equilibrium that a state of another simulation of the same body stands for, between its
-   * plates: of several (a breast that is higher than wide topples to either side, tissue folds) the
-   * one that the other has found. Meshes may differ as those of a predictor may. Where nothing is
-   * found from there, and with friction, it is that of a cold start. Throws as Compress, at once.
+   * Finds the equilibrium of this simulation that corresponds to a state of another simulation of
+   * the same body, between the same plates. Where several equilibria exist (a breast that is higher
+   * than wide topples to either side; tissue folds) it is the one that the other simulation found.
+   * Meshes may differ as those of a predictor may. With friction, or if nothing is found from
+   * there, it is that of a cold start. Throws as Compress with Refusal::AtOnce.
    */
   CompressionState Adopt(const CompressionSimulation& other, const CompressionState& state,
     const ProgressCallback& progress = {}) const;
 
   /**
-   * dx/dp at a converged state for parameters that move the plates, then for those that change the
-   * materials (one rate per material: with { {}, {}, { fat's modulus } } p is the ratio of material
-   * 2's stiffness to fat's), then for those that change the loading, by the implicit function
-   * theorem: one back-substitution each. Returns one vector of 3 x nodeCount (mm per unit of p) for
-   * each. With friction they are exact for the last load step with its normal forces frozen. After
-   * Unload the shape without load changes with the materials and with the chest wall's stiffness;
-   * StiffnessFactor counts as given.
+   * Velocities dx/dp of the nodes at a converged state, by the implicit function theorem: one
+   * back-substitution per parameter. The fields come in this order: parameters that move the
+   * plates, that change the materials (one derivative per material; with { {}, {}, { fat's modulus
+   * } } p is the ratio of material 2's stiffness to fat's), and that change the loading. With
+   * friction they are exact for the last load step with its normal forces frozen. After Unload they
+   * include the change of the stress-free shape with the materials and with the chest wall's
+   * stiffness; StiffnessFactor is fixed constant.
    */
   std::vector<std::vector<double>> Sensitivities(const CompressionState& state,
     const std::vector<PlatePairVelocity>& velocities,
-    const std::vector<MaterialVelocity>& materialVelocities = {},
-    const std::vector<LoadingVelocity>& loadingVelocities = {}) const;
+    const std::vector<MaterialDerivative>& materialDerivatives = {},
+    const std::vector<LoadingDerivative>& loadingDerivatives = {}) const;
 
-  /// Rate of PaddleForceN with a parameter that moves the plates, N per unit; as exact.
-  double PaddleForceRate(const CompressionState& state, const PlatePairVelocity& velocity) const;
+  /// Derivative of PaddleForceN with respect to a parameter that moves the plates, N per unit; as
+  /// exact as Sensitivities.
+  double PaddleForceDerivative(const CompressionState& state,
+    const PlatePairVelocity& velocity) const;
 
   /**
-   * The state in which the paddle presses with `forceN` (positive), to a ten-thousandth of it, by
-   * Newton's method on the exact rate of the force, bracketed. `plates` stand anywhere on their
-   * way; `closing` is how they move with a parameter that brings them together. Throws
-   * CompressionError that names the last gap and its force where the plates cannot be closed so
-   * far, else as Compress.
+   * Solves for the state in which the paddle presses with `forceN` (positive, N), to 1e-4 of it, by
+   * a bracketed Newton's method on the exact derivative of the force. `plates` are any plates on
+   * the path; `closing` is their velocity with a parameter that brings them together. Throws
+   * CompressionError, which states the last gap and its force, if the plates cannot close that far;
+   * otherwise as Compress.
    */
   CompressionState CompressToForce(const PlatePair& plates, const PlatePairVelocity& closing,
     double forceN, const ProgressCallback& progress = {}) const;
 
   /**
-   * Other constants for the materials, as many as at construction, with the mesh, the field and the
-   * order of the unknowns kept: states from before are starts for Compress, no longer equilibria.
-   * After Unload the shape without load is found anew. Throws InputError, and after Unload
-   * ConvergenceError, and then leaves things as they were.
+   * Replaces the constants of the materials, as many as at construction. Mesh, field and order of
+   * the unknowns stay, so earlier states can start Compress, but are no longer equilibria. After
+   * Unload the stress-free shape is found again. Throws InputError, and after Unload
+   * ConvergenceError, and leaves the simulation unchanged then.
    */
   void SetMaterials(const std::vector<ElasticMaterial>& materials);
   const std::vector<ElasticMaterial>& Materials() const;
 
   /// Volume change and stress of every cell of the mesh in a state.
   std::vector<CellMeasures> MeasuresOf(const CompressionState& state) const;
-  /// Pressure of the plates at every node, kPa: 0 inside the body and where nothing touches.
+  /// Contact pressure at every node, kPa; 0 inside the body and where nothing touches.
   std::vector<double> ContactPressuresKPa(const CompressionState& state) const;
 
   std::size_t NumberOfNodes() const;
   std::size_t NumberOfUnknowns() const;
-  /// Undeformed node positions, 3 x nodeCount, mm. The first nodes are the mesh's points.
+  /// Stress-free node positions, 3 x nodeCount, mm. The first nodes are the mesh's points.
   const std::vector<double>& RestPositions() const;
-  /// Node positions in the mesh as it was given: RestPositions, or, after Unload, the equilibrium
-  /// under that gravity, at the mesh's points to UnloadToleranceMm.
+  /// Node positions in the given mesh, mm: RestPositions, or, after Unload, the equilibrium under
+  /// that gravity (at the mesh's points to UnloadToleranceMm).
   const std::vector<double>& ImagePositions() const;
 
 private:
   friend class Embedding;
-  /// How far Compress goes: contact hard and all limits kept; or only a prediction
-  /// for another simulation, soft contact and a wide tolerance.
+  /// Complete: contact is hardened and all limits are met. Prediction: an initial guess for another
+  /// simulation, with soft contact and a wide tolerance.
   enum class Finish
   {
     Complete,
     Prediction
   };
-  /// Cold where there is no start: by way of `predicted` positions, or of the predictor.
+  /// Without `start` it is a cold run, which begins at `predicted` positions or at the predictor's.
   CompressionState Run(const PlatePair& plates, const CompressionState* start, Finish finish,
     const ProgressCallback& progress, double loadStepFactor = 1,
     std::vector<double> predicted = {}) const;
-  /// A cold run; where it fails, another one in smaller steps.
+  /// A cold run. If it fails, it is repeated with smaller load steps.
   CompressionState RunCold(const PlatePair& plates, const ProgressCallback& progress) const;
-  /// The least gap from `fromMm` on, in steps of 15 %, that has an equilibrium, mm.
+  /// The smallest gap from `fromMm` on, in steps of 15 %, that has an equilibrium, mm.
   double LeastGapMm(const PlatePair& plates, double fromMm, const ProgressCallback& progress) const;
-  /// Where the predictor moves the nodes to; empty where it cannot.
+  /// Node positions between the plates by the predictor; empty if there is none or it fails.
   std::vector<double> PredictedPositions(const PlatePair& plates,
     const ProgressCallback& progress) const;
 

@@ -7,23 +7,22 @@
 
 namespace mammoray
 {
-/**
- * Isotropic, nearly incompressible material: its constants at small strain, and how it stiffens
- * (ShapeEnergy).
- */
+/// Constants of an isotropic, nearly incompressible material at small strain, and the exponent of
+/// its stiffening (see ShapeEnergy).
 struct ElasticMaterial
 {
-  /// kPa, positive.
+  /// Young's modulus E at small strain, kPa; positive.
   double YoungsModulusKPa = 5.0;
-  /// [0, 0.5)
+  /// Poisson's ratio nu, [0, 0.5).
   double PoissonRatio = 0.49;
   /**
-   * 0: neo-Hookean. Above, up to LargestFungExponent: stiffens as Fung's exponential. Breast by
-   * Wellman (1999; E = 4.46 kPa exp(7.4 strain) for fat, 15.1 kPa exp(10 strain) for gland): at 30
-   * % compression of a bar 2.6 for fat and 4.2 for gland give the same stress, at 20 % 4.2 and 6.6.
+   * Exponent b of Fung's law, [0, LargestFungExponent]; 0 is neo-Hookean. For the breast, Wellman
+   * (1999) measured E = 4.46 kPa exp(7.4 strain) for fat and 15.1 kPa exp(10 strain) for gland.
+   * Exponents of 2.6 (fat) and 4.2 (gland) give the same stress in a bar compressed by 30 %; 4.2
+   * and 6.6 do so at 20 %.
    */
   double FungExponent = 0.0;
-  /// g/cm^3, positive; what gravity acts on.
+  /// Mass density, g/cm^3; positive. Gravity uses it.
   double DensityGPerCm3 = 1.0;
 
   static constexpr double LargestFungExponent = 50.0;
@@ -39,30 +38,29 @@ struct ElasticMaterial
   bool operator==(const ElasticMaterial&) const = default;
 };
 
-/// Rate of change of a material with a parameter, per unit of it.
-struct ElasticMaterialRate
+/// Derivative of a material's constants with respect to a parameter, per unit of it.
+struct ElasticMaterialDerivative
 {
   double YoungsModulusKPa = 0.0;
   double PoissonRatio = 0.0;
   double FungExponent = 0.0;
 };
-/// One rate for each material of a table.
-using MaterialVelocity = std::vector<ElasticMaterialRate>;
+/// One derivative for each material of a table.
+using MaterialDerivative = std::vector<ElasticMaterialDerivative>;
 
 /**
- * The part w of the energy density that a change of shape costs, kPa, as a function of
- * I = J^(-2/3) tr F^T F - 3:
+ * Energy density w of a change of shape, kPa, as a function of I = J^(-2/3) tr F^T F - 3:
  *
  *   w = mu / (2 b) (exp(b I) - 1)    (Fung's law for isotropic tissue, Demiray 1972)
  *
- * and its limit for b = 0, w = mu / 2 I (neo-Hookean). Everything that the elements need of a law
- * is here; another function of I would replace this struct alone.
+ * and its limit for b = 0, w = mu / 2 I (neo-Hookean). The elements know a material law only
+ * through this struct, so another function of I replaces it alone.
  */
 struct ShapeEnergy
 {
   /// Shear modulus at small strain, kPa.
   double Mu = 1.0;
-  /// b, not negative.
+  /// Exponent b; not negative.
   double Exponent = 0.0;
 
   double Value(double i) const
@@ -70,12 +68,12 @@ struct ShapeEnergy
     return this->Exponent > 0 ? this->Mu / (2 * this->Exponent) * std::expm1(this->Exponent * i)
                               : 0.5 * this->Mu * i;
   }
-  /// dw/dI, from its value at no strain on.
+  /// First derivative dw/dI, kPa.
   double Slope(double i) const { return 0.5 * this->Mu * this->Growth(i); }
-  /// d2w/dI2
+  /// Second derivative d2w/dI2, kPa.
   double Curvature(double i) const { return this->Exponent * this->Slope(i); }
-  /// Rate of Slope with those of the constants.
-  double SlopeRate(double i, double muRate, double exponentRate) const
+  /// Derivative of Slope for these derivatives of mu and b.
+  double SlopeDerivative(double i, double muRate, double exponentRate) const
   {
     return 0.5 * this->Growth(i) * (muRate + this->Mu * i * exponentRate);
   }

@@ -9,16 +9,16 @@
 
 namespace mammoray
 {
-/// What mechanics needs of a table of materials, one entry for each.
+/// The mechanical part of a table of materials, one entry per material.
 struct ElasticTable
 {
   std::vector<ElasticMaterial> Elastic;
-  /// Whether the body holds it.
-  std::vector<bool> Held;
+  /// True for materials that are fixed to the body and do not move.
+  std::vector<bool> Fixed;
 
   ElasticTable() = default;
   explicit ElasticTable(const MaterialTable& table)
-    : Held(table.Held())
+    : Fixed(table.Fixed())
   {
     for (const Material& material : table.Materials)
     {

@@ -19,8 +19,8 @@ namespace mammoray
 {
 namespace
 {
-/// Weights of the ten nodes at the point with barycentric coordinates `l`, continued by the tangent
-/// to `l` + `away`.
+/// Weights of the ten nodes at barycentric coordinates `l`, extrapolated along the tangent to `l` +
+/// `away`.
 void QuadraticWeights(const Eigen::Vector4d& l, const Eigen::Vector4d& away, double* weights)
 {
   for (int c = 0; c < 4; ++c)
@@ -35,8 +35,8 @@ void QuadraticWeights(const Eigen::Vector4d& l, const Eigen::Vector4d& away, dou
   }
 }
 
-/// Corners of the cells, taken for straight-sided, found by a regular grid of the cells' bounding
-/// boxes.
+/// Finds cells by position. Cells are treated as straight-sided; a regular grid holds their
+/// bounding boxes.
 class CellLocator
 {
 public:
@@ -59,7 +59,7 @@ public:
       this->Cells.emplace_back(this->Corners(cell));
     }
     const Eigen::Vector3d extent = (this->High - this->Low).cwiseMax(1e-9);
-    // About one cell in a bin.
+    // Choose bins that hold about one cell.
     this->Width = std::cbrt(extent.prod() / static_cast<double>(cellCount));
     for (int axis = 0; axis < 3; ++axis)
     {
@@ -103,7 +103,8 @@ public:
     return { 1 - l.sum(), l[0], l[1], l[2] };
   }
 
-  /// The cell that holds or is nearest to the point, and the point of the cell next to it.
+  /// Returns the cell that contains or is nearest to the point; `nearest` receives the nearest
+  /// point of it.
   std::int32_t Find(const Eigen::Vector3d& point, Eigen::Vector3d& nearest) const
   {
     const Eigen::Vector3i home = this->BinOf(point);
@@ -120,7 +121,7 @@ public:
     const int rings = std::max({ this->Size[0], this->Size[1], this->Size[2] });
     for (int ring = 0; ring <= rings; ++ring)
     {
-      // Whatever lies in a farther ring is at least this far from the point's place in the grid's
+      // Cells in a farther ring are at least this far from the point, projected into the grid's
       // box.
       const double reach =
         (ring - 1) * std::min({ this->BinWidth[0], this->BinWidth[1], this->BinWidth[2] });
@@ -166,10 +167,10 @@ public:
   }
 
 private:
-  /// What every search asks of a cell.
+  /// Data of a cell that every search needs.
   struct Cell
   {
-    /// Of the sides from corner 0.
+    /// Inverse of the matrix of the three sides from corner 0.
     Eigen::Matrix3d Inverse;
     Eigen::Vector3d Corner;
     Eigen::Vector3d Low;
@@ -285,8 +286,8 @@ Embedding::Embedding(const CompressionSimulation& simulation, const std::vector<
       const std::int32_t cell = locator.Find(point, nearest);
       this->CellIndices[p] = cell;
       distances[p] = (point - nearest).norm();
-      // Inside: the shape functions. Outside: their tangent at the nearest point of the cell, which
-      // carries linear fields on exactly and others without the parabola's runaway.
+      // Use the shape functions inside a cell. Outside, use their tangent at the nearest point: it
+      // is exact for linear fields and avoids the growth of a parabola for others.
       const Eigen::Vector4d l = locator.Barycentric(cell, nearest);
       const Eigen::Vector4d away = locator.Barycentric(cell, point) - l;
       double* weights = &this->Weights[perPoint * p];

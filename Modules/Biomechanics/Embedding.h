@@ -11,27 +11,26 @@ namespace mammoray
 {
 class CompressionSimulation;
 
-/**
- * Points that move with a simulation: x = sum_i N_i(xi) x_i of the cell that holds (or is nearest
- * to) each of them at rest.
- */
+/// Points that move with a simulation: x = sum_i N_i(xi) x_i, with the shape functions N_i of the
+/// cell that contains the point in the undeformed mesh or is nearest to it.
 class MAMMORAYBIOMECHANICS_EXPORT Embedding
 {
 public:
-  /// `points`: 3 x pointCount in the simulation's mesh as it was given, mm, its frame.
+  /// `points` are 3 x pointCount coordinates in the simulation's mesh as it was given, mm, in its
+  /// frame. Throws InputError if they are not finite.
   Embedding(const CompressionSimulation& simulation, const std::vector<double>& points);
-  /// Moves the points with node positions (or velocities) of the simulation; 3 x pointCount. After
-  /// Unload, where cells of the given mesh are curved a little, displacements from ImagePositions
-  /// are exacter.
+  /// Interpolates node positions or node velocities of the simulation (3 x nodeCount) at the
+  /// points; the result is 3 x pointCount. After Unload, some cells of the given mesh are slightly
+  /// curved: displacements from ImagePositions are then more accurate than positions.
   std::vector<double> Map(const std::vector<double>& nodeValues) const;
-  /// Largest distance of a point outside its cell, mm.
+  /// Largest distance of a point from its cell, mm; 0 if all points lie inside.
   double LargestDistanceMm() const { return this->Distance; }
-  /// The cell that holds or is nearest to each point.
+  /// Index of the cell that contains or is nearest to each point.
   const std::vector<std::int32_t>& Cells() const { return this->CellIndices; }
 
 private:
   int NodesPerPoint;
-  /// Node indices and weights, NodesPerPoint for each point.
+  /// Node indices and weights, NodesPerPoint per point.
   std::vector<std::int32_t> Nodes;
   std::vector<double> Weights;
   std::vector<std::int32_t> CellIndices;

@@ -9,28 +9,28 @@
 namespace mammoray
 {
 /**
- * The plates of a unit that stands at `placed` and is closed to `thicknessMm`; volume frame. The
- * support faces the source at z = SupportHeightMm of the gantry frame, the paddle faces it
- * `thicknessMm` above. With a tilt, degrees, the paddle is turned about its (unrounded) chest-wall
- * edge, where the thickness then counts; positive opens it towards the nipple.
+ * The plates of a unit with this placement, in the volume frame. The support's face lies at z =
+ * SupportHeightMm of the gantry frame; the paddle's face lies `thicknessMm` above it.
+ * `paddleTiltDeg` turns the paddle about its (unrounded) chest-wall edge, where the thickness is
+ * measured; a positive tilt opens the paddle towards the nipple.
  */
 MAMMORAYBIOMECHANICS_EXPORT PlatePair PlatesOf(const VolumeFromGantry& placed,
   const MammographyUnit& unit, double thicknessMm, double paddleTiltDeg = 0);
 
-/// m/s^2
+/// Standard gravity, m/s^2.
 inline constexpr double StandardGravityMPerS2 = 9.80665;
 
 enum class PatientPosition
 {
-  /// Or sitting: as for a mammogram.
+  /// Standing or sitting, as for a mammogram.
   Upright,
-  /// Face down: the breast hangs forwards, as in most MRI.
+  /// Face down, as for most breast MRI: the breast hangs forwards.
   Prone,
-  /// On the back.
+  /// Lying on the back.
   Supine
 };
 
-/// Standard gravity in the volume frame, m/s^2: downwards in that position.
+/// Vector of standard gravity in the volume frame for a patient in this position, m/s^2.
 MAMMORAYBIOMECHANICS_EXPORT Vector3 GravityIn(PatientPosition position, const AnatomicalAxes& axes);
 }
 

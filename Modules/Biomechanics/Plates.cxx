@@ -17,7 +17,7 @@ PlateDistance DistanceToPlate(const Plate& plate, const Vector3& x)
   PlateDistance result;
   if (u > 0 && v > 0)
   {
-    // hypot guards against an overflow that mm do not have, and takes longer.
+    // std::hypot is slower, and its protection against overflow is not needed for millimetres.
     const double length = std::sqrt(u * u + v * v);
     result.Distance = length - radius;
     result.Gradient = (-u / length) * plate.Inward + (v / length) * plate.Normal;

@@ -7,34 +7,35 @@
 
 namespace mammoray
 {
-/// Plates have edges of 3 to 15 mm; of one of a metre nothing is left that presses.
+/// Largest accepted edge radius, mm. Real plates have 3 to 15 mm; a radius of a metre leaves no
+/// flat face.
 inline constexpr double MostEdgeRadiusMm = 100;
 
-/**
- * A rigid plate: a slab that fills Dot(x - Edge, Normal) <= 0 and Dot(x - Edge, Inward) >= 0, its
- * chest-wall edge rounded; unlimited in every other direction. In the frame of the mesh.
- */
+/// A rigid plate in the frame of the mesh: it fills Dot(x - Edge, Normal) <= 0 and Dot(x - Edge,
+/// Inward) >= 0. Its chest-wall edge is rounded; it is unbounded in all other directions.
 struct Plate
 {
   /// A point on the (unrounded) chest-wall edge of the contact face, mm.
   Vector3 Edge{ 0, 0, 0 };
-  /// Unit normal of the contact face, out of the plate, towards the breast.
+  /// Unit normal of the contact face; it points out of the plate, towards the breast.
   Vector3 Normal{ 0, 0, 1 };
-  /// Unit vector in the contact face from the chest-wall edge into the plate; orthogonal to Normal.
+  /// Unit vector in the contact face that points from the chest-wall edge into the plate;
+  /// orthogonal to Normal.
   Vector3 Inward{ 0, 1, 0 };
-  /// Radius of the chest-wall edge, mm, 0 to MostEdgeRadiusMm.
+  /// Radius of the chest-wall edge, mm, [0, MostEdgeRadiusMm].
   double EdgeRadiusMm = 3.0;
 
   bool operator==(const Plate&) const = default;
 };
 
-/// Rate of change of a plate with a parameter: x' = Linear + Angular x (x - Edge), per unit of it.
+/// Velocity of a plate with respect to a parameter, per unit of it: x' = Linear + Angular x (x -
+/// Edge).
 struct PlateVelocity
 {
   Vector3 Linear{ 0, 0, 0 };
   Vector3 Angular{ 0, 0, 0 };
 
-  /// Velocity of the plate's material point at x.
+  /// Velocity of the plate's material point at x, mm per unit of the parameter.
   Vector3 At(const Plate& plate, const Vector3& x) const
   {
     return this->Linear + Cross(this->Angular, x - plate.Edge);
@@ -58,42 +59,42 @@ struct PlatePairVelocity
 /// Signed distance to a plate with its first and second derivatives.
 struct PlateDistance
 {
-  /// mm; negative inside the plate.
+  /// Signed distance, mm; negative inside the plate.
   double Distance = 0;
-  /// Unit vector out of the plate.
+  /// Gradient of the distance: a unit vector that points out of the plate.
   Vector3 Gradient{ 0, 0, 0 };
-  /// The second derivative is Curvature * Tangent Tangent^T; 1/mm, 0 beside flat faces.
+  /// The second derivative is Curvature * Tangent Tangent^T. Curvature is in 1/mm and is 0 next to
+  /// flat faces.
   double Curvature = 0;
   Vector3 Tangent{ 0, 0, 0 };
 };
 
-/**
- * Exact outside the plate and inside to the depth of the edge radius; deeper, the distance to the
- * nearer of the two faces.
- */
+/// The signed distance of x to a plate. It is exact outside the plate and inside down to the edge
+/// radius. Deeper inside it is the distance to the nearer of the two faces.
 MAMMORAYBIOMECHANICS_EXPORT PlateDistance DistanceToPlate(const Plate& plate, const Vector3& x);
 
-/// The plate after moving for `amount` of the parameter: turned about its Edge, then shifted.
+/// The plate after a motion of `amount` parameter units: it turns about its Edge, then shifts.
 MAMMORAYBIOMECHANICS_EXPORT Plate MovedPlate(const Plate& plate, const PlateVelocity& velocity,
   double amount);
 MAMMORAYBIOMECHANICS_EXPORT PlatePair MovedPlates(const PlatePair& plates,
   const PlatePairVelocity& velocity, double amount);
 
-/// The rigid motion that takes `from` to `to` in one unit: MovedPlate(from, Motion(from, to), 1) ==
-/// to.
+/// The rigid motion that takes `from` to `to` in one unit: MovedPlate(from, PlateMotion(from, to),
+/// 1) == to.
 MAMMORAYBIOMECHANICS_EXPORT PlateVelocity PlateMotion(const Plate& from, const Plate& to);
 MAMMORAYBIOMECHANICS_EXPORT PlatePairVelocity PlateMotion(const PlatePair& from,
   const PlatePair& to);
 
 /**
- * The plates `from`, which have no end along their chest-wall edges: with the reference points
- * moved along these as near as can be to those of `to`. The same plates; but a motion from there to
- * `to` does not go a way that nothing feels.
+ * Plates are unbounded along their chest-wall edges, so their reference points may slide along
+ * these. Returns the plates `from` with the reference points as near to those of `to` as possible.
+ * These are the same plates, but a motion to `to` no longer includes a translation that has no
+ * effect.
  */
 MAMMORAYBIOMECHANICS_EXPORT PlatePair SlidTowards(const PlatePair& from, const PlatePair& to);
 
-/// How far a motion takes the points of the plates within 100 mm of the reference point of their
-/// edges at most, mm.
+/// Largest distance that the motion moves a point of the plates within 100 mm of an edge's
+/// reference point, mm.
 MAMMORAYBIOMECHANICS_EXPORT double TravelMm(const PlatePairVelocity& motion);
 }
 

@@ -1,5 +1,4 @@
-// SPDX-License-Identifier: Apache-2.0
-// What the cells of a simulation are, where their material comes from and what is measured in them.
+// Types that describe the cells of a simulation, their material and the measures taken in them.
 #ifndef mammoray_SimulationCells_h
 #define mammoray_SimulationCells_h
 
@@ -12,25 +11,26 @@ namespace mammoray
 /// Means over the quadrature points of a deformed cell.
 struct CellMeasures
 {
-  /// det F: deformed over undeformed volume.
+  /// det F: deformed volume divided by undeformed volume.
   double J = 1;
-  /// Von Mises' measure of the Cauchy stress, kPa.
+  /// Von Mises equivalent of the Cauchy stress, kPa.
   double VonMisesKPa = 0;
 };
 
-/// Material index at a position of the undeformed body (mm, frame of the mesh); 0 = outside.
+/// Returns the material index at a position of the undeformed body (mm, frame of the mesh); 0 is
+/// outside.
 using MaterialField = std::function<int(const Vector3&)>;
 
-/// Whether the body that the mesh was cut out of goes on at a place beside the mesh (mm, frame of
-/// the mesh).
+/// Returns true where the body continues at a position outside the mesh (mm, frame of the mesh).
 using BodyField = std::function<bool(const Vector3&)>;
 
-/// How tetrahedra carry the displacement and share the volume constraint.
+/// Interpolation of the displacement in a tetrahedron, and the cells that share one volume
+/// constraint.
 enum class ElementType
 {
-  /// Ten nodes, one volume constraint for each cell, on top of one by quadrature point.
+  /// Ten nodes; one volume constraint per cell, besides a weaker one at each quadrature point.
   Quadratic,
-  /// Four nodes, one volume constraint for a patch of about eight cells.
+  /// Four nodes; one volume constraint per patch of about eight cells.
   PatchAveragedLinear
 };
 }

@@ -4,21 +4,21 @@
 
 namespace mammoray
 {
-/// How the breast is attached to the held materials.
+/// How the breast is attached to the fixed materials.
 enum class ChestWallMode
 {
-  /// Its nodes there do not move.
-  Held,
-  /// They glide along the held body's surface and hardly leave it.
+  /// The nodes at the wall do not move.
+  Fixed,
+  /// The nodes slide along the surface of the fixed body and hardly leave it.
   Sliding,
-  /// An elastic layer lies between.
+  /// An elastic layer connects breast and wall.
   Elastic
 };
 
-/// Stiffness of the layer between chest wall and breast, kPa / mm: traction per displacement.
+/// Stiffness of the layer between chest wall and breast: traction per displacement, kPa / mm.
 struct WallStiffness
 {
-  /// Across the wall, against leaving and entering it; positive.
+  /// Across the wall, for leaving and entering it; positive.
   double Normal = 0;
   /// Along the wall; not negative.
   double Tangential = 0;

@@ -144,7 +144,7 @@ public:
   std::vector<StudyAnswer> Answer(const std::vector<Vector3>& points, OutlineMotion motion) const
   {
     const AnatomicalAxes axes = AnatomicalAxes::FromCode("LPS");
-    const std::vector<bool> held = this->Table.Held();
+    const std::vector<bool> held = this->Table.Fixed();
     TargetOptions options;
     options.ChestWallMarginMm = StudyChestWallMarginMm;
     std::vector<StudyAnswer> answers;

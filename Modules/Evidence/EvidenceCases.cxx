@@ -2,7 +2,7 @@
 #include "mammoray/Evidence/EvidenceCases.h"
 
 #include "mammoray/Foundation/Error.h"
-#include "mammoray/Foundation/Plausible.h"
+#include "mammoray/Foundation/ValidRange.h"
 #include "mammoray/IO/ShippedData.h"
 
 #include <nlohmann/json.hpp>
@@ -39,7 +39,7 @@ LandmarkTruth ReadTruth(const std::string& path)
   }
   try
   {
-    const nlohmann::json json = nlohmann::json::parse(file, PlausibleNesting{ path });
+    const nlohmann::json json = nlohmann::json::parse(file, JsonNestingLimit{ path });
     const AnatomicalAxes axes =
       AnatomicalAxes::FromCode(json.at("truth-orientation").get<std::string>());
     return { { json.at("truth-origin").get<Vector3>(), axes.Left, axes.Anterior, axes.Superior },

@@ -2,7 +2,7 @@
 #include "mammoray/Evidence/EvidenceFile.h"
 
 #include "mammoray/Foundation/Error.h"
-#include "mammoray/Foundation/Plausible.h"
+#include "mammoray/Foundation/ValidRange.h"
 #include "mammoray/IO/Sha256.h"
 
 #include <nlohmann/json.hpp>
@@ -34,7 +34,7 @@ nlohmann::json ToJson(const TwinRun& run)
 /// Tables are printed: letters only.
 std::string Text(const nlohmann::json& value)
 {
-  return Printable(value.get<std::string>());
+  return EscapeControls(value.get<std::string>());
 }
 
 std::vector<std::string> Texts(const nlohmann::json& values)
@@ -310,7 +310,7 @@ RegistrationEvidence ReadEvidence(const std::string& path, const std::string& se
   RegistrationEvidence evidence;
   try
   {
-    const nlohmann::json json = nlohmann::json::parse(file, PlausibleNesting{ path });
+    const nlohmann::json json = nlohmann::json::parse(file, JsonNestingLimit{ path });
     if (json.at("settings") != nlohmann::json::parse(settings))
     {
       throw InputError(path + ": expected evidence gathered with the same settings, " + settings +

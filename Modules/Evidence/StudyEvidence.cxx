@@ -90,8 +90,8 @@ LabelVolume BreastOfMri(const EvidenceStudy& study, const MaterialTable& table,
   }
   choice.Laterality = study.Options.Laterality;
   LabelVolume breast = SegmentStudy(choice, table, progress).Breast;
-  HoldCutTissue(breast, table.Held());
-  return FreeOfCoil(std::move(breast), table.Held());
+  HoldCutTissue(breast, table.Fixed());
+  return FreeOfCoil(std::move(breast), table.Fixed());
 }
 
 StudyViewErrors ErrorsIn(const VirtualStudyTruth& truth, const VirtualView& view,

@@ -71,11 +71,11 @@ struct Side
     const std::string& spectrum, const ProgressCallback& progress)
     : Model(MeshAnatomy(materials, table, anatomyMm, progress), table,
         { .Volume = materials,
-          .SimulationMesh = MakeSimulationMesh(materials, table.Held(), cellSizeMm, progress),
+          .SimulationMesh = MakeSimulationMesh(materials, table.Fixed(), cellSizeMm, progress),
           .Compression = { .Element = element },
           .Predicted = search == Search::Predicted },
         progress)
-    , Placement{ axes, FindPoseAnchor(materials, table.Held(), axes), {} }
+    , Placement{ axes, FindPoseAnchor(materials, table.Fixed(), axes), {} }
     , Elastic(this->Model.Body().Elastic())
   {
     this->Model.SetXRays(ExtractInterfaces(this->Model.Anatomy()), MakeProjector(),
@@ -280,7 +280,7 @@ struct TwinExperiment::Internals
     , Target(this->Volume, table, axes, EdgeOf(materials) / options.TargetFineness,
         options.TargetAnatomyMm, ElementType::PatchAveragedLinear, Search::Direct,
         options.TargetSpectrum, progress)
-    , HeightMm(mammoray::HeightMm(materials, table.Held(), axes.Superior))
+    , HeightMm(mammoray::HeightMm(materials, table.Fixed(), axes.Superior))
   {
     this->ModelOf(TwinKind::Plain, 0, progress);
   }
@@ -288,7 +288,7 @@ struct TwinExperiment::Internals
   /// What is registered: the pictured breast, unless the kind says otherwise.
   LabelVolume LabelsOf(TwinKind kind, int number) const
   {
-    const std::vector<bool> held = this->Table.Held();
+    const std::vector<bool> held = this->Table.Fixed();
     const bool even = number % 2 == 0;
     switch (kind)
     {
@@ -359,7 +359,7 @@ struct TwinExperiment::Internals
     const LabelVolume known = this->LabelsOf(problem.Kind, problem.Number);
     const double size = problem.Kind == TwinKind::WrongSize ? WrongSizes[problem.Number % 2] : 1.0;
     const BreastPose pose = PoseOf(problem.Truth);
-    const std::vector<bool> held = this->Table.Held();
+    const std::vector<bool> held = this->Table.Fixed();
     while (static_cast<int>(problem.TruePositions.size()) < this->Options.NumberOfPoints)
     {
       const auto along = [&](int axis)

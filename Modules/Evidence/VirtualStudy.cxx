@@ -79,7 +79,7 @@ TrueBreast MakeBreast(const LabelVolume& materials, const MaterialTable& table,
   breast.Table = table;
   for (Material& material : breast.Table.Materials)
   {
-    const bool soft = !material.Held && !material.Attenuation.empty();
+    const bool soft = !material.Fixed && !material.Attenuation.empty();
     // Of each twice and half are as likely.
     breast.Factors.push_back(soft ? std::exp2(draws.Between(-1, 1)) : 1);
     material.YoungsModulusKPa *= breast.Factors.back();
@@ -93,14 +93,14 @@ TrueBreast MakeBreast(const LabelVolume& materials, const MaterialTable& table,
     PlaceOnChest(materials, table, axes, options.Laterality, breast.OffMm, breast.Curve);
   breast.Rest = options.ChestAroundMm > 0
     ? SurroundByChest(breast.Phantom, table, breast.Curve,
-        WallThicknessMm(breast.Phantom, table.Held()), options.ChestAroundMm)
+        WallThicknessMm(breast.Phantom, table.Fixed()), options.ChestAroundMm)
     : breast.Phantom;
   if (const std::vector<int> thin = table.Thin(); !thin.empty())
   {
     // Resampling tears layers of a voxel or two. Breast skin is 0.8 to 3 mm thick, 1.5 on average
     // (Huang 2008).
     const double thickness = std::max(1.5, 1.01 * breast.Rest.Spacing[0]);
-    breast.Rest = AddSkin(breast.Rest, thickness, thin.front(), table.Held());
+    breast.Rest = AddSkin(breast.Rest, thickness, thin.front(), table.Fixed());
   }
   return breast;
 }
@@ -116,7 +116,7 @@ public:
         progress)
   {
     const UnitPlacement placement{ PatientAxes,
-      FindPoseAnchor(breast.Rest, breast.Table.Held(), PatientAxes), {} };
+      FindPoseAnchor(breast.Rest, breast.Table.Fixed(), PatientAxes), {} };
     // Plates so far apart that they touch nothing.
     BreastPose open;
     open.ThicknessMm = 400;
@@ -134,7 +134,7 @@ private:
   static TetrahedralMesh MeshFor(const TrueBreast& breast, const VirtualStudyOptions& options,
     const ProgressCallback& progress)
   {
-    return MakeSimulationMesh(breast.Rest, breast.Table.Held(),
+    return MakeSimulationMesh(breast.Rest, breast.Table.Fixed(),
       CubeEdge(breast.Phantom) / options.GravityFineness, progress);
   }
 
@@ -151,12 +151,12 @@ public:
     : Options(options)
     , Model(MeshAnatomy(breast, options, progress), breast.Table,
         { .Volume = breast.Rest,
-          .SimulationMesh = MakeSimulationMesh(breast.Rest, breast.Table.Held(),
+          .SimulationMesh = MakeSimulationMesh(breast.Rest, breast.Table.Fixed(),
             CubeEdge(breast.Phantom) / options.CompressionFineness, progress),
           .Compression =
             breast.Loading(ElementType::PatchAveragedLinear, PatientPosition::Upright) },
         progress)
-    , Placement{ PatientAxes, FindPoseAnchor(breast.Rest, breast.Table.Held(), PatientAxes), {} }
+    , Placement{ PatientAxes, FindPoseAnchor(breast.Rest, breast.Table.Fixed(), PatientAxes), {} }
   {
     this->Model.SetXRays(ExtractInterfaces(this->Model.Anatomy()), MakeProjector(),
       MakeBeam(breast.Table, FindSpectrum(options.Spectrum), DetectorResponse::EnergyIntegrating));
@@ -262,7 +262,7 @@ private:
   /// of that what is in front of their edges, mm.
   static double HeightBetweenPlates(const TrueBreast& breast, const VolumeFromGantry& placed)
   {
-    const std::vector<bool> held = breast.Table.Held();
+    const std::vector<bool> held = breast.Table.Fixed();
     LabelVolume met = KeepBreast(breast.Phantom, held, PatientAxes);
     met.ForEachVoxel(
       [&](int i, int j, int k, std::size_t voxel)
@@ -391,7 +391,7 @@ void CheckStudyOptions(const VirtualStudyOptions& options, const MaterialTable& 
     throw InputError(
       "virtual study: expected a T1 without or with fat suppression, found neither wanted");
   }
-  const std::vector<bool> held = table.Held();
+  const std::vector<bool> held = table.Fixed();
   if (std::find(held.begin(), held.end(), true) == held.end())
   {
     throw InputError("virtual study: expected a material that is held (chest wall) in the table " +

@@ -6,7 +6,7 @@
 #include "mammoray/Biomechanics/ElasticTable.h"
 #include "mammoray/Biomechanics/PlacedPlates.h"
 #include "mammoray/Foundation/MammographyGeometry.h"
-#include "mammoray/Foundation/Plausible.h"
+#include "mammoray/Foundation/ValidRange.h"
 #include "mammoray/IO/MeshConversion.h"
 #include "mammoray/IO/ShippedData.h"
 #include "mammoray/Registration/BreastModel.h"
@@ -36,7 +36,7 @@ using namespace mammoray;
 struct HeldMaterial
 {
   ElasticMaterial Elastic;
-  bool Held = false;
+  bool Fixed = false;
 
   bool operator==(const HeldMaterial&) const = default;
 };
@@ -57,7 +57,7 @@ struct CompressionSetup
   {
     return this->Anatomy == other.Anatomy && this->Coarse == other.Coarse &&
       this->Materials.Elastic == other.Materials.Elastic &&
-      this->Materials.Held == other.Materials.Held && this->Options == other.Options &&
+      this->Materials.Fixed == other.Materials.Fixed && this->Options == other.Options &&
       this->ImageGravity == other.ImageGravity;
   }
 };
@@ -104,21 +104,21 @@ ElasticTable vtkBreastCompression::Internals::MaterialsOf(const TetrahedralMesh&
   if (table.empty())
   {
     materials.Elastic.resize(1); // air
-    materials.Held.resize(1);
+    materials.Fixed.resize(1);
   }
   else
   {
     materials = ElasticTable(FindMaterialTable(table));
   }
-  std::vector<bool> known(materials.Held.size(), true);
+  std::vector<bool> known(materials.Fixed.size(), true);
   for (const auto& [index, material] : this->Given)
   {
     const auto size = std::max(known.size(), static_cast<std::size_t>(index) + 1);
     materials.Elastic.resize(size);
-    materials.Held.resize(size);
+    materials.Fixed.resize(size);
     known.resize(size, false);
     materials.Elastic[index] = material.Elastic;
-    materials.Held[index] = material.Held;
+    materials.Fixed[index] = material.Fixed;
     known[index] = true;
   }
   for (const int material : mesh.Materials)
@@ -291,7 +291,7 @@ int vtkBreastCompression::FillInputPortInformation(int port, vtkInformation* inf
 }
 
 void vtkBreastCompression::SetMaterial(int material, double youngsModulusKPa, double poissonRatio,
-  bool held, double fungExponent, double densityGPerCm3)
+  bool fixed, double fungExponent, double densityGPerCm3)
 {
   if (material < 1 || material > 65535)
   {
@@ -299,7 +299,7 @@ void vtkBreastCompression::SetMaterial(int material, double youngsModulusKPa, do
     return;
   }
   auto given = this->Internal->Given;
-  given[material] = { { youngsModulusKPa, poissonRatio, fungExponent, densityGPerCm3 }, held };
+  given[material] = { { youngsModulusKPa, poissonRatio, fungExponent, densityGPerCm3 }, fixed };
   SetProperty(this, this->Internal->Given, std::move(given));
 }
 
@@ -359,7 +359,7 @@ void vtkBreastCompression::Compress(vtkUnstructuredGrid* input, vtkUnstructuredG
   }
   if (!this->AcceptUnusual && !(this->ForceN > 0))
   {
-    CheckPlausible(Plausible::Thickness, this->ThicknessMm, "ThicknessMm",
+    CheckValidRange(ValidRanges::Thickness, this->ThicknessMm, "ThicknessMm",
       "AcceptUnusual takes it");
   }
   Internals& internal = *this->Internal;
@@ -367,7 +367,7 @@ void vtkBreastCompression::Compress(vtkUnstructuredGrid* input, vtkUnstructuredG
   UnitPlacement placement;
   placement.Axes = AnatomicalAxes::FromCode(this->Orientation);
   placement.Anchor =
-    FindPoseAnchor(internal.Made.Anatomy, internal.Made.Materials.Held, placement.Axes);
+    FindPoseAnchor(internal.Made.Anatomy, internal.Made.Materials.Fixed, placement.Axes);
   placement.Unit.SupportEdgeMm = this->SupportEdgeMm;
   placement.Unit.PaddleEdgeMm = this->PaddleEdgeMm;
   placement.Unit.EdgeRadiusMm = this->EdgeRadiusMm;

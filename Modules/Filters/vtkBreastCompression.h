@@ -8,8 +8,8 @@
  * ForMechanics), which carries input 0 along; its stiffness is sampled from the materials of
  * input 0. Without it the simulation runs on input 0 up to 20000 cells, or 150000 with
  * SetElementToLinear, and beyond that on a mesh made of it (MostSimulationCells). Elastic constants
- * come from MaterialTable or SetMaterial; cells of held materials (the chest wall) do not move, but
- * where the breast glides along them (ChestWall) those beside it are drawn along.
+ * come from MaterialTable or SetMaterial; cells of fixed materials (the chest wall) do not move,
+ * but where the breast glides along them (ChestWall) those beside it are drawn along.
  *
  * Output 0: input 0 deformed, with its arrays and the point arrays "Displacement" (mm) and
  * "ContactPressureKPa" (of the plates; 0 where nothing touches), the cell arrays "J" (deformed over
@@ -53,7 +53,7 @@ public:
   ///@{
   /**
    * Path of a material table (JSON), or the name of a shipped one, with the elastic constants of
-   * materials 1, 2, ... and which are held. Empty: only what SetMaterial says. Default empty.
+   * materials 1, 2, ... and which are fixed. Empty: only what SetMaterial says. Default empty.
    */
   void SetMaterialTable(const char* pathOrName);
   vtkGetCharFromStdStringMacro(MaterialTable);
@@ -78,10 +78,10 @@ public:
 
   /**
    * Elastic constants of a material (1, 2, ...): Young's modulus, kPa, positive; Poisson's ratio in
-   * [0, 0.5); whether its cells are held; how fast it stiffens (Fung's exponent in [0, 50]; 0:
+   * [0, 0.5); whether its cells are fixed; how fast it stiffens (Fung's exponent in [0, 50]; 0:
    * neo-Hookean); density, g/cm^3, positive. Goes before the table.
    */
-  void SetMaterial(int material, double youngsModulusKPa, double poissonRatio, bool held,
+  void SetMaterial(int material, double youngsModulusKPa, double poissonRatio, bool fixed,
     double fungExponent = 0, double densityGPerCm3 = 1);
 
   /**
@@ -209,18 +209,18 @@ public:
 
   ///@{
   /**
-   * How the breast is attached to the held materials: HELD, SLIDING along their surface, or by an
-   * ELASTIC layer of WallStiffness. Default HELD.
+   * How the breast is attached to the fixed materials: FIXED, SLIDING along their surface, or by an
+   * ELASTIC layer of WallStiffness. Default FIXED.
    */
   enum ChestWallType
   {
-    HELD,
+    FIXED,
     SLIDING,
     ELASTIC
   };
-  vtkSetClampMacro(ChestWall, int, HELD, ELASTIC);
+  vtkSetClampMacro(ChestWall, int, FIXED, ELASTIC);
   vtkGetMacro(ChestWall, int);
-  void SetChestWallToHeld() { this->SetChestWall(HELD); }
+  void SetChestWallToFixed() { this->SetChestWall(FIXED); }
   void SetChestWallToSliding() { this->SetChestWall(SLIDING); }
   void SetChestWallToElastic() { this->SetChestWall(ELASTIC); }
   ///@}
@@ -289,7 +289,7 @@ public:
 
   ///@{
   /**
-   * Take what no patient has (mammoray/Foundation/Plausible.h), too. Default off.
+   * Take what no patient has (mammoray/Foundation/ValidRange.h), too. Default off.
    */
   vtkSetMacro(AcceptUnusual, bool);
   vtkGetMacro(AcceptUnusual, bool);
@@ -329,7 +329,7 @@ private:
   double SupportEdgeMm = 0;
   double PaddleEdgeMm = 0;
   double EdgeRadiusMm = 3;
-  int ChestWall = HELD;
+  int ChestWall = FIXED;
   double WallStiffness[2] = { 1000, 1 };
   double PullN = 0;
   double Friction = 0;

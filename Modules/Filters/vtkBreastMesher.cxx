@@ -4,7 +4,7 @@
 #include "Private/FilterRequest.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/Foundation/LabelResampling.h"
-#include "mammoray/Foundation/Plausible.h"
+#include "mammoray/Foundation/ValidRange.h"
 #include "mammoray/IO/ImageConversion.h"
 #include "mammoray/IO/MeshConversion.h"
 #include "mammoray/IO/ShippedData.h"
@@ -92,7 +92,7 @@ void vtkBreastMesher::Mesh(vtkImageData* input, vtkUnstructuredGrid* output)
   const LabelVolume labels = ToLabelVolume(input);
   if (!this->AcceptUnusual)
   {
-    CheckPlausible(Plausible::VoxelSpacing, labels.Spacing, "input", "AcceptUnusual takes it");
+    CheckValidRange(ValidRanges::VoxelSpacing, labels.Spacing, "input", "AcceptUnusual takes it");
   }
   const std::string& name = FileOrName(this->MaterialTableFile, this->MaterialTable);
   const mammoray::MaterialTable table =
@@ -105,7 +105,7 @@ void vtkBreastMesher::Mesh(vtkImageData* input, vtkUnstructuredGrid* output)
   MeshingResult result;
   if (this->ForMechanics)
   {
-    result = MeshForSimulation(materials, table.Held(), this->CellSizeMm, ProgressOf(this));
+    result = MeshForSimulation(materials, table.Fixed(), this->CellSizeMm, ProgressOf(this));
   }
   else
   {

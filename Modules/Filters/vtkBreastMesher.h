@@ -79,7 +79,8 @@ public:
   ///@{
   /**
    * A coarse mesh for vtkBreastCompression, of 3000 to 6000 cells with CellSizeMm 0, that follows
-   * the skin and the border of the held tissue only; NumberOfTriangles does not count. Default off.
+   * the skin and the border of the fixed tissue only; NumberOfTriangles does not count. Default
+   * off.
    */
   vtkSetMacro(ForMechanics, bool);
   vtkGetMacro(ForMechanics, bool);
@@ -88,7 +89,7 @@ public:
 
   ///@{
   /**
-   * Take what no patient has (mammoray/Foundation/Plausible.h), too. Default off.
+   * Take what no patient has (mammoray/Foundation/ValidRange.h), too. Default off.
    */
   vtkSetMacro(AcceptUnusual, bool);
   vtkGetMacro(AcceptUnusual, bool);

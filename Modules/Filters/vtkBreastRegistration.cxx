@@ -5,8 +5,8 @@
 #include "Private/ScatterProperties.h"
 #include "mammoray/Filters/vtkBreastMesher.h"
 #include "mammoray/Foundation/Error.h"
-#include "mammoray/Foundation/Plausible.h"
 #include "mammoray/Foundation/PoseParameters.h"
+#include "mammoray/Foundation/ValidRange.h"
 #include "mammoray/IO/ImageConversion.h"
 #include "mammoray/IO/MeshConversion.h"
 #include "mammoray/IO/ShippedData.h"
@@ -367,7 +367,7 @@ int vtkBreastRegistration::RequestData(vtkInformation*, vtkInformationVector** i
     // Pixels of images in a pipeline may be binned to any size.
     if (!this->AcceptUnusual)
     {
-      CheckPlausible(Plausible::Thickness, start.ThicknessMm, "ThicknessMm",
+      CheckValidRange(ValidRanges::Thickness, start.ThicknessMm, "ThicknessMm",
         "AcceptUnusual takes it");
     }
     start.RollDeg = NominalRollDeg(internal.Mammogram).value_or(0) + this->RollDeg;
@@ -400,7 +400,7 @@ int vtkBreastRegistration::RequestData(vtkInformation*, vtkInformationVector** i
     BreastModel& model = breast.Model;
     model.SetBeam(breast.BeamOf(spectrum));
     model.SetScatter(std::move(scatter));
-    UnitPlacement placement{ axes, FindPoseAnchor(breast.Made.Anatomy, breast.Table.Held(), axes),
+    UnitPlacement placement{ axes, FindPoseAnchor(breast.Made.Anatomy, breast.Table.Fixed(), axes),
       {} };
     placement.Unit.SourceToDetectorMm = this->SourceToDetectorMm > 0
       ? this->SourceToDetectorMm
@@ -408,7 +408,7 @@ int vtkBreastRegistration::RequestData(vtkInformation*, vtkInformationVector** i
     placement.Unit.EdgeRadiusMm = this->EdgeRadiusMm;
     if (!this->AcceptUnusual)
     {
-      CheckPlausible(Plausible::SourceDistance, placement.Unit.SourceToDetectorMm,
+      CheckValidRange(ValidRanges::SourceDistance, placement.Unit.SourceToDetectorMm,
         "SourceToDetectorMm", "AcceptUnusual takes it");
     }
     const RegistrationResult result =

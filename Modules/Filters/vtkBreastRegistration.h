@@ -195,7 +195,7 @@ public:
 
   ///@{
   /**
-   * Take what no patient has (mammoray/Foundation/Plausible.h), too. Default off.
+   * Take what no patient has (mammoray/Foundation/ValidRange.h), too. Default off.
    */
   vtkSetMacro(AcceptUnusual, bool);
   vtkGetMacro(AcceptUnusual, bool);

@@ -10,41 +10,40 @@
 namespace mammoray
 {
 /**
- * The text as it may be shown on a terminal or in a log, whatever file it came from: control
- * characters (line feeds and escape sequences among them), marks that turn the direction of
- * writing, and bytes that are no UTF-8 become a backslash, x and two digits, one for each byte.
+ * Returns the text in a form that is safe to print in a terminal or log, wherever it came from.
+ * Every byte of control characters (including line feeds and escape sequences), of marks that
+ * change the writing direction and of invalid UTF-8 becomes a backslash, x and two hexadecimal
+ * digits.
  */
-MAMMORAYFOUNDATION_EXPORT std::string Printable(const std::string& text);
+MAMMORAYFOUNDATION_EXPORT std::string EscapeControls(const std::string& text);
 
-/**
- * Base of every exception MammoRay throws. The message is one line that says what was expected,
- * what was found and where; it is made printable. VTK algorithms catch it in RequestData and report
- * it once; the command line prints it and exits with 1.
- */
+/// Base class of all exceptions of MammoRay. The message is one line that states what was expected,
+/// what was found and where; control characters in it are escaped. VTK algorithms catch it in
+/// RequestData and report it once; the command line prints it and exits with code 1.
 class Error : public std::runtime_error
 {
 public:
   explicit Error(const std::string& message)
-    : std::runtime_error(Printable(message))
+    : std::runtime_error(EscapeControls(message))
   {
   }
 };
 
-/// A value, file or array the caller handed in is not usable.
+/// A value, file or array that the caller passed is not usable.
 class InputError : public Error
 {
 public:
   using Error::Error;
 };
 
-/// A computation could not reach a state that meets its limits (a Newton step, an inverted cell).
+/// A computation did not reach a state within its limits (Newton steps, inverted cells).
 class ConvergenceError : public Error
 {
 public:
   using Error::Error;
 };
 
-/// The progress callback asked to stop.
+/// The progress callback requested a stop.
 class Interrupted : public Error
 {
 public:

@@ -5,7 +5,7 @@ namespace mammoray
 {
 namespace
 {
-/// Whether it takes an odd number of exchanges to sort three indices.
+/// True if sorting three indices takes an odd number of exchanges.
 bool IsOdd(const std::array<std::int32_t, 3>& ids)
 {
   return ((ids[0] > ids[1]) != (ids[0] > ids[2])) != (ids[1] > ids[2]);

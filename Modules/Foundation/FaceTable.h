@@ -16,10 +16,8 @@
 
 namespace mammoray
 {
-/**
- * Finds which faces of a mesh's cells are the same. Face 4 c + f is that of cell c opposite to its
- * corner f. The mesh must have valid indices and outlive the table.
- */
+/// Finds the faces that cells of a mesh share. Face 4 c + f is the face of cell c opposite to its
+/// corner f. The mesh must have valid indices and outlive the table.
 class MAMMORAYFOUNDATION_EXPORT FaceTable
 {
 public:
@@ -33,11 +31,11 @@ public:
     return { cell[local[0]], cell[local[1]], cell[local[2]] };
   }
 
-  /// True when two cells that share a face lie on different sides of it, as their corners are
-  /// listed.
+  /// True if two cells that share a face lie on different sides of it, judged by the order of their
+  /// corners.
   bool OnDifferentSides(std::size_t face, std::size_t other) const;
 
-  /// One cell's face, by the two larger of its points.
+  /// A face of one cell, identified by the two larger of its sorted point indices.
   struct Entry
   {
     std::int32_t Middle = 0;
@@ -45,10 +43,8 @@ public:
     std::size_t Face = 0;
   };
 
-  /**
-   * Calls visit(same), a span of Entry with ascending Face, once for every face of the mesh: one
-   * entry for each cell that has it. Faces come in the order of their sorted points.
-   */
+  /// Calls visit(entries) once for every face of the mesh. `entries` is a span with one Entry per
+  /// cell that has the face, with ascending Face. Faces come in the order of their sorted points.
   template <typename Visit>
   void ForEachFace(const Visit& visit)
   {
@@ -77,13 +73,14 @@ private:
     { 0, 3, 2 }, { 0, 1, 3 }, { 0, 2, 1 } } };
 
   const TetrahedralMesh& Mesh;
-  /// Entries grouped by the smallest point of their faces; groups are small, so that sorting each
-  /// is quick.
+  /// Entries, grouped by the smallest point of their faces. Groups are small, so sorting each is
+  /// fast.
   std::vector<std::size_t> GroupBegin;
   std::vector<Entry> Entries;
 };
 
-/// Sets of the numbers [0, count) that are joined pair by pair; at first each is alone.
+/// Disjoint sets of the numbers [0, count), which are joined pair by pair (union-find). At first
+/// each number is a set of its own.
 class DisjointSets
 {
 public:
@@ -92,7 +89,7 @@ public:
   {
     std::iota(this->Parent.begin(), this->Parent.end(), std::uint32_t{ 0 });
   }
-  /// The same for all members of a set.
+  /// Representative of a member's set.
   std::uint32_t Root(std::uint32_t member)
   {
     while (this->Parent[member] != member)
@@ -102,7 +99,7 @@ public:
     }
     return member;
   }
-  /// The set of `a` gets the root of that of `b`.
+  /// Joins two sets; the representative of `b`'s set represents both.
   void Join(std::uint32_t a, std::uint32_t b) { this->Parent[this->Root(a)] = this->Root(b); }
 
 private:

@@ -9,15 +9,17 @@
 
 namespace mammoray
 {
-/// A scanned volume, an MRI for example, in the unit of its source.
+/// A scanned volume, for example an MRI, in the unit of its source.
 struct MAMMORAYFOUNDATION_EXPORT IntensityVolume : VolumeGrid
 {
   /// Intensities, i fastest; Size[0] * Size[1] * Size[2] values.
   std::vector<float> Voxels;
 
-  /// Between the centres of voxels, trilinear; empty more than half a voxel outside.
+  /// Trilinear interpolation between voxel centres at a position (mm, volume frame); no value more
+  /// than half a voxel outside the grid.
   std::optional<float> ValueAt(const Vector3& point) const;
-  /// Throws InputError when the grid is none or, with its place, at a value that is not finite.
+  /// Throws InputError if the grid is invalid, or if a value is not finite; the message contains
+  /// its voxel.
   void Validate(const std::string& name) const;
 };
 }

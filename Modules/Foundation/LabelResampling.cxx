@@ -10,7 +10,7 @@ namespace mammoray
 {
 namespace
 {
-/// Old voxels under one new voxel, along one axis, with their shares of it.
+/// Old voxels that overlap a new voxel along one axis, with their fractions of it.
 struct Footprint
 {
   int First = 0;
@@ -20,7 +20,7 @@ struct Footprint
 std::vector<Footprint> FootprintsAlong(int oldSize, double oldSpacing, double newSpacing)
 {
   const double ratio = newSpacing / oldSpacing;
-  // 1e-6 of a voxel: 449 * 0.2 / 0.5 shall not become one voxel more by rounding.
+  // 1e-6 of a voxel: rounding must not turn 449 * 0.2 / 0.5 into one more voxel.
   const double newSize = std::max(1.0, std::ceil(oldSize / ratio - 1e-6));
   if (!(newSize <= std::numeric_limits<int>::max()))
   {
@@ -42,8 +42,7 @@ std::vector<Footprint> FootprintsAlong(int oldSize, double oldSpacing, double ne
   return footprints;
 }
 
-/// True where all voxels under a new one, of a footprint along each axis, have the label of the
-/// first.
+/// True if all voxels of a footprint have the same label.
 bool IsUniform(const LabelVolume& labels, const Footprint& fx, const Footprint& fy,
   const Footprint& fz)
 {
@@ -112,7 +111,7 @@ LabelVolume ResampleLabels(const LabelVolume& labels, double spacingMm)
     {
       for (const Footprint& fx : footprints[0])
       {
-        // The last ones may reach beyond the volume.
+        // The last voxels may extend beyond the volume.
         if (&fx != &footprints[0].back() && &fy != &footprints[1].back() &&
           &fz != &footprints[2].back() && IsUniform(labels, fx, fy, fz))
         {
@@ -149,7 +148,7 @@ LabelVolume ResampleLabels(const LabelVolume& labels, double spacingMm)
         double most = 0;
         for (const std::uint16_t label : candidates)
         {
-          // 1e-9: equal shares summed in another order differ by rounding.
+          // 1e-9: equal shares that are summed in another order differ by rounding.
           if (votes[label] > most + 1e-9)
           {
             most = votes[label];

@@ -14,9 +14,9 @@ namespace
 {
 constexpr float Far = std::numeric_limits<float>::infinity();
 
-bool IsHeld(const std::vector<bool>& held, std::uint16_t label)
+bool IsFixed(const std::vector<bool>& fixed, std::uint16_t label)
 {
-  return label < held.size() && held[label];
+  return label < fixed.size() && fixed[label];
 }
 
 /// Calls visit(index) for the voxels that share a face with one.
@@ -124,7 +124,7 @@ void SpreadAlong(const VolumeGrid& grid, int axis, double reachMm, std::vector<f
 }
 
 std::vector<float> DepthBelowAir(const LabelVolume& labels, double reachMm,
-  const std::vector<bool>& held)
+  const std::vector<bool>& fixed)
 {
   const std::vector<unsigned char> air = FindOuterAir(labels);
   std::vector<float> depth(labels.Voxels.size(), Far);
@@ -136,7 +136,7 @@ std::vector<float> DepthBelowAir(const LabelVolume& labels, double reachMm,
     {
       ForEachNeighbour(labels, voxel,
         [&](std::size_t other) {
-          touches = touches || (labels.Voxels[other] != 0 && !IsHeld(held, labels.Voxels[other]));
+          touches = touches || (labels.Voxels[other] != 0 && !IsFixed(fixed, labels.Voxels[other]));
         });
     }
     depth[voxel] = touches ? 0.0f : Far;
@@ -156,7 +156,7 @@ std::vector<float> DepthBelowAir(const LabelVolume& labels, double reachMm,
 }
 
 LabelVolume AddSkin(const LabelVolume& labels, double thicknessMm, int skin,
-  const std::vector<bool>& held)
+  const std::vector<bool>& fixed)
 {
   labels.Validate("volume for a skin");
   const double coarsest = *std::max_element(labels.Spacing.begin(), labels.Spacing.end());
@@ -167,17 +167,17 @@ LabelVolume AddSkin(const LabelVolume& labels, double thicknessMm, int skin,
          << " mm; a smaller spacing allows a thinner skin";
     throw InputError(text.str());
   }
-  if (skin < 1 || skin > 65535 || IsHeld(held, static_cast<std::uint16_t>(skin)))
+  if (skin < 1 || skin > 65535 || IsFixed(fixed, static_cast<std::uint16_t>(skin)))
   {
     throw InputError(
-      "skin: expected a label of tissue that is not held, found " + std::to_string(skin));
+      "skin: expected a label of tissue that is not fixed, found " + std::to_string(skin));
   }
-  const std::vector<float> depth = DepthBelowAir(labels, thicknessMm, held);
+  const std::vector<float> depth = DepthBelowAir(labels, thicknessMm, fixed);
   LabelVolume result = labels;
   for (std::size_t voxel = 0; voxel < depth.size(); ++voxel)
   {
     std::uint16_t& label = result.Voxels[voxel];
-    if (label != 0 && !IsHeld(held, label) && depth[voxel] != Far)
+    if (label != 0 && !IsFixed(fixed, label) && depth[voxel] != Far)
     {
       label = static_cast<std::uint16_t>(skin);
     }

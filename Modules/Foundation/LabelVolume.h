@@ -18,11 +18,11 @@ struct MAMMORAYFOUNDATION_EXPORT LabelVolume : VolumeGrid
   std::vector<std::uint16_t> Voxels;
 
   std::size_t NumberOfVoxels() const { return this->Voxels.size(); }
-  /// Label of the voxel that holds the position; 0 outside the volume.
+  /// Label of the voxel that contains the position (mm, volume frame); 0 outside the volume.
   std::uint16_t LabelAt(const Vector3& point) const;
   /// Number of voxels of every label that occurs.
   std::map<int, std::size_t> CountLabels() const;
-  /// Throws InputError when sizes, spacing, direction and voxel count do not make a volume.
+  /// Throws InputError if sizes, spacing, direction and number of voxels do not form a volume.
   void Validate(const std::string& name) const;
 };
 }

@@ -23,8 +23,7 @@ std::optional<double> NominalRollDeg(const Mammogram& mammogram)
   }
   else if (view == "MLO" || view == "LMO")
   {
-    // The header counts the angle differently for either side; its size is what the unit was turned
-    // by.
+    // The sign of the header's angle depends on the side; only its magnitude is used.
     size = std::abs(mammogram.PositionerPrimaryAngleDeg.value_or(0));
     if (size == 0)
     {
@@ -43,7 +42,7 @@ std::optional<double> NominalRollDeg(const Mammogram& mammogram)
   {
     return std::nullopt;
   }
-  // A positive roll brings the source to the patient's left: the medial side of the right breast.
+  // A positive roll moves the source to the patient's left: the medial side of the right breast.
   const bool sourceMedial = view[0] == 'M';
   return (mammogram.Laterality == 'R') == sourceMedial ? size : -size;
 }

@@ -11,7 +11,7 @@
 
 namespace mammoray
 {
-/// What a mammogram's header says and its pixels, free of the file format.
+/// The pixels and the header fields of a mammogram, independent of the file format.
 struct MAMMORAYFOUNDATION_EXPORT Mammogram
 {
   enum class Intent
@@ -19,7 +19,7 @@ struct MAMMORAYFOUNDATION_EXPORT Mammogram
     ForProcessing,
     ForPresentation
   };
-  /// How stored values follow X-ray intensity (DICOM Pixel Intensity Relationship).
+  /// Relation of stored values to X-ray intensity (DICOM Pixel Intensity Relationship).
   enum class Relationship
   {
     Unknown, ///< not said, or made for display
@@ -29,37 +29,36 @@ struct MAMMORAYFOUNDATION_EXPORT Mammogram
 
   int Columns = 0;
   int Rows = 0;
-  /**
-   * Rows * Columns values, row by row from the top. Modality LUT (rescale) applied; as stored
-   * otherwise. NaN where the header declares padding (no X-ray was measured there).
-   */
+  /// Rows * Columns values, row by row from the top. The modality LUT (rescale) is applied;
+  /// otherwise as stored. NaN marks declared padding, where no X-ray was measured.
   std::vector<float> Pixels;
   /// True for MONOCHROME1: small values are shown bright.
   bool InvertedForDisplay = false;
   Intent PresentationIntent = Intent::ForPresentation;
   Relationship IntensityRelationship = Relationship::Unknown;
-  /// +1: larger values mean more X-ray intensity behind the breast; -1: less; 0: not said.
+  /// Pixel Intensity Relationship Sign: +1 if larger values mean more X-ray intensity behind the
+  /// breast, -1 if less, 0 if unknown.
   int IntensitySign = 0;
   /// Bits per stored value, 1 to 16 (32 in rare files).
   int BitsStored = 16;
-  /// Distance of neighbouring columns and rows at the image receptor, mm.
+  /// Distance between neighbouring columns and rows in the receptor plane, mm.
   double ColumnSpacingMm = 0.1;
   double RowSpacingMm = 0.1;
-  /// "CC", "MLO", "ML", ...; empty where the header does not say.
+  /// View: "CC", "MLO", "ML", ...; empty if the header lacks it.
   std::string View;
-  /// 'L', 'R' or '?'.
+  /// 'L', 'R', or '?' if unknown.
   char Laterality = '?';
-  /// Patient directions of a row (increasing column) and of a column (increasing row), as in the
-  /// header ("A", "P", "R", ...);
-  /// empty where it does not say.
+  /// Patient directions of increasing column and of increasing row, as in the header ("A", "P",
+  /// "R", ...); empty if it lacks them.
   std::string RowDirection;
   std::string ColumnDirection;
   std::optional<double> BodyPartThicknessMm;
   std::optional<double> PositionerPrimaryAngleDeg;
   std::optional<double> SourceToDetectorMm;
   std::optional<double> SourceToPatientMm;
-  /// Continuous column and row of the pixel under the focal spot, SourceToDetectorMm above it: of
-  /// the projections of a tomosynthesis. Nothing: the middle of the chest-wall edge.
+  /// Continuous column and row of the pixel vertically below the focal spot, which lies
+  /// SourceToDetectorMm above it. Set for the projections of a tomosynthesis; otherwise the middle
+  /// of the chest-wall edge is assumed.
   std::optional<std::array<double, 2>> SourceFootPixel;
   std::optional<double> PeakKilovoltage;
   std::string AnodeMaterial;
@@ -67,10 +66,10 @@ struct MAMMORAYFOUNDATION_EXPORT Mammogram
 };
 
 /**
- * Rotation of the unit for a view, degrees, in the sense of BreastPose::RollDeg: 0 for CC, the
- * source medial and above for MLO and ML, lateral for LM and LMO, below for FB. Oblique views take
- * the size of PositionerPrimaryAngleDeg, 45 where it is absent or 0. Nothing when the view is not
- * one of these, or needs a laterality that is not known.
+ * Nominal rotation of the unit for the mammogram's view, degrees, with the sign of
+ * BreastPose::RollDeg. It is 0 for CC; the source is medial and above for MLO and ML, lateral for
+ * LM and LMO, below for FB. Oblique views use the magnitude of PositionerPrimaryAngleDeg, or 45 if
+ * that is absent or 0. No value for other views, or if the view needs an unknown laterality.
  */
 MAMMORAYFOUNDATION_EXPORT std::optional<double> NominalRollDeg(const Mammogram& mammogram);
 }

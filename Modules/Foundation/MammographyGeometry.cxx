@@ -14,7 +14,7 @@ namespace mammoray
 {
 namespace
 {
-/// How far tissue reaches along the anatomical directions, and where held tissue ends in front.
+/// Extent of tissue along the anatomical directions, and the front of fixed tissue.
 struct TissueExtent
 {
   explicit TissueExtent(const AnatomicalAxes& axes)
@@ -22,8 +22,8 @@ struct TissueExtent
   {
   }
 
-  /// Takes a piece of tissue that reaches `half` to either side of a point along each direction.
-  void Add(const Vector3& point, const Vector3& half, bool isHeld)
+  /// Adds a piece of tissue that extends `half` to either side of a point along each direction.
+  void Add(const Vector3& point, const Vector3& half, bool isFixed)
   {
     for (std::size_t d = 0; d < 3; ++d)
     {
@@ -31,9 +31,9 @@ struct TissueExtent
       this->Low[d] = std::min(this->Low[d], coordinate - half[d]);
       this->High[d] = std::max(this->High[d], coordinate + half[d]);
     }
-    if (isHeld)
+    if (isFixed)
     {
-      this->HeldFront = std::max(this->HeldFront, Dot(point, this->Directions[1]) + half[1]);
+      this->FixedFront = std::max(this->FixedFront, Dot(point, this->Directions[1]) + half[1]);
     }
   }
 
@@ -47,7 +47,7 @@ struct TissueExtent
 
   Vector3 Anchor() const
   {
-    const double chestWall = std::isfinite(this->HeldFront) ? this->HeldFront : this->Low[1];
+    const double chestWall = std::isfinite(this->FixedFront) ? this->FixedFront : this->Low[1];
     return 0.5 * (this->Low[0] + this->High[0]) * this->Directions[0] +
       chestWall * this->Directions[1] + 0.5 * (this->Low[2] + this->High[2]) * this->Directions[2];
   }
@@ -56,12 +56,12 @@ struct TissueExtent
   std::array<Vector3, 3> Directions;
   Vector3 Low{ Infinity, Infinity, Infinity };
   Vector3 High{ -Infinity, -Infinity, -Infinity };
-  double HeldFront = -Infinity;
+  double FixedFront = -Infinity;
 };
 
-/// Adds points of a cell that lie as close as columns are wide.
-void AddCell(const TetrahedralMesh& mesh, std::size_t cell, const TissueExtent& extent, bool isHeld,
-  BreastColumns& columns)
+/// Adds points of a cell that are at most one column width apart.
+void AddCell(const TetrahedralMesh& mesh, std::size_t cell, const TissueExtent& extent,
+  bool isFixed, BreastColumns& columns)
 {
   Vector3 corners[4];
   double longest = 0;
@@ -80,13 +80,13 @@ void AddCell(const TetrahedralMesh& mesh, std::size_t cell, const TissueExtent& 
         const Vector3 sum = static_cast<double>(i) * corners[0] +
           static_cast<double>(j) * corners[1] + static_cast<double>(k) * corners[2] +
           static_cast<double>(order - i - j - k) * corners[3];
-        columns.Add((1.0 / order) * sum, isHeld);
+        columns.Add((1.0 / order) * sum, isFixed);
       }
     }
   }
 }
 
-/// A voxel's extent along each direction: half of its projected edges.
+/// Half extent of a voxel along each direction: half of the sum of its projected edges.
 Vector3 HalfVoxel(const LabelVolume& materials, const TissueExtent& extent)
 {
   Vector3 half{ 0, 0, 0 };
@@ -101,9 +101,9 @@ Vector3 HalfVoxel(const LabelVolume& materials, const TissueExtent& extent)
   return half;
 }
 
-/// Calls visit(voxel, point, is held) for all tissue.
+/// Calls visit(voxel, point, is fixed) for all tissue.
 template <typename Visit>
-void ForEachTissueVoxel(const LabelVolume& materials, const std::vector<bool>& held,
+void ForEachTissueVoxel(const LabelVolume& materials, const std::vector<bool>& fixed,
   const Visit& visit)
 {
   materials.ForEachVoxel(
@@ -112,32 +112,33 @@ void ForEachTissueVoxel(const LabelVolume& materials, const std::vector<bool>& h
       const std::size_t material = materials.Voxels[voxel];
       if (material != 0)
       {
-        visit(voxel, materials.PointAt(i, j, k), material < held.size() && held[material]);
+        visit(voxel, materials.PointAt(i, j, k), material < fixed.size() && fixed[material]);
       }
     });
 }
 
-/// Calls visit(voxel, point, is held, is breast) for all tissue. Throws InputError where there is
+/// Calls visit(voxel, point, is fixed, is breast) for all tissue. Throws InputError if there is
 /// none.
 template <typename Visit>
-void ForEachVoxelOfBreast(const LabelVolume& materials, const std::vector<bool>& held,
+void ForEachVoxelOfBreast(const LabelVolume& materials, const std::vector<bool>& fixed,
   const AnatomicalAxes& axes, const Visit& visit)
 {
   TissueExtent all(axes);
   const Vector3 half = HalfVoxel(materials, all);
-  ForEachTissueVoxel(materials, held,
-    [&](std::size_t, const Vector3& point, bool isHeld) { all.Add(point, half, isHeld); });
+  ForEachTissueVoxel(materials, fixed,
+    [&](std::size_t, const Vector3& point, bool isFixed) { all.Add(point, half, isFixed); });
   if (all.IsEmpty())
   {
     throw InputError("pose: expected tissue in the volume, found only air");
   }
   BreastColumns columns(all.Low, all.High, 2 * std::max(half[0], half[2]));
-  ForEachTissueVoxel(materials, held,
-    [&](std::size_t, const Vector3& point, bool isHeld) { columns.Add(all.Place(point), isHeld); });
+  ForEachTissueVoxel(materials, fixed,
+    [&](std::size_t, const Vector3& point, bool isFixed)
+    { columns.Add(all.Place(point), isFixed); });
   columns.Find();
-  ForEachTissueVoxel(materials, held,
-    [&](std::size_t voxel, const Vector3& point, bool isHeld)
-    { visit(voxel, point, isHeld, columns.IsBreast(all.Place(point))); });
+  ForEachTissueVoxel(materials, fixed,
+    [&](std::size_t voxel, const Vector3& point, bool isFixed)
+    { visit(voxel, point, isFixed, columns.IsBreast(all.Place(point))); });
 }
 }
 
@@ -178,44 +179,44 @@ AnatomicalAxes AnatomicalAxes::FromCode(const std::string& code)
   return axes;
 }
 
-Vector3 FindPoseAnchor(const LabelVolume& materials, const std::vector<bool>& held,
+Vector3 FindPoseAnchor(const LabelVolume& materials, const std::vector<bool>& fixed,
   const AnatomicalAxes& axes)
 {
   TissueExtent extent(axes);
   const Vector3 half = HalfVoxel(materials, extent);
-  ForEachVoxelOfBreast(materials, held, axes,
-    [&](std::size_t, const Vector3& point, bool isHeld, bool isBreast)
+  ForEachVoxelOfBreast(materials, fixed, axes,
+    [&](std::size_t, const Vector3& point, bool isFixed, bool isBreast)
     {
       if (isBreast)
       {
-        extent.Add(point, half, isHeld);
+        extent.Add(point, half, isFixed);
       }
     });
   return extent.Anchor();
 }
 
-LabelVolume KeepBreast(const LabelVolume& materials, const std::vector<bool>& held,
+LabelVolume KeepBreast(const LabelVolume& materials, const std::vector<bool>& fixed,
   const AnatomicalAxes& axes)
 {
   LabelVolume kept = materials;
-  ForEachVoxelOfBreast(materials, held, axes,
+  ForEachVoxelOfBreast(materials, fixed, axes,
     [&](std::size_t voxel, const Vector3&, bool, bool isBreast)
     { kept.Voxels[voxel] = isBreast ? kept.Voxels[voxel] : 0; });
   return kept;
 }
 
-Vector3 FindPoseAnchor(const TetrahedralMesh& mesh, const std::vector<bool>& held,
+Vector3 FindPoseAnchor(const TetrahedralMesh& mesh, const std::vector<bool>& fixed,
   const AnatomicalAxes& axes)
 {
   TissueExtent all(axes);
-  const auto isHeld = [&](std::size_t cell)
+  const auto isFixed = [&](std::size_t cell)
   {
     const auto material = static_cast<std::size_t>(mesh.Materials[cell]);
-    return material < held.size() && held[material];
+    return material < fixed.size() && fixed[material];
   };
   for (std::size_t index = 0; index < mesh.Cells.size(); ++index)
   {
-    all.Add(mesh.Point(mesh.Cells[index]), { 0, 0, 0 }, isHeld(index / 4));
+    all.Add(mesh.Point(mesh.Cells[index]), { 0, 0, 0 }, isFixed(index / 4));
   }
   if (all.IsEmpty())
   {
@@ -224,7 +225,7 @@ Vector3 FindPoseAnchor(const TetrahedralMesh& mesh, const std::vector<bool>& hel
   BreastColumns columns(all.Low, all.High, 0);
   for (std::size_t cell = 0; cell < mesh.NumberOfCells(); ++cell)
   {
-    AddCell(mesh, cell, all, isHeld(cell), columns);
+    AddCell(mesh, cell, all, isFixed(cell), columns);
   }
   columns.Find();
   TissueExtent extent(axes);
@@ -233,7 +234,7 @@ Vector3 FindPoseAnchor(const TetrahedralMesh& mesh, const std::vector<bool>& hel
     const Vector3& point = mesh.Point(mesh.Cells[index]);
     if (columns.IsBreast(all.Place(point)))
     {
-      extent.Add(point, { 0, 0, 0 }, isHeld(index / 4));
+      extent.Add(point, { 0, 0, 0 }, isFixed(index / 4));
     }
   }
   return extent.Anchor();
@@ -246,7 +247,7 @@ VolumeFromGantry PlaceUnit(const AnatomicalAxes& axes, const Vector3& anchor,
   placed.X = axes.Left;
   placed.Y = axes.Anterior;
   placed.Z = axes.Superior;
-  /// Turns `from` towards `to`.
+  /// Rotates `from` towards `to`.
   const auto turn = [](Vector3& from, Vector3& to, double degrees)
   {
     const double angle = degrees * std::numbers::pi / 180.0;
@@ -268,11 +269,11 @@ std::array<UnitVelocity, ParameterCount> UnitVelocities(const AnatomicalAxes& ax
   constexpr double radians = std::numbers::pi / 180.0;
   const VolumeFromGantry placed = PlaceUnit(axes, anchor, unit, pose);
   std::array<UnitVelocity, ParameterCount> velocities;
-  // The mid-plane stays, so the support recedes as the paddle does.
+  // The mid-plane stays, so the support moves as far as the paddle.
   velocities[ThicknessParameter].Shift = -0.5 * placed.Z;
   velocities[ThicknessParameter].PaddleShift = placed.Z;
-  // omega = from x to turns `from` towards `to`, each as they were when PlaceUnit turned them. The
-  // shifts turn with the unit; only the anchor stays.
+  // omega = from x to rotates `from` towards `to`, both before PlaceUnit rotated them. The shifts
+  // rotate with the unit; only the anchor stays.
   const double yaw = radians * pose.YawDeg;
   const Vector3 anteriorBeforeYaw = std::cos(yaw) * placed.Y - std::sin(yaw) * placed.X;
   velocities[RollParameter].Turn = radians * Cross(axes.Superior, axes.Left);

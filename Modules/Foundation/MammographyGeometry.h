@@ -16,9 +16,9 @@ namespace mammoray
  * Anatomical directions of a volume frame: unit vectors towards the patient's left, front and head.
  *
  * The *gantry frame* has its origin where the chest-wall edge of the image receptor meets its
- * midline; +x along that edge (patient left in CC), +y from chest wall to nipple, +z from receptor
- * to source. (left, anterior, superior) is a left-handed triple, so meshes are never stored in the
- * gantry frame: they stay in the volume frame and the mammography unit is placed around them.
+ * midline; +x runs along that edge (patient left in CC), +y from chest wall to nipple, +z from
+ * receptor to source. (left, anterior, superior) is a left-handed triple. Meshes therefore stay in
+ * the volume frame, and the mammography unit is placed around them.
  */
 struct MAMMORAYFOUNDATION_EXPORT AnatomicalAxes
 {
@@ -26,20 +26,18 @@ struct MAMMORAYFOUNDATION_EXPORT AnatomicalAxes
   Vector3 Anterior{ 0, -1, 0 };
   Vector3 Superior{ 0, 0, 1 };
 
-  /**
-   * From the directions of +x, +y and +z as three letters of L/R, A/P, S/I: "LPS" (DICOM, the
-   * default), "RAS", or "ALS" for the FDA phantoms. Throws InputError on anything else.
-   */
+  /// Converts three letters of L/R, A/P, S/I for the directions of +x, +y and +z: "LPS" (DICOM, the
+  /// default), "RAS", or "ALS" for the FDA phantoms. Throws InputError on anything else.
   static AnatomicalAxes FromCode(const std::string& code);
 };
 
-/// The mammography unit: what the DICOM header says and what is fixed by its construction; mm.
+/// Dimensions of the mammography unit, from the DICOM header or its construction; mm.
 struct MammographyUnit
 {
-  /// Focal spot to image receptor plane; positive.
+  /// Distance from focal spot to image receptor plane; positive.
   double SourceToDetectorMm = 650.0;
-  /// x and y of the focal spot in the gantry frame: over the middle of the chest-wall edge, but for
-  /// the projections of a tomosynthesis.
+  /// x and y of the focal spot in the gantry frame. It lies above the middle of the chest-wall
+  /// edge, except for projections of a tomosynthesis.
   std::array<double, 2> FocalSpotMm{ 0, 0 };
   /// Height of the breast support's upper face above the image receptor plane; not negative.
   double SupportHeightMm = 2.0;
@@ -49,14 +47,14 @@ struct MammographyUnit
   /// Radius of the plates' chest-wall edges.
   double EdgeRadiusMm = 3.0;
 
-  /// The focal spot, gantry frame.
+  /// Position of the focal spot in the gantry frame.
   Vector3 FocalSpot() const
   {
     return { this->FocalSpotMm[0], this->FocalSpotMm[1], this->SourceToDetectorMm };
   }
 };
 
-/// The same unit with its focal spot elsewhere, gantry frame, mm.
+/// Returns the unit with its focal spot at another position of the gantry frame, mm.
 inline MammographyUnit WithFocalSpot(MammographyUnit unit, const Vector3& spot)
 {
   unit.FocalSpotMm = { spot[0], spot[1] };
@@ -64,8 +62,7 @@ inline MammographyUnit WithFocalSpot(MammographyUnit unit, const Vector3& spot)
   return unit;
 }
 
-/// The parameters of BreastPose, in the order in which their values are kept (see
-/// PoseParameters.h).
+/// Indices of the parameters of BreastPose in vectors of values (see PoseParameters.h).
 enum PoseParameterIndex : int
 {
   ThicknessParameter,
@@ -80,25 +77,21 @@ enum PoseParameterIndex : int
   ParameterCount
 };
 
-/**
- * How a breast lies in the unit: where the unit stands relative to the breast, how far it is
- * closed, and how stiff the breast's gland is. With the default values, a CC view with the plates'
- * middle on the breast's middle and the receptor's edge at the chest wall.
- */
+/// The position of the breast in the unit: where the unit stands relative to the breast, how far it
+/// is closed, and how stiff the breast's gland is. The default is a CC view with the plates centred
+/// on the breast and the receptor's edge at the chest wall.
 struct BreastPose
 {
   /// Distance between the faces of support and paddle, mm; positive.
   double ThicknessMm = 50.0;
-  /**
-   * Rotation of the unit about the anterior axis through the anchor, degrees: 0 is CC, a positive
-   * angle turns the source from above the patient towards the patient's left.
-   */
+  /// Rotation of the unit about the anterior axis through the anchor, degrees. 0 is CC; a positive
+  /// angle turns the source from above the patient towards the patient's left.
   double RollDeg = 0.0;
-  /// Rotation of the rolled unit about its lateral axis (gantry x) through the anchor, degrees:
-  /// positive turns the source to the front.
+  /// Rotation of the rolled unit about its lateral axis (gantry x) through the anchor, degrees. A
+  /// positive angle turns the source to the front.
   double PitchDeg = 0.0;
   /// Rotation of the rolled and pitched unit about its vertical axis (gantry z) through the anchor,
-  /// degrees: positive turns its anterior direction towards the patient's left (CC).
+  /// degrees. A positive angle turns its anterior direction towards the patient's left (in CC).
   double YawDeg = 0.0;
   /// Shift of the receptor along gantry +x relative to the anchor, mm.
   double LateralMm = 0.0;
@@ -106,13 +99,15 @@ struct BreastPose
   double AnteriorMm = 0.0;
   /// Shift of the plates' mid-plane along gantry +z relative to the anchor, mm.
   double VerticalMm = 0.0;
-  /// Turn of the paddle about its chest-wall edge, degrees; positive opens it towards the nipple.
+  /// Rotation of the paddle about its chest-wall edge, degrees; a positive tilt opens it towards
+  /// the nipple.
   double TiltDeg = 0.0;
-  /// Factor on Young's modulus of gland; positive. Moves nothing of the unit.
+  /// Factor on Young's modulus of gland; positive. It does not move the unit.
   double Stiffness = 1.0;
 };
 
-/// volumePoint = Origin + x * X + y * Y + z * Z for a gantry point (x, y, z); X, Y, Z orthonormal.
+/// Rigid transform from the gantry frame to the volume frame: volumePoint = Origin + x * X + y * Y
+/// + z * Z for a gantry point (x, y, z); X, Y, Z are orthonormal.
 struct MAMMORAYFOUNDATION_EXPORT VolumeFromGantry
 {
   Vector3 Origin{ 0, 0, 0 };
@@ -128,7 +123,7 @@ struct MAMMORAYFOUNDATION_EXPORT VolumeFromGantry
   {
     return gantry[0] * this->X + gantry[1] * this->Y + gantry[2] * this->Z;
   }
-  /// The inverse: a point of the volume frame in the gantry frame.
+  /// Inverse transform of a point.
   Vector3 ToGantry(const Vector3& volumePoint) const
   {
     const Vector3 offset = volumePoint - this->Origin;
@@ -137,41 +132,43 @@ struct MAMMORAYFOUNDATION_EXPORT VolumeFromGantry
 };
 
 /**
- * The point of the volume frame the pose refers to: the middle of the breast's bounding box across
- * and along the body, at the front of the held tissue (chest wall) behind it, or at the tissue's
- * posterior end where no material is held. The breast is what rises highest over the body, without
- * belly, armpit and flat tissue (Private/BreastColumns.h). `held[m]`: whether material m is held.
+ * The anchor to which a pose refers, in the volume frame. Laterally and along the body it is the
+ * middle of the breast's bounding box. Along the anterior axis it is the front of the fixed tissue
+ * (chest wall) behind the breast, or the tissue's posterior end if no material is fixed. The breast
+ * is the highest elevation over the body, without belly, armpit and flat tissue
+ * (Private/BreastColumns.h). `fixed[m]` is true if material m is fixed to the body.
  */
 MAMMORAYFOUNDATION_EXPORT Vector3 FindPoseAnchor(const LabelVolume& materials,
-  const std::vector<bool>& held, const AnatomicalAxes& axes);
+  const std::vector<bool>& fixed, const AnatomicalAxes& axes);
 
-/// The same of a mesh, by the corners of its cells: as exact as the mesh follows the volume.
+/// The anchor of a mesh, from the corners of its cells; as accurate as the mesh follows the volume.
 MAMMORAYFOUNDATION_EXPORT Vector3 FindPoseAnchor(const TetrahedralMesh& mesh,
-  const std::vector<bool>& held, const AnatomicalAxes& axes);
+  const std::vector<bool>& fixed, const AnatomicalAxes& axes);
 
-/// The volume with air in place of all that is not the breast in the sense of FindPoseAnchor and
-/// what lies behind it. Throws InputError on a volume of air.
+/// Replaces by air all tissue except the breast (as in FindPoseAnchor) and the tissue behind it.
+/// Throws InputError if the volume contains only air.
 MAMMORAYFOUNDATION_EXPORT LabelVolume KeepBreast(const LabelVolume& materials,
-  const std::vector<bool>& held, const AnatomicalAxes& axes);
+  const std::vector<bool>& fixed, const AnatomicalAxes& axes);
 
-/// Places the unit: support face at z = SupportHeightMm, paddle face ThicknessMm above it.
+/// Computes the placement of the unit: the support's face is at z = SupportHeightMm, the paddle's
+/// face ThicknessMm above it.
 MAMMORAYFOUNDATION_EXPORT VolumeFromGantry PlaceUnit(const AnatomicalAxes& axes,
   const Vector3& anchor, const MammographyUnit& unit, const BreastPose& pose);
 
-/// How the unit moves with a parameter of the pose, per mm or degree of it; volume frame, mm and
-/// radians.
+/// Velocity of the unit with respect to a parameter of the pose, per mm or degree; volume frame, mm
+/// and radians.
 struct UnitVelocity
 {
-  /// The whole unit shifts so, and turns so about the anchor.
+  /// Translation of the whole unit, and its rotation about the anchor.
   Vector3 Shift{ 0, 0, 0 };
   Vector3 Turn{ 0, 0, 0 };
-  /// So the paddle shifts beside the rest of the unit, and turns about its chest-wall edge.
+  /// Translation of the paddle relative to the unit, and its rotation about its chest-wall edge.
   Vector3 PaddleShift{ 0, 0, 0 };
   Vector3 PaddleTurn{ 0, 0, 0 };
 };
 
-/// The rates of what PlaceUnit and the paddle do with each parameter, in their order; none with the
-/// stiffness.
+/// Velocities of the placement by PlaceUnit and of the paddle, for each parameter in order; zero
+/// for the stiffness.
 MAMMORAYFOUNDATION_EXPORT std::array<UnitVelocity, ParameterCount> UnitVelocities(
   const AnatomicalAxes& axes, const Vector3& anchor, const MammographyUnit& unit,
   const BreastPose& pose);

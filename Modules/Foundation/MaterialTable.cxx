@@ -117,14 +117,14 @@ std::vector<std::string> MaterialTable::Names() const
   return names;
 }
 
-std::vector<bool> MaterialTable::Held() const
+std::vector<bool> MaterialTable::Fixed() const
 {
-  std::vector<bool> held;
+  std::vector<bool> fixed;
   for (const Material& material : this->Materials)
   {
-    held.push_back(material.Held);
+    fixed.push_back(material.Fixed);
   }
-  return held;
+  return fixed;
 }
 
 std::vector<int> MaterialTable::Thin() const
@@ -145,7 +145,7 @@ std::vector<int> MaterialTable::Glandular() const
   std::vector<int> gland;
   for (std::size_t index = 1; index < this->Materials.size(); ++index)
   {
-    if (this->Materials[index].Attenuation == "glandular" && !this->Materials[index].Held)
+    if (this->Materials[index].Attenuation == "glandular" && !this->Materials[index].Fixed)
     {
       gland.push_back(static_cast<int>(index));
     }

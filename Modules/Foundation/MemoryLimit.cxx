@@ -16,15 +16,15 @@ namespace
 {
 constexpr double Unlimited = std::numeric_limits<double>::infinity();
 
-/// The number in a file; a file that is missing or says "max" limits nothing.
+/// The number in a file; no limit if the file is missing or contains "max".
 double LimitIn(const std::filesystem::path& file)
 {
   double bytes = 0;
   return std::ifstream(file) >> bytes ? bytes : Unlimited;
 }
 
-/// The least of a group's limit and those of the groups around it. A container sees its own group
-/// at the hierarchy's top, under whatever path its kernel tells.
+/// The least limit of a group and of its ancestors. A container sees its own group at the root of
+/// the hierarchy, whatever path the kernel reports.
 double LimitOfGroup(const std::filesystem::path& hierarchy, const std::string& group,
   const char* file)
 {
@@ -47,7 +47,7 @@ double MemoryLimitBytes(const std::string& root)
   {
     least = std::min(least, static_cast<double>(addresses.rlim_cur));
   }
-  // Of each hierarchy its number, its controllers (none: version 2) and this process' group.
+  // Lines of the form number:controllers:group; the controllers are empty in version 2.
   std::ifstream groups(root + "/proc/self/cgroup");
   const std::string hierarchies = root + "/sys/fs/cgroup";
   for (std::string line; std::getline(groups, line);)

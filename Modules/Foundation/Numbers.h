@@ -13,7 +13,8 @@
 
 namespace mammoray
 {
-/// True when the whole text is a number, in any locale, which `value` receives.
+/// Parses a number, independently of the locale. Returns true and sets `value` if the whole text is
+/// a number.
 template <typename Value>
 bool ToNumber(std::string_view text, Value& value)
 {
@@ -22,7 +23,8 @@ bool ToNumber(std::string_view text, Value& value)
   return error == std::errc() && rest == end;
 }
 
-/// The same with blanks or a plus sign before it, as tables and headers of others have.
+/// As ToNumber, but accepts blanks and a plus sign before the number, as they occur in foreign
+/// tables and headers.
 template <typename Value>
 bool ToPaddedNumber(std::string_view text, Value& value)
 {
@@ -34,7 +36,7 @@ bool ToPaddedNumber(std::string_view text, Value& value)
   return ToNumber(text, value);
 }
 
-/// The next line of a text, without its end, that of Windows too; false where there is none.
+/// Reads the next line without its end (LF or CRLF). Returns false at the end of the text.
 inline bool ReadLine(std::istream& text, std::string& line)
 {
   if (!std::getline(text, line))
@@ -48,7 +50,7 @@ inline bool ReadLine(std::istream& text, std::string& line)
   return true;
 }
 
-/// At most six digits, for people: "0.05", "1e+09".
+/// Formats a number with at most six significant digits: "0.05", "1e+09".
 inline std::string NumberText(double value)
 {
   char text[32];
@@ -56,7 +58,8 @@ inline std::string NumberText(double value)
   return text;
 }
 
-/// Throws InputError "WHERE: expected NAME from LOW to HIGH, found VALUE" unless it is; NaN is not.
+/// Throws InputError "WHERE: expected NAME from LOW to HIGH, found VALUE" if the value is outside
+/// [low, high] or NaN.
 inline void RequireBetween(const std::string& where, const std::string& name, double value,
   double low, double high)
 {

@@ -12,11 +12,11 @@
 namespace mammoray
 {
 /**
- * Calls work(begin, end) for contiguous ranges that together make [0, count), each on a core of its
- * own and of at least `grain` (positive) items unless it is the only one; returns when all are
- * done. The work must write to places that no other range touches. Where it computes every item by
- * itself, the result does not depend on the number of cores. Where ranges throw, passes on, when
- * all are done, what the first of them threw.
+ * Calls work(begin, end) for contiguous ranges that cover [0, count), each on its own core, and
+ * returns when all are done. A range has at least `grain` (positive) items unless it is the only
+ * one. Different ranges must write to different places. If every item is computed independently,
+ * the result does not depend on the number of cores. If ranges throw, the exception of the first of
+ * them is rethrown after all have ended.
  */
 template <typename Work>
 void ParallelRanges(std::size_t count, std::size_t grain, const Work& work)
@@ -60,7 +60,7 @@ void ParallelRanges(std::size_t count, std::size_t grain, const Work& work)
   }
 }
 
-/// The same with body(i) for every i in [0, count), which should take a microsecond or more.
+/// Calls body(i) in parallel for every i in [0, count); a call should take a microsecond or more.
 template <typename Body>
 void ParallelFor(std::size_t count, const Body& body)
 {

@@ -2,7 +2,7 @@
 #include "mammoray/Foundation/PoseParameters.h"
 
 #include "mammoray/Foundation/Error.h"
-#include "mammoray/Foundation/NearNames.h"
+#include "mammoray/Foundation/SpellingSuggestions.h"
 
 #include <algorithm>
 #include <cctype>
@@ -59,7 +59,7 @@ const PoseParameter& FindPoseParameter(const std::string& name)
     {
       known.emplace_back(parameter.Name);
     }
-    throw InputError("there is no parameter '" + name + "'; " + SuggestNames(name, known));
+    throw InputError("there is no parameter '" + name + "'; " + SpellingHint(name, known));
   }
   return *found;
 }

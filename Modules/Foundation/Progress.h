@@ -10,14 +10,12 @@
 
 namespace mammoray
 {
-/**
- * Told of the progress of long work: a fraction in [0, 1] and the name of the stage. Returns false
- * to stop, upon which the work throws Interrupted. Called from the thread that started the work
- * only. An empty function is allowed.
- */
+/// Receives the progress of long work: a fraction in [0, 1] and the name of the stage. Returns
+/// false to stop the work, which then throws Interrupted. It is called only from the thread that
+/// started the work. An empty function is allowed.
 using ProgressCallback = std::function<bool(double fraction, const char* stage)>;
 
-/// Tells the callback, if there is one; throws Interrupted when it answers false.
+/// Calls the callback, if there is one; throws Interrupted if it returns false.
 inline void ReportProgress(const ProgressCallback& progress, double fraction, const char* stage)
 {
   if (progress && !progress(fraction, stage))
@@ -26,10 +24,11 @@ inline void ReportProgress(const ProgressCallback& progress, double fraction, co
   }
 }
 
-/// Stands between a part of long work and the stage within it: "register: equilibrium".
+/// Separates the name of a part from the stage within it: "register: equilibrium".
 inline constexpr const char* StageSeparator = ": ";
 
-/// The callback of work that is told as `from` to `to` of a whole, its stages as its own.
+/// A callback that maps the progress of a part to [from, to] of the whole and keeps the names of
+/// its stages.
 inline ProgressCallback ShareOf(const ProgressCallback& progress, double from, double to)
 {
   if (!progress)
@@ -40,11 +39,9 @@ inline ProgressCallback ShareOf(const ProgressCallback& progress, double from, d
   { return progress(from + fraction * (to - from), stage); };
 }
 
-/**
- * The callback of one part of long work: what the part tells of itself, from 0 to 1, is told as
- * `from` to `to` of the whole, its stages as those of `part`. Begins with `from`; throws
- * Interrupted when it is answered false then.
- */
+/// A callback for one part of long work: it maps the part's progress to [from, to] of the whole and
+/// prefixes its stages with `part`. Reports `from` at once, and throws Interrupted if that returns
+/// false.
 inline ProgressCallback PartOf(const ProgressCallback& progress, double from, double to,
   const std::string& part)
 {

@@ -14,7 +14,7 @@ namespace mammoray
 {
 namespace
 {
-/// The turned-over cells of a mesh, and whether their neighbours vouch for them.
+/// The inverted cells of a mesh, and whether neighbours lead from them to upright cells.
 class TurnedCells
 {
 public:
@@ -35,7 +35,7 @@ public:
     }
   }
 
-  /// Throws unless neighbours lead from every turned cell to an upright one.
+  /// Throws unless neighbours lead from every inverted cell to an upright one.
   void Check()
   {
     for (bool spread = true; spread;)
@@ -71,7 +71,7 @@ std::uint16_t MaterialOf(const TetrahedralMesh& mesh, std::size_t cell)
   return static_cast<std::uint16_t>(value);
 }
 
-/// A surface of some faces of a mesh, its points numbered as they are met.
+/// Builds a surface from faces of a mesh; points are numbered in the order in which they occur.
 class InterfaceCollector
 {
 public:
@@ -97,7 +97,7 @@ public:
     this->Surface.BackMaterials.push_back(back);
   }
 
-  /// The surface, and in `pointIds`, if given, where its points come from.
+  /// Returns the surface; `pointIds`, if given, receives the mesh's point of each of its points.
   SurfaceMesh Finish(std::vector<std::int32_t>* pointIds)
   {
     this->Surface.Points.reserve(3 * this->OldIds.size());

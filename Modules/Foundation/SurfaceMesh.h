@@ -10,17 +10,15 @@
 
 namespace mammoray
 {
-/**
- * Triangles with a material on each side. The front of a triangle is the side its normal
- * (p1-p0) x (p2-p0) points to. Material 0 is air.
- */
+/// Triangles with a material on each side. The normal (p1-p0) x (p2-p0) of a triangle points to its
+/// front. Material 0 is air.
 struct MAMMORAYFOUNDATION_EXPORT SurfaceMesh
 {
   /// 3 x pointCount, x y z interleaved, mm.
   std::vector<double> Points;
   /// 3 x triangleCount point indices.
   std::vector<std::uint32_t> Triangles;
-  /// Material on each triangle's front and back; triangleCount values each.
+  /// Material on the front and on the back of each triangle; triangleCount values each.
   std::vector<std::uint16_t> FrontMaterials;
   std::vector<std::uint16_t> BackMaterials;
 
@@ -28,25 +26,25 @@ struct MAMMORAYFOUNDATION_EXPORT SurfaceMesh
   std::size_t NumberOfTriangles() const { return this->Triangles.size() / 3; }
   /// 1 + the largest material index in use.
   int NumberOfMaterials() const;
-  /// Throws InputError when sizes or indices do not fit or a coordinate is not finite.
+  /// Throws InputError if array sizes or indices are inconsistent or a coordinate is not finite.
   void Validate(const std::string& name) const;
 };
 
 /**
- * The interfaces of a tetrahedral body: every face with different materials on its two sides (air
- * outside), once. `pointIds`, if given, receives for each point of the result the point of the mesh
- * it came from, so that moved positions can be copied without extracting again.
+ * Extracts the interfaces of a tetrahedral body: every face with different materials on its two
+ * sides (air outside), once. If `pointIds` is given, it receives the mesh's point for each point of
+ * the result, so that moved positions can be copied without another extraction.
  *
- * A fine mesh that a coarse simulation carries along may hold cells that are turned over. What is
- * between two materials stays where it is then, so these are taken as they were before, as long as
- * face-neighbours lead from each to an upright cell. Throws InputError where they do not, where
- * neighbours list their corners in contrary senses, and where three cells share a face.
+ * A fine mesh that a coarse simulation moves can contain inverted cells. They are treated as if
+ * they were not inverted, because interfaces stay between the same materials, as long as neighbours
+ * lead from each of them to an upright cell. Throws InputError if they do not, if neighbours list
+ * their corners in contradictory order, and if three cells share a face.
  */
 MAMMORAYFOUNDATION_EXPORT SurfaceMesh ExtractInterfaces(const TetrahedralMesh& mesh,
   std::vector<std::int32_t>* pointIds = nullptr);
 
-/// Adds the closed boundary of a material: `boundary` says which of its sides are air (0), all
-/// others are `material`.
+/// Appends the closed boundary of a material to `all`. Sides of `boundary` with material 0 are air;
+/// all others become `material`.
 MAMMORAYFOUNDATION_EXPORT void AppendBoundary(const SurfaceMesh& boundary, int material,
   SurfaceMesh& all);
 }

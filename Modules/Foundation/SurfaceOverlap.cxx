@@ -12,9 +12,9 @@ namespace mammoray
 {
 namespace
 {
-/// Lines through a part.
+/// Test lines per part.
 constexpr std::size_t LinesPerPart = 16;
-/// Boxes that a ray is compared with; more are made one.
+/// Largest number of boxes; more are merged into one.
 constexpr std::size_t MostRegions = 64;
 
 using Box = std::array<Vector3, 2>;
@@ -39,7 +39,7 @@ void Include(Box& box, const Vector3& point)
   }
 }
 
-/// How often the line is inside of each material, air starting at once and the others at 0.
+/// Counts how often a line is inside each material; air starts at 1, the others at 0.
 class Insides
 {
 public:
@@ -48,13 +48,13 @@ public:
     this->Change(left, -1);
     this->Change(entered, 1);
   }
-  /// Inside of nothing but air, once.
+  /// True inside air once and nothing else.
   bool IsOutside() const
   {
     return std::all_of(this->Times.begin(), this->Times.end(),
       [](const auto& entry) { return entry.second == (entry.first == 0 ? 1 : 0); });
   }
-  /// Inside of nothing but one material, once.
+  /// True inside one material once and nothing else.
   bool IsLabelled() const { return this->Wrong == 0; }
   SurfaceContradiction Describe() const
   {
@@ -71,7 +71,7 @@ public:
   }
 
 private:
-  /// 0 and 1 are right for every material: as the sum is always 1, one of them is inside then.
+  /// Counts of 0 and 1 are valid. Their sum is always 1, so exactly one material is then 1.
   static int IsWrong(int times) { return times < 0 || times > 1 ? 1 : 0; }
   void Change(int material, int by)
   {
@@ -85,9 +85,9 @@ private:
   int Wrong = 0;
 };
 
-/// Visits the stretches between the crossings of a line: visit(first, last, contradiction) of those
-/// from one hit to the next that are no labelled ones and not of no length. A line that does
-/// not end where it began, in air, ran through a hole and tells nothing.
+/// Calls visit(first, last, contradiction) for the segments between successive hits whose labels
+/// are contradictory. Segments of no length are skipped. A line that does not end in air passed a
+/// hole and is ignored.
 template <typename Visit>
 void ForEachContradiction(const SurfaceMesh& surface, const Vector3& begin,
   const Vector3& direction, const std::vector<LineHit>& hits, const Visit& visit)
@@ -107,7 +107,7 @@ void ForEachContradiction(const SurfaceMesh& surface, const Vector3& begin,
     return;
   }
   Insides insides;
-  // Surfaces that coincide have nothing between them, whichever comes first.
+  // Coinciding surfaces have nothing between them, in whatever order their hits come.
   const double gap =
     hits.empty() ? 0 : 1e-9 * (1 + std::max(std::abs(hits.front().T), std::abs(hits.back().T)));
   for (std::size_t n = 0; n < hits.size(); ++n)
@@ -123,7 +123,7 @@ void ForEachContradiction(const SurfaceMesh& surface, const Vector3& begin,
   }
 }
 
-/// Triangles that hang together by corners, and what is found of them.
+/// Connected components of triangles by common corners, and the results for each.
 struct SurfaceParts
 {
   explicit SurfaceParts(const SurfaceOnGrid& grid)
@@ -170,14 +170,14 @@ struct SurfaceParts
   std::vector<std::vector<std::uint32_t>> Triangles;
 };
 
-/// Of the parts whose surface bounds a contradiction, the longest one.
+/// The longest contradiction of each part whose surface bounds one.
 using PartContradictions = std::map<std::uint32_t, SurfaceContradiction>;
 
 PartContradictions ProbeParts(const SurfaceMesh& surface, const TriangleTree& tree,
   const SurfaceParts& parts, const ProgressCallback& progress)
 {
   PartContradictions found;
-  // Along no axis and no diagonal, so that few lines graze.
+  // A direction along no axis and no diagonal, so that few lines graze faces.
   const Vector3 skew{ 0.5257311, 0.2763932, 0.8045085 };
   const Vector3 direction = (1 / Norm(skew)) * skew;
   std::vector<LineHit> hits;
@@ -208,7 +208,7 @@ PartContradictions ProbeParts(const SurfaceMesh& surface, const TriangleTree& tr
   return found;
 }
 
-/// The boxes that parts share where they cross each other, and those of parts with contradictions.
+/// The common boxes of parts that cross each other, and the boxes of parts with contradictions.
 std::vector<Box> FindRegions(const SurfaceMesh& surface, const SurfaceParts& parts,
   const std::vector<std::pair<std::uint32_t, std::uint32_t>>& crossings,
   const PartContradictions& contradictions)

@@ -11,14 +11,15 @@
 
 namespace mammoray
 {
-/// Linear tetrahedra with one material each. Positive orientation: det(p1-p0, p2-p0, p3-p0) > 0.
+/// Linear tetrahedra with one material each. In a positively oriented cell, det(p1-p0, p2-p0,
+/// p3-p0) > 0.
 struct MAMMORAYFOUNDATION_EXPORT TetrahedralMesh
 {
   /// 3 x pointCount, x y z interleaved, mm, volume frame.
   std::vector<double> Points;
   /// 4 x cellCount point indices.
   std::vector<std::int32_t> Cells;
-  /// One material index (MaterialTable) per cell; never 0 (air).
+  /// One material index (see MaterialTable) per cell; never 0 (air).
   std::vector<std::int32_t> Materials;
 
   std::size_t NumberOfPoints() const { return this->Points.size() / 3; }
@@ -31,9 +32,9 @@ struct MAMMORAYFOUNDATION_EXPORT TetrahedralMesh
   Vector3 CellCentre(std::size_t cell) const;
   /// Signed volume of a cell, mm^3.
   double CellVolume(std::size_t cell) const;
-  /// Throws InputError when there are no cells or an index is out of range.
+  /// Throws InputError if there are no cells or an index is out of range.
   void ValidateIndices(const std::string& name) const;
-  /// The same, and when a cell is not positively oriented.
+  /// Throws InputError as ValidateIndices, and if a cell is not positively oriented.
   void Validate(const std::string& name) const;
   bool operator==(const TetrahedralMesh&) const = default;
 };

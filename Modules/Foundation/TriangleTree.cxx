@@ -14,7 +14,7 @@ namespace
 {
 constexpr std::uint32_t TrianglesPerLeaf = 4;
 
-/// Two directions across a line.
+/// Two directions perpendicular to a line.
 std::array<Vector3, 2> DirectionsAcross(const Vector3& direction)
 {
   std::size_t least = 0;
@@ -31,15 +31,15 @@ std::array<Vector3, 2> DirectionsAcross(const Vector3& direction)
 
 using Place = std::array<double, 2>;
 
-/// a x b, exactly -(b x a), however the compiler contracts: twice the area between the line and the
-/// edge, seen along the line.
+/// a x b, which equals -(b x a) exactly despite contraction by the compiler: twice the area between
+/// the line and the edge, seen along the line.
 double EdgeValue(const Place& a, const Place& b)
 {
   return a < b ? a[0] * b[1] - a[1] * b[0] : -(b[0] * a[1] - b[1] * a[0]);
 }
 
-/// The edge's value, or its sign where the line runs an infinitesimal step beside, back along the
-/// first direction and infinitesimally less so along the second.
+/// The edge's value or, if that is 0, its sign after an infinitesimal shift of the line back along
+/// the first direction and an infinitesimally smaller one along the second.
 double Decisive(double value, const Place& a, const Place& b)
 {
   return value != 0 ? value : a[1] != b[1] ? b[1] - a[1] : a[0] - b[0];
@@ -65,7 +65,8 @@ bool CrossingLine::Cross(const SurfaceMesh& surface, std::uint32_t triangle, Lin
     seen[corner] = { Dot(points[corner], this->Sideways[0]),
       Dot(points[corner], this->Sideways[1]) };
   }
-  // Value i lies opposite of corner i; together they are the barycentric coordinates.
+  // Value i belongs to the corner opposite to the edge; normalised, the values are the barycentric
+  // coordinates.
   std::array<double, 3> values{};
   int positive = 0;
   int negative = 0;
@@ -92,7 +93,8 @@ bool CrossingLine::Cross(const SurfaceMesh& surface, std::uint32_t triangle, Lin
   {
     hit.T += hit.Weights[i] * Dot(points[i], this->Along);
   }
-  // Corners that turn counter-clockwise show the front to whom the direction leads to.
+  // Corners that appear counter-clockwise from the line's end mean that its origin faces the
+  // triangle's front.
   hit.FacesBeginning = negative == 3;
   return true;
 }
@@ -191,7 +193,7 @@ void TriangleTree::Descend(const Meets& meets, const Visit& visit) const
   {
     return;
   }
-  // Halves are halved: 64 levels are more than 2^32 triangles need.
+  // The tree is balanced, so 64 levels suffice for 2^32 triangles.
   std::array<std::uint32_t, 64> waiting;
   std::size_t count = 0;
   waiting[count++] = 0;
@@ -222,8 +224,8 @@ void TriangleTree::CrossLine(const Vector3& begin, const Vector3& direction,
   hits.clear();
   const auto meets = [&](const Box& box)
   {
-    // Along each of the three directions across line and axes, the box's shadow must reach the
-    // line; with room for rounding.
+    // Separating axes: the projections of box and line must overlap along each of the three
+    // directions perpendicular to the line and an axis, with a margin for rounding.
     const Vector3 half = 0.5 * (box.High - box.Low);
     const Vector3 middle = 0.5 * (box.Low + box.High) - begin;
     const double slack = 1e-12 * (Norm(half) + Norm(middle));

@@ -13,19 +13,19 @@
 
 namespace mammoray
 {
-/// Where a line crosses a triangle.
+/// An intersection of a line with a triangle.
 struct LineHit
 {
-  /// Distance from the line's beginning along its direction, mm; negative behind it.
+  /// Distance from the line's origin along its direction, mm; negative behind the origin.
   double T = 0;
   std::uint32_t Triangle = 0;
-  /// Whether the line meets the triangle's front first.
+  /// True if the line meets the triangle's front.
   bool FacesBeginning = true;
-  /// Barycentric coordinates of the place.
+  /// Barycentric coordinates of the intersection.
   std::array<double, 3> Weights{};
 };
 
-/// The material that the line leaves at a hit, and that which it enters.
+/// The materials before and behind a hit, in the line's direction.
 inline std::pair<int, int> MaterialsAt(const SurfaceMesh& surface, const LineHit& hit)
 {
   const int front = surface.FrontMaterials[hit.Triangle];
@@ -33,24 +33,22 @@ inline std::pair<int, int> MaterialsAt(const SurfaceMesh& surface, const LineHit
   return hit.FacesBeginning ? std::pair{ front, back } : std::pair{ back, front };
 }
 
-/**
- * A line and what of it every triangle is compared with. A line through an edge or a corner of a
- * closed surface counts as if it ran a little beside, the same for all triangles there, so that it
- * leaves each body as often as it enters it.
- */
+/// A line prepared for intersection with triangles. A line through an edge or a corner of a closed
+/// surface is treated as if it were shifted by an infinitesimal amount, the same for all triangles
+/// there, so that it leaves each body as often as it enters it.
 class MAMMORAYFOUNDATION_EXPORT CrossingLine
 {
 public:
-  /// The whole line through `begin` (mm) along `direction` (of length 1).
+  /// The infinite line through `begin` (mm) along the unit vector `direction`.
   CrossingLine(const Vector3& begin, const Vector3& direction);
 
   const Vector3& Begin() const { return this->Origin; }
   const Vector3& Direction() const { return this->Along; }
-  /// Two directions across the line; right-handed with it.
+  /// Two directions perpendicular to the line that form a right-handed system with it.
   const std::array<Vector3, 2>& Across() const { return this->Sideways; }
-  /// Whether the line crosses the triangle; `hit` is set only then.
+  /// Returns true and sets `hit` if the line intersects the triangle.
   bool Cross(const SurfaceMesh& surface, std::uint32_t triangle, LineHit& hit) const;
-  /// By T, those of one place by triangle.
+  /// Sorts hits by T, and hits with equal T by triangle.
   static void Sort(std::vector<LineHit>& hits);
 
 private:
@@ -59,23 +57,19 @@ private:
   std::array<Vector3, 2> Sideways;
 };
 
-/**
- * The triangles of a surface in a tree of boxes, on the host. What it finds does not depend on the
- * number of threads. Thread-safe once made.
- */
+/// A bounding volume hierarchy of a surface's triangles on the CPU. Results do not depend on the
+/// number of threads. Const methods are thread-safe.
 class MAMMORAYFOUNDATION_EXPORT TriangleTree
 {
 public:
-  /// Of a surface that is valid and outlives the tree, and does not change.
+  /// The surface must be valid, must not change and must outlive the tree.
   explicit TriangleTree(const SurfaceMesh& surface);
 
-  /**
-   * Every crossing of the whole line through `begin` (mm) along `direction` (of length 1), as by
-   * CrossingLine, sorted. `hits` is cleared first.
-   */
+  /// Finds all intersections of the infinite line through `begin` (mm) along the unit vector
+  /// `direction`, as by CrossingLine, sorted. `hits` is cleared first.
   void CrossLine(const Vector3& begin, const Vector3& direction, std::vector<LineHit>& hits) const;
 
-  /// Pairs of triangles whose boxes touch; each pair once, the smaller number first, ascending.
+  /// Pairs of triangles with overlapping boxes; each pair once, the smaller index first, ascending.
   std::vector<std::pair<std::uint32_t, std::uint32_t>> ClosePairs() const;
 
 private:
@@ -84,8 +78,8 @@ private:
     Vector3 Low{};
     Vector3 High{};
   };
-  /// A leaf where Count is not 0: triangles Order[First] to Order[First + Count - 1]. Otherwise its
-  /// halves are the next node and Nodes[First].
+  /// A leaf if Count is not 0: triangles Order[First] to Order[First + Count - 1]. Otherwise its
+  /// children are the next node and Nodes[First].
   struct Node
   {
     Box Bounds;
@@ -96,7 +90,7 @@ private:
   static bool Touch(const Box& a, const Box& b);
   Box BoxOf(std::uint32_t triangle) const;
   void Build(std::uint32_t begin, std::uint32_t end, std::vector<Box>& boxes);
-  /// Calls visit(triangle) for the triangles of every leaf whose box `meets`.
+  /// Calls visit(triangle) for the triangles of every leaf whose box `meets` accepts.
   template <typename Meets, typename Visit>
   void Descend(const Meets& meets, const Visit& visit) const;
 

@@ -10,7 +10,7 @@
 
 namespace mammoray
 {
-/// A point or a direction; x, y, z. The frame and unit are said where it is used.
+/// A point or a direction: x, y, z. Frame and unit are stated where it is used.
 using Vector3 = std::array<double, 3>;
 
 inline Vector3 operator+(const Vector3& a, const Vector3& b)
@@ -38,7 +38,7 @@ inline double Norm(const Vector3& a)
   return std::sqrt(Dot(a, a));
 }
 
-/// Turned right-handedly about the origin by Rodrigues' formula; `rotation` is the axis times the
+/// Rotates v about the origin by Rodrigues' formula, right-handed; `rotation` is the axis times the
 /// angle in radians.
 inline Vector3 Rotated(const Vector3& v, const Vector3& rotation)
 {
@@ -52,7 +52,8 @@ inline Vector3 Rotated(const Vector3& v, const Vector3& rotation)
     ((1 - std::cos(angle)) * Dot(axis, v)) * axis;
 }
 
-/// How far places reach along one direction, in their unit; of none it is endless and negative.
+/// The extent [Low, High] of values along one direction. The extent of an empty set is [+inf,
+/// -inf].
 struct Extent
 {
   double Low = std::numeric_limits<double>::infinity();
@@ -67,7 +68,7 @@ struct Extent
   double Middle() const { return 0.5 * (this->Low + this->High); }
 };
 
-/// The extents of points, x y z interleaved, along each of some directions.
+/// Extents of points (x y z interleaved) along each of several directions.
 template <std::size_t Count>
 std::array<Extent, Count> ExtentsAlong(const std::array<Vector3, Count>& directions,
   const std::vector<double>& points)

@@ -11,10 +11,8 @@
 
 namespace mammoray
 {
-/**
- * A regular, possibly oblique grid of voxels. The *volume frame* (mm) is the frame in which Origin
- * and Direction are given: DICOM LPS for patient data.
- */
+/// A regular, possibly oblique grid of voxels. The *volume frame* (mm) is the frame of Origin and
+/// Direction: DICOM LPS for patient data.
 struct MAMMORAYFOUNDATION_EXPORT VolumeGrid
 {
   /// Number of voxels along i, j, k; each at least 1.
@@ -26,12 +24,12 @@ struct MAMMORAYFOUNDATION_EXPORT VolumeGrid
   /// Unit vectors of the i, j and k axes in the volume frame (Direction[0] is the i axis).
   std::array<Vector3, 3> Direction{ { { 1, 0, 0 }, { 0, 1, 0 }, { 0, 0, 1 } } };
 
-  /// Place of a voxel in the array, i fastest.
+  /// Array index of a voxel, i fastest.
   std::size_t Index(int i, int j, int k) const
   {
     return (static_cast<std::size_t>(k) * this->Size[1] + j) * this->Size[0] + i;
   }
-  /// Calls visit(i, j, k, place in the array) for every voxel, in the order of the array.
+  /// Calls visit(i, j, k, array index) for every voxel, in the order of the array.
   template <typename Visit>
   void ForEachVoxel(const Visit& visit) const
   {
@@ -47,7 +45,7 @@ struct MAMMORAYFOUNDATION_EXPORT VolumeGrid
       }
     }
   }
-  /// "voxel (i, j, k)" of a place in the array, for messages.
+  /// "voxel (i, j, k)" for an array index, for messages.
   std::string VoxelName(std::size_t index) const;
   /// Volume of a voxel, mm^3.
   double VoxelVolume() const { return this->Spacing[0] * this->Spacing[1] * this->Spacing[2]; }
@@ -55,12 +53,10 @@ struct MAMMORAYFOUNDATION_EXPORT VolumeGrid
   Vector3 PointAt(double i, double j, double k) const;
   /// Continuous index of a position (mm, volume frame).
   Vector3 ContinuousIndex(const Vector3& point) const;
-  /// The axis (0, 1 or 2) that leads most along a direction, or against it.
+  /// Index (0, 1 or 2) of the axis that is most nearly parallel or antiparallel to a direction.
   std::size_t AxisAlong(const Vector3& direction) const;
-  /**
-   * Throws InputError unless sizes, spacing, origin and direction make a grid of `voxelCount`
-   * voxels.
-   */
+  /// Throws InputError unless sizes, spacing, origin and direction form a grid of `voxelCount`
+  /// voxels.
   void ValidateGrid(const std::string& name, std::size_t voxelCount) const;
 };
 }

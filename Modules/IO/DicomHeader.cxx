@@ -21,7 +21,7 @@ namespace
 std::string Shown(const std::string& text)
 {
   constexpr std::size_t most = 256;
-  return Printable(text.substr(0, most));
+  return EscapeControls(text.substr(0, most));
 }
 
 std::vector<std::string> Values(DcmItem& data, const DcmTagKey& tag)

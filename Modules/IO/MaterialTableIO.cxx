@@ -3,7 +3,7 @@
 
 #include "Private/JsonFile.h"
 #include "mammoray/Foundation/Error.h"
-#include "mammoray/Foundation/Plausible.h"
+#include "mammoray/Foundation/ValidRange.h"
 
 #include <filesystem>
 
@@ -88,7 +88,8 @@ MaterialTable ReadMaterialTable(const std::string& path)
     Material material;
     const JsonObject entry((*materials)[index], place,
       { "name", "labels", "attenuation", "density_g_per_cm3", "iodine_mg_per_ml",
-        "youngs_modulus_kpa", "poisson_ratio", "fung_exponent", "held", "thin", "unusual" });
+        "youngs_modulus_kpa", "poisson_ratio", "fung_exponent", "fixed", "held", "thin",
+        "unusual" });
     material.Name = entry.Text("name");
     if (index == 0)
     {
@@ -122,8 +123,10 @@ MaterialTable ReadMaterialTable(const std::string& path)
     entry.Number(
       "fung_exponent", "a number from 0 (neo-Hookean) to 50",
       [](double value) { return value >= 0 && value <= 50; }, material.FungExponent);
-    for (const auto& [key, flag] : { std::pair{ "held", &material.Held },
-           std::pair{ "thin", &material.Thin }, std::pair{ "unusual", &unusual } })
+    // Tables of version 0.2 and older say "held".
+    for (const auto& [key, flag] :
+      { std::pair{ "fixed", &material.Fixed }, std::pair{ "held", &material.Fixed },
+        std::pair{ "thin", &material.Thin }, std::pair{ "unusual", &unusual } })
     {
       if (const Json* value = entry.Find(key))
       {
@@ -138,8 +141,8 @@ MaterialTable ReadMaterialTable(const std::string& path)
     {
       constexpr const char* overrule = "\"unusual\": true, in the table, takes it";
       const std::string what = path + ": material '" + material.Name + "'";
-      CheckPlausible(Plausible::Density, material.DensityGPerCm3, what, overrule);
-      CheckPlausible(Plausible::YoungsModulus, material.YoungsModulusKPa, what, overrule);
+      CheckValidRange(ValidRanges::Density, material.DensityGPerCm3, what, overrule);
+      CheckValidRange(ValidRanges::YoungsModulus, material.YoungsModulusKPa, what, overrule);
     }
     table.Materials.push_back(material);
     ReadLabels(entry, static_cast<int>(index), table);

@@ -15,15 +15,16 @@ namespace mammoray
  *     { "name": "...", "description": "...", "materials": [
  *         { "name": "air", "labels": [0] },
  *         { "name": "fat", "labels": [1], "attenuation": "adipose", "density_g_per_cm3": 0.92,
- *           "youngs_modulus_kpa": 5, "poisson_ratio": 0.49, "held": false, "thin": false }, ... ] }
+ *           "youngs_modulus_kpa": 5, "poisson_ratio": 0.49, "fixed": false, "thin": false }, ... ]
+ * }
  *
  * The first material is air and takes a name and labels only. The others need name, labels (whole
  * numbers in [0, 65535], at least one; a thin material may leave them out and be made by AddSkin)
  * and attenuation: a name or composition for
  * FindAttenuationTable, or an object of mass fractions, { "H": 0.112, "O": 0.888 }; density,
- * "iodine_mg_per_ml", elastic constants ("fung_exponent" among them), "held" and "thin" default to
+ * "iodine_mg_per_ml", elastic constants ("fung_exponent" among them), "fixed" and "thin" default to
  * those of Material. "name" of the table defaults
- * to the file's name. A density or modulus that no tissue has (Plausible) is taken of a material
+ * to the file's name. A density or modulus outside its ValidRange is taken of a material
  * with "unusual": true only. Throws InputError, with file and key, on anything else: a wrong type
  * or range, an unknown or repeated key, a label or name used twice.
  */

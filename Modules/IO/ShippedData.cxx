@@ -4,7 +4,7 @@
 #include "Private/AttenuationTableIO.h"
 #include "Private/SpectrumIO.h"
 #include "mammoray/Foundation/Error.h"
-#include "mammoray/Foundation/NearNames.h"
+#include "mammoray/Foundation/SpellingSuggestions.h"
 #include "mammoray/IO/MaterialTableIO.h"
 #include "mammoray/XRay/Composition.h"
 
@@ -73,7 +73,7 @@ std::string FindDataFile(const std::string& pathOrName, const std::string& what,
   if (pathOrName.empty() || pathOrName.find('/') != std::string::npos || !fs::exists(path))
   {
     throw InputError(what + " " + pathOrName + ": no such file, and no " + what +
-      " of that name; " + SuggestNames(pathOrName, KnownNames(folder, extension)));
+      " of that name; " + SpellingHint(pathOrName, KnownNames(folder, extension)));
   }
   return path.string();
 }
@@ -122,10 +122,10 @@ AttenuationTable FindAttenuationTable(const std::string& name)
   const std::vector<std::string> compounds = NistCompoundNames();
   known.insert(known.end(), compounds.begin(), compounds.end());
   throw InputError("unknown attenuation '" + name + "'; " +
-    (NearNames(name, known).empty() ? SuggestNames(name, tables) +
+    (SpellingSuggestions(name, known).empty() ? SpellingHint(name, tables) +
           ", NIST's compounds ('Water, Liquid'), formulas ('H2O'), mass fractions ('H:0.112 "
           "O:0.888')"
-                                    : SuggestNames(name, known)));
+                                              : SpellingHint(name, known)));
 }
 
 Spectrum FindSpectrum(const std::string& pathOrName)

@@ -2,7 +2,7 @@
 // Apart from the other shipped data, which a build without readers of volumes has, too
 // (Wrapping/Python).
 #include "mammoray/Foundation/Error.h"
-#include "mammoray/Foundation/NearNames.h"
+#include "mammoray/Foundation/SpellingSuggestions.h"
 #include "mammoray/IO/LabelVolumeIO.h"
 #include "mammoray/IO/MaterialTableIO.h"
 #include "mammoray/IO/ShippedData.h"
@@ -29,6 +29,6 @@ ExampleScene MakeExampleScene(const std::string& name)
     return MakeBreastScene(ReadLabelVolume(folder + "/victre-phantom-1/labels.nrrd"),
       ReadMaterialTable(folder + "/materials/victre.json"));
   }
-  throw InputError("unknown example '" + name + "'; " + SuggestNames(name, ExampleNames()));
+  throw InputError("unknown example '" + name + "'; " + SpellingHint(name, ExampleNames()));
 }
 }

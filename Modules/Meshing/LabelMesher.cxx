@@ -36,7 +36,7 @@ using Criteria = CGAL::Mesh_criteria_3<Triangulation>;
 using Point = Kernel::Point_3;
 namespace parameters = CGAL::parameters;
 
-/// Material at a point for CGAL; tells the progress and stops the work from within.
+/// The material at a point, for CGAL. Also reports progress and stops the work from within.
 struct Labeller
 {
   const LabelField& Field;
@@ -58,7 +58,7 @@ struct Labeller
   }
 };
 
-/// Size bound by what a point of the mesh belongs to.
+/// Size bound that depends on the material or interface of a point.
 struct SizingField
 {
   using FT = double;
@@ -85,7 +85,7 @@ struct SizingField
   }
 };
 
-/// Calls a facet bad whose two cells lie in other materials than those that meet at the facet.
+/// Marks a facet as bad if its two cells have other materials than those that meet at the facet.
 class LayerCriterion
   : public CGAL::Mesh_3::Abstract_criterion<Triangulation, Criteria::Facet_criteria::Visitor>
 {
@@ -115,7 +115,7 @@ protected:
     { return triangulation.is_infinite(cell) ? 0 : this->Label(triangulation.dual(cell)); };
     const int a = materialOf(facet.first);
     const int b = materialOf(facet.first->neighbor(facet.second));
-    // Answered by value: a reference into it would outlive it.
+    // Returned by value: a reference into the temporary would dangle.
     const Domain::Surface_patch_index patch = boost::get<Domain::Surface_patch_index>(
       facet.first->get_facet_surface_center_index(facet.second));
     return patch.first == std::min(a, b) && patch.second == std::max(a, b)
@@ -128,10 +128,8 @@ private:
   double SmallestMm2;
 };
 
-/**
- * Puts points on the interfaces around every component: CGAL looks for interfaces along Voronoi
- * edges only, and would miss what lies between them.
- */
+/// Puts points on the interfaces around every component. CGAL searches interfaces only along
+/// Voronoi edges and would miss those in between.
 class Seeder
 {
 public:
@@ -150,12 +148,12 @@ public:
     const int material = this->Label(centre);
     const Vector3& spacing = this->Volume.Spacing;
     const double step = 0.5 * std::min({ spacing[0], spacing[1], spacing[2] });
-    // Close points would make bad cells for good: refinement never takes a point away.
+    // Close points would cause permanently bad cells: refinement never removes a point.
     const double apart = 0.5 * std::min(facetSizeMm, depthMm);
     const int rays = 24;
     for (int ray = 0; ray < rays; ++ray)
     {
-      // Points evenly over a sphere along a spiral of the golden angle.
+      // Spread points evenly over a sphere along a spiral with the golden angle.
       const double height = 1 - (2.0 * ray + 1) / rays;
       const double angle = ray * std::numbers::pi * (3 - std::sqrt(5.0));
       const double radius = std::sqrt(1 - height * height);
@@ -215,7 +213,7 @@ private:
   Complex& Mesh;
 };
 
-/// Points far outside: cells of air then lie on all sides of the tissue, for FinishMesh.
+/// Adds points far outside, so that cells of air surround the tissue for FinishMesh.
 void Surround(const CGAL::Bbox_3& box, Complex& complex)
 {
   for (int corner = 0; corner < 8; ++corner)
@@ -229,7 +227,7 @@ void Surround(const CGAL::Bbox_3& box, Complex& complex)
   }
 }
 
-/// All cells as a mesh in the frame CGAL worked in, those of air with material 0.
+/// Extracts all cells in CGAL's frame; cells of air have material 0.
 TetrahedralMesh Extract(const Complex& complex)
 {
   TetrahedralMesh mesh;
@@ -283,12 +281,12 @@ void Refine(const Domain& domain, const MeshingOptions& options, Labeller& label
   {
     criteria.add_facet_criterion(new LayerCriterion(labeller, options.LayerFacetSizeMm));
   }
-  // A reset inserts all points anew, each found by a walk through the whole mesh.
+  // A reset would insert all points again, each located by a walk through the whole mesh.
   CGAL::refine_mesh_3(complex, domain, criteria, parameters::no_perturb(), parameters::no_exude(),
     parameters::no_lloyd(), parameters::no_odt(), parameters::no_reset_c3t3());
 }
 
-/// True when a step of optimisation met its time limit.
+/// Returns true if a step of the optimisation reached its time limit.
 bool Optimise(const Domain& domain, const MeshingOptions& options, Complex& complex)
 {
   if (options.OptimisationSeconds == 0 || options.SmallestDihedralDeg == 0)
@@ -316,7 +314,8 @@ public:
   {
   }
 
-  /// All cells, those of air with material 0. `sizes` become those that gave Triangles.
+  /// Returns all cells; cells of air have material 0. `sizes` receives the sizes that produced
+  /// MeshingOptions::Triangles.
   TetrahedralMesh Run(MeshingOptions& sizes, bool& timeLimitReached)
   {
     Complex complex;
@@ -342,7 +341,7 @@ private:
     Seed(this->Volume, this->MeshDomain, this->Plan, sizes, this->Label, complex);
   }
 
-  /// The sizes shrink in steps while the same mesh is refined on, so that no work is done twice.
+  /// Reduces the sizes in steps and refines the same mesh further, so that no work is repeated.
   void RefineToCount(MeshingOptions& sizes, Complex& complex)
   {
     const MeshingOptions wanted = sizes;
@@ -396,7 +395,7 @@ MeshingResult MeshMaterials(const LabelVolume& materials, const MeshingOptions& 
     parameters::function = [&labeller](const Point& point) { return labeller(point); },
     parameters::bounding_object =
       Kernel::Iso_cuboid_3(Point(0, 0, 0), Point(extent[0], extent[1], extent[2])),
-    // CGAL counts in halves of the box's diagonal.
+    // CGAL's error bound is relative to half of the box's diagonal.
     parameters::relative_error_bound = 2 * 0.02 * finest / Norm(extent));
 
   for (const auto& component : plan.Found.Components)

@@ -19,7 +19,7 @@ namespace
 {
 using Kind = MeshTrouble::Kind;
 
-/// Collects what is found, one entry per kind.
+/// Collects defects, one entry per kind.
 class TroubleList
 {
 public:
@@ -33,7 +33,7 @@ public:
       trouble.Places.push_back(place);
     }
   }
-  /// A trouble that was counted elsewhere.
+  /// Adds a defect that was counted elsewhere.
   void AddCounted(Kind kind, std::size_t count, const std::vector<MeshTrouble::Place>& places)
   {
     if (count > 0)
@@ -58,14 +58,14 @@ private:
   std::map<Kind, MeshTrouble> ByKind;
 };
 
-/// Edges and points that were told, each once though several materials may be pinched there.
+/// Pinched edges and points, each recorded once even if several materials are pinched there.
 struct PinchedPlaces
 {
   std::set<std::uint64_t> Edges;
   std::set<std::uint32_t> Points;
 };
 
-/// The boundary of one material, turned outwards: closed, and without pinches?
+/// Checks the boundary of one material, oriented outwards: is it closed and manifold?
 class BoundaryCheck
 {
 public:
@@ -159,7 +159,7 @@ private:
   struct HalfEdge
   {
     std::uint64_t Key = 0;
-    /// Where it begins; the edge leads to the next corner of the triangle.
+    /// First corner; the edge leads to the next corner of the triangle.
     std::uint32_t Corner = 0;
     bool Forward = true;
   };
@@ -189,7 +189,8 @@ private:
       { return a.Key != b.Key ? a.Key < b.Key : a.Corner < b.Corner; });
   }
 
-  /// The two ends of an edge between two triangles, which run through it in opposite senses.
+  /// Joins the fans at both ends of an edge between two triangles, which traverse it in opposite
+  /// directions.
   void JoinAcross(std::uint32_t one, std::uint32_t other, DisjointSets& fans) const
   {
     fans.Join(one, Next(other));
@@ -207,7 +208,7 @@ private:
     this->Pinched.Points.insert({ this->Corners[edge.Corner], this->Corners[next] });
   }
 
-  /// Points whose triangles make more than one fan, other than those on pinched edges.
+  /// Finds points with more than one fan of triangles, except those on pinched edges.
   void FindPinchedPoints(DisjointSets& fans)
   {
     std::unordered_map<std::uint32_t, std::uint32_t> fanOf;
@@ -224,7 +225,7 @@ private:
     }
   }
 
-  /// Open edges that hang together make a hole.
+  /// Joins connected open edges to holes.
   void AddHoles(const std::vector<HalfEdge>& open)
   {
     std::map<std::uint32_t, std::uint32_t> places;
@@ -302,7 +303,8 @@ void FindUnusedPoints(const TetrahedralMesh& mesh, TroubleList& troubles)
   }
 }
 
-/// Faces of more than two cells, and of two on the same side. True when there are none.
+/// Finds faces of more than two cells and of two cells on the same side. Returns true if there are
+/// none.
 bool CheckFaces(const TetrahedralMesh& mesh, TroubleList& troubles)
 {
   bool good = true;
@@ -342,7 +344,7 @@ void CheckIndices(const TetrahedralMesh& mesh)
   }
 }
 
-/// Volume and quality by material; inverted cells are troubles.
+/// Measures volume and quality by material and records inverted cells.
 std::map<int, MaterialQuality> MeasureCells(const TetrahedralMesh& mesh, TroubleList& troubles)
 {
   std::map<int, MaterialQuality> qualities;
@@ -381,7 +383,7 @@ std::map<int, MaterialQuality> MeasureCells(const TetrahedralMesh& mesh, Trouble
   return qualities;
 }
 
-/// Boundaries of all materials; that of air last, which is closed when all others are.
+/// Checks the boundaries of all materials; that of air comes last, and is closed if all others are.
 void CheckBoundaries(const SurfaceMesh& surface, std::map<int, MaterialQuality>& qualities,
   bool measureVolumes, TroubleList& troubles, const ProgressCallback& progress)
 {
@@ -412,7 +414,7 @@ void CheckBoundaries(const SurfaceMesh& surface, std::map<int, MaterialQuality>&
   }
 }
 
-/// Crossings, and parts that lie in each other.
+/// Finds intersecting triangles and parts inside each other.
 void CheckOverlap(const SurfaceMesh& surface, TroubleList& troubles,
   const ProgressCallback& progress)
 {

@@ -12,51 +12,53 @@
 
 namespace mammoray
 {
-/// Something that is wrong with a mesh, with the places where it was found.
+/// A kind of defect of a mesh, with the places where it was found.
 struct MAMMORAYMESHING_EXPORT MeshTrouble
 {
   enum class Kind
   {
-    /// Cells of no or negative volume.
+    /// Cells with zero or negative volume.
     InvertedCells,
     /// Faces that more than two cells share, or that two cells share from the same side.
     OverlappingCells,
-    /// Distinct points of cells at the same place: neighbours that are not joined.
+    /// Distinct points at the same position: neighbouring cells that are not connected.
     CoincidentPoints,
     /// Points that no cell uses.
     UnusedPoints,
-    /// Triangles of no area.
+    /// Triangles with zero area.
     FlatTriangles,
-    /// Edges at which the boundary of a material ends; one place per hole.
+    /// Edges where the boundary of a material ends; one place per hole.
     Holes,
-    /// Edges or points at which the boundary of a material, or of air, touches itself: X-rays do
-    /// not mind, but tissue hangs together by a hinge there, and the boundary is no surface.
+    /// Edges or points where the boundary of a material, or of air, touches itself. X-rays are not
+    /// affected, but the tissue is connected only by a hinge there, and the boundary is no
+    /// manifold.
     Pinches,
-    /// Pairs of triangles of a surface that go through each other (FindOverlap).
+    /// Pairs of triangles of a surface that intersect each other (FindOverlap).
     Crossings,
-    /// Parts of a surface inside of another or of themselves though their labels say air: rays
-    /// count the stretch there twice.
+    /// Parts of a surface inside another part or inside themselves although their labels say air;
+    /// rays count the segment twice.
     DoubledParts,
-    /// Parts turned inside out: rays count the stretch there negatively.
+    /// Parts that are inside out; rays count the segment negatively.
     InsideOutParts
   };
   struct Place
   {
     Vector3 Point{ 0, 0, 0 };
-    /// The material concerned; -1 where there is none.
+    /// The material concerned; -1 if there is none.
     int Material = -1;
-    /// Of a hole its border, of a doubled or negative part a stretch that rays count so, mm; 0 for
-    /// other troubles.
+    /// Length of a hole's border, or of the segment of a ray that is counted wrongly, mm; 0 for
+    /// other kinds.
     double LengthMm = 0;
   };
 
   Kind What = Kind::InvertedCells;
   std::size_t Count = 0;
-  /// Where it was found, at most MostPlaces; the longest holes, the first ones otherwise.
+  /// At most MostPlaces places: the longest holes, otherwise the first places.
   std::vector<Place> Places;
   static constexpr std::size_t MostPlaces = 20;
 
-  /// "3 holes in the boundary of a material: ..." in one line; `names[m]` names material m.
+  /// One line of text such as "3 holes in the boundary of a material: ..."; `names[m]` is the name
+  /// of material m.
   std::string Text(const std::vector<std::string>& names) const;
 };
 
@@ -64,24 +66,24 @@ struct MAMMORAYMESHING_EXPORT MeshTrouble
 struct MaterialQuality
 {
   int Material = 0;
-  /// mm^3; of a surface by the divergence theorem.
+  /// Volume, mm^3; for a surface by the divergence theorem.
   double VolumeMm3 = 0;
-  /// Triangles that bound the material.
+  /// Number of triangles that bound the material.
   std::size_t BoundaryTriangles = 0;
-  /// Their area, mm^2.
+  /// Area of these triangles, mm^2.
   double BoundaryAreaMm2 = 0;
-  /// A plate of this volume and area is so thick, mm.
+  /// Thickness of a plate with this volume and boundary area, mm.
   double MeanThicknessMm() const { return 2 * this->VolumeMm3 / this->BoundaryAreaMm2; }
-  /// The rest is left at 0 for surfaces.
+  /// The members from here on are 0 for surfaces.
   std::size_t Cells = 0;
   double SmallestDihedralDeg = 0;
   Vector3 SmallestDihedralPlace{ 0, 0, 0 };
   double LargestRadiusEdgeRatio = 0;
   Vector3 LargestRadiusEdgePlace{ 0, 0, 0 };
-  /// Cells by their smallest dihedral angle, in steps of DihedralStepDeg from 0.
+  /// Histogram of the cells' smallest dihedral angles, in bins of DihedralStepDeg from 0.
   std::vector<std::size_t> DihedralHistogram;
-  /// Cells by circumradius / shortest edge, in steps of RadiusEdgeStep from 0; the last holds all
-  /// above.
+  /// Histogram of circumradius / shortest edge, in bins of RadiusEdgeStep from 0; the last bin
+  /// contains all larger values.
   std::vector<std::size_t> RadiusEdgeHistogram;
 };
 
@@ -91,34 +93,30 @@ struct MAMMORAYMESHING_EXPORT MeshCheck
   static constexpr double RadiusEdgeStep = 0.2;
 
   std::size_t Points = 0;
-  /// 0 for surfaces.
+  /// Number of cells; 0 for surfaces.
   std::size_t Cells = 0;
-  /// Interfaces between materials, the outside included.
+  /// Number of interface triangles between materials, including the outside.
   std::size_t Triangles = 0;
-  /// Ascending, air left out.
+  /// Materials, ascending, without air.
   std::vector<MaterialQuality> Materials;
-  /// One entry for each kind that was found, in the order of the enumeration.
+  /// Defects, one entry per kind found, in the order of the enumeration.
   std::vector<MeshTrouble> Troubles;
 
-  /// True when no trouble was found.
+  /// True if no defect was found.
   bool Sound() const;
-  /// The entry of that kind, or nothing.
+  /// The entry of this kind, or null.
   const MeshTrouble* Find(MeshTrouble::Kind kind) const;
 };
 
-/**
- * Whether a mesh is fit for X-rays and mechanics: cells not inverted and joined face to face, the
- * boundary of every material closed and without pinches; with volume and quality by material.
- * Throws InputError only when indices or materials cannot be read as a mesh.
- */
+/// Checks a mesh for X-rays and mechanics: cells are not inverted and are connected face to face,
+/// and the boundary of every material is closed and manifold. Also measures volume and quality by
+/// material. Throws InputError only if indices or materials do not form a mesh.
 MAMMORAYMESHING_EXPORT MeshCheck CheckMesh(const TetrahedralMesh& mesh,
   const ProgressCallback& progress = {});
 
-/**
- * The same of a surface: every material's boundary, and whether it crosses or overlaps itself.
- * Triangles with the same material on both sides bound nothing; points may lie at the same place,
- * as where closed surfaces touch.
- */
+/// Checks a surface: the boundary of every material, and whether the surface intersects or overlaps
+/// itself. Triangles with the same material on both sides bound nothing. Distinct points may
+/// coincide where closed surfaces touch.
 MAMMORAYMESHING_EXPORT MeshCheck CheckSurface(const SurfaceMesh& surface,
   const ProgressCallback& progress = {});
 }

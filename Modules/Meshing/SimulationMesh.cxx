@@ -12,43 +12,44 @@ namespace mammoray
 {
 namespace
 {
-/// What is aimed at where no size is asked for, and what is taken.
+/// Intended number of cells if no size is given, and the accepted range.
 constexpr double WantedCells = 4200;
 constexpr double FewestCells = 3400;
 constexpr double MostCells = 5200;
-/// Meshes made to get there; cells come with the power of their size that meshes of breasts show.
+/// Largest number of attempts, and the exponent of the number of cells as a function of their size,
+/// measured on meshes of breasts.
 constexpr int MostMeshes = 4;
 constexpr double CellsBySize = 2.4;
-/// Held cells move nothing: they may be larger.
-constexpr double HeldFactor = 1.5;
+/// Fixed cells do not move and can be larger.
+constexpr double FixedFactor = 1.5;
 
-/// The commonest materials of what moves and of what is held.
+/// The most frequent moving and the most frequent fixed material.
 struct CommonestMaterials
 {
   int Moving = 0;
-  int Held = 0;
+  int Fixed = 0;
   std::size_t MovingVoxels = 0;
 
-  CommonestMaterials(const LabelVolume& materials, const std::vector<bool>& held)
+  CommonestMaterials(const LabelVolume& materials, const std::vector<bool>& fixed)
   {
     std::size_t most[2] = { 0, 0 };
     for (const auto& [material, count] : materials.CountLabels())
     {
-      if (static_cast<std::size_t>(material) >= held.size())
+      if (static_cast<std::size_t>(material) >= fixed.size())
       {
         throw InputError("simulation mesh: expected materials 0 to " +
-          std::to_string(held.size() - 1) + ", found " + std::to_string(material));
+          std::to_string(fixed.size() - 1) + ", found " + std::to_string(material));
       }
       if (material == 0)
       {
         continue;
       }
-      const bool isHeld = held[material];
-      this->MovingVoxels += isHeld ? 0 : count;
-      if (count > most[isHeld])
+      const bool isFixed = fixed[material];
+      this->MovingVoxels += isFixed ? 0 : count;
+      if (count > most[isFixed])
       {
-        most[isHeld] = count;
-        (isHeld ? this->Held : this->Moving) = material;
+        most[isFixed] = count;
+        (isFixed ? this->Fixed : this->Moving) = material;
       }
     }
   }
@@ -58,11 +59,11 @@ MeshingOptions SizesFor(double cellSizeMm)
 {
   MeshingOptions options;
   constexpr int moving = SimulationShape::Moving;
-  options.CellSizeMm = HeldFactor * cellSizeMm;
+  options.CellSizeMm = FixedFactor * cellSizeMm;
   options.CellSizeOfMaterialMm[moving] = cellSizeMm;
-  options.FacetSizeMm = HeldFactor * 0.8 * cellSizeMm;
+  options.FacetSizeMm = FixedFactor * 0.8 * cellSizeMm;
   options.FacetSizeOfMaterialMm[moving] = 0.8 * cellSizeMm;
-  options.FacetDistanceMm = HeldFactor * 0.1 * cellSizeMm;
+  options.FacetDistanceMm = FixedFactor * 0.1 * cellSizeMm;
   options.FacetDistanceOfMaterialMm[moving] = 0.1 * cellSizeMm;
   options.CellRadiusEdgeRatio = 2.0;
   options.SmallestComponentMm3 = 0;
@@ -70,7 +71,7 @@ MeshingOptions SizesFor(double cellSizeMm)
 }
 }
 
-MeshingResult MeshForSimulation(const LabelVolume& materials, const std::vector<bool>& held,
+MeshingResult MeshForSimulation(const LabelVolume& materials, const std::vector<bool>& fixed,
   double cellSizeMm, const ProgressCallback& progress)
 {
   const auto start = std::chrono::steady_clock::now();
@@ -80,10 +81,10 @@ MeshingResult MeshForSimulation(const LabelVolume& materials, const std::vector<
       std::to_string(cellSizeMm));
   }
   materials.Validate("volume to mesh");
-  const CommonestMaterials commonest(materials, held);
+  const CommonestMaterials commonest(materials, fixed);
   if (commonest.MovingVoxels == 0)
   {
-    throw InputError("simulation mesh: expected tissue that is not held, found none");
+    throw InputError("simulation mesh: expected tissue that is not fixed, found none");
   }
   double size = cellSizeMm > 0
     ? cellSizeMm
@@ -92,7 +93,7 @@ MeshingResult MeshForSimulation(const LabelVolume& materials, const std::vector<
   double movingMm3 = 0;
   for (int mesh = 0; mesh < MostMeshes; ++mesh)
   {
-    const SimulationShape shape = ShapeForCells(materials, held, size);
+    const SimulationShape shape = ShapeForCells(materials, fixed, size);
     movingMm3 = shape.MovingMm3;
     result = MeshMaterials(shape.Tissue, SizesFor(size), progress);
     const auto count = static_cast<double>(result.Mesh.NumberOfCells());
@@ -104,13 +105,13 @@ MeshingResult MeshForSimulation(const LabelVolume& materials, const std::vector<
   }
   for (std::int32_t& material : result.Mesh.Materials)
   {
-    material = material == SimulationShape::Held ? commonest.Held : commonest.Moving;
+    material = material == SimulationShape::Fixed ? commonest.Fixed : commonest.Moving;
   }
   for (MaterialReport& report : result.Reports)
   {
-    const bool isHeld = report.Material == SimulationShape::Held;
-    report.Material = isHeld ? commonest.Held : commonest.Moving;
-    report.VolumeInMm3 = isHeld ? report.VolumeInMm3 : movingMm3;
+    const bool isFixed = report.Material == SimulationShape::Fixed;
+    report.Material = isFixed ? commonest.Fixed : commonest.Moving;
+    report.VolumeInMm3 = isFixed ? report.VolumeInMm3 : movingMm3;
   }
   result.Seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return result;

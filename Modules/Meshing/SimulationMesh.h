@@ -8,19 +8,19 @@
 namespace mammoray
 {
 /**
- * A coarse mesh of the tissue for a simulation that samples the materials itself
- * (CompressionSimulation with a material field). It follows the skin and the border of the held
- * tissue, both smoothed at the size of its cells (Private/SimulationShape.h): folds, holes, islands
- * and streaks of other tissue, stairs and a cut by the field of view make no cells. Of the held
- * tissue a layer one cell deep is left. Cells are of the commonest held or of the commonest other
- * material. `cellSizeMm`: upper bound of the circumradius of cells that move; 0: as large as gives
- * 3000 to 6000 cells. `materials`: indices, 0 = air; `held[m]` tells whether m does not move. In
- * the reports VolumeInMm3 is, of what moves, the voxels' volume in front of the held tissue's
- * border. Throws InputError on a volume without tissue that moves, an index beyond `held` or an
- * unusable size.
+ * Makes a coarse mesh of the tissue for a simulation that samples the materials itself
+ * (CompressionSimulation with a material field). The mesh follows the skin and the border of the
+ * fixed tissue, both smoothed at the size of its cells (Private/SimulationShape.h): folds, holes,
+ * islands, steps of voxels and cuts by the field of view produce no cells. A layer of fixed tissue
+ * one cell deep is kept. Cells have the most frequent fixed or the most frequent other material.
+ * `cellSizeMm` is the upper bound of the circumradius of moving cells; 0 selects a size that gives
+ * 3000 to 6000 cells. `materials` are indices, 0 = air; `fixed[m]` is true if m does not move.
+ * VolumeInMm3 in the report of the moving material is the voxels' volume in front of the fixed
+ * tissue's border. Throws InputError on a volume without moving tissue, an index beyond `fixed` or
+ * an unusable size.
  */
 MAMMORAYMESHING_EXPORT MeshingResult MeshForSimulation(const LabelVolume& materials,
-  const std::vector<bool>& held, double cellSizeMm, const ProgressCallback& progress = {});
+  const std::vector<bool>& fixed, double cellSizeMm, const ProgressCallback& progress = {});
 }
 
 #endif

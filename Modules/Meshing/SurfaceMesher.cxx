@@ -22,7 +22,7 @@ namespace
 {
 using Clock = std::chrono::steady_clock;
 
-/// Points at the same place become one, triangles of the same corners too, flat ones go.
+/// Merges coinciding points and triangles and removes degenerate triangles.
 TriangleComplex Weld(const SurfaceMesh& surface)
 {
   TriangleComplex complex;
@@ -72,11 +72,9 @@ TriangleComplex Weld(const SurfaceMesh& surface)
   return complex;
 }
 
-/**
- * How often the boundary of each material winds around a point: the sum of its triangles' solid
- * angles over 4 pi (van Oosterom and Strackee, IEEE Trans Biomed Eng 30, 1983). 1 within, 0
- * without.
- */
+/// Winding number of the boundary of each material around a point: the sum of its triangles' solid
+/// angles over 4 pi (van Oosterom and Strackee, IEEE Trans Biomed Eng 30, 1983); 1 inside, 0
+/// outside.
 std::vector<double> WindingNumbers(const SurfaceMesh& surface, const Vector3& point)
 {
   std::vector<double> winding(static_cast<std::size_t>(surface.NumberOfMaterials()), 0.0);
@@ -100,7 +98,7 @@ std::vector<double> WindingNumbers(const SurfaceMesh& surface, const Vector3& po
   return winding;
 }
 
-/// Gives each region the material around it that encloses least; 0 where there is none.
+/// Gives each region the surrounding material that encloses least; 0 if there is none.
 void NameRegions(const SurfaceMesh& surface, const MeshCheck& check, const MeshingOptions& options,
   std::vector<TetGenRegion>& regions, const ProgressCallback& progress)
 {
@@ -123,7 +121,7 @@ void NameRegions(const SurfaceMesh& surface, const MeshCheck& check, const Meshi
     const auto own = options.CellSizeOfMaterialMm.find(region.Material);
     const double radius =
       own == options.CellSizeOfMaterialMm.end() ? options.CellSizeMm : own->second;
-    // A regular tetrahedron of circumradius R: edge R sqrt(8 / 3), volume edge^3 / sqrt(72).
+    // A regular tetrahedron of circumradius R has edge R sqrt(8 / 3) and volume edge^3 / sqrt(72).
     region.CellVolumeMm3 = std::pow(radius * std::sqrt(8.0 / 3.0), 3) / std::sqrt(72.0);
   }
 }
@@ -156,7 +154,7 @@ void RefuseCuts(const TriangleComplex& complex)
   }
 }
 
-/// A box around all, far enough off that it does not matter for the cells at the surfaces.
+/// Adds a bounding box that is far enough away not to influence the cells at the surfaces.
 void Surround(TriangleComplex& complex)
 {
   Vector3 low{ 1e300, 1e300, 1e300 };
@@ -185,7 +183,7 @@ void Surround(TriangleComplex& complex)
   }
 }
 
-/// The cells of TetGen as they are, those of air with material 0 where `complex` encloses air.
+/// Returns TetGen's cells; cells of enclosed air have material 0.
 TetrahedralMesh Fill(const SurfaceMesh& surface, const TriangleComplex& complex,
   TetGenQuality quality, const MeshingOptions& options, const ProgressCallback& progress,
   std::vector<TetGenRegion>& regions)

@@ -13,7 +13,7 @@ namespace mammoray
 {
 namespace
 {
-/// Where a row of voxels along x meets a boundary: +1 where it comes out of the material.
+/// Intersection of a row of voxels along x with a boundary; +1 where the row leaves the material.
 struct Crossing
 {
   std::size_t Row;
@@ -54,7 +54,7 @@ LabelVolume MakeGrid(const SurfaceMesh& surfaces, double voxelMm)
   return volume;
 }
 
-/// A triangle seen along x, the corners in the order that a material's outside sees them.
+/// A triangle projected along x, its corners in the order seen from outside the material.
 class SeenTriangle
 {
 public:
@@ -75,15 +75,16 @@ public:
   {
     return std::max({ this->Corners[0][axis], this->Corners[1][axis], this->Corners[2][axis] });
   }
-  /// Sign and x of the crossing with the line at y, z; sign 0 where it passes.
+  /// Sign and x of the intersection with the line at y, z; sign 0 if there is none.
   std::pair<int, double> Meet(double y, double z) const
   {
     double weight[3];
     bool left[3];
     for (std::size_t c = 0; c < 3; ++c)
     {
-      // Both triangles of an edge get the same number, so that no line slips between them; one that
-      // meets it passes as if y were a trace larger, and z a trace of that.
+      // Both triangles of an edge compute the same number, so that no line slips between them. A
+      // line that meets the edge is treated as if y were infinitesimally larger, and z even less
+      // so.
       const std::size_t a = (c + 1) % 3;
       const std::size_t b = (c + 2) % 3;
       const bool ascends = this->Ids[a] < this->Ids[b];
@@ -149,7 +150,7 @@ std::vector<Crossing> FindCrossings(const SurfaceMesh& surface, int material,
   return crossings;
 }
 
-/// Gives the material the voxels around which its boundary winds.
+/// Assigns the material to the voxels with a winding number of at least 1.
 void Fill(const std::vector<Crossing>& crossings, int material, LabelVolume& grid)
 {
   int winding = 0;

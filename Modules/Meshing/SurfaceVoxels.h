@@ -10,14 +10,14 @@
 namespace mammoray
 {
 /**
- * Labels a grid of cubic voxels of `voxelMm` by the materials that closed surfaces enclose: a way
- * to mesh surfaces that MeshSurfaces refuses because they cut each other. A voxel belongs to the
- * materials whose boundaries wind around its centre at least once, so that pieces that overlap
- * become one; of several materials to the one that encloses least. The grid's axes are x, y, z; it
- * has a margin of one voxel of air.
+ * Labels a grid of cubic voxels of `voxelMm` by the materials that closed surfaces enclose. Use it
+ * to mesh surfaces that MeshSurfaces rejects because they intersect each other. A voxel belongs to
+ * the materials whose boundaries have a winding number of at least 1 around its centre, so
+ * overlapping pieces are united; if there are several, to the one that encloses least. The grid's
+ * axes are x, y and z, with a margin of one voxel of air.
  *
- * Throws InputError on open surfaces (with places), on a size that is not positive, and on one that
- * asks for more than 10^9 voxels.
+ * Throws InputError on open surfaces (with places), on a size that is not positive, and on a size
+ * that needs more than 10^9 voxels.
  */
 MAMMORAYMESHING_EXPORT LabelVolume LabelSurfaces(const SurfaceMesh& surfaces, double voxelMm,
   const ProgressCallback& progress = {});

@@ -80,9 +80,9 @@ void BreastBody::SetStiffness(double factor)
   }
 }
 
-MaterialVelocity BreastBody::StiffnessVelocity() const
+MaterialDerivative BreastBody::StiffnessVelocity() const
 {
-  MaterialVelocity velocity(this->AtRest.size());
+  MaterialDerivative velocity(this->AtRest.size());
   for (const int index : this->Gland)
   {
     velocity[index].YoungsModulusKPa = this->AtRest[index].YoungsModulusKPa;
@@ -113,7 +113,7 @@ std::vector<std::vector<double>> BreastBody::VelocitiesSeenFromUnit(const UnitPl
   this->SetStiffness(pose.Stiffness);
   const std::vector<PlatePairVelocity> all = placement.PlateVelocitiesAt(pose);
   std::vector<PlatePairVelocity> motions;
-  std::vector<MaterialVelocity> stiffening;
+  std::vector<MaterialDerivative> stiffening;
   for (const int parameter : wanted)
   {
     if (parameter == StiffnessParameter)

@@ -57,7 +57,7 @@ public:
 
 private:
   void SetStiffness(double factor);
-  MaterialVelocity StiffnessVelocity() const;
+  MaterialDerivative StiffnessVelocity() const;
 
   CompressionSimulation Simulated;
   std::vector<ElasticMaterial> AtRest;

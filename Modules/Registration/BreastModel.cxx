@@ -32,7 +32,7 @@ MaterialField SampledFrom(LabelVolume volume)
 ElasticTable HeldTable(const MaterialTable& table)
 {
   ElasticTable materials(table);
-  if (std::find(materials.Held.begin(), materials.Held.end(), true) == materials.Held.end())
+  if (std::find(materials.Fixed.begin(), materials.Fixed.end(), true) == materials.Fixed.end())
   {
     throw InputError("table '" + table.Name +
       "': expected a material with \"held\": true (the chest wall), found none");
@@ -77,9 +77,9 @@ void AddColdStartPredictor(CompressionSimulation& simulation, const TetrahedralM
   try
   {
     LabelVolume voxels = Voxelize(mesh, VoxelMm);
-    const TetrahedralMesh coarse = MakeSimulationMesh(voxels, materials.Held, 0, progress);
+    const TetrahedralMesh coarse = MakeSimulationMesh(voxels, materials.Fixed, 0, progress);
     simulation.SetPredictor(std::make_unique<CompressionSimulation>(coarse, materials.Elastic,
-      materials.Held, SampledFrom(std::move(voxels)), quadratic));
+      materials.Fixed, SampledFrom(std::move(voxels)), quadratic));
   }
   catch (const InputError&)
   {
@@ -135,7 +135,7 @@ BreastModel::BreastModel(TetrahedralMesh&& anatomy, const ElasticTable& material
   const ProgressCallback& progress)
   : Tissue(std::move(anatomy))
   , Full(CompressionSimulation(basis.Mesh ? *basis.Mesh : this->Tissue, materials.Elastic,
-           materials.Held, basis.Field, options.Compression, options.Beside),
+           materials.Fixed, basis.Field, options.Compression, options.OutsideTissue),
       materials.Elastic, gland)
 {
   const TetrahedralMesh& mesh = basis.Mesh ? *basis.Mesh : this->Tissue;
@@ -154,8 +154,8 @@ BreastModel::BreastModel(TetrahedralMesh&& anatomy, const ElasticTable& material
   {
     CompressionOptions linear = options.Compression;
     linear.Element = ElementType::PatchAveragedLinear;
-    this->Cheap.emplace(CompressionSimulation(mesh, materials.Elastic, materials.Held, basis.Field,
-                          linear, options.Beside),
+    this->Cheap.emplace(CompressionSimulation(mesh, materials.Elastic, materials.Fixed, basis.Field,
+                          linear, options.OutsideTissue),
       materials.Elastic, std::move(gland));
     if (unloaded)
     {
@@ -167,7 +167,7 @@ BreastModel::BreastModel(TetrahedralMesh&& anatomy, const ElasticTable& material
 BreastModel::BreastModel(TetrahedralMesh anatomy, const ElasticTable& materials,
   std::vector<int> gland, BreastModelOptions options, const ProgressCallback& progress)
   : BreastModel(std::move(anatomy), materials, std::move(gland), options,
-      Basis(anatomy, materials.Held, options, progress), progress)
+      Basis(anatomy, materials.Fixed, options, progress), progress)
 {
 }
 

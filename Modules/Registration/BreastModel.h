@@ -55,7 +55,7 @@ struct BreastModelOptions
   /// Samples stiffness in place of a volume, where given.
   MaterialField Field;
   /// Where the body goes on that the tissue was cut out of (CompressionSimulation); none: nowhere.
-  BodyField Beside;
+  BodyField OutsideTissue;
   /// Tetrahedra to simulate on; none: the anatomy itself up to MostSimulationCells, else a mesh
   /// that is made of the volume (MakeSimulationMesh) with this cell size, mm.
   std::optional<TetrahedralMesh> SimulationMesh;

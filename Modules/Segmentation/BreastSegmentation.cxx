@@ -22,38 +22,40 @@ namespace mammoray
 {
 namespace
 {
-/// What must stand out before the chest wall to be a breast, and between two for them to be two,
-/// mm.
+/// Smallest height of a breast in front of the chest wall, and smallest depth of the valley between
+/// two breasts, mm.
 constexpr double SmallestBreastMm = 15.0;
-/// Muscle behind the chest wall's front whose intensity is measured, mm.
+/// Thickness of the layer behind the chest wall's front in which muscle's intensity is measured,
+/// mm.
 constexpr double MuscleLayerMm = 10.0;
-/// Muscle and ribs at least, mm.
+/// Smallest thickness of muscle and ribs, mm.
 constexpr double WallMmThick = 6.0;
-/// Muscle beside the chest reaches that far before the cut, mm.
+/// Muscle at the sides of the chest extends this far in front of the cut, mm.
 constexpr double SideMuscleMm = 10.0;
-/// What lies this near to the sheet may be muscle in front of it, mm.
+/// Voxels this near to the sheet can be muscle in front of it, mm.
 constexpr double NextToWallMm = 3.0;
-/// Cubes on which outline, chest wall and coil are looked for, mm.
+/// Size of the cubic voxels for outline, chest wall and coil, mm.
 constexpr double WorkMm = 2.0;
-/// Mean step of the logarithm along a chest wall: 0.3 in a suppressed image, 1 in a plain one.
+/// Smallest mean step of the logarithm along a chest wall; it is 0.3 in a suppressed image and 1 in
+/// a plain one.
 constexpr double SmallestStep = 0.1;
-/// Suppressed fat's level times this is no more than gland.
+/// Gland is at most this many times as bright as suppressed fat.
 constexpr float BrightestGland = 4.0f;
-/// The body must be so many times as bright as the air (medians); noise alone has less.
+/// Smallest ratio of the median intensities of body and air; noise alone has less.
 constexpr double SmallestContrast = 3.0;
-/// Darker, muscle and suppressed fat are not told apart.
+/// Smallest muscle level that can be distinguished from suppressed fat.
 constexpr double DarkestSuppressedMuscle = 1.05;
-/// Fat is dark where the sheet for dark fat has this part of the support of that for bright fat:
-/// measured 0.55 and 0.94 with suppression, 0.02 to 0.23 without, 0.42 of a virtual patient.
+/// Fat is dark if the sheet for dark fat has this fraction of the support of the sheet for bright
+/// fat. Measured: 0.55 and 0.94 with suppression, 0.02 to 0.23 without, 0.42 for a virtual patient.
 constexpr double FatDarkSupport = 0.35;
 
-/// Whether muscle can be so bright, in parts of fat.
+/// True if muscle can have this level, as a fraction of fat's.
 bool IsMuscle(double level, bool fatBright)
 {
   return fatBright ? level <= BrightestMuscle : level >= DarkestSuppressedMuscle;
 }
 
-/// A mask of the voxels of which `accept(index)` holds.
+/// A mask of the voxels for which `accept(index)` is true.
 template <typename Accept>
 MaskImage::Pointer Select(const itk::ImageBase<3>& grid, Accept accept)
 {
@@ -65,22 +67,20 @@ MaskImage::Pointer Select(const itk::ImageBase<3>& grid, Accept accept)
   return mask;
 }
 
-/// One of the images that show the same body, in patient order.
+/// One of the images of the body, in patient order.
 struct Channel
 {
-  /// On the grid of the result; corrected as soon as fat's level is known: fat is 1.
+  /// The image on the grid of the result; corrected, with fat = 1, when fat's level is known.
   FloatImage::Pointer Image;
-  /// On cubes of WorkMm, as scanned.
+  /// The scanned image on cubic voxels of WorkMm.
   FloatImage::Pointer Work;
   bool FatBright = true;
   double MuscleLevel = 0;
   double GlandThreshold = 0;
 };
 
-/**
- * The steps of SegmentBreast, in patient order: x towards the left, y towards the front, z towards
- * the head.
- */
+/// The steps of SegmentBreast in patient order: x towards the left, y towards the front, z towards
+/// the head.
 class Segmenter
 {
 public:
@@ -142,7 +142,7 @@ private:
     const std::size_t x = voxel % static_cast<std::size_t>(SizeOf(this->Grid())[0]);
     return (static_cast<double>(x) + 0.5) * this->Grid().GetSpacing()[0];
   }
-  /// Height above the chest wall's front.
+  /// Height above the chest wall's front, mm.
   double AboveChestWallMm(std::size_t voxel) const
   {
     return this->HeightMm(voxel) - this->ChestWall->GetBufferPointer()[this->Column(voxel)];
@@ -152,7 +152,7 @@ private:
     return this->Has(this->Body, voxel) && this->HeightMm(voxel) > this->CutMm &&
       this->AboveChestWallMm(voxel) > 0;
   }
-  /// Muscle behind the breast.
+  /// True inside the muscle behind the breast.
   bool InMuscle(std::size_t voxel) const
   {
     const double above = this->AboveChestWallMm(voxel);
@@ -188,7 +188,7 @@ private:
     }
   }
 
-  /// The second image at the voxels of a grid of the first; 0 outside it.
+  /// Interpolates the second image at the voxels of a grid of the first; 0 outside it.
   FloatImage::Pointer SampleSecond(const FloatImage& grid) const
   {
     auto image = MakeLike<FloatImage>(grid, 0.0f);
@@ -227,7 +227,7 @@ private:
     }
   }
 
-  /// The logarithms of the images, falling from fat to muscle.
+  /// The logarithms of the images, decreasing from fat to muscle.
   std::vector<FloatImage::Pointer> LogChannels() const
   {
     std::vector<FloatImage::Pointer> channels;
@@ -239,7 +239,8 @@ private:
     return channels;
   }
 
-  /// The chest wall's front where the images step, whatever fat's level, and that level.
+  /// Finds the chest wall's front by the steps of the images, independently of fat's level, and
+  /// then that level.
   void FindWall()
   {
     if (!this->Second && this->Options.Contrast == FatContrast::Auto)
@@ -252,7 +253,7 @@ private:
       this->Second != nullptr || this->Options.Contrast == FatContrast::FatBright));
   }
 
-  /// Of the first image with so bright fat, and of the second.
+  /// The chest wall for this contrast of the first image, and of the second image.
   ChestWallSheet FindWallOf(bool fatBright)
   {
     this->Channels[0].FatBright = fatBright;
@@ -260,10 +261,11 @@ private:
   }
 
   /**
-   * Is fat bright or dark? Both sheets are looked for. Where fat is bright, what steps up from dark
-   * in front is the fat behind the skin, and no sheet follows that over a breast; where fat is
-   * dark, muscle steps up all over and its back, towards the lungs, steps down. Muscle has the last
-   * word: behind the right sheet it is darker, or brighter, than the fat before it.
+   * Decides whether fat is bright or dark by searching both sheets. If fat is bright, the fat
+   * behind the skin is the step from dark to bright in front, and no sheet follows it over a
+   * breast. If fat is dark, muscle is brighter everywhere, and its back, towards the lungs, is
+   * darker. Muscle decides: behind the correct sheet it is darker, or brighter, than the fat in
+   * front.
    */
   void FindContrast()
   {
@@ -285,7 +287,7 @@ private:
     }
   }
 
-  /// The sheet, and the coronal plane behind which the result has nothing.
+  /// Sets the sheet and the coronal plane behind which the result is empty.
   void TakeWall(const ChestWallSheet& sheet)
   {
     this->WorkWall = sheet;
@@ -325,7 +327,8 @@ private:
     }
   }
 
-  /// Takes the sheet, divides every image by the intensity that fat has before it, and looks again.
+  /// Sets the sheet, divides every image by the intensity of fat in front of it, and searches
+  /// again.
   void CorrectInFat(const ChestWallSheet& sheet)
   {
     this->TakeWall(sheet);
@@ -351,7 +354,7 @@ private:
       fatness.push_back(
         Fatness(channel.Work, this->Air.Tissue, channel.MuscleLevel, channel.FatBright));
     }
-    // Now what is darker than muscle, lung, or brighter is no step any more.
+    // Lung, which is darker than muscle, and brighter tissue no longer produce steps.
     this->TakeWall(
       RefineChestWall(fatness, this->Air.Body, this->Air.Tissue, this->WorkWall.Stiff));
   }
@@ -367,7 +370,7 @@ private:
     return MiddleOfShortestHalf(values);
   }
 
-  /// How many breasts stand before the chest wall, and the plane between two.
+  /// Counts the breasts in front of the chest wall and finds the plane between two.
   void FindBreasts()
   {
     const Valley valley = DeepestValley(HeightsOver(FrontOf(this->Air.Body), this->Grid()),
@@ -381,10 +384,9 @@ private:
     }
   }
 
-  /**
-   * The skin line, to a voxel, within a few mm of the outline: half full of skin is body. What lies
-   * at the chest wall is body, however dark, so that no air reaches the lungs.
-   */
+  /// Refines the skin line to a voxel, within a few millimetres of the outline: voxels half filled
+  /// with skin are body. Voxels at the chest wall are body, however dark, so that no air reaches
+  /// the lungs.
   void RefineBody()
   {
     this->Report(0.67, "find the skin line");
@@ -412,7 +414,7 @@ private:
       this->Select([&](std::size_t voxel) { return smooth->GetBufferPointer()[voxel] >= 0.5f; });
   }
 
-  /// Columns in which the chest wall is body, not its continuation in the air.
+  /// Columns in which the chest wall lies inside the body and is not its continuation in the air.
   std::vector<bool> WallInBody() const
   {
     const HeightMap::Pointer map = FrontOf(this->Air.Body);
@@ -471,7 +473,8 @@ private:
     }
   }
 
-  /// Beyond 1 lies gland: 0 at fat's level and 1 at the threshold of each image, averaged.
+  /// Score of gland: 0 at fat's level and 1 at the threshold of each image, averaged; gland is
+  /// above 1.
   double GlandScore(std::size_t voxel) const
   {
     double sum = 0;
@@ -484,10 +487,11 @@ private:
     return sum / static_cast<double>(this->Channels.size());
   }
 
-  /// Gland in the volume's own order, without specks and without the dark rim of the body.
+  /// Labels gland in the volume's own order, without specks and without the dark rim of the body.
   void LabelGland(LabelVolume& labels, const std::vector<float>& depth) const
   {
-    // Voxels at the air are dark as they are not full: the larger of the old and new ones' size.
+    // Voxels at the air are dark because they are only partly filled; use the larger of the old and
+    // the new voxel size.
     const double rimMm = this->Options.SkinThicknessMm + this->RimMm;
     const std::array<int, 3> size = SizeOf(this->Grid());
     MaskImage::Pointer dark = this->Select(
@@ -513,14 +517,14 @@ private:
       });
   }
 
-  /// What touches the sheet may be muscle in front of it, and what lies beside the chest is.
+  /// Voxels at the sheet can be muscle in front of it; those at the sides of the chest are muscle.
   bool MayBeGland(std::size_t voxel) const
   {
     return this->InBreast(voxel) && this->AboveChestWallMm(voxel) > NextToWallMm &&
       this->HeightMm(voxel) > this->CutMm + SideMuscleMm;
   }
 
-  /// Parts most of which lies next to skin, chest wall or cut are skin or muscle.
+  /// Parts that lie mostly next to skin, chest wall or cut are skin or muscle.
   std::vector<bool> OtherParts(const ComponentImage& parts, const std::vector<float>& depth) const
   {
     const unsigned last =
@@ -547,7 +551,7 @@ private:
     return other;
   }
 
-  /// Depth down to which bright or dark skin reaches, blurred by the MRI's voxels.
+  /// Depth of bright or dark skin, blurred by the MRI's voxels, mm.
   double SkinReachMm() const { return this->Options.SkinThicknessMm + this->RimMm + 2; }
 
   SegmentationResult Label()
@@ -569,15 +573,15 @@ private:
             : this->AboveChestWallMm(inImage) <= 0 ? TissueLabel::ChestWall
                                                    : TissueLabel::Fat);
       });
-    std::vector<bool> held(5, false);
-    held[static_cast<std::size_t>(TissueLabel::ChestWall)] = true;
-    this->LabelGland(result.Labels, DepthBelowAir(result.Labels, this->SkinReachMm(), held));
+    std::vector<bool> fixed(5, false);
+    fixed[static_cast<std::size_t>(TissueLabel::ChestWall)] = true;
+    this->LabelGland(result.Labels, DepthBelowAir(result.Labels, this->SkinReachMm(), fixed));
     this->Report(0.95, "label the tissues");
-    // Before the cuts, whose faces have no skin.
+    // Add skin before cutting, because cut faces have none.
     if (this->Options.SkinThicknessMm > 0)
     {
       result.Labels = AddSkin(result.Labels, this->Options.SkinThicknessMm,
-        static_cast<int>(TissueLabel::Skin), held);
+        static_cast<int>(TissueLabel::Skin), fixed);
     }
     this->Cut(result.Labels);
     const Channel& first = this->Channels.front();
@@ -593,7 +597,7 @@ private:
     return result;
   }
 
-  /// Leaves the part before the cut, of one side where asked for, that hangs together.
+  /// Keeps the connected part in front of the cut, of one side if requested.
   void Cut(LabelVolume& labels) const
   {
     const std::array<int, 3> size = SizeOf(this->Grid());
@@ -623,25 +627,25 @@ private:
   const SegmentationOptions& Options;
   const ProgressCallback& Progress;
   PatientOrder Order;
-  /// The MRI on its own voxels.
+  /// The MRI on its original voxels.
   FloatImage::Pointer Source;
   std::vector<Channel> Channels;
-  /// The first image on the result's grid, as scanned.
+  /// The first scanned image on the result's grid.
   FloatImage::Pointer Uncorrected;
-  /// The intensity of voxels half full of skin, as scanned.
+  /// Scanned intensity of voxels half filled with skin.
   FloatImage::Pointer HalfSkin;
   Outline Air;
   ChestWallSheet WorkWall;
   HeightMap::Pointer ChestWall;
-  /// Columns where a breast stands before the chest wall.
+  /// Columns with a breast in front of the chest wall.
   std::vector<bool> Thick;
   MaskImage::Pointer Body;
-  /// Front of the chest wall (its 90th percentile) and back of the result, as y.
+  /// Front of the chest wall (its 90th percentile) and back of the result, y in mm.
   double WallMm = 0;
   double CutMm = 0;
   double MidlineMm = 0;
   double DepthMm = 0;
-  /// Largest voxel spacing of the MRI.
+  /// Largest voxel spacing of the MRI, mm.
   double RimMm;
   int Breasts = 0;
 };

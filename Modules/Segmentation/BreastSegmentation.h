@@ -13,7 +13,7 @@
 
 namespace mammoray
 {
-/// Labels of SegmentBreast, those of the built-in material table "segment".
+/// Labels of SegmentBreast; those of the built-in material table "segment".
 enum class TissueLabel : std::uint16_t
 {
   Air = 0,
@@ -30,7 +30,7 @@ enum class BreastSide
   Right
 };
 
-/// What fat is like in a T1-weighted image: bright, or dark where it is suppressed.
+/// Appearance of fat in a T1-weighted image: bright, or dark if it is suppressed.
 enum class FatContrast
 {
   Auto,
@@ -40,103 +40,104 @@ enum class FatContrast
 
 struct MAMMORAYSEGMENTATION_EXPORT SegmentationOptions
 {
-  /// Where left, front and head are in the volume frame.
+  /// Directions of left, front and head in the volume frame.
   AnatomicalAxes Axes;
-  /// The patient's own left or right; one of them needs a volume with two breasts.
+  /// The patient's own left or right; a single side requires a volume with two breasts.
   BreastSide Side = BreastSide::Both;
-  /// Of the image, where one is given; Auto finds out.
+  /// Contrast of the image, if there is only one; Auto determines it.
   FatContrast Contrast = FatContrast::Auto;
   /// Voxel size of the result along all axes, mm; 0 keeps the grid of the MRI.
   double SpacingMm = 1.0;
-  /// Thickness of the layer below the air that becomes skin, mm; 0: none. Two voxels by default,
-  /// which meshes need; measured skin has 1.45 mm on average (Huang et al. 2008).
+  /// Thickness of the layer below the air that becomes skin, mm; 0 for none. The default is two
+  /// voxels, which meshes need. Measured skin is 1.45 mm thick on average (Huang et al. 2008).
   double SkinThicknessMm = 2.0;
-  /// How far the result reaches behind the front of the chest wall, mm; positive.
+  /// Depth of the result behind the front of the chest wall, mm; positive.
   double ChestWallDepthMm = 30.0;
-  /// Intensity classes of the breast, 2 to 5; the brightest (fat dark: the darkest) is fat, all
-  /// others are gland.
+  /// Number of intensity classes of the breast, 2 to 5. The brightest (if fat is dark: the darkest)
+  /// is fat; all others are gland.
   int Classes = 2;
-  /// Intensity of the MRI below which voxels that reach the front are air; 0: by Otsu's method.
+  /// MRI intensity below which voxels connected with the front are air; 0 selects it by Otsu's
+  /// method.
   double AirThreshold = 0.0;
-  /// Fraction of fat's intensity below which the breast is gland, (0, 1), or, where Contrast is
-  /// FatDark, above which it is, beyond 1; 0: by Otsu's method. Of two images it is that of the one
-  /// on whose side of 1 it lies.
+  /// Threshold of gland as a fraction of fat's intensity. Gland is below it, in (0, 1), if fat is
+  /// bright, and above it, beyond 1, if fat is dark. 0 selects it by Otsu's method. With two images
+  /// it applies to the one whose side of 1 it is on.
   double GlandThreshold = 0.0;
-  /// Smaller parts of gland become fat, mm^3.
+  /// Parts of gland below this volume become fat, mm^3.
   double SmallestGlandMm3 = 10.0;
-  /// False: the intensities are even already.
+  /// Set to false if the intensities are already uniform.
   bool CorrectBias = true;
-  /// What no patient's MRI has (Plausible::VoxelSpacing) is taken, too.
+  /// If true, voxel spacings outside ValidRanges::VoxelSpacing are accepted.
   bool AcceptUnusual = false;
 
-  /// Throws InputError that names the option and its range.
+  /// Throws InputError with the option and its range.
   void Validate() const;
 };
 
-/// What was found, to be judged: of all breasts of the result together.
+/// Measures of the result, of all its breasts together.
 struct BreastMeasures
 {
   double FatCm3 = 0;
   double GlandCm3 = 0;
   double SkinCm3 = 0;
   double ChestWallCm3 = 0;
-  /// Gland in fat, gland and skin, [0, 1].
+  /// Fraction of gland in fat, gland and skin, [0, 1].
   double GlandFraction = 0;
-  /// How far the skin lies before the chest wall (99th percentile over the coronal plane), mm.
+  /// Distance of the skin from the chest wall (99th percentile over the coronal plane), mm.
   double DepthMm = 0;
-  /// Gland's median intensity over muscle's; near 1 in T1, where both relax alike. 0: no gland.
+  /// Median intensity of gland divided by that of muscle; near 1 in T1, where both have similar
+  /// relaxation. 0 without gland.
   double GlandOverMuscle = 0;
 };
 
 struct SegmentationResult
 {
-  /// TissueLabel values; axes as the MRI's.
+  /// TissueLabel values; the axes are those of the MRI.
   LabelVolume Labels;
   /// The MRI on the grid of Labels after bias correction; fat is 1.
   IntensityVolume Corrected;
-  /// What was used: intensity of the MRI, and fraction of fat's intensity.
+  /// The thresholds used: MRI intensity, and fraction of fat's intensity.
   double AirThreshold = 0.0;
   double GlandThreshold = 0.0;
-  /// Muscle's intensity as a fraction of fat's.
+  /// Intensity of muscle as a fraction of fat's.
   double MuscleLevel = 0.0;
-  /// That of the (first) image: FatBright or FatDark.
+  /// Contrast of the (first) image: FatBright or FatDark.
   FatContrast Contrast = FatContrast::FatBright;
-  /// One or two.
+  /// Number of breasts: 1 or 2.
   int Breasts = 0;
   BreastMeasures Measures;
-  /// What is unusual but possible, a line each, with its figure; empty: nothing.
+  /// Unusual but possible findings with their values, one line each.
   std::vector<std::string> Warnings;
 };
 
 /**
- * Air, skin, fat, gland and chest wall of a T1-weighted breast MRI: prone, air in front of the
- * breast, muscle behind it; fat bright (plain) or dark (SPAIR, SPIR, Dixon water).
+ * Segments air, skin, fat, gland and chest wall in a T1-weighted breast MRI. The patient lies
+ * prone, with air in front of the breast and muscle behind it. Fat is bright (plain) or dark
+ * (SPAIR, SPIR, Dixon water).
  *
- * - Air: what lies below Otsu's threshold of the logarithm (Otsu 1979), or is noise as loud as its
- *   surroundings', and reaches the volume's front without crossing tissue; later refined to what is
- *   half as bright as the skin nearby.
- * - Chest wall: one smooth sheet, a height over the coronal plane, in front of which lies fat and
- *   behind which muscle (see Private/ChestWall.h). Everything of the body behind it is chest wall,
- *   down to the coronal plane ChestWallDepthMm behind its front (the 90th percentile); what lies
- *   farther back is left out, as air.
- * - Coil: the intensity of the breast's fat, a smooth function, by which the image is divided.
- * - Gland: beyond Otsu's threshold in the breast together with the muscle next to it, so that a
- *   breast of almost only fat has a second class too; darker than fat or brighter, as the contrast
- *   says. What lies mostly within a few mm of chest wall or skin is muscle or skin, not gland.
- * - Skin: by distance from air, see AddSkin; the cut planes have none.
+ * - Air: voxels below Otsu's threshold of the logarithm (Otsu 1979), or noise as strong as in their
+ *   surroundings, that are connected with the volume's front without crossing tissue. The border is
+ *   then refined to half the brightness of the skin nearby.
+ * - Chest wall: one smooth sheet, a height over the coronal plane, with fat in front and muscle
+ *   behind (see Private/ChestWall.h). The body behind it is chest wall, down to the coronal plane
+ *   ChestWallDepthMm behind its front (the 90th percentile). Everything farther back becomes air.
+ * - Coil: the image is divided by the intensity of the breast's fat, a smooth function.
+ * - Gland: voxels beyond Otsu's threshold. It is computed in the breast together with the adjacent
+ *   muscle, so that a breast of almost pure fat has a second class, too. Gland is darker or
+ *   brighter than fat, according to the contrast. Parts that lie mostly within a few millimetres of
+ *   chest wall or skin are muscle or skin.
+ * - Skin: by the distance from air (see AddSkin); the cut planes have none.
  *
- * Throws InputError on an unusable volume or option, on a breast that stands out less than 15 mm,
- * on volumes that no breast has (see Private/Plausibility.h) and where a side is asked for and one
- * breast found; ConvergenceError where a filter fails.
+ * Throws InputError on an unusable volume or option, on a breast less than 15 mm high, on volumes
+ * that no breast has (see Private/Plausibility.h), and if a side is requested but one breast is
+ * found; ConvergenceError if a filter fails.
  */
 MAMMORAYSEGMENTATION_EXPORT SegmentationResult SegmentBreast(const IntensityVolume& image,
   const SegmentationOptions& options, const ProgressCallback& progress = {});
 
-/**
- * The same from two images of one session, without and with fat suppression: the outline from the
- * first, chest wall and gland from both. The second is resampled onto the first by the frame they
- * share; that the patient moved between them is not looked for.
- */
+/// Segments two images of one session, without and with fat suppression: the outline comes from the
+/// first, chest wall and gland from both. The second image is resampled to the first in their
+/// common frame; motion between the images is not corrected.
 MAMMORAYSEGMENTATION_EXPORT SegmentationResult SegmentBreast(const IntensityVolume& plain,
   const IntensityVolume& fatSuppressed, const SegmentationOptions& options,
   const ProgressCallback& progress = {});

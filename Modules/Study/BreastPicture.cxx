@@ -176,7 +176,7 @@ std::vector<int> EnclosedMaterials(const SurfaceMesh& surface, const MaterialTab
   for (std::size_t material = 1; material < volumes.size(); ++material)
   {
     const Material& known = materials.Materials[material];
-    if (!known.Held && !known.Thin &&
+    if (!known.Fixed && !known.Thin &&
       (around == 0 || volumes[material] > volumes[static_cast<std::size_t>(around)]))
     {
       around = static_cast<int>(material);

@@ -48,7 +48,7 @@ BreastModelOptions ModelOptions(const CompressionCase& input, const AnatomicalAx
   options.Volume = volume;
   if (volume)
   {
-    options.Beside = InCutTissue(*volume, materials, input.Labels.CutSides);
+    options.OutsideTissue = InCutTissue(*volume, materials, input.Labels.CutSides);
   }
   if (!input.SimulationMesh.empty())
   {
@@ -141,7 +141,7 @@ CompressionCaseResult RunCompressionCase(const CompressionCase& input,
   UnitPlacement placement;
   placement.Axes = AnatomicalAxes::FromCode(input.Orientation);
   placement.Unit = input.Unit;
-  const std::vector<bool> held = result.Materials.Held();
+  const std::vector<bool> held = result.Materials.Fixed();
   placement.Anchor = volume ? FindPoseAnchor(*volume, held, placement.Axes)
                             : FindPoseAnchor(mesh, held, placement.Axes);
   BreastPose pose = input.Pose;

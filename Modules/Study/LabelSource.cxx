@@ -5,7 +5,7 @@
 #include "mammoray/Foundation/LabelResampling.h"
 #include "mammoray/Foundation/LabelSkin.h"
 #include "mammoray/Foundation/Numbers.h"
-#include "mammoray/Foundation/Plausible.h"
+#include "mammoray/Foundation/ValidRange.h"
 #include "mammoray/IO/LabelVolumeIO.h"
 #include "mammoray/Study/CutTissue.h"
 
@@ -51,7 +51,7 @@ LabelVolume WithSkin(const LabelVolume& materials, const std::string& text,
       "skin: expected THICKNESS or THICKNESS=MATERIAL in mm, for example 1.5=skin, found '" + text +
       "'");
   }
-  const std::vector<bool> held = table.Held();
+  const std::vector<bool> held = table.Fixed();
   const std::vector<int> thin = table.Thin();
   if (equals == std::string::npos && thin.size() != 1)
   {
@@ -83,7 +83,7 @@ LabelVolume ReadMaterials(const LabelSource& source, const MaterialTable& table)
   LabelVolume volume = ReadLabelVolume(source.Path, AxesOf(source.AxesAsGiven));
   if (!source.AcceptUnusual)
   {
-    CheckPlausible(Plausible::VoxelSpacing, volume.Spacing, source.Path, AcceptUnusualHint);
+    CheckValidRange(ValidRanges::VoxelSpacing, volume.Spacing, source.Path, AcceptUnusualHint);
   }
   if (!source.Crop.empty())
   {

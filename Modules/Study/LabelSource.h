@@ -38,7 +38,7 @@ struct LabelSource
    * between plates.
    */
   std::vector<std::string> CutSides;
-  /// What no patient has (Plausible) is taken, too, of the volume and of what is done with it.
+  /// Accepts values outside their ValidRange, of the volume and of its processing.
   bool AcceptUnusual = false;
 };
 

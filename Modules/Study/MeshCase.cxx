@@ -96,7 +96,7 @@ MeshingResult Fill(const MeshCase& input, const MaterialTable& table, const Mesh
   }
   if (input.MechanicsCellSizeMm)
   {
-    return MeshForSimulation(materials, table.Held(), *input.MechanicsCellSizeMm, progress);
+    return MeshForSimulation(materials, table.Fixed(), *input.MechanicsCellSizeMm, progress);
   }
   return input.Filling == MeshCase::Method::TetGen
     ? MeshMaterialSurfaces(materials, options, progress)

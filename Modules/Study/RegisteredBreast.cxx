@@ -434,8 +434,7 @@ CarriedPoint RegisteredBreast::CarryBack(const Vector3& point) const
   return carried;
 }
 
-std::vector<TissueStretch> RegisteredBreast::ToVolume(double column, double row,
-  double stepMm) const
+std::vector<RaySegment> RegisteredBreast::ToVolume(double column, double row, double stepMm) const
 {
   const Internals& internal = *this->Internal;
   if (!internal.Contains(column, row))
@@ -465,7 +464,7 @@ std::vector<TissueStretch> RegisteredBreast::ToVolume(double column, double row,
   const double slope = Dot(up, internal.Breast.Placed.Z);
   const auto count = static_cast<long>(std::ceil(highest / stepMm));
   const double step = highest / static_cast<double>(std::max(count, 1L));
-  std::vector<TissueStretch> stretches;
+  std::vector<RaySegment> stretches;
   std::string before;
   bool inside = false;
   for (long index = 0; index < count; ++index)
@@ -492,7 +491,7 @@ std::vector<TissueStretch> RegisteredBreast::ToVolume(double column, double row,
     }
     inside = true;
     before = material;
-    TissueStretch& stretch = stretches.back();
+    RaySegment& stretch = stretches.back();
     stretch.ExitHeightMm = slope * (distance - 0.5 * step);
     stretch.LengthMm += step;
     stretch.Uncompressed.push_back(rest);
@@ -505,7 +504,7 @@ namespace
 std::vector<Vector3> CurveBehind(const SeenInView& seen, double stepMm)
 {
   std::vector<Vector3> curve;
-  for (const TissueStretch& stretch : seen.Breast->ToVolume(seen.Pixel[0], seen.Pixel[1], stepMm))
+  for (const RaySegment& stretch : seen.Breast->ToVolume(seen.Pixel[0], seen.Pixel[1], stepMm))
   {
     curve.insert(curve.end(), stretch.Uncompressed.begin(), stretch.Uncompressed.end());
   }

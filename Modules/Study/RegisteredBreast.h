@@ -83,7 +83,7 @@ struct CarriedPoint
 
 /// A stretch of an X-ray in one material; points of the line of sight carried back into the
 /// uncompressed breast.
-struct TissueStretch
+struct RaySegment
 {
   std::string Material;
   /// Along the ray in the compressed breast, mm above the receptor plane.
@@ -128,7 +128,7 @@ public:
    * source towards the receptor, in steps of at most `stepMm` (positive). Empty where it misses the
    * breast. Throws InputError outside the image.
    */
-  std::vector<TissueStretch> ToVolume(double column, double row, double stepMm = 0.25) const;
+  std::vector<RaySegment> ToVolume(double column, double row, double stepMm = 0.25) const;
 
   /// The tetrahedra before and between the plates, of the same points and cells, volume frame.
   vtkUnstructuredGrid* Uncompressed() const;

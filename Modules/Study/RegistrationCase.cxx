@@ -122,7 +122,7 @@ BreastPose StartOf(const RegistrationCase& input, std::size_t number, const Mamm
     throw InputError("start: expected a positive compressed thickness, found " +
       std::to_string(start.ThicknessMm) + " mm");
   }
-  CheckUsual(input, Plausible::Thickness, start.ThicknessMm, input.Mammograms[number],
+  CheckUsual(input, ValidRanges::Thickness, start.ThicknessMm, input.Mammograms[number],
     "--thickness gives another");
   const std::optional<double> nominal = NominalRollDeg(mammogram);
   if (!given[RollParameter] && nominal)
@@ -473,7 +473,7 @@ RegistrationCaseResult RunRegistrationCase(const RegistrationCase& input,
   CheckHanded(input, result.Axes);
   result.Materials = FindMaterialTable(input.Materials);
   const ElasticTable mechanics(result.Materials);
-  const std::vector<bool>& held = mechanics.Held;
+  const std::vector<bool>& held = mechanics.Fixed;
   if (std::find(held.begin(), held.end(), true) == held.end())
   {
     throw InputError(input.Materials +
@@ -510,7 +510,7 @@ RegistrationCaseResult RunRegistrationCase(const RegistrationCase& input,
   result.SimulationCells = options.SimulationMesh->NumberOfCells();
   stopwatch.Stage("mesh for the mechanics");
 
-  options.Beside = result.Tissue
+  options.OutsideTissue = result.Tissue
     ? InCutTissue(result.Tissue->Cut)
     : InCutTissue(*options.Volume, result.Materials, input.Labels.CutSides);
   options.Predicted = true;

@@ -87,7 +87,7 @@ struct RegistrationCase
   /// How the patient lay in the volume: the breast is unloaded of the weight it hangs or lies under
   /// there, and compressed under that of the standing patient. None: the volume is free of load.
   std::optional<PatientPosition> ImagePosition;
-  ChestWallMode ChestWall = ChestWallMode::Held;
+  ChestWallMode ChestWall = ChestWallMode::Fixed;
 
   /// Where the search starts, and where stays what is not free: of each of PoseParameters one value
   /// for each mammogram, or one for all where headers do not tell it. Empty: what the header says,

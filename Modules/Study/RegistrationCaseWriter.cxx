@@ -257,10 +257,10 @@ std::vector<std::pair<std::string, std::string>> ExaminationOf(const Registratio
       DateText(header->AcquisitionDate.empty() ? identity.StudyDate : header->AcquisitionDate));
     if (input.NamePatient)
     {
-      add("patient", Printable(identity.PatientName));
-      add("ID", Printable(identity.PatientId));
-      add("born", DateText(Printable(identity.PatientBirthDate)));
-      add("accession number", Printable(identity.AccessionNumber));
+      add("patient", EscapeControls(identity.PatientName));
+      add("ID", EscapeControls(identity.PatientId));
+      add("born", DateText(EscapeControls(identity.PatientBirthDate)));
+      add("accession number", EscapeControls(identity.AccessionNumber));
     }
   }
   return lines;

@@ -4,8 +4,8 @@
 #include "Private/ResultFields.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/Foundation/Numbers.h"
-#include "mammoray/Foundation/Plausible.h"
 #include "mammoray/Foundation/PoseParameters.h"
+#include "mammoray/Foundation/ValidRange.h"
 #include "mammoray/IO/WholeOutput.h"
 
 #include <algorithm>
@@ -50,7 +50,7 @@ Json Parse(const std::string& path)
   Json json;
   try
   {
-    json = Json::parse(file, PlausibleNesting{ path });
+    json = Json::parse(file, JsonNestingLimit{ path });
   }
   catch (const Json::exception& error)
   {

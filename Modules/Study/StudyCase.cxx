@@ -46,7 +46,7 @@ StudyTissue TissueOf(SegmentationResult&& found, const MaterialTable& table)
   tissue.Labels = std::move(found.Labels);
   tissue.Mri = std::move(found.Corrected);
   const LabelVolume all = table.ToMaterials(tissue.Labels, "the study's MRI");
-  const std::vector<bool> held = table.Held();
+  const std::vector<bool> held = table.Fixed();
   tissue.Breast = KeepBreast(all, held, AnatomicalAxes());
   // Beside the breast, in front of the chest wall, the plates push what was cut before them.
   tissue.Cut = CutTissue(all, all, table, { PosteriorSide(all) });

@@ -189,8 +189,8 @@ double FrontOfHeld(const QuadMesh& mesh, const MaterialTable& table)
   double front = 0;
   for (std::size_t quad = 0; quad < mesh.Quads.size(); ++quad)
   {
-    if (table.Materials[mesh.FrontMaterials[quad]].Held ||
-      table.Materials[mesh.BackMaterials[quad]].Held)
+    if (table.Materials[mesh.FrontMaterials[quad]].Fixed ||
+      table.Materials[mesh.BackMaterials[quad]].Fixed)
     {
       front = std::max(front, mesh.Points[mesh.Quads[quad][0]][0]);
     }

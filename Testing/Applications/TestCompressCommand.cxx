@@ -36,7 +36,7 @@ protected:
       this->Folder.File("fine.vtu"));
     this->Folder.Write("table.json", R"({"materials": [{"name": "air", "labels": [0]},
       {"name": "fat", "labels": [1], "attenuation": "adipose"},
-      {"name": "muscle", "labels": [2], "attenuation": "muscle", "held": true}]})");
+      {"name": "muscle", "labels": [2], "attenuation": "muscle", "fixed": true}]})");
   }
 
   std::string Result = this->Folder.File("compressed.vtu");
@@ -182,7 +182,7 @@ TEST_F(CompressCommand, WritesATimeSeriesOfABreastUnloadedFromProne)
 {
   this->Folder.Write("soft.json", R"({"materials": [{"name": "air", "labels": [0]},
     {"name": "fat", "labels": [1], "attenuation": "adipose", "youngs_modulus_kpa": 3},
-    {"name": "muscle", "labels": [2], "attenuation": "muscle", "held": true}]})");
+    {"name": "muscle", "labels": [2], "attenuation": "muscle", "fixed": true}]})");
   const std::string pvd = this->Folder.File("series.pvd");
   const std::string run = "compress --orientation LAS --materials " +
     this->Folder.File("soft.json") + " -o " + this->Result + " --mesh " +
@@ -253,7 +253,7 @@ TEST_F(CompressCommand, RefusesInOneLine)
     {"name": "muscle", "labels": [2], "attenuation": "muscle"}]})");
   expectRefused("--orientation LAS --materials " + this->Folder.File("loose.json") + " -o " +
       this->Result + " --mesh " + this->Folder.File("breast.vtu") + " --thickness 50",
-    "held");
+    "fixed");
   expectRefused(this->Coarse + " --thickness 50 --series " + this->Folder.File("series.vtu"),
     "expected the extension .pvd");
   expectRefused(this->Coarse + " --thickness 1e9",

@@ -18,7 +18,7 @@ namespace
 {
 enum class Wall
 {
-  Held,
+  Fixed,
   Sliding
 };
 
@@ -32,7 +32,7 @@ struct Arguments
   unsigned Seed = 1;
   std::optional<std::array<double, 3>> Point;
   std::array<int, 2> Size{ 1280, 800 };
-  Wall Attachment = Wall::Held;
+  Wall Attachment = Wall::Fixed;
   bool Overwrite = false;
   bool Correct = true;
   std::string Mesh;
@@ -54,7 +54,7 @@ void Declare(const OptionList& add, Arguments& arguments)
   add.Numbers("--point", arguments.Point, "X Y Z", "a place");
   add.Numbers("--size", arguments.Size, "W H", "of the window");
   add.Choice<Wall>("--chest-wall", arguments.Attachment,
-    { { "held", Wall::Held }, { "sliding", Wall::Sliding } }, "how it is attached");
+    { { "fixed", Wall::Fixed }, { "sliding", Wall::Sliding } }, "how it is attached");
   add.Group("Files").Flag("--overwrite", arguments.Overwrite, "replace files");
   add.FlagOff("--no-correction", arguments.Correct, "leave it");
   add.Input("--mesh", arguments.Mesh, "to press");
@@ -94,7 +94,7 @@ TEST_F(OptionListTest, VariablesKeepTheirValuesUnlessGiven)
   EXPECT_EQ(given.PixelSizesMm, (std::vector<double>{ 3, 1.5 }));
   EXPECT_FALSE(given.Point);
   EXPECT_EQ(given.Size, (std::array<int, 2>{ 1280, 800 }));
-  EXPECT_EQ(given.Attachment, Wall::Held);
+  EXPECT_EQ(given.Attachment, Wall::Fixed);
   EXPECT_FALSE(given.Overwrite);
   EXPECT_TRUE(given.Correct);
 }
@@ -118,7 +118,7 @@ TEST_F(OptionListTest, HelpTellsUnitRangeAndDefault)
   const std::string help = this->Command->help();
   EXPECT_THAT(help, testing::HasSubstr("--thickness mm:POSITIVE=50"));
   EXPECT_THAT(help, testing::HasSubstr("--pixel-sizes mm:POSITIVE=[3,1.5]"));
-  EXPECT_THAT(help, testing::HasSubstr("--chest-wall TEXT:{held,sliding}=held"));
+  EXPECT_THAT(help, testing::HasSubstr("--chest-wall TEXT:{fixed,sliding}=fixed"));
   EXPECT_THAT(help, testing::HasSubstr("--point X Y Z"));
   EXPECT_THAT(help, testing::HasSubstr("Files:"));
   EXPECT_THAT(help, testing::Not(testing::HasSubstr("--force N:POSITIVE=")));

@@ -413,7 +413,7 @@ TEST_F(RegisterCommand, RegistersTheShippedPhantom)
     EXPECT_LT(imaged.Uncertainty->MajorMm, 10);
     double nearest = 1e9;
     double length = 0;
-    for (const TissueStretch& stretch : breast.ToVolume(imaged.Column, imaged.Row))
+    for (const RaySegment& stretch : breast.ToVolume(imaged.Column, imaged.Row))
     {
       length += stretch.LengthMm;
       EXPECT_GE(stretch.EntryHeightMm, stretch.ExitHeightMm);

@@ -123,7 +123,7 @@ struct Breast
     }
     this->CellSizeMm = std::cbrt(voxels * this->Materials.VoxelVolume()) / 7;
     this->Cells = static_cast<double>(this->Mesh(0).NumberOfCells());
-    this->Anchor = FindPoseAnchor(this->Materials, this->Mechanics.Held, this->Axes);
+    this->Anchor = FindPoseAnchor(this->Materials, this->Mechanics.Fixed, this->Axes);
     const CompressionSimulation simulation = this->Simulate(ElementType::Quadratic, this->Mesh(0));
     this->OpenMm = GapMm(simulation.OpenedPlates(this->Plates(BreastPose().ThicknessMm)));
   }
@@ -136,7 +136,7 @@ struct Breast
     TetrahedralMesh mesh;
     for (int attempt = 0; attempt < 6; ++attempt)
     {
-      mesh = MeshForSimulation(this->Materials, this->Mechanics.Held, size).Mesh;
+      mesh = MeshForSimulation(this->Materials, this->Mechanics.Fixed, size).Mesh;
       const double ratio = cells == 0 ? 1 : static_cast<double>(mesh.NumberOfCells()) / cells;
       if (std::abs(ratio - 1) < 0.05)
       {
@@ -157,7 +157,7 @@ struct Breast
   CompressionSimulation Simulate(ElementType element, const TetrahedralMesh& mesh) const
   {
     return CompressionSimulation(
-      mesh, this->Mechanics.Elastic, this->Mechanics.Held,
+      mesh, this->Mechanics.Elastic, this->Mechanics.Fixed,
       [this](const Vector3& point) { return static_cast<int>(this->Materials.LabelAt(point)); },
       OptionsOf(element));
   }
@@ -175,13 +175,13 @@ struct Breast
     return PlatesOf(this->Placed(thicknessMm), this->Unit, thicknessMm);
   }
 
-  /// A regular lattice of about `count` points in the tissue that is not held.
+  /// A regular lattice of about `count` points in the tissue that is not fixed.
   std::vector<double> Points(double count) const
   {
     double tissue = 0;
     for (const auto& [material, voxels] : this->Materials.CountLabels())
     {
-      tissue += material == 0 || this->Mechanics.Held[material] ? 0 : static_cast<double>(voxels);
+      tissue += material == 0 || this->Mechanics.Fixed[material] ? 0 : static_cast<double>(voxels);
     }
     const double step = std::cbrt(tissue / count);
     std::vector<double> points;
@@ -193,7 +193,7 @@ struct Breast
         {
           const Vector3 point = this->Materials.PointAt(i, j, k);
           const int material = this->Materials.LabelAt(point);
-          if (material != 0 && !this->Mechanics.Held[material])
+          if (material != 0 && !this->Mechanics.Fixed[material])
           {
             points.insert(points.end(), point.begin(), point.end());
           }
@@ -220,9 +220,9 @@ struct Breast
   }
 
   /// Of Young's modulus of gland.
-  MaterialVelocity Stiffening() const
+  MaterialDerivative Stiffening() const
   {
-    MaterialVelocity velocity(this->Table.Materials.size());
+    MaterialDerivative velocity(this->Table.Materials.size());
     for (std::size_t material = 0; material < velocity.size(); ++material)
     {
       velocity[material].YoungsModulusKPa = this->Table.Materials[material].Name == "gland" ? 1 : 0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Compressions with a chest wall that is not held, gravity and pull.
+// Compressions with a chest wall that is not fixed, gravity and pull.
 #include "EquilibriumChecks.h"
 #include "EveryElement.h"
 #include "TestMeshes.h"
@@ -104,7 +104,7 @@ TEST(CompressionSimulation, OnASlidingWallABlockIsCompressedUniaxially)
     spread(CompressionSimulation(mesh, Soft, { false, false, true }, {}, options));
   const auto held = spread(CompressionSimulation(mesh, Soft, { false, false, true }));
   // One stress everywhere: a hundredth of it is left to the remaining stiffness along the wall and
-  // to the waves of the contact layer. Held, it differs by a multiple of that.
+  // to the waves of the contact layer. Fixed, it differs by a multiple of that.
   EXPECT_LT(sliding[1] / sliding[0], 1.02);
   EXPECT_GT(held[1] / held[0], 1.5);
   // Uniaxial compression to 0.8: Cauchy stress times deformed area over the stretch, as von Mises'
@@ -183,7 +183,7 @@ TEST_P(ElementChestWall, SensitivitiesToTheLoadingMatchCentralDifferences)
   }
   const CompressionSimulation simulation(mesh, materials, { false, false, true }, {}, options);
   const CompressionState state = simulation.Compress(plates);
-  std::vector<LoadingVelocity> velocities(4);
+  std::vector<LoadingDerivative> velocities(4);
   velocities[0].Wall.Normal = 10;
   velocities[1].Wall.Tangential = 1;
   velocities[2].PullN = { 0, 1, 0.2 };

@@ -85,8 +85,8 @@ TEST_P(ElementCompression, BlockBetweenPlatesMatchesUniaxialCompression)
 
 TEST_P(ElementCompression, SphereBetweenPlatesMatchesHertz)
 {
-  // An eighth of a ball of 10 m, so large that the contact layer of 0.05 mm is thin beside the
-  // indentation; bricks crowd where the plate touches.
+  // An eighth of a ball of 10 m, so large that the contact layer of 0.05 mm is thin beside
+  // the indentation; bricks crowd where the plate touches.
   constexpr double radius = 1e4;
   const double across[] = { 0, 0.025, 0.05, 0.075, 0.1, 0.15, 0.27, 0.5, 1 };
   const double deep[] = { 0, 0.03, 0.07, 0.14, 0.27, 0.5, 1 };
@@ -298,7 +298,7 @@ TEST(CompressionSimulation, TellsTimeAndMemory)
   EXPECT_LT(state.FactorMiB, 100);
 }
 
-/// Held, sliding or elastic chest wall; gravity in every other case, pull in some. Without
+/// Fixed, sliding or elastic chest wall; gravity in every other case, pull in some. Without
 /// friction, whose normal forces do not settle in one such case of forty and are then refused.
 CompressionOptions LoadingOf(ElementType type, unsigned int seed)
 {
@@ -306,7 +306,7 @@ CompressionOptions LoadingOf(ElementType type, unsigned int seed)
   const auto draw = [&](double low, double high)
   { return std::uniform_real_distribution<double>(low, high)(generator); };
   CompressionOptions options = WithElement(type, 1e-8);
-  constexpr ChestWallMode modes[] = { ChestWallMode::Held, ChestWallMode::Sliding,
+  constexpr ChestWallMode modes[] = { ChestWallMode::Fixed, ChestWallMode::Sliding,
     ChestWallMode::Elastic };
   options.ChestWall = modes[seed % 3];
   options.Wall = { std::pow(10.0, draw(1, 3)), std::pow(10.0, draw(-1, 2)) };
@@ -439,7 +439,7 @@ TEST(CompressionSimulation, SaysHowFarItGot)
 TEST(CompressionSimulation, RefusesTwoMillimetresWithTheLastGoodThickness)
 {
   for (const ChestWallMode mode :
-    { ChestWallMode::Held, ChestWallMode::Sliding, ChestWallMode::Elastic })
+    { ChestWallMode::Fixed, ChestWallMode::Sliding, ChestWallMode::Elastic })
   {
     CompressionOptions options;
     options.ChestWall = mode;

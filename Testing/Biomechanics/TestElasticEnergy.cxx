@@ -178,15 +178,15 @@ TEST_P(ElementEnergy, GradientRateMatchesCentralDifferencesInTheMaterials)
     mesh, materials, [](const Vector3& p) { return p[2] < 1.5 ? 2 : 1; }, {}, GetParam());
   const ElasticEnergy energy(body);
   const std::vector<double> x = Shaken(body.RestPositions(), 0.15, 9);
-  const MaterialVelocity velocities[] = { { {}, { 1, 0, 0 }, {} }, { {}, {}, { 1, 0, 0 } },
+  const MaterialDerivative velocities[] = { { {}, { 1, 0, 0 }, {} }, { {}, {}, { 1, 0, 0 } },
     { {}, { 0, 1, 0 }, {} }, { {}, {}, { 0, 0.01, 0 } }, { {}, { 0, 0, 1 }, {} },
     { {}, { 2, 0.05, 1 }, { -1, 0.001, 2 } } };
-  for (const MaterialVelocity& velocity : velocities)
+  for (const MaterialDerivative& velocity : velocities)
   {
     for (std::size_t element = 0; element < body.NumberOfElements(); ++element)
     {
       body.SetMaterials(materials);
-      const std::vector<double> exact = energy.GradientRate(element, x, velocity);
+      const std::vector<double> exact = energy.GradientDerivative(element, x, velocity);
       const double h = 1e-5;
       PieceResult sides[2];
       for (int side = 0; side < 2; ++side)

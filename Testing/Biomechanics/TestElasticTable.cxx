@@ -18,12 +18,12 @@ TEST(ElasticTable, HasAnEntryForEachMaterialInItsOrder)
     material.PoissonRatio = 0.41 + 0.01 * n;
     material.FungExponent = 2.0 * n;
     material.DensityGPerCm3 = 0.9 + 0.1 * n;
-    material.Held = n == 2;
+    material.Fixed = n == 2;
     table.Materials.push_back(material);
   }
   const ElasticTable elastic(table);
   ASSERT_EQ(elastic.Elastic.size(), 4u);
-  EXPECT_EQ(elastic.Held, (std::vector<bool>{ false, false, true, false }));
+  EXPECT_EQ(elastic.Fixed, (std::vector<bool>{ false, false, true, false }));
   for (std::size_t n = 0; n < 4; ++n)
   {
     EXPECT_EQ(elastic.Elastic[n].YoungsModulusKPa, table.Materials[n].YoungsModulusKPa);

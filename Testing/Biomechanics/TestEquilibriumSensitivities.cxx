@@ -71,7 +71,7 @@ TEST_P(ElementSensitivities, ToMaterialsMatchCentralDifferences)
   const CompressionState state = simulation.Compress(plates);
   // The ratio gland / fat, both Poisson's ratios together (in hundredths: kappa bends with nu), the
   // exponent of the fat.
-  const std::vector<MaterialVelocity> velocities{ { {}, {}, {}, { 5, 0, 0 } },
+  const std::vector<MaterialDerivative> velocities{ { {}, {}, {}, { 5, 0, 0 } },
     { {}, { 0, 0.01, 0 }, {}, { 0, 0.01, 0 } }, { {}, { 0, 0, 1 }, {}, {} } };
   PlatePairVelocity thickness;
   thickness.Paddle.Linear = plates.Support.Normal;
@@ -129,7 +129,7 @@ TEST_P(ElementSensitivities, RateOfTheForceMatchesCentralDifferences)
   tilting.Paddle.Angular = { 0.01, 0, 0 };
   for (const PlatePairVelocity& velocity : { closing, tilting })
   {
-    const double exact = simulation.PaddleForceRate(state, velocity);
+    const double exact = simulation.PaddleForceDerivative(state, velocity);
     double best = 1;
     for (const double h : { 1e-3, 1e-4, 1e-5 })
     {
@@ -163,10 +163,10 @@ TEST(EquilibriumSensitivities, WithFrictionAreThoseOfTheLastStepWithFrozenNormal
   PlatePairVelocity velocity;
   velocity.Paddle = { { 0.5, 0.2, -0.1 }, { 0.02, -0.01, 0.01 } };
   velocity.Support.Linear = { 0.3, 0.1, 0 };
-  HoldingVelocity rougher;
+  SupportDerivative rougher;
   rougher.Friction = 0.1;
   const auto exact = solver.Sensitivities(x, plates, { { velocity }, {}, { rougher } });
-  const double rate = solver.PaddleForceRate(x, plates, velocity, exact[0]);
+  const double rate = solver.PaddleForceDerivative(x, plates, velocity, exact[0]);
   const FrictionPoints points = solver.Friction();
   for (int p = 0; p < 2; ++p)
   {

@@ -15,7 +15,7 @@ namespace
 {
 using namespace mammoray;
 
-const std::vector<bool> Held{ false, false, true };
+const std::vector<bool> Fixed{ false, false, true };
 
 TEST(Gravity, AColumnStretchesUnderItsOwnWeight)
 {
@@ -31,7 +31,7 @@ TEST(Gravity, AColumnStretchesUnderItsOwnWeight)
   const ElasticMaterial soft{ 400, 0, 0, 1.05 };
   CompressionOptions options;
   options.GravityMPerS2 = { 0, StandardGravityMPerS2, 0 };
-  const CompressionSimulation simulation(mesh, { {}, soft, soft }, Held, {}, options);
+  const CompressionSimulation simulation(mesh, { {}, soft, soft }, Fixed, {}, options);
   const CompressionState state = simulation.Compress(test::OpenPlates());
   const double weight = 1.05e-3 * StandardGravityMPerS2; // kPa / mm
   const double strain = weight * 60 / 400;               // at the top
@@ -66,7 +66,7 @@ TEST(Gravity, UnloadingAndLoadingGiveTheImageBack)
     options.Element = kind < 3 ? ElementType::Quadratic : ElementType::PatchAveragedLinear;
     options.Wall = { 20, 5 };
     options.GravityMPerS2 = Prone; // as in the image
-    CompressionSimulation simulation(breast.Mesh, breast.Materials, Held, {}, options);
+    CompressionSimulation simulation(breast.Mesh, breast.Materials, Fixed, {}, options);
     simulation.Unload(Prone);
     const std::vector<double> rest = test::CornersOf(simulation.RestPositions(), breast.Mesh);
     // It hung down by millimetres; without load the nipple lies nearer to the chest wall.
@@ -85,10 +85,10 @@ TEST(Gravity, UnloadingUndoesLoading)
   const SoftBreast breast;
   CompressionOptions options;
   options.GravityMPerS2 = Prone;
-  const CompressionSimulation forth(breast.Mesh, breast.Materials, Held, {}, options);
+  const CompressionSimulation forth(breast.Mesh, breast.Materials, Fixed, {}, options);
   TetrahedralMesh image = breast.Mesh;
   image.Points = test::CornersOf(forth.Compress(test::OpenPlates()).Positions, breast.Mesh);
-  CompressionSimulation back(image, breast.Materials, Held);
+  CompressionSimulation back(image, breast.Materials, Fixed);
   back.Unload(Prone);
   // The tolerance of the loaded shape; a shape without load differs as much where it is stiff, by
   // some times that at the tip of the breast.
@@ -102,7 +102,7 @@ TEST(Gravity, PointsFollowFromTheImageToTheCompressedBreast)
   const SoftBreast breast;
   CompressionOptions options;
   options.GravityMPerS2 = GravityIn(PatientPosition::Upright, Axes);
-  CompressionSimulation simulation(breast.Mesh, breast.Materials, Held, {}, options);
+  CompressionSimulation simulation(breast.Mesh, breast.Materials, Fixed, {}, options);
   simulation.Unload(Prone);
   const Embedding embedding(simulation, breast.Mesh.Points);
   const CompressionState state = simulation.Compress(test::OpenPlates());
@@ -118,7 +118,7 @@ TEST(Gravity, PointsFollowFromTheImageToTheCompressedBreast)
 TEST(Gravity, UnloadingRefusesWhatIsNoGravityAndStopsWhenAsked)
 {
   const TetrahedralMesh mesh = test::MakeHalfEllipsoidMesh(40, 45, 38, 4);
-  CompressionSimulation simulation(mesh, { {}, { 1, 0.49 }, { 5, 0.49 } }, Held);
+  CompressionSimulation simulation(mesh, { {}, { 1, 0.49 }, { 5, 0.49 } }, Fixed);
   EXPECT_THROW(simulation.Unload({ 0, std::nan(""), 0 }), InputError);
   EXPECT_THROW(simulation.Unload(Prone, [](double, const char*) { return false; }), Interrupted);
   EXPECT_EQ(test::CornersOf(simulation.RestPositions(), mesh), mesh.Points);

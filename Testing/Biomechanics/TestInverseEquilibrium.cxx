@@ -21,7 +21,7 @@ constexpr double Downwards = 9.81;
 struct HangingBody
 {
   TetrahedralMesh Mesh = test::MakeHalfEllipsoidMesh(40, 45, 38, 4);
-  std::vector<bool> HeldCells;
+  std::vector<bool> FixedCells;
   ElasticBody Body;
   std::optional<AttachmentEnergy> Wall;
   std::vector<bool> Fixed;
@@ -35,7 +35,7 @@ struct HangingBody
   {
     for (const std::int32_t material : this->Mesh.Materials)
     {
-      this->HeldCells.push_back(material == 2);
+      this->FixedCells.push_back(material == 2);
     }
     this->Fixed.assign(3 * this->Body.NumberOfNodes(), false);
     for (std::size_t c = 0; held && c < this->Fixed.size(); ++c)
@@ -44,9 +44,9 @@ struct HangingBody
     }
     if (!held)
     {
-      this->Wall.emplace(this->Body, this->HeldCells, WallStiffness{ 20, 5 });
+      this->Wall.emplace(this->Body, this->FixedCells, WallStiffness{ 20, 5 });
     }
-    this->Inverse.emplace(this->Body, held ? nullptr : &*this->Wall, this->Fixed, this->HeldCells,
+    this->Inverse.emplace(this->Body, held ? nullptr : &*this->Wall, this->Fixed, this->FixedCells,
       this->Mesh.Points, Vector3{ 1, Downwards, -2 });
   }
 };

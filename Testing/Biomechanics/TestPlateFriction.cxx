@@ -49,7 +49,7 @@ TEST(PlateFriction, DerivativesMatchCentralDifferences)
     const FrictionTerms low(point, MovedPlate(plate, velocity, -h), x);
     const FrictionTerms high(point, MovedPlate(plate, velocity, h), x);
     const Vector3 difference = (1 / (2 * h)) * (high.Gradient() - low.Gradient());
-    EXPECT_NEAR(Norm(difference - terms.GradientRate(plate, velocity, x)), 0, 1e-6);
+    EXPECT_NEAR(Norm(difference - terms.GradientDerivative(plate, velocity, x)), 0, 1e-6);
   }
 }
 

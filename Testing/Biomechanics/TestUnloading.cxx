@@ -80,7 +80,7 @@ MAMMORAY_FOR_EVERY_ELEMENT(ElementUnloading);
 /// A breast at rest hangs, and is unloaded of its weight again.
 void HangAndUnload(ElementType type, unsigned int seed)
 {
-  const RandomBreast breast(type, ChestWallMode::Held, seed);
+  const RandomBreast breast(type, ChestWallMode::Fixed, seed);
   SCOPED_TRACE(breast.Name);
   const std::vector<double>& rest = breast.Mesh.Points;
   const CompressionState hanging = breast.Simulation(rest).Compress(test::OpenPlates());
@@ -93,7 +93,7 @@ void HangAndUnload(ElementType type, unsigned int seed)
 /// The shape of an image is unloaded, and hangs again from there.
 void UnloadAndHang(ElementType type, unsigned int seed)
 {
-  const RandomBreast breast(type, ChestWallMode::Held, seed);
+  const RandomBreast breast(type, ChestWallMode::Fixed, seed);
   SCOPED_TRACE(breast.Name);
   const std::vector<double>& points = breast.Mesh.Points;
   CompressionSimulation simulation = breast.Simulation(points);
@@ -146,7 +146,7 @@ TEST_P(ElementUnloading, RaisesTheStiffnessOfTissueThatCannotBearItsWeight)
     return std::vector<ElasticMaterial>{ {}, { modulus, 0.49 }, { modulus, 0.49 } };
   };
   for (const ChestWallMode mode :
-    { ChestWallMode::Held, ChestWallMode::Sliding, ChestWallMode::Elastic })
+    { ChestWallMode::Fixed, ChestWallMode::Sliding, ChestWallMode::Elastic })
   {
     CompressionOptions options = test::WithElement(GetParam(), 1e-8);
     options.ChestWall = mode;

@@ -46,7 +46,7 @@ struct UnloadedBreast
     return simulation;
   }
 
-  std::vector<ElasticMaterial> Moved(const MaterialVelocity& velocity, double by) const
+  std::vector<ElasticMaterial> Moved(const MaterialDerivative& velocity, double by) const
   {
     std::vector<ElasticMaterial> moved = this->Materials;
     for (std::size_t m = 0; m < moved.size(); ++m)
@@ -83,9 +83,9 @@ MAMMORAY_FOR_EVERY_ELEMENT(ElementUnloadedSensitivities);
 TEST_P(ElementUnloadedSensitivities, ToMaterialsMatchCentralDifferences)
 {
   // The ratio gland / fat, both Poisson's ratios together (in hundredths), the fat's exponent.
-  const std::vector<MaterialVelocity> velocities{ { {}, {}, {}, { 1.5, 0, 0 } },
+  const std::vector<MaterialDerivative> velocities{ { {}, {}, {}, { 1.5, 0, 0 } },
     { {}, { 0, 0.01, 0 }, {}, { 0, 0.01, 0 } }, { {}, { 0, 0, 1 }, {}, {} } };
-  for (const ChestWallMode mode : { ChestWallMode::Held, ChestWallMode::Elastic })
+  for (const ChestWallMode mode : { ChestWallMode::Fixed, ChestWallMode::Elastic })
   {
     const UnloadedBreast breast(GetParam(), mode);
     CompressionSimulation simulation = breast.Simulation();
@@ -113,7 +113,7 @@ TEST_P(ElementUnloadedSensitivities, ToTheChestWallMatchCentralDifferences)
   UnloadedBreast breast(GetParam(), ChestWallMode::Elastic);
   const CompressionSimulation simulation = breast.Simulation();
   const CompressionState state = simulation.Compress(breast.Plates);
-  std::vector<LoadingVelocity> velocities(2);
+  std::vector<LoadingDerivative> velocities(2);
   velocities[0].Wall = { 3, 1 };
   velocities[1].GravityMPerS2 = { 1, 0, 2 };
   const std::vector<std::vector<double>> exact =
@@ -137,7 +137,7 @@ TEST_P(ElementUnloadedSensitivities, ToTheChestWallMatchCentralDifferences)
 
 TEST_P(ElementUnloadedSensitivities, MatchCentralDifferencesWhereStiffnessIsRaised)
 {
-  UnloadedBreast breast(GetParam(), ChestWallMode::Held);
+  UnloadedBreast breast(GetParam(), ChestWallMode::Fixed);
   breast.Materials[1].YoungsModulusKPa = breast.Materials[3].YoungsModulusKPa = 0.02;
   breast.Materials[1].FungExponent = breast.Materials[3].FungExponent = 0;
   // Such tissue hangs, but does not stand.
@@ -147,7 +147,7 @@ TEST_P(ElementUnloadedSensitivities, MatchCentralDifferencesWhereStiffnessIsRais
   CompressionSimulation simulation = breast.Simulation();
   const double factor = simulation.StiffnessFactor();
   ASSERT_GT(factor, 1);
-  const MaterialVelocity velocity{ {}, {}, {}, { 0.02, 0, 0 } };
+  const MaterialDerivative velocity{ {}, {}, {}, { 0.02, 0, 0 } };
   const CompressionState state = simulation.Compress(breast.Plates);
   const std::vector<double> exact = simulation.Sensitivities(state, {}, { velocity }).front();
   const double error = ErrorOfRate(exact,

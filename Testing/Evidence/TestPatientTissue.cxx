@@ -23,7 +23,7 @@ MaterialTable SoftTable()
   table.Name = "test";
   table.Materials = { { .Name = "air" }, { .Name = "fat", .Attenuation = "adipose" },
     { .Name = "gland", .Attenuation = "glandular" },
-    { .Name = "muscle", .Attenuation = "muscle", .Held = true } };
+    { .Name = "muscle", .Attenuation = "muscle", .Fixed = true } };
   return table;
 }
 
@@ -236,7 +236,7 @@ TEST(ImitatedMri, ASegmentationFindsThatItsFatIsBright)
   grid.Origin = { -175, -90, -88.5 };
   const PointMotion none = [](const std::vector<double>& points) { return points; };
   const LabelVolume body = JoinBody(MoveLabels(placed, none, fine), TissuesOf(table), {},
-    WallThicknessMm(placed, table.Held()), true);
+    WallThicknessMm(placed, table.Fixed()), true);
   CoilPair coils;
   coils.Centres = { { offMm, -60, 0 }, { -offMm, -60, 0 } };
   coils.Reference = { offMm, -40, 0 };
@@ -277,7 +277,7 @@ TEST(HoldCutTissue, PutsTheHeldTissueBehindWhatWasCut)
     volume = before;
     HoldCutTissue(volume, held);
     EXPECT_EQ(volume.Voxels, expected.Voxels);
-    // Again: nothing that is not held ends there any more.
+    // Again: nothing that is not fixed ends there any more.
     HoldCutTissue(volume, held);
     EXPECT_EQ(volume.Voxels, expected.Voxels);
   }

@@ -29,15 +29,15 @@ LabelVolume SmallBreast()
   return breast;
 }
 
-const std::vector<bool> Held{ false, false, true };
+const std::vector<bool> Fixed{ false, false, true };
 }
 
 TEST(WrongLabels, AreAsLargeAsTheyShouldBe)
 {
   const LabelVolume breast = SmallBreast();
-  EXPECT_DOUBLE_EQ(BreastVolume(breast, Held), (64 - 8 - 1) * 8.0);
+  EXPECT_DOUBLE_EQ(BreastVolume(breast, Fixed), (64 - 8 - 1) * 8.0);
   const LabelVolume larger = Resized(breast, 1.5);
-  EXPECT_DOUBLE_EQ(BreastVolume(larger, Held), 3.375 * BreastVolume(breast, Held));
+  EXPECT_DOUBLE_EQ(BreastVolume(larger, Fixed), 3.375 * BreastVolume(breast, Fixed));
   EXPECT_LT(Norm(larger.PointAt(7, 3, 1) - 1.5 * breast.PointAt(7, 3, 1)), 1e-12);
 }
 
@@ -54,11 +54,11 @@ TEST(WrongLabels, AMirrorImageKeepsItsBounds)
 TEST(WrongLabels, TheQuarterThatIsLostIsTheFarthest)
 {
   // The breast's middles go from 12 to 24 mm: 21 mm is three quarters of the way.
-  const LabelVolume cut = WithoutQuarter(SmallBreast(), Held, { 1, 0, 0 });
+  const LabelVolume cut = WithoutQuarter(SmallBreast(), Fixed, { 1, 0, 0 });
   for (int i = 0; i < 8; ++i)
   {
     EXPECT_EQ(cut.Voxels[cut.Index(i, 0, 0)], i == 0 ? 2 : i < 6 ? 1 : 0) << i;
   }
   // The other way round held tissue stays where it is.
-  EXPECT_EQ(WithoutQuarter(SmallBreast(), Held, { -1, 0, 0 }).Voxels[0], 2);
+  EXPECT_EQ(WithoutQuarter(SmallBreast(), Fixed, { -1, 0, 0 }).Voxels[0], 2);
 }

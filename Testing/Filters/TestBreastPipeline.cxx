@@ -40,7 +40,7 @@ constexpr const char* Table = R"({ "materials": [
   { "name": "fat", "labels": [1], "attenuation": "adipose", "density_g_per_cm3": 0.92,
     "youngs_modulus_kpa": 6, "poisson_ratio": 0.48 },
   { "name": "wall", "labels": [2], "attenuation": "muscle", "density_g_per_cm3": 1.05,
-    "held": true } ] })";
+    "fixed": true } ] })";
 
 /// How often an algorithm has worked, and what it complained of.
 class Watch
@@ -221,7 +221,7 @@ Mammogram MammogramOf(const TetrahedralMesh& mesh, const MaterialTable& table, d
   model.SetXRays(ExtractInterfaces(mesh), MakeProjector(),
     MakeBeam(table, FindSpectrum("W30kVp_Rh50um_Be1mm"), DetectorResponse::EnergyIntegrating));
   const AnatomicalAxes axes = AnatomicalAxes::FromCode("LAS");
-  const UnitPlacement placement{ axes, FindPoseAnchor(mesh, table.Held(), axes), {} };
+  const UnitPlacement placement{ axes, FindPoseAnchor(mesh, table.Fixed(), axes), {} };
   BreastPose pose;
   pose.ThicknessMm = thicknessMm;
   pose.AnteriorMm = 5;

@@ -38,18 +38,18 @@ TEST(Error, WhatCameFromAFileCannotForgeALine)
 TEST(Error, PrintableKeepsLettersOfAllWriting)
 {
   const std::string written = "Größe 50 µm, 乳房, \U0001F600 ~";
-  EXPECT_EQ(Printable(written), written);
-  EXPECT_EQ(Printable(std::string("a\0b", 3)), "a\\x00b");
+  EXPECT_EQ(EscapeControls(written), written);
+  EXPECT_EQ(EscapeControls(std::string("a\0b", 3)), "a\\x00b");
   // C1 controls (CSI), a mark from right to left, a line separator.
-  EXPECT_EQ(Printable("\xc2\x9b"), "\\xc2\\x9b");
-  EXPECT_EQ(Printable("\xe2\x80\xae"), "\\xe2\\x80\\xae");
-  EXPECT_EQ(Printable("\xe2\x80\xa8"), "\\xe2\\x80\\xa8");
+  EXPECT_EQ(EscapeControls("\xc2\x9b"), "\\xc2\\x9b");
+  EXPECT_EQ(EscapeControls("\xe2\x80\xae"), "\\xe2\\x80\\xae");
+  EXPECT_EQ(EscapeControls("\xe2\x80\xa8"), "\\xe2\\x80\\xa8");
   // Latin-1, a letter cut short, one written too long, a surrogate, beyond Unicode.
-  EXPECT_EQ(Printable("Gr\xf6\xdf"), "Gr\\xf6\\xdf");
-  EXPECT_EQ(Printable("\xe4\xb9"), "\\xe4\\xb9");
-  EXPECT_EQ(Printable("\xc0\xaf"), "\\xc0\\xaf");
-  EXPECT_EQ(Printable("\xed\xa0\x80"), "\\xed\\xa0\\x80");
-  EXPECT_EQ(Printable("\xf5\x80\x80\x80"), "\\xf5\\x80\\x80\\x80");
+  EXPECT_EQ(EscapeControls("Gr\xf6\xdf"), "Gr\\xf6\\xdf");
+  EXPECT_EQ(EscapeControls("\xe4\xb9"), "\\xe4\\xb9");
+  EXPECT_EQ(EscapeControls("\xc0\xaf"), "\\xc0\\xaf");
+  EXPECT_EQ(EscapeControls("\xed\xa0\x80"), "\\xed\\xa0\\x80");
+  EXPECT_EQ(EscapeControls("\xf5\x80\x80\x80"), "\\xf5\\x80\\x80\\x80");
 }
 
 TEST(Error, KindsAreToldApart)

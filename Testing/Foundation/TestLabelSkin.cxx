@@ -18,7 +18,7 @@ namespace
 constexpr std::uint16_t Fat = 1;
 constexpr std::uint16_t Skin = 2;
 constexpr std::uint16_t Muscle = 3;
-const std::vector<bool> Held{ false, false, false, true };
+const std::vector<bool> Fixed{ false, false, false, true };
 
 LabelVolume Make(const std::array<int, 3>& size, const Vector3& spacing)
 {
@@ -58,7 +58,7 @@ TEST(LabelSkin, ShellOfABallHasItsVolume)
     { return Norm(volume.PointAt(i, j, k) - middle) <= radius ? Fat : 0; });
   for (const double thickness : { 0.8, 1.5, 3.0, 5.0 })
   {
-    const LabelVolume result = AddSkin(volume, thickness, Skin, Held);
+    const LabelVolume result = AddSkin(volume, thickness, Skin, Fixed);
     const double inner = radius - thickness;
     const double shell = 4.0 / 3.0 * std::numbers::pi * (std::pow(radius, 3) - std::pow(inner, 3));
     const double found = static_cast<double>(result.CountLabels().at(Skin)) * volume.VoxelVolume();
@@ -77,7 +77,7 @@ TEST(LabelSkin, LayersOfABoxAreExact)
   Fill(volume,
     [](int i, int j, int k)
     { return i >= 2 && i < 22 && j >= 2 && j < 12 && k >= 2 && k < 38 ? Fat : 0; });
-  const LabelVolume result = AddSkin(volume, 1.3, Skin, Held);
+  const LabelVolume result = AddSkin(volume, 1.3, Skin, Fixed);
   LabelVolume expected = volume;
   Fill(expected,
     [&](int i, int j, int k) -> std::uint16_t
@@ -87,7 +87,7 @@ TEST(LabelSkin, LayersOfABoxAreExact)
     });
   EXPECT_EQ(result.Voxels, expected.Voxels);
   // What is skin already counts.
-  EXPECT_EQ(AddSkin(result, 1.3, Skin, Held).Voxels, result.Voxels);
+  EXPECT_EQ(AddSkin(result, 1.3, Skin, Fixed).Voxels, result.Voxels);
 }
 
 TEST(LabelSkin, NoneAtTheBordersHeldTissueAndHoles)
@@ -100,7 +100,7 @@ TEST(LabelSkin, NoneAtTheBordersHeldTissueAndHoles)
       const bool hole = i == 5 && j == 8 && k == 5;
       return j < 2 || j >= 14 || hole ? 0 : j < 4 ? Muscle : Fat;
     });
-  const LabelVolume result = AddSkin(volume, 3, Skin, Held);
+  const LabelVolume result = AddSkin(volume, 3, Skin, Fixed);
   LabelVolume expected = volume;
   Fill(expected,
     [&](int i, int j, int k) -> std::uint16_t
@@ -118,7 +118,7 @@ TEST(LabelSkin, DepthIsTheDistanceToTheNearestAir)
     LabelVolume volume = Make({ 9, 8, 7 }, { 0.7, 1.1, 1.9 });
     Fill(volume, [&](int, int, int) -> std::uint16_t { return generator() % 5 == 0 ? 0 : Fat; });
     constexpr double reach = 2.5;
-    const std::vector<float> depth = DepthBelowAir(volume, reach, Held);
+    const std::vector<float> depth = DepthBelowAir(volume, reach, Fixed);
     // Every air voxel at the border is outer air; compare where no other one matters.
     Fill(volume,
       [&](int i, int j, int k) -> std::uint16_t
@@ -126,7 +126,7 @@ TEST(LabelSkin, DepthIsTheDistanceToTheNearestAir)
         const bool border = i == 0 || j == 0 || k == 0 || i == 8 || j == 7 || k == 6;
         return border ? volume.Voxels[volume.Index(i, j, k)] : Fat;
       });
-    const std::vector<float> outer = DepthBelowAir(volume, reach, Held);
+    const std::vector<float> outer = DepthBelowAir(volume, reach, Fixed);
     for (int k = 0; k < 7; ++k)
     {
       for (int j = 0; j < 8; ++j)
@@ -174,9 +174,9 @@ TEST(LabelSkin, RefusesWhatMakesNoClosedLayer)
   for (const double thickness :
     { 1.9, 0.0, -1.0, std::nan(""), std::numeric_limits<double>::infinity() })
   {
-    EXPECT_THROW(AddSkin(volume, thickness, Skin, Held), InputError) << thickness;
+    EXPECT_THROW(AddSkin(volume, thickness, Skin, Fixed), InputError) << thickness;
   }
-  EXPECT_THROW(AddSkin(volume, 2, 0, Held), InputError);
-  EXPECT_THROW(AddSkin(volume, 2, Muscle, Held), InputError);
-  EXPECT_EQ(AddSkin(volume, 2, Skin, Held).Voxels, volume.Voxels); // no air
+  EXPECT_THROW(AddSkin(volume, 2, 0, Fixed), InputError);
+  EXPECT_THROW(AddSkin(volume, 2, Muscle, Fixed), InputError);
+  EXPECT_EQ(AddSkin(volume, 2, Skin, Fixed).Voxels, volume.Voxels); // no air
 }

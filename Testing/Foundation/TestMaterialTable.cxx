@@ -90,9 +90,10 @@ TEST(MaterialTable, ListsWhatMaterialsAre)
   MaterialTable table = TwoTissues();
   table.Materials[1].Thin = true;
   table.Materials[2].Attenuation = "glandular";
-  table.Materials.push_back(Material{ .Name = "muscle", .Attenuation = "glandular", .Held = true });
+  table.Materials.push_back(
+    Material{ .Name = "muscle", .Attenuation = "glandular", .Fixed = true });
   EXPECT_THAT(table.Names(), testing::ElementsAre("air", "fat", "gland", "muscle"));
-  EXPECT_THAT(table.Held(), testing::ElementsAre(false, false, false, true));
+  EXPECT_THAT(table.Fixed(), testing::ElementsAre(false, false, false, true));
   EXPECT_THAT(table.Thin(), testing::ElementsAre(1));
   EXPECT_THAT(table.Glandular(), testing::ElementsAre(2)); // muscle is held
 }

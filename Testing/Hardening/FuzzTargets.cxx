@@ -62,7 +62,7 @@ FuzzTarget Refusing(const std::function<void(const std::string& bytes)>& read)
     }
     catch (const Error& error)
     {
-      if (Printable(error.what()) != error.what())
+      if (EscapeControls(error.what()) != error.what())
       {
         Fail(error.what());
       }
@@ -155,7 +155,7 @@ void ReadExport(const std::string& bytes)
   std::istringstream listing(StudyListing(study, choice));
   for (std::string line; std::getline(listing, line);)
   {
-    if (Printable(line) != line)
+    if (EscapeControls(line) != line)
     {
       Fail(line);
     }
@@ -214,7 +214,7 @@ const std::map<std::string, FuzzTarget>& FuzzTargets()
       Refusing(
         [](const std::string& bytes)
         {
-          if (const std::string shown = Printable(bytes); Printable(shown) != shown)
+          if (const std::string shown = EscapeControls(bytes); EscapeControls(shown) != shown)
           {
             Fail(shown);
           }

@@ -41,9 +41,9 @@ TEST(MaterialTableIO, ReadsTheShippedTable)
   EXPECT_EQ(muscle.Name, "muscle");
   EXPECT_EQ(muscle.Attenuation, "muscle");
   EXPECT_EQ(muscle.DensityGPerCm3, 1.05);
-  EXPECT_TRUE(muscle.Held);
+  EXPECT_TRUE(muscle.Fixed);
   EXPECT_EQ(table.Materials[2].YoungsModulusKPa, 15);
-  EXPECT_FALSE(table.Materials[2].Held);
+  EXPECT_FALSE(table.Materials[2].Fixed);
   EXPECT_EQ(table.MaterialOfLabel.at(33), 3);
   EXPECT_EQ(table.MaterialOfLabel.size(), 12u);
   EXPECT_EQ(table.MaterialOfLabel.at(50), 0); // paddles
@@ -111,7 +111,7 @@ TEST(MaterialTableIO, RefusesWhatIsWrongByKey)
   EXPECT_THAT(MaterialsRefusal(WithFat(good + R"(, "poisson_ratio": 0.5)")),
     HasSubstr("below 0.5"));
   EXPECT_THAT(MaterialsRefusal(WithFat(good + R"(, "fung_exponent": -1)")), HasSubstr("from 0"));
-  EXPECT_THAT(MaterialsRefusal(WithFat(good + R"(, "held": 1)")), HasSubstr("true or false"));
+  EXPECT_THAT(MaterialsRefusal(WithFat(good + R"(, "fixed": 1)")), HasSubstr("true or false"));
   EXPECT_THAT(MaterialsRefusal(WithFat(good + R"(, "colour": "red")")),
     HasSubstr("unknown key 'colour'"));
   EXPECT_THAT(MaterialsRefusal(WithFat(good + R"(, "labels": [2])")), HasSubstr("expected once"));
@@ -120,9 +120,9 @@ TEST(MaterialTableIO, RefusesWhatIsWrongByKey)
   EXPECT_THAT(MaterialsRefusal(R"({"materials": [{"name": "air", "labels": [0]},
     {"name": "air", "labels": [1], "attenuation": "a"}]})"),
     HasSubstr("no other material has"));
-  EXPECT_THAT(MaterialsRefusal(R"({"materials": [{"name": "air", "labels": [0], "held": true},
+  EXPECT_THAT(MaterialsRefusal(R"({"materials": [{"name": "air", "labels": [0], "fixed": true},
     {"name": "fat", "labels": [1], "attenuation": "a"}]})"),
-    HasSubstr("unknown key 'held'"));
+    HasSubstr("unknown key 'fixed'"));
   EXPECT_THROW(ReadMaterialTable("/nowhere/table.json"), InputError);
 }
 

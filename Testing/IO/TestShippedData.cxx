@@ -69,7 +69,7 @@ TEST(ShippedData, BreastSegNetsLabelsHaveTheirTissuesAndImplantsNone)
     EXPECT_EQ(table.ToMaterials(labels, "labels").Voxels.front(), table.IndexOf(tissues[label]))
       << label;
   }
-  EXPECT_TRUE(table.Held()[static_cast<std::size_t>(table.IndexOf("chest-wall"))]);
+  EXPECT_TRUE(table.Fixed()[static_cast<std::size_t>(table.IndexOf("chest-wall"))]);
 }
 
 TEST(ShippedData, ShippedTablesAreFoundByName)

@@ -29,7 +29,7 @@ int BallOnMuscle(const Vector3& p)
 struct ShapeVolumes
 {
   double Moving = 0;
-  double Held = 0;
+  double Fixed = 0;
   /// The front of what is held, over the middle of the grid, mm in the volume frame.
   double Front = -1e9;
 };
@@ -40,12 +40,12 @@ ShapeVolumes VolumesOf(const SimulationShape& shape)
   const LabelVolume& tissue = shape.Tissue;
   std::map<int, std::size_t> counts = tissue.CountLabels();
   volumes.Moving = static_cast<double>(counts[SimulationShape::Moving]) * tissue.VoxelVolume();
-  volumes.Held = static_cast<double>(counts[SimulationShape::Held]) * tissue.VoxelVolume();
+  volumes.Fixed = static_cast<double>(counts[SimulationShape::Fixed]) * tissue.VoxelVolume();
   const int i = tissue.Size[0] / 2;
   const int j = tissue.Size[1] / 2;
   for (int k = 0; k < tissue.Size[2]; ++k)
   {
-    if (tissue.Voxels[tissue.Index(i, j, k)] == SimulationShape::Held)
+    if (tissue.Voxels[tissue.Index(i, j, k)] == SimulationShape::Fixed)
     {
       volumes.Front = std::max(volumes.Front, tissue.PointAt(i, j, k + 0.5)[2]);
     }
@@ -75,7 +75,7 @@ TEST(SimulationShape, KeepsTheVolumeAndTheBorderOfSmoothBodies)
   // A voxel of the shape, an eighth of an edge, and one of the volume.
   EXPECT_NEAR(volumes.Front, -8, 1.75);
   // Held is as deep as an edge, over a disc of 22.6 mm.
-  EXPECT_NEAR(volumes.Held / (std::numbers::pi * 22.6 * 22.6 * edge), 1, 0.25);
+  EXPECT_NEAR(volumes.Fixed / (std::numbers::pi * 22.6 * 22.6 * edge), 1, 0.25);
 }
 
 TEST(SimulationShape, LiesOnTheVolumesAxesWhereverTheyPoint)
@@ -140,7 +140,7 @@ TEST(SimulationShape, HolesFlapsAndIslandsDoNotMatter)
   // The sheet's root is rounded: two of its grooves, a third of an edge wide.
   EXPECT_NEAR(ragged.Moving / plain.Moving, 1, 0.02);
   EXPECT_NEAR(ragged.Front, plain.Front, 0.75); // a voxel
-  EXPECT_NEAR(ragged.Held / plain.Held, 1, 0.05);
+  EXPECT_NEAR(ragged.Fixed / plain.Fixed, 1, 0.05);
 }
 
 TEST(SimulationShape, WithoutHeldTissueNothingIsHeld)
@@ -156,7 +156,7 @@ TEST(SimulationShape, WithoutHeldTissueNothingIsHeld)
       });
     const SimulationShape shape = ShapeForCells(body, OnlyMuscleHeld, 8);
     const ShapeVolumes volumes = VolumesOf(shape);
-    EXPECT_EQ(volumes.Held, 0) << round;
+    EXPECT_EQ(volumes.Fixed, 0) << round;
     EXPECT_NEAR(volumes.Moving / static_cast<double>(body.CountLabels()[1]), 1, 0.05) << round;
   }
 }
@@ -168,9 +168,9 @@ TEST(SimulationShape, RefusesWhereNothingMoves)
   const LabelVolume muscle =
     test::LabelledCube(30, 1, [](const Vector3& p) { return Norm(p) < 13 ? 3 : 0; });
   EXPECT_THAT(RefusalOf([&] { ShapeForCells(muscle, OnlyMuscleHeld, 5); }),
-    HasSubstr("expected tissue that is not held, found none"));
+    HasSubstr("expected tissue that is not fixed, found none"));
   // Whose size is to be taken from the volume, of which nothing moves.
   EXPECT_THAT(RefusalOf([&] { MeshForSimulation(muscle, OnlyMuscleHeld, 0); }),
-    HasSubstr("expected tissue that is not held, found none"));
+    HasSubstr("expected tissue that is not fixed, found none"));
 }
 }

@@ -10,7 +10,7 @@ TABLE = """{ "materials": [
     "youngs_modulus_kpa": 6, "poisson_ratio": 0.48 },
   { "name": "gland", "labels": [3], "attenuation": "glandular", "density_g_per_cm3": 1.03,
     "youngs_modulus_kpa": 12, "poisson_ratio": 0.48 },
-  { "name": "wall", "labels": [2], "attenuation": "muscle", "density_g_per_cm3": 1.05, "held": true } ] }"""
+  { "name": "wall", "labels": [2], "attenuation": "muscle", "density_g_per_cm3": 1.05, "fixed": true } ] }"""
 
 
 def half_ball_labels(radius=30.0, spacing=2.0):

@@ -36,13 +36,13 @@ with tempfile.NamedTemporaryFile("w", suffix=".json") as table:
     compression.SetChestWallToSliding()
     compression.Update()
     assert field(compression.GetOutput(), "PaddleForceN")[0] < force, "a wall that gives way"
-    compression.SetChestWallToHeld()
+    compression.SetChestWallToFixed()
     compression.SetForceN(2 * force)
     compression.Update()
     assert field(compression.GetOutput(), "ThicknessMm")[0] < 50, "more force, less thickness"
 # Beyond 20,000 cells the simulation runs on a coarse mesh that is made for it, as in the command: some seconds, where the fine mesh
 # itself takes minutes. Its skin stands out of the coarse one's facets by some tenths of a millimetre.
-materials = {1: mammoray.Material(youngs_modulus=6, poisson_ratio=0.48), 2: mammoray.Material(held=True),
+materials = {1: mammoray.Material(youngs_modulus=6, poisson_ratio=0.48), 2: mammoray.Material(fixed=True),
              3: mammoray.Material(youngs_modulus=12, poisson_ratio=0.48)}
 fine = mammoray.mesh(labels, (2, 2, 2), origin=origin, materials=materials, cell_size=2.2)
 assert len(fine.tetrahedra) > 20000

@@ -90,7 +90,7 @@ for odd, text in (({"cell_size": 1e-3}, "GB that this process may have"), ({"lab
         assert text in str(error), error
 
 # Ctrl-C stops the work, which is done anew when it is asked for.
-table = {1: mammoray.Material(youngs_modulus=6), 2: mammoray.Material(held=True), 3: mammoray.Material(youngs_modulus=12)}
+table = {1: mammoray.Material(youngs_modulus=6), 2: mammoray.Material(fixed=True), 3: mammoray.Material(youngs_modulus=12)}
 mesh = mammoray.mesh(labels, (2, 2, 2), origin=origin, cell_size=5, materials=table)
 told = []
 

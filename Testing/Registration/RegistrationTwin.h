@@ -78,7 +78,7 @@ struct Twin
   {
     ElasticTable materials;
     materials.Elastic = { {}, { 5, 0.49 }, { 5, 0.49 }, { 15, 0.49 } };
-    materials.Held = { false, false, true, false };
+    materials.Fixed = { false, false, true, false };
     return materials;
   }
 

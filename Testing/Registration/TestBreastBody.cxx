@@ -20,7 +20,7 @@ BreastBody CoarseBody()
   const ElasticTable table = test::Twin::Materials();
   const TetrahedralMesh mesh = test::MakeHalfEllipsoidMesh(test::HalfAxes[0], test::HalfAxes[1],
     test::HalfAxes[2], std::array{ 4, 4, 4 });
-  return { CompressionSimulation(mesh, table.Elastic, table.Held, test::AnatomyAt), table.Elastic,
+  return { CompressionSimulation(mesh, table.Elastic, table.Fixed, test::AnatomyAt), table.Elastic,
     { 3 } };
 }
 
@@ -35,7 +35,7 @@ TEST(BreastBody, RefusesUnknownMaterialsAndAbsentSurfaces)
                   [&]
                   {
                     BreastBody(
-                      CompressionSimulation(test::MakeAnatomy(4), table.Elastic, table.Held),
+                      CompressionSimulation(test::MakeAnatomy(4), table.Elastic, table.Fixed),
                       table.Elastic, { unknown });
                   }),
       HasSubstr("expected a material of the 4 known to scale"));

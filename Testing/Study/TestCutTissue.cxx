@@ -19,7 +19,7 @@ MaterialTable FatAndSkin()
   MaterialTable table;
   table.Name = "test";
   table.Materials = { { .Name = "air" }, { .Name = "fat" }, { .Name = "skin", .Thin = true },
-    { .Name = "muscle", .Held = true } };
+    { .Name = "muscle", .Fixed = true } };
   return table;
 }
 

@@ -211,7 +211,7 @@ TEST(Intake, TextsOfAnyLengthAndKindAreShown)
   std::istringstream listing(StudyListing(study, choice));
   for (std::string line; std::getline(listing, line);)
   {
-    EXPECT_EQ(Printable(line), line);
+    EXPECT_EQ(EscapeControls(line), line);
   }
   EXPECT_THAT(listing.str(), HasSubstr(std::string(30, 'a') + "..."));
 }

@@ -40,7 +40,7 @@ MaterialTable Tissues()
 {
   MaterialTable table;
   table.Materials = { { .Name = "air" }, { .Name = "fat" }, { .Name = "gland" },
-    { .Name = "wall", .Held = true } };
+    { .Name = "wall", .Fixed = true } };
   return table;
 }
 

@@ -100,8 +100,7 @@ TEST_F(RegisteredBox, ExpectsTheErrorThatItsCovarianceSays)
 TEST_F(RegisteredBox, APixelHasTheTissueOfItsRayBehindIt)
 {
   const ImagedPoint imaged = this->Breast->ToMammogram({ 12, 20, -6 });
-  const std::vector<TissueStretch> stretches =
-    this->Breast->ToVolume(imaged.Column, imaged.Row, 0.1);
+  const std::vector<RaySegment> stretches = this->Breast->ToVolume(imaged.Column, imaged.Row, 0.1);
   ASSERT_EQ(stretches.size(), 1u);
   EXPECT_EQ(stretches[0].Material, "fat");
   // From 2 to 22 mm above the receptor, a little aslant; steps of 0.1 mm.

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The projector as a function of Octave and MATLAB; mammoray_project.m is its manual.
 #include "mammoray/Foundation/Error.h"
-#include "mammoray/Foundation/NearNames.h"
+#include "mammoray/Foundation/SpellingSuggestions.h"
 #include "mammoray/XRay/Beam.h"
 #include "mammoray/XRay/DeviceError.h"
 #include "mammoray/XRay/Exposure.h"
@@ -121,7 +121,7 @@ void CheckFields(const mxArray* array, const std::string& name,
     const std::string found = mxGetFieldNameByNumber(array, field);
     if (std::find(known.begin(), known.end(), found) == known.end())
     {
-      throw InputError(name + ": no field '" + found + "'; " + SuggestNames(found, known));
+      throw InputError(name + ": no field '" + found + "'; " + SpellingHint(found, known));
     }
   }
 }

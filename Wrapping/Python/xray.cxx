@@ -262,7 +262,7 @@ py::list Materials(const std::string& pathOrName)
     entry["youngs_modulus"] = material.YoungsModulusKPa;
     entry["poisson_ratio"] = material.PoissonRatio;
     entry["fung_exponent"] = material.FungExponent;
-    entry["held"] = material.Held;
+    entry["fixed"] = material.Fixed;
     materials.append(entry);
   }
   return materials;

@@ -158,13 +158,13 @@ void BreastMark::UpdatePixel()
   const MarkedMammogram& marked = this->Mammograms[this->PixelOf];
   const auto [column, row] = *this->Pixel;
   const RegisteredBreast breast(marked.Live->InUnit());
-  const std::vector<TissueStretch> stretches = breast.ToVolume(column, row, 1.0);
+  const std::vector<RaySegment> stretches = breast.ToVolume(column, row, 1.0);
   char text[240];
   std::snprintf(text, sizeof text, "%spixel (%.1f, %.1f): ", marked.Prefix.c_str(), column, row);
   this->Found = text;
   std::map<std::string, double> lengths;
   std::vector<Vector3> curve;
-  for (const TissueStretch& stretch : stretches)
+  for (const RaySegment& stretch : stretches)
   {
     lengths[stretch.Material] += stretch.LengthMm;
     curve.insert(curve.end(), stretch.Uncompressed.begin(), stretch.Uncompressed.end());

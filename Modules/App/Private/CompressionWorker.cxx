@@ -129,7 +129,7 @@ void CompressionWorker::Remember(const BreastPose& pose)
     for (int p = 0; p < 2; ++p)
     {
       known.PositionRates[p] = std::move(rates[p]);
-      known.ForceRates[p] = simulation.PaddleForceRate(*this->State, moved[p]);
+      known.ForceRates[p] = simulation.PaddleForceDerivative(*this->State, moved[p]);
     }
     const std::lock_guard lock(this->Mutex);
     this->Known.Add(std::move(known));

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Private/StoreAnswer.h"
 
-#include "mammoray/Foundation/Plausible.h"
+#include "mammoray/Foundation/ValidRange.h"
 
 #include <nlohmann/json.hpp>
 
@@ -27,7 +27,7 @@ std::string WhyNotStored(long status, const std::string& body)
   nlohmann::json json;
   try
   {
-    json = nlohmann::json::parse(body, PlausibleNesting{ "the archive's answer" }, false);
+    json = nlohmann::json::parse(body, JsonNestingLimit{ "the archive's answer" }, false);
   }
   catch (const InputError& error)
   {

@@ -13,10 +13,10 @@ namespace mammoray
 {
 namespace
 {
-/// Reach of a triangle's plane, in mean sides of the triangles: smooth from one to the next, while
-/// the wall's own curvature, over several of them, is kept.
+/// Radius of a triangle's influence, in mean sides: smooth from one triangle to the next, yet the
+/// wall's curvature over several triangles is kept.
 constexpr double ReachInSides = 1.5;
-/// Exponent below the largest one of all triangles from which on a weight is below roundoff.
+/// Weights whose exponent is this far below the largest one are below roundoff.
 constexpr double NegligibleExponent = 40;
 
 /// a += s (u v^T + v u^T)
@@ -39,19 +39,19 @@ void AddDiagonal(std::array<Vector3, 3>& a, double s)
   }
 }
 
-/// A triangle between a held cell and another one, as a face of the latter.
+/// A triangle between a fixed cell and another one, as a face of the latter.
 struct Interface
 {
   std::int32_t Cell = 0;
   int Face = 0;
 };
 
-std::vector<Interface> FindInterface(const ElasticBody& body, const std::vector<bool>& heldCells)
+std::vector<Interface> FindInterface(const ElasticBody& body, const std::vector<bool>& fixedCells)
 {
   struct Sides
   {
     Interface Free{ -1, 0 };
-    bool Held = false;
+    bool Fixed = false;
   };
   std::map<std::array<std::int32_t, 3>, Sides> faces;
   for (std::size_t cell = 0; cell < body.NumberOfCells(); ++cell)
@@ -63,9 +63,9 @@ std::vector<Interface> FindInterface(const ElasticBody& body, const std::vector<
       std::array<std::int32_t, 3> key{ nodes[local[0]], nodes[local[1]], nodes[local[2]] };
       std::sort(key.begin(), key.end());
       Sides& sides = faces[key];
-      if (heldCells[cell])
+      if (fixedCells[cell])
       {
-        sides.Held = true;
+        sides.Fixed = true;
       }
       else
       {
@@ -76,7 +76,7 @@ std::vector<Interface> FindInterface(const ElasticBody& body, const std::vector<
   std::vector<Interface> result;
   for (const auto& [key, sides] : faces)
   {
-    if (sides.Held && sides.Free.Cell >= 0)
+    if (sides.Fixed && sides.Free.Cell >= 0)
     {
       result.push_back(sides.Free);
     }
@@ -85,14 +85,14 @@ std::vector<Interface> FindInterface(const ElasticBody& body, const std::vector<
 }
 }
 
-AttachmentEnergy::AttachmentEnergy(const ElasticBody& body, const std::vector<bool>& heldCells,
+AttachmentEnergy::AttachmentEnergy(const ElasticBody& body, const std::vector<bool>& fixedCells,
   const WallStiffness& stiffness)
   : Stiffness(stiffness)
 {
   const std::vector<double>& rest = body.RestPositions();
   std::map<std::int32_t, double> areas;
   double sides = 0;
-  for (const Interface& face : FindInterface(body, heldCells))
+  for (const Interface& face : FindInterface(body, fixedCells))
   {
     const std::int32_t* nodes = &body.Cells()[body.NodesPerCell() * face.Cell];
     const int* local = FaceCorners[face.Face];
@@ -105,8 +105,8 @@ AttachmentEnergy::AttachmentEnergy(const ElasticBody& body, const std::vector<bo
     const double area = Norm(outwards);
     this->Triangles.push_back(
       { (1 / 3.0) * (corners[0] + corners[1] + corners[2]), (-1 / area) * outwards, area });
-    // The four triangles between corners and middles: every node's share is positive, which the
-    // integrals of the quadratic shape functions are not.
+    // Areas come from the four triangles between corners and mid-side nodes, because every node's
+    // share is then positive; integrals of the quadratic shape functions are not.
     const bool quadratic = body.Type() == ElementType::Quadratic;
     for (int c = 0; c < 3; ++c)
     {
@@ -121,7 +121,7 @@ AttachmentEnergy::AttachmentEnergy(const ElasticBody& body, const std::vector<bo
   }
   if (this->Triangles.empty())
   {
-    throw InputError("chest wall: expected tissue that meets held cells, found none");
+    throw InputError("chest wall: expected tissue that meets fixed cells, found none");
   }
   const double reach = ReachInSides * sides / (3.0 * static_cast<double>(this->Triangles.size()));
   this->Sharpness = 1 / (reach * reach);
@@ -164,7 +164,7 @@ SurfaceHeight AttachmentEnergy::HeightAt(const Vector3& x) const
     const Vector3 r = x - triangle.Middle;
     nearest = std::min(nearest, Dot(r, r));
   }
-  // With W = sum w_i and S = sum w_i s_i, s_i = n_i . (x - c_i): h W = S, differentiated twice.
+  // With W = sum w_i and S = sum w_i s_i, s_i = n_i . (x - c_i): differentiate h W = S twice.
   // Weights relative to the nearest triangle's cannot all vanish; the factor cancels in h.
   double weightSum = 0;
   double heightSum = 0;
@@ -242,7 +242,7 @@ std::array<Vector3, 3> AttachmentEnergy::NodeRestDerivative(std::size_t n, const
   std::array<Vector3, 3> result{};
   for (int k = 0; k < 3; ++k)
   {
-    // The normal turns with the place: dn = P H e_k / |grad h|.
+    // The normal turns with the position: dn = P H e_k / |grad h|.
     const Vector3 bend = (1 / Norm(there.Gradient)) * there.Hessian[k];
     const Vector3 turn = bend - Dot(node.Normal, bend) * node.Normal;
     Vector3 unit{ 0, 0, 0 };

@@ -12,7 +12,7 @@ namespace mammoray
 {
 namespace
 {
-/// Patches below this are given to their neighbours: the fewer cells share a constraint, the
+/// Smaller patches are distributed to their neighbours: the fewer cells share a constraint, the
 /// stiffer they are.
 constexpr std::size_t SmallestPatchSize = 6;
 
@@ -26,7 +26,7 @@ public:
     , Groups(groups)
     , PatchOf(mesh.NumberOfCells(), -1)
   {
-    // Patches grow next to those there are, so that few cells are left over between them.
+    // Patches grow next to existing ones, so that few cells remain between them.
     std::deque<std::int32_t> seeds;
     for (std::int32_t first = 0; first < static_cast<std::int32_t>(mesh.NumberOfCells()); ++first)
     {
@@ -76,8 +76,8 @@ private:
     this->PatchOf[seed] = index;
     while (patch.size() < UsualPatchSize)
     {
-      // Takes the free neighbour with the fewest new nodes, then the fewest free neighbours
-      // of its own.
+      // Take the free neighbour with the fewest new nodes, then with the fewest free neighbours of
+      // its own.
       std::tuple<int, int, std::int32_t> best{ 5, 5, -1 };
       for (const std::int32_t cell : patch)
       {
@@ -125,7 +125,7 @@ private:
     return count;
   }
 
-  /// Cell by cell to the smallest patch beside it, as long as one has room.
+  /// Gives the cells of small patches one by one to the smallest adjacent patch with room.
   void ShareOutSmallPatches()
   {
     for (std::size_t small = 0; small < this->Patches.size(); ++small)

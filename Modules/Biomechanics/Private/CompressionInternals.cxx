@@ -13,11 +13,12 @@ namespace mammoray
 {
 namespace
 {
-/// Least part of the loads that is added at a time while a breast settles.
+/// Smallest fraction of the loads that is added at a time while a breast settles.
 constexpr double SmallestSettlingStep = 1.0 / 64;
 
-/// "The least" stiffness factor is as much larger than the last that was found to fail at most,
-/// with RestShape's precision; and how much of the gravity is to be borne at least.
+/// Bounds of the search for the least stiffness factor: the result exceeds a factor that failed by
+/// at most this margin (and StressFreeShape's precision); below this fraction of gravity the search
+/// gives up.
 constexpr double FactorMargin = 1.03;
 constexpr double LeastBorne = 1e-3;
 
@@ -28,8 +29,9 @@ WallStiffness WallOf(const CompressionOptions& options)
                                                 : options.Wall.Tangential };
 }
 
-/// Whether the body goes on behind a face of the boundary.
-bool IsCut(const ElasticBody& body, const ElasticBody::BoundaryFace& face, const BodyField& beside)
+/// True if the body continues behind a face of the boundary.
+bool IsCut(const ElasticBody& body, const ElasticBody::BoundaryFace& face,
+  const BodyField& outsideTissue)
 {
   const std::span<const std::int32_t> nodes = body.NodesOf(face.Element);
   Vector3 corners[3];
@@ -42,29 +44,29 @@ bool IsCut(const ElasticBody& body, const ElasticBody::BoundaryFace& face, const
   const Vector3 normal = Cross(sides[0], sides[1]);
   const Vector3 middle = (1 / 3.0) * (corners[0] + corners[1] + corners[2]);
   const double side = (Norm(sides[0]) + Norm(sides[1]) + Norm(sides[2])) / 3;
-  return beside(middle + (0.5 * side / Norm(normal)) * normal);
+  return outsideTissue(middle + (0.5 * side / Norm(normal)) * normal);
 }
 
-/// Every coordinate of a node of a held cell, unless the breast can move along the chest wall, and
-/// of a face behind which the body goes on.
-std::vector<bool> FixedCoordinates(const ElasticBody& body, const std::vector<bool>& heldCells,
-  ChestWallMode mode, const BodyField& beside)
+/// Fixes all coordinates of nodes of fixed cells, unless the breast can move along the chest wall,
+/// and of nodes of cut faces.
+std::vector<bool> FixedCoordinates(const ElasticBody& body, const std::vector<bool>& fixedCells,
+  ChestWallMode mode, const BodyField& outsideTissue)
 {
   std::vector<bool> fixed(3 * body.NumberOfNodes(), false);
   for (const ElasticBody::BoundaryFace& face : body.Faces())
   {
-    // No element holds cells of both kinds.
-    const bool cut =
-      beside && !heldCells[body.CellsOf(face.Element).front()] && IsCut(body, face, beside);
+    // An element has either only fixed or only other cells.
+    const bool cut = outsideTissue && !fixedCells[body.CellsOf(face.Element).front()] &&
+      IsCut(body, face, outsideTissue);
     for (int a = 0; cut && a < body.NodesPerFace(); ++a)
     {
       const std::int32_t node = body.NodesOf(face.Element)[face.LocalNodes[a]];
       fixed[3 * node] = fixed[3 * node + 1] = fixed[3 * node + 2] = true;
     }
   }
-  for (std::size_t cell = 0; cell < heldCells.size() && mode == ChestWallMode::Held; ++cell)
+  for (std::size_t cell = 0; cell < fixedCells.size() && mode == ChestWallMode::Fixed; ++cell)
   {
-    for (int a = 0; a < body.NodesPerCell() && heldCells[cell]; ++a)
+    for (int a = 0; a < body.NodesPerCell() && fixedCells[cell]; ++a)
     {
       const std::int32_t node = body.Cells()[body.NodesPerCell() * cell + a];
       fixed[3 * node] = fixed[3 * node + 1] = fixed[3 * node + 2] = true;
@@ -74,20 +76,20 @@ std::vector<bool> FixedCoordinates(const ElasticBody& body, const std::vector<bo
 }
 }
 
-CompressionSimulation::Internals::Internals(ElasticBody body, std::vector<bool> heldCells,
-  std::size_t pointCount, const CompressionOptions& options, const BodyField& beside)
+CompressionSimulation::Internals::Internals(ElasticBody body, std::vector<bool> fixedCells,
+  std::size_t pointCount, const CompressionOptions& options, const BodyField& outsideTissue)
   : Body(std::move(body))
   , Options(options)
-  , HeldCells(std::move(heldCells))
-  , Fixed(FixedCoordinates(Body, HeldCells, options.ChestWall, beside))
-  , Solver(Body, Fixed, options.ContactStiffness, HeldCells)
+  , FixedCells(std::move(fixedCells))
+  , Fixed(FixedCoordinates(Body, FixedCells, options.ChestWall, outsideTissue))
+  , Solver(Body, Fixed, options.ContactStiffness, FixedCells)
   , Given(Body.Materials())
   , Image(Body.RestPositions())
   , NumberOfPoints(pointCount)
 {
-  if (options.ChestWall != ChestWallMode::Held)
+  if (options.ChestWall != ChestWallMode::Fixed)
   {
-    this->Wall.emplace(this->Body, this->HeldCells, WallOf(options));
+    this->Wall.emplace(this->Body, this->FixedCells, WallOf(options));
     this->Solver.SetAttachment(&*this->Wall);
     this->FindFollowers();
   }
@@ -102,15 +104,15 @@ void CompressionSimulation::Internals::FindFollowers()
   std::vector<bool> free(this->Body.NumberOfNodes(), false);
   for (std::size_t index = 0; index < this->Body.Cells().size(); ++index)
   {
-    if (!this->HeldCells[index / this->Body.NodesPerCell()])
+    if (!this->FixedCells[index / this->Body.NodesPerCell()])
     {
       free[this->Body.Cells()[index]] = true;
     }
   }
-  for (std::size_t cell = 0; cell < this->HeldCells.size(); ++cell)
+  for (std::size_t cell = 0; cell < this->FixedCells.size(); ++cell)
   {
     const std::int32_t* nodes = &this->Body.Cells()[10 * cell];
-    for (int e = 0; e < 6 && this->HeldCells[cell]; ++e)
+    for (int e = 0; e < 6 && this->FixedCells[cell]; ++e)
     {
       const std::int32_t ends[2] = { nodes[CellEdges[e][0]], nodes[CellEdges[e][1]] };
       if (!free[nodes[4 + e]] && (free[ends[0]] || free[ends[1]]))
@@ -135,7 +137,7 @@ void CompressionSimulation::Internals::DrawAlong(std::vector<double>& values) co
 std::vector<double> CompressionSimulation::Internals::Loads(const Vector3& gravityMPerS2,
   const Vector3& pullN) const
 {
-  return BodyForces(this->Body, this->HeldCells, gravityMPerS2, pullN);
+  return BodyForces(this->Body, this->FixedCells, gravityMPerS2, pullN);
 }
 
 void CompressionSimulation::Internals::Settle(const std::vector<double>& from,
@@ -189,7 +191,7 @@ const std::vector<double>& CompressionSimulation::Internals::SettledPositions(
   std::vector<double> positions = this->Body.RestPositions();
   if (!loads.empty() && this->Unloaded)
   {
-    // Soft tissue may hang in several ways: in the image it hangs in one of them.
+    // Soft tissue can hang in several ways; start from the imaged one.
     std::vector<double> hanging = this->Image;
     try
     {
@@ -209,7 +211,7 @@ const std::vector<double>& CompressionSimulation::Internals::SettledPositions(
   return this->Settled;
 }
 
-/// Gives body and wall the materials and options as they were given, that much stiffer.
+/// Multiplies the given stiffness of body and wall by a factor.
 void CompressionSimulation::Internals::SetStiffness(double factor)
 {
   std::vector<ElasticMaterial> materials = this->Given;
@@ -228,16 +230,17 @@ void CompressionSimulation::Internals::SetStiffness(double factor)
   this->Settled.clear();
 }
 
-/// From the body without load; where its weight is too much, makes it stiffer.
+/// Searches from the body without load; raises the stiffness if the tissue cannot carry its weight.
 void CompressionSimulation::Internals::FindRest(const ProgressCallback& progress)
 {
-  RestShape& shape = this->Unloaded->Shape;
+  StressFreeShape& shape = this->Unloaded->Shape;
   const double part = shape.Find(progress);
   if (part == 1)
   {
     return;
   }
-  // Equilibrium under a part of the gravity is that under all of it, of tissue as much stiffer.
+  // Equilibrium under a fraction of gravity equals that under the whole of it with stiffness
+  // divided by the fraction.
   double borne = part / FactorMargin;
   while (borne > 0 && !shape.MoveTo(borne, progress))
   {
@@ -252,7 +255,7 @@ void CompressionSimulation::Internals::FindRest(const ProgressCallback& progress
   shape.TakeForWhole();
 }
 
-/// Makes the shape at rest that was found that of the simulation; throws where the image does not
+/// Makes the stress-free shape found that of the simulation; throws if the imaged shape does not
 /// follow from it.
 void CompressionSimulation::Internals::TakeRest(const ProgressCallback& progress)
 {
@@ -377,20 +380,20 @@ void CompressionSimulation::Internals::ChangePredictor(
   }
 }
 
-void CompressionSimulation::Internals::AddRestVelocities(EquilibriumVelocities& velocities)
+void CompressionSimulation::Internals::AddStressFreeVelocities(EquilibriumDerivatives& velocities)
 {
   if (!this->Unloaded)
   {
     return;
   }
   std::vector<WallStiffness> walls;
-  for (const HoldingVelocity& velocity : velocities.Holding)
+  for (const SupportDerivative& velocity : velocities.Support)
   {
     walls.push_back(velocity.Wall);
   }
   for (std::vector<double>& rate : this->Unloaded->Shape.Rates(velocities.Materials, walls))
   {
-    std::vector<double> loads = BodyForceRates(this->Body, this->HeldCells,
+    std::vector<double> loads = BodyForceDerivatives(this->Body, this->FixedCells,
       this->Options.GravityMPerS2, this->Options.PullN, rate);
     velocities.Rest.push_back({ std::move(rate), std::move(loads) });
   }

@@ -6,7 +6,7 @@
 #include "Private/ElasticBody.h"
 #include "Private/EquilibriumSolver.h"
 #include "Private/InverseEquilibrium.h"
-#include "Private/RestShape.h"
+#include "Private/StressFreeShape.h"
 #include "mammoray/Biomechanics/CompressionSimulation.h"
 #include "mammoray/Biomechanics/Embedding.h"
 
@@ -19,76 +19,76 @@ struct CompressionSimulation::Internals
 {
   ElasticBody Body;
   CompressionOptions Options;
-  /// One flag per cell: of a held material.
-  std::vector<bool> HeldCells;
+  /// One flag per cell: true for cells of a fixed material.
+  std::vector<bool> FixedCells;
   /// Coordinates that do not move, 3 x nodeCount.
   std::vector<bool> Fixed;
-  /// Where the breast is not held but slides or hangs elastically.
+  /// The wall's energy if the breast slides along the wall or is attached elastically.
   std::optional<AttachmentEnergy> Wall;
   EquilibriumSolver Solver;
-  /// The materials as they were given, and what all stiffness is raised by over them.
+  /// The materials as given, and the factor by which all stiffness exceeds theirs.
   std::vector<ElasticMaterial> Given;
   double Factor = 1;
-  /// What Unload has left.
+  /// The inverse problem that Unload has solved.
   struct Unloading
   {
     Vector3 Gravity;
     InverseEquilibrium Inverse;
-    RestShape Shape;
+    StressFreeShape Shape;
 
     Unloading(Internals& internals, const Vector3& gravity, const std::vector<double>& corners)
       : Gravity(gravity)
       , Inverse(internals.Body, internals.Wall ? &*internals.Wall : nullptr, internals.Fixed,
-          internals.HeldCells, corners, gravity)
+          internals.FixedCells, corners, gravity)
       , Shape(Inverse, internals.Solver, internals.Options.RelativeTolerance)
     {
     }
   };
-  /// Null: the mesh is without load.
+  /// Null if the mesh is the stress-free shape.
   std::unique_ptr<Unloading> Unloaded;
-  /// See ImagePositions.
+  /// Node positions in the given mesh; see CompressionSimulation::ImagePositions.
   std::vector<double> Image;
   std::size_t NumberOfPoints;
-  /// Nodes that no cell of tissue has: a middle, and the ends of its side.
+  /// Mid-side nodes that belong to no cell of moving tissue: the middle, then the ends of its side.
   std::vector<std::array<std::int32_t, 3>> Followers;
-  /// Equilibrium under gravity and pull without plates; empty: not known.
+  /// Equilibrium under gravity and pull without plates; empty until it is known.
   std::vector<double> Settled;
-  /// Goes most of the way for a cold start at a small part of the price; empty: none.
+  /// Simulation that provides the initial guess of cold starts; null if there is none.
   std::unique_ptr<CompressionSimulation> Predictor;
-  /// The nodes of the body in `Predictor`.
+  /// Embedding of this body's nodes in `Predictor`.
   std::unique_ptr<Embedding> InPredictor;
 
-  Internals(ElasticBody body, std::vector<bool> heldCells, std::size_t pointCount,
-    const CompressionOptions& options, const BodyField& beside);
+  Internals(ElasticBody body, std::vector<bool> fixedCells, std::size_t pointCount,
+    const CompressionOptions& options, const BodyField& outsideTissue);
 
-  /// Finds the middles in held cells, of sides that end on a wall that is not held.
+  /// Finds the mid-side nodes in fixed cells whose sides end on a wall that can move.
   void FindFollowers();
-  /// Puts them between the ends of their sides; positions or velocities, 3 x nodeCount.
+  /// Places these nodes midway between the ends of their sides, in positions or velocities (3 x
+  /// nodeCount).
   void DrawAlong(std::vector<double>& values) const;
-  /// Dead loads of every node, kPa mm^2; empty where there are none.
+  /// Dead loads of every node, 3 x nodeCount, kPa mm^2; empty if there are none.
   std::vector<double> Loads(const Vector3& gravityMPerS2, const Vector3& pullN) const;
-  /**
-   * From the equilibrium `x` under the loads `from` to that under `to`, without plates and
-   * friction; in steps where it fails at once. Throws ConvergenceError.
-   */
+  /// Moves `x` from the equilibrium under the loads `from` to the one under `to`, without plates
+  /// and friction, in smaller steps where a step fails. Throws ConvergenceError.
   void Settle(const std::vector<double>& from, const std::vector<double>& to,
     std::vector<double>& x, const ProgressCallback& progress);
-  /// The breast under the options' loads, plates open: from the image, where it hung, else from
-  /// rest.
+  /// The breast under the options' loads with open plates. It starts at the imaged shape or, if the
+  /// body hung there, at the equilibrium under gravity; otherwise at the undeformed shape.
   const std::vector<double>& SettledPositions(const ProgressCallback& progress);
-  /// See CompressionSimulation.
+  /// Implement the methods of the same names of CompressionSimulation for this body.
   void Unload(const Vector3& gravityMPerS2, const ProgressCallback& progress);
   void SetMaterials(const std::vector<ElasticMaterial>& materials);
-  /// Places this body's nodes in that of the predictor, both as they are in the image.
+  /// Embeds this body's nodes in the predictor's body, both in the imaged shape.
   void EmbedInPredictor();
-  /// Where this body's nodes, `embedded` in another simulation, are at its `positions`.
+  /// Positions of this body's nodes, `embedded` in another simulation, for the `positions` of its
+  /// nodes.
   std::vector<double> PositionsIn(const CompressionSimulation& other, const Embedding& embedded,
     const std::vector<double>& positions) const;
-  /// Does the same to the predictor as was done here, and drops it where it cannot follow.
+  /// Applies a change to the predictor and drops the predictor if that fails.
   void ChangePredictor(const std::function<void(CompressionSimulation&)>& change);
-  /// How the shape without load changes along with materials and wall; after Unload.
-  void AddRestVelocities(EquilibriumVelocities& velocities);
-  /// Makes the solver's contact, friction and loads those of the state.
+  /// Adds the velocities of the stress-free shape with materials and wall; only after Unload.
+  void AddStressFreeVelocities(EquilibriumDerivatives& velocities);
+  /// Restores the solver's contact, friction and loads from a state.
   void Recall(const CompressionState& state);
 
 private:

@@ -40,8 +40,8 @@ void ContactEnergy::ForEachPoint(std::size_t element, const std::vector<double>&
     {
       radius = std::max(radius, Norm(NodePosition(x, nodes[face.LocalNodes[a]]) - centre));
     }
-    // The shape functions' magnitudes sum to 5/3 at most, and a distance grows no faster than the
-    // way.
+    // The magnitudes of the shape functions sum to at most 5/3, and a distance changes no faster
+    // than the position.
     const double near = LayerMm + 5 / 3.0 * radius;
     const bool mayTouch[2] = { DistanceToPlate(plates.Support, centre).Distance < near,
       DistanceToPlate(plates.Paddle, centre).Distance < near };
@@ -139,8 +139,8 @@ std::vector<ContactPoint> ContactEnergy::PointsAt(std::size_t element, const std
 void ContactEnergy::AddPlateForces(std::size_t element, const std::vector<double>& x,
   const std::vector<PlatePairVelocity>& velocities, std::vector<double>& columns) const
 {
-  // With b(d) the energy of a contact point per area, d its distance to the plate moved by v = L +
-  // w x r: d(grad b)/dp = b' w x grad d - hess(b) v, since grad d turns with the plate.
+  // Let b(d) be the contact energy per area and d the distance to a plate moved by v = L + w x r.
+  // Then d(grad b)/dp = b' w x grad d - hess(b) v, since grad d turns with the plate.
   this->ForEachPoint(element, x, this->Touched,
     [&](const ContactPoint& point)
     {
@@ -174,11 +174,11 @@ void ContactEnergy::AddRestForces(std::size_t element, const std::vector<double>
     });
 }
 
-void ContactEnergy::AddPaddleForceRate(std::size_t element, const std::vector<double>& x,
+void ContactEnergy::AddPaddleForceDerivative(std::size_t element, const std::vector<double>& x,
   const PlatePairVelocity& velocity, const std::vector<double>& nodeVelocities, double& rate) const
 {
-  // F = sum of A p(depth) grad d . n. Seen from the paddle only the relative velocity counts; what
-  // turns both grad d and n leaves their product as it is.
+  // F = sum of A p(depth) grad d . n. Only the velocity relative to the paddle matters: a rotation
+  // turns both grad d and n.
   this->ForEachPoint(element, x, this->Touched,
     [&](const ContactPoint& point)
     {
@@ -263,7 +263,7 @@ std::array<double, 2> ContactEnergy::Opening(const std::vector<double>& x,
           {
             continue;
           }
-          // Height of the layer over the plate's face, less where it goes round the edge.
+          // Height of the layer over the plate's face, less around the edge.
           const double layer =
             (behind > 0 ? std::sqrt(reach * reach - behind * behind) : reach) - plate.EdgeRadiusMm;
           opening[side] = std::max(opening[side], layer - Dot(offset, plate.Normal));

@@ -16,7 +16,7 @@ namespace mammoray
 {
 namespace
 {
-/// Subdivisions of the lattice in a cell on which the material field is sampled: 220 points around
+/// Subdivisions of the lattice on which the material field is sampled in a cell: 220 points around
 /// four quadrature points, 35 around one.
 int LatticeOrder(ElementType type)
 {
@@ -91,7 +91,7 @@ void ElasticBody::MeasureRest()
     this->Volumes[cell] = volume;
     for (int i = 0; i < 4; ++i)
     {
-      // Half the area vector of the opposite face, inwards, over the volume.
+      // Half the inward area vector of the opposite face, divided by the volume.
       const Vector3 q = at(nodes[FaceCorners[i][0]]);
       const Vector3 inwards =
         Cross(at(nodes[FaceCorners[i][2]]) - q, at(nodes[FaceCorners[i][1]]) - q);
@@ -105,7 +105,7 @@ void ElasticBody::MeasureRest()
 
 void ElasticBody::SetRestCorners(const std::vector<double>& corners)
 {
-  // The middles' places are made anew from the corners.
+  // MeasureRest computes the mid-side nodes from the corners.
   std::copy_n(corners.begin(), std::min(corners.size(), this->Rest.size()), this->Rest.begin());
   this->MeasureRest();
   for (std::size_t element = 0; element < this->NumberOfElements(); ++element)
@@ -126,7 +126,7 @@ void ElasticBody::SetRestCorners(const std::vector<double>& corners)
     }
     face.Area = 0.5 * Norm(Cross(ends[1] - ends[0], ends[2] - ends[0]));
   }
-  // An element's moduli are means over its volume.
+  // Update the elements' moduli, which are means over their undeformed volume.
   this->SetMaterials(std::vector<ElasticMaterial>(this->Table));
 }
 
@@ -264,7 +264,7 @@ void ElasticBody::MakeElements(const TetrahedralMesh& mesh, const std::vector<bo
       const int node = a < 3 ? FaceCorners[face][a] : FaceMiddles[face][a - 3];
       boundary.LocalNodes[a] = this->LocalNodes[nodesPerCell * cell + node];
     }
-    // The gradient of the opposite corner's coordinate is as long as the face is large over 3 V.
+    // The gradient of the opposite corner's coordinate has the length area / (3 V).
     const Eigen::Map<const Eigen::Vector3d> height(&this->BarycentricGradients[3 * place]);
     boundary.Area = 3 * this->Volumes[cell] * height.norm();
     this->Boundary.push_back(boundary);
@@ -290,7 +290,7 @@ void ElasticBody::SampleMaterials(const TetrahedralMesh& mesh, int materialCount
     const auto add = [&](int material, const double* lambda)
     {
       Part& part = parts.try_emplace(material, Part{ material }).first->second;
-      // A point as near to several quadrature points as to one counts for each of them in parts.
+      // A lattice point equally near to several quadrature points is divided among them.
       const double largest = *std::max_element(lambda, lambda + 4) - 1e-9;
       const auto ties = static_cast<double>(
         std::count_if(lambda, lambda + 4, [=](double l) { return l > largest; }));
@@ -362,7 +362,7 @@ void ElasticBody::SetMaterials(const std::vector<ElasticMaterial>& materials)
   }
   for (std::size_t m = 0; m < materials.size(); ++m)
   {
-    // Where a material is used decides nothing: a table with a bad entry is refused as a whole.
+    // Check all entries, used or not: a table with a bad entry is rejected.
     const ElasticMaterial& material = materials[m];
     if (!(material.YoungsModulusKPa > 0) ||
       !(material.PoissonRatio >= 0 && material.PoissonRatio < 0.5))

@@ -16,24 +16,24 @@
 namespace mammoray
 {
 /**
- * Tetrahedra with straight sides at rest, made from a linear mesh, with elastic constants at their
- * quadrature points; ElasticEnergy is the energy of its deformation. An element is what shares one
- * constraint on the volume:
+ * Tetrahedra with straight sides in the undeformed body, made from a linear mesh, with elastic
+ * constants at their quadrature points. ElasticEnergy is the energy of its deformation. An element
+ * is the set of cells that share one volume constraint:
  *
- * - Quadratic: ten nodes, the 4-point rule of degree 2; the element is the cell.
- * - PatchAveragedLinear: four nodes, one point; the element is a patch of about 8 cells. Patches
- *   depend on the mesh alone, so that states outlive a change of materials. They may hold cells of
- *   several materials: strands of gland one cell thick would lock otherwise, and the pressure, of
- *   which a patch has one, is what tissues side by side nearly have in common.
+ * - Quadratic: ten nodes and the 4-point rule of degree 2. The element is the cell.
+ * - PatchAveragedLinear: four nodes and one point. The element is a patch of about 8 cells. Patches
+ *   depend on the mesh alone, so states survive a change of materials. A patch may contain cells of
+ *   several materials: strands of gland one cell thick would lock otherwise, and neighbouring
+ *   tissues have nearly the same pressure.
  *
- * Node order of a quadratic cell: the four corners, then the middles of (0,1) (1,2) (0,2) (0,3)
- * (1,3) (2,3), as in VTK.
+ * A quadratic cell lists its four corners first, then the middles of (0,1) (1,2) (0,2) (0,3) (1,3)
+ * (2,3), as VTK does.
  */
 class MAMMORAYBIOMECHANICS_EXPORT ElasticBody
 {
 public:
-  /// A triangle of the boundary: its element, the element's local nodes (3 corners, and for
-  /// quadratic cells 3 middles; NodesPerFace()), its area in mm^2.
+  /// A triangle of the boundary: its element, the element's local nodes (3 corners and, for
+  /// quadratic cells, 3 mid-side nodes; see NodesPerFace()) and its undeformed area, mm^2.
   struct BoundaryFace
   {
     std::int32_t Element = 0;
@@ -41,7 +41,8 @@ public:
     double Area = 0;
   };
 
-  /// How much of a cell is of a material: around each quadrature point and of the whole.
+  /// The fraction of a cell that belongs to a material: around each quadrature point, and in the
+  /// whole cell.
   struct Part
   {
     int Material = 0;
@@ -51,25 +52,22 @@ public:
 
   /**
    * `materials` is indexed by the materials of the cells. With a `field`, mu, kappa and mu b of a
-   * quadrature point (the energy to second order in the strain's square) are the arithmetic means
-   * over the points of a regular lattice in the cell that lie nearest to it (by largest barycentric
-   * coordinate); where the field answers 0 or a material
-   * m with `ignored[m]` the cell's own material counts. Patches do not hold cells of ignored
-   * materials and others: what is held would stiffen nothing but dilute the volume of the rest.
-   * Throws InputError on a bad mesh or material.
+   * quadrature point are arithmetic means over those points of a regular lattice in the cell that
+   * are nearest to it (by the largest barycentric coordinate). Where the field answers 0 or a
+   * material m with `ignored[m]`, the cell's own material is used. A patch never mixes cells of
+   * ignored and other materials: fixed cells would dilute the volume constraint of the rest. Throws
+   * InputError on an unusable mesh or material.
    */
   ElasticBody(const TetrahedralMesh& mesh, const std::vector<ElasticMaterial>& materials,
     const MaterialField& field = {}, const std::vector<bool>& ignored = {},
     ElementType type = ElementType::Quadratic);
 
-  /// Other constants for the materials, as many as at construction. Throws InputError.
+  /// Replaces the constants of the materials, as many as at construction. Throws InputError.
   void SetMaterials(const std::vector<ElasticMaterial>& materials);
   const std::vector<ElasticMaterial>& Materials() const { return this->Table; }
-  /**
-   * Another undeformed shape of the same cells, whose materials they keep: `corners` are the
-   * coordinates of the points of the linear mesh, mm; sides stay straight. The caller sees to it
-   * that no cell is turned inside out (CellVolume).
-   */
+  /// Sets another undeformed shape of the same cells, which keep their materials. `corners` are the
+  /// points of the linear mesh, mm; sides stay straight. The caller ensures that no cell is
+  /// inverted (see CellVolume).
   void SetRestCorners(const std::vector<double>& corners);
 
   ElementType Type() const { return this->Kind; }
@@ -79,18 +77,19 @@ public:
   int NodesPerFace() const { return this->Kind == ElementType::Quadratic ? 6 : 3; }
   std::size_t NumberOfNodes() const { return this->Rest.size() / 3; }
   std::size_t NumberOfCells() const { return this->Volumes.size(); }
-  /// Undeformed positions, 3 x nodeCount, mm. The first nodes are the points of the linear mesh.
+  /// Undeformed node positions, 3 x nodeCount, mm. The first nodes are the points of the linear
+  /// mesh.
   const std::vector<double>& RestPositions() const { return this->Rest; }
-  /// NodesPerCell() x cellCount node indices.
+  /// Node indices, NodesPerCell() per cell.
   const std::vector<std::int32_t>& Cells() const { return this->CellNodes; }
-  /// The cells, or the patches of them.
+  /// Number of cells or of patches.
   std::size_t NumberOfElements() const { return this->ElementVolumes.size(); }
   std::span<const std::int32_t> CellsOf(std::size_t element) const
   {
     return { this->ElementCells.data() + this->CellStarts[element],
       this->ElementCells.data() + this->CellStarts[element + 1] };
   }
-  /// Node indices in local order.
+  /// Node indices of an element in local order.
   std::span<const std::int32_t> NodesOf(std::size_t element) const
   {
     return { this->ElementNodes.data() + this->NodeStarts[element],
@@ -102,8 +101,8 @@ public:
   double CellDensity(std::size_t cell) const;
   /// Mean bulk modulus of a cell, kPa.
   double CellBulkModulus(std::size_t cell) const;
-  /// Rates of a cell's volume, mm^3, and of a face's area, mm^2, where the undeformed nodes move
-  /// with `velocities`, 3 x nodeCount, per unit of it.
+  /// Derivatives of a cell's volume, mm^3, and of a face's area, mm^2, if the undeformed nodes move
+  /// with `velocities` (3 x nodeCount), per unit of the parameter.
   double CellVolumeRate(std::size_t cell, const std::vector<double>& velocities) const;
   double FaceAreaRate(const BoundaryFace& face, const std::vector<double>& velocities) const;
   /// Integral of the shape function of a cell's node 0, 1, ... over the undeformed cell, as a part
@@ -117,13 +116,13 @@ public:
   std::vector<double> NodeIntegrals(const std::vector<double>& cellValues) const;
   /// Undeformed volume, mm^3.
   double ElementVolume(std::size_t element) const { return this->ElementVolumes[element]; }
-  /// Means of the shear and the bulk modulus, kPa.
+  /// Means of the shear and of the bulk modulus of an element, kPa.
   double ElementShearModulus(std::size_t element) const { return this->Mu[element]; }
   double ElementBulkModulus(std::size_t element) const { return this->Kappa[element]; }
 
   /// 4 or 1.
   int PointsPerCell() const { return this->Kind == ElementType::Quadratic ? 4 : 1; }
-  /// NodesPerCell() places of a cell's nodes in its element.
+  /// Local indices of a cell's nodes in its element, NodesPerCell() numbers.
   const int* LocalNodesOf(std::size_t cell) const
   {
     return &this->LocalNodes[this->NodesPerCell() * cell];
@@ -133,7 +132,7 @@ public:
   {
     return &this->BarycentricGradients[12 * cell];
   }
-  /// The law at quadrature point PointsPerCell() * cell + point.
+  /// The material law at quadrature point PointsPerCell() * cell + point.
   const ShapeEnergy& LawAt(std::size_t point) const { return this->Shape[point]; }
   std::span<const Part> PartsOf(std::size_t cell) const
   {
@@ -143,7 +142,7 @@ public:
 
 private:
   void AddNodesAndCells(const TetrahedralMesh& mesh);
-  /// Middles, volumes and gradients of the cells from their corners at rest.
+  /// Computes mid-side nodes, volumes and gradients from the undeformed corners.
   void MeasureRest();
   void MakeElements(const TetrahedralMesh& mesh, const std::vector<bool>& ignored);
   void FindBoundary(const TetrahedralMesh& mesh);
@@ -153,9 +152,9 @@ private:
   ElementType Kind;
   std::vector<double> Rest;
   std::vector<std::int32_t> CellNodes;
-  /// Place of each of a cell's nodes in its element, NodesPerCell() per cell.
+  /// Local index of each of a cell's nodes in its element, NodesPerCell() per cell.
   std::vector<int> LocalNodes;
-  /// Those of element e are CellStarts[e] to CellStarts[e + 1]; nodes likewise.
+  /// Element e has the cells CellStarts[e] to CellStarts[e + 1] - 1, and nodes likewise.
   std::vector<std::int32_t> ElementCells;
   std::vector<std::int32_t> ElementNodes;
   std::vector<std::size_t> CellStarts;
@@ -167,12 +166,12 @@ private:
   /// Gradients of the barycentric coordinates, 12 per cell, 1/mm.
   std::vector<double> BarycentricGradients;
   std::vector<ElasticMaterial> Table;
-  /// Those of cell c are PartStarts[c] to PartStarts[c + 1].
+  /// Cell c has the parts PartStarts[c] to PartStarts[c + 1] - 1.
   std::vector<Part> Parts;
   std::vector<std::size_t> PartStarts;
-  /// PointsPerCell() per cell.
+  /// Material laws, PointsPerCell() per cell.
   std::vector<ShapeEnergy> Shape;
-  /// Means over each element.
+  /// Mean moduli of each element, kPa.
   std::vector<double> Mu;
   std::vector<double> Kappa;
 };

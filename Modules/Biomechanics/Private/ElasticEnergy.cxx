@@ -23,13 +23,13 @@ constexpr double FarCoordinate = 0.13819660112501051518;
 using Matrix9 = Eigen::Matrix<double, 9, 9>;
 using Vector9 = Eigen::Matrix<double, 9, 1>;
 
-/// Ten nodes, four points of equal weight, an element of its own.
+/// A quadratic cell: ten nodes, four points of equal weight; the cell is the element.
 struct QuadraticCell
 {
   static constexpr int Nodes = 10;
   static constexpr int Points = 4;
   static constexpr int MostPointsPerElement = 4;
-  /// r of the class comment.
+  /// r of the class comment in ElasticEnergy.h.
   static constexpr double LargestPointwiseRatio = 50;
   using Gradients = Eigen::Matrix<double, 3, 10>;
   /// A vector at each node of an element, and its stiffness.
@@ -58,7 +58,7 @@ struct QuadraticCell
   static int Local(const int*, int node) { return node; }
 };
 
-/// Four nodes, one point, part of a patch.
+/// A linear cell: four nodes, one point; a part of a patch.
 struct LinearCell
 {
   static constexpr int Nodes = 4;
@@ -66,7 +66,7 @@ struct LinearCell
   static constexpr int MostPointsPerElement = LargestPatchSize;
   static constexpr double LargestPointwiseRatio = 0;
   using Gradients = Eigen::Matrix<double, 3, 4>;
-  // Every cell of a patch but the first brings one node or none.
+  // Every cell of a patch except the first adds at most one node.
   using NodeVectors =
     Eigen::Matrix<double, 3, Eigen::Dynamic, Eigen::ColMajor, 3, MostPointsPerElement + 3>;
   using Stiffness = Eigen::MatrixXd;
@@ -109,7 +109,7 @@ void AddDeterminantHessian(const Eigen::Matrix3d& f, double s, Matrix9& a)
   }
 }
 
-/// Adds v w^T, column by column: Eigen makes a matrix of it first.
+/// Adds v w^T column by column, without Eigen's temporary matrix.
 void AddOuterProduct(const Vector9& v, const Vector9& w, Matrix9& a)
 {
   for (int j = 0; j < 9; ++j)
@@ -118,12 +118,11 @@ void AddOuterProduct(const Vector9& v, const Vector9& w, Matrix9& a)
   }
 }
 
-/// Adds to `a` what makes it positive semidefinite on the space spanned by `basis`, orthonormal,
-/// that it maps into itself.
+/// Makes `a` positive semidefinite on an invariant subspace with this orthonormal basis.
 template <int Size>
 void ProjectOn(const Eigen::Matrix<double, 9, Size>& basis, Matrix9& a)
 {
-  // Eigen's product of matrices packs them, which takes longer than these do.
+  // lazyProduct avoids the packing of Eigen's product, which is slower at this size.
   const Eigen::Matrix<double, 9, Size> image = a.lazyProduct(basis);
   const Eigen::Matrix<double, Size, Size> block = basis.transpose().lazyProduct(image);
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, Size, Size>> eigen(block);
@@ -136,9 +135,9 @@ void ProjectOn(const Eigen::Matrix<double, 9, Size>& basis, Matrix9& a)
 
 /**
  * Replaces the negative eigenvalues of `a`, the second derivative of an isotropic energy at F, by
- * zero. With the singular vectors u_i and v_j of F, it maps the span of u_0 v_0^T, u_1 v_1^T and
- * u_2 v_2^T into itself, and those of u_i v_j^T and u_j v_i^T (Smith, de Goes and Kim 2019); that
- * is ten times as fast as all nine dimensions at once.
+ * zero. With the singular vectors u_i and v_j of F, three kinds of subspaces are invariant: the
+ * span of u_0 v_0^T, u_1 v_1^T and u_2 v_2^T, and each span of u_i v_j^T and u_j v_i^T (Smith, de
+ * Goes and Kim 2019). This is ten times as fast as an eigendecomposition in nine dimensions.
  */
 void ProjectIsotropic(const Eigen::Matrix3d& f, Matrix9& a)
 {
@@ -162,10 +161,9 @@ void ProjectIsotropic(const Eigen::Matrix3d& f, Matrix9& a)
   }
 }
 
-/**
- * p = J^(-2/3), and its derivatives as p' = -2/3 p / SlopeJ and p'' = 10/9 p / (SlopeJ CurvatureJ):
- * both are J, but in the extended domain below ExtendedBelow, where a parabola continues p.
- */
+/// p = J^(-2/3) and its derivatives p' = -2/3 p / SlopeJ and p'' = 10/9 p / (SlopeJ CurvatureJ).
+/// SlopeJ and CurvatureJ equal J, except in the extended domain below ExtendedBelow, where a
+/// parabola continues p.
 struct PowerOfJ
 {
   double Value;
@@ -200,14 +198,15 @@ struct PointState
   Eigen::Matrix3d F;
   Eigen::Matrix3d Cofactor;
   double J = 1;
-  /// Undeformed volume it stands for, mm^3.
+  /// Undeformed volume that the point represents, mm^3.
   double Weight = 0;
-  /// Its number among those of the body (ElasticBody::LawAt).
+  /// Index of the point in the body (ElasticBody::LawAt).
   std::size_t Law = 0;
-  /// Places of the cell's nodes in the element.
+  /// Local indices of the cell's nodes in the element.
   const int* LocalNodes = nullptr;
 
-  /// Adds the lower half of G^T a G to an element's stiffness, G: F by the nodes' positions.
+  /// Adds the lower half of G^T a G to an element's stiffness, where G is the derivative of F with
+  /// respect to the node positions.
   template <typename Stiffness>
   void AddStiffnessTo(Stiffness& stiffness, const Matrix9& a) const
   {
@@ -234,7 +233,7 @@ struct PointState
     }
   }
 
-  /// Adds a vector for each of the cell's nodes, or of its corners, to those of the element.
+  /// Adds one vector per node, or per corner, of the cell to those of the element.
   template <typename Vectors, typename Add>
   void AddTo(Vectors& vectors, const Add& vectorsOfCell) const
   {
@@ -272,9 +271,9 @@ void DeformCell(const ElasticBody& body, std::size_t cell, const std::vector<dou
 
 template <typename Cell>
 std::vector<double> RateOf(const ElasticBody& body, std::size_t element,
-  const std::vector<double>& x, const MaterialVelocity& velocity)
+  const std::vector<double>& x, const MaterialDerivative& velocity)
 {
-  // Rates of mu and mu b at each quadrature point, and of the element's mu and kappa.
+  // Derivatives of mu and mu b at each quadrature point, and of the element's mu and kappa.
   double muRate[Cell::MostPointsPerElement] = {};
   double productRate[Cell::MostPointsPerElement] = {};
   double meanMuRate = 0;
@@ -288,7 +287,7 @@ std::vector<double> RateOf(const ElasticBody& body, std::size_t element,
     for (const ElasticBody::Part& part : body.PartsOf(cell))
     {
       const ElasticMaterial& material = body.Materials()[part.Material];
-      const ElasticMaterialRate& rate = velocity[part.Material];
+      const ElasticMaterialDerivative& rate = velocity[part.Material];
       const double relative = rate.YoungsModulusKPa / material.YoungsModulusKPa;
       const double mu = material.ShearModulusKPa();
       const double ownRate = mu * (relative - rate.PoissonRatio / (1 + material.PoissonRatio));
@@ -324,7 +323,8 @@ std::vector<double> RateOf(const ElasticBody& body, std::size_t element,
     const double power = 1 / std::cbrt(state.J * state.J);
     const double trace = state.F.squaredNorm();
     const double exponentRate = (productRate[p] - law.Exponent * muRate[p]) / law.Mu;
-    const double scale = 2 * power * law.SlopeRate(power * trace - 3, muRate[p], exponentRate);
+    const double scale =
+      2 * power * law.SlopeDerivative(power * trace - 3, muRate[p], exponentRate);
     const double pressure =
       (kappaRate - pointKappaRate) * (meanJ - 1) + pointKappaRate * (state.J - 1);
     const Eigen::Matrix3d stress =
@@ -342,7 +342,7 @@ CellMeasures CellMeasuresOf(const ElasticBody& body, std::size_t cell, const std
   DeformCell<Cell>(body, cell, x, states.data());
   for (const PointState<Cell>& state : states)
   {
-    // The part of the Cauchy stress that is no pressure: 2 w' J^(-5/3) dev(F F^T).
+    // Deviatoric part of the Cauchy stress: 2 w' J^(-5/3) dev(F F^T).
     Eigen::Matrix3d stress = state.F * state.F.transpose();
     const double invariant = stress.trace() / std::cbrt(state.J * state.J) - 3;
     stress -= stress.trace() / 3 * Eigen::Matrix3d::Identity();
@@ -353,8 +353,8 @@ CellMeasures CellMeasuresOf(const ElasticBody& body, std::size_t cell, const std
   return measures;
 }
 
-/// The second derivative of the energy density by F at a quadrature point where the element's and
-/// the point's own pressure is `pressure`; `direction`: see AddTerms.
+/// Second derivative of the energy density with respect to F at a quadrature point. `pressure` is
+/// the sum of the element's and the point's own pressure; for `direction` see AddTerms.
 template <typename Cell>
 Matrix9 PointStiffness(const PointState<Cell>& state, const ShapeEnergy& law, const PowerOfJ& power,
   const Eigen::Matrix3d& direction, double pointKappa, double pressure)
@@ -387,7 +387,7 @@ struct ElementState
   int Count = 0;
   PositionMeasures Measures;
 
-  /// Answers false where a point is inverted and may not be.
+  /// Returns false if a point is inverted and the domain does not admit it.
   bool Deform(const ElasticBody& body, std::size_t element, const std::vector<double>& x,
     ElasticEnergy::Domain domain)
   {
@@ -410,8 +410,8 @@ struct ElementState
   }
 };
 
-/// What an element's volume costs: the part of kappa that acts on its points, the rest and the mean
-/// of J, on which this acts.
+/// Volumetric terms of an element: the part of kappa that acts on its points, the rest, and the
+/// mean J on which the rest acts.
 struct MeanVolume
 {
   double PointKappa;
@@ -472,7 +472,7 @@ bool AddTerms(const ElasticBody& body, std::size_t element, const std::vector<do
     }
     const double ratio = trace / (3 * power.SlopeJ);
     const double scale = 2 * power.Value * law.Slope(invariant);
-    // Half the derivative of the invariant by F, over p.
+    // Half the derivative of the invariant I with respect to F, divided by p.
     const Eigen::Matrix3d direction = state.F - ratio * state.Cofactor;
     const Eigen::Matrix3d stress = scale * direction + pointPressure * state.Cofactor;
     state.AddTo(gradient, state.Weight * stress * state.Shape);
@@ -499,11 +499,9 @@ bool AddTerms(const ElasticBody& body, std::size_t element, const std::vector<do
   return true;
 }
 
-/**
- * Adds d Gradient / dX. With L = dX_j g_j^T (g_j the gradient of corner j's coordinate) a corner's
- * motion changes dF = -F L, the weights by tr L and the shape functions' gradients by -L^T grad N;
- * w J is that of the deformed cell alone and stays.
- */
+/// Adds d gradient / dX. With L = dX_j g_j^T (g_j is the gradient of corner j's coordinate), the
+/// motion of a corner changes F by -F L, the weights by tr L and the gradients of the shape
+/// functions by -L^T grad N. w J depends on the deformed cell only and does not change.
 template <typename Cell>
 bool AddRestTerms(const ElasticBody& body, std::size_t element, const std::vector<double>& x,
   std::span<double> matrix)
@@ -535,7 +533,7 @@ bool AddRestTerms(const ElasticBody& body, std::size_t element, const std::vecto
     const Matrix9 a = PointStiffness(state, law, power, direction, mean.PointKappa, pressure);
     const typename Cell::Gradients forces = stress * state.Shape;
     state.AddTo(volumeGradient, state.Weight * state.Cofactor * state.Shape);
-    // Patches: kappa is the mean over their cells by volume.
+    // For patches, kappa is the volume mean over their cells.
     const double kappaRate =
       (body.CellBulkModulus(cell) - body.ElementBulkModulus(element)) / volume;
     state.AddTo(pressureRate,
@@ -582,8 +580,8 @@ bool ElasticEnergy::Add(std::size_t element, const std::vector<double>& x, Energ
     : AddTerms<LinearCell>(this->Body, element, x, order, this->Where, terms);
 }
 
-std::vector<double> ElasticEnergy::GradientRate(std::size_t element, const std::vector<double>& x,
-  const MaterialVelocity& velocity) const
+std::vector<double> ElasticEnergy::GradientDerivative(std::size_t element,
+  const std::vector<double>& x, const MaterialDerivative& velocity) const
 {
   return this->Body.Type() == ElementType::Quadratic
     ? RateOf<QuadraticCell>(this->Body, element, x, velocity)

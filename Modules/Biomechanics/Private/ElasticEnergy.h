@@ -18,35 +18,35 @@ namespace mammoray
  * Elastic energy of a body; its pieces are the body's elements:
  *
  *   E = sum over elements of [ sum_q w_q (w(J_q^(-2/3) tr F_q^T F_q - 3; mu_q, b_q)
- *       + kappa_p / 2 (J_q - 1)^2) + (kappa - kappa_p) / 2 V (Jbar - 1)^2 ],
+ *       + kappa_p / 2 (J_q - 1)^2) + (kappa - kappa_p) / 2 V (Jbar - 1)^2 ]
  *
- * w: ShapeEnergy, q: quadrature points, w_q their weights in the undeformed element, J_q = det F_q,
- * Jbar the mean of J_q, V the undeformed volume, kappa the mean of kappa_q, kappa_p = min(kappa, r
- * mu), mu the mean of mu_q. What acts on Jbar is one constraint for the element; acting at every
- * point it would be more constraints than the nodes can meet (locking).
+ * w is ShapeEnergy, q are quadrature points with weights w_q in the undeformed element, J_q = det
+ * F_q, Jbar is the mean of J_q, V the undeformed volume, kappa the mean of kappa_q, mu the mean of
+ * mu_q, and kappa_p = min(kappa, r mu). The term in Jbar is one volume constraint per element. The
+ * same stiffness at every point would be more constraints than the nodes can satisfy (locking).
  *
- * - Quadratic: P2/P0 (Boffi, Brezzi & Fortin 2013, section 8.6); r = 50: the mean alone would let
- *   the points of a cell swell and shrink against each other.
- * - PatchAveragedLinear: the patches of de Souza Neto, Andrade Pires & Owen (2005), put as an
- *   energy, so that forces have a potential and the stiffness is symmetric; r = 0: cells whose
- *   neighbours swell against them are sheared, which costs enough.
+ * - Quadratic: P2/P0 (Boffi, Brezzi & Fortin 2013, section 8.6) with r = 50. With the mean alone,
+ *   the points of a cell could expand and shrink against each other.
+ * - PatchAveragedLinear: the patches of de Souza Neto, Andrade Pires & Owen (2005), written as an
+ *   energy so that forces have a potential and the stiffness is symmetric; r = 0, because cells
+ *   whose neighbours expand against them are sheared, which costs enough energy.
  *
  * Energies are in kPa mm^3 = 1e-6 J, forces in kPa mm^2 = 1e-3 N. The projected Hessian is
- * projected quadrature point by quadrature point.
+ * projected at each quadrature point.
  */
 class MAMMORAYBIOMECHANICS_EXPORT ElasticEnergy : public Energy
 {
 public:
-  /// Where the energy is defined: where J > 0 everywhere, or, with the power of J continued by a
-  /// parabola below J = 0.1 and Fung's law without its exponential, at all positions, inverted
-  /// cells at a finite price.
+  /// Domain of the energy. Admissible: positions with J > 0 at every quadrature point. Extended:
+  /// all positions; below J = 0.1 a parabola continues the power of J, and Fung's law is used
+  /// without its exponential, so that inverted cells have a finite energy.
   enum class Domain
   {
     Admissible,
     Extended
   };
 
-  /// The body must outlive the energy, which sees its changes.
+  /// The body must outlive the energy, which follows the body's changes.
   explicit ElasticEnergy(const ElasticBody& body)
     : Body(body)
   {
@@ -59,23 +59,23 @@ public:
   {
     return this->Body.NodesOf(element);
   }
-  /// Measures J and the volume.
+  /// Measures J and the deformed volume.
   bool Add(std::size_t element, const std::vector<double>& x, EnergyOrder order,
     PieceTerms& terms) const override;
 
-  /// Rate of change of an element's gradient with the materials, at positions where no quadrature
-  /// point is inverted; `velocity`: one rate per material.
-  std::vector<double> GradientRate(std::size_t element, const std::vector<double>& x,
-    const MaterialVelocity& velocity) const;
+  /// Derivative of an element's gradient with respect to a parameter of the materials, at positions
+  /// without inverted quadrature points.
+  std::vector<double> GradientDerivative(std::size_t element, const std::vector<double>& x,
+    const MaterialDerivative& velocity) const;
   /**
-   * Adds the derivative of an element's gradient by the undeformed positions of its cells' corners
-   * (the middles of sides follow them), at fixed `x`, to (3 n)^2 numbers for its n nodes: by
-   * columns, 3 * local node + axis, those of middles left alone. Answers false where a quadrature
-   * point is inverted.
+   * Adds the derivative of an element's gradient with respect to the undeformed corners of its
+   * cells, at fixed `x`. Mid-side nodes follow the corners. `matrix` holds (3 n)^2 numbers by
+   * columns for the n nodes, with index 3 * local node + axis; columns of mid-side nodes are left
+   * alone. Returns false if a quadrature point is inverted.
    */
   bool AddRestDerivative(std::size_t element, const std::vector<double>& x,
     std::span<double> matrix) const;
-  /// Measures of one cell at node positions `x` where no quadrature point is inverted.
+  /// Measures of one cell at node positions `x` without inverted quadrature points.
   CellMeasures MeasuresOf(std::size_t cell, const std::vector<double>& x) const;
 
 private:

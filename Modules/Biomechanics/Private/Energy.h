@@ -14,33 +14,33 @@
 
 namespace mammoray
 {
-/// Up to which derivative an energy is wanted.
+/// The highest derivative of an energy to compute.
 enum class EnergyOrder
 {
   Value,
   Gradient,
   Hessian,
-  /// The Hessian with its negative curvatures replaced by zero.
+  /// The Hessian with its negative eigenvalues replaced by zero.
   ProjectedHessian
 };
 
-/// What energies measure of a set of positions while they are evaluated; each measures its own.
+/// Measures that energies take while they are evaluated; each energy fills in its own.
 struct PositionMeasures
 {
   /// Smallest and largest det F, and the deformed volume, mm^3.
   double SmallestJ = std::numeric_limits<double>::infinity();
   double LargestJ = -std::numeric_limits<double>::infinity();
   double Volume = 0;
-  /// Deepest penetration of a plate, mm.
+  /// Deepest penetration into a plate, mm.
   double Penetration = 0;
-  /// Force along the normals of support and paddle, and that of friction, kPa mm^2.
+  /// Force along the normal, and friction force, of support and of paddle, kPa mm^2.
   std::array<double, 2> NormalForce{};
   std::array<Vector3, 2> Friction{};
-  /// How far nodes have left or entered the chest wall and have glided along it, mm.
+  /// Largest distance that a node of the chest wall has moved across the wall and along it, mm.
   double WallLift = 0;
   double WallGlide = 0;
 
-  /// Takes in those of another piece.
+  /// Adds the measures of another piece.
   void Add(const PositionMeasures& other)
   {
     this->SmallestJ = std::min(this->SmallestJ, other.SmallestJ);
@@ -57,11 +57,9 @@ struct PositionMeasures
   }
 };
 
-/**
- * Energies of one piece, summed, and their derivatives by the coordinates of its n nodes; rows and
- * columns are 3 * local node + axis. The memory is the caller's, who sets it to zero first and
- * leaves out what the order does not ask for.
- */
+/// The energies of one piece, summed, and their derivatives with respect to the coordinates of its
+/// n nodes. Rows and columns are 3 * local node + axis. The caller owns the memory, sets it to zero
+/// first, and leaves spans empty that the order does not need.
 struct PieceTerms
 {
   /// kPa mm^3
@@ -73,22 +71,18 @@ struct PieceTerms
   PositionMeasures Measures;
 };
 
-/**
- * A part of the potential energy as a function of the node positions: a sum over pieces (elements,
- * or single nodes) each of which depends on a few nodes.
- */
+/// A term of the potential energy as a function of the node positions: a sum over pieces (elements
+/// or single nodes), each of which depends on a few nodes.
 class Energy
 {
 public:
   virtual ~Energy() = default;
   virtual std::size_t NumberOfPieces() const = 0;
-  /// The nodes a piece depends on, in local order.
+  /// Nodes that a piece depends on, in local order.
   virtual std::span<const std::int32_t> NodesOf(std::size_t piece) const = 0;
-  /**
-   * Adds the energy of a piece at the positions `x` (3 x nodeCount, mm) and its derivatives up to
-   * `order`. Answers false, with the terms unspecified, where the energy is not defined. May be
-   * called for several pieces at a time.
-   */
+  /// Adds the energy of a piece at the positions `x` (3 x nodeCount, mm) and its derivatives up to
+  /// `order`. Returns false, with unspecified terms, where the energy is not defined. Calls for
+  /// different pieces may run in parallel.
   virtual bool Add(std::size_t piece, const std::vector<double>& x, EnergyOrder order,
     PieceTerms& terms) const = 0;
 };

@@ -12,9 +12,9 @@ namespace mammoray
 {
 namespace
 {
-/// The part of the body that is relaxed alone: nodes with this fraction of the largest residual
-/// force at least, and those of so many layers of elements around them; more than that part of the
-/// unknowns is no part.
+/// The part of the body that is relaxed alone: nodes with at least this fraction of the largest
+/// residual force and so many layers of elements around them, unless they exceed this fraction of
+/// the unknowns.
 constexpr double WorstForce = 0.1;
 constexpr int LayersAroundWorst = 2;
 constexpr double LargestPart = 0.2;
@@ -107,7 +107,7 @@ void EquilibriumEnergy::MeasureScales()
 
 void EquilibriumEnergy::MakePattern()
 {
-  // Elements of every node, then for each node those it shares an element with.
+  // Collect the elements of every node, then the nodes with which each node shares an element.
   const std::vector<std::int32_t>& unknown = this->Moving.Unknowns();
   std::vector<std::vector<std::int32_t>> movingOfNode(this->Moving.Body().NumberOfNodes());
   for (std::size_t moving = 0; moving < this->Moving.Elements().size(); ++moving)
@@ -146,7 +146,7 @@ void EquilibriumEnergy::MakePattern()
       }
       nodeOfLast = node;
     }
-    // Unknowns are numbered as the coordinates are, so these ascend.
+    // Unknowns are numbered in the order of the coordinates, so these ascend.
     this->Entries.Rows.insert(this->Entries.Rows.end(),
       std::lower_bound(unknowns.begin(), unknowns.end(), static_cast<int>(u)), unknowns.end());
     this->Entries.Starts.push_back(static_cast<int>(this->Entries.Rows.size()));
@@ -196,7 +196,7 @@ void EquilibriumEnergy::EvaluateElement(std::size_t moving, const std::vector<do
     ofBody.Gradient = work.BodyGradient;
     ofContact.Gradient = work.ContactGradient;
   }
-  // In the processor's cache, for one element after the other.
+  // One matrix per thread stays in the processor's cache.
   thread_local std::vector<double> hessian;
   if (order >= EnergyOrder::Hessian)
   {
@@ -382,7 +382,8 @@ void EquilibriumEnergy::ScatterHessians(Evaluation& result) const
   }
 }
 
-/// 3 x nodeCount flags: true but at the unknowns of the worst part; empty: they are too many.
+/// 3 x nodeCount flags that are false at the unknowns of the worst part; empty if these are too
+/// many.
 std::vector<bool> EquilibriumEnergy::FixedAroundWorst(const std::vector<double>& gradient) const
 {
   const ElasticBody& body = this->Moving.Body();

@@ -19,31 +19,31 @@
 
 namespace mammoray
 {
-/**
- * The potential energy of a body: the sum of its elastic energy, contact and friction with two
- * plates, its attachment to the chest wall and dead loads. Sums are formed in the order of the
- * elements, whatever the number of threads.
- */
+/// The potential energy of a body: the sum of its elastic energy, contact and friction with two
+/// plates, the attachment to the chest wall and the work of dead loads. Sums are formed in the
+/// order of the elements, so they do not depend on the number of threads.
 class MAMMORAYBIOMECHANICS_EXPORT EquilibriumEnergy : public Objective
 {
 public:
-  /// `fixed`, `rigid`: see MovingPart. The body must outlive the energy. `contactStiffness`: kPa /
-  /// mm^2, positive.
+  /// For `fixed` and `rigid` see MovingPart. `contactStiffness` is in kPa / mm^2 and positive. The
+  /// body must outlive the energy.
   EquilibriumEnergy(const ElasticBody& body, const std::vector<bool>& fixed,
     double contactStiffness, const std::vector<bool>& rigid = {});
   EquilibriumEnergy(const EquilibriumEnergy&) = delete;
   EquilibriumEnergy& operator=(const EquilibriumEnergy&) = delete;
 
-  /// To be called when the body's materials or its undeformed shape were changed.
+  /// Call this after the body's materials or its undeformed shape have changed.
   void BodyChanged();
   void SetDomain(ElasticEnergy::Domain domain);
-  /// Null: no plates, and no contact and friction.
+  /// Null removes the plates, and with them contact and friction.
   void SetPlates(const PlatePair* plates);
   void SetContactStiffness(double stiffness);
   void SetFriction(FrictionPoints points);
-  /// Null: attached to nothing. Must outlive its use; of this body.
+  /// Sets the attachment to the chest wall, of the same body; null for none. It must outlive its
+  /// use.
   void SetAttachment(const AttachmentEnergy* attachment);
-  /// 3 x nodeCount, kPa mm^2; empty: none. Throws InputError.
+  /// Sets the dead loads, 3 x nodeCount, kPa mm^2; empty for none. Throws InputError on another
+  /// size.
   void SetLoads(std::vector<double> loads);
 
   const MovingPart& Part() const { return this->Moving; }
@@ -51,7 +51,7 @@ public:
   const ContactEnergy& Contact() const { return this->OfContact; }
   const FrictionEnergy& Friction() const { return this->OfFriction; }
   const AttachmentEnergy* Attachment() const { return this->OfWall; }
-  /// Undeformed, mm^3.
+  /// Undeformed volume, mm^3.
   double RestVolume() const { return this->VolumeAtRest; }
 
   const std::vector<std::int32_t>& Coordinates() const override
@@ -65,14 +65,14 @@ public:
   std::unique_ptr<Objective> WorstPart(const std::vector<double>& gradient) const override;
 
 private:
-  /// What the energies make of one element: that of the body, and those of contact and friction.
+  /// Terms of one element: those of the body, and those of contact and friction.
   struct ElementWork
   {
     double Value = 0;
     PositionMeasures Measures;
     std::vector<double> BodyGradient;
     std::vector<double> ContactGradient;
-    /// Of the sum's Hessian, column after column: half as much memory to go through.
+    /// Lower half of the sum's Hessian, column by column; half the memory traffic of the whole.
     std::vector<double> LowerHalf;
     bool Valid = false;
   };
@@ -82,7 +82,7 @@ private:
     std::array<double, 3> Gradient{};
     std::array<double, 9> Hessian{};
   };
-  /// Norms of the kinds of force that the residual is measured against.
+  /// Norms of the kinds of force that the residual is compared with.
   struct ForceNorms
   {
     double Contact = 0;
@@ -94,7 +94,7 @@ private:
   {
     return this->Moving.Body().NodesOf(this->Moving.Elements()[moving]);
   }
-  /// Coordinate of a row of a moving element's matrix.
+  /// Coordinate that belongs to a row of a moving element's matrix.
   std::size_t CoordinateOf(std::size_t moving, std::size_t row) const
   {
     return 3 * static_cast<std::size_t>(this->NodesOf(moving)[row / 3]) + row % 3;
@@ -122,11 +122,11 @@ private:
   std::uint64_t Changes = 1;
 
   SparsePattern Entries;
-  /// Where each entry of the lower half of an element's matrix goes; -1: nowhere. Those of moving
-  /// element m begin at ScatterStarts[m].
+  /// Position in the pattern of each entry of the lower half of an element's matrix; -1 if it has
+  /// none. The entries of moving element m begin at ScatterStarts[m].
   std::vector<std::int32_t> Scatter;
   std::vector<std::size_t> ScatterStarts;
-  /// A force no result depends on: convergence is measured against it while nothing touches.
+  /// Lower bound of the force scale, so that convergence is defined while nothing touches.
   double SmallestForce = 0;
   double VolumeAtRest = 0;
   double EnergyNoise = 0;

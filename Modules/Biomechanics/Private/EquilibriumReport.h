@@ -9,19 +9,19 @@
 
 namespace mammoray
 {
-/// What is known of a set of node positions; see CompressionState for the meaning and the units.
+/// Measures of a set of node positions. CompressionState states meaning and units.
 struct EquilibriumReport
 {
   bool Converged = false;
   int NewtonSteps = 0;
-  /// Why it did not converge; empty when it did.
+  /// The reason for a failure; empty if the solver converged.
   std::string Reason;
-  /// kPa mm^3; the whole potential energy.
+  /// The potential energy, kPa mm^3.
   double Energy = 0;
   double RelativeResidual = 0;
   double SupportForceN = 0;
   double PaddleForceN = 0;
-  /// Tangential force of support and paddle on the body, N.
+  /// Tangential force of support and of paddle on the body, N.
   std::array<Vector3, 2> FrictionN{};
   double LargestPenetrationMm = 0;
   double LargestWallLiftMm = 0;

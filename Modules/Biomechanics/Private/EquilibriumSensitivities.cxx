@@ -13,9 +13,9 @@ namespace mammoray
 {
 namespace
 {
-void Check(const EquilibriumVelocities& velocities, std::size_t materials, std::size_t coordinates)
+void Check(const EquilibriumDerivatives& velocities, std::size_t materials, std::size_t coordinates)
 {
-  for (const MaterialVelocity& velocity : velocities.Materials)
+  for (const MaterialDerivative& velocity : velocities.Materials)
   {
     if (velocity.size() != materials)
     {
@@ -23,7 +23,7 @@ void Check(const EquilibriumVelocities& velocities, std::size_t materials, std::
         " materials, found " + std::to_string(velocity.size()));
     }
   }
-  for (const HoldingVelocity& velocity : velocities.Holding)
+  for (const SupportDerivative& velocity : velocities.Support)
   {
     if (!velocity.Loads.empty() && velocity.Loads.size() != coordinates)
     {
@@ -33,10 +33,10 @@ void Check(const EquilibriumVelocities& velocities, std::size_t materials, std::
   }
 }
 
-/// - d Gradient / dX dX/dp of an element for each velocity: 3 numbers for each of its nodes, one
-/// velocity after the other.
+/// -d gradient / dX dX/dp of an element: 3 numbers for each of its nodes, one parameter after the
+/// other.
 std::vector<double> RestForcesOf(const EquilibriumEnergy& energy, std::size_t element,
-  const std::vector<double>& x, const std::vector<RestVelocity>& velocities)
+  const std::vector<double>& x, const std::vector<StressFreeVelocity>& velocities)
 {
   const std::span<const std::int32_t> nodes = energy.Part().Body().NodesOf(element);
   const std::size_t rows = 3 * nodes.size();
@@ -57,9 +57,9 @@ std::vector<double> RestForcesOf(const EquilibriumEnergy& energy, std::size_t el
   return forces;
 }
 
-/// The same of the wall and the dead loads, to a column of unknowns.
+/// Adds the same terms of the wall and of the dead loads to a column of unknowns.
 void AddRestForces(const EquilibriumEnergy& energy, const std::vector<double>& x,
-  const RestVelocity& velocity, double* column)
+  const StressFreeVelocity& velocity, double* column)
 {
   const MovingPart& part = energy.Part();
   for (std::size_t u = 0; u < part.NumberOfUnknowns() && !velocity.Loads.empty(); ++u)
@@ -82,9 +82,9 @@ void AddRestForces(const EquilibriumEnergy& energy, const std::vector<double>& x
   }
 }
 
-/// - d Gradient / dX dX/dp at the unknowns, one column for each velocity.
+/// -d gradient / dX dX/dp at the unknowns, one column per parameter.
 std::vector<double> RestForces(const EquilibriumEnergy& energy, const std::vector<double>& x,
-  const std::vector<RestVelocity>& velocities)
+  const std::vector<StressFreeVelocity>& velocities)
 {
   const MovingPart& part = energy.Part();
   const std::size_t n = part.NumberOfUnknowns();
@@ -120,15 +120,15 @@ std::vector<double> RestForces(const EquilibriumEnergy& energy, const std::vecto
 }
 }
 
-std::vector<double> HoldingForces(const EquilibriumEnergy& energy, const std::vector<double>& x,
-  const std::vector<HoldingVelocity>& velocities)
+std::vector<double> SupportForces(const EquilibriumEnergy& energy, const std::vector<double>& x,
+  const std::vector<SupportDerivative>& velocities)
 {
   const MovingPart& part = energy.Part();
   const std::size_t n = part.NumberOfUnknowns();
   std::vector<double> columns(n * velocities.size(), 0.0);
   for (std::size_t p = 0; p < velocities.size(); ++p)
   {
-    const HoldingVelocity& velocity = velocities[p];
+    const SupportDerivative& velocity = velocities[p];
     double* column = &columns[n * p];
     for (std::size_t u = 0; u < n && !velocity.Loads.empty(); ++u)
     {
@@ -160,7 +160,7 @@ std::vector<double> HoldingForces(const EquilibriumEnergy& energy, const std::ve
 }
 
 std::vector<double> MaterialForces(const EquilibriumEnergy& energy, const std::vector<double>& x,
-  const std::vector<MaterialVelocity>& velocities)
+  const std::vector<MaterialDerivative>& velocities)
 {
   const MovingPart& part = energy.Part();
   const std::size_t n = part.NumberOfUnknowns();
@@ -169,8 +169,10 @@ std::vector<double> MaterialForces(const EquilibriumEnergy& energy, const std::v
   for (std::size_t p = 0; p < velocities.size(); ++p)
   {
     ParallelFor(rates.size(),
-      [&](std::size_t moving) {
-        rates[moving] = energy.Elastic().GradientRate(part.Elements()[moving], x, velocities[p]);
+      [&](std::size_t moving)
+      {
+        rates[moving] =
+          energy.Elastic().GradientDerivative(part.Elements()[moving], x, velocities[p]);
       });
     for (std::size_t moving = 0; moving < rates.size(); ++moving)
     {
@@ -202,11 +204,11 @@ std::vector<double> PlateForces(const EquilibriumEnergy& energy, const std::vect
 }
 
 std::vector<std::vector<double>> EquilibriumSensitivities(const EquilibriumEnergy& energy,
-  NewtonSolver& newton, const std::vector<double>& x, const EquilibriumVelocities& velocities)
+  NewtonSolver& newton, const std::vector<double>& x, const EquilibriumDerivatives& velocities)
 {
   Check(velocities, energy.Part().Body().Materials().size(), x.size());
   const std::size_t count =
-    velocities.Plates.size() + velocities.Materials.size() + velocities.Holding.size();
+    velocities.Plates.size() + velocities.Materials.size() + velocities.Support.size();
   if (count == 0)
   {
     return {};
@@ -219,15 +221,15 @@ std::vector<std::vector<double>> EquilibriumSensitivities(const EquilibriumEnerg
   std::vector<double> right;
   for (const std::vector<double>& columns :
     { PlateForces(energy, x, velocities.Plates), MaterialForces(energy, x, velocities.Materials),
-      HoldingForces(energy, x, velocities.Holding) })
+      SupportForces(energy, x, velocities.Support) })
   {
     right.insert(right.end(), columns.begin(), columns.end());
   }
   const std::vector<double> rest = RestForces(energy, x, velocities.Rest);
   std::transform(rest.begin(), rest.end(), right.end() - static_cast<std::ptrdiff_t>(rest.size()),
     right.end() - static_cast<std::ptrdiff_t>(rest.size()), std::plus<>());
-  // The factor at hand is that of the last Newton step, a hair away. Far from it the refinement
-  // would not converge, so a factor of another state is not tried.
+  // The last factor belongs to positions very close to these. Refinement would diverge with a
+  // factor of another state, which is therefore not tried.
   FactorCache& factor = newton.Factor();
   std::vector<double> solution;
   if (!(factor.DistanceMm(x) < FactorCache::NearMm) ||
@@ -258,14 +260,14 @@ std::vector<std::vector<double>> EquilibriumSensitivities(const EquilibriumEnerg
   return result;
 }
 
-double PaddleForceRateOf(const EquilibriumEnergy& energy, const std::vector<double>& x,
+double PaddleForceDerivativeOf(const EquilibriumEnergy& energy, const std::vector<double>& x,
   const PlatePairVelocity& velocity, const std::vector<double>& nodeVelocities)
 {
   double rate = 0;
   for (const std::int32_t element : energy.Part().Elements())
   {
-    energy.Contact().AddPaddleForceRate(element, x, velocity, nodeVelocities, rate);
-    energy.Friction().AddPaddleForceRate(element, x, velocity, nodeVelocities, rate);
+    energy.Contact().AddPaddleForceDerivative(element, x, velocity, nodeVelocities, rate);
+    energy.Friction().AddPaddleForceDerivative(element, x, velocity, nodeVelocities, rate);
   }
   return 1e-3 * rate;
 }

@@ -12,58 +12,58 @@
 
 namespace mammoray
 {
-/// Rate of change of what the body is held and loaded by with a parameter, per unit of it.
-struct HoldingVelocity
+/// Derivative of attachment, friction and loads with respect to a parameter, per unit of it.
+struct SupportDerivative
 {
   WallStiffness Wall;
-  /// Rate of the coefficient of friction.
+  /// Derivative of the coefficient of friction.
   double Friction = 0;
-  /// Rates of the dead loads, 3 x nodeCount, kPa mm^2; empty: none.
+  /// Derivatives of the dead loads, 3 x nodeCount, kPa mm^2; empty if they are zero.
   std::vector<double> Loads;
 };
 
-/// Rate of change of the undeformed shape with a parameter, per unit of it.
-struct RestVelocity
+/// Velocity of the undeformed shape with respect to a parameter, per unit of it.
+struct StressFreeVelocity
 {
-  /// 3 x nodeCount, mm; empty: none.
+  /// Velocities of the undeformed positions, 3 x nodeCount, mm; empty if they are zero.
   std::vector<double> Positions;
-  /// What this does to the dead loads, 3 x nodeCount, kPa mm^2; empty: nothing.
+  /// The resulting derivatives of the dead loads, 3 x nodeCount, kPa mm^2; empty if they are zero.
   std::vector<double> Loads;
 };
 
-/// Parameters of an equilibrium: those that move the plates, those that change the materials, those
-/// that change what holds and loads the body.
-struct EquilibriumVelocities
+/// Derivatives that define the parameters of an equilibrium: first those that move the plates, then
+/// those that change the materials, then those that change attachment and loads.
+struct EquilibriumDerivatives
 {
   std::vector<PlatePairVelocity> Plates;
-  std::vector<MaterialVelocity> Materials;
-  std::vector<HoldingVelocity> Holding;
-  /// How the undeformed shape changes along with the materials, then with what holds and loads, one
-  /// for each of both; empty: not at all.
-  std::vector<RestVelocity> Rest;
+  std::vector<MaterialDerivative> Materials;
+  std::vector<SupportDerivative> Support;
+  /// Velocities of the undeformed shape for each parameter of Materials, then of Support; empty if
+  /// it is fixed.
+  std::vector<StressFreeVelocity> Rest;
 };
 
-/// - d Gradient / dp at the unknowns, one column for each velocity, for parameters of the
-/// materials, of what holds and loads the body, and for those that move the plates.
+/// - d gradient / dp at the unknowns, one column per parameter, for parameters of the materials, of
+///   attachment and loads, and of the plates.
 std::vector<double> MaterialForces(const EquilibriumEnergy& energy, const std::vector<double>& x,
-  const std::vector<MaterialVelocity>& velocities);
-std::vector<double> HoldingForces(const EquilibriumEnergy& energy, const std::vector<double>& x,
-  const std::vector<HoldingVelocity>& velocities);
+  const std::vector<MaterialDerivative>& velocities);
+std::vector<double> SupportForces(const EquilibriumEnergy& energy, const std::vector<double>& x,
+  const std::vector<SupportDerivative>& velocities);
 std::vector<double> PlateForces(const EquilibriumEnergy& energy, const std::vector<double>& x,
   const std::vector<PlatePairVelocity>& velocities);
 
 /**
- * dx/dp by the implicit function theorem at the equilibrium `x` of `energy`, 3 x nodeCount for each
- * velocity, zero at fixed coordinates: one back-substitution each, by the factor at hand, refined,
- * or a new one. Throws InputError, and ConvergenceError where the energy's second derivative is not
- * positive definite.
+ * Velocities dx/dp at the equilibrium `x` of `energy`, by the implicit function theorem. They are
+ * zero at fixed coordinates. The factor at hand is used with iterative refinement, or a new one is
+ * computed; each parameter costs one back-substitution. Throws InputError, and ConvergenceError
+ * where the Hessian of the energy is not positive definite.
  */
 std::vector<std::vector<double>> EquilibriumSensitivities(const EquilibriumEnergy& energy,
-  NewtonSolver& newton, const std::vector<double>& x, const EquilibriumVelocities& velocities);
+  NewtonSolver& newton, const std::vector<double>& x, const EquilibriumDerivatives& velocities);
 
-/// Rate of the paddle's force with a parameter that moves the plates by `velocity` and the nodes by
-/// `nodeVelocities`, N per unit.
-double PaddleForceRateOf(const EquilibriumEnergy& energy, const std::vector<double>& x,
+/// Derivative of the paddle's force, N per unit of a parameter that moves the plates by `velocity`
+/// and the nodes by `nodeVelocities` (3 x nodeCount).
+double PaddleForceDerivativeOf(const EquilibriumEnergy& energy, const std::vector<double>& x,
   const PlatePairVelocity& velocity, const std::vector<double>& nodeVelocities);
 }
 

@@ -7,10 +7,10 @@ namespace mammoray
 {
 namespace
 {
-/// A factor of positions this near, mm, gives a step to first order.
+/// A factor of positions within this distance, mm, yields a step to first order.
 constexpr double NearForAStepMm = 2.0;
 
-/// The energy continued beyond J = 0 as long as this lives.
+/// Continues the energy beyond J = 0 during its lifetime.
 class ExtendedDomain
 {
 public:
@@ -167,17 +167,18 @@ std::vector<double> EquilibriumSolver::ContactPressures(const std::vector<double
 }
 
 std::vector<std::vector<double>> EquilibriumSolver::Sensitivities(const std::vector<double>& x,
-  const PlatePair& plates, const EquilibriumVelocities& velocities)
+  const PlatePair& plates, const EquilibriumDerivatives& velocities)
 {
   this->Energy.SetPlates(&plates);
   return EquilibriumSensitivities(this->Energy, this->Newton, x, velocities);
 }
 
-double EquilibriumSolver::PaddleForceRate(const std::vector<double>& x, const PlatePair& plates,
-  const PlatePairVelocity& velocity, const std::vector<double>& nodeVelocities)
+double EquilibriumSolver::PaddleForceDerivative(const std::vector<double>& x,
+  const PlatePair& plates, const PlatePairVelocity& velocity,
+  const std::vector<double>& nodeVelocities)
 {
   this->Energy.SetPlates(&plates);
-  return PaddleForceRateOf(this->Energy, x, velocity, nodeVelocities);
+  return PaddleForceDerivativeOf(this->Energy, x, velocity, nodeVelocities);
 }
 
 std::vector<double> EquilibriumSolver::TangentStep(const std::vector<double>& x,

@@ -14,98 +14,90 @@
 
 namespace mammoray
 {
-/**
- * Equilibria of a body between two plates as minima of its EquilibriumEnergy, found by
- * NewtonSolver, and their derivatives. Plates are given with each call; everything else stays until
- * it is set again. One thread at a time; it uses all cores itself.
- */
+/// Finds equilibria of a body between two plates as minima of its EquilibriumEnergy, by
+/// NewtonSolver, and their derivatives. The plates are an argument of each call; all other settings
+/// persist. One thread may use it at a time; it uses all cores itself.
 class MAMMORAYBIOMECHANICS_EXPORT EquilibriumSolver
 {
 public:
-  /// `fixed`: 3 x nodeCount flags. The body must outlive the solver. `contactStiffness`: kPa /
-  /// mm^2. Cells flagged in `leftOut` (empty: none) are rigid and take no part.
+  /// `fixed` are 3 x nodeCount flags of coordinates that do not move. `contactStiffness` is in kPa
+  /// / mm^2. Cells flagged in `leftOut` (empty for none) are rigid and are not assembled. The body
+  /// must outlive the solver.
   EquilibriumSolver(const ElasticBody& body, const std::vector<bool>& fixed,
     double contactStiffness, const std::vector<bool>& leftOut = {});
 
   std::size_t NumberOfUnknowns() const { return this->Energy.Part().NumberOfUnknowns(); }
-  /// To be called when the body's materials or its undeformed shape were changed.
+  /// Call this after the body's materials or its undeformed shape have changed.
   void BodyChanged();
-  /// kPa / mm^2, positive; counts from the next call on.
+  /// Contact stiffness of the next calls, kPa / mm^2; positive.
   void SetContactStiffness(double stiffness) { this->Energy.SetContactStiffness(stiffness); }
-  /// Forces that act whatever the deformation (dead loads), 3 x nodeCount, kPa mm^2; empty: none.
+  /// Dead loads (forces that do not depend on the deformation), 3 x nodeCount, kPa mm^2; empty for
+  /// none.
   void SetLoads(std::vector<double> loads) { this->Energy.SetLoads(std::move(loads)); }
-  /// What attaches the body to the chest wall (null: nothing); must outlive its use; of this body.
+  /// Sets the attachment to the chest wall, of the same body; null for none. It must outlive its
+  /// use.
   void SetAttachment(const AttachmentEnergy* attachment);
   /// Friction with the plates, its normal forces and anchors frozen; empty: none.
   void SetFriction(FrictionPoints points) { this->Energy.SetFriction(std::move(points)); }
   const FrictionPoints& Friction() const { return this->Energy.Friction().Points(); }
-  /// Friction of this coefficient for the contact at `x` (FrictionOfContact).
+  /// Friction points of this coefficient for the contact at `x`; see FrictionOfContact.
   FrictionPoints FrictionAt(const std::vector<double>& x, const PlatePair& plates,
     double coefficient, const FrictionStart& before) const;
 
   /**
-   * From the positions `x` (3 x nodeCount, mm; no cell inverted; fixed coordinates keep their
-   * values) to equilibrium between the plates (none: null). Stops when the norm of the residual
-   * forces falls below `tolerance` times the largest of the norms of the forces of contact, of the
-   * chest wall, of the dead loads and at fixed coordinates. `x` holds the last positions with all
-   * J > 0 when it fails.
+   * Solves for equilibrium between the plates (null for none), starting at the positions `x`: 3 x
+   * nodeCount, mm, without inverted cells; fixed coordinates keep their values. Stops when the norm
+   * of the residual force falls below `tolerance` times the largest of the norms of the forces of
+   * contact, of the chest wall, of the dead loads and at fixed coordinates. On failure `x` holds
+   * the last positions with J > 0 everywhere.
    */
   EquilibriumReport Solve(std::vector<double>& x, const PlatePair* plates, double tolerance,
     int maximumSteps, const ProgressCallback& progress = {});
 
-  /// True where the energy without plates is defined and its second derivative positive definite.
+  /// True if the energy without plates is defined at `x` and its Hessian is positive definite.
   bool IsStable(const std::vector<double>& x);
-  /// True where no cell is inverted.
+  /// True if no quadrature point is inverted.
   bool Admissible(const std::vector<double>& x);
-  /**
-   * Solves from positions at which cells may be inverted, with the energy continued beyond J = 0
-   * (ElasticEnergy::Domain), so that Newton's method turns them back. Where that succeeds `x` is
-   * Admissible and near an equilibrium, though not one of the energy itself.
-   */
+  /// Solves from positions with inverted cells. The energy is continued beyond J = 0
+  /// (ElasticEnergy::Domain), so that Newton's method can turn these cells back. On success `x` is
+  /// admissible and near an equilibrium, but is not an equilibrium of the original energy.
   EquilibriumReport Untangle(std::vector<double>& x, const PlatePair* plates, double tolerance,
     int maximumSteps, const ProgressCallback& progress = {});
-  /// Energy, forces and limits of positions as they stand. Throws ConvergenceError when a cell is
-  /// inverted; so do the next two.
+  /// Energy, forces and measures at the positions `x`. This function and the next two throw
+  /// ConvergenceError if a cell is inverted.
   EquilibriumReport Evaluate(const std::vector<double>& x, const PlatePair* plates);
-  /**
-   * Forces of the residual, 3 x nodeCount, kPa mm^2: the gradient of the energy, fixed coordinates
-   * too (there minus the force that holds the body).
-   */
+  /// The gradient of the energy, 3 x nodeCount, kPa mm^2. At fixed coordinates it is minus the
+  /// reaction force.
   std::vector<double> Gradient(const std::vector<double>& x, const PlatePair* plates);
-  /// The derivative of Gradient along `direction` (3 x nodeCount), zero at fixed coordinates.
+  /// The Hessian times `direction` (3 x nodeCount), kPa mm^2; zero at fixed coordinates.
   std::vector<double> HessianProduct(const std::vector<double>& x, const PlatePair* plates,
     const std::vector<double>& direction);
-  /// Pressure of the plates at each node, kPa: means around corners of the boundary, between them
-  /// at the middles of sides, 0 inside the body.
+  /// Contact pressure at each node, kPa: the mean around corners of the boundary, interpolated at
+  /// the middles of sides, 0 inside the body.
   std::vector<double> ContactPressures(const std::vector<double>& x, const PlatePair& plates);
 
-  /**
-   * dx/dp of an equilibrium for parameters that move the plates, then for those that change the
-   * materials, then what holds and loads the body; 3 x nodeCount each, zero at fixed coordinates.
-   * Friction's normal forces and anchors stay as they are; its anchors move with the plates. Throws
-   * ConvergenceError where the stiffness matrix is not positive definite.
-   */
+  /// Velocities dx/dp of the nodes at the equilibrium `x`, in the order of EquilibriumDerivatives;
+  /// zero at fixed coordinates. Friction's normal forces are frozen, and its anchors move with the
+  /// plates. Throws ConvergenceError if the stiffness matrix is not positive definite.
   std::vector<std::vector<double>> Sensitivities(const std::vector<double>& x,
-    const PlatePair& plates, const EquilibriumVelocities& velocities);
-  /// Rate of the paddle's force with a parameter that moves the plates by `velocity` and the nodes
-  /// by `nodeVelocities` (of Sensitivities), N per unit.
-  double PaddleForceRate(const std::vector<double>& x, const PlatePair& plates,
+    const PlatePair& plates, const EquilibriumDerivatives& velocities);
+  /// Derivative of the paddle's force, N per unit of a parameter that moves the plates by
+  /// `velocity` and the nodes by `nodeVelocities` (from Sensitivities).
+  double PaddleForceDerivative(const std::vector<double>& x, const PlatePair& plates,
     const PlatePairVelocity& velocity, const std::vector<double>& nodeVelocities);
-  /**
-   * The same as Sensitivities for one motion of the plates, to first order only and at the price of
-   * one back-substitution: by the factor at hand as it is, when it belongs to positions within 2
-   * mm.
-   */
+  /// The velocities for one motion of the plates to first order, at the cost of one
+  /// back-substitution: it uses the factor at hand without refinement if that belongs to positions
+  /// within 2 mm.
   std::vector<double> TangentStep(const std::vector<double>& x, const PlatePair& plates,
     const PlatePairVelocity& motion);
 
-  /// Smallest distance each plate must move against its normal for its layer to touch nothing, mm;
-  /// support, paddle.
+  /// Smallest distance that support and paddle must each move against their normals so that their
+  /// layers touch nothing, mm.
   std::array<double, 2> Opening(const std::vector<double>& x, const PlatePair& plates) const
   {
     return this->Energy.Contact().Opening(x, plates);
   }
-  /// Most memory that the factorisation has taken so far, bytes.
+  /// Largest memory of the factorisation so far, bytes.
   double PeakFactorBytes() const { return this->Newton.Factor().PeakBytes(); }
 
 private:

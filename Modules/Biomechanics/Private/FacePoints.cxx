@@ -13,7 +13,7 @@ const std::vector<FacePoint>& FacePoints()
     {
       for (int j = 0; i + j < n; ++j)
       {
-        // Small triangles that point up and down.
+        // Small triangles of both orientations.
         for (int down = 0; down < (i + j + 1 < n ? 2 : 1); ++down)
         {
           const double shift = down ? 2 / 3.0 : 1 / 3.0;

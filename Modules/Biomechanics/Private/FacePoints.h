@@ -14,7 +14,8 @@
 
 namespace mammoray
 {
-/// A point of a triangle by its barycentric coordinates, and the part of the area it stands for.
+/// A quadrature point of a triangle in barycentric coordinates, and the fraction of the area that
+/// it represents.
 struct FacePoint
 {
   std::array<double, 3> Lambda;
@@ -22,14 +23,14 @@ struct FacePoint
 };
 
 /**
- * The middles of 64 equal small triangles: where a plate's edge cuts through a face, many points
- * beat a high degree. On a round of 3 mm that is pressed 0.05 mm deep the contact is 1.1 mm wide:
- * points of an 8 mm face must not lie farther apart than that, or the body rests on a few of them
- * and catches on the edge from one to the next (16 points: twice as many Newton steps).
+ * The centroids of 64 equal small triangles. Where a plate's edge cuts through a face, many points
+ * are better than a rule of high degree: on an edge of 3 mm radius that is pressed in by 0.05 mm
+ * the contact is 1.1 mm wide. If the points of an 8 mm face lay farther apart, the body would rest
+ * on a few of them and snag from one to the next (with 16 points, twice as many Newton steps).
  */
 MAMMORAYBIOMECHANICS_EXPORT const std::vector<FacePoint>& FacePoints();
 
-/// Shape functions of the triangle with six nodes or three at a point.
+/// Shape functions of the triangle with six or three nodes at a point.
 inline std::array<double, 6> FaceShape(const FacePoint& point, int nodes)
 {
   const std::array<double, 3>& l = point.Lambda;
@@ -41,7 +42,7 @@ inline std::array<double, 6> FaceShape(const FacePoint& point, int nodes)
     4 * l[1] * l[2], 4 * l[2] * l[0] };
 }
 
-/// A point of a boundary face, or what node values `x` make there.
+/// Interpolates the node values `x` at a point of a boundary face.
 inline Vector3 FacePosition(const ElasticBody& body, const ElasticBody::BoundaryFace& face,
   const std::array<double, 6>& shape, const std::vector<double>& x)
 {

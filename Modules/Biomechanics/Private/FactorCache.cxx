@@ -11,10 +11,10 @@ namespace mammoray
 {
 namespace
 {
-/// Least share of the positive definite matrix worth mixing in.
+/// Smallest share of the positive definite matrix that is worth adding.
 constexpr double SmallestShare = 1.0 / 64;
-/// How far a factor serves for conjugate gradients: to what part of the residual's norm, and in how
-/// many steps at most, each of them a solution.
+/// Use of a factor as preconditioner: largest distance, mm, relative residual to reach, and largest
+/// number of iterations, each of which costs one solution.
 struct Reach
 {
   double Mm;
@@ -22,13 +22,12 @@ struct Reach
   int MostSteps;
 };
 constexpr Reach OfCheap{ FactorCache::NearMm, 1e-3, 6 };
-/// From 0.3 to 0.6 mm away a hundredth takes 8 to 10 steps, a thousandth 10 to 13 (the FDA's
-/// phantom).
+/// At 0.3 to 0.6 mm, 1e-2 takes 8 to 10 iterations and 1e-3 takes 10 to 13 (the FDA's phantom).
 constexpr Reach OfExpensive{ 0.5, 1e-2, 14 };
 constexpr int MostRefinements = 8;
 constexpr double RefinementTolerance = 1e-9;
 
-/// Infinite where `positions` is empty.
+/// Largest difference of a coordinate, mm; infinite if `positions` is empty.
 double LargestDifference(const std::vector<double>& x, const std::vector<double>& positions)
 {
   if (positions.size() != x.size())
@@ -64,8 +63,8 @@ bool FactorCache::Factorize(const std::vector<double>& values, const std::vector
 bool FactorCache::FactorizeMixed(const std::vector<double>& values, const std::vector<double>& x,
   const std::function<std::vector<double>()>& projected, bool stiffer)
 {
-  // Mix in as little as needed of the matrix that cannot be indefinite: all of it would be far too
-  // stiff and Newton's method would crawl. What was needed last is a good guess.
+  // Add as little as needed of the projected matrix: all of it is far too stiff, and Newton's
+  // method would converge slowly. The last share is a good guess.
   this->Positions.clear();
   if (stiffer)
   {

@@ -11,77 +11,76 @@
 
 namespace mammoray
 {
-/**
- * The Cholesky factor of an objective's Hessian, and the positions it belongs to: it still serves
- * for positions nearby, which saves a factorisation.
- */
+/// The Cholesky factor of an objective's Hessian and the positions it belongs to. Nearby positions
+/// can reuse it, which saves a factorisation.
 class MAMMORAYBIOMECHANICS_EXPORT FactorCache
 {
 public:
-  /// A factor of positions this near, mm, gives Newton steps and sensitivities to the last digits
-  /// in a few products, or not at all. An expensive one gives steps from farther away.
+  /// Within this distance (largest difference of a coordinate, mm) a factor either yields Newton
+  /// steps and sensitivities to the last digits in a few products or is rejected. An expensive
+  /// factor is also used for steps from farther away.
   static constexpr double NearMm = 0.01;
 
   /// The pattern must outlive the cache.
   explicit FactorCache(const SparsePattern& pattern);
 
-  /// Makes the factor that of the matrix `values` at the positions `x`. Answers false where the
-  /// matrix is not positive definite.
+  /// Factorises the matrix `values` of the positions `x`. Returns false if the matrix is not
+  /// positive definite.
   bool Factorize(const std::vector<double>& values, const std::vector<double>& x);
   /**
-   * The same; where the matrix is indefinite, with as little as needed of the positive definite
-   * matrix that `projected` makes mixed in. `stiffer`: more of it than in the last factor, which
-   * was of the same positions. Answers false where all of it does not help.
+   * As Factorize. If the matrix is indefinite, adds as small a share as needed of the positive
+   * definite matrix that `projected` returns. `stiffer` requests a larger share than that of the
+   * last factor, which must belong to the same positions. Returns false if even the whole of it
+   * does not help.
    */
   bool FactorizeMixed(const std::vector<double>& values, const std::vector<double>& x,
     const std::function<std::vector<double>()>& projected, bool stiffer = false);
-  /// Share of the positive definite matrix in the last factor of FactorizeMixed.
+  /// Share of the positive definite matrix in the last factor of FactorizeMixed, [0, 1].
   double Share() const { return this->MixedShare; }
 
-  /// Largest difference of a coordinate from the positions of the factor, mm; infinite where there
-  /// is none or one of a mixed matrix.
+  /// Largest difference of a coordinate from the positions of the factor, mm. It is infinite if
+  /// there is no factor or if the factor is of a mixed matrix.
   double DistanceMm(const std::vector<double>& x) const;
-  /// The factor belongs to no positions any more.
+  /// Marks the factor as belonging to no positions.
   void Forget() { this->Positions.clear(); }
 
-  /// Solves for `columns` right-hand sides stored one after the other, in place, to the
+  /// Solves in place for the right-hand sides stored one after the other in `columns`, to the
   /// factor's precision.
   void Solve(std::vector<double>& columns) { this->Cholesky.Solve(columns); }
-  /**
-   * The solutions for the matrix `values` that the factor is of; those of one in single precision
-   * refined as by RefineNearby, and false where that fails. Of a mixed matrix, whose values are not
-   * kept, as Solve gives them.
-   */
+  /// Solves for the matrix `values` that was factorised. A factor in single precision is refined as
+  /// by RefineNearby; returns false if that fails. For a mixed matrix, whose values are not kept,
+  /// the result is that of Solve.
   bool SolveOwn(const std::vector<double>& values, const std::vector<double>& right,
     std::size_t count, std::vector<double>& solution);
   /**
-   * The solution for the matrix `values` of the positions `x` by conjugate gradients, to a
-   * thousandth, where the factor's positions are near. An expensive factor, of a mixed matrix too,
-   * serves from 0.5 mm away, to a hundredth, in steps that take some half of a factorisation's time
-   * at most. Answers false where it is too far, the steps do not suffice or the matrix is found
-   * indefinite.
+   * Solves for the matrix `values` of the positions `x` by preconditioned conjugate gradients to a
+   * relative residual of 1e-3, if the factor's positions are near. An expensive factor, also one of
+   * a mixed matrix, is used within 0.5 mm, to 1e-2, with iterations that take at most about half of
+   * the time of a factorisation. Returns false if the factor is too far away, the iterations do not
+   * suffice or the matrix is indefinite.
    */
   bool SolveNearby(const std::vector<double>& values, const std::vector<double>& x,
     const std::vector<double>& right, std::vector<double>& solution);
-  /// The same for `count` right-hand sides by iterative refinement, each to 1e-9 of its own size.
+  /// As SolveNearby for `count` right-hand sides, by iterative refinement; each to 1e-9 of its own
+  /// norm.
   bool RefineNearby(const std::vector<double>& values, const std::vector<double>& right,
     std::size_t count, std::vector<double>& solution);
-  /// y = A x of the symmetric matrix with these values.
+  /// y = A x for the symmetric matrix with these values.
   void Multiply(const std::vector<double>& values, const double* x, double* y) const
   {
     this->Cholesky.Multiply(values, x, y);
   }
-  /// Most memory that factor and working space have taken so far, bytes.
+  /// Largest memory of factor and working space so far, bytes.
   double PeakBytes() const { return this->Cholesky.PeakBytes(); }
 
 private:
   SparseCholesky Cholesky;
-  /// Empty: the factor is of no positions.
+  /// Positions of the factor; empty if it belongs to none.
   std::vector<double> Positions;
-  /// Whether the factor is that of the matrix itself, not of a mixed one.
+  /// True if the matrix itself was factorised, not a mixed one.
   bool Pure = false;
   double MixedShare = 0;
-  /// The positive definite matrix of the last positions, where it was needed.
+  /// The positive definite matrix at the last positions, if it was needed.
   std::vector<double> Projected;
 };
 }

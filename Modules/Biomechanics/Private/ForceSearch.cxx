@@ -15,13 +15,13 @@ namespace mammoray
 {
 namespace
 {
-/// How near is near enough, how far the plates go in one step, mm, and the
-/// least step towards more force before the search gives up.
+/// Relative tolerance of the force, largest change of the gap in one step, mm, and the smallest
+/// step, mm, towards more force before the search gives up.
 constexpr double ForceTolerance = 1e-4;
 constexpr double LargestForceStepMm = 5;
 constexpr double SmallestForceStepMm = 0.1;
 constexpr int MostForceSteps = 60;
-/// Part of the gap without contact at which that search begins.
+/// Fraction of the gap without contact at which the search begins.
 constexpr double FirstGap = 0.85;
 
 }
@@ -36,7 +36,7 @@ CompressionState FindForce(const CompressionSimulation& simulation, bool rubs,
   {
     throw InputError("compression: expected a positive force and a motion that closes the plates");
   }
-  // `at` and the bracket count mm that the gap was closed by, from the plates given.
+  // `at` and the bracket are the closing of the gap from the given plates, mm.
   const double open = GapMm(simulation.OpenedPlates(plates, progress));
   double at = GapMm(plates) - FirstGap * open;
   const auto platesAt = [&](double closed) { return MovedPlates(plates, closing, closed / speed); };
@@ -46,7 +46,8 @@ CompressionState FindForce(const CompressionSimulation& simulation, bool rubs,
   int newtonSteps = state.NewtonSteps;
   int loadSteps = state.LoadSteps;
   double allowed = LargestForceStepMm;
-  // With friction no state is reached from a farther closed one, where it points the other way.
+  // With friction a state must not be reached from a more closed one: friction would point the
+  // other way.
   std::optional<CompressionState> below;
   for (int step = 0; std::abs(state.PaddleForceN / forceN - 1) > ForceTolerance; ++step)
   {
@@ -56,11 +57,11 @@ CompressionState FindForce(const CompressionSimulation& simulation, bool rubs,
       below = state;
       tooMuch = std::numeric_limits<double>::infinity(); // on the way from another state
     }
-    // The force grows faster than in proportion to the way: its logarithm is nearer to a line.
+    // The force grows faster than linearly with the closing; its logarithm is closer to linear.
     double by = state.PaddleForceN < forceN ? allowed : -allowed;
     if (state.PaddleForceN > 0)
     {
-      const double rate = simulation.PaddleForceRate(state, closing) / speed;
+      const double rate = simulation.PaddleForceDerivative(state, closing) / speed;
       const double wanted = std::log(forceN / state.PaddleForceN) * state.PaddleForceN / rate;
       by = rate > 0 ? std::clamp(wanted, -allowed, allowed) : by;
     }

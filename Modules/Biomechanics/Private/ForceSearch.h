@@ -6,10 +6,8 @@
 
 namespace mammoray
 {
-/**
- * The state in which the paddle presses with `forceN`: see CompressionSimulation::CompressToForce,
- * whose arguments these are. `rubs`: whether the simulation has friction.
- */
+/// Implements CompressionSimulation::CompressToForce, which documents the arguments. `hasFriction`
+/// is true if the simulation has friction.
 CompressionState FindForce(const CompressionSimulation& simulation, bool rubs,
   const PlatePair& plates, const PlatePairVelocity& closing, double forceN,
   const ProgressCallback& progress);

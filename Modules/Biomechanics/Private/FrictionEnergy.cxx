@@ -29,7 +29,7 @@ void FrictionEnergy::SetPoints(FrictionPoints points)
   {
     return;
   }
-  // Points of faces that cannot move, of element -1, lie before those of the first element.
+  // Points of faces that cannot move have element -1 and precede those of the first element.
   this->Starts.assign(this->NumberOfPieces() + 1, 0);
   for (const FrictionPoint& point : this->Ordered)
   {
@@ -38,7 +38,7 @@ void FrictionEnergy::SetPoints(FrictionPoints points)
   std::partial_sum(this->Starts.begin(), this->Starts.end(), this->Starts.begin());
 }
 
-/// Calls function(FrictionPoint, face, shape functions, position) for those of an element.
+/// Calls function(FrictionPoint, face, shape functions, position) for the points of an element.
 template <typename Function>
 void FrictionEnergy::ForEachPoint(std::size_t element, const std::vector<double>& x,
   const Function& function) const
@@ -124,7 +124,7 @@ void FrictionEnergy::AddPlateForces(std::size_t element, const std::vector<doubl
         const PlateVelocity& velocity =
           point.Side == 0 ? velocities[p].Support : velocities[p].Paddle;
         this->Part.AddAtFace(face, shape,
-          -point.SlidingForce * friction.GradientRate(plate, velocity, position),
+          -point.SlidingForce * friction.GradientDerivative(plate, velocity, position),
           &columns[this->Part.NumberOfUnknowns() * p]);
       }
     });
@@ -142,7 +142,7 @@ void FrictionEnergy::AddCoefficientForces(std::size_t element, const std::vector
     });
 }
 
-void FrictionEnergy::AddPaddleForceRate(std::size_t element, const std::vector<double>& x,
+void FrictionEnergy::AddPaddleForceDerivative(std::size_t element, const std::vector<double>& x,
   const PlatePairVelocity& velocity, const std::vector<double>& nodeVelocities, double& rate) const
 {
   const Plate& paddle = this->Touched.Paddle;

@@ -15,8 +15,8 @@
 
 namespace mammoray
 {
-/// Where friction comes from: a state before, the points that touched there with their anchors
-/// dragged to it.
+/// The previous state of friction: its contact points with their anchors dragged along, its
+/// positions and plates.
 struct FrictionStart
 {
   FrictionPoints Dragged;
@@ -24,20 +24,18 @@ struct FrictionStart
   PlatePair Plates;
 };
 
-/**
- * Energy of the friction with two plates (FrictionPoint: its normal forces and anchors are frozen);
- * its pieces are the body's elements. It has no negative curvature.
- */
+/// Energy of the friction with two plates, with frozen normal forces and anchors (see
+/// FrictionPoint). Its pieces are the body's elements. Its Hessian is positive semidefinite.
 class MAMMORAYBIOMECHANICS_EXPORT FrictionEnergy : public Energy
 {
 public:
-  /// Without points. The part must outlive the energy.
+  /// Begins without points. The part must outlive the energy.
   explicit FrictionEnergy(const MovingPart& part)
     : Part(part)
   {
   }
   void SetPoints(FrictionPoints points);
-  /// Ordered by elements.
+  /// Points, ordered by elements.
   const FrictionPoints& Points() const { return this->Ordered; }
   void SetPlates(const PlatePair& plates) { this->Touched = plates; }
 
@@ -46,19 +44,19 @@ public:
   {
     return this->Part.Body().NodesOf(element);
   }
-  /// Measures friction and its share of the normal forces.
+  /// Measures the friction force and its share of the normal forces.
   bool Add(std::size_t element, const std::vector<double>& x, EnergyOrder order,
     PieceTerms& terms) const override;
 
-  /// Adds - d gradient / dp of an element, for parameters that move the plates, to one column of
-  /// unknowns for each; the anchors move with the plates.
+  /// Adds -d gradient / dp of an element for parameters that move the plates, to one column of
+  /// unknowns each. The anchors move with the plates.
   void AddPlateForces(std::size_t element, const std::vector<double>& x,
     const std::vector<PlatePairVelocity>& velocities, std::vector<double>& columns) const;
-  /// The same for a parameter that changes the coefficient of friction at this rate.
+  /// As AddPlateForces for a parameter with this derivative of the coefficient of friction.
   void AddCoefficientForces(std::size_t element, const std::vector<double>& x, double rate,
     double* column) const;
-  /// See ContactEnergy::AddPaddleForceRate.
-  void AddPaddleForceRate(std::size_t element, const std::vector<double>& x,
+  /// See ContactEnergy::AddPaddleForceDerivative.
+  void AddPaddleForceDerivative(std::size_t element, const std::vector<double>& x,
     const PlatePairVelocity& velocity, const std::vector<double>& nodeVelocities,
     double& rate) const;
 
@@ -70,18 +68,16 @@ private:
   const MovingPart& Part;
   PlatePair Touched;
   FrictionPoints Ordered;
-  /// Those of element e are Starts[e] to Starts[e + 1]; empty without points.
+  /// Element e has the points Starts[e] to Starts[e + 1] - 1; empty if there are no points.
   std::vector<std::size_t> Starts;
 };
 
-/**
- * Friction of this coefficient for the contact of `part` at `x`: points that touched in the state
- * before keep their anchors, others have theirs where they were then.
- */
+/// Friction points for the contact of `part` at `x`. Points that touched in the previous state keep
+/// their anchors; new points have theirs where they were in that state.
 MAMMORAYBIOMECHANICS_EXPORT FrictionPoints FrictionOfContact(const MovingPart& part,
   const ContactEnergy& contact, const std::vector<double>& x, const PlatePair& plates,
   double coefficient, const FrictionStart& before);
-/// `points` with their anchors dragged to the positions `x`.
+/// Returns `points` with their anchors dragged to the positions `x`.
 MAMMORAYBIOMECHANICS_EXPORT FrictionPoints DraggedTo(const ElasticBody& body,
   const std::vector<double>& x, const PlatePair& plates, FrictionPoints points);
 }

@@ -12,19 +12,19 @@ namespace mammoray
 {
 namespace
 {
-/// There is no contact.
+/// Any positive value: there is no contact.
 constexpr double AnyContactStiffness = 1;
 }
 
 InverseEquilibrium::InverseEquilibrium(ElasticBody& body, AttachmentEnergy* wall,
-  const std::vector<bool>& fixed, const std::vector<bool>& heldCells, std::vector<double> corners,
+  const std::vector<bool>& fixed, const std::vector<bool>& fixedCells, std::vector<double> corners,
   const Vector3& gravityMPerS2)
   : Body(body)
   , Wall(wall)
-  , HeldCells(heldCells)
+  , FixedCells(fixedCells)
   , Corners(std::move(corners))
   , Gravity(gravityMPerS2)
-  , Energy(body, fixed, AnyContactStiffness, heldCells)
+  , Energy(body, fixed, AnyContactStiffness, fixedCells)
 {
   this->Energy.SetAttachment(wall);
   const std::size_t first = this->Corners.size() / 3;
@@ -60,7 +60,7 @@ void InverseEquilibrium::MakePattern()
       }
     }
   }
-  // Columns are gone through in ascending order: the upper entries of a column come first.
+  // Columns are visited in ascending order, so the upper entries of a column come first.
   for (std::vector<int>& column : rows)
   {
     std::sort(column.begin(), column.end());
@@ -99,7 +99,7 @@ std::vector<double> InverseEquilibrium::RestCorners(const std::vector<double>& y
   return { y.begin(), y.begin() + static_cast<std::ptrdiff_t>(this->Corners.size()) };
 }
 
-/// Answers false where a cell is turned inside out.
+/// Returns false if a cell is inverted.
 bool InverseEquilibrium::MoveRest(const std::vector<double>& y)
 {
   this->Body.SetRestCorners(this->RestCorners(y));
@@ -108,9 +108,9 @@ bool InverseEquilibrium::MoveRest(const std::vector<double>& y)
     this->Wall->SetRestPositions(this->Body.RestPositions());
   }
   this->Energy.BodyChanged();
-  for (std::size_t cell = 0; cell < this->HeldCells.size(); ++cell)
+  for (std::size_t cell = 0; cell < this->FixedCells.size(); ++cell)
   {
-    if (!this->HeldCells[cell] && !(this->Body.CellVolume(cell) > 0))
+    if (!this->FixedCells[cell] && !(this->Body.CellVolume(cell) > 0))
     {
       return false;
     }
@@ -125,7 +125,7 @@ bool InverseEquilibrium::Evaluate(const std::vector<double>& y, bool derivatives
     return false;
   }
   std::vector<double> loads =
-    BodyForces(this->Body, this->HeldCells, this->LoadedPart * this->Gravity, { 0, 0, 0 });
+    BodyForces(this->Body, this->FixedCells, this->LoadedPart * this->Gravity, { 0, 0, 0 });
   this->Energy.SetLoads(std::move(loads));
   const std::vector<double> x = this->Deformed(y);
   this->Energy.Evaluate(x, derivatives ? EnergyOrder::Hessian : EnergyOrder::Gradient,
@@ -147,7 +147,7 @@ bool InverseEquilibrium::Evaluate(const std::vector<double>& y, bool derivatives
   return true;
 }
 
-/// The columns of middles, which are sought in the deformed body.
+/// Adds the columns of mid-side nodes, whose unknowns are deformed positions.
 void InverseEquilibrium::AddHessian(const std::vector<double>& hessian)
 {
   const SparsePattern& lower = this->Energy.Pattern();
@@ -181,7 +181,7 @@ void InverseEquilibrium::AddEntry(std::int32_t rowCoordinate, std::int32_t colum
   }
 }
 
-/// Minus the rate of the weight, to the columns of corners of an element's matrix.
+/// Adds minus the derivative of the weight to the columns of the corners in an element's matrix.
 void InverseEquilibrium::AddWeight(std::size_t element, std::vector<double>& matrix) const
 {
   const int perCell = this->Body.NodesPerCell();
@@ -261,7 +261,7 @@ void InverseEquilibrium::AddWall(const std::vector<double>& x)
           this->AddEntry(3 * node + i, 3 * node + k, rates[n][i][k]);
           continue;
         }
-        // A middle follows the ends of its side.
+        // A mid-side node follows the ends of its side.
         const std::size_t end = 2 * (node - this->Corners.size() / 3);
         this->AddEntry(3 * node + i, 3 * this->Ends[end] + k, 0.5 * rates[n][i][k]);
         this->AddEntry(3 * node + i, 3 * this->Ends[end + 1] + k, 0.5 * rates[n][i][k]);
@@ -271,17 +271,17 @@ void InverseEquilibrium::AddWall(const std::vector<double>& x)
 }
 
 std::vector<double> InverseEquilibrium::ParameterForces(const std::vector<double>& y,
-  const std::vector<MaterialVelocity>& materials, const std::vector<WallStiffness>& walls) const
+  const std::vector<MaterialDerivative>& materials, const std::vector<WallStiffness>& walls) const
 {
   const std::vector<double> x = this->Deformed(y);
   std::vector<double> columns = MaterialForces(this->Energy, x, materials);
-  std::vector<HoldingVelocity> holding;
+  std::vector<SupportDerivative> holding;
   holding.reserve(walls.size());
   for (const WallStiffness& wall : walls)
   {
     holding.push_back({ wall, 0, {} });
   }
-  const std::vector<double> more = HoldingForces(this->Energy, x, holding);
+  const std::vector<double> more = SupportForces(this->Energy, x, holding);
   columns.insert(columns.end(), more.begin(), more.end());
   return columns;
 }

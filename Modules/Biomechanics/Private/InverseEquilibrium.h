@@ -15,60 +15,60 @@
 namespace mammoray
 {
 /**
- * Equilibrium under dead loads where the deformed shape is known and the undeformed one is not
- * (Govindjee & Mihalic 1996): the same forces R(X, x) = d(energy)/dx as in EquilibriumEnergy, with
- * the loads as weights of the undeformed volume, but as a function of X. The corners of the cells
- * are known in the deformed body and sought at rest; the middles of quadratic sides, which at rest
- * lie between their ends, are sought in the deformed body. So there are as many unknowns as forces:
+ * Equilibrium under dead loads if the deformed shape is known and the undeformed one is unknown
+ * (Govindjee & Mihalic 1996). The forces R(X, x) = d(energy)/dx are those of EquilibriumEnergy,
+ * with the weight of the undeformed volume as load, but they are solved for X. The corners of the
+ * cells are known in the deformed body and unknown in the undeformed one. The mid-side nodes of
+ * quadratic cells lie midway between their corners in the undeformed body and are unknown in the
+ * deformed one. So there are as many unknowns as forces:
  *
- *   y = (X of corners, x of middles),   dR/dy = (dR/dX, d2E/dx2), not symmetric.
+ *   y = (X of corners, x of middles),   dR/dy = (dR/dX, d2E/dx2), which is not symmetric.
  *
- * Evaluating moves the body and its wall to the undeformed shape of `y`.
+ * An evaluation moves the body and its wall to the undeformed shape of `y`.
  */
 class MAMMORAYBIOMECHANICS_EXPORT InverseEquilibrium
 {
 public:
-  /**
-   * `wall`: null or the attachment of this body; `fixed`, `heldCells`: as of EquilibriumEnergy;
-   * `corners`: of the deformed body, 3 x the number of points of the linear mesh. Body and wall
-   * must outlive this.
-   */
+  /// `wall` is the attachment of this body, or null. `fixed` and `fixedCells` are as in
+  /// EquilibriumEnergy. `corners` are the points of the linear mesh in the deformed body, 3 x
+  /// pointCount, mm. Body and wall must outlive this object.
   InverseEquilibrium(ElasticBody& body, AttachmentEnergy* wall, const std::vector<bool>& fixed,
-    const std::vector<bool>& heldCells, std::vector<double> corners, const Vector3& gravityMPerS2);
+    const std::vector<bool>& fixedCells, std::vector<double> corners, const Vector3& gravityMPerS2);
 
-  /// The part of the gravity that loads the body, from 0 to 1; 1 until set.
+  /// Sets the fraction of gravity that loads the body, [0, 1]; the default is 1.
   void SetLoadedPart(double part) { this->LoadedPart = part; }
 
-  /// Every coordinate of `y` where the body has no load: 3 x nodeCount.
+  /// The unknowns `y` of the body without load, 3 x nodeCount.
   std::vector<double> Unloaded() const;
-  /// Puts middles between the ends of their sides, as at rest: positions or velocities, 3 x
-  /// nodeCount.
+  /// Places mid-side nodes midway between their corners, in positions or velocities (3 x
+  /// nodeCount).
   void PutMiddlesBetween(std::vector<double>& values) const;
-  /// Deformed positions of all nodes and undeformed ones of the corners in `y`.
+  /// Deformed positions of all nodes, and undeformed positions of the corners, in `y`.
   std::vector<double> Deformed(const std::vector<double>& y) const;
   std::vector<double> RestCorners(const std::vector<double>& y) const;
 
-  /// Residual at `y`, and with `derivatives` its Jacobian. Answers false, with nothing else
-  /// changed but the shape at rest, where a cell or a quadrature point is inverted.
+  /// Computes the residual at `y` and, with `derivatives`, its Jacobian. Returns false if a cell or
+  /// a quadrature point is inverted; then only the undeformed shape has changed.
   bool Evaluate(const std::vector<double>& y, bool derivatives);
-  /// - R by the unknowns, kPa mm^2, and |R| over the largest kind of force.
+  /// -R at the unknowns, kPa mm^2, and |R| divided by the norm of the largest kind of force.
   const std::vector<double>& Forces() const { return this->Residual; }
   double RelativeResidual() const { return this->Current.RelativeResidual(); }
-  /// Of the quadrature points of the last evaluation.
+  /// Smallest and largest J of the quadrature points in the last evaluation.
   double SmallestJ() const { return this->Current.Measures.SmallestJ; }
   double LargestJ() const { return this->Current.Measures.LargestJ; }
 
-  /// The coordinate of each unknown in `y`, ascending.
+  /// Coordinate of each unknown in `y`, ascending.
   const std::vector<std::int32_t>& Coordinates() const { return this->Energy.Coordinates(); }
-  /// The Jacobian by columns (SparsePattern, but both halves) and its values of the last Evaluate
-  /// with derivatives.
+  /// Pattern of the Jacobian by columns (as SparsePattern, but with both halves), and its values in
+  /// the last Evaluate with derivatives.
   const SparsePattern& Pattern() const { return this->Entries; }
   const std::vector<double>& Jacobian() const { return this->Values; }
 
-  /// - dR/dp at `y` for parameters of the materials and of the wall, one column for each; where
-  /// Evaluate was last called.
+  /// -dR/dp at `y` for parameters of the materials, then of the wall, one column each. `y` must be
+  /// that of the last Evaluate.
   std::vector<double> ParameterForces(const std::vector<double>& y,
-    const std::vector<MaterialVelocity>& materials, const std::vector<WallStiffness>& walls) const;
+    const std::vector<MaterialDerivative>& materials,
+    const std::vector<WallStiffness>& walls) const;
 
 private:
   bool IsCorner(std::int32_t coordinate) const
@@ -85,14 +85,14 @@ private:
 
   ElasticBody& Body;
   AttachmentEnergy* Wall;
-  const std::vector<bool> HeldCells;
+  const std::vector<bool> FixedCells;
   const std::vector<double> Corners;
   const Vector3 Gravity;
   double LoadedPart = 1;
   EquilibriumEnergy Energy;
   Evaluation Current;
   SparsePattern Entries;
-  /// The ends of the side of each middle, 2 for each node from the first middle on.
+  /// The two ends of the side of each mid-side node, in the order of these nodes.
   std::vector<std::int32_t> Ends;
   std::vector<double> Values;
   std::vector<double> Residual;

@@ -9,14 +9,13 @@ namespace mammoray
 {
 namespace
 {
-/// Largest relative residual with the normal forces of friction brought up to date, in the end and
-/// on the way, and how often they are. Friction is a part of the forces, known to some per cent at
-/// best.
+/// Largest relative residual with updated normal forces at the end and on the way, and the largest
+/// number of updates. Friction is known to a few per cent at best.
 constexpr double FrictionTolerance = 1e-4;
 constexpr double IntermediateFrictionTolerance = 5e-2;
 constexpr int MostFrictionUpdates = 60;
-/// A residual that does not fall below this part of the last one calls for smaller updates, down to
-/// that.
+/// If the residual does not fall below this fraction of the last one, updates are damped, down to
+/// the second value.
 constexpr double StalledFriction = 0.95;
 constexpr double SmallestFrictionPart = 1.0 / 16;
 }
@@ -105,7 +104,7 @@ EquilibriumReport LaggedFriction::Solve(std::vector<double>& x, const std::vecto
       report.Reason = reason;
       return report;
     }
-    // All of the change overshoots: friction that grows unloads its own contact.
+    // A full update overshoots: growing friction reduces its own contact force.
     part = residual > StalledFriction * residualBefore ? std::max(0.5 * part, SmallestFrictionPart)
                                                        : part;
     residualBefore = residual;

@@ -11,19 +11,19 @@
 
 namespace mammoray
 {
-/**
- * The equilibria of a solver with Coulomb friction, whose normal forces are frozen while it solves:
- * it solves again until they fit. Without friction it solves once.
- */
+/// Solves load steps with Coulomb friction: the solver runs with frozen normal forces, which are
+/// updated until they agree with the solution (fixed-point iteration). Without friction it solves
+/// once.
 class MAMMORAYBIOMECHANICS_EXPORT LaggedFriction : public LoadStepSolver
 {
 public:
-  /// `coefficient`: not negative. Friction comes from the state `x` between `plates`, where
-  /// `points` (null: none) touched. The solver, and the body it was made of, must outlive this.
+  /// `coefficient` is not negative. Friction starts from the state `x` between `plates` with the
+  /// contact `points` of that state (null for none). The solver and its body must outlive this
+  /// object.
   LaggedFriction(EquilibriumSolver& solver, const ElasticBody& body, double coefficient,
     const std::vector<double>& x, const PlatePair& plates, const FrictionPoints* points = nullptr);
 
-  /// The guess is to first order; `x` where that would turn a cell inside out.
+  /// Returns a guess to first order, or `x` if that guess inverts a cell.
   std::vector<double> Begin(const std::vector<double>& x, const PlatePair& plates,
     const LoadStep& step) override;
   EquilibriumReport Solve(std::vector<double>& x, const std::vector<double>& last,
@@ -39,7 +39,7 @@ private:
   EquilibriumSolver& Solver;
   const ElasticBody& Body;
   const double Coefficient;
-  /// Anchors are those of the state at which the load step began.
+  /// The state at which the load step began; it defines the anchors.
   FrictionStart Before;
 };
 }

@@ -40,7 +40,7 @@ bool LoadEnergy::Add(std::size_t node, const std::vector<double>& x, EnergyOrder
   return true;
 }
 
-std::vector<double> BodyForces(const ElasticBody& body, const std::vector<bool>& heldCells,
+std::vector<double> BodyForces(const ElasticBody& body, const std::vector<bool>& fixedCells,
   const Vector3& gravityMPerS2, const Vector3& pullN)
 {
   if (Norm(gravityMPerS2) == 0 && Norm(pullN) == 0)
@@ -52,7 +52,7 @@ std::vector<double> BodyForces(const ElasticBody& body, const std::vector<bool>&
   double volume = 0;
   for (std::size_t cell = 0; cell < density.size(); ++cell)
   {
-    if (!heldCells[cell])
+    if (!fixedCells[cell])
     {
       density[cell] = WeightDensity * body.CellDensity(cell);
       tissue[cell] = 1;
@@ -69,15 +69,16 @@ std::vector<double> BodyForces(const ElasticBody& body, const std::vector<bool>&
   return forces;
 }
 
-std::vector<double> BodyForceRates(const ElasticBody& body, const std::vector<bool>& heldCells,
-  const Vector3& gravityMPerS2, const Vector3& pullN, const std::vector<double>& restVelocities)
+std::vector<double> BodyForceDerivatives(const ElasticBody& body,
+  const std::vector<bool>& fixedCells, const Vector3& gravityMPerS2, const Vector3& pullN,
+  const std::vector<double>& restVelocities)
 {
   if (Norm(gravityMPerS2) == 0 && Norm(pullN) == 0)
   {
     return {};
   }
-  // Integrals are linear in the cells' volumes: those of the density, and of the part that a cell
-  // has of the whole volume, whose derivative has two terms.
+  // All integrals are linear in the cells' volumes. The fraction of the total volume that a cell
+  // has contributes two terms to the derivative.
   std::vector<double> weightGrowth(body.NumberOfCells(), 0.0);
   std::vector<double> growth(body.NumberOfCells(), 0.0);
   std::vector<double> tissue(body.NumberOfCells(), 0.0);
@@ -85,7 +86,7 @@ std::vector<double> BodyForceRates(const ElasticBody& body, const std::vector<bo
   double volumeRate = 0;
   for (std::size_t cell = 0; cell < growth.size(); ++cell)
   {
-    if (!heldCells[cell])
+    if (!fixedCells[cell])
     {
       const double rate = body.CellVolumeRate(cell, restVelocities);
       growth[cell] = rate / body.CellVolume(cell);

@@ -13,24 +13,24 @@
 
 namespace mammoray
 {
-/// Weight of 1 g/cm^3 at 1 m/s^2 in kPa mm^2 per mm^3.
+/// Weight of 1 g/cm^3 at 1 m/s^2, kPa mm^2 per mm^3.
 constexpr double WeightDensity = 1e-3;
 
-/// Energy of dead loads, forces that act whatever the deformation: minus their work from the
+/// Energy of dead loads (forces that do not depend on the deformation): minus their work from the
 /// undeformed positions on. Its pieces are the nodes; its Hessian is zero.
 class MAMMORAYBIOMECHANICS_EXPORT LoadEnergy : public Energy
 {
 public:
-  /// Without loads. The body must outlive the energy.
+  /// Begins without loads. The body must outlive the energy.
   explicit LoadEnergy(const ElasticBody& body)
     : Body(body)
   {
   }
-  /// 3 x nodeCount, kPa mm^2; empty: none. Throws InputError.
+  /// Sets the forces, 3 x nodeCount, kPa mm^2; empty for none. Throws InputError on another size.
   void SetForces(std::vector<double> forces);
   const std::vector<double>& Forces() const { return this->NodeForces; }
 
-  /// 0 without loads.
+  /// Number of nodes, or 0 without loads.
   std::size_t NumberOfPieces() const override { return this->NodeForces.size() / 3; }
   std::span<const std::int32_t> NodesOf(std::size_t node) const override;
   bool Add(std::size_t node, const std::vector<double>& x, EnergyOrder order,
@@ -42,16 +42,14 @@ private:
   std::vector<std::int32_t> NodeIndices;
 };
 
-/**
- * Forces of gravity (m/s^2) on the cells that are not held, and of a pull (N) spread over their
- * volume; 3 x nodeCount, kPa mm^2, empty where there are none.
- */
+/// Node forces of gravity (m/s^2) on the cells that are not fixed, and of a pull (N) distributed
+/// over their volume; 3 x nodeCount, kPa mm^2, empty if both are zero.
 MAMMORAYBIOMECHANICS_EXPORT std::vector<double> BodyForces(const ElasticBody& body,
-  const std::vector<bool>& heldCells, const Vector3& gravityMPerS2, const Vector3& pullN);
-/// Their rates where the undeformed nodes move with `restVelocities`, 3 x nodeCount; empty where
-/// there are none.
-MAMMORAYBIOMECHANICS_EXPORT std::vector<double> BodyForceRates(const ElasticBody& body,
-  const std::vector<bool>& heldCells, const Vector3& gravityMPerS2, const Vector3& pullN,
+  const std::vector<bool>& fixedCells, const Vector3& gravityMPerS2, const Vector3& pullN);
+/// Derivatives of BodyForces if the undeformed nodes move with `restVelocities` (3 x nodeCount);
+/// empty if there are no forces.
+MAMMORAYBIOMECHANICS_EXPORT std::vector<double> BodyForceDerivatives(const ElasticBody& body,
+  const std::vector<bool>& fixedCells, const Vector3& gravityMPerS2, const Vector3& pullN,
   const std::vector<double>& restVelocities);
 }
 

@@ -9,36 +9,38 @@ namespace mammoray
 {
 namespace
 {
-/// Tolerance between the plates asked for, where contact is still to be hardened: with the plates
-/// at rest there is no way to lose.
+/// Tolerance at the target plates while contact still has to be hardened: these plates no longer
+/// move.
 constexpr double ArrivalTolerance = 5e-2;
 constexpr int IntermediateNewtonSteps = 40;
-/// Tolerance of a start that another mesh gave and in which cells are inverted.
+/// Tolerance for a guess from another mesh that has inverted cells.
 constexpr double UntanglingTolerance = 3e-2;
-/// A warm start has little to lose, since its caller can take a smaller step: where it needs
-/// halvings, it gives up after this many Newton steps in all.
+/// A warm start gives up after this many Newton steps in total if it needs halvings: its caller can
+/// take a smaller step.
 constexpr int WarmNewtonSteps = 60;
-/// A cold start closes the plates with contact softer by this factor, then hardens it in these
-/// steps, down to the least worth taking.
+/// A cold start closes the plates with contact softer by this factor. Then contact is hardened by
+/// at most this factor per step, down to the smallest useful one.
 constexpr double Softening = 0.1;
 constexpr double LargestHardening = 10;
 constexpr double SmallestHardening = 1.01;
-/// Hardening by less than this that still resists has a snap to go through, which takes Newton's
-/// method its time; smaller steps do not shorten it.
+/// Smaller hardening steps that still fail cross a snap-through. Newton's method needs time for it,
+/// which smaller steps do not shorten.
 constexpr double PatientHardening = 2;
-/// Contact of a state that misses its penetration limit is made stiffer, by no more than this.
+/// Largest factor by which contact is stiffened when a state exceeds its penetration limit.
 constexpr double LargestStiffening = 256;
-/// Least steps as parts of the way.
+/// Smallest load steps as fractions of the path.
 constexpr double SmallestColdStep = 5e-3;
 constexpr double SmallestWarmStep = 0.1;
-/// A plate's travel up to which a warm start goes straight to the new plates, and the travel of one
-/// load step of a longer way, mm.
+/// A warm start goes straight to plates within this travel; longer paths use load steps of the
+/// second travel, mm.
 constexpr double ShortTravelMm = 3;
 constexpr double LongTravelMm = 6;
 
-/// Tissue hardly changes its volume. Where a quadrature point of a converged state has lost nine
-/// tenths of it, a cell is squeezed flat between a plate's edge and the held body. A linear cell is
-/// one of a patch that keeps its volume: at such edges some lose 95 % to their neighbours.
+/**
+ * Tissue hardly changes its volume. If a quadrature point of a converged quadratic state has lost
+ * 90 % of it, the cell is squeezed flat between a plate's edge and the fixed body. A linear cell
+ * belongs to a patch that keeps its volume; at such edges some cells lose 95 % to their neighbours.
+ */
 double SmallestAllowedJ(ElementType type)
 {
   return type == ElementType::Quadratic ? 0.1 : 0.01;
@@ -80,21 +82,21 @@ LoadPathStart LoadPathStart::Warm(const CompressionState& state, const PlatePair
 {
   LoadPathStart start;
   start.Positions = state.Positions;
-  // Plates that rub do not slide along their edges unfelt.
+  // With friction, sliding along the plates' edges has an effect, so the plates stay.
   start.Plates = options.Friction > 0 ? state.Plates : SlidTowards(state.Plates, target);
-  // The edges are rounded as asked from the first step on.
+  // Use the target's edge radii from the first step on.
   start.Plates.Support.EdgeRadiusMm = target.Support.EdgeRadiusMm;
   start.Plates.Paddle.EdgeRadiusMm = target.Paddle.EdgeRadiusMm;
   start.Stiffening = std::max(1.0, state.ContactStiffness / options.ContactStiffness);
   start.Softness = start.Stiffening;
   start.SmallestStep = SmallestWarmStep;
   start.MostNewtonSteps = WarmNewtonSteps;
-  // Only a short way from a state of hard contact is tried as it is.
+  // Only short paths are tried with hard contact.
   const double travel = TravelMm(PlateMotion(start.Plates, target));
   if (!(travel <= ShortTravelMm))
   {
-    // Hardened again at its end: only as far as is needed there, so that the state there does not
-    // tell of one far behind.
+    // Harden again at the end, only as far as needed there, so that the result does not depend on
+    // the start.
     start.Stiffening = 1;
     start.Softness = Softening;
     start.LargestStep = std::min(1.0, LongTravelMm / travel);
@@ -112,7 +114,7 @@ LoadPath::LoadPath(LoadStepSolver& solver, const CompressionOptions& options,
   , Motion(PlateMotion(Start.Plates, target))
   , Softness(Start.Softness)
   , Wanted(Start.Stiffening)
-  // Equal steps: the last one should not be a sliver.
+  // Use equal steps, so that the last one is not a sliver.
   , Step(1 / std::ceil(1 / Start.LargestStep - 1e-9))
   , Hardening(LargestHardening)
   , LastGap(GapMm(Start.Plates))
@@ -132,7 +134,7 @@ double LoadPath::AtLeast(double tolerance) const
   return std::max(tolerance, this->Options.RelativeTolerance);
 }
 
-/// Newton steps tell nothing of how far the way was gone.
+/// Newton steps do not advance the path, so they report the same fraction.
 ProgressCallback LoadPath::StepProgress() const
 {
   return [this](double, const char*)
@@ -161,7 +163,7 @@ void LoadPath::Keep(const EquilibriumReport& report, std::vector<double>& x,
   state.LargestWallGlideMm = report.LargestWallGlideMm;
 }
 
-/// Answers false, with the Reason, where the step fails; else the state is the new one.
+/// Returns false and sets Reason if the step fails; otherwise the state is updated.
 bool LoadPath::TakeStep(std::vector<double>& x, const LoadStep& step)
 {
   const EquilibriumReport report = this->Solver.Solve(x, this->Reached.Positions,
@@ -231,7 +233,7 @@ void LoadPath::Harden()
   ReportProgress(this->Progress, this->Done, "compression");
   const double next = std::min(this->Wanted, this->Softness * this->Hardening);
   const bool patient = this->Start.Patient && this->Hardening < PatientHardening;
-  // Where contact is as hard as wanted the penetration decides whether it is to be harder still.
+  // With fully hardened contact, the penetration decides whether it must be harder still.
   const LoadStep step{ this->Target, this->StiffnessAt(next),
     this->AtLeast(next < this->Wanted ? ArrivalTolerance : LoadStep::IntermediateTolerance),
     patient ? 2 * this->Options.MaximumNewtonSteps : this->IntermediateSteps() };
@@ -249,7 +251,7 @@ void LoadPath::Harden()
   }
 }
 
-/// Solves to the end where nothing is left to move or to harden.
+/// Solves to the final tolerance; nothing moves or hardens any more.
 void LoadPath::Polish()
 {
   ReportProgress(this->Progress, this->Done, "compression");
@@ -262,10 +264,10 @@ void LoadPath::Polish()
   }
 }
 
-/// Wants stiffer contact where the penetration misses its limit; answers whether it does.
+/// Raises the wanted stiffness if the penetration exceeds its limit; returns true if so.
 bool LoadPath::StiffenWherePenetrated()
 {
-  // Penetration is inverse to the stiffness; a thousandth is left for the last digits.
+  // Penetration is inversely proportional to the stiffness; 0.999 leaves room for roundoff.
   const double excess =
     this->Reached.LargestPenetrationMm / (0.999 * PenetrationLimitMm(this->Target));
   if (!(excess > 1))

@@ -14,87 +14,87 @@
 
 namespace mammoray
 {
-/// What a load path asks for: equilibrium between these plates with this contact.
+/// A load step: equilibrium between these plates with this contact.
 struct LoadStep
 {
-  /// Equilibrium on the way is only a start for the next step: a solution to no less than this is
-  /// one of those.
+  /// Tolerance of intermediate equilibria, which only start the next step.
   static constexpr double IntermediateTolerance = 1e-3;
 
   PlatePair Plates;
   /// kPa / mm^2
   double ContactStiffness = 0;
-  /// Relative residual.
+  /// Relative residual at which the step is solved.
   double Tolerance = 0;
   int MaximumNewtonSteps = 0;
 };
 
-/// All that a load path knows of a solver. Positions are 3 x nodeCount, mm.
+/// The interface through which a load path uses a solver. Positions are 3 x nodeCount, mm.
 class LoadStepSolver
 {
 public:
   virtual ~LoadStepSolver() = default;
-  /// Begins to move the plates at the equilibrium `x` between `plates`, where friction's anchors
-  /// are. Answers a first guess of the positions to solve from.
+  /// Starts a load step at the equilibrium `x` between `plates`, which defines friction's anchors.
+  /// Returns a first guess of the new positions.
   virtual std::vector<double> Begin(const std::vector<double>& x, const PlatePair& plates,
     const LoadStep& step) = 0;
-  /// From `x` to equilibrium; `last`, between `lastPlates`: the equilibrium before.
+  /// Solves from `x` to equilibrium. `last` is the previous equilibrium, between `lastPlates`.
   virtual EquilibriumReport Solve(std::vector<double>& x, const std::vector<double>& last,
     const PlatePair& lastPlates, const LoadStep& step, const ProgressCallback& progress) = 0;
-  /// The equilibrium `x` was reached on the way, and the plates will move on.
+  /// Accepts the intermediate equilibrium `x` before the plates move on.
   virtual void Arrived(const std::vector<double>& x, const PlatePair& plates) = 0;
-  /// Turns back cells that are inverted at `x`, if any. Answers the Newton steps it took.
+  /// Turns back cells that are inverted at `x`, if there are any. Returns the number of Newton
+  /// steps taken.
   virtual int Untangle(std::vector<double>& x, const LoadStep& step,
     const ProgressCallback& progress) = 0;
 };
 
-/// Where a load path begins and how it may be gone.
+/// Start of a load path, and its step sizes.
 struct LoadPathStart
 {
   std::vector<double> Positions;
   PlatePair Plates;
-  /// How many times as stiff as in the options contact is to be in the end, and is on the way.
+  /// Contact stiffness at the end (Stiffening) and on the way (Softness), as factors on that of the
+  /// options.
   double Stiffening = 1;
   double Softness = 1;
-  /// Steps as parts of the way.
+  /// Largest and smallest load step as fractions of the path.
   double LargestStep = 1;
   double SmallestStep = 0.1;
-  /// The path is given up when a step fails after as many.
+  /// The path is abandoned if a step fails after this many Newton steps in total.
   int MostNewtonSteps = std::numeric_limits<int>::max();
-  /// Contact that hardens by a little and still resists gets twice as many Newton steps.
+  /// If true, small hardening steps that still fail get twice as many Newton steps.
   bool Patient = false;
 
-  /// From plates that touch nothing of the body; `stepFactor`: of the options' largest step.
+  /// A start from plates that touch nothing. `stepFactor` scales the options' largest step.
   MAMMORAYBIOMECHANICS_EXPORT static LoadPathStart Cold(std::vector<double> positions,
     const PlatePair& opened, const PlatePair& target, const CompressionOptions& options,
     double stepFactor);
-  /// From another state.
+  /// A start from another state.
   MAMMORAYBIOMECHANICS_EXPORT static LoadPathStart Warm(const CompressionState& state,
     const PlatePair& target, const CompressionOptions& options);
 };
 
 /**
- * The way from a start to equilibrium between the plates of a target: these are closed in load
- * steps with soft contact, on which Newton's method finds its way in a few steps, then contact is
- * hardened and the last state solved to the end. Steps that fail are made smaller. What it cannot
- * do it throws as CompressionError.
+ * Follows the path from a start to equilibrium between the target plates. The plates close in load
+ * steps with soft contact, which Newton's method solves in a few steps. Then contact is hardened
+ * and the last state is solved to the final tolerance. Failing steps are made smaller. Throws
+ * CompressionError if the target is not reached.
  */
 class MAMMORAYBIOMECHANICS_EXPORT LoadPath
 {
 public:
-  /// The solver must outlive the path.
+  /// The solver and the options must outlive the path.
   LoadPath(LoadStepSolver& solver, const CompressionOptions& options, const PlatePair& target,
     LoadPathStart start, const ProgressCallback& progress = {});
 
-  /// Goes to the target at once from positions that a predictor gives there; stays where that
-  /// fails.
+  /// Jumps to the target from predicted positions; the path stays where it is if that fails.
   void ArriveFrom(std::vector<double> predicted);
-  /// Closes the plates with contact as soft as on the way.
+  /// Closes the plates with soft contact only.
   void Close();
-  /// Closes the plates and hardens contact until every limit is kept.
+  /// Closes the plates and hardens contact until every limit is met.
   void Complete();
 
-  /// Where the path has arrived; without friction, time and memory.
+  /// The current state, without friction, time and memory.
   const CompressionState& State() const { return this->Reached; }
 
 private:
@@ -117,10 +117,10 @@ private:
   const ProgressCallback Progress;
   CompressionState Reached;
   PlatePairVelocity Motion;
-  /// How many times as stiff as in the options contact is and is to be.
+  /// Present and wanted contact stiffness, as factors on that of the options.
   double Softness;
   double Wanted;
-  /// Parts of the way.
+  /// Fraction of the path that is done, and the present load step.
   double Done = 0;
   double Step;
   double Hardening;
@@ -128,7 +128,7 @@ private:
   std::string Reason;
 };
 
-/// The refusal that says what was asked for and how far the plates got; gaps in mm.
+/// The error that states the requested and the last gap, mm, and the reason.
 CompressionError NoEquilibrium(double gapMm, double lastGapMm, const std::string& reason);
 }
 

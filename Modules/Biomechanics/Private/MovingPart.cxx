@@ -26,7 +26,7 @@ MovingPart::MovingPart(const ElasticBody& body, const std::vector<bool>& fixed,
   for (std::size_t element = 0; element < body.NumberOfElements(); ++element)
   {
     const std::span<const std::int32_t> nodes = body.NodesOf(element);
-    // Patches hold no cells of both kinds.
+    // A patch has either only rigid or only other cells.
     const auto first = static_cast<std::size_t>(body.CellsOf(element).front());
     const bool stands = first < rigid.size() && rigid[first];
     if (!stands && std::any_of(nodes.begin(), nodes.end(), isFree))
@@ -45,7 +45,7 @@ MovingPart::MovingPart(const ElasticBody& body, const std::vector<bool>& fixed,
   }
   if (this->MovingElements.empty())
   {
-    throw InputError("equilibrium: expected cells that can move, found all of them held");
+    throw InputError("equilibrium: expected cells that can move, found all of them fixed");
   }
   this->UnknownOfCoordinate.assign(fixed.size(), -1);
   for (std::size_t c = 0; c < fixed.size(); ++c)

@@ -12,13 +12,13 @@ namespace mammoray
 {
 namespace
 {
-/// Longest coordinate of a Newton step that is taken without trying a stiffer matrix, mm: about
+/// Largest coordinate of a Newton step that is accepted without trying a stiffer matrix, mm: about
 /// half a cell.
 constexpr double LargestStepMm = 5;
 constexpr int MostHalvings = 30;
-/// Part of the energy that a step's slope promises which it must keep.
+/// Fraction of the predicted decrease of the energy that a step must achieve (Armijo).
 constexpr double SufficientDecrease = 1e-4;
-/// How well and how long a part is relaxed.
+/// Relative residual and number of Newton steps for a part that is relaxed alone.
 constexpr double PartTolerance = 1e-2;
 constexpr int PartNewtonSteps = 10;
 
@@ -73,8 +73,8 @@ std::optional<double> NewtonSolver::FindStep(const std::vector<double>& x,
   {
     return 0.0;
   }
-  // A huge step comes from a matrix that is nearly singular; a stiffer one leads farther than a
-  // small part of it.
+  // A huge step comes from a nearly singular matrix. A stiffer matrix leads farther than a small
+  // fraction of that step.
   for (bool stiffer = false;; stiffer = true)
   {
     if (!this->FactorizeAt(x, stiffer))

@@ -17,7 +17,7 @@ struct SparsePattern
   std::vector<int> Starts{ 0 };
   std::vector<int> Rows;
 
-  /// Place of an entry of the pattern, row >= column, among the values.
+  /// Position of an entry (row >= column) of the pattern among the values.
   std::size_t PlaceOf(std::int32_t column, std::int32_t row) const
   {
     const auto begin = this->Rows.begin() + this->Starts[column];
@@ -26,48 +26,44 @@ struct SparsePattern
   }
 };
 
-/// An objective at one set of positions, as far as it was asked for.
+/// Value and derivatives of an objective at one set of positions, up to the requested order.
 struct Evaluation
 {
-  /// False where the energy is not defined; then nothing else counts.
+  /// False if the energy is not defined; then the other members are meaningless.
   bool Valid = false;
   /// kPa mm^3
   double Energy = 0;
   PositionMeasures Measures;
-  /// By all coordinates, fixed ones too (there minus the force that holds the body), kPa mm^2.
+  /// Gradient with respect to all coordinates, kPa mm^2; at fixed ones it is minus the reaction
+  /// force.
   std::vector<double> Gradient;
-  /// Norm of the gradient by the unknowns, and of the force that it is measured against.
+  /// Norm of the gradient at the unknowns, and the force it is divided by.
   double ResidualNorm = 0;
   double ForceScale = 1;
-  /// Values of the pattern's entries.
+  /// Values of the entries of the pattern.
   std::vector<double> Hessian;
 
   double RelativeResidual() const { return this->ResidualNorm / this->ForceScale; }
 };
 
-/**
- * A function of the coordinates of points, some of which are fixed, as Newton's method minimises
- * it: all that NewtonSolver knows of it. Evaluating uses memory of its own, so one thread at a
- * time.
- */
+/// A function of the coordinates of points, some of which are fixed. NewtonSolver knows nothing
+/// else of it. Evaluate uses internal memory, so one thread may use an objective at a time.
 class Objective
 {
 public:
   virtual ~Objective() = default;
-  /// The coordinate of each unknown, ascending.
+  /// Coordinate of each unknown, ascending.
   virtual const std::vector<std::int32_t>& Coordinates() const = 0;
-  /// Pattern of the Hessian by the unknowns.
+  /// Pattern of the Hessian with respect to the unknowns.
   virtual const SparsePattern& Pattern() const = 0;
-  /// At `x`, all coordinates, up to `order`.
+  /// Evaluates the objective at `x` (all coordinates) up to `order`.
   virtual void Evaluate(const std::vector<double>& x, EnergyOrder order, Evaluation& result) = 0;
-  /// What roundoff does to the energy.
+  /// Roundoff error of the energy, kPa mm^3.
   virtual double Noise() const = 0;
-  /// A number that is another one whenever the function has changed.
+  /// A number that changes whenever the function changes.
   virtual std::uint64_t Version() const = 0;
-  /**
-   * The same function with all coordinates fixed but those where the gradient is largest and those
-   * around them; null where they are too many to be a part.
-   */
+  /// The same function with all coordinates fixed except those with the largest gradient and those
+  /// around them; null if these are too many.
   virtual std::unique_ptr<Objective> WorstPart(const std::vector<double>& gradient) const = 0;
 };
 }

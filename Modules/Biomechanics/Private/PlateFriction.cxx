@@ -65,10 +65,11 @@ Vector3 FrictionTerms::HessianTimes(const Vector3& v) const
   return this->Ratio * along + ((this->Curvature - this->Ratio) * part) * this->Slip;
 }
 
-Vector3 FrictionTerms::GradientRate(const Plate& plate, const PlateVelocity& velocity,
+Vector3 FrictionTerms::GradientDerivative(const Plate& plate, const PlateVelocity& velocity,
   const Vector3& x) const
 {
-  // u = (I - n n^T) d, d = x - c; gradient = g(|u|) u, g = f' / y. With the plate move c and n.
+  // u = (I - n n^T) d with d = x - c; gradient = g(|u|) u with g = f' / y. c and n move with the
+  // plate.
   const Vector3 d = x - this->Anchor;
   const Vector3 turn = Cross(velocity.Angular, this->Normal);
   const Vector3 slipRate = -1.0 * Tangential(this->Normal, velocity.At(plate, this->Anchor)) -
@@ -85,7 +86,7 @@ bool Before(const FrictionPoint& a, const FrictionPoint& b)
 
 FrictionPoints BlendedFriction(FrictionPoints a, FrictionPoints b, double part)
 {
-  // Below this part of the largest force a point only costs time.
+  // Points below this fraction of the largest force only cost time.
   constexpr double negligible = 1e-9;
   std::sort(a.begin(), a.end(), Before);
   std::sort(b.begin(), b.end(), Before);

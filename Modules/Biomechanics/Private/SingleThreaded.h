@@ -2,20 +2,18 @@
 #ifndef mammoray_SingleThreaded_h
 #define mammoray_SingleThreaded_h
 
-// OpenBLAS has these, if it is the BLAS of the process.
+// Defined if OpenBLAS is the BLAS of the process.
 extern "C" void openblas_set_num_threads(int) __attribute__((weak));
 extern "C" int openblas_get_num_threads() __attribute__((weak));
-// The OpenMP runtime that SuiteSparse was built with has these, if it was.
+// Defined if SuiteSparse was built with OpenMP.
 extern "C" void omp_set_max_active_levels(int) __attribute__((weak));
 extern "C" int omp_get_max_active_levels() __attribute__((weak));
 
 namespace mammoray
 {
-/**
- * Keeps OpenBLAS and the loops of SuiteSparse to one thread as long as this lives: most supernodes
- * are small, and the threads wait for each other by spinning, which on a busy machine takes more
- * time than the products (half of all samples in perf).
- */
+/// Limits OpenBLAS and the loops of SuiteSparse to one thread during its lifetime. Most supernodes
+/// are small, and threads that wait for each other by spinning cost more time than the products on
+/// a busy machine (half of all samples in perf).
 class SingleThreaded
 {
 public:

@@ -17,11 +17,11 @@ namespace mammoray
 {
 namespace
 {
-/// Operations of a factorisation from which on single precision and several threads are worth it:
-/// those of some 18,000 unknowns of quadratic cells (a breast's equilibrium in 0.7 of the time).
+/// Operation count above which single precision and several threads are faster: about 18,000
+/// unknowns of quadratic cells (a breast's equilibrium in 0.7 of the time).
 constexpr double OperationsForSinglePrecision = 4e9;
-/// And from which on the last factor serves from farther away: 35,000 unknowns of quadratic cells
-/// (46,206 of linear ones: 8e10).
+/// Operation count above which the last factor is reused from farther away: 35,000 unknowns of
+/// quadratic cells (46,206 of linear ones need 8e10).
 constexpr double ManyOperations = 2e10;
 }
 
@@ -32,9 +32,9 @@ struct SparseCholesky::Internals
   cholmod_dense* Solution = nullptr;
   cholmod_dense* Work = nullptr;
   cholmod_dense* MoreWork = nullptr;
-  /// What one factorisation takes.
+  /// Operations of one factorisation.
   double Operations = 0;
-  /// A large factor, which Factor has analysed.
+  /// Factor in single precision, if the matrix is large; analysed by Factor.
   std::optional<SupernodalFactor> Single;
 
   Internals() { cholmod_start(&this->Common); }
@@ -65,7 +65,7 @@ struct SparseCholesky::Internals
 
 namespace
 {
-/// CHOLMOD's view of our arrays; it does not write to them.
+/// CHOLMOD's view of these arrays, to which it does not write.
 cholmod_sparse View(const std::vector<int>& starts, const std::vector<int>& rows,
   const double* values)
 {
@@ -84,7 +84,7 @@ cholmod_sparse View(const std::vector<int>& starts, const std::vector<int>& rows
   return matrix;
 }
 
-/// What CHOLMOD's analysis has found.
+/// The supernodes that CHOLMOD's analysis found.
 Supernodes Copied(const cholmod_factor& factor)
 {
   const auto copy = [](auto& target, const void* source, std::size_t size)

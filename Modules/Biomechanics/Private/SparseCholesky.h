@@ -9,34 +9,30 @@
 
 namespace mammoray
 {
-/**
- * L L^T of symmetric positive definite matrices that share one pattern, ordered and analysed by
- * CHOLMOD once, factorised as often as wanted: by CHOLMOD's supernodal method, or, where that takes
- * a fifth of a second and more, by SupernodalFactor in single precision.
- */
+/// L L^T factorisation of symmetric positive definite matrices with one pattern. CHOLMOD orders and
+/// analyses the pattern once. Factorisations use CHOLMOD's supernodal method or, if that takes more
+/// than about 0.2 s, SupernodalFactor in single precision.
 class MAMMORAYBIOMECHANICS_EXPORT SparseCholesky
 {
 public:
-  /**
-   * Lower triangle by columns: rows of column c are rows[starts[c]] .. rows[starts[c + 1] - 1],
-   * ascending, the diagonal first. The arrays must outlive the object.
-   */
+  /// The lower triangle by columns: column c has the rows rows[starts[c]] .. rows[starts[c + 1] -
+  /// 1], ascending, the diagonal first. The arrays must outlive the object.
   SparseCholesky(const std::vector<int>& starts, const std::vector<int>& rows);
   ~SparseCholesky();
 
-  /// Answers false where the matrix is not positive definite; the factor is unusable then.
+  /// Returns false if the matrix is not positive definite; there is no usable factor then.
   bool Factorize(const std::vector<double>& values);
-  /// Solves for `columns` right-hand sides stored one after the other, in place, to the factor's
-  /// precision.
+  /// Solves in place for the right-hand sides stored one after the other in `columns`, to the
+  /// factor's precision.
   void Solve(std::vector<double>& columns);
-  /// y = A x of the symmetric matrix with these values.
+  /// y = A x for the symmetric matrix with these values.
   void Multiply(const std::vector<double>& values, const double* x, double* y) const;
-  /// Whether a factorisation takes as long as a score of solutions and more: 46,206 unknowns of a
-  /// breast, 25 to 30; 12,318 of one, 13.
+  /// True if a factorisation takes as long as twenty solutions or more. For a breast it is 25 to 30
+  /// solutions with 46,206 unknowns and 13 with 12,318.
   bool Expensive() const;
   bool InSinglePrecision() const;
   bool Usable() const { return this->Valid; }
-  /// Most memory taken so far for factor and working space, bytes.
+  /// Largest memory of factor and working space so far, bytes.
   double PeakBytes() const;
 
 private:

@@ -51,7 +51,7 @@ SparseLu::SparseLu(const std::vector<int>& starts, const std::vector<int>& rows)
   umfpack_di_defaults(this->Internal->Control);
   this->Internal->Control[UMFPACK_STRATEGY] = UMFPACK_STRATEGY_SYMMETRIC;
   this->Internal->Control[UMFPACK_ORDERING] = UMFPACK_ORDERING_METIS;
-  // Refined where it is wanted, by the matrix that is wanted.
+  // Callers refine themselves, with the matrix they need.
   this->Internal->Control[UMFPACK_IRSTEP] = 0;
   const int size = static_cast<int>(starts.size()) - 1;
   Check(umfpack_di_symbolic(size, size, starts.data(), rows.data(), nullptr,

@@ -9,28 +9,26 @@
 
 namespace mammoray
 {
-/**
- * L U of square matrices that share one pattern, symmetric as a pattern though not in its values,
- * by UMFPACK's multifrontal method (Davis 2004): ordered and analysed once, factorised as often as
- * wanted.
- */
+/// L U factorisation of square matrices with one pattern, which is symmetric although the values
+/// are not, by UMFPACK's multifrontal method (Davis 2004). The pattern is ordered and analysed
+/// once.
 class MAMMORAYBIOMECHANICS_EXPORT SparseLu
 {
 public:
-  /// Rows of column c are rows[starts[c]] .. rows[starts[c + 1] - 1], ascending. The arrays must
-  /// outlive the object. Throws ConvergenceError where memory is short, as Factorize does.
+  /// Column c has the rows rows[starts[c]] .. rows[starts[c + 1] - 1], ascending. The arrays must
+  /// outlive the object. Like Factorize, throws ConvergenceError if memory is short.
   SparseLu(const std::vector<int>& starts, const std::vector<int>& rows);
   ~SparseLu();
 
-  /// Answers false where the matrix is singular; there is no factor then.
+  /// Returns false if the matrix is singular; there is no factor then.
   bool Factorize(const std::vector<double>& values);
-  /// Solves for one right-hand side or several stored one after the other, in place.
+  /// Solves in place for the right-hand sides stored one after the other in `columns`.
   void Solve(std::vector<double>& columns) const;
-  /// y = A x of the matrix with these values.
+  /// y = A x for the matrix with these values.
   void Multiply(const std::vector<double>& values, const double* x, double* y) const;
-  /// Whether there is a factor.
+  /// True if there is a factor.
   bool Usable() const;
-  /// Leaves no factor.
+  /// Discards the factor.
   void Forget();
 
 private:

@@ -14,8 +14,8 @@ namespace mammoray
 {
 namespace
 {
-/// The dense factor of the first `width` rows; answers false where they are not positive definite.
-/// OpenBLAS lets pass what is no number.
+/// Factorises the first `width` rows; returns false if they are not positive definite. OpenBLAS
+/// does not report NaN.
 bool FactorizeBlock(float* block, int width, int height)
 {
   int info = 0;
@@ -70,7 +70,7 @@ void SupernodalFactor::MakePlaces()
   }
 }
 
-/// Answers false where a number of the diagonal is not positive.
+/// Returns false if a diagonal entry is not positive.
 bool SupernodalFactor::Scatter(const std::vector<double>& values)
 {
   for (std::size_t c = 0; c < this->Scale.size(); ++c)
@@ -94,8 +94,8 @@ bool SupernodalFactor::Scatter(const std::vector<double>& values)
   return true;
 }
 
-/// Subtracts from a supernode what the columns of an earlier one give it, whose rows `from` to `to`
-/// - 1 are among the supernode's columns.
+/// Subtracts the contribution of an earlier supernode, whose rows `from` to `to` - 1 are among this
+/// supernode's columns.
 void SupernodalFactor::Subtract(int descendant, int from, int to, int supernode)
 {
   const int depth = this->ColumnsOf(descendant);
@@ -121,7 +121,7 @@ void SupernodalFactor::Subtract(int descendant, int from, int to, int supernode)
   float* values = &this->Values[this->Nodes.ValueStarts[supernode]];
   for (int j = 0; j < across; ++j)
   {
-    // The columns of a supernode are its first rows.
+    // The first rows of a supernode are its columns.
     float* column = values + stride * this->RowInSupernode[rows[j]];
     const float* given = product + static_cast<std::size_t>(down) * j;
     for (int i = j; i < down; ++i)
@@ -187,7 +187,7 @@ bool SupernodalFactor::Factorize(const std::vector<double>& values)
   return true;
 }
 
-/// A vector's substitution reads the factor once and is bound by that; several share the reading.
+/// A substitution is limited by reading the factor; several right-hand sides share the reading.
 void SupernodalFactor::SolveForwards(std::vector<float>& columns, int count) const
 {
   const int n = static_cast<int>(this->Scale.size());
@@ -267,7 +267,7 @@ void SupernodalFactor::Solve(std::vector<double>& columns) const
   const std::size_t n = this->Scale.size();
   const std::size_t count = n ? columns.size() / n : 0;
   std::vector<float> work(columns.size());
-  // Small numbers would leave single precision's range.
+  // Scale the right-hand sides, so that small numbers stay in single precision's range.
   std::vector<double> largest(count, 0.0);
   for (std::size_t p = 0; p < count; ++p)
   {

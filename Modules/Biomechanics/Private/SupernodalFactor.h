@@ -10,13 +10,13 @@
 namespace mammoray
 {
 /**
- * Supernodes of a factor L: runs of columns that share their rows, FirstColumns[s] to
- * FirstColumns[s + 1] - 1. Rows[RowStarts[s]] and on are ascending and begin with the columns
- * themselves; the supernode's values form a dense matrix by columns, from ValueStarts[s] on.
+ * Supernodes of a factor L: runs of columns with the same rows. Supernode s has the columns
+ * FirstColumns[s] to FirstColumns[s + 1] - 1. Its rows start at Rows[RowStarts[s]], ascend, and
+ * begin with these columns. Its values are a dense matrix by columns that starts at ValueStarts[s].
  */
 struct Supernodes
 {
-  /// The matrix's column that is column k of the factor.
+  /// The matrix's column that became column k of the factor.
   std::vector<int> Order;
   std::vector<int> FirstColumns;
   std::vector<std::size_t> RowStarts;
@@ -25,25 +25,25 @@ struct Supernodes
 };
 
 /**
- * L L^T in single precision of symmetric positive definite matrices that share one pattern, each
- * scaled to a diagonal of ones first: by supernodes, looking to the left (Ng & Peyton 1993). Half
- * of the time and of the memory of double precision; a solution is right to some 1e-7 times the
- * condition of the scaled matrix, and is to be refined where that does not do.
+ * L L^T factorisation in single precision of symmetric positive definite matrices with one pattern,
+ * each scaled to a unit diagonal first; left-looking by supernodes (Ng & Peyton 1993). It takes
+ * half the time and memory of double precision. Solutions are accurate to about 1e-7 times the
+ * condition number of the scaled matrix; refine them where that is too little.
  */
 class MAMMORAYBIOMECHANICS_EXPORT SupernodalFactor
 {
 public:
-  /// `starts`, `rows`: the matrix's lower triangle by columns (SparseCholesky), of which the
-  /// supernodes are; they must outlive the factor.
+  /// `starts` and `rows` are the matrix's lower triangle by columns (see SparseCholesky), to which
+  /// the supernodes belong. They must outlive the factor.
   SupernodalFactor(Supernodes supernodes, const std::vector<int>& starts,
     const std::vector<int>& rows);
 
-  /// Answers false where the matrix is not positive definite, as far as single precision tells; the
-  /// factor is unusable then.
+  /// Returns false if the matrix is not positive definite in single precision; there is no usable
+  /// factor then.
   bool Factorize(const std::vector<double>& values);
-  /// Solves for `columns` right-hand sides stored one after the other, in place.
+  /// Solves in place for the right-hand sides stored one after the other in `columns`.
   void Solve(std::vector<double>& columns) const;
-  /// Memory of the factor and of the products made so far, bytes.
+  /// Memory of the factor and of its working space, bytes.
   double Bytes() const
   {
     return sizeof(float) * static_cast<double>(this->Values.size() + this->Product.size());
@@ -69,16 +69,16 @@ private:
   const Supernodes Nodes;
   const std::vector<int>& Starts;
   const std::vector<int>& MatrixRows;
-  /// The supernode of each column of the factor.
+  /// Supernode of each column of the factor.
   std::vector<int> SupernodeOf;
-  /// Where each entry of the matrix goes among the values.
+  /// Position of each entry of the matrix among the values.
   std::vector<std::size_t> Places;
   std::vector<float> Values;
   /// 1 / sqrt of the matrix's diagonal.
   std::vector<double> Scale;
-  /// While factorising: the row of a supernode's matrix for each row of the factor; the product
-  /// that is subtracted; supernodes that wait for the one which their row after the last used one
-  /// is of.
+  /// Working space of Factorize: the row of a supernode's matrix for each row of the factor, the
+  /// product to subtract, and linked lists of the supernodes that wait for each supernode, with the
+  /// number of rows they have used.
   std::vector<int> RowInSupernode;
   std::vector<float> Product;
   std::vector<int> FirstWaiting;

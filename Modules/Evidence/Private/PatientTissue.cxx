@@ -78,7 +78,7 @@ LabelVolume PlaceOnChest(const LabelVolume& materials, const MaterialTable& tabl
   const Extent left = TissueRange(materials, axes.Left);
   const Extent front = TissueRange(materials, axes.Anterior);
   const Extent up = TissueRange(materials, axes.Superior);
-  const char natural = NaturalSide(materials, table.Held(), axes, left);
+  const char natural = NaturalSide(materials, table.Fixed(), axes, left);
   const double turn = natural == '?' || natural == side ? 1 : -1;
   const double middle = side == 'L' ? offMm : -offMm;
 
@@ -483,7 +483,7 @@ std::vector<Tissue> TissuesOf(const MaterialTable& table)
   for (std::size_t index = 1; index < tissues.size(); ++index)
   {
     const Material& material = table.Materials[index];
-    tissues[index] = material.Held        ? Tissue::Muscle
+    tissues[index] = material.Fixed       ? Tissue::Muscle
       : material.Thin                     ? Tissue::Skin
       : material.Attenuation == "adipose" ? Tissue::Fat
                                           : Tissue::Gland;

@@ -124,7 +124,7 @@ ScannedPatient LieDown(const StudyPatient& patient, const VirtualStudyOptions& o
 
   ScannedPatient scanned;
   scanned.Grid = BoxGrid(low, high, { options.MriPixelMm, options.MriPixelMm, options.MriSliceMm });
-  const std::vector<bool> held = patient.Table.Held();
+  const std::vector<bool> held = patient.Table.Fixed();
   scanned.Tissue = JoinBody(MoveLabels(rest, patient.Hang, Refined(scanned.Grid), progress),
     TissuesOf(patient.Table), patient.Curve, WallThicknessMm(rest, held), options.BothBreasts);
   const Vector3 loop{ side * patient.OffMm, nipple + 20, 0 };

@@ -2,8 +2,8 @@
 #include "Private/TruthFile.h"
 
 #include "mammoray/Foundation/Error.h"
-#include "mammoray/Foundation/Plausible.h"
 #include "mammoray/Foundation/PoseParameters.h"
+#include "mammoray/Foundation/ValidRange.h"
 #include "mammoray/IO/WholeOutput.h"
 
 #include <nlohmann/json.hpp>
@@ -96,7 +96,7 @@ VirtualStudyTruth ReadVirtualStudyTruth(const std::string& path)
   VirtualStudyTruth truth;
   try
   {
-    const Json json = Json::parse(file, PlausibleNesting{ path });
+    const Json json = Json::parse(file, JsonNestingLimit{ path });
     if (json.at("truth_version") != TruthVersion)
     {
       throw InputError(path + ": expected version " + std::to_string(TruthVersion) +

@@ -11,12 +11,12 @@ namespace mammoray
 namespace
 {
 constexpr double Infinity = std::numeric_limits<double>::infinity();
-/// Least width of a column, mm.
+/// Smallest width of a column, mm.
 constexpr double LeastWidthMm = 3;
-/// Stray voxels of held tissue in front of the chest wall, and streaks of other tissue in it, are
-/// narrower than this many columns to either side.
+/// Stray voxels of fixed tissue in front of the chest wall, and streaks of other tissue in it, are
+/// narrower than this many columns on either side.
 constexpr int StraySteps = 3;
-/// Parts of the peak's height.
+/// Fractions of the peak's height.
 constexpr double ValleyPart = 0.1;
 constexpr double CorePart = 0.25;
 constexpr double SlopePart = 0.375;
@@ -31,7 +31,7 @@ BreastColumns::BreastColumns(const Vector3& low, const Vector3& high, double pie
   const std::size_t count = static_cast<std::size_t>(this->Across) * this->Along;
   this->Front.assign(count, -Infinity);
   this->Back.assign(count, Infinity);
-  this->HeldFront.assign(count, -Infinity);
+  this->FixedFront.assign(count, -Infinity);
   this->Breast.assign(count, 0);
 }
 
@@ -43,14 +43,14 @@ std::size_t BreastColumns::ColumnOf(const Vector3& place) const
     std::clamp(across, 0, this->Across - 1);
 }
 
-void BreastColumns::Add(const Vector3& place, bool isHeld)
+void BreastColumns::Add(const Vector3& place, bool isFixed)
 {
   const std::size_t column = this->ColumnOf(place);
   this->Front[column] = std::max(this->Front[column], place[1]);
   this->Back[column] = std::min(this->Back[column], place[1]);
-  if (isHeld)
+  if (isFixed)
   {
-    this->HeldFront[column] = std::max(this->HeldFront[column], place[1]);
+    this->FixedFront[column] = std::max(this->FixedFront[column], place[1]);
   }
 }
 
@@ -83,7 +83,7 @@ std::vector<double> BreastColumns::Heights() const
       {
         if (this->Front[other] >= this->Back[other])
         {
-          walls.push_back(std::max(this->HeldFront[other], this->Back[other]));
+          walls.push_back(std::max(this->FixedFront[other], this->Back[other]));
         }
       });
     const auto middle = walls.begin() + static_cast<std::ptrdiff_t>(walls.size() / 2);
@@ -108,8 +108,8 @@ std::vector<double> BreastColumns::Heights() const
 
 std::vector<char> BreastColumns::HighestHill(const std::vector<double>& heights) const
 {
-  // From the highest column down, each joins the hills it touches. A hill that rises no more than a
-  // valley's depth above where it meets a higher one is a part of that.
+  // Visit columns from the highest down; each joins the hills that it touches. A hill that rises
+  // above its saddle to a higher hill by no more than the depth of a valley is a part of that hill.
   std::vector<std::size_t> order(heights.size());
   std::iota(order.begin(), order.end(), std::size_t{ 0 });
   std::stable_sort(order.begin(), order.end(),
@@ -117,7 +117,7 @@ std::vector<char> BreastColumns::HighestHill(const std::vector<double>& heights)
   const std::size_t peak = order.front();
   const double valley = ValleyPart * heights[peak];
   constexpr auto none = std::numeric_limits<std::size_t>::max();
-  // The column that a hill's columns lead to, in the end its peak.
+  // The column to which each column leads, finally the peak of its hill.
   std::vector<std::size_t> leads(heights.size(), none);
   const auto peakOf = [&](std::size_t column)
   {
@@ -167,7 +167,7 @@ void BreastColumns::Find()
   const std::vector<double> heights = this->Heights();
   const std::vector<char> hill = this->HighestHill(heights);
   const double peak = *std::max_element(heights.begin(), heights.end());
-  // Without anything in front of the held tissue all of it counts.
+  // If nothing lies in front of the fixed tissue, all columns belong to the breast.
   const double reach = peak > 0 ? SlopePart * peak / this->WidthMm : Infinity;
   for (std::size_t core = 0; core < hill.size(); ++core)
   {

@@ -19,10 +19,10 @@ __extension__ using WideInteger = __int128;
 /// An edge that passes through an edge of another triangle.
 struct SurfaceOnGrid::EdgePass
 {
-  /// The edge that passes, from back to front of the triangle.
+  /// The passing edge, from the back to the front of the triangle.
   std::uint32_t From;
   std::uint32_t To;
-  /// Ends of the edge that it passes through, ascending.
+  /// Ends of the edge that is passed, ascending.
   std::uint32_t Low;
   std::uint32_t High;
   std::size_t Pair;
@@ -73,7 +73,7 @@ std::array<std::uint32_t, 3> SurfaceOnGrid::Corners(std::uint32_t triangle) cons
   return { first[0], first[1], first[2] };
 }
 
-/// The sign of (b - a) x (c - a) . (d - a): 1 where d lies in front of the triangle a, b, c.
+/// The sign of (b - a) x (c - a) . (d - a): 1 if d lies in front of the triangle a, b, c.
 int SurfaceOnGrid::Side(std::uint32_t a, std::uint32_t b, std::uint32_t c, std::uint32_t d) const
 {
   Place e[3];
@@ -96,7 +96,7 @@ int SurfaceOnGrid::Side(std::uint32_t a, std::uint32_t b, std::uint32_t c, std::
     sum += (one - other) * static_cast<double>(e[2][axis]);
     size += (std::abs(one) + std::abs(other)) * std::abs(static_cast<double>(e[2][axis]));
   }
-  // Six roundings of 2^-53 each, with room to spare.
+  // Bound on six roundings of 2^-53 each, with a margin.
   if (std::abs(sum) > 2e-15 * size)
   {
     return sum > 0 ? 1 : -1;
@@ -112,7 +112,8 @@ int SurfaceOnGrid::Side(std::uint32_t a, std::uint32_t b, std::uint32_t c, std::
   return exact > 0 ? 1 : (exact < 0 ? -1 : 0);
 }
 
-/// Whether an edge passes through a triangle's inside; through an edge of it is noted.
+/// True if an edge passes through a triangle's interior. Passing through an edge of it is recorded
+/// in `throughEdges`.
 bool SurfaceOnGrid::Passes(std::uint32_t from, std::uint32_t to,
   const std::array<std::uint32_t, 3>& corners, std::size_t pair,
   std::vector<EdgePass>& throughEdges) const
@@ -179,7 +180,8 @@ std::vector<std::pair<std::uint32_t, std::uint32_t>> SurfaceOnGrid::Crossings(
       }
     }
   }
-  // An edge that passes through another's edge passes through both its triangles, or only touches.
+  // An edge that passes through another edge must pass through both triangles of that edge;
+  // otherwise it only touches.
   std::sort(throughEdges.begin(), throughEdges.end(),
     [&](const EdgePass& a, const EdgePass& b)
     { return a.Key() != b.Key() ? a.Key() < b.Key() : a.Pair < b.Pair; });

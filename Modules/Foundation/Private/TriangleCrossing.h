@@ -12,27 +12,24 @@
 
 namespace mammoray
 {
-/**
- * The corners of a surface on a grid of 2^40 steps along its largest extent, where what lies on
- * which side of what is decided without rounding (their determinants have at most 125 bits).
- * Corners of one place are one corner there, whatever points they were.
- */
+/// The corners of a surface on a grid with 2^40 steps along its largest extent. Orientation tests
+/// on it are exact (their determinants have at most 125 bits). Corners at the same grid point are
+/// one corner.
 class SurfaceOnGrid
 {
 public:
   explicit SurfaceOnGrid(const SurfaceMesh& surface);
 
-  /// Which places a triangle's corners are.
+  /// Grid points of a triangle's corners.
   std::array<std::uint32_t, 3> Corners(std::uint32_t triangle) const;
   std::size_t NumberOfPlaces() const { return this->Places.size(); }
   std::size_t NumberOfTriangles() const { return this->PlaceOf.size() / 3; }
 
   /**
-   * Those of the given pairs of triangles that go through each other, in their order. A pair
-   * counts where an edge of the one has its ends on either side of the other and passes through
-   * its inside; through an edge of it, where it so passes through both triangles of that edge.
-   * Touching is no crossing: corners or edges that lie in a triangle's plane, triangles with a
-   * common edge.
+   * Returns the given pairs of triangles that intersect, in order. A pair intersects if an edge of
+   * one triangle has its ends on either side of the other and passes through its interior, or
+   * through one of its edges and so through both triangles of that edge. Contact is not an
+   * intersection: corners or edges in a triangle's plane, triangles with a common edge.
    */
   std::vector<std::pair<std::uint32_t, std::uint32_t>> Crossings(
     const std::vector<std::pair<std::uint32_t, std::uint32_t>>& close) const;

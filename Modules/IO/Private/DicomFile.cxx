@@ -267,7 +267,7 @@ DicomIdentity ReadIdentity(DcmItem& data)
   identity.PatientBirthDate = DicomText(data, DCM_PatientBirthDate);
   identity.PatientSex = DicomText(data, DCM_PatientSex);
   identity.StudyInstanceUid = DicomText(data, DCM_StudyInstanceUID);
-  identity.StudyDate = Printable(DicomText(data, DCM_StudyDate)); // which is shown, too
+  identity.StudyDate = EscapeControls(DicomText(data, DCM_StudyDate)); // which is shown, too
   identity.StudyTime = DicomText(data, DCM_StudyTime);
   identity.StudyId = DicomTexts(data, DCM_StudyID);
   identity.AccessionNumber = DicomTexts(data, DCM_AccessionNumber);

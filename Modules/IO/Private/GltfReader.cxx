@@ -2,7 +2,7 @@
 #include "Private/GltfReader.h"
 
 #include "mammoray/Foundation/Error.h"
-#include "mammoray/Foundation/Plausible.h"
+#include "mammoray/Foundation/ValidRange.h"
 #include "mammoray/Foundation/Vector3.h"
 
 #include "vtkCellArray.h"
@@ -131,7 +131,7 @@ public:
   {
     const std::string bytes = ReadAll(path);
     this->File = GltfJson::parse(bytes.starts_with("glTF") ? this->TakeChunks(bytes) : bytes,
-      PlausibleNesting{ path });
+      JsonNestingLimit{ path });
     this->Points->SetDataTypeToDouble();
     const std::string version = this->File.at("asset").at("version").get<std::string>();
     if (!version.starts_with("2."))

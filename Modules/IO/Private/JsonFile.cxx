@@ -138,7 +138,7 @@ std::string JsonObject::Text(const std::string& key) const
   {
     this->Refuse(key, expected);
   }
-  return Printable(found.get<std::string>());
+  return EscapeControls(found.get<std::string>());
 }
 
 std::vector<std::string> JsonObject::Texts(const std::string& key) const
@@ -156,7 +156,7 @@ std::vector<std::string> JsonObject::Texts(const std::string& key) const
     {
       this->Refuse(key, expected);
     }
-    texts.push_back(Printable(text.get<std::string>()));
+    texts.push_back(EscapeControls(text.get<std::string>()));
   }
   return texts;
 }

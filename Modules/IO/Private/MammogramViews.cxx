@@ -43,7 +43,7 @@ std::string ModifierOf(DcmItem& item)
       return known.Meaning;
     }
   }
-  const std::string meaning = Printable(DicomText(item, DCM_CodeMeaning));
+  const std::string meaning = EscapeControls(DicomText(item, DCM_CodeMeaning));
   return meaning.empty() ? code : meaning;
 }
 
@@ -61,7 +61,7 @@ void AddModifiers(DcmItem& data, std::vector<std::string>& modifiers)
 
 std::string MammogramViewOf(DcmItem& data)
 {
-  std::string position = Printable(DicomText(data, DCM_ViewPosition));
+  std::string position = EscapeControls(DicomText(data, DCM_ViewPosition));
   DcmItem* item = DicomFirstItem(data, DCM_ViewCodeSequence);
   if (!position.empty() || !item)
   {
@@ -75,7 +75,7 @@ std::string MammogramViewOf(DcmItem& data)
       return view.Name;
     }
   }
-  return Printable(DicomText(*item, DCM_CodeMeaning));
+  return EscapeControls(DicomText(*item, DCM_CodeMeaning));
 }
 
 std::vector<std::string> MammogramViewModifiers(DcmItem& data)

@@ -36,7 +36,7 @@ inline std::vector<std::string> FindMaterialNames(vtkDataObject* data)
   {
     for (vtkIdType index = 0; index < array->GetNumberOfValues(); ++index)
     {
-      names.push_back(Printable(array->GetValue(index)));
+      names.push_back(EscapeControls(array->GetValue(index)));
     }
   }
   return names;

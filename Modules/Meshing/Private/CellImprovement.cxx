@@ -17,7 +17,7 @@ namespace
 using Ids = std::array<std::int32_t, 4>;
 using Cell = EditableMesh::Cell;
 
-/// Changes one mesh, step by step.
+/// Improves one mesh step by step.
 class CellImprover
 {
 public:
@@ -30,7 +30,7 @@ public:
   {
   }
 
-  /// Tries to mend every cell below the goal; returns how many got better.
+  /// Tries to improve every cell below the goal; returns the number of improved cells.
   std::size_t Pass(const ProgressCallback& progress)
   {
     std::vector<std::pair<double, std::int32_t>> bad;
@@ -67,10 +67,10 @@ public:
   }
 
 private:
-  /// A step has to lift the worst quality by this, so that passes end.
+  /// Smallest improvement of the worst quality by a step, so that passes end.
   static constexpr double LeastGain = 1e-4;
 
-  /// True unless all cells around the corners are as they were when the cell was last looked at.
+  /// True if a cell around the corners has changed since this cell was last examined.
   bool HasChanged(std::int32_t cell) const
   {
     const Ids& ids = this->Mesh[cell].Ids;
@@ -142,14 +142,14 @@ private:
     return better;
   }
 
-  /// Replaces cells; material[n] of the n-th new one.
+  /// Replaces cells; material[n] is that of the n-th new cell.
   void Replace(const std::vector<std::int32_t>& old, const std::vector<Ids>& cells,
     const std::vector<std::int32_t>& materials)
   {
     this->Exchange(old, cells, materials);
     this->NoteReplaced(old);
   }
-  /// The new cells have no corners but those of the old ones.
+  /// Records the change; the new cells use only corners of the old ones.
   void NoteReplaced(const std::vector<std::int32_t>& old)
   {
     for (const std::int32_t cell : old)
@@ -180,10 +180,8 @@ private:
     return excess;
   }
 
-  /**
-   * Fills the ring of an edge otherwise. With two materials around it the edge is one of their
-   * interface, which swaps its two triangles for the two others of their quadrilateral.
-   */
+  /// Removes an edge by another filling of its ring. If two materials surround it, the edge belongs
+  /// to their interface, whose two triangles are replaced by the other two of their quadrilateral.
   bool RemoveEdge(std::int32_t a, std::int32_t b)
   {
     constexpr std::size_t most = 8;
@@ -192,7 +190,7 @@ private:
     {
       return false;
     }
-    // The chains of cells of one material; two at most.
+    // Chains of cells with one material; at most two.
     const std::size_t count = ring->Cells.size();
     std::vector<std::size_t> changes;
     for (std::size_t n = 0; n < count; ++n)
@@ -243,7 +241,7 @@ private:
       this->ReplaceInterface(ring->Cells, cells, materials, { a, b, c, d });
   }
 
-  /// True when swapping the triangles abc, abd for acd, bcd moves the interface within the limit.
+  /// True if swapping the triangles abc, abd for acd, bcd moves the interface within the limit.
   bool IsFlat(std::int32_t a, std::int32_t b, std::int32_t c, std::int32_t d) const
   {
     const Vector3 one = this->Mesh.Point(b) - this->Mesh.Point(a);
@@ -290,7 +288,7 @@ private:
     return false;
   }
 
-  /// Swaps the face opposite to `apex` for an edge, where both sides are of one material.
+  /// Swaps the face opposite to `apex` for an edge if both sides have one material.
   bool SwapFace(std::int32_t cell, std::int32_t apex)
   {
     const Ids ids = this->Mesh[cell].Ids;
@@ -323,7 +321,7 @@ private:
     return false;
   }
 
-  /// Moves a point to where the worst cell around it is best; on an interface along it only.
+  /// Moves a point to the position with the best worst cell; on an interface only along it.
   bool Move(std::int32_t point)
   {
     const std::vector<EditableMesh::Arc> arcs = this->Mesh.Arcs(point);
@@ -376,7 +374,7 @@ private:
     return best > start + LeastGain;
   }
 
-  /// Unit normal of the interface at a point where two materials meet; else zero.
+  /// Unit normal of the interface at a point where two materials meet; otherwise zero.
   Vector3 InterfaceNormal(std::int32_t point, const std::vector<EditableMesh::Arc>& arcs) const
   {
     Vector3 sum{ 0, 0, 0 };
@@ -388,16 +386,16 @@ private:
       }
       Vector3 normal = Cross(this->Mesh.Point(arc.A) - this->Mesh.Point(point),
         this->Mesh.Point(arc.B) - this->Mesh.Point(point));
-      // Arcs run either way round; the interface turns by less than 90 degrees from one to the
-      // next.
+      // Arcs have arbitrary orientation; the interface turns by less than 90 degrees between
+      // neighbouring arcs.
       sum = sum + (Dot(normal, sum) < 0 ? -1.0 : 1.0) * normal;
     }
     const double length = Norm(sum);
     return length > 0 ? (1 / length) * sum : sum;
   }
 
-  /// The worst quality around the point after the move if that is above `best`, else -1 and no
-  /// move.
+  /// Moves the point if the worst quality around it then exceeds `best`, and returns that quality;
+  /// otherwise returns -1.
   double TryPlace(std::int32_t point, const Vector3& shift, bool onInterface, double best)
   {
     Vector3& place = this->Mesh.Points[static_cast<std::size_t>(point)];
@@ -426,11 +424,9 @@ private:
     return this->Anchors[static_cast<std::size_t>(point)];
   }
 
-  /**
-   * Moves `from` into `to`. The new cells fill the same space, so that upright cells are enough. On
-   * an interface the same material pairs must meet at both, and the volumes may change by what a
-   * shift of the interface would.
-   */
+  /// Collapses `from` into `to`. The new cells fill the same space, so it suffices that they are
+  /// upright. On an interface the same pairs of materials must meet at both points, and volumes may
+  /// change by as much as a shift of the interface would change them.
   bool Collapse(std::int32_t from, std::int32_t to)
   {
     const std::vector<EditableMesh::Arc> arcs = this->Mesh.Arcs(from);
@@ -480,7 +476,7 @@ private:
     return this->ReplaceInterface(old, cells, materials, touched);
   }
 
-  /// True when `to` lies on every interface that `from` lies on, and they are joined along it.
+  /// True if `to` lies on every interface of `from` and both are connected along it.
   bool MayCollapse(std::int32_t from, std::int32_t to,
     const std::vector<EditableMesh::Arc>& arcs) const
   {
@@ -512,14 +508,14 @@ private:
   EditableMesh& Mesh;
   double Goal;
   double ShiftMm;
-  /// Where the points were at the start.
+  /// Initial positions of the points.
   std::vector<Vector3> Anchors;
-  /// Numbers the changes. A cell that could not be mended is tried again only after one around it:
-  /// most of those that no step mends would be tried in vain in each pass.
+  /// Counter of changes. A cell that could not be improved is tried again only after a change
+  /// around it, because most such cells cannot be improved at all.
   std::uint32_t Changes = 1;
-  /// The last change to the cells around each point.
+  /// Number of the last change to the cells around each point.
   std::vector<std::uint32_t> Changed;
-  /// The last change when each cell was looked at.
+  /// Number of the last change when each cell was examined.
   std::vector<std::uint32_t> Seen;
 };
 }

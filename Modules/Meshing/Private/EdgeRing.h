@@ -1,5 +1,4 @@
-// SPDX-License-Identifier: Apache-2.0
-// The cells around an edge, and other ways of filling the same space.
+// The cells around an edge, and other ways to fill the same space.
 #ifndef mammoray_EdgeRing_h
 #define mammoray_EdgeRing_h
 
@@ -16,7 +15,7 @@ namespace mammoray
 {
 using CellIds = std::array<std::int32_t, 4>;
 
-/// Points around an edge in order, with the material between each and the next one.
+/// Points around an edge in order, with the material between each point and the next.
 struct EdgeRing
 {
   std::vector<std::int32_t> Points;
@@ -24,18 +23,18 @@ struct EdgeRing
   std::vector<std::int32_t> Cells;
 };
 
-/// The ring around the edge from a to b, counter-clockwise around that axis; none unless it closes
-/// and has at most `most` cells.
+/// The ring around the edge from a to b, counter-clockwise about that axis; no value if it is open
+/// or has more than `most` cells.
 MAMMORAYMESHING_EXPORT std::optional<EdgeRing> FindRing(const EditableMesh& mesh, std::int32_t a,
   std::int32_t b, std::size_t most);
 
-/// The best way to fill the space between two points and a polygon around them (Klincsek's
-/// triangulation of the polygon, by the worst cell).
+/// The best filling of the space between two points and a polygon around them: Klincsek's
+/// triangulation of the polygon, judged by the worst cell.
 class MAMMORAYMESHING_EXPORT PolygonFill
 {
 public:
-  /// `polygon` turns counter-clockwise around the axis from `below` to `above`; it must outlive the
-  /// filling.
+  /// `polygon` runs counter-clockwise about the axis from `below` to `above`; it must outlive this
+  /// object.
   PolygonFill(const EditableMesh& mesh, const std::vector<std::int32_t>& polygon,
     std::int32_t material, std::int32_t below, std::int32_t above);
 
@@ -56,8 +55,8 @@ private:
   std::int32_t Below;
   std::int32_t Above;
   std::size_t Count;
-  /// Worst cell of the best filling between corners i and j: Qualities[i * Count + j], and the
-  /// corner k that it takes, Middle[i * Count + j].
+  /// Quality of the worst cell of the best filling between corners i and j, at i * Count + j, and
+  /// the corner k that it uses.
   std::vector<double> Qualities;
   std::vector<std::size_t> Middle;
 };

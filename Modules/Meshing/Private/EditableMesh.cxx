@@ -9,11 +9,11 @@ namespace mammoray
 {
 namespace
 {
-/// A number for each of some edges; emptied without a visit to its entries.
+/// A hash table from edges to numbers; clearing it does not visit its entries.
 class EdgeTable
 {
 public:
-  /// Makes room for so many edges.
+  /// Makes room for this many edges.
   void Clear(std::size_t most)
   {
     if (this->Entries.size() < 2 * most)
@@ -23,11 +23,11 @@ public:
     }
     ++this->Round;
   }
-  /// The number of an edge, at first `fresh`.
+  /// The number of an edge, initially `fresh`.
   std::size_t& Find(std::int32_t low, std::int32_t high, std::size_t fresh)
   {
     const std::size_t mask = this->Entries.size() - 1;
-    // Spread by the golden ratio.
+    // Multiplicative hashing with the golden ratio.
     const std::uint64_t key =
       static_cast<std::uint64_t>(low) << 32 | static_cast<std::uint32_t>(high);
     std::size_t place = key * 0x9E3779B97F4A7C15u >> 32 & mask;
@@ -199,7 +199,7 @@ double EditableMesh::Volume(const std::array<std::int32_t, 4>& ids) const
 
 double EditableMesh::Quality(const std::array<std::int32_t, 4>& ids) const
 {
-  // sin = 3 V l / (2 A B) at an edge of length l between faces of areas A and B.
+  // sin = 3 V l / (2 A B) at an edge of length l between faces with areas A and B.
   double doubleArea[4];
   for (int corner = 0; corner < 4; ++corner)
   {

@@ -10,11 +10,9 @@
 
 namespace mammoray
 {
-/**
- * Tetrahedra while points move and cells come, go and change their material. Material 0 is air:
- * such cells may be there while the mesh is edited, so that its surface does not come to cut
- * itself, and are left out of the result.
- */
+/// Tetrahedra in a form that supports moving points and adding, removing and relabelling cells.
+/// Material 0 is air: such cells may be present during editing, so that the surface does not
+/// intersect itself, and are left out of the result.
 class MAMMORAYMESHING_EXPORT EditableMesh
 {
 public:
@@ -23,12 +21,12 @@ public:
     /// Positively oriented.
     std::array<std::int32_t, 4> Ids{ -1, -1, -1, -1 };
     std::int32_t Material = 0;
-    /// False once it is removed.
+    /// False after removal.
     bool Alive = true;
   };
 
   explicit EditableMesh(const TetrahedralMesh& mesh);
-  /// Cells of tissue and the points they use, in order.
+  /// Returns the cells of tissue and the points they use, in order.
   TetrahedralMesh Finish() const;
 
   std::vector<Vector3> Points;
@@ -39,12 +37,12 @@ public:
     return this->Cells[static_cast<std::size_t>(cell)];
   }
   bool IsAlive(std::int32_t cell) const { return (*this)[cell].Alive; }
-  /// The cells around a point.
+  /// Cells around a point.
   const std::vector<std::int32_t>& Star(std::int32_t point) const
   {
     return this->Stars[static_cast<std::size_t>(point)];
   }
-  /// The cells that have both points.
+  /// Cells that contain both points.
   std::vector<std::int32_t> Ring(std::int32_t a, std::int32_t b) const;
   /// Other corners of the cells around a point, ascending.
   std::vector<std::int32_t> Neighbours(std::int32_t point) const;
@@ -55,9 +53,9 @@ public:
     std::int32_t B;
     std::array<std::int32_t, 2> Materials;
   };
-  /// Where materials meet around a point; none when it lies within one.
+  /// Edges of the link where materials meet around a point; empty inside a material.
   std::vector<Arc> Arcs(std::int32_t point) const;
-  /// True when there are cells, of air if need be, on all sides of a point.
+  /// True if cells, possibly of air, surround a point completely.
   bool IsSurrounded(std::int32_t point) const;
   const Vector3& Point(std::int32_t point) const
   {
@@ -65,42 +63,40 @@ public:
   }
   /// Signed volume, mm^3.
   double Volume(const std::array<std::int32_t, 4>& ids) const;
-  /**
-   * The smallest sine of the six dihedral angles: 0.94 at best, small for angles near 0 and near
-   * 180 degrees. For needles, whose angles can be good, twice the shortest edge over the longest.
-   * Not positive where the volume is not.
-   */
+  /// The smallest sine of the six dihedral angles; at best 0.94, small for angles near 0 and near
+  /// 180 degrees. For needles, whose angles can be good, it is at most twice the shortest edge
+  /// divided by the longest. Not positive if the volume is not.
   double Quality(const std::array<std::int32_t, 4>& ids) const;
-  /// The same of a cell that is to have a material; 1 for upright cells of air.
+  /// Quality of a cell with this material; 1 for upright cells of air.
   double Quality(const std::array<std::int32_t, 4>& ids, std::int32_t material) const
   {
     return material == 0 && this->Volume(ids) > 0 ? 1.0 : this->Quality(ids);
   }
-  /// The worst of some cells; 1 where there are none.
+  /// The worst quality of some cells; 1 if there are none.
   double WorstOf(const std::vector<std::int32_t>& cells) const;
 
   std::int32_t Add(const std::array<std::int32_t, 4>& ids, std::int32_t material);
   void Remove(std::int32_t cell);
-  /// Brings a removed cell back.
+  /// Restores a removed cell.
   void Restore(std::int32_t cell);
   void SetMaterial(std::int32_t cell, std::int32_t material)
   {
     this->Cells[static_cast<std::size_t>(cell)].Material = material;
   }
-  /// Divides the cells around an edge at a + share (b - a); returns the new point.
+  /// Splits the cells around an edge at a + share (b - a); returns the new point.
   std::int32_t SplitEdge(std::int32_t a, std::int32_t b, double share);
 
 private:
   static constexpr std::int32_t Nothing = -1;
-  /// All edges of a point's link, in no order, with Nothing in place of a second material where
-  /// cells end; valid until the thread's next call.
+  /// All edges of a point's link, unordered. The second material is Nothing where the mesh ends.
+  /// Valid until this thread's next call.
   const std::vector<Arc>& LinkEdges(std::int32_t point) const;
 
   std::vector<Cell> Cells;
   std::vector<std::vector<std::int32_t>> Stars;
 };
 
-/// `ids` with one corner replaced.
+/// Returns `ids` with one corner replaced.
 inline std::array<std::int32_t, 4> Replaced(std::array<std::int32_t, 4> ids, std::int32_t old,
   std::int32_t fresh)
 {

@@ -110,7 +110,7 @@ private:
   std::vector<std::uint32_t> FirstOfRow;
 };
 
-/// Calls visit(row, its first voxel) for all rows along i, forth or back; row[0] is 0.
+/// Calls visit(row, its first voxel) for all rows along i, forwards or backwards; row[0] is 0.
 template <typename Visit>
 void ForRows(const LabelVolume& volume, bool forward, Visit visit)
 {
@@ -124,8 +124,8 @@ void ForRows(const LabelVolume& volume, bool forward, Visit visit)
   }
 }
 
-/// Lowers the distances in a row to those of the neighbours before it, in the order of a sweep that
-/// goes forth (1) or back (-1), and a step.
+/// Lowers the distances in a row to those of the preceding neighbours plus a step, in a sweep
+/// forwards (1) or backwards (-1).
 void SpreadInto(const LabelVolume& volume, const std::array<int, 3>& row, int forth,
   std::vector<float>& distance)
 {
@@ -200,7 +200,7 @@ std::size_t MergeSmallComponents(LabelVolume& volume, double smallestMm3)
   const double areas[3] = { volume.Spacing[1] * volume.Spacing[2],
     volume.Spacing[0] * volume.Spacing[2], volume.Spacing[0] * volume.Spacing[1] };
   std::size_t merged = 0;
-  // Small ones inside other small ones wait for the next round.
+  // Small components inside other small ones wait for the next round.
   for (bool changed = true; changed;)
   {
     changed = false;

@@ -7,7 +7,7 @@
 
 namespace mammoray
 {
-/// A connected piece (face neighbours) of one material, air included.
+/// A face-connected component of one material, or of air.
 struct LabelComponent
 {
   int Material = 0;
@@ -19,24 +19,22 @@ struct LabelComponent
 
 struct LabelComponents
 {
-  /// Component of every voxel.
+  /// Index of the component of every voxel.
   std::vector<std::uint32_t> OfVoxel;
   std::vector<LabelComponent> Components;
 };
 
-/// Components of a volume, in the order of their first voxels; depths are left out.
+/// Finds the components of a volume, in the order of their first voxels. Deepest and DepthMm are
+/// not set.
 MAMMORAYMESHING_EXPORT LabelComponents FindComponents(const LabelVolume& volume);
 
-/**
- * Gives every component below `smallestMm3` to the material it shares the most area with among
- * larger ones; the lowest wins a tie. Returns the number of voxels that changed.
- */
+/// Gives every component below `smallestMm3` to the material with which it shares the largest area
+/// among larger components; the lowest material wins a tie. Returns the number of voxels that
+/// changed.
 MAMMORAYMESHING_EXPORT std::size_t MergeSmallComponents(LabelVolume& volume, double smallestMm3);
 
-/**
- * Distance of every voxel's centre to the nearest interface, mm, by chamfer steps over faces, edges
- * and corners (at most 8 % too long on cubic voxels).
- */
+/// Distance of every voxel's centre to the nearest interface, mm, by chamfer steps over faces,
+/// edges and corners (at most 8 % too long on cubic voxels).
 MAMMORAYMESHING_EXPORT std::vector<float> InterfaceDistance(const LabelVolume& volume);
 }
 

@@ -260,8 +260,8 @@ void LabelField::Balance(const std::vector<std::int32_t>& place, const std::vect
       {
         weights[column] = blurred[row + column] + static_cast<float>(bias[column]);
       }
-      // Where another material won, the own one now wins by as much; by 0.02, not by rounding,
-      // elsewhere.
+      // Where another material wins, the own one shall win by the same amount; elsewhere by 0.02,
+      // so that rounding does not decide.
       float& own = weights[place[labels[sample.Voxel]]];
       const float largest = *std::max_element(weights, weights + columns);
       own = largest + std::max(0.02f, largest - own);
@@ -277,8 +277,8 @@ void LabelField::Balance(const std::vector<std::int32_t>& place, const std::vect
     }
     for (std::size_t column = 0; column < columns; ++column)
     {
-      // About three times the faces seen along one axis; weights change by about 0.3 per voxel
-      // there.
+      // The surface is about three times the number of faces seen along one axis, where weights
+      // change by about 0.3 per voxel.
       const double change = 0.3 * (voxelCount[column] - count[column]) / (3 * surface[column]);
       bias[column] = std::clamp(bias[column] + change, -0.3, 0.3);
     }
@@ -304,7 +304,7 @@ int LabelField::MaterialAt(double x, double y, double z) const
   const std::size_t row = this->Volume.Size[0];
   const std::size_t slice = row * this->Volume.Size[1];
   const std::size_t corners[4] = { first, first + row, first + slice, first + slice + row };
-  // Where all eight voxels are of one material, it wins at all of them, and so between them.
+  // A material that fills all eight voxels wins at each of them and so between them.
   const std::uint16_t label = this->Volume.Voxels[first];
   unsigned differences = 0;
   for (const std::size_t corner : corners)

@@ -8,14 +8,14 @@
 namespace mammoray
 {
 /**
- * Material at any point of a voxel volume, with smooth interfaces: the indicator of every material
- * is blurred by a Gaussian, interpolated linearly between voxel centres, and the largest wins (of
- * equals the lowest index). At the voxel centres the voxel's own material wins always, so thin
- * layers and small parts are not blurred away.
+ * The material at any point of a voxel volume, with smooth interfaces. The indicator of every
+ * material is blurred by a Gaussian and interpolated linearly between voxel centres; the largest
+ * value wins, and the lowest index wins a tie. At voxel centres the voxel's own material always
+ * wins, so that thin layers and small parts are not blurred away.
  *
- * Points are in the *grid frame*: (i Spacing[0], j Spacing[1], k Spacing[2]) for continuous index
- * (i, j, k). Outside the volume is air; give it a margin of air, so that all tissue is closed
- * within.
+ * Points are in the *grid frame*: (i Spacing[0], j Spacing[1], k Spacing[2]) for the continuous
+ * index (i, j, k). Outside the volume is air. The volume needs a margin of air, so that all tissue
+ * is closed within it.
  */
 class MAMMORAYMESHING_EXPORT LabelField
 {
@@ -24,7 +24,7 @@ public:
   int MaterialAt(double x, double y, double z) const;
 
 private:
-  /// Columns of Weights that are added up at once.
+  /// Number of columns of Weights that are summed together.
   static constexpr std::size_t Lanes = 4;
   /// A voxel whose row of Weights is balanced, and a point in it.
   struct Sample
@@ -32,18 +32,17 @@ private:
     std::size_t Voxel;
     Vector3 Point;
   };
-  /// Points spread over the voxels near interfaces by three irrational steps; those in voxels with
-  /// a row.
+  /// Quasi-random points (three irrational steps) in those voxels near interfaces that have a row.
   std::vector<Sample> Samples(const std::vector<char>& near) const;
   void Balance(const std::vector<std::int32_t>& place, const std::vector<char>& near);
-  /// The material with the largest weight between eight voxels, pairs along i that begin at the
-  /// corners.
+  /// The material with the largest weight between eight voxels, given as four pairs along i that
+  /// begin at the corners.
   int Blend(const std::size_t (&corners)[4], const float (&fraction)[3]) const;
 
   const LabelVolume& Volume;
-  /// The materials that occur, ascending.
+  /// Materials that occur, ascending.
   std::vector<int> Materials;
-  /// Row of Weights for voxels that touch one of another material; -1 elsewhere.
+  /// Row of Weights of voxels that touch another material; -1 elsewhere.
   std::vector<std::int32_t> Row;
   /// Materials.size() weights per row, and Lanes more at the end.
   std::vector<float> Weights;

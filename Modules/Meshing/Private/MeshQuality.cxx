@@ -19,7 +19,7 @@ double SmallestDihedralDeg(const TetrahedralMesh& mesh, std::size_t cell)
   {
     for (int b = a + 1; b < 4; ++b)
     {
-      // The two other corners, seen along the edge ab: the angle between them is the dihedral
+      // Project the other two corners along the edge ab; the angle between them is the dihedral
       // angle.
       const int c = a == 0 ? (b == 1 ? 2 : 1) : 0;
       const int d = 6 - a - b - c;

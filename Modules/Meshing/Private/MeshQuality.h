@@ -7,10 +7,10 @@
 
 namespace mammoray
 {
-/// Smallest of the six dihedral angles of a cell, degrees; 70.5 at best.
+/// Smallest dihedral angle of a cell, degrees; at best 70.5.
 MAMMORAYMESHING_EXPORT double SmallestDihedralDeg(const TetrahedralMesh& mesh, std::size_t cell);
 
-/// Radius of the circumscribed sphere over the shortest edge; 0.61 at best.
+/// Radius of the circumscribed sphere divided by the shortest edge; at best 0.61.
 MAMMORAYMESHING_EXPORT double RadiusEdgeRatio(const TetrahedralMesh& mesh, std::size_t cell);
 }
 

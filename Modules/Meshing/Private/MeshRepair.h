@@ -9,12 +9,12 @@
 namespace mammoray
 {
 /**
- * Makes the boundary of every material and of the whole body a surface that nowhere touches itself
- * (MeshCheck's pinches): near such edges and points cells change their material or are divided, and
- * where the body itself hangs by an edge or a point it is parted. Other interfaces keep their
- * place; cells that arise below `smallestDihedralDeg` are improved where that leaves interfaces
- * alone. A mesh without pinches stays as it is. Deterministic. Returns the number of points that
- * were pinched. Throws InputError as TetrahedralMesh::Validate does.
+ * Makes the boundary of every material, and of the whole body, a manifold that nowhere touches
+ * itself (see MeshTrouble::Kind::Pinches). Near such edges and points, cells change their material
+ * or are split; where the body itself is connected only by an edge or a point, it is separated.
+ * Other interfaces stay in place. New cells below `smallestDihedralDeg` are improved if interfaces
+ * allow it. A mesh without pinches is unchanged. The result is deterministic. Returns the number of
+ * pinched points. Throws InputError as TetrahedralMesh::Validate.
  */
 MAMMORAYMESHING_EXPORT std::size_t MendInterfaces(TetrahedralMesh& mesh,
   double smallestDihedralDeg = 12, const ProgressCallback& progress = {});

@@ -56,7 +56,7 @@ void CheckComponents(const TetrahedralMesh& mesh, const LabelVolume& volume,
   std::vector<char> present(components.size(), 0);
   for (std::size_t cell = 0; cell < mesh.NumberOfCells(); ++cell)
   {
-    // Samples: the centre, and points towards the corners for cells that reach past a small
+    // Sample the centre, and points towards the corners for cells that extend beyond a small
     // component.
     Vector3 centre{ 0, 0, 0 };
     for (int corner = 0; corner < 4; ++corner)

@@ -1,5 +1,4 @@
-// SPDX-License-Identifier: Apache-2.0
-// What the ways from a label volume to tetrahedra share.
+// Steps that the methods from a label volume to tetrahedra share.
 #ifndef mammoray_MeshingSteps_h
 #define mammoray_MeshingSteps_h
 
@@ -13,7 +12,7 @@
 
 namespace mammoray
 {
-/// A line of at most 159 characters with numbers in it, as printf writes them.
+/// Formats up to three numbers as printf does; at most 159 characters.
 inline std::string FormattedText(const char* format, double a, double b = 0, double c = 0)
 {
   char text[160];
@@ -21,48 +20,44 @@ inline std::string FormattedText(const char* format, double a, double b = 0, dou
   return text;
 }
 
-/// The volume's tissue with a margin of air around it, in voxels.
+/// The volume's tissue with a margin of air, in voxels.
 MAMMORAYMESHING_EXPORT LabelVolume PrepareVolume(const LabelVolume& materials, int margin);
 
-/**
- * MergeSmallComponents; throws InputError where nothing but air is left. Returns the number of
- * voxels that changed.
- */
+/// As MergeSmallComponents, but throws InputError if only air remains. Returns the number of voxels
+/// that changed.
 MAMMORAYMESHING_EXPORT std::size_t MergeTissue(LabelVolume& volume, double smallestMm3);
 
-/**
- * Throws ConvergenceError, naming material, place and volume, unless every component of tissue
- * holds a cell of its material. The mesh is in the grid frame (LabelField); depths and deepest
- * voxels of the components are for the message.
- */
+/// Throws ConvergenceError, with material, position and volume, unless every component of tissue
+/// contains a cell of its material. The mesh is in the grid frame (see LabelField). Depths and
+/// deepest voxels of the components appear in the message.
 MAMMORAYMESHING_EXPORT void CheckComponents(const TetrahedralMesh& mesh, const LabelVolume& volume,
   const LabelComponents& found);
 
-/// CheckSurface; throws InputError, with places, where a boundary has holes.
+/// As CheckSurface, but throws InputError, with places, if a boundary has holes.
 MAMMORAYMESHING_EXPORT MeshCheck CheckClosed(const SurfaceMesh& surfaces);
 
-/// How far interfaces may move: half a voxel, or half the facet distance where that is more, mm.
+/// Largest motion of interfaces, mm: half a voxel, or half the facet distance if that is more.
 MAMMORAYMESHING_EXPORT double LargestShift(const LabelVolume& materials,
   const MeshingOptions& options);
 
 /**
- * What both ways from labels end with, in the grid frame: slivers are taken away down to
- * SmallestDihedralDeg where that can be reached, boundaries that touch themselves are mended, and
- * interfaces move within LargestShift until every material has the volume of its voxels in
- * `materials`, those of merged components included. The mesh may come with cells of air (material
- * 0), which keep its surface from cutting itself.
+ * Final steps of both methods, in the grid frame: slivers are improved down to SmallestDihedralDeg
+ * where possible, boundaries that touch themselves are repaired, and interfaces move within
+ * LargestShift until every material has the volume of its voxels in `materials`, including merged
+ * components. The mesh may contain cells of air (material 0), which keep its surface from
+ * intersecting itself.
  */
 MAMMORAYMESHING_EXPORT void FinishMesh(const LabelVolume& materials, const MeshingOptions& options,
   TetrahedralMesh& mesh, const ProgressCallback& progress);
 
-/// The part of a progress from `begin` to `end`.
+/// A callback that maps its progress to [begin, end] of the whole.
 MAMMORAYMESHING_EXPORT ProgressCallback Within(const ProgressCallback& progress, double begin,
   double end);
 
-/// Carries a mesh from the grid frame to the volume frame.
+/// Transforms a mesh from the grid frame to the volume frame.
 MAMMORAYMESHING_EXPORT void PlaceInVolumeFrame(const LabelVolume& volume, TetrahedralMesh& mesh);
 
-/// Volumes of the voxels and of the cells, and the cells' quality.
+/// Reports the volumes of voxels and cells, and the quality of the cells.
 MAMMORAYMESHING_EXPORT std::vector<MaterialReport> ReportMaterials(const LabelVolume& materials,
   const TetrahedralMesh& mesh);
 }

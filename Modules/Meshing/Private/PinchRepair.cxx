@@ -108,7 +108,7 @@ Contacts FindContacts(const EditableMesh& mesh, std::int32_t point)
   return contacts;
 }
 
-/// Other ends of the pinched edges of a point.
+/// The other ends of a point's pinched edges.
 std::set<std::int32_t> PinchedEdges(const EditableMesh& mesh, std::int32_t point)
 {
   const std::vector<EditableMesh::Arc> arcs = mesh.Arcs(point);
@@ -137,7 +137,7 @@ public:
     this->FindComponents(progress);
   }
 
-  /// Changes cells around one pinched point, whose corners are added to `touched`.
+  /// Changes cells around one pinched point and adds their corners to `touched`.
   void Mend(std::int32_t point, std::vector<std::int32_t>& touched)
   {
     while (PinchExcess(this->Mesh, point) > 0 && this->ChangeBest(point, touched))
@@ -194,7 +194,7 @@ private:
       std::int32_t a = ids[(left + 1) % 4];
       std::int32_t b = ids[(left + 2) % 4];
       std::int32_t c = ids[(left + 3) % 4];
-      // The fewest cells are looked at.
+      // Examine as few cells as possible.
       for (std::int32_t* other : { &b, &c })
       {
         if (this->Mesh.Star(*other).size() < this->Mesh.Star(a).size())
@@ -234,10 +234,8 @@ private:
     return contacts;
   }
 
-  /**
-   * True when the cell as `material` has fewer pinches at its corners, and no materials meet at one
-   * that did not before, as where a thin layer opens. The cell stays as it is.
-   */
+  /// True if the cell with `material` has fewer pinches at its corners and no new contact of
+  /// materials arises, as where a thin layer opens. The cell is left unchanged.
   bool Helps(std::int32_t cell, std::int32_t material, std::int32_t point)
   {
     const std::int32_t own = this->Mesh[cell].Material;
@@ -297,7 +295,7 @@ private:
     return best >= 0;
   }
 
-  /// Materials of the neighbours, other than the cell's own, ascending.
+  /// Materials of the neighbours except the cell's own, ascending.
   std::set<std::int32_t> MaterialsBeside(std::int32_t cell) const
   {
     std::set<std::int32_t> materials;
@@ -315,15 +313,13 @@ private:
   }
 
   EditableMesh& Mesh;
-  /// Connected piece of every cell at the start, and the volume it may still lose.
+  /// Initial connected component of every cell, and the volume that it may still lose.
   std::vector<std::int32_t> Component;
   std::vector<double> Spare;
 };
 
-/**
- * Divides the edges that leave `points` (one, or the two of an edge) and gives the cells around
- * them to one material. The points around which cells change are added to `touched`.
- */
+/// Splits the edges that leave `points` (one point, or the two of an edge) and gives the cells
+/// around them to one material. Adds the points around which cells change to `touched`.
 void CutOut(EditableMesh& mesh, const std::vector<std::int32_t>& points,
   std::vector<std::int32_t>& touched)
 {
@@ -355,7 +351,7 @@ void CutOut(EditableMesh& mesh, const std::vector<std::int32_t>& points,
   for (const auto& [point, neighbour] : leaving)
   {
     touched.push_back(neighbour);
-    // A small change, yet cells of a usable size.
+    // A small change that leaves cells of usable size.
     touched.push_back(mesh.SplitEdge(point, neighbour, 1.0 / 3));
   }
   std::set<std::int32_t> cells;
@@ -378,7 +374,7 @@ void CutOut(EditableMesh& mesh, const std::vector<std::int32_t>& points,
   {
     volumes = { { 0, 0.0 } };
   }
-  // The material is taken that changes least among those that met all others there before: a thin
+  // Choose the material that changes least among those that met all others before, so that a thin
   // layer stays closed.
   const auto meetsAll = [&](std::int32_t material)
   {
@@ -399,7 +395,7 @@ void CutOut(EditableMesh& mesh, const std::vector<std::int32_t>& points,
   }
 }
 
-/// Those of some points that are pinched, ascending.
+/// The pinched points among the given ones, ascending.
 std::vector<std::int32_t> FindPinchedPoints(const EditableMesh& mesh,
   std::vector<std::int32_t> among, const ProgressCallback& progress)
 {
@@ -443,7 +439,7 @@ std::size_t RepairPinches(EditableMesh& mesh, const ProgressCallback& progress)
   {
     return 0;
   }
-  // After each round only the points around its changes can have become pinched or mended.
+  // After each round, only points around its changes can differ.
   Relabeller relabeller(mesh, Within(progress, 0.2, 0.6));
   const int relabellings = 3;
   for (int round = 0; round < relabellings && !pinched.empty(); ++round)

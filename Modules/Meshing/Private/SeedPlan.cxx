@@ -14,7 +14,7 @@ SeedPlan PlanSeeds(const LabelVolume& volume, const MeshingOptions& options)
   plan.Distance = InterfaceDistance(volume);
   const std::size_t count = plan.Found.Components.size();
   plan.SeedVoxels.resize(count);
-  // A small component may be long and thin, so that one place would not do; big ones CGAL follows.
+  // A small component can be long and thin, so one seed would not suffice; CGAL follows large ones.
   const double smallMm3 = 8 * std::pow(options.FacetSizeMm, 3);
   std::vector<std::vector<std::size_t>> members(count);
   std::vector<std::size_t> deepest(count, 0);

@@ -11,13 +11,14 @@
 
 namespace mammoray
 {
-/// The components of a volume, tissue and enclosed air, and where points of a mesh are seeded from.
+/// The components of a volume (tissue and enclosed air) and the voxels from which mesh points are
+/// seeded.
 struct SeedPlan
 {
-  /// With their depths.
+  /// Components with their depths.
   LabelComponents Found;
-  /// Voxels of each component to seed from, the deepest first: one for a component that a mesher
-  /// follows by itself, several for small ones, which may be long and thin.
+  /// Voxels from which each component is seeded, the deepest first: one for a component that the
+  /// mesher follows by itself, several for small components, which can be long and thin.
   std::vector<std::vector<std::size_t>> SeedVoxels;
   /// Distance of every voxel to other materials, mm.
   std::vector<float> Distance;

@@ -18,17 +18,17 @@ namespace mammoray
 {
 namespace
 {
-/// Parts of an edge.
+/// Lengths as fractions of a cell's edge.
 constexpr double VoxelPart = 1.0 / 8;
-/// Two fields.
+/// Memory of two fields.
 constexpr double LeastBytesPerVoxel = 8;
 constexpr double BallPart = 1.0 / 3;
 constexpr double BlurPart = 0.25;
-/// The ball that fits into layers over the chest wall which are meshed.
+/// Radius of the ball that must fit into meshed layers over the chest wall.
 constexpr double LayerBallPart = 0.25;
-/// The ball that does not fit into pockets between muscles.
+/// Radius of the ball that does not fit into pockets between muscles.
 constexpr double PocketBallPart = 1.5;
-/// Of the tissue that opening may take before a smaller ball is tried.
+/// Fraction of the tissue that opening may remove before a smaller ball is tried.
 constexpr double MostTaken = 0.1;
 constexpr int MostHalvings = 3;
 
@@ -37,7 +37,7 @@ std::size_t VoxelsOf(const VoxelMask& mask)
   return std::accumulate(mask.Voxels.begin(), mask.Voxels.end(), std::size_t{ 0 });
 }
 
-/// Cubic voxels over a box of another grid, with a margin around it.
+/// A grid of cubic voxels over the box of another grid, with a margin.
 VolumeGrid CubicGrid(const LabelVolume& box, double spacingMm, double marginMm)
 {
   VolumeGrid grid;
@@ -58,7 +58,7 @@ VolumeGrid CubicGrid(const LabelVolume& box, double spacingMm, double marginMm)
     const double extent = box.Size[axis] * box.Spacing[axis];
     const int count = static_cast<int>(std::ceil(extent / spacingMm - 1e-9));
     grid.Size[axis] = count + 2 * margin;
-    // Both grids share their middle.
+    // Both grids have the same centre.
     first[axis] =
       0.5 * (box.Size[axis] - 1) - 0.5 * (grid.Size[axis] - 1) * spacingMm / box.Spacing[axis];
   }
@@ -66,7 +66,7 @@ VolumeGrid CubicGrid(const LabelVolume& box, double spacingMm, double marginMm)
   return grid;
 }
 
-/// OpenedLargest, with a smaller ball where this one takes too much.
+/// As OpenedLargest, with a smaller ball if this one removes too much.
 VoxelMask OpenedGently(const VoxelMask& mask, double radiusMm)
 {
   const double wanted = (1 - MostTaken) * static_cast<double>(VoxelsOf(LargestPiece(mask)));
@@ -81,7 +81,7 @@ VoxelMask OpenedGently(const VoxelMask& mask, double radiusMm)
   return LargestPiece(mask);
 }
 
-/// The region where the field is largest, of so many voxels.
+/// The region of the `count` voxels with the largest values.
 VoxelMask LargestValues(const VoxelField& field, std::size_t count)
 {
   std::vector<float> values = field.Values;
@@ -102,7 +102,7 @@ VoxelMask Outline(VoxelField fraction, double edgeMm)
   return LargestPiece(LargestValues(depth, VoxelsOf(region)));
 }
 
-/// Voxels of one mask that are in another, or that are not.
+/// Voxels of one mask that are in another (`in`) or not in it.
 VoxelMask Both(const VoxelMask& mask, const VoxelMask& other, bool in = true)
 {
   VoxelMask both = mask;
@@ -118,12 +118,12 @@ VoxelMask Without(const VoxelMask& mask, const VoxelMask& other)
   return Both(mask, other, false);
 }
 
-/// What lies in front of the smooth sheet that bounds the chest wall, in tissue and in air.
-VoxelMask InFrontOfWall(const VoxelMask& tissue, const VoxelField& heldFraction, double edgeMm)
+/// The region in front of the smooth sheet that bounds the chest wall, in tissue and in air.
+VoxelMask InFrontOfWall(const VoxelMask& tissue, const VoxelField& fixedFraction, double edgeMm)
 {
-  VoxelField fraction = heldFraction;
+  VoxelField fraction = fixedFraction;
   BlurField(fraction, VoxelPart * edgeMm);
-  // Pieces apart from the chest wall are none of it, pockets between its muscles are.
+  // Pieces separate from the chest wall do not belong to it; pockets between its muscles do.
   const VoxelMask muscle = LargestPiece(Closed(Above(fraction, 0.5), BallPart * edgeMm));
   const VoxelMask breast =
     OpenedGently(Without(tissue, Closed(muscle, PocketBallPart * edgeMm)), LayerBallPart * edgeMm);
@@ -138,7 +138,7 @@ VoxelMask InFrontOfWall(const VoxelMask& tissue, const VoxelField& heldFraction,
   return Above(ahead, 0.0);
 }
 
-/// Mean direction from the wall to what moves, in voxels of the grid; zero where it has none.
+/// Mean direction from the wall to the moving tissue, in voxels of the grid; zero if there is none.
 Vector3 MeanNormal(const VoxelMask& wall, const VoxelMask& moving)
 {
   Vector3 sum{ 0, 0, 0 };
@@ -157,9 +157,9 @@ Vector3 MeanNormal(const VoxelMask& wall, const VoxelMask& moving)
   return length > 0 ? (1 / length) * sum : sum;
 }
 
-/// Adds to what lies in front of the wall all that is farther in front than any held tissue: the
-/// rounding of corners and the rim that is too thin for cells hold nothing there, where plates go.
-void ReleaseAhead(const VoxelMask& tissue, const VoxelField& heldFraction, VoxelMask& front)
+/// Adds to the region in front of the wall all tissue farther in front than any fixed tissue.
+/// Rounded corners and rims too thin for cells must fix nothing there, where the plates move.
+void ReleaseAhead(const VoxelMask& tissue, const VoxelField& fixedFraction, VoxelMask& front)
 {
   const Vector3 normal = MeanNormal(Without(tissue, front), Both(tissue, front));
   const auto forEach = [&](auto&& visit)
@@ -171,7 +171,7 @@ void ReleaseAhead(const VoxelMask& tissue, const VoxelField& heldFraction, Voxel
   };
   double most = -std::numeric_limits<double>::infinity();
   forEach([&](std::size_t voxel, double height)
-    { most = heldFraction.Values[voxel] >= 0.5 ? std::max(most, height) : most; });
+    { most = fixedFraction.Values[voxel] >= 0.5 ? std::max(most, height) : most; });
   if (!std::isfinite(most))
   {
     return;
@@ -180,10 +180,8 @@ void ReleaseAhead(const VoxelMask& tissue, const VoxelField& heldFraction, Voxel
     { front.Voxels[voxel] = height > most ? 1 : front.Voxels[voxel]; });
 }
 
-/**
- * What holds, as deep as an edge: the tissue behind what moves, and air behind that where it is
- * thinner, as in a wall that tapers off or was segmented as a skin of voxels.
- */
+/// The fixed layer, one edge deep: the tissue behind the moving one, and air behind that where the
+/// tissue is thinner, as in a wall that tapers off or was segmented as one layer of voxels.
 VoxelMask WallBehind(const VoxelMask& moving, const VoxelMask& behind, double edgeMm)
 {
   VoxelMask wall = behind;
@@ -214,33 +212,33 @@ VoxelMask WallBehind(const VoxelMask& moving, const VoxelMask& behind, double ed
 }
 }
 
-SimulationShape ShapeForCells(const LabelVolume& materials, const std::vector<bool>& held,
+SimulationShape ShapeForCells(const LabelVolume& materials, const std::vector<bool>& fixed,
   double edgeMm)
 {
-  const auto isHeld = [&](std::uint16_t m) { return m < held.size() && held[m]; };
-  const auto moves = [&](std::uint16_t m) { return m != 0 && !isHeld(m); };
+  const auto isFixed = [&](std::uint16_t m) { return m < fixed.size() && fixed[m]; };
+  const auto moves = [&](std::uint16_t m) { return m != 0 && !isFixed(m); };
   const LabelVolume box = CropToTissue(materials, 0);
   const VolumeGrid grid = CubicGrid(box, VoxelPart * edgeMm, (PocketBallPart + VoxelPart) * edgeMm);
   const VoxelField movingFraction = FractionOf(box, moves, grid);
-  const VoxelField heldFraction = FractionOf(box, isHeld, grid);
+  const VoxelField fixedFraction = FractionOf(box, isFixed, grid);
   VoxelField fraction = movingFraction;
-  std::transform(fraction.Values.begin(), fraction.Values.end(), heldFraction.Values.begin(),
+  std::transform(fraction.Values.begin(), fraction.Values.end(), fixedFraction.Values.begin(),
     fraction.Values.begin(), std::plus<>());
 
   SimulationShape shape;
   shape.Tissue = Outline(std::move(fraction), edgeMm);
-  VoxelMask front = InFrontOfWall(shape.Tissue, heldFraction, edgeMm);
-  ReleaseAhead(shape.Tissue, heldFraction, front);
+  VoxelMask front = InFrontOfWall(shape.Tissue, fixedFraction, edgeMm);
+  ReleaseAhead(shape.Tissue, fixedFraction, front);
   const VoxelMask moving = LargestPiece(Both(shape.Tissue, front));
   if (VoxelsOf(moving) == 0)
   {
-    throw InputError("simulation mesh: expected tissue that is not held, found none");
+    throw InputError("simulation mesh: expected tissue that is not fixed, found none");
   }
   const VoxelMask wall = WallBehind(moving, Without(shape.Tissue, front), edgeMm);
   for (std::size_t voxel = 0; voxel < front.Voxels.size(); ++voxel)
   {
     shape.Tissue.Voxels[voxel] = moving.Voxels[voxel] ? SimulationShape::Moving
-      : wall.Voxels[voxel]                            ? SimulationShape::Held
+      : wall.Voxels[voxel]                            ? SimulationShape::Fixed
                                                       : 0;
     shape.MovingMm3 += front.Voxels[voxel] ? movingFraction.Values[voxel] * grid.VoxelVolume() : 0;
   }

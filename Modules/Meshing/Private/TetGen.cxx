@@ -1,5 +1,4 @@
-// SPDX-License-Identifier: Apache-2.0
-// The only file that knows TetGen's types.
+// The only file that uses TetGen's types.
 #include "Private/TetGen.h"
 
 #include "mammoray/Foundation/Error.h"
@@ -20,8 +19,8 @@ namespace mammoray
 {
 namespace
 {
-/// The complex as TetGen wants it; TetGen frees what it is given. It joins triangles of one plane
-/// where their marks are the same, so that needles in it need not stay.
+/// Converts the complex to TetGen's input; TetGen frees the arrays. It merges coplanar triangles
+/// with equal markers, so that needles inside a plane need not stay.
 void Load(const TriangleComplex& complex, tetgenio& input, bool joinsPlanes = false)
 {
   input.firstnumber = 0;
@@ -60,7 +59,7 @@ void Run(const std::string& switches, tetgenio& input, tetgenio& output)
   }
   catch (const int code)
   {
-    // The codes of terminatetetgen() in tetgen.h.
+    // Error codes of terminatetetgen() in tetgen.h.
     if (code == 1)
     {
       throw std::bad_alloc();
@@ -79,7 +78,7 @@ void Run(const std::string& switches, tetgenio& input, tetgenio& output)
   }
 }
 
-/// What the callback of TetGen reaches; it takes no argument of ours.
+/// Data for TetGen's callback, which has no user argument.
 struct Watch
 {
   const ProgressCallback* Progress = nullptr;
@@ -88,7 +87,8 @@ struct Watch
 };
 thread_local Watch watch;
 
-/// TetGen asks whether a cell is too big; never, but the question is a chance to stop the work.
+/// TetGen asks whether a cell is too large. The answer is always no; the call is used to stop the
+/// work.
 bool NeverUnsuitable(REAL*, REAL*, REAL*, REAL*, REAL*, REAL)
 {
   if (++watch.Calls % 16384 == 0)
@@ -112,7 +112,7 @@ double Determinant(const REAL* points, const int* ids)
   return Dot(edge[0], Cross(edge[1], edge[2]));
 }
 
-/// Points that cells use, and the cells turned the right way round.
+/// Converts TetGen's output: the points that cells use, and the cells with positive orientation.
 TetrahedralMesh Unload(const tetgenio& output)
 {
   TetrahedralMesh mesh;

@@ -11,45 +11,45 @@
 
 namespace mammoray
 {
-/// Triangles that meet at common points and edges only: what TetGen fills.
+/// Triangles that meet only at common points and edges: the input of TetGen.
 struct TriangleComplex
 {
   std::vector<double> Points;
   std::vector<std::array<std::uint32_t, 3>> Triangles;
 };
 
-/// A connected space between the triangles.
+/// A connected region between the triangles.
 struct TetGenRegion
 {
-  /// A point well within.
+  /// A point well inside the region.
   Vector3 Inside{ 0, 0, 0 };
   double VolumeMm3 = 0;
-  /// 0: air.
+  /// Material; 0 is air.
   int Material = 0;
-  /// Upper bound of its cells, mm^3.
+  /// Upper bound of the volume of its cells, mm^3.
   double CellVolumeMm3 = 0;
 };
 
-/// Triangles that cut others, as indices; empty when there are none.
+/// Indices of the triangles that intersect others.
 std::vector<std::size_t> FindCuttingTriangles(const TriangleComplex& complex);
 
-/// The spaces that the triangles enclose, materials left at 0.
+/// The regions that the triangles enclose; Material stays 0.
 std::vector<TetGenRegion> FindRegions(const TriangleComplex& complex);
 
-/// What is asked of the cells; TetGen's -q and -Y.
+/// Requirements on the cells; TetGen's switches -q and -Y.
 struct TetGenQuality
 {
   /// Largest circumradius / shortest edge.
   double Ratio = 2;
-  /// A goal; 0 leaves it out.
+  /// Smallest dihedral angle, a goal, degrees; 0 for none.
   double DihedralDeg = 0;
-  /// Triangles may be divided, and flat parts of the surface be triangulated anew.
+  /// If true, triangles may be subdivided and flat parts of the surface may be triangulated again.
   bool DividesTriangles = false;
-  /// Regions of material 0 are filled, too, without a bound on the cells' volume.
+  /// If true, regions of material 0 are filled too, without a bound on the cells' volume.
   bool KeepsAir = false;
 };
 
-/// Tetrahedra of the regions that have a material, or of all. `progress` is asked while cells are
+/// Fills the regions that have a material, or all regions. `progress` is called while cells are
 /// refined.
 TetrahedralMesh FillRegions(const TriangleComplex& complex,
   const std::vector<TetGenRegion>& regions, const TetGenQuality& quality,

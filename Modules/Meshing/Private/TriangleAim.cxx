@@ -16,19 +16,20 @@ namespace
 {
 /// Measured: 8.0 GB for 4.9 million triangles of a volume of 75 million voxels.
 constexpr double BytesPerTriangle = 1600;
-/// The first attempt aims at this share of the triangles: too many cannot be undone.
+/// Fraction of the triangles for the first attempt: too many cannot be undone.
 constexpr double FirstShare = 0.1;
-/// Half of what is promised; mending the mesh changes the number a little.
+/// Half of the promised tolerance, because repairing the mesh changes the number slightly.
 constexpr double Tolerance = 0.05;
 constexpr int MostAttempts = 10;
 
-/// Of what cells, and triangles with the cells at them, take at least.
+/// Smallest memory per cell and per triangle with the cells at it.
 constexpr double LeastBytesPerCell = 200;
 constexpr double LeastBytesPerTriangle = 400;
-/// A regular tetrahedron and triangle of circumradius 1 hold the most.
+/// Volume of a regular tetrahedron, and area of a regular triangle, of circumradius 1: the largest
+/// possible.
 constexpr double MostOfCell = 0.513;
 constexpr double MostOfTriangle = 1.299;
-/// Stairs in all directions have 1.5 times the area of what they follow.
+/// Voxel steps in all directions have 1.5 times the area of the surface they follow.
 constexpr double StairsFactor = 1.5;
 
 double SizeOf(int material, double size, const std::map<int, double>& ofMaterial)
@@ -37,7 +38,8 @@ double SizeOf(int material, double size, const std::map<int, double>& ofMaterial
   return found == ofMaterial.end() ? size : found->second;
 }
 
-/// Calls `visit` with the materials on both sides of each face between two, and its area, mm^2.
+/// Calls `visit` with the materials on both sides of each face between two materials, and its area,
+/// mm^2.
 template <typename Visit>
 void ForEachInterfaceFace(const LabelVolume& volume, const Visit& visit)
 {
@@ -58,8 +60,7 @@ void ForEachInterfaceFace(const LabelVolume& volume, const Visit& visit)
   }
 }
 
-/// Area of the interfaces, mm^2. Throws InputError where there are too few voxels for the
-/// triangles.
+/// Area of the interfaces, mm^2. Throws InputError if there are too few voxels for the triangles.
 double InterfaceArea(const LabelVolume& volume, double wanted)
 {
   std::size_t faces = 0;
@@ -121,7 +122,7 @@ TriangleAim::TriangleAim(const LabelVolume& volume, const MeshingOptions& option
   : Wanted(static_cast<double>(options.Triangles))
   , Start(options)
 {
-  // A triangle has about 0.6 of the square of its circumradius.
+  // A triangle's area is about 0.6 times the square of its circumradius.
   const double triangles =
     InterfaceArea(volume, this->Wanted) / (0.6 * std::pow(options.FacetSizeMm, 2));
   CheckMemory(FormattedText("triangles: %.0f of them", this->Wanted),
@@ -163,8 +164,8 @@ TriangleAim::Verdict TriangleAim::Judge(std::size_t triangles)
                     "layers and small components ask for others",
         this->Wanted, found));
   }
-  // Triangles go with the square of the size, on rough interfaces with another power: that of the
-  // last two attempts.
+  // The number of triangles scales with the inverse square of the size; on rough interfaces with
+  // another power, which the last two attempts determine.
   double power = 2;
   if (this->LastTriangles > 0 && found != this->LastTriangles)
   {
@@ -173,7 +174,8 @@ TriangleAim::Verdict TriangleAim::Judge(std::size_t triangles)
   }
   this->LastTriangles = found;
   this->LastScale = this->Scale;
-  // From far off half of the way, to see the power near the end: too many cannot be undone.
+  // If far away, go half of the way to learn the power near the end: too many triangles cannot be
+  // undone.
   const double aim =
     this->Wanted > 3 * found ? 0.5 * this->Wanted : (1 - 0.5 * Tolerance) * this->Wanted;
   this->Scale *= std::pow(std::max(found, 1.0) / aim, 1 / power);

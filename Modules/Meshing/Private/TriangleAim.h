@@ -11,35 +11,34 @@
 
 namespace mammoray
 {
-/// Throws InputError, of `what`, in the plural, where so many bytes are more than MemoryLimitBytes.
+/// Throws InputError about `what` (plural) if it needs more bytes than MemoryLimitBytes.
 MAMMORAYMESHING_EXPORT void CheckMemory(const std::string& what, double bytes);
 
-/// Throws InputError where even the largest cells and triangles that keep to the sizes are more
-/// than fit in the memory.
+/// Throws InputError if even the largest cells and triangles within the sizes do not fit in memory.
 MAMMORAYMESHING_EXPORT void CheckSizes(const LabelVolume& volume, const MeshingOptions& options);
 
-/// Finds the sizes that give a number of triangles, MeshingOptions::Triangles, coming from coarser
-/// ones.
+/// Finds the sizes that produce MeshingOptions::Triangles, starting from coarser ones.
 class MAMMORAYMESHING_EXPORT TriangleAim
 {
 public:
-  /// Throws InputError where voxels or memory do not do for so many triangles. The options must
-  /// outlive it.
+  /// Throws InputError if the voxels or the memory do not suffice for that many triangles. The
+  /// options must outlive this object.
   TriangleAim(const LabelVolume& volume, const MeshingOptions& options);
 
-  /// Facets with the scale of the next attempt; cells inside need not be finer than asked for.
+  /// Options for the next attempt: facets are scaled, and inner cells need not be finer than
+  /// requested.
   MeshingOptions Sizes() const;
 
   enum class Verdict
   {
     Met,
-    /// Refine what is there.
+    /// Refine the present mesh.
     TooFew,
-    /// Begin again, coarser.
+    /// Start again with coarser sizes.
     TooMany
   };
 
-  /// Judges the mesh made with Sizes(), which are then those of the next attempt. Throws
+  /// Judges the mesh that Sizes() produced and updates Sizes() for the next attempt. Throws
   /// ConvergenceError after ten attempts.
   Verdict Judge(std::size_t triangles);
 

@@ -10,7 +10,8 @@ namespace mammoray
 {
 namespace
 {
-/// The material's volume gradient by the place of a point: a third of its outward area normals.
+/// Gradient of a material's volume with respect to the position of a point: a third of its outward
+/// area normals.
 struct Gradient
 {
   std::int32_t Point;
@@ -43,7 +44,7 @@ public:
     }
   }
 
-  /// One Newton step; false once all volumes are met.
+  /// Takes one Newton step; returns false when all volumes are reached.
   bool Step()
   {
     const Eigen::VectorXd wanted = this->Differences();
@@ -52,7 +53,7 @@ public:
       return false;
     }
     const std::vector<Gradient> gradients = this->Gradients();
-    // Displacements W G o with W = 1 / (area around the point): G^T W G o = wanted.
+    // Displacements are W G o with W = 1 / (area around the point): solve G^T W G o = wanted.
     const auto count = static_cast<Eigen::Index>(this->Targets.size());
     Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(count, count);
     for (std::size_t begin = 0, end = 0; begin < gradients.size(); begin = end)
@@ -69,7 +70,7 @@ public:
         }
       }
     }
-    // A material without a movable interface would make it singular.
+    // A material without a movable interface would make the matrix singular.
     normal.diagonal().array() += 1e-12 * normal.trace() + 1e-300;
     const Eigen::VectorXd offsets = normal.ldlt().solve(wanted);
     for (std::size_t begin = 0, end = 0; begin < gradients.size(); begin = end)
@@ -102,7 +103,7 @@ private:
         wanted[static_cast<Eigen::Index>(place->second)] -= this->Mesh.Volume(this->Mesh[cell].Ids);
       }
     }
-    // A thousandth is near enough; small materials with few cells may never be met.
+    // 1e-3 is accurate enough; small materials with few cells may never reach it.
     for (Eigen::Index n = 0; n < wanted.size(); ++n)
     {
       wanted[n] = std::abs(wanted[n]) <= 1e-3 * targets[n] ? 0 : wanted[n];
@@ -115,8 +116,8 @@ private:
     std::vector<Gradient> gradients;
     for (const std::int32_t point : this->Interface)
     {
-      // The volume of a cell changes by a third of the area normal of the face opposite to the
-      // point; faces within a material cancel.
+      // The gradient of a cell's volume is a third of the area normal of the face opposite to the
+      // point; faces inside a material cancel.
       std::map<std::size_t, Vector3> sums;
       for (const std::int32_t cell : this->Mesh.Star(point))
       {
@@ -137,7 +138,7 @@ private:
 
   Vector3 VolumeGradient(const std::array<std::int32_t, 4>& ids, std::int32_t point) const
   {
-    // Corners of the face opposite to each corner, turned so that the gradient looks inwards.
+    // Corners of the face opposite to each corner, oriented so that the gradient points inwards.
     constexpr int faces[4][3] = { { 1, 3, 2 }, { 0, 2, 3 }, { 0, 3, 1 }, { 0, 1, 2 } };
     const auto corner =
       static_cast<std::size_t>(std::find(ids.begin(), ids.end(), point) - ids.begin());
@@ -200,10 +201,10 @@ private:
   double ShiftMm;
   double LeastQuality;
   std::vector<Vector3> Anchors;
-  /// Material -> place in Targets.
+  /// Index in Targets of each material.
   std::map<std::int32_t, std::size_t> Place;
   std::vector<double> Targets;
-  /// Points where materials meet, which moves do not change.
+  /// Points where materials meet; moves do not change them.
   std::vector<std::int32_t> Interface;
 };
 }

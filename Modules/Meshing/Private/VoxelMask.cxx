@@ -39,14 +39,15 @@ private:
   std::size_t Length;
 };
 
-/// How much of one interval of a line comes from each of another's.
+/// Fractions of one interval of a line that come from the intervals of another.
 struct Overlap
 {
   int From = 0;
   std::vector<float> Shares;
 };
 
-/// New intervals of `step` from `start` on, old ones of 1 from 0 on, both about their middles.
+/// Overlaps of new intervals (centres start + n step, length `step`) with old intervals of length 1
+/// centred at 0, 1, ...
 std::vector<Overlap> Overlaps(int newCount, double start, double step, int oldCount)
 {
   std::vector<Overlap> overlaps(newCount);
@@ -290,7 +291,7 @@ VoxelField DepthIn(const VoxelMask& mask)
 {
   VoxelField depth = DistanceTo(mask, 0);
   const VoxelField outside = DistanceTo(mask, 1);
-  // The border lies half a voxel before the nearest centre beyond it.
+  // The border lies half a voxel in front of the nearest centre beyond it.
   const auto half = static_cast<float>(0.5 * mask.Spacing[0]);
   for (std::size_t voxel = 0; voxel < depth.Values.size(); ++voxel)
   {

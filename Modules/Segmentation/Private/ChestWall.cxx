@@ -11,33 +11,36 @@ namespace mammoray
 {
 namespace
 {
-/// Length in front of and behind a height over which intensities are averaged, mm: less than the
-/// thinnest muscle over the ribs and the thinnest fat over the sternum that are told apart.
+/// Lengths in front of and behind a height over which intensities are averaged, mm. They are less
+/// than the thinnest muscle over the ribs and the thinnest fat over the sternum that can be
+/// distinguished.
 constexpr double WindowMm = 6.0;
-/// Skin, at most 3 mm, and what a voxel of it smears lie in front of every chest wall.
+/// Skin (at most 3 mm) and one blurred voxel lie in front of every chest wall, mm.
 constexpr double SkinMm = 4.0;
-/// Skin and fat before the chest wall where they are thin, over sternum and sides, mm; what less of
-/// them costs.
+/// Smallest thickness of skin and fat in front of the chest wall over sternum and sides, mm, and
+/// the cost of less.
 constexpr float ThinnestMm = 8.0f;
 constexpr double ThinPrice = 0.15;
-/// A stiff sheet that lies before the skin by half of this has left the body, mm.
+/// A stiff sheet that lies in front of the skin by half of this has left the body, mm.
 constexpr float LeavingMm = 16.0f;
-/// Steps of the logarithm beyond this are no better: fat to muscle is 0.3 (suppressed) to 1.
+/// Larger steps of the logarithm do not improve the quality; fat to muscle is 0.3 (suppressed) to
+/// 1.
 constexpr double LargestLogStep = 0.4;
-/// What a whole step from fat to none is worth, and fat all along FatBehindMm behind the front.
+/// Gain of a full step from fat to other tissue, and cost of fat all along FatBehindMm behind the
+/// front.
 constexpr double FatStepWorth = 0.5;
 constexpr double FatBehindPrice = 0.4;
 constexpr std::array<double, 2> FatBehindMm{ 8.0, 26.0 };
-/// Body before the chest wall that is a breast, mm.
+/// Thickness of body in front of the chest wall that counts as breast, mm.
 constexpr float BreastMm = 30.0f;
-/// Price of a height per mm behind the skin, up to 100 mm: of two equal steps the front one is
-/// taken, muscle instead of heart and liver.
+/// Cost of a height per mm behind the skin, up to 100 mm: of two equal steps the front one is
+/// chosen, which is muscle and not heart or liver.
 constexpr double PricePerMm = 0.0015;
 constexpr double DeepestMm = 100.0;
-/// Price of a slope of 1 between neighbours; it grows with the slope's square up to 3.
+/// Cost of a slope of 1 between neighbours; it grows with the square of the slope up to 3.
 constexpr double SlopePrice = 0.05;
 constexpr int LargestSlope = 3;
-/// The thorax, and what its muscles add.
+/// Wavelengths of the plates for the thorax and for its muscles, mm.
 constexpr double StiffMm = 220.0;
 constexpr double SheetMm = 20.0;
 
@@ -62,7 +65,7 @@ HeightMap::Pointer MakeHeightMap(const itk::ImageBase<3>& image)
   return map;
 }
 
-/// y fastest: of the height y (the lower face of voxel y) in column x + z * sizeX.
+/// Costs with y fastest: cost of the height y (the lower face of voxel y) in column x + z * sizeX.
 struct WallCosts
 {
   int Heights;
@@ -129,7 +132,7 @@ private:
     return static_cast<std::size_t>(z) * this->Size[0] + static_cast<std::size_t>(x);
   }
 
-  /// Adds `share` of the mean in front minus the mean behind.
+  /// Adds `share` times the mean in front minus the mean behind.
   void AddSteps(const FloatImage* channel, double share)
   {
     const int window = std::max(1, static_cast<int>(std::lround(WindowMm / this->StepMm)));
@@ -144,7 +147,7 @@ private:
             sums[static_cast<std::size_t>(y)] + channel->GetPixel({ { x, y, z } });
         }
         float* fit = this->Fit.Column(this->Column(x, z));
-        // At the volume's ends the windows are what there is.
+        // At the volume's ends the windows are shorter.
         for (int y = 1; y < this->Size[1]; ++y)
         {
           const int low = std::max(0, y - window);
@@ -159,7 +162,7 @@ private:
     }
   }
 
-  /// No chest wall next to the skin, at the volume's ends nor before air.
+  /// Excludes heights next to the skin, at the volume's ends and in front of air.
   void Forbid(const MaskImage* tissue)
   {
     const int window = std::max(1, static_cast<int>(std::lround(WindowMm / this->StepMm)));
@@ -189,7 +192,7 @@ private:
     return this->Skin->GetPixel({ { x, z } }) - y * this->StepMm;
   }
 
-  /// `worth` of the step at a height.
+  /// Computes costs from `worth` of the step at each height.
   template <typename Worth>
   void MakeCosts(Worth worth)
   {
@@ -239,8 +242,8 @@ private:
     return FitRobustPlate(heights, this->Weights(heights, 0.0f), StiffMm, { 50, 30, 20 });
   }
 
-  /// The same through heights near it, which goes on falling where the thorax curves back to the
-  /// sides: steps that are small there (suppressed fat) lie farther than 20 mm behind a flat one.
+  /// A plate through heights near a flat one that keeps falling where the thorax recedes at the
+  /// sides: small steps there (suppressed fat) lie more than 20 mm behind a flat plate.
   HeightMap::Pointer ThoraxPlate(const HeightMap* heights) const
   {
     return FitRobustPlate(heights, this->Weights(heights, 0.0f), StiffMm, { 20, 15 },
@@ -264,8 +267,8 @@ private:
     return sheet;
   }
 
-  /// Makes heights away from the sheet dearer, 0.3 at 20 mm, no more than 2. Where the sheet, stiff
-  /// as it is, leaves the body that falls back to the sides, it says less and less.
+  /// Adds a cost for the distance from the sheet: 0.3 at 20 mm, at most 2. Where the stiff sheet
+  /// leaves the body that recedes at the sides, the cost decreases.
   void Attract(WallCosts& costs, const HeightMap* sheet) const
   {
     for (int z = 0; z < this->Size[2]; ++z)
@@ -342,7 +345,7 @@ private:
     for (std::size_t column = 0; column < heights->GetBufferedRegion().GetNumberOfPixels();
          ++column)
     {
-      // Each direction counted the column's own cost.
+      // Each direction has counted the column's own cost.
       float* sum = total.Column(column);
       const float* own = costs.Column(column);
       int best = 0;
@@ -364,7 +367,7 @@ private:
     return step == None ? 0.0f : std::max(0.0f, step);
   }
 
-  /// The square of the step as a fraction of 0.5: what a height is trusted.
+  /// Confidence of each height: the square of the step as a fraction of 0.5.
   HeightMap::Pointer Weights(const HeightMap* heights, float least) const
   {
     auto weights = HeightMap::New();
@@ -408,9 +411,9 @@ private:
   std::array<int, 3> Size;
   double StepMm;
   HeightMap::Pointer Skin;
-  /// The step at every height; None where no chest wall can be.
+  /// Step at every height; None where no chest wall is possible.
   WallCosts Fit;
-  /// Of the heights, without any sheet.
+  /// Costs of the heights without a sheet.
   WallCosts Costs;
 };
 }

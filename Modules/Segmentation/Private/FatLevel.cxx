@@ -19,18 +19,18 @@ constexpr double LateReachMm = 12.0;
 constexpr double BlockMm = 4.0;
 constexpr int Rounds = 6;
 constexpr std::size_t EnoughVoxels = 50;
-/// Noise of the logarithm within fat, early and late; gland and muscle lie beyond. Bright fat has
-/// hardly noise, and what is a little darker is mixed with strands of gland.
+/// Tolerance of fat's logarithm in early and late iterations; gland and muscle lie outside. Bright
+/// fat has little noise, and slightly darker voxels contain strands of gland.
 constexpr std::array<double, 2> DarkTolerance{ 0.35, 0.25 };
 constexpr std::array<double, 2> BrightTolerance{ 0.2, 0.1 };
 
-/// Weighted Gaussian means; far from all weights, `otherwise`.
+/// Weighted Gaussian means; `otherwise` far from all weights.
 FloatImage::Pointer WeightedMean(FloatImage::Pointer sums, FloatImage::Pointer weights,
   double sigmaMm, float otherwise)
 {
   constexpr float least = 1e-4f;
-  // No mean leaves what is averaged. The recursive filter's does, far from all weights: its tails
-  // change sign, and that of the sums not where that of the weights does.
+  // Clamp means to the range of the averaged values. Far from all weights the tails of the
+  // recursive filter change sign, and not at the same place for sums and weights.
   float lowest = otherwise;
   float highest = otherwise;
   for (std::size_t n = 0; n < CountOf(*sums); ++n)
@@ -54,7 +54,7 @@ FloatImage::Pointer WeightedMean(FloatImage::Pointer sums, FloatImage::Pointer w
   return sums;
 }
 
-/// The voxels of the region in coarser blocks.
+/// The voxels of the region, grouped in coarser blocks.
 class Region
 {
 public:
@@ -94,7 +94,7 @@ public:
   std::vector<std::size_t> BlockOf;
 };
 
-/// The quantile of the logarithms in each coarse cube that has enough of them, smoothed.
+/// The smoothed quantile of the logarithms in each coarse cube that has enough voxels.
 FloatImage::Pointer BeginWithQuantiles(const Region& region, double quantile, float whole)
 {
   const std::array<int, 3> size = SizeOf(*region.Blocks);
@@ -168,7 +168,7 @@ FloatImage::Pointer FindFatLevel(const FloatImage* image, const MaskImage* mask,
     {
       const std::size_t block = region.BlockOf[n];
       double away = (region.Logs[n] - level->GetBufferPointer()[block]) / tolerance;
-      // Nothing but noise lies beyond fat, on the side where gland is not.
+      // On the side of fat where gland cannot be, there is only noise.
       const bool beyond = fatBright ? away > 0 : away < 0;
       away *= beyond ? 0.5 : 1.0;
       const auto weight = static_cast<float>(std::exp(-away * away));
@@ -205,7 +205,7 @@ FloatImage::Pointer Divide(const FloatImage* image, const FloatImage* level)
 FloatImage::Pointer Fatness(const FloatImage* image, const MaskImage* tissue, double muscleLevel,
   bool fatBright)
 {
-  // Never so near to fat that noise decides.
+  // Keep the level away from fat, so that noise does not decide.
   const double muscle =
     fatBright ? std::min(muscleLevel, BrightestMuscle) : std::max(muscleLevel, DarkestMuscle);
   auto fatness = MakeLike<FloatImage>(*image, 0.0f);

@@ -8,30 +8,31 @@
 namespace mammoray
 {
 /**
- * The intensity that fat has, or would have, at every voxel: the sensitivity of the coil.
+ * Estimates the intensity that fat has, or would have, at every voxel: the sensitivity of the coil.
  *
- * Fat has one brightness and is everywhere in a breast, below the skin and before the chest wall at
- * least, so its intensity shows the sensitivity, which is smooth. It begins as the 90th percentile
- * of the region's intensities in cubes of 24 mm (fat bright) or the 25th (fat dark); then voxels
- * within about a third of the level, which are fat, are averaged with a Gaussian of 18 mm, later
- * 12 mm (on the logarithm), six times. Away from the region the level nearest to it continues.
+ * Fat has a uniform brightness and is present everywhere in a breast, at least below the skin and
+ * in front of the chest wall. Its intensity therefore shows the sensitivity, which is smooth. The
+ * estimate starts as the 90th percentile of the region's intensities in cubes of 24 mm (fat
+ * bright), or the 25th (fat dark). Then voxels within about a third of the level, which are fat,
+ * are averaged with a Gaussian of 18 mm, later 12 mm (on the logarithm), six times. Outside the
+ * region the nearest level continues.
  *
- * @param mask  where fat is looked for: the inside of the breasts, without skin
- * @param even  one level everywhere
- * @return null where there is hardly a voxel
+ * @param mask  region in which fat is searched: the inside of the breasts without skin
+ * @param even  true for one level everywhere
+ * @return null if there are almost no voxels
  */
 MAMMORAYSEGMENTATION_EXPORT FloatImage::Pointer FindFatLevel(const FloatImage* image,
   const MaskImage* mask, bool fatBright, bool even);
-/// One image over the other, voxel by voxel.
+/// Divides one image by the other, voxel by voxel.
 MAMMORAYSEGMENTATION_EXPORT FloatImage::Pointer Divide(const FloatImage* image,
   const FloatImage* level);
 
-/// 1 in fat and 0 in muscle and beyond, and in lung and air; intensities are fractions of fat's.
+/// 1 in fat and 0 in muscle, lung and air; intensities are fractions of fat's.
 MAMMORAYSEGMENTATION_EXPORT FloatImage::Pointer Fatness(const FloatImage* image,
   const MaskImage* tissue, double muscleLevel, bool fatBright);
 
-/// Muscle may have this fraction of bright fat's intensity, and that of dark fat's; between them
-/// the two are not told apart.
+/// Largest intensity of muscle relative to bright fat, and smallest relative to dark fat; between
+/// these limits the two cannot be distinguished.
 constexpr double BrightestMuscle = 0.8;
 constexpr double DarkestMuscle = 1.2;
 }

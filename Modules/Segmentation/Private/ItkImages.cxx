@@ -66,7 +66,7 @@ VolumeGrid PatientOrder::GridOf(const FloatImage& image) const
   {
     const int a = this->Axis[c];
     const double step = image.GetSpacing()[c] / this->Grid.Spacing[a];
-    // The image begins at the volume's first corner, or at its last where the axis runs back.
+    // The image starts at the volume's first corner, or at its last if the axis is reversed.
     const double corner = this->Flipped[c] ? this->Grid.Size[a] - 0.5 - size[c] * step : -0.5;
     first[a] = corner + 0.5 * step;
     grid.Size[a] = size[c];
@@ -96,7 +96,8 @@ FloatImage::Pointer Resample(const FloatImage* image, double spacingMm)
   for (unsigned c = 0; c < 3; ++c)
   {
     const double old = image->GetSpacing()[c];
-    // Half of the voxels' growth, as if both were Gaussians of half their size: no aliasing.
+    // Smooth by half of the difference in voxel size, as if both were Gaussians of half their size,
+    // to avoid aliasing.
     if (spacingMm > 1.2 * old)
     {
       auto gaussian = itk::RecursiveGaussianImageFilter<FloatImage, FloatImage>::New();
@@ -106,7 +107,7 @@ FloatImage::Pointer Resample(const FloatImage* image, double spacingMm)
       gaussian->Update();
       smooth = gaussian->GetOutput();
     }
-    // 1e-6 of a voxel: a whole number of voxels shall not become one more by rounding.
+    // 1e-6 of a voxel: rounding must not add a voxel to a whole number of them.
     const double extent = static_cast<double>(SizeOf(*image)[c]) * old;
     size[c] = static_cast<itk::SizeValueType>(std::ceil(extent / spacingMm - 1e-6));
     spacing[c] = spacingMm;

@@ -13,19 +13,17 @@ namespace mammoray
 {
 using FloatImage = itk::Image<float, 3>;
 using MaskImage = itk::Image<unsigned char, 3>;
-/// Over the coronal plane: left, superior.
+/// An image over the coronal plane; its axes point left and superior.
 using HeightMap = itk::Image<float, 2>;
 
-/**
- * How the axes of a volume are turned into patient order, x towards the left, y towards the front
- * and z towards the head, without interpolation: the axes nearest to these directions are taken.
- */
+/// Reorders the axes of a volume, without interpolation, to patient order: x towards the left, y
+/// towards the front and z towards the head. Each direction takes the axis nearest to it.
 class MAMMORAYSEGMENTATION_EXPORT PatientOrder
 {
 public:
   PatientOrder(const VolumeGrid& grid, const AnatomicalAxes& axes);
 
-  /// The voxels in patient order; the image's first corner lies at (0, 0, 0), mm.
+  /// The voxels in patient order; the image's first corner is at (0, 0, 0) mm.
   FloatImage::Pointer ToImage(const IntensityVolume& volume) const;
   /// The grid of an image in patient order, in the volume's own order and frame.
   VolumeGrid GridOf(const FloatImage& image) const;
@@ -59,28 +57,30 @@ public:
 
 private:
   VolumeGrid Grid;
-  /// Axis of the volume that becomes x, y, z, and whether it runs the other way.
+  /// Axis of the volume that becomes x, y, z, and whether its direction is reversed.
   std::array<int, 3> Axis;
   std::array<bool, 3> Flipped;
 };
 
 MAMMORAYSEGMENTATION_EXPORT std::array<int, 3> SizeOf(const itk::ImageBase<3>& image);
-/// Number of its voxels.
+/// Number of voxels of an image.
 MAMMORAYSEGMENTATION_EXPORT std::size_t CountOf(const itk::ImageBase<3>& image);
 
-/// The image on cubic voxels, same first corner: averaged where they are larger, else linear.
+/// Resamples the image to cubic voxels with the same first corner: averaged where they are larger,
+/// otherwise linear.
 MAMMORAYSEGMENTATION_EXPORT FloatImage::Pointer Resample(const FloatImage* image, double spacingMm);
 
-/// The image at the voxels of another grid of the same frame: linear, nearest outside.
+/// Interpolates the image linearly at the voxels of another grid in the same frame; outside, the
+/// nearest value is used.
 MAMMORAYSEGMENTATION_EXPORT FloatImage::Pointer ResampleLike(const FloatImage* image,
   const itk::ImageBase<3>& grid);
 
-/// Means of blocks of voxels of about `spacingMm` (as they are where voxels are larger already).
+/// Means over blocks of voxels of about `spacingMm`; unchanged if the voxels are already larger.
 MAMMORAYSEGMENTATION_EXPORT FloatImage::Pointer Shrink(const FloatImage* image, double spacingMm);
 
 MAMMORAYSEGMENTATION_EXPORT FloatImage::Pointer ToFloat(const MaskImage* mask);
 
-/// The image convolved with a Gaussian along all axes.
+/// Convolves the image with a Gaussian along all axes.
 template <typename Image>
 typename Image::Pointer GaussianMean(const Image* image, double sigmaMm)
 {
@@ -97,7 +97,7 @@ typename Image::Pointer GaussianMean(const Image* image, double sigmaMm)
   return mean;
 }
 
-/// An image of the same grid, all voxels `value`.
+/// An image on the same grid, filled with `value`.
 template <typename Image>
 typename Image::Pointer MakeLike(const itk::ImageBase<3>& grid, typename Image::PixelType value)
 {

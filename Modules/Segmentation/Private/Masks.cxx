@@ -25,7 +25,7 @@ ComponentImage::Pointer FindComponents(const MaskImage* mask, std::size_t smalle
 
 namespace
 {
-/// The voxels whose component `accept`s.
+/// The voxels whose component `accept` selects.
 template <typename Accept>
 MaskImage::Pointer KeepComponents(const ComponentImage* components, Accept accept)
 {

@@ -9,7 +9,8 @@
 
 namespace mammoray
 {
-/// Components of a mask (voxels that share a face), numbered from 1 by falling size; 0 elsewhere.
+/// Finds the face-connected components of a mask with at least `smallestVoxels` voxels, numbered
+/// from 1 by decreasing size; 0 elsewhere.
 using ComponentImage = itk::Image<unsigned, 3>;
 MAMMORAYSEGMENTATION_EXPORT ComponentImage::Pointer FindComponents(const MaskImage* mask,
   std::size_t smallestVoxels);
@@ -17,19 +18,20 @@ MAMMORAYSEGMENTATION_EXPORT ComponentImage::Pointer FindComponents(const MaskIma
 /// The largest component of a mask.
 MAMMORAYSEGMENTATION_EXPORT MaskImage::Pointer LargestComponent(const MaskImage* mask);
 
-/// Of the mask the voxels from which the volume's front (the last along y) is reached within it.
+/// The voxels of the mask that are connected within it with the volume's front (the last slice
+/// along y).
 MAMMORAYSEGMENTATION_EXPORT MaskImage::Pointer ReachedFromFront(const MaskImage* mask);
 
-/// Everything that is not set.
+/// All voxels that are not set.
 MAMMORAYSEGMENTATION_EXPORT MaskImage::Pointer Complement(const MaskImage* mask);
 
-/// The mask without what a ball of that radius, mm, does not fit into.
+/// Morphological opening of the mask by a ball of this radius, mm.
 MAMMORAYSEGMENTATION_EXPORT MaskImage::Pointer Open(const MaskImage* mask, double radiusMm);
 
-/// What lies within a ball of that radius, mm, around a voxel of the mask.
+/// Morphological dilation of the mask by a ball of this radius, mm.
 MAMMORAYSEGMENTATION_EXPORT MaskImage::Pointer Dilate(const MaskImage* mask, double radiusMm);
 
-/// The values of the image in the mask.
+/// The intensities of the image inside the mask.
 MAMMORAYSEGMENTATION_EXPORT std::vector<float> ValuesIn(const FloatImage* image,
   const MaskImage* mask);
 }

@@ -12,19 +12,20 @@ namespace mammoray
 {
 namespace
 {
-/// Blocks over which noise is measured, mm: a hundred voxels of 1.2 mm.
+/// Size of the blocks in which noise is measured, mm: a hundred voxels of 1.2 mm.
 constexpr double NoiseBlockMm = 6.0;
-/// Reach of the noise found nearby, mm.
+/// Range of influence of measured noise, mm.
 constexpr double NoiseReachMm = 16.0;
-/// What passes as noise: this near to air's ratio of mean and deviation.
+/// Ratios of mean and deviation, relative to air's, that count as noise.
 constexpr double LowestRatio = 0.75;
 constexpr double HighestRatio = 1.2;
 /// Smoothed noise stays below this multiple of its mean.
 constexpr double NoiseTop = 1.8;
-/// What hangs together with the body by less than twice this is none of it, mm: ghosts, the coil.
+/// Parts connected with the body by less than twice this are not body (ghosts, the coil), mm.
 constexpr double BridgeMm = 4.0;
 
-/// Half the mean square difference of neighbours along the axes: noise's variance and structure.
+/// Half the mean square difference of neighbours along the axes: the variance of noise and
+/// structure.
 FloatImage::Pointer NeighbourVariance(const FloatImage* image)
 {
   auto variance = MakeLike<FloatImage>(*image, 0.0f);
@@ -54,7 +55,7 @@ FloatImage::Pointer NeighbourVariance(const FloatImage* image)
   return variance;
 }
 
-/// Mean of the noise near every block; 0 where there is none. `threshold`: between air and tissue.
+/// Mean of the noise near every block; 0 without noise. `threshold` separates air and tissue.
 FloatImage::Pointer NoiseLevel(const FloatImage* image, double threshold)
 {
   const FloatImage::Pointer mean = Shrink(image, NoiseBlockMm);
@@ -67,7 +68,7 @@ FloatImage::Pointer NoiseLevel(const FloatImage* image, double threshold)
     const double deviation = std::sqrt(variance->GetBufferPointer()[n]);
     const float value = mean->GetBufferPointer()[n];
     ratios[n] = deviation > 0 ? static_cast<float>(value / deviation) : 0.0f;
-    // Zeros outside the field of view tell nothing.
+    // Ignore zeros outside the field of view.
     if (value < threshold && value > 0.02 * threshold && ratios[n] > 0.8f)
     {
       ofAir.push_back(ratios[n]);
@@ -88,7 +89,7 @@ FloatImage::Pointer NoiseLevel(const FloatImage* image, double threshold)
   weights = GaussianMean<FloatImage>(weights, NoiseReachMm);
   for (std::size_t n = 0; n < count; ++n)
   {
-    // Less than a hundredth of a full weight is rounding.
+    // Less than 1 % of a full weight is rounding error.
     const float weight = weights->GetBufferPointer()[n];
     sums->GetBufferPointer()[n] =
       std::max(0.0f, sums->GetBufferPointer()[n]) / std::max(0.01f, weight);
@@ -107,7 +108,7 @@ MaskImage::Pointer Below(const FloatImage* image, const FloatImage* threshold)
   return below;
 }
 
-/// The body without what hangs on it by a thin bridge.
+/// The body without parts connected by a thin bridge.
 MaskImage::Pointer WithoutBridges(const MaskImage* body)
 {
   const double voxelMm = body->GetSpacing()[0];
@@ -127,14 +128,14 @@ MaskImage::Pointer WithoutBridges(const MaskImage* body)
 /// Otsu's threshold of the logarithm.
 double LogOtsu(const FloatImage* smooth)
 {
-  // On a logarithmic scale the fall of the coil's sensitivity counts little against the step from
-  // air to tissue; a hundredth of the brightest keeps zeros and noise in one class.
+  // On a logarithmic scale the decrease of the coil's sensitivity is small compared with the step
+  // from air to tissue. Adding 1 % of the maximum keeps zeros and noise in one class.
   const auto* voxels = smooth->GetBufferPointer();
   std::vector<float> values(voxels, voxels + CountOf(*smooth));
   const double floor = 0.01 * Quantile(values, 0.99) + std::numeric_limits<float>::min();
   for (float& value : values)
   {
-    // The recursive filter undershoots beside steps.
+    // The recursive filter undershoots next to steps.
     value = static_cast<float>(std::log(std::max(value, 0.0f) + floor));
   }
   return std::exp(OtsuThresholds(values, 2).front()) - floor;

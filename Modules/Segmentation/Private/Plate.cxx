@@ -27,7 +27,7 @@ public:
   {
   }
 
-  /// (W + stiffness D'D) h, D the second differences.
+  /// (W + stiffness D'D) h with the second differences D.
   Values Apply(const Values& h) const
   {
     Values result(h.size());
@@ -65,7 +65,7 @@ public:
     return diagonal;
   }
 
-  /// Conjugate gradients with the diagonal as preconditioner, from `h`.
+  /// Conjugate gradients with diagonal preconditioning, starting at `h`.
   Values Solve(const Values& right, Values h) const
   {
     constexpr double tolerance = 1e-5;
@@ -166,14 +166,14 @@ HeightMap::Pointer FitPlate(const HeightMap* heights, const HeightMap* weights, 
   const int rows = static_cast<int>(size[1]);
   const double fineMm = heights->GetSpacing()[0];
   const int block = std::max(1, static_cast<int>(wavelengthMm / 16 / fineMm));
-  // Cells reach one beyond the last fine one, so that every fine one lies between cells.
+  // Cells extend one beyond the last fine one, so that every fine one lies between cells.
   const int cells = (columns - 1) / block + 2;
   const int cellRows = (rows - 1) / block + 2;
   Values sums(static_cast<std::size_t>(cells) * cellRows, 0.0);
   Values right(sums.size(), 0.0);
   double sum = 0;
   double total = 0;
-  // Bilinear: as if the fine heights were springs on the plate, lumped to the nodes.
+  // Bilinear weights: the fine heights act like springs on the plate, lumped to the nodes.
   for (int z = 0; z < rows; ++z)
   {
     for (int x = 0; x < columns; ++x)
@@ -239,7 +239,7 @@ HeightMap::Pointer FitParaboloid(const HeightMap* heights, const HeightMap* weig
       right += weight * heights->GetPixel({ { x, z } }) * t;
     }
   }
-  // What the heights do not settle stays 0.
+  // Terms that the heights do not determine stay 0.
   normal.diagonal().array() += 1e-6 * normal(0, 0) + std::numeric_limits<double>::min();
   const Terms found = normal.ldlt().solve(right);
   HeightMap::Pointer paraboloid = EmptyLike(heights);

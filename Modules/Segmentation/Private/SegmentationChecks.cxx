@@ -3,7 +3,7 @@
 
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/Foundation/Numbers.h"
-#include "mammoray/Foundation/Plausible.h"
+#include "mammoray/Foundation/ValidRange.h"
 #include "mammoray/Segmentation/BreastSegmentation.h"
 
 #include <algorithm>
@@ -15,7 +15,7 @@ namespace mammoray
 {
 namespace
 {
-/// Noise is measured in blocks of about 6 mm, and the means over them want four along each axis.
+/// Noise is measured in blocks of about 6 mm, and their averages need four of them along each axis.
 constexpr double SmallestExtentMm = 30.0;
 }
 
@@ -24,7 +24,7 @@ void CheckImage(const IntensityVolume& image, bool acceptUnusual)
   image.Validate("MRI");
   if (!acceptUnusual)
   {
-    CheckPlausible(Plausible::VoxelSpacing, image.Spacing, "MRI", AcceptUnusualHint);
+    CheckValidRange(ValidRanges::VoxelSpacing, image.Spacing, "MRI", AcceptUnusualHint);
   }
   for (int a = 0; a < 3; ++a)
   {
@@ -111,7 +111,7 @@ void SegmentationOptions::Validate() const
   check(atLeastZero(this->SpacingMm), "spacing", "0 or a positive number of mm", this->SpacingMm);
   if (this->SpacingMm > 0 && !this->AcceptUnusual)
   {
-    CheckPlausible(Plausible::VoxelSpacing, this->SpacingMm, "spacing", AcceptUnusualHint);
+    CheckValidRange(ValidRanges::VoxelSpacing, this->SpacingMm, "spacing", AcceptUnusualHint);
   }
   check(atLeastZero(this->SkinThicknessMm), "skin thickness", "0 or a positive number of mm",
     this->SkinThicknessMm);

@@ -8,21 +8,23 @@
 namespace mammoray
 {
 /// Throws InputError unless the volume has at least 8 voxels and 30 mm along each axis, two
-/// intensities and, unless all is accepted, voxels of a plausible spacing.
+/// different intensities and, unless `acceptUnusual` is set, a voxel spacing in
+/// ValidRanges::VoxelSpacing.
 MAMMORAYSEGMENTATION_EXPORT void CheckImage(const IntensityVolume& image, bool acceptUnusual);
 
-/// Throws InputError where an image's values are whole multiples (16 of them at least) of a step
-/// and air ends below the first: rounded so, noise has no distribution left by which it is known.
+/// Throws InputError if all values of an image are multiples (at least 16 different ones) of a step
+/// and air lies below the first: after such rounding the distribution of noise, by which it is
+/// recognised, is lost.
 MAMMORAYSEGMENTATION_EXPORT void CheckSteps(const IntensityVolume& image, double airThreshold);
 
-/// Whether the caller's gland threshold (0: none) is an image's: gland is darker than bright fat,
-/// and brighter than dark.
+/// True if the caller's gland threshold (0 for none) fits the contrast of an image: gland is darker
+/// than bright fat and brighter than dark fat.
 inline bool IsThresholdOf(double given, bool fatBright)
 {
   return given > 0 && (given < 1) == fatBright;
 }
 
-/// Throws InputError where a threshold is given and not this image's.
+/// Throws InputError if a threshold is given that does not fit the image's contrast.
 void CheckGlandThreshold(double given, bool fatBright);
 }
 

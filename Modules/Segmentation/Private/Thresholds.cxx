@@ -39,7 +39,7 @@ std::vector<double> OtsuThresholds(const std::vector<float>& values, int classes
   {
     return std::vector<double>(static_cast<std::size_t>(classes - 1), lowest);
   }
-  // Search time grows with the bins to the power of the thresholds.
+  // Search time grows with the number of bins to the power of the number of thresholds.
   const itk::SizeValueType bins = classes <= 3 ? 256 : 64;
   using Histogram = itk::Statistics::Histogram<double>;
   auto histogram = Histogram::New();

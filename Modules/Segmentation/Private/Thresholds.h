@@ -8,19 +8,16 @@
 
 namespace mammoray
 {
-/**
- * Otsu's thresholds between `classes` classes of the values (at least two of them), ascending. The
- * histogram spans all but the outermost thousandth at each end; where that is one value, it is
- * every threshold.
- */
+/// Otsu's thresholds between `classes` (at least 2) classes of the values, ascending. The histogram
+/// omits the outermost 0.1 % at each end. If only one value remains, it is every threshold.
 MAMMORAYSEGMENTATION_EXPORT std::vector<double> OtsuThresholds(const std::vector<float>& values,
   int classes);
 
-/// The value below which a fraction [0, 1] of the values lies; there must be one at least.
+/// The value below which a fraction [0, 1] of the values lies; there must be at least one value.
 MAMMORAYSEGMENTATION_EXPORT double Quantile(std::vector<float> values, double fraction);
 
-/// The middle of the shortest interval that holds half of the values: the level of the larger of
-/// two tissues, whatever the other's (Rousseeuw and Leroy 1987). There must be one value at least.
+/// The midpoint of the shortest interval with half of the values: the level of the larger of two
+/// tissues, whatever the other one's (Rousseeuw and Leroy 1987). There must be at least one value.
 MAMMORAYSEGMENTATION_EXPORT double MiddleOfShortestHalf(std::vector<float> values);
 }
 

@@ -7,19 +7,18 @@
 
 namespace mammoray
 {
-/// Between two breasts.
+/// The valley between two breasts.
 struct Valley
 {
-  /// Below the lower of the two, mm; 0: none.
+  /// Depth below the lower of the two breasts, mm; 0 if there is none.
   double DepthMm = 0;
-  /// Its middle, x, mm: what is within 3 mm of its lowest place.
+  /// x of its middle, mm: the centre of the columns within 3 mm of its lowest point.
   double MiddleMm = 0;
 };
 
-/**
- * The deepest valley of the body's front seen from head or feet: the air line over the sternum.
- * Heights over the coronal plane, mm; columns with their skin behind the wall or the cut have none.
- */
+/// Finds the deepest valley of the body's front as seen from head or feet: the air above the
+/// sternum. Heights are over the coronal plane, mm; columns whose skin lies behind the wall or the
+/// cut have none.
 MAMMORAYSEGMENTATION_EXPORT Valley DeepestValley(const HeightMap* skin, const HeightMap* wall,
   double cutMm);
 }

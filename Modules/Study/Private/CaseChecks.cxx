@@ -122,12 +122,12 @@ void CheckSide(const RegistrationCase& input, const Extent& breast, const Extent
 }
 }
 
-void CheckUsual(const RegistrationCase& input, const PlausibleRange& range, double value,
+void CheckUsual(const RegistrationCase& input, const ValidRange& range, double value,
   const std::string& path, const char* instead)
 {
   if (!input.Labels.AcceptUnusual)
   {
-    CheckPlausible(range, value, path, std::string(instead) + ", " + AcceptUnusualHint);
+    CheckValidRange(range, value, path, std::string(instead) + ", " + AcceptUnusualHint);
   }
 }
 
@@ -141,7 +141,7 @@ void CheckWholeBreast(const RegistrationCase& input, const std::string& path)
   if (const std::string found = header ? WhyNotWholeBreast(*header) : ""; !found.empty())
   {
     throw InputError(path + ": expected a mammogram of a whole breast on the receptor, found '" +
-      Printable(found) + "' in its header; " + AcceptUnusualHint);
+      EscapeControls(found) + "' in its header; " + AcceptUnusualHint);
   }
 }
 
@@ -150,7 +150,7 @@ void CheckMammogram(const RegistrationCase& input, const std::vector<RegisteredV
   const RegisteredView& latest = views.back();
   for (const double spacing : { latest.Mammogram.ColumnSpacingMm, latest.Mammogram.RowSpacingMm })
   {
-    CheckUsual(input, Plausible::PixelSpacing, spacing, latest.Path,
+    CheckUsual(input, ValidRanges::PixelSpacing, spacing, latest.Path,
       "--pixel-spacing gives another");
   }
   const std::vector<float>& pixels = latest.Mammogram.Pixels;
@@ -182,7 +182,7 @@ void CheckPicturedBreast(const RegistrationCase& input, RegisteredView& view)
       }
     }
   }
-  CheckUsual(input, Plausible::BreastWidth, across.Length(), view.Path,
+  CheckUsual(input, ValidRanges::BreastWidth, across.Length(), view.Path,
     "--pixel-spacing gives another scale");
   const bool isSided = mammogram.Laterality == 'L' || mammogram.Laterality == 'R';
   const bool isOblique = mammogram.View == "MLO" || mammogram.View == "LMO";
@@ -234,7 +234,7 @@ void CheckTissue(const RegistrationCase& input, const LabelVolume& materials,
     const Extent breast = ReachOf(kept, direction, &held);
     if (breast.Length() >= 0)
     {
-      CheckUsual(input, Plausible::BreastWidth, breast.Length(),
+      CheckUsual(input, ValidRanges::BreastWidth, breast.Length(),
         input.Study ? "the study's MRI" : input.Labels.Path, "--crop leaves some of it out");
     }
   }

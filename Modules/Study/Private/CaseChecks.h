@@ -4,7 +4,7 @@
 #define mammoray_Private_CaseChecks_h
 
 #include "mammoray/Foundation/LabelVolume.h"
-#include "mammoray/Foundation/Plausible.h"
+#include "mammoray/Foundation/ValidRange.h"
 #include "mammoray/Study/RegistrationCase.h"
 #include "mammorayStudyModule.h"
 
@@ -13,8 +13,8 @@
 
 namespace mammoray
 {
-/// CheckPlausible, unless the case takes all; `instead`: how another value is given.
-void CheckUsual(const RegistrationCase& input, const PlausibleRange& range, double value,
+/// CheckValidRange, unless the case takes all; `instead`: how another value is given.
+void CheckUsual(const RegistrationCase& input, const ValidRange& range, double value,
   const std::string& path, const char* instead);
 
 /// Throws InputError where the header of a DICOM mammogram says that it is none of a whole breast

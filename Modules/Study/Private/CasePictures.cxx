@@ -68,7 +68,7 @@ MammographyUnit UnitOf(const RegistrationCase& input, const std::string& path,
       std::to_string(unit.SourceToDetectorMm) + " and " + std::to_string(unit.SupportHeightMm) +
       " mm");
   }
-  CheckUsual(input, Plausible::SourceDistance, unit.SourceToDetectorMm, path,
+  CheckUsual(input, ValidRanges::SourceDistance, unit.SourceToDetectorMm, path,
     "--source-to-detector gives another");
   unit.SupportEdgeMm = input.SupportEdgeMm;
   unit.PaddleEdgeMm = input.PaddleEdgeMm;

@@ -3,7 +3,7 @@
 
 #include "Private/ResultFields.h"
 #include "mammoray/Foundation/Error.h"
-#include "mammoray/Foundation/Plausible.h"
+#include "mammoray/Foundation/ValidRange.h"
 #include "mammoray/IO/WholeOutput.h"
 #include "mammoray/Study/RegistrationCaseWriter.h"
 
@@ -30,7 +30,7 @@ namespace
 std::vector<SearchPoint> ReadCheckpoint(const std::string& path)
 {
   std::ifstream file(path);
-  const Json json = Json::parse(file, PlausibleNesting{ path }, false);
+  const Json json = Json::parse(file, JsonNestingLimit{ path }, false);
   if (!json.is_object())
   {
     throw InputError(path + ": expected a checkpoint of 'mammoray register', found no JSON object");

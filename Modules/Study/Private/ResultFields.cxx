@@ -79,7 +79,7 @@ void FieldReader::Read(const Json* json, const std::string& field, char& value) 
 void FieldReader::Read(const Json* json, const std::string& field, std::string& value) const
 {
   this->Check(json && json->is_string(), json, field, "a text");
-  value = Printable(json->get_ref<const std::string&>());
+  value = EscapeControls(json->get_ref<const std::string&>());
 }
 
 void FieldReader::Read(const Json* json, const std::string& field, Trust& value) const

@@ -203,7 +203,7 @@ def _table_of(materials: Optional[Materials], imaged: bool = True) -> Iterator[s
         entries.append({
             "name": material.name or f"region {region}", "labels": [region], "attenuation": attenuation,
             "density_g_per_cm3": material.density, "youngs_modulus_kpa": material.youngs_modulus,
-            "poisson_ratio": material.poisson_ratio, "fung_exponent": material.fung_exponent, "held": material.held})
+            "poisson_ratio": material.poisson_ratio, "fung_exponent": material.fung_exponent, "fixed": material.fixed})
     with tempfile.TemporaryDirectory() as folder:
         path = os.path.join(folder, "materials.json")
         with open(path, "w", encoding="utf-8") as file:
@@ -221,11 +221,11 @@ def mesh(labels: ArrayLike, spacing: ArrayLike, *, origin: ArrayLike = (0.0, 0.0
     origin: centre of voxel [0, 0, 0]
     direction: 3 x 3, whose columns are the unit vectors of i, j and k; default: the axes
     materials: a table's name or file, which says what each label is made of; or Materials of labels 1, 2, ...; default: labels are
-        regions, none of which is held
+        regions, none of which is fixed
     cell_size: largest circumradius of the cells; 0 with for_mechanics: by the size of the breast
     label_spacing: voxel size to which finer labels are resampled first; 0 keeps them
     triangles: number of triangles between materials to end with, within 10 %; 0 takes the sizes as they are
-    for_mechanics: a coarse mesh for compress and register, which follows skin and held tissue only
+    for_mechanics: a coarse mesh for compress and register, which follows skin and fixed tissue only
     progress: called with what is done, from 0 to 1
 
     Gives a Mesh, in the frame of origin and direction. Raises Error in one line, KeyboardInterrupt on Ctrl-C.
@@ -270,20 +270,20 @@ def compress(points: ArrayLike, tetrahedra: ArrayLike, regions: ArrayLike, *, ma
              force: float = 0.0, orientation: str = "LPS", roll: float = 0.0, pitch: float = 0.0, yaw: float = 0.0,
              lateral: float = 0.0, anterior: float = 0.0, vertical: float = 0.0, tilt: float = 0.0,
              simulation_mesh: Union[Mesh, tuple[ArrayLike, ArrayLike, ArrayLike], None] = None, element: str = "quadratic",
-             chest_wall: str = "held", wall_stiffness: tuple[float, float] = (1000.0, 1.0), friction: float = 0.0, pull: float = 0.0,
+             chest_wall: str = "fixed", wall_stiffness: tuple[float, float] = (1000.0, 1.0), friction: float = 0.0, pull: float = 0.0,
              image_position: str = "none", gravity: bool = False, support_edge: float = 0.0, paddle_edge: float = 0.0,
              edge_radius: float = 3.0, progress: Optional[Progress] = None) -> Compression:
     """Squeezes a breast between the plates of a mammography unit. Lengths are mm, angles degrees, in the frame of the points.
 
     points: n x 3; tetrahedra: m x 4, rows of points from 0; regions: m, from 1
-    materials: a table's name or file; or Materials of the regions, one of which is held (the chest wall)
+    materials: a table's name or file; or Materials of the regions, one of which is fixed (the chest wall)
     thickness: between the faces of support and paddle; force: of the paddle, N, whose thickness is found in its place
     orientation: directions of +x, +y, +z in the patient: a letter each of L/R, A/P, S/I
-    roll, pitch, yaw, lateral, anterior, vertical, tilt: where the unit stands from the front of the held tissue; roll 0 is CC
+    roll, pitch, yaw, lateral, anterior, vertical, tilt: where the unit stands from the front of the fixed tissue; roll 0 is CC
     simulation_mesh: a coarse one of the same breast, which carries this one along; default: this one up to 20,000 cells
         (150,000 linear ones), beyond that one that is made of it
     element: "quadratic", or "linear" in a tenth of the time, less accurate
-    chest_wall: "held", "sliding" or "elastic", of wall_stiffness across and along, kPa/mm
+    chest_wall: "fixed", "sliding" or "elastic", of wall_stiffness across and along, kPa/mm
     friction: coefficient between breast and plates; pull: force that draws the breast forwards, N
     image_position: "prone" or "supine": unloaded of that weight first, then under the standing patient's; "none": free of load
     gravity: whether the standing patient's weight counts with "none", too
@@ -295,13 +295,13 @@ def compress(points: ArrayLike, tetrahedra: ArrayLike, regions: ArrayLike, *, ma
     compression = _told(_filters.vtkBreastCompression(
         Orientation=orientation, ThicknessMm=thickness, ForceN=force, RollDeg=roll, PitchDeg=pitch, YawDeg=yaw, LateralMm=lateral,
         AnteriorMm=anterior, VerticalMm=vertical, TiltDeg=tilt, Element=_one_of(element, ("quadratic", "linear"), "element"),
-        ChestWall=_one_of(chest_wall, ("held", "sliding", "elastic"), "chest_wall"), WallStiffness=wall_stiffness,
+        ChestWall=_one_of(chest_wall, ("fixed", "sliding", "elastic"), "chest_wall"), WallStiffness=wall_stiffness,
         Friction=friction, PullN=pull, ImagePosition=_one_of(image_position, ("none", "prone", "supine"), "image_position"),
         Gravity=gravity, SupportEdgeMm=support_edge, PaddleEdgeMm=paddle_edge, EdgeRadiusMm=edge_radius), progress)
     compression.SetInputData(_grid(points, tetrahedra, regions))
     _simulation_mesh(simulation_mesh, compression, 1)
     for region, material in (material_table(materials) if isinstance(materials, str) else materials_of(materials)).items():
-        compression.SetMaterial(region, material.youngs_modulus, material.poisson_ratio, material.held, material.fung_exponent,
+        compression.SetMaterial(region, material.youngs_modulus, material.poisson_ratio, material.fixed, material.fung_exponent,
                                 material.density)
     compression.Update()
     grid = compression.GetOutput()
@@ -354,7 +354,7 @@ def register(points: ArrayLike, tetrahedra: ArrayLike, regions: ArrayLike, mammo
 
     points: n x 3, the breast at rest; tetrahedra: m x 4, rows of points from 0; regions: m, from 1 (mesh makes all three)
     mammogram: a DICOM file, or a Mammogram
-    materials: a table's name or file; or Materials of the regions, one of which is held
+    materials: a table's name or file; or Materials of the regions, one of which is fixed
     spectrum: name or file of a spectrum
     orientation: directions of +x, +y, +z in the patient: a letter each of L/R, A/P, S/I
     free: what is looked for: thickness, roll, pitch, yaw, lateral, anterior, vertical, tilt, stiffness; default: all but the

@@ -99,7 +99,7 @@ class Material:
     youngs_modulus: at small strain, kPa
     poisson_ratio: [0, 0.5)
     fung_exponent: how fast it stiffens, [0, 50]; 0: neo-Hookean
-    held: whether it is fixed to the body (chest wall)
+    fixed: whether it is fixed to the body (chest wall)
     name: for messages
     """
     attenuation: Union[str, float, Sequence[float], None] = None
@@ -107,7 +107,7 @@ class Material:
     youngs_modulus: float = 5.0
     poisson_ratio: float = 0.49
     fung_exponent: float = 0.0
-    held: bool = False
+    fixed: bool = False
     name: str = ""
 
 

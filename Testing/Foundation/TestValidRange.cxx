@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Refusals.h"
 #include "mammoray/Foundation/Error.h"
-#include "mammoray/Foundation/Plausible.h"
+#include "mammoray/Foundation/ValidRange.h"
 
 #include <gtest/gtest.h>
 
@@ -11,12 +11,12 @@ using namespace mammoray;
 using testing_support::NotRefused;
 using testing_support::RefusalOf;
 
-TEST(Plausible, SaysRangeFindingAndHowToOverruleIt)
+TEST(ValidRange, SaysRangeFindingAndHowToOverruleIt)
 {
   const auto check = [](double value)
   {
     return RefusalOf([value]
-      { CheckPlausible(Plausible::Thickness, value, "m.dcm", "--thickness gives another"); });
+      { CheckValidRange(ValidRanges::Thickness, value, "m.dcm", "--thickness gives another"); });
   };
   for (const double usual : { 5.0, 50.0, 150.0 })
   {
@@ -31,12 +31,12 @@ TEST(Plausible, SaysRangeFindingAndHowToOverruleIt)
   }
 }
 
-TEST(Plausible, LooksAtEachOfThree)
+TEST(ValidRange, LooksAtEachOfThree)
 {
   const auto check = [](const Vector3& spacing)
   {
     return RefusalOf(
-      [&spacing] { CheckPlausible(Plausible::VoxelSpacing, spacing, "v.nrrd", "take it"); });
+      [&spacing] { CheckValidRange(ValidRanges::VoxelSpacing, spacing, "v.nrrd", "take it"); });
   };
   EXPECT_EQ(check({ 1, 0.05, 10 }), NotRefused);
   EXPECT_EQ(check({ 1, 1, 3200 }),

@@ -2,7 +2,7 @@
 // The shape without load of a column that its own weight stretches or presses by a fifth.
 #include "EveryElement.h"
 #include "TestMeshes.h"
-#include "mammoray/Biomechanics/Private/RestShape.h"
+#include "mammoray/Biomechanics/Private/StressFreeShape.h"
 
 #include <gtest/gtest.h>
 
@@ -89,7 +89,7 @@ TEST_P(ElementRestShape, OfAConfinedColumnMatchesTheClosedForm)
       const std::vector<bool> held(mesh.NumberOfCells(), false);
       EquilibriumSolver solver(body, fixed, 1000);
       InverseEquilibrium inverse(body, nullptr, fixed, held, mesh.Points, { 0, gravity, 0 });
-      RestShape shape(inverse, solver, 1e-10);
+      StressFreeShape shape(inverse, solver, 1e-10);
       ASSERT_EQ(shape.Find(), 1);
       const ConfinedColumn column(material, 1.05e-3 * gravity, length);
       // By a fifth or so at the held end.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mammoray/Foundation/Plausible.h"
+#include "mammoray/Foundation/ValidRange.h"
 
 #include "mammoray/Foundation/Error.h"
 
@@ -7,7 +7,7 @@
 
 namespace mammoray
 {
-void CheckPlausible(const PlausibleRange& range, double value, const std::string& where,
+void CheckValidRange(const ValidRange& range, double value, const std::string& where,
   const std::string& overrule)
 {
   if (value >= range.Least && value <= range.Most)
@@ -20,12 +20,12 @@ void CheckPlausible(const PlausibleRange& range, double value, const std::string
   throw InputError(where + text + "; " + overrule);
 }
 
-void CheckPlausible(const PlausibleRange& range, const Vector3& values, const std::string& where,
+void CheckValidRange(const ValidRange& range, const Vector3& values, const std::string& where,
   const std::string& overrule)
 {
   for (const double value : values)
   {
-    CheckPlausible(range, value, where, overrule);
+    CheckValidRange(range, value, where, overrule);
   }
 }
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "Private/RestShape.h"
+#include "Private/StressFreeShape.h"
 
 #include "mammoray/Foundation/Error.h"
 
@@ -12,18 +12,20 @@ namespace mammoray
 {
 namespace
 {
-/// How exactly the part of the gravity that is borne is found, and the least that is looked for.
+/// Relative precision of the fraction of gravity that the tissue carries, and the smallest fraction
+/// that is searched.
 constexpr double PartPrecision = 0.025;
 constexpr double SmallestPart = 1e-3;
-/// Smallest J, and smallest 1/J, of the known shape: cells at rest neither vanish nor burst.
+/// Smallest J and smallest 1/J of the known shape: undeformed cells must neither vanish nor
+/// explode.
 constexpr double SmallestJ = 0.1;
-/// Where there is a shape, a few factors and some steps by each of them lead to it.
+/// If a shape exists, a few factors with some steps each lead to it.
 constexpr int MostFactors = 8;
 constexpr int MostNewtonSteps = 40;
 constexpr double ShortestStep = 1.0 / 8;
-/// A factor is kept where it makes the next correction this much smaller.
+/// A factor is kept if the next correction is smaller by this factor.
 constexpr double FastContraction = 0.1;
-/// Linear solutions: relative residual, and how often they are refined.
+/// Relative residual of linear solutions, and the largest number of refinements.
 constexpr double LinearTolerance = 1e-11;
 constexpr int MostLinearRefinements = 12;
 
@@ -33,7 +35,8 @@ double NormOf(const std::vector<double>& v)
 }
 }
 
-RestShape::RestShape(InverseEquilibrium& inverse, EquilibriumSolver& solver, double tolerance)
+StressFreeShape::StressFreeShape(InverseEquilibrium& inverse, EquilibriumSolver& solver,
+  double tolerance)
   : Inverse(inverse)
   , Solver(solver)
   , Factor(Inverse.Pattern().Starts, Inverse.Pattern().Rows)
@@ -42,7 +45,7 @@ RestShape::RestShape(InverseEquilibrium& inverse, EquilibriumSolver& solver, dou
 {
 }
 
-double RestShape::Find(const ProgressCallback& progress)
+double StressFreeShape::Find(const ProgressCallback& progress)
 {
   this->Factor.Forget();
   this->Set(this->Inverse.Unloaded());
@@ -65,7 +68,7 @@ double RestShape::Find(const ProgressCallback& progress)
   return done;
 }
 
-bool RestShape::MoveTo(double part, const ProgressCallback& progress)
+bool StressFreeShape::MoveTo(double part, const ProgressCallback& progress)
 {
   this->Inverse.SetLoadedPart(part);
   std::vector<double> y = this->Y;
@@ -87,13 +90,13 @@ bool RestShape::MoveTo(double part, const ProgressCallback& progress)
   return false;
 }
 
-void RestShape::TakeForWhole()
+void StressFreeShape::TakeForWhole()
 {
   this->Factor.Forget();
   this->Set(this->Y);
 }
 
-void RestShape::Set(const std::vector<double>& y)
+void StressFreeShape::Set(const std::vector<double>& y)
 {
   this->Y = y;
   this->Inverse.SetLoadedPart(1);
@@ -101,12 +104,12 @@ void RestShape::Set(const std::vector<double>& y)
   this->Solver.BodyChanged();
 }
 
-bool RestShape::FactorizeAt(const std::vector<double>& y)
+bool StressFreeShape::FactorizeAt(const std::vector<double>& y)
 {
   return this->Inverse.Evaluate(y, true) && this->Factor.Factorize(this->Inverse.Jacobian());
 }
 
-bool RestShape::Newton(std::vector<double>& y, const ProgressCallback& progress)
+bool StressFreeShape::Newton(std::vector<double>& y, const ProgressCallback& progress)
 {
   if (!this->Inverse.Evaluate(y, false))
   {
@@ -137,12 +140,10 @@ bool RestShape::Newton(std::vector<double>& y, const ProgressCallback& progress)
     this->Solver.IsStable(this->Inverse.Deformed(y));
 }
 
-/**
- * The longest good part of the step by the factor at hand, of 1, 1/2, ...: one that makes the next
- * step by the same factor smaller. Keeps the factor where that is much smaller. Answers false where
- * none is good.
- */
-bool RestShape::TakeStep(std::vector<double>& y)
+/// Takes the longest acceptable fraction (1, 1/2, ...) of the step by the present factor: one that
+/// makes the next step by the same factor smaller. Keeps the factor if that is much smaller.
+/// Returns false if no fraction is acceptable.
+bool StressFreeShape::TakeStep(std::vector<double>& y)
 {
   const std::vector<std::int32_t>& coordinates = this->Inverse.Coordinates();
   std::vector<double> step = this->Inverse.Forces();
@@ -177,9 +178,9 @@ bool RestShape::TakeStep(std::vector<double>& y)
   return false;
 }
 
-/// Solutions of the exact Jacobian at the shape found, by the factor at hand, refined, or a new
-/// one.
-std::vector<double> RestShape::SolveExactly(const std::vector<double>& right)
+/// Solves with the exact Jacobian at the shape found, by refinement with the present factor or with
+/// a new one.
+std::vector<double> StressFreeShape::SolveExactly(const std::vector<double>& right)
 {
   this->Inverse.Evaluate(this->Y, true);
   const std::size_t n = this->Inverse.Coordinates().size();
@@ -206,7 +207,7 @@ std::vector<double> RestShape::SolveExactly(const std::vector<double>& right)
       std::transform(right.begin(), right.end(), residual.begin(), residual.begin(),
         [](double a, double b) { return a - b; });
       const double left = NormOf(residual);
-      // A factor of the matrix itself ends in roundoff.
+      // With a factor of the matrix itself, refinement ends at roundoff.
       if (left <= LinearTolerance * size || (!kept && pass > 0 && left > 0.5 * last))
       {
         return solution;
@@ -224,8 +225,8 @@ std::vector<double> RestShape::SolveExactly(const std::vector<double>& right)
   }
 }
 
-std::vector<std::vector<double>> RestShape::Rates(const std::vector<MaterialVelocity>& materials,
-  const std::vector<WallStiffness>& walls)
+std::vector<std::vector<double>> StressFreeShape::Rates(
+  const std::vector<MaterialDerivative>& materials, const std::vector<WallStiffness>& walls)
 {
   const std::size_t count = materials.size() + walls.size();
   if (count == 0)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mammoray/Foundation/NearNames.h"
+#include "mammoray/Foundation/SpellingSuggestions.h"
 
 #include <algorithm>
 #include <cctype>
@@ -46,8 +46,8 @@ std::string Joined(const std::vector<std::string>& names, const std::string& las
 }
 }
 
-std::vector<std::string> NearNames(const std::string& name, const std::vector<std::string>& known,
-  std::size_t count)
+std::vector<std::string> SpellingSuggestions(const std::string& name,
+  const std::vector<std::string>& known, std::size_t count)
 {
   const std::string wanted = LowerCase(name);
   std::vector<std::pair<std::size_t, std::string>> ranked;
@@ -72,9 +72,9 @@ std::vector<std::string> NearNames(const std::string& name, const std::vector<st
   return names;
 }
 
-std::string SuggestNames(const std::string& name, const std::vector<std::string>& known)
+std::string SpellingHint(const std::string& name, const std::vector<std::string>& known)
 {
-  const std::vector<std::string> near = NearNames(name, known);
+  const std::vector<std::string> near = SpellingSuggestions(name, known);
   if (!near.empty())
   {
     return "did you mean " + Joined(near, " or ") + "?";

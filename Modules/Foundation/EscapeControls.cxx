@@ -39,7 +39,7 @@ std::size_t ShownBytes(const std::string& text, std::size_t at)
 }
 }
 
-std::string Printable(const std::string& text)
+std::string EscapeControls(const std::string& text)
 {
   std::string shown;
   for (std::size_t at = 0; at < text.size();)
