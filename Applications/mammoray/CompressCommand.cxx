@@ -217,8 +217,7 @@ void Run(CompressArguments& arguments)
   CheckOutputs(arguments);
   if (arguments.ThicknessMm && !input.Labels.AcceptUnusual)
   {
-    CheckValidRange(ValidRanges::Thickness, *arguments.ThicknessMm, "--thickness",
-      AcceptUnusualHint);
+    CheckValidRange(ValidRanges::Thickness, *arguments.ThicknessMm, "ThicknessMm");
   }
   input.Pose.ThicknessMm = arguments.ThicknessMm.value_or(input.Pose.ThicknessMm);
   input.SeriesSteps = arguments.Series.empty() ? 0 : arguments.SeriesSteps;

@@ -79,7 +79,7 @@ void Run(FuseArguments& arguments)
   CheckPictureFile(arguments.MeanPicture, arguments.Overwrite);
   if (!arguments.AcceptUnusual)
   {
-    CheckValidRange(ValidRanges::VoxelSpacing, arguments.SpacingMm, "--spacing", AcceptUnusualHint);
+    CheckValidRange(ValidRanges::VoxelSpacing, arguments.SpacingMm, "SpacingMm");
   }
   const ResultFile result = ReadResultFile(arguments.Result);
   WarnOfDistrust(result.Folder, result.Trust);
@@ -87,7 +87,7 @@ void Run(FuseArguments& arguments)
   const IntensityVolume image = ReadIntensityVolume(arguments.Image, AxesOf(arguments.AxesAsGiven));
   if (!arguments.AcceptUnusual)
   {
-    CheckValidRange(ValidRanges::VoxelSpacing, image.Spacing, arguments.Image, AcceptUnusualHint);
+    CheckValidRange(ValidRanges::VoxelSpacing, image.Spacing, arguments.Image);
   }
   const ProgressCallback progress = MakeProgressBar();
   const CompressedVolume compressed =

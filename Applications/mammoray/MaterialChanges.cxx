@@ -25,7 +25,7 @@ void ReplaceAttenuations(const std::vector<std::string>& changes, bool acceptUnu
       usable = ToNumber(text.substr(at + 1), density) && density > 0;
       if (usable && !acceptUnusual)
       {
-        CheckValidRange(ValidRanges::Density, density, "--attenuation " + text, AcceptUnusualHint);
+        CheckValidRange(ValidRanges::Density, density, "--attenuation " + text);
       }
     }
     if (!usable)

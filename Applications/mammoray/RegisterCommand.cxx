@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Commands.h"
 #include "MissingMemory.h"
+#include "OptionNames.h"
 #include "OutputFiles.h"
 #include "ProgressBar.h"
 #include "ResultNotes.h"
@@ -312,7 +313,7 @@ RegistrationCaseResult RegisterAndWrite(const RegisterArguments& arguments)
     {
       throw;
     }
-    throw InputError(kept(error.what()));
+    throw InputError(kept(InOptions(error)));
   }
   catch (const DeviceError& error)
   {

@@ -48,7 +48,8 @@ template <typename T>
 CLI::Option* AddPoseOption(const OptionList& add, const PoseParameter& parameter, T& value,
   const std::string& remark = "")
 {
-  return add(parameter.Option(), value, QuantityOf(parameter), parameter.Help + remark);
+  return add(std::string("--") + parameter.Name, value, QuantityOf(parameter),
+    parameter.Help + remark);
 }
 
 /// Adds an option for each parameter of the pose but thickness and stiffness, which do not say

@@ -3,6 +3,7 @@
 #include "Help.h"
 #include "Manual.h"
 #include "MissingMemory.h"
+#include "OptionNames.h"
 #include "Process.h"
 #include "ProgressBar.h"
 #include "mammoray/Foundation/Error.h"
@@ -112,6 +113,10 @@ int main(int argc, char* argv[])
   {
     std::fprintf(stderr, "mammoray: %s: cannot be looked for (%s)\n",
       mammoray::EscapeControls(error.path1().string()).c_str(), error.code().message().c_str());
+  }
+  catch (const mammoray::InputError& error)
+  {
+    std::fprintf(stderr, "mammoray: %s\n", mammoray::InOptions(error).c_str());
   }
   catch (const std::exception& error)
   {

@@ -78,8 +78,8 @@ MaterialTable TableOf(const ResultFile& result, const std::string& named)
   {
     return FindMaterialTable(shipped.string());
   }
-  throw InputError("the result was made with the table " + file +
-    ", which is not a shipped one; name it with --materials");
+  throw InputError("the result was made with the table " + file + ", which is not a shipped one",
+    { "Materials", file, { "Materials" } });
 }
 
 void AddMammogram(const Mammogram& mammogram, ViewedBreast& viewed)
@@ -187,7 +187,8 @@ ViewedBreast ReadMeshes(const ViewInput& input)
   const auto grid = input.Series.empty() ? ReadMesh(path) : ReadSeries(path, viewed);
   if (input.Materials.empty())
   {
-    throw InputError(path + ": expected --materials beside a mesh");
+    throw InputError(path + ": expected a material table beside a mesh",
+      { "Materials", "", { "Materials" } });
   }
   viewed.Materials = FindMaterialTable(input.Materials);
   viewed.Spectrum = FindSpectrum(input.Spectrum.empty() ? DefaultSpectrum : input.Spectrum);
@@ -247,8 +248,9 @@ RegistrationTarget GridAround(const ViewedBreast& viewed, double spacingMm)
   {
     throw InputError(
       "expected the breast in front of the receptor's edge and a picture of at most " +
-      std::to_string(Most) + " pixels along each side, found " + std::to_string(grid.Columns) +
-      " x " + std::to_string(grid.Rows) + "; see --orientation and --pixel-spacing");
+        std::to_string(Most) + " pixels along each side, found " + std::to_string(grid.Columns) +
+        " x " + std::to_string(grid.Rows),
+      { "PixelSpacingMm", std::to_string(spacingMm), { "Orientation", "PixelSpacingMm" } });
   }
   grid.Origin = { high[0] + MarginMm - 0.5 * spacingMm, 0.5 * spacingMm };
   return grid;

@@ -359,8 +359,7 @@ void vtkBreastCompression::Compress(vtkUnstructuredGrid* input, vtkUnstructuredG
   }
   if (!this->AcceptUnusual && !(this->ForceN > 0))
   {
-    CheckValidRange(ValidRanges::Thickness, this->ThicknessMm, "ThicknessMm",
-      "AcceptUnusual takes it");
+    CheckValidRange(ValidRanges::Thickness, this->ThicknessMm, "ThicknessMm");
   }
   Internals& internal = *this->Internal;
   internal.Prepare(internal.SetupOf(*this, input, coarse), ProgressOf(this));

@@ -92,7 +92,7 @@ void vtkBreastMesher::Mesh(vtkImageData* input, vtkUnstructuredGrid* output)
   const LabelVolume labels = ToLabelVolume(input);
   if (!this->AcceptUnusual)
   {
-    CheckValidRange(ValidRanges::VoxelSpacing, labels.Spacing, "input", "AcceptUnusual takes it");
+    CheckValidRange(ValidRanges::VoxelSpacing, labels.Spacing, "input");
   }
   const std::string& name = FileOrName(this->MaterialTableFile, this->MaterialTable);
   const mammoray::MaterialTable table =

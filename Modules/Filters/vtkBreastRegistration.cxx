@@ -367,8 +367,7 @@ int vtkBreastRegistration::RequestData(vtkInformation*, vtkInformationVector** i
     // Pixels of images in a pipeline may be binned to any size.
     if (!this->AcceptUnusual)
     {
-      CheckValidRange(ValidRanges::Thickness, start.ThicknessMm, "ThicknessMm",
-        "AcceptUnusual takes it");
+      CheckValidRange(ValidRanges::Thickness, start.ThicknessMm, "ThicknessMm");
     }
     start.RollDeg = NominalRollDeg(internal.Mammogram).value_or(0) + this->RollDeg;
     start.AnteriorMm = this->AnteriorMm;
@@ -409,7 +408,7 @@ int vtkBreastRegistration::RequestData(vtkInformation*, vtkInformationVector** i
     if (!this->AcceptUnusual)
     {
       CheckValidRange(ValidRanges::SourceDistance, placement.Unit.SourceToDetectorMm,
-        "SourceToDetectorMm", "AcceptUnusual takes it");
+        "SourceToDetectorMm");
     }
     const RegistrationResult result =
       mammoray::Register(model, placement, internal.Target, options, progress);

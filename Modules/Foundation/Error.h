@@ -6,6 +6,7 @@
 
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 namespace mammoray
 {
@@ -29,11 +30,44 @@ public:
   }
 };
 
+/// The field that an InputError is about. Fields are named like the members of structs and the
+/// properties of filters ("ThicknessMm"). The command line replaces them by its options.
+struct RefusedField
+{
+  std::string Name;
+  std::string Value;
+  /// Other fields that make the input usable when they are set, such as "AcceptUnusual".
+  std::vector<std::string> Remedies;
+};
+
 /// A value, file or array that the caller passed is not usable.
 class InputError : public Error
 {
 public:
   using Error::Error;
+
+  /// Appends "; set REMEDY or REMEDY" to the message.
+  InputError(const std::string& message, const RefusedField& field)
+    : Error(message + Advice(field))
+    , Refused(field)
+  {
+  }
+
+  /// Empty if the error is not about a field.
+  const RefusedField& Field() const { return this->Refused; }
+
+private:
+  static std::string Advice(const RefusedField& field)
+  {
+    std::string advice;
+    for (const std::string& remedy : field.Remedies)
+    {
+      advice += (advice.empty() ? "; set " : " or ") + remedy;
+    }
+    return advice;
+  }
+
+  RefusedField Refused;
 };
 
 /// A computation did not reach a state within its limits (Newton steps, inverted cells).

@@ -19,7 +19,7 @@ struct MAMMORAYFOUNDATION_EXPORT PoseParameter
 {
   /// Index in PoseParameters and in vectors of values.
   PoseParameterIndex Index;
-  /// "lateral": the option --lateral, the parameter of --free, the name in files and arrays.
+  /// "lateral": the name in commands, files and arrays.
   const char* Name;
   /// Unit: "mm", "deg" or "" for a factor.
   const char* Unit;
@@ -48,8 +48,6 @@ struct MAMMORAYFOUNDATION_EXPORT PoseParameter
 
   double Lower(double start) const;
   double Upper(double start) const;
-  /// "--lateral"
-  std::string Option() const { return std::string("--") + this->Name; }
   /// Name of the property in VTK filters: "LateralMm", "RollDeg", "Stiffness".
   std::string Property() const;
   /// Value with unit and `digits` decimals: "12.30 mm", "-4.00 deg", "1.20".

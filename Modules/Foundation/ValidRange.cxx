@@ -1,14 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mammoray/Foundation/ValidRange.h"
 
-#include "mammoray/Foundation/Error.h"
-
 #include <cstdio>
 
 namespace mammoray
 {
 void CheckValidRange(const ValidRange& range, double value, const std::string& where,
-  const std::string& overrule)
+  const std::vector<std::string>& remedies)
 {
   if (value >= range.Least && value <= range.Most)
   {
@@ -17,15 +15,17 @@ void CheckValidRange(const ValidRange& range, double value, const std::string& w
   char text[160];
   std::snprintf(text, sizeof text, ": expected a %s from %g to %g %s, found %g", range.Quantity,
     range.Least, range.Most, range.Unit, value);
-  throw InputError(where + text + "; " + overrule);
+  char number[32];
+  std::snprintf(number, sizeof number, "%g", value);
+  throw InputError(where + text, { range.Field, number, remedies });
 }
 
 void CheckValidRange(const ValidRange& range, const Vector3& values, const std::string& where,
-  const std::string& overrule)
+  const std::vector<std::string>& remedies)
 {
   for (const double value : values)
   {
-    CheckValidRange(range, value, where, overrule);
+    CheckValidRange(range, value, where, remedies);
   }
 }
 }

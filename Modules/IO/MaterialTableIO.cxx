@@ -139,10 +139,10 @@ MaterialTable ReadMaterialTable(const std::string& path)
     }
     if (!unusual)
     {
-      constexpr const char* overrule = "\"unusual\": true, in the table, takes it";
+      const std::vector<std::string> remedies{ "\"unusual\": true in the table" };
       const std::string what = path + ": material '" + material.Name + "'";
-      CheckValidRange(ValidRanges::Density, material.DensityGPerCm3, what, overrule);
-      CheckValidRange(ValidRanges::YoungsModulus, material.YoungsModulusKPa, what, overrule);
+      CheckValidRange(ValidRanges::Density, material.DensityGPerCm3, what, remedies);
+      CheckValidRange(ValidRanges::YoungsModulus, material.YoungsModulusKPa, what, remedies);
     }
     table.Materials.push_back(material);
     ReadLabels(entry, static_cast<int>(index), table);

@@ -398,7 +398,8 @@ SurfaceScene ReadSurfaces(const std::vector<SurfaceSample>& samples, MaterialTab
     if (several(part.BackMaterials) || several(part.FrontMaterials))
     {
       throw InputError(sample.Name +
-        ": expected a surface of one material, found several; --mesh takes it with a table");
+          ": expected a surface of one material, found several, as of a mesh with a table",
+        { "File", sample.File, { "Mesh" } });
     }
     Place(sample, part);
     AppendBoundary(part, material, scene.Surface);

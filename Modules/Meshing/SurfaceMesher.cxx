@@ -148,9 +148,9 @@ void RefuseCuts(const TriangleComplex& complex)
     char text[256];
     std::snprintf(text, sizeof(text),
       "surfaces: expected triangles that meet at common edges, found %zu that cut others, the "
-      "first at (%.6g, %.6g, %.6g) mm; labelling voxels by them (--surface-voxels) joins them",
+      "first at (%.6g, %.6g, %.6g) mm",
       cutting.size(), place[0], place[1], place[2]);
-    throw InputError(text);
+    throw InputError(text, { "Surfaces", std::to_string(cutting.size()), { "SurfaceVoxelsMm" } });
   }
 }
 
@@ -272,8 +272,8 @@ bool HasTetGen()
 
 MeshingResult MeshSurfaces(const SurfaceMesh&, const MeshingOptions&, const ProgressCallback&)
 {
-  throw InputError("surfaces: this build has no TetGen (MAMMORAY_USE_TETGEN was OFF); labelling "
-                   "voxels by them (--surface-voxels) needs none");
+  throw InputError("surfaces: this build has no TetGen (MAMMORAY_USE_TETGEN was OFF)",
+    { "Surfaces", "", { "SurfaceVoxelsMm" } });
 }
 
 MeshingResult MeshMaterialSurfaces(const LabelVolume&, const MeshingOptions&,

@@ -36,7 +36,8 @@ double RollOfView(const CompressionCase& input)
   const std::optional<double> roll = NominalRollDeg(mammogram);
   if (!roll)
   {
-    throw InputError("--view " + input.View + ": expected --side left or right beside it");
+    throw InputError("view " + input.View + ": expected the side of the breast beside it",
+      { "View", input.View, { "Side" } });
   }
   return *roll;
 }

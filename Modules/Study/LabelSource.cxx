@@ -83,7 +83,7 @@ LabelVolume ReadMaterials(const LabelSource& source, const MaterialTable& table)
   LabelVolume volume = ReadLabelVolume(source.Path, AxesOf(source.AxesAsGiven));
   if (!source.AcceptUnusual)
   {
-    CheckValidRange(ValidRanges::VoxelSpacing, volume.Spacing, source.Path, AcceptUnusualHint);
+    CheckValidRange(ValidRanges::VoxelSpacing, volume.Spacing, source.Path);
   }
   if (!source.Crop.empty())
   {

@@ -123,7 +123,7 @@ BreastPose StartOf(const RegistrationCase& input, std::size_t number, const Mamm
       std::to_string(start.ThicknessMm) + " mm");
   }
   CheckUsual(input, ValidRanges::Thickness, start.ThicknessMm, input.Mammograms[number],
-    "--thickness gives another");
+    "ThicknessMm");
   const std::optional<double> nominal = NominalRollDeg(mammogram);
   if (!given[RollParameter] && nominal)
   {

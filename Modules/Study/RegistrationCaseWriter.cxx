@@ -475,7 +475,7 @@ void CheckResultFolder(const std::string& path, bool overwrite)
   {
     if (!overwrite)
     {
-      throw InputError("output " + path + ": exists already; --overwrite replaces it");
+      throw InputError("output " + path + ": exists already", { "Output", path, { "Overwrite" } });
     }
     if (!fs::is_directory(folder) || !fs::exists(folder / ResultFileName))
     {

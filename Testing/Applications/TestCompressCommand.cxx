@@ -257,7 +257,7 @@ TEST_F(CompressCommand, RefusesInOneLine)
   expectRefused(this->Coarse + " --thickness 50 --series " + this->Folder.File("series.vtu"),
     "expected the extension .pvd");
   expectRefused(this->Coarse + " --thickness 1e9",
-    "expected a compressed thickness from 5 to 150 mm, found 1e+09; --accept-unusual takes it");
+    "expected a compressed thickness from 5 to 150 mm, found 1e+09; set --accept-unusual");
   // Thinner than any equilibrium this mesh can show.
   WriteMesh(ToGrid(test::MakeHalfEllipsoidMesh(40, 45, 38, 4), { "air", "fat", "muscle" }),
     this->Folder.File("coarser.vtu"));

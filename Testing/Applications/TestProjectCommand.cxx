@@ -370,7 +370,7 @@ TEST_F(ProjectCommand, RefusesInOneLine)
     "no such file");
   this->ExpectRefused(this->Inputs + " -o " + this->Folder.File("image.jpg"), ".png");
   this->ExpectRefused(this->Inputs + " -o " + this->Image + " --attenuation fat=adipose@920",
-    "expected a density from 0.5 to 3 g/cm3, found 920; --accept-unusual takes it");
+    "expected a density from 0.5 to 3 g/cm3, found 920; set --accept-unusual");
   this->ExpectRefused(this->Inputs + output + " --spectrum W99", "W28kVp");
   this->ExpectRefused(this->Inputs + output + " --orientation XYZ", "orientation");
   this->ExpectRefused(this->Inputs + output + " --kev 3", "keV");

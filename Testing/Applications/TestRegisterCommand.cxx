@@ -211,12 +211,12 @@ TEST_F(RegisterCommand, RefusesWhatNoPatientHas)
   const auto refused = [this](const std::string& rest, const std::string& text)
   { this->ExpectRefused(this->Register(Labels, Materials, MammogramFile, rest), text); };
   refused("--thickness 500",
-    "expected a compressed thickness from 5 to 150 mm, found 500; --thickness gives another, "
-    "--accept-unusual takes it");
+    "expected a compressed thickness from 5 to 150 mm, found 500; set --thickness or "
+    "--accept-unusual");
   refused("--pixel-spacing 1", "expected a pixel spacing from 0.02 to 0.3 mm, found 1");
   refused("--source-to-detector 65", "distance from 300 to 1500 mm, found 65");
-  refused("--side right", "expected a mammogram of the right breast, as --side says, found L");
-  refused("--view MLO", "expected a mammogram of the view MLO, as --view says, found CC");
+  refused("--side right", "expected a mammogram of the right breast, found L");
+  refused("--view MLO", "expected a mammogram of the view MLO, found CC");
   refused("--mammogram " + MammogramFile, "expected another picture than");
   this->CommandTest::ExpectRefused("register --labels " + Labels + " --materials " + Materials +
       " --mammogram " + MammogramFile + " --orientation ALI --output " +
@@ -233,7 +233,7 @@ TEST_F(RegisterCommand, RefusesWhatNoPatientHas)
     });
   this->ExpectRefused(this->Register(Labels, Materials, magnified),
     "expected a mammogram of a whole breast on the receptor, found 'magnification view' in its "
-    "header; --accept-unusual takes it");
+    "header; set --accept-unusual");
   // What is to be taken comes further: to the volume.
   LabelVolume volume;
   volume.Size = { 3, 3, 3 };

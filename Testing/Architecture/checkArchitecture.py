@@ -5,6 +5,7 @@
 - an include goes from an upper module to a lower one and never the other way, nor between neighbours;
 - a module names in its vtk.module what its public headers include;
 - private headers are included by their own module (and its tests) only;
+- no text of a module names an option of the command line: errors name fields (RefusedField);
 - every module has a README, and every source of it is listed in CMakeLists.txt.
 
 usage: checkArchitecture.py PROJECT-FOLDER     exit 1: something is wrong
@@ -30,6 +31,11 @@ MAY_INCLUDE = {
     "Evidence": SOLVERS | {"Registration", "IO", "Study"},
 }
 INCLUDE = re.compile(r'^\s*#\s*include\s*["<]([^">]+)[">]', re.MULTILINE)
+
+
+RAW_TEXT = re.compile(r'R"(\w*)\(.*?\)\1"', re.DOTALL)
+TEXT = re.compile(r'"(?:[^"\\\n]|\\.)*"')
+OPTION = re.compile(r"(?<![\w-])--[a-z][\w-]*")
 
 
 def sources(folder):
@@ -65,6 +71,16 @@ def check_includes(root, modules, wrong):
                     wrong.append(f"{where}: a public header includes {name}")
 
 
+def check_options(root, modules, wrong):
+    for module in modules:
+        for path in sources(root / "Modules" / module):
+            code = "\n".join(line for line in RAW_TEXT.sub("", path.read_text()).splitlines()
+                             if not line.lstrip().startswith(("//", "*", "/*")))
+            for text in TEXT.findall(code):
+                for option in OPTION.findall(text):
+                    wrong.append(f"{path.relative_to(root)}: a text names the option {option}")
+
+
 def check_tests(root, wrong):
     for path in sources(root / "Testing") + sources(root / "Applications") + sources(root / "Wrapping"):
         place = path.relative_to(root).parts
@@ -98,6 +114,7 @@ def main():
     modules = [m for m in MAY_INCLUDE if (root / "Modules" / m).is_dir()]
     wrong = []
     check_includes(root, modules, wrong)
+    check_options(root, modules, wrong)
     check_tests(root, wrong)
     check_rooms(root, modules, wrong)
     for line in wrong:

@@ -55,7 +55,6 @@ TEST(PoseParameters, AreFoundByNameWithTheNearestInTheError)
 TEST(PoseParameters, NamesInCommandsAndFiltersAndValuesWithUnits)
 {
   const PoseParameter& lateral = FindPoseParameter("lateral");
-  EXPECT_EQ(lateral.Option(), "--lateral");
   EXPECT_EQ(lateral.Property(), "LateralMm");
   EXPECT_EQ(lateral.Format(-3.14159), "-3.14 mm");
   EXPECT_EQ(FindPoseParameter("roll").Property(), "RollDeg");

@@ -103,7 +103,8 @@ TEST(MaterialTableIO, RefusesWhatIsWrongByKey)
     HasSubstr("materials[1].youngs_modulus_kpa: expected"));
   // kg/m3 and Pa, say.
   EXPECT_THAT(MaterialsRefusal(WithFat(good + R"(, "density_g_per_cm3": 920)")),
-    HasSubstr("material 'fat': expected a density from 0.5 to 3 g/cm3, found 920; \"unusual\""));
+    HasSubstr(
+      "material 'fat': expected a density from 0.5 to 3 g/cm3, found 920; set \"unusual\""));
   EXPECT_THAT(MaterialsRefusal(WithFat(good + R"(, "youngs_modulus_kpa": 5000)")),
     HasSubstr("expected a Young's modulus from 0.05 to 500 kPa, found 5000"));
   EXPECT_EQ(MaterialsRefusal(WithFat(good + R"(, "density_g_per_cm3": 11.3, "unusual": true)")),

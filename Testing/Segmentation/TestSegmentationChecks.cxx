@@ -50,7 +50,7 @@ TEST(CheckImage, WantsVoxelsAndTwoIntensities)
 TEST(CheckImage, WantsVoxelsOfAPatient)
 {
   EXPECT_THAT(VerdictOn(TwoIntensities({ 8, 8, 8 }, 3200)),
-    HasSubstr("MRI: expected a voxel spacing from 0.05 to 10 mm, found 3200; --accept-unusual"));
+    HasSubstr("MRI: expected a voxel spacing from 0.05 to 10 mm, found 3200; set AcceptUnusual"));
   EXPECT_NO_THROW(CheckImage(TwoIntensities({ 8, 8, 8 }, 3200), true));
   SegmentationOptions fine;
   fine.SpacingMm = 1e-3;

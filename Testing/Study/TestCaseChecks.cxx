@@ -114,8 +114,8 @@ TEST(CaseChecks, LengthsInPlaceOfTheHeadersAreTold)
   };
   EXPECT_THAT(warnings(0.1004, 650), IsEmpty());
   EXPECT_THAT(warnings(0.12, 660),
-    ElementsAre("Pixel spacing: 0.12 mm, as --pixel-spacing says; the header says 0.1 mm.",
-      "Source to detector distance: 660 mm, as --source-to-detector says; the header says 650 "
+    ElementsAre("Pixel spacing: 0.12 mm as given; the header says 0.1 mm.",
+      "Source to detector distance: 660 mm as given; the header says 650 "
       "mm."));
 }
 

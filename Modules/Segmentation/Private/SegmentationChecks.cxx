@@ -24,7 +24,7 @@ void CheckImage(const IntensityVolume& image, bool acceptUnusual)
   image.Validate("MRI");
   if (!acceptUnusual)
   {
-    CheckValidRange(ValidRanges::VoxelSpacing, image.Spacing, "MRI", AcceptUnusualHint);
+    CheckValidRange(ValidRanges::VoxelSpacing, image.Spacing, "MRI");
   }
   for (int a = 0; a < 3; ++a)
   {
@@ -111,7 +111,7 @@ void SegmentationOptions::Validate() const
   check(atLeastZero(this->SpacingMm), "spacing", "0 or a positive number of mm", this->SpacingMm);
   if (this->SpacingMm > 0 && !this->AcceptUnusual)
   {
-    CheckValidRange(ValidRanges::VoxelSpacing, this->SpacingMm, "spacing", AcceptUnusualHint);
+    CheckValidRange(ValidRanges::VoxelSpacing, this->SpacingMm, "SpacingMm");
   }
   check(atLeastZero(this->SkinThicknessMm), "skin thickness", "0 or a positive number of mm",
     this->SkinThicknessMm);

@@ -21,10 +21,9 @@ const char* NameOfSide(char laterality)
   return laterality == 'L' ? "left" : "right";
 }
 
-std::string Refused(const RegistrationCase& input, const std::string& text)
+std::string PathOfTissue(const RegistrationCase& input)
 {
-  return (input.Study ? std::string("the study's MRI") : input.Labels.Path) + ": " + text + "; " +
-    AcceptUnusualHint;
+  return input.Study ? std::string("the study's MRI") : input.Labels.Path;
 }
 
 /// Which breast the picture is of by how mammograms are hung; nothing of one turned by 90 degrees.
@@ -91,9 +90,10 @@ void CheckFront(const RegistrationCase& input, const LabelVolume& materials,
     char text[200];
     std::snprintf(text, sizeof text,
       "expected the breast in front of what holds it, found it %.0f mm to the left, %.0f mm to the "
-      "front and %.0f mm to the head of that; --orientation says where the axes lead",
+      "front and %.0f mm to the head of that",
       Dot(*way, axes.Left), Dot(*way, axes.Anterior), Dot(*way, axes.Superior));
-    throw InputError(Refused(input, text));
+    throw InputError(PathOfTissue(input) + ": " + text,
+      { "Orientation", input.Orientation, { "Orientation", "AcceptUnusual" } });
   }
 }
 
@@ -117,17 +117,18 @@ void CheckSide(const RegistrationCase& input, const Extent& breast, const Extent
       "lie "
       "to the left of it, %.0f mm to the right",
       NameOfSide(laterality), NameOfSide(side), leftOfIt, rightOfIt);
-    throw InputError(Refused(input, text));
+    throw InputError(PathOfTissue(input) + ": " + text,
+      { "Laterality", std::string(1, side), { "AcceptUnusual" } });
   }
 }
 }
 
 void CheckUsual(const RegistrationCase& input, const ValidRange& range, double value,
-  const std::string& path, const char* instead)
+  const std::string& path, const char* remedy)
 {
   if (!input.Labels.AcceptUnusual)
   {
-    CheckValidRange(range, value, path, std::string(instead) + ", " + AcceptUnusualHint);
+    CheckValidRange(range, value, path, { remedy, "AcceptUnusual" });
   }
 }
 
@@ -141,7 +142,8 @@ void CheckWholeBreast(const RegistrationCase& input, const std::string& path)
   if (const std::string found = header ? WhyNotWholeBreast(*header) : ""; !found.empty())
   {
     throw InputError(path + ": expected a mammogram of a whole breast on the receptor, found '" +
-      EscapeControls(found) + "' in its header; " + AcceptUnusualHint);
+        EscapeControls(found) + "' in its header",
+      { "Mammograms", found, { "AcceptUnusual" } });
   }
 }
 
@@ -150,8 +152,7 @@ void CheckMammogram(const RegistrationCase& input, const std::vector<RegisteredV
   const RegisteredView& latest = views.back();
   for (const double spacing : { latest.Mammogram.ColumnSpacingMm, latest.Mammogram.RowSpacingMm })
   {
-    CheckUsual(input, ValidRanges::PixelSpacing, spacing, latest.Path,
-      "--pixel-spacing gives another");
+    CheckUsual(input, ValidRanges::PixelSpacing, spacing, latest.Path, "PixelSpacingMm");
   }
   const std::vector<float>& pixels = latest.Mammogram.Pixels;
   const auto same = [](float a, float b) { return a == b || (std::isnan(a) && std::isnan(b)); };
@@ -162,7 +163,8 @@ void CheckMammogram(const RegistrationCase& input, const std::vector<RegisteredV
       std::equal(pixels.begin(), pixels.end(), others.begin(), others.end(), same))
     {
       throw InputError(latest.Path + ": expected another picture than " + earlier.Path +
-        ", found the same; " + AcceptUnusualHint);
+          ", found the same",
+        { "Mammograms", latest.Path, { "AcceptUnusual" } });
     }
   }
 }
@@ -182,8 +184,7 @@ void CheckPicturedBreast(const RegistrationCase& input, RegisteredView& view)
       }
     }
   }
-  CheckUsual(input, ValidRanges::BreastWidth, across.Length(), view.Path,
-    "--pixel-spacing gives another scale");
+  CheckUsual(input, ValidRanges::BreastWidth, across.Length(), view.Path, "PixelSpacingMm");
   const bool isSided = mammogram.Laterality == 'L' || mammogram.Laterality == 'R';
   const bool isOblique = mammogram.View == "MLO" || mammogram.View == "LMO";
   if (isSided && isOblique && !input.Labels.AcceptUnusual)
@@ -193,8 +194,9 @@ void CheckPicturedBreast(const RegistrationCase& input, RegisteredView& view)
       if (IsOfOtherBreast(direction, mammogram.Laterality))
       {
         throw InputError(view.Path + ": expected an oblique view of the " +
-          NameOfSide(mammogram.Laterality) + " breast, found the Patient Orientation '" +
-          direction + "' of the other; " + AcceptUnusualHint);
+            NameOfSide(mammogram.Laterality) + " breast, found the Patient Orientation '" +
+            direction + "' of the other",
+          { "Laterality", direction, { "AcceptUnusual" } });
       }
     }
   }
@@ -205,7 +207,7 @@ void CheckPicturedBreast(const RegistrationCase& input, RegisteredView& view)
     target.Disagreements.push_back(std::string("The header says ") +
       NameOfSide(mammogram.Laterality) + " breast, but the chest wall is at the " +
       NameOfSide(*hung) + " edge of the picture, as the " + NameOfSide(*hung) +
-      " breast is hung: the side should be looked at (--side says it).");
+      " breast is hung: check which breast it is.");
   }
 }
 
@@ -214,9 +216,9 @@ void CheckHanded(const RegistrationCase& input, const AnatomicalAxes& axes)
   if (!input.Labels.AcceptUnusual && Dot(Cross(axes.Left, axes.Anterior), axes.Superior) > 0)
   {
     throw InputError("orientation " + input.Orientation +
-      ": expected axes that are right-handed, found a mirror image, whose left is the patient's "
-      "right; " +
-      AcceptUnusualHint);
+        ": expected axes that are right-handed, found a mirror image, whose left is the patient's "
+        "right",
+      { "Orientation", input.Orientation, { "AcceptUnusual" } });
   }
 }
 
@@ -234,8 +236,7 @@ void CheckTissue(const RegistrationCase& input, const LabelVolume& materials,
     const Extent breast = ReachOf(kept, direction, &held);
     if (breast.Length() >= 0)
     {
-      CheckUsual(input, ValidRanges::BreastWidth, breast.Length(),
-        input.Study ? "the study's MRI" : input.Labels.Path, "--crop leaves some of it out");
+      CheckUsual(input, ValidRanges::BreastWidth, breast.Length(), PathOfTissue(input), "Crop");
     }
   }
   CheckSide(input, ReachOf(kept, axes.Left, &held), ReachOf(materials, axes.Left, nullptr),
@@ -285,9 +286,9 @@ void CheckSize(double breastCm3, double areaCm2, RegisteredView& view)
   {
     std::snprintf(text, sizeof text,
       ": expected a picture of the breast in the MRI (%.0f cm3), found one of %.0f cm3 (area times "
-      "thickness): of another breast, or of a part of it; ",
+      "thickness): of another breast, or of a part of it",
       breastCm3, picturedCm3);
-    throw InputError(view.Path + text + AcceptUnusualHint);
+    throw InputError(view.Path + text, { "Mammograms", view.Path, { "AcceptUnusual" } });
   }
   if (!IsWithin(ratio, limits.Usual))
   {

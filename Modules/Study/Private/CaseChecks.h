@@ -13,9 +13,9 @@
 
 namespace mammoray
 {
-/// CheckValidRange, unless the case takes all; `instead`: how another value is given.
+/// CheckValidRange unless the case accepts unusual values. `remedy`: the field that gives another.
 void CheckUsual(const RegistrationCase& input, const ValidRange& range, double value,
-  const std::string& path, const char* instead);
+  const std::string& path, const char* remedy);
 
 /// Throws InputError where the header of a DICOM mammogram says that it is none of a whole breast
 /// as plates press it onto the receptor (WhyNotWholeBreast).

@@ -16,15 +16,15 @@ namespace mammoray
 {
 namespace
 {
-/// Tells of a length that an option gives in place of the header's, where they differ by more than
-/// the rounding of who typed it.
-void TellOther(const char* what, const char* option, double givenMm, double headerMm,
+/// Warns of a length that is given in place of the header's where they differ by more than
+/// rounding.
+void TellOther(const char* what, double givenMm, double headerMm,
   std::vector<std::string>& warnings)
 {
   if (!(std::abs(givenMm - headerMm) <= 0.01 * headerMm))
   {
-    warnings.push_back(std::string(what) + ": " + NumberText(givenMm) + " mm, as " + option +
-      " says; the header says " + NumberText(headerMm) + " mm.");
+    warnings.push_back(std::string(what) + ": " + NumberText(givenMm) +
+      " mm as given; the header says " + NumberText(headerMm) + " mm.");
   }
 }
 
@@ -43,7 +43,7 @@ MammographyUnit UnitOf(const RegistrationCase& input, const std::string& path,
     unit.SourceToDetectorMm = *input.SourceToDetectorMm;
     if (mammogram.SourceToDetectorMm)
     {
-      TellOther("Source to detector distance", "--source-to-detector", unit.SourceToDetectorMm,
+      TellOther("Source to detector distance", unit.SourceToDetectorMm,
         *mammogram.SourceToDetectorMm, warnings);
     }
   }
@@ -69,7 +69,7 @@ MammographyUnit UnitOf(const RegistrationCase& input, const std::string& path,
       " mm");
   }
   CheckUsual(input, ValidRanges::SourceDistance, unit.SourceToDetectorMm, path,
-    "--source-to-detector gives another");
+    "SourceToDetectorMm");
   unit.SupportEdgeMm = input.SupportEdgeMm;
   unit.PaddleEdgeMm = input.PaddleEdgeMm;
   unit.EdgeRadiusMm = input.EdgeRadiusMm;
@@ -90,8 +90,9 @@ void Describe(const RegistrationCase& input, const std::string& path,
     given.Laterality != mammogram.Laterality && !input.Labels.AcceptUnusual)
   {
     throw InputError(path + ": expected a mammogram of the " +
-      (given.Laterality == 'L' ? "left" : "right") + " breast, as --side says, found " +
-      mammogram.Laterality + " in its header; " + AcceptUnusualHint + " as --side says");
+        (given.Laterality == 'L' ? "left" : "right") + " breast, found " + mammogram.Laterality +
+        " in its header",
+      { "Laterality", std::string(1, mammogram.Laterality), { "AcceptUnusual" } });
   }
   mammogram.Laterality = given.Laterality == '?' ? mammogram.Laterality : given.Laterality;
   if (given.View.empty())
@@ -102,9 +103,9 @@ void Describe(const RegistrationCase& input, const std::string& path,
   const std::string view = std::exchange(mammogram.View, given.View);
   if (rollDeg && rollDeg != NominalRollDeg(mammogram) && !input.Labels.AcceptUnusual)
   {
-    throw InputError(path + ": expected a mammogram of the view " + given.View +
-      ", as --view says, found " + view + " in its header; " + AcceptUnusualHint +
-      " as --view says");
+    throw InputError(path + ": expected a mammogram of the view " + given.View + ", found " + view +
+        " in its header",
+      { "MammogramViews", view, { "AcceptUnusual" } });
   }
 }
 
@@ -124,8 +125,7 @@ std::vector<Mammogram> ReadCaseMammograms(const RegistrationCase& input, std::si
   CheckWholeBreast(input, path);
   if (given.PixelSpacingMm)
   {
-    TellOther("Pixel spacing", "--pixel-spacing", *given.PixelSpacingMm,
-      mammograms.front().ColumnSpacingMm, warnings);
+    TellOther("Pixel spacing", *given.PixelSpacingMm, mammograms.front().ColumnSpacingMm, warnings);
   }
   for (Mammogram& mammogram : mammograms)
   {
