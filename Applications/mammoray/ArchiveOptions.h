@@ -4,7 +4,7 @@
 #define mammoray_ArchiveOptions_h
 
 #include "OptionList.h"
-#include "mammoray/Archive/DicomNode.h"
+#include "mammoray/Dicom/DicomNetwork.h"
 
 #include <string>
 

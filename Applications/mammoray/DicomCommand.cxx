@@ -6,14 +6,14 @@
 #include "ProgressBar.h"
 #include "ResultNotes.h"
 #include "SharedOptions.h"
-#include "mammoray/Archive/ResultObjects.h"
+#include "mammoray/Dicom/DicomReader.h"
+#include "mammoray/Dicom/DicomWriter.h"
 #include "mammoray/Foundation/Error.h"
-#include "mammoray/IO/DicomWriter.h"
 #include "mammoray/IO/LabelVolumeIO.h"
-#include "mammoray/IO/MammogramIO.h"
 #include "mammoray/IO/WholeOutput.h"
 #include "mammoray/Study/LesionShadow.h"
 #include "mammoray/Study/RegisteredMammogram.h"
+#include "mammoray/Study/ResultObjects.h"
 
 #include <cstdio>
 #include <filesystem>

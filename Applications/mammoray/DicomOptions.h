@@ -4,7 +4,7 @@
 #define mammoray_DicomOptions_h
 
 #include "OptionList.h"
-#include "mammoray/IO/DicomIdentity.h"
+#include "mammoray/Dicom/DicomHeader.h"
 
 #include <optional>
 #include <string>

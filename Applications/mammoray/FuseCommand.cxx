@@ -4,6 +4,7 @@
 #include "ProgressBar.h"
 #include "ResultNotes.h"
 #include "SharedOptions.h"
+#include "mammoray/Dicom/DicomReader.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/Foundation/ValidRange.h"
 #include "mammoray/IO/LabelVolumeIO.h"

@@ -6,7 +6,7 @@
 #include "ProjectOptions.h"
 #include "SceneOptions.h"
 #include "SharedOptions.h"
-#include "mammoray/IO/DicomWriter.h"
+#include "mammoray/Dicom/DicomWriter.h"
 #include "mammoray/IO/MammogramSynthesis.h"
 #include "mammoray/IO/MeshConversion.h"
 #include "mammoray/IO/ProjectionImage.h"

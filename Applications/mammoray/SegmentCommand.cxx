@@ -6,6 +6,7 @@
 #include "OutputFiles.h"
 #include "ProgressBar.h"
 #include "SharedOptions.h"
+#include "mammoray/Dicom/DicomReader.h"
 #include "mammoray/IO/LabelVolumeIO.h"
 #include "mammoray/IO/ShippedData.h"
 #include "mammoray/Segmentation/BreastSegmentation.h"

@@ -3,7 +3,7 @@
 #include "Commands.h"
 #include "ProgressBar.h"
 #include "SharedOptions.h"
-#include "mammoray/Archive/DicomWeb.h"
+#include "mammoray/Dicom/DicomNetwork.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/Study/ResultFile.h"
 

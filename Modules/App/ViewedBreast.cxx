@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mammoray/App/ViewedBreast.h"
 
+#include "mammoray/Dicom/DicomReader.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/IO/LabelVolumeIO.h"
-#include "mammoray/IO/MammogramIO.h"
 #include "mammoray/IO/MeshConversion.h"
 #include "mammoray/IO/MeshIO.h"
 #include "mammoray/IO/Sha256.h"

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mammoray/Evidence/Benchmark.h"
 
+#include "mammoray/Dicom/DicomReader.h"
 #include "mammoray/Evidence/LandmarkEvaluation.h"
 #include "mammoray/Evidence/OutlineBaseline.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/IO/LabelVolumeIO.h"
-#include "mammoray/IO/MammogramIO.h"
 #include "mammoray/IO/Sha256.h"
 #include "mammoray/IO/ShippedData.h"
 #include "mammoray/IO/WholeOutput.h"

@@ -2,8 +2,8 @@
 #include "mammoray/Filters/vtkMammogramReader.h"
 
 #include "Private/FilterRequest.h"
+#include "mammoray/Dicom/DicomReader.h"
 #include "mammoray/IO/ImageConversion.h"
-#include "mammoray/IO/MammogramIO.h"
 
 #include "vtkImageData.h"
 #include "vtkInformation.h"

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mammoray/IO/ImageConversion.h"
 
-#include "Private/VolumeFile.h"
 #include "mammoray/Foundation/Error.h"
+#include "mammoray/IO/LabelVolumeIO.h"
 
 #include "vtkAbstractArray.h"
 #include "vtkDataArray.h"

@@ -1,30 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mammoray/IO/LabelVolumeIO.h"
 
-#include "Private/DicomVolume.h"
 #include "Private/DisplacementTransform.h"
-#include "Private/GuardedRead.h"
 #include "Private/VolumeFile.h"
+#include "mammoray/IO/GuardedRead.h"
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
+#include <sstream>
 
 namespace mammoray
 {
 namespace
 {
-/// Whether DICOM's readers are to be asked; throws InputError where nothing is.
-bool IsDicom(const std::string& path)
-{
-  std::error_code problem;
-  if (!std::filesystem::exists(path, problem))
-  {
-    throw InputError(path + ": no such file");
-  }
-  return std::filesystem::is_directory(path) || VolumeExtension(path) == ".dcm";
-}
-
 /// Both ways between processes.
 template <typename Parcel, typename Volume>
 void Exchange(Parcel& parcel, Volume&& volume)
@@ -65,12 +53,21 @@ IntensityVolume DecodeIntensities(const std::string& path, VolumeAxes axes)
 }
 }
 
-LabelVolume ReadLabelVolume(const std::string& path, VolumeAxes axes)
+bool IsLabel(double value)
 {
-  if (IsDicom(path))
-  {
-    return ReadDicomLabels(path);
-  }
+  return value >= 0 && value <= 65535 && value == std::floor(value);
+}
+
+InputError NoLabel(const std::string& place, double value)
+{
+  std::ostringstream text;
+  text.precision(17);
+  text << place << " holds " << value << ", expected a label, a whole number from 0 to 65535";
+  return InputError(text.str());
+}
+
+LabelVolume ReadLabelFile(const std::string& path, VolumeAxes axes)
+{
   LabelVolume volume;
   ReadGuarded(
     path, "a label volume", ReadLimits::Of({ path }),
@@ -80,12 +77,8 @@ LabelVolume ReadLabelVolume(const std::string& path, VolumeAxes axes)
   return volume;
 }
 
-IntensityVolume ReadIntensityVolume(const std::string& path, VolumeAxes axes)
+IntensityVolume ReadIntensityFile(const std::string& path, VolumeAxes axes)
 {
-  if (IsDicom(path))
-  {
-    return ReadDicomIntensities(path);
-  }
   IntensityVolume volume;
   ReadGuarded(
     path, "a volume", ReadLimits::Of({ path }),
@@ -93,24 +86,6 @@ IntensityVolume ReadIntensityVolume(const std::string& path, VolumeAxes axes)
     [&](ParcelReader& parcel) { Exchange(parcel, volume); });
   volume.Validate(path);
   return volume;
-}
-
-IntensityVolume ReadIntensitySlices(const std::vector<DicomSlice>& slices,
-  const ProgressCallback& progress)
-{
-  return ReadDicomIntensities(slices, progress);
-}
-
-IntensityVolume ReadIntensitySeries(const std::vector<std::string>& files,
-  const ProgressCallback& progress)
-{
-  std::vector<DicomSlice> slices;
-  slices.reserve(files.size());
-  for (const std::string& file : files)
-  {
-    slices.push_back({ file });
-  }
-  return ReadDicomIntensities(slices, progress);
 }
 
 void CheckLabelVolumeExtension(const std::string& path)

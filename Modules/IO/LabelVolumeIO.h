@@ -2,9 +2,9 @@
 #ifndef mammoray_LabelVolumeIO_h
 #define mammoray_LabelVolumeIO_h
 
+#include "mammoray/Foundation/Error.h"
 #include "mammoray/Foundation/IntensityVolume.h"
 #include "mammoray/Foundation/LabelVolume.h"
-#include "mammoray/Foundation/Progress.h"
 #include "mammorayIOModule.h"
 
 #include <string>
@@ -32,50 +32,29 @@ inline VolumeAxes AxesOf(bool asGiven)
 }
 
 /**
- * Reads a label volume with its whole geometry, oblique axes included: NRRD (.nrrd; .nhdr with one
- * data file; raw or gzip), MetaImage (.mha; .mhd with one data file; raw or compressed), NIfTI-1
- * (.nii, .nii.gz; sform where its code is 1, else qform) and DICOM, always in LPS: a folder with a
- * series of slices whose values are the labels, or a segmentation (.dcm; binary or fractional from
- * a half of the largest value, uncompressed) whose segment numbers are, of overlapping segments the
- * smaller one.
+ * Reads a label volume with its full geometry, including oblique axes, from NRRD (.nrrd; .nhdr with
+ * one data file; raw or gzip), MetaImage (.mha; .mhd with one data file; raw or compressed) or
+ * NIfTI-1 (.nii, .nii.gz; sform if its code is 1, otherwise qform).
  *
- * Three dimensions (further ones of size 1 are allowed in NIfTI), any scalar type of whole values
- * in [0, 65535]. Throws InputError, one line with the file, on a missing, short or damaged file, on
- * other dimensions, types, encodings or sheared axes, and on a value that is no label, with its
- * place. Memory grows with the data that is there, not with what the header promises.
+ * The volume has three dimensions (NIfTI may add dimensions of size 1) and any scalar type with
+ * whole values in [0, 65535]. Throws InputError, one line that names the file, if it is missing,
+ * short or damaged, on other dimensions, types, encodings or sheared axes, and on a value that is
+ * no label, with its position. Memory grows with the data in the file, not with what the header
+ * promises.
  */
-MAMMORAYIO_EXPORT LabelVolume ReadLabelVolume(const std::string& path,
+MAMMORAYIO_EXPORT LabelVolume ReadLabelFile(const std::string& path,
   VolumeAxes axes = VolumeAxes::Patient);
 
-/**
- * Reads an MRI or the like from the same formats but DICOM SEG: any finite values. Throws
- * InputError as above.
- */
-MAMMORAYIO_EXPORT IntensityVolume ReadIntensityVolume(const std::string& path,
+/// Reads an MRI or another image with any finite values from the same formats. Throws InputError as
+/// ReadLabelFile does.
+MAMMORAYIO_EXPORT IntensityVolume ReadIntensityFile(const std::string& path,
   VolumeAxes axes = VolumeAxes::Patient);
 
-/// A slice of a DICOM series: a file, or a frame, from 1, of an enhanced multi-frame MR object.
-struct DicomSlice
-{
-  std::string Path;
-  /// 0: the file is the slice.
-  int Frame = 0;
-};
+/// True for a whole number from 0 to 65535, which a LabelVolume can hold.
+MAMMORAYIO_EXPORT bool IsLabel(double value);
 
-/**
- * Reads a DICOM series from its slices, in any order, evenly spaced, each at a place of its own
- * (see FindSliceOrder); values after rescaling, DICOM LPS. Throws InputError, one line with the
- * file, on anything else, Interrupted.
- */
-MAMMORAYIO_EXPORT IntensityVolume ReadIntensitySlices(const std::vector<DicomSlice>& slices,
-  const ProgressCallback& progress = {});
-
-/**
- * Reads a DICOM series from its files, whatever else lies in their folders: each a slice of one
- * series. Throws as ReadIntensitySlices.
- */
-MAMMORAYIO_EXPORT IntensityVolume ReadIntensitySeries(const std::vector<std::string>& files,
-  const ProgressCallback& progress = {});
+/// The error for any other value; `place` is the start of its message.
+MAMMORAYIO_EXPORT InputError NoLabel(const std::string& place, double value);
 
 /// Throws InputError unless WriteLabelVolume knows the path's extension.
 MAMMORAYIO_EXPORT void CheckLabelVolumeExtension(const std::string& path);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mammoray/IO/MammogramPictureIO.h"
 
-#include "Private/MammogramParcel.h"
 #include "mammoray/Foundation/Error.h"
+#include "mammoray/IO/GuardedRead.h"
 
 #include "vtkDataArray.h"
 #include "vtkFloatArray.h"
@@ -37,7 +37,8 @@ void RefuseDamaged(const std::string& path, const std::string& content)
   }
 }
 
-Mammogram DecodePicture(const std::string& path, const PictureDescription& description)
+/// Size, bits and pixels.
+Mammogram DecodePicture(const std::string& path)
 {
   vtkSmartPointer<vtkImageReader2> reader = vtkSmartPointer<vtkJPEGReader>::New();
   if (std::filesystem::path(path).extension() == ".png")
@@ -61,10 +62,6 @@ Mammogram DecodePicture(const std::string& path, const PictureDescription& descr
   mammogram.Columns = image->GetDimensions()[0];
   mammogram.Rows = image->GetDimensions()[1];
   mammogram.BitsStored = 8 * values->GetDataTypeSize();
-  mammogram.ColumnSpacingMm = *description.PixelSpacingMm;
-  mammogram.RowSpacingMm = mammogram.ColumnSpacingMm;
-  mammogram.View = description.View;
-  mammogram.Laterality = description.Laterality;
   const int colours = std::min(values->GetNumberOfComponents(), 3);
   // VTK has the last row first.
   for (int row = mammogram.Rows - 1; row >= 0; --row)
@@ -182,7 +179,21 @@ Mammogram ReadMammogramPicture(const std::string& path, const PictureDescription
       "expected a positive pixel spacing, found " + std::to_string(*description.PixelSpacingMm) +
         " mm");
   }
-  return ReadMammogramGuarded(path, "a picture", [&] { return DecodePicture(path, description); });
+  Mammogram mammogram;
+  ReadGuarded(
+    path, "a picture", ReadLimits::Of({ path }),
+    [&](ParcelWriter& parcel)
+    {
+      const Mammogram read = DecodePicture(path);
+      parcel(read.Columns, read.Rows, read.BitsStored, read.Pixels);
+    },
+    [&](ParcelReader& parcel)
+    { parcel(mammogram.Columns, mammogram.Rows, mammogram.BitsStored, mammogram.Pixels); });
+  mammogram.ColumnSpacingMm = *description.PixelSpacingMm;
+  mammogram.RowSpacingMm = mammogram.ColumnSpacingMm;
+  mammogram.View = description.View;
+  mammogram.Laterality = description.Laterality;
+  return mammogram;
 }
 
 std::vector<unsigned char> ReadMask(const std::string& path, int columns, int rows)

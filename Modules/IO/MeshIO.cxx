@@ -2,11 +2,11 @@
 #include "mammoray/IO/MeshIO.h"
 
 #include "Private/GltfReader.h"
-#include "Private/GuardedRead.h"
 #include "Private/MeshParcel.h"
 #include "Private/TextTable.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/Foundation/Numbers.h"
+#include "mammoray/IO/GuardedRead.h"
 #include "mammoray/IO/WholeOutput.h"
 
 #include "vtkCommand.h"

@@ -26,7 +26,7 @@ ExampleScene MakeExampleScene(const std::string& name)
   if (name == "breast")
   {
     const std::string folder = DataDirectory();
-    return MakeBreastScene(ReadLabelVolume(folder + "/victre-phantom-1/labels.nrrd"),
+    return MakeBreastScene(ReadLabelFile(folder + "/victre-phantom-1/labels.nrrd"),
       ReadMaterialTable(folder + "/materials/victre.json"));
   }
   throw InputError("unknown example '" + name + "'; " + SpellingHint(name, ExampleNames()));

@@ -5,8 +5,8 @@
 #include "Private/SeriesRules.h"
 #include "Private/SeriesSplit.h"
 #include "Private/StudyPatients.h"
+#include "mammoray/Dicom/DicomHeader.h"
 #include "mammoray/Foundation/Error.h"
-#include "mammoray/IO/DicomHeader.h"
 
 #include <algorithm>
 #include <filesystem>

@@ -3,10 +3,10 @@
 #define mammoray_Intake_h
 
 #include "mammoray/Biomechanics/PlacedPlates.h"
+#include "mammoray/Dicom/DicomReader.h"
 #include "mammoray/Foundation/Mammogram.h"
 #include "mammoray/Foundation/Progress.h"
 #include "mammoray/Foundation/VolumeGrid.h"
-#include "mammoray/IO/LabelVolumeIO.h"
 #include "mammorayStudyModule.h"
 
 #include <cstddef>

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mammoray/Study/LabelSource.h"
 
+#include "mammoray/Dicom/DicomReader.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/Foundation/LabelResampling.h"
 #include "mammoray/Foundation/LabelSkin.h"

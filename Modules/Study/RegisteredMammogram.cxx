@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mammoray/Study/RegisteredMammogram.h"
 
+#include "mammoray/Dicom/DicomReader.h"
 #include "mammoray/Foundation/Error.h"
-#include "mammoray/IO/MammogramIO.h"
 #include "mammoray/IO/MammogramPictureIO.h"
 #include "mammoray/IO/MammogramSynthesis.h"
 #include "mammoray/IO/Sha256.h"

@@ -3,8 +3,8 @@
 
 #include "Private/AskedPlaces.h"
 #include "Private/Checkpoint.h"
+#include "mammoray/Dicom/DicomHeader.h"
 #include "mammoray/Foundation/Error.h"
-#include "mammoray/IO/DicomHeader.h"
 #include "mammoray/IO/LabelVolumeIO.h"
 #include "mammoray/IO/MeshConversion.h"
 #include "mammoray/IO/MeshIO.h"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mammoray/Study/StudyCase.h"
 
-#include "mammoray/IO/LabelVolumeIO.h"
+#include "mammoray/Dicom/DicomReader.h"
 #include "mammoray/IO/ShippedData.h"
 #include "mammoray/Study/CutTissue.h"
 #include "mammoray/Study/SlicePicture.h"

@@ -2,7 +2,7 @@
 #include "CommandTest.h"
 #include "DicomTesting.h"
 #include "SurfaceShapes.h"
-#include "mammoray/IO/MammogramIO.h"
+#include "mammoray/Dicom/DicomReader.h"
 #include "mammoray/IO/MeshConversion.h"
 #include "mammoray/IO/MeshIO.h"
 #include "mammoray/XRay/PathLengthProjector.h"

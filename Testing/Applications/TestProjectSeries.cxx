@@ -2,8 +2,8 @@
 #include "CommandTest.h"
 #include "DicomTesting.h"
 #include "SurfaceShapes.h"
+#include "mammoray/Dicom/DicomReader.h"
 #include "mammoray/IO/LabelVolumeIO.h"
-#include "mammoray/IO/MammogramIO.h"
 #include "mammoray/IO/MeshConversion.h"
 #include "mammoray/IO/MeshIO.h"
 #include "mammoray/XRay/PathLengthProjector.h"
@@ -60,7 +60,7 @@ TEST_F(ProjectSeries, ATurnedBoxIsSeenFromItsSides)
     0)
     << this->Errors;
   EXPECT_EQ(this->Errors, "");
-  const IntensityVolume stack = ReadIntensityVolume(this->Stack);
+  const IntensityVolume stack = ReadIntensityFile(this->Stack);
   ASSERT_EQ(stack.Size, (std::array<int, 3>{ 50, 10, 8 }));
   const auto at = [&](int projection, int column)
   { return stack.Voxels[static_cast<std::size_t>((projection * 10 + 5) * 50 + column)]; };
@@ -98,7 +98,7 @@ TEST_F(ProjectSeries, SurfacesOfTheirOwnMaterials)
     "' --surface 'Water, Liquid=" + water + "'" + Parallel;
   ASSERT_EQ(this->Run(surfaces + " -o " + this->Stack), 0) << this->Errors;
   EXPECT_EQ(this->Errors, "");
-  const IntensityVolume image = ReadIntensityVolume(this->Stack);
+  const IntensityVolume image = ReadIntensityFile(this->Stack);
   const double throughTitanium = -std::log(image.Voxels[5 * 50 + 10]);
   const double throughWater = -std::log(image.Voxels[5 * 50 + 35]);
   EXPECT_EQ(image.Voxels[5 * 50 + 25], 1); // between them
@@ -130,7 +130,7 @@ TEST_F(ProjectSeries, TomosynthesisMovesWhatIsHighMost)
     const double z = height - 25;
     const std::string plate = this->Box("plate.vtp", { 0, -200, z - 0.01 }, { 300, 200, z + 0.01 });
     EXPECT_EQ(this->Run("project --surface Pb=" + plate + options), 0) << this->Errors;
-    const IntensityVolume stack = ReadIntensityVolume(this->Stack);
+    const IntensityVolume stack = ReadIntensityFile(this->Stack);
     std::vector<double> edges;
     for (int projection = 0; projection < 5; ++projection)
     {
@@ -229,8 +229,8 @@ TEST_F(ProjectSeries, FlatFieldsAndNoiseAreEachOnesOwn)
               this->Folder.File("scan.mha")),
     0)
     << this->Errors;
-  const IntensityVolume scan = ReadIntensityVolume(this->Folder.File("scan.mha"));
-  const IntensityVolume flat = ReadIntensityVolume(this->Folder.File("scan_flat.mha"));
+  const IntensityVolume scan = ReadIntensityFile(this->Folder.File("scan.mha"));
+  const IntensityVolume flat = ReadIntensityFile(this->Folder.File("scan_flat.mha"));
   ASSERT_EQ(flat.Size, (std::array<int, 3>{ 50, 10, 20 }));
   double sum = 0;
   double squares = 0;
@@ -266,7 +266,7 @@ TEST_F(ProjectSeries, DetectorsOfLayersAndTables)
                 this->Stack + response),
       0)
       << this->Errors;
-    return ReadIntensityVolume(this->Stack).Voxels.at(0);
+    return ReadIntensityFile(this->Stack).Voxels.at(0);
   };
   // A thick layer detects all, a thin one the softer photons rather; a table says so itself.
   EXPECT_NEAR(through(" --scintillator CsI@4.51:20"), through(""), 1e-6);
@@ -310,10 +310,10 @@ TEST_F(ProjectSeries, DualEnergyLeavesTheIodine)
     << this->Errors;
   EXPECT_EQ(this->Errors, "");
   EXPECT_THAT(this->Output, testing::HasSubstr("fat and gland of 40 mm look the same"));
-  const std::vector<float> recombined = ReadIntensityVolume(this->Stack).Voxels;
+  const std::vector<float> recombined = ReadIntensityFile(this->Stack).Voxels;
   const auto logOf = [&](const char* name)
   {
-    std::vector<float> values = ReadIntensityVolume(this->Folder.File(name)).Voxels;
+    std::vector<float> values = ReadIntensityFile(this->Folder.File(name)).Voxels;
     for (float& value : values)
     {
       value = -std::log(value);

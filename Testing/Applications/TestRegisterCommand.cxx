@@ -4,9 +4,9 @@
 #include "CommandTest.h"
 #include "DicomTesting.h"
 #include "Files.h"
+#include "mammoray/Dicom/DicomReader.h"
 #include "mammoray/Evidence/LandmarkEvaluation.h"
 #include "mammoray/IO/LabelVolumeIO.h"
-#include "mammoray/IO/MammogramIO.h"
 #include "mammoray/IO/MeshConversion.h"
 #include "mammoray/IO/MeshIO.h"
 #include "mammoray/Study/LesionShadow.h"
@@ -459,7 +459,7 @@ TEST_F(RegisterCommand, RegistersTheShippedPhantom)
   const Vector3 centre{ 30, 10, -5 };
   const std::string lesionFile = this->Folder.File("lesion.nrrd");
   WriteLabelVolume(Ball(centre, 5), lesionFile);
-  const LabelVolume lesionVolume = ReadLabelVolume(lesionFile);
+  const LabelVolume lesionVolume = ReadLabelFile(lesionFile);
   const auto projector = MakeProjector();
   const LesionShadow lesion = ProjectLesion(breast, lesionVolume, 3, *projector);
   EXPECT_NEAR(lesion.VolumeMm3, 524, 10); // the voxels' stairs

@@ -72,7 +72,7 @@ TEST_F(SegmentCommand, MakesLabelsThatMeshTakes)
   EXPECT_THAT(this->Output,
     testing::AllOf(testing::HasSubstr("gland"), testing::HasSubstr("1 breast;")));
   EXPECT_THAT(ReadFile(picture), testing::StartsWith("\x89PNG"));
-  const LabelVolume labels = ReadLabelVolume(this->Labels);
+  const LabelVolume labels = ReadLabelFile(this->Labels);
   EXPECT_EQ(labels.Size, (std::array<int, 3>{ Width, Depth, Height }));
   EXPECT_EQ(labels.Origin, (Vector3{ -60, -50, -50 }));
   EXPECT_EQ(labels.Voxels[labels.Index(30, 20, 25)], 2);
@@ -109,7 +109,7 @@ TEST_F(SegmentCommand, TakesBothImagesOfASession)
   const std::string arguments =
     "segment --image " + plain + " -o " + this->Labels + " --label-spacing 0 --suppressed-image ";
   ASSERT_EQ(this->Run(arguments + suppressed), 0) << this->Errors;
-  const LabelVolume labels = ReadLabelVolume(this->Labels);
+  const LabelVolume labels = ReadLabelFile(this->Labels);
   EXPECT_EQ(labels.Voxels[labels.Index(30, 20, 25)], 2);
   EXPECT_EQ(labels.Voxels[labels.Index(30, 28, 25)], 1);
   EXPECT_EQ(labels.Voxels[labels.Index(30, 40, 25)], 4);

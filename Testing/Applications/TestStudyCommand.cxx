@@ -121,8 +121,8 @@ TEST_F(StudyCommand, LeadsFromThePatientsFilesToTheAnswer)
   {
     EXPECT_TRUE(fs::exists(result + "/" + name)) << name;
   }
-  EXPECT_EQ(ReadLabelVolume(result + "/labels.nrrd").Size,
-    ReadIntensityVolume(result + "/mri.nrrd").Size);
+  EXPECT_EQ(ReadLabelFile(result + "/labels.nrrd").Size,
+    ReadIntensityFile(result + "/mri.nrrd").Size);
   const nlohmann::json cc = nlohmann::json::parse(ReadFile(result + "/cc/result.json"));
   EXPECT_EQ(cc.at("inputs").at(0).at("role"), "MRI without fat suppression");
   EXPECT_EQ(cc.at("inputs").at(1).at("role"), "MRI with fat suppression");

@@ -24,11 +24,11 @@ MAY_INCLUDE = {
     "Biomechanics": set(),
     "Registration": SOLVERS,
     "IO": SOLVERS,
-    "Study": SOLVERS | {"Registration", "IO"},
-    "Archive": SOLVERS | {"Registration", "IO", "Study"},
-    "Filters": SOLVERS | {"Registration", "IO", "Study"},
-    "App": SOLVERS | {"Registration", "IO", "Study"},
-    "Evidence": SOLVERS | {"Registration", "IO", "Study"},
+    "Dicom": {"IO"},
+    "Study": SOLVERS | {"Registration", "IO", "Dicom"},
+    "Filters": SOLVERS | {"Registration", "IO", "Dicom", "Study"},
+    "App": SOLVERS | {"Registration", "IO", "Dicom", "Study"},
+    "Evidence": SOLVERS | {"Registration", "IO", "Dicom", "Study"},
 }
 INCLUDE = re.compile(r'^\s*#\s*include\s*["<]([^">]+)[">]', re.MULTILINE)
 

@@ -40,7 +40,7 @@ enum Tissue : std::uint16_t
 
 LabelVolume ReadTissues(const char* name)
 {
-  LabelVolume volume = ReadLabelVolume((Folder / name).string(), VolumeAxes::AsGiven);
+  LabelVolume volume = ReadLabelFile((Folder / name).string(), VolumeAxes::AsGiven);
   for (std::uint16_t& voxel : volume.Voxels)
   {
     switch (voxel)

@@ -83,7 +83,7 @@ with tempfile.TemporaryDirectory() as name:
         print(text, flush=True)
         command = ["sh", "-e", "-c", text] if language == "sh" else [sys.executable, "-c", text]
         if how.endswith("archive"):
-            command = ["/usr/bin/python3", str(root / "Testing" / "Archive" / "orthanc.py"), *command]
+            command = ["/usr/bin/python3", str(root / "Testing" / "Dicom" / "orthanc.py"), *command]
         status = run(command, how.endswith("display"), folder, environment)
         if how.endswith("archive") and status == 125:
             skipped += 1

@@ -2,10 +2,9 @@
 // One coarse study: what a stranger gets is all there, and fits what is true.
 #include "Files.h"
 #include "Refusals.h"
+#include "mammoray/Dicom/DicomReader.h"
 #include "mammoray/Evidence/Benchmark.h"
 #include "mammoray/Evidence/LandmarkEvaluation.h"
-#include "mammoray/IO/LabelVolumeIO.h"
-#include "mammoray/IO/MammogramIO.h"
 #include "mammoray/IO/Sha256.h"
 #include "mammoray/IO/ShippedData.h"
 #include "mammoray/XRay/PathLengthProjector.h"

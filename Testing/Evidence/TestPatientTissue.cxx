@@ -2,9 +2,9 @@
 // A phantom placed, moved and pictured, against closed forms.
 #include "Files.h"
 #include "LabelShapes.h"
+#include "mammoray/Dicom/DicomReader.h"
 #include "mammoray/Evidence/Private/ImitatedMri.h"
 #include "mammoray/Evidence/Private/PatientTissue.h"
-#include "mammoray/IO/LabelVolumeIO.h"
 #include "mammoray/IO/MaterialTableIO.h"
 #include "mammoray/Segmentation/BreastSegmentation.h"
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Files.h"
+#include "mammoray/Dicom/DicomReader.h"
 #include "mammoray/Filters/vtkMammogramReader.h"
-#include "mammoray/IO/MammogramIO.h"
 
 #include "vtkCommand.h"
 #include "vtkDataArray.h"

@@ -3,9 +3,9 @@
 #include "Damage.h"
 #include "Files.h"
 #include "Formats.h"
-#include "Private/GuardedRead.h"
+#include "mammoray/Dicom/DicomReader.h"
 #include "mammoray/Foundation/Error.h"
-#include "mammoray/IO/MammogramIO.h"
+#include "mammoray/IO/GuardedRead.h"
 #include "mammoray/IO/ScratchFolder.h"
 
 #include <CLI/CLI.hpp>

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "FileSizeLimit.h"
 #include "Files.h"
-#include "Private/GuardedRead.h"
 #include "Refusals.h"
-#include "mammoray/IO/GuardedWork.h"
+#include "mammoray/IO/GuardedRead.h"
 
 #include <atomic>
 #include <chrono>

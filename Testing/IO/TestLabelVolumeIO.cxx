@@ -23,7 +23,7 @@ namespace
 {
 std::string ReadMessage(const std::string& path)
 {
-  return RefusalOf([&] { ReadLabelVolume(path); });
+  return RefusalOf([&] { ReadLabelFile(path); });
 }
 
 LabelVolume Oblique(double handedness = 1)
@@ -142,13 +142,13 @@ TEST(LabelVolumeIO, WrittenVolumesComeBack)
     for (const char* name : { "v.nrrd", "v.mha", "v.nii.gz" })
     {
       WriteLabelVolume(volume, folder.File(name));
-      ExpectSame(ReadLabelVolume(folder.File(name)), volume);
+      ExpectSame(ReadLabelFile(folder.File(name)), volume);
     }
     volume.Voxels[7] = 60000; // 16 bits
     for (const char* name : { "v.nrrd", "v.mha", "v.nii.gz" })
     {
       WriteLabelVolume(volume, folder.File(name));
-      ExpectSame(ReadLabelVolume(folder.File(name)), volume);
+      ExpectSame(ReadLabelFile(folder.File(name)), volume);
     }
   }
   EXPECT_THAT(RefusalOf([&] { WriteLabelVolume(Oblique(), folder.File("v.nii")); }),
@@ -165,21 +165,20 @@ TEST(LabelVolumeIO, IntensitiesKeepSignFractionAndScale)
   const TemporaryFolder folder;
   const std::string header = "NRRD0004\ntype: float\ndimension: 3\nsizes: 2 1 2\nencoding: raw\n"
                              "endian: little\nspacings: 1 2 3\n\n";
-  const IntensityVolume volume = ReadIntensityVolume(
+  const IntensityVolume volume = ReadIntensityFile(
     folder.Write("v.nrrd", header + Bytes<float>({ -1.5f, 0.25f, 70000.0f, 3.0f })));
   EXPECT_THAT(volume.Voxels, testing::ElementsAre(-1.5f, 0.25f, 70000.0f, 3.0f));
   EXPECT_EQ(volume.Spacing, (Vector3{ 1, 2, 3 }));
   EXPECT_THAT(RefusalOf(
-                [&]
-                {
-                  ReadIntensityVolume(
+                [&] {
+                  ReadIntensityFile(
                     folder.Write("n.nrrd", header + Bytes<float>({ 1, 2, 3, std::nanf("") })));
                 }),
     testing::HasSubstr("voxel (1, 0, 1) holds nan"));
   // One grid for both readers, whatever the format.
   WriteLabelVolume(Oblique(), folder.File("v.nii.gz"));
-  const IntensityVolume oblique = ReadIntensityVolume(folder.File("v.nii.gz"));
-  const LabelVolume labels = ReadLabelVolume(folder.File("v.nii.gz"));
+  const IntensityVolume oblique = ReadIntensityFile(folder.File("v.nii.gz"));
+  const LabelVolume labels = ReadLabelFile(folder.File("v.nii.gz"));
   EXPECT_EQ(oblique.Origin, labels.Origin);
   EXPECT_EQ(oblique.Direction, labels.Direction);
   EXPECT_TRUE(std::equal(labels.Voxels.begin(), labels.Voxels.end(), oblique.Voxels.begin()));
@@ -188,14 +187,14 @@ TEST(LabelVolumeIO, IntensitiesKeepSignFractionAndScale)
 TEST(LabelVolumeIO, NiftiTurnsRasIntoLps)
 {
   const TemporaryFolder folder;
-  ExpectSame(ReadLabelVolume(folder.Write("s.nii", ObliqueNifti(true, false))), Oblique());
-  ExpectSame(ReadLabelVolume(folder.Write("q.nii", ObliqueNifti(false, true))), Oblique());
-  ExpectSame(ReadLabelVolume(Gzip(folder.File("s.nii.gz"), ObliqueNifti(true, false))), Oblique());
-  const LabelVolume given = ReadLabelVolume(folder.File("s.nii"), VolumeAxes::AsGiven);
+  ExpectSame(ReadLabelFile(folder.Write("s.nii", ObliqueNifti(true, false))), Oblique());
+  ExpectSame(ReadLabelFile(folder.Write("q.nii", ObliqueNifti(false, true))), Oblique());
+  ExpectSame(ReadLabelFile(Gzip(folder.File("s.nii.gz"), ObliqueNifti(true, false))), Oblique());
+  const LabelVolume given = ReadLabelFile(folder.File("s.nii"), VolumeAxes::AsGiven);
   EXPECT_EQ(given.Origin[0], -10.5);
   EXPECT_EQ(given.Origin[2], 30);
   // Neither form: spacing alone, nothing to convert.
-  const LabelVolume plain = ReadLabelVolume(folder.Write("p.nii", ObliqueNifti(false, false)));
+  const LabelVolume plain = ReadLabelFile(folder.Write("p.nii", ObliqueNifti(false, false)));
   EXPECT_EQ(plain.Direction[0], (Vector3{ 1, 0, 0 }));
   EXPECT_EQ(plain.Spacing, (Vector3{ 0.5, 1.5, 2 }));
 }
@@ -205,7 +204,7 @@ TEST(LabelVolumeIO, NrrdSpaces)
   const TemporaryFolder folder;
   const auto originOf = [&](const std::string& space)
   {
-    return ReadLabelVolume(
+    return ReadLabelFile(
       folder.Write("v.nrrd", Nrrd("uint8", "\1\2", "space origin: (1,2,3)\n", "space: " + space)));
   };
   EXPECT_EQ(originOf("left-posterior-superior").Origin, (Vector3{ 1, 2, 3 }));
@@ -216,7 +215,7 @@ TEST(LabelVolumeIO, NrrdSpaces)
   for (const char* space : { "RAS", "left-anterior-superior" })
   {
     originOf(space);
-    const LabelVolume given = ReadLabelVolume(folder.File("v.nrrd"), VolumeAxes::AsGiven);
+    const LabelVolume given = ReadLabelFile(folder.File("v.nrrd"), VolumeAxes::AsGiven);
     EXPECT_EQ(given.Origin, (Vector3{ 1, 2, 3 })) << space;
     EXPECT_EQ(given.Direction[0], (Vector3{ 1, 0, 0 })) << space;
   }
@@ -228,7 +227,7 @@ TEST(LabelVolumeIO, EveryScalarTypeAndByteOrder)
 {
   const TemporaryFolder folder;
   const auto voxels = [&](const std::string& type, const std::string& data)
-  { return ReadLabelVolume(folder.Write("v.nrrd", Nrrd(type, data))).Voxels; };
+  { return ReadLabelFile(folder.Write("v.nrrd", Nrrd(type, data))).Voxels; };
   EXPECT_THAT(voxels("int8", Bytes<std::int8_t>({ 3, 127 })), testing::ElementsAre(3, 127));
   EXPECT_THAT(voxels("short", Bytes<std::int16_t>({ 3, 300 })), testing::ElementsAre(3, 300));
   EXPECT_THAT(voxels("unsigned short", Bytes<std::uint16_t>({ 3, 65535 })),
@@ -239,7 +238,7 @@ TEST(LabelVolumeIO, EveryScalarTypeAndByteOrder)
   EXPECT_THAT(voxels("double", Bytes<double>({ 3, 300 })), testing::ElementsAre(3, 300));
   std::string big = Nrrd("uint16", std::string("\1\2\0\3", 4));
   big.replace(big.find("little"), 6, "big");
-  EXPECT_THAT(ReadLabelVolume(folder.Write("b.nrrd", big)).Voxels, testing::ElementsAre(258, 3));
+  EXPECT_THAT(ReadLabelFile(folder.Write("b.nrrd", big)).Voxels, testing::ElementsAre(258, 3));
 }
 
 TEST(LabelVolumeIO, ValuesThatAreNoLabelsAreNamedWithTheirPlace)
@@ -303,7 +302,7 @@ TEST(LabelVolumeIO, DamagedFilesAreRefusedInOneLine)
     HasSubstr("expected 24 voxels of 1 bytes, found 23 bytes"));
   const std::string mha = "ObjectType = Image\nNDims = 3\nDimSize = 2 1 1\nElementType = MET_SHORT"
                           "\nElementSpacing = 1 1 1\nElementDataFile = LOCAL\n";
-  EXPECT_THAT(ReadLabelVolume(folder.Write("cut.mha", mha + Bytes<std::int16_t>({ 5, 6 }))).Voxels,
+  EXPECT_THAT(ReadLabelFile(folder.Write("cut.mha", mha + Bytes<std::int16_t>({ 5, 6 }))).Voxels,
     testing::ElementsAre(5, 6));
   EXPECT_THAT(ReadMessage(folder.Write("cut.mha", mha + "123")),
     HasSubstr("expected 2 voxels of 2 bytes, found 3 bytes"));
@@ -333,13 +332,13 @@ TEST(LabelVolumeIO, DetachedHeaders)
   folder.Write("d.raw", "xyz\1\2");
   const std::string header =
     folder.Write("d.nhdr", Nrrd("uint8", "", "data file: d.raw\nbyte skip: 3\n"));
-  EXPECT_THAT(ReadLabelVolume(header).Voxels, testing::ElementsAre(1, 2));
+  EXPECT_THAT(ReadLabelFile(header).Voxels, testing::ElementsAre(1, 2));
   folder.Write("e.nhdr", Nrrd("uint8", "", "data file: d.raw\nbyte skip: -1\n"));
-  EXPECT_THAT(ReadLabelVolume(folder.File("e.nhdr")).Voxels, testing::ElementsAre(1, 2));
+  EXPECT_THAT(ReadLabelFile(folder.File("e.nhdr")).Voxels, testing::ElementsAre(1, 2));
   const std::string mhd = folder.Write("d.mhd",
     "ObjectType = Image\nNDims = 3\nDimSize = 2 1 1\nElementType = MET_UCHAR\nElementSpacing = 1 1 "
     "1\nHeaderSize = 3\nElementDataFile = d.raw\n");
-  EXPECT_THAT(ReadLabelVolume(mhd).Voxels, testing::ElementsAre(1, 2));
+  EXPECT_THAT(ReadLabelFile(mhd).Voxels, testing::ElementsAre(1, 2));
 }
 
 TEST(LabelVolumeIO, TheThreeFormatsOfThePhantomsAreOneVolume)
@@ -349,14 +348,14 @@ TEST(LabelVolumeIO, TheThreeFormatsOfThePhantomsAreOneVolume)
   {
     GTEST_SKIP() << "shared data are absent";
   }
-  const LabelVolume nrrd = ReadLabelVolume(folder + "labels.nrrd");
+  const LabelVolume nrrd = ReadLabelFile(folder + "labels.nrrd");
   EXPECT_EQ(nrrd.Size, (std::array<int, 3>{ 150, 180, 180 }));
   EXPECT_EQ(nrrd.Origin, (Vector3{ -9.25, -53.4013, -44.9684 }));
   EXPECT_EQ(nrrd.CountLabels().at(29), 591310u);
   EXPECT_EQ(nrrd.CountLabels().at(225), 9702u);
   // Its NIfTI calls the phantom's own axes RAS, so they are taken as given.
-  for (const LabelVolume& other : { ReadLabelVolume(folder + "labels.mha"),
-         ReadLabelVolume(folder + "labels.nii.gz", VolumeAxes::AsGiven) })
+  for (const LabelVolume& other : { ReadLabelFile(folder + "labels.mha"),
+         ReadLabelFile(folder + "labels.nii.gz", VolumeAxes::AsGiven) })
   {
     EXPECT_EQ(other.Size, nrrd.Size);
     EXPECT_EQ(other.Origin, nrrd.Origin);

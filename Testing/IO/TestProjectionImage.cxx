@@ -55,7 +55,7 @@ TEST(ProjectionImage, FilesOfFloatsKeepThePose)
   for (const char* name : { "image.mha", "image.nrrd" })
   {
     WriteProjection(Image(), folder.File(name));
-    const IntensityVolume read = ReadIntensityVolume(folder.File(name));
+    const IntensityVolume read = ReadIntensityFile(folder.File(name));
     EXPECT_EQ(read.Size, (std::array<int, 3>{ 3, 2, 1 })) << name;
     EXPECT_THAT(read.Voxels, testing::ElementsAre(0, 1, 2, 3, 4, 5)) << name;
     // Doubles with 17 digits, normalised once.

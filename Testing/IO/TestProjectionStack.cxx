@@ -60,7 +60,7 @@ TEST(ProjectionStack, VolumesHaveTheProjectionsBehindEachOther)
   for (const char* name : { "stack.mha", "stack.nrrd" })
   {
     WriteProjectionStack(Stack(), folder.File(name));
-    const IntensityVolume read = ReadIntensityVolume(folder.File(name));
+    const IntensityVolume read = ReadIntensityFile(folder.File(name));
     EXPECT_EQ(read.Size, (std::array<int, 3>{ 3, 2, 4 })) << name;
     EXPECT_EQ(read.Spacing, (Vector3{ 0.5, 0.25, 1 })) << name;
     EXPECT_EQ(read.Voxels.back(), 23.5F) << name;

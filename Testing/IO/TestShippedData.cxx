@@ -118,7 +118,7 @@ TEST(ShippedData, ExampleBreastIsThePublishedSizeAndKeepsTheTissues)
   EXPECT_TRUE(testing_support::IsClosed(scene.Surface));
 
   const LabelVolume voxels = scene.Materials.ToMaterials(
-    ReadLabelVolume(DataDirectory() + "/victre-phantom-1/labels.nrrd"), "labels");
+    ReadLabelFile(DataDirectory() + "/victre-phantom-1/labels.nrrd"), "labels");
   const auto counts = voxels.CountLabels();
   const auto volumes = testing_support::MaterialVolumes(scene.Surface);
   ASSERT_EQ(volumes.size(), 5u);

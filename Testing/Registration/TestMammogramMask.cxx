@@ -2,8 +2,8 @@
 // Pictures whose muscle and markers are known, and real mammograms.
 #include "Files.h"
 #include "Refusals.h"
+#include "mammoray/Dicom/DicomReader.h"
 #include "mammoray/Foundation/Error.h"
-#include "mammoray/IO/MammogramIO.h"
 #include "mammoray/IO/MammogramPictureIO.h"
 #include "mammoray/Registration/MammogramMask.h"
 #include "mammoray/Registration/TargetPreparation.h"

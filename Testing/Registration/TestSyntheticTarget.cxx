@@ -2,8 +2,8 @@
 // A synthetic mammogram, written and read, is a target whose gantry is where it was.
 #include "DescribedProjection.h"
 #include "Files.h"
-#include "mammoray/IO/DicomWriter.h"
-#include "mammoray/IO/MammogramIO.h"
+#include "mammoray/Dicom/DicomReader.h"
+#include "mammoray/Dicom/DicomWriter.h"
 #include "mammoray/Registration/TargetPreparation.h"
 
 #include <gmock/gmock.h>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Files.h"
 #include "Refusals.h"
+#include "mammoray/Dicom/DicomReader.h"
 #include "mammoray/Foundation/Error.h"
-#include "mammoray/IO/MammogramIO.h"
 #include "mammoray/Registration/TargetPreparation.h"
 
 #include <zlib.h>

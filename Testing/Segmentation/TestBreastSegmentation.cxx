@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Files.h"
+#include "mammoray/Dicom/DicomReader.h"
 #include "mammoray/Foundation/Error.h"
-#include "mammoray/IO/LabelVolumeIO.h"
 #include "mammoray/Segmentation/BreastSegmentation.h"
 
 #include <gmock/gmock.h>

@@ -4,8 +4,8 @@
 // table that each prints), MAMMORAY_VARIATION=REGEX those whose names match it alone,
 // MAMMORAY_PICTURES=FOLDER draws them.
 #include "Files.h"
+#include "mammoray/Dicom/DicomReader.h"
 #include "mammoray/Foundation/Error.h"
-#include "mammoray/IO/LabelVolumeIO.h"
 #include "mammoray/IO/ShippedData.h"
 #include "mammoray/Segmentation/BreastSegmentation.h"
 #include "mammoray/Study/SlicePicture.h"

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Refusals.h"
 #include "SqueezedBox.h"
+#include "mammoray/Dicom/DicomReader.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/IO/LabelVolumeIO.h"
 #include "mammoray/Study/CompressedVolume.h"

@@ -4,8 +4,8 @@
 #include "Files.h"
 #include "MadeUpStudy.h"
 #include "Refusals.h"
+#include "mammoray/Dicom/DicomReader.h"
 #include "mammoray/Foundation/Error.h"
-#include "mammoray/IO/LabelVolumeIO.h"
 #include "mammoray/Study/Intake.h"
 
 #include <nlohmann/json.hpp>

@@ -3,7 +3,7 @@
 // on them.
 #include "MadeUpFrames.h"
 #include "MadeUpStudy.h"
-#include "mammoray/IO/LabelVolumeIO.h"
+#include "mammoray/Dicom/DicomReader.h"
 #include "mammoray/Study/Intake.h"
 
 #include <nlohmann/json.hpp>

@@ -3,7 +3,7 @@
 
 #include "Private/ImitatedMri.h"
 #include "Private/TruthFile.h"
-#include "mammoray/IO/DicomWriter.h"
+#include "mammoray/Dicom/DicomWriter.h"
 #include "mammoray/IO/WholeOutput.h"
 
 #include <algorithm>

@@ -2,7 +2,7 @@
 #ifndef mammoray_Private_MeshParcel_h
 #define mammoray_Private_MeshParcel_h
 
-#include "Private/Parcel.h"
+#include "mammoray/IO/GuardedRead.h"
 #include "mammorayIOModule.h"
 
 #include <string>

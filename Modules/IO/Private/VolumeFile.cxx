@@ -1,13 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Private/VolumeFile.h"
 
-#include "Private/GuardedRead.h"
-#include "Private/QuietGdcm.h"
 #include "Private/QuietStandardError.h"
 #include "Private/StoredVoxels.h"
+#include "mammoray/IO/GuardedRead.h"
 #include "mammoray/IO/WholeOutput.h"
 
-#include <itkGDCMImageIO.h>
 #include <itkMetaDataObject.h>
 #include <itkMetaImageIO.h>
 #include <itkNiftiImageIO.h>
@@ -27,14 +25,6 @@ namespace mammoray
 namespace
 {
 namespace fs = std::filesystem;
-
-std::string Number(double value)
-{
-  std::ostringstream text;
-  text.precision(17);
-  text << value;
-  return text.str();
-}
 
 /// ITK's reason in one line: without the class and address before it and the calls around it.
 std::string ReasonOf(const itk::ExceptionObject& error)
@@ -58,7 +48,6 @@ std::string ReasonOf(const itk::ExceptionObject& error)
 template <typename Action>
 bool CallItk(const Action& action, std::string& reason)
 {
-  const QuietGdcm quietGdcm;
   const QuietStandardError quiet;
   const bool warned = itk::Object::GetGlobalWarningDisplay();
   itk::Object::GlobalWarningDisplayOff();
@@ -365,17 +354,6 @@ std::string VolumeExtension(const std::string& path)
   return name.ends_with(".nii.gz") ? ".nii.gz" : fs::path(name).extension().string();
 }
 
-bool IsLabel(double value)
-{
-  return value >= 0 && value <= 65535 && value == std::floor(value);
-}
-
-InputError NoLabel(const std::string& place, double value)
-{
-  return InputError(
-    place + " holds " + Number(value) + ", expected a label, a whole number from 0 to 65535");
-}
-
 struct VolumeFile::Reader
 {
   std::string Path;
@@ -444,7 +422,7 @@ VolumeFile::VolumeFile(const std::string& path, const std::string& what, VolumeA
   else
   {
     throw InputError(path + ": expected " + what +
-      " (.nrrd, .nhdr, .mha, .mhd, .nii, .nii.gz, DICOM), found the extension '" + extension + "'");
+      " (.nrrd, .nhdr, .mha, .mhd, .nii, .nii.gz), found the extension '" + extension + "'");
   }
   storedBytes = storedBytes > 0 ? storedBytes : this->Itk->Itk->GetComponentSize();
   stored.CheckPresent(path, this->NumberOfVoxels(), storedBytes);
@@ -485,22 +463,5 @@ void WriteVolumeFile(const std::string& path, const VolumeGrid& grid, const floa
   unsigned channels, bool compressed)
 {
   Write(path, grid, itk::ImageIOBase::IOComponentEnum::FLOAT, voxels, channels, compressed);
-}
-
-void DecodeDicomSlice(const std::string& path,
-  const std::function<void(const double* values, std::size_t count)>& sink)
-{
-  const std::string what = "a slice";
-  const auto reader = itk::GDCMImageIO::New();
-  reader->SetFileName(path);
-  AskItk(path, what, [&] { reader->ReadImageInformation(); });
-  const bool flat = reader->GetNumberOfDimensions() == 2 || reader->GetDimensions(2) == 1;
-  if (!flat || reader->GetNumberOfComponents() != 1)
-  {
-    throw InputError(path + ": expected one slice of one value per pixel, found " +
-      std::to_string(flat ? 1 : reader->GetDimensions(2)) + " slice(s) of " +
-      std::to_string(reader->GetNumberOfComponents()) + " value(s)");
-  }
-  DecodeAll(*reader, path, what, sink);
 }
 }

@@ -2,7 +2,6 @@
 #ifndef mammoray_Private_VolumeFile_h
 #define mammoray_Private_VolumeFile_h
 
-#include "mammoray/Foundation/Error.h"
 #include "mammoray/Foundation/VolumeGrid.h"
 #include "mammoray/IO/LabelVolumeIO.h"
 
@@ -13,7 +12,7 @@
 
 namespace mammoray
 {
-/// A file of one volume, its header read: .nrrd .nhdr .mha .mhd .nii .nii.gz (see ReadLabelVolume).
+/// A file of one volume, its header read: .nrrd .nhdr .mha .mhd .nii .nii.gz (see ReadLabelFile).
 class VolumeFile
 {
 public:
@@ -38,13 +37,6 @@ private:
 };
 
 /**
- * The same of one image in a DICOM file that is whole (see DicomFile): its values after rescaling,
- * along rows first. Throws InputError when it is none of one slice and one value per pixel.
- */
-void DecodeDicomSlice(const std::string& path,
-  const std::function<void(const double* values, std::size_t count)>& sink);
-
-/**
  * Writes voxels, i fastest, as a file of the format that the extension (.nrrd, .mha, .nii.gz)
  * names; the frame is called LPS. Each voxel has `channels` values, one after the other. Throws
  * InputError when it cannot be written.
@@ -56,12 +48,6 @@ void WriteVolumeFile(const std::string& path, const VolumeGrid& grid, const floa
 
 /// The extension in lower case, ".nii.gz" as one.
 std::string VolumeExtension(const std::string& path);
-
-/// True for what LabelVolume holds: a whole number from 0 to 65535.
-bool IsLabel(double value);
-
-/// The error for another value; `place` says where it is.
-InputError NoLabel(const std::string& place, double value);
 }
 
 #endif

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Private/AskedPlaces.h"
 
+#include "mammoray/Dicom/DicomReader.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/Foundation/SurfaceMesh.h"
 #include "mammoray/IO/LabelVolumeIO.h"

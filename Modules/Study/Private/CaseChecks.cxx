@@ -2,9 +2,9 @@
 #include "Private/CaseChecks.h"
 
 #include "Private/MammogramRules.h"
+#include "mammoray/Dicom/DicomHeader.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/Foundation/MammographyGeometry.h"
-#include "mammoray/IO/DicomHeader.h"
 #include "mammoray/Study/LabelSource.h"
 
 #include <algorithm>

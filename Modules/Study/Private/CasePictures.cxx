@@ -2,9 +2,9 @@
 #include "Private/CasePictures.h"
 
 #include "Private/CaseChecks.h"
+#include "mammoray/Dicom/DicomReader.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/Foundation/Numbers.h"
-#include "mammoray/IO/MammogramIO.h"
 #include "mammoray/IO/MammogramPictureIO.h"
 #include "mammoray/Registration/MammogramMask.h"
 #include "mammoray/Registration/TargetPreparation.h"

@@ -2,7 +2,7 @@
 #ifndef mammoray_Private_MammogramRules_h
 #define mammoray_Private_MammogramRules_h
 
-#include "mammoray/IO/DicomHeader.h"
+#include "mammoray/Dicom/DicomHeader.h"
 #include "mammoray/Study/Intake.h"
 #include "mammorayStudyModule.h"
 

@@ -2,7 +2,7 @@
 #ifndef mammoray_Private_StudyPatients_h
 #define mammoray_Private_StudyPatients_h
 
-#include "mammoray/IO/DicomHeader.h"
+#include "mammoray/Dicom/DicomHeader.h"
 #include "mammorayStudyModule.h"
 
 #include <string>

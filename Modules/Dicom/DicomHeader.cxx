@@ -1,0 +1,378 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mammoray/Dicom/DicomHeader.h"
+
+#include "Private/DicomFile.h"
+#include "Private/DicomFrames.h"
+#include "Private/MammogramViews.h"
+#include "Private/SliceStack.h"
+#include "mammoray/Foundation/Error.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <memory>
+
+namespace mammoray
+{
+namespace
+{
+/// What may be shown of a text. Of more than any of DICOM's short texts holds nothing is kept: who
+/// looks for patterns in it takes a stack as deep as it is long.
+std::string Shown(const std::string& text)
+{
+  constexpr std::size_t most = 256;
+  return EscapeControls(text.substr(0, most));
+}
+
+std::vector<std::string> Values(DcmItem& data, const DcmTagKey& tag)
+{
+  std::vector<std::string> values;
+  DcmElement* element = nullptr;
+  const unsigned long count =
+    data.findAndGetElement(tag, element).good() && element ? element->getVM() : 0;
+  for (unsigned long index = 0; index < std::min(count, 32UL); ++index)
+  {
+    values.push_back(Shown(DicomText(data, tag, index)));
+  }
+  return values;
+}
+
+int Whole(DcmItem& data, const DcmTagKey& tag, int otherwise)
+{
+  const double value = DicomNumber(data, tag).value_or(otherwise);
+  return value > 0 && value < 1e6 ? static_cast<int>(value) : otherwise;
+}
+
+void ReadImage(DcmItem& data, DicomHeader& header)
+{
+  header.SopClassUid = DicomText(data, DCM_SOPClassUID);
+  header.SopInstanceUid = DicomText(data, DCM_SOPInstanceUID);
+  header.SeriesInstanceUid = DicomText(data, DCM_SeriesInstanceUID);
+  header.FrameOfReferenceUid = DicomText(data, DCM_FrameOfReferenceUID);
+  header.Identity = ReadIdentity(data);
+  header.Modality = Shown(DicomText(data, DCM_Modality));
+  header.Manufacturer = Shown(DicomTexts(data, DCM_Manufacturer));
+  header.ImageType = Values(data, DCM_ImageType);
+  header.SeriesDescription = Shown(DicomTexts(data, DCM_SeriesDescription));
+  header.ProtocolName = Shown(DicomTexts(data, DCM_ProtocolName));
+  header.SeriesNumber = DicomNumber(data, DCM_SeriesNumber);
+  header.InstanceNumber = DicomNumber(data, DCM_InstanceNumber);
+  header.AcquisitionNumber = DicomNumber(data, DCM_AcquisitionNumber);
+  header.SeriesDate = Shown(DicomText(data, DCM_SeriesDate));
+  header.SeriesTime = Shown(DicomText(data, DCM_SeriesTime));
+  header.AcquisitionDate = Shown(DicomText(data, DCM_AcquisitionDate));
+  header.AcquisitionTime = Shown(DicomText(data, DCM_AcquisitionTime));
+  header.ContentTime = Shown(DicomText(data, DCM_ContentTime));
+  header.Rows = DicomShort(data, DCM_Rows).value_or(0);
+  header.Columns = DicomShort(data, DCM_Columns).value_or(0);
+  header.Frames = Whole(data, DCM_NumberOfFrames, 1);
+  header.SamplesPerPixel = DicomShort(data, DCM_SamplesPerPixel).value_or(1);
+}
+
+void ReadSlice(DcmItem& data, DicomHeader& header)
+{
+  const std::vector<double> at = DicomNumbers(data, DCM_ImagePositionPatient, 3);
+  const std::vector<double> axes = DicomNumbers(data, DCM_ImageOrientationPatient, 6);
+  const std::vector<double> spacing = DicomNumbers(data, DCM_PixelSpacing, 2);
+  header.PatientPosition = Shown(DicomText(data, DCM_PatientPosition));
+  if (at.empty() || axes.empty() || spacing.empty() || !(spacing[0] > 0) || !(spacing[1] > 0))
+  {
+    return;
+  }
+  header.Position = Vector3{ at[0], at[1], at[2] };
+  header.AlongRow = { axes[0], axes[1], axes[2] };
+  header.AlongColumn = { axes[3], axes[4], axes[5] };
+  header.RowSpacingMm = spacing[0];
+  header.ColumnSpacingMm = spacing[1];
+  header.SliceSpacingMm = DicomSliceSpacing(data);
+}
+
+void ReadResonance(DcmItem& data, DicomHeader& header)
+{
+  header.ScanningSequence = Values(data, DCM_ScanningSequence);
+  header.ScanOptions = Values(data, DCM_ScanOptions);
+  header.HasScanOptions = data.tagExists(DCM_ScanOptions);
+  header.SequenceName = Shown(DicomText(data, DCM_SequenceName));
+  header.AcquisitionType = Shown(DicomText(data, DCM_MRAcquisitionType));
+  header.RepetitionTimeMs = DicomNumber(data, DCM_RepetitionTime);
+  header.EchoTimeMs = DicomNumber(data, DCM_EchoTime);
+  header.InversionTimeMs = DicomNumber(data, DCM_InversionTime);
+  header.FlipAngleDeg = DicomNumber(data, DCM_FlipAngle);
+  Float64 diffusion = 0;
+  if (data.findAndGetFloat64(DCM_DiffusionBValue, diffusion).good() && std::isfinite(diffusion))
+  {
+    header.DiffusionBValue = diffusion;
+  }
+  header.ContrastAgent = Shown(DicomTexts(data, DCM_ContrastBolusAgent));
+  header.TemporalPosition = DicomNumber(data, DCM_TemporalPositionIdentifier);
+  header.TriggerTimeMs = DicomNumber(data, DCM_TriggerTime);
+}
+
+/// A double (FD), which most numbers of enhanced objects are.
+std::optional<double> Double(DcmItem& data, const DcmTagKey& tag)
+{
+  Float64 value = 0;
+  return data.findAndGetFloat64(tag, value).good() && std::isfinite(value) ? std::optional(value)
+                                                                           : std::nullopt;
+}
+
+bool Says(DcmItem& data, const DcmTagKey& tag, const char* what)
+{
+  return DicomText(data, tag) == what;
+}
+
+/// YYYYMMDD and HHMMSS.FFFFFF of a date and time (DT), as far as it goes.
+void SplitMoment(const std::string& moment, std::string& date, std::string& time)
+{
+  if (moment.size() >= 14)
+  {
+    date = moment.substr(0, 8);
+    time = moment.substr(8, moment.find_first_of("+-&") - 8);
+  }
+}
+
+/// What enhanced MR objects say in other elements than the older ones.
+void ReadEnhanced(DcmItem& data, DicomHeader& header)
+{
+  header.SpectralSuppression = Shown(DicomText(data, DCM_SpectrallySelectedSuppression));
+  header.AcquisitionContrast = Shown(DicomText(data, DCM_AcquisitionContrast));
+  if (const auto echo = Double(data, DCM_EffectiveEchoTime); echo && !header.EchoTimeMs)
+  {
+    header.EchoTimeMs = echo;
+  }
+  if (const auto inversion = Double(data, DCM_InversionTimes); inversion && !header.InversionTimeMs)
+  {
+    header.InversionTimeMs = inversion;
+  }
+  if (header.ScanningSequence.empty())
+  {
+    const std::string echo = DicomText(data, DCM_EchoPulseSequence);
+    const auto add = [&header](bool said, const char* term)
+    {
+      if (said)
+      {
+        header.ScanningSequence.emplace_back(term);
+      }
+    };
+    add(echo == "SPIN" || echo == "BOTH", "SE");
+    add(echo == "GRADIENT" || echo == "BOTH", "GR");
+    add(Says(data, DCM_InversionRecovery, "YES"), "IR");
+    add(Says(data, DCM_EchoPlanarPulseSequence, "YES"), "EP");
+  }
+  if (header.SequenceName.empty())
+  {
+    header.SequenceName = Shown(DicomText(data, DCM_PulseSequenceName));
+  }
+  // What a frame is made of counts before what the object is called.
+  if (const std::vector<std::string> type = Values(data, DCM_FrameType); !type.empty())
+  {
+    header.ImageType = type;
+  }
+  const std::string component = DicomText(data, DCM_ComplexImageComponent);
+  if (component == "PHASE" || component == "REAL" || component == "IMAGINARY")
+  {
+    header.ImageType.push_back(component == "PHASE" ? "P" : component.substr(0, 1));
+  }
+  SplitMoment(DicomText(data, DCM_AcquisitionDateTime), header.AcquisitionDate,
+    header.AcquisitionTime);
+  SplitMoment(DicomText(data, DCM_FrameAcquisitionDateTime), header.AcquisitionDate,
+    header.AcquisitionTime);
+  if (const auto temporal = DicomUnsigned(data, DCM_TemporalPositionIndex))
+  {
+    header.TemporalPosition = *temporal;
+  }
+  if (const auto acquisition = DicomShort(data, DCM_FrameAcquisitionNumber))
+  {
+    header.AcquisitionNumber = *acquisition;
+  }
+  if (const auto delay = Double(data, DCM_NominalCardiacTriggerDelayTime))
+  {
+    header.TriggerTimeMs = delay;
+  }
+  if (Says(data, DCM_ContrastBolusAgentAdministered, "YES") && header.ContrastAgent.empty())
+  {
+    header.ContrastAgent = "administered";
+  }
+  const std::string side = DicomText(data, DCM_FrameLaterality);
+  header.Laterality = side == "L" || side == "R" ? side[0] : header.Laterality;
+}
+
+void ReadMammography(DcmItem& data, DicomHeader& header)
+{
+  header.View = MammogramViewOf(data);
+  header.ViewModifiers = MammogramViewModifiers(data);
+  header.Laterality = MammogramLaterality(data);
+  header.PresentationIntent = MammogramIntent(data);
+  header.BodyPartThicknessMm = DicomNumber(data, DCM_BodyPartThickness);
+  header.PositionerPrimaryAngleDeg = DicomNumber(data, DCM_PositionerPrimaryAngle);
+  header.Magnification = DicomNumber(data, DCM_EstimatedRadiographicMagnificationFactor);
+  header.PaddleDescription = Shown(DicomTexts(data, DCM_PaddleDescription));
+  header.PartialView = DicomText(data, DCM_PartialView) == "YES";
+  header.ImplantPresent = DicomText(data, DCM_BreastImplantPresent) == "YES";
+}
+
+/// Whether the file is too short for the pixels that its header promises; of compressed ones that
+/// cannot be told.
+bool LacksPixels(const DicomFile& file, const DicomHeader& header)
+{
+  const DcmXfer syntax(file.Data().getOriginalXfer());
+  const double bits = DicomShort(file.Data(), DCM_BitsAllocated).value_or(0);
+  if (syntax.isEncapsulated() || syntax.getStreamCompression() != ESC_none)
+  {
+    return false;
+  }
+  const double bytes = static_cast<double>(header.Rows) * header.Columns * header.Frames *
+    header.SamplesPerPixel * bits / 8;
+  // Half-resolved colours (YBR_FULL_422) take two thirds.
+  const double least = header.SamplesPerPixel > 1 ? bytes / 2 : bytes;
+  std::error_code problem;
+  const auto size = std::filesystem::file_size(header.Path, problem);
+  return !problem && static_cast<double>(size) < least;
+}
+
+/// Null for what is no DICOM.
+std::unique_ptr<DicomFile> OpenHeader(const std::string& path)
+{
+  if (!HasDicomHeader(path))
+  {
+    return nullptr;
+  }
+  try
+  {
+    auto file = std::make_unique<DicomFile>(path, "DICOM", DicomExtent::Header);
+    return file->HasPreamble() || file->Data().tagExists(DCM_Modality) ? std::move(file) : nullptr;
+  }
+  catch (const InputError&)
+  {
+    // What only looked as if a data set began there is something else.
+    if (!HasDicomPreamble(path))
+    {
+      return nullptr;
+    }
+    throw;
+  }
+}
+
+DicomHeader ReadElements(DcmItem& data, const std::string& path)
+{
+  DicomHeader header;
+  header.Path = path;
+  ReadImage(data, header);
+  ReadSlice(data, header);
+  ReadResonance(data, header);
+  ReadMammography(data, header);
+  ReadEnhanced(data, header);
+  return header;
+}
+
+DicomHeader ReadObject(const DicomFile& file, const std::string& path)
+{
+  DicomHeader header = ReadElements(file.Data(), path);
+  if (header.SopClassUid.empty())
+  {
+    // A DICOMDIR has it in its meta information only.
+    header.SopClassUid = file.StorageClass();
+  }
+  if (LacksPixels(file, header))
+  {
+    throw InputError(path + ": expected DICOM, found a file that is cut short");
+  }
+  return header;
+}
+}
+
+std::optional<DicomHeader> ReadDicomHeader(const std::string& path)
+{
+  const std::unique_ptr<DicomFile> file = OpenHeader(path);
+  return file ? std::optional(ReadObject(*file, path)) : std::nullopt;
+}
+
+std::vector<DicomHeader> ReadDicomHeaders(const std::string& path)
+{
+  const std::unique_ptr<DicomFile> file = OpenHeader(path);
+  if (!file)
+  {
+    return {};
+  }
+  const DicomHeader whole = ReadObject(*file, path);
+  if (!HasResonanceFrames(file->Data()))
+  {
+    return { whole };
+  }
+  const DicomFrames frames(file->Data(), path);
+  std::vector<DicomHeader> headers;
+  headers.reserve(frames.Count());
+  for (std::size_t frame = 0; frame < frames.Count(); ++frame)
+  {
+    const std::unique_ptr<DcmItem> data = frames.Flat(frame);
+    DicomHeader header = ReadElements(*data, path);
+    header.Frame = static_cast<int>(frame) + 1;
+    headers.push_back(std::move(header));
+  }
+  return headers;
+}
+
+SliceOrder FindSliceOrder(const std::vector<DicomHeader>& slices)
+{
+  std::vector<VolumeSlice> places;
+  for (const DicomHeader& header : slices)
+  {
+    if (!header.Position)
+    {
+      throw InputError(header.Path +
+        ": expected image position, orientation and a positive pixel spacing, found some of them "
+        "missing");
+    }
+    places.push_back({ header.Path, header.Columns, header.Rows, *header.Position, header.AlongRow,
+      header.AlongColumn, header.RowSpacingMm, header.ColumnSpacingMm, header.SliceSpacingMm, {} });
+  }
+  SliceOrder result{ FindSliceGrid(places, false), std::vector<std::size_t>(slices.size()) };
+  for (std::size_t slice = 0; slice < slices.size(); ++slice)
+  {
+    const double layer = result.Grid.ContinuousIndex(*slices[slice].Position)[2];
+    result.Order[static_cast<std::size_t>(std::lround(layer))] = slice;
+  }
+  return result;
+}
+
+DicomReference ReadDicomReference(const std::string& path)
+{
+  const DicomFile file(path, "a DICOM mammogram");
+  DcmItem& data = file.Data();
+  if (const std::string modality = DicomText(data, DCM_Modality); modality != "MG")
+  {
+    throw InputError(
+      path + ": expected a mammogram (modality MG), found modality '" + modality + "'");
+  }
+  DicomReference reference;
+  reference.SopClassUid = DicomText(data, DCM_SOPClassUID);
+  reference.SopInstanceUid = DicomText(data, DCM_SOPInstanceUID);
+  reference.SeriesInstanceUid = DicomText(data, DCM_SeriesInstanceUID);
+  reference.PatientOrientation = DicomTexts(data, DCM_PatientOrientation);
+  reference.Identity = ReadIdentity(data);
+  reference.Rows = DicomShort(data, DCM_Rows).value_or(0);
+  reference.Columns = DicomShort(data, DCM_Columns).value_or(0);
+  if (reference.SopClassUid.empty() || reference.SopInstanceUid.empty() ||
+    reference.SeriesInstanceUid.empty() || reference.Identity.StudyInstanceUid.empty() ||
+    reference.Rows == 0 || reference.Columns == 0)
+  {
+    throw InputError(path +
+      ": expected a mammogram with UIDs of its class, instance, series and study, rows and "
+      "columns, "
+      "found some of them missing");
+  }
+  return reference;
+}
+
+void CheckDicomText(const std::string& text, const std::string& what)
+{
+  const bool bad = std::any_of(text.begin(), text.end(),
+    [](char c) { return c == '\\' || static_cast<unsigned char>(c) < 0x20 || c == 0x7f; });
+  if (bad || text.size() > 64)
+  {
+    throw InputError(what +
+      ": expected at most 64 bytes without '\\' and control characters, found " +
+      (bad ? "some" : std::to_string(text.size()) + " bytes"));
+  }
+}
+}

@@ -1,0 +1,506 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mammoray/Dicom/DicomReader.h"
+
+#include "Private/DicomFile.h"
+#include "Private/DicomFrames.h"
+#include "Private/FramePixels.h"
+#include "Private/MammogramParcel.h"
+#include "Private/MammogramViews.h"
+#include "Private/QuietGdcm.h"
+#include "Private/SourcePlace.h"
+#include "Private/StoredPixel.h"
+#include "mammoray/Foundation/Error.h"
+
+#include <gdcmImageReader.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <limits>
+#include <memory>
+#include <utility>
+
+namespace mammoray
+{
+namespace
+{
+[[noreturn]] void Refuse(const std::string& path, const std::string& why)
+{
+  throw InputError(path + ": " + why);
+}
+
+std::optional<double> PositiveNumber(DcmItem& data, const DcmTagKey& tag, unsigned long index = 0)
+{
+  const std::optional<double> value = DicomNumber(data, tag, index);
+  return value && *value > 0 ? value : std::nullopt;
+}
+
+/// The distances of pixels at the receptor.
+void ReadSpacing(DcmItem& data, const std::string& path, Mammogram& mammogram)
+{
+  double scale = 1;
+  DcmTagKey tag = DCM_ImagerPixelSpacing;
+  if (!PositiveNumber(data, tag))
+  {
+    const std::optional<double> magnification =
+      PositiveNumber(data, DCM_EstimatedRadiographicMagnificationFactor);
+    tag = DCM_PixelSpacing;
+    if (!PositiveNumber(data, tag) || !magnification)
+    {
+      Refuse(path,
+        "expected Imager Pixel Spacing (0018,1164), or Pixel Spacing with Estimated Radiographic "
+        "Magnification Factor, found neither: the size of a pixel is not known");
+    }
+    scale = *magnification;
+  }
+  // Row spacing comes first in DICOM.
+  const std::optional<double> row = PositiveNumber(data, tag, 0);
+  const std::optional<double> column = PositiveNumber(data, tag, 1);
+  if (!row || !column)
+  {
+    Refuse(path, "expected two positive numbers as pixel spacing, found one");
+  }
+  mammogram.RowSpacingMm = scale * *row;
+  mammogram.ColumnSpacingMm = scale * *column;
+}
+
+/// Terms of the standard only are taken, since they are shown in reports: what somebody else wrote
+/// in their place may be anything of the patient. CC, MLO, AT and the like.
+std::string ViewTerm(const std::string& view)
+{
+  const bool isCode = view.size() <= 4 &&
+    std::all_of(view.begin(), view.end(),
+      [](char letter) { return letter >= 'A' && letter <= 'Z'; });
+  return isCode ? view : "OTHER";
+}
+
+/// Letters of Patient Orientation; nothing of what is none.
+std::string DirectionTerm(const std::string& direction)
+{
+  return direction.find_first_not_of("LRAPHF") == std::string::npos ? direction : "";
+}
+
+/// A metal of an anode or a filter (PS3.3, C.8.11.7 and CID 10006).
+std::string MetalTerm(const std::string& metal)
+{
+  constexpr std::array<const char*, 12> known{ "", "MOLYBDENUM", "RHODIUM", "TUNGSTEN", "ALUMINUM",
+    "COPPER", "SILVER", "NIOBIUM", "EUROPIUM", "LEAD", "TIN", "TITANIUM" };
+  return std::find(known.begin(), known.end(), metal) != known.end() ? metal : "OTHER";
+}
+
+/// What the header says of the breast and the unit.
+void ReadAcquisition(DcmItem& data, Mammogram& mammogram)
+{
+  mammogram.View = ViewTerm(MammogramViewOf(data));
+  mammogram.Laterality = MammogramLaterality(data);
+  mammogram.RowDirection = DirectionTerm(DicomText(data, DCM_PatientOrientation, 0));
+  mammogram.ColumnDirection = DirectionTerm(DicomText(data, DCM_PatientOrientation, 1));
+  mammogram.BodyPartThicknessMm = PositiveNumber(data, DCM_BodyPartThickness);
+  mammogram.PositionerPrimaryAngleDeg = DicomNumber(data, DCM_PositionerPrimaryAngle);
+  mammogram.SourceToDetectorMm = PositiveNumber(data, DCM_DistanceSourceToDetector);
+  mammogram.SourceToPatientMm = PositiveNumber(data, DCM_DistanceSourceToPatient);
+  mammogram.PeakKilovoltage = PositiveNumber(data, DCM_KVP);
+  mammogram.AnodeMaterial = MetalTerm(DicomText(data, DCM_AnodeTargetMaterial));
+  mammogram.FilterMaterial = MetalTerm(DicomText(data, DCM_FilterMaterial));
+}
+
+void ReadIntensityScale(DcmItem& data, const std::string& path, Mammogram& mammogram)
+{
+  mammogram.PresentationIntent = MammogramIntent(data);
+  // What is taken for the other is registered with a wrong thickness, and looks right.
+  const std::string storage = DicomText(data, DCM_SOPClassUID);
+  const bool isRaw = mammogram.PresentationIntent == Mammogram::Intent::ForProcessing;
+  const bool isKnown = IsBreastProjection(storage) ||
+    storage == UID_DigitalMammographyXRayImageStorageForPresentation ||
+    storage == UID_DigitalMammographyXRayImageStorageForProcessing;
+  if (isKnown && IsForProcessingClass(storage) != isRaw)
+  {
+    Refuse(path,
+      std::string("expected Presentation Intent Type (0008,0068) and SOP Class (0008,0016) of one "
+                  "kind, found FOR ") +
+        (isRaw ? "PROCESSING for what is stored as For Presentation"
+               : "PRESENTATION for what is stored as For Processing"));
+  }
+  const std::string photometric = DicomText(data, DCM_PhotometricInterpretation);
+  if (photometric != "MONOCHROME1" && photometric != "MONOCHROME2")
+  {
+    Refuse(path, "expected a grey image (MONOCHROME1 or MONOCHROME2), found '" + photometric + "'");
+  }
+  mammogram.InvertedForDisplay = photometric == "MONOCHROME1";
+
+  const std::string relationship = DicomText(data, DCM_PixelIntensityRelationship);
+  mammogram.IntensityRelationship = relationship == "LIN" ? Mammogram::Relationship::Linear
+    : relationship == "LOG"                               ? Mammogram::Relationship::Logarithmic
+                                                          : Mammogram::Relationship::Unknown;
+  if (const auto sign = DicomShort(data, DCM_PixelIntensityRelationshipSign))
+  {
+    mammogram.IntensitySign = *sign == 1 ? 1 : *sign == 0xffff ? -1 : 0;
+  }
+  if (data.tagExists(DCM_ModalityLUTSequence))
+  {
+    Refuse(path, "expected a linear modality rescale, found a Modality LUT Sequence (0028,3000)");
+  }
+  for (const DcmTagKey& tag : { DCM_RescaleSlope, DCM_RescaleIntercept })
+  {
+    if (const std::string text = DicomText(data, tag); !text.empty() && !DicomNumber(data, tag))
+    {
+      Refuse(path, "expected a number to rescale pixels by, found '" + text + "'");
+    }
+  }
+}
+
+PixelPadding PaddingOf(DcmItem& data)
+{
+  return { DicomShort(data, DCM_PixelPaddingValue), DicomShort(data, DCM_PixelPaddingRangeLimit) };
+}
+
+/// One frame of `Stored` to floats: unused bits cleared, sign extended, rescaled, padding to NaN.
+template <typename Stored>
+void Convert(const std::vector<char>& buffer, DcmItem& data, const gdcm::PixelFormat& format,
+  std::vector<float>& pixels)
+{
+  const double slope = DicomNumber(data, DCM_RescaleSlope).value_or(1);
+  const double intercept = DicomNumber(data, DCM_RescaleIntercept).value_or(0);
+  const StoredPixel stored(format);
+  const auto [paddingLow, paddingHigh] = PaddingOf(data).Range(stored.IsSigned);
+  for (std::size_t pixel = 0; pixel < pixels.size(); ++pixel)
+  {
+    Stored raw{};
+    std::memcpy(&raw, buffer.data() + pixel * sizeof(Stored), sizeof(Stored));
+    const std::int64_t value = stored.ValueOf(raw);
+    pixels[pixel] = value >= paddingLow && value <= paddingHigh
+      ? std::numeric_limits<float>::quiet_NaN()
+      : static_cast<float>(slope * static_cast<double>(value) + intercept);
+  }
+}
+
+/// Throws InputError on another modality.
+void CheckIsMammogram(DcmItem& data, const std::string& path)
+{
+  const std::string modality = DicomText(data, DCM_Modality);
+  if (modality != "MG")
+  {
+    Refuse(path,
+      "expected a mammogram (modality MG), found modality '" +
+        (modality.empty() ? std::string("none") : modality) + "'");
+  }
+}
+
+/// Throws InputError on stacks.
+void CheckIsOne(DcmItem& data, const std::string& path)
+{
+  const double frames = DicomNumber(data, DCM_NumberOfFrames).value_or(1);
+  if (frames > 1 || DicomText(data, DCM_SOPClassUID) == UID_BreastTomosynthesisImageStorage)
+  {
+    Refuse(path,
+      "expected one projection, found a tomosynthesis or multi-frame object of " +
+        std::to_string(static_cast<long>(frames)) + " frame(s)");
+  }
+}
+
+/// The stored bytes of one frame, decoded by GDCM: DCMTK of Debian knows no JPEG 2000.
+std::vector<char> DecodePixels(gdcm::ImageReader& reader, const std::string& path)
+{
+  reader.SetFileName(path.c_str());
+  if (!reader.Read())
+  {
+    Refuse(path, "expected pixel data that can be decoded, found none (cut short or damaged)");
+  }
+  const gdcm::Image& image = reader.GetImage();
+  const gdcm::PixelFormat& format = image.GetPixelFormat();
+  if (format.GetSamplesPerPixel() != 1 || image.GetNumberOfDimensions() != 2)
+  {
+    Refuse(path,
+      "expected one value per pixel and one frame, found " +
+        std::to_string(format.GetSamplesPerPixel()) + " values and " +
+        std::to_string(image.GetNumberOfDimensions()) + " dimensions");
+  }
+  const std::size_t columns = image.GetDimension(0);
+  const std::size_t rows = image.GetDimension(1);
+  // Uncompressed data that ends early is read without complaint; its length tells.
+  const gdcm::ByteValue* stored =
+    reader.GetFile().GetDataSet().GetDataElement(gdcm::Tag(0x7fe0, 0x0010)).GetByteValue();
+  const std::size_t needed = columns * rows * format.GetBitsAllocated() / 8;
+  if (columns * rows == 0 || image.GetBufferLength() != columns * rows * format.GetPixelSize() ||
+    (stored && stored->GetLength() < needed))
+  {
+    Refuse(path,
+      "expected " + std::to_string(columns) + " x " + std::to_string(rows) +
+        " pixels, found fewer (cut short)");
+  }
+  const bool isPlain = !reader.GetFile().GetHeader().GetDataSetTransferSyntax().IsEncapsulated();
+  // A row more or less would pass for a damaged end; other columns turn the picture into another.
+  if (isPlain && stored && stored->GetLength() >= needed + columns)
+  {
+    Refuse(path,
+      "expected " + std::to_string(columns) + " x " + std::to_string(rows) + " pixels (" +
+        std::to_string(needed) + " bytes), found " + std::to_string(stored->GetLength()) +
+        " bytes");
+  }
+  std::vector<char> buffer(image.GetBufferLength());
+  if (!image.GetBuffer(buffer.data()))
+  {
+    Refuse(path,
+      "expected pixel data that can be decoded, found transfer syntax " +
+        std::string(reader.GetFile().GetHeader().GetDataSetTransferSyntax().GetString()) +
+        " that could not (not supported, or damaged)");
+  }
+  // GDCM's decoders of JPEG go on where data is damaged, and only print that they did.
+  if (const std::string said = SaidByLibraries();
+      said.find("orrupt") != std::string::npos || said.find("remature") != std::string::npos)
+  {
+    Refuse(path, "expected pixel data that can be decoded, found damaged data (" + said + ")");
+  }
+  return buffer;
+}
+
+void ReadPixels(DcmItem& data, const std::string& path, Mammogram& mammogram)
+{
+  const QuietGdcm quiet;
+  gdcm::ImageReader reader;
+  const std::vector<char> buffer = DecodePixels(reader, path);
+  const gdcm::PixelFormat format = reader.GetImage().GetPixelFormat();
+  mammogram.Columns = static_cast<int>(reader.GetImage().GetDimension(0));
+  mammogram.Rows = static_cast<int>(reader.GetImage().GetDimension(1));
+  mammogram.BitsStored = format.GetBitsStored();
+  mammogram.Pixels.resize(
+    static_cast<std::size_t>(mammogram.Columns) * static_cast<std::size_t>(mammogram.Rows));
+  switch (format.GetPixelSize())
+  {
+    case 1:
+      Convert<std::uint8_t>(buffer, data, format, mammogram.Pixels);
+      break;
+    case 2:
+      Convert<std::uint16_t>(buffer, data, format, mammogram.Pixels);
+      break;
+    case 4:
+      Convert<std::uint32_t>(buffer, data, format, mammogram.Pixels);
+      break;
+    default:
+      Refuse(path,
+        "expected 8, 16 or 32 bits per pixel, found " + std::to_string(format.GetBitsAllocated()));
+  }
+}
+
+/// Memory for as many pixels as the file can hold, of which GDCM keeps several copies.
+void AllowPixels(DcmItem& data, const std::string& path)
+{
+  // Detectors of 0.02 mm and 300 mm have 15000; OpenJPEG asks for all that a header says.
+  constexpr int most = 16384;
+  const int columns = DicomShort(data, DCM_Columns).value_or(0);
+  const int rows = DicomShort(data, DCM_Rows).value_or(0);
+  if (columns < 1 || rows < 1 || columns > most || rows > most)
+  {
+    Refuse(path,
+      "expected 1 to " + std::to_string(most) + " columns and rows, found " +
+        std::to_string(columns) + " x " + std::to_string(rows));
+  }
+  // No compression of a mammogram without loss reaches a hundredth.
+  const std::uint64_t pixels = std::min<std::uint64_t>(static_cast<std::uint64_t>(columns) * rows,
+    1000 * std::filesystem::file_size(path));
+  AllowMemory(ReadLimits::Of({ path }).MemoryBytes + 32 * pixels);
+}
+
+/// Of the attributes of a frame's functional groups, all on one level.
+SourcePlace ReadSourcePlace(DcmItem& frame, const std::string& path)
+{
+  const auto number = [&](const DcmTagKey& tag, unsigned long index, const char* name)
+  {
+    const std::optional<double> value = DicomNumber(frame, tag, index);
+    // Angles of at most a turn, lengths of at most some metres.
+    if (!value || std::abs(*value) > 1e4)
+    {
+      Refuse(path,
+        std::string("expected where source and detector stood for each projection, found no "
+                    "usable ") +
+          name);
+    }
+    return *value;
+  };
+  const auto vector = [&](const DcmTagKey& tag, unsigned long first, const char* name)
+  {
+    return Vector3{ number(tag, first, name), number(tag, first + 1, name),
+      number(tag, first + 2, name) };
+  };
+  SourcePlace place;
+  place.SourceToIsocenterMm =
+    number(DCM_DistanceSourceToIsocenter, 0, "Distance Source to Isocenter (0018,9402)");
+  place.SourcePrimaryDeg =
+    number(DCM_XRaySourceIsocenterPrimaryAngle, 0, "X-Ray Source Isocenter Angle (0018,9543)");
+  place.SourceSecondaryDeg =
+    number(DCM_XRaySourceIsocenterSecondaryAngle, 0, "X-Ray Source Isocenter Angle (0018,9544)");
+  place.DetectorPrimaryDeg =
+    number(DCM_DetectorIsocenterPrimaryAngle, 0, "Detector Isocenter Angle (0018,9550)");
+  for (const DcmTagKey& tag :
+    { DCM_DetectorIsocenterSecondaryAngle, DCM_BreastSupportIsocenterSecondaryAngle })
+  {
+    if (DicomNumber(frame, tag).value_or(0) != 0)
+    {
+      Refuse(path, "expected a detector that turns about one axis, found one with a second angle");
+    }
+  }
+  place.Detector = { number(DCM_DetectorXPositionToIsocenter, 0, "Detector Position (0018,9552)"),
+    number(DCM_DetectorYPositionToIsocenter, 0, "Detector Position (0018,9553)"),
+    number(DCM_DetectorZPositionToIsocenter, 0, "Detector Position (0018,9554)") };
+  constexpr const char* first = "Detector Active Area TLHC Position (0018,9557)";
+  constexpr const char* axes = "Detector Active Area Orientation (0018,9558)";
+  place.FirstPixel = vector(DCM_DetectorActiveAreaTLHCPosition, 0, first);
+  place.Row = vector(DCM_DetectorActiveAreaOrientation, 0, axes);
+  place.Column = vector(DCM_DetectorActiveAreaOrientation, 3, axes);
+  if (std::abs(Norm(place.Row) - 1) > 1e-3 || std::abs(Norm(place.Column) - 1) > 1e-3 ||
+    std::abs(Dot(place.Row, place.Column)) > 1e-3 || std::abs(place.Row[2]) > 1e-3 ||
+    std::abs(place.Column[2]) > 1e-3)
+  {
+    Refuse(path,
+      std::string("expected directions of rows and columns at right angles on the detector, found "
+                  "others in ") +
+        axes);
+  }
+  return place;
+}
+
+/// What the header and its functional groups say of a frame but its pixels.
+Mammogram ReadFrame(DcmItem& frame, const std::string& view, const std::string& path)
+{
+  Mammogram mammogram;
+  ReadIntensityScale(frame, path, mammogram);
+  ReadSpacing(frame, path, mammogram);
+  ReadAcquisition(frame, mammogram);
+  mammogram.View = ViewTerm(view);
+  const SourcePlace place = ReadSourcePlace(frame, path);
+  const Vector3 over = SourceOverPixels(place, mammogram.ColumnSpacingMm, mammogram.RowSpacingMm);
+  if (!(over[2] > 0))
+  {
+    Refuse(path, "expected a source above the detector, found one below it");
+  }
+  mammogram.SourceFootPixel = { over[0], over[1] };
+  mammogram.SourceToDetectorMm = over[2];
+  // Of the breast's support; the source's own angle is another for each projection.
+  mammogram.PositionerPrimaryAngleDeg =
+    place.DetectorPrimaryDeg == 0 ? 0 : -place.DetectorPrimaryDeg;
+  return mammogram;
+}
+
+std::vector<Mammogram> ReadFrames(const DicomFile& file, const std::string& path)
+{
+  constexpr std::size_t most = 200; // units take 9 to 60
+  const DicomFrames frames(file.Data(), path);
+  if (frames.Count() < 2 || frames.Count() > most)
+  {
+    Refuse(path,
+      "expected 2 to " + std::to_string(most) + " projections, found " +
+        std::to_string(frames.Count()));
+  }
+  AllowPixels(file.Data(), path);
+  const int columns = DicomShort(file.Data(), DCM_Columns).value_or(0);
+  const int rows = DicomShort(file.Data(), DCM_Rows).value_or(0);
+  const std::string view = MammogramViewOf(file.Data());
+  std::vector<Mammogram> projections;
+  std::vector<std::unique_ptr<DcmItem>> headers;
+  for (std::size_t number = 0; number < frames.Count(); ++number)
+  {
+    headers.push_back(frames.Flat(number));
+    projections.push_back(ReadFrame(*headers.back(), view, path));
+  }
+  const FramePixels pixels(path, frames.Count(),
+    static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows));
+  for (std::size_t number = 0; number < frames.Count(); ++number)
+  {
+    Mammogram& projection = projections[number];
+    DcmItem& header = *headers[number];
+    projection.Columns = columns;
+    projection.Rows = rows;
+    projection.BitsStored = pixels.BitsStored();
+    projection.Pixels = pixels.Values(number, DicomNumber(header, DCM_RescaleSlope).value_or(1),
+      DicomNumber(header, DCM_RescaleIntercept).value_or(0), PaddingOf(header));
+  }
+  return projections;
+}
+
+std::vector<Mammogram> ReadHere(const std::string& path)
+{
+  // The header first: what is no mammogram is refused before its pixels are looked at.
+  const DicomFile file(path, "a DICOM mammogram");
+  CheckIsMammogram(file.Data(), path);
+  if (IsBreastProjection(DicomText(file.Data(), DCM_SOPClassUID)))
+  {
+    return ReadFrames(file, path);
+  }
+  CheckIsOne(file.Data(), path);
+  Mammogram mammogram;
+  ReadIntensityScale(file.Data(), path, mammogram);
+  ReadSpacing(file.Data(), path, mammogram);
+  ReadAcquisition(file.Data(), mammogram);
+  AllowPixels(file.Data(), path);
+  ReadPixels(file.Data(), path, mammogram);
+  return { std::move(mammogram) };
+}
+}
+
+std::vector<Mammogram> ReadProjections(const std::string& path)
+{
+  std::error_code code;
+  if (!std::filesystem::is_regular_file(path, code) || !std::ifstream(path))
+  {
+    Refuse(path, "expected a DICOM mammogram, found no file that can be read");
+  }
+  std::vector<Mammogram> projections;
+  ReadGuarded(
+    path, "a DICOM mammogram", ReadLimits::Of({ path }),
+    [&](ParcelWriter& parcel)
+    {
+      const std::vector<Mammogram> read = ReadHere(path);
+      parcel(std::uint64_t{ read.size() });
+      for (const Mammogram& projection : read)
+      {
+        ExchangeMammogram(parcel, projection);
+      }
+    },
+    [&](ParcelReader& parcel)
+    {
+      std::uint64_t count = 0;
+      parcel(count);
+      for (std::uint64_t number = 0; number < count; ++number)
+      {
+        ExchangeMammogram(parcel, projections.emplace_back());
+      }
+    });
+  return projections;
+}
+
+std::size_t MiddleProjection(const std::vector<Mammogram>& projections)
+{
+  // Of a picture without a foot there is one only.
+  const auto foot = [&](std::size_t number) {
+    return projections[number].SourceFootPixel.value_or(std::array<double, 2>{ 0, 0 });
+  };
+  std::array<double, 2> mean{ 0, 0 };
+  for (std::size_t number = 0; number < projections.size(); ++number)
+  {
+    mean[0] += foot(number)[0] / static_cast<double>(projections.size());
+    mean[1] += foot(number)[1] / static_cast<double>(projections.size());
+  }
+  std::size_t middle = 0;
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t number = 0; number < projections.size(); ++number)
+  {
+    const double away = std::hypot(foot(number)[0] - mean[0], foot(number)[1] - mean[1]);
+    if (away < least)
+    {
+      least = away;
+      middle = number;
+    }
+  }
+  return middle;
+}
+
+Mammogram ReadMammogram(const std::string& path)
+{
+  std::vector<Mammogram> projections = ReadProjections(path);
+  return std::move(projections[MiddleProjection(projections)]);
+}
+}
