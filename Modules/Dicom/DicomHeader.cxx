@@ -230,29 +230,6 @@ bool LacksPixels(const DicomFile& file, const DicomHeader& header)
   return !problem && static_cast<double>(size) < least;
 }
 
-/// Null for what is no DICOM.
-std::unique_ptr<DicomFile> OpenHeader(const std::string& path)
-{
-  if (!HasDicomHeader(path))
-  {
-    return nullptr;
-  }
-  try
-  {
-    auto file = std::make_unique<DicomFile>(path, "DICOM", DicomExtent::Header);
-    return file->HasPreamble() || file->Data().tagExists(DCM_Modality) ? std::move(file) : nullptr;
-  }
-  catch (const InputError&)
-  {
-    // What only looked as if a data set began there is something else.
-    if (!HasDicomPreamble(path))
-    {
-      return nullptr;
-    }
-    throw;
-  }
-}
-
 DicomHeader ReadElements(DcmItem& data, const std::string& path)
 {
   DicomHeader header;
@@ -283,13 +260,13 @@ DicomHeader ReadObject(const DicomFile& file, const std::string& path)
 
 std::optional<DicomHeader> ReadDicomHeader(const std::string& path)
 {
-  const std::unique_ptr<DicomFile> file = OpenHeader(path);
+  const std::unique_ptr<DicomFile> file = DicomFile::OpenIfDicom(path, DicomExtent::Header);
   return file ? std::optional(ReadObject(*file, path)) : std::nullopt;
 }
 
 std::vector<DicomHeader> ReadDicomHeaders(const std::string& path)
 {
-  const std::unique_ptr<DicomFile> file = OpenHeader(path);
+  const std::unique_ptr<DicomFile> file = DicomFile::OpenIfDicom(path, DicomExtent::Header);
   if (!file)
   {
     return {};

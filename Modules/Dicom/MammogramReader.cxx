@@ -3,21 +3,16 @@
 
 #include "Private/DicomFile.h"
 #include "Private/DicomFrames.h"
-#include "Private/FramePixels.h"
+#include "Private/DicomPixels.h"
 #include "Private/MammogramParcel.h"
 #include "Private/MammogramViews.h"
-#include "Private/QuietGdcm.h"
 #include "Private/SourcePlace.h"
-#include "Private/StoredPixel.h"
 #include "mammoray/Foundation/Error.h"
-
-#include <gdcmImageReader.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <limits>
@@ -158,24 +153,14 @@ PixelPadding PaddingOf(DcmItem& data)
   return { DicomShort(data, DCM_PixelPaddingValue), DicomShort(data, DCM_PixelPaddingRangeLimit) };
 }
 
-/// One frame of `Stored` to floats: unused bits cleared, sign extended, rescaled, padding to NaN.
-template <typename Stored>
-void Convert(const std::vector<char>& buffer, DcmItem& data, const gdcm::PixelFormat& format,
-  std::vector<float>& pixels)
+/// Fills in the pixels of a frame, by the rescaling and padding of its header.
+void SetPixels(Mammogram& mammogram, const DicomPixels& pixels, std::size_t frame, DcmItem& header)
 {
-  const double slope = DicomNumber(data, DCM_RescaleSlope).value_or(1);
-  const double intercept = DicomNumber(data, DCM_RescaleIntercept).value_or(0);
-  const StoredPixel stored(format);
-  const auto [paddingLow, paddingHigh] = PaddingOf(data).Range(stored.IsSigned);
-  for (std::size_t pixel = 0; pixel < pixels.size(); ++pixel)
-  {
-    Stored raw{};
-    std::memcpy(&raw, buffer.data() + pixel * sizeof(Stored), sizeof(Stored));
-    const std::int64_t value = stored.ValueOf(raw);
-    pixels[pixel] = value >= paddingLow && value <= paddingHigh
-      ? std::numeric_limits<float>::quiet_NaN()
-      : static_cast<float>(slope * static_cast<double>(value) + intercept);
-  }
+  mammogram.Columns = pixels.Columns();
+  mammogram.Rows = pixels.Rows();
+  mammogram.BitsStored = pixels.BitsStored();
+  mammogram.Pixels = pixels.Values(frame, DicomNumber(header, DCM_RescaleSlope).value_or(1),
+    DicomNumber(header, DCM_RescaleIntercept).value_or(0), PaddingOf(header));
 }
 
 /// Throws InputError on another modality.
@@ -200,109 +185,6 @@ void CheckIsOne(DcmItem& data, const std::string& path)
       "expected one projection, found a tomosynthesis or multi-frame object of " +
         std::to_string(static_cast<long>(frames)) + " frame(s)");
   }
-}
-
-/// The stored bytes of one frame, decoded by GDCM: DCMTK of Debian knows no JPEG 2000.
-std::vector<char> DecodePixels(gdcm::ImageReader& reader, const std::string& path)
-{
-  reader.SetFileName(path.c_str());
-  if (!reader.Read())
-  {
-    Refuse(path, "expected pixel data that can be decoded, found none (cut short or damaged)");
-  }
-  const gdcm::Image& image = reader.GetImage();
-  const gdcm::PixelFormat& format = image.GetPixelFormat();
-  if (format.GetSamplesPerPixel() != 1 || image.GetNumberOfDimensions() != 2)
-  {
-    Refuse(path,
-      "expected one value per pixel and one frame, found " +
-        std::to_string(format.GetSamplesPerPixel()) + " values and " +
-        std::to_string(image.GetNumberOfDimensions()) + " dimensions");
-  }
-  const std::size_t columns = image.GetDimension(0);
-  const std::size_t rows = image.GetDimension(1);
-  // Uncompressed data that ends early is read without complaint; its length tells.
-  const gdcm::ByteValue* stored =
-    reader.GetFile().GetDataSet().GetDataElement(gdcm::Tag(0x7fe0, 0x0010)).GetByteValue();
-  const std::size_t needed = columns * rows * format.GetBitsAllocated() / 8;
-  if (columns * rows == 0 || image.GetBufferLength() != columns * rows * format.GetPixelSize() ||
-    (stored && stored->GetLength() < needed))
-  {
-    Refuse(path,
-      "expected " + std::to_string(columns) + " x " + std::to_string(rows) +
-        " pixels, found fewer (cut short)");
-  }
-  const bool isPlain = !reader.GetFile().GetHeader().GetDataSetTransferSyntax().IsEncapsulated();
-  // A row more or less would pass for a damaged end; other columns turn the picture into another.
-  if (isPlain && stored && stored->GetLength() >= needed + columns)
-  {
-    Refuse(path,
-      "expected " + std::to_string(columns) + " x " + std::to_string(rows) + " pixels (" +
-        std::to_string(needed) + " bytes), found " + std::to_string(stored->GetLength()) +
-        " bytes");
-  }
-  std::vector<char> buffer(image.GetBufferLength());
-  if (!image.GetBuffer(buffer.data()))
-  {
-    Refuse(path,
-      "expected pixel data that can be decoded, found transfer syntax " +
-        std::string(reader.GetFile().GetHeader().GetDataSetTransferSyntax().GetString()) +
-        " that could not (not supported, or damaged)");
-  }
-  // GDCM's decoders of JPEG go on where data is damaged, and only print that they did.
-  if (const std::string said = SaidByLibraries();
-      said.find("orrupt") != std::string::npos || said.find("remature") != std::string::npos)
-  {
-    Refuse(path, "expected pixel data that can be decoded, found damaged data (" + said + ")");
-  }
-  return buffer;
-}
-
-void ReadPixels(DcmItem& data, const std::string& path, Mammogram& mammogram)
-{
-  const QuietGdcm quiet;
-  gdcm::ImageReader reader;
-  const std::vector<char> buffer = DecodePixels(reader, path);
-  const gdcm::PixelFormat format = reader.GetImage().GetPixelFormat();
-  mammogram.Columns = static_cast<int>(reader.GetImage().GetDimension(0));
-  mammogram.Rows = static_cast<int>(reader.GetImage().GetDimension(1));
-  mammogram.BitsStored = format.GetBitsStored();
-  mammogram.Pixels.resize(
-    static_cast<std::size_t>(mammogram.Columns) * static_cast<std::size_t>(mammogram.Rows));
-  switch (format.GetPixelSize())
-  {
-    case 1:
-      Convert<std::uint8_t>(buffer, data, format, mammogram.Pixels);
-      break;
-    case 2:
-      Convert<std::uint16_t>(buffer, data, format, mammogram.Pixels);
-      break;
-    case 4:
-      Convert<std::uint32_t>(buffer, data, format, mammogram.Pixels);
-      break;
-    default:
-      Refuse(path,
-        "expected 8, 16 or 32 bits per pixel, found " + std::to_string(format.GetBitsAllocated()));
-  }
-}
-
-/// Memory for as many pixels as the file can hold, of which GDCM keeps several copies.
-void AllowPixels(DcmItem& data, const std::string& path)
-{
-  // Detectors of 0.02 mm and 300 mm have 15000; OpenJPEG asks for all that a header says.
-  constexpr int most = 16384;
-  const int columns = DicomShort(data, DCM_Columns).value_or(0);
-  const int rows = DicomShort(data, DCM_Rows).value_or(0);
-  if (columns < 1 || rows < 1 || columns > most || rows > most)
-  {
-    Refuse(path,
-      "expected 1 to " + std::to_string(most) + " columns and rows, found " +
-        std::to_string(columns) + " x " + std::to_string(rows));
-  }
-  // No compression of a mammogram without loss reaches a hundredth.
-  const std::uint64_t pixels = std::min<std::uint64_t>(static_cast<std::uint64_t>(columns) * rows,
-    1000 * std::filesystem::file_size(path));
-  AllowMemory(ReadLimits::Of({ path }).MemoryBytes + 32 * pixels);
 }
 
 /// Of the attributes of a frame's functional groups, all on one level.
@@ -395,9 +277,6 @@ std::vector<Mammogram> ReadFrames(const DicomFile& file, const std::string& path
       "expected 2 to " + std::to_string(most) + " projections, found " +
         std::to_string(frames.Count()));
   }
-  AllowPixels(file.Data(), path);
-  const int columns = DicomShort(file.Data(), DCM_Columns).value_or(0);
-  const int rows = DicomShort(file.Data(), DCM_Rows).value_or(0);
   const std::string view = MammogramViewOf(file.Data());
   std::vector<Mammogram> projections;
   std::vector<std::unique_ptr<DcmItem>> headers;
@@ -406,17 +285,10 @@ std::vector<Mammogram> ReadFrames(const DicomFile& file, const std::string& path
     headers.push_back(frames.Flat(number));
     projections.push_back(ReadFrame(*headers.back(), view, path));
   }
-  const FramePixels pixels(path, frames.Count(),
-    static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows));
+  const DicomPixels pixels(file);
   for (std::size_t number = 0; number < frames.Count(); ++number)
   {
-    Mammogram& projection = projections[number];
-    DcmItem& header = *headers[number];
-    projection.Columns = columns;
-    projection.Rows = rows;
-    projection.BitsStored = pixels.BitsStored();
-    projection.Pixels = pixels.Values(number, DicomNumber(header, DCM_RescaleSlope).value_or(1),
-      DicomNumber(header, DCM_RescaleIntercept).value_or(0), PaddingOf(header));
+    SetPixels(projections[number], pixels, number, *headers[number]);
   }
   return projections;
 }
@@ -435,8 +307,7 @@ std::vector<Mammogram> ReadHere(const std::string& path)
   ReadIntensityScale(file.Data(), path, mammogram);
   ReadSpacing(file.Data(), path, mammogram);
   ReadAcquisition(file.Data(), mammogram);
-  AllowPixels(file.Data(), path);
-  ReadPixels(file.Data(), path, mammogram);
+  SetPixels(mammogram, DicomPixels(file), 0, file.Data());
   return { std::move(mammogram) };
 }
 }

@@ -5,9 +5,8 @@
 
 #include "Private/DicomFile.h"
 #include "Private/DicomFrames.h"
-#include "Private/FramePixels.h"
+#include "Private/DicomPixels.h"
 #include "Private/SliceStack.h"
-#include "mammoray/Dicom/DicomHeader.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/IO/GuardedRead.h"
 
@@ -16,6 +15,7 @@
 #include <cmath>
 #include <filesystem>
 #include <memory>
+#include <numeric>
 #include <optional>
 
 namespace mammoray
@@ -178,35 +178,83 @@ std::vector<VolumeSlice> ReadSegmentation(const std::string& path)
   return slices;
 }
 
-/// Some writers store 0 for a slope of 1.
-double SlopeOf(DcmItem& data)
+/// Size, geometry and values of a frame, from 0. `header` is that of the frame.
+VolumeSlice ReadSlice(const std::string& name, DcmItem& header, const DicomPixels& pixels,
+  std::size_t frame)
 {
-  const double slope = DicomNumber(data, DCM_RescaleSlope).value_or(1);
-  return slope == 0 ? 1 : slope;
-}
-
-/// The rescaled values of one image.
-VolumeSlice ReadSlice(const std::string& path, std::string& series)
-{
-  const DicomFile file(path, "DICOM");
-  DcmDataset& data = file.Data();
   VolumeSlice slice;
-  slice.Name = path;
-  slice.Rows = DicomShort(data, DCM_Rows).value_or(0);
-  slice.Columns = DicomShort(data, DCM_Columns).value_or(0);
-  if (slice.Rows < 1 || slice.Columns < 1)
-  {
-    throw InputError(path + ": expected a slice, found no rows and columns");
-  }
-  SetGeometry(slice, data, data, data);
-  series = DicomText(data, DCM_SeriesInstanceUID);
-  const FramePixels stored(path, 1, static_cast<std::size_t>(slice.Rows) * slice.Columns);
-  slice.Values =
-    stored.Values(0, SlopeOf(data), DicomNumber(data, DCM_RescaleIntercept).value_or(0));
+  slice.Name = name;
+  slice.Rows = pixels.Rows();
+  slice.Columns = pixels.Columns();
+  SetGeometry(slice, header, header, header);
+  const double slope = DicomNumber(header, DCM_RescaleSlope).value_or(1);
+  // Some writers store 0 for a slope of 1.
+  slice.Values = pixels.Values(frame, slope == 0 ? 1 : slope,
+    DicomNumber(header, DCM_RescaleIntercept).value_or(0));
   return slice;
 }
 
-/// Both ways between processes.
+/// The slices to read from one file. No frames: the file is a slice, or all its frames are read.
+struct SliceFile
+{
+  std::string Path;
+  std::vector<int> Frames;
+  /// Nothing is read from a file that is no DICOM, instead of an error.
+  bool MayBeOther = false;
+};
+
+/// Parses a file once.
+std::vector<VolumeSlice> ReadSliceFile(const SliceFile& wanted, std::string& series)
+{
+  const std::string& path = wanted.Path;
+  const std::unique_ptr<DicomFile> file = DicomFile::OpenIfDicom(path, DicomExtent::Whole);
+  if (!file && !wanted.MayBeOther)
+  {
+    throw InputError(path + ": expected DICOM, found none");
+  }
+  if (!file)
+  {
+    return {};
+  }
+  series = DicomText(file->Data(), DCM_SeriesInstanceUID);
+  if (!HasResonanceFrames(file->Data()))
+  {
+    if (!wanted.Frames.empty())
+    {
+      throw InputError(path + ": expected an MR object of frames, found none");
+    }
+    const DicomPixels pixels(*file);
+    if (pixels.Frames() > 1)
+    {
+      throw InputError(path + ": expected one slice or an MR object of frames, found " +
+        std::to_string(pixels.Frames()) + " frames of another object");
+    }
+    return { ReadSlice(path, file->Data(), pixels, 0) };
+  }
+  const DicomFrames frames(file->Data(), path);
+  const DicomPixels pixels(*file);
+  std::vector<int> numbers = wanted.Frames;
+  if (numbers.empty())
+  {
+    numbers.resize(frames.Count());
+    std::iota(numbers.begin(), numbers.end(), 1);
+  }
+  std::vector<VolumeSlice> slices;
+  for (const int number : numbers)
+  {
+    if (number < 1 || static_cast<std::size_t>(number) > frames.Count())
+    {
+      throw InputError(path + ": expected frames 1 to " + std::to_string(frames.Count()) +
+        ", found number " + std::to_string(number));
+    }
+    const auto frame = static_cast<std::size_t>(number) - 1;
+    slices.push_back(
+      ReadSlice(path + ": frame " + std::to_string(number), *frames.Flat(frame), pixels, frame));
+  }
+  return slices;
+}
+
+/// Lists the members of a slice for both ends of a parcel.
 template <typename Parcel, typename Slice>
 void ExchangeSlice(Parcel& parcel, Slice& slice)
 {
@@ -214,183 +262,115 @@ void ExchangeSlice(Parcel& parcel, Slice& slice)
     slice.RowSpacing, slice.ColumnSpacing, slice.SliceSpacing, slice.Values);
 }
 
-/// Frames of one multi-frame object, each after its own rescaling.
-std::vector<VolumeSlice> ReadFrames(const std::vector<DicomSlice>& wanted, std::string& series)
-{
-  const std::string& path = wanted.front().Path;
-  const DicomFile file(path, "DICOM");
-  series = DicomText(file.Data(), DCM_SeriesInstanceUID);
-  if (!HasResonanceFrames(file.Data()))
-  {
-    throw InputError(path + ": expected an MR object of frames, found none");
-  }
-  const DicomFrames frames(file.Data(), path);
-  const std::size_t pixels =
-    static_cast<std::size_t>(DicomShort(file.Data(), DCM_Rows).value_or(0)) *
-    DicomShort(file.Data(), DCM_Columns).value_or(0);
-  const FramePixels stored(path, frames.Count(), pixels);
-  std::vector<VolumeSlice> slices;
-  for (const DicomSlice& each : wanted)
-  {
-    if (each.Frame < 1 || static_cast<std::size_t>(each.Frame) > frames.Count())
-    {
-      throw InputError(path + ": expected frames 1 to " + std::to_string(frames.Count()) +
-        ", found number " + std::to_string(each.Frame));
-    }
-    const auto number = static_cast<std::size_t>(each.Frame) - 1;
-    const std::unique_ptr<DcmItem> data = frames.Flat(number);
-    VolumeSlice& slice = slices.emplace_back();
-    slice.Name = path + ": frame " + std::to_string(each.Frame);
-    slice.Rows = DicomShort(file.Data(), DCM_Rows).value_or(0);
-    slice.Columns = DicomShort(file.Data(), DCM_Columns).value_or(0);
-    SetGeometry(slice, *data, *data, *data);
-    slice.Values =
-      stored.Values(number, SlopeOf(*data), DicomNumber(*data, DCM_RescaleIntercept).value_or(0));
-  }
-  return slices;
-}
-
-/// Slices of one series, of which `series` is the name; taken from the first where it has none.
-/// Frames are all of one object.
-void ReadSomeSlices(const std::vector<DicomSlice>& some, const std::string& first,
+/// Reads files in a process of their own. They are slices of one series, whose UID `series` has or
+/// gets; `first` is its first file.
+void ReadSomeFiles(const std::vector<SliceFile>& files, const std::string& first,
   std::optional<std::string>& series, std::vector<VolumeSlice>& slices)
 {
-  const std::string& path = some.front().Path;
   std::vector<std::string> paths;
-  for (const DicomSlice& slice : some)
+  paths.reserve(files.size());
+  for (const SliceFile& file : files)
   {
-    if (paths.empty() || paths.back() != slice.Path)
-    {
-      paths.push_back(slice.Path);
-    }
+    paths.push_back(file.Path);
   }
-  const auto check = [&](const std::string& own, const std::string& name)
-  {
-    if (own != series.value_or(own))
-    {
-      throw InputError(
-        name + ": expected the slices of one series, found one of another than " + first);
-    }
-    series = own;
-  };
   ReadGuarded(
-    paths.size() == 1 ? path : fs::path(path).parent_path().string(), "slices",
+    paths.size() == 1 ? paths.front() : fs::path(paths.front()).parent_path().string(), "slices",
     ReadLimits::Of(paths),
     [&](ParcelWriter& parcel)
     {
-      std::string own;
-      if (some.front().Frame > 0)
+      for (const SliceFile& file : files)
       {
-        for (const VolumeSlice& slice : ReadFrames(some, own))
+        std::string own;
+        const std::vector<VolumeSlice> read = ReadSliceFile(file, own);
+        if (!read.empty() && own != series.value_or(own))
         {
-          ExchangeSlice(parcel, slice);
+          throw InputError(
+            file.Path + ": expected the slices of one series, found one of another than " + first);
         }
-        check(own, path);
-      }
-      else
-      {
-        for (const DicomSlice& each : some)
+        parcel(std::uint64_t{ read.size() });
+        for (const VolumeSlice& slice : read)
         {
-          const VolumeSlice slice = ReadSlice(each.Path, own);
-          check(own, each.Path);
+          series = own;
           ExchangeSlice(parcel, slice);
         }
       }
-      parcel(*series);
+      parcel(series);
     },
     [&](ParcelReader& parcel)
     {
-      for (std::size_t slice = 0; slice < some.size(); ++slice)
+      for (std::size_t file = 0; file < files.size(); ++file)
       {
-        ExchangeSlice(parcel, slices.emplace_back());
+        std::uint64_t count = 0;
+        parcel(count);
+        for (std::uint64_t slice = 0; slice < count; ++slice)
+        {
+          ExchangeSlice(parcel, slices.emplace_back());
+        }
       }
-      parcel(series.emplace());
+      parcel(series);
     });
 }
 
-/// As many slices as are read together, from one on.
-std::size_t NumberTogether(const std::vector<DicomSlice>& slices, std::size_t from)
-{
-  // A process for each slice would be a tenth of the time; an object is opened once.
-  constexpr std::size_t together = 16;
-  std::size_t end = from + 1;
-  const bool isFrame = slices[from].Frame > 0;
-  while (end < slices.size() && (slices[end].Frame > 0) == isFrame &&
-    (isFrame ? slices[end].Path == slices[from].Path : end < from + together))
-  {
-    ++end;
-  }
-  return end - from;
-}
-
-std::vector<VolumeSlice> ReadSlices(std::vector<DicomSlice> wanted,
+std::vector<VolumeSlice> ReadFiles(const std::vector<SliceFile>& files,
   const ProgressCallback& progress = {})
 {
-  std::stable_sort(wanted.begin(), wanted.end(),
-    [](const DicomSlice& a, const DicomSlice& b)
-    { return a.Frame > 0 && b.Frame > 0 ? a.Path < b.Path : a.Frame == 0 && b.Frame > 0; });
+  // A process for each file would be a tenth of the time.
+  constexpr std::size_t together = 16;
   std::vector<VolumeSlice> slices;
   std::optional<std::string> series;
-  const std::string first = wanted.front().Path;
-  for (std::size_t done = 0; done < wanted.size();)
+  const std::string& first = files.front().Path;
+  for (std::size_t done = 0; done < files.size(); done += together)
   {
-    ReportProgress(progress, static_cast<double>(done) / static_cast<double>(wanted.size()),
+    ReportProgress(progress, static_cast<double>(done) / static_cast<double>(files.size()),
       "reading slices");
-    const auto from = wanted.begin() + static_cast<std::ptrdiff_t>(done);
-    const std::size_t count = NumberTogether(wanted, done);
-    const std::vector<DicomSlice> some(from, from + static_cast<std::ptrdiff_t>(count));
+    const auto from = files.begin() + static_cast<std::ptrdiff_t>(done);
+    const std::vector<SliceFile> some(from,
+      from + static_cast<std::ptrdiff_t>(std::min(together, files.size() - done)));
+    const std::size_t before = slices.size();
     try
     {
-      ReadSomeSlices(some, first, series, slices);
+      ReadSomeFiles(some, first, series, slices);
     }
     catch (const InputError&)
     {
-      if (some.front().Frame > 0)
+      if (some.size() == 1)
       {
         throw;
       }
-      // One by one: where a reader dies, only then is it known at which.
-      slices.resize(done);
-      for (const DicomSlice& slice : some)
+      // If the reader's process has died, only reading one by one tells at which file.
+      slices.resize(before);
+      for (const SliceFile& file : some)
       {
-        ReadSomeSlices({ slice }, first, series, slices);
+        ReadSomeFiles({ file }, first, series, slices);
       }
     }
-    done += count;
   }
   return slices;
 }
 
-/// The file as a slice, or the frames that it holds.
-void AddSlicesOf(const std::string& path, std::vector<DicomSlice>& slices)
-{
-  for (const DicomHeader& header : ReadDicomHeaders(path))
-  {
-    slices.push_back({ path, header.Frame });
-  }
-}
-
+/// A folder's files in the order of their names; those that are no DICOM are passed over.
 std::vector<VolumeSlice> ReadSeries(const std::string& folder)
 {
-  std::vector<std::string> paths;
+  std::vector<SliceFile> files;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder))
   {
     if (entry.is_regular_file() && HasDicomHeader(entry.path()))
     {
-      paths.push_back(entry.path());
+      files.push_back({ entry.path(), {}, true });
     }
   }
-  std::sort(paths.begin(), paths.end());
-  std::vector<DicomSlice> slices;
-  for (const std::string& path : paths)
+  std::sort(files.begin(), files.end(),
+    [](const SliceFile& a, const SliceFile& b) { return a.Path < b.Path; });
+  std::vector<VolumeSlice> slices;
+  if (!files.empty())
   {
-    AddSlicesOf(path, slices);
+    slices = ReadFiles(files);
   }
   if (slices.empty())
   {
     throw InputError(folder + ": expected a folder of DICOM slices, found none");
   }
-  return ReadSlices(slices);
+  return slices;
 }
 
 /// Throws where a value is no label.
@@ -457,14 +437,14 @@ IntensityVolume ReadDicomIntensities(const std::string& path)
   {
     return StackSlices(ReadSeries(path), false);
   }
-  std::vector<DicomSlice> slices;
-  AddSlicesOf(path, slices);
-  if (slices.empty() || slices.front().Frame == 0)
+  const std::vector<VolumeSlice> slices = ReadFiles({ { path, {} } });
+  // A frame has a name of its own.
+  if (slices.front().Name == path)
   {
     throw InputError(path +
       ": expected the folder of a DICOM series or a multi-frame MR object, found a single image");
   }
-  return StackSlices(ReadSlices(slices), false);
+  return StackSlices(slices, false);
 }
 
 /// Throws InputError if there is no such file or folder.
@@ -499,7 +479,24 @@ IntensityVolume ReadIntensitySlices(const std::vector<DicomSlice>& slices,
   {
     throw InputError("DICOM series: expected files of slices, found none");
   }
-  return StackSlices(ReadSlices(slices, progress), false);
+  std::vector<DicomSlice> sorted = slices;
+  std::stable_sort(sorted.begin(), sorted.end(),
+    [](const DicomSlice& a, const DicomSlice& b)
+    { return a.Frame > 0 && b.Frame > 0 ? a.Path < b.Path : a.Frame == 0 && b.Frame > 0; });
+  std::vector<SliceFile> files;
+  for (const DicomSlice& slice : sorted)
+  {
+    if (slice.Frame == 0 || files.empty() || files.back().Path != slice.Path ||
+      files.back().Frames.empty())
+    {
+      files.push_back({ slice.Path, {} });
+    }
+    if (slice.Frame > 0)
+    {
+      files.back().Frames.push_back(slice.Frame);
+    }
+  }
+  return StackSlices(ReadFiles(files, progress), false);
 }
 
 IntensityVolume ReadIntensitySeries(const std::vector<std::string>& files,

@@ -4,6 +4,7 @@
 #include "Files.h"
 #include "Refusals.h"
 #include "mammoray/Dicom/DicomHeader.h"
+#include "mammoray/Dicom/Private/DicomFile.h"
 #include "mammoray/Foundation/Error.h"
 
 #include <gmock/gmock.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "ArchivedBox.h"
+#include "ArchivedFiles.h"
 #include "LoopbackServer.h"
 #include "Refusals.h"
 #include "mammoray/Dicom/DicomNetwork.h"
@@ -45,7 +45,7 @@ private:
   }
 };
 
-class ArchiveOf : public test::ArchivedBox
+class ArchiveOf : public test::ArchivedFiles<test::FolderTest>
 {
 protected:
   static DicomNode NodeAt(int port)

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // An archive that means harm: its answers are bytes that DCMTK would not send.
-#include "ArchivedBox.h"
+#include "ArchivedFiles.h"
 #include "LoopbackServer.h"
 #include "Refusals.h"
 #include "mammoray/Dicom/DicomNetwork.h"
@@ -169,7 +169,7 @@ private:
   }
 };
 
-class HostileArchiveOf : public test::ArchivedBox
+class HostileArchiveOf : public test::ArchivedFiles<test::FolderTest>
 {
 protected:
   /// Of FindStudies, GetStudies and StoreFiles.

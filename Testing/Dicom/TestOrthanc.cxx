@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "ArchivedBox.h"
+#include "ArchivedFiles.h"
+#include "SqueezedBox.h"
 
 #include <sys/wait.h>
 
@@ -11,7 +12,7 @@ using namespace mammoray;
 
 namespace
 {
-using OrthancOf = test::ArchivedBox;
+using OrthancOf = test::ArchivedFiles<test::SqueezedBox>;
 
 /// See askOrthanc.py, which says what it expects and found.
 TEST_F(OrthancOf, TakesShowsAndGivesTheObjects)

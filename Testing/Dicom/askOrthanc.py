@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """A result goes to a real Orthanc and comes back.
 
-askOrthanc.py MAMMORAY FOLDER: FOLDER holds a result, mammogram.dcm, mri-series/ and lesion.nrrd (see ArchivedBox.h).
+askOrthanc.py MAMMORAY FOLDER: FOLDER holds a result, mammogram.dcm, mri-series/ and lesion.nrrd (see ArchivedFiles.h).
 Exit 125: no Orthanc (orthanc.py). MAMMORAY_KEEP_PREVIEWS: a folder for the pictures that Orthanc makes."""
 import os
 import pathlib

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "ArchivedBox.h"
+#include "ArchivedFiles.h"
 #include "DicomTesting.h"
 #include "Refusals.h"
+#include "SqueezedBox.h"
 #include "mammoray/Dicom/DicomReader.h"
 #include "mammoray/Study/ResultObjects.h"
 
@@ -51,12 +52,12 @@ gdcm::DataSet DataOf(const std::string& path)
   return reader.GetFile().GetDataSet();
 }
 
-class ResultObjectsOf : public test::ArchivedBox
+class ResultObjectsOf : public test::ArchivedFiles<test::SqueezedBox>
 {
 protected:
   void SetUp() override
   {
-    test::ArchivedBox::SetUp();
+    ArchivedFiles::SetUp();
     this->Objects.Mammogram = this->MammogramPath();
     std::filesystem::create_directories(this->Out());
   }

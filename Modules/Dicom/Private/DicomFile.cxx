@@ -143,7 +143,8 @@ bool HasDicomHeader(const std::string& path)
 }
 
 DicomFile::DicomFile(const std::string& path, const std::string& what, DicomExtent extent)
-  : Quiet(SilenceDcmtk())
+  : Name(path)
+  , Quiet(SilenceDcmtk())
   , File(std::make_unique<DcmFileFormat>())
   , Preamble(HasDicomPreamble(path))
 {
@@ -170,6 +171,27 @@ DicomFile::DicomFile(const std::string& path, const std::string& what, DicomExte
   {
     throw InputError(
       path + ": expected " + what + ", found a DICOM file that is cut short or damaged");
+  }
+}
+
+std::unique_ptr<DicomFile> DicomFile::OpenIfDicom(const std::string& path, DicomExtent extent)
+{
+  if (!HasDicomHeader(path))
+  {
+    return nullptr;
+  }
+  try
+  {
+    auto file = std::make_unique<DicomFile>(path, "DICOM", extent);
+    return file->Preamble || file->Data().tagExists(DCM_Modality) ? std::move(file) : nullptr;
+  }
+  catch (const InputError&)
+  {
+    if (!HasDicomPreamble(path))
+    {
+      return nullptr;
+    }
+    throw;
   }
 }
 

@@ -33,25 +33,27 @@ enum class DicomExtent
   Elements
 };
 
-/**
- * A DICOM file, read whole by DCMTK: preamble, meta information and every element within the file,
- * sequences closed. Damage must be found before GDCM decodes the pixels: Debian's build asserts,
- * and so ends the process, on a file that is cut short.
- */
+/// A DICOM file, parsed by DCMTK: preamble, meta information and data set.
 class DicomFile
 {
 public:
-  /// Throws InputError that names the file; `what` is the expected content.
+  /// Throws InputError that names the file if it is truncated or damaged. `what` is the expected
+  /// content.
   DicomFile(const std::string& path, const std::string& what,
     DicomExtent extent = DicomExtent::Whole);
 
+  /// Returns null if the file only looks like DICOM: without preamble, it cannot be parsed or has
+  /// no Modality. Otherwise throws as the constructor does.
+  static std::unique_ptr<DicomFile> OpenIfDicom(const std::string& path, DicomExtent extent);
+
+  const std::string& Path() const { return this->Name; }
   DcmDataset& Data() const { return *this->File->getDataset(); }
-  bool HasPreamble() const { return this->Preamble; }
   /// Media Storage SOP Class UID of the meta information; empty where there is none.
   std::string StorageClass() const;
 
 private:
-  /// Values that are taken from the data set are remarked on, too.
+  std::string Name;
+  /// DCMTK logs warnings when values are read from the data set, too.
   std::shared_ptr<void> Quiet;
   std::unique_ptr<DcmFileFormat> File;
   bool Preamble;

@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// A result of known deformation with the DICOM files it would be of.
-#ifndef mammoray_ArchivedBox_h
-#define mammoray_ArchivedBox_h
+// A patient's DICOM files in the folder of a test fixture.
+#ifndef mammoray_ArchivedFiles_h
+#define mammoray_ArchivedFiles_h
 
-#include "SqueezedBox.h"
+#include "Files.h"
 #include "mammoray/Dicom/DicomWriter.h"
 #include "mammoray/Foundation/LabelVolume.h"
 #include "mammoray/IO/LabelVolumeIO.h"
-#include "mammoray/Study/ResultFile.h"
+
+#include <gtest/gtest.h>
 
 #include <cmath>
 #include <filesystem>
@@ -16,7 +17,15 @@
 
 namespace mammoray::test
 {
-class ArchivedBox : public SqueezedBox
+class FolderTest : public ::testing::Test
+{
+protected:
+  testing_support::TemporaryFolder Folder;
+};
+
+/// A mammogram, an MRI series and other files in the fixture's Folder.
+template <typename Fixture>
+class ArchivedFiles : public Fixture
 {
 protected:
   /// Linear, so that interpolation is exact.
@@ -27,7 +36,7 @@ protected:
 
   void SetUp() override
   {
-    SqueezedBox::SetUp();
+    Fixture::SetUp();
     this->Identity.PatientName = "Doe^Jane";
     this->Identity.PatientId = "P-17";
     this->Identity.PatientBirthDate = "19700101";
