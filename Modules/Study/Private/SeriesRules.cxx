@@ -1,21 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-// What words mean here is what Siemens, GE, Philips and sites write in English, German, French,
-// Spanish, Portuguese and Italian; numbers (TR, TE) count before words where both tell.
+// Numbers (TR, TE) count before words where both tell.
 #include "Private/SeriesRules.h"
 
 #include "Private/HeaderWords.h"
+#include "Private/SeriesWords.h"
 
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <map>
 #include <set>
-
-// Letters beyond ASCII in UTF-8 and in Latin 1, small and large: a bracket would hold their bytes,
-// of which UTF-8 has two.
-#define A_UMLAUT "\xc3[\xa4\x84]|[\xe4\xc4]"
-#define E_ACUTE "\xc3[\xa9\x89]|[\xe9\xc9]"
-#define E_GRAVE "\xc3[\xa8\x88]|[\xe8\xc8]"
 
 namespace mammoray
 {
@@ -24,7 +18,7 @@ namespace
 /// The description, or where there is none the protocol, which does not tell what was made of it.
 std::string WordsOf(const DicomHeader& header)
 {
-  return HeaderWords(
+  return PlainWords(
     header.SeriesDescription.empty() ? header.ProtocolName : header.SeriesDescription);
 }
 
@@ -41,33 +35,24 @@ const std::string ScanOptionEvidence = "ScanOptions ";
 struct OtherKind
 {
   const char* Name;
+  SeriesMeaning Words;
   std::initializer_list<const char*> Values;
   std::initializer_list<const char*> Parts;
-  const char* Words;
 };
 
 const OtherKind OtherKinds[] = {
-  { "projection", { "PROJECTION IMAGE" }, { "MIP" }, "\\w*mips?|mip\\w*|proj\\w*" },
-  { "subtraction", { "SUB" }, { "SUBTR" },
-    "subs?\\d*|subtr\\w*|sottr\\w*|sustr\\w*|resta|ph ?\\d+ ph ?\\d+|phase ?\\d+ phase ?\\d+|"
-    "dyn ?\\d+ dyn ?\\d+|post ?\\d* pre" },
-  { "localizer", { "SURVEY", "SCOUT" }, { "LOCALI" },
-    "locs?|localiz\\w*|localis\\w*|lokali\\w*|scouts?|survey\\w*|surv|rep(?:e|" E_ACUTE
-    ")rage|3 ?plane\\w*|3 ?pl" },
-  { "calibration", {}, {},
-    "cal|calib\\w*|asset|shim\\w*|b1 ?map\\w*|prescan|smartbrain|coilsurvey|ref" },
-  { "diffusion", { "ADC" }, { "DIFFUSION", "TRACE", "ADC_" },
-    "dwi\\w*|dwibs|diff|diffusion\\w*|e?adc\\w*|dti|ivim|trace\\w*|ep2d\\w*|ep "
-    "2d\\w*|resolve|b\\d{2,4}\\w*" },
-  { "map computed from others",
+  { "projection", SeriesMeaning::Projection, { "PROJECTION IMAGE" }, { "MIP" } },
+  { "subtraction", SeriesMeaning::Subtraction, { "SUB" }, { "SUBTR" } },
+  { "localizer", SeriesMeaning::Localizer, { "SURVEY", "SCOUT" }, { "LOCALI" } },
+  { "calibration", SeriesMeaning::Calibration, {}, {} },
+  { "diffusion", SeriesMeaning::Diffusion, { "ADC" }, { "DIFFUSION", "TRACE", "ADC_" } },
+  { "map computed from others", SeriesMeaning::ComputedMap,
     { "MAP", "FIT", "TTP", "PEI", "MIPT", "IAUC", "WASH_IN", "WASH_OUT" },
-    { "T1 MAP", "T2 MAP", "T1_MAP", "T2_MAP", "PARAMETRIC", "PERFUSION", "COLOR", "T2_STAR" },
-    "maps?|t1map\\w*|t2map\\w*|mapping|wash ?in|wash "
-    "?out|ttp|pei|iauc|ktrans|kinetic\\w*|perf\\w*|field ?map\\w*|colou?r\\w*|cad|t2 ?star" },
-  { "reformat of another series", {}, { "MPR", "REFORMAT" }, "mprs?|mpr\\w*|reformat\\w*" },
-  { "phase image", { "P", "R", "I", "PHASE MAP", "PHASE" }, { "VELOCITY" },
-    "phase ?image\\w*|pha" },
-  { "spectrum", { "SPECTROSCOPY" }, {}, "spectro\\w*|mrs|press|svs" },
+    { "T1 MAP", "T2 MAP", "T1_MAP", "T2_MAP", "PARAMETRIC", "PERFUSION", "COLOR", "T2_STAR" } },
+  { "reformat of another series", SeriesMeaning::Reformat, {}, { "MPR", "REFORMAT" } },
+  { "phase image", SeriesMeaning::PhaseImage, { "P", "R", "I", "PHASE MAP", "PHASE" },
+    { "VELOCITY" } },
+  { "spectrum", SeriesMeaning::Spectrum, { "SPECTROSCOPY" }, {} },
 };
 
 /// Whether a Dixon reconstruction is told: images of water, of fat, and of both in or out of phase.
@@ -106,18 +91,18 @@ DixonImage FindDixon(const DicomHeader& header)
     }
   }
   const std::string words = WordsOf(header);
-  const bool dixon = !FindWords(words, "m?dixon\\w*|dix|vibedix\\w*|\\w*flex|ideal").empty();
-  const auto byWords = [&](const char* pattern, Kind kind)
+  using M = SeriesMeaning;
+  const bool dixon = !FindMeaning(words, M::DixonTechnique).empty();
+  const auto byWords = [&](M meaning, Kind kind)
   {
-    const std::string found = FindWords(words, pattern);
+    const std::string found = FindMeaning(words, meaning);
     return found.empty() ? DixonImage{} : DixonImage{ kind, "description '" + found + "'" };
   };
   // "WATER: Ax VIBRANT-Flex" (GE), "t1_vibe_dixon_tra_W" (Siemens).
-  for (const DixonImage& image : { byWords(dixon ? "w|water" : "water(?= )", Kind::Water),
-         byWords(dixon ? "f|fat(?! sat| sup)" : "fat only", Kind::Fat),
-         byWords(dixon ? "in|ip|inphase|in phase" : "inphase|in phase", Kind::InPhase),
-         byWords(dixon ? "opp|op|out|outphase|out phase|opposed" : "outphase|out phase|opp phase",
-           Kind::OutOfPhase) })
+  for (const DixonImage& image : { byWords(dixon ? M::DixonWater : M::WaterImage, Kind::Water),
+         byWords(dixon ? M::DixonFat : M::FatImage, Kind::Fat),
+         byWords(dixon ? M::DixonInPhase : M::InPhaseImage, Kind::InPhase),
+         byWords(dixon ? M::DixonOutOfPhase : M::OutOfPhaseImage, Kind::OutOfPhase) })
   {
     if (image.What != Kind::None)
     {
@@ -154,19 +139,13 @@ void FindFatSuppression(const DicomHeader& header, StudySeries& series)
   {
     return tell(FatSuppression::Present, "Spectrally Selected Suppression FAT");
   }
-  std::string words = HeaderWords(header.SeriesDescription) + ' ';
-  words += HeaderWords(header.ProtocolName) + ' ' + HeaderWords(header.SequenceName);
-  if (const std::string none = FindWords(words,
-        "(?:non?|w o|wo|without|ohne|sans|sin|sem|senza) ?"
-        "(?:fat ?sat\\w*|fs|fat ?sup\\w*|fat|spair|sat)|n?ofs|nfs|nonfs|wofs");
-      !none.empty())
+  std::string words = PlainWords(header.SeriesDescription) + ' ';
+  words += PlainWords(header.ProtocolName) + ' ' + PlainWords(header.SequenceName);
+  if (const std::string none = FindMeaning(words, SeriesMeaning::NotFatSuppressed); !none.empty())
   {
     return tell(FatSuppression::Absent, "description '" + none + "'");
   }
-  if (const std::string some = FindWords(words,
-        "\\w*fs|fat ?sat\\w*|fat ?sup\\w*|fatsep\\w*|spair\\w*|spir\\w*|special|proset|chemsat|we|"
-        "water exc\\w*|waterexc\\w*|vibrant|e?thrive\\w*|bliss|stir|tirm|supg\\w*|fett ?s\\w*");
-      !some.empty())
+  if (const std::string some = FindMeaning(words, SeriesMeaning::FatSuppressed); !some.empty())
   {
     return tell(FatSuppression::Present, "description '" + some + "'");
   }
@@ -204,7 +183,7 @@ Weighting FindWeighting(const DicomHeader& header, std::string& evidence)
   const bool inversion = !FindValue(header.ScanningSequence, { "IR" }).empty();
   const bool spin = !FindValue(header.ScanningSequence, { "SE" }).empty() || inversion;
   const bool gradient = !FindValue(header.ScanningSequence, { "GR" }).empty() && !spin;
-  if (const std::string word = FindWords(words, "stir|tirm\\w*|\\w+stir|flair"); !word.empty())
+  if (const std::string word = FindMeaning(words, SeriesMeaning::InversionRecovery); !word.empty())
   {
     evidence = "description '" + word + "'";
     return Weighting::InversionRecovery;
@@ -214,9 +193,7 @@ Weighting FindWeighting(const DicomHeader& header, std::string& evidence)
     evidence = "inversion time of fat";
     return Weighting::InversionRecovery;
   }
-  if (const std::string word =
-        FindWords(words, "trufi\\w*|true ?fisp\\w*|fiesta\\w*|b ?ffe|btfe|balanced|ciss");
-      !word.empty())
+  if (const std::string word = FindMeaning(words, SeriesMeaning::SteadyState); !word.empty())
   {
     evidence = "description '" + word + "'";
     return Weighting::SteadyState;
@@ -235,7 +212,7 @@ Weighting FindWeighting(const DicomHeader& header, std::string& evidence)
       return Weighting::T1;
     }
   }
-  const std::string word = FindWords(words, "(?:ax|sag|cor|tra)?t[12]\\w*|pd\\w*|proton\\w*");
+  const std::string word = FindMeaning(words, SeriesMeaning::NamedWeighting);
   if (!word.empty() && !(gradient && te > 0 && te < 8 && tr < 100))
   {
     evidence = "description '" + word + "'";
@@ -256,9 +233,7 @@ Weighting FindWeighting(const DicomHeader& header, std::string& evidence)
     evidence = "Acquisition Contrast T1";
     return Weighting::T1;
   }
-  evidence = FindWords(words,
-    "\\w*vibe\\w*|vibrant\\w*|e?thrive\\w*|\\w*flash\\w*|fl3d\\w*|lava\\w*|bliss|f?spgr\\w*|"
-    "dyn\\w*");
+  evidence = FindMeaning(words, SeriesMeaning::T1Sequence);
   return evidence.empty() ? Weighting::Unknown : Weighting::T1;
 }
 
@@ -304,7 +279,7 @@ std::string WhyNoTissue(const DicomHeader& header, Weighting weighting, const st
     {
       return Named(kind.Name, "ImageType", value);
     }
-    if (const std::string word = FindWords(words, kind.Words); !word.empty())
+    if (const std::string word = FindMeaning(words, kind.Words); !word.empty())
     {
       return Named(kind.Name, "description", "'" + word + "'");
     }
@@ -501,19 +476,12 @@ void TellByWords(SeriesCandidate& candidate)
     series.Contrast = before ? ContrastPhase::Before : ContrastPhase::After;
     series.ContrastEvidence = evidence;
   };
-  const std::string pre = FindWords(words,
-    "pre ?c\\w*|pre ?g\\w*|pre ?km|pre|nati[fv]\\w*|nativ|unenhanced|basale?|non ?contrast|nonc|"
-    "(?:w o|wo|without|ohne|vor|sans|avant|sin|sem|senza) "
-    "?(?:iv )?(?:c|ce|contrast\\w*|kontrast\\w*|gad\\w*|gd|iv|km|mdc|inj\\w*)");
+  const std::string pre = FindMeaning(words, SeriesMeaning::BeforeContrast);
   // Not the contrast that it is without: "pre contrast", "ohne KM".
   const std::size_t denied = pre.empty() ? words.size() : (' ' + words).find(' ' + pre);
   const std::string others =
     words.substr(0, denied) + words.substr(std::min(words.size(), denied + pre.size()));
-  const std::string post = FindWords(others,
-    "post\\w*|gad\\w*|gd|\\+ ?c\\w*|c\\+|(?:mit|nach) ?km|km|contrast|kontrast\\w*|delay\\w*|late|"
-    "sp(?:ae?|" A_UMLAUT ")t(?:e\\w*|phase\\w*)?|"
-    "tardi\\w*|dotarem|magnevist|gadovist|prohance|multihance|\\d(?:st|nd|rd|th) pass|"
-    "(?:with|avec|con|com|after|apr(?:e|" E_GRAVE ")s) ?(?:c|contrast\\w*|gad\\w*|inj\\w*|mdc)");
+  const std::string post = FindMeaning(others, SeriesMeaning::AfterContrast);
   std::smatch plus;
   static const std::regex counted("(?:^| )(\\d)\\+(\\d+)(?= |$)");
   if (std::regex_search(words, plus, counted))
@@ -542,8 +510,8 @@ void TellByWords(SeriesCandidate& candidate)
 
 bool NamesAgent(const DicomHeader& header)
 {
-  const std::string agent = HeaderWords(header.ContrastAgent);
-  return !agent.empty() && FindWords(agent, "no|none|n|nil|nein|0|without|non").empty();
+  const std::string agent = PlainWords(header.ContrastAgent);
+  return !agent.empty() && FindMeaning(agent, SeriesMeaning::NoAgent).empty();
 }
 
 /// Volumes of one protocol, one after the other: the same but for numbers in the description.
