@@ -5,7 +5,7 @@
 #include "Private/QuietGdcm.h"
 #include "Private/QuietStandardError.h"
 #include "Private/StoredVoxels.h"
-#include "mammoray/IO/WholeOutput.h"
+#include "mammoray/IO/AtomicFile.h"
 
 #include <itkGDCMImageIO.h>
 #include <itkMetaDataObject.h>
@@ -332,7 +332,7 @@ void Write(const std::string& path, const VolumeGrid& grid, itk::ImageIOBase::IO
       std::vector<double>(grid.Direction[a].begin(), grid.Direction[a].end()));
   }
   writer->SetIORegion(region);
-  WriteWholeFile(path,
+  WriteAtomicFile(path,
     [&](const std::string& staged)
     {
       writer->SetFileName(staged);

@@ -106,7 +106,7 @@ def size_of(path):
 def try_kills(program, makers, seed, count):
     """Killed at each system call of a writer (TestIO), and commands at random times."""
     kills = Count("kills")
-    run = subprocess.run([os.path.join(program.binaries, "TestIO"), "--gtest_filter=WholeOutput.SurvivesBeingKilled*"],
+    run = subprocess.run([os.path.join(program.binaries, "TestIO"), "--gtest_filter=AtomicFile.SurvivesBeingKilled*"],
                          stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, check=False)
     points = sum(map(int, re.findall(r"^(\d+) kills", run.stdout, re.M)))
     kills.tried += points
