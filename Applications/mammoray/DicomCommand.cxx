@@ -9,8 +9,8 @@
 #include "mammoray/Dicom/DicomReader.h"
 #include "mammoray/Dicom/DicomWriter.h"
 #include "mammoray/Foundation/Error.h"
+#include "mammoray/IO/AtomicFile.h"
 #include "mammoray/IO/LabelVolumeIO.h"
-#include "mammoray/IO/WholeOutput.h"
 #include "mammoray/Study/LesionShadow.h"
 #include "mammoray/Study/RegisteredMammogram.h"
 #include "mammoray/Study/ResultObjects.h"
@@ -113,7 +113,7 @@ void WriteFolder(const DicomArguments& arguments, const ResultFile& result)
   objects.MriSpacingMm = arguments.MriSpacingMm;
   objects.FieldSpacingMm = arguments.FieldSpacingMm;
   const RegisteredBreast breast(ReadBreastInUnit(result));
-  WriteWholeFolder(arguments.Output,
+  WriteAtomicFolder(arguments.Output,
     [&](const std::string& folder)
     {
       WriteSynthetic(arguments, result, {}, folder + "/synthetic.dcm");

@@ -10,7 +10,7 @@
 #include "mammoray/Evidence/LandmarkEvaluation.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/Foundation/SpellingSuggestions.h"
-#include "mammoray/IO/WholeOutput.h"
+#include "mammoray/IO/AtomicFile.h"
 
 #include <algorithm>
 #include <cstdio>
@@ -215,10 +215,10 @@ void AddWanted(EvidenceArguments& arguments)
 }
 
 /// It is written again with the next run's figures.
-void WriteAndClaim(const std::string& path, const std::string& text)
+void WriteAndReserve(const std::string& path, const std::string& text)
 {
-  WriteWholeFile(path, text);
-  ClaimFile(path);
+  WriteAtomicFile(path, text);
+  ReserveFile(path);
 }
 
 void RunExport(const EvidenceArguments& arguments)
@@ -281,14 +281,14 @@ void Run(EvidenceArguments& arguments)
   }
   const auto keep = [&]()
   {
-    WriteAndClaim(arguments.Output, EvidenceJson(evidence, settings));
+    WriteAndReserve(arguments.Output, EvidenceJson(evidence, settings));
     if (!arguments.Table.empty())
     {
-      WriteAndClaim(arguments.Table, TwinTable(evidence.Twins));
+      WriteAndReserve(arguments.Table, TwinTable(evidence.Twins));
     }
     if (!arguments.Curve.empty())
     {
-      WriteAndClaim(arguments.Curve, TrustCurveSvg(evidence));
+      WriteAndReserve(arguments.Curve, TrustCurveSvg(evidence));
     }
   };
   try

@@ -3,11 +3,11 @@
 #include "OutputFiles.h"
 #include "ProgressBar.h"
 #include "SharedOptions.h"
+#include "mammoray/IO/AtomicFile.h"
 #include "mammoray/IO/MeshConversion.h"
 #include "mammoray/IO/MeshIO.h"
 #include "mammoray/IO/ProjectionImage.h"
 #include "mammoray/IO/ShippedData.h"
-#include "mammoray/IO/WholeOutput.h"
 
 #ifdef MAMMORAY_HAS_MESHING
 #include "mammoray/Evidence/VirtualStudy.h"
@@ -63,7 +63,7 @@ bool IsFolderToBeMade(const std::string& folder, const ExampleFiles& files, bool
   std::error_code none;
   if (!folder.empty() && !fs::exists(folder, none))
   {
-    ClaimFolder(folder);
+    ReserveFolder(folder);
     return true;
   }
   if (!fs::is_directory(folder, none))
@@ -187,7 +187,7 @@ void Run(ExampleArguments& arguments)
   };
   if (makesFolder)
   {
-    WriteWholeFolder(arguments.Output, write);
+    WriteAtomicFolder(arguments.Output, write);
   }
   else
   {

@@ -4,7 +4,7 @@
 #include "OutputFiles.h"
 #include "ProgressBar.h"
 #include "SharedOptions.h"
-#include "mammoray/IO/WholeOutput.h"
+#include "mammoray/IO/AtomicFile.h"
 #include "mammoray/Study/Intake.h"
 
 #include <cstdio>
@@ -42,7 +42,7 @@ void Run(IntakeArguments& arguments)
   const StudyChoice choice = ChooseForRegistration(study, arguments.Side);
   if (!arguments.Json.empty())
   {
-    WriteWholeFile(arguments.Json, StudyJson(study, choice));
+    WriteAtomicFile(arguments.Json, StudyJson(study, choice));
   }
   std::fputs(StudyListing(study, choice).c_str(), stdout);
   std::fflush(stdout);

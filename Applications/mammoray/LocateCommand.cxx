@@ -6,8 +6,8 @@
 #include "SharedOptions.h"
 #include "mammoray/Dicom/DicomWriter.h"
 #include "mammoray/Foundation/Error.h"
+#include "mammoray/IO/AtomicFile.h"
 #include "mammoray/IO/LabelVolumeIO.h"
-#include "mammoray/IO/WholeOutput.h"
 #include "mammoray/Study/LesionShadow.h"
 #include "mammoray/Study/RegisteredBreast.h"
 
@@ -136,7 +136,7 @@ void WriteCurve(const std::vector<RaySegment>& stretches, const std::vector<Name
       file << '\n';
     }
   }
-  WriteWholeFile(path, file.str());
+  WriteAtomicFile(path, file.str());
 }
 
 /// Where another mammogram shows what lies behind the pixel: a line from the side of the source to
@@ -261,7 +261,7 @@ void WriteOutlines(const std::vector<std::pair<int, LesionShadow>>& lesions,
       }
     }
   }
-  WriteWholeFile(path, file.str());
+  WriteAtomicFile(path, file.str());
 }
 
 /// The image that a segmentation lies over; it must have the registered pixels.

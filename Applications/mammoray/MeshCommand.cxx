@@ -7,9 +7,9 @@
 #include "OutputFiles.h"
 #include "ProgressBar.h"
 #include "SharedOptions.h"
+#include "mammoray/IO/AtomicFile.h"
 #include "mammoray/IO/MeshConversion.h"
 #include "mammoray/IO/MeshIO.h"
-#include "mammoray/IO/WholeOutput.h"
 #include "mammoray/Study/MeshCase.h"
 
 #include "vtkPolyData.h"
@@ -185,7 +185,7 @@ void WriteReportFiles(const MeshArguments& arguments, const std::string& report,
   }
   if (!arguments.Report.empty())
   {
-    WriteWholeFile(arguments.Report, report);
+    WriteAtomicFile(arguments.Report, report);
   }
   if (!arguments.Picture.empty())
   {

@@ -2,8 +2,7 @@
 #include "OutputFiles.h"
 
 #include "mammoray/Foundation/Error.h"
-
-#include "mammoray/IO/WholeOutput.h"
+#include "mammoray/IO/AtomicFile.h"
 #include "mammoray/Study/RegistrationCaseWriter.h"
 
 #include <CLI/CLI.hpp>
@@ -21,7 +20,7 @@ namespace fs = std::filesystem;
 
 namespace
 {
-/// What options were given that is a file or a folder.
+/// The files and folders that options of the running command name.
 std::vector<fs::path>& GivenPaths()
 {
   static std::vector<fs::path> paths;
@@ -30,25 +29,24 @@ std::vector<fs::path>& GivenPaths()
 
 bool IsWithin(const fs::path& path, const fs::path& folder)
 {
-  std::error_code none;
-  const fs::path inner = fs::weakly_canonical(path, none);
-  const fs::path outer = fs::weakly_canonical(folder, none);
-  // Of a name that is too long, or links in a circle, there is none.
+  std::error_code ignored; // of names that are too long and of circular links
+  const fs::path inner = fs::weakly_canonical(path, ignored);
+  const fs::path outer = fs::weakly_canonical(folder, ignored);
   return !outer.empty() && inner != outer &&
     std::mismatch(outer.begin(), outer.end(), inner.begin(), inner.end()).first == outer.end();
 }
 
-/// Throws InputError where the file, which is there, is read, too.
-void CheckIsNoInput(const fs::path& path)
+/// Throws InputError if the existing file is given more than `times` times, or is read as part of a
+/// given folder.
+void CheckIsNoInput(const fs::path& path, int times)
 {
-  int times = 0;
+  const bool isReadInFolders =
+    IsFileOfResult(path.filename().string()) || path.extension() == ".dcm";
   for (const fs::path& given : GivenPaths())
   {
-    std::error_code none;
-    times += fs::equivalent(given, path, none) ? 1 : 0;
-    const bool isRead =
-      IsFileOfResult(path.filename().string()) || path.extension().string() == ".dcm";
-    if (times > 1 || (isRead && fs::is_directory(given, none) && IsWithin(path, given)))
+    std::error_code ignored;
+    times -= fs::equivalent(given, path, ignored) ? 1 : 0;
+    if (times < 0 || (isReadInFolders && fs::is_directory(given, ignored) && IsWithin(path, given)))
     {
       throw InputError("output " + path.string() +
         ": expected a file that is not an input, found one of " + given.string());
@@ -62,30 +60,22 @@ void NoteGiven(const CLI::App& command)
   GivenPaths().clear();
   for (const CLI::Option* option : command.get_options({}))
   {
-    for (const std::string& given : option->results())
-    {
-      std::error_code none;
-      if (fs::exists(given, none))
-      {
-        GivenPaths().emplace_back(given);
-      }
-    }
+    std::error_code ignored;
+    std::copy_if(option->results().begin(), option->results().end(),
+      std::back_inserter(GivenPaths()),
+      [&](const std::string& given) { return fs::exists(given, ignored); });
   }
 }
 
 const std::string& CheckInputFile(const std::string& path)
 {
-  if (!fs::exists(path))
+  const char* const problem = !fs::exists(path) ? ": no such file"
+    : fs::is_directory(path)                    ? ": expected a file, found a folder"
+    : !std::ifstream(path)                      ? ": cannot be opened for reading"
+                                                : nullptr;
+  if (problem)
   {
-    throw InputError(path + ": no such file");
-  }
-  if (fs::is_directory(path))
-  {
-    throw InputError(path + ": expected a file, found a folder");
-  }
-  if (!std::ifstream(path))
-  {
-    throw InputError(path + ": cannot be opened for reading");
+    throw InputError(path + problem);
   }
   return path;
 }
@@ -100,37 +90,34 @@ void CheckInputFileIfAny(const std::string& path)
 
 void CheckOutputPlace(const std::string& path, bool overwrite)
 {
-  if (path.empty())
+  const auto require = [&](bool condition, const std::string& otherwise)
   {
-    throw InputError("output: expected a file name, found an empty one");
-  }
-  const fs::path folder = fs::absolute(fs::path(path)).parent_path();
-  if (!fs::is_directory(folder))
-  {
-    throw InputError("output " + path + ": there is no folder " + folder.string());
-  }
-  if (access(folder.c_str(), W_OK) != 0)
-  {
-    throw InputError("output " + path + ": the folder " + folder.string() + " is not writable");
-  }
-  if (fs::is_directory(path))
-  {
-    throw InputError("output " + path + ": expected a file name, found a folder");
-  }
-  if (fs::exists(path) && !overwrite)
-  {
-    throw InputError("output " + path + ": exists already; --overwrite replaces it");
-  }
+    if (!condition)
+    {
+      throw InputError("output " + path + ": " + otherwise);
+    }
+  };
+  require(!path.empty(), "expected a file name, found an empty one");
+  const fs::path folder = fs::absolute(path).parent_path();
+  require(fs::is_directory(folder), "there is no folder " + folder.string());
+  require(access(folder.c_str(), W_OK) == 0, "the folder " + folder.string() + " is not writable");
+  require(!fs::is_directory(path), "expected a file name, found a folder");
+  require(overwrite || !fs::exists(path), "exists already; --overwrite replaces it");
   if (fs::exists(path))
   {
-    CheckIsNoInput(path);
+    CheckIsNoInput(path, 1); // the option of the output itself
   }
 }
 
-void CheckOutputFile(const std::string& path, bool overwrite)
+void CheckOutputFile(const std::string& path, bool overwrite, const std::string& extension,
+  const std::string& kind)
 {
   CheckOutputPlace(path, overwrite);
-  if (!ClaimFile(path))
+  if (!extension.empty() && fs::path(path).extension() != extension)
+  {
+    throw InputError(path + ": expected the extension " + extension + " for " + kind);
+  }
+  if (!ReserveFile(path))
   {
     throw InputError("output " + path + ": expected another file for each output, found it twice");
   }
@@ -138,26 +125,11 @@ void CheckOutputFile(const std::string& path, bool overwrite)
 
 void CheckOutputBeside(const std::string& path, bool overwrite)
 {
-  for (const fs::path& given : GivenPaths())
+  if (fs::exists(path))
   {
-    std::error_code none;
-    if (fs::equivalent(given, path, none))
-    {
-      throw InputError(
-        "output " + path + ": expected a file that is not an input, found " + given.string());
-    }
+    CheckIsNoInput(path, 0);
   }
   CheckOutputFile(path, overwrite);
-}
-
-void CheckOutputFile(const std::string& path, bool overwrite, const std::string& extension,
-  const std::string& kind)
-{
-  CheckOutputFile(path, overwrite);
-  if (fs::path(path).extension() != extension)
-  {
-    throw InputError(path + ": expected the extension " + extension + " for " + kind);
-  }
 }
 
 void CheckPictureFile(const std::string& path, bool overwrite)
@@ -170,13 +142,14 @@ void CheckPictureFile(const std::string& path, bool overwrite)
 
 void CheckNewFolder(const std::string& path)
 {
-  std::error_code none;
-  if (path.empty() || (fs::exists(path, none) && (!fs::is_directory(path) || !fs::is_empty(path))))
+  std::error_code ignored;
+  if (path.empty() ||
+    (fs::exists(path, ignored) && (!fs::is_directory(path) || !fs::is_empty(path))))
   {
     throw InputError("output " + path + ": expected a new or an empty folder, found " +
       (path.empty() ? "none" : "one that holds something, or a file"));
   }
-  ClaimFolder(path);
+  ReserveFolder(path);
 }
 
 void CheckNoInputWithin(const std::string& folder)
@@ -193,9 +166,7 @@ void CheckNoInputWithin(const std::string& folder)
 
 std::string BesideOutput(const std::string& output, const std::string& suffix)
 {
-  fs::path path(output);
-  const std::string extension = path.extension().string();
-  path.replace_extension();
-  return path.string() + suffix + extension;
+  const fs::path path(output);
+  return (path.parent_path() / path.stem()).string() + suffix + path.extension().string();
 }
 }

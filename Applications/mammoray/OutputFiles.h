@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Files that commands read and write: checked before the work begins.
+// Checks of the files that commands read and write, before the work begins.
 #ifndef mammoray_OutputFiles_h
 #define mammoray_OutputFiles_h
 
@@ -12,48 +12,43 @@ class App;
 
 namespace mammoray
 {
-/// The path itself when the file exists and can be read; throws InputError otherwise.
+/// Returns the path if the file exists and can be read; throws InputError otherwise.
 const std::string& CheckInputFile(const std::string& path);
 
-/// CheckInputFile where a file is named; an empty path passes.
+/// CheckInputFile unless the path is empty.
 void CheckInputFileIfAny(const std::string& path);
 
-/// Keeps what the command's options were given, among which an output may not be twice.
+/// Keeps the paths that options of the command name: an output must not be an input as well.
 void NoteGiven(const CLI::App& command);
 
 /**
  * Throws InputError unless `path` can become an output file: its folder exists and is writable,
- * nothing is there yet unless `overwrite`, and it is no input, nor a file of the result or the
- * DICOM folder that is read. Call it before the work begins.
+ * nothing is there yet or `overwrite` is set, and it is neither an input nor a file of the result
+ * or DICOM folder that is read.
  */
 void CheckOutputPlace(const std::string& path, bool overwrite);
 
-/// CheckOutputPlace, and claims the file (ClaimFile). Throws InputError where it is another output.
-void CheckOutputFile(const std::string& path, bool overwrite);
+/**
+ * CheckOutputPlace, and reserves the file (ReserveFile). Throws InputError if another option names
+ * it as an output, or if an `extension` (with its dot) is given that files of this `kind` ("a
+ * picture") have and the path has not.
+ */
+void CheckOutputFile(const std::string& path, bool overwrite, const std::string& extension = "",
+  const std::string& kind = "");
 
-/// The same of a file that no option names, as it lies beside an output: every one that is named is
-/// an input.
+/// CheckOutputFile for an output that no option names because it is written beside another one.
 void CheckOutputBeside(const std::string& path, bool overwrite);
 
-/**
- * CheckOutputFile, and throws InputError unless the path ends in `extension` (with its dot), which
- * files of this `kind` ("a picture") have.
- */
-void CheckOutputFile(const std::string& path, bool overwrite, const std::string& extension,
-  const std::string& kind);
-
-/// CheckOutputFile for a picture (.png) where one is asked for: an empty path passes.
+/// CheckOutputFile for a picture (.png) unless the path is empty.
 void CheckPictureFile(const std::string& path, bool overwrite);
 
-/// Throws InputError unless `path` can become a folder of its own: it is not there yet, or empty.
-/// Claims it (ClaimFolder).
+/// Reserves a folder (ReserveFolder); throws InputError unless it is new or empty.
 void CheckNewFolder(const std::string& path);
 
-/// Throws InputError where something that the options were given is in the folder, which is to be
-/// replaced.
+/// Throws InputError if the folder, which will be replaced, holds a path that an option names.
 void CheckNoInputWithin(const std::string& folder);
 
-/// "scan_low.mha" of "scan.mha" and "_low": an output beside another.
+/// Returns "scan_low.mha" for "scan.mha" and "_low", the path of an output beside another.
 std::string BesideOutput(const std::string& output, const std::string& suffix);
 }
 

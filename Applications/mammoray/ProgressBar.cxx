@@ -30,10 +30,6 @@ void OnAlarm(int)
 
 void OnInterrupt(int signal)
 {
-  if (signal == SIGXCPU && interruptCount > 0)
-  {
-    return; // comes again with each second of the processor's
-  }
   interruptCount = interruptCount + 1;
   interruptSignal = signal;
   alarm(SecondsUntilHeard);
@@ -158,7 +154,7 @@ bool InterruptRequested()
 {
   static const bool installed = []
   {
-    for (const int signal : { SIGINT, SIGTERM, SIGHUP, SIGXCPU })
+    for (const int signal : { SIGINT, SIGTERM, SIGHUP })
     {
       if (std::signal(signal, OnInterrupt) == SIG_IGN)
       {

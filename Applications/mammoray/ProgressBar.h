@@ -15,9 +15,8 @@ namespace mammoray
  */
 ProgressCallback MakeProgressBar();
 
-/// True once the program was asked to stop, by Ctrl-C, SIGTERM, the end of its terminal or a limit
-/// on its processor time that may be passed (ulimit -St); installs the handlers at the first call.
-/// The second time, but of that limit, ends it at once.
+/// Returns true once Ctrl-C, SIGTERM or the end of the terminal has asked the program to stop;
+/// installs the handlers at the first call. A second signal ends the program at once.
 bool InterruptRequested();
 }
 

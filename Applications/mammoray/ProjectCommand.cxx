@@ -7,11 +7,11 @@
 #include "SceneOptions.h"
 #include "SharedOptions.h"
 #include "mammoray/Dicom/DicomWriter.h"
+#include "mammoray/IO/AtomicFile.h"
 #include "mammoray/IO/MammogramSynthesis.h"
 #include "mammoray/IO/MeshConversion.h"
 #include "mammoray/IO/ProjectionImage.h"
 #include "mammoray/IO/ShippedData.h"
-#include "mammoray/IO/WholeOutput.h"
 #include "mammoray/XRay/DetectorPlane.h"
 #include "mammoray/XRay/Display.h"
 #include "mammoray/XRay/DualEnergy.h"
@@ -487,7 +487,7 @@ std::string RunStack(const Camera& camera, const ProjectionSeries& series, const
   {
     WriteProjectionStack(flats, FlatFieldPath(arguments.Output));
   }
-  WriteWholeFile(SeriesDescriptionPath(arguments.Output),
+  WriteAtomicFile(SeriesDescriptionPath(arguments.Output),
     DescribeSeries(arguments.Series, series, source, detector));
   return warning;
 }

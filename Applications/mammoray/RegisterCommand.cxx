@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Commands.h"
-#include "MissingMemory.h"
 #include "OptionNames.h"
 #include "OutputFiles.h"
 #include "ProgressBar.h"
@@ -329,7 +328,7 @@ RegistrationCaseResult RegisterAndWrite(const RegisterArguments& arguments)
     {
       throw;
     }
-    throw Error(kept(MissingMemory));
+    throw Error(kept("out of memory"));
   }
 }
 

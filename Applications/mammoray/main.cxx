@@ -2,16 +2,20 @@
 #include "Commands.h"
 #include "Help.h"
 #include "Manual.h"
-#include "MissingMemory.h"
 #include "OptionNames.h"
-#include "Process.h"
 #include "ProgressBar.h"
 #include "mammoray/Foundation/Error.h"
 
 #include <CLI/CLI.hpp>
 
+#include <fcntl.h>
+#include <malloc.h>
+#include <unistd.h>
+
 #include <cerrno>
+#include <csignal>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <new>
@@ -20,7 +24,36 @@
 
 namespace
 {
-/// The exit status, once all that was printed is out: 1, with a line, where it is not.
+void SetUpProcess()
+{
+  // Output to a closed stream must not end up in a file that is opened later.
+  for (const int stream : { STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO })
+  {
+    if (fcntl(stream, F_GETFD) == -1)
+    {
+      open("/dev/null", O_RDWR);
+    }
+  }
+  // Writing beyond a limit of file sizes then fails as on a full disk.
+  std::signal(SIGXFSZ, SIG_IGN);
+  // The shell may have ignored it, which hides how readers' processes end.
+  std::signal(SIGCHLD, SIG_DFL);
+#if defined(__GLIBC__)
+  // Large buffers come and go at every step: keep freed memory for the next one.
+  mallopt(M_MMAP_THRESHOLD, 256 << 20);
+  mallopt(M_TRIM_THRESHOLD, 512 << 20);
+#endif
+  // Mesa prints two lines if it has no place for its shaders, as in a container without a home.
+  const char* const home = std::getenv("HOME");
+  std::error_code ignored;
+  if (!std::getenv("XDG_CACHE_HOME") && home &&
+    (!std::filesystem::is_directory(home, ignored) || access(home, W_OK) != 0))
+  {
+    setenv("MESA_SHADER_CACHE_DISABLE", "true", 0);
+  }
+}
+
+/// Returns the status if everything printed has been written; otherwise 1, after a line.
 int CheckPrinted(int status)
 {
   const bool failed = std::ferror(stdout) != 0;
@@ -43,7 +76,7 @@ void ExplainMisuse(const CLI::ParseError& error)
 
 int Run(int argc, char* argv[])
 {
-  mammoray::SetUpProcess(argv);
+  SetUpProcess();
   CLI::App application{ "MammoRay " MAMMORAY_VERSION
                         ": synthetic X-rays of meshes, and registration of breast MRI with "
                         "mammograms.\nLengths in mm, pressures in kPa, energies in keV, angles in "
@@ -107,7 +140,7 @@ int main(int argc, char* argv[])
   }
   catch (const std::bad_alloc&)
   {
-    std::fprintf(stderr, "mammoray: %s\n", mammoray::MissingMemory);
+    std::fputs("mammoray: out of memory\n", stderr);
   }
   catch (const std::filesystem::filesystem_error& error) // as of a name that is too long
   {

@@ -4,7 +4,7 @@
 #include "Private/Conversation.h"
 #include "Private/DicomFile.h"
 #include "Private/SecureLayer.h"
-#include "mammoray/IO/WholeOutput.h"
+#include "mammoray/IO/AtomicFile.h"
 
 #include <dcmtk/config/osconfig.h>
 #include <dcmtk/dcmdata/dctk.h>
@@ -219,7 +219,7 @@ private:
     std::snprintf(name, sizeof name, "/%05zu.dcm", ++objects);
     const E_TransferSyntax syntax = object->getOriginalXfer();
     DcmFileFormat file(object.release(), OFFalse); // which owns it now
-    WriteWholeFile(folder + name,
+    WriteAtomicFile(folder + name,
       [&](const std::string& staged)
       {
         if (const OFCondition saved = file.saveFile(staged.c_str(), syntax); saved.bad())
@@ -566,7 +566,7 @@ std::size_t GetStudies(const std::vector<ArchivedStudy>& studies, const DicomNod
   const std::string& folder, const ProgressCallback& progress)
 {
   std::size_t count = 0;
-  WriteWholeFolder(folder,
+  WriteAtomicFolder(folder,
     [&](const std::string& staged)
     {
       count = 0;

@@ -5,10 +5,10 @@
 #include "mammoray/Evidence/LandmarkEvaluation.h"
 #include "mammoray/Evidence/OutlineBaseline.h"
 #include "mammoray/Foundation/Error.h"
+#include "mammoray/IO/AtomicFile.h"
 #include "mammoray/IO/LabelVolumeIO.h"
 #include "mammoray/IO/Sha256.h"
 #include "mammoray/IO/ShippedData.h"
-#include "mammoray/IO/WholeOutput.h"
 #include "mammoray/Registration/Silhouette.h"
 #include "mammoray/Registration/TargetPreparation.h"
 #include "mammoray/Study/RegistrationCase.h"
@@ -137,7 +137,7 @@ public:
       std::snprintf(line, sizeof line, "%zu,%.4f,%.4f,%.4f\n", point, at[0], at[1], at[2]);
       points += line;
     }
-    WriteWholeFile(this->Folder + "/points.csv", points);
+    WriteAtomicFile(this->Folder + "/points.csv", points);
   }
 
   /// Answers by the mammograms' outlines alone.
@@ -255,9 +255,9 @@ std::string ExportStudy(const EvidenceStudy& study, const std::string& folder,
 std::vector<BaselineScore> ExportBenchmark(const std::vector<EvidenceStudy>& studies,
   const std::string& folder, const ProgressCallback& progress)
 {
-  ClaimEmptyFolder(folder);
+  ReserveEmptyFolder(folder);
   std::vector<BaselineScore> scores;
-  WriteWholeFolder(folder,
+  WriteAtomicFolder(folder,
     [&](const std::string& written)
     {
       fs::create_directory(written + "/truth");
@@ -270,10 +270,10 @@ std::vector<BaselineScore> ExportBenchmark(const std::vector<EvidenceStudy>& stu
         rows += ExportStudy(studies[number], written, scores,
           ShareOf(progress, part(number), part(number + 1)));
       }
-      WriteWholeFile(written + "/studies.csv", rows);
-      WriteWholeFile(written + "/scores.csv", ScoreTable(scores));
-      WriteWholeFile(written + "/PROTOCOL.md", Protocol);
-      WriteWholeFile(written + "/SHA256SUMS", Checksums(written));
+      WriteAtomicFile(written + "/studies.csv", rows);
+      WriteAtomicFile(written + "/scores.csv", ScoreTable(scores));
+      WriteAtomicFile(written + "/PROTOCOL.md", Protocol);
+      WriteAtomicFile(written + "/SHA256SUMS", Checksums(written));
     });
   return scores;
 }

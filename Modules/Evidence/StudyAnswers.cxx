@@ -3,7 +3,7 @@
 
 #include "Private/CsvRows.h"
 #include "mammoray/Foundation/Error.h"
-#include "mammoray/IO/WholeOutput.h"
+#include "mammoray/IO/AtomicFile.h"
 
 #include <algorithm>
 #include <cmath>
@@ -130,7 +130,7 @@ void WriteStudyAnswers(const std::vector<StudyAnswer>& answers, const std::strin
       text += line;
     }
   }
-  WriteWholeFile(path, text + '\n');
+  WriteAtomicFile(path, text + '\n');
 }
 
 std::vector<AnswerScore> ScoreAnswers(const VirtualStudyTruth& truth,

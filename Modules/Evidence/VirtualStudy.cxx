@@ -9,8 +9,8 @@
 #include "mammoray/Dicom/DicomWriter.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/Foundation/LabelSkin.h"
+#include "mammoray/IO/AtomicFile.h"
 #include "mammoray/IO/ShippedData.h"
-#include "mammoray/IO/WholeOutput.h"
 #include "mammoray/Meshing/LabelMesher.h"
 #include "mammoray/Registration/BreastModel.h"
 #include "mammoray/Registration/EvaluatedState.h"
@@ -397,7 +397,7 @@ void CheckStudyOptions(const VirtualStudyOptions& options, const MaterialTable& 
     throw InputError("virtual study: expected a material that is held (chest wall) in the table " +
       table.Name + ", found none");
   }
-  ClaimEmptyFolder(folder);
+  ReserveEmptyFolder(folder);
 }
 }
 

@@ -6,8 +6,8 @@
 #include "Private/TextTable.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/Foundation/Numbers.h"
+#include "mammoray/IO/AtomicFile.h"
 #include "mammoray/IO/GuardedRead.h"
-#include "mammoray/IO/WholeOutput.h"
 
 #include "vtkCommand.h"
 #include "vtkExecutive.h"
@@ -178,7 +178,7 @@ void Write(vtkPointSet* mesh, const std::string& path)
   {
     writer->SetFileTypeToBinary();
   }
-  WriteWholeFile(path,
+  WriteAtomicFile(path,
     [&](const std::string& staged)
     {
       writer->SetFileName(staged.c_str());

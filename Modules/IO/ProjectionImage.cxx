@@ -3,7 +3,7 @@
 
 #include "Private/VolumeFile.h"
 #include "mammoray/Foundation/Error.h"
-#include "mammoray/IO/WholeOutput.h"
+#include "mammoray/IO/AtomicFile.h"
 
 #include "vtkFloatArray.h"
 #include "vtkImageData.h"
@@ -141,7 +141,7 @@ void WriteTiff(const ProjectionStack& stack, const std::string& path)
   image->SetDimensions(stack.Columns, stack.Rows, stack.Number);
   image->SetSpacing(stack.ColumnSpacingMm, stack.RowSpacingMm, 1);
   image->GetPointData()->SetScalars(values);
-  WriteWholeFile(path,
+  WriteAtomicFile(path,
     [&](const std::string& staged)
     {
       vtkNew<vtkTIFFWriter> writer;
@@ -169,7 +169,7 @@ void WritePicture(vtkImageData* image, const std::string& path)
   {
     throw InputError(path + ": cannot be written");
   }
-  WriteWholeFile(path,
+  WriteAtomicFile(path,
     { reinterpret_cast<const char*>(bytes->GetPointer(0)),
       static_cast<std::size_t>(bytes->GetNumberOfValues()) });
 }
@@ -296,7 +296,7 @@ void WriteProjection(vtkImageData* image, const std::string& path, bool pathLeng
   {
     vtkNew<vtkXMLImageDataWriter> writer;
     writer->SetInputData(image);
-    WriteWholeFile(path,
+    WriteAtomicFile(path,
       [&](const std::string& staged)
       {
         writer->SetFileName(staged.c_str());

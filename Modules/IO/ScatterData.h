@@ -22,7 +22,7 @@ MAMMORAYIO_EXPORT ScatterKernels ReadScatterKernels(const std::string& path);
 /// The shipped table of what breast tissue scatters: scatter/breast.csv of the data directory.
 MAMMORAYIO_EXPORT ScatterKernels FindScatterKernels();
 /// Writes such a table with a first line that says where it is from. Throws InputError as
-/// WriteWholeFile does.
+/// WriteAtomicFile does.
 MAMMORAYIO_EXPORT void WriteScatterKernels(const ScatterKernels& kernels,
   const std::string& comment, const std::string& path);
 

@@ -3,8 +3,8 @@
 
 #include "Private/TextTable.h"
 #include "mammoray/Foundation/Numbers.h"
+#include "mammoray/IO/AtomicFile.h"
 #include "mammoray/IO/ShippedData.h"
-#include "mammoray/IO/WholeOutput.h"
 
 #include <cstdio>
 #include <filesystem>
@@ -136,7 +136,7 @@ void WriteScatterKernels(const ScatterKernels& kernels, const std::string& comme
   {
     AddValues("shares", ",%.3g", &shares[begin], &shares[begin] + size, text);
   }
-  WriteWholeFile(path, text);
+  WriteAtomicFile(path, text);
 }
 
 ScatterKernels FindScatterKernels()

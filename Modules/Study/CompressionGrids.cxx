@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mammoray/Study/CompressionGrids.h"
 
+#include "mammoray/IO/AtomicFile.h"
 #include "mammoray/IO/MeshIO.h"
-#include "mammoray/IO/WholeOutput.h"
 
 #include "vtkCellData.h"
 #include "vtkDoubleArray.h"
@@ -208,7 +208,7 @@ void WriteSeries(const std::string& path,
     file->AddNestedElement(collection);
     std::ostringstream text;
     vtkXMLUtilities::FlattenElement(file, text);
-    WriteWholeFile(path, text.str());
+    WriteAtomicFile(path, text.str());
   }
   catch (...)
   {

@@ -5,10 +5,10 @@
 #include "Private/Checkpoint.h"
 #include "mammoray/Dicom/DicomHeader.h"
 #include "mammoray/Foundation/Error.h"
+#include "mammoray/IO/AtomicFile.h"
 #include "mammoray/IO/LabelVolumeIO.h"
 #include "mammoray/IO/MeshConversion.h"
 #include "mammoray/IO/MeshIO.h"
-#include "mammoray/IO/WholeOutput.h"
 #include "mammoray/Study/BreastInUnit.h"
 #include "mammoray/Study/RegistrationReport.h"
 #include "mammoray/Study/ResultFile.h"
@@ -74,7 +74,7 @@ void WriteSynthetic(const RegisteredView& registered, const std::string& path)
   vtkNew<vtkMetaImageWriter> writer;
   writer->SetInputData(image);
   writer->SetCompression(true);
-  WriteWholeFile(path,
+  WriteAtomicFile(path,
     [&](const std::string& staged)
     {
       writer->SetFileName(staged.c_str());
@@ -468,7 +468,7 @@ void CheckResultFolder(const std::string& path, bool overwrite)
   const fs::path folder(path);
   if (fs::is_directory(folder) && fs::is_empty(folder))
   {
-    ClaimFolder(path);
+    ReserveFolder(path);
     return;
   }
   if (fs::exists(folder))
@@ -490,14 +490,14 @@ void CheckResultFolder(const std::string& path, bool overwrite)
         foreign->lexically_relative(folder).string() + "; it can be moved elsewhere");
     }
   }
-  ClaimFolder(path);
+  ReserveFolder(path);
 }
 
 void WriteRegistrationCase(const RegistrationCase& input, const RegistrationCaseResult& result,
   const std::string& path, bool overwrite)
 {
   CheckResultFolder(path, overwrite);
-  WriteWholeFolder(path, [&](const std::string& folder) { WriteInto(folder, input, result); });
+  WriteAtomicFolder(path, [&](const std::string& folder) { WriteInto(folder, input, result); });
   if (!input.Checkpoint.empty())
   {
     fs::remove(input.Checkpoint);

@@ -30,9 +30,9 @@ MAMMORAYSTUDY_EXPORT bool IsFileOfResult(const std::string& name);
 /// Where the search for a result of this folder keeps its last step, until the result is written.
 MAMMORAYSTUDY_EXPORT std::string CheckpointPath(const std::string& folder);
 
-/// Claims the folder (ClaimFolder). Throws InputError unless a result can be written there: into a
-/// folder that exists, under a name that is free or, with `overwrite`, that of an earlier result
-/// and nothing else.
+/// Reserves the folder (ReserveFolder). Throws InputError unless a result can be written there:
+/// into a folder that exists, under a name that is free or, with `overwrite`, that of an earlier
+/// result and nothing else.
 MAMMORAYSTUDY_EXPORT void CheckResultFolder(const std::string& folder, bool overwrite);
 
 /**

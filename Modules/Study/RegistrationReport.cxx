@@ -7,7 +7,7 @@
 #include "Private/ReportPictures.h"
 #include "Private/ReportSections.h"
 #include "mammoray/Foundation/Error.h"
-#include "mammoray/IO/WholeOutput.h"
+#include "mammoray/IO/AtomicFile.h"
 
 #include <filesystem>
 
@@ -94,7 +94,7 @@ void WriteParts(const RegistrationReport& report, const Composed& parts, const s
   }
   for (const auto& [name, content] : files)
   {
-    WriteWholeFile((std::filesystem::path(folder) / name).string(), content);
+    WriteAtomicFile((std::filesystem::path(folder) / name).string(), content);
   }
 }
 }
@@ -133,7 +133,7 @@ void WriteJointReport(const JointReport& report, const std::string& folder)
   const RegistrationReport& first = report.Mammograms.front();
   html = AnswerHtml(first.Asked, answered) + html + SharedHtml(report.Shared) +
     SectionsHtml(report.Sections);
-  WriteWholeFile((std::filesystem::path(folder) / "report.html").string(),
+  WriteAtomicFile((std::filesystem::path(folder) / "report.html").string(),
     PageHtml(first.Title, BreastText(*first.RealMammogram) + ", " + titles, first.Examination,
       html));
 }

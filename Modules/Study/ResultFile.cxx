@@ -6,7 +6,7 @@
 #include "mammoray/Foundation/Numbers.h"
 #include "mammoray/Foundation/PoseParameters.h"
 #include "mammoray/Foundation/ValidRange.h"
-#include "mammoray/IO/WholeOutput.h"
+#include "mammoray/IO/AtomicFile.h"
 
 #include <algorithm>
 #include <array>
@@ -36,7 +36,7 @@ void Write(const char* format, const Result& result, const std::string& folder)
   Result copy = result; // the lists of fields serve both ways and so take what can be changed
   ListFields(writer, copy);
   // A file name or DICOM text need not be UTF-8: replace what is not.
-  WriteWholeFile(PathIn(folder), json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
+  WriteAtomicFile(PathIn(folder), json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
 }
 
 /// The file as JSON of this version, in one of the two formats.

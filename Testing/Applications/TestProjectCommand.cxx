@@ -392,33 +392,6 @@ TEST_F(ProjectCommand, WhatAFileSaysIsShownAsLetters)
   EXPECT_THAT(this->Errors, testing::HasSubstr("unknown option 'a\\x0amammoray: forged'"));
 }
 
-TEST_F(ProjectCommand, ALimitOnAddressesIsTold)
-{
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-  GTEST_SKIP() << "sanitizers take more addresses than any limit";
-#endif
-  // Below what the libraries take, and where Mesa's driver would end by a signal.
-  for (const int mebibytes : { 488, 1035 })
-  {
-    const std::string line = "ulimit -v " + std::to_string(1024 * mebibytes) + "; exec " +
-      testing_support::MammorayExecutable() + " devices 2>" + this->Folder.File("err");
-    EXPECT_EQ(WEXITSTATUS(std::system(line.c_str())), 1);
-    EXPECT_THAT(ReadFile(this->Folder.File("err")),
-      testing::MatchesRegex("mammoray: expected at least 1[0-9]{3} MiB of addresses .ulimit -v., "
-                            "found " +
-        std::to_string(mebibytes) + "\n"));
-  }
-}
-
-TEST_F(ProjectCommand, ALimitOnTheStackIsTold)
-{
-  const std::string line = "ulimit -s 64; exec " + testing_support::MammorayExecutable() +
-    " devices 2>" + this->Folder.File("err");
-  EXPECT_EQ(WEXITSTATUS(std::system(line.c_str())), 1);
-  EXPECT_EQ(ReadFile(this->Folder.File("err")),
-    "mammoray: expected at least 1024 KiB of stack (ulimit -s), found 64\n");
-}
-
 // Where the limit on files is smaller than what drivers map of them, access ends in SIGBUS: at once
 // as in the middle of the work.
 TEST_F(ProjectCommand, ALimitOnFilesIsTold)

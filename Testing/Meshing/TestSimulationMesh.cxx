@@ -217,7 +217,7 @@ TEST(SimulationMesh, RefusesUnknownMaterialsAndSizes)
                   [&] {
                     MeshForSimulation(Breast(), { false, false, false, true }, size);
                   }),
-      testing::HasSubstr("GB that this process may have"));
+      testing::HasSubstr("GB of this machine"));
   }
 }
 }

@@ -92,7 +92,7 @@ TEST(CheckSizes, RefusesMoreThanTheMemoryHolds)
     {
       EXPECT_THAT(RefusalOf([&] { CheckSizes(volume, options); }),
         testing::AllOf(testing::HasSubstr("meshing: cell and facet sizes that give at least"),
-          testing::HasSubstr("GB that this process may have")));
+          testing::HasSubstr("GB of this machine")));
     }
   }
 }

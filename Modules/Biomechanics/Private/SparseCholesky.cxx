@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Private/SparseCholesky.h"
 
-#include "Private/BlasBuffers.h"
 #include "Private/SingleThreaded.h"
 #include "Private/SupernodalFactor.h"
 #include "mammoray/Foundation/Error.h"
@@ -107,7 +106,6 @@ SparseCholesky::SparseCholesky(const std::vector<int>& starts, const std::vector
   , Starts(starts)
   , Rows(rows)
 {
-  ReserveBlasBuffers();
   cholmod_common& common = this->Internal->Common;
   common.supernodal = CHOLMOD_SUPERNODAL;
   common.print = 0;

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Private/SparseLu.h"
 
-#include "Private/BlasBuffers.h"
 #include "Private/SingleThreaded.h"
 #include "mammoray/Foundation/Error.h"
 
@@ -47,7 +46,6 @@ SparseLu::SparseLu(const std::vector<int>& starts, const std::vector<int>& rows)
   , Starts(starts)
   , Rows(rows)
 {
-  ReserveBlasBuffers();
   umfpack_di_defaults(this->Internal->Control);
   this->Internal->Control[UMFPACK_STRATEGY] = UMFPACK_STRATEGY_SYMMETRIC;
   this->Internal->Control[UMFPACK_ORDERING] = UMFPACK_ORDERING_METIS;

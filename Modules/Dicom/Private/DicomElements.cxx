@@ -3,7 +3,7 @@
 
 #include "Private/QuietGdcm.h"
 #include "mammoray/Foundation/Error.h"
-#include "mammoray/IO/WholeOutput.h"
+#include "mammoray/IO/AtomicFile.h"
 
 #include <gdcmSequenceOfItems.h>
 #include <gdcmUIDGenerator.h>
@@ -193,6 +193,6 @@ void WriteDicom(const gdcm::DataSet& data, const std::string& path)
   {
     throw InputError(path + ": cannot be written");
   }
-  WriteWholeFile(path, file.str());
+  WriteAtomicFile(path, file.str());
 }
 }

@@ -4,7 +4,7 @@
 #include "Private/ImitatedMri.h"
 #include "Private/TruthFile.h"
 #include "mammoray/Dicom/DicomWriter.h"
-#include "mammoray/IO/WholeOutput.h"
+#include "mammoray/IO/AtomicFile.h"
 
 #include <algorithm>
 #include <cmath>
@@ -398,7 +398,7 @@ void WriteStudyFiles(const StudyPatient& patient, const std::vector<Mammogram>& 
   const VirtualStudyOptions& options, Draws& draws, const std::string& folder,
   VirtualStudyTruth& truth, const ProgressCallback& progress)
 {
-  WriteWholeFolder(folder,
+  WriteAtomicFolder(folder,
     [&](const std::string& written)
     {
       const fs::path temporary(written);
@@ -409,8 +409,8 @@ void WriteStudyFiles(const StudyPatient& patient, const std::vector<Mammogram>& 
       mri.Write(progress);
       WriteViews(mammograms, mri.Identity(), files, truth);
       // What lies beside the images of every export.
-      WriteWholeFile((temporary / "export" / "README.TXT").string(), "Patient CD\n");
-      WriteWholeFile((temporary / "export" / "report.pdf").string(), "%PDF-1.4\n");
+      WriteAtomicFile((temporary / "export" / "README.TXT").string(), "Patient CD\n");
+      WriteAtomicFile((temporary / "export" / "report.pdf").string(), "%PDF-1.4\n");
       for (VirtualView& view : truth.Views)
       {
         view.File = fs::path(view.File).lexically_relative(temporary).string();

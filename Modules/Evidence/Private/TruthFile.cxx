@@ -4,7 +4,7 @@
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/Foundation/PoseParameters.h"
 #include "mammoray/Foundation/ValidRange.h"
-#include "mammoray/IO/WholeOutput.h"
+#include "mammoray/IO/AtomicFile.h"
 
 #include <nlohmann/json.hpp>
 
@@ -83,7 +83,7 @@ void WriteTruth(const VirtualStudyTruth& truth, const std::string& path)
   {
     json["views"].push_back(ViewJson(view));
   }
-  WriteWholeFile(path, json.dump(1) + '\n');
+  WriteAtomicFile(path, json.dump(1) + '\n');
 }
 
 VirtualStudyTruth ReadVirtualStudyTruth(const std::string& path)

@@ -3,8 +3,8 @@
 
 #include "Private/QuietStandardError.h"
 #include "Private/VolumeFile.h"
+#include "mammoray/IO/AtomicFile.h"
 #include "mammoray/IO/ScratchFolder.h"
-#include "mammoray/IO/WholeOutput.h"
 
 #include <itkDisplacementFieldTransform.h>
 #include <itkHDF5TransformIO.h>
@@ -90,10 +90,10 @@ void WriteDisplacementTransform(const DisplacementField& field, const std::strin
   {
     if (VolumeExtension(path) == ".h5")
     {
-      WriteWholeFile(path, Hdf5Bytes(transform));
+      WriteAtomicFile(path, Hdf5Bytes(transform));
       return;
     }
-    WriteWholeFile(path,
+    WriteAtomicFile(path,
       [&](const std::string& staged)
       { WriteTransform(transform, *itk::TxtTransformIO::New(), staged); });
   }

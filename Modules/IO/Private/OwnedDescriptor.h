@@ -3,11 +3,10 @@
 #define mammoray_Private_OwnedDescriptor_h
 
 #include <unistd.h>
-#include <utility>
 
 namespace mammoray
 {
-/// An open file or folder, closed at the end; below 0 where opening failed (errno says why).
+/// An open file or folder, closed at the end; below 0 if it could not be opened (errno).
 class OwnedDescriptor
 {
 public:
@@ -15,24 +14,13 @@ public:
     : Number(number)
   {
   }
-  OwnedDescriptor(OwnedDescriptor&& other) noexcept
-    : Number(std::exchange(other.Number, -1))
-  {
-  }
   OwnedDescriptor(const OwnedDescriptor&) = delete;
   OwnedDescriptor& operator=(const OwnedDescriptor&) = delete;
-  OwnedDescriptor& operator=(OwnedDescriptor&&) = delete;
-  ~OwnedDescriptor()
-  {
-    if (this->Number >= 0)
-    {
-      close(this->Number);
-    }
-  }
+  ~OwnedDescriptor() { close(this->Number); }
   int Get() const { return this->Number; }
 
 private:
-  int Number;
+  const int Number;
 };
 }
 

@@ -3,8 +3,8 @@
 
 #include "Private/QuietStandardError.h"
 #include "Private/StoredVoxels.h"
+#include "mammoray/IO/AtomicFile.h"
 #include "mammoray/IO/GuardedRead.h"
-#include "mammoray/IO/WholeOutput.h"
 
 #include <itkMetaDataObject.h>
 #include <itkMetaImageIO.h>
@@ -321,7 +321,7 @@ void Write(const std::string& path, const VolumeGrid& grid, itk::ImageIOBase::IO
       std::vector<double>(grid.Direction[a].begin(), grid.Direction[a].end()));
   }
   writer->SetIORegion(region);
-  WriteWholeFile(path,
+  WriteAtomicFile(path,
     [&](const std::string& staged)
     {
       writer->SetFileName(staged);

@@ -3,7 +3,8 @@
 
 #include "Private/MeshingSteps.h"
 #include "mammoray/Foundation/Error.h"
-#include "mammoray/Foundation/MemoryLimit.h"
+
+#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
@@ -85,11 +86,12 @@ double InterfaceArea(const LabelVolume& volume, double wanted)
 
 void CheckMemory(const std::string& what, double bytes)
 {
-  const double memory = MemoryLimitBytes();
+  const double memory =
+    static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE));
   if (!(bytes <= memory))
   {
     throw InputError(what +
-      FormattedText(" take about %.3g GB, expected at most the %.3g GB that this process may have",
+      FormattedText(" take about %.3g GB, expected at most the %.3g GB of this machine",
         bytes / 1e9, memory / 1e9));
   }
 }

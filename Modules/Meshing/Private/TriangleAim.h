@@ -11,7 +11,7 @@
 
 namespace mammoray
 {
-/// Throws InputError about `what` (plural) if it needs more bytes than MemoryLimitBytes.
+/// Throws InputError about `what` (plural) if it needs more memory than the machine has.
 MAMMORAYMESHING_EXPORT void CheckMemory(const std::string& what, double bytes);
 
 /// Throws InputError if even the largest cells and triangles within the sizes do not fit in memory.

@@ -4,7 +4,7 @@
 #include "Private/ResultFields.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/Foundation/ValidRange.h"
-#include "mammoray/IO/WholeOutput.h"
+#include "mammoray/IO/AtomicFile.h"
 #include "mammoray/Study/RegistrationCaseWriter.h"
 
 #include <filesystem>
@@ -81,7 +81,7 @@ void WriteCheckpoint(const std::vector<SearchPoint>& points, const std::string& 
   FieldWriter writer(json);
   std::vector<SearchPoint> copy = points; // see WriteResultFile
   writer("mammograms", copy);
-  WriteWholeFile(path, json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
+  WriteAtomicFile(path, json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
 }
 
 std::vector<SearchPoint> ReadSearchPoints(const std::string& path)

@@ -2,7 +2,7 @@
 #include "Private/Picture.h"
 
 #include "mammoray/Foundation/Error.h"
-#include "mammoray/IO/WholeOutput.h"
+#include "mammoray/IO/AtomicFile.h"
 
 #include "vtkFreeTypeTools.h"
 #include "vtkImageShrink3D.h"
@@ -218,6 +218,6 @@ std::string Picture::Png()
 
 void Picture::Write(const std::string& path)
 {
-  WriteWholeFile(path, this->Png());
+  WriteAtomicFile(path, this->Png());
 }
 }

@@ -3,7 +3,7 @@
 #include "Files.h"
 #include "Refusals.h"
 #include "mammoray/Foundation/Error.h"
-#include "mammoray/IO/WholeOutput.h"
+#include "mammoray/IO/AtomicFile.h"
 
 #include <sys/file.h>
 #include <sys/ptrace.h>
@@ -29,7 +29,7 @@ namespace fs = std::filesystem;
 
 namespace
 {
-class WholeOutput : public testing::Test
+class AtomicFile : public testing::Test
 {
 protected:
   /// Everything in the test's folder, sorted.
@@ -100,12 +100,12 @@ bool KillAtCall(int stop, const std::function<void()>& work)
 }
 }
 
-TEST_F(WholeOutput, ReplacesAFileByAWholeOne)
+TEST_F(AtomicFile, ReplacesAFileByAWholeOne)
 {
   const std::string path = this->Folder.Write("a.nii.gz", "an earlier, longer text");
-  WriteWholeFile(path, "new\n");
+  WriteAtomicFile(path, "new\n");
   EXPECT_EQ(ReadFile(path), "new\n");
-  WriteWholeFile(path,
+  WriteAtomicFile(path,
     [&](const std::string& staged)
     {
       // Libraries go by it.
@@ -118,36 +118,36 @@ TEST_F(WholeOutput, ReplacesAFileByAWholeOne)
   EXPECT_THAT(this->Entries(), ElementsAre("a.nii.gz"));
 }
 
-TEST_F(WholeOutput, LeavesNothingWhereItCannotWrite)
+TEST_F(AtomicFile, LeavesNothingWhereItCannotWrite)
 {
-  EXPECT_THROW(WriteWholeFile(this->Folder.File("absent/a.txt"), "new\n"), InputError);
-  EXPECT_THROW(WriteWholeFile(this->Folder.File("a.txt"),
+  EXPECT_THROW(WriteAtomicFile(this->Folder.File("absent/a.txt"), "new\n"), InputError);
+  EXPECT_THROW(WriteAtomicFile(this->Folder.File("a.txt"),
                  [](const std::string& staged)
                  {
                    std::ofstream(staged) << "half";
                    throw InputError("stopped");
                  }),
     InputError);
-  EXPECT_THROW(WriteWholeFile(this->Folder.File("a.txt"), [](const std::string&) {}), InputError);
-  EXPECT_THROW(WriteWholeFolder(this->Folder.File("a"),
+  EXPECT_THROW(WriteAtomicFile(this->Folder.File("a.txt"), [](const std::string&) {}), InputError);
+  EXPECT_THROW(WriteAtomicFolder(this->Folder.File("a"),
                  [](const std::string& folder)
                  {
-                   WriteWholeFile(folder + "/b", "half");
+                   WriteAtomicFile(folder + "/b", "half");
                    throw InputError("stopped");
                  }),
     InputError);
   EXPECT_THAT(this->Entries(), ElementsAre());
   // A folder of that name cannot be replaced by a file, nor a device.
   fs::create_directories(this->Folder.File("taken/within"));
-  EXPECT_THROW(WriteWholeFile(this->Folder.File("taken"), "new\n"), InputError);
-  EXPECT_THROW(WriteWholeFile("/dev/null", "new\n"), InputError);
+  EXPECT_THROW(WriteAtomicFile(this->Folder.File("taken"), "new\n"), InputError);
+  EXPECT_THROW(WriteAtomicFile("/dev/null", "new\n"), InputError);
   EXPECT_TRUE(fs::is_character_file("/dev/null"));
   EXPECT_THAT(this->Entries(), ElementsAre("taken", "taken/within"));
 }
 
 // As on a system that is read only, or with the TMPDIR of another machine: a result of hours would
 // be lost.
-TEST_F(WholeOutput, NeedsNoFolderForTemporaryFiles)
+TEST_F(AtomicFile, NeedsNoFolderForTemporaryFiles)
 {
   const char* const before = std::getenv("TMPDIR");
   const std::string kept = before ? before : "";
@@ -155,7 +155,7 @@ TEST_F(WholeOutput, NeedsNoFolderForTemporaryFiles)
          this->Folder.Write("file", ""), std::string() })
   {
     setenv("TMPDIR", none.c_str(), 1);
-    WriteWholeFile(this->Folder.File("a.txt"),
+    WriteAtomicFile(this->Folder.File("a.txt"),
       [](const std::string& staged) { std::ofstream(staged) << "new"; });
     EXPECT_EQ(testing_support::ReadFile(this->Folder.File("a.txt")), "new") << none;
     fs::remove(this->Folder.File("a.txt"));
@@ -163,7 +163,7 @@ TEST_F(WholeOutput, NeedsNoFolderForTemporaryFiles)
   before ? setenv("TMPDIR", kept.c_str(), 1) : unsetenv("TMPDIR");
 }
 
-TEST_F(WholeOutput, SeesAFullDisk)
+TEST_F(AtomicFile, SeesAFullDisk)
 {
   const std::string path = this->Folder.Write("a.txt", "old");
   const std::string large(5000, 'x');
@@ -171,98 +171,90 @@ TEST_F(WholeOutput, SeesAFullDisk)
   { std::ofstream(staged) << large; }; // whose errors nobody asks for
   {
     const FileSizeLimit limit(4096);
-    EXPECT_THAT(testing_support::RefusalOf([&] { WriteWholeFile(path, large); }),
+    EXPECT_THAT(testing_support::RefusalOf([&] { WriteAtomicFile(path, large); }),
       testing::HasSubstr("too large"));
-    EXPECT_THAT(testing_support::RefusalOf([&] { WriteWholeFile(path, fromLibrary); }),
+    EXPECT_THAT(testing_support::RefusalOf([&] { WriteAtomicFile(path, fromLibrary); }),
       testing::HasSubstr("too large"));
     EXPECT_THAT(testing_support::RefusalOf(
                   [&]
                   {
-                    WriteWholeFolder(this->Folder.File("b"),
-                      [&](const std::string& folder) { WriteWholeFile(folder + "/a.txt", large); });
+                    WriteAtomicFolder(this->Folder.File("b"),
+                      [&](const std::string& folder)
+                      { WriteAtomicFile(folder + "/a.txt", large); });
                   }),
       testing::HasSubstr("too large"));
   }
   EXPECT_THAT(this->Entries(), ElementsAre("a.txt"));
   EXPECT_EQ(ReadFile(path), "old");
-  WriteWholeFile(path, fromLibrary);
+  WriteAtomicFile(path, fromLibrary);
   EXPECT_EQ(ReadFile(path), large);
 }
 
-TEST_F(WholeOutput, FollowsALink)
+TEST_F(AtomicFile, FollowsALink)
 {
   this->Folder.Write("a.txt", "old");
   fs::create_symlink("a.txt", this->Folder.File("link.txt"));
   fs::create_symlink("b.txt", this->Folder.File("free.txt"));
-  WriteWholeFile(this->Folder.File("link.txt"), "new");
-  WriteWholeFile(this->Folder.File("free.txt"), "first");
+  WriteAtomicFile(this->Folder.File("link.txt"), "new");
+  WriteAtomicFile(this->Folder.File("free.txt"), "first");
   EXPECT_EQ(ReadFile(this->Folder.File("a.txt")), "new");
   EXPECT_EQ(ReadFile(this->Folder.File("b.txt")), "first");
   EXPECT_TRUE(fs::is_symlink(this->Folder.File("link.txt")));
   fs::create_directory(this->Folder.File("there"));
   fs::create_directory_symlink("there", this->Folder.File("folder"));
-  WriteWholeFolder(this->Folder.File("folder/"),
-    [](const std::string& folder) { WriteWholeFile(folder + "/c", "c"); });
+  WriteAtomicFolder(this->Folder.File("folder/"),
+    [](const std::string& folder) { WriteAtomicFile(folder + "/c", "c"); });
   EXPECT_EQ(ReadFile(this->Folder.File("there/c")), "c");
   EXPECT_TRUE(fs::is_symlink(this->Folder.File("folder")));
 }
 
-TEST_F(WholeOutput, ExchangesAFolder)
+TEST_F(AtomicFile, ExchangesAFolder)
 {
   const std::string path = this->Folder.File("result");
   fs::create_directory(path);
   this->Folder.Write("result/old", "old");
-  WriteWholeFolder(path,
+  WriteAtomicFolder(path,
     [&](const std::string& folder)
     {
-      WriteWholeFile(folder + "/new", "new");
+      WriteAtomicFile(folder + "/new", "new");
       EXPECT_EQ(ReadFile(path + "/old"), "old");
     });
   EXPECT_THAT(this->Entries(), ElementsAre("result", "result/new"));
 }
 
-TEST_F(WholeOutput, ADeadRunsLeftoversAreSwept)
+TEST_F(AtomicFile, ADeadRunsLeftoversAreSwept)
 {
   for (const char* name : { "a", "b" })
   {
-    InAnotherProcess([&] { ClaimFile(this->Folder.File(name)); });
+    InAnotherProcess([&] { ReserveFile(this->Folder.File(name)); });
   }
   InAnotherProcess(
     [&]
     {
-      WriteWholeFolder(this->Folder.File("c"),
+      WriteAtomicFolder(this->Folder.File("c"),
         [](const std::string& folder)
         {
-          WriteWholeFile(folder + "/old", "old");
+          WriteAtomicFile(folder + "/old", "old");
           _exit(0);
         });
     });
   EXPECT_THAT(this->Entries(), ElementsAre("a.partial", "b.partial", "c.partial", "c.partial/old"));
-  WriteWholeFile(this->Folder.File("a"), "a");
-  EXPECT_TRUE(ClaimFile(this->Folder.File("b")));
-  WriteWholeFile(this->Folder.File("b"), "b");
-  WriteWholeFolder(this->Folder.File("c"),
-    [](const std::string& folder) { WriteWholeFile(folder + "/new", "new"); });
+  WriteAtomicFile(this->Folder.File("a"), "a");
+  EXPECT_TRUE(ReserveFile(this->Folder.File("b")));
+  WriteAtomicFile(this->Folder.File("b"), "b");
+  WriteAtomicFolder(this->Folder.File("c"),
+    [](const std::string& folder) { WriteAtomicFile(folder + "/new", "new"); });
   EXPECT_THAT(this->Entries(), ElementsAre("a", "b", "c", "c/new"));
-  // Killed between the two renames of a file system that cannot exchange.
-  fs::rename(this->Folder.File("c"), this->Folder.File("c.partial-replaced"));
-  WriteWholeFolder(this->Folder.File("c"),
-    [&](const std::string& folder)
-    {
-      EXPECT_EQ(ReadFile(this->Folder.File("c/new")), "new");
-      WriteWholeFile(folder + "/newer", "newer");
-    });
-  EXPECT_THAT(this->Entries(), ElementsAre("a", "b", "c", "c/newer"));
 }
 
-TEST_F(WholeOutput, HasOneWriter)
+TEST_F(AtomicFile, HasOneWriter)
 {
   const std::string file = this->Folder.File("a");
   const std::string folder = this->Folder.File("b");
-  EXPECT_TRUE(ClaimFile(file));
-  EXPECT_FALSE(ClaimFile(this->Folder.File("./a"))); // this process has it already
-  EXPECT_TRUE(ClaimFolder(folder));
-  EXPECT_EQ(InAnotherProcess([&] { WriteWholeFile(this->Folder.File("c"), "other"); }), 0);
+  EXPECT_TRUE(ReserveFile(file));
+  EXPECT_FALSE(ReserveFile(this->Folder.File("./a"))); // this process has it already
+  EXPECT_TRUE(ReserveFolder(folder));
+  EXPECT_EQ(InAnotherProcess([&] { WriteAtomicFile(this->Folder.File("c"), "other"); }), 0);
   // The other of this process is of the same open file, as a child's is: it must be another's.
   for (const std::string& path : { file, folder })
   {
@@ -270,37 +262,38 @@ TEST_F(WholeOutput, HasOneWriter)
     EXPECT_NE(flock(opened, LOCK_EX | LOCK_NB), 0);
     close(opened);
   }
-  WriteWholeFile(file, "ours");
-  WriteWholeFolder(folder, [](const std::string& written) { WriteWholeFile(written + "/d", "d"); });
-  EXPECT_TRUE(ClaimFile(file));
-  WriteWholeFile(file, "ours again");
+  WriteAtomicFile(file, "ours");
+  WriteAtomicFolder(folder,
+    [](const std::string& written) { WriteAtomicFile(written + "/d", "d"); });
+  EXPECT_TRUE(ReserveFile(file));
+  WriteAtomicFile(file, "ours again");
   EXPECT_EQ(ReadFile(file), "ours again");
 
   // Another holds it.
   const int opened = open((this->Folder.File("e.partial")).c_str(), O_RDWR | O_CREAT, 0600);
   ASSERT_EQ(flock(opened, LOCK_EX), 0);
-  EXPECT_THAT(testing_support::RefusalOf([&] { ClaimFile(this->Folder.File("e")); }),
+  EXPECT_THAT(testing_support::RefusalOf([&] { ReserveFile(this->Folder.File("e")); }),
     testing::HasSubstr("another run is writing it"));
   EXPECT_TRUE(fs::exists(this->Folder.File("e.partial")));
   close(opened);
-  EXPECT_TRUE(ClaimFile(this->Folder.File("e")));
-  WriteWholeFile(this->Folder.File("e"), "e");
+  EXPECT_TRUE(ReserveFile(this->Folder.File("e")));
+  WriteAtomicFile(this->Folder.File("e"), "e");
   EXPECT_THAT(this->Entries(), ElementsAre("a", "b", "b/d", "c", "e"));
 }
 
-TEST_F(WholeOutput, SurvivesBeingKilledAtEachSystemCall)
+TEST_F(AtomicFile, SurvivesBeingKilledAtEachSystemCall)
 {
   const std::string folder = this->Folder.File("result");
   const std::string file = this->Folder.File("picture");
   const auto writeAll = [&](const std::string& text)
   {
-    WriteWholeFolder(folder,
+    WriteAtomicFolder(folder,
       [&](const std::string& written)
       {
-        WriteWholeFile(written + "/a", text);
-        WriteWholeFile(written + "/b", text);
+        WriteAtomicFile(written + "/a", text);
+        WriteAtomicFile(written + "/b", text);
       });
-    WriteWholeFile(file, [&](const std::string& staged) { std::ofstream(staged) << text; });
+    WriteAtomicFile(file, [&](const std::string& staged) { std::ofstream(staged) << text; });
   };
   writeAll("old");
   int kills = 0;

@@ -1,0 +1,334 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mammoray/IO/AtomicFile.h"
+
+#include "Private/OwnedDescriptor.h"
+#include "mammoray/Foundation/Error.h"
+#include "mammoray/IO/ScratchFolder.h"
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <sys/mman.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstdio>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <system_error>
+
+namespace mammoray
+{
+namespace
+{
+namespace fs = std::filesystem;
+
+[[noreturn]] void RefuseToWrite(const std::string& path, const std::error_code& reason)
+{
+  throw InputError(path + ": cannot be written (" + reason.message() + ")");
+}
+
+/// Throws InputError with the reason in errno unless a system call succeeded.
+void Require(bool succeeded, const std::string& path)
+{
+  if (!succeeded)
+  {
+    RefuseToWrite(path, std::error_code(errno, std::generic_category()));
+  }
+}
+
+int OpenFolder(const fs::path& folder)
+{
+  return open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+}
+
+/// Makes the names in a folder durable. Some file systems cannot, which is no error.
+void Synchronise(const fs::path& folder)
+{
+  fsync(OwnedDescriptor(OpenFolder(folder)).Get());
+}
+
+/// The absolute path, without a trailing slash, that symbolic links lead to.
+fs::path ResolvedPlace(const std::string& path)
+{
+  std::error_code ignored;
+  const auto named = [](const fs::path& place)
+  { return place.has_filename() ? place : place.parent_path(); };
+  fs::path place = named(fs::absolute(path));
+  for (int links = 0; fs::is_symlink(place, ignored) && links < 40; ++links)
+  {
+    place = place.parent_path() / fs::read_symlink(place, ignored);
+  }
+  return named(fs::weakly_canonical(place, ignored));
+}
+
+/// True if the folder cannot be replaced by a rename but can be filled, as a mount point.
+bool IsFixed(const fs::path& folder)
+{
+  struct statx found = {};
+  return fs::is_directory(folder) &&
+    (access(folder.parent_path().c_str(), W_OK | X_OK) != 0 ||
+      (statx(AT_FDCWD, folder.c_str(), 0, STATX_BASIC_STATS, &found) == 0 &&
+        (found.stx_attributes & STATX_ATTR_MOUNT_ROOT) != 0));
+}
+
+/// The locked partial file or folder of an output; removed unless it is committed.
+class Reservation
+{
+public:
+  Reservation(const std::string& path, bool isFolder)
+    : Path(path)
+    , IsFolder(isFolder)
+    , Place(ResolvedPlace(path))
+    , IsWithin(isFolder && IsFixed(this->Place))
+    , Partial(this->Place.string() + (this->IsWithin ? "/.partial" : ".partial"))
+    , Locked(this->Lock())
+  {
+  }
+  Reservation(const Reservation&) = delete;
+  Reservation& operator=(const Reservation&) = delete;
+  ~Reservation()
+  {
+    std::error_code ignored;
+    if (!this->IsCommitted)
+    {
+      fs::remove_all(this->Partial, ignored);
+    }
+  }
+
+  std::string PartialPath() const { return this->Partial.string(); }
+
+  /// Removes what a killed process left.
+  void Empty() const
+  {
+    if (!this->IsFolder)
+    {
+      Require(ftruncate(this->Locked.Get(), 0) == 0, this->Path);
+      return;
+    }
+    for (const fs::directory_entry& entry : fs::directory_iterator(this->Partial))
+    {
+      fs::remove_all(entry.path());
+    }
+  }
+
+  void WriteFile(std::string_view bytes)
+  {
+    this->Empty();
+    while (!bytes.empty())
+    {
+      const ssize_t count = write(this->Locked.Get(), bytes.data(), bytes.size());
+      Require(count >= 0 || errno == EINTR, this->Path);
+      bytes.remove_prefix(static_cast<std::size_t>(std::max<ssize_t>(count, 0)));
+    }
+    Require(fsync(this->Locked.Get()) == 0 &&
+        rename(this->Partial.c_str(), this->Place.c_str()) == 0,
+      this->Path);
+    this->IsCommitted = true;
+    Synchronise(this->Place.parent_path());
+  }
+
+  /// Puts the folder, whose files are durable, into its place.
+  void CommitFolder()
+  {
+    for (const fs::directory_entry& entry : fs::recursive_directory_iterator(this->Partial))
+    {
+      if (entry.is_directory())
+      {
+        Synchronise(entry.path());
+      }
+    }
+    Synchronise(this->Partial);
+    if (this->IsWithin)
+    {
+      for (const fs::directory_entry& entry : fs::directory_iterator(this->Partial))
+      {
+        fs::rename(entry.path(), this->Place / entry.path().filename());
+      }
+    }
+    else if (fs::exists(this->Place))
+    {
+      this->Exchange();
+    }
+    else
+    {
+      fs::rename(this->Partial, this->Place);
+      this->IsCommitted = true;
+    }
+    Synchronise(this->IsWithin ? this->Place : this->Place.parent_path());
+  }
+
+private:
+  int Lock() const
+  {
+    if (fs::exists(this->Place) &&
+      (this->IsFolder ? !fs::is_directory(this->Place) : !fs::is_regular_file(this->Place)))
+    {
+      throw InputError(this->Path + ": expected a " + (this->IsFolder ? "folder" : "file") +
+        " to replace, found something else");
+    }
+    const auto isOurs = [&](const fs::path& entry) { return entry == this->Partial; };
+    if (this->IsWithin &&
+      !std::all_of(fs::directory_iterator(this->Place), fs::directory_iterator(), isOurs))
+    {
+      throw InputError("output " + this->Path +
+        ": is a mount point or in a folder that is not "
+        "writable: expected it to be empty");
+    }
+    Require(!this->IsFolder || mkdir(this->Partial.c_str(), 0777) == 0 || errno == EEXIST,
+      this->Path);
+    const int flags = this->IsFolder ? O_RDONLY | O_DIRECTORY : O_WRONLY | O_CREAT;
+    const int opened = open(this->Partial.c_str(), flags | O_NOFOLLOW | O_CLOEXEC, 0666);
+    Require(opened >= 0, this->Path);
+    // File systems without locks report other errors. Who held the lock may have renamed the file.
+    const bool isTaken = flock(opened, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK;
+    if (isTaken || !fs::equivalent("/proc/self/fd/" + std::to_string(opened), this->Partial))
+    {
+      close(opened);
+      throw InputError(
+        "output " + this->Path + ": another run is writing it (" + this->Partial.string() + ")");
+    }
+    return opened;
+  }
+
+  /// Exchanges the new folder for the old one in one step, or in two if the file system has no
+  /// exchange, and removes the old one.
+  void Exchange()
+  {
+    const OwnedDescriptor old(OpenFolder(this->Place));
+    flock(old.Get(), LOCK_EX | LOCK_NB);
+    fs::path removed = this->Partial;
+    if (renameat2(AT_FDCWD, this->Partial.c_str(), AT_FDCWD, this->Place.c_str(),
+          RENAME_EXCHANGE) != 0)
+    {
+      Require(errno == EINVAL || errno == ENOSYS, this->Path);
+      removed = this->Place.string() + ".replaced";
+      fs::remove_all(removed);
+      fs::rename(this->Place, removed);
+      fs::rename(this->Partial, this->Place);
+    }
+    this->IsCommitted = true;
+    std::error_code ignored; // the next run removes what is left
+    fs::remove_all(removed, ignored);
+  }
+
+  const std::string Path;
+  const bool IsFolder;
+  const fs::path Place;
+  const bool IsWithin; ///< The new contents are moved into the place.
+  const fs::path Partial;
+  const OwnedDescriptor Locked;
+  bool IsCommitted = false;
+};
+
+/// Returns the reservation of the path, empty if this process has none, from a list of all of them.
+std::unique_ptr<Reservation>& HeldReservation(const std::string& path)
+{
+  static std::mutex mutex;
+  static std::map<fs::path, std::unique_ptr<Reservation>> held;
+  const std::lock_guard<std::mutex> guard(mutex);
+  return held[ResolvedPlace(path)];
+}
+
+/// Calls `action` and turns its exceptions of the file system into ours.
+template <typename Action>
+auto Checked(const std::string& path, const Action& action)
+{
+  try
+  {
+    return action();
+  }
+  catch (const fs::filesystem_error& error)
+  {
+    RefuseToWrite(path, error.code());
+  }
+}
+
+bool Reserve(const std::string& path, bool isFolder)
+{
+  return Checked(path,
+    [&]
+    {
+      std::unique_ptr<Reservation>& held = HeldReservation(path);
+      const bool isNew = !held;
+      held = isNew ? std::make_unique<Reservation>(path, isFolder) : std::move(held);
+      return isNew;
+    });
+}
+
+/// Calls `write` with the reservation of the path, made now if there is none, which then ends.
+void UseReservation(const std::string& path, bool isFolder,
+  const std::function<void(Reservation&)>& write)
+{
+  Reserve(path, isFolder);
+  const std::unique_ptr<Reservation> reservation = std::move(HeldReservation(path));
+  Checked(path, [&] { write(*reservation); });
+}
+}
+
+bool ReserveFile(const std::string& path)
+{
+  return Reserve(path, false);
+}
+
+bool ReserveFolder(const std::string& path)
+{
+  return Reserve(path, true);
+}
+
+void ReserveEmptyFolder(const std::string& path)
+{
+  std::error_code problem;
+  if (fs::exists(path, problem) && !fs::is_empty(path, problem))
+  {
+    throw InputError(path + ": expected an empty folder, found files in it");
+  }
+  ReserveFolder(path);
+}
+
+void WriteAtomicFile(const std::string& path, std::string_view bytes)
+{
+  UseReservation(path, false, [&](Reservation& reservation) { reservation.WriteFile(bytes); });
+}
+
+void WriteAtomicFile(const std::string& path,
+  const std::function<void(const std::string& staged)>& write)
+{
+  const OwnedDescriptor memory(memfd_create("mammoray", MFD_CLOEXEC));
+  const ScratchFolder scratch;
+  const std::string staged = scratch.File(fs::path(path).filename().string());
+  const std::string link = "/proc/self/fd/" + std::to_string(memory.Get());
+  Require(symlink(link.c_str(), staged.c_str()) == 0, path);
+  UseReservation(path, false,
+    [&](Reservation& reservation)
+    {
+      write(staged);
+      const auto size = static_cast<std::size_t>(lseek(memory.Get(), 0, SEEK_END));
+      rlimit limit = {};
+      getrlimit(RLIMIT_FSIZE, &limit);
+      errno = size == 0 ? EIO : EFBIG; // the limit has cut what the library wrote
+      Require(size > 0 && size < limit.rlim_cur, path);
+      void* const start = mmap(nullptr, size, PROT_READ, MAP_PRIVATE, memory.Get(), 0);
+      Require(start != MAP_FAILED, path);
+      const std::unique_ptr<void, std::function<void(void*)>> bytes(start,
+        [size](void* mapped) { munmap(mapped, size); });
+      reservation.WriteFile({ static_cast<const char*>(start), size });
+    });
+}
+
+void WriteAtomicFolder(const std::string& path,
+  const std::function<void(const std::string& folder)>& write)
+{
+  UseReservation(path, true,
+    [&](Reservation& reservation)
+    {
+      reservation.Empty();
+      write(reservation.PartialPath());
+      reservation.CommitFolder();
+    });
+}
+}
