@@ -45,7 +45,7 @@ void FaultInChild()
 template <typename Failure>
 void FailWithRoom(rlim_t bytes, const Failure& failure)
 {
-  testing_support::LimitAddresses(bytes);
+  test::LimitAddresses(bytes);
   TellOfMissingMemory(); // as main does
   failure();
   _exit(0);

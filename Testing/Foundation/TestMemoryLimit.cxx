@@ -26,7 +26,7 @@ protected:
   }
   double Limit() const { return MemoryLimitBytes(this->Folder.File("")); }
 
-  testing_support::TemporaryFolder Folder;
+  test::TemporaryFolder Folder;
 };
 
 TEST_F(MemoryLimit, IsTheMachinesWithoutGroups)
@@ -70,7 +70,7 @@ TEST(MemoryLimitDeathTest, IsNotMoreThanTheAddresses)
 #endif
   EXPECT_EXIT(
     {
-      testing_support::LimitAddresses(rlim_t{ 64 } << 20);
+      test::LimitAddresses(rlim_t{ 64 } << 20);
       rlimit limits{};
       getrlimit(RLIMIT_AS, &limits);
       std::_Exit(MemoryLimitBytes("/none") == static_cast<double>(limits.rlim_cur) ? 0 : 1);

@@ -8,7 +8,7 @@
 #include <cstddef>
 #include <fstream>
 
-namespace mammoray::testing_support
+namespace mammoray::test
 {
 /// As ulimit -v: leaves this process, which cannot take it back, so many addresses beside those
 /// that it has.
