@@ -19,7 +19,7 @@ extern "C" void sgemm_(const char* transposeA, const char* transposeB, const int
   __attribute__((weak));
 
 using namespace mammoray;
-using testing_support::LimitAddresses;
+using test::LimitAddresses;
 
 namespace
 {
