@@ -176,7 +176,7 @@ double CompressionSimulation::StiffnessFactor() const
 }
 
 PlatePair CompressionSimulation::OpenedPlates(const PlatePair& plates,
-  const ProgressCallback& progress) const
+  const ProgressCallback& progress)
 {
   const std::array<double, 2> opening =
     this->Internal->Solver.Opening(this->Internal->SettledPositions(progress), plates);
@@ -187,7 +187,7 @@ PlatePair CompressionSimulation::OpenedPlates(const PlatePair& plates,
 }
 
 CompressionState CompressionSimulation::Compress(const PlatePair& plates,
-  const CompressionState* start, const ProgressCallback& progress, Refusal refusal) const
+  const CompressionState* start, const ProgressCallback& progress, Refusal refusal)
 {
   if (start)
   {
@@ -210,7 +210,7 @@ CompressionState CompressionSimulation::Compress(const PlatePair& plates,
 }
 
 CompressionState CompressionSimulation::Adopt(const CompressionSimulation& other,
-  const CompressionState& state, const ProgressCallback& progress) const
+  const CompressionState& state, const ProgressCallback& progress)
 {
   const std::size_t expected = other.RestPositions().size();
   if (state.Positions.size() != expected)
@@ -228,7 +228,7 @@ CompressionState CompressionSimulation::Adopt(const CompressionSimulation& other
 }
 
 CompressionState CompressionSimulation::RunCold(const PlatePair& plates,
-  const ProgressCallback& progress) const
+  const ProgressCallback& progress)
 {
   try
   {
@@ -249,7 +249,7 @@ CompressionState CompressionSimulation::RunCold(const PlatePair& plates,
 }
 
 double CompressionSimulation::LeastGapMm(const PlatePair& plates, double fromMm,
-  const ProgressCallback& progress) const
+  const ProgressCallback& progress)
 {
   const PlatePair open = this->OpenedPlates(plates, progress);
   const PlatePairVelocity closing = PlateMotion(open, plates);
@@ -270,9 +270,9 @@ double CompressionSimulation::LeastGapMm(const PlatePair& plates, double fromMm,
 }
 
 std::vector<double> CompressionSimulation::PredictedPositions(const PlatePair& plates,
-  const ProgressCallback& progress) const
+  const ProgressCallback& progress)
 {
-  const Internals& internal = *this->Internal;
+  Internals& internal = *this->Internal;
   std::vector<double> positions;
   if (internal.Predictor)
   {
@@ -295,7 +295,7 @@ std::vector<double> CompressionSimulation::PredictedPositions(const PlatePair& p
 
 CompressionState CompressionSimulation::Run(const PlatePair& plates, const CompressionState* start,
   Finish finish, const ProgressCallback& progress, double loadStepFactor,
-  std::vector<double> predicted) const
+  std::vector<double> predicted)
 {
   const auto begin = std::chrono::steady_clock::now();
   CheckPlate(plates.Support, "support");
@@ -346,10 +346,10 @@ CompressionState CompressionSimulation::Run(const PlatePair& plates, const Compr
   return state;
 }
 
-std::vector<std::vector<double>> CompressionSimulation::Sensitivities(const CompressionState& state,
+VectorFields CompressionSimulation::Sensitivities(const CompressionState& state,
   const std::vector<PlatePairVelocity>& velocities,
   const std::vector<MaterialDerivative>& materialDerivatives,
-  const std::vector<LoadingDerivative>& loadingDerivatives) const
+  const std::vector<LoadingDerivative>& loadingDerivatives)
 {
   if (state.Positions.size() != this->RestPositions().size())
   {
@@ -357,11 +357,11 @@ std::vector<std::vector<double>> CompressionSimulation::Sensitivities(const Comp
   }
   const Internals& internal = *this->Internal;
   EquilibriumDerivatives all{ velocities, materialDerivatives, {}, {} };
-  for (MaterialDerivative& velocity : all.Materials)
+  for (MaterialDerivative& table : all.Materials)
   {
-    for (ElasticMaterialDerivative& rate : velocity)
+    for (ElasticMaterialDerivative& material : table)
     {
-      rate.YoungsModulusKPa *= internal.Factor;
+      material.YoungsModulusKPa *= internal.Factor;
     }
   }
   for (const LoadingDerivative& velocity : loadingDerivatives)
@@ -372,24 +372,22 @@ std::vector<std::vector<double>> CompressionSimulation::Sensitivities(const Comp
   }
   this->Internal->AddStressFreeVelocities(all);
   this->Internal->Recall(state);
-  std::vector<std::vector<double>> rates =
-    this->Internal->Solver.Sensitivities(state.Positions, state.Plates, all);
-  for (std::vector<double>& rate : rates)
+  VectorFields fields = this->Internal->Solver.Sensitivities(state.Positions, state.Plates, all);
+  for (std::size_t field = 0; field < fields.Count(); ++field)
   {
-    this->Internal->DrawAlong(rate);
+    this->Internal->DrawAlong(fields[field]);
   }
-  return rates;
+  return fields;
 }
 
 double CompressionSimulation::PaddleForceDerivative(const CompressionState& state,
-  const PlatePairVelocity& velocity) const
+  const PlatePairVelocity& velocity)
 {
-  const std::vector<double> rates = this->Sensitivities(state, { velocity }).front();
   return this->Internal->Solver.PaddleForceDerivative(state.Positions, state.Plates, velocity,
-    rates);
+    this->Sensitivities(state, { velocity }).Values);
 }
 
-std::vector<double> CompressionSimulation::ContactPressuresKPa(const CompressionState& state) const
+std::vector<double> CompressionSimulation::ContactPressuresKPa(const CompressionState& state)
 {
   if (state.Positions.size() != this->RestPositions().size())
   {
@@ -400,7 +398,7 @@ std::vector<double> CompressionSimulation::ContactPressuresKPa(const Compression
 }
 
 CompressionState CompressionSimulation::CompressToForce(const PlatePair& plates,
-  const PlatePairVelocity& closing, double forceN, const ProgressCallback& progress) const
+  const PlatePairVelocity& closing, double forceN, const ProgressCallback& progress)
 {
   CheckPlate(plates.Support, "support");
   CheckPlate(plates.Paddle, "paddle");
@@ -416,7 +414,7 @@ void CompressionSimulation::SetMaterials(const std::vector<ElasticMaterial>& mat
 
 const std::vector<ElasticMaterial>& CompressionSimulation::Materials() const
 {
-  return this->Internal->Given;
+  return this->Internal->GivenMaterials;
 }
 
 std::vector<CellMeasures> CompressionSimulation::MeasuresOf(const CompressionState& state) const

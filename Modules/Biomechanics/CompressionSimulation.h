@@ -9,6 +9,7 @@
 #include "mammoray/Foundation/Progress.h"
 #include "mammoray/Foundation/TetrahedralMesh.h"
 #include "mammoray/Foundation/Vector3.h"
+#include "mammoray/Foundation/VectorFields.h"
 #include "mammorayBiomechanicsModule.h"
 
 #include <cstdint>
@@ -82,18 +83,18 @@ public:
   CompressionError(const std::string& message, double lastGapMm, const std::string& reason)
     : ConvergenceError(message)
     , LastGap(lastGapMm)
-    , Why(reason)
+    , ReasonText(reason)
   {
   }
   /// The smallest distance of the plates on the way for which an equilibrium was found, mm. With
   /// Refusal::AtOnce, the distance at which the solver gave up.
   double LastGapMm() const { return this->LastGap; }
   /// Why the solver could not go further; also a part of the message.
-  const std::string& Reason() const { return this->Why; }
+  const std::string& Reason() const { return this->ReasonText; }
 
 private:
   double LastGap;
-  std::string Why;
+  std::string ReasonText;
 };
 
 /// Distance from the face of the support to the paddle's edge, mm.
@@ -229,7 +230,7 @@ public:
   };
 
   /// The plates, opened along their normals until they touch nothing of the freely hanging breast.
-  PlatePair OpenedPlates(const PlatePair& plates, const ProgressCallback& progress = {}) const;
+  PlatePair OpenedPlates(const PlatePair& plates, const ProgressCallback& progress = {});
 
   /**
    * Solves for the equilibrium between the plates.
@@ -246,7 +247,7 @@ public:
    * value found, or Interrupted.
    */
   CompressionState Compress(const PlatePair& plates, const CompressionState* start = nullptr,
-    const ProgressCallback& progress = {}, Refusal refusal = Refusal::WithLastGap) const;
+    const ProgressCallback& progress = {}, Refusal refusal = Refusal::WithLastGap);
 
   /**
    * Finds the equilibrium of this simulation that corresponds to a state of another simulation of
@@ -256,7 +257,7 @@ public:
    * there, it is that of a cold start. Throws as Compress with Refusal::AtOnce.
    */
   CompressionState Adopt(const CompressionSimulation& other, const CompressionState& state,
-    const ProgressCallback& progress = {}) const;
+    const ProgressCallback& progress = {});
 
   /**
    * Velocities dx/dp of the nodes at a converged state, by the implicit function theorem: one
@@ -267,15 +268,14 @@ public:
    * include the change of the stress-free shape with the materials and with the chest wall's
    * stiffness; StiffnessFactor is fixed constant.
    */
-  std::vector<std::vector<double>> Sensitivities(const CompressionState& state,
+  VectorFields Sensitivities(const CompressionState& state,
     const std::vector<PlatePairVelocity>& velocities,
     const std::vector<MaterialDerivative>& materialDerivatives = {},
-    const std::vector<LoadingDerivative>& loadingDerivatives = {}) const;
+    const std::vector<LoadingDerivative>& loadingDerivatives = {});
 
   /// Derivative of PaddleForceN with respect to a parameter that moves the plates, N per unit; as
   /// exact as Sensitivities.
-  double PaddleForceDerivative(const CompressionState& state,
-    const PlatePairVelocity& velocity) const;
+  double PaddleForceDerivative(const CompressionState& state, const PlatePairVelocity& velocity);
 
   /**
    * Solves for the state in which the paddle presses with `forceN` (positive, N), to 1e-4 of it, by
@@ -285,7 +285,7 @@ public:
    * otherwise as Compress.
    */
   CompressionState CompressToForce(const PlatePair& plates, const PlatePairVelocity& closing,
-    double forceN, const ProgressCallback& progress = {}) const;
+    double forceN, const ProgressCallback& progress = {});
 
   /**
    * Replaces the constants of the materials, as many as at construction. Mesh, field and order of
@@ -299,7 +299,7 @@ public:
   /// Volume change and stress of every cell of the mesh in a state.
   std::vector<CellMeasures> MeasuresOf(const CompressionState& state) const;
   /// Contact pressure at every node, kPa; 0 inside the body and where nothing touches.
-  std::vector<double> ContactPressuresKPa(const CompressionState& state) const;
+  std::vector<double> ContactPressuresKPa(const CompressionState& state);
 
   std::size_t NumberOfNodes() const;
   std::size_t NumberOfUnknowns() const;
@@ -321,14 +321,13 @@ private:
   /// Without `start` it is a cold run, which begins at `predicted` positions or at the predictor's.
   CompressionState Run(const PlatePair& plates, const CompressionState* start, Finish finish,
     const ProgressCallback& progress, double loadStepFactor = 1,
-    std::vector<double> predicted = {}) const;
+    std::vector<double> predicted = {});
   /// A cold run. If it fails, it is repeated with smaller load steps.
-  CompressionState RunCold(const PlatePair& plates, const ProgressCallback& progress) const;
+  CompressionState RunCold(const PlatePair& plates, const ProgressCallback& progress);
   /// The smallest gap from `fromMm` on, in steps of 15 %, that has an equilibrium, mm.
-  double LeastGapMm(const PlatePair& plates, double fromMm, const ProgressCallback& progress) const;
+  double LeastGapMm(const PlatePair& plates, double fromMm, const ProgressCallback& progress);
   /// Node positions between the plates by the predictor; empty if there is none or it fails.
-  std::vector<double> PredictedPositions(const PlatePair& plates,
-    const ProgressCallback& progress) const;
+  std::vector<double> PredictedPositions(const PlatePair& plates, const ProgressCallback& progress);
 
   struct Internals;
   std::unique_ptr<Internals> Internal;

@@ -306,10 +306,15 @@ Embedding::Embedding(const CompressionSimulation& simulation, const std::vector<
 
 std::vector<double> Embedding::Map(const std::vector<double>& nodeValues) const
 {
+  std::vector<double> result(3 * this->NumberOfPoints());
+  this->Map(nodeValues, result);
+  return result;
+}
+
+void Embedding::Map(std::span<const double> nodeValues, std::span<double> pointValues) const
+{
   const auto perPoint = static_cast<std::size_t>(this->NodesPerPoint);
-  const std::size_t count = this->Nodes.size() / perPoint;
-  std::vector<double> result(3 * count, 0.0);
-  ParallelFor(count,
+  ParallelFor(this->NumberOfPoints(),
     [&](std::size_t p)
     {
       double sum[3] = { 0, 0, 0 };
@@ -323,8 +328,7 @@ std::vector<double> Embedding::Map(const std::vector<double>& nodeValues) const
           sum[axis] += weight * value[axis];
         }
       }
-      std::copy_n(sum, 3, &result[3 * p]);
+      std::copy_n(sum, 3, &pointValues[3 * p]);
     });
-  return result;
 }
 }

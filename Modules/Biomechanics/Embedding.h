@@ -4,7 +4,9 @@
 
 #include "mammorayBiomechanicsModule.h"
 
+#include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 namespace mammoray
@@ -23,6 +25,9 @@ public:
   /// points; the result is 3 x pointCount. After Unload, some cells of the given mesh are slightly
   /// curved: displacements from ImagePositions are then more accurate than positions.
   std::vector<double> Map(const std::vector<double>& nodeValues) const;
+  /// The same into `pointValues`, 3 x pointCount.
+  void Map(std::span<const double> nodeValues, std::span<double> pointValues) const;
+  std::size_t NumberOfPoints() const { return this->CellIndices.size(); }
   /// Largest distance of a point from its cell, mm; 0 if all points lie inside.
   double LargestDistanceMm() const { return this->Distance; }
   /// Index of the cell that contains or is nearest to each point.

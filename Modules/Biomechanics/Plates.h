@@ -36,7 +36,7 @@ struct PlateVelocity
   Vector3 Angular{ 0, 0, 0 };
 
   /// Velocity of the plate's material point at x, mm per unit of the parameter.
-  Vector3 At(const Plate& plate, const Vector3& x) const
+  Vector3 VelocityAt(const Plate& plate, const Vector3& x) const
   {
     return this->Linear + Cross(this->Angular, x - plate.Edge);
   }

@@ -164,7 +164,7 @@ double KeepHalf(bool upper, Mammogram& picture)
 }
 
 vtkSmartPointer<vtkDoubleArray> PointVectors(const std::string& name,
-  const std::vector<double>& values)
+  std::span<const double> values)
 {
   auto array = vtkSmartPointer<vtkDoubleArray>::New();
   array->SetName(name.c_str());
@@ -193,8 +193,8 @@ BreastInUnit InUnit(BreastModel& model, const UnitPlacement& placement,
     breast.Parameters.emplace_back(parameter.Name);
     all.push_back(parameter.Index);
   }
-  const std::vector<std::vector<double>> velocities = model.Body().VelocitiesSeenFromUnit(placement,
-    result.Pose, result.State, model.AnatomyPoints(), compressed.Points, all);
+  const VectorFields velocities = model.Body().VelocitiesSeenFromUnit(placement, result.Pose,
+    result.State, model.AnatomyPoints(), compressed.Points, all);
   for (const PoseParameter& parameter : PoseParameters)
   {
     breast.Uncompressed->GetPointData()->AddArray(PointVectors(

@@ -120,7 +120,7 @@ public:
     // Plates so far apart that they touch nothing.
     BreastPose open;
     open.ThicknessMm = 400;
-    const CompressionSimulation& simulation = this->Model.Body().Simulation();
+    CompressionSimulation& simulation = this->Model.Body().Simulation();
     this->State = simulation.Compress(placement.PlatesAt(open), nullptr, progress,
       CompressionSimulation::Refusal::AtOnce);
   }

@@ -81,7 +81,7 @@ struct vtkBreastCompression::Internals
   std::optional<CompressionState> Pressed;
   std::pair<double, PlatePair> PressedFor;
 
-  const CompressionSimulation& Simulation() const { return this->Model->Body().Simulation(); }
+  CompressionSimulation& Simulation() { return this->Model->Body().Simulation(); }
   ElasticTable MaterialsOf(const TetrahedralMesh& mesh, const std::string& table) const;
   CompressionSetup SetupOf(const vtkBreastCompression& filter, vtkUnstructuredGrid* input,
     vtkUnstructuredGrid* coarse) const;
@@ -93,7 +93,7 @@ struct vtkBreastCompression::Internals
   void CompressToForce(const PlatePair& plates, const PlatePair& closer, double forceN,
     const ProgressCallback& progress);
   vtkSmartPointer<vtkUnstructuredGrid> Compressed(vtkUnstructuredGrid* input,
-    const std::optional<double>& thicknessMm) const;
+    const std::optional<double>& thicknessMm);
 };
 
 /// The table's materials, and before them what SetMaterial said.
@@ -239,7 +239,7 @@ void vtkBreastCompression::Internals::CompressToForce(const PlatePair& plates,
 
 /// `thicknessMm`: to be told as such; the distance of the plates where it is not given.
 vtkSmartPointer<vtkUnstructuredGrid> vtkBreastCompression::Internals::Compressed(
-  vtkUnstructuredGrid* input, const std::optional<double>& thicknessMm) const
+  vtkUnstructuredGrid* input, const std::optional<double>& thicknessMm)
 {
   const CompressionGrids breast = this->Model->IsCarried()
     ? CompressionGrids(input, this->Made.Anatomy, this->Simulation())

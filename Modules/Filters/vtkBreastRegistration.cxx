@@ -95,8 +95,7 @@ void AddStrings(vtkFieldData* fields, const char* name, const std::vector<std::s
   fields->AddArray(array);
 }
 
-void AddVectors(vtkUnstructuredGrid* grid, const std::string& name,
-  const std::vector<double>& values)
+void AddVectors(vtkUnstructuredGrid* grid, const std::string& name, std::span<const double> values)
 {
   vtkNew<vtkDoubleArray> array;
   array->SetName(name.c_str());
@@ -140,8 +139,8 @@ void AddSensitivities(vtkUnstructuredGrid* output, BreastModel& model,
       free.push_back(index);
     }
   }
-  const std::vector<std::vector<double>> velocities = model.Body().VelocitiesSeenFromUnit(placement,
-    result.Pose, result.State, model.AnatomyPoints(), points, free);
+  const VectorFields velocities = model.Body().VelocitiesSeenFromUnit(placement, result.Pose,
+    result.State, model.AnatomyPoints(), points, free);
   for (std::size_t index = 0; index < free.size(); ++index)
   {
     AddVectors(output,

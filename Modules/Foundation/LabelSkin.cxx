@@ -2,6 +2,7 @@
 #include "mammoray/Foundation/LabelSkin.h"
 
 #include "mammoray/Foundation/Error.h"
+#include "mammoray/Foundation/Raster.h"
 
 #include <algorithm>
 #include <cmath>
@@ -19,107 +20,18 @@ bool IsFixed(const std::vector<bool>& fixed, std::uint16_t label)
   return label < fixed.size() && fixed[label];
 }
 
-/// Calls visit(index) for the voxels that share a face with one.
-template <typename Visit>
-void ForEachNeighbour(const VolumeGrid& grid, std::size_t index, Visit visit)
-{
-  std::size_t stride = 1;
-  for (int a = 0; a < 3; ++a)
-  {
-    const auto size = static_cast<std::size_t>(grid.Size[a]);
-    const std::size_t place = index / stride % size;
-    if (place > 0)
-    {
-      visit(index - stride);
-    }
-    if (place + 1 < size)
-    {
-      visit(index + stride);
-    }
-    stride *= size;
-  }
-}
-
 /// 1 for label 0 that is connected with the border of the volume.
 std::vector<unsigned char> FindOuterAir(const LabelVolume& labels)
 {
-  std::vector<unsigned char> air(labels.Voxels.size(), 0);
-  std::vector<std::size_t> queue;
-  const auto add = [&](std::size_t index)
+  const RasterShape shape(labels);
+  const RasterPieces pieces = FindPieces(shape, labels.Voxels);
+  const std::vector<bool> outer = PiecesAtBorder(shape, pieces);
+  std::vector<unsigned char> air(labels.Voxels.size());
+  for (std::size_t voxel = 0; voxel < air.size(); ++voxel)
   {
-    if (labels.Voxels[index] == 0 && !air[index])
-    {
-      air[index] = 1;
-      queue.push_back(index);
-    }
-  };
-  const auto& size = labels.Size;
-  for (int k = 0; k < size[2]; ++k)
-  {
-    for (int j = 0; j < size[1]; ++j)
-    {
-      const bool inner = k > 0 && k + 1 < size[2] && j > 0 && j + 1 < size[1];
-      for (int i = 0; i < size[0]; i += inner ? std::max(1, size[0] - 1) : 1)
-      {
-        add(labels.Index(i, j, k));
-      }
-    }
-  }
-  while (!queue.empty())
-  {
-    const std::size_t index = queue.back();
-    queue.pop_back();
-    ForEachNeighbour(labels, index, add);
+    air[voxel] = labels.Voxels[voxel] == 0 && outer[pieces.Of[voxel]] ? 1 : 0;
   }
   return air;
-}
-
-/**
- * Adds the squared distances along one axis: each value becomes the least of its line's values plus
- * the square of the way to the voxel there, at half its edge length. Squares of the axes add up, so
- * that three passes give the distance in space.
- */
-void SpreadAlong(const VolumeGrid& grid, int axis, double reachMm, std::vector<float>& squares)
-{
-  const auto size = static_cast<std::size_t>(grid.Size[axis]);
-  std::size_t stride = 1;
-  for (int a = 0; a < axis; ++a)
-  {
-    stride *= static_cast<std::size_t>(grid.Size[a]);
-  }
-  std::vector<float> steps;
-  for (std::size_t n = 0; n < size; ++n)
-  {
-    const double way = n == 0 ? 0 : (static_cast<double>(n) - 0.25) * grid.Spacing[axis];
-    if (way > reachMm)
-    {
-      break;
-    }
-    steps.push_back(static_cast<float>(way * way));
-  }
-  std::vector<float> line(size);
-  for (std::size_t block = 0; block < squares.size(); block += stride * size)
-  {
-    for (std::size_t first = block; first < block + stride; ++first)
-    {
-      bool any = false;
-      for (std::size_t n = 0; n < size; ++n)
-      {
-        line[n] = squares[first + n * stride];
-        any = any || line[n] != Far;
-      }
-      for (std::size_t n = 0; any && n < size; ++n)
-      {
-        float least = line[n];
-        for (std::size_t step = 1; step < steps.size(); ++step)
-        {
-          least = std::min(least, n >= step ? line[n - step] + steps[step] : Far);
-          least = std::min(least, n + step < size ? line[n + step] + steps[step] : Far);
-        }
-        squares[first + n * stride] = least;
-      }
-    }
-  }
 }
 }
 
@@ -127,30 +39,27 @@ std::vector<float> DepthBelowAir(const LabelVolume& labels, double reachMm,
   const std::vector<bool>& fixed)
 {
   const std::vector<unsigned char> air = FindOuterAir(labels);
-  std::vector<float> depth(labels.Voxels.size(), Far);
-  for (std::size_t voxel = 0; voxel < depth.size(); ++voxel)
+  const RasterShape shape(labels);
+  // Distances to half of each voxel of air that touches tissue, which is the nearest air.
+  std::vector<unsigned char> nearest(labels.Voxels.size(), 0);
+  for (std::size_t voxel = 0; voxel < nearest.size(); ++voxel)
   {
-    // The air nearest to a voxel of tissue touches tissue.
-    bool touches = false;
     if (air[voxel])
     {
-      ForEachNeighbour(labels, voxel,
-        [&](std::size_t other) {
-          touches = touches || (labels.Voxels[other] != 0 && !IsFixed(fixed, labels.Voxels[other]));
+      shape.ForEachNeighbour(voxel,
+        [&](std::size_t other, int)
+        {
+          const std::uint16_t label = labels.Voxels[other];
+          nearest[voxel] = nearest[voxel] || (label != 0 && !IsFixed(fixed, label)) ? 1 : 0;
         });
     }
-    depth[voxel] = touches ? 0.0f : Far;
   }
-  for (int axis = 0; axis < 3; ++axis)
-  {
-    SpreadAlong(labels, axis, reachMm, depth);
-  }
+  std::vector<float> depth = DistanceToSet(shape, labels.Spacing, nearest, 0.25);
   // 1e-5: a depth of the reach itself shall not be lost to rounding.
   const auto most = static_cast<float>(reachMm * (1 + 1e-5));
   for (std::size_t voxel = 0; voxel < depth.size(); ++voxel)
   {
-    const float distance = std::sqrt(depth[voxel]);
-    depth[voxel] = air[voxel] ? 0.0f : distance <= most ? distance : Far;
+    depth[voxel] = air[voxel] ? 0.0f : depth[voxel] <= most ? depth[voxel] : Far;
   }
   return depth;
 }

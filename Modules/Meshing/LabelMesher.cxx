@@ -398,7 +398,7 @@ MeshingResult MeshMaterials(const LabelVolume& materials, const MeshingOptions& 
     // CGAL's error bound is relative to half of the box's diagonal.
     parameters::relative_error_bound = 2 * 0.02 * finest / Norm(extent));
 
-  for (const auto& component : plan.Found.Components)
+  for (const auto& component : plan.Components.Components)
   {
     result.Components += component.Material != 0;
   }
@@ -407,7 +407,7 @@ MeshingResult MeshMaterials(const LabelVolume& materials, const MeshingOptions& 
   result.Mesh = Refiner(volume, domain, plan, labeller).Run(sizes, result.TimeLimitReached);
   FinishMesh(materials, sizes, result.Mesh, Within(progress, labeller.End, 0.99));
   ReportProgress(progress, 0.99, "checking");
-  CheckComponents(result.Mesh, volume, plan.Found);
+  CheckComponents(result.Mesh, volume, plan.Components);
   PlaceInVolumeFrame(volume, result.Mesh);
   result.Mesh.Validate("mesh");
   result.Reports = ReportMaterials(materials, result.Mesh);

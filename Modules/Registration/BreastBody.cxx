@@ -13,12 +13,12 @@ namespace
 /// Takes the motion of the unit's own points off velocities of `positions`: rays and pixels move
 /// with the unit, and the unit with its support.
 void SubtractMotion(const PlateVelocity& unit, const Plate& support,
-  const std::vector<double>& positions, std::vector<double>& velocities)
+  const std::vector<double>& positions, std::span<double> velocities)
 {
   for (std::size_t index = 0; index < velocities.size(); index += 3)
   {
     const Vector3 carried =
-      unit.At(support, { positions[index], positions[index + 1], positions[index + 2] });
+      unit.VelocityAt(support, { positions[index], positions[index + 1], positions[index + 2] });
     for (int axis = 0; axis < 3; ++axis)
     {
       velocities[index + axis] -= carried[axis];
@@ -105,7 +105,7 @@ CompressionState BreastBody::Adopt(const BreastBody& other, const CompressionSta
   return this->Simulated.Adopt(other.Simulated, state, progress);
 }
 
-std::vector<std::vector<double>> BreastBody::VelocitiesSeenFromUnit(const UnitPlacement& placement,
+VectorFields BreastBody::VelocitiesSeenFromUnit(const UnitPlacement& placement,
   const BreastPose& pose, const CompressionState& state, const Embedding& points,
   const std::vector<double>& positions, const std::vector<int>& wanted)
 {
@@ -126,19 +126,18 @@ std::vector<std::vector<double>> BreastBody::VelocitiesSeenFromUnit(const UnitPl
     }
   }
   const Plate support = placement.PlatesAt(pose).Support;
-  const std::vector<std::vector<double>> nodes =
-    this->Simulated.Sensitivities(state, motions, stiffening);
-  std::vector<std::vector<double>> velocities;
+  const VectorFields nodes = this->Simulated.Sensitivities(state, motions, stiffening);
+  VectorFields velocities(wanted.size(), positions.size());
   std::size_t motion = 0;
-  for (const int parameter : wanted)
+  for (std::size_t field = 0; field < wanted.size(); ++field)
   {
-    if (parameter == StiffnessParameter)
+    if (wanted[field] == StiffnessParameter)
     {
-      velocities.push_back(points.Map(nodes.back()));
+      points.Map(nodes[nodes.Count() - 1], velocities[field]);
       continue;
     }
-    velocities.push_back(points.Map(nodes[motion]));
-    SubtractMotion(motions[motion].Support, support, positions, velocities.back());
+    points.Map(nodes[motion], velocities[field]);
+    SubtractMotion(motions[motion].Support, support, positions, velocities[field]);
     ++motion;
   }
   return velocities;

@@ -48,12 +48,12 @@ public:
   /**
    * How points that move with the simulation change with the parameters numbered in `wanted`, seen
    * from the unit: exact derivatives of their equilibrium `state` at `pose` minus the motion of the
-   * unit's own points. `positions`: of the points in that state (Embedding::Map). One vector of
-   * 3 x pointCount each, volume frame, mm per unit of the parameter.
+   * unit's own points. `positions`: of the points in that state (Embedding::Map). One field
+   * each, volume frame, mm per unit of the parameter.
    */
-  std::vector<std::vector<double>> VelocitiesSeenFromUnit(const UnitPlacement& placement,
-    const BreastPose& pose, const CompressionState& state, const Embedding& points,
-    const std::vector<double>& positions, const std::vector<int>& wanted);
+  VectorFields VelocitiesSeenFromUnit(const UnitPlacement& placement, const BreastPose& pose,
+    const CompressionState& state, const Embedding& points, const std::vector<double>& positions,
+    const std::vector<int>& wanted);
 
 private:
   void SetStiffness(double factor);

@@ -124,13 +124,10 @@ const EvaluatedState::Picture& EvaluatedState::PictureOn(const RegistrationTarge
 
 std::vector<double> EvaluatedState::Velocities(const std::vector<int>& wanted)
 {
-  std::vector<double> velocities;
-  for (const std::vector<double>& field : this->Body.VelocitiesSeenFromUnit(this->Around, this->At,
-         this->Equilibrium, this->Body.Surface(), this->SurfacePoints(), wanted))
-  {
-    velocities.insert(velocities.end(), field.begin(), field.end());
-  }
-  return velocities;
+  return this->Body
+    .VelocitiesSeenFromUnit(this->Around, this->At, this->Equilibrium, this->Body.Surface(),
+      this->SurfacePoints(), wanted)
+    .Values;
 }
 
 std::vector<std::vector<double>> EvaluatedState::DifferentiatePicture(

@@ -69,7 +69,7 @@ BreastModelOptions ModelOptions(const CompressionCase& input, const AnatomicalAx
   return options;
 }
 
-CompressionState Compress(const CompressionSimulation& simulation, const UnitPlacement& placement,
+CompressionState Compress(CompressionSimulation& simulation, const UnitPlacement& placement,
   const BreastPose& pose, const std::optional<double>& forceN, const ProgressCallback& progress)
 {
   if (!forceN)
@@ -86,7 +86,7 @@ CompressionState Compress(const CompressionSimulation& simulation, const UnitPla
 
 /// The breast from open plates to those of `closed`, which it ends with.
 std::vector<vtkSmartPointer<vtkUnstructuredGrid>> SeriesOf(const CompressionState& closed,
-  const CompressionSimulation& simulation, const CompressionGrids& breast, int stepCount,
+  CompressionSimulation& simulation, const CompressionGrids& breast, int stepCount,
   const ProgressCallback& progress)
 {
   const PlatePair open = simulation.OpenedPlates(closed.Plates);
@@ -148,9 +148,9 @@ CompressionCaseResult RunCompressionCase(const CompressionCase& input,
   BreastPose pose = input.Pose;
   pose.RollDeg += RollOfView(input);
 
-  const BreastModel model(mesh, ElasticTable(result.Materials), {},
+  BreastModel model(mesh, ElasticTable(result.Materials), {},
     ModelOptions(input, placement.Axes, volume, result.Materials), progress);
-  const CompressionSimulation& simulation = model.Body().Simulation();
+  CompressionSimulation& simulation = model.Body().Simulation();
   result.SimulationCells = model.NumberOfSimulationCells();
   result.Unknowns = simulation.NumberOfUnknowns();
   result.State = Compress(simulation, placement, pose, input.ForceN, progress);

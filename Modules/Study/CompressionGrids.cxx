@@ -66,15 +66,14 @@ std::vector<double> AsVectors(const std::vector<double>& values)
 }
 }
 
-CompressionGrids::CompressionGrids(vtkUnstructuredGrid* grid,
-  const CompressionSimulation& simulation)
+CompressionGrids::CompressionGrids(vtkUnstructuredGrid* grid, CompressionSimulation& simulation)
   : Grid(grid)
   , Simulation(simulation)
 {
 }
 
 CompressionGrids::CompressionGrids(vtkUnstructuredGrid* grid, const TetrahedralMesh& mesh,
-  const CompressionSimulation& simulation)
+  CompressionSimulation& simulation)
   : Grid(grid)
   , Simulation(simulation)
   , Carried(mesh)

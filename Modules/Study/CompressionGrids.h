@@ -32,14 +32,14 @@ class MAMMORAYSTUDY_EXPORT CompressionGrids
 public:
   /// The grid's cells are those of the simulation: J and stress are means over their quadrature
   /// points.
-  CompressionGrids(vtkUnstructuredGrid* grid, const CompressionSimulation& simulation);
+  CompressionGrids(vtkUnstructuredGrid* grid, CompressionSimulation& simulation);
   /**
    * A grid of these tetrahedra that the simulation carries along: J is of the volumes between the
    * corners, pressure and stress are those of the simulation's cells that hold the points and the
    * cells' middles, so that the pressure fades over one of them from the skin inwards.
    */
   CompressionGrids(vtkUnstructuredGrid* grid, const TetrahedralMesh& mesh,
-    const CompressionSimulation& simulation);
+    CompressionSimulation& simulation);
 
   /// `thicknessMm`: to be told as such; the distance of the plates where it is not given.
   vtkSmartPointer<vtkUnstructuredGrid> At(const CompressionState& state,
@@ -47,7 +47,7 @@ public:
 
 private:
   vtkSmartPointer<vtkUnstructuredGrid> Grid;
-  const CompressionSimulation& Simulation;
+  CompressionSimulation& Simulation;
   /// Empty where the grid is the simulation's own.
   std::optional<TetrahedralMesh> Carried;
   std::optional<Embedding> Points;

@@ -370,12 +370,12 @@ void ProjectRegistered(BreastModel& model, const UnitPlacement& placement, Regis
       uncertain.push_back(static_cast<int>(index));
     }
   }
-  std::vector<std::vector<double>> velocities = model.Body().VelocitiesSeenFromUnit(placement,
-    found.Pose, found.State, model.AnatomyPoints(), view.CompressedPoints, uncertain);
+  const VectorFields velocities = model.Body().VelocitiesSeenFromUnit(placement, found.Pose,
+    found.State, model.AnatomyPoints(), view.CompressedPoints, uncertain);
   view.Sensitivities.resize(found.Parameters.size());
   for (std::size_t index = 0; index < uncertain.size(); ++index)
   {
-    view.Sensitivities[uncertain[index]] = std::move(velocities[index]);
+    view.Sensitivities[uncertain[index]].assign(velocities[index].begin(), velocities[index].end());
   }
 }
 }

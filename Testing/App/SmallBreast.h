@@ -44,7 +44,7 @@ inline TetrahedralMesh SmallBreastMesh()
 }
 
 /// Writes mesh and table, and says how to look at them.
-inline ViewInput WriteSmallBreast(const testing_support::TemporaryFolder& folder)
+inline ViewInput WriteSmallBreast(const test::TemporaryFolder& folder)
 {
   ViewInput input;
   input.Mesh = folder.File("breast.vtu");

@@ -32,7 +32,7 @@ protected:
     {
       GTEST_SKIP() << "no Vulkan device";
     }
-    if (!testing_support::VirtualDisplay::Instance().Works())
+    if (!test::VirtualDisplay::Instance().Works())
     {
       GTEST_SKIP() << "no Xvfb";
     }
@@ -71,7 +71,7 @@ protected:
       static_cast<int>(y * 700), 0, 0);
   }
 
-  testing_support::TemporaryFolder Folder;
+  test::TemporaryFolder Folder;
   std::vector<ViewedBreast> Viewed;
   ViewerOptions Options;
 };

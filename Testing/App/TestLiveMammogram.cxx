@@ -26,7 +26,7 @@ protected:
     }
     this->Viewed = ReadViewedBreasts(test::WriteSmallBreast(this->Folder)).front();
   }
-  testing_support::TemporaryFolder Folder;
+  test::TemporaryFolder Folder;
   ViewedBreast Viewed;
 };
 

@@ -47,7 +47,7 @@ class SurfaceViewerTest : public testing::Test
 protected:
   void SetUp() override
   {
-    if (!testing_support::VirtualDisplay::Instance().Works() || ListDevices().empty())
+    if (!test::VirtualDisplay::Instance().Works() || ListDevices().empty())
     {
       GTEST_SKIP() << "no Vulkan device or no Xvfb";
     }
@@ -72,7 +72,7 @@ protected:
     return count;
   }
 
-  testing_support::TemporaryFolder Folder;
+  test::TemporaryFolder Folder;
   ViewerOptions Options;
 };
 

@@ -22,7 +22,7 @@ namespace
 {
 using namespace mammoray;
 
-class ViewCommand : public testing_support::CommandTest
+class ViewCommand : public test::CommandTest
 {
 protected:
   void SetUp() override
@@ -77,10 +77,7 @@ protected:
     WriteResultFile(result, folder);
     return folder;
   }
-  bool CanShow()
-  {
-    return testing_support::VirtualDisplay::Instance().Works() && !ListDevices().empty();
-  }
+  bool CanShow() { return test::VirtualDisplay::Instance().Works() && !ListDevices().empty(); }
   std::string MeshArguments;
 };
 
@@ -232,9 +229,8 @@ xdotool mousemove 730 280 click 1; shot 6
 xdotool key q; wait $view
 )");
   const std::string command = "sh " + script + " " + this->Folder.File("") + " " +
-    testing_support::MammorayExecutable() + " " + this->MeshArguments + " --size 1000 700";
-  ASSERT_EQ(std::system(command.c_str()), 0)
-    << testing_support::ReadFile(this->Folder.File("errors"));
+    test::MammorayExecutable() + " " + this->MeshArguments + " --size 1000 700";
+  ASSERT_EQ(std::system(command.c_str()), 0) << test::ReadFile(this->Folder.File("errors"));
   const auto shot = [&](int number)
   { return BreastAtRest(this->Folder.File("mammoray-window-" + std::to_string(number) + ".png")); };
   const Shown first = shot(1);
@@ -252,7 +248,7 @@ xdotool key q; wait $view
   const Shown back = shot(5);
   EXPECT_EQ(back.Pixels, first.Pixels);
   EXPECT_EQ(back.X, first.X);
-  EXPECT_THAT(testing_support::ReadFile(this->Folder.File("said")), testing::HasSubstr("pixel ("));
+  EXPECT_THAT(test::ReadFile(this->Folder.File("said")), testing::HasSubstr("pixel ("));
 }
 
 TEST_F(ViewCommand, RefusesInOneLine)

@@ -20,11 +20,11 @@
 #include <optional>
 
 using namespace mammoray;
-using testing_support::ReadFile;
+using test::ReadFile;
 
 namespace
 {
-class CompressCommand : public testing_support::CommandTest
+class CompressCommand : public test::CommandTest
 {
 protected:
   void SetUp() override

@@ -9,7 +9,7 @@ using namespace mammoray;
 
 namespace
 {
-using DevicesCommand = testing_support::CommandTest;
+using DevicesCommand = test::CommandTest;
 
 TEST_F(DevicesCommand, ListsAllAndTheChosenOne)
 {

@@ -14,7 +14,7 @@
 #include <filesystem>
 
 using namespace mammoray;
-using testing_support::ReadFile;
+using test::ReadFile;
 namespace fs = std::filesystem;
 
 namespace
@@ -35,7 +35,7 @@ int BreastLabel(const Vector3& point)
   return Norm(point - Vector3{ 10, -4, 4 }) < 12 ? 29 : 1;
 }
 
-class EvidenceCommand : public testing_support::CommandTest
+class EvidenceCommand : public test::CommandTest
 {
 protected:
   void SetUp() override
@@ -105,7 +105,7 @@ TEST_F(EvidenceCommand, StopsWithWhatIsDone)
   // Long before a thousand twins are done; the status is the program's. Without --foreground it is
   // interrupted twice, as one is who cannot wait.
   const std::string command = "timeout --foreground --preserve-status --signal INT 6 " +
-    testing_support::MammorayExecutable() + " " + this->Twins("--only plain --twins 1000") + " >" +
+    test::MammorayExecutable() + " " + this->Twins("--only plain --twins 1000") + " >" +
     this->Folder.File("out") + " 2>" + this->Folder.File("err");
   const int status = std::system(command.c_str());
   ASSERT_TRUE(WIFEXITED(status));

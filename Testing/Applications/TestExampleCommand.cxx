@@ -14,11 +14,11 @@
 #include <future>
 
 using namespace mammoray;
-using testing_support::ReadFile;
+using test::ReadFile;
 
 namespace
 {
-class ExampleCommand : public testing_support::CommandTest
+class ExampleCommand : public test::CommandTest
 {
 protected:
   std::string Target = this->Folder.File("result");

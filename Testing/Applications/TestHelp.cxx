@@ -37,7 +37,7 @@ std::string RefusalOfWords(const std::vector<std::string>& words)
   return "";
 }
 
-class HelpCommand : public testing_support::CommandTest
+class HelpCommand : public test::CommandTest
 {
 };
 }

@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 
 using namespace mammoray;
-using namespace mammoray::testing_support;
+using namespace mammoray::test;
 using testing::HasSubstr;
 
 namespace

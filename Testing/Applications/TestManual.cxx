@@ -68,7 +68,7 @@ TEST_F(ManualTest, ProgramListsItsCommands)
 
 TEST_F(ManualTest, ShellCompletesCommandsOptionsAndWords)
 {
-  const testing_support::TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   const std::string script = folder.Write("completion", CompletionScript(this->Application));
   const std::string answers = folder.File("answers");
   const auto complete = [&](const std::string& words)
@@ -76,7 +76,7 @@ TEST_F(ManualTest, ShellCompletesCommandsOptionsAndWords)
     const std::string command = "bash -c 'source " + script + "; COMP_WORDS=(mammoray " + words +
       "); COMP_CWORD=$((${#COMP_WORDS[@]} - 1)); _mammoray; echo \"${COMPREPLY[*]}\"' >" + answers;
     EXPECT_EQ(std::system(command.c_str()), 0);
-    return testing_support::ReadFile(answers);
+    return test::ReadFile(answers);
   };
   EXPECT_EQ(complete("pr"), "press\n");
   EXPECT_EQ(complete("press --th"), "--thickness\n");

@@ -13,11 +13,11 @@
 #include <cstdlib>
 
 using namespace mammoray;
-using testing_support::ReadFile;
+using test::ReadFile;
 
 namespace
 {
-class MeshCommand : public testing_support::CommandTest
+class MeshCommand : public test::CommandTest
 {
 protected:
   void SetUp() override

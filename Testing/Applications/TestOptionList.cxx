@@ -138,25 +138,25 @@ TEST_F(OptionListTest, ConfigurationRoundTrips)
 
 TEST_F(OptionListTest, InputsAreFilesOrFolders)
 {
-  const testing_support::TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   ASSERT_EQ(mkfifo(folder.File("pipe").c_str(), 0600), 0);
   const auto refusal = [&](const std::string& path)
-  { return testing_support::RefusalOf([&] { this->Parse("--picture /none --picture " + path); }); };
+  { return test::RefusalOf([&] { this->Parse("--picture /none --picture " + path); }); };
   EXPECT_EQ(refusal(folder.File("pipe")),
     folder.File("pipe") + ": expected a file or a folder, found a pipe");
   EXPECT_EQ(refusal("/dev/zero"), "/dev/zero: expected a file or a folder, found a device");
   const std::string pipes = folder.Write("pipes.json", R"({ "mesh": "pipe" })");
-  EXPECT_EQ(testing_support::RefusalOf([&] { this->Parse("--config " + pipes); }),
+  EXPECT_EQ(test::RefusalOf([&] { this->Parse("--config " + pipes); }),
     folder.File("pipe") + ": expected a file or a folder, found a pipe");
   for (const std::string& path : { folder.File(""), pipes, folder.File("none") })
   {
-    EXPECT_EQ(refusal(path), testing_support::NotRefused);
+    EXPECT_EQ(refusal(path), test::NotRefused);
   }
 }
 
 TEST_F(OptionListTest, ConfigurationNamesWhatLiesBesideIt)
 {
-  const testing_support::TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   folder.Write("cube.vtu", "");
   folder.Write("b.png", "");
   const std::string file = folder.Write("press.json",
@@ -171,7 +171,7 @@ TEST_F(OptionListTest, ConfigurationNamesWhatLiesBesideIt)
 
 TEST_F(OptionListTest, ConfigurationWithAnUnknownOptionIsRefusedWithANearOne)
 {
-  const testing_support::TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   const std::string file = folder.Write("press.json", R"({ "meshes": "cube.vtu" })");
   try
   {
@@ -186,7 +186,7 @@ TEST_F(OptionListTest, ConfigurationWithAnUnknownOptionIsRefusedWithANearOne)
 
 TEST_F(OptionListTest, CommandLineNamesWhatLiesInTheWorkingFolder)
 {
-  const testing_support::TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   folder.Write("cube.vtu", "");
   const std::string file = folder.Write("press.json", R"({ "mesh": "cube.vtu" })");
   this->Application.parse("press --config " + file + " --mesh cube.vtu");

@@ -31,7 +31,7 @@ protected:
     NoteGiven(command);
   }
 
-  testing_support::TemporaryFolder Folder;
+  test::TemporaryFolder Folder;
 };
 }
 

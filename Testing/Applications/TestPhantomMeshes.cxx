@@ -17,12 +17,12 @@
 #include <random>
 
 using namespace mammoray;
-using testing_support::ReadFile;
+using test::ReadFile;
 
 namespace
 {
-const std::string Shared = testing_support::SharedDataFolder();
-const std::string Victre = testing_support::DataFolder() + "/materials/victre.json";
+const std::string Shared = test::SharedDataFolder();
+const std::string Victre = test::DataFolder() + "/materials/victre.json";
 
 struct Phantom
 {
@@ -51,7 +51,7 @@ std::ostream& operator<<(std::ostream& stream, const Phantom& phantom)
 }
 
 /// Meshes, checks and documents.
-class MeshingTest : public testing_support::CommandTest
+class MeshingTest : public test::CommandTest
 {
 protected:
   /// Makes `name`.vtu of `input`, with every volume within its bound and sound by a second look.
@@ -216,9 +216,8 @@ TEST_P(PhantomMeshes, BothWaysAreSoundKeepVolumesAndAgree)
 }
 
 INSTANTIATE_TEST_SUITE_P(All, PhantomMeshes,
-  testing::Values(Phantom{ "example",
-                    testing_support::DataFolder() + "/victre-phantom-1/labels.nrrd", Victre, "",
-                    "--label-spacing 0.8 --crop 90: 80:150 80:150 --thin skin", 0.8 },
+  testing::Values(Phantom{ "example", test::DataFolder() + "/victre-phantom-1/labels.nrrd", Victre,
+                    "", "--label-spacing 0.8 --crop 90: 80:150 80:150 --thin skin", 0.8 },
     Phantom{ "scattered", Shared + "/breastphantom-scattered-1001/labels.nrrd", Victre, "",
       "--thin skin", 0.5 },
     Phantom{ "hetero", Shared + "/breastphantom-hetero-2002/labels.nrrd", Victre, "", "--thin skin",

@@ -20,7 +20,7 @@
 #include <cstdlib>
 
 using namespace mammoray;
-using testing_support::ReadFile;
+using test::ReadFile;
 
 namespace
 {
@@ -30,7 +30,7 @@ bool HasDevice()
   return !devices.empty();
 }
 
-class ProjectCommand : public testing_support::CommandTest
+class ProjectCommand : public test::CommandTest
 {
 protected:
   void SetUp() override
@@ -120,8 +120,8 @@ TEST_F(ProjectCommand, WritesADicomMammogram)
   }
   this->ExpectRefused(options + " --side left --roll 135", "expected --view");
   ASSERT_EQ(this->Run(options + " --side left --patient-name Phantom^Brick"), 0) << this->Errors;
-  testing_support::ExpectValidDicom(path);
-  EXPECT_EQ(testing_support::DicomTextOf(path, 0x0010, 0x0010), "Phantom^Brick");
+  test::ExpectValidDicom(path);
+  EXPECT_EQ(test::DicomTextOf(path, 0x0010, 0x0010), "Phantom^Brick");
   const Mammogram mammogram = ReadMammogram(path);
   EXPECT_EQ(mammogram.View, "CC");
   EXPECT_EQ(mammogram.RowDirection, "A");
@@ -133,7 +133,7 @@ TEST_F(ProjectCommand, WritesADicomMammogram)
   // Straight below the source but for 1 mm: 20 mm of fat, times 4000, rounded.
   EXPECT_NEAR(mammogram.Pixels[5], 4000 * 0.0512551 * 20, 1);
   ASSERT_EQ(this->Run(options + " --side right --roll 50 --for-processing"), 0) << this->Errors;
-  testing_support::ExpectValidDicom(path);
+  test::ExpectValidDicom(path);
   const Mammogram right = ReadMammogram(path);
   EXPECT_EQ(right.View, "MLO");
   EXPECT_EQ(right.RowDirection, "P"); // hung with its chest wall at the right
@@ -320,7 +320,7 @@ TEST_F(ProjectCommand, DoseAndTheUnitThatIsLikeARealOne)
   EXPECT_GT(values[20 * 80 + 30], 0.3F);
   const std::string dicom = this->Folder.File("shown.dcm");
   ASSERT_EQ(this->Run(options + dicom + " --display --side left"), 0) << this->Errors;
-  testing_support::ExpectValidDicom(dicom);
+  test::ExpectValidDicom(dicom);
   const Mammogram mammogram = ReadMammogram(dicom);
   EXPECT_EQ(mammogram.PresentationIntent, Mammogram::Intent::ForPresentation);
 }
@@ -400,9 +400,9 @@ TEST_F(ProjectCommand, ALimitOnFilesIsTold)
   {
     GTEST_SKIP() << "no Vulkan device";
   }
-  const std::string small = testing_support::MammorayExecutable() + " devices";
+  const std::string small = test::MammorayExecutable() + " devices";
   const std::string large =
-    testing_support::MammorayExecutable() + " example veins -o " + this->Folder.File("veins");
+    test::MammorayExecutable() + " example veins -o " + this->Folder.File("veins");
   for (const auto& [kibibytes, command] : { std::pair(8, small), std::pair(20000, large) })
   {
     const std::string line = "bash -c 'ulimit -f " + std::to_string(kibibytes) + "; exec " +
@@ -423,8 +423,8 @@ TEST_F(ProjectCommand, AUserWithoutAHomeReadsNothingOfLibraries)
     GTEST_SKIP() << "no Vulkan device";
   }
   const std::string line = "unset XDG_CACHE_HOME MESA_SHADER_CACHE_DIR; HOME=/dev/null exec " +
-    testing_support::MammorayExecutable() + " " + this->Inputs + " -o " + this->Image +
-    " >/dev/null 2>" + this->Folder.File("err");
+    test::MammorayExecutable() + " " + this->Inputs + " -o " + this->Image + " >/dev/null 2>" +
+    this->Folder.File("err");
   EXPECT_EQ(WEXITSTATUS(std::system(line.c_str())), 0);
   EXPECT_THAT(ReadFile(this->Folder.File("err")), testing::Not(testing::HasSubstr("cache")));
 }
@@ -434,8 +434,7 @@ TEST_F(ProjectCommand, AFullDiskIsToldAndLeavesNothing)
   const auto run = [this](const std::string& arguments)
   {
     return std::system(
-      (testing_support::MammorayExecutable() + " " + arguments + " 2>" + this->Folder.File("err"))
-        .c_str());
+      (test::MammorayExecutable() + " " + arguments + " 2>" + this->Folder.File("err")).c_str());
   };
   EXPECT_EQ(WEXITSTATUS(run(this->Inputs + " -o x.mha --print-config >/dev/full")), 1);
   EXPECT_EQ(ReadFile(this->Folder.File("err")),

@@ -14,11 +14,11 @@
 #include <numbers>
 
 using namespace mammoray;
-using testing_support::ReadFile;
+using test::ReadFile;
 
 namespace
 {
-class ProjectScene : public testing_support::CommandTest
+class ProjectScene : public test::CommandTest
 {
 protected:
   void SetUp() override

@@ -19,11 +19,11 @@
 #include <numbers>
 
 using namespace mammoray;
-using testing_support::ReadFile;
+using test::ReadFile;
 
 namespace
 {
-class ProjectSeries : public testing_support::CommandTest
+class ProjectSeries : public test::CommandTest
 {
 protected:
   void SetUp() override
@@ -176,7 +176,7 @@ TEST_F(ProjectSeries, TomosynthesisIsADicomObjectThatKnowsWhereItsSourcesStood)
                 " --for-processing --overwrite -o " + object),
       0)
       << this->Errors;
-    testing_support::ExpectValidDicom(object);
+    test::ExpectValidDicom(object);
     EXPECT_FALSE(std::filesystem::exists(this->Folder.File("sweep.json")));
     const std::vector<Mammogram> projections = ReadProjections(object);
     ASSERT_EQ(projections.size(), 5u);

@@ -35,12 +35,12 @@
 #include <thread>
 
 using namespace mammoray;
-using testing_support::ReadFile;
+using test::ReadFile;
 namespace fs = std::filesystem;
 
 namespace
 {
-const std::string Data = testing_support::DataFolder();
+const std::string Data = test::DataFolder();
 const std::string Labels = Data + "/victre-phantom-1/labels.nrrd";
 const std::string Materials = Data + "/materials/victre.json";
 const std::string MammogramFile = Data + "/victre-phantom-1/victre1_lcc_processing.dcm";
@@ -69,7 +69,7 @@ LabelVolume Ball(const Vector3& centre, double radius)
   return volume;
 }
 
-class RegisterCommand : public testing_support::CommandTest
+class RegisterCommand : public test::CommandTest
 {
 protected:
   std::string Register(const std::string& labels, const std::string& materials,
@@ -85,8 +85,8 @@ protected:
     const pid_t child = fork();
     if (child == 0)
     {
-      const std::string command = "exec " + testing_support::MammorayExecutable() + " " +
-        arguments + " >" + this->Folder.File("out") + " 2>" + this->Folder.File("err");
+      const std::string command = "exec " + test::MammorayExecutable() + " " + arguments + " >" +
+        this->Folder.File("out") + " 2>" + this->Folder.File("err");
       execl("/bin/sh", "sh", "-c", command.c_str(), nullptr);
       _exit(127);
     }
@@ -168,7 +168,7 @@ TEST_F(RegisterCommand, RefusesUnusableInputInOneLine)
   this->ExpectRefused(this->Register(Labels, Materials, MammogramFile, "--crop 0:500 : :"),
     "within the volume's voxels 0:186 0:223 0:224");
   const std::string mr =
-    testing_support::SharedDataFolder() + "/duke-breast-mri-153-CC-BY-NC-4.0/t1_tse/1-01.dcm";
+    test::SharedDataFolder() + "/duke-breast-mri-153-CC-BY-NC-4.0/t1_tse/1-01.dcm";
   if (fs::exists(mr))
   {
     this->ExpectRefused(this->Register(Labels, Materials, mr), "MG");
@@ -223,7 +223,7 @@ TEST_F(RegisterCommand, RefusesWhatNoPatientHas)
       this->Folder.File("result"),
     "orientation ALI: expected axes that are right-handed");
   const std::string magnified = this->Folder.File("magnified.dcm");
-  testing_support::ChangeDicom(MammogramFile, magnified,
+  test::ChangeDicom(MammogramFile, magnified,
     [](gdcm::DataSet& data)
     {
       gdcm::DataElement factor(gdcm::Tag(0x0018, 0x1114));
@@ -495,11 +495,11 @@ TEST_F(RegisterCommand, RegistersTheShippedPhantom)
   this->CommandTest::ExpectRefused(segmentation, "found no --mammogram");
   ASSERT_EQ(this->Run(segmentation + " --mammogram " + MammogramFile), 0) << this->Errors;
   EXPECT_EQ(this->Errors, "");
-  testing_support::ExpectValidDicom(shadow);
-  EXPECT_EQ(testing_support::DicomTextOf(shadow, 0x0020, 0x000d),
-    testing_support::DicomTextOf(MammogramFile, 0x0020, 0x000d));
-  EXPECT_EQ(testing_support::DicomTextOf(shadow, 0x0010, 0x0020), "");
-  const std::string bits = testing_support::DicomTextOf(shadow, 0x7fe0, 0x0010);
+  test::ExpectValidDicom(shadow);
+  EXPECT_EQ(test::DicomTextOf(shadow, 0x0020, 0x000d),
+    test::DicomTextOf(MammogramFile, 0x0020, 0x000d));
+  EXPECT_EQ(test::DicomTextOf(shadow, 0x0010, 0x0020), "");
+  const std::string bits = test::DicomTextOf(shadow, 0x7fe0, 0x0010);
   const auto setBits = std::accumulate(bits.begin(), bits.end(), 0,
     [](int sum, char byte) { return sum + std::popcount(static_cast<unsigned char>(byte)); });
   EXPECT_NEAR(setBits * 0.01, lesion.AreaMm2, 0.005); // 0.1 mm pixels
@@ -510,8 +510,8 @@ TEST_F(RegisterCommand, RegistersTheShippedPhantom)
   this->CommandTest::ExpectRefused(dicom + " -o " + this->Folder.File("synthetic.png"),
     "expected the extension .dcm");
   ASSERT_EQ(this->Run(dicom + " --same-patient -o " + synthetic), 0) << this->Errors;
-  testing_support::ExpectValidDicom(synthetic);
-  EXPECT_EQ(testing_support::DicomTextOf(synthetic, 0x0010, 0x0020), "VICTRE-1");
+  test::ExpectValidDicom(synthetic);
+  EXPECT_EQ(test::DicomTextOf(synthetic, 0x0010, 0x0020), "VICTRE-1");
   const Mammogram written = ReadMammogram(synthetic);
   const Mammogram real = ReadMammogram(MammogramFile);
   EXPECT_EQ(written.View, real.View);

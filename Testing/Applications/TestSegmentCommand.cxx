@@ -9,7 +9,7 @@
 #include <cmath>
 
 using namespace mammoray;
-using testing_support::ReadFile;
+using test::ReadFile;
 
 namespace
 {
@@ -17,7 +17,7 @@ constexpr int Width = 60;
 constexpr int Depth = 50;
 constexpr int Height = 50;
 
-class SegmentCommand : public testing_support::CommandTest
+class SegmentCommand : public test::CommandTest
 {
 protected:
   /// A raw NRRD of floats, 2 mm voxels, LPS.

@@ -17,13 +17,13 @@
 #include <fstream>
 
 using namespace mammoray;
+using test::ReadFile;
 using testing::HasSubstr;
-using testing_support::ReadFile;
 namespace fs = std::filesystem;
 
 namespace
 {
-using StudyCommand = testing_support::CommandTest;
+using StudyCommand = test::CommandTest;
 }
 
 TEST_F(StudyCommand, AnExportTakesThePlaceOfLabelsAndMammograms)
@@ -44,7 +44,7 @@ TEST_F(StudyCommand, AnExportTakesThePlaceOfLabelsAndMammograms)
 
 TEST_F(StudyCommand, WhatFilesTellIsRefusedBeforeAnyWork)
 {
-  using namespace testing_support;
+  using namespace test;
   const auto refused = [&](const MadeUpStudy& files, const std::string& message)
   {
     for (const std::string& command :
@@ -101,10 +101,10 @@ TEST_F(StudyCommand, LeadsFromThePatientsFilesToTheAnswer)
   for (const fs::directory_entry& entry : fs::recursive_directory_iterator(other))
   {
     std::string bytes = entry.is_regular_file() ? ReadFile(entry.path()) : std::string();
-    const std::string spacing = testing_support::Element(0x18, 0x1164, "DS", "0.3\\0.3");
+    const std::string spacing = test::Element(0x18, 0x1164, "DS", "0.3\\0.3");
     if (const std::size_t at = bytes.find(spacing); at != std::string::npos)
     {
-      bytes.replace(at, spacing.size(), testing_support::Element(0x18, 0x1164, "DS", ".12\\.12"));
+      bytes.replace(at, spacing.size(), test::Element(0x18, 0x1164, "DS", ".12\\.12"));
       std::ofstream(entry.path(), std::ios::binary) << bytes;
       ++forged;
     }

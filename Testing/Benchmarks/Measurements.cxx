@@ -190,8 +190,8 @@ void MeasureDerivatives(const ExampleScene& scene, PathLengthProjector& projecto
 void MeasureEmbree(const ExampleScene& scene, PathLengthProjector& projector, double budget,
   Json& result)
 {
-  using testing_support::EmbreePathLengths;
-  using testing_support::HitDistance;
+  using test::EmbreePathLengths;
+  using test::HitDistance;
   std::optional<EmbreePathLengths> embree;
   result["embreeBuildMs"] = Milliseconds([&] { embree.emplace(scene.Surface); });
   const auto times = InTurn(budget,

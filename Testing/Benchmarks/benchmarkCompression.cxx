@@ -124,7 +124,7 @@ struct Breast
     this->CellSizeMm = std::cbrt(voxels * this->Materials.VoxelVolume()) / 7;
     this->Cells = static_cast<double>(this->Mesh(0).NumberOfCells());
     this->Anchor = FindPoseAnchor(this->Materials, this->Mechanics.Fixed, this->Axes);
-    const CompressionSimulation simulation = this->Simulate(ElementType::Quadratic, this->Mesh(0));
+    CompressionSimulation simulation = this->Simulate(ElementType::Quadratic, this->Mesh(0));
     this->OpenMm = GapMm(simulation.OpenedPlates(this->Plates(BreastPose().ThicknessMm)));
   }
 
@@ -282,7 +282,7 @@ Measured Measure(const Breast& breast, ElementType element, int cells, int round
 /// Times of the embedding of about a million points.
 Json MeasureEmbedding(const Breast& breast, int rounds)
 {
-  const CompressionSimulation simulation = breast.Simulate(ElementType::Quadratic, breast.Mesh(0));
+  CompressionSimulation simulation = breast.Simulate(ElementType::Quadratic, breast.Mesh(0));
   const std::vector<double> points = breast.Points(1e6);
   std::unique_ptr<Embedding> embedding;
   const double setUp =

@@ -14,7 +14,8 @@ namespace
 {
 using namespace mammoray;
 
-/// Boone and Cooper 2000, as in DESIGN: t and d in cm, 15 mm of air.
+/// Ratio of scatter to primary, 1 / (a + b d^-1.5 + c t^-0.5), of Boone and Cooper (2000): t and d
+/// in cm, 15 mm of air.
 double PublishedRatio(double thicknessCm, double diameterCm)
 {
   return 1 /

@@ -12,6 +12,7 @@
 #include <cmath>
 #include <numeric>
 #include <random>
+#include <span>
 #include <vector>
 
 namespace mammoray::test
@@ -27,17 +28,17 @@ inline std::vector<double> Shaken(std::vector<double> x, double size, unsigned s
   return x;
 }
 
-inline double DotOf(const std::vector<double>& a, const std::vector<double>& b)
+inline double DotOf(std::span<const double> a, std::span<const double> b)
 {
   return std::inner_product(a.begin(), a.end(), b.begin(), 0.0);
 }
 
-inline double NormOf(const std::vector<double>& v)
+inline double NormOf(std::span<const double> v)
 {
   return std::sqrt(DotOf(v, v));
 }
 
-inline std::vector<double> Difference(const std::vector<double>& a, const std::vector<double>& b)
+inline std::vector<double> Difference(std::span<const double> a, std::span<const double> b)
 {
   std::vector<double> result(a.size());
   std::transform(a.begin(), a.end(), b.begin(), result.begin(), std::minus<>());

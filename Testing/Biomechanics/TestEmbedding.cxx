@@ -28,7 +28,7 @@ MAMMORAY_FOR_EVERY_ELEMENT(ElementEmbedding);
 
 TEST_P(ElementEmbedding, CarriesItsPolynomialsInside)
 {
-  const CompressionSimulation simulation = MakeSimulation(GetParam());
+  CompressionSimulation simulation = MakeSimulation(GetParam());
   const double square = GetParam() == ElementType::Quadratic ? 0.01 : 0;
   const auto field = [square](const double* x, int axis)
   { return axis + x[0] * 2 - x[1] + square * (x[axis] * x[(axis + 1) % 3] + x[2] * x[2]); };
@@ -60,7 +60,7 @@ TEST_P(ElementEmbedding, CarriesItsPolynomialsInside)
 
 TEST_P(ElementEmbedding, ExtendsLinearFieldsOutside)
 {
-  const CompressionSimulation simulation = MakeSimulation(GetParam());
+  CompressionSimulation simulation = MakeSimulation(GetParam());
   // 2 mm in front of the nipple, where the mesh has a node at y = 35; one far off; one behind the
   // wall.
   const std::vector<double> points{ 0, 37, 0, 60, 60, 0, 3, -1, 2 };
@@ -78,7 +78,7 @@ TEST_P(ElementEmbedding, ExtendsLinearFieldsOutside)
 
 TEST(Embedding, RefusesWhatIsNoPoint)
 {
-  const CompressionSimulation simulation = MakeSimulation();
+  CompressionSimulation simulation = MakeSimulation();
   EXPECT_THROW(Embedding(simulation, { 1, 2 }), InputError);
   EXPECT_THROW(Embedding(simulation, { 1, 2, std::numeric_limits<double>::quiet_NaN() }),
     InputError);

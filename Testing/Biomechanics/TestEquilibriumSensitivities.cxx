@@ -27,7 +27,7 @@ MAMMORAY_FOR_EVERY_ELEMENT(ElementSensitivities);
 TEST_P(ElementSensitivities, MatchCentralDifferences)
 {
   const CompressionOptions options = WithElement(GetParam(), 1e-12);
-  const CompressionSimulation simulation = MakeBreast(options);
+  CompressionSimulation simulation = MakeBreast(options);
   const PlatePair plates = MakePlates(54, 3);
   const CompressionState state = simulation.Compress(plates);
   std::vector<PlatePairVelocity> velocities(3);
@@ -35,7 +35,7 @@ TEST_P(ElementSensitivities, MatchCentralDifferences)
   velocities[1].Support.Angular = { 0, M_PI / 180, 0 }; // roll, 1/deg
   velocities[1].Paddle.Angular = velocities[1].Support.Angular;
   velocities[2].Support.Linear = velocities[2].Paddle.Linear = { 0, 1, 0 }; // depth
-  const std::vector<std::vector<double>> exact = simulation.Sensitivities(state, velocities);
+  const VectorFields exact = simulation.Sensitivities(state, velocities);
   for (std::size_t p = 0; p < velocities.size(); ++p)
   {
     double best = 1;
@@ -75,10 +75,9 @@ TEST_P(ElementSensitivities, ToMaterialsMatchCentralDifferences)
     { {}, { 0, 0.01, 0 }, {}, { 0, 0.01, 0 } }, { {}, { 0, 0, 1 }, {}, {} } };
   PlatePairVelocity thickness;
   thickness.Paddle.Linear = plates.Support.Normal;
-  const std::vector<std::vector<double>> exact =
-    simulation.Sensitivities(state, { thickness }, velocities);
-  ASSERT_EQ(exact.size(), 4u);
-  const std::vector<double> alone = simulation.Sensitivities(state, { thickness })[0];
+  const VectorFields exact = simulation.Sensitivities(state, { thickness }, velocities);
+  ASSERT_EQ(exact.Count(), 4u);
+  const std::vector<double> alone = simulation.Sensitivities(state, { thickness }).Values;
   for (std::size_t c = 0; c < alone.size(); ++c)
   {
     EXPECT_NEAR(exact[0][c], alone[c], 1e-7); // refined to 1e-9 of the forces
@@ -121,7 +120,7 @@ TEST_P(ElementSensitivities, ToMaterialsMatchCentralDifferences)
 TEST_P(ElementSensitivities, RateOfTheForceMatchesCentralDifferences)
 {
   const CompressionOptions options = WithElement(GetParam(), 1e-12);
-  const CompressionSimulation simulation = MakeBreast(options);
+  CompressionSimulation simulation = MakeBreast(options);
   const PlatePair plates = MakePlates(54, 3);
   const CompressionState state = simulation.Compress(plates);
   PlatePairVelocity closing, tilting;
@@ -166,7 +165,8 @@ TEST(EquilibriumSensitivities, WithFrictionAreThoseOfTheLastStepWithFrozenNormal
   SupportDerivative rougher;
   rougher.Friction = 0.1;
   const auto exact = solver.Sensitivities(x, plates, { { velocity }, {}, { rougher } });
-  const double rate = solver.PaddleForceDerivative(x, plates, velocity, exact[0]);
+  const double rate = solver.PaddleForceDerivative(x, plates, velocity,
+    std::vector<double>(exact[0].begin(), exact[0].end()));
   const FrictionPoints points = solver.Friction();
   for (int p = 0; p < 2; ++p)
   {

@@ -31,7 +31,7 @@ TEST(Gravity, AColumnStretchesUnderItsOwnWeight)
   const ElasticMaterial soft{ 400, 0, 0, 1.05 };
   CompressionOptions options;
   options.GravityMPerS2 = { 0, StandardGravityMPerS2, 0 };
-  const CompressionSimulation simulation(mesh, { {}, soft, soft }, Fixed, {}, options);
+  CompressionSimulation simulation(mesh, { {}, soft, soft }, Fixed, {}, options);
   const CompressionState state = simulation.Compress(test::OpenPlates());
   const double weight = 1.05e-3 * StandardGravityMPerS2; // kPa / mm
   const double strain = weight * 60 / 400;               // at the top
@@ -85,7 +85,7 @@ TEST(Gravity, UnloadingUndoesLoading)
   const SoftBreast breast;
   CompressionOptions options;
   options.GravityMPerS2 = Prone;
-  const CompressionSimulation forth(breast.Mesh, breast.Materials, Fixed, {}, options);
+  CompressionSimulation forth(breast.Mesh, breast.Materials, Fixed, {}, options);
   TetrahedralMesh image = breast.Mesh;
   image.Points = test::CornersOf(forth.Compress(test::OpenPlates()).Positions, breast.Mesh);
   CompressionSimulation back(image, breast.Materials, Fixed);

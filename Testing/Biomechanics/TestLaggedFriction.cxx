@@ -64,7 +64,7 @@ struct ShearedBlock
 
 TEST(LaggedFriction, APressedBlockSticksBelowCoulombsForceAndSlipsAbove)
 {
-  const ShearedBlock block;
+  ShearedBlock block;
   CompressionState state = block.Simulation.Compress(ShearedBlock::Plates(9.5, 0));
   EXPECT_GT(state.PaddleForceN, 0.2);
   // Symmetric but for the bricks' diagonals.
@@ -123,8 +123,8 @@ TEST(LaggedFriction, APressedBlockSticksBelowCoulombsForceAndSlipsAbove)
 TEST(LaggedFriction, AStuckBlockIsShearedLikeABondedOne)
 {
   // So rough that nothing slips; the reference has its top moved by hand.
-  const ShearedBlock block;
-  const CompressionSimulation rough = block.Make(20);
+  ShearedBlock block;
+  CompressionSimulation rough = block.Make(20);
   const CompressionState pressed = rough.Compress(ShearedBlock::Plates(9.5, 0));
   const CompressionState sheared = rough.Compress(ShearedBlock::Plates(9.5, 0.4), &pressed);
   const ElasticBody body(block.Mesh, { {}, block.Material, block.Material });
@@ -150,7 +150,7 @@ TEST(LaggedFriction, AStuckBlockIsShearedLikeABondedOne)
 
 TEST(LaggedFriction, AStuckBlockDoesNotCreep)
 {
-  const ShearedBlock block;
+  ShearedBlock block;
   const PlatePair plates = ShearedBlock::Plates(9.5, 0.1);
   const CompressionState pressed = block.Simulation.Compress(ShearedBlock::Plates(9.5, 0));
   const CompressionState first = block.Simulation.Compress(plates, &pressed);

@@ -110,11 +110,11 @@ TEST(NewtonSolver, KeepsAnEvaluationUntilTheObjectiveChanges)
   Chain chain(6);
   NewtonSolver newton(chain);
   const std::vector<double> x(7, 0.9);
-  newton.At(x);
-  newton.At(x);
+  newton.EvaluateAt(x);
+  newton.EvaluateAt(x);
   EXPECT_EQ(chain.Evaluations[static_cast<int>(EnergyOrder::Hessian)], 1);
   chain.Changes = 1;
-  newton.At(x);
+  newton.EvaluateAt(x);
   EXPECT_EQ(chain.Evaluations[static_cast<int>(EnergyOrder::Hessian)], 2);
 }
 

@@ -26,7 +26,7 @@ using PhantomCompression = test::EveryElement;
 MAMMORAY_FOR_EVERY_ELEMENT(PhantomCompression);
 
 const std::filesystem::path Folder =
-  std::filesystem::path(testing_support::SharedDataFolder()) / "victre-pipeline-phantom-1";
+  std::filesystem::path(test::SharedDataFolder()) / "victre-pipeline-phantom-1";
 
 /// Air and plates, fat, skin and nipple, other tissue (gland: lobules and ducts too), muscle.
 enum Tissue : std::uint16_t
@@ -296,7 +296,7 @@ TEST_P(PhantomCompression, MovesTissueAsTheFdasSimulationDid)
   CompressionOptions options;
   options.Element = GetParam();
   // Constants of the FDA's simulation.
-  const CompressionSimulation simulation(
+  CompressionSimulation simulation(
     mesh.Mesh, { {}, { 5, 0.49 }, { 15, 0.49 }, { 15, 0.49 }, { 5, 0.49 } }, held,
     [&](const Vector3& point) { return static_cast<int>(before.LabelAt(point)); }, options);
   const CompressionState state = simulation.Compress(FdasPlates());

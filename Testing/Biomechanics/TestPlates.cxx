@@ -86,7 +86,8 @@ TEST(Plates, VelocityIsTheDerivativeOfTheMotion)
   const Plate a = MovedPlate(plate, velocity, -h), b = MovedPlate(plate, velocity, h);
   // The point 10 mm into the contact face, as the plate carries it along.
   const Vector3 expected = (1 / (2 * h)) * (b.Edge + 10.0 * b.Inward - (a.Edge + 10.0 * a.Inward));
-  EXPECT_NEAR(Norm(expected - velocity.At(plate, plate.Edge + 10.0 * plate.Inward)), 0, 1e-8);
+  EXPECT_NEAR(Norm(expected - velocity.VelocityAt(plate, plate.Edge + 10.0 * plate.Inward)), 0,
+    1e-8);
 }
 
 TEST(Plates, SlidPlatesAreTheSameNearestToTheTarget)

@@ -60,7 +60,7 @@ struct UnloadedBreast
 };
 
 /// The smallest relative error over the steps `h` of central differences of `at(by)`.
-double ErrorOfRate(const std::vector<double>& rate,
+double ErrorOfRate(std::span<const double> rate,
   const std::function<std::vector<double>(double by)>& at, std::initializer_list<double> steps)
 {
   double best = 1;
@@ -90,8 +90,8 @@ TEST_P(ElementUnloadedSensitivities, ToMaterialsMatchCentralDifferences)
     const UnloadedBreast breast(GetParam(), mode);
     CompressionSimulation simulation = breast.Simulation();
     const CompressionState state = simulation.Compress(breast.Plates);
-    const std::vector<std::vector<double>> exact = simulation.Sensitivities(state, {}, velocities);
-    ASSERT_EQ(exact.size(), velocities.size());
+    const VectorFields exact = simulation.Sensitivities(state, {}, velocities);
+    ASSERT_EQ(exact.Count(), velocities.size());
     for (std::size_t p = 0; p < velocities.size(); ++p)
     {
       const double error = ErrorOfRate(exact[p],
@@ -111,13 +111,12 @@ TEST_P(ElementUnloadedSensitivities, ToMaterialsMatchCentralDifferences)
 TEST_P(ElementUnloadedSensitivities, ToTheChestWallMatchCentralDifferences)
 {
   UnloadedBreast breast(GetParam(), ChestWallMode::Elastic);
-  const CompressionSimulation simulation = breast.Simulation();
+  CompressionSimulation simulation = breast.Simulation();
   const CompressionState state = simulation.Compress(breast.Plates);
   std::vector<LoadingDerivative> velocities(2);
   velocities[0].Wall = { 3, 1 };
   velocities[1].GravityMPerS2 = { 1, 0, 2 };
-  const std::vector<std::vector<double>> exact =
-    simulation.Sensitivities(state, {}, {}, velocities);
+  const VectorFields exact = simulation.Sensitivities(state, {}, {}, velocities);
   const CompressionOptions options = breast.Options;
   for (int p = 0; p < 2; ++p)
   {
@@ -149,7 +148,7 @@ TEST_P(ElementUnloadedSensitivities, MatchCentralDifferencesWhereStiffnessIsRais
   ASSERT_GT(factor, 1);
   const MaterialDerivative velocity{ {}, {}, {}, { 0.02, 0, 0 } };
   const CompressionState state = simulation.Compress(breast.Plates);
-  const std::vector<double> exact = simulation.Sensitivities(state, {}, { velocity }).front();
+  const std::vector<double> exact = simulation.Sensitivities(state, {}, { velocity }).Values;
   const double error = ErrorOfRate(exact,
     [&](double by)
     {

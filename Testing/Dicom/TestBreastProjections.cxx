@@ -20,11 +20,11 @@
 #include <numbers>
 
 using namespace mammoray;
-using mammoray::testing_support::RefusalOf;
+using mammoray::test::RefusalOf;
+using test::DicomTextOf;
+using test::ExpectValidDicom;
+using test::TemporaryFolder;
 using ::testing::HasSubstr;
-using testing_support::DicomTextOf;
-using testing_support::ExpectValidDicom;
-using testing_support::TemporaryFolder;
 
 namespace
 {
@@ -87,7 +87,7 @@ template <typename Change>
 std::string Changed(const std::string& path, const TemporaryFolder& folder, const Change& change)
 {
   std::string other = folder.File("changed.dcm");
-  testing_support::ChangeDicom(path, other, change);
+  test::ChangeDicom(path, other, change);
   return other;
 }
 
@@ -185,7 +185,7 @@ TEST(BreastProjections, AreOfTheirKind)
   EXPECT_EQ(read[1].IntensitySign, 1);
   // Of another mammogram itself.
   const std::vector<Mammogram> one =
-    ReadProjections(testing_support::DataFolder() + "/victre-phantom-1/victre1_lcc_processing.dcm");
+    ReadProjections(test::DataFolder() + "/victre-phantom-1/victre1_lcc_processing.dcm");
   ASSERT_EQ(one.size(), 1u);
   EXPECT_FALSE(one.front().SourceFootPixel);
 }

@@ -20,7 +20,7 @@
 #include <vector>
 
 using namespace mammoray;
-using namespace mammoray::testing_support;
+using namespace mammoray::test;
 using testing::ElementsAre;
 using testing::HasSubstr;
 

@@ -15,18 +15,17 @@
 
 #include <cmath>
 
-using mammoray::testing_support::RefusalOf;
+using mammoray::test::RefusalOf;
 using namespace mammoray;
+using test::Describe;
+using test::DicomTextOf;
+using test::ExpectValidDicom;
+using test::TemporaryFolder;
 using ::testing::HasSubstr;
-using testing_support::Describe;
-using testing_support::DicomTextOf;
-using testing_support::ExpectValidDicom;
-using testing_support::TemporaryFolder;
 
 namespace
 {
-const std::string Victre =
-  testing_support::DataFolder() + "/victre-phantom-1/victre1_lcc_processing.dcm";
+const std::string Victre = test::DataFolder() + "/victre-phantom-1/victre1_lcc_processing.dcm";
 
 /// From 0 to 3.4.
 std::vector<float> Ramp()
@@ -150,7 +149,7 @@ TEST(DicomMammogramWriter, CopiesNothingOfThePatientUnlessTold)
   EXPECT_EQ(DicomTextOf(path, 0x0010, 0x0010), "PHANTOM^VICTRE ONE");
   EXPECT_EQ(DicomTextOf(path, 0x0020, 0x000d), DicomTextOf(Victre, 0x0020, 0x000d));
   EXPECT_NE(DicomTextOf(path, 0x0020, 0x000e), DicomTextOf(Victre, 0x0020, 0x000e));
-  EXPECT_THAT(testing_support::ReadFile(path), HasSubstr(real.SopInstanceUid));
+  EXPECT_THAT(test::ReadFile(path), HasSubstr(real.SopInstanceUid));
   ExpectValidDicom(path);
 }
 

@@ -10,7 +10,7 @@
 #include <chrono>
 #include <string>
 
-using mammoray::testing_support::RefusalOf;
+using mammoray::test::RefusalOf;
 using namespace mammoray;
 using ::testing::HasSubstr;
 

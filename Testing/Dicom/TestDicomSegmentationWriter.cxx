@@ -14,17 +14,17 @@
 
 #include <gdcmImageReader.h>
 
-using mammoray::testing_support::RefusalOf;
+using mammoray::test::RefusalOf;
 using namespace mammoray;
+using test::DicomTextOf;
+using test::ExpectValidDicom;
+using test::TemporaryFolder;
 using ::testing::HasSubstr;
-using testing_support::DicomTextOf;
-using testing_support::ExpectValidDicom;
-using testing_support::TemporaryFolder;
 
 namespace
 {
 const std::string VictreReference =
-  testing_support::DataFolder() + "/victre-phantom-1/victre1_lcc_processing.dcm";
+  test::DataFolder() + "/victre-phantom-1/victre1_lcc_processing.dcm";
 }
 
 TEST(DicomSegmentationWriter, LiesOnTheImageItRefersTo)
@@ -45,7 +45,7 @@ TEST(DicomSegmentationWriter, LiesOnTheImageItRefersTo)
   WriteSegmentation(segments, image, identity, path);
   ExpectValidDicom(path);
   EXPECT_EQ(DicomTextOf(path, 0x0010, 0x0010), "");
-  const std::string bytes = testing_support::ReadFile(path);
+  const std::string bytes = test::ReadFile(path);
   EXPECT_THAT(bytes, HasSubstr(image.SopInstanceUid));
   EXPECT_THAT(bytes, HasSubstr(image.SeriesInstanceUid));
 
@@ -72,7 +72,7 @@ TEST(DicomSegmentationWriter, LiesOnTheImageItRefersTo)
   // In another study the reference names the image's study.
   WriteSegmentation(segments, image, {}, path);
   ExpectValidDicom(path);
-  EXPECT_THAT(testing_support::ReadFile(path), HasSubstr(image.Identity.StudyInstanceUid));
+  EXPECT_THAT(test::ReadFile(path), HasSubstr(image.Identity.StudyInstanceUid));
 
   EXPECT_THROW(WriteSegmentation({}, image, identity, path), InputError);
   segments[0].Mask.pop_back();

@@ -32,7 +32,7 @@ IntensityVolume ObliqueVolume()
 
 TEST(DicomSeriesWriter, VolumeAndHeaderComeBack)
 {
-  testing_support::TemporaryFolder folder;
+  test::TemporaryFolder folder;
   DicomHeader header;
   header.Identity.PatientId = "P1";
   header.Identity.StudyInstanceUid = NewDicomUid();
@@ -71,15 +71,15 @@ TEST(DicomSeriesWriter, VolumeAndHeaderComeBack)
   EXPECT_EQ(read->AcquisitionTime, "101112");
   EXPECT_EQ(read->PatientPosition, "HFP");
   EXPECT_NE(read->SeriesInstanceUid, "");
-  testing_support::ExpectValidDicom(paths[0]);
+  test::ExpectValidDicom(paths[0]);
 }
 
 TEST(DicomSeriesWriter, RefusesWhatAFileCannotHold)
 {
-  testing_support::TemporaryFolder folder;
+  test::TemporaryFolder folder;
   const std::vector<std::string> paths{ folder.File("a"), folder.File("b") };
   const auto refusal = [](const IntensityVolume& volume, const std::vector<std::string>& to)
-  { return testing_support::RefusalOf([&] { WriteMrSeries(volume, {}, to); }); };
+  { return test::RefusalOf([&] { WriteMrSeries(volume, {}, to); }); };
   EXPECT_THAT(refusal(ObliqueVolume(), { paths[0] }), HasSubstr("a path for each of 2 layers"));
   IntensityVolume negative = ObliqueVolume();
   negative.Voxels[3] = -1;

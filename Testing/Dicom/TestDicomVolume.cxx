@@ -13,11 +13,11 @@
 
 using namespace mammoray;
 using testing::HasSubstr;
-using namespace mammoray::testing_support;
+using namespace mammoray::test;
 
 namespace
 {
-const std::string SharedData = testing_support::SharedDataFolder();
+const std::string SharedData = test::SharedDataFolder();
 
 // The oblique grid of the tests.
 const Vector3 AlongRow{ 0.8, 0.6, 0 };
@@ -282,7 +282,7 @@ TEST(DicomLabels, RefusesASegmentationOfOtherSizesThanItsPixels)
     return folder.Write("seg.dcm", changed);
   };
   const std::string columns = Element(0x28, 0x11, "US", Us(4));
-  EXPECT_EQ(LabelsRefusal(with(columns, columns)), testing_support::NotRefused);
+  EXPECT_EQ(LabelsRefusal(with(columns, columns)), test::NotRefused);
   EXPECT_THAT(LabelsRefusal(with(columns, Element(0x28, 0x11, "US", Us(2)))),
     HasSubstr("expected 24 bytes of uncompressed pixels, found 48"));
   EXPECT_THAT(LabelsRefusal(with(Element(0x28, 8, "IS", "4"), Element(0x28, 8, "IS", "8"))),

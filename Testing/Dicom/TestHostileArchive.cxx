@@ -12,7 +12,7 @@
 #include <filesystem>
 #include <string>
 
-using mammoray::testing_support::RefusalOf;
+using mammoray::test::RefusalOf;
 using namespace mammoray;
 using ::testing::HasSubstr;
 using ::testing::Not;
@@ -207,13 +207,13 @@ TEST_F(HostileArchiveOf, ItsWordsAreUnderstoodAtAll)
   EXPECT_EQ(found[0].Description, "");
 
   const HostileArchive stores(Accepted(1, ExplicitVr), Message(1, true, Command(0x8001, false, 0)));
-  EXPECT_EQ(this->Send(stores.Node), testing_support::NotRefused);
+  EXPECT_EQ(this->Send(stores.Node), test::NotRefused);
 
   const HostileArchive gives(Accepted(1, ImplicitVr) + Accepted(3, ExplicitVr),
     Message(3, true, Command(0x0001, true, 0)) +
       Message(3, false, std::string("\x20\0\x0e\0UI\6\0001.2.3\0", 14)) +
       Message(1, true, Command(0x8010, false, 0)));
-  EXPECT_EQ(this->Get(gives.Node), testing_support::NotRefused);
+  EXPECT_EQ(this->Get(gives.Node), test::NotRefused);
   EXPECT_TRUE(std::filesystem::exists(this->Folder.File("got/001/00001.dcm")));
 }
 

@@ -21,9 +21,9 @@ using ::testing::Not;
 
 namespace
 {
-const std::string Shared = testing_support::SharedDataFolder();
+const std::string Shared = test::SharedDataFolder();
 const std::string VictreMammogram =
-  testing_support::DataFolder() + "/victre-phantom-1/victre1_lcc_processing.dcm";
+  test::DataFolder() + "/victre-phantom-1/victre1_lcc_processing.dcm";
 
 #define SKIP_WITHOUT(path)                                                                         \
   if (!std::filesystem::exists(path))                                                              \

@@ -18,7 +18,7 @@ using OrthancOf = test::ArchivedFiles<test::SqueezedBox>;
 TEST_F(OrthancOf, TakesShowsAndGivesTheObjects)
 {
   std::string command = MAMMORAY_ORTHANC_TEST;
-  command.append(" ").append(testing_support::MammorayExecutable());
+  command.append(" ").append(test::MammorayExecutable());
   command.append(" ").append(this->Folder.File(""));
   const int status = std::system(command.c_str());
   if (WIFEXITED(status) && WEXITSTATUS(status) == 125)

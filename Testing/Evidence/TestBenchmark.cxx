@@ -44,7 +44,7 @@ TEST(Benchmark, HoldsWhatAnyMethodNeeds)
   {
     GTEST_SKIP() << "no Vulkan device";
   }
-  const testing_support::TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   const std::string path = folder.File("benchmark");
   const std::vector<BaselineScore> scores = ExportBenchmark({ CoarseStudy() }, path);
   const std::string own = path + "/007-victre-1";
@@ -75,14 +75,13 @@ TEST(Benchmark, HoldsWhatAnyMethodNeeds)
   EXPECT_EQ(ReadMammogram(own + "/mlo.dcm").View, "MLO");
   EXPECT_TRUE(fs::is_directory(own + "/export/DICOM"));
   EXPECT_FALSE(fs::exists(own + "/truth.json"));
-  EXPECT_THAT(testing_support::ReadFile(own + "/points.csv"),
-    testing::StartsWith("point,x,y,z\n0,"));
-  EXPECT_EQ(testing_support::ReadFile(path + "/studies.csv"),
+  EXPECT_THAT(test::ReadFile(own + "/points.csv"), testing::StartsWith("point,x,y,z\n0,"));
+  EXPECT_EQ(test::ReadFile(path + "/studies.csv"),
     "study,anatomy,side,sequences,views\n007-victre-1,victre-1,left,plain,CC MLO\n");
-  EXPECT_THAT(testing_support::ReadFile(path + "/PROTOCOL.md"), HasSubstr("view,point,column,row"));
+  EXPECT_THAT(test::ReadFile(path + "/PROTOCOL.md"), HasSubstr("view,point,column,row"));
 
   // Each file has its checksum.
-  std::istringstream sums(testing_support::ReadFile(path + "/SHA256SUMS"));
+  std::istringstream sums(test::ReadFile(path + "/SHA256SUMS"));
   std::size_t count = 0;
   for (std::string line; std::getline(sums, line); ++count)
   {
@@ -113,7 +112,7 @@ TEST(Benchmark, HoldsWhatAnyMethodNeeds)
     }
   }
 
-  EXPECT_THAT(testing_support::RefusalOf([&] { ExportBenchmark({}, path); }),
+  EXPECT_THAT(test::RefusalOf([&] { ExportBenchmark({}, path); }),
     HasSubstr("expected an empty folder, found files in it"));
 }
 }

@@ -21,7 +21,7 @@ protected:
     return this->Folder.Write("evidence.json", EvidenceJson(evidence, settings));
   }
 
-  testing_support::TemporaryFolder Folder;
+  test::TemporaryFolder Folder;
   std::string Settings = R"({"seed": 1})";
 };
 }

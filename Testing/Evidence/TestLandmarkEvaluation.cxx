@@ -13,9 +13,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-using mammoray::testing_support::RefusalOf;
+using mammoray::test::RefusalOf;
 using namespace mammoray;
-using testing_support::TemporaryFolder;
+using test::TemporaryFolder;
 
 namespace
 {
@@ -131,7 +131,7 @@ TEST(LandmarkEvaluation, TwoReadersLieApart)
   EXPECT_EQ(apart.Uncompressed, std::vector<double>{ 3 });
   EXPECT_EQ(apart.Compressed, std::vector<double>{ 4 });
   EXPECT_NEAR(apart.OnReceptor.at(0), 8, 1e-12);
-  EXPECT_THAT(testing_support::RefusalOf([&] { DistancesBetween(first, {}, truth); }),
+  EXPECT_THAT(test::RefusalOf([&] { DistancesBetween(first, {}, truth); }),
     testing::HasSubstr("found 1 and 0"));
 }
 

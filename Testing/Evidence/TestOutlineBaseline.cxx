@@ -99,7 +99,7 @@ TEST(OutlineBaseline, ScalesItToWidthDepthAndThickness)
 
 TEST(OutlineBaseline, RefusesWhereThereIsNoBreast)
 {
-  EXPECT_THAT(testing_support::RefusalOf([] { Moved(ShadowOf(0, 0), OutlineMotion::Rigid); }),
+  EXPECT_THAT(test::RefusalOf([] { Moved(ShadowOf(0, 0), OutlineMotion::Rigid); }),
     testing::HasSubstr("expected a breast in front of the receptor's edge in the mammogram"));
 }
 }

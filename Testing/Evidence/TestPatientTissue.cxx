@@ -219,10 +219,9 @@ TEST(ImitatedMri, SignalsSensitivityAndNoise)
 TEST(ImitatedMri, ASegmentationFindsThatItsFatIsBright)
 {
   // The step from dark skin to the fat behind it looks like one from suppressed fat to muscle.
-  const MaterialTable table =
-    ReadMaterialTable(testing_support::DataFolder() + "/materials/victre.json");
+  const MaterialTable table = ReadMaterialTable(test::DataFolder() + "/materials/victre.json");
   const LabelVolume phantom = table.ToMaterials(
-    ReadLabelVolume(testing_support::DataFolder() + "/victre-phantom-1/labels.nrrd"), "phantom");
+    ReadLabelVolume(test::DataFolder() + "/victre-phantom-1/labels.nrrd"), "phantom");
   const AnatomicalAxes axes = AnatomicalAxes::FromCode("ALS");
   const double offMm = OffMidlineMm(phantom, axes);
   const LabelVolume placed = PlaceOnChest(phantom, table, axes, 'L', offMm, {});

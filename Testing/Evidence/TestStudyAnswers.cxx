@@ -9,10 +9,10 @@
 namespace
 {
 using namespace mammoray;
+using test::RefusalOf;
+using test::TemporaryFolder;
 using testing::ElementsAre;
 using testing::HasSubstr;
-using testing_support::RefusalOf;
-using testing_support::TemporaryFolder;
 
 /// Three points in CC, pixels of 0.2 mm, the last behind the receptor's edge; one view more.
 VirtualStudyTruth SmallTruth()

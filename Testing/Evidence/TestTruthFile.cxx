@@ -9,9 +9,9 @@
 namespace
 {
 using namespace mammoray;
+using test::RefusalOf;
+using test::TemporaryFolder;
 using testing::HasSubstr;
-using testing_support::RefusalOf;
-using testing_support::TemporaryFolder;
 
 /// Every member another number, none of them a default.
 VirtualStudyTruth FullTruth()
@@ -111,7 +111,7 @@ TEST(TruthFile, RefusesWhatIsNone)
     return RefusalOf([&] { ReadVirtualStudyTruth(path); });
   };
   WriteTruth(FullTruth(), folder.File("truth.json"));
-  const std::string whole = testing_support::ReadFile(folder.File("truth.json"));
+  const std::string whole = test::ReadFile(folder.File("truth.json"));
   const auto changed = [&](const std::string& from, const std::string& to)
   {
     std::string text = whole;

@@ -22,8 +22,8 @@
 #include <filesystem>
 
 using namespace mammoray;
+using test::RefusalOf;
 using testing::HasSubstr;
-using testing_support::RefusalOf;
 
 namespace
 {
@@ -154,7 +154,7 @@ TEST(VirtualStudy, WhatIsWrittenIsWhatItsTruthSays)
   {
     GTEST_SKIP() << "no Vulkan device";
   }
-  const testing_support::TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   const std::string path = folder.File("study");
   const VirtualStudyTruth truth = MakeSmallStudy(path);
   ASSERT_EQ(truth.MriPoints.size(), 100u);
@@ -232,7 +232,7 @@ TEST(VirtualStudy, WhatIsWrittenIsWhatItsTruthSays)
 
 TEST(VirtualStudy, InterruptedWorkLeavesNothing)
 {
-  const testing_support::TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   EXPECT_THROW(MakeSmallStudy(folder.File("study"), [](double, const char*) { return false; }),
     Interrupted);
   EXPECT_FALSE(std::filesystem::exists(folder.File("study")));

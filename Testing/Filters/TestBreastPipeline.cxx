@@ -91,7 +91,7 @@ class BreastPipeline : public testing::Test
 {
 protected:
   void SetUp() override { this->TablePath = this->Folder.Write("table.json", Table); }
-  testing_support::TemporaryFolder Folder;
+  test::TemporaryFolder Folder;
   std::string TablePath;
 };
 

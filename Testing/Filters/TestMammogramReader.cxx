@@ -19,8 +19,7 @@ using testing::HasSubstr;
 
 TEST(MammogramReader, ShowsThePictureUprightWithItsGeometry)
 {
-  const std::string path =
-    testing_support::DataFolder() + "/victre-phantom-1/victre1_lcc_processing.dcm";
+  const std::string path = test::DataFolder() + "/victre-phantom-1/victre1_lcc_processing.dcm";
   const Mammogram mammogram = ReadMammogram(path);
   vtkNew<vtkMammogramReader> reader;
   reader->SetFileName(path.c_str());

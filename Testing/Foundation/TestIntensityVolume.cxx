@@ -9,7 +9,7 @@
 
 namespace
 {
-using mammoray::testing_support::RefusalOf;
+using mammoray::test::RefusalOf;
 using namespace mammoray;
 
 double LinearField(const Vector3& point)
@@ -64,6 +64,6 @@ TEST(IntensityVolume, ValidateNamesTheVoxelThatIsNotFinite)
   EXPECT_NO_THROW(volume.Validate("MRI"));
   volume.Voxels[volume.Index(4, 2, 1)] = INFINITY;
   EXPECT_THAT(RefusalOf([&] { volume.Validate("MRI"); }),
-    testing::HasSubstr("MRI: voxel (4, 2, 1) holds inf"));
+    test::Mentions("MRI", "(4, 2, 1)", "inf"));
 }
 }

@@ -8,7 +8,7 @@
 
 #include <limits>
 
-using mammoray::testing_support::RefusalOf;
+using mammoray::test::RefusalOf;
 using namespace mammoray;
 
 namespace
@@ -65,6 +65,5 @@ TEST(LabelVolume, ValidateNamesWhatIsWrong)
   EXPECT_THAT(RefusalOf([&] { volume.Validate("v"); }), testing::HasSubstr("orthonormal"));
   volume = ObliqueVolume();
   volume.Voxels.pop_back();
-  EXPECT_THAT(RefusalOf([&] { volume.Validate("v"); }),
-    testing::HasSubstr("expected 60 voxels, found 59"));
+  EXPECT_THAT(RefusalOf([&] { volume.Validate("v"); }), test::Mentions("60", "59"));
 }

@@ -9,8 +9,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-using mammoray::testing_support::NotRefused;
-using mammoray::testing_support::RefusalOf;
+using mammoray::test::NotRefused;
+using mammoray::test::RefusalOf;
 using namespace mammoray;
 using testing::HasSubstr;
 
@@ -53,12 +53,12 @@ TEST(MaterialTable, MeshOfOtherMaterialsIsRefused)
   TetrahedralMesh mesh;
   mesh.Materials = { 2, 3 };
   EXPECT_THAT(CheckRefusal(mesh, {}),
-    HasSubstr("mesh.vtu: expected materials 1 to 2 of the table 'two tissues', found 3"));
+    test::Mentions("mesh.vtu", "'two tissues'", "1 to 2", "found 3"));
   mesh.Materials = { 0, 1 };
   EXPECT_THAT(CheckRefusal(mesh, {}), HasSubstr("found 0"));
   mesh.Materials = { 2, 1 };
   EXPECT_THAT(CheckRefusal(mesh, { "air", "fat", "lesion" }),
-    HasSubstr("material 2 is 'lesion', but 'gland' in the table 'two tissues'"));
+    test::Mentions("material 2", "'lesion'", "'gland'"));
   SurfaceMesh surface;
   surface.FrontMaterials = { 0 };
   surface.BackMaterials = { 3 };

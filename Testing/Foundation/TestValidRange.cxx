@@ -8,8 +8,8 @@
 #include <limits>
 
 using namespace mammoray;
-using testing_support::NotRefused;
-using testing_support::RefusalOf;
+using test::NotRefused;
+using test::RefusalOf;
 
 TEST(ValidRange, NamesRangeValueFieldAndRemedies)
 {

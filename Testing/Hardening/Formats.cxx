@@ -168,7 +168,7 @@ void ReadPictureOfBreast(const std::string& path)
 /// Two slices of 8 x 6 bits of one segment.
 std::string SegmentationBytes()
 {
-  using namespace testing_support;
+  using namespace test;
   std::vector<std::string> groups;
   for (const char* const place : { "0\\0\\5", "0\\0\\7" })
   {
@@ -225,8 +225,7 @@ void WriteMeshes(
   {
     WriteMesh(surface, place(name, ReadSurfaceMesh));
   }
-  std::ofstream(place("scene.glb", ReadSurfaceMesh), std::ios::binary)
-    << testing_support::GlbOfTetrahedron();
+  std::ofstream(place("scene.glb", ReadSurfaceMesh), std::ios::binary) << test::GlbOfTetrahedron();
   WriteBy<vtkPLYWriter>(surface.Get(), place("text.ply", ReadSurfaceMesh),
     [](auto* writer) { writer->SetFileTypeToASCII(); });
   WriteBy<vtkSTLWriter>(surface.Get(), place("text.stl", ReadSurfaceMesh),
@@ -277,14 +276,14 @@ std::vector<Format> MakeFormats(const std::string& folder)
   std::ofstream(place("segments.dcm", [](const std::string& path) { ReadLabelVolume(path); }),
     std::ios::binary)
     << SegmentationBytes();
-  const std::string data = testing_support::DataFolder();
+  const std::string data = test::DataFolder();
   std::filesystem::copy_file(data + "/materials/victre.json",
     place("materials.json", [](const std::string& path) { ReadMaterialTable(path); }));
   std::filesystem::copy_file(data + "/spectra/W28kVp_Rh50um_Be1mm.spc",
     place("spectrum.spc", [](const std::string& path) { FindSpectrum(path); }));
   for (Format& format : formats)
   {
-    format.Bytes = testing_support::ReadFile(folder + "/" + format.Name);
+    format.Bytes = test::ReadFile(folder + "/" + format.Name);
   }
   return formats;
 }

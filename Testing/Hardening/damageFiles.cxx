@@ -96,7 +96,7 @@ bool IsOneLine(const std::string& text)
   if (says)
   {
     dprintf(shown, "%s: %s: %s %s\n", path.c_str(), OutcomeNames[static_cast<std::size_t>(outcome)],
-      message.c_str(), testing_support::ReadFile(path + ".said").c_str());
+      message.c_str(), test::ReadFile(path + ".said").c_str());
   }
   _exit(static_cast<int>(outcome));
 }
@@ -187,8 +187,8 @@ std::vector<Format> FormatsOf(const Arguments& arguments, const std::string& fol
   {
     const std::string name = std::filesystem::path(path).filename();
     std::filesystem::copy_file(path, folder + "/" + name);
-    formats.push_back({ name, testing_support::ReadFile(path),
-      [](const std::string& file) { ReadMammogram(file); }, true });
+    formats.push_back(
+      { name, test::ReadFile(path), [](const std::string& file) { ReadMammogram(file); }, true });
   }
   return formats;
 }

@@ -48,7 +48,7 @@ int main(int argc, char* argv[])
     {
       std::printf("%s\r", file.c_str());
       std::fflush(stdout);
-      const std::string bytes = mammoray::testing_support::ReadFile(file.string());
+      const std::string bytes = mammoray::test::ReadFile(file.string());
       const std::string refusal = target(bytes);
       taken = taken || refusal.empty();
       refusals += "  " + file.filename().string() + ": " + refusal + "\n";

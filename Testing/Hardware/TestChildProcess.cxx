@@ -5,8 +5,8 @@
 #include <gtest/gtest.h>
 
 using mammoray::benchmarks::RunProgram;
-using mammoray::testing_support::ReadFile;
-using mammoray::testing_support::TemporaryFolder;
+using mammoray::test::ReadFile;
+using mammoray::test::TemporaryFolder;
 
 TEST(ChildProcess, SaysWhatBecameOfIt)
 {

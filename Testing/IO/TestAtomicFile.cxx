@@ -22,9 +22,9 @@
 #include <set>
 
 using namespace mammoray;
+using test::FileSizeLimit;
+using test::ReadFile;
 using testing::ElementsAre;
-using testing_support::FileSizeLimit;
-using testing_support::ReadFile;
 namespace fs = std::filesystem;
 
 namespace
@@ -66,7 +66,7 @@ protected:
     return WEXITSTATUS(status);
   }
 
-  testing_support::TemporaryFolder Folder;
+  test::TemporaryFolder Folder;
 };
 
 /// Runs the work in a process of its own that is killed as it enters or leaves a system call, the
@@ -157,7 +157,7 @@ TEST_F(AtomicFile, NeedsNoFolderForTemporaryFiles)
     setenv("TMPDIR", none.c_str(), 1);
     WriteAtomicFile(this->Folder.File("a.txt"),
       [](const std::string& staged) { std::ofstream(staged) << "new"; });
-    EXPECT_EQ(testing_support::ReadFile(this->Folder.File("a.txt")), "new") << none;
+    EXPECT_EQ(test::ReadFile(this->Folder.File("a.txt")), "new") << none;
     fs::remove(this->Folder.File("a.txt"));
   }
   before ? setenv("TMPDIR", kept.c_str(), 1) : unsetenv("TMPDIR");
@@ -171,11 +171,11 @@ TEST_F(AtomicFile, SeesAFullDisk)
   { std::ofstream(staged) << large; }; // whose errors nobody asks for
   {
     const FileSizeLimit limit(4096);
-    EXPECT_THAT(testing_support::RefusalOf([&] { WriteAtomicFile(path, large); }),
+    EXPECT_THAT(test::RefusalOf([&] { WriteAtomicFile(path, large); }),
       testing::HasSubstr("too large"));
-    EXPECT_THAT(testing_support::RefusalOf([&] { WriteAtomicFile(path, fromLibrary); }),
+    EXPECT_THAT(test::RefusalOf([&] { WriteAtomicFile(path, fromLibrary); }),
       testing::HasSubstr("too large"));
-    EXPECT_THAT(testing_support::RefusalOf(
+    EXPECT_THAT(test::RefusalOf(
                   [&]
                   {
                     WriteAtomicFolder(this->Folder.File("b"),
@@ -272,7 +272,7 @@ TEST_F(AtomicFile, HasOneWriter)
   // Another holds it.
   const int opened = open((this->Folder.File("e.partial")).c_str(), O_RDWR | O_CREAT, 0600);
   ASSERT_EQ(flock(opened, LOCK_EX), 0);
-  EXPECT_THAT(testing_support::RefusalOf([&] { ReserveFile(this->Folder.File("e")); }),
+  EXPECT_THAT(test::RefusalOf([&] { ReserveFile(this->Folder.File("e")); }),
     testing::HasSubstr("another run is writing it"));
   EXPECT_TRUE(fs::exists(this->Folder.File("e.partial")));
   close(opened);

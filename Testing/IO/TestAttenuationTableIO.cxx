@@ -7,9 +7,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-using mammoray::testing_support::RefusalOf;
+using mammoray::test::RefusalOf;
 using namespace mammoray;
-using testing_support::TemporaryFolder;
+using test::TemporaryFolder;
 
 namespace
 {

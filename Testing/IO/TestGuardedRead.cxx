@@ -17,8 +17,8 @@
 namespace
 {
 using namespace mammoray;
+using test::RefusalOf;
 using testing::HasSubstr;
-using testing_support::RefusalOf;
 
 // Enough for a reader of nothing, of which those that never end are soon seen.
 constexpr ReadLimits Small{ std::uint64_t{ 64 } << 20, 1 };
@@ -66,7 +66,7 @@ TEST(GuardedRead, ARefusalArrivesAsItWas)
 // What is read comes back through a file in memory, which the limit holds for, too.
 TEST(GuardedRead, ALimitOfFileSizesIsCalledOne)
 {
-  const testing_support::FileSizeLimit limit(100'000);
+  const test::FileSizeLimit limit(100'000);
   EXPECT_EQ(RefusalOfReader([](ParcelWriter& parcel) { parcel(std::vector<float>(70000)); }),
     "expected a limit of file sizes (ulimit -f) that holds what is read, in memory, too; found a "
     "smaller one");
@@ -93,7 +93,7 @@ TEST(GuardedRead, DeathIsOneLine)
 TEST(GuardedRead, WorksWhereEndsOfProcessesAreIgnored)
 {
   const auto before = std::signal(SIGCHLD, SIG_IGN);
-  EXPECT_EQ(RefusalOfReader([](ParcelWriter& parcel) { parcel(1); }), testing_support::NotRefused);
+  EXPECT_EQ(RefusalOfReader([](ParcelWriter& parcel) { parcel(1); }), test::NotRefused);
   EXPECT_EQ(RefusalOfReader([](ParcelWriter&) { throw InputError("line 3"); }), "line 3");
   EXPECT_THAT(RefusalOfReader([](ParcelWriter&) -> void { throw std::bad_alloc(); }),
     HasSubstr("more memory"));
@@ -134,7 +134,7 @@ TEST(GuardedRead, MemoryIsLimitedUntilItIsAllowed)
                 AllowMemory(much + Small.MemoryBytes);
                 take(parcel);
               }),
-    testing_support::NotRefused);
+    test::NotRefused);
 }
 
 TEST(GuardedRead, WhatLibrariesPrintIsHeardByTheReaderOnly)
@@ -231,7 +231,7 @@ TEST(GuardedWork, IsHeardWhileItGoesOnAndGivesAnAnswer)
 
 TEST(GuardedWork, WhatIsThrownWhereItIsHeardEndsIt)
 {
-  const testing_support::TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   const std::string path = folder.File("after");
   const auto work = [&](const TellCallback& tell) -> std::vector<std::string>
   {

@@ -13,11 +13,11 @@
 #include <cstring>
 #include <functional>
 
-using mammoray::testing_support::NotRefused;
-using mammoray::testing_support::RefusalOf;
+using mammoray::test::NotRefused;
+using mammoray::test::RefusalOf;
 using namespace mammoray;
-using testing_support::ReadFile;
-using testing_support::TemporaryFolder;
+using test::ReadFile;
+using test::TemporaryFolder;
 
 namespace
 {
@@ -343,7 +343,7 @@ TEST(LabelVolumeIO, DetachedHeaders)
 
 TEST(LabelVolumeIO, TheThreeFormatsOfThePhantomsAreOneVolume)
 {
-  const std::string folder = testing_support::SharedDataFolder() + "/breastphantom-hetero-2002/";
+  const std::string folder = test::SharedDataFolder() + "/breastphantom-hetero-2002/";
   if (!std::filesystem::exists(folder))
   {
     GTEST_SKIP() << "shared data are absent";

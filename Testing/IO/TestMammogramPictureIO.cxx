@@ -13,10 +13,10 @@
 
 #include <algorithm>
 
-using mammoray::testing_support::RefusalOf;
+using mammoray::test::RefusalOf;
 using namespace mammoray;
+using test::TemporaryFolder;
 using testing::HasSubstr;
-using testing_support::TemporaryFolder;
 
 namespace
 {
@@ -89,7 +89,7 @@ TEST(MammogramPictureIO, DamagedPicturesAreRefusedInOneLine)
 {
   const TemporaryFolder folder;
   const PictureDescription description{ .PixelSpacingMm = 0.1, .View = "MLO", .Laterality = 'L' };
-  const std::string whole = testing_support::ReadFile(WritePicture(folder.File("a.png"), { 200 }));
+  const std::string whole = test::ReadFile(WritePicture(folder.File("a.png"), { 200 }));
   // Signature, chunk's kind, width, data, checksum; each of which libpng answers in its own way.
   for (const std::size_t at :
     { std::size_t{ 1 }, std::size_t{ 12 }, std::size_t{ 18 }, whole.size() / 2, whole.size() - 14 })

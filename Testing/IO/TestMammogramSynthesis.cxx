@@ -8,7 +8,7 @@
 #include <cmath>
 
 using namespace mammoray;
-using testing_support::Describe;
+using test::Describe;
 
 TEST(MammogramSynthesis, SaysViewAndSidesOfEveryRoll)
 {

@@ -7,10 +7,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-using mammoray::testing_support::NotRefused;
-using mammoray::testing_support::RefusalOf;
+using mammoray::test::NotRefused;
+using mammoray::test::RefusalOf;
 using namespace mammoray;
-using testing_support::TemporaryFolder;
+using test::TemporaryFolder;
 
 namespace
 {
@@ -32,8 +32,7 @@ std::string WithFat(const std::string& keys)
 
 TEST(MaterialTableIO, ReadsTheShippedTable)
 {
-  const MaterialTable table =
-    ReadMaterialTable(testing_support::DataFolder() + "/materials/victre.json");
+  const MaterialTable table = ReadMaterialTable(test::DataFolder() + "/materials/victre.json");
   EXPECT_EQ(table.Name, "VICTRE phantoms");
   ASSERT_EQ(table.Materials.size(), 5u);
   EXPECT_EQ(table.Materials[0].Name, "air");

@@ -24,9 +24,9 @@
 #include <tuple>
 #include <vector>
 
-using mammoray::testing_support::RefusalOf;
+using mammoray::test::RefusalOf;
 using namespace mammoray;
-using testing_support::TemporaryFolder;
+using test::TemporaryFolder;
 
 namespace
 {
@@ -117,20 +117,20 @@ TEST(MeshIO, FullDisksAreNamedForEveryFormat)
     const std::string path = folder.File(name);
     const auto write = [&] { name == "s.vtu" ? WriteMesh(grid, path) : WriteMesh(surface, path); };
     write();
-    const std::string whole = testing_support::ReadFile(path);
+    const std::string whole = test::ReadFile(path);
     for (std::size_t most = 8; most < whole.size(); most *= 2)
     {
-      const testing_support::FileSizeLimit limit(most);
+      const test::FileSizeLimit limit(most);
       EXPECT_THROW(write(), InputError) << name << " at " << most;
     }
-    EXPECT_EQ(testing_support::ReadFile(path), whole) << name;
+    EXPECT_EQ(test::ReadFile(path), whole) << name;
   }
 }
 
 TEST(MeshIO, ScenesOfGltfAreOneSurfaceInMillimetres)
 {
   const TemporaryFolder folder;
-  const auto surface = ReadSurface(folder.Write("scene.glb", testing_support::GlbOfTetrahedron()));
+  const auto surface = ReadSurface(folder.Write("scene.glb", test::GlbOfTetrahedron()));
   // Its faces meet again where its vertices are the same.
   EXPECT_EQ(surface->GetNumberOfPoints(), 4);
   EXPECT_EQ(surface->GetNumberOfCells(), 4);
@@ -141,7 +141,7 @@ TEST(MeshIO, ScenesOfGltfAreOneSurfaceInMillimetres)
   EXPECT_EQ(mesh.NumberOfTriangles(), 4u);
 
   const std::string vessels =
-    testing_support::SharedDataFolder() + "/hra-vasculature-mesh/VH_F_Vasculature.glb";
+    test::SharedDataFolder() + "/hra-vasculature-mesh/VH_F_Vasculature.glb";
   if (!std::filesystem::exists(vessels))
   {
     GTEST_SKIP() << "no " << vessels;
@@ -162,9 +162,9 @@ TEST(MeshIO, NodesOfGltfPlaceTheirMeshes)
   using testing::ElementsAre;
   using testing::HasSubstr;
   const TemporaryFolder folder;
-  const std::string buffer = testing_support::TetrahedronBuffer();
+  const std::string buffer = test::TetrahedronBuffer();
   const auto read = [&](const std::string& text)
-  { return ReadSurface(folder.Write("scene.glb", testing_support::Glb(text, buffer))); };
+  { return ReadSurface(folder.Write("scene.glb", test::Glb(text, buffer))); };
   const auto boundsOf = [](vtkPolyData* surface)
   {
     std::vector<double> bounds(6);
@@ -176,7 +176,7 @@ TEST(MeshIO, NodesOfGltfPlaceTheirMeshes)
     return bounds;
   };
   const auto placed = [&](const std::string& nodes)
-  { return boundsOf(read(testing_support::GltfText(nodes))); };
+  { return boundsOf(read(test::GltfText(nodes))); };
   // Scaled, then turned by 90 degrees about z, then moved; mm.
   EXPECT_THAT(placed(R"([{"mesh":0,"rotation":[0,0,0.7071067811865476,0.7071067811865476],
     "translation":[10,0,0],"scale":[1,2,3]}])"),
@@ -185,7 +185,7 @@ TEST(MeshIO, NodesOfGltfPlaceTheirMeshes)
   EXPECT_THAT(placed(R"([{"mesh":0,"matrix":[0,1,0,0, -2,0,0,0, 0,0,3,0, 10,0,0,1]}])"),
     ElementsAre(8000, 10000, 0, 1000, 0, 3000));
   // One mesh in two places of a tree; the second is mirrored, and keeps what is inside inside.
-  const auto two = read(testing_support::GltfText(
+  const auto two = read(test::GltfText(
     R"([{"children":[1,2],"scale":[2,2,2],"translation":[10,0,0]},
     {"mesh":0,"translation":[1,0,0]},{"mesh":0,"translation":[5,0,0],"scale":[1,1,-3]}])"));
   EXPECT_THAT(boundsOf(two), ElementsAre(12000, 22000, 0, 2000, -6000, 2000));
@@ -206,16 +206,15 @@ TEST(MeshIO, NodesOfGltfPlaceTheirMeshes)
 
   // Buffers within JSON, and in a file beside it.
   std::ofstream(folder.File("part 1.bin"), std::ios::binary) << buffer;
-  EXPECT_THAT(
-    boundsOf(ReadSurface(folder.Write("scene.gltf",
-      testing_support::GltfText(R"([{"mesh":0}])", R"("attributes":{"POSITION":0},"indices":1)",
-        R"("byteLength":168,"uri":"part%201.bin")")))),
+  EXPECT_THAT(boundsOf(ReadSurface(folder.Write("scene.gltf",
+                test::GltfText(R"([{"mesh":0}])", R"("attributes":{"POSITION":0},"indices":1)",
+                  R"("byteLength":168,"uri":"part%201.bin")")))),
     ElementsAre(0, 1000, 0, 1000, 0, 1000));
   // Two triangles of a strip, one of a fan of three corners: base64 of (0 0 0) (1 0 0) (0 1 0).
   const std::string three = R"("byteLength":36,"uri":"data:application/octet-stream;base64,)"
                             R"(AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA")";
   std::string fan =
-    testing_support::GltfText(R"([{"mesh":0}])", R"("attributes":{"POSITION":0},"mode":6)", three);
+    test::GltfText(R"([{"mesh":0}])", R"("attributes":{"POSITION":0},"mode":6)", three);
   fan.replace(fan.find("\"byteLength\":144"), 16, "\"byteLength\":36")
     .replace(fan.find("\"count\":12"), 10, "\"count\":3");
   EXPECT_EQ(ReadSurface(folder.Write("fan.gltf", fan))->GetNumberOfCells(), 1);
@@ -225,13 +224,12 @@ TEST(MeshIO, RefusesOfGltfWhatItCannotShow)
 {
   using testing::HasSubstr;
   const TemporaryFolder folder;
-  const std::string good = testing_support::GltfText(R"([{"mesh":0}])");
+  const std::string good = test::GltfText(R"([{"mesh":0}])");
   const auto refusal = [&](const std::string& what, const std::string& by)
   {
     std::string text = good;
     text.replace(text.find(what), what.size(), by);
-    const std::string path =
-      folder.Write("bad.glb", testing_support::Glb(text, testing_support::TetrahedronBuffer()));
+    const std::string path = folder.Write("bad.glb", test::Glb(text, test::TetrahedronBuffer()));
     const std::string message = RefusalOf([&] { ReadSurface(path); });
     EXPECT_THAT(message, testing::StartsWith(path + ": expected "));
     return message;
@@ -268,7 +266,7 @@ TEST(MeshIO, RefusesOfGltfWhatItCannotShow)
   {
     EXPECT_THAT(refusal(what, by), HasSubstr(text)) << by;
   }
-  const std::string whole = testing_support::Glb(good, testing_support::TetrahedronBuffer());
+  const std::string whole = test::Glb(good, test::TetrahedronBuffer());
   EXPECT_THAT(RefusalOf([&] { ReadSurface(folder.Write("cut.glb", whole.substr(0, 400))); }),
     HasSubstr("an end before its own"));
 }
@@ -297,7 +295,7 @@ TEST(MeshIO, RefusesInOneLine)
     HasSubstr(".vtp, .stl, .ply"));
   const std::string path = folder.File("cut.vtu");
   WriteMesh(grid, path);
-  const std::string whole = testing_support::ReadFile(path);
+  const std::string whole = test::ReadFile(path);
   folder.Write("cut.vtu", whole.substr(0, whole.size() / 2));
   EXPECT_THAT(RefusalOf([&] { ReadMesh(path); }), HasSubstr("cut.vtu: expected a mesh"));
 }

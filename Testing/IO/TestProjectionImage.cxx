@@ -17,8 +17,8 @@
 #include <numeric>
 
 using namespace mammoray;
-using testing_support::ReadFile;
-using testing_support::TemporaryFolder;
+using test::ReadFile;
+using test::TemporaryFolder;
 
 namespace
 {

@@ -14,7 +14,7 @@
 #include <numeric>
 
 using namespace mammoray;
-using testing_support::TemporaryFolder;
+using test::TemporaryFolder;
 
 namespace
 {

@@ -12,7 +12,7 @@ using namespace mammoray;
 
 TEST(Sha256, MatchesThePublishedExamples)
 {
-  const testing_support::TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   const std::string path = folder.File("message");
   const auto hash = [&](const std::string& message)
   {

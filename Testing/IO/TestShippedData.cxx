@@ -13,7 +13,7 @@
 
 namespace
 {
-using mammoray::testing_support::RefusalOf;
+using mammoray::test::RefusalOf;
 using namespace mammoray;
 
 template <typename Function>
@@ -115,12 +115,12 @@ TEST(ShippedData, ExampleBreastIsThePublishedSizeAndKeepsTheTissues)
   EXPECT_EQ(scene.Detector.Columns, 1080);
   EXPECT_EQ(scene.Detector.Rows, 1080);
   scene.Surface.Validate("breast");
-  EXPECT_TRUE(testing_support::IsClosed(scene.Surface));
+  EXPECT_TRUE(test::IsClosed(scene.Surface));
 
   const LabelVolume voxels = scene.Materials.ToMaterials(
     ReadLabelFile(DataDirectory() + "/victre-phantom-1/labels.nrrd"), "labels");
   const auto counts = voxels.CountLabels();
-  const auto volumes = testing_support::MaterialVolumes(scene.Surface);
+  const auto volumes = test::MaterialVolumes(scene.Surface);
   ASSERT_EQ(volumes.size(), 5u);
   for (int material = 1; material < 5; ++material)
   {

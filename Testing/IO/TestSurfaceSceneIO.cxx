@@ -18,11 +18,11 @@
 namespace
 {
 using namespace mammoray;
+using test::RefusalOf;
+using test::TemporaryFolder;
 using testing::DoubleNear;
 using testing::ElementsAre;
 using testing::HasSubstr;
-using testing_support::RefusalOf;
-using testing_support::TemporaryFolder;
 
 /// A scene of one sample with some of its text replaced.
 std::string Scene(const std::string& what = "", const std::string& by = "")
@@ -197,7 +197,7 @@ TEST(SurfaceSceneIO, GltfHasMetresUnlessSaidOtherwise)
 {
   const TemporaryFolder folder;
   SurfaceSample sample{ .Name = "a", .Material = "Al" };
-  sample.File = folder.Write("scene.glb", testing_support::GlbOfTetrahedron());
+  sample.File = folder.Write("scene.glb", test::GlbOfTetrahedron());
   EXPECT_NEAR(Bounds(ReadSurfaces({ sample }, {}).Surface)[0].Low, 1000, 1e-9);
   sample.UnitMm = 1e-3; // made by a program that has no unit
   EXPECT_NEAR(Bounds(ReadSurfaces({ sample }, {}).Surface)[0].Low, 1e-3, 1e-12);

@@ -13,7 +13,7 @@
 #include <random>
 #include <set>
 
-using mammoray::testing_support::RefusalOf;
+using mammoray::test::RefusalOf;
 using namespace mammoray;
 using namespace mammoray::test;
 
@@ -304,7 +304,7 @@ TEST(LabelMesher, AsManyTrianglesAsAskedFor)
   MeshingOptions options;
   options.Triangles = 100'000'000;
   EXPECT_THAT(RefusalOf([&] { MeshMaterials(SphereInSphere(), options); }),
-    testing::HasSubstr("sixteen for each voxel face between materials"));
+    test::Mentions("triangles", "voxel face"));
 }
 
 TEST(LabelMesher, ThinLayersKeepTheirVolume)
@@ -369,11 +369,11 @@ TEST(LabelMesher, RefusesWhatCannotBeMeshed)
   MeshingOptions options = Fine();
   options.SmallestComponentMm3 = 2;
   EXPECT_THAT(RefusalOf([&] { MeshMaterials(volume, options); }),
-    testing::HasSubstr("a component of at least 2 mm3"));
+    test::Mentions("component", "2 mm3"));
   options = Fine();
   options.FacetAngleDeg = 40;
   EXPECT_THAT(RefusalOf([&] { MeshMaterials(volume, options); }),
-    testing::HasSubstr("facet angle: expected 0 to 30 degrees"));
+    test::Mentions("facet angle", "0 to 30"));
   options = Fine();
   options.CellSizeMm = -1;
   EXPECT_THAT(RefusalOf([&] { MeshMaterials(volume, options); }), testing::HasSubstr("cell size"));

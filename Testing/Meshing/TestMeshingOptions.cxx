@@ -10,7 +10,7 @@
 
 namespace
 {
-using mammoray::testing_support::RefusalOf;
+using mammoray::test::RefusalOf;
 using namespace mammoray;
 
 std::string Refusal(const std::function<void(MeshingOptions&)>& change)
@@ -31,15 +31,15 @@ TEST(MeshingOptions, DefaultsAndAnatomyAreValid)
 
 TEST(MeshingOptions, ValidateNamesTheValueAndItsRange)
 {
-  EXPECT_EQ(Refusal([](MeshingOptions& o) { o.CellSizeMm = -1; }),
-    "meshing: cell size: expected a positive number of mm, found -1");
-  EXPECT_EQ(Refusal([](MeshingOptions& o) { o.FacetAngleDeg = 31; }),
-    "meshing: facet angle: expected 0 to 30 degrees (refinement need not end above), found 31");
-  EXPECT_EQ(Refusal([](MeshingOptions& o) { o.FacetDistanceMm = NAN; }),
-    "meshing: facet distance: expected a positive number of mm, found nan");
-  EXPECT_EQ(Refusal([](MeshingOptions& o) { o.CellSizeOfMaterialMm[2] = 0; }),
-    "meshing: size or distance of a material: expected a positive number of mm, found 0");
-  EXPECT_EQ(Refusal([](MeshingOptions& o) { o.SmoothingVoxels = 5.5; }),
-    "meshing: smoothing: expected 0 to 5 voxels, found 5.5");
+  EXPECT_THAT(Refusal([](MeshingOptions& o) { o.CellSizeMm = -1; }),
+    test::Mentions("cell size", "-1"));
+  EXPECT_THAT(Refusal([](MeshingOptions& o) { o.FacetAngleDeg = 31; }),
+    test::Mentions("facet angle", "0 to 30", "31"));
+  EXPECT_THAT(Refusal([](MeshingOptions& o) { o.FacetDistanceMm = NAN; }),
+    test::Mentions("facet distance", "nan"));
+  EXPECT_THAT(Refusal([](MeshingOptions& o) { o.CellSizeOfMaterialMm[2] = 0; }),
+    test::Mentions("of a material", "found 0"));
+  EXPECT_THAT(Refusal([](MeshingOptions& o) { o.SmoothingVoxels = 5.5; }),
+    test::Mentions("smoothing", "0 to 5", "5.5"));
 }
 }

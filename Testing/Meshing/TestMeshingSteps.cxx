@@ -12,9 +12,9 @@
 namespace
 {
 using namespace mammoray;
+using test::NotRefused;
+using test::RefusalOf;
 using testing::HasSubstr;
-using testing_support::NotRefused;
-using testing_support::RefusalOf;
 
 /// An oblique volume of noise with air at its borders.
 LabelVolume ObliqueNoise()
@@ -83,8 +83,7 @@ TEST(MergeTissue, RefusesToLoseAllOfIt)
 {
   LabelVolume crumbs =
     test::LabelledCube(9, 1, [](const Vector3& p) { return Norm(p) < 1.2 ? 4 : 0; });
-  EXPECT_THAT(RefusalOf([&] { MergeTissue(crumbs, 50); }),
-    HasSubstr("a component of at least 50 mm3, found smaller ones only"));
+  EXPECT_THAT(RefusalOf([&] { MergeTissue(crumbs, 50); }), test::Mentions("component", "50 mm3"));
   LabelVolume whole =
     test::LabelledCube(9, 1, [](const Vector3& p) { return Norm(p) < 1.2 ? 4 : 0; });
   EXPECT_EQ(MergeTissue(whole, 7), 0u); // seven voxels
@@ -107,7 +106,7 @@ TEST(CheckComponents, NamesTheOneThatIsNotInTheMesh)
   const TetrahedralMesh one = BoxOver(volume.Spacing, { 0, 0, 0 }, { 3, 3, 3 }, 1);
   TetrahedralMesh both = BoxOver(volume.Spacing, { 8, 0, 0 }, { 11, 3, 3 }, 2);
   const std::string message = RefusalOf([&] { CheckComponents(one, volume, found); });
-  EXPECT_THAT(message, HasSubstr("material 2: the component at (110.0, 2.0, 2.0) mm"));
+  EXPECT_THAT(message, test::Mentions("material 2", "(110.0, 2.0, 2.0) mm"));
   EXPECT_THAT(message, HasSubstr("of 128 mm3")); // 4 x 4 x 4 voxels of 2 mm3
   EXPECT_THAT(message, HasSubstr("thickness of about 3 mm"));
   // Cells of another material do not count, wherever they are.

@@ -27,16 +27,16 @@ TEST(SeedPlan, SeedsLargePartsOnceAndSmallOnesAlongTheirLength)
   MeshingOptions options;
   options.FacetSizeMm = 3; // 8 of its cubes: 216 mm3; the rod has 19, the ball 7238
   const SeedPlan plan = PlanSeeds(volume, options);
-  ASSERT_EQ(plan.Found.Components.size(), 3u);
+  ASSERT_EQ(plan.Components.Components.size(), 3u);
   for (std::size_t id = 0; id < 3; ++id)
   {
-    const LabelComponent& part = plan.Found.Components[id];
+    const LabelComponent& part = plan.Components.Components[id];
     const std::vector<std::size_t>& seeds = plan.SeedVoxels[id];
     ASSERT_FALSE(seeds.empty());
     EXPECT_EQ(seeds.front(), volume.Index(part.Deepest[0], part.Deepest[1], part.Deepest[2]));
     for (const std::size_t seed : seeds)
     {
-      EXPECT_EQ(plan.Found.OfVoxel[seed], id);
+      EXPECT_EQ(plan.Components.OfVoxel[seed], id);
       EXPECT_EQ(volume.Voxels[seed], part.Material);
       EXPECT_LE(plan.Distance[seed], part.DepthMm);
     }

@@ -13,7 +13,7 @@
 
 namespace
 {
-using mammoray::testing_support::RefusalOf;
+using mammoray::test::RefusalOf;
 using namespace mammoray;
 
 /// A ball of 30 mm with muscle (3, held) behind y = -10 and a core of gland (2) in its fat (1).
@@ -217,7 +217,7 @@ TEST(SimulationMesh, RefusesUnknownMaterialsAndSizes)
                   [&] {
                     MeshForSimulation(Breast(), { false, false, false, true }, size);
                   }),
-      testing::HasSubstr("GB of this machine"));
+      test::Mentions("GB"));
   }
 }
 }

@@ -14,8 +14,8 @@
 namespace
 {
 using namespace mammoray;
+using test::RefusalOf;
 using testing::HasSubstr;
-using testing_support::RefusalOf;
 
 /// Materials of what follows: 1 and 2 move, 3 is held.
 const std::vector<bool> OnlyMuscleHeld{ false, false, false, true };
@@ -164,13 +164,13 @@ TEST(SimulationShape, WithoutHeldTissueNothingIsHeld)
 TEST(SimulationShape, RefusesWhereNothingMoves)
 {
   const LabelVolume air = test::LabelledCube(8, 1, [](const Vector3&) { return 0; });
-  EXPECT_NE(RefusalOf([&] { ShapeForCells(air, OnlyMuscleHeld, 5); }), testing_support::NotRefused);
+  EXPECT_NE(RefusalOf([&] { ShapeForCells(air, OnlyMuscleHeld, 5); }), test::NotRefused);
   const LabelVolume muscle =
     test::LabelledCube(30, 1, [](const Vector3& p) { return Norm(p) < 13 ? 3 : 0; });
   EXPECT_THAT(RefusalOf([&] { ShapeForCells(muscle, OnlyMuscleHeld, 5); }),
-    HasSubstr("expected tissue that is not fixed, found none"));
+    test::Mentions("not fixed", "none"));
   // Whose size is to be taken from the volume, of which nothing moves.
   EXPECT_THAT(RefusalOf([&] { MeshForSimulation(muscle, OnlyMuscleHeld, 0); }),
-    HasSubstr("expected tissue that is not fixed, found none"));
+    test::Mentions("not fixed", "none"));
 }
 }

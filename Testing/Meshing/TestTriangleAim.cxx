@@ -9,7 +9,7 @@
 
 namespace
 {
-using mammoray::testing_support::RefusalOf;
+using mammoray::test::RefusalOf;
 using namespace mammoray;
 using Verdict = TriangleAim::Verdict;
 
@@ -91,8 +91,7 @@ TEST(CheckSizes, RefusesMoreThanTheMemoryHolds)
     for (const MeshingOptions& options : { cells, cellsOfOne, facets, facetsOfOne })
     {
       EXPECT_THAT(RefusalOf([&] { CheckSizes(volume, options); }),
-        testing::AllOf(testing::HasSubstr("meshing: cell and facet sizes that give at least"),
-          testing::HasSubstr("GB of this machine")));
+        testing::AllOf(test::Mentions("sizes", "cells"), test::Mentions("GB")));
     }
   }
 }

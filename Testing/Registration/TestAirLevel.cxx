@@ -132,7 +132,7 @@ TEST(AirLevel, StaysTameWhereLittleAirIsSeen)
   const AirLevel flat(AirGrid, sky.Values, sky.Air, 2.5);
   EXPECT_NEAR(flat.At(0, 0), sky.Values[AirGrid.Index(230, 100)], 1e-6);
   sky.Air.assign(sky.Air.size(), 0);
-  EXPECT_THAT(testing_support::RefusalOf([&] { AirLevel(AirGrid, sky.Values, sky.Air, 2.5); }),
+  EXPECT_THAT(test::RefusalOf([&] { AirLevel(AirGrid, sky.Values, sky.Air, 2.5); }),
     HasSubstr("expected air"));
 }
 

@@ -11,8 +11,8 @@
 namespace
 {
 using namespace mammoray;
+using test::RefusalOf;
 using testing::HasSubstr;
-using testing_support::RefusalOf;
 
 /// A coarse breast with a glandular ball, without X-rays.
 BreastBody CoarseBody()
@@ -56,7 +56,7 @@ TEST(BreastBody, VelocitiesAreThoseOfPlacesInTheUnit)
     AnteriorParameter, StiffnessParameter };
   const auto velocities = body.VelocitiesSeenFromUnit(BodyPlacement, PoseOf(values), state,
     body.Surface(), positions, wanted);
-  ASSERT_EQ(velocities.size(), wanted.size());
+  ASSERT_EQ(velocities.Count(), wanted.size());
   // Gantry coordinates of the points at a pose beside this one.
   const auto seenAt = [&](int parameter, double step)
   {

@@ -12,10 +12,10 @@
 namespace
 {
 using namespace mammoray;
+using test::RefusalOf;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
-using testing_support::RefusalOf;
 
 constexpr PixelGrid FlatGrid{ 80, 60, 0.5, 0.5 };
 

@@ -20,7 +20,7 @@
 #include <filesystem>
 #include <random>
 
-using mammoray::testing_support::RefusalOf;
+using mammoray::test::RefusalOf;
 using namespace mammoray;
 using testing::HasSubstr;
 
@@ -143,7 +143,7 @@ TEST(MammogramMask, FindsNoMuscleWhereThereIsNone)
   EXPECT_FALSE(FindPectoralEdge(Oblique(1, -0.4), 1).has_value());
   // A real cranio-caudal view shows none at either end.
   const std::string path =
-    testing_support::SharedDataFolder() + "/digibreast/dicom/mg_presentation_mono2_explicitLE.dcm";
+    test::SharedDataFolder() + "/digibreast/dicom/mg_presentation_mono2_explicitLE.dcm";
   if (!std::filesystem::exists(path))
   {
     GTEST_SKIP() << path << " is absent";
@@ -181,7 +181,7 @@ TEST(MammogramMask, ExcludesMarkersButNotABreastThatIsBrightThroughout)
 
 TEST(MammogramMask, TakesAUsersMaskWithItsFirstRowAtTheTop)
 {
-  const testing_support::TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   RegistrationTarget target = Oblique(1, 0);
   WriteMask(folder.File("mask.png"), target.Columns, target.Rows);
   ExcludePixels(ReadMask(folder.File("mask.png"), target.Columns, target.Rows), target);
@@ -203,7 +203,7 @@ TEST(MammogramMask, TakesAUsersMaskWithItsFirstRowAtTheTop)
 
 TEST(MammogramMask, PicturesNeedWhatTheyDoNotSay)
 {
-  const testing_support::TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   WriteMask(folder.File("a.png"), 40, 30);
   EXPECT_THAT(RefusalOf([&] { ReadMammogramPicture(folder.File("a.png"), { .View = "MLO" }); }),
     HasSubstr("pixel spacing, laterality"));
@@ -227,8 +227,7 @@ TEST(MammogramMask, FindsTheMuscleOfRealMammograms)
   for (const Expected& expected :
     { Expected{ "sample_B1.jpg", 'R', 43, 124 }, Expected{ "sample_C4.jpg", 'L', 47, 103 } })
   {
-    const std::string path =
-      (testing_support::SharedDataFolder() + "/monai-mammograms/") + expected.Name;
+    const std::string path = (test::SharedDataFolder() + "/monai-mammograms/") + expected.Name;
     if (!std::filesystem::exists(path))
     {
       GTEST_SKIP() << path << " is absent";

@@ -15,8 +15,8 @@
 namespace
 {
 using namespace mammoray;
-using testing_support::NotRefused;
-using testing_support::RefusalOf;
+using test::NotRefused;
+using test::RefusalOf;
 
 constexpr PixelGrid SmallGrid{ 17, 13, 0.7, 1.1 };
 

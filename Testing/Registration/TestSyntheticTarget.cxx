@@ -12,8 +12,8 @@
 #include <cmath>
 
 using namespace mammoray;
-using testing_support::Describe;
-using testing_support::TemporaryFolder;
+using test::Describe;
+using test::TemporaryFolder;
 
 TEST(SyntheticTarget, FindsTheGantryAgain)
 {

@@ -25,9 +25,8 @@ using ::testing::SizeIs;
 
 namespace
 {
-const std::string Shared = testing_support::SharedDataFolder();
-const std::string Victre =
-  testing_support::DataFolder() + "/victre-phantom-1/victre1_lcc_processing.dcm";
+const std::string Shared = test::SharedDataFolder();
+const std::string Victre = test::DataFolder() + "/victre-phantom-1/victre1_lcc_processing.dcm";
 
 #define SKIP_WITHOUT(path)                                                                         \
   if (!std::filesystem::exists(path))                                                              \
@@ -371,7 +370,7 @@ TEST(TargetPreparation, RefusesAPictureThatCutsTheBreastOff)
     return part;
   };
   // At 24 mm the lens is 36 mm wide, at 29 mm 15.
-  EXPECT_THAT(testing_support::RefusalOf([&] { PrepareTarget(cut(120, 0, Rows)); }),
+  EXPECT_THAT(test::RefusalOf([&] { PrepareTarget(cut(120, 0, Rows)); }),
     HasSubstr("cut off at its front: 36 mm"));
   EXPECT_THAT(PrepareTarget(cut(145, 0, Rows)).Warnings, IsEmpty());
   // 18 mm to either side of the middle the lens is 24 mm deep.

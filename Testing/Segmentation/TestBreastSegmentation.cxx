@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Files.h"
+#include "Refusals.h"
 #include "mammoray/Dicom/DicomReader.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/Segmentation/BreastSegmentation.h"
@@ -31,8 +32,7 @@ const LabelVolume& Phantom()
 {
   static const LabelVolume tissues = []
   {
-    LabelVolume volume =
-      ReadLabelVolume(testing_support::DataFolder() + "/victre-phantom-1/labels.nrrd");
+    LabelVolume volume = ReadLabelVolume(test::DataFolder() + "/victre-phantom-1/labels.nrrd");
     const std::map<int, TissueLabel> tissueOf = { { 0, TissueLabel::Air }, { 1, TissueLabel::Fat },
       { 2, TissueLabel::Skin }, { 33, TissueLabel::Skin }, { 40, TissueLabel::ChestWall } };
     for (std::uint16_t& voxel : volume.Voxels)
@@ -424,8 +424,7 @@ TEST(BreastSegmentation, AGivenGlandThresholdIsThatOfItsOwnImage)
   EXPECT_EQ(given.GlandThreshold, found.GlandThreshold);
   EXPECT_EQ(glandOf(given), glandOf(found));
   // Suppressed fat is dark, and gland above it: a fraction below 1 says nothing of it.
-  EXPECT_THAT(MessageOf(suppressed, options),
-    testing::HasSubstr("gland threshold: expected more than 1 as fat is dark"));
+  EXPECT_THAT(MessageOf(suppressed, options), test::Mentions("gland threshold", "more than 1"));
   options.Contrast = FatContrast::FatDark;
   options.GlandThreshold = 1.6;
   EXPECT_EQ(SegmentBreast(suppressed, options).GlandThreshold, 1.6);
@@ -437,12 +436,12 @@ TEST(BreastSegmentation, AGivenGlandThresholdIsThatOfItsOwnImage)
 
 TEST(BreastSegmentation, RefusesInOneLine)
 {
-  EXPECT_THAT(MessageOf({}), testing::HasSubstr("MRI: size along axis 0 is 0"));
-  EXPECT_THAT(MessageOf(Constant({ 20, 20, 20 }, 7)), testing::HasSubstr("the intensity 7 every"));
+  EXPECT_THAT(MessageOf({}), test::Mentions("MRI", "axis 0", "0"));
+  EXPECT_THAT(MessageOf(Constant({ 20, 20, 20 }, 7)), test::Mentions("intensity 7"));
   EXPECT_THAT(MessageOf(Constant({ 20, 20, 1 }, 7)), testing::HasSubstr("found 20 x 20 x 1"));
   IntensityVolume holed = Constant({ 20, 20, 20 }, 7);
   holed.Voxels[20 * 20 + 3] = std::numeric_limits<float>::quiet_NaN();
-  EXPECT_THAT(MessageOf(holed), testing::HasSubstr("voxel (3, 0, 1) holds nan"));
+  EXPECT_THAT(MessageOf(holed), test::Mentions("(3, 0, 1)", "nan"));
   // Noise; a chest without a breast: 20 mm of muscle under 5 mm of fat (+y is the back); fat alone.
   IntensityVolume noise = Constant({ 40, 40, 40 }, 0);
   std::mt19937 generator(3);
@@ -465,7 +464,7 @@ TEST(BreastSegmentation, RefusesInOneLine)
 
   SegmentationOptions options;
   options.Classes = 6;
-  EXPECT_THAT(MessageOf(flat, options), testing::HasSubstr("classes: expected 2 to 5, found 6"));
+  EXPECT_THAT(MessageOf(flat, options), test::Mentions("classes", "2 to 5", "6"));
   options = {};
   options.GlandThreshold = 1.5;
   EXPECT_THAT(MessageOf(flat, options), testing::HasSubstr("gland threshold: expected"));
@@ -504,7 +503,7 @@ TEST(BreastSegmentation, CanBeInterruptedInEveryStage)
 TEST(BreastSegmentation, RealMriAgreesWithManualLabels)
 {
   const std::filesystem::path folder =
-    std::filesystem::path(testing_support::SharedDataFolder()) / "duke-breast-mri-153-CC-BY-NC-4.0";
+    std::filesystem::path(test::SharedDataFolder()) / "duke-breast-mri-153-CC-BY-NC-4.0";
   if (!std::filesystem::exists(folder / "t1_tse"))
   {
     GTEST_SKIP() << "absent: " << folder;
@@ -536,8 +535,8 @@ TEST(BreastSegmentation, RealMriAgreesWithManualLabels)
 
 TEST(BreastSegmentation, PlainAndSuppressedImagesOfASessionAgree)
 {
-  const std::filesystem::path folder = std::filesystem::path(testing_support::SharedDataFolder()) /
-    "uta11-breast-mri-CC-BY-SA-4.0" / "a";
+  const std::filesystem::path folder =
+    std::filesystem::path(test::SharedDataFolder()) / "uta11-breast-mri-CC-BY-SA-4.0" / "a";
   if (!std::filesystem::exists(folder / "t1-tse"))
   {
     GTEST_SKIP() << "absent: " << folder;

@@ -368,8 +368,7 @@ bool IsAsked(const std::string& name)
 
 void RunVariations(const std::string& name, const std::string& series)
 {
-  const std::filesystem::path folder =
-    std::filesystem::path(testing_support::SharedDataFolder()) / series;
+  const std::filesystem::path folder = std::filesystem::path(test::SharedDataFolder()) / series;
   if (!std::filesystem::exists(folder) || !std::getenv("MAMMORAY_LONG_TESTS"))
   {
     GTEST_SKIP() << "absent: " << folder << ", or MAMMORAY_LONG_TESTS";

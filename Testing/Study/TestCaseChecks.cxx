@@ -13,11 +13,11 @@
 namespace
 {
 using namespace mammoray;
+using test::NotRefused;
+using test::RefusalOf;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
-using testing_support::NotRefused;
-using testing_support::RefusalOf;
 
 /// A breast outlined as a rectangle of 20 mm from the chest wall on, at the left of the picture.
 RegisteredView Pictured(char laterality, double widthMm)

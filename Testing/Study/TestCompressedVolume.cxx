@@ -19,7 +19,7 @@
 #include <memory>
 #include <string>
 
-using mammoray::testing_support::RefusalOf;
+using mammoray::test::RefusalOf;
 using namespace mammoray;
 using ::testing::HasSubstr;
 

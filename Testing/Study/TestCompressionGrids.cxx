@@ -30,14 +30,14 @@ TEST(CompressionGrids, TimesGoFromOpenToClosed)
 
 TEST(CompressionGrids, ASeriesNamesItsFiles)
 {
-  const testing_support::TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   const std::string path = folder.File("open.pvd");
   const std::vector<std::string> files = SeriesFiles(path, 2);
   EXPECT_THAT(files, ElementsAre(folder.File("open_000.vtu"), folder.File("open_001.vtu")));
   const auto grid =
     ToGrid(test::MakeBoxMesh({ 0, 0, 0 }, { 1, 1, 1 }, { 1, 1, 1 }), { "air", "a" });
   WriteSeries(path, { grid, grid });
-  const std::string collection = testing_support::ReadFile(path);
+  const std::string collection = test::ReadFile(path);
   EXPECT_THAT(collection, HasSubstr("file=\"open_000.vtu\""));
   EXPECT_THAT(collection, HasSubstr("file=\"open_001.vtu\""));
   EXPECT_THAT(collection, HasSubstr("timestep=\"1\""));
@@ -46,7 +46,7 @@ TEST(CompressionGrids, ASeriesNamesItsFiles)
 
 TEST(CompressionGrids, AFailedSeriesLeavesNoFile)
 {
-  const testing_support::TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   const auto grid =
     ToGrid(test::MakeBoxMesh({ 0, 0, 0 }, { 1, 1, 1 }, { 1, 1, 1 }), { "air", "a" });
   fs::create_directories(folder.File("open.pvd/within")); // a folder of that name

@@ -16,7 +16,7 @@
 
 #include <filesystem>
 
-using mammoray::testing_support::RefusalOf;
+using mammoray::test::RefusalOf;
 using namespace mammoray;
 
 namespace
@@ -61,7 +61,7 @@ std::array<int, 2> CountColors(const std::string& path)
 
 TEST(CutPicture, ShowsEachMaterialsShareOfThePlane)
 {
-  testing_support::TemporaryFolder folder;
+  test::TemporaryFolder folder;
   const std::string path = folder.File("cut.png");
   WriteCutPicture({ { TwoMaterials(), { 0, 0, 5 }, { 1, 0, 0 }, { 0, 1, 0 }, "z", {} } },
     { "air", "fat", "gland" }, path);
@@ -73,7 +73,7 @@ TEST(CutPicture, ShowsEachMaterialsShareOfThePlane)
 
 TEST(CutPicture, RefusesAPlaneBesideTheMesh)
 {
-  testing_support::TemporaryFolder folder;
+  test::TemporaryFolder folder;
   const std::string path = folder.File("cut.png");
   EXPECT_THAT(RefusalOf(
                 [&] {

@@ -9,7 +9,7 @@
 #include <cmath>
 
 using namespace mammoray;
-using namespace mammoray::testing_support;
+using namespace mammoray::test;
 using testing::HasSubstr;
 
 namespace

@@ -23,7 +23,7 @@
 #include <limits>
 #include <string>
 
-using mammoray::testing_support::RefusalOf;
+using mammoray::test::RefusalOf;
 using namespace mammoray;
 using ::testing::HasSubstr;
 

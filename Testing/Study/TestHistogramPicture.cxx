@@ -15,7 +15,7 @@ using namespace mammoray;
 
 TEST(HistogramPicture, BarsAreAsHighAsTheRootsOfTheirCounts)
 {
-  const testing_support::TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   const std::string path = folder.File("histogram.png");
   // A quarter of the largest bar: half as high. Orange is the first group's colour.
   WriteHistogramPicture({ { "quality", 10, { { "fat", { 100, 25, 0, 0 } } } } }, path);
@@ -41,7 +41,7 @@ TEST(HistogramPicture, BarsAreAsHighAsTheRootsOfTheirCounts)
 
 TEST(HistogramPicture, RefusesNothing)
 {
-  const testing_support::TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   const std::string path = folder.File("histogram.png");
   EXPECT_THROW(WriteHistogramPicture({}, path), InputError);
   EXPECT_THROW(WriteHistogramPicture({ { "quality", 10, {} } }, path), InputError);

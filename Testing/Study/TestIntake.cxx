@@ -17,7 +17,7 @@
 #include <sstream>
 
 using namespace mammoray;
-using namespace mammoray::testing_support;
+using namespace mammoray::test;
 using testing::AllOf;
 using testing::ElementsAre;
 using testing::HasSubstr;

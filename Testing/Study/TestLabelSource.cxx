@@ -50,7 +50,7 @@ protected:
     return "no InputError";
   }
 
-  testing_support::TemporaryFolder Folder;
+  test::TemporaryFolder Folder;
   LabelVolume Volume;
   MaterialTable Table;
   LabelSource Source;

@@ -25,7 +25,7 @@ namespace
 /// Its pixels as (red, green, blue), from the lower left corner.
 std::array<int, 3> PixelAt(const LayeredPicture& picture, int x, int y)
 {
-  const testing_support::TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   vtkNew<vtkPNGReader> reader;
   reader->SetFileName(folder.Write("picture.png", picture.Png).c_str());
   reader->Update();

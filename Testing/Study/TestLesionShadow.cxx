@@ -109,13 +109,13 @@ TEST(FindLesions, MeasuresEachLabel)
 
 TEST(FindLesions, AreReadFromFilesThatHoldSome)
 {
-  const testing_support::TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   LabelVolume volume;
   volume.Size = { 2, 2, 2 };
   volume.Voxels.assign(8, 0);
   const std::string path = folder.File("lesions.nrrd");
   WriteLabelVolume(volume, path);
-  EXPECT_THAT(testing_support::RefusalOf([&] { ReadLesions(path); }),
+  EXPECT_THAT(test::RefusalOf([&] { ReadLesions(path); }),
     HasSubstr("lesions.nrrd: expected voxels that are not 0, found none"));
   volume.Voxels[5] = 1;
   WriteLabelVolume(volume, path);

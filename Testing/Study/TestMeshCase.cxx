@@ -45,7 +45,7 @@ protected:
       {"name": "gland", "labels": [2], "attenuation": "glandular", "thin": true}]})");
   }
 
-  testing_support::TemporaryFolder Folder;
+  test::TemporaryFolder Folder;
   MeshCase Input;
 };
 }
@@ -134,10 +134,10 @@ TEST_F(MeshCaseTest, PicturesAreWritten)
   const std::vector<std::string> names = result.Materials.Names();
   const std::string quality = this->Folder.File("quality.png");
   WriteQualityPicture(result.Check, names, quality);
-  EXPECT_THAT(testing_support::ReadFile(quality), testing::StartsWith("\x89PNG"));
+  EXPECT_THAT(test::ReadFile(quality), testing::StartsWith("\x89PNG"));
   const auto grid = ToGrid(result.Meshed.Mesh, names);
   const std::string cuts = this->Folder.File("cuts.png");
   WriteMeshCuts(grid, {}, names, cuts);
-  EXPECT_THAT(testing_support::ReadFile(cuts), testing::StartsWith("\x89PNG"));
+  EXPECT_THAT(test::ReadFile(cuts), testing::StartsWith("\x89PNG"));
   EXPECT_THROW(WriteMeshCuts(grid, Vector3{ 100, 100, 100 }, names, cuts), InputError);
 }

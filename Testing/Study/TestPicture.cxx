@@ -20,7 +20,7 @@ namespace
 /// Sum over all pixels of how much darker than white they are, in pixels.
 double Darkness(Picture& picture)
 {
-  const testing_support::TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   picture.Write(folder.File("picture.png"));
   vtkNew<vtkPNGReader> reader;
   reader->SetFileName(folder.File("picture.png").c_str());

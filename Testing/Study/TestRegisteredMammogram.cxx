@@ -13,7 +13,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-using mammoray::testing_support::RefusalOf;
+using mammoray::test::RefusalOf;
 using namespace mammoray;
 using ::testing::HasSubstr;
 
@@ -34,7 +34,7 @@ void WriteGrey(const std::string& path, int columns, int rows)
 
 TEST(RegisteredMammogram, APictureIsReadAsItWasRegistered)
 {
-  const testing_support::TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   const std::string picture = folder.File("a.png");
   const std::string other = folder.File("b.png");
   WriteGrey(picture, 40, 30);
@@ -56,7 +56,7 @@ TEST(RegisteredMammogram, APictureIsReadAsItWasRegistered)
 
 TEST(RegisteredMammogram, ASyntheticOneNeedsItsPicture)
 {
-  const testing_support::TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   ResultFile result = test::MakeResultFile();
   result.Folder = folder.File("");
   Mammogram real;

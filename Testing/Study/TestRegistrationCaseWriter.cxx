@@ -39,7 +39,7 @@ protected:
   void SetUp() override
   {
     this->Input.Labels.Path = this->Folder.Write("labels.nrrd", "labels");
-    this->Input.Materials = testing_support::DataFolder() + "/materials/victre.json";
+    this->Input.Materials = test::DataFolder() + "/materials/victre.json";
     this->Result.Materials = ReadMaterialTable(this->Input.Materials);
     this->Result.Axes = AnatomicalAxes::FromCode("ALS");
     this->Result.Anchor = { 1, 2, 3 };
@@ -99,7 +99,7 @@ protected:
     return names;
   }
 
-  testing_support::TemporaryFolder Folder;
+  test::TemporaryFolder Folder;
   RegistrationCase Input;
   RegistrationCaseResult Result;
 };
@@ -155,7 +155,7 @@ TEST_F(WrittenCase, TellsOfEachProjection)
   EXPECT_EQ(result.Projections[1].FocalSpotMm, (Vector3{ 109.56, 0, 600.7 }));
   EXPECT_EQ(result.Projections[1].After.Correlation, 0.87);
   EXPECT_EQ(result.Projections[0].After.MeanOutlineDistanceMm, 0.4);
-  const std::string report = testing_support::ReadFile(folder + "/report.html");
+  const std::string report = test::ReadFile(folder + "/report.html");
   const std::size_t first = report.find("Source at -10.0°");
   const std::size_t middle = report.find("Source at 0.2°");
   const std::size_t last = report.find("Source at 10.3°");
@@ -183,8 +183,8 @@ TEST_F(WrittenCase, NamesItsInputsWhereAsked)
   this->Input.NameInputs = true;
   const std::string folder = this->Folder.File("result");
   WriteRegistrationCase(this->Input, this->Result, folder);
-  EXPECT_THAT(testing_support::ReadFile(folder + "/result.json"), HasSubstr("\"mammogram.dcm\""));
-  EXPECT_THAT(testing_support::ReadFile(folder + "/report.html"), HasSubstr("mammogram.dcm"));
+  EXPECT_THAT(test::ReadFile(folder + "/result.json"), HasSubstr("\"mammogram.dcm\""));
+  EXPECT_THAT(test::ReadFile(folder + "/report.html"), HasSubstr("mammogram.dcm"));
 }
 
 TEST_F(WrittenCase, OfSeveralMammogramsHasAFolderForEach)
@@ -205,7 +205,7 @@ TEST_F(WrittenCase, OfSeveralMammogramsHasAFolderForEach)
   EXPECT_FALSE(joint.Unknowns[1].Folder.has_value());
   EXPECT_DOUBLE_EQ(joint.Unknowns[1].StandardDeviation, 0.3);
   EXPECT_EQ(ReadResultFiles(folder).size(), 3u);
-  EXPECT_THAT(testing_support::ReadFile(folder + "/report.html"), HasSubstr("<b>1.50</b> ± 0.30"));
+  EXPECT_THAT(test::ReadFile(folder + "/report.html"), HasSubstr("<b>1.50</b> ± 0.30"));
 }
 
 TEST_F(WrittenCase, OfAStudyHoldsItsTissueAndTellsOfIt)
@@ -233,7 +233,7 @@ TEST_F(WrittenCase, OfAStudyHoldsItsTissueAndTellsOfIt)
   EXPECT_EQ(result.Inputs.front().File, "t1 <tse>");
   EXPECT_EQ(result.Inputs.front().Sha256, Sha256OfFile(this->Input.Labels.Path));
   EXPECT_THAT(result.Warnings, ElementsAre("Something had to be assumed.", "The wall is ragged."));
-  const std::string report = testing_support::ReadFile(folder + "/report.html");
+  const std::string report = test::ReadFile(folder + "/report.html");
   EXPECT_THAT(report, HasSubstr("MRI: t1 &lt;tse&gt;"));
   // Once.
   EXPECT_EQ(report.find("The wall is ragged."), report.rfind("The wall is ragged."));
@@ -270,7 +270,7 @@ TEST_F(WrittenCase, ReplacesAnEarlierResultOnly)
   EXPECT_THAT(refusal(folder, false), HasSubstr("exists already"));
   EXPECT_THAT(refusal(folder, true), HasSubstr("expected an earlier result"));
   EXPECT_THAT(refusal(this->Folder.File("absent/result"), true), HasSubstr("cannot be written"));
-  EXPECT_EQ(testing_support::ReadFile(folder + "/thesis.txt"), "mine");
+  EXPECT_EQ(test::ReadFile(folder + "/thesis.txt"), "mine");
   fs::remove_all(folder);
   WriteRegistrationCase(this->Input, this->Result, folder + "/");
   this->Result.Anchor = { 7, 8, 9 };
@@ -294,19 +294,19 @@ TEST_F(WrittenCase, AFullDiskLosesNothing)
 {
   const std::string folder = this->Folder.File("result");
   WriteRegistrationCase(this->Input, this->Result, folder);
-  const std::string before = testing_support::ReadFile(folder + "/report.html");
+  const std::string before = test::ReadFile(folder + "/report.html");
   const std::vector<std::string> written = this->Written();
   this->Result.Anchor = { 7, 8, 9 };
   // Each file of a result is larger than one of these, smaller than another.
   for (rlim_t most = 16; most < before.size(); most *= 2)
   {
     {
-      const testing_support::FileSizeLimit limit(most);
+      const test::FileSizeLimit limit(most);
       EXPECT_THROW(WriteRegistrationCase(this->Input, this->Result, folder, true), InputError)
         << most;
     }
     EXPECT_EQ(this->Written(), written);
-    EXPECT_EQ(testing_support::ReadFile(folder + "/report.html"), before);
+    EXPECT_EQ(test::ReadFile(folder + "/report.html"), before);
   }
 }
 

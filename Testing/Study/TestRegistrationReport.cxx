@@ -134,13 +134,13 @@ vtkSmartPointer<vtkImageData> ReadPng(const std::string& path)
 
 TEST(RegistrationReport, WritesEverythingItIsGiven)
 {
-  const testing_support::TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   const std::string report = folder.File("report");
   MadeUp made;
   made.Report.Inputs = { { "Mammogram", "input <1>.txt", "ba7816bf" } };
   WriteRegistrationReport(made.Report, report);
 
-  const std::string html = testing_support::ReadFile(report + "/report.html");
+  const std::string html = test::ReadFile(report + "/report.html");
   EXPECT_THAT(html, HasSubstr("The two mammograms match"));
   EXPECT_THAT(html, HasSubstr("The header does not say &lt;this&gt; &amp; that."));
   EXPECT_THAT(html, HasSubstr("input &lt;1&gt;.txt<br><code>SHA-256 ba7816bf"));
@@ -153,7 +153,7 @@ TEST(RegistrationReport, WritesEverythingItIsGiven)
   EXPECT_THAT(html, HasSubstr("<img alt=\"Synthetic mammogram\" width=\""));
   EXPECT_THAT(html, Not(HasSubstr(folder.File("")))); // self-contained, and no path of this machine
   EXPECT_THAT(html, Not(HasSubstr("http://127")));
-  EXPECT_THAT(testing_support::ReadFile(report + "/convergence.svg"), HasSubstr("Iteration"));
+  EXPECT_THAT(test::ReadFile(report + "/convergence.svg"), HasSubstr("Iteration"));
   for (const auto& entry : std::filesystem::directory_iterator(report))
   {
     EXPECT_NE(entry.path().extension(), ".part");
@@ -162,7 +162,7 @@ TEST(RegistrationReport, WritesEverythingItIsGiven)
 
 TEST(RegistrationReport, BeginsWithTheAnswerWhereOneWasAskedFor)
 {
-  const testing_support::TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   MadeUp made;
   LayeredPicture slices{ "no picture", 30, 20, "<path d=\"M1 2L3 4\"/>" };
   made.Report.Asked = { { "Lesion 3", "3", { 12, 34, -5 }, 523, slices },
@@ -179,7 +179,7 @@ TEST(RegistrationReport, BeginsWithTheAnswerWhereOneWasAskedFor)
   made.Report.Places = { place, lost };
   made.Report.Examination = { { "mammogram of", "2024-03-01" } };
   WriteRegistrationReport(made.Report, folder.File("report"));
-  const std::string html = testing_support::ReadFile(folder.File("report/report.html"));
+  const std::string html = test::ReadFile(folder.File("report/report.html"));
   const std::size_t answer =
     html.find("Lesion 3 <small>523 mm³ around (12.0, 34.0, −5.0) mm, in gland");
   ASSERT_NE(answer, std::string::npos);
@@ -197,7 +197,7 @@ TEST(RegistrationReport, BeginsWithTheAnswerWhereOneWasAskedFor)
   EXPECT_THAT(html, Not(HasSubstr("class=\"warning\"")));
   made.Result.After.TissueCorrelation = 0.5;
   WriteRegistrationReport(made.Report, folder.File("doubtful"));
-  EXPECT_THAT(testing_support::ReadFile(folder.File("doubtful/report.html")),
+  EXPECT_THAT(test::ReadFile(folder.File("doubtful/report.html")),
     HasSubstr("<b class=\"warning\">The match should be checked by eye.</b>"));
   made.Report.Places.pop_back();
   EXPECT_THROW(WriteRegistrationReport(made.Report, folder.File("other")), InputError);
@@ -205,20 +205,20 @@ TEST(RegistrationReport, BeginsWithTheAnswerWhereOneWasAskedFor)
 
 TEST(RegistrationReport, SaysWhatTheHeaderSaysBesideWhatWasFound)
 {
-  const testing_support::TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   MadeUp made;
   made.Picture.View = "MLO"; // 45 degrees where the header says none
   WriteRegistrationReport(made.Report, folder.File("report"));
-  const std::string html = testing_support::ReadFile(folder.File("report/report.html"));
+  const std::string html = test::ReadFile(folder.File("report/report.html"));
   EXPECT_THAT(html, HasSubstr("compressed thickness; the header says 52.0 mm"));
   EXPECT_THAT(html, HasSubstr("angle of the unit; the header says −45°"));
 }
 
 TEST(RegistrationReport, LoadsNothingAndRunsNoScriptsButItsOwn)
 {
-  const testing_support::TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   WriteRegistrationReport(MadeUp().Report, folder.File("report"));
-  const std::string html = testing_support::ReadFile(folder.File("report/report.html"));
+  const std::string html = test::ReadFile(folder.File("report/report.html"));
   EXPECT_THAT(html, HasSubstr("content=\"default-src 'none'; img-src data:; style-src 'sha256-"));
   // What the policy forbids is not there to be missed: style attributes and handlers in the markup,
   // addresses.
@@ -256,7 +256,7 @@ TEST(RegistrationReport, PicturesShowWhatDiffersWhereItDoes)
   for (const char laterality : { 'L', 'R' })
   {
     SCOPED_TRACE(laterality);
-    const testing_support::TemporaryFolder folder;
+    const test::TemporaryFolder folder;
     const std::string report = folder.File("report");
     const MadeUp made(laterality);
     WriteRegistrationReport(made.Report, report);
@@ -283,21 +283,21 @@ TEST(RegistrationReport, PicturesShowWhatDiffersWhereItDoes)
 
 TEST(RegistrationReport, SaysWhenTheMatchIsNotToBeTrusted)
 {
-  const testing_support::TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   const std::string report = folder.File("report");
   MadeUp made;
   made.Result.After.TissueCorrelation = 0.2;
   made.Result.Converged = false;
   made.Result.StopReason = "stopped by the user";
   WriteRegistrationReport(made.Report, report);
-  const std::string html = testing_support::ReadFile(report + "/report.html");
+  const std::string html = test::ReadFile(report + "/report.html");
   EXPECT_THAT(html, HasSubstr("The match is not to be trusted"));
   EXPECT_THAT(html, HasSubstr("stopped by the user"));
 }
 
 TEST(RegistrationReport, RefusesPartsThatDoNotFit)
 {
-  const testing_support::TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   const std::string report = folder.File("report");
   MadeUp made;
   made.Report.Synthetic.pop_back();
@@ -312,7 +312,7 @@ TEST(RegistrationReport, RefusesPartsThatDoNotFit)
 
 TEST(RegistrationReport, TellsOfSeveralMammogramsInOnePage)
 {
-  const testing_support::TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   const MadeUp first;
   MadeUp second;
   second.Picture.View = "MLO";
@@ -320,7 +320,7 @@ TEST(RegistrationReport, TellsOfSeveralMammogramsInOnePage)
     { { "stiffness", 1.75, std::numeric_limits<double>::quiet_NaN() } } };
   joint.Mammograms[0].Title = "Both <views>";
   WriteJointReport(joint, folder.File("joint"));
-  const std::string html = testing_support::ReadFile(folder.File("joint/report.html"));
+  const std::string html = test::ReadFile(folder.File("joint/report.html"));
   EXPECT_THAT(html, HasSubstr("Both &lt;views&gt;"));
   EXPECT_THAT(html, HasSubstr("Left breast, CC view, MLO view"));
   EXPECT_THAT(html,

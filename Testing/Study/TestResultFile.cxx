@@ -20,7 +20,7 @@
 #include <regex>
 #include <set>
 
-using mammoray::testing_support::RefusalOf;
+using mammoray::test::RefusalOf;
 using namespace mammoray;
 using ::testing::AllOf;
 using ::testing::HasSubstr;
@@ -51,8 +51,7 @@ void CollectFields(const Json& json, const std::string& prefix, std::set<std::st
 /// The first cells of the tables below a heading of docs/result-file.md.
 std::set<std::string> DocumentedFields(const std::string& heading)
 {
-  std::string text =
-    testing_support::ReadFile(testing_support::DataFolder() + "/../docs/result-file.md");
+  std::string text = test::ReadFile(test::DataFolder() + "/../docs/result-file.md");
   const std::size_t begin = text.find("\n## " + heading + "\n");
   EXPECT_NE(begin, std::string::npos) << heading;
   text = text.substr(begin + 1);
@@ -66,14 +65,14 @@ std::set<std::string> DocumentedFields(const std::string& heading)
   return names;
 }
 
-Json ReadJson(const testing_support::TemporaryFolder& folder)
+Json ReadJson(const test::TemporaryFolder& folder)
 {
-  return Json::parse(testing_support::ReadFile(folder.File("result.json")));
+  return Json::parse(test::ReadFile(folder.File("result.json")));
 }
 
 /// Every object in the file: damages each of its fields in turn, once by taking it away and once by
 /// another type, and expects to be told of it.
-void ExpectEveryFieldNeeded(const testing_support::TemporaryFolder& folder, const Json& whole,
+void ExpectEveryFieldNeeded(const test::TemporaryFolder& folder, const Json& whole,
   const Json::json_pointer& at, const std::string& prefix, const std::function<void()>& read)
 {
   for (const auto& [key, value] : whole.at(at).items())
@@ -118,7 +117,7 @@ void ExpectEveryFieldNeeded(const testing_support::TemporaryFolder& folder, cons
 
 TEST(ResultFile, ReadsWhatWasWritten)
 {
-  const testing_support::TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   const ResultFile written = test::MakeResultFile();
   WriteResultFile(written, folder.File(""));
   const ResultFile read = ReadResultFile(folder.File(""));
@@ -134,14 +133,14 @@ TEST(ResultFile, ReadsWhatWasWritten)
   EXPECT_FALSE(read.Mammogram.SourceToDetectorMm.has_value());
   EXPECT_EQ(read.Versions, written.Versions);
   // Whatever was not looked at above: it is written as it was.
-  const std::string bytes = testing_support::ReadFile(folder.File("result.json"));
+  const std::string bytes = test::ReadFile(folder.File("result.json"));
   WriteResultFile(read, folder.File(""));
-  EXPECT_EQ(testing_support::ReadFile(folder.File("result.json")), bytes);
+  EXPECT_EQ(test::ReadFile(folder.File("result.json")), bytes);
 }
 
 TEST(ResultFile, KeepsEveryDigit)
 {
-  const testing_support::TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   ResultFile result = test::MakeResultFile();
   result.Placed.Origin = { 0.1 + 0.2, 1.0 / 3.0, -1e-17 };
   WriteResultFile(result, folder.File(""));
@@ -150,21 +149,21 @@ TEST(ResultFile, KeepsEveryDigit)
 
 TEST(ResultFile, ReadsAJointResultThatWasWritten)
 {
-  const testing_support::TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   WriteResultFile(test::MakeJointResultFile(), folder.File(""));
   const JointResultFile read = ReadJointResultFile(folder.File(""));
   ASSERT_EQ(read.Mammograms.size(), 2u);
   EXPECT_EQ(read.Mammograms[1].Level, Trust::None);
   EXPECT_EQ(read.Unknowns[0].Folder, "cc");
   EXPECT_FALSE(read.Unknowns[1].Folder.has_value());
-  const std::string bytes = testing_support::ReadFile(folder.File("result.json"));
+  const std::string bytes = test::ReadFile(folder.File("result.json"));
   WriteResultFile(read, folder.File(""));
-  EXPECT_EQ(testing_support::ReadFile(folder.File("result.json")), bytes);
+  EXPECT_EQ(test::ReadFile(folder.File("result.json")), bytes);
 }
 
 TEST(ResultFile, AFolderHasTheResultsOfAllItsMammograms)
 {
-  const testing_support::TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   const std::string joint = folder.File("joint");
   for (const char* name : { "joint/cc", "joint/mlo" })
   {
@@ -189,7 +188,7 @@ TEST(ResultFile, AFolderHasTheResultsOfAllItsMammograms)
 
 TEST(ResultFile, DocumentationHasEveryFieldAndNoOther)
 {
-  const testing_support::TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   std::set<std::string> names;
   WriteResultFile(test::MakeResultFile(), folder.File(""));
   CollectFields(ReadJson(folder), "", names);
@@ -202,7 +201,7 @@ TEST(ResultFile, DocumentationHasEveryFieldAndNoOther)
 
 TEST(ResultFile, RefusesADamagedFieldInOneLine)
 {
-  const testing_support::TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   WriteResultFile(test::MakeResultFile(), folder.File(""));
   ExpectEveryFieldNeeded(folder, ReadJson(folder), Json::json_pointer(), "",
     [&] { ReadResultFile(folder.File("")); });
@@ -213,7 +212,7 @@ TEST(ResultFile, RefusesADamagedFieldInOneLine)
 
 TEST(ResultFile, RefusesAnotherFileInOneLine)
 {
-  const testing_support::TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   const std::string path = folder.File("result.json");
   const auto refusal = [&] { return RefusalOf([&] { ReadResultFiles(folder.File("")); }); };
   EXPECT_EQ(refusal(), path + ": no such file");
@@ -255,7 +254,7 @@ TEST(ResultFile, RefusesAnotherFileInOneLine)
 // With which a point of the volume would still be "found" somewhere in the mammogram.
 TEST(ResultFile, RefusesGeometryThatNoRegistrationWrites)
 {
-  const testing_support::TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   WriteResultFile(test::MakeResultFile(), folder.File(""));
   const Json whole = ReadJson(folder);
   const auto refusal = [&](const char* at, const Json& value)
@@ -289,7 +288,7 @@ TEST(ResultFile, RefusesGeometryThatNoRegistrationWrites)
 // recursion.
 TEST(ResultFile, RefusesBracketsThatNoStackHolds)
 {
-  const testing_support::TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   const std::size_t depth = 300'000;
   const std::string nested =
     R"({"format":)" + std::string(depth, '[') + std::string(depth, ']') + "}";

@@ -16,9 +16,9 @@
 #include <cstring>
 #include <filesystem>
 
-using mammoray::testing_support::DicomTextOf;
-using mammoray::testing_support::ExpectValidDicom;
-using mammoray::testing_support::RefusalOf;
+using mammoray::test::DicomTextOf;
+using mammoray::test::ExpectValidDicom;
+using mammoray::test::RefusalOf;
 using namespace mammoray;
 using ::testing::HasSubstr;
 
@@ -111,7 +111,7 @@ TEST_F(ResultObjectsOf, APointIsWhereTheRayMeetsTheMammogram)
     const std::string text = this->Folder.File("report.txt");
     EXPECT_EQ(std::system(("dsrdump " + this->Out("report.dcm") + " >" + text + " 2>&1").c_str()),
       0);
-    const std::string report = testing_support::ReadFile(text);
+    const std::string report = test::ReadFile(text);
     EXPECT_THAT(report, HasSubstr("Imaging Measurement Report"));
     EXPECT_THAT(report, HasSubstr("Measurement Group"));
     EXPECT_THAT(report, HasSubstr("\"doubtful\""));

@@ -31,7 +31,7 @@ TEST(SlicePicture, ShowsTheImageAndTheOutlines)
     labels.Voxels.push_back(static_cast<std::uint16_t>(deep < 5 ? 0 : deep < 15 ? 1 : 2));
     image.Voxels.push_back(deep < 5 ? 0.0f : deep < 15 ? 100.0f : 50.0f);
   }
-  const testing_support::TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   const std::string path = folder.File("slices.png");
   WriteSlicePicture(image, labels, {}, { "air", "fat", "gland" }, path);
   vtkNew<vtkPNGReader> reader;

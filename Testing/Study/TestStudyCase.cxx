@@ -12,7 +12,7 @@
 #include <filesystem>
 
 using namespace mammoray;
-using namespace mammoray::testing_support;
+using namespace mammoray::test;
 using testing::Contains;
 using testing::ElementsAre;
 using testing::HasSubstr;

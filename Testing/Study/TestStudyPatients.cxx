@@ -8,12 +8,12 @@
 namespace
 {
 using namespace mammoray;
+using test::NotRefused;
+using test::RefusalOf;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::Not;
-using testing_support::NotRefused;
-using testing_support::RefusalOf;
 
 DicomHeader ImageOf(const std::string& id, const std::string& name, const std::string& born,
   const std::string& sex = "F")

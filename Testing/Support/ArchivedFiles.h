@@ -20,7 +20,7 @@ namespace mammoray::test
 class FolderTest : public ::testing::Test
 {
 protected:
-  testing_support::TemporaryFolder Folder;
+  test::TemporaryFolder Folder;
 };
 
 /// A mammogram, an MRI series and other files in the fixture's Folder.

@@ -16,7 +16,7 @@
 #include <string>
 #include <vector>
 
-namespace mammoray::testing_support
+namespace mammoray::test
 {
 /// Runs the program (MammorayExecutable) in a folder of the test's own.
 class CommandTest : public testing::Test

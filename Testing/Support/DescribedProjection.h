@@ -4,7 +4,7 @@
 
 #include "mammoray/IO/MammogramSynthesis.h"
 
-namespace mammoray::testing_support
+namespace mammoray::test
 {
 /// A unit at this roll around a breast in LPS; columns of 0.2 mm and rows of 0.3 mm.
 inline Mammogram Describe(double rollDeg, char laterality, int columns = 7, int rows = 5)

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-namespace mammoray::testing_support
+namespace mammoray::test
 {
 inline std::string Little(std::uint32_t value, int bytes)
 {

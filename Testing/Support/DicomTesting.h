@@ -13,7 +13,7 @@
 #include <cstdlib>
 #include <string>
 
-namespace mammoray::testing_support
+namespace mammoray::test
 {
 /// Text of an element on the top level of a file, by GDCM; empty where it is absent.
 inline std::string DicomTextOf(const std::string& path, std::uint16_t group, std::uint16_t element)

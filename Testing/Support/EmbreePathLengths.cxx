@@ -9,7 +9,7 @@
 #include <string>
 #include <thread>
 
-namespace mammoray::testing_support
+namespace mammoray::test
 {
 namespace
 {

@@ -12,7 +12,7 @@
 #include <type_traits>
 #include <vector>
 
-namespace mammoray::testing_support
+namespace mammoray::test
 {
 /// Where a hit's distance comes from.
 enum class HitDistance

@@ -6,7 +6,7 @@
 
 #include <csignal>
 
-namespace mammoray::testing_support
+namespace mammoray::test
 {
 /// A full disk: no file of this process gets larger than this while it lives; the kernel cuts at it
 /// as it does at a disk's end.

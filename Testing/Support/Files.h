@@ -10,7 +10,7 @@
 #include <fstream>
 #include <string>
 
-namespace mammoray::testing_support
+namespace mammoray::test
 {
 /// The project's Data folder.
 std::string DataFolder();

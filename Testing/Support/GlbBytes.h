@@ -7,7 +7,7 @@
 #include <cstring>
 #include <string>
 
-namespace mammoray::testing_support
+namespace mammoray::test
 {
 /// Positions and indices of a tetrahedron whose edges at the origin are 1 long: 12 vertices of
 /// three floats, each face with vertices of its own as where normals differ, then 12 indices of two

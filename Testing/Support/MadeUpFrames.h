@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-namespace mammoray::testing_support
+namespace mammoray::test
 {
 /// A double (FD) in little endian.
 inline std::string Fd(double value)

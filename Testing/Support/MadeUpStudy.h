@@ -16,7 +16,7 @@
 #include <utility>
 #include <vector>
 
-namespace mammoray::testing_support
+namespace mammoray::test
 {
 /// Elements of a header by group and number: their representation and value.
 class MadeUpHeader

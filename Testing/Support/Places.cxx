@@ -3,7 +3,7 @@
 
 #include <cstdlib>
 
-namespace mammoray::testing_support
+namespace mammoray::test
 {
 std::string DataFolder()
 {

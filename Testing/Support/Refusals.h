@@ -9,12 +9,13 @@
 
 #include <string>
 
-namespace mammoray::testing_support
+namespace mammoray::test
 {
-/// What RefusalOf answers where nothing is refused.
+/// What RefusalOf returns if nothing is refused.
 inline constexpr const char* NotRefused = "not refused";
 
-/// The one line with which an action refuses its input, or NotRefused. Nothing else is printed.
+/// The message of the Error that an action throws, or NotRefused. The message must be one line, and
+/// nothing may be printed.
 template <typename Action>
 std::string RefusalOf(const Action& action)
 {
@@ -31,6 +32,13 @@ std::string RefusalOf(const Action& action)
   EXPECT_EQ(testing::internal::GetCapturedStderr(), "") << "a library talks on its own";
   EXPECT_THAT(message, testing::Not(testing::HasSubstr("\n")));
   return message;
+}
+
+/// Matches a message that contains each of these texts: the field at fault, and the value found.
+template <typename... Text>
+auto Mentions(const Text&... texts)
+{
+  return testing::AllOf(testing::HasSubstr(texts)...);
 }
 }
 

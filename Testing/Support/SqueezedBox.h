@@ -67,7 +67,7 @@ protected:
     this->Breast = std::make_unique<RegisteredBreast>(this->Folder.File(""));
   }
 
-  testing_support::TemporaryFolder Folder;
+  test::TemporaryFolder Folder;
   std::unique_ptr<RegisteredBreast> Breast;
 };
 }

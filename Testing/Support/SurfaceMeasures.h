@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-namespace mammoray::testing_support
+namespace mammoray::test
 {
 /**
  * Whether the boundary of every material is closed: each of its edges is run through as often one

@@ -11,7 +11,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-namespace mammoray::testing_support
+namespace mammoray::test
 {
 /**
  * An X server of the process's own (Xvfb), named by DISPLAY; XvfbPath is its path. One for all

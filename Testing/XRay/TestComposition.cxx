@@ -11,7 +11,7 @@
 
 namespace
 {
-using mammoray::testing_support::RefusalOf;
+using mammoray::test::RefusalOf;
 using namespace mammoray;
 
 AttenuationTable Composition(const std::string& text)
@@ -156,7 +156,7 @@ TEST(Composition, BracketsWithoutEndAreNoFormula)
 
 TEST(Composition, MaterialTablesTakeThem)
 {
-  testing_support::TemporaryFolder folder;
+  test::TemporaryFolder folder;
   folder.Write("table.json", R"({"materials": [{"name": "air", "labels": [0]},
     {"name": "cyst", "labels": [1], "attenuation": {"H": 0.1119, "O": 0.8881}},
     {"name": "chalk", "labels": [2], "attenuation": "CaCO3", "density_g_per_cm3": 2.7}]})");

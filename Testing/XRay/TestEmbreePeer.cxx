@@ -12,8 +12,8 @@
 namespace
 {
 using namespace mammoray;
-using testing_support::EmbreePathLengths;
-using testing_support::HitDistance;
+using test::EmbreePathLengths;
+using test::HitDistance;
 using Method = ProjectorOptions::Method;
 
 /// What comparing images ray by ray gave; lengths in mm.

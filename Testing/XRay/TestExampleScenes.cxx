@@ -9,8 +9,8 @@
 namespace
 {
 using namespace mammoray;
-using testing_support::IsClosed;
-using testing_support::MaterialVolumes;
+using test::IsClosed;
+using test::MaterialVolumes;
 }
 
 TEST(ExampleScenes, PlateIsThePublishedSizeAndSolid)

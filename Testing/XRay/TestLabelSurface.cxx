@@ -11,8 +11,8 @@
 namespace
 {
 using namespace mammoray;
-using testing_support::IsClosed;
-using testing_support::MaterialVolumes;
+using test::IsClosed;
+using test::MaterialVolumes;
 
 /// Two cells of 2 x 3 x 4 mm side by side along i, of materials 1 and 2.
 LabelVolume TwoVoxels()

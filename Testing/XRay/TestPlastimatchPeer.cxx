@@ -15,7 +15,7 @@
 namespace
 {
 using namespace mammoray;
-using testing_support::TemporaryFolder;
+using test::TemporaryFolder;
 
 /// Two balls, one in the other.
 constexpr Vector3 Center{ 3, -2, 5 };
@@ -74,7 +74,7 @@ void WriteVoxels(const std::string& path)
 /// The floats of a .pfm, as they lie there.
 std::vector<float> ReadPfm(const std::string& path)
 {
-  const std::string bytes = testing_support::ReadFile(path);
+  const std::string bytes = test::ReadFile(path);
   std::vector<float> values(static_cast<std::size_t>(Columns) * Rows);
   const std::size_t length = values.size() * sizeof(float);
   if (bytes.size() > length)
@@ -103,7 +103,7 @@ TEST(PlastimatchPeer, NestedBallsUnderAConeBeam)
           << "' -t pfm --nrm '0 0 1' --vup '0 1 0' --sad 600 --sid 650 -r '" << Columns << " "
           << Rows << "' -z '" << Columns * PixelMm << " " << Rows * PixelMm
           << "' -o '0 0 0' -i exact -P none -A cpu >'" << folder.File("log") << "' 2>&1";
-  ASSERT_EQ(std::system(command.str().c_str()), 0) << testing_support::ReadFile(folder.File("log"));
+  ASSERT_EQ(std::system(command.str().c_str()), 0) << test::ReadFile(folder.File("log"));
   const std::vector<float> peer = ReadPfm(folder.File("drr_0000.pfm"));
 
   // Facets of the balls lie at most (0.33 mm)^2 / (8 * 20 mm), 7e-4 mm, within them.

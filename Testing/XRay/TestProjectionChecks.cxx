@@ -10,7 +10,7 @@
 
 namespace
 {
-using mammoray::testing_support::RefusalOf;
+using mammoray::test::RefusalOf;
 using namespace mammoray;
 
 constexpr double Infinity = std::numeric_limits<double>::infinity();

@@ -28,7 +28,7 @@ ScatterKernels SmallTable()
 
 TEST(ScatterData, ATableComesBackAsItWasWritten)
 {
-  const testing_support::TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   const std::string path = folder.File("table.csv");
   WriteScatterKernels(SmallTable(), "made by a test", path);
   const ScatterKernels back = ReadScatterKernels(path);
@@ -50,10 +50,10 @@ TEST(ScatterData, ATableComesBackAsItWasWritten)
 
 TEST(ScatterData, DamagedTablesAreRefusedWithTheirPlace)
 {
-  const testing_support::TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   const std::string path = folder.File("table.csv");
   WriteScatterKernels(SmallTable(), "made by a test", path);
-  const std::string sound = testing_support::ReadFile(path);
+  const std::string sound = test::ReadFile(path);
   const auto refusal = [&](const std::string& from, const std::string& to)
   {
     std::string text = sound;

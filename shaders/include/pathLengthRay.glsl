@@ -16,8 +16,8 @@ const uint RateRoom = Fields == 0u ? 1u : Capacity * Fields;
 
 struct PathLengthRay
 {
-  // Local frame, mm; Direction has unit length and Origin is the ray's point nearest to the local
-  // origin, so the parameters t of hits, measured from it, are small (DESIGN.md's t_ref).
+  // Local frame, mm. Direction has unit length. Origin is the ray's point nearest to the local origin,
+  // so the parameters t of hits are small and sums of +-t lose few digits in single precision.
   Real3 Origin;
   Real3 Direction;
   // Parameters of source and pixel: hits beyond them count as if they lay there, so that a body which

@@ -121,14 +121,14 @@ void CompressionWorker::Remember(const BreastPose& pose)
       this->Viewed.Breast.Unit };
     const std::vector<PlatePairVelocity> all = placement.PlateVelocitiesAt(pose);
     const std::vector<PlatePairVelocity> moved{ all[ThicknessParameter], all[RollParameter] };
-    const CompressionSimulation& simulation = this->Model->Body().Simulation();
+    CompressionSimulation& simulation = this->Model->Body().Simulation();
     KnownEquilibrium known;
     known.Pose = pose;
     known.State = *this->State;
-    std::vector<std::vector<double>> rates = simulation.Sensitivities(*this->State, moved);
+    const VectorFields rates = simulation.Sensitivities(*this->State, moved);
     for (int p = 0; p < 2; ++p)
     {
-      known.PositionRates[p] = std::move(rates[p]);
+      known.PositionRates[p].assign(rates[p].begin(), rates[p].end());
       known.ForceRates[p] = simulation.PaddleForceDerivative(*this->State, moved[p]);
     }
     const std::lock_guard lock(this->Mutex);

@@ -49,7 +49,7 @@ bool IsCut(const ElasticBody& body, const ElasticBody::BoundaryFace& face,
 
 /// Fixes all coordinates of nodes of fixed cells, unless the breast can move along the chest wall,
 /// and of nodes of cut faces.
-std::vector<bool> FixedCoordinates(const ElasticBody& body, const std::vector<bool>& fixedCells,
+std::vector<bool> CoordinatesFixedBy(const ElasticBody& body, const std::vector<bool>& fixedCells,
   ChestWallMode mode, const BodyField& outsideTissue)
 {
   std::vector<bool> fixed(3 * body.NumberOfNodes(), false);
@@ -81,9 +81,9 @@ CompressionSimulation::Internals::Internals(ElasticBody body, std::vector<bool> 
   : Body(std::move(body))
   , Options(options)
   , FixedCells(std::move(fixedCells))
-  , Fixed(FixedCoordinates(Body, FixedCells, options.ChestWall, outsideTissue))
-  , Solver(Body, Fixed, options.ContactStiffness, FixedCells)
-  , Given(Body.Materials())
+  , FixedCoordinates(CoordinatesFixedBy(Body, FixedCells, options.ChestWall, outsideTissue))
+  , Solver(Body, FixedCoordinates, options.ContactStiffness, FixedCells)
+  , GivenMaterials(Body.Materials())
   , Image(Body.RestPositions())
   , NumberOfPoints(pointCount)
 {
@@ -123,7 +123,7 @@ void CompressionSimulation::Internals::FindFollowers()
   }
 }
 
-void CompressionSimulation::Internals::DrawAlong(std::vector<double>& values) const
+void CompressionSimulation::Internals::DrawAlong(std::span<double> values) const
 {
   for (const auto& [middle, a, b] : this->Followers)
   {
@@ -214,7 +214,7 @@ const std::vector<double>& CompressionSimulation::Internals::SettledPositions(
 /// Multiplies the given stiffness of body and wall by a factor.
 void CompressionSimulation::Internals::SetStiffness(double factor)
 {
-  std::vector<ElasticMaterial> materials = this->Given;
+  std::vector<ElasticMaterial> materials = this->GivenMaterials;
   for (ElasticMaterial& material : materials)
   {
     material.YoungsModulusKPa *= factor;
@@ -312,9 +312,9 @@ void CompressionSimulation::Internals::Unload(const Vector3& gravityMPerS2,
 
 void CompressionSimulation::Internals::SetMaterials(const std::vector<ElasticMaterial>& materials)
 {
-  const std::vector<ElasticMaterial> before = this->Given;
+  const std::vector<ElasticMaterial> before = this->GivenMaterials;
   const double factor = this->Factor;
-  this->Given = materials;
+  this->GivenMaterials = materials;
   const std::vector<double> shape =
     this->Unloaded ? this->Unloaded->Shape.Shape() : std::vector<double>();
   try
@@ -331,7 +331,7 @@ void CompressionSimulation::Internals::SetMaterials(const std::vector<ElasticMat
   }
   catch (...)
   {
-    this->Given = before;
+    this->GivenMaterials = before;
     this->SetStiffness(factor);
     if (this->Unloaded)
     {
@@ -357,7 +357,8 @@ std::vector<double> CompressionSimulation::Internals::PositionsIn(
   std::vector<double> found = embedded.Map(displacement);
   for (std::size_t c = 0; c < found.size(); ++c)
   {
-    found[c] = this->Fixed[c] ? this->Body.RestPositions()[c] : this->Image[c] + found[c];
+    found[c] =
+      this->FixedCoordinates[c] ? this->Body.RestPositions()[c] : this->Image[c] + found[c];
   }
   this->DrawAlong(found);
   return found;
@@ -391,11 +392,13 @@ void CompressionSimulation::Internals::AddStressFreeVelocities(EquilibriumDeriva
   {
     walls.push_back(velocity.Wall);
   }
-  for (std::vector<double>& rate : this->Unloaded->Shape.Rates(velocities.Materials, walls))
+  const VectorFields shapes = this->Unloaded->Shape.Velocities(velocities.Materials, walls);
+  for (std::size_t field = 0; field < shapes.Count(); ++field)
   {
+    std::vector<double> positions(shapes[field].begin(), shapes[field].end());
     std::vector<double> loads = BodyForceDerivatives(this->Body, this->FixedCells,
-      this->Options.GravityMPerS2, this->Options.PullN, rate);
-    velocities.Rest.push_back({ std::move(rate), std::move(loads) });
+      this->Options.GravityMPerS2, this->Options.PullN, positions);
+    velocities.Rest.push_back({ std::move(positions), std::move(loads) });
   }
 }
 

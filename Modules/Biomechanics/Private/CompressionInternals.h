@@ -12,6 +12,7 @@
 
 #include <functional>
 #include <optional>
+#include <span>
 
 namespace mammoray
 {
@@ -22,12 +23,12 @@ struct CompressionSimulation::Internals
   /// One flag per cell: true for cells of a fixed material.
   std::vector<bool> FixedCells;
   /// Coordinates that do not move, 3 x nodeCount.
-  std::vector<bool> Fixed;
+  std::vector<bool> FixedCoordinates;
   /// The wall's energy if the breast slides along the wall or is attached elastically.
   std::optional<AttachmentEnergy> Wall;
   EquilibriumSolver Solver;
   /// The materials as given, and the factor by which all stiffness exceeds theirs.
-  std::vector<ElasticMaterial> Given;
+  std::vector<ElasticMaterial> GivenMaterials;
   double Factor = 1;
   /// The inverse problem that Unload has solved.
   struct Unloading
@@ -38,8 +39,8 @@ struct CompressionSimulation::Internals
 
     Unloading(Internals& internals, const Vector3& gravity, const std::vector<double>& corners)
       : Gravity(gravity)
-      , Inverse(internals.Body, internals.Wall ? &*internals.Wall : nullptr, internals.Fixed,
-          internals.FixedCells, corners, gravity)
+      , Inverse(internals.Body, internals.Wall ? &*internals.Wall : nullptr,
+          internals.FixedCoordinates, internals.FixedCells, corners, gravity)
       , Shape(Inverse, internals.Solver, internals.Options.RelativeTolerance)
     {
     }
@@ -65,7 +66,7 @@ struct CompressionSimulation::Internals
   void FindFollowers();
   /// Places these nodes midway between the ends of their sides, in positions or velocities (3 x
   /// nodeCount).
-  void DrawAlong(std::vector<double>& values) const;
+  void DrawAlong(std::span<double> values) const;
   /// Dead loads of every node, 3 x nodeCount, kPa mm^2; empty if there are none.
   std::vector<double> Loads(const Vector3& gravityMPerS2, const Vector3& pullN) const;
   /// Moves `x` from the equilibrium under the loads `from` to the one under `to`, without plates

@@ -73,14 +73,14 @@ bool ContactEnergy::Add(std::size_t element, const std::vector<double>& x, Energ
 {
   const int faceNodes = this->Part.Body().NodesPerFace();
   const std::size_t rows = 3 * this->NodesOf(element).size();
-  this->ForEachPoint(element, x, this->Touched,
+  this->ForEachPoint(element, x, this->CurrentPlates,
     [&](const ContactPoint& point)
     {
       const double force = point.Weight * point.Law.Pressure;
       terms.Value += point.Weight * point.Law.Energy;
       terms.Measures.Penetration = std::max(terms.Measures.Penetration, -point.Distance.Distance);
       terms.Measures.NormalForce[point.Side] +=
-        force * Dot(point.Distance.Gradient, point.Touched.Normal);
+        force * Dot(point.Distance.Gradient, point.TouchedPlate.Normal);
       if (order == EnergyOrder::Value)
       {
         return;
@@ -141,7 +141,7 @@ void ContactEnergy::AddPlateForces(std::size_t element, const std::vector<double
 {
   // Let b(d) be the contact energy per area and d the distance to a plate moved by v = L + w x r.
   // Then d(grad b)/dp = b' w x grad d - hess(b) v, since grad d turns with the plate.
-  this->ForEachPoint(element, x, this->Touched,
+  this->ForEachPoint(element, x, this->CurrentPlates,
     [&](const ContactPoint& point)
     {
       const double slope = -point.Weight * point.Law.Pressure;
@@ -151,7 +151,7 @@ void ContactEnergy::AddPlateForces(std::size_t element, const std::vector<double
       {
         const PlateVelocity& velocity =
           point.Side == 0 ? velocities[p].Support : velocities[p].Paddle;
-        const Vector3 v = velocity.At(point.Touched, point.Position);
+        const Vector3 v = velocity.VelocityAt(point.TouchedPlate, point.Position);
         const Vector3 force = (along * Dot(distance.Gradient, v)) * distance.Gradient +
           (slope * distance.Curvature * Dot(distance.Tangent, v)) * distance.Tangent -
           slope * Cross(velocity.Angular, distance.Gradient);
@@ -164,7 +164,7 @@ void ContactEnergy::AddPlateForces(std::size_t element, const std::vector<double
 void ContactEnergy::AddRestForces(std::size_t element, const std::vector<double>& x,
   const std::vector<double>& restVelocities, double* column) const
 {
-  this->ForEachPoint(element, x, this->Touched,
+  this->ForEachPoint(element, x, this->CurrentPlates,
     [&](const ContactPoint& point)
     {
       const double growth =
@@ -179,7 +179,7 @@ void ContactEnergy::AddPaddleForceDerivative(std::size_t element, const std::vec
 {
   // F = sum of A p(depth) grad d . n. Only the velocity relative to the paddle matters: a rotation
   // turns both grad d and n.
-  this->ForEachPoint(element, x, this->Touched,
+  this->ForEachPoint(element, x, this->CurrentPlates,
     [&](const ContactPoint& point)
     {
       if (point.Side == 0)
@@ -187,10 +187,10 @@ void ContactEnergy::AddPaddleForceDerivative(std::size_t element, const std::vec
         return;
       }
       const PlateDistance& distance = point.Distance;
-      const Vector3& normal = point.Touched.Normal;
+      const Vector3& normal = point.TouchedPlate.Normal;
       const Vector3 relative =
         FacePosition(this->Part.Body(), point.Face, point.Shape, nodeVelocities) -
-        velocity.Paddle.At(point.Touched, point.Position);
+        velocity.Paddle.VelocityAt(point.TouchedPlate, point.Position);
       rate += point.Weight *
         (point.Law.Pressure * distance.Curvature * Dot(distance.Tangent, relative) *
             Dot(distance.Tangent, normal) -
@@ -213,7 +213,7 @@ std::vector<double> ContactEnergy::NodePressures(const std::vector<double>& x) c
         area[body.NodesOf(face.Element)[face.LocalNodes[c]]] += face.Area / 3;
       }
     }
-    this->ForEachPoint(element, x, this->Touched,
+    this->ForEachPoint(element, x, this->CurrentPlates,
       [&](const ContactPoint& point)
       {
         const std::array<double, 3>& lambda = FacePoints()[point.RulePoint].Lambda;

@@ -38,7 +38,7 @@ struct ContactPoint
   Vector3 Position;
   /// 0 for the support, 1 for the paddle.
   std::int16_t Side;
-  const Plate& Touched;
+  const Plate& TouchedPlate;
   PlateDistance Distance;
   ContactLaw Law;
   /// Undeformed area that the point represents, mm^2.
@@ -65,8 +65,8 @@ public:
   }
   void SetStiffness(double stiffness) { this->StiffnessValue = stiffness; }
   double Stiffness() const { return this->StiffnessValue; }
-  void SetPlates(const PlatePair& plates) { this->Touched = plates; }
-  const PlatePair& Plates() const { return this->Touched; }
+  void SetPlates(const PlatePair& plates) { this->CurrentPlates = plates; }
+  const PlatePair& Plates() const { return this->CurrentPlates; }
 
   std::size_t NumberOfPieces() const override { return this->Part.Body().NumberOfElements(); }
   std::span<const std::int32_t> NodesOf(std::size_t element) const override
@@ -108,7 +108,7 @@ private:
 
   const MovingPart& Part;
   double StiffnessValue;
-  PlatePair Touched;
+  PlatePair CurrentPlates;
 };
 }
 

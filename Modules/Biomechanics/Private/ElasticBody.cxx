@@ -135,7 +135,7 @@ double ElasticBody::CellDensity(std::size_t cell) const
   double density = 0;
   for (std::size_t p = this->PartStarts[cell]; p < this->PartStarts[cell + 1]; ++p)
   {
-    density += this->Parts[p].Whole * this->Table[this->Parts[p].Material].DensityGPerCm3;
+    density += this->Parts[p].CellShare * this->Table[this->Parts[p].Material].DensityGPerCm3;
   }
   return density;
 }
@@ -145,7 +145,7 @@ double ElasticBody::CellBulkModulus(std::size_t cell) const
   double kappa = 0;
   for (const Part& part : this->PartsOf(cell))
   {
-    kappa += part.Whole * this->Table[part.Material].BulkModulusKPa();
+    kappa += part.CellShare * this->Table[part.Material].BulkModulusKPa();
   }
   return kappa;
 }
@@ -298,11 +298,11 @@ void ElasticBody::SampleMaterials(const TetrahedralMesh& mesh, int materialCount
       {
         if (points == 1 || lambda[q] > largest)
         {
-          part.Around[q] += 1 / ties;
+          part.PointShares[q] += 1 / ties;
           count[q] += 1 / ties;
         }
       }
-      part.Whole += 1;
+      part.CellShare += 1;
       total += 1;
     };
     if (!field)
@@ -344,9 +344,9 @@ void ElasticBody::SampleMaterials(const TetrahedralMesh& mesh, int materialCount
     {
       for (int q = 0; q < 4; ++q)
       {
-        part.Around[q] /= count[q];
+        part.PointShares[q] /= count[q];
       }
-      part.Whole /= total;
+      part.CellShare /= total;
       this->Parts.push_back(part);
     }
   }
@@ -402,10 +402,10 @@ void ElasticBody::SetMaterials(const std::vector<ElasticMaterial>& materials)
         const double mu = material.ShearModulusKPa();
         for (int q = 0; q < points; ++q)
         {
-          shape[q].Mu += part.Around[q] * mu;
-          shape[q].Exponent += part.Around[q] * mu * material.FungExponent;
+          shape[q].Mu += part.PointShares[q] * mu;
+          shape[q].Exponent += part.PointShares[q] * mu * material.FungExponent;
         }
-        this->Kappa[element] += share * part.Whole * material.BulkModulusKPa();
+        this->Kappa[element] += share * part.CellShare * material.BulkModulusKPa();
       }
       for (int q = 0; q < points; ++q)
       {

@@ -46,8 +46,8 @@ public:
   struct Part
   {
     int Material = 0;
-    std::array<double, 4> Around{};
-    double Whole = 0;
+    std::array<double, 4> PointShares{};
+    double CellShare = 0;
   };
 
   /**

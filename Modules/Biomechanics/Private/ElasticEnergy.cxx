@@ -293,11 +293,11 @@ std::vector<double> RateOf(const ElasticBody& body, std::size_t element,
       const double ownRate = mu * (relative - rate.PoissonRatio / (1 + material.PoissonRatio));
       for (int q = 0; q < Cell::Points; ++q)
       {
-        muRate[count + q] += part.Around[q] * ownRate;
+        muRate[count + q] += part.PointShares[q] * ownRate;
         productRate[count + q] +=
-          part.Around[q] * (ownRate * material.FungExponent + mu * rate.FungExponent);
+          part.PointShares[q] * (ownRate * material.FungExponent + mu * rate.FungExponent);
       }
-      kappaRate += share * part.Whole * material.BulkModulusKPa() *
+      kappaRate += share * part.CellShare * material.BulkModulusKPa() *
         (relative + 2 * rate.PoissonRatio / (1 - 2 * material.PoissonRatio));
     }
     DeformCell<Cell>(body, cell, x, &states[count]);
@@ -576,8 +576,8 @@ bool ElasticEnergy::Add(std::size_t element, const std::vector<double>& x, Energ
   PieceTerms& terms) const
 {
   return this->Body.Type() == ElementType::Quadratic
-    ? AddTerms<QuadraticCell>(this->Body, element, x, order, this->Where, terms)
-    : AddTerms<LinearCell>(this->Body, element, x, order, this->Where, terms);
+    ? AddTerms<QuadraticCell>(this->Body, element, x, order, this->CurrentDomain, terms)
+    : AddTerms<LinearCell>(this->Body, element, x, order, this->CurrentDomain, terms);
 }
 
 std::vector<double> ElasticEnergy::GradientDerivative(std::size_t element,

@@ -51,8 +51,8 @@ public:
     : Body(body)
   {
   }
-  void SetDomain(Domain domain) { this->Where = domain; }
-  Domain GetDomain() const { return this->Where; }
+  void SetDomain(Domain domain) { this->CurrentDomain = domain; }
+  Domain GetDomain() const { return this->CurrentDomain; }
 
   std::size_t NumberOfPieces() const override { return this->Body.NumberOfElements(); }
   std::span<const std::int32_t> NodesOf(std::size_t element) const override
@@ -80,7 +80,7 @@ public:
 
 private:
   const ElasticBody& Body;
-  Domain Where = Domain::Admissible;
+  Domain CurrentDomain = Domain::Admissible;
 };
 }
 

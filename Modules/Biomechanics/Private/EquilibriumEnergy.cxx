@@ -29,10 +29,10 @@ double SquaredNorm(const std::vector<double>& v)
 EquilibriumEnergy::EquilibriumEnergy(const ElasticBody& body, const std::vector<bool>& fixed,
   double contactStiffness, const std::vector<bool>& rigid)
   : Moving(body, fixed, rigid)
-  , OfBody(body)
-  , OfContact(Moving, contactStiffness)
-  , OfFriction(Moving)
-  , OfLoads(body)
+  , BodyTerm(body)
+  , ContactTerm(Moving, contactStiffness)
+  , FrictionTerm(Moving)
+  , LoadTerm(body)
 {
   this->MeasureScales();
   this->MakePattern();
@@ -48,46 +48,46 @@ void EquilibriumEnergy::BodyChanged()
 
 void EquilibriumEnergy::SetDomain(ElasticEnergy::Domain domain)
 {
-  this->Changes += domain != this->OfBody.GetDomain();
-  this->OfBody.SetDomain(domain);
+  this->Changes += domain != this->BodyTerm.GetDomain();
+  this->BodyTerm.SetDomain(domain);
 }
 
 void EquilibriumEnergy::SetPlates(const PlatePair* plates)
 {
-  this->Changes += this->Plated != (plates != nullptr);
-  this->Plated = plates != nullptr;
+  this->Changes += this->HasPlates != (plates != nullptr);
+  this->HasPlates = plates != nullptr;
   if (plates)
   {
-    this->Changes += *plates != this->OfContact.Plates();
-    this->OfContact.SetPlates(*plates);
-    this->OfFriction.SetPlates(*plates);
+    this->Changes += *plates != this->ContactTerm.Plates();
+    this->ContactTerm.SetPlates(*plates);
+    this->FrictionTerm.SetPlates(*plates);
   }
 }
 
 void EquilibriumEnergy::SetContactStiffness(double stiffness)
 {
-  this->Changes += stiffness != this->OfContact.Stiffness();
-  this->OfContact.SetStiffness(stiffness);
+  this->Changes += stiffness != this->ContactTerm.Stiffness();
+  this->ContactTerm.SetStiffness(stiffness);
 }
 
 void EquilibriumEnergy::SetFriction(FrictionPoints points)
 {
-  this->Changes += !points.empty() || !this->OfFriction.Points().empty();
-  this->OfFriction.SetPoints(std::move(points));
+  this->Changes += !points.empty() || !this->FrictionTerm.Points().empty();
+  this->FrictionTerm.SetPoints(std::move(points));
 }
 
 void EquilibriumEnergy::SetAttachment(const AttachmentEnergy* attachment)
 {
   ++this->Changes;
-  this->OfWall = attachment;
+  this->WallTerm = attachment;
 }
 
 void EquilibriumEnergy::SetLoads(std::vector<double> loads)
 {
-  if (loads != this->OfLoads.Forces())
+  if (loads != this->LoadTerm.Forces())
   {
     ++this->Changes;
-    this->OfLoads.SetForces(std::move(loads));
+    this->LoadTerm.SetForces(std::move(loads));
   }
 }
 
@@ -147,9 +147,9 @@ void EquilibriumEnergy::MakePattern()
       nodeOfLast = node;
     }
     // Unknowns are numbered in the order of the coordinates, so these ascend.
-    this->Entries.Rows.insert(this->Entries.Rows.end(),
+    this->HessianPattern.Rows.insert(this->HessianPattern.Rows.end(),
       std::lower_bound(unknowns.begin(), unknowns.end(), static_cast<int>(u)), unknowns.end());
-    this->Entries.Starts.push_back(static_cast<int>(this->Entries.Rows.size()));
+    this->HessianPattern.Starts.push_back(static_cast<int>(this->HessianPattern.Rows.size()));
   }
 }
 
@@ -175,7 +175,7 @@ void EquilibriumEnergy::MakeScatter()
           const auto [column, row] = std::minmax(unknown[this->CoordinateOf(moving, c)],
             unknown[this->CoordinateOf(moving, r)]);
           *scatter++ =
-            column >= 0 ? static_cast<std::int32_t>(this->Entries.PlaceOf(column, row)) : -1;
+            column >= 0 ? static_cast<std::int32_t>(this->HessianPattern.PlaceOf(column, row)) : -1;
         }
       }
     });
@@ -203,15 +203,15 @@ void EquilibriumEnergy::EvaluateElement(std::size_t moving, const std::vector<do
     hessian.assign(rows * rows, 0.0);
     ofBody.Hessian = ofContact.Hessian = hessian;
   }
-  work.Valid = this->OfBody.Add(element, x, order, ofBody);
+  work.Valid = this->BodyTerm.Add(element, x, order, ofBody);
   if (!work.Valid)
   {
     return;
   }
-  if (this->Plated)
+  if (this->HasPlates)
   {
-    this->OfContact.Add(element, x, order, ofContact);
-    this->OfFriction.Add(element, x, order, ofContact);
+    this->ContactTerm.Add(element, x, order, ofContact);
+    this->FrictionTerm.Add(element, x, order, ofContact);
   }
   work.Value = ofBody.Value + ofContact.Value;
   work.Measures = ofBody.Measures;
@@ -244,7 +244,7 @@ void EquilibriumEnergy::Evaluate(const std::vector<double>& x, EnergyOrder order
   }
   if (order >= EnergyOrder::Hessian)
   {
-    result.Hessian.assign(this->Entries.Rows.size(), 0.0);
+    result.Hessian.assign(this->HessianPattern.Rows.size(), 0.0);
   }
   ForceNorms norms;
   this->SumElements(order, result, norms);
@@ -293,26 +293,26 @@ void EquilibriumEnergy::AddLoads(const std::vector<double>& x, EnergyOrder order
 {
   PieceTerms terms;
   terms.Value = result.Energy;
-  for (std::size_t node = 0; node < this->OfLoads.NumberOfPieces(); ++node)
+  for (std::size_t node = 0; node < this->LoadTerm.NumberOfPieces(); ++node)
   {
     if (order >= EnergyOrder::Gradient)
     {
       terms.Gradient = { &result.Gradient[3 * node], 3 };
     }
-    this->OfLoads.Add(node, x, order, terms);
+    this->LoadTerm.Add(node, x, order, terms);
   }
   result.Energy = terms.Value;
-  norms.Loads = std::sqrt(SquaredNorm(this->OfLoads.Forces()));
+  norms.Loads = std::sqrt(SquaredNorm(this->LoadTerm.Forces()));
 }
 
 void EquilibriumEnergy::AddAttachment(const std::vector<double>& x, EnergyOrder order,
   Evaluation& result, ForceNorms& norms)
 {
-  if (!this->OfWall)
+  if (!this->WallTerm)
   {
     return;
   }
-  this->WallNodes.resize(this->OfWall->NumberOfPieces());
+  this->WallNodes.resize(this->WallTerm->NumberOfPieces());
   ParallelFor(this->WallNodes.size(),
     [&](std::size_t n)
     {
@@ -320,7 +320,7 @@ void EquilibriumEnergy::AddAttachment(const std::vector<double>& x, EnergyOrder 
       work = {};
       work.Terms.Gradient = work.Gradient;
       work.Terms.Hessian = work.Hessian;
-      this->OfWall->Add(n, x, order, work.Terms);
+      this->WallTerm->Add(n, x, order, work.Terms);
     });
   const std::vector<std::int32_t>& unknown = this->Moving.Unknowns();
   double square = 0;
@@ -334,7 +334,7 @@ void EquilibriumEnergy::AddAttachment(const std::vector<double>& x, EnergyOrder 
       continue;
     }
     square += Dot(work.Gradient, work.Gradient);
-    const std::int32_t node = this->OfWall->NodesOf(n).front();
+    const std::int32_t node = this->WallTerm->NodesOf(n).front();
     for (int i = 0; i < 3; ++i)
     {
       const std::int32_t column = unknown[3 * node + i];
@@ -344,7 +344,7 @@ void EquilibriumEnergy::AddAttachment(const std::vector<double>& x, EnergyOrder 
         const std::int32_t row = unknown[3 * node + j];
         if (row >= 0)
         {
-          result.Hessian[this->Entries.PlaceOf(column, row)] += work.Hessian[3 * i + j];
+          result.Hessian[this->HessianPattern.PlaceOf(column, row)] += work.Hessian[3 * i + j];
         }
       }
     }
@@ -439,12 +439,12 @@ std::unique_ptr<Objective> EquilibriumEnergy::WorstPart(const std::vector<double
     return nullptr;
   }
   auto part = std::make_unique<EquilibriumEnergy>(this->Moving.Body(), fixed,
-    this->OfContact.Stiffness(), this->Moving.RigidCells());
-  part->SetDomain(this->OfBody.GetDomain());
-  part->SetPlates(this->Plated ? &this->OfContact.Plates() : nullptr);
-  part->SetLoads(this->OfLoads.Forces());
-  part->SetAttachment(this->OfWall);
-  part->SetFriction(this->OfFriction.Points());
+    this->ContactTerm.Stiffness(), this->Moving.RigidCells());
+  part->SetDomain(this->BodyTerm.GetDomain());
+  part->SetPlates(this->HasPlates ? &this->ContactTerm.Plates() : nullptr);
+  part->SetLoads(this->LoadTerm.Forces());
+  part->SetAttachment(this->WallTerm);
+  part->SetFriction(this->FrictionTerm.Points());
   return part;
 }
 }

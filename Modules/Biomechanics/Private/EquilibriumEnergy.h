@@ -47,10 +47,10 @@ public:
   void SetLoads(std::vector<double> loads);
 
   const MovingPart& Part() const { return this->Moving; }
-  const ElasticEnergy& Elastic() const { return this->OfBody; }
-  const ContactEnergy& Contact() const { return this->OfContact; }
-  const FrictionEnergy& Friction() const { return this->OfFriction; }
-  const AttachmentEnergy* Attachment() const { return this->OfWall; }
+  const ElasticEnergy& Elastic() const { return this->BodyTerm; }
+  const ContactEnergy& Contact() const { return this->ContactTerm; }
+  const FrictionEnergy& Friction() const { return this->FrictionTerm; }
+  const AttachmentEnergy* Attachment() const { return this->WallTerm; }
   /// Undeformed volume, mm^3.
   double RestVolume() const { return this->VolumeAtRest; }
 
@@ -58,7 +58,7 @@ public:
   {
     return this->Moving.Coordinates();
   }
-  const SparsePattern& Pattern() const override { return this->Entries; }
+  const SparsePattern& Pattern() const override { return this->HessianPattern; }
   void Evaluate(const std::vector<double>& x, EnergyOrder order, Evaluation& result) override;
   double Noise() const override { return this->EnergyNoise; }
   std::uint64_t Version() const override { return this->Changes; }
@@ -113,15 +113,15 @@ private:
   std::vector<bool> FixedAroundWorst(const std::vector<double>& gradient) const;
 
   const MovingPart Moving;
-  ElasticEnergy OfBody;
-  ContactEnergy OfContact;
-  FrictionEnergy OfFriction;
-  LoadEnergy OfLoads;
-  const AttachmentEnergy* OfWall = nullptr;
-  bool Plated = false;
+  ElasticEnergy BodyTerm;
+  ContactEnergy ContactTerm;
+  FrictionEnergy FrictionTerm;
+  LoadEnergy LoadTerm;
+  const AttachmentEnergy* WallTerm = nullptr;
+  bool HasPlates = false;
   std::uint64_t Changes = 1;
 
-  SparsePattern Entries;
+  SparsePattern HessianPattern;
   /// Position in the pattern of each entry of the lower half of an element's matrix; -1 if it has
   /// none. The entries of moving element m begin at ScatterStarts[m].
   std::vector<std::int32_t> Scatter;

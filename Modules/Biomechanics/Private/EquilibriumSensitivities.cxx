@@ -203,8 +203,8 @@ std::vector<double> PlateForces(const EquilibriumEnergy& energy, const std::vect
   return columns;
 }
 
-std::vector<std::vector<double>> EquilibriumSensitivities(const EquilibriumEnergy& energy,
-  NewtonSolver& newton, const std::vector<double>& x, const EquilibriumDerivatives& velocities)
+VectorFields EquilibriumSensitivities(const EquilibriumEnergy& energy, NewtonSolver& newton,
+  const std::vector<double>& x, const EquilibriumDerivatives& velocities)
 {
   Check(velocities, energy.Part().Body().Materials().size(), x.size());
   const std::size_t count =
@@ -213,7 +213,7 @@ std::vector<std::vector<double>> EquilibriumSensitivities(const EquilibriumEnerg
   {
     return {};
   }
-  const Evaluation& current = newton.At(x);
+  const Evaluation& current = newton.EvaluateAt(x);
   if (!current.Valid)
   {
     throw ConvergenceError("sensitivities: expected no inverted cell, found one");
@@ -248,10 +248,9 @@ std::vector<std::vector<double>> EquilibriumSensitivities(const EquilibriumEnerg
   }
   const std::vector<std::int32_t>& coordinates = energy.Coordinates();
   const std::size_t n = coordinates.size();
-  std::vector<std::vector<double>> result;
+  VectorFields result(count, x.size());
   for (std::size_t p = 0; p < count; ++p)
   {
-    result.emplace_back(x.size(), 0.0);
     for (std::size_t u = 0; u < n; ++u)
     {
       result[p][coordinates[u]] = solution[n * p + u];

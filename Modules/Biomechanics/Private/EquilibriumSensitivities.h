@@ -7,6 +7,7 @@
 #include "mammoray/Biomechanics/ElasticMaterial.h"
 #include "mammoray/Biomechanics/Plates.h"
 #include "mammoray/Biomechanics/WallAttachment.h"
+#include "mammoray/Foundation/VectorFields.h"
 
 #include <vector>
 
@@ -58,8 +59,8 @@ std::vector<double> PlateForces(const EquilibriumEnergy& energy, const std::vect
  * computed; each parameter costs one back-substitution. Throws InputError, and ConvergenceError
  * where the Hessian of the energy is not positive definite.
  */
-std::vector<std::vector<double>> EquilibriumSensitivities(const EquilibriumEnergy& energy,
-  NewtonSolver& newton, const std::vector<double>& x, const EquilibriumDerivatives& velocities);
+VectorFields EquilibriumSensitivities(const EquilibriumEnergy& energy, NewtonSolver& newton,
+  const std::vector<double>& x, const EquilibriumDerivatives& velocities);
 
 /// Derivative of the paddle's force, N per unit of a parameter that moves the plates by `velocity`
 /// and the nodes by `nodeVelocities` (3 x nodeCount).

@@ -79,7 +79,7 @@ EquilibriumReport EquilibriumSolver::Minimize(std::vector<double>& x, double tol
   int maximumSteps, const ProgressCallback& progress)
 {
   const NewtonResult result = this->Newton.Minimize(x, tolerance, maximumSteps, progress);
-  const Evaluation& last = this->Newton.At(x);
+  const Evaluation& last = this->Newton.EvaluateAt(x);
   EquilibriumReport report = last.Valid ? this->Report(last) : EquilibriumReport();
   report.Converged = result.Converged;
   report.NewtonSteps = result.Steps;
@@ -97,7 +97,7 @@ EquilibriumReport EquilibriumSolver::Solve(std::vector<double>& x, const PlatePa
 bool EquilibriumSolver::IsStable(const std::vector<double>& x)
 {
   this->Energy.SetPlates(nullptr);
-  const Evaluation& evaluation = this->Newton.At(x);
+  const Evaluation& evaluation = this->Newton.EvaluateAt(x);
   return evaluation.Valid && this->Newton.Factor().Factorize(evaluation.Hessian, x);
 }
 
@@ -166,8 +166,8 @@ std::vector<double> EquilibriumSolver::ContactPressures(const std::vector<double
   return this->Energy.Contact().NodePressures(x);
 }
 
-std::vector<std::vector<double>> EquilibriumSolver::Sensitivities(const std::vector<double>& x,
-  const PlatePair& plates, const EquilibriumDerivatives& velocities)
+VectorFields EquilibriumSolver::Sensitivities(const std::vector<double>& x, const PlatePair& plates,
+  const EquilibriumDerivatives& velocities)
 {
   this->Energy.SetPlates(&plates);
   return EquilibriumSensitivities(this->Energy, this->Newton, x, velocities);

@@ -79,8 +79,8 @@ public:
   /// Velocities dx/dp of the nodes at the equilibrium `x`, in the order of EquilibriumDerivatives;
   /// zero at fixed coordinates. Friction's normal forces are frozen, and its anchors move with the
   /// plates. Throws ConvergenceError if the stiffness matrix is not positive definite.
-  std::vector<std::vector<double>> Sensitivities(const std::vector<double>& x,
-    const PlatePair& plates, const EquilibriumDerivatives& velocities);
+  VectorFields Sensitivities(const std::vector<double>& x, const PlatePair& plates,
+    const EquilibriumDerivatives& velocities);
   /// Derivative of the paddle's force, N per unit of a parameter that moves the plates by
   /// `velocity` and the nodes by `nodeVelocities` (from Sensitivities).
   double PaddleForceDerivative(const std::vector<double>& x, const PlatePair& plates,

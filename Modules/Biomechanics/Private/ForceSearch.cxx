@@ -26,7 +26,7 @@ constexpr double FirstGap = 0.85;
 
 }
 
-CompressionState FindForce(const CompressionSimulation& simulation, bool rubs,
+CompressionState FindForce(CompressionSimulation& simulation, bool hasFriction,
   const PlatePair& plates, const PlatePairVelocity& closing, double forceN,
   const ProgressCallback& progress)
 {
@@ -52,7 +52,7 @@ CompressionState FindForce(const CompressionSimulation& simulation, bool rubs,
   for (int step = 0; std::abs(state.PaddleForceN / forceN - 1) > ForceTolerance; ++step)
   {
     (state.PaddleForceN < forceN ? tooLittle : tooMuch) = at;
-    if (rubs && state.PaddleForceN < forceN)
+    if (hasFriction && state.PaddleForceN < forceN)
     {
       below = state;
       tooMuch = std::numeric_limits<double>::infinity(); // on the way from another state
@@ -78,7 +78,7 @@ CompressionState FindForce(const CompressionSimulation& simulation, bool rubs,
     {
       try
       {
-        const CompressionState* from = rubs ? (below ? &*below : nullptr) : &state;
+        const CompressionState* from = hasFriction ? (below ? &*below : nullptr) : &state;
         state = simulation.Compress(platesAt(at + by), from, progress);
         at += by;
         newtonSteps += state.NewtonSteps;

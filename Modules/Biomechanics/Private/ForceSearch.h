@@ -8,7 +8,7 @@ namespace mammoray
 {
 /// Implements CompressionSimulation::CompressToForce, which documents the arguments. `hasFriction`
 /// is true if the simulation has friction.
-CompressionState FindForce(const CompressionSimulation& simulation, bool rubs,
+CompressionState FindForce(CompressionSimulation& simulation, bool hasFriction,
   const PlatePair& plates, const PlatePairVelocity& closing, double forceN,
   const ProgressCallback& progress);
 }

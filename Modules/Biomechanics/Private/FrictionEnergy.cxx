@@ -23,15 +23,15 @@ void FrictionEnergy::SetPoints(FrictionPoints points)
   { return this->Part.ElementOfFace(point.Face); };
   std::stable_sort(points.begin(), points.end(),
     [&](const FrictionPoint& a, const FrictionPoint& b) { return elementOf(a) < elementOf(b); });
-  this->Ordered = std::move(points);
+  this->OrderedPoints = std::move(points);
   this->Starts.clear();
-  if (this->Ordered.empty())
+  if (this->OrderedPoints.empty())
   {
     return;
   }
   // Points of faces that cannot move have element -1 and precede those of the first element.
   this->Starts.assign(this->NumberOfPieces() + 1, 0);
-  for (const FrictionPoint& point : this->Ordered)
+  for (const FrictionPoint& point : this->OrderedPoints)
   {
     ++this->Starts[elementOf(point) + 1];
   }
@@ -50,7 +50,7 @@ void FrictionEnergy::ForEachPoint(std::size_t element, const std::vector<double>
   const ElasticBody& body = this->Part.Body();
   for (std::size_t p = this->Starts[element]; p < this->Starts[element + 1]; ++p)
   {
-    const FrictionPoint& point = this->Ordered[p];
+    const FrictionPoint& point = this->OrderedPoints[p];
     const ElasticBody::BoundaryFace& face = body.Faces()[point.Face];
     const std::array<double, 6> shape =
       FaceShape(FacePoints()[point.RulePoint], body.NodesPerFace());
@@ -67,7 +67,7 @@ bool FrictionEnergy::Add(std::size_t element, const std::vector<double>& x, Ener
     [&](const FrictionPoint& point, const ElasticBody::BoundaryFace& face,
       const std::array<double, 6>& shape, const Vector3& position)
     {
-      const Plate& plate = SideOf(this->Touched, point.Side);
+      const Plate& plate = SideOf(this->CurrentPlates, point.Side);
       const FrictionTerms friction(point, plate, position);
       const Vector3 force = -point.SlidingForce * friction.Gradient();
       terms.Value += point.SlidingForce * friction.Energy;
@@ -117,7 +117,7 @@ void FrictionEnergy::AddPlateForces(std::size_t element, const std::vector<doubl
     [&](const FrictionPoint& point, const ElasticBody::BoundaryFace& face,
       const std::array<double, 6>& shape, const Vector3& position)
     {
-      const Plate& plate = SideOf(this->Touched, point.Side);
+      const Plate& plate = SideOf(this->CurrentPlates, point.Side);
       const FrictionTerms friction(point, plate, position);
       for (std::size_t p = 0; p < velocities.size(); ++p)
       {
@@ -137,7 +137,7 @@ void FrictionEnergy::AddCoefficientForces(std::size_t element, const std::vector
     [&](const FrictionPoint& point, const ElasticBody::BoundaryFace& face,
       const std::array<double, 6>& shape, const Vector3& position)
     {
-      const FrictionTerms friction(point, SideOf(this->Touched, point.Side), position);
+      const FrictionTerms friction(point, SideOf(this->CurrentPlates, point.Side), position);
       this->Part.AddAtFace(face, shape, -rate * point.NormalForce * friction.Gradient(), column);
     });
 }
@@ -145,7 +145,7 @@ void FrictionEnergy::AddCoefficientForces(std::size_t element, const std::vector
 void FrictionEnergy::AddPaddleForceDerivative(std::size_t element, const std::vector<double>& x,
   const PlatePairVelocity& velocity, const std::vector<double>& nodeVelocities, double& rate) const
 {
-  const Plate& paddle = this->Touched.Paddle;
+  const Plate& paddle = this->CurrentPlates.Paddle;
   this->ForEachPoint(element, x,
     [&](const FrictionPoint& point, const ElasticBody::BoundaryFace& face,
       const std::array<double, 6>& shape, const Vector3& position)
@@ -154,7 +154,7 @@ void FrictionEnergy::AddPaddleForceDerivative(std::size_t element, const std::ve
       {
         const FrictionTerms friction(point, paddle, position);
         const Vector3 relative = FacePosition(this->Part.Body(), face, shape, nodeVelocities) -
-          velocity.Paddle.At(paddle, position);
+          velocity.Paddle.VelocityAt(paddle, position);
         rate -= point.SlidingForce * Dot(friction.HessianTimes(relative), paddle.Normal);
       }
     });
@@ -165,7 +165,7 @@ FrictionPoints FrictionOfContact(const MovingPart& part, const ContactEnergy& co
   const FrictionStart& before)
 {
   FrictionPoints ordered = before.Dragged;
-  std::sort(ordered.begin(), ordered.end(), Before);
+  std::sort(ordered.begin(), ordered.end(), Precedes);
   FrictionPoints result;
   for (const std::int32_t element : part.Elements())
   {
@@ -177,9 +177,9 @@ FrictionPoints FrictionOfContact(const MovingPart& part, const ContactEnergy& co
       point.Side = touching.Side;
       point.NormalForce = touching.Weight * touching.Law.Pressure;
       point.SlidingForce = coefficient * point.NormalForce;
-      point.Normal = DirectionInPlate(touching.Touched, touching.Distance.Gradient);
-      const auto found = std::lower_bound(ordered.begin(), ordered.end(), point, Before);
-      point.Anchor = found != ordered.end() && !Before(point, *found)
+      point.Normal = DirectionInPlate(touching.TouchedPlate, touching.Distance.Gradient);
+      const auto found = std::lower_bound(ordered.begin(), ordered.end(), point, Precedes);
+      point.Anchor = found != ordered.end() && !Precedes(point, *found)
         ? found->Anchor
         : PointInPlate(SideOf(before.Plates, point.Side),
             FacePosition(part.Body(), touching.Face, touching.Shape, before.Positions));

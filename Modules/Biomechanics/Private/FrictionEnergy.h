@@ -36,8 +36,8 @@ public:
   }
   void SetPoints(FrictionPoints points);
   /// Points, ordered by elements.
-  const FrictionPoints& Points() const { return this->Ordered; }
-  void SetPlates(const PlatePair& plates) { this->Touched = plates; }
+  const FrictionPoints& Points() const { return this->OrderedPoints; }
+  void SetPlates(const PlatePair& plates) { this->CurrentPlates = plates; }
 
   std::size_t NumberOfPieces() const override { return this->Part.Body().NumberOfElements(); }
   std::span<const std::int32_t> NodesOf(std::size_t element) const override
@@ -66,8 +66,8 @@ private:
     const Function& function) const;
 
   const MovingPart& Part;
-  PlatePair Touched;
-  FrictionPoints Ordered;
+  PlatePair CurrentPlates;
+  FrictionPoints OrderedPoints;
   /// Element e has the points Starts[e] to Starts[e + 1] - 1; empty if there are no points.
   std::vector<std::size_t> Starts;
 };

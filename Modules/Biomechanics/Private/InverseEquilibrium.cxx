@@ -77,7 +77,7 @@ std::vector<double> InverseEquilibrium::Unloaded() const
   return y;
 }
 
-void InverseEquilibrium::PutMiddlesBetween(std::vector<double>& values) const
+void InverseEquilibrium::PutMiddlesBetween(std::span<double> values) const
 {
   const std::size_t first = this->Corners.size();
   for (std::size_t c = first; c < values.size(); ++c)

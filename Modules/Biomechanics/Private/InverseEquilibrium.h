@@ -10,6 +10,7 @@
 #include "mammorayBiomechanicsModule.h"
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 namespace mammoray
@@ -42,7 +43,7 @@ public:
   std::vector<double> Unloaded() const;
   /// Places mid-side nodes midway between their corners, in positions or velocities (3 x
   /// nodeCount).
-  void PutMiddlesBetween(std::vector<double>& values) const;
+  void PutMiddlesBetween(std::span<double> values) const;
   /// Deformed positions of all nodes, and undeformed positions of the corners, in `y`.
   std::vector<double> Deformed(const std::vector<double>& y) const;
   std::vector<double> RestCorners(const std::vector<double>& y) const;

@@ -26,11 +26,11 @@ LaggedFriction::LaggedFriction(EquilibriumSolver& solver, const ElasticBody& bod
   : Solver(solver)
   , Body(body)
   , Coefficient(coefficient)
-  , Before{ {}, x, plates }
+  , Previous{ {}, x, plates }
 {
   if (points)
   {
-    this->Before.Dragged = DraggedTo(body, x, plates, *points);
+    this->Previous.Dragged = DraggedTo(body, x, plates, *points);
   }
 }
 
@@ -38,10 +38,10 @@ std::vector<double> LaggedFriction::Begin(const std::vector<double>& x, const Pl
   const LoadStep& step)
 {
   this->Solver.SetContactStiffness(step.ContactStiffness);
-  this->Before.Positions = x;
-  this->Before.Plates = plates;
+  this->Previous.Positions = x;
+  this->Previous.Plates = plates;
   this->Solver.SetFriction(this->Coefficient > 0
-      ? this->Solver.FrictionAt(x, plates, this->Coefficient, this->Before)
+      ? this->Solver.FrictionAt(x, plates, this->Coefficient, this->Previous)
       : FrictionPoints());
   const std::vector<double> way =
     this->Solver.TangentStep(x, plates, PlateMotion(plates, step.Plates));
@@ -68,7 +68,7 @@ EquilibriumReport LaggedFriction::Solve(std::vector<double>& x, const std::vecto
     return this->SolveFrozen(x, step, progress);
   }
   this->Solver.SetFriction(
-    this->Solver.FrictionAt(last, lastPlates, this->Coefficient, this->Before));
+    this->Solver.FrictionAt(last, lastPlates, this->Coefficient, this->Previous));
   const double wanted = step.Tolerance < LoadStep::IntermediateTolerance
     ? FrictionTolerance
     : IntermediateFrictionTolerance;
@@ -86,7 +86,7 @@ EquilibriumReport LaggedFriction::Solve(std::vector<double>& x, const std::vecto
     }
     FrictionPoints used = this->Solver.Friction();
     const FrictionPoints found =
-      this->Solver.FrictionAt(x, step.Plates, this->Coefficient, this->Before);
+      this->Solver.FrictionAt(x, step.Plates, this->Coefficient, this->Previous);
     this->Solver.SetFriction(found);
     const double residual = this->Solver.Evaluate(x, &step.Plates).RelativeResidual;
     if (residual <= wanted)
@@ -114,7 +114,7 @@ EquilibriumReport LaggedFriction::Solve(std::vector<double>& x, const std::vecto
 
 void LaggedFriction::Arrived(const std::vector<double>& x, const PlatePair& plates)
 {
-  this->Before.Dragged = DraggedTo(this->Body, x, plates, this->Solver.Friction());
+  this->Previous.Dragged = DraggedTo(this->Body, x, plates, this->Solver.Friction());
 }
 
 int LaggedFriction::Untangle(std::vector<double>& x, const LoadStep& step,

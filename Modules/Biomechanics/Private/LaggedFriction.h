@@ -40,7 +40,7 @@ private:
   const ElasticBody& Body;
   const double Coefficient;
   /// The state at which the load step began; it defines the anchors.
-  FrictionStart Before;
+  FrictionStart Previous;
 };
 }
 

@@ -113,15 +113,15 @@ LoadPath::LoadPath(LoadStepSolver& solver, const CompressionOptions& options,
   , Progress(progress)
   , Motion(PlateMotion(Start.Plates, target))
   , Softness(Start.Softness)
-  , Wanted(Start.Stiffening)
+  , TargetSoftness(Start.Stiffening)
   // Use equal steps, so that the last one is not a sliver.
   , Step(1 / std::ceil(1 / Start.LargestStep - 1e-9))
   , Hardening(LargestHardening)
   , LastGap(GapMm(Start.Plates))
 {
-  this->Reached.Positions = this->Start.Positions;
-  this->Reached.Plates = this->Start.Plates;
-  this->Reached.ContactStiffness = this->StiffnessAt(this->Softness);
+  this->Current.Positions = this->Start.Positions;
+  this->Current.Plates = this->Start.Plates;
+  this->Current.ContactStiffness = this->StiffnessAt(this->Softness);
 }
 
 int LoadPath::IntermediateSteps() const
@@ -138,7 +138,7 @@ double LoadPath::AtLeast(double tolerance) const
 ProgressCallback LoadPath::StepProgress() const
 {
   return [this](double, const char*)
-  { return !this->Progress || this->Progress(this->Done, "compression"); };
+  { return !this->Progress || this->Progress(this->Fraction, "compression"); };
 }
 
 void LoadPath::Fail(const std::string& reason) const
@@ -149,7 +149,7 @@ void LoadPath::Fail(const std::string& reason) const
 void LoadPath::Keep(const EquilibriumReport& report, std::vector<double>& x,
   const PlatePair& plates)
 {
-  CompressionState& state = this->Reached;
+  CompressionState& state = this->Current;
   state.Positions.swap(x);
   state.Plates = plates;
   state.PaddleForceN = report.PaddleForceN;
@@ -166,9 +166,9 @@ void LoadPath::Keep(const EquilibriumReport& report, std::vector<double>& x,
 /// Returns false and sets Reason if the step fails; otherwise the state is updated.
 bool LoadPath::TakeStep(std::vector<double>& x, const LoadStep& step)
 {
-  const EquilibriumReport report = this->Solver.Solve(x, this->Reached.Positions,
-    this->Reached.Plates, step, this->StepProgress());
-  this->Reached.NewtonSteps += report.NewtonSteps;
+  const EquilibriumReport report = this->Solver.Solve(x, this->Current.Positions,
+    this->Current.Plates, step, this->StepProgress());
+  this->Current.NewtonSteps += report.NewtonSteps;
   this->Reason = report.Reason;
   if (report.Converged)
   {
@@ -181,27 +181,27 @@ void LoadPath::ArriveFrom(std::vector<double> predicted)
 {
   LoadStep step{ this->Target, this->StiffnessAt(this->Softness), UntanglingTolerance,
     this->IntermediateSteps() };
-  this->Reached.NewtonSteps += this->Solver.Untangle(predicted, step, this->StepProgress());
+  this->Current.NewtonSteps += this->Solver.Untangle(predicted, step, this->StepProgress());
   step.Tolerance = ArrivalTolerance;
   if (this->TakeStep(predicted, step))
   {
-    this->Reached.LoadSteps = 1;
-    this->Done = 1;
+    this->Current.LoadSteps = 1;
+    this->Fraction = 1;
   }
 }
 
 void LoadPath::TakeClosingStep()
 {
-  ReportProgress(this->Progress, this->Done, "compression");
-  const double next = this->Done + this->Step > 1 - 1e-9 ? 1 : this->Done + this->Step;
+  ReportProgress(this->Progress, this->Fraction, "compression");
+  const double next = this->Fraction + this->Step > 1 - 1e-9 ? 1 : this->Fraction + this->Step;
   const LoadStep step{ next == 1 ? this->Target
                                  : MovedPlates(this->Start.Plates, this->Motion, next),
     this->StiffnessAt(this->Softness), this->AtLeast(LoadStep::IntermediateTolerance),
     this->IntermediateSteps() };
-  std::vector<double> x = this->Solver.Begin(this->Reached.Positions, this->Reached.Plates, step);
+  std::vector<double> x = this->Solver.Begin(this->Current.Positions, this->Current.Plates, step);
   if (!this->TakeStep(x, step))
   {
-    if (this->Softness == this->Wanted)
+    if (this->Softness == this->TargetSoftness)
     {
       this->Softness *= Softening;
     }
@@ -210,7 +210,7 @@ void LoadPath::TakeClosingStep()
       this->Step *= 0.5;
     }
     if (this->Step < this->Start.SmallestStep ||
-      this->Reached.NewtonSteps >= this->Start.MostNewtonSteps)
+      this->Current.NewtonSteps >= this->Start.MostNewtonSteps)
     {
       this->Fail(this->Reason);
     }
@@ -218,26 +218,26 @@ void LoadPath::TakeClosingStep()
   }
   if (next < 1)
   {
-    if (this->Reached.SmallestJ >= SmallestAllowedJ(this->Options.Element))
+    if (this->Current.SmallestJ >= SmallestAllowedJ(this->Options.Element))
     {
       this->LastGap = GapMm(step.Plates);
     }
-    this->Solver.Arrived(this->Reached.Positions, step.Plates);
+    this->Solver.Arrived(this->Current.Positions, step.Plates);
   }
-  ++this->Reached.LoadSteps;
-  this->Done = next;
+  ++this->Current.LoadSteps;
+  this->Fraction = next;
 }
 
 void LoadPath::Harden()
 {
-  ReportProgress(this->Progress, this->Done, "compression");
-  const double next = std::min(this->Wanted, this->Softness * this->Hardening);
+  ReportProgress(this->Progress, this->Fraction, "compression");
+  const double next = std::min(this->TargetSoftness, this->Softness * this->Hardening);
   const bool patient = this->Start.Patient && this->Hardening < PatientHardening;
   // With fully hardened contact, the penetration decides whether it must be harder still.
   const LoadStep step{ this->Target, this->StiffnessAt(next),
-    this->AtLeast(next < this->Wanted ? ArrivalTolerance : LoadStep::IntermediateTolerance),
+    this->AtLeast(next < this->TargetSoftness ? ArrivalTolerance : LoadStep::IntermediateTolerance),
     patient ? 2 * this->Options.MaximumNewtonSteps : this->IntermediateSteps() };
-  std::vector<double> x = this->Reached.Positions;
+  std::vector<double> x = this->Current.Positions;
   if (this->TakeStep(x, step))
   {
     this->Softness = next;
@@ -245,7 +245,7 @@ void LoadPath::Harden()
   }
   this->Hardening = std::sqrt(this->Hardening);
   if (this->Hardening < SmallestHardening ||
-    this->Reached.NewtonSteps >= this->Start.MostNewtonSteps)
+    this->Current.NewtonSteps >= this->Start.MostNewtonSteps)
   {
     this->Fail(this->Reason);
   }
@@ -254,10 +254,10 @@ void LoadPath::Harden()
 /// Solves to the final tolerance; nothing moves or hardens any more.
 void LoadPath::Polish()
 {
-  ReportProgress(this->Progress, this->Done, "compression");
+  ReportProgress(this->Progress, this->Fraction, "compression");
   const LoadStep step{ this->Target, this->StiffnessAt(this->Softness),
     this->Options.RelativeTolerance, this->Options.MaximumNewtonSteps };
-  std::vector<double> x = this->Reached.Positions;
+  std::vector<double> x = this->Current.Positions;
   if (!this->TakeStep(x, step))
   {
     this->Fail(this->Reason);
@@ -269,18 +269,18 @@ bool LoadPath::StiffenWherePenetrated()
 {
   // Penetration is inversely proportional to the stiffness; 0.999 leaves room for roundoff.
   const double excess =
-    this->Reached.LargestPenetrationMm / (0.999 * PenetrationLimitMm(this->Target));
+    this->Current.LargestPenetrationMm / (0.999 * PenetrationLimitMm(this->Target));
   if (!(excess > 1))
   {
     return false;
   }
-  this->Wanted *= std::exp2(std::ceil(std::log2(excess)));
-  if (this->Wanted > LargestStiffening)
+  this->TargetSoftness *= std::exp2(std::ceil(std::log2(excess)));
+  if (this->TargetSoftness > LargestStiffening)
   {
     char reason[96];
     std::snprintf(reason, sizeof reason,
       "there a penetration of %.3f mm is left, expected at most %.3f mm",
-      this->Reached.LargestPenetrationMm, PenetrationLimitMm(this->Target));
+      this->Current.LargestPenetrationMm, PenetrationLimitMm(this->Target));
     this->Fail(reason);
   }
   return true;
@@ -288,11 +288,11 @@ bool LoadPath::StiffenWherePenetrated()
 
 void LoadPath::Close()
 {
-  while (this->Done < 1)
+  while (this->Fraction < 1)
   {
     this->TakeClosingStep();
   }
-  this->Reached.ContactStiffness = this->StiffnessAt(this->Softness);
+  this->Current.ContactStiffness = this->StiffnessAt(this->Softness);
 }
 
 void LoadPath::Complete()
@@ -300,7 +300,7 @@ void LoadPath::Complete()
   this->Close();
   for (bool polished = false; !polished;)
   {
-    const bool hard = this->Softness == this->Wanted && !this->StiffenWherePenetrated();
+    const bool hard = this->Softness == this->TargetSoftness && !this->StiffenWherePenetrated();
     if (hard)
     {
       this->Polish();
@@ -311,13 +311,13 @@ void LoadPath::Complete()
       this->Harden();
     }
   }
-  this->Reached.ContactStiffness = this->StiffnessAt(this->Softness);
+  this->Current.ContactStiffness = this->StiffnessAt(this->Softness);
   const double smallest = SmallestAllowedJ(this->Options.Element);
-  if (this->Reached.SmallestJ < smallest)
+  if (this->Current.SmallestJ < smallest)
   {
     char reason[96];
     std::snprintf(reason, sizeof reason,
-      "there a part keeps %.3f of its volume, expected at least %.2f", this->Reached.SmallestJ,
+      "there a part keeps %.3f of its volume, expected at least %.2f", this->Current.SmallestJ,
       smallest);
     this->Fail(reason);
   }

@@ -95,7 +95,7 @@ public:
   void Complete();
 
   /// The current state, without friction, time and memory.
-  const CompressionState& State() const { return this->Reached; }
+  const CompressionState& State() const { return this->Current; }
 
 private:
   void TakeClosingStep();
@@ -115,13 +115,13 @@ private:
   const PlatePair Target;
   const LoadPathStart Start;
   const ProgressCallback Progress;
-  CompressionState Reached;
+  CompressionState Current;
   PlatePairVelocity Motion;
   /// Present and wanted contact stiffness, as factors on that of the options.
   double Softness;
-  double Wanted;
+  double TargetSoftness;
   /// Fraction of the path that is done, and the present load step.
-  double Done = 0;
+  double Fraction = 0;
   double Step;
   double Hardening;
   double LastGap;

@@ -35,7 +35,7 @@ NewtonSolver::NewtonSolver(Objective& objective)
 {
 }
 
-const Evaluation& NewtonSolver::At(const std::vector<double>& x)
+const Evaluation& NewtonSolver::EvaluateAt(const std::vector<double>& x)
 {
   if (!this->Current.Valid || this->CurrentVersion != this->Function.Version() ||
     this->CurrentPositions != x)
@@ -49,7 +49,7 @@ const Evaluation& NewtonSolver::At(const std::vector<double>& x)
 
 bool NewtonSolver::FactorizeAt(const std::vector<double>& x, bool stiffer)
 {
-  const Evaluation& current = this->At(x);
+  const Evaluation& current = this->EvaluateAt(x);
   const auto projected = [&]
   {
     Evaluation evaluation;
@@ -134,7 +134,7 @@ NewtonResult NewtonSolver::Minimize(std::vector<double>& x, double tolerance, in
   const ProgressCallback& progress, Parts parts)
 {
   NewtonResult result;
-  if (!this->At(x).Valid)
+  if (!this->EvaluateAt(x).Valid)
   {
     result.Reason = "a cell is inverted at the start";
     return result;
@@ -142,7 +142,7 @@ NewtonResult NewtonSolver::Minimize(std::vector<double>& x, double tolerance, in
   std::vector<double> step;
   for (;; ++result.Steps)
   {
-    const double residual = this->At(x).RelativeResidual();
+    const double residual = this->EvaluateAt(x).RelativeResidual();
     if (residual <= tolerance)
     {
       result.Converged = true;
@@ -171,7 +171,7 @@ NewtonResult NewtonSolver::Minimize(std::vector<double>& x, double tolerance, in
       return result;
     }
     const bool struggles = *share > 0 || length < 1;
-    if (parts == Parts::Relaxed && struggles && this->At(x).RelativeResidual() > tolerance)
+    if (parts == Parts::Relaxed && struggles && this->EvaluateAt(x).RelativeResidual() > tolerance)
     {
       this->RelaxWorstPart(x, progress);
     }

@@ -48,7 +48,7 @@ public:
     const ProgressCallback& progress = {}, Parts parts = Parts::Relaxed);
 
   /// The objective at `x` with its Hessian; valid until the next call of a member.
-  const Evaluation& At(const std::vector<double>& x);
+  const Evaluation& EvaluateAt(const std::vector<double>& x);
   /// Factorises the Hessian at `x`, or a stiffer matrix if that is indefinite. Returns false if
   /// neither works or the objective is not defined.
   bool FactorizeAt(const std::vector<double>& x, bool stiffer = false);

@@ -72,14 +72,15 @@ Vector3 FrictionTerms::GradientDerivative(const Plate& plate, const PlateVelocit
   // plate.
   const Vector3 d = x - this->Anchor;
   const Vector3 turn = Cross(velocity.Angular, this->Normal);
-  const Vector3 slipRate = -1.0 * Tangential(this->Normal, velocity.At(plate, this->Anchor)) -
+  const Vector3 slipRate =
+    -1.0 * Tangential(this->Normal, velocity.VelocityAt(plate, this->Anchor)) -
     Dot(this->Normal, d) * turn - Dot(turn, d) * this->Normal;
   const double square = Dot(this->Slip, this->Slip);
   const double part = square > 0 ? Dot(this->Slip, slipRate) / square : 0;
   return this->Ratio * slipRate + ((this->Curvature - this->Ratio) * part) * this->Slip;
 }
 
-bool Before(const FrictionPoint& a, const FrictionPoint& b)
+bool Precedes(const FrictionPoint& a, const FrictionPoint& b)
 {
   return std::tie(a.Face, a.RulePoint, a.Side) < std::tie(b.Face, b.RulePoint, b.Side);
 }
@@ -88,8 +89,8 @@ FrictionPoints BlendedFriction(FrictionPoints a, FrictionPoints b, double part)
 {
   // Points below this fraction of the largest force only cost time.
   constexpr double negligible = 1e-9;
-  std::sort(a.begin(), a.end(), Before);
-  std::sort(b.begin(), b.end(), Before);
+  std::sort(a.begin(), a.end(), Precedes);
+  std::sort(b.begin(), b.end(), Precedes);
   FrictionPoints blend;
   const auto add = [&blend](FrictionPoint point, double force)
   {
@@ -100,12 +101,12 @@ FrictionPoints BlendedFriction(FrictionPoints a, FrictionPoints b, double part)
   };
   for (std::size_t i = 0, j = 0; i < a.size() || j < b.size();)
   {
-    if (j == b.size() || (i < a.size() && Before(a[i], b[j])))
+    if (j == b.size() || (i < a.size() && Precedes(a[i], b[j])))
     {
       add(a[i], (1 - part) * a[i].NormalForce);
       ++i;
     }
-    else if (i == a.size() || Before(b[j], a[i]))
+    else if (i == a.size() || Precedes(b[j], a[i]))
     {
       add(b[j], part * b[j].NormalForce);
       ++j;

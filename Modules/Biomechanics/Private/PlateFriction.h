@@ -40,7 +40,7 @@ struct FrictionPoint
 };
 
 /// True if `a` precedes `b` in the order of face, point and plate.
-MAMMORAYBIOMECHANICS_EXPORT bool Before(const FrictionPoint& a, const FrictionPoint& b);
+MAMMORAYBIOMECHANICS_EXPORT bool Precedes(const FrictionPoint& a, const FrictionPoint& b);
 
 /// Contact points of both plates.
 using FrictionPoints = std::vector<FrictionPoint>;

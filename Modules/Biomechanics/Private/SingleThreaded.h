@@ -18,36 +18,37 @@ class SingleThreaded
 {
 public:
   SingleThreaded()
-    : Before(openblas_get_num_threads && openblas_set_num_threads ? openblas_get_num_threads() : 0)
-    , Levels(
+    : PreviousThreads(
+        openblas_get_num_threads && openblas_set_num_threads ? openblas_get_num_threads() : 0)
+    , PreviousLevels(
         omp_get_max_active_levels && omp_set_max_active_levels ? omp_get_max_active_levels() : 0)
   {
-    if (this->Before > 1)
+    if (this->PreviousThreads > 1)
     {
       openblas_set_num_threads(1);
     }
-    if (this->Levels > 0)
+    if (this->PreviousLevels > 0)
     {
       omp_set_max_active_levels(0);
     }
   }
   ~SingleThreaded()
   {
-    if (this->Before > 1)
+    if (this->PreviousThreads > 1)
     {
-      openblas_set_num_threads(this->Before);
+      openblas_set_num_threads(this->PreviousThreads);
     }
-    if (this->Levels > 0)
+    if (this->PreviousLevels > 0)
     {
-      omp_set_max_active_levels(this->Levels);
+      omp_set_max_active_levels(this->PreviousLevels);
     }
   }
   SingleThreaded(const SingleThreaded&) = delete;
   SingleThreaded& operator=(const SingleThreaded&) = delete;
 
 private:
-  int Before;
-  int Levels;
+  int PreviousThreads;
+  int PreviousLevels;
 };
 }
 

@@ -225,8 +225,8 @@ std::vector<double> StressFreeShape::SolveExactly(const std::vector<double>& rig
   }
 }
 
-std::vector<std::vector<double>> StressFreeShape::Rates(
-  const std::vector<MaterialDerivative>& materials, const std::vector<WallStiffness>& walls)
+VectorFields StressFreeShape::Velocities(const std::vector<MaterialDerivative>& materials,
+  const std::vector<WallStiffness>& walls)
 {
   const std::size_t count = materials.size() + walls.size();
   if (count == 0)
@@ -236,17 +236,15 @@ std::vector<std::vector<double>> StressFreeShape::Rates(
   const std::vector<double> right = this->Inverse.ParameterForces(this->Y, materials, walls);
   const std::vector<double> solution = this->SolveExactly(right);
   const std::vector<std::int32_t>& coordinates = this->Inverse.Coordinates();
-  std::vector<std::vector<double>> result;
+  VectorFields velocities(count, this->Y.size());
   for (std::size_t p = 0; p < count; ++p)
   {
-    std::vector<double> rate(this->Y.size(), 0.0);
     for (std::size_t u = 0; u < coordinates.size(); ++u)
     {
-      rate[coordinates[u]] = solution[coordinates.size() * p + u];
+      velocities[p][coordinates[u]] = solution[coordinates.size() * p + u];
     }
-    this->Inverse.PutMiddlesBetween(rate);
-    result.push_back(std::move(rate));
+    this->Inverse.PutMiddlesBetween(velocities[p]);
   }
-  return result;
+  return velocities;
 }
 }

@@ -6,6 +6,7 @@
 #include "Private/InverseEquilibrium.h"
 #include "Private/SparseLu.h"
 #include "mammoray/Foundation/Progress.h"
+#include "mammoray/Foundation/VectorFields.h"
 #include "mammorayBiomechanicsModule.h"
 
 #include <vector>
@@ -46,7 +47,7 @@ public:
   /// Velocities of the undeformed positions for parameters of the materials, then of the wall's
   /// stiffness, by the implicit function theorem at the shape found for the whole gravity. Throws
   /// ConvergenceError if they are not defined.
-  std::vector<std::vector<double>> Rates(const std::vector<MaterialDerivative>& materials,
+  VectorFields Velocities(const std::vector<MaterialDerivative>& materials,
     const std::vector<WallStiffness>& walls);
 
 private:

@@ -26,7 +26,7 @@ public:
     , Goal(goal)
     , ShiftMm(shiftMm)
     , Anchors(mesh.Points)
-    , Changed(mesh.Points.size(), 1)
+    , LastChange(mesh.Points.size(), 1)
   {
   }
 
@@ -34,13 +34,13 @@ public:
   std::size_t Pass(const ProgressCallback& progress)
   {
     std::vector<std::pair<double, std::int32_t>> bad;
-    this->Seen.resize(this->Mesh.NumberOfCells(), 0);
+    this->LastExamined.resize(this->Mesh.NumberOfCells(), 0);
     for (std::size_t n = 0; n < this->Mesh.NumberOfCells(); ++n)
     {
       const auto cell = static_cast<std::int32_t>(n);
       if (this->IsTissue(cell) && this->HasChanged(cell))
       {
-        this->Seen[n] = this->Changes;
+        this->LastExamined[n] = this->Changes;
         const double quality = this->Mesh.Quality(this->Mesh[cell].Ids);
         if (quality < this->Goal)
         {
@@ -59,7 +59,7 @@ public:
       const std::int32_t cell = bad[n].second;
       if (this->IsBad(cell))
       {
-        this->Seen[static_cast<std::size_t>(cell)] = this->Changes;
+        this->LastExamined[static_cast<std::size_t>(cell)] = this->Changes;
         better += this->Mend(cell);
       }
     }
@@ -77,8 +77,8 @@ private:
     return std::any_of(ids.begin(), ids.end(),
       [&](std::int32_t id)
       {
-        return this->Changed[static_cast<std::size_t>(id)] >
-          this->Seen[static_cast<std::size_t>(cell)];
+        return this->LastChange[static_cast<std::size_t>(id)] >
+          this->LastExamined[static_cast<std::size_t>(cell)];
       });
   }
   template <typename Points>
@@ -87,7 +87,7 @@ private:
     ++this->Changes;
     for (const std::int32_t id : points)
     {
-      this->Changed[static_cast<std::size_t>(id)] = this->Changes;
+      this->LastChange[static_cast<std::size_t>(id)] = this->Changes;
     }
   }
 
@@ -514,9 +514,9 @@ private:
   /// around it, because most such cells cannot be improved at all.
   std::uint32_t Changes = 1;
   /// Number of the last change to the cells around each point.
-  std::vector<std::uint32_t> Changed;
+  std::vector<std::uint32_t> LastChange;
   /// Number of the last change when each cell was examined.
-  std::vector<std::uint32_t> Seen;
+  std::vector<std::uint32_t> LastExamined;
 };
 }
 

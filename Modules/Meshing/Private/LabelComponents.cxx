@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Private/LabelComponents.h"
 
+#include "mammoray/Foundation/Raster.h"
+
 #include <algorithm>
 #include <array>
 #include <limits>
@@ -9,107 +11,6 @@ namespace mammoray
 {
 namespace
 {
-template <typename Visit>
-void ForFaceNeighbours(const LabelVolume& volume, std::size_t voxel, Visit visit)
-{
-  const std::size_t step[3] = { 1, static_cast<std::size_t>(volume.Size[0]),
-    static_cast<std::size_t>(volume.Size[0]) * volume.Size[1] };
-  const std::size_t index[3] = { voxel % step[1], voxel / step[1] % volume.Size[1],
-    voxel / step[2] };
-  for (int a = 0; a < 3; ++a)
-  {
-    if (index[a] > 0)
-    {
-      visit(voxel - step[a], a);
-    }
-    if (index[a] + 1 < static_cast<std::size_t>(volume.Size[a]))
-    {
-      visit(voxel + step[a], a);
-    }
-  }
-}
-
-/// Voxels of one label next to each other in a row, joined where their faces meet.
-class Runs
-{
-public:
-  explicit Runs(const LabelVolume& volume)
-    : RowLength(volume.Size[0])
-  {
-    const std::size_t rows = static_cast<std::size_t>(volume.Size[1]) * volume.Size[2];
-    this->FirstOfRow.reserve(rows + 1);
-    for (std::size_t row = 0; row < rows; ++row)
-    {
-      this->FirstOfRow.push_back(this->Count());
-      const std::uint16_t* voxels = &volume.Voxels[row * this->RowLength];
-      for (int i = 0; i < this->RowLength; ++i)
-      {
-        if (i == 0 || voxels[i] != voxels[i - 1])
-        {
-          this->All.push_back({ i, this->Count(), voxels[i] });
-        }
-      }
-      this->Join(row, row % volume.Size[1] > 0 ? row - 1 : row);
-      this->Join(row, row >= static_cast<std::size_t>(volume.Size[1]) ? row - volume.Size[1] : row);
-    }
-  }
-
-  std::uint32_t Count() const { return static_cast<std::uint32_t>(this->All.size()); }
-  int Length(std::uint32_t run) const { return this->End(run) - this->All[run].Begin; }
-  /// The first run of those joined.
-  std::uint32_t Root(std::uint32_t run)
-  {
-    while (this->All[run].Parent != run)
-    {
-      this->All[run].Parent = this->All[this->All[run].Parent].Parent;
-      run = this->All[run].Parent;
-    }
-    return run;
-  }
-
-private:
-  struct Run
-  {
-    int Begin; // in its row
-    std::uint32_t Parent;
-    std::uint16_t Label;
-  };
-
-  int End(std::uint32_t run) const
-  {
-    return run + 1 < this->Count() && this->All[run + 1].Begin > 0 ? this->All[run + 1].Begin
-                                                                   : this->RowLength;
-  }
-
-  /// Joins the last row with one before.
-  void Join(std::size_t row, std::size_t before)
-  {
-    if (before == row)
-    {
-      return;
-    }
-    std::uint32_t a = this->FirstOfRow[row];
-    std::uint32_t b = this->FirstOfRow[before];
-    while (a < this->Count())
-    {
-      if (this->All[a].Label == this->All[b].Label)
-      {
-        const std::uint32_t rootA = this->Root(a);
-        const std::uint32_t rootB = this->Root(b);
-        this->All[std::max(rootA, rootB)].Parent = std::min(rootA, rootB);
-      }
-      const int endA = this->End(a);
-      const int endB = this->End(b);
-      a += endA <= endB ? 1 : 0;
-      b += endB <= endA ? 1 : 0;
-    }
-  }
-
-  int RowLength;
-  std::vector<Run> All;
-  std::vector<std::uint32_t> FirstOfRow;
-};
-
 /// Calls visit(row, its first voxel) for all rows along i, forwards or backwards; row[0] is 0.
 template <typename Visit>
 void ForRows(const LabelVolume& volume, bool forward, Visit visit)
@@ -174,24 +75,15 @@ void SpreadInto(const LabelVolume& volume, const std::array<int, 3>& row, int fo
 
 LabelComponents FindComponents(const LabelVolume& volume)
 {
-  Runs runs(volume);
+  RasterPieces pieces = FindPieces(RasterShape(volume), volume.Voxels);
   LabelComponents found;
-  found.OfVoxel.resize(volume.NumberOfVoxels());
-  std::vector<std::uint32_t> ids(runs.Count());
-  std::size_t voxel = 0;
-  for (std::uint32_t run = 0; run < runs.Count(); ++run)
+  for (std::size_t piece = 0; piece < pieces.First.size(); ++piece)
   {
-    const std::uint32_t root = runs.Root(run);
-    if (root == run)
-    {
-      ids[run] = static_cast<std::uint32_t>(found.Components.size());
-      found.Components.emplace_back().Material = volume.Voxels[voxel];
-    }
-    const std::size_t length = runs.Length(run);
-    found.Components[ids[root]].Voxels += length;
-    std::fill_n(found.OfVoxel.begin() + static_cast<std::ptrdiff_t>(voxel), length, ids[root]);
-    voxel += length;
+    LabelComponent& component = found.Components.emplace_back();
+    component.Material = volume.Voxels[pieces.First[piece]];
+    component.Voxels = pieces.Size[piece];
   }
+  found.OfVoxel = std::move(pieces.Of);
   return found;
 }
 
@@ -218,7 +110,7 @@ std::size_t MergeSmallComponents(LabelVolume& volume, double smallestMm3)
       const std::uint32_t id = found.OfVoxel[voxel];
       if (isSmall[id])
       {
-        ForFaceNeighbours(volume, voxel,
+        RasterShape(volume).ForEachNeighbour(voxel,
           [&](std::size_t neighbour, int axis)
           {
             const std::uint32_t other = found.OfVoxel[neighbour];

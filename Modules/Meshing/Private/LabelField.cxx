@@ -2,7 +2,7 @@
 #include "Private/LabelField.h"
 
 #include "mammoray/Foundation/Error.h"
-#include "mammoray/Foundation/ParallelFor.h"
+#include "mammoray/Foundation/Raster.h"
 
 #include <algorithm>
 #include <limits>
@@ -11,45 +11,6 @@ namespace mammoray
 {
 namespace
 {
-/**
- * Replaces the values along an axis line by line, those of lines side by side together. Calls
- * filter(padded, lanes, result): result has a row of values, one of each lane, for every voxel
- * along the axis, padded `radius` rows more at either end, where the last ones are continued.
- * Values stay where the filter answers false.
- */
-template <typename Value, typename Filter>
-void FilterLines(const LabelVolume& volume, int axis, int radius, std::vector<Value>& values,
-  Filter filter)
-{
-  const std::size_t row = volume.Size[0];
-  const std::size_t slice = row * volume.Size[1];
-  const std::size_t lanes = axis == 0 ? 1 : row;
-  const std::size_t step = axis == 0 ? 1 : axis == 1 ? row : slice;
-  const std::size_t toNext = axis == 1 ? slice : row;
-  const int count = volume.Size[axis];
-  const std::size_t sheets = volume.NumberOfVoxels() / (count * lanes);
-  ParallelRanges(sheets, 16,
-    [&](std::size_t begin, std::size_t end)
-    {
-      std::vector<Value> padded((count + 2 * radius) * lanes);
-      std::vector<Value> result(count * lanes);
-      for (std::size_t sheet = begin; sheet < end; ++sheet)
-      {
-        Value* first = &values[sheet * toNext];
-        for (int n = 0; n < count + 2 * radius; ++n)
-        {
-          std::copy_n(first + std::clamp(n - radius, 0, count - 1) * step, lanes,
-            &padded[n * lanes]);
-        }
-        const bool changed = filter(padded, lanes, result);
-        for (int n = 0; changed && n < count; ++n)
-        {
-          std::copy_n(&result[n * lanes], lanes, first + n * step);
-        }
-      }
-    });
-}
-
 /// True for voxels with another label within `radius` voxels along every axis.
 std::vector<char> NearInterface(const LabelVolume& volume, int radius)
 {
@@ -74,9 +35,9 @@ std::vector<char> NearInterface(const LabelVolume& volume, int radius)
   };
   for (int axis = 0; axis < 3; ++axis)
   {
-    FilterLines(volume, axis, radius, low,
+    FilterLines(RasterShape(volume), axis, radius, low,
       fold([](std::uint16_t a, std::uint16_t b) { return std::min(a, b); }));
-    FilterLines(volume, axis, radius, high,
+    FilterLines(RasterShape(volume), axis, radius, high,
       fold([](std::uint16_t a, std::uint16_t b) { return std::max(a, b); }));
   }
   std::vector<char> near(volume.NumberOfVoxels());
@@ -86,79 +47,12 @@ std::vector<char> NearInterface(const LabelVolume& volume, int radius)
   }
   return near;
 }
-
-/// Blurs a sheet of lines but those that are constant, which rounding would change; false where all
-/// are.
-bool BlurLines(const std::vector<float>& padded, std::size_t lanes,
-  const std::vector<float>& kernel, std::vector<float>& result)
-{
-  std::vector<std::int32_t> constant(lanes, 1);
-  for (std::size_t n = lanes; n < padded.size(); n += lanes)
-  {
-    for (std::size_t lane = 0; lane < lanes; ++lane)
-    {
-      constant[lane] &= padded[n + lane] == padded[lane] ? 1 : 0;
-    }
-  }
-  if (std::find(constant.begin(), constant.end(), 0) == constant.end())
-  {
-    return false;
-  }
-  constexpr std::size_t block = 1024; // values that stay near
-  for (std::size_t begin = 0; begin < result.size(); begin += block)
-  {
-    const std::size_t end = std::min(result.size(), begin + block);
-    std::fill(&result[begin], &result[0] + end, 0.0f);
-    for (std::size_t t = 0; t < kernel.size(); ++t)
-    {
-      const float weight = kernel[t];
-      const float* shifted = &padded[t * lanes];
-      for (std::size_t n = begin; n < end; ++n)
-      {
-        result[n] += weight * shifted[n];
-      }
-    }
-  }
-  for (std::size_t n = 0; n < result.size(); n += lanes)
-  {
-    for (std::size_t lane = 0; lane < lanes; ++lane)
-    {
-      result[n + lane] = constant[lane] ? padded[lane] : result[n + lane];
-    }
-  }
-  return true;
-}
-
-void Blur(const LabelVolume& volume, const std::vector<float>& kernel, std::vector<float>& values)
-{
-  const int radius = static_cast<int>(kernel.size() / 2);
-  for (int axis = 0; axis < 3 && radius > 0; ++axis)
-  {
-    // The ends are continued: only their margin of air is there.
-    FilterLines(volume, axis, radius, values,
-      [&](const std::vector<float>& padded, std::size_t lanes, std::vector<float>& result)
-      { return BlurLines(padded, lanes, kernel, result); });
-  }
-}
 }
 
 LabelField::LabelField(const LabelVolume& volume, double smoothingVoxels)
   : Volume(volume)
 {
-  const int radius = static_cast<int>(std::ceil(2.5 * smoothingVoxels));
-  std::vector<float> kernel(2 * radius + 1, 1.0f);
-  float sum = 0;
-  for (int t = -radius; t <= radius && radius > 0; ++t)
-  {
-    kernel[t + radius] =
-      static_cast<float>(std::exp(-0.5 * t * t / (smoothingVoxels * smoothingVoxels)));
-    sum += kernel[t + radius];
-  }
-  for (float& weight : kernel)
-  {
-    weight /= radius > 0 ? sum : 1.0f;
-  }
-
+  const std::vector<float> kernel = GaussianKernel(smoothingVoxels, 2.5);
   std::vector<std::int32_t> place(65536, 0);
   for (const auto& [material, count] : volume.CountLabels())
   {
@@ -186,7 +80,8 @@ LabelField::LabelField(const LabelVolume& volume, double smoothingVoxels)
     {
       indicator[voxel] = volume.Voxels[voxel] == this->Materials[column] ? 1.0f : 0.0f;
     }
-    Blur(volume, kernel, indicator);
+    // Only the margin of air continues beyond the border.
+    Convolve(RasterShape(volume), kernel, indicator);
     for (std::size_t voxel = 0; voxel < indicator.size(); ++voxel)
     {
       if (this->Row[voxel] >= 0)
@@ -196,7 +91,7 @@ LabelField::LabelField(const LabelVolume& volume, double smoothingVoxels)
     }
   }
   indicator = {};
-  this->Balance(place, NearInterface(volume, std::max(1, radius)));
+  this->Balance(place, NearInterface(volume, std::max(1, static_cast<int>(kernel.size() / 2))));
 }
 
 std::vector<LabelField::Sample> LabelField::Samples(const std::vector<char>& near) const

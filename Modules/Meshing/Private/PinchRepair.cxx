@@ -273,7 +273,7 @@ private:
       {
         continue;
       }
-      for (const std::int32_t material : this->MaterialsBeside(cell))
+      for (const std::int32_t material : this->NeighbourMaterials(cell))
       {
         if (this->Helps(cell, material, point))
         {
@@ -296,7 +296,7 @@ private:
   }
 
   /// Materials of the neighbours except the cell's own, ascending.
-  std::set<std::int32_t> MaterialsBeside(std::int32_t cell) const
+  std::set<std::int32_t> NeighbourMaterials(std::int32_t cell) const
   {
     std::set<std::int32_t> materials;
     const std::vector<std::int32_t> neighbours = this->FaceNeighbours(cell);

@@ -10,9 +10,9 @@ namespace mammoray
 SeedPlan PlanSeeds(const LabelVolume& volume, const MeshingOptions& options)
 {
   SeedPlan plan;
-  plan.Found = FindComponents(volume);
+  plan.Components = FindComponents(volume);
   plan.Distance = InterfaceDistance(volume);
-  const std::size_t count = plan.Found.Components.size();
+  const std::size_t count = plan.Components.Components.size();
   plan.SeedVoxels.resize(count);
   // A small component can be long and thin, so one seed would not suffice; CGAL follows large ones.
   const double smallMm3 = 8 * std::pow(options.FacetSizeMm, 3);
@@ -21,9 +21,9 @@ SeedPlan PlanSeeds(const LabelVolume& volume, const MeshingOptions& options)
   std::vector<float> depth(count, -1);
   for (std::size_t voxel = 0; voxel < volume.NumberOfVoxels(); ++voxel)
   {
-    const std::uint32_t id = plan.Found.OfVoxel[voxel];
+    const std::uint32_t id = plan.Components.OfVoxel[voxel];
     const double volumeMm3 =
-      static_cast<double>(plan.Found.Components[id].Voxels) * volume.VoxelVolume();
+      static_cast<double>(plan.Components.Components[id].Voxels) * volume.VoxelVolume();
     if (volumeMm3 < smallMm3)
     {
       members[id].push_back(voxel);
@@ -43,8 +43,8 @@ SeedPlan PlanSeeds(const LabelVolume& volume, const MeshingOptions& options)
   };
   for (std::size_t id = 0; id < count; ++id)
   {
-    plan.Found.Components[id].Deepest = indexOf(deepest[id]);
-    plan.Found.Components[id].DepthMm = depth[id];
+    plan.Components.Components[id].Deepest = indexOf(deepest[id]);
+    plan.Components.Components[id].DepthMm = depth[id];
     plan.SeedVoxels[id].push_back(deepest[id]);
     std::stable_sort(members[id].begin(), members[id].end(),
       [&](std::size_t a, std::size_t b) { return plan.Distance[a] > plan.Distance[b]; });

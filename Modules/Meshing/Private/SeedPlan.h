@@ -16,7 +16,7 @@ namespace mammoray
 struct SeedPlan
 {
   /// Components with their depths.
-  LabelComponents Found;
+  LabelComponents Components;
   /// Voxels from which each component is seeded, the deepest first: one for a component that the
   /// mesher follows by itself, several for small components, which can be long and thin.
   std::vector<std::vector<std::size_t>> SeedVoxels;

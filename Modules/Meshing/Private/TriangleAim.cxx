@@ -121,15 +121,15 @@ void CheckSizes(const LabelVolume& volume, const MeshingOptions& options)
 }
 
 TriangleAim::TriangleAim(const LabelVolume& volume, const MeshingOptions& options)
-  : Wanted(static_cast<double>(options.Triangles))
+  : TargetCount(static_cast<double>(options.Triangles))
   , Start(options)
 {
   // A triangle's area is about 0.6 times the square of its circumradius.
   const double triangles =
-    InterfaceArea(volume, this->Wanted) / (0.6 * std::pow(options.FacetSizeMm, 2));
-  CheckMemory(FormattedText("triangles: %.0f of them", this->Wanted),
-    BytesPerTriangle * this->Wanted);
-  this->Scale = std::sqrt(triangles / (FirstShare * this->Wanted));
+    InterfaceArea(volume, this->TargetCount) / (0.6 * std::pow(options.FacetSizeMm, 2));
+  CheckMemory(FormattedText("triangles: %.0f of them", this->TargetCount),
+    BytesPerTriangle * this->TargetCount);
+  this->Scale = std::sqrt(triangles / (FirstShare * this->TargetCount));
 }
 
 MeshingOptions TriangleAim::Sizes() const
@@ -155,7 +155,7 @@ MeshingOptions TriangleAim::Sizes() const
 TriangleAim::Verdict TriangleAim::Judge(std::size_t triangles)
 {
   const auto found = static_cast<double>(triangles);
-  if (std::abs(found - this->Wanted) <= Tolerance * this->Wanted)
+  if (std::abs(found - this->TargetCount) <= Tolerance * this->TargetCount)
   {
     return Verdict::Met;
   }
@@ -164,7 +164,7 @@ TriangleAim::Verdict TriangleAim::Judge(std::size_t triangles)
     throw ConvergenceError(
       FormattedText("meshing: expected %.0f triangles, reached %.0f; the facet angle, "
                     "layers and small components ask for others",
-        this->Wanted, found));
+        this->TargetCount, found));
   }
   // The number of triangles scales with the inverse square of the size; on rough interfaces with
   // another power, which the last two attempts determine.
@@ -178,9 +178,9 @@ TriangleAim::Verdict TriangleAim::Judge(std::size_t triangles)
   this->LastScale = this->Scale;
   // If far away, go half of the way to learn the power near the end: too many triangles cannot be
   // undone.
-  const double aim =
-    this->Wanted > 3 * found ? 0.5 * this->Wanted : (1 - 0.5 * Tolerance) * this->Wanted;
+  const double aim = this->TargetCount > 3 * found ? 0.5 * this->TargetCount
+                                                   : (1 - 0.5 * Tolerance) * this->TargetCount;
   this->Scale *= std::pow(std::max(found, 1.0) / aim, 1 / power);
-  return found < this->Wanted ? Verdict::TooFew : Verdict::TooMany;
+  return found < this->TargetCount ? Verdict::TooFew : Verdict::TooMany;
 }
 }

@@ -43,7 +43,7 @@ public:
   Verdict Judge(std::size_t triangles);
 
 private:
-  double Wanted;
+  double TargetCount;
   const MeshingOptions& Start;
   double Scale = 1;
   int Attempts = 0;

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Private/VoxelMask.h"
 
-#include "Private/LabelComponents.h"
-#include "mammoray/Foundation/ParallelFor.h"
+#include "mammoray/Foundation/Raster.h"
 
 #include <algorithm>
 #include <array>
@@ -13,8 +12,6 @@ namespace mammoray
 {
 namespace
 {
-constexpr float Far = std::numeric_limits<float>::infinity();
-
 /// The lines of a grid along an axis.
 struct Lines
 {
@@ -65,71 +62,6 @@ std::vector<Overlap> Overlaps(int newCount, double start, double step, int oldCo
     }
   }
   return overlaps;
-}
-
-/// Squared distance along a row to the nearest voxel of a value, in voxels.
-void MeasureRow(const std::uint16_t* voxels, std::size_t count, std::uint16_t value, float* result)
-{
-  float way = Far;
-  for (std::size_t n = 0; n < count; ++n)
-  {
-    way = voxels[n] == value ? 0 : way + 1;
-    result[n] = way * way;
-  }
-  way = Far;
-  for (std::size_t n = count; n-- > 0;)
-  {
-    way = voxels[n] == value ? 0 : way + 1;
-    result[n] = std::min(result[n], way * way);
-  }
-}
-
-/**
- * Squared distance transform of a line, in voxels, by the lower envelope of parabolas.
- */
-void SpreadLine(const std::vector<float>& values, std::vector<float>& result,
-  std::vector<int>& places, std::vector<float>& bounds)
-{
-  const int count = static_cast<int>(values.size());
-  int last = -1;
-  for (int q = 0; q < count; ++q)
-  {
-    if (values[q] == Far)
-    {
-      continue;
-    }
-    float bound = -Far;
-    while (last >= 0)
-    {
-      const auto p = static_cast<float>(places[last]);
-      const auto here = static_cast<float>(q);
-      bound = ((values[q] + here * here) - (values[places[last]] + p * p)) / (2 * (here - p));
-      if (bound > bounds[last])
-      {
-        break;
-      }
-      --last;
-      bound = -Far;
-    }
-    ++last;
-    places[last] = q;
-    bounds[last] = bound;
-  }
-  int place = 0;
-  for (int q = 0; q < count; ++q)
-  {
-    if (last < 0)
-    {
-      result[q] = Far;
-      continue;
-    }
-    while (place < last && bounds[place + 1] < static_cast<float>(q))
-    {
-      ++place;
-    }
-    const auto way = static_cast<float>(q - places[place]);
-    result[q] = way * way + values[places[place]];
-  }
 }
 
 template <typename Rule>
@@ -191,47 +123,7 @@ VoxelField FractionOf(const LabelVolume& labels, const std::function<bool(std::u
 
 void BlurField(VoxelField& field, double sigmaMm)
 {
-  const double sigma = sigmaMm / field.Spacing[0];
-  const int radius = static_cast<int>(std::ceil(3 * sigma));
-  if (radius == 0)
-  {
-    return;
-  }
-  std::vector<float> kernel(2 * radius + 1);
-  double sum = 0;
-  for (int t = -radius; t <= radius; ++t)
-  {
-    kernel[t + radius] = static_cast<float>(std::exp(-0.5 * t * t / (sigma * sigma)));
-    sum += kernel[t + radius];
-  }
-  for (float& weight : kernel)
-  {
-    weight = static_cast<float>(weight / sum);
-  }
-  for (int axis = 0; axis < 3; ++axis)
-  {
-    const Lines lines(field.Size, axis);
-    const int count = field.Size[axis];
-    ParallelFor(lines.Count,
-      [&](std::size_t line)
-      {
-        float* values = &field.Values[lines.First(line)];
-        std::vector<float> padded(count + 2 * radius);
-        for (int n = 0; n < count + 2 * radius; ++n)
-        {
-          padded[n] = values[std::clamp(n - radius, 0, count - 1) * lines.Stride];
-        }
-        for (int n = 0; n < count; ++n)
-        {
-          float blurred = 0;
-          for (int t = 0; t <= 2 * radius; ++t)
-          {
-            blurred += kernel[t] * padded[n + t];
-          }
-          values[n * lines.Stride] = blurred;
-        }
-      });
-  }
+  Convolve(RasterShape(field), GaussianKernel(sigmaMm / field.Spacing[0], 3), field.Values);
 }
 
 VoxelMask Above(const VoxelField& field, double threshold)
@@ -241,48 +133,16 @@ VoxelMask Above(const VoxelField& field, double threshold)
 
 VoxelField DistanceTo(const VoxelMask& mask, std::uint16_t value)
 {
+  std::vector<unsigned char> set(mask.Voxels.size());
+  std::transform(mask.Voxels.begin(), mask.Voxels.end(), set.begin(),
+    [value](std::uint16_t voxel) { return static_cast<unsigned char>(voxel == value ? 1 : 0); });
   VoxelField field;
   static_cast<VolumeGrid&>(field) = mask;
-  field.Values.resize(mask.Voxels.size());
-  const auto length = static_cast<std::size_t>(mask.Size[0]);
-  for (std::size_t row = 0; row < field.Values.size(); row += length)
-  {
-    MeasureRow(&mask.Voxels[row], length, value, &field.Values[row]);
-  }
-  for (int axis = 1; axis < 3; ++axis)
-  {
-    const Lines lines(mask.Size, axis);
-    const auto count = static_cast<std::size_t>(mask.Size[axis]);
-    ParallelRanges(lines.Count, 64,
-      [&](std::size_t begin, std::size_t end)
-      {
-        std::vector<float> values(count);
-        std::vector<float> result(count);
-        std::vector<int> places(count);
-        std::vector<float> bounds(count);
-        for (std::size_t line = begin; line < end; ++line)
-        {
-          float* first = &field.Values[lines.First(line)];
-          for (std::size_t n = 0; n < count; ++n)
-          {
-            values[n] = first[n * lines.Stride];
-          }
-          if (std::all_of(values.begin(), values.end(), [&](float v) { return v == values[0]; }))
-          {
-            continue; // nothing is nearer than what lies across
-          }
-          SpreadLine(values, result, places, bounds);
-          for (std::size_t n = 0; n < count; ++n)
-          {
-            first[n * lines.Stride] = result[n];
-          }
-        }
-      });
-  }
+  field.Values = DistanceToSet(RasterShape(mask), { 1, 1, 1 }, set);
   const auto spacing = static_cast<float>(mask.Spacing[0]);
   for (float& distance : field.Values)
   {
-    distance = spacing * std::sqrt(distance);
+    distance *= spacing;
   }
   return field;
 }
@@ -301,43 +161,16 @@ VoxelField DepthIn(const VoxelMask& mask)
   return depth;
 }
 
-VoxelMask LargestPiece(const VoxelMask& mask)
+VoxelMask LargestPiece(VoxelMask mask)
 {
-  const LabelComponents found = FindComponents(mask);
-  const auto smaller = [](const LabelComponent& a, const LabelComponent& b)
-  { return (a.Material ? a.Voxels : 0) < (b.Material ? b.Voxels : 0); };
-  const auto largest = static_cast<std::uint32_t>(
-    std::max_element(found.Components.begin(), found.Components.end(), smaller) -
-    found.Components.begin());
-  VoxelMask piece = mask;
-  for (std::size_t voxel = 0; voxel < piece.Voxels.size(); ++voxel)
-  {
-    piece.Voxels[voxel] = mask.Voxels[voxel] && found.OfVoxel[voxel] == largest ? 1 : 0;
-  }
-  return piece;
+  KeepLargestPiece(RasterShape(mask), mask.Voxels);
+  return mask;
 }
 
-VoxelMask WithoutHoles(const VoxelMask& mask)
+VoxelMask WithoutHoles(VoxelMask mask)
 {
-  const LabelComponents found = FindComponents(mask);
-  std::vector<char> open(found.Components.size(), 0);
-  for (int k = 0; k < mask.Size[2]; ++k)
-  {
-    for (int j = 0; j < mask.Size[1]; ++j)
-    {
-      const bool inner = k > 0 && k + 1 < mask.Size[2] && j > 0 && j + 1 < mask.Size[1];
-      for (int i = 0; i < mask.Size[0]; i += inner ? std::max(1, mask.Size[0] - 1) : 1)
-      {
-        open[found.OfVoxel[mask.Index(i, j, k)]] = 1;
-      }
-    }
-  }
-  VoxelMask filled = mask;
-  for (std::size_t voxel = 0; voxel < filled.Voxels.size(); ++voxel)
-  {
-    filled.Voxels[voxel] = mask.Voxels[voxel] || !open[found.OfVoxel[voxel]] ? 1 : 0;
-  }
-  return filled;
+  FillHoles(RasterShape(mask), mask.Voxels);
+  return mask;
 }
 
 VoxelMask OpenedLargest(const VoxelMask& mask, double radiusMm)

@@ -39,9 +39,9 @@ MAMMORAYMESHING_EXPORT VoxelField DistanceTo(const VoxelMask& mask, std::uint16_
 MAMMORAYMESHING_EXPORT VoxelField DepthIn(const VoxelMask& mask);
 
 /// The largest face-connected piece of the region; the first one wins a tie.
-MAMMORAYMESHING_EXPORT VoxelMask LargestPiece(const VoxelMask& mask);
+MAMMORAYMESHING_EXPORT VoxelMask LargestPiece(VoxelMask mask);
 /// The region and all air that is not connected with the border of the grid.
-MAMMORAYMESHING_EXPORT VoxelMask WithoutHoles(const VoxelMask& mask);
+MAMMORAYMESHING_EXPORT VoxelMask WithoutHoles(VoxelMask mask);
 /// The morphological opening of the region by a ball, restricted to the largest piece of its
 /// erosion: thin parts and parts connected through them are removed.
 MAMMORAYMESHING_EXPORT VoxelMask OpenedLargest(const VoxelMask& mask, double radiusMm);

@@ -85,26 +85,29 @@ Element BallOf(const MaskImage* mask, double radiusMm)
   }
   return Element::Ball(radius);
 }
+
+/// The result of a morphological filter with a ball of this radius.
+template <typename Filter>
+MaskImage::Pointer Filtered(const MaskImage* mask, double radiusMm)
+{
+  auto filter = Filter::New();
+  filter->SetInput(mask);
+  filter->SetKernel(BallOf(mask, radiusMm));
+  filter->SetForegroundValue(1);
+  filter->Update();
+  return filter->GetOutput();
+}
 }
 
 MaskImage::Pointer Open(const MaskImage* mask, double radiusMm)
 {
-  auto opening = itk::BinaryMorphologicalOpeningImageFilter<MaskImage, MaskImage, Element>::New();
-  opening->SetInput(mask);
-  opening->SetKernel(BallOf(mask, radiusMm));
-  opening->SetForegroundValue(1);
-  opening->Update();
-  return opening->GetOutput();
+  return Filtered<itk::BinaryMorphologicalOpeningImageFilter<MaskImage, MaskImage, Element>>(mask,
+    radiusMm);
 }
 
 MaskImage::Pointer Dilate(const MaskImage* mask, double radiusMm)
 {
-  auto dilation = itk::BinaryDilateImageFilter<MaskImage, MaskImage, Element>::New();
-  dilation->SetInput(mask);
-  dilation->SetKernel(BallOf(mask, radiusMm));
-  dilation->SetForegroundValue(1);
-  dilation->Update();
-  return dilation->GetOutput();
+  return Filtered<itk::BinaryDilateImageFilter<MaskImage, MaskImage, Element>>(mask, radiusMm);
 }
 
 std::vector<float> ValuesIn(const FloatImage* image, const MaskImage* mask)
