@@ -8,6 +8,7 @@
 #include "mammoray/IO/MeshIO.h"
 #include "mammoray/IO/ProjectionImage.h"
 #include "mammoray/IO/ShippedData.h"
+#include "mammoray/XRay/Exposer.h"
 
 #ifdef MAMMORAY_HAS_MESHING
 #include "mammoray/Evidence/VirtualStudy.h"
@@ -18,6 +19,7 @@
 
 #include <cstdio>
 #include <filesystem>
+#include <memory>
 
 namespace mammoray
 {
@@ -162,18 +164,22 @@ void Run(ExampleArguments& arguments)
   }
 #endif
   const ProgressCallback progress = MakeProgressBar();
-  const Spectrum spectrum = FindSpectrum(arguments.Spectrum);
+  Scene exposed;
+  exposed.XRays = FindSpectrum(arguments.Spectrum);
   ReportProgress(progress, 0.0, "making the mesh");
   const ExampleScene scene = MakeExampleScene(arguments.Name);
   const std::vector<std::string> names = scene.Materials.Names();
-  const Beam beam = MakeBeam(scene.Materials, spectrum, DetectorResponse::EnergyIntegrating);
+  exposed.Samples = { { std::make_shared<const SurfaceMesh>(scene.Surface) } };
+  exposed.Materials = scene.Materials;
+  exposed.Attenuations = FindAttenuations(scene.Materials);
+  exposed.Source = scene.Source;
+  exposed.Detector = scene.Detector;
   const ExampleFiles files(arguments.Output, scene.Name);
   const bool makesFolder = IsFolderToBeMade(arguments.Output, files, arguments.Overwrite);
 
   ReportProgress(progress, 0.3, "projecting");
-  const auto projector = MakeProjector(arguments.Projector);
-  projector->SetSurface(scene.Surface);
-  const Exposure exposure = Expose(*projector, scene.Source, scene.Detector, beam);
+  Exposer exposer(arguments.Projector);
+  const Exposure exposure = exposer.Expose(exposed);
   const auto image = ToImage(exposure, scene.Detector, names);
 
   const auto write = [&](const std::string& folder)
@@ -196,8 +202,8 @@ void Run(ExampleArguments& arguments)
   ReportProgress(progress, 1.0, "done");
   std::printf("%s: %zu triangles, %zu materials, %d x %d pixels, on %s, %s\n%s\n%s\n%s\n",
     scene.Name.c_str(), scene.Surface.NumberOfTriangles(), scene.Materials.Materials.size() - 1,
-    scene.Detector.Columns, scene.Detector.Rows, projector->DeviceName().c_str(),
-    MethodName(projector->Method()).c_str(), files.Mesh.c_str(), files.Image.c_str(),
+    scene.Detector.Columns, scene.Detector.Rows, exposer.DeviceName().c_str(),
+    MethodName(exposer.Method()).c_str(), files.Mesh.c_str(), files.Image.c_str(),
     files.Picture.c_str());
 }
 }

@@ -11,8 +11,8 @@
 
 namespace mammoray
 {
-void ReplaceAttenuations(const std::vector<std::string>& changes, bool acceptUnusual,
-  MaterialTable& table)
+void SetAttenuations(const std::vector<std::string>& changes, bool acceptUnusual,
+  SceneDescription& description)
 {
   for (const std::string& text : changes)
   {
@@ -33,14 +33,11 @@ void ReplaceAttenuations(const std::vector<std::string>& changes, bool acceptUnu
       throw InputError(
         "--attenuation: expected MATERIAL=ATTENUATION[@DENSITY], found '" + text + "'");
     }
-    Material& material =
-      table.Materials[static_cast<std::size_t>(table.IndexOf(text.substr(0, equals)))];
-    material.Attenuation = text.substr(equals + 1, at - equals - 1);
-    material.DensityGPerCm3 = at < text.size() ? density : material.DensityGPerCm3;
+    description.Attenuations[text.substr(0, equals)] = text.substr(equals + 1);
   }
 }
 
-void AddIodine(const std::vector<std::string>& additions, MaterialTable& table)
+void SetIodine(const std::vector<std::string>& additions, SceneDescription& description)
 {
   for (const std::string& text : additions)
   {
@@ -51,7 +48,7 @@ void AddIodine(const std::vector<std::string>& additions, MaterialTable& table)
     {
       throw InputError("--iodine: expected " + form + ", found '" + text + "'");
     }
-    table.Materials[static_cast<std::size_t>(table.IndexOf(name))].IodineMgPerMl = iodine;
+    description.IodineMgPerMl[name] = iodine;
   }
 }
 }

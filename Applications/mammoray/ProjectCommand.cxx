@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Commands.h"
-#include "MaterialChanges.h"
 #include "OutputFiles.h"
 #include "ProgressBar.h"
 #include "ProjectOptions.h"
@@ -11,14 +10,12 @@
 #include "mammoray/IO/MammogramSynthesis.h"
 #include "mammoray/IO/MeshConversion.h"
 #include "mammoray/IO/ProjectionImage.h"
-#include "mammoray/IO/ShippedData.h"
 #include "mammoray/XRay/DetectorPlane.h"
 #include "mammoray/XRay/Display.h"
 #include "mammoray/XRay/DualEnergy.h"
-#include "mammoray/XRay/Exposure.h"
+#include "mammoray/XRay/Exposer.h"
 #include "mammoray/XRay/OpenField.h"
 #include "mammoray/XRay/OverlapMeasure.h"
-#include "mammoray/XRay/Refraction.h"
 #include "mammoray/XRay/Tube.h"
 
 #include "vtkImageData.h"
@@ -27,13 +24,14 @@
 #include <cstdio>
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <optional>
+#include <utility>
 
 namespace mammoray
 {
 namespace
 {
-/// Of length 1.
 Vector3 ToUnitVector(const Vector3& vector, const char* option)
 {
   const double length = Norm(vector);
@@ -42,42 +40,6 @@ Vector3 ToUnitVector(const Vector3& vector, const char* option)
     throw InputError(std::string(option) + ": expected a direction, found a vector without length");
   }
   return (1 / length) * vector;
-}
-
-/// What reaches the pixels in air; empty where it is the same everywhere.
-std::vector<float> ToOpenField(const ProjectArguments& arguments, const XRaySource& source,
-  const XRayDetector& detector, const Spectrum& spectrum, const DetectorResponse& response)
-{
-  OpenFieldOptions options = arguments.Field;
-  if (arguments.Heel)
-  {
-    options.Heel.TargetAngleDeg = (*arguments.Heel)[0];
-    options.Heel.DepthMm = 1e-3 * (*arguments.Heel)[1];
-    options.Heel.Target =
-      arguments.XRays.Anode.empty() ? options.Heel.Target : arguments.XRays.Anode;
-  }
-  return arguments.Heel || options.InverseSquare
-    ? OpenField(source, detector, spectrum, response, options)
-    : std::vector<float>();
-}
-
-ExposureOptions ToExposure(const ProjectArguments& arguments)
-{
-  ExposureOptions options = arguments.Exposure;
-  if (arguments.FocalSpot)
-  {
-    options.FocalSpotColumnMm = (*arguments.FocalSpot)[0];
-    options.FocalSpotRowMm = (*arguments.FocalSpot)[1];
-  }
-  options.Validate();
-  return options;
-}
-
-/// Whether no position is given explicitly.
-bool IsPlacedByUnit(const ProjectArguments& arguments)
-{
-  return !arguments.Source && !arguments.BeamDirection && !arguments.DetectorOrigin &&
-    !arguments.ColumnDirection && !arguments.RowDirection;
 }
 
 /// The picture turned by 180 degrees: a right breast is hung with its chest wall at the right.
@@ -89,46 +51,54 @@ void TurnHalf(XRayDetector& detector)
   detector.RowStep = -1.0 * detector.RowStep;
 }
 
-/// Detector and source as a mammography unit has them, or as the explicit options say; mesh frame.
-/// Where the unit stands.
+/// Places source and detector as the scene's file or explicit options give them, or as the
+/// mammography unit has them; frame of the mesh. Gives the place of the unit.
 VolumeFromGantry PlaceBeam(const ProjectArguments& arguments, const SurfaceMesh& surface,
-  const MaterialTable& table, XRaySource& source, XRayDetector& detector)
+  Scene& scene)
 {
   const AnatomicalAxes axes = AnatomicalAxes::FromCode(arguments.Orientation);
   const Vector3 anchor =
-    arguments.Anchor ? *arguments.Anchor : FindPoseAnchor(surface, table.Fixed(), axes);
+    arguments.Anchor ? *arguments.Anchor : FindPoseAnchor(surface, scene.Materials.Fixed(), axes);
   const VolumeFromGantry gantry = PlaceUnit(axes, anchor, arguments.Unit, arguments.Pose);
   const double spacing = arguments.PixelSpacingMm;
-  detector = DetectorOfUnit(gantry, arguments.Columns, arguments.Rows, { spacing, spacing });
-  detector.Samples = arguments.Samples;
-  detector.Origin = arguments.DetectorOrigin.value_or(detector.Origin);
-  if (arguments.ColumnDirection)
+  if (!arguments.Scene.Has("detector"))
   {
-    detector.ColumnStep = spacing * ToUnitVector(*arguments.ColumnDirection, "--column-direction");
+    XRayDetector& detector = scene.Detector;
+    const int samples = detector.Samples;
+    detector = DetectorOfUnit(gantry, detector.Columns, detector.Rows, { spacing, spacing });
+    detector.Samples = samples;
+    detector.Origin = arguments.DetectorOrigin.value_or(detector.Origin);
+    if (arguments.ColumnDirection)
+    {
+      detector.ColumnStep =
+        spacing * ToUnitVector(*arguments.ColumnDirection, "--column-direction");
+    }
+    if (arguments.RowDirection)
+    {
+      detector.RowStep = spacing * ToUnitVector(*arguments.RowDirection, "--row-direction");
+    }
   }
-  if (arguments.RowDirection)
+  if (IsDicomPath(arguments.Output) && arguments.Laterality == 'R' && arguments.IsPlacedByUnit())
   {
-    detector.RowStep = spacing * ToUnitVector(*arguments.RowDirection, "--row-direction");
+    TurnHalf(scene.Detector);
   }
-  if (IsDicomPath(arguments.Output) && arguments.Laterality == 'R' && IsPlacedByUnit(arguments))
+  if (!arguments.Scene.Has("source"))
   {
-    TurnHalf(detector);
-  }
-  source.Position =
-    arguments.Source.value_or(gantry.Point({ 0, 0, arguments.Unit.SourceToDetectorMm }));
-  if (arguments.BeamDirection)
-  {
-    source.Type = XRaySource::Kind::Parallel;
-    source.Direction = *arguments.BeamDirection;
+    scene.Source.Position =
+      arguments.Source.value_or(gantry.Point({ 0, 0, arguments.Unit.SourceToDetectorMm }));
+    if (arguments.BeamDirection)
+    {
+      scene.Source.Type = XRaySource::Kind::Parallel;
+      scene.Source.Direction = *arguments.BeamDirection;
+    }
   }
   return gantry;
 }
 
-/// Detector and patient as a mammogram's header says them; throws where it could not.
-Mammogram DescribeMammogram(const ProjectArguments& arguments, const XRaySource& source,
-  const XRayDetector& detector)
+/// The header of a mammogram. Throws InputError where a mammogram cannot have this geometry.
+Mammogram DescribeMammogram(const ProjectArguments& arguments, const Scene& scene)
 {
-  Mammogram mammogram = DescribeProjection(source, detector,
+  Mammogram mammogram = DescribeProjection(scene.Source, scene.Detector,
     AnatomicalAxes::FromCode(arguments.Orientation), *arguments.Laterality);
   mammogram.View = arguments.View.empty() ? mammogram.View : arguments.View;
   if (mammogram.View.empty())
@@ -136,86 +106,57 @@ Mammogram DescribeMammogram(const ProjectArguments& arguments, const XRaySource&
     throw InputError("output " + arguments.Output +
       ": expected --view for a DICOM mammogram of this roll, found none");
   }
-  if (IsPlacedByUnit(arguments))
+  if (arguments.IsPlacedByUnit())
   {
     mammogram.BodyPartThicknessMm = arguments.Pose.ThicknessMm;
     mammogram.SourceToPatientMm =
       arguments.Unit.SourceToDetectorMm - arguments.Unit.SupportHeightMm;
   }
+  mammogram.PeakKilovoltage = scene.XRays.PeakEnergyKeV();
   return mammogram;
 }
 
 /// From the middle of the mesh to the detector's plane, mm.
-double DistanceToDetector(const SurfaceMesh& surface, const XRaySource& source,
-  const XRayDetector& detector)
+double DistanceToDetector(const SurfaceMesh& surface, const Scene& scene)
 {
-  const Vector3 normal = DetectorPlane(source, detector).Normal;
+  const Vector3 normal = DetectorPlane(scene.Source, scene.Detector).Normal;
   const Extent extent = ExtentsAlong<1>({ normal }, surface.Points)[0];
-  return std::abs(extent.Middle() - Dot(normal, detector.Origin));
+  return std::abs(extent.Middle() - Dot(normal, scene.Detector.Origin));
 }
 
-/// The image with rays that are bent; writes their deflection where it is wanted.
-Exposure ExposeRefracted(const ProjectArguments& arguments, PathLengthProjector& projector,
-  const SurfaceMesh& surface, const XRaySource& source, const XRayDetector& detector,
-  const Beam& beam, const std::vector<double>& decrements, const ProgressCallback& progress)
+void CheckDeflection(const ProjectArguments& arguments)
 {
-  RefractionOptions options;
-  options.Method = arguments.RefractionLaw == "geometric" ? RefractionOptions::Law::Geometric
-                                                          : RefractionOptions::Law::NearField;
-  options.DistanceMm =
-    arguments.BendDistanceMm.value_or(DistanceToDetector(surface, source, detector));
-  const RefractedImage refracted = Refract(projector, surface.NumberOfPoints(), source, detector,
-    beam, decrements, options, progress);
-  if (!arguments.Deflection.empty())
+  if (arguments.Deflection.empty())
   {
-    WriteProjection(ToDeflectionImage(refracted, detector), arguments.Deflection);
-  }
-  return ToExposure(refracted);
-}
-
-/// Refuses what refraction does not go together with.
-void CheckRefraction(const ProjectArguments& arguments)
-{
-  if (arguments.RefractionLaw.empty())
-  {
-    if (!arguments.Deflection.empty())
-    {
-      throw InputError("--deflection: expected --refraction beside it, found none");
-    }
     return;
   }
-  const ExposureOptions& exposure = arguments.Exposure;
-  if (exposure.PhotonsPerPixel > 0 || exposure.HalfModulationPerMm > 0 || arguments.FocalSpot ||
-    arguments.Heel || arguments.Field.InverseSquare || !arguments.Scatter.Method.empty())
+  if (!arguments.Scene.Fixed.Refraction)
   {
-    throw InputError("--refraction: expected no noise, blur, focal spot, heel, inverse square or "
-                     "scatter beside it, found some");
+    throw InputError("--deflection: expected --refraction beside it, found none");
   }
-  if (!arguments.Deflection.empty())
+  const std::string extension = std::filesystem::path(arguments.Deflection).extension().string();
+  if (extension == ".png" || extension == ".tif")
   {
-    const std::string extension = std::filesystem::path(arguments.Deflection).extension().string();
-    if (extension == ".png" || extension == ".tif")
-    {
-      throw InputError("--deflection: expected .mha, .nrrd or .vti, found " + arguments.Deflection);
-    }
-    CheckProjectionExtension(arguments.Deflection);
-    CheckOutputFile(arguments.Deflection, arguments.Overwrite);
+    throw InputError("--deflection: expected .mha, .nrrd or .vti, found " + arguments.Deflection);
   }
+  CheckProjectionExtension(arguments.Deflection);
+  CheckOutputFile(arguments.Deflection, arguments.Overwrite);
 }
 
 void CheckInputs(const ProjectArguments& arguments)
 {
-  if (arguments.Mesh.empty() == arguments.SurfaceSamples.empty())
+  const SceneDescription& scene = arguments.Scene;
+  if (scene.Mesh.empty() == scene.Samples.empty())
   {
     throw InputError(
       std::string(
         "project: expected either --mesh or --surface, or a --scene with samples, found ") +
-      (arguments.Mesh.empty() ? "neither" : "both"));
+      (scene.Mesh.empty() ? "neither" : "both"));
   }
-  if (!arguments.Mesh.empty())
+  if (!scene.Mesh.empty())
   {
-    CheckInputFile(arguments.Mesh);
-    if (arguments.Materials.empty())
+    CheckInputFile(scene.Mesh);
+    if (scene.Materials.empty())
     {
       throw InputError("--mesh: expected --materials beside it, found none");
     }
@@ -224,8 +165,7 @@ void CheckInputs(const ProjectArguments& arguments)
 
 void CheckOutputs(const ProjectArguments& arguments)
 {
-  CheckRefraction(arguments);
-  CheckScatter(arguments.Scatter, IsPlacedByUnit(arguments));
+  CheckDeflection(arguments);
   if (arguments.Display &&
     (arguments.ForProcessing || arguments.Series.IsAsked() || arguments.DualEnergy.IsAsked()))
   {
@@ -236,7 +176,7 @@ void CheckOutputs(const ProjectArguments& arguments)
   if (arguments.DualEnergy.IsAsked())
   {
     const std::string extension = std::filesystem::path(arguments.Output).extension().string();
-    if (arguments.Series.IsAsked() || !arguments.RefractionLaw.empty() || extension == ".png" ||
+    if (arguments.Series.IsAsked() || arguments.Scene.Fixed.Refraction || extension == ".png" ||
       IsDicomPath(arguments.Output))
     {
       throw InputError("dual energy: expected one picture (.mha .nrrd .tif .vti) without "
@@ -261,7 +201,7 @@ void CheckOutputs(const ProjectArguments& arguments)
   }
   else if (isDicom)
   {
-    if (arguments.Series.IsAsked() && !IsPlacedByUnit(arguments))
+    if (arguments.Series.IsAsked() && !arguments.IsPlacedByUnit())
     {
       throw InputError("output " + arguments.Output +
         ": expected source and detector of a mammography unit, found explicit positions");
@@ -313,53 +253,36 @@ void WriteMammogramFile(const ProjectArguments& arguments, Mammogram mammogram,
   WriteMammogram(mammogram, DicomOptions(arguments), arguments.Output);
 }
 
-/// What makes pictures from anywhere.
-struct Camera
+/// A scene before an exposer, and the views that the command wants of it.
+struct ProjectionJob
 {
   const ProjectArguments& Arguments;
-  PathLengthProjector& Projector;
+  Exposer& Device;
   const SurfaceMesh& Surface;
-  const Beam& XRays;
-  const std::vector<double>& Decrements;
-  const Spectrum& Energies;
-  const DetectorResponse& Response;
-  const ScatterSource& Scatter;
-  /// What reaches the pixels in air, where it is known already.
-  const std::vector<float>* KnownField = nullptr;
+  Scene Standing;
 
-  /// The `number`-th of a series, with noise of its own.
-  ExposureOptions Options(const XRaySource& source, const XRayDetector& detector, int number,
-    const ProgressCallback& progress) const
+  /// The `number`-th of a series from elsewhere, with noise of its own.
+  Exposure Take(Scene& scene, int number, const ProgressCallback& progress) const
   {
-    ExposureOptions options = ToExposure(this->Arguments);
-    options.OpenField = this->KnownField
-      ? *this->KnownField
-      : ToOpenField(this->Arguments, source, detector, this->Energies, this->Response);
-    options.Seed += static_cast<std::uint64_t>(number);
-    options.Secondary = this->Scatter.Onto(source, detector, this->Arguments.Field.InverseSquare,
-      options.Seed, progress);
-    return options;
-  }
-
-  Exposure Take(const XRaySource& source, const XRayDetector& detector, int number,
-    const ProgressCallback& progress) const
-  {
-    return this->Arguments.RefractionLaw.empty()
-      ? Expose(this->Projector, source, detector, this->XRays,
-          this->Options(source, detector, number, progress), progress)
-      : ExposeRefracted(this->Arguments, this->Projector, this->Surface, source, detector,
-          this->XRays, this->Decrements, progress);
+    scene.Detection.Seed = this->Standing.Detection.Seed + static_cast<std::uint64_t>(number);
+    if (scene.Refraction && !this->Arguments.Scene.BendDistanceMm)
+    {
+      scene.Refraction->DistanceMm = DistanceToDetector(this->Surface, scene);
+    }
+    return this->Device.Expose(scene, progress);
   }
 };
 
-/// Writes one picture; what is to be warned of, or nothing.
-std::string RunOne(const Camera& camera, const XRaySource& source, const XRayDetector& detector,
-  const MaterialTable& table, std::optional<Mammogram> mammogram, const ProgressCallback& progress)
+/// Writes one picture. Gives a warning, or nothing.
+std::string RunOne(const ProjectionJob& job, std::optional<Mammogram> mammogram,
+  const ProgressCallback& progress)
 {
-  const ProjectArguments& arguments = camera.Arguments;
-  const Exposure exposure = camera.Take(source, detector, 0, ShareOf(progress, 0.2, 0.8));
+  const ProjectArguments& arguments = job.Arguments;
+  Scene scene = job.Standing;
+  const XRayDetector& detector = scene.Detector;
+  const Exposure exposure = job.Take(scene, 0, ShareOf(progress, 0.2, 0.8));
   ReportProgress(progress, 0.8, "writing");
-  const auto image = ToImage(exposure, detector, table.Names());
+  const auto image = ToImage(exposure, detector, scene.Materials.Names());
   if (mammogram)
   {
     WriteMammogramFile(arguments, std::move(*mammogram), exposure, detector);
@@ -377,26 +300,29 @@ std::string RunOne(const Camera& camera, const XRaySource& source, const XRayDet
   {
     WriteProjection(image, arguments.PathLengths, true);
   }
-  return exposure.Lengths.InconsistencyWarning();
+  if (!arguments.Deflection.empty())
+  {
+    WriteProjection(ToDeflectionImage(exposure, detector), arguments.Deflection);
+  }
+  return exposure.Lengths->InconsistencyWarning();
 }
 
-/// Writes two exposures and what they are recombined to; what is to be warned of, or nothing.
-std::string RunDualEnergy(const Camera& camera, const XRaySource& source,
-  const XRayDetector& detector, const MaterialTable& table, const ProgressCallback& progress)
+/// Writes two exposures and their recombination. Gives a warning, or nothing.
+std::string RunDualEnergy(const ProjectionJob& job, const ProgressCallback& progress)
 {
-  const ProjectArguments& arguments = camera.Arguments;
+  const ProjectArguments& arguments = job.Arguments;
+  Scene low = job.Standing;
+  Scene high = job.Standing;
+  high.XRays = ToHighSpectrum(arguments.DualEnergy, arguments.Scene.Beam);
+  const XRayDetector& detector = low.Detector;
+  const MaterialTable& table = low.Materials;
   const std::vector<std::string> pair = arguments.DualEnergy.Cancel.empty()
     ? std::vector<std::string>{ "fat", "gland" }
     : arguments.DualEnergy.Cancel;
-  const Spectrum spectrum = ToHighSpectrum(arguments.DualEnergy, arguments.XRays);
-  const Beam high = MakeBeam(table, spectrum, camera.Response);
-  const double weight = CancellingWeight(camera.XRays, high, table.IndexOf(pair[0]),
+  const double weight = CancellingWeight(MakeBeam(low), MakeBeam(high), table.IndexOf(pair[0]),
     table.IndexOf(pair[1]), arguments.DualEnergy.ThicknessMm);
-  const ScatterSource scatter = camera.Scatter.Of(spectrum);
-  const Camera second{ arguments, camera.Projector, camera.Surface, high, camera.Decrements,
-    spectrum, camera.Response, scatter };
-  const Exposure atLow = camera.Take(source, detector, 0, ShareOf(progress, 0.2, 0.5));
-  const Exposure atHigh = second.Take(source, detector, 1, ShareOf(progress, 0.5, 0.8));
+  const Exposure atLow = job.Take(low, 0, ShareOf(progress, 0.2, 0.5));
+  const Exposure atHigh = job.Take(high, 1, ShareOf(progress, 0.5, 0.8));
   ReportProgress(progress, 0.8, "writing");
   WriteProjection(ToImage(Recombine(atLow, atHigh, weight), "Recombined", detector),
     arguments.Output);
@@ -408,9 +334,9 @@ std::string RunDualEnergy(const Camera& camera, const XRaySource& source,
     WriteProjection(image, arguments.PathLengths, true);
   }
   std::printf("%s, mean %.1f keV, less %.4f times the first: %s and %s of %g mm look the same\n",
-    spectrum.Name.c_str(), spectrum.MeanEnergyKeV(), weight, pair[0].c_str(), pair[1].c_str(),
+    high.XRays.Name.c_str(), high.XRays.MeanEnergyKeV(), weight, pair[0].c_str(), pair[1].c_str(),
     arguments.DualEnergy.ThicknessMm);
-  return atLow.Lengths.InconsistencyWarning();
+  return atLow.Lengths->InconsistencyWarning();
 }
 
 /// The middle of a box around the surface.
@@ -428,8 +354,8 @@ Vector3 MiddleOf(const SurfaceMesh& surface)
 
 using TakeProjection = std::function<void(const ProjectionView& view, const Exposure& exposure)>;
 
-/// Takes all projections of a series; the first warning of one, or nothing.
-std::string TakeSeries(const Camera& camera, const ProjectionSeries& series,
+/// Takes all projections of a series. Gives the first warning of one, or nothing.
+std::string TakeSeries(const ProjectionJob& job, Scene scene, const ProjectionSeries& series,
   const ProgressCallback& progress, const TakeProjection& take)
 {
   std::string warning;
@@ -439,9 +365,11 @@ std::string TakeSeries(const Camera& camera, const ProjectionSeries& series,
   {
     const double begin = 0.2 + 0.6 * number / count;
     ReportProgress(progress, begin, "projecting");
-    const Exposure exposure = camera.Take(view.Source, view.Detector, number,
-      ShareOf(progress, begin, 0.2 + 0.6 * (number + 1) / count));
-    const std::string found = exposure.Lengths.InconsistencyWarning();
+    scene.Source = view.Source;
+    scene.Detector = view.Detector;
+    const Exposure exposure =
+      job.Take(scene, number, ShareOf(progress, begin, 0.2 + 0.6 * (number + 1) / count));
+    const std::string found = exposure.Lengths->InconsistencyWarning();
     if (warning.empty() && !found.empty())
     {
       warning = "projection " + std::to_string(number) + ": " + found;
@@ -452,11 +380,12 @@ std::string TakeSeries(const Camera& camera, const ProjectionSeries& series,
   return warning;
 }
 
-/// Writes a series as a stack and what stands beside it; what is to be warned of, or nothing.
-std::string RunStack(const Camera& camera, const ProjectionSeries& series, const XRaySource& source,
-  const XRayDetector& detector, const ProgressCallback& progress)
+/// Writes a series as a stack and the files beside it. Gives a warning, or nothing.
+std::string RunStack(const ProjectionJob& job, const ProjectionSeries& series,
+  const ProgressCallback& progress)
 {
-  const ProjectArguments& arguments = camera.Arguments;
+  const ProjectArguments& arguments = job.Arguments;
+  const XRayDetector& detector = job.Standing.Detector;
   ProjectionStack stack{ .Columns = detector.Columns,
     .Rows = detector.Rows,
     .ColumnSpacingMm = Norm(detector.ColumnStep),
@@ -468,18 +397,20 @@ std::string RunStack(const Camera& camera, const ProjectionSeries& series, const
     ++to.Number;
   };
   // Where the sample turns, source and detector stand to each other as in the flat fields.
-  const std::vector<float> field =
-    ToOpenField(arguments, source, detector, camera.Energies, camera.Response);
-  Camera standing = camera;
-  standing.KnownField = &field;
-  std::string warning = TakeSeries(arguments.Series.Turn > 0 ? standing : camera, series, progress,
-    [&](const ProjectionView&, const Exposure& exposure) { add(stack, exposure); });
+  Scene standing = job.Standing;
+  if (standing.HasField())
+  {
+    standing.Detection.OpenField =
+      OpenField(standing.Source, detector, standing.XRays, standing.Response, standing.Field);
+  }
+  std::string warning = TakeSeries(job, arguments.Series.Turn > 0 ? standing : job.Standing, series,
+    progress, [&](const ProjectionView&, const Exposure& exposure) { add(stack, exposure); });
   while (flats.Number < arguments.Series.FlatFields)
   {
     ReportProgress(progress, 0.8, "flat fields");
-    add(flats,
-      ExposeAir(source, detector, camera.XRays,
-        standing.Options(source, detector, stack.Number + flats.Number, {})));
+    standing.Detection.Seed =
+      job.Standing.Detection.Seed + static_cast<std::uint64_t>(stack.Number + flats.Number);
+    add(flats, Exposer::ExposeAir(standing));
   }
   ReportProgress(progress, 0.85, "writing");
   WriteProjectionStack(stack, arguments.Output);
@@ -488,17 +419,17 @@ std::string RunStack(const Camera& camera, const ProjectionSeries& series, const
     WriteProjectionStack(flats, FlatFieldPath(arguments.Output));
   }
   WriteAtomicFile(SeriesDescriptionPath(arguments.Output),
-    DescribeSeries(arguments.Series, series, source, detector));
+    DescribeSeries(arguments.Series, series, standing.Source, detector));
   return warning;
 }
 
-/// Writes a tomosynthesis as one DICOM object; what is to be warned of, or nothing.
-std::string RunBreastProjections(const Camera& camera, const ProjectionSeries& series,
+/// Writes a tomosynthesis as one DICOM object. Gives a warning, or nothing.
+std::string RunBreastProjections(const ProjectionJob& job, const ProjectionSeries& series,
   const Mammogram& described, const ProgressCallback& progress)
 {
-  const ProjectArguments& arguments = camera.Arguments;
+  const ProjectArguments& arguments = job.Arguments;
   std::vector<Mammogram> projections;
-  std::string warning = TakeSeries(camera, series, progress,
+  std::string warning = TakeSeries(job, job.Standing, series, progress,
     [&](const ProjectionView& view, const Exposure& exposure)
     {
       Mammogram& projection = projections.emplace_back(described);
@@ -515,93 +446,84 @@ std::string RunBreastProjections(const Camera& camera, const ProjectionSeries& s
   return warning;
 }
 
-/// Writes a series; what is to be warned of, or nothing. `mammogram`: the header of a DICOM object.
-std::string RunSeries(const Camera& camera, const ProjectionSeries& series,
-  const XRaySource& source, const XRayDetector& detector, const std::optional<Mammogram>& mammogram,
-  const ProgressCallback& progress)
+/// Writes what is asked for. Gives a warning, or nothing.
+std::string RunAsked(const ProjectionJob& job, const VolumeFromGantry& gantry,
+  const std::optional<Mammogram>& mammogram, const ProgressCallback& progress)
 {
-  return mammogram ? RunBreastProjections(camera, series, *mammogram, progress)
-                   : RunStack(camera, series, source, detector, progress);
+  const ProjectArguments& arguments = job.Arguments;
+  if (arguments.DualEnergy.IsAsked())
+  {
+    return RunDualEnergy(job, progress);
+  }
+  if (!arguments.Series.IsAsked())
+  {
+    return RunOne(job, mammogram, progress);
+  }
+  const ProjectionSeries series = MakeSeries(arguments.Series, job.Standing.Source,
+    job.Standing.Detector, MiddleOf(job.Surface), gantry);
+  return mammogram ? RunBreastProjections(job, series, *mammogram, progress)
+                   : RunStack(job, series, progress);
 }
 
-void Run(ProjectArguments& arguments)
+void PrintSummary(const ProjectArguments& arguments, const ProjectionJob& job)
 {
-  ApplyScene(arguments);
-  ApplyUnit(arguments);
-  CheckInputs(arguments);
-  CheckOutputs(arguments);
-  const ProgressCallback progress = MakeProgressBar();
-  MaterialTable known =
-    arguments.Materials.empty() ? MaterialTable() : FindMaterialTable(arguments.Materials);
-  ReplaceAttenuations(arguments.Attenuations, arguments.AcceptUnusual, known);
-  AddIodine(arguments.DualEnergy.Iodine, known);
-  const Spectrum spectrum = ToSpectrum(arguments.XRays);
-  ReportProgress(progress, 0.0, "reading the mesh");
-  const SurfaceScene scene = arguments.Mesh.empty()
-    ? ReadSurfaces(arguments.SurfaceSamples, std::move(known))
-    : ReadMeshScene(arguments.Mesh, known);
-  const MaterialTable& table = scene.Materials;
-  const SurfaceMesh& surface = scene.Surface;
-  const DetectorResponse response = ToResponse(arguments.Response);
-  const Beam beam = MakeBeam(table, spectrum, response);
-  const std::vector<double> decrements =
-    arguments.RefractionLaw.empty() ? std::vector<double>() : RefractiveDecrements(spectrum, table);
-  XRaySource source;
-  XRayDetector detector;
-  const VolumeFromGantry gantry = PlaceBeam(arguments, surface, table, source, detector);
-  std::optional<Mammogram> mammogram;
-  if (IsDicomPath(arguments.Output))
-  {
-    mammogram = DescribeMammogram(arguments, source, detector);
-    mammogram->PeakKilovoltage = spectrum.PeakEnergyKeV();
-  }
-
-  const std::string overlap = arguments.OverlapPriority.empty()
-    ? MeasureOverlap(surface, source, detector, ShareOf(progress, 0.1, 0.2)).Warning(table.Names())
-    : std::string();
-  ReportProgress(progress, 0.2, "tracing rays");
-  ProjectorOptions options = arguments.Projector;
-  for (const std::string& name : arguments.OverlapPriority)
-  {
-    options.Priority.push_back(table.IndexOf(name));
-  }
-  const auto projector = MakeProjector(options);
-  projector->SetSurface(surface);
-  const std::shared_ptr<const VoxelScene> voxels = arguments.Scatter.NeedsVoxels()
-    ? MakeVoxelScene(arguments.Scatter, surface, table, ShareOf(progress, 0.2, 0.3))
-    : nullptr;
-  const ScatterSource scatter(arguments.Scatter, arguments.Unit.SupportHeightMm, spectrum, response,
-    voxels);
-  const Camera camera{ arguments, *projector, surface, beam, decrements, spectrum, response,
-    scatter };
-  const std::string warning = arguments.Series.IsAsked()
-    ? RunSeries(camera, MakeSeries(arguments.Series, source, detector, MiddleOf(surface), gantry),
-        source, detector, mammogram, progress)
-    : arguments.DualEnergy.IsAsked()
-    ? RunDualEnergy(camera, source, detector, table, progress)
-    : RunOne(camera, source, detector, table, std::move(mammogram), progress);
-  const std::string dose = arguments.Scatter.Dose
-    ? DescribeDose(arguments.Scatter, *voxels, table, source, detector, spectrum,
-        arguments.Exposure.PhotonsPerPixel,
-        IsPlacedByUnit(arguments)
-          ? std::optional(arguments.Unit.SupportHeightMm + arguments.Pose.ThicknessMm)
-          : std::nullopt,
-        ShareOf(progress, 0.85, 1.0))
-    : std::string();
-  ReportProgress(progress, 1.0, "done");
-  if (!dose.empty())
-  {
-    std::printf("%s\n", dose.c_str());
-  }
+  const Scene& scene = job.Standing;
   if (arguments.Series.IsAsked())
   {
     std::printf("%d projections of ", arguments.Series.Number());
   }
   std::printf(
     "%d x %d pixels, %zu triangles, %s, mean %.1f keV, half-value layer %.3g mm Al, on %s, %s\n",
-    detector.Columns, detector.Rows, surface.NumberOfTriangles(), spectrum.Name.c_str(),
-    spectrum.MeanEnergyKeV(), HalfValueLayerMm(spectrum), projector->DeviceName().c_str(),
-    MethodName(projector->Method()).c_str());
+    scene.Detector.Columns, scene.Detector.Rows, job.Surface.NumberOfTriangles(),
+    scene.XRays.Name.c_str(), scene.XRays.MeanEnergyKeV(), HalfValueLayerMm(scene.XRays),
+    job.Device.DeviceName().c_str(), MethodName(job.Device.Method()).c_str());
+}
+
+void Run(ProjectArguments& arguments)
+{
+  CompleteScene(arguments);
+  CheckInputs(arguments);
+  CheckOutputs(arguments);
+  const ProgressCallback progress = MakeProgressBar();
+  ReportProgress(progress, 0.0, "reading the mesh");
+  Scene scene = LoadScene(arguments.Scene);
+  scene.Validate();
+  const std::shared_ptr<const SurfaceMesh> surface = Assemble(scene);
+  scene.Samples = { { surface } };
+  const VolumeFromGantry gantry = PlaceBeam(arguments, *surface, scene);
+  std::optional<Mammogram> mammogram;
+  if (IsDicomPath(arguments.Output))
+  {
+    mammogram = DescribeMammogram(arguments, scene);
+  }
+  const std::string overlap = scene.OverlapPriority.empty()
+    ? MeasureOverlap(*surface, scene.Source, scene.Detector, ShareOf(progress, 0.1, 0.2))
+        .Warning(scene.Materials.Names())
+    : std::string();
+  const bool wantsDose = std::exchange(scene.Dose, false);
+  if (wantsDose || scene.Scatter.Method == SceneScatter::Model::MonteCarlo)
+  {
+    scene.Scatter.Voxels = MakeVoxelScene(arguments.Scene.VoxelMm, *surface, scene.Materials,
+      ShareOf(progress, 0.2, 0.3));
+  }
+  if (arguments.IsPlacedByUnit())
+  {
+    scene.DoseHeightMm = arguments.Unit.SupportHeightMm + arguments.Pose.ThicknessMm;
+  }
+  ReportProgress(progress, 0.2, "tracing rays");
+  Exposer exposer(arguments.Projector);
+  const ProjectionJob job{ arguments, exposer, *surface, std::move(scene) };
+  const std::string warning = RunAsked(job, gantry, mammogram, progress);
+  const std::string dose = wantsDose
+    ? DescribeDose(ComputeDose(job.Standing, ShareOf(progress, 0.85, 1.0)), job.Standing.Materials,
+        job.Standing.Detection.PhotonsPerPixel)
+    : std::string();
+  ReportProgress(progress, 1.0, "done");
+  if (wantsDose)
+  {
+    std::printf("%s\n", dose.c_str());
+  }
+  PrintSummary(arguments, job);
   if (!warning.empty())
   {
     std::fprintf(stderr, "mammoray: warning: %s\n", warning.c_str());

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ProjectOptions.h"
 
+#include "MaterialChanges.h"
 #include "SharedOptions.h"
+#include "mammoray/Foundation/Error.h"
 
 namespace mammoray
 {
@@ -10,7 +12,7 @@ namespace
 /// What is X-rayed, with what, and what is written.
 void DeclareInput(const OptionList& add, ProjectArguments& arguments)
 {
-  add.Input("--mesh", arguments.Mesh,
+  add.Input("--mesh", arguments.Scene.Mesh,
     "tetrahedra (.vtu, cell array Material) or triangles (.vtp, .stl, .ply, .obj, .glb, .gltf), of "
     "--materials");
   add("--surface", arguments.Surfaces,
@@ -18,10 +20,10 @@ void DeclareInput(const OptionList& add, ProjectArguments& arguments)
     "made of, with the density in g/cm3 where that does not tell it ('Ti90Al6V4@4.43=matrix.stl'); "
     "where they overlap see --overlap-priority")
     ->type_name("MATERIAL=FILE ...");
-  add.Input("--scene", arguments.Scene,
+  add.Input("--scene", arguments.SceneFile,
     "file (.json) that says what of this page it holds: source, detector, beam, and samples with "
     "their files, materials, units (um to m) and places; the rest are options (docs/scene.md)");
-  AddMaterialsOption(add, arguments.Materials);
+  AddMaterialsOption(add, arguments.Scene.Materials);
   add("--attenuation", arguments.Attenuations,
     "another attenuation of a material of the table, and density, g/cm3: a shipped table's name, a "
     "NIST compound, a formula, or mass fractions ('gland=H:0.102 C:0.184 N:0.032 O:0.682@1.04')")
@@ -35,8 +37,8 @@ void DeclareInput(const OptionList& add, ProjectArguments& arguments)
     ->required();
   add("--path-lengths", arguments.PathLengths,
     "write path lengths there, mm, one channel per material but air (.mha .nrrd .vti)");
-  DeclareSpectrum(add, arguments.XRays);
-  DeclareResponse(add, arguments.Response);
+  DeclareSpectrum(add, arguments.Scene.Beam);
+  DeclareResponse(add, arguments.Scene.Response);
 }
 
 /// Where source and detector stand.
@@ -66,6 +68,10 @@ void DeclareGeometry(const OptionList& add, ProjectArguments& arguments)
 
 void DeclareDetector(const OptionList& add, ProjectArguments& arguments)
 {
+  XRayDetector& detector = arguments.Scene.Fixed.Detector;
+  ExposureOptions& detection = arguments.Scene.Fixed.Detection;
+  detector.Columns = 720;
+  detector.Rows = 1080;
   add.Word("--unit", arguments.UnitKind, { "plain", "realistic" },
     "realistic: what is not asked for otherwise is that of a modern unit: tungsten tube of 29 kV "
     "with 0.05 mm Rh, heel and inverse square, scatter of 17 mm of air behind a grid of lead 5:1 "
@@ -74,25 +80,25 @@ void DeclareDetector(const OptionList& add, ProjectArguments& arguments)
   add.Flag("--display", arguments.Display,
     "write what a unit shows in place of transmissions, 0 to 1, bright where much is absorbed: "
     "rim evened out, details raised, sigmoid; a .dcm is For Presentation");
-  add("--columns", arguments.Columns, Between(1, 65535), "pixels per row");
-  add("--rows", arguments.Rows, Between(1, 65535), "pixels per column");
+  add("--columns", detector.Columns, Between(1, 65535), "pixels per row");
+  add("--rows", detector.Rows, Between(1, 65535), "pixels per column");
   add("--pixel-spacing", arguments.PixelSpacingMm, Positive("mm"), "distance of pixel centres");
-  add("--samples", arguments.Samples, Between(1, 16),
+  add("--samples", detector.Samples, Between(1, 16),
     "samples x samples rays per pixel; their transmissions are averaged");
   add
     .Numbers("--focal-spot", arguments.FocalSpot, "W H",
       "edges of the focal spot along columns and rows, mm; default: a point")
     ->check(*Between(0, 100).Range);
-  add("--focal-spot-samples", arguments.Exposure.FocalSpotSamples, Between(1, 32),
+  add("--focal-spot-samples", detection.FocalSpotSamples, Between(1, 32),
     "n x n source points for the focal spot; each costs a projection");
-  add("--photons", arguments.Exposure.PhotonsPerPixel, Between(0, 1e12),
+  add("--photons", detection.PhotonsPerPixel, Between(0, 1e12),
     "photons that meet a pixel without the object, on average; adds quantum noise, 0 adds none");
-  add("--electronic-noise", arguments.Exposure.ElectronicNoisePhotons, Between(0, 1e6),
+  add("--electronic-noise", detection.ElectronicNoisePhotons, Between(0, 1e6),
     "standard deviation of the detector's own noise, in signals of one photon; needs --photons");
-  add("--half-modulation", arguments.Exposure.HalfModulationPerMm, Between(0, 1000, "1/mm"),
+  add("--half-modulation", detection.HalfModulationPerMm, Between(0, 1000, "1/mm"),
     "frequency at which the detector's modulation transfer is 1/2, a Gaussian, besides that of its "
     "pixels (--samples); blurs signal and quantum noise, 0 does not");
-  add.Flag("--inverse-square", arguments.Field.InverseSquare,
+  add.Flag("--inverse-square", arguments.Scene.Fixed.Field.InverseSquare,
     "fewer photons farther from the focus, and where they come in obliquely; 1 where they come in "
     "at right angles");
   add.Numbers("--heel", arguments.Heel, "DEG UM",
@@ -102,17 +108,17 @@ void DeclareDetector(const OptionList& add, ProjectArguments& arguments)
     "bend rays where they pass bodies, by geometric optics or by the near field of the transport "
     "of "
     "intensity; materials need compositions (--attenuation)");
-  add("--bend-distance", arguments.BendDistanceMm, NonNegative("mm"),
+  add("--bend-distance", arguments.Scene.BendDistanceMm, NonNegative("mm"),
     "from where rays are bent to the detector; default: from the middle of the mesh");
   add("--deflection", arguments.Deflection,
     "write the angles by which --refraction bends rays there, radians along columns and rows, two "
     "channels (.mha .nrrd .vti)");
-  add("--seed", arguments.Exposure.Seed, "of the noise: the same seed, the same image");
+  add("--seed", detection.Seed, "of the noise: the same seed, the same image");
   DeclareScatter(add, arguments.Scatter);
   DeclareSeries(add, arguments.Series);
   DeclareDualEnergy(add, arguments.DualEnergy);
   AddProjectorOptions(add, arguments.Projector);
-  add("--overlap-priority", arguments.OverlapPriority,
+  add("--overlap-priority", arguments.Scene.OverlapPriority,
     "where parts overlap though their surfaces say air, count the first of these MATERIALs that is "
     "there, once; others follow in the table's order. Default: such stretches count for each part, "
     "with a warning (beyond 20,000 triangles where lines through the picture and through each "
@@ -121,6 +127,48 @@ void DeclareDetector(const OptionList& add, ProjectArguments& arguments)
     ->type_name("MATERIAL ...");
 }
 
+/// Fills in what is not asked for otherwise.
+void ApplyRealisticUnit(ProjectArguments& arguments)
+{
+  SceneDescription& scene = arguments.Scene;
+  if (scene.Beam.Anode.empty() && !scene.Beam.EnergyKeV &&
+    scene.Beam.Spectrum == SceneBeam().Spectrum)
+  {
+    scene.Beam.Anode = "W";
+    scene.Beam.KilovoltagePeak = 29;
+    if (scene.Beam.Filters.empty())
+    {
+      scene.Beam.Filters = { "Rh:0.05" };
+    }
+  }
+  Scene& fixed = scene.Fixed;
+  fixed.Field.InverseSquare = true;
+  if (fixed.Field.Heel.TargetAngleDeg == 0)
+  {
+    fixed.Field.Heel.TargetAngleDeg = 20;
+    fixed.Field.Heel.DepthMm = 0.5e-3;
+  }
+  if (!fixed.Scatter.Grid)
+  {
+    fixed.Scatter.Grid =
+      AntiscatterGridOptions::OfLead({ 5, 31, 65 }, arguments.Scatter.Interspace);
+  }
+  ExposureOptions& detection = fixed.Detection;
+  if (detection.HalfModulationPerMm == 0)
+  {
+    detection.HalfModulationPerMm = 5;
+  }
+  if (detection.PhotonsPerPixel == 0)
+  {
+    const double spacing =
+      scene.Has("detector") ? Norm(fixed.Detector.ColumnStep) : arguments.PixelSpacingMm;
+    detection.PhotonsPerPixel = 2e7 * spacing * spacing;
+  }
+  if (detection.ElectronicNoisePhotons == 0)
+  {
+    detection.ElectronicNoisePhotons = 5;
+  }
+}
 }
 
 void DeclareProject(const OptionList& add, ProjectArguments& arguments)
@@ -138,51 +186,58 @@ void DeclareProject(const OptionList& add, ProjectArguments& arguments)
   AddOverwriteFlag(add, arguments.Overwrite);
 }
 
-void ApplyUnit(ProjectArguments& arguments)
+bool ProjectArguments::IsPlacedByUnit() const
 {
-  if (arguments.UnitKind != "realistic")
+  return !this->Source && !this->BeamDirection && !this->DetectorOrigin && !this->ColumnDirection &&
+    !this->RowDirection && !this->Scene.Has("source") && !this->Scene.Has("detector");
+}
+
+void CompleteScene(ProjectArguments& arguments)
+{
+  SceneDescription& scene = arguments.Scene;
+  if (arguments.FocalSpot)
   {
-    return;
+    scene.Fixed.Detection.FocalSpotColumnMm = (*arguments.FocalSpot)[0];
+    scene.Fixed.Detection.FocalSpotRowMm = (*arguments.FocalSpot)[1];
   }
-  SpectrumArguments& xRays = arguments.XRays;
-  if (xRays.Anode.empty() && !xRays.EnergyKeV && xRays.Spectrum == SpectrumArguments().Spectrum)
+  if (arguments.Heel)
   {
-    xRays.Anode = "W";
-    xRays.Tube.KilovoltagePeak = 29;
-    if (xRays.Filters.empty())
-    {
-      xRays.Filters = { "Rh:0.05" };
-    }
+    scene.Fixed.Field.Heel.TargetAngleDeg = (*arguments.Heel)[0];
+    scene.Fixed.Field.Heel.DepthMm = 1e-3 * (*arguments.Heel)[1];
   }
-  arguments.Field.InverseSquare = true;
-  if (!arguments.Heel)
+  if (!arguments.RefractionLaw.empty())
   {
-    arguments.Heel = { 20, 0.5 };
+    scene.Fixed.Refraction = { arguments.RefractionLaw == "geometric"
+        ? RefractionOptions::Law::Geometric
+        : RefractionOptions::Law::NearField };
   }
-  if (arguments.Scatter.Method.empty())
+  if (!scene.Beam.Anode.empty() && scene.Beam.EnergyKeV)
+  {
+    throw InputError("--tube: expected no --kev beside it, found both");
+  }
+  const bool isRealistic = arguments.UnitKind == "realistic";
+  if (isRealistic && arguments.Scatter.Method.empty())
   {
     arguments.Scatter.Method = "kernels";
   }
-  if (!arguments.Scatter.AirGapMm)
+  SetAttenuations(arguments.Attenuations, arguments.AcceptUnusual, scene);
+  SetIodine(arguments.DualEnergy.Iodine, scene);
+  SetScatter(arguments.Scatter, scene);
+  scene.Samples = ToSamples(arguments.Surfaces);
+  ApplySceneFile(arguments.SceneFile, arguments.IsGiven, scene);
+  if (isRealistic)
   {
-    arguments.Scatter.AirGapMm = 17;
+    ApplyRealisticUnit(arguments);
   }
-  if (!arguments.Scatter.Grid)
+  else if (scene.Fixed.Scatter.Method == SceneScatter::Model::Kernels &&
+    !arguments.Scatter.AirGapMm && !scene.Has("scatter.air-gap"))
   {
-    arguments.Scatter.Grid = { 5, 31, 65 };
-  }
-  ExposureOptions& exposure = arguments.Exposure;
-  if (exposure.HalfModulationPerMm == 0)
-  {
-    exposure.HalfModulationPerMm = 5;
-  }
-  if (exposure.PhotonsPerPixel == 0)
-  {
-    exposure.PhotonsPerPixel = 2e7 * arguments.PixelSpacingMm * arguments.PixelSpacingMm;
-  }
-  if (exposure.ElectronicNoisePhotons == 0)
-  {
-    exposure.ElectronicNoisePhotons = 5;
+    if (!arguments.IsPlacedByUnit())
+    {
+      throw InputError(
+        "--scatter kernels: expected --air-gap beside explicit positions, found none");
+    }
+    scene.Fixed.Scatter.AirGapMm = arguments.Unit.SupportHeightMm;
   }
 }
 }

@@ -5,67 +5,51 @@
 #include "DicomOptions.h"
 #include "OptionList.h"
 #include "ScatterOptions.h"
+#include "SceneOptions.h"
 #include "SeriesOptions.h"
 #include "SpectrumOptions.h"
 #include "mammoray/Foundation/MammographyGeometry.h"
-#include "mammoray/IO/SurfaceSceneIO.h"
-#include "mammoray/XRay/Exposure.h"
-#include "mammoray/XRay/OpenField.h"
+#include "mammoray/IO/SceneIO.h"
 
 #include <array>
-#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
 
 namespace mammoray
 {
-/// What 'mammoray project' is asked for.
+/// The options of 'mammoray project'.
 struct ProjectArguments
 {
-  std::string Mesh;
-  /// In place of it, MATERIAL=FILE each.
+  /// Options are declared on its members. CompleteScene adds the others and the scene's file.
+  SceneDescription Scene;
+  std::string SceneFile;
+  /// MATERIAL=FILE each.
   std::vector<std::string> Surfaces;
-  /// Or a file that says what stands where (ApplyScene).
-  std::string Scene;
-  /// Those of --surface or of the scene; empty of a mesh.
-  std::vector<SurfaceSample> SurfaceSamples;
-  /// Whether an option was given, "--source".
-  std::function<bool(const std::string&)> IsGiven;
-  std::string Materials;
+  IsGivenFunction IsGiven;
   std::vector<std::string> Attenuations;
   bool AcceptUnusual = false;
-  SpectrumArguments XRays;
   DualEnergyArguments DualEnergy;
-  ResponseArguments Response;
   std::string Orientation = "LPS";
   MammographyUnit Unit;
   BreastPose Pose;
-  /// Where given, in place of what unit and pose say.
+  /// These replace the places that unit and pose give.
   std::optional<Vector3> Anchor;
   std::optional<Vector3> Source;
   std::optional<Vector3> BeamDirection;
   std::optional<Vector3> DetectorOrigin;
   std::optional<Vector3> ColumnDirection;
   std::optional<Vector3> RowDirection;
-  int Columns = 720;
-  int Rows = 1080;
   double PixelSpacingMm = 0.1;
-  int Samples = 1;
   std::optional<std::array<double, 2>> FocalSpot;
-  ExposureOptions Exposure;
-  OpenFieldOptions Field;
   /// Target angle, degrees, and depth, micrometres.
   std::optional<std::array<double, 2>> Heel;
-  /// None: rays are straight.
+  /// Empty: rays are straight.
   std::string RefractionLaw;
-  /// Where given, instead of from the middle of the mesh.
-  std::optional<double> BendDistanceMm;
   std::string Deflection;
   ScatterArguments Scatter;
   SeriesArguments Series;
   ProjectorOptions Projector;
-  std::vector<std::string> OverlapPriority;
   std::optional<char> Laterality;
   std::string View;
   /// "plain" or "realistic".
@@ -76,12 +60,16 @@ struct ProjectArguments
   std::string Output;
   std::string PathLengths;
   bool Overwrite = false;
+
+  /// Whether source and detector stand where the mammography unit has them.
+  bool IsPlacedByUnit() const;
 };
 
 void DeclareProject(const OptionList& add, ProjectArguments& arguments);
 
-/// Fills in what --unit realistic says of what is not asked for otherwise.
-void ApplyUnit(ProjectArguments& arguments);
+/// Brings the options, the scene's file and --unit realistic into arguments.Scene. Throws
+/// InputError.
+void CompleteScene(ProjectArguments& arguments);
 }
 
 #endif

@@ -3,9 +3,9 @@
 
 #include "OptionList.h"
 #include "OutputFiles.h"
-#include "ProjectOptions.h"
 #include "mammoray/Foundation/Error.h"
 
+#include <initializer_list>
 #include <tuple>
 #include <utility>
 
@@ -13,77 +13,41 @@ namespace mammoray
 {
 namespace
 {
-void ApplySource(const SceneSource& source, const SaidOnce& check, ProjectArguments& arguments)
+/// The options that set the same as a key of a scene's file.
+struct SceneKey
 {
-  check("source", { "--source", "--beam-direction" });
-  arguments.Source = source.PositionMm;
-  arguments.BeamDirection = source.Direction;
-  if (source.FocalSpotMm)
-  {
-    check("source.focal-spot", { "--focal-spot" });
-    arguments.FocalSpot = source.FocalSpotMm;
-  }
-}
-
-void ApplyDetector(const SceneDetector& detector, const SaidOnce& check,
-  ProjectArguments& arguments)
-{
-  check("detector",
+  const char* Key;
+  std::initializer_list<const char*> Options;
+};
+const SceneKey SceneKeys[] = {
+  { "source", { "--source", "--beam-direction" } },
+  { "source.focal-spot", { "--focal-spot" } },
+  { "source.focal-spot-samples", { "--focal-spot-samples" } },
+  { "source.heel", { "--heel" } },
+  { "source.inverse-square", { "--inverse-square" } },
+  { "detector",
     { "--detector-origin", "--column-direction", "--row-direction", "--columns", "--rows",
-      "--pixel-spacing" });
-  arguments.DetectorOrigin = detector.OriginMm;
-  arguments.ColumnDirection = detector.ColumnDirection;
-  arguments.RowDirection = detector.RowDirection;
-  arguments.Columns = detector.Columns;
-  arguments.Rows = detector.Rows;
-  arguments.PixelSpacingMm = detector.PixelSpacingMm;
-}
-
-}
-
-void SaidOnce::operator()(const std::string& part, std::initializer_list<const char*> options) const
-{
-  for (const char* option : options)
-  {
-    if (this->IsGiven(option))
-    {
-      throw InputError(std::string(option) + ": expected it in the scene or as an option, found " +
-        part + " in " + this->Scene + ", too");
-    }
-  }
-}
-
-void SetBeam(const SceneBeam& beam, SpectrumArguments& arguments)
-{
-  arguments.EnergyKeV = beam.EnergyKeV;
-  arguments.Spectrum = beam.Spectrum.empty() ? arguments.Spectrum : beam.Spectrum;
-  arguments.Anode = beam.Anode;
-  arguments.Tube.KilovoltagePeak = beam.KilovoltagePeak.value_or(arguments.Tube.KilovoltagePeak);
-  arguments.Filters = beam.Filters;
-}
-
-XRaySource ToSource(const SceneSource& source)
-{
-  XRaySource result;
-  if (source.Direction)
-  {
-    result.Type = XRaySource::Kind::Parallel;
-    result.Direction = *source.Direction;
-  }
-  result.Position = source.PositionMm.value_or(result.Position);
-  return result;
-}
-
-XRayDetector ToDetector(const SceneDetector& detector)
-{
-  XRayDetector result;
-  result.Origin = detector.OriginMm;
-  result.ColumnStep =
-    (detector.PixelSpacingMm / Norm(detector.ColumnDirection)) * detector.ColumnDirection;
-  result.RowStep = (detector.PixelSpacingMm / Norm(detector.RowDirection)) * detector.RowDirection;
-  result.Columns = detector.Columns;
-  result.Rows = detector.Rows;
-  return result;
+      "--pixel-spacing" } },
+  { "detector.samples", { "--samples" } },
+  { "detector.response", { "--response" } },
+  { "detector.scintillator", { "--scintillator" } },
+  { "detector.response-table", { "--response-table" } },
+  { "detector.photons", { "--photons" } },
+  { "detector.electronic-noise", { "--electronic-noise" } },
+  { "detector.half-modulation", { "--half-modulation" } },
+  { "detector.seed", { "--seed" } },
+  { "beam", { "--kev", "--spectrum", "--tube", "--kvp", "--filter" } },
+  { "materials", { "--materials" } },
+  { "attenuations", { "--attenuation" } },
+  { "iodine", { "--iodine" } },
+  { "mesh", { "--mesh", "--surface" } },
+  { "samples", { "--mesh", "--surface" } },
+  { "overlap-priority", { "--overlap-priority" } },
+  { "scatter",
+    { "--scatter", "--air-gap", "--grid", "--grid-interspace", "--mc-photons", "--mc-voxels" } },
+  { "refraction", { "--refraction", "--bend-distance" } },
+  { "dose", { "--dose" } },
+};
 }
 
 std::vector<SurfaceSample> ToSamples(const std::vector<std::string>& surfaces)
@@ -101,46 +65,33 @@ std::vector<SurfaceSample> ToSamples(const std::vector<std::string>& surfaces)
   return samples;
 }
 
-void ApplyScene(ProjectArguments& arguments)
+void ApplySceneFile(const std::string& path, const IsGivenFunction& isGiven,
+  SceneDescription& description)
 {
-  arguments.SurfaceSamples = ToSamples(arguments.Surfaces);
-  if (arguments.Scene.empty())
+  if (path.empty())
   {
     return;
   }
-  SceneDescription scene = ReadScene(arguments.Scene);
-  const SaidOnce check{ arguments.IsGiven, arguments.Scene };
-  if (scene.Source)
+  description = ReadScene(path, std::move(description));
+  for (const SceneKey& known : SceneKeys)
   {
-    ApplySource(*scene.Source, check, arguments);
-  }
-  if (scene.Detector)
-  {
-    ApplyDetector(*scene.Detector, check, arguments);
-  }
-  if (scene.Beam)
-  {
-    check("beam", { "--kev", "--spectrum", "--tube", "--kvp", "--filter" });
-    SetBeam(*scene.Beam, arguments.XRays);
-  }
-  if (!scene.Materials.empty())
-  {
-    check("materials", { "--materials" });
-    arguments.Materials = scene.Materials;
-  }
-  if (!scene.OverlapPriority.empty())
-  {
-    check("overlap-priority", { "--overlap-priority" });
-    arguments.OverlapPriority = scene.OverlapPriority;
-  }
-  if (!scene.Samples.empty())
-  {
-    check("samples", { "--mesh", "--surface" });
-    arguments.SurfaceSamples = std::move(scene.Samples);
-    for (const SurfaceSample& sample : arguments.SurfaceSamples)
+    for (const char* option : known.Options)
     {
-      CheckInputFile(sample.File);
+      if (description.Has(known.Key) && isGiven(option))
+      {
+        throw InputError(std::string(option) +
+          ": expected it in the scene or as an option, found " + known.Key + " in " + path +
+          ", too");
+      }
     }
+  }
+  if (!description.Mesh.empty())
+  {
+    CheckInputFile(description.Mesh);
+  }
+  for (const SurfaceSample& sample : description.Samples)
+  {
+    CheckInputFile(sample.File);
   }
 }
 }

@@ -3,7 +3,6 @@
 
 #include "SharedOptions.h"
 #include "mammoray/Foundation/Error.h"
-#include "mammoray/IO/ShippedData.h"
 
 namespace mammoray
 {
@@ -16,78 +15,29 @@ CLI::Option* DeclareFilters(const OptionList& add, const std::string& name,
 }
 }
 
-void DeclareResponse(const OptionList& add, ResponseArguments& arguments)
+void DeclareResponse(const OptionList& add, SceneResponse& response)
 {
-  add.Choice<DetectorResponse>("--response", arguments.Response,
-    { { "energy", DetectorResponse::EnergyIntegrating },
-      { "counting", DetectorResponse::PhotonCounting } },
+  add.Choice<bool>("--response", response.ByEnergy, { { "energy", true }, { "counting", false } },
     "what the detector adds up: energy, or photons by counting");
-  add("--scintillator", arguments.Layer,
+  add("--scintillator", response.Scintillator,
     "the same of the photons alone that a layer of the detector absorbs ('CsI@4.51:0.15', "
     "'Se@4.3:0.2')")
     ->type_name("MATERIAL[@DENSITY]:MM");
-  add.Input("--response-table", arguments.Table,
+  add.Input("--response-table", response.Table,
     "instead, what it adds up of a photon by its energy: lines of keV, a comma and the signal");
 }
 
-DetectorResponse ToResponse(const ResponseArguments& arguments)
+void DeclareSpectrum(const OptionList& add, SceneBeam& beam)
 {
-  if (!arguments.Table.empty())
-  {
-    if (!arguments.Layer.empty())
-    {
-      throw InputError("--response-table: expected no --scintillator beside it, found both");
-    }
-    return ReadDetectorResponse(arguments.Table);
-  }
-  DetectorResponse response = arguments.Response;
-  if (!arguments.Layer.empty())
-  {
-    response = AbsorbingDetector(XRayFilter::FromText(arguments.Layer));
-    response.ByEnergy = arguments.Response.ByEnergy;
-  }
-  return response;
-}
-
-void DeclareSpectrum(const OptionList& add, SpectrumArguments& arguments)
-{
-  AddSpectrumOption(add, arguments.Spectrum);
-  add("--kev", arguments.EnergyKeV, Positive("keV"),
-    "a single photon energy instead of a spectrum");
-  add.Word("--tube", arguments.Anode, { "W", "Mo", "Rh" },
+  AddSpectrumOption(add, beam.Spectrum);
+  add("--kev", beam.EnergyKeV, Positive("keV"), "a single photon energy instead of a spectrum");
+  add.Word("--tube", beam.Anode, { "W", "Mo", "Rh" },
     "instead, the spectrum of a tube with this anode and a beryllium window, 18 to 42 kV (Boone, "
     "Fewell and Jennings 1997)");
-  add("--kvp", arguments.Tube.KilovoltagePeak, Between(18, 42, "kV"), "voltage of --tube");
-  DeclareFilters(add, "--filter", arguments.Filters,
+  add("--kvp", beam.KilovoltagePeak, Between(18, 42, "kV"), "voltage of --tube");
+  DeclareFilters(add, "--filter", beam.Filters,
     "a layer that all photons pass, an element, a formula or a NIST compound ('Air, Dry (near sea "
     "level):600'); may be given for several");
-}
-
-Spectrum ToSpectrum(const SpectrumArguments& arguments)
-{
-  std::vector<XRayFilter> filters;
-  for (const std::string& text : arguments.Filters)
-  {
-    filters.push_back(XRayFilter::FromText(text));
-  }
-  if (!arguments.Anode.empty() && arguments.EnergyKeV)
-  {
-    throw InputError("--tube: expected no --kev beside it, found both");
-  }
-  if (!arguments.Anode.empty())
-  {
-    XRayTube tube = arguments.Tube;
-    tube.Anode = arguments.Anode;
-    tube.Filters = filters;
-    return TubeSpectrum(tube);
-  }
-  Spectrum spectrum = arguments.EnergyKeV ? Spectrum::Monochromatic(*arguments.EnergyKeV)
-                                          : FindSpectrum(arguments.Spectrum);
-  for (const XRayFilter& filter : filters)
-  {
-    spectrum = FilterSpectrum(spectrum, filter);
-  }
-  return spectrum;
 }
 
 void DeclareDualEnergy(const OptionList& add, DualEnergyArguments& arguments)
@@ -113,23 +63,21 @@ void DeclareDualEnergy(const OptionList& add, DualEnergyArguments& arguments)
     "slabs of them as thick as this look the same");
 }
 
-Spectrum ToHighSpectrum(const DualEnergyArguments& arguments, const SpectrumArguments& low)
+Spectrum ToHighSpectrum(const DualEnergyArguments& arguments, const SceneBeam& low)
 {
-  SpectrumArguments high;
-  high.Spectrum = arguments.Spectrum;
-  high.EnergyKeV = arguments.EnergyKeV;
-  high.Filters = arguments.Filters;
+  SceneBeam high{ .EnergyKeV = arguments.EnergyKeV,
+    .Spectrum = arguments.Spectrum,
+    .Filters = arguments.Filters };
   if (arguments.KilovoltagePeak)
   {
     high.Anode = low.Anode;
-    high.Tube = low.Tube;
-    high.Tube.KilovoltagePeak = *arguments.KilovoltagePeak;
+    high.KilovoltagePeak = *arguments.KilovoltagePeak;
     if (high.Anode.empty())
     {
       throw InputError("--high-kvp: expected --tube beside it, found none");
     }
   }
-  return ToSpectrum(high);
+  return FindSpectrum(high);
 }
 
 void CheckDualEnergy(const DualEnergyArguments& arguments)

@@ -3,7 +3,7 @@
 #define mammoray_SpectrumOptions_h
 
 #include "OptionList.h"
-#include "mammoray/XRay/Tube.h"
+#include "mammoray/IO/SceneIO.h"
 
 #include <optional>
 #include <string>
@@ -11,34 +11,10 @@
 
 namespace mammoray
 {
-/// The X-rays of 'mammoray project'.
-struct SpectrumArguments
-{
-  std::string Spectrum = "W28kVp_Rh50um_Be1mm";
-  /// In place of the spectrum.
-  std::optional<double> EnergyKeV;
-  std::string Anode;
-  XRayTube Tube;
-  std::vector<std::string> Filters;
-};
+void DeclareResponse(const OptionList& add, SceneResponse& response);
+void DeclareSpectrum(const OptionList& add, SceneBeam& beam);
 
-/// What the detector makes of photons.
-struct ResponseArguments
-{
-  DetectorResponse Response = DetectorResponse::EnergyIntegrating;
-  std::string Table;
-  std::string Layer;
-};
-
-void DeclareResponse(const OptionList& add, ResponseArguments& arguments);
-DetectorResponse ToResponse(const ResponseArguments& arguments);
-
-void DeclareSpectrum(const OptionList& add, SpectrumArguments& arguments);
-
-/// The spectrum that the options ask for, behind its filters.
-Spectrum ToSpectrum(const SpectrumArguments& arguments);
-
-/// A second exposure at higher energy, and what the two are recombined to.
+/// A second exposure at higher energy, and how the two are recombined.
 struct DualEnergyArguments
 {
   std::string Spectrum;
@@ -59,9 +35,9 @@ struct DualEnergyArguments
 void DeclareDualEnergy(const OptionList& add, DualEnergyArguments& arguments);
 
 /// The spectrum of higher energy; `low` has the anode.
-Spectrum ToHighSpectrum(const DualEnergyArguments& arguments, const SpectrumArguments& low);
+Spectrum ToHighSpectrum(const DualEnergyArguments& arguments, const SceneBeam& low);
 
-/// Refuses what does not go together.
+/// Throws InputError on options that contradict each other.
 void CheckDualEnergy(const DualEnergyArguments& arguments);
 }
 

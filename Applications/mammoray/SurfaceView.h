@@ -2,9 +2,9 @@
 #ifndef mammoray_SurfaceView_h
 #define mammoray_SurfaceView_h
 
+#include "SceneOptions.h"
 #include "mammoray/App/SurfaceViewer.h"
 
-#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -27,10 +27,8 @@ struct SurfaceViewInput
   bool IsAsked() const { return !this->Surfaces.empty() || !this->Scene.empty(); }
 };
 
-/// What the window shows, and in what order materials count. `isGiven`: whether an option was.
 /// Throws InputError.
-ViewedScene ReadViewedScene(const SurfaceViewInput& input,
-  const std::function<bool(const std::string&)>& isGiven, std::vector<int>& priority);
+ViewedScene ReadViewedScene(const SurfaceViewInput& input, const IsGivenFunction& isGiven);
 }
 
 #endif

@@ -219,14 +219,17 @@ void RunSurfaces(const ViewArguments& arguments)
   ViewerOptions options = ToViewerOptions(arguments);
   const auto isGiven = [&arguments](const std::string& option)
   {
-    const CLI::Option* found = arguments.Command->get_option_no_throw(option);
-    return found && found->count() > 0;
+    // Others have another meaning here.
+    const bool isShared = option == "--kev" || option == "--spectrum" || option == "--materials";
+    return isShared && arguments.Command->count(option) > 0;
   };
-  const ViewedScene viewed = ReadViewedScene(input, isGiven, options.Projector.Priority);
-  if (options.Projector.Priority.empty())
+  const ViewedScene viewed = ReadViewedScene(input, isGiven);
+  const Scene& scene = viewed.Scene;
+  if (scene.OverlapPriority.empty())
   {
-    const std::string overlap = MeasureOverlap(viewed.Surface, viewed.Source, viewed.Detector)
-                                  .Warning(viewed.Materials.Names());
+    const std::string overlap =
+      MeasureOverlap(*scene.Samples.front().Surface, scene.Source, scene.Detector)
+        .Warning(scene.Materials.Names());
     if (!overlap.empty())
     {
       std::fprintf(stderr,

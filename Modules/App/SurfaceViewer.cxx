@@ -120,7 +120,7 @@ void SurfaceViewer::Internals::AddControls()
   }
   for (std::size_t material = 1; material < this->Scene.Colors().size(); ++material)
   {
-    this->Controls.AddLegend(this->Viewed.Materials.Materials[material].Name,
+    this->Controls.AddLegend(this->Viewed.Scene.Materials.Materials[material].Name,
       this->Scene.Colors()[material]);
   }
 }
@@ -300,7 +300,7 @@ void SurfaceViewer::SetEnergy(double energy)
 void SurfaceViewer::MoveSource(const Vector3& offset)
 {
   Internals& internal = *this->Internal;
-  if (internal.Viewed.Source.Type == XRaySource::Kind::Parallel)
+  if (internal.Viewed.Scene.Source.Type == XRaySource::Kind::Parallel)
   {
     internal.Message = "a parallel beam has no source to move";
   }
@@ -311,7 +311,7 @@ void SurfaceViewer::MoveSource(const Vector3& offset)
 bool SurfaceViewer::MarkPixel(double column, double row)
 {
   Internals& internal = *this->Internal;
-  const XRayDetector& grid = internal.Viewed.Detector;
+  const XRayDetector& grid = internal.Viewed.Scene.Detector;
   internal.Dirty = true;
   if (!(column >= -0.5 && row >= -0.5 && column <= grid.Columns - 0.5 && row <= grid.Rows - 0.5))
   {
@@ -343,7 +343,7 @@ void SurfaceViewer::Click(int x, int y)
 void SurfaceViewer::Key(const std::string& name)
 {
   Internals& internal = *this->Internal;
-  const XRayDetector& grid = internal.Viewed.Detector;
+  const XRayDetector& grid = internal.Viewed.Scene.Detector;
   const Vector3 across = (1 / Norm(grid.ColumnStep)) * grid.ColumnStep;
   const Vector3 down = (1 / Norm(grid.RowStep)) * grid.RowStep;
   const double step = SourceStep * Norm(grid.RowStep) * grid.Rows * internal.Live.SourceGain();

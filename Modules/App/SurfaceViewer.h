@@ -3,10 +3,7 @@
 #define mammoray_SurfaceViewer_h
 
 #include "mammoray/App/BreastViewer.h"
-#include "mammoray/Foundation/MaterialTable.h"
-#include "mammoray/Foundation/SurfaceMesh.h"
-#include "mammoray/XRay/Beam.h"
-#include "mammoray/XRay/PathLengthProjector.h"
+#include "mammoray/XRay/Scene.h"
 #include "mammorayAppModule.h"
 
 #include <memory>
@@ -16,19 +13,15 @@ class vtkRenderWindow;
 
 namespace mammoray
 {
-/// Surfaces, of one material each or labelled on both sides, before a source and a detector; mm.
+/// A scene to look at. The window shows its primary radiation.
 struct MAMMORAYAPP_EXPORT ViewedScene
 {
   /// For titles.
   std::string Name;
-  SurfaceMesh Surface;
-  MaterialTable Materials;
-  mammoray::Spectrum Spectrum;
-  XRaySource Source;
-  XRayDetector Detector;
+  mammoray::Scene Scene;
 
   /**
-   * Places source and detector where nobody says any: the source four times the diagonal d of the
+   * Places source and detector for a scene without: the source four times the diagonal d of the
    * samples' box before its middle, looking along +y, the detector 1.5 d behind it, with columns
    * along +x and rows along -z, 512 x 512 pixels that hold the samples however they turn. Throws
    * InputError where the surface has no extent.

@@ -2,15 +2,13 @@
 #include "mammoray/Filters/vtkXRayProjector.h"
 
 #include "Private/FilterRequest.h"
-#include "Private/ScatterProperties.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/IO/MammogramSynthesis.h"
 #include "mammoray/IO/MeshConversion.h"
 #include "mammoray/IO/ProjectionImage.h"
+#include "mammoray/IO/ScatterData.h"
 #include "mammoray/IO/ShippedData.h"
-#include "mammoray/XRay/Composition.h"
-#include "mammoray/XRay/Exposure.h"
-#include "mammoray/XRay/Refraction.h"
+#include "mammoray/XRay/Exposer.h"
 
 #include "vtkCellArray.h"
 #include "vtkCellData.h"
@@ -28,6 +26,7 @@
 
 #include <cmath>
 #include <map>
+#include <memory>
 #include <optional>
 
 namespace
@@ -54,88 +53,25 @@ void CheckDirections(const Vector3& column, const Vector3& row)
 /// What the interfaces of a grid depend on besides its points.
 struct TopologyStamp
 {
+  explicit TopologyStamp(vtkUnstructuredGrid* grid = nullptr)
+  {
+    if (grid)
+    {
+      vtkDataArray* materials = grid->GetCellData()->GetArray(MaterialArrayName);
+      this->Cells = grid->GetCells();
+      this->Materials = materials;
+      this->CellsTime = grid->GetCells() ? grid->GetCells()->GetMTime() : 0;
+      this->MaterialsTime = materials ? materials->GetMTime() : 0;
+      this->Points = grid->GetNumberOfPoints();
+    }
+  }
+  bool operator==(const TopologyStamp&) const = default;
+
   const void* Cells = nullptr;
   const void* Materials = nullptr;
   vtkMTimeType CellsTime = 0;
   vtkMTimeType MaterialsTime = 0;
   vtkIdType Points = 0;
-  bool operator==(const TopologyStamp&) const = default;
-};
-
-/**
- * A projector that remembers the path lengths of its last views as long as the surface stands, so
- * that another beam or material does not trace again. Views beyond MostBytes are not kept.
- */
-class RememberingProjector : public PathLengthProjector
-{
-public:
-  static constexpr std::size_t MostBytes = std::size_t{ 512 } << 20;
-
-  RememberingProjector(std::unique_ptr<PathLengthProjector> projector, vtkIdType& traces)
-    : Projector(std::move(projector))
-    , Traces(traces)
-  {
-  }
-
-  void SetSurface(const SurfaceMesh& surface) override
-  {
-    this->Forget();
-    this->Projector->SetSurface(surface);
-  }
-  void UpdatePoints(const std::vector<double>& points) override
-  {
-    this->Forget();
-    this->Projector->UpdatePoints(points);
-  }
-  PathLengthImage Project(const XRaySource& source, const XRayDetector& detector) override
-  {
-    for (const View& view : this->Views)
-    {
-      if (view.Source == source && view.Detector == detector)
-      {
-        return view.Image;
-      }
-    }
-    PathLengthImage image = this->Projector->Project(source, detector);
-    ++this->Traces;
-    const std::size_t bytes = image.Lengths.size() * sizeof(float) + image.Inconsistent.size();
-    if (this->Bytes + bytes <= MostBytes)
-    {
-      this->Bytes += bytes;
-      this->Views.push_back({ source, detector, image });
-    }
-    return image;
-  }
-  PathLengthImage Project(const XRaySource& source, const XRayDetector& detector,
-    const std::vector<double>& velocities, int fields, PathLengthDerivatives& derivatives) override
-  {
-    return this->Projector->Project(source, detector, velocities, fields, derivatives);
-  }
-  std::vector<float> Transmission(const Beam& beam) override
-  {
-    return this->Projector->Transmission(beam);
-  }
-  std::string DeviceName() const override { return this->Projector->DeviceName(); }
-  ProjectorOptions::Method Method() const override { return this->Projector->Method(); }
-
-  /// To be called when views of another source or detector are wanted.
-  void Forget()
-  {
-    this->Views.clear();
-    this->Bytes = 0;
-  }
-
-private:
-  struct View
-  {
-    XRaySource Source;
-    XRayDetector Detector;
-    PathLengthImage Image;
-  };
-  std::unique_ptr<PathLengthProjector> Projector;
-  vtkIdType& Traces;
-  std::vector<View> Views;
-  std::size_t Bytes = 0;
 };
 }
 
@@ -143,193 +79,119 @@ struct vtkXRayProjector::Internals
 {
   struct Attenuation
   {
-    std::string Table; ///< empty: the constant coefficient counts
+    std::string Table; ///< Empty: MuPerMm at all energies.
     double DensityGPerCm3 = 1.0;
     double MuPerMm = 0.0;
-    double IodineMgPerMl = 0.0;
-
     bool operator==(const Attenuation&) const = default;
   };
 
   mammoray::Spectrum Photons = mammoray::Spectrum::Monochromatic(20);
+  /// By index of the material.
   std::map<int, Attenuation> Attenuations;
-  ScatterProperties Secondary;
-  std::unique_ptr<RememberingProjector> Projector;
-  /// Of the last update.
-  XRaySource Source;
-  XRayDetector Detector;
-  std::string ProjectorDevice;
-  ProjectorOptions::Method ProjectorMethod = ProjectorOptions::Method::Auto;
-  /// What is on the device.
-  SurfaceMesh Surface;
+  std::shared_ptr<const ScatterKernels> Kernels;
+  std::unique_ptr<Exposer> Device;
+  ProjectorOptions Options;
+  vtkIdType TracesOfOthers = 0;
+
+  /// Of the last input.
+  std::shared_ptr<const SurfaceMesh> Surface;
   std::vector<std::string> MaterialNames;
   std::vector<std::int32_t> PointIds;
   TopologyStamp Topology;
 
-  void SetPhotons(vtkXRayProjector* filter, mammoray::Spectrum photons);
-  void Upload(SurfaceMesh surface);
-  void UploadGrid(vtkUnstructuredGrid* grid);
-  std::string NameOf(int material) const;
-  std::map<int, Attenuation> AttenuationsOf(const std::string& table, int materialCount) const;
-  /// What refracts, by the same.
-  std::vector<double> DecrementsFor(int materialCount,
-    const std::map<int, Attenuation>& attenuations, const mammoray::Spectrum& photons) const;
-  Beam MakeBeamFor(int materialCount, const std::map<int, Attenuation>& attenuations,
-    const mammoray::Spectrum& photons, const DetectorResponse& response) const;
+  void SetPhotons(vtkXRayProjector* filter, mammoray::Spectrum photons)
+  {
+    SetProperty(filter, this->Photons, std::move(photons));
+  }
+  Exposer& Open(const ProjectorOptions& options);
+  void SetSurface(vtkDataObject* input);
+  void SetMaterials(const std::string& table, Scene& scene) const;
 };
 
-void vtkXRayProjector::Internals::SetPhotons(vtkXRayProjector* filter, mammoray::Spectrum photons)
+Exposer& vtkXRayProjector::Internals::Open(const ProjectorOptions& options)
 {
-  if (this->Photons.EnergiesKeV != photons.EnergiesKeV || this->Photons.Weights != photons.Weights)
+  if (!this->Device || this->Options.Device != options.Device ||
+    this->Options.Projection != options.Projection)
   {
-    this->Photons = std::move(photons);
-    filter->Modified();
+    this->TracesOfOthers +=
+      this->Device ? static_cast<vtkIdType>(this->Device->NumberOfTraces()) : 0;
+    this->Device = std::make_unique<Exposer>(options);
+    this->Options = options;
   }
+  return *this->Device;
 }
 
-void vtkXRayProjector::Internals::Upload(SurfaceMesh surface)
+/// Extracts interfaces only where cells or their materials are others than at the last update.
+void vtkXRayProjector::Internals::SetSurface(vtkDataObject* input)
 {
-  const bool sameTriangles = this->Surface.Triangles == surface.Triangles &&
-    this->Surface.FrontMaterials == surface.FrontMaterials &&
-    this->Surface.BackMaterials == surface.BackMaterials &&
-    this->Surface.Points.size() == surface.Points.size();
-  if (sameTriangles && !surface.Triangles.empty())
+  if (auto* polyData = vtkPolyData::SafeDownCast(input))
   {
-    if (this->Surface.Points != surface.Points)
-    {
-      this->Projector->UpdatePoints(surface.Points);
-    }
-  }
-  else
-  {
-    this->Surface = {}; // should this throw, nothing on the device is taken for current
-    this->Projector->SetSurface(surface);
-  }
-  this->Surface = std::move(surface);
-}
-
-void vtkXRayProjector::Internals::UploadGrid(vtkUnstructuredGrid* grid)
-{
-  vtkDataArray* materials = grid->GetCellData()->GetArray(MaterialArrayName);
-  const TopologyStamp topology{ grid->GetCells(), materials,
-    grid->GetCells() ? grid->GetCells()->GetMTime() : 0, materials ? materials->GetMTime() : 0,
-    grid->GetNumberOfPoints() };
-  if (topology == this->Topology && !this->Surface.Triangles.empty())
-  {
-    std::vector<double> points(this->Surface.Points.size());
-    for (std::size_t point = 0; point < this->PointIds.size(); ++point)
-    {
-      grid->GetPoint(this->PointIds[point], &points[3 * point]);
-    }
-    if (points != this->Surface.Points)
-    {
-      this->Projector->UpdatePoints(points);
-      this->Surface.Points = std::move(points);
-    }
+    this->Topology = TopologyStamp();
+    this->Surface =
+      std::make_shared<const SurfaceMesh>(FromPolyData(polyData, &this->MaterialNames));
     return;
   }
-  this->Topology = {};
-  this->Upload(ExtractInterfaces(FromGrid(grid, &this->MaterialNames), &this->PointIds));
-  this->Topology = topology;
+  auto* grid = vtkUnstructuredGrid::SafeDownCast(input);
+  const TopologyStamp topology(grid);
+  if (!(topology == this->Topology) || !this->Surface)
+  {
+    this->Topology = TopologyStamp();
+    this->Surface = std::make_shared<const SurfaceMesh>(
+      ExtractInterfaces(FromGrid(grid, &this->MaterialNames), &this->PointIds));
+    this->Topology = topology;
+    return;
+  }
+  std::vector<double> points(this->Surface->Points.size());
+  for (std::size_t point = 0; point < this->PointIds.size(); ++point)
+  {
+    grid->GetPoint(this->PointIds[point], &points[3 * point]);
+  }
+  if (points != this->Surface->Points)
+  {
+    auto moved = std::make_shared<SurfaceMesh>(*this->Surface);
+    moved->Points = std::move(points);
+    this->Surface = std::move(moved);
+  }
 }
 
-std::string vtkXRayProjector::Internals::NameOf(int material) const
+/// Takes materials that were set one by one, and the others from the table: by name where the input
+/// names them, else by index.
+void vtkXRayProjector::Internals::SetMaterials(const std::string& table, Scene& scene) const
 {
-  const auto index = static_cast<std::size_t>(material);
-  return index < this->MaterialNames.size() && !this->MaterialNames[index].empty()
-    ? this->MaterialNames[index]
-    : std::to_string(material);
-}
-
-/// What was said of single materials, and of the others what the table says.
-std::map<int, vtkXRayProjector::Internals::Attenuation> vtkXRayProjector::Internals::AttenuationsOf(
-  const std::string& table, int materialCount) const
-{
-  std::map<int, Attenuation> attenuations = this->Attenuations;
-  if (table.empty())
+  const mammoray::MaterialTable known =
+    table.empty() ? mammoray::MaterialTable() : FindMaterialTable(table);
+  const auto count = static_cast<std::size_t>(this->Surface->NumberOfMaterials());
+  scene.Materials.Materials.resize(count);
+  scene.Attenuations.resize(count);
+  for (std::size_t index = 1; index < count; ++index)
   {
-    return attenuations;
-  }
-  const mammoray::MaterialTable materials = FindMaterialTable(table);
-  for (int material = 1; material < materialCount; ++material)
-  {
-    const auto index = static_cast<std::size_t>(material);
-    const bool named = index < this->MaterialNames.size() && !this->MaterialNames[index].empty();
-    const auto found =
-      named ? static_cast<std::size_t>(materials.IndexOf(this->MaterialNames[index])) : index;
-    if (found < materials.Materials.size())
+    Material& material = scene.Materials.Materials[index];
+    const bool isNamed = index < this->MaterialNames.size() && !this->MaterialNames[index].empty();
+    const auto own = this->Attenuations.find(static_cast<int>(index));
+    const std::size_t inTable = own == this->Attenuations.end() && isNamed && !table.empty()
+      ? static_cast<std::size_t>(known.IndexOf(this->MaterialNames[index]))
+      : index;
+    if (own != this->Attenuations.end())
     {
-      const Material& entry = materials.Materials[found];
-      attenuations.insert(
-        { material, { entry.Attenuation, entry.DensityGPerCm3, 0.0, entry.IodineMgPerMl } });
+      material.Attenuation = own->second.Table;
+      material.DensityGPerCm3 = own->second.DensityGPerCm3;
     }
-  }
-  return attenuations;
-}
-
-Beam vtkXRayProjector::Internals::MakeBeamFor(int materialCount,
-  const std::map<int, Attenuation>& attenuations, const mammoray::Spectrum& photons,
-  const DetectorResponse& response) const
-{
-  std::vector<AttenuationTable> tables(static_cast<std::size_t>(materialCount));
-  std::vector<const AttenuationTable*> pointers(tables.size(), nullptr);
-  std::vector<double> densities(tables.size(), 1.0);
-  std::vector<bool> used(tables.size(), false);
-  for (const auto* side : { &this->Surface.FrontMaterials, &this->Surface.BackMaterials })
-  {
-    for (const std::uint16_t material : *side)
+    else if (inTable < known.Materials.size())
     {
-      used[material] = true;
+      material = known.Materials[inTable];
+    }
+    material.Name = isNamed ? this->MaterialNames[index] : std::to_string(index);
+    if (!material.Attenuation.empty())
+    {
+      scene.Attenuations[index] = FindAttenuation(material);
+    }
+    else if (own != this->Attenuations.end())
+    {
+      const std::vector<double>& energies = scene.XRays.EnergiesKeV;
+      scene.Attenuations[index] = { material.Name, 1.0, energies,
+        std::vector<double>(energies.size(), own->second.MuPerMm) };
     }
   }
-  for (int material = 1; material < materialCount; ++material)
-  {
-    const auto index = static_cast<std::size_t>(material);
-    const auto found = attenuations.find(material);
-    if (found == attenuations.end() && used[index])
-    {
-      throw InputError("material '" + this->NameOf(material) + "' (" + std::to_string(material) +
-        ") has no attenuation; set it by MaterialTable, SetAttenuationTable or "
-        "SetLinearAttenuation");
-    }
-    if (found != attenuations.end() && !found->second.Table.empty())
-    {
-      tables[index] = FindAttenuationTable(found->second.Table);
-      densities[index] = found->second.DensityGPerCm3;
-      if (found->second.IodineMgPerMl > 0)
-      {
-        tables[index] = WithIodine(tables[index], densities[index], found->second.IodineMgPerMl);
-      }
-    }
-    else
-    {
-      // A material that no triangle has has length 0, whatever its attenuation.
-      const double mu = used[index] ? found->second.MuPerMm : 1.0;
-      const auto& energies = photons.EnergiesKeV;
-      tables[index] = { this->NameOf(material), 1.0, energies,
-        std::vector<double>(energies.size(), mu) };
-    }
-    pointers[index] = &tables[index];
-  }
-  return Beam(photons, response, pointers, densities);
-}
-
-std::vector<double> vtkXRayProjector::Internals::DecrementsFor(int materialCount,
-  const std::map<int, Attenuation>& attenuations, const mammoray::Spectrum& photons) const
-{
-  mammoray::MaterialTable table;
-  for (int material = 0; material < materialCount; ++material)
-  {
-    Material& entry = table.Materials.emplace_back();
-    entry.Name = this->NameOf(material);
-    const auto found = attenuations.find(material);
-    if (material > 0 && found != attenuations.end())
-    {
-      entry.Attenuation = found->second.Table;
-      entry.DensityGPerCm3 = found->second.DensityGPerCm3;
-    }
-  }
-  return RefractiveDecrements(photons, table);
 }
 
 vtkStandardNewMacro(vtkXRayProjector);
@@ -394,14 +256,14 @@ void vtkXRayProjector::SetAttenuationTable(int material, const std::string& tabl
   double densityGPerCm3)
 {
   auto attenuations = this->Internal->Attenuations;
-  attenuations[material] = { table, densityGPerCm3, 0.0, 0.0 };
+  attenuations[material] = { table, densityGPerCm3, 0.0 };
   SetProperty(this, this->Internal->Attenuations, std::move(attenuations));
 }
 
 void vtkXRayProjector::SetLinearAttenuation(int material, double muPerMm)
 {
   auto attenuations = this->Internal->Attenuations;
-  attenuations[material] = { "", 1.0, muPerMm, 0.0 };
+  attenuations[material] = { "", 1.0, muPerMm };
   SetProperty(this, this->Internal->Attenuations, std::move(attenuations));
 }
 
@@ -441,14 +303,14 @@ int vtkXRayProjector::RequestUpdateExtent(vtkInformation*, vtkInformationVector*
   return 1; // the whole mesh, which has no extent
 }
 
-/// As the properties say, or the input.
-void vtkXRayProjector::PlaceBeam(vtkDataObject* input, XRaySource& source,
-  XRayDetector& detector) const
+void vtkXRayProjector::PlaceBeam(vtkDataObject* input, Scene& scene) const
 {
   if (!(this->PixelSpacing[0] > 0 && this->PixelSpacing[1] > 0))
   {
     throw InputError("detector: expected a positive PixelSpacing");
   }
+  XRaySource& source = scene.Source;
+  XRayDetector& detector = scene.Detector;
   if (this->PlacedByInput)
   {
     const std::optional<VolumeFromGantry> placed = FindPlacement(input);
@@ -460,22 +322,20 @@ void vtkXRayProjector::PlaceBeam(vtkDataObject* input, XRaySource& source,
     CheckDirections(placed->Y, placed->X);
     detector = DetectorOfUnit(*placed, this->DetectorSize[0], this->DetectorSize[1],
       { this->PixelSpacing[0], this->PixelSpacing[1] });
-    detector.Samples = this->Samples;
     source.Position = placed->Point({ 0, 0, this->SourceToDetectorMm });
-    return;
   }
-  detector.Columns = this->DetectorSize[0];
-  detector.Rows = this->DetectorSize[1];
+  else
+  {
+    const Vector3 u = ToVector(this->ColumnDirection);
+    const Vector3 v = ToVector(this->RowDirection);
+    CheckDirections(u, v);
+    detector = { ToVector(this->DetectorOrigin), this->PixelSpacing[0] * u,
+      this->PixelSpacing[1] * v, this->DetectorSize[0], this->DetectorSize[1] };
+    source.Type = this->ParallelBeam ? XRaySource::Kind::Parallel : XRaySource::Kind::Point;
+    source.Position = ToVector(this->SourcePosition);
+    source.Direction = ToVector(this->BeamDirection);
+  }
   detector.Samples = this->Samples;
-  detector.Origin = ToVector(this->DetectorOrigin);
-  source.Type = this->ParallelBeam ? XRaySource::Kind::Parallel : XRaySource::Kind::Point;
-  source.Position = ToVector(this->SourcePosition);
-  source.Direction = ToVector(this->BeamDirection);
-  const Vector3 u = ToVector(this->ColumnDirection);
-  const Vector3 v = ToVector(this->RowDirection);
-  CheckDirections(u, v);
-  detector.ColumnStep = this->PixelSpacing[0] * u;
-  detector.RowStep = this->PixelSpacing[1] * v;
 }
 
 int vtkXRayProjector::RequestData(vtkInformation*, vtkInformationVector** inputs,
@@ -497,96 +357,65 @@ int vtkXRayProjector::RequestData(vtkInformation*, vtkInformationVector** inputs
     });
 }
 
-ExposureOptions vtkXRayProjector::MakeExposureOptions(const XRaySource& source,
-  const XRayDetector& detector, const mammoray::Spectrum& photons,
-  const DetectorResponse& response) const
+void vtkXRayProjector::SetDetection(Scene& scene) const
 {
-  ExposureOptions options;
-  options.PhotonsPerPixel = this->PhotonsPerPixel;
-  options.Seed = static_cast<std::uint64_t>(this->NoiseSeed);
-  options.Validate();
-  if (this->Refraction != NO_REFRACTION && (this->Scatter || this->PhotonsPerPixel > 0))
+  scene.Response =
+    this->PhotonCounting ? DetectorResponse::PhotonCounting : DetectorResponse::EnergyIntegrating;
+  scene.Detection.PhotonsPerPixel = this->PhotonsPerPixel;
+  scene.Detection.Seed = static_cast<std::uint64_t>(this->NoiseSeed);
+  if (this->Scatter)
   {
-    throw InputError("Refraction: expected neither Scatter nor PhotonsPerPixel, found one");
+    std::shared_ptr<const ScatterKernels>& kernels = this->Internal->Kernels;
+    if (!kernels)
+    {
+      kernels = std::make_shared<const ScatterKernels>(FindScatterKernels());
+    }
+    scene.Scatter.Method = SceneScatter::Model::Kernels;
+    scene.Scatter.Kernels = kernels;
+    scene.Scatter.AirGapMm = this->AirGapMm;
   }
-  const std::optional<ScatterModel> model = this->Internal->Secondary.ModelOf(this->Scatter,
-    this->AirGapMm, ToVector(this->Grid), photons, response);
-  if (model)
+  if (this->Grid[0] != 0)
   {
-    options.Secondary =
-      [source, detector, model](const PathLengthImage& lengths, const std::vector<double>& primary)
-    { return model->Scatter(source, detector, TissueThickness(lengths), primary); };
+    scene.Scatter.Grid = AntiscatterGridOptions::OfLead(ToVector(this->Grid));
   }
-  return options;
+  if (this->Refraction != NO_REFRACTION)
+  {
+    scene.Refraction = { this->Refraction == GEOMETRIC ? RefractionOptions::Law::Geometric
+                                                       : RefractionOptions::Law::NearField,
+      this->BendDistanceMm };
+  }
 }
 
 void vtkXRayProjector::Project(vtkDataObject* input, vtkImageData* output)
 {
-  XRaySource source;
-  XRayDetector detector;
-  this->PlaceBeam(input, source, detector);
   Internals& internal = *this->Internal;
-  const auto method = static_cast<ProjectorOptions::Method>(this->ProjectionMethod);
-  if (!internal.Projector || internal.ProjectorDevice != this->DeviceName ||
-    internal.ProjectorMethod != method)
-  {
-    internal.Surface = {};
-    internal.Projector = std::make_unique<RememberingProjector>(
-      MakeProjector({ .Projection = method, .Device = this->DeviceName }), this->NumberOfTraces);
-    internal.ProjectorDevice = this->DeviceName;
-    internal.ProjectorMethod = method;
-  }
+  Scene scene;
+  this->PlaceBeam(input, scene);
+  this->SetDetection(scene);
+  Exposer& exposer =
+    internal.Open({ .Projection = static_cast<ProjectorOptions::Method>(this->ProjectionMethod),
+      .Device = this->DeviceName });
   this->UpdateProgress(0.1);
-  if (auto* polyData = vtkPolyData::SafeDownCast(input))
-  {
-    internal.Topology = {};
-    internal.Upload(FromPolyData(polyData, &internal.MaterialNames));
-  }
-  else
-  {
-    internal.UploadGrid(vtkUnstructuredGrid::SafeDownCast(input));
-  }
+  internal.SetSurface(input);
   ReportProgress(ProgressOf(this), 0.4, "projecting");
-  if (!(source == internal.Source && detector == internal.Detector))
-  {
-    internal.Projector->Forget();
-    internal.Source = source;
-    internal.Detector = detector;
-  }
-  const int materialCount = internal.Surface.NumberOfMaterials();
   const std::string& spectrum = FileOrName(this->SpectrumFile, this->Spectrum);
-  const mammoray::Spectrum photons = spectrum.empty() ? internal.Photons : FindSpectrum(spectrum);
-  const DetectorResponse response =
-    this->PhotonCounting ? DetectorResponse::PhotonCounting : DetectorResponse::EnergyIntegrating;
-  const auto attenuations = internal.AttenuationsOf(
-    FileOrName(this->MaterialTableFile, this->MaterialTable), materialCount);
-  const Beam beam = internal.MakeBeamFor(materialCount, attenuations, photons, response);
-  const ExposureOptions options = this->MakeExposureOptions(source, detector, photons, response);
-  RefractedImage refracted;
-  if (this->Refraction != NO_REFRACTION)
-  {
-    const RefractionOptions bend{ this->Refraction == GEOMETRIC ? RefractionOptions::Law::Geometric
-                                                                : RefractionOptions::Law::NearField,
-      this->BendDistanceMm };
-    refracted = Refract(*internal.Projector, internal.Surface.NumberOfPoints(), source, detector,
-      beam, internal.DecrementsFor(materialCount, attenuations, photons), bend,
-      ProgressOf(this, 0.4, 0.8));
-  }
-  const Exposure exposure = this->Refraction != NO_REFRACTION
-    ? ToExposure(refracted)
-    : Expose(*internal.Projector, source, detector, beam, options, ProgressOf(this, 0.4, 0.8));
+  scene.XRays = spectrum.empty() ? internal.Photons : FindSpectrum(spectrum);
+  internal.SetMaterials(FileOrName(this->MaterialTableFile, this->MaterialTable), scene);
+  scene.Samples = { { internal.Surface } };
+  const Exposure exposure = exposer.Expose(scene, ProgressOf(this, 0.4, 0.8));
+  this->NumberOfTraces = internal.TracesOfOthers + static_cast<vtkIdType>(exposer.NumberOfTraces());
   this->UpdateProgress(0.8);
-  output->ShallowCopy(ToImage(exposure, detector, internal.MaterialNames));
-  if (this->Refraction != NO_REFRACTION)
+  output->ShallowCopy(ToImage(exposure, scene.Detector, internal.MaterialNames));
+  if (!exposure.Deflection.empty())
   {
     output->GetPointData()->AddArray(
-      ToDeflectionImage(refracted, detector)->GetPointData()->GetArray("Deflection"));
+      ToDeflectionImage(exposure, scene.Detector)->GetPointData()->GetArray("Deflection"));
   }
   this->NumberOfInconsistentPixels =
-    static_cast<vtkIdType>(exposure.Lengths.NumberOfInconsistentRays());
+    static_cast<vtkIdType>(exposure.Lengths->NumberOfInconsistentRays());
   if (this->NumberOfInconsistentPixels > 0)
   {
-    vtkWarningMacro(<< exposure.Lengths.InconsistencyWarning());
+    vtkWarningMacro(<< exposure.Lengths->InconsistencyWarning());
   }
 }
 

@@ -31,11 +31,7 @@
 
 namespace mammoray
 {
-struct DetectorResponse;
-struct ExposureOptions;
-struct Spectrum;
-struct XRayDetector;
-struct XRaySource;
+struct Scene;
 }
 
 class MAMMORAYFILTERS_EXPORT vtkXRayProjector : public vtkImageAlgorithm
@@ -319,12 +315,9 @@ protected:
 private:
   /// Throws InputError, DeviceError and Interrupted.
   void Project(vtkDataObject* input, vtkImageData* output);
-  void PlaceBeam(vtkDataObject* input, mammoray::XRaySource& source,
-    mammoray::XRayDetector& detector) const;
-  /// What the properties ask for beside primary radiation. Throws InputError.
-  mammoray::ExposureOptions MakeExposureOptions(const mammoray::XRaySource& source,
-    const mammoray::XRayDetector& detector, const mammoray::Spectrum& photons,
-    const mammoray::DetectorResponse& response) const;
+  /// Bring the properties into the scene. Throw InputError.
+  void PlaceBeam(vtkDataObject* input, mammoray::Scene& scene) const;
+  void SetDetection(mammoray::Scene& scene) const;
 
   vtkXRayProjector(const vtkXRayProjector&) = delete;
   void operator=(const vtkXRayProjector&) = delete;

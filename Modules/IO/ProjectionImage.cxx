@@ -198,7 +198,7 @@ vtkSmartPointer<vtkImageData> MakeDetectorImage(const XRayDetector& detector)
 vtkSmartPointer<vtkImageData> ToImage(const Exposure& exposure, const XRayDetector& detector,
   const std::vector<std::string>& materialNames)
 {
-  const PathLengthImage& lengths = exposure.Lengths;
+  const PathLengthImage& lengths = *exposure.Lengths;
   auto image = MakeDetectorImage(detector);
   vtkPointData* data = image->GetPointData();
   const std::size_t pixelCount = lengths.NumberOfPixels();
@@ -235,11 +235,11 @@ vtkSmartPointer<vtkImageData> ToImage(const std::vector<float>& values, const st
   return image;
 }
 
-vtkSmartPointer<vtkImageData> ToDeflectionImage(const RefractedImage& refracted,
+vtkSmartPointer<vtkImageData> ToDeflectionImage(const Exposure& exposure,
   const XRayDetector& detector)
 {
   auto image = MakeDetectorImage(detector);
-  const std::size_t pixelCount = refracted.Transmission.size();
+  const std::size_t pixelCount = exposure.Transmission.size();
   vtkNew<vtkFloatArray> deflection;
   deflection->SetName("Deflection");
   deflection->SetNumberOfComponents(2);
@@ -247,8 +247,8 @@ vtkSmartPointer<vtkImageData> ToDeflectionImage(const RefractedImage& refracted,
   for (std::size_t pixel = 0; pixel < pixelCount; ++pixel)
   {
     float* target = deflection->GetPointer(2 * static_cast<vtkIdType>(pixel));
-    target[0] = refracted.Deflection[pixel];
-    target[1] = refracted.Deflection[pixelCount + pixel];
+    target[0] = exposure.Deflection[pixel];
+    target[1] = exposure.Deflection[pixelCount + pixel];
   }
   image->GetPointData()->SetScalars(deflection);
   return image;

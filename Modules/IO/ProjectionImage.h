@@ -3,7 +3,6 @@
 #define mammoray_ProjectionImage_h
 
 #include "mammoray/XRay/Exposure.h"
-#include "mammoray/XRay/Refraction.h"
 #include "mammorayIOModule.h"
 
 #include "vtkSmartPointer.h"
@@ -37,7 +36,7 @@ MAMMORAYIO_EXPORT vtkSmartPointer<vtkImageData> ToImage(const std::vector<float>
 
 /// The deflection of an image with refraction, lying where the detector is: scalars "Deflection"
 /// (float, radians), two components, along columns and rows. Steps as of ToImage.
-MAMMORAYIO_EXPORT vtkSmartPointer<vtkImageData> ToDeflectionImage(const RefractedImage& refracted,
+MAMMORAYIO_EXPORT vtkSmartPointer<vtkImageData> ToDeflectionImage(const Exposure& exposure,
   const XRayDetector& detector);
 
 /// What a picture shows white: the value that one pixel in a thousand exceeds, 1 where that is not

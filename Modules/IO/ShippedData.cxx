@@ -143,29 +143,41 @@ MaterialTable FindMaterialTable(const std::string& pathOrName)
   return ReadMaterialTable(FindMaterialTablePath(pathOrName));
 }
 
+AttenuationTable FindAttenuation(const Material& material)
+{
+  try
+  {
+    const AttenuationTable table = FindAttenuationTable(material.Attenuation);
+    return material.IodineMgPerMl > 0
+      ? WithIodine(table, material.DensityGPerCm3, material.IodineMgPerMl)
+      : table;
+  }
+  catch (const InputError& error)
+  {
+    throw InputError("material '" + material.Name + "': " + error.what());
+  }
+}
+
+std::vector<AttenuationTable> FindAttenuations(const MaterialTable& materials)
+{
+  std::vector<AttenuationTable> tables(materials.Materials.size());
+  for (std::size_t index = 1; index < tables.size(); ++index)
+  {
+    tables[index] = FindAttenuation(materials.Materials[index]);
+  }
+  return tables;
+}
+
 Beam MakeBeam(const MaterialTable& materials, const Spectrum& spectrum,
   const DetectorResponse& response)
 {
-  std::vector<AttenuationTable> tables(materials.Materials.size());
-  std::vector<const AttenuationTable*> pointers(tables.size(), nullptr);
-  std::vector<double> densities(tables.size(), 0.0);
+  const std::vector<AttenuationTable> tables = FindAttenuations(materials);
+  std::vector<const AttenuationTable*> pointers{ nullptr };
+  std::vector<double> densities{ 0.0 };
   for (std::size_t material = 1; material < tables.size(); ++material)
   {
-    try
-    {
-      const Material& of = materials.Materials[material];
-      tables[material] = FindAttenuationTable(of.Attenuation);
-      if (of.IodineMgPerMl > 0)
-      {
-        tables[material] = WithIodine(tables[material], of.DensityGPerCm3, of.IodineMgPerMl);
-      }
-    }
-    catch (const InputError& error)
-    {
-      throw InputError("material '" + materials.Materials[material].Name + "': " + error.what());
-    }
-    pointers[material] = &tables[material];
-    densities[material] = materials.Materials[material].DensityGPerCm3;
+    pointers.push_back(&tables[material]);
+    densities.push_back(materials.Materials[material].DensityGPerCm3);
   }
   return Beam(spectrum, response, pointers, densities);
 }

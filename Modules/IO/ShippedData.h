@@ -8,6 +8,7 @@
 #include "mammorayIOModule.h"
 
 #include <string>
+#include <vector>
 
 namespace mammoray
 {
@@ -43,6 +44,13 @@ MAMMORAYIO_EXPORT std::string FindMaterialTablePath(const std::string& pathOrNam
 /// Reads what a detector adds up of a photon: lines of an energy (keV), a comma and the signal, any
 /// factor; `#` begins a comment. Throws InputError that names the line.
 MAMMORAYIO_EXPORT DetectorResponse ReadDetectorResponse(const std::string& path);
+
+/// The attenuation of a material with its iodine. Throws InputError, which names the material.
+MAMMORAYIO_EXPORT AttenuationTable FindAttenuation(const Material& material);
+
+/// The attenuations of a table's materials, with their iodine; air's has no energies. Throws
+/// InputError, which names the material, on an unknown attenuation.
+MAMMORAYIO_EXPORT std::vector<AttenuationTable> FindAttenuations(const MaterialTable& materials);
 
 /// The beam for path lengths in the table's materials. Throws InputError on an unknown attenuation
 /// table.

@@ -10,7 +10,7 @@
 
 namespace mammoray
 {
-/// Photons by energy.
+/// Numbers of photons by energy.
 struct MAMMORAYXRAY_EXPORT Spectrum
 {
   std::string Name;
@@ -22,12 +22,14 @@ struct MAMMORAYXRAY_EXPORT Spectrum
   static Spectrum Monochromatic(double energyKeV);
   /// Mean photon energy, keV.
   double MeanEnergyKeV() const;
-  /// Where the photons end, as many keV as the tube has kV: a bin beyond the last one that has any.
+  /// The largest photon energy, keV, which equals the tube's kV: one bin beyond the last with
+  /// photons.
   double PeakEnergyKeV() const;
   void Validate() const;
+  bool operator==(const Spectrum&) const = default;
 };
 
-/// Linear attenuation of a material at its nominal density.
+/// Linear attenuation of a material at its nominal density, by energy.
 struct MAMMORAYXRAY_EXPORT AttenuationTable
 {
   std::string Name;
@@ -43,18 +45,18 @@ struct MAMMORAYXRAY_EXPORT AttenuationTable
   void Validate() const;
 };
 
-/// What the detector adds up of a photon that meets it, D(E).
+/// The signal D(E) of a photon that meets the detector.
 struct MAMMORAYXRAY_EXPORT DetectorResponse
 {
-  /// The photon's energy, keV, or 1.
+  /// True: D(E) is the photon's energy, keV. False: 1.
   bool ByEnergy = true;
-  /// A factor on that, 0 to 1e12: at these energies, ascending, keV; between them linear, beyond
-  /// them as at the nearest. Empty: 1.
+  /// A factor on that, 0 to 1e12, at ascending energies, keV. It is interpolated linearly, and
+  /// constant beyond the first and last energy. Empty: 1.
   std::vector<double> EnergiesKeV;
   std::vector<double> Efficiency;
 
   double Signal(double energyKeV) const;
-  /// Throws InputError unless the factor is as above.
+  /// Throws InputError unless the factor fulfils these conditions.
   void Validate() const;
   bool operator==(const DetectorResponse&) const = default;
 
@@ -74,7 +76,7 @@ public:
   /**
    * `tables[m]` is the attenuation of material m (null for material 0, air, whose attenuation is
    * neglected) and `densities[m]` its density, g/cm^3. Throws InputError on any of them, and where
-   * the detector responds to no photon of the spectrum.
+   * the detector does not respond to any photon of the spectrum.
    */
   Beam(const Spectrum& spectrum, const DetectorResponse& response,
     const std::vector<const AttenuationTable*>& tables, const std::vector<double>& densities);
@@ -84,17 +86,17 @@ public:
    * at most 1e-7 besides that of the path lengths; 0 below the smallest float.
    */
   std::vector<float> Transmission(const PathLengthImage& image) const;
-  /// -ln of it, computed without loss where little is absorbed.
+  /// -ln(I / I0) of each pixel, accurate also where little is absorbed.
   std::vector<float> LogAttenuation(const PathLengthImage& image) const;
   /**
-   * The derivative of LogAttenuation with respect to each path length, 1/mm: the attenuation
-   * averaged over the photons detected in the pixel; value[(material * Rows + row) * Columns +
+   * The derivative of LogAttenuation with respect to each path length, 1/mm. It is the attenuation
+   * averaged over the photons that the pixel detects; value[(material * Rows + row) * Columns +
    * column], 0 for air.
    */
   std::vector<float> MeanAttenuation(const PathLengthImage& image) const;
   /// Transmission of one ray; `lengthsMm[m]` for each material.
   double Transmission(const double* lengthsMm) const;
-  /// -ln of it.
+  /// -ln(I / I0) of one ray.
   double LogAttenuation(const double* lengthsMm) const;
   /**
    * Adds weight * I / I0 of every pixel to `transmission`, and, where `variance` is given, weight
@@ -105,10 +107,9 @@ public:
   void AddTransmission(const PathLengthImage& image, double weight,
     std::vector<double>& transmission, std::vector<double>* variance = nullptr) const;
   int NumberOfMaterials() const { return this->MaterialCount; }
-  /// Throws InputError when path lengths of `count` materials, air included, are more than the beam
-  /// knows.
+  /// Throws InputError if the beam has fewer than `count` materials, air included.
   void CheckMaterials(int count) const;
-  /// w_E D(E) of each energy with photons, in shares of their sum.
+  /// w_E D(E) of each energy with photons, divided by their sum.
   const std::vector<double>& EnergyWeights() const { return this->Weights; }
   /// Attenuation of a material at the energy of EnergyWeights()[energy], 1/mm; 0 for air.
   double MuPerMm(std::size_t energy, int material) const

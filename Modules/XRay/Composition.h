@@ -11,7 +11,7 @@
 
 namespace mammoray
 {
-/// The compounds that can be called by name, as NIST lists them: "Water, Liquid", "Blood (ICRP)".
+/// Names of the compounds that NIST lists: "Water, Liquid", "Blood (ICRP)".
 MAMMORAYXRAY_EXPORT std::vector<std::string> NistCompoundNames();
 
 /**
@@ -21,29 +21,30 @@ MAMMORAYXRAY_EXPORT std::vector<std::string> NistCompoundNames();
  *  - an element or a formula, "Al", "CaC2O4", "Ca5(PO4)3OH";
  *  - mass fractions, "H:0.102 C:0.184 N:0.032 O:0.677 S:0.005": elements or formulas, each once,
  *    that sum to 1 within 0.01.
- * Formulas and fractions have a nominal density of 1 g/cm^3, elements their own. Throws InputError
- * on mass fractions that are unusable; where the text is none of these, answers false.
+ * Formulas and fractions have a nominal density of 1 g/cm^3, elements their own. Returns false if
+ * the text has none of these forms. Throws InputError on unusable mass fractions.
  */
 MAMMORAYXRAY_EXPORT bool FindComposition(const std::string& text, AttenuationTable& table);
 
-/// The same; throws InputError "WHO: expected an element, ..., found 'TEXT'" where it is none.
+/// FindComposition that throws InputError "WHO: expected an element, ..., found 'TEXT'" instead of
+/// returning false.
 MAMMORAYXRAY_EXPORT AttenuationTable RequireComposition(const std::string& text,
   const std::string& who);
 
 /**
- * The same material at this density, g/cm^3, which becomes its nominal one, with iodine taken up
- * besides, mg per ml of it: linear attenuations add up. Throws InputError unless both are finite,
- * the density positive and the iodine not negative.
+ * The material at this density, g/cm^3, which becomes the nominal one, plus iodine, mg per ml of
+ * the material: linear attenuations add up. Throws InputError unless both are finite, the density
+ * positive and the iodine not negative.
  */
 MAMMORAYXRAY_EXPORT AttenuationTable WithIodine(const AttenuationTable& table,
   double densityGPerCm3, double iodineMgPerMl);
 
-/// What such a text is made of.
+/// The elements of a composition.
 struct CompositionParts
 {
-  /// By atomic number; they sum to 1.
+  /// Mass fractions by atomic number; their sum is 1.
   std::map<int, double> MassFractions;
-  /// The nominal one.
+  /// Nominal density.
   double DensityGPerCm3 = 1;
 };
 /// Throws InputError as RequireComposition does.

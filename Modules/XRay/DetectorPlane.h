@@ -9,7 +9,7 @@
 
 namespace mammoray
 {
-/// How a source stands over the plane of a detector, whose steps are independent.
+/// The position of a source relative to the plane of a detector with linearly independent steps.
 struct DetectorPlane
 {
   DetectorPlane(const XRaySource& source, const XRayDetector& detector)
@@ -28,12 +28,11 @@ struct DetectorPlane
     }
   }
 
-  /// Of length 1, towards where the rays come from.
+  /// Unit normal of the plane, on the side of the source.
   Vector3 Normal{ 0, 0, 1 };
-  /// Of a point source over the plane, mm.
+  /// Distance of a point source from the plane, mm; infinite for a parallel beam.
   double HeightMm = std::numeric_limits<double>::infinity();
-  /// Where the ray of a point source meets the plane at right angles, in pixels from the middle of
-  /// the first one.
+  /// Foot of the perpendicular from a point source, pixels from the centre of column 0 and row 0.
   double FootColumn = 0;
   double FootRow = 0;
 };

@@ -8,7 +8,7 @@
 
 namespace mammoray
 {
-/// There is no usable Vulkan device, or it failed. The message is one line with the reason.
+/// No Vulkan device is usable, or the device failed. The message is one line with the reason.
 class DeviceError : public Error
 {
 public:
@@ -17,7 +17,7 @@ public:
     , Result(resultName)
   {
   }
-  /// Name of the VkResult, "VK_ERROR_OUT_OF_DEVICE_MEMORY" for example; empty where there is none.
+  /// Name of the VkResult, for example "VK_ERROR_OUT_OF_DEVICE_MEMORY". Empty if there is none.
   const std::string& ResultName() const { return this->Result; }
 
 private:

@@ -110,9 +110,9 @@ std::vector<float> DisplayValues(const Exposure& exposure, const XRayDetector& d
   RequireBetween("display", "a window (deviations)", options.WindowDeviations, 1, 100);
   const std::size_t pixels = exposure.LogAttenuation.size();
   std::vector<float> inside(pixels, 0.0F);
-  for (int material = 1; material < exposure.Lengths.Materials; ++material)
+  for (int material = 1; material < exposure.Lengths->Materials; ++material)
   {
-    const float* lengths = exposure.Lengths.Material(material);
+    const float* lengths = exposure.Lengths->Material(material);
     for (std::size_t pixel = 0; pixel < pixels; ++pixel)
     {
       inside[pixel] = lengths[pixel] > 0 ? 1.0F : inside[pixel];

@@ -10,24 +10,24 @@
 
 namespace mammoray
 {
-/// How a mammogram is made For Presentation, in the way that units do it in common (as Byng et al.,
-/// Med. Phys. 24, 1997, for the rim; DICOM PS3.3 C.11.2.1.3.1 for the sigmoid).
+/// How a mammogram becomes For Presentation, as most units do it: peripheral equalisation (as Byng
+/// et al., Med. Phys. 24, 1997), detail enhancement and a sigmoid (DICOM PS3.3 C.11.2.1.3.1).
 struct MAMMORAYXRAY_EXPORT DisplayOptions
 {
-  /// Width over which log attenuations are averaged to tell thin tissue at the rim, mm, and the
-  /// share of what it lacks of the breast's that is added. 0.5 to 50; 0 to 1.
+  /// Thin tissue at the rim is found by averaging log attenuations over a width, 0.5 to 50 mm. This
+  /// share of its difference to the breast's is added, 0 to 1.
   double RimMm = 8;
   double RimShare = 0.85;
-  /// Differences from the mean over this width are made larger by the share. 0.1 to 20 mm; 0 to 5.
+  /// Differences from the mean over a width, 0.1 to 20 mm, grow by this share, 0 to 5.
   double DetailMm = 1.5;
   double DetailShare = 0.5;
-  /// Window of the sigmoid, in standard deviations of what it shows of the breast; 1 to 100.
+  /// Window of the sigmoid, in standard deviations of the breast's values; 1 to 100.
   double WindowDeviations = 5;
 };
 
-/// Values of 0, black, to 1 by pixel, bright where much is absorbed; the breast is where path
-/// lengths say that there is material. Air stays below its place on the sigmoid. Throws InputError
-/// on options out of range and where nothing is in the beam.
+/// Display values from 0 (black) to 1, bright where much is absorbed; Rows * Columns values. The
+/// breast is where path lengths are positive. Air stays below its place on the sigmoid. Throws
+/// InputError on options out of range and if nothing is in the beam.
 MAMMORAYXRAY_EXPORT std::vector<float> DisplayValues(const Exposure& exposure,
   const XRayDetector& detector, const DisplayOptions& options = {});
 }

@@ -21,7 +21,7 @@ struct MAMMORAYXRAY_EXPORT ExampleScene
 {
   std::string Name;
   SurfaceMesh Surface;
-  /// What the surface's materials are made of; names of attenuation tables as in Data/attenuation.
+  /// Materials of the surface, with names of attenuation tables in Data/attenuation.
   MaterialTable Materials;
   XRaySource Source;
   XRayDetector Detector;
@@ -34,8 +34,8 @@ MAMMORAYXRAY_EXPORT const std::vector<std::string>& ExampleNames();
 /// 200 pixels.
 MAMMORAYXRAY_EXPORT ExampleScene MakePlateScene();
 
-/// `boxes`: 3965 boxes of 4 x 5 x 3 mm in a lattice, each turned its own way, of fat, gland and
-/// muscle in turn; none touches another. 47,580 triangles, 250 x 200 pixels.
+/// `boxes`: 3965 boxes of 4 x 5 x 3 mm in a lattice, of fat, gland and muscle in turn. Each has its
+/// own orientation; none touches another. 47,580 triangles, 250 x 200 pixels.
 MAMMORAYXRAY_EXPORT ExampleScene MakeBoxesScene();
 
 /// `veins`: 97 winding tubes of blood. Where two of them cross, both count. 215,728 triangles, 1681
@@ -47,8 +47,8 @@ MAMMORAYXRAY_EXPORT ExampleScene MakeVeinsScene();
  * the published number of triangles is reached; a cranio-caudal view. `labels` has the axes +x
  * anterior, +y left, +z superior (mm); it is stretched along its axes to a thickness of 50 mm at
  * unchanged volume, which stands in for compression. 5,185,458 triangles (the published 5,185,459
- * is odd, which closed surfaces cannot be), 1080 x 1080 pixels. Throws InputError for labels that
- * the table lacks and for volumes with more than 2.5 million faces between materials.
+ * is odd, but a closed surface has an even number), 1080 x 1080 pixels. Throws InputError for
+ * labels that the table lacks and for volumes with more than 2.5 million faces between materials.
  */
 MAMMORAYXRAY_EXPORT ExampleScene MakeBreastScene(const LabelVolume& labels,
   const MaterialTable& table);

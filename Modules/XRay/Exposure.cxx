@@ -103,24 +103,24 @@ std::vector<XRayDetector> SampleDetectors(const XRayDetector& detector)
   return detectors;
 }
 
-void AddLengths(const PathLengthImage& image, float weight, PathLengthImage& mean)
+void AddLengths(const PathLengthImage& image, float weight, std::shared_ptr<PathLengthImage>& mean)
 {
-  if (mean.Lengths.empty())
+  if (!mean)
   {
-    mean = image;
-    for (float& length : mean.Lengths)
+    mean = std::make_shared<PathLengthImage>(image);
+    for (float& length : mean->Lengths)
     {
       length *= weight;
     }
     return;
   }
-  for (std::size_t index = 0; index < mean.Lengths.size(); ++index)
+  for (std::size_t index = 0; index < mean->Lengths.size(); ++index)
   {
-    mean.Lengths[index] += weight * image.Lengths[index];
+    mean->Lengths[index] += weight * image.Lengths[index];
   }
-  for (std::size_t pixel = 0; pixel < mean.Inconsistent.size(); ++pixel)
+  for (std::size_t pixel = 0; pixel < mean->Inconsistent.size(); ++pixel)
   {
-    mean.Inconsistent[pixel] |= image.Inconsistent[pixel];
+    mean->Inconsistent[pixel] |= image.Inconsistent[pixel];
   }
 }
 
@@ -136,8 +136,8 @@ double NoisyTransmission(double mean, double variance, double photons, RandomStr
   return scale / photons * PoissonNumber(photons * mean / scale, random);
 }
 
-/// Adds the open field and what comes beside primary radiation to transmissions, and to their
-/// variances where there are any.
+/// Applies the open field and adds scatter to transmissions, and to their variances if there are
+/// any.
 void AddFields(const ExposureOptions& options, const PathLengthImage& lengths,
   std::vector<double>& variance, std::vector<double>& transmission)
 {
@@ -149,20 +149,20 @@ void AddFields(const ExposureOptions& options, const PathLengthImage& lengths,
       variance[pixel] *= options.OpenField[pixel];
     }
   }
-  if (!options.Secondary)
+  if (!options.Scatter)
   {
     return;
   }
-  const std::vector<double> secondary = options.Secondary(lengths, transmission);
-  if (secondary.size() != transmission.size())
+  const std::vector<double> scatter = options.Scatter(lengths, transmission);
+  if (scatter.size() != transmission.size())
   {
-    throw InputError("exposure: expected secondary radiation of " +
-      std::to_string(transmission.size()) + " pixels, found " + std::to_string(secondary.size()));
+    throw InputError("exposure: expected scatter of " + std::to_string(transmission.size()) +
+      " pixels, found " + std::to_string(scatter.size()));
   }
   for (std::size_t pixel = 0; pixel < transmission.size(); ++pixel)
   {
     const double primary = transmission[pixel];
-    transmission[pixel] += secondary[pixel];
+    transmission[pixel] += scatter[pixel];
     if (!variance.empty())
     {
       variance[pixel] =
@@ -219,11 +219,11 @@ void Detect(const XRayDetector& detector, const ExposureOptions& options,
   }
 }
 
-/// Expose with any way to path lengths.
-Exposure ExposeBy(
-  const std::function<PathLengthImage(const XRaySource&, const XRayDetector&)>& project,
-  const XRaySource& source, const XRayDetector& detector, const Beam& beam,
-  const ExposureOptions& options, const ProgressCallback& progress)
+}
+
+Exposure Expose(const PathLengthFunction& pathLengths, const XRaySource& source,
+  const XRayDetector& detector, const Beam& beam, const ExposureOptions& options,
+  const ProgressCallback& progress)
 {
   options.Validate();
   const std::vector<XRaySource> sources = SpotSources(source, detector, options);
@@ -237,29 +237,38 @@ Exposure ExposeBy(
   }
   Exposure exposure;
   if (sources.size() * detectors.size() == 1 && !noise && options.OpenField.empty() &&
-    options.HalfModulationPerMm == 0 && !options.Secondary)
+    options.HalfModulationPerMm == 0 && !options.Scatter)
   {
-    exposure.Lengths = project(sources.front(), detectors.front());
-    exposure.Transmission = beam.Transmission(exposure.Lengths);
-    exposure.LogAttenuation = beam.LogAttenuation(exposure.Lengths);
+    exposure.Lengths = pathLengths(sources.front(), detectors.front());
+    exposure.Transmission = beam.Transmission(*exposure.Lengths);
+    exposure.LogAttenuation = beam.LogAttenuation(*exposure.Lengths);
     return exposure;
   }
   std::vector<double> transmission(pixelCount, 0.0);
   std::vector<double> variance(noise ? pixelCount : 0, 0.0);
   const double weight = 1.0 / static_cast<double>(sources.size() * detectors.size());
   double done = 0;
+  std::shared_ptr<PathLengthImage> mean;
   for (const XRaySource& point : sources)
   {
     for (const XRayDetector& sample : detectors)
     {
       ReportProgress(progress, done, "projecting");
-      const PathLengthImage image = project(point, sample);
-      AddLengths(image, static_cast<float>(weight), exposure.Lengths);
-      beam.AddTransmission(image, weight, transmission, noise ? &variance : nullptr);
+      const std::shared_ptr<const PathLengthImage> image = pathLengths(point, sample);
+      if (weight == 1)
+      {
+        exposure.Lengths = image;
+      }
+      else
+      {
+        AddLengths(*image, static_cast<float>(weight), mean);
+        exposure.Lengths = mean;
+      }
+      beam.AddTransmission(*image, weight, transmission, noise ? &variance : nullptr);
       done += weight;
     }
   }
-  AddFields(options, exposure.Lengths, variance, transmission);
+  AddFields(options, *exposure.Lengths, variance, transmission);
   Detect(detector, options, variance, transmission);
   const double least = noise ? 0.5 / options.PhotonsPerPixel : 1e-300;
   exposure.Transmission.resize(pixelCount);
@@ -272,7 +281,6 @@ Exposure ExposeBy(
         static_cast<float>(-std::log(std::max(transmission[pixel], least)));
     });
   return exposure;
-}
 }
 
 void ExposureOptions::Validate() const
@@ -299,30 +307,5 @@ void ExposureOptions::Validate() const
         "exposure: expected an open field that is not negative, found " + std::to_string(value));
     }
   }
-}
-
-Exposure Expose(PathLengthProjector& projector, const XRaySource& source,
-  const XRayDetector& detector, const Beam& beam, const ExposureOptions& options,
-  const ProgressCallback& progress)
-{
-  return ExposeBy([&](const XRaySource& from, const XRayDetector& onto)
-    { return projector.Project(from, onto); },
-    source, detector, beam, options, progress);
-}
-
-Exposure ExposeAir(const XRaySource& source, const XRayDetector& detector, const Beam& beam,
-  const ExposureOptions& options)
-{
-  const auto air = [&](const XRaySource&, const XRayDetector& onto)
-  {
-    PathLengthImage image;
-    image.Columns = onto.Columns;
-    image.Rows = onto.Rows;
-    image.Materials = beam.NumberOfMaterials();
-    image.Lengths.assign(image.NumberOfPixels() * static_cast<std::size_t>(image.Materials), 0.0F);
-    image.Inconsistent.assign(image.NumberOfPixels(), 0);
-    return image;
-  };
-  return ExposeBy(air, source, detector, beam, options, {});
 }
 }

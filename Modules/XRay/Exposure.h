@@ -9,79 +9,105 @@
 
 #include <cstdint>
 #include <functional>
+#include <memory>
+#include <optional>
 #include <vector>
 
 namespace mammoray
 {
+/// Computes the scattered signal of each pixel from the mean path lengths and the primary signal:
+/// Rows * Columns values, not negative, in the units of the latter.
+using ScatterFunction =
+  std::function<std::vector<double>(const PathLengthImage&, const std::vector<double>&)>;
+
 /// What a real exposure adds to path lengths and the Beer-Lambert law.
 struct MAMMORAYXRAY_EXPORT ExposureOptions
 {
   /// Edges of the focal spot along the detector's columns and rows, mm; 0 is a point. Not negative.
   double FocalSpotColumnMm = 0;
   double FocalSpotRowMm = 0;
-  /// A centred grid of n x n source points stands for the spot, all of the same weight; 1 to 32.
+  /// A centred grid of n x n source points of equal weight represents the spot; 1 to 32.
   int FocalSpotSamples = 5;
-  /// Mean number of photons that meet a pixel without the object; 0 leaves quantum noise out. At
-  /// most 1e12.
+  /// Mean number of photons that meet a pixel without the object, at most 1e12. 0: no quantum
+  /// noise.
   double PhotonsPerPixel = 0;
   /**
-   * The signal by pixel without the object, relative to that of PhotonsPerPixel: see OpenField.
-   * Rows * Columns values, finite and not negative; empty: 1 everywhere. Transmissions are
-   * multiplied by it.
+   * The signal of each pixel without the object, relative to that of PhotonsPerPixel (see the
+   * function OpenField); Rows * Columns values, finite and not negative. Empty: 1 everywhere.
+   * Transmissions are multiplied by it.
    */
   std::vector<float> OpenField;
-  /**
-   * What else reaches the pixels, as scatter (ScatterModel): called with the mean path lengths and
-   * the mean transmissions, the open field's included, of which it returns what is to be added,
-   * Rows * Columns values that are not negative. Quantum noise is that of primary photons.
-   */
-  std::function<std::vector<double>(const PathLengthImage&, const std::vector<double>&)> Secondary;
-  /// Frequency at which the detector's modulation transfer is 1/2, cycles per mm, besides that of
-  /// its pixels (which their samples make); exp(-ln 2 (f / half)^2). It blurs signal and quantum
-  /// noise. 0 leaves it out; else 0.1 to 1000.
+  /// The scattered signal to add; its primary signal includes the open field. Quantum noise is that
+  /// of primary photons. Unset: none.
+  ScatterFunction Scatter;
+  /// Frequency at which the detector's modulation transfer function, exp(-ln 2 (f / half)^2), is
+  /// 1/2, cycles per mm, 0.1 to 1000. The pixel's aperture comes from its samples. Blurs signal and
+  /// quantum noise. 0: no blur.
   double HalfModulationPerMm = 0;
-  /// Standard deviation of the detector's own noise, in mean signals of one photon; needs
+  /// Standard deviation of the electronic noise, in mean signals of one photon; needs
   /// PhotonsPerPixel. 0 to 1e6.
   double ElectronicNoisePhotons = 0;
-  /// Starts the noise: the same seed gives the same image, whatever the number of threads.
+  /// Seed of the noise. The same seed gives the same image for any number of threads.
   std::uint64_t Seed = 0;
 
-  /// Throws InputError, which names the value, when one is out of its range.
+  /// Throws InputError, which names the value, if one is out of its range.
   void Validate() const;
 };
 
-/// An image as the detector sees it.
-struct MAMMORAYXRAY_EXPORT Exposure
+/// The dose that photons leave in the voxels of a scene.
+struct MAMMORAYXRAY_EXPORT Dose
 {
-  /// Mean over all rays of a pixel; inconsistent where one of them is.
-  PathLengthImage Lengths;
-  /// I / I0; Rows * Columns values, row by row. With noise it may exceed 1; never negative.
-  std::vector<float> Transmission;
-  /// -ln of it. With noise, a pixel that detects nothing is taken for half a photon.
-  std::vector<float> LogAttenuation;
+  /// How many were followed.
+  std::int64_t Photons = 0;
+  /// Where the air kerma is stated: over the detector, on the ray that meets it at right angles,
+  /// mm.
+  double HeightMm = 0;
+  /// Air kerma there without backscatter for ExposureOptions::PhotonsPerPixel, mGy; 0 without them.
+  double AirKermaMgy = 0;
+  /// By material: mass, g; mean dose per air kerma, mGy/mGy; its standard error. 0 without mass.
+  std::vector<double> MassesG;
+  std::vector<double> PerAirKerma;
+  std::vector<double> Error;
 };
 
+/// A picture as the detector sees it.
+struct MAMMORAYXRAY_EXPORT Exposure
+{
+  /// Mean path lengths over all rays of a pixel. A pixel is inconsistent if one of its rays is.
+  /// Never null.
+  std::shared_ptr<const PathLengthImage> Lengths;
+  /// I / I0; Rows * Columns values, row by row. With noise it may exceed 1; never negative.
+  std::vector<float> Transmission;
+  /// -ln(I / I0). With noise, a pixel that detects nothing counts as half a photon.
+  std::vector<float> LogAttenuation;
+  /// With refraction: angles by which rays are bent, along the detector's columns (first plane) and
+  /// rows (second), radians, Rows * Columns values each. Of several energies the mean, weighted as
+  /// they are detected in the open beam.
+  std::vector<float> Deflection;
+  /// Where Scene::Dose asks for it.
+  std::optional<Dose> Absorbed;
+};
+
+/// Gives the path lengths of the rays from one point to one sample of each pixel (Samples is 1).
+using PathLengthFunction =
+  std::function<std::shared_ptr<const PathLengthImage>(const XRaySource&, const XRayDetector&)>;
+
 /**
- * Projects the projector's mesh from every point of the focal spot to every sample of each pixel
+ * Takes path lengths from every point of the focal spot to every sample of each pixel
  * (detector.Samples x detector.Samples) and averages intensities, not path lengths: at an edge the
- * mean transmission is not that of the mean path.
+ * mean transmission differs from that of the mean path.
  *
- * Quantum noise: detected photons are Poisson distributed. Counting detectors and single energies
- * get that distribution; an energy-integrating one's sum over energies is given its mean and
- * variance exactly and the shape of a scaled Poisson distribution (Bohm and Zech, Nucl. Instrum.
- * Methods A 748, 2014). The detector's blur
- * then joins pixels, its own noise comes last.
+ * Quantum noise: detected photons are Poisson distributed. This is exact for counting detectors and
+ * single energies. The sum over energies of an integrating detector has the exact mean and variance
+ * and the shape of a scaled Poisson distribution (Bohm and Zech, Nucl. Instrum. Methods A 748,
+ * 2014). Then the detector's blur mixes pixels; electronic noise comes last.
  *
- * Throws InputError on options out of range, on an open field or secondary radiation of another
- * size and on a focal spot with a parallel beam.
+ * Exposer calls it with the path lengths of a scene. Throws InputError on options out of range, on
+ * an open field or scatter of another size and on a focal spot with a parallel beam.
  */
-MAMMORAYXRAY_EXPORT Exposure Expose(PathLengthProjector& projector, const XRaySource& source,
+MAMMORAYXRAY_EXPORT Exposure Expose(const PathLengthFunction& pathLengths, const XRaySource& source,
   const XRayDetector& detector, const Beam& beam, const ExposureOptions& options = {},
   const ProgressCallback& progress = {});
-
-/// The same with nothing in the beam: a flat field. Throws as Expose.
-MAMMORAYXRAY_EXPORT Exposure ExposeAir(const XRaySource& source, const XRayDetector& detector,
-  const Beam& beam, const ExposureOptions& options = {});
 }
 
 #endif

@@ -11,33 +11,35 @@
 
 namespace mammoray
 {
-/// What overlapping parts of a surface do to an image of it, where no ProjectorOptions::Priority
-/// says what counts.
+/// The effect of overlapping parts of a surface on an image without ProjectorOptions::Priority.
 struct MAMMORAYXRAY_EXPORT OverlapMeasure
 {
   SurfaceOverlap Overlap;
-  /// Rays that were followed and cross the surface.
+  /// Number of followed rays that cross the surface.
   std::size_t Rays = 0;
-  /// Those of them with stretches that count twice or negatively, ...
+  /// Number of these with segments that count twice or negatively.
   std::size_t Contradicting = 0;
-  /// ... how long these are together along one, on average, mm, ...
+  /// Mean total length of such segments along one of these rays, mm.
   double MeanMm = 0;
-  /// ... and the longest of all.
+  /// The longest such segment.
   SurfaceContradiction Longest;
 
-  /// A sentence with counts and places; empty where nothing overlaps. `names[m]` names material m.
+  /// A sentence with counts and places; empty if nothing overlaps. `names[m]` is the name of
+  /// material m.
   std::string Warning(const std::vector<std::string>& names) const;
 };
 
 /**
- * Looks for overlaps (FindOverlap), and, where there are some, along the rays of up to 200 x 200
- * pixels spread over the detector. A surface of more than 20,000 triangles counts as one without
- * overlaps, unsearched, where no contradiction lies on these rays nor on lines from the source
- * through triangles, of which every part has its equal share of 40,000 or all it has. That takes a
- * twentieth of the time or so, and can miss crossings in which few triangles and little of the
- * picture have part. It is searched where nothing can be told so: of more than 5000 parts, or with
- * the source beside it or inside. Runs on the host. Throws InputError on a degenerate detector or
- * source.
+ * Searches for overlaps (FindOverlap) and, if there are any, measures them along the rays of up to
+ * 200 x 200 pixels spread over the detector.
+ *
+ * For a surface of more than 20,000 triangles it first follows these rays, and up to 40,000 lines
+ * from the source through triangles, the same number for each part. Without a contradiction on them
+ * the surface counts as free of overlaps. This takes about a twentieth of the time, and can miss
+ * crossings of few triangles that cover little of the picture. It is not possible for more than
+ * 5000 parts and for a source beside or inside the surface, which are searched.
+ *
+ * Runs on the host. Throws InputError on a degenerate detector or source.
  */
 MAMMORAYXRAY_EXPORT OverlapMeasure MeasureOverlap(const SurfaceMesh& surface,
   const XRaySource& source, const XRayDetector& detector, const ProgressCallback& progress = {});

@@ -14,7 +14,7 @@ namespace mammoray
 {
 class Beam;
 
-/// Where the X-rays come from; in the frame of the mesh.
+/// The source of the X-rays, in the frame of the mesh.
 struct XRaySource
 {
   enum class Kind
@@ -25,7 +25,7 @@ struct XRaySource
   Kind Type = Kind::Point;
   /// Point source: its position, mm.
   Vector3 Position{ 0, 0, 650 };
-  /// Parallel beam: direction in which the X-rays travel; of any length from 1e-100 to 1e100.
+  /// Parallel beam: direction in which the X-rays travel, of any length from 1e-100 to 1e100.
   Vector3 Direction{ 0, 0, -1 };
 
   bool operator==(const XRaySource&) const = default;
@@ -34,10 +34,9 @@ struct XRaySource
 /// A flat pixel grid in any pose; in the frame of the mesh.
 struct XRayDetector
 {
-  /// Centre of pixel (column 0, row 0), mm; coordinates up to 1e12 mm, as all of a projection.
+  /// Centre of pixel (column 0, row 0), mm. Coordinates of a projection are at most 1e12 mm.
   Vector3 Origin{ 0, 0, 0 };
-  /// Lead from a pixel's centre to that of the next column, and of the next row; 1e-9 to 1e12 mm
-  /// long.
+  /// From a pixel's centre to that of the next column, and of the next row; length 1e-9 to 1e12 mm.
   Vector3 ColumnStep{ 0.1, 0, 0 };
   Vector3 RowStep{ 0, 0.1, 0 };
   int Columns = 1;
@@ -67,8 +66,8 @@ struct PathLengthImage
   int Rows = 0;
   int Materials = 0;
   /**
-   * mm; value[(material * Rows + row) * Columns + column]. Material 0 (air) is left 0. With several
-   * samples per pixel: their mean.
+   * mm; value[(material * Rows + row) * Columns + column]. Material 0 (air) has 0. With several
+   * samples per pixel, this is their mean.
    */
   std::vector<float> Lengths;
   /// 0 where the ray's crossings of every material cancel, else 1; Rows * Columns values.
@@ -83,22 +82,23 @@ struct PathLengthImage
     return this->Lengths.data() + material * this->NumberOfPixels();
   }
   std::size_t NumberOfInconsistentRays() const;
-  /// A sentence with the number of pixels whose rays crossed surfaces that do not close, and the
-  /// columns and rows where they lie; empty when there are none.
+  /// A sentence with the number of pixels whose rays crossed surfaces that do not close, and their
+  /// range of columns and rows. Empty if there are none.
   std::string InconsistencyWarning() const;
 };
 
 /**
- * How the path lengths of an image change with parameters that move the surface's points, the rays
- * standing still: for a hit of a ray of direction d on a triangle with normal n, whose point there
- * moves by v per unit of the parameter, dt/dp = (n . v) / (n . d), summed as path lengths are.
- * Exact almost everywhere, silhouettes included, since path lengths are continuous there.
+ * Derivatives of the path lengths of an image with respect to parameters that move the surface's
+ * points while the rays stay fixed. For a hit of a ray of direction d on a triangle with normal n,
+ * whose point there moves by v per unit of the parameter, dt/dp = (n . v) / (n . d); these are
+ * summed as path lengths are. They are exact almost everywhere, also at silhouettes, where path
+ * lengths are continuous.
  *
- * Where a ray grazes a triangle, the absolute value of n . d is taken as 1/256 at least: no hit
- * contributes more than 256 times the largest speed of the field. Contributions of triangles within
- * 0.22 degrees of the ray are too small by that; seen so, a triangle covers less than 1/256 of its
- * area. Rasterisation rounds every contribution to 2^-19 of the field's largest speed (1e-6 of it
- * at most).
+ * Where a ray grazes a triangle, |n . d| is bounded from below by 1/256, so that no hit contributes
+ * more than 256 times the largest speed of the field. Contributions of triangles within 0.22
+ * degrees of the ray are therefore too small; seen at this angle, a triangle covers less than 1/256
+ * of its area. Rasterisation rounds every contribution to 2^-19 of the field's largest speed (1e-6
+ * of it at most).
  */
 struct PathLengthDerivatives
 {
@@ -109,7 +109,7 @@ struct PathLengthDerivatives
   /**
    * mm per unit of the parameter;
    * value[((field * Materials + material) * Rows + row) * Columns + column]. Material 0 (air) is
-   * left 0; samples and rays that failed are treated as in PathLengthImage.
+   * 0; samples and inconsistent rays are treated as in PathLengthImage.
    */
   std::vector<float> Lengths;
 
@@ -124,32 +124,32 @@ struct ProjectorOptions
 {
   enum class Method
   {
-    /// Ray tracing where hardware offers it, rasterisation on CPU devices and on all others.
+    /// Ray tracing on hardware that supports it, rasterisation on CPU devices and all others.
     Auto,
     /// VK_KHR_ray_tracing_pipeline.
     RayTracing,
-    /// Compute shaders of Vulkan 1.2; every device has them.
+    /// Compute shaders of Vulkan 1.2, which every device supports.
     Rasterisation
   };
   Method Projection = Method::Auto;
-  /// Part of the wanted device's name (case-insensitive); empty takes the most capable one. The
-  /// environment variable MAMMORAY_DEVICE stands in for an empty name.
+  /// Part of the device's name (case-insensitive). Empty: the environment variable MAMMORAY_DEVICE,
+  /// or without it the most capable device.
   std::string Device;
-  /// Computes in double precision where the device can; single precision keeps about 6 digits of a
-  /// path length and is what devices without 64-bit floats use.
+  /// Computes in double precision if the device supports it. Single precision keeps about 6 digits
+  /// of a path length.
   bool DoublePrecision = true;
-  /// Turns the Khronos validation layer on and its messages into DeviceError.
+  /// Enables the Khronos validation layer, whose messages become DeviceErrors.
   bool Validation = false;
   /**
-   * What counts where parts overlap though their labels say air. Empty: lengths are sums over hits,
-   * such a stretch counts once for each part, and negatively where labels are inside out.
-   * Otherwise it counts once, for the material inside there that comes first in this list;
-   * materials that are not in it follow, the smaller index first. So do path lengths along rays,
-   * and derivatives, whichever way of projecting.
+   * Order in which materials count where parts overlap although their labels say air. Empty:
+   * lengths are sums over hits, so that an overlap counts once for each part, and negatively where
+   * labels are inside out. Otherwise an overlap counts once, for the material there that is first
+   * in this list; other materials follow by index. The rule also holds for ProjectRays and for
+   * derivatives, with both methods.
    *
-   * This needs the order of hits along a ray: rays that pass the boxes in which parts overlap
-   * (SurfaceOverlap::Regions) are followed a second time, on the host, at 2 to 10 microseconds
-   * each and core; and every new position of the points looks for overlaps anew.
+   * The rule needs the order of hits along a ray. Rays through the boxes in which parts overlap
+   * (SurfaceOverlap::Regions) are followed a second time on the host, in 2 to 10 microseconds per
+   * ray and core. Overlaps are searched again whenever points move.
    */
   std::vector<int> Priority;
 };
@@ -160,16 +160,17 @@ struct ProjectorOptions
  * without a hit list. Only the part of a ray between source and pixel counts; either may lie inside
  * the body.
  *
- * A ray whose crossings do not cancel (a hole, sides exchanged) is traced again up to four times,
- * at most a tenth of a pixel beside. Where that does not help the pixel is marked in
- * PathLengthImage::Inconsistent and takes the mean of its other samples, or, if it has none, of its
- * nearest consistent neighbours: never a bright streak. Bodies with holes wide enough to leave no
- * consistent pixel at all give zeros.
+ * A ray whose crossings do not cancel (a hole, exchanged sides) is traced again up to four times,
+ * offset by at most a tenth of a pixel. If this fails, the pixel is marked in
+ * PathLengthImage::Inconsistent. It takes the mean of its other samples or, if it has none, of its
+ * nearest consistent neighbours, and never becomes a bright streak. If no pixel at all is
+ * consistent, the path lengths are 0.
  *
- * Ray tracing depends on the driver's float test of hits: a ray which touches an edge is traced
- * again in the same way. Rasterisation has its own test, which gives every ray to one of the
- * triangles that share an edge or a corner; its result does not depend on the order of triangles,
- * not even in rounding. In double precision the two agree to 3e-5 mm on paths of 100 mm.
+ * Ray tracing uses the driver's intersection test in single precision; a ray through an edge may
+ * need to be traced again. Rasterisation has its own test, which assigns every ray to exactly one
+ * of the triangles that share an edge or a corner. Its result does not depend on the order of
+ * triangles, not even in rounding. In double precision both methods agree to 3e-5 mm on paths of
+ * 100 mm.
  *
  * Not thread-safe: one projector per thread. Every method may throw DeviceError.
  */
@@ -177,56 +178,56 @@ class MAMMORAYXRAY_EXPORT PathLengthProjector
 {
 public:
   virtual ~PathLengthProjector() = default;
-  /// Replaces the mesh; builds what the device needs. Throws InputError on an unusable mesh, as one
-  /// with coordinates beyond 1e12 mm.
+  /// Replaces the mesh and builds the device's structures. Throws InputError on an unusable mesh,
+  /// also with coordinates beyond 1e12 mm.
   virtual void SetSurface(const SurfaceMesh& surface) = 0;
-  /// New positions (3 x pointCount, mm, up to 1e12) for the same triangles; refits.
+  /// Moves the points of the same triangles (3 x pointCount, mm, up to 1e12) and refits.
   virtual void UpdatePoints(const std::vector<double>& points) = 0;
-  /// Path lengths for the surface as it stands; in strips of rows where a buffer of the device does
-  /// not hold them all. Throws InputError on a degenerate detector or source, and on an image of
+  /// Path lengths of the current surface, computed in strips of rows if a buffer of the device
+  /// cannot hold them all. Throws InputError on a degenerate detector or source, and on an image of
   /// more than 2^30 path lengths.
   virtual PathLengthImage Project(const XRaySource& source, const XRayDetector& detector) = 0;
-  /// The same for Transmission alone: path lengths stay on the device, which spares a discrete one
-  /// the way to the host.
+  /// Project for Transmission alone: path lengths stay on the device, which saves a discrete GPU
+  /// the transfer to the host.
   virtual void Render(const XRaySource& source, const XRayDetector& detector)
   {
     this->Project(source, detector);
   }
   /**
    * Project, and in the same pass derivatives with respect to `fields` parameters, at least 1.
-   * Velocities are those of every point per unit of the parameter, mm;
-   * velocities[(field * pointCount + point) * 3 + axis]. Up to 8 fields are done at once (fewer
-   * where memory or many materials ask for it), more in further passes. Keep `derivatives` from one
-   * call to the next to spare its allocation. Throws InputError when sizes do not fit or a velocity
-   * is beyond 1e12 mm.
+   * `velocities` has the velocity of every point, mm per unit of the parameter:
+   * velocities[(field * pointCount + point) * 3 + axis]. A pass computes up to 8 fields, or fewer
+   * if memory or the number of materials limits it. Reuse `derivatives` between calls to avoid
+   * allocation. Throws InputError if sizes do not fit or a velocity exceeds 1e12 mm.
    */
   virtual PathLengthImage Project(const XRaySource& source, const XRayDetector& detector,
     const std::vector<double>& velocities, int fields, PathLengthDerivatives& derivatives) = 0;
   /**
-   * Path lengths along any rays, from Begin to End; an image of one row with a column for each ray.
-   * A ray that fails is traced again at most 0.01 mm beside; one that still fails is marked and its
-   * lengths are 0. Ray tracing only: rasterisation throws InputError, as do no rays at all and a
-   * ray that is not finite or has no length.
+   * Path lengths along arbitrary rays, as an image of one row with a column for each ray. An
+   * inconsistent ray is traced again with an offset of at most 0.01 mm; if this fails, it is marked
+   * and has lengths 0. Throws InputError for rasterisation, without rays, and for a ray that is not
+   * finite or has no length.
    */
   virtual PathLengthImage ProjectRays(const std::vector<XRayLine>& rays);
   /**
-   * Transmission I / I0 of each pixel of the last Project or Render by the Beer-Lambert law,
-   * computed on the device from the path lengths that are still there: another spectrum or material
-   * traces no ray, and one image is read back whatever the number of materials (of an image made in
-   * strips: on the host). Rows * Columns values. Single precision: relative error 1e-6 times 1 +
-   * the log attenuation, or so. Throws InputError before the first of them, after another mesh,
-   * moved points or a list of rays, and when the beam lacks a material of the surface.
+   * Transmission I / I0 of each pixel of the last Project or Render by the Beer-Lambert law; Rows *
+   * Columns values. It is computed on the device from the path lengths that are still there, so
+   * that changing the spectrum or a material needs no tracing, and one image is read back whatever
+   * the number of materials. An image made in strips is computed on the host. Single precision: the
+   * relative error is about 1e-6 (1 + log attenuation). Throws InputError without a preceding
+   * Project or Render of the current mesh and points, after ProjectRays, and if the beam lacks a
+   * material of the surface.
    */
   virtual std::vector<float> Transmission(const Beam& beam) = 0;
-  /// Name of the device that does the work, for reports.
+  /// Name of the device, for reports.
   virtual std::string DeviceName() const = 0;
-  /// How it is done; never Auto.
+  /// The method in use; never Auto.
   virtual ProjectorOptions::Method Method() const = 0;
 };
 
 struct DeviceDescription
 {
-  /// The device is called so by its driver.
+  /// Name that the driver gives the device.
   std::string Name;
   std::string Driver;
   /// "discrete GPU", "integrated GPU", "virtual GPU", "CPU" or "other".
@@ -234,16 +235,15 @@ struct DeviceDescription
   bool RayTracing = false;
 };
 
-/// Vulkan devices of this machine, best first; empty, with a reason, where there is no Vulkan.
+/// Vulkan devices of this machine, the most capable first. Empty, with a reason, without Vulkan.
 MAMMORAYXRAY_EXPORT std::vector<DeviceDescription> ListDevices(std::string* reason = nullptr);
 
 /// "auto", "ray-tracing" or "rasterisation".
 MAMMORAYXRAY_EXPORT std::string MethodName(ProjectorOptions::Method method);
-/// The reverse; throws InputError with the known names.
+/// Inverse of MethodName. Throws InputError with the known names.
 MAMMORAYXRAY_EXPORT ProjectorOptions::Method MethodFromName(const std::string& name);
 
-/// The projector that the options ask for. Throws DeviceError, in one line with the reason, when no
-/// device can.
+/// A projector with these options. Throws DeviceError with the reason if no device is usable.
 MAMMORAYXRAY_EXPORT std::unique_ptr<PathLengthProjector> MakeProjector(
   const ProjectorOptions& options = {});
 

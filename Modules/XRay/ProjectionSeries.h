@@ -11,14 +11,14 @@
 
 namespace mammoray
 {
-/// A straight line; the direction has any length but zero.
+/// A straight line. The direction may have any length except zero.
 struct AxisLine
 {
   Vector3 Point{ 0, 0, 0 };
   Vector3 Direction{ 0, 0, 1 };
 };
 
-/// One of a series of projections of the same mesh; in the mesh's frame.
+/// One of a series of projections of the same mesh, in the frame of the mesh.
 struct ProjectionView
 {
   double AngleDeg = 0;
@@ -27,27 +27,27 @@ struct ProjectionView
 };
 
 /**
- * Tomography: the sample turns about an axis before a source and a detector that stand still, to i
- * / number of the span for i from 0 on, so that 360 degrees repeat nothing. Angles are right-handed
- * about the axis' direction. In the sample's frame, which the views are of, source and detector
- * turn the other way. Throws InputError unless number is positive, the span finite and the
+ * Tomography: the sample turns about an axis in front of a fixed source and detector. View i is at
+ * i / number of the span, so that a span of 360 degrees has no view twice. Angles are right-handed
+ * about the axis' direction. The views are in the sample's frame, in which source and detector turn
+ * the other way. Throws InputError unless number is positive, the span finite and the
  * direction not zero.
  */
 MAMMORAYXRAY_EXPORT std::vector<ProjectionView> TurnSample(const XRaySource& source,
   const XRayDetector& detector, const AxisLine& axis, int number, double spanDeg);
 
 /**
- * Tomosynthesis: a point source goes about an axis while sample and detector stand still, in equal
- * steps from minus half the span to half of it, both included; one projection is at 0. Throws
- * InputError as TurnSample, and of a parallel source.
+ * Tomosynthesis: a point source turns about an axis while sample and detector are fixed, in equal
+ * steps from minus half the span to half the span, both included. A single projection is at 0.
+ * Throws InputError as TurnSample, and for a parallel source.
  */
 MAMMORAYXRAY_EXPORT std::vector<ProjectionView> SweepSource(const XRaySource& source,
   const XRayDetector& detector, const AxisLine& axis, int number, double spanDeg);
 
 /**
- * The columns at which the axis' shadow crosses the first and the last row, counted from the centre
- * of column 0; what a reconstruction calls the centre of rotation. Nothing where the shadow runs
- * along the rows or is a point.
+ * The columns at which the axis' shadow crosses the first and the last row, measured from the
+ * centre of column 0: the centre of rotation of a reconstruction. No value if the shadow is
+ * parallel to the rows or is a point.
  */
 MAMMORAYXRAY_EXPORT std::optional<std::array<double, 2>> ShadowOfAxis(const XRaySource& source,
   const XRayDetector& detector, const AxisLine& axis);

@@ -7,8 +7,8 @@
 namespace mammoray
 {
 /**
- * Random numbers that depend on a seed and the number of what they are for (a pixel, a photon) and
- * on nothing else, so that work may be shared in any way: splitmix64 (Steele, Lea and Flood 2014).
+ * Random numbers that depend only on a seed and on the number of a pixel or photon, so that any
+ * number of threads may share the work: splitmix64 (Steele, Lea and Flood 2014).
  */
 class RandomStream
 {
@@ -17,7 +17,7 @@ public:
     : State(Mix(seed + 0x9e3779b97f4a7c15) ^ Mix(number * 0x9e3779b97f4a7c15 + 1))
   {
   }
-  /// A number in (0, 1), evenly spread, of 53 bits.
+  /// Uniformly distributed in (0, 1), with 53 random bits.
   double Uniform()
   {
     this->State += 0x9e3779b97f4a7c15;

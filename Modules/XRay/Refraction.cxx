@@ -284,14 +284,13 @@ public:
     }
   }
 
-  RefractedImage Finish(const XRayDetector& detector) const
+  Exposure Finish(const XRayDetector& detector) const
   {
-    RefractedImage result;
-    result.Columns = detector.Columns;
-    result.Rows = detector.Rows;
+    Exposure result;
     const std::size_t count = detector.NumberOfPixels();
     result.Deflection.resize(2 * count);
     result.Transmission.resize(count);
+    result.LogAttenuation.resize(count);
     for (int row = 0; row < detector.Rows; ++row)
     {
       for (int column = 0; column < detector.Columns; ++column)
@@ -308,7 +307,10 @@ public:
           intensity -= 0.5 * (this->Sums.Flux[0][wide + 1] - this->Sums.Flux[0][wide - 1]);
           intensity -= 0.5 * (this->Sums.Flux[1][wide + below] - this->Sums.Flux[1][wide - below]);
         }
-        result.Transmission[pixel] = static_cast<float>(intensity);
+        // The near field's law can fall below 0 where it does not hold.
+        const double transmission = std::max(0.0F, static_cast<float>(intensity));
+        result.Transmission[pixel] = static_cast<float>(transmission);
+        result.LogAttenuation[pixel] = static_cast<float>(-std::log(std::max(transmission, 1e-30)));
       }
     }
     return result;
@@ -416,20 +418,6 @@ private:
 };
 }
 
-Exposure ToExposure(const RefractedImage& refracted)
-{
-  Exposure exposure;
-  exposure.Lengths = refracted.Lengths;
-  for (const float value : refracted.Transmission)
-  {
-    // The near field's law can fall below nothing where it does not hold.
-    const double transmission = std::max(0.0f, value);
-    exposure.Transmission.push_back(static_cast<float>(transmission));
-    exposure.LogAttenuation.push_back(static_cast<float>(-std::log(std::max(transmission, 1e-30))));
-  }
-  return exposure;
-}
-
 double RefractiveDecrement(const std::string& composition, double energyKeV, double densityGPerCm3)
 {
   const auto [fractions, nominal] = ParseComposition(composition, "refraction");
@@ -455,7 +443,8 @@ double RefractiveDecrement(const std::string& composition, double energyKeV, dou
   return perMole * density * delta / (energyKeV * energyKeV);
 }
 
-std::vector<double> RefractiveDecrements(const Spectrum& spectrum, const MaterialTable& materials)
+std::vector<double> RefractiveDecrements(const Spectrum& spectrum, const MaterialTable& materials,
+  int count, const std::vector<bool>& used)
 {
   std::vector<double> decrements;
   for (std::size_t bin = 0; bin < spectrum.Weights.size(); ++bin)
@@ -465,8 +454,18 @@ std::vector<double> RefractiveDecrements(const Spectrum& spectrum, const Materia
       continue;
     }
     decrements.push_back(0);
-    for (std::size_t m = 1; m < materials.Materials.size(); ++m)
+    for (std::size_t m = 1; m < static_cast<std::size_t>(count); ++m)
     {
+      if (m >= used.size() || !used[m])
+      {
+        decrements.push_back(0);
+        continue;
+      }
+      if (m >= materials.Materials.size())
+      {
+        throw InputError(
+          "refraction: expected the composition of material " + std::to_string(m) + ", found none");
+      }
       const Material& material = materials.Materials[m];
       try
       {
@@ -486,10 +485,9 @@ std::vector<double> RefractiveDecrements(const Spectrum& spectrum, const Materia
   return decrements;
 }
 
-RefractedImage Refract(PathLengthProjector& projector, std::size_t pointCount,
-  const XRaySource& source, const XRayDetector& detector, const Beam& beam,
-  const std::vector<double>& decrements, const RefractionOptions& options,
-  const ProgressCallback& progress)
+Exposure Refract(PathLengthProjector& projector, std::size_t pointCount, const XRaySource& source,
+  const XRayDetector& detector, const Beam& beam, const std::vector<double>& decrements,
+  const RefractionOptions& options, const ProgressCallback& progress)
 {
   CheckGeometry(source, detector);
   const std::size_t expected =
@@ -518,7 +516,7 @@ RefractedImage Refract(PathLengthProjector& projector, std::size_t pointCount,
   const std::vector<std::array<double, 2>> samples = SampleOffsets(detector.Samples);
   const double weight = 1.0 / static_cast<double>(samples.size());
   PathLengthDerivatives derivatives;
-  PathLengthImage lengths;
+  auto lengths = std::make_shared<PathLengthImage>();
   double done = 0;
   for (const auto& [column, row] : samples)
   {
@@ -528,9 +526,9 @@ RefractedImage Refract(PathLengthProjector& projector, std::size_t pointCount,
     const PathLengthImage image = projector.Project(source, wide, velocities, 2, derivatives);
     beam.CheckMaterials(image.Materials);
     refraction.Add(wide, image, derivatives, column, row, weight);
-    AddWithin(image, static_cast<float>(weight), detector, lengths);
+    AddWithin(image, static_cast<float>(weight), detector, *lengths);
   }
-  RefractedImage result = refraction.Finish(detector);
+  Exposure result = refraction.Finish(detector);
   result.Lengths = std::move(lengths);
   return result;
 }

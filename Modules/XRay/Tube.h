@@ -10,17 +10,16 @@
 
 namespace mammoray
 {
-/// A layer that all photons pass.
+/// A layer that all photons pass through.
 struct MAMMORAYXRAY_EXPORT XRayFilter
 {
-  /// See FindComposition.
+  /// Composition (see FindComposition).
   std::string Material;
   double ThicknessMm = 0;
-  /// g/cm^3; 0 takes the composition's own.
+  /// g/cm^3; 0: the composition's nominal density.
   double DensityGPerCm3 = 0;
 
-  /// "Rh:0.05", "SiO2@2.2:1": MATERIAL:MM, with \@DENSITY after the material where it is not the
-  /// composition's own. Throws InputError on anything else.
+  /// Parses MATERIAL[\@DENSITY]:MM: "Rh:0.05", "SiO2@2.2:1". Throws InputError on another form.
   static XRayFilter FromText(const std::string& text);
 };
 
@@ -35,33 +34,33 @@ struct MAMMORAYXRAY_EXPORT XRayTube
   std::string Anode = "W";
   /// kV; 18 to 42.
   double KilovoltagePeak = 28;
-  /// Besides the window.
+  /// In addition to the window.
   std::vector<XRayFilter> Filters;
 
-  /// Throws InputError, which names the value, on an unknown anode or what is out of its range.
+  /// Throws InputError on an unknown anode and a voltage out of range.
   void Validate() const;
   /// "W 28 kVp, 0.05 mm Rh".
   std::string Name() const;
 };
 
 /**
- * Photons by energy, in a unit that is the same for all voltages and filters of an anode. Photons
- * below 5 keV, where our attenuation tables begin, are left out: 30 micrometres of molybdenum let 1
- * in 10^7 of them pass. Throws InputError on an unusable tube or filter.
+ * The spectrum of a tube, in a unit that is the same for all voltages and filters of an anode.
+ * Photons below 5 keV, the least energy of the attenuation tables, are left out: 30 micrometres of
+ * molybdenum transmit 1 in 10^7 of them. Throws InputError on an unusable tube or filter.
  */
 MAMMORAYXRAY_EXPORT Spectrum TubeSpectrum(const XRayTube& tube);
 
-/// What a filter leaves of a spectrum. Throws InputError on an unknown material, a thickness that
-/// is negative or not finite, or when nothing is left.
+/// The spectrum behind a filter. Throws InputError on an unknown material, a negative or infinite
+/// thickness, and if no photon is left.
 MAMMORAYXRAY_EXPORT Spectrum FilterSpectrum(const Spectrum& spectrum, const XRayFilter& filter);
 
-/// A detector that adds up the energy of the photons that a layer of it absorbs (a scintillator, an
-/// amorphous semiconductor): D(E) = E (1 - exp(-mu t)). Fluorescence that escapes counts as
-/// absorbed. Throws InputError as FilterSpectrum.
+/// A detector that integrates the energy absorbed in a layer (a scintillator or an amorphous
+/// semiconductor): D(E) = E (1 - exp(-mu t)). Escaping fluorescence counts as absorbed. Throws
+/// InputError as FilterSpectrum.
 MAMMORAYXRAY_EXPORT DetectorResponse AbsorbingDetector(const XRayFilter& layer);
 
 /**
- * The first half-value layer, mm of aluminium (2.70 g/cm^3): so much of it halves the air kerma
+ * The first half-value layer, mm of aluminium (2.70 g/cm^3), which halves the air kerma
  * (energy times mass energy-absorption coefficient of air, xraylib). Throws InputError on an
  * unusable spectrum.
  */

@@ -17,6 +17,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <numbers>
 
 namespace
@@ -26,12 +27,16 @@ using namespace mammoray;
 /// A box of 10 x 20 x 40 um of aluminium before a parallel beam along y.
 ViewedScene SmallBox()
 {
-  ViewedScene scene;
-  scene.Name = "box";
-  shapes::AddBox(scene.Surface, { 1, 2, 3 }, { 1.01, 2.02, 3.04 }, 1);
+  ViewedScene viewed;
+  viewed.Name = "box";
+  Scene& scene = viewed.Scene;
+  SurfaceMesh box;
+  shapes::AddBox(box, { 1, 2, 3 }, { 1.01, 2.02, 3.04 }, 1);
+  scene.Samples = { { std::make_shared<const SurfaceMesh>(box) } };
   scene.Materials.Materials = { { .Name = "air" },
     { .Name = "Al", .Attenuation = "Al", .DensityGPerCm3 = 2.7 } };
-  scene.Spectrum = Spectrum::Monochromatic(20);
+  scene.Attenuations = FindAttenuations(scene.Materials);
+  scene.XRays = Spectrum::Monochromatic(20);
   scene.Source.Type = XRaySource::Kind::Parallel;
   scene.Source.Direction = { 0, 1, 0 };
   scene.Detector.ColumnStep = { 0.001, 0, 0 };
@@ -39,7 +44,7 @@ ViewedScene SmallBox()
   scene.Detector.Columns = 64;
   scene.Detector.Rows = 64;
   scene.Detector.Origin = { 1.005 - 0.0315, 5, 3.02 + 0.0315 };
-  return scene;
+  return viewed;
 }
 
 class SurfaceViewerTest : public testing::Test
@@ -84,8 +89,7 @@ TEST(LiveProjection, TurnsTheSamplesByClosedForm)
   }
   const ViewedScene scene = SmallBox();
   LiveProjection live(scene, {});
-  const double mu =
-    MakeBeam(scene.Materials, scene.Spectrum, DetectorResponse::EnergyIntegrating).MuPerMm(0, 1);
+  const double mu = MakeBeam(scene.Scene).MuPerMm(0, 1);
   const auto middle = [&live] { return live.Project(1)[31 * 64 + 31]; };
   const auto across = [&live]
   {
@@ -103,9 +107,9 @@ TEST(LiveProjection, TurnsTheSamplesByClosedForm)
   // Another energy, without other rays.
   live.SetTurn(0);
   live.SetEnergy(40);
-  const double harder =
-    MakeBeam(scene.Materials, Spectrum::Monochromatic(40), DetectorResponse::EnergyIntegrating)
-      .MuPerMm(0, 1);
+  const double harder = MakeBeam(scene.Scene.Materials, Spectrum::Monochromatic(40),
+    DetectorResponse::EnergyIntegrating)
+                          .MuPerMm(0, 1);
   EXPECT_NEAR(middle(), 0.02 * harder, 1e-5 * harder);
   live.SetEnergy(1000);
   EXPECT_EQ(live.Energy(), 40); // twice the beam's at most
@@ -122,8 +126,11 @@ TEST(LiveProjection, TurnsRightHandedlyAboutWhatIsUp)
   }
   // What lies behind, at +y, goes to -x about +z: to the left.
   ViewedScene scene = SmallBox();
-  scene.Materials.Materials.push_back({ .Name = "Ti", .Attenuation = "Ti" });
-  shapes::AddBox(scene.Surface, { 1.004, 2.03, 3.01 }, { 1.006, 2.04, 3.03 }, 2);
+  scene.Scene.Materials.Materials.push_back({ .Name = "Ti", .Attenuation = "Ti" });
+  scene.Scene.Attenuations = FindAttenuations(scene.Scene.Materials);
+  SurfaceMesh both = *scene.Scene.Samples[0].Surface;
+  shapes::AddBox(both, { 1.004, 2.03, 3.01 }, { 1.006, 2.04, 3.03 }, 2);
+  scene.Scene.Samples = { { std::make_shared<const SurfaceMesh>(both) } };
   LiveProjection live(scene, {});
   live.SetTurn(90);
   live.Project(1);
@@ -169,19 +176,22 @@ TEST(LiveProjection, PlacesSourceAndDetectorAroundTheSamples)
     return std::find_if(row, row + 512, [](float value) { return value > 0; }) - row;
   };
   const auto before = firstColumn();
-  const double step = 20 * Norm(scene.Detector.ColumnStep) * live.SourceGain();
+  const double step = 20 * Norm(scene.Scene.Detector.ColumnStep) * live.SourceGain();
   live.SetSourceOffset({ step, 0, 0 });
   // At its left is the edge of the face that the rays meet first, 0.01 mm before the middle.
   const double diagonal = Norm(Vector3{ 0.01, 0.02, 0.04 });
   const double shift = step * (1.5 * diagonal + 0.01) / (4 * diagonal - 0.01);
-  EXPECT_NEAR(static_cast<double>(before - firstColumn()), shift / Norm(scene.Detector.ColumnStep),
+  EXPECT_NEAR(static_cast<double>(before - firstColumn()),
+    shift / Norm(scene.Scene.Detector.ColumnStep),
     1); // whole pixels
   // A tube's spectrum has its voltage.
-  scene.Spectrum = FindSpectrum("W28kVp_Rh50um_Be1mm");
+  scene.Scene.XRays = FindSpectrum("W28kVp_Rh50um_Be1mm");
   LiveProjection tube(scene, {});
   EXPECT_FALSE(tube.IsSingleEnergy());
   EXPECT_EQ(tube.Energy(), 28);
-  scene.Surface.Points.assign(scene.Surface.Points.size(), 1.0);
+  SurfaceMesh point = *scene.Scene.Samples[0].Surface;
+  point.Points.assign(point.Points.size(), 1.0);
+  scene.Scene.Samples = { { std::make_shared<const SurfaceMesh>(point) } };
   EXPECT_THROW(scene.PlaceAround(), InputError);
 }
 

@@ -18,6 +18,8 @@
 #include <numeric>
 #include <optional>
 
+#include <memory>
+
 namespace mammoray::benchmarks
 {
 namespace
@@ -309,8 +311,10 @@ void MakeImageOnce(const std::string& sceneFile, ProjectorOptions::Method method
     DetectorResponse::EnergyIntegrating);
   const auto projector = MakeProjector({ .Projection = method });
   projector->SetSurface(scene.Surface);
+  const auto lengths = [&](const XRaySource& source, const XRayDetector& detector)
+  { return std::make_shared<const PathLengthImage>(projector->Project(source, detector)); };
   const auto image =
-    ToImage(Expose(*projector, scene.Source, scene.Detector, beam), scene.Detector, {});
+    ToImage(Expose(lengths, scene.Source, scene.Detector, beam), scene.Detector, {});
   WriteProjection(image, imageFile);
 }
 

@@ -8,6 +8,8 @@
 #include "mammoray/XRay/Refraction.h"
 #include "mammoray/XRay/Scatter/ScatterModel.h"
 
+#include <memory>
+
 namespace mammoray::benchmarks
 {
 Json MeasureUnit(const ExampleScene& scene, ProjectorOptions::Method method, double budget)
@@ -24,21 +26,25 @@ Json MeasureUnit(const ExampleScene& scene, ProjectorOptions::Method method, dou
     material.Attenuation = "Water, Liquid";
     material.DensityGPerCm3 = 1;
   }
-  const std::vector<double> decrements = RefractiveDecrements(spectrum, water);
+  const auto materials = static_cast<int>(water.Materials.size());
+  const std::vector<double> decrements = RefractiveDecrements(spectrum, water, materials,
+    std::vector<bool>(water.Materials.size(), true));
   // As --unit realistic has them.
   const ScatterModel scatter(FindScatterKernels(), spectrum, response, 17, AntiscatterGrid({}));
   const OpenFieldOptions heel{ true, { 20, 0.0005, "W" } };
   const auto field = [&]
   { return OpenField(scene.Source, scene.Detector, spectrum, response, heel); };
   ExposureOptions scattered;
-  scattered.Secondary = [&](const PathLengthImage& lengths, const std::vector<double>& primary)
+  scattered.Scatter = [&](const PathLengthImage& lengths, const std::vector<double>& primary)
   { return scatter.Scatter(scene.Source, scene.Detector, TissueThickness(lengths), primary); };
   ExposureOptions detected;
   detected.PhotonsPerPixel = 2e5;
   detected.ElectronicNoisePhotons = 5;
   detected.HalfModulationPerMm = 5;
+  const auto lengths = [&](const XRaySource& source, const XRayDetector& detector)
+  { return std::make_shared<const PathLengthImage>(projector->Project(source, detector)); };
   const auto expose = [&](const ExposureOptions& options)
-  { Expose(*projector, scene.Source, scene.Detector, beam, options); };
+  { Expose(lengths, scene.Source, scene.Detector, beam, options); };
   const auto refract = [&](RefractionOptions::Law law)
   {
     Refract(*projector, scene.Surface.NumberOfPoints(), scene.Source, scene.Detector, beam,
@@ -47,7 +53,7 @@ Json MeasureUnit(const ExampleScene& scene, ProjectorOptions::Method method, dou
   const auto all = [&]
   {
     ExposureOptions options = detected;
-    options.Secondary = scattered.Secondary;
+    options.Scatter = scattered.Scatter;
     options.OpenField = field();
     expose(options);
   };

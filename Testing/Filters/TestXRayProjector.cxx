@@ -157,7 +157,7 @@ TEST_F(XRayProjectorFilter, ScatterIsAddedAndAGridTakesItAway)
   this->Filter->ScatterOff();
   this->Filter->Update();
   EXPECT_EQ(this->Errors->Count, 1);
-  EXPECT_NE(this->Errors->Text.find("Grid: expected Scatter"), std::string::npos)
+  EXPECT_NE(this->Errors->Text.find("grid: expected scatter"), std::string::npos)
     << this->Errors->Text;
 }
 

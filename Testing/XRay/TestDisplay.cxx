@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <memory>
 
 namespace
 {
@@ -26,10 +27,11 @@ XRayDetector DisplayDetector()
 Exposure MakeExposure()
 {
   Exposure exposure;
-  exposure.Lengths.Columns = Size;
-  exposure.Lengths.Rows = Size;
-  exposure.Lengths.Materials = 2;
-  exposure.Lengths.Lengths.resize(2 * Size * Size);
+  auto lengths = std::make_shared<PathLengthImage>();
+  lengths->Columns = Size;
+  lengths->Rows = Size;
+  lengths->Materials = 2;
+  lengths->Lengths.resize(2 * Size * Size);
   for (int row = 0; row < Size; ++row)
   {
     for (int column = 0; column < Size; ++column)
@@ -38,12 +40,13 @@ Exposure MakeExposure()
       const double thickness =
         depth <= 0 ? 0 : 50 * std::sqrt(1 - std::pow(1 - std::min(depth, 15.0) / 15, 2));
       const auto pixel = static_cast<std::size_t>(row * Size + column);
-      exposure.Lengths.Lengths[Size * Size + pixel] = static_cast<float>(thickness);
+      lengths->Lengths[Size * Size + pixel] = static_cast<float>(thickness);
       const double bar = row > 55 && row < 65 && thickness > 0 ? 0.1 : 0;
       exposure.LogAttenuation.push_back(static_cast<float>(0.05 * thickness + bar));
       exposure.Transmission.push_back(std::exp(-exposure.LogAttenuation.back()));
     }
   }
+  exposure.Lengths = std::move(lengths);
   return exposure;
 }
 
@@ -88,7 +91,9 @@ TEST(Display, MoreDetailIsMoreContrast)
 TEST(Display, RefusesAirAndOptionsOutOfRange)
 {
   Exposure air = MakeExposure();
-  std::fill(air.Lengths.Lengths.begin(), air.Lengths.Lengths.end(), 0.0F);
+  auto nothing = std::make_shared<PathLengthImage>(*air.Lengths);
+  std::fill(nothing->Lengths.begin(), nothing->Lengths.end(), 0.0F);
+  air.Lengths = nothing;
   EXPECT_THROW(DisplayValues(air, DisplayDetector()), InputError);
   DisplayOptions options;
   options.RimMm = 0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Expose is tested with a projector of closed forms, so that nothing but it is under test.
+// Expose is tested with path lengths of closed forms, so that nothing but it is under test.
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/XRay/Exposure.h"
 
@@ -7,6 +7,7 @@
 
 #include <cmath>
 #include <functional>
+#include <memory>
 #include <numbers>
 #include <random>
 
@@ -15,52 +16,28 @@ namespace
 using namespace mammoray;
 
 /// Path lengths of material 1 from a function of source and pixel position.
-class AnalyticProjector : public PathLengthProjector
+PathLengthFunction Analytic(std::function<double(const Vector3&, const Vector3&)> length)
 {
-public:
-  explicit AnalyticProjector(std::function<double(const Vector3&, const Vector3&)> length)
-    : Length(std::move(length))
-  {
-  }
-  void SetSurface(const SurfaceMesh&) override {}
-  void UpdatePoints(const std::vector<double>&) override {}
-  PathLengthImage Project(const XRaySource& source, const XRayDetector& detector) override
+  return [length = std::move(length)](const XRaySource& source, const XRayDetector& detector)
   {
     EXPECT_EQ(detector.Samples, 1);
-    PathLengthImage image;
-    image.Columns = detector.Columns;
-    image.Rows = detector.Rows;
-    image.Materials = 2;
-    image.Lengths.assign(2 * image.NumberOfPixels(), 0.0f);
-    image.Inconsistent.assign(image.NumberOfPixels(), 0);
-    for (std::size_t pixel = 0; pixel < image.NumberOfPixels(); ++pixel)
+    auto image = std::make_shared<PathLengthImage>();
+    image->Columns = detector.Columns;
+    image->Rows = detector.Rows;
+    image->Materials = 2;
+    image->Lengths.assign(2 * image->NumberOfPixels(), 0.0f);
+    image->Inconsistent.assign(image->NumberOfPixels(), 0);
+    for (std::size_t pixel = 0; pixel < image->NumberOfPixels(); ++pixel)
     {
       const Vector3 place = detector.Origin +
         static_cast<double>(pixel % detector.Columns) * detector.ColumnStep +
         static_cast<double>(pixel / detector.Columns) * detector.RowStep;
-      image.Lengths[image.NumberOfPixels() + pixel] =
-        static_cast<float>(this->Length(source.Position, place));
+      image->Lengths[image->NumberOfPixels() + pixel] =
+        static_cast<float>(length(source.Position, place));
     }
     return image;
-  }
-  PathLengthImage Project(const XRaySource&, const XRayDetector&, const std::vector<double>&, int,
-    PathLengthDerivatives&) override
-  {
-    throw Error("analytic projector: no derivatives");
-  }
-  std::vector<float> Transmission(const Beam&) override
-  {
-    throw Error("analytic projector: no device");
-  }
-  std::string DeviceName() const override { return "analytic"; }
-  ProjectorOptions::Method Method() const override
-  {
-    return ProjectorOptions::Method::Rasterisation;
-  }
-
-private:
-  std::function<double(const Vector3&, const Vector3&)> Length;
-};
+  };
+}
 
 /// 0.05 / mm at 20 keV, falling with the cube of the energy.
 AttenuationTable Tissue()
@@ -114,7 +91,8 @@ Moments MomentsOf(const std::vector<float>& values)
 /// 40,000 pixels behind 20 mm.
 Moments NoiseBehindTissue(const Beam& beam, double photons)
 {
-  AnalyticProjector projector([](const Vector3&, const Vector3&) { return 20.0; });
+  const PathLengthFunction projector =
+    Analytic([](const Vector3&, const Vector3&) { return 20.0; });
   XRayDetector detector = Row(200, 0.1);
   detector.Rows = 200;
   ExposureOptions options;
@@ -130,7 +108,7 @@ TEST(Exposure, ModulationTransferIsTheStatedOne)
   const Beam beam = MakeBeam(Spectrum::Monochromatic(20), DetectorResponse::PhotonCounting);
   for (const double period : { 8.0, 4.0 })
   {
-    AnalyticProjector projector(
+    const PathLengthFunction projector = Analytic(
       [&](const Vector3&, const Vector3& pixel)
       {
         const double column = pixel[0] / 0.1 + 200;
@@ -149,7 +127,7 @@ TEST(Exposure, ModulationTransferIsTheStatedOne)
       EXPECT_NEAR(seen[column] - 0.5, transfer * (sharp[column] - 0.5), 2e-6);
     }
     // What is even stays even, up to the edges.
-    AnalyticProjector even([](const Vector3&, const Vector3&) { return 20.0; });
+    const PathLengthFunction even = Analytic([](const Vector3&, const Vector3&) { return 20.0; });
     for (const float value : Expose(even, {}, detector, beam, options).Transmission)
     {
       EXPECT_NEAR(value, std::exp(-1.0), 1e-6);
@@ -160,7 +138,8 @@ TEST(Exposure, ModulationTransferIsTheStatedOne)
 TEST(Exposure, BlurJoinsNoiseAndElectronicNoiseComesLast)
 {
   const Beam beam = MakeBeam(Spectrum::Monochromatic(20), DetectorResponse::PhotonCounting);
-  AnalyticProjector projector([](const Vector3&, const Vector3&) { return 20.0; });
+  const PathLengthFunction projector =
+    Analytic([](const Vector3&, const Vector3&) { return 20.0; });
   XRayDetector detector = Row(200, 0.1);
   detector.Rows = 200;
   ExposureOptions options;
@@ -190,7 +169,8 @@ TEST(Exposure, BlurJoinsNoiseAndElectronicNoiseComesLast)
 TEST(Exposure, AnOpenFieldScalesSignalAndNoise)
 {
   const Beam beam = MakeBeam(Spectrum::Monochromatic(20), DetectorResponse::PhotonCounting);
-  AnalyticProjector projector([](const Vector3&, const Vector3&) { return 20.0; });
+  const PathLengthFunction projector =
+    Analytic([](const Vector3&, const Vector3&) { return 20.0; });
   XRayDetector detector = Row(200, 0.1);
   detector.Rows = 200;
   ExposureOptions options;
@@ -208,15 +188,16 @@ TEST(Exposure, AnOpenFieldScalesSignalAndNoise)
   EXPECT_THROW(Expose(projector, {}, detector, beam, options), InputError);
 }
 
-TEST(Exposure, SecondaryRadiationIsAddedToSignalAndNoise)
+TEST(Exposure, ScatterIsAddedToSignalAndNoise)
 {
   const Beam beam = MakeBeam(Spectrum::Monochromatic(20), DetectorResponse::PhotonCounting);
-  AnalyticProjector projector([](const Vector3&, const Vector3&) { return 20.0; });
+  const PathLengthFunction projector =
+    Analytic([](const Vector3&, const Vector3&) { return 20.0; });
   XRayDetector detector = Row(200, 0.1);
   detector.Rows = 200;
   ExposureOptions options;
   options.OpenField.assign(40000, 0.5f);
-  options.Secondary = [](const PathLengthImage& lengths, const std::vector<double>& primary)
+  options.Scatter = [](const PathLengthImage& lengths, const std::vector<double>& primary)
   {
     EXPECT_FLOAT_EQ(lengths.Material(1)[5], 20);
     EXPECT_NEAR(primary[5], 0.5 * std::exp(-1.0), 1e-9);
@@ -228,7 +209,7 @@ TEST(Exposure, SecondaryRadiationIsAddedToSignalAndNoise)
   options.PhotonsPerPixel = 1000;
   const Moments noisy = MomentsOf(Expose(projector, {}, detector, beam, options).Transmission);
   EXPECT_NEAR(noisy.Variance / (mean / 1000), 1, 5 * std::sqrt(2.0 / 4e4));
-  options.Secondary = [](const PathLengthImage&, const std::vector<double>&)
+  options.Scatter = [](const PathLengthImage&, const std::vector<double>&)
   { return std::vector<double>(3); };
   EXPECT_THROW(Expose(projector, {}, detector, beam, options), InputError);
 }
@@ -236,8 +217,8 @@ TEST(Exposure, SecondaryRadiationIsAddedToSignalAndNoise)
 TEST(Exposure, AveragesTransmissionsNotPathLengths)
 {
   // Half of the middle pixel is behind 60 mm, as half of its 4 x 4 samples are.
-  AnalyticProjector projector(
-    [](const Vector3&, const Vector3& pixel) { return pixel[0] > 0 ? 60.0 : 0.0; });
+  const PathLengthFunction projector =
+    Analytic([](const Vector3&, const Vector3& pixel) { return pixel[0] > 0 ? 60.0 : 0.0; });
   XRayDetector detector = Row(3, 1);
   detector.Samples = 4;
   const Beam beam = MakeBeam(Spectrum::Monochromatic(20), DetectorResponse::PhotonCounting);
@@ -247,13 +228,13 @@ TEST(Exposure, AveragesTransmissionsNotPathLengths)
   EXPECT_FLOAT_EQ(exposure.Transmission[1], static_cast<float>(0.5 * (1 + through)));
   EXPECT_FLOAT_EQ(exposure.Transmission[2], static_cast<float>(through));
   EXPECT_FLOAT_EQ(exposure.LogAttenuation[1], static_cast<float>(-std::log(0.5 * (1 + through))));
-  EXPECT_FLOAT_EQ(exposure.Lengths.Material(1)[1], 30); // whose transmission is 0.22, not 0.52
+  EXPECT_FLOAT_EQ(exposure.Lengths->Material(1)[1], 30); // whose transmission is 0.22, not 0.52
 }
 
 TEST(Exposure, FocalSpotBlursAnEdgeByItsMagnification)
 {
   // An opaque half plane at half of the way: a spot of 0.8 mm casts a penumbra of 0.8 mm.
-  AnalyticProjector projector([](const Vector3& source, const Vector3& pixel)
+  const PathLengthFunction projector = Analytic([](const Vector3& source, const Vector3& pixel)
     { return 0.5 * (source[0] + pixel[0]) > 0 ? 1e4 : 0.0; });
   const XRayDetector detector = Row(41, 0.05);
   const Beam beam = MakeBeam(Spectrum::Monochromatic(20), DetectorResponse::PhotonCounting);
@@ -296,7 +277,7 @@ TEST(Exposure, CountingNoiseIsPoisson)
 TEST(Exposure, FewPhotonsHavePoissonsProbabilities)
 {
   const double lambda = 0.7;
-  AnalyticProjector projector([](const Vector3&, const Vector3&) { return 0.0; });
+  const PathLengthFunction projector = Analytic([](const Vector3&, const Vector3&) { return 0.0; });
   XRayDetector detector = Row(200, 0.1);
   detector.Rows = 200;
   ExposureOptions options;
@@ -351,7 +332,8 @@ TEST(Exposure, IntegratedNoiseWeighsEnergies)
 
 TEST(Exposure, NoiseIsRepeatedBySeed)
 {
-  AnalyticProjector projector([](const Vector3&, const Vector3& pixel) { return 5 + pixel[0]; });
+  const PathLengthFunction projector =
+    Analytic([](const Vector3&, const Vector3& pixel) { return 5 + pixel[0]; });
   const XRayDetector detector = Row(100, 0.05);
   const Beam beam = MakeBeam(Spectrum::Monochromatic(20), DetectorResponse::PhotonCounting);
   ExposureOptions options;
@@ -371,7 +353,7 @@ TEST(Exposure, NoiseIsRepeatedBySeed)
 
 TEST(Exposure, RefusesUnusableOptions)
 {
-  AnalyticProjector projector([](const Vector3&, const Vector3&) { return 0.0; });
+  const PathLengthFunction projector = Analytic([](const Vector3&, const Vector3&) { return 0.0; });
   const Beam beam = MakeBeam(Spectrum::Monochromatic(20), DetectorResponse::PhotonCounting);
   const auto refused = [&](const ExposureOptions& options, const XRaySource& source = {})
   { EXPECT_THROW(Expose(projector, source, Row(3, 1), beam, options), InputError); };

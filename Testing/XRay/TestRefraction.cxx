@@ -55,7 +55,7 @@ SurfaceMesh Cylinder(double radius, int sides)
 class RefractionTest : public ProjectorTest
 {
 protected:
-  RefractedImage Refracted(const SurfaceMesh& mesh, const XRaySource& source,
+  Exposure Refracted(const SurfaceMesh& mesh, const XRaySource& source,
     const XRayDetector& detector, RefractionOptions::Law law, double distance,
     const Beam& beam = Clear(), double delta = Delta)
   {
@@ -80,7 +80,7 @@ TEST_P(RefractionTest, AWedgeBendsByDeltaTimesItsSlope)
   }
   const XRayDetector detector =
     CentredDetector({ 0, 0, -100 }, { 1, 0, 0 }, { 0, 1, 0 }, 8, 8, 9, 9);
-  const RefractedImage image = this->Refracted(mesh, Down, detector, NearField, 100);
+  const Exposure image = this->Refracted(mesh, Down, detector, NearField, 100);
   for (std::size_t pixel = 0; pixel < 81; ++pixel)
   {
     // Exact for planes but for the rounding of rates, 1e-6 of them.
@@ -94,7 +94,7 @@ TEST_P(RefractionTest, ACylinderBendsByItsClosedForm)
 {
   const XRayDetector detector =
     CentredDetector({ 0, 0, -100 }, { 1, 0, 0 }, { 0, 1, 0 }, 1.8, 0.1, 90, 1);
-  const RefractedImage image = this->Refracted(Cylinder(1, 4000), Down, detector, NearField, 10);
+  const Exposure image = this->Refracted(Cylinder(1, 4000), Down, detector, NearField, 10);
   for (int column = 0; column < 90; ++column)
   {
     const double x = Pixel(detector, column, 0)[0];
@@ -115,7 +115,7 @@ TEST_P(RefractionTest, ASphereFollowsSnellsLawTracedExactly)
   const XRayDetector detector =
     CentredDetector({ 0, 0, -100 }, { 1, 0, 0 }, { 0, 1, 0 }, 1.6, 1.6, 41, 41);
   const double delta = 1e-5;
-  const RefractedImage image = this->Refracted(mesh, Down, detector, NearField, 10, Clear(), delta);
+  const Exposure image = this->Refracted(mesh, Down, detector, NearField, 10, Clear(), delta);
   double sum = 0;
   int compared = 0;
   for (int row = 0; row < 41; ++row)
@@ -156,9 +156,8 @@ TEST_P(RefractionTest, BothLawsKeepTheIntensityAndAgreeInTheNearField)
     CentredDetector({ 0, 0, -100 }, { 1, 0, 0 }, { 0, 1, 0 }, 12, 0.3, 120, 3);
   detector.Samples = 4;
   const Beam beam = Clear(0.05);
-  const RefractedImage geometric =
-    this->Refracted(mesh, Down, detector, Geometric, 2000, beam, 1e-6);
-  const RefractedImage near = this->Refracted(mesh, Down, detector, NearField, 2000, beam, 1e-6);
+  const Exposure geometric = this->Refracted(mesh, Down, detector, Geometric, 2000, beam, 1e-6);
+  const Exposure near = this->Refracted(mesh, Down, detector, NearField, 2000, beam, 1e-6);
   double whole[2] = { 0, 0 };
   double open = 0;
   for (int column = 0; column < 120; ++column)
@@ -193,7 +192,7 @@ TEST_P(RefractionTest, AFibreHasABrightRimOutsideAndADarkOneInside)
   detector.Samples = 3;
   for (const auto law : { Geometric, NearField })
   {
-    const RefractedImage image = this->Refracted(mesh, Down, detector, law, 200);
+    const Exposure image = this->Refracted(mesh, Down, detector, law, 200);
     const auto inside = image.Transmission.begin() + 28; // x from -0.044
     const auto outside = image.Transmission.begin() + 20;
     EXPECT_LT(*std::min_element(outside + 3, inside), 0.97);
@@ -216,7 +215,7 @@ TEST_P(RefractionTest, MagnificationAndObliqueRays)
   const XRaySource source = PointSource({ 0, 0, 400 });
   const XRayDetector detector =
     CentredDetector({ 100, 50, -100 }, { 1, 0, 0 }, { 0, 1, 0 }, 10, 10, 5, 5);
-  const RefractedImage image = this->Refracted(mesh, source, detector, NearField, 100);
+  const Exposure image = this->Refracted(mesh, source, detector, NearField, 100);
   // By differences: shift of the body, along x and along y.
   const PathLengthImage here = this->Project(mesh, source, detector);
   for (std::size_t axis = 0; axis < 2; ++axis)

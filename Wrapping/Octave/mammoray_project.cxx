@@ -2,10 +2,8 @@
 // The projector as a function of Octave and MATLAB; mammoray_project.m is its manual.
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/Foundation/SpellingSuggestions.h"
-#include "mammoray/XRay/Beam.h"
 #include "mammoray/XRay/DeviceError.h"
-#include "mammoray/XRay/Exposure.h"
-#include "mammoray/XRay/PathLengthProjector.h"
+#include "mammoray/XRay/Exposer.h"
 
 #include <mex.h>
 
@@ -15,6 +13,7 @@
 #include <cstdio>
 #include <cstring>
 #include <initializer_list>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -244,8 +243,9 @@ XRayDetector ToDetector(const mxArray* array)
   return detector;
 }
 
-/// The energies have no values here, only an order: 1, 2, ... keV stand for them.
-Beam ToBeam(const Matrix& attenuation, const mxArray* weightArray)
+/// Materials and spectrum. The energies have no values here, only an order: 1, 2, ... keV stand for
+/// them.
+void SetBeam(const Matrix& attenuation, const mxArray* weightArray, Scene& scene)
 {
   Spectrum spectrum;
   for (std::size_t energy = 0; energy < attenuation.Columns(); ++energy)
@@ -263,21 +263,20 @@ Beam ToBeam(const Matrix& attenuation, const mxArray* weightArray)
     }
     spectrum.Weights = weights.Values;
   }
-  std::vector<AttenuationTable> tables(attenuation.Rows() + 1);
-  std::vector<const AttenuationTable*> pointers{ nullptr };
+  scene.Response = DetectorResponse::PhotonCounting;
+  scene.Materials.Materials.resize(attenuation.Rows() + 1);
+  scene.Attenuations.resize(attenuation.Rows() + 1);
   for (std::size_t region = 1; region <= attenuation.Rows(); ++region)
   {
-    AttenuationTable& table = tables[region];
+    AttenuationTable& table = scene.Attenuations[region];
     table.Name = "region " + std::to_string(region);
     table.EnergiesKeV = spectrum.EnergiesKeV;
     for (std::size_t energy = 0; energy < attenuation.Columns(); ++energy)
     {
       table.MuPerMm.push_back(attenuation.At(region - 1, energy));
     }
-    pointers.push_back(&table);
   }
-  return { spectrum, DetectorResponse::PhotonCounting, pointers,
-    std::vector<double>(tables.size(), 1.0) };
+  scene.XRays = std::move(spectrum);
 }
 
 /// Row by row to column by column.
@@ -345,46 +344,37 @@ std::vector<double> ToVelocities(const mxArray* array, std::size_t points)
   return velocities;
 }
 
-/// What is projected, and the picture of it.
-struct Projected
+/// The size of pictures of the scene, and of further dimensions.
+std::vector<mwSize> SizeOf(const Scene& scene, std::initializer_list<std::size_t> further = {})
 {
-  SurfaceMesh Surface;
-  XRaySource Source;
-  XRayDetector Detector;
-  Beam Law;
-  std::size_t Regions = 0;
-  Exposure Image;
+  std::vector<mwSize> size{ static_cast<mwSize>(scene.Detector.Rows),
+    static_cast<mwSize>(scene.Detector.Columns) };
+  size.insert(size.end(), further.begin(), further.end());
+  return size;
+}
 
-  std::vector<mwSize> Size(std::initializer_list<std::size_t> further = {}) const
-  {
-    std::vector<mwSize> size{ static_cast<mwSize>(this->Detector.Rows),
-      static_cast<mwSize>(this->Detector.Columns) };
-    size.insert(size.end(), further.begin(), further.end());
-    return size;
-  }
-};
-
-/// The fourth and fifth result: how path lengths and image change with each parameter.
-void AddDerivatives(const Projected& projected, PathLengthProjector& projector,
-  const std::vector<double>& velocities, int outputCount, mxArray* outputs[])
+/// The fourth and fifth result: the derivatives of path lengths and image with each parameter.
+void AddDerivatives(const Scene& scene, Exposer& exposer, const std::vector<double>& velocities,
+  int outputCount, mxArray* outputs[])
 {
-  const auto fields = static_cast<int>(velocities.size() / projected.Surface.Points.size());
-  PathLengthDerivatives derivatives;
-  const PathLengthImage image =
-    projector.Project(projected.Source, projected.Detector, velocities, fields, derivatives);
+  const auto fields =
+    static_cast<int>(velocities.size() / scene.Samples.front().Surface->Points.size());
+  const Exposer::Derivatives derivatives = exposer.Differentiate(scene, velocities, fields);
+  const PathLengthImage& image = derivatives.Image;
+  const std::vector<float>& rates = derivatives.Lengths.Lengths;
+  const std::size_t regions = scene.Attenuations.size() - 1;
   const std::size_t pixels = image.NumberOfPixels();
   const auto materials = static_cast<std::size_t>(image.Materials);
   const auto count = static_cast<std::size_t>(fields);
-  outputs[3] =
-    ToPictures(OfRegions(derivatives.Lengths, pixels, materials, projected.Regions, count),
-      projected.Size({ projected.Regions, count }));
+  outputs[3] = ToPictures(OfRegions(rates, pixels, materials, regions, count),
+    SizeOf(scene, { regions, count }));
   if (outputCount < 5)
   {
     return;
   }
   // I = exp(-A): dI = -I sum_m dA/dL_m dL_m.
-  const std::vector<float> transmission = projected.Law.Transmission(image);
-  const std::vector<float> attenuation = projected.Law.MeanAttenuation(image);
+  const std::vector<float> transmission = MakeBeam(scene).Transmission(image);
+  const std::vector<float>& attenuation = derivatives.MeanAttenuation;
   std::vector<float> change(count * pixels, 0.0F);
   for (std::size_t field = 0; field < count; ++field)
   {
@@ -394,23 +384,22 @@ void AddDerivatives(const Projected& projected, PathLengthProjector& projector,
       {
         change[field * pixels + pixel] -= transmission[pixel] *
           attenuation[material * pixels + pixel] *
-          derivatives.Lengths[(field * materials + material) * pixels + pixel];
+          rates[(field * materials + material) * pixels + pixel];
       }
     }
   }
-  outputs[4] = ToPictures(change, projected.Size({ count }));
+  outputs[4] = ToPictures(change, SizeOf(scene, { count }));
 }
 
-mxArray* ToConsistency(const Projected& projected)
+mxArray* ToConsistency(const PathLengthImage& image)
 {
-  mxArray* array = mxCreateLogicalMatrix(static_cast<mwSize>(projected.Detector.Rows),
-    static_cast<mwSize>(projected.Detector.Columns));
-  const auto rows = static_cast<std::size_t>(projected.Detector.Rows);
-  const auto columns = static_cast<std::size_t>(projected.Detector.Columns);
+  mxArray* array =
+    mxCreateLogicalMatrix(static_cast<mwSize>(image.Rows), static_cast<mwSize>(image.Columns));
+  const auto rows = static_cast<std::size_t>(image.Rows);
+  const auto columns = static_cast<std::size_t>(image.Columns);
   for (std::size_t pixel = 0; pixel < rows * columns; ++pixel)
   {
-    mxGetLogicals(array)[pixel % columns * rows + pixel / columns] =
-      projected.Image.Lengths.Inconsistent[pixel] == 0;
+    mxGetLogicals(array)[pixel % columns * rows + pixel / columns] = image.Inconsistent[pixel] == 0;
   }
   return array;
 }
@@ -437,31 +426,32 @@ void Project(int outputCount, mxArray* outputs[], int inputCount, const mxArray*
   {
     throw InputError("attenuation: expected regions x energies, found " + SizeOf(attenuation));
   }
-  Projected projected{ ToSurface(inputs[0], inputs[1], inputs[2],
-                         static_cast<int>(attenuation.Rows())),
-    ToSource(inputs[4]), ToDetector(inputs[5]),
-    ToBeam(attenuation, inputCount > 6 ? inputs[6] : nullptr), attenuation.Rows(), {} };
+  Scene scene;
+  scene.Samples = { { std::make_shared<const SurfaceMesh>(
+    ToSurface(inputs[0], inputs[1], inputs[2], static_cast<int>(attenuation.Rows()))) } };
+  scene.Source = ToSource(inputs[4]);
+  scene.Detector = ToDetector(inputs[5]);
+  SetBeam(attenuation, inputCount > 6 ? inputs[6] : nullptr, scene);
   const std::vector<double> velocities = inputCount > 7
-    ? ToVelocities(inputs[7], projected.Surface.NumberOfPoints())
+    ? ToVelocities(inputs[7], scene.Samples.front().Surface->NumberOfPoints())
     : std::vector<double>();
-  const auto projector = MakeProjector();
-  projector->SetSurface(projected.Surface);
-  projected.Image = Expose(*projector, projected.Source, projected.Detector, projected.Law);
-  const PathLengthImage& lengths = projected.Image.Lengths;
-  outputs[0] = ToPictures(projected.Image.Transmission, projected.Size());
+  Exposer exposer;
+  const Exposure exposure = exposer.Expose(scene);
+  const PathLengthImage& lengths = *exposure.Lengths;
+  outputs[0] = ToPictures(exposure.Transmission, SizeOf(scene));
   if (outputCount > 1)
   {
     outputs[1] = ToPictures(OfRegions(lengths.Lengths, lengths.NumberOfPixels(),
-                              static_cast<std::size_t>(lengths.Materials), projected.Regions),
-      projected.Size({ projected.Regions }));
+                              static_cast<std::size_t>(lengths.Materials), attenuation.Rows()),
+      SizeOf(scene, { attenuation.Rows() }));
   }
   if (outputCount > 2)
   {
-    outputs[2] = ToConsistency(projected);
+    outputs[2] = ToConsistency(lengths);
   }
   if (outputCount > 3)
   {
-    AddDerivatives(projected, *projector, velocities, outputCount, outputs);
+    AddDerivatives(scene, exposer, velocities, outputCount, outputs);
   }
   if (const std::string warning = lengths.InconsistencyWarning(); !warning.empty())
   {

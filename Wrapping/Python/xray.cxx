@@ -5,12 +5,9 @@
 #include "mammoray/Foundation/SurfaceMesh.h"
 #include "mammoray/Foundation/TetrahedralMesh.h"
 #include "mammoray/IO/ShippedData.h"
-#include "mammoray/XRay/Beam.h"
 #include "mammoray/XRay/DeviceError.h"
 #include "mammoray/XRay/DualEnergy.h"
-#include "mammoray/XRay/Exposure.h"
-#include "mammoray/XRay/PathLengthProjector.h"
-#include "mammoray/XRay/Refraction.h"
+#include "mammoray/XRay/Exposer.h"
 
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
@@ -51,57 +48,32 @@ bool GoesOn(double /*fraction*/, const char* /*stage*/)
   return PyErr_CheckSignals() == 0;
 }
 
-/// Table and density of a material, or what it attenuates at each energy, 1/mm, where the table has
-/// no name.
+/// Table and density of a material; or, where the table has no name, its linear attenuation at each
+/// energy, 1/mm. Without both the region is not in the mesh.
 using Attenuation = std::tuple<std::string, double, std::vector<double>>;
 
-/// `attenuations`: of regions 1, 2, ...
-Beam MakeBeamOf(const std::vector<double>& energies, const std::vector<double>& photons,
+/// `attenuations`: of regions 1, 2, ... The scene has no samples: the projector has them.
+Scene MakeScene(const std::vector<double>& energies, const std::vector<double>& photons,
   bool counting, const std::vector<Attenuation>& attenuations)
 {
-  Spectrum spectrum;
-  spectrum.EnergiesKeV = energies;
-  spectrum.Weights = photons;
-  spectrum.Validate();
-  std::vector<AttenuationTable> tables(attenuations.size() + 1);
-  std::vector<const AttenuationTable*> pointers{ nullptr };
-  std::vector<double> densities{ 0 };
-  for (std::size_t region = 1; region < tables.size(); ++region)
+  Scene scene;
+  scene.XRays.EnergiesKeV = energies;
+  scene.XRays.Weights = photons;
+  scene.XRays.Validate();
+  scene.Response =
+    counting ? DetectorResponse::PhotonCounting : DetectorResponse::EnergyIntegrating;
+  scene.Materials.Materials.push_back({ .Name = "air" });
+  scene.Attenuations.emplace_back();
+  for (const auto& [name, density, coefficients] : attenuations)
   {
-    const auto& [name, density, coefficients] = attenuations[region - 1];
-    tables[region] = name.empty()
-      ? AttenuationTable{ "region " + std::to_string(region), 1, energies, coefficients }
-      : FindAttenuationTable(name);
-    pointers.push_back(&tables[region]);
-    densities.push_back(name.empty() ? 1 : density);
+    const std::string region = "region " + std::to_string(scene.Attenuations.size());
+    scene.Materials.Materials.push_back(
+      { .Name = region, .Attenuation = name, .DensityGPerCm3 = name.empty() ? 1 : density });
+    scene.Attenuations.push_back(!name.empty() ? FindAttenuationTable(name)
+        : coefficients.empty()                 ? AttenuationTable()
+                               : AttenuationTable{ region, 1, energies, coefficients });
   }
-  return { spectrum,
-    counting ? DetectorResponse::PhotonCounting : DetectorResponse::EnergyIntegrating, pointers,
-    densities };
-}
-
-/// The law of refraction, the distance from body to detector, mm, and what Refract takes as
-/// decrements.
-using Bend = std::tuple<std::string, double, std::vector<double>>;
-
-/// Of the same attenuations as MakeBeamOf: 0 of those that are numbers.
-std::vector<double> DecrementsOf(const std::vector<double>& energies,
-  const std::vector<double>& photons, const std::vector<Attenuation>& attenuations)
-{
-  std::vector<double> decrements;
-  for (std::size_t bin = 0; bin < energies.size(); ++bin)
-  {
-    if (photons[bin] == 0)
-    {
-      continue;
-    }
-    decrements.push_back(0);
-    for (const auto& [name, density, coefficients] : attenuations)
-    {
-      decrements.push_back(name.empty() ? 0.0 : RefractiveDecrement(name, energies[bin], density));
-    }
-  }
-  return decrements;
+  return scene;
 }
 
 /// A mesh on a device.
@@ -112,8 +84,10 @@ public:
   /// tetrahedra.
   MeshProjector(const Array<double>& points, const Array<std::int32_t>& corners,
     const Array<std::uint16_t>& regions, const std::string& method, const std::string& device)
-    : Projector(MakeProjector({ .Projection = MethodFromName(method), .Device = device }))
+    : Device({ .Projection = MethodFromName(method), .Device = device })
   {
+    this->Device.DeviceName(); // opens it
+    SurfaceMesh surface;
     if (corners.shape(1) == 4)
     {
       TetrahedralMesh mesh;
@@ -121,54 +95,40 @@ public:
       mesh.Cells = Values<std::int32_t>(corners);
       mesh.Materials = Values<std::int32_t>(regions);
       mesh.ValidateIndices("mesh");
-      this->Surface = ExtractInterfaces(mesh, &this->PointIds);
+      surface = ExtractInterfaces(mesh, &this->PointIds);
     }
     else
     {
-      this->Surface.Points = Values<double>(points);
-      this->Surface.Triangles = Values<std::uint32_t>(corners);
+      surface.Points = Values<double>(points);
+      surface.Triangles = Values<std::uint32_t>(corners);
       for (py::ssize_t triangle = 0; triangle < regions.shape(0); ++triangle)
       {
-        this->Surface.FrontMaterials.push_back(regions.at(triangle, 0));
-        this->Surface.BackMaterials.push_back(regions.at(triangle, 1));
+        surface.FrontMaterials.push_back(regions.at(triangle, 0));
+        surface.BackMaterials.push_back(regions.at(triangle, 1));
       }
     }
-    this->Surface.Validate("mesh");
-    const py::gil_scoped_release released;
-    this->Projector->SetSurface(this->Surface);
+    surface.Validate("mesh");
+    this->Show(std::move(surface));
   }
 
   void Move(const Array<double>& points)
   {
-    SurfaceMesh moved = this->Surface;
+    SurfaceMesh moved = *this->Surface;
     moved.Points = this->OfSurface(points.data());
     moved.Validate("mesh");
-    const py::gil_scoped_release released;
-    this->Projector->UpdatePoints(moved.Points);
-    this->Surface.Points = std::move(moved.Points);
+    this->Show(std::move(moved));
   }
 
   /// `velocities`: fields x points x 3.
-  py::dict Project(const XRaySource& source, const XRayDetector& detector, const Beam& beam,
-    const ExposureOptions& options, const std::optional<Array<double>>& velocities,
-    const std::optional<Bend>& bend)
+  py::dict Project(Scene scene, const std::optional<Array<double>>& velocities)
   {
-    beam.CheckMaterials(this->Surface.NumberOfMaterials());
+    scene.Samples = { { this->Surface } };
     Exposure exposure;
-    RefractedImage refracted;
     {
       const py::gil_scoped_release released;
-      if (bend)
-      {
-        refracted = this->Refracted(source, detector, beam, *bend);
-        exposure = ToExposure(refracted);
-      }
-      else
-      {
-        exposure = Expose(*this->Projector, source, detector, beam, options, GoesOn);
-      }
+      exposure = this->Device.Expose(scene, GoesOn);
     }
-    const PathLengthImage& lengths = exposure.Lengths;
+    const PathLengthImage& lengths = *exposure.Lengths;
     py::dict result;
     result["transmission"] = ToArray(exposure.Transmission, { lengths.Rows, lengths.Columns });
     result["log_attenuation"] = ToArray(exposure.LogAttenuation, { lengths.Rows, lengths.Columns });
@@ -176,28 +136,38 @@ public:
       ToArray(lengths.Lengths, { lengths.Materials, lengths.Rows, lengths.Columns });
     result["inconsistent"] = ToArray(lengths.Inconsistent, { lengths.Rows, lengths.Columns });
     result["warning"] = lengths.InconsistencyWarning();
-    if (bend)
+    if (!exposure.Deflection.empty())
     {
-      result["deflection"] = ToArray(refracted.Deflection, { 2, lengths.Rows, lengths.Columns });
+      result["deflection"] = ToArray(exposure.Deflection, { 2, lengths.Rows, lengths.Columns });
     }
     if (velocities)
     {
-      this->AddDerivatives(source, detector, beam, *velocities, result);
+      this->AddDerivatives(scene, *velocities, result);
     }
     return result;
   }
 
-  std::string Device() const { return this->Projector->DeviceName(); }
-  std::string Method() const { return MethodName(this->Projector->Method()); }
+  std::string DeviceName() { return this->Device.DeviceName(); }
+  std::string Method() { return MethodName(this->Device.Method()); }
 
 private:
+  /// Brings the mesh onto the device.
+  void Show(SurfaceMesh surface)
+  {
+    Scene scene;
+    scene.Samples = { { std::make_shared<const SurfaceMesh>(std::move(surface)) } };
+    const py::gil_scoped_release released;
+    this->Device.Load(scene);
+    this->Surface = scene.Samples.front().Surface;
+  }
+
   /// Of all points of the mesh, those of the surface: it has fewer where it was taken from
   /// tetrahedra.
   std::vector<double> OfSurface(const double* values) const
   {
     if (this->PointIds.empty())
     {
-      return { values, values + this->Surface.Points.size() };
+      return { values, values + this->Surface->Points.size() };
     }
     std::vector<double> chosen;
     chosen.reserve(3 * this->PointIds.size());
@@ -209,19 +179,7 @@ private:
     return chosen;
   }
 
-  RefractedImage Refracted(const XRaySource& source, const XRayDetector& detector, const Beam& beam,
-    const Bend& bend)
-  {
-    const auto& [law, distance, decrements] = bend;
-    const RefractionOptions options{ law == "geometric" ? RefractionOptions::Law::Geometric
-                                                        : RefractionOptions::Law::NearField,
-      distance };
-    return Refract(*this->Projector, this->Surface.NumberOfPoints(), source, detector, beam,
-      decrements, options, GoesOn);
-  }
-
-  void AddDerivatives(const XRaySource& source, const XRayDetector& detector, const Beam& beam,
-    const Array<double>& velocities, py::dict& result)
+  void AddDerivatives(const Scene& scene, const Array<double>& velocities, py::dict& result)
   {
     const auto fields = static_cast<int>(velocities.shape(0));
     std::vector<double> moving;
@@ -230,22 +188,20 @@ private:
       const std::vector<double> one = this->OfSurface(velocities.data(field));
       moving.insert(moving.end(), one.begin(), one.end());
     }
-    PathLengthDerivatives derivatives;
-    std::vector<float> attenuation;
-    PathLengthImage image;
+    Exposer::Derivatives derivatives;
     {
       const py::gil_scoped_release released;
-      image = this->Projector->Project(source, detector, moving, fields, derivatives);
-      attenuation = beam.MeanAttenuation(image);
+      derivatives = this->Device.Differentiate(scene, moving, fields);
     }
-    result["path_length_derivatives"] = ToArray(derivatives.Lengths,
-      { fields, derivatives.Materials, derivatives.Rows, derivatives.Columns });
+    const PathLengthDerivatives& lengths = derivatives.Lengths;
+    result["path_length_derivatives"] =
+      ToArray(lengths.Lengths, { fields, lengths.Materials, lengths.Rows, lengths.Columns });
     result["mean_attenuation"] =
-      ToArray(attenuation, { image.Materials, image.Rows, image.Columns });
+      ToArray(derivatives.MeanAttenuation, { lengths.Materials, lengths.Rows, lengths.Columns });
   }
 
-  std::unique_ptr<PathLengthProjector> Projector;
-  SurfaceMesh Surface;
+  Exposer Device;
+  std::shared_ptr<const SurfaceMesh> Surface;
   std::vector<std::int32_t> PointIds;
 };
 
@@ -346,13 +302,24 @@ PYBIND11_MODULE(_xray, module)
         options.Validate();
         return options;
       }));
-  py::class_<Beam>(module, "Beam").def(py::init(&MakeBeamOf));
+  py::class_<Scene>(module, "Scene")
+    .def(py::init(&MakeScene))
+    .def_readwrite("source", &Scene::Source)
+    .def_readwrite("detector", &Scene::Detector)
+    .def_readwrite("exposure", &Scene::Detection)
+    .def("refract",
+      [](Scene& scene, const std::string& law, double distanceMm)
+      {
+        scene.Refraction = { law == "geometric" ? RefractionOptions::Law::Geometric
+                                                : RefractionOptions::Law::NearField,
+          distanceMm };
+      });
   py::class_<MeshProjector>(module, "Projector")
     .def(py::init<const Array<double>&, const Array<std::int32_t>&, const Array<std::uint16_t>&,
       const std::string&, const std::string&>())
     .def("move", &MeshProjector::Move)
     .def("project", &MeshProjector::Project)
-    .def_property_readonly("device", &MeshProjector::Device)
+    .def_property_readonly("device", &MeshProjector::DeviceName)
     .def_property_readonly("method", &MeshProjector::Method);
   module.def("materials", &Materials);
   module.def("spectrum",
@@ -361,7 +328,8 @@ PYBIND11_MODULE(_xray, module)
       const Spectrum spectrum = FindSpectrum(pathOrName);
       return std::pair(spectrum.EnergiesKeV, spectrum.Weights);
     });
-  module.def("decrements", &DecrementsOf);
-  module.def("cancelling_weight", &CancellingWeight);
+  module.def("cancelling_weight",
+    [](const Scene& low, const Scene& high, int first, int second, double thicknessMm)
+    { return CancellingWeight(MakeBeam(low), MakeBeam(high), first, second, thicknessMm); });
   module.def("devices", &Devices);
 }

@@ -4,7 +4,6 @@
 #include "Private/KilovoltageSpectrum.h"
 #include "Private/PaneOverlay.h"
 #include "mammoray/Foundation/Error.h"
-#include "mammoray/IO/ShippedData.h"
 
 #include <algorithm>
 #include <cmath>
@@ -45,7 +44,7 @@ XRayDetector Halved(XRayDetector detector)
 
 void ViewedScene::PlaceAround()
 {
-  const std::array<Extent, 3> box = BoxOf(this->Surface);
+  const std::array<Extent, 3> box = BoxOf(*Assemble(this->Scene));
   const double diagonal = Norm({ box[0].Length(), box[1].Length(), box[2].Length() });
   if (!(diagonal > 0) || !std::isfinite(diagonal))
   {
@@ -57,67 +56,74 @@ void ViewedScene::PlaceAround()
   // A tenth wider than the shadow of the sphere around the box.
   const double width = 1.1 * diagonal * (Before + Behind) / Before;
   const Vector3 middle = MiddleOf(box);
-  this->Source.Type = XRaySource::Kind::Point;
-  this->Source.Position = middle - Vector3{ 0, Before * diagonal, 0 };
+  this->Scene.Source.Type = XRaySource::Kind::Point;
+  this->Scene.Source.Position = middle - Vector3{ 0, Before * diagonal, 0 };
   const double spacing = width / Pixels;
-  this->Detector.Columns = Pixels;
-  this->Detector.Rows = Pixels;
-  this->Detector.ColumnStep = { spacing, 0, 0 };
-  this->Detector.RowStep = { 0, 0, -spacing };
-  this->Detector.Origin =
+  this->Scene.Detector.Columns = Pixels;
+  this->Scene.Detector.Rows = Pixels;
+  this->Scene.Detector.ColumnStep = { spacing, 0, 0 };
+  this->Scene.Detector.RowStep = { 0, 0, -spacing };
+  this->Scene.Detector.Origin =
     middle + Vector3{ -0.5 * (width - spacing), Behind * diagonal, 0.5 * (width - spacing) };
 }
 
 LiveProjection::LiveProjection(const ViewedScene& viewed, const ProjectorOptions& options)
   : Viewed(viewed)
-  , Half(Halved(viewed.Detector))
-  , TurnAxis{ MiddleOf(BoxOf(viewed.Surface)), -1.0 * viewed.Detector.RowStep }
-  , Projector(MakeProjector(options))
-  , SourceNow(viewed.Source)
+  , Half(Halved(viewed.Scene.Detector))
+  , Samples(Assemble(viewed.Scene))
+  , TurnAxis{ MiddleOf(BoxOf(*this->Samples)), -1.0 * viewed.Scene.Detector.RowStep }
+  , Device(options)
+  , Current(viewed.Scene)
+  , SourceNow(viewed.Scene.Source)
 {
-  viewed.Spectrum.Validate();
-  this->SingleEnergy = viewed.Spectrum.EnergiesKeV.size() == 1;
+  this->Current.Samples = { { this->Samples } };
+  this->Current.Detection = {};
+  this->Current.Field = {};
+  this->Current.Scatter = {};
+  this->Current.Refraction.reset();
+  const Spectrum& spectrum = viewed.Scene.XRays;
+  spectrum.Validate();
+  this->SingleEnergy = spectrum.EnergiesKeV.size() == 1;
   if (this->SingleEnergy)
   {
-    const double energy = viewed.Spectrum.EnergiesKeV.front();
+    const double energy = spectrum.EnergiesKeV.front();
     this->Range = { std::min(std::max(0.5 * energy, LeastEnergyKeV), energy),
       std::max(std::min(2 * energy, MostEnergyKeV), energy) };
     this->SetEnergy(energy);
   }
   else
   {
-    const double voltage = KilovoltageOf(viewed.Spectrum);
-    this->Range = { std::max(voltage - TubeRange, viewed.Spectrum.EnergiesKeV.front() + 2),
+    const double voltage = KilovoltageOf(spectrum);
+    this->Range = { std::max(voltage - TubeRange, spectrum.EnergiesKeV.front() + 2),
       voltage + TubeRange };
     this->SetEnergy(voltage);
   }
-  this->Projector->SetSurface(viewed.Surface);
   this->Project(1); // refuses a detector or a source that is none
 }
 
 void LiveProjection::SetTurn(double degrees)
 {
-  this->RaysStale = this->RaysStale || degrees != this->TurnDeg;
+  this->IsStale = this->IsStale || degrees != this->TurnDeg;
   this->TurnDeg = degrees;
 }
 
 void LiveProjection::SetSourceOffset(const Vector3& offset)
 {
-  if (this->Viewed.Source.Type == XRaySource::Kind::Parallel)
+  if (this->Viewed.Scene.Source.Type == XRaySource::Kind::Parallel)
   {
     return;
   }
   this->Offset = offset;
-  this->SourceNow.Position = this->Viewed.Source.Position + offset;
-  this->RaysStale = true;
+  this->SourceNow.Position = this->Viewed.Scene.Source.Position + offset;
+  this->IsStale = true;
 }
 
 double LiveProjection::SourceGain() const
 {
   constexpr double Most = 20;
-  const XRayDetector& grid = this->Viewed.Detector;
+  const XRayDetector& grid = this->Viewed.Scene.Detector;
   const Vector3 normal = Cross(grid.ColumnStep, grid.RowStep);
-  const double before = Dot(this->TurnAxis.Point - this->Viewed.Source.Position, normal);
+  const double before = Dot(this->TurnAxis.Point - this->Viewed.Scene.Source.Position, normal);
   const double behind = Dot(grid.Origin - this->TurnAxis.Point, normal);
   const double gain = before / behind;
   return gain > 0 && gain < Most ? gain : Most;
@@ -126,63 +132,60 @@ double LiveProjection::SourceGain() const
 void LiveProjection::SetEnergy(double energy)
 {
   energy = std::clamp(energy, this->Range[0], this->Range[1]);
-  if (this->XRays && energy == this->EnergyNow)
+  if (energy == this->EnergyNow)
   {
     return;
   }
-  const Spectrum& given = this->Viewed.Spectrum;
-  const Spectrum spectrum = this->SingleEnergy ? Spectrum::Monochromatic(energy)
-    : energy == KilovoltageOf(given)           ? given
-                                               : AtKilovoltage(given, energy);
-  this->XRays.emplace(
-    MakeBeam(this->Viewed.Materials, spectrum, DetectorResponse::EnergyIntegrating));
+  const Spectrum& given = this->Viewed.Scene.XRays;
+  this->Current.XRays = this->SingleEnergy ? Spectrum::Monochromatic(energy)
+    : energy == KilovoltageOf(given)       ? given
+                                           : AtKilovoltage(given, energy);
   this->EnergyNow = energy;
-  this->BeamStale = true;
+  this->IsStale = true;
 }
 
 const std::vector<float>& LiveProjection::Project(int divisor)
 {
-  const bool stale = this->RaysStale || divisor != this->PictureDivisor;
-  if (stale)
+  if (this->IsStale || divisor != this->PictureDivisor)
   {
     // The samples turn: so do, the other way about, source and detector before them.
     const ProjectionView view =
       TurnSample(this->SourceNow, this->Detector(divisor), this->TurnAxis, 2, 2 * this->TurnDeg)[1];
-    this->Lengths = this->Projector->Project(view.Source, view.Detector);
+    this->Current.Source = view.Source;
+    this->Current.Detector = view.Detector;
+    this->Picture = this->Device.Expose(this->Current);
   }
-  if (stale || this->BeamStale)
-  {
-    this->Picture = this->XRays->LogAttenuation(this->Lengths);
-  }
-  this->RaysStale = false;
-  this->BeamStale = false;
+  this->IsStale = false;
   this->PictureDivisor = divisor;
-  return this->Picture;
+  return this->Picture.LogAttenuation;
 }
 
 std::string LiveProjection::Describe(int column, int row)
 {
   this->Project(this->PictureDivisor);
-  column = std::clamp(column / this->PictureDivisor, 0, this->Lengths.Columns - 1);
-  row = std::clamp(row / this->PictureDivisor, 0, this->Lengths.Rows - 1);
+  const PathLengthImage& lengths = *this->Picture.Lengths;
+  column = std::clamp(column / this->PictureDivisor, 0, lengths.Columns - 1);
+  row = std::clamp(row / this->PictureDivisor, 0, lengths.Rows - 1);
   const std::size_t pixel =
-    static_cast<std::size_t>(row) * static_cast<std::size_t>(this->Lengths.Columns) +
+    static_cast<std::size_t>(row) * static_cast<std::size_t>(lengths.Columns) +
     static_cast<std::size_t>(column);
   char text[60];
-  std::snprintf(text, sizeof text, "transmission %.4g", std::exp(-this->Picture[pixel]));
+  std::snprintf(text, sizeof text, "transmission %.4g",
+    std::exp(-this->Picture.LogAttenuation[pixel]));
   std::string found = text;
   double sum = 0;
-  for (int material = 1; material < this->Lengths.Materials; ++material)
+  for (int material = 1; material < lengths.Materials; ++material)
   {
-    sum += this->Lengths.Material(material)[pixel];
+    sum += lengths.Material(material)[pixel];
   }
-  for (int material = 1; material < this->Lengths.Materials; ++material)
+  for (int material = 1; material < lengths.Materials; ++material)
   {
-    const double length = this->Lengths.Material(material)[pixel];
+    const double length = lengths.Material(material)[pixel];
     if (length > 1e-6 * sum) // less is rounding, where parts overlap
     {
-      found += ", " + this->Viewed.Materials.Materials[static_cast<std::size_t>(material)].Name +
-        " " + LengthText(length);
+      found += ", " +
+        this->Viewed.Scene.Materials.Materials[static_cast<std::size_t>(material)].Name + " " +
+        LengthText(length);
     }
   }
   return found;

@@ -3,12 +3,12 @@
 #define mammoray_LiveProjection_h
 
 #include "mammoray/App/SurfaceViewer.h"
+#include "mammoray/XRay/Exposer.h"
 #include "mammoray/XRay/ProjectionSeries.h"
 #include "mammorayAppModule.h"
 
 #include <array>
 #include <memory>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -40,7 +40,7 @@ public:
   const XRaySource& Source() const { return this->SourceNow; }
   const XRayDetector& Detector(int divisor) const
   {
-    return divisor == 1 ? this->Viewed.Detector : this->Half;
+    return divisor == 1 ? this->Viewed.Scene.Detector : this->Half;
   }
   /// Through the middle of the samples' box, against the detector's rows.
   const AxisLine& Axis() const { return this->TurnAxis; }
@@ -49,26 +49,27 @@ public:
   /// What a pixel of the full grid sees, by the resolution of the last picture: transmission and
   /// path lengths.
   std::string Describe(int column, int row);
-  std::string DeviceName() const { return this->Projector->DeviceName(); }
+  /// The samples in the frame of the scene.
+  const SurfaceMesh& Surface() const { return *this->Samples; }
+  std::string DeviceName() { return this->Device.DeviceName(); }
 
 private:
   const ViewedScene& Viewed;
   XRayDetector Half;
+  std::shared_ptr<const SurfaceMesh> Samples;
   AxisLine TurnAxis;
-  std::unique_ptr<PathLengthProjector> Projector;
+  Exposer Device;
+  /// What is exposed now.
+  Scene Current;
   double TurnDeg = 0;
   Vector3 Offset{ 0, 0, 0 };
   XRaySource SourceNow;
   bool SingleEnergy = false;
   double EnergyNow = 0;
   std::array<double, 2> Range{ 0, 0 };
-  std::optional<Beam> XRays;
-  PathLengthImage Lengths;
-  std::vector<float> Picture;
+  Exposure Picture;
   int PictureDivisor = 0;
-  /// What is out of date.
-  bool RaysStale = true;
-  bool BeamStale = true;
+  bool IsStale = true;
 };
 }
 

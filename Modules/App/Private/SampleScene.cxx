@@ -65,15 +65,15 @@ SampleScene::SampleScene(const ViewedScene& viewed, const LiveProjection& live, 
 {
   this->View->SetBackground(0.09, 0.10, 0.13);
   const std::array<Extent, 3> box =
-    ExtentsAlong<3>({ { { 1, 0, 0 }, { 0, 1, 0 }, { 0, 0, 1 } } }, viewed.Surface.Points);
+    ExtentsAlong<3>({ { { 1, 0, 0 }, { 0, 1, 0 }, { 0, 0, 1 } } }, live.Surface().Points);
   this->Middle = live.Axis().Point;
   this->Diagonal = Norm({ box[0].Length(), box[1].Length(), box[2].Length() });
   this->MaterialColors.push_back({ 0, 0, 0 });
-  for (std::size_t material = 1; material < viewed.Materials.Materials.size(); ++material)
+  for (std::size_t material = 1; material < viewed.Scene.Materials.Materials.size(); ++material)
   {
     this->MaterialColors.push_back(SampleColors[(material - 1) % std::size(SampleColors)]);
   }
-  this->AddSamples(viewed);
+  this->AddSamples(live);
   this->Detector = NewPictureRectangle();
   const auto detector = AddActor(this->View, this->Detector, { 1, 1, 1 }, 1);
   detector->GetProperty()->LightingOff();
@@ -86,9 +86,9 @@ SampleScene::SampleScene(const ViewedScene& viewed, const LiveProjection& live, 
   this->Source->SetVisibility(live.Source().Type == XRaySource::Kind::Point ? 1 : 0);
 }
 
-void SampleScene::AddSamples(const ViewedScene& viewed)
+void SampleScene::AddSamples(const LiveProjection& live)
 {
-  const SurfaceMesh& surface = viewed.Surface;
+  const SurfaceMesh& surface = live.Surface();
   vtkNew<vtkPoints> points;
   // Single precision: seen from their middle small samples keep their digits far from the origin.
   for (std::size_t id = 0; id < surface.NumberOfPoints(); ++id)

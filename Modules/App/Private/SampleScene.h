@@ -42,7 +42,7 @@ public:
   double SourceShare() const { return this->Share; }
 
 private:
-  void AddSamples(const ViewedScene& viewed);
+  void AddSamples(const LiveProjection& live);
 
   Vector3 Middle{ 0, 0, 0 };
   double Diagonal = 1;

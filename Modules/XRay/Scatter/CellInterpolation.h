@@ -9,8 +9,8 @@
 
 namespace mammoray
 {
-/// Between the values of cells, row by row, linearly; `column` and `row` are whole numbers at their
-/// middles. Beyond the outermost middles as at them.
+/// Bilinear interpolation between cells that are stored row by row. `column` and `row` are whole
+/// numbers at the centres of cells. Outside the outermost centres the value is constant.
 template <typename Value>
 double BetweenCells(const std::vector<Value>& values, int columns, int rows, double column,
   double row)

@@ -20,7 +20,7 @@ struct PhotonInteractions
   double Total() const { return this->Photoelectric + this->Rayleigh + this->Compton; }
 };
 
-/// A photon after a collision: the cosine of its turn, and its energy, keV.
+/// A photon after a collision: cosine of the scattering angle, and energy, keV.
 struct ScatteredPhoton
 {
   double Cosine = 1;
@@ -30,10 +30,9 @@ struct ScatteredPhoton
 /**
  * How photons of 1 to 150 keV interact with a composition. Cross sections, form factors and
  * incoherent scattering functions of the elements are xraylib's (Schoonjans et al., Spectrochimica
- * Acta B 66, 2011; form factors of Hubbell et al. 1975), added up as if atoms scattered by
- * themselves: interference between molecules and Doppler broadening are left out. What is absorbed
- * stays where it is: no fluorescence, no electron moves; in tissue, below 150 keV, that is less
- * than 0.3 mm.
+ * Acta B 66, 2011; form factors of Hubbell et al. 1975) for independent atoms: interference between
+ * molecules and Doppler broadening are neglected. Absorbed energy stays in place: there is no
+ * fluorescence and no electron transport, whose range in tissue below 150 keV is less than 0.3 mm.
  */
 class MAMMORAYXRAY_EXPORT PhotonMaterial
 {
@@ -47,20 +46,20 @@ public:
   /// A vacuum.
   PhotonMaterial();
 
-  /// At an energy, which is brought into the range above.
+  /// Coefficients at an energy, which is clamped to this range.
   PhotonInteractions At(double energyKeV) const;
-  /// Turns without loss of energy: (1 + c^2) F(x)^2, x = sin(angle / 2) / wavelength.
+  /// Samples coherent scattering: (1 + c^2) F(x)^2, x = sin(angle / 2) / wavelength.
   ScatteredPhoton Rayleigh(double energyKeV, RandomStream& random) const;
-  /// The law of Klein and Nishina times S(x).
+  /// Samples incoherent scattering: the Klein-Nishina formula times S(x).
   ScatteredPhoton Compton(double energyKeV, RandomStream& random) const;
-  /// What of a photon's energy its collisions give to electrons, 1/mm: all of photoelectric ones,
-  /// the loss of Compton ones. Radiation that leaves again (fluorescence, bremsstrahlung) counts.
+  /// Energy-transfer coefficient, 1/mm: the whole energy in photoelectric and the loss in Compton
+  /// collisions. Energy re-emitted by fluorescence and bremsstrahlung is included.
   double EnergyTransfer(double energyKeV) const;
   double DensityGPerCm3() const { return this->Density; }
 
 private:
   double Density = 0;
-  /// Evenly spread over the logarithm of the energy.
+  /// At logarithmically spaced energies.
   std::vector<PhotonInteractions> Table;
   /// Over x = MostTransfer (i / n)^2: the integral of F^2 over x^2, and S.
   std::vector<double> FormFactorIntegral;
@@ -72,7 +71,7 @@ private:
 /// A photon's energy after a Compton collision with an electron at rest, keV.
 MAMMORAYXRAY_EXPORT double ComptonEnergy(double energyKeV, double cosine);
 
-/// mGy of 1 keV in 1 g.
+/// Dose of 1 keV in 1 g, mGy.
 inline constexpr double MilligrayGramPerKeV = 1.602176634e-10;
 
 /// Kerma of a photon fluence of 1 per mm^2 in air near sea level, mGy (EnergyTransfer). 1 to 150

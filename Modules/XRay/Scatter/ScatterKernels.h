@@ -12,14 +12,14 @@
 namespace mammoray
 {
 /**
- * What a thin beam of photons, at right angles through a slab of tissue without end, scatters onto
- * a plane behind it: by energy, thickness of the slab and distance from its back to the plane, the
- * energy that meets rings of the plane around the beam at certain angles, relative to the energy of
- * the beam that comes through unscattered.
+ * Scatter of a thin beam of photons through an infinite slab of tissue, at right angles, onto a
+ * plane behind it. By photon energy, slab thickness and distance from the slab's back to the plane:
+ * the energy that meets rings of the plane around the beam, by angle of incidence, relative to the
+ * energy of the unscattered beam.
  */
 struct MAMMORAYXRAY_EXPORT ScatterKernels
 {
-  /// What the slab was made of, and its density, g/cm^3.
+  /// Composition of the slab, and its density, g/cm^3.
   std::string Composition;
   double DensityGPerCm3 = 0;
   /// Ascending: keV; mm; mm.
@@ -32,8 +32,8 @@ struct MAMMORAYXRAY_EXPORT ScatterKernels
   std::vector<double> AnglesDeg;
   /// [(((energy * thicknesses + thickness) * gaps + gap) * rings + ring) * angles + angle].
   std::vector<float> Shares;
-  /// By energy and thickness, the latter first to change: how much of the scattered energy that
-  /// leaves the slab's back has been scattered more than once, 0 to 1.
+  /// [energy * thicknesses + thickness]: the fraction of the scattered energy behind the slab that
+  /// was scattered more than once.
   std::vector<float> Multiple;
 
   std::size_t NumberOfRings() const { return this->RadiiMm.size() - 1; }
@@ -43,23 +43,22 @@ struct MAMMORAYXRAY_EXPORT ScatterKernels
     return ((energy * this->ThicknessesMm.size() + thickness) * this->GapsMm.size() + gap) *
       this->NumberOfRings() * this->NumberOfAngles();
   }
-  /// Shares by ring and angle between the table's energies and gaps, linearly, beyond its ends as
-  /// at them.
+  /// Shares by ring and angle, interpolated linearly in energy and gap, constant beyond the table.
   std::vector<double> At(double energyKeV, std::size_t thickness, double gapMm) const;
-  /// Multiple between the table's energies.
+  /// Multiple, interpolated in energy.
   double MultipleAt(double energyKeV, std::size_t thickness) const;
-  /// Throws InputError unless the sizes fit and axes ascend.
+  /// Throws InputError unless sizes fit and axes ascend.
   void Validate() const;
 };
 
-/// The axes and the tissue of the shipped table: 25 % gland and 75 % fat by mass (Hammerstein
-/// 1979), 0.955 g/cm^3.
+/// An empty table with the axes and the tissue of the shipped one: 25 % gland and 75 % fat by mass
+/// (Hammerstein 1979), 0.955 g/cm^3.
 MAMMORAYXRAY_EXPORT ScatterKernels ShippedKernelAxes();
 
 /**
- * Fills the table by Monte Carlo: `photons` for each energy and thickness. Every flight is made to
- * end within the slab and the share that would leave it is counted where it would meet the planes
- * (forced collisions, last-flight estimation); absorption lowers the photon's weight.
+ * Fills the table by Monte Carlo with `photons` for each energy and thickness. Collisions are
+ * forced to lie within the slab, the share that would leave is scored where it would meet the
+ * planes (last-flight estimation), and absorption lowers the photon's weight.
  */
 MAMMORAYXRAY_EXPORT void FillScatterKernels(ScatterKernels& kernels, std::int64_t photons,
   std::uint64_t seed, const ProgressCallback& progress = {});

@@ -15,15 +15,17 @@
 namespace mammoray
 {
 /**
- * Scatter of a breast between plates as a sum over its picture: what comes through at a place sends
- * a share to all places around, by the thickness of the tissue there. The shares are those of slabs
- * (ScatterKernels), averaged over the photons that come through that thickness, behind a grid where
- * there is one. Where the breast is thinner than at its thickest, it is taken to be rounded to both
- * plates alike: half of what is missing is a wider gap. What is scattered more than once is taken
- * to need tissue within two mean free paths around: its share falls with the tissue that is missing
- * there. The beam's divergence moves what scatters, at half the thickness, towards the foot of the
- * source. Left out: plates, and photons that leave by the breast's side and meet the detector
- * beside it. For soft tissue.
+ * Scatter of a breast between plates by superposition of kernels: the primary signal at each place
+ * sends a share to all places around, which depends on the thickness of the tissue there. Shares
+ * are those of slabs (ScatterKernels), averaged over the spectrum behind that thickness, and behind
+ * the grid if there is one.
+ *
+ * Where the breast is thinner than at its thickest place, both of its surfaces are assumed to
+ * recede by the same amount: half of the missing thickness widens the gap. Multiple scatter is
+ * assumed to need tissue within two mean free paths: its share falls with the tissue that is
+ * missing there. The divergence of the beam shifts the origin of scatter, at half the thickness,
+ * towards the foot of the source. Plates, and photons that leave through the breast's side and meet
+ * the detector beside it, are neglected. For soft tissue.
  */
 class MAMMORAYXRAY_EXPORT ScatterModel
 {
@@ -36,31 +38,30 @@ public:
 
   /**
    * The scattered signal of each pixel, Rows * Columns values, in the units of `primary`, the
-   * signal of the primary photons (with a grid: both behind it, relative to the open field behind
-   * it). `thicknessesMm`: of the tissue along the ray of each pixel. Outside of the picture is no
-   * beam, but the tissue goes on. Computed on cells of about 2 mm.
+   * signal of the primary photons. With a grid, both are behind it and relative to the open field
+   * behind it. `thicknessesMm` is the thickness of tissue along the ray of each pixel. Outside the
+   * picture the tissue continues, but there is no beam. Computed on cells of about 2 mm.
    */
   std::vector<double> Scatter(const XRaySource& source, const XRayDetector& detector,
     const std::vector<double>& thicknessesMm, const std::vector<double>& primary) const;
 
-  /// How thickness, mm, and primary signal of each pixel change with a parameter.
+  /// Derivatives of the thickness, mm, and the primary signal of each pixel with a parameter.
   struct SignalRates
   {
     std::vector<double> ThicknessesMm;
     std::vector<double> Primary;
   };
   /**
-   * How the scattered signal of each pixel changes with each of these parameters, for the rays of
-   * `source` and `detector`: exact but for where Scatter has kinks, which is where a thickness is
-   * one of the table's, or that between the plates, and where a pixel's place meets the middle of a
-   * cell. Throws InputError on sizes that do not fit.
+   * Derivatives of the scattered signal of each pixel with each of these parameters. They are exact
+   * except at kinks of Scatter: at thicknesses of the table, at the thickness between the plates,
+   * and where a pixel lies at the centre of a cell. Throws InputError on sizes that do not fit.
    */
   std::vector<std::vector<double>> Differentiate(const XRaySource& source,
     const XRayDetector& detector, const std::vector<double>& thicknessesMm,
     const std::vector<double>& primary, const std::vector<SignalRates>& rates) const;
 
-  /// Scattered over primary signal on the axis of a parallel beam of this diameter, mm, through a
-  /// slab without end.
+  /// Scatter-to-primary ratio on the axis of a parallel beam of this diameter, mm, through an
+  /// infinite slab.
   double ScatterToPrimary(double thicknessMm, double diameterMm) const;
 
 private:
@@ -76,23 +77,22 @@ private:
     const std::vector<double>& primary) const;
   SentSignal GatherRates(const Geometry& geometry, const std::vector<double>& thicknessesMm,
     const std::vector<double>& primary, const SignalRates& rates) const;
-  /// How much of the space around each cell, as far as photons fly that are scattered more than
-  /// once, is tissue; of two fields.
+  /// Fraction of tissue around each cell, within the range of multiple scatter; of two fields.
   std::array<std::vector<double>, 2> TissueAround(const Geometry& geometry,
     const std::array<const std::vector<double>*, 2>& tissue) const;
-  /// The share of each ring at a node of the thickness, `missingMm` less than the thickest.
+  /// The share of each ring for a thickness of the table, `missingMm` thinner than the thickest.
   RingShares RingsAt(std::size_t node, double missingMm) const;
-  /// Its derivative with what is missing, 1/mm.
+  /// Derivative of RingsAt with respect to `missingMm`, 1/mm.
   RingShares RingRatesAt(std::size_t node, double missingMm) const;
 
   std::vector<double> Radii;
-  /// 0 first, where nothing scatters.
+  /// The first is 0, without scatter.
   std::vector<double> Thicknesses;
   std::vector<double> Gaps;
   double GapMm;
-  /// By thickness: what has been scattered more than once, of all.
+  /// By thickness: fraction of scatter that is multiple.
   std::vector<double> Multiple;
-  /// Between collisions, of the photons that come through 40 mm, mm.
+  /// Mean free path of the photons behind 40 mm, mm.
   double FreePathMm = 0;
   /// By thickness and gap.
   std::vector<std::vector<RingShares>> Rings;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // X-rays without VTK: a plate of 10 mm in parallel rays that slant by 3 in 4. Exit 125: no Vulkan
 // device.
-#include <mammoray/XRay/Exposure.h>
+#include <mammoray/XRay/Exposer.h>
 
 #include <cmath>
 #include <cstdio>
@@ -23,15 +23,14 @@ int main()
     6, 0, 6, 2, 1, 3, 7, 1, 7, 5 };
   plate.FrontMaterials.assign(12, 0);
   plate.BackMaterials.assign(12, 1);
-  const auto projector = mammoray::MakeProjector();
-  projector->SetSurface(plate);
-  mammoray::XRaySource source;
-  source.Type = mammoray::XRaySource::Kind::Parallel;
-  source.Direction = { 0, 3, -4 };
-  const mammoray::AttenuationTable table{ "plate", 1, { 20 }, { 0.05 } };
-  const mammoray::Beam beam(mammoray::Spectrum::Monochromatic(20),
-    mammoray::DetectorResponse::PhotonCounting, { nullptr, &table }, { 1, 1 });
-  const mammoray::Exposure image = mammoray::Expose(*projector, source, {}, beam);
+  mammoray::Scene scene;
+  scene.Samples = { { std::make_shared<const mammoray::SurfaceMesh>(plate) } };
+  scene.Materials.Materials = { { "air" }, { "plate" } };
+  scene.Attenuations = { {}, { "plate", 1, { 20 }, { 0.05 } } };
+  scene.Source.Type = mammoray::XRaySource::Kind::Parallel;
+  scene.Source.Direction = { 0, 3, -4 };
+  mammoray::Exposer exposer;
+  const mammoray::Exposure image = exposer.Expose(scene);
   const double expected = std::exp(-0.05 * 12.5);
   std::printf("transmission %.7f, expected %.7f\n", image.Transmission[0], expected);
   return std::abs(image.Transmission[0] - expected) < 1e-6 ? 0 : 1; // a float

@@ -207,15 +207,15 @@ def spectrum_of(spectrum: Spectrum) -> tuple[list[float], list[float]]:
     return lines.tolist(), array_of(photons_given, "spectrum: photons", (len(lines),)).tolist()
 
 
-def _beam_of(materials: Materials, regions: set[int], spectrum: Spectrum, photon_counting: bool,
-             refracted: bool = False) -> tuple[Any, list[float]]:
-    """The beam, and where rays are to be bent the decrements of the refractive index."""
+def _scene_of(materials: Materials, regions: set[int], spectrum: Spectrum, photon_counting: bool,
+              refracted: bool = False) -> Any:
+    """A native scene with materials, spectrum and response."""
     energies, photons = spectrum_of(spectrum)
     known = materials_of(materials)
     attenuations = []
     for region in range(1, max(regions, default=0) + 1):
         if region not in regions:
-            attenuations.append(("", 1.0, [1.0] * len(energies)))  # of no length, whatever it is
+            attenuations.append(("", 1.0, []))
         elif region not in known or known[region].attenuation is None:
             raise InputError(f"materials: region {region} of the mesh has no attenuation; regions "
                              f"{', '.join(str(r) for r, m in sorted(known.items()) if m.attenuation is not None)} have one")
@@ -223,8 +223,7 @@ def _beam_of(materials: Materials, regions: set[int], spectrum: Spectrum, photon
             raise InputError(f"materials[{region}].attenuation: expected a composition beside refraction, found numbers")
         else:
             attenuations.append(_attenuation(known[region], region, len(energies)))
-    decrements = _xray.decrements(energies, photons, attenuations) if refracted else []
-    return _xray.Beam(energies, photons, bool(photon_counting), attenuations), decrements
+    return _xray.Scene(energies, photons, bool(photon_counting), attenuations)
 
 
 def _attenuation(material: Material, region: int, energies: int) -> tuple[str, float, list[float]]:
@@ -306,10 +305,14 @@ class Projector:
                 raise InputError(f"refraction: expected geometric or near-field, found {refraction!r}")
             if photons_per_pixel or spot.any() or velocities is not None:
                 raise InputError("refraction: expected no noise, focal spot or velocities beside it, found some")
-        beam, decrements = _beam_of(materials, self._used, spectrum, photon_counting, refraction is not None)
+        scene = _scene_of(materials, self._used, spectrum, photon_counting, refraction is not None)
+        scene.source = native_source
+        scene.detector = native_detector
+        scene.exposure = exposure
         distance = float(array_of([bend_distance], "bend_distance", (1,))[0])
-        answer = self._native.project(native_source, native_detector, beam, exposure, velocities,
-                                      None if refraction is None else (refraction, distance, decrements))
+        if refraction is not None:
+            scene.refract(refraction, distance)
+        answer = self._native.project(scene, velocities)
         if answer["warning"]:
             warnings.warn(answer["warning"], RuntimeWarning, stacklevel=3)
         changes = answer.get("path_length_derivatives")
@@ -359,8 +362,8 @@ def cancelling_weight(first: Union[Material, str], second: Union[Material, str],
                       thickness: float = 40.0, photon_counting: bool = False) -> float:
     """The weight w with which two exposures, of spectra `low` and `high`, are recombined to high.log_attenuation - w *
     low.log_attenuation so that slabs of the two materials, `thickness` mm each, look the same (weighted logarithmic subtraction)."""
-    beams = [_beam_of([first, second], {1, 2}, spectrum, photon_counting)[0] for spectrum in (low, high)]
-    return float(_xray.cancelling_weight(beams[0], beams[1], 1, 2, float(array_of([thickness], "thickness", (1,))[0])))
+    scenes = [_scene_of([first, second], {1, 2}, spectrum, photon_counting) for spectrum in (low, high)]
+    return float(_xray.cancelling_weight(scenes[0], scenes[1], 1, 2, float(array_of([thickness], "thickness", (1,))[0])))
 
 
 def recombine(low: Projection, high: Projection, weight: float) -> NDArray[numpy.float32]:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mammoray/IO/SurfaceSceneIO.h"
+#include "mammoray/IO/SceneIO.h"
 
 #include "Files.h"
 #include "GlbBytes.h"
@@ -14,6 +14,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <memory>
 
 namespace
 {
@@ -25,7 +26,7 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 
 /// A scene of one sample with some of its text replaced.
-std::string Scene(const std::string& what = "", const std::string& by = "")
+std::string SceneText(const std::string& what = "", const std::string& by = "")
 {
   std::string text = R"({ "description": "a rod", "unit": "um",
     "source": { "position": [0, -500000, 3], "focal-spot": [50, 25] },
@@ -55,22 +56,26 @@ std::array<Extent, 3> Bounds(const SurfaceMesh& mesh)
   return ExtentsAlong<3>({ { { 1, 0, 0 }, { 0, 1, 0 }, { 0, 0, 1 } } }, mesh.Points);
 }
 
-TEST(SurfaceSceneIO, LengthsBecomeMillimetres)
+TEST(SceneIO, LengthsBecomeMillimetres)
 {
   const TemporaryFolder folder;
-  const SceneDescription scene = ReadScene(folder.Write("scene.json", Scene()));
-  ASSERT_TRUE(scene.Source && scene.Detector && scene.Beam);
-  EXPECT_EQ(scene.Source->PositionMm, (Vector3{ 0, -500, 0.003 }));
-  EXPECT_FALSE(scene.Source->Direction);
-  EXPECT_EQ(scene.Source->FocalSpotMm, (std::array<double, 2>{ 0.05, 0.025 }));
-  EXPECT_EQ(scene.Detector->OriginMm, (Vector3{ -0.016, 0.2, 0.006 }));
-  EXPECT_EQ(scene.Detector->ColumnDirection, (Vector3{ 1, 0, 0 })); // no length
-  EXPECT_EQ(scene.Detector->RowDirection, (Vector3{ 0, 0, -1 }));
-  EXPECT_EQ(scene.Detector->Columns, 320);
-  EXPECT_EQ(scene.Detector->Rows, 60);
-  EXPECT_EQ(scene.Detector->PixelSpacingMm, 0.1);
-  EXPECT_EQ(scene.Beam->EnergyKeV, 60);
-  EXPECT_THAT(scene.Beam->Filters, ElementsAre("Al:1"));
+  const SceneDescription scene = ReadScene(folder.Write("scene.json", SceneText()));
+  EXPECT_TRUE(scene.Has("source") && scene.Has("detector") && scene.Has("beam"));
+  EXPECT_TRUE(scene.Has("source.focal-spot"));
+  EXPECT_FALSE(scene.Has("scatter"));
+  const XRaySource& source = scene.Fixed.Source;
+  EXPECT_EQ(source.Position, (Vector3{ 0, -500, 0.003 }));
+  EXPECT_EQ(source.Type, XRaySource::Kind::Point);
+  EXPECT_EQ(scene.Fixed.Detection.FocalSpotColumnMm, 0.05);
+  EXPECT_EQ(scene.Fixed.Detection.FocalSpotRowMm, 0.025);
+  const XRayDetector& detector = scene.Fixed.Detector;
+  EXPECT_EQ(detector.Origin, (Vector3{ -0.016, 0.2, 0.006 }));
+  EXPECT_EQ(detector.ColumnStep, (Vector3{ 0.1, 0, 0 }));
+  EXPECT_EQ(detector.RowStep, (Vector3{ 0, 0, -0.1 }));
+  EXPECT_EQ(detector.Columns, 320);
+  EXPECT_EQ(detector.Rows, 60);
+  EXPECT_EQ(scene.Beam.EnergyKeV, 60);
+  EXPECT_THAT(scene.Beam.Filters, ElementsAre("Al:1"));
   EXPECT_EQ(scene.Materials, "table.json"); // not beside it: may be a shipped one's name
   EXPECT_THAT(scene.OverlapPriority, ElementsAre("stone", "water"));
   ASSERT_EQ(scene.Samples.size(), 1u);
@@ -83,17 +88,73 @@ TEST(SurfaceSceneIO, LengthsBecomeMillimetres)
 
   folder.Write("table.json", "");
   const SceneDescription tube =
-    ReadScene(folder.Write("scene.json", Scene("\"kev\": 60", R"("tube": "W", "kvp": 40)")));
+    ReadScene(folder.Write("scene.json", SceneText("\"kev\": 60", R"("tube": "W", "kvp": 40)")));
   EXPECT_EQ(tube.Materials, folder.File("table.json"));
-  EXPECT_EQ(tube.Beam->Anode, "W");
-  EXPECT_EQ(tube.Beam->KilovoltagePeak, 40);
+  EXPECT_EQ(tube.Beam.Anode, "W");
+  EXPECT_EQ(tube.Beam.KilovoltagePeak, 40);
   // What is left out is left to options.
   const SceneDescription empty = ReadScene(folder.Write("scene.json", "{}"));
-  EXPECT_FALSE(empty.Source || empty.Detector || empty.Beam);
+  EXPECT_TRUE(empty.Keys.empty());
   EXPECT_TRUE(empty.Samples.empty());
 }
 
-TEST(SurfaceSceneIO, RefusesByPlace)
+TEST(SceneIO, WholeDetectionScatterAndMaterials)
+{
+  const TemporaryFolder folder;
+  const SceneDescription scene = ReadScene(folder.Write("scene.json", R"({ "unit": "cm",
+    "mesh": "breast.vtu", "materials": "victre",
+    "attenuations": { "gland": "H2O@1.04" }, "iodine": { "gland": 2.5 },
+    "source": { "position": [0, 0, 65], "focal-spot-samples": 3, "inverse-square": true,
+      "heel": { "angle": 20, "depth-um": 0.25 } },
+    "detector": { "origin": [0, 0, 0], "column-direction": [1, 0, 0], "row-direction": [0, 1, 0],
+      "columns": 4, "rows": 3, "pixel-spacing": 0.01, "samples": 2, "response": "counting",
+      "scintillator": "CsI@4.51:0.15", "photons": 1e4, "electronic-noise": 5,
+      "half-modulation": 4, "seed": 7 },
+    "scatter": { "method": "kernels", "air-gap": 1.5, "photons": 1e6, "voxel": 0.2,
+      "grid": { "ratio": 6, "interspace": "air" } },
+    "dose": true })"));
+  EXPECT_EQ(scene.Mesh, folder.File("breast.vtu"));
+  EXPECT_EQ(scene.Attenuations.at("gland"), "H2O@1.04");
+  EXPECT_EQ(scene.IodineMgPerMl.at("gland"), 2.5);
+  const Scene& fixed = scene.Fixed;
+  EXPECT_TRUE(fixed.Field.InverseSquare && fixed.Dose);
+  EXPECT_EQ(fixed.Field.Heel.TargetAngleDeg, 20);
+  EXPECT_EQ(fixed.Field.Heel.DepthMm, 0.25e-3);
+  EXPECT_EQ(fixed.Detector.Samples, 2);
+  EXPECT_FALSE(scene.Response.ByEnergy);
+  EXPECT_EQ(scene.Response.Scintillator, "CsI@4.51:0.15");
+  EXPECT_EQ(fixed.Detection.FocalSpotSamples, 3);
+  EXPECT_EQ(fixed.Detection.PhotonsPerPixel, 1e4);
+  EXPECT_EQ(fixed.Detection.ElectronicNoisePhotons, 5);
+  EXPECT_EQ(fixed.Detection.HalfModulationPerMm, 4);
+  EXPECT_EQ(fixed.Detection.Seed, 7u);
+  EXPECT_EQ(fixed.Scatter.Method, SceneScatter::Model::Kernels);
+  EXPECT_EQ(fixed.Scatter.AirGapMm, 15);
+  EXPECT_EQ(scene.VoxelMm, 2);
+  ASSERT_TRUE(fixed.Scatter.Grid);
+  EXPECT_EQ(*fixed.Scatter.Grid, AntiscatterGridOptions::OfLead({ 6, 31, 65 }, "air"));
+
+  const SceneDescription bent = ReadScene(folder.Write("scene.json",
+    R"({ "unit": "um", "refraction": { "law": "near-field", "distance": 2000 } })"));
+  ASSERT_TRUE(bent.Fixed.Refraction);
+  EXPECT_EQ(bent.Fixed.Refraction->Method, RefractionOptions::Law::NearField);
+  EXPECT_EQ(bent.BendDistanceMm, 2);
+  const std::pair<const char*, const char*> wrong[] = { { R"({ "dose": 1 })",
+                                                          "dose: expected true or false, found 1" },
+    { R"({ "scatter": { "method": "magic" } })", "scatter.method: expected one of" },
+    { R"({ "scatter": { "air-gap": 300 } })", "scatter.air-gap: expected a number from 0 mm" },
+    { R"({ "scatter": { "grid": { "ratio": 40 } } })", "scatter.grid.ratio: expected a number" },
+    { R"({ "refraction": { "law": "Snell" } })", "refraction.law: expected one of" },
+    { R"({ "attenuations": { "fat": 3 } })", "attenuations.fat: expected a text" },
+    { R"({ "iodine": { "fat": -1 } })", "iodine.fat: expected a number from 0 to 500" },
+    { R"({ "iodine": [] })", "iodine: expected an object" } };
+  for (const auto& [json, text] : wrong)
+  {
+    EXPECT_THAT(SceneRefusal(json), HasSubstr(text));
+  }
+}
+
+TEST(SceneIO, RefusesByPlace)
 {
   const struct
   {
@@ -143,7 +204,7 @@ TEST(SurfaceSceneIO, RefusesByPlace)
   };
   for (const auto& [what, by, text] : wrong)
   {
-    EXPECT_THAT(SceneRefusal(Scene(what, by)), HasSubstr(text));
+    EXPECT_THAT(SceneRefusal(SceneText(what, by)), HasSubstr(text));
   }
   EXPECT_THAT(SceneRefusal("[]"), HasSubstr("expected a JSON object"));
   EXPECT_THAT(SceneRefusal("{\"samples\": []}"), HasSubstr("samples: expected a list of at least"));
@@ -152,7 +213,7 @@ TEST(SurfaceSceneIO, RefusesByPlace)
   EXPECT_THAT(RefusalOf([] { ReadScene("/nowhere/scene.json"); }), HasSubstr("no such file"));
 }
 
-TEST(SurfaceSceneIO, PlacesSurfacesByUnitTurnAndShift)
+TEST(SceneIO, PlacesSurfacesByUnitTurnAndShift)
 {
   const TemporaryFolder folder;
   SurfaceMesh box;
@@ -166,13 +227,14 @@ TEST(SurfaceSceneIO, PlacesSurfacesByUnitTurnAndShift)
   micrometres.RotationDeg = 90;
   micrometres.TranslationMm = { 1, 2, 3 };
   micrometres.Material = "SiO2@2.2";
-  const SurfaceScene scene = ReadSurfaces({ as, micrometres }, {});
+  const Scene scene = LoadScene({ .Samples = { as, micrometres } });
+  const std::shared_ptr<const SurfaceMesh> surface = Assemble(scene);
   ASSERT_EQ(scene.Materials.Materials.size(), 3u);
   EXPECT_EQ(scene.Materials.Materials[2].DensityGPerCm3, 2.2);
-  EXPECT_EQ(scene.Surface.NumberOfTriangles(), 24u);
-  EXPECT_EQ(scene.Surface.BackMaterials.front(), 1);
-  EXPECT_EQ(scene.Surface.BackMaterials.back(), 2);
-  SurfaceMesh second = scene.Surface;
+  EXPECT_EQ(surface->NumberOfTriangles(), 24u);
+  EXPECT_EQ(surface->BackMaterials.front(), 1);
+  EXPECT_EQ(surface->BackMaterials.back(), 2);
+  SurfaceMesh second = *surface;
   second.Points.erase(second.Points.begin(),
     second.Points.begin() + static_cast<std::ptrdiff_t>(second.Points.size() / 2));
   // x to y, y to -x: the box lies between -20 and 0 um of x, 0 and 10 um of y.
@@ -187,31 +249,30 @@ TEST(SurfaceSceneIO, PlacesSurfacesByUnitTurnAndShift)
   SurfaceSample cycled = as;
   cycled.RotationAxis = { 1, 1, 1 };
   cycled.RotationDeg = 120;
-  const std::array<Extent, 3> turned = Bounds(ReadSurfaces({ cycled }, {}).Surface);
+  const std::array<Extent, 3> turned = Bounds(*Assemble(LoadScene({ .Samples = { cycled } })));
   EXPECT_NEAR(turned[0].Length(), 40, 1e-12);
   EXPECT_NEAR(turned[1].Length(), 10, 1e-12);
   EXPECT_NEAR(turned[2].Length(), 20, 1e-12);
 }
 
-TEST(SurfaceSceneIO, GltfHasMetresUnlessSaidOtherwise)
+TEST(SceneIO, GltfHasMetresUnlessSaidOtherwise)
 {
   const TemporaryFolder folder;
   SurfaceSample sample{ .Name = "a", .Material = "Al" };
   sample.File = folder.Write("scene.glb", test::GlbOfTetrahedron());
-  EXPECT_NEAR(Bounds(ReadSurfaces({ sample }, {}).Surface)[0].Low, 1000, 1e-9);
+  EXPECT_NEAR(Bounds(*Assemble(LoadScene({ .Samples = { sample } })))[0].Low, 1000, 1e-9);
   sample.UnitMm = 1e-3; // made by a program that has no unit
-  EXPECT_NEAR(Bounds(ReadSurfaces({ sample }, {}).Surface)[0].Low, 1e-3, 1e-12);
+  EXPECT_NEAR(Bounds(*Assemble(LoadScene({ .Samples = { sample } })))[0].Low, 1e-3, 1e-12);
 }
 
-TEST(SurfaceSceneIO, RefusesSamplesByName)
+TEST(SceneIO, RefusesSamplesByName)
 {
   const TemporaryFolder folder;
   SurfaceMesh box;
   shapes::AddBox(box, { 0, 0, 0 }, { 10, 20, 40 }, 1);
   SurfaceSample sample{ .Name = "s.json: samples[3]", .File = folder.File("b.stl") };
   WriteMesh(ToPolyData(box, {}), sample.File);
-  const auto refusal = [&]
-  { return RefusalOf([&] { ReadSurfaces({ sample }, MaterialTable()); }); };
+  const auto refusal = [&] { return RefusalOf([&] { LoadScene({ .Samples = { sample } }); }); };
   for (const auto& [material, text] : { std::pair{ "butter", "butter" },
          std::pair{ "Al@0", "density" }, std::pair{ "Al@x", "density" },
          std::pair{ "Al@inf", "density" }, std::pair{ "air", "found air" } })

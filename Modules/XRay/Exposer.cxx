@@ -1,0 +1,311 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mammoray/XRay/Exposer.h"
+
+#include "Private/FollowedPhotons.h"
+#include "mammoray/Foundation/Error.h"
+#include "mammoray/XRay/Scatter/ScatterModel.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace mammoray
+{
+namespace
+{
+/// Which materials triangles have on their sides; index 0 is air.
+std::vector<bool> MaterialsOf(const SurfaceMesh& surface)
+{
+  std::vector<bool> used(static_cast<std::size_t>(surface.NumberOfMaterials()));
+  for (const auto* side : { &surface.FrontMaterials, &surface.BackMaterials })
+  {
+    for (const std::uint16_t material : *side)
+    {
+      used[material] = true;
+    }
+  }
+  return used;
+}
+
+/// The options of the scene with an open field.
+ExposureOptions WithField(const Scene& scene)
+{
+  ExposureOptions options = scene.Detection;
+  if (options.OpenField.empty() && scene.HasField())
+  {
+    options.OpenField =
+      OpenField(scene.Source, scene.Detector, scene.XRays, scene.Response, scene.Field);
+  }
+  return options;
+}
+
+/// What a scatter model depends on.
+struct ScatterKey
+{
+  std::shared_ptr<const ScatterKernels> Kernels;
+  double AirGapMm = 0;
+  std::optional<AntiscatterGridOptions> Grid;
+  Spectrum XRays;
+  DetectorResponse Response;
+
+  bool operator==(const ScatterKey&) const = default;
+};
+}
+
+struct Exposer::Internals
+{
+  /// The rays from one point to one sample of every pixel.
+  struct View
+  {
+    XRaySource Source;
+    XRayDetector Detector;
+    std::shared_ptr<const PathLengthImage> Image;
+  };
+
+  ProjectorOptions Options;
+  bool OwnsOptions = true;
+  std::unique_ptr<PathLengthProjector> Projector;
+
+  std::vector<SceneSample> Samples;
+  /// On the device.
+  std::shared_ptr<const SurfaceMesh> Surface;
+  std::vector<bool> Materials;
+
+  /// Views of one exposure.
+  XRaySource Source;
+  XRayDetector Detector;
+  std::array<double, 3> Spot{};
+  std::vector<View> Views;
+  std::size_t KeptBytes = 0;
+  std::size_t Traces = 0;
+
+  std::optional<ScatterKey> ModelKey;
+  std::shared_ptr<const ScatterModel> Model;
+
+  PathLengthProjector& Open()
+  {
+    if (!this->Projector)
+    {
+      this->Projector = MakeProjector(this->Options);
+    }
+    return *this->Projector;
+  }
+
+  void Forget()
+  {
+    this->Views.clear();
+    this->KeptBytes = 0;
+  }
+
+  void SetPriority(const std::vector<int>& priority)
+  {
+    if (priority == this->Options.Priority)
+    {
+      return;
+    }
+    if (!this->OwnsOptions)
+    {
+      throw InputError("scene: expected no overlap priority with a projector of one's own");
+    }
+    this->Options.Priority = priority;
+    this->Projector.reset();
+    this->Surface.reset();
+    this->Samples.clear();
+    this->Forget();
+  }
+
+  void Load(const Scene& scene)
+  {
+    this->SetPriority(scene.OverlapPriority);
+    if (this->Surface && this->Samples == scene.Samples)
+    {
+      return;
+    }
+    const std::shared_ptr<const SurfaceMesh> surface = Assemble(scene);
+    // Should the device throw, nothing on it is taken for current.
+    const std::shared_ptr<const SurfaceMesh> before = std::exchange(this->Surface, nullptr);
+    const bool sameTriangles = before && before->Triangles == surface->Triangles &&
+      before->FrontMaterials == surface->FrontMaterials &&
+      before->BackMaterials == surface->BackMaterials &&
+      before->Points.size() == surface->Points.size();
+    if (!sameTriangles)
+    {
+      this->Forget();
+      this->Open().SetSurface(*surface);
+      this->Materials = MaterialsOf(*surface);
+    }
+    else if (before->Points != surface->Points)
+    {
+      this->Forget();
+      this->Open().UpdatePoints(surface->Points);
+    }
+    this->Surface = surface;
+    this->Samples = scene.Samples;
+  }
+
+  std::shared_ptr<const PathLengthImage> Project(const XRaySource& source,
+    const XRayDetector& detector)
+  {
+    for (const View& view : this->Views)
+    {
+      if (view.Source == source && view.Detector == detector)
+      {
+        return view.Image;
+      }
+    }
+    auto image =
+      std::make_shared<const PathLengthImage>(this->Projector->Project(source, detector));
+    ++this->Traces;
+    const std::size_t bytes = image->Lengths.size() * sizeof(float) + image->Inconsistent.size();
+    if (this->KeptBytes + bytes <= MostKeptBytes)
+    {
+      this->KeptBytes += bytes;
+      this->Views.push_back({ source, detector, image });
+    }
+    return image;
+  }
+
+  /// Forgets views that an exposure of the scene has no use for.
+  void Aim(const Scene& scene)
+  {
+    const ExposureOptions& detection = scene.Detection;
+    const std::array<double, 3> spot{ detection.FocalSpotColumnMm, detection.FocalSpotRowMm,
+      static_cast<double>(detection.FocalSpotSamples) };
+    if (!(this->Source == scene.Source && this->Detector == scene.Detector && this->Spot == spot))
+    {
+      this->Forget();
+      this->Source = scene.Source;
+      this->Detector = scene.Detector;
+      this->Spot = spot;
+    }
+  }
+
+  ScatterFunction ScatterOf(const Scene& scene, const ProgressCallback& progress)
+  {
+    const SceneScatter& scatter = scene.Scatter;
+    if (scatter.Method == SceneScatter::Model::None)
+    {
+      return {};
+    }
+    if (scatter.Method == SceneScatter::Model::MonteCarlo)
+    {
+      return [&scene, progress](const PathLengthImage&, const std::vector<double>&)
+      { return FollowScatter(scene, progress); };
+    }
+    if (!scatter.Kernels)
+    {
+      throw InputError("scatter: expected a table of kernels, found none");
+    }
+    ScatterKey key{ scatter.Kernels, scatter.AirGapMm, scatter.Grid, scene.XRays, scene.Response };
+    if (this->ModelKey != key)
+    {
+      this->Model = std::make_shared<const ScatterModel>(*scatter.Kernels, scene.XRays,
+        scene.Response, scatter.AirGapMm,
+        scatter.Grid ? std::optional<AntiscatterGrid>(*scatter.Grid) : std::nullopt);
+      this->ModelKey = std::move(key);
+    }
+    return [model = this->Model, &scene](const PathLengthImage& lengths,
+             const std::vector<double>& primary)
+    { return model->Scatter(scene.Source, scene.Detector, TissueThickness(lengths), primary); };
+  }
+};
+
+Exposer::Exposer(ProjectorOptions options)
+  : Internal(std::make_unique<Internals>())
+{
+  options.Priority.clear();
+  this->Internal->Options = std::move(options);
+}
+
+Exposer::Exposer(std::unique_ptr<PathLengthProjector> projector)
+  : Internal(std::make_unique<Internals>())
+{
+  this->Internal->Projector = std::move(projector);
+  this->Internal->OwnsOptions = false;
+}
+
+Exposer::~Exposer() = default;
+
+const SurfaceMesh& Exposer::Load(const Scene& scene)
+{
+  this->Internal->Load(scene);
+  return *this->Internal->Surface;
+}
+
+Exposure Exposer::Expose(const Scene& scene, const ProgressCallback& progress)
+{
+  Internals& internal = *this->Internal;
+  scene.Validate();
+  internal.Load(scene);
+  const Beam beam = MakeBeam(scene, internal.Materials);
+  internal.Aim(scene);
+  Exposure exposure;
+  if (scene.Refraction)
+  {
+    exposure = Refract(*internal.Projector, internal.Surface->NumberOfPoints(), scene.Source,
+      scene.Detector, beam,
+      RefractiveDecrements(scene.XRays, scene.Materials, beam.NumberOfMaterials(),
+        internal.Materials),
+      *scene.Refraction, progress);
+  }
+  else
+  {
+    ExposureOptions options = WithField(scene);
+    if (!options.Scatter)
+    {
+      options.Scatter = internal.ScatterOf(scene, progress);
+    }
+    exposure = mammoray::Expose([&internal](const XRaySource& from, const XRayDetector& onto)
+      { return internal.Project(from, onto); },
+      scene.Source, scene.Detector, beam, options, progress);
+  }
+  if (scene.Dose)
+  {
+    exposure.Absorbed = ComputeDose(scene, progress);
+  }
+  return exposure;
+}
+
+Exposure Exposer::ExposeAir(const Scene& scene)
+{
+  const auto count = std::max<std::size_t>(scene.Attenuations.size(), 1);
+  const auto air = [count](const XRaySource&, const XRayDetector& onto)
+  {
+    auto image = std::make_shared<PathLengthImage>();
+    image->Columns = onto.Columns;
+    image->Rows = onto.Rows;
+    image->Materials = static_cast<int>(count);
+    image->Lengths.assign(image->NumberOfPixels() * count, 0.0F);
+    image->Inconsistent.assign(image->NumberOfPixels(), 0);
+    return std::shared_ptr<const PathLengthImage>(std::move(image));
+  };
+  return mammoray::Expose(air, scene.Source, scene.Detector, MakeBeam(scene, {}), WithField(scene));
+}
+
+Exposer::Derivatives Exposer::Differentiate(const Scene& scene,
+  const std::vector<double>& velocities, int fields)
+{
+  Internals& internal = *this->Internal;
+  internal.Load(scene);
+  const Beam beam = MakeBeam(scene, internal.Materials);
+  Derivatives derivatives;
+  derivatives.Image = internal.Projector->Project(scene.Source, scene.Detector, velocities, fields,
+    derivatives.Lengths);
+  derivatives.MeanAttenuation = beam.MeanAttenuation(derivatives.Image);
+  return derivatives;
+}
+
+std::size_t Exposer::NumberOfTraces() const
+{
+  return this->Internal->Traces;
+}
+
+std::string Exposer::DeviceName()
+{
+  return this->Internal->Open().DeviceName();
+}
+
+ProjectorOptions::Method Exposer::Method()
+{
+  return this->Internal->Open().Method();
+}
+}

@@ -1,0 +1,249 @@
+// SPDX-License-Identifier: Apache-2.0
+// One scene's file through the command, the VTK filter, C++, Python and Octave: the same bytes.
+#include "CommandTest.h"
+#include "SurfaceShapes.h"
+#include "mammoray/Filters/vtkXRayProjector.h"
+#include "mammoray/IO/MeshConversion.h"
+#include "mammoray/IO/MeshIO.h"
+#include "mammoray/IO/SceneIO.h"
+#include "mammoray/XRay/Exposer.h"
+
+#include "vtkDataArray.h"
+#include "vtkImageData.h"
+#include "vtkNew.h"
+#include "vtkPointData.h"
+#include "vtkPolyData.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <fstream>
+
+using namespace mammoray;
+
+namespace
+{
+/// Transmission, and the path lengths of both materials one after the other.
+struct Pictures
+{
+  std::vector<float> Transmission;
+  std::vector<float> Lengths;
+  bool operator==(const Pictures&) const = default;
+};
+
+class SameScene : public test::CommandTest
+{
+protected:
+  void SetUp() override
+  {
+    if (ListDevices().empty())
+    {
+      GTEST_SKIP() << "no Vulkan device";
+    }
+    SurfaceMesh body;
+    shapes::AddBox(body, { -20, -30, 20 }, { 30, 25, 60 }, 1, 0, shapes::Rotation(0.2, 0.3, 0.1));
+    shapes::AddSphere(body, { 4, 2, 41 }, 9, 3, 2, 1);
+    WriteMesh(ToPolyData(body, { "air", "fat", "gland" }), this->Folder.File("body.vtp"));
+    this->Folder.Write("table.json", R"({"materials": [{"name": "air", "labels": [0]},
+      {"name": "fat", "labels": [1], "attenuation": "H:0.114 C:0.598 N:0.007 O:0.281",
+       "density_g_per_cm3": 0.95},
+      {"name": "gland", "labels": [2], "attenuation": "H2O", "density_g_per_cm3": 1.04}]})");
+  }
+
+  /// A scene with more in its detector, and more parts.
+  std::string WriteScene(const std::string& detection, const std::string& parts)
+  {
+    return this->Folder.Write("scene.json",
+      R"({ "mesh": "body.vtp", "materials": "table.json",
+      "source": { "position": [3, -7, 650] },
+      "detector": { "origin": [-30, -40, 1], "column-direction": [1, 0, 0],
+        "row-direction": [0, 1, 0], "columns": 41, "rows": 33, "pixel-spacing": 1.75,
+        "samples": 2)" +
+        detection + " }, \"beam\": { \"spectrum\": \"W28kVp_Rh50um_Be1mm\" }" + parts + " }");
+  }
+
+  Pictures ByCommand(const std::string& path)
+  {
+    EXPECT_EQ(this->Run("project --scene " + path + " --overwrite -o " +
+                this->Folder.File("t.mha") + " --path-lengths " + this->Folder.File("l.mha")),
+      0)
+      << this->Errors;
+    // Path lengths are the channels of a pixel there.
+    const std::vector<float> channels = MhaValues(this->Folder.File("l.mha"));
+    Pictures pictures{ MhaValues(this->Folder.File("t.mha")), {} };
+    for (std::size_t material = 0; material < 2; ++material)
+    {
+      for (std::size_t pixel = material; pixel < channels.size(); pixel += 2)
+      {
+        pictures.Lengths.push_back(channels[pixel]);
+      }
+    }
+    return pictures;
+  }
+
+  static Pictures ByExposer(const Scene& scene)
+  {
+    Exposer exposer;
+    Exposure exposure = exposer.Expose(scene);
+    const std::vector<float>& all = exposure.Lengths->Lengths;
+    return { std::move(exposure.Transmission),
+      { all.begin() + static_cast<std::ptrdiff_t>(exposure.Lengths->NumberOfPixels()),
+        all.end() } };
+  }
+
+  Pictures ByFilter(const Scene& scene)
+  {
+    const auto body = ReadSurface(this->Folder.File("body.vtp"));
+    const XRayDetector& detector = scene.Detector;
+    vtkNew<vtkXRayProjector> filter;
+    filter->SetInputData(body);
+    filter->SetSourcePosition(scene.Source.Position.data());
+    filter->SetDetectorOrigin(detector.Origin.data());
+    filter->SetPixelSpacing(Norm(detector.ColumnStep), Norm(detector.RowStep));
+    filter->SetDetectorSize(detector.Columns, detector.Rows);
+    filter->SetSamples(detector.Samples);
+    filter->SetMaterialTable(this->Folder.File("table.json").c_str());
+    filter->SetSpectrum("W28kVp_Rh50um_Be1mm");
+    filter->SetPhotonsPerPixel(scene.Detection.PhotonsPerPixel);
+    filter->SetNoiseSeed(static_cast<int>(scene.Detection.Seed));
+    filter->SetScatter(scene.Scatter.Method == SceneScatter::Model::Kernels);
+    filter->SetAirGapMm(scene.Scatter.AirGapMm);
+    if (scene.Refraction)
+    {
+      filter->SetRefraction(vtkXRayProjector::GEOMETRIC);
+      filter->SetBendDistanceMm(scene.Refraction->DistanceMm);
+    }
+    filter->Update();
+    const auto add = [&](const char* array, std::vector<float>& values)
+    {
+      vtkDataArray* found = filter->GetOutput()->GetPointData()->GetArray(array);
+      ASSERT_NE(found, nullptr) << array;
+      const auto* begin = static_cast<const float*>(found->GetVoidPointer(0));
+      values.insert(values.end(), begin, begin + found->GetNumberOfTuples());
+    };
+    Pictures pictures;
+    add("Transmission", pictures.Transmission);
+    add("PathLength_fat", pictures.Lengths);
+    add("PathLength_gland", pictures.Lengths);
+    return pictures;
+  }
+
+  template <typename Value>
+  void Write(const std::string& name, const std::vector<Value>& values) const
+  {
+    std::ofstream file(this->Folder.File(name), std::ios::binary);
+    file.write(reinterpret_cast<const char*>(values.data()),
+      static_cast<std::streamsize>(values.size() * sizeof(Value)));
+  }
+
+  template <typename Value>
+  std::vector<Value> Read(const std::string& name) const
+  {
+    const std::string bytes = test::ReadFile(this->Folder.File(name));
+    std::vector<Value> values(bytes.size() / sizeof(Value));
+    std::memcpy(values.data(), bytes.data(), values.size() * sizeof(Value));
+    return values;
+  }
+
+  /// Runs a script on the scene as plain arrays, in the folder of the test.
+  void RunScript(const Scene& scene, const std::string& command)
+  {
+    const SurfaceMesh& surface = *scene.Samples.front().Surface;
+    std::vector<double> sides;
+    for (std::size_t triangle = 0; triangle < surface.NumberOfTriangles(); ++triangle)
+    {
+      sides.push_back(surface.FrontMaterials[triangle]);
+      sides.push_back(surface.BackMaterials[triangle]);
+    }
+    std::vector<double> weights;
+    std::vector<double> mu;
+    for (std::size_t bin = 0; bin < scene.XRays.Weights.size(); ++bin)
+    {
+      const double energy = scene.XRays.EnergiesKeV[bin];
+      weights.push_back(scene.XRays.Weights[bin] * scene.Response.Signal(energy));
+      for (std::size_t material = 1; material < 3; ++material)
+      {
+        mu.push_back(scene.Attenuations[material].MuAt(energy,
+          scene.Materials.Materials[material].DensityGPerCm3));
+      }
+    }
+    this->Write("points", surface.Points);
+    this->Write("triangles",
+      std::vector<double>(surface.Triangles.begin(), surface.Triangles.end()));
+    this->Write("sides", sides);
+    this->Write("weights", weights);
+    this->Write("mu", mu);
+    const XRayDetector& detector = scene.Detector;
+    std::vector<double> place(scene.Source.Position.begin(), scene.Source.Position.end());
+    for (const Vector3& vector : { detector.Origin, detector.ColumnStep, detector.RowStep })
+    {
+      place.insert(place.end(), vector.begin(), vector.end());
+    }
+    const bool bends = scene.Refraction.has_value();
+    place.insert(place.end(),
+      { double(detector.Columns), double(detector.Rows), double(detector.Samples),
+        scene.Detection.PhotonsPerPixel, double(scene.Detection.Seed), bends ? 1.0 : 0.0,
+        bends ? scene.Refraction->DistanceMm : 0.0 });
+    this->Write("place", place);
+    const std::string log = this->Folder.File("log");
+    ASSERT_EQ(std::system(
+                ("cd " + this->Folder.File("") + " && " + command + " >" + log + " 2>&1").c_str()),
+      0)
+      << test::ReadFile(log);
+  }
+
+  Pictures ByPython(const Scene& scene)
+  {
+    this->RunScript(scene, std::string(MAMMORAY_TEST_PYTHON) + "/sameScene.py");
+    return { this->Read<float>("transmission"), this->Read<float>("lengths") };
+  }
+
+  Pictures ByOctave(const Scene& scene)
+  {
+    this->RunScript(scene, std::string(MAMMORAY_TEST_OCTAVE) + "/sameScene.m");
+    return { this->Read<float>("transmission"), this->Read<float>("lengths") };
+  }
+
+  /// Compares all that can make the scene's picture.
+  void ExpectTheSame(const std::string& path, bool octaveToo, bool pythonToo = true)
+  {
+    SceneDescription description = ReadScene(path);
+    Scene scene = LoadScene(description);
+    const Pictures expected = ByExposer(scene);
+    ASSERT_EQ(expected.Transmission.size(), 41u * 33);
+    EXPECT_TRUE(this->ByCommand(path) == expected);
+    EXPECT_TRUE(this->ByFilter(scene) == expected);
+    if (pythonToo && *MAMMORAY_TEST_PYTHON)
+    {
+      EXPECT_TRUE(this->ByPython(scene) == expected);
+    }
+    if (octaveToo && *MAMMORAY_TEST_OCTAVE)
+    {
+      EXPECT_TRUE(this->ByOctave(scene) == expected);
+    }
+  }
+};
+}
+
+TEST_F(SameScene, HasTheSameBytesFromEverySurface)
+{
+  this->ExpectTheSame(this->WriteScene("", ""), true);
+}
+
+TEST_F(SameScene, HasTheSameNoise)
+{
+  this->ExpectTheSame(this->WriteScene(R"(, "photons": 1000, "seed": 7)", ""), false);
+}
+
+TEST_F(SameScene, IsBentAlike)
+{
+  this->ExpectTheSame(
+    this->WriteScene("", R"(, "refraction": { "law": "geometric", "distance": 250 })"), false);
+}
+
+TEST_F(SameScene, ScattersAlike)
+{
+  this->ExpectTheSame(
+    this->WriteScene("", R"(, "scatter": { "method": "kernels", "air-gap": 20 })"), false, false);
+}
