@@ -77,7 +77,7 @@ struct SceneResponse
 MAMMORAYIO_EXPORT DetectorResponse FindResponse(const SceneResponse& response);
 
 /// A scene as files and options describe it: with the names of what is to be read.
-struct SceneDescription
+struct MAMMORAYIO_EXPORT SceneDescription
 {
   /// What needs no file: source, detector, detection, field, scatter but for its tables.
   Scene Fixed;
