@@ -24,7 +24,7 @@ namespace mammoray
 {
 /**
  * Cells up to which a mesh is simulated on as it is: 20000 quadratic or 150000 linear ones, whose
- * cold start takes about a minute and a gigabyte (README, Performance). What is larger moves with
+ * cold start takes about a minute and a gigabyte (docs/speed.md). What is larger moves with
  * a coarser mesh made for the purpose, on which a search takes seconds for each equilibrium.
  */
 MAMMORAYREGISTRATION_EXPORT std::size_t MostSimulationCells(ElementType element);

@@ -72,7 +72,7 @@ int main(int argc, char** argv)
     std::fprintf(stderr, "\n");
     WriteScatterKernels(kernels,
       "made by tabulateScatter --photons " + std::to_string(photons) + " --seed " +
-        std::to_string(seed) + "; see Modules/XRay/Scatter/README.md",
+        std::to_string(seed) + "; see Modules/XRay/README.md",
       output);
     PrintRatios(kernels);
   }
