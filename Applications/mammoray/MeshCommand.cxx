@@ -257,7 +257,7 @@ void RunCheck(const MeshArguments& arguments)
       throw InputError(
         "--cut-picture: expected a mesh (.vtu) to cut, found the surface " + arguments.Check);
     }
-    check = CheckSurface(FromPolyData(ReadSurface(arguments.Check), &names), MakeProgressBar());
+    check = CheckSurface(ReadSurface(arguments.Check, &names), MakeProgressBar());
   }
   WriteReportFiles(arguments, CheckReport(check, names), check, names, grid);
   PrintCheck(check, names);

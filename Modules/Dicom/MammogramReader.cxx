@@ -319,28 +319,8 @@ std::vector<Mammogram> ReadProjections(const std::string& path)
   {
     Refuse(path, "expected a DICOM mammogram, found no file that can be read");
   }
-  std::vector<Mammogram> projections;
-  ReadGuarded(
-    path, "a DICOM mammogram", ReadLimits::Of({ path }),
-    [&](ParcelWriter& parcel)
-    {
-      const std::vector<Mammogram> read = ReadHere(path);
-      parcel(std::uint64_t{ read.size() });
-      for (const Mammogram& projection : read)
-      {
-        ExchangeMammogram(parcel, projection);
-      }
-    },
-    [&](ParcelReader& parcel)
-    {
-      std::uint64_t count = 0;
-      parcel(count);
-      for (std::uint64_t number = 0; number < count; ++number)
-      {
-        ExchangeMammogram(parcel, projections.emplace_back());
-      }
-    });
-  return projections;
+  return ReadGuarded(path, "a DICOM mammogram", ReadLimits::Of({ path }),
+    [&] { return ReadHere(path); });
 }
 
 std::size_t MiddleProjection(const std::vector<Mammogram>& projections)

@@ -20,6 +20,13 @@
 
 namespace mammoray
 {
+/// Passes a slice between a reader's process and this one.
+static void Exchange(Parcel& parcel, VolumeSlice& slice)
+{
+  parcel(slice.Name, slice.Columns, slice.Rows, slice.Position, slice.AlongRow, slice.AlongColumn,
+    slice.RowSpacing, slice.ColumnSpacing, slice.SliceSpacing, slice.Values);
+}
+
 namespace
 {
 namespace fs = std::filesystem;
@@ -254,12 +261,16 @@ std::vector<VolumeSlice> ReadSliceFile(const SliceFile& wanted, std::string& ser
   return slices;
 }
 
-/// Lists the members of a slice for both ends of a parcel.
-template <typename Parcel, typename Slice>
-void ExchangeSlice(Parcel& parcel, Slice& slice)
+/// Slices of one series, and its UID if there are any.
+struct SeriesPart
 {
-  parcel(slice.Name, slice.Columns, slice.Rows, slice.Position, slice.AlongRow, slice.AlongColumn,
-    slice.RowSpacing, slice.ColumnSpacing, slice.SliceSpacing, slice.Values);
+  std::optional<std::string> Series;
+  std::vector<VolumeSlice> Slices;
+};
+
+void Exchange(Parcel& parcel, SeriesPart& part)
+{
+  parcel(part.Series, part.Slices);
 }
 
 /// Reads files in a process of their own. They are slices of one series, whose UID `series` has or
@@ -273,42 +284,28 @@ void ReadSomeFiles(const std::vector<SliceFile>& files, const std::string& first
   {
     paths.push_back(file.Path);
   }
-  ReadGuarded(
-    paths.size() == 1 ? paths.front() : fs::path(paths.front()).parent_path().string(), "slices",
-    ReadLimits::Of(paths),
-    [&](ParcelWriter& parcel)
-    {
-      for (const SliceFile& file : files)
+  SeriesPart part =
+    ReadGuarded(paths.size() == 1 ? paths.front() : fs::path(paths.front()).parent_path().string(),
+      "slices", ReadLimits::Of(paths),
+      [&]
       {
-        std::string own;
-        const std::vector<VolumeSlice> read = ReadSliceFile(file, own);
-        if (!read.empty() && own != series.value_or(own))
+        SeriesPart found{ series, {} };
+        for (const SliceFile& file : files)
         {
-          throw InputError(
-            file.Path + ": expected the slices of one series, found one of another than " + first);
+          std::string own;
+          std::vector<VolumeSlice> read = ReadSliceFile(file, own);
+          if (!read.empty() && own != found.Series.value_or(own))
+          {
+            throw InputError(file.Path +
+              ": expected the slices of one series, found one of another than " + first);
+          }
+          found.Series = read.empty() ? found.Series : own;
+          std::move(read.begin(), read.end(), std::back_inserter(found.Slices));
         }
-        parcel(std::uint64_t{ read.size() });
-        for (const VolumeSlice& slice : read)
-        {
-          series = own;
-          ExchangeSlice(parcel, slice);
-        }
-      }
-      parcel(series);
-    },
-    [&](ParcelReader& parcel)
-    {
-      for (std::size_t file = 0; file < files.size(); ++file)
-      {
-        std::uint64_t count = 0;
-        parcel(count);
-        for (std::uint64_t slice = 0; slice < count; ++slice)
-        {
-          ExchangeSlice(parcel, slices.emplace_back());
-        }
-      }
-      parcel(series);
-    });
+        return found;
+      });
+  series = std::move(part.Series);
+  std::move(part.Slices.begin(), part.Slices.end(), std::back_inserter(slices));
 }
 
 std::vector<VolumeSlice> ReadFiles(const std::vector<SliceFile>& files,
@@ -402,26 +399,8 @@ LabelVolume ReadDicomLabels(const std::string& path)
     // Of a segmentation, one bit becomes a number of four bytes.
     ReadLimits limits = ReadLimits::Of({ path });
     limits.MemoryBytes *= 2;
-    ReadGuarded(
-      path, "a DICOM segmentation", limits,
-      [&](ParcelWriter& parcel)
-      {
-        const std::vector<VolumeSlice> frames = ReadSegmentation(path);
-        parcel(std::uint64_t{ frames.size() });
-        for (const VolumeSlice& frame : frames)
-        {
-          ExchangeSlice(parcel, frame);
-        }
-      },
-      [&](ParcelReader& parcel)
-      {
-        std::uint64_t count = 0;
-        parcel(count);
-        for (std::uint64_t frame = 0; frame < count; ++frame)
-        {
-          ExchangeSlice(parcel, slices.emplace_back());
-        }
-      });
+    slices =
+      ReadGuarded(path, "a DICOM segmentation", limits, [&] { return ReadSegmentation(path); });
   }
   CheckLabels(slices);
   const IntensityVolume values = StackSlices(slices, !isFolder);

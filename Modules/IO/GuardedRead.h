@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+// Reads foreign bytes in a process of its own.
 #ifndef mammoray_GuardedRead_h
 #define mammoray_GuardedRead_h
 
@@ -6,9 +7,7 @@
 #include "mammorayIOModule.h"
 
 #include <array>
-#include <concepts>
 #include <cstdint>
-#include <cstring>
 #include <functional>
 #include <optional>
 #include <string>
@@ -17,243 +16,200 @@
 
 namespace mammoray
 {
-/// What is sent as the bytes that it has in memory.
-template <typename T>
-struct IsPlain : std::bool_constant<std::is_arithmetic_v<T> || std::is_enum_v<T>>
-{
-};
-template <typename T, std::size_t N>
-struct IsPlain<std::array<T, N>> : IsPlain<T>
-{
-};
-
 /**
- * Values on their way from a reader's process to the one that asked. A function that lists a
- * struct's members once, `exchange(a, b, ...)`, serves both ends: ParcelWriter puts them in,
- * ParcelReader takes them out. Numbers, enumerations, std::array of them, std::string,
- * std::optional, and std::vector of plain values or of texts.
+ * Values on their way from a reader's process to the one that asked. `parcel(a, b, ...)` puts the
+ * values in at one end and takes them out at the other. It carries numbers, enumerations, texts,
+ * std::array of numbers, std::optional and std::vector, and every type T with a function
+ * Exchange(Parcel&, T&), which passes the members of T to the parcel.
  */
-class MAMMORAYIO_EXPORT ParcelWriter
+class MAMMORAYIO_EXPORT Parcel
 {
 public:
-  /// An open file, which stays the caller's.
-  explicit ParcelWriter(int file)
+  /// Puts values into an open file, which stays the caller's.
+  explicit Parcel(int file)
     : File(file)
   {
   }
-  ParcelWriter(const ParcelWriter&) = delete;
-  ParcelWriter& operator=(const ParcelWriter&) = delete;
-  /// What is kept back is lost unless Flush was called.
-  ~ParcelWriter() = default;
-
-  template <typename... Values>
-  void operator()(const Values&... values)
-  {
-    (this->Put(values), ...);
-  }
-  /// `bytes` may be many and are not copied in between. Throws InputError where they have no place.
-  void Block(const void* bytes, std::uint64_t count);
-  void Flush();
-
-private:
-  template <typename T>
-  requires IsPlain<T>::value void Put(const T& value) { this->Block(&value, sizeof value); }
-  void Put(const std::string& text)
-  {
-    this->Put(std::uint64_t{ text.size() });
-    this->Block(text.data(), text.size());
-  }
-  template <typename T>
-  void Put(const std::optional<T>& value)
-  {
-    this->Put(value.has_value());
-    if (value)
-    {
-      this->Put(*value);
-    }
-  }
-  template <typename T>
-  void Put(const std::vector<T>& values)
-  {
-    this->Put(std::uint64_t{ values.size() });
-    if constexpr (IsPlain<T>::value)
-    {
-      this->Block(values.data(), values.size() * sizeof(T));
-    }
-    else
-    {
-      for (const T& value : values)
-      {
-        this->Put(value);
-      }
-    }
-  }
-  void WriteAll(const void* bytes, std::uint64_t count) const;
-
-  int File;
-  std::vector<char> Kept;
-};
-
-/// The other end. Throws InputError where a parcel holds less than is asked of it: a reader that
-/// damaged data led astray may have written anything.
-class ParcelReader
-{
-public:
-  /// `bytes` must outlive this; `what` was read, for messages.
-  ParcelReader(const unsigned char* bytes, std::uint64_t count, const std::string& what)
+  /// Takes values out of bytes that outlive the parcel; `what` names their origin in messages.
+  Parcel(const unsigned char* bytes, std::uint64_t count, const std::string& what)
     : Next(bytes)
     , Left(count)
     , What(what)
   {
   }
+  Parcel(const Parcel&) = delete;
+  Parcel& operator=(const Parcel&) = delete;
+  ~Parcel() = default;
 
+  /// Throws InputError if there are fewer bytes than the values need: a reader that damaged data
+  /// led astray may have written anything.
   template <typename... Values>
   void operator()(Values&... values)
   {
-    (this->Take(values), ...);
+    (this->Pass(values), ...);
   }
-  /// The next bytes, where they lie.
-  const unsigned char* Block(std::uint64_t count)
-  {
-    if (count > this->Left)
-    {
-      throw InputError(
-        this->What + ": expected a whole answer of its reader, found one that is cut short");
-    }
-    const unsigned char* const bytes = this->Next;
-    this->Next += count;
-    this->Left -= count;
-    return bytes;
-  }
+
+  /// Writes the bytes that are still kept back.
+  void Flush();
 
 private:
+  /// Sent as the bytes that it has in memory.
   template <typename T>
-  requires IsPlain<T>::value void Take(T& value)
+  static constexpr bool IsPlain = std::is_arithmetic_v<T> || std::is_enum_v<T>;
+
+  bool Takes() const { return this->File < 0; }
+
+  template <typename T>
+  void Pass(T& value)
   {
-    if constexpr (std::same_as<T, bool>)
+    if constexpr (std::is_same_v<T, bool>)
     {
-      value = *this->Block(1) != 0;
+      auto byte = static_cast<unsigned char>(value);
+      this->Bytes(&byte, 1);
+      value = byte != 0;
+    }
+    else if constexpr (IsPlain<T>)
+    {
+      this->Bytes(&value, sizeof value);
     }
     else
     {
-      std::memcpy(&value, this->Block(sizeof value), sizeof value);
+      Exchange(*this, value);
     }
   }
-  void Take(std::string& text)
+  void Pass(std::string& text)
   {
-    const std::uint64_t count = this->Count(1);
-    text.assign(reinterpret_cast<const char*>(this->Block(count)), count);
+    text.resize(this->Count(text.size(), 1));
+    this->Bytes(text.data(), text.size());
   }
-  template <typename T>
-  void Take(std::optional<T>& value)
+  template <typename T, std::size_t N>
+  void Pass(std::array<T, N>& values)
   {
-    bool given = false;
-    this->Take(given);
-    value.reset();
-    if (given)
+    for (T& value : values)
     {
-      this->Take(value.emplace());
+      this->Pass(value);
     }
   }
   template <typename T>
-  void Take(std::vector<T>& values)
+  void Pass(std::optional<T>& value)
   {
-    if constexpr (IsPlain<T>::value)
+    bool isGiven = value.has_value();
+    this->Pass(isGiven);
+    value = isGiven ? value.value_or(T{}) : std::optional<T>();
+    if (isGiven)
     {
-      const std::uint64_t count = this->Count(sizeof(T));
+      this->Pass(*value);
+    }
+  }
+  template <typename T>
+  void Pass(std::vector<T>& values)
+  {
+    // Every value takes a byte at least.
+    const std::uint64_t count = this->Count(values.size(), IsPlain<T> ? sizeof(T) : 1);
+    if constexpr (IsPlain<T>)
+    {
       values.resize(count);
-      if (count > 0)
-      {
-        std::memcpy(values.data(), this->Block(count * sizeof(T)), count * sizeof(T));
-      }
+      this->Bytes(values.data(), count * sizeof(T));
     }
     else
     {
-      // Each takes eight bytes at least, its length.
-      values.resize(this->Count(sizeof(std::uint64_t)));
-      for (T& value : values)
+      for (std::uint64_t index = 0; index < count; ++index)
       {
-        this->Take(value);
+        this->Pass(index < values.size() ? values[index] : values.emplace_back());
       }
     }
-  }
-  /// A number of things of at least `bytes` each that are there.
-  std::uint64_t Count(std::uint64_t bytes)
-  {
-    std::uint64_t count = 0;
-    this->Take(count);
-    if (count > this->Left / bytes)
-    {
-      this->Block(this->Left + 1);
-    }
-    return count;
   }
 
-  const unsigned char* Next;
-  std::uint64_t Left;
+  /// Passes a number of values of at least `bytes` each.
+  std::uint64_t Count(std::uint64_t count, std::uint64_t bytes);
+  void Bytes(void* bytes, std::uint64_t count);
+  void Write(const char* bytes, std::uint64_t count) const;
+
+  const int File = -1;
+  std::vector<char> Kept;
+  const unsigned char* Next = nullptr;
+  std::uint64_t Left = 0;
   std::string What;
 };
 
 /// What a reader may take before it is stopped.
 struct MAMMORAYIO_EXPORT ReadLimits
 {
-  /// Memory beyond what the process has when it begins, bytes.
+  /// Memory beyond that of the process when it begins, bytes.
   std::uint64_t MemoryBytes = 0;
-  /// Time of the processor, s. On the clock ten times as much and a minute.
+  /// Time of the processor, s; ten times as much and a minute on the clock. May be infinite.
   double Seconds = 0;
 
-  /// In proportion to the files: 512 MiB and 64 times their size (text and compressed meshes grow
-  /// less), 10 s and 1 s for each MB. Files that are not there count nothing.
+  /// Limits in proportion to the files: 512 MiB and 64 times their size (text and compressed meshes
+  /// grow less), 10 s and 1 s for each MB. Files that do not exist count nothing.
   static ReadLimits Of(const std::vector<std::string>& files);
 };
 
-/**
- * Reads foreign bytes in a process of its own, a fork of this one, because the libraries that read
- * them (VTK, GDCM, ITK and what these use) end their process on some damaged files, and on others
- * never end or ask for all memory. `read` puts its result into the parcel; `unpack` gets it here.
- * An InputError of `read` arrives as it was thrown. Death of the reader, or one of `limits` met, is
- * an InputError of one line: "what: expected content, found ...". What libraries print there
- * reaches nobody but SaidByLibraries.
- *
- * A fork of a process with several threads has only the one that asks: `read` must not wait for
- * another, nor use a device. It costs two to five milliseconds and the copying of the result. Calls
- * of this function by `read` read where they are.
- */
-MAMMORAYIO_EXPORT void ReadGuarded(const std::string& what, const std::string& content,
-  const ReadLimits& limits, const std::function<void(ParcelWriter&)>& read,
-  const std::function<void(ParcelReader&)>& unpack);
-
-/// From now on guarded reads of this process read where they are, as in a reader's own. For
-/// fuzzing, where the death of the process is what is looked for.
-MAMMORAYIO_EXPORT void ReadWithoutGuard();
-
-/// The first line that libraries have printed in this guarded read, at most 200 letters: of some
-/// formats it is their only word of damage. Empty outside one.
-MAMMORAYIO_EXPORT std::string SaidByLibraries();
-
-/// For a reader that has seen that its file holds what needs so much: the limit on memory is at
-/// least this from now on, and 1 s is added for each 20 MB. Does nothing outside a guarded read.
-MAMMORAYIO_EXPORT void AllowMemory(std::uint64_t bytes);
-
-/// Tells the asking process something while the work goes on; comes back when it has been heard.
-/// At most 100,000 bytes.
+/// Passes a text of at most 100,000 bytes to the process that asked, and returns when it was heard.
 using TellCallback = std::function<void(const std::string& text)>;
 
+/// ReadGuarded without the types; `put` fills the parcel in the reader's process, `take` empties it
+/// in this one.
+MAMMORAYIO_EXPORT void RunGuarded(const std::string& what, const std::string& content,
+  const ReadLimits& limits, const std::function<void(Parcel&, const TellCallback& tell)>& put,
+  const std::function<void(Parcel&)>& take, const TellCallback& heard);
+
 /**
- * Does long work on foreign bytes in a process of its own, a fork of this one, and gives its
- * answer. `heard` is called here, on the thread that asks, with each text that the work tells, and
- * with an empty one every 200 ms at least; what it throws ends the work at once and is thrown on.
+ * Returns the value of `read`, called in a fork of this process: the libraries that read foreign
+ * bytes (VTK, GDCM, ITK, DCMTK, tinygltf) crash on some damaged files, and on others never end or
+ * ask for all memory. An InputError of `read` arrives as it was thrown, other exceptions as an
+ * InputError of their text. The death of the reader, and a limit that it meets, are an InputError
+ * of one line: "what: expected content, found ...". What libraries print there reaches nobody but
+ * SaidByLibraries.
  *
- * An InputError of `work` arrives as it was thrown, other exceptions as an InputError of their
- * text. The work's death, or more memory than `memoryBytes` beyond what this process has when it
- * begins, is an InputError of one line: "what: expected content, found ...". Time is not limited:
- * `heard` may end it. What libraries print there reaches nobody. `work` must not wait for another
- * thread, nor use a device: a fork has only the thread that asks.
+ * A fork has only the thread that asks: `read` must not wait for another thread, nor use a device.
+ * It costs two to five milliseconds and copying the value. Calls within `read` do not fork again.
  */
-MAMMORAYIO_EXPORT std::vector<std::string> WorkGuarded(const std::string& what,
-  const std::string& content, std::uint64_t memoryBytes,
-  const std::function<std::vector<std::string>(const TellCallback& tell)>& work,
-  const TellCallback& heard);
+template <typename Read>
+auto ReadGuarded(const std::string& what, const std::string& content, const ReadLimits& limits,
+  const Read& read)
+{
+  auto value = decltype(read()){};
+  RunGuarded(
+    what, content, limits,
+    [&read](Parcel& parcel, const TellCallback&)
+    {
+      auto found = read();
+      parcel(found);
+    },
+    [&value](Parcel& parcel) { parcel(value); }, {});
+  return value;
+}
+
+/// ReadGuarded for long work that tells of itself. `heard` is called in this process with each text
+/// that the work tells, and with an empty one every 200 ms; its exceptions end the work at once.
+template <typename Work>
+auto WorkGuarded(const std::string& what, const std::string& content, const ReadLimits& limits,
+  const Work& work, const TellCallback& heard)
+{
+  auto value = decltype(work(heard)){};
+  RunGuarded(
+    what, content, limits,
+    [&work](Parcel& parcel, const TellCallback& tell)
+    {
+      auto found = work(tell);
+      parcel(found);
+    },
+    [&value](Parcel& parcel) { parcel(value); }, heard);
+  return value;
+}
+
+/// Makes guarded reads of this process read in it from now on; for fuzzing, which looks for
+/// crashes.
+MAMMORAYIO_EXPORT void ReadWithoutGuard();
+
+/// Returns the first line that libraries printed in this reader's process, at most 200 letters: for
+/// some formats it is their only word of damage. Empty outside a reader's process.
+MAMMORAYIO_EXPORT std::string SaidByLibraries();
+
+/// Raises the limits of this reader's process, whose file is known to hold so much: memory to at
+/// least `bytes`, time by 1 s for each 20 MB. Does nothing outside a reader's process.
+MAMMORAYIO_EXPORT void AllowMemory(std::uint64_t bytes);
 }
 
 #endif

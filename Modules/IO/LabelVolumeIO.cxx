@@ -11,15 +11,16 @@
 
 namespace mammoray
 {
-namespace
-{
-/// Both ways between processes.
-template <typename Parcel, typename Volume>
-void Exchange(Parcel& parcel, Volume&& volume)
+/// Passes a volume between a reader's process and this one.
+template <typename Volume>
+requires std::is_base_of_v<VolumeGrid, Volume>
+void Exchange(Parcel& parcel, Volume& volume)
 {
   parcel(volume.Size, volume.Origin, volume.Spacing, volume.Direction, volume.Voxels);
 }
 
+namespace
+{
 LabelVolume DecodeLabels(const std::string& path, VolumeAxes axes)
 {
   const VolumeFile file(path, "a label volume", axes);
@@ -68,22 +69,16 @@ InputError NoLabel(const std::string& place, double value)
 
 LabelVolume ReadLabelFile(const std::string& path, VolumeAxes axes)
 {
-  LabelVolume volume;
-  ReadGuarded(
-    path, "a label volume", ReadLimits::Of({ path }),
-    [&](ParcelWriter& parcel) { Exchange(parcel, DecodeLabels(path, axes)); },
-    [&](ParcelReader& parcel) { Exchange(parcel, volume); });
+  const LabelVolume volume = ReadGuarded(path, "a label volume", ReadLimits::Of({ path }),
+    [&] { return DecodeLabels(path, axes); });
   volume.Validate(path);
   return volume;
 }
 
 IntensityVolume ReadIntensityFile(const std::string& path, VolumeAxes axes)
 {
-  IntensityVolume volume;
-  ReadGuarded(
-    path, "a volume", ReadLimits::Of({ path }),
-    [&](ParcelWriter& parcel) { Exchange(parcel, DecodeIntensities(path, axes)); },
-    [&](ParcelReader& parcel) { Exchange(parcel, volume); });
+  const IntensityVolume volume = ReadGuarded(path, "a volume", ReadLimits::Of({ path }),
+    [&] { return DecodeIntensities(path, axes); });
   volume.Validate(path);
   return volume;
 }

@@ -153,6 +153,18 @@ std::vector<float> DecodeFloats(const std::string& path, int columns, int rows)
   const float* begin = values->GetPointer(0);
   return { begin, begin + values->GetNumberOfValues() };
 }
+
+/// A mammogram of pixels alone.
+struct Picture
+{
+  Mammogram Pixels;
+};
+
+void Exchange(Parcel& parcel, Picture& picture)
+{
+  Mammogram& pixels = picture.Pixels;
+  parcel(pixels.Columns, pixels.Rows, pixels.BitsStored, pixels.Pixels);
+}
 }
 
 bool IsPicturePath(const std::string& path)
@@ -179,16 +191,10 @@ Mammogram ReadMammogramPicture(const std::string& path, const PictureDescription
       "expected a positive pixel spacing, found " + std::to_string(*description.PixelSpacingMm) +
         " mm");
   }
-  Mammogram mammogram;
-  ReadGuarded(
-    path, "a picture", ReadLimits::Of({ path }),
-    [&](ParcelWriter& parcel)
-    {
-      const Mammogram read = DecodePicture(path);
-      parcel(read.Columns, read.Rows, read.BitsStored, read.Pixels);
-    },
-    [&](ParcelReader& parcel)
-    { parcel(mammogram.Columns, mammogram.Rows, mammogram.BitsStored, mammogram.Pixels); });
+  Mammogram mammogram = ReadGuarded(path, "a picture", ReadLimits::Of({ path }),
+    [&] {
+      return Picture{ DecodePicture(path) };
+    }).Pixels;
   mammogram.ColumnSpacingMm = *description.PixelSpacingMm;
   mammogram.RowSpacingMm = mammogram.ColumnSpacingMm;
   mammogram.View = description.View;
@@ -198,21 +204,13 @@ Mammogram ReadMammogramPicture(const std::string& path, const PictureDescription
 
 std::vector<unsigned char> ReadMask(const std::string& path, int columns, int rows)
 {
-  std::vector<unsigned char> mask;
-  ReadGuarded(
-    path, "a mask", ReadLimits::Of({ path }),
-    [&](ParcelWriter& parcel) { parcel(DecodeMask(path, columns, rows)); },
-    [&](ParcelReader& parcel) { parcel(mask); });
-  return mask;
+  return ReadGuarded(path, "a mask", ReadLimits::Of({ path }),
+    [&] { return DecodeMask(path, columns, rows); });
 }
 
 std::vector<float> ReadFloatPicture(const std::string& path, int columns, int rows)
 {
-  std::vector<float> pixels;
-  ReadGuarded(
-    path, "an image of floats", ReadLimits::Of({ path }),
-    [&](ParcelWriter& parcel) { parcel(DecodeFloats(path, columns, rows)); },
-    [&](ParcelReader& parcel) { parcel(pixels); });
-  return pixels;
+  return ReadGuarded(path, "an image of floats", ReadLimits::Of({ path }),
+    [&] { return DecodeFloats(path, columns, rows); });
 }
 }

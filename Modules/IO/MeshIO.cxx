@@ -2,12 +2,13 @@
 #include "mammoray/IO/MeshIO.h"
 
 #include "Private/GltfReader.h"
-#include "Private/MeshParcel.h"
+#include "Private/GridParcel.h"
 #include "Private/TextTable.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/Foundation/Numbers.h"
 #include "mammoray/IO/AtomicFile.h"
 #include "mammoray/IO/GuardedRead.h"
+#include "mammoray/IO/MeshConversion.h"
 
 #include "vtkCommand.h"
 #include "vtkExecutive.h"
@@ -213,36 +214,65 @@ void CheckVertices(const std::string& path, const std::string& keyword)
   }
 }
 
-/// VTK's readers end the process on damaged PLY files, and some VTU and legacy ones.
 template <typename Reader>
-auto Read(const std::string& path)
+auto Decode(const std::string& path)
 {
-  using Mesh = std::remove_reference_t<decltype(*vtkNew<Reader>()->GetOutput())>;
-  auto mesh = vtkSmartPointer<Mesh>::New();
-  ReadGuarded(
-    path, "a mesh", ReadLimits::Of({ path }),
-    [&path](ParcelWriter& parcel)
-    {
-      if constexpr (std::is_same_v<Reader, vtkOBJReader>)
-      {
-        CheckVertices(path, "v");
-      }
-      if constexpr (std::is_same_v<Reader, vtkSTLReader>)
-      {
-        CheckVertices(path, "vertex");
-      }
-      vtkNew<Reader> reader;
-      reader->SetFileName(path.c_str());
-      Run(reader.Get(), path, "expected a mesh, found data that cannot be read");
-      Mesh* const found = reader->GetOutput();
-      if (!found || found->GetNumberOfPoints() == 0 || found->GetNumberOfCells() == 0)
-      {
-        throw InputError(path + ": expected a mesh, found no points or no cells");
-      }
-      PackMesh(found, path, parcel);
-    },
-    [&](ParcelReader& parcel) { UnpackMesh(parcel, path, mesh); });
+  if constexpr (std::is_same_v<Reader, vtkOBJReader>)
+  {
+    CheckVertices(path, "v");
+  }
+  if constexpr (std::is_same_v<Reader, vtkSTLReader>)
+  {
+    CheckVertices(path, "vertex");
+  }
+  vtkNew<Reader> reader;
+  reader->SetFileName(path.c_str());
+  Run(reader.Get(), path, "expected a mesh, found data that cannot be read");
+  vtkSmartPointer mesh = reader->GetOutput();
+  if (!mesh || mesh->GetNumberOfPoints() == 0 || mesh->GetNumberOfCells() == 0)
+  {
+    throw InputError(path + ": expected a mesh, found no points or no cells");
+  }
   return mesh;
+}
+
+using GridDecoder = vtkSmartPointer<vtkUnstructuredGrid> (*)(const std::string& path);
+using SurfaceDecoder = vtkSmartPointer<vtkPolyData> (*)(const std::string& path);
+
+SurfaceDecoder FindSurfaceDecoder(const std::string& path)
+{
+  const std::string extension = Extension(path);
+  return extension == ".vtp" ? Decode<vtkXMLPolyDataReader>
+    : extension == ".stl"    ? Decode<vtkSTLReader>
+    : extension == ".ply"    ? Decode<vtkPLYReader>
+    : extension == ".obj"    ? Decode<vtkOBJReader>
+    : IsGltf(path)           ? SurfaceDecoder(ReadGltf)
+                             : nullptr;
+}
+
+/// A surface as it comes from its reader's process.
+struct NamedSurface
+{
+  SurfaceMesh Mesh;
+  std::vector<std::string> MaterialNames;
+};
+
+void Exchange(Parcel& parcel, NamedSurface& surface)
+{
+  parcel(surface.Mesh.Points, surface.Mesh.Triangles, surface.Mesh.FrontMaterials,
+    surface.Mesh.BackMaterials, surface.MaterialNames);
+}
+
+NamedSurface DecodeSurface(const std::string& path, SurfaceDecoder decode)
+{
+  const auto decoded = decode(path);
+  for (vtkIdType point = 0; point < decoded->GetNumberOfPoints(); ++point)
+  {
+    CheckCoordinates(path, static_cast<std::size_t>(point), decoded->GetPoint(point));
+  }
+  NamedSurface surface;
+  surface.Mesh = FromPolyData(decoded, &surface.MaterialNames);
+  return surface;
 }
 }
 
@@ -297,48 +327,38 @@ vtkSmartPointer<vtkUnstructuredGrid> ReadMesh(const std::string& path)
 {
   CheckReadable(path);
   const std::string extension = Extension(path);
-  if (extension == ".vtu")
+  const GridDecoder decode = extension == ".vtu" ? Decode<vtkXMLUnstructuredGridReader>
+    : extension == ".vtk"                        ? Decode<vtkUnstructuredGridReader>
+                                                 : nullptr;
+  if (!decode)
   {
-    return Read<vtkXMLUnstructuredGridReader>(path);
+    RefuseExtension(path, "a volume mesh", ".vtu or .vtk");
   }
-  if (extension == ".vtk")
-  {
-    return Read<vtkUnstructuredGridReader>(path);
-  }
-  RefuseExtension(path, "a volume mesh", ".vtu or .vtk");
+  return UnpackGrid(ReadGuarded(path, "a mesh", ReadLimits::Of({ path }),
+                      [&] { return PackGrid(decode(path), path); }),
+    path);
 }
 
-vtkSmartPointer<vtkPolyData> ReadSurface(const std::string& path)
+SurfaceMesh ReadSurface(const std::string& path, std::vector<std::string>* materialNames)
 {
   CheckReadable(path);
-  const std::string extension = Extension(path);
-  if (extension == ".vtp")
+  const SurfaceDecoder decode = FindSurfaceDecoder(path);
+  if (!decode)
   {
-    return Read<vtkXMLPolyDataReader>(path);
+    RefuseExtension(path, "a surface", ".vtp, .stl, .ply, .obj, .glb or .gltf");
   }
-  if (extension == ".stl")
+  NamedSurface read = ReadGuarded(path, "a mesh", ReadLimits::Of({ path }),
+    [&] { return DecodeSurface(path, decode); });
+  read.Mesh.Validate(path);
+  for (std::size_t point = 0; point < read.Mesh.NumberOfPoints(); ++point)
   {
-    return Read<vtkSTLReader>(path);
+    CheckCoordinates(path, point, &read.Mesh.Points[3 * point]);
   }
-  if (extension == ".ply")
+  if (materialNames)
   {
-    return Read<vtkPLYReader>(path);
+    *materialNames = std::move(read.MaterialNames);
   }
-  if (extension == ".obj")
-  {
-    return Read<vtkOBJReader>(path);
-  }
-  if (IsGltf(path))
-  {
-    // Ours, but a mesh that stands in many places may need all memory.
-    auto mesh = vtkSmartPointer<vtkPolyData>::New();
-    ReadGuarded(
-      path, "a mesh", ReadLimits::Of({ path }),
-      [&path](ParcelWriter& parcel) { PackMesh(ReadGltf(path), path, parcel); },
-      [&](ParcelReader& parcel) { UnpackMesh(parcel, path, mesh); });
-    return mesh;
-  }
-  RefuseExtension(path, "a surface", ".vtp, .stl, .ply, .obj, .glb or .gltf");
+  return std::move(read.Mesh);
 }
 
 double NativeUnitMm(const std::string& path)

@@ -2,22 +2,24 @@
 #ifndef mammoray_MeshIO_h
 #define mammoray_MeshIO_h
 
+#include "mammoray/Foundation/SurfaceMesh.h"
 #include "mammorayIOModule.h"
 
 #include "vtkSmartPointer.h"
 
 #include <string>
+#include <vector>
 
 class vtkPointSet;
-class vtkPolyData;
 class vtkUnstructuredGrid;
 
 namespace mammoray
 {
 /**
- * Writes by extension: a vtkUnstructuredGrid as .vtu (compressed, appended), a vtkPolyData as .vtp,
- * .stl, .ply or .obj (the last three without arrays, triangles only for .stl and .ply). Throws
- * InputError on another extension, naming the known ones, and when the file cannot be written.
+ * Writes a mesh by extension: a vtkUnstructuredGrid as .vtu (compressed, appended), a vtkPolyData
+ * as .vtp, .stl, .ply or .obj (the last three without arrays, triangles only for .stl and .ply).
+ * Throws InputError on another extension, naming the known ones, and when the file cannot be
+ * written.
  */
 MAMMORAYIO_EXPORT void WriteMesh(vtkPointSet* mesh, const std::string& path);
 
@@ -25,12 +27,17 @@ MAMMORAYIO_EXPORT void WriteMesh(vtkPointSet* mesh, const std::string& path);
 /// damaged or empty file.
 MAMMORAYIO_EXPORT vtkSmartPointer<vtkUnstructuredGrid> ReadMesh(const std::string& path);
 
-/// Reads .vtp, .stl, .ply, .obj, or all parts of the scene of a .glb or .gltf (glTF 2.0; its metres
-/// become mm). Throws InputError on a missing, damaged or empty file, and on what of glTF cannot be
-/// shown as it is (Private/GltfReader.h).
-MAMMORAYIO_EXPORT vtkSmartPointer<vtkPolyData> ReadSurface(const std::string& path);
+/**
+ * Reads triangles from .vtp, .stl, .ply, .obj, or from all parts of the scene of a .glb or .gltf
+ * (glTF 2.0; its metres become mm). Their materials, and `materialNames`, are as FromPolyData has
+ * them. Throws InputError on a missing, damaged or empty file, on cells other than triangles, and
+ * on contents of glTF that would be shown differently elsewhere (skins, morph targets, required
+ * extensions).
+ */
+MAMMORAYIO_EXPORT SurfaceMesh ReadSurface(const std::string& path,
+  std::vector<std::string>* materialNames = nullptr);
 
-/// The unit that ReadSurface takes the numbers of a file of this name to be in, mm.
+/// Returns the unit in which ReadSurface takes the numbers of a file of this name, mm.
 MAMMORAYIO_EXPORT double NativeUnitMm(const std::string& path);
 }
 

@@ -105,7 +105,7 @@ void AddSample(const SurfaceSample& sample, Scene& scene)
 {
   SceneSample placed;
   placed.Material = MaterialFor(sample, scene.Materials);
-  auto part = std::make_shared<SurfaceMesh>(FromPolyData(ReadSurface(sample.File)));
+  auto part = std::make_shared<SurfaceMesh>(ReadSurface(sample.File));
   const auto several = [](const std::vector<std::uint16_t>& sides)
   { return std::any_of(sides.begin(), sides.end(), [](std::uint16_t side) { return side > 1; }); };
   if (several(part->BackMaterials) || several(part->FrontMaterials))
@@ -128,7 +128,7 @@ void AddMesh(const std::string& path, Scene& scene)
   std::vector<std::string> names;
   auto surface = std::make_shared<SurfaceMesh>(std::filesystem::path(path).extension() == ".vtu"
       ? ExtractInterfaces(FromGrid(ReadMesh(path), &names))
-      : FromPolyData(ReadSurface(path), &names));
+      : ReadSurface(path, &names));
   scene.Materials.CheckMesh(*surface, names, path);
   scene.Samples.push_back({ std::move(surface) });
 }

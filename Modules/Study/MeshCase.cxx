@@ -72,7 +72,7 @@ SurfaceMesh ReadSurfaces(const MeshCase& input, const MaterialTable& table)
   SurfaceMesh all;
   for (const auto& [name, path] : input.Surfaces)
   {
-    AppendBoundary(FromPolyData(ReadSurface(path)), table.IndexOf(name), all);
+    AppendBoundary(ReadSurface(path), table.IndexOf(name), all);
   }
   return all;
 }

@@ -34,8 +34,8 @@ TEST_F(ExampleCommand, WritesMeshImageAndPicture)
   ASSERT_EQ(this->Run("example boxes -o " + this->Target), 0) << this->Errors;
   EXPECT_EQ(this->Errors, "");
   EXPECT_THAT(this->Output, testing::HasSubstr("47580 triangles"));
-  const auto surface = ReadSurface(this->Target + "/boxes.vtp");
-  EXPECT_EQ(FromPolyData(surface).NumberOfTriangles(), 47580u);
+  const SurfaceMesh surface = ReadSurface(this->Target + "/boxes.vtp");
+  EXPECT_EQ(surface.NumberOfTriangles(), 47580u);
   const std::string image = ReadFile(this->Target + "/boxes.mha");
   EXPECT_THAT(image, testing::HasSubstr("DimSize = 250 200 1"));
   EXPECT_GT(image.size(), 250u * 200 * sizeof(float));

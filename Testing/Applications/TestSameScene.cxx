@@ -94,7 +94,9 @@ protected:
 
   Pictures ByFilter(const Scene& scene)
   {
-    const auto body = ReadSurface(this->Folder.File("body.vtp"));
+    std::vector<std::string> names;
+    const SurfaceMesh read = ReadSurface(this->Folder.File("body.vtp"), &names);
+    const auto body = ToPolyData(read, names);
     const XRayDetector& detector = scene.Detector;
     vtkNew<vtkXRayProjector> filter;
     filter->SetInputData(body);

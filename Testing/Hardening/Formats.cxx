@@ -157,7 +157,7 @@ void ReadVolumeMesh(const std::string& path)
 void ReadSurfaceMesh(const std::string& path)
 {
   std::vector<std::string> names;
-  FromPolyData(ReadSurface(path), &names).Validate(path);
+  ReadSurface(path, &names).Validate(path);
 }
 
 void ReadPictureOfBreast(const std::string& path)

@@ -5,7 +5,7 @@
 #include "Private/AttenuationTableIO.h"
 #include "Private/Checkpoint.h"
 #include "Private/GltfReader.h"
-#include "Private/MeshParcel.h"
+#include "Private/GridParcel.h"
 #include "Private/SpectrumIO.h"
 #include "Private/StoreAnswer.h"
 #include "Private/StoredVoxels.h"
@@ -162,12 +162,12 @@ void ReadExport(const std::string& bytes)
   }
 }
 
-template <typename Mesh>
 void Unpack(const std::string& bytes)
 {
-  ParcelReader parcel(reinterpret_cast<const unsigned char*>(bytes.data()), bytes.size(), "a mesh");
-  vtkNew<Mesh> mesh;
-  UnpackMesh(parcel, "a mesh", mesh);
+  Parcel parcel(reinterpret_cast<const unsigned char*>(bytes.data()), bytes.size(), "a mesh");
+  PackedGrid grid;
+  parcel(grid);
+  UnpackGrid(grid, "a mesh");
 }
 }
 
@@ -208,8 +208,7 @@ const std::map<std::string, FuzzTarget>& FuzzTargets()
     { "metaimage",
       OfHeader("a.mha", TextHeader::ReadMetaImage, "dimsize", StoredVoxels::OfMetaImage) },
     { "nrrd", OfHeader("a.nrrd", TextHeader::ReadNrrd, "sizes", StoredVoxels::OfNrrd) },
-    { "parcel-grid", Refusing(Unpack<vtkUnstructuredGrid>) },
-    { "parcel-surface", Refusing(Unpack<vtkPolyData>) },
+    { "parcel-grid", Refusing(Unpack) },
     { "printable",
       Refusing(
         [](const std::string& bytes)

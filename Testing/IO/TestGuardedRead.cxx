@@ -11,6 +11,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <limits>
 #include <new>
 #include <thread>
 
@@ -22,44 +23,50 @@ using testing::HasSubstr;
 
 // Enough for a reader of nothing, of which those that never end are soon seen.
 constexpr ReadLimits Small{ std::uint64_t{ 64 } << 20, 1 };
+constexpr ReadLimits Endless{ Small.MemoryBytes, std::numeric_limits<double>::infinity() };
 
-std::string RefusalOfReader(const std::function<void(ParcelWriter&)>& read)
+std::string RefusalOfReader(const std::function<void()>& read)
 {
-  return RefusalOf([&] { ReadGuarded("a file", "numbers", Small, read, [](ParcelReader&) {}); });
+  return RefusalOf([&] { ReadGuarded("a file", "numbers", Small, [&] { return read(), 0; }); });
+}
+
+/// One value of each kind.
+struct Values
+{
+  std::vector<float> Numbers;
+  std::vector<std::string> Names;
+  std::optional<double> Given;
+  std::optional<double> Absent = 1;
+  std::array<int, 3> Size{};
+  bool Flag = false;
+};
+
+void Exchange(Parcel& parcel, Values& values)
+{
+  parcel(values.Numbers, values.Names, values.Given, values.Absent, values.Size, values.Flag);
 }
 
 TEST(GuardedRead, BringsWhatWasRead)
 {
-  std::vector<float> numbers(100000, 1.5f);
-  std::vector<std::string> names;
-  std::optional<double> given;
-  std::optional<double> absent = 1;
-  std::array<int, 3> size{};
-  bool flag = false;
-  ReadGuarded(
-    "a file", "numbers", Small,
-    [](ParcelWriter& parcel)
+  const auto read = ReadGuarded("a file", "numbers", Small,
+    []
     {
-      parcel(std::vector<float>(70000, 2.5f), std::vector<std::string>{ "a", "", "ccc" },
-        std::optional<double>(3.5), std::optional<double>(), std::array<int, 3>{ 4, 5, 6 }, true);
-    },
-    [&](ParcelReader& parcel) { parcel(numbers, names, given, absent, size, flag); });
-  EXPECT_EQ(numbers, std::vector<float>(70000, 2.5f));
-  EXPECT_EQ(names, (std::vector<std::string>{ "a", "", "ccc" }));
-  EXPECT_EQ(given, 3.5);
-  EXPECT_FALSE(absent.has_value());
-  EXPECT_EQ(size, (std::array<int, 3>{ 4, 5, 6 }));
-  EXPECT_TRUE(flag);
+      return std::vector<Values>{ Values(),
+        { std::vector<float>(70000, 2.5f), { "a", "", "ccc" }, 3.5, {}, { 4, 5, 6 }, true } };
+    });
+  ASSERT_EQ(read.size(), 2u);
+  EXPECT_EQ(read[0].Absent, 1);
+  EXPECT_EQ(read[1].Numbers, std::vector<float>(70000, 2.5f));
+  EXPECT_EQ(read[1].Names, (std::vector<std::string>{ "a", "", "ccc" }));
+  EXPECT_EQ(read[1].Given, 3.5);
+  EXPECT_FALSE(read[1].Absent.has_value());
+  EXPECT_EQ(read[1].Size, (std::array<int, 3>{ 4, 5, 6 }));
+  EXPECT_TRUE(read[1].Flag);
 }
 
 TEST(GuardedRead, ARefusalArrivesAsItWas)
 {
-  EXPECT_EQ(RefusalOfReader(
-              [](ParcelWriter& parcel)
-              {
-                parcel(std::vector<float>(70000, 1.0f));
-                throw InputError("a file: line 3: expected 1, found 2");
-              }),
+  EXPECT_EQ(RefusalOfReader([] { throw InputError("a file: line 3: expected 1, found 2"); }),
     "a file: line 3: expected 1, found 2");
 }
 
@@ -67,7 +74,8 @@ TEST(GuardedRead, ARefusalArrivesAsItWas)
 TEST(GuardedRead, ALimitOfFileSizesIsCalledOne)
 {
   const test::FileSizeLimit limit(100'000);
-  EXPECT_EQ(RefusalOfReader([](ParcelWriter& parcel) { parcel(std::vector<float>(70000)); }),
+  EXPECT_EQ(
+    RefusalOf([] { ReadGuarded("a file", "", Small, [] { return std::vector<float>(70000); }); }),
     "expected a limit of file sizes (ulimit -f) that holds what is read, in memory, too; found a "
     "smaller one");
 }
@@ -76,7 +84,7 @@ TEST(GuardedRead, DeathIsOneLine)
 {
   for (const int death : { SIGSEGV, SIGABRT, SIGFPE, SIGKILL })
   {
-    EXPECT_EQ(RefusalOfReader([death](ParcelWriter&) { std::raise(death); }),
+    EXPECT_EQ(RefusalOfReader([death] { std::raise(death); }),
       std::string(
         "a file: expected numbers, found damaged data, at which its reader ended with '") +
         strsignal(death) + "'");
@@ -84,7 +92,7 @@ TEST(GuardedRead, DeathIsOneLine)
   // libjpeg's way, unless it is told another.
   for (const int status : { 0, 1 })
   {
-    EXPECT_EQ(RefusalOfReader([status](ParcelWriter&) { std::exit(status); }),
+    EXPECT_EQ(RefusalOfReader([status] { std::exit(status); }),
       "a file: expected numbers, found damaged data, at which its reader ended");
   }
 }
@@ -93,11 +101,10 @@ TEST(GuardedRead, DeathIsOneLine)
 TEST(GuardedRead, WorksWhereEndsOfProcessesAreIgnored)
 {
   const auto before = std::signal(SIGCHLD, SIG_IGN);
-  EXPECT_EQ(RefusalOfReader([](ParcelWriter& parcel) { parcel(1); }), test::NotRefused);
-  EXPECT_EQ(RefusalOfReader([](ParcelWriter&) { throw InputError("line 3"); }), "line 3");
-  EXPECT_THAT(RefusalOfReader([](ParcelWriter&) -> void { throw std::bad_alloc(); }),
-    HasSubstr("more memory"));
-  EXPECT_EQ(RefusalOfReader([](ParcelWriter&) { std::raise(SIGKILL); }),
+  EXPECT_EQ(RefusalOfReader([] {}), test::NotRefused);
+  EXPECT_EQ(RefusalOfReader([] { throw InputError("line 3"); }), "line 3");
+  EXPECT_THAT(RefusalOfReader([]() -> void { throw std::bad_alloc(); }), HasSubstr("more memory"));
+  EXPECT_EQ(RefusalOfReader([] { std::raise(SIGKILL); }),
     "a file: expected numbers, found damaged data, at which its reader ended");
   std::signal(SIGCHLD, before);
 }
@@ -105,7 +112,7 @@ TEST(GuardedRead, WorksWhereEndsOfProcessesAreIgnored)
 TEST(GuardedRead, NeverEndingIsOneLine)
 {
   EXPECT_THAT(RefusalOfReader(
-                [](ParcelWriter&)
+                []
                 {
                   while (true)
                   {
@@ -121,34 +128,31 @@ TEST(GuardedRead, MemoryIsLimitedUntilItIsAllowed)
   GTEST_SKIP() << "sanitizers take more addresses than any limit";
 #endif
   constexpr std::size_t much = std::size_t{ 200 } << 20;
-  const auto take = [](ParcelWriter& parcel)
+  const auto take = []
   {
     const std::vector<char> taken(much);
-    parcel(taken.size());
+    EXPECT_EQ(taken.back(), 0);
   };
   EXPECT_THAT(RefusalOfReader(take),
     HasSubstr("more memory than a file of this size may (64 MiB)"));
   EXPECT_EQ(RefusalOfReader(
-              [&](ParcelWriter& parcel)
+              [&]
               {
                 AllowMemory(much + Small.MemoryBytes);
-                take(parcel);
+                take();
               }),
     test::NotRefused);
 }
 
 TEST(GuardedRead, WhatLibrariesPrintIsHeardByTheReaderOnly)
 {
-  std::string said;
-  ReadGuarded(
-    "a file", "numbers", Small,
-    [](ParcelWriter& parcel)
+  const std::string said = ReadGuarded("a file", "numbers", Small,
+    []
     {
       std::puts("Corrupt data");
       std::fputs("twice\n", stderr);
-      parcel(SaidByLibraries());
-    },
-    [&](ParcelReader& parcel) { parcel(said); });
+      return SaidByLibraries();
+    });
   EXPECT_THAT(said, testing::AnyOf("Corrupt data", "twice"));
   EXPECT_EQ(SaidByLibraries(), "");
 }
@@ -160,9 +164,9 @@ TEST(GuardedRead, AnAnswerIsBelievedAsFarAsItGoes)
     return RefusalOf(
       [&]
       {
-        ReadGuarded(
-          "a file", "numbers", Small, [&](ParcelWriter& parcel) { parcel(sent); },
-          [&](ParcelReader& parcel) { parcel(asked); });
+        RunGuarded(
+          "a file", "numbers", Small, [&](Parcel& parcel, const TellCallback&) { parcel(sent); },
+          [&](Parcel& parcel) { parcel(asked); }, {});
       });
   };
   const std::string cut =
@@ -179,18 +183,8 @@ TEST(GuardedRead, AnAnswerIsBelievedAsFarAsItGoes)
 
 TEST(GuardedRead, ReadersInReadersReadWhereTheyAre)
 {
-  int answer = 0;
-  ReadGuarded(
-    "a file", "numbers", Small,
-    [](ParcelWriter& outer)
-    {
-      int inner = 0;
-      ReadGuarded(
-        "another", "numbers", Small, [](ParcelWriter& parcel) { parcel(42); },
-        [&](ParcelReader& parcel) { parcel(inner); });
-      outer(inner);
-    },
-    [&](ParcelReader& parcel) { parcel(answer); });
+  const int answer = ReadGuarded("a file", "numbers", Small,
+    [] { return ReadGuarded("another", "numbers", Small, [] { return 42; }); });
   EXPECT_EQ(answer, 42);
 }
 
@@ -199,7 +193,7 @@ std::string RefusalOfWork(
   const std::function<std::vector<std::string>(const TellCallback&)>& work,
   const TellCallback& heard = [](const std::string&) {})
 {
-  return RefusalOf([&] { WorkGuarded("an archive", "answers", Small.MemoryBytes, work, heard); });
+  return RefusalOf([&] { WorkGuarded("an archive", "answers", Endless, work, heard); });
 }
 
 TEST(GuardedWork, IsHeardWhileItGoesOnAndGivesAnAnswer)
@@ -222,7 +216,7 @@ TEST(GuardedWork, IsHeardWhileItGoesOnAndGivesAnAnswer)
       heard.push_back(text);
     }
   };
-  EXPECT_EQ(WorkGuarded("an archive", "answers", Small.MemoryBytes, work, hear),
+  EXPECT_EQ(WorkGuarded("an archive", "answers", Endless, work, hear),
     (std::vector<std::string>{ "done", "" }));
   EXPECT_EQ(heard,
     (std::vector<std::string>{ "a", std::string(100'000, 'b'), std::string("c\0d", 3) }));
@@ -239,7 +233,7 @@ TEST(GuardedWork, WhatIsThrownWhereItIsHeardEndsIt)
     std::ofstream(path) << "not stopped";
     return {};
   };
-  EXPECT_THROW(WorkGuarded("an archive", "answers", Small.MemoryBytes, work,
+  EXPECT_THROW(WorkGuarded("an archive", "answers", Endless, work,
                  [](const std::string& text)
                  {
                    if (!text.empty())

@@ -4,6 +4,7 @@
 #include "mammoray/Dicom/DicomNetwork.h"
 
 #include <cstdint>
+#include <limits>
 
 namespace mammoray
 {
@@ -25,7 +26,7 @@ std::vector<std::string> TalkTo(const std::string& name,
   try
   {
     answer = WorkGuarded(
-      name, "answers of an archive", MostMemory,
+      name, "answers of an archive", { MostMemory, std::numeric_limits<double>::infinity() },
       [&](const TellCallback& tell) -> std::vector<std::string>
       {
         try

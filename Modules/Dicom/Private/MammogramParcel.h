@@ -5,15 +5,12 @@
 #include "mammoray/Foundation/Mammogram.h"
 #include "mammoray/IO/GuardedRead.h"
 
-#include <string>
-
 namespace mammoray
 {
-/// Every member of a mammogram, on its way in either direction.
-template <typename Exchange, typename Image>
-void ExchangeMammogram(Exchange& exchange, Image& mammogram)
+/// Passes every member of a mammogram.
+inline void Exchange(Parcel& parcel, Mammogram& mammogram)
 {
-  exchange(mammogram.Columns, mammogram.Rows, mammogram.Pixels, mammogram.InvertedForDisplay,
+  parcel(mammogram.Columns, mammogram.Rows, mammogram.Pixels, mammogram.InvertedForDisplay,
     mammogram.PresentationIntent, mammogram.IntensityRelationship, mammogram.IntensitySign,
     mammogram.BitsStored, mammogram.ColumnSpacingMm, mammogram.RowSpacingMm, mammogram.View,
     mammogram.Laterality, mammogram.RowDirection, mammogram.ColumnDirection,
