@@ -4,7 +4,6 @@
 #include "Configuration.h"
 #include "Private/AttenuationTableIO.h"
 #include "Private/Checkpoint.h"
-#include "Private/GltfReader.h"
 #include "Private/GridParcel.h"
 #include "Private/SpectrumIO.h"
 #include "Private/StoreAnswer.h"
@@ -27,10 +26,6 @@
 #include "mammoray/Evidence/EvidenceTables.h"
 #include "mammoray/Evidence/VirtualStudy.h"
 #endif
-
-#include "vtkNew.h"
-#include "vtkPolyData.h"
-#include "vtkUnstructuredGrid.h"
 
 #include <CLI/CLI.hpp>
 
@@ -202,7 +197,6 @@ const std::map<std::string, FuzzTarget>& FuzzTargets()
         }) },
     { "study-truth", OfFile("truth.json", ReadVirtualStudyTruth) },
 #endif
-    { "gltf", OfFile("a.gltf", [](const std::string& path) { ReadGltf(path); }) },
     { "landmarks", OfFile("l.csv", ReadLandmarks) },
     { "materials", OfFile("a.json", [](const std::string& path) { ReadMaterialTable(path); }) },
     { "metaimage",

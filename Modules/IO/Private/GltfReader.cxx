@@ -12,16 +12,17 @@
 #include "vtkPolyData.h"
 
 #include <nlohmann/json.hpp>
+#include <tiny_gltf.h>
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <numeric>
 #include <vector>
 
 namespace mammoray
@@ -29,7 +30,101 @@ namespace mammoray
 namespace
 {
 namespace fs = std::filesystem;
-using GltfJson = nlohmann::json;
+
+[[noreturn]] void RefuseGltf(const std::string& path, const std::string& expected,
+  const std::string& found)
+{
+  throw InputError(path + ": expected " + expected + ", found " + found);
+}
+
+/// True for a regular file in the folder `data` points to, or below it.
+bool IsBesideGltf(const std::string& path, void* data)
+{
+  const fs::path inFolder =
+    fs::path(path).lexically_normal().lexically_relative(*static_cast<const fs::path*>(data));
+  std::error_code unusable;
+  return !inFolder.empty() && *inFolder.begin() != ".." && fs::is_regular_file(path, unusable);
+}
+
+bool ReadBeside(std::vector<unsigned char>* bytes, std::string*, const std::string& path, void*)
+{
+  std::ifstream file(path, std::ios::binary);
+  bytes->assign(std::istreambuf_iterator<char>(file), {});
+  return !bytes->empty();
+}
+
+bool LeaveOutImage(tinygltf::Image*, int, std::string*, std::string*, int, int,
+  const unsigned char*, int, void*)
+{
+  return true;
+}
+
+/// Throws InputError on placements that tinygltf would leave out without a word.
+void CheckGltfPlacements(const std::string& path, std::string_view text)
+{
+  const auto file = nlohmann::json::parse(text, JsonNestingLimit{ path });
+  const std::pair<const char*, std::size_t> sizes[] = { { "matrix", 16 }, { "rotation", 4 },
+    { "scale", 3 }, { "translation", 3 } };
+  for (const nlohmann::json& node : file.value("nodes", nlohmann::json::array()))
+  {
+    for (const auto& [key, size] : sizes)
+    {
+      const auto numbers = node.value(key, std::vector<double>(size));
+      if (numbers.size() != size ||
+        !std::all_of(numbers.begin(), numbers.end(), [](double n) { return std::isfinite(n); }))
+      {
+        RefuseGltf(path, std::to_string(size) + " numbers of a node's " + key, "others");
+      }
+    }
+  }
+}
+
+tinygltf::Model LoadGltf(const std::string& path)
+{
+  std::ifstream file(path, std::ios::binary);
+  const std::string bytes(std::istreambuf_iterator<char>(file), {});
+  const auto size = static_cast<unsigned int>(bytes.size());
+  const bool isBinary = bytes.starts_with("glTF");
+  std::uint32_t textSize = 0;
+  if (size != bytes.size() || (isBinary && size < 20))
+  {
+    RefuseGltf(path, "a mesh in glTF of 20 bytes to 4 GiB",
+      std::to_string(bytes.size()) + " bytes");
+  }
+  std::memcpy(&textSize, bytes.data() + (isBinary ? 12 : 0), isBinary ? sizeof textSize : 0);
+  CheckGltfPlacements(path, isBinary ? std::string_view(bytes).substr(20, textSize) : bytes);
+
+  fs::path folder = fs::absolute(path).parent_path().lexically_normal();
+  tinygltf::TinyGLTF loader;
+  loader.SetImageLoader(LeaveOutImage, nullptr);
+  const auto asItIs = [](const std::string& name, void*) { return name; };
+  loader.SetFsCallbacks({ IsBesideGltf, asItIs, ReadBeside, nullptr, &folder });
+  tinygltf::Model model;
+  std::string problem;
+  std::string warning;
+  const bool isLoaded = isBinary
+    ? loader.LoadBinaryFromMemory(&model, &problem, &warning,
+        reinterpret_cast<const unsigned char*>(bytes.data()), size, folder.string())
+    : loader.LoadASCIIFromString(&model, &problem, &warning, bytes.data(), size, folder.string());
+  if (!isLoaded || !problem.empty())
+  {
+    throw InputError(path + ": expected a mesh in glTF: " + problem.substr(0, problem.find('\n')));
+  }
+  if (!model.asset.version.starts_with("2."))
+  {
+    RefuseGltf(path, "version 2 of glTF", model.asset.version);
+  }
+  for (const std::string& name : model.extensionsRequired)
+  {
+    const bool ofLooks = name.starts_with("KHR_materials_") || name.starts_with("KHR_texture_") ||
+      name.starts_with("EXT_texture_") || name == "KHR_lights_punctual";
+    if (!ofLooks)
+    {
+      RefuseGltf(path, "a surface without required extensions", name);
+    }
+  }
+  return model;
+}
 
 /// x' = Columns[0] x + Columns[1] y + Columns[2] z + Columns[3].
 struct GltfTransform
@@ -44,10 +139,8 @@ struct GltfTransform
   GltfTransform Of(const GltfTransform& inner) const
   {
     GltfTransform all;
-    for (std::size_t column = 0; column < 3; ++column)
-    {
-      all.Columns[column] = this->Direction(inner.Columns[column]);
-    }
+    std::transform(inner.Columns.begin(), inner.Columns.end() - 1, all.Columns.begin(),
+      [this](const Vector3& column) { return this->Direction(column); });
     all.Columns[3] = this->Point(inner.Columns[3]);
     return all;
   }
@@ -57,113 +150,23 @@ struct GltfTransform
   }
 };
 
-/// Numbers of a buffer, one after another or `Stride` bytes apart.
-struct GltfAccessor
-{
-  const unsigned char* Data = nullptr;
-  std::size_t Count = 0;
-  std::size_t Stride = 0;
-  int ComponentType = 0;
-
-  template <typename Value>
-  Value At(std::size_t element, std::size_t component = 0) const
-  {
-    Value value;
-    std::memcpy(&value, this->Data + element * this->Stride + component * sizeof value,
-      sizeof value);
-    return value;
-  }
-};
-
-/// Of a file's name in a URI: %20 is a blank.
-std::string FromPercents(const std::string& uri)
-{
-  std::string name;
-  for (std::size_t at = 0; at < uri.size(); ++at)
-  {
-    unsigned char byte = 0;
-    const char* const digits = uri.data() + at + 1;
-    if (uri[at] == '%' && at + 2 < uri.size() &&
-      std::from_chars(digits, digits + 2, byte, 16).ptr == digits + 2)
-    {
-      name += static_cast<char>(byte);
-      at += 2;
-    }
-    else
-    {
-      name += uri[at];
-    }
-  }
-  return name;
-}
-
-/// Bytes of base64; the rest of the text where a letter is none.
-std::string FromBase64(std::string_view text)
-{
-  static constexpr std::string_view letters =
-    "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string bytes;
-  std::uint32_t bits = 0;
-  int count = 0;
-  for (const char letter : text)
-  {
-    const std::size_t value = letters.find(letter);
-    if (value == std::string_view::npos)
-    {
-      break; // padding
-    }
-    bits = (bits << 6 | static_cast<std::uint32_t>(value)) & 0xffffff;
-    count += 6;
-    if (count >= 8)
-    {
-      count -= 8;
-      bytes += static_cast<char>(bits >> count & 0xff);
-    }
-  }
-  return bytes;
-}
-
-class GltfFile
+class GltfSurface
 {
 public:
-  explicit GltfFile(const std::string& path)
+  explicit GltfSurface(const std::string& path)
     : Path(path)
+    , Model(LoadGltf(path))
+    , Seen(Model.nodes.size(), false)
   {
-    const std::string bytes = ReadAll(path);
-    this->File = GltfJson::parse(bytes.starts_with("glTF") ? this->TakeChunks(bytes) : bytes,
-      JsonNestingLimit{ path });
     this->Points->SetDataTypeToDouble();
-    const std::string version = this->File.at("asset").at("version").get<std::string>();
-    if (!version.starts_with("2."))
-    {
-      this->Refuse("version 2 of glTF", version);
-    }
-    for (const GltfJson& extension : this->List(this->File, "extensionsRequired"))
-    {
-      const std::string name = extension.get<std::string>();
-      const bool ofLooks = name.starts_with("KHR_materials_") || name.starts_with("KHR_texture_") ||
-        name.starts_with("EXT_texture_") || name == "KHR_lights_punctual";
-      if (!ofLooks)
-      {
-        this->Refuse("a surface without required extensions", name);
-      }
-    }
-    this->ReadBuffers();
   }
 
   vtkSmartPointer<vtkPolyData> Read()
   {
-    const GltfJson& nodes = this->List(this->File, "nodes");
-    this->Seen.assign(nodes.size(), false);
-    const GltfJson& scenes = this->List(this->File, "scenes");
-    if (scenes.empty())
+    const int scene = std::max(this->Model.defaultScene, 0);
+    for (const int node : this->Entry(this->Model.scenes, scene, "scene").nodes)
     {
-      this->Refuse("a scene", "none");
-    }
-    const std::size_t scene = this->IndexOr(0, this->File, "scene");
-    for (const GltfJson& node : this->List(this->Entry(scenes, scene, "scene"), "nodes"))
-    {
-      this->AddNode(this->ToIndex(node), {}, 0);
+      this->AddNode(node, {}, 0);
     }
     if (this->Triangles->GetNumberOfCells() == 0)
     {
@@ -172,7 +175,7 @@ public:
     vtkNew<vtkPolyData> all;
     all->SetPoints(this->Points);
     all->SetPolys(this->Triangles);
-    // A vertex for each normal at a point: they are one.
+    // A point with several normals is a vertex for each of them.
     vtkNew<vtkCleanPolyData> joined;
     joined->SetTolerance(0);
     joined->ConvertPolysToLinesOff();
@@ -182,174 +185,39 @@ public:
     return joined->GetOutput();
   }
 
+private:
   [[noreturn]] void Refuse(const std::string& expected, const std::string& found) const
   {
-    throw InputError(this->Path + ": expected " + expected + ", found " + found);
+    RefuseGltf(this->Path, expected, found);
   }
 
-private:
-  static std::string ReadAll(const std::string& path)
+  template <typename Value>
+  const Value& Entry(const std::vector<Value>& list, int index, const char* what) const
   {
-    std::ifstream file(path, std::ios::binary);
-    return { std::istreambuf_iterator<char>(file), {} };
-  }
-
-  /// The text of a binary file; its buffer is kept.
-  std::string TakeChunks(const std::string& bytes)
-  {
-    const auto number = [&](std::size_t at)
-    {
-      std::uint32_t value = 0;
-      if (at + 4 > bytes.size())
-      {
-        this->Refuse("a mesh in binary glTF", "an end within its chunks");
-      }
-      std::memcpy(&value, bytes.data() + at, 4);
-      return value;
-    };
-    std::string text;
-    if (number(4) != 2 || number(8) > bytes.size())
-    {
-      this->Refuse("a mesh in binary glTF 2", "another version or an end before its own");
-    }
-    for (std::size_t at = 12; at + 8 <= number(8);)
-    {
-      const std::size_t length = number(at);
-      const std::string kind = bytes.substr(at + 4, 4);
-      if (length > bytes.size() - at - 8)
-      {
-        this->Refuse("a mesh in binary glTF", "an end within its chunks");
-      }
-      if (kind == "JSON")
-      {
-        text = bytes.substr(at + 8, length);
-      }
-      else if (kind == std::string("BIN\0", 4) && this->Binary.empty())
-      {
-        this->Binary = bytes.substr(at + 8, length);
-      }
-      at += 8 + length;
-    }
-    return text;
-  }
-
-  void ReadBuffers()
-  {
-    for (const GltfJson& buffer : this->List(this->File, "buffers"))
-    {
-      std::string bytes = this->Binary;
-      if (buffer.contains("uri"))
-      {
-        const std::string uri = buffer.at("uri").get<std::string>();
-        const std::size_t data = uri.find(";base64,");
-        if (uri.starts_with("data:") && data != std::string::npos)
-        {
-          bytes = FromBase64(std::string_view(uri).substr(data + 8));
-        }
-        else
-        {
-          const fs::path name = FromPercents(uri);
-          // Not one of another folder, whose bytes would come back as coordinates.
-          if (uri.find(':') != std::string::npos || name.is_absolute() ||
-            name.lexically_normal().string().starts_with(".."))
-          {
-            this->Refuse("a buffer in a file beside it", uri.substr(0, 60));
-          }
-          const fs::path file = fs::path(this->Path).parent_path() / name;
-          std::error_code unusable; // as a name that is too long
-          if (!fs::is_regular_file(file, unusable))
-          {
-            this->Refuse("the buffer " + file.string(), "no such file");
-          }
-          bytes = ReadAll(file.string());
-        }
-      }
-      if (this->Index(buffer, "byteLength") > bytes.size())
-      {
-        this->Refuse("a buffer of " + std::to_string(this->Index(buffer, "byteLength")) + " bytes",
-          std::to_string(bytes.size()));
-      }
-      this->Buffers.push_back(std::move(bytes));
-    }
-  }
-
-  std::size_t ToIndex(const GltfJson& value) const
-  {
-    if (!value.is_number_unsigned())
-    {
-      this->Refuse("a whole number of at least 0", value.dump().substr(0, 60));
-    }
-    return value.get<std::size_t>();
-  }
-  std::size_t Index(const GltfJson& entry, const char* key) const
-  {
-    return this->ToIndex(entry.at(key));
-  }
-  std::size_t IndexOr(std::size_t standard, const GltfJson& entry, const char* key) const
-  {
-    return entry.contains(key) ? this->Index(entry, key) : standard;
-  }
-  /// An empty one where the key is absent.
-  const GltfJson& List(const GltfJson& entry, const char* key) const
-  {
-    static const GltfJson none = GltfJson::array();
-    const auto found = entry.find(key);
-    if (found == entry.end())
-    {
-      return none;
-    }
-    if (!found->is_array())
-    {
-      this->Refuse(std::string("a list of ") + key, found->type_name());
-    }
-    return *found;
-  }
-  const GltfJson& Entry(const GltfJson& list, std::size_t index, const char* what) const
-  {
-    if (index >= list.size())
+    if (index < 0 || static_cast<std::size_t>(index) >= list.size())
     {
       this->Refuse(std::string(what) + " " + std::to_string(index), std::to_string(list.size()));
     }
-    return list[index];
+    return list[static_cast<std::size_t>(index)];
   }
 
-  template <std::size_t Count>
-  std::array<double, Count> Numbers(const GltfJson& node, const char* key,
-    const std::array<double, Count>& standard) const
-  {
-    if (!node.contains(key))
-    {
-      return standard;
-    }
-    std::array<double, Count> numbers{};
-    const GltfJson& list = this->List(node, key);
-    for (std::size_t index = 0; index < Count; ++index)
-    {
-      numbers[index] = list.size() == Count ? list[index].get<double>() : std::nan("");
-      if (!std::isfinite(numbers[index]))
-      {
-        this->Refuse(std::to_string(Count) + " numbers of a node's " + key,
-          list.dump().substr(0, 60));
-      }
-    }
-    return numbers;
-  }
-
-  GltfTransform TransformOf(const GltfJson& node) const
+  GltfTransform TransformOf(const tinygltf::Node& node) const
   {
     GltfTransform own;
-    if (node.contains("matrix"))
+    if (!node.matrix.empty())
     {
-      const auto matrix = this->Numbers<16>(node, "matrix", {});
       for (std::size_t column = 0; column < 4; ++column)
       {
-        std::copy_n(&matrix[4 * column], 3, own.Columns[column].begin());
+        std::copy_n(&node.matrix[4 * column], 3, own.Columns[column].begin());
       }
       return own;
     }
-    const auto shift = this->Numbers<3>(node, "translation", { 0, 0, 0 });
-    const auto scale = this->Numbers<3>(node, "scale", { 1, 1, 1 });
-    const auto [x, y, z, w] = this->Numbers<4>(node, "rotation", { 0, 0, 0, 1 });
+    const auto given = [](const std::vector<double>& numbers, std::vector<double> standard)
+    { return numbers.empty() ? std::move(standard) : numbers; };
+    const auto shift = given(node.translation, { 0, 0, 0 });
+    const auto scale = given(node.scale, { 1, 1, 1 });
+    const auto rotation = given(node.rotation, { 0, 0, 0, 1 });
+    const double x = rotation[0], y = rotation[1], z = rotation[2], w = rotation[3];
     const double norm = x * x + y * y + z * z + w * w;
     if (!(norm > 0))
     {
@@ -362,105 +230,107 @@ private:
       scale[1] * Vector3{ s * (x * y - w * z), 1 - s * (x * x + z * z), s * (y * z + w * x) };
     own.Columns[2] =
       scale[2] * Vector3{ s * (x * z + w * y), s * (y * z - w * x), 1 - s * (x * x + y * y) };
-    own.Columns[3] = shift;
+    std::copy_n(shift.begin(), 3, own.Columns[3].begin());
     return own;
   }
 
-  void AddNode(std::size_t index, const GltfTransform& parent, int depth)
+  void AddNode(int index, const GltfTransform& parent, int depth)
   {
-    const GltfJson& node = this->Entry(this->List(this->File, "nodes"), index, "node");
-    // A tree of more levels than this would end the process rather.
-    constexpr int MostLevels = 1000;
-    if (this->Seen[index] || depth > MostLevels)
+    const tinygltf::Node& node = this->Entry(this->Model.nodes, index, "node");
+    const std::string name = "node " + std::to_string(index);
+    constexpr int MostLevels = 1000; // recursion has no room for many more
+    if (this->Seen[static_cast<std::size_t>(index)] || depth > MostLevels)
     {
-      this->Refuse("nodes in a tree", "node " + std::to_string(index) + " in several places");
+      this->Refuse("nodes in a tree", name + " in several places");
     }
-    this->Seen[index] = true;
+    this->Seen[static_cast<std::size_t>(index)] = true;
     const GltfTransform placed = parent.Of(this->TransformOf(node));
-    if (node.contains("mesh"))
+    if (node.mesh >= 0)
     {
-      if (node.contains("skin"))
+      const tinygltf::Mesh& mesh = this->Entry(this->Model.meshes, node.mesh, "mesh");
+      const auto isMorphed = [](double weight) { return weight != 0; };
+      if (node.skin >= 0)
       {
-        this->Refuse("a mesh that stands still", "a skin in node " + std::to_string(index));
+        this->Refuse("a mesh that stands still", "a skin in " + name);
       }
-      const GltfJson& mesh =
-        this->Entry(this->List(this->File, "meshes"), this->Index(node, "mesh"), "mesh");
-      for (const GltfJson* morphed : { &node, &mesh })
+      if (std::any_of(node.weights.begin(), node.weights.end(), isMorphed) ||
+        std::any_of(mesh.weights.begin(), mesh.weights.end(), isMorphed))
       {
-        for (const GltfJson& weight : this->List(*morphed, "weights"))
-        {
-          if (weight.get<double>() != 0)
-          {
-            this->Refuse("a mesh at rest", "morph targets in node " + std::to_string(index));
-          }
-        }
+        this->Refuse("a mesh at rest", "morph targets in " + name);
       }
-      for (const GltfJson& primitive : this->List(mesh, "primitives"))
+      for (const tinygltf::Primitive& primitive : mesh.primitives)
       {
         this->AddPrimitive(primitive, placed);
       }
     }
-    for (const GltfJson& child : this->List(node, "children"))
+    for (const int child : node.children)
     {
-      this->AddNode(this->ToIndex(child), placed, depth + 1);
+      this->AddNode(child, placed, depth + 1);
     }
   }
 
-  GltfAccessor Accessor(std::size_t index, const char* type, std::size_t components) const
+  /// Numbers of a buffer, `Stride` bytes apart.
+  struct Numbers
   {
-    const GltfJson& entry = this->Entry(this->List(this->File, "accessors"), index, "accessor");
+    const unsigned char* Data = nullptr;
+    std::size_t Count = 0;
+    std::size_t Stride = 0;
+    int ComponentType = 0;
+
+    template <typename Value>
+    Value At(std::size_t element, std::size_t component = 0) const
+    {
+      Value value;
+      std::memcpy(&value, this->Data + element * this->Stride + component * sizeof value,
+        sizeof value);
+      return value;
+    }
+  };
+
+  Numbers NumbersOf(int index, int type) const
+  {
+    const tinygltf::Accessor& accessor = this->Entry(this->Model.accessors, index, "accessor");
     const std::string name = "accessor " + std::to_string(index);
-    if (entry.contains("sparse") || !entry.contains("bufferView") ||
-      entry.at("type").get<std::string>() != type)
+    if (accessor.sparse.isSparse || accessor.bufferView < 0 || accessor.type != type)
     {
-      this->Refuse(name + " to be a plain " + type, "another");
+      this->Refuse(name + " to be a plain list", "another");
     }
-    GltfAccessor accessor;
-    accessor.ComponentType =
-      static_cast<int>(std::min<std::size_t>(this->Index(entry, "componentType"), 65535));
-    const std::size_t size = accessor.ComponentType == 5126 || accessor.ComponentType == 5125 ? 4
-      : accessor.ComponentType == 5122 || accessor.ComponentType == 5123                      ? 2
-                                                                                              : 1;
-    const GltfJson& view = this->Entry(this->List(this->File, "bufferViews"),
-      this->Index(entry, "bufferView"), "buffer view");
-    const std::size_t buffer = this->Index(view, "buffer");
-    if (buffer >= this->Buffers.size())
-    {
-      this->Refuse("buffer " + std::to_string(buffer), std::to_string(this->Buffers.size()));
-    }
-    accessor.Count = this->Index(entry, "count");
-    accessor.Stride = this->IndexOr(components * size, view, "byteStride");
-    // Sums of sizes that are no file's would wrap around.
-    constexpr std::size_t MostBytes = std::size_t{ 1 } << 48;
-    const std::size_t parts[] = { accessor.Count, accessor.Stride,
-      this->IndexOr(0, view, "byteOffset"), this->IndexOr(0, entry, "byteOffset"),
-      this->Index(view, "byteLength") };
-    const bool huge = std::any_of(std::begin(parts), std::end(parts),
-      [](std::size_t part) { return part > MostBytes; });
-    const std::size_t begin = parts[2] + parts[3];
-    const std::size_t within = std::min(parts[2] + parts[4], this->Buffers[buffer].size());
-    const std::size_t last = components * size;
-    if (huge || accessor.Count == 0 || accessor.Stride < last || begin + last > within ||
-      (within - begin - last) / accessor.Stride + 1 < accessor.Count)
+    const tinygltf::BufferView& view =
+      this->Entry(this->Model.bufferViews, accessor.bufferView, "buffer view");
+    const std::size_t bytes = this->Entry(this->Model.buffers, view.buffer, "buffer").data.size();
+    const int components = tinygltf::GetNumComponentsInType(static_cast<std::uint32_t>(type));
+    const int size =
+      tinygltf::GetComponentSizeInBytes(static_cast<std::uint32_t>(accessor.componentType));
+    const auto element = static_cast<std::size_t>(std::max(components * size, 1));
+    const std::size_t stride = view.byteStride == 0 ? element : view.byteStride;
+    // In doubles, which cannot wrap around.
+    const double begin = static_cast<double>(view.byteOffset) + accessor.byteOffset;
+    const double end = begin + static_cast<double>(stride) * (accessor.count - 1.0) + element;
+    const double most =
+      std::min(static_cast<double>(view.byteOffset) + view.byteLength, static_cast<double>(bytes));
+    if (accessor.count == 0 || stride < element || end > most)
     {
       this->Refuse(name + " to lie in its buffer",
-        std::to_string(accessor.Count) + " elements in " +
-          std::to_string(within > begin ? within - begin : 0) + " bytes");
+        std::to_string(accessor.count) + " elements beyond its end");
     }
-    accessor.Data = reinterpret_cast<const unsigned char*>(this->Buffers[buffer].data()) + begin;
-    return accessor;
+    return { this->Model.buffers[static_cast<std::size_t>(view.buffer)].data.data() +
+        view.byteOffset + accessor.byteOffset,
+      accessor.count, stride, accessor.componentType };
   }
 
-  void AddPrimitive(const GltfJson& primitive, const GltfTransform& placed)
+  void AddPrimitive(const tinygltf::Primitive& primitive, const GltfTransform& placed)
   {
-    const std::size_t mode = this->IndexOr(4, primitive, "mode");
-    if (mode < 4 || mode > 6)
+    const int mode = primitive.mode;
+    const bool isFan = mode == TINYGLTF_MODE_TRIANGLE_FAN;
+    const bool isStrip = mode == TINYGLTF_MODE_TRIANGLE_STRIP;
+    if (!isFan && !isStrip && mode != TINYGLTF_MODE_TRIANGLES)
     {
       this->Refuse("triangles", "points or lines (mode " + std::to_string(mode) + ")");
     }
-    const GltfAccessor positions =
-      this->Accessor(this->Index(primitive.at("attributes"), "POSITION"), "VEC3", 3);
-    if (positions.ComponentType != 5126)
+    const auto position = primitive.attributes.find("POSITION");
+    const Numbers positions = this->NumbersOf(
+      position == primitive.attributes.end() ? -1 : position->second, TINYGLTF_TYPE_VEC3);
+    if (positions.ComponentType != TINYGLTF_COMPONENT_TYPE_FLOAT)
     {
       this->Refuse("positions in floats",
         "component type " + std::to_string(positions.ComponentType));
@@ -477,52 +347,46 @@ private:
       }
       this->Points->InsertNextPoint(mm.data());
     }
-    const std::vector<std::uint32_t> corners = this->CornersOf(primitive, positions.Count);
-    const bool mirrors = placed.Mirrors();
-    const std::size_t step = mode == 4 ? 3 : 1;
-    for (std::size_t first = 0; first + 3 <= corners.size(); first += step)
+    const std::vector<vtkIdType> corners = this->CornersOf(primitive, positions.Count);
+    for (std::size_t first = 0; first + 3 <= corners.size(); first += isFan || isStrip ? 1 : 3)
     {
-      // Of a strip every other triangle runs the other way.
-      const bool turned = mirrors != (mode == 5 && first % 2 == 1);
-      const vtkIdType ids[3] = { base + corners[mode == 6 ? 0 : first],
+      // Every other triangle of a strip runs the other way.
+      const bool turned = placed.Mirrors() != (isStrip && first % 2 == 1);
+      const vtkIdType ids[3] = { base + corners[isFan ? 0 : first],
         base + corners[first + (turned ? 2 : 1)], base + corners[first + (turned ? 1 : 2)] };
       this->Triangles->InsertNextCell(3, ids);
     }
   }
 
-  std::vector<std::uint32_t> CornersOf(const GltfJson& primitive, std::size_t pointCount) const
+  std::vector<vtkIdType> CornersOf(const tinygltf::Primitive& primitive, std::size_t points) const
   {
-    std::vector<std::uint32_t> corners;
-    if (!primitive.contains("indices"))
+    std::vector<vtkIdType> corners(points);
+    std::iota(corners.begin(), corners.end(), vtkIdType{ 0 });
+    if (primitive.indices < 0)
     {
-      for (std::size_t point = 0; point < pointCount; ++point)
-      {
-        corners.push_back(static_cast<std::uint32_t>(point));
-      }
       return corners;
     }
-    const GltfAccessor indices = this->Accessor(this->Index(primitive, "indices"), "SCALAR", 1);
+    const Numbers indices = this->NumbersOf(primitive.indices, TINYGLTF_TYPE_SCALAR);
+    corners.resize(indices.Count);
     for (std::size_t index = 0; index < indices.Count; ++index)
     {
-      const std::uint32_t corner = indices.ComponentType == 5125 ? indices.At<std::uint32_t>(index)
-        : indices.ComponentType == 5123                          ? indices.At<std::uint16_t>(index)
-                                                                 : indices.At<std::uint8_t>(index);
-      if (corner >= pointCount ||
-        (indices.ComponentType != 5125 && indices.ComponentType != 5123 &&
-          indices.ComponentType != 5121))
+      const int type = indices.ComponentType;
+      corners[index] = type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT
+        ? indices.At<std::uint32_t>(index)
+        : type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT ? indices.At<std::uint16_t>(index)
+        : type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE  ? indices.At<std::uint8_t>(index)
+                                                         : std::int64_t{ -1 };
+      if (corners[index] < 0 || static_cast<std::size_t>(corners[index]) >= points)
       {
-        this->Refuse("indices of the " + std::to_string(pointCount) + " points",
-          std::to_string(corner) + " of component type " + std::to_string(indices.ComponentType));
+        this->Refuse("indices of the " + std::to_string(points) + " points",
+          std::to_string(corners[index]) + " of component type " + std::to_string(type));
       }
-      corners.push_back(corner);
     }
     return corners;
   }
 
-  std::string Path;
-  GltfJson File;
-  std::string Binary;
-  std::vector<std::string> Buffers;
+  const std::string Path;
+  const tinygltf::Model Model;
   std::vector<bool> Seen;
   vtkNew<vtkPoints> Points;
   vtkNew<vtkCellArray> Triangles;
@@ -533,13 +397,13 @@ vtkSmartPointer<vtkPolyData> ReadGltf(const std::string& path)
 {
   try
   {
-    return GltfFile(path).Read();
+    return GltfSurface(path).Read();
   }
-  catch (const GltfJson::exception& error)
+  catch (const nlohmann::json::exception& error)
   {
-    std::string message = error.what();
-    std::replace(message.begin(), message.end(), '\n', ' ');
-    throw InputError(path + ": expected a mesh in glTF: " + message.substr(0, 200));
+    const std::string message = error.what();
+    throw InputError(path + ": expected a mesh in glTF: " +
+      message.substr(0, std::min<std::size_t>(message.find('\n'), 200)));
   }
 }
 }

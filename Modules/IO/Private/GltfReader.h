@@ -2,8 +2,6 @@
 #ifndef mammoray_Private_GltfReader_h
 #define mammoray_Private_GltfReader_h
 
-#include "mammorayIOModule.h"
-
 #include "vtkSmartPointer.h"
 
 #include <string>
@@ -12,20 +10,17 @@ class vtkPolyData;
 
 namespace mammoray
 {
-/// glTF has metres.
+/// The metre, in which glTF's coordinates are, in mm.
 inline constexpr double GltfUnitMm = 1000;
 
 /**
- * The triangles of the default scene of a glTF 2.0 file, binary (.glb) or in JSON (.gltf, its
- * buffers in it or in files beside it), in one surface, mm: all meshes, placed by their nodes'
- * matrices or translations, rotations and scales, turned over where these mirror; points at the
- * same place are one. Materials, normals, cameras and animations are left out.
- *
- * Throws InputError, one line, on what it cannot show as it is: a required extension that changes
- * geometry (Draco, meshopt, quantisation), points and lines, sparse accessors, skins, morph targets
- * that are not at rest; and on anything damaged, such as accessors beyond their buffer.
+ * Reads all triangles of the default scene (the first without one) of a .glb or .gltf file of glTF
+ * 2.0, placed by their nodes, in mm. Vertices at the same place become one; what a node mirrors is
+ * turned so that fronts stay fronts. Buffers may lie in files beside it. Throws InputError where
+ * the file cannot be shown as it is: required extensions other than those of looks, points and
+ * lines, skins, morph targets, sparse accessors, and data beyond its buffer.
  */
-MAMMORAYIO_EXPORT vtkSmartPointer<vtkPolyData> ReadGltf(const std::string& path);
+vtkSmartPointer<vtkPolyData> ReadGltf(const std::string& path);
 }
 
 #endif
