@@ -23,25 +23,26 @@ namespace mammoray
 inline constexpr const char* MaterialArrayName = "Material";
 /// Name of the field data array (strings) that names material 0, 1, 2, ...
 inline constexpr const char* MaterialNamesArrayName = "MaterialNames";
-/// Name of the field data array (4 x 3 doubles) that tells where the unit stands: the gantry's
-/// origin, mm, and its x, y and z axes in the grid's frame.
+/// Name of the field data array (4 x 3 doubles) with the unit's placement: the gantry's origin, mm,
+/// and its x, y and z axes in the grid's frame.
 inline constexpr const char* PlacementArrayName = "Placement";
 
-/// Grid of linear tetrahedra with the cell array "Material" and the field array "MaterialNames".
+/// Returns a grid of linear tetrahedra with the cell array "Material" and the field array
+/// "MaterialNames".
 MAMMORAYIO_EXPORT vtkSmartPointer<vtkUnstructuredGrid> ToGrid(const TetrahedralMesh& mesh,
   const std::vector<std::string>& materialNames);
 
 /**
- * The reverse. Throws InputError, which names the cell, on cells other than linear tetrahedra, and
- * when the cell array "Material" is missing. `materialNames` receives the field array, if there is
- * one.
+ * Converts a grid back. Throws InputError, which names the cell, on cells other than linear
+ * tetrahedra, and if the cell array "Material" is missing. `materialNames` receives the field array
+ * if there is one.
  */
 MAMMORAYIO_EXPORT TetrahedralMesh FromGrid(vtkUnstructuredGrid* grid,
   std::vector<std::string>* materialNames = nullptr);
 
 /// Adds the field array "Placement".
 MAMMORAYIO_EXPORT void AddPlacement(vtkDataObject* data, const VolumeFromGantry& placed);
-/// The reverse; nothing where there is no such array of 4 x 3 values.
+/// Returns the placement of the field array "Placement"; nothing without one of 4 x 3 values.
 MAMMORAYIO_EXPORT std::optional<VolumeFromGantry> FindPlacement(vtkDataObject* data);
 
 /// Names of the cell arrays that hold the material on a triangle's front and back.
@@ -49,17 +50,17 @@ inline constexpr const char* FrontMaterialArrayName = "FrontMaterial";
 inline constexpr const char* BackMaterialArrayName = "BackMaterial";
 
 /**
- * Triangles with the materials of "FrontMaterial" and "BackMaterial"; or with those of "Material",
- * which names the inside of closed surfaces in air, whichever way they are oriented as a whole; or
- * without arrays, closed surfaces of material 1. Throws InputError, which names the cell, on cells
- * other than triangles and on materials outside [0, 65535]. `materialNames` receives the field
- * array "MaterialNames".
+ * Converts triangles. Their materials are those of the cell arrays "FrontMaterial" and
+ * "BackMaterial"; without these, "Material" is inside closed surfaces in air, whichever way they
+ * are oriented as a whole; without any array, material 1 is. Throws InputError, which names the
+ * cell, on cells other than triangles and on materials outside [0, 65535]. `materialNames` receives
+ * the field array "MaterialNames".
  */
 MAMMORAYIO_EXPORT SurfaceMesh FromPolyData(vtkPolyData* surface,
   std::vector<std::string>* materialNames = nullptr);
 
-/// Triangles with the cell arrays "FrontMaterial" and "BackMaterial" (unsigned short) and the field
-/// array "MaterialNames"; positions in single precision, 1e-5 mm of 100 mm.
+/// Returns triangles with the cell arrays "FrontMaterial" and "BackMaterial" (unsigned short) and
+/// the field array "MaterialNames"; positions in single precision, 1e-5 mm of 100 mm.
 MAMMORAYIO_EXPORT vtkSmartPointer<vtkPolyData> ToPolyData(const SurfaceMesh& surface,
   const std::vector<std::string>& materialNames);
 

@@ -11,9 +11,9 @@
 
 namespace mammoray
 {
-/// A new folder below the one for temporary files (TMPDIR, TMP, TEMP or TEMPDIR), or below the
-/// system's where none can be made there, removed at the end with all that is in it. Throws
-/// InputError where none can be made at all.
+/// A new temporary folder, removed with its contents at the end. It lies below TMPDIR, TMP, TEMP or
+/// TEMPDIR, or below /tmp, /var/tmp or /dev/shm if none can be made there. Throws InputError if
+/// none can be made at all.
 class ScratchFolder
 {
 public:

@@ -9,15 +9,15 @@
 
 namespace mammoray
 {
-/// SHA-256 (FIPS 180-4) of a file's bytes, of a folder that of its files one after the other by
-/// name (cat folder/* | sha256sum), 64 lower-case hexadecimal digits. Throws InputError when it
-/// cannot be read.
+/// Returns the SHA-256 (FIPS 180-4) of a file as 64 lower-case hexadecimal digits. The SHA-256 of a
+/// folder is that of its files one after the other, sorted by name (cat folder/* | sha256sum).
+/// Throws InputError if a file cannot be read.
 MAMMORAYIO_EXPORT std::string Sha256OfFile(const std::string& path);
 
-/// That of files one after the other, in this order.
+/// Returns the SHA-256 of the files' bytes one after the other, in this order.
 MAMMORAYIO_EXPORT std::string Sha256OfFiles(const std::vector<std::string>& paths);
 
-/// That of a text's bytes.
+/// Returns the SHA-256 of a text's bytes.
 MAMMORAYIO_EXPORT std::string Sha256OfText(const std::string& text);
 }
 
