@@ -308,8 +308,8 @@ private:
     }
     if (farthest < SmallestBreastMm)
     {
-      throw InputError("MRI: expected a breast, found tissue that stands at most " +
-        NumberText(std::round(farthest)) + " mm before the chest wall");
+      throw InputError("MRI: expected a breast, found tissue that extends at most " +
+        NumberText(std::round(farthest)) + " mm in front of the chest wall");
     }
     if (sheet.Step < SmallestStep)
     {
@@ -341,7 +341,7 @@ private:
         FindFatLevel(channel.Work, inner, channel.FatBright, !this->Options.CorrectBias);
       if (!level)
       {
-        throw InputError("MRI: expected a breast, found no tissue before the chest wall");
+        throw InputError("MRI: expected a breast, found no tissue in front of the chest wall");
       }
       if (&channel == &this->Channels.front())
       {
@@ -379,8 +379,7 @@ private:
     this->Breasts = valley.DepthMm >= SmallestBreastMm ? 2 : 1;
     if (this->Breasts == 1 && this->Options.Side != BreastSide::Both)
     {
-      throw InputError(
-        "MRI: expected two breasts to take one side of, found one; leave the side out");
+      throw InputError("MRI: expected two breasts, because one side is requested, found one");
     }
   }
 

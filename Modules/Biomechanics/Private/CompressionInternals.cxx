@@ -248,8 +248,8 @@ void CompressionSimulation::Internals::FindRest(const ProgressCallback& progress
   }
   if (borne == 0)
   {
-    throw ConvergenceError("unloading: expected a shape without load, found none: not even a "
-                           "thousandth of this gravity leaves every cell its volume");
+    throw ConvergenceError("unloading: expected a stress-free shape, found none: even a thousandth "
+                           "of this gravity inverts a cell");
   }
   this->SetStiffness(this->Factor / borne);
   shape.TakeForWhole();

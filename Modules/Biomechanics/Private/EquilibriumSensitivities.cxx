@@ -19,16 +19,16 @@ void Check(const EquilibriumDerivatives& velocities, std::size_t materials, std:
   {
     if (velocity.size() != materials)
     {
-      throw InputError("sensitivities: expected a rate for each of " + std::to_string(materials) +
-        " materials, found " + std::to_string(velocity.size()));
+      throw InputError("sensitivities: expected a derivative for each of " +
+        std::to_string(materials) + " materials, found " + std::to_string(velocity.size()));
     }
   }
   for (const SupportDerivative& velocity : velocities.Support)
   {
     if (!velocity.Loads.empty() && velocity.Loads.size() != coordinates)
     {
-      throw InputError("sensitivities: expected a rate for each of " + std::to_string(coordinates) +
-        " loads, found " + std::to_string(velocity.Loads.size()));
+      throw InputError("sensitivities: expected a derivative for each of " +
+        std::to_string(coordinates) + " loads, found " + std::to_string(velocity.Loads.size()));
     }
   }
 }

@@ -278,9 +278,8 @@ bool LoadPath::StiffenWherePenetrated()
   if (this->TargetSoftness > LargestStiffening)
   {
     char reason[96];
-    std::snprintf(reason, sizeof reason,
-      "there a penetration of %.3f mm is left, expected at most %.3f mm",
-      this->Current.LargestPenetrationMm, PenetrationLimitMm(this->Target));
+    std::snprintf(reason, sizeof reason, "expected a penetration of at most %.3f mm, found %.3f mm",
+      PenetrationLimitMm(this->Target), this->Current.LargestPenetrationMm);
     this->Fail(reason);
   }
   return true;
@@ -317,8 +316,8 @@ void LoadPath::Complete()
   {
     char reason[96];
     std::snprintf(reason, sizeof reason,
-      "there a part keeps %.3f of its volume, expected at least %.2f", this->Current.SmallestJ,
-      smallest);
+      "expected every part to keep at least %.2f of its volume, found %.3f", smallest,
+      this->Current.SmallestJ);
     this->Fail(reason);
   }
 }

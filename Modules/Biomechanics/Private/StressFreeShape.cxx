@@ -189,7 +189,7 @@ std::vector<double> StressFreeShape::SolveExactly(const std::vector<double>& rig
   {
     if (!kept && !this->Factor.Factorize(this->Inverse.Jacobian()))
     {
-      throw ConvergenceError("sensitivities: expected a shape without load that changes smoothly, "
+      throw ConvergenceError("sensitivities: expected a stress-free shape that changes smoothly, "
                              "found a singular one");
     }
     std::vector<double> solution(right.size(), 0.0);

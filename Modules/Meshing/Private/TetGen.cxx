@@ -71,8 +71,9 @@ void Run(const std::string& switches, tetgenio& input, tetgenio& output)
     }
     if (code == 4 || code == 5)
     {
-      throw InputError("surfaces: expected triangles apart from each other, found ones that nearly "
-                       "touch");
+      throw InputError(
+        "surfaces: expected triangles at a distance from each other, found ones that "
+        "nearly touch");
     }
     throw ConvergenceError("TetGen ended with its error " + std::to_string(code));
   }

@@ -163,7 +163,7 @@ TriangleAim::Verdict TriangleAim::Judge(std::size_t triangles)
   {
     throw ConvergenceError(
       FormattedText("meshing: expected %.0f triangles, reached %.0f; the facet angle, "
-                    "layers and small components ask for others",
+                    "layers and small components require others",
         this->TargetCount, found));
   }
   // The number of triangles scales with the inverse square of the size; on rough interfaces with
