@@ -116,19 +116,25 @@ template <typename Value, typename Filter>
 void FilterLines(const RasterShape& shape, int axis, int radius, std::vector<Value>& values,
   const Filter& filter)
 {
+  constexpr std::size_t mostLanes = 256;
   const std::size_t step = shape.Stride(axis);
-  const std::size_t lanes = axis == 0 ? 1 : shape.Stride(1);
+  const std::size_t row = axis == 0 ? 1 : shape.Stride(1);
   const std::size_t toNext = axis == 1 ? shape.Stride(2) : shape.Stride(1);
   const int count = shape.Size[axis];
-  const std::size_t sheets = shape.Count() / (static_cast<std::size_t>(count) * lanes);
-  ParallelRanges(sheets, 16,
+  const std::size_t rows = shape.Count() / (static_cast<std::size_t>(count) * row);
+  const std::size_t pieces = (row + mostLanes - 1) / mostLanes;
+  ParallelRanges(rows * pieces, axis == 0 ? 16 : 1,
     [&](std::size_t begin, std::size_t end)
     {
-      std::vector<Value> padded(static_cast<std::size_t>(count + 2 * radius) * lanes);
-      std::vector<Value> result(static_cast<std::size_t>(count) * lanes);
-      for (std::size_t sheet = begin; sheet < end; ++sheet)
+      std::vector<Value> padded;
+      std::vector<Value> result;
+      for (std::size_t piece = begin; piece < end; ++piece)
       {
-        Value* first = &values[sheet * toNext];
+        const std::size_t lane = piece % pieces * mostLanes;
+        const std::size_t lanes = std::min(mostLanes, row - lane);
+        padded.resize(static_cast<std::size_t>(count + 2 * radius) * lanes);
+        result.resize(static_cast<std::size_t>(count) * lanes);
+        Value* first = &values[piece / pieces * toNext + lane];
         for (int n = 0; n < count + 2 * radius; ++n)
         {
           std::copy_n(first + std::clamp(n - radius, 0, count - 1) * step, lanes,

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Private/DetectorBlur.h"
 
-#include "mammoray/Foundation/ParallelFor.h"
+#include "mammoray/Foundation/Raster.h"
 
-#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -16,24 +15,26 @@ constexpr int MostTaps = 64;
 constexpr double SmallestTap = 1e-7;
 constexpr int Frequencies = 2000;
 
-void BlurLine(const std::vector<double>& kernel, std::vector<double>& line,
-  std::vector<double>& scratch)
+/// Convolves all lines along an axis with a symmetric kernel, given from its middle on.
+void BlurAlong(const RasterShape& shape, int axis, const std::vector<double>& kernel,
+  std::vector<double>& image)
 {
-  const auto last = static_cast<std::ptrdiff_t>(line.size()) - 1;
-  const auto taps = static_cast<std::ptrdiff_t>(kernel.size());
-  scratch.resize(line.size());
-  for (std::ptrdiff_t place = 0; place <= last; ++place)
-  {
-    double sum = kernel[0] * line[static_cast<std::size_t>(place)];
-    for (std::ptrdiff_t tap = 1; tap < taps; ++tap)
+  FilterLines(shape, axis, static_cast<int>(kernel.size()) - 1, image,
+    [&](const std::vector<double>& padded, std::size_t lanes, std::vector<double>& result)
     {
-      sum += kernel[static_cast<std::size_t>(tap)] *
-        (line[static_cast<std::size_t>(std::max<std::ptrdiff_t>(place - tap, 0))] +
-          line[static_cast<std::size_t>(std::min(place + tap, last))]);
-    }
-    scratch[static_cast<std::size_t>(place)] = sum;
-  }
-  line.swap(scratch);
+      const std::size_t middle = (kernel.size() - 1) * lanes;
+      for (std::size_t n = 0; n < result.size(); ++n)
+      {
+        double sum = kernel[0] * padded[n + middle];
+        for (std::size_t tap = 1; tap < kernel.size(); ++tap)
+        {
+          sum +=
+            kernel[tap] * (padded[n + middle - tap * lanes] + padded[n + middle + tap * lanes]);
+        }
+        result[n] = sum;
+      }
+      return true;
+    });
 }
 }
 
@@ -72,37 +73,8 @@ std::vector<double> BlurKernel(double half, double pixelMm)
 void Blur(std::vector<double>& image, int columns, int rows, const std::vector<double>& alongRows,
   const std::vector<double>& alongColumns)
 {
-  const auto width = static_cast<std::size_t>(columns);
-  const auto height = static_cast<std::size_t>(rows);
-  ParallelRanges(height, 16,
-    [&](std::size_t begin, std::size_t end)
-    {
-      std::vector<double> line(width);
-      std::vector<double> scratch;
-      for (std::size_t row = begin; row < end; ++row)
-      {
-        std::copy_n(&image[row * width], width, line.begin());
-        BlurLine(alongRows, line, scratch);
-        std::copy(line.begin(), line.end(), &image[row * width]);
-      }
-    });
-  ParallelRanges(width, 16,
-    [&](std::size_t begin, std::size_t end)
-    {
-      std::vector<double> line(height);
-      std::vector<double> scratch;
-      for (std::size_t column = begin; column < end; ++column)
-      {
-        for (std::size_t row = 0; row < height; ++row)
-        {
-          line[row] = image[row * width + column];
-        }
-        BlurLine(alongColumns, line, scratch);
-        for (std::size_t row = 0; row < height; ++row)
-        {
-          image[row * width + column] = line[row];
-        }
-      }
-    });
+  const RasterShape shape(columns, rows);
+  BlurAlong(shape, 0, alongRows, image);
+  BlurAlong(shape, 1, alongColumns, image);
 }
 }
