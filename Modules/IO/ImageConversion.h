@@ -12,13 +12,13 @@ class vtkImageData;
 
 namespace mammoray
 {
-/// The image's scalars (one component, whole values in [0, 65535]) on its grid, oblique or not; mm.
-/// Throws InputError that names the voxel on anything else.
+/// Returns the image's scalars (one component, whole values in [0, 65535]) on its grid, which may
+/// be oblique; mm. Throws InputError, which names the voxel, on other scalars.
 MAMMORAYIO_EXPORT LabelVolume ToLabelVolume(vtkImageData* image);
 
-/// The image that vtkMammogramReader gives, and the mammogram of such an image; throws InputError
-/// where it has no pixels or no spacing.
+/// Returns the image that vtkMammogramReader outputs.
 MAMMORAYIO_EXPORT vtkSmartPointer<vtkImageData> ToImage(const Mammogram& mammogram);
+/// Converts such an image back. Throws InputError if it has no pixels or no spacing.
 MAMMORAYIO_EXPORT Mammogram ToMammogram(vtkImageData* image);
 }
 

@@ -12,20 +12,20 @@
 
 namespace mammoray
 {
-/// How the axes of a file become those of the volume frame.
+/// How the axes of a file are turned into those of the volume frame.
 enum class VolumeAxes
 {
   /**
-   * What the file says is turned into DICOM LPS: NRRD by its `space` (LPS kept, RAS and LAS
-   * converted, none or an anonymous one taken as given), MetaImage as LPS, NIfTI as RAS when its
+   * The file's axes are converted to DICOM LPS. NRRD states them by its `space` (RAS and LAS are
+   * converted; no space or an anonymous one is taken as LPS); MetaImage is LPS; NIfTI is RAS if its
    * sform or qform code is not 0.
    */
   Patient,
-  /// The numbers of the header, whatever they say about the patient.
+  /// The header's numbers are used as they are, whatever patient axes they state.
   AsGiven
 };
 
-/// What --axes-as-given chooses.
+/// Returns AsGiven if the axes of the file are to be used as they are.
 inline VolumeAxes AxesOf(bool asGiven)
 {
   return asGiven ? VolumeAxes::AsGiven : VolumeAxes::Patient;
@@ -60,19 +60,19 @@ MAMMORAYIO_EXPORT InputError NoLabel(const std::string& place, double value);
 MAMMORAYIO_EXPORT void CheckLabelVolumeExtension(const std::string& path);
 
 /**
- * Writes .nrrd (gzip), .mha (compressed) or .nii.gz (NIfTI-1), 8 bits per voxel when that is
- * enough, 16 otherwise; the frame is called LPS. Throws InputError on another extension or when the
- * file cannot be written.
+ * Writes labels as .nrrd (gzip), .mha (compressed) or .nii.gz (NIfTI-1) with 8 bits per voxel if
+ * that is enough, otherwise 16. The file's frame is LPS. Throws InputError on another extension and
+ * if the file cannot be written.
  */
 MAMMORAYIO_EXPORT void WriteLabelVolume(const LabelVolume& volume, const std::string& path);
 
-/// The same of intensities, as 32-bit floats.
+/// Writes intensities as 32-bit floats in the formats of WriteLabelVolume.
 MAMMORAYIO_EXPORT void WriteIntensityVolume(const IntensityVolume& volume, const std::string& path);
 
-/// A point transform on a grid: the point at a voxel's centre goes by the voxel's vector.
+/// A transform of points: the point at a voxel's centre is moved by the voxel's vector.
 struct DisplacementField : VolumeGrid
 {
-  /// mm in the volume frame: x, y, z of one voxel, then of the next, i fastest.
+  /// 3 x voxels, mm in the volume frame: x, y, z of one voxel, then of the next, i fastest.
   std::vector<float> Vectors;
 };
 
@@ -80,10 +80,10 @@ struct DisplacementField : VolumeGrid
 MAMMORAYIO_EXPORT void CheckDisplacementExtension(const std::string& path);
 
 /**
- * Writes the field as an image of three values for each voxel (.nrrd, .mha, .nii.gz; in NIfTI the
- * vectors are LPS, too, as ITK and ANTs have them) or as an ITK transform file, a
- * DisplacementFieldTransform of doubles (.h5, .tfm). The frame is called LPS. Throws InputError
- * where the grid or a vector is none, on another extension, and when the file cannot be written.
+ * Writes the field as an image with three values per voxel (.nrrd, .mha, .nii.gz) or as an ITK
+ * transform file, a DisplacementFieldTransform of doubles (.h5, .tfm). The file's frame is LPS. The
+ * vectors of NIfTI are LPS, too, as ITK and ANTs read them. Throws InputError on an invalid grid, a
+ * vector that is not finite, another extension, and if the file cannot be written.
  */
 MAMMORAYIO_EXPORT void WriteDisplacement(const DisplacementField& field, const std::string& path);
 }

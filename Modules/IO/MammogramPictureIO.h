@@ -11,23 +11,23 @@
 
 namespace mammoray
 {
-/// What a picture without a header does not say of itself.
+/// What the header of a DICOM mammogram would state about a picture.
 struct PictureDescription
 {
-  /// At the receptor, mm.
+  /// Distance of pixel centres at the receptor, mm.
   std::optional<double> PixelSpacingMm;
-  /// "CC", "MLO", ...; "" where it is not known.
+  /// "CC", "MLO", ...; "" if unknown.
   std::string View;
   /// 'L', 'R' or '?'.
   char Laterality = '?';
 };
 
-/// Whether a path ends as a picture without a header does: .jpg, .jpeg or .png.
+/// Returns true for the extensions of pictures without a header: .jpg, .jpeg and .png.
 MAMMORAYIO_EXPORT bool IsPicturePath(const std::string& path);
 
 /**
- * Reads a picture of a mammogram, bright where more is absorbed, as For Presentation. Colours must
- * be grey. Throws InputError, one line that names the file and what is missing of the description.
+ * Reads a picture of a mammogram as For Presentation, bright where more is absorbed. Colours must
+ * be grey. Throws InputError, which names the file and what the description lacks.
  */
 MAMMORAYIO_EXPORT Mammogram ReadMammogramPicture(const std::string& path,
   const PictureDescription& description);

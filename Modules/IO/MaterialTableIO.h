@@ -21,12 +21,11 @@ namespace mammoray
  * The first material is air and takes a name and labels only. The others need name, labels (whole
  * numbers in [0, 65535], at least one; a thin material may leave them out and be made by AddSkin)
  * and attenuation: a name or composition for
- * FindAttenuationTable, or an object of mass fractions, { "H": 0.112, "O": 0.888 }; density,
- * "iodine_mg_per_ml", elastic constants ("fung_exponent" among them), "fixed" and "thin" default to
- * those of Material. "name" of the table defaults
- * to the file's name. A density or modulus outside its ValidRange is taken of a material
- * with "unusual": true only. Throws InputError, with file and key, on anything else: a wrong type
- * or range, an unknown or repeated key, a label or name used twice.
+ * FindAttenuationTable, or an object of mass fractions, { "H": 0.112, "O": 0.888 }. Density,
+ * "iodine_mg_per_ml", elastic constants (with "fung_exponent"), "fixed" and "thin" default to those
+ * of Material; the table's "name" defaults to the file's name. A density or modulus outside its
+ * ValidRange requires "unusual": true. Throws InputError, with file and key, on a wrong type or
+ * range, an unknown or repeated key, and a label or name used twice.
  */
 MAMMORAYIO_EXPORT MaterialTable ReadMaterialTable(const std::string& path);
 }

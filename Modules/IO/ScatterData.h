@@ -13,23 +13,24 @@
 namespace mammoray
 {
 /**
- * Lines of a name, a comma and values: composition, density_g_per_cm3, energies_keV,
- * thicknesses_mm, gaps_mm, radii_mm, angles_deg, multiple; then `shares` lines, one for each
- * energy, thickness and gap. `#` begins a comment. Throws InputError, which names the line.
+ * Reads scatter kernels from lines of a name, a comma and values: composition, density_g_per_cm3,
+ * energies_keV, thicknesses_mm, gaps_mm, radii_mm, angles_deg, multiple; then `shares` lines, one
+ * for each energy, thickness and gap. `#` begins a comment. Throws InputError, which names the
+ * line.
  */
 MAMMORAYIO_EXPORT ScatterKernels ReadScatterKernels(const std::string& path);
 
-/// The shipped table of what breast tissue scatters: scatter/breast.csv of the data directory.
+/// Reads the shipped kernels of breast tissue, scatter/breast.csv of the data directory.
 MAMMORAYIO_EXPORT ScatterKernels FindScatterKernels();
-/// Writes such a table with a first line that says where it is from. Throws InputError as
+/// Writes kernels with a comment as first line, which states their origin. Throws InputError as
 /// WriteAtomicFile does.
 MAMMORAYIO_EXPORT void WriteScatterKernels(const ScatterKernels& kernels,
   const std::string& comment, const std::string& path);
 
 /**
- * What photons collide with in the table's materials: of the shipped attenuations by their names,
- * ICRP's and Hammerstein's tissues, of others the composition that the name spells. Air is that
- * near sea level. Throws InputError on a material of which no composition is known.
+ * Returns the elements that photons collide with in the table's materials. The compositions are
+ * ICRP's and Hammerstein's for the names of shipped attenuations, otherwise those that the names
+ * spell; air is that near sea level. Throws InputError on a material without a known composition.
  */
 MAMMORAYIO_EXPORT std::vector<PhotonMaterial> MakePhotonMaterials(const MaterialTable& materials);
 }
