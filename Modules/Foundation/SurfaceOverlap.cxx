@@ -55,7 +55,7 @@ public:
       [](const auto& entry) { return entry.second == (entry.first == 0 ? 1 : 0); });
   }
   /// True inside one material once and nothing else.
-  bool IsLabelled() const { return this->Wrong == 0; }
+  bool IsLabelled() const { return this->InvalidCounts == 0; }
   SurfaceContradiction Describe() const
   {
     SurfaceContradiction found;
@@ -72,17 +72,17 @@ public:
 
 private:
   /// Counts of 0 and 1 are valid. Their sum is always 1, so exactly one material is then 1.
-  static int IsWrong(int times) { return times < 0 || times > 1 ? 1 : 0; }
+  static int IsInvalid(int times) { return times < 0 || times > 1 ? 1 : 0; }
   void Change(int material, int by)
   {
     int& times = this->Times[material];
-    this->Wrong -= IsWrong(times);
+    this->InvalidCounts -= IsInvalid(times);
     times += by;
-    this->Wrong += IsWrong(times);
+    this->InvalidCounts += IsInvalid(times);
   }
 
   std::map<int, int> Times{ { 0, 1 } };
-  int Wrong = 0;
+  int InvalidCounts = 0;
 };
 
 /// Calls visit(first, last, contradiction) for the segments between successive hits whose labels

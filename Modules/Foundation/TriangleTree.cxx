@@ -48,8 +48,8 @@ double Decisive(double value, const Place& a, const Place& b)
 
 CrossingLine::CrossingLine(const Vector3& begin, const Vector3& direction)
   : Origin(begin)
-  , Along(direction)
-  , Sideways(DirectionsAcross(direction))
+  , UnitDirection(direction)
+  , Perpendiculars(DirectionsAcross(direction))
 {
 }
 
@@ -62,8 +62,8 @@ bool CrossingLine::Cross(const SurfaceMesh& surface, std::uint32_t triangle, Lin
     const double* at =
       &surface.Points[3 * std::size_t{ surface.Triangles[3 * std::size_t{ triangle } + corner] }];
     points[corner] = Vector3{ at[0], at[1], at[2] } - this->Origin;
-    seen[corner] = { Dot(points[corner], this->Sideways[0]),
-      Dot(points[corner], this->Sideways[1]) };
+    seen[corner] = { Dot(points[corner], this->Perpendiculars[0]),
+      Dot(points[corner], this->Perpendiculars[1]) };
   }
   // Value i belongs to the corner opposite to the edge; normalised, the values are the barycentric
   // coordinates.
@@ -91,7 +91,7 @@ bool CrossingLine::Cross(const SurfaceMesh& surface, std::uint32_t triangle, Lin
   hit.T = 0;
   for (std::size_t i = 0; i < 3; ++i)
   {
-    hit.T += hit.Weights[i] * Dot(points[i], this->Along);
+    hit.T += hit.Weights[i] * Dot(points[i], this->UnitDirection);
   }
   // Corners that appear counter-clockwise from the line's end mean that its origin faces the
   // triangle's front.

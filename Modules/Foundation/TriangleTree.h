@@ -43,9 +43,9 @@ public:
   CrossingLine(const Vector3& begin, const Vector3& direction);
 
   const Vector3& Begin() const { return this->Origin; }
-  const Vector3& Direction() const { return this->Along; }
+  const Vector3& Direction() const { return this->UnitDirection; }
   /// Two directions perpendicular to the line that form a right-handed system with it.
-  const std::array<Vector3, 2>& Across() const { return this->Sideways; }
+  const std::array<Vector3, 2>& AcrossDirections() const { return this->Perpendiculars; }
   /// Returns true and sets `hit` if the line intersects the triangle.
   bool Cross(const SurfaceMesh& surface, std::uint32_t triangle, LineHit& hit) const;
   /// Sorts hits by T, and hits with equal T by triangle.
@@ -53,8 +53,8 @@ public:
 
 private:
   Vector3 Origin;
-  Vector3 Along;
-  std::array<Vector3, 2> Sideways;
+  Vector3 UnitDirection;
+  std::array<Vector3, 2> Perpendiculars;
 };
 
 /// A bounding volume hierarchy of a surface's triangles on the CPU. Results do not depend on the

@@ -25,10 +25,10 @@ constexpr double SlopePart = 0.375;
 BreastColumns::BreastColumns(const Vector3& low, const Vector3& high, double pieceMm)
   : Low(low)
   , WidthMm(std::max(LeastWidthMm, pieceMm))
-  , Across(1 + static_cast<int>((high[0] - low[0]) / WidthMm))
-  , Along(1 + static_cast<int>((high[2] - low[2]) / WidthMm))
+  , CountAcross(1 + static_cast<int>((high[0] - low[0]) / WidthMm))
+  , CountAlong(1 + static_cast<int>((high[2] - low[2]) / WidthMm))
 {
-  const std::size_t count = static_cast<std::size_t>(this->Across) * this->Along;
+  const std::size_t count = static_cast<std::size_t>(this->CountAcross) * this->CountAlong;
   this->Front.assign(count, -Infinity);
   this->Back.assign(count, Infinity);
   this->FixedFront.assign(count, -Infinity);
@@ -39,8 +39,8 @@ std::size_t BreastColumns::ColumnOf(const Vector3& place) const
 {
   const int across = static_cast<int>((place[0] - this->Low[0]) / this->WidthMm);
   const int along = static_cast<int>((place[2] - this->Low[2]) / this->WidthMm);
-  return static_cast<std::size_t>(std::clamp(along, 0, this->Along - 1)) * this->Across +
-    std::clamp(across, 0, this->Across - 1);
+  return static_cast<std::size_t>(std::clamp(along, 0, this->CountAlong - 1)) * this->CountAcross +
+    std::clamp(across, 0, this->CountAcross - 1);
 }
 
 void BreastColumns::Add(const Vector3& place, bool isFixed)
@@ -55,15 +55,15 @@ void BreastColumns::Add(const Vector3& place, bool isFixed)
 }
 
 template <typename Visit>
-void BreastColumns::Around(std::size_t column, int steps, Visit visit) const
+void BreastColumns::VisitNear(std::size_t column, int steps, Visit visit) const
 {
-  const int x = static_cast<int>(column % this->Across);
-  const int z = static_cast<int>(column / this->Across);
-  for (int v = std::max(0, z - steps); v <= std::min(this->Along - 1, z + steps); ++v)
+  const int x = static_cast<int>(column % this->CountAcross);
+  const int z = static_cast<int>(column / this->CountAcross);
+  for (int v = std::max(0, z - steps); v <= std::min(this->CountAlong - 1, z + steps); ++v)
   {
-    for (int u = std::max(0, x - steps); u <= std::min(this->Across - 1, x + steps); ++u)
+    for (int u = std::max(0, x - steps); u <= std::min(this->CountAcross - 1, x + steps); ++u)
     {
-      visit(static_cast<std::size_t>(v) * this->Across + u, std::hypot(u - x, v - z));
+      visit(static_cast<std::size_t>(v) * this->CountAcross + u, std::hypot(u - x, v - z));
     }
   }
 }
@@ -78,7 +78,7 @@ std::vector<double> BreastColumns::Heights() const
       continue; // no tissue
     }
     std::vector<double> walls;
-    this->Around(column, StraySteps,
+    this->VisitNear(column, StraySteps,
       [&](std::size_t other, double)
       {
         if (this->Front[other] >= this->Back[other])
@@ -95,7 +95,7 @@ std::vector<double> BreastColumns::Heights() const
   {
     double sum = 0;
     int count = 0;
-    this->Around(column, 1,
+    this->VisitNear(column, 1,
       [&](std::size_t other, double)
       {
         sum += std::max(0.0, raw[other]);
@@ -134,7 +134,7 @@ std::vector<char> BreastColumns::HighestHill(const std::vector<double>& heights)
       break;
     }
     std::size_t highest = none;
-    this->Around(column, 1,
+    this->VisitNear(column, 1,
       [&](std::size_t other, double)
       {
         const std::size_t hill = leads[other] == none ? none : peakOf(other);
@@ -144,7 +144,7 @@ std::vector<char> BreastColumns::HighestHill(const std::vector<double>& heights)
         }
       });
     leads[column] = highest == none ? column : highest;
-    this->Around(column, 1,
+    this->VisitNear(column, 1,
       [&](std::size_t other, double)
       {
         const std::size_t hill = leads[other] == none ? none : peakOf(other);
@@ -173,8 +173,9 @@ void BreastColumns::Find()
   {
     if (hill[core] && heights[core] >= CorePart * peak)
     {
-      const int steps = static_cast<int>(std::min<double>(reach, this->Across + this->Along));
-      this->Around(core, steps,
+      const int steps =
+        static_cast<int>(std::min<double>(reach, this->CountAcross + this->CountAlong));
+      this->VisitNear(core, steps,
         [&](std::size_t other, double way)
         { this->Breast[other] = this->Breast[other] || (hill[other] && way <= reach) ? 1 : 0; });
     }

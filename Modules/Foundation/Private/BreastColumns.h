@@ -39,12 +39,12 @@ private:
   std::vector<char> HighestHill(const std::vector<double>& heights) const;
   /// Calls visit(column, distance in steps) for the columns within `steps` in both directions.
   template <typename Visit>
-  void Around(std::size_t column, int steps, Visit visit) const;
+  void VisitNear(std::size_t column, int steps, Visit visit) const;
 
   Vector3 Low;
   double WidthMm;
-  int Across;
-  int Along;
+  int CountAcross;
+  int CountAlong;
   /// Front and back of the tissue and front of the fixed tissue in each column, mm.
   std::vector<double> Front;
   std::vector<double> Back;

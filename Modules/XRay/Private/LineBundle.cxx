@@ -43,8 +43,8 @@ public:
     }
     this->Forward = (1 / Norm(way)) * way;
     const CrossingLine axis(this->Origin, this->Forward);
-    this->U = axis.Across()[0];
-    this->V = axis.Across()[1];
+    this->U = axis.AcrossDirections()[0];
+    this->V = axis.AcrossDirections()[1];
   }
 
   /// Whether the surface lies before the source, not so near that shadows lose their digits.
