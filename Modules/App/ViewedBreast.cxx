@@ -218,7 +218,7 @@ ViewedBreast ReadMeshes(const ViewInput& input)
 }
 
 /// Pixels that hold the breast's shadow, rows along the chest wall; without pictures.
-RegistrationTarget GridAround(const ViewedBreast& viewed, double spacingMm)
+ReceptorGrid GridAround(const ViewedBreast& viewed, double spacingMm)
 {
   if (!(spacingMm > 0))
   {
@@ -238,7 +238,7 @@ RegistrationTarget GridAround(const ViewedBreast& viewed, double spacingMm)
   }
   // Room to move: the source, the unit, a breast that becomes flatter.
   constexpr double MarginMm = 15;
-  RegistrationTarget grid;
+  ReceptorGrid grid;
   grid.ColumnStep = { 0, spacingMm };
   grid.RowStep = { -spacingMm, 0 };
   grid.Columns = static_cast<int>(std::ceil((high[1] + MarginMm) / spacingMm));
@@ -313,7 +313,7 @@ void Complete(const ViewInput& input, ViewedBreast& viewed)
   viewed.Breast.Placed = PlaceUnit(viewed.Axes, viewed.Anchor, viewed.Breast.Unit, viewed.Pose);
   if (viewed.Real)
   {
-    viewed.Breast.Grid = *viewed.Real;
+    viewed.Breast.Grid = viewed.Real->Grid;
   }
   else if (input.Result.empty())
   {

@@ -164,7 +164,7 @@ public:
       {
         const Vector3& at = moved[point];
         answers.push_back(
-          { (*view)->View, point, PixelOf(target, ShadowOf(at, placement.Unit)), at });
+          { (*view)->View, point, target.Grid.IndexOf(ShadowOf(at, placement.Unit)), at });
       }
     }
     return answers;

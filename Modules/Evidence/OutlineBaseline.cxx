@@ -65,13 +65,13 @@ std::vector<Vector3> TissueInGantry(const LabelVolume& breast, const std::vector
 std::vector<Vector3> BreastPixels(const RegistrationTarget& target)
 {
   std::vector<Vector3> points;
-  for (int row = 0; row < target.Rows; ++row)
+  for (int row = 0; row < target.Grid.Rows; ++row)
   {
-    for (int column = 0; column < target.Columns; ++column)
+    for (int column = 0; column < target.Grid.Columns; ++column)
     {
-      if (target.BreastMask[static_cast<std::size_t>(row) * target.Columns + column] != 0)
+      if (target.BreastMask[static_cast<std::size_t>(row) * target.Grid.Columns + column] != 0)
       {
-        const ReceptorPoint at = PixelPosition(target, column, row);
+        const ReceptorPoint at = target.Grid.PositionOf(column, row);
         points.push_back({ at[0], at[1], 0 });
       }
     }

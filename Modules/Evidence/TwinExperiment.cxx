@@ -185,7 +185,7 @@ BreastInUnit InUnit(BreastModel& model, const UnitPlacement& placement,
   breast.Compressed = ToGrid(compressed, {});
   breast.Placed = placement.At(result.Pose);
   breast.Unit = placement.Unit;
-  breast.Grid = target;
+  breast.Grid = target.Grid;
   breast.Covariance = result.ConsideredCovariance;
   std::vector<int> all;
   for (const PoseParameter& parameter : PoseParameters)
@@ -378,7 +378,7 @@ struct TwinExperiment::Internals
       Vector3 gantry = this->Target.ToGantry(pose, state, rest).front();
       gantry[0] += shiftMm;
       const ReceptorPoint shadow = ShadowOf(gantry, this->Target.Placement.Unit);
-      if (gantry[1] > 0 && Contains(problem.Target, shadow, 0))
+      if (gantry[1] > 0 && problem.Target.Grid.Contains(shadow, 0))
       {
         for (const double coordinate : rest)
         {
@@ -457,14 +457,13 @@ TwinProblem TwinExperiment::Draw(TwinKind kind, int number, const ProgressCallba
       const CompressionState state =
         model.Body().Compress(self.Target.Placement, pose, nullptr, progress);
       problem.Parameters = DrawParameters(draws, kind, number, problem.Truth);
-      const RegistrationTarget grid = ImitatedDetector(self.Options.PixelMm);
+      const ReceptorGrid grid = ImitatedDetector(self.Options.PixelMm);
       EvaluatedState breast(model, model.Body(), self.Target.Placement, pose, state);
-      const SyntheticMammogram synthetic = Synthesize(breast, grid, 2);
       const Mammogram header{ .View = "CC",
         .Laterality = 'L',
         .RowDirection = "A",
         .ColumnDirection = "R" };
-      Mammogram picture = Develop(header, synthetic.LogAttenuation, grid,
+      Mammogram picture = Develop(header, breast.PictureOn(grid, 2).LogAttenuation, grid,
         { .Kind = self.Options.Picture, .Noise = self.Options.Noise }, draws);
       const double shiftMm =
         kind == TwinKind::HalfPicture ? KeepHalf(number % 2 == 0, picture) : 0.0;

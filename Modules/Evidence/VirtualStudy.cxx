@@ -281,15 +281,15 @@ private:
     // Lateral or head up: gantry +x on the left, -x on the right.
     const double up = hung.Laterality == 'L' ? 1 : -1;
     EvaluatedState seen(this->Model, this->Model.Body(), this->Placement, taken.Pose, state);
-    RegistrationTarget grid = ImitatedDetector(this->Options.MammogramPixelMm, up);
-    SyntheticMammogram picture = Synthesize(seen, grid, 2);
-    if (IsCutAtFront(picture.LogAttenuation, grid))
+    ReceptorGrid grid = ImitatedDetector(this->Options.MammogramPixelMm, up);
+    std::vector<float> picture = seen.PictureOn(grid, 2).LogAttenuation;
+    if (IsCutAtFront(picture, grid))
     {
       grid = ImitatedDetector(this->Options.MammogramPixelMm, up, LargeField);
-      picture = Synthesize(seen, grid, 2);
+      picture = seen.PictureOn(grid, 2).LogAttenuation;
     }
     Mammogram mammogram =
-      Develop(hung, picture.LogAttenuation, grid, { .Noise = this->Options.MammogramNoise }, draws);
+      Develop(hung, picture, grid, { .Noise = this->Options.MammogramNoise }, draws);
     taken.HeaderThicknessMm = std::round(taken.Pose.ThicknessMm + draws.Between(-4, 4));
     mammogram.BodyPartThicknessMm = taken.HeaderThicknessMm;
     mammogram.SourceToDetectorMm = taken.Unit.SourceToDetectorMm;
@@ -309,13 +309,13 @@ private:
       const Vector3 at = placed.ToGantry({ moved[index], moved[index + 1], moved[index + 2] });
       taken.Gantry.push_back(at);
       taken.Receptor.push_back(ShadowOf(at, taken.Unit));
-      taken.Pixels.push_back(PixelOf(grid, taken.Receptor.back()));
+      taken.Pixels.push_back(grid.IndexOf(taken.Receptor.back()));
     }
     return mammogram;
   }
 
   /// The same compression from along an arc of the source.
-  void Sweep(EvaluatedState& breast, const Mammogram& header, const RegistrationTarget& grid)
+  void Sweep(EvaluatedState& breast, const Mammogram& header, const ReceptorGrid& grid)
   {
     // Numbers of its own: those of the study are the same with and without it.
     Draws draws(this->Options.Seed, 1, 0);
@@ -327,13 +327,12 @@ private:
         (static_cast<double>(number) / (count - 1) - 0.5);
       const Vector3 spot{ radius * std::sin(angle), 0,
         TomosynthesisAxisMm + radius * std::cos(angle) };
-      const SyntheticMammogram picture = Synthesize(breast.SeenFrom(spot), grid, 2);
-      Mammogram& projection = this->Projections.emplace_back(Develop(header, picture.LogAttenuation,
-        grid, { .Noise = std::sqrt(static_cast<double>(count)) * this->Options.MammogramNoise },
-        draws));
+      const std::vector<float>& picture = breast.SeenFrom(spot).PictureOn(grid, 2).LogAttenuation;
+      Mammogram& projection = this->Projections.emplace_back(Develop(header, picture, grid,
+        { .Noise = std::sqrt(static_cast<double>(count)) * this->Options.MammogramNoise }, draws));
       projection.SourceToDetectorMm = spot[2];
       projection.SourceToPatientMm = spot[2] - breast.Placement().Unit.SupportHeightMm;
-      projection.SourceFootPixel = PixelOf(grid, { spot[0], spot[1] });
+      projection.SourceFootPixel = grid.IndexOf({ spot[0], spot[1] });
     }
   }
 

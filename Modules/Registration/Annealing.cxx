@@ -183,7 +183,8 @@ RegistrationResult Anneal(BreastModel& model, const UnitPlacement& placement,
   Walk walk({ &model, &model.Body(), placement }, finest, options, result, progress);
   const Place first = walk.At(start, nullptr);
   walk.Keep(first);
-  result.Before = Compare(Synthesize(walk.Kept(), finest, options.Samples), finest);
+  result.Before =
+    Compare(Synthesize(walk.Kept(), finest.Grid, ChestWallCentre(finest), options.Samples), finest);
   result.StopReason = "the equilibria are spent";
   try
   {
@@ -195,7 +196,8 @@ RegistrationResult Anneal(BreastModel& model, const UnitPlacement& placement,
   }
   result.Pose = PoseOf(result.Values);
   result.State = walk.Kept().State();
-  result.After = Compare(Synthesize(walk.Kept(), finest, options.Samples), finest);
+  result.After =
+    Compare(Synthesize(walk.Kept(), finest.Grid, ChestWallCentre(finest), options.Samples), finest);
   result.Seconds = SecondsSince(begin);
   return result;
 }

@@ -14,7 +14,7 @@ XRaySource SourceOf(const VolumeFromGantry& placed, const MammographyUnit& unit)
   return source;
 }
 
-XRayDetector DetectorOf(const VolumeFromGantry& placed, const RegistrationTarget& grid, int samples)
+XRayDetector DetectorOf(const VolumeFromGantry& placed, const ReceptorGrid& grid, int samples)
 {
   XRayDetector detector;
   detector.Origin = placed.Point({ grid.Origin[0], grid.Origin[1], 0 });
@@ -108,8 +108,7 @@ void EvaluatedState::KeepPicture(const XRaySource& source, const XRayDetector& d
   this->Shown = Picture{ std::move(lengths), std::move(attenuation) };
 }
 
-const EvaluatedState::Picture& EvaluatedState::PictureOn(const RegistrationTarget& grid,
-  int samples)
+const EvaluatedState::Picture& EvaluatedState::PictureOn(const ReceptorGrid& grid, int samples)
 {
   const XRayDetector detector = DetectorOf(this->UnitHere, grid, samples);
   if (!this->Shows(detector))
@@ -130,8 +129,8 @@ std::vector<double> EvaluatedState::Velocities(const std::vector<int>& wanted)
     .Values;
 }
 
-std::vector<std::vector<double>> EvaluatedState::DifferentiatePicture(
-  const RegistrationTarget& grid, int samples, const std::vector<double>& velocities, int fields)
+std::vector<std::vector<double>> EvaluatedState::DifferentiatePicture(const ReceptorGrid& grid,
+  int samples, const std::vector<double>& velocities, int fields)
 {
   const XRayDetector detector = DetectorOf(this->UnitHere, grid, samples);
   const XRaySource source = SourceOf(this->UnitHere, this->Around.Unit);

@@ -19,7 +19,7 @@ namespace mammoray
 MAMMORAYREGISTRATION_EXPORT XRaySource SourceOf(const VolumeFromGantry& placed,
   const MammographyUnit& unit);
 MAMMORAYREGISTRATION_EXPORT XRayDetector DetectorOf(const VolumeFromGantry& placed,
-  const RegistrationTarget& grid, int samples);
+  const ReceptorGrid& grid, int samples);
 
 /**
  * A compressed breast in the unit, and what a search asks of it: the moved surface, its silhouette
@@ -67,7 +67,7 @@ public:
     /// -ln(I / I0) of each pixel, with what scatters where the model has that.
     std::vector<float> LogAttenuation;
   };
-  const Picture& PictureOn(const RegistrationTarget& grid, int samples);
+  const Picture& PictureOn(const ReceptorGrid& grid, int samples);
 
   /// How the surface's points move with the parameters numbered in `wanted`, seen from the unit, mm
   /// per unit of each; one field after the other. Not kept.
@@ -75,7 +75,7 @@ public:
   /// How the picture's LogAttenuation changes with so many fields of the surface's velocities, by
   /// pixel, one field after the other; nothing of it is kept but the picture, which the same pass
   /// gives.
-  std::vector<std::vector<double>> DifferentiatePicture(const RegistrationTarget& grid, int samples,
+  std::vector<std::vector<double>> DifferentiatePicture(const ReceptorGrid& grid, int samples,
     const std::vector<double>& velocities, int fields);
 
   /// Pictures that were computed, from other focal spots too.

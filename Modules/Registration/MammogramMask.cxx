@@ -27,16 +27,16 @@ public:
     double top = -std::numeric_limits<double>::infinity();
     double bottom = -top;
     std::vector<double> values;
-    for (int row = 0; row < target.Rows; ++row)
+    for (int row = 0; row < target.Grid.Rows; ++row)
     {
-      for (int column = 0; column < target.Columns; ++column)
+      for (int column = 0; column < target.Grid.Columns; ++column)
       {
-        const std::size_t pixel = static_cast<std::size_t>(row) * target.Columns + column;
+        const std::size_t pixel = target.Grid.Index(column, row);
         if (target.BreastMask[pixel] == 0)
         {
           continue;
         }
-        const ReceptorPoint point = PixelPosition(target, column, row);
+        const ReceptorPoint point = target.Grid.PositionOf(column, row);
         const double height = headward * point[0];
         values.push_back(target.LogAttenuation[pixel]);
         this->DepthMm = std::max(this->DepthMm, point[1]);
@@ -67,15 +67,16 @@ public:
   std::optional<double> At(double down, double out) const
   {
     const std::array<double, 2> place =
-      PixelOf(this->Target, { this->Headward * (this->TopMm - down), out });
+      this->Target.Grid.IndexOf({ this->Headward * (this->TopMm - down), out });
     const long column = std::lround(place[0]);
     const long row = std::lround(place[1]);
-    if (column < 0 || row < 0 || column >= this->Target.Columns || row >= this->Target.Rows)
+    if (column < 0 || row < 0 || column >= this->Target.Grid.Columns ||
+      row >= this->Target.Grid.Rows)
     {
       return std::nullopt;
     }
     const auto pixel =
-      static_cast<std::size_t>(row) * this->Target.Columns + static_cast<std::size_t>(column);
+      static_cast<std::size_t>(row) * this->Target.Grid.Columns + static_cast<std::size_t>(column);
     return this->Target.BreastMask[pixel] == 0
       ? std::nullopt
       : std::optional<double>(this->Target.LogAttenuation[pixel]);
@@ -194,17 +195,17 @@ void ExcludePectoral(const PectoralEdge& edge, int headward, RegistrationTarget&
   const double out = edge.Head[1];
   const double down = headward * (edge.Head[0] - edge.ChestWall[0]);
   const double length = std::hypot(out, down);
-  for (int row = 0; row < target.Rows; ++row)
+  for (int row = 0; row < target.Grid.Rows; ++row)
   {
-    for (int column = 0; column < target.Columns; ++column)
+    for (int column = 0; column < target.Grid.Columns; ++column)
     {
-      const ReceptorPoint point = PixelPosition(target, column, row);
+      const ReceptorPoint point = target.Grid.PositionOf(column, row);
       const double fromHead = headward * (edge.Head[0] - point[0]);
       // Distance from the line, negative towards the corner and everything above it.
       const double distance = (fromHead * out + (point[1] - out) * down) / length;
       if (distance < marginMm)
       {
-        target.Excluded[static_cast<std::size_t>(row) * target.Columns + column] = 1;
+        target.Excluded[target.Grid.Index(column, row)] = 1;
       }
     }
   }
@@ -228,8 +229,8 @@ double ExcludeSaturated(RegistrationTarget& target)
       saturated.push_back(pixel);
     }
   }
-  const double pixelMm2 =
-    std::abs(target.ColumnStep[0] * target.RowStep[1] - target.ColumnStep[1] * target.RowStep[0]);
+  const double pixelMm2 = std::abs(target.Grid.ColumnStep[0] * target.Grid.RowStep[1] -
+    target.Grid.ColumnStep[1] * target.Grid.RowStep[0]);
   constexpr double leastMm2 = 0.5;
   const double area = static_cast<double>(saturated.size()) * pixelMm2;
   if (area < leastMm2 || saturated.size() >= breast / 20)
@@ -241,14 +242,14 @@ double ExcludeSaturated(RegistrationTarget& target)
   const int reach = std::max(1, static_cast<int>(std::lround(0.5 / pixelMm)));
   for (const std::size_t pixel : saturated)
   {
-    const int column = static_cast<int>(pixel % target.Columns);
-    const int row = static_cast<int>(pixel / target.Columns);
-    for (int y = std::max(0, row - reach); y <= std::min(target.Rows - 1, row + reach); ++y)
+    const int column = static_cast<int>(pixel % target.Grid.Columns);
+    const int row = static_cast<int>(pixel / target.Grid.Columns);
+    for (int y = std::max(0, row - reach); y <= std::min(target.Grid.Rows - 1, row + reach); ++y)
     {
-      for (int x = std::max(0, column - reach); x <= std::min(target.Columns - 1, column + reach);
-           ++x)
+      for (int x = std::max(0, column - reach);
+           x <= std::min(target.Grid.Columns - 1, column + reach); ++x)
       {
-        target.Excluded[static_cast<std::size_t>(y) * target.Columns + x] = 1;
+        target.Excluded[static_cast<std::size_t>(y) * target.Grid.Columns + x] = 1;
       }
     }
   }

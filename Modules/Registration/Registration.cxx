@@ -262,7 +262,9 @@ private:
   {
     const RegistrationTarget finest =
       CoarsenTo(*mammogram.Given->Target, this->Options.PixelSizesMm.back());
-    return Compare(Synthesize(*mammogram.Here, finest, this->Options.Samples), finest);
+    return Compare(
+      Synthesize(*mammogram.Here, finest.Grid, ChestWallCentre(finest), this->Options.Samples),
+      finest);
   }
 
   void KeepBefore(MammogramSearch& mammogram) const

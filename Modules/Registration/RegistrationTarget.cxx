@@ -27,29 +27,26 @@ struct Cell
 
   Cell(const RegistrationTarget& target, const ReceptorPoint& point)
   {
-    const auto [column, row] = PixelOf(target, point);
-    const double insideColumn = std::clamp(column, 0.0, target.Columns - 1.0);
-    const double insideRow = std::clamp(row, 0.0, target.Rows - 1.0);
+    const auto [column, row] = target.Grid.IndexOf(point);
+    const double insideColumn = std::clamp(column, 0.0, target.Grid.Columns - 1.0);
+    const double insideRow = std::clamp(row, 0.0, target.Grid.Rows - 1.0);
     this->InColumns = insideColumn == column;
     this->InRows = insideRow == row;
-    const int c0 = std::min(static_cast<int>(insideColumn), std::max(target.Columns - 2, 0));
-    const int r0 = std::min(static_cast<int>(insideRow), std::max(target.Rows - 2, 0));
-    const int c1 = std::min(c0 + 1, target.Columns - 1);
-    const int r1 = std::min(r0 + 1, target.Rows - 1);
+    const int c0 = std::min(static_cast<int>(insideColumn), std::max(target.Grid.Columns - 2, 0));
+    const int r0 = std::min(static_cast<int>(insideRow), std::max(target.Grid.Rows - 2, 0));
+    const int c1 = std::min(c0 + 1, target.Grid.Columns - 1);
+    const int r1 = std::min(r0 + 1, target.Grid.Rows - 1);
     this->Column = insideColumn - c0;
     this->Row = insideRow - r0;
     const auto at = [&](int c, int r)
-    {
-      return static_cast<double>(
-        target.SignedDistanceMm[static_cast<std::size_t>(r) * target.Columns + c]);
-    };
+    { return static_cast<double>(target.SignedDistanceMm[target.Grid.Index(c, r)]); };
     this->At[0] = at(c0, r0);
     this->At[1] = at(c1, r0);
     this->At[2] = at(c0, r1);
     this->At[3] = at(c1, r1);
     if (!this->InColumns || !this->InRows)
     {
-      const ReceptorPoint border = PixelPosition(target, insideColumn, insideRow);
+      const ReceptorPoint border = target.Grid.PositionOf(insideColumn, insideRow);
       this->Outside = { point[0] - border[0], point[1] - border[1] };
     }
   }
@@ -58,8 +55,7 @@ struct Cell
 void RequireBreast(const RegistrationTarget& target)
 {
   const auto& mask = target.BreastMask;
-  if (mask.size() != static_cast<std::size_t>(target.Columns) * target.Rows ||
-    std::count(mask.begin(), mask.end(), 1) == 0)
+  if (mask.size() != target.Grid.NumberOfPixels() || std::count(mask.begin(), mask.end(), 1) == 0)
   {
     throw InputError("mammogram: expected a breast, found an empty mask");
   }
@@ -68,13 +64,12 @@ void RequireBreast(const RegistrationTarget& target)
 
 void ValidateTarget(const RegistrationTarget& target)
 {
-  const auto pixels =
-    static_cast<std::size_t>(std::max(target.Columns, 0)) * std::max(target.Rows, 0);
+  const std::size_t pixels = target.Grid.NumberOfPixels();
   if (pixels == 0 || target.LogAttenuation.size() != pixels || target.BreastMask.size() != pixels ||
     target.SignedDistanceMm.size() != pixels)
   {
-    throw InputError("mammogram: expected " + std::to_string(target.Columns) + " x " +
-      std::to_string(target.Rows) + " pixels of attenuation, mask and distance, found " +
+    throw InputError("mammogram: expected " + std::to_string(target.Grid.Columns) + " x " +
+      std::to_string(target.Grid.Rows) + " pixels of attenuation, mask and distance, found " +
       std::to_string(target.LogAttenuation.size()) + ", " +
       std::to_string(target.BreastMask.size()) + " and " +
       std::to_string(target.SignedDistanceMm.size()));
@@ -84,9 +79,7 @@ void ValidateTarget(const RegistrationTarget& target)
     throw InputError("mammogram: expected what is excluded for " + std::to_string(pixels) +
       " pixels or for none, found " + std::to_string(target.Excluded.size()));
   }
-  const double area =
-    target.ColumnStep[0] * target.RowStep[1] - target.ColumnStep[1] * target.RowStep[0];
-  if (!(std::abs(area) > 1e-12))
+  if (!(target.Grid.PixelAreaMm2() > 1e-12))
   {
     throw InputError("mammogram: expected independent column and row steps on the receptor");
   }
@@ -96,24 +89,18 @@ void ValidateTarget(const RegistrationTarget& target)
 RegistrationTarget Coarsen(const RegistrationTarget& target, int factor)
 {
   RegistrationTarget coarse;
-  coarse.Columns = target.Columns / factor;
-  coarse.Rows = target.Rows / factor;
-  coarse.Origin = PixelPosition(target, 0.5 * (factor - 1), 0.5 * (factor - 1));
-  for (int axis = 0; axis < 2; ++axis)
-  {
-    coarse.ColumnStep[axis] = factor * target.ColumnStep[axis];
-    coarse.RowStep[axis] = factor * target.RowStep[axis];
-  }
+  coarse.Grid = target.Grid.Coarsened(factor);
   coarse.OutlineFromMm = target.OutlineFromMm;
   coarse.Warnings = target.Warnings;
-  const std::size_t pixels = static_cast<std::size_t>(coarse.Columns) * coarse.Rows;
+  coarse.Disagreements = target.Disagreements;
+  const std::size_t pixels = coarse.Grid.NumberOfPixels();
   coarse.LogAttenuation.resize(pixels);
   coarse.BreastMask.resize(pixels);
   coarse.SignedDistanceMm.resize(pixels);
   coarse.Excluded.resize(target.Excluded.empty() ? 0 : pixels);
-  for (int row = 0; row < coarse.Rows; ++row)
+  for (int row = 0; row < coarse.Grid.Rows; ++row)
   {
-    for (int column = 0; column < coarse.Columns; ++column)
+    for (int column = 0; column < coarse.Grid.Columns; ++column)
     {
       double attenuation = 0;
       double distance = 0;
@@ -123,15 +110,14 @@ RegistrationTarget Coarsen(const RegistrationTarget& target, int factor)
       {
         for (int x = 0; x < factor; ++x)
         {
-          const std::size_t fine =
-            static_cast<std::size_t>(row * factor + y) * target.Columns + column * factor + x;
+          const std::size_t fine = target.Grid.Index(column * factor + x, row * factor + y);
           attenuation += target.LogAttenuation[fine];
           distance += target.SignedDistanceMm[fine];
           breast = breast && target.BreastMask[fine] != 0;
           excluded = excluded || IsExcluded(target, fine);
         }
       }
-      const std::size_t index = static_cast<std::size_t>(row) * coarse.Columns + column;
+      const std::size_t index = coarse.Grid.Index(column, row);
       coarse.LogAttenuation[index] = static_cast<float>(attenuation / (factor * factor));
       coarse.SignedDistanceMm[index] = static_cast<float>(distance / (factor * factor));
       coarse.BreastMask[index] = breast ? 1 : 0;
@@ -146,24 +132,8 @@ RegistrationTarget Coarsen(const RegistrationTarget& target, int factor)
 
 RegistrationTarget CoarsenTo(const RegistrationTarget& target, double pixelSizeMm)
 {
-  const double pixel = std::hypot(target.ColumnStep[0], target.ColumnStep[1]);
+  const double pixel = target.Grid.ColumnSpacingMm();
   return Coarsen(target, std::max(1, static_cast<int>(std::lround(pixelSizeMm / pixel))));
-}
-
-ReceptorPoint PixelPosition(const RegistrationTarget& target, double column, double row)
-{
-  return { target.Origin[0] + column * target.ColumnStep[0] + row * target.RowStep[0],
-    target.Origin[1] + column * target.ColumnStep[1] + row * target.RowStep[1] };
-}
-
-std::array<double, 2> PixelOf(const RegistrationTarget& target, const ReceptorPoint& point)
-{
-  const double dx = point[0] - target.Origin[0];
-  const double dy = point[1] - target.Origin[1];
-  const auto& c = target.ColumnStep;
-  const auto& r = target.RowStep;
-  const double determinant = c[0] * r[1] - c[1] * r[0];
-  return { (dx * r[1] - dy * r[0]) / determinant, (c[0] * dy - c[1] * dx) / determinant };
 }
 
 double SignedDistanceAt(const RegistrationTarget& target, const ReceptorPoint& point)
@@ -185,8 +155,8 @@ ReceptorPoint SignedDistanceGradient(const RegistrationTarget& target, const Rec
   const double byRow = cell.InRows
     ? (1 - cell.Column) * (cell.At[2] - cell.At[0]) + cell.Column * (cell.At[3] - cell.At[1])
     : 0.0;
-  const auto& c = target.ColumnStep;
-  const auto& r = target.RowStep;
+  const auto& c = target.Grid.ColumnStep;
+  const auto& r = target.Grid.RowStep;
   const double determinant = c[0] * r[1] - c[1] * r[0];
   ReceptorPoint gradient{ (byColumn * r[1] - byRow * c[1]) / determinant,
     (byRow * c[0] - byColumn * r[0]) / determinant };
@@ -199,28 +169,18 @@ ReceptorPoint SignedDistanceGradient(const RegistrationTarget& target, const Rec
   return gradient;
 }
 
-bool Contains(const RegistrationTarget& target, const ReceptorPoint& point, double marginMm)
-{
-  const auto [column, row] = PixelOf(target, point);
-  const double columnMargin =
-    marginMm / std::hypot(target.ColumnStep[0], target.ColumnStep[1]) - 0.5;
-  const double rowMargin = marginMm / std::hypot(target.RowStep[0], target.RowStep[1]) - 0.5;
-  return column >= columnMargin && column <= target.Columns - 1 - columnMargin &&
-    row >= rowMargin && row <= target.Rows - 1 - rowMargin;
-}
-
 ReceptorPoint ChestWallCentre(const RegistrationTarget& target)
 {
   RequireBreast(target);
   double low = std::numeric_limits<double>::infinity();
   double high = -low;
-  for (int row = 0; row < target.Rows; ++row)
+  for (int row = 0; row < target.Grid.Rows; ++row)
   {
-    for (int column = 0; column < target.Columns; ++column)
+    for (int column = 0; column < target.Grid.Columns; ++column)
     {
-      if (target.BreastMask[static_cast<std::size_t>(row) * target.Columns + column])
+      if (target.BreastMask[target.Grid.Index(column, row)])
       {
-        const ReceptorPoint at = PixelPosition(target, column, row);
+        const ReceptorPoint at = target.Grid.PositionOf(column, row);
         if (at[1] >= target.OutlineFromMm)
         {
           low = std::min(low, at[0]);
@@ -240,10 +200,10 @@ ReceptorPoint ChestWallCentre(const RegistrationTarget& target)
 std::vector<std::optional<ReceptorPoint>> OutlineAlong(const RegistrationTarget& target,
   const ReceptorPoint& centre, const std::vector<ReceptorPoint>& directions)
 {
-  const double pixel = std::hypot(target.ColumnStep[0], target.ColumnStep[1]);
+  const double pixel = target.Grid.ColumnSpacingMm();
   const double step = 0.5 * pixel;
   const double diagonal =
-    pixel * target.Columns + std::hypot(target.RowStep[0], target.RowStep[1]) * target.Rows;
+    pixel * target.Grid.Columns + target.Grid.RowSpacingMm() * target.Grid.Rows;
   std::vector<std::optional<ReceptorPoint>> outline;
   for (const ReceptorPoint& direction : directions)
   {
@@ -254,7 +214,7 @@ std::vector<std::optional<ReceptorPoint>> OutlineAlong(const RegistrationTarget&
     bool entered = false; // the image may begin a little in front of the chest wall
     for (double r = 0; r <= diagonal; r += step)
     {
-      const bool contained = Contains(target, at(r), 0);
+      const bool contained = target.Grid.Contains(at(r), 0);
       if (entered && !contained)
       {
         break;
@@ -270,7 +230,7 @@ std::vector<std::optional<ReceptorPoint>> OutlineAlong(const RegistrationTarget&
     const ReceptorPoint end =
       at(outside >= 0 && inside < 0 ? radius + step * inside / (inside - outside) : radius);
     const bool seen =
-      radius > 0 && end[1] >= target.OutlineFromMm && Contains(target, end, 2.0 + pixel);
+      radius > 0 && end[1] >= target.OutlineFromMm && target.Grid.Contains(end, 2.0 + pixel);
     outline.push_back(seen ? std::optional(end) : std::nullopt);
   }
   return outline;

@@ -2,10 +2,9 @@
 #ifndef mammoray_RegistrationTarget_h
 #define mammoray_RegistrationTarget_h
 
-#include "mammoray/Registration/Silhouette.h"
+#include "mammoray/Foundation/ReceptorGrid.h"
 #include "mammorayRegistrationModule.h"
 
-#include <array>
 #include <cstddef>
 #include <optional>
 #include <string>
@@ -14,17 +13,12 @@
 namespace mammoray
 {
 /**
- * A mammogram made ready for registration: log attenuation on a pixel grid in the receptor plane (z
- * = 0) of the gantry frame, with the breast outlined.
+ * A mammogram made ready for registration: log attenuation on a grid of the receptor, with the
+ * breast outlined. Its arrays hold one value for each pixel of the grid, row by row.
  */
 struct RegistrationTarget
 {
-  int Columns = 0;
-  int Rows = 0;
-  /// Gantry x, y of the centre of pixel (0, 0), and of the steps to the next column and row, mm.
-  std::array<double, 2> Origin{ 0, 0 };
-  std::array<double, 2> ColumnStep{ 0.1, 0 };
-  std::array<double, 2> RowStep{ 0, 0.1 };
+  ReceptorGrid Grid;
   /**
    * -ln(I / I0) up to scale and offset, bright where more is absorbed. Exact in scale and offset
    * (I0 taken from the unattenuated background) for For Processing images.
@@ -36,13 +30,13 @@ struct RegistrationTarget
   /// that cuts the breast (chest wall) is not outline.
   std::vector<float> SignedDistanceMm;
   /// 1 where the picture inside the breast is not compared: the pectoral muscle, markers and text
-  /// burnt into the image, what the detector does not measure. Empty: nowhere.
+  /// burnt into the image, pixels without a measurement. Empty if everything is compared.
   std::vector<unsigned char> Excluded;
   /// Gantry y from which on outlines are compared, mm.
   double OutlineFromMm = 0;
-  /// What had to be assumed because the header did not say, a sentence each.
+  /// Assumptions made where the header said nothing, a sentence each.
   std::vector<std::string> Warnings;
-  /// What header and picture disagree on, a sentence each: reasons to doubt a match.
+  /// Contradictions between header and picture, a sentence each: reasons to doubt a match.
   std::vector<std::string> Disagreements;
 };
 
@@ -57,24 +51,16 @@ inline bool IsExcluded(const RegistrationTarget& target, std::size_t pixel)
 MAMMORAYREGISTRATION_EXPORT void ValidateTarget(const RegistrationTarget& target);
 
 /**
- * The target with factor x factor pixels averaged into one (rest at the far borders dropped). A
- * coarse pixel is breast when all of its pixels are, and excluded when one of them is. Signed
- * distances are averaged.
+ * Averages factor x factor pixels into one; the rest at the far borders is dropped. A coarse pixel
+ * is breast when all of its pixels are, and excluded when one of them is. Signed distances are
+ * averaged; everything that is not a picture is copied.
  */
 MAMMORAYREGISTRATION_EXPORT RegistrationTarget Coarsen(const RegistrationTarget& target,
   int factor);
 
-/// The target in pixels of about `pixelSizeMm`, no smaller than its own.
+/// Coarsens to pixels of about `pixelSizeMm`; a target whose pixels are larger is copied.
 MAMMORAYREGISTRATION_EXPORT RegistrationTarget CoarsenTo(const RegistrationTarget& target,
   double pixelSizeMm);
-
-/// Gantry x, y of a continuous pixel position (pixel centres at whole numbers).
-MAMMORAYREGISTRATION_EXPORT ReceptorPoint PixelPosition(const RegistrationTarget& target,
-  double column, double row);
-
-/// The continuous column and row of a point: the inverse of PixelPosition.
-MAMMORAYREGISTRATION_EXPORT std::array<double, 2> PixelOf(const RegistrationTarget& target,
-  const ReceptorPoint& point);
 
 /**
  * Signed distance, mm, at a receptor point: bilinear between pixels; outside the image the value at
@@ -83,13 +69,9 @@ MAMMORAYREGISTRATION_EXPORT std::array<double, 2> PixelOf(const RegistrationTarg
 MAMMORAYREGISTRATION_EXPORT double SignedDistanceAt(const RegistrationTarget& target,
   const ReceptorPoint& point);
 
-/// Its gradient, without unit, where it has one (not on the lines between pixels).
+/// Gradient of the signed distance (no unit). It is not defined on the lines between pixels.
 MAMMORAYREGISTRATION_EXPORT ReceptorPoint SignedDistanceGradient(const RegistrationTarget& target,
   const ReceptorPoint& point);
-
-/// True inside the image, at least `marginMm` away from its borders.
-MAMMORAYREGISTRATION_EXPORT bool Contains(const RegistrationTarget& target,
-  const ReceptorPoint& point, double marginMm);
 
 /// Middle of the breast mask across where outlines are compared, on the receptor's chest-wall edge:
 /// (x, 0). Throws InputError on an empty mask.

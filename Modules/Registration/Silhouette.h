@@ -3,6 +3,7 @@
 #define mammoray_Silhouette_h
 
 #include "mammoray/Foundation/MammographyGeometry.h"
+#include "mammoray/Foundation/ReceptorGrid.h"
 #include "mammoray/Foundation/SurfaceMesh.h"
 #include "mammorayRegistrationModule.h"
 
@@ -12,9 +13,6 @@
 
 namespace mammoray
 {
-/// A point of the receptor plane (z = 0) in the gantry frame: x, y; mm.
-using ReceptorPoint = std::array<double, 2>;
-
 /// The shadow of a point of the gantry frame, seen from the unit's focal spot. NaN at or above it.
 MAMMORAYREGISTRATION_EXPORT ReceptorPoint ShadowOf(const Vector3& gantry,
   const MammographyUnit& unit);

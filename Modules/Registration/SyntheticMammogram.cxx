@@ -22,14 +22,14 @@ std::vector<ReceptorPoint> DrawnDirections()
 }
 }
 
-SyntheticMammogram Synthesize(EvaluatedState& breast, const RegistrationTarget& grid, int samples)
+SyntheticMammogram Synthesize(EvaluatedState& breast, const ReceptorGrid& grid,
+  const ReceptorPoint& centre, int samples)
 {
   SyntheticMammogram synthetic;
   const EvaluatedState::Picture& picture = breast.PictureOn(grid, samples);
   synthetic.LogAttenuation = picture.LogAttenuation;
   synthetic.InconsistentRays = picture.Lengths.NumberOfInconsistentRays();
 
-  const ReceptorPoint centre = ChestWallCentre(grid);
   const auto directions = DrawnDirections();
   const std::vector<double>& radii = breast.SilhouetteFrom(centre, directions).Radii;
   for (std::size_t index = 0; index < directions.size(); ++index)
@@ -117,8 +117,8 @@ double CorrelateTissue(const SyntheticMammogram& synthetic, const RegistrationTa
   RegistrationTarget fine = target;
   fine.LogAttenuation = synthetic.LogAttenuation;
   const std::vector<float> model = CoarsenTo(fine, TissuePixelMm).LogAttenuation;
-  const PixelGrid grid{ real.Columns, real.Rows, std::hypot(real.ColumnStep[0], real.ColumnStep[1]),
-    std::hypot(real.RowStep[0], real.RowStep[1]) };
+  const PixelGrid grid{ real.Grid.Columns, real.Grid.Rows, real.Grid.ColumnSpacingMm(),
+    real.Grid.RowSpacingMm() };
   PixelMask mask(grid.Count(), 0);
   double deepest = 0;
   for (std::size_t pixel = 0; pixel < mask.size(); ++pixel)

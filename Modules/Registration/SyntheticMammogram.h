@@ -10,7 +10,7 @@
 
 namespace mammoray
 {
-/// A synthetic mammogram on a target's pixel grid.
+/// A synthetic mammogram on a grid of the receptor.
 struct SyntheticMammogram
 {
   /// -ln(I / I0) of each pixel.
@@ -21,13 +21,10 @@ struct SyntheticMammogram
   std::size_t InconsistentRays = 0;
 };
 
-/**
- * X-rays a compressed breast. Only the grid of `grid` is used, and its BreastMask (rows x columns,
- * at least one pixel 1) to centre the silhouette on. `samples` rays along each side of a pixel.
- * Throws InputError on an empty mask.
- */
+/// X-rays a compressed breast, with `samples` rays along each side of a pixel. The silhouette is
+/// looked for along rays from `centre`, a point of its shadow at the chest wall (ChestWallCentre).
 MAMMORAYREGISTRATION_EXPORT SyntheticMammogram Synthesize(EvaluatedState& breast,
-  const RegistrationTarget& grid, int samples);
+  const ReceptorGrid& grid, const ReceptorPoint& centre, int samples);
 
 /// How two pictures of the breast agree.
 struct Agreement

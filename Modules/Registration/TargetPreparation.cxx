@@ -138,7 +138,7 @@ void ExcludeChestWall(const PixelGrid& grid, double marginMm, RegistrationTarget
   {
     for (int column = 0; column < grid.Columns; ++column)
     {
-      if (PixelPosition(target, column, row)[1] < marginMm)
+      if (target.Grid.PositionOf(column, row)[1] < marginMm)
       {
         target.Excluded[grid.Index(column, row)] = 1;
       }
@@ -160,8 +160,8 @@ CutBorders FindCutBorders(const PixelGrid& grid, const RegistrationTarget& targe
 {
   CutBorders cut;
   // The front is where gantry y is largest, the ends where x is smallest and largest.
-  const bool alongColumns = target.ColumnStep[1] != 0;
-  const double frontward = alongColumns ? target.ColumnStep[1] : target.RowStep[1];
+  const bool alongColumns = target.Grid.ColumnStep[1] != 0;
+  const double frontward = alongColumns ? target.Grid.ColumnStep[1] : target.Grid.RowStep[1];
   const int fronts = alongColumns ? grid.Columns : grid.Rows;
   const int sides = alongColumns ? grid.Rows : grid.Columns;
   const auto inBreast = [&](int deep, int side) {
@@ -256,8 +256,8 @@ RegistrationTarget PrepareTarget(const Mammogram& mammogram, const TargetOptions
 {
   Validate(mammogram, options);
   RegistrationTarget target;
-  target.Columns = mammogram.Columns;
-  target.Rows = mammogram.Rows;
+  target.Grid.Columns = mammogram.Columns;
+  target.Grid.Rows = mammogram.Rows;
   const PixelGrid grid{ mammogram.Columns, mammogram.Rows, mammogram.ColumnSpacingMm,
     mammogram.RowSpacingMm };
   BreastContrast contrast = FindBreastContrast(mammogram, grid, options, target);

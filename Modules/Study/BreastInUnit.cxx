@@ -71,11 +71,7 @@ void DescribeUnit(const ResultFile& result, BreastInUnit& breast)
 {
   breast.Placed = result.Placed;
   breast.Unit = result.Unit;
-  breast.Grid.Columns = result.Grid.Columns;
-  breast.Grid.Rows = result.Grid.Rows;
-  breast.Grid.Origin = result.Grid.OriginMm;
-  breast.Grid.ColumnStep = result.Grid.ColumnStepMm;
-  breast.Grid.RowStep = result.Grid.RowStepMm;
+  breast.Grid = result.Grid;
   for (const ResultParameter& parameter : result.Parameters)
   {
     breast.Parameters.push_back(parameter.Name);

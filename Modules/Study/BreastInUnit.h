@@ -3,7 +3,7 @@
 #define mammoray_BreastInUnit_h
 
 #include "mammoray/Foundation/MammographyGeometry.h"
-#include "mammoray/Registration/RegistrationTarget.h"
+#include "mammoray/Foundation/ReceptorGrid.h"
 #include "mammoray/Study/ResultFile.h"
 #include "mammorayStudyModule.h"
 
@@ -29,8 +29,8 @@ struct BreastInUnit
   vtkSmartPointer<vtkUnstructuredGrid> Compressed;
   VolumeFromGantry Placed;
   MammographyUnit Unit;
-  /// The mammogram's pixel grid; its pictures are not used.
-  RegistrationTarget Grid;
+  /// The mammogram's pixels.
+  ReceptorGrid Grid;
   /// The parameters of a registration in its order, and the covariance of what is free and of what
   /// is held with a prior, row by row, which is empty where it is not known.
   std::vector<std::string> Parameters;

@@ -99,11 +99,11 @@ double VolumeOf(vtkUnstructuredGrid* grid, vtkIdType cell)
 }
 
 std::vector<std::array<double, 2>> EllipsePoints(const UncertaintyEllipse& ellipse,
-  const std::array<double, 2>& middle, const RegistrationTarget& grid, double deviations)
+  const std::array<double, 2>& middle, const ReceptorGrid& grid, double deviations)
 {
   constexpr int Steps = 48;
-  const double columnLength = std::hypot(grid.ColumnStep[0], grid.ColumnStep[1]);
-  const double rowLength = std::hypot(grid.RowStep[0], grid.RowStep[1]);
+  const double columnLength = grid.ColumnSpacingMm();
+  const double rowLength = grid.RowSpacingMm();
   const double turn = ellipse.AngleDeg * std::numbers::pi / 180;
   std::vector<std::array<double, 2>> points;
   for (int step = 0; step < Steps; ++step)
@@ -140,21 +140,6 @@ struct RegisteredBreast::Internals
     const auto material = static_cast<std::size_t>(this->Materials->GetComponent(cell, 0));
     return material < this->MaterialNames.size() ? this->MaterialNames[material]
                                                  : std::to_string(material);
-  }
-  std::array<double, 2> PixelOf(double x, double y) const
-  {
-    const RegistrationTarget& grid = this->Breast.Grid;
-    const double dx = x - grid.Origin[0];
-    const double dy = y - grid.Origin[1];
-    const double determinant =
-      grid.ColumnStep[0] * grid.RowStep[1] - grid.ColumnStep[1] * grid.RowStep[0];
-    return { (dx * grid.RowStep[1] - dy * grid.RowStep[0]) / determinant,
-      (grid.ColumnStep[0] * dy - grid.ColumnStep[1] * dx) / determinant };
-  }
-  bool Contains(double column, double row) const
-  {
-    return column >= -0.5 && row >= -0.5 && column <= this->Breast.Grid.Columns - 0.5 &&
-      row <= this->Breast.Grid.Rows - 0.5;
   }
   /// Cells that stand for equal shares of the tissue between the plates, and the rigid motion
   /// nearest to theirs.
@@ -263,7 +248,7 @@ void RegisteredBreast::Internals::AddUncertainty(const PlaceInCell& place, const
   {
     return;
   }
-  const RegistrationTarget& grid = this->Breast.Grid;
+  const ReceptorGrid& grid = this->Breast.Grid;
   const VolumeFromGantry& placed = this->Breast.Placed;
   // How the point moves, seen from the unit, with each parameter and, by its own error, each way.
   std::vector<Vector3> velocities;
@@ -280,8 +265,8 @@ void RegisteredBreast::Internals::AddUncertainty(const PlaceInCell& place, const
   const std::vector<double> at(imaged.Compressed.begin(), imaged.Compressed.end());
   // In the gantry frame, and on the receptor along the image's columns and rows.
   std::vector<std::array<double, 5>> rates;
-  const double columnLength = std::hypot(grid.ColumnStep[0], grid.ColumnStep[1]);
-  const double rowLength = std::hypot(grid.RowStep[0], grid.RowStep[1]);
+  const double columnLength = grid.ColumnSpacingMm();
+  const double rowLength = grid.RowSpacingMm();
   for (const Vector3& velocity : velocities)
   {
     const ReceptorPoint rate =
@@ -414,10 +399,11 @@ ImagedPoint RegisteredBreast::ToMammogram(const Vector3& point) const
   const std::vector<double> compressed(imaged.Compressed.begin(), imaged.Compressed.end());
   imaged.ReceptorMm =
     ProjectToReceptor(compressed, internal.Breast.Placed, internal.Breast.Unit).front();
-  const std::array<double, 2> pixel = internal.PixelOf(imaged.ReceptorMm[0], imaged.ReceptorMm[1]);
-  imaged.Column = pixel[0];
-  imaged.Row = pixel[1];
-  imaged.InImage = internal.Contains(pixel[0], pixel[1]);
+  const ReceptorGrid& grid = internal.Breast.Grid;
+  const auto [column, row] = grid.IndexOf(imaged.ReceptorMm);
+  imaged.Column = column;
+  imaged.Row = row;
+  imaged.InImage = grid.Contains(imaged.ReceptorMm);
   internal.AddUncertainty(place, point, imaged);
   return imaged;
 }
@@ -437,7 +423,8 @@ CarriedPoint RegisteredBreast::CarryBack(const Vector3& point) const
 std::vector<RaySegment> RegisteredBreast::ToVolume(double column, double row, double stepMm) const
 {
   const Internals& internal = *this->Internal;
-  if (!internal.Contains(column, row))
+  const ReceptorPoint receptor = internal.Breast.Grid.PositionOf(column, row);
+  if (!internal.Breast.Grid.Contains(receptor))
   {
     char text[160];
     std::snprintf(text, sizeof text,
@@ -449,8 +436,7 @@ std::vector<RaySegment> RegisteredBreast::ToVolume(double column, double row, do
   {
     throw InputError("step: expected a positive length, found " + std::to_string(stepMm) + " mm");
   }
-  const auto [x, y] = PixelPosition(internal.Breast.Grid, column, row);
-  const Vector3 foot = internal.Breast.Placed.Point({ x, y, 0 });
+  const Vector3 foot = internal.Breast.Placed.Point({ receptor[0], receptor[1], 0 });
   const Vector3 source = this->Source().Position;
   const Vector3 up = (1 / Norm(source - foot)) * (source - foot);
   // How far up the ray the breast reaches.

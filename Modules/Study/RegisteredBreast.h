@@ -36,8 +36,8 @@ inline constexpr double Deviations95 = 2.4477468306808166;
 /// Points of the ellipse around a place of the receptor, gantry x and y, mm; half its axes are
 /// `deviations` of its standard deviations. `grid`: the mammogram's, to which its angle refers.
 MAMMORAYSTUDY_EXPORT std::vector<std::array<double, 2>> EllipsePoints(
-  const UncertaintyEllipse& ellipse, const std::array<double, 2>& middle,
-  const RegistrationTarget& grid, double deviations);
+  const UncertaintyEllipse& ellipse, const std::array<double, 2>& middle, const ReceptorGrid& grid,
+  double deviations);
 
 /**
  * What a model of tissue gets wrong beyond the parameters that are found (stiffness, chest wall,

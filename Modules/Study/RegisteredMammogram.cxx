@@ -7,6 +7,7 @@
 #include "mammoray/IO/MammogramSynthesis.h"
 #include "mammoray/IO/Sha256.h"
 #include "mammoray/IO/ShippedData.h"
+#include "mammoray/Registration/EvaluatedState.h"
 
 #include <filesystem>
 #include <optional>
@@ -25,18 +26,10 @@ Mammogram DescribeRegistration(const ResultFile& result, char laterality)
     .PitchDeg = result.Pose.PitchDeg,
     .YawDeg = result.Pose.YawDeg };
   const MammographyUnit& unit = result.Unit;
-  const ResultGrid& grid = result.Grid;
   const AnatomicalAxes axes;
   const VolumeFromGantry gantry = PlaceUnit(axes, { 0, 0, 0 }, unit, pose);
-  XRayDetector detector;
-  detector.Columns = grid.Columns;
-  detector.Rows = grid.Rows;
-  detector.Origin = gantry.Point({ grid.OriginMm[0], grid.OriginMm[1], 0 });
-  detector.ColumnStep = gantry.Direction({ grid.ColumnStepMm[0], grid.ColumnStepMm[1], 0 });
-  detector.RowStep = gantry.Direction({ grid.RowStepMm[0], grid.RowStepMm[1], 0 });
-  XRaySource source;
-  source.Position = gantry.Point(unit.FocalSpot());
-  Mammogram mammogram = DescribeProjection(source, detector, axes, laterality);
+  Mammogram mammogram = DescribeProjection(SourceOf(gantry, unit),
+    DetectorOf(gantry, result.Grid, 1), axes, laterality);
   mammogram.BodyPartThicknessMm = pose.ThicknessMm;
   mammogram.SourceToPatientMm = unit.SourceToDetectorMm - unit.SupportHeightMm;
   return mammogram;

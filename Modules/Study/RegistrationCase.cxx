@@ -349,12 +349,13 @@ void ProjectRegistered(BreastModel& model, const UnitPlacement& placement, Regis
   RegistrationResult& found = view.Registration;
   EvaluatedState breast(model, model.Body(), placement, found.Pose, found.State);
   view.Placed = breast.Placed();
-  view.Synthetic = Synthesize(breast, view.Target, 1);
+  view.Synthetic = Synthesize(breast, view.Target.Grid, ChestWallCentre(view.Target), 1);
   found.After = Compare(view.Synthetic, view.Target);
   for (RegisteredProjection& other : view.Others)
   {
     EvaluatedState& seen = breast.SeenFrom(other.FocalSpotMm);
-    other.After = Compare(Synthesize(seen, other.Target, 1), other.Target);
+    other.After =
+      Compare(Synthesize(seen, other.Target.Grid, ChestWallCentre(other.Target), 1), other.Target);
   }
   if (view.Synthetic.InconsistentRays > 0)
   {

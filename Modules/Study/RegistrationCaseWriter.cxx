@@ -66,7 +66,7 @@ void WriteMeshes(const RegistrationCaseResult& result, const RegisteredView& reg
 void WriteSynthetic(const RegisteredView& registered, const std::string& path)
 {
   vtkNew<vtkImageData> image;
-  image->SetDimensions(registered.Target.Columns, registered.Target.Rows, 1);
+  image->SetDimensions(registered.Target.Grid.Columns, registered.Target.Grid.Rows, 1);
   image->SetSpacing(registered.Mammogram.ColumnSpacingMm, registered.Mammogram.RowSpacingMm, 1.0);
   image->AllocateScalars(VTK_FLOAT, 1);
   std::copy(registered.Synthetic.LogAttenuation.begin(), registered.Synthetic.LogAttenuation.end(),
@@ -114,7 +114,7 @@ ResultFile ResultOf(const RegistrationCase& input, const RegistrationCaseResult&
   file.Parameters = ParametersOf(found);
   file.Covariance = found.Covariance;
   file.ConsideredCovariance = found.ConsideredCovariance;
-  file.Grid = { target.Columns, target.Rows, target.Origin, target.ColumnStep, target.RowStep };
+  file.Grid = target.Grid;
   file.Placed = registered.Placed;
   file.Unit = registered.Unit;
   file.After = found.After;

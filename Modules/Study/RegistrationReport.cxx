@@ -23,12 +23,12 @@ void Validate(const RegistrationReport& report)
   }
   const RegistrationTarget& target = *report.Target;
   const std::size_t count =
-    static_cast<std::size_t>(target.Columns) * static_cast<std::size_t>(target.Rows);
+    static_cast<std::size_t>(target.Grid.Columns) * static_cast<std::size_t>(target.Grid.Rows);
   if (count == 0 || target.LogAttenuation.size() != count || target.BreastMask.size() != count ||
     target.SignedDistanceMm.size() != count || report.Synthetic.size() != count)
   {
-    throw InputError("report: expected " + std::to_string(target.Columns) + " x " +
-      std::to_string(target.Rows) + " pixels in target and synthetic image, found " +
+    throw InputError("report: expected " + std::to_string(target.Grid.Columns) + " x " +
+      std::to_string(target.Grid.Rows) + " pixels in target and synthetic image, found " +
       std::to_string(report.Synthetic.size()) + " synthetic ones");
   }
   if (report.Places.size() != report.Asked.size())

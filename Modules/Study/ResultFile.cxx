@@ -147,8 +147,8 @@ void CheckGeometry(const FieldReader& reader, const ResultFile& result)
   };
   number("grid.columns", result.Grid.Columns, 1, mostPixels);
   number("grid.rows", result.Grid.Rows, 1, mostPixels);
-  const auto& [cx, cy] = result.Grid.ColumnStepMm;
-  const auto& [rx, ry] = result.Grid.RowStepMm;
+  const auto& [cx, cy] = result.Grid.ColumnStep;
+  const auto& [rx, ry] = result.Grid.RowStep;
   const double column = std::hypot(cx, cy);
   const double row = std::hypot(rx, ry);
   constexpr double shortestMm = 1e-3;

@@ -3,6 +3,7 @@
 #define mammoray_ResultFile_h
 
 #include "mammoray/Foundation/MammographyGeometry.h"
+#include "mammoray/Foundation/ReceptorGrid.h"
 #include "mammoray/Registration/Registration.h"
 #include "mammoray/Study/Assessment.h"
 #include "mammorayStudyModule.h"
@@ -38,17 +39,6 @@ struct ResultParameter
   double Upper = 0;
   bool Fixed = false;
   bool AtBound = false;
-};
-
-/// The mammogram's pixels in the receptor plane of the gantry frame.
-struct ResultGrid
-{
-  int Columns = 0;
-  int Rows = 0;
-  /// Gantry x and y of the centre of pixel (0, 0), and the steps to the next column and row, mm.
-  std::array<double, 2> OriginMm{ 0, 0 };
-  std::array<double, 2> ColumnStepMm{ 0, 0 };
-  std::array<double, 2> RowStepMm{ 0, 0 };
 };
 
 /// The mechanical state between the plates; see CompressionState.
@@ -135,7 +125,8 @@ struct ResultFile
   std::vector<ResultParameter> Parameters;
   std::vector<double> Covariance;
   std::vector<double> ConsideredCovariance;
-  ResultGrid Grid;
+  /// The mammogram's pixels.
+  ReceptorGrid Grid;
   VolumeFromGantry Placed;
   MammographyUnit Unit;
   Agreement After;

@@ -63,7 +63,7 @@ TEST_F(LiveMammogramTest, HalfResolutionShowsTheSame)
   LiveMammogram live(this->Viewed, {});
   const std::vector<float> fine = live.Project(1);
   const std::vector<float> coarse = live.Project(2);
-  const RegistrationTarget& grid = live.Grid(2);
+  const ReceptorGrid& grid = live.Grid(2);
   ASSERT_EQ(coarse.size(), static_cast<std::size_t>(grid.Columns) * grid.Rows);
   int compared = 0;
   for (int row = 0; row < grid.Rows; ++row)

@@ -17,11 +17,11 @@ TEST(ImitatedMammogram, AFieldBeginsAtTheChestWallAndIsCentredOnTheBreast)
   {
     for (const double up : { 1.0, -1.0 })
     {
-      const RegistrationTarget grid = ImitatedDetector(0.5, up, field);
+      const ReceptorGrid grid = ImitatedDetector(0.5, up, field);
       // The left breast's chest wall is at the left, the right one's at the right.
       const int wall = up > 0 ? 0 : grid.Columns - 1;
-      const ReceptorPoint first = PixelPosition(grid, wall, 0);
-      const ReceptorPoint last = PixelPosition(grid, grid.Columns - 1 - wall, grid.Rows - 1);
+      const ReceptorPoint first = grid.PositionOf(wall, 0);
+      const ReceptorPoint last = grid.PositionOf(grid.Columns - 1 - wall, grid.Rows - 1);
       EXPECT_NEAR(first[0], -last[0], 1e-9);
       EXPECT_NEAR(up * (first[0] - last[0]), field.WidthMm - 0.5, 1e-9);
       EXPECT_NEAR(first[1], 0.25, 1e-9);
@@ -32,8 +32,8 @@ TEST(ImitatedMammogram, AFieldBeginsAtTheChestWallAndIsCentredOnTheBreast)
 
 TEST(ImitatedMammogram, IsCutAtItsFrontAndNowhereElse)
 {
-  const RegistrationTarget grid = ImitatedDetector(10);
-  std::vector<float> picture(grid.BreastMask.size(), 0.0F);
+  const ReceptorGrid grid = ImitatedDetector(10);
+  std::vector<float> picture(grid.NumberOfPixels(), 0.0F);
   EXPECT_FALSE(IsCutAtFront(picture, grid));
   const auto columns = static_cast<std::size_t>(grid.Columns);
   // All along the chest wall, both sides, and up to the last but one column.
@@ -53,8 +53,8 @@ TEST(ImitatedMammogram, IsCutAtItsFrontAndNowhereElse)
 /// A slab of attenuation 2 over the half of the field at the chest wall, with a denser strip in it.
 struct SlabOnDetector
 {
-  RegistrationTarget Grid = ImitatedDetector(2);
-  std::vector<float> Attenuation = std::vector<float>(Grid.BreastMask.size(), 0.0F);
+  ReceptorGrid Grid = ImitatedDetector(2);
+  std::vector<float> Attenuation = std::vector<float>(Grid.NumberOfPixels(), 0.0F);
   static constexpr int Dense = 20;
 
   SlabOnDetector()

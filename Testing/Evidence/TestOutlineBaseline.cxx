@@ -45,16 +45,16 @@ double Enlarged()
 RegistrationTarget ShadowOf(double across, double depth)
 {
   RegistrationTarget target;
-  target.Columns = 400;
-  target.Rows = 600;
-  target.Origin = { -75, 0.125 };
-  target.ColumnStep = { 0, 0.25 };
-  target.RowStep = { 0.25, 0 };
-  for (int row = 0; row < target.Rows; ++row)
+  target.Grid.Columns = 400;
+  target.Grid.Rows = 600;
+  target.Grid.Origin = { -75, 0.125 };
+  target.Grid.ColumnStep = { 0, 0.25 };
+  target.Grid.RowStep = { 0.25, 0 };
+  for (int row = 0; row < target.Grid.Rows; ++row)
   {
-    for (int column = 0; column < target.Columns; ++column)
+    for (int column = 0; column < target.Grid.Columns; ++column)
     {
-      const ReceptorPoint at = PixelPosition(target, column, row);
+      const ReceptorPoint at = target.Grid.PositionOf(column, row);
       const double x = at[0] / Enlarged() - 7;
       const double y = at[1] / Enlarged();
       target.BreastMask.push_back(std::hypot(x / across, y / depth) < 1 ? 1 : 0);

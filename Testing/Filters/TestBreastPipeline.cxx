@@ -225,21 +225,19 @@ Mammogram MammogramOf(const TetrahedralMesh& mesh, const MaterialTable& table, d
   BreastPose pose;
   pose.ThicknessMm = thicknessMm;
   pose.AnteriorMm = 5;
-  RegistrationTarget grid;
+  ReceptorGrid grid;
   grid.Columns = 90;
   grid.Rows = 200;
   grid.Origin = { 59.7, 0.3 };
   grid.ColumnStep = { 0, 0.6 };
   grid.RowStep = { -0.6, 0 };
-  grid.BreastMask.assign(static_cast<std::size_t>(grid.Columns) * grid.Rows, 1);
   EvaluatedState breast(model, model.Body(), placement, pose,
     model.Body().Simulation().Compress(placement.PlatesAt(pose)));
-  const SyntheticMammogram synthetic = Synthesize(breast, grid, 2);
   Mammogram mammogram;
   mammogram.Columns = grid.Columns;
   mammogram.Rows = grid.Rows;
   mammogram.ColumnSpacingMm = mammogram.RowSpacingMm = 0.6;
-  for (const float value : synthetic.LogAttenuation)
+  for (const float value : breast.PictureOn(grid, 2).LogAttenuation)
   {
     mammogram.Pixels.push_back(10000 * std::exp(-value));
   }

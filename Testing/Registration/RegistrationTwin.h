@@ -109,19 +109,18 @@ inline RegistrationTarget MakeTarget(Twin& twin, const BreastPose& pose,
   const std::optional<Vector3>& focalSpotMm = {})
 {
   RegistrationTarget target;
-  target.Columns = 130;
-  target.Rows = 240;
-  target.Origin = { 60, 0.25 };
-  target.ColumnStep = { 0, 0.5 };
-  target.RowStep = { -0.5, 0 };
-  const auto pixels = static_cast<std::size_t>(target.Columns) * target.Rows;
+  target.Grid.Columns = 130;
+  target.Grid.Rows = 240;
+  target.Grid.Origin = { 60, 0.25 };
+  target.Grid.ColumnStep = { 0, 0.5 };
+  target.Grid.RowStep = { -0.5, 0 };
+  const auto pixels = target.Grid.NumberOfPixels();
   target.LogAttenuation.assign(pixels, 0);
   target.BreastMask.assign(pixels, 0);
   target.SignedDistanceMm.assign(pixels, 0);
-  target.BreastMask[120 * 130] = 1; // the centre of the silhouette that Synthesize looks for
   EvaluatedState breast = twin.At(pose);
   const SyntheticMammogram synthetic =
-    Synthesize(focalSpotMm ? breast.SeenFrom(*focalSpotMm) : breast, target, 1);
+    Synthesize(focalSpotMm ? breast.SeenFrom(*focalSpotMm) : breast, target.Grid, { 0, 0 }, 1);
   EXPECT_EQ(synthetic.InconsistentRays, 0u);
 
   std::mt19937 generator(7);
@@ -132,17 +131,17 @@ inline RegistrationTarget MakeTarget(Twin& twin, const BreastPose& pose,
     target.LogAttenuation[pixel] =
       3.0f * (synthetic.LogAttenuation[pixel] + noise(generator)) + 7.0f;
   }
-  for (int row = 0; row < target.Rows; ++row)
+  for (int row = 0; row < target.Grid.Rows; ++row)
   {
-    for (int column = 0; column < target.Columns; ++column)
+    for (int column = 0; column < target.Grid.Columns; ++column)
     {
-      const ReceptorPoint point = PixelPosition(target, column, row);
+      const ReceptorPoint point = target.Grid.PositionOf(column, row);
       double distance = 1e9;
       for (const ReceptorPoint& outline : synthetic.Outline)
       {
         distance = std::min(distance, std::hypot(point[0] - outline[0], point[1] - outline[1]));
       }
-      const std::size_t pixel = static_cast<std::size_t>(row) * target.Columns + column;
+      const std::size_t pixel = target.Grid.Index(column, row);
       target.SignedDistanceMm[pixel] =
         static_cast<float>(target.BreastMask[pixel] ? -distance : distance);
     }

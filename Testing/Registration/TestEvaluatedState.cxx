@@ -14,9 +14,9 @@ using namespace mammoray::test;
 
 namespace
 {
-RegistrationTarget Grid(double pixelMm)
+ReceptorGrid Grid(double pixelMm)
 {
-  RegistrationTarget grid;
+  ReceptorGrid grid;
   grid.Columns = static_cast<int>(65 / pixelMm);
   grid.Rows = static_cast<int>(120 / pixelMm);
   grid.Origin = { 60, 0.5 * pixelMm };
@@ -35,7 +35,7 @@ TEST(EvaluatedState, ComputesEachThingOnceAndAnewForAnotherGrid)
   }
   Twin twin(4, 8, 20.0, false);
   EvaluatedState here = twin.At(Truth());
-  const RegistrationTarget grid = Grid(2);
+  const ReceptorGrid grid = Grid(2);
   const std::vector<float> picture = here.PictureOn(grid, 2).LogAttenuation;
   EXPECT_EQ(here.PictureOn(grid, 2).LogAttenuation, picture);
   EXPECT_EQ(here.NumberOfProjections(), 1);
@@ -66,7 +66,7 @@ TEST(EvaluatedState, AddsWhatScatters)
   }
   Twin twin(4, 8, 20.0, false);
   EvaluatedState here = twin.At(Truth());
-  const RegistrationTarget grid = Grid(2);
+  const ReceptorGrid grid = Grid(2);
   const EvaluatedState::Picture primary = here.PictureOn(grid, 2);
   const ScatterModel scatter(FindScatterKernels(), Spectrum::Monochromatic(20),
     DetectorResponse::EnergyIntegrating, 12);
@@ -144,7 +144,7 @@ TEST(EvaluatedState, SeenFromAnotherFocalSpotKeepsTheBreastAndMovesItsShadow)
   }
   // The picture and the silhouette are of the same rays: beyond the silhouette nothing is in the
   // beam, a millimetre within it the breast is.
-  const RegistrationTarget grid = Grid(2);
+  const ReceptorGrid grid = Grid(2);
   const std::vector<float> picture = aside.PictureOn(grid, 1).LogAttenuation;
   const ReceptorPoint centre{ 10, 0 };
   const std::vector<ReceptorPoint> directions = HalfCircleDirections(20);
@@ -153,7 +153,7 @@ TEST(EvaluatedState, SeenFromAnotherFocalSpotKeepsTheBreastAndMovesItsShadow)
   {
     for (int column = 0; column < grid.Columns; ++column)
     {
-      const ReceptorPoint pixel = PixelPosition(grid, column, row);
+      const ReceptorPoint pixel = grid.PositionOf(column, row);
       const double radius = std::hypot(pixel[0] - centre[0], pixel[1] - centre[1]);
       for (std::size_t index = 0; index < directions.size(); ++index)
       {

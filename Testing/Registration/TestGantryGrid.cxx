@@ -38,8 +38,8 @@ Mammogram Header(const std::string& view, char laterality, const std::string& ro
 RegistrationTarget Placed(const Mammogram& mammogram, Side side)
 {
   RegistrationTarget target;
-  target.Columns = FilmGrid.Columns;
-  target.Rows = FilmGrid.Rows;
+  target.Grid.Columns = FilmGrid.Columns;
+  target.Grid.Rows = FilmGrid.Rows;
   PlaceInGantry(mammogram, FilmGrid, TouchedAt(side), target);
   return target;
 }
@@ -66,16 +66,16 @@ TEST(PlaceInGantry, FollowsTheHeader)
   // run to the right: against x.
   const RegistrationTarget left = Placed(Header("CC", 'L', "A", "R"), Side::Left);
   EXPECT_THAT(left.Warnings, IsEmpty());
-  EXPECT_THAT(left.ColumnStep, ElementsAre(0, 0.1));
-  EXPECT_THAT(left.RowStep, ElementsAre(-0.2, 0));
+  EXPECT_THAT(left.Grid.ColumnStep, ElementsAre(0, 0.1));
+  EXPECT_THAT(left.Grid.RowStep, ElementsAre(-0.2, 0));
   // The chest-wall edge of the first column is y = 0, the middle row x = 0.
-  EXPECT_THAT(left.Origin, ElementsAre(testing::DoubleNear(1.9, 1e-12), 0.05));
+  EXPECT_THAT(left.Grid.Origin, ElementsAre(testing::DoubleNear(1.9, 1e-12), 0.05));
   // A right one: chest wall at the right, lateral up is the patient's right, columns go left.
   const RegistrationTarget right = Placed(Header("CC", 'R', "P", "L"), Side::Right);
   EXPECT_THAT(right.Warnings, IsEmpty());
-  EXPECT_THAT(right.ColumnStep, ElementsAre(0, -0.1));
-  EXPECT_THAT(right.RowStep, ElementsAre(0.2, 0));
-  EXPECT_NEAR(right.Origin[1], 0.95, 1e-12); // ten columns
+  EXPECT_THAT(right.Grid.ColumnStep, ElementsAre(0, -0.1));
+  EXPECT_THAT(right.Grid.RowStep, ElementsAre(0.2, 0));
+  EXPECT_NEAR(right.Grid.Origin[1], 0.95, 1e-12); // ten columns
 }
 
 TEST(PlaceInGantry, EveryCornerLiesWhereItsSideSays)
@@ -98,7 +98,7 @@ TEST(PlaceInGantry, EveryCornerLiesWhereItsSideSays)
       {
         for (const double row : { -0.5, 19.5 })
         {
-          const ReceptorPoint corner = PixelPosition(target, column, row);
+          const ReceptorPoint corner = target.Grid.PositionOf(column, row);
           for (std::size_t axis = 0; axis < 2; ++axis)
           {
             least[axis] = std::min(least[axis], corner[axis]);
@@ -110,7 +110,7 @@ TEST(PlaceInGantry, EveryCornerLiesWhereItsSideSays)
       EXPECT_NEAR(most[1], upright ? 1.0 : 4.0, 1e-12);
       EXPECT_NEAR(least[0], -most[0], 1e-12);
       EXPECT_NEAR(most[0], upright ? 2.0 : 0.5, 1e-12);
-      const double x = upright ? target.RowStep[0] : target.ColumnStep[0];
+      const double x = upright ? target.Grid.RowStep[0] : target.Grid.ColumnStep[0];
       EXPECT_EQ(x > 0, along == "L");
     }
   }
@@ -125,15 +125,15 @@ TEST(PlaceInGantry, AssumesWhatIsHungAndSaysSo)
     ElementsAre(HasSubstr("taken to be at the right edge"), HasSubstr("taken as the right one"),
       HasSubstr("the lateral side is taken to be up")));
   const RegistrationTarget said = Placed(Header("CC", 'R', "P", "L"), Side::Right);
-  EXPECT_EQ(bare.Origin, said.Origin);
-  EXPECT_EQ(bare.ColumnStep, said.ColumnStep);
-  EXPECT_EQ(bare.RowStep, said.RowStep);
+  EXPECT_EQ(bare.Grid.Origin, said.Grid.Origin);
+  EXPECT_EQ(bare.Grid.ColumnStep, said.Grid.ColumnStep);
+  EXPECT_EQ(bare.Grid.RowStep, said.Grid.RowStep);
   // Obliquely: the head is up, as when the header says so.
   const RegistrationTarget oblique = Placed(Header("MLO", 'L', "A", ""), Side::Left);
   EXPECT_THAT(oblique.Warnings, ElementsAre(HasSubstr("the head is taken to be up")));
   const RegistrationTarget known = Placed(Header("MLO", 'L', "A", "F"), Side::Left);
   EXPECT_THAT(known.Warnings, IsEmpty());
-  EXPECT_EQ(oblique.RowStep, known.RowStep);
+  EXPECT_EQ(oblique.Grid.RowStep, known.Grid.RowStep);
   // A view that is none of ours.
   EXPECT_THAT(Placed(Header("AT", 'L', "A", "R"), Side::Left).Warnings,
     ElementsAre(HasSubstr("view 'AT' is not one of")));
@@ -145,7 +145,7 @@ TEST(PlaceInGantry, FollowsTheHeaderAgainstThePictureAndSaysSo)
   EXPECT_THAT(target.Disagreements,
     ElementsAre(HasSubstr("puts the chest wall at the left edge of the picture, but the breast "
                           "touches the right edge most")));
-  EXPECT_THAT(target.ColumnStep, ElementsAre(0, 0.1));
+  EXPECT_THAT(target.Grid.ColumnStep, ElementsAre(0, 0.1));
 }
 
 TEST(PlaceInGantry, AnswersTheRollOfTheView)

@@ -37,16 +37,16 @@ constexpr double MuscleDown = 90;
 RegistrationTarget Oblique(int headward, double step)
 {
   RegistrationTarget target;
-  target.Columns = 250;
-  target.Rows = static_cast<int>(2 * TopMm / PixelMm);
-  target.ColumnStep = { 0, PixelMm };
-  target.RowStep = { -headward * PixelMm, 0 };
-  target.Origin = { headward * (TopMm - 0.5 * PixelMm), 0.5 * PixelMm };
+  target.Grid.Columns = 250;
+  target.Grid.Rows = static_cast<int>(2 * TopMm / PixelMm);
+  target.Grid.ColumnStep = { 0, PixelMm };
+  target.Grid.RowStep = { -headward * PixelMm, 0 };
+  target.Grid.Origin = { headward * (TopMm - 0.5 * PixelMm), 0.5 * PixelMm };
   std::mt19937 generator(3);
   std::normal_distribution<float> noise(0.0F, 0.05F);
-  for (int row = 0; row < target.Rows; ++row)
+  for (int row = 0; row < target.Grid.Rows; ++row)
   {
-    for (int column = 0; column < target.Columns; ++column)
+    for (int column = 0; column < target.Grid.Columns; ++column)
     {
       const double down = (row + 0.5) * PixelMm;
       const double out = (column + 0.5) * PixelMm;
@@ -65,8 +65,8 @@ RegistrationTarget Oblique(int headward, double step)
 
 bool InMuscle(const RegistrationTarget& target, std::size_t pixel)
 {
-  const double down = (static_cast<double>(pixel / target.Columns) + 0.5) * PixelMm;
-  const double out = (static_cast<double>(pixel % target.Columns) + 0.5) * PixelMm;
+  const double down = (static_cast<double>(pixel / target.Grid.Columns) + 0.5) * PixelMm;
+  const double out = (static_cast<double>(pixel % target.Grid.Columns) + 0.5) * PixelMm;
   return out / MuscleOut + down / MuscleDown < 1;
 }
 
@@ -161,7 +161,7 @@ TEST(MammogramMask, ExcludesMarkersButNotABreastThatIsBrightThroughout)
   {
     for (int column = 100; column < 105; ++column)
     {
-      target.LogAttenuation[static_cast<std::size_t>(row) * target.Columns + column] = 9;
+      target.LogAttenuation[static_cast<std::size_t>(row) * target.Grid.Columns + column] = 9;
     }
   }
   EXPECT_NEAR(ExcludeSaturated(target), 8, 1e-9);
@@ -183,21 +183,25 @@ TEST(MammogramMask, TakesAUsersMaskWithItsFirstRowAtTheTop)
 {
   const test::TemporaryFolder folder;
   RegistrationTarget target = Oblique(1, 0);
-  WriteMask(folder.File("mask.png"), target.Columns, target.Rows);
-  ExcludePixels(ReadMask(folder.File("mask.png"), target.Columns, target.Rows), target);
+  WriteMask(folder.File("mask.png"), target.Grid.Columns, target.Grid.Rows);
+  ExcludePixels(ReadMask(folder.File("mask.png"), target.Grid.Columns, target.Grid.Rows), target);
   EXPECT_EQ(std::count(target.Excluded.begin(), target.Excluded.end(), 1), 1);
   EXPECT_TRUE(IsExcluded(target, 5));
   WriteMask(folder.File("small.png"), 8, 8);
-  EXPECT_THAT(
-    RefusalOf([&]
-      { ExcludePixels(ReadMask(folder.File("small.png"), target.Columns, target.Rows), target); }),
+  EXPECT_THAT(RefusalOf(
+                [&]
+                {
+                  ExcludePixels(
+                    ReadMask(folder.File("small.png"), target.Grid.Columns, target.Grid.Rows),
+                    target);
+                }),
     HasSubstr("small.png: expected a mask of the mammogram's 250 x 400"));
   EXPECT_THROW(
-    ExcludePixels(ReadMask(folder.File("none.png"), target.Columns, target.Rows), target),
+    ExcludePixels(ReadMask(folder.File("none.png"), target.Grid.Columns, target.Grid.Rows), target),
     InputError);
   folder.Write("mask.txt", "1");
   EXPECT_THROW(
-    ExcludePixels(ReadMask(folder.File("mask.txt"), target.Columns, target.Rows), target),
+    ExcludePixels(ReadMask(folder.File("mask.txt"), target.Grid.Columns, target.Grid.Rows), target),
     InputError);
 }
 

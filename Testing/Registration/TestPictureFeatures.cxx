@@ -16,9 +16,9 @@ constexpr PictureComparison AllComparisons[] = { PictureComparison::Global,
   PictureComparison::Local, PictureComparison::Gradient };
 
 /// 12 x 9 pixels of 2 x 1.5 mm, along other axes than the picture's.
-RegistrationTarget FeatureGrid()
+ReceptorGrid FeatureGrid()
 {
-  RegistrationTarget grid;
+  ReceptorGrid grid;
   grid.Columns = 12;
   grid.Rows = 9;
   grid.ColumnStep = { 0, 2 };
@@ -148,7 +148,7 @@ TEST(PictureFeatures, DerivativesAreThoseOfTheFeatures)
 
 TEST(PictureFeatures, GradientOfARampIsItsSlope)
 {
-  const RegistrationTarget grid = FeatureGrid();
+  const ReceptorGrid grid = FeatureGrid();
   std::vector<std::size_t> pixels(12 * 9);
   std::iota(pixels.begin(), pixels.end(), 0);
   // 0.5 per mm along columns (2 mm apart) and -0.25 per mm along rows (1.5 mm apart).

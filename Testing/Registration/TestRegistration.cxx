@@ -242,12 +242,12 @@ TEST_F(Registration, GradientsAreComparedWhereTissueTellsFromWhereTheWholeHasLed
   // 81 mm^2 of tissue cannot tell that gradients have found no worse.
   RegistrationTarget little = *Target;
   little.Excluded.assign(little.BreastMask.size(), 1);
-  for (int row = 0; row < little.Rows; ++row)
+  for (int row = 0; row < little.Grid.Rows; ++row)
   {
-    for (int column = 0; column < little.Columns; ++column)
+    for (int column = 0; column < little.Grid.Columns; ++column)
     {
-      const ReceptorPoint at = PixelPosition(little, column, row);
-      little.Excluded[static_cast<std::size_t>(row) * little.Columns + column] =
+      const ReceptorPoint at = little.Grid.PositionOf(column, row);
+      little.Excluded[static_cast<std::size_t>(row) * little.Grid.Columns + column] =
         std::abs(at[0]) < 4.5 && std::abs(at[1] - 20) < 4.5 ? 0 : 1;
     }
   }
@@ -264,9 +264,9 @@ TEST_F(Registration, OutlinesFarApartEndTheSearchBeforeItsFinestPixels)
   RegistrationTarget larger = *Target;
   for (std::size_t axis = 0; axis < 2; ++axis)
   {
-    larger.Origin[axis] *= 2.2;
-    larger.ColumnStep[axis] *= 2.2;
-    larger.RowStep[axis] *= 2.2;
+    larger.Grid.Origin[axis] *= 2.2;
+    larger.Grid.ColumnStep[axis] *= 2.2;
+    larger.Grid.RowStep[axis] *= 2.2;
   }
   for (float& distance : larger.SignedDistanceMm)
   {

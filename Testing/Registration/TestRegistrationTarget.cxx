@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 using namespace mammoray;
 
 namespace
@@ -12,16 +14,16 @@ namespace
 RegistrationTarget LinearTarget()
 {
   RegistrationTarget target;
-  target.Columns = 12;
-  target.Rows = 8;
-  target.Origin = { 7, 1 };
-  target.ColumnStep = { 0, 2 };
-  target.RowStep = { -2, 0 };
+  target.Grid.Columns = 12;
+  target.Grid.Rows = 8;
+  target.Grid.Origin = { 7, 1 };
+  target.Grid.ColumnStep = { 0, 2 };
+  target.Grid.RowStep = { -2, 0 };
   for (int row = 0; row < 8; ++row)
   {
     for (int column = 0; column < 12; ++column)
     {
-      const ReceptorPoint point = PixelPosition(target, column, row);
+      const ReceptorPoint point = target.Grid.PositionOf(column, row);
       target.SignedDistanceMm.push_back(static_cast<float>(0.5 * point[0] + 0.25 * point[1]));
       target.LogAttenuation.push_back(static_cast<float>(point[0] - point[1]));
       target.BreastMask.push_back(column < 5 ? 1 : 0);
@@ -45,26 +47,23 @@ TEST(RegistrationTarget, DistanceIsExactForALinearField)
   EXPECT_NEAR(SignedDistanceAt(target, { 10, 5 }), 3.5 + 1.25 + 3, 1e-6);
 }
 
-TEST(RegistrationTarget, ContainsCountsWholePixels)
-{
-  const RegistrationTarget target = LinearTarget();
-  EXPECT_TRUE(Contains(target, { 7.9, 0.1 }, 0));
-  EXPECT_FALSE(Contains(target, { 8.1, 0.1 }, 0));
-  EXPECT_FALSE(Contains(target, { 0, 0.9 }, 1));
-  EXPECT_TRUE(Contains(target, { 0, 1.1 }, 1));
-}
-
 TEST(RegistrationTarget, CoarseningKeepsPositionsAndMeans)
 {
-  const RegistrationTarget target = LinearTarget();
+  RegistrationTarget target = LinearTarget();
+  target.OutlineFromMm = 3;
+  target.Warnings = { "assumed" };
+  target.Disagreements = { "contradicted" };
   const RegistrationTarget coarse = Coarsen(target, 3);
-  ASSERT_EQ(coarse.Columns, 4);
-  ASSERT_EQ(coarse.Rows, 2);
+  EXPECT_EQ(coarse.OutlineFromMm, 3);
+  EXPECT_EQ(coarse.Warnings, target.Warnings);
+  EXPECT_EQ(coarse.Disagreements, target.Disagreements);
+  ASSERT_EQ(coarse.Grid.Columns, 4);
+  ASSERT_EQ(coarse.Grid.Rows, 2);
   for (int row = 0; row < 2; ++row)
   {
     for (int column = 0; column < 4; ++column)
     {
-      const ReceptorPoint point = PixelPosition(coarse, column, row);
+      const ReceptorPoint point = coarse.Grid.PositionOf(column, row);
       const std::size_t index = row * 4 + column;
       // The mean of a linear field is its value in the middle.
       EXPECT_NEAR(coarse.LogAttenuation[index], point[0] - point[1], 1e-5);
@@ -82,7 +81,7 @@ TEST(RegistrationTarget, UnusableTargetsAreRefused)
   target.BreastMask.assign(target.BreastMask.size(), 0);
   EXPECT_THROW(ValidateTarget(target), InputError);
   target = LinearTarget();
-  target.RowStep = { 0, 4 };
+  target.Grid.RowStep = { 0, 4 };
   EXPECT_THROW(ValidateTarget(target), InputError);
   target = LinearTarget();
   target.SignedDistanceMm.pop_back();
@@ -108,12 +107,12 @@ TEST(RegistrationTarget, ChestWallCentreIsTheMaskMiddle)
 TEST(RegistrationTarget, GradientAgreesWithDifferencesInsideAndOutside)
 {
   RegistrationTarget target;
-  target.Columns = 7;
-  target.Rows = 9;
-  target.Origin = { -4, 3 };
+  target.Grid.Columns = 7;
+  target.Grid.Rows = 9;
+  target.Grid.Origin = { -4, 3 };
   // Turned and mirrored, as mammograms lie on the receptor.
-  target.ColumnStep = { 0.6, 0.8 };
-  target.RowStep = { -1.2, 0.9 };
+  target.Grid.ColumnStep = { 0.6, 0.8 };
+  target.Grid.RowStep = { -1.2, 0.9 };
   for (int pixel = 0; pixel < 63; ++pixel)
   {
     target.SignedDistanceMm.push_back(static_cast<float>(std::sin(0.37 * pixel * pixel)));
@@ -123,7 +122,7 @@ TEST(RegistrationTarget, GradientAgreesWithDifferencesInsideAndOutside)
   {
     for (const double row : { -1.6, 0.3, 4.8, 7.7, 9.1 })
     {
-      const ReceptorPoint point = PixelPosition(target, column, row);
+      const ReceptorPoint point = target.Grid.PositionOf(column, row);
       const ReceptorPoint gradient = SignedDistanceGradient(target, point);
       for (int axis = 0; axis < 2; ++axis)
       {

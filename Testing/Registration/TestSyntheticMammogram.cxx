@@ -16,11 +16,11 @@ using namespace mammoray;
 RegistrationTarget StraightTarget()
 {
   RegistrationTarget target;
-  target.Columns = 40;
-  target.Rows = 60;
-  target.Origin = { -29.5, 0.5 };
-  target.ColumnStep = { 0, 1 };
-  target.RowStep = { 1, 0 };
+  target.Grid.Columns = 40;
+  target.Grid.Rows = 60;
+  target.Grid.Origin = { -29.5, 0.5 };
+  target.Grid.ColumnStep = { 0, 1 };
+  target.Grid.RowStep = { 1, 0 };
   std::mt19937 generator(12);
   std::normal_distribution<float> normal(2.0f, 0.4f);
   for (int row = 0; row < 60; ++row)
@@ -78,11 +78,11 @@ TEST(Compare, MeasuresTheOutlinesAndThePictures)
 RegistrationTarget BulgingTarget(double (*lumps)(double x, double y))
 {
   RegistrationTarget target;
-  target.Columns = 100;
-  target.Rows = 100;
-  target.Origin = { -74.25, 0.75 };
-  target.ColumnStep = { 0, 1.5 };
-  target.RowStep = { 1.5, 0 };
+  target.Grid.Columns = 100;
+  target.Grid.Rows = 100;
+  target.Grid.Origin = { -74.25, 0.75 };
+  target.Grid.ColumnStep = { 0, 1.5 };
+  target.Grid.RowStep = { 1.5, 0 };
   for (int row = 0; row < 100; ++row)
   {
     for (int column = 0; column < 100; ++column)

@@ -41,9 +41,10 @@ TEST(SyntheticTarget, FindsTheGantryAgain)
       WriteMammogram(mammogram, { .Derivation = "Synthetic" }, path);
       const RegistrationTarget target = PrepareTarget(ReadMammogram(path));
       // The columns run along the gantry's y, the rows against its x, as Describe has them.
-      EXPECT_THAT(target.ColumnStep, testing::Pointwise(testing::DoubleNear(1e-9), { 0.0, 0.2 }))
+      EXPECT_THAT(target.Grid.ColumnStep,
+        testing::Pointwise(testing::DoubleNear(1e-9), { 0.0, 0.2 }))
         << roll << side;
-      EXPECT_THAT(target.RowStep, testing::Pointwise(testing::DoubleNear(1e-9), { -0.3, 0.0 }))
+      EXPECT_THAT(target.Grid.RowStep, testing::Pointwise(testing::DoubleNear(1e-9), { -0.3, 0.0 }))
         << roll << side;
       EXPECT_EQ(target.Warnings, std::vector<std::string>{}) << roll << side;
     }

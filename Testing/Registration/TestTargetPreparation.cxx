@@ -112,8 +112,9 @@ std::vector<float> Mirrored(std::vector<float> pixels)
 
 std::vector<double> At(const RegistrationTarget& target, int column, int row)
 {
-  return { target.Origin[0] + column * target.ColumnStep[0] + row * target.RowStep[0],
-    target.Origin[1] + column * target.ColumnStep[1] + row * target.RowStep[1] };
+  return { target.Grid.Origin[0] + column * target.Grid.ColumnStep[0] +
+      row * target.Grid.RowStep[0],
+    target.Grid.Origin[1] + column * target.Grid.ColumnStep[1] + row * target.Grid.RowStep[1] };
 }
 
 void ExpectAt(const RegistrationTarget& target, int column, int row, double x, double y)
@@ -337,8 +338,8 @@ TEST(TargetPreparation, SaysWhatItAssumesWithoutAHeader)
   mammogram.Laterality = '?';
   const RegistrationTarget guessed = PrepareTarget(mammogram);
   // As hung: the left breast with its chest wall at the left and the lateral side up.
-  EXPECT_EQ(guessed.Origin, told.Origin);
-  EXPECT_EQ(guessed.RowStep, told.RowStep);
+  EXPECT_EQ(guessed.Grid.Origin, told.Grid.Origin);
+  EXPECT_EQ(guessed.Grid.RowStep, told.Grid.RowStep);
   EXPECT_THAT(guessed.Warnings, SizeIs(3));
   EXPECT_THAT(guessed.Warnings, Contains(HasSubstr("left edge of the picture")));
 
@@ -523,9 +524,9 @@ TEST(TargetPreparation, MasksThePhantomsBreastAsItsLabelVolumeDoes)
     EXPECT_THAT(target.Warnings, IsEmpty());
     double both = 0;
     double sum = 0;
-    for (int row = 0; row < target.Rows; row += 2)
+    for (int row = 0; row < target.Grid.Rows; row += 2)
     {
-      for (int column = 0; column < target.Columns; column += 2)
+      for (int column = 0; column < target.Grid.Columns; column += 2)
       {
         const std::vector<double> pixel = At(target, column, row);
         bool met = false;
@@ -535,7 +536,7 @@ TEST(TargetPreparation, MasksThePhantomsBreastAsItsLabelVolumeDoes)
           met = tissue(scale * pixel[0], scale * pixel[1], z);
         }
         const bool found =
-          target.BreastMask[static_cast<std::size_t>(row) * target.Columns + column] != 0;
+          target.BreastMask[static_cast<std::size_t>(row) * target.Grid.Columns + column] != 0;
         both += met && found;
         sum += met + found;
       }

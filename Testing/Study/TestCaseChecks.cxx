@@ -28,10 +28,10 @@ RegisteredView Pictured(char laterality, double widthMm)
   view.Mammogram.Laterality = laterality;
   view.Mammogram.RowDirection = "A";
   view.Mammogram.ColumnDirection = "R";
-  view.Target.Columns = 40;
-  view.Target.Rows = 400;
-  view.Target.ColumnStep = { 0, 1 };
-  view.Target.RowStep = { -1, 0 };
+  view.Target.Grid.Columns = 40;
+  view.Target.Grid.Rows = 400;
+  view.Target.Grid.ColumnStep = { 0, 1 };
+  view.Target.Grid.RowStep = { -1, 0 };
   view.Target.BreastMask.assign(16000, 0);
   for (int row = 0; row <= widthMm; ++row)
   {
@@ -67,13 +67,13 @@ TEST(CaseChecks, TheSideIsThatOfThePictureUnlessSaid)
     ElementsAre(HasSubstr("says right breast, but the chest wall is at the left edge")));
   // Hung as a right one.
   RegisteredView right = Pictured('R', 120);
-  right.Target.ColumnStep = { 0, -1 };
+  right.Target.Grid.ColumnStep = { 0, -1 };
   CheckPicturedBreast(input, right);
   EXPECT_THAT(right.Target.Disagreements, IsEmpty());
   // Turned by 90 degrees, it tells nothing.
   RegisteredView turned = Pictured('R', 120);
-  turned.Target.ColumnStep = { -1, 0 };
-  turned.Target.RowStep = { 0, 1 };
+  turned.Target.Grid.ColumnStep = { -1, 0 };
+  turned.Target.Grid.RowStep = { 0, 1 };
   turned.Target.BreastMask.assign(16000, 1);
   RegistrationCase accepting;
   accepting.Labels.AcceptUnusual = true;

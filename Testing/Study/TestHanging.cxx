@@ -10,15 +10,15 @@ using namespace mammoray;
 namespace
 {
 /// 100 mm along the chest wall and 60 mm away from it, in pixels of 0.5 mm.
-RegistrationTarget MakeTarget()
+ReceptorGrid MakeGrid()
 {
-  RegistrationTarget target;
-  target.Columns = 120;
-  target.Rows = 200;
-  target.ColumnStep = { 0, 0.5 };
-  target.RowStep = { -0.5, 0 };
-  target.Origin = { 49.75, 0.25 };
-  return target;
+  ReceptorGrid grid;
+  grid.Columns = 120;
+  grid.Rows = 200;
+  grid.ColumnStep = { 0, 0.5 };
+  grid.RowStep = { -0.5, 0 };
+  grid.Origin = { 49.75, 0.25 };
+  return grid;
 }
 
 Mammogram Of(const char* name, char laterality)
@@ -32,27 +32,27 @@ Mammogram Of(const char* name, char laterality)
 
 TEST(Hanging, TheChestWallIsAtTheSideOfTheBreast)
 {
-  const RegistrationTarget target = MakeTarget();
+  const ReceptorGrid grid = MakeGrid();
   const std::vector<unsigned char> all(120 * 200, 1);
-  const Hanging left = Hang(Of("CC", 'L'), target, all);
+  const Hanging left = Hang(Of("CC", 'L'), grid, all);
   EXPECT_EQ(left.Height, 900);
   EXPECT_EQ(left.Width, 540);
   EXPECT_EQ(left.Letters, (std::array<std::string, 4>{ "P", "A", "L", "R" }));
   EXPECT_NEAR(left.ToPicture(0, 0)[0], 0, 1e-9);
   EXPECT_NEAR(left.ToPicture(0, 0)[1], 450, 1e-9);
   EXPECT_NEAR(left.ToPicture(50, 0)[1], 900, 1e-9); // lateral up
-  const Hanging right = Hang(Of("CC", 'R'), target, all);
+  const Hanging right = Hang(Of("CC", 'R'), grid, all);
   EXPECT_EQ(right.Letters, (std::array<std::string, 4>{ "A", "P", "R", "L" }));
   EXPECT_NEAR(right.ToPicture(0, 0)[0], 540, 1e-9);
   EXPECT_NEAR(right.ToPicture(50, 0)[1], 0, 1e-9);
-  const Hanging oblique = Hang(Of("MLO", 'L'), target, all);
+  const Hanging oblique = Hang(Of("MLO", 'L'), grid, all);
   EXPECT_EQ(oblique.Letters[2].front(), 'H'); // the head is up
 }
 
 TEST(Hanging, PicturePositionsGoBackToTheGantry)
 {
   const Hanging hanging =
-    Hang(Of("MLO", 'R'), MakeTarget(), std::vector<unsigned char>(120 * 200, 1));
+    Hang(Of("MLO", 'R'), MakeGrid(), std::vector<unsigned char>(120 * 200, 1));
   const auto at = hanging.ToPicture(12.5, 33);
   const auto back = hanging.ToGantry(at[0], at[1]);
   EXPECT_NEAR(back[0], 12.5, 1e-9);
@@ -61,13 +61,13 @@ TEST(Hanging, PicturePositionsGoBackToTheGantry)
 
 TEST(Hanging, ShowsTheBreastWithAMargin)
 {
-  const RegistrationTarget target = MakeTarget();
+  const ReceptorGrid grid = MakeGrid();
   std::vector<unsigned char> shown(120 * 200, 0);
   for (int row = 80; row < 120; ++row) // gantry x from -10 to 10 mm, y from 0 to 20
   {
     std::fill_n(shown.begin() + row * 120, 40, 1);
   }
-  const Hanging hanging = Hang(Of("CC", 'L'), target, shown);
+  const Hanging hanging = Hang(Of("CC", 'L'), grid, shown);
   // 8 mm around it, within the image: 36 x 28 mm.
   EXPECT_NEAR(hanging.PixelMm, 36 / 900.0, 1e-12);
   EXPECT_EQ(hanging.Width, 700);
@@ -76,19 +76,19 @@ TEST(Hanging, ShowsTheBreastWithAMargin)
 
 TEST(Hanging, ResamplingKeepsALinearImage)
 {
-  const RegistrationTarget target = MakeTarget();
+  const ReceptorGrid grid = MakeGrid();
   std::vector<float> image;
-  for (int row = 0; row < target.Rows; ++row)
+  for (int row = 0; row < grid.Rows; ++row)
   {
-    for (int column = 0; column < target.Columns; ++column)
+    for (int column = 0; column < grid.Columns; ++column)
     {
-      const double x = target.Origin[0] + row * target.RowStep[0];
-      const double y = target.Origin[1] + column * target.ColumnStep[1];
+      const double x = grid.Origin[0] + row * grid.RowStep[0];
+      const double y = grid.Origin[1] + column * grid.ColumnStep[1];
       image.push_back(static_cast<float>(3 * x - 2 * y + 5));
     }
   }
-  const Hanging hanging = Hang(Of("CC", 'L'), target, std::vector<unsigned char>(image.size(), 1));
-  const std::vector<float> hung = Resample(target, image, hanging);
+  const Hanging hanging = Hang(Of("CC", 'L'), grid, std::vector<unsigned char>(image.size(), 1));
+  const std::vector<float> hung = Resample(grid, image, hanging);
   for (int y = 10; y < hanging.Height - 10; y += 37)
   {
     for (int x = 10; x < hanging.Width - 10; x += 41)

@@ -55,11 +55,11 @@ protected:
     registered.Mammogram.View = name;
     registered.Mammogram.Laterality = 'L';
     RegistrationTarget& target = registered.Target;
-    target.Columns = 20;
-    target.Rows = 30;
-    target.ColumnStep = { 0, 1 };
-    target.RowStep = { -1, 0 };
-    target.Origin = { 14.5, 0.5 };
+    target.Grid.Columns = 20;
+    target.Grid.Rows = 30;
+    target.Grid.ColumnStep = { 0, 1 };
+    target.Grid.RowStep = { -1, 0 };
+    target.Grid.Origin = { 14.5, 0.5 };
     const std::size_t count = 600;
     target.LogAttenuation.assign(count, 1);
     target.BreastMask.assign(count, 1);

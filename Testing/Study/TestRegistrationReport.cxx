@@ -51,11 +51,11 @@ struct MadeUp
     this->Picture.ColumnSpacingMm = 0.3;
     this->Picture.RowSpacingMm = 0.3;
     this->Picture.BodyPartThicknessMm = 52;
-    this->Target.Columns = 200;
-    this->Target.Rows = 360;
-    this->Target.ColumnStep = { 0, 0.3 };
-    this->Target.RowStep = { -0.3, 0 };
-    this->Target.Origin = { 0.3 * 179.5, 0.15 };
+    this->Target.Grid.Columns = 200;
+    this->Target.Grid.Rows = 360;
+    this->Target.Grid.ColumnStep = { 0, 0.3 };
+    this->Target.Grid.RowStep = { -0.3, 0 };
+    this->Target.Grid.Origin = { 0.3 * 179.5, 0.15 };
     this->Report.Warnings = { "The header does not say <this> & that." };
     std::vector<std::array<double, 2>> outline;
     for (int i = 0; i <= 90; ++i)

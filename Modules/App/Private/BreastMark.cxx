@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Private/BreastMark.h"
 
-#include "mammoray/Registration/RegistrationTarget.h"
 #include "mammoray/Study/RegisteredBreast.h"
 
 #include <algorithm>
@@ -58,8 +57,8 @@ UncertaintyLoops LoopsAround(const LiveMammogram& live, const Vector3& rest,
   }
   const VolumeFromGantry placed = live.Placed();
   const Vector3 source = placed.ToGantry(live.SourcePosition());
-  const RegistrationTarget& grid = live.Grid(1);
-  const ReceptorPoint at = PixelPosition(grid, imaged.Column, imaged.Row);
+  const ReceptorGrid& grid = live.Grid(1);
+  const ReceptorPoint at = grid.PositionOf(imaged.Column, imaged.Row);
   // From the receptor back to the point's height.
   const double share = 1 - placed.ToGantry(imaged.Compressed)[2] / source[2];
   for (const double deviations : MarkDeviations)
@@ -145,7 +144,7 @@ void BreastMark::UpdatePoint()
     this->Found += text;
     const UncertaintyLoops loops = LoopsAround(*mammogram.Live, *this->Point, imaged);
     mammogram.Squeezed->SetMark({ imaged.Compressed }, { imaged.Compressed }, loops.Compressed);
-    mammogram.Pane->SetMark({ PixelPosition(mammogram.Live->Grid(1), imaged.Column, imaged.Row) },
+    mammogram.Pane->SetMark({ mammogram.Live->Grid(1).PositionOf(imaged.Column, imaged.Row) },
       loops.Receptor);
     this->AtRest.SetMark({ *this->Point }, { *this->Point }, loops.Rest);
   }
@@ -173,7 +172,7 @@ void BreastMark::UpdatePixel()
   {
     this->Found += "the X-ray misses the breast";
     this->DrawNothing();
-    marked.Pane->SetMark({ PixelPosition(marked.Live->Grid(1), column, row) }, {});
+    marked.Pane->SetMark({ marked.Live->Grid(1).PositionOf(column, row) }, {});
     return;
   }
   for (const auto& [material, length] : lengths)
@@ -212,7 +211,7 @@ void BreastMark::DrawLine(const MarkedMammogram& mammogram, const RegisteredBrea
   {
     const ImagedPoint imaged = breast.ToMammogram(places[index]);
     squeezed.push_back(imaged.Compressed);
-    seen.push_back(PixelPosition(mammogram.Live->Grid(1), imaged.Column, imaged.Row));
+    seen.push_back(mammogram.Live->Grid(1).PositionOf(imaged.Column, imaged.Row));
     const UncertaintyLoops loops = LoopsAround(*mammogram.Live, places[index], imaged);
     squeezedLoops.insert(squeezedLoops.end(), loops.Compressed.begin(), loops.Compressed.end());
     restLoops.insert(restLoops.end(), loops.Rest.begin(), loops.Rest.end());
@@ -224,8 +223,8 @@ void BreastMark::DrawLine(const MarkedMammogram& mammogram, const RegisteredBrea
   mammogram.Squeezed->SetMark({}, squeezed, squeezedLoops);
   if (ofPixel)
   {
-    const RegistrationTarget& grid = mammogram.Live->Grid(1);
-    mammogram.Pane->SetMark({ PixelPosition(grid, (*this->Pixel)[0], (*this->Pixel)[1]) },
+    const ReceptorGrid& grid = mammogram.Live->Grid(1);
+    mammogram.Pane->SetMark({ grid.PositionOf((*this->Pixel)[0], (*this->Pixel)[1]) },
       receptorLoops);
     this->AtRest.SetMark({}, places, restLoops);
   }

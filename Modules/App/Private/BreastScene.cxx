@@ -3,7 +3,6 @@
 
 #include "Private/SceneShapes.h"
 #include "mammoray/Registration/EvaluatedState.h"
-#include "mammoray/Registration/RegistrationTarget.h"
 #include "mammoray/Study/BreastPicture.h"
 
 #include "vtkActor.h"
@@ -266,7 +265,7 @@ void BreastScene::SetUnit(const LiveMammogram& live, vtkTexture* picture, double
     this->Source = AddActor(this->View, NewBall(6), BeamColor, 1);
   }
   const VolumeFromGantry placed = live.Placed();
-  const RegistrationTarget& grid = live.Grid(1);
+  const ReceptorGrid& grid = live.Grid(1);
   const Vector3 source = live.SourcePosition();
   double low = 1e9;
   double high = -1e9;
@@ -274,7 +273,7 @@ void BreastScene::SetUnit(const LiveMammogram& live, vtkTexture* picture, double
   std::vector<Vector3> corners;
   for (int corner = 0; corner < 4; ++corner)
   {
-    const ReceptorPoint at = PixelPosition(grid, (corner & 1) != 0 ? grid.Columns - 0.5 : -0.5,
+    const ReceptorPoint at = grid.PositionOf((corner & 1) != 0 ? grid.Columns - 0.5 : -0.5,
       (corner & 2) != 0 ? grid.Rows - 0.5 : -0.5);
     corners.push_back(placed.Point({ at[0], at[1], 0 }));
     this->Receptor->GetPoints()->SetPoint(corner, corners.back().data());

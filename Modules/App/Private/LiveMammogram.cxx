@@ -5,7 +5,6 @@
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/IO/ShippedData.h"
 #include "mammoray/Registration/EvaluatedState.h"
-#include "mammoray/Registration/RegistrationTarget.h"
 
 #include "vtkDoubleArray.h"
 #include "vtkNew.h"
@@ -59,14 +58,9 @@ LiveMammogram::LiveMammogram(const ViewedBreast& viewed, const ProjectorOptions&
   , UnitPose(viewed.Pose)
   , Interfaces(ExtractInterfaces(viewed.Anatomy, &this->PointIds))
   , FullGrid(viewed.Breast.Grid)
+  , HalfGrid(viewed.Breast.Grid.Coarsened(2))
   , Projector(MakeProjector(options))
 {
-  const std::size_t pixels = static_cast<std::size_t>(this->FullGrid.Columns) *
-    static_cast<std::size_t>(this->FullGrid.Rows);
-  this->FullGrid.LogAttenuation.resize(pixels);
-  this->FullGrid.BreastMask.resize(pixels);
-  this->FullGrid.SignedDistanceMm.resize(pixels);
-  this->HalfGrid = Coarsen(this->FullGrid, 2);
   this->SetKilovoltage(KilovoltageOf(viewed.Spectrum));
   this->Projector->SetSurface(this->Interfaces);
   std::vector<double> points(viewed.Anatomy.Points.size());

@@ -41,7 +41,7 @@ public:
   std::vector<double> SeriesPoints(double thicknessMm) const;
 
   /// The picture's grid, `divisor` (1 or 2) of its pixels as one; gantry frame of the unit.
-  const RegistrationTarget& Grid(int divisor) const
+  const ReceptorGrid& Grid(int divisor) const
   {
     return divisor == 1 ? this->FullGrid : this->HalfGrid;
   }
@@ -74,8 +74,8 @@ private:
   std::vector<double> Moved;
   std::vector<std::int32_t> PointIds;
   SurfaceMesh Interfaces;
-  RegistrationTarget FullGrid;
-  RegistrationTarget HalfGrid;
+  ReceptorGrid FullGrid;
+  ReceptorGrid HalfGrid;
   std::unique_ptr<PathLengthProjector> Projector;
   std::optional<Beam> XRays;
   /// Of a few energies, for pictures that move.

@@ -117,7 +117,7 @@ MammogramPane::MammogramPane(const ViewedBreast& viewed, LiveMammogram& live)
   for (int corner = 0; corner < 4; ++corner)
   {
     const ReceptorPoint at =
-      PixelPosition(this->Grid, (corner & 1) != 0 ? this->Grid.Columns - 0.5 : -0.5,
+      this->Grid.PositionOf((corner & 1) != 0 ? this->Grid.Columns - 0.5 : -0.5,
         (corner & 2) != 0 ? this->Grid.Rows - 0.5 : -0.5);
     points->InsertNextPoint(at[0], at[1], 0);
     coordinates->InsertNextTuple2(corner & 1, corner >> 1);
@@ -269,14 +269,14 @@ void MammogramPane::Frame()
       this->Breast[static_cast<std::size_t>(row) * this->Grid.Columns + column] != 0;
     if (this->Synthetic[pixel] > LeastBreast || real)
     {
-      show(PixelPosition(this->Grid, column, row));
+      show(this->Grid.PositionOf(column, row));
     }
   }
   if (!(reach[0].Length() > 0))
   {
     reach = {};
-    show(PixelPosition(this->Grid, 0, 0));
-    show(PixelPosition(this->Grid, this->Grid.Columns - 1, this->Grid.Rows - 1));
+    show(this->Grid.PositionOf(0, 0));
+    show(this->Grid.PositionOf(this->Grid.Columns - 1, this->Grid.Rows - 1));
   }
   else
   {

@@ -52,7 +52,7 @@ public:
 private:
   void Compose();
 
-  RegistrationTarget Grid;
+  ReceptorGrid Grid;
   double Right = 1;
   double Up = 1;
   /// Grey of the real mammogram, [0, 1], by divisor; empty without one.

@@ -34,14 +34,14 @@ std::vector<float> LogAttenuationOf(const std::vector<float>& intensities)
 }
 
 /// Spread by a Gaussian.
-std::vector<float> Spread(std::vector<float> values, const RegistrationTarget& grid, double sigmaMm)
+std::vector<float> Spread(std::vector<float> values, const ReceptorGrid& grid, double sigmaMm)
 {
   vtkNew<vtkImageData> image;
   image->SetDimensions(grid.Columns, grid.Rows, 1);
   vtkNew<vtkFloatArray> array;
   array->SetArray(values.data(), static_cast<vtkIdType>(values.size()), 1);
   image->GetPointData()->SetScalars(array);
-  const double pixels = sigmaMm / std::hypot(grid.ColumnStep[0], grid.ColumnStep[1]);
+  const double pixels = sigmaMm / grid.ColumnSpacingMm();
   vtkNew<vtkImageGaussianSmooth> spread;
   spread->SetInputData(image);
   spread->SetDimensionality(2);
@@ -55,7 +55,7 @@ std::vector<float> Spread(std::vector<float> values, const RegistrationTarget& g
 
 /// PictureKind::Scattered.
 std::vector<float> WithHeelAndScatter(const std::vector<float>& primary,
-  const std::vector<float>& logAttenuation, const RegistrationTarget& grid)
+  const std::vector<float>& logAttenuation, const ReceptorGrid& grid)
 {
   constexpr double HeelAtFront = 0.2;
   constexpr double ScatterToPrimary = 0.5;
@@ -83,7 +83,7 @@ std::vector<float> WithHeelAndScatter(const std::vector<float>& primary,
 
 /// PictureKind::Equalised: takes most of what varies slowly within the breast off `values`. Both
 /// are of the same pixels; the breast is where `logAttenuation` is positive.
-void Equalise(const std::vector<float>& logAttenuation, const RegistrationTarget& grid,
+void Equalise(const std::vector<float>& logAttenuation, const ReceptorGrid& grid,
   std::vector<float>& values)
 {
   constexpr float TakenOff = 0.7F;
@@ -153,27 +153,21 @@ std::vector<float> Displayed(const std::vector<float>& attenuation, const std::v
 }
 }
 
-RegistrationTarget ImitatedDetector(double pixelMm, double up, const DetectorField& field)
+ReceptorGrid ImitatedDetector(double pixelMm, double up, const DetectorField& field)
 {
   // The left breast's, whose up is +x, has its chest wall at the left.
   const double inward = up;
-  RegistrationTarget grid;
+  ReceptorGrid grid;
   grid.Columns = static_cast<int>(field.DepthMm / pixelMm);
   grid.Rows = static_cast<int>(field.WidthMm / pixelMm);
   grid.Origin = { up * 0.5 * (grid.Rows - 1) * pixelMm,
     (inward > 0 ? 0.5 : grid.Columns - 0.5) * pixelMm };
   grid.ColumnStep = { 0, inward * pixelMm };
   grid.RowStep = { -up * pixelMm, 0 };
-  const auto pixels = static_cast<std::size_t>(grid.Columns) * static_cast<std::size_t>(grid.Rows);
-  // The middle of the chest-wall edge, around which Synthesize looks for the silhouette.
-  grid.BreastMask.assign(pixels, 0);
-  grid.BreastMask[pixels / 2] = 1;
-  grid.LogAttenuation.assign(pixels, 0);
-  grid.SignedDistanceMm.assign(pixels, 0);
   return grid;
 }
 
-bool IsCutAtFront(const std::vector<float>& logAttenuation, const RegistrationTarget& grid)
+bool IsCutAtFront(const std::vector<float>& logAttenuation, const ReceptorGrid& grid)
 {
   const auto columns = static_cast<std::size_t>(grid.Columns);
   const std::size_t front = grid.ColumnStep[1] > 0 ? columns - 1 : 0;
@@ -188,7 +182,7 @@ bool IsCutAtFront(const std::vector<float>& logAttenuation, const RegistrationTa
 }
 
 Mammogram Develop(Mammogram header, const std::vector<float>& logAttenuation,
-  const RegistrationTarget& grid, const DevelopOptions& options, Draws& draws)
+  const ReceptorGrid& grid, const DevelopOptions& options, Draws& draws)
 {
   const std::vector<float> primary = Intensities(logAttenuation);
   const std::vector<float> reaching = options.Kind == PictureKind::Scattered
@@ -204,7 +198,7 @@ Mammogram Develop(Mammogram header, const std::vector<float>& logAttenuation,
   header.Columns = grid.Columns;
   header.Rows = grid.Rows;
   header.BitsStored = 12;
-  header.ColumnSpacingMm = std::hypot(grid.ColumnStep[0], grid.ColumnStep[1]);
+  header.ColumnSpacingMm = grid.ColumnSpacingMm();
   header.RowSpacingMm = header.ColumnSpacingMm;
   if (options.Kind == PictureKind::Raw || options.Kind == PictureKind::Scattered)
   {

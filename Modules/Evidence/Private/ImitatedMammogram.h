@@ -4,7 +4,7 @@
 
 #include "mammoray/Evidence/TwinExperiment.h"
 #include "mammoray/Foundation/Mammogram.h"
-#include "mammoray/Registration/RegistrationTarget.h"
+#include "mammoray/Foundation/ReceptorGrid.h"
 #include "mammorayEvidenceModule.h"
 
 #include <cstdint>
@@ -45,12 +45,12 @@ inline constexpr DetectorField LargeField{ 300, 240 };
 
 /// A detector, hung as mammograms are: with the side of the body up that `up` names, 1 (gantry +x,
 /// the left breast; chest wall at the left) or -1 (the right breast; chest wall at the right).
-MAMMORAYEVIDENCE_EXPORT RegistrationTarget ImitatedDetector(double pixelMm, double up = 1,
+MAMMORAYEVIDENCE_EXPORT ReceptorGrid ImitatedDetector(double pixelMm, double up = 1,
   const DetectorField& field = SmallField);
 
 /// Whether a picture on such a detector shows tissue at its border opposite the chest wall.
 MAMMORAYEVIDENCE_EXPORT bool IsCutAtFront(const std::vector<float>& logAttenuation,
-  const RegistrationTarget& grid);
+  const ReceptorGrid& grid);
 
 struct DevelopOptions
 {
@@ -61,8 +61,8 @@ struct DevelopOptions
 
 /// As a unit stores it, 12 bits. `header`: what else the image says.
 MAMMORAYEVIDENCE_EXPORT Mammogram Develop(Mammogram header,
-  const std::vector<float>& logAttenuation, const RegistrationTarget& grid,
-  const DevelopOptions& options, Draws& draws);
+  const std::vector<float>& logAttenuation, const ReceptorGrid& grid, const DevelopOptions& options,
+  Draws& draws);
 }
 
 #endif

@@ -114,16 +114,16 @@ void PlaceGrid(const PixelGrid& grid, Side side, double direction, RegistrationT
   const double inward = side == Side::Left || side == Side::Top ? 1 : -1;
   if (side == Side::Left || side == Side::Right)
   {
-    target.ColumnStep = { 0, inward * grid.ColumnSpacing };
-    target.RowStep = { direction * grid.RowSpacing, 0 };
-    target.Origin = { -0.5 * (grid.Rows - 1) * target.RowStep[0],
+    target.Grid.ColumnStep = { 0, inward * grid.ColumnSpacing };
+    target.Grid.RowStep = { direction * grid.RowSpacing, 0 };
+    target.Grid.Origin = { -0.5 * (grid.Rows - 1) * target.Grid.RowStep[0],
       inward > 0 ? 0.5 * grid.ColumnSpacing : (grid.Columns - 0.5) * grid.ColumnSpacing };
   }
   else
   {
-    target.ColumnStep = { direction * grid.ColumnSpacing, 0 };
-    target.RowStep = { 0, inward * grid.RowSpacing };
-    target.Origin = { -0.5 * (grid.Columns - 1) * target.ColumnStep[0],
+    target.Grid.ColumnStep = { direction * grid.ColumnSpacing, 0 };
+    target.Grid.RowStep = { 0, inward * grid.RowSpacing };
+    target.Grid.Origin = { -0.5 * (grid.Columns - 1) * target.Grid.ColumnStep[0],
       inward > 0 ? 0.5 * grid.RowSpacing : (grid.Rows - 0.5) * grid.RowSpacing };
   }
 }

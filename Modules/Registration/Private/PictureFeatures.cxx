@@ -12,29 +12,18 @@ namespace
 constexpr std::size_t None = std::numeric_limits<std::size_t>::max();
 
 /// The number in `pixels` of each pixel of a picture; None for others.
-std::vector<std::size_t> Numbers(const RegistrationTarget& grid,
-  const std::vector<std::size_t>& pixels)
+std::vector<std::size_t> Numbers(const ReceptorGrid& grid, const std::vector<std::size_t>& pixels)
 {
-  std::vector<std::size_t> numbers(static_cast<std::size_t>(grid.Columns) * grid.Rows, None);
+  std::vector<std::size_t> numbers(grid.NumberOfPixels(), None);
   for (std::size_t index = 0; index < pixels.size(); ++index)
   {
     numbers[pixels[index]] = index;
   }
   return numbers;
 }
-
-double ColumnMm(const RegistrationTarget& grid)
-{
-  return std::hypot(grid.ColumnStep[0], grid.ColumnStep[1]);
 }
 
-double RowMm(const RegistrationTarget& grid)
-{
-  return std::hypot(grid.RowStep[0], grid.RowStep[1]);
-}
-}
-
-PictureFeatures::PictureFeatures(PictureComparison kind, const RegistrationTarget& grid,
+PictureFeatures::PictureFeatures(PictureComparison kind, const ReceptorGrid& grid,
   const std::vector<std::size_t>& pixels, double windowMm)
   : Kind(kind)
   , Pixels(pixels)
@@ -49,11 +38,12 @@ PictureFeatures::PictureFeatures(PictureComparison kind, const RegistrationTarge
   }
 }
 
-void PictureFeatures::FindWindows(const RegistrationTarget& grid, double windowMm)
+void PictureFeatures::FindWindows(const ReceptorGrid& grid, double windowMm)
 {
   const std::vector<std::size_t> numbers = Numbers(grid, this->Pixels);
-  const int across = std::max(1, static_cast<int>(std::lround(0.5 * windowMm / ColumnMm(grid))));
-  const int down = std::max(1, static_cast<int>(std::lround(0.5 * windowMm / RowMm(grid))));
+  const int across =
+    std::max(1, static_cast<int>(std::lround(0.5 * windowMm / grid.ColumnSpacingMm())));
+  const int down = std::max(1, static_cast<int>(std::lround(0.5 * windowMm / grid.RowSpacingMm())));
   for (const std::size_t pixel : this->Pixels)
   {
     this->First.push_back(this->Members.size());
@@ -64,7 +54,7 @@ void PictureFeatures::FindWindows(const RegistrationTarget& grid, double windowM
       for (int x = std::max(0, column - across); x <= std::min(grid.Columns - 1, column + across);
            ++x)
       {
-        const std::size_t number = numbers[static_cast<std::size_t>(y) * grid.Columns + x];
+        const std::size_t number = numbers[grid.Index(x, y)];
         if (number != None)
         {
           this->Members.push_back(number);
@@ -75,7 +65,7 @@ void PictureFeatures::FindWindows(const RegistrationTarget& grid, double windowM
   this->First.push_back(this->Members.size());
 }
 
-void PictureFeatures::FindNeighbours(const RegistrationTarget& grid)
+void PictureFeatures::FindNeighbours(const ReceptorGrid& grid)
 {
   const std::vector<std::size_t> numbers = Numbers(grid, this->Pixels);
   const auto add = [&](std::size_t from, std::size_t pixel, double distance)
@@ -91,11 +81,11 @@ void PictureFeatures::FindNeighbours(const RegistrationTarget& grid)
     const std::size_t pixel = this->Pixels[index];
     if ((pixel + 1) % grid.Columns != 0)
     {
-      add(index, pixel + 1, ColumnMm(grid));
+      add(index, pixel + 1, grid.ColumnSpacingMm());
     }
     if (pixel + grid.Columns < numbers.size())
     {
-      add(index, pixel + grid.Columns, RowMm(grid));
+      add(index, pixel + grid.Columns, grid.RowSpacingMm());
     }
   }
 }

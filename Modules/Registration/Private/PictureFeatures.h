@@ -19,7 +19,7 @@ class MAMMORAYREGISTRATION_EXPORT PictureFeatures
 public:
   /// `pixels`: those compared, rising, of a picture on `grid`'s pixels. `windowMm`: edge of
   /// Local's.
-  PictureFeatures(PictureComparison kind, const RegistrationTarget& grid,
+  PictureFeatures(PictureComparison kind, const ReceptorGrid& grid,
     const std::vector<std::size_t>& pixels, double windowMm);
 
   /// The features of one picture, and what their derivatives need.
@@ -44,8 +44,8 @@ private:
   /// picture's: where the breast is even, noise is all there is.
   static constexpr double LeastDeviation = 0.25;
 
-  void FindWindows(const RegistrationTarget& grid, double windowMm);
-  void FindNeighbours(const RegistrationTarget& grid);
+  void FindWindows(const ReceptorGrid& grid, double windowMm);
+  void FindNeighbours(const ReceptorGrid& grid);
   /// Of pairs, over their distances.
   std::vector<double> Differences(const std::vector<double>& values) const;
   double MeanOver(std::size_t window, const std::vector<double>& values) const;

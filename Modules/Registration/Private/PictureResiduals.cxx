@@ -70,8 +70,8 @@ void PictureResiduals::ChoosePixels()
     throw InputError("mammogram: only " + std::to_string(this->Pixels.size()) +
       " pixels of the compared size lie inside the breast, expected at least 10");
   }
-  this->Features = std::make_shared<const PictureFeatures>(this->Options.Comparison, this->Target,
-    this->Pixels, this->Options.WindowMm);
+  this->Features = std::make_shared<const PictureFeatures>(this->Options.Comparison,
+    this->Target.Grid, this->Pixels, this->Options.WindowMm);
   this->TargetFeatures = this->Features->Of(this->Target.LogAttenuation).Values;
   double square = 0;
   for (const double feature : this->TargetFeatures)
@@ -87,9 +87,7 @@ void PictureResiduals::ChoosePixels()
 
 double PictureResiduals::AreaPerFeature() const
 {
-  const double area = std::abs(this->Target.ColumnStep[0] * this->Target.RowStep[1] -
-    this->Target.ColumnStep[1] * this->Target.RowStep[0]);
-  return area * static_cast<double>(this->Pixels.size()) /
+  return this->Target.Grid.PixelAreaMm2() * static_cast<double>(this->Pixels.size()) /
     static_cast<double>(this->TargetFeatures.size());
 }
 
@@ -108,7 +106,7 @@ void PictureResiduals::Append(EvaluatedState& seen, std::vector<double>& residua
     residuals.push_back(
       this->OutlineWeight * SignedDistanceAt(this->Target, this->OnOutline(index, radii[index])));
   }
-  const EvaluatedState::Picture& picture = seen.PictureOn(this->Target, this->Options.Samples);
+  const EvaluatedState::Picture& picture = seen.PictureOn(this->Target.Grid, this->Options.Samples);
   const std::vector<double> features = this->Features->Of(picture.LogAttenuation).Values;
   for (std::size_t index = 0; index < features.size(); ++index)
   {
@@ -134,10 +132,10 @@ std::vector<ReceptorPoint> PictureResiduals::IntensityPlaces() const
   places.reserve(this->TargetFeatures.size());
   for (const std::size_t index : this->Features->Places())
   {
-    const auto columns = static_cast<std::size_t>(this->Target.Columns);
+    const auto columns = static_cast<std::size_t>(this->Target.Grid.Columns);
     const std::size_t pixel = this->Pixels[index];
     const std::size_t row = pixel / columns;
-    places.push_back(PixelPosition(this->Target, static_cast<double>(pixel - row * columns),
+    places.push_back(this->Target.Grid.PositionOf(static_cast<double>(pixel - row * columns),
       static_cast<double>(row)));
   }
   return places;
@@ -165,8 +163,8 @@ void PictureResiduals::AppendRates(EvaluatedState& seen, const std::vector<doubl
 {
   const int fields = static_cast<int>(columns.size());
   const std::vector<std::vector<double>> derivatives =
-    seen.DifferentiatePicture(this->Target, this->Options.Samples, velocities, fields);
-  const EvaluatedState::Picture& picture = seen.PictureOn(this->Target, this->Options.Samples);
+    seen.DifferentiatePicture(this->Target.Grid, this->Options.Samples, velocities, fields);
+  const EvaluatedState::Picture& picture = seen.PictureOn(this->Target.Grid, this->Options.Samples);
   const PictureFeatures::Found features = this->Features->Of(picture.LogAttenuation);
   for (std::size_t field = 0; field < columns.size(); ++field)
   {

@@ -99,13 +99,12 @@ Reach ReachOf(EvaluatedState& breast, const ReceptorPoint& centre, double fromMm
 Reach ReachOf(const RegistrationTarget& target, double fromMm)
 {
   Reach reach;
-  for (int row = 0; row < target.Rows; ++row)
+  for (int row = 0; row < target.Grid.Rows; ++row)
   {
-    for (int column = 0; column < target.Columns; ++column)
+    for (int column = 0; column < target.Grid.Columns; ++column)
     {
-      const ReceptorPoint point = PixelPosition(target, column, row);
-      if (target.BreastMask[static_cast<std::size_t>(row) * target.Columns + column] &&
-        point[1] >= fromMm)
+      const ReceptorPoint point = target.Grid.PositionOf(column, row);
+      if (target.BreastMask[target.Grid.Index(column, row)] && point[1] >= fromMm)
       {
         reach.Add(point);
       }

@@ -76,7 +76,7 @@ BreastInUnit InMemory(const RegistrationCaseResult& result, const RegisteredView
   breast.Compressed->SetPoints(points);
   breast.Placed = registered.Placed;
   breast.Unit = registered.Unit;
-  breast.Grid = registered.Target;
+  breast.Grid = registered.Target.Grid;
   const RegistrationResult& found = registered.Registration;
   for (const RegistrationParameter& parameter : found.Parameters)
   {
@@ -87,7 +87,7 @@ BreastInUnit InMemory(const RegistrationCaseResult& result, const RegisteredView
   return breast;
 }
 
-PlaceInMammogram PlaceOf(const ImagedPoint& imaged, const RegistrationTarget& grid)
+PlaceInMammogram PlaceOf(const ImagedPoint& imaged, const ReceptorGrid& grid)
 {
   PlaceInMammogram place;
   place.Material = imaged.Material;
@@ -104,16 +104,14 @@ PlaceInMammogram PlaceOf(const ImagedPoint& imaged, const RegistrationTarget& gr
   return place;
 }
 
-void AddOutlines(const LesionShadow& shadow, const RegistrationTarget& grid,
-  PlaceInMammogram& place)
+void AddOutlines(const LesionShadow& shadow, const ReceptorGrid& grid, PlaceInMammogram& place)
 {
   for (const auto& outline : shadow.Outlines)
   {
     auto& receptor = place.Outlines.emplace_back();
     for (const auto& [column, row] : outline)
     {
-      receptor.push_back({ grid.Origin[0] + column * grid.ColumnStep[0] + row * grid.RowStep[0],
-        grid.Origin[1] + column * grid.ColumnStep[1] + row * grid.RowStep[1] });
+      receptor.push_back(grid.PositionOf(column, row));
     }
   }
 }
@@ -206,13 +204,13 @@ std::vector<PlaceInMammogram> PlacesIn(const RegistrationCase& input,
     {
       if (index < points)
       {
-        places.push_back(PlaceOf(breast.ToMammogram(asked[index].Point), registered.Target));
+        places.push_back(PlaceOf(breast.ToMammogram(asked[index].Point), registered.Target.Grid));
         continue;
       }
       const LesionShadow shadow =
         ProjectLesion(breast, *result.Lesions, lesions[index - points].Label, *projector);
-      PlaceInMammogram place = PlaceOf(shadow.ImagedCentre, registered.Target);
-      AddOutlines(shadow, registered.Target, place);
+      PlaceInMammogram place = PlaceOf(shadow.ImagedCentre, registered.Target.Grid);
+      AddOutlines(shadow, registered.Target.Grid, place);
       places.push_back(std::move(place));
     }
     catch (const InputError& error) // the rest of the result is not lost for that

@@ -29,7 +29,7 @@ std::string PathOfTissue(const RegistrationCase& input)
 /// Which breast the picture is of by how mammograms are hung; nothing of one turned by 90 degrees.
 std::optional<char> HungAs(const RegistrationTarget& target)
 {
-  const double inward = target.ColumnStep[1];
+  const double inward = target.Grid.ColumnStep[1];
   return inward > 0 ? std::optional('L') : inward < 0 ? std::optional('R') : std::nullopt;
 }
 
@@ -174,13 +174,13 @@ void CheckPicturedBreast(const RegistrationCase& input, RegisteredView& view)
   RegistrationTarget& target = view.Target;
   const Mammogram& mammogram = view.Mammogram;
   Extent across;
-  for (int row = 0; row < target.Rows; ++row)
+  for (int row = 0; row < target.Grid.Rows; ++row)
   {
-    for (int column = 0; column < target.Columns; ++column)
+    for (int column = 0; column < target.Grid.Columns; ++column)
     {
-      if (target.BreastMask[static_cast<std::size_t>(row) * target.Columns + column] != 0)
+      if (target.BreastMask[target.Grid.Index(column, row)] != 0)
       {
-        across.Add(PixelPosition(target, column, row)[0]);
+        across.Add(target.Grid.PositionOf(column, row)[0]);
       }
     }
   }
@@ -247,10 +247,8 @@ namespace
 {
 double AreaCm2(const RegistrationTarget& target)
 {
-  const double pixel =
-    std::abs(target.ColumnStep[0] * target.RowStep[1] - target.ColumnStep[1] * target.RowStep[0]);
   const auto breast = std::count(target.BreastMask.begin(), target.BreastMask.end(), 1);
-  return static_cast<double>(breast) * pixel / 100;
+  return static_cast<double>(breast) * target.Grid.PixelAreaMm2() / 100;
 }
 
 /// Of the picture's volume, area times thickness, over the MRI's breast. Of the five virtual

@@ -138,7 +138,7 @@ std::vector<Mammogram> ReadCaseMammograms(const RegistrationCase& input, std::si
 Vector3 FocalSpotOf(const Mammogram& projection, const RegistrationTarget& target)
 {
   const std::array<double, 2>& foot = projection.SourceFootPixel.value();
-  const ReceptorPoint over = PixelPosition(target, foot[0], foot[1]);
+  const ReceptorPoint over = target.Grid.PositionOf(foot[0], foot[1]);
   return { over[0], over[1], projection.SourceToDetectorMm.value() };
 }
 }
@@ -162,7 +162,7 @@ void ReadCasePictures(const RegistrationCase& input, std::vector<RegisteredView>
   CheckPicturedBreast(input, view);
   if (!input.Masks.empty())
   {
-    ExcludePixels(ReadMask(input.Masks[number], view.Target.Columns, view.Target.Rows),
+    ExcludePixels(ReadMask(input.Masks[number], view.Target.Grid.Columns, view.Target.Grid.Rows),
       view.Target);
   }
   view.Warnings.insert(view.Warnings.end(), view.Target.Warnings.begin(),

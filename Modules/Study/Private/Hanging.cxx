@@ -16,14 +16,14 @@ constexpr int LongerSidePixels = 900;
 constexpr double MarginMm = 8;
 
 /// Sets which way the picture is turned, and its letters.
-void Orient(const Mammogram& mammogram, const RegistrationTarget& target, Hanging& hanging)
+void Orient(const Mammogram& mammogram, const ReceptorGrid& grid, Hanging& hanging)
 {
   // Chest wall to nipple leads forward. Where the side is not known it is taken from the target,
   // whose preparation warned: chest wall at the picture's right (y falls with the column).
   Mammogram known = mammogram;
   if (known.Laterality != 'L' && known.Laterality != 'R')
   {
-    known.Laterality = target.ColumnStep[1] < 0 || target.RowStep[1] < 0 ? 'R' : 'L';
+    known.Laterality = grid.ColumnStep[1] < 0 || grid.RowStep[1] < 0 ? 'R' : 'L';
   }
   // Gantry x along patient left and head (MammographyGeometry.h).
   const double roll = NominalRollDeg(known).value_or(0) * std::numbers::pi / 180;
@@ -58,23 +58,21 @@ struct Bounds
 };
 
 /// What is shown with its margin, within the mammogram; all of it where nothing is shown.
-Bounds BoundsOf(const RegistrationTarget& target, const std::vector<unsigned char>& shown)
+Bounds BoundsOf(const ReceptorGrid& grid, const std::vector<unsigned char>& shown)
 {
   Bounds all;
   Bounds bounds;
-  for (int row = 0; row < target.Rows; ++row)
+  for (int row = 0; row < grid.Rows; ++row)
   {
-    for (int column = 0; column < target.Columns; ++column)
+    for (int column = 0; column < grid.Columns; ++column)
     {
       const bool corner =
-        (row == 0 || row == target.Rows - 1) && (column == 0 || column == target.Columns - 1);
-      const std::size_t pixel = static_cast<std::size_t>(row) * target.Columns + column;
+        (row == 0 || row == grid.Rows - 1) && (column == 0 || column == grid.Columns - 1);
+      const std::size_t pixel = grid.Index(column, row);
       for (int axis = 0; axis < 2 && (corner || shown[pixel]); ++axis)
       {
-        const double place =
-          target.Origin[axis] + column * target.ColumnStep[axis] + row * target.RowStep[axis];
-        const double half =
-          0.5 * (std::abs(target.ColumnStep[axis]) + std::abs(target.RowStep[axis]));
+        const double place = grid.PositionOf(column, row)[axis];
+        const double half = 0.5 * (std::abs(grid.ColumnStep[axis]) + std::abs(grid.RowStep[axis]));
         if (corner)
         {
           all.Add(axis, place - half, place + half);
@@ -96,27 +94,17 @@ Bounds BoundsOf(const RegistrationTarget& target, const std::vector<unsigned cha
 }
 
 /// An image on the target's grid at a gantry point, bilinear; its border goes on outside.
-double ValueAt(const RegistrationTarget& target, const std::vector<float>& image, double x,
-  double y)
+double ValueAt(const ReceptorGrid& grid, const std::vector<float>& image, double x, double y)
 {
-  const auto& c = target.ColumnStep;
-  const auto& r = target.RowStep;
-  const double determinant = c[0] * r[1] - c[1] * r[0];
-  const double dx = x - target.Origin[0];
-  const double dy = y - target.Origin[1];
-  const double column =
-    std::clamp((dx * r[1] - dy * r[0]) / determinant, 0.0, target.Columns - 1.0);
-  const double row = std::clamp((dy * c[0] - dx * c[1]) / determinant, 0.0, target.Rows - 1.0);
-  const int column0 = std::min(static_cast<int>(column), std::max(0, target.Columns - 2));
-  const int row0 = std::min(static_cast<int>(row), std::max(0, target.Rows - 2));
+  const auto index = grid.IndexOf({ x, y });
+  const double column = std::clamp(index[0], 0.0, grid.Columns - 1.0);
+  const double row = std::clamp(index[1], 0.0, grid.Rows - 1.0);
+  const int column0 = std::min(static_cast<int>(column), std::max(0, grid.Columns - 2));
+  const int row0 = std::min(static_cast<int>(row), std::max(0, grid.Rows - 2));
   const double u = column - column0;
   const double v = row - row0;
   const auto at = [&](int i, int j)
-  {
-    return image[static_cast<std::size_t>(std::min(j, target.Rows - 1)) *
-        static_cast<std::size_t>(target.Columns) +
-      static_cast<std::size_t>(std::min(i, target.Columns - 1))];
-  };
+  { return image[grid.Index(std::min(i, grid.Columns - 1), std::min(j, grid.Rows - 1))]; };
   return (1 - v) * ((1 - u) * at(column0, row0) + u * at(column0 + 1, row0)) +
     v * ((1 - u) * at(column0, row0 + 1) + u * at(column0 + 1, row0 + 1));
 }
@@ -134,12 +122,12 @@ std::array<double, 2> Hanging::ToGantry(double right, double up) const
     this->Centre[1] + this->Right * (right - 0.5 * this->Width) * this->PixelMm };
 }
 
-Hanging Hang(const Mammogram& mammogram, const RegistrationTarget& target,
+Hanging Hang(const Mammogram& mammogram, const ReceptorGrid& grid,
   const std::vector<unsigned char>& shown)
 {
   Hanging hanging;
-  Orient(mammogram, target, hanging);
-  const auto [least, most] = BoundsOf(target, shown);
+  Orient(mammogram, grid, hanging);
+  const auto [least, most] = BoundsOf(grid, shown);
   const double extent[2] = { most[0] - least[0], most[1] - least[1] };
   hanging.Centre = { 0.5 * (least[0] + most[0]), 0.5 * (least[1] + most[1]) };
   hanging.PixelMm = std::max(extent[0], extent[1]) / LongerSidePixels;
@@ -148,11 +136,10 @@ Hanging Hang(const Mammogram& mammogram, const RegistrationTarget& target,
   return hanging;
 }
 
-std::vector<float> Resample(const RegistrationTarget& target, const std::vector<float>& image,
+std::vector<float> Resample(const ReceptorGrid& grid, const std::vector<float>& image,
   const Hanging& hanging)
 {
-  const double step = std::min(std::hypot(target.ColumnStep[0], target.ColumnStep[1]),
-    std::hypot(target.RowStep[0], target.RowStep[1]));
+  const double step = std::min(grid.ColumnSpacingMm(), grid.RowSpacingMm());
   const int samples = std::clamp(static_cast<int>(std::ceil(hanging.PixelMm / step)), 1, 6);
   const auto width = static_cast<std::size_t>(hanging.Width);
   std::vector<float> result(width * static_cast<std::size_t>(hanging.Height));
@@ -168,7 +155,7 @@ std::vector<float> Resample(const RegistrationTarget& target, const std::vector<
           const int down = s / samples;
           const auto point = hanging.ToGantry(static_cast<double>(x) + (across + 0.5) / samples,
             static_cast<double>(y) + (down + 0.5) / samples);
-          sum += ValueAt(target, image, point[0], point[1]);
+          sum += ValueAt(grid, image, point[0], point[1]);
         }
         result[y * width + x] = static_cast<float>(sum / (samples * samples));
       }

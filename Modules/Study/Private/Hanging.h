@@ -3,7 +3,7 @@
 #define mammoray_Hanging_h
 
 #include "mammoray/Foundation/Mammogram.h"
-#include "mammoray/Registration/RegistrationTarget.h"
+#include "mammoray/Foundation/ReceptorGrid.h"
 #include "mammorayStudyModule.h"
 
 #include <array>
@@ -37,12 +37,12 @@ struct MAMMORAYSTUDY_EXPORT Hanging
 };
 
 /// Shows both breasts, the pixels of `shown`, with a margin, the longer side 900 pixels.
-MAMMORAYSTUDY_EXPORT Hanging Hang(const Mammogram& mammogram, const RegistrationTarget& target,
+MAMMORAYSTUDY_EXPORT Hanging Hang(const Mammogram& mammogram, const ReceptorGrid& grid,
   const std::vector<unsigned char>& shown);
 
-/// An image on the target's grid at the picture's pixels, row by row from below: bilinear, averaged
+/// An image on a grid at the picture's pixels, row by row from below: bilinear, averaged
 /// over the picture's pixel where that is larger.
-MAMMORAYSTUDY_EXPORT std::vector<float> Resample(const RegistrationTarget& target,
+MAMMORAYSTUDY_EXPORT std::vector<float> Resample(const ReceptorGrid& grid,
   const std::vector<float>& image, const Hanging& hanging);
 }
 

@@ -298,10 +298,12 @@ ReportPictures DrawPictures(const RegistrationReport& report)
   const RegistrationTarget& target = *report.Target;
   const ComparedImages images = ImagesOf(report);
   const GreyWindow window = WindowOf(images);
-  const Hanging hanging = Hang(*report.RealMammogram, target, images.Either);
-  const HungImages hung{ Resample(target, images.Real, hanging),
-    Resample(target, images.Synthetic, hanging), Resample(target, target.SignedDistanceMm, hanging),
-    Resample(target, images.InSynthetic, hanging), Resample(target, images.Excluded, hanging) };
+  const Hanging hanging = Hang(*report.RealMammogram, target.Grid, images.Either);
+  const HungImages hung{ Resample(target.Grid, images.Real, hanging),
+    Resample(target.Grid, images.Synthetic, hanging),
+    Resample(target.Grid, target.SignedDistanceMm, hanging),
+    Resample(target.Grid, images.InSynthetic, hanging),
+    Resample(target.Grid, images.Excluded, hanging) };
 
   Picture real(hanging.Width, hanging.Height, Black);
   Picture synthetic(hanging.Width, hanging.Height, Black);

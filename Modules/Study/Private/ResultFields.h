@@ -72,13 +72,13 @@ void ListFields(Fields& fields, ResultParameter& parameter)
 }
 
 template <typename Fields>
-void ListFields(Fields& fields, ResultGrid& grid)
+void ListFields(Fields& fields, ReceptorGrid& grid)
 {
   fields("columns", grid.Columns);
   fields("rows", grid.Rows);
-  fields("originMm", grid.OriginMm);
-  fields("columnStepMm", grid.ColumnStepMm);
-  fields("rowStepMm", grid.RowStepMm);
+  fields("originMm", grid.Origin);
+  fields("columnStepMm", grid.ColumnStep);
+  fields("rowStepMm", grid.RowStep);
 }
 
 template <typename Fields>
