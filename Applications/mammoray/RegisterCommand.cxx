@@ -393,7 +393,7 @@ void Run(RegisterArguments& arguments)
   for (std::size_t view = 0; view < folders.size(); ++view)
   {
     std::printf("%s%s\n", folders.size() > 1 ? (folders[view] + ": ").c_str() : "",
-      Verdict(Assess(result.Views[view].Registration)).c_str());
+      Verdict(result.Views[view].Registration.Trust).c_str());
   }
 }
 }

@@ -4,7 +4,7 @@
 #include "Private/GlandOverlap.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/IO/ShippedData.h"
-#include "mammoray/Study/Assessment.h"
+#include "mammoray/Registration/RegistrationResult.h"
 #include "mammoray/Study/RegistrationCaseWriter.h"
 
 #include "vtkUnstructuredGrid.h"
@@ -172,7 +172,7 @@ LandmarkEvidence MeasureLandmarks(const EvidenceLandmarks& input, const Progress
   LandmarkEvidence found;
   found.Name = input.Name;
   const RegisteredView& view = result.Views.front();
-  const Assessment trust = Assess(view.Registration);
+  const Assessment& trust = view.Registration.Trust;
   found.Trust = NameOf(trust.Level);
   found.Reasons = trust.Reasons;
   found.ExpectedMedianMm = view.Registration.Expected ? view.Registration.Expected->MedianMm
@@ -182,7 +182,7 @@ LandmarkEvidence MeasureLandmarks(const EvidenceLandmarks& input, const Progress
   found.Seconds = view.Registration.Seconds;
   const auto grid = UncompressedGrid(result, view);
   for (const LandmarkErrors& errors :
-    EvaluateLandmarks(landmarks, input.Truth, grid, view.Placed, view.Unit))
+    EvaluateLandmarks(landmarks, input.Truth, grid, view.Registration.Placed, view.Unit))
   {
     found.Rows.push_back(SummariseImaged(errors, landmarks));
   }
@@ -211,7 +211,7 @@ MammogramEvidence MeasureMammogram(const EvidenceMammogram& input, const Progres
     found.Correlation = registered.After.Correlation;
     found.TissueCorrelation = registered.After.TissueCorrelation;
     found.Seconds = registered.Seconds;
-    const Assessment trust = Assess(registered);
+    const Assessment& trust = registered.Trust;
     found.Trust = NameOf(trust.Level);
     found.Reasons = trust.Reasons;
   }

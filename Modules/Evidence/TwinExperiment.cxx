@@ -13,7 +13,6 @@
 #include "mammoray/Meshing/LabelMesher.h"
 #include "mammoray/Registration/Annealing.h"
 #include "mammoray/Registration/TargetPreparation.h"
-#include "mammoray/Study/Assessment.h"
 #include "mammoray/Study/BreastInUnit.h"
 #include "mammoray/Study/RegistrationCase.h"
 
@@ -468,6 +467,7 @@ TwinProblem TwinExperiment::Draw(TwinKind kind, int number, const ProgressCallba
       const double shiftMm =
         kind == TwinKind::HalfPicture ? KeepHalf(number % 2 == 0, picture) : 0.0;
       problem.Target = PrepareTarget(picture);
+      problem.Target.HeaderThicknessMm = problem.Parameters[ThicknessParameter].Start;
       self.DrawPoints(problem, state, shiftMm, draws);
       return problem;
     }
@@ -504,8 +504,6 @@ TwinRun TwinExperiment::Run(const TwinProblem& problem, TwinSearch search, int b
     ? Anneal(model.Model, model.Placement, problem.Target, options,
         { .Equilibria = budget, .Seed = self.Options.Seed }, progress)
     : mammoray::Register(model.Model, model.Placement, problem.Target, options, progress);
-  result.HeaderThicknessMm = problem.Parameters[ThicknessParameter].Start;
-  result.Disagreements = problem.Target.Disagreements;
   ReportProgress(progress, 1, "registered");
 
   TwinRun run;
@@ -529,7 +527,7 @@ TwinRun TwinExperiment::Run(const TwinProblem& problem, TwinSearch search, int b
   run.LargestOutlineMm = result.After.LargestOutlineDistanceMm;
   run.Correlation = result.After.Correlation;
   run.TissueCorrelation = result.After.TissueCorrelation;
-  const Assessment trust = Assess(result);
+  const Assessment& trust = result.Trust;
   run.Trust = NameOf(trust.Level);
   run.Reasons = trust.Reasons;
   run.Iterations = static_cast<int>(result.Iterations.size());

@@ -127,25 +127,15 @@ void AddDisplaced(vtkUnstructuredGrid* output, vtkUnstructuredGrid* grid,
 }
 
 /// How the moved points change with each parameter that was found, seen from the unit.
-void AddSensitivities(vtkUnstructuredGrid* output, BreastModel& model,
-  const UnitPlacement& placement, const RegistrationResult& result,
-  const std::vector<double>& points)
+void AddSensitivities(vtkUnstructuredGrid* output, const RegistrationResult& result)
 {
-  std::vector<int> free;
-  for (int index = 0; index < ParameterCount; ++index)
+  for (std::size_t index = 0; index < result.Parameters.size(); ++index)
   {
-    if (!result.Parameters[static_cast<std::size_t>(index)].Fixed)
+    if (!result.Parameters[index].Fixed)
     {
-      free.push_back(index);
+      AddVectors(output, SensitivityArrayPrefix + result.Parameters[index].Name,
+        result.Sensitivities[index]);
     }
-  }
-  const VectorFields velocities = model.Body().VelocitiesSeenFromUnit(placement, result.Pose,
-    result.State, model.AnatomyPoints(), points, free);
-  for (std::size_t index = 0; index < free.size(); ++index)
-  {
-    AddVectors(output,
-      SensitivityArrayPrefix + result.Parameters[static_cast<std::size_t>(free[index])].Name,
-      velocities[index]);
   }
 }
 
@@ -163,8 +153,7 @@ void Free(const std::string& names, std::vector<RegistrationParameter>& paramete
   }
 }
 
-void AddResult(vtkUnstructuredGrid* output, const RegistrationResult& result,
-  const VolumeFromGantry& placed)
+void AddResult(vtkUnstructuredGrid* output, const RegistrationResult& result)
 {
   vtkFieldData* fields = output->GetFieldData();
   std::vector<std::string> names;
@@ -177,13 +166,18 @@ void AddResult(vtkUnstructuredGrid* output, const RegistrationResult& result,
   AddDoubles(fields, "Parameters", result.Values);
   AddDoubles(fields, "ParameterDeviations", result.StandardDeviations);
   AddDoubles(fields, "Covariance", result.Covariance, static_cast<int>(names.size()));
-  AddPlacement(output, placed);
+  AddPlacement(output, result.Placed);
   AddDoubles(fields, "Correlation", { result.After.Correlation });
   AddDoubles(fields, "TissueCorrelation", { result.After.TissueCorrelation });
   AddDoubles(fields, "MeanOutlineDistanceMm", { result.After.MeanOutlineDistanceMm });
   AddDoubles(fields, "LargestOutlineDistanceMm", { result.After.LargestOutlineDistanceMm });
   AddDoubles(fields, "PaddleForceN", { result.State.PaddleForceN });
   AddDoubles(fields, "Converged", { result.Converged ? 1.0 : 0.0 });
+  AddStrings(fields, "Trust", { NameOf(result.Trust.Level) });
+  AddStrings(fields, "TrustReasons", result.Trust.Reasons);
+  AddDoubles(fields, "ExpectedErrorMm",
+    result.Expected ? std::vector{ result.Expected->MedianMm, result.Expected->Most95Mm }
+                    : std::vector<double>());
 }
 }
 
@@ -412,10 +406,9 @@ int vtkBreastRegistration::RequestData(vtkInformation*, vtkInformationVector** i
     const RegistrationResult result =
       mammoray::Register(model, placement, internal.Target, options, progress);
 
-    const std::vector<double> points = model.AnatomyPoints().Map(result.State.Positions);
-    AddDisplaced(output, grid, points, breast.Made.Anatomy.Points);
-    AddSensitivities(output, model, placement, result, points);
-    AddResult(output, result, placement.At(result.Pose));
+    AddDisplaced(output, grid, result.Points, breast.Made.Anatomy.Points);
+    AddSensitivities(output, result);
+    AddResult(output, result);
   };
   return AnswerRequest(this, output, work);
 }

@@ -17,7 +17,10 @@
  * for fixed ones; no values where it is not known), "Placement" (4 x 3 doubles: the gantry's
  * origin, mm, and its x, y and z axes in the frame of the input), "Correlation",
  * "TissueCorrelation", "MeanOutlineDistanceMm", "LargestOutlineDistanceMm", "PaddleForceN",
- * "Converged" (0 or 1) and "StopReason" (string).
+ * "Converged" (0 or 1), "StopReason" (string), "Trust" ("good", "doubtful" or "none"),
+ * "TrustReasons" (a string for each reason not to trust) and "ExpectedErrorMm" (2 doubles: half of
+ * the tissue between the plates lies within the first, 95 % within the second, if both are of one
+ * breast; no values where the covariance is not known).
  *
  * Meshes, simulation, mammogram and Vulkan device are kept: another mammogram does not mesh again,
  * another start neither. An abort during the search ends it with the best pose so far, before it

@@ -6,8 +6,10 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <cstdio>
 #include <istream>
+#include <iterator>
 #include <string>
 #include <string_view>
 
@@ -56,6 +58,22 @@ inline std::string NumberText(double value)
   char text[32];
   std::snprintf(text, sizeof text, "%g", value);
   return text;
+}
+
+/// A number for people: `digits` after the point, a typographic minus sign, no negative zero; a dash
+/// if it is not finite.
+inline std::string NumberText(double value, int digits)
+{
+  if (!std::isfinite(value))
+  {
+    return "–";
+  }
+  char buffer[400]; // the largest number has 309 digits before the point
+  const auto [end, error] =
+    std::to_chars(std::begin(buffer), std::end(buffer), value, std::chars_format::fixed, digits);
+  const std::string text(buffer, end);
+  const bool zero = text.find_first_not_of("-0.") == std::string::npos;
+  return text[0] != '-' ? text : (zero ? "" : "−") + text.substr(1);
 }
 
 /// Throws InputError "WHERE: expected NAME from LOW to HIGH, found VALUE" if the value is outside

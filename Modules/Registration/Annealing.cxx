@@ -198,6 +198,9 @@ RegistrationResult Anneal(BreastModel& model, const UnitPlacement& placement,
   result.State = walk.Kept().State();
   result.After =
     Compare(Synthesize(walk.Kept(), finest.Grid, ChestWallCentre(finest), options.Samples), finest);
+  result.HeaderThicknessMm = target.HeaderThicknessMm;
+  result.Disagreements = target.Disagreements;
+  result.Trust = Assess(result);
   result.Seconds = SecondsSince(begin);
   return result;
 }

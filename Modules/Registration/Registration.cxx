@@ -69,6 +69,57 @@ ProgressCallback Counted(const ProgressCallback& progress, double from, double t
   };
 }
 
+/// How the points of the anatomy move with each parameter that is free or has a prior.
+void AddSensitivities(BreastModel& model, const UnitPlacement& placement,
+  RegistrationResult& result)
+{
+  std::vector<int> uncertain;
+  for (std::size_t index = 0; index < result.Parameters.size(); ++index)
+  {
+    if (!result.Parameters[index].Fixed || result.Parameters[index].PriorSigma > 0)
+    {
+      uncertain.push_back(static_cast<int>(index));
+    }
+  }
+  const VectorFields velocities = model.Body().VelocitiesSeenFromUnit(placement, result.Pose,
+    result.State, model.AnatomyPoints(), result.Points, uncertain);
+  result.Sensitivities.resize(result.Parameters.size());
+  for (std::size_t index = 0; index < uncertain.size(); ++index)
+  {
+    result.Sensitivities[uncertain[index]].assign(
+      velocities[index].begin(), velocities[index].end());
+  }
+}
+
+/// Adds to a result, whose search has ended, what follows from its pose, state and covariance.
+void Complete(const JointMammogram& mammogram, RegistrationResult& result)
+{
+  BreastModel& model = *mammogram.Model;
+  const RegistrationTarget& target = *mammogram.Target;
+  EvaluatedState breast(model, model.Body(), mammogram.Placement, result.Pose, result.State);
+  result.Placed = breast.Placed();
+  result.Points = model.AnatomyPoints().Map(result.State.Positions);
+  AddSensitivities(model, mammogram.Placement, result);
+  result.Synthetic = Synthesize(breast, target.Grid, ChestWallCentre(target), 1);
+  result.After = Compare(result.Synthetic, target);
+  for (const ProjectionTarget& other : mammogram.Others)
+  {
+    const RegistrationTarget& picture = *other.Target;
+    result.ProjectionsAfter.push_back(Compare(
+      Synthesize(breast.SeenFrom(other.FocalSpotMm), picture.Grid, ChestWallCentre(picture), 1),
+      picture));
+  }
+  if (result.Synthetic.InconsistentRays > 0)
+  {
+    result.Warnings.push_back(std::to_string(result.Synthetic.InconsistentRays) +
+      " rays of the synthetic mammogram crossed a surface that does not close.");
+  }
+  result.HeaderThicknessMm = target.HeaderThicknessMm;
+  result.Disagreements = target.Disagreements;
+  result.Expected = ExpectedErrorOf(model.Anatomy(), result);
+  result.Trust = Assess(result);
+}
+
 void ForgetCovariance(RegistrationResult& result)
 {
   result.Covariance.clear();
@@ -136,12 +187,9 @@ public:
       RegistrationResult& result = mammogram.Result;
       result.Pose = PoseOf(result.Values);
       result.State = mammogram.Here->State();
-      result.After = this->AgreementOf(mammogram);
-      joint.Mammograms.push_back(std::move(result));
-    }
-    for (RegistrationResult& result : joint.Mammograms)
-    {
       result.Seconds = SecondsSince(this->Joint.Begin);
+      Complete(*mammogram.Given, result);
+      joint.Mammograms.push_back(std::move(result));
     }
     return joint;
   }

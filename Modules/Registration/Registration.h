@@ -3,108 +3,14 @@
 #define mammoray_Registration_h
 
 #include "mammoray/Foundation/Progress.h"
-#include "mammoray/Registration/RegistrationResiduals.h"
-#include "mammoray/Registration/SyntheticMammogram.h"
+#include "mammoray/Registration/RegistrationResult.h"
 #include "mammorayRegistrationModule.h"
 
 #include <functional>
-#include <limits>
-#include <optional>
-#include <string>
 #include <vector>
 
 namespace mammoray
 {
-struct RegistrationIteration
-{
-  int Number = 0;
-  std::vector<double> Parameters;
-  /// Edge length of the compared pixels, mm, and how they were compared (NameOf). Costs of
-  /// different ones are different quantities.
-  double PixelSizeMm = 0;
-  std::string Comparison;
-  /// Half the sum of squared residuals: of everything, the outline, the intensities and the priors.
-  double Cost = 0;
-  double OutlineCost = 0;
-  double IntensityCost = 0;
-  double PriorCost = 0;
-  double Seconds = 0;
-};
-
-/**
- * What is left between the pictures where a search ended, as its residuals tell (Private/
- * VarianceComponents.h): standard deviation of the outline, mm, and of what is compared of the
- * picture (RegistrationOptions::Comparison), and the length and the edge of the square over which
- * these are alike, mm. All 0 where it is not known.
- */
-struct RegistrationMisfit
-{
-  double OutlineSigmaMm = 0;
-  double OutlineScaleMm = 0;
-  double PictureSigma = 0;
-  double PictureScaleMm = 0;
-};
-
-/// How far tissue may lie from where it is found, mm: in the middle, and 95 % of it.
-struct ExpectedError
-{
-  double MedianMm = 0;
-  double Most95Mm = 0;
-};
-
-struct RegistrationResult
-{
-  BreastPose Pose;
-  /// These are as given, but for what Warnings tell.
-  std::vector<RegistrationParameter> Parameters;
-  std::vector<double> Values;
-  RegistrationMisfit Misfit;
-  /// Standard deviation of each parameter by the covariance at the solution; NaN where fixed.
-  std::vector<double> StandardDeviations;
-  /// Covariance of all parameters at the solution, by Misfit and the priors,
-  /// Covariance[i * parameterCount + j], in their units; 0 for fixed ones. Empty where it is not
-  /// known.
-  std::vector<double> Covariance;
-  /**
-   * The same with what is not known of the fixed parameters that have a prior: their own variance,
-   * and how far the others would have been found elsewhere, had they been held at another value.
-   * Empty where it is not known.
-   */
-  std::vector<double> ConsideredCovariance;
-  std::vector<RegistrationIteration> Iterations;
-  CompressionState State;
-  /**
-   * How far the breast lies from where a cold start at the same pose takes it, on average over its
-   * nodes, mm, seen where the finest resolution began: 0 unless it has several equilibria there.
-   * The one whose picture matches better is searched from. NaN where that start has none or none
-   * was made.
-   */
-  double OtherEquilibriumMm = std::numeric_limits<double>::quiet_NaN();
-  /// Agreement at the start and at the end.
-  Agreement Before;
-  Agreement After;
-  bool Converged = false;
-  std::string StopReason;
-  /// What the user should know of the search, a sentence each.
-  std::vector<std::string> Warnings;
-  /// What the mammogram's header says of the compressed thickness, mm, and what else header,
-  /// picture and result disagree on, a sentence each; of whoever knows the header.
-  std::optional<double> HeaderThicknessMm;
-  std::vector<std::string> Disagreements;
-  /// Of points of the breast between the plates, where picture and volume are of one breast; of
-  /// whoever knows the model's own error.
-  std::optional<ExpectedError> Expected;
-  /// Equilibria solved and pictures compared, and the time each took, s.
-  int Evaluations = 0;
-  int Projections = 0;
-  double MechanicsSeconds = 0;
-  double ProjectionSeconds = 0;
-  /// Time of all derivatives, of mechanics and pictures together, s.
-  double JacobianSeconds = 0;
-  /// All of the search, s.
-  double Seconds = 0;
-};
-
 /// A further projection of one compression: what it shows, in the gantry frame, and where its focal
 /// spot stood there, mm.
 struct ProjectionTarget

@@ -91,6 +91,7 @@ RegistrationTarget Coarsen(const RegistrationTarget& target, int factor)
   RegistrationTarget coarse;
   coarse.Grid = target.Grid.Coarsened(factor);
   coarse.OutlineFromMm = target.OutlineFromMm;
+  coarse.HeaderThicknessMm = target.HeaderThicknessMm;
   coarse.Warnings = target.Warnings;
   coarse.Disagreements = target.Disagreements;
   const std::size_t pixels = coarse.Grid.NumberOfPixels();

@@ -34,6 +34,8 @@ struct RegistrationTarget
   std::vector<unsigned char> Excluded;
   /// Gantry y from which on outlines are compared, mm.
   double OutlineFromMm = 0;
+  /// Compressed thickness by the header, mm.
+  std::optional<double> HeaderThicknessMm;
   /// Assumptions made where the header said nothing, a sentence each.
   std::vector<std::string> Warnings;
   /// Contradictions between header and picture, a sentence each: reasons to doubt a match.

@@ -258,6 +258,7 @@ RegistrationTarget PrepareTarget(const Mammogram& mammogram, const TargetOptions
   RegistrationTarget target;
   target.Grid.Columns = mammogram.Columns;
   target.Grid.Rows = mammogram.Rows;
+  target.HeaderThicknessMm = mammogram.BodyPartThicknessMm;
   const PixelGrid grid{ mammogram.Columns, mammogram.Rows, mammogram.ColumnSpacingMm,
     mammogram.RowSpacingMm };
   BreastContrast contrast = FindBreastContrast(mammogram, grid, options, target);

@@ -5,13 +5,13 @@
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/IO/MeshConversion.h"
 #include "mammoray/Registration/EvaluatedState.h"
+#include "mammoray/Registration/ModelError.h"
 #include "mammoray/Registration/RegistrationTarget.h"
 #include "mammoray/Registration/Silhouette.h"
 
 #include "vtkCellData.h"
 #include "vtkDataArray.h"
 #include "vtkDoubleArray.h"
-#include "vtkLandmarkTransform.h"
 #include "vtkNew.h"
 #include "vtkPointData.h"
 #include "vtkPoints.h"
@@ -22,7 +22,6 @@
 #include <cstdio>
 #include <limits>
 #include <numbers>
-#include <numeric>
 
 namespace mammoray
 {
@@ -41,60 +40,6 @@ UncertaintyEllipse EllipseOf(double a, double b, double c)
   ellipse.MinorMm = std::sqrt(std::max(middle - spread, 0.0));
   ellipse.AngleDeg = 0.5 * std::atan2(2 * b, a - c) * 180 / std::numbers::pi;
   return ellipse;
-}
-
-/// The distance below which this part of some points lie that are normally distributed, each alike
-/// in all directions with its own deviation: of Maxwell's distributions together.
-double DistanceQuantile(const std::vector<double>& sigmas, double part)
-{
-  const auto below = [&](double distance)
-  {
-    double sum = 0;
-    for (const double sigma : sigmas)
-    {
-      const double x = distance / sigma;
-      sum += std::erf(x / std::numbers::sqrt2) -
-        std::sqrt(2 / std::numbers::pi) * x * std::exp(-0.5 * x * x);
-    }
-    return sum / static_cast<double>(sigmas.size());
-  };
-  // A normal distribution has next to nothing beyond ten deviations.
-  double low = 0;
-  double high = 10 * *std::max_element(sigmas.begin(), sigmas.end());
-  for (int halving = 0; halving < 40; ++halving)
-  {
-    const double middle = 0.5 * (low + high);
-    (below(middle) < part ? low : high) = middle;
-  }
-  return high;
-}
-
-/// A rigid motion is found from so many points: a hundredth of a millimetre of scatter.
-constexpr double RigidPoints = 2000;
-
-Vector3 CornerOf(vtkUnstructuredGrid* grid, vtkIdType cell, int corner)
-{
-  vtkIdType count = 0;
-  const vtkIdType* corners = nullptr;
-  grid->GetCellPoints(cell, count, corners);
-  Vector3 point{};
-  grid->GetPoint(corners[corner], point.data());
-  return point;
-}
-
-Vector3 MiddleOf(vtkUnstructuredGrid* grid, vtkIdType cell)
-{
-  return 0.25 *
-    (CornerOf(grid, cell, 0) + CornerOf(grid, cell, 1) + CornerOf(grid, cell, 2) +
-      CornerOf(grid, cell, 3));
-}
-
-double VolumeOf(vtkUnstructuredGrid* grid, vtkIdType cell)
-{
-  const Vector3 corner = CornerOf(grid, cell, 0);
-  return std::abs(Dot(CornerOf(grid, cell, 1) - corner,
-           Cross(CornerOf(grid, cell, 2) - corner, CornerOf(grid, cell, 3) - corner))) /
-    6;
 }
 }
 
@@ -141,14 +86,9 @@ struct RegisteredBreast::Internals
     return material < this->MaterialNames.size() ? this->MaterialNames[material]
                                                  : std::to_string(material);
   }
-  /// Cells that stand for equal shares of the tissue between the plates, and the rigid motion
-  /// nearest to theirs.
-  std::vector<vtkIdType> CellsBetween;
-  vtkNew<vtkLandmarkTransform> Rigid;
+  /// Where there is a covariance.
+  std::optional<ModelError> Model;
 
-  void FindRigidPart();
-  /// The model's own error where a point at rest went to, mm.
-  double ModelSigmaAt(const Vector3& point, const Vector3& compressed) const;
   /// Of a place that `point`, at rest, is in; needs the compressed point.
   void AddUncertainty(const PlaceInCell& place, const Vector3& point, ImagedPoint& imaged) const;
   /// The displacement of the tissue at a point of the grid that `cells` finds places in.
@@ -189,58 +129,6 @@ void RegisteredBreast::Internals::PickCovariance()
   }
 }
 
-void RegisteredBreast::Internals::FindRigidPart()
-{
-  const BreastInUnit& breast = this->Breast;
-  vtkNew<vtkPoints> rest;
-  vtkNew<vtkPoints> moved;
-  rest->SetDataTypeToDouble();
-  moved->SetDataTypeToDouble();
-  // Cells of equal shares of the tissue between the plates.
-  std::vector<double> volumes;
-  for (const bool between : { true, false })
-  {
-    volumes.assign(static_cast<std::size_t>(breast.Compressed->GetNumberOfCells()), 0.0);
-    for (vtkIdType cell = 0; cell < breast.Compressed->GetNumberOfCells(); ++cell)
-    {
-      if (!between || breast.Placed.ToGantry(MiddleOf(breast.Compressed, cell))[1] > 0)
-      {
-        volumes[static_cast<std::size_t>(cell)] = VolumeOf(breast.Uncompressed, cell);
-      }
-    }
-    if (std::any_of(volumes.begin(), volumes.end(), [](double volume) { return volume > 0; }))
-    {
-      break; // else all tissue lies behind the plates' edge
-    }
-  }
-  const double share = std::accumulate(volumes.begin(), volumes.end(), 0.0) / RigidPoints;
-  double sum = 0;
-  for (std::size_t cell = 0; cell < volumes.size(); ++cell)
-  {
-    sum += volumes[cell];
-    if (sum >= 0.5 * share)
-    {
-      sum -= share;
-      const auto id = static_cast<vtkIdType>(cell);
-      this->CellsBetween.push_back(id);
-      rest->InsertNextPoint(MiddleOf(breast.Uncompressed, id).data());
-      moved->InsertNextPoint(MiddleOf(breast.Compressed, id).data());
-    }
-  }
-  this->Rigid->SetModeToRigidBody();
-  this->Rigid->SetSourceLandmarks(rest);
-  this->Rigid->SetTargetLandmarks(moved);
-  this->Rigid->Update();
-}
-
-double RegisteredBreast::Internals::ModelSigmaAt(const Vector3& point,
-  const Vector3& compressed) const
-{
-  Vector3 rigid{};
-  this->Rigid->InternalTransformPoint(point.data(), rigid.data());
-  return std::hypot(ModelErrorMm, ModelErrorShare * Norm(compressed - rigid));
-}
-
 void RegisteredBreast::Internals::AddUncertainty(const PlaceInCell& place, const Vector3& point,
   ImagedPoint& imaged) const
 {
@@ -257,7 +145,7 @@ void RegisteredBreast::Internals::AddUncertainty(const PlaceInCell& place, const
     velocities.push_back(place.Interpolate(sensitivity));
   }
   const std::size_t parameters = velocities.size();
-  const double model = this->ModelSigmaAt(point, imaged.Compressed);
+  const double model = this->Model->SigmaMm(point, imaged.Compressed);
   for (const Vector3& axis : { placed.X, placed.Y, placed.Z })
   {
     velocities.push_back(model * axis);
@@ -309,7 +197,7 @@ RegisteredBreast::RegisteredBreast(const BreastInUnit& breast)
 {
   Internals& internal = *this->Internal;
   internal.Breast = breast;
-  FromGrid(breast.Uncompressed, &internal.MaterialNames); // refuses what is not tetrahedra
+  const TetrahedralMesh anatomy = FromGrid(breast.Uncompressed, &internal.MaterialNames);
   const vtkIdType count = breast.Uncompressed->GetNumberOfPoints();
   if (breast.Compressed->GetNumberOfPoints() != count ||
     breast.Compressed->GetNumberOfCells() != breast.Uncompressed->GetNumberOfCells())
@@ -330,7 +218,7 @@ RegisteredBreast::RegisteredBreast(const BreastInUnit& breast)
   if (!breast.Covariance.empty())
   {
     internal.PickCovariance();
-    internal.FindRigidPart();
+    internal.Model.emplace(anatomy, FromGrid(breast.Compressed).Points, breast.Placed);
   }
   internal.AtRest = std::make_unique<CellFinder>(breast.Uncompressed);
   internal.Squeezed = std::make_unique<CellFinder>(breast.Compressed);
@@ -358,23 +246,6 @@ XRaySource RegisteredBreast::Source() const
 XRayDetector RegisteredBreast::Detector() const
 {
   return DetectorOf(this->Internal->Breast.Placed, this->Internal->Breast.Grid, 1);
-}
-
-std::optional<ExpectedError> RegisteredBreast::Expected() const
-{
-  const Internals& internal = *this->Internal;
-  if (internal.Covariance.empty())
-  {
-    return std::nullopt;
-  }
-  std::vector<double> sigmas;
-  for (const vtkIdType cell : internal.CellsBetween)
-  {
-    const std::array<double, 9> covariance =
-      *this->ToMammogram(MiddleOf(internal.Breast.Uncompressed, cell)).Covariance;
-    sigmas.push_back(std::sqrt((covariance[0] + covariance[4] + covariance[8]) / 3));
-  }
-  return ExpectedError{ DistanceQuantile(sigmas, 0.5), DistanceQuantile(sigmas, 0.95) };
 }
 
 ImagedPoint RegisteredBreast::ToMammogram(const Vector3& point) const

@@ -39,16 +39,6 @@ MAMMORAYSTUDY_EXPORT std::vector<std::array<double, 2>> EllipsePoints(
   const UncertaintyEllipse& ellipse, const std::array<double, 2>& middle, const ReceptorGrid& grid,
   double deviations);
 
-/**
- * What a model of tissue gets wrong beyond the parameters that are found (stiffness, chest wall,
- * segmentation, the shape without load): standard deviation of each coordinate of a compressed
- * point, by so much anywhere, mm, and by this share of how far it was deformed, its displacement
- * less the rigid motion of the tissue between the plates. So much holds 95 % of the coordinates of
- * virtual studies of patients' anatomies, and more of phantoms' (docs/accuracy.md, "How sure").
- */
-inline constexpr double ModelErrorMm = 0.3;
-inline constexpr double ModelErrorShare = 0.12;
-
 /// Where a point of the volume lies in the mammogram.
 struct ImagedPoint
 {
@@ -111,10 +101,6 @@ public:
   /// Where a point of the label volume's frame (mm) is seen. Throws InputError when it lies more
   /// than a millimetre outside the breast.
   ImagedPoint ToMammogram(const Vector3& point) const;
-
-  /// Of points all over the tissue between the plates, by the covariance of each
-  /// (ImagedPoint::Covariance); nothing where the registration has none.
-  std::optional<ExpectedError> Expected() const;
 
   /// Where tissue at a point of the label volume's frame (mm) goes.
   CarriedPoint Carry(const Vector3& point) const;

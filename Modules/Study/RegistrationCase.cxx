@@ -318,8 +318,6 @@ void Search(const RegistrationCase& input, BreastModel& model,
   {
     RegisteredView& registered = result.Views[number];
     registered.Registration = std::move(found.Mammograms[number]);
-    registered.Registration.HeaderThicknessMm = registered.Mammogram.BodyPartThicknessMm;
-    registered.Registration.Disagreements = registered.Target.Disagreements;
     registered.Warnings.insert(registered.Warnings.end(), registered.Registration.Warnings.begin(),
       registered.Registration.Warnings.end());
     const std::string note = StiffnessNote(registered.Registration.State.StiffnessFactor);
@@ -341,43 +339,6 @@ LabelVolume ReadTissue(const RegistrationCase& input, RegistrationCaseResult& re
   result.Tissue = std::make_shared<const StudyTissue>(
     SegmentStudy(input.Study->Choice, result.Materials, progress, input.Labels.AcceptUnusual));
   return result.Tissue->Breast;
-}
-
-/// What a mammogram shows where the search ended.
-void ProjectRegistered(BreastModel& model, const UnitPlacement& placement, RegisteredView& view)
-{
-  RegistrationResult& found = view.Registration;
-  EvaluatedState breast(model, model.Body(), placement, found.Pose, found.State);
-  view.Placed = breast.Placed();
-  view.Synthetic = Synthesize(breast, view.Target.Grid, ChestWallCentre(view.Target), 1);
-  found.After = Compare(view.Synthetic, view.Target);
-  for (RegisteredProjection& other : view.Others)
-  {
-    EvaluatedState& seen = breast.SeenFrom(other.FocalSpotMm);
-    other.After =
-      Compare(Synthesize(seen, other.Target.Grid, ChestWallCentre(other.Target), 1), other.Target);
-  }
-  if (view.Synthetic.InconsistentRays > 0)
-  {
-    view.Warnings.push_back(std::to_string(view.Synthetic.InconsistentRays) +
-      " rays of the synthetic mammogram crossed a surface that does not close.");
-  }
-  view.CompressedPoints = model.AnatomyPoints().Map(found.State.Positions);
-  std::vector<int> uncertain;
-  for (std::size_t index = 0; index < found.Parameters.size(); ++index)
-  {
-    if (!found.Parameters[index].Fixed || found.Parameters[index].PriorSigma > 0)
-    {
-      uncertain.push_back(static_cast<int>(index));
-    }
-  }
-  const VectorFields velocities = model.Body().VelocitiesSeenFromUnit(placement, found.Pose,
-    found.State, model.AnatomyPoints(), view.CompressedPoints, uncertain);
-  view.Sensitivities.resize(found.Parameters.size());
-  for (std::size_t index = 0; index < uncertain.size(); ++index)
-  {
-    view.Sensitivities[uncertain[index]].assign(velocities[index].begin(), velocities[index].end());
-  }
 }
 }
 
@@ -528,20 +489,8 @@ RegistrationCaseResult RunRegistrationCase(const RegistrationCase& input,
   model.SetXRays(std::move(surface), std::move(projector), std::move(beam));
   model.SetScatter(std::move(scatter));
   stopwatch.Stage("prepare");
-  Search(input, model, mammograms, result, PartOf(progress, 0.25, 0.95, "register"));
+  Search(input, model, mammograms, result, PartOf(progress, 0.25, 1, "register"));
   stopwatch.Stage("register");
-  const auto tell = [&progress](
-                      double fraction) { // what was found is written, though it was asked to stop
-    return !progress || progress(fraction, "synthetic mammogram");
-  };
-  tell(0.95);
-  for (RegisteredView& view : result.Views)
-  {
-    ProjectRegistered(model, { result.Axes, result.Anchor, view.Unit }, view);
-    view.Registration.Expected = BreastOf(result, view).Expected();
-  }
-  stopwatch.Stage("synthetic mammogram");
-  tell(1);
   return result;
 }
 }

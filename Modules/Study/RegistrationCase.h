@@ -128,8 +128,6 @@ struct RegisteredProjection
   Vector3 FocalSpotMm{ 0, 0, 0 };
   /// In the finest pixels that the search compares.
   RegistrationTarget Target;
-  /// On that grid.
-  Agreement After;
 };
 
 /// What a run made of one mammogram.
@@ -141,18 +139,8 @@ struct RegisteredView
   RegistrationTarget Target;
   /// Of a tomosynthesis, whose middle projection is Mammogram, the others, in their order.
   std::vector<RegisteredProjection> Others;
-  /// The anatomy's points after compression, 3 x pointCount, mm; volume frame.
-  std::vector<double> CompressedPoints;
-  /// How they change with each parameter of Registration, seen from the unit; mm per mm or degree;
-  /// empty for parameters that are fixed and have no prior.
-  std::vector<std::vector<double>> Sensitivities;
-  /// Its After is measured on the target's own grid.
   RegistrationResult Registration;
-  /// On the target's grid.
-  SyntheticMammogram Synthetic;
-  /// Where the search put the unit.
   MammographyUnit Unit;
-  VolumeFromGantry Placed;
   /// What had to be assumed, a sentence each.
   std::vector<std::string> Warnings;
 };

@@ -56,7 +56,7 @@ void WriteMeshes(const RegistrationCaseResult& result, const RegisteredView& reg
   vtkNew<vtkDoubleArray> compressed;
   compressed->SetNumberOfComponents(3);
   compressed->SetNumberOfTuples(grid->GetNumberOfPoints());
-  std::copy(registered.CompressedPoints.begin(), registered.CompressedPoints.end(),
+  std::copy(registered.Registration.Points.begin(), registered.Registration.Points.end(),
     compressed->GetPointer(0));
   grid->GetPoints()->SetData(compressed);
   grid->Modified();
@@ -69,7 +69,8 @@ void WriteSynthetic(const RegisteredView& registered, const std::string& path)
   image->SetDimensions(registered.Target.Grid.Columns, registered.Target.Grid.Rows, 1);
   image->SetSpacing(registered.Mammogram.ColumnSpacingMm, registered.Mammogram.RowSpacingMm, 1.0);
   image->AllocateScalars(VTK_FLOAT, 1);
-  std::copy(registered.Synthetic.LogAttenuation.begin(), registered.Synthetic.LogAttenuation.end(),
+  std::copy(registered.Registration.Synthetic.LogAttenuation.begin(),
+    registered.Registration.Synthetic.LogAttenuation.end(),
     static_cast<float*>(image->GetScalarPointer()));
   vtkNew<vtkMetaImageWriter> writer;
   writer->SetInputData(image);
@@ -107,7 +108,7 @@ ResultFile ResultOf(const RegistrationCase& input, const RegistrationCaseResult&
   const CompressionState& state = found.State;
   const Mammogram& mammogram = registered.Mammogram;
   ResultFile file;
-  file.Trust = Assess(found);
+  file.Trust = found.Trust;
   file.Axes = result.Axes;
   file.Anchor = result.Anchor;
   file.Pose = found.Pose;
@@ -115,12 +116,13 @@ ResultFile ResultOf(const RegistrationCase& input, const RegistrationCaseResult&
   file.Covariance = found.Covariance;
   file.ConsideredCovariance = found.ConsideredCovariance;
   file.Grid = target.Grid;
-  file.Placed = registered.Placed;
+  file.Placed = registered.Registration.Placed;
   file.Unit = registered.Unit;
   file.After = found.After;
-  for (const RegisteredProjection& other : registered.Others)
+  for (std::size_t other = 0; other < registered.Others.size(); ++other)
   {
-    file.Projections.push_back({ other.FocalSpotMm, other.After });
+    file.Projections.push_back(
+      { registered.Others[other].FocalSpotMm, found.ProjectionsAfter[other] });
   }
   file.Misfit = found.Misfit;
   if (found.Expected)
@@ -171,8 +173,8 @@ RegistrationReport ReportOf(const RegisteredView& registered, const ResultFile& 
   report.RealMammogram = &registered.Mammogram;
   report.Target = &registered.Target;
   report.Result = &registered.Registration;
-  report.Synthetic = registered.Synthetic.LogAttenuation;
-  report.SyntheticOutline = { registered.Synthetic.Outline };
+  report.Synthetic = registered.Registration.Synthetic.LogAttenuation;
+  report.SyntheticOutline = { registered.Registration.Synthetic.Outline };
   report.ShareExcluded = file.ShareExcluded;
   for (const ResultInput& input : file.Inputs)
   {
@@ -191,9 +193,10 @@ ReportSection ProjectionSection(const RegisteredView& registered)
   section.Title = "Projections of the tomosynthesis";
   std::vector<std::pair<Vector3, Agreement>> projections{ { registered.Unit.FocalSpot(),
     registered.Registration.After } };
-  for (const RegisteredProjection& other : registered.Others)
+  for (std::size_t other = 0; other < registered.Others.size(); ++other)
   {
-    projections.emplace_back(other.FocalSpotMm, other.After);
+    projections.emplace_back(registered.Others[other].FocalSpotMm,
+      registered.Registration.ProjectionsAfter[other]);
   }
   std::sort(projections.begin(), projections.end(),
     [](const auto& a, const auto& b) { return a.first[0] < b.first[0]; });
@@ -392,20 +395,21 @@ vtkSmartPointer<vtkUnstructuredGrid> UncompressedGrid(const RegistrationCaseResu
   const RegisteredView& registered)
 {
   auto grid = ToGrid(result.Anatomy, result.Materials.Names());
-  AddPlacement(grid, registered.Placed);
+  AddPlacement(grid, registered.Registration.Placed);
   vtkNew<vtkDoubleArray> displacement;
   displacement->SetName("Displacement");
   displacement->SetNumberOfComponents(3);
   displacement->SetNumberOfTuples(grid->GetNumberOfPoints());
   double* values = displacement->GetPointer(0);
-  for (std::size_t index = 0; index < registered.CompressedPoints.size(); ++index)
+  for (std::size_t index = 0; index < registered.Registration.Points.size(); ++index)
   {
-    values[index] = registered.CompressedPoints[index] - result.Anatomy.Points[index];
+    values[index] = registered.Registration.Points[index] - result.Anatomy.Points[index];
   }
   grid->GetPointData()->SetVectors(displacement);
-  for (std::size_t parameter = 0; parameter < registered.Sensitivities.size(); ++parameter)
+  for (std::size_t parameter = 0; parameter < registered.Registration.Sensitivities.size();
+       ++parameter)
   {
-    const std::vector<double>& velocities = registered.Sensitivities[parameter];
+    const std::vector<double>& velocities = registered.Registration.Sensitivities[parameter];
     if (velocities.empty())
     {
       continue;

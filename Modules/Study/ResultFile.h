@@ -4,8 +4,7 @@
 
 #include "mammoray/Foundation/MammographyGeometry.h"
 #include "mammoray/Foundation/ReceptorGrid.h"
-#include "mammoray/Registration/Registration.h"
-#include "mammoray/Study/Assessment.h"
+#include "mammoray/Registration/RegistrationResult.h"
 #include "mammorayStudyModule.h"
 
 #include <array>

@@ -129,10 +129,11 @@ void ExpectRegisteredTogether(const VirtualStudyTruth& truth, const std::string&
   // A compression that fits the middle one fits the others as well, whichever side they are of: a
   // source on the wrong side would put the outlines 10 mm apart.
   EXPECT_LT(view.Registration.After.MeanOutlineDistanceMm, 2);
-  for (const RegisteredProjection& other : view.Others)
+  ASSERT_EQ(view.Registration.ProjectionsAfter.size(), 2u);
+  for (const Agreement& after : view.Registration.ProjectionsAfter)
   {
-    EXPECT_LT(other.After.MeanOutlineDistanceMm, 1 + view.Registration.After.MeanOutlineDistanceMm);
-    EXPECT_GT(other.After.Correlation, 0.8);
+    EXPECT_LT(after.MeanOutlineDistanceMm, 1 + view.Registration.After.MeanOutlineDistanceMm);
+    EXPECT_GT(after.Correlation, 0.8);
   }
   std::vector<double> errors;
   const std::vector<Vector3> moved = Displace(truth.MriPoints, UncompressedGrid(result, view));
@@ -140,7 +141,8 @@ void ExpectRegisteredTogether(const VirtualStudyTruth& truth, const std::string&
   {
     if (truth.Views[0].Receptor[index][1] >= 0)
     {
-      errors.push_back(Norm(view.Placed.ToGantry(moved[index]) - truth.Views[0].Gantry[index]));
+      errors.push_back(
+        Norm(view.Registration.Placed.ToGantry(moved[index]) - truth.Views[0].Gantry[index]));
     }
   }
   // Voxels of 2 mm, cells of 14 and four iterations.

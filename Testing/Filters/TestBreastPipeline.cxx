@@ -340,6 +340,13 @@ TEST_F(BreastRegistration, FindsWhatTheMammogramWasMadeWith)
   EXPECT_EQ(fields->GetArray("Covariance")->GetNumberOfValues(), ParameterCount * ParameterCount);
   EXPECT_GT(this->Field("Covariance", 0), 0);
   EXPECT_NEAR(std::sqrt(this->Field("Covariance", 0)), this->Field("ParameterDeviations", 0), 1e-9);
+  // The model's own error is 0.3 mm each way at least, whose median distance is 1.54 times that.
+  EXPECT_GT(this->Field("ExpectedErrorMm", 0), 0.46);
+  EXPECT_GT(this->Field("ExpectedErrorMm", 1), this->Field("ExpectedErrorMm", 0));
+  auto* trust = vtkStringArray::SafeDownCast(fields->GetAbstractArray("Trust"));
+  ASSERT_TRUE(trust);
+  // A body of fat alone has nothing to tell it from another.
+  EXPECT_EQ(trust->GetValue(0), "doubtful");
   EXPECT_TRUE(output->GetPointData()->GetArray("Sensitivity_thickness"));
   EXPECT_FALSE(output->GetPointData()->GetArray("Sensitivity_roll"));
   vtkDataArray* displacement = output->GetPointData()->GetArray("Displacement");

@@ -127,3 +127,7 @@ with tempfile.NamedTemporaryFile("w", suffix=".json") as table:
         assert abs(again.parameters[name] - value) < 1e-3, (name, again.parameters[name], value)
     assert again.converged and again.covariance.shape == (9, 9) and again.sensitivities["roll"].shape == rest.points.shape
     assert numpy.allclose(again.points, points(result), rtol=0, atol=1e-3)
+    strings = {name: result.GetFieldData().GetAbstractArray(name) for name in ("Trust", "TrustReasons")}
+    assert again.trust == strings["Trust"].GetValue(0) and len(again.trust_reasons) == strings["TrustReasons"].GetNumberOfValues()
+    assert numpy.allclose(again.expected_error, field(result, "ExpectedErrorMm"), rtol=0, atol=1e-3)
+    assert 0.3 < again.expected_error[0] < again.expected_error[1]  # the model's own error is 0.3 mm each way at least

@@ -3,6 +3,7 @@
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/IO/MeshConversion.h"
 #include "mammoray/IO/MeshIO.h"
+#include "mammoray/Registration/ModelError.h"
 #include "mammoray/Study/BreastInUnit.h"
 
 #include "vtkUnstructuredGrid.h"
@@ -78,23 +79,6 @@ TEST_F(RegisteredBox, UncertaintyIsOfTheParameterAlongItsVelocityAndOfTheModelAl
   EXPECT_NEAR(imaged.Uncertainty->MajorMm, factor * std::sqrt(covariance[0]), 0.002);
   EXPECT_NEAR(imaged.Uncertainty->MinorMm, factor * std::sqrt(covariance[4]), 0.002);
   EXPECT_NEAR(std::abs(imaged.Uncertainty->AngleDeg), 90, 0.1);
-}
-
-TEST_F(RegisteredBox, ExpectsTheErrorThatItsCovarianceSays)
-{
-  // Without deformation all points have the model's least error, each way: Maxwell's median and 95
-  // % are 1.5382 and 2.7955 deviations.
-  BreastInUnit still = ReadBreastInUnit(ReadResultFile(this->Folder.File("")));
-  still.Compressed = still.Uncompressed;
-  std::fill(still.Covariance.begin(), still.Covariance.end(), 0.0);
-  const std::optional<ExpectedError> expected = RegisteredBreast(still).Expected();
-  ASSERT_TRUE(expected.has_value());
-  EXPECT_NEAR(expected->MedianMm, 1.5382 * ModelErrorMm, 1e-3 * ModelErrorMm);
-  EXPECT_NEAR(expected->Most95Mm, 2.7955 * ModelErrorMm, 1e-3 * ModelErrorMm);
-  // Squeezed and with a parameter's deviation of 2 mm it is more; without covariance unknown.
-  EXPECT_GT(this->Breast->Expected()->MedianMm, 1.5);
-  still.Covariance.clear();
-  EXPECT_FALSE(RegisteredBreast(still).Expected());
 }
 
 TEST_F(RegisteredBox, APixelHasTheTissueOfItsRayBehindIt)

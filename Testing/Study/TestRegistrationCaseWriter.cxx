@@ -61,18 +61,18 @@ protected:
     target.Grid.RowStep = { -1, 0 };
     target.Grid.Origin = { 14.5, 0.5 };
     const std::size_t count = 600;
+    RegistrationResult& found = registered.Registration;
     target.LogAttenuation.assign(count, 1);
     target.BreastMask.assign(count, 1);
     target.SignedDistanceMm.assign(count, -1);
     target.Excluded.assign(count, 0);
     std::fill_n(target.Excluded.begin(), 150, 1);
-    registered.Synthetic.LogAttenuation.assign(count, 1);
-    registered.CompressedPoints = this->Result.Anatomy.Points;
-    for (std::size_t index = 1; index < registered.CompressedPoints.size(); index += 3)
+    found.Synthetic.LogAttenuation.assign(count, 1);
+    found.Points = this->Result.Anatomy.Points;
+    for (std::size_t index = 1; index < found.Points.size(); index += 3)
     {
-      registered.CompressedPoints[index] += 1;
+      found.Points[index] += 1;
     }
-    RegistrationResult& found = registered.Registration;
     found.Pose.ThicknessMm = 51;
     found.Pose.AnteriorMm = 5; // not at its bound, the chest wall
     found.Pose.Stiffness = 1.5;
@@ -84,7 +84,7 @@ protected:
     found.State.PaddleForceN = 11;
     found.State.SupportForceN = 12;
     found.State.LargestWallGlideMm = 4;
-    registered.Sensitivities = { std::vector<double>(this->Result.Anatomy.Points.size(), 0.5), {} };
+    found.Sensitivities = { std::vector<double>(this->Result.Anatomy.Points.size(), 0.5), {} };
     registered.Warnings = { "Something had to be assumed." };
   }
 
@@ -145,8 +145,8 @@ TEST_F(WrittenCase, TellsOfEachProjection)
   RegisteredView& view = this->Result.Views[0];
   view.Unit = WithFocalSpot(view.Unit, { 2, 0, 650 });
   // 610 tan 10 degrees to each side.
-  view.Others = { { { -105.56, 0, 600.7 }, {}, { 0.91, 0.4, 1, 0.8 } },
-    { { 109.56, 0, 600.7 }, {}, { 0.87, 0.6, 1, 0.8 } } };
+  view.Others = { { { -105.56, 0, 600.7 }, {} }, { { 109.56, 0, 600.7 }, {} } };
+  view.Registration.ProjectionsAfter = { { 0.91, 0.4, 1, 0.8 }, { 0.87, 0.6, 1, 0.8 } };
   const std::string folder = this->Folder.File("result");
   WriteRegistrationCase(this->Input, this->Result, folder);
   const ResultFile result = ReadResultFile(folder);

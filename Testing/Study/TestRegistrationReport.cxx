@@ -196,6 +196,7 @@ TEST(RegistrationReport, BeginsWithTheAnswerWhereOneWasAskedFor)
   // Doubt is told beside the place.
   EXPECT_THAT(html, Not(HasSubstr("class=\"warning\"")));
   made.Result.After.TissueCorrelation = 0.5;
+  made.Result.Trust = Assess(made.Result);
   WriteRegistrationReport(made.Report, folder.File("doubtful"));
   EXPECT_THAT(test::ReadFile(folder.File("doubtful/report.html")),
     HasSubstr("<b class=\"warning\">The match should be checked by eye.</b>"));
@@ -289,6 +290,7 @@ TEST(RegistrationReport, SaysWhenTheMatchIsNotToBeTrusted)
   made.Result.After.TissueCorrelation = 0.2;
   made.Result.Converged = false;
   made.Result.StopReason = "stopped by the user";
+  made.Result.Trust = Assess(made.Result);
   WriteRegistrationReport(made.Report, report);
   const std::string html = test::ReadFile(report + "/report.html");
   EXPECT_THAT(html, HasSubstr("The match is not to be trusted"));

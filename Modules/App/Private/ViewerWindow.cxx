@@ -5,7 +5,7 @@
 #include "Private/SceneShapes.h"
 #include "Private/WindowPicture.h"
 #include "mammoray/Foundation/Error.h"
-#include "mammoray/Study/Assessment.h"
+#include "mammoray/Registration/RegistrationResult.h"
 
 #include "vtkCamera.h"
 #include "vtkTextActor.h"

@@ -104,7 +104,7 @@ GlandOverlap MeasureGland(const EvidenceLandmarks& input, const RegistrationCase
   };
   for (std::size_t index = 0; index < points.size(); ++index)
   {
-    add(registered, result.Views.front().Placed.ToGantry(moved[index]));
+    add(registered, result.Views.front().Registration.Placed.ToGantry(moved[index]));
     add(still, input.Truth.Placed.ToGantry(points[index]));
   }
   return { GlandCubes::Dice(registered, truth), GlandCubes::Dice(still, truth) };

@@ -3,7 +3,7 @@
 
 #include "Private/TableText.h"
 #include "mammoray/Evidence/EvidenceTables.h"
-#include "mammoray/Study/Assessment.h"
+#include "mammoray/Registration/RegistrationResult.h"
 
 #include <utility>
 

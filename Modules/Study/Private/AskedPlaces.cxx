@@ -69,12 +69,12 @@ BreastInUnit InMemory(const RegistrationCaseResult& result, const RegisteredView
   vtkNew<vtkDoubleArray> values;
   values->SetNumberOfComponents(3);
   values->SetNumberOfTuples(breast.Uncompressed->GetNumberOfPoints());
-  std::copy(registered.CompressedPoints.begin(), registered.CompressedPoints.end(),
+  std::copy(registered.Registration.Points.begin(), registered.Registration.Points.end(),
     values->GetPointer(0));
   vtkNew<vtkPoints> points;
   points->SetData(values);
   breast.Compressed->SetPoints(points);
-  breast.Placed = registered.Placed;
+  breast.Placed = registered.Registration.Placed;
   breast.Unit = registered.Unit;
   breast.Grid = registered.Target.Grid;
   const RegistrationResult& found = registered.Registration;
@@ -229,10 +229,10 @@ LayeredPicture PictureBetweenPlates(const RegistrationCaseResult& result,
   SurfaceMesh surface = ExtractInterfaces(result.Anatomy, &ids);
   for (std::size_t id = 0; id < ids.size(); ++id)
   {
-    std::copy_n(&registered.CompressedPoints[3 * static_cast<std::size_t>(ids[id])], 3,
+    std::copy_n(&registered.Registration.Points[3 * static_cast<std::size_t>(ids[id])], 3,
       &surface.Points[3 * id]);
   }
-  const VolumeFromGantry& placed = registered.Placed;
+  const VolumeFromGantry& placed = registered.Registration.Placed;
   BreastInSpace breast;
   breast.Surface = &surface;
   breast.Materials = &result.Materials;

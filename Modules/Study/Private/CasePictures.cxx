@@ -183,7 +183,7 @@ void ReadCasePictures(const RegistrationCase& input, std::vector<RegisteredView>
     {
       const RegistrationTarget target = PrepareTarget(projections[other], input.Targets);
       const Vector3 spot = FocalSpotOf(projections[other], target);
-      view.Others.push_back({ spot, CoarsenTo(target, input.Options.PixelSizesMm.back()), {} });
+      view.Others.push_back({ spot, CoarsenTo(target, input.Options.PixelSizesMm.back()) });
       projections[other] = {}; // a series of a real unit has a gigabyte
     }
   }

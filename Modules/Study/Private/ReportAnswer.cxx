@@ -2,7 +2,6 @@
 #include "Private/ReportAnswer.h"
 
 #include "Private/ReportText.h"
-#include "mammoray/Study/Assessment.h"
 
 #include <algorithm>
 #include <cmath>
@@ -61,7 +60,7 @@ std::string PlaceHtml(const PlaceInMammogram& place, const AnsweredMammogram& ma
   html += from + (from.empty() ? "" : "; ") + "pixel column " + NumberText(place.Column, 0) +
     ", row " + NumberText(place.Row, 0) + (place.InImage ? "" : ", which lies beside the picture") +
     "; <b>" + WithinText(place) + "</b>";
-  const Assessment trust = Assess(*mammogram.Report->Result);
+  const Assessment& trust = mammogram.Report->Result->Trust;
   if (trust.Level != Trust::Good)
   {
     html += ". <b class=\"warning\">" + Escape(VerdictOf(trust.Level)) + ".</b>";
@@ -74,7 +73,7 @@ Trust WorstOf(const std::vector<AnsweredMammogram>& mammograms)
   Trust worst = Trust::Good;
   for (const AnsweredMammogram& mammogram : mammograms)
   {
-    worst = std::max(worst, Assess(*mammogram.Report->Result).Level);
+    worst = std::max(worst, mammogram.Report->Result->Trust.Level);
   }
   return worst;
 }

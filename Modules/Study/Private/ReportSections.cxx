@@ -3,7 +3,6 @@
 
 #include "Private/ReportText.h"
 #include "mammoray/Foundation/PoseParameters.h"
-#include "mammoray/Study/Assessment.h"
 
 #include <algorithm>
 #include <cmath>
@@ -69,7 +68,7 @@ std::string ExpectedHtml(const std::optional<ExpectedError>& expected)
 
 std::string VerdictHtml(const RegistrationResult& result)
 {
-  const Assessment assessment = Assess(result);
+  const Assessment& assessment = result.Trust;
   static const char* const Texts[] = {
     "Outline and picture of the synthetic mammogram agree with the real one.",
     "Places found by this registration may be off by more than usual:",

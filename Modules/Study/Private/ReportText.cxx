@@ -5,30 +5,11 @@
 
 #include "vtkBase64Utilities.h"
 
-#include <cmath>
 #include <cstddef>
-#include <locale>
-#include <sstream>
 #include <vector>
 
 namespace mammoray
 {
-std::string NumberText(double value, int digits)
-{
-  if (!std::isfinite(value))
-  {
-    return "–";
-  }
-  std::ostringstream stream;
-  stream.imbue(std::locale::classic());
-  stream.setf(std::ios::fixed);
-  stream.precision(digits);
-  stream << value;
-  const std::string text = stream.str();
-  const bool zero = text.find_first_not_of("-0.") == std::string::npos;
-  return text[0] != '-' ? text : (zero ? "" : "−") + text.substr(1);
-}
-
 std::string UnitText(const std::string& unit)
 {
   return unit == "deg" ? "°" : unit;

@@ -2,16 +2,13 @@
 #ifndef mammoray_ReportText_h
 #define mammoray_ReportText_h
 
+#include "mammoray/Foundation/Numbers.h"
 #include "mammoray/Study/LayeredPicture.h"
 
 #include <string>
 
 namespace mammoray
 {
-/// A number for people: `digits` after the point, a true minus sign, no negative zero, a dash for
-/// what is not finite.
-std::string NumberText(double value, int digits);
-
 /// The unit of a parameter as people write it.
 std::string UnitText(const std::string& unit);
 

@@ -129,6 +129,9 @@ class Registration:
     mean_outline_distance, largest_outline_distance: of their outlines, mm
     force: of the paddle, N
     converged: whether the search ended by itself; stop_reason: why it ended
+    trust: "good", "doubtful" or "none"; trust_reasons: what speaks against more, a sentence each
+    expected_error: of tissue between the plates, if both are of one breast, mm: half of it lies within the first, 95 % within the
+        second; none where it is not known
     """
     points: NDArray[numpy.float64]
     displacement: NDArray[numpy.float64]
@@ -144,10 +147,18 @@ class Registration:
     force: float
     converged: bool
     stop_reason: str
+    trust: str
+    trust_reasons: tuple[str, ...]
+    expected_error: Optional[tuple[float, float]]
 
 
 def _field(grid: Any, name: str) -> Any:
     return vtk_to_numpy(grid.GetFieldData().GetArray(name)).copy()
+
+
+def _strings(grid: Any, name: str) -> tuple[str, ...]:
+    array = grid.GetFieldData().GetAbstractArray(name)
+    return tuple(array.GetValue(index) for index in range(array.GetNumberOfValues()))
 
 
 def _points(grid: Any) -> NDArray[numpy.float64]:
@@ -247,10 +258,9 @@ def mesh(labels: ArrayLike, spacing: ArrayLike, *, origin: ArrayLike = (0.0, 0.0
         mesher.SetInputData(image)
         mesher.Update()
     grid = mesher.GetOutput()
-    names = grid.GetFieldData().GetAbstractArray("MaterialNames")
     return Mesh(_points(grid), vtk_to_numpy(grid.GetCells().GetConnectivityArray()).reshape(-1, 4).astype(numpy.int64),
                 _values(grid.GetCellData(), "Material").astype(numpy.int32),
-                tuple(names.GetValue(index) for index in range(names.GetNumberOfValues())))
+                _strings(grid, "MaterialNames"))
 
 
 def _one_of(value: str, known: Sequence[str], name: str) -> int:
@@ -389,9 +399,9 @@ def register(points: ArrayLike, tetrahedra: ArrayLike, regions: ArrayLike, mammo
         _simulation_mesh(simulation_mesh, registration, 2)
         registration.Update()
     grid = registration.GetOutput()
-    named = grid.GetFieldData().GetAbstractArray("ParameterNames")
-    names = [named.GetValue(index) for index in range(named.GetNumberOfValues())]
+    names = _strings(grid, "ParameterNames")
     covariance = _field(grid, "Covariance")
+    expected = _field(grid, "ExpectedErrorMm").tolist()
     data = grid.GetPointData()
     sensitivities = {name: _values(data, f"Sensitivity_{name}") for name in names if data.GetArray(f"Sensitivity_{name}")}
     return Registration(
@@ -400,4 +410,5 @@ def register(points: ArrayLike, tetrahedra: ArrayLike, regions: ArrayLike, mammo
         _placement(grid), float(_field(grid, "Correlation")[0]), float(_field(grid, "TissueCorrelation")[0]),
         float(_field(grid, "MeanOutlineDistanceMm")[0]),
         float(_field(grid, "LargestOutlineDistanceMm")[0]), float(_field(grid, "PaddleForceN")[0]),
-        bool(_field(grid, "Converged")[0]), grid.GetFieldData().GetAbstractArray("StopReason").GetValue(0))
+        bool(_field(grid, "Converged")[0]), _strings(grid, "StopReason")[0], _strings(grid, "Trust")[0],
+        _strings(grid, "TrustReasons"), (expected[0], expected[1]) if expected else None)

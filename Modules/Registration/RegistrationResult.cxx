@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mammoray/Study/Assessment.h"
+#include "mammoray/Registration/RegistrationResult.h"
 
-#include "Private/ReportText.h"
+#include "mammoray/Foundation/Numbers.h"
+#include "mammoray/Foundation/PoseParameters.h"
 
 #include <algorithm>
 #include <cmath>
@@ -171,7 +172,7 @@ Assessment Assess(const RegistrationResult& result)
     if (AtBound(result.Parameters[i], result.Values[i]))
     {
       add(Trust::Doubtful,
-        ParameterTitle(result.Parameters[i].Name) +
+        std::string(FindPoseParameter(result.Parameters[i].Name).Title) +
           " ended at the limit of what was allowed: the best value may lie beyond it.");
     }
     const double sigma =
@@ -180,7 +181,8 @@ Assessment Assess(const RegistrationResult& result)
     if (deviations > 3)
     {
       add(Trust::Doubtful,
-        ParameterTitle(result.Parameters[i].Name) + " ended " + NumberText(deviations, 1) +
+        std::string(FindPoseParameter(result.Parameters[i].Name).Title) + " ended " +
+          NumberText(deviations, 1) +
           " standard deviations from what was to be expected, 3 or less are wanted.");
     }
   }

@@ -1,0 +1,158 @@
+// SPDX-License-Identifier: Apache-2.0
+#ifndef mammoray_RegistrationResult_h
+#define mammoray_RegistrationResult_h
+
+#include "mammoray/Registration/ModelError.h"
+#include "mammoray/Registration/RegistrationResiduals.h"
+#include "mammoray/Registration/SyntheticMammogram.h"
+#include "mammorayRegistrationModule.h"
+
+#include <limits>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace mammoray
+{
+/// An accepted step of a search.
+struct RegistrationIteration
+{
+  int Number = 0;
+  std::vector<double> Parameters;
+  /// Edge length of the compared pixels, mm, and the comparison (NameOf). Costs of different ones
+  /// are different quantities.
+  double PixelSizeMm = 0;
+  std::string Comparison;
+  /// Half the sum of squared residuals: of everything, the outline, the intensities and the priors.
+  double Cost = 0;
+  double OutlineCost = 0;
+  double IntensityCost = 0;
+  double PriorCost = 0;
+  /// Since the search began.
+  double Seconds = 0;
+};
+
+/**
+ * Remaining difference of the pictures where a search ended, estimated from its residuals
+ * (Private/VarianceComponents.h): standard deviation of the outline, mm, and of the compared
+ * features of the picture (RegistrationOptions::Comparison), and the length and the edge of the
+ * square over which these residuals are correlated, mm. All 0 if unknown.
+ */
+struct RegistrationMisfit
+{
+  double OutlineSigmaMm = 0;
+  double OutlineScaleMm = 0;
+  double PictureSigma = 0;
+  double PictureScaleMm = 0;
+};
+
+/// How far a result may be relied on.
+enum class Trust
+{
+  Good,
+  Doubtful,
+  None
+};
+
+/// "good", "doubtful" or "none".
+MAMMORAYREGISTRATION_EXPORT const char* NameOf(Trust trust);
+
+/// The same in words: "The two mammograms match", "The match should be checked by eye", "The match
+/// is not to be trusted".
+MAMMORAYREGISTRATION_EXPORT const char* VerdictOf(Trust trust);
+
+struct Assessment
+{
+  Trust Level = Trust::Good;
+  /// Reasons for a level below Good, a sentence each in plain words.
+  std::vector<std::string> Reasons;
+};
+
+/// What a registration found of one mammogram. It is complete when Register returns.
+struct RegistrationResult
+{
+  BreastPose Pose;
+  /// The given parameters. Bounds and start differ from them only where Warnings say so.
+  std::vector<RegistrationParameter> Parameters;
+  std::vector<double> Values;
+  RegistrationMisfit Misfit;
+  /// Standard deviation of each parameter by the covariance at the solution; NaN where fixed.
+  std::vector<double> StandardDeviations;
+  /// Covariance of all parameters at the solution, Covariance[i * parameterCount + j], in their
+  /// units; 0 for fixed ones. Empty if unknown.
+  std::vector<double> Covariance;
+  /**
+   * The same including fixed parameters that have a prior: their own variance, and the shift of the
+   * free ones that another value of them would cause. Empty if unknown.
+   */
+  std::vector<double> ConsideredCovariance;
+  std::vector<RegistrationIteration> Iterations;
+  CompressionState State;
+  /// Where the unit stands.
+  VolumeFromGantry Placed;
+  /// Points of the model's anatomy between the plates, 3 x pointCount, volume frame, mm.
+  std::vector<double> Points;
+  /// Derivatives of Points with each parameter, seen from the unit, mm per mm or degree; empty for
+  /// parameters that are fixed and have no prior.
+  std::vector<std::vector<double>> Sensitivities;
+  /// On the target's own grid, with one ray per pixel.
+  SyntheticMammogram Synthetic;
+  /**
+   * Mean distance of the breast's nodes from the equilibrium that a cold start finds at the same
+   * pose, mm, measured where the finest resolution began: 0 unless the breast has several
+   * equilibria there. The search goes on from the one whose picture matches better. NaN if that
+   * start has no equilibrium or was not made.
+   */
+  double OtherEquilibriumMm = std::numeric_limits<double>::quiet_NaN();
+  /// At the start in the finest pixels that are compared, at the end on the target's own grid.
+  Agreement Before;
+  Agreement After;
+  /// The same of each further projection of a tomosynthesis, at the end.
+  std::vector<Agreement> ProjectionsAfter;
+  bool Converged = false;
+  std::string StopReason;
+  /// Notes on the search for the user, a sentence each.
+  std::vector<std::string> Warnings;
+  /// RegistrationTarget::HeaderThicknessMm and Disagreements.
+  std::optional<double> HeaderThicknessMm;
+  std::vector<std::string> Disagreements;
+  /// Of tissue between the plates, provided that picture and volume are of one breast; nothing
+  /// without a covariance.
+  std::optional<ExpectedError> Expected;
+  Assessment Trust;
+  /// Equilibria solved and pictures compared by the search, and the time each took, s.
+  int Evaluations = 0;
+  int Projections = 0;
+  double MechanicsSeconds = 0;
+  double ProjectionSeconds = 0;
+  /// Time of all derivatives, of mechanics and pictures together, s.
+  double JacobianSeconds = 0;
+  /// Whole search, s.
+  double Seconds = 0;
+};
+
+/// Tissue correlations (Agreement::TissueCorrelation) from which on pictures are those of one
+/// breast, and below which they are not. Of wrong results (of another breast, or off by more than 5
+/// mm) the most was 0.47, of right ones 4 % have less than 0.55 (docs/accuracy.md, "Trust").
+inline constexpr double GoodTissueCorrelation = 0.55;
+inline constexpr double LeastTissueCorrelation = 0.3;
+
+/**
+ * Judges a result by its figures. Whether picture and volume are of one breast, the correlation of
+ * the tissue tells: below GoodTissueCorrelation doubtful, below LeastTissueCorrelation none. Also
+ * doubtful: a correlation of the whole below 0.5, mean outline distance above 1.5 mm (3 mm: none),
+ * largest above 5 mm (10 mm: none), a search that did not converge, a parameter at its bound or
+ * more than three standard deviations (its prior's and its own) away from its start, figures that
+ * are not numbers (none). Mechanics make a result doubtful if one plate presses with less than a
+ * twentieth of the other's force, if the breast glides along the chest wall by more than 30 mm, and
+ * if it has another equilibrium at this pose, 3 mm off on average or more. The header does if its
+ * thickness is more than 5 mm or 15 % from the one found, as far as units may be off (twice as
+ * much: none), and so do Disagreements. The limits are rules of thumb, not clinical validation.
+ */
+MAMMORAYREGISTRATION_EXPORT Assessment Assess(const RegistrationResult& result);
+
+/// Whether a free parameter's value lies at a bound, up to a thousandth of the way between them.
+MAMMORAYREGISTRATION_EXPORT bool AtBound(const RegistrationParameter& parameter, double value);
+}
+
+#endif
