@@ -220,7 +220,7 @@ void CheckInputs(const RegistrationCase& input)
 
 void PrintView(const RegisteredView& view)
 {
-  const RegistrationResult& registration = view.Registration;
+  const ViewResult& registration = view.Registration;
   for (std::size_t index = 0; index < registration.Parameters.size(); ++index)
   {
     const RegistrationParameter& parameter = registration.Parameters[index];
@@ -385,7 +385,7 @@ void Run(RegisterArguments& arguments)
     }
     PrintView(result.Views[view]);
   }
-  const RegistrationResult& registration = result.Views.front().Registration;
+  const ViewResult& registration = result.Views.front().Registration;
   std::printf("%zu iterations in %.1f s: %s\n", registration.Iterations.size(),
     registration.Seconds, registration.StopReason.c_str());
   std::printf("wrote %s\n", arguments.Output.c_str());

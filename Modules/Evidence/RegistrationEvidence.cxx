@@ -182,7 +182,7 @@ LandmarkEvidence MeasureLandmarks(const EvidenceLandmarks& input, const Progress
   found.Seconds = view.Registration.Seconds;
   const auto grid = UncompressedGrid(result, view);
   for (const LandmarkErrors& errors :
-    EvaluateLandmarks(landmarks, input.Truth, grid, view.Registration.Placed, view.Unit))
+    EvaluateLandmarks(landmarks, input.Truth, grid, view.Registration.Placed, view.View.Unit))
   {
     found.Rows.push_back(SummariseImaged(errors, landmarks));
   }
@@ -205,7 +205,7 @@ MammogramEvidence MeasureMammogram(const EvidenceMammogram& input, const Progres
   {
     const RegistrationCaseResult result = RunRegistrationCase(input.Case, progress);
     ReportProgress(progress, 1, "registered");
-    const RegistrationResult& registered = result.Views.front().Registration;
+    const ViewResult& registered = result.Views.front().Registration;
     found.MeanOutlineMm = registered.After.MeanOutlineDistanceMm;
     found.LargestOutlineMm = registered.After.LargestOutlineDistanceMm;
     found.Correlation = registered.After.Correlation;

@@ -90,7 +90,7 @@ struct MammogramEvidence
   double MeanOutlineMm = 0;
   double LargestOutlineMm = 0;
   double Correlation = 0;
-  /// Agreement::TissueCorrelation.
+  /// Similarity::TissueCorrelation.
   double TissueCorrelation = 0;
   /// "good", "doubtful" or "none": what the report says of it.
   std::string Trust;

@@ -68,17 +68,21 @@ struct Side
   Side(const LabelVolume& materials, const MaterialTable& table, const AnatomicalAxes& axes,
     double cellSizeMm, double anatomyMm, ElementType element, Search search,
     const std::string& spectrum, const ProgressCallback& progress)
-    : Model(MeshAnatomy(materials, table, anatomyMm, progress), table,
-        { .Volume = materials,
-          .SimulationMesh = MakeSimulationMesh(materials, table.Fixed(), cellSizeMm, progress),
-          .Compression = { .Element = element },
-          .Predicted = search == Search::Predicted },
-        progress)
-    , Placement{ axes, FindPoseAnchor(materials, table.Fixed(), axes), {} }
+    : Problem(MakeProblem(
+        { .Materials = table,
+          .Axes = axes,
+          .Labels = materials,
+          .Anatomy = MeshAnatomy(materials, table, anatomyMm, progress),
+          .Mechanics = { .CellSizeMm = cellSizeMm,
+            .Compression = { .Element = element },
+            .Predicted = search == Search::Predicted },
+          .Projector = MakeProjector(),
+          .XRays = MakeBeam(table, FindSpectrum(spectrum), DetectorResponse::EnergyIntegrating) },
+        progress))
+    , Model(*this->Problem.Model)
+    , Placement{ axes, this->Problem.Anchor, {} }
     , Elastic(this->Model.Body().Elastic())
   {
-    this->Model.SetXRays(ExtractInterfaces(this->Model.Anatomy()), MakeProjector(),
-      MakeBeam(table, FindSpectrum(spectrum), DetectorResponse::EnergyIntegrating));
   }
 
   /// Points of the phantom at rest, 3 x pointCount, where a state moves them to, in the gantry.
@@ -96,7 +100,9 @@ struct Side
     return gantry;
   }
 
-  BreastModel Model;
+  /// Without views.
+  RegistrationProblem Problem;
+  BreastModel& Model;
   UnitPlacement Placement;
   /// The table's materials.
   std::vector<ElasticMaterial> Elastic;
@@ -175,7 +181,7 @@ vtkSmartPointer<vtkDoubleArray> PointVectors(const std::string& name,
 
 /// A result as 'locate' has it.
 BreastInUnit InUnit(BreastModel& model, const UnitPlacement& placement,
-  const RegistrationTarget& target, const RegistrationResult& result)
+  const RegistrationTarget& target, const ViewResult& result)
 {
   BreastInUnit breast;
   breast.Uncompressed = ToGrid(model.Anatomy(), {});
@@ -389,7 +395,7 @@ struct TwinExperiment::Internals
   }
 
   /// Where the points are found, into the run.
-  void MeasurePoints(const TwinProblem& problem, Side& model, const RegistrationResult& result,
+  void MeasurePoints(const TwinProblem& problem, Side& model, const ViewResult& result,
     TwinRun& run) const
   {
     run.MedianErrorMm = std::numeric_limits<double>::quiet_NaN();
@@ -457,7 +463,7 @@ TwinProblem TwinExperiment::Draw(TwinKind kind, int number, const ProgressCallba
         model.Body().Compress(self.Target.Placement, pose, nullptr, progress);
       problem.Parameters = DrawParameters(draws, kind, number, problem.Truth);
       const ReceptorGrid grid = ImitatedDetector(self.Options.PixelMm);
-      EvaluatedState breast(model, model.Body(), self.Target.Placement, pose, state);
+      PosedBreast breast(model, model.Body(), self.Target.Placement, pose, state);
       const Mammogram header{ .View = "CC",
         .Laterality = 'L',
         .RowDirection = "A",
@@ -485,13 +491,18 @@ TwinRun TwinExperiment::Run(const TwinProblem& problem, TwinSearch search, int b
   const ProgressCallback& progress)
 {
   Internals& self = *this->Internal;
-  RegistrationOptions options = self.Options.Registration;
-  options.Parameters = problem.Parameters;
+  Side& model = self.ModelOf(problem.Kind, problem.Number, progress);
+  RegistrationProblem searched = model.Problem;
+  RegistrationOptions& options = searched.Options;
+  options = self.Options.Registration;
+  View& view = searched.Views.emplace_back();
+  view.Parameters = problem.Parameters;
+  view.Unit = model.Placement.Unit;
   if (search != TwinSearch::Register)
   {
     for (const RegistrationParameter& parameter : problem.Parameters)
     {
-      options.From.push_back(parameter.Start);
+      view.From.push_back(parameter.Start);
     }
     options.PixelSizesMm = { options.PixelSizesMm.back() };
   }
@@ -499,11 +510,11 @@ TwinRun TwinExperiment::Run(const TwinProblem& problem, TwinSearch search, int b
   {
     options.Derivatives = RegistrationDerivatives::CentralDifferences;
   }
-  Side& model = self.ModelOf(problem.Kind, problem.Number, progress);
-  RegistrationResult result = search == TwinSearch::Annealing
-    ? Anneal(model.Model, model.Placement, problem.Target, options,
-        { .Equilibria = budget, .Seed = self.Options.Seed }, progress)
-    : mammoray::Register(model.Model, model.Placement, problem.Target, options, progress);
+  view.Target = problem.Target;
+  view.Levels = MakeLevels(view.Target, options.PixelSizesMm);
+  const ViewResult result = search == TwinSearch::Annealing
+    ? Anneal(searched, { .Equilibria = budget, .Seed = self.Options.Seed }, progress)
+    : mammoray::Register(searched, progress).Views.front();
   ReportProgress(progress, 1, "registered");
 
   TwinRun run;

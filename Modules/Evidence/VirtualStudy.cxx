@@ -13,7 +13,7 @@
 #include "mammoray/IO/ShippedData.h"
 #include "mammoray/Meshing/LabelMesher.h"
 #include "mammoray/Registration/BreastModel.h"
-#include "mammoray/Registration/EvaluatedState.h"
+#include "mammoray/Registration/PosedBreast.h"
 #include "mammoray/Registration/SyntheticMammogram.h"
 
 #include <algorithm>
@@ -280,7 +280,7 @@ private:
   {
     // Lateral or head up: gantry +x on the left, -x on the right.
     const double up = hung.Laterality == 'L' ? 1 : -1;
-    EvaluatedState seen(this->Model, this->Model.Body(), this->Placement, taken.Pose, state);
+    PosedBreast seen(this->Model, this->Model.Body(), this->Placement, taken.Pose, state);
     ReceptorGrid grid = ImitatedDetector(this->Options.MammogramPixelMm, up);
     std::vector<float> picture = seen.PictureOn(grid, 2).LogAttenuation;
     if (IsCutAtFront(picture, grid))
@@ -315,7 +315,7 @@ private:
   }
 
   /// The same compression from along an arc of the source.
-  void Sweep(EvaluatedState& breast, const Mammogram& header, const ReceptorGrid& grid)
+  void Sweep(PosedBreast& breast, const Mammogram& header, const ReceptorGrid& grid)
   {
     // Numbers of its own: those of the study are the same with and without it.
     Draws draws(this->Options.Seed, 1, 0);

@@ -3,17 +3,15 @@
 
 #include "Private/FilterRequest.h"
 #include "Private/ScatterProperties.h"
-#include "mammoray/Filters/vtkBreastMesher.h"
 #include "mammoray/Foundation/Error.h"
+#include "mammoray/Foundation/LabelResampling.h"
 #include "mammoray/Foundation/PoseParameters.h"
 #include "mammoray/Foundation/ValidRange.h"
 #include "mammoray/IO/ImageConversion.h"
 #include "mammoray/IO/MeshConversion.h"
 #include "mammoray/IO/ShippedData.h"
-#include "mammoray/Registration/BreastModel.h"
 #include "mammoray/Registration/Registration.h"
 #include "mammoray/Registration/TargetPreparation.h"
-#include "mammoray/Registration/UnitPlacement.h"
 #include "mammoray/Study/RegisteredBreast.h"
 
 #include "vtkDoubleArray.h"
@@ -38,40 +36,36 @@ namespace
 {
 using namespace mammoray;
 
-/// What meshes, simulation and what is on the device are made of.
+/// What a breast ready to be registered is made of: meshes, or labels.
 struct RegistrationSetup
 {
-  TetrahedralMesh Anatomy;
+  std::optional<TetrahedralMesh> Anatomy;
   std::optional<TetrahedralMesh> Coarse;
+  /// Of labels the image and its time.
+  const vtkImageData* Labels = nullptr;
+  vtkMTimeType LabelsTime = 0;
   std::string Table;
+  std::string Orientation;
   std::string Device;
 
   bool operator==(const RegistrationSetup&) const = default;
 };
 
-/// A breast ready to be registered.
-struct PreparedBreast
+/// Of finer labels so many mm, as of 'mammoray register'.
+constexpr double LabelSpacingMm = 0.5;
+
+LabelVolume MaterialsOf(vtkImageData* image, const MaterialTable& table, bool acceptUnusual)
 {
-  PreparedBreast(RegistrationSetup setup, const mammoray::Spectrum& spectrum,
-    const ProgressCallback& progress)
-    : Made(std::move(setup))
-    , Table(FindMaterialTable(this->Made.Table))
-    , Model(this->Made.Anatomy, this->Table,
-        { .SimulationMesh = this->Made.Coarse, .Predicted = true }, progress)
+  const LabelVolume labels = ToLabelVolume(image);
+  if (!acceptUnusual)
   {
-    this->Model.SetXRays(ExtractInterfaces(this->Made.Anatomy),
-      MakeProjector({ .Device = this->Made.Device }), this->BeamOf(spectrum));
+    CheckValidRange(ValidRanges::VoxelSpacing, labels.Spacing, "input");
   }
-
-  Beam BeamOf(const mammoray::Spectrum& spectrum) const
-  {
-    return MakeBeam(this->Table, spectrum, DetectorResponse::EnergyIntegrating);
-  }
-
-  RegistrationSetup Made;
-  MaterialTable Table;
-  BreastModel Model;
-};
+  LabelVolume materials = table.ToMaterials(labels, "input");
+  return LabelSpacingMm > *std::max_element(labels.Spacing.begin(), labels.Spacing.end())
+    ? ResampleLabels(materials, LabelSpacingMm)
+    : materials;
+}
 
 void AddDoubles(vtkFieldData* fields, const char* name, const std::vector<double>& values,
   int components = 1)
@@ -127,7 +121,7 @@ void AddDisplaced(vtkUnstructuredGrid* output, vtkUnstructuredGrid* grid,
 }
 
 /// How the moved points change with each parameter that was found, seen from the unit.
-void AddSensitivities(vtkUnstructuredGrid* output, const RegistrationResult& result)
+void AddSensitivities(vtkUnstructuredGrid* output, const ViewResult& result)
 {
   for (std::size_t index = 0; index < result.Parameters.size(); ++index)
   {
@@ -153,7 +147,7 @@ void Free(const std::string& names, std::vector<RegistrationParameter>& paramete
   }
 }
 
-void AddResult(vtkUnstructuredGrid* output, const RegistrationResult& result)
+void AddResult(vtkUnstructuredGrid* output, const ViewResult& result)
 {
   vtkFieldData* fields = output->GetFieldData();
   std::vector<std::string> names;
@@ -184,42 +178,17 @@ void AddResult(vtkUnstructuredGrid* output, const RegistrationResult& result)
 struct vtkBreastRegistration::Internals
 {
   ScatterProperties Secondary;
-  /// Of labels at input 0.
-  vtkNew<vtkBreastMesher> Mesher;
-  vtkImageData* Labels = nullptr;
-  std::unique_ptr<PreparedBreast> Breast;
+  RegistrationSetup Setup;
+  /// Made of Setup, without views.
+  RegistrationProblem Problem;
   /// Of the image with this pointer and time.
   const vtkImageData* MammogramImage = nullptr;
   vtkMTimeType MammogramTime = 0;
   mammoray::Mammogram Mammogram;
   RegistrationTarget Target;
 
-  vtkSmartPointer<vtkUnstructuredGrid> MeshLabels(vtkImageData* labels, const std::string& table);
   void Prepare(vtkImageData* mammogram);
 };
-
-/// The mesher does nothing while labels and table stay as they are.
-vtkSmartPointer<vtkUnstructuredGrid> vtkBreastRegistration::Internals::MeshLabels(
-  vtkImageData* labels, const std::string& table)
-{
-  if (this->Labels != labels)
-  {
-    this->Mesher->SetInputDataObject(labels);
-    this->Labels = labels;
-  }
-  if (table != this->Mesher->GetMaterialTable())
-  {
-    this->Mesher->SetMaterialTable(table.c_str());
-  }
-  this->Mesher->Update();
-  auto grid = vtkSmartPointer<vtkUnstructuredGrid>::New();
-  grid->ShallowCopy(this->Mesher->GetOutput());
-  if (grid->GetNumberOfCells() == 0)
-  {
-    throw InputError("the labels could not be meshed");
-  }
-  return grid;
-}
 
 void vtkBreastRegistration::Internals::Prepare(vtkImageData* mammogram)
 {
@@ -364,49 +333,75 @@ int vtkBreastRegistration::RequestData(vtkInformation*, vtkInformationVector** i
     }
     start.RollDeg = NominalRollDeg(internal.Mammogram).value_or(0) + this->RollDeg;
     start.AnteriorMm = this->AnteriorMm;
+    View view;
+    view.Parameters = DefaultParameters(start);
+    Free(this->FreeParameters, view.Parameters);
     RegistrationOptions options;
-    options.Parameters = DefaultParameters(start);
-    Free(this->FreeParameters, options.Parameters);
     options.PixelSizesMm = { this->PixelSizesMm[0], this->PixelSizesMm[1] };
     options.MaximumIterations = this->MaximumIterations;
-
-    vtkSmartPointer<vtkUnstructuredGrid> grid = vtkUnstructuredGrid::GetData(inputs[0]);
-    if (!grid)
+    view.Unit.SourceToDetectorMm = this->SourceToDetectorMm > 0
+      ? this->SourceToDetectorMm
+      : internal.Mammogram.SourceToDetectorMm.value_or(view.Unit.SourceToDetectorMm);
+    view.Unit.EdgeRadiusMm = this->EdgeRadiusMm;
+    if (!this->AcceptUnusual)
     {
-      internal.Mesher->SetAcceptUnusual(this->AcceptUnusual);
-      grid = internal.MeshLabels(vtkImageData::GetData(inputs[0]), table);
+      CheckValidRange(ValidRanges::SourceDistance, view.Unit.SourceToDetectorMm,
+        "SourceToDetectorMm");
     }
-    RegistrationSetup setup{ FromGrid(grid), {}, table, this->DeviceName };
-    setup.Anatomy.Validate("vtkBreastRegistration's input");
+    view.Target = internal.Target;
+    view.Levels = MakeLevels(view.Target, options.PixelSizesMm);
+
+    RegistrationSetup setup{ .Table = table,
+      .Orientation = this->Orientation,
+      .Device = this->DeviceName };
+    vtkSmartPointer<vtkUnstructuredGrid> grid = vtkUnstructuredGrid::GetData(inputs[0]);
+    vtkImageData* labels = vtkImageData::GetData(inputs[0]);
+    if (grid)
+    {
+      setup.Anatomy = FromGrid(grid);
+      setup.Anatomy->Validate("vtkBreastRegistration's input");
+    }
+    else
+    {
+      setup.Labels = labels;
+      setup.LabelsTime = labels->GetMTime();
+    }
     if (vtkUnstructuredGrid* coarse = vtkUnstructuredGrid::GetData(inputs[2]))
     {
       setup.Coarse = FromGrid(coarse);
     }
-    if (!internal.Breast || !(internal.Breast->Made == setup))
+    const mammoray::MaterialTable materials = FindMaterialTable(table);
+    Beam beam = MakeBeam(materials, spectrum, DetectorResponse::EnergyIntegrating);
+    RegistrationProblem& problem = internal.Problem;
+    if (!problem.Model || !(internal.Setup == setup))
     {
-      internal.Breast.reset();
-      internal.Breast = std::make_unique<PreparedBreast>(std::move(setup), spectrum, progress);
+      problem = {};
+      BreastInput breast{ .Materials = materials,
+        .Axes = axes,
+        .Anatomy = setup.Anatomy,
+        .Mechanics = { .SimulationMesh = setup.Coarse, .Predicted = true },
+        .Projector = MakeProjector({ .Device = this->DeviceName }),
+        .XRays = beam };
+      if (!grid)
+      {
+        breast.Labels = MaterialsOf(labels, materials, this->AcceptUnusual);
+      }
+      problem = MakeProblem(std::move(breast), progress);
+      internal.Setup = std::move(setup);
       ++this->NumberOfSetups;
     }
-    PreparedBreast& breast = *internal.Breast;
-    BreastModel& model = breast.Model;
-    model.SetBeam(breast.BeamOf(spectrum));
-    model.SetScatter(std::move(scatter));
-    UnitPlacement placement{ axes, FindPoseAnchor(breast.Made.Anatomy, breast.Table.Fixed(), axes),
-      {} };
-    placement.Unit.SourceToDetectorMm = this->SourceToDetectorMm > 0
-      ? this->SourceToDetectorMm
-      : internal.Mammogram.SourceToDetectorMm.value_or(placement.Unit.SourceToDetectorMm);
-    placement.Unit.EdgeRadiusMm = this->EdgeRadiusMm;
-    if (!this->AcceptUnusual)
+    problem.Model->SetBeam(std::move(beam));
+    problem.Model->SetScatter(std::move(scatter));
+    problem.Options = options;
+    problem.Views = { std::move(view) };
+    const RegistrationResult found = mammoray::Register(problem, progress);
+    const ViewResult& result = found.Views.front();
+    const TetrahedralMesh& anatomy = problem.Model->Anatomy();
+    if (!grid)
     {
-      CheckValidRange(ValidRanges::SourceDistance, placement.Unit.SourceToDetectorMm,
-        "SourceToDetectorMm");
+      grid = ToGrid(anatomy, materials.Names());
     }
-    const RegistrationResult result =
-      mammoray::Register(model, placement, internal.Target, options, progress);
-
-    AddDisplaced(output, grid, result.Points, breast.Made.Anatomy.Points);
+    AddDisplaced(output, grid, result.Points, anatomy.Points);
     AddSensitivities(output, result);
     AddResult(output, result);
   };

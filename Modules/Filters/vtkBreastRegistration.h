@@ -5,7 +5,8 @@
  *
  * Input 0: the uncompressed breast, vtkUnstructuredGrid of linear tetrahedra (mm) with the cell
  * array "Material" (indices of MaterialTable), as vtkBreastMesher makes it; or the labels
- * themselves, vtkImageData as that filter takes them, which are then meshed here. Input 1: the
+ * themselves, vtkImageData as that filter takes them: then meshes, stiffness and where the unit
+ * stands follow from them as in 'mammoray register'. Input 1: the
  * mammogram, vtkImageData of vtkMammogramReader. Input 2, optional: a coarse vtkUnstructuredGrid to
  * simulate on (vtkBreastMesher with ForMechanics); made of input 0 where it is missing.
  *

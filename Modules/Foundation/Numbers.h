@@ -60,8 +60,8 @@ inline std::string NumberText(double value)
   return text;
 }
 
-/// A number for people: `digits` after the point, a typographic minus sign, no negative zero; a dash
-/// if it is not finite.
+/// A number for people: `digits` after the point, a typographic minus sign, no negative zero; a
+/// dash if it is not finite.
 inline std::string NumberText(double value, int digits)
 {
   if (!std::isfinite(value))

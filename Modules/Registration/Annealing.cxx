@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mammoray/Registration/Annealing.h"
 
-#include "Private/MammogramEvaluator.h"
 #include "Private/ValidateRegistration.h"
+#include "Private/ViewEvaluator.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/Registration/RegistrationTarget.h"
 
@@ -21,18 +21,17 @@ namespace
 struct Place
 {
   std::vector<double> Values;
-  std::shared_ptr<EvaluatedState> Breast;
+  std::shared_ptr<PosedBreast> Breast;
   RegistrationCosts Costs;
 };
 
 class Walk
 {
 public:
-  Walk(const SearchedBreast& breast, const RegistrationTarget& target,
-    const RegistrationOptions& options, RegistrationResult& result,
-    const ProgressCallback& progress)
+  Walk(const SearchedBreast& breast, const View& view, const RegistrationOptions& options,
+    ViewResult& result, const ProgressCallback& progress)
     : Breast(breast)
-    , Compared(target, options)
+    , Compared(view.Levels.back(), view.Parameters, options)
     , PixelSizeMm(options.PixelSizesMm.back())
     , Comparison(NameOf(options.Comparison))
     , Result(result)
@@ -41,7 +40,7 @@ public:
   }
 
   /// Solved from another place where there is one. Throws ConvergenceError.
-  Place At(const std::vector<double>& values, const EvaluatedState* from)
+  Place At(const std::vector<double>& values, const PosedBreast* from)
   {
     Place place;
     place.Values = values;
@@ -84,15 +83,15 @@ public:
   }
 
   /// What was kept last.
-  EvaluatedState& Kept() { return *this->Best; }
+  PosedBreast& Kept() { return *this->Best; }
 
 private:
   SearchedBreast Breast;
-  std::shared_ptr<EvaluatedState> Best;
+  std::shared_ptr<PosedBreast> Best;
   const RegistrationResiduals Compared;
   double PixelSizeMm;
   std::string Comparison;
-  RegistrationResult& Result;
+  ViewResult& Result;
   const ProgressCallback& Progress;
   Clock::time_point Begin = Clock::now();
 };
@@ -119,7 +118,7 @@ std::vector<double> Beside(const std::vector<double>& values,
   return beside;
 }
 
-void AnnealFrom(Walk& walk, Place here, const RegistrationOptions& options,
+void AnnealFrom(Walk& walk, Place here, const std::vector<RegistrationParameter>& parameters,
   const AnnealingOptions& annealing, const ProgressCallback& progress)
 {
   std::mt19937 generator(annealing.Seed);
@@ -134,8 +133,7 @@ void AnnealFrom(Walk& walk, Place here, const RegistrationOptions& options,
     const double step = annealing.FirstStep * std::sqrt(temperature / hottest);
     try
     {
-      Place beside =
-        walk.At(Beside(here.Values, options.Parameters, step, generator), here.Breast.get());
+      Place beside = walk.At(Beside(here.Values, parameters, step, generator), here.Breast.get());
       const double rise = beside.Costs.Sum() - here.Costs.Sum();
       if (rise <= 0 || uniform(generator) < std::exp(-rise / temperature))
       {
@@ -155,12 +153,12 @@ void AnnealFrom(Walk& walk, Place here, const RegistrationOptions& options,
 }
 }
 
-RegistrationResult Anneal(BreastModel& model, const UnitPlacement& placement,
-  const RegistrationTarget& target, const RegistrationOptions& options,
-  const AnnealingOptions& annealing, const ProgressCallback& progress)
+ViewResult Anneal(const RegistrationProblem& problem, const AnnealingOptions& annealing,
+  const ProgressCallback& progress)
 {
-  ValidateRegistration(model, options);
-  ValidateTarget(target);
+  ValidateProblem(problem);
+  const View& view = problem.Views.front();
+  const RegistrationOptions& options = problem.Options;
   if (annealing.Equilibria < 1 || !(annealing.FirstTemperature > 0) ||
     !(annealing.LastTemperature > 0) || !(annealing.FirstStep > 0))
   {
@@ -168,19 +166,20 @@ RegistrationResult Anneal(BreastModel& model, const UnitPlacement& placement,
                      "steps");
   }
   const auto begin = Clock::now();
-  RegistrationResult result;
-  result.Parameters = options.Parameters;
-  std::vector<double> start = options.From;
+  ViewResult result;
+  result.Parameters = view.Parameters;
+  std::vector<double> start = view.From;
   if (start.empty())
   {
-    for (const RegistrationParameter& parameter : options.Parameters)
+    for (const RegistrationParameter& parameter : view.Parameters)
     {
       start.push_back(parameter.Start);
     }
   }
   result.StandardDeviations.assign(ParameterCount, std::numeric_limits<double>::quiet_NaN());
-  const RegistrationTarget finest = CoarsenTo(target, options.PixelSizesMm.back());
-  Walk walk({ &model, &model.Body(), placement }, finest, options, result, progress);
+  const RegistrationTarget& finest = view.Levels.back();
+  Walk walk({ problem.Model.get(), &problem.Model->Body(), problem.PlacementOf(view) }, view,
+    options, result, progress);
   const Place first = walk.At(start, nullptr);
   walk.Keep(first);
   result.Before =
@@ -188,7 +187,7 @@ RegistrationResult Anneal(BreastModel& model, const UnitPlacement& placement,
   result.StopReason = "the equilibria are spent";
   try
   {
-    AnnealFrom(walk, first, options, annealing, progress);
+    AnnealFrom(walk, first, view.Parameters, annealing, progress);
   }
   catch (const Interrupted&)
   {
@@ -198,8 +197,8 @@ RegistrationResult Anneal(BreastModel& model, const UnitPlacement& placement,
   result.State = walk.Kept().State();
   result.After =
     Compare(Synthesize(walk.Kept(), finest.Grid, ChestWallCentre(finest), options.Samples), finest);
-  result.HeaderThicknessMm = target.HeaderThicknessMm;
-  result.Disagreements = target.Disagreements;
+  result.HeaderThicknessMm = view.Target.HeaderThicknessMm;
+  result.Disagreements = view.Target.Disagreements;
   result.Trust = Assess(result);
   result.Seconds = SecondsSince(begin);
   return result;

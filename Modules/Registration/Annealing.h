@@ -28,14 +28,12 @@ struct AnnealingOptions
 
 /**
  * Minimises what Register minimises, at its finest resolution, by simulated annealing (Kirkpatrick,
- * Gelatt and Vecchi 1983; normal steps, geometric cooling) from options.From or the parameters'
+ * Gelatt and Vecchi 1983; normal steps, geometric cooling) from View::From or the parameters'
  * Start: a search without derivatives to compare with. One iteration is reported for each better
  * pose. Throws as Register, but ConvergenceError where the start has no equilibrium.
  */
-MAMMORAYREGISTRATION_EXPORT RegistrationResult Anneal(BreastModel& model,
-  const UnitPlacement& placement, const RegistrationTarget& target,
-  const RegistrationOptions& options, const AnnealingOptions& annealing,
-  const ProgressCallback& progress = {});
+MAMMORAYREGISTRATION_EXPORT ViewResult Anneal(const RegistrationProblem& problem,
+  const AnnealingOptions& annealing, const ProgressCallback& progress = {});
 }
 
 #endif

@@ -30,15 +30,16 @@ void SubtractMotion(const PlateVelocity& unit, const Plate& support,
 BreastBody::BreastBody(CompressionSimulation simulation, std::vector<ElasticMaterial> elastic,
   std::vector<int> gland)
   : Simulated(std::move(simulation))
-  , AtRest(std::move(elastic))
+  , ReferenceMaterials(std::move(elastic))
   , Gland(std::move(gland))
 {
   for (const int index : this->Gland)
   {
-    if (index < 0 || static_cast<std::size_t>(index) >= this->AtRest.size())
+    if (index < 0 || static_cast<std::size_t>(index) >= this->ReferenceMaterials.size())
     {
-      throw InputError("breast: expected a material of the " + std::to_string(this->AtRest.size()) +
-        " known to scale, found number " + std::to_string(index));
+      throw InputError("breast: expected a material of the " +
+        std::to_string(this->ReferenceMaterials.size()) + " known to scale, found number " +
+        std::to_string(index));
     }
   }
 }
@@ -46,7 +47,7 @@ BreastBody::BreastBody(CompressionSimulation simulation, std::vector<ElasticMate
 void BreastBody::SetElastic(std::vector<ElasticMaterial> elastic)
 {
   this->Simulated.SetMaterials(elastic);
-  this->AtRest = std::move(elastic);
+  this->ReferenceMaterials = std::move(elastic);
 }
 
 void BreastBody::SetSurface(const std::vector<double>& points)
@@ -66,7 +67,7 @@ const Embedding& BreastBody::Surface() const
 /// Leaves a simulation alone that has this stiffness.
 void BreastBody::SetStiffness(double factor)
 {
-  std::vector<ElasticMaterial> materials = this->AtRest;
+  std::vector<ElasticMaterial> materials = this->ReferenceMaterials;
   bool differs = false;
   for (const int index : this->Gland)
   {
@@ -82,10 +83,10 @@ void BreastBody::SetStiffness(double factor)
 
 MaterialDerivative BreastBody::StiffnessVelocity() const
 {
-  MaterialDerivative velocity(this->AtRest.size());
+  MaterialDerivative velocity(this->ReferenceMaterials.size());
   for (const int index : this->Gland)
   {
-    velocity[index].YoungsModulusKPa = this->AtRest[index].YoungsModulusKPa;
+    velocity[index].YoungsModulusKPa = this->ReferenceMaterials[index].YoungsModulusKPa;
   }
   return velocity;
 }

@@ -13,27 +13,28 @@
 namespace mammoray
 {
 /**
- * A simulation of a breast whose gland's stiffness is a parameter of the pose, and the X-rayed
- * surface that moves with it. Its state is the stiffness that the simulation was given last.
+ * Simulation of a breast whose glandular stiffness is a parameter of the pose, and the X-rayed
+ * surface that moves with it. Calls set the stiffness of the simulation as they need it.
  */
 class MAMMORAYREGISTRATION_EXPORT BreastBody
 {
 public:
-  /// `elastic`: the simulation's materials where the stiffness is 1; `gland`: those it scales.
+  /// `elastic`: the simulation's materials at a stiffness of 1; `gland`: indices of those that are
+  /// scaled by it.
   BreastBody(CompressionSimulation simulation, std::vector<ElasticMaterial> elastic,
     std::vector<int> gland);
 
   CompressionSimulation& Simulation() { return this->Simulated; }
   const CompressionSimulation& Simulation() const { return this->Simulated; }
-  const std::vector<ElasticMaterial>& Elastic() const { return this->AtRest; }
-  /// Other materials where the stiffness is 1, as many as before.
+  const std::vector<ElasticMaterial>& Elastic() const { return this->ReferenceMaterials; }
+  /// Replaces the materials at a stiffness of 1, as many as before.
   void SetElastic(std::vector<ElasticMaterial> elastic);
-  /// Whether there is a material that the stiffness scales.
+  /// True if the stiffness scales any material.
   bool HasGland() const { return !this->Gland.empty(); }
 
-  /// Points of a surface in the frame of the mesh, 3 x pointCount, mm.
+  /// Sets the X-rayed points: 3 x pointCount, frame of the mesh, mm.
   void SetSurface(const std::vector<double>& points);
-  /// Throws InputError where there is no surface.
+  /// Throws InputError if no surface was set.
   const Embedding& Surface() const;
 
   /// Equilibrium at a pose. Throws as CompressionSimulation::Compress, at once.
@@ -60,7 +61,7 @@ private:
   MaterialDerivative StiffnessVelocity() const;
 
   CompressionSimulation Simulated;
-  std::vector<ElasticMaterial> AtRest;
+  std::vector<ElasticMaterial> ReferenceMaterials;
   std::vector<int> Gland;
   std::optional<Embedding> SurfacePoints;
 };

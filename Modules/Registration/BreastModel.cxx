@@ -134,8 +134,8 @@ BreastModel::BreastModel(TetrahedralMesh&& anatomy, const ElasticTable& material
   std::vector<int> gland, const BreastModelOptions& options, const Basis& basis,
   const ProgressCallback& progress)
   : Tissue(std::move(anatomy))
-  , Full(CompressionSimulation(basis.Mesh ? *basis.Mesh : this->Tissue, materials.Elastic,
-           materials.Fixed, basis.Field, options.Compression, options.OutsideTissue),
+  , Quadratic(CompressionSimulation(basis.Mesh ? *basis.Mesh : this->Tissue, materials.Elastic,
+                materials.Fixed, basis.Field, options.Compression, options.OutsideTissue),
       materials.Elastic, gland)
 {
   const TetrahedralMesh& mesh = basis.Mesh ? *basis.Mesh : this->Tissue;
@@ -144,22 +144,23 @@ BreastModel::BreastModel(TetrahedralMesh&& anatomy, const ElasticTable& material
   const bool unloaded = Norm(options.ImageGravityMPerS2) > 0;
   if (unloaded)
   {
-    this->Full.Simulation().Unload(options.ImageGravityMPerS2, progress);
+    this->Quadratic.Simulation().Unload(options.ImageGravityMPerS2, progress);
   }
   else
   {
-    AddColdStartPredictor(this->Full.Simulation(), mesh, materials, options.Compression, progress);
+    AddColdStartPredictor(this->Quadratic.Simulation(), mesh, materials, options.Compression,
+      progress);
   }
   if (options.Predicted)
   {
     CompressionOptions linear = options.Compression;
     linear.Element = ElementType::PatchAveragedLinear;
-    this->Cheap.emplace(CompressionSimulation(mesh, materials.Elastic, materials.Fixed, basis.Field,
-                          linear, options.OutsideTissue),
+    this->Predicting.emplace(CompressionSimulation(mesh, materials.Elastic, materials.Fixed,
+                               basis.Field, linear, options.OutsideTissue),
       materials.Elastic, std::move(gland));
     if (unloaded)
     {
-      this->Cheap->Simulation().Unload(options.ImageGravityMPerS2, progress);
+      this->Predicting->Simulation().Unload(options.ImageGravityMPerS2, progress);
     }
   }
 }
@@ -182,7 +183,7 @@ const Embedding& BreastModel::AnatomyPoints()
 {
   if (!this->TissuePoints)
   {
-    this->TissuePoints.emplace(this->Full.Simulation(), this->Tissue.Points);
+    this->TissuePoints.emplace(this->Quadratic.Simulation(), this->Tissue.Points);
   }
   return *this->TissuePoints;
 }
@@ -195,10 +196,10 @@ void BreastModel::SetXRays(SurfaceMesh surface, std::unique_ptr<PathLengthProjec
     throw InputError("breast: expected a projector, found none");
   }
   projector->SetSurface(surface);
-  this->Full.SetSurface(surface.Points);
-  if (this->Cheap)
+  this->Quadratic.SetSurface(surface.Points);
+  if (this->Predicting)
   {
-    this->Cheap->SetSurface(surface.Points);
+    this->Predicting->SetSurface(surface.Points);
   }
   this->Edges = OuterEdges(surface);
   this->Interfaces = std::move(surface);

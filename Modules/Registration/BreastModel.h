@@ -23,58 +23,58 @@
 namespace mammoray
 {
 /**
- * Cells up to which a mesh is simulated on as it is: 20000 quadratic or 150000 linear ones, whose
- * cold start takes about a minute and a gigabyte (docs/speed.md). What is larger moves with
- * a coarser mesh made for the purpose, on which a search takes seconds for each equilibrium.
+ * Largest number of cells of a mesh that is simulated as it is: 20000 quadratic or 150000 linear
+ * ones, whose cold start takes about a minute and a gigabyte (docs/speed.md). Larger meshes
+ * are carried by a coarser one, on which each equilibrium of a search takes seconds.
  */
 MAMMORAYREGISTRATION_EXPORT std::size_t MostSimulationCells(ElementType element);
 
 /**
- * A coarse mesh to simulate the tissue of a volume of material indices on: MeshForSimulation of the
- * Meshing module. Throws InputError in a build without it.
+ * Makes a coarse mesh for the mechanics of a volume of material indices (MeshForSimulation of the
+ * Meshing module). `held`: whether each material is fixed. Throws InputError in a build without
+ * Meshing.
  */
 MAMMORAYREGISTRATION_EXPORT TetrahedralMesh MakeSimulationMesh(const LabelVolume& materials,
   const std::vector<bool>& held, double cellSizeMm, const ProgressCallback& progress = {});
 
 /**
- * Lets a coarse quadratic mesh go the way of a cold start first
- * (CompressionSimulation::SetPredictor) where `mesh`, that of the simulation, has more than 20000
- * linear cells, on which this takes longer than ten seconds; quadratic cells have their linear ones
- * for that. Does nothing where no such mesh can be made. `materials`, `options`: those of the
- * simulation.
+ * Gives a simulation of more than 20000 linear cells, whose cold start takes longer than ten
+ * seconds, a coarse quadratic mesh that finds the way first
+ * (CompressionSimulation::SetPredictor). Quadratic cells use their linear ones for that. Does
+ * nothing if no such mesh can be made. `mesh`, `materials`, `options`: those of the simulation.
  */
 MAMMORAYREGISTRATION_EXPORT void AddColdStartPredictor(CompressionSimulation& simulation,
   const TetrahedralMesh& mesh, const ElasticTable& materials, const CompressionOptions& options,
   const ProgressCallback& progress = {});
 
-/// What a breast's mechanics are made of besides its anatomy.
+/// Everything that a breast's mechanics need besides its anatomy.
 struct BreastModelOptions
 {
-  /// Material indices, from which stiffness is sampled; none: from the anatomy.
+  /// Material indices from which stiffness is sampled. If empty, it is sampled from the anatomy.
   std::optional<LabelVolume> Volume;
-  /// Samples stiffness in place of a volume, where given.
+  /// If set, replaces Volume as the source of stiffness.
   MaterialField Field;
-  /// Where the body goes on that the tissue was cut out of (CompressionSimulation); none: nowhere.
+  /// Where the body continues beyond the cut tissue (CompressionSimulation). Empty: nowhere.
   BodyField OutsideTissue;
-  /// Tetrahedra to simulate on; none: the anatomy itself up to MostSimulationCells, else a mesh
-  /// that is made of the volume (MakeSimulationMesh) with this cell size, mm.
+  /// Tetrahedra for the mechanics. If empty, the anatomy itself is used up to MostSimulationCells,
+  /// and beyond that a mesh of Volume with this cell size, mm (MakeSimulationMesh).
   std::optional<TetrahedralMesh> SimulationMesh;
   double CellSizeMm = 0;
   /// Elements, chest wall and loads of the simulation.
   CompressionOptions Compression;
-  /// The weight that the anatomy hangs or lies under in its image, m/s^2, which is unloaded of
-  /// (CompressionSimulation::Unload); zero: none.
+  /// Gravity that loads the anatomy in its image, m/s^2; the stress-free shape is found from it
+  /// (CompressionSimulation::Unload). Zero: the image shows the stress-free shape.
   Vector3 ImageGravityMPerS2{ 0, 0, 0 };
-  /// Makes a predictor: linear elements on the same mesh, ten times as fast, with which a search
-  /// begins.
+  /// Adds a predictor: linear elements on the same mesh, ten times as fast. A search begins with
+  /// it.
   bool Predicted = false;
 };
 
 /**
- * A breast that can be compressed and X-rayed: its anatomy, the simulation that moves it, a cheaper
- * one that predicts where a search leads, and the projector and beam that picture it. It knows no
- * unit (UnitPlacement). What is asked of it changes the state of its simulations and of its
- * projector: one model is not to be used by two threads at a time.
+ * A breast that can be compressed and X-rayed: its anatomy, the simulation that moves it, a faster
+ * one that predicts where a search leads, and projector and beam. It does not know the unit
+ * (UnitPlacement). Its methods change the state of simulations and projector, so only one thread
+ * may use a model at a time.
  */
 class MAMMORAYREGISTRATION_EXPORT BreastModel
 {
@@ -88,25 +88,24 @@ public:
     const ProgressCallback& progress = {});
 
   const TetrahedralMesh& Anatomy() const { return this->Tissue; }
-  BreastBody& Body() { return this->Full; }
-  const BreastBody& Body() const { return this->Full; }
-  /// Null where none was asked for.
-  BreastBody* Predictor() { return this->Cheap ? &*this->Cheap : nullptr; }
+  BreastBody& Body() { return this->Quadratic; }
+  const BreastBody& Body() const { return this->Quadratic; }
+  /// Null unless BreastModelOptions::Predicted.
+  BreastBody* Predictor() { return this->Predicting ? &*this->Predicting : nullptr; }
   std::size_t NumberOfSimulationCells() const { return this->CellCount; }
-  /// Whether another mesh than the anatomy's is simulated on.
+  /// True if a mesh other than the anatomy's is simulated.
   bool IsCarried() const { return this->Carried; }
-  /// Moves the anatomy's points with Body; made when first asked for.
+  /// Interpolates the anatomy's points from Body; made at the first call.
   const Embedding& AnatomyPoints();
 
-  /// Gives the model what it is X-rayed with. `surface`: the interfaces of its materials, at rest,
-  /// in the frame of the anatomy; the projector is given it.
+  /// Sets projector, beam and surface. `surface`: the interfaces of the materials, uncompressed, in
+  /// the frame of the anatomy.
   void SetXRays(SurfaceMesh surface, std::unique_ptr<PathLengthProjector> projector, Beam beam);
-  /// Another spectrum or detector.
+  /// Replaces spectrum and detector.
   void SetBeam(Beam beam);
-  /// What of the same beam scatters onto its pictures; nothing, as at first: pictures are of the
-  /// primary radiation alone.
-  void SetScatter(std::optional<ScatterModel> scatter) { this->Secondary = std::move(scatter); }
-  const std::optional<ScatterModel>& Scatter() const { return this->Secondary; }
+  /// Sets the scatter of the same beam; nothing (the default): primary radiation alone.
+  void SetScatter(std::optional<ScatterModel> scatter) { this->Scattering = std::move(scatter); }
+  const std::optional<ScatterModel>& Scatter() const { return this->Scattering; }
   bool HasXRays() const { return this->Projector != nullptr; }
   const SurfaceMesh& Surface() const { return this->Interfaces; }
   /// The edges between skin and air of the surface (OuterEdges).
@@ -126,8 +125,8 @@ private:
     const BreastModelOptions& options, const Basis& basis, const ProgressCallback& progress);
 
   TetrahedralMesh Tissue;
-  BreastBody Full;
-  std::optional<BreastBody> Cheap;
+  BreastBody Quadratic;
+  std::optional<BreastBody> Predicting;
   std::size_t CellCount = 0;
   bool Carried = false;
   std::optional<Embedding> TissuePoints;
@@ -135,7 +134,7 @@ private:
   std::vector<std::array<std::uint32_t, 2>> Edges;
   std::unique_ptr<PathLengthProjector> Projector;
   std::optional<Beam> Rays;
-  std::optional<ScatterModel> Secondary;
+  std::optional<ScatterModel> Scattering;
 };
 }
 

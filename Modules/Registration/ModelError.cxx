@@ -125,7 +125,7 @@ double ModelError::SigmaMm(const Vector3& rest, const Vector3& compressed) const
 }
 
 std::optional<ExpectedError> ExpectedErrorOf(const TetrahedralMesh& anatomy,
-  const RegistrationResult& result)
+  const ViewResult& result)
 {
   const std::vector<double>& covariance =
     result.ConsideredCovariance.empty() ? result.Covariance : result.ConsideredCovariance;

@@ -13,7 +13,7 @@
 
 namespace mammoray
 {
-struct RegistrationResult;
+struct ViewResult;
 
 /// Distance of tissue from where a result places it, mm: median and 95 % quantile.
 struct ExpectedError
@@ -57,7 +57,7 @@ private:
 /// Of the tissue between the plates, by the covariance of the parameters (ConsideredCovariance,
 /// else Covariance) and the model's own error; nothing where the result has neither covariance.
 MAMMORAYREGISTRATION_EXPORT std::optional<ExpectedError> ExpectedErrorOf(
-  const TetrahedralMesh& anatomy, const RegistrationResult& result);
+  const TetrahedralMesh& anatomy, const ViewResult& result);
 }
 
 #endif

@@ -2,6 +2,7 @@
 #include "mammoray/Registration/Registration.h"
 
 #include "Private/SearchLevel.h"
+#include "Private/SearchStart.h"
 #include "Private/ValidateRegistration.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/Foundation/Numbers.h"
@@ -10,6 +11,7 @@
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <tuple>
 #include <utility>
 
@@ -37,7 +39,7 @@ constexpr double LostTissueCorrelation = 0.02;
 constexpr double StartEnds = 0.1;
 constexpr double CoarseEnds = 0.35;
 constexpr double AdoptedEnds = 0.45;
-/// Equilibria that a stage takes for each mammogram, by experience: a level 8 to 25.
+/// Equilibria that a stage takes for each view, by experience: a level 8 to 25.
 constexpr double EquilibriaOfStart = 5;
 constexpr double EquilibriaOfLevel = 12;
 
@@ -70,8 +72,7 @@ ProgressCallback Counted(const ProgressCallback& progress, double from, double t
 }
 
 /// How the points of the anatomy move with each parameter that is free or has a prior.
-void AddSensitivities(BreastModel& model, const UnitPlacement& placement,
-  RegistrationResult& result)
+void AddSensitivities(BreastModel& model, const UnitPlacement& placement, ViewResult& result)
 {
   std::vector<int> uncertain;
   for (std::size_t index = 0; index < result.Parameters.size(); ++index)
@@ -86,28 +87,31 @@ void AddSensitivities(BreastModel& model, const UnitPlacement& placement,
   result.Sensitivities.resize(result.Parameters.size());
   for (std::size_t index = 0; index < uncertain.size(); ++index)
   {
-    result.Sensitivities[uncertain[index]].assign(
-      velocities[index].begin(), velocities[index].end());
+    result.Sensitivities[uncertain[index]].assign(velocities[index].begin(),
+      velocities[index].end());
   }
 }
 
 /// Adds to a result, whose search has ended, what follows from its pose, state and covariance.
-void Complete(const JointMammogram& mammogram, RegistrationResult& result)
+void Complete(ViewSearch& view)
 {
-  BreastModel& model = *mammogram.Model;
-  const RegistrationTarget& target = *mammogram.Target;
-  EvaluatedState breast(model, model.Body(), mammogram.Placement, result.Pose, result.State);
+  BreastModel& model = *view.Model;
+  ViewResult& result = view.Result;
+  const RegistrationTarget& target = view.Input->Target;
+  result.Pose = PoseOf(result.Values);
+  result.State = view.Current->State();
+  PosedBreast breast(model, model.Body(), view.Placement, result.Pose, result.State);
   result.Placed = breast.Placed();
   result.Points = model.AnatomyPoints().Map(result.State.Positions);
-  AddSensitivities(model, mammogram.Placement, result);
+  AddSensitivities(model, view.Placement, result);
   result.Synthetic = Synthesize(breast, target.Grid, ChestWallCentre(target), 1);
   result.After = Compare(result.Synthetic, target);
-  for (const ProjectionTarget& other : mammogram.Others)
+  for (const ViewProjection& projection : view.Input->Projections)
   {
-    const RegistrationTarget& picture = *other.Target;
+    const RegistrationTarget& finest = projection.Levels.back();
     result.ProjectionsAfter.push_back(Compare(
-      Synthesize(breast.SeenFrom(other.FocalSpotMm), picture.Grid, ChestWallCentre(picture), 1),
-      picture));
+      Synthesize(breast.SeenFrom(projection.FocalSpotMm), finest.Grid, ChestWallCentre(finest), 1),
+      finest));
   }
   if (result.Synthetic.InconsistentRays > 0)
   {
@@ -120,7 +124,7 @@ void Complete(const JointMammogram& mammogram, RegistrationResult& result)
   result.Trust = Assess(result);
 }
 
-void ForgetCovariance(RegistrationResult& result)
+void ForgetCovariance(ViewResult& result)
 {
   result.Covariance.clear();
   result.ConsideredCovariance.clear();
@@ -129,84 +133,74 @@ void ForgetCovariance(RegistrationResult& result)
   result.Misfit = {};
 }
 
-/// The steps of RegisterTogether.
+/// The steps of Register.
 class Search
 {
 public:
-  Search(const std::vector<JointMammogram>& mammograms, const RegistrationOptions& options,
-    const ProgressCallback& progress, const SearchObserver& observer)
-    : Options(options)
+  Search(const RegistrationProblem& problem, const ProgressCallback& progress,
+    const SearchObserver& observer)
+    : Options(problem.Options)
     , Progress(progress)
+    , State(problem, observer)
   {
-    this->Joint.Observer = observer;
-    for (const JointMammogram& mammogram : mammograms)
-    {
-      this->Joint.Mammograms.push_back(StartOf(mammogram));
-    }
   }
 
   void Run()
   {
-    for (MammogramSearch& mammogram : this->Joint.Mammograms)
+    for (ViewSearch& view : this->State.Views)
     {
-      OpenToLeastHeight(mammogram);
+      OpenToLeastHeight(view);
     }
-    this->Joint.CollectUnknowns();
+    this->State.CollectFreeParameters();
     const bool chooses =
-      !this->Joint.Unknowns.empty() && this->Joint.Mammograms.front().Given->From.empty();
+      !this->State.FreeParameters.empty() && this->State.Views.front().Input->From.empty();
     if (chooses && this->HasPredictors() && this->ByPredictor())
     {
       return;
     }
-    for (MammogramSearch& mammogram : this->Joint.Mammograms)
+    for (ViewSearch& view : this->State.Views)
     {
-      const ProgressCallback progress = this->OfMammogram(mammogram, 0, StartEnds);
-      CompressStart(mammogram, progress);
-      this->KeepBefore(mammogram);
+      const ProgressCallback progress = this->OfView(view, 0, StartEnds);
+      CompressStart(view, progress);
+      this->KeepBefore(view);
       if (chooses)
       {
-        this->Choose(mammogram.Breast(), mammogram, progress);
+        this->Choose(view.Breast(), view, progress);
       }
     }
-    this->Joint.CollectUnknowns(); // a start may have been opened
+    this->State.CollectFreeParameters(); // a start may have been opened
     this->Levels(this->Bodies(), 0, this->Options.PixelSizesMm.size(), StartEnds);
   }
 
-  /// What Run has found, with how well its end agrees.
-  JointRegistrationResult Result()
+  /// What Run has found.
+  RegistrationResult Result()
   {
-    JointRegistrationResult joint;
-    for (const SearchUnknown& unknown : this->Joint.Unknowns)
+    const double seconds = SecondsSince(this->State.Begin);
+    RegistrationResult result;
+    for (ViewSearch& view : this->State.Views)
     {
-      joint.Unknowns.push_back(
-        { unknown.Parameter, unknown.Mammograms.front(), unknown.Mammograms.size() > 1 });
+      view.Result.Seconds = seconds;
+      Complete(view);
+      result.Views.push_back(std::move(view.Result));
     }
-    joint.Covariance = std::move(this->Joint.Covariance);
-    for (MammogramSearch& mammogram : this->Joint.Mammograms)
-    {
-      RegistrationResult& result = mammogram.Result;
-      result.Pose = PoseOf(result.Values);
-      result.State = mammogram.Here->State();
-      result.Seconds = SecondsSince(this->Joint.Begin);
-      Complete(*mammogram.Given, result);
-      joint.Mammograms.push_back(std::move(result));
-    }
-    return joint;
+    result.FreeParameters = std::move(this->State.FreeParameters);
+    result.Covariance = std::move(this->State.Covariance);
+    return result;
   }
 
 private:
   bool HasPredictors() const
   {
-    return std::all_of(this->Joint.Mammograms.begin(), this->Joint.Mammograms.end(),
-      [](const MammogramSearch& mammogram) { return mammogram.PredictedBreast().Body != nullptr; });
+    return std::all_of(this->State.Views.begin(), this->State.Views.end(),
+      [](const ViewSearch& view) { return view.PredictedBreast().Body != nullptr; });
   }
 
   std::vector<SearchedBreast> Bodies() const
   {
     std::vector<SearchedBreast> bodies;
-    for (const MammogramSearch& mammogram : this->Joint.Mammograms)
+    for (const ViewSearch& view : this->State.Views)
     {
-      bodies.push_back(mammogram.Breast());
+      bodies.push_back(view.Breast());
     }
     return bodies;
   }
@@ -223,31 +217,30 @@ private:
     try
     {
       std::vector<SearchedBreast> predictors;
-      for (MammogramSearch& mammogram : this->Joint.Mammograms)
+      for (ViewSearch& view : this->State.Views)
       {
-        starts.push_back(mammogram.Result.Values);
-        predictors.push_back(mammogram.PredictedBreast());
-        const ProgressCallback progress = this->OfMammogram(mammogram, 0, StartEnds);
-        mammogram.Here = CompressForStart(predictors.back(), mammogram.Result.Values, nullptr,
-          mammogram.Result, progress);
-        this->KeepBefore(mammogram);
-        this->Choose(predictors.back(), mammogram, progress);
+        starts.push_back(view.Result.Values);
+        predictors.push_back(view.PredictedBreast());
+        const ProgressCallback progress = this->OfView(view, 0, StartEnds);
+        view.Current =
+          CompressForStart(predictors.back(), view.Result.Values, nullptr, view.Result, progress);
+        this->KeepBefore(view);
+        this->Choose(predictors.back(), view, progress);
       }
       const bool goesOn =
         this->Levels(predictors, 0, finest, StartEnds, CoarseEnds) && !this->EndsHopeless();
       // An end takes effect once the simulation itself has been where the predictor got to.
       for (std::size_t number = 0; number < predictors.size(); ++number)
       {
-        MammogramSearch& mammogram = this->Joint.Mammograms[number];
-        const ProgressCallback progress = this->OfMammogram(mammogram, CoarseEnds, AdoptedEnds);
+        ViewSearch& view = this->State.Views[number];
+        const ProgressCallback progress = this->OfView(view, CoarseEnds, AdoptedEnds);
         if (goesOn)
         {
           // A cold start of the simulation itself would double the time of a search.
-          ChooseEquilibrium(predictors[number],
-            CoarsenTo(*mammogram.Given->Target, this->Options.PixelSizesMm.back()),
-            this->Bounded(mammogram, this->FirstComparison()), mammogram, progress);
+          ChooseEquilibrium(predictors[number], view.Input->Levels.back(),
+            this->ComparedBy(this->FirstComparison()), view, progress);
         }
-        AdoptPredicted(mammogram, goesOn ? progress : ProgressCallback());
+        AdoptPredicted(view, goesOn ? progress : ProgressCallback());
       }
       if (goesOn)
       {
@@ -257,9 +250,9 @@ private:
     }
     catch (const ConvergenceError&)
     {
-      for (std::size_t mammogram = 0; mammogram < starts.size(); ++mammogram)
+      for (std::size_t view = 0; view < starts.size(); ++view)
       {
-        this->Joint.Mammograms[mammogram].Result.Values = starts[mammogram];
+        this->State.Views[view].Result.Values = starts[view];
       }
       return false;
     }
@@ -269,18 +262,18 @@ private:
   bool EndsHopeless()
   {
     double apart = 0;
-    for (MammogramSearch& mammogram : this->Joint.Mammograms)
+    for (ViewSearch& view : this->State.Views)
     {
-      apart = std::fmax(apart, this->AgreementOf(mammogram).MeanOutlineDistanceMm);
+      apart = std::fmax(apart, this->AgreementOf(view).MeanOutlineDistanceMm);
     }
     if (!(apart > HopelessOutlineMm))
     {
       return false;
     }
-    for (MammogramSearch& mammogram : this->Joint.Mammograms)
+    for (ViewSearch& view : this->State.Views)
     {
-      mammogram.Result.Converged = false;
-      mammogram.Result.StopReason = "the outlines are still " + NumberText(std::round(apart)) +
+      view.Result.Converged = false;
+      view.Result.StopReason = "the outlines are still " + NumberText(std::round(apart)) +
         " mm apart after the coarse search, and the fine one was left out";
     }
     return true;
@@ -296,70 +289,67 @@ private:
                                                                 : PictureComparison::Global;
   }
 
-  /// What the options say, with the bounds of a mammogram's result.
-  RegistrationOptions Bounded(const MammogramSearch& mammogram, PictureComparison comparison) const
+  /// The options with another comparison.
+  RegistrationOptions ComparedBy(PictureComparison comparison) const
   {
-    RegistrationOptions bounded = this->Options;
-    bounded.Parameters = mammogram.Result.Parameters;
-    bounded.Comparison = comparison;
-    return bounded;
+    RegistrationOptions options = this->Options;
+    options.Comparison = comparison;
+    return options;
   }
 
   /// At the finest resolution.
-  Agreement AgreementOf(MammogramSearch& mammogram) const
+  Similarity AgreementOf(ViewSearch& view) const
   {
-    const RegistrationTarget finest =
-      CoarsenTo(*mammogram.Given->Target, this->Options.PixelSizesMm.back());
+    const RegistrationTarget& finest = view.Input->Levels.back();
     return Compare(
-      Synthesize(*mammogram.Here, finest.Grid, ChestWallCentre(finest), this->Options.Samples),
+      Synthesize(*view.Current, finest.Grid, ChestWallCentre(finest), this->Options.Samples),
       finest);
   }
 
-  void KeepBefore(MammogramSearch& mammogram) const
-  {
-    mammogram.Result.Before = this->AgreementOf(mammogram);
-  }
+  void KeepBefore(ViewSearch& view) const { view.Result.Before = this->AgreementOf(view); }
 
   /// Of one mammogram's share in a stage that takes them one by one.
-  ProgressCallback OfMammogram(const MammogramSearch& mammogram, double from, double to) const
+  ProgressCallback OfView(const ViewSearch& view, double from, double to) const
   {
-    const std::vector<MammogramSearch>& all = this->Joint.Mammograms;
+    const std::vector<ViewSearch>& all = this->State.Views;
     const double share = (to - from) / static_cast<double>(all.size());
-    const double begin = from + share * static_cast<double>(&mammogram - all.data());
+    const double begin = from + share * static_cast<double>(&view - all.data());
     return Counted(this->Progress, begin, begin + share, EquilibriaOfStart);
   }
 
-  void Choose(const SearchedBreast& breast, MammogramSearch& mammogram,
-    const ProgressCallback& progress)
+  void Choose(const SearchedBreast& breast, ViewSearch& view, const ProgressCallback& progress)
   {
-    ChooseStart(breast, CoarsenTo(*mammogram.Given->Target, this->Options.PixelSizesMm.front()),
-      this->Bounded(mammogram, this->FirstComparison()), mammogram, progress);
+    ChooseStart(breast, view.Input->Levels.front(), this->ComparedBy(this->FirstComparison()), view,
+      progress);
   }
 
-  /// Where the search stands, with the prior of a shared parameter counted once.
-  std::vector<SearchedMammogram> Searched(const std::vector<SearchedBreast>& breasts,
-    double pixelSizeMm, PictureComparison comparison) const
+  /// Evaluators where the search stands, with the prior of a shared parameter counted once.
+  std::vector<std::unique_ptr<ViewEvaluator>> Evaluators(const std::vector<SearchedBreast>& breasts,
+    std::size_t level, PictureComparison comparison, const ProgressCallback& progress) const
   {
-    std::vector<SearchedMammogram> searched;
-    for (std::size_t number = 0; number < this->Joint.Mammograms.size(); ++number)
+    const RegistrationOptions options = this->ComparedBy(comparison);
+    std::vector<std::unique_ptr<ViewEvaluator>> evaluators;
+    for (std::size_t number = 0; number < this->State.Views.size(); ++number)
     {
-      const MammogramSearch& mammogram = this->Joint.Mammograms[number];
-      searched.push_back({ breasts[number], CoarsenTo(*mammogram.Given->Target, pixelSizeMm),
-        this->Bounded(mammogram, comparison), mammogram.Result.Values, mammogram.Here, {} });
-      for (const ProjectionTarget& other : mammogram.Given->Others)
+      const ViewSearch& view = this->State.Views[number];
+      std::vector<ComparedProjection> projections{ { &view.Input->Levels[level], std::nullopt } };
+      for (const ViewProjection& projection : view.Input->Projections)
       {
-        searched.back().Others.push_back(
-          { CoarsenTo(*other.Target, pixelSizeMm), other.FocalSpotMm });
+        projections.push_back({ &projection.Levels[level], projection.FocalSpotMm });
       }
+      std::vector<RegistrationParameter> parameters = view.Result.Parameters;
       for (int index = 0; index < ParameterCount; ++index)
       {
         if (IsShared(index) && number > 0)
         {
-          searched.back().Options.Parameters[index].PriorSigma = 0;
+          parameters[index].PriorSigma = 0;
         }
       }
+      evaluators.push_back(std::make_unique<ViewEvaluator>(breasts[number],
+        RegistrationResiduals(std::move(projections), std::move(parameters), options),
+        view.Result.Values, view.Current, progress));
     }
-    return searched;
+    return evaluators;
   }
 
   /// Searches resolutions from `first` to before `last`; false when stopped by the user.
@@ -372,16 +362,17 @@ private:
     const ProgressCallback progress = Counted(this->Progress, from, to,
       EquilibriaOfLevel * static_cast<double>(searches * breasts.size()));
     const bool predicted = breasts.front().Body == breasts.front().Model->Predictor();
-    for (std::size_t number = first; number < last && !this->Joint.Unknowns.empty(); ++number)
+    for (std::size_t number = first; number < last && !this->State.FreeParameters.empty(); ++number)
     {
       const double pixelSizeMm = this->Options.PixelSizesMm[number];
       const bool finest = pixelSizeMm == this->Options.PixelSizesMm.back();
       const bool refined = finest && refines;
-      LevelEnd end = SearchLevel(this->Searched(breasts, pixelSizeMm, this->FirstComparison()),
-        { pixelSizeMm, this->FirstComparison(),
-          predicted || refined ? NegligibleFallOnTheWay : NegligibleFall,
-          this->Options.MaximumIterations, finest && !refined },
-        this->Joint, progress);
+      LevelEnd end =
+        SearchLevel(this->Evaluators(breasts, number, this->FirstComparison(), progress),
+          { pixelSizeMm, this->FirstComparison(),
+            predicted || refined ? NegligibleFallOnTheWay : NegligibleFall,
+            this->Options.MaximumIterations, finest && !refined },
+          this->Options, this->State, progress);
       if (end == LevelEnd::Reached && refined)
       {
         end = this->Refine(breasts, progress);
@@ -405,20 +396,21 @@ private:
     const double pixelSizeMm = this->Options.PixelSizesMm.back();
     const auto search = [&](PictureComparison comparison)
     {
-      return SearchLevel(this->Searched(breasts, pixelSizeMm, comparison),
+      return SearchLevel(
+        this->Evaluators(breasts, this->Options.PixelSizesMm.size() - 1, comparison, progress),
         { pixelSizeMm, comparison, NegligibleFall, this->Options.MaximumIterations, true,
           comparison != this->FirstComparison() },
-        this->Joint, progress);
+        this->Options, this->State, progress);
     };
     const double before = this->TissueCorrelation();
     if (std::isnan(before))
     {
       return search(this->FirstComparison());
     }
-    std::vector<std::pair<std::vector<double>, std::shared_ptr<EvaluatedState>>> places;
-    for (const MammogramSearch& mammogram : this->Joint.Mammograms)
+    std::vector<std::pair<std::vector<double>, std::shared_ptr<PosedBreast>>> places;
+    for (const ViewSearch& view : this->State.Views)
     {
-      places.emplace_back(mammogram.Result.Values, mammogram.Here);
+      places.emplace_back(view.Result.Values, view.Current);
     }
     const LevelEnd end = search(this->Options.Comparison);
     if (end == LevelEnd::Stopped ||
@@ -426,12 +418,12 @@ private:
     {
       return end;
     }
-    this->Joint.Covariance.clear();
+    this->State.Covariance.clear();
     for (std::size_t number = 0; number < places.size(); ++number)
     {
-      MammogramSearch& mammogram = this->Joint.Mammograms[number];
-      std::tie(mammogram.Result.Values, mammogram.Here) = places[number];
-      ForgetCovariance(mammogram.Result);
+      ViewSearch& view = this->State.Views[number];
+      std::tie(view.Result.Values, view.Current) = places[number];
+      ForgetCovariance(view.Result);
     }
     return search(this->FirstComparison());
   }
@@ -440,16 +432,16 @@ private:
   double TissueCorrelation()
   {
     double sum = 0;
-    for (MammogramSearch& mammogram : this->Joint.Mammograms)
+    for (ViewSearch& view : this->State.Views)
     {
-      sum += this->AgreementOf(mammogram).TissueCorrelation;
+      sum += this->AgreementOf(view).TissueCorrelation;
     }
-    return sum / static_cast<double>(this->Joint.Mammograms.size());
+    return sum / static_cast<double>(this->State.Views.size());
   }
 
   const RegistrationOptions& Options;
   const ProgressCallback& Progress;
-  JointSearch Joint;
+  SearchState State;
 };
 }
 
@@ -458,22 +450,12 @@ bool IsShared(int parameter)
   return parameter == StiffnessParameter;
 }
 
-JointRegistrationResult RegisterTogether(const std::vector<JointMammogram>& mammograms,
-  const RegistrationOptions& options, const ProgressCallback& progress,
+RegistrationResult Register(const RegistrationProblem& problem, const ProgressCallback& progress,
   const SearchObserver& observer)
 {
-  ValidateMammograms(mammograms, options);
-  Search search(mammograms, options, progress, observer);
+  ValidateProblem(problem);
+  Search search(problem, progress, observer);
   search.Run();
   return search.Result();
-}
-
-RegistrationResult Register(BreastModel& model, const UnitPlacement& placement,
-  const RegistrationTarget& target, const RegistrationOptions& options,
-  const ProgressCallback& progress)
-{
-  const JointMammogram mammogram{ &model, placement, &target, options.Parameters, options.From,
-    {} };
-  return std::move(RegisterTogether({ mammogram }, options, progress).Mammograms.front());
 }
 }

@@ -6,6 +6,7 @@
 
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace mammoray
 {
@@ -41,18 +42,19 @@ std::vector<RegistrationParameter> DefaultParameters(const BreastPose& start)
 }
 
 RegistrationResiduals::RegistrationResiduals(const RegistrationTarget& target,
-  const RegistrationOptions& options)
-  : RegistrationResiduals({ { &target, std::nullopt } }, options)
+  std::vector<RegistrationParameter> parameters, const RegistrationOptions& options)
+  : RegistrationResiduals({ { &target, std::nullopt } }, std::move(parameters), options)
 {
 }
 
-RegistrationResiduals::RegistrationResiduals(const std::vector<ComparedProjection>& projections,
-  const RegistrationOptions& options)
-  : Projections(projections)
-  , Options(options)
+RegistrationResiduals::RegistrationResiduals(std::vector<ComparedProjection> projections,
+  std::vector<RegistrationParameter> parameters, const RegistrationOptions& options)
+  : Projections(std::move(projections))
+  , Parameters(std::move(parameters))
+  , RobustWidth(options.RobustWidth)
 {
-  const double share = 1 / static_cast<double>(projections.size());
-  for (const ComparedProjection& projection : projections)
+  const double share = 1 / static_cast<double>(this->Projections.size());
+  for (const ComparedProjection& projection : this->Projections)
   {
     this->Compared.push_back(
       std::make_shared<PictureResiduals>(*projection.Target, options, share));
@@ -76,13 +78,13 @@ std::vector<double> RegistrationResiduals::RobustWidths() const
   {
     // Residuals are times the root of their share: the same ones are beyond the width.
     widths.insert(widths.end(), picture->NumberOfResiduals(),
-      std::sqrt(picture->Share()) * this->Options.RobustWidth);
+      std::sqrt(picture->Share()) * this->RobustWidth);
   }
   widths.insert(widths.end(), this->NumberOfPriors(), std::numeric_limits<double>::infinity());
   return widths;
 }
 
-EvaluatedState& RegistrationResiduals::Seen(EvaluatedState& breast, std::size_t projection) const
+PosedBreast& RegistrationResiduals::Seen(PosedBreast& breast, std::size_t projection) const
 {
   const std::optional<Vector3>& spot = this->Projections[projection].FocalSpotMm;
   return spot ? breast.SeenFrom(*spot) : breast;
@@ -107,25 +109,30 @@ std::vector<double> RegistrationResiduals::Weigh(const std::vector<double>& fact
   return changes;
 }
 
-std::vector<double> RegistrationResiduals::Evaluate(EvaluatedState& breast) const
+std::vector<double> RegistrationResiduals::Evaluate(PosedBreast& breast) const
 {
   std::vector<double> residuals;
-  residuals.reserve(this->NumberOfResiduals());
+  this->Append(breast, residuals);
+  return residuals;
+}
+
+void RegistrationResiduals::Append(PosedBreast& breast, std::vector<double>& residuals) const
+{
+  residuals.reserve(residuals.size() + this->NumberOfResiduals());
   for (std::size_t number = 0; number < this->Compared.size(); ++number)
   {
     this->Compared[number]->Append(this->Seen(breast, number), residuals);
   }
   const std::vector<double> values = ValuesOf(breast.Pose());
-  for (std::size_t index = 0; index < this->Options.Parameters.size(); ++index)
+  for (std::size_t index = 0; index < this->Parameters.size(); ++index)
   {
-    const RegistrationParameter& parameter = this->Options.Parameters[index];
+    const RegistrationParameter& parameter = this->Parameters[index];
     residuals.push_back(
       parameter.PriorSigma > 0 ? (values[index] - parameter.Start) / parameter.PriorSigma : 0.0);
   }
-  return residuals;
 }
 
-RegistrationCosts RegistrationResiduals::Costs(const std::vector<double>& residuals) const
+RegistrationCosts RegistrationResiduals::Costs(std::span<const double> residuals) const
 {
   RegistrationCosts costs;
   auto residual = residuals.begin();
@@ -140,7 +147,7 @@ RegistrationCosts RegistrationResiduals::Costs(const std::vector<double>& residu
   };
   for (const auto& picture : this->Compared)
   {
-    const double width = std::sqrt(picture->Share()) * this->Options.RobustWidth;
+    const double width = std::sqrt(picture->Share()) * this->RobustWidth;
     add(costs.Outline, picture->NumberOfOutlineResiduals(), width);
     add(costs.Intensity, picture->NumberOfIntensityResiduals(), width);
   }
@@ -148,11 +155,11 @@ RegistrationCosts RegistrationResiduals::Costs(const std::vector<double>& residu
   return costs;
 }
 
-RegistrationResiduals::Jacobian RegistrationResiduals::Differentiate(EvaluatedState& breast,
+RegistrationResiduals::Jacobian RegistrationResiduals::Differentiate(PosedBreast& breast,
   const std::vector<int>& wanted) const
 {
   Jacobian jacobian;
-  jacobian.Columns.resize(this->Options.Parameters.size());
+  jacobian.Columns.resize(this->Parameters.size());
   if (wanted.empty())
   {
     return jacobian;
@@ -171,9 +178,9 @@ RegistrationResiduals::Jacobian RegistrationResiduals::Differentiate(EvaluatedSt
   }
   for (const int parameter : wanted)
   {
-    for (std::size_t index = 0; index < this->Options.Parameters.size(); ++index)
+    for (std::size_t index = 0; index < this->Parameters.size(); ++index)
     {
-      const double sigma = this->Options.Parameters[index].PriorSigma;
+      const double sigma = this->Parameters[index].PriorSigma;
       jacobian.Columns[parameter].push_back(
         static_cast<int>(index) == parameter && sigma > 0 ? 1 / sigma : 0.0);
     }

@@ -2,11 +2,12 @@
 #ifndef mammoray_RegistrationResiduals_h
 #define mammoray_RegistrationResiduals_h
 
-#include "mammoray/Registration/EvaluatedState.h"
+#include "mammoray/Registration/PosedBreast.h"
 #include "mammorayRegistrationModule.h"
 
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -20,9 +21,9 @@ struct RegistrationParameter
   double Start = 0;
   double Lower = 0;
   double Upper = 0;
-  /// Makes the optimiser's unknowns comparable. Positive.
+  /// Step that makes the parameters of the optimiser comparable. Positive.
   double Scale = 1;
-  /// Standard deviation of the prior around Start; 0 = none.
+  /// Standard deviation of the prior around Start; 0: no prior.
   double PriorSigma = 0;
   /// Not optimised: stays at Start.
   bool Fixed = false;
@@ -35,7 +36,7 @@ enum class RegistrationDerivatives
   CentralDifferences
 };
 
-/// How the pictures are compared inside the breast.
+/// Features of the pictures that are compared inside the breast.
 enum class PictureComparison
 {
   /// Log attenuation less its mean, over its standard deviation, both of all pixels: the least
@@ -54,12 +55,8 @@ MAMMORAYREGISTRATION_EXPORT const char* NameOf(PictureComparison comparison);
 
 struct RegistrationOptions
 {
-  /// All ParameterCount, in their order.
-  std::vector<RegistrationParameter> Parameters;
-  /// Where the search begins: one value per parameter, free ones within their bounds. Empty: at
-  /// their Start and, with the roll beside it, at these others, whichever matches best once the
-  /// outlines meet; those outside the bounds are left out, degrees.
-  std::vector<double> From;
+  /// Rolls beside the start at which a search may begin, degrees: of all, the one whose picture
+  /// matches best once the outlines meet. Those outside the bounds are left out.
   std::vector<double> RollOffsetsDeg{ -15.0, 15.0 };
   /// Edge lengths of the pixels in which the images are compared, coarse to fine, mm.
   std::vector<double> PixelSizesMm{ 3.0, 1.5 };
@@ -71,7 +68,7 @@ struct RegistrationOptions
    * Standard deviation of the model's error on the outline, mm, and of what is compared of the
    * picture, in root mean squares of the target's, and the distance over which these errors are
    * alike, mm: neighbouring samples share their weight. Where gradients are compared at last,
-   * residuals tell their own (ComparedGroups).
+   * residuals tell their own (ResidualGroups).
    */
   double OutlineSigmaMm = 1.0;
   double IntensitySigma = 0.5;
@@ -119,17 +116,18 @@ struct ComparedProjection
  * against a target, or several projections of one compression, at one resolution, in standard
  * deviations, with exact derivatives through mechanics (implicit function theorem), projection
  * (derivative images) and silhouette (the crossed edges). Projections of one compression share the
- * model's errors, so that all together count as much as one. Targets and options must outlive it.
+ * model's errors, so that all together count as much as one. Targets must outlive it.
  */
 class MAMMORAYREGISTRATION_EXPORT RegistrationResiduals
 {
 public:
   /// Throws InputError where a target's breast is too small or its outline outside the image.
-  RegistrationResiduals(const RegistrationTarget& target, const RegistrationOptions& options);
-  RegistrationResiduals(const std::vector<ComparedProjection>& projections,
-    const RegistrationOptions& options);
+  RegistrationResiduals(std::vector<ComparedProjection> projections,
+    std::vector<RegistrationParameter> parameters, const RegistrationOptions& options);
+  RegistrationResiduals(const RegistrationTarget& target,
+    std::vector<RegistrationParameter> parameters, const RegistrationOptions& options);
 
-  /// One parameter at a time, in the order of the options; fixed ones too.
+  /// One column per parameter, fixed ones too.
   struct Jacobian
   {
     /// Columns[parameter][residual], per unit of the parameter; empty for those that were not
@@ -140,7 +138,7 @@ public:
   /// Of each projection outline, then intensity; at the end one prior per parameter (0 where it has
   /// none).
   std::size_t NumberOfResiduals() const;
-  std::size_t NumberOfPriors() const { return this->Options.Parameters.size(); }
+  std::size_t NumberOfPriors() const { return this->Parameters.size(); }
   /// What is compared of each projection.
   const PictureResiduals& Picture(std::size_t projection) const
   {
@@ -151,7 +149,7 @@ public:
   std::vector<double> RobustWidths() const;
 
   /// The breast seen from where a projection was taken.
-  EvaluatedState& Seen(EvaluatedState& breast, std::size_t projection) const;
+  PosedBreast& Seen(PosedBreast& breast, std::size_t projection) const;
 
   /**
    * Multiplies outline and picture of each projection by other factors than the options say
@@ -160,19 +158,22 @@ public:
    */
   std::vector<double> Weigh(const std::vector<double>& factors);
 
-  std::vector<double> Evaluate(EvaluatedState& breast) const;
+  std::vector<double> Evaluate(PosedBreast& breast) const;
+  /// Appends what Evaluate returns.
+  void Append(PosedBreast& breast, std::vector<double>& residuals) const;
 
-  RegistrationCosts Costs(const std::vector<double>& residuals) const;
+  RegistrationCosts Costs(std::span<const double> residuals) const;
 
   /**
    * Their derivatives with respect to the parameters numbered in `wanted`. Exact where the
    * residuals are smooth: the outline has kinks where its silhouette goes over to another edge.
    */
-  Jacobian Differentiate(EvaluatedState& breast, const std::vector<int>& wanted) const;
+  Jacobian Differentiate(PosedBreast& breast, const std::vector<int>& wanted) const;
 
 private:
   std::vector<ComparedProjection> Projections;
-  const RegistrationOptions& Options;
+  std::vector<RegistrationParameter> Parameters;
+  double RobustWidth;
   std::vector<std::shared_ptr<PictureResiduals>> Compared;
 };
 }

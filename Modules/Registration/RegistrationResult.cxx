@@ -40,7 +40,7 @@ double DeviationsFromPrior(const RegistrationParameter& parameter, double value,
 
 /// Adds why a breast may lie otherwise than a match of pictures tells.
 template <typename Add>
-void AddMechanics(const RegistrationResult& result, const Add& add)
+void AddMechanics(const ViewResult& result, const Add& add)
 {
   if (result.State.Positions.empty())
   {
@@ -75,7 +75,7 @@ void AddMechanics(const RegistrationResult& result, const Add& add)
 
 /// Adds what the tissue inside tells of whose breast is pictured.
 template <typename Add>
-void AddTissue(const RegistrationResult& result, const Add& add)
+void AddTissue(const ViewResult& result, const Add& add)
 {
   const double tissue = result.After.TissueCorrelation;
   if (std::isnan(tissue))
@@ -105,7 +105,7 @@ double ReadoutTolerance(double thicknessMm)
 
 /// Adds what the header and the result disagree on.
 template <typename Add>
-void AddHeader(const RegistrationResult& result, const Add& add)
+void AddHeader(const ViewResult& result, const Add& add)
 {
   if (result.HeaderThicknessMm)
   {
@@ -128,7 +128,7 @@ void AddHeader(const RegistrationResult& result, const Add& add)
 }
 }
 
-Assessment Assess(const RegistrationResult& result)
+Assessment Assess(const ViewResult& result)
 {
   Assessment assessment;
   const auto add = [&](Trust level, const std::string& reason)

@@ -7,6 +7,7 @@
 #include "mammoray/Registration/SyntheticMammogram.h"
 #include "mammorayRegistrationModule.h"
 
+#include <cstddef>
 #include <limits>
 #include <optional>
 #include <string>
@@ -68,8 +69,8 @@ struct Assessment
   std::vector<std::string> Reasons;
 };
 
-/// What a registration found of one mammogram. It is complete when Register returns.
-struct RegistrationResult
+/// What a registration found of one view.
+struct ViewResult
 {
   BreastPose Pose;
   /// The given parameters. Bounds and start differ from them only where Warnings say so.
@@ -105,10 +106,10 @@ struct RegistrationResult
    */
   double OtherEquilibriumMm = std::numeric_limits<double>::quiet_NaN();
   /// At the start in the finest pixels that are compared, at the end on the target's own grid.
-  Agreement Before;
-  Agreement After;
+  Similarity Before;
+  Similarity After;
   /// The same of each further projection of a tomosynthesis, at the end.
-  std::vector<Agreement> ProjectionsAfter;
+  std::vector<Similarity> ProjectionsAfter;
   bool Converged = false;
   std::string StopReason;
   /// Notes on the search for the user, a sentence each.
@@ -131,7 +132,32 @@ struct RegistrationResult
   double Seconds = 0;
 };
 
-/// Tissue correlations (Agreement::TissueCorrelation) from which on pictures are those of one
+/// A parameter that was found, of one view or shared by all.
+struct FreeParameter
+{
+  int Parameter = 0;
+  /// Numbers of the views that have it.
+  std::vector<std::size_t> Views;
+  /// Those of the first of them.
+  double Lower = 0;
+  double Upper = 0;
+  double Scale = 1;
+
+  bool IsShared() const { return this->Views.size() > 1; }
+};
+
+/// What a registration found. It is complete when Register returns.
+struct RegistrationResult
+{
+  /// In the order of the problem. Counts and costs are those of each view, seconds those of all.
+  std::vector<ViewResult> Views;
+  /// What was free, view by view; a shared parameter once.
+  std::vector<FreeParameter> FreeParameters;
+  /// Covariance[i * FreeParameters.size() + j], in the parameters' units; empty if unknown.
+  std::vector<double> Covariance;
+};
+
+/// Tissue correlations (Similarity::TissueCorrelation) from which on pictures are those of one
 /// breast, and below which they are not. Of wrong results (of another breast, or off by more than 5
 /// mm) the most was 0.47, of right ones 4 % have less than 0.55 (docs/accuracy.md, "Trust").
 inline constexpr double GoodTissueCorrelation = 0.55;
@@ -149,7 +175,7 @@ inline constexpr double LeastTissueCorrelation = 0.3;
  * thickness is more than 5 mm or 15 % from the one found, as far as units may be off (twice as
  * much: none), and so do Disagreements. The limits are rules of thumb, not clinical validation.
  */
-MAMMORAYREGISTRATION_EXPORT Assessment Assess(const RegistrationResult& result);
+MAMMORAYREGISTRATION_EXPORT Assessment Assess(const ViewResult& result);
 
 /// Whether a free parameter's value lies at a bound, up to a thousandth of the way between them.
 MAMMORAYREGISTRATION_EXPORT bool AtBound(const RegistrationParameter& parameter, double value);

@@ -16,7 +16,7 @@ namespace
 struct Cell
 {
   /// Signed distances at (column, row), the next column, the next row, and both.
-  double At[4];
+  double Corners[4];
   /// Place in the cell, [0, 1].
   double Column;
   double Row;
@@ -40,10 +40,10 @@ struct Cell
     this->Row = insideRow - r0;
     const auto at = [&](int c, int r)
     { return static_cast<double>(target.SignedDistanceMm[target.Grid.Index(c, r)]); };
-    this->At[0] = at(c0, r0);
-    this->At[1] = at(c1, r0);
-    this->At[2] = at(c0, r1);
-    this->At[3] = at(c1, r1);
+    this->Corners[0] = at(c0, r0);
+    this->Corners[1] = at(c1, r0);
+    this->Corners[2] = at(c0, r1);
+    this->Corners[3] = at(c1, r1);
     if (!this->InColumns || !this->InRows)
     {
       const ReceptorPoint border = target.Grid.PositionOf(insideColumn, insideRow);
@@ -141,8 +141,8 @@ double SignedDistanceAt(const RegistrationTarget& target, const ReceptorPoint& p
 {
   const Cell cell(target, point);
   const double value =
-    (1 - cell.Row) * ((1 - cell.Column) * cell.At[0] + cell.Column * cell.At[1]) +
-    cell.Row * ((1 - cell.Column) * cell.At[2] + cell.Column * cell.At[3]);
+    (1 - cell.Row) * ((1 - cell.Column) * cell.Corners[0] + cell.Column * cell.Corners[1]) +
+    cell.Row * ((1 - cell.Column) * cell.Corners[2] + cell.Column * cell.Corners[3]);
   return value + std::hypot(cell.Outside[0], cell.Outside[1]);
 }
 
@@ -150,12 +150,12 @@ ReceptorPoint SignedDistanceGradient(const RegistrationTarget& target, const Rec
 {
   const Cell cell(target, point);
   // Per column and per row; nothing along what is clamped.
-  const double byColumn = cell.InColumns
-    ? (1 - cell.Row) * (cell.At[1] - cell.At[0]) + cell.Row * (cell.At[3] - cell.At[2])
-    : 0.0;
-  const double byRow = cell.InRows
-    ? (1 - cell.Column) * (cell.At[2] - cell.At[0]) + cell.Column * (cell.At[3] - cell.At[1])
-    : 0.0;
+  const double byColumn = cell.InColumns ? (1 - cell.Row) * (cell.Corners[1] - cell.Corners[0]) +
+      cell.Row * (cell.Corners[3] - cell.Corners[2])
+                                         : 0.0;
+  const double byRow = cell.InRows ? (1 - cell.Column) * (cell.Corners[2] - cell.Corners[0]) +
+      cell.Column * (cell.Corners[3] - cell.Corners[1])
+                                   : 0.0;
   const auto& c = target.Grid.ColumnStep;
   const auto& r = target.Grid.RowStep;
   const double determinant = c[0] * r[1] - c[1] * r[0];

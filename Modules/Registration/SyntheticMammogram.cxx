@@ -22,11 +22,11 @@ std::vector<ReceptorPoint> DrawnDirections()
 }
 }
 
-SyntheticMammogram Synthesize(EvaluatedState& breast, const ReceptorGrid& grid,
+SyntheticMammogram Synthesize(PosedBreast& breast, const ReceptorGrid& grid,
   const ReceptorPoint& centre, int samples)
 {
   SyntheticMammogram synthetic;
-  const EvaluatedState::Picture& picture = breast.PictureOn(grid, samples);
+  const PosedBreast::Picture& picture = breast.PictureOn(grid, samples);
   synthetic.LogAttenuation = picture.LogAttenuation;
   synthetic.InconsistentRays = picture.Lengths.NumberOfInconsistentRays();
 
@@ -61,7 +61,7 @@ double DistanceToLine(const ReceptorPoint& point, const std::vector<ReceptorPoin
 }
 
 void CompareOutlines(const SyntheticMammogram& synthetic, const RegistrationTarget& target,
-  Agreement& agreement)
+  Similarity& agreement)
 {
   const auto outline = OutlineAlong(target, ChestWallCentre(target), DrawnDirections());
   double distances = 0;
@@ -145,9 +145,9 @@ double CorrelateTissue(const SyntheticMammogram& synthetic, const RegistrationTa
 }
 }
 
-Agreement Compare(const SyntheticMammogram& synthetic, const RegistrationTarget& target)
+Similarity Compare(const SyntheticMammogram& synthetic, const RegistrationTarget& target)
 {
-  Agreement agreement;
+  Similarity agreement;
   CompareOutlines(synthetic, target, agreement);
   std::vector<std::size_t> pixels;
   for (std::size_t pixel = 0; pixel < target.BreastMask.size(); ++pixel)

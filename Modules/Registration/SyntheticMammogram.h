@@ -2,7 +2,7 @@
 #ifndef mammoray_SyntheticMammogram_h
 #define mammoray_SyntheticMammogram_h
 
-#include "mammoray/Registration/EvaluatedState.h"
+#include "mammoray/Registration/PosedBreast.h"
 #include "mammorayRegistrationModule.h"
 
 #include <cstddef>
@@ -17,17 +17,17 @@ struct SyntheticMammogram
   std::vector<float> LogAttenuation;
   /// Outer silhouette on the receptor, gantry x, y, mm; from +x to -x around the nipple.
   std::vector<ReceptorPoint> Outline;
-  /// Rays whose crossings did not cancel.
+  /// Number of rays that crossed a surface which does not close.
   std::size_t InconsistentRays = 0;
 };
 
 /// X-rays a compressed breast, with `samples` rays along each side of a pixel. The silhouette is
 /// looked for along rays from `centre`, a point of its shadow at the chest wall (ChestWallCentre).
-MAMMORAYREGISTRATION_EXPORT SyntheticMammogram Synthesize(EvaluatedState& breast,
+MAMMORAYREGISTRATION_EXPORT SyntheticMammogram Synthesize(PosedBreast& breast,
   const ReceptorGrid& grid, const ReceptorPoint& centre, int samples);
 
-/// How two pictures of the breast agree.
-struct Agreement
+/// How alike a synthetic and a real mammogram are.
+struct Similarity
 {
   /// Normalised cross-correlation of log attenuation inside both outlines, [-1, 1].
   double Correlation = 0;
@@ -47,7 +47,7 @@ struct Agreement
 };
 
 /// NaN where there is no outline to compare. Throws InputError on an empty mask.
-MAMMORAYREGISTRATION_EXPORT Agreement Compare(const SyntheticMammogram& synthetic,
+MAMMORAYREGISTRATION_EXPORT Similarity Compare(const SyntheticMammogram& synthetic,
   const RegistrationTarget& target);
 }
 

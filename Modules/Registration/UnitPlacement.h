@@ -11,13 +11,13 @@
 namespace mammoray
 {
 /**
- * Radius of the plates' chest-wall edges in a search, mm: more than a unit's 3, and than the 6 mm
- * between the nodes of a patient's mechanics. A sharper edge is passed node by node, in jumps of
- * some mm that no derivative tells of.
+ * Radius of the plates' chest-wall edges in a search, mm. It is larger than a unit's 3 mm and than
+ * the 6 mm between the nodes of a patient's mechanics: tissue passes a sharper edge node by node,
+ * in jumps of some mm that derivatives do not show.
  */
 inline constexpr double SearchedEdgeRadiusMm = 8.0;
 
-/// A unit that can be placed around a breast by a pose: the unit, and what the pose refers to.
+/// A unit that a pose places around a breast: the unit, and the frame that the pose refers to.
 struct MAMMORAYREGISTRATION_EXPORT UnitPlacement
 {
   AnatomicalAxes Axes;
@@ -29,9 +29,9 @@ struct MAMMORAYREGISTRATION_EXPORT UnitPlacement
   {
     return PlaceUnit(this->Axes, this->Anchor, this->Unit, pose);
   }
-  /// Volume frame.
+  /// The plates in the volume frame.
   PlatePair PlatesAt(const BreastPose& pose) const;
-  /// The rate of the plates with each of PoseParameters before the stiffness, per mm or degree.
+  /// Velocities of the plates with each of PoseParameters before the stiffness, per mm or degree.
   std::vector<PlatePairVelocity> PlateVelocitiesAt(const BreastPose& pose) const;
 };
 }

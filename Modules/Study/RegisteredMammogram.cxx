@@ -7,7 +7,7 @@
 #include "mammoray/IO/MammogramSynthesis.h"
 #include "mammoray/IO/Sha256.h"
 #include "mammoray/IO/ShippedData.h"
-#include "mammoray/Registration/EvaluatedState.h"
+#include "mammoray/Registration/PosedBreast.h"
 
 #include <filesystem>
 #include <optional>
@@ -97,7 +97,7 @@ Mammogram ReadRegisteredMammogram(const ResultFile& result, const std::string& m
     throw InputError(
       mammogramPath + ": expected the mammogram of the result, " + *other + ", found another file");
   }
-  const ResultMammogram& searched = result.Mammogram;
+  const Mammogram& searched = result.Mammogram;
   const PictureDescription known{ searched.ColumnSpacingMm, searched.View, searched.Laterality };
   Mammogram mammogram = IsPicturePath(mammogramPath) ? ReadMammogramPicture(mammogramPath, known)
                                                      : ReadMammogram(mammogramPath);

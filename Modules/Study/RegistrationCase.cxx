@@ -15,10 +15,6 @@
 #include "mammoray/Study/CutTissue.h"
 #include "mammoray/Study/StudyCase.h"
 
-#ifdef MAMMORAY_HAS_MESHING
-#include "mammoray/Meshing/LabelMesher.h"
-#endif
-
 #include "vtkUnstructuredGrid.h"
 
 #include <algorithm>
@@ -30,23 +26,35 @@ namespace mammoray
 {
 namespace
 {
-/// Appends the time since it was made, or since the last call, to a list of stages.
+/// Measures stages, by the names that progress is reported with, into a list.
 class Stopwatch
 {
 public:
-  explicit Stopwatch(std::vector<std::pair<std::string, double>>& stages)
+  Stopwatch(std::vector<std::pair<std::string, double>>& stages, const char* first)
     : Stages(stages)
+    , Stage(first)
   {
   }
-  void Stage(const std::string& name)
+  /// That stage, or a detail of it behind a StageSeparator, goes on or begins now.
+  void Note(const std::string& told)
+  {
+    std::string stage = told.substr(0, told.find(StageSeparator));
+    if (stage != this->Stage)
+    {
+      this->End();
+      this->Stage = std::move(stage);
+    }
+  }
+  void End()
   {
     const auto now = std::chrono::steady_clock::now();
-    this->Stages.emplace_back(name, std::chrono::duration<double>(now - this->Last).count());
+    this->Stages.emplace_back(this->Stage, std::chrono::duration<double>(now - this->Last).count());
     this->Last = now;
   }
 
 private:
   std::vector<std::pair<std::string, double>>& Stages;
+  std::string Stage;
   std::chrono::steady_clock::time_point Last = std::chrono::steady_clock::now();
 };
 
@@ -57,23 +65,6 @@ TetrahedralMesh ReadTetrahedra(const std::string& path, const MaterialTable& tab
   table.CheckMesh(mesh, {}, path);
   return mesh;
 }
-
-#ifdef MAMMORAY_HAS_MESHING
-TetrahedralMesh MeshAnatomy(const LabelVolume& materials, const std::vector<int>& thin,
-  double cellSizeMm, const ProgressCallback& progress)
-{
-  MeshingOptions options = MeshingOptions::Anatomy(thin);
-  options.CellSizeMm = cellSizeMm;
-  return MeshMaterials(materials, options, progress).Mesh;
-}
-#else
-TetrahedralMesh MeshAnatomy(const LabelVolume&, const std::vector<int>&, double,
-  const ProgressCallback&)
-{
-  throw InputError("registration: this build has no Meshing module; expected an anatomy mesh and a "
-                   "simulation mesh made elsewhere");
-}
-#endif
 
 /// What the case says where a parameter starts; nothing where it does not.
 std::optional<double> GivenStart(const RegistrationCase& input, std::size_t mammogram,
@@ -137,8 +128,7 @@ BreastPose StartOf(const RegistrationCase& input, std::size_t number, const Mamm
   return start;
 }
 
-void FreeParameters(const std::vector<std::string>& names,
-  std::vector<RegistrationParameter>& parameters)
+void FreeOnly(const std::vector<std::string>& names, std::vector<RegistrationParameter>& parameters)
 {
   for (RegistrationParameter& parameter : parameters)
   {
@@ -167,7 +157,7 @@ std::vector<std::string> FreeNames(const RegistrationCase& input, const Material
 /// Begins where an earlier search was, with its starts and bounds, which it may have had to open.
 /// Throws InputError that names the file when it is one of other inputs.
 void ResumeFrom(const RegistrationCase& input, const SearchPoint& earlier,
-  const std::string& mammogram, JointMammogram& searched)
+  const std::string& mammogram, View& view)
 {
   for (const CaseInput& given : CaseInputs(input, mammogram))
   {
@@ -184,22 +174,22 @@ void ResumeFrom(const RegistrationCase& input, const SearchPoint& earlier,
       }
     }
   }
-  for (RegistrationParameter& parameter : searched.Parameters)
+  for (RegistrationParameter& parameter : view.Parameters)
   {
     const auto known = std::find_if(earlier.Parameters.begin(), earlier.Parameters.end(),
       [&](const ResultParameter& entry) { return entry.Name == parameter.Name; });
     if (known == earlier.Parameters.end())
     {
-      searched.From.push_back(parameter.Start);
+      view.From.push_back(parameter.Start);
       continue;
     }
-    searched.From.push_back(known->Value);
+    view.From.push_back(known->Value);
     if (!parameter.Fixed && known->Lower <= known->Start && known->Start <= known->Upper)
     {
       parameter.Start = known->Start;
       parameter.Lower = known->Lower;
       parameter.Upper = known->Upper;
-      searched.From.back() = std::clamp(known->Value, known->Lower, known->Upper);
+      view.From.back() = std::clamp(known->Value, known->Lower, known->Upper);
     }
   }
 }
@@ -216,12 +206,8 @@ void CheckCount(const std::vector<std::string>& given, const RegistrationCase& i
   }
 }
 
-/**
- * Reads the mammograms into the result, each with its start; models, placements and targets of the
- * mammograms that are answered are still to be set.
- */
-std::vector<JointMammogram> ReadMammograms(const RegistrationCase& input,
-  RegistrationCaseResult& result)
+/// Reads the mammograms into the result, each with its start.
+void ReadMammograms(const RegistrationCase& input, RegistrationCaseResult& result)
 {
   CheckCount(input.Masks, input, "mask");
   CheckCount(input.MammogramViews, input, "view");
@@ -237,27 +223,26 @@ std::vector<JointMammogram> ReadMammograms(const RegistrationCase& input,
       std::to_string(input.Mammograms.size()) + " mammogram(s), found one of " +
       std::to_string(resumed.size()));
   }
-  std::vector<JointMammogram> mammograms;
   for (const std::string& path : input.Mammograms)
   {
-    const std::size_t number = mammograms.size();
-    RegisteredView& view = result.Views.emplace_back();
-    view.Path = path;
+    const std::size_t number = result.Views.size();
+    RegisteredView& registered = result.Views.emplace_back();
+    registered.Path = path;
     ReadCasePictures(input, result.Views);
-    JointMammogram& searched = mammograms.emplace_back();
-    searched.Parameters = DefaultParameters(StartOf(input, number, view.Mammogram, view.Warnings));
-    searched.Parameters[RollParameter].PriorSigma = input.RollSigmaDeg;
-    FreeParameters(free, searched.Parameters);
+    View& view = registered.View;
+    view.Parameters =
+      DefaultParameters(StartOf(input, number, registered.Mammogram, registered.Warnings));
+    view.Parameters[RollParameter].PriorSigma = input.RollSigmaDeg;
+    FreeOnly(free, view.Parameters);
     if (!input.Resume.empty())
     {
-      ResumeFrom(input, resumed[number], path, searched);
+      ResumeFrom(input, resumed[number], path, view);
     }
   }
-  if (mammograms.empty())
+  if (result.Views.empty())
   {
     throw InputError("registration: expected a mammogram, found none");
   }
-  return mammograms;
 }
 
 /// Keeps each step of the search in the case's checkpoint; where that fails, a sentence says so.
@@ -272,7 +257,7 @@ SearchObserver KeepSteps(const RegistrationCase& input, std::string& failure)
   {
     points.push_back({ HashedInputs(input, mammogram), {} });
   }
-  return [&input, &failure, points](const std::vector<const RegistrationResult*>& found) mutable
+  return [&input, &failure, points](const std::vector<const ViewResult*>& found) mutable
   {
     for (std::size_t number = 0; number < points.size(); ++number)
     {
@@ -289,35 +274,28 @@ SearchObserver KeepSteps(const RegistrationCase& input, std::string& failure)
   };
 }
 
-/// Registers the mammograms together, each with its own unit.
-void Search(const RegistrationCase& input, BreastModel& model,
-  std::vector<JointMammogram>& mammograms, RegistrationCaseResult& result,
-  const ProgressCallback& progress)
+/// Registers the views together, each with its own unit.
+void Search(const RegistrationCase& input, RegistrationProblem& problem,
+  RegistrationCaseResult& result, const ProgressCallback& progress)
 {
-  for (std::size_t number = 0; number < mammograms.size(); ++number)
+  problem.Options = input.Options;
+  for (RegisteredView& registered : result.Views)
   {
-    JointMammogram& mammogram = mammograms[number];
-    mammogram.Model = &model;
-    mammogram.Placement = { result.Axes, result.Anchor, result.Views[number].Unit };
-    mammogram.Target = &result.Views[number].Target;
-    for (const RegisteredProjection& other : result.Views[number].Others)
-    {
-      mammogram.Others.push_back({ &other.Target, other.FocalSpotMm });
-    }
+    problem.Views.push_back(std::move(registered.View));
   }
   std::string failure;
-  JointRegistrationResult found =
-    RegisterTogether(mammograms, input.Options, progress, KeepSteps(input, failure));
+  RegistrationResult found = Register(problem, progress, KeepSteps(input, failure));
   if (!failure.empty())
   {
     result.Views.front().Warnings.push_back(failure);
   }
-  result.Unknowns = std::move(found.Unknowns);
+  result.FreeParameters = std::move(found.FreeParameters);
   result.Covariance = std::move(found.Covariance);
-  for (std::size_t number = 0; number < mammograms.size(); ++number)
+  for (std::size_t number = 0; number < result.Views.size(); ++number)
   {
     RegisteredView& registered = result.Views[number];
-    registered.Registration = std::move(found.Mammograms[number]);
+    registered.View = std::move(problem.Views[number]);
+    registered.Registration = std::move(found.Views[number]);
     registered.Warnings.insert(registered.Warnings.end(), registered.Registration.Warnings.begin(),
       registered.Registration.Warnings.end());
     const std::string note = StiffnessNote(registered.Registration.State.StiffnessFactor);
@@ -426,71 +404,68 @@ RegistrationCaseResult RunRegistrationCase(const RegistrationCase& input,
 {
   // What a study's MRI takes of the time before the rest begins as it does with labels.
   const double segmenting = input.Study ? 0.25 : 0.0;
-  const ProgressCallback progress = ShareOf(whole, segmenting, 1);
   RegistrationCaseResult result;
-  Stopwatch stopwatch(result.Timings);
+  Stopwatch stopwatch(result.Timings, "read");
+  const ProgressCallback progress =
+    [&stopwatch, told = ShareOf(whole, segmenting, 1)](double fraction, const char* stage)
+  {
+    stopwatch.Note(stage);
+    return !told || told(fraction, stage);
+  };
 
   // Everything that can be refused is read before anything is computed.
-  result.Axes = AnatomicalAxes::FromCode(input.Orientation);
+  BreastInput breast;
+  breast.Axes = result.Axes = AnatomicalAxes::FromCode(input.Orientation);
   CheckHanded(input, result.Axes);
-  result.Materials = FindMaterialTable(input.Materials);
-  const ElasticTable mechanics(result.Materials);
-  const std::vector<bool>& held = mechanics.Fixed;
-  if (std::find(held.begin(), held.end(), true) == held.end())
+  breast.Materials = result.Materials = FindMaterialTable(input.Materials);
+  const std::vector<bool> fixed = result.Materials.Fixed();
+  if (std::find(fixed.begin(), fixed.end(), true) == fixed.end())
   {
     throw InputError(input.Materials +
       ": expected a material with \"held\": true (the chest wall), "
       "found none");
   }
-  std::vector<JointMammogram> mammograms = ReadMammograms(input, result);
-  Beam beam =
+  ReadMammograms(input, result);
+  breast.XRays =
     MakeBeam(result.Materials, FindSpectrum(input.Spectrum), DetectorResponse::EnergyIntegrating);
-  std::optional<ScatterModel> scatter =
-    MakeScatter(input, result.Views.front().Unit.SupportHeightMm);
-  auto projector =
+  breast.Scatter = MakeScatter(input, result.Views.front().View.Unit.SupportHeightMm);
+  breast.Projector =
     MakeProjector({ .Projection = MethodFromName(input.Projector), .Device = input.Device });
-  result.Device = projector->DeviceName() + ", " + MethodName(projector->Method());
+  result.Device = breast.Projector->DeviceName() + ", " + MethodName(breast.Projector->Method());
   ReportProgress(progress, 0, "read");
   ReadAsked(input, result);
-  BreastModelOptions options;
-  options.Volume = ReadTissue(input, result, ShareOf(whole, 0, segmenting));
-  CheckAsked(input, *options.Volume, result);
-  result.Anchor = FindPoseAnchor(*options.Volume, held, result.Axes);
-  CheckTissue(input, *options.Volume, held, result.Axes, result.Views.front().Mammogram.Laterality);
+  breast.Labels = ReadTissue(input, result, ShareOf(whole, 0, segmenting));
+  CheckAsked(input, *breast.Labels, result);
+  CheckTissue(input, *breast.Labels, fixed, result.Axes, result.Views.front().Mammogram.Laterality);
   CheckSizes(input, result.Tissue ? result.Tissue->BreastCm3 : 0, result.Views);
-  stopwatch.Stage("read");
 
-  result.Anatomy = input.AnatomyMesh.empty()
-    ? MeshAnatomy(*options.Volume, result.Materials.Thin(), input.AnatomyCellSizeMm,
-        PartOf(progress, 0.05, 0.1, "mesh the anatomy"))
-    : ReadTetrahedra(input.AnatomyMesh, result.Materials);
-  stopwatch.Stage("mesh the anatomy");
-  options.SimulationMesh = input.SimulationMesh.empty()
-    ? MakeSimulationMesh(*options.Volume, held, input.SimulationCellSizeMm,
-        PartOf(progress, 0.1, 0.15, "mesh for the mechanics"))
-    : ReadTetrahedra(input.SimulationMesh, result.Materials);
-  result.SimulationCells = options.SimulationMesh->NumberOfCells();
-  stopwatch.Stage("mesh for the mechanics");
-
-  options.OutsideTissue = result.Tissue
+  if (!input.AnatomyMesh.empty())
+  {
+    breast.Anatomy = ReadTetrahedra(input.AnatomyMesh, result.Materials);
+  }
+  if (!input.SimulationMesh.empty())
+  {
+    breast.Mechanics.SimulationMesh = ReadTetrahedra(input.SimulationMesh, result.Materials);
+  }
+  breast.AnatomyCellSizeMm = input.AnatomyCellSizeMm;
+  breast.Mechanics.CellSizeMm = input.SimulationCellSizeMm;
+  breast.Mechanics.OutsideTissue = result.Tissue
     ? InCutTissue(result.Tissue->Cut)
-    : InCutTissue(*options.Volume, result.Materials, input.Labels.CutSides);
-  options.Predicted = true;
-  options.Compression.ChestWall = input.ChestWall;
+    : InCutTissue(*breast.Labels, result.Materials, input.Labels.CutSides);
+  breast.Mechanics.Predicted = true;
+  breast.Mechanics.Compression.ChestWall = input.ChestWall;
   if (input.ImagePosition)
   {
-    options.Compression.GravityMPerS2 = GravityIn(PatientPosition::Upright, result.Axes);
-    options.ImageGravityMPerS2 = GravityIn(*input.ImagePosition, result.Axes);
+    breast.Mechanics.Compression.GravityMPerS2 = GravityIn(PatientPosition::Upright, result.Axes);
+    breast.Mechanics.ImageGravityMPerS2 = GravityIn(*input.ImagePosition, result.Axes);
   }
-  BreastModel model(result.Anatomy, result.Materials, std::move(options),
-    PartOf(progress, 0.15, 0.25, "prepare the mechanics"));
-  SurfaceMesh surface = ExtractInterfaces(result.Anatomy);
-  result.SurfaceTriangles = surface.NumberOfTriangles();
-  model.SetXRays(std::move(surface), std::move(projector), std::move(beam));
-  model.SetScatter(std::move(scatter));
-  stopwatch.Stage("prepare");
-  Search(input, model, mammograms, result, PartOf(progress, 0.25, 1, "register"));
-  stopwatch.Stage("register");
+  RegistrationProblem problem = MakeProblem(std::move(breast), ShareOf(progress, 0.05, 0.25));
+  result.Anchor = problem.Anchor;
+  result.Anatomy = problem.Model->Anatomy();
+  result.SimulationCells = problem.Model->NumberOfSimulationCells();
+  result.SurfaceTriangles = problem.Model->Surface().NumberOfTriangles();
+  Search(input, problem, result, PartOf(progress, 0.25, 1, "register"));
+  stopwatch.End();
   return result;
 }
 }

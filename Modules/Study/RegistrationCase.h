@@ -117,30 +117,19 @@ struct RegistrationCase
   std::string Image;
   /// The report says patient and study, as the first mammogram's header names them.
   bool NamePatient = false;
-  /// The search itself; its Parameters are filled from the above.
+  /// The search itself.
   RegistrationOptions Options;
 };
 
-/// A further projection of a mammogram that is a tomosynthesis.
-struct RegisteredProjection
-{
-  /// Gantry frame, mm.
-  Vector3 FocalSpotMm{ 0, 0, 0 };
-  /// In the finest pixels that the search compares.
-  RegistrationTarget Target;
-};
-
-/// What a run made of one mammogram.
+/// A mammogram of a case, and what a run made of it.
 struct RegisteredView
 {
   /// Of the mammogram.
   std::string Path;
+  /// Of a tomosynthesis its middle projection.
   mammoray::Mammogram Mammogram;
-  RegistrationTarget Target;
-  /// Of a tomosynthesis, whose middle projection is Mammogram, the others, in their order.
-  std::vector<RegisteredProjection> Others;
-  RegistrationResult Registration;
-  MammographyUnit Unit;
+  mammoray::View View;
+  ViewResult Registration;
   /// What had to be assumed, a sentence each.
   std::vector<std::string> Warnings;
 };
@@ -162,8 +151,8 @@ struct RegistrationCaseResult
   TetrahedralMesh Anatomy;
   /// In the order of the case's mammograms.
   std::vector<RegisteredView> Views;
-  /// What all of them had free, and its covariance (JointRegistrationResult).
-  std::vector<JointUnknown> Unknowns;
+  /// What all of them had free, and its covariance (RegistrationResult).
+  std::vector<FreeParameter> FreeParameters;
   std::vector<double> Covariance;
   /// Name of the projecting device, and the method.
   std::string Device;

@@ -66,7 +66,7 @@ void WriteMeshes(const RegistrationCaseResult& result, const RegisteredView& reg
 void WriteSynthetic(const RegisteredView& registered, const std::string& path)
 {
   vtkNew<vtkImageData> image;
-  image->SetDimensions(registered.Target.Grid.Columns, registered.Target.Grid.Rows, 1);
+  image->SetDimensions(registered.View.Target.Grid.Columns, registered.View.Target.Grid.Rows, 1);
   image->SetSpacing(registered.Mammogram.ColumnSpacingMm, registered.Mammogram.RowSpacingMm, 1.0);
   image->AllocateScalars(VTK_FLOAT, 1);
   std::copy(registered.Registration.Synthetic.LogAttenuation.begin(),
@@ -103,8 +103,8 @@ double ShareExcluded(const RegistrationTarget& target)
 ResultFile ResultOf(const RegistrationCase& input, const RegistrationCaseResult& result,
   const RegisteredView& registered)
 {
-  const RegistrationResult& found = registered.Registration;
-  const RegistrationTarget& target = registered.Target;
+  const ViewResult& found = registered.Registration;
+  const RegistrationTarget& target = registered.View.Target;
   const CompressionState& state = found.State;
   const Mammogram& mammogram = registered.Mammogram;
   ResultFile file;
@@ -117,12 +117,12 @@ ResultFile ResultOf(const RegistrationCase& input, const RegistrationCaseResult&
   file.ConsideredCovariance = found.ConsideredCovariance;
   file.Grid = target.Grid;
   file.Placed = registered.Registration.Placed;
-  file.Unit = registered.Unit;
+  file.Unit = registered.View.Unit;
   file.After = found.After;
-  for (std::size_t other = 0; other < registered.Others.size(); ++other)
+  for (std::size_t other = 0; other < registered.View.Projections.size(); ++other)
   {
     file.Projections.push_back(
-      { registered.Others[other].FocalSpotMm, found.ProjectionsAfter[other] });
+      { registered.View.Projections[other].FocalSpotMm, found.ProjectionsAfter[other] });
   }
   file.Misfit = found.Misfit;
   if (found.Expected)
@@ -144,9 +144,8 @@ ResultFile ResultOf(const RegistrationCase& input, const RegistrationCaseResult&
     .LargestJ = state.LargestJ,
     .LargestPenetrationMm = state.LargestPenetrationMm,
     .RelativeResidual = state.RelativeResidual };
-  file.Mammogram = { mammogram.View, mammogram.Laterality, mammogram.Columns, mammogram.Rows,
-    mammogram.ColumnSpacingMm, mammogram.RowSpacingMm, mammogram.BodyPartThicknessMm,
-    mammogram.SourceToDetectorMm, mammogram.PeakKilovoltage };
+  file.Mammogram = mammogram;
+  file.Mammogram.Pixels.clear();
   file.ShareExcluded = ShareExcluded(target);
   file.Warnings = registered.Warnings;
   file.Inputs = HashedInputs(input, registered.Path);
@@ -155,7 +154,8 @@ ResultFile ResultOf(const RegistrationCase& input, const RegistrationCaseResult&
     : input.Spectrum;
   if (input.Scatter)
   {
-    file.Scatter = { "kernels", input.Scatter->AirGapMm.value_or(registered.Unit.SupportHeightMm),
+    file.Scatter = { "kernels",
+      input.Scatter->AirGapMm.value_or(registered.View.Unit.SupportHeightMm),
       input.Scatter->Grid.value_or(std::array<double, 3>{}), input.Scatter->Interspace };
   }
   file.Versions = { { "MammoRay", MAMMORAY_VERSION }, { "VTK", vtkVersion::GetVTKVersion() },
@@ -171,7 +171,7 @@ RegistrationReport ReportOf(const RegisteredView& registered, const ResultFile& 
 {
   RegistrationReport report;
   report.RealMammogram = &registered.Mammogram;
-  report.Target = &registered.Target;
+  report.Target = &registered.View.Target;
   report.Result = &registered.Registration;
   report.Synthetic = registered.Registration.Synthetic.LogAttenuation;
   report.SyntheticOutline = { registered.Registration.Synthetic.Outline };
@@ -191,11 +191,11 @@ ReportSection ProjectionSection(const RegisteredView& registered)
 {
   ReportSection section;
   section.Title = "Projections of the tomosynthesis";
-  std::vector<std::pair<Vector3, Agreement>> projections{ { registered.Unit.FocalSpot(),
+  std::vector<std::pair<Vector3, Similarity>> projections{ { registered.View.Unit.FocalSpot(),
     registered.Registration.After } };
-  for (std::size_t other = 0; other < registered.Others.size(); ++other)
+  for (std::size_t other = 0; other < registered.View.Projections.size(); ++other)
   {
-    projections.emplace_back(registered.Others[other].FocalSpotMm,
+    projections.emplace_back(registered.View.Projections[other].FocalSpotMm,
       registered.Registration.ProjectionsAfter[other]);
   }
   std::sort(projections.begin(), projections.end(),
@@ -279,18 +279,18 @@ JointResultFile JointOf(const RegistrationCaseResult& result,
     joint.Mammograms.push_back({ folders[number], file.Mammogram.View, file.Mammogram.Laterality,
       file.Trust.Level, file.After.Correlation, file.After.MeanOutlineDistanceMm });
   }
-  const std::size_t count = result.Unknowns.size();
+  const std::size_t count = result.FreeParameters.size();
   for (std::size_t index = 0; index < count; ++index)
   {
-    const JointUnknown& unknown = result.Unknowns[index];
-    const ResultParameter& parameter = files[unknown.Mammogram].Parameters[unknown.Parameter];
+    const FreeParameter& free = result.FreeParameters[index];
+    const ResultParameter& parameter = files[free.Views.front()].Parameters[free.Parameter];
     JointResultFile::Unknown& told = joint.Unknowns.emplace_back();
     told.Name = parameter.Name;
     told.Unit = parameter.Unit;
     told.Value = parameter.Value;
-    if (!unknown.Shared)
+    if (!free.IsShared())
     {
-      told.Folder = folders[unknown.Mammogram];
+      told.Folder = folders[free.Views.front()];
     }
     if (!result.Covariance.empty())
     {
@@ -343,7 +343,7 @@ void WriteInto(const std::string& folder, const RegistrationCase& input,
         section.Notes.end());
     }
     WriteResultFile(files.back(), own);
-    if (!registered.Others.empty())
+    if (!registered.View.Projections.empty())
     {
       told.Sections.push_back(ProjectionSection(registered));
     }

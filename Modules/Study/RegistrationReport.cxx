@@ -37,7 +37,7 @@ void Validate(const RegistrationReport& report)
       std::to_string(report.Asked.size()) + " places, found " +
       std::to_string(report.Places.size()));
   }
-  const RegistrationResult& result = *report.Result;
+  const ViewResult& result = *report.Result;
   if (result.Values.size() != result.Parameters.size() ||
     result.StandardDeviations.size() != result.Parameters.size())
   {

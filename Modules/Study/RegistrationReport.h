@@ -80,7 +80,7 @@ struct RegistrationReport
   std::string Title = "Breast MRI and mammogram, registered";
   const Mammogram* RealMammogram = nullptr;
   const RegistrationTarget* Target = nullptr;
-  const RegistrationResult* Result = nullptr;
+  const ViewResult* Result = nullptr;
   /// Log attenuation of the synthetic mammogram on the target's grid; 0 beside the breast.
   std::vector<float> Synthetic;
   /// Outline of the synthetic breast: lines of gantry x, y in the receptor plane, mm. Closed lines

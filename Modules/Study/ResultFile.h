@@ -2,6 +2,7 @@
 #ifndef mammoray_ResultFile_h
 #define mammoray_ResultFile_h
 
+#include "mammoray/Foundation/Mammogram.h"
 #include "mammoray/Foundation/MammographyGeometry.h"
 #include "mammoray/Foundation/ReceptorGrid.h"
 #include "mammoray/Registration/RegistrationResult.h"
@@ -46,7 +47,7 @@ struct ResultCompression
   double PaddleForceN = 0;
   double SupportForceN = 0;
   double LargestWallGlideMm = 0;
-  /// See RegistrationResult.
+  /// See ViewResult.
   double OtherEquilibriumMm = 0;
   double VolumeRatio = 1;
   double SmallestJ = 1;
@@ -55,28 +56,12 @@ struct ResultCompression
   double RelativeResidual = 0;
 };
 
-/// The mammogram as the search knew it: what its header said, or was given in its place.
-struct ResultMammogram
-{
-  /// "CC", "MLO", ...; empty where it is not known.
-  std::string View;
-  /// 'L', 'R' or '?'.
-  char Laterality = '?';
-  int Columns = 0;
-  int Rows = 0;
-  double ColumnSpacingMm = 0;
-  double RowSpacingMm = 0;
-  std::optional<double> BodyPartThicknessMm;
-  std::optional<double> SourceToDetectorMm;
-  std::optional<double> PeakKilovoltage;
-};
-
 /// A further projection of a tomosynthesis.
 struct ResultProjection
 {
   /// Of its focal spot, gantry frame.
   Vector3 FocalSpotMm{ 0, 0, 0 };
-  Agreement After;
+  Similarity After;
 };
 
 /// What scattered onto the synthetic mammogram.
@@ -120,7 +105,7 @@ struct ResultFile
   /// What the parameters below say; the file holds them only.
   BreastPose Pose;
   /// All PoseParameters, in their order, and covariances of them in that order, row by row; empty
-  /// where they are not known. See RegistrationResult.
+  /// where they are not known. See ViewResult.
   std::vector<ResultParameter> Parameters;
   std::vector<double> Covariance;
   std::vector<double> ConsideredCovariance;
@@ -128,7 +113,7 @@ struct ResultFile
   ReceptorGrid Grid;
   VolumeFromGantry Placed;
   MammographyUnit Unit;
-  Agreement After;
+  Similarity After;
   /// Beside the mammogram above, which is the middle one; empty unless it is a tomosynthesis.
   std::vector<ResultProjection> Projections;
   RegistrationMisfit Misfit;
@@ -143,7 +128,8 @@ struct ResultFile
   std::vector<std::pair<std::string, double>> Timings;
   std::vector<RegistrationIteration> Iterations;
   ResultCompression Compression;
-  ResultMammogram Mammogram;
+  /// The mammogram as the search knew it: of its header what the file holds, without pixels.
+  mammoray::Mammogram Mammogram;
   /// Share of the breast's picture that was left out of the comparison, [0, 1].
   double ShareExcluded = 0;
   std::vector<std::string> Warnings;

@@ -4,7 +4,7 @@
 #include "mammoray/App/Private/LiveMammogram.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/IO/ShippedData.h"
-#include "mammoray/Registration/EvaluatedState.h"
+#include "mammoray/Registration/PosedBreast.h"
 #include "mammoray/Registration/RegistrationTarget.h"
 
 #include <gtest/gtest.h>

@@ -121,16 +121,17 @@ void ExpectRegisteredTogether(const VirtualStudyTruth& truth, const std::string&
   ASSERT_EQ(result.Views.size(), 1u);
   const RegisteredView& view = result.Views[0];
   // 610 mm about 40 mm above the receptor, 15 degrees to each side.
-  EXPECT_NEAR(view.Unit.FocalSpotMm[0], 0, 1e-3);
-  ASSERT_EQ(view.Others.size(), 2u);
-  EXPECT_NEAR(std::abs(view.Others[0].FocalSpotMm[0]), 610 * 0.258819, 1e-3);
-  EXPECT_NEAR(view.Others[0].FocalSpotMm[0], -view.Others[1].FocalSpotMm[0], 1e-3);
-  EXPECT_NEAR(view.Others[0].FocalSpotMm[2], 40 + 610 * 0.965926, 1e-3);
+  EXPECT_NEAR(view.View.Unit.FocalSpotMm[0], 0, 1e-3);
+  ASSERT_EQ(view.View.Projections.size(), 2u);
+  EXPECT_NEAR(std::abs(view.View.Projections[0].FocalSpotMm[0]), 610 * 0.258819, 1e-3);
+  EXPECT_NEAR(view.View.Projections[0].FocalSpotMm[0], -view.View.Projections[1].FocalSpotMm[0],
+    1e-3);
+  EXPECT_NEAR(view.View.Projections[0].FocalSpotMm[2], 40 + 610 * 0.965926, 1e-3);
   // A compression that fits the middle one fits the others as well, whichever side they are of: a
   // source on the wrong side would put the outlines 10 mm apart.
   EXPECT_LT(view.Registration.After.MeanOutlineDistanceMm, 2);
   ASSERT_EQ(view.Registration.ProjectionsAfter.size(), 2u);
-  for (const Agreement& after : view.Registration.ProjectionsAfter)
+  for (const Similarity& after : view.Registration.ProjectionsAfter)
   {
     EXPECT_LT(after.MeanOutlineDistanceMm, 1 + view.Registration.After.MeanOutlineDistanceMm);
     EXPECT_GT(after.Correlation, 0.8);

@@ -3,14 +3,19 @@
 #include "Files.h"
 #include "TestMeshes.h"
 #include "mammoray/Biomechanics/Embedding.h"
+#include "mammoray/Dicom/DicomWriter.h"
 #include "mammoray/Filters/vtkBreastCompression.h"
 #include "mammoray/Filters/vtkBreastMesher.h"
 #include "mammoray/Filters/vtkBreastRegistration.h"
+#include "mammoray/Filters/vtkMammogramReader.h"
 #include "mammoray/Filters/vtkXRayProjector.h"
 #include "mammoray/IO/ImageConversion.h"
+#include "mammoray/IO/LabelVolumeIO.h"
 #include "mammoray/IO/MeshConversion.h"
+#include "mammoray/IO/MeshIO.h"
 #include "mammoray/IO/ShippedData.h"
 #include "mammoray/Registration/SyntheticMammogram.h"
+#include "mammoray/Study/RegistrationCase.h"
 #include "mammoray/XRay/PathLengthProjector.h"
 
 #include "vtkCallbackCommand.h"
@@ -215,12 +220,12 @@ TEST_F(BreastPipeline, UpdatesOnlyWhatChanged)
 #endif
 
 /// A mammogram of the small breast at a pose, from the left in CC.
-Mammogram MammogramOf(const TetrahedralMesh& mesh, const MaterialTable& table, double thicknessMm)
+Mammogram MammogramOf(const TetrahedralMesh& mesh, const MaterialTable& table, double thicknessMm,
+  const AnatomicalAxes& axes)
 {
   BreastModel model(mesh, table);
   model.SetXRays(ExtractInterfaces(mesh), MakeProjector(),
     MakeBeam(table, FindSpectrum("W30kVp_Rh50um_Be1mm"), DetectorResponse::EnergyIntegrating));
-  const AnatomicalAxes axes = AnatomicalAxes::FromCode("LAS");
   const UnitPlacement placement{ axes, FindPoseAnchor(mesh, table.Fixed(), axes), {} };
   BreastPose pose;
   pose.ThicknessMm = thicknessMm;
@@ -231,7 +236,7 @@ Mammogram MammogramOf(const TetrahedralMesh& mesh, const MaterialTable& table, d
   grid.Origin = { 59.7, 0.3 };
   grid.ColumnStep = { 0, 0.6 };
   grid.RowStep = { -0.6, 0 };
-  EvaluatedState breast(model, model.Body(), placement, pose,
+  PosedBreast breast(model, model.Body(), placement, pose,
     model.Body().Simulation().Compress(placement.PlatesAt(pose)));
   Mammogram mammogram;
   mammogram.Columns = grid.Columns;
@@ -239,7 +244,7 @@ Mammogram MammogramOf(const TetrahedralMesh& mesh, const MaterialTable& table, d
   mammogram.ColumnSpacingMm = mammogram.RowSpacingMm = 0.6;
   for (const float value : breast.PictureOn(grid, 2).LogAttenuation)
   {
-    mammogram.Pixels.push_back(10000 * std::exp(-value));
+    mammogram.Pixels.push_back(std::round(10000 * std::exp(-value)));
   }
   mammogram.PresentationIntent = Mammogram::Intent::ForProcessing;
   mammogram.IntensityRelationship = Mammogram::Relationship::Linear;
@@ -301,7 +306,7 @@ protected:
     const TetrahedralMesh mesh = test::MakeHalfEllipsoidMesh(40, 45, 38, 6);
     const MaterialTable table = FindMaterialTable(this->TablePath);
     this->Anatomy->SetOutput(ToGrid(mesh, table.Names()));
-    this->Image = ToImage(MammogramOf(mesh, table, 58));
+    this->Image = ToImage(MammogramOf(mesh, table, 58, AnatomicalAxes::FromCode("LAS")));
     this->Pictures->SetOutput(this->Image);
     this->Filter->SetInputConnection(this->Anatomy->GetOutputPort());
     this->Filter->SetMammogramConnection(this->Pictures->GetOutputPort());
@@ -358,6 +363,67 @@ TEST_F(BreastRegistration, FindsWhatTheMammogramWasMadeWith)
   }
   EXPECT_GT(largest, 3); // plates of 58 mm at a breast of 76
 }
+
+#ifdef MAMMORAY_HAS_MESHING
+/// From the same files: labels, a coarse mesh to simulate on and a DICOM mammogram.
+TEST_F(BreastRegistration, FindsWhatTheCommandFinds)
+{
+  vtkNew<vtkBreastMesher> mesher;
+  mesher->SetInputData(HalfBall());
+  mesher->SetMaterialTable(this->TablePath.c_str());
+  mesher->ForMechanicsOn();
+  mesher->SetCellSizeMm(12);
+  mesher->Update();
+  const MaterialTable table = FindMaterialTable(this->TablePath);
+  const AnatomicalAxes axes = AnatomicalAxes::FromCode("ALS");
+
+  RegistrationCase input;
+  input.Labels.Path = this->Folder.File("labels.nrrd");
+  input.Labels.AcceptUnusual = true; // half as large as any breast
+  input.Materials = this->TablePath;
+  input.Mammograms = { this->Folder.File("mammogram.dcm") };
+  input.Orientation = "ALS";
+  input.SimulationMesh = this->Folder.File("simulation.vtu");
+  input.Free = { "thickness", "lateral" };
+  input.EdgeRadiusMm = MammographyUnit().EdgeRadiusMm;
+  WriteLabelVolume(ToLabelVolume(HalfBall()), input.Labels.Path);
+  WriteMesh(mesher->GetOutput(), input.SimulationMesh);
+  WriteMammogram(MammogramOf(FromGrid(mesher->GetOutput()), table, 45, axes), {},
+    input.Mammograms.front());
+  const RegistrationCaseResult result = RunRegistrationCase(input);
+  const ViewResult& found = result.Views.front().Registration;
+  // The same body but for its skin's facets, and another spectrum.
+  EXPECT_NEAR(found.Pose.ThicknessMm, 45, 2);
+
+  const Watch watch(this->Filter);
+  vtkNew<vtkMammogramReader> reader;
+  reader->SetFileName(input.Mammograms.front().c_str());
+  this->Filter->SetInputData(0, HalfBall());
+  this->Filter->SetMammogramConnection(reader->GetOutputPort());
+  this->Filter->SetSimulationMeshConnection(mesher->GetOutputPort());
+  this->Filter->SetOrientation("ALS");
+  this->Filter->AcceptUnusualOn();
+  this->Filter->Update();
+  ASSERT_TRUE(watch.Errors.empty()) << watch.Errors.front();
+  // Threads add in another order.
+  for (int index = 0; index < ParameterCount; ++index)
+  {
+    EXPECT_NEAR(this->Field("Parameters", index), found.Values[index], 1e-3)
+      << found.Parameters[index].Name;
+  }
+  EXPECT_NEAR(this->Field("TissueCorrelation"), found.After.TissueCorrelation, 1e-3);
+  vtkFieldData* fields = this->Filter->GetOutput()->GetFieldData();
+  const auto strings = [&](const char* name)
+  { return vtkStringArray::SafeDownCast(fields->GetAbstractArray(name)); };
+  ASSERT_TRUE(strings("Trust") && strings("TrustReasons"));
+  EXPECT_EQ(strings("Trust")->GetValue(0), NameOf(found.Trust.Level));
+  EXPECT_EQ(strings("TrustReasons")->GetNumberOfValues(),
+    static_cast<vtkIdType>(found.Trust.Reasons.size()));
+  ASSERT_TRUE(found.Expected);
+  EXPECT_NEAR(this->Field("ExpectedErrorMm", 0), found.Expected->MedianMm, 1e-3);
+  EXPECT_NEAR(this->Field("ExpectedErrorMm", 1), found.Expected->Most95Mm, 1e-3);
+}
+#endif
 
 TEST_F(BreastRegistration, KeepsWhatDidNotChange)
 {

@@ -3,6 +3,7 @@
 #define mammoray_RegistrationTwin_h
 
 #include "TestMeshes.h"
+#include "mammoray/Registration/RegistrationProblem.h"
 #include "mammoray/Registration/SyntheticMammogram.h"
 #include "mammoray/XRay/Beam.h"
 
@@ -10,6 +11,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <optional>
 #include <random>
 
@@ -83,10 +85,17 @@ struct Twin
   }
 
   /// The breast compressed at a pose, as the full simulation has it.
-  EvaluatedState At(const BreastPose& pose, const CompressionState* start = nullptr)
+  PosedBreast At(const BreastPose& pose, const CompressionState* start = nullptr)
   {
     return { this->Model, this->Model.Body(), this->Placement, pose,
       this->Model.Body().Compress(this->Placement, pose, start) };
+  }
+
+  /// Without views. The twin must outlive it.
+  RegistrationProblem Problem()
+  {
+    return { { std::shared_ptr<void>(), &this->Model }, this->Placement.Axes,
+      this->Placement.Anchor, {}, {} };
   }
 
   BreastModel Model;
@@ -118,7 +127,7 @@ inline RegistrationTarget MakeTarget(Twin& twin, const BreastPose& pose,
   target.LogAttenuation.assign(pixels, 0);
   target.BreastMask.assign(pixels, 0);
   target.SignedDistanceMm.assign(pixels, 0);
-  EvaluatedState breast = twin.At(pose);
+  PosedBreast breast = twin.At(pose);
   const SyntheticMammogram synthetic =
     Synthesize(focalSpotMm ? breast.SeenFrom(*focalSpotMm) : breast, target.Grid, { 0, 0 }, 1);
   EXPECT_EQ(synthetic.InconsistentRays, 0u);

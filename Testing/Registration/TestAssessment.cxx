@@ -12,9 +12,9 @@ using ::testing::HasSubstr;
 
 namespace
 {
-RegistrationResult GoodResult()
+ViewResult GoodResult()
 {
-  RegistrationResult result;
+  ViewResult result;
   result.Parameters = { { "thickness", "mm", 52, 40, 64, 2 }, { "roll", "deg", 0, -15, 15, 3 } };
   result.Values = { 50.4, -1.25 };
   result.After = { 0.93, 0.62, 2.1, 0.8 };
@@ -34,7 +34,7 @@ TEST(Assessment, FallsWithEachFigure)
 {
   struct Case
   {
-    Agreement After;
+    Similarity After;
     Trust Level;
   };
   const double unknown = std::numeric_limits<double>::quiet_NaN();
@@ -47,7 +47,7 @@ TEST(Assessment, FallsWithEachFigure)
       Case{ { unknown, 0.6, 2, 0.8 }, Trust::None }, Case{ { 0.9, unknown, 2, 0.8 }, Trust::None },
       Case{ { 0.9, 0.6, unknown, 0.8 }, Trust::None } })
   {
-    RegistrationResult result = GoodResult();
+    ViewResult result = GoodResult();
     result.After = bad.After;
     const Assessment assessment = Assess(result);
     EXPECT_EQ(assessment.Level, bad.Level);
@@ -57,7 +57,7 @@ TEST(Assessment, FallsWithEachFigure)
 
 TEST(Assessment, TellsEveryReasonAndTheWorstCounts)
 {
-  RegistrationResult result = GoodResult();
+  ViewResult result = GoodResult();
   result.After.TissueCorrelation = 0.14;
   result.Converged = false;
   result.StopReason = "stopped by the user";
@@ -68,7 +68,7 @@ TEST(Assessment, TellsEveryReasonAndTheWorstCounts)
 
 TEST(Assessment, AParameterAtItsBoundIsDoubtful)
 {
-  RegistrationResult result = GoodResult();
+  ViewResult result = GoodResult();
   result.Values[1] = 15;
   const Assessment assessment = Assess(result);
   EXPECT_EQ(assessment.Level, Trust::Doubtful);
@@ -81,7 +81,7 @@ TEST(Assessment, AParameterAtItsBoundIsDoubtful)
 
 TEST(Assessment, AParameterFarFromWhatWasExpectedIsDoubtful)
 {
-  RegistrationResult result = GoodResult();
+  ViewResult result = GoodResult();
   result.Parameters[1].PriorSigma = 5;
   result.Values[1] = -14.9;
   EXPECT_EQ(Assess(result).Level, Trust::Good) << "an angle is 2.98 standard deviations off";
@@ -97,7 +97,7 @@ TEST(Assessment, AParameterFarFromWhatWasExpectedIsDoubtful)
 
 TEST(Assessment, WhatMechanicsDoNotSettleIsDoubtful)
 {
-  RegistrationResult result = GoodResult();
+  ViewResult result = GoodResult();
   result.State.Positions = { 0, 0, 0 };
   EXPECT_THAT(Assess(result).Reasons, ElementsAre(HasSubstr("presses with 0.0 N")))
     << "nothing touches the breast";
@@ -128,7 +128,7 @@ TEST(Assessment, LevelsHaveNames)
 
 TEST(Assessment, CountsWhatTheHeaderDisagreesOn)
 {
-  RegistrationResult result = GoodResult();
+  ViewResult result = GoodResult();
   result.Pose.ThicknessMm = 50.4;
   // 15 % of the readout.
   for (const double readout : { 44.0, 59.0 })

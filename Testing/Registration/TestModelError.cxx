@@ -29,7 +29,7 @@ protected:
   }
 
   TetrahedralMesh Box = test::MakeBoxMesh({ -20, 10, -10 }, { 20, 50, 10 }, { 4, 4, 2 });
-  RegistrationResult Result;
+  ViewResult Result;
 };
 }
 

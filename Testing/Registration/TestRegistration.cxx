@@ -18,32 +18,6 @@ using namespace mammoray::test;
 
 namespace
 {
-/// Compared globally: the ball's surface is that of tetrahedra of 5 to 8 mm, others in the target
-/// than in the model, so that its edges tell a gradient more of the meshes than of the pose.
-RegistrationOptions OptionsFrom(const BreastPose& start)
-{
-  RegistrationOptions options;
-  options.Parameters = DefaultParameters(start);
-  options.PixelSizesMm = { 3.0 };
-  options.Comparison = PictureComparison::Global;
-  return options;
-}
-
-/// From a place near the truth, without looking for a better start.
-RegistrationOptions OptionsNearTruth()
-{
-  BreastPose start = Truth();
-  start.ThicknessMm += 1.5;
-  start.RollDeg -= 3;
-  start.LateralMm += 2;
-  RegistrationOptions options = OptionsFrom(start);
-  for (const RegistrationParameter& parameter : options.Parameters)
-  {
-    options.From.push_back(parameter.Start);
-  }
-  return options;
-}
-
 /// Skips the test where there is no device; a shared setup, because meshes and pipelines take
 /// seconds.
 class Registration : public testing::Test
@@ -70,6 +44,51 @@ protected:
     Target.reset();
   }
 
+  /// One view of the target. Compared globally: the ball's surface is that of tetrahedra of 5 to 8
+  /// mm, others in the target than in the model, so that its edges tell a gradient more of the
+  /// meshes than of the pose.
+  static RegistrationProblem ProblemFrom(const BreastPose& start)
+  {
+    RegistrationProblem problem = Model->Problem();
+    View& view = problem.Views.emplace_back();
+    view.Target = *Target;
+    view.Parameters = DefaultParameters(start);
+    problem.Options.PixelSizesMm = { 3.0 };
+    problem.Options.Comparison = PictureComparison::Global;
+    return problem;
+  }
+  /// From a place near the truth, without looking for a better start.
+  static RegistrationProblem ProblemNearTruth()
+  {
+    BreastPose start = Truth();
+    start.ThicknessMm += 1.5;
+    start.RollDeg -= 3;
+    start.LateralMm += 2;
+    RegistrationProblem problem = ProblemFrom(start);
+    BeginAtStart(problem.Views[0]);
+    return problem;
+  }
+  static void BeginAtStart(View& view)
+  {
+    for (const RegistrationParameter& parameter : view.Parameters)
+    {
+      view.From.push_back(parameter.Start);
+    }
+  }
+  static RegistrationResult Find(RegistrationProblem& problem,
+    const ProgressCallback& progress = {})
+  {
+    for (View& view : problem.Views)
+    {
+      view.Levels = MakeLevels(view.Target, problem.Options.PixelSizesMm);
+    }
+    return Register(problem, progress);
+  }
+  static ViewResult FindFirst(RegistrationProblem problem, const ProgressCallback& progress = {})
+  {
+    return Find(problem, progress).Views.front();
+  }
+
   static inline std::unique_ptr<Twin> Model;
   static inline std::unique_ptr<RegistrationTarget> Target;
 };
@@ -84,8 +103,7 @@ TEST_F(Registration, RecoversATwinMadeWithAnotherMeshSpectrumAndNoise)
     start.RollDeg = Truth().RollDeg + sense * 20;
     start.LateralMm = Truth().LateralMm - sense * 15;
     start.AnteriorMm = 3;
-    const RegistrationResult result =
-      Register(Model->Model, Model->Placement, *Target, OptionsFrom(start), {});
+    const ViewResult result = FindFirst(ProblemFrom(start));
     EXPECT_TRUE(result.Converged) << result.StopReason;
     // The result's own standard deviations must be useful, and the errors no larger than what is
     // called useful: the ball is all that shows the angle, and thickness has little effect on a
@@ -121,12 +139,12 @@ TEST_F(Registration, RecoversATwinMadeWithAnotherMeshSpectrumAndNoise)
 
 TEST_F(Registration, NothingFreeAnswersTheStart)
 {
-  RegistrationOptions options = OptionsFrom(Truth());
-  for (RegistrationParameter& parameter : options.Parameters)
+  RegistrationProblem problem = ProblemFrom(Truth());
+  for (RegistrationParameter& parameter : problem.Views[0].Parameters)
   {
     parameter.Fixed = true;
   }
-  const RegistrationResult result = Register(Model->Model, Model->Placement, *Target, options, {});
+  const ViewResult result = FindFirst(problem);
   EXPECT_TRUE(result.Converged);
   EXPECT_EQ(result.Pose.ThicknessMm, Truth().ThicknessMm);
   EXPECT_EQ(result.Evaluations, 1);
@@ -137,9 +155,9 @@ TEST_F(Registration, NothingFreeAnswersTheStart)
 
 TEST_F(Registration, StopsWhenAskedWithTheBestSoFar)
 {
-  RegistrationOptions options = OptionsFrom(Truth());
+  RegistrationProblem problem = ProblemFrom(Truth());
   int calls = 0;
-  const RegistrationResult result = Register(Model->Model, Model->Placement, *Target, options,
+  const ViewResult result = FindFirst(problem,
     [&](double, const char* stage) { return std::string(stage) != "project" || ++calls < 3; });
   EXPECT_FALSE(result.Converged);
   EXPECT_NE(result.StopReason.find("interrupted"), std::string::npos);
@@ -152,8 +170,8 @@ TEST_F(Registration, PredictedSearchEndsWhereTheSimulationAloneEnds)
   start.ThicknessMm += 2;
   start.RollDeg += 5;
   start.LateralMm = 0;
-  RegistrationOptions options = OptionsFrom(start);
-  options.PixelSizesMm = { 4.0, 3.0 };
+  RegistrationProblem problem = ProblemFrom(start);
+  problem.Options.PixelSizesMm = { 4.0, 3.0 };
   // Told of, either goes on and never back, as far as its equilibria lead: the search of the
   // simulation alone takes two after the start's tenth, a breast's 25 and more.
   std::vector<double> fractions;
@@ -167,12 +185,12 @@ TEST_F(Registration, PredictedSearchEndsWhereTheSimulationAloneEnds)
     return std::is_sorted(fractions.begin(), fractions.end()) && fractions.front() >= 0 &&
       fractions.back() <= 1 && fractions.back() > least;
   };
-  const RegistrationResult predicted =
-    Register(Model->Model, Model->Placement, *Target, options, keep);
+  const ViewResult predicted = FindFirst(problem, keep);
   EXPECT_TRUE(goesOnBeyond(0.4));
   fractions.clear();
   Twin direct(6, 12, 20.0, false);
-  const RegistrationResult alone = Register(direct.Model, direct.Placement, *Target, options, keep);
+  problem.Model = direct.Problem().Model;
+  const ViewResult alone = FindFirst(problem, keep);
   EXPECT_TRUE(goesOnBeyond(0.1));
   EXPECT_TRUE(predicted.Converged) << predicted.StopReason;
   EXPECT_TRUE(alone.Converged) << alone.StopReason;
@@ -190,7 +208,7 @@ TEST_F(Registration, PredictedSearchEndsWhereTheSimulationAloneEnds)
       3 * (predicted.StandardDeviations[parameter] + alone.StandardDeviations[parameter]))
       << alone.Parameters[parameter].Name;
   }
-  for (const RegistrationResult* result : { &predicted, &alone })
+  for (const ViewResult* result : { &predicted, &alone })
   {
     EXPECT_LT(result->After.MeanOutlineDistanceMm, 0.7);
     EXPECT_GT(result->After.Correlation, 0.95);
@@ -199,9 +217,9 @@ TEST_F(Registration, PredictedSearchEndsWhereTheSimulationAloneEnds)
 
 TEST_F(Registration, GradientsAreComparedWhereTissueTellsFromWhereTheWholeHasLed)
 {
-  RegistrationOptions options = OptionsNearTruth();
-  options.Comparison = PictureComparison::Gradient;
-  const auto comparisons = [](const RegistrationResult& result)
+  RegistrationProblem problem = ProblemNearTruth();
+  problem.Options.Comparison = PictureComparison::Gradient;
+  const auto comparisons = [](const ViewResult& result)
   {
     std::vector<std::string> found;
     for (const RegistrationIteration& iteration : result.Iterations)
@@ -213,7 +231,7 @@ TEST_F(Registration, GradientsAreComparedWhereTissueTellsFromWhereTheWholeHasLed
     }
     return found;
   };
-  const RegistrationResult result = Register(Model->Model, Model->Placement, *Target, options, {});
+  const ViewResult result = FindFirst(problem);
   EXPECT_TRUE(result.Converged) << result.StopReason;
   EXPECT_EQ(comparisons(result), (std::vector<std::string>{ "global", "gradient" }));
   EXPECT_EQ(result.Values, result.Iterations.back().Parameters);
@@ -222,10 +240,10 @@ TEST_F(Registration, GradientsAreComparedWhereTissueTellsFromWhereTheWholeHasLed
   for (const RegistrationIteration& row : { result.Iterations.front(), result.Iterations.back() })
   {
     const bool first = row.Comparison == "global";
-    options.Comparison = first ? PictureComparison::Global : PictureComparison::Gradient;
+    problem.Options.Comparison = first ? PictureComparison::Global : PictureComparison::Gradient;
     const RegistrationTarget coarse = CoarsenTo(*Target, row.PixelSizeMm);
-    const RegistrationResiduals residuals(coarse, options);
-    EvaluatedState there = Model->At(PoseOf(row.Parameters), &result.State);
+    const RegistrationResiduals residuals(coarse, problem.Views[0].Parameters, problem.Options);
+    PosedBreast there = Model->At(PoseOf(row.Parameters), &result.State);
     const double ratio = row.IntensityCost / residuals.Costs(residuals.Evaluate(there)).Intensity;
     if (first)
     {
@@ -236,7 +254,7 @@ TEST_F(Registration, GradientsAreComparedWhereTissueTellsFromWhereTheWholeHasLed
       EXPECT_GT(std::abs(std::log(ratio)), 0.1);
     }
   }
-  options.Comparison = PictureComparison::Gradient;
+  problem.Options.Comparison = PictureComparison::Gradient;
   EXPECT_LT(result.After.MeanOutlineDistanceMm, 0.7);
 
   // 81 mm^2 of tissue cannot tell that gradients have found no worse.
@@ -251,8 +269,9 @@ TEST_F(Registration, GradientsAreComparedWhereTissueTellsFromWhereTheWholeHasLed
         std::abs(at[0]) < 4.5 && std::abs(at[1] - 20) < 4.5 ? 0 : 1;
     }
   }
-  options.PixelSizesMm = { 2.0 };
-  const RegistrationResult whole = Register(Model->Model, Model->Placement, little, options, {});
+  problem.Options.PixelSizesMm = { 2.0 };
+  problem.Views[0].Target = little;
+  const ViewResult whole = FindFirst(problem);
   EXPECT_TRUE(std::isnan(whole.After.TissueCorrelation));
   EXPECT_EQ(comparisons(whole), std::vector<std::string>{ "global" });
   EXPECT_FALSE(whole.Covariance.empty());
@@ -272,9 +291,10 @@ TEST_F(Registration, OutlinesFarApartEndTheSearchBeforeItsFinestPixels)
   {
     distance *= 2.2F;
   }
-  RegistrationOptions options = OptionsFrom(Truth());
-  options.PixelSizesMm = { 6.0, 4.0 };
-  const RegistrationResult result = Register(Model->Model, Model->Placement, larger, options, {});
+  RegistrationProblem problem = ProblemFrom(Truth());
+  problem.Options.PixelSizesMm = { 6.0, 4.0 };
+  problem.Views[0].Target = larger;
+  const ViewResult result = FindFirst(problem);
   EXPECT_FALSE(result.Converged);
   EXPECT_NE(result.StopReason.find("the fine one was left out"), std::string::npos)
     << result.StopReason;
@@ -288,11 +308,10 @@ TEST_F(Registration, OutlinesFarApartEndTheSearchBeforeItsFinestPixels)
 
 TEST_F(Registration, DifferencesEndWhereExactDerivativesEndAtMoreEquilibria)
 {
-  RegistrationOptions options = OptionsNearTruth();
-  const RegistrationResult exact = Register(Model->Model, Model->Placement, *Target, options, {});
-  options.Derivatives = RegistrationDerivatives::CentralDifferences;
-  const RegistrationResult differences =
-    Register(Model->Model, Model->Placement, *Target, options, {});
+  RegistrationProblem problem = ProblemNearTruth();
+  const ViewResult exact = FindFirst(problem);
+  problem.Options.Derivatives = RegistrationDerivatives::CentralDifferences;
+  const ViewResult differences = FindFirst(problem);
   EXPECT_TRUE(differences.Converged) << differences.StopReason;
   // Both stop within half a standard deviation of the best.
   for (const int parameter :
@@ -311,22 +330,21 @@ TEST_F(Registration, DifferencesEndWhereExactDerivativesEndAtMoreEquilibria)
 
   // Stopped among the differences.
   int calls = 0;
-  const RegistrationResult stopped = Register(Model->Model, Model->Placement, *Target, options,
-    [&](double, const char*) { return ++calls < 200; });
+  const ViewResult stopped = FindFirst(problem, [&](double, const char*) { return ++calls < 200; });
   EXPECT_FALSE(stopped.Converged);
   EXPECT_NE(stopped.StopReason.find("interrupted"), std::string::npos);
 }
 
 TEST_F(Registration, AnnealingSpendsItsEquilibriaAndKeepsTheBest)
 {
-  const RegistrationOptions options = OptionsNearTruth();
+  RegistrationProblem problem = ProblemNearTruth();
+  problem.Views[0].Levels = MakeLevels(*Target, problem.Options.PixelSizesMm);
   AnnealingOptions annealing;
   annealing.Equilibria = 6;
   annealing.FirstStep = 0.3;
-  const RegistrationResult result =
-    Anneal(Model->Model, Model->Placement, *Target, options, annealing, {});
+  const ViewResult result = Anneal(problem, annealing);
   EXPECT_EQ(result.Evaluations, 6);
-  EXPECT_EQ(result.Iterations.front().Parameters, options.From);
+  EXPECT_EQ(result.Iterations.front().Parameters, problem.Views[0].From);
   ASSERT_GE(result.Iterations.size(), 2u);
   for (std::size_t index = 1; index < result.Iterations.size(); ++index)
   {
@@ -336,8 +354,8 @@ TEST_F(Registration, AnnealingSpendsItsEquilibriaAndKeepsTheBest)
   EXPECT_EQ(result.Values[VerticalParameter], 0); // fixed
   for (int index = 0; index < ParameterCount; ++index)
   {
-    EXPECT_GE(result.Values[index], options.Parameters[index].Lower);
-    EXPECT_LE(result.Values[index], options.Parameters[index].Upper);
+    EXPECT_GE(result.Values[index], problem.Views[0].Parameters[index].Lower);
+    EXPECT_LE(result.Values[index], problem.Views[0].Parameters[index].Upper);
   }
   EXPECT_FALSE(result.Converged);
 
@@ -346,13 +364,12 @@ TEST_F(Registration, AnnealingSpendsItsEquilibriaAndKeepsTheBest)
   int calls = 0;
   const auto stopAtThird = [&](double, const char* stage)
   { return std::string(stage) != "anneal" || ++calls < 3; };
-  const RegistrationResult stopped =
-    Anneal(Model->Model, Model->Placement, *Target, options, annealing, stopAtThird);
+  const ViewResult stopped = Anneal(problem, annealing, stopAtThird);
   EXPECT_EQ(stopped.Evaluations, 3);
   EXPECT_NE(stopped.StopReason.find("interrupted"), std::string::npos);
   EXPECT_LE(stopped.Iterations.back().Cost, stopped.Iterations.front().Cost);
   annealing.Equilibria = 0;
-  EXPECT_THROW(Anneal(Model->Model, Model->Placement, *Target, options, annealing, {}), InputError);
+  EXPECT_THROW(Anneal(problem, annealing), InputError);
 }
 
 /// CC and MLO of one truth whose gland is stiffer than the model believes.
@@ -367,38 +384,40 @@ TEST_F(Registration, TwoMammogramsShareTheStiffnessAndKnowItBetter)
   oblique.RollDeg = 45;
   oblique.LateralMm = -3;
   const RegistrationTarget targets[2] = { MakeTarget(other, above), MakeTarget(other, oblique) };
-  const auto mammogramOf = [&](const BreastPose& pose, const RegistrationTarget& target)
+  const auto viewOf = [&](const BreastPose& pose, const RegistrationTarget& target)
   {
     BreastPose start = pose;
     start.ThicknessMm += 1.5;
     start.RollDeg -= 3;
     start.LateralMm += 2;
     start.Stiffness = 1;
-    JointMammogram mammogram{ &Model->Model, Model->Placement, &target, DefaultParameters(start),
-      {} };
-    mammogram.Parameters[StiffnessParameter].Fixed = false;
-    for (const RegistrationParameter& parameter : mammogram.Parameters)
-    {
-      mammogram.From.push_back(parameter.Start);
-    }
-    return mammogram;
+    View view;
+    view.Target = target;
+    view.Parameters = DefaultParameters(start);
+    view.Parameters[StiffnessParameter].Fixed = false;
+    BeginAtStart(view);
+    return view;
   };
-  const JointMammogram cc = mammogramOf(above, targets[0]);
-  const JointMammogram mlo = mammogramOf(oblique, targets[1]);
-  const RegistrationOptions options = OptionsFrom(Truth());
-  const JointRegistrationResult alone[2] = { RegisterTogether({ cc }, options),
-    RegisterTogether({ mlo }, options) };
-  const JointRegistrationResult joint = RegisterTogether({ cc, mlo }, options);
-  ASSERT_EQ(joint.Mammograms.size(), 2u);
-  EXPECT_TRUE(joint.Mammograms[0].Converged) << joint.Mammograms[0].StopReason;
+  const View cc = viewOf(above, targets[0]);
+  const View mlo = viewOf(oblique, targets[1]);
+  RegistrationProblem problem = ProblemFrom(Truth());
+  const auto find = [&](const std::vector<View>& views)
+  {
+    problem.Views = views;
+    return Find(problem);
+  };
+  const RegistrationResult alone[2] = { find({ cc }), find({ mlo }) };
+  const RegistrationResult joint = find({ cc, mlo });
+  ASSERT_EQ(joint.Views.size(), 2u);
+  EXPECT_TRUE(joint.Views[0].Converged) << joint.Views[0].StopReason;
 
   // One value, and two poses of which each is near its own truth: 3 sigma, as in the test of one.
-  EXPECT_EQ(joint.Mammograms[0].Pose.Stiffness, joint.Mammograms[1].Pose.Stiffness);
+  EXPECT_EQ(joint.Views[0].Pose.Stiffness, joint.Views[1].Pose.Stiffness);
   const BreastPose truths[2] = { above, oblique };
   for (int mammogram = 0; mammogram < 2; ++mammogram)
   {
     SCOPED_TRACE(mammogram);
-    const RegistrationResult& result = joint.Mammograms[mammogram];
+    const ViewResult& result = joint.Views[mammogram];
     EXPECT_NEAR(result.Pose.ThicknessMm, truths[mammogram].ThicknessMm, 3.0);
     // The body is nearly round: its roll is known to 4 or 5 degrees.
     EXPECT_LT(result.StandardDeviations[RollParameter], 6.0);
@@ -409,23 +428,23 @@ TEST_F(Registration, TwoMammogramsShareTheStiffnessAndKnowItBetter)
     EXPECT_GT(result.After.Correlation, 0.95);
     // What two pictures say of the gland is more than what one does: information adds up.
     EXPECT_LT(result.StandardDeviations[StiffnessParameter],
-      alone[mammogram].Mammograms[0].StandardDeviations[StiffnessParameter]);
+      alone[mammogram].Views[0].StandardDeviations[StiffnessParameter]);
   }
-  EXPECT_NEAR(joint.Mammograms[0].Pose.Stiffness, trueStiffness,
-    2 * joint.Mammograms[0].StandardDeviations[StiffnessParameter]);
-  EXPECT_EQ(joint.Mammograms[0].StandardDeviations[StiffnessParameter],
-    joint.Mammograms[1].StandardDeviations[StiffnessParameter]);
+  EXPECT_NEAR(joint.Views[0].Pose.Stiffness, trueStiffness,
+    2 * joint.Views[0].StandardDeviations[StiffnessParameter]);
+  EXPECT_EQ(joint.Views[0].StandardDeviations[StiffnessParameter],
+    joint.Views[1].StandardDeviations[StiffnessParameter]);
 
   // Seven of each mammogram and the shared one; their own covariances are parts of the joint one.
-  ASSERT_EQ(joint.Unknowns.size(), 15u);
+  ASSERT_EQ(joint.FreeParameters.size(), 15u);
   ASSERT_EQ(joint.Covariance.size(), 225u);
-  EXPECT_EQ(std::count_if(joint.Unknowns.begin(), joint.Unknowns.end(),
-              [](const JointUnknown& unknown) { return unknown.Shared; }),
+  EXPECT_EQ(std::count_if(joint.FreeParameters.begin(), joint.FreeParameters.end(),
+              [](const FreeParameter& parameter) { return parameter.IsShared(); }),
     1);
   for (std::size_t i = 0; i < 15; ++i)
   {
-    const JointUnknown& row = joint.Unknowns[i];
-    const RegistrationResult& result = joint.Mammograms[row.Mammogram];
+    const FreeParameter& row = joint.FreeParameters[i];
+    const ViewResult& result = joint.Views[row.Views.front()];
     EXPECT_EQ(joint.Covariance[i * 16], result.Covariance[row.Parameter * (ParameterCount + 1)]);
     // What is held with a prior makes nothing surer.
     EXPECT_GE(result.ConsideredCovariance[row.Parameter * (ParameterCount + 1)],
@@ -441,14 +460,16 @@ TEST_F(Registration, ProjectionsOfOneCompressionSeeHowHighTissueLies)
   const Vector3 aside[2] = { { 230, 0, 605 }, { -230, 0, 605 } }; // 20 degrees about z = 40 mm
   const RegistrationTarget targets[2] = { MakeTarget(other, Truth(), aside[0]),
     MakeTarget(other, Truth(), aside[1]) };
-  const RegistrationOptions near = OptionsNearTruth();
-  JointMammogram mammogram{ &Model->Model, Model->Placement, Target.get(), near.Parameters,
-    near.From, {} };
-  const RegistrationResult alone = RegisterTogether({ mammogram }, near).Mammograms.front();
-  mammogram.Others = { { &targets[0], aside[0] }, { &targets[1], aside[1] } };
-  const JointRegistrationResult joint = RegisterTogether({ mammogram }, near);
-  ASSERT_EQ(joint.Mammograms.size(), 1u);
-  const RegistrationResult& swept = joint.Mammograms.front();
+  RegistrationProblem near = ProblemNearTruth();
+  const ViewResult alone = FindFirst(near);
+  for (int side = 0; side < 2; ++side)
+  {
+    near.Views[0].Projections.push_back(
+      { aside[side], MakeLevels(targets[side], near.Options.PixelSizesMm) });
+  }
+  const RegistrationResult joint = Find(near);
+  ASSERT_EQ(joint.Views.size(), 1u);
+  const ViewResult& swept = joint.Views.front();
   EXPECT_TRUE(swept.Converged) << swept.StopReason;
   // Though all three together count as much as one, thickness and roll are known better: from 20
   // degrees to a side tissue 10 mm higher lies 4 mm farther.
@@ -467,21 +488,21 @@ TEST_F(Registration, ProjectionsOfOneCompressionSeeHowHighTissueLies)
   EXPECT_LT(swept.After.MeanOutlineDistanceMm, 0.7);
   // 3 pictures at each state, and at the start that of the middle.
   EXPECT_GT(swept.Projections, 2 * alone.Projections);
-  ASSERT_EQ(joint.Unknowns.size(), 7u);
+  ASSERT_EQ(joint.FreeParameters.size(), 7u);
   EXPECT_EQ(joint.Covariance[0], swept.Covariance[0]);
-  mammogram.Others[0].FocalSpotMm[2] = 0;
-  EXPECT_THROW(RegisterTogether({ mammogram }, near), InputError);
+  EXPECT_EQ(swept.ProjectionsAfter.size(), 2u);
+  near.Views[0].Projections[0].FocalSpotMm[2] = 0;
+  EXPECT_THROW(Find(near), InputError);
 }
 
 /// Each mammogram alone is the same search as both without anything in common.
 TEST_F(Registration, MammogramsThatShareNothingFreeEndWhereEachAloneEnds)
 {
-  const RegistrationOptions near = OptionsNearTruth();
-  const JointMammogram mammogram{ &Model->Model, Model->Placement, Target.get(), near.Parameters,
-    near.From };
-  const RegistrationResult alone = Register(Model->Model, Model->Placement, *Target, near);
-  const JointRegistrationResult joint = RegisterTogether({ mammogram, mammogram }, near);
-  for (const RegistrationResult& result : joint.Mammograms)
+  RegistrationProblem near = ProblemNearTruth();
+  const ViewResult alone = FindFirst(near);
+  near.Views.push_back(near.Views[0]);
+  const RegistrationResult joint = Find(near);
+  for (const ViewResult& result : joint.Views)
   {
     for (const int parameter :
       { ThicknessParameter, RollParameter, LateralParameter, AnteriorParameter })
@@ -501,35 +522,35 @@ TEST_F(Registration, MammogramsThatShareNothingFreeEndWhereEachAloneEnds)
       EXPECT_NEAR(joint.Covariance[i * 14 + j], 0, 1e-9);
     }
   }
-  EXPECT_THROW(RegisterTogether({}, near), InputError);
-  JointMammogram stiffer = mammogram;
-  stiffer.Parameters[StiffnessParameter].Start = 2;
-  EXPECT_THROW(RegisterTogether({ mammogram, stiffer }, near), InputError);
+  near.Views[1].Parameters[StiffnessParameter].Start = 2;
+  EXPECT_THROW(Find(near), InputError);
+  near.Views.clear();
+  EXPECT_THROW(Find(near), InputError);
 }
 
 /// The shift that considering predicts is the one that registering at another held value finds.
 TEST_F(Registration, ConsideredParametersMoveTheOthersAsPredicted)
 {
-  RegistrationOptions options = OptionsNearTruth();
+  RegistrationProblem problem = ProblemNearTruth();
   for (const int held : { PitchParameter, YawParameter, TiltParameter })
   {
-    options.Parameters[held].Fixed = true;
+    problem.Views[0].Parameters[held].Fixed = true;
   }
   // Smooth enough to tell: no robust kinks, and a minimum found beyond the usual end.
-  options.Parameters[PitchParameter].PriorSigma = 2;
-  options.Parameters[YawParameter].PriorSigma = 0;
-  options.Parameters[TiltParameter].PriorSigma = 0;
-  options.Parameters[StiffnessParameter].PriorSigma = 0;
-  const RegistrationResult held = Register(Model->Model, Model->Placement, *Target, options);
+  problem.Views[0].Parameters[PitchParameter].PriorSigma = 2;
+  problem.Views[0].Parameters[YawParameter].PriorSigma = 0;
+  problem.Views[0].Parameters[TiltParameter].PriorSigma = 0;
+  problem.Views[0].Parameters[StiffnessParameter].PriorSigma = 0;
+  const ViewResult held = FindFirst(problem);
   const auto entry = [&](const std::vector<double>& covariance, int row, int column)
   { return covariance[row * ParameterCount + column]; };
   const std::vector<double>& considered = held.ConsideredCovariance;
   EXPECT_DOUBLE_EQ(entry(considered, PitchParameter, PitchParameter), 4); // its prior's
   EXPECT_EQ(entry(considered, YawParameter, YawParameter), 0);
 
-  options.Parameters[PitchParameter].Start = 2;
-  options.From[PitchParameter] = 2;
-  const RegistrationResult moved = Register(Model->Model, Model->Placement, *Target, options);
+  problem.Views[0].Parameters[PitchParameter].Start = 2;
+  problem.Views[0].From[PitchParameter] = 2;
+  const ViewResult moved = FindFirst(problem);
   for (const int parameter :
     { ThicknessParameter, RollParameter, LateralParameter, AnteriorParameter })
   {
@@ -543,8 +564,8 @@ TEST_F(Registration, ConsideredParametersMoveTheOthersAsPredicted)
       << held.Parameters[parameter].Name;
   }
   // Where everything held is known, nothing is left to consider.
-  options.Parameters[PitchParameter].PriorSigma = 0;
-  const RegistrationResult known = Register(Model->Model, Model->Placement, *Target, options);
+  problem.Views[0].Parameters[PitchParameter].PriorSigma = 0;
+  const ViewResult known = FindFirst(problem);
   for (std::size_t i = 0; i < known.Covariance.size(); ++i)
   {
     EXPECT_NEAR(known.ConsideredCovariance[i], known.Covariance[i], 1e-9);
@@ -553,15 +574,14 @@ TEST_F(Registration, ConsideredParametersMoveTheOthersAsPredicted)
 
 TEST_F(Registration, DeviationsCountEdgesRounderThanAUnits)
 {
-  const RegistrationOptions options = OptionsNearTruth();
-  UnitPlacement round = Model->Placement;
-  round.Unit.EdgeRadiusMm = SearchedEdgeRadiusMm;
-  const RegistrationResult asTheUnit = Register(Model->Model, Model->Placement, *Target, options);
-  const RegistrationResult rounder = Register(Model->Model, round, *Target, options);
+  RegistrationProblem problem = ProblemNearTruth();
+  const ViewResult asTheUnit = FindFirst(problem);
+  problem.Views[0].Unit.EdgeRadiusMm = SearchedEdgeRadiusMm;
+  const ViewResult rounder = FindFirst(problem);
   // The paddle tilts to press out what is too thick behind round edges.
   const double moved = rounder.Values[TiltParameter] - asTheUnit.Values[TiltParameter];
   EXPECT_GT(moved, 0.3);
-  const auto variance = [](const RegistrationResult& result)
+  const auto variance = [](const ViewResult& result)
   { return std::pow(result.StandardDeviations[TiltParameter], 2); };
   // Deviations know it by the model's derivatives: half to twice of what two searches, which stop
   // within half a deviation, are apart.
@@ -574,17 +594,19 @@ TEST_F(Registration, DeviationsCountEdgesRounderThanAUnits)
 
 TEST_F(Registration, UnusableInputIsRefused)
 {
-  RegistrationOptions options = OptionsFrom(Truth());
-  options.Parameters[RollParameter].Start = 1000;
-  EXPECT_THROW(Register(Model->Model, Model->Placement, *Target, options, {}), InputError);
-  options = OptionsFrom(Truth());
-  options.Parameters.pop_back();
-  EXPECT_THROW(Register(Model->Model, Model->Placement, *Target, options, {}), InputError);
-  BreastModel withoutXRays(MakeAnatomy(4), Twin::Materials(), {});
-  EXPECT_THROW(Register(withoutXRays, Model->Placement, *Target, OptionsFrom(Truth()), {}),
-    InputError);
-  RegistrationTarget target = *Target;
-  target.BreastMask.assign(target.BreastMask.size(), 0);
-  EXPECT_THROW(Register(Model->Model, Model->Placement, target, OptionsFrom(Truth()), {}),
-    InputError);
+  RegistrationProblem problem = ProblemFrom(Truth());
+  problem.Views[0].Parameters[RollParameter].Start = 1000;
+  EXPECT_THROW(FindFirst(problem), InputError);
+  problem = ProblemFrom(Truth());
+  problem.Views[0].Parameters.pop_back();
+  EXPECT_THROW(FindFirst(problem), InputError);
+  problem = ProblemFrom(Truth());
+  problem.Model =
+    std::make_shared<BreastModel>(MakeAnatomy(4), Twin::Materials(), std::vector<int>());
+  EXPECT_THROW(FindFirst(problem), InputError);
+  problem = ProblemFrom(Truth());
+  EXPECT_THROW(Register(problem), InputError) << "its levels were not made";
+  std::vector<unsigned char>& mask = problem.Views[0].Target.BreastMask;
+  mask.assign(mask.size(), 0);
+  EXPECT_THROW(FindFirst(problem), InputError);
 }

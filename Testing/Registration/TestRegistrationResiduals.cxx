@@ -83,21 +83,21 @@ TEST(RegistrationResiduals, JacobianAgreesWithDifferencesOfSolvedStates)
   pose.YawDeg = 4;
   pose.TiltDeg = 1.5;
   RegistrationOptions options;
-  options.Parameters = DefaultParameters(pose);
+  std::vector<RegistrationParameter> parameters = DefaultParameters(pose);
   // A prior away from its middle, so that its derivative is seen.
-  options.Parameters[ThicknessParameter].Start = 47;
+  parameters[ThicknessParameter].Start = 47;
   options.Comparison = PictureComparison::Global;
   std::vector<RegistrationOptions> kinds(3, options);
   kinds[1].Comparison = PictureComparison::Local;
   kinds[2].Comparison = PictureComparison::Gradient;
-  const RegistrationResiduals residuals(target, kinds[0]);
-  const RegistrationResiduals local(target, kinds[1]);
-  const RegistrationResiduals gradient(target, kinds[2]);
+  const RegistrationResiduals residuals(target, parameters, kinds[0]);
+  const RegistrationResiduals local(target, parameters, kinds[1]);
+  const RegistrationResiduals gradient(target, parameters, kinds[2]);
   // The same target from 15 degrees to either side: any picture will do for derivatives.
   const RegistrationResiduals swept({ { &target, std::nullopt },
                                       { &target, Vector3{ 160, 3, 620 } },
                                       { &target, Vector3{ -160, 0, 620 } } },
-    kinds[0]);
+    parameters, kinds[0]);
   const std::array<const RegistrationResiduals*, 4> all{ &residuals, &local, &gradient, &swept };
   std::vector<double> values;
   for (const RegistrationParameter& parameter : DefaultParameters(pose))
@@ -105,7 +105,7 @@ TEST(RegistrationResiduals, JacobianAgreesWithDifferencesOfSolvedStates)
     values.push_back(parameter.Start);
   }
   values[StiffnessParameter] = 1.4;
-  EvaluatedState here = twin.At(PoseOf(values));
+  PosedBreast here = twin.At(PoseOf(values));
   std::vector<int> wanted(values.size());
   std::iota(wanted.begin(), wanted.end(), 0);
   // Another order than that of the parameters.
@@ -145,7 +145,7 @@ TEST(RegistrationResiduals, JacobianAgreesWithDifferencesOfSolvedStates)
       {
         std::vector<double> moved = values;
         moved[parameter] += side == 0 ? -step : step;
-        EvaluatedState beside = twin.At(PoseOf(moved), &here.State());
+        PosedBreast beside = twin.At(PoseOf(moved), &here.State());
         for (std::size_t kind = 0; kind < all.size(); ++kind)
         {
           sides[side][kind] = all[kind]->Evaluate(beside);
@@ -178,7 +178,7 @@ TEST(RegistrationResiduals, JacobianAgreesWithDifferencesOfSolvedStates)
         }
       }
     }
-    const std::string& name = options.Parameters[parameter].Name;
+    const std::string& name = parameters[parameter].Name;
     for (std::size_t kind = 0; kind < all.size(); ++kind)
     {
       for (std::size_t projection = 0; projection < all[kind]->NumberOfProjections(); ++projection)
@@ -208,16 +208,16 @@ TEST(RegistrationResiduals, ProjectionsOfOneCompressionCountAsOne)
   BreastPose pose = Truth();
   pose.LateralMm += 6; // some residuals are beyond the robust width
   RegistrationOptions options;
-  options.Parameters = DefaultParameters(Truth());
-  options.Parameters[LateralParameter].PriorSigma = 2;
-  EvaluatedState here = twin.At(pose);
-  const RegistrationResiduals one(target, options);
+  std::vector<RegistrationParameter> parameters = DefaultParameters(Truth());
+  parameters[LateralParameter].PriorSigma = 2;
+  PosedBreast here = twin.At(pose);
+  const RegistrationResiduals one(target, parameters, options);
   const RegistrationCosts alone = one.Costs(one.Evaluate(here));
   EXPECT_GT(alone.Outline, 1);
   EXPECT_NEAR(alone.Prior, 4.5, 1e-9);
   // Four times the same picture tells what one tells.
   const RegistrationResiduals four(std::vector<ComparedProjection>(4, { &target, std::nullopt }),
-    options);
+    parameters, options);
   const std::vector<double> residuals = four.Evaluate(here);
   const RegistrationCosts together = four.Costs(residuals);
   EXPECT_NEAR(together.Outline, alone.Outline, 1e-9 * alone.Outline);
@@ -240,13 +240,13 @@ TEST(RegistrationResiduals, WeighMultipliesOutlineAndPictureOfEachProjection)
   Twin twin(4, 8, 20.0, false);
   const RegistrationTarget target = Coarsen(MakeTarget(twin, Truth()), 4);
   RegistrationOptions options;
-  options.Parameters = DefaultParameters(Truth());
-  options.Parameters[LateralParameter].PriorSigma = 2;
+  std::vector<RegistrationParameter> parameters = DefaultParameters(Truth());
+  parameters[LateralParameter].PriorSigma = 2;
   BreastPose pose = Truth();
   pose.LateralMm += 1;
-  EvaluatedState here = twin.At(pose);
+  PosedBreast here = twin.At(pose);
   RegistrationResiduals residuals({ { &target, std::nullopt }, { &target, std::nullopt } },
-    options);
+    parameters, options);
   const auto column = [&]
   { return residuals.Differentiate(here, { LateralParameter }).Columns[LateralParameter]; };
   const std::vector<double> before = residuals.Evaluate(here);
@@ -284,16 +284,16 @@ TEST(RegistrationResiduals, JacobianWithScatterAgreesWithDifferencesOfSolvedStat
   pose.ThicknessMm = 49;
   pose.RollDeg = 3;
   RegistrationOptions options;
-  options.Parameters = DefaultParameters(pose);
+  std::vector<RegistrationParameter> parameters = DefaultParameters(pose);
   options.Comparison = PictureComparison::Global;
-  const RegistrationResiduals residuals(target, options);
-  EvaluatedState here = twin.At(pose);
+  const RegistrationResiduals residuals(target, parameters, options);
+  PosedBreast here = twin.At(pose);
   const std::vector<int> wanted{ ThicknessParameter, RollParameter, LateralParameter,
     TiltParameter };
   const RegistrationResiduals::Jacobian primary = residuals.Differentiate(here, wanted);
   twin.Model.SetScatter(ScatterModel(FindScatterKernels(), Spectrum::Monochromatic(20),
     DetectorResponse::EnergyIntegrating, 12));
-  EvaluatedState scattered = here.MovedTo(pose);
+  PosedBreast scattered = here.MovedTo(pose);
   const RegistrationResiduals::Jacobian jacobian = residuals.Differentiate(scattered, wanted);
   const std::size_t begin = residuals.Picture(0).NumberOfOutlineResiduals();
   const std::size_t end = begin + residuals.Picture(0).NumberOfIntensityResiduals();
@@ -308,7 +308,7 @@ TEST(RegistrationResiduals, JacobianWithScatterAgreesWithDifferencesOfSolvedStat
       {
         std::vector<double> moved = ValuesOf(pose);
         moved[static_cast<std::size_t>(parameter)] += side == 0 ? -step : step;
-        EvaluatedState beside = twin.At(PoseOf(moved), &here.State());
+        PosedBreast beside = twin.At(PoseOf(moved), &here.State());
         sides[side] = residuals.Evaluate(beside);
       }
       std::vector<double> differences(column.size());
@@ -319,10 +319,10 @@ TEST(RegistrationResiduals, JacobianWithScatterAgreesWithDifferencesOfSolvedStat
       fewestOff = std::min(fewestOff, ShareOff(column, differences, begin, end));
     }
     // As above: kinks of path lengths.
-    EXPECT_LT(fewestOff, 0.02) << options.Parameters[parameter].Name;
+    EXPECT_LT(fewestOff, 0.02) << parameters[parameter].Name;
     EXPECT_GT(ShareOff(primary.Columns[static_cast<std::size_t>(parameter)], column, begin, end),
       0.2)
-      << "scatter matters to " << options.Parameters[parameter].Name;
+      << "scatter matters to " << parameters[parameter].Name;
   }
 }
 

@@ -55,13 +55,13 @@ SyntheticMammogram PictureOf(const RegistrationTarget& target, double heightMm)
 TEST(Compare, MeasuresTheOutlinesAndThePictures)
 {
   const RegistrationTarget target = StraightTarget();
-  const Agreement same = Compare(PictureOf(target, 25), target);
+  const Similarity same = Compare(PictureOf(target, 25), target);
   EXPECT_NEAR(same.MeanOutlineDistanceMm, 0, 1e-6);
   // 1e-6 is added to the deviations of 0.4 and 0.2.
   EXPECT_NEAR(same.Correlation, 1, 1e-5);
   for (const double height : { 22.0, 28.0 })
   {
-    const Agreement beside = Compare(PictureOf(target, height), target);
+    const Similarity beside = Compare(PictureOf(target, height), target);
     EXPECT_NEAR(beside.MeanOutlineDistanceMm, 3, 1e-5) << height; // on either side
     EXPECT_NEAR(beside.LargestOutlineDistanceMm, 3, 1e-5) << height;
   }
@@ -125,10 +125,10 @@ TEST(Compare, TellsTwoBreastsOfOneShapeByTheirTissue)
     picture.Outline = { { 75, 105 }, { -75, 105 } };
     return picture;
   };
-  const Agreement same = Compare(pictureOf(target), target);
+  const Similarity same = Compare(pictureOf(target), target);
   EXPECT_NEAR(same.TissueCorrelation, 1, 1e-3);
   // Another breast agrees in shape and thickness, and so in all of the picture.
-  const Agreement other = Compare(pictureOf(BulgingTarget(OtherLumps)), target);
+  const Similarity other = Compare(pictureOf(BulgingTarget(OtherLumps)), target);
   EXPECT_GT(other.Correlation, 0.8);
   EXPECT_LT(std::abs(other.TissueCorrelation), 0.1);
   EXPECT_NEAR(other.MeanOutlineDistanceMm, 0, 1e-5);
@@ -155,7 +155,7 @@ TEST(Compare, WeighsTheOutlineByItsLength)
   }
   // The outline is seen from x = -27 to 27, 3 mm from the picture's borders, in pieces of up to
   // 0.25 mm; for 4 mm beside the step the line's end is nearest.
-  const Agreement agreement = Compare(synthetic, target);
+  const Similarity agreement = Compare(synthetic, target);
   EXPECT_NEAR(agreement.MeanOutlineDistanceMm, (4 * 2 + 16 * 4) / 54.0, 0.02);
   EXPECT_NEAR(agreement.LargestOutlineDistanceMm, 4, 1e-5);
 }

@@ -146,7 +146,7 @@ TEST(VarianceComponents, CountAPriorAsInformation)
 TEST(VarianceComponents, TellNoMoreThanTheLeastScatterLets)
 {
   ResidualGroup group = White(12, 0.01, Eigen::MatrixXd::Ones(12, 1));
-  group.LeastScatter = 200 * 0.09; // as of residuals of 0.3
+  group.LeastCovariance = 200 * 0.09; // as of residuals of 0.3
   const VarianceComponents found = EstimateVariances({ group }, Eigen::MatrixXd::Zero(1, 1));
   EXPECT_LT(found.Sigmas[0], 0.02); // what they are is told
   EXPECT_NEAR(found.Covariance(0, 0), 0.09 / 12, 1e-12);
@@ -210,7 +210,7 @@ TEST(VarianceComponents, FindOverWhatAPictureIsAlike)
   EXPECT_NEAR(IntegralScale(group), 49, 15);
 }
 
-TEST(SmoothScatter, IsTheSumOverAllPairs)
+TEST(SmoothCovariance, IsTheSumOverAllPairs)
 {
   // Places on the cells' lattice, each twice: 60 mm an eighth apart, so that none are merged with
   // others.
@@ -238,12 +238,12 @@ TEST(SmoothScatter, IsTheSumOverAllPairs)
     }
   }
   const Eigen::MatrixXd expected = scores.transpose() * correlation * scores;
-  const Eigen::MatrixXd found = SmoothScatter(places, scores, alike);
+  const Eigen::MatrixXd found = SmoothCovariance(places, scores, alike);
   EXPECT_LT((found - expected).norm(), 1e-12 * expected.norm());
   EXPECT_GT(Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(found).eigenvalues().minCoeff(), 0);
 }
 
-TEST(SmoothScatter, OfPlacesWithinACellIsThatOfTheirSum)
+TEST(SmoothCovariance, OfPlacesWithinACellIsThatOfTheirSum)
 {
   std::uniform_real_distribution<double> within(-0.05, 0.05);
   std::vector<std::array<double, 2>> places(50);
@@ -253,6 +253,6 @@ TEST(SmoothScatter, OfPlacesWithinACellIsThatOfTheirSum)
   }
   const Eigen::MatrixXd scores = Eigen::MatrixXd::Random(50, 2);
   const Eigen::VectorXd sum = scores.colwise().sum().transpose();
-  EXPECT_LT((SmoothScatter(places, scores, 1.0) - sum * sum.transpose()).norm(), 1e-12);
+  EXPECT_LT((SmoothCovariance(places, scores, 1.0) - sum * sum.transpose()).norm(), 1e-12);
 }
 }

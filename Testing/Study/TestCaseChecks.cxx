@@ -28,14 +28,14 @@ RegisteredView Pictured(char laterality, double widthMm)
   view.Mammogram.Laterality = laterality;
   view.Mammogram.RowDirection = "A";
   view.Mammogram.ColumnDirection = "R";
-  view.Target.Grid.Columns = 40;
-  view.Target.Grid.Rows = 400;
-  view.Target.Grid.ColumnStep = { 0, 1 };
-  view.Target.Grid.RowStep = { -1, 0 };
-  view.Target.BreastMask.assign(16000, 0);
+  view.View.Target.Grid.Columns = 40;
+  view.View.Target.Grid.Rows = 400;
+  view.View.Target.Grid.ColumnStep = { 0, 1 };
+  view.View.Target.Grid.RowStep = { -1, 0 };
+  view.View.Target.BreastMask.assign(16000, 0);
   for (int row = 0; row <= widthMm; ++row)
   {
-    std::fill_n(view.Target.BreastMask.begin() + 40 * row, 20, 1);
+    std::fill_n(view.View.Target.BreastMask.begin() + 40 * row, 20, 1);
   }
   return view;
 }
@@ -45,7 +45,7 @@ TEST(CaseChecks, ABreastHasAWidthInThePicture)
   const RegistrationCase input;
   RegisteredView usual = Pictured('L', 120);
   EXPECT_NO_THROW(CheckPicturedBreast(input, usual));
-  EXPECT_THAT(usual.Target.Disagreements, IsEmpty());
+  EXPECT_THAT(usual.View.Target.Disagreements, IsEmpty());
   for (const double width : { 29.0, 301.0 })
   {
     RegisteredView unusual = Pictured('L', width);
@@ -63,26 +63,26 @@ TEST(CaseChecks, TheSideIsThatOfThePictureUnlessSaid)
   RegistrationCase input;
   RegisteredView view = Pictured('R', 120);
   CheckPicturedBreast(input, view);
-  EXPECT_THAT(view.Target.Disagreements,
+  EXPECT_THAT(view.View.Target.Disagreements,
     ElementsAre(HasSubstr("says right breast, but the chest wall is at the left edge")));
   // Hung as a right one.
   RegisteredView right = Pictured('R', 120);
-  right.Target.Grid.ColumnStep = { 0, -1 };
+  right.View.Target.Grid.ColumnStep = { 0, -1 };
   CheckPicturedBreast(input, right);
-  EXPECT_THAT(right.Target.Disagreements, IsEmpty());
+  EXPECT_THAT(right.View.Target.Disagreements, IsEmpty());
   // Turned by 90 degrees, it tells nothing.
   RegisteredView turned = Pictured('R', 120);
-  turned.Target.Grid.ColumnStep = { -1, 0 };
-  turned.Target.Grid.RowStep = { 0, 1 };
-  turned.Target.BreastMask.assign(16000, 1);
+  turned.View.Target.Grid.ColumnStep = { -1, 0 };
+  turned.View.Target.Grid.RowStep = { 0, 1 };
+  turned.View.Target.BreastMask.assign(16000, 1);
   RegistrationCase accepting;
   accepting.Labels.AcceptUnusual = true;
   CheckPicturedBreast(accepting, turned);
-  EXPECT_THAT(turned.Target.Disagreements, IsEmpty());
+  EXPECT_THAT(turned.View.Target.Disagreements, IsEmpty());
   input.Laterality = "R";
   RegisteredView said = Pictured('R', 120);
   CheckPicturedBreast(input, said);
-  EXPECT_THAT(said.Target.Disagreements, IsEmpty());
+  EXPECT_THAT(said.View.Target.Disagreements, IsEmpty());
 }
 
 TEST(CaseChecks, AnObliqueViewIsOfTheBreastItsDirectionsSay)
@@ -133,7 +133,7 @@ TEST(CaseChecks, PicturesShowAsMuchBreastAsTheMri)
   const auto disagreements = [&](double breastCm3, std::vector<RegisteredView> views)
   {
     CheckSizes(input, breastCm3, views);
-    return views.back().Target.Disagreements;
+    return views.back().View.Target.Disagreements;
   };
   EXPECT_THAT(disagreements(200, { viewed("CC", 100), viewed("MLO", 130) }), IsEmpty());
   EXPECT_THAT(disagreements(200, { viewed("CC", 55) }),

@@ -54,14 +54,14 @@ protected:
     registered.Path = this->Folder.Write("mammogram.dcm", "mammogram");
     registered.Mammogram.View = name;
     registered.Mammogram.Laterality = 'L';
-    RegistrationTarget& target = registered.Target;
+    RegistrationTarget& target = registered.View.Target;
     target.Grid.Columns = 20;
     target.Grid.Rows = 30;
     target.Grid.ColumnStep = { 0, 1 };
     target.Grid.RowStep = { -1, 0 };
     target.Grid.Origin = { 14.5, 0.5 };
     const std::size_t count = 600;
-    RegistrationResult& found = registered.Registration;
+    ViewResult& found = registered.Registration;
     target.LogAttenuation.assign(count, 1);
     target.BreastMask.assign(count, 1);
     target.SignedDistanceMm.assign(count, -1);
@@ -143,9 +143,9 @@ TEST_F(WrittenCase, HasEverythingOfOneMammogram)
 TEST_F(WrittenCase, TellsOfEachProjection)
 {
   RegisteredView& view = this->Result.Views[0];
-  view.Unit = WithFocalSpot(view.Unit, { 2, 0, 650 });
+  view.View.Unit = WithFocalSpot(view.View.Unit, { 2, 0, 650 });
   // 610 tan 10 degrees to each side.
-  view.Others = { { { -105.56, 0, 600.7 }, {} }, { { 109.56, 0, 600.7 }, {} } };
+  view.View.Projections = { { { -105.56, 0, 600.7 }, {} }, { { 109.56, 0, 600.7 }, {} } };
   view.Registration.ProjectionsAfter = { { 0.91, 0.4, 1, 0.8 }, { 0.87, 0.6, 1, 0.8 } };
   const std::string folder = this->Folder.File("result");
   WriteRegistrationCase(this->Input, this->Result, folder);
@@ -168,7 +168,7 @@ TEST_F(WrittenCase, TellsOfEachProjection)
 TEST_F(WrittenCase, SaysWhatScattered)
 {
   this->Input.Scatter = RegisteredScatter{ {}, std::array{ 5.0, 31.0, 65.0 }, "air" };
-  this->Result.Views[0].Unit.SupportHeightMm = 21;
+  this->Result.Views[0].View.Unit.SupportHeightMm = 21;
   const std::string folder = this->Folder.File("result");
   WriteRegistrationCase(this->Input, this->Result, folder);
   const ResultScatter scatter = ReadResultFile(folder).Scatter;
@@ -191,7 +191,7 @@ TEST_F(WrittenCase, OfSeveralMammogramsHasAFolderForEach)
 {
   this->AddMammogram("MLO");
   this->AddMammogram("CC");
-  this->Result.Unknowns = { { ThicknessParameter, 1, false }, { StiffnessParameter, 0, true } };
+  this->Result.FreeParameters = { { ThicknessParameter, { 1 } }, { StiffnessParameter, { 0, 1 } } };
   this->Result.Covariance = { 0.04, 0.01, 0.01, 0.09 };
   EXPECT_THAT(MammogramFolders(this->Result), ElementsAre("cc", "mlo", "cc-2"));
   const std::string folder = this->Folder.File("result");

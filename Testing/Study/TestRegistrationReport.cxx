@@ -28,7 +28,7 @@ struct MadeUp
 {
   Mammogram Picture;
   RegistrationTarget Target;
-  RegistrationResult Result;
+  ViewResult Result;
   RegistrationReport Report;
 
   static double Attenuation(double x, double y, double radius)

@@ -58,7 +58,14 @@ inline ResultFile MakeResultFile()
   result.Iterations = { { 0, { 50, 1.25 }, 3, "global", 12.5, 8, 4, 0.5, 1.25 },
     { 1, { 51.5, 1.25 }, 1.5, "gradient", 6.5, 3, 3, 0.5, 2.5 } };
   result.Compression = { 87, 0.99, 0.5, 1.5, 0.02, 1e-9 };
-  result.Mammogram = { "MLO", 'L', 30, 50, 2.0, 2.5, 52.0, std::nullopt, 28.0 };
+  result.Mammogram = { .Columns = 30,
+    .Rows = 50,
+    .ColumnSpacingMm = 2.0,
+    .RowSpacingMm = 2.5,
+    .View = "MLO",
+    .Laterality = 'L',
+    .BodyPartThicknessMm = 52.0,
+    .PeakKilovoltage = 28.0 };
   result.ShareExcluded = 0.125;
   result.Warnings = { "Something had to be assumed." };
   result.Inputs = { { MaterialTableRole, "table.json", "12ab" },

@@ -2,7 +2,7 @@
 #include "Private/BreastScene.h"
 
 #include "Private/SceneShapes.h"
-#include "mammoray/Registration/EvaluatedState.h"
+#include "mammoray/Registration/PosedBreast.h"
 #include "mammoray/Study/BreastPicture.h"
 
 #include "vtkActor.h"

@@ -4,7 +4,7 @@
 #include "Private/KilovoltageSpectrum.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/IO/ShippedData.h"
-#include "mammoray/Registration/EvaluatedState.h"
+#include "mammoray/Registration/PosedBreast.h"
 
 #include "vtkDoubleArray.h"
 #include "vtkNew.h"

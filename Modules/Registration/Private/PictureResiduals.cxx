@@ -97,7 +97,7 @@ ReceptorPoint PictureResiduals::OnOutline(std::size_t direction, double radius) 
     this->Centre[1] + radius * this->Directions[direction][1] };
 }
 
-void PictureResiduals::Append(EvaluatedState& seen, std::vector<double>& residuals) const
+void PictureResiduals::Append(PosedBreast& seen, std::vector<double>& residuals) const
 {
   residuals.reserve(residuals.size() + this->NumberOfResiduals());
   const std::vector<double>& radii = seen.SilhouetteFrom(this->Centre, this->Directions).Radii;
@@ -106,7 +106,7 @@ void PictureResiduals::Append(EvaluatedState& seen, std::vector<double>& residua
     residuals.push_back(
       this->OutlineWeight * SignedDistanceAt(this->Target, this->OnOutline(index, radii[index])));
   }
-  const EvaluatedState::Picture& picture = seen.PictureOn(this->Target.Grid, this->Options.Samples);
+  const PosedBreast::Picture& picture = seen.PictureOn(this->Target.Grid, this->Options.Samples);
   const std::vector<double> features = this->Features->Of(picture.LogAttenuation).Values;
   for (std::size_t index = 0; index < features.size(); ++index)
   {
@@ -114,7 +114,7 @@ void PictureResiduals::Append(EvaluatedState& seen, std::vector<double>& residua
   }
 }
 
-std::vector<ReceptorPoint> PictureResiduals::OutlinePlaces(EvaluatedState& seen) const
+std::vector<ReceptorPoint> PictureResiduals::OutlinePlaces(PosedBreast& seen) const
 {
   const std::vector<double>& radii = seen.SilhouetteFrom(this->Centre, this->Directions).Radii;
   std::vector<ReceptorPoint> places;
@@ -141,11 +141,10 @@ std::vector<ReceptorPoint> PictureResiduals::IntensityPlaces() const
   return places;
 }
 
-void PictureResiduals::AddOutlineRates(EvaluatedState& seen, const double* velocities,
+void PictureResiduals::AddOutlineRates(PosedBreast& seen, const double* velocities,
   std::vector<double>& column) const
 {
-  const EvaluatedState::Silhouette& silhouette =
-    seen.SilhouetteFrom(this->Centre, this->Directions);
+  const PosedBreast::Silhouette& silhouette = seen.SilhouetteFrom(this->Centre, this->Directions);
   const std::vector<double> rates = SilhouetteDerivatives(seen.SurfaceOnReceptor(),
     ReceptorVelocities(seen.SurfacePoints(), velocities, seen.Placed(), seen.Placement().Unit),
     seen.Model().SurfaceEdges(), this->Centre, this->Directions, silhouette.Crossed);
@@ -158,13 +157,13 @@ void PictureResiduals::AddOutlineRates(EvaluatedState& seen, const double* veloc
   }
 }
 
-void PictureResiduals::AppendRates(EvaluatedState& seen, const std::vector<double>& velocities,
+void PictureResiduals::AppendRates(PosedBreast& seen, const std::vector<double>& velocities,
   const std::vector<std::vector<double>*>& columns) const
 {
   const int fields = static_cast<int>(columns.size());
   const std::vector<std::vector<double>> derivatives =
     seen.DifferentiatePicture(this->Target.Grid, this->Options.Samples, velocities, fields);
-  const EvaluatedState::Picture& picture = seen.PictureOn(this->Target.Grid, this->Options.Samples);
+  const PosedBreast::Picture& picture = seen.PictureOn(this->Target.Grid, this->Options.Samples);
   const PictureFeatures::Found features = this->Features->Of(picture.LogAttenuation);
   for (std::size_t field = 0; field < columns.size(); ++field)
   {

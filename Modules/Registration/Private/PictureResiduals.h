@@ -15,7 +15,7 @@ class PictureFeatures;
 
 /**
  * Outline and picture of a compressed breast against one target, in standard deviations: what
- * RegistrationResiduals puts together of each projection. Target and options must outlive it.
+ * RegistrationResiduals puts together of each projection. The target must outlive it.
  */
 class MAMMORAYREGISTRATION_EXPORT PictureResiduals
 {
@@ -35,13 +35,13 @@ public:
   double Share() const { return this->ShareOfSquares; }
 
   /// Appends them; `seen`: from where the target was taken.
-  void Append(EvaluatedState& seen, std::vector<double>& residuals) const;
+  void Append(PosedBreast& seen, std::vector<double>& residuals) const;
 
   /**
    * Appends their derivatives to one column for each field of `velocities`, which are the surface's
    * points', seen from the unit, one field after the other, mm per unit.
    */
-  void AppendRates(EvaluatedState& seen, const std::vector<double>& velocities,
+  void AppendRates(PosedBreast& seen, const std::vector<double>& velocities,
     const std::vector<std::vector<double>*>& columns) const;
 
   /// What distances of the outline, mm, and differences of the picture are multiplied by: by the
@@ -56,7 +56,7 @@ public:
   /// Root mean square of what is compared of the target's picture.
   double TargetRms() const { return this->FeatureRms; }
   /// Where on the receptor the residuals of the outline and of the picture lie, mm.
-  std::vector<ReceptorPoint> OutlinePlaces(EvaluatedState& seen) const;
+  std::vector<ReceptorPoint> OutlinePlaces(PosedBreast& seen) const;
   std::vector<ReceptorPoint> IntensityPlaces() const;
   /// The area that each residual of the picture stands for, mm^2. Gradients are two for a pixel.
   double AreaPerFeature() const;
@@ -66,11 +66,11 @@ private:
   void ChoosePixels();
   ReceptorPoint OnOutline(std::size_t direction, double radius) const;
   /// What a field of velocities of the surface adds to a column.
-  void AddOutlineRates(EvaluatedState& seen, const double* velocities,
+  void AddOutlineRates(PosedBreast& seen, const double* velocities,
     std::vector<double>& column) const;
 
   const RegistrationTarget& Target;
-  const RegistrationOptions& Options;
+  const RegistrationOptions Options;
   double ShareOfSquares;
   /// Directions from Centre that hit an outline inside the image.
   std::vector<ReceptorPoint> Directions;

@@ -13,47 +13,53 @@
 
 namespace mammoray
 {
-RegistrationEvaluator::RegistrationEvaluator(std::vector<SearchedMammogram> mammograms,
-  std::vector<SearchUnknown> unknowns, const ProgressCallback& progress)
-  : Unknowns(std::move(unknowns))
-  , Selected(mammograms.size())
+RegistrationEvaluator::RegistrationEvaluator(std::vector<std::unique_ptr<ViewEvaluator>> views,
+  std::vector<FreeParameter> free, const RegistrationOptions& options,
+  const ProgressCallback& progress)
+  : FreeParameters(std::move(free))
+  , Views(std::move(views))
+  , First{ 0 }
+  , Selected(this->Views.size())
+  , Derivatives(options.Derivatives)
+  , DifferenceStep(options.DifferenceStep)
   , Progress(progress)
 {
-  for (std::size_t unknown = 0; unknown < this->Unknowns.size(); ++unknown)
+  for (std::size_t number = 0; number < this->FreeParameters.size(); ++number)
   {
-    const SearchUnknown& free = this->Unknowns[unknown];
-    this->Block.push_back(mammograms[free.Mammograms.front()].Values[free.Parameter] / free.Scale);
-    for (const std::size_t mammogram : free.Mammograms)
+    const FreeParameter& parameter = this->FreeParameters[number];
+    this->Block.push_back(
+      this->Views[parameter.Views.front()]->Values[parameter.Parameter] / parameter.Scale);
+    for (const std::size_t view : parameter.Views)
     {
-      this->Selected[mammogram].Unknowns.push_back(unknown);
-      this->Selected[mammogram].Parameters.push_back(free.Parameter);
+      this->Selected[view].Numbers.push_back(number);
+      this->Selected[view].Parameters.push_back(parameter.Parameter);
     }
   }
-  for (SearchedMammogram& mammogram : mammograms)
-  {
-    this->Mammograms.push_back(
-      std::make_unique<MammogramEvaluator>(std::move(mammogram), progress));
-  }
   // The values as they come back from the block, so that the states are found to belong to them.
-  for (std::size_t mammogram = 0; mammogram < this->Mammograms.size(); ++mammogram)
+  for (std::size_t view = 0; view < this->Views.size(); ++view)
   {
-    MammogramEvaluator& evaluator = *this->Mammograms[mammogram];
-    evaluator.Mammogram.Values = this->ValuesAt(mammogram);
-    evaluator.ReturnTo(evaluator.Mammogram.Values, evaluator.Mammogram.Here);
-    this->First.push_back(this->RobustWidths.size());
+    ViewEvaluator& evaluator = *this->Views[view];
+    evaluator.Values = this->ValuesAt(view);
+    evaluator.ReturnTo(evaluator.Values, evaluator.Current);
     const std::vector<double> widths = evaluator.Compared.RobustWidths();
     this->RobustWidths.insert(this->RobustWidths.end(), widths.begin(), widths.end());
+    this->First.push_back(this->RobustWidths.size());
   }
 }
 
-std::vector<double> RegistrationEvaluator::ValuesAt(std::size_t mammogram) const
+std::span<const double> RegistrationEvaluator::ResidualsOf(std::size_t view) const
 {
-  std::vector<double> values = this->Mammograms[mammogram]->Mammogram.Values;
-  const Selection& selected = this->Selected[mammogram];
-  for (std::size_t index = 0; index < selected.Unknowns.size(); ++index)
+  return std::span(this->Residuals).subspan(this->First[view], this->NumberOfResiduals(view));
+}
+
+std::vector<double> RegistrationEvaluator::ValuesAt(std::size_t view) const
+{
+  std::vector<double> values = this->Views[view]->Values;
+  const Selection& selected = this->Selected[view];
+  for (std::size_t index = 0; index < selected.Numbers.size(); ++index)
   {
-    const std::size_t unknown = selected.Unknowns[index];
-    values[selected.Parameters[index]] = this->Block[unknown] * this->Unknowns[unknown].Scale;
+    const std::size_t unknown = selected.Numbers[index];
+    values[selected.Parameters[index]] = this->Block[unknown] * this->FreeParameters[unknown].Scale;
   }
   return values;
 }
@@ -73,35 +79,28 @@ void RegistrationEvaluator::PrepareForEvaluation(bool evaluateJacobians, bool /*
   }
 }
 
-void RegistrationEvaluator::ReturnTo(const std::vector<std::shared_ptr<EvaluatedState>>& states)
+void RegistrationEvaluator::ReturnTo(const std::vector<std::shared_ptr<PosedBreast>>& states)
 {
-  for (std::size_t mammogram = 0; mammogram < this->Mammograms.size(); ++mammogram)
+  for (std::size_t view = 0; view < this->Views.size(); ++view)
   {
-    this->Mammograms[mammogram]->ReturnTo(this->ValuesAt(mammogram), states[mammogram]);
+    this->Views[view]->ReturnTo(this->ValuesAt(view), states[view]);
   }
   this->Failures = 0;
 }
 
-std::vector<double> RegistrationEvaluator::Weights() const
+double RegistrationEvaluator::Weight(std::size_t residual) const
 {
-  std::vector<double> weights(this->Residuals.size(), 1.0);
-  for (std::size_t index = 0; index < weights.size(); ++index)
-  {
-    const double size = std::abs(this->Residuals[index]);
-    if (size > this->RobustWidths[index])
-    {
-      weights[index] = this->RobustWidths[index] / size;
-    }
-  }
-  return weights;
+  const double size = std::abs(this->Residuals[residual]);
+  const double width = this->RobustWidths[residual];
+  return size > width ? width / size : 1.0;
 }
 
 void RegistrationEvaluator::Weigh(const std::vector<std::vector<double>>& factors)
 {
   std::vector<double> changes;
-  for (std::size_t mammogram = 0; mammogram < this->Mammograms.size(); ++mammogram)
+  for (std::size_t view = 0; view < this->Views.size(); ++view)
   {
-    const std::vector<double> own = this->Mammograms[mammogram]->Weigh(factors[mammogram]);
+    const std::vector<double> own = this->Views[view]->Compared.Weigh(factors[view]);
     changes.insert(changes.end(), own.begin(), own.end());
   }
   const auto multiply = [&changes](std::vector<double>& values)
@@ -115,10 +114,9 @@ void RegistrationEvaluator::Weigh(const std::vector<std::vector<double>>& factor
 
 RegistrationEvaluator::Bottom RegistrationEvaluator::PredictedBottom() const
 {
-  const auto count = static_cast<Eigen::Index>(this->Unknowns.size());
+  const auto count = static_cast<Eigen::Index>(this->FreeParameters.size());
   Eigen::MatrixXd hessian = Eigen::MatrixXd::Zero(count, count);
   Eigen::VectorXd gradient = Eigen::VectorXd::Zero(count);
-  const std::vector<double> weights = this->Weights();
   Eigen::VectorXd row(count);
   for (std::size_t index = 0; index < this->Residuals.size(); ++index)
   {
@@ -126,8 +124,9 @@ RegistrationEvaluator::Bottom RegistrationEvaluator::PredictedBottom() const
     {
       row[u] = this->Jacobian[static_cast<std::size_t>(u)][index];
     }
-    hessian += weights[index] * row * row.transpose();
-    gradient += weights[index] * this->Residuals[index] * row;
+    const double weight = this->Weight(index);
+    hessian += weight * row * row.transpose();
+    gradient += weight * this->Residuals[index] * row;
   }
   for (Eigen::Index u = 0; u < count; ++u)
   {
@@ -145,14 +144,9 @@ RegistrationEvaluator::Bottom RegistrationEvaluator::PredictedBottom() const
   return bottom;
 }
 
-bool RegistrationEvaluator::IsExact() const
-{
-  return this->Mammograms.front()->Mammogram.Options.Derivatives == RegistrationDerivatives::Exact;
-}
-
 bool RegistrationEvaluator::IsStoppedByBound(std::size_t unknown, double slope) const
 {
-  const SearchUnknown& free = this->Unknowns[unknown];
+  const FreeParameter& free = this->FreeParameters[unknown];
   const double value = this->Block[unknown] * free.Scale;
   const double near = 1e-6 * free.Scale;
   return (slope > 0 && value < free.Lower + near) || (slope < 0 && value > free.Upper - near);
@@ -168,26 +162,26 @@ bool RegistrationEvaluator::Stop()
 
 bool RegistrationEvaluator::Evaluate(bool withJacobian)
 {
-  for (std::size_t mammogram = 0; mammogram < this->Mammograms.size(); ++mammogram)
+  for (std::size_t view = 0; view < this->Views.size(); ++view)
   {
-    this->Mammograms[mammogram]->Mammogram.Values = this->ValuesAt(mammogram);
+    this->Views[view]->Values = this->ValuesAt(view);
   }
-  for (const std::unique_ptr<MammogramEvaluator>& mammogram : this->Mammograms)
+  for (const std::unique_ptr<ViewEvaluator>& view : this->Views)
   {
     if (this->Failures >= LargestNumberOfFailures)
     {
       return false;
     }
-    switch (mammogram->Compress())
+    switch (view->Compress())
     {
-      case MammogramEvaluator::Answer::Found:
+      case ViewEvaluator::Answer::Found:
         break;
-      case MammogramEvaluator::Answer::NoEquilibrium:
+      case ViewEvaluator::Answer::NoEquilibrium:
         ++this->Failures;
         return false;
-      case MammogramEvaluator::Answer::Refused:
+      case ViewEvaluator::Answer::Refused:
         return false;
-      case MammogramEvaluator::Answer::Stopped:
+      case ViewEvaluator::Answer::Stopped:
         return this->Stop();
     }
   }
@@ -195,15 +189,15 @@ bool RegistrationEvaluator::Evaluate(bool withJacobian)
   {
     return this->Stop();
   }
-  if (withJacobian && this->IsExact())
+  if (withJacobian && this->Derivatives == RegistrationDerivatives::Exact)
   {
     this->EvaluateJacobian(); // its pass gives the pictures, too
   }
   std::vector<double> residuals;
-  for (const std::unique_ptr<MammogramEvaluator>& mammogram : this->Mammograms)
+  residuals.reserve(this->RobustWidths.size());
+  for (const std::unique_ptr<ViewEvaluator>& view : this->Views)
   {
-    mammogram->Compare();
-    residuals.insert(residuals.end(), mammogram->Residuals.begin(), mammogram->Residuals.end());
+    view->AppendResiduals(residuals);
   }
   this->Residuals = std::move(residuals);
   return true;
@@ -211,35 +205,36 @@ bool RegistrationEvaluator::Evaluate(bool withJacobian)
 
 void RegistrationEvaluator::EvaluateJacobian()
 {
-  this->Jacobian.assign(this->Unknowns.size(), std::vector<double>(this->RobustWidths.size(), 0.0));
+  this->Jacobian.assign(this->FreeParameters.size(),
+    std::vector<double>(this->RobustWidths.size(), 0.0));
   this->HasJacobian = true;
   if (this->Stopped)
   {
     return; // zeros; see Stop
   }
-  for (const std::unique_ptr<MammogramEvaluator>& mammogram : this->Mammograms)
+  for (const std::unique_ptr<ViewEvaluator>& view : this->Views)
   {
-    mammogram->Accept(); // Ceres asks for the Jacobian where it takes a step
+    view->Accept(); // Ceres asks for the Jacobian where it takes a step
   }
-  if (!this->IsExact())
+  if (this->Derivatives != RegistrationDerivatives::Exact)
   {
     const auto begin = Clock::now();
     this->Valid = this->DifferentiateByDifferences();
-    this->Mammograms.front()->JacobianSeconds += SecondsSince(begin);
+    this->Views.front()->JacobianSeconds += SecondsSince(begin);
     return;
   }
-  for (std::size_t mammogram = 0; mammogram < this->Mammograms.size(); ++mammogram)
+  for (std::size_t view = 0; view < this->Views.size(); ++view)
   {
-    const Selection& selected = this->Selected[mammogram];
+    const Selection& selected = this->Selected[view];
     const RegistrationResiduals::Jacobian jacobian =
-      this->Mammograms[mammogram]->Differentiate(selected.Parameters);
-    for (std::size_t index = 0; index < selected.Unknowns.size(); ++index)
+      this->Views[view]->Differentiate(selected.Parameters);
+    for (std::size_t index = 0; index < selected.Numbers.size(); ++index)
     {
-      const std::size_t unknown = selected.Unknowns[index];
-      const double scale = this->Unknowns[unknown].Scale;
+      const std::size_t unknown = selected.Numbers[index];
+      const double scale = this->FreeParameters[unknown].Scale;
       const std::vector<double>& column = jacobian.Columns[selected.Parameters[index]];
       std::transform(column.begin(), column.end(),
-        this->Jacobian[unknown].begin() + static_cast<std::ptrdiff_t>(this->First[mammogram]),
+        this->Jacobian[unknown].begin() + static_cast<std::ptrdiff_t>(this->First[view]),
         [scale](double entry) { return scale * entry; });
     }
   }
@@ -248,24 +243,24 @@ void RegistrationEvaluator::EvaluateJacobian()
 bool RegistrationEvaluator::operator()(const double* const* offsets, double* residuals) const
 {
   std::copy(this->Residuals.begin(), this->Residuals.end(), residuals);
-  for (std::size_t mammogram = 0; mammogram < this->Mammograms.size(); ++mammogram)
+  for (std::size_t view = 0; view < this->Views.size(); ++view)
   {
-    const Selection& selected = this->Selected[mammogram];
-    std::vector<double> beside = this->Mammograms[mammogram]->Mammogram.Values;
+    const Selection& selected = this->Selected[view];
+    std::vector<double> beside = this->Views[view]->Values;
     bool moved = false;
-    for (std::size_t index = 0; index < selected.Unknowns.size(); ++index)
+    for (std::size_t index = 0; index < selected.Numbers.size(); ++index)
     {
-      const std::size_t unknown = selected.Unknowns[index];
+      const std::size_t unknown = selected.Numbers[index];
       moved = moved || offsets[0][unknown] != 1;
       beside[selected.Parameters[index]] +=
-        (offsets[0][unknown] - 1) * this->Unknowns[unknown].Scale;
+        (offsets[0][unknown] - 1) * this->FreeParameters[unknown].Scale;
     }
     if (moved)
     {
       try
       {
-        const std::vector<double> found = this->Mammograms[mammogram]->Beside(beside);
-        std::copy(found.begin(), found.end(), residuals + this->First[mammogram]);
+        const std::vector<double> found = this->Views[view]->Beside(beside);
+        std::copy(found.begin(), found.end(), residuals + this->First[view]);
       }
       catch (const ConvergenceError&)
       {
@@ -280,10 +275,10 @@ bool RegistrationEvaluator::operator()(const double* const* offsets, double* res
 bool RegistrationEvaluator::DifferentiateByDifferences()
 {
   ceres::NumericDiffOptions steps;
-  steps.relative_step_size = this->Mammograms.front()->Mammogram.Options.DifferenceStep;
+  steps.relative_step_size = this->DifferenceStep;
   ceres::DynamicNumericDiffCostFunction<RegistrationEvaluator, ceres::CENTRAL> differences(this,
     ceres::DO_NOT_TAKE_OWNERSHIP, steps);
-  const std::size_t unknowns = this->Unknowns.size();
+  const std::size_t unknowns = this->FreeParameters.size();
   const std::size_t count = this->Residuals.size();
   differences.AddParameterBlock(static_cast<int>(unknowns));
   differences.SetNumResiduals(static_cast<int>(count));
@@ -303,11 +298,11 @@ bool RegistrationEvaluator::DifferentiateByDifferences()
   {
     return this->Stop();
   }
-  for (std::size_t mammogram = 0; mammogram < this->Mammograms.size(); ++mammogram)
+  for (std::size_t view = 0; view < this->Views.size(); ++view)
   {
-    const int solved = 2 * static_cast<int>(this->Selected[mammogram].Unknowns.size());
-    this->Mammograms[mammogram]->Evaluations += solved;
-    this->Mammograms[mammogram]->Projections += solved;
+    const int solved = 2 * static_cast<int>(this->Selected[view].Numbers.size());
+    this->Views[view]->Evaluations += solved;
+    this->Views[view]->Projections += solved;
   }
   for (std::size_t index = 0; index < count; ++index)
   {

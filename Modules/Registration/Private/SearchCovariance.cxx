@@ -14,39 +14,36 @@ namespace mammoray
 {
 namespace
 {
-bool IsOf(const SearchUnknown& parameter, std::size_t mammogram)
+bool IsOf(const FreeParameter& parameter, std::size_t view)
 {
-  return std::find(parameter.Mammograms.begin(), parameter.Mammograms.end(), mammogram) !=
-    parameter.Mammograms.end();
+  return std::find(parameter.Views.begin(), parameter.Views.end(), view) != parameter.Views.end();
 }
 
 /// Parameters that are held, but not known: those with a prior, a shared one once.
-std::vector<SearchUnknown> Considered(const JointSearch& search)
+std::vector<FreeParameter> Considered(const SearchState& search)
 {
-  std::vector<SearchUnknown> considered;
-  for (std::size_t mammogram = 0; mammogram < search.Mammograms.size(); ++mammogram)
+  std::vector<FreeParameter> considered;
+  for (std::size_t view = 0; view < search.Views.size(); ++view)
   {
     for (int index = 0; index < ParameterCount; ++index)
     {
-      const RegistrationParameter& parameter =
-        search.Mammograms[mammogram].Result.Parameters[index];
-      if (parameter.Fixed && parameter.PriorSigma > 0 && (mammogram == 0 || !IsShared(index)))
+      const RegistrationParameter& parameter = search.Views[view].Result.Parameters[index];
+      if (parameter.Fixed && parameter.PriorSigma > 0 && (view == 0 || !IsShared(index)))
       {
-        considered.push_back(
-          { index, search.MammogramsOf(index, mammogram), 0, 0, parameter.PriorSigma });
+        considered.push_back({ index, search.ViewsOf(index, view), 0, 0, parameter.PriorSigma });
       }
     }
   }
   return considered;
 }
 
-/// The number, among the unknowns, of a parameter of a mammogram; none where it is held.
-std::optional<std::size_t> UnknownOf(const std::vector<SearchUnknown>& unknowns, int parameter,
-  std::size_t mammogram)
+/// The number, among free parameters, of a parameter of a view; nothing if it is fixed.
+std::optional<std::size_t> UnknownOf(const std::vector<FreeParameter>& unknowns, int parameter,
+  std::size_t view)
 {
   const auto found = std::find_if(unknowns.begin(), unknowns.end(),
-    [&](const SearchUnknown& unknown)
-    { return unknown.Parameter == parameter && IsOf(unknown, mammogram); });
+    [&](const FreeParameter& unknown)
+    { return unknown.Parameter == parameter && IsOf(unknown, view); });
   return found == unknowns.end()
     ? std::nullopt
     : std::optional(static_cast<std::size_t>(found - unknowns.begin()));
@@ -55,15 +52,15 @@ std::optional<std::size_t> UnknownOf(const std::vector<SearchUnknown>& unknowns,
 /// d residuals / d parameters in units of their scales, at the evaluated point, whose Jacobian has
 /// those of the unknowns.
 Eigen::MatrixXd ColumnsOf(RegistrationEvaluator& evaluator,
-  const std::vector<SearchUnknown>& parameters)
+  const std::vector<FreeParameter>& parameters)
 {
   Eigen::MatrixXd columns =
     Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(evaluator.Residuals.size()),
       static_cast<Eigen::Index>(parameters.size()));
-  std::size_t first = 0;
-  for (std::size_t mammogram = 0; mammogram < evaluator.Mammograms.size(); ++mammogram)
+  for (std::size_t view = 0; view < evaluator.Views.size(); ++view)
   {
-    const std::size_t count = evaluator.Mammograms[mammogram]->Residuals.size();
+    const std::size_t first = evaluator.First[view];
+    const std::size_t count = evaluator.NumberOfResiduals(view);
     const auto put = [&](std::size_t index, const double* column, double scale)
     {
       columns.col(static_cast<Eigen::Index>(index))
@@ -74,15 +71,15 @@ Eigen::MatrixXd ColumnsOf(RegistrationEvaluator& evaluator,
     std::vector<std::size_t> places;
     for (std::size_t index = 0; index < parameters.size(); ++index)
     {
-      const SearchUnknown& parameter = parameters[index];
-      if (!IsOf(parameter, mammogram))
+      const FreeParameter& parameter = parameters[index];
+      if (!IsOf(parameter, view))
       {
         continue;
       }
-      if (const auto known = UnknownOf(evaluator.Unknowns, parameter.Parameter, mammogram))
+      if (const auto known = UnknownOf(evaluator.FreeParameters, parameter.Parameter, view))
       {
         put(index, evaluator.Jacobian[*known].data() + first,
-          parameter.Scale / evaluator.Unknowns[*known].Scale);
+          parameter.Scale / evaluator.FreeParameters[*known].Scale);
       }
       else
       {
@@ -90,13 +87,11 @@ Eigen::MatrixXd ColumnsOf(RegistrationEvaluator& evaluator,
         places.push_back(index);
       }
     }
-    const RegistrationResiduals::Jacobian jacobian =
-      evaluator.Mammograms[mammogram]->Differentiate(wanted);
+    const RegistrationResiduals::Jacobian jacobian = evaluator.Views[view]->Differentiate(wanted);
     for (std::size_t index = 0; index < wanted.size(); ++index)
     {
       put(places[index], jacobian.Columns[wanted[index]].data(), parameters[places[index]].Scale);
     }
-    first += count;
   }
   return columns;
 }
@@ -126,27 +121,26 @@ double ShearDeg(double thicknessMm)
 }
 
 /// Of what that displacement does to the sum of the search's weighted residuals.
-Eigen::MatrixXd DisplacementScatter(RegistrationEvaluator& evaluator,
-  const ComparedGroups& compared, Eigen::Index count)
+Eigen::MatrixXd DisplacementCovariance(RegistrationEvaluator& evaluator,
+  const ResidualGroups& compared, Eigen::Index count)
 {
   // The picture moves with the receptor as it does where all tissue is displaced.
-  std::vector<std::size_t> all(evaluator.Mammograms.size());
+  std::vector<std::size_t> all(evaluator.Views.size());
   std::iota(all.begin(), all.end(), std::size_t{ 0 });
   const Eigen::MatrixXd moved = ColumnsOf(evaluator,
     { { LateralParameter, all }, { AnteriorParameter, all }, { RollParameter, all },
       { PitchParameter, all } });
   Eigen::MatrixXd scatter = Eigen::MatrixXd::Zero(count, count);
-  for (const std::size_t mammogram : all)
+  for (const std::size_t view : all)
   {
-    const double shear =
-      ShearDeg(evaluator.Mammograms[mammogram]->Mammogram.Here->Pose().ThicknessMm);
+    const double shear = ShearDeg(evaluator.Views[view]->Current->Pose().ThicknessMm);
     std::vector<std::array<double, 2>> places;
     std::vector<Eigen::Index> rows;
     Eigen::MatrixXd weighted(0, count);
     for (std::size_t number = 0; number < compared.Groups.size(); ++number)
     {
       const ResidualGroup& group = compared.Groups[number];
-      if (compared.Mammogram[number] == mammogram && group.Dimension == 2)
+      if (compared.View[number] == view && group.Dimension == 2)
       {
         places.insert(places.end(), group.Places.begin(), group.Places.end());
         for (Eigen::Index row = 0; row < group.Residuals.size(); ++row)
@@ -162,8 +156,8 @@ Eigen::MatrixXd DisplacementScatter(RegistrationEvaluator& evaluator,
     for (Eigen::Index way = 0; way < moved.cols(); ++way)
     {
       const Eigen::ArrayXd moves = sizes[way] * moved.col(way)(rows).array();
-      scatter +=
-        SmoothScatter(places, (weighted.array().colwise() * moves).matrix(), DisplacementAlikeMm);
+      scatter += SmoothCovariance(places, (weighted.array().colwise() * moves).matrix(),
+        DisplacementAlikeMm);
     }
   }
   return scatter;
@@ -171,11 +165,11 @@ Eigen::MatrixXd DisplacementScatter(RegistrationEvaluator& evaluator,
 
 /// The search as an estimate, whose covariance also has what moves all of an outline, and tissue
 /// in the picture.
-WeightedEstimate EstimateOf(RegistrationEvaluator& evaluator, const ComparedGroups& compared)
+WeightedEstimate EstimateOf(RegistrationEvaluator& evaluator, const ResidualGroups& compared)
 {
   std::vector<double> weights;
   // Of a mammogram's projections the same.
-  std::vector<Eigen::VectorXd> pulls(compared.Mammogram.back() + 1,
+  std::vector<Eigen::VectorXd> pulls(compared.View.back() + 1,
     Eigen::VectorXd::Zero(compared.Priors.rows()));
   for (std::size_t number = 0; number < compared.Groups.size(); ++number)
   {
@@ -184,12 +178,12 @@ WeightedEstimate EstimateOf(RegistrationEvaluator& evaluator, const ComparedGrou
     weights.push_back(weight);
     if (group.Dimension == 1)
     {
-      pulls[compared.Mammogram[number]] +=
+      pulls[compared.View[number]] +=
         EdgeSigmaMm * weight * group.Jacobian.colwise().sum().transpose();
     }
   }
   WeightedEstimate estimate(compared.Groups, weights, compared.Variances, compared.Priors);
-  Eigen::MatrixXd scatter = DisplacementScatter(evaluator, compared, compared.Priors.rows());
+  Eigen::MatrixXd scatter = DisplacementCovariance(evaluator, compared, compared.Priors.rows());
   for (const Eigen::VectorXd& pull : pulls)
   {
     scatter += pull * pull.transpose();
@@ -201,7 +195,7 @@ WeightedEstimate EstimateOf(RegistrationEvaluator& evaluator, const ComparedGrou
 /// S in units of the unknowns' scales: errors c of considered parameters, by whose unit the
 /// residuals change by `columns` (in the search's weights, as its residuals are), move the minimum
 /// by S c, S = -A^-1 J^T W J_c (Schmidt 1966; Tapley, Schutz and Born 2004, section 6.2).
-Eigen::MatrixXd ShiftOf(const ComparedGroups& compared, const WeightedEstimate& estimate,
+Eigen::MatrixXd ShiftOf(const ResidualGroups& compared, const WeightedEstimate& estimate,
   const Eigen::MatrixXd& columns)
 {
   Eigen::MatrixXd pull = Eigen::MatrixXd::Zero(estimate.Inverse.rows(), columns.cols());
@@ -223,27 +217,27 @@ Eigen::MatrixXd ShiftOf(const ComparedGroups& compared, const WeightedEstimate& 
  * The paddle tilts to press out tissue that is too thick behind round edges: in twins it is 3 to 5
  * degrees off, thickness 1.2 mm, alike in all.
  */
-bool AddRoundEdges(RegistrationEvaluator& evaluator, const ComparedGroups& compared,
+bool AddRoundEdges(RegistrationEvaluator& evaluator, const ResidualGroups& compared,
   WeightedEstimate& estimate)
 {
   const double radiusMm = MammographyUnit{}.EdgeRadiusMm;
   Eigen::VectorXd changes =
     Eigen::VectorXd::Zero(static_cast<Eigen::Index>(evaluator.Residuals.size()));
-  Eigen::Index first = 0;
-  for (const std::unique_ptr<MammogramEvaluator>& mammogram : evaluator.Mammograms)
+  for (std::size_t view = 0; view < evaluator.Views.size(); ++view)
   {
-    const auto count = static_cast<Eigen::Index>(mammogram->Residuals.size());
-    if (mammogram->Mammogram.Breast.Placement.Unit.EdgeRadiusMm != radiusMm)
+    ViewEvaluator& own = *evaluator.Views[view];
+    if (own.Breast.Placement.Unit.EdgeRadiusMm != radiusMm)
     {
-      const std::vector<double> residuals = mammogram->WithEdges(radiusMm);
+      const std::vector<double> residuals = own.WithEdges(radiusMm);
       if (residuals.empty())
       {
         return false;
       }
+      const auto first = static_cast<Eigen::Index>(evaluator.First[view]);
+      const auto count = static_cast<Eigen::Index>(residuals.size());
       changes.segment(first, count) = Eigen::Map<const Eigen::VectorXd>(residuals.data(), count) -
-        Eigen::Map<const Eigen::VectorXd>(mammogram->Residuals.data(), count);
+        Eigen::Map<const Eigen::VectorXd>(evaluator.ResidualsOf(view).data(), count);
     }
-    first += count;
   }
   const Eigen::MatrixXd shift = ShiftOf(compared, estimate, changes);
   estimate.Covariance += shift * shift.transpose();
@@ -253,7 +247,7 @@ bool AddRoundEdges(RegistrationEvaluator& evaluator, const ComparedGroups& compa
 /// The covariance of the unknowns and of what is considered, in units of their scales and priors
 /// (consider covariance, ShiftOf).
 Eigen::MatrixXd ConsiderCovariance(RegistrationEvaluator& evaluator,
-  const std::vector<SearchUnknown>& considered, const ComparedGroups& compared,
+  const std::vector<FreeParameter>& considered, const ResidualGroups& compared,
   const WeightedEstimate& estimate)
 {
   const Eigen::MatrixXd shift = ShiftOf(compared, estimate, ColumnsOf(evaluator, considered));
@@ -266,22 +260,22 @@ Eigen::MatrixXd ConsiderCovariance(RegistrationEvaluator& evaluator,
   return covariance;
 }
 
-void KeepConsidered(RegistrationEvaluator& evaluator, const ComparedGroups& compared,
-  const WeightedEstimate& estimate, JointSearch& search)
+void KeepConsidered(RegistrationEvaluator& evaluator, const ResidualGroups& compared,
+  const WeightedEstimate& estimate, SearchState& search)
 {
-  const std::vector<SearchUnknown> considered = Considered(search);
+  const std::vector<FreeParameter> considered = Considered(search);
   const Eigen::MatrixXd covariance = ConsiderCovariance(evaluator, considered, compared, estimate);
-  std::vector<SearchUnknown> all = evaluator.Unknowns;
+  std::vector<FreeParameter> all = evaluator.FreeParameters;
   all.insert(all.end(), considered.begin(), considered.end());
-  for (std::size_t mammogram = 0; mammogram < search.Mammograms.size(); ++mammogram)
+  for (std::size_t view = 0; view < search.Views.size(); ++view)
   {
-    std::vector<double>& kept = search.Mammograms[mammogram].Result.ConsideredCovariance;
+    std::vector<double>& kept = search.Views[view].Result.ConsideredCovariance;
     kept.assign(std::size_t{ ParameterCount } * ParameterCount, 0.0);
     for (std::size_t i = 0; i < all.size(); ++i)
     {
-      for (std::size_t j = 0; IsOf(all[i], mammogram) && j < all.size(); ++j)
+      for (std::size_t j = 0; IsOf(all[i], view) && j < all.size(); ++j)
       {
-        if (IsOf(all[j], mammogram))
+        if (IsOf(all[j], view))
         {
           kept[all[i].Parameter * ParameterCount + all[j].Parameter] = all[i].Scale * all[j].Scale *
             covariance(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j));
@@ -292,34 +286,33 @@ void KeepConsidered(RegistrationEvaluator& evaluator, const ComparedGroups& comp
 }
 
 /// Groups are in pairs, outline and picture; of a mammogram that of Target comes first.
-void KeepMisfit(const ComparedGroups& compared, std::size_t mammogram, RegistrationMisfit& misfit)
+void KeepMisfit(const ResidualGroups& compared, std::size_t view, RegistrationMisfit& misfit)
 {
   const auto first = static_cast<std::size_t>(
-    std::find(compared.Mammogram.begin(), compared.Mammogram.end(), mammogram) -
-    compared.Mammogram.begin());
+    std::find(compared.View.begin(), compared.View.end(), view) - compared.View.begin());
   misfit.OutlineSigmaMm = compared.Variances.Sigmas[first];
   misfit.OutlineScaleMm = compared.Variances.Correlated[first];
   misfit.PictureSigma = compared.Variances.Sigmas[first + 1];
   misfit.PictureScaleMm = std::sqrt(compared.Variances.Correlated[first + 1]);
 }
 
-/// The parts of the unknowns' covariance that belong to each mammogram.
-void KeepParts(const std::vector<SearchUnknown>& unknowns, JointSearch& search)
+/// The parts of the covariance that belong to each view.
+void KeepParts(const std::vector<FreeParameter>& unknowns, SearchState& search)
 {
   const std::size_t n = unknowns.size();
-  for (std::size_t mammogram = 0; mammogram < search.Mammograms.size(); ++mammogram)
+  for (std::size_t view = 0; view < search.Views.size(); ++view)
   {
-    RegistrationResult& result = search.Mammograms[mammogram].Result;
+    ViewResult& result = search.Views[view].Result;
     result.Covariance.assign(std::size_t{ ParameterCount } * ParameterCount, 0.0);
     for (std::size_t i = 0; i < n; ++i)
     {
-      if (!IsOf(unknowns[i], mammogram))
+      if (!IsOf(unknowns[i], view))
       {
         continue;
       }
       for (std::size_t j = 0; j < n; ++j)
       {
-        if (IsOf(unknowns[j], mammogram))
+        if (IsOf(unknowns[j], view))
         {
           result.Covariance[unknowns[i].Parameter * ParameterCount + unknowns[j].Parameter] =
             search.Covariance[i * n + j];
@@ -331,31 +324,31 @@ void KeepParts(const std::vector<SearchUnknown>& unknowns, JointSearch& search)
 }
 }
 
-Eigen::MatrixXd CovarianceOf(RegistrationEvaluator& evaluator, const ComparedGroups& compared)
+Eigen::MatrixXd CovarianceOf(RegistrationEvaluator& evaluator, const ResidualGroups& compared)
 {
   return EstimateOf(evaluator, compared).Covariance;
 }
 
-void KeepCovariance(RegistrationEvaluator& evaluator, JointSearch& search)
+void KeepCovariance(RegistrationEvaluator& evaluator, SearchState& search)
 {
-  evaluator.ReturnTo(search.States());
-  const std::optional<ComparedGroups> found = CompareGroups(evaluator);
+  evaluator.ReturnTo(search.CurrentBreasts());
+  const std::optional<ResidualGroups> found = CompareGroups(evaluator);
   if (!found)
   {
     return;
   }
-  const ComparedGroups& compared = *found;
-  const std::vector<SearchUnknown>& unknowns = evaluator.Unknowns;
-  for (std::size_t mammogram = 0; mammogram < search.Mammograms.size(); ++mammogram)
+  const ResidualGroups& compared = *found;
+  const std::vector<FreeParameter>& unknowns = evaluator.FreeParameters;
+  for (std::size_t view = 0; view < search.Views.size(); ++view)
   {
-    KeepMisfit(compared, mammogram, search.Mammograms[mammogram].Result.Misfit);
+    KeepMisfit(compared, view, search.Views[view].Result.Misfit);
   }
   WeightedEstimate estimate = EstimateOf(evaluator, compared);
   if (!AddRoundEdges(evaluator, compared, estimate))
   {
-    for (MammogramSearch& mammogram : search.Mammograms)
+    for (ViewSearch& view : search.Views)
     {
-      mammogram.Result.Warnings.push_back(
+      view.Result.Warnings.push_back(
         "Between plates with a unit's sharper edges no equilibrium was found: standard deviations "
         "do not count that the model's edges are rounder.");
     }

@@ -2,8 +2,8 @@
 #ifndef mammoray_SearchCovariance_h
 #define mammoray_SearchCovariance_h
 
-#include "Private/ComparedGroups.h"
-#include "Private/JointSearch.h"
+#include "Private/ResidualGroups.h"
+#include "Private/SearchState.h"
 
 #include <Eigen/Core>
 
@@ -11,7 +11,7 @@ namespace mammoray
 {
 /// Of the unknowns over their scales, where the evaluator stands and its groups were compared.
 MAMMORAYREGISTRATION_EXPORT Eigen::MatrixXd CovarianceOf(RegistrationEvaluator& evaluator,
-  const ComparedGroups& compared);
+  const ResidualGroups& compared);
 
 /**
  * Finds the covariance of the unknowns where the search stands, for all mammograms and each of
@@ -21,7 +21,7 @@ MAMMORAYREGISTRATION_EXPORT Eigen::MatrixXd CovarianceOf(RegistrationEvaluator& 
  * results warn where it could not be found.
  */
 MAMMORAYREGISTRATION_EXPORT void KeepCovariance(RegistrationEvaluator& evaluator,
-  JointSearch& search);
+  SearchState& search);
 }
 
 #endif

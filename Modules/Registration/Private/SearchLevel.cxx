@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Private/SearchLevel.h"
 
-#include "Private/ComparedGroups.h"
+#include "Private/ResidualGroups.h"
 #include "Private/SearchCovariance.h"
 
 #include <Eigen/Dense>
@@ -31,16 +31,21 @@ private:
   int Before = FLAGS_minloglevel;
 };
 
-/// One residual of an evaluator, so that Ceres can weigh each by its robust loss.
-class ResidualCost : public ceres::CostFunction
+/**
+ * The residuals of one view. Ceres would weigh a block of residuals by one robust loss, but each of
+ * ours has its own: they are weighed here, as Ceres' corrector weighs a block of one residual by
+ * Huber's loss, and ViewLoss answers with the robust cost of all of them.
+ */
+class ViewCost : public ceres::CostFunction
 {
 public:
-  ResidualCost(const RegistrationEvaluator& evaluator, std::size_t index)
+  ViewCost(const RegistrationEvaluator& evaluator, std::size_t view)
     : Source(evaluator)
-    , Index(index)
+    , View(view)
   {
-    this->set_num_residuals(1);
-    this->mutable_parameter_block_sizes()->push_back(static_cast<int>(evaluator.Unknowns.size()));
+    this->set_num_residuals(static_cast<int>(evaluator.NumberOfResiduals(view)));
+    this->mutable_parameter_block_sizes()->push_back(
+      static_cast<int>(evaluator.FreeParameters.size()));
   }
 
   bool Evaluate(double const* const*, double* residuals, double** jacobians) const override
@@ -49,12 +54,15 @@ public:
     {
       return false;
     }
-    residuals[0] = this->Source.Residuals[this->Index];
-    if (jacobians && jacobians[0])
+    const std::size_t first = this->Source.First[this->View];
+    const std::size_t columns = this->Source.FreeParameters.size();
+    for (std::size_t row = 0; row < this->Source.NumberOfResiduals(this->View); ++row)
     {
-      for (std::size_t u = 0; u < this->Source.Unknowns.size(); ++u)
+      const double factor = std::sqrt(this->Source.Weight(first + row));
+      residuals[row] = factor * this->Source.Residuals[first + row];
+      for (std::size_t u = 0; jacobians && jacobians[0] && u < columns; ++u)
       {
-        jacobians[0][u] = this->Source.Jacobian[u][this->Index];
+        jacobians[0][row * columns + u] = factor * this->Source.Jacobian[u][first + row];
       }
     }
     return true;
@@ -62,7 +70,29 @@ public:
 
 private:
   const RegistrationEvaluator& Source;
-  std::size_t Index;
+  std::size_t View;
+};
+
+/// Twice the robust cost of a view where its ViewCost was evaluated last.
+class ViewLoss : public ceres::LossFunction
+{
+public:
+  ViewLoss(const RegistrationEvaluator& evaluator, std::size_t view)
+    : Source(evaluator)
+    , View(view)
+  {
+  }
+
+  void Evaluate(double /*squaredNorm*/, double rho[3]) const override
+  {
+    rho[0] = 2 * this->Source.CostsOf(this->View).Sum();
+    rho[1] = 1; // the residuals are weighed already
+    rho[2] = 0;
+  }
+
+private:
+  const RegistrationEvaluator& Source;
+  std::size_t View;
 };
 
 /// Keeps the best of the accepted states and stops when asked.
@@ -70,8 +100,8 @@ class IterationRecorder : public ceres::IterationCallback
 {
 public:
   /// `covariance`: of the unknowns over their scales, where it is known.
-  IterationRecorder(const RegistrationEvaluator& evaluator, const Level& level, JointSearch& search,
-    const std::optional<Eigen::MatrixXd>& covariance)
+  IterationRecorder(const RegistrationEvaluator& evaluator, const ResolutionLevel& level,
+    SearchState& search, const std::optional<Eigen::MatrixXd>& covariance)
     : Source(evaluator)
     , Searched(level)
     , Search(search)
@@ -94,9 +124,9 @@ public:
     {
       this->Least = summary.cost;
       // Ceres has just evaluated the Jacobian at the accepted point, so the evaluator stands there.
-      for (std::size_t mammogram = 0; mammogram < this->Search.Mammograms.size(); ++mammogram)
+      for (std::size_t view = 0; view < this->Search.Views.size(); ++view)
       {
-        this->Keep(*this->Source.Mammograms[mammogram], this->Search.Mammograms[mammogram]);
+        this->Keep(view);
       }
       this->Search.Observe();
       const RegistrationEvaluator::Bottom bottom = this->Source.PredictedBottom();
@@ -114,16 +144,18 @@ public:
   bool Settled() const
   {
     return this->Left <
-      this->Searched.NegligibleFall * static_cast<double>(this->Source.Unknowns.size());
+      this->Searched.NegligibleFall * static_cast<double>(this->Source.FreeParameters.size());
   }
 
 private:
-  void Keep(const MammogramEvaluator& evaluator, MammogramSearch& search) const
+  void Keep(std::size_t view) const
   {
-    const RegistrationCosts costs = evaluator.Costs();
+    const ViewEvaluator& evaluator = *this->Source.Views[view];
+    ViewSearch& search = this->Search.Views[view];
+    const RegistrationCosts costs = this->Source.CostsOf(view);
     RegistrationIteration row;
     row.Number = static_cast<int>(search.Result.Iterations.size());
-    row.Parameters = evaluator.Mammogram.Values;
+    row.Parameters = evaluator.Values;
     row.PixelSizeMm = this->Searched.PixelSizeMm;
     row.Comparison = NameOf(this->Searched.Comparison);
     row.OutlineCost = costs.Outline;
@@ -132,13 +164,13 @@ private:
     row.Cost = costs.Sum();
     row.Seconds = SecondsSince(this->Search.Begin);
     search.Result.Iterations.push_back(row);
-    search.Result.Values = evaluator.Mammogram.Values;
-    search.Here = evaluator.Mammogram.Here;
+    search.Result.Values = evaluator.Values;
+    search.Current = evaluator.Current;
   }
 
   const RegistrationEvaluator& Source;
-  const Level& Searched;
-  JointSearch& Search;
+  const ResolutionLevel& Searched;
+  SearchState& Search;
   Eigen::LDLT<Eigen::MatrixXd> Measure;
   double Least = std::numeric_limits<double>::infinity();
   /// By how much the best state can be expected to fall: half the square of the way to the bottom
@@ -170,8 +202,8 @@ ceres::Solver::Options SolverOptions()
  * near the bottom they may swing from one side of it to the other: where its iterations are spent,
  * the last level goes on from the best state by short steps down, at most a third as many.
  */
-ceres::Solver::Summary Minimise(const Level& level, RegistrationEvaluator& evaluator,
-  const JointSearch& search, ceres::Problem& problem, IterationRecorder& recorder)
+ceres::Solver::Summary Minimise(const ResolutionLevel& level, RegistrationEvaluator& evaluator,
+  const SearchState& search, ceres::Problem& problem, IterationRecorder& recorder)
 {
   ceres::Solver::Options options = SolverOptions();
   options.callbacks.push_back(&recorder);
@@ -185,7 +217,7 @@ ceres::Solver::Summary Minimise(const Level& level, RegistrationEvaluator& evalu
     return summary;
   }
   const int failures = evaluator.Failures;
-  evaluator.ReturnTo(search.States());
+  evaluator.ReturnTo(search.CurrentBreasts());
   evaluator.Failures = failures;
   options.max_num_iterations = (level.MaximumIterations + 2) / 3;
   options.use_nonmonotonic_steps = false;
@@ -197,19 +229,18 @@ ceres::Solver::Summary Minimise(const Level& level, RegistrationEvaluator& evalu
 
 void AddResiduals(RegistrationEvaluator& evaluator, ceres::Problem& problem)
 {
-  for (std::size_t index = 0; index < evaluator.RobustWidths.size(); ++index)
+  for (std::size_t view = 0; view < evaluator.Views.size(); ++view)
   {
-    const double width = evaluator.RobustWidths[index];
-    problem.AddResidualBlock(new ResidualCost(evaluator, index),
-      std::isfinite(width) ? new ceres::HuberLoss(width) : nullptr, evaluator.Block.data());
+    problem.AddResidualBlock(new ViewCost(evaluator, view), new ViewLoss(evaluator, view),
+      evaluator.Block.data());
   }
-  for (std::size_t u = 0; u < evaluator.Unknowns.size(); ++u)
+  for (std::size_t u = 0; u < evaluator.FreeParameters.size(); ++u)
   {
-    const SearchUnknown& unknown = evaluator.Unknowns[u];
+    const FreeParameter& parameter = evaluator.FreeParameters[u];
     problem.SetParameterLowerBound(evaluator.Block.data(), static_cast<int>(u),
-      unknown.Lower / unknown.Scale);
+      parameter.Lower / parameter.Scale);
     problem.SetParameterUpperBound(evaluator.Block.data(), static_cast<int>(u),
-      unknown.Upper / unknown.Scale);
+      parameter.Upper / parameter.Scale);
   }
 }
 
@@ -243,8 +274,8 @@ Ending EndingOf(const RegistrationEvaluator& evaluator, const ceres::Solver::Sum
             : summary.message.substr(0, summary.message.find_last_not_of(". ") + 1) };
 }
 
-/// Adds what a level took, and why it ended, to the result of a mammogram.
-void KeepEnd(const MammogramEvaluator& spent, const Ending& ending, RegistrationResult& result)
+/// Adds what a level took, and why it ended, to the result of a view.
+void KeepEnd(const ViewEvaluator& spent, const Ending& ending, ViewResult& result)
 {
   result.Evaluations += spent.Evaluations;
   result.Projections += spent.Projections;
@@ -256,10 +287,11 @@ void KeepEnd(const MammogramEvaluator& spent, const Ending& ending, Registration
 }
 }
 
-LevelEnd SearchLevel(std::vector<SearchedMammogram> mammograms, const Level& level,
-  JointSearch& search, const ProgressCallback& progress)
+LevelEnd SearchLevel(std::vector<std::unique_ptr<ViewEvaluator>> views,
+  const ResolutionLevel& level, const RegistrationOptions& options, SearchState& search,
+  const ProgressCallback& progress)
 {
-  RegistrationEvaluator evaluator(std::move(mammograms), search.Unknowns, progress);
+  RegistrationEvaluator evaluator(std::move(views), search.FreeParameters, options, progress);
   ceres::Problem::Options problemOptions;
   problemOptions.evaluation_callback = &evaluator;
   ceres::Problem problem(problemOptions);
@@ -278,9 +310,9 @@ LevelEnd SearchLevel(std::vector<SearchedMammogram> mammograms, const Level& lev
   {
     KeepCovariance(evaluator, search);
   }
-  for (std::size_t mammogram = 0; mammogram < search.Mammograms.size(); ++mammogram)
+  for (std::size_t view = 0; view < search.Views.size(); ++view)
   {
-    KeepEnd(*evaluator.Mammograms[mammogram], ending, search.Mammograms[mammogram].Result);
+    KeepEnd(*evaluator.Views[view], ending, search.Views[view].Result);
   }
   return ending.End;
 }

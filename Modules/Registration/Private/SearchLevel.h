@@ -2,8 +2,9 @@
 #ifndef mammoray_SearchLevel_h
 #define mammoray_SearchLevel_h
 
-#include "Private/JointSearch.h"
+#include "Private/SearchState.h"
 
+#include <memory>
 #include <vector>
 
 namespace mammoray
@@ -17,8 +18,8 @@ enum class LevelEnd
   Stopped
 };
 
-/// What a level of the search compares, and when it ends.
-struct Level
+/// What a search compares at one resolution, and when it ends there.
+struct ResolutionLevel
 {
   double PixelSizeMm = 0;
   PictureComparison Comparison = PictureComparison::Global;
@@ -39,10 +40,11 @@ struct Level
   bool Reweighed = false;
 };
 
-/// Searches at one resolution, from `mammograms`; the accepted states go into `search`, and at the
-/// last level the covariance.
-LevelEnd SearchLevel(std::vector<SearchedMammogram> mammograms, const Level& level,
-  JointSearch& search, const ProgressCallback& progress);
+/// Searches at one resolution, from where `views` stand. The accepted states go into `search`, and
+/// at the last level the covariance.
+LevelEnd SearchLevel(std::vector<std::unique_ptr<ViewEvaluator>> views,
+  const ResolutionLevel& level, const RegistrationOptions& options, SearchState& search,
+  const ProgressCallback& progress);
 }
 
 #endif

@@ -46,7 +46,7 @@ double UncompressedHeight(const SearchedBreast& breast, const BreastPose& pose)
 }
 
 /// Thickness that is too small for the breast: opened and bounded, with a warning.
-void OpenTo(double thicknessMm, double heightMm, RegistrationResult& result)
+void OpenTo(double thicknessMm, double heightMm, ViewResult& result)
 {
   RegistrationParameter& thickness = result.Parameters[ThicknessParameter];
   double& value = result.Values[ThicknessParameter];
@@ -78,7 +78,7 @@ struct Reach
 };
 
 /// Of the silhouette, farther than `fromMm` from the chest wall.
-Reach ReachOf(EvaluatedState& breast, const ReceptorPoint& centre, double fromMm)
+Reach ReachOf(PosedBreast& breast, const ReceptorPoint& centre, double fromMm)
 {
   const auto directions = HalfCircleDirections(180);
   const std::vector<double>& radii = breast.SilhouetteFrom(centre, directions).Radii;
@@ -119,7 +119,7 @@ Reach ReachOf(const RegistrationTarget& target, double fromMm)
  * position. The middle of what is a third of the tip's way and more from the chest wall: behind,
  * the MRI's breast may go on into the body beside it.
  */
-std::vector<double> Aligned(EvaluatedState& breast, const RegistrationTarget& target,
+std::vector<double> Aligned(PosedBreast& breast, const RegistrationTarget& target,
   const std::vector<RegistrationParameter>& parameters)
 {
   std::vector<double> values = ValuesOf(breast.Pose());
@@ -150,10 +150,10 @@ std::vector<double> Aligned(EvaluatedState& breast, const RegistrationTarget& ta
 
 /**
  * Compresses the breast at `aligned`, where the outlines meet; without an equilibrium there only
- * sideways of Here, which the plates do not feel. False without one there, too.
+ * sideways of Current, which the plates do not feel. False without one there, too.
  */
-bool MoveTo(const SearchedBreast& breast, const std::vector<double>& aligned,
-  MammogramSearch& search, const ProgressCallback& progress)
+bool MoveTo(const SearchedBreast& breast, const std::vector<double>& aligned, ViewSearch& search,
+  const ProgressCallback& progress)
 {
   std::vector<double> sideways = search.Result.Values;
   sideways[LateralParameter] = aligned[LateralParameter];
@@ -161,7 +161,8 @@ bool MoveTo(const SearchedBreast& breast, const std::vector<double>& aligned,
   {
     try
     {
-      search.Here = CompressForStart(breast, values, search.Here.get(), search.Result, progress);
+      search.Current =
+        CompressForStart(breast, values, search.Current.get(), search.Result, progress);
       search.Result.Values = values;
       return true;
     }
@@ -174,25 +175,25 @@ bool MoveTo(const SearchedBreast& breast, const std::vector<double>& aligned,
 }
 
 /**
- * Moves so often from Here to where the outlines would meet, as long as the cost falls. Plates
+ * Moves so often from Current to where the outlines would meet, as long as the cost falls. Plates
  * farther in front of the chest wall hold less of the breast, so that its tip does not stay where a
  * shift had put it: 9 mm too far, a search ended in a dent of the cost 13 mm of thickness away from
  * its bottom.
  */
 void Align(const SearchedBreast& breast, const RegistrationTarget& target,
-  const RegistrationResiduals& compared, int moves, MammogramSearch& search,
+  const RegistrationResiduals& compared, int moves, ViewSearch& search,
   const ProgressCallback& progress)
 {
   const auto costHere = [&]
   {
     ++search.Result.Projections;
-    return compared.Costs(compared.Evaluate(*search.Here)).Sum();
+    return compared.Costs(compared.Evaluate(*search.Current)).Sum();
   };
   double least = costHere();
   for (int move = 0; move < moves; ++move)
   {
     const std::vector<double> values = search.Result.Values;
-    const std::shared_ptr<EvaluatedState> here = search.Here;
+    const std::shared_ptr<PosedBreast> here = search.Current;
     if (!MoveTo(breast, Aligned(*here, target, search.Result.Parameters), search, progress))
     {
       return;
@@ -201,7 +202,7 @@ void Align(const SearchedBreast& breast, const RegistrationTarget& target,
     if (cost >= least)
     {
       search.Result.Values = values;
-      search.Here = here;
+      search.Current = here;
       return;
     }
     least = cost;
@@ -223,8 +224,7 @@ double MeanDistance(const std::vector<double>& a, const std::vector<double>& b)
 }
 
 /// Rolls at which a search may begin beside its start, degrees off it.
-std::vector<double> RollOffsets(const RegistrationOptions& options,
-  const RegistrationResult& result)
+std::vector<double> RollOffsets(const RegistrationOptions& options, const ViewResult& result)
 {
   std::vector<double> offsets{ 0 };
   // A start that had to be opened is another breast's: every equilibrium costs much there.
@@ -235,9 +235,10 @@ std::vector<double> RollOffsets(const RegistrationOptions& options,
   return offsets;
 }
 
-/// The breast rolled by `offset` from Here; null out of the bounds and where it has no equilibrium.
-std::shared_ptr<EvaluatedState> Rolled(const SearchedBreast& breast, double offset,
-  MammogramSearch& search, const ProgressCallback& progress)
+/// The breast rolled by `offset` from Current; null out of the bounds and where it has no
+/// equilibrium.
+std::shared_ptr<PosedBreast> Rolled(const SearchedBreast& breast, double offset, ViewSearch& search,
+  const ProgressCallback& progress)
 {
   std::vector<double> values = search.Result.Values;
   values[RollParameter] += offset;
@@ -248,11 +249,11 @@ std::shared_ptr<EvaluatedState> Rolled(const SearchedBreast& breast, double offs
   }
   if (offset == 0)
   {
-    return search.Here;
+    return search.Current;
   }
   try
   {
-    return CompressForStart(breast, values, search.Here.get(), search.Result, progress);
+    return CompressForStart(breast, values, search.Current.get(), search.Result, progress);
   }
   catch (const ConvergenceError&)
   {
@@ -261,39 +262,8 @@ std::shared_ptr<EvaluatedState> Rolled(const SearchedBreast& breast, double offs
 }
 }
 
-SearchedBreast MammogramSearch::Breast() const
-{
-  return { this->Given->Model, &this->Given->Model->Body(), this->Given->Placement };
-}
-
-SearchedBreast MammogramSearch::PredictedBreast() const
-{
-  return { this->Given->Model, this->Given->Model->Predictor(), this->Given->Placement };
-}
-
-MammogramSearch StartOf(const JointMammogram& mammogram)
-{
-  MammogramSearch search;
-  search.Given = &mammogram;
-  RegistrationResult& result = search.Result;
-  result.Parameters = mammogram.Parameters;
-  result.Values = mammogram.From;
-  for (const RegistrationParameter& parameter : mammogram.Parameters)
-  {
-    if (mammogram.From.empty())
-    {
-      result.Values.push_back(parameter.Start);
-    }
-  }
-  result.StandardDeviations.assign(ParameterCount, std::numeric_limits<double>::quiet_NaN());
-  // Holds unless there is something to search.
-  result.StopReason = "nothing to optimise: every parameter is fixed";
-  result.Converged = true;
-  return search;
-}
-
-std::shared_ptr<EvaluatedState> CompressForStart(const SearchedBreast& breast,
-  const std::vector<double>& values, const EvaluatedState* near, RegistrationResult& result,
+std::shared_ptr<PosedBreast> CompressForStart(const SearchedBreast& breast,
+  const std::vector<double>& values, const PosedBreast* near, ViewResult& result,
   const ProgressCallback& progress)
 {
   const BreastPose pose = PoseOf(values);
@@ -317,22 +287,22 @@ std::shared_ptr<EvaluatedState> CompressForStart(const SearchedBreast& breast,
   }
 }
 
-void AdoptPredicted(MammogramSearch& search, const ProgressCallback& progress)
+void AdoptPredicted(ViewSearch& search, const ProgressCallback& progress)
 {
   const SearchedBreast breast = search.Breast();
   const std::vector<double>& values = search.Result.Values;
   ++search.Result.Evaluations;
   const auto begin = Clock::now();
-  search.Here = breast.At(values,
-    breast.Body->Adopt(*search.PredictedBreast().Body, search.Here->State(),
+  search.Current = breast.At(values,
+    breast.Body->Adopt(*search.PredictedBreast().Body, search.Current->State(),
       PoseOf(values).Stiffness, progress));
   search.Result.MechanicsSeconds += SecondsSince(begin);
 }
 
 void ChooseEquilibrium(const SearchedBreast& breast, const RegistrationTarget& target,
-  const RegistrationOptions& options, MammogramSearch& search, const ProgressCallback& progress)
+  const RegistrationOptions& options, ViewSearch& search, const ProgressCallback& progress)
 {
-  std::shared_ptr<EvaluatedState> other;
+  std::shared_ptr<PosedBreast> other;
   try
   {
     other = CompressForStart(breast, search.Result.Values, nullptr, search.Result, progress);
@@ -342,23 +312,23 @@ void ChooseEquilibrium(const SearchedBreast& breast, const RegistrationTarget& t
     return;
   }
   search.Result.OtherEquilibriumMm =
-    MeanDistance(search.Here->State().Positions, other->State().Positions);
+    MeanDistance(search.Current->State().Positions, other->State().Positions);
   if (search.Result.OtherEquilibriumMm < SameEquilibriumMm)
   {
     return;
   }
-  const RegistrationResiduals compared(target, options);
+  const RegistrationResiduals compared(target, search.Result.Parameters, options);
   search.Result.Projections += 2;
-  const double here = compared.Costs(compared.Evaluate(*search.Here)).Sum();
+  const double here = compared.Costs(compared.Evaluate(*search.Current)).Sum();
   if (compared.Costs(compared.Evaluate(*other)).Sum() < here)
   {
-    search.Here = std::move(other);
+    search.Current = std::move(other);
   }
 }
 
-void OpenToLeastHeight(MammogramSearch& search)
+void OpenToLeastHeight(ViewSearch& search)
 {
-  RegistrationResult& result = search.Result;
+  ViewResult& result = search.Result;
   const double height = UncompressedHeight(search.Breast(), PoseOf(result.Values));
   if (!result.Parameters[ThicknessParameter].Fixed &&
     result.Values[ThicknessParameter] < LeastShareOfHeight * height)
@@ -367,16 +337,16 @@ void OpenToLeastHeight(MammogramSearch& search)
   }
 }
 
-void CompressStart(MammogramSearch& search, const ProgressCallback& progress)
+void CompressStart(ViewSearch& search, const ProgressCallback& progress)
 {
   constexpr int attempts = 3;
   const SearchedBreast breast = search.Breast();
-  RegistrationResult& result = search.Result;
+  ViewResult& result = search.Result;
   for (int attempt = 1;; ++attempt)
   {
     try
     {
-      search.Here = CompressForStart(breast, result.Values, nullptr, result, progress);
+      search.Current = CompressForStart(breast, result.Values, nullptr, result, progress);
       return;
     }
     catch (const CompressionError& error)
@@ -393,23 +363,22 @@ void CompressStart(MammogramSearch& search, const ProgressCallback& progress)
 }
 
 void ChooseStart(const SearchedBreast& breast, const RegistrationTarget& target,
-  const RegistrationOptions& options, MammogramSearch& search, const ProgressCallback& progress)
+  const RegistrationOptions& options, ViewSearch& search, const ProgressCallback& progress)
 {
   constexpr int LargestNumberOfMoves = 4;
-  const RegistrationResiduals compared(target, options);
+  const RegistrationResiduals compared(target, search.Result.Parameters, options);
   double least = std::numeric_limits<double>::infinity();
-  std::shared_ptr<EvaluatedState> best;
+  std::shared_ptr<PosedBreast> best;
   for (const double offset : RollOffsets(options, search.Result))
   {
-    const std::shared_ptr<EvaluatedState> rolled = Rolled(breast, offset, search, progress);
+    const std::shared_ptr<PosedBreast> rolled = Rolled(breast, offset, search, progress);
     if (!rolled)
     {
       continue;
     }
     // Rated as it is, moved but not compressed anew: what the plates do to it there would hide
     // which roll it looks like.
-    EvaluatedState moved =
-      rolled->MovedTo(PoseOf(Aligned(*rolled, target, search.Result.Parameters)));
+    PosedBreast moved = rolled->MovedTo(PoseOf(Aligned(*rolled, target, search.Result.Parameters)));
     const double cost = compared.Costs(compared.Evaluate(moved)).Sum();
     ++search.Result.Projections;
     if (cost < least)
@@ -421,7 +390,7 @@ void ChooseStart(const SearchedBreast& breast, const RegistrationTarget& target,
   if (best)
   {
     search.Result.Values = ValuesOf(best->Pose());
-    search.Here = best;
+    search.Current = best;
     Align(breast, target, compared, LargestNumberOfMoves, search, progress);
   }
 }

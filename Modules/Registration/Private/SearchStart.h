@@ -2,60 +2,45 @@
 #ifndef mammoray_SearchStart_h
 #define mammoray_SearchStart_h
 
-#include "Private/MammogramEvaluator.h"
+#include "Private/SearchState.h"
 
 #include <memory>
 #include <vector>
 
 namespace mammoray
 {
-/// One of the mammograms of a search: what is found of it so far.
-struct MammogramSearch
-{
-  const JointMammogram* Given = nullptr;
-  RegistrationResult Result;
-  /// The breast at Result.Values, or, where it is moved to its outline, at a pose near them.
-  std::shared_ptr<EvaluatedState> Here;
-
-  /// The breast that is found, and the one of the predictor, whose Body may be null.
-  SearchedBreast Breast() const;
-  SearchedBreast PredictedBreast() const;
-};
-
-/// The parameters at their start, nothing found yet.
-MammogramSearch StartOf(const JointMammogram& mammogram);
-
 /// Opens a start of less than LeastShareOfHeight of the breast's height, with a warning: a breast
 /// is compressed to about a half, and less belongs to another breast and costs minutes to fail.
-void OpenToLeastHeight(MammogramSearch& search);
+void OpenToLeastHeight(ViewSearch& search);
 inline constexpr double LeastShareOfHeight = 0.4;
 
 /// Equilibrium at the result's values, counted and timed; from `near` (null: cold) where that is
 /// not too far. Throws ConvergenceError and Interrupted.
-std::shared_ptr<EvaluatedState> CompressForStart(const SearchedBreast& breast,
-  const std::vector<double>& values, const EvaluatedState* near, RegistrationResult& result,
+std::shared_ptr<PosedBreast> CompressForStart(const SearchedBreast& breast,
+  const std::vector<double>& values, const PosedBreast* near, ViewResult& result,
   const ProgressCallback& progress);
 
-/// The breast itself where the predictor's Here stands for it, into Here; counted, timed and thrown
-/// as above. A cold start may find another equilibrium than the one that was searched with.
-void AdoptPredicted(MammogramSearch& search, const ProgressCallback& progress);
+/// The breast itself where the predictor's Current stands for it, into Current; counted, timed and
+/// thrown as above. A cold start may find another equilibrium than the one that was searched with.
+void AdoptPredicted(ViewSearch& search, const ProgressCallback& progress);
 
-/// Compresses `breast` cold where Here, an equilibrium of it, is: of the two the one whose picture
-/// matches `target` better goes into Here, and how far they are apart into the result.
+/// Compresses `breast` cold where Current, an equilibrium of it, is: of the two the one whose
+/// picture matches `target` better goes into Current, and how far they are apart into the result.
 void ChooseEquilibrium(const SearchedBreast& breast, const RegistrationTarget& target,
-  const RegistrationOptions& options, MammogramSearch& search, const ProgressCallback& progress);
+  const RegistrationOptions& options, ViewSearch& search, const ProgressCallback& progress);
 
-/// The equilibrium at the result's values into Here; opened, with a warning, where there is none.
-void CompressStart(MammogramSearch& search, const ProgressCallback& progress);
+/// The equilibrium at the result's values into Current; opened, with a warning, where there is
+/// none.
+void CompressStart(ViewSearch& search, const ProgressCallback& progress);
 
 /**
- * Moves Here, an equilibrium of `breast`, to the best beginning of a search: of the start and
+ * Moves Current, an equilibrium of `breast`, to the best beginning of a search: of the start and
  * others with the roll beside it, the one whose picture matches `target` best where the outlines
  * meet. A picture changes little with the roll and has more than one valley. To compare them, the
  * compressed breast is moved to its outline as it is; only the best is compressed again there.
  */
 void ChooseStart(const SearchedBreast& breast, const RegistrationTarget& target,
-  const RegistrationOptions& options, MammogramSearch& search, const ProgressCallback& progress);
+  const RegistrationOptions& options, ViewSearch& search, const ProgressCallback& progress);
 }
 
 #endif

@@ -2,56 +2,13 @@
 #include "Private/ValidateRegistration.h"
 
 #include "mammoray/Foundation/Error.h"
-#include "mammoray/Registration/RegistrationTarget.h"
+#include "mammoray/Registration/Registration.h"
 
+#include <algorithm>
 #include <string>
 
 namespace mammoray
 {
-void ValidateMammograms(const std::vector<JointMammogram>& mammograms,
-  const RegistrationOptions& options)
-{
-  if (mammograms.empty())
-  {
-    throw InputError("registration: expected a mammogram, found none");
-  }
-  for (const JointMammogram& mammogram : mammograms)
-  {
-    if (!mammogram.Model || !mammogram.Target)
-    {
-      throw InputError("registration: expected a model and a target, found one missing");
-    }
-    RegistrationOptions own = options;
-    own.Parameters = mammogram.Parameters;
-    own.From = mammogram.From;
-    ValidateRegistration(*mammogram.Model, own);
-    ValidateTarget(*mammogram.Target);
-    for (const ProjectionTarget& other : mammogram.Others)
-    {
-      if (!other.Target || !(other.FocalSpotMm[2] > 0))
-      {
-        throw InputError("registration: expected a target and a focal spot above the receptor of "
-                         "each projection, found one missing");
-      }
-      ValidateTarget(*other.Target);
-    }
-    for (int index = 0; index < ParameterCount; ++index)
-    {
-      if (IsShared(index) &&
-        (mammogram.Parameters[index].Fixed != mammograms.front().Parameters[index].Fixed ||
-          mammogram.Parameters[index].Start != mammograms.front().Parameters[index].Start))
-      {
-        throw InputError("registration: parameter " + mammogram.Parameters[index].Name +
-          ": expected the same start of all mammograms, and free in all or none");
-      }
-    }
-    if (mammogram.From.empty() != mammograms.front().From.empty())
-    {
-      throw InputError("registration: expected a beginning for each mammogram or for none");
-    }
-  }
-}
-
 namespace
 {
 void ValidateParameters(const std::vector<RegistrationParameter>& parameters)
@@ -75,48 +32,98 @@ void ValidateParameters(const std::vector<RegistrationParameter>& parameters)
   }
 }
 
-void ValidateBeginning(const RegistrationOptions& options)
+void ValidateBeginning(const View& view)
 {
-  if (options.From.size() != ParameterCount)
+  if (view.From.size() != ParameterCount)
   {
     throw InputError("registration: expected " + std::to_string(ParameterCount) +
-      " values to begin at, found " + std::to_string(options.From.size()));
+      " values to begin at, found " + std::to_string(view.From.size()));
   }
   for (int index = 0; index < ParameterCount; ++index)
   {
-    const RegistrationParameter& parameter = options.Parameters[index];
+    const RegistrationParameter& parameter = view.Parameters[index];
     if (!parameter.Fixed &&
-      !(parameter.Lower <= options.From[index] && options.From[index] <= parameter.Upper))
+      !(parameter.Lower <= view.From[index] && view.From[index] <= parameter.Upper))
     {
       throw InputError("registration: parameter " + parameter.Name +
         ": expected a beginning from " + std::to_string(parameter.Lower) + " to " +
-        std::to_string(parameter.Upper) + ", found " + std::to_string(options.From[index]));
+        std::to_string(parameter.Upper) + ", found " + std::to_string(view.From[index]));
     }
   }
 }
+
+void ValidateLevels(const std::vector<RegistrationTarget>& levels,
+  const RegistrationOptions& options)
+{
+  if (levels.size() != options.PixelSizesMm.size())
+  {
+    throw InputError("registration: expected a target for each of " +
+      std::to_string(options.PixelSizesMm.size()) + " pixel sizes (MakeLevels), found " +
+      std::to_string(levels.size()));
+  }
+  std::for_each(levels.begin(), levels.end(), ValidateTarget);
 }
 
-void ValidateRegistration(const BreastModel& model, const RegistrationOptions& options)
+void ValidateView(const View& view, const View& first, const RegistrationProblem& problem)
 {
-  if (!model.HasXRays())
-  {
-    throw InputError("registration: expected a model with a projector and a beam, found none");
-  }
-  ValidateParameters(options.Parameters);
-  if (!options.Parameters[StiffnessParameter].Fixed && !model.Body().HasGland())
+  ValidateParameters(view.Parameters);
+  if (!view.Parameters[StiffnessParameter].Fixed && !problem.Model->Body().HasGland())
   {
     throw InputError("registration: expected a material whose stiffness is to be found, such as "
                      "gland, found none");
   }
-  if (!options.From.empty())
+  if (!view.From.empty())
   {
-    ValidateBeginning(options);
+    ValidateBeginning(view);
   }
+  ValidateTarget(view.Target);
+  ValidateLevels(view.Levels, problem.Options);
+  for (const ViewProjection& projection : view.Projections)
+  {
+    if (!(projection.FocalSpotMm[2] > 0))
+    {
+      throw InputError(
+        "registration: expected the focal spot of each projection above the receptor");
+    }
+    ValidateLevels(projection.Levels, problem.Options);
+  }
+  for (int index = 0; index < ParameterCount; ++index)
+  {
+    if (IsShared(index) &&
+      (view.Parameters[index].Fixed != first.Parameters[index].Fixed ||
+        view.Parameters[index].Start != first.Parameters[index].Start))
+    {
+      throw InputError("registration: parameter " + view.Parameters[index].Name +
+        ": expected the same start of all mammograms, and free in all or none");
+    }
+  }
+  if (view.From.empty() != first.From.empty())
+  {
+    throw InputError("registration: expected a beginning for each mammogram or for none");
+  }
+}
+}
+
+void ValidateProblem(const RegistrationProblem& problem)
+{
+  if (problem.Views.empty())
+  {
+    throw InputError("registration: expected a mammogram, found none");
+  }
+  if (!problem.Model || !problem.Model->HasXRays())
+  {
+    throw InputError("registration: expected a model with a projector and a beam, found none");
+  }
+  const RegistrationOptions& options = problem.Options;
   if (options.PixelSizesMm.empty() || options.Samples < 1 || options.OutlineDirections < 10 ||
     !(options.DifferenceStep > 0) || !(options.WindowMm > 0))
   {
     throw InputError("registration: expected at least one pixel size, one sample, ten outline "
                      "directions, a positive window and a positive step of differences");
+  }
+  for (const View& view : problem.Views)
+  {
+    ValidateView(view, problem.Views.front(), problem);
   }
 }
 }

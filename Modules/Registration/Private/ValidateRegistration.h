@@ -2,14 +2,12 @@
 #ifndef mammoray_ValidateRegistration_h
 #define mammoray_ValidateRegistration_h
 
-#include "mammoray/Registration/Registration.h"
+#include "mammoray/Registration/RegistrationProblem.h"
 
 namespace mammoray
 {
-/// Throw InputError unless a search can begin with these, of one mammogram or of several.
-void ValidateMammograms(const std::vector<JointMammogram>& mammograms,
-  const RegistrationOptions& options);
-void ValidateRegistration(const BreastModel& model, const RegistrationOptions& options);
+/// Throws InputError unless a search can begin with this problem.
+void ValidateProblem(const RegistrationProblem& problem);
 }
 
 #endif

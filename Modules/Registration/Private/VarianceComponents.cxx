@@ -77,7 +77,7 @@ double IntegralScale(const ResidualGroup& group)
 double VarianceComponents::Weight(const std::vector<ResidualGroup>& groups, std::size_t group) const
 {
   return groups[group].Share * groups[group].Extent /
-    std::max(groups[group].LeastScatter,
+    std::max(groups[group].LeastCovariance,
       this->Correlated[group] * this->Sigmas[group] * this->Sigmas[group]);
 }
 
@@ -129,7 +129,7 @@ VarianceComponents EstimateVariances(const std::vector<ResidualGroup>& groups,
   return found;
 }
 
-Eigen::MatrixXd SmoothScatter(const std::vector<std::array<double, 2>>& places,
+Eigen::MatrixXd SmoothCovariance(const std::vector<std::array<double, 2>>& places,
   const Eigen::MatrixXd& scores, double alikeMm)
 {
   struct Cell

@@ -29,7 +29,7 @@ struct ResidualGroup
   double Share = 1;
   /// Variance times length or area over which it is alike that counts at least, however small the
   /// residuals are.
-  double LeastScatter = 0;
+  double LeastCovariance = 0;
 };
 
 struct VarianceComponents
@@ -70,7 +70,7 @@ MAMMORAYREGISTRATION_EXPORT VarianceComponents EstimateVariances(
  * 1 that is alike over `alikeMm`: the sum of exp(-distance / alikeMm) s_i^T s_j over all pairs (of
  * Matern's fields the one with nu = 1/2). Places within an eighth of that length count as one.
  */
-MAMMORAYREGISTRATION_EXPORT Eigen::MatrixXd SmoothScatter(
+MAMMORAYREGISTRATION_EXPORT Eigen::MatrixXd SmoothCovariance(
   const std::vector<std::array<double, 2>>& places, const Eigen::MatrixXd& scores, double alikeMm);
 
 /**

@@ -75,9 +75,9 @@ BreastInUnit InMemory(const RegistrationCaseResult& result, const RegisteredView
   points->SetData(values);
   breast.Compressed->SetPoints(points);
   breast.Placed = registered.Registration.Placed;
-  breast.Unit = registered.Unit;
-  breast.Grid = registered.Target.Grid;
-  const RegistrationResult& found = registered.Registration;
+  breast.Unit = registered.View.Unit;
+  breast.Grid = registered.View.Target.Grid;
+  const ViewResult& found = registered.Registration;
   for (const RegistrationParameter& parameter : found.Parameters)
   {
     breast.Parameters.push_back(parameter.Name);
@@ -204,13 +204,14 @@ std::vector<PlaceInMammogram> PlacesIn(const RegistrationCase& input,
     {
       if (index < points)
       {
-        places.push_back(PlaceOf(breast.ToMammogram(asked[index].Point), registered.Target.Grid));
+        places.push_back(
+          PlaceOf(breast.ToMammogram(asked[index].Point), registered.View.Target.Grid));
         continue;
       }
       const LesionShadow shadow =
         ProjectLesion(breast, *result.Lesions, lesions[index - points].Label, *projector);
-      PlaceInMammogram place = PlaceOf(shadow.ImagedCentre, registered.Target.Grid);
-      AddOutlines(shadow, registered.Target.Grid, place);
+      PlaceInMammogram place = PlaceOf(shadow.ImagedCentre, registered.View.Target.Grid);
+      AddOutlines(shadow, registered.View.Target.Grid, place);
       places.push_back(std::move(place));
     }
     catch (const InputError& error) // the rest of the result is not lost for that
@@ -249,7 +250,7 @@ LayeredPicture PictureBetweenPlates(const RegistrationCaseResult& result,
     reach[0].Add(at[0]);
     reach[1].Add(at[1]);
   }
-  const PlatePair plates = PlatesOf(placed, registered.Unit,
+  const PlatePair plates = PlatesOf(placed, registered.View.Unit,
     registered.Registration.Pose.ThicknessMm, registered.Registration.Pose.TiltDeg);
   constexpr double PlateMarginMm = 10;
   for (const Plate& plate : { plates.Support, plates.Paddle })

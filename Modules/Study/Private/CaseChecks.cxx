@@ -171,7 +171,7 @@ void CheckMammogram(const RegistrationCase& input, const std::vector<RegisteredV
 
 void CheckPicturedBreast(const RegistrationCase& input, RegisteredView& view)
 {
-  RegistrationTarget& target = view.Target;
+  RegistrationTarget& target = view.View.Target;
   const Mammogram& mammogram = view.Mammogram;
   Extent across;
   for (int row = 0; row < target.Grid.Rows; ++row)
@@ -294,7 +294,7 @@ void CheckSize(double breastCm3, double areaCm2, RegisteredView& view)
       "The picture shows %.0f cm3 of breast (area times thickness), the MRI %.0f cm3: it may be of "
       "another breast, or of a part of it.",
       picturedCm3, breastCm3);
-    view.Target.Disagreements.emplace_back(text);
+    view.View.Target.Disagreements.emplace_back(text);
   }
 }
 }
@@ -311,7 +311,7 @@ void CheckSizes(const RegistrationCase& input, double breastCm3, std::vector<Reg
   double mloCm2 = 0;
   for (RegisteredView& view : views)
   {
-    const double areaCm2 = AreaCm2(view.Target);
+    const double areaCm2 = AreaCm2(view.View.Target);
     CheckSize(breastCm3, areaCm2, view);
     ccCm2 = view.Mammogram.View == "CC" ? areaCm2 : ccCm2;
     mlo = view.Mammogram.View == "MLO" ? &view : mlo;
@@ -325,7 +325,7 @@ void CheckSizes(const RegistrationCase& input, double breastCm3, std::vector<Reg
       "The breast is %.0f cm2 in MLO and %.0f in CC: they may be of two breasts, or one shows a "
       "part only.",
       mloCm2, ccCm2);
-    mlo->Target.Disagreements.emplace_back(text);
+    mlo->View.Target.Disagreements.emplace_back(text);
   }
 }
 }

@@ -158,16 +158,18 @@ void ReadCasePictures(const RegistrationCase& input, std::vector<RegisteredView>
     throw InputError(path + ": expected a mammogram of the same breast as " + views.front().Path +
       " (" + side + "), found one of the other (" + view.Mammogram.Laterality + ")");
   }
-  view.Target = PrepareTarget(view.Mammogram, input.Targets);
+  view.View.Target = PrepareTarget(view.Mammogram, input.Targets);
   CheckPicturedBreast(input, view);
   if (!input.Masks.empty())
   {
-    ExcludePixels(ReadMask(input.Masks[number], view.Target.Grid.Columns, view.Target.Grid.Rows),
-      view.Target);
+    ExcludePixels(
+      ReadMask(input.Masks[number], view.View.Target.Grid.Columns, view.View.Target.Grid.Rows),
+      view.View.Target);
   }
-  view.Warnings.insert(view.Warnings.end(), view.Target.Warnings.begin(),
-    view.Target.Warnings.end());
-  view.Unit = UnitOf(input, path, view.Mammogram, view.Warnings);
+  view.Warnings.insert(view.Warnings.end(), view.View.Target.Warnings.begin(),
+    view.View.Target.Warnings.end());
+  view.View.Unit = UnitOf(input, path, view.Mammogram, view.Warnings);
+  view.View.Levels = MakeLevels(view.View.Target, input.Options.PixelSizesMm);
   if (projections.size() == 1)
   {
     return;
@@ -176,14 +178,14 @@ void ReadCasePictures(const RegistrationCase& input, std::vector<RegisteredView>
   {
     throw InputError(path + ": expected no mask beside projections, found " + input.Masks[number]);
   }
-  view.Unit = WithFocalSpot(view.Unit, FocalSpotOf(view.Mammogram, view.Target));
+  view.View.Unit = WithFocalSpot(view.View.Unit, FocalSpotOf(view.Mammogram, view.View.Target));
   for (std::size_t other = 0; other < projections.size(); ++other)
   {
     if (other != middle)
     {
       const RegistrationTarget target = PrepareTarget(projections[other], input.Targets);
       const Vector3 spot = FocalSpotOf(projections[other], target);
-      view.Others.push_back({ spot, CoarsenTo(target, input.Options.PixelSizesMm.back()) });
+      view.View.Projections.push_back({ spot, MakeLevels(target, input.Options.PixelSizesMm) });
       projections[other] = {}; // a series of a real unit has a gigabyte
     }
   }

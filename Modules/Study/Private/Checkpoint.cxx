@@ -49,7 +49,7 @@ std::vector<SearchPoint> ReadCheckpoint(const std::string& path)
 }
 }
 
-std::vector<ResultParameter> ParametersOf(const RegistrationResult& found)
+std::vector<ResultParameter> ParametersOf(const ViewResult& found)
 {
   std::vector<ResultParameter> parameters;
   for (std::size_t index = 0; index < found.Parameters.size(); ++index)

@@ -17,7 +17,7 @@ struct SearchPoint
   std::vector<ResultParameter> Parameters;
 };
 
-std::vector<ResultParameter> ParametersOf(const RegistrationResult& found);
+std::vector<ResultParameter> ParametersOf(const ViewResult& found);
 
 std::vector<ResultInput> HashedInputs(const RegistrationCase& input, const std::string& mammogram);
 

@@ -19,7 +19,7 @@ namespace
 using Lines = std::vector<std::pair<std::string, std::string>>;
 
 /// Tells from which iteration on which pixels were compared how: costs of different ones cannot be.
-std::string ResolutionNote(const RegistrationResult& result)
+std::string ResolutionNote(const ViewResult& result)
 {
   std::string note;
   const RegistrationIteration* previous = nullptr;
@@ -66,7 +66,7 @@ std::string ExpectedHtml(const std::optional<ExpectedError>& expected)
                   : std::string();
 }
 
-std::string VerdictHtml(const RegistrationResult& result)
+std::string VerdictHtml(const ViewResult& result)
 {
   const Assessment& assessment = result.Trust;
   static const char* const Texts[] = {
@@ -91,7 +91,7 @@ std::optional<double> HeaderValue(const Mammogram& mammogram, const std::string&
 
 std::string FiguresHtml(const RegistrationReport& report)
 {
-  const RegistrationResult& result = *report.Result;
+  const ViewResult& result = *report.Result;
   const auto figure = [](const std::string& value, const std::string& unit, const std::string& name)
   {
     return "<div class=\"figure\"><b>" + value + " <small>" + unit + "</small></b><span>" + name +
@@ -166,7 +166,7 @@ constexpr const char* Comparison = R"html(<section class="compare" hidden>
 )html";
 
 /// NaN where it is not known, or the parameter is taken for exact.
-double ConsideredDeviation(const RegistrationResult& result, std::size_t parameter)
+double ConsideredDeviation(const ViewResult& result, std::size_t parameter)
 {
   const std::size_t count = result.Parameters.size();
   const double variance =
@@ -176,7 +176,7 @@ double ConsideredDeviation(const RegistrationResult& result, std::size_t paramet
 
 std::string ParametersHtml(const RegistrationReport& report)
 {
-  const RegistrationResult& result = *report.Result;
+  const ViewResult& result = *report.Result;
   std::string html = "<section>\n<h2>What was found</h2>\n<table>\n<tr><th>Parameter</th>"
                      "<th class=\"number\">Found</th><th class=\"number\">± (1 SD)</th>"
                      "<th class=\"number\">By the header</th>"
@@ -241,7 +241,7 @@ Lines MammogramLines(const Mammogram& mammogram, double shareExcluded)
       NumberText(100 * shareExcluded, 1) + " % of the breast's picture" } };
 }
 
-Lines SearchLines(const RegistrationResult& result)
+Lines SearchLines(const ViewResult& result)
 {
   const CompressionState& state = result.State;
   return { { "Stopped because", result.StopReason },
@@ -256,7 +256,7 @@ Lines SearchLines(const RegistrationResult& result)
     { "Deepest penetration of a plate", NumberText(state.LargestPenetrationMm, 3) + " mm" } };
 }
 
-std::string CourseHtml(const RegistrationResult& result, const std::string& plot)
+std::string CourseHtml(const ViewResult& result, const std::string& plot)
 {
   return "<section class=\"screen\">\n<h2>Course of the search</h2>\n" + plot +
     "<p class=\"hint\">" + ResolutionNote(result) + "</p></section>\n";
@@ -293,7 +293,7 @@ std::string MammogramHeading(const std::string& title)
 std::string MammogramHtml(const RegistrationReport& report, const ReportPictures& pictures,
   const std::string& plot)
 {
-  const RegistrationResult& result = *report.Result;
+  const ViewResult& result = *report.Result;
   std::string html = VerdictHtml(result) + FiguresHtml(report) + PicturesHtml(pictures) +
     Comparison + "<div class=\"found\">\n" + BetweenPlatesHtml(report.BetweenPlates) +
     ParametersHtml(report) + "</div>\n" + CourseHtml(result, plot);

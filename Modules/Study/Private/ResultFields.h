@@ -162,7 +162,7 @@ void ListFields(Fields& fields, ResultCompression& compression)
 }
 
 template <typename Fields>
-void ListFields(Fields& fields, ResultMammogram& mammogram)
+void ListFields(Fields& fields, Mammogram& mammogram)
 {
   fields("view", mammogram.View);
   fields("laterality", mammogram.Laterality);

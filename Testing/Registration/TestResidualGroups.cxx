@@ -1,19 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "RegistrationTwin.h"
-#include "mammoray/Registration/Private/ComparedGroups.h"
+#include "mammoray/Registration/Private/ResidualGroups.h"
 #include "mammoray/Registration/Private/SearchCovariance.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <memory>
 #include <string>
 #include <vector>
 
 using namespace mammoray;
 using namespace mammoray::test;
 
-TEST(ComparedGroups, TellTheSameVariancesWhateverTheyAreWeighedBy)
+TEST(ResidualGroups, TellTheSameVariancesWhateverTheyAreWeighedBy)
 {
   std::string reason;
   if (ListDevices(&reason).empty())
@@ -23,16 +24,18 @@ TEST(ComparedGroups, TellTheSameVariancesWhateverTheyAreWeighedBy)
   Twin twin(4, 8, 20.0, false);
   Twin other(5, 10, 30.0, false);
   const RegistrationTarget target = CoarsenTo(MakeTarget(other, Truth()), 3.0);
-  RegistrationOptions options;
-  options.Parameters = DefaultParameters(Truth());
+  const RegistrationOptions options;
+  const std::vector<RegistrationParameter> parameters = DefaultParameters(Truth());
   const std::vector<double> values = ValuesOf(Truth());
   const SearchedBreast breast{ &twin.Model, &twin.Model.Body(), twin.Placement };
-  const std::vector<SearchUnknown> unknowns{ { RollParameter, { 0 }, -90, 90, 5 },
+  const std::vector<FreeParameter> unknowns{ { RollParameter, { 0 }, -90, 90, 5 },
     { LateralParameter, { 0 }, -50, 50, 2 } };
   const ProgressCallback progress;
-  std::vector<SearchedMammogram> mammograms{ { breast, target, options, values,
-    breast.At(values, twin.At(Truth()).State()) } };
-  RegistrationEvaluator evaluator(std::move(mammograms), unknowns, progress);
+  std::vector<std::unique_ptr<ViewEvaluator>> views;
+  views.push_back(
+    std::make_unique<ViewEvaluator>(breast, RegistrationResiduals(target, parameters, options),
+      values, breast.At(values, twin.At(Truth()).State()), progress));
+  RegistrationEvaluator evaluator(std::move(views), unknowns, options, progress);
   const auto before = CompareGroups(evaluator);
   ASSERT_TRUE(before);
   ASSERT_EQ(before->Groups.size(), 2u);
@@ -40,7 +43,7 @@ TEST(ComparedGroups, TellTheSameVariancesWhateverTheyAreWeighedBy)
   const std::vector<double> residuals = evaluator.Residuals;
   const std::vector<double> column = evaluator.Jacobian[1];
 
-  ComparedGroups weighedGroups = *before;
+  ResidualGroups weighedGroups = *before;
   weighedGroups.WeighByVariances(evaluator);
   const std::vector<double>& factors = weighedGroups.Factors;
   ASSERT_EQ(factors.size(), 2u);
@@ -96,7 +99,7 @@ TEST(ComparedGroups, TellTheSameVariancesWhateverTheyAreWeighedBy)
   }
 }
 
-TEST(ComparedGroups, ACovarianceWithoutTheUnitsEdgesIsToldOf)
+TEST(ResidualGroups, ACovarianceWithoutTheUnitsEdgesIsToldOf)
 {
   std::string reason;
   if (ListDevices(&reason).empty())
@@ -107,27 +110,27 @@ TEST(ComparedGroups, ACovarianceWithoutTheUnitsEdgesIsToldOf)
   const RegistrationTarget target = CoarsenTo(MakeTarget(twin, Truth()), 3.0);
   SearchedBreast breast{ &twin.Model, &twin.Model.Body(), twin.Placement };
   breast.Placement.Unit.EdgeRadiusMm = SearchedEdgeRadiusMm;
-  RegistrationOptions options;
-  options.Parameters = DefaultParameters(Truth());
+  const RegistrationOptions options;
+  const std::vector<RegistrationParameter> parameters = DefaultParameters(Truth());
   const std::vector<double> values = ValuesOf(Truth());
   // Stopped: there is no equilibrium beside this one.
   bool goesOn = true;
   const ProgressCallback progress = [&](double, const char*) { return goesOn; };
-  JointSearch search;
-  search.Mammograms.resize(1);
-  MammogramSearch& mammogram = search.Mammograms.front();
-  mammogram.Result.Parameters = options.Parameters;
-  mammogram.Result.Values = values;
-  mammogram.Result.StandardDeviations.resize(ParameterCount);
-  mammogram.Here = breast.At(values, breast.Body->Compress(breast.Placement, Truth(), nullptr));
-  search.Unknowns = { { ThicknessParameter, { 0 }, 20, 80, 3 } };
-  RegistrationEvaluator evaluator({ { breast, target, options, values, mammogram.Here } },
-    search.Unknowns, progress);
+  RegistrationProblem problem = twin.Problem();
+  problem.Views.emplace_back().Parameters = parameters;
+  SearchState search(problem, {});
+  ViewSearch& view = search.Views.front();
+  view.Current = breast.At(values, breast.Body->Compress(breast.Placement, Truth(), nullptr));
+  search.FreeParameters = { { ThicknessParameter, { 0 }, 20, 80, 3 } };
+  std::vector<std::unique_ptr<ViewEvaluator>> views;
+  views.push_back(std::make_unique<ViewEvaluator>(breast,
+    RegistrationResiduals(target, parameters, options), values, view.Current, progress));
+  RegistrationEvaluator evaluator(std::move(views), search.FreeParameters, options, progress);
   KeepCovariance(evaluator, search);
-  EXPECT_THAT(mammogram.Result.Warnings, testing::IsEmpty());
-  const double counted = mammogram.Result.StandardDeviations[ThicknessParameter];
+  EXPECT_THAT(view.Result.Warnings, testing::IsEmpty());
+  const double counted = view.Result.StandardDeviations[ThicknessParameter];
   goesOn = false;
   KeepCovariance(evaluator, search);
-  EXPECT_THAT(mammogram.Result.Warnings, testing::ElementsAre(testing::HasSubstr("sharper edges")));
-  EXPECT_LT(mammogram.Result.StandardDeviations[ThicknessParameter], counted);
+  EXPECT_THAT(view.Result.Warnings, testing::ElementsAre(testing::HasSubstr("sharper edges")));
+  EXPECT_LT(view.Result.StandardDeviations[ThicknessParameter], counted);
 }

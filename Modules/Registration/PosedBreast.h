@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#ifndef mammoray_EvaluatedState_h
-#define mammoray_EvaluatedState_h
+#ifndef mammoray_PosedBreast_h
+#define mammoray_PosedBreast_h
 
 #include "mammoray/Registration/BreastModel.h"
 #include "mammoray/Registration/RegistrationTarget.h"
@@ -22,34 +22,33 @@ MAMMORAYREGISTRATION_EXPORT XRayDetector DetectorOf(const VolumeFromGantry& plac
   const ReceptorGrid& grid, int samples);
 
 /**
- * A compressed breast in the unit, and what a search asks of it: the moved surface, its silhouette
- * and its picture. Each is computed when first asked for and kept; the picture and the silhouette
- * for the grid and the directions that were asked for last. Refers to the model and its body, which
- * must outlive it.
+ * A compressed breast in the unit: the moved surface, its silhouette and its picture. Each is
+ * computed at the first call and kept; picture and silhouette are kept for the last grid and
+ * directions only. Model and body must outlive it.
  */
-class MAMMORAYREGISTRATION_EXPORT EvaluatedState
+class MAMMORAYREGISTRATION_EXPORT PosedBreast
 {
 public:
-  /// `state`: of `body`, one of the model's. It need not be the equilibrium at `pose`: a start is
-  /// moved to its outline as it is.
-  EvaluatedState(BreastModel& model, BreastBody& body, const UnitPlacement& placement,
+  /// `body`: one of the model's; `state`: a state of it, which need not be the equilibrium at
+  /// `pose`, since a start is moved to its outline without compressing it anew.
+  PosedBreast(BreastModel& model, BreastBody& body, const UnitPlacement& placement,
     const BreastPose& pose, CompressionState state);
 
-  /// The same state and points in a unit that stands elsewhere.
-  EvaluatedState MovedTo(const BreastPose& pose);
-  /// The same in the same unit with its focal spot elsewhere (gantry frame, mm), as a tomosynthesis
-  /// has it; kept with this one.
-  EvaluatedState& SeenFrom(const Vector3& focalSpotMm);
+  /// The same state and points with the unit at another pose.
+  PosedBreast MovedTo(const BreastPose& pose);
+  /// The same breast and unit with another focal spot (gantry frame, mm), as in tomosynthesis;
+  /// owned by this one.
+  PosedBreast& SeenFrom(const Vector3& focalSpotMm);
 
-  const BreastPose& Pose() const { return this->At; }
+  const BreastPose& Pose() const { return this->UnitPose; }
   const CompressionState& State() const { return this->Equilibrium; }
-  const UnitPlacement& Placement() const { return this->Around; }
-  const VolumeFromGantry& Placed() const { return this->UnitHere; }
+  const UnitPlacement& Placement() const { return this->Unit; }
+  const VolumeFromGantry& Placed() const { return this->UnitFrame; }
   const BreastModel& Model() const { return this->Breast; }
 
   /// Points of the model's surface, 3 x pointCount, volume frame, mm.
   const std::vector<double>& SurfacePoints();
-  /// The same on the receptor.
+  /// Their shadows on the receptor.
   const std::vector<ReceptorPoint>& SurfaceOnReceptor();
 
   struct Silhouette
@@ -64,21 +63,20 @@ public:
   struct Picture
   {
     PathLengthImage Lengths;
-    /// -ln(I / I0) of each pixel, with what scatters where the model has that.
+    /// -ln(I / I0) of each pixel, with scatter if the model has a scatter model.
     std::vector<float> LogAttenuation;
   };
   const Picture& PictureOn(const ReceptorGrid& grid, int samples);
 
-  /// How the surface's points move with the parameters numbered in `wanted`, seen from the unit, mm
-  /// per unit of each; one field after the other. Not kept.
+  /// Velocities of the surface's points with the parameters numbered in `wanted`, seen from the
+  /// unit, mm per unit of each; one field after the other. Not kept.
   std::vector<double> Velocities(const std::vector<int>& wanted);
-  /// How the picture's LogAttenuation changes with so many fields of the surface's velocities, by
-  /// pixel, one field after the other; nothing of it is kept but the picture, which the same pass
-  /// gives.
+  /// Derivatives of LogAttenuation with each field of the surface's velocities, a value for each
+  /// pixel. The same pass gives the picture, which is kept; the derivatives are not.
   std::vector<std::vector<double>> DifferentiatePicture(const ReceptorGrid& grid, int samples,
     const std::vector<double>& velocities, int fields);
 
-  /// Pictures that were computed, from other focal spots too.
+  /// Number of pictures computed, including those from other focal spots.
   int NumberOfProjections() const;
 
 private:
@@ -87,10 +85,10 @@ private:
 
   BreastModel& Breast;
   BreastBody& Body;
-  UnitPlacement Around;
-  BreastPose At;
+  UnitPlacement Unit;
+  BreastPose UnitPose;
   CompressionState Equilibrium;
-  VolumeFromGantry UnitHere;
+  VolumeFromGantry UnitFrame;
   std::vector<double> Points;
   std::vector<ReceptorPoint> Projected;
 
@@ -98,10 +96,10 @@ private:
   std::vector<ReceptorPoint> Directions;
   std::optional<Silhouette> Outline;
   XRayDetector Detector;
-  std::optional<Picture> Shown;
+  std::optional<Picture> LastPicture;
   int Projections = 0;
   /// Seen from elsewhere.
-  std::vector<std::shared_ptr<EvaluatedState>> Others;
+  std::vector<std::shared_ptr<PosedBreast>> OtherSpots;
 };
 }
 

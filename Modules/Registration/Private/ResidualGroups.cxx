@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "Private/ComparedGroups.h"
+#include "Private/ResidualGroups.h"
 
 #include "Private/PictureResiduals.h"
 
@@ -16,8 +16,8 @@ namespace
  * more: a ball compressed and searched on nearly the same mesh was found 3.4 mm too thick, six of
  * the deviations that its small residuals gave.
  */
-constexpr double LeastOutlineScatter = 2.0;
-constexpr double LeastPictureScatter = 2.0;
+constexpr double LeastOutlineCovariance = 2.0;
+constexpr double LeastPictureCovariance = 2.0;
 
 /// Distances along a line through places, mm, and their mean.
 double AlongLine(const std::vector<ReceptorPoint>& places,
@@ -35,9 +35,9 @@ double AlongLine(const std::vector<ReceptorPoint>& places,
 }
 
 /// Appends the outline and the picture of one projection, whose residuals begin at `first`.
-void AddGroups(const PictureResiduals& compared, EvaluatedState& seen,
+void AddGroups(const PictureResiduals& compared, PosedBreast& seen,
   const Eigen::VectorXd& residuals, const Eigen::MatrixXd& jacobian, Eigen::Index first,
-  ComparedGroups& groups)
+  ResidualGroups& groups)
 {
   const auto outline = static_cast<Eigen::Index>(compared.NumberOfOutlineResiduals());
   const auto picture = static_cast<Eigen::Index>(compared.NumberOfIntensityResiduals());
@@ -52,34 +52,33 @@ void AddGroups(const PictureResiduals& compared, EvaluatedState& seen,
   };
   ResidualGroup& line = add(first, outline, compared.OutlineFactor());
   line.Extent = AlongLine(compared.OutlinePlaces(seen), line.Places);
-  line.LeastScatter = LeastOutlineScatter;
+  line.LeastCovariance = LeastOutlineCovariance;
   ResidualGroup& plane = add(first + outline, picture, compared.IntensityFactor());
   plane.Places = compared.IntensityPlaces();
   plane.Dimension = 2;
   plane.Extent = compared.AreaPerFeature();
-  plane.LeastScatter = LeastPictureScatter * compared.TargetRms() * compared.TargetRms();
+  plane.LeastCovariance = LeastPictureCovariance * compared.TargetRms() * compared.TargetRms();
 }
 
-ComparedGroups GroupsOf(RegistrationEvaluator& evaluator, const Eigen::MatrixXd& jacobian)
+ResidualGroups GroupsOf(RegistrationEvaluator& evaluator, const Eigen::MatrixXd& jacobian)
 {
-  ComparedGroups groups;
+  ResidualGroups groups;
   const Eigen::Map<const Eigen::VectorXd> residuals(evaluator.Residuals.data(),
     static_cast<Eigen::Index>(evaluator.Residuals.size()));
   Eigen::Index first = 0;
-  for (std::size_t number = 0; number < evaluator.Mammograms.size(); ++number)
+  for (std::size_t number = 0; number < evaluator.Views.size(); ++number)
   {
-    const MammogramEvaluator& mammogram = *evaluator.Mammograms[number];
+    const ViewEvaluator& view = *evaluator.Views[number];
     Eigen::Index begin = first;
-    for (std::size_t projection = 0; projection < mammogram.Compared.NumberOfProjections();
-         ++projection)
+    for (std::size_t projection = 0; projection < view.Compared.NumberOfProjections(); ++projection)
     {
-      const PictureResiduals& picture = mammogram.Compared.Picture(projection);
-      AddGroups(picture, mammogram.Compared.Seen(*mammogram.Mammogram.Here, projection), residuals,
-        jacobian, begin, groups);
-      groups.Mammogram.resize(groups.Groups.size(), number);
+      const PictureResiduals& picture = view.Compared.Picture(projection);
+      AddGroups(picture, view.Compared.Seen(*view.Current, projection), residuals, jacobian, begin,
+        groups);
+      groups.View.resize(groups.Groups.size(), number);
       begin += static_cast<Eigen::Index>(picture.NumberOfResiduals());
     }
-    first += static_cast<Eigen::Index>(mammogram.Residuals.size());
+    first += static_cast<Eigen::Index>(evaluator.NumberOfResiduals(number));
   }
   return groups;
 }
@@ -99,32 +98,32 @@ Eigen::MatrixXd PriorRows(const RegistrationEvaluator& evaluator, const Eigen::M
 }
 }
 
-void ComparedGroups::WeighByVariances(RegistrationEvaluator& evaluator)
+void ResidualGroups::WeighByVariances(RegistrationEvaluator& evaluator)
 {
-  std::vector<std::vector<double>> factors(evaluator.Mammograms.size());
+  std::vector<std::vector<double>> factors(evaluator.Views.size());
   for (std::size_t group = 0; group < this->Groups.size(); ++group)
   {
     this->Factors[group] = std::sqrt(this->Variances.Weight(this->Groups, group));
-    factors[this->Mammogram[group]].push_back(this->Factors[group]);
+    factors[this->View[group]].push_back(this->Factors[group]);
   }
   evaluator.Weigh(factors);
 }
 
-std::optional<ComparedGroups> CompareGroups(RegistrationEvaluator& evaluator)
+std::optional<ResidualGroups> CompareGroups(RegistrationEvaluator& evaluator)
 {
   evaluator.PrepareForEvaluation(true, true);
   if (!evaluator.Valid || evaluator.Stopped)
   {
     return std::nullopt;
   }
-  const auto count = static_cast<Eigen::Index>(evaluator.Unknowns.size());
+  const auto count = static_cast<Eigen::Index>(evaluator.FreeParameters.size());
   Eigen::MatrixXd jacobian(static_cast<Eigen::Index>(evaluator.Residuals.size()), count);
   for (Eigen::Index u = 0; u < count; ++u)
   {
     jacobian.col(u) = Eigen::Map<const Eigen::VectorXd>(
       evaluator.Jacobian[static_cast<std::size_t>(u)].data(), jacobian.rows());
   }
-  ComparedGroups groups = GroupsOf(evaluator, jacobian);
+  ResidualGroups groups = GroupsOf(evaluator, jacobian);
   const Eigen::MatrixXd priorRows = PriorRows(evaluator, jacobian);
   groups.Priors = priorRows.transpose() * priorRows;
   groups.Variances = EstimateVariances(groups.Groups, groups.Priors);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#ifndef mammoray_ComparedGroups_h
-#define mammoray_ComparedGroups_h
+#ifndef mammoray_ResidualGroups_h
+#define mammoray_ResidualGroups_h
 
 #include "Private/RegistrationEvaluator.h"
 #include "Private/VarianceComponents.h"
@@ -13,16 +13,16 @@
 
 namespace mammoray
 {
-/// The residuals of the outline and of the picture, in turn, of each projection of each mammogram.
-struct MAMMORAYREGISTRATION_EXPORT ComparedGroups
+/// The residuals of the outline and of the picture, in turn, of each projection of each view.
+struct MAMMORAYREGISTRATION_EXPORT ResidualGroups
 {
   std::vector<ResidualGroup> Groups;
-  /// Where each begins among all residuals, and its mammogram.
+  /// Where each begins among all residuals, and the number of its view.
   std::vector<Eigen::Index> First;
-  std::vector<std::size_t> Mammogram;
+  std::vector<std::size_t> View;
   /// What each group's residuals are multiplied by in the search.
   std::vector<double> Factors;
-  /// The precision of what is known of the unknowns beforehand, in their scales.
+  /// The precision of what is known of the free parameters beforehand, in their scales.
   Eigen::MatrixXd Priors;
   /// What the residuals themselves tell.
   VarianceComponents Variances;
@@ -33,8 +33,8 @@ struct MAMMORAYREGISTRATION_EXPORT ComparedGroups
 };
 
 /// Where the evaluator stands, by its Jacobian there; nothing where that does not tell all of the
-/// unknowns, or the user has stopped it.
-MAMMORAYREGISTRATION_EXPORT std::optional<ComparedGroups> CompareGroups(
+/// free parameters, or the user has stopped it.
+MAMMORAYREGISTRATION_EXPORT std::optional<ResidualGroups> CompareGroups(
   RegistrationEvaluator& evaluator);
 }
 

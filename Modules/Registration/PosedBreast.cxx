@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mammoray/Registration/EvaluatedState.h"
+#include "mammoray/Registration/PosedBreast.h"
 
 #include "Private/DetectedPicture.h"
 
@@ -26,43 +26,43 @@ XRayDetector DetectorOf(const VolumeFromGantry& placed, const ReceptorGrid& grid
   return detector;
 }
 
-EvaluatedState::EvaluatedState(BreastModel& model, BreastBody& body, const UnitPlacement& placement,
+PosedBreast::PosedBreast(BreastModel& model, BreastBody& body, const UnitPlacement& placement,
   const BreastPose& pose, CompressionState state)
   : Breast(model)
   , Body(body)
-  , Around(placement)
-  , At(pose)
+  , Unit(placement)
+  , UnitPose(pose)
   , Equilibrium(std::move(state))
-  , UnitHere(placement.At(pose))
+  , UnitFrame(placement.At(pose))
 {
 }
 
-EvaluatedState EvaluatedState::MovedTo(const BreastPose& pose)
+PosedBreast PosedBreast::MovedTo(const BreastPose& pose)
 {
-  EvaluatedState moved(this->Breast, this->Body, this->Around, pose, this->Equilibrium);
+  PosedBreast moved(this->Breast, this->Body, this->Unit, pose, this->Equilibrium);
   moved.Points = this->SurfacePoints();
   return moved;
 }
 
-EvaluatedState& EvaluatedState::SeenFrom(const Vector3& focalSpotMm)
+PosedBreast& PosedBreast::SeenFrom(const Vector3& focalSpotMm)
 {
-  for (const std::shared_ptr<EvaluatedState>& other : this->Others)
+  for (const std::shared_ptr<PosedBreast>& other : this->OtherSpots)
   {
-    if (other->Around.Unit.FocalSpot() == focalSpotMm)
+    if (other->Unit.Unit.FocalSpot() == focalSpotMm)
     {
       return *other;
     }
   }
-  UnitPlacement placement = this->Around;
+  UnitPlacement placement = this->Unit;
   placement.Unit = WithFocalSpot(placement.Unit, focalSpotMm);
-  auto other = std::make_shared<EvaluatedState>(this->Breast, this->Body, placement, this->At,
+  auto other = std::make_shared<PosedBreast>(this->Breast, this->Body, placement, this->UnitPose,
     this->Equilibrium);
   other->Points = this->SurfacePoints();
-  this->Others.push_back(std::move(other));
-  return *this->Others.back();
+  this->OtherSpots.push_back(std::move(other));
+  return *this->OtherSpots.back();
 }
 
-const std::vector<double>& EvaluatedState::SurfacePoints()
+const std::vector<double>& PosedBreast::SurfacePoints()
 {
   if (this->Points.empty())
   {
@@ -71,16 +71,16 @@ const std::vector<double>& EvaluatedState::SurfacePoints()
   return this->Points;
 }
 
-const std::vector<ReceptorPoint>& EvaluatedState::SurfaceOnReceptor()
+const std::vector<ReceptorPoint>& PosedBreast::SurfaceOnReceptor()
 {
   if (this->Projected.empty())
   {
-    this->Projected = ProjectToReceptor(this->SurfacePoints(), this->UnitHere, this->Around.Unit);
+    this->Projected = ProjectToReceptor(this->SurfacePoints(), this->UnitFrame, this->Unit.Unit);
   }
   return this->Projected;
 }
 
-const EvaluatedState::Silhouette& EvaluatedState::SilhouetteFrom(const ReceptorPoint& centre,
+const PosedBreast::Silhouette& PosedBreast::SilhouetteFrom(const ReceptorPoint& centre,
   const std::vector<ReceptorPoint>& directions)
 {
   if (!this->Outline || centre != this->Centre || directions != this->Directions)
@@ -95,45 +95,45 @@ const EvaluatedState::Silhouette& EvaluatedState::SilhouetteFrom(const ReceptorP
   return *this->Outline;
 }
 
-bool EvaluatedState::Shows(const XRayDetector& detector) const
+bool PosedBreast::Shows(const XRayDetector& detector) const
 {
-  return this->Shown && this->Detector == detector;
+  return this->LastPicture && this->Detector == detector;
 }
 
-void EvaluatedState::KeepPicture(const XRaySource& source, const XRayDetector& detector,
+void PosedBreast::KeepPicture(const XRaySource& source, const XRayDetector& detector,
   PathLengthImage lengths)
 {
   this->Detector = detector;
   std::vector<float> attenuation = DetectedAttenuation(this->Breast, source, detector, lengths);
-  this->Shown = Picture{ std::move(lengths), std::move(attenuation) };
+  this->LastPicture = Picture{ std::move(lengths), std::move(attenuation) };
 }
 
-const EvaluatedState::Picture& EvaluatedState::PictureOn(const ReceptorGrid& grid, int samples)
+const PosedBreast::Picture& PosedBreast::PictureOn(const ReceptorGrid& grid, int samples)
 {
-  const XRayDetector detector = DetectorOf(this->UnitHere, grid, samples);
+  const XRayDetector detector = DetectorOf(this->UnitFrame, grid, samples);
   if (!this->Shows(detector))
   {
     ++this->Projections;
-    const XRaySource source = SourceOf(this->UnitHere, this->Around.Unit);
+    const XRaySource source = SourceOf(this->UnitFrame, this->Unit.Unit);
     this->KeepPicture(source, detector,
       this->Breast.Project(this->SurfacePoints(), source, detector));
   }
-  return *this->Shown;
+  return *this->LastPicture;
 }
 
-std::vector<double> EvaluatedState::Velocities(const std::vector<int>& wanted)
+std::vector<double> PosedBreast::Velocities(const std::vector<int>& wanted)
 {
   return this->Body
-    .VelocitiesSeenFromUnit(this->Around, this->At, this->Equilibrium, this->Body.Surface(),
+    .VelocitiesSeenFromUnit(this->Unit, this->UnitPose, this->Equilibrium, this->Body.Surface(),
       this->SurfacePoints(), wanted)
     .Values;
 }
 
-std::vector<std::vector<double>> EvaluatedState::DifferentiatePicture(const ReceptorGrid& grid,
+std::vector<std::vector<double>> PosedBreast::DifferentiatePicture(const ReceptorGrid& grid,
   int samples, const std::vector<double>& velocities, int fields)
 {
-  const XRayDetector detector = DetectorOf(this->UnitHere, grid, samples);
-  const XRaySource source = SourceOf(this->UnitHere, this->Around.Unit);
+  const XRayDetector detector = DetectorOf(this->UnitFrame, grid, samples);
+  const XRaySource source = SourceOf(this->UnitFrame, this->Unit.Unit);
   PathLengthDerivatives rates;
   PathLengthImage lengths =
     this->Breast.Project(this->SurfacePoints(), source, detector, velocities, fields, rates);
@@ -142,14 +142,14 @@ std::vector<std::vector<double>> EvaluatedState::DifferentiatePicture(const Rece
     ++this->Projections;
     this->KeepPicture(source, detector, std::move(lengths));
   }
-  return DetectedRates(this->Breast, source, detector, this->Shown->Lengths,
-    this->Shown->LogAttenuation, rates);
+  return DetectedRates(this->Breast, source, detector, this->LastPicture->Lengths,
+    this->LastPicture->LogAttenuation, rates);
 }
 
-int EvaluatedState::NumberOfProjections() const
+int PosedBreast::NumberOfProjections() const
 {
   int count = this->Projections;
-  for (const std::shared_ptr<EvaluatedState>& other : this->Others)
+  for (const std::shared_ptr<PosedBreast>& other : this->OtherSpots)
   {
     count += other->NumberOfProjections();
   }

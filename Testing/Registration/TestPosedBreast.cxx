@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "RegistrationTwin.h"
 #include "mammoray/IO/ScatterData.h"
-#include "mammoray/Registration/EvaluatedState.h"
+#include "mammoray/Registration/PosedBreast.h"
 
 #include <gtest/gtest.h>
 
@@ -26,7 +26,7 @@ ReceptorGrid Grid(double pixelMm)
 }
 }
 
-TEST(EvaluatedState, ComputesEachThingOnceAndAnewForAnotherGrid)
+TEST(PosedBreast, ComputesEachThingOnceAndAnewForAnotherGrid)
 {
   std::string reason;
   if (ListDevices(&reason).empty())
@@ -34,7 +34,7 @@ TEST(EvaluatedState, ComputesEachThingOnceAndAnewForAnotherGrid)
     GTEST_SKIP() << reason;
   }
   Twin twin(4, 8, 20.0, false);
-  EvaluatedState here = twin.At(Truth());
+  PosedBreast here = twin.At(Truth());
   const ReceptorGrid grid = Grid(2);
   const std::vector<float> picture = here.PictureOn(grid, 2).LogAttenuation;
   EXPECT_EQ(here.PictureOn(grid, 2).LogAttenuation, picture);
@@ -51,13 +51,13 @@ TEST(EvaluatedState, ComputesEachThingOnceAndAnewForAnotherGrid)
   EXPECT_EQ(here.SurfacePoints().data(), points);
 
   // Where the derivatives come first, they bring the same picture.
-  EvaluatedState first = here.MovedTo(Truth());
+  PosedBreast first = here.MovedTo(Truth());
   first.DifferentiatePicture(grid, 2, first.Velocities({ ThicknessParameter }), 1);
   EXPECT_EQ(first.PictureOn(grid, 2).LogAttenuation, picture);
   EXPECT_EQ(first.NumberOfProjections(), 1);
 }
 
-TEST(EvaluatedState, AddsWhatScatters)
+TEST(PosedBreast, AddsWhatScatters)
 {
   std::string reason;
   if (ListDevices(&reason).empty())
@@ -65,13 +65,13 @@ TEST(EvaluatedState, AddsWhatScatters)
     GTEST_SKIP() << reason;
   }
   Twin twin(4, 8, 20.0, false);
-  EvaluatedState here = twin.At(Truth());
+  PosedBreast here = twin.At(Truth());
   const ReceptorGrid grid = Grid(2);
-  const EvaluatedState::Picture primary = here.PictureOn(grid, 2);
+  const PosedBreast::Picture primary = here.PictureOn(grid, 2);
   const ScatterModel scatter(FindScatterKernels(), Spectrum::Monochromatic(20),
     DetectorResponse::EnergyIntegrating, 12);
   twin.Model.SetScatter(scatter);
-  EvaluatedState scattering = here.MovedTo(Truth());
+  PosedBreast scattering = here.MovedTo(Truth());
   const std::vector<float> both = scattering.PictureOn(grid, 2).LogAttenuation;
   std::vector<double> through;
   for (const float attenuation : primary.LogAttenuation)
@@ -90,7 +90,7 @@ TEST(EvaluatedState, AddsWhatScatters)
   EXPECT_GT(largest, 0.3) << "scatter over primary behind 47 mm";
 }
 
-TEST(EvaluatedState, MovedElsewhereKeepsThePointsAndShiftsThePicture)
+TEST(PosedBreast, MovedElsewhereKeepsThePointsAndShiftsThePicture)
 {
   std::string reason;
   if (ListDevices(&reason).empty())
@@ -98,10 +98,10 @@ TEST(EvaluatedState, MovedElsewhereKeepsThePointsAndShiftsThePicture)
     GTEST_SKIP() << reason;
   }
   Twin twin(4, 8, 20.0, false);
-  EvaluatedState here = twin.At(Truth());
+  PosedBreast here = twin.At(Truth());
   BreastPose shifted = Truth();
   shifted.LateralMm += 3;
-  EvaluatedState moved = here.MovedTo(shifted);
+  PosedBreast moved = here.MovedTo(shifted);
   EXPECT_EQ(moved.SurfacePoints(), here.SurfacePoints());
   EXPECT_EQ(moved.State().Positions, here.State().Positions);
   for (std::size_t point = 0; point < here.SurfaceOnReceptor().size(); point += 100)
@@ -118,7 +118,7 @@ TEST(EvaluatedState, MovedElsewhereKeepsThePointsAndShiftsThePicture)
   EXPECT_NE(here.SilhouetteFrom({ 1, 0 }, directions).Radii, radii);
 }
 
-TEST(EvaluatedState, SeenFromAnotherFocalSpotKeepsTheBreastAndMovesItsShadow)
+TEST(PosedBreast, SeenFromAnotherFocalSpotKeepsTheBreastAndMovesItsShadow)
 {
   std::string reason;
   if (ListDevices(&reason).empty())
@@ -126,9 +126,9 @@ TEST(EvaluatedState, SeenFromAnotherFocalSpotKeepsTheBreastAndMovesItsShadow)
     GTEST_SKIP() << reason;
   }
   Twin twin(4, 8, 20.0, false);
-  EvaluatedState here = twin.At(Truth());
+  PosedBreast here = twin.At(Truth());
   const Vector3 spot{ -120, 5, 610 };
-  EvaluatedState& aside = here.SeenFrom(spot);
+  PosedBreast& aside = here.SeenFrom(spot);
   EXPECT_EQ(&here.SeenFrom(spot), &aside);
   EXPECT_NE(&here.SeenFrom({ 120, 5, 610 }), &aside);
   EXPECT_EQ(aside.SurfacePoints(), here.SurfacePoints());
