@@ -15,8 +15,7 @@ namespace mammoray
 {
 namespace
 {
-using gdcm::DataSet;
-using gdcm::VR;
+using DataSet = DcmItem;
 
 constexpr const char* ForPresentationClass = "1.2.840.10008.5.1.4.1.1.13.1.4";
 constexpr const char* ForProcessingClass = "1.2.840.10008.5.1.4.1.1.13.1.5";
@@ -74,18 +73,18 @@ std::string Now()
 void AddField(DataSet& groups, const Mammogram& mammogram)
 {
   DataSet field =
-    GroupItem({ { { 0x0018, 0x1147 }, VR::CS, "RECTANGLE" }, { { 0x0018, 0x7030 }, VR::DS, "0\\0" },
-      { { 0x0018, 0x7032 }, VR::DS, "0" }, { { 0x0018, 0x7034 }, VR::CS, "NO" } });
+    GroupItem({ { { 0x0018, 0x1147 }, EVR_CS, "RECTANGLE" }, { { 0x0018, 0x7030 }, EVR_DS, "0\\0" },
+      { { 0x0018, 0x7032 }, EVR_DS, "0" }, { { 0x0018, 0x7034 }, EVR_CS, "NO" } });
   AddFloats(field, { 0x0018, 0x9461 },
     { static_cast<float>(mammogram.Rows * mammogram.RowSpacingMm),
       static_cast<float>(mammogram.Columns * mammogram.ColumnSpacingMm) });
   AddSequence(groups, { 0x0018, 0x9432 }, { field });
   AddSequence(groups, { 0x0018, 0x9407 },
     { GroupItem(
-      { { { 0x0018, 0x1700 }, VR::CS, "RECTANGULAR" }, { { 0x0018, 0x1702 }, VR::IS, "0" },
-        { { 0x0018, 0x1704 }, VR::IS, std::to_string(mammogram.Columns + 1) },
-        { { 0x0018, 0x1706 }, VR::IS, "0" },
-        { { 0x0018, 0x1708 }, VR::IS, std::to_string(mammogram.Rows + 1) } }) });
+      { { { 0x0018, 0x1700 }, EVR_CS, "RECTANGULAR" }, { { 0x0018, 0x1702 }, EVR_IS, "0" },
+        { { 0x0018, 0x1704 }, EVR_IS, std::to_string(mammogram.Columns + 1) },
+        { { 0x0018, 0x1706 }, EVR_IS, "0" },
+        { { 0x0018, 0x1708 }, EVR_IS, std::to_string(mammogram.Rows + 1) } }) });
 }
 
 /// The groups that all frames share.
@@ -93,28 +92,28 @@ DataSet SharedGroups(const std::vector<Mammogram>& projections)
 {
   const Mammogram& first = projections.front();
   DataSet groups;
-  DataSet anatomy = GroupItem({ { { 0x0020, 0x9072 }, VR::CS, std::string(1, first.Laterality) } });
+  DataSet anatomy = GroupItem({ { { 0x0020, 0x9072 }, EVR_CS, std::string(1, first.Laterality) } });
   AddSequence(anatomy, { 0x0008, 0x2218 }, { DicomCode("76752008", "Breast") });
   AddSequence(groups, { 0x0020, 0x9071 }, { anatomy });
   AddSequence(groups, { 0x0020, 0x9450 },
     { GroupItem(
-      { { { 0x0020, 0x0020 }, VR::CS, first.RowDirection + "\\" + first.ColumnDirection } }) });
-  DataSet properties = GroupItem({ { { 0x0008, 0x9007 }, VR::CS, "DERIVED\\PRIMARY\\\\NONE" },
-    { { 0x0018, 0x1164 }, VR::DS,
+      { { { 0x0020, 0x0020 }, EVR_CS, first.RowDirection + "\\" + first.ColumnDirection } }) });
+  DataSet properties = GroupItem({ { { 0x0008, 0x9007 }, EVR_CS, "DERIVED\\PRIMARY\\\\NONE" },
+    { { 0x0018, 0x1164 }, EVR_DS,
       DecimalString(first.RowSpacingMm) + "\\" + DecimalString(first.ColumnSpacingMm) },
-    { { 0x0028, 0x1040 }, VR::CS, PixelRelationship(first) },
-    { { 0x0028, 0x9444 }, VR::CS, "UNIFORM" }, { { 0x0028, 0x9446 }, VR::CS, "NONE" } });
+    { { 0x0028, 0x1040 }, EVR_CS, PixelRelationship(first) },
+    { { 0x0028, 0x9444 }, EVR_CS, "UNIFORM" }, { { 0x0028, 0x9446 }, EVR_CS, "NONE" } });
   const std::int16_t sign = PixelRelationshipSign(first);
-  AddBytes(properties, { 0x0028, 0x1041 }, VR::SS, &sign, sizeof sign);
+  AddBytes(properties, { 0x0028, 0x1041 }, EVR_SS, &sign, sizeof sign);
   AddSequence(groups, { 0x0028, 0x9443 }, { properties });
   AddSequence(groups, { 0x0028, 0x9145 },
-    { GroupItem({ { { 0x0028, 0x1052 }, VR::DS, "0" }, { { 0x0028, 0x1053 }, VR::DS, "1" },
-      { { 0x0028, 0x1054 }, VR::LO, "US" } }) });
+    { GroupItem({ { { 0x0028, 0x1052 }, EVR_DS, "0" }, { { 0x0028, 0x1053 }, EVR_DS, "1" },
+      { { 0x0028, 0x1054 }, EVR_LO, "US" } }) });
   AddField(groups, first);
   AddSequence(groups, { 0x0008, 0x9124 }, {}); // derived from no image
   // No photon was spent on what is computed.
   DataSet dose =
-    GroupItem({ { { 0x0040, 0x0316 }, VR::DS, "0" }, { { 0x0040, 0x8302 }, VR::DS, "0" } });
+    GroupItem({ { { 0x0040, 0x0316 }, EVR_DS, "0" }, { { 0x0040, 0x8302 }, EVR_DS, "0" } });
   AddDoubles(dose, { 0x0018, 0x9328 }, { 0 }); // exposure time, ms
   AddDoubles(dose, { 0x0018, 0x9332 }, { 0 }); // exposure, mAs
   AddSequence(groups, { 0x0018, 0x9542 }, { dose });
@@ -124,8 +123,8 @@ DataSet SharedGroups(const std::vector<Mammogram>& projections)
     white = std::max(white, FindWhite(projection.Pixels.data(), projection.Pixels.size()));
   }
   AddSequence(groups, { 0x0028, 0x9132 },
-    { GroupItem({ { { 0x0028, 0x1050 }, VR::DS, DecimalString(0.5 * white) },
-      { { 0x0028, 0x1051 }, VR::DS, DecimalString(white) } }) });
+    { GroupItem({ { { 0x0028, 0x1050 }, EVR_DS, DecimalString(0.5 * white) },
+      { { 0x0028, 0x1051 }, EVR_DS, DecimalString(white) } }) });
   return groups;
 }
 
@@ -134,9 +133,9 @@ DataSet ProjectionGeometry(const Mammogram& projection, const SourcePlace& place
 {
   const double height = projection.SourceToDetectorMm.value();
   const double toPatient = projection.SourceToPatientMm.value_or(height);
-  DataSet geometry = GroupItem({ { { 0x0018, 0x1110 }, VR::DS, DecimalString(height) },
-    { { 0x0018, 0x1111 }, VR::DS, DecimalString(toPatient) },
-    { { 0x0018, 0x1114 }, VR::DS, DecimalString(height / toPatient) } });
+  DataSet geometry = GroupItem({ { { 0x0018, 0x1110 }, EVR_DS, DecimalString(height) },
+    { { 0x0018, 0x1111 }, EVR_DS, DecimalString(toPatient) },
+    { { 0x0018, 0x1114 }, EVR_DS, DecimalString(height / toPatient) } });
   AddFloats(geometry, { 0x0018, 0x9402 }, { static_cast<float>(place.SourceToIsocenterMm) });
   return geometry;
 }
@@ -147,12 +146,12 @@ DataSet FrameGroups(const Mammogram& projection, double axisHeightMm)
   DataSet groups;
   AddSequence(groups, { 0x0020, 0x9111 }, { DataSet{} }); // frame content, of which all is optional
   AddSequence(groups, { 0x0018, 0x9477 },
-    { GroupItem({ { { 0x0008, 0x3010 }, VR::UI, NewUid() } }) }); // irradiation event
+    { GroupItem({ { { 0x0008, 0x3010 }, EVR_UI, NewUid() } }) }); // irradiation event
   AddSequence(groups, { 0x0018, 0x9476 }, { ProjectionGeometry(projection, place) });
   AddSequence(groups, { 0x0018, 0x9405 },
-    { GroupItem({ { { 0x0018, 0x1510 }, VR::DS, DecimalString(-place.SourcePrimaryDeg) },
-      { { 0x0018, 0x1511 }, VR::DS, DecimalString(place.SourceSecondaryDeg) },
-      { { 0x0018, 0x9559 }, VR::CS, "CC" } }) });
+    { GroupItem({ { { 0x0018, 0x1510 }, EVR_DS, DecimalString(-place.SourcePrimaryDeg) },
+      { { 0x0018, 0x1511 }, EVR_DS, DecimalString(place.SourceSecondaryDeg) },
+      { { 0x0018, 0x9559 }, EVR_CS, "CC" } }) });
   DataSet isocenter;
   const auto add = [&](std::uint16_t element, double value) {
     AddDoubles(isocenter, { 0x0018, element }, { value });
@@ -181,18 +180,18 @@ DataSet FrameGroups(const Mammogram& projection, double axisHeightMm)
 void AddAcquisition(DataSet& data, const Mammogram& mammogram)
 {
   AddTexts(data,
-    { { { 0x0008, 0x002a }, VR::DT, Now() }, { { 0x0018, 0x1500 }, VR::CS, "DYNAMIC" },
-      { { 0x0018, 0x1508 }, VR::CS, "MAMMOGRAPHIC" }, { { 0x0018, 0x9004 }, VR::CS, "RESEARCH" },
-      { { 0x0018, 0x7004 }, VR::CS, "DIRECT" },
-      { { 0x0018, 0x0060 }, VR::DS, DecimalString(mammogram.PeakKilovoltage.value_or(0)) },
-      { { 0x0018, 0x1190 }, VR::DS, "0" },
-      { { 0x0018, 0x1191 }, VR::CS,
+    { { { 0x0008, 0x002a }, EVR_DT, Now() }, { { 0x0018, 0x1500 }, EVR_CS, "DYNAMIC" },
+      { { 0x0018, 0x1508 }, EVR_CS, "MAMMOGRAPHIC" }, { { 0x0018, 0x9004 }, EVR_CS, "RESEARCH" },
+      { { 0x0018, 0x7004 }, EVR_CS, "DIRECT" },
+      { { 0x0018, 0x0060 }, EVR_DS, DecimalString(mammogram.PeakKilovoltage.value_or(0)) },
+      { { 0x0018, 0x1190 }, EVR_DS, "0" },
+      { { 0x0018, 0x1191 }, EVR_CS,
         mammogram.AnodeMaterial.empty() ? "OTHER" : mammogram.AnodeMaterial },
-      { { 0x0018, 0x11a2 }, VR::DS, "0" }, { { 0x0018, 0x11a4 }, VR::LO, "computed" },
-      { { 0x0018, 0x7060 }, VR::CS, "MANUAL" }, { { 0x0018, 0x7062 }, VR::LT, "computed" },
-      { { 0x0020, 0x0052 }, VR::UI, NewUid() }, { { 0x0020, 0x1040 }, VR::LO, "" },
-      { { 0x0028, 0x1300 }, VR::CS, "NO" }, { { 0x0040, 0x0316 }, VR::DS, "0" },
-      { { 0x0040, 0x8302 }, VR::DS, "0" }, { { 0x0054, 0x0202 }, VR::CS, "STATIONARY" } });
+      { { 0x0018, 0x11a2 }, EVR_DS, "0" }, { { 0x0018, 0x11a4 }, EVR_LO, "computed" },
+      { { 0x0018, 0x7060 }, EVR_CS, "MANUAL" }, { { 0x0018, 0x7062 }, EVR_LT, "computed" },
+      { { 0x0020, 0x0052 }, EVR_UI, NewUid() }, { { 0x0020, 0x1040 }, EVR_LO, "" },
+      { { 0x0028, 0x1300 }, EVR_CS, "NO" }, { { 0x0040, 0x0316 }, EVR_DS, "0" },
+      { { 0x0040, 0x8302 }, EVR_DS, "0" }, { { 0x0054, 0x0202 }, EVR_CS, "STATIONARY" } });
   AddDoubles(data, { 0x0018, 0x9073 }, { 0 }); // acquisition duration, s
   AddDoubles(data, { 0x0018, 0x9332 }, { 0 }); // exposure, mAs
   // Standing (C.8.4.6), as patients do before such units.
@@ -201,7 +200,7 @@ void AddAcquisition(DataSet& data, const Mammogram& mammogram)
   if (mammogram.BodyPartThicknessMm)
   {
     AddTexts(data,
-      { { { 0x0018, 0x11a0 }, VR::DS, DecimalString(*mammogram.BodyPartThicknessMm) } });
+      { { { 0x0018, 0x11a0 }, EVR_DS, DecimalString(*mammogram.BodyPartThicknessMm) } });
   }
   AddSequence(data, { 0x0054, 0x0220 }, { MammogramViewItem(mammogram.View) });
   AddSequence(data, { 0x0040, 0x0555 }, {}); // acquisition context
@@ -218,12 +217,12 @@ void WriteProjections(const std::vector<Mammogram>& projections,
   AddCommon(data, processing ? ForProcessingClass : ForPresentationClass, "MG",
     options.SeriesDescription, options.Identity);
   AddTexts(data,
-    { { { 0x0008, 0x0008 }, VR::CS, "DERIVED\\PRIMARY\\\\NONE" },
-      { { 0x0008, 0x0068 }, VR::CS, processing ? "FOR PROCESSING" : "FOR PRESENTATION" },
-      { { 0x0008, 0x2111 }, VR::ST, options.Derivation },
-      { { 0x0028, 0x0008 }, VR::IS, std::to_string(projections.size()) },
-      { { 0x0028, 0x0301 }, VR::CS, "NO" }, { { 0x0028, 0x2110 }, VR::CS, "00" },
-      { { 0x2050, 0x0020 }, VR::CS, first.InvertedForDisplay ? "INVERSE" : "IDENTITY" } });
+    { { { 0x0008, 0x0008 }, EVR_CS, "DERIVED\\PRIMARY\\\\NONE" },
+      { { 0x0008, 0x0068 }, EVR_CS, processing ? "FOR PROCESSING" : "FOR PRESENTATION" },
+      { { 0x0008, 0x2111 }, EVR_ST, options.Derivation },
+      { { 0x0028, 0x0008 }, EVR_IS, std::to_string(projections.size()) },
+      { { 0x0028, 0x0301 }, EVR_CS, "NO" }, { { 0x0028, 0x2110 }, EVR_CS, "00" },
+      { { 0x2050, 0x0020 }, EVR_CS, first.InvertedForDisplay ? "INVERSE" : "IDENTITY" } });
   AddAcquisition(data, first);
   AddPixelDescription(data, first);
   AddSequence(data, { 0x5200, 0x9229 }, { SharedGroups(projections) });
@@ -236,7 +235,7 @@ void WriteProjections(const std::vector<Mammogram>& projections,
     stored.insert(stored.end(), projection.Pixels.begin(), projection.Pixels.end());
   }
   AddSequence(data, { 0x5200, 0x9230 }, frames);
-  AddBytes(data, { 0x7fe0, 0x0010 }, VR::OW, stored.data(), 2 * stored.size());
+  AddBytes(data, { 0x7fe0, 0x0010 }, EVR_OW, stored.data(), 2 * stored.size());
   WriteDicom(data, path);
 }
 }

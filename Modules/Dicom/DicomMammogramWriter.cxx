@@ -14,7 +14,6 @@ namespace mammoray
 {
 namespace
 {
-using gdcm::VR;
 
 const MammogramView& FindView(const std::string& name)
 {
@@ -28,37 +27,37 @@ const MammogramView& FindView(const std::string& name)
   return *view;
 }
 
-void AddImage(gdcm::DataSet& data, const Mammogram& mammogram)
+void AddImage(DcmItem& data, const Mammogram& mammogram)
 {
   const bool processing = mammogram.PresentationIntent == Mammogram::Intent::ForProcessing;
   AddTexts(data,
-    { { { 0x0008, 0x0068 }, VR::CS, processing ? "FOR PROCESSING" : "FOR PRESENTATION" },
-      { { 0x0028, 0x0301 }, VR::CS, "NO" }, // burned in annotation
-      { { 0x0028, 0x1040 }, VR::CS, PixelRelationship(mammogram) },
-      { { 0x0028, 0x1052 }, VR::DS, "0" }, { { 0x0028, 0x1053 }, VR::DS, "1" },
-      { { 0x0028, 0x1054 }, VR::LO, "US" }, { { 0x0028, 0x2110 }, VR::CS, "00" }, // not lossy
-      { { 0x2050, 0x0020 }, VR::CS, mammogram.InvertedForDisplay ? "INVERSE" : "IDENTITY" } });
+    { { { 0x0008, 0x0068 }, EVR_CS, processing ? "FOR PROCESSING" : "FOR PRESENTATION" },
+      { { 0x0028, 0x0301 }, EVR_CS, "NO" }, // burned in annotation
+      { { 0x0028, 0x1040 }, EVR_CS, PixelRelationship(mammogram) },
+      { { 0x0028, 0x1052 }, EVR_DS, "0" }, { { 0x0028, 0x1053 }, EVR_DS, "1" },
+      { { 0x0028, 0x1054 }, EVR_LO, "US" }, { { 0x0028, 0x2110 }, EVR_CS, "00" }, // not lossy
+      { { 0x2050, 0x0020 }, EVR_CS, mammogram.InvertedForDisplay ? "INVERSE" : "IDENTITY" } });
   AddPixelDescription(data, mammogram);
   const std::int16_t sign = PixelRelationshipSign(mammogram);
-  AddBytes(data, { 0x0028, 0x1041 }, VR::SS, &sign, sizeof sign);
+  AddBytes(data, { 0x0028, 0x1041 }, EVR_SS, &sign, sizeof sign);
   if (!processing)
   {
     const float white = FindWhite(mammogram.Pixels.data(), mammogram.Pixels.size());
     AddTexts(data,
-      { { { 0x0028, 0x1050 }, VR::DS, DecimalString(0.5 * white) },
-        { { 0x0028, 0x1051 }, VR::DS, DecimalString(std::max(white, 1.0f)) } });
+      { { { 0x0028, 0x1050 }, EVR_DS, DecimalString(0.5 * white) },
+        { { 0x0028, 0x1051 }, EVR_DS, DecimalString(std::max(white, 1.0f)) } });
   }
   const std::vector<std::uint16_t> stored(mammogram.Pixels.begin(), mammogram.Pixels.end());
-  AddBytes(data, { 0x7fe0, 0x0010 }, VR::OW, stored.data(), 2 * stored.size());
+  AddBytes(data, { 0x7fe0, 0x0010 }, EVR_OW, stored.data(), 2 * stored.size());
 }
 
-void AddGeometry(gdcm::DataSet& data, const Mammogram& mammogram)
+void AddGeometry(DcmItem& data, const Mammogram& mammogram)
 {
-  const auto optional = [&](gdcm::Tag tag, const std::optional<double>& value)
+  const auto optional = [&](DcmTagKey tag, const std::optional<double>& value)
   {
     if (value)
     {
-      AddTexts(data, { { tag, VR::DS, DecimalString(*value) } });
+      AddTexts(data, { { tag, EVR_DS, DecimalString(*value) } });
     }
   };
   optional({ 0x0018, 0x0060 }, mammogram.PeakKilovoltage);
@@ -69,18 +68,18 @@ void AddGeometry(gdcm::DataSet& data, const Mammogram& mammogram)
   if (mammogram.PositionerPrimaryAngleDeg)
   {
     // Counter-clockwise: positive towards the patient's left, as BreastPose::RollDeg.
-    AddTexts(data, { { { 0x0018, 0x9559 }, VR::CS, "CC" } });
+    AddTexts(data, { { { 0x0018, 0x9559 }, EVR_CS, "CC" } });
   }
   AddTexts(data,
-    { { { 0x0018, 0x0015 }, VR::CS, "BREAST" }, { { 0x0018, 0x1508 }, VR::CS, "MAMMOGRAPHIC" },
-      { { 0x0018, 0x1164 }, VR::DS,
+    { { { 0x0018, 0x0015 }, EVR_CS, "BREAST" }, { { 0x0018, 0x1508 }, EVR_CS, "MAMMOGRAPHIC" },
+      { { 0x0018, 0x1164 }, EVR_DS,
         DecimalString(mammogram.RowSpacingMm) + "\\" + DecimalString(mammogram.ColumnSpacingMm) },
-      { { 0x0018, 0x1191 }, VR::CS, mammogram.AnodeMaterial },
-      { { 0x0018, 0x5101 }, VR::CS, mammogram.View }, { { 0x0018, 0x7004 }, VR::CS, "" },
-      { { 0x0018, 0x7050 }, VR::CS, mammogram.FilterMaterial },
-      { { 0x0020, 0x0020 }, VR::CS, mammogram.RowDirection + "\\" + mammogram.ColumnDirection },
-      { { 0x0020, 0x0062 }, VR::CS, std::string(1, mammogram.Laterality) },
-      { { 0x0040, 0x0318 }, VR::CS, "BREAST" } });
+      { { 0x0018, 0x1191 }, EVR_CS, mammogram.AnodeMaterial },
+      { { 0x0018, 0x5101 }, EVR_CS, mammogram.View }, { { 0x0018, 0x7004 }, EVR_CS, "" },
+      { { 0x0018, 0x7050 }, EVR_CS, mammogram.FilterMaterial },
+      { { 0x0020, 0x0020 }, EVR_CS, mammogram.RowDirection + "\\" + mammogram.ColumnDirection },
+      { { 0x0020, 0x0062 }, EVR_CS, std::string(1, mammogram.Laterality) },
+      { { 0x0040, 0x0318 }, EVR_CS, "BREAST" } });
   AddSequence(data, { 0x0008, 0x2218 }, { DicomCode("76752008", "Breast") });
   AddSequence(data, { 0x0054, 0x0220 }, { MammogramViewItem(mammogram.View) });
   AddSequence(data, { 0x0040, 0x0555 }, {}); // acquisition context
@@ -121,10 +120,10 @@ void CheckMammogramObject(const Mammogram& mammogram)
   }
 }
 
-gdcm::DataSet MammogramViewItem(const std::string& name)
+DcmItem MammogramViewItem(const std::string& name)
 {
   const MammogramView& view = FindView(name);
-  gdcm::DataSet code = DicomCode(view.SnomedCt, view.Meaning);
+  DcmItem code = DicomCode(view.SnomedCt, view.Meaning);
   AddSequence(code, { 0x0054, 0x0222 }, {}); // no modifier
   return code;
 }
@@ -143,10 +142,10 @@ std::int16_t PixelRelationshipSign(const Mammogram& mammogram)
     mammogram.IntensitySign != 0 ? mammogram.IntensitySign : byDisplay);
 }
 
-void AddPixelDescription(gdcm::DataSet& data, const Mammogram& mammogram)
+void AddPixelDescription(DcmItem& data, const Mammogram& mammogram)
 {
   AddTexts(data,
-    { { { 0x0028, 0x0004 }, VR::CS,
+    { { { 0x0028, 0x0004 }, EVR_CS,
       mammogram.InvertedForDisplay ? "MONOCHROME1" : "MONOCHROME2" } });
   AddShort(data, { 0x0028, 0x0002 }, 1); // samples per pixel
   AddShort(data, { 0x0028, 0x0010 }, static_cast<std::uint16_t>(mammogram.Rows));
@@ -161,7 +160,7 @@ void WriteMammogram(const Mammogram& mammogram, const DicomMammogramOptions& opt
   const std::string& path)
 {
   CheckMammogramObject(mammogram);
-  gdcm::DataSet data;
+  DcmItem data;
   AddCommon(data,
     mammogram.PresentationIntent == Mammogram::Intent::ForProcessing
       ? "1.2.840.10008.5.1.4.1.1.1.2.1"
@@ -169,8 +168,8 @@ void WriteMammogram(const Mammogram& mammogram, const DicomMammogramOptions& opt
     "MG", options.SeriesDescription, options.Identity);
   // No third value: that one tells how a detector's image was made.
   AddTexts(data,
-    { { { 0x0008, 0x0008 }, VR::CS, "DERIVED\\PRIMARY\\" },
-      { { 0x0008, 0x2111 }, VR::ST, options.Derivation } });
+    { { { 0x0008, 0x0008 }, EVR_CS, "DERIVED\\PRIMARY\\" },
+      { { 0x0008, 0x2111 }, EVR_ST, options.Derivation } });
   if (options.Imitated)
   {
     AddSequence(data, { 0x0008, 0x2112 }, { ImageReference(*options.Imitated) });

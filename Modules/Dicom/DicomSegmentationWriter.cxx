@@ -2,6 +2,7 @@
 #include "mammoray/Dicom/DicomWriter.h"
 
 #include "Private/DicomElements.h"
+#include "Private/DicomFile.h"
 #include "mammoray/Foundation/Error.h"
 
 #include <array>
@@ -10,7 +11,6 @@ namespace mammoray
 {
 namespace
 {
-using gdcm::VR;
 
 void Check(const std::vector<DicomSegment>& segments, const DicomReference& image)
 {
@@ -34,22 +34,22 @@ void Check(const std::vector<DicomSegment>& segments, const DicomReference& imag
 }
 
 /// PS3.3 table C.8.20-4.
-gdcm::DataSet Description(const DicomSegment& segment, std::uint16_t number)
+DcmItem Description(const DicomSegment& segment, std::uint16_t number)
 {
-  gdcm::DataSet item;
+  DcmItem item;
   AddSequence(item, { 0x0062, 0x0003 },
     { DicomCode("49755003", "Morphologically Abnormal Structure") });
   AddShort(item, { 0x0062, 0x0004 }, number);
   AddTexts(item,
-    { { { 0x0062, 0x0005 }, VR::LO, segment.Label },
+    { { { 0x0062, 0x0005 }, EVR_LO, segment.Label },
       // Someone drew it in the volume; software carried it over.
-      { { 0x0062, 0x0008 }, VR::CS, "SEMIAUTOMATIC" },
-      { { 0x0062, 0x0009 }, VR::LO, "MammoRay registration" } });
+      { { 0x0062, 0x0008 }, EVR_CS, "SEMIAUTOMATIC" },
+      { { 0x0062, 0x0009 }, EVR_LO, "MammoRay registration" } });
   // CIELab of sRGB 255 0 0 and 255 255 0.
   using Colour = std::array<std::uint16_t, 3>;
   const Colour colour =
     segment.Uncertainty ? Colour{ 0xf8c6, 0x6a44, 0xdf1e } : Colour{ 0x8a3d, 0xd0a4, 0xc2ae };
-  AddBytes(item, { 0x0062, 0x000d }, VR::US, colour.data(), sizeof colour);
+  AddBytes(item, { 0x0062, 0x000d }, EVR_US, colour.data(), sizeof colour);
   AddSequence(item, { 0x0062, 0x000f },
     { segment.Uncertainty ? DicomCode("uncertainty", "Where the lesion may be", OwnCodes)
                           : DicomCode("52988006", "Lesion") });
@@ -57,21 +57,21 @@ gdcm::DataSet Description(const DicomSegment& segment, std::uint16_t number)
 }
 
 /// Functional groups of one frame: which segment it is, and of which image.
-gdcm::DataSet FrameGroups(const DicomReference& image, std::uint16_t number)
+DcmItem FrameGroups(const DicomReference& image, std::uint16_t number)
 {
-  gdcm::DataSet source = ImageReference(image);
-  AddTexts(source, { { { 0x0028, 0x135a }, VR::CS, "YES" } }); // locations preserved
+  DcmItem source = ImageReference(image);
+  AddTexts(source, { { { 0x0028, 0x135a }, EVR_CS, "YES" } }); // locations preserved
   AddSequence(source, { 0x0040, 0xa170 },
     { DicomCode("121322", "Source image for image processing operation", "DCM") });
-  gdcm::DataSet derivation;
+  DcmItem derivation;
   AddSequence(derivation, { 0x0008, 0x2112 }, { source });
   AddSequence(derivation, { 0x0008, 0x9215 }, { DicomCode("113076", "Segmentation", "DCM") });
-  gdcm::DataSet content;
+  DcmItem content;
   const std::uint32_t index = number;
-  AddBytes(content, { 0x0020, 0x9157 }, VR::UL, &index, sizeof index);
-  gdcm::DataSet segment;
+  AddBytes(content, { 0x0020, 0x9157 }, EVR_UL, &index, sizeof index);
+  DcmItem segment;
   AddShort(segment, { 0x0062, 0x000b }, number);
-  gdcm::DataSet groups;
+  DcmItem groups;
   AddSequence(groups, { 0x0008, 0x9124 }, { derivation });
   AddSequence(groups, { 0x0020, 0x9111 }, { content });
   AddSequence(groups, { 0x0062, 0x000a }, { segment });
@@ -79,45 +79,45 @@ gdcm::DataSet FrameGroups(const DicomReference& image, std::uint16_t number)
 }
 
 /// Frames are ordered by the number of their segment.
-void AddDimensions(gdcm::DataSet& data)
+void AddDimensions(DcmItem& data)
 {
   const std::string uid = NewUid();
-  gdcm::DataSet organization;
-  AddTexts(organization, { { { 0x0020, 0x9164 }, VR::UI, uid } });
+  DcmItem organization;
+  AddTexts(organization, { { { 0x0020, 0x9164 }, EVR_UI, uid } });
   AddSequence(data, { 0x0020, 0x9221 }, { organization });
-  gdcm::DataSet index;
+  DcmItem index;
   const std::array<std::uint16_t, 2> number{ 0x0062, 0x000b };
   const std::array<std::uint16_t, 2> group{ 0x0062, 0x000a };
-  AddTexts(index, { { { 0x0020, 0x9164 }, VR::UI, uid } });
-  AddBytes(index, { 0x0020, 0x9165 }, VR::AT, number.data(), sizeof number);
-  AddBytes(index, { 0x0020, 0x9167 }, VR::AT, group.data(), sizeof group);
-  AddTexts(index, { { { 0x0020, 0x9421 }, VR::LO, "Segment number" } });
+  AddTexts(index, { { { 0x0020, 0x9164 }, EVR_UI, uid } });
+  AddBytes(index, { 0x0020, 0x9165 }, EVR_AT, number.data(), sizeof number);
+  AddBytes(index, { 0x0020, 0x9167 }, EVR_AT, group.data(), sizeof group);
+  AddTexts(index, { { { 0x0020, 0x9421 }, EVR_LO, "Segment number" } });
   AddSequence(data, { 0x0020, 0x9222 }, { index });
 }
 
 /// Common Instance Reference module: the image's series, in this study or in another.
-void AddReferencedSeries(gdcm::DataSet& data, const DicomReference& image)
+void AddReferencedSeries(DcmItem& data, const DicomReference& image)
 {
-  const gdcm::DataSet series = SeriesReference(image, { 0x0008, 0x114a });
+  const DcmItem series = SeriesReference(image, { 0x0008, 0x114a });
   if (DicomText(data, { 0x0020, 0x000d }) == image.Identity.StudyInstanceUid)
   {
     AddSequence(data, { 0x0008, 0x1115 }, { series });
     return;
   }
-  gdcm::DataSet study;
-  AddTexts(study, { { { 0x0020, 0x000d }, VR::UI, image.Identity.StudyInstanceUid } });
+  DcmItem study;
+  AddTexts(study, { { { 0x0020, 0x000d }, EVR_UI, image.Identity.StudyInstanceUid } });
   AddSequence(study, { 0x0008, 0x1115 }, { series });
   AddSequence(data, { 0x0008, 0x1200 }, { study });
 }
 
 /// One bit per pixel from the lowest of each byte, frames without a gap (PS3.5 section 8.1.1).
-void AddPixels(gdcm::DataSet& data, const std::vector<DicomSegment>& segments,
+void AddPixels(DcmItem& data, const std::vector<DicomSegment>& segments,
   const DicomReference& image)
 {
   AddTexts(data,
-    { { { 0x0028, 0x0004 }, VR::CS, "MONOCHROME2" },
-      { { 0x0028, 0x0008 }, VR::IS, std::to_string(segments.size()) },
-      { { 0x0028, 0x2110 }, VR::CS, "00" } });
+    { { { 0x0028, 0x0004 }, EVR_CS, "MONOCHROME2" },
+      { { 0x0028, 0x0008 }, EVR_IS, std::to_string(segments.size()) },
+      { { 0x0028, 0x2110 }, EVR_CS, "00" } });
   AddShort(data, { 0x0028, 0x0002 }, 1);
   AddShort(data, { 0x0028, 0x0010 }, static_cast<std::uint16_t>(image.Rows));
   AddShort(data, { 0x0028, 0x0011 }, static_cast<std::uint16_t>(image.Columns));
@@ -135,7 +135,7 @@ void AddPixels(gdcm::DataSet& data, const std::vector<DicomSegment>& segments,
       ++at;
     }
   }
-  AddBytes(data, { 0x7fe0, 0x0010 }, VR::OB, bits.data(), bits.size());
+  AddBytes(data, { 0x7fe0, 0x0010 }, EVR_OB, bits.data(), bits.size());
 }
 }
 
@@ -143,16 +143,16 @@ void WriteSegmentation(const std::vector<DicomSegment>& segments, const DicomRef
   const DicomIdentity& identity, const std::string& path)
 {
   Check(segments, image);
-  gdcm::DataSet data;
+  DcmItem data;
   AddCommon(data, "1.2.840.10008.5.1.4.1.1.66.4", "SEG", "Registered lesions", identity);
   AddTexts(data,
-    { { { 0x0008, 0x0008 }, VR::CS, "DERIVED\\PRIMARY" },
-      { { 0x0020, 0x0020 }, VR::CS, image.PatientOrientation },
-      { { 0x0062, 0x0001 }, VR::CS, "BINARY" }, { { 0x0070, 0x0080 }, VR::CS, "LESIONS" },
-      { { 0x0070, 0x0081 }, VR::LO, "Shadows of lesions of a registered volume" },
-      { { 0x0070, 0x0084 }, VR::PN, "" } });
-  std::vector<gdcm::DataSet> descriptions;
-  std::vector<gdcm::DataSet> frames;
+    { { { 0x0008, 0x0008 }, EVR_CS, "DERIVED\\PRIMARY" },
+      { { 0x0020, 0x0020 }, EVR_CS, image.PatientOrientation },
+      { { 0x0062, 0x0001 }, EVR_CS, "BINARY" }, { { 0x0070, 0x0080 }, EVR_CS, "LESIONS" },
+      { { 0x0070, 0x0081 }, EVR_LO, "Shadows of lesions of a registered volume" },
+      { { 0x0070, 0x0084 }, EVR_PN, "" } });
+  std::vector<DcmItem> descriptions;
+  std::vector<DcmItem> frames;
   for (std::size_t index = 0; index < segments.size(); ++index)
   {
     const auto number = static_cast<std::uint16_t>(index + 1);
@@ -162,7 +162,7 @@ void WriteSegmentation(const std::vector<DicomSegment>& segments, const DicomRef
   AddSequence(data, { 0x0062, 0x0002 }, descriptions);
   AddDimensions(data);
   AddReferencedSeries(data, image);
-  AddSequence(data, { 0x5200, 0x9229 }, { gdcm::DataSet() });
+  AddSequence(data, { 0x5200, 0x9229 }, { DcmItem() });
   AddSequence(data, { 0x5200, 0x9230 }, frames);
   AddPixels(data, segments, image);
   WriteDicom(data, path);

@@ -11,7 +11,6 @@ namespace mammoray
 {
 namespace
 {
-using gdcm::VR;
 
 constexpr const char* MrClass = "1.2.840.10008.5.1.4.1.1.4";
 
@@ -55,60 +54,60 @@ std::string Backslashed(std::initializer_list<double> values)
 }
 
 /// What all slices share.
-gdcm::DataSet SeriesData(const IntensityVolume& volume, const DicomHeader& header)
+DcmItem SeriesData(const IntensityVolume& volume, const DicomHeader& header)
 {
-  gdcm::DataSet data;
+  DcmItem data;
   AddCommon(data, MrClass, "MR", header.SeriesDescription, header.Identity);
   AddTexts(data,
-    { { { 0x0008, 0x0008 }, VR::CS, Backslashed(header.ImageType) },
-      { { 0x0008, 0x0070 }, VR::LO, header.Manufacturer },
-      { { 0x0018, 0x0020 }, VR::CS, Backslashed(header.ScanningSequence) },
-      { { 0x0018, 0x0021 }, VR::CS, "NONE" },
-      { { 0x0018, 0x0023 }, VR::CS, header.AcquisitionType },
-      { { 0x0018, 0x0050 }, VR::DS, DecimalString(volume.Spacing[2]) },
-      { { 0x0018, 0x0088 }, VR::DS, DecimalString(volume.Spacing[2]) },
-      { { 0x0018, 0x0091 }, VR::IS, "" }, // echo train length
-      { { 0x0018, 0x1030 }, VR::LO, header.ProtocolName },
-      { { 0x0018, 0x5100 }, VR::CS, header.PatientPosition },
-      { { 0x0020, 0x000e }, VR::UI,
+    { { { 0x0008, 0x0008 }, EVR_CS, Backslashed(header.ImageType) },
+      { { 0x0008, 0x0070 }, EVR_LO, header.Manufacturer },
+      { { 0x0018, 0x0020 }, EVR_CS, Backslashed(header.ScanningSequence) },
+      { { 0x0018, 0x0021 }, EVR_CS, "NONE" },
+      { { 0x0018, 0x0023 }, EVR_CS, header.AcquisitionType },
+      { { 0x0018, 0x0050 }, EVR_DS, DecimalString(volume.Spacing[2]) },
+      { { 0x0018, 0x0088 }, EVR_DS, DecimalString(volume.Spacing[2]) },
+      { { 0x0018, 0x0091 }, EVR_IS, "" }, // echo train length
+      { { 0x0018, 0x1030 }, EVR_LO, header.ProtocolName },
+      { { 0x0018, 0x5100 }, EVR_CS, header.PatientPosition },
+      { { 0x0020, 0x000e }, EVR_UI,
         header.SeriesInstanceUid.empty() ? NewUid() : header.SeriesInstanceUid },
-      { { 0x0020, 0x0052 }, VR::UI,
+      { { 0x0020, 0x0052 }, EVR_UI,
         header.FrameOfReferenceUid.empty() ? NewUid() : header.FrameOfReferenceUid },
-      { { 0x0020, 0x0060 }, VR::CS, "" }, // both sides
-      { { 0x0020, 0x1040 }, VR::LO, "" } });
+      { { 0x0020, 0x0060 }, EVR_CS, "" }, // both sides
+      { { 0x0020, 0x1040 }, EVR_LO, "" } });
   const Vector3& row = volume.Direction[0];
   const Vector3& column = volume.Direction[1];
   AddTexts(data,
-    { { { 0x0020, 0x0037 }, VR::DS,
+    { { { 0x0020, 0x0037 }, EVR_DS,
         Backslashed({ row[0], row[1], row[2], column[0], column[1], column[2] }) },
-      { { 0x0028, 0x0004 }, VR::CS, "MONOCHROME2" },
-      { { 0x0028, 0x0030 }, VR::DS, Backslashed({ volume.Spacing[1], volume.Spacing[0] }) } });
+      { { 0x0028, 0x0004 }, EVR_CS, "MONOCHROME2" },
+      { { 0x0028, 0x0030 }, EVR_DS, Backslashed({ volume.Spacing[1], volume.Spacing[0] }) } });
   if (header.HasScanOptions)
   {
-    AddTexts(data, { { { 0x0018, 0x0022 }, VR::CS, Backslashed(header.ScanOptions) } });
+    AddTexts(data, { { { 0x0018, 0x0022 }, EVR_CS, Backslashed(header.ScanOptions) } });
   }
-  const auto text = [&data](const gdcm::Tag& tag, VR::VRType type, const std::string& value)
+  const auto text = [&data](const DcmTagKey& tag, DcmEVR type, const std::string& value)
   {
     if (!value.empty())
     {
       AddTexts(data, { { tag, type, value } });
     }
   };
-  text({ 0x0008, 0x0021 }, VR::DA, header.SeriesDate);
-  text({ 0x0008, 0x0031 }, VR::TM, header.SeriesTime);
-  text({ 0x0008, 0x0022 }, VR::DA, header.AcquisitionDate);
-  text({ 0x0008, 0x0032 }, VR::TM, header.AcquisitionTime);
-  text({ 0x0018, 0x0010 }, VR::LO, header.ContrastAgent);
-  text({ 0x0018, 0x0024 }, VR::SH, header.SequenceName);
-  const auto number = [&](const gdcm::Tag& tag, VR::VRType type, const std::optional<double>& value)
+  text({ 0x0008, 0x0021 }, EVR_DA, header.SeriesDate);
+  text({ 0x0008, 0x0031 }, EVR_TM, header.SeriesTime);
+  text({ 0x0008, 0x0022 }, EVR_DA, header.AcquisitionDate);
+  text({ 0x0008, 0x0032 }, EVR_TM, header.AcquisitionTime);
+  text({ 0x0018, 0x0010 }, EVR_LO, header.ContrastAgent);
+  text({ 0x0018, 0x0024 }, EVR_SH, header.SequenceName);
+  const auto number = [&](const DcmTagKey& tag, DcmEVR type, const std::optional<double>& value)
   { text(tag, type, value ? DecimalString(*value) : std::string()); };
-  number({ 0x0018, 0x0080 }, VR::DS, header.RepetitionTimeMs);
-  number({ 0x0018, 0x0081 }, VR::DS, header.EchoTimeMs);
-  number({ 0x0018, 0x0082 }, VR::DS, header.InversionTimeMs);
-  number({ 0x0018, 0x1314 }, VR::DS, header.FlipAngleDeg);
-  number({ 0x0020, 0x0011 }, VR::IS, header.SeriesNumber);
-  number({ 0x0020, 0x0012 }, VR::IS, header.AcquisitionNumber);
-  number({ 0x0020, 0x0100 }, VR::IS, header.TemporalPosition);
+  number({ 0x0018, 0x0080 }, EVR_DS, header.RepetitionTimeMs);
+  number({ 0x0018, 0x0081 }, EVR_DS, header.EchoTimeMs);
+  number({ 0x0018, 0x0082 }, EVR_DS, header.InversionTimeMs);
+  number({ 0x0018, 0x1314 }, EVR_DS, header.FlipAngleDeg);
+  number({ 0x0020, 0x0011 }, EVR_IS, header.SeriesNumber);
+  number({ 0x0020, 0x0012 }, EVR_IS, header.AcquisitionNumber);
+  number({ 0x0020, 0x0100 }, EVR_IS, header.TemporalPosition);
   return data;
 }
 }
@@ -122,7 +121,7 @@ void WriteMrSeries(const IntensityVolume& volume, const DicomHeader& header,
   const std::vector<std::string>& paths)
 {
   CheckSeries(volume, paths);
-  gdcm::DataSet data = SeriesData(volume, header);
+  DcmItem data = SeriesData(volume, header);
   const std::size_t area =
     static_cast<std::size_t>(volume.Size[0]) * static_cast<std::size_t>(volume.Size[1]);
   AddShort(data, { 0x0028, 0x0002 }, 1); // samples per pixel
@@ -137,13 +136,13 @@ void WriteMrSeries(const IntensityVolume& volume, const DicomHeader& header,
   {
     const Vector3 at = volume.PointAt(0, 0, layer);
     AddTexts(data,
-      { { { 0x0008, 0x0018 }, VR::UI, NewUid() },
-        { { 0x0020, 0x0013 }, VR::IS, std::to_string(layer + 1) },
-        { { 0x0020, 0x0032 }, VR::DS, Backslashed({ at[0], at[1], at[2] }) } });
+      { { { 0x0008, 0x0018 }, EVR_UI, NewUid() },
+        { { 0x0020, 0x0013 }, EVR_IS, std::to_string(layer + 1) },
+        { { 0x0020, 0x0032 }, EVR_DS, Backslashed({ at[0], at[1], at[2] }) } });
     const auto* values = volume.Voxels.data() + static_cast<std::size_t>(layer) * area;
     std::transform(values, values + area, stored.begin(),
       [](float value) { return static_cast<std::uint16_t>(std::lround(value)); });
-    AddBytes(data, { 0x7fe0, 0x0010 }, VR::OW, stored.data(), 2 * area);
+    AddBytes(data, { 0x7fe0, 0x0010 }, EVR_OW, stored.data(), 2 * area);
     WriteDicom(data, paths[static_cast<std::size_t>(layer)]);
   }
 }

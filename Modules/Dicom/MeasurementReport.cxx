@@ -11,8 +11,7 @@ namespace mammoray
 {
 namespace
 {
-using gdcm::VR;
-using Item = gdcm::DataSet;
+using Item = DcmItem;
 
 Item Dcm(const char* value, const char* meaning)
 {
@@ -24,7 +23,7 @@ Item Content(const char* relation, const char* type, const Item& name)
 {
   Item item;
   AddTexts(item,
-    { { { 0x0040, 0xa010 }, VR::CS, relation }, { { 0x0040, 0xa040 }, VR::CS, type } });
+    { { { 0x0040, 0xa010 }, EVR_CS, relation }, { { 0x0040, 0xa040 }, EVR_CS, type } });
   AddSequence(item, { 0x0040, 0xa043 }, { name });
   return item;
 }
@@ -53,14 +52,14 @@ std::string Ascii(std::string text)
 Item Text(const char* relation, const Item& name, const std::string& value)
 {
   Item item = Content(relation, "TEXT", name);
-  AddTexts(item, { { { 0x0040, 0xa160 }, VR::UT, Ascii(value) } });
+  AddTexts(item, { { { 0x0040, 0xa160 }, EVR_UT, Ascii(value) } });
   return item;
 }
 
 Item Uid(const char* relation, const Item& name, const std::string& value)
 {
   Item item = Content(relation, "UIDREF", name);
-  AddTexts(item, { { { 0x0040, 0xa124 }, VR::UI, value } });
+  AddTexts(item, { { { 0x0040, 0xa124 }, EVR_UI, value } });
   return item;
 }
 
@@ -68,12 +67,12 @@ Item Container(const char* relation, const Item& name, const std::vector<Item>& 
   const char* templateNumber = nullptr)
 {
   Item item = Content(relation, "CONTAINER", name);
-  AddTexts(item, { { { 0x0040, 0xa050 }, VR::CS, "SEPARATE" } });
+  AddTexts(item, { { { 0x0040, 0xa050 }, EVR_CS, "SEPARATE" } });
   if (templateNumber)
   {
     Item form;
     AddTexts(form,
-      { { { 0x0008, 0x0105 }, VR::CS, "DCMR" }, { { 0x0040, 0xdb00 }, VR::CS, templateNumber } });
+      { { { 0x0008, 0x0105 }, EVR_CS, "DCMR" }, { { 0x0040, 0xdb00 }, EVR_CS, templateNumber } });
     AddSequence(item, { 0x0040, 0xa504 }, { form });
   }
   AddSequence(item, { 0x0040, 0xa730 }, content);
@@ -84,7 +83,7 @@ Item Image(const char* relation, const DicomReference& image)
 {
   Item item;
   AddTexts(item,
-    { { { 0x0040, 0xa010 }, VR::CS, relation }, { { 0x0040, 0xa040 }, VR::CS, "IMAGE" } });
+    { { { 0x0040, 0xa010 }, EVR_CS, relation }, { { 0x0040, 0xa040 }, EVR_CS, "IMAGE" } });
   AddSequence(item, { 0x0008, 0x1199 }, { ImageReference(image) });
   return item;
 }
@@ -100,7 +99,7 @@ Item Region(const char* relation, const Item& name, const char* type,
     AppendPixel(points, pixel);
   }
   AddFloats(item, { 0x0070, 0x0022 }, points);
-  AddTexts(item, { { { 0x0070, 0x0023 }, VR::CS, type } });
+  AddTexts(item, { { { 0x0070, 0x0023 }, EVR_CS, type } });
   AddSequence(item, { 0x0040, 0xa730 }, { Image("SELECTED FROM", image) });
   return item;
 }
@@ -112,7 +111,7 @@ Item VolumePoint(const DicomFinding& finding, const std::string& frameUid)
   AddFloats(item, { 0x0070, 0x0022 },
     { static_cast<float>(point[0]), static_cast<float>(point[1]), static_cast<float>(point[2]) });
   AddTexts(item,
-    { { { 0x0070, 0x0023 }, VR::CS, "POINT" }, { { 0x3006, 0x0024 }, VR::UI, frameUid } });
+    { { { 0x0070, 0x0023 }, EVR_CS, "POINT" }, { { 0x3006, 0x0024 }, EVR_UI, frameUid } });
   return item;
 }
 
@@ -121,7 +120,7 @@ Item Deviation(const Item& axis, double sigmaMm, const DicomFinding::Ellipse& el
   const DicomReference& image)
 {
   Item number;
-  AddTexts(number, { { { 0x0040, 0xa30a }, VR::DS, DecimalString(sigmaMm) } });
+  AddTexts(number, { { { 0x0040, 0xa30a }, EVR_DS, DecimalString(sigmaMm) } });
   AddSequence(number, { 0x0040, 0x08ea }, { DicomCode("mm", "mm", "UCUM") });
   Item item = Content("CONTAINS", "NUM", axis);
   AddSequence(item, { 0x0040, 0xa300 }, { number });
@@ -177,15 +176,15 @@ std::vector<Item> Observer()
     Text(context, Dcm("121015", "Device Observer Model Name"), "mammoray " MAMMORAY_VERSION) };
 }
 
-void AddDocument(gdcm::DataSet& data, const DicomReference& image)
+void AddDocument(DcmItem& data, const DicomReference& image)
 {
   AddTexts(data,
-    { { { 0x0040, 0xa491 }, VR::CS, "COMPLETE" }, { { 0x0040, 0xa493 }, VR::CS, "UNVERIFIED" } });
+    { { { 0x0040, 0xa491 }, EVR_CS, "COMPLETE" }, { { 0x0040, 0xa493 }, EVR_CS, "UNVERIFIED" } });
   AddSequence(data, { 0x0008, 0x1111 }, {}); // performed procedure step
   AddSequence(data, { 0x0040, 0xa372 }, {}); // performed procedure code
-  gdcm::DataSet evidence;
+  DcmItem evidence;
   AddSequence(evidence, { 0x0008, 0x1115 }, { SeriesReference(image, { 0x0008, 0x1199 }) });
-  AddTexts(evidence, { { { 0x0020, 0x000d }, VR::UI, image.Identity.StudyInstanceUid } });
+  AddTexts(evidence, { { { 0x0020, 0x000d }, EVR_UI, image.Identity.StudyInstanceUid } });
   AddSequence(data, { 0x0040, 0xa375 }, { evidence });
 }
 }
@@ -217,8 +216,8 @@ void WriteMeasurementReport(const std::vector<DicomFinding>& findings,
   }
   content.push_back(Container("CONTAINS", Dcm("126010", "Imaging Measurements"), groups));
 
-  gdcm::DataSet data = Container("", Dcm("126000", "Imaging Measurement Report"), content, "1500");
-  data.Remove({ 0x0040, 0xa010 }); // the root stands in none
+  DcmItem data = Container("", Dcm("126000", "Imaging Measurement Report"), content, "1500");
+  data.findAndDeleteElement(DcmTagKey(0x0040, 0xa010)); // the root stands in none
   AddCommon(data, "1.2.840.10008.5.1.4.1.1.88.34", "SR", "Found by registration with MRI",
     mammogram.Identity);
   AddDocument(data, mammogram);

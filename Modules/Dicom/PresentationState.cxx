@@ -10,26 +10,25 @@ namespace mammoray
 {
 namespace
 {
-using gdcm::VR;
 
 constexpr const char* Layer = "FINDINGS";
 
-gdcm::DataSet Graphic(const std::string& type, const std::vector<float>& points)
+DcmItem Graphic(const std::string& type, const std::vector<float>& points)
 {
-  gdcm::DataSet item;
+  DcmItem item;
   AddTexts(item,
-    { { { 0x0070, 0x0005 }, VR::CS, "PIXEL" }, { { 0x0070, 0x0023 }, VR::CS, type },
-      { { 0x0070, 0x0024 }, VR::CS, "N" } });
+    { { { 0x0070, 0x0005 }, EVR_CS, "PIXEL" }, { { 0x0070, 0x0023 }, EVR_CS, type },
+      { { 0x0070, 0x0024 }, EVR_CS, "N" } });
   AddShort(item, { 0x0070, 0x0020 }, 2);
   AddShort(item, { 0x0070, 0x0021 }, static_cast<std::uint16_t>(points.size() / 2));
   AddFloats(item, { 0x0070, 0x0022 }, points);
   return item;
 }
 
-gdcm::DataSet Annotation(const DicomFinding& finding, const std::string& text,
+DcmItem Annotation(const DicomFinding& finding, const std::string& text,
   const DicomReference& image)
 {
-  std::vector<gdcm::DataSet> graphics;
+  std::vector<DcmItem> graphics;
   std::vector<float> points;
   if (finding.Uncertainty)
   {
@@ -54,23 +53,23 @@ gdcm::DataSet Annotation(const DicomFinding& finding, const std::string& text,
   points.clear();
   AppendPixel(points, finding.Centre);
   graphics.push_back(Graphic("POINT", points));
-  gdcm::DataSet label;
+  DcmItem label;
   AddTexts(label,
-    { { { 0x0070, 0x0004 }, VR::CS, "PIXEL" }, { { 0x0070, 0x0006 }, VR::ST, text },
-      { { 0x0070, 0x0015 }, VR::CS, "Y" } });
+    { { { 0x0070, 0x0004 }, EVR_CS, "PIXEL" }, { { 0x0070, 0x0006 }, EVR_ST, text },
+      { { 0x0070, 0x0015 }, EVR_CS, "Y" } });
   AddFloats(label, { 0x0070, 0x0014 }, points);
-  gdcm::DataSet item;
+  DcmItem item;
   AddSequence(item, { 0x0008, 0x1140 }, { ImageReference(image) });
-  AddTexts(item, { { { 0x0070, 0x0002 }, VR::CS, Layer } });
+  AddTexts(item, { { { 0x0070, 0x0002 }, EVR_CS, Layer } });
   AddSequence(item, { 0x0070, 0x0008 }, { label });
   AddSequence(item, { 0x0070, 0x0009 }, graphics);
   return item;
 }
 
 /// The items of a sequence of tables of values.
-std::vector<gdcm::DataSet> Tables(DcmItem& data, const DcmTagKey& sequence)
+std::vector<DcmItem> Tables(DcmItem& data, const DcmTagKey& sequence)
 {
-  std::vector<gdcm::DataSet> tables;
+  std::vector<DcmItem> tables;
   DcmSequenceOfItems* items = nullptr;
   if (data.findAndGetSequence(sequence, items).bad())
   {
@@ -86,14 +85,14 @@ std::vector<gdcm::DataSet> Tables(DcmItem& data, const DcmTagKey& sequence)
     if (item.findAndGetUint16Array(DCM_LUTDescriptor, descriptor, &three).good() && three == 3 &&
       item.findAndGetUint16Array(DCM_LUTData, values, &count).good() && count > 0)
     {
-      gdcm::DataSet table;
-      AddBytes(table, { 0x0028, 0x3002 }, VR::US, descriptor, 3 * sizeof *descriptor);
-      AddTexts(table, { { { 0x0028, 0x3003 }, VR::LO, DicomText(item, DCM_LUTExplanation) } });
+      DcmItem table;
+      AddBytes(table, { 0x0028, 0x3002 }, EVR_US, descriptor, 3 * sizeof *descriptor);
+      AddTexts(table, { { { 0x0028, 0x3003 }, EVR_LO, DicomText(item, DCM_LUTExplanation) } });
       if (const std::string type = DicomText(item, DCM_ModalityLUTType); !type.empty())
       {
-        AddTexts(table, { { { 0x0028, 0x3004 }, VR::LO, type } });
+        AddTexts(table, { { { 0x0028, 0x3004 }, EVR_LO, type } });
       }
-      AddBytes(table, { 0x0028, 0x3006 }, VR::OW, values, count * sizeof *values);
+      AddBytes(table, { 0x0028, 0x3006 }, EVR_OW, values, count * sizeof *values);
       tables.push_back(table);
     }
   }
@@ -101,7 +100,7 @@ std::vector<gdcm::DataSet> Tables(DcmItem& data, const DcmTagKey& sequence)
 }
 
 /// What turns stored values to those shown: a presentation state replaces all that the image says.
-void AddDisplay(gdcm::DataSet& data, DcmItem& image)
+void AddDisplay(DcmItem& data, DcmItem& image)
 {
   if (const auto tables = Tables(image, DCM_ModalityLUTSequence); !tables.empty())
   {
@@ -110,43 +109,43 @@ void AddDisplay(gdcm::DataSet& data, DcmItem& image)
   else if (const std::string slope = DicomText(image, DCM_RescaleSlope); !slope.empty())
   {
     AddTexts(data,
-      { { { 0x0028, 0x1052 }, VR::DS, DicomText(image, DCM_RescaleIntercept) },
-        { { 0x0028, 0x1053 }, VR::DS, slope }, { { 0x0028, 0x1054 }, VR::LO, "US" } });
+      { { { 0x0028, 0x1052 }, EVR_DS, DicomText(image, DCM_RescaleIntercept) },
+        { { 0x0028, 0x1053 }, EVR_DS, slope }, { { 0x0028, 0x1054 }, EVR_LO, "US" } });
   }
-  gdcm::DataSet values;
+  DcmItem values;
   const std::string centre = DicomText(image, DCM_WindowCenter);
   const std::string width = DicomText(image, DCM_WindowWidth);
   const auto tables = Tables(image, DCM_VOILUTSequence);
   if (!centre.empty() && !width.empty())
   {
     AddTexts(values,
-      { { { 0x0028, 0x1050 }, VR::DS, centre }, { { 0x0028, 0x1051 }, VR::DS, width } });
+      { { { 0x0028, 0x1050 }, EVR_DS, centre }, { { 0x0028, 0x1051 }, EVR_DS, width } });
     if (const std::string shape = DicomText(image, DCM_VOILUTFunction); !shape.empty())
     {
-      AddTexts(values, { { { 0x0028, 0x1056 }, VR::CS, shape } });
+      AddTexts(values, { { { 0x0028, 0x1056 }, EVR_CS, shape } });
     }
   }
   else if (!tables.empty())
   {
     AddSequence(values, { 0x0028, 0x3010 }, { tables.front() });
   }
-  if (!values.IsEmpty())
+  if (values.card() > 0)
   {
     AddSequence(data, { 0x0028, 0x3110 }, { values });
   }
   const bool inverse = DicomText(image, DCM_PhotometricInterpretation) == "MONOCHROME1";
-  AddTexts(data, { { { 0x2050, 0x0020 }, VR::CS, inverse ? "INVERSE" : "IDENTITY" } });
+  AddTexts(data, { { { 0x2050, 0x0020 }, EVR_CS, inverse ? "INVERSE" : "IDENTITY" } });
 }
 
-void AddArea(gdcm::DataSet& data, const DicomReference& image)
+void AddArea(DcmItem& data, const DicomReference& image)
 {
   const std::array<std::int32_t, 2> first{ 1, 1 };
   const std::array<std::int32_t, 2> last{ image.Columns, image.Rows };
-  gdcm::DataSet area;
-  AddBytes(area, { 0x0070, 0x0052 }, VR::SL, first.data(), sizeof first);
-  AddBytes(area, { 0x0070, 0x0053 }, VR::SL, last.data(), sizeof last);
+  DcmItem area;
+  AddBytes(area, { 0x0070, 0x0052 }, EVR_SL, first.data(), sizeof first);
+  AddBytes(area, { 0x0070, 0x0053 }, EVR_SL, last.data(), sizeof last);
   AddTexts(area,
-    { { { 0x0070, 0x0100 }, VR::CS, "SCALE TO FIT" }, { { 0x0070, 0x0102 }, VR::IS, "1\\1" } });
+    { { { 0x0070, 0x0100 }, EVR_CS, "SCALE TO FIT" }, { { 0x0070, 0x0102 }, EVR_IS, "1\\1" } });
   AddSequence(data, { 0x0070, 0x005a }, { area });
 }
 }
@@ -161,28 +160,28 @@ void WritePresentationState(const std::vector<DicomFinding>& findings,
   }
   const DicomReference image = ReadDicomReference(mammogram);
   const DicomFile file(mammogram, "a DICOM mammogram", DicomExtent::Header);
-  gdcm::DataSet data;
+  DcmItem data;
   AddCommon(data, "1.2.840.10008.5.1.4.1.1.11.1", "PR", "Found by registration with MRI",
     image.Identity);
   AddTexts(data,
-    { { { 0x0070, 0x0080 }, VR::CS, "REGISTERED" },
-      { { 0x0070, 0x0081 }, VR::LO, "Places of the MRI on the mammogram" },
-      { { 0x0070, 0x0082 }, VR::DA, DicomText(data, { 0x0008, 0x0023 }) },
-      { { 0x0070, 0x0083 }, VR::TM, DicomText(data, { 0x0008, 0x0033 }) },
-      { { 0x0070, 0x0084 }, VR::PN, "" } });
-  data.Remove({ 0x0008, 0x0023 }); // of images
-  data.Remove({ 0x0008, 0x0033 });
-  AddTexts(data, { { { 0x0020, 0x0060 }, VR::CS, DicomText(file.Data(), DCM_ImageLaterality) } });
+    { { { 0x0070, 0x0080 }, EVR_CS, "REGISTERED" },
+      { { 0x0070, 0x0081 }, EVR_LO, "Places of the MRI on the mammogram" },
+      { { 0x0070, 0x0082 }, EVR_DA, DicomText(data, { 0x0008, 0x0023 }) },
+      { { 0x0070, 0x0083 }, EVR_TM, DicomText(data, { 0x0008, 0x0033 }) },
+      { { 0x0070, 0x0084 }, EVR_PN, "" } });
+  data.findAndDeleteElement(DcmTagKey(0x0008, 0x0023)); // of images
+  data.findAndDeleteElement(DcmTagKey(0x0008, 0x0033));
+  AddTexts(data, { { { 0x0020, 0x0060 }, EVR_CS, DicomText(file.Data(), DCM_ImageLaterality) } });
   AddSequence(data, { 0x0008, 0x1115 }, { SeriesReference(image, { 0x0008, 0x1140 }) });
   AddArea(data, image);
-  std::vector<gdcm::DataSet> annotations;
+  std::vector<DcmItem> annotations;
   for (std::size_t index = 0; index < findings.size(); ++index)
   {
     annotations.push_back(Annotation(findings[index], texts[index], image));
   }
   AddSequence(data, { 0x0070, 0x0001 }, annotations);
-  gdcm::DataSet layer;
-  AddTexts(layer, { { { 0x0070, 0x0002 }, VR::CS, Layer }, { { 0x0070, 0x0062 }, VR::IS, "1" } });
+  DcmItem layer;
+  AddTexts(layer, { { { 0x0070, 0x0002 }, EVR_CS, Layer }, { { 0x0070, 0x0062 }, EVR_IS, "1" } });
   AddShort(layer, { 0x0070, 0x0066 }, 65535);
   AddSequence(data, { 0x0070, 0x0060 }, { layer });
   AddDisplay(data, file.Data());

@@ -9,7 +9,6 @@ namespace mammoray
 {
 namespace
 {
-using gdcm::VR;
 
 std::string Decimals(const std::vector<double>& values)
 {
@@ -22,24 +21,24 @@ std::string Decimals(const std::vector<double>& values)
 }
 
 /// PS3.3 section C.20.3: x fastest, then y, then z, as ours.
-gdcm::DataSet Grid(const DisplacementField& field)
+DcmItem Grid(const DisplacementField& field)
 {
   const Vector3& row = field.Direction[0];
   const Vector3& column = field.Direction[1];
-  gdcm::DataSet grid;
+  DcmItem grid;
   AddTexts(grid,
-    { { { 0x0020, 0x0032 }, VR::DS,
+    { { { 0x0020, 0x0032 }, EVR_DS,
         Decimals({ field.Origin[0], field.Origin[1], field.Origin[2] }) },
-      { { 0x0020, 0x0037 }, VR::DS,
+      { { 0x0020, 0x0037 }, EVR_DS,
         Decimals({ row[0], row[1], row[2], column[0], column[1], column[2] }) } });
   std::array<std::uint32_t, 3> size{};
   for (std::size_t axis = 0; axis < 3; ++axis)
   {
     size[axis] = static_cast<std::uint32_t>(field.Size[axis]);
   }
-  AddBytes(grid, { 0x0064, 0x0007 }, VR::UL, size.data(), sizeof size);
-  AddBytes(grid, { 0x0064, 0x0008 }, VR::FD, field.Spacing.data(), sizeof field.Spacing);
-  AddBytes(grid, { 0x0064, 0x0009 }, VR::OF, field.Vectors.data(),
+  AddBytes(grid, { 0x0064, 0x0007 }, EVR_UL, size.data(), sizeof size);
+  AddBytes(grid, { 0x0064, 0x0008 }, EVR_FD, field.Spacing.data(), sizeof field.Spacing);
+  AddBytes(grid, { 0x0064, 0x0009 }, EVR_OF, field.Vectors.data(),
     sizeof(float) * field.Vectors.size());
   return grid;
 }
@@ -53,15 +52,15 @@ void WriteSpatialRegistration(const DisplacementField& field, const std::string&
   {
     throw InputError(path + ": expected right-handed axes of the grid, found left-handed ones");
   }
-  gdcm::DataSet data;
+  DcmItem data;
   AddCommon(data, "1.2.840.10008.5.1.4.1.1.66.3", "REG", "MRI to the compressed breast", identity);
   AddTexts(data,
-    { { { 0x0020, 0x0052 }, VR::UI, registeredUid }, { { 0x0020, 0x0060 }, VR::CS, "" },
-      { { 0x0020, 0x1040 }, VR::LO, "" }, { { 0x0070, 0x0080 }, VR::CS, "COMPRESSED" },
-      { { 0x0070, 0x0081 }, VR::LO, "From the breast between the plates to the MRI" },
-      { { 0x0070, 0x0084 }, VR::PN, "" } });
-  gdcm::DataSet item;
-  AddTexts(item, { { { 0x0064, 0x0003 }, VR::UI, sourceUid } });
+    { { { 0x0020, 0x0052 }, EVR_UI, registeredUid }, { { 0x0020, 0x0060 }, EVR_CS, "" },
+      { { 0x0020, 0x1040 }, EVR_LO, "" }, { { 0x0070, 0x0080 }, EVR_CS, "COMPRESSED" },
+      { { 0x0070, 0x0081 }, EVR_LO, "From the breast between the plates to the MRI" },
+      { { 0x0070, 0x0084 }, EVR_PN, "" } });
+  DcmItem item;
+  AddTexts(item, { { { 0x0064, 0x0003 }, EVR_UI, sourceUid } });
   AddSequence(item, { 0x0070, 0x030d },
     { DicomCode("125024", "Image Content-based Alignment", "DCM") });
   AddSequence(item, { 0x0064, 0x0005 }, { Grid(field) });

@@ -1,115 +1,121 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Private/DicomElements.h"
 
-#include "Private/QuietGdcm.h"
+#include "Private/DicomFile.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/IO/AtomicFile.h"
 
-#include <gdcmSequenceOfItems.h>
-#include <gdcmUIDGenerator.h>
-#include <gdcmWriter.h>
-
 #include <cstdio>
-#include <cstring>
 #include <ctime>
-#include <sstream>
+#include <memory>
 
 namespace mammoray
 {
-std::string DicomText(const gdcm::DataSet& data, const gdcm::Tag& tag)
+namespace
 {
-  if (!data.FindDataElement(tag))
+DcmElement& AddElement(DcmItem& data, const DcmTagKey& tag, DcmEVR representation)
+{
+  DcmElement* element = nullptr;
+  DcmItem::newDicomElementWithVR(element, DcmTag(tag, DcmVR(representation)));
+  if (!element || data.insert(element, OFTrue).bad())
   {
-    return {};
+    delete element;
+    throw Error("DICOM: an element cannot be made");
   }
-  const gdcm::ByteValue* bytes = data.GetDataElement(tag).GetByteValue();
-  std::string text = bytes ? std::string(bytes->GetPointer(), bytes->GetLength()) : std::string();
-  while (!text.empty() && (text.back() == ' ' || text.back() == '\0'))
-  {
-    text.pop_back();
-  }
-  return text;
+  return *element;
+}
 }
 
-void AddTexts(gdcm::DataSet& data, const std::vector<DicomTextElement>& elements)
+void AddTexts(DcmItem& data, const std::vector<DicomTextElement>& elements)
 {
   for (const DicomTextElement& element : elements)
   {
-    std::string value = element.Value;
-    if (value.size() % 2 != 0)
-    {
-      value.push_back(element.Representation == gdcm::VR::UI ? '\0' : ' ');
-    }
-    AddBytes(data, element.Tag, element.Representation, value.data(), value.size());
+    AddElement(data, element.Tag, element.Representation).putString(element.Value.c_str());
   }
 }
 
-void AddBytes(gdcm::DataSet& data, const gdcm::Tag& tag, gdcm::VR::VRType representation,
-  const void* bytes, std::size_t count)
+void AddBytes(DcmItem& data, const DcmTagKey& tag, DcmEVR representation, const void* bytes,
+  std::size_t count)
 {
   if (count > 0xfffffffe)
   {
     throw InputError(
       "DICOM: expected at most 4294967294 bytes in a value, found " + std::to_string(count));
   }
-  std::vector<char> value(count + count % 2, '\0');
-  if (count > 0)
+  DcmElement& element = AddElement(data, tag, representation);
+  const auto number = static_cast<unsigned long>(count);
+  OFCondition put;
+  switch (representation)
   {
-    std::memcpy(value.data(), bytes, count);
+    case EVR_FL:
+    case EVR_OF:
+      put = element.putFloat32Array(static_cast<const Float32*>(bytes), number / 4);
+      break;
+    case EVR_FD:
+      put = element.putFloat64Array(static_cast<const Float64*>(bytes), number / 8);
+      break;
+    case EVR_SL:
+      put = element.putSint32Array(static_cast<const Sint32*>(bytes), number / 4);
+      break;
+    case EVR_UL:
+      put = element.putUint32Array(static_cast<const Uint32*>(bytes), number / 4);
+      break;
+    case EVR_SS:
+      put = element.putSint16Array(static_cast<const Sint16*>(bytes), number / 2);
+      break;
+    case EVR_OB:
+      put = element.putUint8Array(static_cast<const Uint8*>(bytes), number);
+      break;
+    default:
+      put = element.putUint16Array(static_cast<const Uint16*>(bytes), number / 2);
   }
-  gdcm::DataElement element(tag);
-  element.SetVR(representation);
-  element.SetByteValue(value.data(), gdcm::VL(static_cast<std::uint32_t>(value.size())));
-  data.Replace(element);
-}
-
-void AddFloats(gdcm::DataSet& data, const gdcm::Tag& tag, const std::vector<float>& values)
-{
-  AddBytes(data, tag, gdcm::VR::FL, values.data(), sizeof(float) * values.size());
-}
-
-void AddDoubles(gdcm::DataSet& data, const gdcm::Tag& tag, const std::vector<double>& values)
-{
-  AddBytes(data, tag, gdcm::VR::FD, values.data(), sizeof(double) * values.size());
-}
-
-void AddShort(gdcm::DataSet& data, const gdcm::Tag& tag, std::uint16_t value)
-{
-  AddBytes(data, tag, gdcm::VR::US, &value, sizeof value);
-}
-
-void AddSequence(gdcm::DataSet& data, const gdcm::Tag& tag, const std::vector<gdcm::DataSet>& items)
-{
-  const gdcm::SmartPointer<gdcm::SequenceOfItems> sequence = new gdcm::SequenceOfItems;
-  sequence->SetLengthToUndefined();
-  for (const gdcm::DataSet& content : items)
+  if (put.bad())
   {
-    gdcm::Item item;
-    item.SetVLToUndefined();
-    item.SetNestedDataSet(content);
-    sequence->AddItem(item);
+    throw InputError(std::string("DICOM: a value cannot be stored (") + put.text() + ")");
   }
-  gdcm::DataElement element(tag);
-  element.SetVR(gdcm::VR::SQ);
-  element.SetValue(*sequence);
-  element.SetVLToUndefined();
-  data.Replace(element);
 }
 
-gdcm::DataSet DicomCode(const std::string& value, const std::string& meaning,
-  const std::string& scheme)
+void AddFloats(DcmItem& data, const DcmTagKey& tag, const std::vector<float>& values)
 {
-  gdcm::DataSet code;
+  AddBytes(data, tag, EVR_FL, values.data(), sizeof(float) * values.size());
+}
+
+void AddDoubles(DcmItem& data, const DcmTagKey& tag, const std::vector<double>& values)
+{
+  AddBytes(data, tag, EVR_FD, values.data(), sizeof(double) * values.size());
+}
+
+void AddShort(DcmItem& data, const DcmTagKey& tag, std::uint16_t value)
+{
+  AddBytes(data, tag, EVR_US, &value, sizeof value);
+}
+
+void AddSequence(DcmItem& data, const DcmTagKey& tag, const std::vector<DcmItem>& items)
+{
+  auto sequence = std::make_unique<DcmSequenceOfItems>(DcmTag(tag, DcmVR(EVR_SQ)));
+  for (const DcmItem& item : items)
+  {
+    sequence->insert(new DcmItem(item));
+  }
+  if (data.insert(sequence.get(), OFTrue).bad())
+  {
+    throw Error("DICOM: a sequence cannot be made");
+  }
+  static_cast<void>(sequence.release()); // the data set's now
+}
+
+DcmItem DicomCode(const std::string& value, const std::string& meaning, const std::string& scheme)
+{
+  DcmItem code;
   AddTexts(code,
-    { { { 0x0008, 0x0100 }, gdcm::VR::SH, value }, { { 0x0008, 0x0102 }, gdcm::VR::SH, scheme },
-      { { 0x0008, 0x0104 }, gdcm::VR::LO, meaning } });
+    { { { 0x0008, 0x0100 }, EVR_SH, value }, { { 0x0008, 0x0102 }, EVR_SH, scheme },
+      { { 0x0008, 0x0104 }, EVR_LO, meaning } });
   return code;
 }
 
-void AddCommon(gdcm::DataSet& data, const std::string& sopClassUid, const std::string& modality,
+void AddCommon(DcmItem& data, const std::string& sopClassUid, const std::string& modality,
   const std::string& seriesDescription, const DicomIdentity& identity)
 {
-  using gdcm::VR;
   const std::time_t now = std::time(nullptr);
   std::tm local{};
   localtime_r(&now, &local);
@@ -119,36 +125,36 @@ void AddCommon(gdcm::DataSet& data, const std::string& sopClassUid, const std::s
   std::strftime(time, sizeof time, "%H%M%S", &local);
   const bool newStudy = identity.StudyInstanceUid.empty();
   AddTexts(data,
-    { { { 0x0008, 0x0016 }, VR::UI, sopClassUid }, { { 0x0008, 0x0018 }, VR::UI, NewUid() },
-      { { 0x0008, 0x0020 }, VR::DA, newStudy ? date : identity.StudyDate },
-      { { 0x0008, 0x0023 }, VR::DA, date },
-      { { 0x0008, 0x0030 }, VR::TM, newStudy ? time : identity.StudyTime },
-      { { 0x0008, 0x0033 }, VR::TM, time },
-      { { 0x0008, 0x0050 }, VR::SH, identity.AccessionNumber },
-      { { 0x0008, 0x0060 }, VR::CS, modality }, { { 0x0008, 0x0070 }, VR::LO, "MammoRay" },
-      { { 0x0008, 0x0090 }, VR::PN, identity.ReferringPhysicianName },
-      { { 0x0008, 0x103e }, VR::LO, seriesDescription }, { { 0x0008, 0x1090 }, VR::LO, "mammoray" },
-      { { 0x0010, 0x0010 }, VR::PN, identity.PatientName },
-      { { 0x0010, 0x0020 }, VR::LO, identity.PatientId },
-      { { 0x0010, 0x0030 }, VR::DA, identity.PatientBirthDate },
-      { { 0x0010, 0x0040 }, VR::CS, identity.PatientSex },
+    { { { 0x0008, 0x0016 }, EVR_UI, sopClassUid }, { { 0x0008, 0x0018 }, EVR_UI, NewUid() },
+      { { 0x0008, 0x0020 }, EVR_DA, newStudy ? date : identity.StudyDate },
+      { { 0x0008, 0x0023 }, EVR_DA, date },
+      { { 0x0008, 0x0030 }, EVR_TM, newStudy ? time : identity.StudyTime },
+      { { 0x0008, 0x0033 }, EVR_TM, time },
+      { { 0x0008, 0x0050 }, EVR_SH, identity.AccessionNumber },
+      { { 0x0008, 0x0060 }, EVR_CS, modality }, { { 0x0008, 0x0070 }, EVR_LO, "MammoRay" },
+      { { 0x0008, 0x0090 }, EVR_PN, identity.ReferringPhysicianName },
+      { { 0x0008, 0x103e }, EVR_LO, seriesDescription }, { { 0x0008, 0x1090 }, EVR_LO, "mammoray" },
+      { { 0x0010, 0x0010 }, EVR_PN, identity.PatientName },
+      { { 0x0010, 0x0020 }, EVR_LO, identity.PatientId },
+      { { 0x0010, 0x0030 }, EVR_DA, identity.PatientBirthDate },
+      { { 0x0010, 0x0040 }, EVR_CS, identity.PatientSex },
       // Software has no serial number; enhanced objects want a value.
-      { { 0x0018, 0x1000 }, VR::LO, "none" }, { { 0x0018, 0x1020 }, VR::LO, MAMMORAY_VERSION },
-      { { 0x0020, 0x000d }, VR::UI, newStudy ? NewUid() : identity.StudyInstanceUid },
-      { { 0x0020, 0x000e }, VR::UI, NewUid() }, { { 0x0020, 0x0010 }, VR::SH, identity.StudyId },
-      { { 0x0020, 0x0011 }, VR::IS, "1" }, { { 0x0020, 0x0013 }, VR::IS, "1" } });
+      { { 0x0018, 0x1000 }, EVR_LO, "none" }, { { 0x0018, 0x1020 }, EVR_LO, MAMMORAY_VERSION },
+      { { 0x0020, 0x000d }, EVR_UI, newStudy ? NewUid() : identity.StudyInstanceUid },
+      { { 0x0020, 0x000e }, EVR_UI, NewUid() }, { { 0x0020, 0x0010 }, EVR_SH, identity.StudyId },
+      { { 0x0020, 0x0011 }, EVR_IS, "1" }, { { 0x0020, 0x0013 }, EVR_IS, "1" } });
   if (!identity.CharacterSet.empty())
   {
-    AddTexts(data, { { { 0x0008, 0x0005 }, VR::CS, identity.CharacterSet } });
+    AddTexts(data, { { { 0x0008, 0x0005 }, EVR_CS, identity.CharacterSet } });
   }
 }
 
-gdcm::DataSet ImageReference(const DicomReference& image)
+DcmItem ImageReference(const DicomReference& image)
 {
-  gdcm::DataSet item;
+  DcmItem item;
   AddTexts(item,
-    { { { 0x0008, 0x1150 }, gdcm::VR::UI, image.SopClassUid },
-      { { 0x0008, 0x1155 }, gdcm::VR::UI, image.SopInstanceUid } });
+    { { { 0x0008, 0x1150 }, EVR_UI, image.SopClassUid },
+      { { 0x0008, 0x1155 }, EVR_UI, image.SopInstanceUid } });
   return item;
 }
 
@@ -158,11 +164,11 @@ void AppendPixel(std::vector<float>& points, const std::array<double, 2>& pixel)
   points.push_back(static_cast<float>(pixel[1] + 0.5));
 }
 
-gdcm::DataSet SeriesReference(const DicomReference& image, const gdcm::Tag& images)
+DcmItem SeriesReference(const DicomReference& image, const DcmTagKey& images)
 {
-  gdcm::DataSet series;
+  DcmItem series;
   AddSequence(series, images, { ImageReference(image) });
-  AddTexts(series, { { { 0x0020, 0x000e }, gdcm::VR::UI, image.SeriesInstanceUid } });
+  AddTexts(series, { { { 0x0020, 0x000e }, EVR_UI, image.SeriesInstanceUid } });
   return series;
 }
 
@@ -175,24 +181,27 @@ std::string DecimalString(double value)
 
 std::string NewUid()
 {
-  gdcm::UIDGenerator generator;
-  return generator.Generate();
+  char uid[100];
+  return dcmGenerateUniqueIdentifier(uid);
 }
 
-void WriteDicom(const gdcm::DataSet& data, const std::string& path)
+void WriteDicom(DcmItem& data, const std::string& path)
 {
-  const QuietGdcm quiet;
-  gdcm::Writer writer;
-  writer.GetFile().SetDataSet(data);
-  writer.GetFile().GetHeader().SetDataSetTransferSyntax(
-    gdcm::TransferSyntax::ExplicitVRLittleEndian);
-  // To a file, GDCM asserts where it cannot be opened or is full.
-  std::ostringstream file;
-  writer.SetStream(file);
-  if (!writer.Write())
+  const std::shared_ptr<void> quiet = SilenceDcmtk();
+  DcmFileFormat file;
+  for (unsigned long index = 0; index < data.card(); ++index)
   {
-    throw InputError(path + ": cannot be written");
+    file.getDataset()->insert(static_cast<DcmElement*>(data.getElement(index)->clone()), OFTrue);
   }
-  WriteAtomicFile(path, file.str());
+  WriteAtomicFile(path,
+    [&](const std::string& staged)
+    {
+      const OFCondition saved = file.saveFile(staged.c_str(), EXS_LittleEndianExplicit,
+        EET_UndefinedLength, EGL_withoutGL, EPD_withoutPadding);
+      if (saved.bad())
+      {
+        throw InputError(path + ": cannot be written (" + saved.text() + ")");
+      }
+    });
 }
 }

@@ -4,7 +4,8 @@
 
 #include "mammoray/Foundation/Mammogram.h"
 
-#include <gdcmDataSet.h>
+#include <dcmtk/config/osconfig.h>
+#include <dcmtk/dcmdata/dctk.h>
 
 #include <string>
 
@@ -14,14 +15,14 @@ namespace mammoray
 void CheckMammogramObject(const Mammogram& mammogram);
 
 /// The item of a View Code Sequence. Throws InputError on a view that has no code.
-gdcm::DataSet MammogramViewItem(const std::string& view);
+DcmItem MammogramViewItem(const std::string& view);
 
 /// "LIN" or "LOG", and the sign, as a header says them where the mammogram does not.
 const char* PixelRelationship(const Mammogram& mammogram);
 std::int16_t PixelRelationshipSign(const Mammogram& mammogram);
 
 /// What of the Image Pixel module is the same of all mammograms: one unsigned value of 16 bits.
-void AddPixelDescription(gdcm::DataSet& data, const Mammogram& mammogram);
+void AddPixelDescription(DcmItem& data, const Mammogram& mammogram);
 }
 
 #endif
