@@ -18,39 +18,39 @@ namespace mammoray
 struct DicomMammogramOptions
 {
   DicomIdentity Identity;
-  /// The mammogram that the image imitates; empty: the file refers to none.
+  /// The mammogram that the image simulates. If absent, the file refers to no mammogram.
   std::optional<DicomReference> Imitated;
   std::string SeriesDescription = "Synthetic mammogram";
-  /// How the image was computed, a sentence or two, at most 1024 bytes.
+  /// A sentence or two on how the image was computed, at most 1024 bytes.
   std::string Derivation;
 };
 
 /**
- * Writes a synthetic image as a DICOM mammogram (Digital Mammography X-Ray Image, PS3.3 section
- * A.26; For Presentation or For Processing as the mammogram says), marked as derived, 16 bits, not
- * compressed. ReadMammogram gives the same mammogram back. Its pixels must be whole numbers from 0
- * to 65535. A presentation's window reaches from 0 to FindWhite's value.
+ * Writes a synthetic image as a DICOM mammogram (Digital Mammography X-Ray Image, PS3.3 A.26),
+ * marked as derived, 16 bits, uncompressed, For Presentation or For Processing as the mammogram
+ * states. ReadMammogram returns the same mammogram. Pixels must be whole numbers from 0 to 65535.
+ * The window of a presentation reaches from 0 to the value of FindWhite.
  *
- * The file holds nothing of the patient but what Identity says, and no private elements.
+ * The file contains the patient data in Identity and no other, and no private elements.
  *
- * Throws InputError when laterality, view or patient orientation is unknown (a mammogram must say
- * them), pixels or spacings are unusable, or the file cannot be written.
+ * Throws InputError if laterality, view or patient orientation is unknown (DICOM requires them), if
+ * pixels or spacings are invalid, or if the file cannot be written.
  */
 MAMMORAYDICOM_EXPORT void WriteMammogram(const Mammogram& mammogram,
   const DicomMammogramOptions& options, const std::string& path);
 
 /**
  * Writes the projections of one compression (tomosynthesis) as a Breast Projection X-Ray Image
- * (PS3.3 section A.74; For Presentation or For Processing as they say), a frame for each, 16 bits,
- * not compressed. ReadProjections gives the same back. All say the same but for their pixels,
- * SourceFootPixel and SourceToDetectorMm; what WriteMammogram asks of one is asked of each, and
- * SourceFootPixel. They are hung as DescribeProjection says, seen from the source.
+ * (PS3.3 A.74) with one frame each, 16 bits, uncompressed. ReadProjections returns the same
+ * projections. Each must be valid for WriteMammogram and have SourceFootPixel. They may differ only
+ * in pixels, SourceFootPixel and SourceToDetectorMm. They are oriented as DescribeProjection
+ * orients them, seen from the source.
  *
- * `axisHeightMm`: of the axis about which the source went, over the receptor, along the middle of
- * its pixels from the chest wall: the isocenter of the object lies where it leaves that edge.
+ * `axisHeightMm` is the height above the receptor of the axis about which the source moved. The
+ * isocenter of the object is the point of that axis above the middle of the chest-wall edge.
  *
- * Throws InputError where WriteMammogram does, without projections and where they differ in what
- * they share.
+ * Throws InputError as WriteMammogram does, if there are no projections, and if they differ in what
+ * they must share.
  */
 MAMMORAYDICOM_EXPORT void WriteProjections(const std::vector<Mammogram>& projections,
   const DicomMammogramOptions& options, double axisHeightMm, const std::string& path);
@@ -58,101 +58,99 @@ MAMMORAYDICOM_EXPORT void WriteProjections(const std::vector<Mammogram>& project
 /// A lesion's shadow on an image.
 struct DicomSegment
 {
-  /// Shown to the reader, at most 64 bytes.
+  /// Displayed text, at most 64 bytes.
   std::string Label;
-  /// 1 inside, 0 outside; Rows * Columns values of the image, row by row.
+  /// 1 inside, 0 outside; Rows * Columns values, row by row.
   std::vector<unsigned char> Mask;
-  /// Where the lesion may be, instead of where it was found.
+  /// True for the region where the lesion may be, false for its shadow.
   bool Uncertainty = false;
 };
 
 /**
- * Writes lesions on a projection image as a binary DICOM segmentation (PS3.3 section A.51), one
- * frame and segment each, numbered from 1, on the image's own pixels. Projections have no place in
- * space: each frame refers to the image as its source, locations preserved, and so lies over it.
- * `identity` says patient and study; the image's study for viewers to find both together.
+ * Writes lesions on a projection image as a binary DICOM segmentation (PS3.3 A.51) on the pixels of
+ * the image, with one frame and one segment each, numbered from 1. Projections have no position in
+ * space: each frame refers to the image as its source, with locations preserved. `identity` is
+ * patient and study; viewers find both objects together if it names the study of the image.
  *
- * Throws InputError without segments, on a mask of another size, an unusable label, and when the
+ * Throws InputError without segments, if a mask has another size, if a label is invalid, and if the
  * file cannot be written.
  */
 MAMMORAYDICOM_EXPORT void WriteSegmentation(const std::vector<DicomSegment>& segments,
   const DicomReference& image, const DicomIdentity& identity, const std::string& path);
 
-/// A unique identifier that no other object, series or study has.
+/// Generates a UID for an object, a series or a study.
 MAMMORAYDICOM_EXPORT std::string NewDicomUid();
 
 /**
- * Writes a volume (DICOM LPS) as a series of MR images (PS3.3 section A.4), one for each layer of
- * its grid, 16 bits, not compressed, numbered from 1. What the header says of patient, series and
- * sequence is written as it is, what it says of places and sizes comes from the volume; an empty
- * UID is made anew. ReadDicomHeader and ReadIntensitySeries give both back. Throws InputError
- * unless there is a path for each layer, on values that do not round to 0 to 65535, and when a file
- * cannot be written.
+ * Writes a volume (DICOM LPS) as a series of MR images (PS3.3 A.4), 16 bits, uncompressed, one per
+ * layer of the grid, numbered from 1. `header` supplies patient, series and sequence; the volume
+ * supplies positions and sizes. An empty UID is replaced by a new one. ReadDicomHeader and
+ * ReadIntensitySeries return both. Throws InputError unless there is one path per layer, if a value
+ * does not round to [0, 65535], and if a file cannot be written.
  */
 MAMMORAYDICOM_EXPORT void WriteMrSeries(const IntensityVolume& volume, const DicomHeader& header,
   const std::vector<std::string>& paths);
 
-/// A place of the MRI that was found on a mammogram. Pixels: continuous column and row, from 0 at
-/// the centre of the first pixel.
+/// A point of the MRI and its position on a mammogram. Pixel positions are continuous (column,
+/// row); (0, 0) is the centre of the first pixel.
 struct DicomFinding
 {
   using Pixel = std::array<double, 2>;
-  /// Two ends of the major and two of the minor axis of an ellipse, as both standards of drawing
-  /// want them.
+  /// Two end points of the major axis, then two of the minor axis, as SR and GSPS store ellipses.
   struct Ellipse
   {
     std::array<Pixel, 4> Ends{};
-    /// One standard deviation along the axes, mm on the receptor, whatever the ellipse holds.
+    /// Standard deviations along the axes, mm on the receptor, independent of the ellipse's size.
     double MajorSigmaMm = 0;
     double MinorSigmaMm = 0;
   };
   /// At most 64 bytes.
   std::string Label;
   Pixel Centre{ 0, 0 };
-  /// In the MRI, DICOM LPS, mm.
+  /// Point in the MRI, DICOM LPS, mm.
   Vector3 VolumePoint{ 0, 0, 0 };
   std::optional<Ellipse> Uncertainty;
-  /// Closed polygons around a lesion's shadow.
+  /// Closed polygons around the shadow of a lesion.
   std::vector<std::vector<Pixel>> Outlines;
 };
 
 /**
- * Writes a Grayscale Softcopy Presentation State (PS3.3 section A.33.1): the mammogram in the file
- * `mammogram` as its own header shows it (window or table of values, polarity), with each finding's
- * outlines and ellipse and, beside its centre, its text (`texts`, as many as findings). Patient and
- * study are the mammogram's, as the standard wants. Throws InputError where the mammogram cannot be
- * read or the file not be written.
+ * Writes a Grayscale Softcopy Presentation State (PS3.3 A.33.1). It displays the file `mammogram`
+ * as its own header does (window or look-up table, polarity) and adds the outlines and ellipse of
+ * each finding, with its text from `texts` beside its centre. Patient and study are those of the
+ * mammogram, as DICOM requires. Throws InputError if the mammogram cannot be read or the file not
+ * be written, and unless there is one text per finding.
  */
 MAMMORAYDICOM_EXPORT void WritePresentationState(const std::vector<DicomFinding>& findings,
   const std::vector<std::string>& texts, const std::string& mammogram, const std::string& path);
 
-/// What a report says beside its findings.
+/// Context of a report's findings.
 struct DicomReportContext
 {
   /// 'L' or 'R'.
   char Laterality = 'L';
-  /// The frame of reference of the findings' points in the MRI; empty: they are left out.
+  /// Frame of reference of DicomFinding::VolumePoint. If empty, these points are omitted.
   std::string VolumeFrameUid;
-  /// "good", "doubtful" or "none", and why not better.
+  /// "good", "doubtful" or "none", and the reasons against a better level.
   std::string Trust;
   std::vector<std::string> Reasons;
 };
 
 /**
  * Writes the findings as a measurement report (TID 1500 of PS3.16) in a Comprehensive 3D SR (PS3.3
- * section A.35.13), a measurement group (TID 1501) each: its point in the MRI, its point and
- * ellipse on the mammogram, standard deviations along the ellipse's axes, and how far the
- * registration is to be trusted; the observer is this software. In the mammogram's study. Throws
- * InputError without findings and when the file cannot be written.
+ * A.35.13) of the mammogram's study. Each finding is a measurement group (TID 1501): its point in
+ * the MRI, its point and ellipse on the mammogram, standard deviations along the axes of the
+ * ellipse, and the trust in the registration. The observer is this software. Throws InputError
+ * without findings and if the file cannot be written.
  */
 MAMMORAYDICOM_EXPORT void WriteMeasurementReport(const std::vector<DicomFinding>& findings,
   const DicomReportContext& context, const DicomReference& mammogram, const std::string& path);
 
 /**
- * Writes a Deformable Spatial Registration (PS3.3 section A.39.2): `field` leads from points of the
- * frame of reference `registeredUid`, in which its grid lies, to those of `sourceUid` (DICOM LPS,
- * mm), so that what lies in the latter can be shown in the former. Throws InputError on a field
- * that is none and when the file cannot be written.
+ * Writes a Deformable Spatial Registration (PS3.3 A.39.2). `field` maps points of the frame of
+ * reference `registeredUid`, in which its grid is defined, to the frame `sourceUid` (DICOM LPS,
+ * mm), so that images in the latter can be shown in the former. Throws InputError on an invalid
+ * field and if the file cannot be written.
  */
 MAMMORAYDICOM_EXPORT void WriteSpatialRegistration(const DisplacementField& field,
   const std::string& registeredUid, const std::string& sourceUid, const DicomIdentity& identity,

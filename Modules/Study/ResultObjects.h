@@ -15,35 +15,34 @@
 
 namespace mammoray
 {
-/// What of a result is to be shown beside its mammogram.
+/// What to show of a result beside its mammogram.
 struct ResultObjects
 {
-  /// The mammogram that was registered, DICOM MG.
+  /// File of the registered mammogram, DICOM MG.
   std::string Mammogram;
-  /// Points of the volume frame, mm.
+  /// Points in the volume frame, mm.
   std::vector<Vector3> Points;
-  /// Lesions, a label each, in the frame of the registered label volume.
+  /// Lesions, one label each, in the frame of the registered label volume.
   std::optional<LabelVolume> Lesions;
-  /// A folder with the slices of the MRI, DICOM, in whose frame the volume is; empty: none.
+  /// Folder with the DICOM slices of the MRI, whose frame is the volume frame. Empty: no MRI.
   std::string Mri;
-  /// Voxels of the MRI in the compressed breast, and of the registration's field, mm.
+  /// Voxel sizes of the MRI in the compressed breast and of the displacement field, mm.
   double MriSpacingMm = 1;
   double FieldSpacingMm = 3;
 };
 
 /**
- * Writes into `folder`, which is there, in the study of the mammogram:
+ * Writes DICOM objects of the mammogram's study into `folder`, which must exist:
  *
- * - of points and lesions, on the mammogram: lesions.dcm (segmentation of their shadows and of
- * where they may be), presentation.dcm (presentation state: ellipses, outlines, labels) and
- * report.dcm (measurement report);
- * - of an MRI: registration.dcm (deformable spatial registration, from the compressed breast's
- * frame of reference to the MRI's) and mri/ (a series in the former).
+ * - for points and lesions: lesions.dcm (segmentation of shadows and of the regions where lesions
+ *   may be), presentation.dcm (presentation state: ellipses, outlines, labels) and report.dcm
+ *   (measurement report);
+ * - for an MRI: registration.dcm (deformable spatial registration from the frame of reference of
+ * the compressed breast to that of the MRI) and mri/ (a series in the former).
  *
- * Where a lesion may be is the ellipse of RegisteredBreast that holds 95 % of a normal
- * distribution, moved along its shadow. Throws InputError where mammogram or MRI are others than
- * the result's or of two patients, where a point is not in the breast or not on the mammogram,
- * DeviceError, Interrupted.
+ * The region of a lesion is its shadow, widened by the 95 % ellipse of RegisteredBreast. Throws
+ * InputError if mammogram or MRI are not those of the result or belong to two patients, and if a
+ * point is outside the breast or off the mammogram; DeviceError; Interrupted.
  */
 MAMMORAYSTUDY_EXPORT void WriteResultObjects(const ResultFile& result,
   const RegisteredBreast& breast, const ResultObjects& objects, const ProjectorOptions& projector,

@@ -16,20 +16,20 @@
 
 namespace mammoray
 {
-/// True where a file begins as DICOM files do (PS3.10).
+/// True if the file starts with a DICOM preamble (PS3.10).
 bool HasDicomPreamble(const std::string& path);
 
-/// True where it does, or begins as a data set or meta information do in little endian: files of
-/// older software have no preamble.
+/// True if it does, or if it starts like a little-endian data set or meta information: older
+/// software wrote no preamble.
 bool HasDicomHeader(const std::string& path);
 
-/// How much of a file is read.
+/// Part of a file to read.
 enum class DicomExtent
 {
   Whole,
-  /// Up to the pixels.
+  /// Everything before the pixels.
   Header,
-  /// To its end, but of long values, the pixels among them, only where they are.
+  /// All elements, but long values such as pixels are only located.
   Elements
 };
 
@@ -48,7 +48,7 @@ public:
 
   const std::string& Path() const { return this->Name; }
   DcmDataset& Data() const { return *this->File->getDataset(); }
-  /// Media Storage SOP Class UID of the meta information; empty where there is none.
+  /// Media Storage SOP Class UID of the meta information. Empty if there is none.
   std::string StorageClass() const;
 
 private:
@@ -67,31 +67,31 @@ std::shared_ptr<void> SilenceDcmtk();
 /// thousandfold.
 MAMMORAYDICOM_EXPORT void CheckDicomElements(const std::string& path);
 
-/// A value of an element without its padding; empty where there is none.
+/// Value `index` of an element without padding. Empty if missing.
 std::string DicomText(DcmItem& data, const DcmTagKey& tag, unsigned long index = 0);
 
-/// All values of an element with '\' between them, as in the file.
+/// All values of an element, separated by '\' as in the file.
 std::string DicomTexts(DcmItem& data, const DcmTagKey& tag);
 
-/// A decimal or integer string (DS, IS); nothing when it is absent, malformed or not finite.
+/// A decimal or integer string (DS, IS). Nothing if it is missing, malformed or not finite.
 std::optional<double> DicomNumber(DcmItem& data, const DcmTagKey& tag, unsigned long index = 0);
 
-/// The first `count` numbers of an element; empty unless there are as many.
+/// The first `count` numbers of an element. Empty if there are fewer.
 std::vector<double> DicomNumbers(DcmItem& data, const DcmTagKey& tag, unsigned long count);
 
-/// The bits of a short (US, SS); nothing when it is absent.
+/// The bits of a short (US, SS). Nothing if it is missing.
 std::optional<std::uint16_t> DicomShort(DcmItem& data, const DcmTagKey& tag);
 
-/// The value of a long (UL); nothing when it is absent.
+/// An unsigned long (UL). Nothing if it is missing.
 std::optional<std::uint32_t> DicomUnsigned(DcmItem& data, const DcmTagKey& tag);
 
-/// The distance of slices that a header tells, mm; 0 where it tells none.
+/// Spacing Between Slices, or Slice Thickness, mm. 0 if both are missing.
 double DicomSliceSpacing(DcmItem& data);
 
-/// Whom a data set is about, and in which study.
+/// Patient and study of a data set.
 DicomIdentity ReadIdentity(DcmItem& data);
 
-/// The first item of a sequence; null where there is none.
+/// The first item of a sequence. Null if there is none.
 DcmItem* DicomFirstItem(DcmItem& data, const DcmTagKey& sequence);
 }
 

@@ -10,10 +10,10 @@
 
 namespace mammoray
 {
-/// Whether a data set is an MR object of frames with functional groups (PS3.3 C.7.6.16).
+/// True for an MR object whose frames have functional groups (PS3.3 C.7.6.16).
 bool HasResonanceFrames(DcmItem& data);
 
-/// A multi-frame object seen as data sets of single frames.
+/// Presents a multi-frame object as one data set per frame.
 class DicomFrames
 {
 public:
@@ -23,9 +23,9 @@ public:
   std::size_t Count() const { return this->Groups->card(); }
 
   /**
-   * The object's own elements but pixels and functional groups, and what the groups that all frames
-   * share, then those of the frame (from 0), say; all on one level, the later in place of the
-   * earlier. The attributes of a converted object are in a group, too (PS3.3 C.7.6.16.2.25).
+   * Merges the object's own elements, without pixels and functional groups, with the shared groups
+   * and then the groups of the frame (from 0). Later elements replace earlier ones. A converted
+   * object keeps its original attributes in a group, too (PS3.3 C.7.6.16.2.25).
    */
   std::unique_ptr<DcmItem> Flat(std::size_t frame) const;
 

@@ -11,17 +11,17 @@
 
 namespace mammoray
 {
-/// Throws InputError unless a DICOM object can hold the mammogram (WriteMammogram).
+/// Throws InputError unless the mammogram can be written as a DICOM object (WriteMammogram).
 void CheckMammogramObject(const Mammogram& mammogram);
 
-/// The item of a View Code Sequence. Throws InputError on a view that has no code.
+/// Item of a View Code Sequence. Throws InputError if the view has no code.
 DcmItem MammogramViewItem(const std::string& view);
 
-/// "LIN" or "LOG", and the sign, as a header says them where the mammogram does not.
+/// Pixel Intensity Relationship ("LIN" or "LOG") and its sign, with defaults for unknown values.
 const char* PixelRelationship(const Mammogram& mammogram);
 std::int16_t PixelRelationshipSign(const Mammogram& mammogram);
 
-/// What of the Image Pixel module is the same of all mammograms: one unsigned value of 16 bits.
+/// Adds the Image Pixel module of one unsigned 16-bit value per pixel.
 void AddPixelDescription(DcmItem& data, const Mammogram& mammogram);
 }
 

@@ -30,22 +30,22 @@ inline constexpr MammogramView MammogramViews[] = {
   { "399196006", "R-10244", "FB", "caudo-cranial (from below)" },
 };
 
-/// View Position, or the view by its code (the other codes by their meaning); empty where a header
-/// says none.
+/// View Position, or the name of the view code; unknown codes yield their meaning. Empty if the
+/// header has neither.
 std::string MammogramViewOf(DcmItem& data);
 
-/// The meanings of the codes that modify the view (context group 4015).
+/// Meanings of the view modifier codes (context group 4015).
 std::vector<std::string> MammogramViewModifiers(DcmItem& data);
 
 /// 'L', 'R' or '?'.
 char MammogramLaterality(DcmItem& data);
 
-/// Whether a SOP class is one of a mammogram's or a tomosynthesis' projections For Processing, and
-/// whether it is one of projections (PS3.3 A.74).
+/// IsForProcessingClass is true for mammograms and tomosynthesis projections For Processing,
+/// IsBreastProjection for tomosynthesis projections of either intent (PS3.3 A.74).
 bool IsForProcessingClass(const std::string& sopClass);
 bool IsBreastProjection(const std::string& sopClass);
 
-/// By Presentation Intent Type, or by the class of the object.
+/// Presentation Intent Type, or the intent of the SOP class if that is missing.
 Mammogram::Intent MammogramIntent(DcmItem& data);
 }
 

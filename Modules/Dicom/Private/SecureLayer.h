@@ -11,10 +11,10 @@ class DcmTransportLayer;
 namespace mammoray
 {
 /**
- * What connections to the node go through where it wants TLS: 1.2 or newer, ciphers of DICOM's
- * profile BCP 195, non-downgrading (PS3.15 B.10), with an archive that proves the node's name or
- * address by its certificate. Null where it wants none. Throws InputError on certificates and keys
- * that cannot be used.
+ * Makes the TLS layer for connections to the node: TLS 1.2 or newer, ciphers of DICOM's profile BCP
+ * 195, non-downgrading (PS3.15 B.10). The archive's certificate must match the name or address of
+ * the node. Returns null if the node uses no TLS. Throws InputError on unusable certificates and
+ * keys.
  */
 std::unique_ptr<DcmTransportLayer> MakeSecureLayer(const DicomNode& node);
 }

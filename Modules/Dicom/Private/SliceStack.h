@@ -9,35 +9,34 @@
 
 namespace mammoray
 {
-/// One slice of a series, or of one segment.
+/// One slice of a series or of a segment.
 struct VolumeSlice
 {
   std::string Name; // for messages
   int Columns = 0;
   int Rows = 0;
-  /// Centre of the first pixel and unit vectors, mm, DICOM LPS.
+  /// Centre of the first pixel and unit vectors along rows and columns, mm, DICOM LPS.
   Vector3 Position{ 0, 0, 0 };
   Vector3 AlongRow{ 1, 0, 0 };
   Vector3 AlongColumn{ 0, 1, 0 };
-  /// Distance of rows, then of columns, mm, as DICOM has it.
+  /// Distance of neighbouring rows and of neighbouring columns, mm.
   double RowSpacing = 0;
   double ColumnSpacing = 0;
-  /// Distance of slices that the file tells, mm; 0 where it does not.
+  /// Distance of neighbouring slices according to the file, mm. 0 if unknown.
   double SliceSpacing = 0;
   /// Labels or intensities, along rows first.
   std::vector<float> Values;
 };
 
 /**
- * The grid that slices, at least one, lie on; their values are not looked at. Throws as
- * StackSlices.
+ * Finds the grid of at least one slice; Values are not used. Throws InputError as StackSlices does.
  */
 VolumeGrid FindSliceGrid(const std::vector<VolumeSlice>& slices, bool gapsAllowed);
 
 /**
- * The slices, at least one, on the grid that they lie on, 0 where there is none. With `gapsAllowed`
- * slices may share a place, of overlapping ones the label that claims less is kept, and places may
- * be left out. Throws InputError when they do not lie in parallel at even distances.
+ * Stacks at least one slice to a volume on their grid. Throws InputError unless they are parallel
+ * and evenly spaced. With `gapsAllowed`, slices may be missing, which leaves 0, and may share a
+ * position; where they overlap, the label with fewer pixels wins.
  */
 IntensityVolume StackSlices(const std::vector<VolumeSlice>& slices, bool gapsAllowed);
 }

@@ -11,34 +11,34 @@
 namespace mammoray
 {
 /**
- * Where source and detector of a projection stand, as DICOM's Breast X-Ray Isocenter Reference
- * System has it (PS3.3 C.8.31.6): right-handed with Y from the gantry's front, where the patient
- * is, to its rear and Z up, so that X leads to the patient's right. Angles are about Y, from Z
- * towards X (primary), and out of the plane of X and Z towards Y (secondary). mm and degrees.
+ * Positions of source and detector in DICOM's Breast X-Ray Isocenter Reference System (PS3.3
+ * C.8.31.6), mm and degrees. It is right-handed: Y points from the front of the gantry, where the
+ * patient stands, to its rear, Z points up, and X points to the patient's right. The primary angle
+ * turns about Y from Z towards X. The secondary angle is measured from the XZ plane towards Y.
  */
 struct SourcePlace
 {
   double SourceToIsocenterMm = 0;
   double SourcePrimaryDeg = 0;
   double SourceSecondaryDeg = 0;
-  /// The detector turns about Y, too; its reference point, here the middle of the chest-wall edge
-  /// of its pixels, from the isocenter.
+  /// The detector turns about Y, too. Its reference point, relative to the isocenter, is the middle
+  /// of the chest-wall edge of its pixels.
   double DetectorPrimaryDeg = 0;
   Vector3 Detector{ 0, 0, 0 };
-  /// In the detector's turned axes, from its reference point: the centre of the first pixel, and
-  /// the directions of increasing column and row.
+  /// Centre of the first pixel and directions of increasing column and row, in the axes of the
+  /// turned detector, relative to its reference point.
   Vector3 FirstPixel{ 0, 0, 0 };
   Vector3 Row{ 0, 1, 0 };
   Vector3 Column{ 1, 0, 0 };
 };
 
-/// Of a mammogram with a SourceFootPixel, its isocenter `axisHeightMm` above the middle of the
-/// chest-wall edge. Throws InputError where rows run neither towards nor away from the chest wall,
-/// and of a source at the isocenter.
+/// Computes the positions for a mammogram with SourceFootPixel. The isocenter is `axisHeightMm`
+/// above the middle of the chest-wall edge. Throws InputError unless rows run towards or away from
+/// the chest wall, and if the source is at the isocenter.
 MAMMORAYDICOM_EXPORT SourcePlace PlaceSource(const Mammogram& mammogram, double axisHeightMm);
 
-/// Where the source stands over the pixels: continuous column and row of its foot, and its height
-/// over the detector, mm; pixels are so far apart along a row and along a column, mm.
+/// Position of the source above the pixels: continuous column and row of its foot, and its height
+/// above the detector, mm. The spacings are distances of neighbouring columns and rows, mm.
 MAMMORAYDICOM_EXPORT Vector3 SourceOverPixels(const SourcePlace& place, double columnSpacingMm,
   double rowSpacingMm);
 }

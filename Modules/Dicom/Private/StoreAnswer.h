@@ -8,9 +8,9 @@
 
 namespace mammoray
 {
-/// Why a DICOMweb server did not store an object, by its answer's status and body in JSON (PS3.18
-/// section 10.5.3, PS3.3 C.30.1.2); empty where it did. The body is foreign bytes: what is none of
-/// the standard's counts as nothing said.
+/// The reason why a DICOMweb server did not store an object, from the status and JSON body of its
+/// answer (PS3.18 section 10.5.3, PS3.3 C.30.1.2). Empty if it was stored. Parts of the body that
+/// do not follow the standard are ignored.
 MAMMORAYDICOM_EXPORT std::string WhyNotStored(long status, const std::string& body);
 }
 
