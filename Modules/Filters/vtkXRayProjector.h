@@ -4,23 +4,22 @@
  * @brief   Projects a body of several materials onto a flat X-ray detector.
  *
  * Input 0: vtkUnstructuredGrid of linear tetrahedra with the cell array "Material" (index; 0 =
- * air), or vtkPolyData of triangles with the cell arrays "FrontMaterial" and "BackMaterial" (front:
- * where the right-handed normal points), or with "Material", the material inside of closed surfaces
- * in air, or without arrays (closed surfaces of material 1). The field array "MaterialNames"
- * (strings) names the materials 0, 1, 2, ...
+ * air), or vtkPolyData of triangles. Triangles have the cell arrays "FrontMaterial" (on the side of
+ * the right-handed normal) and "BackMaterial"; or "Material", the material inside closed surfaces
+ * in air; or no arrays, for closed surfaces of material 1. The field array "MaterialNames"
+ * (strings) has the names of the materials 0, 1, 2, ...
  *
- * Output 0: vtkImageData, columns x rows x 1, that lies where the detector is, in the world frame
- * of the input (mm). Point arrays, one value per pixel: "Transmission" (float, (0, 1]),
+ * Output 0: vtkImageData, columns x rows x 1, at the place of the detector in the world frame of
+ * the input (mm). Point arrays, one value per pixel: "Transmission" (float, (0, 1]),
  * "LogAttenuation" (float, -ln Transmission), "PathLength_<name>" (float, mm) for each material but
- * air, and "Consistency" (unsigned char, 1 = every ray of the pixel crossed closed surfaces, 0 =
- * the mesh leaks there and the value is estimated from neighbours).
+ * air, and "Consistency" (unsigned char): 1 if every ray of the pixel crossed closed surfaces; 0
+ * where the mesh leaks and the value is estimated from neighbours. With Refraction also
+ * "Deflection" (float, radians along columns and rows).
  *
- * With Refraction "Deflection" (float, radians along columns and rows) comes with them.
- *
- * The Vulkan device and the mesh on it live across updates: moved points refit the structure, a
- * moved source or detector only traces again, and another beam or attenuation does not even that
- * (as long as the path lengths of all samples fit into 512 MiB). Unusable input, a material without
- * attenuation or a missing device raises ErrorEvent once and leaves the output empty.
+ * Properties make a scene for mammoray/XRay/Exposer.h, which keeps the mesh on the Vulkan device
+ * across updates: moved points refit, a moved source or detector traces again, and another beam or
+ * attenuation needs no tracing. Unusable input, a material without attenuation and a missing device
+ * raise ErrorEvent once and leave the output empty.
  */
 #ifndef vtkXRayProjector_h
 #define vtkXRayProjector_h
@@ -43,11 +42,11 @@ public:
 
   ///@{
   /**
-   * True where source and detector stand as the input's field array "Placement" says (of
-   * vtkBreastCompression, vtkBreastRegistration and the meshes that the commands compress and
-   * register write): the focus SourceToDetectorMm above the
-   * receptor, columns from its chest-wall edge towards the nipple, rows along gantry -x, their
-   * middle at the receptor's. Only PixelSpacing and DetectorSize count then. Default false.
+   * True: source and detector have the places of the input's field array "Placement", which
+   * vtkBreastCompression, vtkBreastRegistration and the commands compress and register write. The
+   * focus is SourceToDetectorMm above the receptor; columns run from its chest-wall edge towards
+   * the nipple, rows along gantry -x, centred on the receptor. Of the detector's properties only
+   * PixelSpacing and DetectorSize are used. Default false.
    */
   vtkSetMacro(PlacedByInput, bool);
   vtkGetMacro(PlacedByInput, bool);
@@ -56,7 +55,7 @@ public:
 
   ///@{
   /**
-   * Focus to receptor plane where PlacedByInput is true, mm. Positive; default 650.
+   * Distance from focus to receptor plane if PlacedByInput is true, mm. Positive; default 650.
    */
   vtkSetMacro(SourceToDetectorMm, double);
   vtkGetMacro(SourceToDetectorMm, double);
@@ -131,7 +130,7 @@ public:
 
   ///@{
   /**
-   * Samples x Samples rays per pixel; transmissions are averaged, and path lengths. 1 to 16;
+   * Samples x Samples rays per pixel, whose transmissions and path lengths are averaged. 1 to 16;
    * default 1.
    */
   vtkSetMacro(Samples, int);
@@ -149,8 +148,8 @@ public:
 
   ///@{
   /**
-   * Mean number of photons that meet a pixel without the object, 0 to 1e12; quantum noise of them
-   * is added from NoiseSeed. Default 0, no noise.
+   * Mean number of photons that meet a pixel without the object, 0 to 1e12. Their quantum noise
+   * follows from NoiseSeed. Default 0: no noise.
    */
   vtkSetMacro(PhotonsPerPixel, double);
   vtkGetMacro(PhotonsPerPixel, double);
@@ -160,9 +159,9 @@ public:
 
   ///@{
   /**
-   * True where what breast tissue scatters is added, by the thickness along each ray
-   * (mammoray/XRay/Scatter/ScatterModel.h), AirGapMm from the back of the tissue to the detector, 0
-   * to 200 mm. Defaults false, 17.
+   * Whether scatter of breast tissue is added, from the thickness along each ray
+   * (mammoray/XRay/Scatter/ScatterModel.h). AirGapMm is the distance from the back of the tissue to
+   * the detector, 0 to 200 mm. Defaults false, 17.
    */
   vtkSetMacro(Scatter, bool);
   vtkGetMacro(Scatter, bool);
@@ -189,9 +188,9 @@ public:
   };
   ///@{
   /**
-   * Whether rays are bent where they pass bodies (mammoray/XRay/Refraction.h), BendDistanceMm
-   * before the detector, not negative; materials need attenuations that are compositions. Without
-   * noise and scatter. Defaults NO_REFRACTION, 0.
+   * Whether bodies bend rays (mammoray/XRay/Refraction.h), at the distance BendDistanceMm from the
+   * detector, not negative. Attenuations of materials must be compositions. Excludes noise and
+   * scatter. Defaults NO_REFRACTION, 0.
    */
   vtkSetClampMacro(Refraction, int, NO_REFRACTION, NEAR_FIELD);
   vtkGetMacro(Refraction, int);
@@ -201,7 +200,7 @@ public:
 
   ///@{
   /**
-   * Part of the wanted Vulkan device's name; empty takes the most capable one. Default empty.
+   * Part of the Vulkan device's name. Default empty: the most capable device.
    */
   void SetDeviceName(const char* name);
   vtkGetCharFromStdStringMacro(DeviceName);
@@ -215,8 +214,8 @@ public:
   };
   ///@{
   /**
-   * How path lengths are found. AUTO, the default, traces rays on hardware that can and rasterises
-   * on CPU devices and on all others.
+   * How path lengths are computed. AUTO, the default, traces rays on hardware that supports it and
+   * rasterises on CPU devices and all others.
    */
   vtkSetClampMacro(ProjectionMethod, int, AUTO, RASTERISATION);
   vtkGetMacro(ProjectionMethod, int);
@@ -224,9 +223,9 @@ public:
 
   ///@{
   /**
-   * Path of a material table (JSON), or the name of a shipped one, with attenuation and density of
-   * the input's materials: by name where the input names them, else by index. SetAttenuationTable
-   * and SetLinearAttenuation go before it. Empty: only what these say. Default empty.
+   * Path of a material table (JSON) or the name of a shipped one, with attenuation and density of
+   * the input's materials: by name if the input has names, else by index. SetAttenuationTable and
+   * SetLinearAttenuation take precedence. Default empty: only these.
    */
   void SetMaterialTable(const char* pathOrName);
   vtkGetCharFromStdStringMacro(MaterialTable);
@@ -234,8 +233,8 @@ public:
 
   ///@{
   /**
-   * Path of a material table's file, which goes before MaterialTable: for interfaces that offer the
-   * shipped ones as a list, as ParaView does. Empty, the default: none.
+   * Path of a material table's file, which takes precedence over MaterialTable. It serves
+   * interfaces that offer the shipped tables as a list, as ParaView does. Default empty.
    */
   void SetMaterialTableFile(const char* path);
   vtkGetCharFromStdStringMacro(MaterialTableFile);
@@ -243,8 +242,8 @@ public:
 
   ///@{
   /**
-   * Path of a spectrum (.spc) or the name of a shipped one. Empty: what SetMonochromatic or
-   * AddSpectrumLine said. Default empty.
+   * Path of a spectrum (.spc) or the name of a shipped one. Default empty: the photons of
+   * SetMonochromatic or AddSpectrumLine.
    */
   void SetSpectrum(const char* pathOrName);
   vtkGetCharFromStdStringMacro(Spectrum);
@@ -252,15 +251,15 @@ public:
 
   ///@{
   /**
-   * Path of a spectrum's file, which goes before Spectrum: for interfaces that offer the shipped
-   * ones as a list, as ParaView does. Empty, the default: none.
+   * Path of a spectrum's file, which takes precedence over Spectrum. It serves interfaces that
+   * offer the shipped spectra as a list, as ParaView does. Default empty.
    */
   void SetSpectrumFile(const char* path);
   vtkGetCharFromStdStringMacro(SpectrumFile);
   ///@}
 
   /**
-   * All photons have this energy, keV. The default beam has 20 keV.
+   * Gives all photons this energy, keV. The default beam has 20 keV.
    */
   void SetMonochromatic(double energyKeV);
 
@@ -287,7 +286,7 @@ public:
   void SetLinearAttenuation(int material, double muPerMm);
 
   /**
-   * Forgets the attenuation of all materials.
+   * Removes the attenuations that were set for single materials.
    */
   void ClearAttenuation();
 
@@ -297,7 +296,7 @@ public:
   vtkGetMacro(NumberOfInconsistentPixels, vtkIdType);
 
   /**
-   * How often rays have been traced (once per image and sample) since the filter was made.
+   * How often rays have been traced since the filter was made: once per image and sample.
    */
   vtkGetMacro(NumberOfTraces, vtkIdType);
 
