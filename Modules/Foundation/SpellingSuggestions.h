@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#ifndef mammoray_NearNames_h
-#define mammoray_NearNames_h
+#ifndef mammoray_SpellingSuggestions_h
+#define mammoray_SpellingSuggestions_h
 
 #include "mammorayFoundationModule.h"
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#ifndef mammoray_RestShape_h
-#define mammoray_RestShape_h
+#ifndef mammoray_StressFreeShape_h
+#define mammoray_StressFreeShape_h
 
 #include "Private/EquilibriumSolver.h"
 #include "Private/InverseEquilibrium.h"
