@@ -250,7 +250,10 @@ TEST(MeshIO, RefusesOfGltfWhatItCannotShow)
     { "\"count\":12", "\"count\":13", "accessor 0 to lie in its buffer, found 13 elements" },
     { "\"count\":12", "\"count\":12,\"byteOffset\":24", "to lie in its buffer" },
     { "\"count\":12", "\"count\":18446744073709551615", "to lie in its buffer" },
-    { "\"count\":12", "\"count\":12,\"sparse\":{}", "to be a plain list" },
+    { "\"count\":12",
+      R"("count":12,"sparse":{"count":1,"indices":{"bufferView":1,"componentType":5123},)"
+      R"("values":{"bufferView":0}})",
+      "to be a plain list" },
     { "\"byteLength\":168", "\"byteLength\":169", "a mesh in glTF: Invalid `byteLength'" },
     { "\"byteLength\":168", R"("byteLength":168,"uri":"http://x.org/a.bin")", "File not found" },
     { "\"byteLength\":168", R"("byteLength":168,"uri":"none.bin")", "File not found" },
