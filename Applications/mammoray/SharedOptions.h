@@ -7,7 +7,7 @@
 #include "mammoray/Biomechanics/PlacedPlates.h"
 #include "mammoray/Biomechanics/WallAttachment.h"
 #include "mammoray/Foundation/PoseParameters.h"
-#include "mammoray/Registration/RegistrationResiduals.h"
+#include "mammoray/Registration/RegistrationProblem.h"
 #include "mammoray/Study/LabelSource.h"
 #include "mammoray/XRay/PathLengthProjector.h"
 

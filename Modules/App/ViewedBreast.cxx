@@ -8,7 +8,7 @@
 #include "mammoray/IO/MeshIO.h"
 #include "mammoray/IO/Sha256.h"
 #include "mammoray/IO/ShippedData.h"
-#include "mammoray/Registration/RegistrationResiduals.h"
+#include "mammoray/Registration/RegistrationProblem.h"
 #include "mammoray/Registration/Silhouette.h"
 #include "mammoray/Registration/TargetPreparation.h"
 #include "mammoray/Study/RegisteredMammogram.h"

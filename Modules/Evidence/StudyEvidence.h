@@ -4,7 +4,7 @@
 
 #include "mammoray/Evidence/VirtualStudy.h"
 #include "mammoray/Foundation/Progress.h"
-#include "mammoray/Registration/RegistrationResiduals.h"
+#include "mammoray/Registration/RegistrationProblem.h"
 #include "mammoray/Study/LabelSource.h"
 #include "mammorayEvidenceModule.h"
 

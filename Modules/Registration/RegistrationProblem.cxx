@@ -31,6 +31,37 @@ TetrahedralMesh MeshAnatomy(const LabelVolume&, const std::vector<int>&, double,
 #endif
 }
 
+const char* NameOf(PictureComparison comparison)
+{
+  switch (comparison)
+  {
+    case PictureComparison::Local:
+      return "local";
+    case PictureComparison::Gradient:
+      return "gradient";
+    default:
+      return "global";
+  }
+}
+
+std::vector<RegistrationParameter> DefaultParameters(const BreastPose& start)
+{
+  std::vector<RegistrationParameter> parameters;
+  for (const PoseParameter& parameter : PoseParameters)
+  {
+    const double at = start.*parameter.Value;
+    parameters.push_back({ .Name = parameter.Name,
+      .Unit = parameter.Unit,
+      .Start = at,
+      .Lower = parameter.Lower(at),
+      .Upper = parameter.Upper(at),
+      .Scale = parameter.Scale,
+      .PriorSigma = parameter.PriorSigma,
+      .Fixed = !parameter.Free });
+  }
+  return parameters;
+}
+
 std::vector<RegistrationTarget> MakeLevels(const RegistrationTarget& target,
   const std::vector<double>& pixelSizesMm)
 {

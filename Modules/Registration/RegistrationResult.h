@@ -3,7 +3,7 @@
 #define mammoray_RegistrationResult_h
 
 #include "mammoray/Registration/ModelError.h"
-#include "mammoray/Registration/RegistrationResiduals.h"
+#include "mammoray/Registration/RegistrationProblem.h"
 #include "mammoray/Registration/SyntheticMammogram.h"
 #include "mammorayRegistrationModule.h"
 

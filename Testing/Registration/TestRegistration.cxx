@@ -5,6 +5,7 @@
 #include "RegistrationTwin.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/Registration/Annealing.h"
+#include "mammoray/Registration/Private/RegistrationResiduals.h"
 #include "mammoray/Registration/Registration.h"
 
 #include <gtest/gtest.h>

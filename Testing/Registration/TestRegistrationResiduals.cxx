@@ -3,7 +3,7 @@
 #include "RegistrationTwin.h"
 #include "SurfaceShapes.h"
 #include "mammoray/IO/ScatterData.h"
-#include "mammoray/Registration/RegistrationResiduals.h"
+#include "mammoray/Registration/Private/RegistrationResiduals.h"
 
 #include <gtest/gtest.h>
 

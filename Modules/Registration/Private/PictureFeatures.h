@@ -3,7 +3,7 @@
 #define mammoray_PictureFeatures_h
 
 #include "Private/ZScores.h"
-#include "mammoray/Registration/RegistrationResiduals.h"
+#include "mammoray/Registration/RegistrationProblem.h"
 #include "mammorayRegistrationModule.h"
 
 #include <array>

@@ -2,7 +2,7 @@
 #ifndef mammoray_PictureResiduals_h
 #define mammoray_PictureResiduals_h
 
-#include "mammoray/Registration/RegistrationResiduals.h"
+#include "Private/RegistrationResiduals.h"
 #include "mammorayRegistrationModule.h"
 
 #include <cstddef>

@@ -2,8 +2,8 @@
 #ifndef mammoray_ViewEvaluator_h
 #define mammoray_ViewEvaluator_h
 
+#include "Private/RegistrationResiduals.h"
 #include "mammoray/Foundation/Progress.h"
-#include "mammoray/Registration/RegistrationResiduals.h"
 #include "mammorayRegistrationModule.h"
 
 #include <chrono>

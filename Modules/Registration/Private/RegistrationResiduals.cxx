@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mammoray/Registration/RegistrationResiduals.h"
+#include "Private/RegistrationResiduals.h"
 
 #include "Private/PictureResiduals.h"
 #include "mammoray/Foundation/Error.h"
@@ -10,37 +10,6 @@
 
 namespace mammoray
 {
-const char* NameOf(PictureComparison comparison)
-{
-  switch (comparison)
-  {
-    case PictureComparison::Local:
-      return "local";
-    case PictureComparison::Gradient:
-      return "gradient";
-    default:
-      return "global";
-  }
-}
-
-std::vector<RegistrationParameter> DefaultParameters(const BreastPose& start)
-{
-  std::vector<RegistrationParameter> parameters;
-  for (const PoseParameter& parameter : PoseParameters)
-  {
-    const double at = start.*parameter.Value;
-    parameters.push_back({ .Name = parameter.Name,
-      .Unit = parameter.Unit,
-      .Start = at,
-      .Lower = parameter.Lower(at),
-      .Upper = parameter.Upper(at),
-      .Scale = parameter.Scale,
-      .PriorSigma = parameter.PriorSigma,
-      .Fixed = !parameter.Free });
-  }
-  return parameters;
-}
-
 RegistrationResiduals::RegistrationResiduals(const RegistrationTarget& target,
   std::vector<RegistrationParameter> parameters, const RegistrationOptions& options)
   : RegistrationResiduals({ { &target, std::nullopt } }, std::move(parameters), options)
