@@ -142,14 +142,11 @@ void CheckPictureFile(const std::string& path, bool overwrite)
 
 void CheckNewFolder(const std::string& path)
 {
-  std::error_code ignored;
-  if (path.empty() ||
-    (fs::exists(path, ignored) && (!fs::is_directory(path) || !fs::is_empty(path))))
+  if (path.empty())
   {
-    throw InputError("output " + path + ": expected a new or an empty folder, found " +
-      (path.empty() ? "none" : "one that holds something, or a file"));
+    throw InputError("output: expected a new or an empty folder, found no name");
   }
-  ReserveFolder(path);
+  ReserveEmptyFolder(path);
 }
 
 void CheckNoInputWithin(const std::string& folder)

@@ -285,7 +285,8 @@ void ReserveEmptyFolder(const std::string& path)
   std::error_code problem;
   if (fs::exists(path, problem) && !fs::is_empty(path, problem))
   {
-    throw InputError(path + ": expected an empty folder, found files in it");
+    throw InputError(
+      "output " + path + ": expected a new or an empty folder, found one with files");
   }
   ReserveFolder(path);
 }

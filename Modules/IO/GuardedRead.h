@@ -162,37 +162,34 @@ MAMMORAYIO_EXPORT void RunGuarded(const std::string& what, const std::string& co
  * of one line: "what: expected content, found ...". What libraries print there reaches nobody but
  * SaidByLibraries.
  *
+ * Long work may take a TellCallback as its argument, and report its progress by it. `heard` is
+ * called in this process with each text, and with an empty one every 200 ms; its exceptions end the
+ * work at once and are passed on.
+ *
  * A fork has only the thread that asks: `read` must not wait for another thread, nor use a device.
  * It costs two to five milliseconds and copying the value. Calls within `read` do not fork again.
  */
 template <typename Read>
 auto ReadGuarded(const std::string& what, const std::string& content, const ReadLimits& limits,
-  const Read& read)
+  const Read& read, const TellCallback& heard = {})
 {
-  auto value = decltype(read()){};
+  const auto call = [&read](const TellCallback& tell)
+  {
+    if constexpr (std::is_invocable_v<Read, const TellCallback&>)
+    {
+      return read(tell);
+    }
+    else
+    {
+      return read();
+    }
+  };
+  auto value = decltype(call(heard)){};
   RunGuarded(
     what, content, limits,
-    [&read](Parcel& parcel, const TellCallback&)
+    [&call](Parcel& parcel, const TellCallback& tell)
     {
-      auto found = read();
-      parcel(found);
-    },
-    [&value](Parcel& parcel) { parcel(value); }, {});
-  return value;
-}
-
-/// ReadGuarded for long work that tells of itself. `heard` is called in this process with each text
-/// that the work tells, and with an empty one every 200 ms; its exceptions end the work at once.
-template <typename Work>
-auto WorkGuarded(const std::string& what, const std::string& content, const ReadLimits& limits,
-  const Work& work, const TellCallback& heard)
-{
-  auto value = decltype(work(heard)){};
-  RunGuarded(
-    what, content, limits,
-    [&work](Parcel& parcel, const TellCallback& tell)
-    {
-      auto found = work(tell);
+      auto found = call(tell);
       parcel(found);
     },
     [&value](Parcel& parcel) { parcel(value); }, heard);

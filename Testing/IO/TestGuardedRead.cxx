@@ -193,7 +193,7 @@ std::string RefusalOfWork(
   const std::function<std::vector<std::string>(const TellCallback&)>& work,
   const TellCallback& heard = [](const std::string&) {})
 {
-  return RefusalOf([&] { WorkGuarded("an archive", "answers", Endless, work, heard); });
+  return RefusalOf([&] { ReadGuarded("an archive", "answers", Endless, work, heard); });
 }
 
 TEST(GuardedWork, IsHeardWhileItGoesOnAndGivesAnAnswer)
@@ -216,7 +216,7 @@ TEST(GuardedWork, IsHeardWhileItGoesOnAndGivesAnAnswer)
       heard.push_back(text);
     }
   };
-  EXPECT_EQ(WorkGuarded("an archive", "answers", Endless, work, hear),
+  EXPECT_EQ(ReadGuarded("an archive", "answers", Endless, work, hear),
     (std::vector<std::string>{ "done", "" }));
   EXPECT_EQ(heard,
     (std::vector<std::string>{ "a", std::string(100'000, 'b'), std::string("c\0d", 3) }));
@@ -233,7 +233,7 @@ TEST(GuardedWork, WhatIsThrownWhereItIsHeardEndsIt)
     std::ofstream(path) << "not stopped";
     return {};
   };
-  EXPECT_THROW(WorkGuarded("an archive", "answers", Endless, work,
+  EXPECT_THROW(ReadGuarded("an archive", "answers", Endless, work,
                  [](const std::string& text)
                  {
                    if (!text.empty())

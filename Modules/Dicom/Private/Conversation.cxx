@@ -25,7 +25,7 @@ std::vector<std::string> TalkTo(const std::string& name,
   std::vector<std::string> answer;
   try
   {
-    answer = WorkGuarded(
+    answer = ReadGuarded(
       name, "answers of an archive", { MostMemory, std::numeric_limits<double>::infinity() },
       [&](const TellCallback& tell) -> std::vector<std::string>
       {

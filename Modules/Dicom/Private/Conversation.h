@@ -11,7 +11,7 @@
 namespace mammoray
 {
 /**
- * Runs `talk`, a conversation with an archive, in a process of its own (IO's WorkGuarded) and
+ * Runs `talk`, a conversation with an archive, in a process of its own (IO's ReadGuarded) and
  * returns its result. DCMTK reads answers into memory and by recursion, so deeply nested or endless
  * answers would otherwise end this process. `name` is the archive in messages. A NetworkError or
  * InputError of `talk` is thrown on; the death of its process becomes a NetworkError of one line.
