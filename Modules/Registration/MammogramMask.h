@@ -11,11 +11,11 @@
 
 namespace mammoray
 {
-/// The edge of the pectoral muscle on the receptor, a straight line.
+/// Edge of the pectoral muscle on the receptor, a straight line.
 struct PectoralEdge
 {
-  /// Where it meets the end of the breast towards the head, and the chest-wall side of the picture;
-  /// gantry x, y, mm.
+  /// Intersections with the head-side end of the breast and with the chest-wall side of the
+  /// picture; gantry x, y, mm.
   std::array<double, 2> Head{ 0, 0 };
   std::array<double, 2> ChestWall{ 0, 0 };
   /// Mean step of log attenuation across it, in standard deviations of the breast.
@@ -44,8 +44,8 @@ MAMMORAYREGISTRATION_EXPORT void ExcludePectoral(const PectoralEdge& edge, int h
  */
 MAMMORAYREGISTRATION_EXPORT double ExcludeSaturated(RegistrationTarget& target);
 
-/// Excludes the pixels that are not 0 in a mask (rows x columns of the target). Throws InputError
-/// on another number of pixels.
+/// Excludes the pixels whose mask (rows x columns of the target) is not 0. Throws InputError if the
+/// number of pixels differs.
 MAMMORAYREGISTRATION_EXPORT void ExcludePixels(const std::vector<unsigned char>& mask,
   RegistrationTarget& target);
 }

@@ -35,7 +35,7 @@ struct RegistrationParameter
 enum class RegistrationDerivatives
 {
   Exact,
-  /// Ceres' central differences of re-solved equilibria: to compare with.
+  /// Ceres' central differences of equilibria solved anew, for comparison.
   CentralDifferences
 };
 
@@ -61,17 +61,17 @@ struct RegistrationOptions
   /// Rolls beside the start at which a search may begin, degrees: of all, the one whose picture
   /// matches best once the outlines meet. Those outside the bounds are left out.
   std::vector<double> RollOffsetsDeg{ -15.0, 15.0 };
-  /// Edge lengths of the pixels in which the images are compared, coarse to fine, mm.
+  /// Edge lengths of the compared pixels, coarse to fine, mm.
   std::vector<double> PixelSizesMm{ 3.0, 1.5 };
   /// Rays per coarse pixel along each of its sides.
   int Samples = 6;
-  /// Directions in which the outlines are compared, spread over the half circle.
+  /// Number of directions, over a half circle, in which the outlines are compared.
   int OutlineDirections = 120;
   /**
-   * Standard deviation of the model's error on the outline, mm, and of what is compared of the
-   * picture, in root mean squares of the target's, and the distance over which these errors are
-   * alike, mm: neighbouring samples share their weight. Where gradients are compared at last,
-   * residuals tell their own (ResidualGroups).
+   * Standard deviation of the model's error on the outline, mm, and on the compared features of the
+   * picture, in root mean squares of the target's; and the distance over which these errors are
+   * correlated, mm: neighbouring samples share their weight. Once gradients are compared, the
+   * deviations are estimated from the residuals instead (Private/ResidualGroups.h).
    */
   double OutlineSigmaMm = 1.0;
   double IntensitySigma = 0.5;
@@ -79,13 +79,13 @@ struct RegistrationOptions
   /// Edge of the windows of PictureComparison::Local, mm.
   double WindowMm = 20.0;
   double CorrelationLengthMm = 5.0;
-  /// Pixels nearer than this to the outline take no part in the comparison of intensities, mm.
+  /// Pixels nearer than this to the outline are left out of the comparison of intensities, mm.
   double IntensityMarginMm = 3.0;
-  /// Residuals beyond this many standard deviations count linearly (Huber).
+  /// Residuals larger than this many standard deviations have a linear cost (Huber).
   double RobustWidth = 2.0;
   int MaximumIterations = 15;
   RegistrationDerivatives Derivatives = RegistrationDerivatives::Exact;
-  /// Step of differences to both sides, in scales of the parameters. Positive.
+  /// Step of central differences, in scales of the parameters. Positive.
   double DifferenceStep = 0.02;
 };
 

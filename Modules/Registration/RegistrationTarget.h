@@ -32,7 +32,7 @@ struct RegistrationTarget
   /// 1 where the picture inside the breast is not compared: the pectoral muscle, markers and text
   /// burnt into the image, pixels without a measurement. Empty if everything is compared.
   std::vector<unsigned char> Excluded;
-  /// Gantry y from which on outlines are compared, mm.
+  /// Outlines are compared at gantry y of at least this, mm.
   double OutlineFromMm = 0;
   /// Compressed thickness by the header, mm.
   std::optional<double> HeaderThicknessMm;
@@ -42,7 +42,7 @@ struct RegistrationTarget
   std::vector<std::string> Disagreements;
 };
 
-/// Whether a pixel's picture is not compared.
+/// True if a pixel is left out of the comparison of pictures.
 inline bool IsExcluded(const RegistrationTarget& target, std::size_t pixel)
 {
   return !target.Excluded.empty() && target.Excluded[pixel] != 0;
@@ -75,14 +75,15 @@ MAMMORAYREGISTRATION_EXPORT double SignedDistanceAt(const RegistrationTarget& ta
 MAMMORAYREGISTRATION_EXPORT ReceptorPoint SignedDistanceGradient(const RegistrationTarget& target,
   const ReceptorPoint& point);
 
-/// Middle of the breast mask across where outlines are compared, on the receptor's chest-wall edge:
-/// (x, 0). Throws InputError on an empty mask.
+/// Point (x, 0) of the receptor's chest-wall edge at the middle, across, of the part of the breast
+/// whose outline is compared. Throws InputError on an empty mask.
 MAMMORAYREGISTRATION_EXPORT ReceptorPoint ChestWallCentre(const RegistrationTarget& target);
 
 /**
- * The breast's outline along unit directions from `centre`: of each the farthest place inside the
- * breast, mm, where outlines are compared (OutlineFromMm) and the image shows both sides of it (2
- * mm and a pixel from its borders), or nothing. Linear between steps of half a pixel.
+ * Outline of the breast along unit directions from `centre`: for each direction the farthest point
+ * inside the breast, mm, linear between steps of half a pixel. Nothing where outlines are not
+ * compared (OutlineFromMm) and where the image does not show both sides of the outline (2 mm and a
+ * pixel from its borders).
  */
 MAMMORAYREGISTRATION_EXPORT std::vector<std::optional<ReceptorPoint>> OutlineAlong(
   const RegistrationTarget& target, const ReceptorPoint& centre,

@@ -13,7 +13,7 @@
 
 namespace mammoray
 {
-/// The shadow of a point of the gantry frame, seen from the unit's focal spot. NaN at or above it.
+/// Shadow of a point of the gantry frame from the unit's focal spot; NaN at or above the spot.
 MAMMORAYREGISTRATION_EXPORT ReceptorPoint ShadowOf(const Vector3& gantry,
   const MammographyUnit& unit);
 
@@ -25,14 +25,14 @@ MAMMORAYREGISTRATION_EXPORT std::vector<ReceptorPoint> ProjectToReceptor(
   const std::vector<double>& points, const VolumeFromGantry& placed, const MammographyUnit& unit);
 
 /**
- * How the projections of points move. `velocities`: 3 x pointCount, mm per unit of a parameter,
- * relative to the unit, volume frame. mm per unit.
+ * Velocities of the projections of points, mm per unit of a parameter. `velocities`: of the points
+ * relative to the unit, 3 x pointCount, volume frame, mm per unit.
  */
 MAMMORAYREGISTRATION_EXPORT std::vector<ReceptorPoint> ReceptorVelocities(
   const std::vector<double>& points, const double* velocities, const VolumeFromGantry& placed,
   const MammographyUnit& unit);
 
-/// The edges between skin and air of a surface, each once, as pairs of its points.
+/// Edges of a surface between skin and air, each once, as pairs of point indices.
 MAMMORAYREGISTRATION_EXPORT std::vector<std::array<std::uint32_t, 2>> OuterEdges(
   const SurfaceMesh& surface);
 
@@ -48,8 +48,8 @@ MAMMORAYREGISTRATION_EXPORT std::vector<double> SilhouetteRadii(
   const std::vector<ReceptorPoint>& directions, std::vector<std::int32_t>* crossed = nullptr);
 
 /**
- * How those distances change when the projected points move (`velocities`, mm per unit of a
- * parameter) as long as the same edges are crossed; mm per unit.
+ * Derivatives of those distances when the projected points move (`velocities`, mm per unit of a
+ * parameter) while the same edges are crossed; mm per unit.
  */
 MAMMORAYREGISTRATION_EXPORT std::vector<double> SilhouetteDerivatives(
   const std::vector<ReceptorPoint>& projected, const std::vector<ReceptorPoint>& velocities,

@@ -11,18 +11,18 @@ namespace mammoray
 struct TargetOptions
 {
   /**
-   * Where the breast begins: this part of the way from the log attenuation of air to the breast's
-   * median, (0, 1). A compressed breast ends in a bulge, so 3 % lie within a tenth of a millimetre
-   * of its edge.
+   * Level of the breast's edge, as a fraction of the step from the log attenuation of air to the
+   * breast's median, (0, 1). A compressed breast ends in a bulge, so 3 % is within a tenth of a
+   * millimetre of its edge.
    */
   double EdgeFraction = 0.03;
-  /// The same in robust standard deviations of the air within a centimetre (after a median over 3 x
-  /// 3 pixels); the larger of the two counts. Positive.
+  /// Level of the edge in robust standard deviations of the air within a centimetre (after a median
+  /// over 3 x 3 pixels). The larger of the two levels is used. Positive.
   double EdgeSigmas = 6;
-  /// Thinner things hanging on the breast (frames of the detector, markers that touch) are dropped,
-  /// mm.
+  /// Parts of the breast thinner than this are removed, mm: frames of the detector and markers that
+  /// touch it.
   double ThinnestFeatureMm = 2;
-  /// The outline is found on a grid no coarser than this, mm; positive.
+  /// Coarsest grid on which the outline is found, mm; positive.
   double OutlineGridMm = 0.2;
   /// Parts of the breast's picture that are not compared (RegistrationTarget::Excluded): the
   /// pectoral muscle in oblique views (FindPectoralEdge); what is burnt into the picture
@@ -31,9 +31,9 @@ struct TargetOptions
   bool ExcludeMarkers = true;
   bool ExcludeUnseen = true;
   /**
-   * So deep a strip along the chest wall is not compared, neither picture nor outline, mm; not
-   * negative (RegistrationTarget::OutlineFromMm). What a patient's MRI holds there, fat and muscle
-   * of the body beside the breast, the edges of the plates push away.
+   * Depth of a strip along the chest wall in which neither picture nor outline is compared, mm; not
+   * negative (RegistrationTarget::OutlineFromMm). A patient's MRI shows fat and muscle of the body
+   * there, which the edges of the plates push away.
    */
   double ChestWallMarginMm = 0;
 };

@@ -19,7 +19,7 @@ namespace mammoray
 class MAMMORAYREGISTRATION_EXPORT RegistrationEvaluator : public ceres::EvaluationCallback
 {
 public:
-  /// Poses without an equilibrium, of one resolution, after which a search ends: each costs many
+  /// A search ends after so many poses without an equilibrium at one resolution. Each costs many
   /// times what a good one does, and the best match lies where the breast cannot be compressed to.
   static constexpr int LargestNumberOfFailures = 5;
 
@@ -29,16 +29,16 @@ public:
 
   void PrepareForEvaluation(bool evaluateJacobians, bool newPoint) override;
 
-  /// Back to equilibria, those of the unknowns as they are now.
+  /// Returns to equilibria of the current parameters.
   void ReturnTo(const std::vector<std::shared_ptr<PosedBreast>>& states);
 
   /// Of each view what RegistrationResiduals::Weigh takes, at the evaluated point, which has its
   /// Jacobian; there and from there on.
   void Weigh(const std::vector<std::vector<double>>& factors);
 
-  /// The bottom of the cost's Gauss-Newton model, residuals weighted as by the robust loss, seen
-  /// from the evaluated point: the way there, -H^-1 g, in the block's units, and how far the cost
-  /// falls, g^T H^-1 g / 2. Parameters that are at a bound and would go beyond it stay.
+  /// Minimum of the Gauss-Newton model of the cost at the evaluated point, residuals weighted by
+  /// the robust loss: the step there, -H^-1 g, in the block's units, and the decrease of the cost,
+  /// g^T H^-1 g / 2. Parameters at a bound that would cross it are kept.
   struct Bottom
   {
     Eigen::VectorXd Step;
@@ -71,13 +71,13 @@ public:
   std::vector<double> Residuals;
   /// Where those of each view begin, and at last their number.
   std::vector<std::size_t> First;
-  /// Beyond which size the robust loss counts each linearly; infinite of priors.
+  /// Sizes above which the robust loss is linear; infinite for priors.
   std::vector<double> RobustWidths;
   /// Column u is d residuals / d Block[u].
   std::vector<std::vector<double>> Jacobian;
   bool Valid = false;
   bool Stopped = false;
-  /// Poses without an equilibrium that were tried.
+  /// Number of poses tried that have no equilibrium.
   int Failures = 0;
 
 private:

@@ -20,11 +20,11 @@ struct MAMMORAYREGISTRATION_EXPORT ResidualGroups
   /// Where each begins among all residuals, and the number of its view.
   std::vector<Eigen::Index> First;
   std::vector<std::size_t> View;
-  /// What each group's residuals are multiplied by in the search.
+  /// Factors that multiply each group's residuals in the search.
   std::vector<double> Factors;
   /// The precision of what is known of the free parameters beforehand, in their scales.
   Eigen::MatrixXd Priors;
-  /// What the residuals themselves tell.
+  /// Estimated from the residuals themselves.
   VarianceComponents Variances;
 
   /// Makes each group's residuals standard deviations by Variances, here as in the evaluator, which

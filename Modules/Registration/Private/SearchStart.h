@@ -9,28 +9,28 @@
 
 namespace mammoray
 {
-/// Opens a start of less than LeastShareOfHeight of the breast's height, with a warning: a breast
-/// is compressed to about a half, and less belongs to another breast and costs minutes to fail.
+/// Raises a start below LeastShareOfHeight of the breast's height, with a warning. Breasts are
+/// compressed to about a half; a thinner start belongs to another breast and takes minutes to fail.
 void OpenToLeastHeight(ViewSearch& search);
 inline constexpr double LeastShareOfHeight = 0.4;
 
-/// Equilibrium at the result's values, counted and timed; from `near` (null: cold) where that is
-/// not too far. Throws ConvergenceError and Interrupted.
+/// Solves for the equilibrium at the result's values, counted and timed, starting from `near`
+/// unless that is null or too far away. Throws ConvergenceError and Interrupted.
 std::shared_ptr<PosedBreast> CompressForStart(const SearchedBreast& breast,
   const std::vector<double>& values, const PosedBreast* near, ViewResult& result,
   const ProgressCallback& progress);
 
-/// The breast itself where the predictor's Current stands for it, into Current; counted, timed and
-/// thrown as above. A cold start may find another equilibrium than the one that was searched with.
+/// Replaces Current, a state of the predictor, by the corresponding equilibrium of the breast
+/// itself; counted and timed, and throws as above. A cold start might find another equilibrium.
 void AdoptPredicted(ViewSearch& search, const ProgressCallback& progress);
 
-/// Compresses `breast` cold where Current, an equilibrium of it, is: of the two the one whose
-/// picture matches `target` better goes into Current, and how far they are apart into the result.
+/// Solves for the equilibrium at the pose of Current from the undeformed shape. Of the two, Current
+/// becomes the one whose picture matches `target` better; their distance goes into the result.
 void ChooseEquilibrium(const SearchedBreast& breast, const RegistrationTarget& target,
   const RegistrationOptions& options, ViewSearch& search, const ProgressCallback& progress);
 
-/// The equilibrium at the result's values into Current; opened, with a warning, where there is
-/// none.
+/// Sets Current to the equilibrium at the result's values; opens the plates, with a warning, if
+/// there is none.
 void CompressStart(ViewSearch& search, const ProgressCallback& progress);
 
 /**

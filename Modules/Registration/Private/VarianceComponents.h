@@ -19,30 +19,29 @@ struct ResidualGroup
   Eigen::VectorXd Residuals;
   /// d Residuals / d unknowns.
   Eigen::MatrixXd Jacobian;
-  /// Where they lie, mm: along a line (y = 0) or in a plane.
+  /// Their positions, mm: along a line (y = 0) or in a plane.
   std::vector<std::array<double, 2>> Places;
-  /// Of the space they lie in: 1 or 2.
+  /// Dimension of the space they lie in: 1 or 2.
   int Dimension = 1;
-  /// The length or area that each of them stands for, mm or mm^2. Positive.
+  /// Length or area that each of them represents, mm or mm^2. Positive.
   double Extent = 1;
-  /// The part of what it tells that counts, (0, 1]: groups that share an error tell it once.
+  /// Share of its information that counts, (0, 1]: groups with a common error count once together.
   double Share = 1;
-  /// Variance times length or area over which it is alike that counts at least, however small the
-  /// residuals are.
+  /// Lower limit of variance times correlation length or area, however small the residuals are.
   double LeastCovariance = 0;
 };
 
 struct VarianceComponents
 {
-  /// Of each group: standard deviation, in its unit, and the length or area over which its
-  /// residuals are as good as one, mm or mm^2, at least Extent.
+  /// For each group the standard deviation, in its unit, and the length or area over which its
+  /// residuals count as one, mm or mm^2, at least Extent.
   std::vector<double> Sigmas;
   std::vector<double> Correlated;
-  /// Of the unknowns; false where residuals and precision together do not tell all of them.
+  /// Covariance of the free parameters, and whether residuals and priors together determine them.
   Eigen::MatrixXd Covariance;
   bool Determined = false;
 
-  /// What the squares of a group's residuals count.
+  /// Weight of the squares of a group's residuals.
   double Weight(const std::vector<ResidualGroup>& groups, std::size_t group) const;
 };
 

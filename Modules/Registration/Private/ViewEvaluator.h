@@ -19,10 +19,11 @@ inline double SecondsSince(Clock::time_point begin)
   return std::chrono::duration<double>(Clock::now() - begin).count();
 }
 
-/// Beyond this way of the plates a cold start costs less than going there from another state, mm.
+/// If the plates travel farther than this, a cold start is cheaper than starting from another
+/// state, mm.
 inline constexpr double LongestWarmTravelMm = 8;
 
-/// How far the plates are from those of a state, mm.
+/// Travel of the plates from those of a state to those of a pose, mm.
 double TravelFrom(const CompressionState& state, const UnitPlacement& placement,
   const BreastPose& pose);
 
@@ -91,8 +92,9 @@ private:
 
   const ProgressCallback& Progress;
   std::shared_ptr<PosedBreast> Accepted;
-  /// A longer way of the plates from it is refused unseen: half of what failed last, twice of
-  /// what succeeded. The first is a step that a phantom's compression still follows.
+  /// A longer travel of the plates is refused without an attempt: half of the last that failed,
+  /// twice the last that succeeded. The initial value is a step that a phantom's compression still
+  /// follows.
   double LongestTravelMm = 20;
   /// The values whose equilibrium Current is.
   std::vector<double> CurrentValues;
