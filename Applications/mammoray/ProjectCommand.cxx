@@ -465,7 +465,7 @@ std::string RunAsked(const ProjectionJob& job, const VolumeFromGantry& gantry,
                    : RunStack(job, series, progress);
 }
 
-void PrintSummary(const ProjectArguments& arguments, const ProjectionJob& job)
+void PrintProjected(const ProjectArguments& arguments, const ProjectionJob& job)
 {
   const Scene& scene = job.Standing;
   if (arguments.Series.IsAsked())
@@ -523,7 +523,7 @@ void Run(ProjectArguments& arguments)
   {
     std::printf("%s\n", dose.c_str());
   }
-  PrintSummary(arguments, job);
+  PrintProjected(arguments, job);
   if (!warning.empty())
   {
     std::fprintf(stderr, "mammoray: warning: %s\n", warning.c_str());
