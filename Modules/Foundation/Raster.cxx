@@ -8,7 +8,7 @@ namespace mammoray
 {
 namespace
 {
-constexpr double Infinity = std::numeric_limits<double>::infinity();
+constexpr double NoDistance = std::numeric_limits<double>::infinity();
 
 /// Squared distance transform of lines with `count` samples.
 class LineTransform
@@ -39,7 +39,7 @@ public:
     this->Last = -1;
     for (std::size_t q = 0; q < this->Values.size(); ++q)
     {
-      if (this->Values[q] == Infinity)
+      if (this->Values[q] == NoDistance)
       {
         continue;
       }
@@ -72,7 +72,7 @@ private:
   void Insert(std::size_t site, double centre)
   {
     const double at = centre * this->Spacing;
-    double bound = -Infinity;
+    double bound = -NoDistance;
     while (this->Last >= 0)
     {
       const double before = this->Centres[this->Last] * this->Spacing;
@@ -88,7 +88,7 @@ private:
     ++this->Last;
     this->Sites[this->Last] = site;
     this->Centres[this->Last] = centre;
-    this->Bounds[this->Last] = this->Last == 0 ? -Infinity : bound;
+    this->Bounds[this->Last] = this->Last == 0 ? -NoDistance : bound;
   }
 
   double Spacing;
