@@ -16,8 +16,6 @@ void AddDevicesCommand(CLI::App& application);
 void AddDicomCommand(CLI::App& application);
 void AddDisplacementCommand(CLI::App& application);
 void AddEvaluateCommand(CLI::App& application);
-/// Only where there is the Meshing module.
-void AddEvidenceCommand(CLI::App& application);
 void AddExampleCommand(CLI::App& application);
 void AddFetchCommand(CLI::App& application);
 void AddFuseCommand(CLI::App& application);

@@ -2,12 +2,11 @@
 #include "Commands.h"
 #include "OutputFiles.h"
 #include "SharedOptions.h"
-#include "mammoray/Evidence/LandmarkEvaluation.h"
 #include "mammoray/Study/BreastInUnit.h"
+#include "mammoray/Study/LandmarkEvaluation.h"
 #include "mammoray/Study/ResultFile.h"
-#ifdef MAMMORAY_HAS_MESHING
-#include "mammoray/Evidence/StudyAnswers.h"
-#endif
+#include "mammoray/Study/StudyAnswers.h"
+#include "mammoray/Study/StudyTruth.h"
 
 #include "vtkUnstructuredGrid.h"
 
@@ -42,10 +41,10 @@ void Declare(const OptionList& add, EvaluateArguments& arguments)
       "the same landmarks in the same order, marked by somebody else: how far two readers' marks "
       "lie apart is printed beside the errors")
     ->needs("--landmarks");
-#ifdef MAMMORAY_HAS_MESHING
   add
     .Input("--truth", arguments.Study,
-      "truth.json of a virtual study ('example study'), in place of --landmarks; for the result of "
+      "truth.json of a virtual study (mammoray-validate), in place of --landmarks; for the result "
+      "of "
       "'register --study' on its export")
     ->excludes("--landmarks");
   add
@@ -54,7 +53,6 @@ void Declare(const OptionList& add, EvaluateArguments& arguments)
       "view,point,column,row,x,y,z (pixels; gantry frame, mm)")
     ->needs("--truth")
     ->excludes("--result");
-#endif
   add("--truth-orientation", arguments.TruthOrientation,
     "directions of the truth frame's axes, e.g. LPS or ALS");
   add.Numbers("--truth-origin", arguments.TruthOrigin, "X Y Z",
@@ -71,7 +69,6 @@ void PrintRow(const std::string& method, const char* group, const ErrorSummary& 
     receptor.Largest);
 }
 
-#ifdef MAMMORAY_HAS_MESHING
 void PrintPointErrors(const std::string& view, const char* group, const PointErrors& errors)
 {
   if (errors.OnReceptorMm.empty())
@@ -93,15 +90,15 @@ void PrintPointErrors(const std::string& view, const char* group, const PointErr
 
 std::vector<AnswerScore> ScoresOf(const EvaluateArguments& arguments)
 {
-  const VirtualStudyTruth truth = ReadVirtualStudyTruth(CheckInputFile(arguments.Study));
+  const StudyTruth truth = ReadStudyTruth(CheckInputFile(arguments.Study));
   if (!arguments.Answers.empty())
   {
     return ScoreAnswers(truth, ReadStudyAnswers(CheckInputFile(arguments.Answers)));
   }
   std::vector<AnswerScore> scores;
-  for (const StudyViewErrors& errors : MeasureStudy(truth, arguments.Result))
+  for (const ResultFile& result : ReadResultFiles(arguments.Result))
   {
-    scores.push_back(ScoreOf(errors));
+    scores.push_back(ScoreResult(truth, result, ReadBreastInUnit(result)));
   }
   return scores;
 }
@@ -122,7 +119,6 @@ void PrintStudyErrors(const EvaluateArguments& arguments)
     }
   }
 }
-#endif
 
 void Run(EvaluateArguments& arguments)
 {
@@ -130,13 +126,11 @@ void Run(EvaluateArguments& arguments)
   {
     throw CLI::RequiredError("--result or --answers");
   }
-#ifdef MAMMORAY_HAS_MESHING
   if (!arguments.Study.empty())
   {
     PrintStudyErrors(arguments);
     return;
   }
-#endif
   if (arguments.Landmarks.empty())
   {
     throw CLI::RequiredError("--landmarks or --truth");

@@ -10,10 +10,6 @@
 #include "mammoray/IO/ShippedData.h"
 #include "mammoray/XRay/Exposer.h"
 
-#ifdef MAMMORAY_HAS_MESHING
-#include "mammoray/Evidence/VirtualStudy.h"
-#endif
-
 #include "vtkImageData.h"
 #include "vtkPolyData.h"
 
@@ -34,14 +30,6 @@ struct ExampleArguments
   std::string Spectrum = "W28kVp_Rh50um_Be1mm";
   ProjectorOptions Projector;
   bool Overwrite = false;
-#ifdef MAMMORAY_HAS_MESHING
-  /// Of a study; without a path the shipped phantom, in whose table and frame the others are.
-  LabelSource Labels{ .SpacingMm = 0.5, .OnlyCoarsen = true };
-  std::string Materials = "victre";
-  std::string Orientation = "ALS";
-  std::string Contrast = "both";
-  VirtualStudyOptions Study;
-#endif
 };
 
 /// An example's files in a folder: mesh, transmission and picture.
@@ -79,90 +67,17 @@ bool IsFolderToBeMade(const std::string& folder, const ExampleFiles& files, bool
   return false;
 }
 
-#ifdef MAMMORAY_HAS_MESHING
-void DeclareStudy(const OptionList& add, ExampleArguments& arguments)
-{
-  VirtualStudyOptions& study = arguments.Study;
-  AddLabelOptions(add, arguments.Labels);
-  AddMaterialsOption(add, arguments.Materials);
-  AddOrientationOption(add, arguments.Orientation, "the phantom");
-  add("--label-spacing", arguments.Labels.SpacingMm, Positive("mm"),
-    "a phantom that is finer is resampled to voxels of this size");
-  add("--seed", study.Seed, "of stiffness, poses, thickness and noise");
-  add.Choice<char>("--side", study.Laterality, { { "left", 'L' }, { "right", 'R' } },
-    "the patient's own breast that is registered");
-  add.Word("--contrast", arguments.Contrast, { "both", "plain", "fat-suppressed" },
-    "T1 without and with fat suppression, or one of them");
-  add.FlagOff("--one-breast", study.BothBreasts, "no other breast in the field of view");
-  add.Choice<ScannerStyle>("--scanner", study.Style,
-    { { "by-seed", ScannerStyle::BySeed }, { "siemens", ScannerStyle::Siemens },
-      { "ge", ScannerStyle::Ge }, { "philips", ScannerStyle::Philips } },
-    "whose headers the MRI imitates");
-  add("--mri-pixel", study.MriPixelMm, Positive("mm"), "voxels of the MRI, in plane");
-  add("--mri-slice", study.MriSliceMm, Positive("mm"), "distance of its slices");
-  add("--snr", study.SignalToNoise, Positive(), "signal of fat over the noise, in the breast");
-  add("--mammogram-pixel", study.MammogramPixelMm, Positive("mm"), "pixels of the mammograms");
-  add("--gravity-fineness", study.GravityFineness, Positive(),
-    "cells of the hanging breast: edge of a cube as large as the breast, over this");
-  add("--compression-fineness", study.CompressionFineness, Positive(),
-    "the same of the compressed one");
-  add("--anatomy-cell", study.AnatomyMm, Positive("mm"), "cells of the anatomy that is X-rayed");
-}
-
-void RunStudy(ExampleArguments& arguments)
-{
-  VirtualStudyOptions& options = arguments.Study;
-  options.Plain = arguments.Contrast != "fat-suppressed";
-  options.FatSuppressed = arguments.Contrast != "plain";
-  options.Spectrum = arguments.Spectrum;
-  if (arguments.Labels.Path.empty())
-  {
-    arguments.Labels.Path = DataDirectory() + "/victre-phantom-1/labels.nrrd";
-  }
-  const MaterialTable table = FindMaterialTable(arguments.Materials);
-  const VirtualStudyTruth truth = MakeVirtualStudy(ReadMaterials(arguments.Labels, table), table,
-    AnatomicalAxes::FromCode(arguments.Orientation), options, arguments.Output, MakeProgressBar());
-  std::printf("%s/export: MRI of a prone patient, CC and MLO of the %s breast\n",
-    arguments.Output.c_str(), truth.Laterality == 'L' ? "left" : "right");
-  for (std::size_t index = 1; index < truth.Materials.size(); ++index)
-  {
-    std::printf("  %-8s %6.2f kPa\n", truth.Materials[index].c_str(), truth.YoungsModuliKPa[index]);
-  }
-  std::printf("  gravity moved the tissue by %.1f mm\n", truth.MeanHangMm);
-  for (const VirtualView& view : truth.Views)
-  {
-    std::printf("  %-3s %.1f mm thick (header %.0f), roll %.1f degrees, %.0f N: %s\n",
-      view.View.c_str(), view.Pose.ThicknessMm, view.HeaderThicknessMm, view.Pose.RollDeg,
-      view.PaddleForceN, view.File.c_str());
-  }
-  std::printf("%s/truth.json: %zu points in the MRI and in both views\n", arguments.Output.c_str(),
-    truth.MriPoints.size());
-}
-#endif
-
 void Declare(const OptionList& add, ExampleArguments& arguments)
 {
-  add("name", arguments.Name, "test, boxes, veins, breast or study")->required();
-  add("-o,--output", arguments.Output,
-    "folder for the three files, made if need be; of a study a new or empty one")
-    ->required();
+  add("name", arguments.Name, "test, boxes, veins or breast")->required();
+  add("-o,--output", arguments.Output, "folder for the three files, made if need be")->required();
   AddSpectrumOption(add, arguments.Spectrum);
   AddProjectorOptions(add, arguments.Projector);
   AddOverwriteFlag(add, arguments.Overwrite);
-#ifdef MAMMORAY_HAS_MESHING
-  DeclareStudy(add.Group("Of a study"), arguments);
-#endif
 }
 
 void Run(ExampleArguments& arguments)
 {
-#ifdef MAMMORAY_HAS_MESHING
-  if (arguments.Name == "study")
-  {
-    RunStudy(arguments);
-    return;
-  }
-#endif
   const ProgressCallback progress = MakeProgressBar();
   Scene exposed;
   exposed.XRays = FindSpectrum(arguments.Spectrum);
@@ -211,16 +126,14 @@ void Run(ExampleArguments& arguments)
 void AddExampleCommand(CLI::App& application)
 {
   AddCommand<ExampleArguments>(application, "example",
-    "Makes an example: a mesh and its synthetic X-ray, or a clinic's export.\n"
+    "Makes an example: a mesh and its synthetic X-ray.\n"
     "  test    a plate, 15,626 triangles, 150 x 200 pixels\n"
     "  boxes   3965 boxes of three materials, 47,580 triangles, 250 x 200 pixels\n"
     "  veins   97 tubes, 215,728 triangles, 1681 x 2071 pixels\n"
     "  breast  the FDA's phantom 1, stretched to 50 mm thickness, 5,185,458 triangles, 1080 x 1080 "
     "pixels\n"
     "Writes NAME.vtp (mm, material on each triangle's front and back), NAME.mha (transmission, 0 "
-    "to 1) and NAME.png (logarithmic attenuation, dense is bright).\n"
-    "  study   a patient's export with known truth: prone MRI among other series, CC and MLO, of a "
-    "phantom\nWrites export/ (DICOM) and truth.json.",
+    "to 1) and NAME.png (logarithmic attenuation, dense is bright).",
     Declare, Run);
 }
 }

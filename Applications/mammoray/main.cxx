@@ -89,9 +89,6 @@ int Run(int argc, char* argv[])
   mammoray::AddDicomCommand(application);
   mammoray::AddDisplacementCommand(application);
   mammoray::AddEvaluateCommand(application);
-#ifdef MAMMORAY_HAS_MESHING
-  mammoray::AddEvidenceCommand(application);
-#endif
   mammoray::AddExampleCommand(application);
   mammoray::AddFetchCommand(application);
   mammoray::AddFuseCommand(application);

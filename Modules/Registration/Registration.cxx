@@ -372,7 +372,7 @@ private:
           { pixelSizeMm, this->FirstComparison(),
             predicted || refined ? NegligibleFallOnTheWay : NegligibleFall,
             this->Options.MaximumIterations, finest && !refined },
-          this->Options, this->State, progress);
+          this->State, progress);
       if (end == LevelEnd::Reached && refined)
       {
         end = this->Refine(breasts, progress);
@@ -400,7 +400,7 @@ private:
         this->Evaluators(breasts, this->Options.PixelSizesMm.size() - 1, comparison, progress),
         { pixelSizeMm, comparison, NegligibleFall, this->Options.MaximumIterations, true,
           comparison != this->FirstComparison() },
-        this->Options, this->State, progress);
+        this->State, progress);
     };
     const double before = this->TissueCorrelation();
     if (std::isnan(before))

@@ -32,13 +32,6 @@ struct RegistrationParameter
   bool Fixed = false;
 };
 
-enum class RegistrationDerivatives
-{
-  Exact,
-  /// Ceres' central differences of equilibria solved anew, for comparison.
-  CentralDifferences
-};
-
 /// Features of the pictures that are compared inside the breast.
 enum class PictureComparison
 {
@@ -84,9 +77,6 @@ struct RegistrationOptions
   /// Residuals larger than this many standard deviations have a linear cost (Huber).
   double RobustWidth = 2.0;
   int MaximumIterations = 15;
-  RegistrationDerivatives Derivatives = RegistrationDerivatives::Exact;
-  /// Step of central differences, in scales of the parameters. Positive.
-  double DifferenceStep = 0.02;
 };
 
 /// All of PoseParameters around a start, with their bounds, scales and priors there.

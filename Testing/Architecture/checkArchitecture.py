@@ -6,6 +6,7 @@
 - a module names in its vtk.module what its public headers include;
 - private headers are included by their own module (and its tests) only;
 - no text of a module names an option of the command line: errors name fields (RefusedField);
+- nothing but Validation and the tests includes headers of Validation, which may include everything;
 - every module has a README, and every source of it is listed in CMakeLists.txt.
 
 usage: checkArchitecture.py PROJECT-FOLDER     exit 1: something is wrong
@@ -28,7 +29,6 @@ MAY_INCLUDE = {
     "Study": SOLVERS | {"Registration", "IO", "Dicom"},
     "Filters": SOLVERS | {"Registration", "IO", "Dicom", "Study"},
     "App": SOLVERS | {"Registration", "IO", "Dicom", "Study"},
-    "Evidence": SOLVERS | {"Registration", "IO", "Dicom", "Study"},
 }
 INCLUDE = re.compile(r'^\s*#\s*include\s*["<]([^">]+)[">]', re.MULTILINE)
 
@@ -91,6 +91,16 @@ def check_tests(root, wrong):
                     wrong.append(f"{path.relative_to(root)}: {name} is private to {parts[1]}")
 
 
+def check_validation(root, wrong):
+    """Validation measures the product, which must not know of it."""
+    headers = {p.name for p in (root / "Validation").rglob("*.h")}
+    for top in ("Modules", "Applications", "Wrapping"):
+        for path in sources(root / top):
+            for name in INCLUDE.findall(path.read_text()):
+                if "Validation" in name.split("/")[:-1] or name in headers and not (path.parent / name).exists():
+                    wrong.append(f"{path.relative_to(root)}: {top} must not include {name} of Validation")
+
+
 def check_rooms(root, modules, wrong):
     for module in modules:
         folder = root / "Modules" / module
@@ -116,6 +126,7 @@ def main():
     check_includes(root, modules, wrong)
     check_options(root, modules, wrong)
     check_tests(root, wrong)
+    check_validation(root, wrong)
     check_rooms(root, modules, wrong)
     for line in wrong:
         print(line)

@@ -47,7 +47,7 @@ ITK = "".join([
 
 
 def own_sources():
-    for top in ("Modules", "Applications", "Testing", "Wrapping"):
+    for top in ("Modules", "Applications", "Testing", "Validation", "Wrapping"):
         yield from sorted(p for p in (ROOT / top).rglob("*") if p.suffix in (".h", ".cxx"))
 
 
@@ -113,7 +113,7 @@ def compiled(build, wanted):
     for entry in json.loads((build / "compile_commands.json").read_text()):
         arguments = arguments_of(entry)
         for path in sources_of(pathlib.Path(entry["directory"], entry["file"]).resolve()):
-            inside = path.is_relative_to(ROOT) and path.relative_to(ROOT).parts[0] in ("Modules", "Applications")
+            inside = path.is_relative_to(ROOT) and path.relative_to(ROOT).parts[0] in ("Modules", "Applications", "Validation")
             if inside and path.suffix == ".cxx" and not path.is_relative_to(build) and wanted(path):
                 found[path] = max(found.get(path, ((), "")), (arguments, entry["directory"]), key=lambda how: len(how[0]))
     return found

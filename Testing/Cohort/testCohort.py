@@ -118,7 +118,7 @@ with tempfile.TemporaryDirectory() as name:
     folder = pathlib.Path(name)
     recorded, seeds = seeds == 0, max(seeds, 1)
     for seed in range(1, seeds + 1):
-        subprocess.run([program, "example", "study", *STUDY, "--seed", str(seed), "-o", folder / f"study-{seed}"], check=True,
+        subprocess.run([program + "-validate", "study", *STUDY, "--seed", str(seed), "-o", folder / f"study-{seed}"], check=True,
                        stdout=subprocess.DEVNULL)
     if recorded:
         subprocess.run([program, "register", "--study", folder / "study-1" / "export", "--side", "left", "--output", folder / "recorded",

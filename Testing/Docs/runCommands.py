@@ -2,7 +2,7 @@
 """Runs what a page of the documentation shows, in its order, in an empty folder where Applications and Data are the project's.
 
 runCommands.py PAGE.md BIN [RESULT]: with a copy of a registration there as demo-result; blocks marked
-  ```sh run           commands, with BIN and this interpreter (python3) first on PATH
+  ```sh run           commands, with BIN, this interpreter (python3) and mammoray-validate (MAMMORAY_VALIDATE), which is not installed, first on PATH
   ```sh run display   the same, with an X server (Xvfb)
   ```sh run archive   the same, while an empty archive is at 127.0.0.1:4242 (Orthanc); left out where there is none
   ```sh run long      the same, where MAMMORAY_LONG_TESTS is set
@@ -65,6 +65,8 @@ with tempfile.TemporaryDirectory() as name:
     own = pathlib.Path(name) / "bin"
     own.mkdir()
     (own / "python3").symlink_to(sys.executable)
+    if "MAMMORAY_VALIDATE" in os.environ:
+        (own / "mammoray-validate").symlink_to(os.environ["MAMMORAY_VALIDATE"])
     folder = pathlib.Path(name) / "work"
     folder.mkdir()
     for shipped in ("Applications", "Data"):

@@ -10,7 +10,6 @@
 #include "Private/StoredVoxels.h"
 #include "mammoray/Dicom/DicomHeader.h"
 #include "mammoray/Dicom/DicomReader.h"
-#include "mammoray/Evidence/LandmarkEvaluation.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/IO/GuardedRead.h"
 #include "mammoray/IO/MaterialTableIO.h"
@@ -18,14 +17,10 @@
 #include "mammoray/IO/SceneIO.h"
 #include "mammoray/IO/ScratchFolder.h"
 #include "mammoray/Study/Intake.h"
+#include "mammoray/Study/LandmarkEvaluation.h"
 #include "mammoray/Study/ResultFile.h"
+#include "mammoray/Study/StudyTruth.h"
 #include "mammoray/XRay/Composition.h"
-
-#ifdef MAMMORAY_HAS_MESHING
-#include "mammoray/Evidence/EvidenceFile.h"
-#include "mammoray/Evidence/EvidenceTables.h"
-#include "mammoray/Evidence/VirtualStudy.h"
-#endif
 
 #include <CLI/CLI.hpp>
 
@@ -185,18 +180,7 @@ const std::map<std::string, FuzzTarget>& FuzzTargets()
     { "dicom-header", OfFile("a.dcm", [](const std::string& path) { ReadDicomHeaders(path); }) },
     { "dicom-segmentation",
       OfFile("a.dcm", [](const std::string& path) { ReadLabelVolume(path); }) },
-#ifdef MAMMORAY_HAS_MESHING
-    { "evidence",
-      OfFile("e.json",
-        [](const std::string& path)
-        {
-          const RegistrationEvidence evidence = ReadEvidence(path, R"({"seed":1})");
-          EvidenceTables(evidence);
-          TwinTable(evidence.Twins);
-          TrustCurveSvg(evidence);
-        }) },
-    { "study-truth", OfFile("truth.json", ReadVirtualStudyTruth) },
-#endif
+    { "study-truth", OfFile("truth.json", ReadStudyTruth) },
     { "landmarks", OfFile("l.csv", ReadLandmarks) },
     { "materials", OfFile("a.json", [](const std::string& path) { ReadMaterialTable(path); }) },
     { "metaimage",

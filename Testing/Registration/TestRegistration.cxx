@@ -4,7 +4,6 @@
 // intensities.
 #include "RegistrationTwin.h"
 #include "mammoray/Foundation/Error.h"
-#include "mammoray/Registration/Annealing.h"
 #include "mammoray/Registration/Private/RegistrationResiduals.h"
 #include "mammoray/Registration/Registration.h"
 
@@ -305,72 +304,6 @@ TEST_F(Registration, OutlinesFarApartEndTheSearchBeforeItsFinestPixels)
     EXPECT_EQ(iteration.PixelSizeMm, 6);
   }
   EXPECT_FALSE(result.State.Positions.empty());
-}
-
-TEST_F(Registration, DifferencesEndWhereExactDerivativesEndAtMoreEquilibria)
-{
-  RegistrationProblem problem = ProblemNearTruth();
-  const ViewResult exact = FindFirst(problem);
-  problem.Options.Derivatives = RegistrationDerivatives::CentralDifferences;
-  const ViewResult differences = FindFirst(problem);
-  EXPECT_TRUE(differences.Converged) << differences.StopReason;
-  // Both stop within half a standard deviation of the best.
-  for (const int parameter :
-    { ThicknessParameter, RollParameter, LateralParameter, AnteriorParameter })
-  {
-    EXPECT_NEAR(differences.Values[parameter], exact.Values[parameter],
-      exact.StandardDeviations[parameter])
-      << exact.Parameters[parameter].Name;
-    // Differences over 0.1 mm and degrees of what is piecewise smooth.
-    EXPECT_NEAR(differences.StandardDeviations[parameter], exact.StandardDeviations[parameter],
-      0.2 * exact.StandardDeviations[parameter]);
-  }
-  // Two beside it for each of four parameters at every accepted point.
-  EXPECT_GE(differences.Evaluations, 8 * static_cast<int>(differences.Iterations.size()));
-  EXPECT_LE(exact.Evaluations, 10);
-
-  // Stopped among the differences.
-  int calls = 0;
-  const ViewResult stopped = FindFirst(problem, [&](double, const char*) { return ++calls < 200; });
-  EXPECT_FALSE(stopped.Converged);
-  EXPECT_NE(stopped.StopReason.find("interrupted"), std::string::npos);
-}
-
-TEST_F(Registration, AnnealingSpendsItsEquilibriaAndKeepsTheBest)
-{
-  RegistrationProblem problem = ProblemNearTruth();
-  problem.Views[0].Levels = MakeLevels(*Target, problem.Options.PixelSizesMm);
-  AnnealingOptions annealing;
-  annealing.Equilibria = 6;
-  annealing.FirstStep = 0.3;
-  const ViewResult result = Anneal(problem, annealing);
-  EXPECT_EQ(result.Evaluations, 6);
-  EXPECT_EQ(result.Iterations.front().Parameters, problem.Views[0].From);
-  ASSERT_GE(result.Iterations.size(), 2u);
-  for (std::size_t index = 1; index < result.Iterations.size(); ++index)
-  {
-    EXPECT_LT(result.Iterations[index].Cost, result.Iterations[index - 1].Cost);
-  }
-  EXPECT_EQ(result.Values, result.Iterations.back().Parameters);
-  EXPECT_EQ(result.Values[VerticalParameter], 0); // fixed
-  for (int index = 0; index < ParameterCount; ++index)
-  {
-    EXPECT_GE(result.Values[index], problem.Views[0].Parameters[index].Lower);
-    EXPECT_LE(result.Values[index], problem.Views[0].Parameters[index].Upper);
-  }
-  EXPECT_FALSE(result.Converged);
-
-  // The same seed walks the same way; a stop leaves the best so far.
-  annealing.Equilibria = 4;
-  int calls = 0;
-  const auto stopAtThird = [&](double, const char* stage)
-  { return std::string(stage) != "anneal" || ++calls < 3; };
-  const ViewResult stopped = Anneal(problem, annealing, stopAtThird);
-  EXPECT_EQ(stopped.Evaluations, 3);
-  EXPECT_NE(stopped.StopReason.find("interrupted"), std::string::npos);
-  EXPECT_LE(stopped.Iterations.back().Cost, stopped.Iterations.front().Cost);
-  annealing.Equilibria = 0;
-  EXPECT_THROW(Anneal(problem, annealing), InputError);
 }
 
 /// CC and MLO of one truth whose gland is stiffer than the model believes.

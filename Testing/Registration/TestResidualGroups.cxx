@@ -35,7 +35,7 @@ TEST(ResidualGroups, TellTheSameVariancesWhateverTheyAreWeighedBy)
   views.push_back(
     std::make_unique<ViewEvaluator>(breast, RegistrationResiduals(target, parameters, options),
       values, breast.At(values, twin.At(Truth()).State()), progress));
-  RegistrationEvaluator evaluator(std::move(views), unknowns, options, progress);
+  RegistrationEvaluator evaluator(std::move(views), unknowns, progress);
   const auto before = CompareGroups(evaluator);
   ASSERT_TRUE(before);
   ASSERT_EQ(before->Groups.size(), 2u);
@@ -125,7 +125,7 @@ TEST(ResidualGroups, ACovarianceWithoutTheUnitsEdgesIsToldOf)
   std::vector<std::unique_ptr<ViewEvaluator>> views;
   views.push_back(std::make_unique<ViewEvaluator>(breast,
     RegistrationResiduals(target, parameters, options), values, view.Current, progress));
-  RegistrationEvaluator evaluator(std::move(views), search.FreeParameters, options, progress);
+  RegistrationEvaluator evaluator(std::move(views), search.FreeParameters, progress);
   KeepCovariance(evaluator, search);
   EXPECT_THAT(view.Result.Warnings, testing::IsEmpty());
   const double counted = view.Result.StandardDeviations[ThicknessParameter];

@@ -18,7 +18,7 @@
 
 namespace mammoray::test
 {
-/// Runs the program (MammorayExecutable) in a folder of the test's own.
+/// Runs a program (MammorayExecutable) in a folder of the test's own.
 class CommandTest : public testing::Test
 {
 protected:
@@ -27,7 +27,7 @@ protected:
   /// a shell.
   int Run(const std::string& arguments, const std::string& environment = "")
   {
-    const std::string command = environment + " " + MammorayExecutable() + " " + arguments + " >" +
+    const std::string command = environment + " " + this->Program + " " + arguments + " >" +
       this->Folder.File("out") + " 2>" + this->Folder.File("err");
     const int status = std::system(command.c_str());
     this->Output = ReadFile(this->Folder.File("out"));
@@ -54,7 +54,8 @@ protected:
     const std::string& environment = "")
   {
     EXPECT_EQ(this->Run(arguments, environment), 1) << arguments;
-    EXPECT_THAT(this->Errors, testing::StartsWith("mammoray: "));
+    EXPECT_THAT(this->Errors,
+      testing::StartsWith(this->Program.substr(this->Program.rfind('/') + 1) + ": "));
     EXPECT_THAT(this->Errors, testing::HasSubstr(text));
     EXPECT_EQ(std::count(this->Errors.begin(), this->Errors.end(), '\n'), 1) << this->Errors;
   }
@@ -70,6 +71,7 @@ protected:
     return values;
   }
 
+  std::string Program = MammorayExecutable();
   TemporaryFolder Folder;
   std::string Output;
   std::string Errors;

@@ -1,10 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Private/RegistrationEvaluator.h"
 
-#include "mammoray/Foundation/Error.h"
-
 #include <Eigen/Dense>
-#include <ceres/ceres.h>
 
 #include <algorithm>
 #include <cmath>
@@ -14,14 +11,11 @@
 namespace mammoray
 {
 RegistrationEvaluator::RegistrationEvaluator(std::vector<std::unique_ptr<ViewEvaluator>> views,
-  std::vector<FreeParameter> free, const RegistrationOptions& options,
-  const ProgressCallback& progress)
+  std::vector<FreeParameter> free, const ProgressCallback& progress)
   : FreeParameters(std::move(free))
   , Views(std::move(views))
   , First{ 0 }
   , Selected(this->Views.size())
-  , Derivatives(options.Derivatives)
-  , DifferenceStep(options.DifferenceStep)
   , Progress(progress)
 {
   for (std::size_t number = 0; number < this->FreeParameters.size(); ++number)
@@ -189,7 +183,7 @@ bool RegistrationEvaluator::Evaluate(bool withJacobian)
   {
     return this->Stop();
   }
-  if (withJacobian && this->Derivatives == RegistrationDerivatives::Exact)
+  if (withJacobian)
   {
     this->EvaluateJacobian(); // its pass gives the pictures, too
   }
@@ -216,13 +210,6 @@ void RegistrationEvaluator::EvaluateJacobian()
   {
     view->Accept(); // Ceres asks for the Jacobian where it takes a step
   }
-  if (this->Derivatives != RegistrationDerivatives::Exact)
-  {
-    const auto begin = Clock::now();
-    this->Valid = this->DifferentiateByDifferences();
-    this->Views.front()->JacobianSeconds += SecondsSince(begin);
-    return;
-  }
   for (std::size_t view = 0; view < this->Views.size(); ++view)
   {
     const Selection& selected = this->Selected[view];
@@ -238,79 +225,5 @@ void RegistrationEvaluator::EvaluateJacobian()
         [scale](double entry) { return scale * entry; });
     }
   }
-}
-
-bool RegistrationEvaluator::operator()(const double* const* offsets, double* residuals) const
-{
-  std::copy(this->Residuals.begin(), this->Residuals.end(), residuals);
-  for (std::size_t view = 0; view < this->Views.size(); ++view)
-  {
-    const Selection& selected = this->Selected[view];
-    std::vector<double> beside = this->Views[view]->Values;
-    bool moved = false;
-    for (std::size_t index = 0; index < selected.Numbers.size(); ++index)
-    {
-      const std::size_t unknown = selected.Numbers[index];
-      moved = moved || offsets[0][unknown] != 1;
-      beside[selected.Parameters[index]] +=
-        (offsets[0][unknown] - 1) * this->FreeParameters[unknown].Scale;
-    }
-    if (moved)
-    {
-      try
-      {
-        const std::vector<double> found = this->Views[view]->Beside(beside);
-        std::copy(found.begin(), found.end(), residuals + this->First[view]);
-      }
-      catch (const ConvergenceError&)
-      {
-        return false;
-      }
-    }
-  }
-  return true;
-}
-
-/// False where a point beside this one has no equilibrium.
-bool RegistrationEvaluator::DifferentiateByDifferences()
-{
-  ceres::NumericDiffOptions steps;
-  steps.relative_step_size = this->DifferenceStep;
-  ceres::DynamicNumericDiffCostFunction<RegistrationEvaluator, ceres::CENTRAL> differences(this,
-    ceres::DO_NOT_TAKE_OWNERSHIP, steps);
-  const std::size_t unknowns = this->FreeParameters.size();
-  const std::size_t count = this->Residuals.size();
-  differences.AddParameterBlock(static_cast<int>(unknowns));
-  differences.SetNumResiduals(static_cast<int>(count));
-  const std::vector<double> here(unknowns, 1.0);
-  const double* const block = here.data();
-  std::vector<double> residuals(count);
-  std::vector<double> matrix(count * unknowns);
-  double* rows = matrix.data();
-  try
-  {
-    if (!differences.Evaluate(&block, residuals.data(), &rows))
-    {
-      return false;
-    }
-  }
-  catch (const Interrupted&)
-  {
-    return this->Stop();
-  }
-  for (std::size_t view = 0; view < this->Views.size(); ++view)
-  {
-    const int solved = 2 * static_cast<int>(this->Selected[view].Numbers.size());
-    this->Views[view]->Evaluations += solved;
-    this->Views[view]->Projections += solved;
-  }
-  for (std::size_t index = 0; index < count; ++index)
-  {
-    for (std::size_t u = 0; u < unknowns; ++u)
-    {
-      this->Jacobian[u][index] = matrix[index * unknowns + u];
-    }
-  }
-  return true;
 }
 }

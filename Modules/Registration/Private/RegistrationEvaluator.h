@@ -24,8 +24,7 @@ public:
   static constexpr int LargestNumberOfFailures = 5;
 
   RegistrationEvaluator(std::vector<std::unique_ptr<ViewEvaluator>> views,
-    std::vector<FreeParameter> free, const RegistrationOptions& options,
-    const ProgressCallback& progress);
+    std::vector<FreeParameter> free, const ProgressCallback& progress);
 
   void PrepareForEvaluation(bool evaluateJacobians, bool newPoint) override;
 
@@ -47,10 +46,6 @@ public:
   Bottom PredictedBottom() const;
   /// By which the robust loss multiplies the square of a residual.
   double Weight(std::size_t residual) const;
-
-  /// Residuals beside the evaluated point for Ceres' differences, which are relative to their
-  /// argument: offsets[0][u] is 1 at the point, and 1 more one scale of free parameter u beside it.
-  bool operator()(const double* const* offsets, double* residuals) const;
 
   /// The residuals of one view, and their number.
   std::span<const double> ResidualsOf(std::size_t view) const;
@@ -84,7 +79,6 @@ private:
   /// Equilibria and residuals at the block, with the Jacobian where it is wanted at once.
   bool Evaluate(bool withJacobian);
   void EvaluateJacobian();
-  bool DifferentiateByDifferences();
   bool IsStoppedByBound(std::size_t unknown, double slope) const;
   bool Stop();
   std::vector<double> ValuesAt(std::size_t view) const;
@@ -96,8 +90,6 @@ private:
   };
 
   std::vector<Selection> Selected;
-  const RegistrationDerivatives Derivatives;
-  const double DifferenceStep;
   const ProgressCallback& Progress;
   std::vector<double> EvaluatedAt;
   bool IsEvaluated = false;

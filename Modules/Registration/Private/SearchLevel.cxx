@@ -288,10 +288,9 @@ void KeepEnd(const ViewEvaluator& spent, const Ending& ending, ViewResult& resul
 }
 
 LevelEnd SearchLevel(std::vector<std::unique_ptr<ViewEvaluator>> views,
-  const ResolutionLevel& level, const RegistrationOptions& options, SearchState& search,
-  const ProgressCallback& progress)
+  const ResolutionLevel& level, SearchState& search, const ProgressCallback& progress)
 {
-  RegistrationEvaluator evaluator(std::move(views), search.FreeParameters, options, progress);
+  RegistrationEvaluator evaluator(std::move(views), search.FreeParameters, progress);
   ceres::Problem::Options problemOptions;
   problemOptions.evaluation_callback = &evaluator;
   ceres::Problem problem(problemOptions);

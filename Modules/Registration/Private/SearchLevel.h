@@ -43,8 +43,7 @@ struct ResolutionLevel
 /// Searches at one resolution, from where `views` stand. The accepted states go into `search`, and
 /// at the last level the covariance.
 LevelEnd SearchLevel(std::vector<std::unique_ptr<ViewEvaluator>> views,
-  const ResolutionLevel& level, const RegistrationOptions& options, SearchState& search,
-  const ProgressCallback& progress);
+  const ResolutionLevel& level, SearchState& search, const ProgressCallback& progress);
 }
 
 #endif

@@ -116,10 +116,10 @@ void ValidateProblem(const RegistrationProblem& problem)
   }
   const RegistrationOptions& options = problem.Options;
   if (options.PixelSizesMm.empty() || options.Samples < 1 || options.OutlineDirections < 10 ||
-    !(options.DifferenceStep > 0) || !(options.WindowMm > 0))
+    !(options.WindowMm > 0))
   {
     throw InputError("registration: expected at least one pixel size, one sample, ten outline "
-                     "directions, a positive window and a positive step of differences");
+                     "directions and a positive window");
   }
   for (const View& view : problem.Views)
   {

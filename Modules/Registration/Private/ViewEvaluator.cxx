@@ -107,11 +107,6 @@ std::shared_ptr<PosedBreast> ViewEvaluator::CompressBeside(const SearchedBreast&
       this->Progress));
 }
 
-std::vector<double> ViewEvaluator::Beside(const std::vector<double>& values)
-{
-  return this->Compared.Evaluate(*this->CompressBeside(this->Breast, values));
-}
-
 std::vector<double> ViewEvaluator::WithEdges(double radiusMm)
 {
   SearchedBreast breast = this->Breast;

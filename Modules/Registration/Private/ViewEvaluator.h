@@ -68,8 +68,6 @@ public:
   RegistrationResiduals::Jacobian Differentiate(const std::vector<int>& wanted);
   /// Back to an equilibrium, that of the values given.
   void ReturnTo(const std::vector<double>& values, std::shared_ptr<PosedBreast> state);
-  /// Residuals beside Current. Throws ConvergenceError, Interrupted.
-  std::vector<double> Beside(const std::vector<double>& values);
   /// Residuals where the plates' chest-wall edges are as round as this, at Current's values;
   /// counted. Empty where there is no equilibrium, or when stopped.
   std::vector<double> WithEdges(double radiusMm);

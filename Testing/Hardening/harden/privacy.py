@@ -193,8 +193,8 @@ def try_meshes(program, marks, count):
 def try_export(program, marks, count):
     """A clinic's export: what intake prints is asked for, what register writes is not."""
     study = program.path("study")
-    made = program.run("example", "study", "-o", study, "--seed", marks.draws.randrange(1, 9), seconds=1800)
-    count.add(made.done(), "example study", made.told())
+    made = program.run("study", "-o", study, "--seed", marks.draws.randrange(1, 9), seconds=1800, program="mammoray-validate")
+    count.add(made.done(), "mammoray-validate study", made.told())
     export = program.path("export-of-a-patient")
     patient = (marks.new(), marks.new())
     for _, data in outputs(os.path.join(study, "export")):

@@ -57,8 +57,8 @@ class Program:
     def phantom(self, name):
         return os.path.join(self.data, "victre-phantom-1", name)
 
-    def run(self, *words, seconds=300, environment=None, shell=None, limits=None):
-        """mammoray with these words; `shell`: a command line around {}, in place of running it directly. `seconds` of a
+    def run(self, *words, seconds=300, environment=None, shell=None, limits=None, program="mammoray"):
+        """A program with these words; `shell`: a command line around {}, in place of running it directly. `seconds` of a
         processor, on the clock ten times as many: others may be at work here."""
 
         def limit():
@@ -66,7 +66,7 @@ class Program:
             if limits:
                 limits()
 
-        words = [self.mammoray, *map(str, words)]
+        words = [os.path.join(self.binaries, program), *map(str, words)]
         env = dict(os.environ, **(environment or {}))
         if shell:
             words = ["bash", "-c", shell.replace("{}", '"$@"'), "bash", *words]

@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: Apache-2.0
+#ifndef mammoray_LandmarkEvaluation_h
+#define mammoray_LandmarkEvaluation_h
+
+#include "mammoray/Foundation/MammographyGeometry.h"
+#include "mammorayStudyModule.h"
+
+#include <string>
+#include <vector>
+
+class vtkUnstructuredGrid;
+
+namespace mammoray
+{
+/// A point known in the uncompressed and in the compressed breast.
+struct Landmark
+{
+  /// In the frame of the label volume, mm.
+  Vector3 Uncompressed{ 0, 0, 0 };
+  /// In the frame of the truth, mm.
+  Vector3 Compressed{ 0, 0, 0 };
+  /// Whether it lies between the plates, and so in the mammogram.
+  bool Imaged = true;
+};
+
+/**
+ * Reads a CSV file with the header ux,uy,uz,cx,cy,cz[,imaged] (mm). Throws InputError that names
+ * file and line.
+ */
+MAMMORAYSTUDY_EXPORT std::vector<Landmark> ReadLandmarks(const std::string& path);
+
+/// Median, mean and largest of some errors, mm.
+struct ErrorSummary
+{
+  int Count = 0;
+  double Median = 0;
+  double Mean = 0;
+  double Largest = 0;
+};
+MAMMORAYSTUDY_EXPORT ErrorSummary Summarise(std::vector<double> errors);
+
+/// The value below which this part of some values lies, [0, 1], linear between them; NaN of none.
+MAMMORAYSTUDY_EXPORT double Quantile(std::vector<double> values, double part);
+
+/**
+ * Points carried by the point array "Displacement" (mm) of a body, each by that of the cell that
+ * holds or is nearest to it. Throws InputError without that array.
+ */
+MAMMORAYSTUDY_EXPORT std::vector<Vector3> Displace(const std::vector<Vector3>& points,
+  vtkUnstructuredGrid* body);
+
+/// Errors of one way to carry the landmarks into the compressed breast; one entry per landmark, mm.
+struct LandmarkErrors
+{
+  std::string Method;
+  /// Distance in 3D in the gantry frame.
+  std::vector<double> InSpace;
+  /// Distance of the projections on the receptor.
+  std::vector<double> OnReceptor;
+};
+
+/// Which unit the truth was taken in: its placement in the truth's frame and where its focal spot
+/// is.
+struct LandmarkTruth
+{
+  VolumeFromGantry Placed;
+  double SourceToDetectorMm = 650;
+};
+
+/**
+ * How far two readers' marks of the same landmarks, in the same order, lie apart, mm: in the
+ * uncompressed breast, compressed, and of the latter on the receptor of `truth`. No method can be
+ * measured more closely. Throws InputError where they are not as many.
+ */
+struct ReaderDistances
+{
+  std::vector<double> Uncompressed;
+  std::vector<double> Compressed;
+  std::vector<double> OnReceptor;
+};
+MAMMORAYSTUDY_EXPORT ReaderDistances DistancesBetween(const std::vector<Landmark>& first,
+  const std::vector<Landmark>& second, const LandmarkTruth& truth);
+
+/// The errors of a way at the landmarks that the mammogram shows.
+struct LandmarkSummary
+{
+  std::string Method;
+  ErrorSummary InSpace;
+  ErrorSummary OnReceptor;
+};
+MAMMORAYSTUDY_EXPORT LandmarkSummary SummariseImaged(const LandmarkErrors& errors,
+  const std::vector<Landmark>& landmarks);
+
+/**
+ * Errors of the identity, of the best rigid motion (fitted to the truth itself, over the imaged
+ * landmarks and over all), and of a registration. `uncompressed` is the uncompressed body with the
+ * point array "Displacement" (mm); `registered` is where the registration placed the unit in the
+ * frame of the label volume, `registeredSid` its source to detector distance. Errors are measured
+ * in the gantry frame, so they hold both the deformation's and the pose's share. Throws InputError.
+ */
+MAMMORAYSTUDY_EXPORT std::vector<LandmarkErrors> EvaluateLandmarks(
+  const std::vector<Landmark>& landmarks, const LandmarkTruth& truth,
+  vtkUnstructuredGrid* uncompressed, const VolumeFromGantry& registered,
+  const MammographyUnit& registeredUnit);
+}
+
+#endif

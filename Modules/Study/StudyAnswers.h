@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: Apache-2.0
+#ifndef mammoray_StudyAnswers_h
+#define mammoray_StudyAnswers_h
+
+#include "mammoray/Foundation/Vector3.h"
+#include "mammorayStudyModule.h"
+
+#include <array>
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace mammoray
+{
+struct BreastInUnit;
+struct ResultFile;
+struct StudyTruth;
+
+/// Where a method, any method, places a point of a virtual study's MRI in a mammogram.
+struct StudyAnswer
+{
+  /// "CC" or "MLO".
+  std::string View;
+  /// Index in StudyTruth::MriPoints.
+  std::size_t Point = 0;
+  /// Continuous column and row of the mammogram's file; pixel centres at whole numbers.
+  std::array<double, 2> Pixel{ 0, 0 };
+  /// In the gantry frame, mm, from a method that also finds the depth.
+  std::optional<Vector3> Gantry;
+};
+
+/**
+ * Reads answers from a CSV file with the header view,point,column,row or
+ * view,point,column,row,x,y,z. Throws InputError that names file and line on anything else, on a
+ * view other than CC and MLO, and on a point that is answered twice in a view.
+ */
+MAMMORAYSTUDY_EXPORT std::vector<StudyAnswer> ReadStudyAnswers(const std::string& path);
+
+/// Writes a file that ReadStudyAnswers reads; with x, y and z if all answers have them. Throws
+/// InputError where it cannot be written.
+MAMMORAYSTUDY_EXPORT void WriteStudyAnswers(const std::vector<StudyAnswer>& answers,
+  const std::string& path);
+
+/// Distances of points from their true places in one mammogram, one entry for each point, mm.
+struct PointErrors
+{
+  /// In the gantry frame; empty for a method that does not find the depth.
+  std::vector<double> InSpaceMm;
+  /// Of the shadows on the receptor.
+  std::vector<double> OnReceptorMm;
+  /// Along gantry z, which is nearly the direction of the beam and the worst determined one.
+  std::vector<double> AlongBeamMm;
+};
+
+/// The errors of a method in one view of a study.
+struct AnswerScore
+{
+  std::string View;
+  /// Of points whose shadow is in the mammogram, and of those behind the receptor's edge, which
+  /// nobody can look for in it.
+  PointErrors Imaged;
+  PointErrors Behind;
+  /// Number of points that the mammogram shows and that have no answer.
+  std::size_t Missing = 0;
+};
+
+/**
+ * Errors of answers in each view that has any, in the truth's order: on the receptor, mm (pixels
+ * times their size), and in the gantry frame. Throws InputError on views and points that the truth
+ * does not have, and without any answer.
+ */
+MAMMORAYSTUDY_EXPORT std::vector<AnswerScore> ScoreAnswers(const StudyTruth& truth,
+  const std::vector<StudyAnswer>& answers);
+
+/**
+ * Errors of a registration of the study, with its breast (ReadBreastInUnit). Both frames are those
+ * of the unit, so that the errors contain the deformation's and the pose's share. Throws InputError
+ * if the study does not have the result's view.
+ */
+MAMMORAYSTUDY_EXPORT AnswerScore ScoreResult(const StudyTruth& truth, const ResultFile& result,
+  const BreastInUnit& breast);
+}
+
+#endif

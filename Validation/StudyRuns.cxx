@@ -1,0 +1,269 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "StudyRuns.h"
+
+#include "PatientTissue.h"
+#include "PointCoverage.h"
+#include "mammoray/Foundation/Error.h"
+#include "mammoray/IO/ScratchFolder.h"
+#include "mammoray/IO/ShippedData.h"
+#include "mammoray/Study/BreastInUnit.h"
+#include "mammoray/Study/LandmarkEvaluation.h"
+#include "mammoray/Study/RegisteredBreast.h"
+#include "mammoray/Study/RegistrationCaseWriter.h"
+#include "mammoray/Study/ResultFile.h"
+#include "mammoray/Study/StudyAnswers.h"
+#include "mammoray/Study/StudyCase.h"
+
+#include "vtkUnstructuredGrid.h"
+
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <filesystem>
+#include <optional>
+#include <vector>
+
+namespace mammoray
+{
+namespace
+{
+namespace fs = std::filesystem;
+
+/**
+ * A breast coil squeezes a large breast from both sides: 50 to 65 mm wide and 170 to 190 mm high in
+ * uta11-b. A stress-free breast is about as wide as high. This stretches the breast to the sides
+ * and shrinks it along the body until it is, at an unchanged volume. `breast` in DICOM LPS.
+ */
+LabelVolume FreeOfCoil(LabelVolume breast, const std::vector<bool>& held)
+{
+  constexpr double MostStretch = 1.8;
+  std::array<double, 2> sums{};
+  std::array<double, 2> squares{};
+  double count = 0;
+  breast.ForEachVoxel(
+    [&](int i, int j, int k, std::size_t voxel)
+    {
+      const std::size_t material = breast.Voxels[voxel];
+      if (material != 0 && !held[material])
+      {
+        const Vector3 at = breast.PointAt(i, j, k);
+        for (std::size_t axis = 0; axis < 2; ++axis)
+        {
+          sums[axis] += at[2 * axis];
+          squares[axis] += at[2 * axis] * at[2 * axis];
+        }
+        ++count;
+      }
+    });
+  const auto deviation = [&](std::size_t axis)
+  {
+    const double mean = sums[axis] / count;
+    return std::sqrt(squares[axis] / count - mean * mean);
+  };
+  const double stretch =
+    std::clamp(std::sqrt(deviation(1) / std::max(deviation(0), 1e-9)), 1.0, MostStretch);
+  for (std::size_t axis = 0; axis < 3; ++axis)
+  {
+    const Vector3& direction = breast.Direction[axis];
+    breast.Spacing[axis] *= std::abs(direction[0]) > 0.7 ? stretch
+      : std::abs(direction[2]) > 0.7                     ? 1 / stretch
+                                                         : 1.0;
+  }
+  return breast;
+}
+
+/// Material indices of a patient's breast, DICOM LPS.
+LabelVolume BreastOfMri(const PlannedStudy& study, const MaterialTable& table,
+  const ProgressCallback& progress)
+{
+  const Study found = ReadStudy(study.Mri);
+  StudyChoice choice;
+  for (const StudySeries& series : found.Series)
+  {
+    if (series.LeftOut.empty() && !choice.Undetermined)
+    {
+      choice.Undetermined = series;
+    }
+  }
+  if (!choice.Undetermined)
+  {
+    throw InputError(study.Mri + ": expected a T1-weighted MRI, found none");
+  }
+  choice.Laterality = study.Options.Laterality;
+  LabelVolume breast = SegmentStudy(choice, table, progress).Breast;
+  HoldCutTissue(breast, table.Fixed());
+  return FreeOfCoil(std::move(breast), table.Fixed());
+}
+
+nlohmann::json ErrorsJson(const PointErrors& errors)
+{
+  return { { "in3dMm", errors.InSpaceMm }, { "onReceptorMm", errors.OnReceptorMm },
+    { "alongBeamMm", errors.AlongBeamMm } };
+}
+
+/// Errors of the imaged points' coordinates relative to their standard deviations.
+PointCoverage CoverageOf(const StudyTruth& truth, const TrueView& view, const BreastInUnit& breast)
+{
+  PointCoverage coverage(breast);
+  const std::vector<Vector3> moved = Displace(truth.MriPoints, breast.Uncompressed);
+  for (std::size_t index = 0; index < moved.size(); ++index)
+  {
+    if (view.Receptor[index][1] >= 0)
+    {
+      coverage.Add(truth.MriPoints[index],
+        breast.Placed.ToGantry(moved[index]) - view.Gantry[index]);
+    }
+  }
+  return coverage;
+}
+
+nlohmann::json ViewsJson(const StudyTruth& truth, const std::string& resultFolder)
+{
+  nlohmann::json views = nlohmann::json::array();
+  for (const ResultFile& result : ReadResultFiles(resultFolder))
+  {
+    const BreastInUnit breast = ReadBreastInUnit(result);
+    const AnswerScore score = ScoreResult(truth, result, breast);
+    const PointCoverage coverage = CoverageOf(truth, *truth.FindView(score.View), breast);
+    views.push_back({ { "view", score.View }, { "imaged", ErrorsJson(score.Imaged) },
+      { "behind", ErrorsJson(score.Behind) }, { "coordinatesWithin", coverage.Share() },
+      { "modelErrorNeeded", coverage.ModelErrorNeeded },
+      { "meanOutlineDistanceMm", result.After.MeanOutlineDistanceMm },
+      { "correlation", result.After.Correlation },
+      { "tissueCorrelation", result.After.TissueCorrelation },
+      { "expectedMedianMm", result.Expected.MedianMm },
+      { "expected95Mm", result.Expected.Most95Mm }, { "trust", NameOf(result.Trust.Level) },
+      { "reasons", result.Trust.Reasons } });
+  }
+  return views;
+}
+
+/**
+ * Adds how far the points that both mammograms show were found in the MRI from where they are, from
+ * the true places of their shadows, mm: from CC alone, in the middle of the tissue behind the
+ * pixel, and from both (FindInTwoViews).
+ */
+void MeasureTwoViews(const StudyTruth& truth, const std::string& resultFolder, nlohmann::json& run)
+{
+  struct Registered
+  {
+    const TrueView* View;
+    RegisteredBreast Breast;
+  };
+  std::vector<Registered> views;
+  for (const char* name : { "CC", "MLO" })
+  {
+    const TrueView* view = truth.FindView(name);
+    for (const ResultFile& result : ReadResultFiles(resultFolder))
+    {
+      if (view && result.Mammogram.View == name)
+      {
+        views.push_back({ view, RegisteredBreast(ReadBreastInUnit(result)) });
+      }
+    }
+  }
+  for (std::size_t index = 0; views.size() == 2 && index < truth.MriPoints.size(); ++index)
+  {
+    if (views[0].View->Receptor[index][1] < 0 || views[1].View->Receptor[index][1] < 0)
+    {
+      continue;
+    }
+    const SeenInView first{ &views[0].Breast, views[0].View->Pixels[index] };
+    const SeenInView second{ &views[1].Breast, views[1].View->Pixels[index] };
+    const std::optional<Vector3> middle = MiddleBehind(first);
+    const std::optional<TissueInTwoViews> both = FindInTwoViews(first, second);
+    if (middle && both)
+    {
+      run["oneViewMm"].push_back(Norm(*middle - truth.MriPoints[index]));
+      run["bothViewsMm"].push_back(Norm(both->Point - truth.MriPoints[index]));
+    }
+  }
+}
+}
+
+StudyTruth MakePlannedStudy(const PlannedStudy& study, const std::string& folder,
+  const ProgressCallback& progress)
+{
+  if (!study.Mri.empty())
+  {
+    const MaterialTable table = FindMaterialTable(StudyMaterials);
+    return MakeVirtualStudy(BreastOfMri(study, table, ShareOf(progress, 0, 0.3)), table,
+      AnatomicalAxes::FromCode("LPS"), study.Options, folder, ShareOf(progress, 0.3, 1));
+  }
+  const MaterialTable table = FindMaterialTable(study.Materials);
+  return MakeVirtualStudy(ReadMaterials(study.Labels, table), table,
+    AnatomicalAxes::FromCode(study.Orientation), study.Options, folder, progress);
+}
+
+nlohmann::json RunStudy(const PlannedStudy& study, const std::string& keepIn,
+  const ProgressCallback& progress)
+{
+  const ScratchFolder scratch;
+  const fs::path folder = keepIn.empty()
+    ? fs::path(scratch.File("run"))
+    : fs::path(keepIn) / (study.Phantom + "-" + std::to_string(study.Options.Seed));
+  const std::string resultName = std::string("result-") + NameOf(study.Registration.Comparison);
+  if (fs::exists(folder / resultName))
+  {
+    throw InputError(
+      (folder / resultName).string() + ": expected a folder that is not there yet, found it");
+  }
+  fs::create_directories(folder);
+  const std::string made = (folder / "study").string();
+  const StudyTruth truth = fs::exists(made + "/truth.json")
+    ? ReadStudyTruth(made + "/truth.json")
+    : MakePlannedStudy(study, made, ShareOf(progress, 0, 0.2));
+  const nlohmann::json none = nlohmann::json::array();
+  nlohmann::json run{ { "phantom", study.Phantom }, { "seed", study.Options.Seed },
+    { "laterality", std::string(1, study.Options.Laterality) }, { "views", none },
+    { "ccAlone", none }, { "projections", none }, { "oneViewMm", none }, { "bothViewsMm", none },
+    { "seconds", 0 }, { "failure", "" } };
+  const std::string result = (folder / resultName).string();
+  const auto begin = std::chrono::steady_clock::now();
+  try
+  {
+    RegistrationCase input;
+    input.Options = study.Registration;
+    TakeStudy(made + "/export", {}, input);
+    const bool sweeps = study.Options.Projections > 1;
+    const double both = sweeps ? 0.5 : 1;
+    const auto registered = [&](const RegistrationCase& one, double from, double to)
+    {
+      RegistrationCaseResult found = RunRegistrationCase(one, ShareOf(progress, from, to));
+      ReportProgress(progress, to, "registered"); // a search that is stopped gives what it has
+      return found;
+    };
+    const RegistrationCaseResult found = registered(input, 0.2, both);
+    run["seconds"] =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+    WriteRegistrationCase(input, found, result);
+    run["views"] = ViewsJson(truth, result);
+    MeasureTwoViews(truth, result, run);
+    const auto alone = [&](const std::string& mammogram, const std::string& name, double from)
+    {
+      RegistrationCase one = input;
+      one.Mammograms = { mammogram };
+      const std::string output = result + name;
+      WriteRegistrationCase(one, registered(one, from, from + 0.25), output);
+      return ViewsJson(truth, output);
+    };
+    if (sweeps)
+    {
+      run["ccAlone"] = alone(input.Mammograms.front(), "-cc", 0.5);
+      run["projections"] = alone(made + "/" + StudyProjectionsFile, "-projections", 0.75);
+    }
+  }
+  catch (const InputError& error)
+  {
+    run["failure"] = error.what();
+  }
+  catch (const ConvergenceError& error)
+  {
+    run["failure"] = error.what();
+  }
+  return run;
+}
+}
