@@ -19,7 +19,7 @@ struct Landmark
   Vector3 Uncompressed{ 0, 0, 0 };
   /// In the frame of the truth, mm.
   Vector3 Compressed{ 0, 0, 0 };
-  /// Whether it lies between the plates, and so in the mammogram.
+  /// It lies between the plates, so that the mammogram shows it.
   bool Imaged = true;
 };
 
@@ -39,17 +39,17 @@ struct ErrorSummary
 };
 MAMMORAYSTUDY_EXPORT ErrorSummary Summarise(std::vector<double> errors);
 
-/// The value below which this part of some values lies, [0, 1], linear between them; NaN of none.
+/// The quantile of some values for `part` in [0, 1], linear between them; NaN if there are none.
 MAMMORAYSTUDY_EXPORT double Quantile(std::vector<double> values, double part);
 
 /**
- * Points carried by the point array "Displacement" (mm) of a body, each by that of the cell that
- * holds or is nearest to it. Throws InputError without that array.
+ * Moves points by the point array "Displacement" (mm) of a body, interpolated in the cell that
+ * contains or is nearest to each. Throws InputError without that array.
  */
 MAMMORAYSTUDY_EXPORT std::vector<Vector3> Displace(const std::vector<Vector3>& points,
   vtkUnstructuredGrid* body);
 
-/// Errors of one way to carry the landmarks into the compressed breast; one entry per landmark, mm.
+/// Errors of one method that predicts the compressed landmarks; one entry per landmark, mm.
 struct LandmarkErrors
 {
   std::string Method;
@@ -59,8 +59,7 @@ struct LandmarkErrors
   std::vector<double> OnReceptor;
 };
 
-/// Which unit the truth was taken in: its placement in the truth's frame and where its focal spot
-/// is.
+/// The unit of the truth: its placement in the truth's frame, and the distance of its focal spot.
 struct LandmarkTruth
 {
   VolumeFromGantry Placed;
@@ -68,9 +67,10 @@ struct LandmarkTruth
 };
 
 /**
- * How far two readers' marks of the same landmarks, in the same order, lie apart, mm: in the
- * uncompressed breast, compressed, and of the latter on the receptor of `truth`. No method can be
- * measured more closely. Throws InputError where they are not as many.
+ * Distances between two readers' marks of the same landmarks, in the same order, mm: in the
+ * uncompressed breast, in the compressed one, and on the receptor of `truth`. They limit how
+ * accurately any method can be measured. DistancesBetween throws InputError if the numbers of marks
+ * differ.
  */
 struct ReaderDistances
 {
@@ -81,7 +81,7 @@ struct ReaderDistances
 MAMMORAYSTUDY_EXPORT ReaderDistances DistancesBetween(const std::vector<Landmark>& first,
   const std::vector<Landmark>& second, const LandmarkTruth& truth);
 
-/// The errors of a way at the landmarks that the mammogram shows.
+/// The errors of a method at the landmarks that the mammogram shows.
 struct LandmarkSummary
 {
   std::string Method;
@@ -94,9 +94,9 @@ MAMMORAYSTUDY_EXPORT LandmarkSummary SummariseImaged(const LandmarkErrors& error
 /**
  * Errors of the identity, of the best rigid motion (fitted to the truth itself, over the imaged
  * landmarks and over all), and of a registration. `uncompressed` is the uncompressed body with the
- * point array "Displacement" (mm); `registered` is where the registration placed the unit in the
- * frame of the label volume, `registeredSid` its source to detector distance. Errors are measured
- * in the gantry frame, so they hold both the deformation's and the pose's share. Throws InputError.
+ * point array "Displacement" (mm); `registered` and `registeredUnit`: the unit and its placement
+ * in the frame of the label volume, by the registration. Errors are measured in the gantry frame,
+ * so that they contain the deformation's and the pose's share. Throws InputError.
  */
 MAMMORAYSTUDY_EXPORT std::vector<LandmarkErrors> EvaluateLandmarks(
   const std::vector<Landmark>& landmarks, const LandmarkTruth& truth,

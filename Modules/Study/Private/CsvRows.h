@@ -8,25 +8,25 @@
 
 namespace mammoray
 {
-/// A line of a CSV file, with its number in the file for what is said of it.
+/// A line of a CSV file, with its number in the file for error messages.
 struct CsvRow
 {
   int Line = 0;
   std::vector<std::string> Fields;
 };
 
-/// A CSV file of one of several known forms.
+/// A CSV file with one of several known headers.
 struct CsvRows
 {
   std::string Path;
-  /// Which of the headers the file has.
+  /// Index of the file's header among the known ones.
   std::size_t Header = 0;
-  /// As many fields as the header has, in each; empty lines are left out.
+  /// Each row has as many fields as the header; empty lines are left out.
   std::vector<CsvRow> Rows;
 
   /// A field as a finite number. Throws InputError that names file and line.
   double Number(const CsvRow& row, std::size_t field) const;
-  /// "FILE: line N: expected WHAT, found 'FIELDS'", to be thrown.
+  /// The error message "FILE: line N: expected WHAT, found 'FIELDS'".
   std::string Refusal(const CsvRow& row, const std::string& expected) const;
 };
 
