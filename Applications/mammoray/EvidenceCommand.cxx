@@ -69,7 +69,7 @@ void Declare(const OptionList& add, EvidenceArguments& arguments)
   add("--phantom", arguments.Phantoms,
     "NAME=FILE: a label volume for the twin experiments, instead of the three of the data");
   AddMaterialsOption(add, input.Materials);
-  AddOrientationOption(add, input.Orientation, "the phantoms");
+  AddOrientationOption(add, input.Orientation);
   add("--label-spacing", arguments.LabelSpacingMm, Positive("mm"),
     "phantoms that are finer are resampled to voxels of this size");
   add("--only", arguments.Only, "parts to run, or kinds of wrong pairs")
@@ -113,7 +113,7 @@ void Declare(const OptionList& add, EvidenceArguments& arguments)
   add("--curve", arguments.Curve,
     "SVG of the share of right results that are trusted against that of wrong ones");
   add.Flag("--resume", arguments.Resume, "go on from the runs in --output");
-  AddOverwriteFlag(add, arguments.Overwrite, "--output, --table and --curve");
+  AddOverwriteFlag(add, arguments.Overwrite);
 }
 
 std::vector<EvidencePhantom> ParsePhantoms(const EvidenceArguments& arguments)

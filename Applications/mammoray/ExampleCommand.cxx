@@ -81,30 +81,31 @@ bool IsFolderToBeMade(const std::string& folder, const ExampleFiles& files, bool
 void DeclareStudy(const OptionList& add, ExampleArguments& arguments)
 {
   VirtualStudyOptions& study = arguments.Study;
-  AddLabelOptions(add, arguments.Labels);
-  AddMaterialsOption(add, arguments.Materials);
-  AddOrientationOption(add, arguments.Orientation, "the phantom");
-  add("--label-spacing", arguments.Labels.SpacingMm, Positive("mm"),
-    "a phantom that is finer is resampled to voxels of this size");
   add("--seed", study.Seed, "of stiffness, poses, thickness and noise");
   add.Choice<char>("--side", study.Laterality, { { "left", 'L' }, { "right", 'R' } },
-    "the patient's own breast that is registered");
-  add.Word("--contrast", arguments.Contrast, { "both", "plain", "fat-suppressed" },
+    "the breast that is registered");
+  const OptionList expert = add.Expert();
+  AddLabelsOption(expert, arguments.Labels.Path);
+  AddMaterialsOption(expert, arguments.Materials);
+  AddOrientationOption(expert, arguments.Orientation);
+  AddLabelSpacingOption(expert, arguments.Labels.SpacingMm);
+  expert("--mri-pixel", study.MriPixelMm, Positive("mm"), "voxels of the MRI, in plane");
+  expert("--mri-slice", study.MriSliceMm, Positive("mm"), "distance of its slices");
+  expert("--mammogram-pixel", study.MammogramPixelMm, Positive("mm"), "pixels of the mammograms");
+  expert("--gravity-fineness", study.GravityFineness, Positive(),
+    "cells of the hanging breast: edge of a cube as large as the breast, over this");
+  expert("--compression-fineness", study.CompressionFineness, Positive(),
+    "the same of the compressed one");
+  expert("--anatomy-cell", study.AnatomyMm, Positive("mm"), "cells of the anatomy that is X-rayed");
+  const OptionList file = add.CaseFile();
+  file.Word("--contrast", arguments.Contrast, { "both", "plain", "fat-suppressed" },
     "T1 without and with fat suppression, or one of them");
-  add.FlagOff("--one-breast", study.BothBreasts, "no other breast in the field of view");
-  add.Choice<ScannerStyle>("--scanner", study.Style,
+  file.FlagOff("--one-breast", study.BothBreasts, "no other breast in the field of view");
+  file.Choice<ScannerStyle>("--scanner", study.Style,
     { { "by-seed", ScannerStyle::BySeed }, { "siemens", ScannerStyle::Siemens },
       { "ge", ScannerStyle::Ge }, { "philips", ScannerStyle::Philips } },
     "whose headers the MRI imitates");
-  add("--mri-pixel", study.MriPixelMm, Positive("mm"), "voxels of the MRI, in plane");
-  add("--mri-slice", study.MriSliceMm, Positive("mm"), "distance of its slices");
-  add("--snr", study.SignalToNoise, Positive(), "signal of fat over the noise, in the breast");
-  add("--mammogram-pixel", study.MammogramPixelMm, Positive("mm"), "pixels of the mammograms");
-  add("--gravity-fineness", study.GravityFineness, Positive(),
-    "cells of the hanging breast: edge of a cube as large as the breast, over this");
-  add("--compression-fineness", study.CompressionFineness, Positive(),
-    "the same of the compressed one");
-  add("--anatomy-cell", study.AnatomyMm, Positive("mm"), "cells of the anatomy that is X-rayed");
+  file("--snr", study.SignalToNoise, Positive(), "signal of fat over the noise, in the breast");
 }
 
 void RunStudy(ExampleArguments& arguments)
@@ -142,11 +143,11 @@ void Declare(const OptionList& add, ExampleArguments& arguments)
 {
   add("name", arguments.Name, "test, boxes, veins, breast or study")->required();
   add("-o,--output", arguments.Output,
-    "folder for the three files, made if need be; of a study a new or empty one")
+    "folder for the files, made if need be; of a study a new or empty one")
     ->required();
-  AddSpectrumOption(add, arguments.Spectrum);
-  AddProjectorOptions(add, arguments.Projector);
   AddOverwriteFlag(add, arguments.Overwrite);
+  AddSpectrumOption(add.Expert(), arguments.Spectrum);
+  AddProjectorOptions(add, arguments.Projector);
 #ifdef MAMMORAY_HAS_MESHING
   DeclareStudy(add.Group("Of a study"), arguments);
 #endif

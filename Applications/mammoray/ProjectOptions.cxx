@@ -42,13 +42,12 @@ void DeclareInput(const OptionList& add, ProjectArguments& arguments)
 /// Where source and detector stand.
 void DeclareGeometry(const OptionList& add, ProjectArguments& arguments)
 {
-  AddOrientationOption(add, arguments.Orientation, "the mesh");
+  AddOrientationOption(add, arguments.Orientation);
   add("--source-to-detector", arguments.Unit.SourceToDetectorMm, Positive("mm"),
     "source to receptor plane");
   add("--support-height", arguments.Unit.SupportHeightMm, NonNegative("mm"),
     "breast support above the receptor");
-  AddPoseOption(add, PoseParameters[ThicknessParameter], arguments.Pose.ThicknessMm,
-    "; the anchor lies in the middle");
+  AddPoseOption(add, PoseParameters[ThicknessParameter], arguments.Pose.ThicknessMm);
   AddPoseOptions(add, arguments.Pose);
   add.Numbers("--anchor", arguments.Anchor, "X Y Z",
     "point the pose refers to; default: middle of the mesh at the chest wall");
@@ -79,10 +78,8 @@ void DeclareDetector(const OptionList& add, ProjectArguments& arguments)
   add("--pixel-spacing", arguments.PixelSpacingMm, Positive("mm"), "distance of pixel centres");
   add("--samples", arguments.Samples, Between(1, 16),
     "samples x samples rays per pixel; their transmissions are averaged");
-  add
-    .Numbers("--focal-spot", arguments.FocalSpot, "W H",
-      "edges of the focal spot along columns and rows, mm; default: a point")
-    ->check(*Between(0, 100).Range);
+  add.Numbers("--focal-spot", arguments.FocalSpot, "W H",
+    "edges of the focal spot along columns and rows, mm; default: a point", Between(0, 100));
   add("--focal-spot-samples", arguments.Exposure.FocalSpotSamples, Between(1, 32),
     "n x n source points for the focal spot; each costs a projection");
   add("--photons", arguments.Exposure.PhotonsPerPixel, Between(0, 1e12),
@@ -130,8 +127,7 @@ void DeclareProject(const OptionList& add, ProjectArguments& arguments)
   DeclareInput(add, arguments);
   DeclareGeometry(add, arguments);
   DeclareDetector(add, arguments);
-  AddDicomPictureOptions(add, arguments.Laterality, arguments.ForProcessing,
-    "needed for a mammogram");
+  AddDicomPictureOptions(add, arguments.Laterality, arguments.ForProcessing);
   add.Group("DICOM").Word("--view", arguments.View, { "CC", "MLO", "ML", "LM", "LMO", "FB" },
     "the mammogram's view; default: the one of the roll");
   AddDicomPatientOptions(add, arguments.Patient, false);
