@@ -17,25 +17,25 @@ inline constexpr const char* ObjectsFolderName = "dicom";
 inline CLI::Option* AddPacsOption(const OptionList& add, std::string& address)
 {
   return add("--pacs", address,
-    "HOST:PORT of the archive's DICOM service; what goes there is encrypted with --tls only");
+    "HOST:PORT of the archive's DICOM service\n(what goes there is encrypted with --tls only)");
 }
 
-/// Adds --called-title, --calling-title, --timeout, and --tls with its certificates. `web`: the
-/// help of --authorities names --web, too.
-inline void AddNodeOptions(const OptionList& add, DicomNode& node, bool web = false)
+/// Adds --called-title, --calling-title, --timeout, and --tls with its certificates.
+inline void AddNodeOptions(const OptionList& add, DicomNode& node)
 {
-  add("--called-title", node.CalledTitle, "application entity title of the archive");
-  add("--calling-title", node.CallingTitle, "application entity title of this program");
-  add("--timeout", node.TimeoutSeconds, Between(1, 3600, "s"),
+  const OptionList expert = add.Expert();
+  expert("--called-title", node.CalledTitle, "application entity title of the archive");
+  expert("--calling-title", node.CallingTitle, "application entity title of this program");
+  expert("--timeout", node.TimeoutSeconds, Between(1, 3600, "s"),
     "longest wait for the connection, and for each answer");
   CLI::Option* tls = add.Flag("--tls", node.Tls.Wanted,
-    "encrypt what goes to --pacs and comes from there; the archive must prove its name");
+    "encrypt what goes to --pacs and comes from there\n(the archive must prove its name)");
   // Through a pipe, too, as of what keeps secrets.
-  const auto pem = [&add](const char* name, std::string& file, const std::string& help)
-  { return add(name, file, help)->type_name(InputTypeName); };
+  const auto pem = [&expert](const char* name, std::string& file, const std::string& help)
+  { return expert(name, file, help)->type_name(InputTypeName); };
   pem("--authorities", node.Tls.AuthoritiesFile,
-    std::string("certificates (PEM) that may vouch for the archive, with --tls") +
-      (web ? " or --web" : "") + "; default: the system's");
+    "certificates (PEM) that may vouch for the archive\n(with --tls or https; default: the "
+    "system's)");
   pem("--certificate", node.Tls.CertificateFile,
     "our own certificate (PEM), where the archive asks for one")
     ->needs(tls);

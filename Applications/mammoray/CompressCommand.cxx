@@ -37,20 +37,16 @@ struct CompressArguments
 /// What is compressed, and what is simulated on.
 void DeclareMeshes(const OptionList& add, CompressionCase& input)
 {
-  add.Input("--mesh", input.Mesh, "linear tetrahedra with materials (.vtu)")->required();
+  AddMeshOption(add, input.Mesh)->required();
   AddMaterialsOption(add, input.Materials)->required();
-  AddOrientationOption(add, input.Orientation, "the mesh");
-  CLI::Option* labels = AddLabelOptions(add, input.Labels);
-  labels->description("stiffness is sampled from it; the " + labels->get_description());
-  add.Input("--simulation-mesh", input.SimulationMesh,
-    "coarse mesh (.vtu) to simulate on; the points of --mesh move with it");
-  add("--simulation-cell-size", input.SimulationCellSizeMm, NonNegative("mm"),
-    "largest cells of the simulation mesh that is made for a large mesh, of --labels or else of "
-    "the mesh itself; 0: by the size of the breast, 3000 to 6000 cells");
-  add.Choice<ElementType>("--element", input.Loading.Element,
+  AddOrientationOption(add, input.Orientation);
+  AddLabelOptions(add, input.Labels);
+  AddSimulationMeshOption(add, input.SimulationMesh);
+  AddSimulationCellSizeOption(add.Expert(), input.SimulationCellSizeMm);
+  add.Expert().Choice<ElementType>("--element", input.Loading.Element,
     { { "quadratic", ElementType::Quadratic }, { "linear", ElementType::PatchAveragedLinear } },
-    "of the simulation: quadratic tetrahedra, or linear ones that share their volume in patches; "
-    "linear takes a tenth of the time and needs three times as many cells a side");
+    "of the simulation: quadratic tetrahedra, or linear ones in patches\n(that share their volume; "
+    "linear takes a tenth of the time and needs three times as many cells a side)");
 }
 
 /// How the unit stands and closes.
@@ -63,9 +59,9 @@ void DeclareUnit(const OptionList& add, CompressArguments& arguments)
     "force of the paddle, in place of the thickness; 50 to 150 are usual")
     ->excludes(thickness);
   CLI::Option* view = add.Word("--view", input.View, { "CC", "MLO", "LMO", "ML", "LM" },
-    "CC, or turned by 45 (MLO, LMO) or 90 degrees (ML, LM); --roll is added");
-  AddSideOption(add, input.Side, "the patient's own breast: which way --view turns")->needs(view);
-  AddPoseOptions(add, input.Pose);
+    "turns the unit by 0, 45 or 90 degrees, to which --roll is added");
+  AddSideOption(add, input.Side)->needs(view);
+  AddPoseOptions(add.Expert(), input.Pose);
   AddPlateOptions(add, input.Unit.SupportEdgeMm, input.Unit.PaddleEdgeMm, input.Unit.EdgeRadiusMm);
 }
 
@@ -73,17 +69,26 @@ void DeclareUnit(const OptionList& add, CompressArguments& arguments)
 void DeclareLoading(const OptionList& add, CompressionCase& input)
 {
   CompressionOptions& loading = input.Loading;
-  AddChestWallOption(add, loading.ChestWall);
-  add("--wall-normal-stiffness", loading.Wall.Normal, Positive("kPa/mm"),
-    "of the sliding or elastic chest wall against being left");
-  add("--wall-tangential-stiffness", loading.Wall.Tangential, NonNegative("kPa/mm"),
-    "of the elastic chest wall against gliding");
-  add("--pull", input.PullN, "N",
-    "force that draws the breast forwards onto the receptor, spread over its volume");
-  add("--friction", loading.Friction, NonNegative(),
+  add.Choice<ChestWallMode>("--chest-wall", loading.ChestWall,
+    { { "fixed", ChestWallMode::Fixed }, { "sliding", ChestWallMode::Sliding },
+      { "elastic", ChestWallMode::Elastic } },
+    "attachment to the fixed materials");
+  add.Choice<std::optional<PatientPosition>>("--mri-position", input.ImagePosition,
+    { { "none", std::nullopt }, { "prone", PatientPosition::Prone },
+      { "supine", PatientPosition::Supine } },
+    "how the patient lay in the MRI\n(from prone or supine the breast is unloaded of its weight "
+    "and compressed under that of the standing patient; none: no weight)");
+  const OptionList expert = add.Expert();
+  expert("--pull", input.PullN, "N",
+    "force that draws the breast forwards onto the receptor, spread over it");
+  expert("--friction", loading.Friction, NonNegative(),
     "coefficient of friction between breast and plates");
-  AddImagePositionOption(add, input.ImagePosition);
-  add.Flag("--gravity", input.Gravity,
+  const OptionList file = add.CaseFile();
+  file("--wall-normal-stiffness", loading.Wall.Normal, Positive("kPa/mm"),
+    "of the sliding or elastic chest wall against being left");
+  file("--wall-tangential-stiffness", loading.Wall.Tangential, NonNegative("kPa/mm"),
+    "of the elastic chest wall against gliding");
+  file.Flag("--gravity", input.Gravity,
     "the weight of the standing patient counts, though the mesh is taken for free of load");
 }
 
@@ -96,10 +101,10 @@ void Declare(const OptionList& add, CompressArguments& arguments)
   add("--picture", arguments.Picture,
     "draw cuts through the breast before and after, with the plates (.png)");
   add("--series", arguments.Series,
-    "time series of the compression, for ParaView: a .pvd file, with its .vtu files beside it");
-  add("--series-steps", arguments.SeriesSteps, Between(2, 1000),
+    "time series for ParaView: a .pvd file, with its .vtu files beside it");
+  add.Expert()("--series-steps", arguments.SeriesSteps, Between(2, 1000),
     "of the series, from plates that touch nothing to the compressed breast");
-  AddOverwriteFlag(add, arguments.Overwrite, "the output files");
+  AddOverwriteFlag(add, arguments.Overwrite);
 }
 
 void CheckOutputs(const CompressArguments& arguments)

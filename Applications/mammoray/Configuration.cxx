@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Configuration.h"
 
-#include "Help.h"
+#include "OptionList.h"
 #include "mammoray/Foundation/SpellingSuggestions.h"
 #include "mammoray/Foundation/ValidRange.h"
 
@@ -10,7 +10,7 @@
 
 #include <cstdio>
 #include <filesystem>
-#include <memory>
+#include <fstream>
 #include <string>
 #include <vector>
 
@@ -18,7 +18,22 @@ namespace mammoray
 {
 namespace
 {
-std::string JsonScalar(const nlohmann::json& value, const std::string& key)
+using Json = nlohmann::ordered_json;
+
+std::vector<std::string> SettingsOf(const Command& command)
+{
+  std::vector<std::string> names;
+  for (const Declaration& declaration : command.Declarations)
+  {
+    if (declaration.IsSetting())
+    {
+      names.push_back(declaration.Name());
+    }
+  }
+  return names;
+}
+
+std::string JsonScalar(const Json& value, const std::string& key)
 {
   if (value.is_string())
   {
@@ -36,110 +51,93 @@ std::string JsonScalar(const nlohmann::json& value, const std::string& key)
     "configuration: '" + key + "' is neither a value nor a list of values");
 }
 
-/// CLI11 reads and prints configuration through this; see AddConfigurationOptions for the format.
-class JsonConfiguration : public CLI::Config
+/// A number, a truth value or a text.
+Json AsJson(const std::string& text)
 {
-public:
-  std::string to_config(const CLI::App* command, bool withDefaults, bool /*descriptions*/,
-    std::string) const override
+  if (Json::accept(text))
   {
-    nlohmann::ordered_json values = nlohmann::ordered_json::object();
-    for (const CLI::Option* option : command->get_options({}))
+    const Json value = Json::parse(text);
+    if (value.is_number() || value.is_boolean())
     {
-      if (option->get_lnames().empty() || !option->get_configurable())
-      {
-        continue;
-      }
-      const std::string name = option->get_lnames().front();
-      if (option->get_type_size() == 0)
-      {
-        values[name] = option->count() > 0;
-      }
-      else if (option->count() == 1)
-      {
-        values[name] = AsJson(option->results().front());
-      }
-      else if (option->count() > 1)
-      {
-        for (const std::string& result : option->results())
-        {
-          values[name].push_back(AsJson(result));
-        }
-      }
-      else if (withDefaults && !option->get_default_str().empty())
-      {
-        values[name] = DefaultAsJson(*option);
-      }
+      return value;
     }
-    return values.dump(2) + "\n";
   }
+  return text;
+}
+}
 
-  std::vector<CLI::ConfigItem> from_config(std::istream& input) const override
+Json DefaultAsJson(const Declaration& declaration)
+{
+  const std::string& text = declaration.Option->get_default_str();
+  if (!declaration.IsList() || text.size() < 2 || text.front() != '[')
   {
-    nlohmann::json values;
-    try
-    {
-      values = nlohmann::json::parse(input, mammoray::JsonNestingLimit{ "configuration" });
-    }
-    catch (const nlohmann::json::exception& error)
-    {
-      throw CLI::ConversionError(std::string("configuration: not JSON: ") + error.what());
-    }
-    if (!values.is_object())
-    {
-      throw CLI::ConversionError("configuration: expected a JSON object of options");
-    }
-    std::vector<CLI::ConfigItem> entries;
-    for (const auto& [key, value] : values.items())
-    {
-      CLI::ConfigItem item;
-      item.name = key;
-      if (value.is_array())
-      {
-        for (const auto& element : value)
-        {
-          item.inputs.push_back(JsonScalar(element, key));
-        }
-      }
-      else
-      {
-        item.inputs.push_back(JsonScalar(value, key));
-      }
-      entries.push_back(item);
-    }
-    return entries;
+    return text.empty() ? Json() : AsJson(text);
   }
+  // CLI11 writes the default of a list as [a,b].
+  Json values = Json::array();
+  for (const std::string& value : CLI::detail::split(text.substr(1, text.size() - 2), ','))
+  {
+    values.push_back(AsJson(value));
+  }
+  return values;
+}
 
-private:
-  /// CLI11 writes the default of a list as [a,b].
-  static nlohmann::ordered_json DefaultAsJson(const CLI::Option& option)
+namespace
+{
+Json ValueOf(const Declaration& declaration)
+{
+  const CLI::Option& option = *declaration.Option;
+  if (declaration.IsFlag())
   {
-    const std::string& text = option.get_default_str();
-    if (option.get_expected_max() == 1 || text.front() != '[' || text.back() != ']')
-    {
-      return AsJson(text);
-    }
-    nlohmann::ordered_json values = nlohmann::ordered_json::array();
-    for (const std::string& value : CLI::detail::split(text.substr(1, text.size() - 2), ','))
-    {
-      values.push_back(AsJson(value));
-    }
-    return values;
+    return option.count() > 0;
   }
+  if (option.count() == 1)
+  {
+    return AsJson(option.results().front());
+  }
+  Json values = Json::array();
+  for (const std::string& result : option.results())
+  {
+    values.push_back(AsJson(result));
+  }
+  return values.empty() ? DefaultAsJson(declaration) : values;
+}
 
-  static nlohmann::ordered_json AsJson(const std::string& text)
+}
+
+std::string PrintedConfiguration(const Command& command)
+{
+  Json values = Json::object();
+  for (const Declaration& declaration : command.Declarations)
   {
-    if (nlohmann::ordered_json::accept(text))
+    if (const Json value = declaration.IsSetting() ? ValueOf(declaration) : Json();
+        !value.is_null())
     {
-      auto value = nlohmann::ordered_json::parse(text);
-      if (value.is_number() || value.is_boolean())
-      {
-        return value;
-      }
+      values[declaration.Name()] = value;
     }
-    return text;
   }
-};
+  return values.dump(2) + "\n";
+}
+
+namespace
+{
+Json ReadObject(const std::string& path)
+{
+  try
+  {
+    std::ifstream file(path);
+    Json values = Json::parse(file, mammoray::JsonNestingLimit{ path });
+    if (values.is_object())
+    {
+      return values;
+    }
+  }
+  catch (const nlohmann::json::exception& error)
+  {
+    throw CLI::ConversionError(path + ": not JSON: " + error.what());
+  }
+  throw CLI::ConversionError(path + ": expected a JSON object of options");
+}
 
 /// The path beside the configuration file where there is something, else as it was given.
 std::string BesideOrAsGiven(const std::string& path, const std::filesystem::path& folder)
@@ -150,66 +148,81 @@ std::string BesideOrAsGiven(const std::string& path, const std::filesystem::path
 }
 
 /// Gives the options that the command line left out their values from the file.
-void ReadConfiguration(CLI::App& command, const std::string& path)
+void ReadConfiguration(const Command& command, const std::string& path)
 {
   const std::filesystem::path folder = std::filesystem::path(path).parent_path();
-  for (CLI::ConfigItem& item : JsonConfiguration().from_file(path))
+  const Json values = ReadObject(path);
+  for (const auto& [key, value] : values.items())
   {
-    CLI::Option* option = command.get_option_no_throw("--" + item.name);
-    if (!option)
-    {
-      throw CLI::ConversionError(path + ": unknown option '" + item.name + "'; " +
-        SpellingHint("--" + item.name, LongOptions(command)));
-    }
-    if (!option->get_configurable())
-    {
-      throw CLI::ConfigError::NotConfigurable(item.name);
-    }
-    if (option->count() > 0)
+    if (key == "$schema")
     {
       continue;
     }
-    if (option->get_type_size() > 0)
+    const Declaration* declaration = command.Find(key);
+    if (!declaration || !declaration->IsSetting())
     {
-      if (option->get_type_name() == InputTypeName)
-      {
-        for (std::string& input : item.inputs)
-        {
-          input = BesideOrAsGiven(input, folder);
-        }
-      }
-      option->add_result(item.inputs);
-      option->run_callback();
+      throw CLI::ConversionError(
+        path + ": unknown option '" + key + "'; " + SpellingHint(key, SettingsOf(command)));
     }
-    else if (item.inputs != std::vector<std::string>{ "false" })
+    CLI::Option& option = *declaration->Option;
+    if (declaration->Where == Shown::InCaseFile)
     {
-      option->add_result(option->get_flag_value(item.name, JsonConfiguration().to_flag(item)));
-      option->run_callback();
+      option.clear(); // CLI11 does it for those of the command line
+    }
+    if (option.count() > 0)
+    {
+      continue;
+    }
+    std::vector<std::string> texts;
+    for (const Json& element : value.is_array() ? value : Json::array({ value }))
+    {
+      const std::string text = JsonScalar(element, key);
+      texts.push_back(
+        option.get_type_name() == InputTypeName ? BesideOrAsGiven(text, folder) : text);
+    }
+    if (!declaration->IsFlag())
+    {
+      option.add_result(texts);
+      option.run_callback();
+    }
+    else if (value == true)
+    {
+      option.add_result("true");
+      option.run_callback();
+    }
+    else if (value != false)
+    {
+      throw CLI::ConversionError(
+        path + ": " + key + ": expected true or false, found " + value.dump());
     }
   }
 }
 }
 
-void AddConfigurationOptions(CLI::App& command)
+void AddConfigurationOptions(Command& command)
 {
-  command.config_formatter(std::make_shared<JsonConfiguration>());
-  // Not set_config: CLI11 reads configuration for the application only, never for a sub-command.
-  command
-    .add_option_function<std::string>(
-      "--config", [&command](const std::string& path) { ReadConfiguration(command, path); },
-      "read options from a JSON file")
-    ->check(CLI::ExistingFile)
-    ->configurable(false);
-  command
-    .add_flag_callback(
-      "--print-config",
-      [&command]()
-      {
-        std::fputs(command.config_to_str(true, false).c_str(), stdout);
-        throw CLI::Success();
-      },
-      "print the options as JSON for --config, and stop")
-    ->configurable(false)
-    ->trigger_on_parse(false);
+  const OptionList add(command);
+  add.Keep(
+    { command
+        .add_option_function<std::string>(
+          "--config", [&command](const std::string& path) { ReadConfiguration(command, path); },
+          "read options from a case file (.json); docs/options.md lists its keys")
+        ->check(CLI::Validator(CLI::ExistingFile).description(""))
+        ->type_name("FILE")
+        ->configurable(false),
+      Shown::InHelp, "string", "", {} });
+  // Not at once: what follows it on the line counts, too.
+  add.Keep({ command
+               .add_flag_callback(
+                 "--print-config",
+                 [&command]()
+                 {
+                   std::fputs(PrintedConfiguration(command).c_str(), stdout);
+                   throw CLI::Success();
+                 },
+                 "print the options as JSON for --config, and stop")
+               ->configurable(false)
+               ->trigger_on_parse(false),
+    Shown::InHelpAll, "boolean", "", {} });
 }
 }

@@ -2,23 +2,32 @@
 #ifndef mammoray_Configuration_h
 #define mammoray_Configuration_h
 
-namespace CLI
-{
-class App;
-}
+#include <nlohmann/json_fwd.hpp>
+
+#include <string>
 
 namespace mammoray
 {
-/// What --help says in the place of a type of the options that name something to read.
+class Command;
+struct Declaration;
+
+/// What help shows in place of a type of the options that name something to read.
 constexpr const char* InputTypeName = "PATH";
 
 /**
- * Adds --config FILE.json and --print-config to a sub-command. Keys of the file are the long option
- * names without dashes; an option on the command line wins over the file. What is to be read
- * (options of InputTypeName) is looked for beside the file first, so that a folder with its
- * configuration can be moved, then in the working folder. Call it after the options are added.
+ * Adds --config FILE.json, which reads a case file, and --print-config, which writes one. Keys of
+ * the file are the option names without dashes, and "$schema"; an option on the command line wins
+ * over the file. What is to be read (options of InputTypeName) is looked for beside the file first,
+ * so that a folder with its case file can be moved, then in the working folder. Call it after the
+ * options are added.
  */
-void AddConfigurationOptions(CLI::App& command);
+void AddConfigurationOptions(Command& command);
+
+/// What --print-config prints.
+std::string PrintedConfiguration(const Command& command);
+
+/// The default of an option, null where there is none.
+nlohmann::ordered_json DefaultAsJson(const Declaration& declaration);
 }
 
 #endif

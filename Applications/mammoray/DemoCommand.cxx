@@ -23,8 +23,8 @@ struct DemoArguments
 void Declare(const OptionList& add, DemoArguments& arguments)
 {
   add("-o,--output", arguments.Output, "folder for meshes, pictures, result.json and report.html");
-  add("--device", arguments.Device, "part of the wanted Vulkan device's name");
-  AddOverwriteFlag(add, arguments.Overwrite, "an earlier result folder");
+  AddDeviceOption(add, arguments.Device);
+  AddOverwriteFlag(add, arguments.Overwrite);
 }
 
 /// Runs one of the two commands as a user would write it, and shows how.

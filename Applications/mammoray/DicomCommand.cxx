@@ -44,27 +44,27 @@ struct DicomArguments
 void Declare(const OptionList& add, DicomArguments& arguments)
 {
   AddResultOption(add, arguments.Result)->required();
-  add
-    .Input("--mammogram", arguments.Mammogram,
-      "the mammogram that was registered, DICOM MG: view, side and directions are taken from it")
-    ->required();
-  AddDicomPictureOptions(add, arguments.Laterality, arguments.ForProcessing,
-    "default: what the header of --mammogram says");
+  add.Input("--mammogram", arguments.Mammogram, RegisteredMammogramHelp)->required();
+  AddDicomPictureOptions(add, arguments.Laterality, arguments.ForProcessing);
   AddDicomPatientOptions(add, arguments.Patient, true);
   const OptionList shown = add.Group("Of a folder");
-  AddPointOption(shown, arguments.Point, ", to be shown on the mammogram");
-  AddLesionOption(shown, arguments.Lesion, ": each label is shown");
-  AddLesionAxesFlag(shown, arguments.AxesAsGiven);
-  AddProjectorOptions(shown, arguments.Projector);
+  AddPointOption(shown, arguments.Point);
+  AddLesionOption(shown, arguments.Lesion);
   shown.Input("--mri", arguments.Mri,
-    "folder with the slices of the MRI, DICOM, in whose frame the label volume is: adds it between "
-    "the plates, and the registration that leads to it");
-  shown("--mri-spacing", arguments.MriSpacingMm, Positive("mm"), "voxels of that MRI");
-  shown("--field-spacing", arguments.FieldSpacingMm, Positive("mm"), "voxels of that registration");
+    "folder with the MRI's DICOM slices: adds it between the plates\n(in the frame of the label "
+    "volume; and the registration that leads to it)");
+  const OptionList expert = shown.Expert();
+  AddAxesFlag(expert, arguments.AxesAsGiven);
+  AddProjectorOptions(expert, arguments.Projector);
+  const OptionList file = shown.CaseFile();
+  file("--mri-spacing", arguments.MriSpacingMm, Positive("mm"),
+    "voxels of the MRI that is written");
+  file("--field-spacing", arguments.FieldSpacingMm, Positive("mm"),
+    "voxels of the registration that is written");
   add("-o,--output", arguments.Output,
-    "a file (.dcm) for the synthetic mammogram alone, or a new folder for all objects; default: "
-    "the folder dicom in that of --result");
-  AddOverwriteFlag(add, arguments.Overwrite, "the output file");
+    "the synthetic mammogram (.dcm) or a new folder for all objects\n(default: the folder dicom in "
+    "that of --result)");
+  AddOverwriteFlag(add, arguments.Overwrite);
 }
 
 void WriteSynthetic(const DicomArguments& arguments, const ResultFile& result,

@@ -22,28 +22,30 @@ DicomIdentity DicomPatient::Identity() const
 
 void AddDicomPatientOptions(const OptionList& add, DicomPatient& patient, bool mammogramGiven)
 {
-  const OptionList dicom = add.Group("DICOM");
-  CLI::Option* name = dicom("--patient-name", patient.Name,
-    "patient's name in DICOM files (Family^Given); default: empty");
-  CLI::Option* id =
-    dicom("--patient-id", patient.Id, "patient's ID in DICOM files; default: empty");
+  const OptionList dicom = add.Group("DICOM").Expert();
+  CLI::Option* name =
+    dicom("--patient-name", patient.Name, "patient's name in DICOM files (Family^Given)");
+  CLI::Option* id = dicom("--patient-id", patient.Id, "patient's ID in DICOM files");
   if (mammogramGiven)
   {
-    dicom
-      .Flag("--same-patient", patient.Same,
-        "copy name, ID, birth date, sex and study of --mammogram and refer to it, as archives need "
-        "to file the new object beside it; otherwise nothing of the patient is copied")
-      ->excludes(name)
-      ->excludes(id);
+    AddSamePatientFlag(add.Group("DICOM"), patient.Same)->excludes(name)->excludes(id);
   }
 }
 
+CLI::Option* AddSamePatientFlag(const OptionList& add, bool& same)
+{
+  return add.Flag("--same-patient", same,
+    "name the patient as the mammogram's header does\n(name, ID, birth date, accession number and "
+    "study, as archives need to file new objects beside it); otherwise nothing of the patient is "
+    "written but dates");
+}
+
 void AddDicomPictureOptions(const OptionList& add, std::optional<char>& laterality,
-  bool& forProcessing, const std::string& remark)
+  bool& forProcessing)
 {
   const OptionList dicom = add.Group("DICOM");
-  AddSideOption(dicom, laterality, "the patient's own breast; " + remark);
-  dicom.Flag("--for-processing", forProcessing,
+  AddSideOption(dicom, laterality);
+  dicom.Expert().Flag("--for-processing", forProcessing,
     "store the transmission, linear, instead of a picture For Presentation");
 }
 

@@ -28,7 +28,14 @@ void AddDicomPatientOptions(const OptionList& add, DicomPatient& patient, bool m
 
 /// Adds --side ('L' or 'R') and --for-processing of a synthetic mammogram.
 void AddDicomPictureOptions(const OptionList& add, std::optional<char>& laterality,
-  bool& forProcessing, const std::string& remark);
+  bool& forProcessing);
+
+/// Help of --mammogram where it is that of a result.
+inline constexpr const char* RegisteredMammogramHelp =
+  "the mammogram that was registered (DICOM MG), which objects refer to";
+
+/// Adds --same-patient; gives the option.
+CLI::Option* AddSamePatientFlag(const OptionList& add, bool& same);
 
 /// True for the extension .dcm.
 bool IsDicomPath(const std::string& path);

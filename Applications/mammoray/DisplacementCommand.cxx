@@ -29,16 +29,16 @@ void Declare(const OptionList& add, DisplacementArguments& arguments)
   add.Choice("--direction", arguments.Direction,
     { { "compressed-to-volume", DisplacementDirection::CompressedToVolume },
       { "volume-to-compressed", DisplacementDirection::VolumeToCompressed } },
-    "which points are moved, and where to: those between the plates to their place in the volume, "
-    "which is what resampling takes to bring the MRI into the compressed breast; or those of the "
-    "volume, which moves points and meshes between the plates");
-  add("--spacing", arguments.SpacingMm, Positive("mm"), "voxels of the field");
-  add("--margin", arguments.MarginMm, NonNegative("mm"),
-    "how far the field reaches beyond the breast; there, points move with the nearest tissue");
+    "which points are moved\n(those between the plates to their place in the volume, which "
+    "resamples the MRI into the compressed breast; or those of the volume, which moves points and "
+    "meshes between the plates)");
+  add("--spacing", arguments.SpacingMm, Positive("mm"), "voxels of what is written");
+  add.Expert()("--margin", arguments.MarginMm, NonNegative("mm"),
+    "how far the field reaches beyond the breast\n(there, points move with the nearest tissue)");
   add("-o,--output", arguments.Output,
-    "displacement field (.nrrd .mha .nii.gz) or ITK transform file (.h5 .tfm), mm, LPS, of points")
+    "displacement field (.nrrd .mha .nii.gz) or ITK transform (.h5 .tfm)\n(mm, LPS, of points)")
     ->required();
-  AddOverwriteFlag(add, arguments.Overwrite, "the output file");
+  AddOverwriteFlag(add, arguments.Overwrite);
 }
 
 void Run(DisplacementArguments& arguments)

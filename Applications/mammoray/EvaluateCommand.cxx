@@ -34,30 +34,31 @@ void Declare(const OptionList& add, EvaluateArguments& arguments)
 {
   AddResultOption(add, arguments.Result);
   add.Input("--landmarks", arguments.Landmarks,
-    "CSV: ux,uy,uz (uncompressed, frame of the label volume), cx,cy,cz (compressed, frame of the "
-    "truth), imaged (0 or 1, may be left out); mm");
+    "CSV with ux,uy,uz,cx,cy,cz and imaged, mm\n(uncompressed in the frame of the label volume, "
+    "compressed in the frame of the truth; imaged is 0 or 1 and may be left out)");
   add
     .Input("--second-reader", arguments.SecondReader,
-      "the same landmarks in the same order, marked by somebody else: how far two readers' marks "
-      "lie apart is printed beside the errors")
+      "the same landmarks in the same order, marked by somebody else\n(how far two readers' marks "
+      "lie apart is printed beside the errors)")
     ->needs("--landmarks");
   add
     .Input("--truth", arguments.Study,
-      "truth.json of a virtual study (mammoray-validate), in place of --landmarks; for the result "
-      "of "
-      "'register --study' on its export")
+      "truth.json of a virtual study, in place of --landmarks\n(of mammoray-validate; for the "
+      "result "
+      "of 'register --study' on its export)")
     ->excludes("--landmarks");
   add
     .Input("--answers", arguments.Answers,
-      "CSV of any method's answers to --truth, in place of --result: view,point,column,row, or "
-      "view,point,column,row,x,y,z (pixels; gantry frame, mm)")
+      "CSV of any method's answers to --truth, in place of --result\n(view,point,column,row, or "
+      "view,point,column,row,x,y,z: pixels; gantry frame, mm)")
     ->needs("--truth")
     ->excludes("--result");
-  add("--truth-orientation", arguments.TruthOrientation,
+  const OptionList expert = add.Expert();
+  expert("--truth-orientation", arguments.TruthOrientation,
     "directions of the truth frame's axes, e.g. LPS or ALS");
-  add.Numbers("--truth-origin", arguments.TruthOrigin, "X Y Z",
+  expert.Numbers("--truth-origin", arguments.TruthOrigin, "X Y Z",
     "the gantry frame's origin in the truth's frame, mm");
-  add("--truth-source-to-detector", arguments.Truth.SourceToDetectorMm, Positive("mm"),
+  expert("--truth-source-to-detector", arguments.Truth.SourceToDetectorMm, Positive("mm"),
     "source to detector distance of the truth");
 }
 

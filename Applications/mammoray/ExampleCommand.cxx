@@ -71,9 +71,9 @@ void Declare(const OptionList& add, ExampleArguments& arguments)
 {
   add("name", arguments.Name, "test, boxes, veins or breast")->required();
   add("-o,--output", arguments.Output, "folder for the three files, made if need be")->required();
-  AddSpectrumOption(add, arguments.Spectrum);
-  AddProjectorOptions(add, arguments.Projector);
   AddOverwriteFlag(add, arguments.Overwrite);
+  AddSpectrumOption(add.Expert(), arguments.Spectrum);
+  AddProjectorOptions(add, arguments.Projector);
 }
 
 void Run(ExampleArguments& arguments)

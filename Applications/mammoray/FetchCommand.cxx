@@ -25,12 +25,10 @@ void Declare(const OptionList& add, FetchArguments& arguments)
 {
   AddPacsOption(add, arguments.Pacs)->required();
   add("--accession", arguments.Accessions,
-    "accession number of a study, whole; once more for each further one, such as the MRI's and the "
-    "mammograms'")
+    "accession number of a study, once for each\n(such as the MRI's and the mammograms')")
     ->required();
   AddNodeOptions(add, arguments.Node);
-  add("-o,--output", arguments.Output,
-    "a new or empty folder, for 'mammoray register --study'; appears complete or not at all")
+  add("-o,--output", arguments.Output, "a new or empty folder, for 'mammoray register --study'")
     ->required();
 }
 

@@ -37,25 +37,19 @@ struct FuseArguments
 void Declare(const OptionList& add, FuseArguments& arguments)
 {
   AddResultOption(add, arguments.Result)->required();
-  add
-    .Input("--image", arguments.Image,
-      "MRI in the frame of the registered label volume, a contrast-enhanced subtraction for "
-      "example "
-      "(.nrrd .nhdr .mha .mhd .nii .nii.gz, or a folder of DICOM slices)")
-    ->required();
-  add.Flag("--axes-as-given", arguments.AxesAsGiven,
-    "take the header's axes of --image as they are, with no conversion to LPS");
+  AddImageOption(add, arguments.Image)->required();
+  AddAxesFlag(add.Expert(), arguments.AxesAsGiven);
   AddAcceptUnusualFlag(add, arguments.AcceptUnusual);
-  add("--spacing", arguments.SpacingMm, Positive("mm"), "voxels of the compressed image");
+  add("--spacing", arguments.SpacingMm, Positive("mm"), "voxels of what is written");
   add("-o,--output", arguments.Output,
-    "write the image in the compressed breast there (.nrrd .mha .nii.gz), 0 outside");
+    "the image in the compressed breast (.nrrd .mha .nii.gz), 0 outside");
   add("--projection", arguments.Projection,
-    "write its maximum and mean along the X-ray of each pixel of the registered mammogram there "
-    "(.vti; .mha and .nrrd take the maximum only)");
+    "its maximum and mean along the X-ray of each pixel (.vti .mha .nrrd)\n(of the registered "
+    "mammogram; .mha and .nrrd take the maximum only)");
   add("--maximum-picture", arguments.MaximumPicture,
-    "write the maximum as a picture (.png) of the mammogram's rows and columns");
-  add("--mean-picture", arguments.MeanPicture, "write the mean as a picture (.png)");
-  AddOverwriteFlag(add, arguments.Overwrite, "the output files");
+    "the maximum as a picture (.png) of the mammogram's rows and columns");
+  add("--mean-picture", arguments.MeanPicture, "the mean as such a picture (.png)");
+  AddOverwriteFlag(add, arguments.Overwrite);
 }
 
 void Run(FuseArguments& arguments)

@@ -1,15 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Help.h"
 
+#include "OptionList.h"
 #include "mammoray/Foundation/SpellingSuggestions.h"
-
-#include <CLI/CLI.hpp>
 
 #include <sys/ioctl.h>
 #include <unistd.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cstdlib>
 #include <memory>
 #include <sstream>
@@ -61,42 +59,54 @@ std::size_t TerminalWidth()
   return std::max(width, LeastWidth);
 }
 
+/// Widths of the columns of names and of what fits into a line.
+constexpr std::size_t NameColumn = 30;
+
+/// "--thickness mm", and words where they fit.
+std::string NameAndType(const Declaration& declaration)
+{
+  const CLI::Option& option = *declaration.Option;
+  std::string text = "  " + option.get_name(option.get_positional(), true);
+  if (declaration.IsFlag())
+  {
+    return text;
+  }
+  const std::string words = CLI::detail::join(declaration.Words, "|");
+  // A type with '=' says by itself that there may be several.
+  const bool isSeries = declaration.IsList() && option.get_expected_min() == 1 &&
+    option.get_type_name().find('=') == std::string::npos;
+  const std::string more = isSeries ? " ..." : "";
+  const bool fits = !words.empty() && text.size() + words.size() + more.size() + 3 <= NameColumn;
+  return text + " " + (fits ? words : words.empty() ? option.get_type_name() : "WORD") + more;
+}
+
+std::string Entry(const Declaration& declaration, bool all)
+{
+  const CLI::Option& option = *declaration.Option;
+  const std::string name = NameAndType(declaration);
+  std::string text = all ? WholeHelp(option)
+                         : option.get_description().substr(0, option.get_description().find('\n'));
+  if (!declaration.Words.empty() && name.find('|') == std::string::npos)
+  {
+    text += ": " + CLI::detail::join(declaration.Words, ", ");
+  }
+  text += ValueRemark(declaration, all);
+  const std::string gap = name.size() + 2 <= NameColumn ? std::string(NameColumn - name.size(), ' ')
+                                                        : "\n" + std::string(NameColumn, ' ');
+  return name + gap + text + "\n";
+}
+
 class HelpFormatter : public CLI::Formatter
 {
 public:
-  std::string make_help(const CLI::App* command, std::string name,
+  std::string make_help(const CLI::App* app, std::string name,
     CLI::AppFormatMode mode) const override
   {
-    return Wrapped(CLI::Formatter::make_help(command, std::move(name), mode), TerminalWidth());
-  }
-
-  /// Below an option whose name leaves no two spaces before the second column.
-  std::string make_option(const CLI::Option* option, bool positional) const override
-  {
-    const std::string name =
-      "  " + this->make_option_name(option, positional) + this->make_option_opts(option);
-    if (name.size() + 2 <= this->get_column_width())
-    {
-      return CLI::Formatter::make_option(option, positional);
-    }
-    return name + "\n" + std::string(this->get_column_width(), ' ') +
-      this->make_option_desc(option) + "\n";
-  }
-
-  /// A group of which one option is required: its description and the options, as of any heading.
-  std::string make_expanded(const CLI::App* group) const override
-  {
-    if (!group->get_name().empty())
-    {
-      return CLI::Formatter::make_expanded(group);
-    }
-    std::string text = "\n" + group->get_description() + ":\n";
-    text[1] = static_cast<char>(std::toupper(static_cast<unsigned char>(text[1])));
-    for (const CLI::Option* option : group->get_options({}))
-    {
-      text += option == group->get_help_ptr() ? "" : this->make_option(option, false);
-    }
-    return text;
+    const auto* command = dynamic_cast<const Command*>(app);
+    const std::string text = command
+      ? this->CommandHelp(*command, name, mode == CLI::AppFormatMode::All)
+      : CLI::Formatter::make_help(app, name, CLI::AppFormatMode::Normal);
+    return Wrapped(text, TerminalWidth());
   }
 
   /// In the list of commands the first line of what it does is enough.
@@ -105,8 +115,61 @@ public:
     const std::string& description = command->get_description();
     std::ostringstream entry;
     CLI::detail::format_help(entry, command->get_name(),
-      description.substr(0, description.find('\n')), this->get_column_width());
+      description.substr(0, description.find('\n')), NameColumn);
     return entry.str();
+  }
+
+private:
+  std::string CommandHelp(const Command& command, const std::string& name, bool all) const
+  {
+    std::string text = this->make_description(&command) + this->make_usage(&command, name);
+    std::vector<std::string> headings;
+    for (const Declaration& declaration : command.Declarations)
+    {
+      const std::string& heading = declaration.Option->get_group();
+      if (IsShown(declaration, all) &&
+        std::find(headings.begin(), headings.end(), heading) == headings.end())
+      {
+        headings.push_back(heading);
+      }
+    }
+    for (const std::string& heading : headings)
+    {
+      text += "\n" + heading + ":\n";
+      for (const Declaration& declaration : command.Declarations)
+      {
+        text += IsShown(declaration, all) && declaration.Option->get_group() == heading
+          ? Entry(declaration, all)
+          : "";
+      }
+    }
+    return text + "\n" + MoreOptions(command, all) + this->make_footer(&command);
+  }
+
+  static bool IsShown(const Declaration& declaration, bool all)
+  {
+    return declaration.Where == Shown::InHelp || (all && declaration.Where == Shown::InHelpAll);
+  }
+
+  /// Says where the options are that are not listed.
+  static std::string MoreOptions(const Command& command, bool all)
+  {
+    const auto count = [&command](Shown where)
+    {
+      return std::to_string(std::count_if(command.Declarations.begin(), command.Declarations.end(),
+        [where](const Declaration& each) { return each.Where == where; }));
+    };
+    std::string text;
+    if (!all && count(Shown::InHelpAll) != "0")
+    {
+      text += "--help-all lists " + count(Shown::InHelpAll) + " more options.";
+    }
+    if (count(Shown::InCaseFile) != "0")
+    {
+      text += (text.empty() ? "" : " ") + std::string("The case file (--config) has ") +
+        count(Shown::InCaseFile) + " further settings.";
+    }
+    return text.empty() ? text : text + "\n";
   }
 };
 
@@ -166,29 +229,22 @@ std::string Wrapped(const std::string& text, std::size_t width)
   return wrapped;
 }
 
-std::vector<const CLI::Option*> OptionsOf(const CLI::App& command)
+std::string WholeHelp(const CLI::Option& option)
 {
-  std::vector<const CLI::Option*> options = command.get_options();
-  for (const CLI::App* group :
-    command.get_subcommands([](const CLI::App* inner) { return inner->get_name().empty(); }))
-  {
-    const std::vector<const CLI::Option*> inner = OptionsOf(*group);
-    options.insert(options.end(), inner.begin(), inner.end());
-  }
-  return options;
+  std::string text = option.get_description();
+  std::replace(text.begin(), text.end(), '\n', ' ');
+  return text;
 }
 
-std::vector<std::string> LongOptions(const CLI::App& command)
+std::string ValueRemark(const Declaration& declaration, bool withRange)
 {
-  std::vector<std::string> names;
-  for (const CLI::Option* option : OptionsOf(command))
-  {
-    for (const std::string& name : option->get_lnames())
-    {
-      names.push_back("--" + name);
-    }
-  }
-  return names;
+  const std::string range = withRange ? declaration.Numbers.Range() : "";
+  const std::string standard = declaration.Option->get_default_str();
+  std::string text = range;
+  text += standard.empty() ? "" : (text.empty() ? "" : "; ") + ("default " + standard);
+  text +=
+    declaration.Option->get_required() ? (text.empty() ? "" : "; ") + std::string("required") : "";
+  return text.empty() ? "" : " (" + text + ")";
 }
 
 void CheckWords(const CLI::App& application, const std::vector<std::string>& words)
@@ -198,26 +254,41 @@ void CheckWords(const CLI::App& application, const std::vector<std::string>& wor
     return;
   }
   std::vector<std::string> known;
-  const CLI::App* command = nullptr;
+  const CLI::App* found = nullptr;
   for (const CLI::App* candidate : application.get_subcommands({}))
   {
     known.push_back(candidate->get_name());
-    command = candidate->get_name() == words.front() ? candidate : command;
+    found = candidate->get_name() == words.front() ? candidate : found;
   }
-  if (!command)
+  if (!found)
   {
     throw CLI::ValidationError(
       "unknown command '" + words.front() + "'; " + SpellingHint(words.front(), known));
   }
-  const std::vector<std::string> options = LongOptions(*command);
+  const auto* command = dynamic_cast<const Command*>(found);
+  if (!command) // not in this build
+  {
+    return;
+  }
+  std::vector<std::string> options{ "--help", "--help-all" };
+  for (const Declaration& declaration : command->Declarations)
+  {
+    if (declaration.Where != Shown::InCaseFile && !declaration.Option->get_positional())
+    {
+      options.push_back("--" + declaration.Name());
+    }
+  }
   for (std::size_t word = 1; word < words.size(); ++word)
   {
     const std::string name = words[word].substr(0, words[word].find('='));
-    if (name.starts_with("--") && name.size() > 2 &&
-      std::find(options.begin(), options.end(), name) == options.end())
+    if (!name.starts_with("--") || name.size() == 2 ||
+      std::find(options.begin(), options.end(), name) != options.end())
     {
-      throw CLI::ValidationError("unknown option '" + name + "'; " + SpellingHint(name, options));
+      continue;
     }
+    throw CLI::ValidationError(command->Find(name.substr(2))
+        ? name + ": expected it in the case file (--config FILE.json), found it as an option"
+        : "unknown option '" + name + "'; " + SpellingHint(name, options));
   }
 }
 

@@ -14,6 +14,8 @@ class Option;
 
 namespace mammoray
 {
+struct Declaration;
+
 /// Gives every command its example and help that is as wide as the terminal (elsewhere as COLUMNS
 /// says, else 100). Call it after the commands are added.
 void SetUpHelp(CLI::App& application);
@@ -26,11 +28,11 @@ std::string Wrapped(const std::string& text, std::size_t width);
 /// that look like options which the command does not have: CLI11 would only say what it misses.
 void CheckWords(const CLI::App& application, const std::vector<std::string>& words);
 
-/// The options of a command and of its groups, which CLI11 keeps as nameless commands.
-std::vector<const CLI::Option*> OptionsOf(const CLI::App& command);
+/// The help of an option in one line.
+std::string WholeHelp(const CLI::Option& option);
 
-/// Their long names, with dashes.
-std::vector<std::string> LongOptions(const CLI::App& command);
+/// " (greater than 0; default 50)", or nothing.
+std::string ValueRemark(const Declaration& declaration, bool withRange);
 }
 
 #endif

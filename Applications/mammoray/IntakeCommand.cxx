@@ -23,12 +23,10 @@ struct IntakeArguments
 
 void Declare(const OptionList& add, IntakeArguments& arguments)
 {
-  add("folder", arguments.Folder,
-    "folder of a clinic's export: MRI and mammograms, in whatever files and folders")
+  add("folder", arguments.Folder, "folder of a clinic's export: MRI and mammograms in any folders")
     ->required();
-  AddSideOption(add, arguments.Side,
-    "the patient's own breast to register; without it that of all mammograms");
-  add("--json", arguments.Json, "write the same as a file (.json), with the names of all files");
+  AddSideOption(add, arguments.Side);
+  add("--json", arguments.Json, "write the same there, with the names of all files (.json)");
   AddOverwriteFlag(add, arguments.Overwrite);
 }
 

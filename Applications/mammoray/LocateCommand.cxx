@@ -46,34 +46,27 @@ void Declare(const OptionList& add, LocateArguments& arguments)
 {
   AddResultOption(add, arguments.Result)->required();
   add("--view", arguments.View,
-    "which mammogram, where several were registered together: the name of its folder, such as mlo; "
-    "--point without it gives all");
-  CLI::Option_group* place = add.App().add_option_group("place", "what to find, one of");
-  const OptionList addPlace(*place);
-  AddPointOption(addPlace, arguments.Point, ": gives its pixel with an uncertainty ellipse");
-  addPlace.Numbers("--pixel", arguments.Pixel, "COLUMN ROW",
-    "column and row of the mammogram, from 0 at the centre of the first pixel: gives the tissues "
-    "along its X-ray and the curve through the uncompressed volume");
-  AddLesionOption(addPlace, arguments.Lesion,
-    ": gives the outline of each label's shadow, its size, and where its centre is");
-  place->require_option(1);
-  AddLesionAxesFlag(add, arguments.AxesAsGiven);
-  AddProjectorOptions(add, arguments.Projector);
+    "name of a mammogram's folder, such as mlo, where there are several\n(--point without it gives "
+    "all)");
+  const OptionList place = add.OneOf("What to find, one of");
+  AddPointOption(place, arguments.Point);
+  AddPixelOption(place, arguments.Pixel);
+  AddLesionOption(place, arguments.Lesion);
   add("--also", arguments.Also,
-    "VIEW=COLUMN,ROW: where another mammogram of the same result shows what --pixel does, for "
-    "example "
-    "mlo=640,710: the one place in the volume that is behind both");
-  add("--step", arguments.StepMm, Positive("mm"),
-    "distance of the curve's points in the compressed breast");
+    "VIEW=COLUMN,ROW: where another mammogram shows what --pixel does\n(mlo=640,710: gives the one "
+    "place in the volume that is behind both)");
   add("-o,--output", arguments.Output,
-    "write the curve of --pixel there (.csv: x_mm,y_mm,z_mm,material, and column, row and sigma_mm "
-    "in each of the other mammograms), or the outlines of --lesion "
-    "(.csv: label,polygon,column,row), or its shadow as a DICOM segmentation (.dcm)");
-  add.Group("DICOM").Input("--mammogram", arguments.Mammogram,
-    "the mammogram that was registered, DICOM: a segmentation lies on its pixels and refers to it "
-    "by the UIDs of instance, series and study");
+    "curve of --pixel (.csv), outlines of --lesion (.csv) or its shadow (.dcm)\n(x_mm,y_mm,z_mm,"
+    "material, and column, row and sigma_mm in each of the other mammograms; "
+    "label,polygon,column,row; a DICOM segmentation)");
+  AddOverwriteFlag(add, arguments.Overwrite);
+  add.Group("DICOM").Input("--mammogram", arguments.Mammogram, RegisteredMammogramHelp);
   AddDicomPatientOptions(add, arguments.Patient, true);
-  AddOverwriteFlag(add, arguments.Overwrite, "the output file");
+  const OptionList expert = add.Expert();
+  AddAxesFlag(expert, arguments.AxesAsGiven);
+  AddProjectorOptions(expert, arguments.Projector);
+  expert("--step", arguments.StepMm, Positive("mm"),
+    "distance of the curve's points in the compressed breast");
 }
 
 void PrintImaged(const Vector3& point, const ImagedPoint& imaged)

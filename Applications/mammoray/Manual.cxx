@@ -2,6 +2,8 @@
 #include "Manual.h"
 
 #include "Help.h"
+#include "OptionList.h"
+#include "OptionTables.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/Foundation/SpellingSuggestions.h"
 
@@ -46,14 +48,6 @@ std::vector<const CLI::App*> Commands(const CLI::App& application)
   return { commands.begin(), commands.end() };
 }
 
-/// Hidden options have no group.
-std::vector<const CLI::Option*> ShownOptionsOf(const CLI::App& command)
-{
-  std::vector<const CLI::Option*> options = OptionsOf(command);
-  std::erase_if(options, [](const CLI::Option* option) { return option->get_group().empty(); });
-  return options;
-}
-
 /// "-o", "--output".
 std::vector<std::string> NamesOf(const CLI::Option& option)
 {
@@ -69,44 +63,54 @@ std::vector<std::string> NamesOf(const CLI::Option& option)
   return names;
 }
 
-std::string Entry(const CLI::Option& option)
+std::string Entry(const Declaration& declaration)
 {
-  std::string names;
-  for (const std::string& name : NamesOf(option))
+  const CLI::Option& option = *declaration.Option;
+  std::string entry = ".TP\n";
+  if (declaration.Where == Shown::InCaseFile || option.get_positional())
   {
-    names += (names.empty() ? "" : ", ") + ("\\fB" + Roff(name) + "\\fR");
+    entry += "\\fB" + Roff(declaration.Name()) + "\\fR";
   }
-  std::string entry = ".TP\n" + names;
-  if (!option.get_type_name().empty())
+  else
   {
-    entry += " \\fI" + Roff(option.get_type_name()) + "\\fR";
+    std::string names;
+    for (const std::string& name : NamesOf(option))
+    {
+      names += (names.empty() ? "" : ", ") + ("\\fB" + Roff(name) + "\\fR");
+    }
+    entry += names;
   }
-  if (!option.get_default_str().empty())
+  const std::string type =
+    declaration.Words.empty() ? option.get_type_name() : CLI::detail::join(declaration.Words, "|");
+  if (!declaration.IsFlag() && !type.empty())
   {
-    entry += " (default: " + Roff(option.get_default_str()) + ")";
+    entry += " \\fI" + Roff(type) + "\\fR";
   }
-  return entry + (option.get_required() ? " (required)" : "") + "\n" +
-    Roff(option.get_description()) + "\n";
+  return entry + Roff(ValueRemark(declaration, true)) + "\n" + Roff(WholeHelp(option)) + "\n";
 }
 
-std::string OptionSections(const CLI::App& command)
+std::string OptionSections(const Command& command)
 {
-  std::vector<std::string> headings;
-  const std::vector<const CLI::Option*> options = ShownOptionsOf(command);
-  for (const CLI::Option* option : options)
+  const auto headingOf = [](const Declaration& declaration)
   {
-    if (std::find(headings.begin(), headings.end(), option->get_group()) == headings.end())
+    return declaration.Where == Shown::InCaseFile ? "Settings of the case file (--config)"
+                                                  : declaration.Option->get_group();
+  };
+  std::vector<std::string> headings;
+  for (const Declaration& declaration : command.Declarations)
+  {
+    if (std::find(headings.begin(), headings.end(), headingOf(declaration)) == headings.end())
     {
-      headings.push_back(option->get_group());
+      headings.push_back(headingOf(declaration));
     }
   }
   std::string text;
   for (const std::string& heading : headings)
   {
     text += ".SH " + Roff(UpperCase(heading)) + "\n";
-    for (const CLI::Option* option : options)
+    for (const Declaration& declaration : command.Declarations)
     {
-      text += option->get_group() == heading ? Entry(*option) : "";
+      text += headingOf(declaration) == heading ? Entry(declaration) : "";
     }
   }
   return text;
@@ -139,21 +143,6 @@ const CLI::App& FindCommand(const CLI::App& application, const std::string& name
   }
   throw InputError("--print-manual: unknown command '" + name + "'; " + SpellingHint(name, known));
 }
-
-/// The words of "TEXT:{left,right}"; none where it takes anything else.
-std::string WordsOf(const CLI::Option& option)
-{
-  const std::string type = option.get_type_name();
-  const std::size_t begin = type.find('{');
-  const std::size_t end = type.find('}', begin);
-  if (begin == std::string::npos || end == std::string::npos)
-  {
-    return "";
-  }
-  std::string words = type.substr(begin + 1, end - begin - 1);
-  std::replace(words.begin(), words.end(), ',', ' ');
-  return words;
-}
 }
 
 std::string ManualPage(const CLI::App& application, const std::string& command)
@@ -161,9 +150,11 @@ std::string ManualPage(const CLI::App& application, const std::string& command)
   if (!command.empty())
   {
     const CLI::App& found = FindCommand(application, command);
+    const auto* declared = dynamic_cast<const Command*>(&found);
     return Header("mammoray-" + command, FirstLine(found.get_description())) +
       ".SH SYNOPSIS\n\\fBmammoray " + Roff(command) + "\\fR [\\fIOPTIONS\\fR]\n.SH DESCRIPTION\n" +
-      Roff(found.get_description()) + "\n" + OptionSections(found) +
+      Roff(found.get_description()) + "\n" +
+      (declared ? OptionSections(*declared) : std::string()) +
       ".SH SEE ALSO\n\\fBmammoray\\fR(1)\n";
   }
   std::string page =
@@ -191,19 +182,26 @@ std::string CompletionScript(const CLI::App& application)
   std::string commands;
   std::string values;
   std::string options;
-  for (const CLI::App* command : Commands(application))
+  for (const CLI::App* known : Commands(application))
   {
-    const std::string& name = command->get_name();
+    const auto* command = dynamic_cast<const Command*>(known);
+    const std::string& name = known->get_name();
     commands += (commands.empty() ? "" : " ") + name;
-    std::string names;
-    for (const CLI::Option* option : ShownOptionsOf(*command))
+    std::string names = "--help --help-all";
+    for (const Declaration& declaration :
+      command ? command->Declarations : std::vector<Declaration>())
     {
-      for (const std::string& spelling : NamesOf(*option))
+      if (declaration.Where == Shown::InCaseFile)
       {
-        names += (names.empty() ? "" : " ") + spelling;
-        if (const std::string words = WordsOf(*option); !words.empty())
+        continue;
+      }
+      for (const std::string& spelling : NamesOf(*declaration.Option))
+      {
+        names += " " + spelling;
+        if (!declaration.Words.empty())
         {
-          values += "    '" + name + " " + spelling + "') words='" + words + "' ;;\n";
+          values += "    '" + name + " " + spelling + "') words='" +
+            CLI::detail::join(declaration.Words, " ") + "' ;;\n";
         }
       }
     }
@@ -245,14 +243,22 @@ void AddManualOptions(CLI::App& application)
       "--print-manual=COMMAND: print its manual page, or that of 'mammoray', and stop")
     ->type_name("COMMAND")
     ->trigger_on_parse();
-  application.add_flag_callback(
-    "--print-completion",
-    [&application]()
-    {
-      std::fputs(CompletionScript(application).c_str(), stdout);
-      throw CLI::Success();
-    },
-    "print the completion script for bash, and stop");
-  application.get_option("--print-completion")->trigger_on_parse();
+  const auto add =
+    [&application](const char* name, std::string (*print)(const CLI::App&), const char* help)
+  {
+    application
+      .add_flag_callback(
+        name,
+        [&application, print]()
+        {
+          std::fputs(print(application).c_str(), stdout);
+          throw CLI::Success();
+        },
+        help)
+      ->trigger_on_parse();
+  };
+  add("--print-completion", CompletionScript, "print the completion script for bash, and stop");
+  add("--print-schema", CaseFileSchema, "print the JSON schema of case files, and stop");
+  add("--print-options", OptionTables, "print tables of all options (Markdown), and stop");
 }
 }

@@ -20,8 +20,8 @@ std::string ManualPage(const CLI::App& application, const std::string& command);
 /// of some.
 std::string CompletionScript(const CLI::App& application);
 
-/// Adds --print-manual and --print-completion, which packages are made with. Call it after the
-/// commands are added.
+/// Adds --print-manual and --print-completion, which packages are made with, and --print-schema and
+/// --print-options (OptionTables.h). Call it after the commands are added.
 void AddManualOptions(CLI::App& application);
 }
 

@@ -51,75 +51,77 @@ void DeclareFiles(const OptionList& add, MeshArguments& arguments)
 {
   MeshCase& input = arguments.Case;
   AddLabelOptions(add, input.Labels);
-  CLI::Option* surface = add("--surface", arguments.Surfaces,
-    "MATERIAL=FILE: closed surface of a material (.vtp .stl .ply .obj .glb .gltf) instead of "
-    "labels; may be given for several, nested or touching at common triangles; filled by TetGen");
+  CLI::Option* surface = AddSurfaceOption(add, arguments.Surfaces);
   add("--surface-voxels", input.SurfaceVoxelsMm, Positive("mm"),
-    "for surfaces that cut each other: label cubic voxels of this size by them, and mesh those; "
-    "overlapping pieces of a material become one")
+    "for surfaces that cut each other: mesh cubic voxels labelled by them\n(overlapping pieces of "
+    "a "
+    "material become one)")
     ->needs(surface);
   AddMaterialsOption(add, input.Materials);
   add.Choice<MeshCase::Method>("--method", input.Filling,
     { { "cgal", MeshCase::Method::Cgal }, { "tetgen", MeshCase::Method::TetGen } },
-    "cgal: Mesh_3 straight from the labels; tetgen: closed surfaces of the same sizes, filled by "
-    "TetGen");
+    "CGAL straight from labels, or TetGen in surfaces");
   add
     .Flag("--for-mechanics", arguments.ForMechanics,
-      "a coarse mesh of all tissue, fixed and free, for --simulation-mesh of compress and "
-      "register; of the sizes only --cell-size counts, by default one that gives 3000 to 6000 "
-      "cells, however ragged the labels are")
+      "a coarse mesh of all tissue, for --simulation-mesh\n(of the sizes only --cell-size counts, "
+      "by default one that gives 3000 to 6000 cells, however ragged the labels are)")
     ->excludes(surface);
   add("-o,--output", arguments.Output, "volume mesh to write (.vtu)");
   add.Input("--check", arguments.Check,
-    "check this mesh (.vtu, or legacy .vtk) or surface (.vtp .stl .ply .obj .glb .gltf) instead of "
-    "making one: cells upright and joined, boundaries closed; exit code 1 and a line for each kind "
-    "of trouble");
+    "check this mesh or surface instead of making one\n(.vtu, legacy .vtk, .vtp .stl .ply .obj "
+    ".glb .gltf; cells upright and joined, boundaries closed; exit code 1 and a line for each kind "
+    "of trouble)");
   add("--report", arguments.Report,
-    "write volumes, cell quality and troubles with their places there (.json)");
-  add("--picture", arguments.Picture, "draw histograms of the cells' quality there (.png)");
+    "write volumes, cell quality and troubles with their places (.json)");
+  add("--picture", arguments.Picture, "draw histograms of the cells' quality (.png)");
   CLI::Option* cut = add("--cut-picture", arguments.CutPicture,
-    "draw three plane cuts through the mesh there, coloured by material (.png)");
-  add
+    "draw three plane cuts through the mesh, coloured by material (.png)");
+  add.Expert()
     .Numbers("--cut-at", arguments.CutAt, "X Y Z",
       "point of the cuts, mm; default: the middle of the mesh")
     ->needs(cut);
   AddOverwriteFlag(add, arguments.Overwrite);
 }
 
+/// MATERIAL=MM each.
+void DeclareOfMaterial(const OptionList& add, const char* name, std::vector<std::string>& sizes,
+  const char* help)
+{
+  add(name, sizes, help)->type_name("MATERIAL=MM");
+}
+
 void DeclareSizes(const OptionList& add, MeshArguments& arguments)
 {
   MeshingOptions& options = arguments.Case.Options;
-  add("--label-spacing", arguments.Case.Labels.SpacingMm, "mm",
-    "resample to cubic voxels of this size first; 0 does not")
-    ->check(*NonNegative().Range);
+  AddLabelSpacingOption(add, arguments.Case.Labels.SpacingMm);
   arguments.CellSize =
     add("--cell-size", options.CellSizeMm, "mm", "largest circumradius of tetrahedra");
   add("--facet-size", options.FacetSizeMm, "mm", "largest surface ball of facets");
   add("--facet-distance", options.FacetDistanceMm, "mm", "largest distance of facet and interface");
-  add("--facet-angle", options.FacetAngleDeg, "deg", "smallest angle of facets, up to 30");
-  add("--layer-facet-size", options.LayerFacetSizeMm, "mm",
+  const OptionList expert = add.Expert();
+  expert("--thin", arguments.Case.Thin,
+    "MATERIAL that forms a layer of about a millimetre (skin)\n(sizes for it, where not given "
+    "below; default: those that the table calls thin, 'none' for none)");
+  DeclareOfMaterial(expert, "--cell-size-of", arguments.CellSizeOf, "cell size of one material");
+  DeclareOfMaterial(expert, "--facet-size-of", arguments.FacetSizeOf,
+    "facet size of what bounds one material");
+  DeclareOfMaterial(expert, "--facet-distance-of", arguments.FacetDistanceOf,
+    "facet distance at the interfaces of one material");
+  expert("--triangles", options.Triangles,
+    "scale facets until there are so many interface triangles, within 10 %\n(0 does not; 5 million "
+    "take about 13 minutes and 8 GB)");
+  const OptionList file = add.CaseFile();
+  file("--facet-angle", options.FacetAngleDeg, "deg", "smallest angle of facets, up to 30");
+  file("--layer-facet-size", options.LayerFacetSizeMm, "mm",
     "refine facets down to this where they step over a thin layer; 0 does not");
-  add("--thin", arguments.Case.Thin,
-    "MATERIAL that forms a layer of about a millimetre (skin): sizes for it, where not given "
-    "below; default: those that the table calls thin, 'none' for none");
-  add("--cell-size-of", arguments.CellSizeOf,
-    "MATERIAL=MM: cell size of one material; may be given for several");
-  add("--facet-size-of", arguments.FacetSizeOf,
-    "MATERIAL=MM: facet size of what bounds one material; may be given for several");
-  add("--facet-distance-of", arguments.FacetDistanceOf,
-    "MATERIAL=MM: facet distance at the interfaces of one material; may be given for several");
-  add("--radius-edge", options.CellRadiusEdgeRatio, "largest circumradius / shortest edge");
-  add("--smallest-component", options.SmallestComponentMm3, "mm3",
+  file("--radius-edge", options.CellRadiusEdgeRatio, "largest circumradius / shortest edge");
+  file("--smallest-component", options.SmallestComponentMm3, "mm3",
     "smaller parts go to their surroundings");
-  add("--smoothing", options.SmoothingVoxels, "voxels", "smoothing of the voxels' stairs");
-  add("--triangles", options.Triangles,
-    "scale sizes and distances of facets until there are so many interface triangles, within 10 %; "
-    "0 does not. 5 million take about 13 minutes and 8 GB");
-  add("--smallest-dihedral", options.SmallestDihedralDeg, "deg",
+  file("--smoothing", options.SmoothingVoxels, "voxels", "smoothing of the voxels' stairs");
+  file("--smallest-dihedral", options.SmallestDihedralDeg, "deg",
     "slivers are mended to this dihedral angle where that can be reached; 0 leaves them");
-  add("--optimisation-seconds", options.OptimisationSeconds, "s",
-    "time limit of each step of CGAL's own optimisation before that (perturb, exude); 0 leaves it "
-    "out");
+  file("--optimisation-seconds", options.OptimisationSeconds, "s",
+    "time limit of each step of CGAL's own optimisation before that; 0 leaves it out");
 }
 
 void Declare(const OptionList& add, MeshArguments& arguments)

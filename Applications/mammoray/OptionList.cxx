@@ -10,20 +10,59 @@
 
 namespace mammoray
 {
-namespace
+std::string Quantity::Range() const
 {
-template <typename Accepts>
-CLI::Validator NumberThat(const Accepts& accepts, const std::string& expected,
-  const std::string& forHelp)
-{
-  return CLI::Validator(
-    [accepts, expected](const std::string& text)
-    {
-      const std::optional<double> number = ReadNumber(text);
-      return RefusalUnless(number && accepts(*number), expected, text);
-    },
-    forHelp);
+  std::ostringstream range;
+  if (std::isfinite(this->Least) && std::isfinite(this->Most))
+  {
+    range << "from " << this->Least << " to " << this->Most;
+  }
+  else if (std::isfinite(this->Least))
+  {
+    range << (this->LeastExcluded ? "greater than " : "not less than ") << this->Least;
+  }
+  return range.str();
 }
+
+bool Quantity::Holds(double number) const
+{
+  return number >= this->Least && number <= this->Most &&
+    !(this->LeastExcluded && number == this->Least);
+}
+
+Quantity Positive(const char* unit)
+{
+  Quantity quantity = NonNegative(unit);
+  quantity.LeastExcluded = true;
+  return quantity;
+}
+
+Quantity NonNegative(const char* unit)
+{
+  Quantity quantity = unit;
+  quantity.Least = 0;
+  return quantity;
+}
+
+Quantity Between(double least, double most, const char* unit)
+{
+  Quantity quantity = unit;
+  quantity.Least = least;
+  quantity.Most = most;
+  return quantity;
+}
+
+std::string Declaration::Name() const
+{
+  const std::vector<std::string>& names = this->Option->get_lnames();
+  return names.empty() ? this->Option->get_name(true) : names.front();
+}
+
+const Declaration* Command::Find(const std::string& name) const
+{
+  const auto found = std::find_if(this->Declarations.begin(), this->Declarations.end(),
+    [&name](const Declaration& each) { return each.Name() == name; });
+  return found == this->Declarations.end() ? nullptr : &*found;
 }
 
 std::string RefusalUnless(bool isSo, const std::string& expected, const std::string& text)
@@ -47,26 +86,15 @@ bool IsPadded(const std::string& text)
     std::isalnum(static_cast<unsigned char>(text[first + 1]));
 }
 
-Quantity Positive(const char* unit)
+CLI::Validator OneOfWords(const std::vector<std::string>& words)
 {
-  return { unit,
-    NumberThat([](double value) { return value > 0; }, "a number greater than 0", "POSITIVE") };
-}
-
-Quantity NonNegative(const char* unit)
-{
-  return { unit,
-    NumberThat([](double value) { return value >= 0; }, "a number not less than 0",
-      "NONNEGATIVE") };
-}
-
-Quantity Between(double least, double most, const char* unit)
-{
-  std::ostringstream range;
-  range << least << " to " << most;
-  return { unit,
-    NumberThat([least, most](double value) { return value >= least && value <= most; },
-      "a number from " + range.str(), range.str()) };
+  return CLI::Validator(
+    [words](const std::string& text)
+    {
+      const bool isOne = std::find(words.begin(), words.end(), text) != words.end();
+      return RefusalUnless(isOne, "one of " + CLI::detail::join(words, ", "), text);
+    },
+    "");
 }
 
 CLI::Validator FileOrFolder()

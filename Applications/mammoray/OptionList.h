@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// How a command declares its options: each once, with name, variable, unit, range and help.
+// How a command declares its options: each once, with name, variable, unit, range, help and where
+// it shows. Help, manual page, completion, JSON schema and documentation are made from that.
 #ifndef mammoray_OptionList_h
 #define mammoray_OptionList_h
 
@@ -20,23 +21,24 @@
 
 namespace mammoray
 {
-/// A number as an option takes it: the unit, which --help shows in the place of a type, and the
-/// range, which is checked. NaN is in no range.
+/// A number's unit, which help shows in place of a type, and its range.
 struct Quantity
 {
   Quantity(const char* unit) // implicit: a quantity of any size is named by its unit
     : Unit(unit)
   {
   }
-  Quantity(const char* unit, const CLI::Validator& range)
-    : Unit(unit)
-    , Range(range)
-  {
-  }
 
   /// Empty: a bare number.
   std::string Unit;
-  std::optional<CLI::Validator> Range;
+  double Least = -std::numeric_limits<double>::infinity();
+  double Most = std::numeric_limits<double>::infinity();
+  /// Whether numbers must be greater than `Least`.
+  bool LeastExcluded = false;
+
+  /// "greater than 0", "not less than 0", "from 0 to 10"; empty for any number.
+  std::string Range() const;
+  bool Holds(double number) const;
 };
 
 /// Finite numbers greater than 0.
@@ -45,6 +47,53 @@ Quantity Positive(const char* unit = "");
 Quantity NonNegative(const char* unit = "");
 /// Numbers from least to most.
 Quantity Between(double least, double most, const char* unit = "");
+
+/// Where an option shows. A case file (--config) takes all of them.
+enum class Shown
+{
+  InHelp,
+  InHelpAll,
+  /// Not on the command line.
+  InCaseFile
+};
+
+/// What is declared of an option beside what CLI11 keeps: names, help, default, whether required.
+struct Declaration
+{
+  CLI::Option* Option = nullptr;
+  Shown Where = Shown::InHelp;
+  /// As JSON schema names it: "number", "integer", "string" or "boolean".
+  const char* Kind = "string";
+  /// Of numbers.
+  Quantity Numbers = "";
+  /// The values that can be chosen; empty: any.
+  std::vector<std::string> Words;
+
+  /// The long name without dashes, or that of a positional argument.
+  std::string Name() const;
+  bool IsFlag() const { return this->Option->get_expected_max() == 0; }
+  bool IsList() const { return this->Option->get_expected_max() > 1; }
+  /// Whether a case file may hold it: all but --config and the like.
+  bool IsSetting() const { return this->Option->get_configurable(); }
+};
+
+/// A sub-command with what was declared of its options.
+class Command : public CLI::App
+{
+public:
+  Command(CLI::App& application, const std::string& name, const std::string& description)
+    : CLI::App(description, name, &application)
+  {
+  }
+
+  /// Null where there is none of this name.
+  const Declaration* Find(const std::string& name) const;
+
+  /// In the order of declaration.
+  std::vector<Declaration> Declarations;
+  /// Holds the options that the command line does not take.
+  CLI::App CaseFile;
+};
 
 /// "expected WHAT, found TEXT" unless that is so. CLI11's own checks of numbers take NaN, tell the
 /// largest double in full, or do not tell what they expected.
@@ -56,14 +105,19 @@ std::optional<double> ReadNumber(const std::string& text);
 /// Whether a whole number is written with zeros before it, which CLI11 takes for octal, or as 0x10.
 bool IsPadded(const std::string& text);
 
-/// What can be a value of this type: whole numbers that it holds, or finite numbers.
+/// Accepts numbers in the range that a variable of this type holds: whole ones or finite ones.
 template <typename Number>
-CLI::Validator NumberOfType()
+CLI::Validator NumberIn(const Quantity& quantity)
 {
   return CLI::Validator(
-    [](const std::string& text)
+    [quantity](const std::string& text)
     {
       const std::optional<double> number = ReadNumber(text);
+      if (const std::string range = quantity.Range();
+          !range.empty() && !(number && quantity.Holds(*number)))
+      {
+        return RefusalUnless(false, "a number " + range, text);
+      }
       if constexpr (std::is_integral_v<Number>)
       {
         using Limits = std::numeric_limits<Number>;
@@ -87,6 +141,9 @@ CLI::Validator NumberOfType()
     "");
 }
 
+/// Accepts one of the words.
+CLI::Validator OneOfWords(const std::vector<std::string>& words);
+
 /// Throws InputError at what is no file or folder: a pipe that nobody writes into is waited for
 /// without end, a device never ends, and inputs are read more than once. What is not there passes,
 /// as names of shipped files do; readers tell.
@@ -95,17 +152,18 @@ CLI::Validator FileOrFolder();
 /**
  * Declares the options of a command. The variable's value is the default that --help and
  * --print-config show; an empty string, list or std::optional has none. The variables must outlive
- * the command.
+ * the command. The first line of `help` is what --help shows; --help-all and the manual show all.
  */
 class OptionList
 {
 public:
-  explicit OptionList(CLI::App& command)
-    : Command(&command)
+  explicit OptionList(Command& command)
+    : Owner(&command)
+    , Place(&command)
   {
   }
 
-  /// The list whose options stand under this heading of --help.
+  /// The list whose options stand under this heading.
   OptionList Group(const std::string& heading) const
   {
     OptionList list = *this;
@@ -113,10 +171,53 @@ public:
     return list;
   }
 
+  /// The list whose options show in --help-all, but not in --help.
+  OptionList Expert() const
+  {
+    OptionList list = *this;
+    list.Where = Shown::InHelpAll;
+    return list;
+  }
+
+  /// The list whose options are set in the case file only.
+  OptionList CaseFile() const
+  {
+    OptionList list = *this;
+    list.Where = Shown::InCaseFile;
+    list.Place = &list.Owner->CaseFile;
+    return list;
+  }
+
+  /// The list of options of which exactly one must be given.
+  OptionList OneOf(const std::string& heading) const
+  {
+    OptionList list = this->Group(heading);
+    list.Place = this->Place->add_option_group(heading)->require_option(1);
+    return list;
+  }
+
   template <typename T>
   CLI::Option* operator()(const std::string& name, T& value, const std::string& help) const
   {
-    return WithNumbers<T>(this->Declared(name, value, help));
+    return (*this)(name, value, "", help);
+  }
+
+  /// `T`: a number, a text, a list of them, or an optional one.
+  template <typename T>
+  CLI::Option* operator()(const std::string& name, T& value, const Quantity& quantity,
+    const std::string& help) const
+  {
+    using Value = typename ElementOf<T>::Type;
+    CLI::Option* option = WithDefault(this->Place->add_option(name, value, help), value);
+    if (!quantity.Unit.empty())
+    {
+      option->type_name(quantity.Unit);
+    }
+    if constexpr (std::is_arithmetic_v<Value>)
+    {
+      option->check(NumberIn<Value>(quantity));
+    }
+    return this->Keep({ option, this->Where, KindOf<Value>(), quantity, {} });
   }
 
   /// Files or folders that are read, one or a list, or names of shipped ones: a configuration file
@@ -127,68 +228,49 @@ public:
     return (*this)(name, value, help)->type_name(InputTypeName)->check(FileOrFolder());
   }
 
-  /// `T`: a number, a list of numbers, or an optional number.
-  template <typename T>
-  CLI::Option* operator()(const std::string& name, T& value, const Quantity& quantity,
-    const std::string& help) const
+  /// So many numbers at once; `type` names them in help: "X Y Z". Of an optional array help shows
+  /// no default.
+  template <typename Array>
+  CLI::Option* Numbers(const std::string& name, Array& value, const char* type,
+    const std::string& help, const Quantity& quantity = "") const
   {
-    CLI::Option* option = this->Declared(name, value, help);
-    if (!quantity.Unit.empty())
+    using Value = typename ElementOf<Array>::Type;
+    const auto take = [&value](const std::vector<Value>& numbers)
+    { std::copy(numbers.begin(), numbers.end(), Begin(value)); };
+    CLI::Option* option = this->Place->add_option_function<std::vector<Value>>(name, take, help)
+                            ->expected(NumberOfElements(value))
+                            ->check(NumberIn<Value>(quantity))
+                            ->type_name(type);
+    if constexpr (requires { value.begin(); })
     {
-      option->type_name(quantity.Unit);
+      option->default_str(
+        "[" + CLI::detail::join(std::vector<Value>(value.begin(), value.end())) + "]");
     }
-    if (quantity.Range)
-    {
-      option->check(*quantity.Range);
-    }
-    return WithNumbers<T>(option);
-  }
-
-  /// So many numbers at once; `type` names them in --help: "X Y Z". Of an optional array --help
-  /// shows no default.
-  template <typename Number, std::size_t Count>
-  CLI::Option* Numbers(const std::string& name, std::optional<std::array<Number, Count>>& value,
-    const char* type, const std::string& help) const
-  {
-    const auto take = [&value](const std::vector<Number>& numbers)
-    { std::copy(numbers.begin(), numbers.end(), value.emplace().begin()); };
-    return this->Placed(this->Command->add_option_function<std::vector<Number>>(name, take, help)
-                          ->expected(static_cast<int>(Count))
-                          ->check(NumberOfType<Number>())
-                          ->type_name(type));
-  }
-  template <typename Number, std::size_t Count>
-  CLI::Option* Numbers(const std::string& name, std::array<Number, Count>& value, const char* type,
-    const std::string& help) const
-  {
-    const auto take = [&value](const std::vector<Number>& numbers)
-    { std::copy(numbers.begin(), numbers.end(), value.begin()); };
-    const std::vector<Number> standard(value.begin(), value.end());
-    return this->Placed(this->Command->add_option_function<std::vector<Number>>(name, take, help)
-                          ->expected(static_cast<int>(Count))
-                          ->check(NumberOfType<Number>())
-                          ->type_name(type)
-                          ->default_str("[" + CLI::detail::join(standard) + "]"));
+    return this->Keep({ option, this->Where, KindOf<Value>(), quantity, {} });
   }
 
   /// Sets the variable to true.
   CLI::Option* Flag(const std::string& name, bool& value, const std::string& help) const
   {
-    return this->Placed(this->Command->add_flag(name, value, help));
+    return this->Keep({ this->Place->add_flag(name, value, help), this->Where, "boolean", "", {} });
   }
 
   /// Sets the variable, which is true by default, to false.
   CLI::Option* FlagOff(const std::string& name, bool& value, const std::string& help) const
   {
-    return this->Placed(this->Command->add_flag_callback(
-      name, [&value]() { value = false; }, help));
+    return this->Keep({ this->Place->add_flag_callback(
+                          name, [&value]() { value = false; }, help),
+      this->Where, "boolean", "", {} });
   }
 
-  /// One of some words.
-  CLI::Option* Word(const std::string& name, std::string& value,
-    const std::vector<std::string>& words, const std::string& help) const
+  /// One of some words, or a list of them.
+  template <typename T>
+  CLI::Option* Word(const std::string& name, T& value, const std::vector<std::string>& words,
+    const std::string& help) const
   {
-    return (*this)(name, value, help)->check(CLI::IsMember(words));
+    CLI::Option* option =
+      WithDefault(this->Place->add_option(name, value, help)->check(OneOfWords(words)), value);
+    return this->Keep({ option, this->Where, "string", "", words });
   }
 
   /// One of some words, each of which stands for a value.
@@ -210,42 +292,63 @@ public:
         value = word == given ? choice : value;
       }
     };
-    return this->Placed(this->Command->add_option_function<std::string>(name, take, help)
-                          ->check(CLI::IsMember(words))
-                          ->default_str(current));
+    return this->Keep({ this->Place->add_option_function<std::string>(name, take, help)
+                          ->check(OneOfWords(words))
+                          ->default_str(current),
+      this->Where, "string", "", words });
   }
 
-  /// For what the above do not offer, such as groups of which one option must be given.
-  CLI::App& App() const { return *this->Command; }
+  /// For what the above do not offer.
+  Command& App() const { return *this->Owner; }
+
+  /// Adds an option that was made otherwise.
+  CLI::Option* Keep(const Declaration& declaration) const
+  {
+    this->Owner->Declarations.push_back(declaration);
+    return this->Heading.empty() ? declaration.Option : declaration.Option->group(this->Heading);
+  }
 
 private:
+  /// The number or text that a variable, a list or an optional variable holds.
   template <typename T>
-  CLI::Option* Declared(const std::string& name, T& value, const std::string& help) const
+  struct ElementOf
   {
-    return this->Placed(WithDefault(this->Command->add_option(name, value, help), value));
+    using Type = T;
+  };
+  template <typename T>
+  requires(
+    requires { typename T::value_type; } && !std::is_same_v<T, std::string>) struct ElementOf<T>
+  {
+    using Type = typename ElementOf<typename T::value_type>::Type;
+  };
+
+  template <typename Value>
+  static constexpr const char* KindOf()
+  {
+    return std::is_integral_v<Value> ? "integer"
+      : std::is_arithmetic_v<Value>  ? "number"
+                                     : "string";
   }
 
-  CLI::Option* Placed(CLI::Option* option) const
+  template <typename Number, std::size_t Count>
+  static Number* Begin(std::array<Number, Count>& value)
   {
-    return this->Heading.empty() ? option : option->group(this->Heading);
+    return value.data();
   }
-
-  /// Checks numbers, those of lists and optional ones, after what else is asked of them.
-  template <typename T>
-  static CLI::Option* WithNumbers(CLI::Option* option)
+  template <typename Array>
+  static auto* Begin(std::optional<Array>& value)
   {
-    if constexpr (std::is_arithmetic_v<T>)
-    {
-      return option->check(NumberOfType<T>());
-    }
-    else if constexpr (std::is_same_v<T, std::string>)
-    {
-      return option;
-    }
-    else
-    {
-      return WithNumbers<typename T::value_type>(option);
-    }
+    return value.emplace().data();
+  }
+  template <typename Number, std::size_t Count>
+  static int NumberOfElements(const std::array<Number, Count>&)
+  {
+    return static_cast<int>(Count);
+  }
+  template <typename Array>
+  static int NumberOfElements(const std::optional<Array>&)
+  {
+    return NumberOfElements(Array());
   }
 
   template <typename T>
@@ -265,26 +368,29 @@ private:
     }
   }
 
-  CLI::App* Command;
+  Command* Owner;
+  CLI::App* Place;
   std::string Heading;
+  Shown Where = Shown::InHelp;
 };
 
 /// Adds a sub-command that is declared by `declare` and run by `run` with what was given.
 template <typename Arguments>
-CLI::App* AddCommand(CLI::App& application, const std::string& name, const std::string& description,
+Command* AddCommand(CLI::App& application, const std::string& name, const std::string& description,
   void (*declare)(const OptionList& add, Arguments& arguments), void (*run)(Arguments& arguments))
 {
-  CLI::App* command = application.add_subcommand(name, description);
+  const auto command = std::make_shared<Command>(application, name, description);
+  application.add_subcommand(command);
   auto arguments = std::make_shared<Arguments>();
   declare(OptionList(*command), *arguments);
   AddConfigurationOptions(*command);
   command->callback(
-    [command, arguments, run]()
+    [command = command.get(), arguments, run]()
     {
       NoteGiven(*command);
       run(*arguments);
     });
-  return command;
+  return command.get();
 }
 
 /**

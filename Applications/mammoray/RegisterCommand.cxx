@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Commands.h"
+#include "DicomOptions.h"
 #include "OptionNames.h"
 #include "OutputFiles.h"
 #include "ProgressBar.h"
@@ -43,91 +44,66 @@ void DeclareInputs(const OptionList& add, RegisterArguments& arguments)
 {
   RegistrationCase& input = arguments.Case;
   CLI::Option* study = add.Input("--study", arguments.Study,
-    "folder of a clinic's export, MRI and mammograms in whatever files and folders: what is taken "
-    "of it 'mammoray intake' tells; in place of --labels, --materials and --mammogram");
+    "a clinic's export, in place of labels, materials and mammograms\n(a folder of MRI and "
+    "mammograms in whatever files and folders; 'mammoray intake' lists what is taken of it)");
+  AddSideOption(add, arguments.Side);
   AddLabelOptions(add, input.Labels)->excludes(study);
   AddMaterialsOption(add, input.Materials);
-  AddOrientationOption(add, input.Orientation, "the volume");
-  add
-    .Input("--mammogram", input.Mammograms,
-      "mammogram, DICOM MG; repeated for several of the same breast (CC and MLO), which are "
-      "registered together with one stiffness of gland; of a tomosynthesis (Breast Projection "
-      "X-Ray "
-      "Image) all projections against one compression")
-    ->excludes(study);
-  AddSideOption(add, arguments.Side,
-    "the patient's own breast: which one of a study; of mammograms, where the header says none");
-}
-
-void DeclareMammograms(const OptionList& add, RegisterArguments& arguments)
-{
-  RegistrationCase& input = arguments.Case;
-  const OptionList mammogram = add.Group("Mammogram");
-  mammogram("--view", input.MammogramViews, "where the header says none, one for each mammogram")
-    ->check(CLI::IsMember({ "CC", "MLO", "ML", "LM", "LMO", "FB" }));
-  mammogram("--pixel-spacing", input.PixelSpacingMm, Positive("mm"),
-    "of the mammogram's pixels at the receptor, in place of the header's; a picture without a "
-    "header (.jpg .png) needs it, --view and --side");
-  mammogram.Input("--mask", input.Masks,
-    "image of the mammogram's size (.png .mha), not 0 where it is not to be compared, one for each "
-    "mammogram");
-  mammogram.FlagOff("--compare-pectoral", input.Targets.ExcludePectoral,
+  AddOrientationOption(add, input.Orientation);
+  AddMammogramsOption(add, input.Mammograms)->excludes(study);
+  AddViewOption(add, input.MammogramViews);
+  add("--pixel-spacing", input.PixelSpacingMm, Positive("mm"), PixelSpacingHelp);
+  add.Input("--mask", input.Masks, "pictures (.png .mha), not 0 where a mammogram is not compared");
+  const OptionList file = add.Group("Mammogram").CaseFile();
+  file.FlagOff("--compare-pectoral", input.Targets.ExcludePectoral,
     "compare the pectoral muscle, too: it is looked for in oblique views and left out");
-  mammogram.FlagOff("--compare-markers", input.Targets.ExcludeMarkers,
+  file.FlagOff("--compare-markers", input.Targets.ExcludeMarkers,
     "compare the brightest pixels, too: text, markers and saturated tissue are left out");
-  mammogram("--chest-wall-margin", arguments.ChestWallMarginMm, NonNegative("mm"),
+  file("--chest-wall-margin", arguments.ChestWallMarginMm, NonNegative("mm"),
     "depth of a strip along the chest wall that is not compared, picture and outline; default: 0, "
-    "of a --study 10");
+    "of a study 10");
 }
 
-/// What the report begins with.
-void DeclareQuestion(const OptionList& add, RegistrationCase& input)
+/// What the report begins with, and whom it names.
+void DeclareReport(const OptionList& add, RegistrationCase& input)
 {
-  const OptionList question = add.Group("Question");
-  AddPointOption(question, input.Point,
-    ": the report begins with where the mammograms show it, and with slices through it");
-  AddLesionOption(question, input.Lesions, ": the same for each label, with its outline");
-  question.Input("--image", input.Image,
-    "MRI in the frame of --labels (.nrrd .mha .nii .nii.gz, DICOM series) for the slices, kept "
-    "beside the result; a --study has its own");
-  question.Flag("--same-patient", input.NamePatient,
-    "the report says name, ID, birth date and accession number as the first mammogram's header "
-    "does; otherwise nothing of the patient but dates of examinations");
+  const OptionList report = add.Group("Report");
+  AddPointOption(report, input.Point);
+  AddLesionOption(report, input.Lesions);
+  AddImageOption(report, input.Image);
+  AddSamePatientFlag(report, input.NamePatient);
+  report.Expert().Flag("--name-inputs", input.NameInputs,
+    "write the names of input files and series, which may hold a patient's name");
 }
 
 void DeclareMeshes(const OptionList& add, RegistrationCase& input)
 {
-  const OptionList meshes = add.Group("Meshes");
-  meshes("--label-spacing", input.Labels.SpacingMm, NonNegative("mm"),
-    "finer label volumes are resampled to this spacing; 0 keeps them");
+  const OptionList meshes = add.Group("Meshes").Expert();
+  AddLabelSpacingOption(meshes, input.Labels.SpacingMm);
   meshes("--anatomy-cell-size", input.AnatomyCellSizeMm, Positive("mm"), "largest cells X-rayed");
-  meshes("--simulation-cell-size", input.SimulationCellSizeMm, NonNegative("mm"),
-    "largest cells of the mechanics; 0: by the size of the breast, 3000 to 6000 cells");
   meshes.Input("--anatomy-mesh", input.AnatomyMesh,
     "mesh of 'mammoray mesh' to X-ray (.vtu); default: made from the labels");
-  meshes.Input("--simulation-mesh", input.SimulationMesh,
-    "coarse mesh for the mechanics (.vtu); default: made from the labels");
+  AddSimulationMeshOption(meshes, input.SimulationMesh);
+  AddSimulationCellSizeOption(meshes, input.SimulationCellSizeMm);
 }
 
 void DeclareUnit(const OptionList& add, RegistrationCase& input)
 {
-  const OptionList unit = add.Group("Unit");
-  unit("--source-to-detector", input.SourceToDetectorMm, "mm",
-    "source to receptor plane; default: from the header");
-  unit("--support-height", input.SupportHeightMm, "mm",
-    "breast support above the receptor; default: 2");
+  const OptionList unit = add.Group("Unit").Expert();
+  unit("--source-to-detector", input.SourceToDetectorMm, "mm", SourceToDetectorHelp);
+  unit("--support-height", input.SupportHeightMm, "mm", SupportHeightHelp);
   AddPlateOptions(unit, input.SupportEdgeMm, input.PaddleEdgeMm, input.EdgeRadiusMm);
 }
 
-/// An option for each parameter of the pose.
+/// An option for each parameter of the pose: where the search starts, and what is kept if it is not
+/// free. One value for each mammogram; the header's by default, where it has one.
 void DeclareStart(const OptionList& add, RegistrationCase& input)
 {
   const OptionList start = add.Group("Start of the search, kept by what is not --free");
   for (const PoseParameter& parameter : PoseParameters)
   {
-    AddPoseOption(start, parameter, input.Start[parameter.Index],
-      parameter.InHeader ? "; one for each mammogram; default: from the header"
-                         : "; default: " + parameter.Format(parameter.Start, 0));
+    AddPoseOption(parameter.Index == ThicknessParameter ? start : start.Expert(), parameter,
+      input.Start[parameter.Index]);
   }
 }
 
@@ -140,58 +116,66 @@ void DeclareSearch(const OptionList& add, RegistrationCase& input)
     free += name + ", ";
   }
   search("--free", input.Free,
-    "parameters that are found; the others keep their start: " + PoseParameterNames() +
-      " (one for all mammograms); default: " + free + "and stiffness with more than one mammogram");
+    "parameters that are found; the others keep their start\n(of " + PoseParameterNames() +
+      ", one for all mammograms; default: " + free + "and stiffness with more than one mammogram)");
   search.Input("--resume", input.Resume,
-    "go on from the pose in this earlier result folder of the same inputs, or from the last step "
-    "of a run for that folder that was cut off");
-  search("--iterations", input.Options.MaximumIterations, Positive(),
-    "most iterations at each pixel size");
-  search("--outline-sigma", input.Options.OutlineSigmaMm, Positive("mm"),
-    "expected error of the model's outline; where gradients are compared the pictures tell it");
+    "go on from an earlier result folder of the same inputs\n(or from the last step of a run for "
+    "that folder that was cut off)");
   AddComparisonOptions(search, input.Options);
-  search("--intensity-sigma", input.Options.IntensitySigma, Positive(),
+  search.Expert()("--iterations", input.Options.MaximumIterations, Positive(),
+    "most iterations at each pixel size");
+  const OptionList file = search.CaseFile();
+  file("--outline-sigma", input.Options.OutlineSigmaMm, Positive("mm"),
+    "expected error of the model's outline; where gradients are compared the pictures tell it");
+  file("--intensity-sigma", input.Options.IntensitySigma, Positive(),
     "expected error of the model's picture, in its standard deviations, until then");
+}
+
+void DeclareLoading(const OptionList& add, RegisterArguments& arguments)
+{
+  const OptionList loading = add.Group("Loading");
+  loading.Choice<std::optional<ChestWallMode>>("--chest-wall", arguments.ChestWall,
+    { { "auto", std::nullopt }, { "fixed", ChestWallMode::Fixed },
+      { "sliding", ChestWallMode::Sliding }, { "elastic", ChestWallMode::Elastic } },
+    "attachment\n(to the fixed materials; auto: sliding in a --study, as along the pectoral "
+    "muscle, "
+    "else fixed)");
+  using Position = std::optional<PatientPosition>;
+  loading.Choice<std::optional<Position>>("--mri-position", arguments.ImagePosition,
+    { { "auto", std::nullopt }, { "none", Position() },
+      { "prone", Position(PatientPosition::Prone) },
+      { "supine", Position(PatientPosition::Supine) } },
+    "how the patient lay\n(from prone or supine the breast is unloaded of its weight and "
+    "compressed under that of the standing patient; none: no weight; auto: as the header of a "
+    "--study's MRI says, else none)");
+}
+
+void DeclareXRays(const OptionList& add, RegisterArguments& arguments)
+{
+  const OptionList xrays = add.Group("X-rays").Expert();
+  AddSpectrumOption(xrays, arguments.Case.Spectrum);
+  AddProjectorOptions(xrays, arguments.Projector);
+  xrays.Word("--scatter", arguments.Scatter.Method, { "kernels" },
+    "the synthetic mammogram has what tissue scatters onto the detector\n(by kernels that are "
+    "tabulated for breast tissue by the thickness along each ray; default: primary radiation "
+    "alone)");
+  DeclareKernelScatter(xrays, arguments.Scatter);
 }
 
 void Declare(const OptionList& add, RegisterArguments& arguments)
 {
   RegistrationCase& input = arguments.Case;
   DeclareInputs(add, arguments);
-  DeclareMammograms(add, arguments);
   add("-o,--output", arguments.Output, "folder for meshes, pictures, result.json and report.html")
     ->required();
-  AddOverwriteFlag(add, arguments.Overwrite, "an earlier result folder");
-  DeclareQuestion(add, input);
-  add.Flag("--name-inputs", input.NameInputs,
-    "write the names of input files and the descriptions of series, which may hold a patient's "
-    "name, into result and report, and print them");
-  const OptionList xrays = add.Group("X-rays");
-  AddSpectrumOption(xrays, input.Spectrum);
-  AddProjectorOptions(xrays, arguments.Projector);
-  xrays.Word("--scatter", arguments.Scatter.Method, { "kernels" },
-    "the synthetic mammogram has what tissue scatters onto the detector, by kernels that are "
-    "tabulated for breast tissue by the thickness along each ray; default: primary radiation "
-    "alone");
-  DeclareKernelScatter(xrays, arguments.Scatter);
-  DeclareMeshes(add, input);
-  DeclareUnit(add, input);
-  const OptionList loading = add.Group("Loading");
-  loading.Choice<std::optional<ChestWallMode>>("--chest-wall", arguments.ChestWall,
-    { { "auto", std::nullopt }, { "fixed", ChestWallMode::Fixed },
-      { "sliding", ChestWallMode::Sliding }, { "elastic", ChestWallMode::Elastic } },
-    "how the breast is attached to the fixed materials: fixed, sliding along their surface, or "
-    "elastic; auto: sliding in a --study, as along the pectoral muscle, else fixed");
-  using Position = std::optional<PatientPosition>;
-  loading.Choice<std::optional<Position>>("--mri-position", arguments.ImagePosition,
-    { { "auto", std::nullopt }, { "none", Position() },
-      { "prone", Position(PatientPosition::Prone) },
-      { "supine", Position(PatientPosition::Supine) } },
-    "how the patient lay in the MRI: from prone or supine the breast is unloaded of its weight and "
-    "compressed under that of the standing patient; none: no weight; auto: as the header of a "
-    "--study's MRI says, else none");
+  AddOverwriteFlag(add, arguments.Overwrite);
+  DeclareReport(add, input);
+  DeclareLoading(add, arguments);
   DeclareStart(add, input);
   DeclareSearch(add, input);
+  DeclareXRays(add, arguments);
+  DeclareMeshes(add, input);
+  DeclareUnit(add, input);
 }
 
 void CheckInputs(const RegistrationCase& input)

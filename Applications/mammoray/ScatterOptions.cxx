@@ -13,14 +13,15 @@ namespace mammoray
 {
 void DeclareKernelScatter(const OptionList& scatter, KernelScatterArguments& arguments)
 {
-  scatter("--air-gap", arguments.AirGapMm, Between(0, 200, "mm"),
-    "of --scatter kernels: from the back of the tissue to the detector; default: the height of the "
-    "unit's support");
   scatter.Numbers("--grid", arguments.Grid, "RATIO LINES UM",
-    "anti-scatter grid of lead, focused: ratio, lines per cm, micrometres of a septum ('5 31 "
-    "65'); septa run along the chest wall. Transmissions are relative to air behind the grid");
-  scatter.Word("--grid-interspace", arguments.Interspace, { "fibre", "air", "aluminium" },
-    "what is between the septa");
+    "anti-scatter grid of lead: ratio, lines per cm, septum ('5 31 65')\n(focused, micrometres; "
+    "septa run along the chest wall; transmissions are relative to air behind the grid)");
+  scatter.Expert()("--air-gap", arguments.AirGapMm, Between(0, 200, "mm"),
+    "of --scatter kernels: from the back of the tissue to the detector\n(default: the height of "
+    "the "
+    "unit's support)");
+  scatter.CaseFile().Word("--grid-interspace", arguments.Interspace,
+    { "fibre", "air", "aluminium" }, "what is between the septa");
 }
 
 void CheckKernelScatter(const KernelScatterArguments& arguments)
@@ -39,15 +40,16 @@ void DeclareScatter(const OptionList& add, ScatterArguments& arguments)
 {
   const OptionList scatter = add.Group("Scatter and dose");
   scatter.Word("--scatter", arguments.Method, { "kernels", "monte-carlo" },
-    "add what tissue scatters onto the detector: by kernels, tabulated for breast tissue by the "
-    "thickness along each ray, or by following --mc-photons photons through the materials, whose "
-    "compositions must be known");
+    "add what tissue scatters\n(by kernels, tabulated for breast tissue by the thickness along "
+    "each "
+    "ray, or by following --mc-photons photons through the materials, whose compositions must be "
+    "known)");
   DeclareKernelScatter(scatter, arguments);
   scatter.Flag("--dose", arguments.Dose,
-    "print the mean dose of each material, by following --mc-photons photons");
-  scatter("--mc-photons", arguments.Photons, Between(1, 1e12),
+    "print the mean dose of each material, by following photons");
+  scatter.Expert()("--mc-photons", arguments.Photons, Between(1, 1e12),
     "photons to follow for each picture, and for --dose");
-  scatter("--mc-voxels", arguments.VoxelMm, Between(0.05, 10, "mm"),
+  scatter.CaseFile()("--mc-voxels", arguments.VoxelMm, Between(0.05, 10, "mm"),
     "edge of the voxels through which photons are followed");
 }
 

@@ -36,46 +36,41 @@ struct SegmentArguments
 void Declare(const OptionList& add, SegmentArguments& arguments)
 {
   SegmentationOptions& options = arguments.Options;
-  add
-    .Input("--image", arguments.Image,
-      "MRI: a folder with a DICOM series, .nrrd .nhdr .mha .mhd .nii .nii.gz")
-    ->required();
+  AddImageOption(add, arguments.Image)->required();
   add.Input("--suppressed-image", arguments.Suppressed,
-    "the MRI of the same session with fat suppression, where there is one beside a plain --image: "
-    "chest wall and gland are found from both");
+    "the MRI of the same session with fat suppression, beside a plain --image\n(chest wall and "
+    "gland are found from both)");
   add("-o,--output", arguments.Output,
     "label volume to write (.nrrd .mha .nii.gz), frame and axes of the MRI")
     ->required();
-  add("--picture", arguments.Picture,
-    "draw slices of the MRI in three planes with the labels' outlines there (.png)");
-  AddOrientationOption(add, arguments.Orientation, "the volume");
-  add.Flag("--axes-as-given", arguments.AxesAsGiven,
-    "take the header's axes as they are, with no conversion to LPS");
+  add("--picture", arguments.Picture, "draw slices of the MRI with the labels' outlines (.png)");
+  AddOrientationOption(add, arguments.Orientation);
   add.Choice<BreastSide>("--side", options.Side,
     { { "both", BreastSide::Both }, { "left", BreastSide::Left }, { "right", BreastSide::Right } },
-    "the patient's own left or right breast, or both; cut in the middle of the valley between");
+    "the patient's own, cut in the valley between");
   add.Choice<FatContrast>("--contrast", options.Contrast,
     { { "auto", FatContrast::Auto }, { "fat-bright", FatContrast::FatBright },
       { "fat-dark", FatContrast::FatDark } },
-    "fat is bright (plain T1) or dark (suppressed: SPAIR, SPIR, Dixon water); auto finds out");
-  add("--label-spacing", options.SpacingMm, "mm",
-    "cubic voxels of the result; 0 keeps the grid of the MRI");
-  add("--skin-thickness", options.SkinThicknessMm, "mm",
+    "fat is bright (plain T1) or dark\n(suppressed: SPAIR, SPIR, Dixon water); auto finds out");
+  add("--label-spacing", options.SpacingMm, "mm", LabelSpacingHelp);
+  AddOverwriteFlag(add, arguments.Overwrite);
+  AddAxesFlag(add.Expert(), arguments.AxesAsGiven);
+  AddAcceptUnusualFlag(add, options.AcceptUnusual);
+  const OptionList file = add.CaseFile();
+  file("--skin-thickness", options.SkinThicknessMm, "mm",
     "layer below the air that becomes skin, at least a voxel; 0: none");
-  add("--chest-wall-depth", options.ChestWallDepthMm, "mm",
+  file("--chest-wall-depth", options.ChestWallDepthMm, "mm",
     "how far the result reaches behind the front of the chest wall");
-  add("--classes", options.Classes,
+  file("--classes", options.Classes,
     "intensity classes of the breast, 2 to 5; the brightest (suppressed: the darkest) is fat, the "
     "others are gland");
-  add("--gland-threshold", options.GlandThreshold,
+  file("--gland-threshold", options.GlandThreshold,
     "fraction of fat's intensity below which the breast is gland or, beyond 1, above which it is "
     "(fat-suppressed); 0: by Otsu's method");
-  add("--air-threshold", options.AirThreshold,
+  file("--air-threshold", options.AirThreshold,
     "intensity of the MRI below which it is air; 0: by Otsu's method");
-  add("--smallest-gland", options.SmallestGlandMm3, "mm3", "smaller parts of gland become fat");
-  add.FlagOff("--no-bias-correction", options.CorrectBias, "the intensities are even already");
-  AddAcceptUnusualFlag(add, options.AcceptUnusual);
-  AddOverwriteFlag(add, arguments.Overwrite);
+  file("--smallest-gland", options.SmallestGlandMm3, "mm3", "smaller parts of gland become fat");
+  file.FlagOff("--no-bias-correction", options.CorrectBias, "the intensities are even already");
 }
 
 void CheckArguments(const SegmentArguments& arguments)

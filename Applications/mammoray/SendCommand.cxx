@@ -27,20 +27,15 @@ struct SendArguments
 
 void Declare(const OptionList& add, SendArguments& arguments)
 {
-  CLI::Option_group* what = add.App().add_option_group("what", "what to send, one of");
-  const OptionList addWhat(*what);
-  AddResultOption(addWhat, arguments.Result)
-    ->description("folder of a registration: the objects that 'mammoray dicom' has written there");
-  addWhat.Input("--files", arguments.Files, "DICOM files, and folders of them");
-  what->require_option(1);
-  CLI::Option_group* where = add.App().add_option_group("where", "where to, one of");
-  const OptionList addWhere(*where);
-  AddPacsOption(addWhere, arguments.Pacs);
-  addWhere("--web", arguments.Web.Url,
-    "address of the archive's DICOMweb service, https://pacs.example.org/dicom-web; name and "
-    "password: ~/.netrc");
-  where->require_option(1);
-  AddNodeOptions(add, arguments.Node, true);
+  const OptionList what = add.OneOf("What to send, one of");
+  AddResultOption(what, arguments.Result);
+  what.Input("--files", arguments.Files, "DICOM files, and folders of them");
+  const OptionList where = add.OneOf("Where to, one of");
+  AddPacsOption(where, arguments.Pacs);
+  where("--web", arguments.Web.Url,
+    "address of the archive's DICOMweb service\n(https://pacs.example.org/dicom-web; name and "
+    "password: ~/.netrc)");
+  AddNodeOptions(add, arguments.Node);
 }
 
 /// The objects of all mammograms of a result.

@@ -47,26 +47,28 @@ void DeclareSeries(const OptionList& add, SeriesArguments& arguments)
 {
   const OptionList series = add.Group("Series of projections");
   series("--turn", arguments.Turn, Between(0, 100000),
-    "so many projections of a sample that turns by --span before source and detector, for "
-    "tomography: a stack (.tif .mha .nrrd), and a .json beside it with the angles, the places of "
-    "source and detector, and where the axis' shadow stands");
+    "projections of a turning sample, a stack (.tif .mha .nrrd)\n(by --span before source and "
+    "detector, for tomography; a .json beside it tells the angles, the places of source and "
+    "detector, and where the axis' shadow stands)");
   series("--tomosynthesis", arguments.Tomosynthesis, Between(0, 1000),
-    "so many projections with the source going over --span about an axis along the receptor's y, "
-    "from -span/2 to span/2: a stack, as --turn, or a Breast Projection X-Ray Image (.dcm, with "
-    "--side), which register takes");
+    "projections of a source that moves (a stack or .dcm)\n(over --span about an axis along the "
+    "receptor's y, from -span/2 to span/2; a .dcm is a Breast Projection X-Ray Image, with --side, "
+    "which register takes)");
   series("--span", arguments.SpanDeg, Between(-3600, 3600, "deg"),
-    "of --turn, its end not repeated (default: 360), or of --tomosynthesis (default: 50)");
-  series("--axis", arguments.Axis,
+    "of --turn (default: 360) or --tomosynthesis (default: 50)\n(the end of a turn is not "
+    "repeated)");
+  const OptionList expert = series.Expert();
+  expert("--axis", arguments.Axis,
     "of --turn: x, y, z (default) or X Y Z, mesh frame; right-handed about it")
     ->type_name("AXIS")
     ->expected(1, 3);
-  series.Numbers("--axis-point", arguments.AxisPoint, "X Y Z",
+  expert.Numbers("--axis-point", arguments.AxisPoint, "X Y Z",
     "a point of the axis of --turn; default: middle of the mesh");
-  series("--pivot-height", arguments.PivotHeightMm, NonNegative("mm"),
+  expert("--pivot-height", arguments.PivotHeightMm, NonNegative("mm"),
     "of the axis of --tomosynthesis over the receptor");
-  series("--flat-fields", arguments.FlatFields, Between(0, 100000),
-    "so many pictures with nothing in the beam, with noise and all else, into NAME_flat beside the "
-    "stack");
+  expert("--flat-fields", arguments.FlatFields, Between(0, 100000),
+    "pictures with nothing in the beam, into NAME_flat beside the stack\n(with noise and all "
+    "else)");
 }
 
 void CheckSeries(const SeriesArguments& arguments, const std::string& output)

@@ -7,67 +7,79 @@ namespace mammoray
 {
 CLI::Option* AddLabelOptions(const OptionList& add, LabelSource& source)
 {
-  CLI::Option* labels = add.Input("--labels", source.Path,
-    "label volume: .nrrd .nhdr .mha .mhd .nii .nii.gz, a DICOM segmentation (.dcm; labels are its "
-    "segment numbers) or a folder with a DICOM series");
-  add("--crop", source.Crop,
-    "voxels of --labels to keep along i, j and k: three times FIRST:LAST, counted from 0, both "
-    "included, : for all; e.g. --crop 0:199 : 12:")
+  CLI::Option* labels = AddLabelsOption(add, source.Path);
+  const OptionList expert = add.Expert();
+  expert("--crop", source.Crop,
+    "voxels of --labels to keep along i, j and k: three times FIRST:LAST\n(counted from 0, both "
+    "included, : for all; e.g. --crop 0:199 : 12:)")
     ->expected(3)
     ->needs(labels);
-  add("--skin", source.Skin,
-    "THICKNESS[=MATERIAL]: a layer of that many mm below the air becomes skin (default: the "
+  expert("--skin", source.Skin,
+    "THICKNESS[=MATERIAL]: a layer of that many mm below the air becomes skin\n(default: the "
     "table's thin material), not at fixed tissue nor at the volume's border")
     ->needs(labels);
-  add("--cut-side", source.CutSides,
-    "i-, i+, j-, j+, k- or k+: end of an axis of --labels at which the tissue was cut flat, with "
-    "air behind (before the chest wall, say): it gets no --skin and does not move there; may be "
-    "given for several")
+  expert("--cut-side", source.CutSides,
+    "i-, i+, j-, j+, k- or k+: end of an axis at which the tissue was cut flat\nwith air behind "
+    "(before the chest wall, say): it gets no --skin and does not move there")
     ->needs(labels);
-  add
-    .Flag("--axes-as-given", source.AxesAsGiven,
-      "take the axes of the header of --labels as they are, with no conversion to LPS")
-    ->needs(labels);
+  AddAxesFlag(expert, source.AxesAsGiven);
   AddAcceptUnusualFlag(add, source.AcceptUnusual);
   return labels;
 }
 
+CLI::Option* AddLabelsOption(const OptionList& add, std::string& path)
+{
+  return add.Input("--labels", path,
+    "label volume (.nrrd .mha .nii.gz, DICOM series or segmentation)\n(also .nhdr .mhd .nii; the "
+    "labels of a segmentation are its segment numbers)");
+}
+
+void AddAxesFlag(const OptionList& add, bool& asGiven)
+{
+  add.Flag("--axes-as-given", asGiven,
+    "take the axes of volumes' headers as they are, with no conversion to LPS");
+}
+
 void AddAcceptUnusualFlag(const OptionList& add, bool& accept)
 {
-  add.Flag("--accept-unusual", accept,
-    "take what no patient has, too, such as voxels of 100 mm: a refusal says where it is needed");
+  add.Expert().Flag("--accept-unusual", accept,
+    "accept values that no patient has, such as voxels of 100 mm\n(a refusal says where it is "
+    "needed)");
 }
 
 CLI::Option* AddMaterialsOption(const OptionList& add, std::string& pathOrName)
 {
   return add.Input("--materials", pathOrName,
-    "material table: a file (.json) or the name of a shipped one (victre, segment, ...)");
+    "material table: .json or a shipped one's name (victre, segment, ...)");
 }
 
-CLI::Option* AddOrientationOption(const OptionList& add, std::string& code, const std::string& what)
+CLI::Option* AddOrientationOption(const OptionList& add, std::string& code)
 {
   return add("--orientation", code,
-    "patient directions of the +x, +y, +z of " + what +
-      ": one letter each of L/R, A/P, S/I, e.g. LPS (DICOM) or ALS (FDA phantoms)");
+    "directions of the input's axes, such as LPS or ALS\n(one letter each of L/R, A/P, S/I for "
+    "+x, +y and +z; LPS is DICOM's, ALS that of the FDA's phantoms)");
 }
 
-CLI::Option* AddSpectrumOption(const OptionList& add, std::string& pathOrName,
-  const std::string& remark)
+CLI::Option* AddSpectrumOption(const OptionList& add, std::string& pathOrName)
 {
-  return add.Input("--spectrum", pathOrName,
-    "X-ray spectrum: a file (.spc) or the name of a shipped one" + remark);
+  return add.Input("--spectrum", pathOrName, "spectrum: .spc or a shipped one's name");
 }
 
 void AddProjectorOptions(const OptionList& add, ProjectorOptions& options)
 {
+  AddDeviceOption(add, options.Device);
   using Method = ProjectorOptions::Method;
-  add("--device", options.Device,
-    "part of the wanted Vulkan device's name (see mammoray devices); default: MAMMORAY_DEVICE, "
-    "else the most capable one");
-  add.Choice<Method>("--projector", options.Projection,
+  add.Expert().Choice<Method>("--projector", options.Projection,
     { { "auto", Method::Auto }, { "ray-tracing", Method::RayTracing },
       { "rasterisation", Method::Rasterisation } },
-    "how path lengths are found; auto traces rays on hardware that can and rasterises elsewhere");
+    "how path lengths are found; auto: by rays where hardware traces them");
+}
+
+void AddDeviceOption(const OptionList& add, std::string& device)
+{
+  add.Expert()("--device", device,
+    "part of the Vulkan device's name (see mammoray devices)\n(default: MAMMORAY_DEVICE, else the "
+    "most capable one)");
 }
 
 CLI::Option* AddResultOption(const OptionList& add, std::string& folder)
@@ -103,71 +115,116 @@ void AddPoseOptions(const OptionList& add, BreastPose& pose)
 void AddPlateOptions(const OptionList& add, double& supportEdgeMm, double& paddleEdgeMm,
   double& edgeRadiusMm)
 {
-  add("--support-edge", supportEdgeMm, "mm",
+  const OptionList file = add.CaseFile();
+  file("--support-edge", supportEdgeMm, "mm",
     "chest-wall edge of the support, in front of the receptor's (gantry y)");
-  add("--paddle-edge", paddleEdgeMm, "mm",
+  file("--paddle-edge", paddleEdgeMm, "mm",
     "chest-wall edge of the paddle, in front of the receptor's (gantry y)");
-  add("--edge-radius", edgeRadiusMm, Between(0, MostEdgeRadiusMm, "mm"),
+  file("--edge-radius", edgeRadiusMm, Between(0, MostEdgeRadiusMm, "mm"),
     "radius of the plates' chest-wall edges");
 }
 
 void AddComparisonOptions(const OptionList& add, RegistrationOptions& options)
 {
-  add("--pixel-sizes", options.PixelSizesMm, Positive("mm"),
+  const OptionList expert = add.Expert();
+  expert("--pixel-sizes", options.PixelSizesMm, Positive("mm"),
     "pixels in which the pictures are compared, coarse to fine");
-  add.Choice<PictureComparison>("--residual", options.Comparison,
+  expert.Choice<PictureComparison>("--residual", options.Comparison,
     { { NameOf(PictureComparison::Gradient), PictureComparison::Gradient },
       { NameOf(PictureComparison::Global), PictureComparison::Global },
       { NameOf(PictureComparison::Local), PictureComparison::Local } },
     "how pictures are compared at last: the gradient of log attenuation, or log attenuation "
     "normalised globally or locally (in windows)");
-  add("--window", options.WindowMm, Positive("mm"), "edge of the windows of --residual local");
+  add.CaseFile()("--window", options.WindowMm, Positive("mm"),
+    "edge of the windows of the local residual");
 }
 
-void AddChestWallOption(const OptionList& add, ChestWallMode& mode)
+void AddSimulationMeshOption(const OptionList& add, std::string& mesh)
 {
-  add.Choice<ChestWallMode>("--chest-wall", mode,
-    { { "fixed", ChestWallMode::Fixed }, { "sliding", ChestWallMode::Sliding },
-      { "elastic", ChestWallMode::Elastic } },
-    "how the breast is attached to the fixed materials: fixed, sliding along their surface, or "
-    "elastic");
+  add.Input("--simulation-mesh", mesh,
+    "coarse mesh for the mechanics (.vtu)\n(default: made from the labels, else from the mesh)");
 }
 
-void AddImagePositionOption(const OptionList& add, std::optional<PatientPosition>& position)
+void AddSimulationCellSizeOption(const OptionList& add, double& cellSizeMm)
 {
-  add.Choice<std::optional<PatientPosition>>("--mri-position", position,
-    { { "none", std::nullopt }, { "prone", PatientPosition::Prone },
-      { "supine", PatientPosition::Supine } },
-    "how the patient lay in the MRI: from prone or supine the breast is unloaded of "
-    "its weight and compressed under that of the standing patient; none: no weight");
+  add("--simulation-cell-size", cellSizeMm, NonNegative("mm"),
+    "largest cells of the simulation mesh that is made\n(0: by the size of the breast, 3000 to "
+    "6000 cells)");
 }
 
-void AddPointOption(const OptionList& add, std::optional<Vector3>& point, const std::string& use)
+void AddLabelSpacingOption(const OptionList& add, double& spacingMm)
 {
-  add.Numbers("--point", point, "X Y Z", "a place in the frame of the label volume, mm" + use);
+  add("--label-spacing", spacingMm, NonNegative("mm"), LabelSpacingHelp);
 }
 
-void AddLesionOption(const OptionList& add, std::string& path, const std::string& use)
+CLI::Option* AddMeshOption(const OptionList& add, std::string& path)
+{
+  return add.Input("--mesh", path,
+    "tetrahedra (.vtu) or triangles (.vtp .stl .ply .obj .glb .gltf)\n(cell array Material, or one "
+    "material; those of --materials)");
+}
+
+CLI::Option* AddSurfaceOption(const OptionList& add, std::vector<std::string>& surfaces)
+{
+  return add("--surface", surfaces,
+    "closed surfaces of one material each, in place of other inputs\n(.vtp .stl .ply .obj .glb "
+    ".gltf; for an X-ray the material may be what it is made of, with the density in g/cm3 where "
+    "that does not tell it: 'Ti90Al6V4@4.43=matrix.stl')")
+    ->type_name("MATERIAL=FILE");
+}
+
+CLI::Option* AddSceneOption(const OptionList& add, std::string& path)
+{
+  return add.Input("--scene", path,
+    "surfaces, source, detector and beam in a file (.json, docs/scene.md)");
+}
+
+void AddEnergyOption(const OptionList& add, std::optional<double>& energyKeV)
+{
+  add("--kev", energyKeV, Positive("keV"), "a single photon energy instead of a spectrum");
+}
+
+void AddPointOption(const OptionList& add, std::optional<Vector3>& point)
+{
+  add.Numbers("--point", point, "X Y Z", "a place in the frame of the label volume, mm");
+}
+
+void AddLesionOption(const OptionList& add, std::string& path)
 {
   add.Input("--lesion", path,
-    "label volume in the same frame (.nrrd .mha .nii .nii.gz, DICOM SEG)" + use);
+    "label volume of lesions, same frame (.nrrd .mha .nii.gz, DICOM SEG)");
 }
 
-void AddLesionAxesFlag(const OptionList& add, bool& asGiven)
-{
-  add.Flag("--axes-as-given", asGiven,
-    "take the header's axes of --lesion as they are, with no conversion to LPS");
-}
-
-CLI::Option* AddSideOption(const OptionList& add, std::optional<char>& side,
-  const std::string& help)
+CLI::Option* AddSideOption(const OptionList& add, std::optional<char>& side)
 {
   return add.Choice<std::optional<char>>("--side", side, { { "left", 'L' }, { "right", 'R' } },
-    help);
+    "the patient's own breast\n(default: by the mammogram's header, where there is one)");
 }
 
-void AddOverwriteFlag(const OptionList& add, bool& overwrite, const std::string& what)
+CLI::Option* AddImageOption(const OptionList& add, std::string& path)
 {
-  add.Flag("--overwrite", overwrite, "replace " + what);
+  return add.Input("--image", path,
+    "MRI (.nrrd .mha .nii.gz, DICOM series)\n(also .nhdr .mhd .nii; in the frame of the labels, "
+    "where there are some)");
+}
+
+CLI::Option* AddMammogramsOption(const OptionList& add, std::vector<std::string>& paths)
+{
+  return add.Input("--mammogram", paths,
+    "mammogram (DICOM MG), once for each view of the same breast\n(CC and MLO are registered "
+    "together, with one stiffness of gland; of a tomosynthesis, Breast Projection X-Ray Image, all "
+    "projections against one compression)");
+}
+
+void AddPixelOption(const OptionList& add, std::optional<std::array<double, 2>>& pixel)
+{
+  add.Numbers("--pixel", pixel, "COLUMN ROW",
+    "a pixel of the mammogram: what lies along its X-ray\n(from 0 at the centre of the first "
+    "pixel)");
+}
+
+void AddOverwriteFlag(const OptionList& add, bool& overwrite)
+{
+  add.Flag("--overwrite", overwrite, "replace what is there already");
 }
 }

@@ -11,7 +11,7 @@ namespace
 CLI::Option* DeclareFilters(const OptionList& add, const std::string& name,
   std::vector<std::string>& filters, const std::string& help)
 {
-  return add(name, filters, help)->type_name("MATERIAL[@DENSITY]:MM")->allow_extra_args(false);
+  return add(name, filters, help)->type_name("MATERIAL:MM")->allow_extra_args(false);
 }
 }
 
@@ -20,37 +20,38 @@ void DeclareResponse(const OptionList& add, SceneResponse& response)
   add.Choice<bool>("--response", response.ByEnergy, { { "energy", true }, { "counting", false } },
     "what the detector adds up: energy, or photons by counting");
   add("--scintillator", response.Scintillator,
-    "the same of the photons alone that a layer of the detector absorbs ('CsI@4.51:0.15', "
+    "the same of the photons alone that a layer of the detector absorbs\n('CsI@4.51:0.15', "
     "'Se@4.3:0.2')")
     ->type_name("MATERIAL[@DENSITY]:MM");
   add.Input("--response-table", response.Table,
-    "instead, what it adds up of a photon by its energy: lines of keV, a comma and the signal");
+    "instead, what it adds up of a photon by its energy: lines of keV,signal");
 }
 
 void DeclareSpectrum(const OptionList& add, SceneBeam& beam)
 {
-  AddSpectrumOption(add, beam.Spectrum);
-  add("--kev", beam.EnergyKeV, Positive("keV"), "a single photon energy instead of a spectrum");
-  add.Word("--tube", beam.Anode, { "W", "Mo", "Rh" },
-    "instead, the spectrum of a tube with this anode and a beryllium window, 18 to 42 kV (Boone, "
-    "Fewell and Jennings 1997)");
-  add("--kvp", beam.KilovoltagePeak, Between(18, 42, "kV"), "voltage of --tube");
-  DeclareFilters(add, "--filter", beam.Filters,
-    "a layer that all photons pass, an element, a formula or a NIST compound ('Air, Dry (near sea "
-    "level):600'); may be given for several");
+  const OptionList beamOptions = add.Group("Beam");
+  AddSpectrumOption(beamOptions, beam.Spectrum);
+  AddEnergyOption(beamOptions, beam.EnergyKeV);
+  beamOptions.Word("--tube", beam.Anode, { "W", "Mo", "Rh" },
+    "instead, a tube with this anode\n(and a beryllium window, 18 to 42 kV; Boone, Fewell and "
+    "Jennings 1997)");
+  beamOptions("--kvp", beam.KilovoltagePeak, Between(18, 42, "kV"), "voltage of --tube");
+  DeclareFilters(beamOptions, "--filter", beam.Filters,
+    "a layer that all photons pass, once for each\n(MATERIAL[@DENSITY]:MM of an element, a formula "
+    "or a NIST compound, 'Air, Dry (near sea level):600')");
 }
 
 void DeclareDualEnergy(const OptionList& add, DualEnergyArguments& arguments)
 {
-  const OptionList dual = add.Group("Dual energy");
+  const OptionList dual = add.Group("Dual energy").Expert();
   dual("--iodine", arguments.Iodine,
-    "iodine that a material of the table has taken up besides, for contrast-enhanced pictures")
+    "iodine that a material has taken up, for contrast-enhanced pictures")
     ->type_name("MATERIAL=MG_PER_ML")
     ->allow_extra_args(false);
   dual.Input("--high-spectrum", arguments.Spectrum,
-    "a second exposure with this spectrum: --output becomes its -ln I/I0 less a multiple of the "
+    "a second exposure with this spectrum\n(--output becomes its -ln I/I0 less a multiple of the "
     "first's by which --cancel look the same; NAME_low and NAME_high beside it are the two "
-    "exposures");
+    "exposures)");
   dual("--high-kev", arguments.EnergyKeV, Positive("keV"), "the same with a single photon energy");
   dual("--high-kvp", arguments.KilovoltagePeak, Between(18, 42, "kV"),
     "the same with the anode of --tube at this voltage");

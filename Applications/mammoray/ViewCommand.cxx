@@ -22,7 +22,7 @@ struct ViewArguments
   ViewInput Input;
   /// In place of the breast.
   SurfaceViewInput Surfaces;
-  const CLI::App* Command = nullptr;
+  const mammoray::Command* Command = nullptr;
   ViewerOptions Viewer;
   std::array<int, 2> Size{ 1280, 800 };
   std::optional<Vector3> Source;
@@ -35,74 +35,55 @@ struct ViewArguments
 
 void DeclareInput(const OptionList& add, ViewInput& input, SurfaceViewInput& surfaces)
 {
-  CLI::Option_group* what = add.App().add_option_group("what", "what to look at, one of");
-  const OptionList addWhat(*what);
-  AddResultOption(addWhat, input.Result);
-  addWhat.Input("--mesh", input.Mesh,
-    "tetrahedra with materials (.vtu), also as 'mammoray compress' wrote them");
-  addWhat.Input("--series", input.Series,
+  const OptionList what = add.OneOf("What to look at, one of");
+  AddResultOption(what, input.Result);
+  AddMeshOption(what, input.Mesh);
+  what.Input("--series", input.Series,
     "series of 'mammoray compress' (.pvd): the thickness slider goes through it");
-  addWhat("--surface", surfaces.Surfaces,
-    "closed surfaces of one material each, as 'mammoray project' has them; source and detector are "
-    "placed around them")
-    ->type_name("MATERIAL=FILE ...");
-  addWhat.Input("--scene", surfaces.Scene,
-    "surfaces before a source and a detector (.json, docs/scene.md)");
-  what->require_option(1);
-  add.Input("--mammogram", input.Mammograms,
-    "mammogram (DICOM MG), of a result the registered one; repeated where several were registered "
-    "together");
-  add.Input("--image", input.Image,
-    "MRI in the frame of the mesh, shown in three slices (.nrrd .mha .nii .nii.gz, DICOM series); "
-    "default: the result's own, else the tissues of --labels");
-  AddLesionOption(add, input.Lesions, ": lesions, to go to each");
-  AddMaterialsOption(add, input.Materials)
-    ->description("material table: a file (.json) or a shipped one's name; default: the result's");
-  AddSpectrumOption(add, input.Spectrum, "; default: the result's, or W28kVp_Rh50um_Be1mm");
-  add("--kev", surfaces.EnergyKeV, Positive("keV"),
-    "a single photon energy instead of a spectrum; of surfaces");
-  AddOrientationOption(add, input.Orientation, "the mesh (a result knows its own)");
+  AddSurfaceOption(what, surfaces.Surfaces);
+  AddSceneOption(what, surfaces.Scene);
+  AddMammogramsOption(add, input.Mammograms);
+  AddImageOption(add, input.Image);
+  AddLesionOption(add, input.Lesions);
+  AddMaterialsOption(add, input.Materials);
+  AddOrientationOption(add, input.Orientation);
+  const OptionList expert = add.Expert();
+  AddSpectrumOption(expert, input.Spectrum);
+  AddEnergyOption(expert, surfaces.EnergyKeV);
   for (const PoseParameter& parameter : PoseParameters)
   {
-    AddPoseOption(add, parameter, input.Pose[parameter.Index],
-      parameter.Index == ThicknessParameter
-        ? ": compresses to it; default: as the input is compressed, or 50"
-        : "; default: the result's, or " + parameter.Format(BreastPose().*parameter.Value, 0));
+    AddPoseOption(parameter.Index == ThicknessParameter ? add : expert, parameter,
+      input.Pose[parameter.Index]);
   }
-  add("--pixel-spacing", input.PixelSpacingMm, Positive("mm"),
-    "of the picture where there is no mammogram");
-  AddLabelOptions(add, input.Labels)
-    ->description("label volume whose materials the mechanics feel and the slices show; default: "
-                  "the mesh's own");
-  add.Input("--simulation-mesh", input.SimulationMesh,
-    "coarse mesh for the mechanics (.vtu); default: made from the labels or the mesh");
+  expert("--pixel-spacing", input.PixelSpacingMm, Positive("mm"), PixelSpacingHelp);
+  AddLabelOptions(expert, input.Labels);
+  AddSimulationMeshOption(expert, input.SimulationMesh);
 }
 
 void Declare(const OptionList& add, ViewArguments& arguments)
 {
   arguments.Command = &add.App();
   DeclareInput(add, arguments.Input, arguments.Surfaces);
-  add("--blend", arguments.Viewer.Blend, Between(0, 1),
-    "share of the real mammogram at the beginning, 0 to 1");
-  add("--kvp", arguments.Viewer.Kilovoltage, "kV",
-    "tube voltage at the beginning (photon energy, keV, where it is a single one); default: the "
-    "spectrum's");
-  add.Numbers("--source", arguments.Source, "X Y Z",
-    "of the source beside its place at the beginning, gantry x, y and z (of surfaces: of their "
-    "scene), mm");
-  add.Numbers("--point", arguments.Point, "X Y Z",
-    "mark this point of the uncompressed breast, mm");
-  add.Numbers("--pixel", arguments.Pixel, "COLUMN ROW",
-    "mark what lies behind this pixel of the mammogram, or tell what it sees of surfaces");
-  add.Numbers("--size", arguments.Size, "W H", "width and height of the window, pixels")
-    ->check(*Between(400, 8192).Range);
-  add("--pictures", arguments.Viewer.PictureFolder, "folder where the key s saves pictures");
+  AddPointOption(add, arguments.Point);
+  AddPixelOption(add, arguments.Pixel);
   add("--screenshot", arguments.Screenshot,
     "write the window's picture there (.png) and stop; nothing is shown");
-  AddOverwriteFlag(add, arguments.Overwrite, "the picture of --screenshot");
-  add("--benchmark", arguments.BenchmarkFrames, Between(1, 100000),
-    "move the source, then the paddle, for so many frames each, print how many a second, and stop");
-  AddProjectorOptions(add, arguments.Viewer.Projector);
+  AddOverwriteFlag(add, arguments.Overwrite);
+  const OptionList expert = add.Expert();
+  expert("--blend", arguments.Viewer.Blend, Between(0, 1),
+    "share of the real mammogram at the beginning");
+  expert("--kvp", arguments.Viewer.Kilovoltage, "kV",
+    "tube voltage at the beginning\n(photon energy, keV, where it is a single one; default: the "
+    "spectrum's)");
+  expert.Numbers("--source", arguments.Source, "X Y Z",
+    "of the source beside its place at the beginning, mm\n(gantry x, y and z; of surfaces: of "
+    "their scene)");
+  expert.Numbers("--size", arguments.Size, "W H", "width and height of the window, pixels",
+    Between(400, 8192));
+  expert("--pictures", arguments.Viewer.PictureFolder, "folder where the key s saves pictures");
+  expert("--benchmark", arguments.BenchmarkFrames, Between(1, 100000),
+    "move source, then paddle, for so many frames, print the rates, and stop");
+  AddProjectorOptions(expert, arguments.Viewer.Projector);
 }
 
 /// Bad input is told before the display is looked for.
@@ -194,16 +175,16 @@ void RunBreast(const ViewArguments& arguments)
 }
 
 /// Refuses what is of breasts only.
-void CheckSurfaceOptions(const CLI::App& command)
+void CheckSurfaceOptions(const Command& command)
 {
   const std::vector<std::string> known{ "surface", "scene", "materials", "spectrum", "kev", "kvp",
     "source", "pixel", "size", "pictures", "screenshot", "overwrite", "benchmark", "device",
     "projector", "config" };
-  for (const CLI::Option* option : command.get_options({}))
+  for (const Declaration& declaration : command.Declarations)
   {
-    const std::string name =
-      option->get_lnames().empty() ? std::string() : option->get_lnames().front();
-    if (option->count() > 0 && std::find(known.begin(), known.end(), name) == known.end())
+    const std::string name = declaration.Name();
+    if (declaration.Option->count() > 0 &&
+      std::find(known.begin(), known.end(), name) == known.end())
     {
       throw InputError("--" + name + ": expected a breast to look at, found surfaces");
     }

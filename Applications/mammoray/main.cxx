@@ -82,6 +82,7 @@ int Run(int argc, char* argv[])
                         "mammograms.\nLengths in mm, pressures in kPa, energies in keV, angles in "
                         "degrees." };
   application.set_version_flag("--version", "mammoray " MAMMORAY_VERSION);
+  application.set_help_all_flag("--help-all", "of a command: all options");
   application.require_subcommand(1);
   mammoray::AddCompressCommand(application);
   mammoray::AddDemoCommand(application);

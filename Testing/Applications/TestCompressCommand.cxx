@@ -187,10 +187,11 @@ TEST_F(CompressCommand, WritesATimeSeriesOfABreastUnloadedFromProne)
   const std::string run = "compress --orientation LAS --materials " +
     this->Folder.File("soft.json") + " -o " + this->Result + " --mesh " +
     this->Folder.File("breast.vtu") +
-    " --thickness 54 --anterior 5 --mri-position prone --chest-wall elastic "
-    "--wall-normal-stiffness 50"
-    " --wall-tangential-stiffness 5 --pull 0.5 --friction 0.2 --series " +
-    pvd;
+    " --thickness 54 --anterior 5 --mri-position prone --chest-wall elastic --pull 0.5"
+    " --friction 0.2 --series " +
+    pvd + " --config " +
+    this->Folder.Write("wall.json",
+      R"({ "wall-normal-stiffness": 50, "wall-tangential-stiffness": 5 })");
   ASSERT_EQ(this->Run(run + " --series-steps 3"), 0) << this->Errors;
   EXPECT_EQ(this->Errors, "");
   EXPECT_THAT(this->Output, testing::HasSubstr("MiB to factorise"));
@@ -269,7 +270,8 @@ TEST_F(CompressCommand, RefusesInOneLine)
   EXPECT_EQ(this->Run("compress " + this->Coarse), 2);
   EXPECT_EQ(this->Run("compress " + this->Coarse + " --thickness 50 --chest-wall loose"), 2);
   EXPECT_EQ(this->Run("compress " + this->Coarse + " --thickness 50 --friction -1"), 2);
-  EXPECT_EQ(this->Run("compress " + this->Coarse + " --thickness 50 --wall-normal-stiffness 0"), 2);
+  const std::string wall = this->Folder.Write("wall.json", R"({ "wall-normal-stiffness": 0 })");
+  EXPECT_EQ(this->Run("compress " + this->Coarse + " --thickness 50 --config " + wall), 2);
   EXPECT_EQ(this->Run("compress " + this->Coarse + " --thickness 50 --mri-position left"), 2);
 }
 

@@ -16,6 +16,7 @@ namespace
 struct NoArguments
 {
   double Gap = 1;
+  double Friction = 0;
 };
 
 std::string RefusalOfWords(const std::vector<std::string>& words)
@@ -24,7 +25,10 @@ std::string RefusalOfWords(const std::vector<std::string>& words)
   AddCommand<NoArguments>(
     application, "press", "Presses",
     [](const OptionList& add, NoArguments& arguments)
-    { add("--gap", arguments.Gap, "of the plates"); },
+    {
+      add("--gap", arguments.Gap, "of the plates");
+      add.CaseFile()("--friction", arguments.Friction, "of the plates");
+    },
     [](NoArguments&) {});
   try
   {
@@ -61,6 +65,8 @@ TEST(CheckWords, SuggestsWhatMayHaveBeenMeant)
   EXPECT_EQ(RefusalOfWords({ "press", "--gape=3" }),
     "unknown option '--gape'; did you mean --gap?");
   EXPECT_EQ(RefusalOfWords({ "press", "--gap", "-3", "--", "word" }), "");
+  EXPECT_EQ(RefusalOfWords({ "press", "--friction", "1" }),
+    "--friction: expected it in the case file (--config FILE.json), found it as an option");
   EXPECT_EQ(RefusalOfWords({ "--version" }), "");
 }
 
@@ -86,7 +92,7 @@ TEST_F(HelpCommand, EveryCommandHasAnExampleOfItsOwnOptionsAndFitsTheWidth)
       continue; // the rest of a description
     }
     ++commands;
-    ASSERT_EQ(this->Run(name + " --help"), 0) << name;
+    ASSERT_EQ(this->Run(name + " --help-all"), 0) << name;
     const std::string help = this->Output;
     const std::size_t example = help.find("Example: mammoray " + name);
     ASSERT_NE(example, std::string::npos) << name;
@@ -99,7 +105,6 @@ TEST_F(HelpCommand, EveryCommandHasAnExampleOfItsOwnOptionsAndFitsTheWidth)
       }
     }
     EXPECT_EQ(help.find("Option Group"), std::string::npos) << name;
-    EXPECT_EQ(help.find("--help "), help.rfind("--help ")) << name << " tells it once";
     std::istringstream helpLines(help);
     bool afterOption = false;
     while (std::getline(helpLines, line))

@@ -11,7 +11,6 @@
 
 using namespace mammoray;
 using testing::HasSubstr;
-using testing::Not;
 
 namespace
 {
@@ -20,6 +19,7 @@ struct PressArguments
   double ThicknessMm = 50;
   std::string Side = "left";
   std::string Mesh;
+  double Friction = 0;
 };
 
 class ManualTest : public testing::Test
@@ -34,10 +34,9 @@ protected:
       {
         add.Input("--mesh", arguments.Mesh, "to press")->required();
         add("--thickness", arguments.ThicknessMm, Positive("mm"), "distance of the plates");
-        CLI::Option_group* place = add.App().add_option_group("place");
-        OptionList(*place).Group("Patient").Word("-s,--side", arguments.Side, { "left", "right" },
+        add.Group("Patient").Expert().Word("-s,--side", arguments.Side, { "left", "right" },
           "the patient's own");
-        add("--secret", arguments.Mesh, "not for users")->group("");
+        add.CaseFile()("--friction", arguments.Friction, NonNegative(), "of the plates");
       },
       [](PressArguments&) {});
   }
@@ -52,9 +51,10 @@ TEST_F(ManualTest, PageTellsEveryOptionAsHelpDoes)
   EXPECT_THAT(page, HasSubstr("mammoray\\-press \\- Press a body\n"));
   EXPECT_THAT(page, HasSubstr("\\fB\\-\\-mesh\\fR \\fIPATH\\fR (required)\nto press\n"));
   EXPECT_THAT(page, HasSubstr("\\fB\\-\\-thickness\\fR \\fImm"));
-  EXPECT_THAT(page, HasSubstr("(default: 50)\ndistance of the plates"));
+  EXPECT_THAT(page, HasSubstr(" (greater than 0; default 50)\ndistance of the plates"));
   EXPECT_THAT(page, HasSubstr(".SH PATIENT\n.TP\n\\fB\\-s\\fR, \\fB\\-\\-side\\fR"));
-  EXPECT_THAT(page, Not(HasSubstr("secret")));
+  EXPECT_THAT(page,
+    HasSubstr(".SH SETTINGS OF THE CASE FILE (\\-\\-CONFIG)\n.TP\n\\fBfriction\\fR"));
   EXPECT_THAT(page, HasSubstr("\n\\&.5 mm at a time")) << "a request of roff";
 }
 
@@ -81,5 +81,6 @@ TEST_F(ManualTest, ShellCompletesCommandsOptionsAndWords)
   EXPECT_EQ(complete("pr"), "press\n");
   EXPECT_EQ(complete("press --th"), "--thickness\n");
   EXPECT_EQ(complete("press --side ri"), "right\n");
+  EXPECT_EQ(complete("press --fr"), "\n");
   EXPECT_EQ(complete("press --mesh pr"), "\n") << "files are left to the shell";
 }

@@ -263,7 +263,9 @@ TEST_F(MeshCommand, RefusesInOneLine)
     "no such file");
   this->ExpectRefused("mesh " + this->Inputs + " -o " + this->Folder.File("mesh.stl"), ".vtu");
   this->ExpectRefused("mesh " + this->Inputs + " -o /nowhere/mesh.vtu", "no folder");
-  this->ExpectRefused("mesh " + this->Inputs + output + " --facet-angle 60", "facet angle");
+  this->ExpectRefused("mesh " + this->Inputs + output + " --config " +
+      this->Folder.Write("angle.json", R"({ "facet-angle": 60 })"),
+    "facet angle");
   this->ExpectRefused("mesh " + this->Inputs + output + " --cell-size-of bone=2",
     "unknown material 'bone'");
   this->ExpectRefused("mesh " + this->Inputs + output + " --cell-size-of gland", "MATERIAL=MM");

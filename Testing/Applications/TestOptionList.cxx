@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What an option's declaration promises: default and unit in the help, ranges, words, round trip.
 #include "Files.h"
+#include "Help.h"
 #include "OptionList.h"
 #include "Refusals.h"
 #include "mammoray/Foundation/Error.h"
@@ -28,6 +29,7 @@ struct Arguments
   std::optional<double> ForceN;
   std::vector<double> PixelSizesMm{ 3, 1.5 };
   double ShiftMm = 0;
+  double Friction = 0;
   std::vector<int> Layers;
   unsigned Seed = 1;
   std::optional<std::array<double, 3>> Point;
@@ -48,7 +50,8 @@ void Declare(const OptionList& add, Arguments& arguments)
   add("--thickness", arguments.ThicknessMm, Positive("mm"), "distance of the plates");
   add("--force", arguments.ForceN, Positive("N"), "of the paddle");
   add("--pixel-sizes", arguments.PixelSizesMm, Positive("mm"), "coarse to fine");
-  add("--shift", arguments.ShiftMm, "mm", "of the breast");
+  add.Expert()("--shift", arguments.ShiftMm, "mm", "of the breast\nas a whole");
+  add.CaseFile()("--friction", arguments.Friction, NonNegative(), "of the plates");
   add("--layers", arguments.Layers, "whole numbers");
   add("--seed", arguments.Seed, "of what is drawn");
   add.Numbers("--point", arguments.Point, "X Y Z", "a place");
@@ -73,6 +76,7 @@ protected:
   OptionListTest()
     : Command(AddCommand<Arguments>(this->Application, "press", "Presses.", Declare, Keep))
   {
+    SetUpHelp(this->Application);
   }
 
   void Parse(const std::string& arguments)
@@ -82,7 +86,7 @@ protected:
   }
 
   CLI::App Application{ "test" };
-  CLI::App* Command;
+  mammoray::Command* Command;
 };
 }
 
@@ -116,20 +120,43 @@ TEST_F(OptionListTest, VariablesTakeWhatIsGiven)
 TEST_F(OptionListTest, HelpTellsUnitRangeAndDefault)
 {
   const std::string help = this->Command->help();
-  EXPECT_THAT(help, testing::HasSubstr("--thickness mm:POSITIVE=50"));
-  EXPECT_THAT(help, testing::HasSubstr("--pixel-sizes mm:POSITIVE=[3,1.5]"));
-  EXPECT_THAT(help, testing::HasSubstr("--chest-wall TEXT:{fixed,sliding}=fixed"));
-  EXPECT_THAT(help, testing::HasSubstr("--point X Y Z"));
-  EXPECT_THAT(help, testing::HasSubstr("Files:"));
-  EXPECT_THAT(help, testing::Not(testing::HasSubstr("--force N:POSITIVE=")));
+  for (const char* line : { "  --thickness mm              distance of the plates (default 50)\n",
+         "  --pixel-sizes mm ...        coarse to fine (default [3,1.5])\n",
+         "  --chest-wall fixed|sliding  how it is attached (default fixed)\n",
+         "  --force N                   of the paddle\n", "  --point X Y Z               a place\n",
+         "Files:\n" })
+  {
+    EXPECT_THAT(help, testing::HasSubstr(line));
+  }
+  EXPECT_THAT(this->Command->help("", CLI::AppFormatMode::All),
+    testing::HasSubstr("distance of the plates (greater than 0; default 50)"));
+}
+
+TEST_F(OptionListTest, ExpertsAndCaseFilesHaveMore)
+{
+  const std::string few = this->Command->help();
+  EXPECT_THAT(few, testing::Not(testing::HasSubstr("--shift")));
+  EXPECT_THAT(few, testing::HasSubstr("--help-all lists 2 more options"));
+  const std::string all = this->Command->help("", CLI::AppFormatMode::All);
+  EXPECT_THAT(all, testing::HasSubstr("--shift mm                  of the breast as a whole"));
+  EXPECT_THAT(all, testing::Not(testing::HasSubstr("friction ")));
+  EXPECT_THROW(this->Parse("--friction 0.5"), CLI::ParseError);
+  const test::TemporaryFolder folder;
+  const std::string file =
+    folder.Write("press.json", R"({ "$schema": "case.schema.json", "friction": 0.5, "shift": 2 })");
+  this->Parse("--shift 3 --config " + file);
+  EXPECT_EQ(given.Friction, 0.5);
+  EXPECT_EQ(given.ShiftMm, 3);
+  EXPECT_THROW(this->Parse("--config " + folder.Write("press.json", R"({ "friction": -1 })")),
+    CLI::ParseError);
 }
 
 TEST_F(OptionListTest, ConfigurationRoundTrips)
 {
   this->Parse("--thickness 41.5 --point 1 -2 3.5 --chest-wall sliding --overwrite");
-  const std::string printed = this->Command->config_to_str(true, false);
-  for (const char* entry :
-    { "\"thickness\": 41.5", "\"chest-wall\": \"sliding\"", "\"overwrite\": true" })
+  const std::string printed = PrintedConfiguration(*this->Command);
+  for (const char* entry : { "\"thickness\": 41.5", "\"chest-wall\": \"sliding\"",
+         "\"overwrite\": true", "\"no-correction\": false", "\"friction\": 0" })
   {
     EXPECT_THAT(printed, testing::HasSubstr(entry));
   }
@@ -180,7 +207,7 @@ TEST_F(OptionListTest, ConfigurationWithAnUnknownOptionIsRefusedWithANearOne)
   }
   catch (const CLI::ParseError& error)
   {
-    EXPECT_EQ(std::string(error.what()), file + ": unknown option 'meshes'; did you mean --mesh?");
+    EXPECT_EQ(std::string(error.what()), file + ": unknown option 'meshes'; did you mean mesh?");
   }
 }
 
@@ -244,7 +271,7 @@ TEST(Quantity, RangesIncludeTheirEnds)
   const auto refusal = [](const Quantity& quantity, const std::string& text)
   {
     std::string number = text;
-    return (*quantity.Range)(number);
+    return NumberIn<double>(quantity)(number);
   };
   EXPECT_EQ(refusal(Between(-30, 30), "-30"), "");
   EXPECT_EQ(refusal(Between(-30, 30), "30"), "");

@@ -66,7 +66,8 @@ TEST_F(SegmentCommand, MakesLabelsThatMeshTakes)
   const std::string picture = this->Folder.File("slices.png");
   const std::string mri = this->WriteMri("mri.nrrd", Breast);
   const std::string arguments = "segment --image " + mri + " -o " + this->Labels +
-    " --label-spacing 0 --skin-thickness 2 --picture " + picture;
+    " --label-spacing 0 --picture " + picture + " --config " +
+    this->Folder.Write("skin.json", R"({ "skin-thickness": 2 })");
   ASSERT_EQ(this->Run(arguments), 0) << this->Errors;
   EXPECT_EQ(this->Errors, "");
   EXPECT_THAT(this->Output,
@@ -133,9 +134,12 @@ TEST_F(SegmentCommand, RefusesInOneLine)
   this->ExpectRefused("segment --image " + mri + output + " --picture a.jpg", ".png");
   this->ExpectRefused("segment --image " + mri + output + " --orientation LPX", "orientation");
   this->ExpectRefused("segment --image " + mri + output + " --side left", "expected two breasts");
-  this->ExpectRefused("segment --image " + mri + output + " --skin-thickness 0.5",
+  const std::string withSettings = "segment --image " + mri + output + " --config ";
+  this->ExpectRefused(withSettings +
+      this->Folder.Write("skin.json", R"({ "skin-thickness": 0.5 })"),
     "at least the voxel spacing");
-  this->ExpectRefused("segment --image " + mri + output + " --classes 7", "classes");
+  this->ExpectRefused(withSettings + this->Folder.Write("classes.json", R"({ "classes": 7 })"),
+    "classes");
   EXPECT_FALSE(std::filesystem::exists(this->Labels));
   EXPECT_EQ(this->Run("segment --image " + mri + output + " --side top"), 2);
   EXPECT_EQ(this->Run("segment " + output), 2);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "FuzzTargets.h"
 
-#include "Configuration.h"
+#include "OptionList.h"
 #include "Private/AttenuationTableIO.h"
 #include "Private/Checkpoint.h"
 #include "Private/GridParcel.h"
@@ -21,8 +21,6 @@
 #include "mammoray/Study/ResultFile.h"
 #include "mammoray/Study/StudyTruth.h"
 #include "mammoray/XRay/Composition.h"
-
-#include <CLI/CLI.hpp>
 
 #include <algorithm>
 #include <cstdio>
@@ -101,23 +99,32 @@ void ReadResult(const std::string& path)
   ReadResultFiles(std::filesystem::path(path).parent_path().string());
 }
 
-/// A file of options of every kind.
+/// Options of every kind.
+struct CaseArguments
+{
+  std::string Text;
+  std::string File;
+  double Number = 0;
+  std::vector<double> Numbers;
+  bool Flag = false;
+};
+
+void DeclareCase(const OptionList& add, CaseArguments& arguments)
+{
+  add("--name", arguments.Text, "a text");
+  add.Input("--input", arguments.File, "a file");
+  add.CaseFile()("--number", arguments.Number, Positive(), "a number");
+  add("--numbers", arguments.Numbers, "numbers");
+  add.Flag("--flag", arguments.Flag, "a flag");
+}
+
 void ParseConfiguration(const std::string& path)
 {
-  CLI::App app;
-  std::string text, file;
-  double number = 0;
-  std::vector<double> numbers;
-  bool flag = false;
-  app.add_option("--name", text);
-  app.add_option("--input", file)->type_name(InputTypeName);
-  app.add_option("--number", number)->check(CLI::PositiveNumber);
-  app.add_option("--numbers", numbers);
-  app.add_flag("--flag", flag);
-  AddConfigurationOptions(app);
+  CLI::App application;
+  AddCommand<CaseArguments>(application, "read", "Reads", DeclareCase, [](CaseArguments&) {});
   try
   {
-    app.parse(std::vector<std::string>{ path, "--config" });
+    application.parse(std::vector<std::string>{ path, "--config", "read" });
   }
   catch (const CLI::ParseError&)
   {

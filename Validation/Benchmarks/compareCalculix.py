@@ -66,9 +66,11 @@ def main():
     size = ["--cell-size", sys.argv[3]] if len(sys.argv) == 4 else []
     subprocess.run([mammoray, "mesh", "--labels", labels, "--materials", "victre", "--for-mechanics", *size, "-o", mesh,
                     "--overwrite"], check=True, stdout=subprocess.DEVNULL)
+    settings = work / "compress.json"
+    settings.write_text(f'{{"edge-radius": {EDGE_RADIUS}}}')
     ours, clock, processor = timed([
         mammoray, "compress", "--mesh", mesh, "--materials", "victre", "--orientation", "ALS", "--thickness", f"{THICKNESS}",
-        "--anterior", "7", "--edge-radius", f"{EDGE_RADIUS}", "-o", squeezed, "--overwrite"], stdout=subprocess.PIPE, text=True)
+        "--anterior", "7", "--config", settings, "-o", squeezed, "--overwrite"], stdout=subprocess.PIPE, text=True)
     grid = read(squeezed)
     fields = grid.GetFieldData()
     names = [fields.GetAbstractArray("MaterialNames").GetValue(n)

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Options with values that nobody means: each is refused in a line or two, or the command does its work."""
+import json
 import os
 import re
 
@@ -12,14 +13,12 @@ VALUES = ("", "-", "--", "-h", "=", "a=", "=a", "a=b", " 5", "5 ", "5mm", "1,5",
 
 
 def options_of(program, command):
-    """[(name, how many values it takes)], as --help shows them."""
+    """[(name, how many values it takes)] of all that the command line takes."""
+    settings = json.loads(program.run("--print-schema").out)["$defs"][command]["properties"]
     found = []
-    for line in program.run(command, "--help").out.splitlines():
-        match = re.match(r" {2}(?:-\w,)?(--[a-z][\w-]*)(?: (\S.*?))?(?: {2,}\S.*)?$", line)
-        if match and match[1] not in ("--help", "--manual"):
-            kind = re.sub(r"(Excludes|Needs): .*|REQUIRED", "", match[2] or "").strip()
-            times = re.search(r" x (\d+)", kind)
-            found.append((match[1], int(times[1]) if times else 1 if kind else 0))
+    for option in re.findall(r"^ {2}(?:-\w,)?(--[a-z][\w-]*)", program.run(command, "--help-all").out, re.MULTILINE):
+        setting = settings.get(option[2:], {"type": "boolean" if option == "--print-config" else "string"})
+        found.append((option, 0 if setting.get("type") == "boolean" else setting.get("minItems", 1)))
     return found
 
 

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "OptionNames.h"
+
+#include <gtest/gtest.h>
+
+using namespace mammoray;
+
+TEST(OptionNames, FollowTheFields)
+{
+  EXPECT_EQ(OptionOfField("ThicknessMm"), "--thickness");
+  EXPECT_EQ(OptionOfField("SourceToDetectorMm"), "--source-to-detector");
+  EXPECT_EQ(OptionOfField("AcceptUnusual"), "--accept-unusual");
+  EXPECT_EQ(OptionOfField("Laterality"), "--side");
+}
+
+TEST(OptionNames, ReplaceWholeFieldsInMessages)
+{
+  const InputError named("ThicknessMm: expected ThicknessMmOf",
+    { "ThicknessMm", "3", { "AcceptUnusual" } });
+  EXPECT_EQ(InOptions(named), "--thickness: expected ThicknessMmOf; set --accept-unusual");
+  const InputError key("table.json: density", { "Density", "3", { "\"unusual\": true" } });
+  EXPECT_EQ(InOptions(key), "table.json: density; set \"unusual\": true");
+  EXPECT_EQ(InOptions(InputError("no such file")), "no such file");
+}
