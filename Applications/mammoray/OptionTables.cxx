@@ -88,9 +88,11 @@ std::string Identity(const Declaration& declaration)
   return declaration.Name() + '\n' + declaration.Option->get_description();
 }
 
+/// As Markdown shows it in a table, and Doxygen, to which @ begins a command.
 std::string Cell(std::string text)
 {
-  for (std::size_t place = 0; (place = text.find('|', place)) != std::string::npos; place += 2)
+  for (std::size_t place = 0; (place = text.find_first_of("|@", place)) != std::string::npos;
+       place += 2)
   {
     text.insert(place, "\\");
   }

@@ -10,7 +10,7 @@ using namespace mammoray;
 
 namespace
 {
-struct PressArguments
+struct TabledArguments
 {
   double ThicknessMm = 50;
   std::vector<double> PixelSizesMm{ 3, 1.5 };
@@ -20,7 +20,7 @@ struct PressArguments
   bool Overwrite = false;
 };
 
-void Declare(const OptionList& add, PressArguments& arguments)
+void DeclareTabled(const OptionList& add, TabledArguments& arguments)
 {
   add("--thickness", arguments.ThicknessMm, Positive("mm"), "distance of the plates");
   add("--pixel-sizes", arguments.PixelSizesMm, Positive("mm"), "coarse to fine");
@@ -30,7 +30,7 @@ void Declare(const OptionList& add, PressArguments& arguments)
   add.Flag("--overwrite", arguments.Overwrite, "replace");
 }
 
-void DeclareOverwrite(const OptionList& add, PressArguments& arguments)
+void DeclareOverwrite(const OptionList& add, TabledArguments& arguments)
 {
   add.Flag("--overwrite", arguments.Overwrite, "replace");
 }
@@ -40,9 +40,9 @@ class OptionTablesTest : public testing::Test
 protected:
   OptionTablesTest()
   {
-    const auto run = [](PressArguments&) {};
-    AddCommand<PressArguments>(this->Application, "press", "Presses", Declare, run);
-    AddCommand<PressArguments>(this->Application, "lift", "Lifts", DeclareOverwrite, run);
+    const auto run = [](TabledArguments&) {};
+    AddCommand<TabledArguments>(this->Application, "press", "Presses", DeclareTabled, run);
+    AddCommand<TabledArguments>(this->Application, "lift", "Lifts", DeclareOverwrite, run);
   }
 
   CLI::App Application;
