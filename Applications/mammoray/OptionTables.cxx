@@ -94,7 +94,7 @@ std::string Cell(std::string text)
   for (std::size_t place = 0; (place = text.find_first_of("|@", place)) != std::string::npos;
        place += 2)
   {
-    text.insert(place, "\\");
+    text.insert(place, 1, '\\');
   }
   return text;
 }

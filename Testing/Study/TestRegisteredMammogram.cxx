@@ -41,7 +41,12 @@ TEST(RegisteredMammogram, APictureIsReadAsItWasRegistered)
   WriteGrey(other, 30, 40);
   ResultFile result = test::MakeResultFile();
   result.Inputs = { { MammogramRole, "a.png", Sha256OfFile(picture) } };
-  result.Mammogram = { "MLO", 'L', 40, 30, 0.07, 0.08 };
+  result.Mammogram.View = "MLO";
+  result.Mammogram.Laterality = 'L';
+  result.Mammogram.Columns = 40;
+  result.Mammogram.Rows = 30;
+  result.Mammogram.ColumnSpacingMm = 0.07;
+  result.Mammogram.RowSpacingMm = 0.08;
   const Mammogram read = ReadRegisteredMammogram(result, picture);
   EXPECT_EQ(read.Columns, 40);
   EXPECT_EQ(read.ColumnSpacingMm, 0.07);
