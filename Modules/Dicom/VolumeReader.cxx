@@ -208,6 +208,8 @@ struct SliceFile
   std::vector<int> Frames;
   /// Nothing is read from a file that is no DICOM, instead of an error.
   bool MayBeOther = false;
+  /// A single image is an error.
+  bool IsVolume = false;
 };
 
 /// Parses a file once.
@@ -226,6 +228,11 @@ std::vector<VolumeSlice> ReadSliceFile(const SliceFile& wanted, std::string& ser
   series = DicomText(file->Data(), DCM_SeriesInstanceUID);
   if (!HasResonanceFrames(file->Data()))
   {
+    if (wanted.IsVolume)
+    {
+      throw InputError(path +
+        ": expected the folder of a DICOM series or a multi-frame MR object, found a single image");
+    }
     if (!wanted.Frames.empty())
     {
       throw InputError(path + ": expected an MR object of frames, found none");
@@ -416,14 +423,7 @@ IntensityVolume ReadDicomIntensities(const std::string& path)
   {
     return StackSlices(ReadSeries(path), false);
   }
-  const std::vector<VolumeSlice> slices = ReadFiles({ { path, {} } });
-  // A frame has a name of its own.
-  if (slices.front().Name == path)
-  {
-    throw InputError(path +
-      ": expected the folder of a DICOM series or a multi-frame MR object, found a single image");
-  }
-  return StackSlices(slices, false);
+  return StackSlices(ReadFiles({ { path, {}, false, true } }), false);
 }
 
 /// Throws InputError if there is no such file or folder.

@@ -47,6 +47,13 @@ void AddBytes(DcmItem& data, const DcmTagKey& tag, DcmEVR representation, const 
   OFCondition put;
   switch (representation)
   {
+    case EVR_AT:
+      for (unsigned long index = 0; index < number / 4; ++index)
+      {
+        const auto* words = static_cast<const Uint16*>(bytes) + 2 * index;
+        put = element.putTagVal(DcmTagKey(words[0], words[1]), index);
+      }
+      break;
     case EVR_FL:
     case EVR_OF:
       put = element.putFloat32Array(static_cast<const Float32*>(bytes), number / 4);
