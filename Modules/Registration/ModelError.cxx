@@ -93,7 +93,7 @@ ModelError::ModelError(const TetrahedralMesh& anatomy, const std::vector<double>
   for (std::size_t cell = 0; cell < volumes.size(); ++cell)
   {
     sum += volumes[cell];
-    if (sum >= 0.5 * share)
+    if (volumes[cell] > 0 && sum >= 0.5 * share)
     {
       sum -= share;
       this->Cells.push_back(cell);
