@@ -60,9 +60,9 @@ def troubles(proxy, known):
 
 
 def version_troubles():
-    """Lines, none where openResult.py knows the version of Case's ResultFile.h."""
+    """Lines, none where openResult.py knows the version of ResultFile.h in Study."""
     versions = [re.search(pattern, path.read_text(encoding="utf-8")).group(1)
-                for pattern, path in ((r"ResultFormatVersion = (\d+);", MODULES / "Case" / "ResultFile.h"),
+                for pattern, path in ((r"ResultFormatVersion = (\d+);", MODULES / "Study" / "ResultFile.h"),
                                       (r"(?m)^FORMAT_VERSION = (\d+)", HERE / "openResult.py"))]
     if versions[0] != versions[1]:
         yield f"openResult.py: expected FORMAT_VERSION {versions[0]}, found {versions[1]}"

@@ -357,7 +357,7 @@ int vtkXRayProjector::RequestData(vtkInformation*, vtkInformationVector** inputs
     });
 }
 
-void vtkXRayProjector::SetDetection(Scene& scene) const
+void vtkXRayProjector::DescribeDetection(Scene& scene) const
 {
   scene.Response =
     this->PhotonCounting ? DetectorResponse::PhotonCounting : DetectorResponse::EnergyIntegrating;
@@ -391,7 +391,7 @@ void vtkXRayProjector::Project(vtkDataObject* input, vtkImageData* output)
   Internals& internal = *this->Internal;
   Scene scene;
   this->PlaceBeam(input, scene);
-  this->SetDetection(scene);
+  this->DescribeDetection(scene);
   Exposer& exposer =
     internal.Open({ .Projection = static_cast<ProjectorOptions::Method>(this->ProjectionMethod),
       .Device = this->DeviceName });

@@ -316,7 +316,7 @@ private:
   void Project(vtkDataObject* input, vtkImageData* output);
   /// Bring the properties into the scene. Throw InputError.
   void PlaceBeam(vtkDataObject* input, mammoray::Scene& scene) const;
-  void SetDetection(mammoray::Scene& scene) const;
+  void DescribeDetection(mammoray::Scene& scene) const;
 
   vtkXRayProjector(const vtkXRayProjector&) = delete;
   void operator=(const vtkXRayProjector&) = delete;
