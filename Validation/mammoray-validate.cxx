@@ -244,7 +244,10 @@ std::vector<PlannedStudy> StudiesOf(const Arguments& arguments)
   std::vector<std::string> known;
   for (PlannedStudy& study : studies)
   {
-    known.push_back(study.Phantom);
+    if (std::find(known.begin(), known.end(), study.Phantom) == known.end())
+    {
+      known.push_back(study.Phantom);
+    }
     study.Options.Seed += arguments.Twins.Options.Seed - 1;
     study.Options.Projections = arguments.Projections;
     study.Registration = arguments.Twins.Options.Registration;

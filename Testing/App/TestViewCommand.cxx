@@ -261,7 +261,8 @@ TEST_F(ViewCommand, RefusesInOneLine)
   this->ExpectRefused("view --mesh " + this->Folder.File("none.vtu") + " --materials victre",
     "none.vtu: no such file");
   this->ExpectRefused("view --result " + this->Folder.File("none"), "result.json: no such file");
-  this->ExpectRefused("view --mesh " + this->Folder.File("breast.vtu"), "expected --materials");
+  this->ExpectRefused("view --mesh " + this->Folder.File("breast.vtu"),
+    "expected a material table beside a mesh; set --materials");
   this->ExpectRefused("view --mesh " + this->Folder.File("breast.vtu") + " --materials victre",
     "material 2 is 'wall'");
   this->ExpectRefused(this->MeshArguments + " --pictures " + this->Folder.File("none"),

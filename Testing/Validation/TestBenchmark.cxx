@@ -113,6 +113,6 @@ TEST(Benchmark, HoldsWhatAnyMethodNeeds)
   }
 
   EXPECT_THAT(test::RefusalOf([&] { ExportBenchmark({}, path); }),
-    HasSubstr("expected an empty folder, found files in it"));
+    HasSubstr("expected a new or an empty folder, found one with files"));
 }
 }

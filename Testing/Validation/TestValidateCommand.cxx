@@ -134,7 +134,7 @@ TEST_F(ValidateCommand, RefusesUnusableInputInOneLine)
   this->ExpectRefused("study --labels nowhere.nrrd -o " + out, "nowhere.nrrd");
   EXPECT_FALSE(fs::exists(out));
   // The test's own folder holds what the program printed.
-  this->ExpectRefused("study -o " + this->Folder.File(""), "expected an empty folder");
+  this->ExpectRefused("study -o " + this->Folder.File(""), "expected a new or an empty folder");
   EXPECT_EQ(this->Run(""), 2);
   EXPECT_EQ(this->Run("twins --phantom a=b"), 2);
   EXPECT_EQ(this->Run(this->Twins("twins", "--kinds everything")), 2);

@@ -230,7 +230,8 @@ TEST(VirtualStudy, WhatIsWrittenIsWhatItsTruthSays)
   EXPECT_EQ(read.Views[1].Pose.RollDeg, truth.Views[1].Pose.RollDeg);
   EXPECT_EQ(read.YoungsModuliKPa, truth.YoungsModuliKPa);
   EXPECT_GT(truth.MeanHangMm, 0.5);
-  EXPECT_THAT(RefusalOf([&] { MakeSmallStudy(path); }), HasSubstr("expected an empty folder"));
+  EXPECT_THAT(RefusalOf([&] { MakeSmallStudy(path); }),
+    HasSubstr("expected a new or an empty folder"));
 }
 
 TEST(VirtualStudy, InterruptedWorkLeavesNothing)
