@@ -335,6 +335,11 @@ void Write(const std::string& path, const VolumeGrid& grid, itk::ImageIOBase::IO
 
 void CheckFile(const std::string& path, const std::string& what)
 {
+  std::error_code problem;
+  if (!fs::exists(path, problem))
+  {
+    throw InputError(path + ": no such file");
+  }
   if (!fs::is_regular_file(path) || !std::ifstream(path))
   {
     throw InputError(path + ": expected " + what + ", found something that cannot be read");
