@@ -81,7 +81,7 @@ for algorithm, setters in (
         assert algorithm.GetMTime() == changed, f"{name} again"
 
 # Sizes that nothing can be made of.
-for odd, text in (({"cell_size": 1e-3}, "GB that this process may have"), ({"label_spacing": -1}, "at least 0"),
+for odd, text in (({"cell_size": 1e-3}, "GB of this machine"), ({"label_spacing": -1}, "at least 0"),
                   ({"triangles": 2**31}, "expected 0 to 2147483647"), ({"triangles": -1}, "expected 0 to")):
     try:
         mammoray.mesh(labels, (2, 2, 2), **odd)
