@@ -56,7 +56,7 @@ Json AsJson(const std::string& text)
 {
   if (Json::accept(text))
   {
-    const Json value = Json::parse(text);
+    Json value = Json::parse(text);
     if (value.is_number() || value.is_boolean())
     {
       return value;

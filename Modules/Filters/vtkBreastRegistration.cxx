@@ -188,6 +188,11 @@ struct vtkBreastRegistration::Internals
   RegistrationTarget Target;
 
   void Prepare(vtkImageData* mammogram);
+  /// Makes the model if the setup differs from the present one; returns whether it did. `labels` is
+  /// read where the setup has no anatomy.
+  bool PrepareModel(RegistrationSetup setup, vtkImageData* labels,
+    const mammoray::MaterialTable& materials, const Beam& beam, bool acceptUnusual,
+    const ProgressCallback& progress);
 };
 
 void vtkBreastRegistration::Internals::Prepare(vtkImageData* mammogram)
@@ -201,6 +206,30 @@ void vtkBreastRegistration::Internals::Prepare(vtkImageData* mammogram)
   this->Target = PrepareTarget(this->Mammogram);
   this->MammogramImage = mammogram;
   this->MammogramTime = mammogram->GetMTime();
+}
+
+bool vtkBreastRegistration::Internals::PrepareModel(RegistrationSetup setup, vtkImageData* labels,
+  const mammoray::MaterialTable& materials, const Beam& beam, bool acceptUnusual,
+  const ProgressCallback& progress)
+{
+  if (this->Problem.Model && this->Setup == setup)
+  {
+    return false;
+  }
+  this->Problem = {};
+  BreastInput breast{ .Materials = materials,
+    .Axes = AnatomicalAxes::FromCode(setup.Orientation),
+    .Anatomy = setup.Anatomy,
+    .Mechanics = { .SimulationMesh = setup.Coarse, .Predicted = true },
+    .Projector = MakeProjector({ .Device = setup.Device }),
+    .XRays = beam };
+  if (!setup.Anatomy)
+  {
+    breast.Labels = MaterialsOf(labels, materials, acceptUnusual);
+  }
+  this->Problem = MakeProblem(std::move(breast), progress);
+  this->Setup = std::move(setup);
+  return true;
 }
 
 vtkStandardNewMacro(vtkBreastRegistration);
@@ -310,7 +339,7 @@ int vtkBreastRegistration::RequestData(vtkInformation*, vtkInformationVector** i
   {
     const ProgressCallback progress = ProgressOf(this);
     // Everything that can be refused comes before anything is computed.
-    const AnatomicalAxes axes = AnatomicalAxes::FromCode(this->Orientation);
+    AnatomicalAxes::FromCode(this->Orientation);
     const mammoray::Spectrum spectrum =
       FindSpectrum(FileOrName(this->SpectrumFile, this->Spectrum));
     std::optional<ScatterModel> scatter = internal.Secondary.ModelOf(this->Scatter, this->AirGapMm,
@@ -326,11 +355,6 @@ int vtkBreastRegistration::RequestData(vtkInformation*, vtkInformationVector** i
     start.ThicknessMm = this->ThicknessMm > 0
       ? this->ThicknessMm
       : internal.Mammogram.BodyPartThicknessMm.value_or(start.ThicknessMm);
-    // Pixels of images in a pipeline may be binned to any size.
-    if (!this->AcceptUnusual)
-    {
-      CheckValidRange(ValidRanges::Thickness, start.ThicknessMm, "ThicknessMm");
-    }
     start.RollDeg = NominalRollDeg(internal.Mammogram).value_or(0) + this->RollDeg;
     start.AnteriorMm = this->AnteriorMm;
     View view;
@@ -343,8 +367,10 @@ int vtkBreastRegistration::RequestData(vtkInformation*, vtkInformationVector** i
       ? this->SourceToDetectorMm
       : internal.Mammogram.SourceToDetectorMm.value_or(view.Unit.SourceToDetectorMm);
     view.Unit.EdgeRadiusMm = this->EdgeRadiusMm;
+    // Pixels of images in a pipeline may be binned to any size.
     if (!this->AcceptUnusual)
     {
+      CheckValidRange(ValidRanges::Thickness, start.ThicknessMm, "ThicknessMm");
       CheckValidRange(ValidRanges::SourceDistance, view.Unit.SourceToDetectorMm,
         "SourceToDetectorMm");
     }
@@ -373,21 +399,9 @@ int vtkBreastRegistration::RequestData(vtkInformation*, vtkInformationVector** i
     const mammoray::MaterialTable materials = FindMaterialTable(table);
     Beam beam = MakeBeam(materials, spectrum, DetectorResponse::EnergyIntegrating);
     RegistrationProblem& problem = internal.Problem;
-    if (!problem.Model || !(internal.Setup == setup))
+    if (internal.PrepareModel(std::move(setup), labels, materials, beam, this->AcceptUnusual,
+          progress))
     {
-      problem = {};
-      BreastInput breast{ .Materials = materials,
-        .Axes = axes,
-        .Anatomy = setup.Anatomy,
-        .Mechanics = { .SimulationMesh = setup.Coarse, .Predicted = true },
-        .Projector = MakeProjector({ .Device = this->DeviceName }),
-        .XRays = beam };
-      if (!grid)
-      {
-        breast.Labels = MaterialsOf(labels, materials, this->AcceptUnusual);
-      }
-      problem = MakeProblem(std::move(breast), progress);
-      internal.Setup = std::move(setup);
       ++this->NumberOfSetups;
     }
     problem.Model->SetBeam(std::move(beam));

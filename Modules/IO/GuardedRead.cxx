@@ -122,9 +122,16 @@ void SetUpReader(const ReadLimits& limits)
   if (ending == Ending::Refused && ftruncate(file, sizeof ending) == 0 &&
     lseek(file, sizeof ending, SEEK_SET) >= 0)
   {
-    Parcel message(file);
-    message(reason);
-    message.Flush();
+    try
+    {
+      Parcel message(file);
+      message(reason);
+      message.Flush();
+    }
+    catch (...)
+    {
+      ending = Ending::Died;
+    }
   }
   pwrite(file, &ending, sizeof ending, 0);
   _exit(0);

@@ -69,7 +69,7 @@ InputError NoLabel(const std::string& place, double value)
 
 LabelVolume ReadLabelFile(const std::string& path, VolumeAxes axes)
 {
-  const LabelVolume volume = ReadGuarded(path, "a label volume", ReadLimits::Of({ path }),
+  LabelVolume volume = ReadGuarded(path, "a label volume", ReadLimits::Of({ path }),
     [&] { return DecodeLabels(path, axes); });
   volume.Validate(path);
   return volume;
@@ -77,7 +77,7 @@ LabelVolume ReadLabelFile(const std::string& path, VolumeAxes axes)
 
 IntensityVolume ReadIntensityFile(const std::string& path, VolumeAxes axes)
 {
-  const IntensityVolume volume = ReadGuarded(path, "a volume", ReadLimits::Of({ path }),
+  IntensityVolume volume = ReadGuarded(path, "a volume", ReadLimits::Of({ path }),
     [&] { return DecodeIntensities(path, axes); });
   volume.Validate(path);
   return volume;

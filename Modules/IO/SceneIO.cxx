@@ -253,7 +253,7 @@ private:
     {
       return *words.begin();
     }
-    const std::string found = entry.Text(key);
+    std::string found = entry.Text(key);
     if (std::find(words.begin(), words.end(), found) == words.end())
     {
       std::string expected;

@@ -212,8 +212,8 @@ private:
       }
       return own;
     }
-    const auto given = [](const std::vector<double>& numbers, std::vector<double> standard)
-    { return numbers.empty() ? std::move(standard) : numbers; };
+    const auto given = [](const std::vector<double>& numbers, const std::vector<double>& standard)
+    { return numbers.empty() ? standard : numbers; };
     const auto shift = given(node.translation, { 0, 0, 0 });
     const auto scale = given(node.scale, { 1, 1, 1 });
     const auto rotation = given(node.rotation, { 0, 0, 0, 1 });

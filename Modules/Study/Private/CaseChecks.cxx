@@ -252,8 +252,8 @@ double AreaCm2(const RegistrationTarget& target)
 }
 
 /// Of the picture's volume, area times thickness, over the MRI's breast. Of the five virtual
-/// studies that the validation begins with: 0.44 to 0.77 in CC, 0.51 to 0.85 in MLO, since plates do
-/// not take all that lies before the chest wall; oblique pictures have the pectoral muscle, too.
+/// studies that the validation begins with: 0.44 to 0.77 in CC, 0.51 to 0.85 in MLO, since plates
+/// do not take all that lies before the chest wall; oblique pictures have the pectoral muscle, too.
 struct SizeLimits
 {
   double Usual[2];

@@ -26,6 +26,7 @@ char PlainLetter(unsigned char latin)
 }
 }
 
+// NOLINTNEXTLINE(readability-function-size): a table, one row per word.
 const std::vector<SeriesWord>& SeriesVocabulary()
 {
   using M = SeriesMeaning;
