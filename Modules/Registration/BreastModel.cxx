@@ -35,7 +35,7 @@ ElasticTable HeldTable(const MaterialTable& table)
   if (std::find(materials.Fixed.begin(), materials.Fixed.end(), true) == materials.Fixed.end())
   {
     throw InputError("table '" + table.Name +
-      "': expected a material with \"held\": true (the chest wall), found none");
+      "': expected a material with \"fixed\": true (the chest wall), found none");
   }
   return materials;
 }

@@ -422,7 +422,7 @@ RegistrationCaseResult RunRegistrationCase(const RegistrationCase& input,
   if (std::find(fixed.begin(), fixed.end(), true) == fixed.end())
   {
     throw InputError(input.Materials +
-      ": expected a material with \"held\": true (the chest wall), "
+      ": expected a material with \"fixed\": true (the chest wall), "
       "found none");
   }
   ReadMammograms(input, result);

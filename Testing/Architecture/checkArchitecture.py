@@ -5,6 +5,7 @@
 - an include goes from an upper module to a lower one and never the other way, nor between neighbours;
 - a module names in its vtk.module what its public headers include;
 - private headers are included by their own module (and its tests) only;
+- an installed header (HEADERS, CLASSES and what vtk_module_install_headers names in CMakeLists.txt) includes installed ones only;
 - no text of a module names an option of the command line: errors name fields (RefusedField);
 - nothing but Validation and the tests includes headers of Validation, which may include everything;
 - every module has a README, and every source of it is listed in CMakeLists.txt.
@@ -71,6 +72,30 @@ def check_includes(root, modules, wrong):
                     wrong.append(f"{where}: a public header includes {name}")
 
 
+def installed_headers(folder):
+    text = re.sub(r"#.*", "", (folder / "CMakeLists.txt").read_text())
+    found, section = set(), ""
+    for word in re.findall(r"[^\s()\"]+", text):
+        if re.fullmatch(r"[A-Z_]+", word):
+            section = word
+        elif section in ("HEADERS", "FILES") and word.endswith(".h") and "$" not in word:
+            found.add(word)
+        elif section == "CLASSES":
+            found.add(word + ".h")
+    return found
+
+
+def check_installed(root, modules, wrong):
+    installed = {m: installed_headers(root / "Modules" / m) for m in modules}
+    for module in modules:
+        for header in sorted(installed[module]):
+            path = root / "Modules" / module / header
+            for name in INCLUDE.findall(path.read_text()):
+                parts = name.split("/")
+                if parts[0] == "mammoray" and parts[1] in installed and "/".join(parts[2:]) not in installed[parts[1]]:
+                    wrong.append(f"{path.relative_to(root)}: is installed, but {name} is not")
+
+
 def check_options(root, modules, wrong):
     for module in modules:
         for path in sources(root / "Modules" / module):
@@ -124,6 +149,7 @@ def main():
     modules = [m for m in MAY_INCLUDE if (root / "Modules" / m).is_dir()]
     wrong = []
     check_includes(root, modules, wrong)
+    check_installed(root, modules, wrong)
     check_options(root, modules, wrong)
     check_tests(root, wrong)
     check_validation(root, wrong)

@@ -22,7 +22,10 @@ def tree(root):
             ("Registration", "", ("Fit",))):
         write(root, f"Modules/{module}/vtk.module", f"NAME\n  MammoRay::{module}\nDEPENDS\n{depends}")
         write(root, f"Modules/{module}/README.md", f"# {module}\n")
-        write(root, f"Modules/{module}/CMakeLists.txt", "".join(f"{n}.h {n}.cxx Private/Own.h\n" for n in names))
+        write(root, f"Modules/{module}/CMakeLists.txt",
+              "HEADERS\n" + "".join(f"{n}.h\n" for n in names) + "SOURCES\n" + "".join(f"{n}.cxx\n" for n in names)
+              + "PRIVATE_HEADERS\nPrivate/Own.h Inner.h\n")
+        write(root, f"Modules/{module}/Inner.h", "")
         for n in names:
             write(root, f"Modules/{module}/{n}.h", "")
             write(root, f"Modules/{module}/{n}.cxx", f'#include "mammoray/{module}/{n}.h"\n#include "Private/Own.h"\n')
@@ -42,6 +45,7 @@ BREACHES = {
     "Modules/IO/Files.h": ('#include "Private/Own.h"\n', "a public header includes"),
     "Modules/XRay/Beam.h": ('#include "mammoray/Foundation/Private/Own.h"\n', "is no public header"),
     "Modules/Foundation/Error.h": ('const char* hint = "--kev gives one";\n', "names the option --kev"),
+    "Modules/Foundation/Error.h": ('#include "mammoray/Foundation/Inner.h"\n', "is installed, but mammoray/Foundation/Inner.h is not"),
     "Modules/IO/Unlisted.cxx": ("", "does not list Unlisted.cxx"),
     "Wrapping/wrap.cxx": ('#include "Twins.h"\n', "must not include Twins.h of Validation"),
     "Applications/tool.cxx": ('#include "../Validation/Other.h"\n', "must not include ../Validation/Other.h"),
