@@ -8,7 +8,8 @@
 - an installed header (HEADERS, CLASSES and what vtk_module_install_headers names in CMakeLists.txt) includes installed ones only;
 - no text of a module names an option of the command line: errors name fields (RefusedField);
 - nothing but Validation and the tests includes headers of Validation, which may include everything;
-- every module has a README, and every source of it is listed in CMakeLists.txt.
+- every module has a README, and every source of it is listed in CMakeLists.txt;
+- a source that docs/architecture.md names is there.
 
 usage: checkArchitecture.py PROJECT-FOLDER     exit 1: something is wrong
 """
@@ -141,6 +142,15 @@ def check_rooms(root, modules, wrong):
             wrong.append(f"Modules/{entry.name}: a module that checkArchitecture.py does not know")
 
 
+def check_names(root, wrong):
+    page = root / "docs/architecture.md"
+    names = re.findall(r"`([\w/]+\.(?:h|cxx|py|comp|rgen|rahit|rmiss))`", page.read_text()) if page.exists() else []
+    there = [p.as_posix() for top in ("Modules", "Applications", "Wrapping", "Testing", "shaders") for p in (root / top).rglob("*.*")]
+    for name in sorted(set(names)):
+        if not any(p.endswith("/" + name) for p in there):
+            wrong.append(f"docs/architecture.md: there is no {name}")
+
+
 def main():
     if len(sys.argv) != 2:
         print(__doc__, file=sys.stderr)
@@ -154,6 +164,7 @@ def main():
     check_tests(root, wrong)
     check_validation(root, wrong)
     check_rooms(root, modules, wrong)
+    check_names(root, wrong)
     for line in wrong:
         print(line)
     print(f"{len(modules)} modules, {len(wrong)} breaches")
