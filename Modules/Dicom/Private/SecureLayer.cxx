@@ -84,8 +84,14 @@ std::unique_ptr<DcmTransportLayer> MakeSecureLayer(const DicomNode& node)
     layer->setPrivateKeyPasswd(""); // never asked for: this runs unattended, too
     Expect(layer->setPrivateKeyFile(tls.KeyFile.c_str(), DCF_Filetype_PEM),
       "a key (PEM) without passphrase", tls.KeyFile);
-    Expect(layer->setCertificateFile(tls.CertificateFile.c_str(), DCF_Filetype_PEM),
-      "a certificate (PEM)", tls.CertificateFile);
+#if PACKAGE_VERSION_NUMBER >= 369
+    const OFCondition taken = layer->setCertificateFile(tls.CertificateFile.c_str(),
+      DCF_Filetype_PEM, TSP_Profile_BCP195_ND);
+#else
+    const OFCondition taken =
+      layer->setCertificateFile(tls.CertificateFile.c_str(), DCF_Filetype_PEM);
+#endif
+    Expect(taken, "a certificate (PEM)", tls.CertificateFile);
     if (!layer->checkPrivateKeyMatchesCertificate())
     {
       throw InputError(tls.KeyFile + ": expected the key of " + tls.CertificateFile +
