@@ -189,7 +189,7 @@ def main():
     options = parser.parse_args()
     for tool in (FORMAT, TIDY):
         if not shutil.which(tool):
-            print(f"{tool}: expected on the PATH (Debian's package of that name), not found")
+            print(f"{tool}: expected on the PATH (a package of Debian 12, not of 13), not found: skipped")
             return 125
     build = options.build.resolve()
     if not (build / "compile_commands.json").exists():
