@@ -96,11 +96,16 @@ VulkanInstance::VulkanInstance(bool validation)
 {
   if (validation)
   {
-    using Severity = vk::DebugUtilsMessageSeverityFlagBitsEXT;
-    using Type = vk::DebugUtilsMessageTypeFlagBitsEXT;
-    this->Messenger.emplace(*this->Instance,
-      vk::DebugUtilsMessengerCreateInfoEXT({}, Severity::eError | Severity::eWarning,
-        Type::eValidation | Type::ePerformance, OnMessage, this));
+    // Vulkan's own struct: the type of the callback in vk's changed with its version.
+    const VkDebugUtilsMessengerCreateInfoEXT info{
+      VK_STRUCTURE_TYPE_DEBUG_UTILS_MESSENGER_CREATE_INFO_EXT, nullptr, 0,
+      VK_DEBUG_UTILS_MESSAGE_SEVERITY_ERROR_BIT_EXT |
+        VK_DEBUG_UTILS_MESSAGE_SEVERITY_WARNING_BIT_EXT,
+      VK_DEBUG_UTILS_MESSAGE_TYPE_VALIDATION_BIT_EXT |
+        VK_DEBUG_UTILS_MESSAGE_TYPE_PERFORMANCE_BIT_EXT,
+      OnMessage, this
+    };
+    this->Messenger.emplace(*this->Instance, info);
   }
 }
 
