@@ -19,10 +19,13 @@
 #include <CGAL/perturb_mesh_3.h>
 #include <CGAL/refine_mesh_3.h>
 
+#include <boost/variant/get.hpp>
+
 #include <algorithm>
 #include <chrono>
 #include <numbers>
 #include <unordered_map>
+#include <variant>
 
 namespace mammoray
 {
@@ -35,6 +38,20 @@ using Complex = CGAL::Mesh_complex_3_in_triangulation_3<Triangulation>;
 using Criteria = CGAL::Mesh_criteria_3<Triangulation>;
 using Point = Kernel::Point_3;
 namespace parameters = CGAL::parameters;
+
+/// What an index of CGAL holds, or null: CGAL 5 has boost's variant, CGAL 6 the standard library's.
+template <typename T, typename Index>
+const T* As(const Index& index)
+{
+  if constexpr (requires { std::get_if<T>(&index); })
+  {
+    return std::get_if<T>(&index);
+  }
+  else
+  {
+    return boost::get<T>(&index);
+  }
+}
 
 /// The material at a point, for CGAL. Also reports progress and stops the work from within.
 struct Labeller
@@ -75,12 +92,12 @@ struct SizingField
   }
   double operator()(const Point&, int dimension, const Index& index) const
   {
-    if (const auto* patch =
-          dimension == 2 ? boost::get<Domain::Surface_patch_index>(&index) : nullptr)
+    const auto* patch = As<Domain::Surface_patch_index>(index);
+    if (dimension == 2 && patch)
     {
       return std::min(this->Of(patch->first), this->Of(patch->second));
     }
-    const auto* subdomain = boost::get<Domain::Subdomain_index>(&index);
+    const auto* subdomain = As<Domain::Subdomain_index>(index);
     return subdomain ? this->Of(*subdomain) : this->Size;
   }
 };
@@ -115,10 +132,9 @@ protected:
     { return triangulation.is_infinite(cell) ? 0 : this->Label(triangulation.dual(cell)); };
     const int a = materialOf(facet.first);
     const int b = materialOf(facet.first->neighbor(facet.second));
-    // Returned by value: a reference into the temporary would dangle.
-    const Domain::Surface_patch_index patch = boost::get<Domain::Surface_patch_index>(
-      facet.first->get_facet_surface_center_index(facet.second));
-    return patch.first == std::min(a, b) && patch.second == std::max(a, b)
+    const Domain::Index index = facet.first->get_facet_surface_center_index(facet.second);
+    const auto* patch = As<Domain::Surface_patch_index>(index);
+    return patch && patch->first == std::min(a, b) && patch->second == std::max(a, b)
       ? Is_bad()
       : Is_bad(Quality(this->SmallestMm2 / radiusMm2));
   }
