@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Private/Plate.h"
 
-#include <Eigen/Cholesky>
-#include <Eigen/Core>
+#include <vnl/algo/vnl_cholesky.h>
+#include <vnl/vnl_matrix_fixed.h>
+#include <vnl/vnl_vector_fixed.h>
 
 #include <algorithm>
 #include <cmath>
@@ -216,7 +217,7 @@ HeightMap::Pointer FitPlate(const HeightMap* heights, const HeightMap* weights, 
 HeightMap::Pointer FitParaboloid(const HeightMap* heights, const HeightMap* weights)
 {
   constexpr int terms = 6;
-  using Terms = Eigen::Matrix<double, terms, 1>;
+  using Terms = vnl_vector_fixed<double, terms>;
   const auto size = heights->GetLargestPossibleRegion().GetSize();
   const int columns = static_cast<int>(size[0]);
   const int rows = static_cast<int>(size[1]);
@@ -225,29 +226,35 @@ HeightMap::Pointer FitParaboloid(const HeightMap* heights, const HeightMap* weig
   {
     const double u = (x - 0.5 * (columns - 1)) * heights->GetSpacing()[0] / halfMm;
     const double w = (z - 0.5 * (rows - 1)) * heights->GetSpacing()[1] / halfMm;
-    return (Terms() << 1, u, w, u * u, u * w, w * w).finished();
+    const double values[terms] = { 1, u, w, u * u, u * w, w * w };
+    return Terms(values);
   };
-  Eigen::Matrix<double, terms, terms> normal = Eigen::Matrix<double, terms, terms>::Zero();
-  Terms right = Terms::Zero();
+  vnl_matrix_fixed<double, terms, terms> normal(0.0);
+  Terms right(0.0);
   for (int z = 0; z < rows; ++z)
   {
     for (int x = 0; x < columns; ++x)
     {
       const double weight = weights->GetPixel({ { x, z } });
       const Terms t = termsAt(x, z);
-      normal += weight * t * t.transpose();
+      normal += weight * outer_product(t, t);
       right += weight * heights->GetPixel({ { x, z } }) * t;
     }
   }
   // Terms that the heights do not determine stay 0.
-  normal.diagonal().array() += 1e-6 * normal(0, 0) + std::numeric_limits<double>::min();
-  const Terms found = normal.ldlt().solve(right);
+  const double least = 1e-6 * normal(0, 0) + std::numeric_limits<double>::min();
+  for (int k = 0; k < terms; ++k)
+  {
+    normal(k, k) += least;
+  }
+  const Terms found =
+    vnl_cholesky(normal.as_matrix(), vnl_cholesky::quiet).solve(right.as_vector());
   HeightMap::Pointer paraboloid = EmptyLike(heights);
   for (int z = 0; z < rows; ++z)
   {
     for (int x = 0; x < columns; ++x)
     {
-      paraboloid->SetPixel({ { x, z } }, static_cast<float>(found.dot(termsAt(x, z))));
+      paraboloid->SetPixel({ { x, z } }, static_cast<float>(dot_product(found, termsAt(x, z))));
     }
   }
   return paraboloid;
