@@ -53,8 +53,10 @@ using MaterialDerivative = std::vector<ElasticMaterialDerivative>;
  *
  *   w = mu / (2 b) (exp(b I) - 1)    (Fung's law for isotropic tissue, Demiray 1972)
  *
- * and its limit for b = 0, w = mu / 2 I (neo-Hookean). The elements know a material law only
- * through this struct, so another function of I replaces it alone.
+ * and its limit for b = 0, w = mu / 2 I (neo-Hookean). Elements know the function of I only
+ * through this struct. Its constants are means over the materials at a quadrature point
+ * (ElasticBody::SetMaterials): a law with a further constant changes that mean and its derivative
+ * (ElasticEnergy::GradientDerivative), too.
  */
 struct ShapeEnergy
 {
@@ -62,6 +64,9 @@ struct ShapeEnergy
   double Mu = 1.0;
   /// Exponent b; not negative.
   double Exponent = 0.0;
+
+  /// The law of inverted cells, whose invariant is so large that an exponential of it overflows.
+  ShapeEnergy NeoHookean() const { return { this->Mu, 0.0 }; }
 
   double Value(double i) const
   {

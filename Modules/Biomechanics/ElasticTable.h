@@ -22,8 +22,10 @@ struct ElasticTable
   {
     for (const Material& material : table.Materials)
     {
-      this->Elastic.push_back({ material.YoungsModulusKPa, material.PoissonRatio,
-        material.FungExponent, material.DensityGPerCm3 });
+      this->Elastic.push_back({ .YoungsModulusKPa = material.YoungsModulusKPa,
+        .PoissonRatio = material.PoissonRatio,
+        .FungExponent = material.FungExponent,
+        .DensityGPerCm3 = material.DensityGPerCm3 });
     }
   }
 };

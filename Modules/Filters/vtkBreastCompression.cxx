@@ -299,7 +299,11 @@ void vtkBreastCompression::SetMaterial(int material, double youngsModulusKPa, do
     return;
   }
   auto given = this->Internal->Given;
-  given[material] = { { youngsModulusKPa, poissonRatio, fungExponent, densityGPerCm3 }, fixed };
+  given[material] = { { .YoungsModulusKPa = youngsModulusKPa,
+                        .PoissonRatio = poissonRatio,
+                        .FungExponent = fungExponent,
+                        .DensityGPerCm3 = densityGPerCm3 },
+    fixed };
   SetProperty(this, this->Internal->Given, std::move(given));
 }
 

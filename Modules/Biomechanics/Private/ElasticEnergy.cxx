@@ -371,10 +371,10 @@ Matrix9 PointStiffness(const PointState<Cell>& state, const ShapeEnergy& law, co
   AddOuterProduct(f, mixed * c, a);
   AddOuterProduct(c, mixed * f + square * c, a);
   AddDeterminantHessian(state.F, pressure - scale * ratio, a);
-  if (law.Exponent > 0)
+  if (const double curvature = law.Curvature(invariant); curvature != 0)
   {
     const Vector9 d = Eigen::Map<const Vector9>(direction.data());
-    AddOuterProduct(d, 4 * power.Value * power.Value * law.Curvature(invariant) * d, a);
+    AddOuterProduct(d, 4 * power.Value * power.Value * curvature * d, a);
   }
   return a;
 }
@@ -459,7 +459,7 @@ bool AddTerms(const ElasticBody& body, std::size_t element, const std::vector<do
     ShapeEnergy law = body.LawAt(state.Law);
     if (domain == ElasticEnergy::Domain::Extended)
     {
-      law.Exponent = 0; // whose exponential of a large invariant would overflow
+      law = law.NeoHookean();
     }
     const double trace = state.F.squaredNorm();
     const PowerOfJ power(j, domain);

@@ -14,8 +14,10 @@ namespace mammoray
 class PictureFeatures;
 
 /**
- * Outline and picture of a compressed breast against one target, in standard deviations: what
- * RegistrationResiduals puts together of each projection. The target must outlive it.
+ * Outline and picture of a compressed breast against one target, in standard deviations:
+ * RegistrationResiduals joins those of all projections. A further residual of either kind is added
+ * at the end of that kind's block: to its number, to Append, to AppendRates and to its places. The
+ * target must outlive it.
  */
 class MAMMORAYREGISTRATION_EXPORT PictureResiduals
 {

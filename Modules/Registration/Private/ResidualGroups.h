@@ -13,7 +13,8 @@
 
 namespace mammoray
 {
-/// The residuals of the outline and of the picture, in turn, of each projection of each view.
+/// The residuals of the outline and of the picture, in turn, of each projection of each view. The
+/// pairs are counted on by RegistrationResiduals::Weigh and by SearchCovariance's misfit.
 struct MAMMORAYREGISTRATION_EXPORT ResidualGroups
 {
   std::vector<ResidualGroup> Groups;
