@@ -141,6 +141,19 @@ nlohmann::json ViewsJson(const StudyTruth& truth, const std::string& resultFolde
   return views;
 }
 
+/// The middle of the tissue behind a pixel, at rest: the best guess from one mammogram alone. Empty
+/// if the X-ray misses the breast.
+std::optional<Vector3> MiddleBehind(const RegisteredBreast& breast,
+  const std::array<double, 2>& pixel)
+{
+  std::vector<Vector3> curve;
+  for (const RaySegment& segment : breast.ToVolume(pixel[0], pixel[1], 0.5))
+  {
+    curve.insert(curve.end(), segment.Uncompressed.begin(), segment.Uncompressed.end());
+  }
+  return curve.empty() ? std::nullopt : std::optional(curve[curve.size() / 2]);
+}
+
 /**
  * Adds how far the points that both mammograms show were found in the MRI from where they are, from
  * the true places of their shadows, mm: from CC alone, in the middle of the tissue behind the
@@ -173,7 +186,7 @@ void MeasureTwoViews(const StudyTruth& truth, const std::string& resultFolder, n
     }
     const SeenInView first{ &views[0].Breast, views[0].View->Pixels[index] };
     const SeenInView second{ &views[1].Breast, views[1].View->Pixels[index] };
-    const std::optional<Vector3> middle = MiddleBehind(first);
+    const std::optional<Vector3> middle = MiddleBehind(*first.Breast, first.Pixel);
     const std::optional<TissueInTwoViews> both = FindInTwoViews(first, second);
     if (middle && both)
     {

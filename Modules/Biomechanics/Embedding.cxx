@@ -277,7 +277,6 @@ Embedding::Embedding(const CompressionSimulation& simulation, const std::vector<
   this->Nodes.resize(perPoint * count);
   this->Weights.resize(perPoint * count);
   this->CellIndices.resize(count);
-  std::vector<double> distances(count);
   ParallelFor(count,
     [&](std::size_t p)
     {
@@ -285,7 +284,6 @@ Embedding::Embedding(const CompressionSimulation& simulation, const std::vector<
       Eigen::Vector3d nearest = point;
       const std::int32_t cell = locator.Find(point, nearest);
       this->CellIndices[p] = cell;
-      distances[p] = (point - nearest).norm();
       // Use the shape functions inside a cell. Outside, use their tangent at the nearest point: it
       // is exact for linear fields and avoids the growth of a parabola for others.
       const Eigen::Vector4d l = locator.Barycentric(cell, nearest);
@@ -301,7 +299,6 @@ Embedding::Embedding(const CompressionSimulation& simulation, const std::vector<
       }
       std::copy_n(&body.Cells()[perPoint * cell], perPoint, &this->Nodes[perPoint * p]);
     });
-  this->Distance = count ? *std::max_element(distances.begin(), distances.end()) : 0;
 }
 
 std::vector<double> Embedding::Map(const std::vector<double>& nodeValues) const

@@ -28,8 +28,6 @@ public:
   /// The same into `pointValues`, 3 x pointCount.
   void Map(std::span<const double> nodeValues, std::span<double> pointValues) const;
   std::size_t NumberOfPoints() const { return this->CellIndices.size(); }
-  /// Largest distance of a point from its cell, mm; 0 if all points lie inside.
-  double LargestDistanceMm() const { return this->Distance; }
   /// Index of the cell that contains or is nearest to each point.
   const std::vector<std::int32_t>& Cells() const { return this->CellIndices; }
 
@@ -39,7 +37,6 @@ private:
   std::vector<std::int32_t> Nodes;
   std::vector<double> Weights;
   std::vector<std::int32_t> CellIndices;
-  double Distance = 0;
 };
 }
 

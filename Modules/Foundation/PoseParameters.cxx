@@ -5,24 +5,10 @@
 #include "mammoray/Foundation/SpellingSuggestions.h"
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
-#include <cstdio>
 
 namespace mammoray
 {
-namespace
-{
-std::string Capitalised(std::string text)
-{
-  if (!text.empty())
-  {
-    text[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(text[0])));
-  }
-  return text;
-}
-}
-
 double PoseParameter::Lower(double start) const
 {
   return std::isfinite(this->Least) ? std::min(this->Least, start)
@@ -33,18 +19,6 @@ double PoseParameter::Upper(double start) const
 {
   return std::isfinite(this->Most) ? std::max(this->Most, start)
                                    : start + (this->Reach + this->RelativeReach * start);
-}
-
-std::string PoseParameter::Property() const
-{
-  return Capitalised(this->Name) + Capitalised(this->Unit);
-}
-
-std::string PoseParameter::Format(double value, int digits) const
-{
-  char text[64];
-  std::snprintf(text, sizeof text, "%.*f", digits, value);
-  return std::string(text) + (*this->Unit != 0 ? " " : "") + this->Unit;
 }
 
 const PoseParameter& FindPoseParameter(const std::string& name)

@@ -48,10 +48,6 @@ struct MAMMORAYFOUNDATION_EXPORT PoseParameter
 
   double Lower(double start) const;
   double Upper(double start) const;
-  /// Name of the property in VTK filters: "LateralMm", "RollDeg", "Stiffness".
-  std::string Property() const;
-  /// Value with unit and `digits` decimals: "12.30 mm", "-4.00 deg", "1.20".
-  std::string Format(double value, int digits = 2) const;
 };
 
 /// All parameters, in the order of PoseParameterIndex.

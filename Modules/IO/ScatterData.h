@@ -22,10 +22,6 @@ MAMMORAYIO_EXPORT ScatterKernels ReadScatterKernels(const std::string& path);
 
 /// Reads the shipped kernels of breast tissue, scatter/breast.csv of the data directory.
 MAMMORAYIO_EXPORT ScatterKernels FindScatterKernels();
-/// Writes kernels with a comment as first line, which states their origin. Throws InputError as
-/// WriteAtomicFile does.
-MAMMORAYIO_EXPORT void WriteScatterKernels(const ScatterKernels& kernels,
-  const std::string& comment, const std::string& path);
 
 /**
  * Returns the elements that photons collide with in the table's materials. The compositions are

@@ -3,10 +3,8 @@
 
 #include "Private/TextTable.h"
 #include "mammoray/Foundation/Numbers.h"
-#include "mammoray/IO/AtomicFile.h"
 #include "mammoray/IO/ShippedData.h"
 
-#include <cstdio>
 #include <filesystem>
 #include <functional>
 #include <map>
@@ -19,19 +17,6 @@ namespace
 {
 /// A table of the shipped size has 66,240 shares.
 constexpr std::size_t MostShares = 10000000;
-
-void AddValues(const char* name, const char* format, const double* begin, const double* end,
-  std::string& text)
-{
-  text += name;
-  for (const double* value = begin; value != end; ++value)
-  {
-    char number[32];
-    std::snprintf(number, sizeof number, format, *value);
-    text += number;
-  }
-  text += '\n';
-}
 
 /// What the shipped attenuations are of, as their first lines say: ICRP's tissue and those of
 /// Woodard and White (Brit. J. Radiol. 59, 1986), mass fractions.
@@ -114,29 +99,6 @@ ScatterKernels ReadScatterKernels(const std::string& path)
     throw InputError(path + ": " + error.what());
   }
   return kernels;
-}
-
-void WriteScatterKernels(const ScatterKernels& kernels, const std::string& comment,
-  const std::string& path)
-{
-  kernels.Validate();
-  std::string text = "# " + comment + "\ncomposition," + kernels.Composition + "\n";
-  const auto add = [&](const char* name, const std::vector<double>& values)
-  { AddValues(name, ",%.5g", values.data(), values.data() + values.size(), text); };
-  add("density_g_per_cm3", { kernels.DensityGPerCm3 });
-  add("energies_keV", kernels.EnergiesKeV);
-  add("thicknesses_mm", kernels.ThicknessesMm);
-  add("gaps_mm", kernels.GapsMm);
-  add("radii_mm", kernels.RadiiMm);
-  add("angles_deg", kernels.AnglesDeg);
-  add("multiple", { kernels.Multiple.begin(), kernels.Multiple.end() });
-  const std::vector<double> shares(kernels.Shares.begin(), kernels.Shares.end());
-  const std::size_t size = kernels.NumberOfRings() * kernels.NumberOfAngles();
-  for (std::size_t begin = 0; begin < shares.size(); begin += size)
-  {
-    AddValues("shares", ",%.3g", &shares[begin], &shares[begin] + size, text);
-  }
-  WriteAtomicFile(path, text);
 }
 
 ScatterKernels FindScatterKernels()

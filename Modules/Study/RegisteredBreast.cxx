@@ -390,10 +390,4 @@ std::optional<TissueInTwoViews> FindInTwoViews(const SeenInView& first, const Se
   }
   return nearest;
 }
-
-std::optional<Vector3> MiddleBehind(const SeenInView& seen, double stepMm)
-{
-  const std::vector<Vector3> curve = CurveBehind(seen, stepMm);
-  return curve.empty() ? std::nullopt : std::optional(curve[curve.size() / 2]);
-}
 }

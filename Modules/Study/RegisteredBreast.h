@@ -154,11 +154,6 @@ struct TissueInTwoViews
  */
 MAMMORAYSTUDY_EXPORT std::optional<TissueInTwoViews> FindInTwoViews(const SeenInView& first,
   const SeenInView& second, double stepMm = 0.5);
-
-/// The middle of the tissue behind a pixel, at rest: what one mammogram alone has to go by. Nothing
-/// where the X-ray misses the breast.
-MAMMORAYSTUDY_EXPORT std::optional<Vector3> MiddleBehind(const SeenInView& seen,
-  double stepMm = 0.5);
 }
 
 #endif

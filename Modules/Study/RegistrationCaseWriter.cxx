@@ -173,13 +173,8 @@ RegistrationReport ReportOf(const RegisteredView& registered, const ResultFile& 
   report.RealMammogram = &registered.Mammogram;
   report.Target = &registered.View.Target;
   report.Result = &registered.Registration;
-  report.Synthetic = registered.Registration.Synthetic.LogAttenuation;
-  report.SyntheticOutline = { registered.Registration.Synthetic.Outline };
   report.ShareExcluded = file.ShareExcluded;
-  for (const ResultInput& input : file.Inputs)
-  {
-    report.Inputs.push_back({ input.Role, input.File, input.Sha256 });
-  }
+  report.Inputs = file.Inputs;
   report.Versions = file.Versions;
   report.Versions.emplace_back("Spectrum", file.Spectrum);
   report.Warnings = file.Warnings;

@@ -22,14 +22,15 @@ void Validate(const RegistrationReport& report)
     throw InputError("report: expected a mammogram, a target and a result, found one missing");
   }
   const RegistrationTarget& target = *report.Target;
+  const std::vector<float>& synthetic = report.Result->Synthetic.LogAttenuation;
   const std::size_t count =
     static_cast<std::size_t>(target.Grid.Columns) * static_cast<std::size_t>(target.Grid.Rows);
   if (count == 0 || target.LogAttenuation.size() != count || target.BreastMask.size() != count ||
-    target.SignedDistanceMm.size() != count || report.Synthetic.size() != count)
+    target.SignedDistanceMm.size() != count || synthetic.size() != count)
   {
     throw InputError("report: expected " + std::to_string(target.Grid.Columns) + " x " +
       std::to_string(target.Grid.Rows) + " pixels in target and synthetic image, found " +
-      std::to_string(report.Synthetic.size()) + " synthetic ones");
+      std::to_string(synthetic.size()) + " synthetic ones");
   }
   if (report.Places.size() != report.Asked.size())
   {

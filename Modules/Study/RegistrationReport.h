@@ -7,6 +7,7 @@
 #include "mammoray/Registration/Registration.h"
 #include "mammoray/Registration/RegistrationTarget.h"
 #include "mammoray/Study/LayeredPicture.h"
+#include "mammoray/Study/ResultFile.h"
 #include "mammorayStudyModule.h"
 
 #include <array>
@@ -18,16 +19,6 @@
 
 namespace mammoray
 {
-/// A file that a result was made from.
-struct ReportInput
-{
-  /// What it was used for.
-  std::string Role;
-  /// Its name without folder, and its SHA-256.
-  std::string File;
-  std::string Sha256;
-};
-
 /// Something that a report tells besides: rows of a name and a text, a picture, sentences.
 struct ReportSection
 {
@@ -81,14 +72,9 @@ struct RegistrationReport
   const Mammogram* RealMammogram = nullptr;
   const RegistrationTarget* Target = nullptr;
   const ViewResult* Result = nullptr;
-  /// Log attenuation of the synthetic mammogram on the target's grid; 0 beside the breast.
-  std::vector<float> Synthetic;
-  /// Outline of the synthetic breast: lines of gantry x, y in the receptor plane, mm. Closed lines
-  /// repeat their first point.
-  std::vector<std::vector<std::array<double, 2>>> SyntheticOutline;
   /// Share of the breast's picture that was not compared, [0, 1].
   double ShareExcluded = 0;
-  std::vector<ReportInput> Inputs;
+  std::vector<ResultInput> Inputs;
   /// Names and versions of what took part.
   std::vector<std::pair<std::string, std::string>> Versions;
   /// What the user should know, the target's warnings included, a sentence each.

@@ -109,18 +109,4 @@ std::unique_ptr<PathLengthProjector> MakeProjector(const ProjectorOptions& optio
       return std::make_unique<PriorityProjector>(std::move(projector), options.Priority);
     });
 }
-
-std::unique_ptr<PathLengthProjector> MakeRayTracingProjector(const ProjectorOptions& options)
-{
-  ProjectorOptions tracing = options;
-  tracing.Projection = Method::RayTracing;
-  return MakeProjector(tracing);
-}
-
-std::unique_ptr<PathLengthProjector> MakeRasterisationProjector(const ProjectorOptions& options)
-{
-  ProjectorOptions rasterising = options;
-  rasterising.Projection = Method::Rasterisation;
-  return MakeProjector(rasterising);
-}
 }

@@ -246,14 +246,6 @@ MAMMORAYXRAY_EXPORT ProjectorOptions::Method MethodFromName(const std::string& n
 /// A projector with these options. Throws DeviceError with the reason if no device is usable.
 MAMMORAYXRAY_EXPORT std::unique_ptr<PathLengthProjector> MakeProjector(
   const ProjectorOptions& options = {});
-
-/// MakeProjector with Method::RayTracing.
-MAMMORAYXRAY_EXPORT std::unique_ptr<PathLengthProjector> MakeRayTracingProjector(
-  const ProjectorOptions& options = {});
-
-/// MakeProjector with Method::Rasterisation.
-MAMMORAYXRAY_EXPORT std::unique_ptr<PathLengthProjector> MakeRasterisationProjector(
-  const ProjectorOptions& options = {});
 }
 
 #endif

@@ -52,17 +52,6 @@ TEST(PoseParameters, AreFoundByNameWithTheNearestInTheError)
       "tilt" }));
 }
 
-TEST(PoseParameters, NamesInCommandsAndFiltersAndValuesWithUnits)
-{
-  const PoseParameter& lateral = FindPoseParameter("lateral");
-  EXPECT_EQ(lateral.Property(), "LateralMm");
-  EXPECT_EQ(lateral.Format(-3.14159), "-3.14 mm");
-  EXPECT_EQ(FindPoseParameter("roll").Property(), "RollDeg");
-  EXPECT_EQ(FindPoseParameter("roll").Format(30, 0), "30 deg");
-  EXPECT_EQ(FindPoseParameter("stiffness").Property(), "Stiffness");
-  EXPECT_EQ(FindPoseParameter("stiffness").Format(1.5, 1), "1.5");
-}
-
 TEST(PoseParameters, BoundsFollowTheStart)
 {
   const auto expect = [](const char* name, double start, double lower, double upper)

@@ -116,13 +116,8 @@ TEST_F(RegisteredBox, TwoViewsKnowThePlaceAlongTheXRay)
   // Steps of 0.5 mm, stretched by 2 along z.
   EXPECT_LT(Norm(found->Point - point), 0.6);
   EXPECT_LT(found->GapMm, 0.7);
-  // One alone takes the middle of 40 mm.
-  const auto middle = MiddleBehind(seenIn(*this->Breast));
-  ASSERT_TRUE(middle.has_value());
-  EXPECT_NEAR((*middle)[2], 0, 1.5);
   // Beside the box there is nothing.
   EXPECT_FALSE(FindInTwoViews({ this->Breast.get(), { 29, 2 } }, seenIn(other)));
-  EXPECT_FALSE(MiddleBehind({ this->Breast.get(), { 29, 2 } }));
 }
 
 TEST_F(RegisteredBox, TissueIsCarriedAndWhatLiesOutsideGoesWithTheNearest)

@@ -57,11 +57,10 @@ struct MadeUp
     this->Target.Grid.RowStep = { -0.3, 0 };
     this->Target.Grid.Origin = { 0.3 * 179.5, 0.15 };
     this->Report.Warnings = { "The header does not say <this> & that." };
-    std::vector<std::array<double, 2>> outline;
     for (int i = 0; i <= 90; ++i)
     {
       const double angle = std::numbers::pi * (i / 90.0 - 0.5);
-      outline.push_back({ -2 + 39 * std::sin(angle), 39 * std::cos(angle) });
+      this->Result.Synthetic.Outline.push_back({ -2 + 39 * std::sin(angle), 39 * std::cos(angle) });
     }
     for (int row = 0; row < 360; ++row)
     {
@@ -72,7 +71,8 @@ struct MadeUp
         this->Target.LogAttenuation.push_back(static_cast<float>(Attenuation(x, y, 40)));
         this->Target.SignedDistanceMm.push_back(static_cast<float>(std::hypot(x, y) - 40));
         this->Target.BreastMask.push_back(std::hypot(x, y) < 40 ? 1 : 0);
-        this->Report.Synthetic.push_back(static_cast<float>(Attenuation(x + 2, y, 39)));
+        this->Result.Synthetic.LogAttenuation.push_back(
+          static_cast<float>(Attenuation(x + 2, y, 39)));
       }
     }
     this->Result.Parameters = { { "thickness", "mm", 52, 40, 64, 2, false },
@@ -101,7 +101,6 @@ struct MadeUp
     this->Result.StopReason = "the cost changes by less than 1e-4 of itself";
     this->Result.Evaluations = 43;
     this->Result.Seconds = 61.2;
-    this->Report.SyntheticOutline = { outline };
     this->Report.RealMammogram = &this->Picture;
     this->Report.Target = &this->Target;
     this->Report.Result = &this->Result;
@@ -302,9 +301,9 @@ TEST(RegistrationReport, RefusesPartsThatDoNotFit)
   const test::TemporaryFolder folder;
   const std::string report = folder.File("report");
   MadeUp made;
-  made.Report.Synthetic.pop_back();
+  made.Result.Synthetic.LogAttenuation.pop_back();
   EXPECT_THROW(WriteRegistrationReport(made.Report, report), InputError);
-  made.Report.Synthetic.push_back(0);
+  made.Result.Synthetic.LogAttenuation.push_back(0);
   made.Result.Values.pop_back();
   EXPECT_THROW(WriteRegistrationReport(made.Report, report), InputError);
   EXPECT_FALSE(std::filesystem::exists(report)); // nothing was begun

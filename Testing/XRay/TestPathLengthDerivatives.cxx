@@ -533,7 +533,8 @@ TEST(PathLengthDerivatives, ImagesLargerThanABufferAreDoneInStrips)
     const Vector3 velocity = motion(PointOf(mesh, point));
     velocities.insert(velocities.end(), velocity.begin(), velocity.end());
   }
-  const auto projector = MakeRasterisationProjector({ .Validation = true });
+  const auto projector =
+    MakeProjector({ .Projection = ProjectorOptions::Method::Rasterisation, .Validation = true });
   projector->SetSurface(mesh);
   const XRaySource source = PointSource({ 20, 10, 500 });
   const XRayDetector whole =

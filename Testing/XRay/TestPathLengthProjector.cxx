@@ -610,7 +610,8 @@ TEST(RasterisationProjector, BandsOfRowsMatchOneBand)
   {
     GTEST_SKIP() << "no Vulkan device";
   }
-  const auto projector = MakeRasterisationProjector({ .Validation = true });
+  const auto projector =
+    MakeProjector({ .Projection = ProjectorOptions::Method::Rasterisation, .Validation = true });
   EXPECT_EQ(projector->Method(), Method::Rasterisation);
   projector->SetSurface(NestedBodies());
   const XRaySource source = PointSource({ 0, 0, 500 });
@@ -638,7 +639,8 @@ TEST(RasterisationProjector, TakesMoreRowsThanWorkgroups)
   {
     GTEST_SKIP() << "no Vulkan device";
   }
-  const auto projector = MakeRasterisationProjector({ .Validation = true });
+  const auto projector =
+    MakeProjector({ .Projection = ProjectorOptions::Method::Rasterisation, .Validation = true });
   projector->SetSurface(Layers({ 0, 10 }, 20));
   // 70000 rows of samples 0.15 um apart, two to a pixel; the plate ends in their middle.
   XRayDetector line = CentredDetector({ 0, 20, -5 }, { 1, 0, 0 }, { 0, 1, 0 }, 2, 10.5, 2, 35000);
@@ -663,7 +665,7 @@ INSTANTIATE_TEST_SUITE_P(Methods, PathLengthTest, AllVariants(), VariantName);
   EXPECT_TRUE(ListDevices(&reason).empty());
   EXPECT_THAT(reason, testing::HasSubstr("no Vulkan"));
   EXPECT_THAT(reason, testing::Not(testing::HasSubstr("\n")));
-  EXPECT_THROW(MakeRayTracingProjector(), DeviceError);
+  EXPECT_THROW(MakeProjector({ .Projection = ProjectorOptions::Method::RayTracing }), DeviceError);
   EXPECT_THROW(MakeProjector(), DeviceError);
   std::exit(testing::Test::HasFailure() ? 1 : 0);
 }
@@ -684,7 +686,7 @@ TEST(ProjectorDevice, UnknownNameListsTheKnown)
   }
   try
   {
-    MakeRayTracingProjector({ .Device = "no such device" });
+    MakeProjector({ .Device = "no such device" });
     FAIL() << "expected a DeviceError";
   }
   catch (const DeviceError& error)

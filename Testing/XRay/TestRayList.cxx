@@ -106,7 +106,7 @@ TEST(RayList, RasterisationRefuses)
   {
     GTEST_SKIP() << "no Vulkan device";
   }
-  const auto projector = MakeRasterisationProjector();
+  const auto projector = MakeProjector({ .Projection = ProjectorOptions::Method::Rasterisation });
   projector->SetSurface(NestedBodies());
   EXPECT_THROW(projector->ProjectRays(std::vector<XRayLine>{ { { 0, 0, 1 }, { 0, 0, 2 } } }),
     InputError);

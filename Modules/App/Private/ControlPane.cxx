@@ -151,19 +151,17 @@ int ControlPane::Lay(int width, int height)
 
   for (std::size_t index = 0; index < this->Sliders.size(); ++index)
   {
-    Slider& slider = this->Sliders[index];
+    const Slider& slider = this->Sliders[index];
     const double cell = static_cast<double>(width - Border) / columns;
     const double left =
       Border + cell * static_cast<double>(index % static_cast<std::size_t>(columns));
     const double row = std::floor(static_cast<double>(index) / columns);
     const double y = strip - SliderHeight * (row + 1) + 12;
-    slider.Left = left + TitleShare * cell;
-    slider.Right = left + cell - 2 * Border;
-    slider.Height = y;
+    const double right = left + cell - 2 * Border;
     slider.Title->GetPositionCoordinate()->SetValue(left, y);
     auto* shown = static_cast<vtkSliderRepresentation2D*>(slider.Widget->GetRepresentation());
-    shown->GetPoint1Coordinate()->SetValue(slider.Left / width, y / height);
-    shown->GetPoint2Coordinate()->SetValue(slider.Right / width, y / height);
+    shown->GetPoint1Coordinate()->SetValue((left + TitleShare * cell) / width, y / height);
+    shown->GetPoint2Coordinate()->SetValue(right / width, y / height);
     shown->SetSliderLength(12.0 / width);
     shown->SetSliderWidth(14.0 / height);
     shown->SetTubeWidth(3.0 / height);
@@ -180,16 +178,6 @@ int ControlPane::Lay(int width, int height)
   }
   this->Status->GetPositionCoordinate()->SetValue(Border, top - RowHeight * rows - 3);
   return strip;
-}
-
-std::array<int, 2> ControlPane::KnobOf(int slider, double value) const
-{
-  const Slider& placed = this->Sliders[static_cast<std::size_t>(slider)];
-  auto* shown = static_cast<vtkSliderRepresentation2D*>(placed.Widget->GetRepresentation());
-  const double share =
-    (value - shown->GetMinimumValue()) / (shown->GetMaximumValue() - shown->GetMinimumValue());
-  return { static_cast<int>(placed.Left + share * (placed.Right - placed.Left)),
-    static_cast<int>(placed.Height) };
 }
 
 void ControlPane::Attach(vtkRenderWindowInteractor* interactor)

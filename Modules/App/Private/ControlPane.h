@@ -44,17 +44,12 @@ public:
   void SetStatus(const std::string& text);
   /// Presses the button at a place of the window, pixels; false where there is none.
   bool Press(int x, int y);
-  /// The middle of a slider's knob, pixels of the window.
-  std::array<int, 2> KnobOf(int slider, double value) const;
 
 private:
   struct Slider
   {
     vtkSmartPointer<vtkTextActor> Title;
     vtkSmartPointer<vtkSliderWidget> Widget;
-    double Left = 0;
-    double Right = 0;
-    double Height = 0;
   };
   struct Button
   {

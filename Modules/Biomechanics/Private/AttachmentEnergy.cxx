@@ -134,16 +134,6 @@ AttachmentEnergy::AttachmentEnergy(const ElasticBody& body, const std::vector<bo
   this->SetRestPositions(rest);
 }
 
-double AttachmentEnergy::AreaMm2() const
-{
-  double area = 0;
-  for (const Triangle& triangle : this->Triangles)
-  {
-    area += triangle.Area;
-  }
-  return area;
-}
-
 void AttachmentEnergy::SetRestPositions(const std::vector<double>& rest)
 {
   for (std::size_t n = 0; n < this->NodeIndices.size(); ++n)

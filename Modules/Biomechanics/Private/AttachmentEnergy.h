@@ -73,8 +73,6 @@ public:
 
   /// Nodes of the body on the wall, ascending.
   const std::vector<std::int32_t>& Nodes() const { return this->NodeIndices; }
-  /// Undeformed area of the wall, mm^2.
-  double AreaMm2() const;
   void SetStiffness(const WallStiffness& stiffness) { this->Stiffness = stiffness; }
   /// Sets another undeformed shape of the body, 3 x nodeCount; the surface stays in place.
   void SetRestPositions(const std::vector<double>& rest);

@@ -145,7 +145,6 @@ private:
   /// Computes mid-side nodes, volumes and gradients from the undeformed corners.
   void MeasureRest();
   void MakeElements(const TetrahedralMesh& mesh, const std::vector<bool>& ignored);
-  void FindBoundary(const TetrahedralMesh& mesh);
   void SampleMaterials(const TetrahedralMesh& mesh, int materialCount, const MaterialField& field,
     const std::vector<bool>& ignored);
 

@@ -14,14 +14,11 @@ namespace
 std::optional<std::array<double, 2>> ForemostOf(const RegistrationReport& report)
 {
   std::optional<std::array<double, 2>> foremost;
-  for (const auto& line : report.SyntheticOutline)
+  for (const auto& point : report.Result->Synthetic.Outline)
   {
-    for (const auto& point : line)
+    if (!foremost || point[1] > (*foremost)[1])
     {
-      if (!foremost || point[1] > (*foremost)[1])
-      {
-        foremost = point;
-      }
+      foremost = point;
     }
   }
   return foremost;

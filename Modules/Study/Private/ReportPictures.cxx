@@ -70,7 +70,7 @@ ComparedImages ImagesOf(const RegistrationReport& report)
   const RegistrationTarget& target = *report.Target;
   ComparedImages images;
   images.Real = target.LogAttenuation;
-  images.Synthetic = report.Synthetic;
+  images.Synthetic = report.Result->Synthetic.LogAttenuation;
   for (std::size_t i = 0; i < images.Real.size(); ++i)
   {
     float& synthetic = images.Synthetic[i];
@@ -332,7 +332,7 @@ ReportPictures DrawPictures(const RegistrationReport& report)
   Annotate(difference, hanging, Ink, Paper);
 
   const PictureLines realOutline = OutlineOf(hung.Distance, hanging);
-  const PictureLines syntheticOutline = LinesOf(report.SyntheticOutline, hanging);
+  const PictureLines syntheticOutline = LinesOf({ report.Result->Synthetic.Outline }, hanging);
   const std::pair<const PictureLines*, PictureColor> ofReal{ &realOutline, RealColor };
   const std::pair<const PictureLines*, PictureColor> ofSynthetic{ &syntheticOutline,
     SyntheticColor };

@@ -265,7 +265,7 @@ std::string CourseHtml(const ViewResult& result, const std::string& plot)
 std::string SourcesHtml(const RegistrationReport& report)
 {
   std::string html = "<section class=\"sources\">\n<h2>Where it comes from</h2>\n<table>\n";
-  for (const ReportInput& input : report.Inputs)
+  for (const ResultInput& input : report.Inputs)
   {
     html += "<tr><td>" + Escape(input.Role) + "</td><td>" + Escape(input.File) +
       "<br><code>SHA-256 " + input.Sha256 + "</code></td></tr>\n";

@@ -2,10 +2,8 @@
 #ifndef mammoray_ScatterKernels_h
 #define mammoray_ScatterKernels_h
 
-#include "mammoray/Foundation/Progress.h"
 #include "mammorayXRayModule.h"
 
-#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -50,18 +48,6 @@ struct MAMMORAYXRAY_EXPORT ScatterKernels
   /// Throws InputError unless sizes fit and axes ascend.
   void Validate() const;
 };
-
-/// An empty table with the axes and the tissue of the shipped one: 25 % gland and 75 % fat by mass
-/// (Hammerstein 1979), 0.955 g/cm^3.
-MAMMORAYXRAY_EXPORT ScatterKernels ShippedKernelAxes();
-
-/**
- * Fills the table by Monte Carlo with `photons` for each energy and thickness. Collisions are
- * forced to lie within the slab, the share that would leave is scored where it would meet the
- * planes (last-flight estimation), and absorption lowers the photon's weight.
- */
-MAMMORAYXRAY_EXPORT void FillScatterKernels(ScatterKernels& kernels, std::int64_t photons,
-  std::uint64_t seed, const ProgressCallback& progress = {});
 }
 
 #endif
