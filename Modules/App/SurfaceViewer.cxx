@@ -215,17 +215,8 @@ void SurfaceViewer::Internals::OnDrag(int x, int y)
   {
     return;
   }
-  vtkRenderer* view = this->Scene.Renderer();
   const Vector3 shown = this->Scene.ShownSource();
-  view->SetWorldPoint(shown[0], shown[1], shown[2], 1);
-  view->WorldToDisplay();
-  double display[3];
-  view->GetDisplayPoint(display);
-  view->SetDisplayPoint(x, y, display[2]);
-  view->DisplayToWorld();
-  double world[4];
-  view->GetWorldPoint(world);
-  const Vector3 to{ world[0] / world[3], world[1] / world[3], world[2] / world[3] };
+  const Vector3 to = WorldUnder(this->Scene.Renderer(), x, y, shown);
   this->Viewer.MoveSource(
     this->Live.SourceOffset() + (1 / this->Scene.SourceShare()) * (to - shown));
 }

@@ -1,20 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Private/MammogramPane.h"
 
-#include "mammoray/Foundation/Error.h"
-#include "mammoray/IO/ProjectionImage.h"
+#include "Private/SceneShapes.h"
 #include "mammoray/Registration/RegistrationTarget.h"
 
 #include "vtkActor.h"
-#include "vtkCamera.h"
-#include "vtkCellArray.h"
-#include "vtkFloatArray.h"
-#include "vtkImageFlip.h"
-#include "vtkPointData.h"
-#include "vtkPoints.h"
 #include "vtkPolyData.h"
-#include "vtkPolyDataMapper.h"
 #include "vtkProperty.h"
+#include "vtkRenderer.h"
 
 #include <algorithm>
 #include <cmath>
@@ -62,8 +55,7 @@ GreyLevel LevelOf(const std::vector<float>& values, const Inside& inside)
 
 MammogramPane::MammogramPane(const ViewedBreast& viewed, LiveMammogram& live)
   : Grid(live.Grid(1))
-  , Over(this->View)
-  , Marks(vtkSmartPointer<vtkPolyData>::New())
+  , Marks(NewLines())
 {
   // Chest wall left for the left breast; where the side is not known, as the pixels run.
   const bool rightBreast = viewed.Laterality == 'R' ||
@@ -104,49 +96,18 @@ MammogramPane::MammogramPane(const ViewedBreast& viewed, LiveMammogram& live)
     }
   }
 
-  this->View->SetBackground(0, 0, 0);
-  this->Texture->SetInputData(this->Image);
-  this->Texture->SetColorModeToDirectScalars();
-  this->Texture->InterpolateOn();
-  // Else the interpolation at one edge mixes in the other, the chest wall beside the air.
-  this->Texture->RepeatOff();
-  this->Texture->EdgeClampOn();
-  vtkNew<vtkPoints> points;
-  vtkNew<vtkFloatArray> coordinates;
-  coordinates->SetNumberOfComponents(2);
-  for (int corner = 0; corner < 4; ++corner)
+  std::array<Vector3, 4> corners;
+  for (std::size_t corner = 0; corner < 4; ++corner)
   {
     const ReceptorPoint at =
       this->Grid.PositionOf((corner & 1) != 0 ? this->Grid.Columns - 0.5 : -0.5,
         (corner & 2) != 0 ? this->Grid.Rows - 0.5 : -0.5);
-    points->InsertNextPoint(at[0], at[1], 0);
-    coordinates->InsertNextTuple2(corner & 1, corner >> 1);
+    corners[corner] = { at[0], at[1], 0 };
   }
-  vtkNew<vtkCellArray> faces;
-  constexpr vtkIdType corners[4] = { 0, 1, 3, 2 };
-  faces->InsertNextCell(4, corners);
-  vtkNew<vtkPolyData> rectangle;
-  rectangle->SetPoints(points);
-  rectangle->SetPolys(faces);
-  rectangle->GetPointData()->SetTCoords(coordinates);
-  for (vtkPolyData* data : { rectangle.Get(), this->Marks.Get() })
-  {
-    vtkNew<vtkPolyDataMapper> mapper;
-    mapper->SetInputData(data);
-    vtkNew<vtkActor> actor;
-    actor->SetMapper(mapper);
-    actor->GetProperty()->LightingOff();
-    if (data == rectangle)
-    {
-      actor->SetTexture(this->Texture);
-    }
-    else
-    {
-      actor->GetProperty()->SetColor(0.1, 0.9, 0.45);
-      actor->GetProperty()->SetLineWidth(2);
-    }
-    this->View->AddActor(actor);
-  }
+  this->AddRectangle(corners);
+  const auto marks = AddActor(this->View, this->Marks, { 0.1, 0.9, 0.45 }, 1);
+  marks->GetProperty()->LightingOff();
+  marks->GetProperty()->SetLineWidth(2);
   this->Compose();
   this->Frame();
 }
@@ -164,15 +125,6 @@ void MammogramPane::SetBlend(double real)
   this->Compose();
 }
 
-void MammogramPane::Adjust(double windowFactor, double levelShare)
-{
-  const double window = this->High - this->Low;
-  const double level = 0.5 * (this->Low + this->High) + levelShare * window;
-  this->Low = level - 0.5 * windowFactor * window;
-  this->High = level + 0.5 * windowFactor * window;
-  this->Compose();
-}
-
 void MammogramPane::ResetWindow()
 {
   this->Low = 0;
@@ -184,15 +136,7 @@ void MammogramPane::Compose()
 {
   const int columns = this->Grid.Columns / this->Divisor;
   const int rows = this->Grid.Rows / this->Divisor;
-  this->Image->SetDimensions(columns, rows, 1);
-  if (this->Image->GetScalarType() != VTK_UNSIGNED_CHAR ||
-    this->Image->GetPointData()->GetScalars() == nullptr ||
-    this->Image->GetPointData()->GetScalars()->GetNumberOfTuples() !=
-      static_cast<vtkIdType>(this->Synthetic.size()))
-  {
-    this->Image->AllocateScalars(VTK_UNSIGNED_CHAR, 1);
-  }
-  auto* grey = static_cast<unsigned char*>(this->Image->GetScalarPointer());
+  unsigned char* grey = this->GreyValues(columns, rows);
   const auto black = static_cast<float>(this->Black);
   const auto scale = static_cast<float>(1 / (this->White - this->Black));
   const auto low = static_cast<float>(this->Low);
@@ -209,28 +153,25 @@ void MammogramPane::Compose()
     value = (value - low) * stretch;
     grey[pixel] = static_cast<unsigned char>(255.0F * std::clamp(value, 0.0F, 1.0F) + 0.5F);
   }
-  this->Image->Modified();
 }
 
 void MammogramPane::SetMark(const std::vector<ReceptorPoint>& points,
   const std::vector<std::vector<ReceptorPoint>>& loops, const std::vector<ReceptorPoint>& drawn)
 {
   constexpr double ArmMm = 3;
-  vtkNew<vtkPoints> places;
-  vtkNew<vtkCellArray> lines;
   // Between the picture and the camera, which stands on either side.
   const double front = -this->Right * this->Up;
+  std::vector<std::vector<Vector3>> lines;
   const auto add = [&](const std::vector<ReceptorPoint>& line, bool closed)
   {
-    lines->InsertNextCell(static_cast<int>(line.size()) + (closed ? 1 : 0));
-    const vtkIdType first = places->GetNumberOfPoints();
+    std::vector<Vector3>& added = lines.emplace_back();
     for (const ReceptorPoint& point : line)
     {
-      lines->InsertCellPoint(places->InsertNextPoint(point[0], point[1], front));
+      added.push_back({ point[0], point[1], front });
     }
-    if (closed)
+    if (closed && !line.empty())
     {
-      lines->InsertCellPoint(first);
+      added.push_back(added.front());
     }
   };
   for (const auto& [x, y] : points)
@@ -242,12 +183,8 @@ void MammogramPane::SetMark(const std::vector<ReceptorPoint>& points,
   {
     add(loop, true);
   }
-  if (drawn.size() > 1)
-  {
-    add(drawn, false);
-  }
-  this->Marks->SetPoints(places);
-  this->Marks->SetLines(lines);
+  add(drawn, false);
+  SetLines(this->Marks, lines, false);
 }
 
 /// All of the breast, in either picture, and the chest wall's edge.
@@ -285,16 +222,8 @@ void MammogramPane::Frame()
   const ReceptorPoint middle{ reach[0].Middle(), reach[1].Middle() };
   // Gantry y runs to the right or left, x up or down: seen from above or from below.
   const double side = -this->Right * this->Up;
-  vtkCamera* camera = this->View->GetActiveCamera();
-  camera->ParallelProjectionOn();
-  camera->SetFocalPoint(middle[0], middle[1], 0);
-  camera->SetPosition(middle[0], middle[1], 500 * side);
-  camera->SetViewUp(this->Up, 0, 0);
-  const double height = reach[0].Length() + 2 * MarginMm;
-  const double width = reach[1].Length() + 2 * MarginMm;
-  const double aspect = this->View->GetTiledAspectRatio();
-  camera->SetParallelScale(0.5 * std::max(height, width / (aspect > 0 ? aspect : 1)));
-  this->View->ResetCameraClippingRange();
+  this->LookAt({ middle[0], middle[1], 0 }, { middle[0], middle[1], 500 * side },
+    { this->Up, 0, 0 }, reach[1].Length() + 2 * MarginMm, reach[0].Length() + 2 * MarginMm);
 }
 
 bool MammogramPane::PixelAt(int x, int y, double& column, double& row) const
@@ -304,24 +233,10 @@ bool MammogramPane::PixelAt(int x, int y, double& column, double& row) const
   view->DisplayToWorld();
   double world[4];
   view->GetWorldPoint(world);
-  const double dx = world[0] / world[3] - this->Grid.Origin[0];
-  const double dy = world[1] / world[3] - this->Grid.Origin[1];
-  const std::array<double, 2>& u = this->Grid.ColumnStep;
-  const std::array<double, 2>& v = this->Grid.RowStep;
-  const double determinant = u[0] * v[1] - u[1] * v[0];
-  column = (dx * v[1] - dy * v[0]) / determinant;
-  row = (u[0] * dy - u[1] * dx) / determinant;
-  return column >= -0.5 && row >= -0.5 && column <= this->Grid.Columns - 0.5 &&
-    row <= this->Grid.Rows - 0.5;
-}
-
-void MammogramPane::Write(const std::string& path) const
-{
-  // VTK's row 0 is at the bottom.
-  vtkNew<vtkImageFlip> flip;
-  flip->SetInputData(this->Image);
-  flip->SetFilteredAxis(1);
-  flip->Update();
-  WritePicture(flip->GetOutput(), path);
+  const ReceptorPoint at{ world[0] / world[3], world[1] / world[3] };
+  const auto index = this->Grid.IndexOf(at);
+  column = index[0];
+  row = index[1];
+  return this->Grid.Contains(at);
 }
 }

@@ -3,12 +3,7 @@
 #define mammoray_ProjectionPane_h
 
 #include "Private/LiveProjection.h"
-#include "Private/PaneOverlay.h"
-
-#include "vtkImageData.h"
-#include "vtkNew.h"
-#include "vtkRenderer.h"
-#include "vtkTexture.h"
+#include "Private/PicturePane.h"
 
 #include <array>
 #include <optional>
@@ -21,19 +16,13 @@ namespace mammoray
  * The log attenuation on the detector, bright where much is absorbed, row 0 on top; drawn on the
  * detector, mm: x along columns, y against rows from the middle of the first pixel.
  */
-class ProjectionPane
+class ProjectionPane : public PicturePane
 {
 public:
   explicit ProjectionPane(LiveProjection& live);
 
-  vtkRenderer* Renderer() { return this->View; }
-  PaneOverlay& Overlay() { return this->Over; }
-  /// The picture, row 0 first.
-  vtkTexture* Picture() { return this->Texture; }
   /// Takes the picture that `live` has now.
   void Update(LiveProjection& live, int divisor);
-  /// Changes grey: window and level by shares of the window.
-  void Adjust(double windowFactor, double levelShare);
   /// Black is air, white the most that is absorbed but for a thousandth of the pixels.
   void ResetWindow();
   /// All of the picture.
@@ -42,24 +31,16 @@ public:
   void SetMark(const std::optional<std::array<double, 2>>& pixel);
   /// Continuous column and row at a place of the window, pixels; false beside the picture.
   bool PixelAt(int x, int y, double& column, double& row) const;
-  /// The picture at its own resolution as .png. Throws InputError.
-  void Write(const std::string& path) const;
 
 private:
-  void Compose();
+  void Compose() override;
 
   XRayDetector Grid;
   double ColumnMm;
   double RowMm;
-  double Black = 0;
-  double White = 1;
   std::vector<float> Values;
   int Columns = 0;
   int Rows = 0;
-  vtkNew<vtkRenderer> View;
-  PaneOverlay Over;
-  vtkNew<vtkImageData> Image;
-  vtkNew<vtkTexture> Texture;
 };
 }
 

@@ -114,6 +114,19 @@ bool ViewerFrame::TakesPress(int x, int y)
   return false;
 }
 
+Vector3 ViewerFrame::WorldUnder(vtkRenderer* view, int x, int y, const Vector3& depth)
+{
+  view->SetWorldPoint(depth[0], depth[1], depth[2], 1);
+  view->WorldToDisplay();
+  double display[3];
+  view->GetDisplayPoint(display);
+  view->SetDisplayPoint(x, y, display[2]);
+  view->DisplayToWorld();
+  double world[4];
+  view->GetWorldPoint(world);
+  return { world[0] / world[3], world[1] / world[3], world[2] / world[3] };
+}
+
 void ViewerFrame::ToggleHelp()
 {
   this->Help->SetVisibility(this->Help->GetVisibility() != 0 ? 0 : 1);

@@ -37,6 +37,8 @@ struct ViewerFrame : MouseTarget
     return renderer->GetRenderWindow() && renderer->GetDraw() != 0 &&
       renderer->IsInViewport(x, y) != 0;
   }
+  /// The place under a pixel of the window, in the plane across the view through `depth`.
+  static Vector3 WorldUnder(vtkRenderer* view, int x, int y, const Vector3& depth);
   /// Places controls and help; the height of their strip in shares of the window's. Nothing where
   /// the window is as large as it was.
   std::optional<double> LayControls();

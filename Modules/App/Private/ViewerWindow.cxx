@@ -477,17 +477,7 @@ void ViewerWindow::OnDrag(int x, int y)
     return;
   }
   ViewedUnit& unit = this->Active();
-  vtkRenderer* view = unit.Squeezed.Renderer();
-  const Vector3& shown = unit.Squeezed.ShownSource();
-  view->SetWorldPoint(shown[0], shown[1], shown[2], 1);
-  view->WorldToDisplay();
-  double display[3];
-  view->GetDisplayPoint(display);
-  view->SetDisplayPoint(x, y, display[2]);
-  view->DisplayToWorld();
-  double world[4];
-  view->GetWorldPoint(world);
-  const Vector3 to{ world[0] / world[3], world[1] / world[3], world[2] / world[3] };
+  const Vector3 to = WorldUnder(unit.Squeezed.Renderer(), x, y, unit.Squeezed.ShownSource());
   const Vector3& middle = unit.Squeezed.ReceptorMiddle();
   const Vector3 source = middle + (1 / this->ShownSource) * (to - middle);
   const Vector3 gantry = unit.Live.Placed().ToGantry(source);
