@@ -20,7 +20,6 @@
 #include "vtkMetaImageWriter.h"
 #include "vtkNew.h"
 #include "vtkPointData.h"
-#include "vtkPoints.h"
 #include "vtkUnstructuredGrid.h"
 #include "vtkVersion.h"
 
@@ -46,22 +45,6 @@ namespace fs = std::filesystem;
 constexpr std::array<std::string_view, 12> ResultFolderFiles{ "uncompressed.vtu", "compressed.vtu",
   "synthetic.mha", "labels.nrrd", "mri.nrrd", "real.png", "synthetic.png", "overlay.png",
   "difference.png", "convergence.svg", "report.html", ResultFileName };
-
-void WriteMeshes(const RegistrationCaseResult& result, const RegisteredView& registered,
-  const std::string& folder)
-{
-  const auto grid = UncompressedGrid(result, registered);
-  WriteMesh(grid, folder + "/uncompressed.vtu");
-
-  vtkNew<vtkDoubleArray> compressed;
-  compressed->SetNumberOfComponents(3);
-  compressed->SetNumberOfTuples(grid->GetNumberOfPoints());
-  std::copy(registered.Registration.Points.begin(), registered.Registration.Points.end(),
-    compressed->GetPointer(0));
-  grid->GetPoints()->SetData(compressed);
-  grid->Modified();
-  WriteMesh(grid, folder + "/compressed.vtu");
-}
 
 void WriteSynthetic(const RegisteredView& registered, const std::string& path)
 {
@@ -322,13 +305,14 @@ void WriteInto(const std::string& folder, const RegistrationCase& input,
     const RegisteredView& registered = result.Views[number];
     const std::string own = (fs::path(folder) / folders[number]).string();
     fs::create_directories(own);
-    WriteMeshes(result, registered, own);
     WriteSynthetic(registered, own + "/synthetic.mha");
     files.push_back(ResultOf(input, result, registered));
+    const RegisteredBreast breast = BreastOf(result, registered, files.back());
+    WriteMesh(breast.Uncompressed(), own + "/uncompressed.vtu");
+    WriteMesh(breast.Compressed(), own + "/compressed.vtu");
     RegistrationReport& told = report.Mammograms.emplace_back(ReportOf(registered, files.back()));
     told.Examination = ExaminationOf(input, registered.Path);
     told.Asked = asked;
-    const RegisteredBreast breast = BreastOf(result, registered);
     told.Places = PlacesIn(input, result, registered, asked, breast);
     told.BetweenPlates = PictureBetweenPlates(result, registered, asked, breast);
     for (const ReportSection& section : report.Sections)

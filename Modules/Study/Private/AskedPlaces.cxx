@@ -60,33 +60,6 @@ LayeredPicture SlicesThrough(const RegistrationCaseResult& result, const Vector3
   return DrawPointSlices(slices);
 }
 
-BreastInUnit InMemory(const RegistrationCaseResult& result, const RegisteredView& registered)
-{
-  BreastInUnit breast;
-  breast.Uncompressed = UncompressedGrid(result, registered);
-  breast.Compressed = vtkSmartPointer<vtkUnstructuredGrid>::New();
-  breast.Compressed->ShallowCopy(breast.Uncompressed);
-  vtkNew<vtkDoubleArray> values;
-  values->SetNumberOfComponents(3);
-  values->SetNumberOfTuples(breast.Uncompressed->GetNumberOfPoints());
-  std::copy(registered.Registration.Points.begin(), registered.Registration.Points.end(),
-    values->GetPointer(0));
-  vtkNew<vtkPoints> points;
-  points->SetData(values);
-  breast.Compressed->SetPoints(points);
-  breast.Placed = registered.Registration.Placed;
-  breast.Unit = registered.View.Unit;
-  breast.Grid = registered.View.Target.Grid;
-  const ViewResult& found = registered.Registration;
-  for (const RegistrationParameter& parameter : found.Parameters)
-  {
-    breast.Parameters.push_back(parameter.Name);
-  }
-  breast.Covariance =
-    found.ConsideredCovariance.empty() ? found.Covariance : found.ConsideredCovariance;
-  return breast;
-}
-
 PlaceInMammogram PlaceOf(const ImagedPoint& imaged, const ReceptorGrid& grid)
 {
   PlaceInMammogram place;
@@ -182,9 +155,23 @@ std::vector<AskedPlace> AskedOf(const RegistrationCase& input, const Registratio
   return asked;
 }
 
-RegisteredBreast BreastOf(const RegistrationCaseResult& result, const RegisteredView& registered)
+RegisteredBreast BreastOf(const RegistrationCaseResult& result, const RegisteredView& registered,
+  const ResultFile& file)
 {
-  return RegisteredBreast(InMemory(result, registered));
+  BreastInUnit breast;
+  breast.Uncompressed = UncompressedGrid(result, registered);
+  breast.Compressed = vtkSmartPointer<vtkUnstructuredGrid>::New();
+  breast.Compressed->ShallowCopy(breast.Uncompressed);
+  vtkNew<vtkDoubleArray> values;
+  values->SetNumberOfComponents(3);
+  values->SetNumberOfTuples(breast.Uncompressed->GetNumberOfPoints());
+  std::copy(registered.Registration.Points.begin(), registered.Registration.Points.end(),
+    values->GetPointer(0));
+  vtkNew<vtkPoints> points;
+  points->SetData(values);
+  breast.Compressed->SetPoints(points);
+  DescribeUnit(file, breast);
+  return RegisteredBreast(breast);
 }
 
 std::vector<PlaceInMammogram> PlacesIn(const RegistrationCase& input,

@@ -23,8 +23,9 @@ void CheckAsked(const RegistrationCase& input, const LabelVolume& tissue,
 std::vector<AskedPlace> AskedOf(const RegistrationCase& input,
   const RegistrationCaseResult& result);
 
-/// The breast of one mammogram, as its folder will hold it.
-RegisteredBreast BreastOf(const RegistrationCaseResult& result, const RegisteredView& registered);
+/// The breast of one mammogram, whose result file is `file`, as its folder will hold it.
+RegisteredBreast BreastOf(const RegistrationCaseResult& result, const RegisteredView& registered,
+  const ResultFile& file);
 
 /// Where one mammogram, whose breast is BreastOf, shows each of them. What cannot be found
 /// there says so. Throws DeviceError.
