@@ -53,6 +53,30 @@ bool ReadBeside(std::vector<unsigned char>* bytes, std::string*, const std::stri
   return !bytes->empty();
 }
 
+/// All of tinygltf's callbacks, of which version 2.9 has one more than 2.7: it takes all or none,
+/// and with none files anywhere are read.
+template <typename Callbacks>
+Callbacks ReadingBeside(fs::path& folder)
+{
+  Callbacks result{};
+  result.FileExists = IsBesideGltf;
+  result.ExpandFilePath = [](const std::string& name, void*) { return name; };
+  result.ReadWholeFile = ReadBeside;
+  result.WriteWholeFile = [](std::string*, const std::string&, const std::vector<unsigned char>&,
+                            void*) { return false; };
+  if constexpr (requires { result.GetFileSizeInBytes; })
+  {
+    result.GetFileSizeInBytes = [](std::size_t* size, std::string*, const std::string& path, void*)
+    {
+      std::error_code unusable;
+      *size = fs::file_size(path, unusable);
+      return !unusable;
+    };
+  }
+  result.user_data = &folder;
+  return result;
+}
+
 bool LeaveOutImage(tinygltf::Image*, int, std::string*, std::string*, int, int,
   const unsigned char*, int, void*)
 {
@@ -97,8 +121,7 @@ tinygltf::Model LoadGltf(const std::string& path)
   fs::path folder = fs::absolute(path).parent_path().lexically_normal();
   tinygltf::TinyGLTF loader;
   loader.SetImageLoader(LeaveOutImage, nullptr);
-  const auto asItIs = [](const std::string& name, void*) { return name; };
-  loader.SetFsCallbacks({ IsBesideGltf, asItIs, ReadBeside, nullptr, &folder });
+  loader.SetFsCallbacks(ReadingBeside<tinygltf::FsCallbacks>(folder));
   tinygltf::Model model;
   std::string problem;
   std::string warning;
