@@ -66,8 +66,8 @@ MAMMORAYIO_EXPORT vtkSmartPointer<vtkPolyData> ToPolyData(const SurfaceMesh& sur
 
 /**
  * FindPoseAnchor for a mesh: the middle of its bounding box across and along the body, at the front
- * of the held tissue, or at the posterior end where no material is held. `held[m]` tells whether m
- * is held.
+ * of the fixed tissue, or at the posterior end where no material is fixed. `held[m]` tells whether
+ * m is fixed.
  */
 MAMMORAYIO_EXPORT Vector3 FindPoseAnchor(const SurfaceMesh& surface, const std::vector<bool>& held,
   const AnatomicalAxes& axes);

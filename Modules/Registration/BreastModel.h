@@ -83,7 +83,7 @@ public:
   /// Interrupted.
   BreastModel(TetrahedralMesh anatomy, const ElasticTable& materials, std::vector<int> gland,
     BreastModelOptions options = {}, const ProgressCallback& progress = {});
-  /// Throws InputError, too, where no material of the table is held.
+  /// Throws InputError, too, where no material of the table is fixed.
   BreastModel(TetrahedralMesh anatomy, const MaterialTable& table, BreastModelOptions options = {},
     const ProgressCallback& progress = {});
 

@@ -32,7 +32,7 @@ struct BreastInUnit
   /// The mammogram's pixels.
   ReceptorGrid Grid;
   /// The parameters of a registration in its order, and the covariance of what is free and of what
-  /// is held with a prior, row by row, which is empty where it is not known.
+  /// is fixed with a prior, row by row, which is empty where it is not known.
   std::vector<std::string> Parameters;
   std::vector<double> Covariance;
 };

@@ -32,7 +32,7 @@ struct BreastInSpace
 
 /**
  * For each triangle the one of its two materials that lies in the other: what is not the host, the
- * material that there is most of apart from held and thin ones; of two others the smaller one. 0
+ * material that there is most of apart from fixed and thin ones; of two others the smaller one. 0
  * where one of them is air or thin, which encloses all the rest. `host`, if given, receives it; 0:
  * there is none. The surface must be closed.
  */

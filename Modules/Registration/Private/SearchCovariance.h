@@ -15,7 +15,7 @@ MAMMORAYREGISTRATION_EXPORT Eigen::MatrixXd CovarianceOf(RegistrationEvaluator& 
 
 /**
  * Finds the covariance of the unknowns where the search stands, for all mammograms and each of
- * them, also with what is not known of the parameters that are held (consider covariance). How
+ * them, also with what is not known of the parameters that are fixed (consider covariance). How
  * much outline and picture tell follows from their own residuals there (EstimateVariances), not
  * from the weights of the search. What the roundness of the plates' edges does is counted, too;
  * results warn where it could not be found.
