@@ -260,20 +260,9 @@ vtkBreastCompression::~vtkBreastCompression()
   delete this->Internal;
 }
 
-void vtkBreastCompression::SetMaterialTable(const char* pathOrName)
-{
-  SetProperty(this, this->MaterialTable, std::string(pathOrName ? pathOrName : ""));
-}
-
-void vtkBreastCompression::SetMaterialTableFile(const char* path)
-{
-  SetProperty(this, this->MaterialTableFile, std::string(path ? path : ""));
-}
-
-void vtkBreastCompression::SetOrientation(const char* axes)
-{
-  SetProperty(this, this->Orientation, std::string(axes ? axes : ""));
-}
+mammorayCxxSetTextMacro(vtkBreastCompression, MaterialTable);
+mammorayCxxSetTextMacro(vtkBreastCompression, MaterialTableFile);
+mammorayCxxSetTextMacro(vtkBreastCompression, Orientation);
 
 void vtkBreastCompression::SetSimulationMeshConnection(vtkAlgorithmOutput* mesh)
 {

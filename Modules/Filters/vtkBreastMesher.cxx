@@ -20,7 +20,6 @@
 #include "vtkInformationVector.h"
 #include "vtkNew.h"
 #include "vtkObjectFactory.h"
-#include "vtkStreamingDemandDrivenPipeline.h"
 #include "vtkUnstructuredGrid.h"
 
 #include <algorithm>
@@ -52,15 +51,8 @@ vtkStandardNewMacro(vtkBreastMesher);
 vtkBreastMesher::vtkBreastMesher() = default;
 vtkBreastMesher::~vtkBreastMesher() = default;
 
-void vtkBreastMesher::SetMaterialTable(const char* pathOrName)
-{
-  SetProperty(this, this->MaterialTable, std::string(pathOrName ? pathOrName : ""));
-}
-
-void vtkBreastMesher::SetMaterialTableFile(const char* path)
-{
-  SetProperty(this, this->MaterialTableFile, std::string(path ? path : ""));
-}
+mammorayCxxSetTextMacro(vtkBreastMesher, MaterialTable);
+mammorayCxxSetTextMacro(vtkBreastMesher, MaterialTableFile);
 
 int vtkBreastMesher::FillInputPortInformation(int, vtkInformation* info)
 {
@@ -71,10 +63,7 @@ int vtkBreastMesher::FillInputPortInformation(int, vtkInformation* info)
 int vtkBreastMesher::RequestUpdateExtent(vtkInformation*, vtkInformationVector** inputs,
   vtkInformationVector*)
 {
-  vtkInformation* input = inputs[0]->GetInformationObject(0);
-  int whole[6];
-  input->Get(vtkStreamingDemandDrivenPipeline::WHOLE_EXTENT(), whole);
-  input->Set(vtkStreamingDemandDrivenPipeline::UPDATE_EXTENT(), whole, 6);
+  RequestWholeExtent(inputs[0]->GetInformationObject(0));
   return 1;
 }
 

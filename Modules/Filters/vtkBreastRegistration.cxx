@@ -2,13 +2,13 @@
 #include "mammoray/Filters/vtkBreastRegistration.h"
 
 #include "Private/FilterRequest.h"
-#include "Private/ScatterProperties.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/Foundation/LabelResampling.h"
 #include "mammoray/Foundation/PoseParameters.h"
 #include "mammoray/Foundation/ValidRange.h"
 #include "mammoray/IO/ImageConversion.h"
 #include "mammoray/IO/MeshConversion.h"
+#include "mammoray/IO/ScatterData.h"
 #include "mammoray/IO/ShippedData.h"
 #include "mammoray/Registration/Registration.h"
 #include "mammoray/Registration/TargetPreparation.h"
@@ -23,7 +23,6 @@
 #include "vtkObjectFactory.h"
 #include "vtkPointData.h"
 #include "vtkPoints.h"
-#include "vtkStreamingDemandDrivenPipeline.h"
 #include "vtkStringArray.h"
 #include "vtkUnstructuredGrid.h"
 
@@ -177,7 +176,8 @@ void AddResult(vtkUnstructuredGrid* output, const ViewResult& result)
 
 struct vtkBreastRegistration::Internals
 {
-  ScatterProperties Secondary;
+  /// Read when first needed, and kept.
+  std::optional<ScatterKernels> Kernels;
   RegistrationSetup Setup;
   /// Made of Setup, without views.
   RegistrationProblem Problem;
@@ -187,6 +187,9 @@ struct vtkBreastRegistration::Internals
   mammoray::Mammogram Mammogram;
   RegistrationTarget Target;
 
+  /// Throws InputError where the properties of scatter do not fit.
+  std::optional<ScatterModel> ScatterOf(const vtkBreastRegistration& filter,
+    const mammoray::Spectrum& spectrum);
   void Prepare(vtkImageData* mammogram);
   /// Makes the model if the setup differs from the present one; returns whether it did. `labels` is
   /// read where the setup has no anatomy.
@@ -194,6 +197,31 @@ struct vtkBreastRegistration::Internals
     const mammoray::MaterialTable& materials, const Beam& beam, bool acceptUnusual,
     const ProgressCallback& progress);
 };
+
+std::optional<ScatterModel> vtkBreastRegistration::Internals::ScatterOf(
+  const vtkBreastRegistration& filter, const mammoray::Spectrum& spectrum)
+{
+  const double* numbers = filter.Grid;
+  if (!filter.Scatter)
+  {
+    if (numbers[0] != 0)
+    {
+      throw InputError("Grid: expected Scatter beside it, found none");
+    }
+    return std::nullopt;
+  }
+  std::optional<AntiscatterGrid> grid;
+  if (numbers[0] != 0)
+  {
+    grid.emplace(AntiscatterGridOptions::OfLead({ numbers[0], numbers[1], numbers[2] }));
+  }
+  if (!this->Kernels)
+  {
+    this->Kernels = FindScatterKernels();
+  }
+  return ScatterModel(*this->Kernels, spectrum, DetectorResponse::EnergyIntegrating,
+    filter.AirGapMm, grid);
+}
 
 void vtkBreastRegistration::Internals::Prepare(vtkImageData* mammogram)
 {
@@ -250,40 +278,13 @@ vtkBreastRegistration::~vtkBreastRegistration()
   delete this->Internal;
 }
 
-void vtkBreastRegistration::SetMaterialTable(const char* pathOrName)
-{
-  SetProperty(this, this->MaterialTable, std::string(pathOrName ? pathOrName : ""));
-}
-
-void vtkBreastRegistration::SetMaterialTableFile(const char* path)
-{
-  SetProperty(this, this->MaterialTableFile, std::string(path ? path : ""));
-}
-
-void vtkBreastRegistration::SetSpectrum(const char* pathOrName)
-{
-  SetProperty(this, this->Spectrum, std::string(pathOrName ? pathOrName : ""));
-}
-
-void vtkBreastRegistration::SetSpectrumFile(const char* path)
-{
-  SetProperty(this, this->SpectrumFile, std::string(path ? path : ""));
-}
-
-void vtkBreastRegistration::SetOrientation(const char* axes)
-{
-  SetProperty(this, this->Orientation, std::string(axes ? axes : ""));
-}
-
-void vtkBreastRegistration::SetFreeParameters(const char* names)
-{
-  SetProperty(this, this->FreeParameters, std::string(names ? names : ""));
-}
-
-void vtkBreastRegistration::SetDeviceName(const char* name)
-{
-  SetProperty(this, this->DeviceName, std::string(name ? name : ""));
-}
+mammorayCxxSetTextMacro(vtkBreastRegistration, MaterialTable);
+mammorayCxxSetTextMacro(vtkBreastRegistration, MaterialTableFile);
+mammorayCxxSetTextMacro(vtkBreastRegistration, Spectrum);
+mammorayCxxSetTextMacro(vtkBreastRegistration, SpectrumFile);
+mammorayCxxSetTextMacro(vtkBreastRegistration, Orientation);
+mammorayCxxSetTextMacro(vtkBreastRegistration, FreeParameters);
+mammorayCxxSetTextMacro(vtkBreastRegistration, DeviceName);
 
 void vtkBreastRegistration::SetMammogramConnection(vtkAlgorithmOutput* mammogram)
 {
@@ -317,16 +318,8 @@ int vtkBreastRegistration::FillInputPortInformation(int port, vtkInformation* in
 int vtkBreastRegistration::RequestUpdateExtent(vtkInformation*, vtkInformationVector** inputs,
   vtkInformationVector*)
 {
-  for (int port = 0; port < 2; ++port)
-  {
-    vtkInformation* input = inputs[port]->GetInformationObject(0);
-    if (input->Has(vtkStreamingDemandDrivenPipeline::WHOLE_EXTENT()))
-    {
-      int whole[6];
-      input->Get(vtkStreamingDemandDrivenPipeline::WHOLE_EXTENT(), whole);
-      input->Set(vtkStreamingDemandDrivenPipeline::UPDATE_EXTENT(), whole, 6);
-    }
-  }
+  RequestWholeExtent(inputs[0]->GetInformationObject(0));
+  RequestWholeExtent(inputs[1]->GetInformationObject(0));
   return 1;
 }
 
@@ -342,9 +335,7 @@ int vtkBreastRegistration::RequestData(vtkInformation*, vtkInformationVector** i
     AnatomicalAxes::FromCode(this->Orientation);
     const mammoray::Spectrum spectrum =
       FindSpectrum(FileOrName(this->SpectrumFile, this->Spectrum));
-    std::optional<ScatterModel> scatter = internal.Secondary.ModelOf(this->Scatter, this->AirGapMm,
-      { this->Grid[0], this->Grid[1], this->Grid[2] }, spectrum,
-      DetectorResponse::EnergyIntegrating);
+    std::optional<ScatterModel> scatter = internal.ScatterOf(*this, spectrum);
     const std::string& table = FileOrName(this->MaterialTableFile, this->MaterialTable);
     if (table.empty())
     {

@@ -31,10 +31,7 @@ vtkMammogramReader::~vtkMammogramReader()
   delete this->Internal;
 }
 
-void vtkMammogramReader::SetFileName(const char* path)
-{
-  mammoray::SetProperty(this, this->FileName, std::string(path ? path : ""));
-}
+mammorayCxxSetTextMacro(vtkMammogramReader, FileName);
 
 void vtkMammogramReader::PrintSelf(ostream& os, vtkIndent indent)
 {

@@ -7,6 +7,8 @@
 
 #include "vtkAlgorithm.h"
 #include "vtkDataObject.h"
+#include "vtkInformation.h"
+#include "vtkStreamingDemandDrivenPipeline.h"
 
 #include <exception>
 #include <new>
@@ -15,7 +17,8 @@
 
 namespace mammoray
 {
-/// Moves a filter's progress from `from` to `to` of 1, and stops where the filter is aborted.
+/// Moves a filter's progress from `from` to `to`, both in [0, 1]; stops the work if the filter is
+/// aborted.
 inline ProgressCallback ProgressOf(vtkAlgorithm* filter, double from = 0, double to = 1)
 {
   return [=](double fraction, const char*)
@@ -25,7 +28,7 @@ inline ProgressCallback ProgressOf(vtkAlgorithm* filter, double from = 0, double
   };
 }
 
-/// Sets a property of a filter, which is to be made anew only where the value is another.
+/// Sets a property, and marks the filter as modified if the value differs.
 template <typename Value>
 void SetProperty(vtkAlgorithm* filter, Value& property, Value value)
 {
@@ -36,13 +39,32 @@ void SetProperty(vtkAlgorithm* filter, Value& property, Value value)
   }
 }
 
-/// A file that was named goes before what was chosen by name.
+/// Defines the setter of a text property: a null pointer empties it, an equal text changes nothing.
+#define mammorayCxxSetTextMacro(filter, name)                                                      \
+  void filter::Set##name(const char* text)                                                         \
+  {                                                                                                \
+    mammoray::SetProperty(this, this->name, std::string(text ? text : ""));                        \
+  }
+
+/// Requests the whole image of an input, even where the output is divided into pieces.
+inline void RequestWholeExtent(vtkInformation* input)
+{
+  using Pipeline = vtkStreamingDemandDrivenPipeline;
+  if (input->Has(Pipeline::WHOLE_EXTENT()))
+  {
+    int whole[6];
+    input->Get(Pipeline::WHOLE_EXTENT(), whole);
+    input->Set(Pipeline::UPDATE_EXTENT(), whole, 6);
+  }
+}
+
+/// Returns `file` unless it is empty, else `name`.
 inline const std::string& FileOrName(const std::string& file, const std::string& name)
 {
   return file.empty() ? name : file;
 }
 
-/// What a failure is told as. All are caught: a bad_alloc must not cross the pipeline either.
+/// Message of a failure, also of a bad_alloc: no exception may cross the pipeline.
 inline std::string TextOf(const std::exception& error)
 {
   return dynamic_cast<const std::bad_alloc*>(&error)
@@ -51,8 +73,9 @@ inline std::string TextOf(const std::exception& error)
 }
 
 /**
- * What RequestData answers that fills `output` by `work`. Where that throws, the output is emptied;
- * an interrupt is no failure, and an error is told by the filter's ErrorEvent.
+ * Runs `work`, which fills `output`, and returns the result of RequestData. If it throws, the
+ * output is emptied. An interrupt is no failure; any other exception raises the filter's
+ * ErrorEvent.
  */
 template <typename Work>
 int AnswerRequest(vtkAlgorithm* filter, vtkDataObject* output, const Work& work)
