@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <span>
+#include <utility>
 #include <vector>
 
 namespace mammoray
@@ -24,6 +25,12 @@ struct VectorFields
   /// Fields of zeros.
   VectorFields(std::size_t count, std::size_t length)
     : Values(count * length, 0.0)
+    , Length(length)
+  {
+  }
+  /// The fields in `values`, each of `length` values.
+  VectorFields(std::vector<double> values, std::size_t length)
+    : Values(std::move(values))
     , Length(length)
   {
   }

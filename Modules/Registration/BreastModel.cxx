@@ -220,10 +220,9 @@ PathLengthImage BreastModel::Project(const std::vector<double>& points, const XR
 }
 
 PathLengthImage BreastModel::Project(const std::vector<double>& points, const XRaySource& source,
-  const XRayDetector& detector, const std::vector<double>& velocities, int fields,
-  PathLengthDerivatives& derivatives)
+  const XRayDetector& detector, const VectorFields& velocities, PathLengthDerivatives& derivatives)
 {
   this->Projector->UpdatePoints(points);
-  return this->Projector->Project(source, detector, velocities, fields, derivatives);
+  return this->Projector->Project(source, detector, velocities, derivatives);
 }
 }

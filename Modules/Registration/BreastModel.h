@@ -116,7 +116,7 @@ public:
     const XRayDetector& detector);
   /// The same with derivatives (see PathLengthProjector::Project).
   PathLengthImage Project(const std::vector<double>& points, const XRaySource& source,
-    const XRayDetector& detector, const std::vector<double>& velocities, int fields,
+    const XRayDetector& detector, const VectorFields& velocities,
     PathLengthDerivatives& derivatives);
 
 private:

@@ -121,22 +121,20 @@ const PosedBreast::Picture& PosedBreast::PictureOn(const ReceptorGrid& grid, int
   return *this->LastPicture;
 }
 
-std::vector<double> PosedBreast::Velocities(const std::vector<int>& wanted)
+VectorFields PosedBreast::Velocities(const std::vector<int>& wanted)
 {
-  return this->Body
-    .VelocitiesSeenFromUnit(this->Unit, this->UnitPose, this->Equilibrium, this->Body.Surface(),
-      this->SurfacePoints(), wanted)
-    .Values;
+  return this->Body.VelocitiesSeenFromUnit(this->Unit, this->UnitPose, this->Equilibrium,
+    this->Body.Surface(), this->SurfacePoints(), wanted);
 }
 
 std::vector<std::vector<double>> PosedBreast::DifferentiatePicture(const ReceptorGrid& grid,
-  int samples, const std::vector<double>& velocities, int fields)
+  int samples, const VectorFields& velocities)
 {
   const XRayDetector detector = DetectorOf(this->UnitFrame, grid, samples);
   const XRaySource source = SourceOf(this->UnitFrame, this->Unit.Unit);
   PathLengthDerivatives rates;
   PathLengthImage lengths =
-    this->Breast.Project(this->SurfacePoints(), source, detector, velocities, fields, rates);
+    this->Breast.Project(this->SurfacePoints(), source, detector, velocities, rates);
   if (!this->Shows(detector))
   {
     ++this->Projections;

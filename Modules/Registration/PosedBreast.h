@@ -69,12 +69,12 @@ public:
   const Picture& PictureOn(const ReceptorGrid& grid, int samples);
 
   /// Velocities of the surface's points with the parameters numbered in `wanted`, seen from the
-  /// unit, mm per unit of each; one field after the other. Not kept.
-  std::vector<double> Velocities(const std::vector<int>& wanted);
+  /// unit, mm per unit of each. Not kept.
+  VectorFields Velocities(const std::vector<int>& wanted);
   /// Derivatives of LogAttenuation with each field of the surface's velocities, a value for each
   /// pixel. The same pass gives the picture, which is kept; the derivatives are not.
   std::vector<std::vector<double>> DifferentiatePicture(const ReceptorGrid& grid, int samples,
-    const std::vector<double>& velocities, int fields);
+    const VectorFields& velocities);
 
   /// Number of pictures computed, including those from other focal spots.
   int NumberOfProjections() const;

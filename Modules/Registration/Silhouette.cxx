@@ -40,7 +40,7 @@ std::vector<ReceptorPoint> ProjectToReceptor(const std::vector<double>& points,
 }
 
 std::vector<ReceptorPoint> ReceptorVelocities(const std::vector<double>& points,
-  const double* velocities, const VolumeFromGantry& placed, const MammographyUnit& unit)
+  std::span<const double> velocities, const VolumeFromGantry& placed, const MammographyUnit& unit)
 {
   std::vector<ReceptorPoint> moved(points.size() / 3);
   const auto [x, y, sid] = unit.FocalSpot();

@@ -9,6 +9,7 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 namespace mammoray
@@ -29,8 +30,8 @@ MAMMORAYREGISTRATION_EXPORT std::vector<ReceptorPoint> ProjectToReceptor(
  * relative to the unit, 3 x pointCount, volume frame, mm per unit.
  */
 MAMMORAYREGISTRATION_EXPORT std::vector<ReceptorPoint> ReceptorVelocities(
-  const std::vector<double>& points, const double* velocities, const VolumeFromGantry& placed,
-  const MammographyUnit& unit);
+  const std::vector<double>& points, std::span<const double> velocities,
+  const VolumeFromGantry& placed, const MammographyUnit& unit);
 
 /// Edges of a surface between skin and air, each once, as pairs of point indices.
 MAMMORAYREGISTRATION_EXPORT std::vector<std::array<std::uint32_t, 2>> OuterEdges(

@@ -157,8 +157,7 @@ void RegisteredBreast::Internals::AddUncertainty(const PlaceInCell& place, const
   const double rowLength = grid.RowSpacingMm();
   for (const Vector3& velocity : velocities)
   {
-    const ReceptorPoint rate =
-      ReceptorVelocities(at, velocity.data(), placed, this->Breast.Unit).front();
+    const ReceptorPoint rate = ReceptorVelocities(at, velocity, placed, this->Breast.Unit).front();
     rates.push_back({ Dot(velocity, placed.X), Dot(velocity, placed.Y), Dot(velocity, placed.Z),
       (rate[0] * grid.ColumnStep[0] + rate[1] * grid.ColumnStep[1]) / columnLength,
       (rate[0] * grid.RowStep[0] + rate[1] * grid.RowStep[1]) / rowLength });

@@ -281,15 +281,14 @@ Exposure Exposer::ExposeAir(const Scene& scene)
   return mammoray::Expose(air, scene.Source, scene.Detector, MakeBeam(scene, {}), WithField(scene));
 }
 
-Exposer::Derivatives Exposer::Differentiate(const Scene& scene,
-  const std::vector<double>& velocities, int fields)
+Exposer::Derivatives Exposer::Differentiate(const Scene& scene, const VectorFields& velocities)
 {
   Internals& internal = *this->Internal;
   internal.Load(scene);
   const Beam beam = MakeBeam(scene, internal.Materials);
   Derivatives derivatives;
-  derivatives.Image = internal.Projector->Project(scene.Source, scene.Detector, velocities, fields,
-    derivatives.Lengths);
+  derivatives.Image =
+    internal.Projector->Project(scene.Source, scene.Detector, velocities, derivatives.Lengths);
   derivatives.MeanAttenuation = beam.MeanAttenuation(derivatives.Image);
   return derivatives;
 }

@@ -60,7 +60,7 @@ public:
   /// Exact derivatives for a point-like or parallel source without noise, blur and scatter;
   /// `velocities` as of PathLengthProjector::Project, of the points of Load's surface. Throws as
   /// Expose.
-  Derivatives Differentiate(const Scene& scene, const std::vector<double>& velocities, int fields);
+  Derivatives Differentiate(const Scene& scene, const VectorFields& velocities);
 
   /// How often rays have been traced: once for each point of the focal spot and each sample.
   std::size_t NumberOfTraces() const;

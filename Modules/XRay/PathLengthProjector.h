@@ -4,6 +4,7 @@
 
 #include "mammoray/Foundation/SurfaceMesh.h"
 #include "mammoray/Foundation/Vector3.h"
+#include "mammoray/Foundation/VectorFields.h"
 #include "mammorayXRayModule.h"
 
 #include <memory>
@@ -194,14 +195,14 @@ public:
     this->Project(source, detector);
   }
   /**
-   * Project, and in the same pass derivatives with respect to `fields` parameters, at least 1.
-   * `velocities` has the velocity of every point, mm per unit of the parameter:
-   * velocities[(field * pointCount + point) * 3 + axis]. A pass computes up to 8 fields, or fewer
-   * if memory or the number of materials limits it. Reuse `derivatives` between calls to avoid
-   * allocation. Throws InputError if sizes do not fit or a velocity exceeds 1e12 mm.
+   * Project, and in the same pass derivatives with respect to one parameter or more. `velocities`
+   * has a field for each: the velocity of every point, mm per unit of the parameter. A pass
+   * computes up to 8 fields, or fewer if memory or the number of materials limits it. Reuse
+   * `derivatives` between calls to avoid allocation. Throws InputError if sizes do not fit or a
+   * velocity exceeds 1e12 mm.
    */
   virtual PathLengthImage Project(const XRaySource& source, const XRayDetector& detector,
-    const std::vector<double>& velocities, int fields, PathLengthDerivatives& derivatives) = 0;
+    const VectorFields& velocities, PathLengthDerivatives& derivatives) = 0;
   /**
    * Path lengths along arbitrary rays, as an image of one row with a column for each ray. An
    * inconsistent ray is traced again with an offset of at most 0.01 mm; if this fails, it is marked

@@ -503,13 +503,13 @@ Exposure Refract(PathLengthProjector& projector, std::size_t pointCount, const X
       NumberText(options.DistanceMm) + " mm");
   }
   const DetectorAxes axes(detector);
-  std::vector<double> velocities(6 * pointCount);
+  VectorFields velocities(2, 3 * pointCount);
   for (std::size_t point = 0; point < pointCount; ++point)
   {
     for (std::size_t axis = 0; axis < 3; ++axis)
     {
-      velocities[3 * point + axis] = axes.U[axis];
-      velocities[3 * (pointCount + point) + axis] = axes.V[axis];
+      velocities[0][3 * point + axis] = axes.U[axis];
+      velocities[1][3 * point + axis] = axes.V[axis];
     }
   }
   Refraction refraction(source, detector, beam, decrements, options);
@@ -523,7 +523,7 @@ Exposure Refract(PathLengthProjector& projector, std::size_t pointCount, const X
     ReportProgress(progress, done, "bending rays");
     done += weight;
     const XRayDetector wide = WithMargin(detector, column, row);
-    const PathLengthImage image = projector.Project(source, wide, velocities, 2, derivatives);
+    const PathLengthImage image = projector.Project(source, wide, velocities, derivatives);
     beam.CheckMaterials(image.Materials);
     refraction.Add(wide, image, derivatives, column, row, weight);
     AddWithin(image, static_cast<float>(weight), detector, *lengths);

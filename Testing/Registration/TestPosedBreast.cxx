@@ -40,9 +40,10 @@ TEST(PosedBreast, ComputesEachThingOnceAndAnewForAnotherGrid)
   EXPECT_EQ(here.PictureOn(grid, 2).LogAttenuation, picture);
   EXPECT_EQ(here.NumberOfProjections(), 1);
   // Derivatives need a pass of their own, whose picture is the one at hand.
-  const std::vector<double> velocities = here.Velocities({ ThicknessParameter, LateralParameter });
-  EXPECT_EQ(velocities.size(), 2 * here.SurfacePoints().size());
-  EXPECT_EQ(here.DifferentiatePicture(grid, 2, velocities, 2).size(), 2U);
+  const VectorFields velocities = here.Velocities({ ThicknessParameter, LateralParameter });
+  EXPECT_EQ(velocities.Count(), 2U);
+  EXPECT_EQ(velocities.Length, here.SurfacePoints().size());
+  EXPECT_EQ(here.DifferentiatePicture(grid, 2, velocities).size(), 2U);
   EXPECT_EQ(here.NumberOfProjections(), 1);
   here.PictureOn(Grid(4), 2);
   here.PictureOn(Grid(4), 1);
@@ -52,7 +53,7 @@ TEST(PosedBreast, ComputesEachThingOnceAndAnewForAnotherGrid)
 
   // Where the derivatives come first, they bring the same picture.
   PosedBreast first = here.MovedTo(Truth());
-  first.DifferentiatePicture(grid, 2, first.Velocities({ ThicknessParameter }), 1);
+  first.DifferentiatePicture(grid, 2, first.Velocities({ ThicknessParameter }));
   EXPECT_EQ(first.PictureOn(grid, 2).LogAttenuation, picture);
   EXPECT_EQ(first.NumberOfProjections(), 1);
 }

@@ -112,9 +112,8 @@ TEST(Silhouette, DerivativesAgreeWithDifferences)
   const auto here = project(0);
   std::vector<std::int32_t> crossed;
   const std::vector<double> radii = SilhouetteRadii(here, edges, centre, directions, &crossed);
-  const std::vector<double> rates =
-    SilhouetteDerivatives(here, ReceptorVelocities(box.Points, velocities.data(), placed, unit),
-      edges, centre, directions, crossed);
+  const std::vector<double> rates = SilhouetteDerivatives(here,
+    ReceptorVelocities(box.Points, velocities, placed, unit), edges, centre, directions, crossed);
   constexpr double step = 1e-5;
   const std::vector<double> plus = SilhouetteRadii(project(step), edges, centre, directions);
   const std::vector<double> minus = SilhouetteRadii(project(-step), edges, centre, directions);

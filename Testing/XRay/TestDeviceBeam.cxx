@@ -81,7 +81,7 @@ TEST_P(DeviceBeamTest, DerivativesLeaveTheSamePathLengths)
   const std::vector<float> expected = this->Projector->Transmission(beam);
   PathLengthDerivatives derivatives;
   this->Projector->Project(this->Source, this->Detector,
-    std::vector<double>(mesh.Points.size(), 1.0), 1, derivatives);
+    VectorFields(std::vector<double>(mesh.Points.size(), 1.0), mesh.Points.size()), derivatives);
   const std::vector<float> found = this->Projector->Transmission(beam);
   ASSERT_EQ(found.size(), expected.size());
   for (std::size_t pixel = 0; pixel < found.size(); ++pixel)
@@ -159,7 +159,8 @@ TEST_P(DeviceBeamTest, ResultsComeFromTheDevicesOwnMemoryToo)
   for (const SurfaceMesh& mesh : { OpenBall(), NestedBodies() })
   {
     const Beam beam = this->MakeBeam(mesh.NumberOfMaterials(), DetectorResponse::PhotonCounting);
-    const std::vector<double> velocities(3 * mesh.Points.size(), 1.0);
+    const VectorFields velocities(std::vector<double>(3 * mesh.Points.size(), 1.0),
+      mesh.Points.size());
     std::vector<PathLengthImage> images;
     std::vector<PathLengthDerivatives> rates(2);
     std::vector<std::vector<float>> transmissions;
@@ -167,7 +168,7 @@ TEST_P(DeviceBeamTest, ResultsComeFromTheDevicesOwnMemoryToo)
     {
       projector->SetSurface(mesh);
       images.push_back(
-        projector->Project(this->Source, this->Detector, velocities, 3, rates[images.size()]));
+        projector->Project(this->Source, this->Detector, velocities, rates[images.size()]));
       transmissions.push_back(projector->Transmission(beam));
     }
     using testing::FloatNear;

@@ -109,14 +109,14 @@ TEST_P(OverlapTest, DerivativesAreThoseOfTheRule)
   const XRayDetector detector = Film(2);
   // Field 0 moves the first box, field 1 the second, each its own way.
   const std::size_t count = mesh.Points.size();
-  std::vector<double> velocities(2 * count, 0.0);
+  VectorFields velocities(2, count);
   for (std::size_t point = 0; point < mesh.NumberOfPoints(); ++point)
   {
-    velocities[(point < 8 ? 0 : count) + 3 * point] = 0.4;
-    velocities[(point < 8 ? 0 : count) + 3 * point + 2] = point < 8 ? 1.0 : -0.7;
+    velocities[point < 8 ? 0 : 1][3 * point] = 0.4;
+    velocities[point < 8 ? 0 : 1][3 * point + 2] = point < 8 ? 1.0 : -0.7;
   }
   PathLengthDerivatives derivatives;
-  const PathLengthImage image = projector->Project(Tube, detector, velocities, 2, derivatives);
+  const PathLengthImage image = projector->Project(Tube, detector, velocities, derivatives);
   const double step = 1e-3;
   std::size_t compared = 0;
   for (int field = 0; field < 2; ++field)
@@ -127,7 +127,7 @@ TEST_P(OverlapTest, DerivativesAreThoseOfTheRule)
       std::vector<double> points = mesh.Points;
       for (std::size_t n = 0; n < count; ++n)
       {
-        points[n] += (side == 0 ? -step : step) * velocities[field * count + n];
+        points[n] += (side == 0 ? -step : step) * velocities[static_cast<std::size_t>(field)][n];
       }
       projector->UpdatePoints(points);
       beside[static_cast<std::size_t>(side)] = projector->Project(Tube, detector);

@@ -18,6 +18,22 @@ using namespace mammoray::shapes;
 
 using Motion = std::function<Vector3(const Vector3&)>;
 
+/// The velocity of every point, a field for each motion.
+VectorFields Velocities(const SurfaceMesh& mesh, const std::vector<Motion>& motions)
+{
+  VectorFields velocities;
+  velocities.Length = mesh.Points.size();
+  for (const Motion& motion : motions)
+  {
+    for (std::uint32_t point = 0; point < mesh.NumberOfPoints(); ++point)
+    {
+      const Vector3 velocity = motion(PointOf(mesh, point));
+      velocities.Values.insert(velocities.Values.end(), velocity.begin(), velocity.end());
+    }
+  }
+  return velocities;
+}
+
 class DerivativeTest : public ProjectorTest
 {
 protected:
@@ -25,21 +41,7 @@ protected:
     const XRayDetector& detector, const std::vector<Motion>& motions)
   {
     this->Projector->SetSurface(mesh);
-    return this->Projector->Project(source, detector, Velocities(mesh, motions),
-      static_cast<int>(motions.size()), this->Rates);
-  }
-  static std::vector<double> Velocities(const SurfaceMesh& mesh, const std::vector<Motion>& motions)
-  {
-    std::vector<double> velocities;
-    for (const Motion& motion : motions)
-    {
-      for (std::uint32_t point = 0; point < mesh.NumberOfPoints(); ++point)
-      {
-        const Vector3 velocity = motion(PointOf(mesh, point));
-        velocities.insert(velocities.end(), velocity.begin(), velocity.end());
-      }
-    }
-    return velocities;
+    return this->Projector->Project(source, detector, Velocities(mesh, motions), this->Rates);
   }
   /// Relative to the value, and to the field's largest speed: normals, slopes and barycentric
   /// coordinates are used as floats, 6e-8 each, in about ten operations, and rasterisation rounds
@@ -499,14 +501,15 @@ TEST_P(DerivativeTest, RefusesUnusableVelocities)
   this->Projector->SetSurface(mesh);
   const XRayDetector detector = CentredDetector({ 0, 0, -5 }, { 1, 0, 0 }, { 0, 1, 0 }, 8, 8, 8, 8);
   const XRaySource source = PointSource({ 0, 0, 300 });
-  std::vector<double> velocities(mesh.Points.size(), 0.0);
-  EXPECT_THROW(this->Projector->Project(source, detector, velocities, 2, this->Rates), InputError);
-  EXPECT_THROW(this->Projector->Project(source, detector, {}, 0, this->Rates), InputError);
-  this->Projector->Project(source, detector, velocities, 1, this->Rates);
+  VectorFields velocities(1, mesh.Points.size());
+  const VectorFields shorter(2, mesh.Points.size() / 2);
+  EXPECT_THROW(this->Projector->Project(source, detector, shorter, this->Rates), InputError);
+  EXPECT_THROW(this->Projector->Project(source, detector, {}, this->Rates), InputError);
+  this->Projector->Project(source, detector, velocities, this->Rates);
   EXPECT_THAT(this->Rates.Lengths, testing::Each(0.0f));
-  velocities[4] = NAN;
+  velocities[0][4] = NAN;
   EXPECT_THAT(
-    RefusalOf([&] { this->Projector->Project(source, detector, velocities, 1, this->Rates); }),
+    RefusalOf([&] { this->Projector->Project(source, detector, velocities, this->Rates); }),
     testing::HasSubstr("field 0, point 1"));
 }
 
@@ -526,13 +529,7 @@ TEST(PathLengthDerivatives, ImagesLargerThanABufferAreDoneInStrips)
       material = static_cast<std::uint16_t>(30 * material);
     }
   }
-  std::vector<double> velocities;
-  const Motion motion = SmoothMotions(1).front();
-  for (std::uint32_t point = 0; point < mesh.NumberOfPoints(); ++point)
-  {
-    const Vector3 velocity = motion(PointOf(mesh, point));
-    velocities.insert(velocities.end(), velocity.begin(), velocity.end());
-  }
+  const VectorFields velocities = Velocities(mesh, SmoothMotions(1));
   const auto projector =
     MakeProjector({ .Projection = ProjectorOptions::Method::Rasterisation, .Validation = true });
   projector->SetSurface(mesh);
@@ -540,13 +537,13 @@ TEST(PathLengthDerivatives, ImagesLargerThanABufferAreDoneInStrips)
   const XRayDetector whole =
     CentredDetector({ 10, 0, -80 }, { 1, 0, 0 }, { 0, 1, 0 }, 150, 110, 500, 400);
   PathLengthDerivatives rates;
-  const PathLengthImage image = projector->Project(source, whole, velocities, 1, rates);
+  const PathLengthImage image = projector->Project(source, whole, velocities, rates);
   // The last quarter, which is in the second strip or lies across its border.
   XRayDetector part = whole;
   part.Rows = 100;
   part.Origin = whole.Origin + 300.0 * whole.RowStep;
   PathLengthDerivatives partRates;
-  const PathLengthImage partImage = projector->Project(source, part, velocities, 1, partRates);
+  const PathLengthImage partImage = projector->Project(source, part, velocities, partRates);
   const std::size_t offset = std::size_t{ 300 } * 500;
   std::size_t different = 0;
   for (int material = 30; material < image.Materials; material += 30)
@@ -575,15 +572,7 @@ TEST(PathLengthDerivatives, MethodsAgree)
     GTEST_SKIP() << "no device that traces rays " << reason;
   }
   SurfaceMesh mesh = NestedBodies();
-  std::vector<double> velocities;
-  for (const Motion& motion : SmoothMotions(4))
-  {
-    for (std::uint32_t point = 0; point < mesh.NumberOfPoints(); ++point)
-    {
-      const Vector3 velocity = motion(PointOf(mesh, point));
-      velocities.insert(velocities.end(), velocity.begin(), velocity.end());
-    }
-  }
+  const VectorFields velocities = Velocities(mesh, SmoothMotions(4));
   const XRaySource source = PointSource({ 20, 10, 500 });
   const XRayDetector detector =
     CentredDetector({ 10, 0, -80 }, { 1, 0, 0 }, { 0, 1, 0 }, 150, 110, 101, 83);
@@ -593,7 +582,7 @@ TEST(PathLengthDerivatives, MethodsAgree)
   {
     const auto projector = MakeProjector({ .Projection = methods[index], .Validation = true });
     projector->SetSurface(mesh);
-    projector->Project(source, detector, velocities, 4, rates[index]);
+    projector->Project(source, detector, velocities, rates[index]);
   }
   std::size_t different = 0;
   for (std::size_t index = 0; index < rates[0].Lengths.size(); ++index)

@@ -238,7 +238,8 @@ TEST_P(FrameTest, TenThousandFramesLeakNothing)
   const XRaySource source = PointSource({ 1, 2, 300 });
   const XRayDetector detector =
     CentredDetector({ 0, 0, -30 }, { 1, 0, 0 }, { 0, 1, 0 }, 50, 50, 12, 8);
-  const std::vector<double> velocities(2 * mesh.Points.size(), 0.5);
+  const VectorFields velocities(std::vector<double>(2 * mesh.Points.size(), 0.5),
+    mesh.Points.size());
   PathLengthDerivatives derivatives;
   projector->SetSurface(mesh);
   const std::vector<float> first = projector->Project(source, detector).Lengths;
@@ -256,7 +257,7 @@ TEST_P(FrameTest, TenThousandFramesLeakNothing)
     projector->UpdatePoints(mesh.Points);
     if (frame % 10 == 0)
     {
-      projector->Project(source, detector, velocities, 2, derivatives);
+      projector->Project(source, detector, velocities, derivatives);
     }
     else
     {

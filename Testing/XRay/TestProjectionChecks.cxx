@@ -93,19 +93,15 @@ TEST(ProjectionChecks, NameTheRayPointOrField)
                 CheckPoints({ 1, 2, -5e31 }, 1);
               }),
     "projector: point 0: expected coordinates up to 1e12 mm, found -5e+31");
+  EXPECT_THAT(RefusalOf([&] { CheckVelocities({}, 1); }), testing::HasSubstr("at least one field"));
   EXPECT_THAT(RefusalOf(
                 [&] {
-                  CheckVelocities({ 1, 2, 3 }, 0, 1);
-                }),
-    testing::HasSubstr("at least one field"));
-  EXPECT_THAT(RefusalOf(
-                [&] {
-                  CheckVelocities({ 1, 2, 3, 4, 5, -Infinity }, 2, 1);
+                  CheckVelocities({ { 1, 2, 3, 4, 5, -Infinity }, 3 }, 1);
                 }),
     testing::HasSubstr("field 1, point 0"));
   EXPECT_EQ(RefusalOf(
               [&] {
-                CheckVelocities({ 1, 1e13, 3 }, 1, 1);
+                CheckVelocities({ { 1, 1e13, 3 }, 3 }, 1);
               }),
     "projector: field 0, point 0: expected a velocity up to 1e12 mm per unit, found 1e+13");
 }

@@ -26,14 +26,13 @@ TEST(VelocityFields, PassesAreAsEvenAsCanBe)
 TEST(VelocityFields, ABatchIsWrittenPointByPointTimesItsFactors)
 {
   // Three fields of two points; the batch has the last two.
-  const std::vector<double> velocities{ 9, 9, 9, 9, 9, 9, 1, 2, 3, 4, 5, 6, -1, -2, -3, -4, -5,
-    -6 };
+  const VectorFields velocities({ 9, 9, 9, 9, 9, 9, 1, 2, 3, 4, 5, 6, -1, -2, -3, -4, -5, -6 }, 6);
   FieldBatch batch{ 1, 2 };
   batch.Factor[1] = 10;
   std::vector<float> written(12);
-  WriteVelocities(velocities, 2, batch, written.data());
+  WriteVelocities(velocities, batch, written.data());
   EXPECT_THAT(written, testing::ElementsAre(1, 2, 3, -10, -20, -30, 4, 5, 6, -40, -50, -60));
-  EXPECT_DOUBLE_EQ(LargestSpeed(velocities, 2, 1), std::sqrt(16 + 25 + 36));
+  EXPECT_DOUBLE_EQ(LargestSpeed(velocities[1]), std::sqrt(16 + 25 + 36));
 }
 
 TEST(VelocityFields, RatesOfStripsAndBatchesEndInTheirPlaces)

@@ -166,23 +166,18 @@ void MeasureDerivatives(const ExampleScene& scene, PathLengthProjector& projecto
 {
   constexpr std::size_t fields = 8;
   const std::vector<double>& points = scene.Surface.Points;
-  std::vector<double> velocities(fields * points.size());
+  VectorFields velocities(fields, points.size());
   for (std::size_t field = 0; field < fields; ++field)
   {
     for (std::size_t index = 0; index < points.size(); ++index)
     {
-      velocities[field * points.size() + index] =
-        std::sin(0.01 * static_cast<double>(field + 1) * points[index]);
+      velocities[field][index] = std::sin(0.01 * static_cast<double>(field + 1) * points[index]);
     }
   }
   PathLengthDerivatives derivatives;
   const auto times = InTurn(budget,
     { [&] { projector.Project(scene.Source, scene.Detector); },
-      [&]
-      {
-        projector.Project(scene.Source, scene.Detector, velocities, static_cast<int>(fields),
-          derivatives);
-      } });
+      [&] { projector.Project(scene.Source, scene.Detector, velocities, derivatives); } });
   result["eightDerivatives"] = Summary(times[1]);
   result["eightDerivativesRatio"] = MedianRatio(times[1], times[0]);
 }

@@ -321,7 +321,7 @@ std::vector<float> OfRegions(const std::vector<float>& pictures, std::size_t pix
 }
 
 /// Velocities of a surface's points, field by field; n x 3 x fields in Octave.
-std::vector<double> ToVelocities(const mxArray* array, std::size_t points)
+VectorFields ToVelocities(const mxArray* array, std::size_t points)
 {
   const Matrix matrix = ToArray(array, "velocities", 3);
   if (matrix.Size[0] != points || matrix.Size[1] != 3 || matrix.Values.empty())
@@ -329,15 +329,16 @@ std::vector<double> ToVelocities(const mxArray* array, std::size_t points)
     throw InputError("velocities: expected " + std::to_string(points) +
       " x 3 x parameters, found " + SizeOf(matrix));
   }
-  std::vector<double> velocities;
-  velocities.reserve(matrix.Values.size());
+  VectorFields velocities;
+  velocities.Length = 3 * points;
+  velocities.Values.reserve(matrix.Values.size());
   for (std::size_t field = 0; field < matrix.Columns() / 3; ++field)
   {
     for (std::size_t point = 0; point < points; ++point)
     {
       for (std::size_t axis = 0; axis < 3; ++axis)
       {
-        velocities.push_back(matrix.At(point, 3 * field + axis));
+        velocities.Values.push_back(matrix.At(point, 3 * field + axis));
       }
     }
   }
@@ -354,18 +355,16 @@ std::vector<mwSize> SizeOf(const Scene& scene, std::initializer_list<std::size_t
 }
 
 /// The fourth and fifth result: the derivatives of path lengths and image with each parameter.
-void AddDerivatives(const Scene& scene, Exposer& exposer, const std::vector<double>& velocities,
+void AddDerivatives(const Scene& scene, Exposer& exposer, const VectorFields& velocities,
   int outputCount, mxArray* outputs[])
 {
-  const auto fields =
-    static_cast<int>(velocities.size() / scene.Samples.front().Surface->Points.size());
-  const Exposer::Derivatives derivatives = exposer.Differentiate(scene, velocities, fields);
+  const Exposer::Derivatives derivatives = exposer.Differentiate(scene, velocities);
   const PathLengthImage& image = derivatives.Image;
   const std::vector<float>& rates = derivatives.Lengths.Lengths;
   const std::size_t regions = scene.Attenuations.size() - 1;
   const std::size_t pixels = image.NumberOfPixels();
   const auto materials = static_cast<std::size_t>(image.Materials);
-  const auto count = static_cast<std::size_t>(fields);
+  const std::size_t count = velocities.Count();
   outputs[3] = ToPictures(OfRegions(rates, pixels, materials, regions, count),
     SizeOf(scene, { regions, count }));
   if (outputCount < 5)
@@ -432,9 +431,9 @@ void Project(int outputCount, mxArray* outputs[], int inputCount, const mxArray*
   scene.Source = ToSource(inputs[4]);
   scene.Detector = ToDetector(inputs[5]);
   SetBeam(attenuation, inputCount > 6 ? inputs[6] : nullptr, scene);
-  const std::vector<double> velocities = inputCount > 7
+  const VectorFields velocities = inputCount > 7
     ? ToVelocities(inputs[7], scene.Samples.front().Surface->NumberOfPoints())
-    : std::vector<double>();
+    : VectorFields();
   Exposer exposer;
   const Exposure exposure = exposer.Expose(scene);
   const PathLengthImage& lengths = *exposure.Lengths;

@@ -182,16 +182,17 @@ private:
   void AddDerivatives(const Scene& scene, const Array<double>& velocities, py::dict& result)
   {
     const auto fields = static_cast<int>(velocities.shape(0));
-    std::vector<double> moving;
+    VectorFields moving;
+    moving.Length = this->Surface->Points.size();
     for (int field = 0; field < fields; ++field)
     {
       const std::vector<double> one = this->OfSurface(velocities.data(field));
-      moving.insert(moving.end(), one.begin(), one.end());
+      moving.Values.insert(moving.Values.end(), one.begin(), one.end());
     }
     Exposer::Derivatives derivatives;
     {
       const py::gil_scoped_release released;
-      derivatives = this->Device.Differentiate(scene, moving, fields);
+      derivatives = this->Device.Differentiate(scene, moving);
     }
     const PathLengthDerivatives& lengths = derivatives.Lengths;
     result["path_length_derivatives"] =

@@ -141,7 +141,7 @@ std::vector<ReceptorPoint> PictureResiduals::IntensityPlaces() const
   return places;
 }
 
-void PictureResiduals::AddOutlineRates(PosedBreast& seen, const double* velocities,
+void PictureResiduals::AddOutlineRates(PosedBreast& seen, std::span<const double> velocities,
   std::vector<double>& column) const
 {
   const PosedBreast::Silhouette& silhouette = seen.SilhouetteFrom(this->Centre, this->Directions);
@@ -157,19 +157,18 @@ void PictureResiduals::AddOutlineRates(PosedBreast& seen, const double* velociti
   }
 }
 
-void PictureResiduals::AppendRates(PosedBreast& seen, const std::vector<double>& velocities,
+void PictureResiduals::AppendRates(PosedBreast& seen, const VectorFields& velocities,
   const std::vector<std::vector<double>*>& columns) const
 {
-  const int fields = static_cast<int>(columns.size());
   const std::vector<std::vector<double>> derivatives =
-    seen.DifferentiatePicture(this->Target.Grid, this->Options.Samples, velocities, fields);
+    seen.DifferentiatePicture(this->Target.Grid, this->Options.Samples, velocities);
   const PosedBreast::Picture& picture = seen.PictureOn(this->Target.Grid, this->Options.Samples);
   const PictureFeatures::Found features = this->Features->Of(picture.LogAttenuation);
   for (std::size_t field = 0; field < columns.size(); ++field)
   {
     std::vector<double>& column = *columns[field];
     column.reserve(column.size() + this->NumberOfResiduals());
-    this->AddOutlineRates(seen, velocities.data() + field * seen.SurfacePoints().size(), column);
+    this->AddOutlineRates(seen, velocities[field], column);
 
     std::vector<double> rates;
     rates.reserve(this->Pixels.size());

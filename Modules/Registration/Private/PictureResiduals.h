@@ -7,6 +7,7 @@
 
 #include <cstddef>
 #include <memory>
+#include <span>
 #include <vector>
 
 namespace mammoray
@@ -39,11 +40,9 @@ public:
   /// Appends them; `seen`: from where the target was taken.
   void Append(PosedBreast& seen, std::vector<double>& residuals) const;
 
-  /**
-   * Appends their derivatives to one column for each field of `velocities`, which are the surface's
-   * points', seen from the unit, one field after the other, mm per unit.
-   */
-  void AppendRates(PosedBreast& seen, const std::vector<double>& velocities,
+  /// Appends their derivatives to one column for each field of `velocities`
+  /// (PosedBreast::Velocities).
+  void AppendRates(PosedBreast& seen, const VectorFields& velocities,
     const std::vector<std::vector<double>*>& columns) const;
 
   /// What distances of the outline, mm, and differences of the picture are multiplied by: by the
@@ -68,7 +67,7 @@ private:
   void ChoosePixels();
   ReceptorPoint OnOutline(std::size_t direction, double radius) const;
   /// What a field of velocities of the surface adds to a column.
-  void AddOutlineRates(PosedBreast& seen, const double* velocities,
+  void AddOutlineRates(PosedBreast& seen, std::span<const double> velocities,
     std::vector<double>& column) const;
 
   const RegistrationTarget& Target;

@@ -140,7 +140,7 @@ RegistrationResiduals::Jacobian RegistrationResiduals::Differentiate(PosedBreast
     columns.back()->reserve(this->NumberOfResiduals());
   }
   // The unit goes on standing where it stands: of all projections the same.
-  const std::vector<double> velocities = breast.Velocities(wanted);
+  const VectorFields velocities = breast.Velocities(wanted);
   for (std::size_t number = 0; number < this->Compared.size(); ++number)
   {
     this->Compared[number]->AppendRates(this->Seen(breast, number), velocities, columns);

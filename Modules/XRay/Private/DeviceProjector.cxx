@@ -183,10 +183,11 @@ PathLengthImage DeviceProjector::Project(const XRaySource& source, const XRayDet
 }
 
 PathLengthImage DeviceProjector::Project(const XRaySource& source, const XRayDetector& detector,
-  const std::vector<double>& velocities, int fields, PathLengthDerivatives& derivatives)
+  const VectorFields& velocities, PathLengthDerivatives& derivatives)
 {
   this->CheckImage(source, detector);
-  CheckVelocities(velocities, fields, this->Surface.PointCount);
+  CheckVelocities(velocities, this->Surface.PointCount);
+  const auto fields = static_cast<int>(velocities.Count());
   const int atOnce = this->FieldsAtOnce(this->StripAt(detector, 0).Part, fields);
   PrepareDerivatives(detector, static_cast<int>(this->Surface.MaterialCount), fields, derivatives);
   PathLengthImage image = this->ProjectStrips(detector,
@@ -195,7 +196,7 @@ PathLengthImage DeviceProjector::Project(const XRaySource& source, const XRayDet
       std::uint32_t failed = 0;
       for (int next = 0; next < fields;)
       {
-        const FieldBatch batch = this->NextBatch(velocities, next, fields, atOnce);
+        const FieldBatch batch = this->NextBatch(velocities, next, atOnce);
         WithDeviceErrors(
           [&]
           {
@@ -203,8 +204,7 @@ PathLengthImage DeviceProjector::Project(const XRaySource& source, const XRayDet
               3 * sizeof(float) * this->Surface.PointCount * static_cast<std::size_t>(batch.Count),
               Usage::eStorageBuffer, MemoryUse::Upload);
           });
-        WriteVelocities(velocities, this->Surface.PointCount, batch,
-          this->Velocities.Data<float>());
+        WriteVelocities(velocities, batch, this->Velocities.Data<float>());
         failed = this->FillStrip(source, strip.Part, batch.Count);
         const PixelRange pixels = strip.Pixels();
         const float* rates =

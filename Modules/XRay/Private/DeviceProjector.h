@@ -28,7 +28,7 @@ public:
   void Render(const XRaySource& source, const XRayDetector& detector) final;
   PathLengthImage Project(const XRaySource& source, const XRayDetector& detector) final;
   PathLengthImage Project(const XRaySource& source, const XRayDetector& detector,
-    const std::vector<double>& velocities, int fields, PathLengthDerivatives& derivatives) final;
+    const VectorFields& velocities, PathLengthDerivatives& derivatives) final;
   std::vector<float> Transmission(const Beam& beam) final;
   std::string DeviceName() const final { return this->Device.Name(); }
 
@@ -47,8 +47,7 @@ protected:
   /// Most fields that one pass over this detector can take besides memory for results; may be 0.
   virtual int MostFields(const XRayDetector& detector) const = 0;
   /// The batch that does field `next` of all, at most `atOnce` of them.
-  virtual FieldBatch NextBatch(const std::vector<double>& velocities, int next, int fields,
-    int atOnce) const = 0;
+  virtual FieldBatch NextBatch(const VectorFields& velocities, int next, int atOnce) const = 0;
   /// Fills Lengths, Failures and, for the fields of Velocities, Rates, which have room. Gives the
   /// number of pixels with samples that failed.
   virtual std::uint32_t Fill(const XRaySource& source, const XRayDetector& detector,

@@ -72,12 +72,11 @@ PathLengthImage PriorityProjector::Project(const XRaySource& source, const XRayD
 }
 
 PathLengthImage PriorityProjector::Project(const XRaySource& source, const XRayDetector& detector,
-  const std::vector<double>& velocities, int fields, PathLengthDerivatives& derivatives)
+  const VectorFields& velocities, PathLengthDerivatives& derivatives)
 {
   this->LastImage.reset();
-  PathLengthImage image =
-    this->Projector->Project(source, detector, velocities, fields, derivatives);
-  this->Correct(source, detector, { &velocities, fields, &derivatives }, image);
+  PathLengthImage image = this->Projector->Project(source, detector, velocities, derivatives);
+  this->Correct(source, detector, { &velocities, &derivatives }, image);
   this->LastImage = image;
   return image;
 }
@@ -193,7 +192,7 @@ bool PriorityProjector::AddRay(const Ray& ray, const Work& work, std::vector<Lin
     const double t = std::clamp(hit.T, ray.From, ray.To);
     own.Lengths[static_cast<std::size_t>(owner)] += t;
     own.Lengths[static_cast<std::size_t>(next)] -= t;
-    if (t == hit.T && work.Fields > 0)
+    if (t == hit.T && work.Fields() > 0)
     {
       this->AddRates(ray, hit, owner, next, work, own);
     }
@@ -237,16 +236,16 @@ void PriorityProjector::AddRates(const Ray& ray, const LineHit& hit, int left, i
   const double guarded =
     std::copysign(std::max(std::abs(cosine), double{ MAMMORAY_GRAZING_COSINE }), cosine);
   const std::size_t materials = sums.Lengths.size();
-  for (int field = 0; field < work.Fields; ++field)
+  for (std::size_t field = 0; field < work.Fields(); ++field)
   {
-    const std::size_t first = static_cast<std::size_t>(field) * points.size();
     Vector3 velocity{ 0, 0, 0 };
     for (std::size_t corner = 0; corner < 3; ++corner)
     {
-      velocity = velocity + hit.Weights[corner] * valueOf(*work.Velocities, first, corner);
+      velocity = velocity +
+        hit.Weights[corner] * valueOf(work.Velocities->Values, field * points.size(), corner);
     }
     const double rate = Dot(unit, velocity) / guarded;
-    const std::size_t row = static_cast<std::size_t>(field) * materials;
+    const std::size_t row = field * materials;
     sums.Rates[row + static_cast<std::size_t>(left)] += rate;
     sums.Rates[row + static_cast<std::size_t>(entered)] -= rate;
   }
@@ -283,7 +282,7 @@ void PriorityProjector::Correct(const XRaySource& source, const XRayDetector& de
     return;
   }
   const auto materials = static_cast<std::size_t>(image.Materials);
-  const auto fields = static_cast<std::size_t>(work.Fields);
+  const std::size_t fields = work.Fields();
   const std::size_t pixels = image.NumberOfPixels();
   ParallelRanges(pixels, 256,
     [&](std::size_t begin, std::size_t end)

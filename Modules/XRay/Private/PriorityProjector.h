@@ -26,7 +26,7 @@ public:
   void UpdatePoints(const std::vector<double>& points) override;
   PathLengthImage Project(const XRaySource& source, const XRayDetector& detector) override;
   PathLengthImage Project(const XRaySource& source, const XRayDetector& detector,
-    const std::vector<double>& velocities, int fields, PathLengthDerivatives& derivatives) override;
+    const VectorFields& velocities, PathLengthDerivatives& derivatives) override;
   PathLengthImage ProjectRays(const std::vector<XRayLine>& rays) override;
   std::vector<float> Transmission(const Beam& beam) override;
   std::string DeviceName() const override { return this->Projector->DeviceName(); }
@@ -53,9 +53,10 @@ private:
   };
   struct Work
   {
-    const std::vector<double>* Velocities = nullptr;
-    int Fields = 0;
+    const VectorFields* Velocities = nullptr;
     PathLengthDerivatives* Derivatives = nullptr;
+
+    std::size_t Fields() const { return this->Velocities ? this->Velocities->Count() : 0; }
   };
 
   void FindOverlaps();

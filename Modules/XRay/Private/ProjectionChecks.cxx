@@ -128,13 +128,15 @@ void CheckPoints(const std::vector<double>& points, std::size_t pointCount)
   }
 }
 
-void CheckVelocities(const std::vector<double>& velocities, int fields, std::size_t pointCount)
+void CheckVelocities(const VectorFields& fields, std::size_t pointCount)
 {
-  if (fields < 1 || velocities.size() != 3 * pointCount * static_cast<std::size_t>(fields))
+  const std::vector<double>& velocities = fields.Values;
+  if (velocities.empty() || fields.Length != 3 * pointCount ||
+    velocities.size() % fields.Length != 0)
   {
     throw InputError("projector: expected velocities of " + std::to_string(pointCount) +
       " points in at least one field, 3 values each, found " + std::to_string(velocities.size()) +
-      " values for " + std::to_string(fields) + " fields");
+      " values in fields of " + std::to_string(fields.Length));
   }
   // Of all that are too fast, or no numbers, the first is told.
   ParallelRanges(velocities.size(), ValuesAtOnce,

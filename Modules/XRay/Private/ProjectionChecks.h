@@ -22,8 +22,7 @@ MAMMORAYXRAY_EXPORT void CheckPoints(const std::vector<double>& points, std::siz
 
 /// Throws InputError unless there are velocities up to 1e12 mm per unit of `pointCount` points in 1
 /// field or more.
-MAMMORAYXRAY_EXPORT void CheckVelocities(const std::vector<double>& velocities, int fields,
-  std::size_t pointCount);
+MAMMORAYXRAY_EXPORT void CheckVelocities(const VectorFields& velocities, std::size_t pointCount);
 }
 
 #endif

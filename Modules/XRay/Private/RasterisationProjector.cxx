@@ -313,13 +313,13 @@ int RasterisationProjector::MostFields(const XRayDetector& detector) const
   return count;
 }
 
-FieldBatch RasterisationProjector::NextBatch(const std::vector<double>& velocities, int next,
-  int fields, int atOnce) const
+FieldBatch RasterisationProjector::NextBatch(const VectorFields& velocities, int next,
+  int atOnce) const
 {
-  FieldBatch batch{ next, std::min(atOnce, fields - next) };
+  FieldBatch batch{ next, std::min(atOnce, static_cast<int>(velocities.Count()) - next) };
   for (int field = 0; field < batch.Count; ++field)
   {
-    const double speed = LargestSpeed(velocities, this->Surface.PointCount, next + field);
+    const double speed = LargestSpeed(velocities[static_cast<std::size_t>(next + field)]);
     const auto index = static_cast<std::size_t>(field);
     batch.Factor[index] = speed > 0 ? MAMMORAY_RASTER_RATE_UNITS / speed : 0;
     batch.Unit[index] = speed / MAMMORAY_RASTER_RATE_UNITS;

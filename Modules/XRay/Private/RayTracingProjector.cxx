@@ -261,11 +261,11 @@ int RayTracingProjector::MostFields(const XRayDetector&) const
   return static_cast<int>(std::max(1u, MostRates / this->Capacity()));
 }
 
-FieldBatch RayTracingProjector::NextBatch(const std::vector<double>&, int next, int fields,
+FieldBatch RayTracingProjector::NextBatch(const VectorFields& velocities, int next,
   int atOnce) const
 {
   // The last batch repeats some fields of the one before, so that one pipeline does for all.
-  return { std::min(next, fields - atOnce), atOnce };
+  return { std::min(next, static_cast<int>(velocities.Count()) - atOnce), atOnce };
 }
 
 std::uint32_t RayTracingProjector::Fill(const XRaySource& source, const XRayDetector& detector,

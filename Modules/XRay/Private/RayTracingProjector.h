@@ -41,8 +41,7 @@ private:
   void SurfaceChanged(const std::vector<double>& points, bool moved) override;
   bool HasRoomFor(const XRayDetector& detector) const override;
   int MostFields(const XRayDetector& detector) const override;
-  FieldBatch NextBatch(const std::vector<double>& velocities, int next, int fields,
-    int atOnce) const override;
+  FieldBatch NextBatch(const VectorFields& velocities, int next, int atOnce) const override;
   std::uint32_t Fill(const XRaySource& source, const XRayDetector& detector, int fields) override;
 
   const Program& ProgramFor(const Kind& kind);

@@ -33,11 +33,11 @@ void PrepareDerivatives(const XRayDetector& detector, int materials, int fields,
     static_cast<std::size_t>(materials) * detector.NumberOfPixels());
 }
 
-double LargestSpeed(const std::vector<double>& velocities, std::size_t pointCount, int field)
+double LargestSpeed(std::span<const double> field)
 {
-  const double* first = velocities.data() + static_cast<std::size_t>(field) * 3 * pointCount;
+  const double* first = field.data();
   std::atomic<double> largest = 0;
-  ParallelRanges(pointCount, PointsAtOnce,
+  ParallelRanges(field.size() / 3, PointsAtOnce,
     [&](std::size_t begin, std::size_t end)
     {
       double own = 0;
@@ -53,12 +53,11 @@ double LargestSpeed(const std::vector<double>& velocities, std::size_t pointCoun
   return std::sqrt(largest);
 }
 
-void WriteVelocities(const std::vector<double>& velocities, std::size_t pointCount,
-  const FieldBatch& batch, float* target)
+void WriteVelocities(const VectorFields& velocities, const FieldBatch& batch, float* target)
 {
   const auto first = static_cast<std::size_t>(batch.First);
   const auto count = static_cast<std::size_t>(batch.Count);
-  ParallelRanges(pointCount, PointsAtOnce / count,
+  ParallelRanges(velocities.Length / 3, PointsAtOnce / count,
     [&](std::size_t begin, std::size_t end)
     {
       float* value = target + 3 * count * begin;
@@ -66,7 +65,7 @@ void WriteVelocities(const std::vector<double>& velocities, std::size_t pointCou
       {
         for (std::size_t field = 0; field < count; ++field)
         {
-          const double* velocity = &velocities[((first + field) * pointCount + point) * 3];
+          const double* velocity = &velocities[first + field][3 * point];
           for (std::size_t axis = 0; axis < 3; ++axis)
           {
             *value++ = static_cast<float>(batch.Factor[field] * velocity[axis]);

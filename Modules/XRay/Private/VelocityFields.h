@@ -9,7 +9,7 @@
 
 #include <array>
 #include <cstddef>
-#include <vector>
+#include <span>
 
 namespace mammoray
 {
@@ -35,13 +35,12 @@ MAMMORAYXRAY_EXPORT void PrepareDerivatives(const XRayDetector& detector, int ma
   PathLengthDerivatives& derivatives);
 
 /// Largest speed of a field, mm per unit of its parameter.
-MAMMORAYXRAY_EXPORT double LargestSpeed(const std::vector<double>& velocities,
-  std::size_t pointCount, int field);
+MAMMORAYXRAY_EXPORT double LargestSpeed(std::span<const double> field);
 
 /// Writes the fields of a batch in the devices' order, value[(point * Count + field) * 3 + axis],
 /// each times its factor.
-MAMMORAYXRAY_EXPORT void WriteVelocities(const std::vector<double>& velocities,
-  std::size_t pointCount, const FieldBatch& batch, float* target);
+MAMMORAYXRAY_EXPORT void WriteVelocities(const VectorFields& velocities, const FieldBatch& batch,
+  float* target);
 
 /// Copies the rates of a batch, planes of field and material of range.Count values each, to a range
 /// of the pixels, each field times its unit.
