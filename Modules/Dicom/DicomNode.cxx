@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mammoray/Dicom/DicomNetwork.h"
 
-#include "Private/Conversation.h"
 #include "Private/DicomFile.h"
 #include "Private/SecureLayer.h"
 #include "mammoray/IO/AtomicFile.h"
+#include "mammoray/IO/GuardedRead.h"
 
 #include <dcmtk/config/osconfig.h>
 #include <dcmtk/dcmdata/dctk.h>
@@ -16,7 +16,7 @@
 #include <charconv>
 #include <cstdio>
 #include <filesystem>
-#include <iterator>
+#include <limits>
 #include <map>
 #include <memory>
 #include <set>
@@ -24,9 +24,27 @@
 
 namespace mammoray
 {
+static void Exchange(Parcel& parcel, ArchivedStudy& study)
+{
+  parcel(study.StudyInstanceUid, study.AccessionNumber, study.PatientId, study.Date,
+    study.Description);
+}
+
 namespace
 {
 namespace fs = std::filesystem;
+
+/// What a conversation with an archive has found, and the text of its NetworkError if it failed.
+struct ArchiveAnswer
+{
+  std::vector<ArchivedStudy> Studies;
+  std::string Failure;
+};
+
+void Exchange(Parcel& parcel, ArchiveAnswer& answer)
+{
+  parcel(answer.Studies, answer.Failure);
+}
 
 std::string NameOf(const DicomNode& node)
 {
@@ -39,6 +57,45 @@ std::string ReasonOf(const OFCondition& condition)
   std::string text = condition.text();
   std::replace(text.begin(), text.end(), '\n', ' ');
   return text;
+}
+
+/// Runs `talk`, a conversation with the archive, in a process of its own: DCMTK reads answers into
+/// memory and by recursion, so endless or deeply nested ones end their process. The death of the
+/// process is a NetworkError.
+std::vector<ArchivedStudy> TalkTo(const DicomNode& node,
+  const std::function<std::vector<ArchivedStudy>(const TellCallback& tell)>& talk,
+  const TellCallback& heard)
+{
+  // An object of an archive has 4 GiB at most (PS3.5 7.1.1: lengths of 32 bits).
+  const ReadLimits limits{ std::uint64_t{ 5 } << 30, std::numeric_limits<double>::infinity() };
+  const auto answerOf = [&talk](const TellCallback& tell)
+  {
+    const std::shared_ptr<void> quiet = SilenceDcmtk();
+    ArchiveAnswer answer;
+    try
+    {
+      answer.Studies = talk(tell);
+    }
+    catch (const NetworkError& error)
+    {
+      answer.Failure = error.what();
+    }
+    return answer;
+  };
+  ArchiveAnswer answer;
+  try
+  {
+    answer = ReadGuarded(NameOf(node), "answers of an archive", limits, answerOf, heard);
+  }
+  catch (const ReaderEnded& death)
+  {
+    throw NetworkError(death.what());
+  }
+  if (!answer.Failure.empty())
+  {
+    throw NetworkError(answer.Failure);
+  }
+  return answer.Studies;
 }
 
 void CheckTitle(const std::string& title)
@@ -247,11 +304,6 @@ void CheckAccession(const std::string& number)
   }
 }
 
-/// What a study is sent as.
-constexpr std::string ArchivedStudy::*StudyTexts[] = { &ArchivedStudy::StudyInstanceUid,
-  &ArchivedStudy::AccessionNumber, &ArchivedStudy::PatientId, &ArchivedStudy::Date,
-  &ArchivedStudy::Description };
-
 std::string TextOf(DcmDataset& data, const DcmTagKey& tag)
 {
   OFString text;
@@ -309,7 +361,6 @@ void GetStudy(Getter& getter, const ArchivedStudy& study, const DicomNode& node)
 /// Tells of each file that the archive has taken.
 void Store(const std::vector<std::string>& files, const DicomNode& node, const TellCallback& tell)
 {
-  const std::shared_ptr<void> quiet = SilenceDcmtk();
   std::vector<FileKind> kinds;
   std::set<std::pair<std::string, std::string>> contexts;
   Association association(node);
@@ -359,7 +410,6 @@ void Store(const std::vector<std::string>& files, const DicomNode& node, const T
 
 std::vector<ArchivedStudy> Find(const std::string& accessionNumber, const DicomNode& node)
 {
-  const std::shared_ptr<void> quiet = SilenceDcmtk();
   Association association(node);
   association.addPresentationContext(UID_FINDStudyRootQueryRetrieveInformationModel,
     SyntaxList({ UID_LittleEndianExplicitTransferSyntax, UID_LittleEndianImplicitTransferSyntax }));
@@ -414,7 +464,6 @@ std::vector<ArchivedStudy> Find(const std::string& accessionNumber, const DicomN
 void Get(const std::vector<ArchivedStudy>& studies, const DicomNode& node,
   const std::string& folder, const TellCallback& tell)
 {
-  const std::shared_ptr<void> quiet = SilenceDcmtk();
   Getter getter(node, folder, tell);
   getter.addPresentationContext(UID_GETStudyRootQueryRetrieveInformationModel,
     SyntaxList({ UID_LittleEndianExplicitTransferSyntax, UID_LittleEndianImplicitTransferSyntax }));
@@ -512,11 +561,11 @@ void StoreFiles(const std::vector<std::string>& files, const DicomNode& node,
   checkStop();
   std::size_t left = files.size();
   TalkTo(
-    NameOf(node),
-    [&](const TellCallback& tell) -> std::vector<std::string>
+    node,
+    [&](const TellCallback& tell)
     {
       Store(files, node, tell);
-      return {};
+      return std::vector<ArchivedStudy>();
     },
     [&](const std::string& file)
     {
@@ -535,31 +584,7 @@ void StoreFiles(const std::vector<std::string>& files, const DicomNode& node,
 std::vector<ArchivedStudy> FindStudies(const std::string& accessionNumber, const DicomNode& node)
 {
   CheckAccession(accessionNumber);
-  const std::vector<std::string> texts = TalkTo(
-    NameOf(node),
-    [&](const TellCallback&)
-    {
-      std::vector<std::string> found;
-      for (const ArchivedStudy& study : Find(accessionNumber, node))
-      {
-        for (const std::string ArchivedStudy::*text : StudyTexts)
-        {
-          found.push_back(study.*text);
-        }
-      }
-      return found;
-    },
-    [](const std::string&) {});
-  std::vector<ArchivedStudy> studies(texts.size() / std::size(StudyTexts));
-  auto text = texts.begin();
-  for (ArchivedStudy& study : studies)
-  {
-    for (std::string ArchivedStudy::*const member : StudyTexts)
-    {
-      study.*member = *text++;
-    }
-  }
-  return studies;
+  return TalkTo(node, [&](const TellCallback&) { return Find(accessionNumber, node); }, {});
 }
 
 std::size_t GetStudies(const std::vector<ArchivedStudy>& studies, const DicomNode& node,
@@ -571,11 +596,11 @@ std::size_t GetStudies(const std::vector<ArchivedStudy>& studies, const DicomNod
     {
       count = 0;
       TalkTo(
-        NameOf(node),
-        [&](const TellCallback& tell) -> std::vector<std::string>
+        node,
+        [&](const TellCallback& tell)
         {
           Get(studies, node, staged, tell);
-          return {};
+          return std::vector<ArchivedStudy>();
         },
         [&](const std::string& object)
         {

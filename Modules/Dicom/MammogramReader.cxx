@@ -4,10 +4,10 @@
 #include "Private/DicomFile.h"
 #include "Private/DicomFrames.h"
 #include "Private/DicomPixels.h"
-#include "Private/MammogramParcel.h"
 #include "Private/MammogramViews.h"
 #include "Private/SourcePlace.h"
 #include "mammoray/Foundation/Error.h"
+#include "mammoray/IO/GuardedRead.h"
 
 #include <algorithm>
 #include <array>
@@ -21,6 +21,18 @@
 
 namespace mammoray
 {
+/// Passes every member of a mammogram between a reader's process and this one.
+static void Exchange(Parcel& parcel, Mammogram& mammogram)
+{
+  parcel(mammogram.Columns, mammogram.Rows, mammogram.Pixels, mammogram.InvertedForDisplay,
+    mammogram.PresentationIntent, mammogram.IntensityRelationship, mammogram.IntensitySign,
+    mammogram.BitsStored, mammogram.ColumnSpacingMm, mammogram.RowSpacingMm, mammogram.View,
+    mammogram.Laterality, mammogram.RowDirection, mammogram.ColumnDirection,
+    mammogram.BodyPartThicknessMm, mammogram.PositionerPrimaryAngleDeg,
+    mammogram.SourceToDetectorMm, mammogram.SourceToPatientMm, mammogram.PeakKilovoltage,
+    mammogram.AnodeMaterial, mammogram.FilterMaterial, mammogram.SourceFootPixel);
+}
+
 namespace
 {
 [[noreturn]] void Refuse(const std::string& path, const std::string& why)

@@ -271,7 +271,8 @@ std::vector<VolumeSlice> ReadSliceFile(const SliceFile& wanted, std::string& ser
 /// Slices of one series, and its UID if there are any.
 struct SeriesPart
 {
-  std::optional<std::string> Series;
+  bool HasSeries = false;
+  std::string Series;
   std::vector<VolumeSlice> Slices;
 };
 

@@ -4,10 +4,12 @@
 #include "Private/OwnedDescriptor.h"
 
 #include <poll.h>
+#include <stdio_ext.h>
 #include <sys/mman.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/socket.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -16,20 +18,20 @@
 #include <chrono>
 #include <cmath>
 #include <csignal>
-#include <cstdio>
 #include <cstring>
 #include <exception>
 #include <filesystem>
 #include <fstream>
 #include <memory>
 #include <new>
+#include <optional>
 
 namespace mammoray
 {
 namespace
 {
-/// How a reader ended, the first bytes of its answer.
-enum class Ending : std::uint64_t
+/// How a reader ended, the first byte of its answer.
+enum class Ending : char
 {
   Died,
   Read,
@@ -41,8 +43,7 @@ enum class Ending : std::uint64_t
 bool IsReader = false;
 bool IsUnguarded = false;
 std::uint64_t AddressesAtStart = 0;
-std::uint64_t MemoryAllowed = 0;
-double SecondsAllowed = 0;
+ReadLimits Allowed;
 
 [[noreturn]] void RefuseToAsk(const std::string& what, const char* needed)
 {
@@ -59,17 +60,17 @@ void Limit(__rlimit_resource resource, std::uint64_t most)
   setrlimit(resource, &limit);
 }
 
-/// Sets the limits that have been allowed.
+/// Sets the limits that are allowed.
 void SetLimits()
 {
   // A sanitizer reserves more addresses than any limit allows.
   if (AddressesAtStart < std::uint64_t{ 1 } << 42)
   {
-    Limit(RLIMIT_AS, AddressesAtStart + MemoryAllowed);
+    Limit(RLIMIT_AS, AddressesAtStart + Allowed.MemoryBytes);
   }
-  if (std::isfinite(SecondsAllowed))
+  if (std::isfinite(Allowed.Seconds))
   {
-    Limit(RLIMIT_CPU, static_cast<std::uint64_t>(std::ceil(SecondsAllowed)));
+    Limit(RLIMIT_CPU, static_cast<std::uint64_t>(std::ceil(Allowed.Seconds)));
   }
 }
 
@@ -87,24 +88,39 @@ void SetUpReader(const ReadLimits& limits)
   Limit(RLIMIT_CORE, 0);
   std::ifstream("/proc/self/statm") >> AddressesAtStart;
   AddressesAtStart *= static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE));
-  MemoryAllowed = limits.MemoryBytes;
-  SecondsAllowed = limits.Seconds;
+  Allowed = limits;
   SetLimits();
   const int said = memfd_create("mammoray-said", MFD_CLOEXEC);
   dup2(said, STDOUT_FILENO);
   dup2(said, STDERR_FILENO);
 }
 
-/// Writes the answer of a reader and its ending into the file, and ends the process.
-[[noreturn]] void Answer(int file, const std::function<void(Parcel&)>& put) noexcept
+/// What a file in memory lacked when it could not be written.
+[[noreturn]] void RefuseToWrite()
 {
-  Ending ending = Ending::Read;
+  if (errno == EFBIG)
+  {
+    throw InputError("expected a limit of file sizes (ulimit -f) that holds what is read, in "
+                     "memory, too; found a smaller one");
+  }
+  throw std::bad_alloc();
+}
+
+/// Writes the answer of a reader behind its ending into the file, and ends the process.
+[[noreturn]] void Answer(std::FILE* file, const std::function<void(Parcel&)>& put) noexcept
+{
+  Parcel parcel(file, true, "");
+  Ending ending = Ending::Died;
   std::string reason;
   try
   {
-    Parcel parcel(file);
+    parcel(ending);
     put(parcel);
-    parcel.Flush();
+    if (std::fflush(file) != 0)
+    {
+      RefuseToWrite();
+    }
+    ending = Ending::Read;
   }
   catch (const std::bad_alloc&)
   {
@@ -119,21 +135,15 @@ void SetUpReader(const ReadLimits& limits)
   {
     ending = Ending::Died;
   }
-  if (ending == Ending::Refused && ftruncate(file, sizeof ending) == 0 &&
-    lseek(file, sizeof ending, SEEK_SET) >= 0)
+  // What could not be written would be tried again.
+  __fpurge(file);
+  std::rewind(file);
+  std::fwrite(&ending, sizeof ending, 1, file);
+  if (ending == Ending::Refused)
   {
-    try
-    {
-      Parcel message(file);
-      message(reason);
-      message.Flush();
-    }
-    catch (...)
-    {
-      ending = Ending::Died;
-    }
+    parcel(reason);
   }
-  pwrite(file, &ending, sizeof ending, 0);
+  std::fflush(file);
   _exit(0);
 }
 
@@ -172,53 +182,50 @@ void Hear(int socket, const TellCallback& heard)
 }
 
 /// Waits for the reader's end, at most `seconds`, and returns its status (waitpid); 0 if the system
-/// keeps none (SIGCHLD ignored), and that of a kill if it took longer or `heard` has thrown.
+/// keeps none (SIGCHLD ignored), SIGXCPU if it took longer. What `heard` throws ends the reader.
 int WaitFor(pid_t reader, int socket, double seconds, const TellCallback& heard)
 {
   int status = 0;
-  bool hasEnded = false;
-  const auto look = [&](int options)
+  const auto hasEnded = [&](int options)
   {
     const pid_t found = waitpid(reader, &status, options);
-    hasEnded = found == reader || (found < 0 && errno != EINTR);
-    return hasEnded;
+    return found == reader || (found < 0 && errno != EINTR);
   };
   const auto killReader = [&]
   {
-    while (!hasEnded)
+    kill(reader, SIGKILL);
+    while (!hasEnded(0))
     {
-      kill(reader, SIGKILL);
-      look(0);
     }
   };
-  try
+  const auto start = std::chrono::steady_clock::now();
+  while (!hasEnded(WNOHANG))
   {
-    const auto start = std::chrono::steady_clock::now();
-    while (!look(WNOHANG))
+    pollfd event{ socket, POLLIN, 0 };
+    poll(&event, 1, 200);
+    usleep((event.revents & POLLHUP) != 0 ? 100 : 0); // closed, but not dead yet
+    try
     {
-      pollfd event{ socket, POLLIN, 0 };
-      poll(&event, 1, 200);
-      usleep((event.revents & POLLHUP) != 0 ? 100 : 0); // closed, but not dead yet
       Hear(socket, heard);
-      const std::chrono::duration<double> passed = std::chrono::steady_clock::now() - start;
-      if (passed.count() > seconds)
-      {
-        killReader();
-        return SIGXCPU;
-      }
     }
-    Hear(socket, heard);
-    return status;
+    catch (...)
+    {
+      killReader();
+      throw;
+    }
+    const std::chrono::duration<double> passed = std::chrono::steady_clock::now() - start;
+    if (passed.count() > seconds)
+    {
+      killReader();
+      return SIGXCPU;
+    }
   }
-  catch (...)
-  {
-    killReader();
-    throw;
-  }
+  Hear(socket, heard);
+  return status;
 }
 
 /// Runs `put` in a fork, which writes its ending and its answer into the file; returns its status.
-int RunReader(int file, const std::string& what, const ReadLimits& limits,
+int RunReader(std::FILE* file, const std::string& what, const ReadLimits& limits,
   const std::function<void(Parcel&, const TellCallback& tell)>& put, const TellCallback& heard)
 {
   int ends[2];
@@ -243,14 +250,10 @@ int RunReader(int file, const std::string& what, const ReadLimits& limits,
   return WaitFor(reader, ours.Get(), 10 * limits.Seconds + 60, heard);
 }
 
-/// Returns what a reader's end says of its file; empty if it has read or refused it.
+/// Returns what the end of a reader that has neither read nor refused its file says of the file.
 std::string Finding(Ending ending, int status, const ReadLimits& limits)
 {
   const int signal = WIFSIGNALED(status) ? WTERMSIG(status) : 0;
-  if (ending == Ending::Read || ending == Ending::Refused)
-  {
-    return "";
-  }
   if (signal == SIGXCPU)
   {
     return "data that takes longer to read than a file of this size may (" +
@@ -267,66 +270,36 @@ std::string Finding(Ending ending, int status, const ReadLimits& limits)
 }
 }
 
-void Parcel::Flush()
+void Parcel::Bytes(void* bytes, std::size_t count)
 {
-  this->Write(this->Kept.data(), this->Kept.size());
-  this->Kept.clear();
-}
-
-void Parcel::Write(const char* bytes, std::uint64_t count) const
-{
-  while (count > 0)
+  if (this->Writes && std::fwrite(bytes, 1, count, this->File) != count)
   {
-    const ssize_t written = write(this->File, bytes, count);
-    if (written < 0 && errno == EFBIG)
-    {
-      throw InputError("expected a limit of file sizes (ulimit -f) that holds what is read, in "
-                       "memory, too; found a smaller one");
-    }
-    if (written == 0 || (written < 0 && errno != EINTR))
-    {
-      throw std::bad_alloc();
-    }
-    bytes += std::max<ssize_t>(written, 0);
-    count -= static_cast<std::uint64_t>(std::max<ssize_t>(written, 0));
+    RefuseToWrite();
+  }
+  if (!this->Writes && std::fread(bytes, 1, count, this->File) != count)
+  {
+    this->RefuseCut();
   }
 }
 
-void Parcel::Bytes(void* bytes, std::uint64_t count)
+void Parcel::RefuseCut() const
 {
-  constexpr std::uint64_t Small = 1 << 12;
-  auto* const first = static_cast<char*>(bytes);
-  if (this->Takes())
-  {
-    if (count > this->Left)
-    {
-      throw InputError(
-        this->What + ": expected a whole answer of its reader, found one that is cut short");
-    }
-    std::copy_n(this->Next, count, first);
-    this->Next += count;
-    this->Left -= count;
-    return;
-  }
-  if (count > Small || this->Kept.size() > 16 * Small)
-  {
-    this->Flush();
-  }
-  if (count > Small)
-  {
-    this->Write(first, count);
-    return;
-  }
-  this->Kept.insert(this->Kept.end(), first, first + count);
+  throw ReaderEnded(
+    this->What + ": expected a whole answer of its reader, found one that is cut short");
 }
 
-std::uint64_t Parcel::Count(std::uint64_t count, std::uint64_t bytes)
+std::size_t Parcel::Count(std::size_t count, std::size_t bytes)
 {
   this->Bytes(&count, sizeof count);
-  if (this->Takes() && count > this->Left / bytes)
+  if (!this->Writes)
   {
-    this->Left = 0; // before memory is taken for values that are not there
-    this->Bytes(&count, 1);
+    // Before memory is taken for values that are not there.
+    struct stat found = {};
+    fstat(fileno(this->File), &found);
+    if (count > static_cast<std::size_t>(found.st_size - std::ftell(this->File)) / bytes)
+    {
+      this->RefuseCut();
+    }
   }
   return count;
 }
@@ -348,6 +321,11 @@ void ReadWithoutGuard()
   IsUnguarded = true;
 }
 
+bool IsReadingGuarded()
+{
+  return !IsReader && !IsUnguarded;
+}
+
 std::string SaidByLibraries()
 {
   if (!IsReader)
@@ -365,8 +343,8 @@ void AllowMemory(std::uint64_t bytes)
 {
   if (IsReader)
   {
-    MemoryAllowed = std::max(MemoryAllowed, bytes);
-    SecondsAllowed += static_cast<double>(bytes) / 20e6;
+    Allowed.MemoryBytes = std::max(Allowed.MemoryBytes, bytes);
+    Allowed.Seconds += static_cast<double>(bytes) / 20e6;
     SetLimits();
   }
 }
@@ -375,37 +353,22 @@ void RunGuarded(const std::string& what, const std::string& content, const ReadL
   const std::function<void(Parcel&, const TellCallback& tell)>& put,
   const std::function<void(Parcel&)>& take, const TellCallback& heard)
 {
-  const OwnedDescriptor file(memfd_create("mammoray-read", MFD_CLOEXEC));
-  Ending ending = Ending::Died;
-  if (write(file.Get(), &ending, sizeof ending) != sizeof ending)
+  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(
+    fdopen(memfd_create("mammoray-read", MFD_CLOEXEC), "w+b"), std::fclose);
+  if (!file)
   {
     RefuseToAsk(what, "a file in memory");
   }
-  if (IsReader || IsUnguarded)
+  const int status = RunReader(file.get(), what, limits, put, heard);
+  std::rewind(file.get());
+  Ending ending = Ending::Died;
+  if (std::fread(&ending, sizeof ending, 1, file.get()) != 1 ||
+    (ending != Ending::Read && ending != Ending::Refused))
   {
-    Parcel parcel(file.Get());
-    put(parcel, heard);
-    parcel.Flush();
+    throw ReaderEnded(
+      what + ": expected " + content + ", found " + Finding(ending, status, limits));
   }
-  else
-  {
-    const int status = RunReader(file.Get(), what, limits, put, heard);
-    pread(file.Get(), &ending, sizeof ending, 0);
-    if (const std::string finding = Finding(ending, status, limits); !finding.empty())
-    {
-      throw InputError(what + ": expected " + content + ", found " + finding);
-    }
-  }
-  const auto size = static_cast<std::uint64_t>(lseek(file.Get(), 0, SEEK_END));
-  void* const start = mmap(nullptr, size, PROT_READ, MAP_PRIVATE, file.Get(), 0);
-  if (start == MAP_FAILED)
-  {
-    throw std::bad_alloc();
-  }
-  const std::unique_ptr<void, std::function<void(void*)>> mapping(start,
-    [size](void* bytes) { munmap(bytes, size); });
-  Parcel parcel(static_cast<const unsigned char*>(start) + sizeof ending, size - sizeof ending,
-    what);
+  Parcel parcel(file.get(), false, what);
   if (ending == Ending::Refused)
   {
     std::string reason;

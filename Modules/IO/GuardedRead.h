@@ -6,69 +6,52 @@
 #include "mammoray/Foundation/Error.h"
 #include "mammorayIOModule.h"
 
-#include <array>
 #include <cstdint>
+#include <cstdio>
 #include <functional>
-#include <optional>
 #include <string>
 #include <type_traits>
 #include <vector>
 
 namespace mammoray
 {
+/// The reader of a file ended without an answer, or met a limit.
+class ReaderEnded : public InputError
+{
+public:
+  using InputError::InputError;
+};
+
 /**
- * Values on their way from a reader's process to the one that asked. `parcel(a, b, ...)` puts the
- * values in at one end and takes them out at the other. It carries numbers, enumerations, texts,
- * std::array of numbers, std::optional and std::vector, and every type T with a function
- * Exchange(Parcel&, T&), which passes the members of T to the parcel.
+ * Values on their way from a reader's process to the one that asked. `parcel(a, b, ...)` writes the
+ * values in the one and reads them in the other. It carries trivially copyable types, texts,
+ * std::vector, and every type T with a function Exchange(Parcel&, T&), which passes the members of
+ * T to the parcel.
  */
 class MAMMORAYIO_EXPORT Parcel
 {
 public:
-  /// Puts values into an open file, which stays the caller's.
-  explicit Parcel(int file)
+  /// Writes to the open file, or reads from it where it stands. The file stays the caller's; `what`
+  /// names the origin of the values in messages.
+  Parcel(std::FILE* file, bool writes, const std::string& what)
     : File(file)
-  {
-  }
-  /// Takes values out of bytes that outlive the parcel; `what` names their origin in messages.
-  Parcel(const unsigned char* bytes, std::uint64_t count, const std::string& what)
-    : Next(bytes)
-    , Left(count)
+    , Writes(writes)
     , What(what)
   {
   }
-  Parcel(const Parcel&) = delete;
-  Parcel& operator=(const Parcel&) = delete;
-  ~Parcel() = default;
 
-  /// Throws InputError if there are fewer bytes than the values need: a reader that damaged data
-  /// led astray may have written anything.
+  /// Throws ReaderEnded if the file has fewer bytes than the values need.
   template <typename... Values>
   void operator()(Values&... values)
   {
     (this->Pass(values), ...);
   }
 
-  /// Writes the bytes that are still kept back.
-  void Flush();
-
 private:
-  /// Sent as the bytes that it has in memory.
-  template <typename T>
-  static constexpr bool IsPlain = std::is_arithmetic_v<T> || std::is_enum_v<T>;
-
-  bool Takes() const { return this->File < 0; }
-
   template <typename T>
   void Pass(T& value)
   {
-    if constexpr (std::is_same_v<T, bool>)
-    {
-      auto byte = static_cast<unsigned char>(value);
-      this->Bytes(&byte, 1);
-      value = byte != 0;
-    }
-    else if constexpr (IsPlain<T>)
+    if constexpr (std::is_trivially_copyable_v<T>)
     {
       this->Bytes(&value, sizeof value);
     }
@@ -82,54 +65,32 @@ private:
     text.resize(this->Count(text.size(), 1));
     this->Bytes(text.data(), text.size());
   }
-  template <typename T, std::size_t N>
-  void Pass(std::array<T, N>& values)
-  {
-    for (T& value : values)
-    {
-      this->Pass(value);
-    }
-  }
-  template <typename T>
-  void Pass(std::optional<T>& value)
-  {
-    bool isGiven = value.has_value();
-    this->Pass(isGiven);
-    value = isGiven ? value.value_or(T{}) : std::optional<T>();
-    if (isGiven)
-    {
-      this->Pass(*value);
-    }
-  }
   template <typename T>
   void Pass(std::vector<T>& values)
   {
-    // Every value takes a byte at least.
-    const std::uint64_t count = this->Count(values.size(), IsPlain<T> ? sizeof(T) : 1);
-    if constexpr (IsPlain<T>)
+    constexpr bool isPlain = std::is_trivially_copyable_v<T>;
+    values.resize(this->Count(values.size(), isPlain ? sizeof(T) : 1));
+    if constexpr (isPlain)
     {
-      values.resize(count);
-      this->Bytes(values.data(), count * sizeof(T));
+      this->Bytes(values.data(), values.size() * sizeof(T));
     }
     else
     {
-      for (std::uint64_t index = 0; index < count; ++index)
+      for (T& value : values)
       {
-        this->Pass(index < values.size() ? values[index] : values.emplace_back());
+        this->Pass(value);
       }
     }
   }
 
   /// Passes a number of values of at least `bytes` each.
-  std::uint64_t Count(std::uint64_t count, std::uint64_t bytes);
-  void Bytes(void* bytes, std::uint64_t count);
-  void Write(const char* bytes, std::uint64_t count) const;
+  std::size_t Count(std::size_t count, std::size_t bytes);
+  void Bytes(void* bytes, std::size_t count);
+  [[noreturn]] void RefuseCut() const;
 
-  const int File = -1;
-  std::vector<char> Kept;
-  const unsigned char* Next = nullptr;
-  std::uint64_t Left = 0;
-  std::string What;
+  std::FILE* const File;
+  const bool Writes;
+  const std::string What;
 };
 
 /// What a reader may take before it is stopped.
@@ -148,6 +109,9 @@ struct MAMMORAYIO_EXPORT ReadLimits
 /// Passes a text of at most 100,000 bytes to the process that asked, and returns when it was heard.
 using TellCallback = std::function<void(const std::string& text)>;
 
+/// False where guarded reads do not fork: in a reader's process, and after ReadWithoutGuard.
+MAMMORAYIO_EXPORT bool IsReadingGuarded();
+
 /// ReadGuarded without the types; `put` fills the parcel in the reader's process, `take` empties it
 /// in this one.
 MAMMORAYIO_EXPORT void RunGuarded(const std::string& what, const std::string& content,
@@ -158,7 +122,7 @@ MAMMORAYIO_EXPORT void RunGuarded(const std::string& what, const std::string& co
  * Returns the value of `read`, called in a fork of this process: the libraries that read foreign
  * bytes (VTK, GDCM, ITK, DCMTK, tinygltf) crash on some damaged files, and on others never end or
  * ask for all memory. An InputError of `read` arrives as it was thrown, other exceptions as an
- * InputError of their text. The death of the reader, and a limit that it meets, are an InputError
+ * InputError of their text. The death of the reader, and a limit that it meets, are a ReaderEnded
  * of one line: "what: expected content, found ...". What libraries print there reaches nobody but
  * SaidByLibraries.
  *
@@ -184,7 +148,11 @@ auto ReadGuarded(const std::string& what, const std::string& content, const Read
       return read();
     }
   };
-  auto value = decltype(call(heard)){};
+  if (!IsReadingGuarded())
+  {
+    return call(heard);
+  }
+  decltype(call(heard)) value{};
   RunGuarded(
     what, content, limits,
     [&call](Parcel& parcel, const TellCallback& tell)

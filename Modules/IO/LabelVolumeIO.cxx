@@ -16,7 +16,7 @@ template <typename Volume>
 requires std::is_base_of_v<VolumeGrid, Volume>
 void Exchange(Parcel& parcel, Volume& volume)
 {
-  parcel(volume.Size, volume.Origin, volume.Spacing, volume.Direction, volume.Voxels);
+  parcel(static_cast<VolumeGrid&>(volume), volume.Voxels);
 }
 
 namespace

@@ -2,7 +2,6 @@
 #include "mammoray/IO/MeshIO.h"
 
 #include "Private/GltfReader.h"
-#include "Private/GridParcel.h"
 #include "Private/TextTable.h"
 #include "mammoray/Foundation/Error.h"
 #include "mammoray/Foundation/Numbers.h"
@@ -10,9 +9,13 @@
 #include "mammoray/IO/GuardedRead.h"
 #include "mammoray/IO/MeshConversion.h"
 
+#include "vtkCellData.h"
+#include "vtkCellType.h"
+#include "vtkCharArray.h"
 #include "vtkCommand.h"
 #include "vtkExecutive.h"
 #include "vtkFieldData.h"
+#include "vtkIdList.h"
 #include "vtkNew.h"
 #include "vtkOBJReader.h"
 #include "vtkOBJWriter.h"
@@ -20,12 +23,14 @@
 #include "vtkObjectFactory.h"
 #include "vtkPLYReader.h"
 #include "vtkPLYWriter.h"
+#include "vtkPointData.h"
 #include "vtkPolyData.h"
 #include "vtkSTLReader.h"
 #include "vtkSTLWriter.h"
 #include "vtkTriangleFilter.h"
 #include "vtkUnstructuredGrid.h"
 #include "vtkUnstructuredGridReader.h"
+#include "vtkUnstructuredGridWriter.h"
 #include "vtkXMLPolyDataReader.h"
 #include "vtkXMLPolyDataWriter.h"
 #include "vtkXMLUnstructuredGridReader.h"
@@ -111,6 +116,18 @@ bool IsGltf(const std::string& path)
 {
   throw InputError(path + ": expected the extension " + known + " for " + what + ", found '" +
     Extension(path) + "'");
+}
+
+/// Throws InputError unless the coordinates are below 1e9 mm.
+void CheckCoordinates(const std::string& path, std::size_t point, const double* at)
+{
+  // Single precision is what the X-rays use; beyond it lies nothing that has a size.
+  if (!std::all_of(at, at + 3, [](double value) { return std::abs(value) < 1e9; }))
+  {
+    throw InputError(path + ": point " + std::to_string(point) +
+      ": expected coordinates below 1e9 mm, found " + std::to_string(at[0]) + " " +
+      std::to_string(at[1]) + " " + std::to_string(at[2]));
+  }
 }
 
 void CheckReadable(const std::string& path)
@@ -234,6 +251,84 @@ auto Decode(const std::string& path)
     throw InputError(path + ": expected a mesh, found no points or no cells");
   }
   return mesh;
+}
+
+/// Throws InputError, which names the place, on cells whose points do not exist, and as
+/// CheckCoordinates.
+void CheckGrid(vtkUnstructuredGrid* grid, const std::string& path)
+{
+  if (grid->GetFaces())
+  {
+    throw InputError(path + ": expected cells given by their points, found lists of faces");
+  }
+  const vtkIdType pointCount = grid->GetNumberOfPoints();
+  for (vtkIdType point = 0; point < pointCount; ++point)
+  {
+    CheckCoordinates(path, static_cast<std::size_t>(point), grid->GetPoint(point));
+  }
+  vtkNew<vtkIdList> corners;
+  for (vtkIdType cell = 0; cell < grid->GetNumberOfCells(); ++cell)
+  {
+    const std::string place = path + ": cell " + std::to_string(cell);
+    grid->GetCellPoints(cell, corners);
+    if (grid->GetCellType(cell) == VTK_TETRA && corners->GetNumberOfIds() != 4)
+    {
+      throw InputError(place + ": expected the four points of a tetrahedron, found " +
+        std::to_string(corners->GetNumberOfIds()));
+    }
+    for (const vtkIdType corner : *corners)
+    {
+      if (corner < 0 || corner >= pointCount)
+      {
+        throw InputError(place + ": expected points 0 to " + std::to_string(pointCount - 1) +
+          ", found " + std::to_string(corner));
+      }
+    }
+  }
+}
+
+/// Makes no array the active one. Throws InputError on an array of another length than `tuples`.
+void TrimAttributes(vtkDataSetAttributes* data, vtkIdType tuples, const std::string& path)
+{
+  for (int type = 0; type < vtkDataSetAttributes::NUM_ATTRIBUTES; ++type)
+  {
+    data->SetActiveAttribute(-1, type);
+  }
+  for (int index = 0; index < data->GetNumberOfArrays(); ++index)
+  {
+    vtkAbstractArray* const array = data->GetAbstractArray(index);
+    if (array->GetNumberOfTuples() != tuples)
+    {
+      throw InputError(path + ": array '" + (array->GetName() ? array->GetName() : "") +
+        "': expected " + std::to_string(tuples) + " values, found " +
+        std::to_string(array->GetNumberOfTuples()));
+    }
+  }
+}
+
+/// The grid as bytes of VTK's legacy format, which a reader's process sends.
+std::string PackGrid(vtkUnstructuredGrid* grid, const std::string& path)
+{
+  CheckGrid(grid, path);
+  TrimAttributes(grid->GetPointData(), grid->GetNumberOfPoints(), path);
+  TrimAttributes(grid->GetCellData(), grid->GetNumberOfCells(), path);
+  vtkNew<vtkUnstructuredGridWriter> writer;
+  writer->SetInputData(grid);
+  writer->SetFileTypeToBinary();
+  writer->WriteToOutputStringOn();
+  Run(writer.Get(), path, "expected a mesh, found one that cannot be passed on");
+  return writer->GetOutputStdString();
+}
+
+vtkSmartPointer<vtkUnstructuredGrid> UnpackGrid(const std::string& bytes, const std::string& path)
+{
+  vtkNew<vtkCharArray> input;
+  input->SetArray(const_cast<char*>(bytes.data()), static_cast<vtkIdType>(bytes.size()), 1);
+  vtkNew<vtkUnstructuredGridReader> reader;
+  reader->ReadFromInputStringOn();
+  reader->SetInputArray(input);
+  Run(reader.Get(), path, "expected a mesh, found one that cannot be passed on");
+  return reader->GetOutput();
 }
 
 using GridDecoder = vtkSmartPointer<vtkUnstructuredGrid> (*)(const std::string& path);

@@ -4,7 +4,6 @@
 #include "OptionList.h"
 #include "Private/AttenuationTableIO.h"
 #include "Private/Checkpoint.h"
-#include "Private/GridParcel.h"
 #include "Private/SpectrumIO.h"
 #include "Private/StoreAnswer.h"
 #include "Private/StoredVoxels.h"
@@ -158,14 +157,6 @@ void ReadExport(const std::string& bytes)
     }
   }
 }
-
-void Unpack(const std::string& bytes)
-{
-  Parcel parcel(reinterpret_cast<const unsigned char*>(bytes.data()), bytes.size(), "a mesh");
-  PackedGrid grid;
-  parcel(grid);
-  UnpackGrid(grid, "a mesh");
-}
 }
 
 const std::map<std::string, FuzzTarget>& FuzzTargets()
@@ -193,7 +184,6 @@ const std::map<std::string, FuzzTarget>& FuzzTargets()
     { "metaimage",
       OfHeader("a.mha", TextHeader::ReadMetaImage, "dimsize", StoredVoxels::OfMetaImage) },
     { "nrrd", OfHeader("a.nrrd", TextHeader::ReadNrrd, "sizes", StoredVoxels::OfNrrd) },
-    { "parcel-grid", Refusing(Unpack) },
     { "printable",
       Refusing(
         [](const std::string& bytes)
