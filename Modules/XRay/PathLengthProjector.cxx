@@ -57,12 +57,6 @@ std::string PathLengthImage::InconsistencyWarning() const
     " see holes in the mesh; they are estimated from their neighbours and marked in Consistency";
 }
 
-PathLengthImage PathLengthProjector::ProjectRays(const std::vector<XRayLine>&)
-{
-  throw InputError(
-    "projector: expected ray tracing for a list of rays, found " + MethodName(this->Method()));
-}
-
 std::string MethodName(Method method)
 {
   for (const auto& [known, name] : MethodNames)

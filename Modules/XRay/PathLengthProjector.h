@@ -53,13 +53,6 @@ struct XRayDetector
   bool operator==(const XRayDetector&) const = default;
 };
 
-/// A straight ray between two points, in the frame of the mesh, mm.
-struct XRayLine
-{
-  Vector3 Begin{ 0, 0, 0 };
-  Vector3 End{ 0, 0, 0 };
-};
-
 /// Path lengths along the ray of each pixel.
 struct PathLengthImage
 {
@@ -145,8 +138,8 @@ struct ProjectorOptions
    * Order in which materials count where parts overlap although their labels say air. Empty:
    * lengths are sums over hits, so that an overlap counts once for each part, and negatively where
    * labels are inside out. Otherwise an overlap counts once, for the material there that is first
-   * in this list; other materials follow by index. The rule also holds for ProjectRays and for
-   * derivatives, with both methods.
+   * in this list; other materials follow by index. The rule also holds for derivatives, with both
+   * methods.
    *
    * The rule needs the order of hits along a ray. Rays through the boxes in which parts overlap
    * (SurfaceOverlap::Regions) are followed a second time on the host, in 2 to 10 microseconds per
@@ -204,20 +197,13 @@ public:
   virtual PathLengthImage Project(const XRaySource& source, const XRayDetector& detector,
     const VectorFields& velocities, PathLengthDerivatives& derivatives) = 0;
   /**
-   * Path lengths along arbitrary rays, as an image of one row with a column for each ray. An
-   * inconsistent ray is traced again with an offset of at most 0.01 mm; if this fails, it is marked
-   * and has lengths 0. Throws InputError for rasterisation, without rays, and for a ray that is not
-   * finite or has no length.
-   */
-  virtual PathLengthImage ProjectRays(const std::vector<XRayLine>& rays);
-  /**
    * Transmission I / I0 of each pixel of the last Project or Render by the Beer-Lambert law; Rows *
    * Columns values. It is computed on the device from the path lengths that are still there, so
    * that changing the spectrum or a material needs no tracing, and one image is read back whatever
    * the number of materials. An image made in strips is computed on the host. Single precision: the
    * relative error is about 1e-6 (1 + log attenuation). Throws InputError without a preceding
-   * Project or Render of the current mesh and points, after ProjectRays, and if the beam lacks a
-   * material of the surface.
+   * Project or Render of the current mesh and points, and if the beam lacks a material of the
+   * surface.
    */
   virtual std::vector<float> Transmission(const Beam& beam) = 0;
   /// Name of the device, for reports.

@@ -151,28 +151,6 @@ TEST_P(OverlapTest, DerivativesAreThoseOfTheRule)
   EXPECT_GT(compared, 3000u);
 }
 
-TEST_P(OverlapTest, RaysFollowTheRuleToo)
-{
-  if (this->GetParam().Projection == Method::Rasterisation)
-  {
-    GTEST_SKIP() << "lists of rays are traced only";
-  }
-  const auto projector = this->WithPriority({ 2 });
-  projector->SetSurface(TwoBoxes());
-  const XRayDetector detector = Film();
-  const PathLengthImage image = projector->Project(Tube, detector);
-  std::vector<XRayLine> rays;
-  for (int row = 0; row < detector.Rows; ++row)
-  {
-    for (int column = 0; column < detector.Columns; ++column)
-    {
-      rays.push_back({ Tube.Position, Pixel(detector, column, row) });
-    }
-  }
-  EXPECT_THAT(projector->ProjectRays(rays).Lengths,
-    testing::Pointwise(testing::FloatNear(this->GetParam().Double ? 3e-5f : 2e-3f), image.Lengths));
-}
-
 INSTANTIATE_TEST_SUITE_P(Projectors, OverlapTest, AllVariants(), VariantName);
 
 TEST(OverlapMeasure, CountsRaysAndLengths)

@@ -13,8 +13,7 @@
 #define MAMMORAY_BINDING_FAILURES 6
 #define MAMMORAY_BINDING_VELOCITIES 7
 #define MAMMORAY_BINDING_RATES 8
-#define MAMMORAY_BINDING_RAYS 9
-#define MAMMORAY_BINDING_COUNT 10
+#define MAMMORAY_BINDING_COUNT 9
 
 // Eight invocations next to each other trace a tile of pixels, so that rays which run together on a CPU's
 // vector units lie close together.

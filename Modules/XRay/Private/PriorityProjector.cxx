@@ -90,35 +90,6 @@ std::vector<float> PriorityProjector::Transmission(const Beam& beam)
   return beam.Transmission(*this->LastImage);
 }
 
-PathLengthImage PriorityProjector::ProjectRays(const std::vector<XRayLine>& rays)
-{
-  this->LastImage.reset();
-  PathLengthImage image = this->Projector->ProjectRays(rays);
-  const auto materials = static_cast<std::size_t>(image.Materials);
-  ParallelRanges(rays.size(), 256,
-    [&](std::size_t begin, std::size_t end)
-    {
-      std::vector<LineHit> hits;
-      RaySums sums;
-      for (std::size_t n = begin; n < end; ++n)
-      {
-        const Vector3 way = rays[n].End - rays[n].Begin;
-        const double length = Norm(way);
-        const Ray ray{ rays[n].Begin, (1 / length) * way, 0, length };
-        sums.Lengths.assign(materials, 0);
-        if (this->PassesRegion(ray) && this->AddRay(ray, {}, hits, sums))
-        {
-          for (std::size_t material = 1; material < materials; ++material)
-          {
-            image.Lengths[material * rays.size() + n] = static_cast<float>(sums.Lengths[material]);
-          }
-          image.Inconsistent[n] = 0;
-        }
-      }
-    });
-  return image;
-}
-
 PriorityProjector::Ray PriorityProjector::RayOf(const XRaySource& source,
   const XRayDetector& detector, double column, double row) const
 {

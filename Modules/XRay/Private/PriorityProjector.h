@@ -27,7 +27,6 @@ public:
   PathLengthImage Project(const XRaySource& source, const XRayDetector& detector) override;
   PathLengthImage Project(const XRaySource& source, const XRayDetector& detector,
     const VectorFields& velocities, PathLengthDerivatives& derivatives) override;
-  PathLengthImage ProjectRays(const std::vector<XRayLine>& rays) override;
   std::vector<float> Transmission(const Beam& beam) override;
   std::string DeviceName() const override { return this->Projector->DeviceName(); }
   ProjectorOptions::Method Method() const override { return this->Projector->Method(); }

@@ -7,7 +7,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <string>
 
 namespace mammoray
@@ -88,25 +87,6 @@ void CheckGeometry(const XRaySource& source, const XRayDetector& detector)
       throw InputError("source: expected a direction of a length from 1e-100 to 1e100 that crosses "
                        "the detector's plane, found " +
         Text(source.Direction));
-    }
-  }
-}
-
-void CheckRays(const std::vector<XRayLine>& rays)
-{
-  if (rays.empty() || rays.size() > static_cast<std::size_t>(std::numeric_limits<int>::max()))
-  {
-    throw InputError(
-      "projector: expected 1 to 2^31 - 1 rays, found " + std::to_string(rays.size()));
-  }
-  for (std::size_t ray = 0; ray < rays.size(); ++ray)
-  {
-    const auto& [begin, end] = rays[ray];
-    if (!IsWithinReach(begin) || !IsWithinReach(end) || !(Norm(end - begin) > 0))
-    {
-      throw InputError("projector: ray " + std::to_string(ray) +
-        ": expected two different points within 1e12 mm, found " + Text(begin) + " and " +
-        Text(end) + " mm");
     }
   }
 }

@@ -14,9 +14,6 @@ namespace mammoray
 /// Throws InputError on a degenerate detector, or a source from which it cannot be seen.
 MAMMORAYXRAY_EXPORT void CheckGeometry(const XRaySource& source, const XRayDetector& detector);
 
-/// Throws InputError unless there are 1 to 2^31 - 1 rays, all finite and longer than nothing.
-MAMMORAYXRAY_EXPORT void CheckRays(const std::vector<XRayLine>& rays);
-
 /// Throws InputError unless there are coordinates up to 1e12 mm for `pointCount` points.
 MAMMORAYXRAY_EXPORT void CheckPoints(const std::vector<double>& points, std::size_t pointCount);
 

@@ -2,10 +2,7 @@
 #include "Private/RayTracingProjector.h"
 
 #include "PathLengthParameters.h"
-#include "Private/ProjectionChecks.h"
 #include "Private/SpatialOrder.h"
-#include "pathLengthRays_rgen_double.h"
-#include "pathLengthRays_rgen_float.h"
 #include "pathLength_rahit_double.h"
 #include "pathLength_rahit_float.h"
 #include "pathLength_rgen_double.h"
@@ -28,9 +25,6 @@ using Usage = vk::BufferUsageFlagBits;
 constexpr std::uint32_t MostTraces = 5;
 /// Rates (fields by materials) that a ray carries.
 constexpr std::uint32_t MostRates = 128;
-/// Rays of a list done at once, and in a row of the launch.
-constexpr std::uint64_t MostRaysAtOnce = 1u << 20;
-constexpr std::size_t RaysPerRow = 8192;
 
 std::uint32_t TileCount(int pixels, int tile)
 {
@@ -52,7 +46,6 @@ RayTracingProjector::RayTracingProjector(std::unique_ptr<VulkanDevice> device,
 {
   Reserve(this->Parameters, this->Device, sizeof(PathLengthParameters<double>),
     Usage::eStorageBuffer, MemoryUse::Upload);
-  Reserve(this->Rays, this->Device, 1, Usage::eStorageBuffer, MemoryUse::Upload);
   Reserve(this->Instances, this->Device, sizeof(vk::AccelerationStructureInstanceKHR), BuildInput,
     MemoryUse::Upload);
 }
@@ -67,9 +60,8 @@ const RayTracingProjector::Program& RayTracingProjector::ProgramFor(const Kind& 
   Program program;
   const auto module = [&](const auto& single, const auto& twice)
   { return this->Doubles ? MakeShader(this->Device, twice) : MakeShader(this->Device, single); };
-  const vk::raii::ShaderModule rayGeneration = kind.IsList
-    ? module(pathLengthRays_rgen_float, pathLengthRays_rgen_double)
-    : module(pathLength_rgen_float, pathLength_rgen_double);
+  const vk::raii::ShaderModule rayGeneration =
+    module(pathLength_rgen_float, pathLength_rgen_double);
   const vk::raii::ShaderModule miss = module(pathLength_rmiss_float, pathLength_rmiss_double);
   const vk::raii::ShaderModule anyHit = module(pathLength_rahit_float, pathLength_rahit_double);
   const std::array<std::uint32_t, 2> values{ kind.Capacity, kind.Fields };
@@ -199,7 +191,6 @@ void RayTracingProjector::UpdateBindings()
   buffers[MAMMORAY_BINDING_FAILURES] = &this->Failures.OnDevice();
   buffers[MAMMORAY_BINDING_VELOCITIES] = &this->Velocities;
   buffers[MAMMORAY_BINDING_RATES] = &this->Rates.OnDevice();
-  buffers[MAMMORAY_BINDING_RAYS] = &this->Rays;
   this->Bindings.Update(buffers, this->Scene->Handle());
   this->BindingsStale = false;
 }
@@ -280,16 +271,9 @@ std::uint32_t RayTracingProjector::Fill(const XRaySource& source, const XRayDete
   {
     this->WriteParameters<float>(source, detector);
   }
-  return this->Submit({ this->Capacity(), static_cast<std::uint32_t>(fields), false },
-    detector.NumberOfPixels(),
-    { 8 * TileCount(detector.Columns, MAMMORAY_TILE_COLUMNS),
-      TileCount(detector.Rows, MAMMORAY_TILE_ROWS) });
-}
-
-std::uint32_t RayTracingProjector::Submit(const Kind& kind, std::uint64_t pixels,
-  const std::array<std::uint32_t, 2>& launch)
-{
+  const Kind kind{ this->Capacity(), static_cast<std::uint32_t>(fields) };
   const Program& program = this->ProgramFor(kind);
+  const std::uint64_t pixels = detector.NumberOfPixels();
   this->Device.Run(
     [&](const vk::raii::CommandBuffer& commands)
     {
@@ -303,67 +287,10 @@ std::uint32_t RayTracingProjector::Submit(const Kind& kind, std::uint64_t pixels
       commands.bindPipeline(vk::PipelineBindPoint::eRayTracingKHR, **program.Pipeline);
       this->Bindings.Bind(commands, vk::PipelineBindPoint::eRayTracingKHR);
       commands.traceRaysKHR(program.Regions[0], program.Regions[1], program.Regions[2], {},
-        launch[0], launch[1], 1);
+        8 * TileCount(detector.Columns, MAMMORAY_TILE_COLUMNS),
+        TileCount(detector.Rows, MAMMORAY_TILE_ROWS), 1);
       this->RecordResults(commands, Stage::eRayTracingShaderKHR, pixels);
     });
   return this->FailedPixels();
-}
-
-template <typename Real>
-void RayTracingProjector::WriteRays(const XRayLine* rays, std::size_t count)
-{
-  Real* target = this->Rays.Data<Real>();
-  for (const XRayLine* line = rays; line != rays + count; ++line)
-  {
-    for (const Vector3& point : { line->Begin, line->End })
-    {
-      for (std::size_t axis = 0; axis < 3; ++axis)
-      {
-        *target++ = static_cast<Real>(point[axis] - this->Surface.Center[axis]);
-      }
-    }
-  }
-  // Source and detector stay unread.
-  XRayDetector detector;
-  detector.Columns = static_cast<int>(count);
-  this->WriteParameters<Real>({}, detector);
-}
-
-std::uint32_t RayTracingProjector::FillRays(const XRayLine* rays, std::size_t count)
-{
-  this->ReserveOutput(count, 0);
-  this->Ensure(this->Rays, 6 * count * (this->Doubles ? sizeof(double) : sizeof(float)),
-    Usage::eStorageBuffer, MemoryUse::Upload);
-  this->UpdateBindings();
-  if (this->Doubles)
-  {
-    this->WriteRays<double>(rays, count);
-  }
-  else
-  {
-    this->WriteRays<float>(rays, count);
-  }
-  const auto width = static_cast<std::uint32_t>(std::min(count, RaysPerRow));
-  return this->Submit({ this->Capacity(), 0, true }, count,
-    { width, static_cast<std::uint32_t>((count + width - 1) / width) });
-}
-
-PathLengthImage RayTracingProjector::ProjectRays(const std::vector<XRayLine>& rays)
-{
-  this->RequireSurface();
-  CheckRays(rays);
-  this->Forget();
-  PathLengthImage image = this->MakeImage(static_cast<int>(rays.size()), 1);
-  const std::uint64_t mostValues = this->Device.Limits().maxStorageBufferRange / sizeof(float);
-  const auto atOnce = static_cast<std::size_t>(
-    std::clamp<std::uint64_t>(mostValues / this->Surface.MaterialCount, 1, MostRaysAtOnce));
-  for (std::size_t first = 0; first < rays.size(); first += atOnce)
-  {
-    const std::size_t count = std::min(atOnce, rays.size() - first);
-    const ProjectionOutput output = WithDeviceErrors(
-      [&] { return this->FetchOutput(count, this->FillRays(rays.data() + first, count)); });
-    ReadLengths(output, { first, count }, 1, image);
-  }
-  return image;
 }
 }

@@ -17,16 +17,14 @@ class RayTracingProjector : public DeviceProjector
 public:
   RayTracingProjector(std::unique_ptr<VulkanDevice> device, const ProjectorOptions& options);
 
-  PathLengthImage ProjectRays(const std::vector<XRayLine>& rays) override;
   ProjectorOptions::Method Method() const override { return ProjectorOptions::Method::RayTracing; }
 
 private:
-  /// What a pipeline is for: room for materials, velocity fields, and rays of pixels or of a list.
+  /// What a pipeline is specialised for: room for materials, and velocity fields.
   struct Kind
   {
     std::uint32_t Capacity = 4;
     std::uint32_t Fields = 0;
-    bool IsList = false;
     auto operator<=>(const Kind&) const = default;
   };
   /// Pipeline of a kind, with its shader binding table.
@@ -53,15 +51,7 @@ private:
   std::uint32_t Capacity() const;
   template <typename Real>
   void WriteParameters(const XRaySource& source, const XRayDetector& detector);
-  /// Fills Lengths and Failures for `count` rays; gives the number of those that failed.
-  std::uint32_t FillRays(const XRayLine* rays, std::size_t count);
-  template <typename Real>
-  void WriteRays(const XRayLine* rays, std::size_t count);
   void UpdateBindings();
-  /// Traces the rays of so many pixels by a launch of width x height; gives the number of pixels
-  /// with rays that failed.
-  std::uint32_t Submit(const Kind& kind, std::uint64_t pixels,
-    const std::array<std::uint32_t, 2>& launch);
 
   ShaderBindings Bindings;
   std::map<Kind, Program> Programs;
@@ -69,7 +59,6 @@ private:
   /// Floats for the driver's hit test where Surface.Positions are doubles; else unused.
   Buffer HitPositions;
   Buffer Instances;
-  Buffer Rays;
   std::optional<AccelerationStructure> Triangles;
   std::optional<AccelerationStructure> Scene;
 };
