@@ -183,7 +183,7 @@ PartContradictions ProbeParts(const SurfaceMesh& surface, const TriangleTree& tr
   std::vector<LineHit> hits;
   for (std::size_t part = 0; part < parts.Triangles.size(); ++part)
   {
-    ReportProgress(progress, 0.5 + 0.5 * static_cast<double>(part) / parts.Triangles.size(),
+    ReportProgress(progress, 0.5 * static_cast<double>(part) / parts.Triangles.size(),
       "looking for overlaps");
     const std::vector<std::uint32_t>& triangles = parts.Triangles[part];
     const std::size_t lines = std::min(LinesPerPart, triangles.size());
@@ -259,20 +259,11 @@ std::vector<SurfaceContradiction> FindContradictions(const SurfaceMesh& surface,
 }
 
 SurfaceOverlap FindOverlap(const SurfaceMesh& surface, const TriangleTree& tree,
-  const ProgressCallback& progress)
+  const ProgressCallback& progress, bool alwaysCrossings)
 {
-  ReportProgress(progress, 0, "looking for crossing triangles");
   SurfaceOverlap overlap;
   const SurfaceOnGrid grid(surface);
-  const auto crossings = grid.Crossings(tree.ClosePairs());
   const SurfaceParts parts(grid);
-  overlap.Crossings = crossings.size();
-  for (std::size_t n = 0; n < std::min(crossings.size(), SurfaceOverlap::MostPlaces); ++n)
-  {
-    overlap.CrossingPlaces.push_back(
-      0.5 * (CentreOf(surface, crossings[n].first) + CentreOf(surface, crossings[n].second)));
-    overlap.CrossingMaterials.push_back(surface.BackMaterials[crossings[n].first]);
-  }
   const PartContradictions contradictions = ProbeParts(surface, tree, parts, progress);
   for (const auto& [part, stretch] : contradictions)
   {
@@ -281,6 +272,19 @@ SurfaceOverlap FindOverlap(const SurfaceMesh& surface, const TriangleTree& tree,
     {
       overlap.Contradictions.push_back(stretch);
     }
+  }
+  if (!alwaysCrossings && contradictions.empty())
+  {
+    return overlap;
+  }
+  ReportProgress(progress, 0.5, "looking for crossing triangles");
+  const auto crossings = grid.Crossings(tree.ClosePairs());
+  overlap.Crossings = crossings.size();
+  for (std::size_t n = 0; n < std::min(crossings.size(), SurfaceOverlap::MostPlaces); ++n)
+  {
+    overlap.CrossingPlaces.push_back(
+      0.5 * (CentreOf(surface, crossings[n].first) + CentreOf(surface, crossings[n].second)));
+    overlap.CrossingMaterials.push_back(surface.BackMaterials[crossings[n].first]);
   }
   overlap.Regions = FindRegions(surface, parts, crossings, contradictions);
   return overlap;

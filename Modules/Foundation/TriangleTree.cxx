@@ -44,66 +44,70 @@ double Decisive(double value, const Place& a, const Place& b)
 {
   return value != 0 ? value : a[1] != b[1] ? b[1] - a[1] : a[0] - b[0];
 }
-}
 
-CrossingLine::CrossingLine(const Vector3& begin, const Vector3& direction)
-  : Origin(begin)
-  , UnitDirection(direction)
-  , Perpendiculars(DirectionsAcross(direction))
+/// A line prepared for intersection with triangles.
+class CrossingLine
 {
-}
+public:
+  CrossingLine(const Vector3& begin, const Vector3& direction)
+    : Origin(begin)
+    , Direction(direction)
+    , Perpendiculars(DirectionsAcross(direction))
+  {
+  }
 
-bool CrossingLine::Cross(const SurfaceMesh& surface, std::uint32_t triangle, LineHit& hit) const
-{
-  std::array<Vector3, 3> points;
-  std::array<Place, 3> seen;
-  for (std::size_t corner = 0; corner < 3; ++corner)
+  /// Returns true and sets `hit` if the line intersects the triangle.
+  bool Cross(const SurfaceMesh& surface, std::uint32_t triangle, LineHit& hit) const
   {
-    const double* at =
-      &surface.Points[3 * std::size_t{ surface.Triangles[3 * std::size_t{ triangle } + corner] }];
-    points[corner] = Vector3{ at[0], at[1], at[2] } - this->Origin;
-    seen[corner] = { Dot(points[corner], this->Perpendiculars[0]),
-      Dot(points[corner], this->Perpendiculars[1]) };
+    std::array<Vector3, 3> points;
+    std::array<Place, 3> seen;
+    for (std::size_t corner = 0; corner < 3; ++corner)
+    {
+      const double* at =
+        &surface.Points[3 * std::size_t{ surface.Triangles[3 * std::size_t{ triangle } + corner] }];
+      points[corner] = Vector3{ at[0], at[1], at[2] } - this->Origin;
+      seen[corner] = { Dot(points[corner], this->Perpendiculars[0]),
+        Dot(points[corner], this->Perpendiculars[1]) };
+    }
+    // Value i belongs to the corner opposite to the edge; normalised, the values are the
+    // barycentric coordinates.
+    std::array<double, 3> values{};
+    int positive = 0;
+    int negative = 0;
+    for (std::size_t i = 0; i < 3; ++i)
+    {
+      const Place& a = seen[(i + 1) % 3];
+      const Place& b = seen[(i + 2) % 3];
+      values[i] = EdgeValue(a, b);
+      const double side = Decisive(values[i], a, b);
+      positive += side > 0 ? 1 : 0;
+      negative += side < 0 ? 1 : 0;
+    }
+    if (positive < 3 && negative < 3)
+    {
+      return false;
+    }
+    const double whole = values[0] + values[1] + values[2];
+    hit.Triangle = triangle;
+    hit.Weights = whole != 0
+      ? std::array<double, 3>{ values[0] / whole, values[1] / whole, values[2] / whole }
+      : std::array<double, 3>{ 1, 0, 0 };
+    hit.T = 0;
+    for (std::size_t i = 0; i < 3; ++i)
+    {
+      hit.T += hit.Weights[i] * Dot(points[i], this->Direction);
+    }
+    // Corners that appear counter-clockwise from the line's end mean that its origin faces the
+    // triangle's front.
+    hit.FacesBeginning = negative == 3;
+    return true;
   }
-  // Value i belongs to the corner opposite to the edge; normalised, the values are the barycentric
-  // coordinates.
-  std::array<double, 3> values{};
-  int positive = 0;
-  int negative = 0;
-  for (std::size_t i = 0; i < 3; ++i)
-  {
-    const Place& a = seen[(i + 1) % 3];
-    const Place& b = seen[(i + 2) % 3];
-    values[i] = EdgeValue(a, b);
-    const double side = Decisive(values[i], a, b);
-    positive += side > 0 ? 1 : 0;
-    negative += side < 0 ? 1 : 0;
-  }
-  if (positive < 3 && negative < 3)
-  {
-    return false;
-  }
-  const double whole = values[0] + values[1] + values[2];
-  hit.Triangle = triangle;
-  hit.Weights = whole != 0
-    ? std::array<double, 3>{ values[0] / whole, values[1] / whole, values[2] / whole }
-    : std::array<double, 3>{ 1, 0, 0 };
-  hit.T = 0;
-  for (std::size_t i = 0; i < 3; ++i)
-  {
-    hit.T += hit.Weights[i] * Dot(points[i], this->UnitDirection);
-  }
-  // Corners that appear counter-clockwise from the line's end mean that its origin faces the
-  // triangle's front.
-  hit.FacesBeginning = negative == 3;
-  return true;
-}
 
-void CrossingLine::Sort(std::vector<LineHit>& hits)
-{
-  std::sort(hits.begin(), hits.end(),
-    [](const LineHit& a, const LineHit& b)
-    { return a.T != b.T ? a.T < b.T : a.Triangle < b.Triangle; });
+private:
+  Vector3 Origin;
+  Vector3 Direction;
+  std::array<Vector3, 2> Perpendiculars;
+};
 }
 
 TriangleTree::TriangleTree(const SurfaceMesh& surface)
@@ -250,7 +254,9 @@ void TriangleTree::CrossLine(const Vector3& begin, const Vector3& direction,
         hits.push_back(hit);
       }
     });
-  CrossingLine::Sort(hits);
+  std::sort(hits.begin(), hits.end(),
+    [](const LineHit& a, const LineHit& b)
+    { return a.T != b.T ? a.T < b.T : a.Triangle < b.Triangle; });
 }
 
 std::vector<std::pair<std::uint32_t, std::uint32_t>> TriangleTree::ClosePairs() const

@@ -33,30 +33,6 @@ inline std::pair<int, int> MaterialsAt(const SurfaceMesh& surface, const LineHit
   return hit.FacesBeginning ? std::pair{ front, back } : std::pair{ back, front };
 }
 
-/// A line prepared for intersection with triangles. A line through an edge or a corner of a closed
-/// surface is treated as if it were shifted by an infinitesimal amount, the same for all triangles
-/// there, so that it leaves each body as often as it enters it.
-class MAMMORAYFOUNDATION_EXPORT CrossingLine
-{
-public:
-  /// The infinite line through `begin` (mm) along the unit vector `direction`.
-  CrossingLine(const Vector3& begin, const Vector3& direction);
-
-  const Vector3& Begin() const { return this->Origin; }
-  const Vector3& Direction() const { return this->UnitDirection; }
-  /// Two directions perpendicular to the line that form a right-handed system with it.
-  const std::array<Vector3, 2>& AcrossDirections() const { return this->Perpendiculars; }
-  /// Returns true and sets `hit` if the line intersects the triangle.
-  bool Cross(const SurfaceMesh& surface, std::uint32_t triangle, LineHit& hit) const;
-  /// Sorts hits by T, and hits with equal T by triangle.
-  static void Sort(std::vector<LineHit>& hits);
-
-private:
-  Vector3 Origin;
-  Vector3 UnitDirection;
-  std::array<Vector3, 2> Perpendiculars;
-};
-
 /// A bounding volume hierarchy of a surface's triangles on the CPU. Results do not depend on the
 /// number of threads. Const methods are thread-safe.
 class MAMMORAYFOUNDATION_EXPORT TriangleTree
@@ -66,7 +42,9 @@ public:
   explicit TriangleTree(const SurfaceMesh& surface);
 
   /// Finds all intersections of the infinite line through `begin` (mm) along the unit vector
-  /// `direction`, as by CrossingLine, sorted. `hits` is cleared first.
+  /// `direction`, sorted by T. `hits` is cleared first. A line through an edge or a corner of a
+  /// closed surface is treated as if it were shifted by an infinitesimal amount, the same for all
+  /// triangles there, so that it leaves each body as often as it enters it.
   void CrossLine(const Vector3& begin, const Vector3& direction, std::vector<LineHit>& hits) const;
 
   /// Pairs of triangles with overlapping boxes; each pair once, the smaller index first, ascending.

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mammoray/XRay/OverlapMeasure.h"
 
-#include "Private/LineBundle.h"
 #include "Private/ProjectionChecks.h"
 
 #include <algorithm>
@@ -14,11 +13,8 @@ namespace mammoray
 namespace
 {
 constexpr int MostRaysAcross = 200;
-/// Surfaces of more triangles are searched where lines through them meet contradictions only.
+/// Crossings in surfaces of more triangles are searched only if a line meets a contradiction.
 constexpr std::size_t MostSearched = 20000;
-/// Lines through triangles of all parts, and those that are worth it of one.
-constexpr std::size_t PartLines = 40000;
-constexpr std::size_t LinesPerPart = 8;
 
 __attribute__((format(printf, 1, 2))) std::string Text(const char* format, ...)
 {
@@ -47,47 +43,41 @@ std::string NamesOf(const std::vector<int>& materials, const std::vector<std::st
   return text;
 }
 
-/// Those of up to 200 x 200 pixels, row by row.
-std::vector<CrossingLine> RaysOf(const XRaySource& source, const XRayDetector& detector)
+/// Follows rays of up to 200 x 200 pixels and sums up the segments that contradict.
+void FollowRays(const SurfaceMesh& surface, const TriangleTree& tree, const XRaySource& source,
+  const XRayDetector& detector, OverlapMeasure& measure)
 {
+  const bool isPoint = source.Type == XRaySource::Kind::Point;
   const int columns = std::min(detector.Columns, MostRaysAcross);
   const int rows = std::min(detector.Rows, MostRaysAcross);
-  std::vector<CrossingLine> rays;
-  rays.reserve(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows));
+  std::vector<LineHit> hits;
+  double sum = 0;
   for (int row = 0; row < rows; ++row)
   {
     for (int column = 0; column < columns; ++column)
     {
       const double u = (column + 0.5) * detector.Columns / columns - 0.5;
       const double v = (row + 0.5) * detector.Rows / rows - 0.5;
-      rays.push_back(
-        LineThrough(source, detector.Origin + u * detector.ColumnStep + v * detector.RowStep));
+      const Vector3 pixel = detector.Origin + u * detector.ColumnStep + v * detector.RowStep;
+      const Vector3 way = isPoint ? pixel - source.Position : source.Direction;
+      const Vector3 direction = (1 / Norm(way)) * way;
+      tree.CrossLine(pixel, direction, hits);
+      double length = 0;
+      for (const SurfaceContradiction& stretch :
+        FindContradictions(surface, pixel, direction, hits))
+      {
+        length += stretch.LengthMm;
+        if (stretch.LengthMm > measure.Longest.LengthMm)
+        {
+          measure.Longest = stretch;
+        }
+      }
+      measure.Rays += hits.empty() ? 0 : 1;
+      measure.Contradicting += length > 0 ? 1 : 0;
+      sum += length;
     }
   }
-  return rays;
-}
-
-/// Whether neither the rays nor lines from the source through every part meet a contradiction.
-bool LooksSound(const SurfaceMesh& surface, const XRaySource& source,
-  std::vector<CrossingLine> lines)
-{
-  const auto sample = SampleParts(surface, PartLines, LinesPerPart);
-  if (!sample)
-  {
-    return false;
-  }
-  for (const std::uint32_t triangle : *sample)
-  {
-    Vector3 sum{ 0, 0, 0 };
-    for (std::size_t corner = 0; corner < 3; ++corner)
-    {
-      const double* at =
-        &surface.Points[3 * std::size_t{ surface.Triangles[3 * std::size_t{ triangle } + corner] }];
-      sum = sum + Vector3{ at[0], at[1], at[2] };
-    }
-    lines.push_back(LineThrough(source, (1.0 / 3) * sum));
-  }
-  return !AnyContradiction(surface, source, lines).value_or(true);
+  measure.MeanMm = measure.Contradicting > 0 ? sum / static_cast<double>(measure.Contradicting) : 0;
 }
 }
 
@@ -132,39 +122,24 @@ OverlapMeasure MeasureOverlap(const SurfaceMesh& surface, const XRaySource& sour
 {
   CheckGeometry(source, detector);
   OverlapMeasure measure;
-  const std::vector<CrossingLine> rays = RaysOf(source, detector);
   ReportProgress(progress, 0, "looking for overlaps");
-  if (surface.NumberOfTriangles() > MostSearched && LooksSound(surface, source, rays))
-  {
-    return measure;
-  }
   const TriangleTree tree(surface);
-  measure.Overlap = FindOverlap(surface, tree, ShareOf(progress, 0.1, 0.7));
+  const bool isLarge = surface.NumberOfTriangles() > MostSearched;
+  if (isLarge)
+  {
+    FollowRays(surface, tree, source, detector, measure);
+  }
+  measure.Overlap =
+    FindOverlap(surface, tree, ShareOf(progress, 0.1, 0.8), !isLarge || measure.Contradicting > 0);
   if (measure.Overlap.None())
   {
-    return measure;
+    return {};
   }
-  ReportProgress(progress, 0.7, "measuring overlaps");
-  std::vector<LineHit> hits;
-  double sum = 0;
-  for (const CrossingLine& ray : rays)
+  if (!isLarge)
   {
-    tree.CrossLine(ray.Begin(), ray.Direction(), hits);
-    double length = 0;
-    for (const SurfaceContradiction& stretch :
-      FindContradictions(surface, ray.Begin(), ray.Direction(), hits))
-    {
-      length += stretch.LengthMm;
-      if (stretch.LengthMm > measure.Longest.LengthMm)
-      {
-        measure.Longest = stretch;
-      }
-    }
-    measure.Rays += hits.empty() ? 0 : 1;
-    measure.Contradicting += length > 0 ? 1 : 0;
-    sum += length;
+    ReportProgress(progress, 0.8, "measuring overlaps");
+    FollowRays(surface, tree, source, detector, measure);
   }
-  measure.MeanMm = measure.Contradicting > 0 ? sum / static_cast<double>(measure.Contradicting) : 0;
   return measure;
 }
 }

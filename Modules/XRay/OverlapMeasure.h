@@ -33,11 +33,10 @@ struct MAMMORAYXRAY_EXPORT OverlapMeasure
  * Searches for overlaps (FindOverlap) and, if there are any, measures them along the rays of up to
  * 200 x 200 pixels spread over the detector.
  *
- * For a surface of more than 20,000 triangles it first follows these rays, and up to 40,000 lines
- * from the source through triangles, the same number for each part. Without a contradiction on them
- * the surface counts as free of overlaps. This takes about a twentieth of the time, and can miss
- * crossings of few triangles that cover little of the picture. It is not possible for more than
- * 5000 parts and for a source beside or inside the surface, which are searched.
+ * For a surface of more than 20,000 triangles it first follows these rays and lines through every
+ * part (FindOverlap). Without a contradiction on them the surface counts as free of overlaps. This
+ * takes about a third of the time, and can miss crossings of few triangles that cover little of the
+ * picture.
  *
  * Runs on the host. Throws InputError on a degenerate detector or source.
  */
