@@ -69,24 +69,6 @@ void ReadImage(DcmItem& data, DicomHeader& header)
   header.SamplesPerPixel = DicomShort(data, DCM_SamplesPerPixel).value_or(1);
 }
 
-void ReadSlice(DcmItem& data, DicomHeader& header)
-{
-  const std::vector<double> at = DicomNumbers(data, DCM_ImagePositionPatient, 3);
-  const std::vector<double> axes = DicomNumbers(data, DCM_ImageOrientationPatient, 6);
-  const std::vector<double> spacing = DicomNumbers(data, DCM_PixelSpacing, 2);
-  header.PatientPosition = Shown(DicomText(data, DCM_PatientPosition));
-  if (at.empty() || axes.empty() || spacing.empty() || !(spacing[0] > 0) || !(spacing[1] > 0))
-  {
-    return;
-  }
-  header.Position = Vector3{ at[0], at[1], at[2] };
-  header.AlongRow = { axes[0], axes[1], axes[2] };
-  header.AlongColumn = { axes[3], axes[4], axes[5] };
-  header.RowSpacingMm = spacing[0];
-  header.ColumnSpacingMm = spacing[1];
-  header.SliceSpacingMm = DicomSliceSpacing(data);
-}
-
 void ReadResonance(DcmItem& data, DicomHeader& header)
 {
   header.ScanningSequence = Values(data, DCM_ScanningSequence);
@@ -217,7 +199,7 @@ bool LacksPixels(const DicomFile& file, const DicomHeader& header)
 {
   const DcmXfer syntax(file.Data().getOriginalXfer());
   const double bits = DicomShort(file.Data(), DCM_BitsAllocated).value_or(0);
-  if (syntax.isEncapsulated() || syntax.getStreamCompression() != ESC_none)
+  if (IsEncapsulated(syntax) || syntax.getStreamCompression() != ESC_none)
   {
     return false;
   }
@@ -235,7 +217,8 @@ DicomHeader ReadElements(DcmItem& data, const std::string& path)
   DicomHeader header;
   header.Path = path;
   ReadImage(data, header);
-  ReadSlice(data, header);
+  static_cast<SlicePlace&>(header) = ReadSlicePlace(data);
+  header.PatientPosition = Shown(DicomText(data, DCM_PatientPosition));
   ReadResonance(data, header);
   ReadMammography(data, header);
   ReadEnhanced(data, header);
@@ -294,14 +277,7 @@ SliceOrder FindSliceOrder(const std::vector<DicomHeader>& slices)
   std::vector<VolumeSlice> places;
   for (const DicomHeader& header : slices)
   {
-    if (!header.Position)
-    {
-      throw InputError(header.Path +
-        ": expected image position, orientation and a positive pixel spacing, found some of them "
-        "missing");
-    }
-    places.push_back({ header.Path, header.Columns, header.Rows, *header.Position, header.AlongRow,
-      header.AlongColumn, header.RowSpacingMm, header.ColumnSpacingMm, header.SliceSpacingMm, {} });
+    places.push_back({ header, header.Path, header.Columns, header.Rows, {} });
   }
   SliceOrder result{ FindSliceGrid(places, false), std::vector<std::size_t>(slices.size()) };
   for (std::size_t slice = 0; slice < slices.size(); ++slice)

@@ -38,9 +38,24 @@ struct DicomIdentity
 /// 64 bytes, without '\' and control characters.
 MAMMORAYDICOM_EXPORT void CheckDicomText(const std::string& text, const std::string& what);
 
+/// Where a slice lies in the patient.
+struct SlicePlace
+{
+  /// Centre of the first pixel, mm, DICOM LPS. Absent unless the header has position, orientation
+  /// and positive pixel spacings.
+  std::optional<Vector3> Position;
+  /// Unit vectors in the direction of increasing column and of increasing row.
+  Vector3 AlongRow{ 1, 0, 0 };
+  Vector3 AlongColumn{ 0, 1, 0 };
+  /// Distances between neighbouring rows, columns and slices, mm. SliceSpacingMm is 0 if unknown.
+  double RowSpacingMm = 0;
+  double ColumnSpacingMm = 0;
+  double SliceSpacingMm = 0;
+};
+
 /// Header of a DICOM file. Values are kept as the file has them. A missing text is empty and a
 /// missing number is absent. Multi-valued texts are lists.
-struct DicomHeader
+struct DicomHeader : SlicePlace
 {
   std::string Path;
   /// Number of the frame of a multi-frame object, from 1. 0 for a whole file.
@@ -69,21 +84,9 @@ struct DicomHeader
   int Frames = 1;
   int SamplesPerPixel = 1;
 
-  // Slices.
-  /// Centre of the first pixel, mm, DICOM LPS. Absent unless the header has position, orientation
-  /// and pixel spacing.
-  std::optional<Vector3> Position;
-  /// Unit vectors in the direction of increasing column and of increasing row.
-  Vector3 AlongRow{ 1, 0, 0 };
-  Vector3 AlongColumn{ 0, 1, 0 };
-  /// Distances between neighbouring rows, columns and slices, mm. SliceSpacingMm is 0 if unknown.
-  double RowSpacingMm = 0;
-  double ColumnSpacingMm = 0;
-  double SliceSpacingMm = 0;
+  // Magnetic resonance.
   /// DICOM Patient Position, e.g. "HFP": head or feet first; prone, supine or on a side.
   std::string PatientPosition;
-
-  // Magnetic resonance.
   std::vector<std::string> ScanningSequence;
   std::vector<std::string> ScanOptions;
   bool HasScanOptions = false; ///< The element exists, possibly empty.

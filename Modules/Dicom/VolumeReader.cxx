@@ -12,193 +12,128 @@
 
 #include <algorithm>
 #include <cctype>
-#include <cmath>
 #include <filesystem>
 #include <memory>
 #include <numeric>
-#include <optional>
+#include <utility>
 
 namespace mammoray
 {
 /// Passes a slice between a reader's process and this one.
 static void Exchange(Parcel& parcel, VolumeSlice& slice)
 {
-  parcel(slice.Name, slice.Columns, slice.Rows, slice.Position, slice.AlongRow, slice.AlongColumn,
-    slice.RowSpacing, slice.ColumnSpacing, slice.SliceSpacing, slice.Values);
+  parcel(static_cast<SlicePlace&>(slice), slice.Name, slice.Columns, slice.Rows, slice.Values);
 }
 
 namespace
 {
 namespace fs = std::filesystem;
 
-void SetGeometry(VolumeSlice& slice, DcmItem& position, DcmItem& orientation, DcmItem& measures)
+/// The pixels of a segmentation, one frame after the other.
+struct SegmentPixels
 {
-  const std::vector<double> at = DicomNumbers(position, DCM_ImagePositionPatient, 3);
-  const std::vector<double> axes = DicomNumbers(orientation, DCM_ImageOrientationPatient, 6);
-  const std::vector<double> spacing = DicomNumbers(measures, DCM_PixelSpacing, 2);
-  if (at.empty() || axes.empty() || spacing.empty() || !(spacing[0] > 0) || !(spacing[1] > 0))
-  {
-    throw InputError(slice.Name +
-      ": expected image position, orientation and a positive pixel spacing, found some of them "
-      "missing");
-  }
-  slice.Position = { at[0], at[1], at[2] };
-  slice.AlongRow = { axes[0], axes[1], axes[2] };
-  slice.AlongColumn = { axes[3], axes[4], axes[5] };
-  slice.RowSpacing = spacing[0];
-  slice.ColumnSpacing = spacing[1];
-  // 1e-3: directions are written with five digits or so.
-  if (std::abs(Norm(slice.AlongRow) - 1) > 1e-3 || std::abs(Norm(slice.AlongColumn) - 1) > 1e-3 ||
-    std::abs(Dot(slice.AlongRow, slice.AlongColumn)) > 1e-3)
-  {
-    throw InputError(slice.Name +
-      ": image orientation: expected two unit vectors at right angles, found '" +
-      DicomTexts(orientation, DCM_ImageOrientationPatient) + "'");
-  }
-  slice.SliceSpacing = DicomSliceSpacing(measures);
-}
-
-/// The frames of a segmentation: how many, of which size, and their pixels one after the other.
-struct SegmentFrames
-{
-  DcmSequenceOfItems* Groups = nullptr;
-  DcmItem* SharedGroups = nullptr;
   int Rows = 0;
   int Columns = 0;
   int Bits = 0;
   /// Values from this one on are inside.
   int Half = 1;
-  const unsigned char* Pixels = nullptr;
+  const unsigned char* Bytes = nullptr;
 
-  std::size_t PixelsPerFrame() const
+  std::size_t PerFrame() const
   {
     return static_cast<std::size_t>(this->Rows) * static_cast<std::size_t>(this->Columns);
   }
   bool Inside(std::size_t frame, std::size_t pixel) const
   {
     // PS3.5 section 8.1.1: bits fill bytes from the lowest, frames follow without a gap.
-    const std::size_t at = frame * this->PixelsPerFrame() + pixel;
-    const int value = this->Bits == 1 ? this->Pixels[at / 8] >> (at % 8) & 1 : this->Pixels[at];
+    const std::size_t at = frame * this->PerFrame() + pixel;
+    const int value = this->Bits == 1 ? this->Bytes[at / 8] >> (at % 8) & 1 : this->Bytes[at];
     return value >= this->Half;
   }
 };
 
-SegmentFrames FindFrames(DcmDataset& data, const std::string& path)
+SegmentPixels FindSegmentPixels(DcmDataset& data, std::size_t frames, const std::string& path)
 {
-  if (const std::string modality = DicomText(data, DCM_Modality); modality != "SEG")
+  SegmentPixels pixels;
+  pixels.Rows = DicomShort(data, DCM_Rows).value_or(0);
+  pixels.Columns = DicomShort(data, DCM_Columns).value_or(0);
+  pixels.Bits = DicomShort(data, DCM_BitsAllocated).value_or(0);
+  if (pixels.Rows < 1 || pixels.Columns < 1 || (pixels.Bits != 1 && pixels.Bits != 8))
   {
-    throw InputError(path + ": expected a DICOM segmentation (modality SEG), found modality '" +
-      modality + "'; a series of label slices is read from its folder");
-  }
-  SegmentFrames frames;
-  frames.Rows = DicomShort(data, DCM_Rows).value_or(0);
-  frames.Columns = DicomShort(data, DCM_Columns).value_or(0);
-  frames.Bits = DicomShort(data, DCM_BitsAllocated).value_or(0);
-  data.findAndGetSequence(DCM_PerFrameFunctionalGroupsSequence, frames.Groups);
-  frames.SharedGroups = DicomFirstItem(data, DCM_SharedFunctionalGroupsSequence);
-  if (frames.Rows < 1 || frames.Columns < 1 || (frames.Bits != 1 && frames.Bits != 8) ||
-    !frames.Groups)
-  {
-    throw InputError(path +
-      ": expected rows, columns, 1 or 8 bits per pixel and functional groups per frame, found some "
-      "of them missing");
+    throw InputError(
+      path + ": expected rows, columns and 1 or 8 bits per pixel, found some of them missing");
   }
   if (const int most = DicomShort(data, DCM_MaximumFractionalValue).value_or(0);
-      frames.Bits == 8 && most > 0)
+      pixels.Bits == 8 && most > 0)
   {
-    frames.Half = (most + 1) / 2;
-  }
-  const double said =
-    DicomNumber(data, DCM_NumberOfFrames).value_or(static_cast<double>(frames.Groups->card()));
-  if (said != static_cast<double>(frames.Groups->card()))
-  {
-    throw InputError(path + ": expected functional groups for each of " +
-      std::to_string(static_cast<long>(said)) + " frames, found " +
-      std::to_string(frames.Groups->card()));
+    pixels.Half = (most + 1) / 2;
   }
   const std::size_t needed =
-    (frames.Groups->card() * frames.PixelsPerFrame() * static_cast<std::size_t>(frames.Bits) + 7) /
-    8;
+    (frames * pixels.PerFrame() * static_cast<std::size_t>(pixels.Bits) + 7) / 8;
   unsigned long found = 0;
   const Uint16* words = nullptr;
-  if (data.findAndGetUint8Array(DCM_PixelData, frames.Pixels, &found).bad() &&
+  if (data.findAndGetUint8Array(DCM_PixelData, pixels.Bytes, &found).bad() &&
     data.findAndGetUint16Array(DCM_PixelData, words, &found).good())
   {
-    frames.Pixels = reinterpret_cast<const unsigned char*>(words);
+    pixels.Bytes = reinterpret_cast<const unsigned char*>(words);
     found *= sizeof *words;
   }
   // One more fills an odd number up.
-  if (!frames.Pixels || found < needed || found > needed + 1)
+  if (!pixels.Bytes || found < needed || found > needed + 1)
   {
     throw InputError(path + ": expected " + std::to_string(needed) +
       " bytes of uncompressed pixels, found " +
-      (frames.Pixels ? std::to_string(found) : std::string("none")));
+      (pixels.Bytes ? std::to_string(found) : std::string("none")));
   }
-  return frames;
-}
-
-/// A functional group of a frame, or the one that all frames share; null where there is none.
-DcmItem* FindGroup(DcmItem* frame, DcmItem* shared, const DcmTagKey& tag)
-{
-  DcmItem* group = frame ? DicomFirstItem(*frame, tag) : nullptr;
-  return !group && shared ? DicomFirstItem(*shared, tag) : group;
+  return pixels;
 }
 
 /// The frames of a segmentation, each with the number of its segment as its label.
 std::vector<VolumeSlice> ReadSegmentation(const std::string& path)
 {
   const DicomFile file(path, "a DICOM segmentation");
-  const SegmentFrames frames = FindFrames(file.Data(), path);
-  std::vector<VolumeSlice> slices;
-  for (unsigned long frame = 0; frame < frames.Groups->card(); ++frame)
+  if (const std::string modality = DicomText(file.Data(), DCM_Modality); modality != "SEG")
   {
-    VolumeSlice slice;
-    slice.Name = path + ": frame " + std::to_string(frame + 1);
-    slice.Columns = frames.Columns;
-    slice.Rows = frames.Rows;
-    DcmItem* own = frames.Groups->getItem(frame);
-    DcmItem* position = FindGroup(own, frames.SharedGroups, DCM_PlanePositionSequence);
-    DcmItem* orientation = FindGroup(own, frames.SharedGroups, DCM_PlaneOrientationSequence);
-    DcmItem* measures = FindGroup(own, frames.SharedGroups, DCM_PixelMeasuresSequence);
-    DcmItem* segment = FindGroup(own, frames.SharedGroups, DCM_SegmentIdentificationSequence);
-    const int number = segment ? DicomShort(*segment, DCM_ReferencedSegmentNumber).value_or(0) : 0;
-    if (!position && !orientation && !measures)
+    throw InputError(path + ": expected a DICOM segmentation (modality SEG), found modality '" +
+      modality + "'; a series of label slices is read from its folder");
+  }
+  const DicomFrames frames(file.Data(), path);
+  const SegmentPixels pixels = FindSegmentPixels(file.Data(), frames.Count(), path);
+  std::vector<VolumeSlice> slices;
+  for (std::size_t frame = 0; frame < frames.Count(); ++frame)
+  {
+    const std::unique_ptr<DcmItem> header = frames.Flat(frame);
+    VolumeSlice slice{ ReadSlicePlace(*header), path + ": frame " + std::to_string(frame + 1),
+      pixels.Columns, pixels.Rows, std::vector<float>(pixels.PerFrame()) };
+    if (!header->tagExists(DCM_ImagePositionPatient) && !header->tagExists(DCM_PixelSpacing))
     {
       throw InputError(path +
         ": expected segments of slices, found segments without places in the patient, as on a "
         "projection");
     }
-    if (!position || !orientation || !measures || number < 1)
+    const int number = DicomShort(*header, DCM_ReferencedSegmentNumber).value_or(0);
+    if (number < 1)
     {
-      throw InputError(slice.Name +
-        ": expected plane position, orientation, pixel measures and a segment number of at least "
-        "1, found some of them missing");
+      throw InputError(slice.Name + ": expected a segment number of at least 1, found none");
     }
-    SetGeometry(slice, *position, *orientation, *measures);
-    slice.Values.resize(frames.PixelsPerFrame());
     for (std::size_t pixel = 0; pixel < slice.Values.size(); ++pixel)
     {
-      slice.Values[pixel] = static_cast<float>(frames.Inside(frame, pixel) ? number : 0);
+      slice.Values[pixel] = static_cast<float>(pixels.Inside(frame, pixel) ? number : 0);
     }
     slices.push_back(std::move(slice));
   }
   return slices;
 }
 
-/// Size, geometry and values of a frame, from 0. `header` is that of the frame.
+/// Size, place and values of a frame, from 0. `header` is that of the frame.
 VolumeSlice ReadSlice(const std::string& name, DcmItem& header, const DicomPixels& pixels,
   std::size_t frame)
 {
-  VolumeSlice slice;
-  slice.Name = name;
-  slice.Rows = pixels.Rows();
-  slice.Columns = pixels.Columns();
-  SetGeometry(slice, header, header, header);
   const double slope = DicomNumber(header, DCM_RescaleSlope).value_or(1);
   // Some writers store 0 for a slope of 1.
-  slice.Values = pixels.Values(frame, slope == 0 ? 1 : slope,
-    DicomNumber(header, DCM_RescaleIntercept).value_or(0));
-  return slice;
+  return { ReadSlicePlace(header), name, pixels.Columns(), pixels.Rows(),
+    pixels.Values(frame, slope == 0 ? 1 : slope,
+      DicomNumber(header, DCM_RescaleIntercept).value_or(0)) };
 }
 
 /// The slices to read from one file. No frames: the file is a slice, or all its frames are read.
@@ -216,11 +151,15 @@ struct SliceFile
 std::vector<VolumeSlice> ReadSliceFile(const SliceFile& wanted, std::string& series)
 {
   const std::string& path = wanted.Path;
-  const std::unique_ptr<DicomFile> file = DicomFile::OpenIfDicom(path, DicomExtent::Whole);
-  if (!file && !wanted.MayBeOther)
+  const auto require = [&path](bool holds, const std::string& text)
   {
-    throw InputError(path + ": expected DICOM, found none");
-  }
+    if (!holds)
+    {
+      throw InputError(path + ": expected " + text);
+    }
+  };
+  const std::unique_ptr<DicomFile> file = DicomFile::OpenIfDicom(path, DicomExtent::Whole);
+  require(file || wanted.MayBeOther, "DICOM, found none");
   if (!file)
   {
     return {};
@@ -228,21 +167,13 @@ std::vector<VolumeSlice> ReadSliceFile(const SliceFile& wanted, std::string& ser
   series = DicomText(file->Data(), DCM_SeriesInstanceUID);
   if (!HasResonanceFrames(file->Data()))
   {
-    if (wanted.IsVolume)
-    {
-      throw InputError(path +
-        ": expected the folder of a DICOM series or a multi-frame MR object, found a single image");
-    }
-    if (!wanted.Frames.empty())
-    {
-      throw InputError(path + ": expected an MR object of frames, found none");
-    }
+    require(!wanted.IsVolume,
+      "the folder of a DICOM series or a multi-frame MR object, found a single image");
+    require(wanted.Frames.empty(), "an MR object of frames, found none");
     const DicomPixels pixels(*file);
-    if (pixels.Frames() > 1)
-    {
-      throw InputError(path + ": expected one slice or an MR object of frames, found " +
-        std::to_string(pixels.Frames()) + " frames of another object");
-    }
+    require(pixels.Frames() == 1,
+      "one slice or an MR object of frames, found " + std::to_string(pixels.Frames()) +
+        " frames of another object");
     return { ReadSlice(path, file->Data(), pixels, 0) };
   }
   const DicomFrames frames(file->Data(), path);
@@ -256,11 +187,8 @@ std::vector<VolumeSlice> ReadSliceFile(const SliceFile& wanted, std::string& ser
   std::vector<VolumeSlice> slices;
   for (const int number : numbers)
   {
-    if (number < 1 || static_cast<std::size_t>(number) > frames.Count())
-    {
-      throw InputError(path + ": expected frames 1 to " + std::to_string(frames.Count()) +
-        ", found number " + std::to_string(number));
-    }
+    require(number >= 1 && static_cast<std::size_t>(number) <= frames.Count(),
+      "frames 1 to " + std::to_string(frames.Count()) + ", found number " + std::to_string(number));
     const auto frame = static_cast<std::size_t>(number) - 1;
     slices.push_back(
       ReadSlice(path + ": frame " + std::to_string(number), *frames.Flat(frame), pixels, frame));
@@ -271,7 +199,6 @@ std::vector<VolumeSlice> ReadSliceFile(const SliceFile& wanted, std::string& ser
 /// Slices of one series, and its UID if there are any.
 struct SeriesPart
 {
-  bool HasSeries = false;
   std::string Series;
   std::vector<VolumeSlice> Slices;
 };
@@ -281,76 +208,69 @@ void Exchange(Parcel& parcel, SeriesPart& part)
   parcel(part.Series, part.Slices);
 }
 
-/// Reads files in a process of their own. They are slices of one series, whose UID `series` has or
-/// gets; `first` is its first file.
-void ReadSomeFiles(const std::vector<SliceFile>& files, const std::string& first,
-  std::optional<std::string>& series, std::vector<VolumeSlice>& slices)
+/// Appends the slices of files, read in a process of their own. `first` is the series' first file.
+void AppendFiles(const std::vector<SliceFile>& files, const std::string& first, SeriesPart& all)
 {
   std::vector<std::string> paths;
-  paths.reserve(files.size());
   for (const SliceFile& file : files)
   {
     paths.push_back(file.Path);
   }
+  const auto read = [&]
+  {
+    SeriesPart part{ all.Series, {} };
+    for (const SliceFile& file : files)
+    {
+      std::string series;
+      std::vector<VolumeSlice> slices = ReadSliceFile(file, series);
+      if (slices.empty())
+      {
+        continue;
+      }
+      if (series != part.Series && all.Slices.size() + part.Slices.size() > 0)
+      {
+        throw InputError(
+          file.Path + ": expected the slices of one series, found one of another than " + first);
+      }
+      part.Series = series;
+      std::move(slices.begin(), slices.end(), std::back_inserter(part.Slices));
+    }
+    return part;
+  };
   SeriesPart part =
     ReadGuarded(paths.size() == 1 ? paths.front() : fs::path(paths.front()).parent_path().string(),
-      "slices", ReadLimits::Of(paths),
-      [&]
-      {
-        SeriesPart found{ series, {} };
-        for (const SliceFile& file : files)
-        {
-          std::string own;
-          std::vector<VolumeSlice> read = ReadSliceFile(file, own);
-          if (!read.empty() && own != found.Series.value_or(own))
-          {
-            throw InputError(file.Path +
-              ": expected the slices of one series, found one of another than " + first);
-          }
-          found.Series = read.empty() ? found.Series : own;
-          std::move(read.begin(), read.end(), std::back_inserter(found.Slices));
-        }
-        return found;
-      });
-  series = std::move(part.Series);
-  std::move(part.Slices.begin(), part.Slices.end(), std::back_inserter(slices));
+      "slices", ReadLimits::Of(paths), read);
+  all.Series = part.Series;
+  std::move(part.Slices.begin(), part.Slices.end(), std::back_inserter(all.Slices));
 }
 
 std::vector<VolumeSlice> ReadFiles(const std::vector<SliceFile>& files,
   const ProgressCallback& progress = {})
 {
   // A process for each file would be a tenth of the time.
-  constexpr std::size_t together = 16;
-  std::vector<VolumeSlice> slices;
-  std::optional<std::string> series;
-  const std::string& first = files.front().Path;
-  for (std::size_t done = 0; done < files.size(); done += together)
+  constexpr std::ptrdiff_t together = 16;
+  SeriesPart all;
+  for (auto from = files.begin(); from != files.end();)
   {
-    ReportProgress(progress, static_cast<double>(done) / static_cast<double>(files.size()),
+    ReportProgress(progress,
+      static_cast<double>(from - files.begin()) / static_cast<double>(files.size()),
       "reading slices");
-    const auto from = files.begin() + static_cast<std::ptrdiff_t>(done);
-    const std::vector<SliceFile> some(from,
-      from + static_cast<std::ptrdiff_t>(std::min(together, files.size() - done)));
-    const std::size_t before = slices.size();
+    const std::vector<SliceFile> some(from, from + std::min(together, files.end() - from));
+    from += static_cast<std::ptrdiff_t>(some.size());
     try
     {
-      ReadSomeFiles(some, first, series, slices);
+      AppendFiles(some, files.front().Path, all);
     }
-    catch (const InputError&)
+    catch (const ReaderEnded&)
     {
-      if (some.size() == 1)
-      {
-        throw;
-      }
-      // If the reader's process has died, only reading one by one tells at which file.
-      slices.resize(before);
+      // Only reading one by one tells at which file.
       for (const SliceFile& file : some)
       {
-        ReadSomeFiles({ file }, first, series, slices);
+        AppendFiles({ file }, files.front().Path, all);
       }
     }
   }
-  return slices;
+  return std::move(all.Slices);
 }
 
 /// A folder's files in the order of their names; those that are no DICOM are passed over.
@@ -366,11 +286,7 @@ std::vector<VolumeSlice> ReadSeries(const std::string& folder)
   }
   std::sort(files.begin(), files.end(),
     [](const SliceFile& a, const SliceFile& b) { return a.Path < b.Path; });
-  std::vector<VolumeSlice> slices;
-  if (!files.empty())
-  {
-    slices = ReadFiles(files);
-  }
+  std::vector<VolumeSlice> slices = ReadFiles(files);
   if (slices.empty())
   {
     throw InputError(folder + ": expected a folder of DICOM slices, found none");

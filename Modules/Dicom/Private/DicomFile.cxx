@@ -273,16 +273,20 @@ std::optional<std::uint32_t> DicomUnsigned(DcmItem& data, const DcmTagKey& tag)
                                                   : std::nullopt;
 }
 
-double DicomSliceSpacing(DcmItem& data)
+SlicePlace ReadSlicePlace(DcmItem& data)
 {
-  for (const DcmTagKey& tag : { DCM_SpacingBetweenSlices, DCM_SliceThickness })
+  const std::vector<double> at = DicomNumbers(data, DCM_ImagePositionPatient, 3);
+  const std::vector<double> axes = DicomNumbers(data, DCM_ImageOrientationPatient, 6);
+  const std::vector<double> spacing = DicomNumbers(data, DCM_PixelSpacing, 2);
+  if (at.empty() || axes.empty() || spacing.empty() || !(spacing[0] > 0) || !(spacing[1] > 0))
   {
-    if (const double distance = DicomNumber(data, tag).value_or(0); distance > 0)
-    {
-      return distance;
-    }
+    return {};
   }
-  return 0;
+  const double between = DicomNumber(data, DCM_SpacingBetweenSlices).value_or(0);
+  const double thickness = DicomNumber(data, DCM_SliceThickness).value_or(0);
+  return { Vector3{ at[0], at[1], at[2] }, { axes[0], axes[1], axes[2] },
+    { axes[3], axes[4], axes[5] }, spacing[0], spacing[1],
+    between > 0 ? between : std::max(thickness, 0.0) };
 }
 
 DicomIdentity ReadIdentity(DcmItem& data)

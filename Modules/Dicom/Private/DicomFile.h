@@ -67,6 +67,20 @@ std::shared_ptr<void> SilenceDcmtk();
 /// thousandfold.
 MAMMORAYDICOM_EXPORT void CheckDicomElements(const std::string& path);
 
+/// True if the pixels lie in fragments (compressed). DCMTK 3.6.9 has another name for it.
+template <typename Syntax>
+bool IsEncapsulated(const Syntax& syntax)
+{
+  if constexpr (requires { syntax.usesEncapsulatedFormat(); })
+  {
+    return syntax.usesEncapsulatedFormat();
+  }
+  else
+  {
+    return syntax.isEncapsulated();
+  }
+}
+
 /// Value `index` of an element without padding. Empty if missing.
 std::string DicomText(DcmItem& data, const DcmTagKey& tag, unsigned long index = 0);
 
@@ -85,8 +99,8 @@ std::optional<std::uint16_t> DicomShort(DcmItem& data, const DcmTagKey& tag);
 /// An unsigned long (UL). Nothing if it is missing.
 std::optional<std::uint32_t> DicomUnsigned(DcmItem& data, const DcmTagKey& tag);
 
-/// Spacing Between Slices, or Slice Thickness, mm. 0 if both are missing.
-double DicomSliceSpacing(DcmItem& data);
+/// Reads where a slice lies; an enhanced object has that on one level after DicomFrames::Flat.
+SlicePlace ReadSlicePlace(DcmItem& data);
 
 /// Patient and study of a data set.
 DicomIdentity ReadIdentity(DcmItem& data);

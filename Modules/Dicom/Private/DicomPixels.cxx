@@ -87,13 +87,13 @@ DicomPixels::DicomPixels(const DicomFile& file)
     this->Refuse("expected pixel data that can be decoded, found none");
   }
   const DcmXfer syntax(this->Data.getOriginalXfer());
-  if (syntax.isEncapsulated())
+  if (IsEncapsulated(syntax))
   {
     this->Decode(*pixels, syntax);
   }
   if (!this->Bytes)
   {
-    this->FindBytes(syntax.isEncapsulated());
+    this->FindBytes(IsEncapsulated(syntax));
   }
 }
 

@@ -12,16 +12,22 @@ namespace mammoray
 {
 namespace
 {
-/// Throws unless places and axes are those of a picture: numbers that make no heights of slices, or
-/// others than the grid's, would lead beside it.
+/// Throws unless there is a place, whose axes are those of a picture: numbers that make no heights
+/// of slices, or others than the grid's, would lead beside it.
 void CheckPlace(const VolumeSlice& slice)
 {
+  if (!slice.Position)
+  {
+    throw InputError(slice.Name +
+      ": expected image position, orientation and a positive pixel spacing, found some of them "
+      "missing");
+  }
   constexpr double farthest = 1e6; // mm
   // A hundredth: what few decimals leave of a direction's length.
   constexpr double rounding = 0.01;
-  const bool near = std::all_of(slice.Position.begin(), slice.Position.end(),
+  const bool near = std::all_of(slice.Position->begin(), slice.Position->end(),
                       [](double value) { return std::abs(value) <= farthest; }) &&
-    slice.RowSpacing <= farthest && slice.ColumnSpacing <= farthest;
+    slice.RowSpacingMm <= farthest && slice.ColumnSpacingMm <= farthest;
   const bool square = std::abs(Norm(slice.AlongRow) - 1) <= rounding &&
     std::abs(Norm(slice.AlongColumn) - 1) <= rounding &&
     std::abs(Dot(slice.AlongRow, slice.AlongColumn)) <= rounding;
@@ -41,13 +47,13 @@ void CheckParallel(const std::vector<VolumeSlice>& slices, const Vector3& normal
   {
     // 1e-4 of lengths and directions: what decimal strings of a scanner differ by.
     const bool same = slice.Columns == first.Columns && slice.Rows == first.Rows &&
-      std::abs(slice.RowSpacing - first.RowSpacing) <= 1e-4 * first.RowSpacing &&
-      std::abs(slice.ColumnSpacing - first.ColumnSpacing) <= 1e-4 * first.ColumnSpacing &&
+      std::abs(slice.RowSpacingMm - first.RowSpacingMm) <= 1e-4 * first.RowSpacingMm &&
+      std::abs(slice.ColumnSpacingMm - first.ColumnSpacingMm) <= 1e-4 * first.ColumnSpacingMm &&
       Norm(slice.AlongRow - first.AlongRow) <= 1e-4 &&
       Norm(slice.AlongColumn - first.AlongColumn) <= 1e-4;
-    const Vector3 offset = slice.Position - first.Position;
+    const Vector3 offset = *slice.Position - *first.Position;
     const Vector3 aside = offset - Dot(offset, normal) * normal;
-    if (!same || Norm(aside) > 0.1 * std::min(first.RowSpacing, first.ColumnSpacing))
+    if (!same || Norm(aside) > 0.1 * std::min(first.RowSpacingMm, first.ColumnSpacingMm))
     {
       throw InputError(slice.Name + ": expected the size, spacing and orientation of " +
         first.Name + " and a place straight above or below it, found others");
@@ -91,7 +97,7 @@ double SparseSliceSpacing(const std::vector<VolumeSlice>& slices,
     const double gap = heights[n] - heights[n - 1];
     smallest = smallest == 0 ? gap : std::min(smallest, gap);
   }
-  std::vector<double> candidates{ slices.front().SliceSpacing, smallest };
+  std::vector<double> candidates{ slices.front().SliceSpacingMm, smallest };
   for (int parts = 2; parts <= 20; ++parts)
   {
     candidates.push_back(smallest / parts);
@@ -118,34 +124,6 @@ double SparseSliceSpacing(const std::vector<VolumeSlice>& slices,
   }
   RefuseDistances(slices.front());
 }
-
-/**
- * Slices of large segments first, so that what lies within them is painted over: a lesion in a
- * gland in a breast. Slices of a series lie beside each other, and their order means nothing.
- */
-std::vector<const VolumeSlice*> PaintingOrder(const std::vector<VolumeSlice>& slices)
-{
-  const auto labelOf = [](const VolumeSlice& slice)
-  { return *std::max_element(slice.Values.begin(), slice.Values.end()); };
-  std::map<float, std::size_t> sizes;
-  std::vector<std::pair<const VolumeSlice*, float>> order;
-  for (const VolumeSlice& slice : slices)
-  {
-    order.push_back({ &slice, labelOf(slice) });
-    sizes[order.back().second] += static_cast<std::size_t>(std::count_if(slice.Values.begin(),
-      slice.Values.end(), [](float label) { return label != 0; }));
-  }
-  std::stable_sort(order.begin(), order.end(),
-    [&sizes](const auto& a, const auto& b) { return sizes[a.second] > sizes[b.second]; });
-  std::vector<const VolumeSlice*> sorted;
-  sorted.reserve(order.size());
-  for (const auto& [slice, label] : order)
-  {
-    sorted.push_back(slice);
-  }
-  return sorted;
-}
-
 }
 
 VolumeGrid FindSliceGrid(const std::vector<VolumeSlice>& slices, bool gapsAllowed)
@@ -159,7 +137,7 @@ VolumeGrid FindSliceGrid(const std::vector<VolumeSlice>& slices, bool gapsAllowe
   heights.reserve(slices.size());
   for (const VolumeSlice& slice : slices)
   {
-    heights.push_back(Dot(slice.Position - first.Position, normal));
+    heights.push_back(Dot(*slice.Position - *first.Position, normal));
   }
   std::sort(heights.begin(), heights.end());
   const std::size_t count = heights.size();
@@ -181,8 +159,8 @@ VolumeGrid FindSliceGrid(const std::vector<VolumeSlice>& slices, bool gapsAllowe
   }
   VolumeGrid grid;
   grid.Size = { first.Columns, first.Rows, static_cast<int>(depth) };
-  grid.Spacing = { first.ColumnSpacing, first.RowSpacing, spacing };
-  grid.Origin = first.Position + heights.front() * normal;
+  grid.Spacing = { first.ColumnSpacingMm, first.RowSpacingMm, spacing };
+  grid.Origin = *first.Position + heights.front() * normal;
   grid.Direction = { first.AlongRow, first.AlongColumn, normal };
   for (Vector3& axis : grid.Direction)
   {
@@ -198,9 +176,22 @@ IntensityVolume StackSlices(const std::vector<VolumeSlice>& slices, bool gapsAll
   static_cast<VolumeGrid&>(volume) = FindSliceGrid(slices, gapsAllowed);
   const std::size_t area = first.Values.size();
   volume.Voxels.assign(area * static_cast<std::size_t>(volume.Size[2]), 0);
-  for (const VolumeSlice* slice : PaintingOrder(slices))
+  // Large segments first, so that what lies within them is painted over: a lesion in a gland in a
+  // breast. The order of a series, whose slices lie beside each other, means nothing.
+  std::map<float, std::ptrdiff_t> sizes;
+  std::vector<std::pair<const VolumeSlice*, const std::ptrdiff_t*>> order;
+  for (const VolumeSlice& slice : slices)
   {
-    const double height = Dot(slice->Position - volume.Origin, volume.Direction[2]);
+    std::ptrdiff_t& size = sizes[*std::max_element(slice.Values.begin(), slice.Values.end())];
+    size += std::count_if(slice.Values.begin(), slice.Values.end(),
+      [](float label) { return label != 0; });
+    order.emplace_back(&slice, &size);
+  }
+  std::stable_sort(order.begin(), order.end(),
+    [](const auto& a, const auto& b) { return *a.second > *b.second; });
+  for (const auto& [slice, size] : order)
+  {
+    const double height = Dot(*slice->Position - volume.Origin, volume.Direction[2]);
     const auto layer = static_cast<std::size_t>(std::lround(height / volume.Spacing[2]));
     for (std::size_t pixel = 0; pixel < area; ++pixel)
     {

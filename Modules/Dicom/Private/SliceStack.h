@@ -2,6 +2,7 @@
 #ifndef mammoray_Private_SliceStack_h
 #define mammoray_Private_SliceStack_h
 
+#include "mammoray/Dicom/DicomHeader.h"
 #include "mammoray/Foundation/IntensityVolume.h"
 
 #include <string>
@@ -10,20 +11,11 @@
 namespace mammoray
 {
 /// One slice of a series or of a segment.
-struct VolumeSlice
+struct VolumeSlice : SlicePlace
 {
   std::string Name; // for messages
   int Columns = 0;
   int Rows = 0;
-  /// Centre of the first pixel and unit vectors along rows and columns, mm, DICOM LPS.
-  Vector3 Position{ 0, 0, 0 };
-  Vector3 AlongRow{ 1, 0, 0 };
-  Vector3 AlongColumn{ 0, 1, 0 };
-  /// Distance of neighbouring rows and of neighbouring columns, mm.
-  double RowSpacing = 0;
-  double ColumnSpacing = 0;
-  /// Distance of neighbouring slices according to the file, mm. 0 if unknown.
-  double SliceSpacing = 0;
   /// Labels or intensities, along rows first.
   std::vector<float> Values;
 };
