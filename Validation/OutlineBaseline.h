@@ -3,8 +3,8 @@
 #define mammoray_Validation_OutlineBaseline_h
 
 #include "mammoray/Foundation/LabelVolume.h"
+#include "mammoray/Registration/BreastModel.h"
 #include "mammoray/Registration/RegistrationTarget.h"
-#include "mammoray/Registration/UnitPlacement.h"
 
 #include <vector>
 

@@ -10,9 +10,9 @@
 #include "mammoray/Foundation/PoseParameters.h"
 #include "mammoray/Foundation/Progress.h"
 #include "mammoray/Foundation/TetrahedralMesh.h"
+#include "mammoray/Registration/BreastModel.h"
 #include "mammoray/Registration/Registration.h"
-#include "mammoray/Registration/TargetPreparation.h"
-#include "mammoray/Registration/UnitPlacement.h"
+#include "mammoray/Registration/RegistrationTarget.h"
 #include "mammoray/Study/LabelSource.h"
 #include "mammorayStudyModule.h"
 
