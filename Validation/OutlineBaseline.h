@@ -2,7 +2,7 @@
 #ifndef mammoray_Validation_OutlineBaseline_h
 #define mammoray_Validation_OutlineBaseline_h
 
-#include "mammoray/Foundation/LabelVolume.h"
+#include "mammoray/Foundation/Volumes.h"
 #include "mammoray/Registration/BreastModel.h"
 #include "mammoray/Registration/RegistrationTarget.h"
 

@@ -3,7 +3,6 @@
 #define mammoray_RegistrationTarget_h
 
 #include "mammoray/Foundation/Mammogram.h"
-#include "mammoray/Foundation/ReceptorGrid.h"
 #include "mammorayRegistrationModule.h"
 
 #include <cstddef>

@@ -2,8 +2,8 @@
 #ifndef mammoray_Silhouette_h
 #define mammoray_Silhouette_h
 
-#include "mammoray/Foundation/ReceptorGrid.h"
-#include "mammoray/Foundation/SurfaceMesh.h"
+#include "mammoray/Foundation/Mammogram.h"
+#include "mammoray/Foundation/Meshes.h"
 #include "mammorayRegistrationModule.h"
 
 #include <array>
